@@ -1,0 +1,73 @@
+#pragma once
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sim/time.h"
+
+namespace sim {
+
+/// What changes when a configuration field changes.
+enum class Affects : std::uint8_t {
+  kFunction,  ///< the recorded work itself: scene, program, thresholds, tile size, BVH build
+  kLayout,    ///< addresses: node, triangle and texture formats, placement
+  kWalk,      ///< how the canonical walk is expanded: stack scheme and depth, boxes per visit
+  kTiming,    ///< all else in the machine: clocks, queues, caches, arrays, memory
+  kEnergy,    ///< energy and power only, computed at report time
+  kReport,    ///< what is written and where
+};
+
+/// Quantities that carry their unit in the configuration file ("500 MHz", "16 KiB", "50 ns", "12 pJ").
+struct Frequency {
+  std::uint64_t hz = 0;
+  /// The clock domain of this frequency, its period rounded to the nearest femtosecond.
+  Clock clock() const { return Clock((kFemtosecondsPerSecond + hz / 2) / hz); }
+  friend bool operator==(const Frequency&, const Frequency&) = default;
+};
+struct ByteSize {
+  std::uint64_t bytes = 0;
+  friend bool operator==(const ByteSize&, const ByteSize&) = default;
+};
+struct Duration {
+  Time time = 0;
+  friend bool operator==(const Duration&, const Duration&) = default;
+};
+/// A figure known only within a band; its unit ("pJ", "mW") is the field's.
+struct Spread {
+  double low = 0, nominal = 0, high = 0;
+  friend bool operator==(const Spread&, const Spread&) = default;
+};
+
+/// What values a number may take. `power_of_two` and the bounds are checked together, bounds inclusive, in the
+/// field's own unit (bytes, hertz, femtoseconds for the quantities above).
+struct Limits {
+  double min = 0;
+  double max = std::numeric_limits<double>::infinity();
+  bool power_of_two = false;
+};
+constexpr Limits any() { return {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(), false}; }
+constexpr Limits at_least(double min) { return {min, std::numeric_limits<double>::infinity(), false}; }
+constexpr Limits between(double min, double max) { return {min, max, false}; }
+constexpr Limits power_of_two(double min, double max) { return {min, max, true}; }
+
+// A configuration struct declares its fields once; parsing, checks, "did you mean", the effective dump, the JSON
+// Schema and the manual all come from that declaration:
+//
+//   struct TrvConfig {
+//     std::uint32_t rays = 32;
+//     CacheConfig l1;
+//     static void describe(auto& c, auto&& field) {
+//       field(c.rays, "rays", "rays", "rays held at once (input buffer)", between(1, 64), Affects::kTiming);
+//       field.group(c.l1, "l1", "private node cache");
+//     }
+//   };
+//
+// Members may be bool, std::uint32_t, std::uint64_t, double, std::string, an enum with names (below), Frequency,
+// ByteSize, Duration, Spread, std::map<std::string, Spread> and groups. A struct may add
+// `void check(auto&& complain) const` for rules that join several fields: complain("key", "what is wrong, what is allowed").
+// An enum `E` names its values with a function found by argument: `constexpr auto names_of(E) -> std::array<std::string_view, n>`.
+
+}  // namespace sim

@@ -1,0 +1,81 @@
+#pragma once
+#include <algorithm>
+#include <cstdint>
+#include <functional>
+#include <numeric>
+#include <string>
+#include <vector>
+
+#include "sim/error.h"
+#include "sim/hash.h"
+#include "sim/time.h"
+
+namespace sim {
+
+enum class Skip : std::uint8_t {
+  kOn,   ///< jump to the next time at which some unit has something to do
+  kOff,  ///< visit every clock edge of every unit: slow, and the oracle that kOn must equal to the last counter
+};
+
+/// A machine, as the engine sees it:
+///   each_unit(f)   calls f(unit, index) for every unit; unit.tick(now) returns its next own wake-up time,
+///                  unit.clock() its clock domain
+///   wakes()        the wake array, one entry per unit, which links lower
+///   done()         all work has left the machine
+///   state()        a line per unit, for a stuck machine
+///
+/// Runs until done and returns the time of the last visited edge.
+template <Skip kSkip = Skip::kOn, class Machine>
+Time run(Machine& machine) {
+  std::vector<Time>& wakes = machine.wakes();
+  Time now = 0;
+  for (;;) {
+    machine.each_unit([&](auto& unit, std::size_t i) {
+      if constexpr (kSkip == Skip::kOff) {
+        if (!unit.clock().is_edge(now)) return;
+      } else {
+        if (wakes[i] > now) return;
+      }
+      wakes[i] = kNever;  // links may lower it while the unit ticks
+      const Time own = unit.tick(now);
+      wakes[i] = std::min(wakes[i], own);
+    });
+    if (machine.done()) return now;
+    const Time next = *std::ranges::min_element(wakes);
+    if (next == kNever) throw Deadlock("the machine is stuck", machine.state());
+    if constexpr (kSkip == Skip::kOff) {
+      Time edge = kNever;
+      machine.each_unit([&](auto& unit, std::size_t) {
+        edge = std::min(edge, unit.clock().edge_at_or_after(now + 1));
+      });
+      now = edge;
+    } else {
+      now = next;
+    }
+  }
+}
+
+/// As run(), with the units of each step visited in an order drawn by hash from `seed`. For tests: links make the
+/// order invisible, and this shows it.
+template <class Machine>
+Time run_shuffled(Machine& machine, std::uint64_t seed) {
+  std::vector<Time>& wakes = machine.wakes();
+  std::vector<std::function<Time(Time)>> ticks(wakes.size());
+  machine.each_unit([&](auto& unit, std::size_t i) { ticks[i] = [&unit](Time now) { return unit.tick(now); }; });
+  std::vector<std::size_t> order(wakes.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  for (Time now = 0;;) {
+    std::ranges::sort(order, {}, [&](std::size_t i) { return hash(seed, now, i); });
+    for (const std::size_t i : order) {
+      if (wakes[i] > now) continue;
+      wakes[i] = kNever;
+      const Time own = ticks[i](now);
+      wakes[i] = std::min(wakes[i], own);
+    }
+    if (machine.done()) return now;
+    now = *std::ranges::min_element(wakes);
+    if (now == kNever) throw Deadlock("the machine is stuck", machine.state());
+  }
+}
+
+}  // namespace sim

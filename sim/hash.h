@@ -1,0 +1,24 @@
+#pragma once
+#include <cstdint>
+
+namespace sim {
+
+/// Bijective 64-bit finaliser (the variant 13 constants of D. Stafford, as in SplitMix64).
+constexpr std::uint64_t mix(std::uint64_t x) {
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ULL;
+  x = (x ^ (x >> 27)) * 0x94d049bb133111ebULL;
+  return x ^ (x >> 31);
+}
+
+/// Randomness without a stream: the value depends on the keys alone, e.g. hash(frame, pixel, sample, bounce, dimension).
+template <class... Keys>
+constexpr std::uint64_t hash(Keys... keys) {
+  std::uint64_t h = 0x9e3779b97f4a7c15ULL;
+  ((h = mix(h ^ (static_cast<std::uint64_t>(keys) + 0x9e3779b97f4a7c15ULL + (h << 6)))), ...);
+  return h;
+}
+
+/// A hash as a float in [0, 1), exact in 24 bits.
+constexpr float unit_float(std::uint64_t h) { return static_cast<float>(h >> 40) * 0x1p-24F; }
+
+}  // namespace sim

@@ -1,0 +1,112 @@
+#pragma once
+#include <algorithm>
+#include <cassert>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "sim/time.h"
+
+namespace sim {
+
+/// What carries items from one unit to another: a wire, a queue or a fixed-latency pipe.
+///
+///   producer --push--> [ `capacity` slots, visible `latency` later ] --pop--> consumer
+///
+/// A slot carries one stamp: the first time at which its other end may touch it. Nothing done at time t is visible
+/// at time t, so units may tick in any order, and every stamp is a wake-up time known for free.
+/// Links are pinned: units hold references to them.
+template <class T>
+class Link {
+ public:
+  /// One clock domain: an item pushed at t can be popped `latency_cycles` (at least 1) later.
+  Link(std::size_t capacity, std::uint64_t latency_cycles, Clock clock)
+      : Link(capacity, latency_cycles, clock, clock, 0) {}
+
+  /// Two domains: the latency counts in the producer's cycles, then `synchroniser_cycles` of the consumer's clock,
+  /// and the sum is rounded up to the consumer's edge.
+  Link(std::size_t capacity, std::uint64_t latency_cycles, Clock producer, Clock consumer,
+       std::uint64_t synchroniser_cycles)
+      : slots_(capacity),
+        producer_clock_(producer),
+        consumer_clock_(consumer),
+        latency_(latency_cycles * producer.period()),
+        synchroniser_(synchroniser_cycles * consumer.period()),
+        crossing_(!(producer == consumer)) {
+    assert(capacity > 0 && latency_cycles > 0);
+  }
+  Link(const Link&) = delete;
+  Link& operator=(const Link&) = delete;
+
+  /// Entries of the engine's wake array that this link lowers when it gives an end something to do.
+  void wakes(Time* producer, Time* consumer) {
+    producer_wake_ = producer;
+    consumer_wake_ = consumer;
+  }
+
+  /// When the producer may push next as far as is known now; kNever while the slot waits for a pop.
+  Time push_at() const { return slots_[tail_].full ? kNever : slots_[tail_].stamp; }
+  /// When the consumer may pop next as far as is known now; kNever while there is nothing.
+  Time pop_at() const { return slots_[head_].full ? slots_[head_].stamp : kNever; }
+  bool can_push(Time now) const { return push_at() <= now; }
+  bool can_pop(Time now) const { return pop_at() <= now; }
+
+  void push(Time now, T item) {
+    assert(can_push(now) && "push into a full link");
+    Slot& slot = slots_[tail_];
+    slot.item = std::move(item);
+    slot.stamp = crossing_ ? consumer_clock_.edge_at_or_after(now + latency_ + synchroniser_) : now + latency_;
+    slot.full = true;
+    tail_ = after(tail_);
+    if (consumer_wake_ != nullptr) *consumer_wake_ = std::min(*consumer_wake_, slot.stamp);
+  }
+
+  const T& front() const { return slots_[head_].item; }
+
+  T pop(Time now) {
+    assert(can_pop(now) && "pop from an empty link");
+    Slot& slot = slots_[head_];
+    slot.full = false;
+    slot.stamp = crossing_ ? producer_clock_.edge_at_or_after(now + consumer_clock_.period())
+                           : now + consumer_clock_.period();
+    head_ = after(head_);
+    if (producer_wake_ != nullptr) *producer_wake_ = std::min(*producer_wake_, slot.stamp);
+    return std::move(slot.item);
+  }
+
+  /// Nothing inside, seen from outside time (tests, state dumps).
+  bool empty() const {
+    return std::ranges::none_of(slots_, [](const Slot& s) { return s.full; });
+  }
+  std::size_t size() const {
+    return static_cast<std::size_t>(std::ranges::count_if(slots_, [](const Slot& s) { return s.full; }));
+  }
+  std::size_t capacity() const { return slots_.size(); }
+
+ private:
+  struct Slot {
+    Time stamp = 0;
+    bool full = false;
+    T item{};
+  };
+  std::size_t after(std::size_t i) const { return i + 1 == slots_.size() ? 0 : i + 1; }
+
+  std::vector<Slot> slots_;
+  std::size_t head_ = 0;
+  std::size_t tail_ = 0;
+  Clock producer_clock_;
+  Clock consumer_clock_;
+  Time latency_;
+  Time synchroniser_;
+  bool crossing_;
+  Time* producer_wake_ = nullptr;
+  Time* consumer_wake_ = nullptr;
+};
+
+/// The next time after `now` at which an item-and-room pair changes.
+constexpr Time opens(Time now, Time period, Time item_at, Time room_at) {
+  return item_at > now ? item_at : std::max(now + period, room_at);
+}
+
+}  // namespace sim

@@ -1,0 +1,56 @@
+#pragma once
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "sim/activity.h"
+#include "sim/time.h"
+
+namespace sim {
+
+/// One counter of a unit, as declared in its Stats::describe: counter(s.hits, "hits", "line found", "cache.l1_read").
+/// `event` names the energy event each count costs, empty if none.
+struct CounterReport {
+  std::string name;
+  std::string meaning;
+  std::uint64_t value = 0;
+  std::string event;
+};
+
+/// What one unit did: the leaf of every report. Plain data, so that reports, energy and comparisons need no unit types.
+struct UnitReport {
+  std::string path;             ///< "core0.tni.trv2"
+  std::string block;            ///< energy block: tni, srp, l2, tile_buffer, dma, interconnect, dram
+  std::uint64_t elapsed = 0;    ///< cycles of the unit's own clock
+  std::vector<std::pair<std::string, std::uint64_t>> why;  ///< sums to `elapsed`
+  std::vector<CounterReport> counters;
+  std::uint64_t sram_bytes = 0;  ///< storage that leaks; also selects size-dependent energies
+  std::uint32_t clock_mhz = 0;
+};
+
+/// Builds the report of a unit from its declarations: Stats::describe and names_of(Why).
+template <class Unit>
+UnitReport report_of(const Unit& unit, std::string path, std::string block, std::uint64_t sram_bytes = 0) {
+  UnitReport r;
+  r.path = std::move(path);
+  r.block = std::move(block);
+  r.sram_bytes = sram_bytes;
+  const Clock clock = unit.clock();
+  r.clock_mhz = static_cast<std::uint32_t>(kFemtosecondsPerSecond / clock.period() / 1'000'000);
+  using Why = typename Unit::Why;
+  const auto names = names_of(Why{});
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const std::uint64_t cycles = clock.cycles(unit.activity().spent(static_cast<Why>(i)));
+    r.why.emplace_back(std::string(names[i]), cycles);
+    r.elapsed += cycles;
+  }
+  using Stats = typename Unit::Stats;
+  Stats::describe(unit.stats(), [&](const std::uint64_t& value, const char* name, const char* meaning,
+                                    const char* event = "") {
+    r.counters.push_back({name, meaning, value, event});
+  });
+  return r;
+}
+
+}  // namespace sim

@@ -1,0 +1,67 @@
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "traces/ray.h"
+
+namespace traces {
+
+/// Shader kernels are known to the stream by number; shader_kernels/catalogue.h gives them names and bodies.
+using KernelId = std::uint16_t;
+
+/// One access of a kernel to memory through the SRP's data cache, by what it names, not where it lies.
+struct Access {
+  enum class Kind : std::uint32_t { kAttributes, kMaterial, kTexels };
+  // kAttributes: element = triangle. kMaterial: element = material.
+  // kTexels: `object` = texture, a bilinear footprint of up to 2 x 2 texels packed by texels().
+  std::uint32_t object = 0;   ///< kind in the top 2 bits, texture index below
+  std::uint32_t element = 0;
+  std::uint32_t element2 = 0;  ///< kTexels: the opposite corner of the footprint
+
+  static Access attributes(std::uint32_t triangle) { return {0U << 30, triangle, 0}; }
+  static Access material(std::uint32_t index) { return {1U << 30, index, 0}; }
+  static Access texels(std::uint32_t texture, std::uint32_t x0, std::uint32_t y0, std::uint32_t x1, std::uint32_t y1) {
+    return {(2U << 30) | texture, (y0 << 16) | x0, (y1 << 16) | x1};
+  }
+  Kind kind() const { return static_cast<Kind>(object >> 30); }
+  std::uint32_t texture() const { return object & ((1U << 30) - 1); }
+};
+
+/// How a node's items wait for an earlier node of the same tile.
+struct Edge {
+  enum class Kind : std::uint8_t {
+    kAll,   ///< barrier: no item starts before every item of `node` is finished
+    kEach,  ///< item i waits for item source(i) of `node` alone (i itself unless the node maps its items)
+  };
+  std::uint32_t node = 0;
+  Kind kind = Kind::kAll;
+};
+
+/// A kernel launch, a batch of rays, or a transfer out of the tile buffer.
+struct WorkNode {
+  enum class Kind : std::uint8_t { kLaunch, kRays, kTransfer };
+  Kind kind = Kind::kLaunch;
+  RayKind ray_kind = RayKind::kPrimary;  ///< kRays
+  KernelId kernel = 0;                   ///< kLaunch
+  std::uint32_t items = 0;               ///< work items, rays, or bytes to transfer
+  std::uint32_t first = 0;       ///< kRays: first ray of the tile; kLaunch: first entry of access_begin, if it has any
+  bool has_accesses = false;     ///< kLaunch: items read memory through the data cache
+  std::uint32_t sources = kNone;  ///< first entry in TileWork::sources for mapped `each` edges (one per item), or kNone
+  std::vector<Edge> inputs;
+  static constexpr std::uint32_t kNone = 0xffffffffU;
+};
+
+/// All work of one tile of one frame: a graph in topological order (edges point to lower indices).
+struct TileWork {
+  std::uint32_t frame = 0;
+  std::uint32_t tile = 0;
+  std::uint32_t samples = 0;
+  std::vector<WorkNode> nodes;
+  std::vector<std::uint32_t> walk;          ///< canonical walks of all rays, back to back (walk.h)
+  std::vector<std::uint32_t> ray_begin;     ///< per ray, where its walk begins
+  std::vector<Access> accesses;             ///< of all items of all launches that have any, in item order
+  std::vector<std::uint32_t> access_begin;  ///< per such item, plus one past the end of the last
+  std::vector<std::uint32_t> sources;       ///< see WorkNode::sources; non-decreasing within a node
+};
+
+}  // namespace traces
