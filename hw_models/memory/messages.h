@@ -8,9 +8,9 @@ using Addr = std::uint64_t;
 
 /// A request for one cache line (or part of one) on its way to memory.
 struct MemRequest {
-  Addr line = 0;               ///< address of the line's first byte
-  std::uint16_t source = 0;    ///< who asked: index of the requester's port, for the way back
-  std::uint16_t tag = 0;       ///< the requester's own mark, returned unchanged
+  Addr line = 0;             ///< address of the line's first byte
+  std::uint16_t source = 0;  ///< who asked: index of the requester's port, for the way back
+  std::uint16_t tag = 0;     ///< the requester's own mark, returned unchanged
   bool write = false;
 };
 

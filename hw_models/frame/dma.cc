@@ -1,0 +1,64 @@
+#include "hw_models/frame/dma.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace hw {
+
+namespace {
+constexpr std::uint32_t kLine = 64;
+}
+
+sim::Time Dma::tick(sim::Time now) {
+  if (links_.memory_in.can_pop(now)) {
+    links_.memory_in.pop(now);
+    replies_left_ -= 1;
+  }
+  if (!active_ && links_.jobs_in.can_pop(now)) {
+    job_ = links_.jobs_in.pop(now);
+    active_ = true;
+    lines_left_ = (job_.bytes + kLine - 1) / kLine;
+    replies_left_ = job_.write ? 0 : lines_left_;
+  }
+  const bool moved = active_ && move_line(now);
+  if (active_ && lines_left_ == 0 && replies_left_ == 0 && links_.done_out.can_push(now)) {
+    links_.done_out.push(now, DmaDone{job_.tag});
+    active_ = false;
+    stats_.jobs += 1;
+  }
+  const Why then = active_ ? Why::kWaiting : Why::kIdle;
+  activity_.spend(now, clock_.period(), moved ? Why::kMoving : then, then);
+  return next_wake(now);
+}
+
+bool Dma::move_line(sim::Time now) {
+  if (lines_left_ == 0 || !links_.memory_out.can_push(now)) return false;
+  const std::uint32_t lines = (job_.bytes + kLine - 1) / kLine;
+  const Addr line = job_.base + Addr{lines - lines_left_} * kLine;
+  links_.memory_out.push(now, MemRequest{line, port_, 0, job_.write});
+  lines_left_ -= 1;
+  (job_.write ? stats_.lines_written : stats_.lines_read) += 1;
+  return true;
+}
+
+sim::Time Dma::next_wake(sim::Time now) const {
+  const sim::Time next = clock_.after(now, 1);
+  sim::Time at = std::max(next, links_.memory_in.pop_at());
+  if (!active_) {
+    at = std::min(at, std::max(next, links_.jobs_in.pop_at()));
+  } else if (lines_left_ > 0) {
+    at = std::min(at, std::max(next, links_.memory_out.push_at()));
+  } else if (replies_left_ == 0) {
+    at = std::min(at, std::max(next, links_.done_out.push_at()));
+  }
+  return at;
+}
+
+std::string Dma::state() const {
+  if (!active_) return "idle";
+  return fmt::format("{} {} bytes, lines to ask for {}, replies to come {}", job_.write ? "writing" : "reading",
+                     job_.bytes, lines_left_, replies_left_);
+}
+
+}  // namespace hw

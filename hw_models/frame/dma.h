@@ -1,0 +1,65 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "hw_models/srp/messages.h"
+#include "sim/activity.h"
+#include "sim/link.h"
+
+namespace hw {
+
+/// Moves blocks between a core's tile buffer and memory, around the L2, a full line a cycle.
+///
+///   jobs --> [one at a time, in order] --> line requests --> memory
+///
+/// A write is done when its last line has left; a read when its last line has come.
+/// Not modelled: reads of partial lines before writing them (tiles fill whole lines of the tiled frame buffer).
+class Dma {
+ public:
+  enum class Why : std::uint8_t { kIdle, kMoving, kWaiting, kCount };
+  struct Stats {
+    std::uint64_t jobs = 0, lines_written = 0, lines_read = 0;
+    static void describe(auto& s, auto&& counter) {
+      counter(s.jobs, "jobs", "transfers finished");
+      counter(s.lines_written, "lines_written", "lines written to memory", "dma.line");
+      counter(s.lines_read, "lines_read", "lines read from memory", "dma.line");
+    }
+  };
+  struct Links {
+    sim::Link<DmaJob>& jobs_in;
+    sim::Link<DmaDone>& done_out;
+    sim::Link<MemRequest>& memory_out;
+    sim::Link<MemResponse>& memory_in;
+  };
+
+  Dma(Links links, std::uint16_t port, sim::Clock clock) : clock_(clock), links_(links), port_(port) {}
+  Dma(const Dma&) = delete;
+  Dma& operator=(const Dma&) = delete;
+
+  sim::Time tick(sim::Time now);
+  const sim::Clock& clock() const { return clock_; }
+  const Stats& stats() const { return stats_; }
+  const sim::Activity<Why>& activity() const { return activity_; }
+  void finish(sim::Time end) { activity_.finish(end); }
+  std::string state() const;
+
+ private:
+  bool move_line(sim::Time now);
+  sim::Time next_wake(sim::Time now) const;
+
+  const sim::Clock clock_;
+  Links links_;
+  const std::uint16_t port_;
+  bool active_ = false;
+  DmaJob job_;
+  std::uint32_t lines_left_ = 0;  ///< still to be asked for
+  std::uint32_t replies_left_ = 0;
+  Stats stats_;
+  sim::Activity<Why> activity_;
+};
+
+constexpr std::array<std::string_view, 3> names_of(Dma::Why) { return {"idle", "moving", "waiting"}; }
+
+}  // namespace hw

@@ -1,0 +1,88 @@
+#include "hw_models/frame/front_end.h"
+
+#include <algorithm>
+#include <chrono>
+
+namespace hw {
+
+FrontEnd::FrontEnd(const kernels::FullProgram& program, const traces::Tracer& tracer, std::uint32_t workers)
+    : program_(program), tracer_(tracer), max_ahead_(std::max<std::size_t>(1, 8 * std::size_t{workers})) {
+  result_.rgb.resize(std::size_t{3} * program.width() * program.height());
+  for (std::uint32_t i = 0; i < workers; ++i) threads_.emplace_back([this] { work(); });
+}
+
+FrontEnd::~FrontEnd() {
+  {
+    const std::lock_guard lock(mutex_);
+    stop_ = true;
+  }
+  room_.notify_all();
+  for (std::thread& t : threads_) t.join();
+}
+
+void FrontEnd::make(Slot& slot, std::uint32_t tile) const {
+  const auto begin = std::chrono::steady_clock::now();
+  program_.run_tile(tile, tracer_, true, slot.tile);
+  slot.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+void FrontEnd::work() {
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    room_.wait(lock, [&] { return stop_ || next_tile_ == program_.tiles() || ahead_.size() < max_ahead_; });
+    if (stop_ || next_tile_ == program_.tiles()) return;
+    if (spare_.empty()) spare_.push_back(std::make_unique<Slot>());
+    ahead_.push_back(std::move(spare_.back()));
+    spare_.pop_back();
+    Slot& slot = *ahead_.back();
+    slot.ready = false;
+    const std::uint32_t tile = next_tile_++;
+    lock.unlock();
+    std::exception_ptr failure;
+    try {
+      make(slot, tile);
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    lock.lock();
+    if (failure) failure_ = failure;
+    slot.ready = true;
+    news_.notify_one();
+  }
+}
+
+const traces::TileWork* FrontEnd::next() {
+  std::unique_lock lock(mutex_);
+  if (threads_.empty()) {
+    if (next_tile_ == program_.tiles()) return nullptr;
+    if (spare_.empty()) spare_.push_back(std::make_unique<Slot>());
+    ahead_.push_back(std::move(spare_.back()));
+    spare_.pop_back();
+    make(*ahead_.back(), next_tile_++);
+  } else {
+    if (ahead_.empty() && next_tile_ == program_.tiles()) return nullptr;
+    news_.wait(lock, [&] { return !ahead_.empty() && ahead_.front()->ready; });
+    if (failure_) std::rethrow_exception(failure_);
+  }
+  handed_.push_back(std::move(ahead_.front()));
+  ahead_.pop_front();
+  room_.notify_one();
+  keep(*handed_.back());
+  return &handed_.back()->tile.work;
+}
+
+void FrontEnd::give_back(const traces::TileWork* work) {
+  const std::lock_guard lock(mutex_);
+  const auto slot = std::ranges::find_if(handed_, [&](const auto& s) { return &s->tile.work == work; });
+  spare_.push_back(std::move(*slot));
+  handed_.erase(slot);
+}
+
+void FrontEnd::keep(const Slot& slot) {
+  program_.place(slot.tile, result_.rgb);
+  for (std::size_t k = 0; k < std::size(result_.rays); ++k) result_.rays[k] += slot.tile.rays[k];
+  result_.traversal_steps += slot.tile.traversal_steps;
+  result_.seconds += slot.seconds;
+}
+
+}  // namespace hw

@@ -1,0 +1,64 @@
+#pragma once
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "hw_models/frame/tile_dispatcher.h"
+#include "shader_kernels/programs/full.h"
+#include "traces/tracer.h"
+
+namespace hw {
+
+/// The functional half of a run: executes a frame program tile by tile, in order, and keeps the picture. With worker
+/// threads it runs ahead of the machine by a bounded number of tiles; what it delivers does not depend on them.
+class FrontEnd final : public TileSource {
+ public:
+  /// What the frame program found out, independent of any machine.
+  struct Result {
+    std::vector<float> rgb;  ///< linear, row by row
+    std::uint64_t rays[static_cast<std::size_t>(traces::RayKind::kCount)] = {};
+    std::uint64_t traversal_steps = 0;
+    double seconds = 0;  ///< host time spent in the functional half, summed over its threads
+  };
+
+  /// `workers` threads beside the caller's; 0: tiles are made when they are asked for.
+  FrontEnd(const kernels::FullProgram& program, const traces::Tracer& tracer, std::uint32_t workers);
+  ~FrontEnd() override;
+  FrontEnd(const FrontEnd&) = delete;
+  FrontEnd& operator=(const FrontEnd&) = delete;
+
+  const traces::TileWork* next() override;
+  void give_back(const traces::TileWork* work) override;
+  const Result& result() const { return result_; }
+
+ private:
+  struct Slot {
+    kernels::TileResult tile;
+    double seconds = 0;
+    bool ready = false;
+  };
+  void work();
+  void make(Slot& slot, std::uint32_t tile) const;
+  void keep(const Slot& slot);
+
+  const kernels::FullProgram& program_;
+  const traces::Tracer& tracer_;
+  Result result_;
+  std::mutex mutex_;
+  std::condition_variable room_, news_;
+  std::deque<std::unique_ptr<Slot>> ahead_;     ///< tiles being made or made, in order
+  std::vector<std::unique_ptr<Slot>> handed_;   ///< out in the machine
+  std::vector<std::unique_ptr<Slot>> spare_;
+  std::uint32_t next_tile_ = 0;
+  std::size_t max_ahead_;
+  bool stop_ = false;
+  std::exception_ptr failure_;
+  std::vector<std::thread> threads_;
+};
+
+}  // namespace hw

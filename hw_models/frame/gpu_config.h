@@ -1,0 +1,80 @@
+#pragma once
+#include <cstdint>
+
+#include "hw_models/memory/dram_config.h"
+#include "hw_models/memory/interconnect.h"
+#include "hw_models/memory/l2_bank.h"
+#include "hw_models/srp/srp_config.h"
+#include "hw_models/srp/tile_buffer.h"
+#include "hw_models/tni/tni_config.h"
+#include "sim/config/field.h"
+
+namespace hw {
+
+/// Clock domains on the chip; the memory's own clock comes with its grade.
+struct ClockConfig {
+  sim::Frequency tni{500'000'000};
+  sim::Frequency srp{1'000'000'000};
+  sim::Frequency l2{500'000'000};
+  std::uint32_t synchroniser = 2;
+
+  static void describe(auto& c, auto&& field) {
+    using sim::Affects;
+    field(c.tni, "tni", "Hz", "traversal & intersection units", sim::between(1e6, 1e10), Affects::kTiming);
+    field(c.srp, "srp", "Hz", "shader cores, tile buffers and DMA", sim::between(1e6, 1e10), Affects::kTiming);
+    field(c.l2, "l2", "Hz", "L2, interconnect and tile dispatcher", sim::between(1e6, 1e10), Affects::kTiming);
+    field(c.synchroniser, "synchroniser", "cycles", "cycles of the receiving clock to cross into its domain",
+          sim::between(0, 16), Affects::kTiming);
+  }
+};
+
+/// The streaming path between SRP and T&I unit, which keeps rays and hits out of memory.
+struct DirectInterfaceConfig {
+  std::uint32_t depth = 64;
+  std::uint32_t interval = 2;
+
+  static void describe(auto& c, auto&& field) {
+    using sim::Affects;
+    field(c.depth, "depth", "records", "FIFO slots, each way", sim::between(1, 4096), Affects::kTiming);
+    field(c.interval, "interval", "cycles", "T&I cycles from one record to the next, each way", sim::between(1, 64),
+          Affects::kTiming);
+  }
+};
+
+struct DmaConfig {
+  std::uint32_t depth = 8;
+
+  static void describe(auto& c, auto&& field) {
+    field(c.depth, "depth", "lines", "line requests on their way into the interconnect", sim::between(1, 1024),
+          sim::Affects::kTiming);
+  }
+};
+
+/// The machine.
+struct GpuConfig {
+  std::uint32_t cores = 4;
+  ClockConfig clocks;
+  TniConfig tni;
+  DirectInterfaceConfig direct_interface;
+  SrpConfig srp;
+  TileBufferConfig tile_buffer;
+  DmaConfig dma;
+  L2Config l2;
+  InterconnectConfig interconnect;
+  DramConfig dram;
+
+  static void describe(auto& c, auto&& field) {
+    field(c.cores, "cores", "cores", "pairs of an SRP and a T&I unit", sim::between(1, 64), sim::Affects::kTiming);
+    field.group(c.clocks, "clocks", "clock domains");
+    field.group(c.tni, "tni", "traversal & intersection unit, one per core");
+    field.group(c.direct_interface, "direct_interface", "path between SRP and T&I unit");
+    field.group(c.srp, "srp", "shader core, one per core");
+    field.group(c.tile_buffer, "tile_buffer", "on-chip memory for the tiles in flight, one per core");
+    field.group(c.dma, "dma", "block transfers between tile buffer and memory, one per core");
+    field.group(c.l2, "l2", "second-level cache, shared");
+    field.group(c.interconnect, "interconnect", "between cores, L2 and memory");
+    field.group(c.dram, "dram", "memory channels");
+  }
+};
+
+}  // namespace hw

@@ -1,0 +1,63 @@
+#include "hw_models/frame/tile_dispatcher.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace hw {
+
+TileDispatcher::TileDispatcher(TileSource& source, std::uint32_t tiles_per_core, Links links, sim::Clock clock)
+    : source_(source),
+      tiles_per_core_(tiles_per_core),
+      links_(std::move(links)),
+      clock_(clock),
+      next_(source.next()),
+      in_flight_(links_.to_core.size()) {}
+
+sim::Time TileDispatcher::tick(sim::Time now) {
+  collect(now);
+  const bool dispatched = next_ != nullptr && dispatch(now);
+  const Why then = next_ == nullptr ? Why::kIdle : Why::kCoresFull;
+  activity_.spend(now, clock_.period(), dispatched ? Why::kDispatching : then, then);
+
+  const sim::Time next = clock_.after(now, 1);
+  sim::Time at = sim::kNever;
+  for (std::size_t core = 0; core < in_flight_.size(); ++core) {
+    at = std::min(at, std::max(next, links_.from_core[core]->pop_at()));
+    if (next_ != nullptr && in_flight_[core] < tiles_per_core_) {
+      at = std::min(at, std::max(next, links_.to_core[core]->push_at()));
+    }
+  }
+  return at;
+}
+
+bool TileDispatcher::dispatch(sim::Time now) {
+  const std::size_t cores = in_flight_.size();
+  for (std::size_t k = 0; k < cores; ++k) {
+    const std::size_t core = (turn_ + k) % cores;
+    if (in_flight_[core] == tiles_per_core_ || !links_.to_core[core]->can_push(now)) continue;
+    links_.to_core[core]->push(now, TileJob{next_});
+    in_flight_[core] += 1;
+    stats_.dispatched += 1;
+    turn_ = (core + 1) % cores;
+    next_ = source_.next();
+    return true;
+  }
+  return false;
+}
+
+void TileDispatcher::collect(sim::Time now) {
+  for (std::size_t core = 0; core < in_flight_.size(); ++core) {
+    if (!links_.from_core[core]->can_pop(now)) continue;
+    source_.give_back(links_.from_core[core]->pop(now).work);
+    in_flight_[core] -= 1;
+    stats_.finished += 1;
+  }
+}
+
+std::string TileDispatcher::state() const {
+  return fmt::format("tiles dispatched {}, finished {}, {} left", stats_.dispatched, stats_.finished,
+                     next_ == nullptr ? "none" : "some");
+}
+
+}  // namespace hw

@@ -1,0 +1,71 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hw_models/srp/messages.h"
+#include "sim/activity.h"
+#include "sim/link.h"
+
+namespace hw {
+
+/// Where the work of a frame comes from, tile by tile, in the order of the tile list.
+class TileSource {
+ public:
+  virtual ~TileSource() = default;
+  /// The next tile's work, or null when the frame has no more. It stays valid until given back.
+  virtual const traces::TileWork* next() = 0;
+  virtual void give_back(const traces::TileWork* work) = 0;
+};
+
+/// Hands the tiles of the list to the cores, each in turn as it has room for one.
+///
+///   tile list --> [one tile a cycle, round robin over cores with room] --> cores
+class TileDispatcher {
+ public:
+  enum class Why : std::uint8_t { kIdle, kDispatching, kCoresFull, kCount };
+  struct Stats {
+    std::uint64_t dispatched = 0, finished = 0;
+    static void describe(auto& s, auto&& counter) {
+      counter(s.dispatched, "dispatched", "tiles handed to cores");
+      counter(s.finished, "finished", "tiles the cores are through with");
+    }
+  };
+  struct Links {
+    std::vector<sim::Link<TileJob>*> to_core;
+    std::vector<sim::Link<TileDone>*> from_core;
+  };
+
+  TileDispatcher(TileSource& source, std::uint32_t tiles_per_core, Links links, sim::Clock clock);
+  TileDispatcher(const TileDispatcher&) = delete;
+  TileDispatcher& operator=(const TileDispatcher&) = delete;
+
+  sim::Time tick(sim::Time now);
+  const sim::Clock& clock() const { return clock_; }
+  const Stats& stats() const { return stats_; }
+  const sim::Activity<Why>& activity() const { return activity_; }
+  void finish(sim::Time end) { activity_.finish(end); }
+  /// The list is empty and every tile has come back.
+  bool done() const { return next_ == nullptr && stats_.dispatched == stats_.finished; }
+  std::string state() const;
+
+ private:
+  bool dispatch(sim::Time now);
+  void collect(sim::Time now);
+
+  TileSource& source_;
+  const std::uint32_t tiles_per_core_;
+  Links links_;
+  const sim::Clock clock_;
+  const traces::TileWork* next_;
+  std::vector<std::uint32_t> in_flight_;
+  std::size_t turn_ = 0;
+  Stats stats_;
+  sim::Activity<Why> activity_;
+};
+
+constexpr std::array<std::string_view, 3> names_of(TileDispatcher::Why) { return {"idle", "dispatching", "cores_full"}; }
+
+}  // namespace hw

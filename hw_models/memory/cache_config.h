@@ -1,0 +1,45 @@
+#pragma once
+#include <bit>
+#include <cstdint>
+#include <string>
+
+#include "sim/config/field.h"
+
+namespace hw {
+
+/// The shape of a cache: size = sets x ways x line.
+struct CacheConfig {
+  sim::ByteSize size{16 * 1024};
+  sim::ByteSize line{64};
+  std::uint32_t ways = 4;
+  std::uint32_t mshrs = 8;
+  std::uint32_t hit_cycles = 2;
+
+  static void describe(auto& c, auto&& field) {
+    using sim::Affects;
+    field(c.size, "size", "bytes", "data held; size = sets x ways x line", sim::between(64, 16 << 20),
+          Affects::kTiming);
+    field(c.line, "line", "bytes", "bytes of one line", sim::power_of_two(16, 256), Affects::kTiming);
+    field(c.ways, "ways", "ways", "lines of one set, replaced least recently used first", sim::between(1, 64),
+          Affects::kTiming);
+    field(c.mshrs, "mshrs", "registers", "miss status registers: lines on their way at once", sim::between(1, 256),
+          Affects::kTiming);
+    field(c.hit_cycles, "hit_cycles", "cycles", "from probe to data of a hit", sim::between(1, 64), Affects::kTiming);
+  }
+
+  void check(auto&& complain) const {
+    const std::string shape = std::to_string(ways) + " ways of " + std::to_string(line.bytes) + " bytes";
+    if (!std::has_single_bit(line.bytes)) {
+      complain("line", "a cache line must be a power of two bytes, not " + std::to_string(line.bytes));
+    } else if (ways == 0 || size.bytes == 0 || size.bytes % (ways * line.bytes) != 0) {
+      complain("size", std::to_string(size.bytes) + " bytes cannot be divided into sets of " + shape);
+    } else if (!std::has_single_bit(sets())) {
+      complain("size", std::to_string(size.bytes) + " bytes in sets of " + shape + " make " + std::to_string(sets()) +
+                           " sets; the number of sets must be a power of two");
+    }
+  }
+
+  std::uint64_t sets() const { return size.bytes / (ways * line.bytes); }
+};
+
+}  // namespace hw

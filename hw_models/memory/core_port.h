@@ -1,0 +1,112 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hw_models/memory/interleave.h"
+#include "hw_models/memory/messages.h"
+#include "sim/activity.h"
+#include "sim/config/field.h"
+#include "sim/link.h"
+
+namespace hw {
+
+/// The way from the cores to the shared memory side.
+struct InterconnectConfig {
+  std::uint32_t latency = 4;
+  std::uint32_t width_bytes = 32;
+  std::uint32_t link_depth = 4;
+
+  static void describe(auto& c, auto&& field) {
+    using sim::Affects;
+    field(c.latency, "latency", "cycles", "one way between a core and an L2 bank or the memory controller",
+          sim::between(1, 100), Affects::kTiming);
+    field(c.width_bytes, "width", "bytes", "of a line carried per cycle and direction", sim::power_of_two(8, 256),
+          Affects::kTiming);
+    field(c.link_depth, "link_depth", "entries", "slots of each link", sim::between(1, 64), Affects::kTiming);
+  }
+  std::uint32_t cycles_of(std::uint64_t bytes) const {
+    return static_cast<std::uint32_t>((bytes + width_bytes - 1) / width_bytes);
+  }
+};
+
+/// A core's port to the memory side: its clients' requests go up, lines come down. One such port carries the caches'
+/// requests to the L2 banks; a second one, with a single client, takes the DMA's past the L2 to the DRAM channels.
+///
+///   clients_in  --> round robin, one request per cycle -------> targets_out (the owner of the line)
+///   clients_out <-- round robin, line / width cycles a line <-- targets_in
+///
+/// A client is named by its index in clients_out, which it writes into `source`. A write carries its line up and
+/// holds the way up as long as a line holds the way down. The distance is the links' latency.
+/// Not modelled: the topology between port and targets; every target is equally far and has its own wires.
+class CorePort {
+ public:
+  enum class Why : std::uint8_t {
+    kIdle,        ///< nothing to carry
+    kRequest,     ///< a request went up
+    kLine,        ///< a line was under way, up or down
+    kTargetFull,  ///< requests wait for a target's queue
+    kClientFull,  ///< a line waits for its client
+    kCount
+  };
+  struct Stats {
+    std::uint64_t requests = 0, lines_down = 0, lines_up = 0;
+    static void describe(auto& s, auto&& counter) {
+      counter(s.requests, "requests", "requests carried up", "interconnect.request");
+      counter(s.lines_down, "lines_down", "lines carried down to a client", "interconnect.line");
+      counter(s.lines_up, "lines_up", "lines carried up by writes", "interconnect.line");
+    }
+  };
+  struct Links {
+    std::vector<sim::Link<MemRequest>*> clients_in;
+    std::vector<sim::Link<MemResponse>*> clients_out;
+    std::vector<sim::Link<MemRequest>*> targets_out;
+    std::vector<sim::Link<MemResponse>*> targets_in;
+  };
+
+  CorePort(const InterconnectConfig& config, Links links, Interleave targets, sim::Clock clock,
+           std::uint64_t line_bytes = 64);
+  CorePort(const CorePort&) = delete;
+  CorePort& operator=(const CorePort&) = delete;
+
+  sim::Time tick(sim::Time now);
+  void finish(sim::Time end);
+
+  const sim::Clock& clock() const { return clock_; }
+  const Stats& stats() const { return stats_; }
+  const sim::Activity<Why>& activity() const { return activity_; }
+  std::string state() const;
+
+ private:
+  bool send_up(sim::Time now);
+  void carry_down(sim::Time now);
+  void settle(sim::Time until);
+  Why waiting(sim::Time now) const;
+  sim::Time next_wake(sim::Time now) const;
+
+  sim::Link<MemRequest>& target_of(const MemRequest& request) const {
+    return *links_.targets_out[targets_.owner(request.line)];
+  }
+
+  Links links_;
+  Interleave targets_;
+  sim::Clock clock_;
+  sim::Time line_time_;
+
+  std::uint32_t client_turn_ = 0;
+  std::uint32_t target_turn_ = 0;
+  sim::Time up_free_ = 0;
+  sim::Time down_free_ = 0;
+  sim::Time line_until_ = 0;  ///< a line is under way before this
+  Why waiting_{};
+  Stats stats_;
+  sim::Activity<Why> activity_;
+};
+
+constexpr std::array<std::string_view, 5> names_of(CorePort::Why) {
+  return {"idle", "request", "line", "target_full", "client_full"};
+}
+
+}  // namespace hw

@@ -1,0 +1,183 @@
+#pragma once
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "hw_models/memory/interleave.h"
+#include "sim/config/field.h"
+
+namespace hw {
+
+/// Which address bits choose what, highest first. Lines that follow each other differ in the last word.
+enum class DramMapping : std::uint8_t {
+  kRowBankColumnChannel,  ///< a stream fills a row of every channel, then goes to the next bank
+  kRowColumnBankChannel,  ///< a stream goes round the banks: what bank groups need
+  kRowBankChannelColumn,  ///< a stream fills a row of one channel, then goes to the next channel
+};
+constexpr std::array<std::string_view, 3> names_of(DramMapping) {
+  return {"row_bank_column_channel", "row_column_bank_channel", "row_bank_channel_column"};
+}
+
+/// What one channel consists of.
+struct DramOrganisation {
+  std::uint32_t banks = 8;
+  std::uint32_t bank_groups = 1;
+  std::uint32_t rows = 65536;
+  sim::ByteSize page{2048};
+  sim::ByteSize burst{32};
+
+  static void describe(auto& c, auto&& field) {
+    using sim::Affects;
+    field(c.banks, "banks", "banks", "banks of a channel, all groups together", sim::power_of_two(1, 32),
+          Affects::kTiming);
+    field(c.bank_groups, "bank_groups", "groups", "bank groups", sim::power_of_two(1, 8), Affects::kTiming);
+    field(c.rows, "rows", "rows", "rows of a bank", sim::power_of_two(1, 1 << 20), Affects::kTiming);
+    field(c.page, "page", "bytes", "data of one row", sim::power_of_two(64, 1 << 16), Affects::kTiming);
+    field(c.burst, "burst", "bytes", "data of one read or write command", sim::power_of_two(8, 256), Affects::kTiming);
+  }
+};
+
+/// The speed grade, in cycles of the command clock (nCK) but for the clock itself.
+struct DramTiming {
+  sim::Duration ck{625'000};
+  std::uint32_t rl = 28, wl = 14, burst = 8, dqsck = 3;
+  std::uint32_t rcd = 29, rp = 29, ras = 68, rc = 97, rrd = 16, faw = 64;
+  std::uint32_t ccd_s = 8, ccd_l = 8, rtp = 12, wr = 29, wtr_s = 16, wtr_l = 16, dqss = 1, rtw = 1;
+  std::uint32_t rfc_pb = 224, refi_pb = 780;
+  std::uint32_t ca_activate = 4, ca_column = 4, ca_precharge = 2;
+
+  static void describe(auto& c, auto&& field) {
+    using sim::Affects;
+    const auto cycles = [&](auto& value, const char* name, const char* meaning, double min, double max) {
+      field(value, name, "nCK", meaning, sim::between(min, max), Affects::kTiming);
+    };
+    field(c.ck, "ck", "ns", "period of the command clock", sim::between(100'000, 100'000'000), Affects::kTiming);
+    cycles(c.rl, "rl", "read command to first data", 1, 128);
+    cycles(c.wl, "wl", "write command to first data", 1, 128);
+    cycles(c.burst, "burst", "data bus time of one burst", 1, 32);
+    cycles(c.dqsck, "dqsck", "further delay of read data", 0, 16);
+    cycles(c.rcd, "rcd", "activate to read or write", 1, 256);
+    cycles(c.rp, "rp", "precharge (one bank) to activate", 1, 256);
+    cycles(c.ras, "ras", "activate to precharge", 1, 512);
+    cycles(c.rc, "rc", "activate to activate, same bank", 1, 1024);
+    cycles(c.rrd, "rrd", "activate to activate, other bank", 1, 256);
+    cycles(c.faw, "faw", "window that holds at most four activates", 1, 512);
+    cycles(c.ccd_s, "ccd_s", "column to column command, other bank group (any bank if there are no groups)", 1, 32);
+    cycles(c.ccd_l, "ccd_l", "column to column command, same bank group", 1, 32);
+    cycles(c.rtp, "rtp", "read to precharge", 1, 256);
+    cycles(c.wr, "wr", "end of write data to precharge", 1, 256);
+    cycles(c.wtr_s, "wtr_s", "end of write data to read, other bank group", 0, 256);
+    cycles(c.wtr_l, "wtr_l", "end of write data to read, same bank group", 0, 256);
+    cycles(c.dqss, "dqss", "further delay of write data", 0, 16);
+    cycles(c.rtw, "rtw", "idle data bus between read and write data", 0, 64);
+    cycles(c.rfc_pb, "rfc_pb", "a bank's refresh", 1, 4096);
+    cycles(c.refi_pb, "refi_pb", "between refreshes of single banks; 0 switches refresh off", 0, 100'000);
+    cycles(c.ca_activate, "ca_activate", "command bus time of an activate", 1, 8);
+    cycles(c.ca_column, "ca_column", "command bus time of a read or write", 1, 8);
+    cycles(c.ca_precharge, "ca_precharge", "command bus time of a precharge", 1, 8);
+  }
+};
+
+/// How the memory controller orders the requests of a channel.
+struct DramController {
+  DramMapping mapping = DramMapping::kRowBankColumnChannel;
+  bool bank_xor = true;
+  std::uint32_t read_queue = 32;
+  std::uint32_t write_queue = 32;
+  std::uint32_t write_high = 24;
+  std::uint32_t write_low = 8;
+  std::uint32_t age_limit = 1600;
+
+  static void describe(auto& c, auto&& field) {
+    using sim::Affects;
+    field(c.mapping, "mapping", "", "order of the address bits", sim::any(), Affects::kTiming);
+    field(c.bank_xor, "bank_xor", "", "exclusive-or of the bank with low row bits, against strides", sim::any(),
+          Affects::kTiming);
+    field(c.read_queue, "read_queue", "requests", "reads waiting in a channel", sim::between(1, 64), Affects::kTiming);
+    field(c.write_queue, "write_queue", "requests", "writes waiting in a channel", sim::between(1, 64),
+          Affects::kTiming);
+    field(c.write_high, "write_high", "requests", "waiting writes at which they go before reads", sim::between(1, 64),
+          Affects::kTiming);
+    field(c.write_low, "write_low", "requests", "waiting writes at which reads go first again", sim::between(0, 63),
+          Affects::kTiming);
+    field(c.age_limit, "age_limit", "nCK", "age from which a request is no longer overtaken in its bank",
+          sim::between(1, 1'000'000), Affects::kTiming);
+  }
+  void check(auto&& complain) const {
+    if (write_low >= write_high) complain("write_low", "must be less than write_high");
+    if (write_high > write_queue) complain("write_high", "must not be more than write_queue holds");
+  }
+};
+
+/// Energy of a channel with its device, its I/O and the controller's PHY.
+struct DramEnergy {
+  sim::Spread activate{151, 301, 602};
+  sim::Spread read_core{310, 404, 674}, read_io{256, 412, 563};
+  sim::Spread write_core{213, 248, 495}, write_io{256, 420, 614};
+  sim::Spread phy{307, 512, 768};
+  sim::Spread refresh{1055, 1216, 1465};
+  sim::Spread active_standby{7.285, 10.91, 18.94}, precharge_standby{6.535, 9.726, 17.06};
+
+  static void describe(auto& c, auto&& field) {
+    const auto energy = [&](auto& value, const char* name, const char* unit, const char* meaning) {
+      field(value, name, unit, meaning, sim::at_least(0), sim::Affects::kEnergy);
+    };
+    energy(c.activate, "activate", "pJ", "an activate and its precharge");
+    energy(c.read_core, "read_core", "pJ", "a read burst inside the device, above standby");
+    energy(c.read_io, "read_io", "pJ", "a read burst on the pins");
+    energy(c.write_core, "write_core", "pJ", "a write burst inside the device, above standby");
+    energy(c.write_io, "write_io", "pJ", "a write burst on the pins, driver and receiver");
+    energy(c.phy, "phy", "pJ", "controller and PHY on the GPU's die, per burst");
+    energy(c.refresh, "refresh", "pJ", "a refresh of one bank, above standby");
+    energy(c.active_standby, "active_standby", "mW", "while a row is open somewhere, clock included");
+    energy(c.precharge_standby, "precharge_standby", "mW", "while every row is closed, clock included");
+  }
+};
+
+/// The memory: equal LPDDR channels, one speed grade.
+struct DramConfig {
+  std::string grade = "LPDDR4-3200";
+  std::uint32_t channels = 4;
+  sim::ByteSize line{64};
+  sim::Duration fabric{50'000'000};
+  DramOrganisation organisation;
+  DramTiming timing;
+  DramController controller;
+  DramEnergy energy;
+
+  static void describe(auto& c, auto&& field) {
+    using sim::Affects;
+    field(c.grade, "grade", "", "name of the speed grade", sim::any(), Affects::kReport);
+    field(c.channels, "channels", "channels", "independent channels, interleaved by line", sim::power_of_two(1, 16),
+          Affects::kTiming);
+    field(c.line, "line", "bytes", "data of one request", sim::power_of_two(16, 256), Affects::kTiming);
+    field(c.fabric, "fabric", "ns", "fixed part of a read's latency between the GPU and the controller",
+          sim::between(0, 1e9), Affects::kTiming);
+    field.group(c.organisation, "organisation", "one channel");
+    field.group(c.timing, "timing", "speed grade, in cycles of the command clock");
+    field.group(c.controller, "controller", "order of requests");
+    field.group(c.energy, "energy", "energy of a channel: device, pins and PHY");
+  }
+  void check(auto&& complain) const {
+    if (line.bytes % organisation.burst.bytes != 0 || line.bytes > organisation.page.bytes)
+      complain("line", "must be whole bursts (" + std::to_string(organisation.burst.bytes) + " bytes) of one row (" +
+                           std::to_string(organisation.page.bytes) + " bytes)");
+    else if ((bursts_per_line() - 1) * timing.ccd_l + 32 > 64)
+      complain("line", "has too many bursts: their commands must fit 64 nCK");
+    if (organisation.bank_groups > organisation.banks) complain("organisation", "has more bank groups than banks");
+    if (timing.wl > timing.rl) complain("timing", "must have wl <= rl");
+    if (timing.burst > timing.ccd_s || timing.ccd_s > timing.ccd_l)
+      complain("timing", "must have burst <= ccd_s <= ccd_l");
+  }
+
+  std::uint32_t bursts_per_line() const { return static_cast<std::uint32_t>(line.bytes / organisation.burst.bytes); }
+  /// Which channel owns a line.
+  Interleave interleave() const {
+    const bool by_page = controller.mapping == DramMapping::kRowBankChannelColumn;
+    return {by_page ? organisation.page.bytes : line.bytes, channels};
+  }
+};
+
+}  // namespace hw

@@ -1,0 +1,49 @@
+#pragma once
+#include <bit>
+#include <cstdint>
+
+#include "hw_models/memory/dram_config.h"
+#include "hw_models/memory/messages.h"
+
+namespace hw {
+
+/// Where a line lies inside its channel.
+struct DramPlace {
+  std::uint32_t bank = 0;
+  std::uint32_t row = 0;
+};
+
+/// Address bits to bank and row; the channel is chosen before, by DramConfig::interleave().
+class DramMap {
+ public:
+  explicit DramMap(const DramConfig& c)
+      : bank_first_(c.controller.mapping == DramMapping::kRowColumnBankChannel),
+        bank_xor_(c.controller.bank_xor),
+        skip_(shift_of(c.line.bytes) + shift_of(c.channels)),
+        column_bits_(shift_of(c.organisation.page.bytes) - shift_of(c.line.bytes)),
+        bank_bits_(shift_of(c.organisation.banks)),
+        row_mask_(c.organisation.rows - 1) {}
+
+  DramPlace place(Addr line) const {
+    // Whatever the order of channel and column, both lie below bank and row, so one shift serves both mappings.
+    const Addr in_channel = line >> skip_;
+    const std::uint32_t bank_mask = (1U << bank_bits_) - 1;
+    DramPlace p;
+    p.bank = static_cast<std::uint32_t>(in_channel >> (bank_first_ ? 0 : column_bits_)) & bank_mask;
+    p.row = static_cast<std::uint32_t>(in_channel >> (column_bits_ + bank_bits_)) & row_mask_;
+    if (bank_xor_) p.bank ^= p.row & bank_mask;
+    return p;
+  }
+
+ private:
+  static constexpr std::uint32_t shift_of(std::uint64_t n) { return static_cast<std::uint32_t>(std::countr_zero(n)); }
+
+  bool bank_first_;
+  bool bank_xor_;
+  std::uint32_t skip_;
+  std::uint32_t column_bits_;
+  std::uint32_t bank_bits_;
+  std::uint32_t row_mask_;
+};
+
+}  // namespace hw

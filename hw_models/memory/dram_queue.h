@@ -1,0 +1,97 @@
+#pragma once
+#include <array>
+#include <bit>
+#include <cassert>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "hw_models/memory/dram_map.h"
+#include "hw_models/memory/messages.h"
+
+namespace hw {
+
+/// Requests that wait in a channel, oldest first. For every bank, bit masks over their places say which requests want
+/// it and which of these want its open row, so that choosing a command looks at banks, not at requests.
+class DramQueue {
+ public:
+  struct Entry {
+    MemRequest request;
+    DramPlace place;
+    std::uint64_t arrived = 0;
+    std::uint16_t port = 0;
+    bool precharged = false;  ///< a precharge was needed for it
+    bool activated = false;   ///< an activate was needed for it
+  };
+
+  explicit DramQueue(std::uint32_t capacity) : capacity_(capacity) {
+    assert(capacity <= 64);
+    for (std::size_t i = 0; i < order_.size(); ++i) order_[i] = static_cast<std::uint8_t>(i);
+  }
+
+  bool empty() const { return size_ == 0; }
+  bool full() const { return size_ == capacity_; }
+  std::uint32_t size() const { return size_; }
+  const Entry& oldest() const { return entries_[order_[0]]; }
+  Entry& at(std::uint32_t place) { return entries_[order_[place]]; }
+
+  /// Banks that somebody wants, as a mask.
+  std::uint32_t banks() const { return banks_; }
+  /// Places of those who want the bank.
+  std::uint64_t waiting(std::uint32_t bank) const { return waiting_[bank]; }
+  /// Places of those who want the row that is open in the bank.
+  std::uint64_t hits(std::uint32_t bank) const { return hits_[bank]; }
+
+  void push(const Entry& entry, bool row_is_open) {
+    assert(!full());
+    const std::uint32_t bank = entry.place.bank;
+    const std::uint64_t bit = std::uint64_t{1} << size_;
+    entries_[order_[size_]] = entry;
+    size_ += 1;
+    waiting_[bank] |= bit;
+    if (row_is_open) hits_[bank] |= bit;
+    banks_ |= 1U << bank;
+  }
+
+  void remove(std::uint32_t place) {
+    assert(place < size_);
+    const std::uint8_t slot = order_[place];
+    const std::uint32_t bank = entries_[slot].place.bank;
+    for (std::uint32_t i = place; i + 1 < size_; ++i) order_[i] = order_[i + 1];
+    size_ -= 1;
+    order_[size_] = slot;
+    for (std::uint32_t left = banks_; left != 0; left &= left - 1) {
+      const auto b = static_cast<std::size_t>(std::countr_zero(left));
+      waiting_[b] = without(waiting_[b], place);
+      hits_[b] = without(hits_[b], place);
+    }
+    if (waiting_[bank] == 0) banks_ &= ~(1U << bank);
+  }
+
+  void row_opened(std::uint32_t bank, std::uint32_t row) {
+    std::uint64_t hits = 0;
+    for (std::uint64_t left = waiting_[bank]; left != 0; left &= left - 1) {
+      const auto place = static_cast<std::size_t>(std::countr_zero(left));
+      if (entries_[order_[place]].place.row == row) hits |= std::uint64_t{1} << place;
+    }
+    hits_[bank] = hits;
+  }
+  void row_closed(std::uint32_t bank) { hits_[bank] = 0; }
+
+ private:
+  /// The mask after the place has gone and all behind it moved up.
+  static std::uint64_t without(std::uint64_t mask, std::uint32_t place) {
+    const std::uint64_t before = (std::uint64_t{1} << place) - 1;
+    return (mask & before) | ((mask >> 1) & ~before);
+  }
+
+  std::uint32_t capacity_;
+  std::uint32_t size_ = 0;
+  std::uint32_t banks_ = 0;
+  std::array<std::uint8_t, 64> order_{};
+  std::array<Entry, 64> entries_{};
+  std::array<std::uint64_t, 32> waiting_{};
+  std::array<std::uint64_t, 32> hits_{};
+};
+
+}  // namespace hw

@@ -1,0 +1,41 @@
+#pragma once
+#include <cstdint>
+
+#include "hw_models/memory/messages.h"
+#include "traces/accel/memory_image.h"
+#include "traces/stream.h"
+
+namespace hw {
+
+/// The cache lines that one access of a kernel touches: an access names what it wants, the layout says where that is.
+struct LineSet {
+  Addr line[4];
+  std::uint32_t count = 0;
+
+  void add(Addr address) {
+    const Addr wanted = address & ~Addr{63};
+    for (std::uint32_t i = 0; i < count; ++i) {
+      if (line[i] == wanted) return;
+    }
+    line[count++] = wanted;
+  }
+};
+
+inline LineSet lines_of(const traces::Access& access, const traces::Layout& layout) {
+  LineSet lines;
+  switch (access.kind()) {
+    case traces::Access::Kind::kAttributes: lines.add(layout.attributes_at(access.element)); break;
+    case traces::Access::Kind::kMaterial: lines.add(layout.material_at(access.element)); break;
+    case traces::Access::Kind::kTexels: {
+      const std::uint32_t xs[2] = {access.element & 0xffffU, access.element2 & 0xffffU};
+      const std::uint32_t ys[2] = {access.element >> 16, access.element2 >> 16};
+      for (const std::uint32_t y : ys) {
+        for (const std::uint32_t x : xs) lines.add(layout.texel_tile_at(access.texture(), x, y));
+      }
+      break;
+    }
+  }
+  return lines;
+}
+
+}  // namespace hw

@@ -1,0 +1,50 @@
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "hw_models/srp/op_table.h"
+#include "hw_models/srp/srp_config.h"
+#include "shader_kernels/graph.h"
+
+namespace hw {
+
+/// One operation, or one 16-byte access of a load or store, in its place.
+struct Placement {
+  std::uint32_t node = 0;   ///< of the kernel's graph
+  std::uint32_t part = 0;   ///< of a record: its bytes from 16 * part on
+  std::uint32_t start = 0;  ///< cycle of issue, counted from the item's first
+  std::uint32_t unit = 0;   ///< functional unit, row by row; local port; or cache port
+};
+
+/// A kernel as a software-pipelined loop: item i of n starts at i * ii and is through depth cycles later, so a loop
+/// takes depth + (n - 1) * ii cycles. All counts are per item.
+struct KernelSchedule {
+  std::string kernel;
+  std::uint32_t ii = 1;       ///< initiation interval
+  std::uint32_t depth = 0;    ///< schedule length of one item
+  std::uint32_t res_mii = 1;  ///< least interval that units and ports allow
+  std::uint32_t rec_mii = 0;  ///< least interval that values handed from item to item allow; 0: there are none
+  OpMix ops{};
+  std::uint32_t fu_ops = 0;        ///< operations on functional units
+  std::uint32_t local_reads = 0;   ///< 16-byte accesses
+  std::uint32_t local_writes = 0;  ///< 16-byte accesses
+  std::uint32_t cached_loads = 0;  ///< records
+  std::uint32_t rf_reads = 0;      ///< one per operand
+  std::uint32_t rf_writes = 0;     ///< one per result and per loaded word
+  std::uint32_t route_hops = 0;    ///< one per operand that another unit or port made
+  std::uint32_t config_reads = 0;  ///< one word per functional unit and cycle of the interval
+  std::vector<Placement> placements;
+};
+
+/// Places a kernel's operations on the array at the smallest initiation interval it can find: iterative modulo
+/// scheduling (B. R. Rau, MICRO-27, 1994). Deterministic.
+///
+///   graph --> [ operations and 16-byte accesses ] --> bounds --> [ reservation table of ii rows ] --> schedule
+///
+/// Memory ports stand beside the array and take no functional unit's slot; a record's accesses are placed one by one.
+/// Not modelled: the routing network's limits (an operand costs one hop wherever it comes from), register pressure,
+/// records that two items in flight both change, VLIW mode.
+KernelSchedule schedule(const kernels::Graph& graph, const SrpConfig& config);
+
+}  // namespace hw

@@ -1,0 +1,348 @@
+#include "hw_models/srp/srp.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cassert>
+
+#include "hw_models/srp/data_cache.h"
+
+namespace hw {
+
+using traces::WorkNode;
+
+namespace {
+
+constexpr std::uint32_t kTileShift = 24;  // a ray's handle: tile in flight, then the ray's index within the tile
+constexpr std::uint32_t kRayMask = (1U << kTileShift) - 1;
+constexpr std::uint32_t kSpillTag = 0xffffffffU;
+constexpr std::uint64_t kRayReads = 3;   // 16-byte accesses: 48 bytes of ray out of its slot
+constexpr std::uint64_t kHitWrites = 2;  // 32 bytes of hit record into it
+
+}  // namespace
+
+Srp::Srp(const SrpConfig& config, const TileBufferConfig& buffer, const Frame& frame, Links links,
+         std::uint16_t port, sim::Clock clock)
+    : config_(config),
+      clock_(clock),
+      frame_(frame),
+      links_(links),
+      buffer_(buffer, frame.tile_samples, clock),
+      cache_(config.data_cache, port),
+      tiles_(buffer.tiles_in_flight),
+      lines_missing_(64),
+      kernel_use_(frame.kernels.size()) {}
+
+sim::Time Srp::tick(sim::Time now) {
+  take_tile(now);
+  take_hit(now);
+  take_line(now);
+  take_dma(now);
+  run_array(now);
+  feed_ray(now);
+  cache_.send(now, links_.memory_out);
+  if (!dma_.empty() && links_.dma_out.can_push(now)) {
+    links_.dma_out.push(now, dma_.front());
+    dma_.pop_front();
+  }
+  const Why reason = why(now);
+  activity_.spend(now, clock_.period(), reason, reason);
+  return next_wake(now);
+}
+
+void Srp::finish(sim::Time end) {
+  activity_.finish(end);
+  buffer_.finish(end);
+}
+
+void Srp::take_tile(sim::Time now) {
+  if (by_age_.size() == tiles_.size() || !links_.tiles_in.can_pop(now)) return;
+  const auto free = std::ranges::find_if(tiles_, [](const TileRun& t) { return !t.active(); });
+  free->begin(*links_.tiles_in.pop(now).work, config_.chunk);
+  if (by_age_.empty()) buffer_.in_use(now, true);
+  by_age_.push_back(static_cast<std::uint32_t>(free - tiles_.begin()));
+  stats_.tiles += 1;
+  look_ = true;
+}
+
+void Srp::take_hit(sim::Time now) {
+  if (!links_.hits_in.can_pop(now)) return;
+  const std::uint32_t id = links_.hits_in.pop(now).id;
+  buffer_.write(kHitWrites);
+  rays_out_ -= 1;
+  stats_.hits += 1;
+  if (tiles_[id >> kTileShift].finish_ray(id & kRayMask) || rays_out_ == 0) look_ = true;
+}
+
+void Srp::take_line(sim::Time now) {
+  if (!links_.memory_in.can_pop(now)) return;
+  stats_.cache_fills += 1;
+  for (std::uint64_t waited = cache_.fill(links_.memory_in.pop(now).line); waited != 0; waited &= waited - 1) {
+    const auto slot = static_cast<std::uint32_t>(std::countr_zero(waited));
+    if (--lines_missing_[slot] == 0) missing_ &= ~(std::uint64_t{1} << slot);
+  }
+  full_ = false;
+}
+
+void Srp::take_dma(sim::Time now) {
+  if (!links_.dma_in.can_pop(now)) return;
+  const std::uint32_t tag = links_.dma_in.pop(now).tag;
+  if (tag == kSpillTag) {
+    spills_done_ += 1;
+    return;
+  }
+  const std::uint32_t tile = tag >> 16;
+  tiles_[tile].finish_items(tag & 0xffffU, tiles_[tile].node(tag & 0xffffU).items);
+  end_tile(now, tile);
+}
+
+void Srp::run_array(sim::Time now) {
+  if (run_.active && now >= run_.start) {
+    const bool flowing = loads_in_time(now) && touch_cache(now);
+    if (flowing && run_.next_item == run_.items && loads_.empty() && now >= leaves_at(run_.items - 1)) {
+      finish_chunk(now);
+    }
+  }
+  if (!run_.active && look_) start_chunk(now);
+}
+
+/// Lines that are needed at this point of array time have come, or the array freezes.
+bool Srp::loads_in_time(sim::Time now) {
+  if (run_.frozen != sim::kNever) {
+    const bool late = !loads_.empty() && loads_.front().needed == array_time(now) &&
+                      ((missing_ >> loads_.front().slot) & 1U) != 0;
+    if (late || full_) return false;
+    run_.stalled += now - run_.frozen;
+    run_.frozen = sim::kNever;
+  }
+  const sim::Time at = array_time(now);
+  while (!loads_.empty() && loads_.front().needed <= at) {
+    if ((missing_ >> loads_.front().slot) & 1U) {
+      freeze(now);
+      return false;
+    }
+    loads_.pop_front();
+  }
+  return true;
+}
+
+/// The item that enters the loop now asks the data cache for its lines. False if the array froze.
+bool Srp::touch_cache(sim::Time now) {
+  const TileRun& tile = tiles_[run_.tile];
+  if (!tile.node(run_.node).has_accesses) {
+    run_.next_item = run_.items;
+    return true;
+  }
+  const sim::Time at = array_time(now);
+  if (run_.next_item == run_.items || at < sim::Time{run_.next_item} * run_.kernel->ii * clock_.period()) return true;
+  const std::uint32_t slot = run_.next_item % 64;
+  const std::uint64_t bit = std::uint64_t{1} << slot;
+  collect_lines(tile.node(run_.node), run_.first + run_.next_item);
+  for (; run_.next_line < item_lines_.size(); ++run_.next_line) {
+    stats_.cache_accesses += 1;
+    const L1Cache::Result result = cache_.access(item_lines_[run_.next_line], slot);
+    if (result == L1Cache::Result::kHit) {
+      stats_.cache_hits += 1;
+      continue;
+    }
+    stats_.cache_misses += 1;
+    if (result == L1Cache::Result::kFull) {
+      stats_.mshr_full += 1;
+      full_ = true;
+      freeze(now);
+      return false;
+    }
+    lines_missing_[slot] += 1;
+    missing_ |= bit;
+  }
+  if ((missing_ & bit) != 0) loads_.push_back({at + config_.cached_load_latency * clock_.period(), slot});
+  run_.next_item += 1;
+  run_.next_line = 0;
+  return true;
+}
+
+void Srp::collect_lines(const WorkNode& node, std::uint32_t item) {
+  const traces::TileWork& work = tiles_[run_.tile].work();
+  item_lines_.clear();
+  for (std::uint32_t a = work.access_begin[node.first + item]; a < work.access_begin[node.first + item + 1]; ++a) {
+    const LineSet lines = lines_of(work.accesses[a], *frame_.layout);
+    for (std::uint32_t i = 0; i < lines.count; ++i) {
+      if (std::ranges::find(item_lines_, lines.line[i]) == item_lines_.end()) item_lines_.push_back(lines.line[i]);
+    }
+  }
+}
+
+void Srp::finish_chunk(sim::Time now) {
+  TileRun& tile = tiles_[run_.tile];
+  KernelUse& use = kernel_use_[tile.node(run_.node).kernel];
+  use.cycles += clock_.cycles(now - run_.begin);
+  buffer_.give_back(tile.finish_items(run_.node, run_.items));
+  run_.active = false;
+  look_ = true;
+  if (tile.complete(run_.node)) queue_transfers(run_.tile);
+  end_tile(now, run_.tile);
+}
+
+void Srp::queue_transfers(std::uint32_t tile) {
+  const TileRun& run = tiles_[tile];
+  for (std::uint32_t n = 0; n < run.nodes(); ++n) {
+    if (run.node(n).kind != WorkNode::Kind::kTransfer || run.node(n).inputs.back().node != run_.node) continue;
+    const Addr base = frame_.layout->frame_buffer + Addr{run.work().tile} * frame_.tile_bytes;
+    dma_.push_back({base, run.node(n).items, true, (tile << 16) | n});
+    buffer_.read((run.node(n).items + 15) / 16);
+  }
+}
+
+void Srp::end_tile(sim::Time now, std::uint32_t tile) {
+  if (!tiles_[tile].active() || !tiles_[tile].all_complete()) return;
+  assert(links_.tiles_out.can_push(now) && "as many places as tiles in flight");
+  links_.tiles_out.push(now, TileDone{&tiles_[tile].work()});
+  tiles_[tile].end();
+  std::erase(by_age_, tile);
+  if (by_age_.empty()) buffer_.in_use(now, false);
+  look_ = true;
+}
+
+bool Srp::fits(std::uint32_t tile, std::uint32_t node) const {
+  const TileRun& run = tiles_[tile];
+  const std::uint64_t rays = run.rays_made(node, run.done(node), run.chunk_items(node));
+  if (rays == 0) return true;
+  const bool first_rays_of_younger = tile != by_age_.front() && run.node(node).inputs.empty();
+  return buffer_.free() >= rays + (first_rays_of_younger ? frame_.tile_samples : 0);
+}
+
+void Srp::start_chunk(sim::Time now) {
+  look_ = false;
+  blocked_ = false;
+  for (const std::uint32_t tile : by_age_) {
+    const std::uint32_t node = tiles_[tile].next_launch([&](std::uint32_t n) {
+      if (fits(tile, n)) return true;
+      blocked_ = true;
+      return false;
+    });
+    if (node != TileRun::kNone) return begin_chunk(now, tile, node);
+  }
+  if (!blocked_ || rays_out_ > 0 || !feeds_.empty()) return;
+  for (const std::uint32_t tile : by_age_) {
+    const std::uint32_t node = tiles_[tile].next_launch([](std::uint32_t) { return true; });
+    if (node != TileRun::kNone) return begin_chunk(now, tile, node);
+  }
+}
+
+void Srp::begin_chunk(sim::Time now, std::uint32_t tile, std::uint32_t node) {
+  TileRun& run = tiles_[tile];
+  const WorkNode& work = run.node(node);
+  const KernelSchedule& kernel = frame_.kernels[work.kernel];
+  const bool switching = configured_ != work.kernel;
+  blocked_ = false;
+  configured_ = work.kernel;
+  const std::uint32_t items = run.chunk_items(node);
+  const sim::Time start = clock_.after(now, switching ? config_.switch_cycles : 0);
+  run_ = Run{true, tile, node, run.done(node), items, now, start, 0, sim::kNever, 0, 0, &kernel};
+  if (switching) {
+    stats_.switches += 1;
+    stats_.config_rows_loaded += kernel.ii;
+  }
+  stats_.chunks += 1;
+  stats_.add(kernel, items);
+  buffer_.read(std::uint64_t{items} * kernel.local_reads);
+  buffer_.write(std::uint64_t{items} * kernel.local_writes);
+  kernel_use_[work.kernel].launches += 1;
+  kernel_use_[work.kernel].items += items;
+
+  const std::uint64_t spilled = buffer_.take(run.rays_made(node, run_.first, items));
+  for (const std::uint32_t batch : run.batches_of(node)) {
+    if (run_.first == 0) feeds_.push_back({tile, batch, 0, 0});
+  }
+  if (spilled == 0) return;
+  // Ray out and in again before it is issued, then its hit out and in again before it is shaded.
+  const auto bytes = static_cast<std::uint32_t>(2 * spilled * buffer_.slot_bytes());
+  dma_.push_back({frame_.spill, bytes, true, kSpillTag});
+  dma_.push_back({frame_.spill, bytes, false, kSpillTag});
+  spills_asked_ += 2;
+  for (Feed& f : feeds_) {
+    if (f.tile == tile && run.producer(f.batch) == node) f.after_spill = spills_asked_;
+  }
+}
+
+sim::Time Srp::feed_at(const Feed& feed) const {
+  if (spills_done_ < feed.after_spill) return sim::kNever;
+  const TileRun& run = tiles_[feed.tile];
+  const std::uint32_t launch = run.producer(feed.batch);
+  const std::uint32_t item = run.source(feed.batch, feed.next);
+  if (item < run.done(launch)) return 0;
+  const bool running = run_.active && run_.tile == feed.tile && run_.node == launch && item < run_.first + run_.items;
+  if (!running) return sim::kNever;
+  const sim::Time leaves = leaves_at(item - run_.first);
+  return leaves <= run_.frozen ? leaves : sim::kNever;
+}
+
+void Srp::feed_ray(sim::Time now) {
+  if (feeds_.empty() || now < feed_free_at_ || !links_.rays_out.can_push(now)) return;
+  const auto feed = std::ranges::find_if(feeds_, [&](const Feed& f) { return feed_at(f) <= now; });
+  if (feed == feeds_.end()) return;
+  const TileRun& run = tiles_[feed->tile];
+  const std::uint32_t ray = run.node(feed->batch).first + feed->next;
+  const traces::TileWork& work = run.work();
+  links_.rays_out.push(now, RayJob{work.walk.data() + work.ray_begin[ray], (feed->tile << kTileShift) | ray});
+  buffer_.read(kRayReads);
+  rays_out_ += 1;
+  stats_.rays += 1;
+  feed_free_at_ = now + frame_.ray_interval;
+  if (++feed->next == run.node(feed->batch).items) {
+    feeds_.erase(feed);
+    look_ = look_ || feeds_.empty();
+  }
+}
+
+Srp::Why Srp::why(sim::Time now) const {
+  if (run_.active) {
+    if (now < run_.start) return Why::kSwitching;
+    return run_.frozen == sim::kNever ? Why::kRunning : Why::kCacheMiss;
+  }
+  if (by_age_.empty()) return Why::kStarved;
+  return blocked_ ? Why::kNoSlots : Why::kWaiting;
+}
+
+sim::Time Srp::next_wake(sim::Time now) const {
+  const sim::Time next = clock_.after(now, 1);
+  if (!run_.active && look_) return next;
+  sim::Time at = sim::kNever;
+  if (run_.active && now < run_.start) {
+    at = run_.start;
+  } else if (run_.active && run_.frozen == sim::kNever) {
+    const sim::Time origin = run_.start + run_.stalled;
+    at = leaves_at(run_.items - 1);
+    if (run_.next_item < run_.items) at = origin + sim::Time{run_.next_item} * run_.kernel->ii * clock_.period();
+    if (!loads_.empty()) at = std::min(at, origin + loads_.front().needed);
+    at = std::max(at, next);
+  }
+  if (!feeds_.empty()) {
+    sim::Time ready = sim::kNever;
+    for (const Feed& f : feeds_) ready = std::min(ready, feed_at(f));
+    at = std::min(at, std::max({next, ready, feed_free_at_, links_.rays_out.push_at()}));
+  }
+  if (!dma_.empty()) at = std::min(at, std::max(next, links_.dma_out.push_at()));
+  if (by_age_.size() < tiles_.size()) at = std::min(at, std::max(next, links_.tiles_in.pop_at()));
+  at = std::min(at, std::max(next, links_.hits_in.pop_at()));
+  at = std::min(at, std::max(next, links_.memory_in.pop_at()));
+  at = std::min(at, std::max(next, links_.dma_in.pop_at()));
+  return std::min(at, cache_.send_at(next, links_.memory_out));
+}
+
+std::string Srp::state() const {
+  std::string tiles;
+  for (const std::uint32_t t : by_age_) {
+    const TileRun& run = tiles_[t];
+    tiles += fmt::format("; tile {}:", run.work().tile);
+    for (std::uint32_t n = 0; n < run.nodes(); ++n) {
+      if (!run.complete(n)) tiles += fmt::format(" node {} {}/{}", n, run.done(n), run.node(n).items);
+    }
+  }
+  return fmt::format("{}, rays in T&I {}, ray slots {}/{}, feeds {}, DMA jobs {}{}",
+                     run_.active ? (run_.frozen == sim::kNever ? "running" : "frozen") : "array idle", rays_out_,
+                     buffer_.used(), buffer_.slots(), feeds_.size(), dma_.size(), tiles);
+}
+
+}  // namespace hw

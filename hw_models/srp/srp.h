@@ -1,0 +1,163 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hw_models/memory/l1_cache.h"
+#include "hw_models/srp/messages.h"
+#include "hw_models/srp/schedule.h"
+#include "hw_models/srp/srp_config.h"
+#include "hw_models/srp/srp_stats.h"
+#include "hw_models/srp/tile_buffer.h"
+#include "hw_models/srp/tile_run.h"
+#include "hw_models/tni/messages.h"
+#include "sim/activity.h"
+#include "sim/link.h"
+
+namespace hw {
+
+/// The shader core of a GPU core (SRP): works through the kernel launches of its tiles, feeds their rays to the T&I
+/// unit and moves finished tiles out.
+///
+///   tiles --> [ launches, oldest tile first, consumers before producers ] --> array: switch + depth + (n-1) II + stalls
+///   rays  <-- [ tile buffer: a slot for each ray and its hit ] <-- hits
+///
+/// A launch runs in chunks; each pays kernel switch (if the array holds another kernel), prologue and drain. A chunk
+/// starts only when its rays fit into free ray slots, and a younger tile's first rays leave room for the oldest tile's.
+/// If nothing can move any more, the oldest tile's launch starts anyhow and what does not fit goes out to memory and
+/// back. The array is scheduled statically: a data-cache line that is not there when its turn comes stalls all of it.
+/// Not modelled: VLIW mode between loops beyond the switch cost; tile-buffer bank conflicts.
+class Srp {
+ public:
+  enum class Why : std::uint8_t {
+    kStarved,    ///< no tile
+    kRunning,    ///< a kernel's loop is on the array
+    kSwitching,  ///< the array is being configured for another kernel
+    kCacheMiss,  ///< the array stands still for a line of the data cache
+    kWaiting,    ///< launches wait for rays in the T&I unit, or for the DMA
+    kNoSlots,    ///< a launch waits for free ray slots in the tile buffer
+    kCount
+  };
+  using Stats = SrpStats;
+  struct Links {
+    sim::Link<TileJob>& tiles_in;
+    sim::Link<TileDone>& tiles_out;
+    sim::Link<RayJob>& rays_out;
+    sim::Link<RayDone>& hits_in;
+    sim::Link<MemRequest>& memory_out;
+    sim::Link<MemResponse>& memory_in;
+    sim::Link<DmaJob>& dma_out;
+    sim::Link<DmaDone>& dma_in;
+  };
+  /// What the SRP knows of the frame.
+  struct Frame {
+    const traces::Layout* layout = nullptr;
+    std::span<const KernelSchedule> kernels;  ///< by KernelId
+    std::uint32_t tile_samples = 0;
+    std::uint32_t tile_bytes = 0;  ///< of a full tile in the frame buffer
+    sim::Time ray_interval = 0;    ///< the direct interface takes a ray this often
+    Addr spill = 0;                ///< where slots go that do not fit
+  };
+
+  Srp(const SrpConfig& config, const TileBufferConfig& buffer, const Frame& frame, Links links, std::uint16_t port,
+      sim::Clock clock);
+  Srp(const Srp&) = delete;
+  Srp& operator=(const Srp&) = delete;
+
+  sim::Time tick(sim::Time now);
+  const sim::Clock& clock() const { return clock_; }
+  const Stats& stats() const { return stats_; }
+  const sim::Activity<Why>& activity() const { return activity_; }
+  const TileBuffer& tile_buffer() const { return buffer_; }
+  std::span<const KernelUse> kernel_use() const { return kernel_use_; }
+  void finish(sim::Time end);
+  std::string state() const;
+
+ private:
+  /// The chunk on the array. Array time stands still while the array is frozen.
+  struct Run {
+    bool active = false;
+    std::uint32_t tile = 0, node = 0;
+    std::uint32_t first = 0, items = 0;
+    sim::Time begin = 0;         ///< switch begins
+    sim::Time start = 0;         ///< loop begins
+    sim::Time stalled = 0;       ///< time frozen so far
+    sim::Time frozen = sim::kNever;  ///< frozen since
+    std::uint32_t next_item = 0;     ///< next to touch the data cache
+    std::uint32_t next_line = 0;     ///< of that item
+    const KernelSchedule* kernel = nullptr;
+  };
+  /// An item whose lines have not all come yet.
+  struct Load {
+    sim::Time needed = 0;  ///< array time
+    std::uint32_t slot = 0;
+  };
+  struct Feed {
+    std::uint32_t tile = 0, batch = 0, next = 0;
+    std::uint64_t after_spill = 0;  ///< spill transfers that must be done first
+  };
+
+  void take_tile(sim::Time now);
+  void take_hit(sim::Time now);
+  void take_line(sim::Time now);
+  void take_dma(sim::Time now);
+  void run_array(sim::Time now);
+  bool touch_cache(sim::Time now);
+  bool loads_in_time(sim::Time now);
+  void collect_lines(const traces::WorkNode& node, std::uint32_t item);
+  void finish_chunk(sim::Time now);
+  void start_chunk(sim::Time now);
+  bool fits(std::uint32_t tile, std::uint32_t node) const;
+  void begin_chunk(sim::Time now, std::uint32_t tile, std::uint32_t node);
+  void queue_transfers(std::uint32_t tile);
+  void end_tile(sim::Time now, std::uint32_t tile);
+  void feed_ray(sim::Time now);
+  void freeze(sim::Time now) { run_.frozen = now; }
+  sim::Time array_time(sim::Time now) const {
+    return (run_.frozen != sim::kNever ? run_.frozen : now) - run_.start - run_.stalled;
+  }
+  /// When item `item` of the present chunk has left the array, if nothing more stalls.
+  sim::Time leaves_at(std::uint32_t item) const {
+    return run_.start + run_.stalled + (run_.kernel->depth + sim::Time{item} * run_.kernel->ii) * clock_.period();
+  }
+  /// When the ray at the head of a feed can go; kNever if nothing is known.
+  sim::Time feed_at(const Feed& feed) const;
+  Why why(sim::Time now) const;
+  sim::Time next_wake(sim::Time now) const;
+
+  const SrpConfig config_;
+  const sim::Clock clock_;
+  const Frame frame_;
+  Links links_;
+  TileBuffer buffer_;
+  L1Cache cache_;
+  std::vector<TileRun> tiles_;
+  std::vector<std::uint32_t> by_age_;  ///< active tiles, oldest first
+  Run run_;
+  std::deque<Load> loads_;
+  std::uint64_t missing_ = 0;          ///< slots of items that wait for lines
+  std::vector<std::uint32_t> lines_missing_;  ///< per slot
+  std::vector<Addr> item_lines_;
+  bool full_ = false;                  ///< frozen for want of a miss register
+  bool look_ = false;                  ///< something happened that may let a launch start
+  bool blocked_ = false;               ///< a launch found no ray slots
+  std::uint32_t configured_ = 0xffffffffU;  ///< kernel on the array
+  std::vector<Feed> feeds_;
+  sim::Time feed_free_at_ = 0;
+  std::uint64_t rays_out_ = 0;         ///< in the T&I unit
+  std::deque<DmaJob> dma_;
+  std::uint64_t spills_asked_ = 0, spills_done_ = 0;
+  std::vector<KernelUse> kernel_use_;
+  Stats stats_;
+  sim::Activity<Why> activity_;
+};
+
+constexpr std::array<std::string_view, 6> names_of(Srp::Why) {
+  return {"starved", "running", "switching", "cache_miss", "waiting", "no_slots"};
+}
+
+}  // namespace hw

@@ -1,0 +1,106 @@
+#pragma once
+#include <cstdint>
+#include <string>
+
+#include "hw_models/memory/cache_config.h"
+#include "sim/config/field.h"
+
+namespace hw {
+
+/// The array of functional units (FUs): all of them add, compare, shift and convert; the first `mul_units` also
+/// multiply and the first `div_sqrt_units` also divide and take square roots.
+struct ArrayConfig {
+  std::uint32_t rows = 4;
+  std::uint32_t columns = 4;
+  std::uint32_t mul_units = 16;
+  std::uint32_t div_sqrt_units = 4;
+  std::uint32_t local_ports = 4;
+  std::uint32_t cache_ports = 1;
+
+  static void describe(auto& c, auto&& field) {
+    using sim::Affects;
+    field(c.rows, "rows", "units", "rows of functional units", sim::between(1, 16), Affects::kTiming);
+    field(c.columns, "columns", "units", "functional units of a row", sim::between(1, 16), Affects::kTiming);
+    field(c.mul_units, "mul_units", "units", "functional units with a multiplier", sim::between(1, 256),
+          Affects::kTiming);
+    field(c.div_sqrt_units, "div_sqrt_units", "units", "functional units with a divider and square root",
+          sim::between(1, 256), Affects::kTiming);
+    field(c.local_ports, "local_ports", "ports", "16-byte loads or stores of local memory a cycle", sim::between(1, 16),
+          Affects::kTiming);
+    field(c.cache_ports, "cache_ports", "ports", "16-byte loads through the data cache a cycle", sim::between(1, 16),
+          Affects::kTiming);
+  }
+  void check(auto&& complain) const {
+    const std::string all = " of " + std::to_string(units()) + " functional units";
+    if (mul_units > units()) complain("mul_units", std::to_string(mul_units) + all + " cannot have a multiplier");
+    if (div_sqrt_units > units()) {
+      complain("div_sqrt_units", std::to_string(div_sqrt_units) + all + " cannot have a divider");
+    }
+  }
+
+  std::uint32_t units() const { return rows * columns; }
+};
+
+/// Cycles from an operation's issue to its result's use.
+struct OpLatencyConfig {
+  std::uint32_t fp_add = 2;
+  std::uint32_t fp_mul = 2;
+  std::uint32_t fp_compare = 1;
+  std::uint32_t div_sqrt = 16;
+  std::uint32_t div_sqrt_interval = 1;  // pipelined, as the unit whose latency, area and energy we use (SimTRaX)
+  std::uint32_t integer = 1;
+  std::uint32_t int_mul = 2;
+  std::uint32_t convert = 1;
+  std::uint32_t local_load = 6;
+  std::uint32_t cached_load = 16;
+
+  static void describe(auto& c, auto&& field) {
+    using sim::Affects;
+    const auto cycles = sim::between(1, 64);
+    field(c.fp_add, "fp_add", "cycles", "floating-point addition and subtraction", cycles, Affects::kTiming);
+    field(c.fp_mul, "fp_mul", "cycles", "floating-point multiplication", cycles, Affects::kTiming);
+    field(c.fp_compare, "fp_compare", "cycles", "floating-point comparison, minimum, maximum", cycles,
+          Affects::kTiming);
+    field(c.div_sqrt, "div_sqrt", "cycles", "division and square root", cycles, Affects::kTiming);
+    field(c.div_sqrt_interval, "div_sqrt_interval", "cycles",
+          "a division or square root keeps its functional unit this long (1: pipelined)", cycles, Affects::kTiming);
+    field(c.integer, "integer", "cycles", "integer addition and comparison, logic, shift, select", cycles,
+          Affects::kTiming);
+    field(c.int_mul, "int_mul", "cycles", "integer multiplication", cycles, Affects::kTiming);
+    field(c.convert, "convert", "cycles", "between float and integer, floor", cycles, Affects::kTiming);
+    field(c.local_load, "local_load", "cycles", "load from tile buffer or kernel data", cycles, Affects::kTiming);
+    field(c.cached_load, "cached_load", "cycles", "load that hits the data cache, its queue included", cycles,
+          Affects::kTiming);
+  }
+};
+
+/// The shader core: an array that runs kernels as software-pipelined loops.
+struct SrpConfig {
+  ArrayConfig array;
+  OpLatencyConfig latency;
+  std::uint32_t switch_cycles = 100;
+  std::uint32_t chunk = 256;
+  CacheConfig data_cache;
+  sim::ByteSize kernel_data{64 * 1024};
+  sim::ByteSize config_memory{36 * 1024};
+
+  static void describe(auto& c, auto&& field) {
+    using sim::Affects;
+    field.group(c.array, "array", "functional units and memory ports");
+    field.group(c.latency, "latency", "of operations and loads");
+    field(c.switch_cycles, "switch_cycles", "cycles", "to another kernel on the array", sim::between(0, 100'000),
+          Affects::kTiming);
+    field(c.chunk, "chunk", "items", "items of a launch that run as one loop", sim::between(1, 65536),
+          Affects::kTiming);
+    field.group(c.data_cache, "data_cache", "attributes, materials and textures");
+    field(c.kernel_data, "kernel_data", "bytes", "local memory for kernel data beside the tile buffer (it leaks)",
+          sim::between(0, 16 << 20), Affects::kEnergy);
+    field(c.config_memory, "config_memory", "bytes", "configuration memory of the array (it leaks)",
+          sim::between(0, 16 << 20), Affects::kEnergy);
+  }
+
+  /// Storage that leaks; the tile buffer counts apart.
+  std::uint64_t sram_bytes() const { return data_cache.size.bytes + kernel_data.bytes + config_memory.bytes; }
+};
+
+}  // namespace hw

@@ -1,0 +1,98 @@
+#pragma once
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+#include "sim/activity.h"
+#include "sim/config/field.h"
+#include "sim/time.h"
+
+namespace hw {
+
+/// The on-chip memory of a core that holds everything its tiles in flight need.
+struct TileBufferConfig {
+  sim::ByteSize size{64 * 1024};
+  std::uint32_t tiles_in_flight = 3;
+  std::uint32_t slot_bytes = 64;
+  std::uint32_t colour_bytes = 16;
+
+  static void describe(auto& c, auto&& field) {
+    using sim::Affects;
+    field(c.size, "size", "bytes", "storage of one core's tile buffer", sim::between(1024, 16 << 20), Affects::kTiming);
+    field(c.tiles_in_flight, "tiles_in_flight", "tiles", "tiles a core works on at once", sim::between(1, 16),
+          Affects::kTiming);
+    field(c.slot_bytes, "slot_bytes", "bytes", "a ray and the place reserved for its hit", sim::between(16, 256),
+          Affects::kTiming);
+    field(c.colour_bytes, "colour_bytes", "bytes", "colour accumulator of a sample", sim::between(4, 64),
+          Affects::kTiming);
+  }
+};
+
+/// Keeps account of the tile buffer: ray slots taken and given back, and the 16-byte accesses that cost energy.
+/// A ray is made only into a free slot, which is also the place reserved for its hit; so hits never wait.
+/// Not modelled: bank conflicts (the SRP's schedule limits accesses by its memory ports).
+class TileBuffer {
+ public:
+  enum class Why : std::uint8_t { kIdle, kInUse, kCount };
+  struct Stats {
+    std::uint64_t reads = 0, writes = 0;
+    std::uint64_t slots_taken = 0, slots_peak = 0, spilled_slots = 0;
+    static void describe(auto& s, auto&& counter) {
+      counter(s.reads, "reads", "16-byte reads", "tile.read");
+      counter(s.writes, "writes", "16-byte writes", "tile.write");
+      counter(s.slots_taken, "slots_taken", "ray slots taken");
+      counter(s.slots_peak, "slots_peak", "most ray slots in use at once");
+      counter(s.spilled_slots, "spilled_slots", "ray slots that did not fit and went through memory");
+    }
+  };
+
+  /// `samples`: of a full tile; their colours are set aside for every tile in flight.
+  TileBuffer(const TileBufferConfig& config, std::uint32_t samples, sim::Clock clock)
+      : clock_(clock), slot_bytes_(config.slot_bytes) {
+    const std::uint64_t colours = std::uint64_t{config.tiles_in_flight} * samples * config.colour_bytes;
+    slots_ = config.size.bytes > colours ? (config.size.bytes - colours) / config.slot_bytes : 0;
+  }
+
+  std::uint64_t free() const { return used_ < slots_ ? slots_ - used_ : 0; }
+  std::uint64_t used() const { return used_; }
+  std::uint64_t slots() const { return slots_; }
+  std::uint32_t slot_bytes() const { return slot_bytes_; }
+
+  /// Takes `n` slots; returns how many of them do not fit.
+  std::uint64_t take(std::uint64_t n) {
+    const std::uint64_t spilled = n - std::min(n, free());
+    used_ += n;
+    stats_.slots_taken += n;
+    stats_.slots_peak = std::max(stats_.slots_peak, used_);
+    stats_.spilled_slots += spilled;
+    return spilled;
+  }
+  void give_back(std::uint64_t n) { used_ -= n; }
+
+  void read(std::uint64_t accesses) { stats_.reads += accesses; }
+  void write(std::uint64_t accesses) { stats_.writes += accesses; }
+
+  /// From `now` on the buffer is in use, or not.
+  void in_use(sim::Time now, bool used) {
+    const Why why = used ? Why::kInUse : Why::kIdle;
+    activity_.spend(now, clock_.period(), why, why);
+  }
+  void finish(sim::Time end) { activity_.finish(end); }
+
+  const sim::Clock& clock() const { return clock_; }
+  const Stats& stats() const { return stats_; }
+  const sim::Activity<Why>& activity() const { return activity_; }
+
+ private:
+  sim::Clock clock_;
+  std::uint32_t slot_bytes_;
+  std::uint64_t slots_ = 0;
+  std::uint64_t used_ = 0;
+  Stats stats_;
+  sim::Activity<Why> activity_;
+};
+
+constexpr std::array<std::string_view, 2> names_of(TileBuffer::Why) { return {"idle", "in_use"}; }
+
+}  // namespace hw

@@ -1,0 +1,103 @@
+#include "hw_models/srp/tile_run.h"
+
+#include <algorithm>
+#include <cassert>
+
+namespace hw {
+
+using traces::Edge;
+using traces::WorkNode;
+
+void TileRun::begin(const traces::TileWork& work, std::uint32_t chunk) {
+  work_ = &work;
+  chunk_ = chunk;
+  nodes_left_ = static_cast<std::uint32_t>(work.nodes.size());
+  if (progress_.size() < work.nodes.size()) progress_.resize(work.nodes.size());
+  batch_of_ray_.resize(work.ray_begin.size());
+  for (std::uint32_t n = 0; n < nodes(); ++n) {
+    Progress& p = progress_[n];
+    p.done = p.prefix = p.readers = 0;
+    p.batches.clear();
+    p.chunk_left.clear();
+    const WorkNode& w = node(n);
+    if (w.kind == WorkNode::Kind::kRays) {
+      assert(w.inputs.size() == 1 && w.inputs.front().kind == Edge::Kind::kEach && "rays come from one launch each");
+      progress_[producer(n)].batches.push_back(n);
+      for (std::uint32_t left = w.items; left > 0; left -= std::min(left, chunk)) {
+        p.chunk_left.push_back(std::min(left, chunk));
+      }
+      std::fill_n(batch_of_ray_.begin() + w.first, w.items, static_cast<std::uint16_t>(n));
+    } else {
+      for (const Edge& e : w.inputs) {
+        if (node(e.node).kind == WorkNode::Kind::kRays) progress_[e.node].readers += 1;
+      }
+    }
+  }
+}
+
+std::uint32_t TileRun::available(std::uint32_t n, const Edge& edge) const {
+  const Progress& from = progress_[edge.node];
+  if (edge.kind == Edge::Kind::kAll) return complete(edge.node) ? node(n).items : 0;
+  const std::uint32_t prefix = node(edge.node).kind == WorkNode::Kind::kRays ? from.prefix : from.done;
+  const std::uint32_t map = node(n).sources;
+  if (map == WorkNode::kNone) return prefix;
+  const auto first = work_->sources.begin() + map;
+  return static_cast<std::uint32_t>(std::lower_bound(first, first + node(n).items, prefix) - first);
+}
+
+std::uint32_t TileRun::chunk_items(std::uint32_t n) const { return std::min(chunk_, node(n).items - done(n)); }
+
+bool TileRun::ready(std::uint32_t n) const {
+  if (complete(n)) return false;
+  const std::uint32_t want = done(n) + chunk_items(n);
+  return std::ranges::all_of(node(n).inputs, [&](const Edge& e) { return available(n, e) >= want; });
+}
+
+std::uint32_t TileRun::rays_made(std::uint32_t n, std::uint32_t first, std::uint32_t items) const {
+  std::uint32_t rays = 0;
+  for (const std::uint32_t batch : batches_of(n)) {
+    const WorkNode& w = node(batch);
+    if (w.sources == WorkNode::kNone) {
+      rays += items;
+      continue;
+    }
+    const auto begin = work_->sources.begin() + w.sources;
+    const auto low = std::lower_bound(begin, begin + w.items, first);
+    rays += static_cast<std::uint32_t>(std::lower_bound(low, begin + w.items, first + items) - low);
+  }
+  return rays;
+}
+
+std::uint32_t TileRun::finish_items(std::uint32_t n, std::uint32_t items) {
+  progress_[n].done += items;
+  assert(progress_[n].done <= node(n).items);
+  if (!complete(n)) return 0;
+  nodes_left_ -= 1;
+  std::uint32_t freed = 0;
+  for (const Edge& e : node(n).inputs) {
+    if (node(e.node).kind != WorkNode::Kind::kRays) continue;
+    if (--progress_[e.node].readers == 0) freed += node(e.node).items;
+  }
+  return freed;
+}
+
+bool TileRun::finish_ray(std::uint32_t ray) {
+  const std::uint32_t n = batch_of(ray);
+  Progress& p = progress_[n];
+  const std::uint32_t index = ray - node(n).first;
+  p.done += 1;
+  bool news = false;
+  if (--p.chunk_left[index / chunk_] == 0) {
+    while (p.prefix < node(n).items && p.chunk_left[p.prefix / chunk_] == 0) {
+      p.prefix = std::min(p.prefix + chunk_, node(n).items);
+      news = true;
+    }
+  }
+  if (p.done == node(n).items) {
+    nodes_left_ -= 1;
+    news = true;
+  }
+  return news;
+}
+
+}  // namespace hw

@@ -1,0 +1,73 @@
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "traces/stream.h"
+
+namespace hw {
+
+/// A tile in flight: how far each node of its graph of work has come. Plain bookkeeping; time is the SRP's business.
+class TileRun {
+ public:
+  /// `chunk`: items of a launch that run together; a launch's next chunk is ready when all inputs of its items are.
+  void begin(const traces::TileWork& work, std::uint32_t chunk);
+  void end() { work_ = nullptr; }
+
+  bool active() const { return work_ != nullptr; }
+  const traces::TileWork& work() const { return *work_; }
+  const traces::WorkNode& node(std::uint32_t n) const { return work_->nodes[n]; }
+  std::uint32_t nodes() const { return static_cast<std::uint32_t>(work_->nodes.size()); }
+  std::uint32_t done(std::uint32_t n) const { return progress_[n].done; }
+  bool complete(std::uint32_t n) const { return progress_[n].done == node(n).items; }
+  bool all_complete() const { return nodes_left_ == 0; }
+
+  /// The launch to run next: the latest node whose next chunk is ready, so that consumers go before producers.
+  /// `usable(n)` may refuse one. kNone if there is none.
+  template <class Usable>
+  std::uint32_t next_launch(Usable&& usable) const {
+    for (std::uint32_t n = nodes(); n-- > 0;) {
+      if (node(n).kind == traces::WorkNode::Kind::kLaunch && ready(n) && usable(n)) return n;
+    }
+    return kNone;
+  }
+  /// Items of launch `n` that its next chunk holds.
+  std::uint32_t chunk_items(std::uint32_t n) const;
+  /// Item of its producing launch that ray `i` of batch `n` comes from.
+  std::uint32_t source(std::uint32_t n, std::uint32_t i) const {
+    const std::uint32_t map = node(n).sources;
+    return map == traces::WorkNode::kNone ? i : work_->sources[map + i];
+  }
+  /// The launch that makes the rays of batch `n`.
+  std::uint32_t producer(std::uint32_t n) const { return node(n).inputs.front().node; }
+  /// Batches made by launch `n`.
+  const std::vector<std::uint32_t>& batches_of(std::uint32_t n) const { return progress_[n].batches; }
+  /// Rays that items [first, first + items) of launch `n` make, over all its batches.
+  std::uint32_t rays_made(std::uint32_t n, std::uint32_t first, std::uint32_t items) const;
+  std::uint32_t batch_of(std::uint32_t ray) const { return batch_of_ray_[ray]; }
+
+  /// `items` more items of a launch (or the whole transfer) are finished. Returns ray slots that nobody reads any more.
+  std::uint32_t finish_items(std::uint32_t n, std::uint32_t items);
+  /// Ray `ray` of the tile has come back. True if that may have made a launch ready.
+  bool finish_ray(std::uint32_t ray);
+
+  static constexpr std::uint32_t kNone = 0xffffffffU;
+
+ private:
+  struct Progress {
+    std::uint32_t done = 0;
+    std::uint32_t prefix = 0;   ///< rays: leading items all of which are done, in whole chunks
+    std::uint32_t readers = 0;  ///< rays: launches that still read their slots
+    std::vector<std::uint32_t> batches;
+    std::vector<std::uint32_t> chunk_left;  ///< rays: items of each chunk still out
+  };
+  bool ready(std::uint32_t n) const;
+  std::uint32_t available(std::uint32_t n, const traces::Edge& edge) const;
+
+  const traces::TileWork* work_ = nullptr;
+  std::uint32_t chunk_ = 1;
+  std::uint32_t nodes_left_ = 0;
+  std::vector<Progress> progress_;
+  std::vector<std::uint16_t> batch_of_ray_;
+};
+
+}  // namespace hw

@@ -1,0 +1,69 @@
+#include "hw_models/tni/ray_dispatcher.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+namespace hw {
+
+RayDispatcher::RayDispatcher(std::uint32_t rays_per_trv, std::uint32_t hit_interval, Links links, sim::Clock clock)
+    : clock_(clock),
+      rays_per_trv_(rays_per_trv),
+      hit_interval_(hit_interval),
+      links_(std::move(links)),
+      load_(links_.to_trv.size()) {}
+
+sim::Time RayDispatcher::tick(sim::Time now) {
+  collect(now);
+  const bool dispatched = dispatch(now);
+  const Why then = load_[emptiest()] == rays_per_trv_ ? Why::kTrvsFull : Why::kStarved;
+  activity_.spend(now, clock_.period(), dispatched ? Why::kDispatching : then, then);
+  return next_wake(now);
+}
+
+std::size_t RayDispatcher::emptiest() const {
+  return static_cast<std::size_t>(std::ranges::min_element(load_) - load_.begin());
+}
+
+bool RayDispatcher::dispatch(sim::Time now) {
+  if (!links_.rays_in.can_pop(now)) return false;
+  const std::size_t trv = emptiest();
+  if (load_[trv] == rays_per_trv_ || !links_.to_trv[trv]->can_push(now)) return false;
+  links_.to_trv[trv]->push(now, links_.rays_in.pop(now));
+  load_[trv] += 1;
+  stats_.rays_in += 1;
+  return true;
+}
+
+void RayDispatcher::collect(sim::Time now) {
+  if (now < collect_at_ || !links_.hits_out.can_push(now)) return;
+  const std::size_t trvs = links_.from_trv.size();
+  for (std::size_t k = 0; k < trvs; ++k) {
+    const std::size_t trv = (collect_turn_ + k) % trvs;
+    if (!links_.from_trv[trv]->can_pop(now)) continue;
+    collect_turn_ = (trv + 1) % trvs;
+    links_.hits_out.push(now, links_.from_trv[trv]->pop(now));
+    load_[trv] -= 1;
+    stats_.hits_out += 1;
+    collect_at_ = clock_.after(now, hit_interval_);
+    return;
+  }
+}
+
+sim::Time RayDispatcher::next_wake(sim::Time now) const {
+  const sim::Time next = clock_.after(now, 1);
+  sim::Time at = sim::kNever;
+  const std::size_t trv = emptiest();
+  if (load_[trv] < rays_per_trv_) {
+    at = std::max({next, links_.rays_in.pop_at(), links_.to_trv[trv]->push_at()});
+  }
+  for (const sim::Link<RayDone>* link : links_.from_trv) {
+    at = std::min(at, std::max({next, collect_at_, link->pop_at(), links_.hits_out.push_at()}));
+  }
+  return at;
+}
+
+std::string RayDispatcher::state() const { return fmt::format("rays inside the TRVs: {}", fmt::join(load_, " ")); }
+
+}  // namespace hw

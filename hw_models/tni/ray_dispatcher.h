@@ -1,0 +1,72 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hw_models/tni/messages.h"
+#include "sim/activity.h"
+#include "sim/link.h"
+
+namespace hw {
+
+/// The front door of a T&I unit: hands rays to the traversal unit with the fewest rays inside, and collects finished
+/// rays from all of them.
+///
+///   ray FIFO --> [one ray a cycle] --> TRV with the emptiest input buffer
+///   hit FIFO <-- [one hit every `hit_interval` cycles] <-- TRVs, round robin
+///
+/// How full a TRV is, it knows from its own count of rays sent and returned.
+class RayDispatcher {
+ public:
+  enum class Why : std::uint8_t { kStarved, kDispatching, kTrvsFull, kCount };
+  struct Stats {
+    std::uint64_t rays_in = 0, hits_out = 0;
+    static void describe(auto& s, auto&& counter) {
+      counter(s.rays_in, "rays_in", "rays dispatched", "tni.ray_setup");
+      counter(s.hits_out, "hits_out", "hits sent back", "tni.ray_route");
+    }
+  };
+  struct Links {
+    sim::Link<RayJob>& rays_in;
+    sim::Link<RayDone>& hits_out;
+    std::vector<sim::Link<RayJob>*> to_trv;
+    std::vector<sim::Link<RayDone>*> from_trv;
+  };
+
+  /// `rays_per_trv`: slots of a TRV's input buffer.
+  RayDispatcher(std::uint32_t rays_per_trv, std::uint32_t hit_interval, Links links, sim::Clock clock);
+  RayDispatcher(const RayDispatcher&) = delete;
+  RayDispatcher& operator=(const RayDispatcher&) = delete;
+
+  sim::Time tick(sim::Time now);
+  const sim::Clock& clock() const { return clock_; }
+  const Stats& stats() const { return stats_; }
+  const sim::Activity<Why>& activity() const { return activity_; }
+  void finish(sim::Time end) { activity_.finish(end); }
+  bool idle() const { return stats_.rays_in == stats_.hits_out; }
+  std::string state() const;
+
+ private:
+  bool dispatch(sim::Time now);
+  void collect(sim::Time now);
+  std::size_t emptiest() const;
+  sim::Time next_wake(sim::Time now) const;
+
+  const sim::Clock clock_;
+  const std::uint32_t rays_per_trv_;
+  const std::uint32_t hit_interval_;
+  Links links_;
+  std::vector<std::uint32_t> load_;  ///< rays inside each TRV
+  std::size_t collect_turn_ = 0;
+  sim::Time collect_at_ = 0;
+  Stats stats_;
+  sim::Activity<Why> activity_;
+};
+
+constexpr std::array<std::string_view, 3> names_of(RayDispatcher::Why) {
+  return {"starved", "dispatching", "trvs_full"};
+}
+
+}  // namespace hw

@@ -1,0 +1,89 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+#include "hw_models/memory/cache_tags.h"
+#include "sim/config/field.h"
+
+namespace hw {
+
+/// Where a ray keeps the far children it still has to visit.
+enum class StackScheme : std::uint8_t {
+  kFull,         ///< as deep as needed
+  kRestartLink,  ///< short: when full the oldest entry is dropped and a link to its node kept; when the short stack is
+                 ///< empty and entries were dropped, traversal starts again from that node (US patent 9,275,494)
+};
+constexpr std::array<std::string_view, 2> names_of(StackScheme) { return {"full", "restart_link"}; }
+
+/// One traversal unit.
+struct TrvConfig {
+  std::uint32_t rays = 32;
+  std::uint32_t box_latency = 12;
+  std::uint32_t leaf_latency = 4;
+  std::uint32_t stack_latency = 2;
+  StackScheme stack = StackScheme::kRestartLink;
+  std::uint32_t stack_entries = 8;
+  CacheConfig l1;
+
+  static void describe(auto& c, auto&& field) {
+    using sim::Affects;
+    field(c.rays, "rays", "rays", "rays held at once (input buffer)", sim::between(1, 64), Affects::kTiming);
+    field(c.box_latency, "box_latency", "cycles", "pipeline depth of the test of both child boxes", sim::between(1, 40),
+          Affects::kTiming);
+    field(c.leaf_latency, "leaf_latency", "cycles", "leaf sub-pipe, from leaf to the intersection unit's buffer",
+          sim::between(1, 16), Affects::kTiming);
+    field(c.stack_latency, "stack_latency", "cycles", "stack sub-pipe, one pop", sim::between(1, 16), Affects::kTiming);
+    field(c.stack, "stack", "", "where far children wait", sim::any(), Affects::kWalk);
+    field(c.stack_entries, "stack_entries", "entries", "short stack depth per ray (restart_link)", sim::between(1, 64),
+          Affects::kWalk);
+    field.group(c.l1, "l1", "private node cache");
+  }
+  /// Input buffer and stacks: 96-byte ray records, 8-byte stack entries.
+  std::uint64_t sram_bytes() const { return l1.size.bytes + std::uint64_t{rays} * (96 + 8 * std::uint64_t{stack_entries}); }
+};
+
+/// One intersection unit.
+struct IstConfig {
+  std::uint32_t leaves = 32;
+  std::uint32_t distance_stage = 8;
+  std::uint32_t barycentric_stage = 16;
+  std::uint32_t latency = 22;
+  CacheConfig l1;
+
+  static void describe(auto& c, auto&& field) {
+    using sim::Affects;
+    field(c.leaves, "leaves", "leaves", "leaves held at once (input buffer)", sim::between(1, 64), Affects::kTiming);
+    field(c.distance_stage, "distance_stage", "cycles", "stage after which a test that fails on distance is known",
+          sim::between(1, 40), Affects::kTiming);
+    field(c.barycentric_stage, "barycentric_stage", "cycles", "stage after which a test that fails on the edges is known",
+          sim::between(1, 40), Affects::kTiming);
+    field(c.latency, "latency", "cycles", "pipeline depth of a triangle test that hits", sim::between(1, 40),
+          Affects::kTiming);
+    field.group(c.l1, "l1", "triangle cache");
+  }
+  void check(auto&& complain) const {
+    if (distance_stage > barycentric_stage || barycentric_stage > latency)
+      complain("latency", "the stages must rise: distance_stage <= barycentric_stage <= latency");
+  }
+  std::uint64_t sram_bytes() const { return l1.size.bytes + std::uint64_t{leaves} * 96; }
+};
+
+/// A traversal & intersection unit: one ray dispatcher, several traversal units, one intersection unit.
+struct TniConfig {
+  std::uint32_t trvs = 4;
+  std::uint32_t link_depth = 2;
+  TrvConfig trv;
+  IstConfig ist;
+
+  static void describe(auto& c, auto&& field) {
+    using sim::Affects;
+    field(c.trvs, "trvs", "units", "traversal units", sim::between(1, 16), Affects::kTiming);
+    field(c.link_depth, "link_depth", "entries", "slots of each link inside the unit", sim::between(1, 64),
+          Affects::kTiming);
+    field.group(c.trv, "trv", "traversal unit");
+    field.group(c.ist, "ist", "intersection unit");
+  }
+};
+
+}  // namespace hw

@@ -1,0 +1,65 @@
+#pragma once
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+
+#include "sim/time.h"
+
+namespace hw {
+
+/// Fixed-latency pipelines of one unit, all at once: "slot s comes out of pipe p at cycle c", kept as one bit mask per
+/// pipe and cycle. A unit that holds up to 64 slots needs no queue per pipe.
+template <std::size_t kPipes>
+class Wheel {
+ public:
+  static constexpr std::uint64_t kSpan = 64;  ///< latencies must be shorter than this
+  using Masks = std::array<std::uint64_t, kPipes>;
+
+  explicit Wheel(sim::Clock clock) : clock_(clock) {}
+
+  /// Moves to `now` (an edge). At most one non-empty cycle lies between two calls: next() says when.
+  void advance(sim::Time now) {
+    const sim::Time gap = now - now_;
+    cycle_ += gap == clock_.period() ? 1 : clock_.cycles(gap);
+    now_ = now;
+  }
+  /// What comes out at the present cycle; empties it.
+  Masks take() {
+    const std::uint64_t bin = cycle_ % kSpan;
+    Masks out{};
+    if ((occupied_ >> bin) & 1U) {
+      out = bins_[bin];
+      bins_[bin] = {};
+      occupied_ &= ~(std::uint64_t{1} << bin);
+    }
+    return out;
+  }
+  void put(std::size_t pipe, std::uint32_t slot, std::uint64_t latency) {
+    const std::uint64_t bin = (cycle_ + latency) % kSpan;
+    bins_[bin][pipe] |= std::uint64_t{1} << slot;
+    occupied_ |= std::uint64_t{1} << bin;
+  }
+  /// When the next slot comes out; kNever if the pipes are empty.
+  sim::Time next() const {
+    if (occupied_ == 0) return sim::kNever;
+    const int shift = static_cast<int>(cycle_ % kSpan);
+    return now_ + static_cast<sim::Time>(std::countr_zero(std::rotr(occupied_, shift))) * clock_.period();
+  }
+  std::uint64_t cycle() const { return cycle_; }
+  bool empty() const { return occupied_ == 0; }
+
+ private:
+  sim::Clock clock_;
+  sim::Time now_ = 0;
+  std::uint64_t cycle_ = 0;
+  std::uint64_t occupied_ = 0;
+  std::array<Masks, kSpan> bins_{};
+};
+
+/// Round robin over a mask: the first set bit at or after `from`, wrapping. `mask` must not be 0.
+inline std::uint32_t pick(std::uint64_t mask, std::uint32_t from) {
+  return (from + static_cast<std::uint32_t>(std::countr_zero(std::rotr(mask, static_cast<int>(from))))) % 64;
+}
+
+}  // namespace hw

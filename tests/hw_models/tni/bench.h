@@ -1,0 +1,163 @@
+#pragma once
+#include <deque>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "hw_models/tni/tni.h"
+#include "sim/engine.h"
+#include "sim/link.h"
+#include "traces/walk.h"
+
+namespace hw::testing {
+
+/// A T&I unit on a bench: rays in as fast as it takes them, memory that answers after a fixed time, hits out.
+class TniBench {
+ public:
+  struct Setup {
+    TniConfig config;
+    std::uint32_t memory_latency = 50;  ///< cycles from request to line
+    std::vector<std::uint32_t> parents;
+    std::uint32_t fifo = 64;
+    std::uint32_t hit_interval = 1;
+    std::uint32_t drain_every = 1;  ///< cycles from one hit taken to the next
+  };
+
+  explicit TniBench(const Setup& setup)
+      : setup_(setup),
+        rays_in_(setup.fifo, 1, clock_),
+        hits_out_(setup.fifo, 1, clock_),
+        memory_(*this),
+        source_(*this) {
+    const std::uint32_t ports = setup.config.trvs + 1;
+    Tni::Links links{rays_in_, hits_out_, {}, {}};
+    for (std::uint32_t p = 0; p < ports; ++p) {
+      links.memory_out.push_back(&requests_.emplace_back(4, 1, clock_));
+      links.memory_in.push_back(&replies_.emplace_back(64, setup.memory_latency, clock_));
+    }
+    tni_ = std::make_unique<Tni>(setup.config, Tni::Scene{{0, 64, setup_.parents}, {1 << 20, 48}}, setup.hit_interval,
+                                 links, clock_);
+    wakes_.assign(4 + setup.config.trvs, 0);
+    std::vector<sim::Time*> trvs;
+    for (std::uint32_t i = 0; i < setup.config.trvs; ++i) trvs.push_back(&wakes_[4 + i]);
+    tni_->wakes(&wakes_[2], &wakes_[3], trvs);
+    rays_in_.wakes(&wakes_[0], &wakes_[2]);
+    hits_out_.wakes(&wakes_[2], &wakes_[0]);
+    for (std::uint32_t p = 0; p < ports; ++p) {
+      sim::Time* user = p < setup.config.trvs ? trvs[p] : &wakes_[3];
+      requests_[p].wakes(user, &wakes_[1]);
+      replies_[p].wakes(&wakes_[1], user);
+    }
+  }
+
+  TniBench& add(std::vector<std::uint32_t> walk, std::uint32_t times = 1) {
+    walks_.push_back(std::move(walk));
+    for (std::uint32_t i = 0; i < times; ++i) {
+      to_send_.push_back(RayJob{walks_.back().data(), static_cast<std::uint32_t>(to_send_.size())});
+    }
+    return *this;
+  }
+
+  // The machine, as the engine sees it.
+  template <class F>
+  void each_unit(F&& f) {
+    f(source_, 0);
+    f(memory_, 1);
+    f(tni_->dispatcher(), 2);
+    f(tni_->ist(), 3);
+    std::size_t i = 4;
+    for (Trv& trv : tni_->trvs()) f(trv, i++);
+  }
+  std::vector<sim::Time>& wakes() { return wakes_; }
+  bool done() const { return arrived_.size() == to_send_.size(); }
+  std::string state() const { return "bench"; }
+
+  template <sim::Skip kSkip = sim::Skip::kOn>
+  TniBench& run() {
+    return end(sim::run<kSkip>(*this));
+  }
+  TniBench& run_shuffled(std::uint64_t seed) { return end(sim::run_shuffled(*this, seed)); }
+
+  /// Cycles between the moment a ray could enter the unit and the moment its hit could leave.
+  std::uint64_t latency(std::size_t ray) const { return clock_.cycles(arrived_at_[ray] - sent_at_[ray]); }
+  /// Cycles from the first hit to the second.
+  std::uint64_t gap() const { return clock_.cycles(arrived_at_[1] - arrived_at_[0]); }
+  std::uint64_t span() const { return clock_.cycles(last_ - sent_at_.front()); }
+  const Tni& tni() const { return *tni_; }
+  const std::vector<std::uint32_t>& arrived() const { return arrived_; }
+  std::uint64_t lines_asked() const { return lines_asked_; }
+  const sim::Clock& clock() const { return clock_; }
+  sim::Time end_time() const { return end_; }
+
+ private:
+  struct Memory {
+    explicit Memory(TniBench& b) : bench(b) {}
+    const sim::Clock& clock() const { return bench.clock_; }
+    sim::Time tick(sim::Time now) {
+      const sim::Time next = bench.clock_.after(now, 1);
+      sim::Time at = sim::kNever;
+      for (std::size_t p = 0; p < bench.requests_.size(); ++p) {
+        if (bench.requests_[p].can_pop(now) && bench.replies_[p].can_push(now)) {
+          const MemRequest r = bench.requests_[p].pop(now);
+          bench.replies_[p].push(now, MemResponse{r.line, r.source, r.tag});
+          bench.lines_asked_ += 1;
+        }
+        at = std::min(at, std::max({next, bench.requests_[p].pop_at(), bench.replies_[p].push_at()}));
+      }
+      return at;
+    }
+    TniBench& bench;
+  };
+  struct Source {
+    explicit Source(TniBench& b) : bench(b) {}
+    const sim::Clock& clock() const { return bench.clock_; }
+    sim::Time tick(sim::Time now) {
+      TniBench& b = bench;
+      if (b.sent_ < b.to_send_.size() && b.rays_in_.can_push(now)) {
+        b.rays_in_.push(now, b.to_send_[b.sent_++]);
+        b.sent_at_.push_back(b.clock_.after(now, 1));
+      }
+      if (now >= b.drain_at_ && b.hits_out_.can_pop(now)) {
+        const std::uint32_t id = b.hits_out_.pop(now).id;
+        b.arrived_.push_back(id);
+        b.arrived_at_.resize(b.to_send_.size());
+        b.arrived_at_[id] = now;
+        b.last_ = now;
+        b.drain_at_ = b.clock_.after(now, b.setup_.drain_every);
+      }
+      const sim::Time next = b.clock_.after(now, 1);
+      sim::Time at = std::max({next, b.hits_out_.pop_at(), b.drain_at_});
+      if (b.sent_ < b.to_send_.size()) at = std::min(at, std::max(next, b.rays_in_.push_at()));
+      return at;
+    }
+    TniBench& bench;
+  };
+
+  TniBench& end(sim::Time last) {
+    end_ = clock_.after(last, 1);
+    tni_->dispatcher().finish(end_);
+    tni_->ist().finish(end_);
+    for (Trv& trv : tni_->trvs()) trv.finish(end_);
+    return *this;
+  }
+
+  Setup setup_;
+  sim::Clock clock_{2'000'000};
+  sim::Link<RayJob> rays_in_;
+  sim::Link<RayDone> hits_out_;
+  std::deque<sim::Link<MemRequest>> requests_;
+  std::deque<sim::Link<MemResponse>> replies_;
+  std::unique_ptr<Tni> tni_;
+  Memory memory_;
+  Source source_;
+  std::vector<sim::Time> wakes_;
+  std::deque<std::vector<std::uint32_t>> walks_;
+  std::vector<RayJob> to_send_;
+  std::size_t sent_ = 0;
+  std::vector<sim::Time> sent_at_, arrived_at_;
+  std::vector<std::uint32_t> arrived_;
+  sim::Time drain_at_ = 0, last_ = 0, end_ = 0;
+  std::uint64_t lines_asked_ = 0;
+};
+
+}  // namespace hw::testing

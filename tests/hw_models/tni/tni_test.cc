@@ -1,0 +1,291 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "sim/hash.h"
+#include "tests/hw_models/tni/bench.h"
+
+namespace hw {
+namespace {
+
+using testing::TniBench;
+using traces::cull_step;
+using traces::end_step;
+using traces::ExitPhase;
+using traces::leaf_step;
+using traces::visit_step;
+
+using Walk = std::vector<std::uint32_t>;
+
+constexpr std::uint32_t kHit = 3, kEdge = 2, kDistance = 1;
+
+/// `n` visits of nodes 0, 1, 2, ... that each hit one child, then a miss of the last.
+Walk straight(std::uint32_t n) {
+  Walk walk;
+  for (std::uint32_t i = 0; i + 1 < n; ++i) walk.push_back(visit_step(i, 1, 0));
+  walk.push_back(visit_step(n - 1, 0, 0));
+  walk.push_back(end_step(false));
+  return walk;
+}
+
+TniBench::Setup one_trv() {
+  TniBench::Setup s;
+  s.config.trvs = 1;
+  return s;
+}
+
+// From the FIFO to the FIFO: one wire to the TRV, one back to the dispatcher, one into the hit FIFO.
+constexpr std::uint64_t kWires = 3;
+
+TEST(Tni, ALoneRayOfNVisitsThatAllHitTakesWiresPlusNTimesFetchAndBox) {
+  for (const std::uint32_t n : {1U, 2U, 7U, 40U}) {
+    TniBench bench(one_trv());
+    bench.add(straight(n)).add(straight(n));  // the first one brings the lines
+    bench.run();
+    // The first ray's n misses each cost the way to memory and back and a second probe.
+    const std::uint64_t visit = 2 + 12;
+    const std::uint64_t miss = 1 + 50;
+    EXPECT_EQ(bench.latency(0), kWires + n * (visit + miss)) << n;
+  }
+  // Alone and warm: the same ray once more, after the others have left.
+  TniBench::Setup setup = one_trv();
+  setup.config.trv.rays = 1;
+  TniBench bench(setup);
+  bench.add(straight(10), 2).run();
+  EXPECT_EQ(bench.gap(), kWires - 1 + 10 * 14);
+}
+
+TEST(Tni, AFullPipeTakesOneVisitACycle) {
+  TniBench::Setup setup = one_trv();
+  setup.config.trv.rays = 64;
+  setup.memory_latency = 1;
+  TniBench bench(setup);
+  bench.add(straight(20), 2000).run();
+  const Trv& trv = bench.tni().trvs().front();
+  EXPECT_EQ(trv.stats().visits, 40000U);
+  EXPECT_GE(bench.span(), 40000U);
+  EXPECT_LE(bench.span(), 40000U + 400);
+}
+
+TEST(Tni, TooFewRaysBoundVisitsToRaysPerLatency) {
+  TniBench::Setup setup = one_trv();
+  setup.config.trv.rays = 7;
+  setup.memory_latency = 1;
+  TniBench bench(setup);
+  bench.add(straight(200), 70).run();
+  EXPECT_NEAR(static_cast<double>(bench.span()), 70.0 * 200 * 14 / 7, 0.02 * 70 * 200 * 14 / 7);
+}
+
+TEST(Tni, APopCostsTheStackLatencyAndEachCulledEntryOnceMore) {
+  const auto cycles = [](const Walk& walk) {
+    TniBench::Setup setup = one_trv();
+    setup.config.trv.rays = 1;
+    TniBench bench(setup);
+    bench.add(walk, 2).run();
+    return bench.gap();
+  };
+  const Walk down = {visit_step(0, 1, 0), visit_step(1, 1, 0), visit_step(2, 0, 0), end_step(false)};
+  const Walk popped = {visit_step(0, 3, 0), visit_step(1, 0, 0), visit_step(2, 0, 0), end_step(false)};
+  const Walk culled = {visit_step(0, 3, 0), visit_step(1, 3, 0), visit_step(2, 0, 0), cull_step(2), end_step(false)};
+  EXPECT_EQ(cycles(popped), cycles(down) + 2);
+  EXPECT_EQ(cycles(culled), cycles(down) + 2 * 2);
+}
+
+TEST(Tni, ATriangleTestEndsAtThePhaseThatFails) {
+  const auto cycles = [](std::uint32_t phases, std::uint32_t count) {
+    TniBench::Setup setup = one_trv();
+    setup.config.trv.rays = 1;
+    TniBench bench(setup);
+    bench.add(Walk{visit_step(0, 1, 0), leaf_step(0, count), phases, end_step(false)}, 2).run();
+    return bench.gap();
+  };
+  const std::uint64_t distance = cycles(kDistance, 1);
+  EXPECT_EQ(distance, kWires - 1 + 14 + 4 + 2 + 8 + 1);  // visit, leaf pipe, fetch, stage 8, wire back
+  EXPECT_EQ(cycles(kEdge, 1), distance + 8);
+  EXPECT_EQ(cycles(kHit, 1), distance + 14);
+  // Triangle 1 of 48 bytes straddles two lines: one more access, then it follows the first through the pipe.
+  EXPECT_EQ(cycles(kDistance | kDistance << 4, 2), distance + 2);
+  EXPECT_EQ(cycles(kHit | kDistance << 4, 2), distance + 14);
+}
+
+TEST(Tni, RaysToOneLineMergeIntoOneRequest) {
+  TniBench::Setup setup = one_trv();
+  TniBench bench(setup);
+  bench.add(Walk{visit_step(5, 0, 0), end_step(false)}, 20).run();
+  EXPECT_EQ(bench.lines_asked(), 1U);
+}
+
+TEST(Tni, AShortStackRestartsFromItsLinkAndVisitsThePathAgain) {
+  // A chain 0 -> 1 -> 2 -> 3 that pushes at each node; nothing is culled, so all four far children are popped.
+  const Walk walk = {visit_step(0, 3, 0), visit_step(1, 3, 0), visit_step(2, 3, 0), visit_step(3, 3, 0),
+                     visit_step(4, 0, 0), visit_step(5, 0, 0), visit_step(6, 0, 0), visit_step(7, 0, 0),
+                     visit_step(8, 0, 0), end_step(false)};
+  TniBench::Setup setup = one_trv();
+  setup.parents = {0, 0, 1, 2, 3, 3, 2, 1, 0};
+  setup.config.trv.stack_entries = 2;
+  TniBench bench(setup);
+  bench.add(walk).run();
+  const Trv::Stats& s = bench.tni().trvs().front().stats();
+  // Pops of nodes 3 and 2 are served; entries of 0 and 1 were dropped: from 0 down to 1 again, both held then.
+  EXPECT_EQ(s.restarts, 1U);
+  EXPECT_EQ(s.restarted_visits, 2U);
+  EXPECT_EQ(s.visits, 9U + 2U);
+  EXPECT_EQ(s.pops, 4U);
+
+  setup.config.trv.stack = StackScheme::kFull;
+  TniBench full(setup);
+  full.add(walk).run();
+  EXPECT_EQ(full.tni().trvs().front().stats().visits, 9U);
+  EXPECT_EQ(full.tni().trvs().front().stats().restarts, 0U);
+}
+
+/// A random tree of `nodes` inner nodes and rays that walk it with consistent stacks.
+struct RandomLoad {
+  std::vector<std::uint32_t> parents;
+  std::vector<Walk> walks;
+
+  explicit RandomLoad(std::uint64_t seed, std::uint32_t nodes = 400, std::uint32_t rays = 300) {
+    parents.resize(nodes);
+    for (std::uint32_t i = 1; i < nodes; ++i) parents[i] = (i - 1) / 2;
+    for (std::uint32_t r = 0; r < rays; ++r) walks.push_back(walk(seed, r, nodes));
+  }
+  static Walk walk(std::uint64_t seed, std::uint32_t ray, std::uint32_t nodes) {
+    Walk out;
+    std::vector<std::uint32_t> stack;
+    std::uint32_t node = 0;
+    for (std::uint32_t step = 0;; ++step) {
+      const std::uint64_t h = sim::hash(seed, ray, step);
+      bool pop = false;
+      if (2 * node + 2 >= nodes) {
+        const auto count = static_cast<std::uint32_t>(1 + h % 4);
+        out.push_back(leaf_step(node * 4, count));
+        std::uint32_t phases = 0;
+        for (std::uint32_t t = 0; t < count; ++t) phases |= static_cast<std::uint32_t>(1 + (h >> (8 + 2 * t)) % 3) << (4 * t);
+        out.push_back(phases);
+        pop = true;
+      } else {
+        const auto hits = static_cast<std::uint32_t>((h >> 4) % 4);
+        out.push_back(visit_step(node, hits, 0));
+        if (hits == 3) stack.push_back(2 * node + 2);
+        pop = hits == 0;
+        node = hits == 2 ? 2 * node + 2 : 2 * node + 1;
+      }
+      if (!pop) continue;
+      const auto culled = static_cast<std::uint32_t>(std::min<std::size_t>(stack.size(), (h >> 40) % 3 == 0 ? 1 : 0));
+      if (culled > 0) {
+        out.push_back(cull_step(culled));
+        stack.resize(stack.size() - culled);
+      }
+      if (stack.empty()) break;
+      node = stack.back();
+      stack.pop_back();
+    }
+    out.push_back(end_step(false));
+    return out;
+  }
+};
+
+struct Fingerprint {
+  std::vector<std::uint64_t> values;
+  friend bool operator==(const Fingerprint&, const Fingerprint&) = default;
+};
+
+template <class Unit>
+void append(Fingerprint& f, const Unit& unit) {
+  Unit::Stats::describe(unit.stats(), [&](std::uint64_t v, auto&&...) { f.values.push_back(v); });
+  for (std::size_t w = 0; w < static_cast<std::size_t>(Unit::Why::kCount); ++w) {
+    f.values.push_back(unit.activity().spent(static_cast<typename Unit::Why>(w)));
+  }
+}
+
+Fingerprint fingerprint(const TniBench& bench) {
+  Fingerprint f;
+  f.values.push_back(bench.end_time());
+  append(f, bench.tni().dispatcher());
+  append(f, bench.tni().ist());
+  for (const Trv& trv : bench.tni().trvs()) append(f, trv);
+  return f;
+}
+
+TniBench::Setup random_setup(std::uint64_t seed) {
+  const auto draw = [&](std::uint32_t dimension, std::uint32_t low, std::uint32_t high) {
+    return low + static_cast<std::uint32_t>(sim::hash(seed, dimension) % (high - low + 1));
+  };
+  TniBench::Setup s;
+  s.config.trvs = draw(0, 1, 4);
+  s.config.link_depth = draw(1, 1, 3);
+  s.config.trv.rays = draw(2, 1, 64);
+  s.config.trv.box_latency = draw(3, 1, 20);
+  s.config.trv.stack_latency = draw(4, 1, 4);
+  s.config.trv.leaf_latency = draw(5, 1, 8);
+  s.config.trv.stack_entries = draw(6, 1, 8);
+  s.config.trv.l1.mshrs = draw(7, 1, 8);
+  s.config.trv.l1.size.bytes = std::uint64_t{256} << draw(8, 0, 5);
+  s.config.ist.leaves = draw(9, 1, 32);
+  s.config.ist.l1.mshrs = draw(10, 1, 8);
+  s.config.ist.l1.size.bytes = std::uint64_t{256} << draw(11, 0, 5);
+  s.fifo = draw(12, 1, 64);
+  s.hit_interval = draw(13, 1, 3);
+  s.drain_every = draw(14, 1, 40);
+  s.memory_latency = draw(15, 1, 80);
+  return s;
+}
+
+TEST(Tni, SkippingIdleTimeAndAnyUnitOrderGiveTheOraclesEveryCounter) {
+  for (std::uint64_t seed = 0; seed < 30; ++seed) {
+    const RandomLoad load(seed);
+    TniBench::Setup setup = random_setup(seed);
+    setup.parents = load.parents;
+    const auto fresh = [&] {
+      auto bench = std::make_unique<TniBench>(setup);
+      for (const Walk& w : load.walks) bench->add(w);
+      return bench;
+    };
+    const Fingerprint fast = fingerprint(fresh()->run());
+    EXPECT_EQ(fast, fingerprint(fresh()->run<sim::Skip::kOff>())) << "seed " << seed;
+    EXPECT_EQ(fast, fingerprint(fresh()->run_shuffled(seed))) << "seed " << seed;
+  }
+}
+
+TEST(Tni, WhatEntersLeavesAndEveryCycleHasAReason) {
+  for (std::uint64_t seed = 100; seed < 120; ++seed) {
+    const RandomLoad load(seed);
+    TniBench::Setup setup = random_setup(seed);
+    setup.parents = load.parents;
+    TniBench bench(setup);
+    for (const Walk& w : load.walks) bench.add(w);
+    bench.run();
+    std::vector<std::uint32_t> ids = bench.arrived();
+    std::ranges::sort(ids);
+    std::vector<std::uint32_t> all(load.walks.size());
+    std::iota(all.begin(), all.end(), 0U);
+    EXPECT_EQ(ids, all);
+
+    const Ist::Stats& ist = bench.tni().ist().stats();
+    EXPECT_EQ(ist.leaves_in, ist.leaves_out);
+    EXPECT_EQ(ist.l1_hits + ist.l1_misses, ist.l1_accesses);
+    EXPECT_EQ(bench.tni().ist().activity().accounted(), bench.end_time());
+    std::uint64_t leaves = 0, fills = ist.l1_fills;
+    for (const Trv& trv : bench.tni().trvs()) {
+      const Trv::Stats& s = trv.stats();
+      EXPECT_EQ(s.rays_in, s.rays_out);
+      EXPECT_EQ(s.l1_hits + s.l1_misses, s.l1_accesses);
+      EXPECT_EQ(s.visits, s.l1_hits);
+      EXPECT_EQ(s.pushes, s.pops + s.dropped);
+      EXPECT_EQ(trv.activity().accounted(), bench.end_time());
+      sim::Time sum = 0;
+      for (std::size_t w = 0; w < static_cast<std::size_t>(Trv::Why::kCount); ++w) {
+        sum += trv.activity().spent(static_cast<Trv::Why>(w));
+      }
+      EXPECT_EQ(sum, bench.end_time());
+      leaves += s.leaves;
+      fills += s.l1_fills;
+    }
+    EXPECT_EQ(leaves, ist.leaves_in);
+    EXPECT_EQ(fills, bench.lines_asked());
+  }
+}
+
+}  // namespace
+}  // namespace hw

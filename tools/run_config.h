@@ -1,0 +1,28 @@
+#pragma once
+#include <cstdint>
+
+#include "hw_models/frame/gpu_config.h"
+#include "shader_kernels/programs/render_config.h"
+#include "sim/config/field.h"
+#include "sim/report/energy.h"
+#include "traces/accel/bvh_config.h"
+
+namespace tools {
+
+/// Everything a run depends on but the scene, the camera and the frame program: one YAML file. The machine's keys stand
+/// at the top level.
+struct RunConfig {
+  hw::GpuConfig gpu;
+  kernels::RenderConfig render;
+  traces::BvhConfig bvh;
+  sim::EnergyConfig energy;
+
+  static void describe(auto& c, auto&& field) {
+    hw::GpuConfig::describe(c.gpu, field);
+    field.group(c.render, "render", "what is rendered, and how finely");
+    field.group(c.bvh, "bvh", "how the tree is built on the host");
+    field.group(c.energy, "energy", "energy per event, leakage and clock");
+  }
+};
+
+}  // namespace tools
