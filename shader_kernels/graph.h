@@ -5,6 +5,7 @@
 
 namespace kernels {
 
+// clang-format off
 /// What a functional unit of the SRP can do, and where a kernel touches memory.
 enum class Op : std::uint8_t {
   kInput,     ///< a field of a loaded record (free: the load is counted) or a value of the loop (item index)
@@ -17,15 +18,19 @@ enum class Op : std::uint8_t {
   kLoadCached,              // memory through the data cache
   kCount
 };
+// clang-format on
 
-/// One operation of a kernel's dataflow graph; inputs refer to earlier nodes.
+/// One operation of a kernel's dataflow graph; inputs refer to earlier nodes, with one exception: a kInput whose
+/// `distance` is not 0 is a loop-carried value. Its inputs[0] is the node, usually further down, that produced it
+/// `distance` items ago.
 struct GraphNode {
   Op op = Op::kConstant;
   std::uint32_t inputs[3] = {kNone, kNone, kNone};
-  std::uint32_t bytes = 0;     ///< loads and stores: size of the record
-  std::uint32_t distance = 0;  ///< loop-carried input: iterations between producer and consumer (0: same item)
-  std::uint32_t value = 0;     ///< kConstant: its bits; kInput: byte offset of the field in its record
-  std::string label;           ///< "left.normal.x": for listings
+  std::uint32_t bytes = 0;              ///< loads and stores: size of the record
+  std::uint32_t distance = 0;           ///< loop-carried input: iterations between producer and consumer (0: same item)
+  std::uint32_t value = 0;              ///< kConstant: its bits; kInput: byte offset of the field in its record
+  std::string label{};                  ///< "left.normal.x": for listings; of loads and stores the name of the memory
+  std::vector<std::uint32_t> stored{};  ///< kStoreLocal: the record's values, one per 4 bytes; inputs[0] is its index
   static constexpr std::uint32_t kNone = 0xffffffffU;
 };
 
@@ -34,5 +39,14 @@ struct Graph {
   std::string kernel;
   std::vector<GraphNode> nodes;
 };
+
+/// Calls f(id) for every node that `node` depends on, stored values included.
+template <class Function>
+void for_each_input(const GraphNode& node, Function&& f) {
+  for (const std::uint32_t id : node.inputs) {
+    if (id != GraphNode::kNone) f(id);
+  }
+  for (const std::uint32_t id : node.stored) f(id);
+}
 
 }  // namespace kernels

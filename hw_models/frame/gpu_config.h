@@ -1,8 +1,8 @@
 #pragma once
 #include <cstdint>
 
+#include "hw_models/memory/core_port.h"
 #include "hw_models/memory/dram_config.h"
-#include "hw_models/memory/interconnect.h"
 #include "hw_models/memory/l2_bank.h"
 #include "hw_models/srp/srp_config.h"
 #include "hw_models/srp/tile_buffer.h"

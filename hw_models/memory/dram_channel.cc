@@ -10,35 +10,30 @@ namespace hw {
 
 namespace {
 
-std::size_t most_bursts(const DramTiming& t) { return (std::max(t.rl + t.dqsck, t.wl) + 64) / t.burst + 4; }
+std::size_t most_bursts(const DramTiming& t) { return (std::max(t.rl + t.dqsck, t.wl + t.dqss) + 64) / t.burst + 4; }
 
 }  // namespace
 
 DramChannel::DramChannel(const DramConfig& c, Links links)
-    : t_(c.timing),
-      controller_(c.controller),
+    : controller_(c.controller),
       map_(c),
-      banks_in_use_(c.organisation.banks),
-      group_mask_(c.organisation.bank_groups - 1),
+      all_banks_(static_cast<std::uint32_t>((std::uint64_t{1} << c.organisation.banks) - 1)),
       bursts_(c.bursts_per_line()),
       line_bytes_(c.line.bytes),
       fabric_((c.fabric.time + c.timing.ck.time - 1) / c.timing.ck.time),
-      train_length_(Cycle{bursts_ - 1} * c.timing.ccd_l),
-      data_train_(train(bursts_, c.timing.ccd_s, c.timing.ccd_l)),
-      column_train_(train(bursts_, c.timing.ca_column, c.timing.ccd_l)),
-      activate_slots_(train(1, c.timing.ca_activate, 0)),
-      precharge_slots_(train(1, c.timing.ca_precharge, 0)),
+      refresh_interval_(c.timing.refi_pb),
       clock_(c.timing.ck.time),
       links_(std::move(links)),
-      reads_(c.controller.read_queue),
-      writes_(c.controller.write_queue),
+      device_(c),
       data_bus_(most_bursts(c.timing)),
-      refresh_at_(c.timing.refi_pb == 0 ? sim::kNever : c.timing.refi_pb) {
+      refresh_at_(refresh_interval_ == 0 ? sim::kNever : refresh_interval_),
+      to_refresh_(all_banks_),
+      reads_(c.controller.read_queue),
+      writes_(c.controller.write_queue) {
   assert(links_.ports_in.size() == links_.ports_out.size());
-  assert(banks_in_use_ <= kMaxBanks && c.organisation.bank_groups <= kMaxGroups);
-  // Room for what a full data bus brings in while the fabric and the device delay it, and as much again.
-  const Cycle in_flight = fabric_ + t_.rl + t_.dqsck + train_length_ + t_.burst;
-  returns_.slots.resize(2 * (in_flight / (Cycle{bursts_} * t_.burst) + 4));
+  // Room for what a full data bus brings in while the device and the fabric delay it, and as much again.
+  const Cycle in_flight = fabric_ + c.timing.rl + c.timing.dqsck + device_.data_cycles();
+  returns_.slots.resize(2 * (in_flight / (Cycle{bursts_} * c.timing.burst) + 4));
 }
 
 sim::Time DramChannel::tick(sim::Time now) {
@@ -48,7 +43,7 @@ sim::Time DramChannel::tick(sim::Time now) {
   take_request(now, cycle);
   respond(now, cycle);
   if (plan_is_stale_ || cycle >= replan_at_) replan(cycle);
-  if (plan_.at <= cycle) {
+  if (plan_.at() <= cycle) {
     issue(cycle);
     replan(cycle);
   }
@@ -60,7 +55,9 @@ void DramChannel::finish(sim::Time end) {
   settle(cycle);
   activity_.finish(end);
   refresh(cycle);
-  count_standby(cycle);
+  stats_.turnarounds = device_.turnarounds();
+  stats_.active_standby = device_.active_cycles(cycle);
+  stats_.precharge_standby = cycle - stats_.active_standby;
 }
 
 void DramChannel::take_request(sim::Time now, Cycle cycle) {
@@ -72,12 +69,20 @@ void DramChannel::take_request(sim::Time now, Cycle cycle) {
     if (queue.full()) continue;
     const MemRequest request = in.pop(now);
     const DramPlace place = map_.place(request.line);
-    const Bank& bank = banks_[place.bank];
-    queue.push({request, place, cycle, static_cast<std::uint16_t>(port)}, bank.open && bank.row == place.row);
+    const bool row_is_open = device_.is_open(place.bank, place.row);
+    plan_is_stale_ |= !plan_survives(request.write, place.bank, row_is_open);
+    queue.push({request, place, cycle, static_cast<std::uint16_t>(port)}, row_is_open);
     port_turn_ = port + 1 == ports ? 0 : port + 1;
-    plan_is_stale_ = true;
     return;
   }
+}
+
+/// Does a new request leave its bank's next command, and the order of reads and writes, as they are? The common case
+/// under load: older requests of its bank come first anyway.
+bool DramChannel::plan_survives(bool write, std::uint32_t bank, bool row_is_open) const {
+  if (write != writing_ || (write && writes_.size() + 1 >= controller_.write_high)) return false;
+  const DramQueue& queue = write ? writes_ : reads_;
+  return queue.hits(bank) != 0 || (queue.waiting(bank) != 0 && !row_is_open);
 }
 
 void DramChannel::respond(sim::Time now, Cycle cycle) {
@@ -86,7 +91,7 @@ void DramChannel::respond(sim::Time now, Cycle cycle) {
   sim::Link<MemResponse>& out = *links_.ports_out[first.port];
   if (first.due > cycle || !out.can_push(now)) return;
   out.push(now, first.response);
-  plan_is_stale_ |= returns_.size == returns_.slots.size();
+  plan_is_stale_ |= returns_.full();
   returns_.head = (returns_.head + 1) % returns_.slots.size();
   returns_.size -= 1;
 }
@@ -94,9 +99,9 @@ void DramChannel::respond(sim::Time now, Cycle cycle) {
 sim::Time DramChannel::next_wake(sim::Time now) const {
   const sim::Time next = now + clock_.period();
   const auto time_of = [&](Cycle cycle) { return cycle == sim::kNever ? sim::kNever : cycle * clock_.period(); };
-  sim::Time wake = std::min(time_of(plan_.at), time_of(replan_at_));
+  sim::Time wake = std::min(time_of(plan_.at()), time_of(replan_at_));
   // While no command can come, refreshes are caught up with later: they change nothing that anyone could see.
-  if (plan_.command != Command::kNone) wake = std::min(wake, time_of(refresh_at_));
+  if (!plan_.none()) wake = std::min(wake, time_of(refresh_at_));
   if (returns_.size > 0) {
     const Return& first = returns_.slots[returns_.head];
     wake = std::min(wake, std::max({next, time_of(first.due), links_.ports_out[first.port]->push_at()}));
@@ -110,12 +115,6 @@ sim::Time DramChannel::next_wake(sim::Time now) const {
   return wake;
 }
 
-bool DramChannel::Plan::before(const Plan& other) const {
-  if (at != other.at) return at < other.at;
-  if (command != other.command) return command < other.command;
-  return place < other.place;
-}
-
 void DramChannel::replan(Cycle now) {
   plan_is_stale_ = false;
   replan_at_ = sim::kNever;
@@ -125,9 +124,11 @@ void DramChannel::replan(Cycle now) {
   }
   writing_ = writes_first(now);
   const DramQueue& queue = writing_ ? writes_ : reads_;
-  const bool blocked = !writing_ && returns_.size == returns_.slots.size();
+  const bool blocked = !writing_ && returns_.full();
   plan_ = queue.empty() || blocked ? Plan{} : best_plan(queue, now);
-  waiting_ = queue.empty() ? Why::kIdle : blocked ? Why::kReturnsFull : reason(plan_);
+  waiting_ = queue.empty() ? Why::kIdle
+             : blocked     ? Why::kReturnsFull
+                           : device_.reason(plan_.command(), plan_.bank(), writing_, plan_.at());
 }
 
 bool DramChannel::writes_first(Cycle now) {
@@ -141,87 +142,111 @@ bool DramChannel::writes_first(Cycle now) {
 }
 
 DramChannel::Plan DramChannel::best_plan(const DramQueue& queue, Cycle now) const {
+  const std::uint32_t overdue_bank = overdue(queue, now) ? queue.oldest().place.bank : DramDevice::kMaxBanks;
+  const DramDevice::Floors floors = device_.floors(writing_, now);
   Plan best;
-  const std::uint32_t overdue_bank = overdue(queue, now) ? queue.oldest().place.bank : kMaxBanks;
-  const Cycle any_activate_at = std::max({now, activate_at_, four_activates_[oldest_activate_]});
   for (std::uint32_t left = queue.banks(); left != 0; left &= left - 1) {
-    Plan plan;
-    plan.bank = static_cast<std::uint32_t>(std::countr_zero(left));
-    const Bank& bank = banks_[plan.bank];
-    std::uint64_t hits = queue.hits(plan.bank);
-    if (plan.bank == overdue_bank) hits &= 1;
-    if (hits != 0) {
-      plan.command = Command::kColumn;
-      plan.place = static_cast<std::uint32_t>(std::countr_zero(hits));
-      plan.at = column_at(plan.bank, now);
-    } else {
-      plan.place = static_cast<std::uint32_t>(std::countr_zero(queue.waiting(plan.bank)));
-      plan.command = bank.open ? Command::kPrecharge : Command::kActivate;
-      plan.at = bank.open ? command_bus_.first_free(std::max(now, bank.precharge_at), precharge_slots_)
-                          : command_bus_.first_free(std::max(any_activate_at, bank.activate_at), activate_slots_);
-    }
-    if (plan.before(best)) best = plan;
+    const auto bank = static_cast<std::uint32_t>(std::countr_zero(left));
+    const std::uint64_t hits = queue.hits(bank) & (bank == overdue_bank ? 1 : ~std::uint64_t{0});
+    const DramCommand command = device_.needed(bank, hits != 0);
+    const auto place = static_cast<std::uint32_t>(std::countr_zero(hits != 0 ? hits : queue.waiting(bank)));
+    best = std::min(best, Plan(device_.earliest(command, bank, writing_, floors), command, place, bank));
   }
   return best;
 }
 
-DramChannel::Cycle DramChannel::direction_at(std::uint32_t bank) const {
-  return writing_ ? write_at_ : std::max(read_at_, group_read_at_[group_of(bank)]);
-}
-
-DramChannel::Cycle DramChannel::column_at(std::uint32_t bank, Cycle from) const {
-  Cycle at = std::max({from, banks_[bank].column_at, direction_at(bank), group_column_at_[group_of(bank)]});
-  for (;;) {
-    const Cycle data = column_slots_.first_free(at, data_train_);
-    at = command_bus_.first_free(data, column_train_);
-    if (at == data) return at;
-  }
-}
-
-/// What kept the plan's command from running one cycle earlier: true for every cycle until then.
-DramChannel::Why DramChannel::reason(const Plan& plan) const {
-  const Bank& bank = banks_[plan.bank];
-  switch (plan.command) {
-    case Command::kColumn:
-      if (plan.at == bank.column_at) return Why::kActivate;
-      if (plan.at == direction_at(plan.bank)) return Why::kTurnaround;
-      if (plan.at == group_column_at_[group_of(plan.bank)]) return Why::kColumn;
-      return column_slots_.free(plan.at - 1, data_train_) ? Why::kCommandBus : Why::kColumn;
-    case Command::kActivate:
-      if (plan.at == bank.activate_at) return bank.closed_why;
-      return plan.at == std::max(activate_at_, four_activates_[oldest_activate_]) ? Why::kActivate : Why::kCommandBus;
-    case Command::kPrecharge:
-      return plan.at == bank.precharge_at ? Why::kRowConflict : Why::kCommandBus;
-    case Command::kNone:
-      break;
-  }
-  return Why::kIdle;
-}
-
 void DramChannel::issue(Cycle now) {
   DramQueue& queue = writing_ ? writes_ : reads_;
-  DramQueue::Entry& entry = queue.at(plan_.place);
-  switch (plan_.command) {
-    case Command::kColumn:
-      writing_ ? write(entry, now) : read(entry, now);
-      queue.remove(plan_.place);
+  DramQueue::Entry& entry = queue.at(plan_.place());
+  const DramPlace place = entry.place;
+  switch (plan_.command()) {
+    case DramCommand::kColumn:
+      transfer(entry, now);
+      queue.remove(plan_.place());
       break;
-    case Command::kActivate:
-      activate(entry, now);
+    case DramCommand::kActivate:
+      entry.activated = true;
+      stats_.activates += 1;
+      device_.activate(place.bank, place.row, now);
+      reads_.row_opened(place.bank, place.row);
+      writes_.row_opened(place.bank, place.row);
       break;
-    case Command::kPrecharge:
+    case DramCommand::kPrecharge:
       entry.precharged = true;
-      command_bus_.book(now, precharge_slots_);
-      close(plan_.bank, now);
+      device_.precharge(place.bank, now);
+      reads_.row_closed(place.bank);
+      writes_.row_closed(place.bank);
       break;
-    case Command::kNone:
-      assert(false && "a plan has a command");
+  }
+}
+
+/// Moves the request's line over the data bus.
+void DramChannel::transfer(const DramQueue::Entry& entry, Cycle now) {
+  const MemRequest& r = entry.request;
+  const Cycle data = r.write ? device_.write(entry.place.bank, now) : device_.read(entry.place.bank, now);
+  const Cycle end = data + device_.data_cycles();
+  device_.each_burst(data, [&](Cycle begin, Cycle burst_end) { data_bus_.book({begin, burst_end, r.write}); });
+  if (r.write) {
+    stats_.writes += 1;
+    stats_.write_bursts += bursts_;
+  } else {
+    returns_.slots[(returns_.head + returns_.size) % returns_.slots.size()] = {
+        {r.line, r.source, r.tag}, entry.port, end + fabric_};
+    returns_.size += 1;
+    stats_.reads += 1;
+    stats_.read_bursts += bursts_;
+    stats_.read_latency += end - entry.arrived;
+    stats_.read_latency_max = std::max(stats_.read_latency_max, end - entry.arrived);
+  }
+  stats_.bytes += line_bytes_;
+  (entry.precharged ? stats_.row_conflicts : entry.activated ? stats_.row_misses : stats_.row_hits) += 1;
+}
+
+/// Runs every refresh due by now, each at its own time: the outcome is the same whenever this is called.
+void DramChannel::refresh(Cycle now) {
+  while (refresh_at_ <= now) {
+    const std::uint32_t bank = next_refresh();
+    device_.refresh(bank, refresh_at_);
+    reads_.row_closed(bank);
+    writes_.row_closed(bank);
+    stats_.refreshes += 1;
+    refresh_at_ += refresh_interval_;
+    to_refresh_ &= ~(1U << bank);
+    if (to_refresh_ == 0) to_refresh_ = all_banks_;
+    plan_is_stale_ = true;
+  }
+}
+
+std::uint32_t DramChannel::next_refresh() const {
+  const std::uint32_t unwanted = to_refresh_ & ~(reads_.banks() | writes_.banks());
+  const bool choose = controller_.refresh_order == RefreshOrder::kIdleFirst && unwanted != 0;
+  return static_cast<std::uint32_t>(std::countr_zero(choose ? unwanted : to_refresh_));
+}
+
+/// Charges the cycles before `until`: to the data bus while it moves data, else to what the next command waits for.
+void DramChannel::settle(Cycle until) {
+  while (settled_ < until) {
+    Cycle end = until;
+    Why why = waiting_;
+    if (!data_bus_.empty()) {
+      const DataBus::Burst burst = data_bus_.front();
+      if (burst.begin > settled_) {
+        end = std::min(until, burst.begin);
+        if (why == Why::kIdle) why = Why::kLatency;
+      } else {
+        end = std::min(until, burst.end);
+        why = burst.write ? Why::kWriting : Why::kReading;
+        if (end == burst.end) data_bus_.pop();
+      }
+    }
+    activity_.spend(settled_ * clock_.period(), clock_.period(), why, why);
+    settled_ = end;
   }
 }
 
 std::string DramChannel::state() const {
   return fmt::format("{} reads and {} writes queued, {} lines to return, {} banks open, {}", reads_.size(),
-                     writes_.size(), returns_.size, open_banks_, writing_ ? "writing" : "reading");
+                     writes_.size(), returns_.size, device_.open_banks(), writing_ ? "writing" : "reading");
 }
 
 }  // namespace hw

@@ -20,6 +20,14 @@ constexpr std::array<std::string_view, 3> names_of(DramMapping) {
   return {"row_bank_column_channel", "row_column_bank_channel", "row_bank_channel_column"};
 }
 
+/// Which bank a refresh takes.
+enum class RefreshOrder : std::uint8_t {
+  kRoundRobin,  ///< the next one (LPDDR3 leaves no choice). A stream that goes round the banks may run into step with
+                ///< it
+  kIdleFirst,   ///< of those that have not had their turn yet, one that no request wants
+};
+constexpr std::array<std::string_view, 2> names_of(RefreshOrder) { return {"round_robin", "idle_first"}; }
+
 /// What one channel consists of.
 struct DramOrganisation {
   std::uint32_t banks = 8;
@@ -84,6 +92,7 @@ struct DramTiming {
 struct DramController {
   DramMapping mapping = DramMapping::kRowBankColumnChannel;
   bool bank_xor = true;
+  RefreshOrder refresh_order = RefreshOrder::kIdleFirst;
   std::uint32_t read_queue = 32;
   std::uint32_t write_queue = 32;
   std::uint32_t write_high = 24;
@@ -95,6 +104,7 @@ struct DramController {
     field(c.mapping, "mapping", "", "order of the address bits", sim::any(), Affects::kTiming);
     field(c.bank_xor, "bank_xor", "", "exclusive-or of the bank with low row bits, against strides", sim::any(),
           Affects::kTiming);
+    field(c.refresh_order, "refresh_order", "", "which bank is refreshed next", sim::any(), Affects::kTiming);
     field(c.read_queue, "read_queue", "requests", "reads waiting in a channel", sim::between(1, 64), Affects::kTiming);
     field(c.write_queue, "write_queue", "requests", "writes waiting in a channel", sim::between(1, 64),
           Affects::kTiming);
@@ -113,10 +123,10 @@ struct DramController {
 
 /// Energy of a channel with its device, its I/O and the controller's PHY.
 struct DramEnergy {
-  sim::Spread activate{151, 301, 602};
-  sim::Spread read_core{310, 404, 674}, read_io{256, 412, 563};
-  sim::Spread write_core{213, 248, 495}, write_io{256, 420, 614};
-  sim::Spread phy{307, 512, 768};
+  sim::Spread activate{150.5, 301, 602.1};
+  sim::Spread read_core{309.9, 404.2, 673.8}, read_io{256, 412.2, 563.2};
+  sim::Spread write_core{212.9, 247.5, 495}, write_io{256, 419.8, 614.4};
+  sim::Spread phy{307.2, 512, 768};
   sim::Spread refresh{1055, 1216, 1465};
   sim::Spread active_standby{7.285, 10.91, 18.94}, precharge_standby{6.535, 9.726, 17.06};
 

@@ -1,144 +1,117 @@
-#include <algorithm>
+#include "hw_models/memory/dram_device.h"
 
-#include "hw_models/memory/dram_channel.h"
+#include <algorithm>
+#include <bit>
+#include <cassert>
 
 namespace hw {
 
-void DramChannel::activate(DramQueue::Entry& entry, Cycle now) {
-  const auto [index, row] = entry.place;
-  Bank& bank = banks_[index];
-  bank.open = true;
-  bank.row = row;
-  bank.column_at = now + t_.rcd;
-  bank.precharge_at = now + t_.ras;
-  bank.activate_at = now + t_.rc;
+using enum DramCommand;
+
+DramDevice::DramDevice(const DramConfig& c)
+    : t_(c.timing),
+      group_mask_(c.organisation.bank_groups - 1),
+      train_length_(Cycle{c.bursts_per_line() - 1} * c.timing.ccd_l),
+      calendar_(c.timing, c.bursts_per_line()) {
+  assert(c.organisation.banks <= kMaxBanks && c.organisation.bank_groups <= kMaxGroups);
+}
+
+DramDevice::Floors DramDevice::floors(bool write, Cycle now) const {
+  return {std::max(now, write ? write_at_ : read_at_), std::max({now, activate_at_, four_activates_[oldest_activate_]}),
+          now};
+}
+
+DramWhy DramDevice::reason(DramCommand command, std::uint32_t bank, bool write, Cycle at) const {
+  const bool by_bank = at == this->at(command, bank);
+  switch (command) {
+    case kColumn:
+      if (by_bank) return DramWhy::kActivate;
+      if (at == (write ? write_at_ : read_at_)) return DramWhy::kTurnaround;
+      if (at == group_at_[write ? kWriteTrain : kReadTrain][group_of(bank)])
+        return last_was_write_ && !write ? DramWhy::kTurnaround : DramWhy::kColumn;
+      return calendar_.data_free(at - 1) ? DramWhy::kCommandBus : DramWhy::kColumn;
+    case kActivate:
+      if (by_bank) return closed_why_[bank];
+      return at == std::max(activate_at_, four_activates_[oldest_activate_]) ? DramWhy::kActivate
+                                                                             : DramWhy::kCommandBus;
+    case kPrecharge:
+      return by_bank ? DramWhy::kRowConflict : DramWhy::kCommandBus;
+  }
+  return DramWhy::kIdle;
+}
+
+void DramDevice::activate(std::uint32_t bank, std::uint32_t row, Cycle now) {
+  if (open_ == 0 && now > active_until_) {
+    active_ += active_until_ - active_since_;
+    active_since_ = now;
+  }
+  open_ |= 1U << bank;
+  rows_[bank] = row;
+  at(kColumn, bank) = now + t_.rcd;
+  at(kPrecharge, bank) = now + t_.ras;
+  at(kActivate, bank) = now + t_.rc;
   activate_at_ = now + t_.rrd;
   four_activates_[oldest_activate_] = now + t_.faw;
   oldest_activate_ = (oldest_activate_ + 1) % 4;
-  command_bus_.book(now, activate_slots_);
-  reads_.row_opened(index, row);
-  writes_.row_opened(index, row);
-  entry.activated = true;
-  stats_.activates += 1;
-  if (open_banks_ == 0 && now > active_until_) {
-    stats_.active_standby += active_until_ - active_since_;
-    active_since_ = now;
-  }
-  open_banks_ += 1;
+  calendar_.book(kActivate, now);
 }
 
-void DramChannel::close(std::uint32_t index, Cycle at) {
-  Bank& bank = banks_[index];
-  bank.open = false;
-  bank.activate_at = std::max(bank.activate_at, at + t_.rp);
-  bank.closed_why = Why::kRowConflict;
-  reads_.row_closed(index);
-  writes_.row_closed(index);
-  active_until_ = std::max(active_until_, at);
-  open_banks_ -= 1;
+void DramDevice::precharge(std::uint32_t bank, Cycle now) {
+  calendar_.book(kPrecharge, now);
+  close(bank, now);
 }
 
-void DramChannel::read(const DramQueue::Entry& entry, Cycle now) {
+void DramDevice::close(std::uint32_t bank, Cycle now) {
+  open_ &= ~(1U << bank);
+  at(kActivate, bank) = std::max(at(kActivate, bank), now + t_.rp);
+  closed_why_[bank] = DramWhy::kRowConflict;
+  active_until_ = std::max(active_until_, now);
+}
+
+DramDevice::Cycle DramDevice::read(std::uint32_t bank, Cycle now) {
   const Cycle last = now + train_length_;
-  const Cycle data = now + t_.rl + t_.dqsck;
-  const Cycle data_end = last + t_.rl + t_.dqsck + t_.burst;
-  Bank& bank = banks_[entry.place.bank];
-  bank.precharge_at = std::max(bank.precharge_at, last + t_.rtp);
-  group_column_at_[group_of(entry.place.bank)] = last + t_.ccd_l;
-  write_at_ = data_end + t_.rtw - t_.wl;
-  book_train(now, data, false);
-  returns_.slots[(returns_.head + returns_.size) % returns_.slots.size()] = {
-      {entry.request.line, entry.request.source, entry.request.tag}, entry.port, data_end + fabric_};
-  returns_.size += 1;
-  stats_.reads += 1;
-  stats_.read_bursts += bursts_;
-  stats_.read_latency += data_end - entry.arrived;
-  stats_.read_latency_max = std::max(stats_.read_latency_max, data_end - entry.arrived);
-  count_line(entry);
+  const std::uint32_t group = group_of(bank);
+  at(kPrecharge, bank) = std::max(at(kPrecharge, bank), last + t_.rtp);
+  group_at_[kReadTrain][group] = group_at_[kWriteTrain][group] = last + t_.ccd_l;
+  write_at_ = last + t_.rl + t_.dqsck + t_.burst + t_.rtw - t_.wl;
+  book_train(false, now);
+  return now + t_.rl + t_.dqsck;
 }
 
-void DramChannel::write(const DramQueue::Entry& entry, Cycle now) {
+DramDevice::Cycle DramDevice::write(std::uint32_t bank, Cycle now) {
   const Cycle last = now + train_length_;
-  const Cycle data = now + t_.wl + t_.dqss;
   const Cycle last_data = last + t_.wl + t_.dqss;
-  const std::uint32_t group = group_of(entry.place.bank);
-  Bank& bank = banks_[entry.place.bank];
-  bank.precharge_at = std::max(bank.precharge_at, last_data + t_.burst + t_.wr);
-  group_column_at_[group] = last + t_.ccd_l;
-  group_read_at_[group] = last_data + t_.ccd_l + t_.wtr_l;
+  const std::uint32_t group = group_of(bank);
+  at(kPrecharge, bank) = std::max(at(kPrecharge, bank), last_data + t_.burst + t_.wr);
+  group_at_[kReadTrain][group] = last_data + t_.ccd_l + t_.wtr_l;
+  group_at_[kWriteTrain][group] = last + t_.ccd_l;
   read_at_ = last_data + t_.burst + t_.wtr_s;
-  book_train(now, data, true);
-  stats_.writes += 1;
-  stats_.write_bursts += bursts_;
-  count_line(entry);
+  book_train(true, now);
+  return now + t_.wl + t_.dqss;
 }
 
-/// Books the column commands of a line and their bursts, the first of which begins at `data`.
-void DramChannel::book_train(Cycle now, Cycle data, bool write) {
-  command_bus_.book(now, column_train_);
-  column_slots_.book(now, data_train_);
-  if (t_.ccd_l == t_.burst) {
-    data_bus_.book({data, data + Cycle{bursts_} * t_.burst, write});
-  } else {
-    for (std::uint32_t i = 0; i < bursts_; ++i, data += t_.ccd_l) data_bus_.book({data, data + t_.burst, write});
-  }
-  stats_.turnarounds += write != last_was_write_;
+void DramDevice::book_train(bool write, Cycle now) {
+  calendar_.book(kColumn, now);
+  turnarounds_ += write != last_was_write_;
   last_was_write_ = write;
 }
 
-void DramChannel::count_line(const DramQueue::Entry& entry) {
-  stats_.bytes += line_bytes_;
-  if (entry.precharged) {
-    stats_.row_conflicts += 1;
-  } else if (entry.activated) {
-    stats_.row_misses += 1;
-  } else {
-    stats_.row_hits += 1;
-  }
+void DramDevice::refresh(std::uint32_t bank, Cycle due) {
+  if (is_open(bank)) close(bank, std::max(due, at(kPrecharge, bank)));
+  at(kActivate, bank) = std::max(due, at(kActivate, bank)) + t_.rfc_pb;
+  closed_why_[bank] = DramWhy::kRefresh;
 }
 
-/// Runs every refresh due by now, each at its own time: the outcome is the same whenever this is called.
-void DramChannel::refresh(Cycle now) {
-  while (refresh_at_ <= now) {
-    Bank& bank = banks_[refresh_bank_];
-    if (bank.open) close(refresh_bank_, std::max(refresh_at_, bank.precharge_at));
-    bank.activate_at = std::max(refresh_at_, bank.activate_at) + t_.rfc_pb;
-    bank.closed_why = Why::kRefresh;
-    stats_.refreshes += 1;
-    refresh_at_ += t_.refi_pb;
-    refresh_bank_ = refresh_bank_ + 1 == banks_in_use_ ? 0 : refresh_bank_ + 1;
-    plan_is_stale_ = true;
-  }
-}
+std::uint32_t DramDevice::open_banks() const { return static_cast<std::uint32_t>(std::popcount(open_)); }
 
-/// Charges the cycles before `until`: to the data bus while it moves data, else to what the next command waits for.
-void DramChannel::settle(Cycle until) {
-  while (settled_ < until) {
-    Cycle end = until;
-    Why why = waiting_;
-    if (!data_bus_.empty()) {
-      const DataBus::Burst burst = data_bus_.front();
-      if (burst.begin > settled_) {
-        end = std::min(until, burst.begin);
-        if (why == Why::kIdle) why = Why::kLatency;
-      } else {
-        end = std::min(until, burst.end);
-        why = burst.write ? Why::kWriting : Why::kReading;
-        if (end == burst.end) data_bus_.pop();
-      }
-    }
-    activity_.spend(settled_ * clock_.period(), clock_.period(), why, why);
-    settled_ = end;
-  }
-}
-
-void DramChannel::count_standby(Cycle until) {
-  const Cycle end = open_banks_ > 0 ? until : std::min(until, active_until_);
+DramDevice::Cycle DramDevice::active_cycles(Cycle until) {
+  // A refresh may have set the end of the last open row some cycles ahead.
+  const Cycle end = open_ != 0 ? until : std::min(until, active_until_);
   if (end > active_since_) {
-    stats_.active_standby += end - active_since_;
+    active_ += end - active_since_;
     active_since_ = end;
   }
-  stats_.precharge_standby = until - stats_.active_standby;
+  return active_;
 }
 
 }  // namespace hw

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "hw_models/srp/schedule_graph.h"
+#include "hw_models/srp/schedule_units.h"
 
 namespace hw {
 namespace {
@@ -15,51 +16,6 @@ using kernels::Op;
 constexpr std::uint32_t kNone = GraphNode::kNone;
 /// Placements tried per operation before the interval is given up.
 constexpr std::size_t kPatience = 32;
-
-/// Units that do the same work, though not all of them all of it.
-enum class Pool : std::uint8_t { kArray, kLocal, kCache, kCount };
-constexpr std::size_t kPools = static_cast<std::size_t>(Pool::kCount);
-
-std::size_t pool_of(OpClass c) {
-  if (c == OpClass::kCachedRead) return static_cast<std::size_t>(Pool::kCache);
-  return static_cast<std::size_t>(is_memory(c) ? Pool::kLocal : Pool::kArray);
-}
-
-/// How many units of its pool, from the first on, can take such an operation.
-std::uint32_t capable_units(OpClass c, const ArrayConfig& array) {
-  switch (c) {
-    case OpClass::kFpDivSqrt:
-      return array.div_sqrt_units;
-    case OpClass::kFpMul:
-    case OpClass::kIntMul:
-      return array.mul_units;
-    case OpClass::kLocalRead:
-    case OpClass::kLocalWrite:
-      return array.local_ports;
-    case OpClass::kCachedRead:
-      return array.cache_ports;
-    default:
-      return array.units();
-  }
-}
-
-std::uint32_t divided_up(std::uint32_t a, std::uint32_t b) { return (a + b - 1) / b; }
-
-/// For each class: all operations that have no more than its units to go to must share those.
-std::uint32_t resource_interval(const std::vector<Operation>& operations, const SrpConfig& config) {
-  std::uint32_t ii = 1;
-  for (const Operation& op : operations) {
-    const std::uint32_t units = capable_units(op.kind, config.array);
-    std::uint32_t busy = 0, alike = 0;
-    for (const Operation& other : operations) {
-      if (pool_of(other.kind) != pool_of(op.kind) || capable_units(other.kind, config.array) > units) continue;
-      busy += other.occupancy;
-      alike += other.kind == op.kind ? 1 : 0;
-    }
-    ii = std::max({ii, divided_up(busy, units), divided_up(alike, units) * op.occupancy});
-  }
-  return ii;
-}
 
 /// Iterative modulo scheduling at one interval. An operation that finds no place pushes others out of theirs.
 class Placer {
@@ -74,9 +30,9 @@ class Placer {
         last_(starts_.size(), -1),
         incoming_(starts_.size()),
         outgoing_(starts_.size()) {
-    const std::array<std::uint32_t, kPools> sizes{config.array.units(), config.array.local_ports,
-                                                  config.array.cache_ports};
-    for (std::size_t p = 0; p < kPools; ++p) table_[p].assign(std::size_t{sizes[p]} * ii, kNone);
+    for (std::size_t p = 0; p < kPools; ++p) {
+      table_[p].assign(std::size_t{pool_size(static_cast<Pool>(p), config.array)} * ii, kNone);
+    }
     for (const Dependence& d : graph.dependences()) {
       incoming_[d.to].push_back(d);
       outgoing_[d.from].push_back(d);
@@ -106,7 +62,8 @@ class Placer {
   }
 
   std::uint32_t& slot(std::uint32_t op, std::uint32_t unit, std::int64_t cycle) {
-    return table_[pool_of(graph_.operations()[op].kind)][unit * ii_ + static_cast<std::size_t>(cycle) % ii_];
+    const Pool pool = pool_of(graph_.operations()[op].kind);
+    return table_[static_cast<std::size_t>(pool)][unit * ii_ + static_cast<std::size_t>(cycle) % ii_];
   }
 
   bool free(std::uint32_t op, std::uint32_t unit, std::int64_t start) {
@@ -219,7 +176,7 @@ KernelSchedule schedule(const kernels::Graph& graph, const SrpConfig& config) {
   KernelSchedule s;
   s.kernel = graph.kernel;
   count(graph, parts, s);
-  s.res_mii = resource_interval(parts.operations(), config);
+  s.res_mii = resource_interval(parts.operations(), config.array);
   s.rec_mii = parts.recurrence_interval();
   for (s.ii = std::max({1U, s.res_mii, s.rec_mii});; ++s.ii) {
     Placer placer(parts, config, s.ii);

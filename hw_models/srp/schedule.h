@@ -42,7 +42,8 @@ struct KernelSchedule {
 ///
 ///   graph --> [ operations and 16-byte accesses ] --> bounds --> [ reservation table of ii rows ] --> schedule
 ///
-/// Memory ports stand beside the array and take no functional unit's slot; a record's accesses are placed one by one.
+/// Memory ports stand beside the array and take no functional unit's slot. Records are loaded and stored whole, their
+/// accesses placed one by one.
 /// Not modelled: the routing network's limits (an operand costs one hop wherever it comes from), register pressure,
 /// records that two items in flight both change, VLIW mode.
 KernelSchedule schedule(const kernels::Graph& graph, const SrpConfig& config);

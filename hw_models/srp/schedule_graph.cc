@@ -1,6 +1,7 @@
 #include "hw_models/srp/schedule_graph.h"
 
 #include <algorithm>
+#include <stdexcept>
 
 namespace hw {
 
@@ -77,9 +78,12 @@ std::vector<std::int64_t> ScheduleGraph::heights(std::uint32_t ii) const {
 
 std::uint32_t ScheduleGraph::recurrence_interval() const {
   if (operations_.empty()) return 0;
-  std::uint32_t ii = 0;
-  while (heights(ii).empty()) ++ii;
-  return ii;
+  std::uint64_t latencies = 0;
+  for (const Operation& op : operations_) latencies += op.latency;
+  for (std::uint32_t ii = 0; ii <= latencies; ++ii) {
+    if (!heights(ii).empty()) return ii;
+  }
+  throw std::invalid_argument("a kernel's value depends on itself within one item");
 }
 
 }  // namespace hw

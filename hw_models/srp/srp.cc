@@ -90,6 +90,7 @@ void Srp::take_dma(sim::Time now) {
   const std::uint32_t tag = links_.dma_in.pop(now).tag;
   if (tag == kSpillTag) {
     spills_done_ += 1;
+    look_ = true;
     return;
   }
   const std::uint32_t tile = tag >> 16;
@@ -156,7 +157,7 @@ bool Srp::touch_cache(sim::Time now) {
     lines_missing_[slot] += 1;
     missing_ |= bit;
   }
-  if ((missing_ & bit) != 0) loads_.push_back({at + config_.cached_load_latency * clock_.period(), slot});
+  if ((missing_ & bit) != 0) loads_.push_back({at + config_.latency.cached_load * clock_.period(), slot});
   run_.next_item += 1;
   run_.next_line = 0;
   return true;
@@ -223,7 +224,8 @@ void Srp::start_chunk(sim::Time now) {
     });
     if (node != TileRun::kNone) return begin_chunk(now, tile, node);
   }
-  if (!blocked_ || rays_out_ > 0 || !feeds_.empty()) return;
+  const bool rays_can_go = std::ranges::any_of(feeds_, [&](const Feed& f) { return feed_at(f) != sim::kNever; });
+  if (!blocked_ || rays_out_ > 0 || rays_can_go || spills_done_ < spills_asked_) return;
   for (const std::uint32_t tile : by_age_) {
     const std::uint32_t node = tiles_[tile].next_launch([](std::uint32_t) { return true; });
     if (node != TileRun::kNone) return begin_chunk(now, tile, node);
@@ -244,7 +246,6 @@ void Srp::begin_chunk(sim::Time now, std::uint32_t tile, std::uint32_t node) {
     stats_.switches += 1;
     stats_.config_rows_loaded += kernel.ii;
   }
-  stats_.chunks += 1;
   stats_.add(kernel, items);
   buffer_.read(std::uint64_t{items} * kernel.local_reads);
   buffer_.write(std::uint64_t{items} * kernel.local_writes);
@@ -290,10 +291,7 @@ void Srp::feed_ray(sim::Time now) {
   rays_out_ += 1;
   stats_.rays += 1;
   feed_free_at_ = now + frame_.ray_interval;
-  if (++feed->next == run.node(feed->batch).items) {
-    feeds_.erase(feed);
-    look_ = look_ || feeds_.empty();
-  }
+  if (++feed->next == run.node(feed->batch).items) feeds_.erase(feed);
 }
 
 Srp::Why Srp::why(sim::Time now) const {

@@ -17,6 +17,7 @@
 #include "hw_models/tni/messages.h"
 #include "sim/activity.h"
 #include "sim/link.h"
+#include "traces/accel/memory_image.h"
 
 namespace hw {
 

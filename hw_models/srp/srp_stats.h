@@ -9,17 +9,63 @@ namespace hw {
 struct KernelUse {
   std::uint64_t launches = 0;  ///< chunks, each with prologue and drain
   std::uint64_t items = 0;
-  std::uint64_t cycles = 0;    ///< switch and stalls included
+  std::uint64_t cycles = 0;  ///< switch and stalls included
 };
 
+/// Counters of a shader core.
 struct SrpStats {
-  std::uint64_t tiles = 0, chunks = 0, switches = 0, rays = 0, hits = 0;
+  std::uint64_t tiles = 0, chunks = 0, items = 0, switches = 0, config_rows_loaded = 0, rays = 0, hits = 0;
+  std::uint64_t fp_add = 0, fp_mul = 0, fp_div_sqrt = 0, fp_compare = 0;
+  std::uint64_t int_add = 0, int_mul = 0, int_logic = 0, int_shift = 0, convert = 0;
+  std::uint64_t rf_reads = 0, rf_writes = 0, route_hops = 0, config_reads = 0;
+  std::uint64_t cache_accesses = 0, cache_hits = 0, cache_misses = 0, cache_fills = 0, mshr_full = 0;
+
   static void describe(auto& s, auto&& counter) {
     counter(s.tiles, "tiles", "tiles taken");
     counter(s.chunks, "chunks", "chunks of launches run on the array");
+    counter(s.items, "items", "work items run on the array");
     counter(s.switches, "switches", "kernel switches");
+    counter(s.config_rows_loaded, "config_rows_loaded", "configuration rows loaded by switches", "srp.config_load");
     counter(s.rays, "rays", "rays sent to the T&I unit", "tni.ray_route");
     counter(s.hits, "hits", "hits taken back", "tni.ray_route");
+    counter(s.fp_add, "fp_add", "additions and subtractions", "srp.fp_add");
+    counter(s.fp_mul, "fp_mul", "multiplications", "srp.fp_mul");
+    counter(s.fp_div_sqrt, "fp_div_sqrt", "divisions and square roots", "srp.fp_div_sqrt");
+    counter(s.fp_compare, "fp_compare", "comparisons, minima and maxima", "srp.fp_compare");
+    counter(s.int_add, "int_add", "integer additions and comparisons", "srp.int_add");
+    counter(s.int_mul, "int_mul", "integer multiplications", "srp.int_mul");
+    counter(s.int_logic, "int_logic", "logic operations and selects", "srp.int_logic");
+    counter(s.int_shift, "int_shift", "shifts", "srp.int_shift");
+    counter(s.convert, "convert", "conversions", "srp.convert");
+    counter(s.rf_reads, "rf_reads", "register operands read", "srp.rf_read");
+    counter(s.rf_writes, "rf_writes", "register results written", "srp.rf_write");
+    counter(s.route_hops, "route_hops", "operands routed between units", "srp.route_hop");
+    counter(s.config_reads, "config_reads", "configuration words read, one per unit and cycle", "srp.config_read");
+    counter(s.cache_accesses, "cache_accesses", "lines asked of the data cache, retries included");
+    counter(s.cache_hits, "cache_hits", "of these, lines found", "cache.l1_read");
+    counter(s.cache_misses, "cache_misses", "of these, lines not found", "cache.l1_probe");
+    counter(s.cache_fills, "cache_fills", "lines filled", "cache.l1_fill");
+    counter(s.mshr_full, "mshr_full", "misses that found no free miss register");
+  }
+
+  /// Charges a loop of `n` items.
+  void add(const KernelSchedule& k, std::uint64_t n) {
+    const auto ops = [&](OpClass c) { return n * k.ops[static_cast<std::size_t>(c)]; };
+    chunks += 1;
+    items += n;
+    fp_add += ops(OpClass::kFpAdd);
+    fp_mul += ops(OpClass::kFpMul);
+    fp_div_sqrt += ops(OpClass::kFpDivSqrt);
+    fp_compare += ops(OpClass::kFpCompare);
+    int_add += ops(OpClass::kIntAdd);
+    int_mul += ops(OpClass::kIntMul);
+    int_logic += ops(OpClass::kIntLogic);
+    int_shift += ops(OpClass::kIntShift);
+    convert += ops(OpClass::kConvert);
+    rf_reads += n * k.rf_reads;
+    rf_writes += n * k.rf_writes;
+    route_hops += n * k.route_hops;
+    config_reads += n * k.config_reads;
   }
 };
 

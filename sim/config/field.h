@@ -1,10 +1,8 @@
 #pragma once
-#include <cmath>
+#include <array>
 #include <cstdint>
 #include <limits>
-#include <string>
 #include <string_view>
-#include <vector>
 
 #include "sim/time.h"
 
@@ -19,6 +17,9 @@ enum class Affects : std::uint8_t {
   kEnergy,    ///< energy and power only, computed at report time
   kReport,    ///< what is written and where
 };
+constexpr std::array<std::string_view, 6> names_of(Affects) {
+  return {"function", "layout", "walk", "timing", "energy", "report"};
+}
 
 /// Quantities that carry their unit in the configuration file ("500 MHz", "16 KiB", "50 ns", "12 pJ").
 struct Frequency {
@@ -48,7 +49,9 @@ struct Limits {
   double max = std::numeric_limits<double>::infinity();
   bool power_of_two = false;
 };
-constexpr Limits any() { return {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(), false}; }
+constexpr Limits any() {
+  return {-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(), false};
+}
 constexpr Limits at_least(double min) { return {min, std::numeric_limits<double>::infinity(), false}; }
 constexpr Limits between(double min, double max) { return {min, max, false}; }
 constexpr Limits power_of_two(double min, double max) { return {min, max, true}; }
@@ -67,7 +70,8 @@ constexpr Limits power_of_two(double min, double max) { return {min, max, true};
 //
 // Members may be bool, std::uint32_t, std::uint64_t, double, std::string, an enum with names (below), Frequency,
 // ByteSize, Duration, Spread, std::map<std::string, Spread> and groups. A struct may add
-// `void check(auto&& complain) const` for rules that join several fields: complain("key", "what is wrong, what is allowed").
-// An enum `E` names its values with a function found by argument: `constexpr auto names_of(E) -> std::array<std::string_view, n>`.
+// `void check(auto&& complain) const` for rules that join several fields: complain("key", "what is wrong, what is
+// allowed"). An enum `E` names its values with a function found by argument: `constexpr auto names_of(E) ->
+// std::array<std::string_view, n>`.
 
 }  // namespace sim

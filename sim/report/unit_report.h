@@ -20,22 +20,26 @@ struct CounterReport {
 
 /// What one unit did: the leaf of every report. Plain data, so that reports, energy and comparisons need no unit types.
 struct UnitReport {
-  std::string path;             ///< "core0.tni.trv2"
-  std::string block;            ///< energy block: tni, srp, l2, tile_buffer, dma, interconnect, dram
-  std::uint64_t elapsed = 0;    ///< cycles of the unit's own clock
+  std::string path;           ///< "core0.tni.trv2"
+  std::string block;          ///< energy block: tni, srp, l2, tile_buffer, dma, interconnect, dram
+  std::uint64_t elapsed = 0;  ///< cycles of the unit's own clock
   std::vector<std::pair<std::string, std::uint64_t>> why;  ///< sums to `elapsed`
   std::vector<CounterReport> counters;
-  std::uint64_t sram_bytes = 0;  ///< storage that leaks; also selects size-dependent energies
+  std::uint64_t sram_bytes = 0;   ///< storage that leaks
+  std::uint64_t cache_bytes = 0;  ///< the array whose accesses are counted: selects size-dependent energies
   std::uint32_t clock_mhz = 0;
 };
 
-/// Builds the report of a unit from its declarations: Stats::describe and names_of(Why).
+/// Builds the report of a unit from its declarations: Stats::describe and names_of(Why). Without `cache_bytes`, all of
+/// the unit's storage is taken for the array that its counters access.
 template <class Unit>
-UnitReport report_of(const Unit& unit, std::string path, std::string block, std::uint64_t sram_bytes = 0) {
+UnitReport report_of(const Unit& unit, std::string path, std::string block, std::uint64_t sram_bytes = 0,
+                     std::uint64_t cache_bytes = 0) {
   UnitReport r;
   r.path = std::move(path);
   r.block = std::move(block);
   r.sram_bytes = sram_bytes;
+  r.cache_bytes = cache_bytes != 0 ? cache_bytes : sram_bytes;
   const Clock clock = unit.clock();
   r.clock_mhz = static_cast<std::uint32_t>(kFemtosecondsPerSecond / clock.period() / 1'000'000);
   using Why = typename Unit::Why;
@@ -46,10 +50,10 @@ UnitReport report_of(const Unit& unit, std::string path, std::string block, std:
     r.elapsed += cycles;
   }
   using Stats = typename Unit::Stats;
-  Stats::describe(unit.stats(), [&](const std::uint64_t& value, const char* name, const char* meaning,
-                                    const char* event = "") {
-    r.counters.push_back({name, meaning, value, event});
-  });
+  Stats::describe(unit.stats(),
+                  [&](const std::uint64_t& value, const char* name, const char* meaning, const char* event = "") {
+                    r.counters.push_back({name, meaning, value, event});
+                  });
   return r;
 }
 

@@ -31,9 +31,9 @@ constexpr std::uint32_t leaf_count(std::uint32_t link) { return ((link >> 28) & 
 /// What the intersection unit reads: 48 bytes, three vertices and what a hit must say without another fetch.
 struct TriangleRecord {
   glm::vec3 v0, v1, v2;
-  std::uint32_t object;    ///< object id: index of the instance
+  std::uint32_t object;  ///< object id: index of the instance
   std::uint32_t material;
-  std::uint32_t source;    ///< index of the triangle before leaf order (instance by instance)
+  std::uint32_t source;  ///< index of the triangle before leaf order (instance by instance)
 };
 static_assert(sizeof(TriangleRecord) == 48);
 
@@ -87,10 +87,10 @@ struct MemoryImage {
   std::vector<TriangleRecord> triangles;  ///< in leaf order
   std::vector<AttributeRecord> attributes;
   std::vector<MaterialRecord> materials;
-  std::vector<Texture> textures;          ///< texels decoded row by row; only their addresses are tiled
+  std::vector<Texture> textures;  ///< texels decoded row by row; only their addresses are tiled
   std::vector<Light> lights;
   glm::vec3 background{0}, ambient{0};
-  glm::vec3 lower{0}, upper{0};           ///< bounds of all triangles
+  glm::vec3 lower{0}, upper{0};  ///< bounds of all triangles
   Layout layout;
   float diagonal() const;
 };

@@ -40,14 +40,16 @@ struct Texture {
 
 /// Whitted-style: diffuse + mirror + refraction. All colours linear.
 ///   radiance = emission + (1 - mirror) (1 - transmission) diffuse + mirror * mirror_tint * reflected + glass
-/// where glass splits `transmission` between reflection and refraction by Fresnel (Schlick) with `ior`.
+/// where glass splits `transmission` between reflection and refraction by Fresnel (Schlick) with `ior`, and
+///   diffuse = base colour * (ambient + sum over lights of irradiance * cosine)
+/// with the 1/pi of Lambert's law inside the light units: irradiance 1 makes a white surface shine with radiance 1.
 struct Material {
   std::string name;
   glm::vec3 base_colour{0.8F};
   std::uint32_t base_texture = kNoTexture;
-  float mirror = 0;              ///< share of light mirrored, 0..1
-  glm::vec3 mirror_tint{1};      ///< metals tint what they mirror
-  float transmission = 0;        ///< share of light that enters, 0..1
+  float mirror = 0;          ///< share of light mirrored, 0..1
+  glm::vec3 mirror_tint{1};  ///< metals tint what they mirror
+  float transmission = 0;    ///< share of light that enters, 0..1
   float ior = 1.5F;
   glm::vec3 emission{0};
 };
@@ -57,7 +59,7 @@ struct Light {
   Kind kind = Kind::kPoint;
   glm::vec3 position{0};
   glm::vec3 direction{0, -1, 0};  ///< unit, the way the light travels
-  glm::vec3 intensity{1};         ///< point and spot: per steradian (falls with distance squared); directional: irradiance
+  glm::vec3 intensity{1};  ///< point and spot: per steradian (falls with distance squared); directional: irradiance
   float cos_inner = 1, cos_outer = 0;  ///< spot cone
 };
 
@@ -77,7 +79,8 @@ struct Scene {
   std::vector<Camera> cameras;
   glm::vec3 background{0.6F, 0.7F, 0.85F};  ///< radiance of rays that leave the scene
   glm::vec3 ambient{0.1F};                  ///< constant irradiance on every surface
-  std::string sha256;                       ///< of the file, or of the generator's parameters
+  std::string sha256;                       ///< of the file (and the files it names), or of what the generator made
+  std::vector<std::string> warnings;        ///< what of the file is not shown as it says, one sentence each
 };
 
 }  // namespace traces

@@ -1,0 +1,266 @@
+#include "hw_models/frame/gpu.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "shader_kernels/catalogue.h"
+
+namespace hw {
+
+namespace {
+
+constexpr std::uint32_t kRequestDepth = 2;  // a unit's requests on the wire to its core's port
+
+}  // namespace
+
+/// Places in the wake array (in the order of each_unit) and the links between cores and memory.
+struct Gpu::Wiring {
+  const std::uint32_t trvs, cores, banks, channels;
+  std::vector<sim::Time>& wakes;
+
+  // [core][bank] and so on; requests go to memory, responses come back.
+  std::vector<std::vector<sim::Link<MemRequest>*>> core_bank_up, core_channel_up, bank_channel_up;
+  std::vector<std::vector<sim::Link<MemResponse>*>> core_bank_down, core_channel_down, bank_channel_down;
+
+  sim::Time* at(std::size_t i) const { return &wakes[i]; }
+  std::size_t core(std::uint32_t c) const { return 1 + std::size_t{c} * units_per_core(); }
+  std::size_t units_per_core() const { return 6 + trvs; }
+  sim::Time* dispatcher() const { return at(0); }
+  sim::Time* srp(std::uint32_t c) const { return at(core(c)); }
+  sim::Time* ray_dispatcher(std::uint32_t c) const { return at(core(c) + 1); }
+  sim::Time* trv(std::uint32_t c, std::uint32_t t) const { return at(core(c) + 2 + t); }
+  sim::Time* ist(std::uint32_t c) const { return at(core(c) + 2 + trvs); }
+  sim::Time* dma(std::uint32_t c) const { return at(core(c) + 3 + trvs); }
+  sim::Time* cache_port(std::uint32_t c) const { return at(core(c) + 4 + trvs); }
+  sim::Time* dma_port(std::uint32_t c) const { return at(core(c) + 5 + trvs); }
+  sim::Time* bank(std::uint32_t b) const { return at(core(cores) + b); }
+  sim::Time* channel(std::uint32_t k) const { return at(core(cores) + banks + k); }
+  std::size_t size() const { return core(cores) + banks + channels; }
+};
+
+Gpu::Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles)
+    : config_(config),
+      tni_clock_(config.clocks.tni.clock()),
+      srp_clock_(config.clocks.srp.clock()),
+      l2_clock_(config.clocks.l2.clock()),
+      dram_clock_(config.dram.timing.ck.time) {
+  for (const kernels::KernelInfo& kernel : kernels::catalogue()) {
+    kernels_.push_back(schedule(kernel.graph, config.srp));
+  }
+  Wiring wiring{config.tni.trvs, config.cores, config.l2.banks, config.dram.channels, wakes_, {}, {}, {}, {}, {}, {}};
+  wakes_.assign(wiring.size(), 0);
+
+  const InterconnectConfig& net = config.interconnect;
+  const auto request = [&](std::uint32_t latency, sim::Clock to, sim::Time* from_unit, sim::Time* to_unit) {
+    auto& link = requests_.emplace_back(net.link_depth + latency, latency, l2_clock_, to,
+                                        to == l2_clock_ ? 0 : config.clocks.synchroniser);
+    link.wakes(from_unit, to_unit);
+    return &link;
+  };
+  const auto response = [&](std::uint32_t latency, sim::Clock from, sim::Time* from_unit, sim::Time* to_unit) {
+    auto& link = responses_.emplace_back(net.link_depth + latency, latency, from, l2_clock_,
+                                         from == l2_clock_ ? 0 : config.clocks.synchroniser);
+    link.wakes(from_unit, to_unit);
+    return &link;
+  };
+  for (std::uint32_t c = 0; c < config.cores; ++c) {
+    auto& up = wiring.core_bank_up.emplace_back();
+    auto& down = wiring.core_bank_down.emplace_back();
+    for (std::uint32_t b = 0; b < config.l2.banks; ++b) {
+      up.push_back(request(net.latency, l2_clock_, wiring.cache_port(c), wiring.bank(b)));
+      down.push_back(response(net.latency, l2_clock_, wiring.bank(b), wiring.cache_port(c)));
+    }
+    auto& dma_up = wiring.core_channel_up.emplace_back();
+    auto& dma_down = wiring.core_channel_down.emplace_back();
+    for (std::uint32_t k = 0; k < config.dram.channels; ++k) {
+      dma_up.push_back(request(net.latency, dram_clock_, wiring.dma_port(c), wiring.channel(k)));
+      dma_down.push_back(response(net.latency, dram_clock_, wiring.channel(k), wiring.dma_port(c)));
+    }
+  }
+  for (std::uint32_t b = 0; b < config.l2.banks; ++b) {
+    auto& up = wiring.bank_channel_up.emplace_back();
+    auto& down = wiring.bank_channel_down.emplace_back();
+    for (std::uint32_t k = 0; k < config.dram.channels; ++k) {
+      up.push_back(request(1, dram_clock_, wiring.bank(b), wiring.channel(k)));
+      down.push_back(response(1, dram_clock_, wiring.channel(k), wiring.bank(b)));
+    }
+  }
+
+  TileDispatcher::Links tile_links;
+  for (std::uint32_t c = 0; c < config.cores; ++c) {
+    add_core(wiring, c, workload);
+    tile_links.to_core.push_back(&tile_jobs_[c]);
+    tile_links.from_core.push_back(&tile_dones_[c]);
+  }
+  add_memory(wiring);
+  dispatcher_ = std::make_unique<TileDispatcher>(tiles, config.tile_buffer.tiles_in_flight, tile_links, l2_clock_);
+}
+
+void Gpu::add_core(Wiring& wiring, std::uint32_t c, const Workload& workload) {
+  const std::uint32_t trvs = config_.tni.trvs;
+  const std::uint32_t sync = config_.clocks.synchroniser;
+  const std::uint32_t in_flight = config_.tile_buffer.tiles_in_flight;
+  const traces::Layout& layout = workload.image.layout;
+
+  auto& tiles_in = tile_jobs_.emplace_back(in_flight, 1, l2_clock_, srp_clock_, sync);
+  auto& tiles_out = tile_dones_.emplace_back(in_flight, 1, srp_clock_, l2_clock_, sync);
+  auto& rays = ray_jobs_.emplace_back(config_.direct_interface.depth, 1, srp_clock_, tni_clock_, sync);
+  auto& hits = ray_dones_.emplace_back(config_.direct_interface.depth, 1, tni_clock_, srp_clock_, sync);
+  auto& dma_in = dma_jobs_.emplace_back(in_flight, 1, srp_clock_);
+  auto& dma_out = dma_dones_.emplace_back(in_flight, 1, srp_clock_);
+  tiles_in.wakes(wiring.dispatcher(), wiring.srp(c));
+  tiles_out.wakes(wiring.srp(c), wiring.dispatcher());
+  rays.wakes(wiring.srp(c), wiring.ray_dispatcher(c));
+  hits.wakes(wiring.ray_dispatcher(c), wiring.srp(c));
+  dma_in.wakes(wiring.srp(c), wiring.dma(c));
+  dma_out.wakes(wiring.dma(c), wiring.srp(c));
+
+  // Clients of the core's port: the TRVs, the IST, the SRP's data cache.
+  CorePort::Links port{{}, {}, wiring.core_bank_up[c], wiring.core_bank_down[c]};
+  const auto client = [&](sim::Clock clock, std::uint32_t mshrs, sim::Time* unit, sim::Time* port_unit,
+                          CorePort::Links& links) {
+    const std::uint32_t crossing = clock == l2_clock_ ? 0 : sync;
+    auto& up = requests_.emplace_back(kRequestDepth, 1, clock, l2_clock_, crossing);
+    auto& down = responses_.emplace_back(mshrs, 1, l2_clock_, clock, crossing);
+    up.wakes(unit, port_unit);
+    down.wakes(port_unit, unit);
+    links.clients_in.push_back(&up);
+    links.clients_out.push_back(&down);
+  };
+  for (std::uint32_t t = 0; t < trvs; ++t) {
+    client(tni_clock_, config_.tni.trv.l1.mshrs, wiring.trv(c, t), wiring.cache_port(c), port);
+  }
+  client(tni_clock_, config_.tni.ist.l1.mshrs, wiring.ist(c), wiring.cache_port(c), port);
+  client(srp_clock_, config_.srp.data_cache.mshrs, wiring.srp(c), wiring.cache_port(c), port);
+  CorePort::Links dma_port{{}, {}, wiring.core_channel_up[c], wiring.core_channel_down[c]};
+  client(srp_clock_, config_.dma.depth, wiring.dma(c), wiring.dma_port(c), dma_port);
+
+  Core& core = cores_.emplace_back();
+  core.tni = std::make_unique<Tni>(
+      config_.tni,
+      Tni::Scene{{layout.nodes, sizeof(traces::NodeRecord), workload.parents},
+                 {layout.triangles, sizeof(traces::TriangleRecord)}},
+      config_.direct_interface.interval,
+      Tni::Links{rays, hits, {port.clients_in.begin(), port.clients_in.end() - 1},
+                 {port.clients_out.begin(), port.clients_out.end() - 1}},
+      tni_clock_);
+  std::vector<sim::Time*> trv_wakes;
+  for (std::uint32_t t = 0; t < trvs; ++t) trv_wakes.push_back(wiring.trv(c, t));
+  core.tni->wakes(wiring.ray_dispatcher(c), wiring.ist(c), trv_wakes);
+
+  const Addr picture_end = layout.frame_buffer + (Addr{1} << 28);
+  const Srp::Frame frame{&layout,
+                         kernels_,
+                         workload.tile_samples,
+                         workload.tile_bytes,
+                         config_.direct_interface.interval * tni_clock_.period(),
+                         picture_end + Addr{c} * config_.tile_buffer.size.bytes * 16};
+  core.srp = std::make_unique<Srp>(
+      config_.srp, config_.tile_buffer, frame,
+      Srp::Links{tiles_in, tiles_out, rays, hits, *port.clients_in.back(), *port.clients_out.back(), dma_in, dma_out},
+      static_cast<std::uint16_t>(trvs + 1), srp_clock_);
+  core.dma = std::make_unique<Dma>(
+      Dma::Links{dma_in, dma_out, *dma_port.clients_in.front(), *dma_port.clients_out.front()}, std::uint16_t{0},
+      srp_clock_);
+  core.cache_port = std::make_unique<CorePort>(config_.interconnect, port, config_.l2.interleave(), l2_clock_);
+  core.dma_port = std::make_unique<CorePort>(config_.interconnect, dma_port, config_.dram.interleave(), l2_clock_);
+}
+
+void Gpu::add_memory(Wiring& wiring) {
+  for (std::uint32_t b = 0; b < config_.l2.banks; ++b) {
+    L2Bank::Links links{{}, {}, wiring.bank_channel_up[b], wiring.bank_channel_down[b]};
+    for (std::uint32_t c = 0; c < config_.cores; ++c) {
+      links.cores_in.push_back(wiring.core_bank_up[c][b]);
+      links.cores_out.push_back(wiring.core_bank_down[c][b]);
+    }
+    banks_.emplace_back(config_.l2, static_cast<std::uint16_t>(b), links, config_.dram.interleave(), l2_clock_);
+  }
+  for (std::uint32_t k = 0; k < config_.dram.channels; ++k) {
+    DramChannel::Links links;
+    for (std::uint32_t b = 0; b < config_.l2.banks; ++b) {
+      links.ports_in.push_back(wiring.bank_channel_up[b][k]);
+      links.ports_out.push_back(wiring.bank_channel_down[b][k]);
+    }
+    for (std::uint32_t c = 0; c < config_.cores; ++c) {
+      links.ports_in.push_back(wiring.core_channel_up[c][k]);
+      links.ports_out.push_back(wiring.core_channel_down[c][k]);
+    }
+    channels_.emplace_back(config_.dram, links);
+  }
+}
+
+bool Gpu::memory_quiet() const {
+  const auto empty = [](const auto& link) { return link.empty(); };
+  return std::ranges::all_of(channels_, [](const DramChannel& c) { return c.idle(); }) &&
+         std::ranges::all_of(requests_, empty) && std::ranges::all_of(responses_, empty);
+}
+
+void Gpu::finish(sim::Time last_edge) {
+  elapsed_ = tni_clock_.edge_at_or_after(last_edge + 1);
+  each_unit([&](auto& unit, std::size_t) { unit.finish(unit.clock().edge_at_or_after(elapsed_)); });
+}
+
+std::string Gpu::state() {
+  std::string out = fmt::format("tile dispatcher: {}\n", dispatcher_->state());
+  for (std::size_t c = 0; c < cores_.size(); ++c) {
+    Core& core = cores_[c];
+    out += fmt::format("core{}.srp: {}\n", c, core.srp->state());
+    out += fmt::format("core{}.tni.dispatcher: {}\n", c, core.tni->dispatcher().state());
+    for (std::size_t t = 0; t < core.tni->trvs().size(); ++t) {
+      out += fmt::format("core{}.tni.trv{}: {}\n", c, t, core.tni->trvs()[t].state());
+    }
+    out += fmt::format("core{}.tni.ist: {}\n", c, core.tni->ist().state());
+    out += fmt::format("core{}.dma: {}\n", c, core.dma->state());
+    out += fmt::format("core{}.cache_port: {}\n", c, core.cache_port->state());
+    out += fmt::format("core{}.dma_port: {}\n", c, core.dma_port->state());
+  }
+  for (std::size_t b = 0; b < banks_.size(); ++b) out += fmt::format("l2.bank{}: {}\n", b, banks_[b].state());
+  for (std::size_t k = 0; k < channels_.size(); ++k) out += fmt::format("dram.channel{}: {}\n", k, channels_[k].state());
+  return out;
+}
+
+std::vector<sim::UnitReport> Gpu::report() const {
+  using sim::report_of;
+  std::vector<sim::UnitReport> units;
+  units.push_back(report_of(*dispatcher_, "tile_dispatcher", "srp"));
+  for (std::size_t c = 0; c < cores_.size(); ++c) {
+    const Core& core = cores_[c];
+    const std::string at = fmt::format("core{}", c);
+    units.push_back(report_of(*core.srp, at + ".srp", "srp", config_.srp.sram_bytes()));
+    units.push_back(report_of(core.srp->tile_buffer(), at + ".tile_buffer", "tile_buffer",
+                              config_.tile_buffer.size.bytes));
+    units.push_back(report_of(core.tni->dispatcher(), at + ".tni.dispatcher", "tni"));
+    for (std::size_t t = 0; t < core.tni->trvs().size(); ++t) {
+      units.push_back(report_of(core.tni->trvs()[t], fmt::format("{}.tni.trv{}", at, t), "tni",
+                                config_.tni.trv.sram_bytes()));
+    }
+    units.push_back(report_of(core.tni->ist(), at + ".tni.ist", "tni", config_.tni.ist.sram_bytes()));
+    units.push_back(report_of(*core.dma, at + ".dma", "dma"));
+    units.push_back(report_of(*core.cache_port, at + ".cache_port", "interconnect"));
+    units.push_back(report_of(*core.dma_port, at + ".dma_port", "interconnect"));
+  }
+  for (std::size_t b = 0; b < banks_.size(); ++b) {
+    units.push_back(report_of(banks_[b], fmt::format("l2.bank{}", b), "l2",
+                              config_.l2.cache.size.bytes / config_.l2.banks));
+  }
+  for (std::size_t k = 0; k < channels_.size(); ++k) {
+    units.push_back(report_of(channels_[k], fmt::format("dram.channel{}", k), "dram"));
+  }
+  return units;
+}
+
+std::vector<KernelUse> Gpu::kernel_use() const {
+  std::vector<KernelUse> sum(kernels_.size());
+  for (const Core& core : cores_) {
+    for (std::size_t k = 0; k < sum.size(); ++k) {
+      const KernelUse& use = core.srp->kernel_use()[k];
+      sum[k].launches += use.launches;
+      sum[k].items += use.items;
+      sum[k].cycles += use.cycles;
+    }
+  }
+  return sum;
+}
+
+}  // namespace hw

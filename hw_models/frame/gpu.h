@@ -1,0 +1,110 @@
+#pragma once
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "hw_models/frame/dma.h"
+#include "hw_models/frame/gpu_config.h"
+#include "hw_models/frame/tile_dispatcher.h"
+#include "hw_models/memory/core_port.h"
+#include "hw_models/memory/dram_channel.h"
+#include "hw_models/memory/l2_bank.h"
+#include "hw_models/srp/srp.h"
+#include "hw_models/tni/tni.h"
+#include "sim/report/unit_report.h"
+#include "traces/accel/memory_image.h"
+
+namespace hw {
+
+/// The machine: cores, L2, memory, and the only place that wires them together.
+///
+///   tile dispatcher --> core x n: SRP <--direct interface--> T&I unit        core ports       L2 banks    channels
+///                        |  tile buffer --> DMA -------------------------------------------------------> LPDDR
+///                        +-- L1s of TRVs and IST, data cache --------------> round robin ---> L2 -------->
+class Gpu {
+ public:
+  /// What the machine must know of the workload beside the stream itself.
+  struct Workload {
+    const traces::MemoryImage& image;
+    std::span<const std::uint32_t> parents;  ///< of each node of the tree
+    std::uint32_t tile_samples = 256;        ///< of a full tile
+    std::uint32_t tile_bytes = 1024;         ///< of a full tile in the frame buffer
+  };
+
+  Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles);
+  Gpu(const Gpu&) = delete;
+  Gpu& operator=(const Gpu&) = delete;
+
+  // The machine, as the engine sees it (sim/engine.h).
+  template <class F>
+  void each_unit(F&& f) {
+    std::size_t i = 0;
+    f(*dispatcher_, i++);
+    for (Core& core : cores_) {
+      f(*core.srp, i++);
+      f(core.tni->dispatcher(), i++);
+      for (Trv& trv : core.tni->trvs()) f(trv, i++);
+      f(core.tni->ist(), i++);
+      f(*core.dma, i++);
+      f(*core.cache_port, i++);
+      f(*core.dma_port, i++);
+    }
+    for (L2Bank& bank : banks_) f(bank, i++);
+    for (DramChannel& channel : channels_) f(channel, i++);
+  }
+  std::vector<sim::Time>& wakes() { return wakes_; }
+  bool done() const { return dispatcher_->done() && memory_quiet(); }
+  std::string state();
+
+  /// Charges every unit's time up to the end of the run. Call once, with what the engine returned.
+  void finish(sim::Time last_edge);
+  /// The time finish() was given, rounded up to whole T&I cycles.
+  sim::Time elapsed() const { return elapsed_; }
+  std::uint64_t cycles() const { return tni_clock_.cycles(elapsed_); }
+
+  /// Every unit's counters, in a fixed order.
+  std::vector<sim::UnitReport> report() const;
+  /// Per kernel, summed over the cores, by KernelId.
+  std::vector<KernelUse> kernel_use() const;
+  const std::vector<KernelSchedule>& kernels() const { return kernels_; }
+  std::uint32_t cores() const { return static_cast<std::uint32_t>(cores_.size()); }
+
+ private:
+  struct Core {
+    std::unique_ptr<Srp> srp;
+    std::unique_ptr<Tni> tni;
+    std::unique_ptr<Dma> dma;
+    std::unique_ptr<CorePort> cache_port, dma_port;
+  };
+  struct Wiring;
+
+  bool memory_quiet() const;
+  void add_core(Wiring& wiring, std::uint32_t core, const Workload& workload);
+  void add_memory(Wiring& wiring);
+
+  const GpuConfig config_;
+  const sim::Clock tni_clock_, srp_clock_, l2_clock_, dram_clock_;
+  std::vector<KernelSchedule> kernels_;
+
+  // Pinned links, by what they carry.
+  std::deque<sim::Link<TileJob>> tile_jobs_;
+  std::deque<sim::Link<TileDone>> tile_dones_;
+  std::deque<sim::Link<RayJob>> ray_jobs_;
+  std::deque<sim::Link<RayDone>> ray_dones_;
+  std::deque<sim::Link<DmaJob>> dma_jobs_;
+  std::deque<sim::Link<DmaDone>> dma_dones_;
+  std::deque<sim::Link<MemRequest>> requests_;
+  std::deque<sim::Link<MemResponse>> responses_;
+
+  std::deque<Core> cores_;
+  std::deque<L2Bank> banks_;
+  std::deque<DramChannel> channels_;
+  std::unique_ptr<TileDispatcher> dispatcher_;
+  std::vector<sim::Time> wakes_;
+  sim::Time elapsed_ = 0;
+};
+
+}  // namespace hw

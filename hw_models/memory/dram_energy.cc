@@ -1,0 +1,18 @@
+#include "hw_models/memory/dram_energy.h"
+
+namespace hw {
+
+std::map<std::string, sim::DeviceEvent> dram_energy_events(const DramConfig& config) {
+  const DramEnergy& e = config.energy;
+  const double cycle_ns = static_cast<double>(config.timing.ck.time) * 1e-6;  // mW x ns = pJ
+  return {
+      {"dram.activate", {e.activate}},
+      {"dram.read_burst", {e.read_core + e.read_io + e.phy}},
+      {"dram.write_burst", {e.write_core + e.write_io + e.phy}},
+      {"dram.refresh", {e.refresh}},
+      {"dram.active_standby", {e.active_standby * cycle_ns, true}},
+      {"dram.precharge_standby", {e.precharge_standby * cycle_ns, true}},
+  };
+}
+
+}  // namespace hw

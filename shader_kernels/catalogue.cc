@@ -1,0 +1,28 @@
+#include "shader_kernels/catalogue.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "shader_kernels/ports_recorded.h"
+
+namespace kernels {
+namespace {
+
+template <class... Ks>
+std::vector<KernelInfo> record_all(std::type_identity<std::tuple<Ks...>>) {
+  return {KernelInfo{kKernelId<Ks>, Ks::kName, Ks::kMeaning, record_graph<Ks>()}...};
+}
+
+}  // namespace
+
+const std::vector<KernelInfo>& catalogue() {
+  static const std::vector<KernelInfo> all = record_all(std::type_identity<AllKernels>{});
+  return all;
+}
+
+const KernelInfo* find_kernel(std::string_view name) {
+  const auto at = std::ranges::find(catalogue(), name, &KernelInfo::name);
+  return at == catalogue().end() ? nullptr : &*at;
+}
+
+}  // namespace kernels

@@ -1,0 +1,53 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <vector>
+
+#include "shader_kernels/graph.h"
+#include "shader_kernels/kernels/average_colour.h"
+#include "shader_kernels/kernels/classify_hits.h"
+#include "shader_kernels/kernels/classify_surfaces.h"
+#include "shader_kernels/kernels/combine_shadow.h"
+#include "shader_kernels/kernels/generate_rays.h"
+#include "shader_kernels/kernels/pack_colour.h"
+#include "shader_kernels/kernels/shade_ambient.h"
+#include "shader_kernels/kernels/shade_background.h"
+#include "shader_kernels/kernels/shade_diffuse.h"
+#include "shader_kernels/kernels/shade_emission.h"
+#include "shader_kernels/kernels/shade_glass.h"
+#include "shader_kernels/kernels/shade_mirror.h"
+#include "shader_kernels/kernels/shade_surface.h"
+#include "shader_kernels/kernels/shade_textured.h"
+#include "traces/stream.h"
+
+namespace kernels {
+
+/// Every kernel; its place in this list is its KernelId.
+using AllKernels = std::tuple<GenerateRays, GenerateJitteredRays, ClassifyHits, ShadeBackground, ShadeSurface,
+                              ClassifySurfaces, ShadeTextured, ShadeEmission, ShadeAmbient, ShadeDiffuse, CombineShadow,
+                              ShadeMirror, ShadeGlass, AverageColour, PackColour>;
+
+template <class K, class... Ks>
+constexpr traces::KernelId place_in(std::type_identity<std::tuple<Ks...>>) {
+  traces::KernelId place = 0;
+  (void)((std::is_same_v<K, Ks> || (++place, false)) || ...);
+  return place;
+}
+template <class K>
+inline constexpr traces::KernelId kKernelId = place_in<K>(std::type_identity<AllKernels>{});
+
+struct KernelInfo {
+  traces::KernelId id = 0;
+  std::string_view name;
+  std::string_view meaning;
+  Graph graph;
+};
+
+/// All kernels by id; their graphs are recorded when first asked for.
+const std::vector<KernelInfo>& catalogue();
+/// The kernel called `name`, or null.
+const KernelInfo* find_kernel(std::string_view name);
+
+}  // namespace kernels

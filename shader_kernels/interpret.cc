@@ -1,0 +1,174 @@
+#include "shader_kernels/interpret.h"
+
+#include <array>
+#include <bit>
+#include <cstring>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "shader_kernels/value.h"
+
+namespace kernels {
+namespace {
+
+using Word = std::uint32_t;
+
+float real(Word bits) { return std::bit_cast<float>(bits); }
+Word word(float x) { return std::bit_cast<Word>(x); }
+Word word(bool mask) { return mask ? 1U : 0U; }
+
+Word compute(Op op, Word a, Word b, Word c) {
+  switch (op) {
+    case Op::kAdd:
+      return word(real(a) + real(b));
+    case Op::kSub:
+      return word(real(a) - real(b));
+    case Op::kMul:
+      return word(real(a) * real(b));
+    case Op::kDiv:
+      return word(real(a) / real(b));
+    case Op::kSqrt:
+      return word(sqrt(real(a)));
+    case Op::kMin:
+      return word(min(real(a), real(b)));
+    case Op::kMax:
+      return word(max(real(a), real(b)));
+    case Op::kAbs:
+      return word(abs(real(a)));
+    case Op::kNeg:
+      return word(-real(a));
+    case Op::kFloor:
+      return word(floor(real(a)));
+    case Op::kIntAdd:
+      return a + b;
+    case Op::kIntSub:
+      return a - b;
+    case Op::kIntMul:
+      return a * b;
+    case Op::kAnd:
+      return a & b;
+    case Op::kOr:
+      return a | b;
+    case Op::kXor:
+      return a ^ b;
+    case Op::kShiftLeft:
+      return a << b;
+    case Op::kShiftRight:
+      return a >> b;
+    case Op::kLess:
+      return word(real(a) < real(b));
+    case Op::kLessEqual:
+      return word(real(a) <= real(b));
+    case Op::kEqual:
+      return word(real(a) == real(b));
+    case Op::kIntLess:
+      return word(a < b);
+    case Op::kIntEqual:
+      return word(a == b);
+    case Op::kSelect:
+      return a != 0 ? b : c;
+    case Op::kToFloat:
+      return word(to_float(a));
+    case Op::kToInt:
+      return to_int(real(a));
+    case Op::kBits:
+      return a;
+    case Op::kInput:
+    case Op::kConstant:
+    case Op::kLoadLocal:
+    case Op::kStoreLocal:
+    case Op::kLoadCached:
+    case Op::kCount:
+      break;
+  }
+  throw std::logic_error("not an arithmetic operation");
+}
+
+template <class T>
+T& named(std::map<std::string, T, std::less<>>& all, const std::string& name) {
+  const auto at = all.find(name);
+  if (at == all.end()) throw std::invalid_argument("nothing is bound to '" + name + "'");
+  return at->second;
+}
+
+/// The values of one item, and those of the item before it.
+class Machine {
+ public:
+  Machine(const Graph& graph, Environment& environment)
+      : graph_(graph), environment_(environment), values_(graph.nodes.size()), records_(graph.nodes.size()) {}
+
+  void run(Word items) {
+    for (Word item = 0; item < items; ++item) {
+      for (std::size_t i = 0; i < values_.size(); ++i) step(i, item);
+      for (const GraphNode& node : graph_.nodes) {
+        if (node.distance != 0) named(environment_.carried, node.label) = values_[node.inputs[0]];
+      }
+    }
+  }
+
+ private:
+  Word in(const GraphNode& node, int i) const {
+    return node.inputs[i] == GraphNode::kNone ? 0 : values_[node.inputs[i]];
+  }
+
+  void step(std::size_t i, Word item) {
+    const GraphNode& node = graph_.nodes[i];
+    switch (node.op) {
+      case Op::kInput:
+        values_[i] = input(node, item);
+        break;
+      case Op::kConstant:
+        values_[i] = node.label.empty() ? node.value : named(environment_.uniforms, node.label);
+        break;
+      case Op::kLoadLocal:
+      case Op::kLoadCached:
+        load(i);
+        break;
+      case Op::kStoreLocal:
+        store(node);
+        break;
+      default:
+        values_[i] = compute(node.op, in(node, 0), in(node, 1), in(node, 2));
+    }
+  }
+
+  Word input(const GraphNode& node, Word item) {
+    if (node.distance != 0) return named(environment_.carried, node.label);
+    if (node.inputs[0] == GraphNode::kNone) return item;
+    return records_[node.inputs[0]][node.value / 4];
+  }
+
+  void load(std::size_t i) {
+    const GraphNode& node = graph_.nodes[i];
+    if (node.inputs[1] != GraphNode::kNone) {
+      const FootprintRecord<float> texels =
+          Texels<float>{environment_.textures}.load(in(node, 0), in(node, 1), in(node, 2));
+      records_[i] = {texels.at00, texels.at10, texels.at01, texels.at11};
+    } else {
+      const std::byte* memory = named(environment_.memories, node.label);
+      std::memcpy(records_[i].data(), memory + std::size_t{in(node, 0)} * node.bytes, node.bytes);
+    }
+  }
+
+  void store(const GraphNode& node) {
+    std::byte* to = named(environment_.memories, node.label) + std::size_t{in(node, 0)} * node.bytes;
+    for (const std::uint32_t id : node.stored) {
+      std::memcpy(to, &values_[id], sizeof(Word));
+      to += sizeof(Word);
+    }
+  }
+
+  const Graph& graph_;
+  Environment& environment_;
+  std::vector<Word> values_;
+  std::vector<std::array<Word, 16>> records_;  ///< what each load has read
+};
+
+}  // namespace
+
+void interpret(const Graph& graph, std::uint32_t items, Environment& environment) {
+  Machine(graph, environment).run(items);
+}
+
+}  // namespace kernels

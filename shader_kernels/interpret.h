@@ -1,0 +1,62 @@
+#pragma once
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <string>
+#include <string_view>
+
+#include "shader_kernels/graph.h"
+#include "shader_kernels/ports.h"
+
+namespace kernels {
+
+/// What a graph is run against: memories, uniforms and loop-carried values by the names that its ports have.
+struct Environment {
+  std::map<std::string, std::byte*, std::less<>> memories;
+  std::map<std::string, std::uint32_t, std::less<>> uniforms;
+  std::map<std::string, std::uint32_t, std::less<>> carried;  ///< before the first item; afterwards: after the last
+  const traces::Texture* textures = nullptr;
+};
+
+/// Runs a recorded graph item by item, operation by operation: the meaning that the machine's schedule must keep.
+void interpret(const Graph& graph, std::uint32_t items, Environment& environment);
+
+/// Gathers an Environment from the ports of the float reading; for describe().
+class EnvironmentBinder {
+ public:
+  explicit EnvironmentBinder(Environment& environment) : to_(environment) {}
+
+  template <template <class> class R>
+  void operator()(const Local<float, R>& port, std::string_view name) const {
+    to_.memories.emplace(name, port.base);
+  }
+  template <template <class> class R>
+  void operator()(const Table<float, R>& port, std::string_view name) const {
+    to_.memories.emplace(name, const_cast<std::byte*>(port.base));
+  }
+  template <template <class> class R, traces::Access::Kind kKind>
+  void operator()(const Cached<float, R, kKind>& port, std::string_view name) const {
+    to_.memories.emplace(name, const_cast<std::byte*>(port.base));
+  }
+  void operator()(const Texels<float>& port, std::string_view) const { to_.textures = port.textures; }
+  void operator()(const Counter<float>& port, std::string_view name) const { to_.carried.emplace(name, port.value); }
+  void operator()(const Carried<float>& port, std::string_view name) const {
+    to_.carried.emplace(name, std::bit_cast<std::uint32_t>(port.value));
+  }
+  void operator()(std::uint32_t uniform, std::string_view name) const { to_.uniforms.emplace(name, uniform); }
+  void operator()(float uniform, std::string_view name) const {
+    to_.uniforms.emplace(name, std::bit_cast<std::uint32_t>(uniform));
+  }
+  void operator()(const Vec3<float>& uniform, const std::string& name) const {
+    (*this)(uniform.x, name + ".x");
+    (*this)(uniform.y, name + ".y");
+    (*this)(uniform.z, name + ".z");
+  }
+
+ private:
+  Environment& to_;
+};
+
+}  // namespace kernels

@@ -1,0 +1,71 @@
+#pragma once
+#include "shader_kernels/vec3.h"
+
+namespace kernels {
+
+template <class V>
+struct Split {
+  F<V> quotient, remainder;
+};
+/// Whole-number division of small counts (below 2^20); `inverse` is 1 / divisor.
+template <class V>
+Split<V> split(const F<V>& count, const F<V>& divisor, const F<V>& inverse) {
+  const F<V> quotient = floor((count + 0.5F) * inverse);
+  return {quotient, count - quotient * divisor};
+}
+
+/// A good 32-bit finaliser (multipliers found by C. Wellons).
+template <class V>
+I<V> scrambled(const I<V>& key) {
+  const I<V> a = (key ^ (key >> 16U)) * 0x7feb352dU;
+  const I<V> b = (a ^ (a >> 15U)) * 0x846ca68bU;
+  return b ^ (b >> 16U);
+}
+
+/// A hash as a float in [0, 1), exact in 24 bits.
+template <class V>
+F<V> unit_float(const I<V>& hash) {
+  return to_float(hash >> 8U) * 0x1p-24F;
+}
+
+template <class V>
+F<V> clamped(const F<V>& x) {
+  return min(max(x, F<V>(0.0F)), F<V>(1.0F));
+}
+
+/// sRGB to linear in [0, 1]: cubic with least greatest error, 0.0013, exact at both ends.
+template <class V>
+F<V> decoded(const F<V>& x) {
+  return x * (x * (x * 0.31441294F + 0.66744407F) + 0.01814299F);
+}
+
+/// Linear to sRGB in [0, 1]: the toe is exact, the rest within 0.2 of a step of 1 / 255.
+template <class V>
+F<V> encoded(const F<V>& x) {
+  const F<V> half = sqrt(x);
+  const F<V> quarter = sqrt(half);
+  const F<V> curve = half * 0.58723747F + quarter * 0.77597848F - sqrt(quarter) * 0.36321595F;
+  return select(x <= 0.0031308F, x * 12.92F, curve);
+}
+
+/// What happens to light that meets a surface between two media.
+template <class V>
+struct Interface {
+  F<V> cosine;       ///< of the incoming ray's angle
+  F<V> eta;          ///< refractive index on the ray's side over that behind the surface
+  F<V> inside;       ///< squared cosine of the refracted angle; negative: total internal reflection
+  F<V> reflectance;  ///< Schlick's approximation of Fresnel's share; 1 if reflection is total
+};
+template <class V>
+Interface<V> interface(const Vec3<V>& direction, const Vec3<V>& normal, const F<V>& side, const F<V>& ior) {
+  const F<V> cosine = -dot(direction, normal);
+  const F<V> eta = select(F<V>(0.0F) < side, 1.0F / ior, ior);
+  const F<V> inside = 1.0F - eta * eta * (1.0F - cosine * cosine);
+  const F<V> ratio = (ior - 1.0F) / (ior + 1.0F);
+  // Schlick's angle is the one in the thinner medium.
+  const F<V> away = 1.0F - select(eta <= 1.0F, cosine, sqrt(max(inside, F<V>(0.0F))));
+  const F<V> squared = away * away;
+  return {cosine, eta, inside, 1.0F - (1.0F - ratio * ratio) * (1.0F - squared * squared * away)};
+}
+
+}  // namespace kernels

@@ -1,0 +1,43 @@
+#pragma once
+#include <string_view>
+
+#include "shader_kernels/kernels/arithmetic.h"
+#include "shader_kernels/ports.h"
+
+namespace kernels {
+
+/// Every item leaves the sum so far in its pixel; the pixel's last sample completes it.
+struct AverageColour {
+  static constexpr std::string_view kName = "average_colour";
+  static constexpr std::string_view kMeaning = "sample -> mean of its pixel's samples, clamped, in linear light";
+  template <class V>
+  struct Ports {
+    Local<V, ColourRecord> colours, pixels;
+    Carried<V> red, green, blue;
+    F<V> samples, inverse_samples;
+    static void describe(auto& p, auto&& port) {
+      port(p.colours, "colours");
+      port(p.pixels, "pixels");
+      port(p.red, "red");
+      port(p.green, "green");
+      port(p.blue, "blue");
+      port(p.samples, "samples");
+      port(p.inverse_samples, "inverse_samples");
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const Split<V> pixel = split<V>(to_float(item), at.samples, at.inverse_samples);
+    const M<V> first = pixel.remainder <= 0.0F;
+    const Vec3<V> colour = at.colours.load(item).rgb;
+    const auto sum = [&](Carried<V>& so_far, const F<V>& sample) {
+      const F<V> next = select(first, F<V>(0.0F), so_far.get()) + clamped<V>(sample);
+      so_far.set(next);
+      return next;
+    };
+    const Vec3<V> total{sum(at.red, colour.x), sum(at.green, colour.y), sum(at.blue, colour.z)};
+    at.pixels.store(to_int(pixel.quotient), {total * at.inverse_samples});
+  }
+};
+
+}  // namespace kernels

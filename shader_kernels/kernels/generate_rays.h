@@ -1,0 +1,83 @@
+#pragma once
+#include <limits>
+#include <string_view>
+
+#include "shader_kernels/kernels/arithmetic.h"
+#include "shader_kernels/kernels/uniforms.h"
+#include "shader_kernels/ports.h"
+
+namespace kernels {
+
+template <class V>
+struct GeneratePorts {
+  Local<V, RayRecord> rays;
+  Local<V, PathRecord> paths;
+  Local<V, ColourRecord> colours;
+  CameraUniforms<V> camera;
+  TileUniforms<V> tile;
+  I<V> image_width, seed;
+  static void describe(auto& p, auto&& port) {
+    port(p.rays, "rays");
+    port(p.paths, "paths");
+    port(p.colours, "colours");
+    CameraUniforms<V>::describe(p.camera, port);
+    TileUniforms<V>::describe(p.tile, port);
+    port(p.image_width, "image_width");
+    port(p.seed, "seed");
+  }
+};
+
+/// Where in its pixel a sample lies, and what pixel that is.
+template <class V>
+struct SamplePlace {
+  F<V> x, y;         ///< pixel
+  F<V> column, row;  ///< cell of the pixel's grid
+  F<V> number;       ///< the same as one number
+};
+template <class V>
+SamplePlace<V> sample_place(const I<V>& item, const TileUniforms<V>& tile) {
+  const Split<V> pixel = split<V>(to_float(item), tile.samples, tile.inverse_samples);
+  const Split<V> row = split<V>(pixel.quotient, tile.width, tile.inverse_width);
+  const Split<V> cell = split<V>(pixel.remainder, tile.grid, tile.inverse_grid);
+  return {tile.x0 + row.remainder, tile.y0 + row.quotient, cell.remainder, cell.quotient, pixel.remainder};
+}
+
+template <class V>
+void emit_primary(const I<V>& item, const F<V>& x, const F<V>& y, const GeneratePorts<V>& at) {
+  const Vec3<V> direction = normalised(at.camera.corner + at.camera.right * x + at.camera.down * y);
+  at.rays.store(item, {at.camera.origin, 0.0F, direction, std::numeric_limits<float>::infinity()});
+  at.paths.store(item, {{1.0F, 1.0F, 1.0F}, item});
+  at.colours.store(item, {{0.0F, 0.0F, 0.0F}});
+}
+
+struct GenerateRays {
+  static constexpr std::string_view kName = "generate_rays";
+  static constexpr std::string_view kMeaning = "sample -> primary ray, samples at the centres of a regular grid";
+  template <class V>
+  using Ports = GeneratePorts<V>;
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const SamplePlace<V> s = sample_place<V>(item, at.tile);
+    emit_primary<V>(item, s.x + (s.column + 0.5F) * at.tile.inverse_grid, s.y + (s.row + 0.5F) * at.tile.inverse_grid,
+                    at);
+  }
+};
+
+/// The random place within a cell depends on frame (seed), pixel and sample alone.
+struct GenerateJitteredRays {
+  static constexpr std::string_view kName = "generate_jittered_rays";
+  static constexpr std::string_view kMeaning = "sample -> primary ray, samples anywhere in the cells of a grid";
+  template <class V>
+  using Ports = GeneratePorts<V>;
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const SamplePlace<V> s = sample_place<V>(item, at.tile);
+    const I<V> pixel = to_int(s.y) * at.image_width + to_int(s.x);
+    const I<V> hash_x = scrambled<V>(scrambled<V>(pixel ^ at.seed) + to_int(s.number));
+    const I<V> hash_y = scrambled<V>(hash_x ^ 0x9e3779b9U);
+    emit_primary<V>(item, s.x + (s.column + unit_float<V>(hash_x)) * at.tile.inverse_grid,
+                    s.y + (s.row + unit_float<V>(hash_y)) * at.tile.inverse_grid, at);
+  }
+};
+
+}  // namespace kernels

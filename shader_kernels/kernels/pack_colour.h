@@ -1,0 +1,29 @@
+#pragma once
+#include <string_view>
+
+#include "shader_kernels/kernels/arithmetic.h"
+#include "shader_kernels/ports.h"
+
+namespace kernels {
+
+struct PackColour {
+  static constexpr std::string_view kName = "pack_colour";
+  static constexpr std::string_view kMeaning = "pixel -> the frame buffer's RGBA8, sRGB-encoded";
+  template <class V>
+  struct Ports {
+    Local<V, ColourRecord> pixels;
+    Local<V, WordRecord> packed;
+    static void describe(auto& p, auto&& port) {
+      port(p.pixels, "pixels");
+      port(p.packed, "packed");
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const Vec3<V> colour = at.pixels.load(item).rgb;
+    const auto byte = [](const F<V>& x) { return to_int(encoded<V>(clamped<V>(x)) * 255.0F + 0.5F); };
+    at.packed.store(item, {byte(colour.x) | (byte(colour.y) << 8U) | (byte(colour.z) << 16U) | 0xff000000U});
+  }
+};
+
+}  // namespace kernels

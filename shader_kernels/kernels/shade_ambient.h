@@ -1,0 +1,34 @@
+#pragma once
+#include <string_view>
+
+#include "shader_kernels/kernels/add_light.h"
+
+namespace kernels {
+
+struct ShadeAmbient {
+  static constexpr std::string_view kName = "shade_ambient";
+  static constexpr std::string_view kMeaning = "diffuse surface -> ambient light into its sample";
+  template <class V>
+  struct Ports {
+    Local<V, WordRecord> diffuse;
+    Local<V, PathRecord> paths;
+    Local<V, MatteRecord> mattes;
+    Local<V, ColourRecord> colours;
+    Vec3<V> ambient;
+    static void describe(auto& p, auto&& port) {
+      port(p.diffuse, "diffuse");
+      port(p.paths, "paths");
+      port(p.mattes, "mattes");
+      port(p.colours, "colours");
+      port(p.ambient, "ambient");
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const I<V> slot = at.diffuse.load(item).word;
+    const PathRecord<V> path = at.paths.load(slot);
+    add_light<V>(at.colours, path.sample, path.throughput * at.mattes.load(slot).diffuse * at.ambient);
+  }
+};
+
+}  // namespace kernels

@@ -1,0 +1,57 @@
+#pragma once
+#include <string_view>
+
+#include "shader_kernels/kernels/uniforms.h"
+#include "shader_kernels/ports.h"
+
+namespace kernels {
+
+/// One launch per light: an item is a surface. A spot's edge falls off as in glTF's KHR_lights_punctual. The shadow
+/// ray's direction is not of unit length: t = 1 is the light.
+struct ShadeDiffuse {
+  static constexpr std::string_view kName = "shade_diffuse";
+  static constexpr std::string_view kMeaning = "diffuse surface, one light -> shadow ray that brings its light";
+  template <class V>
+  struct Ports {
+    Local<V, WordRecord> diffuse;
+    Local<V, PlaceRecord> places;
+    Local<V, PathRecord> paths;
+    Local<V, MatteRecord> mattes;
+    Local<V, RayRecord> shadow_rays;
+    Local<V, PathRecord> shadow_paths;
+    Counter<V> emitted;
+    LightUniforms<V> light;
+    F<V> epsilon;
+    static void describe(auto& p, auto&& port) {
+      port(p.diffuse, "diffuse");
+      port(p.places, "places");
+      port(p.paths, "paths");
+      port(p.mattes, "mattes");
+      port(p.shadow_rays, "shadow_rays");
+      port(p.shadow_paths, "shadow_paths");
+      port(p.emitted, "emitted");
+      LightUniforms<V>::describe(p.light, port);
+      port(p.epsilon, "epsilon");
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const I<V> slot = at.diffuse.load(item).word;
+    const PlaceRecord<V> place = at.places.load(slot);
+    const PathRecord<V> path = at.paths.load(slot);
+    const Vec3<V> to_light = at.light.place - place.position * at.light.local;
+    const F<V> inverse_distance = 1.0F / sqrt(dot(to_light, to_light));
+    const F<V> cosine = dot(place.normal, to_light) * inverse_distance;
+    const F<V> off_axis = -dot(at.light.direction, to_light) * inverse_distance;
+    const F<V> cone = min(max(off_axis * at.light.cone_scale + at.light.cone_offset, F<V>(0.0F)), F<V>(1.0F));
+    const F<V> share = cosine * (inverse_distance * inverse_distance) * (cone * cone);
+    const Vec3<V> light = path.throughput * at.mattes.load(slot).diffuse * (at.light.intensity * share);
+
+    const I<V> out = at.emitted.next(F<V>(0.0F) < largest(light));
+    const F<V> t_min = at.epsilon * inverse_distance;
+    at.shadow_rays.store(out, {place.position, t_min, to_light, at.light.reach - t_min});
+    at.shadow_paths.store(out, {light, path.sample});
+  }
+};
+
+}  // namespace kernels

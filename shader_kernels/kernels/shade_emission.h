@@ -1,0 +1,35 @@
+#pragma once
+#include <string_view>
+
+#include "shader_kernels/kernels/add_light.h"
+
+namespace kernels {
+
+struct ShadeEmission {
+  static constexpr std::string_view kName = "shade_emission";
+  static constexpr std::string_view kMeaning = "emissive surface -> its own light into its sample";
+  template <class V>
+  struct Ports {
+    Local<V, WordRecord> emissive;
+    Local<V, PlaceRecord> places;
+    Local<V, PathRecord> paths;
+    Materials<V> materials;
+    Local<V, ColourRecord> colours;
+    static void describe(auto& p, auto&& port) {
+      port(p.emissive, "emissive");
+      port(p.places, "places");
+      port(p.paths, "paths");
+      port(p.materials, "materials");
+      port(p.colours, "colours");
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const I<V> slot = at.emissive.load(item).word;
+    const PathRecord<V> path = at.paths.load(slot);
+    const MaterialFields<V> material = at.materials.load(at.places.load(slot).material);
+    add_light<V>(at.colours, path.sample, path.throughput * material.emission);
+  }
+};
+
+}  // namespace kernels

@@ -1,0 +1,56 @@
+#pragma once
+#include "shader_kernels/vec3.h"
+
+namespace kernels {
+
+/// A pinhole camera: the ray through the picture's point (x, y), in pixels from the top left corner, goes along
+/// corner + x * right + y * down.
+template <class V>
+struct CameraUniforms {
+  Vec3<V> origin, corner, right, down;
+  static void describe(auto& c, auto&& port) {
+    port(c.origin, "camera.origin");
+    port(c.corner, "camera.corner");
+    port(c.right, "camera.right");
+    port(c.down, "camera.down");
+  }
+};
+
+/// The samples of a tile: items count samples within a pixel first, then pixels row by row. Divisions are by these
+/// constants, so their reciprocals come along.
+template <class V>
+struct TileUniforms {
+  F<V> x0, y0;                    ///< first pixel
+  F<V> width, inverse_width;      ///< pixels in a row
+  F<V> samples, inverse_samples;  ///< per pixel: a grid of
+  F<V> grid, inverse_grid;        ///< grid x grid
+  static void describe(auto& c, auto&& port) {
+    port(c.x0, "tile.x0");
+    port(c.y0, "tile.y0");
+    port(c.width, "tile.width");
+    port(c.inverse_width, "tile.inverse_width");
+    port(c.samples, "tile.samples");
+    port(c.inverse_samples, "tile.inverse_samples");
+    port(c.grid, "tile.grid");
+    port(c.inverse_grid, "tile.inverse_grid");
+  }
+};
+
+/// A light of any kind. Point and spot: `local` 1, `place` the position, `reach` 1. Directional: `local` 0, `place` a
+/// unit vector towards the light, `reach` infinite. Without a cone `cone_scale` is 0 and `cone_offset` 1.
+template <class V>
+struct LightUniforms {
+  Vec3<V> place, direction, intensity;
+  F<V> local, reach, cone_scale, cone_offset;
+  static void describe(auto& c, auto&& port) {
+    port(c.place, "light.place");
+    port(c.direction, "light.direction");
+    port(c.intensity, "light.intensity");
+    port(c.local, "light.local");
+    port(c.reach, "light.reach");
+    port(c.cone_scale, "light.cone_scale");
+    port(c.cone_offset, "light.cone_offset");
+  }
+};
+
+}  // namespace kernels

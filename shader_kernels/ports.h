@@ -1,0 +1,128 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <type_traits>
+#include <vector>
+
+#include "shader_kernels/records.h"
+#include "traces/scene/scene.h"
+#include "traces/stream.h"
+
+namespace kernels {
+
+// What a kernel is wired to. In the float reading a port is a pointer or a number; ports_recorded.h holds the other
+// reading. A kernel's Ports struct names its ports with describe(ports, port).
+
+/// Records in the tile buffer.
+template <class V, template <class> class R>
+struct Local;
+/// Read-only records in the SRP's own memory (kernel data).
+template <class V, template <class> class R>
+struct Table;
+/// Read-only records in memory, read through the data cache.
+template <class V, template <class> class R, traces::Access::Kind kKind>
+struct Cached;
+/// Texels in memory, read through the data cache a bilinear footprint at a time; the cache's address generator finds
+/// the one to four lines.
+template <class V>
+struct Texels;
+/// Where the next record of a compacted stream goes. What is stored there counts only if next() was told true.
+template <class V>
+struct Counter;
+/// A value handed from item to item.
+template <class V>
+struct Carried;
+
+/// A record out of raw memory, whatever C++ type put it there.
+template <template <class> class R>
+R<float> load_record(const std::byte* base, std::uint32_t index) {
+  R<float> record;
+  std::memcpy(&record, base + std::size_t{index} * sizeof(record), sizeof(record));
+  return record;
+}
+
+template <template <class> class R>
+struct Local<float, R> {
+  std::byte* base = nullptr;
+  template <class T>
+  void bind(T* records) {
+    static_assert(sizeof(T) == sizeof(R<float>) && std::is_trivially_copyable_v<T>);
+    base = reinterpret_cast<std::byte*>(records);
+  }
+  R<float> load(std::uint32_t index) const { return load_record<R>(base, index); }
+  void store(std::uint32_t index, const R<float>& record) const {
+    std::memcpy(base + std::size_t{index} * sizeof(record), &record, sizeof(record));
+  }
+};
+
+template <template <class> class R>
+struct Table<float, R> {
+  const std::byte* base = nullptr;
+  template <class T>
+  void bind(const T* records) {
+    static_assert(sizeof(T) == sizeof(R<float>) && std::is_trivially_copyable_v<T>);
+    base = reinterpret_cast<const std::byte*>(records);
+  }
+  R<float> load(std::uint32_t index) const { return load_record<R>(base, index); }
+};
+
+/// Cached ports note their accesses in `log` unless it is null.
+template <template <class> class R, traces::Access::Kind kKind>
+struct Cached<float, R, kKind> {
+  const std::byte* base = nullptr;
+  std::vector<traces::Access>* log = nullptr;
+  template <class T>
+  void bind(const T* records, std::vector<traces::Access>* accesses) {
+    static_assert(sizeof(T) == sizeof(R<float>) && std::is_trivially_copyable_v<T>);
+    base = reinterpret_cast<const std::byte*>(records);
+    log = accesses;
+  }
+  R<float> load(std::uint32_t index) const {
+    if (log) log->push_back({static_cast<std::uint32_t>(kKind) << 30, index, 0});
+    return load_record<R>(base, index);
+  }
+};
+
+template <>
+struct Texels<float> {
+  const traces::Texture* textures = nullptr;
+  std::vector<traces::Access>* log = nullptr;
+  void bind(const traces::Texture* all, std::vector<traces::Access>* accesses) {
+    textures = all;
+    log = accesses;
+  }
+  /// Corners are y << 16 | x.
+  FootprintRecord<float> load(std::uint32_t texture, std::uint32_t corner0, std::uint32_t corner1) const {
+    const std::uint32_t x0 = corner0 & 0xffffU, y0 = corner0 >> 16, x1 = corner1 & 0xffffU, y1 = corner1 >> 16;
+    if (log) log->push_back(traces::Access::texels(texture, x0, y0, x1, y1));
+    const traces::Texture& t = textures[texture];
+    const std::uint32_t* upper = t.texels.data() + std::size_t{y0} * t.width;
+    const std::uint32_t* lower = t.texels.data() + std::size_t{y1} * t.width;
+    return {upper[x0], upper[x1], lower[x0], lower[x1]};
+  }
+};
+
+template <>
+struct Counter<float> {
+  std::uint32_t value = 0;
+  std::uint32_t next(bool keep) {
+    const std::uint32_t at = value;
+    value += keep ? 1U : 0U;
+    return at;
+  }
+};
+
+template <>
+struct Carried<float> {
+  float value = 0;
+  float get() const { return value; }
+  void set(float x) { value = x; }
+};
+
+template <class V>
+using Attributes = Cached<V, AttributeFields, traces::Access::Kind::kAttributes>;
+template <class V>
+using Materials = Cached<V, MaterialFields, traces::Access::Kind::kMaterial>;
+
+}  // namespace kernels

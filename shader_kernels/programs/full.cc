@@ -1,0 +1,97 @@
+#include "shader_kernels/programs/full.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "shader_kernels/programs/wavefront.h"
+#include "sim/hash.h"
+
+namespace kernels {
+namespace {
+
+std::uint32_t tiles_along(std::uint32_t pixels, std::uint32_t side) { return (pixels + side - 1) / side; }
+
+float inverse(std::uint32_t n) { return 1.0F / static_cast<float>(n); }
+
+}  // namespace
+
+FullProgram::FullProgram(const traces::MemoryImage& image, const traces::Camera& camera, const RenderConfig& config,
+                         std::uint32_t samples, std::uint32_t frame)
+    : config_(config),
+      scene_(image, config),
+      camera_(camera_uniforms(camera, config.width, config.height)),
+      samples_(samples),
+      grid_(static_cast<std::uint32_t>(std::lround(std::sqrt(samples)))),
+      frame_(frame),
+      side_(std::max(1U, config.tile / grid_)),
+      tiles_across_(tiles_along(config.width, side_)),
+      tiles_down_(tiles_along(config.height, side_)),
+      seed_(static_cast<std::uint32_t>(sim::hash(frame))) {}
+
+void FullProgram::run_tile(std::uint32_t tile, const traces::Tracer& tracer, bool record, TileResult& out) const {
+  out.tile = tile;
+  out.x = tile % tiles_across_ * side_;
+  out.y = tile / tiles_across_ * side_;
+  out.width = std::min(side_, config_.width - out.x);
+  out.height = std::min(side_, config_.height - out.y);
+  const std::uint32_t pixels = out.width * out.height;
+  const std::uint32_t samples = pixels * samples_;
+  out.linear.resize(pixels);
+  out.packed.resize(pixels);
+  out.work.frame = frame_;
+  out.work.tile = tile;
+  out.work.samples = samples;
+  out.buffer.hold_wave(samples);
+  if (out.buffer.colours.size() < samples) out.buffer.colours.resize(samples);
+
+  Wavefront wave(scene_, tracer, record, out);
+  GeneratePorts<float> generate;
+  generate.rays.bind(out.buffer.wave.rays.data());
+  generate.paths.bind(out.buffer.wave.paths.data());
+  generate.colours.bind(out.buffer.colours.data());
+  generate.camera = camera_;
+  generate.tile = {.x0 = static_cast<float>(out.x),
+                   .y0 = static_cast<float>(out.y),
+                   .width = static_cast<float>(out.width),
+                   .inverse_width = inverse(out.width),
+                   .samples = static_cast<float>(samples_),
+                   .inverse_samples = inverse(samples_),
+                   .grid = static_cast<float>(grid_),
+                   .inverse_grid = inverse(grid_)};
+  generate.image_width = config_.width;
+  generate.seed = seed_;
+  const Wavefront::Node generated = config_.samples == SamplePattern::kJittered
+                                        ? wave.launch<GenerateJitteredRays>(generate, samples)
+                                        : wave.launch<GenerateRays>(generate, samples);
+  wave.run(generated, samples);
+
+  AverageColour::Ports<float> average;
+  average.colours.bind(out.buffer.colours.data());
+  average.pixels.bind(out.linear.data());
+  average.samples = static_cast<float>(samples_);
+  average.inverse_samples = inverse(samples_);
+  const Wavefront::Node averaged = wave.launch<AverageColour>(average, samples);
+  wave.wait_for_colours(averaged);
+
+  PackColour::Ports<float> pack;
+  pack.pixels.bind(out.linear.data());
+  pack.packed.bind(out.packed.data());
+  const Wavefront::Node packed = wave.launch<PackColour>(pack, pixels);
+  wave.wait_all(packed, averaged);
+  wave.transfer(pixels * 4, packed);
+  wave.finish();
+}
+
+void FullProgram::place(const TileResult& tile, std::vector<float>& rgb) const {
+  for (std::uint32_t row = 0; row < tile.height; ++row) {
+    float* to = rgb.data() + std::size_t{3} * (std::size_t{tile.y + row} * config_.width + tile.x);
+    for (std::uint32_t column = 0; column < tile.width; ++column) {
+      const glm::vec3& from = tile.linear[std::size_t{row} * tile.width + column];
+      *to++ = from.x;
+      *to++ = from.y;
+      *to++ = from.z;
+    }
+  }
+}
+
+}  // namespace kernels

@@ -1,0 +1,39 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+#include "sim/config/field.h"
+
+namespace kernels {
+
+enum class SamplePattern : std::uint8_t { kRegular, kJittered };
+constexpr std::array<std::string_view, 2> names_of(SamplePattern) { return {"regular", "jittered"}; }
+
+/// What is rendered, and how finely. Everything here changes the recorded work.
+struct RenderConfig {
+  std::uint32_t width = 1024, height = 512;
+  std::uint32_t tile = 16;
+  std::uint32_t depth = 3;
+  SamplePattern samples = SamplePattern::kRegular;
+  double ray_epsilon = 1e-4;
+  double min_weight = 0.01;
+
+  static void describe(auto& c, auto&& field) {
+    using sim::Affects;
+    field(c.width, "width", "pixels", "width of the picture", sim::between(1, 16384), Affects::kFunction);
+    field(c.height, "height", "pixels", "height of the picture", sim::between(1, 16384), Affects::kFunction);
+    field(c.tile, "tile", "samples", "side of a tile: 16 means 16 x 16 samples", sim::between(1, 128),
+          Affects::kFunction);
+    field(c.depth, "depth", "rays", "longest path from the eye: 1 is primary rays (and their shadow rays) alone",
+          sim::between(1, 16), Affects::kFunction);
+    field(c.samples, "samples", "", "where a pixel's samples lie: in the middle of grid cells, or anywhere in them",
+          sim::any(), Affects::kFunction);
+    field(c.ray_epsilon, "ray_epsilon", "scene diagonals", "how far from a surface its secondary rays begin",
+          sim::between(0, 0.1), Affects::kFunction);
+    field(c.min_weight, "min_weight", "", "a path goes on while its largest colour weight is above this",
+          sim::between(0, 1), Affects::kFunction);
+  }
+};
+
+}  // namespace kernels

@@ -1,0 +1,75 @@
+#include "shader_kernels/programs/scene_tables.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <glm/geometric.hpp>
+
+namespace kernels {
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+Vec3<float> vec3(const glm::vec3& v) { return {v.x, v.y, v.z}; }
+
+}  // namespace
+
+CameraUniforms<float> camera_uniforms(const traces::Camera& camera, std::uint32_t width, std::uint32_t height) {
+  const glm::vec3 right = glm::normalize(glm::vec3(camera.to_world[0]));
+  const glm::vec3 up = glm::normalize(glm::vec3(camera.to_world[1]));
+  const glm::vec3 back = glm::normalize(glm::vec3(camera.to_world[2]));
+  const float half_height = std::tan(0.5F * camera.vertical_fov);
+  const float pixel = 2.0F * half_height / static_cast<float>(height);
+  const float half_width = 0.5F * pixel * static_cast<float>(width);
+  return {vec3(glm::vec3(camera.to_world[3])), vec3(up * half_height - right * half_width - back), vec3(right * pixel),
+          vec3(-up * pixel)};
+}
+
+LightUniforms<float> light_uniforms(const traces::Light& light) {
+  using Kind = traces::Light::Kind;
+  const bool local = light.kind != Kind::kDirectional;
+  LightUniforms<float> u{.place = vec3(local ? light.position : -light.direction),
+                         .direction = vec3(light.direction),
+                         .intensity = vec3(light.intensity),
+                         .local = local ? 1.0F : 0.0F,
+                         .reach = local ? 1.0F : kInfinity,
+                         .cone_scale = 0,
+                         .cone_offset = 1};
+  if (light.kind == Kind::kSpot) {
+    u.cone_scale = 1.0F / std::max(0.001F, light.cos_inner - light.cos_outer);
+    u.cone_offset = -light.cos_outer * u.cone_scale;
+  }
+  return u;
+}
+
+AxisRecord<float> axis_record(std::uint32_t size, traces::Texture::Wrap wrap) {
+  using Wrap = traces::Texture::Wrap;
+  const auto texels = static_cast<float>(size);
+  const float last = texels - 1.0F;
+  switch (wrap) {
+    case Wrap::kRepeat:
+      return {texels, last, -kInfinity, kInfinity, 1.0F, 1.0F, last, 0.0F};
+    case Wrap::kMirror:
+      return {texels, last, -kInfinity, kInfinity, 2.0F, 0.5F, 0.0F, last};
+    case Wrap::kClamp:
+      break;
+  }
+  return {texels, last, 0.0F, 1.0F, 2.0F, 0.5F, 0.0F, last};
+}
+
+SceneTables::SceneTables(const traces::MemoryImage& memory_image, const RenderConfig& config)
+    : image(memory_image),
+      background(vec3(memory_image.background)),
+      ambient(vec3(memory_image.ambient)),
+      epsilon(static_cast<float>(config.ray_epsilon) * memory_image.diagonal()),
+      min_weight(static_cast<float>(config.min_weight)),
+      depth(config.depth) {
+  for (const traces::Light& light : image.lights) lights.push_back(light_uniforms(light));
+  for (const traces::Texture& texture : image.textures) {
+    axes.push_back(axis_record(texture.width, texture.wrap_u));
+    axes.push_back(axis_record(texture.height, texture.wrap_v));
+  }
+}
+
+}  // namespace kernels

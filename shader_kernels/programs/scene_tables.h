@@ -1,0 +1,29 @@
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "shader_kernels/kernels/uniforms.h"
+#include "shader_kernels/programs/render_config.h"
+#include "shader_kernels/records.h"
+#include "traces/accel/memory_image.h"
+#include "traces/scene/scene.h"
+
+namespace kernels {
+
+CameraUniforms<float> camera_uniforms(const traces::Camera& camera, std::uint32_t width, std::uint32_t height);
+LightUniforms<float> light_uniforms(const traces::Light& light);
+AxisRecord<float> axis_record(std::uint32_t size, traces::Texture::Wrap wrap);
+
+/// What the kernels know of a scene besides memory: uniforms, and tables that lie in the SRP's own memory.
+struct SceneTables {
+  SceneTables(const traces::MemoryImage& memory_image, const RenderConfig& config);
+
+  const traces::MemoryImage& image;
+  std::vector<LightUniforms<float>> lights;
+  std::vector<AxisRecord<float>> axes;  ///< two per texture
+  Vec3<float> background, ambient;
+  float epsilon, min_weight;
+  std::uint32_t depth;
+};
+
+}  // namespace kernels

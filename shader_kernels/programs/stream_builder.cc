@@ -1,0 +1,63 @@
+#include "shader_kernels/programs/stream_builder.h"
+
+#include <utility>
+
+namespace kernels {
+
+using traces::Edge;
+using traces::WorkNode;
+
+StreamBuilder::StreamBuilder(traces::TileWork& work, bool on) : work_(work), on_(on) {
+  work.walk.clear();
+  work.ray_begin.clear();
+  work.accesses.clear();
+  work.access_begin.clear();
+  work.sources.clear();
+}
+
+WorkNode& StreamBuilder::add(WorkNode::Kind kind, std::uint32_t items) {
+  if (count_ == work_.nodes.size()) work_.nodes.emplace_back();
+  WorkNode& node = work_.nodes[count_++];
+  std::vector<Edge> inputs = std::move(node.inputs);
+  inputs.clear();
+  node = {.kind = kind, .items = items, .inputs = std::move(inputs)};
+  return node;
+}
+
+StreamBuilder::Node StreamBuilder::launch(traces::KernelId kernel, std::uint32_t items, bool has_accesses) {
+  if (!on_) return kNone;
+  launch_sources_ = static_cast<std::uint32_t>(work_.sources.size());
+  WorkNode& node = add(WorkNode::Kind::kLaunch, items);
+  node.kernel = kernel;
+  node.has_accesses = has_accesses;
+  if (has_accesses) node.first = static_cast<std::uint32_t>(work_.access_begin.size());
+  return count_ - 1;
+}
+
+StreamBuilder::Node StreamBuilder::rays(traces::RayKind kind, std::uint32_t count, std::uint32_t first, Node launch,
+                                        bool is_mapped) {
+  if (!on_) return kNone;
+  WorkNode& node = add(WorkNode::Kind::kRays, count);
+  node.ray_kind = kind;
+  node.first = first;
+  if (is_mapped) node.sources = launch_sources_;
+  node.inputs.push_back({launch, Edge::Kind::kEach});
+  return count_ - 1;
+}
+
+StreamBuilder::Node StreamBuilder::transfer(std::uint32_t bytes) {
+  if (!on_) return kNone;
+  add(WorkNode::Kind::kTransfer, bytes);
+  return count_ - 1;
+}
+
+void StreamBuilder::wait(Node node, Node for_node, Edge::Kind kind) {
+  if (on_ && for_node != kNone) work_.nodes[node].inputs.push_back({for_node, kind});
+}
+
+void StreamBuilder::finish() {
+  if (on_) begin_item();
+  work_.nodes.resize(count_);
+}
+
+}  // namespace kernels

@@ -1,0 +1,39 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+
+#include "traces/stream.h"
+
+namespace kernels {
+
+/// Writes a tile's graph of work. Storage of the work's former contents is used again; a builder that is off writes
+/// nothing.
+class StreamBuilder {
+ public:
+  using Node = std::uint32_t;
+  static constexpr Node kNone = traces::WorkNode::kNone;
+
+  StreamBuilder(traces::TileWork& work, bool on);
+  bool is_on() const { return on_; }
+
+  Node launch(traces::KernelId kernel, std::uint32_t items, bool has_accesses);
+  /// An item of the last launch begins; for launches with accesses.
+  void begin_item() { work_.access_begin.push_back(static_cast<std::uint32_t>(work_.accesses.size())); }
+  /// The last launch made a ray out of `item`.
+  void add_source(std::uint32_t item) { work_.sources.push_back(item); }
+  /// Rays made by `launch`: one per item, or (`is_mapped`) one per source added since that launch.
+  Node rays(traces::RayKind kind, std::uint32_t count, std::uint32_t first, Node launch, bool is_mapped);
+  Node transfer(std::uint32_t bytes);
+  void wait(Node node, Node for_node, traces::Edge::Kind kind);
+  void finish();
+
+ private:
+  traces::WorkNode& add(traces::WorkNode::Kind kind, std::uint32_t items);
+
+  traces::TileWork& work_;
+  bool on_;
+  Node count_ = 0;
+  std::uint32_t launch_sources_ = 0;  ///< first source of the last launch
+};
+
+}  // namespace kernels

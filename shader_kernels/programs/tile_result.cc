@@ -1,0 +1,27 @@
+#include "shader_kernels/programs/tile_result.h"
+
+namespace kernels {
+namespace {
+
+void grow(auto& array, std::size_t size) {
+  if (array.size() < size) array.resize(size);
+}
+
+}  // namespace
+
+void RaySlots::hold(std::size_t slots) {
+  grow(rays, slots);
+  grow(paths, slots);
+  grow(hits, slots);
+}
+
+void TileBuffer::hold_wave(std::size_t slots) {
+  wave.hold(slots);
+  // A stream has one more place than items: what is not kept is written behind its end.
+  for (auto* stream : {&misses, &surfaces, &textured, &diffuse, &mirror, &glass, &emissive}) grow(*stream, slots + 1);
+  grow(places, slots);
+  grow(mattes, slots);
+  grow(texcoords, slots);
+}
+
+}  // namespace kernels

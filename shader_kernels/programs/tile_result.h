@@ -1,0 +1,47 @@
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "shader_kernels/records.h"
+#include "traces/ray.h"
+#include "traces/stream.h"
+
+namespace kernels {
+
+/// A wave: rays on their way, what they carry, where they hit. The three arrays are the ray slots of the tile buffer.
+struct RaySlots {
+  std::vector<traces::Ray> rays;
+  std::vector<PathRecord<float>> paths;
+  std::vector<traces::Hit> hits;
+  void hold(std::size_t slots);
+};
+
+/// What a tile keeps in the tile buffer. Arrays only grow, so that a used TileResult allocates no more.
+struct TileBuffer {
+  RaySlots wave, next_wave, shadow;
+  std::vector<std::uint32_t> misses, surfaces, textured, diffuse, mirror, glass, emissive;  ///< streams of slots
+  std::vector<PlaceRecord<float>> places;
+  std::vector<MatteRecord<float>> mattes;
+  std::vector<TexcoordRecord<float>> texcoords;
+  std::vector<ColourRecord<float>> colours;  ///< per sample
+  std::vector<std::uint32_t> colour_nodes;   ///< of the work: launches that have added to colours
+  void hold_wave(std::size_t slots);
+};
+
+/// What comes of one tile.
+struct TileResult {
+  std::uint32_t tile = 0;
+  std::uint32_t x = 0, y = 0, width = 0, height = 0;  ///< in pixels
+  std::vector<glm::vec3> linear;                      ///< per pixel, row by row: linear RGB in [0, 1]
+  std::vector<std::uint32_t> packed;                  ///< per pixel: as the frame buffer holds it, R in the lowest byte
+  std::array<std::uint64_t, static_cast<std::size_t>(traces::RayKind::kCount)> rays{};
+  std::uint64_t traversal_steps = 0;  ///< node visits and triangle tests; counted from the walks, so 0 if not recorded
+  traces::TileWork work;              ///< filled if recorded
+  TileBuffer buffer;
+};
+
+}  // namespace kernels

@@ -1,0 +1,103 @@
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "shader_kernels/catalogue.h"
+#include "shader_kernels/programs/scene_tables.h"
+#include "shader_kernels/programs/stream_builder.h"
+#include "shader_kernels/programs/tile_result.h"
+#include "traces/tracer.h"
+
+namespace kernels {
+
+/// Carries one tile's rays through tracing and shading, a wave per bounce, and writes down the work as it is done:
+///
+///   rays -> classify_hits -> shade_background
+///                         -> shade_surface -> classify_surfaces -> shade_textured -> shade_ambient
+///                                                                                 -> shade_diffuse (per light)
+///                                          -> shade_emission                          -> shadow rays -> combine_shadow
+///                                          -> shade_mirror, shade_glass -> rays of the next wave
+///
+/// All orders (of rays, of additions to a sample) follow from the tile alone.
+class Wavefront {
+ public:
+  using Node = StreamBuilder::Node;
+
+  Wavefront(const SceneTables& scene, const traces::Tracer& tracer, bool record, TileResult& out);
+
+  /// Runs kernel K over `items` items and notes the launch.
+  template <class K>
+  Node launch(typename K::template Ports<float>& ports, std::uint32_t items);
+  void wait_all(Node node, Node for_node) { stream_.wait(node, for_node, traces::Edge::Kind::kAll); }
+  void wait_each(Node node, Node for_node) { stream_.wait(node, for_node, traces::Edge::Kind::kEach); }
+
+  /// Traces and shades the primary rays that `maker` has put into the first wave, one per item, and all that follows.
+  void run(Node maker, std::uint32_t rays);
+  /// Makes `node` wait for all launches that add to the samples' colours.
+  void wait_for_colours(Node node);
+  void transfer(std::uint32_t bytes, Node maker);
+  void finish() { stream_.finish(); }
+
+ private:
+  /// Nodes that the launches of a bounce wait for.
+  struct Bounce {
+    std::uint32_t rays = 0;
+    Node batches[2] = {StreamBuilder::kNone, StreamBuilder::kNone};
+    Node inspector = StreamBuilder::kNone;  ///< fills the streams
+    Node colours = StreamBuilder::kNone;    ///< makes the base colours, if not the inspector's input did
+  };
+  struct Streams {
+    std::uint32_t textured = 0, diffuse = 0, mirror = 0, glass = 0, emissive = 0;
+  };
+
+  Node trace(traces::RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t count, Node maker,
+             bool is_mapped);
+  void count_steps(std::size_t from_word);
+  std::uint32_t classify(Bounce& bounce);
+  Streams shade_surfaces(Bounce& bounce, std::uint32_t surfaces);
+  void shade_background(const Bounce& bounce, std::uint32_t misses);
+  void shade_textured(Bounce& bounce, std::uint32_t items);
+  void shade_emission(const Bounce& bounce, std::uint32_t items);
+  void shade_ambient(const Bounce& bounce, std::uint32_t items);
+  void shade_light(const Bounce& bounce, const LightUniforms<float>& light, std::uint32_t items);
+  Bounce send_on(const Bounce& bounce, const Streams& streams);
+  template <class K>
+  std::uint32_t send(const Bounce& bounce, traces::RayKind kind, std::vector<std::uint32_t>& stream,
+                     std::uint32_t items, std::uint32_t first, Node& batch);
+  void wait_for_bounce(Node node, const Bounce& bounce);
+  std::vector<traces::Access>* accesses() { return stream_.is_on() ? &out_.work.accesses : nullptr; }
+
+  const SceneTables& scene_;
+  const traces::Tracer& tracer_;
+  TileResult& out_;
+  TileBuffer& buffer_;
+  StreamBuilder stream_;
+  std::uint32_t rays_traced_ = 0;
+};
+
+template <class K>
+Wavefront::Node Wavefront::launch(typename K::template Ports<float>& ports, std::uint32_t items) {
+  constexpr bool kReads = requires { ports.materials; }
+  || requires { ports.texels; };
+  constexpr bool kEmits = requires { ports.emitted; };
+  const Node node = stream_.launch(kKernelId<K>, items, kReads);
+  typename K::template Ports<float> at = ports;  // a copy whose address nobody has stays in registers
+  if (!stream_.is_on()) {
+    for (std::uint32_t i = 0; i < items; ++i) K::template body<float>(i, at);
+  } else {
+    for (std::uint32_t i = 0; i < items; ++i) {
+      if constexpr (kReads) stream_.begin_item();
+      if constexpr (kEmits) {
+        const std::uint32_t before = at.emitted.value;
+        K::template body<float>(i, at);
+        if (at.emitted.value != before) stream_.add_source(i);
+      } else {
+        K::template body<float>(i, at);
+      }
+    }
+  }
+  ports = at;
+  return node;
+}
+
+}  // namespace kernels

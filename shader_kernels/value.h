@@ -1,0 +1,44 @@
+#pragma once
+#include <cmath>
+#include <cstdint>
+
+namespace kernels {
+
+// A kernel is written once, over a value type V, and read in two ways. With V = float it computes: F<V> is float, I<V>
+// a 32-bit unsigned integer, M<V> bool. With V = Recorded every operation becomes a node of a dataflow graph
+// (recorder.h). Both readings offer the same closed set of operations: what Op in graph.h lists, and nothing else.
+// Control flow is select(), because an array loop has no branches.
+
+template <class V>
+struct Reading;
+
+template <>
+struct Reading<float> {
+  using Float = float;
+  using Int = std::uint32_t;
+  using Mask = bool;
+};
+
+template <class V>
+using F = typename Reading<V>::Float;
+template <class V>
+using I = typename Reading<V>::Int;
+template <class V>
+using M = typename Reading<V>::Mask;
+
+inline float sqrt(float x) { return std::sqrt(x); }
+inline float floor(float x) { return std::floor(x); }
+inline float abs(float x) { return std::fabs(x); }
+inline float min(float a, float b) { return a < b ? a : b; }
+inline float max(float a, float b) { return a > b ? a : b; }
+
+inline float to_float(std::uint32_t x) { return static_cast<float>(x); }
+/// Towards zero; 0 for what does not fit.
+inline std::uint32_t to_int(float x) { return x >= 0 && x < 0x1p32F ? static_cast<std::uint32_t>(x) : 0; }
+
+inline bool both(bool a, bool b) { return a & b; }
+inline bool either(bool a, bool b) { return a | b; }
+inline float select(bool mask, float yes, float no) { return mask ? yes : no; }
+inline std::uint32_t select(bool mask, std::uint32_t yes, std::uint32_t no) { return mask ? yes : no; }
+
+}  // namespace kernels

@@ -1,0 +1,89 @@
+#pragma once
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "sim/config/config_tree.h"
+#include "sim/config/describe.h"
+#include "sim/config/field.h"
+#include "sim/config/load.h"
+
+namespace sim {
+
+/// Applies "a.b=c" arguments to a configuration, then checks it. Throws InputError, naming the argument.
+template <class Config>
+void apply_sets(Config& config, std::span<const std::string> sets) {
+  ConfigNode tree = config_tree(config);
+  ConfigLoader loader(tree);
+  for (const std::string& argument : sets) loader.apply_set(argument);
+  check_tree(tree);
+}
+
+/// Reads a configuration file, with what it `extends`, then applies "a.b=c" arguments, then checks the whole. Throws
+/// InputError of one line: file, line, column (or the --set argument), key, what was wrong, what is allowed.
+template <class Config>
+Config load_config(const std::filesystem::path& file, std::span<const std::string> sets = {}) {
+  Config config;
+  ConfigNode tree = config_tree(config);
+  ConfigLoader loader(tree);
+  loader.apply_file(file);
+  for (const std::string& argument : sets) loader.apply_set(argument);
+  check_tree(tree, file.string());
+  return config;
+}
+
+/// Checks every value against its limits, then the rules that join several. Throws InputError, naming the key.
+template <class Config>
+void check_config(const Config& config) {
+  Config copy = config;
+  check_tree(config_tree(copy));
+}
+
+/// The effective configuration as YAML: every field, with unit and meaning as a comment. Loading it gives it back.
+template <class Config>
+std::string dump_config(const Config& config) {
+  Config copy = config;
+  return dump_tree(config_tree(copy), Comments::kOn);
+}
+
+/// SHA-256 of the effective configuration without comments, or of its fields of one kind only.
+template <class Config>
+std::string config_hash(const Config& config, std::optional<Affects> only = {}) {
+  Config copy = config;
+  return hash_tree(config_tree(copy), only);
+}
+
+/// A JSON Schema (draft 2020-12) of the configuration files of this type.
+template <class Config>
+nlohmann::json config_schema() {
+  Config defaults;
+  return schema_of(config_tree(defaults));
+}
+
+/// The configuration as nested objects: numbers as numbers, quantities as the texts that a file has ("500 MHz").
+template <class Config>
+nlohmann::json config_json(const Config& config) {
+  Config copy = config;
+  return json_of(config_tree(copy));
+}
+
+/// A Markdown table for each group: key, default, unit, range, what it affects, meaning.
+template <class Config>
+std::string config_manual() {
+  Config defaults;
+  return manual_of(config_tree(defaults));
+}
+
+/// Every field in the order of its declaration, with the value it has in `config`.
+template <class Config>
+std::vector<FieldInfo> list_fields(const Config& config) {
+  Config copy = config;
+  return fields_of(config_tree(copy));
+}
+
+}  // namespace sim

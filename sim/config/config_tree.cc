@@ -1,0 +1,115 @@
+#include "sim/config/config_tree.h"
+
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "sim/config/value.h"
+#include "sim/error.h"
+#include "sim/io/printable.h"
+
+namespace sim {
+namespace {
+
+/// Letters to insert, delete or replace, and neighbours to swap, to turn one word into the other.
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
+  for (std::size_t i = 0; i <= a.size(); ++i) {
+    for (std::size_t j = 0; j <= b.size(); ++j) {
+      if (i == 0 || j == 0) {
+        d[i][j] = i + j;
+        continue;
+      }
+      const bool same = a[i - 1] == b[j - 1];
+      d[i][j] = std::min({d[i - 1][j] + 1, d[i][j - 1] + 1, d[i - 1][j - 1] + (same ? 0 : 1)});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+        d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
+    }
+  }
+  return d[a.size()][b.size()];
+}
+
+void find_all(const ConfigNode& group, std::string_view key, std::vector<std::string>& paths) {
+  for (const ConfigNode& child : group.children) {
+    if (child.key == key) paths.push_back(child.path);
+    find_all(child, key, paths);
+  }
+}
+
+void check_limits(const ConfigNode& node, std::string_view origin) {
+  if (node.is_group()) {
+    for (const ConfigNode& child : node.children) check_limits(child, child.origin.empty() ? origin : child.origin);
+    return;
+  }
+  if (const std::string problem = value_problem(node); !problem.empty()) refuse(origin, node.path, problem);
+}
+
+void check_rules(const ConfigNode& group, std::string_view origin) {
+  for (const ConfigNode& child : group.children) check_rules(child, child.origin.empty() ? origin : child.origin);
+  if (!group.check) return;
+  group.check([&](std::string_view key, std::string_view problem) {
+    const ConfigNode* named = &group;
+    for (std::string_view rest = key; named != nullptr && !rest.empty();) {
+      const std::size_t dot = rest.find('.');
+      named = named->child(rest.substr(0, dot));
+      rest = dot == std::string_view::npos ? std::string_view{} : rest.substr(dot + 1);
+    }
+    const std::string path = group.path.empty() ? std::string(key) : fmt::format("{}.{}", group.path, key);
+    refuse(named != nullptr && !named->origin.empty() ? std::string_view(named->origin) : origin, path, problem);
+  });
+}
+
+}  // namespace
+
+const ConfigNode* ConfigNode::child(std::string_view name) const {
+  const auto found = std::ranges::find(children, name, &ConfigNode::key);
+  return found == children.end() ? nullptr : &*found;
+}
+
+ConfigNode* ConfigNode::child(std::string_view name) {
+  return const_cast<ConfigNode*>(std::as_const(*this).child(name));
+}
+
+ConfigNode& TreeBuilder::add(std::string_view key, std::string_view meaning) {
+  assert(group_.child(key) == nullptr && "a key declared twice");
+  ConfigNode& node = group_.children.emplace_back();
+  node.key = key;
+  node.path = group_.path.empty() ? node.key : fmt::format("{}.{}", group_.path, key);
+  node.meaning = meaning;
+  return node;
+}
+
+void check_tree(const ConfigNode& root, std::string_view origin) {
+  check_limits(root, origin);
+  check_rules(root, origin);
+}
+
+void refuse(std::string_view origin, std::string_view path, std::string_view problem) {
+  std::string line;
+  for (const std::string_view part : {origin, path}) {
+    if (!part.empty()) line += fmt::format("{}: ", part);
+  }
+  throw InputError(printable(line + std::string(problem), 2000));
+}
+
+std::string suggest(const ConfigNode& root, const ConfigNode& group, std::string_view key) {
+  constexpr std::size_t kLongestKey = 64;
+  const std::string_view start = key.substr(0, kLongestKey);
+  std::size_t best = std::max<std::size_t>(1, start.size() / 3) + 1;
+  const ConfigNode* nearest = nullptr;
+  for (const ConfigNode& child : group.children) {
+    const std::size_t distance = edit_distance(start, child.key);
+    if (distance < best) best = distance, nearest = &child;
+  }
+  if (nearest != nullptr) return fmt::format("did you mean '{}'?", nearest->path);
+  std::vector<std::string> elsewhere;
+  find_all(root, key, elsewhere);
+  if (elsewhere.size() == 1) return fmt::format("did you mean '{}'?", elsewhere.front());
+  std::vector<std::string_view> keys;
+  for (const ConfigNode& child : group.children) keys.push_back(child.key);
+  return fmt::format("allowed: {}", fmt::join(keys, ", "));
+}
+
+}  // namespace sim

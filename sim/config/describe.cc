@@ -1,0 +1,103 @@
+#include "sim/config/describe.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "sim/config/value.h"
+
+namespace sim {
+namespace {
+
+void collect(const ConfigNode& group, std::vector<FieldInfo>& fields) {
+  for (const ConfigNode& node : group.children) {
+    if (node.is_group()) {
+      collect(node, fields);
+      continue;
+    }
+    FieldInfo info{node.path, node.kind(), node.unit, node.meaning, node.limits, node.affects, value_text(node), {}};
+    if (const auto* choice = std::get_if<EnumTarget>(&*node.target)) {
+      info.choices.assign(choice->names.begin(), choice->names.end());
+    }
+    fields.push_back(std::move(info));
+  }
+}
+
+nlohmann::json spread_json(const Spread& spread) {
+  return {{"low", spread.low}, {"nominal", spread.nominal}, {"high", spread.high}};
+}
+
+nlohmann::json value_json(const ConfigNode& field) {
+  switch (field.kind()) {
+    case FieldKind::kBool:
+      return *std::get<bool*>(*field.target);
+    case FieldKind::kUint32:
+      return *std::get<std::uint32_t*>(*field.target);
+    case FieldKind::kUint64:
+      return *std::get<std::uint64_t*>(*field.target);
+    case FieldKind::kDouble:
+      return *std::get<double*>(*field.target);
+    case FieldKind::kString:
+      return *std::get<std::string*>(*field.target);
+    case FieldKind::kSpread:
+      return spread_json(*std::get<Spread*>(*field.target));
+    case FieldKind::kSpreadMap: {
+      nlohmann::json map = nlohmann::json::object();
+      for (const auto& [name, spread] : *std::get<std::map<std::string, Spread>*>(*field.target)) {
+        map[name] = spread_json(spread);
+      }
+      return map;
+    }
+    case FieldKind::kFrequency:
+    case FieldKind::kByteSize:
+    case FieldKind::kDuration:
+    case FieldKind::kEnum:
+      break;
+  }
+  return value_text(field);
+}
+
+/// A table cell: '|' would end it.
+std::string cell(std::string_view text) {
+  std::string escaped;
+  for (const char c : text) escaped += c == '|' ? std::string("\\|") : std::string(1, c);
+  return escaped;
+}
+
+void manual_group(const ConfigNode& group, std::string& text) {
+  std::string rows;
+  for (const ConfigNode& node : group.children) {
+    if (node.is_group()) continue;
+    rows += fmt::format("| `{}` | `{}` | {} | {} | {} | {} |\n", node.key, cell(value_text(node)), cell(node.unit),
+                        cell(allowed_text(node)), names_of(node.affects)[static_cast<std::size_t>(node.affects)],
+                        cell(node.meaning));
+  }
+  if (!group.path.empty()) text += fmt::format("## {}\n\n{}\n\n", group.path, group.meaning);
+  if (!rows.empty()) {
+    text += "| key | default | unit | range | affects | meaning |\n|---|---|---|---|---|---|\n" + rows + "\n";
+  }
+  for (const ConfigNode& node : group.children) {
+    if (node.is_group()) manual_group(node, text);
+  }
+}
+
+}  // namespace
+
+std::vector<FieldInfo> fields_of(const ConfigNode& root) {
+  std::vector<FieldInfo> fields;
+  collect(root, fields);
+  return fields;
+}
+
+nlohmann::json json_of(const ConfigNode& root) {
+  nlohmann::json json = nlohmann::json::object();
+  for (const ConfigNode& node : root.children) json[node.key] = node.is_group() ? json_of(node) : value_json(node);
+  return json;
+}
+
+std::string manual_of(const ConfigNode& root) {
+  std::string text;
+  manual_group(root, text);
+  return text;
+}
+
+}  // namespace sim

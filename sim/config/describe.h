@@ -1,0 +1,34 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "sim/config/config_tree.h"
+
+namespace sim {
+
+/// One field of a configuration as plain data. "<path>=<value>" is a --set argument that gives the value back.
+struct FieldInfo {
+  std::string path;  ///< "tni.trv.rays"
+  FieldKind kind = FieldKind::kBool;
+  std::string unit;
+  std::string meaning;
+  Limits limits;
+  Affects affects = Affects::kTiming;
+  std::string value;
+  std::vector<std::string> choices;  ///< the names of an enum's values
+};
+
+enum class Comments : std::uint8_t { kOff, kOn };
+
+// What the declared fields of a bound configuration yield; config.h has these for the structs themselves.
+std::string dump_tree(const ConfigNode& root, Comments comments, std::optional<Affects> only = {});
+std::string hash_tree(const ConfigNode& root, std::optional<Affects> only);
+std::vector<FieldInfo> fields_of(const ConfigNode& root);
+nlohmann::json json_of(const ConfigNode& root);
+nlohmann::json schema_of(const ConfigNode& root);
+std::string manual_of(const ConfigNode& root);
+
+}  // namespace sim

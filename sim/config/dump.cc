@@ -1,0 +1,71 @@
+#include <algorithm>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "sim/config/describe.h"
+#include "sim/config/value.h"
+#include "sim/sha256.h"
+
+namespace sim {
+namespace {
+
+class Dump {
+ public:
+  Dump(Comments comments, std::optional<Affects> only) : comments_(comments), only_(only) {}
+
+  void group(const ConfigNode& group, std::size_t depth) {
+    for (const ConfigNode& node : group.children) {
+      if (!wanted(node)) continue;
+      if (node.is_group()) {
+        line(depth, node.key + ":", node.meaning);
+        this->group(node, depth + 1);
+      } else if (node.kind() == FieldKind::kSpreadMap) {
+        map(node, depth);
+      } else {
+        line(depth, fmt::format("{}: {}", node.key, value_text(node)), comment(node));
+      }
+    }
+  }
+  std::string text() && { return std::move(text_); }
+
+ private:
+  bool wanted(const ConfigNode& node) const {
+    if (!only_) return true;
+    if (!node.is_group()) return node.affects == *only_;
+    return std::ranges::any_of(node.children, [this](const ConfigNode& child) { return wanted(child); });
+  }
+  static std::string comment(const ConfigNode& node) {
+    return node.unit.empty() ? node.meaning : fmt::format("[{}] {}", node.unit, node.meaning);
+  }
+  void map(const ConfigNode& node, std::size_t depth) {
+    const auto& spreads = *std::get<std::map<std::string, Spread>*>(*node.target);
+    line(depth, node.key + (spreads.empty() ? ": {}" : ":"), comment(node));
+    for (const auto& [name, spread] : spreads) {
+      line(depth + 1, fmt::format("{}: {}", key_text(name), spread_text(spread)), {});
+    }
+  }
+  void line(std::size_t depth, std::string_view content, std::string_view remark) {
+    text_.append(2 * depth, ' ').append(content);
+    if (comments_ == Comments::kOn && !remark.empty()) text_.append("  # ").append(remark);
+    text_ += '\n';
+  }
+
+  Comments comments_;
+  std::optional<Affects> only_;
+  std::string text_;
+};
+
+}  // namespace
+
+std::string dump_tree(const ConfigNode& root, Comments comments, std::optional<Affects> only) {
+  Dump dump(comments, only);
+  dump.group(root, 0);
+  return std::move(dump).text();
+}
+
+std::string hash_tree(const ConfigNode& root, std::optional<Affects> only) {
+  return sha256_hex(dump_tree(root, Comments::kOff, only));
+}
+
+}  // namespace sim

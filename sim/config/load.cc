@@ -1,0 +1,187 @@
+#include "sim/config/load.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "sim/config/value.h"
+#include "sim/error.h"
+#include "sim/io/file.h"
+#include "sim/io/printable.h"
+
+namespace sim {
+namespace {
+
+constexpr std::uint64_t kMostBytes = 4 << 20;
+constexpr std::size_t kMostFilesDeep = 16;
+constexpr std::size_t kMostFiles = 256;
+constexpr std::string_view kExtends = "extends";
+
+std::vector<std::filesystem::path>& search_path() {
+  static std::vector<std::filesystem::path> folders;
+  return folders;
+}
+
+std::string_view first_key(std::string_view path) { return path.substr(0, path.find('.')); }
+
+std::string path_of(const ConfigNode& group, std::string_view key) {
+  return group.path.empty() ? std::string(key) : fmt::format("{}.{}", group.path, key);
+}
+
+std::string unknown_key(const ConfigNode& root, const ConfigNode& group, std::string_view key) {
+  return fmt::format("unknown key '{}'; {}", key, suggest(root, group, key));
+}
+
+/// One figure of a map of them, as a field of its own; made if it is not there.
+ConfigNode figure_of(const ConfigNode& map, std::string_view key) {
+  ConfigNode figure = map;
+  figure.path = path_of(map, key);
+  figure.target = &(*std::get<std::map<std::string, Spread>*>(*map.target))[std::string(key)];
+  return figure;
+}
+
+/// The text behind the '=': a mapping in braces, a text in double quotes, or the value as it stands.
+std::shared_ptr<const YamlNode> set_value(const std::string& text, const std::string& name) {
+  if (text.starts_with('{')) return parse_yaml_mapping(text, name);
+  if (text.starts_with('"')) return parse_yaml_mapping("value: " + text, name)->entries.front().value;
+  const auto value = std::make_shared<YamlNode>();
+  value->kind = YamlNode::Kind::kScalar;
+  value->scalar = text;
+  return value;
+}
+
+}  // namespace
+
+const std::vector<std::filesystem::path>& config_search_path() { return search_path(); }
+void set_config_search_path(std::vector<std::filesystem::path> folders) { search_path() = std::move(folders); }
+
+std::filesystem::path find_config(const std::filesystem::path& name, const std::filesystem::path& beside,
+                                  std::string_view asked_at) {
+  std::vector<std::filesystem::path> folders = {beside};
+  if (name.is_relative()) folders.insert(folders.end(), search_path().begin(), search_path().end());
+  for (const std::filesystem::path& folder : folders) {
+    for (const char* extension : {"", ".yaml"}) {
+      std::filesystem::path file = folder / name;
+      file += extension;
+      std::error_code failed;
+      if (std::filesystem::is_regular_file(file, failed)) return file.lexically_normal();
+    }
+  }
+  std::vector<std::string> shown;
+  for (const std::filesystem::path& folder : folders) shown.push_back(folder.empty() ? "." : folder.string());
+  refuse(asked_at, {}, fmt::format("no configuration file '{}' in {}", name.string(), fmt::join(shown, ", ")));
+}
+
+std::string ConfigLoader::Source::at(TextPosition position) const {
+  return is_file ? fmt::format("{}:{}:{}", name, position.line, position.column) : name;
+}
+
+void ConfigLoader::apply_file(ConfigNode& group, const std::filesystem::path& file, std::string_view asked_at) {
+  const std::filesystem::path canonical = std::filesystem::weakly_canonical(file);
+  if (std::ranges::find(open_files_, canonical) != open_files_.end()) {
+    refuse(asked_at, {}, fmt::format("'{}' extends itself", file.string()));
+  }
+  if (open_files_.size() == kMostFilesDeep) {
+    refuse(asked_at, {}, fmt::format("more than {} files extend each other", kMostFilesDeep));
+  }
+  if (++files_read_ > kMostFiles) refuse(asked_at, {}, fmt::format("more than {} files are extended", kMostFiles));
+  const Source source{printable(file.string()), file.parent_path()};
+  const auto mapping = parse_yaml_mapping(read_file(file, kMostBytes), source.name);
+  open_files_.push_back(canonical);
+  apply_mapping(group, *mapping, source);
+  open_files_.pop_back();
+}
+
+void ConfigLoader::apply_mapping(ConfigNode& group, const YamlNode& mapping, const Source& source) {
+  if (const YamlNode::Entry* base = mapping.find(kExtends)) {
+    apply_extends(group, *base->value, source, source.at(base->value_at));
+  }
+  for (const YamlNode::Entry& entry : mapping.entries) {
+    if (entry.key == kExtends) continue;
+    ConfigNode* node = group.child(entry.key);
+    if (node == nullptr) {
+      refuse(source.at(entry.key_at), path_of(group, entry.key), unknown_key(root_, group, entry.key));
+    }
+    node->origin = source.at(entry.key_at);
+    apply_value(*node, *entry.value, source, source.at(entry.value_at));
+  }
+}
+
+void ConfigLoader::apply_extends(ConfigNode& group, const YamlNode& name, const Source& source, const std::string& at) {
+  if (name.kind != YamlNode::Kind::kScalar || name.scalar.empty()) {
+    refuse(at, path_of(group, kExtends), "allowed: the name of a configuration file");
+  }
+  const std::string asked_at = fmt::format("{}: {}", at, path_of(group, kExtends));
+  apply_file(group, find_config(name.scalar, source.folder, asked_at), asked_at);
+}
+
+void ConfigLoader::apply_value(ConfigNode& node, const YamlNode& value, const Source& source, const std::string& at) {
+  const bool is_mapping = value.kind == YamlNode::Kind::kMapping;
+  if (node.is_group()) {
+    if (!is_mapping) refuse(at, node.path, "is a group of fields; allowed: a mapping");
+    return apply_mapping(node, value, source);
+  }
+  if (node.kind() == FieldKind::kSpread && is_mapping) return apply_spread(node, value, source, at);
+  if (node.kind() == FieldKind::kSpreadMap && is_mapping) {
+    for (const YamlNode::Entry& entry : value.entries) {
+      ConfigNode figure = figure_of(node, entry.key);
+      apply_value(figure, *entry.value, source, source.at(entry.value_at));
+    }
+    return;
+  }
+  if (value.kind != YamlNode::Kind::kScalar) {
+    refuse(at, node.path, fmt::format("has no value; allowed: {}", allowed_text(node)));
+  }
+  try {
+    assign(node, value.scalar);
+  } catch (const BadValue& bad) {
+    refuse(at, node.path, bad.problem);
+  }
+  if (const std::string problem = value_problem(node); !problem.empty()) refuse(at, node.path, problem);
+}
+
+void ConfigLoader::apply_spread(const ConfigNode& field, const YamlNode& mapping, const Source& source,
+                                const std::string& at) {
+  Spread& spread = *std::get<Spread*>(*field.target);
+  const std::map<std::string_view, double*> parts{
+      {"low", &spread.low}, {"nominal", &spread.nominal}, {"high", &spread.high}};
+  for (const YamlNode::Entry& entry : mapping.entries) {
+    const std::string path = path_of(field, entry.key);
+    const auto part = parts.find(entry.key);
+    if (part == parts.end()) refuse(source.at(entry.key_at), path, "unknown key; allowed: low, nominal, high");
+    try {
+      *part->second = number_of(field, entry.value->scalar);
+    } catch (const BadValue& bad) {
+      refuse(source.at(entry.value_at), path, bad.problem);
+    }
+  }
+  if (mapping.entries.size() != parts.size()) refuse(at, field.path, "is incomplete; allowed: low, nominal and high");
+  if (const std::string problem = value_problem(field); !problem.empty()) refuse(at, field.path, problem);
+}
+
+void ConfigLoader::apply_set(const std::string& argument) {
+  const Source source{"--set " + printable(argument), {}, false};
+  const std::size_t equals = argument.find('=');
+  if (equals == std::string::npos || equals == 0) refuse(source.name, {}, "allowed: key=value");
+  const auto value = set_value(argument.substr(equals + 1), source.name);
+  ConfigNode* node = &root_;
+  std::string_view path = std::string_view(argument).substr(0, equals);
+  while (node->is_group() && !path.empty()) {
+    const std::string_view key = first_key(path);
+    if (path == kExtends) return apply_extends(*node, *value, source, source.name);
+    ConfigNode* child = node->child(key);
+    if (child == nullptr) refuse(source.name, path_of(*node, key), unknown_key(root_, *node, key));
+    node = child;
+    node->origin = source.name;
+    path.remove_prefix(std::min(path.size(), key.size() + 1));
+  }
+  if (path.empty()) return apply_value(*node, *value, source, source.name);
+  if (node->kind() != FieldKind::kSpreadMap) {
+    refuse(source.name, path_of(*node, path), fmt::format("'{}' is one value, without keys inside", node->path));
+  }
+  ConfigNode figure = figure_of(*node, path);
+  apply_value(figure, *value, source, source.name);
+}
+
+}  // namespace sim

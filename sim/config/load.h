@@ -1,0 +1,53 @@
+#pragma once
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sim/config/config_tree.h"
+#include "sim/config/yaml_tree.h"
+
+namespace sim {
+
+/// Folders in which a configuration is looked up that is not found beside the file that names it, first come first.
+/// Set once, before any file is loaded.
+const std::vector<std::filesystem::path>& config_search_path();
+void set_config_search_path(std::vector<std::filesystem::path> folders);
+
+/// The file a configuration's name means: the name as it is if absolute, else below `beside`, else below a folder of
+/// the search path; ".yaml" may be left out. InputError, with `asked_at` in front, if there is none.
+std::filesystem::path find_config(const std::filesystem::path& name, const std::filesystem::path& beside = {},
+                                  std::string_view asked_at = {});
+
+/// Reads configuration files and --set arguments into a bound tree, one layer upon the other: what a layer does not
+/// mention stays as it was. Throws InputError.
+class ConfigLoader {
+ public:
+  explicit ConfigLoader(ConfigNode& root) : root_(root) {}
+
+  void apply_file(const std::filesystem::path& file) { apply_file(root_, file, {}); }
+  /// "tni.trv.rays=16", "dram.extends=dram/lpddr3-1600", "dram.energy.refresh={low: 1, nominal: 2, high: 3}"
+  void apply_set(const std::string& argument);
+
+ private:
+  /// Where a layer comes from: a file's name, or the whole --set argument.
+  struct Source {
+    std::string name;
+    std::filesystem::path folder;
+    bool is_file = true;
+    std::string at(TextPosition position) const;
+  };
+
+  void apply_file(ConfigNode& group, const std::filesystem::path& file, std::string_view asked_at);
+  void apply_mapping(ConfigNode& group, const YamlNode& mapping, const Source& source);
+  void apply_extends(ConfigNode& group, const YamlNode& name, const Source& source, const std::string& at);
+  void apply_value(ConfigNode& node, const YamlNode& value, const Source& source, const std::string& at);
+  void apply_spread(const ConfigNode& field, const YamlNode& mapping, const Source& source, const std::string& at);
+
+  ConfigNode& root_;
+  std::vector<std::filesystem::path> open_files_;  ///< each extended by the one before it
+  std::size_t files_read_ = 0;
+};
+
+}  // namespace sim

@@ -1,0 +1,102 @@
+#include "sim/config/quantity.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <optional>
+#include <ranges>
+
+#include <fmt/format.h>
+
+#include "sim/config/value.h"
+
+namespace sim {
+namespace {
+
+constexpr std::array<Unit, 4> kFrequencyUnits{{{"Hz", 1}, {"kHz", 1'000}, {"MHz", 1'000'000}, {"GHz", 1'000'000'000}}};
+constexpr std::array<Unit, 4> kByteUnits{{{"B", 1}, {"KiB", 1 << 10}, {"MiB", 1 << 20}, {"GiB", 1 << 30}}};
+constexpr std::array<Unit, 6> kDurationUnits{{{"fs", 1},
+                                              {"ps", 1'000},
+                                              {"ns", 1'000'000},
+                                              {"us", 1'000'000'000},
+                                              {"ms", 1'000'000'000'000},
+                                              {"s", 1'000'000'000'000'000}}};
+
+constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+/// digits / 10^places
+struct Decimal {
+  std::uint64_t digits = 0;
+  unsigned places = 0;
+};
+
+/// Nothing if it is no plain decimal number, or has more digits than 64 bits hold.
+std::optional<Decimal> read_decimal(std::string_view text) {
+  const std::size_t dot = text.find('.');
+  const std::string_view whole = text.substr(0, dot);
+  const std::string_view fraction = dot == std::string_view::npos ? std::string_view{} : text.substr(dot + 1);
+  if (whole.empty() || (dot != std::string_view::npos && fraction.empty())) return std::nullopt;
+  Decimal number{0, static_cast<unsigned>(fraction.size())};
+  for (const std::string_view part : {whole, fraction}) {
+    for (const char c : part) {
+      const auto digit = static_cast<std::uint64_t>(c - '0');
+      if (!is_digit(c) || number.digits > (std::numeric_limits<std::uint64_t>::max() - digit) / 10) return std::nullopt;
+      number.digits = number.digits * 10 + digit;
+    }
+  }
+  return number;
+}
+
+/// Takes the prime out of one of the two factors of a product.
+bool divide(std::uint64_t& a, std::uint64_t& b, std::uint64_t prime) {
+  std::uint64_t& factor = a % prime == 0 ? a : b;
+  if (factor % prime != 0) return false;
+  factor /= prime;
+  return true;
+}
+
+}  // namespace
+
+std::span<const Unit> frequency_units() { return kFrequencyUnits; }
+std::span<const Unit> byte_units() { return kByteUnits; }
+std::span<const Unit> duration_units() { return kDurationUnits; }
+
+std::string names_of_units(std::span<const Unit> units, std::string_view separator) {
+  std::string names;
+  for (const Unit& unit : units) names.append(names.empty() ? "" : separator).append(unit.name);
+  return names;
+}
+
+std::uint64_t read_quantity(std::string_view text, std::span<const Unit> units) {
+  const auto end = std::ranges::find_if_not(text, [](char c) { return is_digit(c) || c == '.'; });
+  const std::string_view number = text.substr(0, static_cast<std::size_t>(end - text.begin()));
+  std::string_view name = text.substr(number.size());
+  while (name.starts_with(' ')) name.remove_prefix(1);
+  std::optional<Decimal> decimal = read_decimal(number);
+  if (!decimal) throw BadValue{fmt::format("'{}' is not a number with a unit", text)};
+  if (name.empty()) throw BadValue{fmt::format("'{}' has no unit (one of {})", text, names_of_units(units))};
+  const auto unit = std::ranges::find(units, name, &Unit::name);
+  if (unit == units.end()) {
+    throw BadValue{fmt::format("'{}' has the unknown unit '{}' (not one of {})", text, name, names_of_units(units))};
+  }
+  std::uint64_t factor = unit->factor;
+  for (; decimal->places > 0; --decimal->places) {
+    if (!divide(decimal->digits, factor, 2) || !divide(decimal->digits, factor, 5)) {
+      throw BadValue{fmt::format("'{}' is not a whole number of {}", text, units.front().name)};
+    }
+  }
+  if (decimal->digits > std::numeric_limits<std::uint64_t>::max() / factor) {
+    throw BadValue{fmt::format("'{}' is too large", text)};
+  }
+  return decimal->digits * factor;
+}
+
+std::string quantity_text(std::uint64_t base_units, std::span<const Unit> units) {
+  if (base_units == 0) return fmt::format("0 {}", units.front().name);
+  for (const Unit& unit : units | std::views::reverse) {
+    if (base_units % unit.factor == 0) return fmt::format("{} {}", base_units / unit.factor, unit.name);
+  }
+  return {};
+}
+
+}  // namespace sim

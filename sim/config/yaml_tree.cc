@@ -1,0 +1,148 @@
+#include "sim/config/yaml_tree.h"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <sstream>
+
+#include <fmt/format.h>
+#include <yaml-cpp/eventhandler.h>
+#include <yaml-cpp/yaml.h>
+
+#include "sim/config/config_tree.h"
+#include "sim/io/printable.h"
+
+namespace sim {
+namespace {
+
+using Node = std::shared_ptr<YamlNode>;
+
+/// Builds the tree from the parser's events.
+class Builder final : public YAML::EventHandler {
+ public:
+  explicit Builder(const std::string& name) : name_(name) {}
+
+  Node root() const { return root_; }
+
+  void OnDocumentStart(const YAML::Mark& mark) override {
+    if (root_ != nullptr) refuse_at(mark, "a second document begins; allowed: one");
+  }
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override {
+    const Node node = make(YamlNode::Kind::kEmpty);
+    place(mark, node);
+    remember(anchor, node);
+  }
+  void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
+                const std::string& value) override {
+    refuse_tag(mark, tag);
+    const Node node = make(YamlNode::Kind::kScalar);
+    node->scalar = value;
+    place(mark, node);
+    remember(anchor, node);
+  }
+  void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
+    const auto found = anchors_.find(anchor);
+    if (found == anchors_.end()) refuse_at(mark, "an alias stands inside the value it repeats");
+    place(mark, found->second);
+  }
+  void OnSequenceStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
+                       YAML::EmitterStyle::value) override {
+    open(mark, tag, anchor, YamlNode::Kind::kSequence);
+  }
+  void OnMapStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
+                  YAML::EmitterStyle::value) override {
+    open(mark, tag, anchor, YamlNode::Kind::kMapping);
+  }
+  void OnSequenceEnd() override { close(); }
+  void OnMapEnd() override { close(); }
+
+  [[noreturn]] void refuse_at(const YAML::Mark& mark, std::string_view problem) const {
+    refuse(fmt::format("{}:{}:{}", name_, mark.line + 1, mark.column + 1), {}, problem);
+  }
+
+ private:
+  /// A mapping or sequence whose end is still to come.
+  struct Open {
+    Node node;
+    YAML::anchor_t anchor;
+    std::optional<YamlNode::Entry> entry;  ///< its key is known, its value is not
+  };
+
+  static TextPosition position(const YAML::Mark& mark) { return {mark.line + 1, mark.column + 1}; }
+  static Node make(YamlNode::Kind kind) {
+    const Node node = std::make_shared<YamlNode>();
+    node->kind = kind;
+    return node;
+  }
+  void refuse_tag(const YAML::Mark& mark, const std::string& tag) const {
+    if (tag.empty() || tag == "?" || tag == "!") return;
+    refuse_at(mark, fmt::format("the tag '{}' has no meaning here; allowed: values without tags", tag));
+  }
+  void remember(YAML::anchor_t anchor, const Node& node) {
+    if (anchor != YAML::NullAnchor) anchors_[anchor] = node;
+  }
+  void open(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor, YamlNode::Kind kind) {
+    refuse_tag(mark, tag);
+    const Node node = make(kind);
+    place(mark, node);
+    open_.push_back({node, anchor, std::nullopt});
+  }
+  void close() {
+    remember(open_.back().anchor, open_.back().node);
+    open_.pop_back();
+  }
+  /// Puts a mapping's key, or a value, where the text has it.
+  void place(const YAML::Mark& mark, const Node& node) {
+    if (open_.empty()) {
+      root_ = node;
+    } else if (open_.back().node->kind == YamlNode::Kind::kMapping) {
+      open_.back().entry ? place_value(mark, node) : place_key(mark, node);
+    }  // no field is a sequence, so nobody will ask for its items
+  }
+  void place_key(const YAML::Mark& mark, const Node& node) {
+    Open& mapping = open_.back();
+    if (node->kind != YamlNode::Kind::kScalar) refuse_at(mark, "a key must be plain text");
+    if (mapping.node->find(node->scalar) != nullptr) {
+      refuse_at(mark, fmt::format("the key '{}' is given twice", node->scalar));
+    }
+    mapping.entry = {node->scalar, position(mark), position(mark), nullptr};
+  }
+  void place_value(const YAML::Mark& mark, const Node& node) {
+    Open& mapping = open_.back();
+    if (node->kind != YamlNode::Kind::kEmpty) mapping.entry->value_at = position(mark);
+    mapping.entry->value = node;
+    mapping.node->entries.push_back(std::move(*mapping.entry));
+    mapping.entry.reset();
+  }
+
+  const std::string& name_;
+  Node root_;
+  std::vector<Open> open_;
+  std::map<YAML::anchor_t, Node> anchors_;
+};
+
+}  // namespace
+
+const YamlNode::Entry* YamlNode::find(std::string_view key) const {
+  const auto found = std::ranges::find(entries, key, &Entry::key);
+  return found == entries.end() ? nullptr : &*found;
+}
+
+std::shared_ptr<const YamlNode> parse_yaml_mapping(const std::string& text, const std::string& name) {
+  std::istringstream stream(text);
+  Builder builder(name);
+  try {
+    YAML::Parser parser(stream);
+    while (parser.HandleNextDocument(builder)) {
+    }
+  } catch (const YAML::Exception& error) {
+    builder.refuse_at(error.mark, fmt::format("is not valid YAML: {}", error.msg));
+  }
+  const Node root = builder.root();
+  if (root == nullptr || root->kind == YamlNode::Kind::kEmpty) refuse(name, {}, "is empty; allowed: a mapping");
+  if (root->kind != YamlNode::Kind::kMapping) refuse(name + ":1:1", {}, "holds no 'key: value' at its top level");
+  return root;
+}
+
+}  // namespace sim

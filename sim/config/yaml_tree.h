@@ -1,0 +1,36 @@
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace sim {
+
+/// A place in a text, both counted from 1.
+struct TextPosition {
+  int line = 1;
+  int column = 1;
+};
+
+/// A parsed YAML value. An alias shares its anchor's node, so that a small file stays small however often it is used.
+struct YamlNode {
+  enum class Kind : std::uint8_t { kEmpty, kScalar, kMapping, kSequence };
+  struct Entry {
+    std::string key;
+    TextPosition key_at;
+    TextPosition value_at;
+    std::shared_ptr<const YamlNode> value;
+  };
+
+  Kind kind = Kind::kEmpty;
+  std::string scalar;
+  std::vector<Entry> entries;  ///< of a mapping, in the order of the text
+
+  const Entry* find(std::string_view key) const;
+};
+
+/// Parses a text that holds one mapping. Throws InputError("<name>:<line>:<column>: <problem>") for anything else:
+/// broken YAML, an empty text, several documents, repeated keys, keys that are no plain text, tags, and aliases
+/// inside the value they stand for.
+std::shared_ptr<const YamlNode> parse_yaml_mapping(const std::string& text, const std::string& name);
+
+}  // namespace sim

@@ -1,0 +1,55 @@
+#include "sim/report/report_json.h"
+
+#include <string_view>
+
+namespace sim {
+namespace {
+
+using Json = nlohmann::ordered_json;
+constexpr double kMillijoulesPerPicojoule = 1e-9;
+
+Json& at_path(Json& tree, std::string_view path) {
+  const std::size_t dot = path.find('.');
+  Json& branch = tree[std::string(path.substr(0, dot))];
+  return dot == std::string_view::npos ? branch : at_path(branch, path.substr(dot + 1));
+}
+
+Json unit_json(Json node, const UnitReport& unit) {
+  node["elapsed"] = unit.elapsed;
+  node["why"] = Json::object();
+  for (const auto& [reason, cycles] : unit.why) node["why"][reason] = cycles;
+  node["counters"] = Json::object();
+  for (const CounterReport& counter : unit.counters) node["counters"][counter.name] = counter.value;
+  return node;
+}
+
+}  // namespace
+
+Json spread_json(const Spread& spread, double factor) {
+  return {{"low", spread.low * factor}, {"nominal", spread.nominal * factor}, {"high", spread.high * factor}};
+}
+
+Json units_json(std::span<const UnitReport> units) {
+  Json tree = Json::object();
+  for (const UnitReport& unit : units) {
+    Json& node = at_path(tree, unit.path);
+    node = unit_json(std::move(node), unit);
+  }
+  return tree;
+}
+
+Json energy_json(const EnergyReport& energy) {
+  Json json;
+  json["energy_mj"] = spread_json(energy.total_pj, kMillijoulesPerPicojoule);
+  for (const auto& [block, kinds] : energy.blocks) {
+    json["energy_by_block_mj"][block] = spread_json(kinds.total(), kMillijoulesPerPicojoule);
+  }
+  json["energy_by_kind_mj"] = {{"dynamic", spread_json(energy.kinds.dynamic, kMillijoulesPerPicojoule)},
+                               {"clock", spread_json(energy.kinds.clock, kMillijoulesPerPicojoule)},
+                               {"leakage", spread_json(energy.kinds.leakage, kMillijoulesPerPicojoule)}};
+  return json;
+}
+
+std::string json_text(const Json& json) { return json.dump(2) + "\n"; }
+
+}  // namespace sim

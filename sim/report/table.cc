@@ -1,0 +1,63 @@
+#include "sim/report/table.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace sim {
+namespace {
+
+/// Characters, not bytes, of a UTF-8 text.
+std::size_t width(std::string_view text) {
+  return static_cast<std::size_t>(std::ranges::count_if(text, [](char c) { return (c & 0xc0) != 0x80; }));
+}
+
+}  // namespace
+
+std::string si_text(double value, std::string_view unit) {
+  const auto with_unit = [&](std::string number, std::string_view prefix) {
+    if (!prefix.empty() || !unit.empty()) number.append(" ").append(prefix).append(unit);
+    return number;
+  };
+  const bool whole = value == std::trunc(value) && std::abs(value) < 1000;
+  if (whole || !std::isfinite(value)) return with_unit(fmt::format("{}", value), {});
+  constexpr std::string_view kPrefixes[] = {"f", "p", "n", "u", "m", "", "k", "M", "G", "T", "P"};
+  constexpr int kNone = 5;
+  const std::string rounded = fmt::format("{:.2e}", value);  // decides the prefix, so that 999.9 becomes 1.00 k
+  int exponent = 0;
+  const char* digits = rounded.data() + rounded.find('e') + 1;
+  std::from_chars(*digits == '+' ? digits + 1 : digits, rounded.data() + rounded.size(), exponent);
+  const int group = std::clamp((exponent + 3 * kNone) / 3 - kNone, -kNone, kNone);
+  const int decimals = std::clamp(2 - (exponent - 3 * group), 0, 2);
+  return with_unit(fmt::format("{:.{}f}", value / std::pow(10.0, 3 * group), decimals), kPrefixes[group + kNone]);
+}
+
+std::string Table::text() const {
+  std::vector<std::size_t> widths;
+  for (const auto& row : rows_) {
+    widths.resize(std::max(widths.size(), row.size()));
+    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], width(row[i]));
+  }
+  std::string text;
+  const auto end_line = [&text] {
+    text.erase(text.find_last_not_of(' ') + 1);
+    text += '\n';
+  };
+  for (const auto& row : rows_) {
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      const std::string blanks(widths[i] - width(row[i]), ' ');
+      text += (i == 0 ? "" : "  ");
+      text += i == 0 ? row[i] + blanks : blanks + row[i];
+    }
+    end_line();
+    if (&row == &rows_.front()) {
+      for (std::size_t i = 0; i < widths.size(); ++i) text += (i == 0 ? "" : "  ") + std::string(widths[i], '-');
+      end_line();
+    }
+  }
+  return text;
+}
+
+}  // namespace sim

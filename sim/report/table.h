@@ -1,0 +1,26 @@
+#pragma once
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace sim {
+
+/// "12.3 M", "950 ", "4.56 mJ": three digits with the metric prefix that leaves one to three of them before the point.
+/// Whole numbers below 1000 stay whole.
+std::string si_text(double value, std::string_view unit = {});
+
+/// A table for terminals: columns as wide as their widest cell, the first to the left, the others to the right.
+class Table {
+ public:
+  explicit Table(std::vector<std::string> header) : rows_{std::move(header)} {}
+
+  /// Cells may be fewer than the header's.
+  void row(std::vector<std::string> cells) { rows_.push_back(std::move(cells)); }
+  /// Every line ends with a line end and without blanks.
+  std::string text() const;
+
+ private:
+  std::vector<std::vector<std::string>> rows_;
+};
+
+}  // namespace sim

@@ -1,0 +1,56 @@
+#pragma once
+#include "tests/hw_models/memory/harness.h"
+
+namespace hw::test {
+
+/// One channel without fabric latency; requesters of its own clock, one cycle of wire each way.
+struct DramBench {
+  /// Request wire and response wire.
+  static constexpr std::uint64_t kWires = 2;
+
+  static DramConfig quiet() {
+    DramConfig c;
+    c.channels = 1;
+    c.fabric = {0};
+    c.timing.refi_pb = 0;
+    c.controller.bank_xor = false;
+    return c;
+  }
+
+  explicit DramBench(DramConfig c = quiet(), std::size_t requesters = 1, std::size_t capacity = 64) : config(c) {
+    const sim::Clock clock(c.timing.ck.time);
+    DramChannel::Links links;
+    for (std::size_t i = 0; i < requesters; ++i) {
+      auto& up = bench.link<MemRequest>(capacity, 1, clock, clock);
+      auto& down = bench.link<MemResponse>(capacity, 1, clock, clock);
+      bench.requesters.emplace_back(clock, up, down);
+      bench.connect(up, i, requesters);
+      bench.connect(down, requesters, i);
+      links.ports_in.push_back(&up);
+      links.ports_out.push_back(&down);
+    }
+    bench.channels.emplace_back(c, links);
+  }
+
+  Requester& requester(std::size_t i = 0) { return *std::next(bench.requesters.begin(), static_cast<long>(i)); }
+  std::uint64_t latency(std::size_t request) { return requester().script[request].latency(); }
+  DramChannel& channel() { return bench.channels.front(); }
+  const DramChannel::Stats& stats() { return channel().stats(); }
+  std::uint64_t why(DramWhy reason) { return channel().clock().cycles(channel().activity().spent(reason)); }
+  std::uint64_t run(Mode mode = Mode::kSkip) {
+    end = bench.run(mode);
+    return channel().clock().cycles(end);
+  }
+
+  /// The address of a row's first line.
+  Addr row(std::uint32_t bank, std::uint32_t index) const {
+    const Addr page = config.organisation.page.bytes;
+    return (Addr{index} * config.organisation.banks + bank) * page;
+  }
+
+  DramConfig config;
+  Bench bench;
+  sim::Time end = 0;
+};
+
+}  // namespace hw::test

@@ -1,0 +1,173 @@
+#include "hw_models/memory/dram_device.h"
+
+#include <bit>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "hw_models/memory/dram_map.h"
+
+namespace hw {
+namespace {
+
+using Cycle = DramDevice::Cycle;
+using enum DramCommand;
+
+const DramTiming kT;
+
+Cycle earliest(const DramDevice& d, DramCommand command, std::uint32_t bank, bool write, Cycle now) {
+  return d.earliest(command, bank, write, d.floors(write, now));
+}
+
+DramConfig with_groups() {
+  DramConfig c;
+  c.organisation.bank_groups = 4;
+  c.timing.ccd_s = c.timing.burst = 2;
+  c.timing.ccd_l = 4;
+  c.timing.wtr_s = 5;
+  c.timing.wtr_l = 10;
+  c.timing.ca_activate = c.timing.ca_column = c.timing.ca_precharge = 1;
+  return c;
+}
+
+TEST(DramDevice, AWriteAfterAReadWaitsForTheReadsDataToLeaveTheBus) {
+  DramDevice d{DramConfig{}};
+  d.activate(0, 0, 0);
+  d.read(0, 100);
+  EXPECT_EQ(earliest(d, kColumn, 0, true, 101), 100 + kT.ccd_l + kT.rl + kT.dqsck + kT.burst + kT.rtw - kT.wl);
+}
+
+TEST(DramDevice, AReadAfterAWriteWaitsForTheWritesDataAndTheirSettling) {
+  DramDevice d{DramConfig{}};
+  d.activate(0, 0, 0);
+  d.write(0, 100);
+  EXPECT_EQ(earliest(d, kColumn, 0, false, 101), 100 + kT.ccd_l + kT.wl + kT.dqss + kT.burst + kT.wtr_s);
+}
+
+TEST(DramDevice, APrechargeWaitsForRowReadAndWriteTimes) {
+  DramDevice d{DramConfig{}};
+  d.activate(0, 0, 0);
+  EXPECT_EQ(earliest(d, kPrecharge, 0, false, 10), kT.ras);
+  d.read(0, 100);
+  EXPECT_EQ(earliest(d, kPrecharge, 0, false, 101), 100 + kT.ccd_l + kT.rtp);
+  d.write(0, 200);
+  EXPECT_EQ(earliest(d, kPrecharge, 0, false, 201), 200 + kT.ccd_l + kT.wl + kT.dqss + kT.burst + kT.wr);
+}
+
+TEST(DramDevice, AnActivateWaitsForPrechargeRowCycleAndItsNeighbours) {
+  DramDevice d{DramConfig{}};
+  d.activate(0, 0, 0);
+  EXPECT_EQ(earliest(d, kActivate, 1, false, 5), kT.rrd);
+  d.precharge(0, kT.ras);
+  EXPECT_EQ(earliest(d, kActivate, 0, false, kT.ras), std::max(kT.rc, kT.ras + kT.rp));
+  d.activate(0, 1, 200);
+  d.precharge(0, 400);
+  EXPECT_EQ(earliest(d, kActivate, 0, false, 401), 400 + kT.rp);
+}
+
+TEST(DramDevice, TheFifthActivateWaitsForTheFirstToLeaveTheWindow) {
+  DramConfig c;
+  c.timing.faw = 90;
+  DramDevice d{c};
+  for (std::uint32_t i = 0; i < 4; ++i) d.activate(i, 0, Cycle{i} * kT.rrd);
+  EXPECT_EQ(earliest(d, kActivate, 4, false, 50), 90U);
+  d.activate(4, 0, 90);
+  EXPECT_EQ(earliest(d, kActivate, 5, false, 91), 90 + kT.rrd);
+}
+
+TEST(DramDevice, AnActivateFitsBetweenTheTwoReadCommandsOfALine) {
+  DramDevice d{DramConfig{}};
+  d.activate(0, 0, 0);
+  d.read(0, 100);  // command bus: 100 to 103 and 108 to 111
+  EXPECT_EQ(earliest(d, kActivate, 1, false, 100), 104U);
+  EXPECT_EQ(earliest(d, kActivate, 1, false, 105), 112U);
+  EXPECT_EQ(earliest(d, kPrecharge, 1, false, 105), 105U) << "half as long, fits before 108";
+  EXPECT_EQ(earliest(d, kPrecharge, 1, false, 107), 112U);
+}
+
+TEST(DramDevice, AnotherBankGroupsBurstsFillTheGapsOfALine) {
+  DramDevice d{with_groups()};
+  for (std::uint32_t bank = 0; bank < 3; ++bank) d.activate(bank, 0, Cycle{bank} * 16);
+  d.read(0, 100);  // bursts at 100 and 104
+  EXPECT_EQ(earliest(d, kColumn, 1, false, 101), 102U);
+  EXPECT_EQ(earliest(d, kColumn, 0, false, 101), 108U) << "the same group";
+  d.read(1, 102);  // bursts at 102 and 106
+  EXPECT_EQ(earliest(d, kColumn, 2, false, 103), 108U) << "no gap left";
+}
+
+TEST(DramDevice, AfterAWriteTheSameBankGroupWaitsLonger) {
+  const DramConfig c = with_groups();
+  DramDevice d{c};
+  d.activate(0, 0, 0);
+  d.activate(1, 0, 16);
+  d.write(0, 100);
+  const Cycle data = 100 + c.timing.ccd_l + c.timing.wl + c.timing.dqss;
+  EXPECT_EQ(earliest(d, kColumn, 1, false, 101), data + c.timing.burst + c.timing.wtr_s);
+  EXPECT_EQ(earliest(d, kColumn, 0, false, 101), data + c.timing.ccd_l + c.timing.wtr_l);
+}
+
+TEST(DramDevice, ARefreshClosesTheBankAndKeepsItBusy) {
+  DramDevice d{DramConfig{}};
+  d.activate(0, 0, 0);
+  d.refresh(0, 20);
+  EXPECT_FALSE(d.is_open(0));
+  EXPECT_EQ(earliest(d, kActivate, 0, false, 21), std::max(kT.rc, kT.ras + kT.rp) + kT.rfc_pb);
+  d.refresh(1, 500);
+  EXPECT_EQ(earliest(d, kActivate, 1, false, 501), 500 + kT.rfc_pb);
+}
+
+TEST(DramDevice, StandbyIsActiveFromTheFirstActivateToTheLastPrecharge) {
+  DramDevice d{DramConfig{}};
+  d.activate(0, 0, 100);
+  d.activate(1, 0, 150);
+  d.precharge(0, 300);
+  EXPECT_EQ(d.active_cycles(350), 250U);
+  d.precharge(1, 400);
+  EXPECT_EQ(d.active_cycles(1000), 300U);
+  d.activate(0, 0, 2000);
+  d.refresh(0, 2010);  // closes at 2000 + tRAS
+  EXPECT_EQ(d.active_cycles(2020), 320U);
+  EXPECT_EQ(d.active_cycles(3000), 300U + kT.ras);
+}
+
+TEST(DramMap, EveryLineOfAChannelHasItsOwnPlace) {
+  for (const DramMapping mapping :
+       {DramMapping::kRowBankColumnChannel, DramMapping::kRowColumnBankChannel, DramMapping::kRowBankChannelColumn}) {
+    for (const bool bank_xor : {false, true}) {
+      DramConfig c;
+      c.controller.mapping = mapping;
+      c.controller.bank_xor = bank_xor;
+      c.organisation.rows = 64;
+      const DramMap map(c);
+      std::set<std::tuple<std::uint32_t, std::uint32_t, std::uint32_t>> rows;
+      std::vector<std::uint32_t> lines(c.channels);
+      const Addr size = c.organisation.page.bytes * c.organisation.banks * c.organisation.rows * c.channels;
+      for (Addr line = 0; line < size; line += 64) {
+        const DramPlace p = map.place(line);
+        const std::uint32_t channel = c.interleave().owner(line);
+        lines[channel] += 1;
+        rows.emplace(channel, p.bank, p.row);
+        ASSERT_LT(p.bank, c.organisation.banks);
+      }
+      EXPECT_EQ(rows.size(), 4U * 8 * 64);
+      EXPECT_EQ(std::set<std::uint32_t>(lines.begin(), lines.end()).size(), 1U) << "channels share alike";
+    }
+  }
+}
+
+TEST(DramMap, AStreamGoesWhereTheMappingSays) {
+  DramConfig c;
+  c.controller.bank_xor = false;
+  DramMap map(c);
+  const Addr stripe = 4 * 2048;  // a row of every channel
+  EXPECT_EQ(map.place(stripe - 64).bank, 0U);
+  EXPECT_EQ(map.place(stripe).bank, 1U);
+  EXPECT_EQ(map.place(8 * stripe).row, 1U);
+  c.controller.mapping = DramMapping::kRowColumnBankChannel;
+  map = DramMap(c);
+  EXPECT_EQ(map.place(0).bank, 0U);
+  EXPECT_EQ(map.place(256).bank, 1U);
+}
+
+}  // namespace
+}  // namespace hw

@@ -1,0 +1,117 @@
+#include <fstream>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "hw_models/memory/dram_energy.h"
+#include "sim/config/config.h"
+#include "tests/hw_models/memory/dram_bench.h"
+
+namespace hw::test {
+namespace {
+
+struct Grade {
+  const char* file;
+  double channel_gbps;  ///< peak
+};
+
+class DramGrades : public testing::TestWithParam<Grade> {
+ protected:
+  static std::string path() { return std::string("configs/dram/") + GetParam().file + ".yaml"; }
+  static DramConfig load() { return sim::load_config<DramConfig>(path()); }
+};
+
+INSTANTIATE_TEST_SUITE_P(All, DramGrades,
+                         testing::Values(Grade{"lpddr3-1600", 6.4}, Grade{"lpddr4-3200", 6.4},
+                                         Grade{"lpddr4-4266", 8.53}, Grade{"lpddr5-6400", 12.8}),
+                         [](const auto& grade) {
+                           std::string name = grade.param.file;
+                           std::erase(name, '-');
+                           return name;
+                         });
+
+double gbps(DramBench& b, std::uint64_t lines) {
+  b.run();
+  return static_cast<double>(64 * lines) / static_cast<double>(b.end) * 1e6;
+}
+
+TEST_P(DramGrades, ASequentialStreamReachesNineTenthsOfThePeak) {
+  for (const bool write : {false, true}) {
+    DramConfig c = load();
+    c.channels = 1;
+    DramBench b(c);
+    for (Addr i = 0; i < 40000; ++i) b.requester().send(64 * i, 0, write);
+    EXPECT_GT(gbps(b, 40000), 0.9 * GetParam().channel_gbps) << (write ? "writes" : "reads");
+    EXPECT_LT(gbps(b, 40000), 1.001 * GetParam().channel_gbps);
+  }
+}
+
+TEST_P(DramGrades, RandomReadsAreBoundByActivatesOrTheBus) {
+  DramConfig c = load();
+  c.channels = 1;
+  DramBench b(c);
+  for (std::uint64_t i = 0; i < 20000; ++i) b.requester().send(sim::hash(i) % (1 << 24) * 64);
+  const double reached = gbps(b, 20000);
+  const double window = 64.0 * 4 / (static_cast<double>(c.timing.faw) * static_cast<double>(c.timing.ck.time)) * 1e6;
+  EXPECT_LT(reached, 1.001 * std::min(window, GetParam().channel_gbps));
+  EXPECT_GT(reached, 0.4 * GetParam().channel_gbps);
+}
+
+TEST_P(DramGrades, EveryNumberHasASource) {
+  std::ifstream file(path());
+  ASSERT_TRUE(file.is_open());
+  for (std::string line; std::getline(file, line);) {
+    const std::string text = line.substr(0, line.find('#'));
+    if (text.find(": ") != std::string::npos) {
+      EXPECT_NE(line.find("# source: "), std::string::npos) << line;
+    }
+  }
+}
+
+TEST_P(DramGrades, AStreamingReadCostsWhatTheGenerationIsKnownFor) {
+  const auto events = dram_energy_events(load());
+  ASSERT_EQ(events.size(), 6U);
+  const double pj_per_bit = events.at("dram.read_burst").pj.nominal / 256;
+  EXPECT_GT(pj_per_bit, 3.5);
+  EXPECT_LT(pj_per_bit, 8.0);
+}
+
+TEST(DramEnergy, EveryEventOfTheCountersHasAFigureAndNoOther) {
+  const auto events = dram_energy_events(DramConfig{});
+  std::size_t named = 0;
+  DramChannel::Stats::describe(DramChannel::Stats{}, [&](auto&, const char*, const char*, const char* event = "") {
+    if (*event == 0) return;
+    named += 1;
+    EXPECT_TRUE(events.contains(event)) << event;
+  });
+  EXPECT_EQ(named, events.size());
+  EXPECT_TRUE(events.at("dram.active_standby").standby);
+  EXPECT_FALSE(events.at("dram.activate").standby);
+  EXPECT_NEAR(events.at("dram.precharge_standby").pj.nominal, 9.726 * 0.625, 1e-9) << "mW x ns";
+  EXPECT_NEAR(events.at("dram.read_burst").pj.nominal, 404.2 + 412.2 + 512, 1e-9) << "core, pins and PHY";
+}
+
+TEST(DramConfig, TheDefaultIsTheFileOfItsGrade) {
+  EXPECT_EQ(sim::dump_config(DramConfig{}),
+            sim::dump_config(sim::load_config<DramConfig>("configs/dram/lpddr4-3200.yaml")));
+}
+
+TEST(DramConfig, ImpossibleFiguresAreNamed) {
+  const auto complaint = [](auto&& change) {
+    DramConfig c;
+    change(c);
+    std::string all;
+    c.check([&](const std::string& key, const std::string&) { all += key + " "; });
+    c.controller.check([&](const std::string& key, const std::string&) { all += key + " "; });
+    return all;
+  };
+  EXPECT_EQ(complaint([](DramConfig&) {}), "");
+  EXPECT_EQ(complaint([](DramConfig& c) { c.line = {16}; }), "line ");
+  EXPECT_EQ(complaint([](DramConfig& c) { c.organisation.bank_groups = 16; }), "organisation ");
+  EXPECT_EQ(complaint([](DramConfig& c) { c.timing.burst = 16; }), "timing ");
+  EXPECT_EQ(complaint([](DramConfig& c) { c.controller.write_low = 24; }), "write_low ");
+  EXPECT_EQ(complaint([](DramConfig& c) { c.controller.write_queue = 4; }), "write_high ");
+}
+
+}  // namespace
+}  // namespace hw::test

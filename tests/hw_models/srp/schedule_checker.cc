@@ -1,0 +1,117 @@
+#include "tests/hw_models/srp/schedule_checker.h"
+
+#include <cstdint>
+#include <map>
+#include <tuple>
+
+#include <fmt/format.h>
+
+namespace hw::test {
+namespace {
+
+using kernels::GraphNode;
+using kernels::Op;
+
+class Player {
+ public:
+  Player(const KernelSchedule& schedule, const kernels::Graph& graph, const SrpConfig& config)
+      : schedule_(schedule), graph_(graph), config_(config) {
+    for (const Placement& p : schedule.placements) placed_[{p.node, p.part}] = &p;
+  }
+
+  std::string play() {
+    complete();
+    // Enough items for the first to meet the last that still overlaps it, and for the longest loop-carried distance.
+    const std::uint32_t items = schedule_.depth / schedule_.ii + 6;
+    for (std::uint32_t item = 0; item < items; ++item) {
+      for (const Placement& p : schedule_.placements) {
+        reserve(p, item);
+        check_inputs(p, item);
+        const std::uint32_t ends = p.start + latency_of(class_of(graph_.nodes[p.node].op), config_.latency);
+        if (ends > schedule_.depth) complain(p, item, "ends after the schedule");
+      }
+    }
+    return wrong_;
+  }
+
+ private:
+  void complain(const Placement& p, std::uint32_t item, const std::string& what) {
+    wrong_ += fmt::format("{}: node {} part {} of item {} {}\n", graph_.kernel, p.node, p.part, item, what);
+  }
+
+  void complete() {
+    std::size_t expected = 0;
+    for (std::uint32_t id = 0; id < graph_.nodes.size(); ++id) {
+      const GraphNode& node = graph_.nodes[id];
+      const OpClass kind = class_of(node.op);
+      if (kind == OpClass::kFree) continue;
+      const std::uint32_t parts = is_memory(kind) ? (node.bytes + 15) / 16 : 1;
+      for (std::uint32_t part = 0; part < parts; ++part) {
+        if (!placed_.contains({id, part})) wrong_ += fmt::format("node {} part {} has no place\n", id, part);
+      }
+      expected += parts;
+    }
+    if (expected != schedule_.placements.size()) wrong_ += "placements that no node asks for\n";
+  }
+
+  void reserve(const Placement& p, std::uint32_t item) {
+    const OpClass kind = class_of(graph_.nodes[p.node].op);
+    const ArrayConfig& array = config_.array;
+    std::uint32_t units = array.units();
+    int pool = 0;
+    if (kind == OpClass::kFpMul || kind == OpClass::kIntMul) units = array.mul_units;
+    if (kind == OpClass::kFpDivSqrt) units = array.div_sqrt_units;
+    if (kind == OpClass::kLocalRead || kind == OpClass::kLocalWrite) pool = 1, units = array.local_ports;
+    if (kind == OpClass::kCachedRead) pool = 2, units = array.cache_ports;
+    if (p.unit >= units) complain(p, item, "sits on a unit that cannot do it");
+    const std::uint32_t keeps = kind == OpClass::kFpDivSqrt ? config_.latency.div_sqrt_interval : 1;
+    for (std::uint32_t c = 0; c < keeps; ++c) {
+      if (!used_.insert({{pool, p.unit, item * schedule_.ii + p.start + c}, 0}).second) {
+        complain(p, item, "finds its unit taken");
+      }
+    }
+  }
+
+  void check_inputs(const Placement& p, std::uint32_t item) {
+    const GraphNode& node = graph_.nodes[p.node];
+    const std::uint64_t now = std::uint64_t{item} * schedule_.ii + p.start;
+    for (const std::uint32_t input : node.inputs) {
+      if (input != GraphNode::kNone && there_at(input, item) > now) complain(p, item, "uses an input too early");
+    }
+    for (std::size_t word = 0; word < node.stored.size(); ++word) {
+      if (word / 4 == p.part && there_at(node.stored[word], item) > now) complain(p, item, "stores a value too early");
+    }
+  }
+
+  /// The cycle from which the value of `id` in `item` can be used; 0 for what was there before the loop.
+  std::uint64_t there_at(std::uint32_t id, std::uint32_t item) const {
+    const GraphNode& node = graph_.nodes[id];
+    if (class_of(node.op) != OpClass::kFree) return made_at(id, 0, item);
+    if (node.inputs[0] == GraphNode::kNone) return 0;
+    if (node.distance > item) return 0;
+    const bool loaded = node.op == Op::kInput && is_memory(class_of(graph_.nodes[node.inputs[0]].op));
+    if (loaded && node.distance == 0) return made_at(node.inputs[0], node.value / 16, item);
+    return there_at(node.inputs[0], item - node.distance);
+  }
+  std::uint64_t made_at(std::uint32_t id, std::uint32_t part, std::uint32_t item) const {
+    const auto at = placed_.find({id, part});
+    if (at == placed_.end()) return 0;
+    const std::uint32_t latency = latency_of(class_of(graph_.nodes[id].op), config_.latency);
+    return std::uint64_t{item} * schedule_.ii + at->second->start + latency;
+  }
+
+  const KernelSchedule& schedule_;
+  const kernels::Graph& graph_;
+  const SrpConfig& config_;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, const Placement*> placed_;
+  std::map<std::tuple<int, std::uint32_t, std::uint32_t>, int> used_;
+  std::string wrong_;
+};
+
+}  // namespace
+
+std::string wrong_with(const KernelSchedule& schedule, const kernels::Graph& graph, const SrpConfig& config) {
+  return Player(schedule, graph, config).play();
+}
+
+}  // namespace hw::test

@@ -1,0 +1,197 @@
+#include "hw_models/srp/schedule.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/hw_models/srp/graph_builder.h"
+#include "tests/hw_models/srp/schedule_checker.h"
+
+namespace hw::test {
+namespace {
+
+using kernels::Op;
+
+KernelSchedule checked(const GraphBuilder& g, const SrpConfig& config = {}) {
+  KernelSchedule s = schedule(g.graph(), config);
+  EXPECT_EQ(wrong_with(s, g.graph(), config), "");
+  return s;
+}
+
+TEST(Schedule, a_kernel_without_operations_takes_a_cycle_an_item) {
+  GraphBuilder g;
+  g.item();
+  const KernelSchedule s = checked(g);
+  EXPECT_EQ(s.ii, 1U);
+  EXPECT_EQ(s.depth, 0U);
+}
+
+TEST(Schedule, thirty_two_independent_additions_share_sixteen_units_in_two_cycles) {
+  GraphBuilder g;
+  const auto x = g.item();
+  for (int i = 0; i < 32; ++i) g.op(Op::kAdd, {x, x});
+  const KernelSchedule s = checked(g);
+  EXPECT_EQ(s.res_mii, 2U);
+  EXPECT_EQ(s.rec_mii, 0U);
+  EXPECT_EQ(s.ii, 2U);
+  EXPECT_EQ(s.depth, 1U + 2U);  // the second sixteen start a cycle later
+}
+
+TEST(Schedule, a_chain_is_as_deep_as_its_latencies_and_still_takes_an_item_every_cycle) {
+  GraphBuilder g;
+  auto x = g.item();
+  for (int i = 0; i < 9; ++i) x = g.op(Op::kAdd, {x, x});
+  const KernelSchedule s = checked(g);
+  EXPECT_EQ(s.ii, 1U);
+  EXPECT_EQ(s.depth, 9U * 2U);
+}
+
+TEST(Schedule, the_local_ports_bound_the_interval) {
+  GraphBuilder g;
+  const auto item = g.item();
+  const auto record = g.load(64, item);
+  g.store(item, std::vector<std::uint32_t>(16, g.field(record, 60)));
+  const KernelSchedule s = checked(g);  // 4 reads and 4 writes on 4 ports
+  EXPECT_EQ(s.local_reads, 4U);
+  EXPECT_EQ(s.local_writes, 4U);
+  EXPECT_EQ(s.ii, 2U);
+  EXPECT_EQ(s.depth, 6U + 1U + 1U);  // the loads have the even cycles
+}
+
+TEST(Schedule, a_record_of_odd_size_takes_whole_accesses) {
+  GraphBuilder g;
+  const auto item = g.item();
+  g.store(item, {g.field(g.load(20, item), 16), item, item});
+  const KernelSchedule s = checked(g);
+  EXPECT_EQ(s.local_reads, 2U);
+  EXPECT_EQ(s.local_writes, 1U);
+}
+
+TEST(Schedule, a_field_waits_for_its_own_access_only) {
+  SrpConfig one_port;
+  one_port.array.local_ports = 1;
+  GraphBuilder g;
+  const auto record = g.load(64, g.item());
+  g.op(Op::kAdd, {g.field(record, 0), g.field(record, 0)});
+  const KernelSchedule s = checked(g, one_port);
+  EXPECT_EQ(s.ii, 4U);
+  EXPECT_EQ(s.depth, 3U + 6U);  // the addition is through before the fourth access
+}
+
+TEST(Schedule, the_cache_port_bounds_the_interval) {
+  GraphBuilder g;
+  g.load(64, g.item(), Op::kLoadCached);
+  g.load(16, g.item(), Op::kLoadCached);
+  SrpConfig config;
+  EXPECT_EQ(checked(g, config).ii, 5U);
+  EXPECT_EQ(checked(g, config).cached_loads, 2U);
+  config.array.cache_ports = 2;
+  EXPECT_EQ(checked(g, config).ii, 3U);
+}
+
+TEST(Schedule, a_sum_over_items_waits_for_its_own_addition) {
+  SrpConfig config;
+  config.latency.fp_add = 4;
+  GraphBuilder g;
+  const auto sum = g.carried();
+  g.close(sum, g.op(Op::kAdd, {sum, g.item()}));
+  const KernelSchedule s = checked(g, config);
+  EXPECT_EQ(s.rec_mii, 4U);
+  EXPECT_EQ(s.ii, 4U);
+  EXPECT_EQ(s.depth, 4U);
+}
+
+TEST(Schedule, a_longer_distance_shares_the_latency_among_items) {
+  SrpConfig config;
+  config.latency.fp_add = 4;
+  config.latency.fp_mul = 3;
+  GraphBuilder g;
+  const auto before = g.carried(3);
+  g.close(before, g.op(Op::kMul, {g.op(Op::kAdd, {before, g.item()}), g.item()}));
+  const KernelSchedule s = checked(g, config);
+  EXPECT_EQ(s.rec_mii, 3U);  // 7 cycles in 3 items
+  EXPECT_EQ(s.ii, 3U);
+}
+
+TEST(Schedule, two_values_that_feed_each_other_form_one_recurrence) {
+  GraphBuilder g;
+  const auto a = g.carried(), b = g.carried();
+  g.close(a, g.op(Op::kAdd, {b, g.item()}));  // 2 cycles
+  g.close(b, g.op(Op::kDiv, {a, g.item()}));  // 16 cycles: 18 in two items
+  EXPECT_EQ(checked(g).rec_mii, 9U);
+}
+
+TEST(Schedule, reinterpreted_bits_cost_nothing_even_inside_a_recurrence) {
+  GraphBuilder g;
+  const auto hash = g.carried();
+  g.close(hash, g.op(Op::kBits, {g.op(Op::kXor, {g.op(Op::kBits, {hash}), g.item()})}));
+  const KernelSchedule s = checked(g);
+  EXPECT_EQ(s.rec_mii, 1U);
+  EXPECT_EQ(s.fu_ops, 1U);
+}
+
+TEST(Schedule, dividers_bound_the_interval) {
+  GraphBuilder g;
+  const auto x = g.item();
+  for (int i = 0; i < 9; ++i) g.op(i % 2 == 0 ? Op::kDiv : Op::kSqrt, {x, x});
+  SrpConfig config;
+  EXPECT_EQ(checked(g, config).ii, 3U);  // 9 on 4 units
+  config.latency.div_sqrt_interval = 5;
+  EXPECT_EQ(checked(g, config).ii, 15U);
+  config.array.div_sqrt_units = 9;
+  EXPECT_EQ(checked(g, config).ii, 5U);
+}
+
+TEST(Schedule, multipliers_and_dividers_count_against_the_units_they_share) {
+  SrpConfig config;
+  config.array.mul_units = 4;
+  GraphBuilder g;
+  const auto x = g.item();
+  for (int i = 0; i < 6; ++i) g.op(Op::kMul, {x, x});
+  for (int i = 0; i < 6; ++i) g.op(Op::kDiv, {x, x});
+  for (int i = 0; i < 20; ++i) g.op(Op::kIntAdd, {x, x});
+  EXPECT_EQ(checked(g, config).ii, 3U);  // 12 on the first 4; all 32 on 16 would take 2
+}
+
+TEST(Schedule, a_pushed_out_operation_finds_another_place) {
+  SrpConfig config;
+  config.array = {.rows = 1, .columns = 2, .mul_units = 1, .div_sqrt_units = 1};
+  config.latency.div_sqrt = 4;
+  config.latency.div_sqrt_interval = 4;
+  GraphBuilder g;
+  const auto sum = g.carried();
+  const auto quotient = g.op(Op::kDiv, {sum, g.item()});
+  g.close(sum, g.op(Op::kMul, {quotient, g.item()}));
+  for (int i = 0; i < 5; ++i) g.op(Op::kMul, {g.op(Op::kAdd, {g.item(), g.item()}), g.item()});
+  const KernelSchedule s = checked(g, config);
+  EXPECT_EQ(s.res_mii, 10U);  // one unit: a divide of 4 and six multiplications
+  EXPECT_EQ(s.rec_mii, 6U);
+  EXPECT_EQ(s.ii, 10U);
+}
+
+TEST(Schedule, counts_what_costs_energy) {
+  GraphBuilder g;
+  const auto item = g.item();
+  const auto record = g.load(16, item);  // 1 operand, 4 words
+  const auto x = g.field(record, 0);
+  const auto product = g.op(Op::kMul, {x, g.constant()});            // 2 operands, 1 routed
+  const auto lit = g.op(Op::kLess, {product, x});                    // 2 operands, both routed
+  g.store(item, {g.op(Op::kSelect, {lit, product, g.constant()})});  // 3 operands, 2 routed; then 2 and 1
+  const KernelSchedule s = checked(g);
+  EXPECT_EQ(s.fu_ops, 3U);
+  EXPECT_EQ(s.rf_reads, 1U + 2U + 2U + 3U + 2U);
+  EXPECT_EQ(s.rf_writes, 4U + 3U);
+  EXPECT_EQ(s.route_hops, 1U + 2U + 2U + 1U);
+  EXPECT_EQ(s.config_reads, 16U * s.ii);
+  EXPECT_EQ(s.ops[static_cast<std::size_t>(OpClass::kFpMul)], 1U);
+  EXPECT_EQ(s.ops[static_cast<std::size_t>(OpClass::kFpCompare)], 1U);
+  EXPECT_EQ(s.ops[static_cast<std::size_t>(OpClass::kIntLogic)], 1U);
+}
+
+TEST(Schedule, a_value_that_depends_on_itself_within_an_item_is_refused) {
+  GraphBuilder g;
+  const auto circle = g.carried(0);
+  g.close(circle, g.op(Op::kAdd, {circle, g.item()}));
+  EXPECT_THROW(schedule(g.graph(), SrpConfig{}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace hw::test

@@ -1,0 +1,28 @@
+#include "hw_models/srp/srp_config.h"
+
+#include <string>
+
+#include <gtest/gtest.h>
+
+namespace hw::test {
+namespace {
+
+std::string complaints(const ArrayConfig& array) {
+  std::string keys;
+  array.check([&](const std::string& key, const std::string&) { keys += key + ' '; });
+  return keys;
+}
+
+TEST(SrpConfig, a_unit_cannot_have_two_multipliers_or_dividers) {
+  EXPECT_EQ(complaints({}), "");
+  EXPECT_EQ(complaints({.rows = 4, .columns = 2}), "mul_units ");
+  EXPECT_EQ(complaints({.rows = 1, .columns = 2, .mul_units = 2, .div_sqrt_units = 3}), "div_sqrt_units ");
+  EXPECT_EQ(complaints({.rows = 1, .columns = 2, .mul_units = 2, .div_sqrt_units = 2}), "");
+}
+
+TEST(SrpConfig, its_storage_is_what_leaks_beside_the_tile_buffer) {
+  EXPECT_EQ(SrpConfig{}.sram_bytes(), (16U + 64U + 36U) * 1024U);
+}
+
+}  // namespace
+}  // namespace hw::test

@@ -1,0 +1,77 @@
+#pragma once
+#include <array>
+#include <span>
+#include <vector>
+
+#include "shader_kernels/programs/full.h"
+#include "traces/accel/build.h"
+#include "traces/accel/bvh_tracer.h"
+#include "traces/scene/builtin/shapes.h"
+#include "traces/scene/cameras.h"
+#include "traces/scene/library.h"
+
+namespace kernels {
+
+/// Notes every ray that passes.
+class SpyTracer : public traces::Tracer {
+ public:
+  explicit SpyTracer(const traces::Tracer& tracer) : tracer_(tracer) {}
+  void trace(std::span<const traces::Ray> rays, traces::RayKind kind, std::span<traces::Hit> hits,
+             traces::WalkSink* walk) const override {
+    auto& seen = seen_[static_cast<std::size_t>(kind)];
+    seen.insert(seen.end(), rays.begin(), rays.end());
+    tracer_.trace(rays, kind, hits, walk);
+  }
+  const std::vector<traces::Ray>& seen(traces::RayKind kind) const { return seen_[static_cast<std::size_t>(kind)]; }
+
+ private:
+  const traces::Tracer& tracer_;
+  mutable std::array<std::vector<traces::Ray>, static_cast<std::size_t>(traces::RayKind::kCount)> seen_;
+};
+
+struct Picture {
+  std::uint32_t width = 0, height = 0;
+  std::vector<float> rgb;
+  std::array<std::uint64_t, static_cast<std::size_t>(traces::RayKind::kCount)> rays{};
+  glm::vec3 at(std::uint32_t x, std::uint32_t y) const {
+    const float* p = rgb.data() + std::size_t{3} * (std::size_t{y} * width + x);
+    return {p[0], p[1], p[2]};
+  }
+};
+
+inline Picture render(const traces::MemoryImage& image, const traces::Camera& camera, const traces::Tracer& tracer,
+                      const RenderConfig& config, std::uint32_t samples = 1, bool record = false) {
+  const FullProgram program(image, camera, config, samples, 0);
+  Picture picture{program.width(), program.height(), {}, {}};
+  picture.rgb.resize(std::size_t{3} * config.width * config.height);
+  TileResult tile;
+  for (std::uint32_t t = 0; t < program.tiles(); ++t) {
+    program.run_tile(t, tracer, record, tile);
+    program.place(tile, picture.rgb);
+    for (std::size_t k = 0; k < picture.rays.size(); ++k) picture.rays[k] += tile.rays[k];
+  }
+  return picture;
+}
+
+/// A scene with nothing in it: black, unlit.
+inline traces::Scene empty_scene() {
+  traces::Scene scene;
+  scene.background = scene.ambient = glm::vec3(0);
+  return scene;
+}
+
+/// Square in the plane z = `z`, facing +z.
+inline void add_wall(traces::Scene& scene, float z, float side, const traces::Material& material) {
+  const float h = 0.5F * side;
+  traces::add_object(scene, traces::make_quad("wall", {-h, -h, z}, {side, 0, 0}, {0, side, 0}, 1),
+                     traces::add_material(scene, material));
+}
+
+inline RenderConfig small(std::uint32_t width, std::uint32_t height) {
+  RenderConfig config;
+  config.width = width;
+  config.height = height;
+  return config;
+}
+
+}  // namespace kernels

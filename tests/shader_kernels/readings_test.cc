@@ -1,0 +1,123 @@
+#include <algorithm>
+#include <deque>
+
+#include <gtest/gtest.h>
+
+#include "shader_kernels/catalogue.h"
+#include "shader_kernels/interpret.h"
+#include "shader_kernels/programs/scene_tables.h"
+#include "sim/hash.h"
+
+namespace kernels {
+namespace {
+
+constexpr std::uint32_t kItems = 200;
+constexpr std::uint32_t kTextureSize = 16;
+
+/// Gives every port of a kernel memory full of random records, every uniform a random value.
+class RandomPorts {
+ public:
+  RandomPorts(std::uint32_t seed, bool with_misses) : seed_(seed), with_misses_(with_misses) {
+    for (std::uint32_t i = 0; i < kItems; ++i) {
+      traces::Texture& t = textures_.emplace_back();
+      t.width = t.height = kTextureSize;
+      for (std::uint32_t k = 0; k < kTextureSize * kTextureSize; ++k) t.texels.push_back(random());
+    }
+  }
+
+  template <template <class> class R>
+  void operator()(Local<float, R>& port, std::string_view) {
+    port.base = memory<R>();
+  }
+  template <template <class> class R>
+  void operator()(Table<float, R>& port, std::string_view) {
+    port.base = memory<R>();
+  }
+  template <template <class> class R, traces::Access::Kind kKind>
+  void operator()(Cached<float, R, kKind>& port, std::string_view) {
+    port.base = memory<R>();
+  }
+  void operator()(Texels<float>& port, std::string_view) { port.textures = textures_.data(); }
+  void operator()(Counter<float>&, std::string_view) {}
+  void operator()(Carried<float>& port, std::string_view) { port.value = number(); }
+  void operator()(float& uniform, std::string_view name) {
+    // Counts must be counts: 4 samples per pixel.
+    uniform = name.ends_with("inverse_samples") ? 0.25F : name.ends_with("samples") ? 4.0F : number();
+  }
+  void operator()(std::uint32_t& uniform, std::string_view) { uniform = random(); }
+  void operator()(Vec3<float>& uniform, std::string_view) { uniform = vector(); }
+
+  std::deque<std::vector<std::byte>>& memories() { return memories_; }
+
+ private:
+  std::uint32_t random() { return static_cast<std::uint32_t>(sim::hash(seed_, drawn_++)); }
+  float number() { return 0.1F + 1.9F * sim::unit_float(sim::hash(seed_, drawn_++)); }
+  float signed_number() { return number() * ((random() & 1U) != 0 ? 1.0F : -1.0F); }
+  Vec3<float> vector() { return {signed_number(), signed_number(), signed_number()}; }
+
+  template <template <class> class R>
+  std::byte* memory() {
+    std::vector<R<float>> records(kItems + 1);
+    for (R<float>& record : records) {
+      if constexpr (std::is_same_v<R<float>, AxisRecord<float>>) {
+        record = axis_record(kTextureSize, static_cast<traces::Texture::Wrap>(random() % 3));
+      } else {
+        R<float>::fields(record, [&]<class T>(T& field, std::string_view name) { fill(field, name); });
+      }
+    }
+    std::vector<std::byte>& bytes = memories_.emplace_back(records.size() * sizeof(R<float>));
+    std::memcpy(bytes.data(), records.data(), bytes.size());
+    return bytes.data();
+  }
+  void fill(float& field, std::string_view) { field = signed_number(); }
+  void fill(Vec3<float>& field, std::string_view) { field = vector(); }
+  void fill(std::uint32_t& field, std::string_view name) {
+    field = random() % (name == "texture" ? kItems / 2 : kItems);
+    if (name == "triangle" && with_misses_ && (random() & 1U) != 0) field = traces::kNoHit;
+  }
+
+  const std::uint32_t seed_;
+  const bool with_misses_;
+  std::uint32_t drawn_ = 0;
+  std::deque<std::vector<std::byte>> memories_;
+  std::vector<traces::Texture> textures_;
+};
+
+template <class K>
+class Readings : public testing::Test {};
+
+template <class T>
+struct AsTypes;
+template <class... Ks>
+struct AsTypes<std::tuple<Ks...>> {
+  using type = testing::Types<Ks...>;
+};
+TYPED_TEST_SUITE(Readings, AsTypes<AllKernels>::type, );
+
+TYPED_TEST(Readings, ComputingAndInterpretingTheGraphGiveEqualBits) {
+  using Ports = typename TypeParam::template Ports<float>;
+  for (std::uint32_t seed = 0; seed < 20; ++seed) {
+    Ports ports;
+    RandomPorts random(
+        seed, !requires { ports.attributes; });
+    Ports::describe(ports, random);
+    const auto before = random.memories();
+
+    Environment environment;
+    Ports::describe(ports, EnvironmentBinder(environment));
+    interpret(catalogue()[kKernelId<TypeParam>].graph, kItems, environment);
+    const auto interpreted = random.memories();
+
+    for (std::size_t m = 0; m < before.size(); ++m) std::ranges::copy(before[m], random.memories()[m].begin());
+    for (std::uint32_t i = 0; i < kItems; ++i) TypeParam::template body<float>(i, ports);
+
+    EXPECT_NE(before, interpreted) << "nothing was stored";
+    EXPECT_EQ(interpreted, random.memories()) << "seed " << seed;
+    Environment after;
+    Ports::describe(ports, EnvironmentBinder(after));
+    EXPECT_EQ(environment.carried, after.carried) << "seed " << seed;
+  }
+}
+
+}  // namespace
+}  // namespace kernels

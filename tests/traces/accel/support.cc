@@ -1,0 +1,166 @@
+#include "support.h"
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <glm/geometric.hpp>
+
+#include "traces/accel/lanes.h"
+#include "traces/accel/triangle_test.h"
+
+namespace traces {
+
+glm::vec3 Dice::point(float low, float high) {
+  const float x = between(low, high), y = between(low, high), z = between(low, high);
+  return {x, y, z};
+}
+
+glm::vec3 Dice::direction() {
+  for (;;) {
+    const glm::vec3 p = point();
+    const float length = glm::length(p);
+    if (length > 0.01F && length < 1) return p / length;
+  }
+}
+
+Scene scene_of(Mesh mesh) {
+  Scene scene;
+  scene.meshes.push_back(std::move(mesh));
+  scene.instances.emplace_back();
+  return scene;
+}
+
+namespace {
+
+void add_triangle(Mesh& mesh, const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
+  const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+  mesh.positions.insert(mesh.positions.end(), {a, b, c});
+  mesh.triangles.push_back({first, first + 1, first + 2});
+}
+
+glm::vec3 grid_point(Dice& dice) {
+  const auto pick = [&] { return static_cast<float>(dice.below(17)) / 8 - 1; };
+  const float x = pick(), y = pick(), z = pick();
+  return {x, y, z};
+}
+
+}  // namespace
+
+Scene triangle_soup(std::uint32_t count, float size, std::uint64_t seed) {
+  Dice dice(seed);
+  Mesh mesh;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const glm::vec3 at = dice.point();
+    const glm::vec3 a = at + dice.point(-size, size), b = at + dice.point(-size, size),
+                    c = at + dice.point(-size, size);
+    add_triangle(mesh, a, b, c);
+  }
+  return scene_of(std::move(mesh));
+}
+
+Scene grid_soup(std::uint32_t count, std::uint64_t seed) {
+  Dice dice(seed);
+  Mesh mesh;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    glm::vec3 a = grid_point(dice), b = grid_point(dice), c = grid_point(dice);
+    const int axis = static_cast<int>(dice.below(4));
+    if (axis < 3) b[axis] = c[axis] = a[axis];
+    add_triangle(mesh, a, b, c);
+  }
+  return scene_of(std::move(mesh));
+}
+
+Scene sphere(std::uint32_t rings, std::uint32_t segments) {
+  Mesh mesh;
+  mesh.positions.emplace_back(0, 1, 0);
+  for (std::uint32_t r = 1; r < rings; ++r) {
+    const double theta = std::numbers::pi * r / rings;
+    for (std::uint32_t s = 0; s < segments; ++s) {
+      const double phi = 2 * std::numbers::pi * s / segments;
+      mesh.positions.emplace_back(std::sin(theta) * std::cos(phi), std::cos(theta), std::sin(theta) * std::sin(phi));
+    }
+  }
+  mesh.positions.emplace_back(0, -1, 0);
+  const auto last = static_cast<std::uint32_t>(mesh.positions.size() - 1);
+  const auto at = [&](std::uint32_t ring, std::uint32_t s) { return 1 + (ring - 1) * segments + s % segments; };
+  for (std::uint32_t s = 0; s < segments; ++s) {
+    mesh.triangles.push_back({0, at(1, s + 1), at(1, s)});
+    mesh.triangles.push_back({last, at(rings - 1, s), at(rings - 1, s + 1)});
+    for (std::uint32_t r = 1; r + 1 < rings; ++r) {
+      mesh.triangles.push_back({at(r, s), at(r, s + 1), at(r + 1, s)});
+      mesh.triangles.push_back({at(r, s + 1), at(r + 1, s + 1), at(r + 1, s)});
+    }
+  }
+  return scene_of(std::move(mesh));
+}
+
+Scene one_triangle() {
+  Mesh mesh;
+  add_triangle(mesh, {0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+  return scene_of(std::move(mesh));
+}
+
+std::vector<Ray> random_rays(std::uint32_t count, std::uint64_t seed) {
+  Dice dice(seed);
+  std::vector<Ray> rays(count);
+  for (Ray& ray : rays) {
+    ray.origin = dice.point(-2, 2);
+    ray.direction = dice.direction() * dice.between(0.1F, 10);
+    if (dice.below(4) == 0) ray.t_max = dice.between(0.01F, 2);
+  }
+  return rays;
+}
+
+std::vector<Ray> grid_rays(std::uint32_t count, std::uint64_t seed) {
+  Dice dice(seed);
+  std::vector<Ray> rays(count);
+  for (Ray& ray : rays) {
+    ray.origin = grid_point(dice);
+    ray.direction = grid_point(dice);
+    const auto axis = static_cast<int>(dice.below(3));
+    switch (dice.below(4)) {
+      case 0:  // along an axis
+        ray.direction = glm::vec3(dice.below(2) == 0 ? 0.0F : -0.0F);
+        ray.direction[axis] = dice.below(2) == 0 ? 1.0F : -1.0F;
+        break;
+      case 1:  // in a plane of the grid
+        ray.direction[axis] = dice.below(2) == 0 ? 0.0F : -0.0F;
+        break;
+      case 2:  // from anywhere along an axis
+        ray.origin = dice.point();
+        ray.direction = glm::vec3(0);
+        ray.direction[axis] = 1;
+        break;
+      default:
+        break;
+    }
+    if (ray.direction == glm::vec3(0)) ray.direction = {0, 1, 0};
+    if (dice.below(4) == 0) ray.t_max = static_cast<float>(dice.below(8)) / 8;
+  }
+  return rays;
+}
+
+std::vector<Hit> trace(const Tracer& tracer, const std::vector<Ray>& rays, RayKind kind) {
+  std::vector<Hit> hits(rays.size());
+  tracer.trace(rays, kind, hits, nullptr);
+  return hits;
+}
+
+Hit test_all(const MemoryImage& image, const Ray& ray) {
+  const RayTriangles<PortableLanes> test(ray);
+  Hit best;
+  best.t = std::min(ray.t_max, std::numeric_limits<float>::max());
+  for (std::uint32_t i = 0; i < image.triangles.size(); ++i) {
+    const auto result = test.test(&image.triangles[i], 1);
+    const float t = result.t.v[0];
+    if ((result.inside() & 1U) == 0 || !(t >= ray.t_min && t <= best.t)) continue;
+    if (best.is_hit() && t == best.t && image.triangles[i].source > image.triangles[best.triangle].source) continue;
+    const float u = std::clamp(result.u.v[0] / result.sum.v[0], 0.0F, 1.0F);
+    best = {t, u, std::clamp(result.v.v[0] / result.sum.v[0], 0.0F, 1 - u), i};
+  }
+  return best.is_hit() ? best : Hit{};
+}
+
+}  // namespace traces

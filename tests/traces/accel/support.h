@@ -1,0 +1,45 @@
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "sim/hash.h"
+#include "traces/accel/memory_image.h"
+#include "traces/ray.h"
+#include "traces/tracer.h"
+
+namespace traces {
+
+/// Numbers from a hash: the same on every machine.
+class Dice {
+ public:
+  explicit Dice(std::uint64_t seed) : seed_(seed) {}
+  float unit() { return sim::unit_float(sim::hash(seed_, counter_++)); }
+  float between(float low, float high) { return low + (high - low) * unit(); }
+  std::uint32_t below(std::uint32_t n) { return static_cast<std::uint32_t>(sim::hash(seed_, counter_++) % n); }
+  glm::vec3 point(float low = -1, float high = 1);
+  glm::vec3 direction();
+
+ private:
+  std::uint64_t seed_;
+  std::uint64_t counter_ = 0;
+};
+
+Scene scene_of(Mesh mesh);
+/// `count` triangles of about `size` in the cube from -1 to 1.
+Scene triangle_soup(std::uint32_t count, float size, std::uint64_t seed = 1);
+/// Corners on a grid of eighths: many shared planes, equal distances, edges and flat boxes, some without area.
+Scene grid_soup(std::uint32_t count, std::uint64_t seed = 1);
+/// A closed sphere of radius 1 around the origin.
+Scene sphere(std::uint32_t rings, std::uint32_t segments);
+/// One triangle: (0,0,0), (1,0,0), (0,1,0).
+Scene one_triangle();
+
+std::vector<Ray> random_rays(std::uint32_t count, std::uint64_t seed = 2);
+/// From and along the grid of eighths: zero components of both signs, origins on planes, edges and corners.
+std::vector<Ray> grid_rays(std::uint32_t count, std::uint64_t seed = 3);
+
+std::vector<Hit> trace(const Tracer& tracer, const std::vector<Ray>& rays, RayKind kind = RayKind::kPrimary);
+/// Every triangle, one by one, with the triangle test and the rule of BvhTracer.
+Hit test_all(const MemoryImage& image, const Ray& ray);
+
+}  // namespace traces

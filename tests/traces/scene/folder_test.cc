@@ -1,0 +1,54 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include <gtest/gtest.h>
+
+#include "sim/error.h"
+#include "traces/scene/gltf.h"
+#include "traces/scene/info.h"
+
+namespace test {
+namespace {
+
+/// $RAYWATT_SCENES, or a folder shared beside the checkout.
+std::filesystem::path scenes_folder() {
+  const char* variable = std::getenv("RAYWATT_SCENES");
+  return variable != nullptr ? variable : "../shared/scenes";
+}
+
+TEST(SceneFolder, EveryFileLoadsOrIsRefusedWithAReason) {
+  const std::filesystem::path folder = scenes_folder();
+  if (!std::filesystem::is_directory(folder)) {
+    GTEST_SKIP() << "no scenes in " << folder << "; set RAYWATT_SCENES to a folder of .glb files to try them";
+  }
+  int tried = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.path().extension() != ".glb" && entry.path().extension() != ".gltf") continue;
+    SCOPED_TRACE(entry.path().string());
+    ++tried;
+    try {
+      const traces::Scene scene = traces::load_gltf(entry.path());
+      EXPECT_GT(traces::scene_info(scene).triangles, 0U);
+      EXPECT_FALSE(scene.cameras.empty());
+      EXPECT_FALSE(scene.lights.empty());
+      for (const traces::Light& light : scene.lights) {
+        EXPECT_TRUE(std::isfinite(light.intensity.x) &&
+                    std::max({light.intensity.x, light.intensity.y, light.intensity.z}) > 0);
+      }
+      for (const traces::Mesh& mesh : scene.meshes) {
+        ASSERT_EQ(mesh.normals.size(), mesh.positions.size());
+        const bool all_unit =
+            std::ranges::all_of(mesh.normals, [](const glm::vec3& n) { return std::abs(glm::length(n) - 1) < 1e-4F; });
+        EXPECT_TRUE(all_unit) << mesh.name;
+      }
+    } catch (const sim::InputError& error) {
+      EXPECT_NE(std::string(error.what()), "");
+      std::cout << "refused: " << error.what() << '\n';
+    }
+  }
+  EXPECT_GT(tried, 0) << "the folder holds no .glb or .gltf file";
+}
+
+}  // namespace
+}  // namespace test

@@ -1,0 +1,141 @@
+#include <gtest/gtest.h>
+
+#include "sim/error.h"
+#include "tests/traces/scene/tiny_gltf_file.h"
+#include "traces/scene/images.h"
+
+// Every file here is refused with one line that says what is wrong (refusal() checks the form), and nothing crashes.
+
+namespace test {
+namespace {
+
+TEST(GltfHostile, FilesThatAreNotThereOrNotFiles) {
+  const TempFolder folder;
+  EXPECT_THROW(traces::load_gltf(folder.path() / "none.glb"), sim::InputError);
+  EXPECT_THROW(traces::load_gltf(folder.path()), sim::InputError);
+}
+
+TEST(GltfHostile, EmptyAndMeaninglessFiles) {
+  EXPECT_SAYS(refusal(""), "empty");
+  EXPECT_SAYS(refusal("hello"), "line 1, column 1");
+  EXPECT_SAYS(refusal("{\n  \"asset\": oops}"), "line 2, column 12");
+  EXPECT_SAYS(refusal("[]"), "must be an object");
+  EXPECT_SAYS(refusal("{\"asset\": {\"version\": 1e999}}"), "out of range");
+  refusal("{}");
+}
+
+TEST(GltfHostile, AnotherVersion) {
+  TinyGltf file;
+  file.json["asset"]["version"] = "1.0";
+  EXPECT_SAYS(refusal(file.text()), "version '1.0'");
+}
+
+TEST(GltfHostile, AGlbCutAnywhere) {
+  const std::string whole = TinyGltf().glb();
+  for (std::size_t size = 4; size < whole.size(); size += 7) EXPECT_SAYS(refusal(whole.substr(0, size)), "bytes");
+}
+
+TEST(GltfHostile, AGlbWhoseChunksLie) {
+  const std::string whole = TinyGltf().glb();
+  for (const std::size_t at : {8U, 12U, 16U}) {
+    for (const char byte : {'\xff', '\x7f', '\x00'}) {
+      std::string file = whole;
+      file[at + 2] = byte;
+      file[at + 3] = byte;
+      if (file != whole) refusal(file);
+    }
+  }
+  std::string bin_too_long = whole;
+  const std::size_t bin = whole.size() - TinyGltf().binary.size() - 8;
+  bin_too_long[bin] = static_cast<char>(bin_too_long[bin] + 8);
+  EXPECT_SAYS(refusal(bin_too_long), "longer than the file");
+}
+
+TEST(GltfHostile, JsonTwoHundredThousandDeep) {
+  std::string deep = "{\"asset\": {\"version\": \"2.0\"}, \"extras\": ";
+  deep += std::string(200'000, '[') + std::string(200'000, ']') + "}";
+  EXPECT_SAYS(refusal(deep), "nested deeper than the 128 levels");
+  EXPECT_SAYS(refusal(std::string(200'000, '{')), "nested deeper");
+}
+
+TEST(GltfHostile, BracketsInStringsAreNoDepth) {
+  TinyGltf file;
+  file.json["nodes"][0]["name"] = std::string(500, '[') + "\\\"{";
+  EXPECT_EQ(load(file).instances.size(), 1U);
+}
+
+TEST(GltfHostile, ExtensionsThatMustBeUnderstood) {
+  TinyGltf file;
+  file.json["extensionsRequired"] = {"KHR_draco_mesh_compression"};
+  EXPECT_SAYS(refusal(file.text()), "KHR_draco_mesh_compression");
+  file.json.erase("extensionsRequired");
+  file.json["extensionsUsed"] = {"KHR_draco_mesh_compression"};
+  EXPECT_EQ(load(file).warnings.size(), 1U);
+}
+
+TEST(GltfHostile, UrisThatLeadElsewhere) {
+  for (const char* uri :
+       {"../a.bin", "x/../../a.bin", "%2e%2e/a.bin", "..%2fa.bin", "/etc/passwd", "%2Fetc/passwd", "file:///etc/passwd",
+        "https://example.org/a.bin", "//example.org/a.bin", "..\\a.bin", "C:/a.bin", "a%00.bin"}) {
+    TinyGltf buffer, image;
+    buffer.json["buffers"][0]["uri"] = uri;
+    EXPECT_SAYS(refusal(buffer.text()), "allowed are data: URIs and files in the same folder or below");
+    image.json["images"] = {{{"uri", uri}}};
+    EXPECT_SAYS(refusal(image.text()), "allowed are data: URIs and files in the same folder or below");
+  }
+}
+
+TEST(GltfHostile, FilesThatAreMissing) {
+  TinyGltf buffer, image;
+  buffer.json["buffers"][0]["uri"] = "gone.bin";
+  EXPECT_SAYS(refusal(buffer.text()), "'gone.bin' is missing");
+  image.json["images"] = {{{"uri", "gone.png"}}};
+  EXPECT_SAYS(refusal(image.text()), "images[0]: the file 'gone.png' is missing");
+}
+
+std::string with_image(const std::string& bytes, const traces::SceneLimits& limits = {}) {
+  TinyGltf file;
+  file.json["images"] = {{{"bufferView", file.add_view(bytes)}, {"mimeType", "image/png"}}};
+  file.json["textures"] = {{{"source", 0}}};
+  file.material()["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", 0}};
+  return refusal(file.text(), limits);
+}
+
+TEST(GltfHostile, ImagesThatAreNone) {
+  EXPECT_SAYS(with_image("GIF89a, or something like it"), "images[0]: neither PNG nor JPEG");
+  const TempFolder folder;
+  traces::write_png(folder.path() / "a.png", 64, 64, std::vector<std::uint8_t>(64 * 64 * 3, 99));
+  const std::string png = read_bytes(folder.path() / "a.png");
+  EXPECT_SAYS(with_image(png.substr(0, png.size() / 2)), "images[0]");
+  EXPECT_SAYS(with_image(png, {.pixels = 1000}), "64 x 64 pixels, allowed are 1000");
+}
+
+TEST(GltfHostile, AnImageOutsideItsBuffer) {
+  TinyGltf file;
+  file.json["images"] = {{{"bufferView", 0}, {"mimeType", "image/png"}}};
+  file.json["textures"] = {{{"source", 0}}};
+  file.json["bufferViews"][0]["byteOffset"] = 1'000'000'000;
+  file.material()["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", 0}};
+  EXPECT_SAYS(refusal(file.text()), "leave their buffer");
+}
+
+TEST(GltfHostile, MoreThanTheLimits) {
+  TinyGltf file;
+  for (int i = 1; i < 20; ++i) {
+    file.json["nodes"].push_back({{"mesh", 0}});
+    file.json["scenes"][0]["nodes"].push_back(i);
+  }
+  EXPECT_SAYS(refusal(file.text(), {.nodes = 10}), "'nodes' has 20 entries, allowed are 10");
+  EXPECT_SAYS(refusal(file.text(), {.memory_bytes = 100}), "allowed are 100");
+  EXPECT_SAYS(refusal(file.text(), {.memory_bytes = file.text().size() * 18 + 500}), "more than is left of the limit");
+}
+
+TEST(GltfHostile, NamesCannotBreakTheLine) {
+  TinyGltf file;
+  file.node()["name"] = "two\nlines\x1b[31m";
+  file.node()["children"] = {0};
+  EXPECT_SAYS(refusal(file.text()), "two?lines?[31m");
+}
+
+}  // namespace
+}  // namespace test

@@ -1,0 +1,127 @@
+#include "traces/scene/images.h"
+
+#include <array>
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "sim/error.h"
+#include "sim/hash.h"
+#include "tests/traces/scene/tiny_gltf_file.h"
+
+namespace test {
+namespace {
+
+std::span<const std::byte> as_bytes(const std::string& text) {
+  return std::as_bytes(std::span(text.data(), text.size()));
+}
+
+std::vector<std::uint8_t> noise(std::size_t count) {
+  std::vector<std::uint8_t> out(count);
+  for (std::size_t i = 0; i < count; ++i) out[i] = static_cast<std::uint8_t>(sim::hash(i));
+  return out;
+}
+
+TEST(Png, ComesBackAsWritten) {
+  const TempFolder folder;
+  const std::vector<std::uint8_t> pixels = noise(5 * 3 * 3);
+  traces::write_png(folder.path() / "a.png", 5, 3, pixels);
+  const std::string file = read_bytes(folder.path() / "a.png");
+  const traces::Texture back = traces::read_image(as_bytes(file), "a.png");
+  ASSERT_EQ(back.width, 5U);
+  ASSERT_EQ(back.height, 3U);
+  for (std::size_t i = 0; i < 15; ++i) {
+    const std::uint32_t r = pixels[3 * i], g = pixels[3 * i + 1], b = pixels[3 * i + 2];
+    const std::uint32_t expected = r | (g << 8) | (b << 16) | 0xff000000U;
+    EXPECT_EQ(back.texels[i], expected) << i;
+  }
+}
+
+TEST(Exr, ComesBackAsWritten) {
+  const TempFolder folder;
+  std::vector<float> pixels(7 * 2 * 3);
+  for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = 100 * sim::unit_float(sim::hash(i));
+  traces::write_exr(folder.path() / "a.exr", 7, 2, pixels);
+  const traces::FloatImage back = traces::read_exr(folder.path() / "a.exr");
+  EXPECT_EQ(back.width, 7U);
+  EXPECT_EQ(back.height, 2U);
+  EXPECT_EQ(back.rgb, pixels);
+}
+
+TEST(Images, EqualPixelsGiveEqualBytesASecondLater) {
+  const TempFolder folder;
+  const std::vector<std::uint8_t> pixels = noise(64 * 64 * 3);
+  const std::vector<float> floats(64 * 64 * 3, 0.25F);
+  const auto write = [&](const std::string& name) {
+    traces::write_png(folder.path() / (name + ".png"), 64, 64, pixels);
+    traces::write_exr(folder.path() / (name + ".exr"), 64, 64, floats);
+  };
+  write("a");
+  sleep(1);
+  write("b");
+  EXPECT_EQ(read_bytes(folder.path() / "a.png"), read_bytes(folder.path() / "b.png"));
+  EXPECT_EQ(read_bytes(folder.path() / "a.exr"), read_bytes(folder.path() / "b.exr"));
+}
+
+TEST(Images, NothingButTheFileIsLeft) {
+  const TempFolder folder;
+  traces::write_png(folder.path() / "a.png", 1, 1, noise(3));
+  traces::write_png(folder.path() / "a.png", 1, 1, noise(3));
+  const auto files = std::filesystem::directory_iterator(folder.path());
+  EXPECT_EQ(std::distance(begin(files), end(files)), 1);
+}
+
+TEST(Images, AFolderThatIsNotThereIsAnIoError) {
+  EXPECT_THROW(traces::write_png("/nowhere/a.png", 1, 1, noise(3)), sim::IoError);
+  EXPECT_THROW(traces::write_exr("/nowhere/a.exr", 1, 1, std::array<float, 3>{}), sim::IoError);
+}
+
+TEST(Images, AFullDiskIsAnIoError) {
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full on this machine";
+  const TempFolder folder;
+  std::filesystem::create_symlink("/dev/full", folder.path() / "a.tmp.png");
+  EXPECT_THROW(traces::write_png(folder.path() / "a.png", 1, 1, noise(3)), sim::IoError);
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "a.png"));
+}
+
+std::uint32_t crc(std::string_view bytes) {
+  std::uint32_t c = ~0U;
+  for (const char byte : bytes) {
+    c ^= static_cast<unsigned char>(byte);
+    for (int bit = 0; bit < 8; ++bit) c = (c >> 1) ^ ((c & 1U) != 0 ? 0xedb88320U : 0U);
+  }
+  return ~c;
+}
+
+std::string big_endian(std::uint32_t value) {
+  std::string out;
+  for (int shift = 24; shift >= 0; shift -= 8) out += static_cast<char>(value >> shift);
+  return out;
+}
+
+TEST(Images, ABombIsSeenInTheHeader) {
+  const TempFolder folder;
+  traces::write_png(folder.path() / "a.png", 1, 1, noise(3));
+  std::string file = read_bytes(folder.path() / "a.png");
+  file.replace(16, 8, big_endian(60'000) + big_endian(60'000));
+  file.replace(29, 4, big_endian(crc(std::string_view(file).substr(12, 17))));
+  try {
+    traces::read_image(as_bytes(file), "bomb.png");
+    FAIL();
+  } catch (const sim::InputError& error) {
+    EXPECT_STREQ(error.what(), "bomb.png: 60000 x 60000 pixels, allowed are 67108864");
+  }
+}
+
+TEST(Images, OtherFormatsAndDamagedFilesAreRefused) {
+  for (const std::string& bytes : {std::string(), std::string("BM"), std::string("\x89PNG\r\n\x1a\n"),
+                                   std::string("\xff\xd8\xff\xe0 and no more"), std::string(1000, '\xff')}) {
+    EXPECT_THROW(traces::read_image(as_bytes(bytes), "x"), sim::InputError);
+  }
+  const TempFolder folder;
+  EXPECT_THROW(traces::read_exr(folder.write("a.exr", "\x76\x2f\x31\x01 and no more")), sim::InputError);
+  EXPECT_THROW(traces::read_exr(folder.write("b.exr", "something else")), sim::InputError);
+}
+
+}  // namespace
+}  // namespace test

@@ -1,0 +1,67 @@
+#pragma once
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "traces/scene/gltf.h"
+
+namespace test {
+
+/// A folder that lives as long as the test.
+class TempFolder {
+ public:
+  TempFolder();
+  ~TempFolder();
+  TempFolder(const TempFolder&) = delete;
+  TempFolder& operator=(const TempFolder&) = delete;
+  std::filesystem::path write(const std::string& name, const std::string& bytes) const;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+std::string read_bytes(const std::filesystem::path& path);
+
+/// A glTF document to be changed by the test: one triangle (0,0,0), (1,0,0), (0,1,0) in one mesh on one node, with
+/// indices and without normals. Accessor 0 holds the positions, 1 the indices.
+struct TinyGltf {
+  nlohmann::json json;
+  std::string binary;
+
+  TinyGltf();
+
+  /// Appends the values as a buffer view with an accessor; returns the accessor's index.
+  template <class T>
+  int add(const std::vector<T>& values, int component_type, const std::string& type, std::size_t count,
+          bool normalized = false) {
+    return add_bytes(std::string(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)),
+                     component_type, type, count, normalized);
+  }
+  int add_bytes(const std::string& bytes, int component_type, const std::string& type, std::size_t count,
+                bool normalized);
+  int add_view(const std::string& bytes);
+
+  nlohmann::json& primitive() { return json["meshes"][0]["primitives"][0]; }
+  nlohmann::json& node() { return json["nodes"][0]; }
+  nlohmann::json& material();
+
+  std::string text() const;  ///< .gltf with the buffer as a data: URI
+  std::string glb() const;
+};
+
+inline constexpr int kByte = 5120, kUByte = 5121, kShort = 5122, kUShort = 5123, kUInt = 5125, kFloat = 5126;
+
+traces::Scene load(const TinyGltf& file, const traces::SceneLimits& limits = {});
+
+/// What the loader says of a file that it must refuse: one line that begins with the file's name.
+std::string refusal(const std::string& bytes, const traces::SceneLimits& limits = {});
+
+}  // namespace test
+
+#define EXPECT_SAYS(text, part) EXPECT_NE((text).find(part), std::string::npos) << (text)

@@ -1,0 +1,73 @@
+# shellcheck shell=bash
+# Shared by the scripts in this folder; sourced by bash with `set -euo pipefail`.
+
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)
+script=tools/$(basename "$0")
+logs=$root/build/logs
+install=yes
+
+fail() {
+  echo "$script: $*" >&2
+  exit 1
+}
+
+# step NAME COMMAND...: runs the command, its output to a log file that is named if it fails.
+step() {
+  local name=$1 log
+  shift
+  log=$logs/$(basename "$script")-${name// /-}.log
+  mkdir -p "$logs" || fail "cannot write to $root/build"
+  echo "$script: $name" >&2
+  "$@" >"$log" 2>&1 </dev/null || fail "failed to $name; details in $log"
+}
+
+missing_packages() {
+  local package status
+  sed 's/#.*//' "$root/tools/packages.txt" | while read -r package; do
+    [ -n "$package" ] || continue
+    status=$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null) || status=missing
+    [ "$status" = installed ] || printf ' %s' "$package"
+  done
+}
+
+# True if sudo lets us; where there is a terminal it may ask for a password.
+can_sudo() {
+  command -v sudo >/dev/null || return 1
+  sudo -n true 2>/dev/null || { [ -t 2 ] && sudo -v; }
+}
+
+# If the lists cannot be brought up to date, those that are there may do.
+apt_install() {
+  "${become_root[@]}" apt-get update
+  "${become_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends "$@"
+}
+
+# Installs what tools/packages.txt lists and is not there; says nothing if all is.
+install_packages() {
+  local missing
+  [ "$install" = yes ] || return 0
+  command -v dpkg-query >/dev/null || fail "not a Debian system: install what tools/packages.txt lists, then use --no-install"
+  missing=$(missing_packages)
+  [ -n "$missing" ] || return 0
+  become_root=()
+  if [ "$(id -u)" != 0 ]; then
+    can_sudo || fail "needs root or sudo to run: apt-get install -y --no-install-recommends$missing"
+    become_root=(sudo)
+  fi
+  # shellcheck disable=SC2086
+  step "install packages" apt_install $missing
+}
+
+# build PRESET [CMAKE_OPTION...] [-- BUILD_OPTION...]
+build() {
+  local preset=$1 options=()
+  shift
+  while [ $# -gt 0 ] && [ "$1" != -- ]; do
+    options+=("$1")
+    shift
+  done
+  [ $# -eq 0 ] || shift
+  cd "$root" || fail "cannot enter $root"
+  step "configure $preset" cmake --preset "$preset" "${options[@]}"
+  step "build $preset" cmake --build --preset "$preset" "$@"
+}

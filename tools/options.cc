@@ -1,0 +1,47 @@
+#include "tools/options.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+
+#include "sim/error.h"
+#include "traces/scene/names.h"
+
+namespace tools {
+
+void add_config_options(CLI::App& verb, std::string& config, std::vector<std::string>& sets) {
+  verb.add_option("config", config, "configuration: a name such as sgrt-2016, or a .yaml file")->capture_default_str();
+  verb.add_option("--set", sets, "change one field: KEY=VALUE, e.g. cores=2 or tni.trv.l1.size='32 KiB' (repeatable)")
+      ->allow_extra_args(false);
+}
+
+void add_job_options(CLI::App& verb, JobOptions& options) {
+  add_config_options(verb, options.config, options.sets);
+  verb.add_option("--scene", options.scene, "built-in scene, or a .gltf or .glb file")->capture_default_str();
+  verb.add_option("--camera", options.camera, "camera of the scene, by name or index (default: its first)");
+  verb.add_option("--program", options.program, "frame program: full:N traces N samples per pixel, N a square")
+      ->capture_default_str();
+  verb.add_option("--resolution", options.resolution, "WIDTHxHEIGHT (default: the configuration's, 1024x512)");
+  verb.add_option("--threads", options.threads, "host threads (default: all cores)")->check(CLI::Range(1, 1024));
+  verb.add_option("-o,--output", options.out, "folder for the results (default: a dated one below raywatt-out/)");
+  verb.add_flag("--force", options.force, "replace a folder that is not a former run");
+  verb.add_flag("--quiet", options.quiet, "no table, no progress");
+}
+
+Resolution parse_resolution(const std::string& text) {
+  Resolution r;
+  const char* end = text.data() + text.size();
+  const auto [cross, bad_width] = std::from_chars(text.data(), end, r.width);
+  const bool crossed = bad_width == std::errc{} && cross != end && *cross == 'x';
+  const auto [rest, bad_height] = crossed ? std::from_chars(cross + 1, end, r.height)
+                                          : std::from_chars_result{end, std::errc::invalid_argument};
+  const auto sane = [](std::uint32_t n) { return n >= 1 && n <= 16384; };
+  if (bad_height != std::errc{} || rest != end || !sane(r.width) || !sane(r.height)) {
+    throw sim::InputError(fmt::format("--resolution '{}' is not WIDTHxHEIGHT with both from 1 to 16384, e.g. 1024x512",
+                                      traces::printable(text)));
+  }
+  return r;
+}
+
+}  // namespace tools

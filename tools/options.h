@@ -1,0 +1,39 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+}
+
+namespace tools {
+
+/// What `raywatt run` and `raywatt verify` can be told.
+struct JobOptions {
+  std::string config = "sgrt-2016";
+  std::string scene = "cornell";
+  std::string camera;      ///< name or index; empty: the first
+  std::string program = "full:1";
+  std::string reference;   ///< program to compare with; empty: none
+  std::string resolution;  ///< "1024x512"; empty: the configuration's
+  std::vector<std::string> sets;
+  std::uint32_t threads = 0;  ///< 0: all cores
+  std::filesystem::path out;  ///< empty: a dated folder below raywatt-out/
+  bool force = false;
+  bool quiet = false;
+  std::vector<std::string> argv;
+};
+
+/// Adds these options to a verb of the command line.
+void add_job_options(CLI::App& verb, JobOptions& options);
+void add_config_options(CLI::App& verb, std::string& config, std::vector<std::string>& sets);
+
+/// "1024x512" as two numbers from 1 to 16384; InputError otherwise.
+struct Resolution {
+  std::uint32_t width = 0, height = 0;
+};
+Resolution parse_resolution(const std::string& text);
+
+}  // namespace tools

@@ -1,0 +1,59 @@
+#include "tools/paths.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <sstream>
+
+#include "sim/error.h"
+#include "tools/build_info.h"
+#include "traces/scene/names.h"
+
+namespace tools {
+
+namespace fs = std::filesystem;
+
+std::vector<fs::path> search_folders() {
+  std::vector<fs::path> folders;
+  if (const char* path = std::getenv("RAYWATT_PATH")) {
+    std::istringstream parts(path);
+    for (std::string part; std::getline(parts, part, ':');) {
+      if (!part.empty()) folders.emplace_back(part);
+    }
+  }
+  folders.emplace_back(build_info().source_dir);
+  std::error_code ignored;
+  folders.push_back(fs::read_symlink("/proc/self/exe", ignored).parent_path().parent_path() / "share" / "raywatt");
+  return folders;
+}
+
+std::vector<std::string> config_names() {
+  std::vector<std::string> names;
+  for (const fs::path& folder : search_folders()) {
+    std::error_code missing;
+    for (const auto& entry : fs::directory_iterator(folder / "configs", missing)) {
+      if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem());
+    }
+  }
+  std::ranges::sort(names);
+  const auto twice = std::ranges::unique(names);
+  names.erase(twice.begin(), twice.end());
+  return names;
+}
+
+fs::path find_config(const std::string& argument) {
+  if (argument.find('/') != std::string::npos || argument.ends_with(".yaml")) return argument;
+  for (const fs::path& folder : search_folders()) {
+    for (const fs::path& candidate : {folder / (argument + ".yaml"), folder / "configs" / (argument + ".yaml")}) {
+      if (fs::exists(candidate)) return candidate;
+    }
+  }
+  const std::vector<std::string> names = config_names();
+  throw sim::InputError(fmt::format("no configuration is called '{}'{}; known: {}; or give a path to a .yaml file",
+                                    traces::printable(argument), traces::did_you_mean(argument, names),
+                                    fmt::join(names, ", ")));
+}
+
+}  // namespace tools

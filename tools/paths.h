@@ -1,0 +1,19 @@
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace tools {
+
+/// Folders in which a bare name is looked up: $RAYWATT_PATH (colon-separated), the source tree this program was built
+/// from, the share folder it is installed with.
+std::vector<std::filesystem::path> search_folders();
+
+/// The configuration file called `argument`: a path if it holds a '/' or ends in .yaml, else NAME.yaml in a search
+/// folder or its `configs`. InputError with the nearest name if there is none.
+std::filesystem::path find_config(const std::string& argument);
+
+/// Names of the configurations that find_config() knows, sorted.
+std::vector<std::string> config_names();
+
+}  // namespace tools

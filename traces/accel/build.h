@@ -1,0 +1,12 @@
+#pragma once
+#include "traces/accel/bvh_config.h"
+#include "traces/accel/memory_image.h"
+
+namespace traces {
+
+/// Flattens the scene's instances to world space, builds the BVH and places everything in memory. The image is the same
+/// for any number of threads (0: all there are). Triangles without area are kept, drawn together to a point: nothing
+/// can hit them. Throws sim::InputError for a scene that names what it does not have or is too large.
+MemoryImage build_memory_image(const Scene& scene, const BvhConfig& config = {}, unsigned threads = 0);
+
+}  // namespace traces

@@ -1,0 +1,49 @@
+#include "traces/accel/bvh_info.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace traces {
+namespace {
+
+double half_area(const NodeRecord& node, int child) {
+  const double x = double{node.x[2 + child]} - node.x[child];
+  const double y = double{node.y[2 + child]} - node.y[child];
+  const double z = double{node.z[2 + child]} - node.z[child];
+  return x * y + y * z + z * x;
+}
+
+}  // namespace
+
+BvhInfo bvh_info(const MemoryImage& image, const BvhConfig& config) {
+  BvhInfo info;
+  info.nodes = image.nodes.size();
+  info.bytes = image.nodes.size() * sizeof(NodeRecord) + image.triangles.size() * sizeof(TriangleRecord);
+  const double x = double{image.upper.x} - image.lower.x;
+  const double y = double{image.upper.y} - image.lower.y;
+  const double z = double{image.upper.z} - image.lower.z;
+  const double root_area = x * y + y * z + z * x;
+  double cost = root_area * config.traversal_cost;
+
+  // A parent lies before its children, so one pass from the front knows every depth.
+  std::vector<std::uint32_t> depth(image.nodes.size(), 1);
+  for (std::size_t i = 0; i < image.nodes.size(); ++i) {
+    const NodeRecord& node = image.nodes[i];
+    info.depth = std::max(info.depth, depth[i]);
+    for (int c = 0; c < 2; ++c) {
+      const std::uint32_t link = node.child[c];
+      if (link == kNoChild) continue;
+      if (is_leaf(link)) {
+        ++info.leaves;
+        cost += half_area(node, c) * config.intersection_cost * leaf_count(link);
+      } else {
+        depth[link] = depth[i] + 1;
+        cost += half_area(node, c) * config.traversal_cost;
+      }
+    }
+  }
+  info.sah_cost = root_area > 0 ? cost / root_area : 0;
+  return info;
+}
+
+}  // namespace traces

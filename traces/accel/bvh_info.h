@@ -1,0 +1,24 @@
+#pragma once
+#include <cstdint>
+#include <string>
+
+#include "traces/accel/bvh_config.h"
+#include "traces/accel/memory_image.h"
+
+namespace traces {
+
+/// What a tree is like.
+struct BvhInfo {
+  std::uint64_t nodes = 0;  ///< inner nodes
+  std::uint64_t leaves = 0;
+  std::uint32_t depth = 0;  ///< inner nodes on the longest way down
+  double sah_cost = 0;      ///< expected cost of a random line through the scene
+  std::uint64_t bytes = 0;  ///< nodes and triangles
+};
+
+BvhInfo bvh_info(const MemoryImage& image, const BvhConfig& config = {});
+
+/// SHA-256 of the nodes and triangles as they lie in memory.
+std::string bvh_hash(const MemoryImage& image);
+
+}  // namespace traces

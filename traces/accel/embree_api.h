@@ -1,0 +1,43 @@
+#pragma once
+// Embree 3.13 or 4, whichever is installed; for the .cc files of this folder only.
+#if __has_include(<embree4/rtcore.h>)
+#include <embree4/rtcore.h>
+#else
+#include <embree3/rtcore.h>
+#endif
+
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <type_traits>
+
+namespace traces {
+
+/// Owns one of Embree's reference-counted handles.
+template <class Handle, void (*kRelease)(Handle)>
+struct EmbreeRelease {
+  void operator()(Handle handle) const { kRelease(handle); }
+};
+template <class Handle, void (*kRelease)(Handle)>
+using EmbreeOwner = std::unique_ptr<std::remove_pointer_t<Handle>, EmbreeRelease<Handle, kRelease>>;
+
+using EmbreeDevice = EmbreeOwner<RTCDevice, rtcReleaseDevice>;
+using EmbreeBvh = EmbreeOwner<RTCBVH, rtcReleaseBVH>;
+using EmbreeScene = EmbreeOwner<RTCScene, rtcReleaseScene>;
+using EmbreeGeometry = EmbreeOwner<RTCGeometry, rtcReleaseGeometry>;
+
+inline EmbreeDevice open_embree(const std::string& options) {
+  EmbreeDevice device(rtcNewDevice(options.c_str()));
+  if (!device) throw std::runtime_error("Embree does not start with options '" + options + "'");
+  return device;
+}
+
+/// Embree reports errors on the side; `doing` says what failed.
+inline void check_embree(RTCDevice device, const std::string& doing) {
+  const RTCError error = rtcGetDeviceError(device);
+  if (error != RTC_ERROR_NONE) {
+    throw std::runtime_error("Embree error " + std::to_string(static_cast<int>(error)) + " while " + doing);
+  }
+}
+
+}  // namespace traces

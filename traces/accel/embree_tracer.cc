@@ -1,0 +1,181 @@
+#include "traces/accel/embree_tracer.h"
+
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <cstddef>
+
+#include <glm/geometric.hpp>
+
+#include "traces/accel/embree_api.h"
+#include "traces/accel/lanes.h"
+#include "traces/accel/triangle_test.h"
+
+#if RTC_VERSION_MAJOR < 4
+using RTCRayQueryContext = RTCIntersectContext;
+inline void rtcInitRayQueryContext(RTCRayQueryContext* context) { rtcInitIntersectContext(context); }
+#endif
+
+namespace traces {
+namespace {
+
+/// Hits closer together than this are for the common rule to order: far more than rounding, a tenth of the tolerance
+/// that distances are compared with.
+constexpr float kTieOfDistance = 1e-5F;
+constexpr float kTieOfDiagonal = 1e-6F;
+
+/// No fused multiply-add, so that edge tests round as BvhTracer's do and on every processor alike.
+const std::string kInstructionSet = "isa=sse4.2";
+
+/// How BvhTracer's triangle test sees one triangle.
+struct Rank {
+  bool inside = false;
+  float t = 0;
+  std::uint32_t source = 0;
+  bool before(const Rank& other) const {
+    if (inside != other.inside) return inside;
+    return t != other.t ? t < other.t : source < other.source;
+  }
+};
+
+/// One nearest-hit query. Embree hands its context through to the filter, so that comes first.
+struct Query {
+  RTCRayQueryContext context;
+  const MemoryImage* image = nullptr;
+  const Ray* ray = nullptr;
+  float tie = 0;  ///< part of the tie distance that does not depend on the hit
+  Hit best;
+  Rank rank;
+
+  Rank rank_of(std::uint32_t triangle) const {
+    const TriangleRecord& record = image->triangles[triangle];
+    const auto result = RayTriangles<NativeLanes>(*ray).test(&record, 1);
+    std::array<float, 4> t;
+    result.t.store(t.data());
+    return {(result.inside() & 1U) != 0, t[0], record.source};
+  }
+  /// How far behind the best hit others still compete with it.
+  float horizon() const { return std::min(best.t + kTieOfDistance * best.t + tie, ray->t_max); }
+
+  void offer(const Hit& hit) {
+    const float band = kTieOfDistance * best.t + tie;
+    const Rank offered = rank_of(hit.triangle);
+    const bool better = !best.is_hit() || hit.t < best.t - band || (hit.t <= best.t + band && offered.before(rank));
+    if (!better) return;
+    best = hit;
+    rank = offered;
+  }
+};
+
+/// Sees every hit Embree finds. The ray is cut a little behind the best one, so that ties are found as well.
+void keep_best(const RTCFilterFunctionNArguments* arguments) {
+  assert(arguments->N == 1);
+  auto& query = *reinterpret_cast<Query*>(arguments->context);
+  auto& ray = *reinterpret_cast<RTCRay*>(arguments->ray);
+  const auto& hit = *reinterpret_cast<const RTCHit*>(arguments->hit);
+  query.offer({ray.tfar, hit.u, hit.v, hit.primID});
+  ray.tfar = query.horizon();
+}
+
+RTCRay embree_ray(const Ray& ray) {
+  RTCRay r{};
+  r.org_x = ray.origin.x, r.org_y = ray.origin.y, r.org_z = ray.origin.z;
+  r.dir_x = ray.direction.x, r.dir_y = ray.direction.y, r.dir_z = ray.direction.z;
+  r.tnear = ray.t_min;
+  r.tfar = ray.t_max;
+  r.mask = 0xffffffffU;
+  return r;
+}
+
+}  // namespace
+
+struct EmbreeTracer::Impl {
+  Impl(const MemoryImage& image, unsigned threads);
+  Hit nearest(const Ray& ray) const;
+  bool blocked(const Ray& ray) const;
+
+  const MemoryImage& image_;
+  float diagonal_;
+  EmbreeDevice device_;
+  EmbreeScene scene_;
+};
+
+EmbreeTracer::Impl::Impl(const MemoryImage& image, unsigned threads)
+    : image_(image),
+      diagonal_(image.diagonal()),
+      device_(open_embree(kInstructionSet + ",threads=" + std::to_string(threads))),
+      scene_(rtcNewScene(device_.get())) {
+  rtcSetSceneFlags(scene_.get(), RTC_SCENE_FLAG_ROBUST);
+  if (!image.triangles.empty()) {
+    const EmbreeGeometry geometry(rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE));
+    // A record is read as four vertices, the last of which is no vertex and not named by any triangle.
+    static_assert(sizeof(TriangleRecord) == 4 * sizeof(glm::vec3) && offsetof(TriangleRecord, v2) == 24);
+    const std::size_t count = image.triangles.size();
+    rtcSetSharedGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, image.triangles.data(), 0,
+                               sizeof(glm::vec3), 4 * count);
+    auto* corners = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
+        geometry.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), count));
+    check_embree(device_.get(), "taking over the triangles");
+    for (std::uint32_t i = 0; i < count; ++i) {
+      for (std::uint32_t corner = 0; corner < 3; ++corner) *corners++ = 4 * i + corner;
+    }
+    rtcSetGeometryIntersectFilterFunction(geometry.get(), keep_best);
+    rtcCommitGeometry(geometry.get());
+    rtcAttachGeometry(scene_.get(), geometry.get());
+  }
+  rtcCommitScene(scene_.get());
+  check_embree(device_.get(), "building the reference tree");
+}
+
+Hit EmbreeTracer::Impl::nearest(const Ray& ray) const {
+  Query query;
+  query.image = &image_;
+  query.ray = &ray;
+  query.tie = kTieOfDiagonal * diagonal_ / glm::length(ray.direction);
+  rtcInitRayQueryContext(&query.context);
+  RTCRayHit r{embree_ray(ray), {}};
+  r.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+#if RTC_VERSION_MAJOR < 4
+  rtcIntersect1(scene_.get(), &query.context, &r);
+#else
+  RTCIntersectArguments arguments;
+  rtcInitIntersectArguments(&arguments);
+  arguments.context = &query.context;
+  rtcIntersect1(scene_.get(), &r, &arguments);
+#endif
+  return query.best;
+}
+
+bool EmbreeTracer::Impl::blocked(const Ray& ray) const {
+  RTCRayQueryContext context;
+  rtcInitRayQueryContext(&context);
+  RTCRay r = embree_ray(ray);
+#if RTC_VERSION_MAJOR < 4
+  rtcOccluded1(scene_.get(), &context, &r);
+#else
+  RTCOccludedArguments arguments;
+  rtcInitOccludedArguments(&arguments);
+  arguments.context = &context;
+  rtcOccluded1(scene_.get(), &r, &arguments);
+#endif
+  return r.tfar < 0;
+}
+
+EmbreeTracer::EmbreeTracer(const MemoryImage& image, unsigned threads)
+    : impl_(std::make_unique<Impl>(image, threads)) {}
+EmbreeTracer::~EmbreeTracer() = default;
+
+void EmbreeTracer::trace(std::span<const Ray> rays, RayKind kind, std::span<Hit> hits, WalkSink*) const {
+  assert(hits.size() == rays.size());
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    if (kind == RayKind::kShadow) {
+      hits[i] = impl_->blocked(rays[i]) ? Hit{rays[i].t_min, 0, 0, 0} : Hit{};
+    } else {
+      hits[i] = impl_->nearest(rays[i]);
+    }
+  }
+}
+
+std::string embree_version() { return RTC_VERSION_STRING; }
+
+}  // namespace traces

@@ -1,0 +1,28 @@
+#pragma once
+#include <limits>
+
+#include "traces/accel/memory_image.h"
+#include "traces/ray.h"
+
+namespace traces {
+
+/// How sure double precision is of a hit. kUncertain: within 1e-5 (barycentric) or 1e-6 of the scene's diagonal of an
+/// edge, or within 1e-5 (and 1e-6 of the diagonal) of an end of the ray; single precision may decide either way.
+enum class Standing { kMiss, kUncertain, kHit };
+
+struct ExactHit {
+  Standing standing = Standing::kMiss;
+  double t = std::numeric_limits<double>::infinity();
+};
+
+ExactHit exact_hit(const Ray& ray, const TriangleRecord& triangle, double diagonal);
+
+/// What must and what may be hit, from testing all triangles of the scene.
+struct ExactTrace {
+  double nearest = std::numeric_limits<double>::infinity();  ///< of the sure hits
+  bool any_possible = false;                                 ///< some hit is sure or uncertain
+};
+
+ExactTrace exact_trace(const Ray& ray, const MemoryImage& image);
+
+}  // namespace traces

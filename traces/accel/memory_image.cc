@@ -1,0 +1,76 @@
+#include "traces/accel/memory_image.h"
+
+#include <algorithm>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+#include "traces/accel/build.h"
+#include "traces/accel/bvh_build.h"
+#include "traces/accel/flatten.h"
+#include "traces/scene/bounds.h"
+
+namespace traces {
+namespace {
+
+constexpr std::uint64_t aligned(std::uint64_t at) { return (at + 63) & ~std::uint64_t{63}; }
+
+/// One array behind the other, each on a line of its own: nodes, triangles, attributes, materials, textures, frame.
+Layout place(const MemoryImage& image) {
+  Layout at;
+  std::uint64_t next = 0;
+  const auto reserve = [&](std::uint64_t bytes) {
+    const std::uint64_t base = next;
+    next = aligned(next + bytes);
+    return base;
+  };
+  at.nodes = reserve(image.nodes.size() * sizeof(NodeRecord));
+  at.triangles = reserve(image.triangles.size() * sizeof(TriangleRecord));
+  at.attributes = reserve(image.attributes.size() * sizeof(AttributeRecord));
+  at.materials = reserve(image.materials.size() * sizeof(MaterialRecord));
+  for (const Texture& texture : image.textures) {
+    const std::uint32_t per_row = (texture.width + 3) / 4;
+    at.textures.push_back({reserve(std::uint64_t{per_row} * ((texture.height + 3) / 4) * 64), per_row});
+  }
+  at.frame_buffer = at.end = next;
+  return at;
+}
+
+MaterialRecord record_of(const Material& m) {
+  return {m.base_colour, m.mirror, m.mirror_tint, m.transmission, m.emission, m.ior, m.base_texture, {}};
+}
+
+}  // namespace
+
+float MemoryImage::diagonal() const { return glm::length(upper - lower); }
+
+MemoryImage build_memory_image(const Scene& scene, const BvhConfig& config, unsigned threads) {
+  const FlatTriangles flat = flatten(scene);
+  PlacedBvh bvh = build_bvh(flat.triangles, config, threads);
+
+  MemoryImage image;
+  image.nodes = std::move(bvh.nodes);
+  image.triangles.reserve(bvh.order.size());
+  image.attributes.reserve(bvh.order.size());
+  Bounds bounds;
+  for (const std::uint32_t source : bvh.order) {
+    const TriangleRecord& t = flat.triangles[source];
+    image.triangles.push_back(t);
+    image.attributes.push_back(flat.attributes[source]);
+    for (const glm::vec3& v : {t.v0, t.v1, t.v2}) bounds.add(v);
+  }
+  if (!bounds.empty()) {
+    image.lower = bounds.lower;
+    image.upper = bounds.upper;
+  }
+  std::ranges::transform(scene.materials, std::back_inserter(image.materials), record_of);
+  if (image.materials.empty()) image.materials.push_back(record_of(Material{}));
+  image.textures = scene.textures;
+  image.lights = scene.lights;
+  image.background = scene.background;
+  image.ambient = scene.ambient;
+  image.layout = place(image);
+  return image;
+}
+
+}  // namespace traces

@@ -1,0 +1,41 @@
+#include "traces/scene/builtin/builtin.h"
+
+#include <fmt/format.h>
+
+#include "sim/error.h"
+#include "traces/scene/names.h"
+
+namespace traces {
+namespace {
+
+struct Entry {
+  const char* name;
+  const char* description;
+  Scene (*build)();
+};
+
+constexpr Entry kEntries[] = {
+    {"cornell", "Cornell box, twice as wide as high, with a mirror sphere and a glass sphere", build_cornell},
+    {"teapot", "Newell's teapot, glazed, on a checkered floor", build_teapot},
+};
+
+}  // namespace
+
+std::vector<BuiltinInfo> builtin_scenes() {
+  std::vector<BuiltinInfo> list;
+  for (const Entry& entry : kEntries) list.push_back({entry.name, entry.description});
+  return list;
+}
+
+Scene build_scene(std::string_view name) {
+  std::vector<std::string> names;
+  for (const Entry& entry : kEntries) {
+    if (name == entry.name) return entry.build();
+    names.emplace_back(entry.name);
+  }
+  throw sim::InputError(
+      fmt::format("no scene is called '{}'{}; built in: {}; a file is given with its extension (.glb, .gltf)",
+                  printable(name), did_you_mean(name, names), fmt::join(names, ", ")));
+}
+
+}  // namespace traces

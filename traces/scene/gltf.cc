@@ -1,0 +1,46 @@
+#include "traces/scene/gltf.h"
+
+#include <fmt/format.h>
+
+#include "traces/scene/cameras.h"
+#include "traces/scene/gltf/context.h"
+#include "traces/scene/gltf/extensions.h"
+#include "traces/scene/gltf/meshes.h"
+#include "traces/scene/gltf/nodes.h"
+#include "traces/scene/gltf/parse.h"
+#include "traces/scene/gltf/source.h"
+#include "traces/scene/gltf/textures.h"
+#include "traces/scene/lights.h"
+#include "traces/scene/names.h"
+
+namespace traces {
+
+Scene load_gltf(const std::filesystem::path& path, const SceneLimits& limits) {
+  gltf::Budget budget(printable(path.string()), limits.memory_bytes);
+  Scene scene;
+  scene.name = path.stem().string();
+  gltf::Source source = gltf::read_source(path, limits, budget);
+  std::string complaint;
+  const tinygltf::Model model = gltf::parse_model(source, complaint);
+  scene.sha256 = source.sha256;
+  const std::string file = source.shown_name;
+  source = {};
+
+  gltf::Context context{file, model, limits, budget, scene};
+  if (!complaint.empty()) context.warn(complaint);
+  for (const std::string& extension : model.extensionsUsed) {
+    if (!gltf::is_supported_extension(extension)) {
+      context.warn(fmt::format("the extension {} is not supported and left out", printable(extension)));
+    }
+  }
+  if (!model.animations.empty()) context.warn("animations are not played: the scene is shown at rest");
+  gltf::Textures textures(context);
+  gltf::Meshes meshes(context, gltf::read_materials(context, textures));
+  gltf::read_nodes(context, meshes);
+  if (scene.instances.empty()) context.refuse("shows no triangles; at least one is needed");
+  if (scene.cameras.empty()) scene.cameras.push_back(framing_camera(scene));
+  finish_lights(scene);
+  return scene;
+}
+
+}  // namespace traces

@@ -1,0 +1,32 @@
+#pragma once
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "sim/error.h"
+
+namespace traces::gltf {
+
+/// Memory that may still be taken, so that a small file cannot ask for a huge scene.
+class Budget {
+ public:
+  Budget(std::string file, std::uint64_t bytes) : file_(std::move(file)), limit_(bytes), left_(bytes) {}
+
+  /// Call before allocating.
+  void take(std::uint64_t count, std::uint64_t bytes_each, std::string_view what) {
+    if (count != 0 && bytes_each > left_ / count) {
+      throw sim::InputError(
+          fmt::format("{}: {} would take {} x {} bytes, more than is left of the limit of {} bytes for a scene", file_,
+                      what, count, bytes_each, limit_));
+    }
+    left_ -= count * bytes_each;
+  }
+
+ private:
+  std::string file_;
+  std::uint64_t limit_, left_;
+};
+
+}  // namespace traces::gltf

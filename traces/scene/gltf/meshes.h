@@ -1,0 +1,34 @@
+#pragma once
+#include <cstdint>
+#include <map>
+#include <vector>
+
+#include "traces/scene/gltf/context.h"
+#include "traces/scene/gltf/materials.h"
+
+namespace traces::gltf {
+
+/// Reads a glTF mesh when a node first shows it; meshes that no node shows are left out of the scene.
+class Meshes {
+ public:
+  Meshes(Context& context, std::vector<TexturePlacement> placements)
+      : context_(context), placements_(std::move(placements)) {}
+
+  /// Indices in Scene::meshes of its primitives that are triangles, strips or fans.
+  const std::vector<std::uint32_t>& primitives_of(int mesh);
+
+  /// The largest coordinate of a mesh of Scene::meshes.
+  float reach_of(std::uint32_t mesh) const { return reaches_[mesh]; }
+
+ private:
+  Mesh read(const tinygltf::Primitive& primitive, const std::string& name);
+  std::uint32_t material_of(const tinygltf::Primitive& primitive);
+  void read_uvs(const tinygltf::Primitive& primitive, Mesh& mesh);
+
+  Context& context_;
+  std::vector<TexturePlacement> placements_;
+  std::map<int, std::vector<std::uint32_t>> read_;
+  std::vector<float> reaches_;  ///< parallel to Scene::meshes
+};
+
+}  // namespace traces::gltf

@@ -1,0 +1,11 @@
+#pragma once
+#include "traces/scene/gltf/context.h"
+#include "traces/scene/gltf/meshes.h"
+
+namespace traces::gltf {
+
+/// Walks the default scene's nodes from the roots and adds an instance for each primitive shown, a camera and a light
+/// where a node has one. Refused: cycles, a node with two parents, transforms that are not finite.
+void read_nodes(Context& context, Meshes& meshes);
+
+}  // namespace traces::gltf

@@ -1,0 +1,70 @@
+#include "traces/scene/gltf/parse.h"
+
+#include <exception>
+
+#include "sim/error.h"
+#include "traces/scene/names.h"
+
+namespace traces::gltf {
+namespace {
+
+bool keep_encoded(tinygltf::Image* image, const int, std::string*, std::string*, int, int, const unsigned char* bytes,
+                  int size, void*) {
+  // A buffer view's bytes are not touched here: tinygltf has not checked that they exist.
+  if (image->bufferView < 0) image->image.assign(bytes, bytes + size);
+  return true;
+}
+
+const Source& source_of(void* user) { return *static_cast<const Source*>(user); }
+
+tinygltf::FsCallbacks callbacks(const Source& source) {
+  tinygltf::FsCallbacks fs{};
+  fs.user_data = const_cast<Source*>(&source);
+  fs.FileExists = [](const std::string& name, void* user) { return source_of(user).external.contains(name); };
+  fs.ExpandFilePath = [](const std::string& name, void*) { return name; };
+  fs.ReadWholeFile = [](std::vector<unsigned char>* out, std::string*, const std::string& name, void* user) {
+    const std::string& bytes = source_of(user).external.at(name);
+    out->assign(bytes.begin(), bytes.end());
+    return true;
+  };
+  return fs;
+}
+
+/// tinygltf writes a line for everything it dislikes; what made it stop comes last.
+std::string last_line(std::string text) {
+  while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
+  return printable(text.substr(text.rfind('\n') + 1));  // npos + 1 is 0
+}
+
+}  // namespace
+
+tinygltf::Model parse_model(const Source& source, std::string& complaint) {
+  tinygltf::TinyGLTF loader;
+  loader.SetImageLoader(keep_encoded, nullptr);
+  loader.SetFsCallbacks(callbacks(source));
+  tinygltf::Model model;
+  std::string error, ignored;
+  bool good = false;
+  const auto size = static_cast<unsigned>(source.bytes.size());
+  try {
+    if (source.binary) {
+      const auto* bytes = reinterpret_cast<const unsigned char*>(source.bytes.data());
+      good = loader.LoadBinaryFromMemory(&model, &error, &ignored, bytes, size);
+    } else {
+      good = loader.LoadASCIIFromString(&model, &error, &ignored, source.bytes.data(), size, "");
+    }
+  } catch (const std::bad_alloc&) {
+    error = "not enough memory";
+  } catch (const std::exception& caught) {
+    error = caught.what();
+  }
+  complaint = last_line(error);
+  if (!good) throw sim::InputError(source.shown_name + ": not a glTF 2.0 file: " + complaint);
+  if (!model.asset.version.starts_with("2.")) {
+    throw sim::InputError(source.shown_name + ": glTF version '" + printable(model.asset.version) +
+                          "'; supported is 2.0");
+  }
+  return model;
+}
+
+}  // namespace traces::gltf

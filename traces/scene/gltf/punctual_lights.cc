@@ -1,0 +1,44 @@
+#include "traces/scene/gltf/punctual_lights.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+#include <glm/geometric.hpp>
+
+#include "traces/scene/gltf/values.h"
+#include "traces/scene/names.h"
+
+namespace traces::gltf {
+
+void add_punctual_light(Context& context, const tinygltf::Node& node, const glm::dmat4& to_world) {
+  const auto* extension = find_extension(node.extensions, "KHR_lights_punctual");
+  if (extension == nullptr) return;
+  const tinygltf::Light& found = context.at(context.model.lights, index_or_none(*extension, "light"), "lights");
+  const std::string what = fmt::format("light '{}'", printable(found.name));
+  Light light;
+  if (found.type == "point") {
+    light.kind = Light::Kind::kPoint;
+  } else if (found.type == "directional") {
+    light.kind = Light::Kind::kDirectional;
+  } else if (found.type == "spot") {
+    light.kind = Light::Kind::kSpot;
+    const double outer = std::clamp(found.spot.outerConeAngle, 0.0, std::numbers::pi / 2);
+    const double inner = std::clamp(found.spot.innerConeAngle, 0.0, outer);
+    light.cos_outer = static_cast<float>(std::cos(outer));
+    light.cos_inner = static_cast<float>(std::cos(inner));
+  } else {
+    context.warn(fmt::format("{}: the type '{}' is not point, spot or directional", what, printable(found.type)));
+    return;
+  }
+  const float strength = to_float(context, found.intensity, what + " intensity");
+  light.intensity = glm::max(to_vec3(context, found.color, glm::vec3(1), what + " colour") * strength, 0.0F);
+  if (light.intensity == glm::vec3(0)) return;
+  light.position = glm::vec3(to_world[3]);
+  const glm::dvec3 ahead = -glm::dvec3(to_world[2]);
+  if (glm::length(ahead) > 0) light.direction = glm::vec3(glm::normalize(ahead));
+  context.scene.lights.push_back(light);
+}
+
+}  // namespace traces::gltf

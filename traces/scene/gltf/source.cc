@@ -1,0 +1,153 @@
+#include "traces/scene/gltf/source.h"
+
+#include <cstdint>
+#include <cstring>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "sim/error.h"
+#include "sim/sha256.h"
+#include "traces/scene/file_io.h"
+#include "traces/scene/gltf/extensions.h"
+#include "traces/scene/gltf/uri.h"
+#include "traces/scene/names.h"
+
+namespace traces::gltf {
+namespace {
+
+[[noreturn]] void refuse(const Source& source, const std::string& why) {
+  throw sim::InputError(source.shown_name + ": " + why);
+}
+
+std::uint32_t word_at(const std::string& bytes, std::size_t at) {
+  std::uint32_t word;  // GLB is little-endian, as are all machines this runs on
+  std::memcpy(&word, bytes.data() + at, sizeof word);
+  return word;
+}
+
+/// Header, JSON chunk, then an optional BIN chunk; further chunks are left alone.
+void check_container(Source& source) {
+  constexpr std::uint32_t kJson = 0x4e4f534a, kBin = 0x004e4942;
+  const std::uint64_t size = source.bytes.size();
+  if (size < 20) refuse(source, fmt::format("a GLB file has at least 20 bytes, this one {}", size));
+  if (word_at(source.bytes, 4) != 2) {
+    refuse(source, fmt::format("GLB version {}; only 2 is supported", word_at(source.bytes, 4)));
+  }
+  const std::uint64_t length = word_at(source.bytes, 8);
+  if (length != size) {
+    refuse(source, fmt::format("the GLB header says {} bytes, the file has {}: truncated or damaged", length, size));
+  }
+  if (word_at(source.bytes, 16) != kJson) refuse(source, "the first chunk of a GLB file must be JSON");
+  source.json_begin = 20;
+  source.json_size = word_at(source.bytes, 12);
+  const std::uint64_t json_end = 20 + std::uint64_t{source.json_size};
+  if (json_end > size) refuse(source, "the JSON chunk is longer than the file");
+  if (json_end == size) return;
+  if (json_end + 8 > size || word_at(source.bytes, json_end) > size - json_end - 8) {
+    refuse(source, "the chunk after the JSON is longer than the file");
+  }
+  if (word_at(source.bytes, json_end + 4) != kBin) refuse(source, "the second chunk of a GLB file must be BIN");
+}
+
+void check_depth(const Source& source, std::uint32_t deepest) {
+  std::uint32_t depth = 0;
+  bool in_string = false;
+  const std::string_view json = std::string_view(source.bytes).substr(source.json_begin, source.json_size);
+  for (std::size_t i = 0; i < json.size(); ++i) {
+    const char c = json[i];
+    if (in_string) {
+      if (c == '\\') ++i;
+      if (c == '"') in_string = false;
+    } else if (c == '"') {
+      in_string = true;
+    } else if (c == '[' || c == '{') {
+      if (++depth > deepest)
+        refuse(source, fmt::format("the JSON is nested deeper than the {} levels allowed", deepest));
+    } else if ((c == ']' || c == '}') && depth > 0) {
+      --depth;
+    }
+  }
+}
+
+nlohmann::json parse(const Source& source) {
+  const std::string_view text = std::string_view(source.bytes).substr(source.json_begin, source.json_size);
+  try {
+    nlohmann::json json = nlohmann::json::parse(text);
+    if (!json.is_object()) refuse(source, "the JSON must be an object");
+    return json;
+  } catch (const nlohmann::json::parse_error& error) {
+    const std::string_view before = text.substr(0, error.byte == 0 ? 0 : error.byte - 1);
+    const auto line = std::count(before.begin(), before.end(), '\n') + 1;
+    const std::size_t line_begin = before.rfind('\n') + 1;  // npos + 1 is 0
+    refuse(source, fmt::format("line {}, column {}: not valid JSON", line, before.size() - line_begin + 1));
+  } catch (const nlohmann::json::exception&) {
+    refuse(source, "a number in the JSON is out of range");
+  }
+}
+
+void check_lists(const Source& source, const nlohmann::json& json, const SceneLimits& limits) {
+  for (const auto& [key, value] : json.items()) {
+    if (value.is_array() && value.size() > limits.nodes) {
+      refuse(source, fmt::format("'{}' has {} entries, allowed are {}", printable(key), value.size(), limits.nodes));
+    }
+  }
+  const auto required = json.find("extensionsRequired");
+  if (required == json.end() || !required->is_array()) return;
+  for (const auto& extension : *required) {
+    if (!extension.is_string() || !is_supported_extension(extension.get<std::string>())) {
+      refuse(source, fmt::format("needs the extension {}, which is not supported; supported: {}",
+                                 printable(extension.is_string() ? extension.get<std::string>() : extension.dump()),
+                                 supported_extensions()));
+    }
+  }
+}
+
+void read_external(Source& source, const nlohmann::json& json, const std::filesystem::path& folder, Budget& budget,
+                   const SceneLimits& limits) {
+  for (const char* list : {"buffers", "images"}) {
+    const auto entries = json.find(list);
+    if (entries == json.end() || !entries->is_array()) continue;
+    for (std::size_t i = 0; i < entries->size(); ++i) {
+      const auto& entry = (*entries)[i];
+      if (!entry.is_object() || !entry.contains("uri") || !entry["uri"].is_string()) continue;
+      const std::string& uri = entry["uri"].get_ref<const std::string&>();
+      if (uri.starts_with("data:")) continue;
+      const std::string where = fmt::format("{}: {}[{}]", source.shown_name, list, i);
+      const std::string relative = local_path(uri, where);
+      if (source.external.contains(relative)) continue;
+      if (!std::filesystem::exists(folder / relative)) {
+        throw sim::InputError(fmt::format("{}: the file '{}' is missing", where, printable(relative)));
+      }
+      std::string bytes = read_file(folder / relative, limits.memory_bytes);
+      budget.take(bytes.size(), 2, fmt::format("the file '{}'", printable(relative)));
+      source.sha256 += sim::sha256_hex(bytes);
+      source.external.emplace(relative, std::move(bytes));
+    }
+  }
+  if (!source.external.empty()) source.sha256 = sim::sha256_hex(source.sha256);
+}
+
+}  // namespace
+
+Source read_source(const std::filesystem::path& path, const SceneLimits& limits, Budget& budget) {
+  constexpr std::uint64_t kJsonExpansion = 16;  // bytes that a parsed value may take for each of its text
+  Source source;
+  source.shown_name = printable(path.string());
+  source.bytes = read_file(path, limits.memory_bytes);
+  budget.take(source.bytes.size(), 2, "the file");
+  source.sha256 = sim::sha256_hex(source.bytes);
+  source.json_size = source.bytes.size();
+  source.binary = source.bytes.starts_with("glTF");
+  if (source.binary) check_container(source);
+  if (source.json_size == 0) refuse(source, "the file is empty");
+  budget.take(source.json_size, kJsonExpansion, "the JSON");
+  check_depth(source, limits.json_depth);
+  const nlohmann::json json = parse(source);
+  check_lists(source, json, limits);
+  read_external(source, json, path.parent_path(), budget, limits);
+  return source;
+}
+
+}  // namespace traces::gltf

@@ -1,0 +1,103 @@
+#include "traces/scene/gltf/textures.h"
+
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "traces/scene/gltf/accessors.h"
+#include "traces/scene/images.h"
+#include "traces/scene/names.h"
+
+namespace traces::gltf {
+namespace {
+
+Texture::Wrap wrap_of(int mode) {
+  switch (mode) {
+    case TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE:
+      return Texture::Wrap::kClamp;
+    case TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT:
+      return Texture::Wrap::kMirror;
+    default:
+      return Texture::Wrap::kRepeat;
+  }
+}
+
+double to_linear(double encoded) {
+  return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
+}
+
+glm::vec4 mean_of(const Texture& texture, bool srgb) {
+  std::array<double, 256> value;
+  for (std::size_t i = 0; i < value.size(); ++i) {
+    const double encoded = static_cast<double>(i) / 255;
+    value[i] = srgb ? to_linear(encoded) : encoded;
+  }
+  std::array<std::array<std::uint64_t, 256>, 4> counts{};
+  for (const std::uint32_t texel : texture.texels) {
+    for (std::size_t k = 0; k < 4; ++k) ++counts[k][(texel >> (8 * k)) & 255U];
+  }
+  glm::vec4 mean;
+  for (std::size_t k = 0; k < 4; ++k) {
+    double sum = 0;
+    for (std::size_t i = 0; i < 256; ++i) {
+      sum += static_cast<double>(counts[k][i]) * (k < 3 ? value[i] : static_cast<double>(i) / 255);
+    }
+    mean[static_cast<int>(k)] = static_cast<float>(sum / static_cast<double>(texture.texels.size()));
+  }
+  return mean;
+}
+
+}  // namespace
+
+int Textures::source_of(int texture) {
+  const tinygltf::Texture& found = context_.at(context_.model.textures, texture, "textures");
+  if (found.source < 0) context_.warn(fmt::format("textures[{}] names no PNG or JPEG image and is left out", texture));
+  return found.source;
+}
+
+const Texture& Textures::image(int index) {
+  if (const auto found = images_.find(index); found != images_.end()) return found->second;
+  const tinygltf::Image& image = context_.at(context_.model.images, index, "images");
+  const std::string name =
+      fmt::format("{}: images[{}]{}{}", context_.file, index, image.name.empty() ? "" : " ", printable(image.name));
+  std::span<const std::byte> bytes;
+  if (image.bufferView >= 0) {
+    const Bytes view = view_bytes(context_, image.bufferView);
+    bytes = std::as_bytes(std::span(view.data, view.size));
+  } else {
+    bytes = std::as_bytes(std::span(image.image));
+  }
+  Texture texture = read_image(bytes, name, context_.limits);
+  context_.budget.take(texture.texels.size(), sizeof(std::uint32_t), name);
+  texture.name = printable(image.name.empty() ? image.uri : image.name);
+  return images_.emplace(index, std::move(texture)).first->second;
+}
+
+std::uint32_t Textures::base_colour(int texture) {
+  const int source = source_of(texture);
+  if (source < 0) return kNoTexture;
+  tinygltf::Sampler sampler;
+  const int sampler_index = context_.model.textures[static_cast<std::size_t>(texture)].sampler;
+  if (sampler_index >= 0) sampler = context_.at(context_.model.samplers, sampler_index, "samplers");
+  const auto [place, is_new] = added_.try_emplace({source, sampler.wrapS, sampler.wrapT},
+                                                  static_cast<std::uint32_t>(context_.scene.textures.size()));
+  if (is_new) {
+    Texture copy = image(source);
+    context_.budget.take(copy.texels.size(), sizeof(std::uint32_t), "a texture");
+    copy.wrap_u = wrap_of(sampler.wrapS);
+    copy.wrap_v = wrap_of(sampler.wrapT);
+    context_.scene.textures.push_back(std::move(copy));
+  }
+  return place->second;
+}
+
+glm::vec4 Textures::mean(int texture, bool srgb) {
+  const int source = source_of(texture);
+  if (source < 0) return glm::vec4(1);
+  const auto [place, is_new] = means_.try_emplace({source, srgb}, glm::vec4(1));
+  if (is_new) place->second = mean_of(image(source), srgb);
+  return place->second;
+}
+
+}  // namespace traces::gltf

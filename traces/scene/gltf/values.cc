@@ -1,0 +1,56 @@
+#include "traces/scene/gltf/values.h"
+
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+namespace traces::gltf {
+namespace {
+
+template <class Vector>
+Vector to_vector(const Context& context, const std::vector<double>& list, const Vector& absent,
+                 const std::string& what) {
+  constexpr auto kSize = static_cast<std::size_t>(Vector::length());
+  if (list.empty()) return absent;
+  if (list.size() != kSize) context.refuse(fmt::format("{} has {} numbers, needed are {}", what, list.size(), kSize));
+  Vector out;
+  for (std::size_t i = 0; i < kSize; ++i) out[static_cast<int>(i)] = to_float(context, list[i], what);
+  return out;
+}
+
+}  // namespace
+
+float to_float(const Context& context, double value, const std::string& what) {
+  if (!(std::abs(value) <= static_cast<double>(std::numeric_limits<float>::max()))) {
+    context.refuse(fmt::format("{} is {}, which is not a finite number of single precision", what, value));
+  }
+  return static_cast<float>(value);
+}
+
+glm::vec3 to_vec3(const Context& context, const std::vector<double>& list, const glm::vec3& absent,
+                  const std::string& what) {
+  return to_vector(context, list, absent, what);
+}
+
+glm::vec4 to_vec4(const Context& context, const std::vector<double>& list, const glm::vec4& absent,
+                  const std::string& what) {
+  return to_vector(context, list, absent, what);
+}
+
+const tinygltf::Value* find_extension(const tinygltf::ExtensionMap& extensions, const char* name) {
+  const auto found = extensions.find(name);
+  return found != extensions.end() && found->second.IsObject() ? &found->second : nullptr;
+}
+
+float number_or(const Context& context, const tinygltf::Value& object, const char* key, float absent) {
+  if (!object.Has(key) || !object.Get(key).IsNumber()) return absent;
+  return to_float(context, object.Get(key).GetNumberAsDouble(), key);
+}
+
+int index_or_none(const tinygltf::Value& object, const char* key) {
+  if (!object.Has(key) || !object.Get(key).IsInt()) return -1;
+  return object.Get(key).GetNumberAsInt();
+}
+
+}  // namespace traces::gltf

@@ -1,0 +1,30 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+
+#include "traces/scene/gltf/context.h"
+
+namespace traces::gltf {
+
+/// A JSON number as a float; refused if it does not fit one.
+float to_float(const Context& context, double value, const std::string& what);
+
+/// Lists of exactly three or four numbers; an absent (empty) list gives `absent`.
+glm::vec3 to_vec3(const Context& context, const std::vector<double>& list, const glm::vec3& absent,
+                  const std::string& what);
+glm::vec4 to_vec4(const Context& context, const std::vector<double>& list, const glm::vec4& absent,
+                  const std::string& what);
+
+/// The object of that extension, or null.
+const tinygltf::Value* find_extension(const tinygltf::ExtensionMap& extensions, const char* name);
+
+/// A number of an extension's object, or `absent`.
+float number_or(const Context& context, const tinygltf::Value& object, const char* key, float absent);
+
+/// An index of an extension's object, or -1.
+int index_or_none(const tinygltf::Value& object, const char* key);
+
+}  // namespace traces::gltf

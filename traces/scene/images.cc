@@ -1,0 +1,112 @@
+#include "traces/scene/images.h"
+
+#include <array>
+#include <cstring>
+#include <string_view>
+#include <system_error>
+
+#include <dlfcn.h>
+#include <fmt/format.h>
+
+#include "sim/error.h"
+#include "traces/scene/file_io.h"
+#include "traces/scene/images/codec.h"
+#include "traces/scene/names.h"
+
+namespace traces {
+namespace {
+
+const ImageCodec* load_codec() {
+  std::error_code ignored;
+  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", ignored).parent_path();
+  const std::filesystem::path built(RAYWATT_IMAGES_MODULE);
+  const std::array places = {program / built.filename(), program / ".." / "lib" / "raywatt" / built.filename(), built};
+  std::string tried;
+  for (const std::filesystem::path& place : places) {
+    if (!std::filesystem::exists(place, ignored)) {
+      tried += fmt::format("; {}: no such file", place.string());
+    } else if (void* module = dlopen(place.c_str(), RTLD_NOW | RTLD_LOCAL); module == nullptr) {
+      tried += fmt::format("; {}", dlerror());
+    } else if (void* symbol = dlsym(module, kImageCodecSymbol); symbol == nullptr) {
+      tried += fmt::format("; {}: of another version", place.string());
+      dlclose(module);
+    } else {
+      return reinterpret_cast<ImageCodecFactory>(symbol)();
+    }
+  }
+  throw sim::IoError("the module for image files cannot be loaded" + tried);
+}
+
+const ImageCodec& codec() {
+  static const ImageCodec* const loaded = load_codec();
+  return *loaded;
+}
+
+const char* format_of(std::span<const std::byte> bytes) {
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  if (text.starts_with("\x89PNG\r\n\x1a\n")) return "png";
+  if (text.starts_with("\xff\xd8\xff")) return "jpeg";
+  return nullptr;
+}
+
+std::string_view as_text(const std::vector<unsigned char>& bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+void check_size(const std::filesystem::path& path, std::uint32_t width, std::uint32_t height, std::size_t values) {
+  if (width == 0 || height == 0 || values != std::size_t{width} * height * 3) {
+    throw std::logic_error(
+        fmt::format("{}: {} values do not make {} x {} pixels", path.string(), values, width, height));
+  }
+}
+
+void finish(const std::filesystem::path& path, const std::string& error, const std::vector<unsigned char>& bytes) {
+  if (!error.empty())
+    throw sim::IoError(fmt::format("{}: writing failed: {}", printable(path.string()), printable(error)));
+  write_file_atomically(path, as_text(bytes));
+}
+
+}  // namespace
+
+Texture read_image(std::span<const std::byte> bytes, const std::string& name, const SceneLimits& limits) {
+  const char* format = format_of(bytes);
+  if (format == nullptr) throw sim::InputError(fmt::format("{}: neither PNG nor JPEG", name));
+  Texture texture;
+  texture.name = name;
+  ImageCodec::Size size;
+  const std::string error = codec().decode(bytes, format, limits.pixels, size, texture.texels);
+  if (!error.empty()) throw sim::InputError(fmt::format("{}: {}", name, printable(error)));
+  texture.width = size.width;
+  texture.height = size.height;
+  return texture;
+}
+
+void write_png(const std::filesystem::path& path, std::uint32_t width, std::uint32_t height,
+               std::span<const std::uint8_t> rgb8) {
+  check_size(path, width, height, rgb8.size());
+  std::vector<unsigned char> bytes;
+  finish(path, codec().encode_png({width, height}, rgb8, bytes), bytes);
+}
+
+void write_exr(const std::filesystem::path& path, std::uint32_t width, std::uint32_t height,
+               std::span<const float> rgb) {
+  check_size(path, width, height, rgb.size());
+  std::vector<unsigned char> bytes;
+  finish(path, codec().encode_exr({width, height}, rgb, bytes), bytes);
+}
+
+FloatImage read_exr(const std::filesystem::path& path, const SceneLimits& limits) {
+  const std::string bytes = read_file(path, limits.memory_bytes);
+  const std::string shown = printable(path.string());
+  if (!bytes.starts_with("\x76\x2f\x31\x01")) throw sim::InputError(shown + ": not an OpenEXR file");
+  FloatImage image;
+  ImageCodec::Size size;
+  const std::string error =
+      codec().decode_exr(std::as_bytes(std::span(bytes.data(), bytes.size())), limits.pixels, size, image.rgb);
+  if (!error.empty()) throw sim::InputError(fmt::format("{}: {}", shown, printable(error)));
+  image.width = size.width;
+  image.height = size.height;
+  return image;
+}
+
+}  // namespace traces

@@ -1,0 +1,33 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace traces {
+
+/// What the images module offers: between pixels and the bytes of a file. No files, no exceptions: each call returns
+/// what went wrong, or an empty string.
+class ImageCodec {
+ public:
+  struct Size {
+    std::uint32_t width = 0, height = 0;
+  };
+
+  virtual ~ImageCodec() = default;
+  /// `format` is "png" or "jpeg"; `rgba` gets 8 bits a channel, R in the lowest byte.
+  virtual std::string decode(std::span<const std::byte> bytes, const char* format, std::uint64_t most_pixels,
+                             Size& size, std::vector<std::uint32_t>& rgba) const = 0;
+  virtual std::string decode_exr(std::span<const std::byte> bytes, std::uint64_t most_pixels, Size& size,
+                                 std::vector<float>& rgb) const = 0;
+  virtual std::string encode_png(Size size, std::span<const std::uint8_t> rgb8,
+                                 std::vector<unsigned char>& out) const = 0;
+  virtual std::string encode_exr(Size size, std::span<const float> rgb, std::vector<unsigned char>& out) const = 0;
+};
+
+/// The module's only symbol, a function of this type and name; the number changes with the class above.
+using ImageCodecFactory = const ImageCodec* (*)();
+inline constexpr char kImageCodecSymbol[] = "raywatt_image_codec_1";
+
+}  // namespace traces

@@ -1,0 +1,133 @@
+// The only source file that knows OpenImageIO; it makes the module raywatt_images.
+#include <algorithm>
+#include <memory>
+
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+
+#include "traces/scene/images/codec.h"
+
+namespace traces {
+namespace {
+
+/// A file in memory, opened for reading: only `format` is tried.
+class Input {
+ public:
+  Input(std::span<const std::byte> bytes, const char* format)
+      : memory_(const_cast<std::byte*>(bytes.data()), bytes.size()), input_(OIIO::ImageInput::create(format)) {
+    OIIO::ImageSpec hints;
+    hints.attribute("oiio:UnassociatedAlpha", 1);
+    hints.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy_);
+    if (!input_) {
+      error_ = OIIO::geterror();
+    } else if (!input_->open("image", spec_, hints)) {
+      error_ = input_->geterror();
+    }
+  }
+
+  /// Nothing, or why the image cannot be used.
+  std::string check(std::uint64_t most_pixels) const {
+    if (!error_.empty()) return error_;
+    if (spec_.width < 1 || spec_.height < 1 || spec_.depth > 1) return "the image has no pixels";
+    const std::uint64_t pixels = static_cast<std::uint64_t>(spec_.width) * static_cast<std::uint64_t>(spec_.height);
+    if (pixels > most_pixels) {
+      return std::to_string(spec_.width) + " x " + std::to_string(spec_.height) + " pixels, allowed are " +
+             std::to_string(most_pixels);
+    }
+    if (spec_.nchannels < 1 || spec_.nchannels > 4)
+      return std::to_string(spec_.nchannels) + " channels, allowed are 1 to 4";
+    return {};
+  }
+
+  template <class T>
+  std::string read(OIIO::TypeDesc type, std::vector<T>& pixels) {
+    pixels.resize(static_cast<std::size_t>(spec_.width) * static_cast<std::size_t>(spec_.height) * channels());
+    if (input_->read_image(0, 0, 0, spec_.nchannels, type, pixels.data())) return {};
+    return "damaged: " + input_->geterror();
+  }
+
+  std::size_t channels() const { return static_cast<std::size_t>(spec_.nchannels); }
+  ImageCodec::Size size() const {
+    return {static_cast<std::uint32_t>(spec_.width), static_cast<std::uint32_t>(spec_.height)};
+  }
+
+ private:
+  OIIO::Filesystem::IOMemReader memory_;
+  OIIO::Filesystem::IOProxy* proxy_ = &memory_;
+  std::unique_ptr<OIIO::ImageInput> input_;
+  OIIO::ImageSpec spec_;
+  std::string error_;
+};
+
+std::string encode(const char* format, OIIO::ImageSpec spec, OIIO::TypeDesc type, const void* pixels,
+                   std::vector<unsigned char>& out) {
+  out.clear();
+  OIIO::Filesystem::IOVecOutput memory(out);
+  OIIO::Filesystem::IOProxy* proxy = &memory;
+  const auto output = OIIO::ImageOutput::create(format);
+  if (!output) return OIIO::geterror();
+  // Without a date of ours the file would carry the clock's, and equal runs would differ.
+  spec.attribute("DateTime", "2000:01:01 00:00:00");
+  spec.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
+  const std::string name = std::string("image.") + format;
+  if (!output->open(name, spec) || !output->write_image(type, pixels) || !output->close()) return output->geterror();
+  return {};
+}
+
+class OiioCodec : public ImageCodec {
+ public:
+  std::string decode(std::span<const std::byte> bytes, const char* format, std::uint64_t most_pixels, Size& size,
+                     std::vector<std::uint32_t>& rgba) const override {
+    Input input(bytes, format);
+    if (std::string error = input.check(most_pixels); !error.empty()) return error;
+    std::vector<std::uint8_t> pixels;
+    if (std::string error = input.read(OIIO::TypeDesc::UINT8, pixels); !error.empty()) return error;
+    size = input.size();
+    const std::size_t n = input.channels();
+    rgba.resize(pixels.size() / n);
+    for (std::size_t i = 0; i < rgba.size(); ++i) {
+      const std::uint8_t* p = &pixels[i * n];
+      const std::uint32_t r = p[0], g = n < 3 ? r : p[1], b = n < 3 ? r : p[2];
+      const std::uint32_t a = n == 2 ? p[1] : n == 4 ? p[3] : 255;
+      rgba[i] = r | (g << 8) | (b << 16) | (a << 24);
+    }
+    return {};
+  }
+
+  std::string decode_exr(std::span<const std::byte> bytes, std::uint64_t most_pixels, Size& size,
+                         std::vector<float>& rgb) const override {
+    Input input(bytes, "openexr");
+    if (std::string error = input.check(most_pixels); !error.empty()) return error;
+    std::vector<float> pixels;
+    if (std::string error = input.read(OIIO::TypeDesc::FLOAT, pixels); !error.empty()) return error;
+    size = input.size();
+    const std::size_t n = input.channels();
+    rgb.resize(pixels.size() / n * 3);
+    for (std::size_t i = 0; i < pixels.size() / n; ++i) {
+      for (std::size_t k = 0; k < 3; ++k) rgb[i * 3 + k] = pixels[i * n + std::min(k, n - 1)];
+    }
+    return {};
+  }
+
+  std::string encode_png(Size size, std::span<const std::uint8_t> rgb8,
+                         std::vector<unsigned char>& out) const override {
+    OIIO::ImageSpec spec(static_cast<int>(size.width), static_cast<int>(size.height), 3, OIIO::TypeDesc::UINT8);
+    spec.attribute("oiio:ColorSpace", "sRGB");
+    return encode("png", spec, OIIO::TypeDesc::UINT8, rgb8.data(), out);
+  }
+
+  std::string encode_exr(Size size, std::span<const float> rgb, std::vector<unsigned char>& out) const override {
+    OIIO::ImageSpec spec(static_cast<int>(size.width), static_cast<int>(size.height), 3, OIIO::TypeDesc::FLOAT);
+    spec.attribute("oiio:ColorSpace", "Linear");
+    spec.attribute("compression", "zip");
+    return encode("exr", spec, OIIO::TypeDesc::FLOAT, rgb.data(), out);
+  }
+};
+
+}  // namespace
+}  // namespace traces
+
+extern "C" __attribute__((visibility("default"))) const traces::ImageCodec* raywatt_image_codec_1() {
+  static const traces::OiioCodec codec;
+  return &codec;
+}

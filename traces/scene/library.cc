@@ -1,0 +1,47 @@
+#include "traces/scene/library.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <optional>
+#include <sstream>
+
+#include "traces/scene/builtin/builtin.h"
+#include "traces/scene/gltf.h"
+
+namespace traces {
+namespace {
+
+bool is_path(const std::string& text) {
+  return text.find('/') != std::string::npos || text.ends_with(".glb") || text.ends_with(".gltf");
+}
+
+std::optional<std::filesystem::path> find_in_path(const std::string& name) {
+  const char* variable = std::getenv("RAYWATT_PATH");
+  std::istringstream folders(variable == nullptr ? "" : variable);
+  for (std::string folder; std::getline(folders, folder, ':');) {
+    if (folder.empty()) continue;
+    for (const char* below : {"", "scenes"}) {
+      for (const char* extension : {".glb", ".gltf"}) {
+        std::filesystem::path path = std::filesystem::path(folder) / below / (name + extension);
+        std::error_code ignored;
+        if (std::filesystem::exists(path, ignored)) return path;
+      }
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+Scene open_scene(const std::string& name_or_path, const SceneLimits& limits) {
+  if (is_path(name_or_path)) return load_gltf(name_or_path, limits);
+  const std::vector<BuiltinInfo> builtin = builtin_scenes();
+  const bool is_builtin = std::ranges::any_of(builtin, [&](const BuiltinInfo& b) { return b.name == name_or_path; });
+  if (!is_builtin) {
+    if (const auto path = find_in_path(name_or_path)) return load_gltf(*path, limits);
+  }
+  return build_scene(name_or_path);
+}
+
+}  // namespace traces

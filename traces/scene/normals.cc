@@ -1,0 +1,59 @@
+#include "traces/scene/normals.h"
+
+#include <utility>
+
+#include <glm/geometric.hpp>
+
+namespace traces {
+namespace {
+
+/// In double, so that neither tiny nor huge triangles lose theirs; +y for a triangle without area.
+glm::vec3 geometric_normal(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
+  const glm::dvec3 normal = glm::cross(glm::dvec3(b) - glm::dvec3(a), glm::dvec3(c) - glm::dvec3(a));
+  const double length = glm::length(normal);
+  return length > 0 ? glm::vec3(normal / length) : glm::vec3(0, 1, 0);
+}
+
+}  // namespace
+
+void flatten_normals(Mesh& mesh) {
+  Mesh flat;
+  flat.positions.reserve(mesh.triangles.size() * 3);
+  flat.normals.reserve(mesh.triangles.size() * 3);
+  flat.uvs.reserve(mesh.uvs.empty() ? 0 : mesh.triangles.size() * 3);
+  for (auto& triangle : mesh.triangles) {
+    const glm::vec3 normal =
+        geometric_normal(mesh.positions[triangle[0]], mesh.positions[triangle[1]], mesh.positions[triangle[2]]);
+    for (std::uint32_t& vertex : triangle) {
+      flat.positions.push_back(mesh.positions[vertex]);
+      flat.normals.push_back(normal);
+      if (!mesh.uvs.empty()) flat.uvs.push_back(mesh.uvs[vertex]);
+      vertex = static_cast<std::uint32_t>(flat.positions.size() - 1);
+    }
+  }
+  mesh.positions = std::move(flat.positions);
+  mesh.normals = std::move(flat.normals);
+  mesh.uvs = std::move(flat.uvs);
+}
+
+void repair_normals(Mesh& mesh) {
+  bool has_null = false;
+  for (glm::vec3& normal : mesh.normals) {
+    const double length = glm::length(glm::dvec3(normal));
+    normal = length > 0 ? glm::vec3(glm::dvec3(normal) / length) : glm::vec3(0);
+    has_null = has_null || !(length > 0);
+  }
+  if (!has_null) return;
+  for (const auto& triangle : mesh.triangles) {
+    for (const std::uint32_t vertex : triangle) {
+      if (mesh.normals[vertex] != glm::vec3(0)) continue;
+      mesh.normals[vertex] =
+          geometric_normal(mesh.positions[triangle[0]], mesh.positions[triangle[1]], mesh.positions[triangle[2]]);
+    }
+  }
+  for (glm::vec3& normal : mesh.normals) {
+    if (normal == glm::vec3(0)) normal = glm::vec3(0, 1, 0);
+  }
+}
+
+}  // namespace traces
