@@ -6,7 +6,8 @@
 #include <charconv>
 
 #include "sim/error.h"
-#include "traces/scene/names.h"
+#include "sim/io/printable.h"
+#include "traces/scene/did_you_mean.h"
 
 namespace tools {
 
@@ -39,7 +40,7 @@ Resolution parse_resolution(const std::string& text) {
   const auto sane = [](std::uint32_t n) { return n >= 1 && n <= 16384; };
   if (bad_height != std::errc{} || rest != end || !sane(r.width) || !sane(r.height)) {
     throw sim::InputError(fmt::format("--resolution '{}' is not WIDTHxHEIGHT with both from 1 to 16384, e.g. 1024x512",
-                                      traces::printable(text)));
+                                      sim::printable(text)));
   }
   return r;
 }

@@ -8,8 +8,9 @@
 #include <sstream>
 
 #include "sim/error.h"
+#include "sim/io/printable.h"
 #include "tools/build_info.h"
-#include "traces/scene/names.h"
+#include "traces/scene/did_you_mean.h"
 
 namespace tools {
 
@@ -52,7 +53,7 @@ fs::path find_config(const std::string& argument) {
   }
   const std::vector<std::string> names = config_names();
   throw sim::InputError(fmt::format("no configuration is called '{}'{}; known: {}; or give a path to a .yaml file",
-                                    traces::printable(argument), traces::did_you_mean(argument, names),
+                                    sim::printable(argument), traces::did_you_mean(argument, names),
                                     fmt::join(names, ", ")));
 }
 

@@ -5,10 +5,22 @@
 
 namespace hw {
 
-FrontEnd::FrontEnd(const kernels::FullProgram& program, const traces::Tracer& tracer, std::uint32_t workers)
-    : program_(program), tracer_(tracer), max_ahead_(std::max<std::size_t>(1, 8 * std::size_t{workers})) {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
+
+}  // namespace
+
+FrontEnd::FrontEnd(const kernels::FullProgram& program, const traces::Tracer& tracer, std::uint32_t workers,
+                   bool record)
+    : program_(program),
+      tracer_(tracer),
+      record_(record),
+      max_ahead_(std::max<std::size_t>(1, 8 * std::size_t{workers})) {
   result_.rgb.resize(std::size_t{3} * program.width() * program.height());
-  for (std::uint32_t i = 0; i < workers; ++i) threads_.emplace_back([this] { work(); });
+  for (std::uint32_t i = 0; i < workers; ++i) threads_.emplace_back([this] { run_ahead(); });
 }
 
 FrontEnd::~FrontEnd() {
@@ -21,12 +33,12 @@ FrontEnd::~FrontEnd() {
 }
 
 void FrontEnd::make(Slot& slot, std::uint32_t tile) const {
-  const auto begin = std::chrono::steady_clock::now();
-  program_.run_tile(tile, tracer_, true, slot.tile);
-  slot.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  const Clock::time_point begin = Clock::now();
+  program_.run_tile(tile, tracer_, record_, slot.tile);
+  slot.seconds = seconds_since(begin);
 }
 
-void FrontEnd::work() {
+void FrontEnd::run_ahead() {
   std::unique_lock lock(mutex_);
   for (;;) {
     room_.wait(lock, [&] { return stop_ || next_tile_ == program_.tiles() || ahead_.size() < max_ahead_; });
@@ -52,6 +64,13 @@ void FrontEnd::work() {
 }
 
 const traces::TileWork* FrontEnd::next() {
+  const Clock::time_point begin = Clock::now();
+  const traces::TileWork* work = take();
+  result_.waited += seconds_since(begin);
+  return work;
+}
+
+const traces::TileWork* FrontEnd::take() {
   std::unique_lock lock(mutex_);
   if (threads_.empty()) {
     if (next_tile_ == program_.tiles()) return nullptr;

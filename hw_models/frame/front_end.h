@@ -23,11 +23,13 @@ class FrontEnd final : public TileSource {
     std::vector<float> rgb;  ///< linear, row by row
     std::uint64_t rays[static_cast<std::size_t>(traces::RayKind::kCount)] = {};
     std::uint64_t traversal_steps = 0;
-    double seconds = 0;  ///< host time spent in the functional half, summed over its threads
+    double seconds = 0;  ///< host time of the functional half, summed over its threads
+    double waited = 0;   ///< of that, time for which the caller of next() stood still
   };
 
-  /// `workers` threads beside the caller's; 0: tiles are made when they are asked for.
-  FrontEnd(const kernels::FullProgram& program, const traces::Tracer& tracer, std::uint32_t workers);
+  /// `workers` threads beside the caller's; 0: tiles are made when they are asked for. Without `record` there is only
+  /// the picture, no work for a machine.
+  FrontEnd(const kernels::FullProgram& program, const traces::Tracer& tracer, std::uint32_t workers, bool record = true);
   ~FrontEnd() override;
   FrontEnd(const FrontEnd&) = delete;
   FrontEnd& operator=(const FrontEnd&) = delete;
@@ -42,12 +44,14 @@ class FrontEnd final : public TileSource {
     double seconds = 0;
     bool ready = false;
   };
-  void work();
+  void run_ahead();
+  const traces::TileWork* take();
   void make(Slot& slot, std::uint32_t tile) const;
   void keep(const Slot& slot);
 
   const kernels::FullProgram& program_;
   const traces::Tracer& tracer_;
+  const bool record_;
   Result result_;
   std::mutex mutex_;
   std::condition_variable room_, news_;

@@ -223,26 +223,28 @@ std::string Gpu::state() {
 std::vector<sim::UnitReport> Gpu::report() const {
   using sim::report_of;
   std::vector<sim::UnitReport> units;
-  units.push_back(report_of(*dispatcher_, "tile_dispatcher", "srp"));
+  units.push_back(report_of(*dispatcher_, "tile_dispatcher", "interconnect"));
   for (std::size_t c = 0; c < cores_.size(); ++c) {
     const Core& core = cores_[c];
     const std::string at = fmt::format("core{}", c);
-    units.push_back(report_of(*core.srp, at + ".srp", "srp", config_.srp.sram_bytes()));
+    units.push_back(report_of(*core.srp, at + ".srp", "srp", config_.srp.sram_bytes(),
+                              config_.srp.data_cache.size.bytes));
     units.push_back(report_of(core.srp->tile_buffer(), at + ".tile_buffer", "tile_buffer",
                               config_.tile_buffer.size.bytes));
     units.push_back(report_of(core.tni->dispatcher(), at + ".tni.dispatcher", "tni"));
     for (std::size_t t = 0; t < core.tni->trvs().size(); ++t) {
       units.push_back(report_of(core.tni->trvs()[t], fmt::format("{}.tni.trv{}", at, t), "tni",
-                                config_.tni.trv.sram_bytes()));
+                                config_.tni.trv.sram_bytes(), config_.tni.trv.l1.size.bytes));
     }
-    units.push_back(report_of(core.tni->ist(), at + ".tni.ist", "tni", config_.tni.ist.sram_bytes()));
+    units.push_back(report_of(core.tni->ist(), at + ".tni.ist", "tni", config_.tni.ist.sram_bytes(),
+                              config_.tni.ist.l1.size.bytes));
     units.push_back(report_of(*core.dma, at + ".dma", "dma"));
     units.push_back(report_of(*core.cache_port, at + ".cache_port", "interconnect"));
     units.push_back(report_of(*core.dma_port, at + ".dma_port", "interconnect"));
   }
   for (std::size_t b = 0; b < banks_.size(); ++b) {
     units.push_back(report_of(banks_[b], fmt::format("l2.bank{}", b), "l2",
-                              config_.l2.cache.size.bytes / config_.l2.banks));
+                              config_.l2.cache.size.bytes / config_.l2.banks, config_.l2.cache.size.bytes));
   }
   for (std::size_t k = 0; k < channels_.size(); ++k) {
     units.push_back(report_of(channels_[k], fmt::format("dram.channel{}", k), "dram"));

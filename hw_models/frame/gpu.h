@@ -19,6 +19,9 @@
 
 namespace hw {
 
+/// Bytes of a pixel in the frame buffer: three channels in a packed format.
+inline constexpr std::uint32_t kPixelBytes = 4;
+
 /// The machine: cores, L2, memory, and the only place that wires them together.
 ///
 ///   tile dispatcher --> core x n: SRP <--direct interface--> T&I unit        core ports       L2 banks    channels

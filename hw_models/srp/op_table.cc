@@ -111,9 +111,9 @@ const char* energy_event(OpClass c) {
     case OpClass::kConvert:
       return "srp.convert";
     case OpClass::kLocalRead:
-      return "srp.local_read";
+      return "tile.read";
     case OpClass::kLocalWrite:
-      return "srp.local_write";
+      return "tile.write";
     case OpClass::kFree:
     case OpClass::kCachedRead:
     case OpClass::kCount:

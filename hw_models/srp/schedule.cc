@@ -63,7 +63,7 @@ class Placer {
 
   std::uint32_t& slot(std::uint32_t op, std::uint32_t unit, std::int64_t cycle) {
     const Pool pool = pool_of(graph_.operations()[op].kind);
-    return table_[static_cast<std::size_t>(pool)][unit * ii_ + static_cast<std::size_t>(cycle) % ii_];
+    return table_[static_cast<std::size_t>(pool)][std::size_t{unit} * ii_ + static_cast<std::size_t>(cycle) % ii_];
   }
 
   bool free(std::uint32_t op, std::uint32_t unit, std::int64_t start) {

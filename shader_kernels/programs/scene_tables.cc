@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 #include <glm/geometric.hpp>
 
@@ -67,6 +68,7 @@ SceneTables::SceneTables(const traces::MemoryImage& memory_image, const RenderCo
       depth(config.depth) {
   for (const traces::Light& light : image.lights) lights.push_back(light_uniforms(light));
   for (const traces::Texture& texture : image.textures) {
+    if (!texture.srgb) throw std::invalid_argument("texture '" + texture.name + "': base colours are sRGB-encoded");
     axes.push_back(axis_record(texture.width, texture.wrap_u));
     axes.push_back(axis_record(texture.height, texture.wrap_v));
   }

@@ -7,7 +7,8 @@ namespace kernels {
 using traces::Edge;
 using traces::WorkNode;
 
-StreamBuilder::StreamBuilder(traces::TileWork& work, bool on) : work_(work), on_(on) {
+StreamBuilder::StreamBuilder(traces::TileWork& work, std::vector<WorkNode>& spare, bool on)
+    : work_(work), spare_(spare), on_(on) {
   work.walk.clear();
   work.ray_begin.clear();
   work.accesses.clear();
@@ -16,7 +17,11 @@ StreamBuilder::StreamBuilder(traces::TileWork& work, bool on) : work_(work), on_
 }
 
 WorkNode& StreamBuilder::add(WorkNode::Kind kind, std::uint32_t items) {
-  if (count_ == work_.nodes.size()) work_.nodes.emplace_back();
+  if (count_ == work_.nodes.size()) {
+    if (spare_.empty()) spare_.emplace_back();
+    work_.nodes.push_back(std::move(spare_.back()));
+    spare_.pop_back();
+  }
   WorkNode& node = work_.nodes[count_++];
   std::vector<Edge> inputs = std::move(node.inputs);
   inputs.clear();
@@ -57,7 +62,10 @@ void StreamBuilder::wait(Node node, Node for_node, Edge::Kind kind) {
 
 void StreamBuilder::finish() {
   if (on_) begin_item();
-  work_.nodes.resize(count_);
+  while (work_.nodes.size() > count_) {
+    spare_.push_back(std::move(work_.nodes.back()));
+    work_.nodes.pop_back();
+  }
 }
 
 }  // namespace kernels

@@ -1,19 +1,20 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "traces/stream.h"
 
 namespace kernels {
 
-/// Writes a tile's graph of work. Storage of the work's former contents is used again; a builder that is off writes
-/// nothing.
+/// Writes a tile's graph of work. Storage of the work's former contents is used again: nodes that the tile does not
+/// need wait in `spare` for one that does. A builder that is off writes nothing.
 class StreamBuilder {
  public:
   using Node = std::uint32_t;
   static constexpr Node kNone = traces::WorkNode::kNone;
 
-  StreamBuilder(traces::TileWork& work, bool on);
+  StreamBuilder(traces::TileWork& work, std::vector<traces::WorkNode>& spare, bool on);
   bool is_on() const { return on_; }
 
   Node launch(traces::KernelId kernel, std::uint32_t items, bool has_accesses);
@@ -31,6 +32,7 @@ class StreamBuilder {
   traces::WorkNode& add(traces::WorkNode::Kind kind, std::uint32_t items);
 
   traces::TileWork& work_;
+  std::vector<traces::WorkNode>& spare_;
   bool on_;
   Node count_ = 0;
   std::uint32_t launch_sources_ = 0;  ///< first source of the last launch

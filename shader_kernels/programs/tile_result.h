@@ -29,6 +29,7 @@ struct TileBuffer {
   std::vector<TexcoordRecord<float>> texcoords;
   std::vector<ColourRecord<float>> colours;  ///< per sample
   std::vector<std::uint32_t> colour_nodes;   ///< of the work: launches that have added to colours
+  std::vector<traces::WorkNode> spare_nodes;
   void hold_wave(std::size_t slots);
 };
 

@@ -36,7 +36,9 @@ class Dump {
     return std::ranges::any_of(node.children, [this](const ConfigNode& child) { return wanted(child); });
   }
   static std::string comment(const ConfigNode& node) {
-    return node.unit.empty() ? node.meaning : fmt::format("[{}] {}", node.unit, node.meaning);
+    const FieldKind kind = node.kind();
+    const bool shown = kind == FieldKind::kFrequency || kind == FieldKind::kByteSize || kind == FieldKind::kDuration;
+    return shown || node.unit.empty() ? node.meaning : fmt::format("[{}] {}", node.unit, node.meaning);
   }
   void map(const ConfigNode& node, std::size_t depth) {
     const auto& spreads = *std::get<std::map<std::string, Spread>*>(*node.target);

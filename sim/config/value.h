@@ -29,6 +29,9 @@ std::string double_quoted(std::string_view text);
 /// `key` as a YAML key, in quotes unless it is safe without.
 std::string key_text(std::string_view key);
 
+/// The bounds that hold: the declared ones, and those of the member's type.
+Limits effective_limits(const ConfigNode& field);
+
 /// "1 to 64 rays", "true, false", "powers of two from 16 B to 256 B": what a field may hold.
 std::string allowed_text(const ConfigNode& field);
 

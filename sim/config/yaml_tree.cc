@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include <fmt/format.h>
+#include <yaml-cpp/depthguard.h>
 #include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
 
@@ -130,12 +131,15 @@ const YamlNode::Entry* YamlNode::find(std::string_view key) const {
 }
 
 std::shared_ptr<const YamlNode> parse_yaml_mapping(const std::string& text, const std::string& name) {
-  std::istringstream stream(text);
+  // Without its last line end, because yaml-cpp lets a quote stay open there.
+  std::istringstream stream(text.substr(0, text.find_last_not_of(" \n\r") + 1));
   Builder builder(name);
   try {
     YAML::Parser parser(stream);
     while (parser.HandleNextDocument(builder)) {
     }
+  } catch (const YAML::DeepRecursion& error) {
+    builder.refuse_at(error.mark, "is nested too deeply");
   } catch (const YAML::Exception& error) {
     builder.refuse_at(error.mark, fmt::format("is not valid YAML: {}", error.msg));
   }

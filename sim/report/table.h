@@ -5,7 +5,7 @@
 
 namespace sim {
 
-/// "12.3 M", "950 ", "4.56 mJ": three digits with the metric prefix that leaves one to three of them before the point.
+/// "12.3 M", "950", "4.56 mJ": three digits with the metric prefix that leaves one to three of them before the point.
 /// Whole numbers below 1000 stay whole.
 std::string si_text(double value, std::string_view unit = {});
 

@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cassert>
 #include <limits>
+#include <new>
+#include <string>
 
+#include "sim/error.h"
 #include "traces/accel/embree_api.h"
 #include "traces/scene/bounds.h"
 
@@ -139,8 +142,13 @@ PlacedBvh build_bvh(std::span<const TriangleRecord> triangles, const BvhConfig& 
   arguments.setNodeBounds = set_bounds;
   arguments.createLeaf = create_leaf;
   const auto* root = static_cast<const TreeNode*>(rtcBuildBVH(&arguments));
-  check_embree(device.get(), "building the tree");
-  if (root == nullptr) throw std::runtime_error("Embree built no tree");
+  const RTCError error = rtcGetDeviceError(device.get());
+  if (error == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
+  if (error != RTC_ERROR_NONE || root == nullptr) {  // what Embree says when the depth does not suffice
+    throw sim::InputError("bvh.max_depth: " + std::to_string(config.max_depth) + " levels are not enough for " +
+                          std::to_string(triangles.size()) + " triangles in leaves of " +
+                          std::to_string(config.leaf_size));
+  }
 
   out.nodes.reserve(primitives.size());
   out.order.reserve(primitives.size());

@@ -1,7 +1,11 @@
 #include "traces/scene/gltf.h"
 
+#include <new>
+
 #include <fmt/format.h>
 
+#include "sim/error.h"
+#include "sim/io/printable.h"
 #include "traces/scene/cameras.h"
 #include "traces/scene/gltf/context.h"
 #include "traces/scene/gltf/extensions.h"
@@ -11,12 +15,12 @@
 #include "traces/scene/gltf/source.h"
 #include "traces/scene/gltf/textures.h"
 #include "traces/scene/lights.h"
-#include "traces/scene/names.h"
 
 namespace traces {
+namespace {
 
-Scene load_gltf(const std::filesystem::path& path, const SceneLimits& limits) {
-  gltf::Budget budget(printable(path.string()), limits.memory_bytes);
+Scene read(const std::filesystem::path& path, const SceneLimits& limits) {
+  gltf::Budget budget(sim::printable(path.string()), limits.memory_bytes);
   Scene scene;
   scene.name = path.stem().string();
   gltf::Source source = gltf::read_source(path, limits, budget);
@@ -30,7 +34,7 @@ Scene load_gltf(const std::filesystem::path& path, const SceneLimits& limits) {
   if (!complaint.empty()) context.warn(complaint);
   for (const std::string& extension : model.extensionsUsed) {
     if (!gltf::is_supported_extension(extension)) {
-      context.warn(fmt::format("the extension {} is not supported and left out", printable(extension)));
+      context.warn(fmt::format("the extension {} is not supported and left out", sim::printable(extension)));
     }
   }
   if (!model.animations.empty()) context.warn("animations are not played: the scene is shown at rest");
@@ -41,6 +45,16 @@ Scene load_gltf(const std::filesystem::path& path, const SceneLimits& limits) {
   if (scene.cameras.empty()) scene.cameras.push_back(framing_camera(scene));
   finish_lights(scene);
   return scene;
+}
+
+}  // namespace
+
+Scene load_gltf(const std::filesystem::path& path, const SceneLimits& limits) {
+  try {
+    return read(path, limits);
+  } catch (const std::bad_alloc&) {
+    throw sim::InputError(sim::printable(path.string()) + ": needs more memory than this machine has left");
+  }
 }
 
 }  // namespace traces

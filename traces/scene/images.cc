@@ -9,9 +9,9 @@
 #include <fmt/format.h>
 
 #include "sim/error.h"
-#include "traces/scene/file_io.h"
+#include "sim/io/file.h"
+#include "sim/io/printable.h"
 #include "traces/scene/images/codec.h"
-#include "traces/scene/names.h"
 
 namespace traces {
 namespace {
@@ -62,8 +62,8 @@ void check_size(const std::filesystem::path& path, std::uint32_t width, std::uin
 
 void finish(const std::filesystem::path& path, const std::string& error, const std::vector<unsigned char>& bytes) {
   if (!error.empty())
-    throw sim::IoError(fmt::format("{}: writing failed: {}", printable(path.string()), printable(error)));
-  write_file_atomically(path, as_text(bytes));
+    throw sim::IoError(fmt::format("{}: writing failed: {}", sim::printable(path.string()), sim::printable(error)));
+  sim::write_file_atomically(path, as_text(bytes));
 }
 
 }  // namespace
@@ -75,7 +75,7 @@ Texture read_image(std::span<const std::byte> bytes, const std::string& name, co
   texture.name = name;
   ImageCodec::Size size;
   const std::string error = codec().decode(bytes, format, limits.pixels, size, texture.texels);
-  if (!error.empty()) throw sim::InputError(fmt::format("{}: {}", name, printable(error)));
+  if (!error.empty()) throw sim::InputError(fmt::format("{}: {}", name, sim::printable(error)));
   texture.width = size.width;
   texture.height = size.height;
   return texture;
@@ -96,14 +96,14 @@ void write_exr(const std::filesystem::path& path, std::uint32_t width, std::uint
 }
 
 FloatImage read_exr(const std::filesystem::path& path, const SceneLimits& limits) {
-  const std::string bytes = read_file(path, limits.memory_bytes);
-  const std::string shown = printable(path.string());
+  const std::string bytes = sim::read_file(path, limits.memory_bytes);
+  const std::string shown = sim::printable(path.string());
   if (!bytes.starts_with("\x76\x2f\x31\x01")) throw sim::InputError(shown + ": not an OpenEXR file");
   FloatImage image;
   ImageCodec::Size size;
   const std::string error =
       codec().decode_exr(std::as_bytes(std::span(bytes.data(), bytes.size())), limits.pixels, size, image.rgb);
-  if (!error.empty()) throw sim::InputError(fmt::format("{}: {}", shown, printable(error)));
+  if (!error.empty()) throw sim::InputError(fmt::format("{}: {}", shown, sim::printable(error)));
   image.width = size.width;
   image.height = size.height;
   return image;

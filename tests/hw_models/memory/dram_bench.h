@@ -37,9 +37,10 @@ struct DramBench {
   DramChannel& channel() { return bench.channels.front(); }
   const DramChannel::Stats& stats() { return channel().stats(); }
   std::uint64_t why(DramWhy reason) { return channel().clock().cycles(channel().activity().spent(reason)); }
+  /// Returns the cycles elapsed, the last visited one included.
   std::uint64_t run(Mode mode = Mode::kSkip) {
     end = bench.run(mode);
-    return channel().clock().cycles(end);
+    return channel().clock().cycles(end) + 1;
   }
 
   /// The address of a row's first line.

@@ -205,7 +205,7 @@ TEST(DramChannel, ASlowClientIsChargedToReturnsFullAndStillServed) {
 }
 
 TEST(DramChannel, RandomTrafficDoesNotDependOnHowTheEngineVisitsIt) {
-  for (const std::uint64_t seed : {1, 2, 3, 4, 5, 6}) {
+  for (const std::uint64_t seed : {1U, 2U, 3U, 4U, 5U, 6U}) {
     std::string expected;
     for (const Mode mode : {Mode::kSkip, Mode::kEveryEdge, Mode::kShuffled}) {
       DramConfig c = DramBench::quiet();

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -186,10 +187,12 @@ class Bench {
   }
 
  private:
-  void finish(sim::Time end) {
-    for (auto& u : ports) u.finish(u.clock().edge_at_or_after(end));
-    for (auto& u : banks) u.finish(u.clock().edge_at_or_after(end));
-    for (auto& u : channels) u.finish(u.clock().edge_at_or_after(end));
+  /// The cycle of the last visited edge belongs to every unit, whether or not the unit was visited in it.
+  void finish(sim::Time last) {
+    const auto end = [&](auto& unit) { unit.finish(unit.clock().edge_at_or_after(last + 1)); };
+    std::ranges::for_each(ports, end);
+    std::ranges::for_each(banks, end);
+    std::ranges::for_each(channels, end);
   }
   template <class T>
   auto& links_of() {

@@ -113,6 +113,12 @@ TEST(MemoryImage, ManyTrianglesInOnePlaceStillMakeATree) {
   EXPECT_LE(bvh_info(image).depth, BvhConfig{}.max_depth);
 }
 
+TEST(MemoryImage, RefusesATreeDeeperThanAllowed) {
+  const Scene scene = triangle_soup(100000, 0.05F);
+  EXPECT_LE(bvh_info(build_memory_image(scene, {.leaf_size = 1, .max_depth = 32})).depth, 32U);
+  EXPECT_THROW(build_memory_image(scene, {.leaf_size = 1, .max_depth = 16}), sim::InputError);
+}
+
 TEST(MemoryImage, OneTriangleHangsBelowARootWithOneChild) {
   const MemoryImage image = build_memory_image(one_triangle());
   ASSERT_EQ(image.nodes.size(), 1U);

@@ -168,6 +168,20 @@ TEST(Walk, NamesThePhaseInWhichEachTestStopped) {
             (std::vector<std::uint32_t>{visit_step(0, 1, 0), leaf_step(0, 1), 0x3, end_step(true)}));
 }
 
+TEST(Walk, TheChildEnteredFirstIsNearAndChildZeroOfEquals) {
+  Mesh mesh;
+  mesh.positions = {{0, 0, 0}, {2, 0, 1}, {0, 2, 1}, {0, 0, 0.4F}, {1, 0, 1.4F}, {0, 1, 1.4F}};
+  mesh.triangles = {{0, 1, 2}, {3, 4, 5}};
+  const MemoryImage image = build_memory_image(scene_of(mesh), {.leaf_size = 1});
+  ASSERT_EQ(image.triangles[leaf_first(image.nodes[0].child[0])].source, 0U);
+  const auto first_word = [&](float z, float direction) {
+    return record(image, {Ray{{0.2F, 0.2F, z}, 0, {0, 0, direction}}}, RayKind::kPrimary).words[0];
+  };
+  EXPECT_EQ(first_word(-1, 1), visit_step(0, 3, 0));
+  EXPECT_EQ(first_word(2, -1), visit_step(0, 3, 1));
+  EXPECT_EQ(first_word(0.7F, 1), visit_step(0, 3, 0));
+}
+
 TEST(Walk, CullsWhatBeginsBehindTheHit) {
   const MemoryImage image = build_memory_image(triangle_soup(3000, 0.15F));
   const Recorded r = record(image, random_rays(1000), RayKind::kPrimary);

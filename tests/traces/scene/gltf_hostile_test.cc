@@ -126,7 +126,7 @@ TEST(GltfHostile, MoreThanTheLimits) {
     file.json["scenes"][0]["nodes"].push_back(i);
   }
   EXPECT_SAYS(refusal(file.text(), {.nodes = 10}), "'nodes' has 20 entries, allowed are 10");
-  EXPECT_SAYS(refusal(file.text(), {.memory_bytes = 100}), "allowed are 100");
+  EXPECT_SAYS(refusal(file.text(), {.memory_bytes = 100}), "allowed: 100 bytes");
   EXPECT_SAYS(refusal(file.text(), {.memory_bytes = file.text().size() * 18 + 500}), "more than is left of the limit");
 }
 

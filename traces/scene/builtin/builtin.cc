@@ -3,7 +3,8 @@
 #include <fmt/format.h>
 
 #include "sim/error.h"
-#include "traces/scene/names.h"
+#include "sim/io/printable.h"
+#include "traces/scene/did_you_mean.h"
 
 namespace traces {
 namespace {
@@ -35,7 +36,7 @@ Scene build_scene(std::string_view name) {
   }
   throw sim::InputError(
       fmt::format("no scene is called '{}'{}; built in: {}; a file is given with its extension (.glb, .gltf)",
-                  printable(name), did_you_mean(name, names), fmt::join(names, ", ")));
+                  sim::printable(name), did_you_mean(name, names), fmt::join(names, ", ")));
 }
 
 }  // namespace traces

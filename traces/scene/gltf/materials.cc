@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 #include <glm/common.hpp>
 
+#include "sim/io/printable.h"
 #include "traces/scene/gltf/values.h"
-#include "traces/scene/names.h"
 
 namespace traces::gltf {
 namespace {
@@ -115,7 +115,7 @@ std::vector<TexturePlacement> read_materials(Context& context, Textures& texture
     Surface surface = read_surface(context, textures, m, what);
     glm::vec4 mean_base = base;
     Material out;
-    out.name = printable(m.name);
+    out.name = sim::printable(m.name);
     out.base_colour = glm::vec3(base);
     if (texture.index >= 0) {
       out.base_texture = textures.base_colour(texture.index);

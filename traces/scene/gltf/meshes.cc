@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "sim/io/printable.h"
 #include "traces/scene/gltf/accessors.h"
-#include "traces/scene/names.h"
 #include "traces/scene/normals.h"
 
 namespace traces::gltf {
@@ -111,7 +111,7 @@ const std::vector<std::uint32_t>& Meshes::primitives_of(int index) {
   const auto [place, is_new] = read_.try_emplace(index);
   if (!is_new) return place->second;
   const tinygltf::Mesh& mesh = context_.at(context_.model.meshes, index, "meshes");
-  const std::string name = mesh.name.empty() ? fmt::format("mesh {}", index) : printable(mesh.name);
+  const std::string name = mesh.name.empty() ? fmt::format("mesh {}", index) : sim::printable(mesh.name);
   for (std::size_t i = 0; i < mesh.primitives.size(); ++i) {
     const tinygltf::Primitive& primitive = mesh.primitives[i];
     const std::string part = mesh.primitives.size() == 1 ? name : fmt::format("{}/{}", name, i);

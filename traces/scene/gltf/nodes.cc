@@ -8,9 +8,9 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
+#include "sim/io/printable.h"
 #include "traces/scene/gltf/punctual_lights.h"
 #include "traces/scene/gltf/values.h"
-#include "traces/scene/names.h"
 
 namespace traces::gltf {
 namespace {
@@ -47,7 +47,7 @@ double largest_entry(const glm::dmat4& m) {
 
 void add_camera(Context& context, const tinygltf::Node& node, const glm::dmat4& to_world) {
   const tinygltf::Camera& found = context.at(context.model.cameras, node.camera, "cameras");
-  const std::string name = printable(!found.name.empty() ? found.name : node.name);
+  const std::string name = sim::printable(!found.name.empty() ? found.name : node.name);
   if (found.type != "perspective") {
     context.warn(fmt::format("camera '{}': only perspective cameras are supported", name));
     return;
@@ -126,7 +126,7 @@ void read_nodes(Context& context, Meshes& meshes) {
     open.pop_back();
     const tinygltf::Node& node = context.at(context.model.nodes, visit.node, "nodes");
     const std::string what =
-        fmt::format("nodes[{}]{}{}", visit.node, node.name.empty() ? "" : " ", printable(node.name));
+        fmt::format("nodes[{}]{}{}", visit.node, node.name.empty() ? "" : " ", sim::printable(node.name));
     if (seen[static_cast<std::size_t>(visit.node)]) {
       context.refuse(what + " is reached twice; the hierarchy must be a tree");
     }

@@ -3,7 +3,7 @@
 #include <exception>
 
 #include "sim/error.h"
-#include "traces/scene/names.h"
+#include "sim/io/printable.h"
 
 namespace traces::gltf {
 namespace {
@@ -33,7 +33,7 @@ tinygltf::FsCallbacks callbacks(const Source& source) {
 /// tinygltf writes a line for everything it dislikes; what made it stop comes last.
 std::string last_line(std::string text) {
   while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
-  return printable(text.substr(text.rfind('\n') + 1));  // npos + 1 is 0
+  return sim::printable(text.substr(text.rfind('\n') + 1));  // npos + 1 is 0
 }
 
 }  // namespace
@@ -54,14 +54,14 @@ tinygltf::Model parse_model(const Source& source, std::string& complaint) {
       good = loader.LoadASCIIFromString(&model, &error, &ignored, source.bytes.data(), size, "");
     }
   } catch (const std::bad_alloc&) {
-    error = "not enough memory";
+    throw;
   } catch (const std::exception& caught) {
     error = caught.what();
   }
   complaint = last_line(error);
   if (!good) throw sim::InputError(source.shown_name + ": not a glTF 2.0 file: " + complaint);
   if (!model.asset.version.starts_with("2.")) {
-    throw sim::InputError(source.shown_name + ": glTF version '" + printable(model.asset.version) +
+    throw sim::InputError(source.shown_name + ": glTF version '" + sim::printable(model.asset.version) +
                           "'; supported is 2.0");
   }
   return model;

@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 
+#include "sim/io/printable.h"
 #include "traces/scene/gltf/values.h"
-#include "traces/scene/names.h"
 
 namespace traces::gltf {
 
@@ -16,7 +16,7 @@ void add_punctual_light(Context& context, const tinygltf::Node& node, const glm:
   const auto* extension = find_extension(node.extensions, "KHR_lights_punctual");
   if (extension == nullptr) return;
   const tinygltf::Light& found = context.at(context.model.lights, index_or_none(*extension, "light"), "lights");
-  const std::string what = fmt::format("light '{}'", printable(found.name));
+  const std::string what = fmt::format("light '{}'", sim::printable(found.name));
   Light light;
   if (found.type == "point") {
     light.kind = Light::Kind::kPoint;
@@ -29,7 +29,7 @@ void add_punctual_light(Context& context, const tinygltf::Node& node, const glm:
     light.cos_outer = static_cast<float>(std::cos(outer));
     light.cos_inner = static_cast<float>(std::cos(inner));
   } else {
-    context.warn(fmt::format("{}: the type '{}' is not point, spot or directional", what, printable(found.type)));
+    context.warn(fmt::format("{}: the type '{}' is not point, spot or directional", what, sim::printable(found.type)));
     return;
   }
   const float strength = to_float(context, found.intensity, what + " intensity");

@@ -8,11 +8,11 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/error.h"
+#include "sim/io/file.h"
+#include "sim/io/printable.h"
 #include "sim/sha256.h"
-#include "traces/scene/file_io.h"
 #include "traces/scene/gltf/extensions.h"
 #include "traces/scene/gltf/uri.h"
-#include "traces/scene/names.h"
 
 namespace traces::gltf {
 namespace {
@@ -90,16 +90,18 @@ nlohmann::json parse(const Source& source) {
 void check_lists(const Source& source, const nlohmann::json& json, const SceneLimits& limits) {
   for (const auto& [key, value] : json.items()) {
     if (value.is_array() && value.size() > limits.nodes) {
-      refuse(source, fmt::format("'{}' has {} entries, allowed are {}", printable(key), value.size(), limits.nodes));
+      refuse(source,
+             fmt::format("'{}' has {} entries, allowed are {}", sim::printable(key), value.size(), limits.nodes));
     }
   }
   const auto required = json.find("extensionsRequired");
   if (required == json.end() || !required->is_array()) return;
   for (const auto& extension : *required) {
     if (!extension.is_string() || !is_supported_extension(extension.get<std::string>())) {
-      refuse(source, fmt::format("needs the extension {}, which is not supported; supported: {}",
-                                 printable(extension.is_string() ? extension.get<std::string>() : extension.dump()),
-                                 supported_extensions()));
+      refuse(source,
+             fmt::format("needs the extension {}, which is not supported; supported: {}",
+                         sim::printable(extension.is_string() ? extension.get<std::string>() : extension.dump()),
+                         supported_extensions()));
     }
   }
 }
@@ -118,10 +120,10 @@ void read_external(Source& source, const nlohmann::json& json, const std::filesy
       const std::string relative = local_path(uri, where);
       if (source.external.contains(relative)) continue;
       if (!std::filesystem::exists(folder / relative)) {
-        throw sim::InputError(fmt::format("{}: the file '{}' is missing", where, printable(relative)));
+        throw sim::InputError(fmt::format("{}: the file '{}' is missing", where, sim::printable(relative)));
       }
-      std::string bytes = read_file(folder / relative, limits.memory_bytes);
-      budget.take(bytes.size(), 2, fmt::format("the file '{}'", printable(relative)));
+      std::string bytes = sim::read_file(folder / relative, limits.memory_bytes);
+      budget.take(bytes.size(), 2, fmt::format("the file '{}'", sim::printable(relative)));
       source.sha256 += sim::sha256_hex(bytes);
       source.external.emplace(relative, std::move(bytes));
     }
@@ -134,8 +136,8 @@ void read_external(Source& source, const nlohmann::json& json, const std::filesy
 Source read_source(const std::filesystem::path& path, const SceneLimits& limits, Budget& budget) {
   constexpr std::uint64_t kJsonExpansion = 16;  // bytes that a parsed value may take for each of its text
   Source source;
-  source.shown_name = printable(path.string());
-  source.bytes = read_file(path, limits.memory_bytes);
+  source.shown_name = sim::printable(path.string());
+  source.bytes = sim::read_file(path, limits.memory_bytes);
   budget.take(source.bytes.size(), 2, "the file");
   source.sha256 = sim::sha256_hex(source.bytes);
   source.json_size = source.bytes.size();

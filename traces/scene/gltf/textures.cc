@@ -5,9 +5,9 @@
 
 #include <fmt/format.h>
 
+#include "sim/io/printable.h"
 #include "traces/scene/gltf/accessors.h"
 #include "traces/scene/images.h"
-#include "traces/scene/names.h"
 
 namespace traces::gltf {
 namespace {
@@ -59,8 +59,8 @@ int Textures::source_of(int texture) {
 const Texture& Textures::image(int index) {
   if (const auto found = images_.find(index); found != images_.end()) return found->second;
   const tinygltf::Image& image = context_.at(context_.model.images, index, "images");
-  const std::string name =
-      fmt::format("{}: images[{}]{}{}", context_.file, index, image.name.empty() ? "" : " ", printable(image.name));
+  const std::string name = fmt::format("{}: images[{}]{}{}", context_.file, index, image.name.empty() ? "" : " ",
+                                       sim::printable(image.name));
   std::span<const std::byte> bytes;
   if (image.bufferView >= 0) {
     const Bytes view = view_bytes(context_, image.bufferView);
@@ -70,7 +70,7 @@ const Texture& Textures::image(int index) {
   }
   Texture texture = read_image(bytes, name, context_.limits);
   context_.budget.take(texture.texels.size(), sizeof(std::uint32_t), name);
-  texture.name = printable(image.name.empty() ? image.uri : image.name);
+  texture.name = sim::printable(image.name.empty() ? image.uri : image.name);
   return images_.emplace(index, std::move(texture)).first->second;
 }
 

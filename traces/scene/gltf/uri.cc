@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "sim/error.h"
-#include "traces/scene/names.h"
+#include "sim/io/printable.h"
 
 namespace traces::gltf {
 namespace {
@@ -51,7 +51,7 @@ std::string local_path(std::string_view uri, std::string_view where) {
   if (fault != nullptr) {
     throw sim::InputError(
         fmt::format("{}: the URI '{}' {}; allowed are data: URIs and files in the same folder or below", where,
-                    printable(uri), fault));
+                    sim::printable(uri), fault));
   }
   return path;
 }

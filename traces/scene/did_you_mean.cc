@@ -1,4 +1,4 @@
-#include "traces/scene/names.h"
+#include "traces/scene/did_you_mean.h"
 
 #include <algorithm>
 #include <numeric>
@@ -23,15 +23,6 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 }
 
 }  // namespace
-
-std::string printable(std::string_view text) {
-  constexpr std::size_t kLongest = 120;
-  std::string out(text.substr(0, kLongest));
-  for (char& c : out) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
-  }
-  return text.size() > kLongest ? out + "..." : out;
-}
 
 std::string did_you_mean(std::string_view text, std::span<const std::string> candidates) {
   const std::string_view start = text.substr(0, 64);

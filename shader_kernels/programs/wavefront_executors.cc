@@ -1,0 +1,106 @@
+#include "shader_kernels/programs/wavefront.h"
+
+namespace kernels {
+
+using traces::RayKind;
+
+void Wavefront::shade_background(const Bounce& bounce, std::uint32_t misses) {
+  ShadeBackground::Ports<float> ports;
+  ports.misses.bind(buffer_.misses.data());
+  ports.paths.bind(buffer_.wave.paths.data());
+  ports.colours.bind(buffer_.colours.data());
+  ports.background = scene_.background;
+  const Node node = launch<ShadeBackground>(ports, misses);
+  wait_for_bounce(node, bounce);
+  buffer_.colour_nodes.push_back(node);
+}
+
+Wavefront::Streams Wavefront::shade_surfaces(Bounce& bounce, std::uint32_t surfaces) {
+  ShadeSurface::Ports<float> surface;
+  surface.surfaces.bind(buffer_.surfaces.data());
+  surface.rays.bind(buffer_.wave.rays.data());
+  surface.hits.bind(buffer_.wave.hits.data());
+  surface.attributes.bind(scene_.image.attributes.data(), accesses());
+  surface.materials.bind(scene_.image.materials.data(), accesses());
+  surface.places.bind(buffer_.places.data());
+  surface.mattes.bind(buffer_.mattes.data());
+  surface.texcoords.bind(buffer_.texcoords.data());
+  const Node fetched = launch<ShadeSurface>(surface, surfaces);
+  wait_for_bounce(fetched, bounce);
+
+  ClassifySurfaces::Ports<float> ports;
+  ports.surfaces.bind(buffer_.surfaces.data());
+  ports.mattes.bind(buffer_.mattes.data());
+  ports.textured.bind(buffer_.textured.data());
+  ports.diffuse.bind(buffer_.diffuse.data());
+  ports.mirror.bind(buffer_.mirror.data());
+  ports.glass.bind(buffer_.glass.data());
+  ports.emissive.bind(buffer_.emissive.data());
+  bounce.inspector = launch<ClassifySurfaces>(ports, surfaces);
+  wait_each(bounce.inspector, fetched);
+  return {ports.textured_count.value, ports.diffuse_count.value, ports.mirror_count.value, ports.glass_count.value,
+          ports.emissive_count.value};
+}
+
+void Wavefront::shade_textured(Bounce& bounce, std::uint32_t items) {
+  ShadeTextured::Ports<float> ports;
+  ports.textured.bind(buffer_.textured.data());
+  ports.texcoords.bind(buffer_.texcoords.data());
+  ports.mattes.bind(buffer_.mattes.data());
+  ports.axes.bind(scene_.axes.data());
+  ports.texels.bind(scene_.image.textures.data(), accesses());
+  bounce.colours = launch<ShadeTextured>(ports, items);
+  wait_all(bounce.colours, bounce.inspector);
+}
+
+void Wavefront::shade_emission(const Bounce& bounce, std::uint32_t items) {
+  ShadeEmission::Ports<float> ports;
+  ports.emissive.bind(buffer_.emissive.data());
+  ports.places.bind(buffer_.places.data());
+  ports.paths.bind(buffer_.wave.paths.data());
+  ports.materials.bind(scene_.image.materials.data(), accesses());
+  ports.colours.bind(buffer_.colours.data());
+  const Node node = launch<ShadeEmission>(ports, items);
+  wait_for_bounce(node, bounce);
+  buffer_.colour_nodes.push_back(node);
+}
+
+void Wavefront::shade_ambient(const Bounce& bounce, std::uint32_t items) {
+  ShadeAmbient::Ports<float> ports;
+  ports.diffuse.bind(buffer_.diffuse.data());
+  ports.paths.bind(buffer_.wave.paths.data());
+  ports.mattes.bind(buffer_.mattes.data());
+  ports.colours.bind(buffer_.colours.data());
+  ports.ambient = scene_.ambient;
+  const Node node = launch<ShadeAmbient>(ports, items);
+  wait_for_bounce(node, bounce);
+  buffer_.colour_nodes.push_back(node);
+}
+
+void Wavefront::shade_light(const Bounce& bounce, const LightUniforms<float>& light, std::uint32_t items) {
+  buffer_.shadow.hold(std::size_t{items} + 1);
+  ShadeDiffuse::Ports<float> ports;
+  ports.diffuse.bind(buffer_.diffuse.data());
+  ports.places.bind(buffer_.places.data());
+  ports.paths.bind(buffer_.wave.paths.data());
+  ports.mattes.bind(buffer_.mattes.data());
+  ports.shadow_rays.bind(buffer_.shadow.rays.data());
+  ports.shadow_paths.bind(buffer_.shadow.paths.data());
+  ports.light = light;
+  ports.epsilon = scene_.epsilon;
+  const Node shaded = launch<ShadeDiffuse>(ports, items);
+  wait_for_bounce(shaded, bounce);
+  const std::uint32_t rays = ports.emitted.value;
+  if (rays == 0) return;
+  const Node batch = trace(RayKind::kShadow, buffer_.shadow, 0, rays, shaded, true);
+
+  CombineShadow::Ports<float> combine;
+  combine.shadow_hits.bind(buffer_.shadow.hits.data());
+  combine.shadow_paths.bind(buffer_.shadow.paths.data());
+  combine.colours.bind(buffer_.colours.data());
+  const Node combined = launch<CombineShadow>(combine, rays);
+  wait_each(combined, batch);
+  buffer_.colour_nodes.push_back(combined);
+}
+
+}  // namespace kernels

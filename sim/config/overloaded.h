@@ -1,0 +1,11 @@
+#pragma once
+
+namespace sim {
+
+/// One callable out of several, for std::visit.
+template <class... Cases>
+struct Overloaded : Cases... {
+  using Cases::operator()...;
+};
+
+}  // namespace sim

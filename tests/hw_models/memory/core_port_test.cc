@@ -1,0 +1,131 @@
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "tests/hw_models/memory/harness.h"
+
+namespace hw::test {
+namespace {
+
+const sim::Clock kClock(2'000'000);
+
+/// Clients, a port, and memories that answer at once.
+struct PortBench {
+  PortBench(std::size_t clients, std::size_t targets, std::size_t capacity, std::uint64_t latency = 1,
+            std::uint32_t width = 32) {
+    InterconnectConfig config;
+    config.width_bytes = width;
+    CorePort::Links links;
+    for (std::size_t i = 0; i < clients; ++i) {
+      auto& up = bench.link<MemRequest>(capacity, 1, kClock, kClock);
+      auto& down = bench.link<MemResponse>(capacity, latency, kClock, kClock);
+      bench.requesters.emplace_back(kClock, up, down).source = static_cast<std::uint16_t>(i);
+      bench.connect(up, i, clients);
+      bench.connect(down, clients, i);
+      links.clients_in.push_back(&up);
+      links.clients_out.push_back(&down);
+    }
+    for (std::size_t i = 0; i < targets; ++i) {
+      auto& up = bench.link<MemRequest>(capacity, latency, kClock, kClock);
+      auto& down = bench.link<MemResponse>(capacity, 1, kClock, kClock);
+      bench.echoes.emplace_back(kClock, up, down);
+      bench.connect(up, clients, clients + 1 + i);
+      bench.connect(down, clients + 1 + i, clients);
+      links.targets_out.push_back(&up);
+      links.targets_in.push_back(&down);
+    }
+    bench.ports.emplace_back(config, links, Interleave(64, static_cast<std::uint32_t>(targets)), kClock);
+  }
+
+  Requester& client(std::size_t i) { return *std::next(bench.requesters.begin(), static_cast<long>(i)); }
+  const Echo& target(std::size_t i) { return *std::next(bench.echoes.begin(), static_cast<long>(i)); }
+  const CorePort& port() { return bench.ports.front(); }
+  std::uint64_t why(CorePort::Why w) { return kClock.cycles(port().activity().spent(w)); }
+  std::uint64_t elapsed() { return kClock.cycles(port().activity().accounted()); }
+
+  Bench bench;
+};
+
+TEST(CorePort, ALoneRequestTakesTheWiresBothWays) {
+  PortBench b(1, 1, 8, 5);
+  b.client(0).send(640);
+  b.bench.run();
+  EXPECT_EQ(b.client(0).script[0].latency(), 1U + 5 + 1 + 5) << "client wire, up, memory's wire, down";
+  EXPECT_EQ(b.port().stats().requests, 1U);
+  EXPECT_EQ(b.port().stats().lines_down, 1U);
+}
+
+TEST(CorePort, ALineHoldsTheWayDownForItsLengthOverTheWidth) {
+  for (const std::uint32_t width : {16U, 32U, 64U}) {
+    PortBench b(1, 4, 64, 1, width);
+    for (Addr i = 0; i < 40; ++i) b.client(0).send(64 * i);
+    b.bench.run();
+    EXPECT_EQ(b.client(0).script[39].answered - b.client(0).script[0].answered, 39 * (64U / width));
+    EXPECT_EQ(b.why(CorePort::Why::kLine), 39 * (64U / width) + std::min(64U / width, 2U))
+        << "the run ends with the answer, two cycles into the last line";
+  }
+}
+
+TEST(CorePort, RequestsGoToTheOwnerOfTheirLine) {
+  PortBench b(1, 4, 8);
+  for (Addr i = 0; i < 12; ++i) b.client(0).send(64 * (4 * i + i % 3));
+  b.bench.run();
+  for (std::size_t t = 0; t < 3; ++t) EXPECT_EQ(b.target(t).requests, 4U);
+  EXPECT_EQ(b.target(3).requests, 0U);
+}
+
+TEST(CorePort, ClientsTakeTurns) {
+  PortBench b(3, 1, 64);
+  for (std::size_t c = 0; c < 3; ++c)
+    for (Addr i = 0; i < 30; ++i) b.client(c).send(64 * i);
+  b.bench.run();
+  for (std::size_t i = 0; i < 30; ++i) {
+    EXPECT_LE(b.client(2).script[i].answered - b.client(0).script[i].answered, 4U) << "two lines of two cycles between";
+  }
+}
+
+TEST(CorePort, AWriteHoldsTheWayUp) {
+  PortBench b(1, 1, 64);
+  for (Addr i = 0; i < 20; ++i) b.client(0).send(64 * i, 0, true);
+  b.client(0).send(0);
+  b.bench.run();
+  EXPECT_EQ(b.client(0).script[20].answered, 1 + 20 * 2 + 1 + 1 + 1U);
+  EXPECT_EQ(b.port().stats().lines_up, 20U);
+}
+
+TEST(CorePort, ABlockedTargetDoesNotHoldUpTheOthersClients) {
+  PortBench b(2, 2, 1);
+  b.client(0).pop_every = 200;
+  for (Addr i = 0; i < 6; ++i) b.client(0).send(128 * i);
+  for (Addr i = 0; i < 50; ++i) b.client(1).send(128 * i + 64);
+  b.bench.run();
+  EXPECT_LT(b.client(1).script[49].answered, 400U);
+  EXPECT_GT(b.why(CorePort::Why::kClientFull), 400U);
+}
+
+TEST(CorePort, RandomTrafficDoesNotDependOnHowTheEngineVisitsIt) {
+  for (const std::size_t capacity : {1U, 2U, 8U}) {
+    std::string expected;
+    for (const Mode mode : {Mode::kSkip, Mode::kEveryEdge, Mode::kShuffled}) {
+      PortBench b(3, 2, capacity, capacity, capacity == 2 ? 8 : 32);
+      b.client(1).pop_every = 7;
+      for (std::uint64_t i = 0; i < 900; ++i)
+        b.client(i % 3).send(sim::hash(i) % 64 * 64, sim::hash(i, 2) % 4000 / 4 * (i % 7), sim::hash(i, 1) % 4 == 0);
+      const sim::Time end = b.bench.run(mode);
+      const std::string all = b.bench.everything(end);
+      if (mode == Mode::kSkip) expected = all;
+      ASSERT_EQ(all, expected) << "capacity " << capacity;
+      const CorePort::Stats& s = b.port().stats();
+      EXPECT_EQ(s.requests, 900U);
+      EXPECT_EQ(s.lines_down + s.lines_up, 900U);
+      std::uint64_t sum = 0;
+      for (std::size_t w = 0; w < static_cast<std::size_t>(CorePort::Why::kCount); ++w)
+        sum += b.why(static_cast<CorePort::Why>(w));
+      EXPECT_EQ(sum, b.elapsed());
+      EXPECT_EQ(b.elapsed(), kClock.cycles(end) + 1);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace hw::test

@@ -1,0 +1,118 @@
+#include "sim/io/file.h"
+
+#include <csignal>
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include "../folder.h"
+#include "sim/error.h"
+#include "sim/io/printable.h"
+#include "sim/sha256.h"
+
+namespace sim::test {
+namespace {
+
+std::size_t files_in(const std::filesystem::path& folder) {
+  return static_cast<std::size_t>(
+      std::distance(std::filesystem::directory_iterator(folder), std::filesystem::directory_iterator{}));
+}
+
+TEST(WriteFile, ReplacesTheWholeFileAndLeavesNothingElse) {
+  const Folder folder;
+  const auto file = folder.write("x.json", "something much longer than what follows");
+  const std::string bytes("a\0b\n", 4);
+  write_file_atomically(file, bytes);
+  EXPECT_EQ(read_file(file, 100), bytes);
+  EXPECT_EQ(files_in(folder.path()), 1U);
+}
+
+TEST(WriteFile, KeepsTheExtensionOfTheTemporaryNameLast) {
+  EXPECT_EQ(temporary_name("a/x.y.png"), "a/x.y.tmp.png");
+  EXPECT_EQ(temporary_name("a/x"), "a/x.tmp");
+}
+
+TEST(WriteFile, CommitsWhatSomebodyElseHasWritten) {
+  const Folder folder;
+  const auto file = folder.path() / "x.png";
+  commit_file(folder.write("x.tmp.png", "image"), file);
+  EXPECT_EQ(read_file(file, 100), "image");
+  EXPECT_EQ(files_in(folder.path()), 1U);
+}
+
+TEST(WriteFile, WithoutAFolderIsAnIoError) {
+  const Folder folder;
+  EXPECT_EQ(complaint<IoError>(folder, [&] { write_file_atomically(folder.path() / "none/x.json", "x"); }),
+            "none/x.json: cannot be written: No such file or directory");
+}
+
+TEST(WriteFile, OntoAFolderIsAnIoErrorAndLeavesNothing) {
+  const Folder folder;
+  std::filesystem::create_directories(folder.path() / "x.json/inside");
+  EXPECT_EQ(complaint<IoError>(folder, [&] { write_file_atomically(folder.path() / "x.json", "x"); }),
+            "x.json: cannot be written: Is a directory");
+  EXPECT_EQ(files_in(folder.path()), 1U);
+}
+
+TEST(WriteFile, WithoutRoomIsAnIoErrorAndKeepsTheOldFile) {
+  const Folder folder;
+  const auto file = folder.write("x.json", "old");
+  std::signal(SIGXFSZ, SIG_IGN);
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  const rlimit tight{1000, before.rlim_max};
+  setrlimit(RLIMIT_FSIZE, &tight);
+  const std::string message = complaint<IoError>(folder, [&] { write_file_atomically(file, std::string(5000, 'x')); });
+  setrlimit(RLIMIT_FSIZE, &before);
+  EXPECT_EQ(message, "x.json: cannot be written: File too large");
+  EXPECT_EQ(read_file(file, 100), "old");
+  EXPECT_EQ(files_in(folder.path()), 1U);
+}
+
+TEST(WriteFile, ToAFullDeviceIsAnIoError) {
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP();
+  const Folder folder;
+  const auto file = folder.path() / "x.json";
+  std::filesystem::create_symlink("/dev/full", temporary_name(file));
+  EXPECT_EQ(complaint<IoError>(folder, [&] { write_file_atomically(file, "x"); }),
+            "x.json: cannot be written: No space left on device");
+}
+
+TEST(ReadFile, RefusesWhatIsMissingTooLargeOrNoFile) {
+  const Folder folder;
+  const auto read = [&](const char* name) {
+    return complaint<InputError>(folder, [&] { read_file(folder.path() / name, 3); });
+  };
+  folder.write("fits", "abc");
+  folder.write("large", "abcd");
+  EXPECT_EQ(read("fits"), "no error");
+  EXPECT_EQ(read("large"), "large: is too large; allowed: 3 bytes");
+  EXPECT_EQ(read("none"), "none: no such file");
+  EXPECT_EQ(read("."), ".: is a folder, not a file");
+}
+
+TEST(Printable, KeepsTextAndReplacesTheRest) {
+  EXPECT_EQ(printable("plain \xc3\xa9 \xe2\x82\xac \xf0\x9f\x98\x80"), "plain \xc3\xa9 \xe2\x82\xac \xf0\x9f\x98\x80");
+  EXPECT_EQ(printable("a\nb\x1b[m\x7f"), "a?b?[m?");
+  EXPECT_EQ(printable("\xff \xc3 \xe2\x82 \xed\xa0\x80 \xc0\xaf \xc2\x85"), "? ? ?? ??? ?? ??");
+  EXPECT_EQ(printable("12345", 5), "12345");
+  EXPECT_EQ(printable("123456", 5), "12345...");
+  EXPECT_EQ(printable("1234\xc3\xa9", 5), "1234...");
+}
+
+TEST(Sha256, EqualsThePublishedExamples) {
+  EXPECT_EQ(sha256_hex(""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+  EXPECT_EQ(sha256_hex("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+}
+
+TEST(Sha256, TakesItsInputPieceByPiece) {
+  Sha256 digest;
+  digest.add("a");
+  digest.add("b");
+  EXPECT_EQ(digest.hex(), sha256_hex("ab"));
+  digest.add("c");
+  EXPECT_EQ(digest.hex(), sha256_hex("abc"));
+}
+
+}  // namespace
+}  // namespace sim::test

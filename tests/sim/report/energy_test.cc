@@ -1,0 +1,201 @@
+#include "sim/report/energy.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "../folder.h"
+#include "sim/config/config.h"
+#include "sim/error.h"
+#include "sim/report/energy_table.h"
+#include "sim/report/report_json.h"
+
+namespace sim::test {
+namespace {
+
+constexpr Time kMillisecond = kFemtosecondsPerSecond / 1000;
+
+UnitReport unit(std::string path, std::string block, std::vector<CounterReport> counters) {
+  UnitReport u;
+  u.path = std::move(path);
+  u.block = std::move(block);
+  u.counters = std::move(counters);
+  return u;
+}
+
+EnergyConfig config() {
+  EnergyConfig c;
+  c.events = {{"box", {1, 2, 4}}, {"read@16KiB", {1, 4, 16}}, {"read@64KiB", {4, 8, 32}}};
+  c.clock_share = {0, 0.2, 0.5};
+  c.sram_leakage = {0.01, 0.02, 0.04};
+  c.logic_leakage = {5, 10, 20};
+  c.logic = {{"tni", {1, 1, 1}}, {"tni.trv", {0.5, 0.5, 0.5}}, {"dram", {0, 0, 0}}};
+  c.flop_clock = {0.001, 0.001, 0.001};
+  c.idle_clocked = {0.1, 0.2, 0.5};
+  c.flops = {{"tni", {1000, 1000, 1000}}, {"dram", {0, 0, 0}}};
+  return c;
+}
+
+void expect_near(const Spread& a, const Spread& b) {
+  EXPECT_NEAR(a.low, b.low, 1e-12 * std::abs(b.low));
+  EXPECT_NEAR(a.nominal, b.nominal, 1e-12 * std::abs(b.nominal));
+  EXPECT_NEAR(a.high, b.high, 1e-12 * std::abs(b.high));
+}
+
+std::string error_of(const EnergyConfig& c, const UnitReport& u) {
+  const Folder folder;
+  return complaint<InputError>(folder, [&] { compute_energy(std::vector{u}, c, {}, 1); });
+}
+
+TEST(Energy, OfEventsIsCountTimesFigureAndTheClockTreesShare) {
+  const EnergyReport e =
+      compute_energy(std::vector{unit("core0.tni", "tni", {{"boxes", "", 10, "box"}})}, config(), {}, 0);
+  expect_near(e.kinds.dynamic, {10, 20, 40});
+  expect_near(e.kinds.clock, {0, 5, 40});
+  expect_near(e.total_pj, {10, 25, 80});
+}
+
+TEST(Energy, CountersWithoutAnEventCostNothing) {
+  const EnergyReport e = compute_energy(std::vector{unit("core0.tni", "tni", {{"rays", "", 10, ""}})}, config(), {}, 0);
+  expect_near(e.total_pj, {0, 0, 0});
+}
+
+TEST(Energy, LeakageIsStorageAndLogicTimesTime) {
+  UnitReport u = unit("core0.tni", "tni", {});
+  u.sram_bytes = 100 * 1024;
+  const EnergyReport e = compute_energy(std::vector{u}, config(), {}, kMillisecond);
+  expect_near(e.kinds.leakage, {6e6, 12e6, 24e6});  // 1 mW for 1 ms is 1 uJ
+}
+
+TEST(Energy, LogicIsLookedUpByKindOfUnitThenByBlock) {
+  const auto leakage = [](const char* path) {
+    return compute_energy(std::vector{unit(path, "tni", {})}, config(), {}, kMillisecond).kinds.leakage.low;
+  };
+  EXPECT_DOUBLE_EQ(leakage("core0.tni.trv12"), 2.5e6);
+  EXPECT_DOUBLE_EQ(leakage("core0.tni.ist"), 5e6);
+}
+
+TEST(Energy, TheClockOfIdleAndStarvedCyclesRunsOn) {
+  UnitReport u = unit("core0.tni", "tni", {});
+  u.why = {{"idle", 100}, {"testing", 1000}, {"starved", 50}, {"output_full", 7}};
+  expect_near(compute_energy(std::vector{u}, config(), {}, 0).kinds.clock, {15, 30, 75});
+}
+
+TEST(Energy, SizeDependentEventsAreInterpolatedOnLogLogPaper) {
+  const EnergyTable table(config().events);
+  expect_near(table.at("read", 16 * 1024), {1, 4, 16});
+  expect_near(table.at("read", 64 * 1024), {4, 8, 32});
+  expect_near(table.at("read", 32 * 1024), {2, 4 * std::sqrt(2.0), 16 * std::sqrt(2.0)});
+  expect_near(table.at("read", 256 * 1024), {16, 16, 64});
+  expect_near(table.at("read", 4 * 1024), {0.25, 2, 8});
+  expect_near(table.at("box", 4 * 1024), {1, 2, 4});
+}
+
+TEST(Energy, TheUnitsArraySizeChoosesTheFigure) {
+  UnitReport u = unit("core0.tni", "tni", {{"reads", "", 2, "read"}});
+  u.sram_bytes = 1 << 20;
+  u.cache_bytes = 64 * 1024;
+  expect_near(compute_energy(std::vector{u}, config(), {}, 0).kinds.dynamic, {8, 16, 64});
+  u.cache_bytes = 0;
+  EXPECT_EQ(error_of(config(), u),
+            "energy.events: 'read' depends on the size of an array, and unit 'core0.tni' has none");
+}
+
+TEST(Energy, OfADeviceIsTakenAsItIs) {
+  const std::map<std::string, DeviceEvent> device = {{"dram.read", {{100, 200, 300}, false}},
+                                                     {"dram.standby", {{1, 2, 3}, true}}};
+  const UnitReport u = unit("dram0", "dram", {{"reads", "", 3, "dram.read"}, {"cycles", "", 10, "dram.standby"}});
+  const EnergyReport e = compute_energy(std::vector{u}, config(), device, kMillisecond);
+  expect_near(e.kinds.dynamic, {300, 600, 900});
+  expect_near(e.kinds.clock, {0, 0, 0});
+  expect_near(e.kinds.leakage, {10, 20, 30});
+}
+
+TEST(Energy, BothViewsSumToTheTotal) {
+  EnergyConfig c = config();
+  for (const char* block : {"l2", "srp", "dma"}) c.logic[block] = {0.1, 0.3, 0.7}, c.flops[block] = {7, 7, 7};
+  std::vector<UnitReport> units;
+  for (std::uint64_t i = 0; i < 1000; ++i) {
+    const char* const blocks[] = {"tni", "l2", "srp", "dma"};
+    UnitReport u =
+        unit("unit" + std::to_string(i), blocks[i % 4], {{"a", "", i * i * 977, "box"}, {"b", "", i, "read"}});
+    u.sram_bytes = u.cache_bytes = 1024 + 77 * i;
+    u.why = {{"idle", i * 13}};
+    units.push_back(u);
+  }
+  const EnergyReport e = compute_energy(units, c, {}, 7 * kMillisecond);
+  Spread by_block;
+  for (const auto& [name, kinds] : e.blocks) by_block += kinds.total();
+  EXPECT_EQ(e.blocks.size(), 4U);
+  expect_near(by_block, e.total_pj);
+  expect_near(e.kinds.dynamic + e.kinds.clock + e.kinds.leakage, e.total_pj);
+}
+
+TEST(Energy, NamesWhatItHasNoFigureFor) {
+  EXPECT_EQ(error_of(config(), unit("core0.tni", "tni", {{"n", "", 1, "bxo"}})),
+            "energy.events: no figure for 'bxo', which counter 'n' of unit 'core0.tni' names");
+  EXPECT_EQ(error_of(config(), unit("core0.srp", "srp", {})),
+            "energy.flops: no entry for unit 'core0.srp'; allowed: 'srp.srp' or 'srp'");
+  EnergyConfig c = config();
+  c.events["read"] = {1, 1, 1};
+  EXPECT_EQ(error_of(c, unit("core0.tni", "tni", {})),
+            "energy.events.read@16KiB: given with and without a size; allowed: either");
+  c = config();
+  c.events["box@big"] = {1, 1, 1};
+  EXPECT_EQ(error_of(c, unit("core0.tni", "tni", {})),
+            "energy.events.box@big: 'big' is not a number with a unit; allowed: a size such as @16KiB");
+}
+
+TEST(Energy, TableAndDeclaredEventsMustAgree) {
+  const Folder folder;
+  const auto check = [&](const std::vector<std::string>& declared) {
+    return complaint<InputError>(folder, [&] { check_energy_events(config(), declared); });
+  };
+  EXPECT_EQ(check({"box", "read"}), "no error");
+  EXPECT_EQ(check({"read"}), "energy.events.box: no counter names this event; allowed: read");
+  EXPECT_EQ(check({"box", "read", "write"}), "energy.events: no figure for 'write'");
+}
+
+TEST(Energy, AFreePointOfACurveIsRefused) {
+  EnergyConfig c = config();
+  c.events["read@16KiB"] = {0, 1, 2};
+  EXPECT_THROW(check_config(c), InputError);
+}
+
+TEST(Energy, JsonIsInMillijoules) {
+  const EnergyReport e =
+      compute_energy(std::vector{unit("core0.tni", "tni", {{"boxes", "", 10, "box"}})}, config(), {}, 0);
+  const auto json = energy_json(e);
+  EXPECT_DOUBLE_EQ(json.at("energy_mj").at("nominal").get<double>(), 25e-9);
+  EXPECT_DOUBLE_EQ(json.at("energy_by_block_mj").at("tni").at("high").get<double>(), 80e-9);
+  EXPECT_DOUBLE_EQ(json.at("energy_by_kind_mj").at("clock").at("nominal").get<double>(), 5e-9);
+}
+
+TEST(Energy14nm, LoadsAndHasEveryFigureItsUnitsAskFor) {
+  const EnergyConfig c = load_config<EnergyConfig>("configs/energy/14nm.yaml");
+  const EnergyTable table(c.events);
+  for (const char* event : {"tni.box_test",   "tni.tri_phase1",      "tni.tri_phase2",
+                            "tni.tri_phase3", "tni.ray_setup",       "tni.stack_push",
+                            "tni.stack_pop",  "tni.ray_buffer_read", "tni.ray_buffer_write",
+                            "tni.ray_route",  "cache.l1_read",       "cache.l1_fill",
+                            "cache.l1_probe", "cache.l2_read",       "cache.l2_fill",
+                            "cache.l2_probe", "interconnect.line",   "interconnect.request",
+                            "tile.read",      "tile.write",          "srp.fp_add",
+                            "srp.fp_mul",     "srp.fp_div_sqrt",     "srp.fp_compare",
+                            "srp.int_add",    "srp.int_mul",         "srp.int_logic",
+                            "srp.int_shift",  "srp.convert",         "srp.rf_read",
+                            "srp.rf_write",   "srp.config_read",     "srp.config_load",
+                            "srp.route_hop",  "srp.local_read",      "srp.local_write",
+                            "dma.line",       "memory.queue_line"}) {
+    EXPECT_TRUE(table.contains(event)) << event;
+  }
+  EXPECT_EQ(table.names().size(), 38U);
+  for (const char* block : {"tni", "srp", "l2", "tile_buffer", "dma", "interconnect", "dram"}) {
+    EXPECT_TRUE(c.logic.contains(block)) << block;
+    EXPECT_TRUE(c.flops.contains(block)) << block;
+  }
+  EXPECT_NEAR(table.at("cache.l2_read", 256 * 1024).nominal, 45, 1e-9);
+}
+
+}  // namespace
+}  // namespace sim::test

@@ -1,0 +1,20 @@
+#pragma once
+#include <span>
+#include <string>
+
+#include "sim/report/unit_report.h"
+
+namespace tools {
+
+/// Shares of time, 0 to 1.
+struct Utilisation {
+  double tni = 0;   ///< cycles in which a traversal unit put a node into its box pipe, over all of them
+  double srp = 0;   ///< cycles in which a kernel's loop ran on an array
+  double dram = 0;  ///< cycles in which data were on a channel's bus
+};
+Utilisation utilisation(std::span<const sim::UnitReport> units);
+
+/// What holds the frame back, in words, from the reasons that units gave for their time.
+std::string limiter(std::span<const sim::UnitReport> units);
+
+}  // namespace tools

@@ -1,0 +1,176 @@
+#include "tools/report.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <array>
+#include <ctime>
+
+#include "shader_kernels/catalogue.h"
+#include "sim/config/config.h"
+#include "sim/report/report_json.h"
+#include "tools/build_info.h"
+#include "tools/limiter.h"
+#include "tools/picture.h"
+#include "traces/accel/bvh_info.h"
+#include "traces/accel/embree_tracer.h"
+
+namespace tools {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+constexpr double kPicojoulesPerMillijoule = 1e9;
+constexpr double kFemtosecondsPerMillisecond = 1e12;
+
+double time_ms(const Simulation& s) { return static_cast<double>(s.elapsed) / kFemtosecondsPerMillisecond; }
+double energy_mj(const Simulation& s) { return s.energy.total_pj.nominal / kPicojoulesPerMillijoule; }
+double tni_mj(const Simulation& s) { return s.energy.blocks.at("tni").total().nominal / kPicojoulesPerMillijoule; }
+
+std::uint64_t sum_of(const Simulation& s, std::string_view block, std::string_view counter) {
+  std::uint64_t sum = 0;
+  for (const sim::UnitReport& unit : s.units) {
+    if (unit.block != block) continue;
+    for (const sim::CounterReport& c : unit.counters) sum += c.name == counter ? c.value : 0;
+  }
+  return sum;
+}
+
+Json rays_json(const Simulation& s) {
+  const auto of = [&](traces::RayKind kind) { return s.function.rays[static_cast<std::size_t>(kind)]; };
+  return {{"primary", of(traces::RayKind::kPrimary)},
+          {"shadow", of(traces::RayKind::kShadow)},
+          {"reflection", of(traces::RayKind::kReflection)},
+          {"refraction", of(traces::RayKind::kRefraction)},
+          {"total", s.rays()}};
+}
+
+Json perf_json(const Simulation& s) {
+  const double ms = time_ms(s);
+  const auto rays = static_cast<double>(s.rays());
+  return {{"fps", 1000 / ms},
+          {"mrays_per_s", rays / ms / 1000},
+          {"nj_per_ray", energy_mj(s) * 1e6 / rays},
+          {"frames_per_joule_gpu", 1000 / energy_mj(s)},
+          {"frames_per_joule_tni", 1000 / tni_mj(s)}};
+}
+
+Json kernels_json(const Simulation& s) {
+  Json out = Json::object();
+  std::uint64_t all = 0;
+  for (const hw::KernelUse& use : s.kernel_use) all += use.cycles;
+  for (std::size_t k = 0; k < s.kernels.size(); ++k) {
+    const hw::KernelUse& use = s.kernel_use[k];
+    if (use.launches == 0) continue;
+    out[s.kernels[k].kernel] = {{"launches", use.launches},
+                                {"items", use.items},
+                                {"ii", s.kernels[k].ii},
+                                {"depth", s.kernels[k].depth},
+                                {"cycles", use.cycles},
+                                {"share", static_cast<double>(use.cycles) / static_cast<double>(all)}};
+  }
+  return out;
+}
+
+void add_relative(Json& totals, const Simulation& run, const Simulation& reference) {
+  const auto power = [](const Simulation& s, double mj) { return mj / time_ms(s); };
+  const auto per = [](std::uint64_t a, std::uint64_t b) { return static_cast<double>(a) / static_cast<double>(b); };
+  const std::optional<double> psnr = psnr_db(run.function.rgb, reference.function.rgb);
+  totals["psnr_db"] = psnr ? Json(*psnr) : Json(nullptr);
+  totals["identical"] = !psnr.has_value();
+  totals["relative"] = {
+      {"speedup", per(reference.cycles, run.cycles)},
+      {"traversal_steps", per(run.function.traversal_steps, reference.function.traversal_steps)},
+      {"tni_power", power(run, tni_mj(run)) / power(reference, tni_mj(reference))},
+      {"tni_perf_per_watt", tni_mj(reference) / tni_mj(run)},
+      {"gpu_perf_per_watt", energy_mj(reference) / energy_mj(run)},
+      {"rays", per(run.rays(), reference.rays())}};
+}
+
+Json totals_json(const Simulation& s, const Simulation* reference) {
+  const sim::Spread power = s.energy.total_pj * (1 / (kPicojoulesPerMillijoule * time_ms(s)));
+  const Utilisation used = utilisation(s.units);
+  Json totals = {{"cycles", s.cycles},
+                 {"time_ms", time_ms(s)},
+                 {"rays", rays_json(s)},
+                 {"traced_ratio", 1.0},
+                 {"traversal_steps", s.function.traversal_steps},
+                 {"dram_bytes", sum_of(s, "dram", "bytes")}};
+  totals.update(sim::energy_json(s.energy));
+  totals["power_w"] = sim::spread_json(power);
+  totals["perf"] = perf_json(s);
+  totals["utilisation"] = {{"tni", used.tni}, {"srp", used.srp}, {"dram", used.dram}};
+  totals["limiter"] = limiter(s.units);
+  totals["kernels"] = kernels_json(s);
+  if (reference != nullptr) add_relative(totals, s, *reference);
+  return totals;
+}
+
+Json host_json(const Report& report) {
+  std::array<char, 256> name{};
+  gethostname(name.data(), name.size() - 1);
+  const hw::FrontEnd::Result& function = report.run.function;
+  const double timing = report.run.wall_seconds - function.waited;
+  const double reference = report.reference != nullptr ? report.reference->wall_seconds : 0;
+  const double wall = report.wall_seconds - report.inputs.load_seconds - reference;
+  return {{"date", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)))},
+          {"name", name.data()},
+          {"wall_s", report.wall_seconds},
+          {"load_s", report.inputs.load_seconds},
+          {"functional_s", function.seconds},
+          {"timing_s", timing},
+          {"rays_per_s", static_cast<double>(report.run.rays()) / wall},
+          {"steps_per_s", static_cast<double>(function.traversal_steps) / wall},
+          {"peak_rss_mb", peak_rss_mib()},
+          {"threads", host_threads(report.options.threads)}};
+}
+
+}  // namespace
+
+double peak_rss_mib() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024;
+}
+
+Json provenance_json(const Inputs& inputs, const JobOptions& options) {
+  const BuildInfo build = build_info();
+  return {{"version", build.version},
+          {"git", build.git},
+          {"dirty", build.dirty},
+          {"compiler", build.compiler},
+          {"flags", build.flags},
+          {"embree", traces::embree_version()},
+          {"model_id", build.model_id},
+          {"config_hash", sim::config_hash(inputs.config)},
+          {"scene_sha256", inputs.scene_sha256},
+          {"bvh_hash", traces::bvh_hash(inputs.image)},
+          {"argv", options.argv}};
+}
+
+Json report_json(const Report& report) {
+  const Inputs& in = report.inputs;
+  const Json totals = totals_json(report.run, report.reference);
+  Json frame = {{"frame", 0}};
+  frame.update(totals);
+  return {{"schema", "raywatt-report/1"},
+          {"partial", false},
+          {"program", report.run.program.name()},
+          {"resolution", {in.config.render.width, in.config.render.height}},
+          {"config", Json(sim::config_json(in.config))},
+          {"scene",
+           {{"name", in.scene.name},
+            {"triangles", in.scene.triangles},
+            {"instances", in.scene.instances},
+            {"lights", in.scene.lights}}},
+          {"provenance", provenance_json(in, report.options)},
+          {"totals", totals},
+          {"frames", Json::array({frame})},
+          {"units", sim::units_json(report.run.units)},
+          {"host", host_json(report)}};
+}
+
+}  // namespace tools

@@ -1,0 +1,88 @@
+#include <fmt/format.h>
+
+#include "sim/report/table.h"
+#include "tools/report.h"
+
+namespace tools {
+
+using Json = nlohmann::ordered_json;
+using sim::si_text;
+
+namespace {
+
+std::string percent(const Json& share) { return fmt::format("{:.1f} %", 100 * share.get<double>()); }
+
+std::string spread(const Json& s, double scale, const char* unit) {
+  return fmt::format("{:.3g} / {:.3g} / {:.3g} {}", s["low"].get<double>() * scale, s["nominal"].get<double>() * scale,
+                     s["high"].get<double>() * scale, unit);
+}
+
+std::string overview(const Json& report) {
+  const Json& t = report["totals"];
+  const Json& rays = t["rays"];
+  const auto count = [](const Json& n) { return si_text(n.get<double>()); };
+  std::string out;
+  const auto line = [&](const char* name, const std::string& value) { out += fmt::format("  {:<22}{}\n", name, value); };
+  out += fmt::format("{}  {}x{}  {}  ({} triangles)\n\n", report["scene"]["name"].get<std::string>(),
+                     report["resolution"][0].get<int>(), report["resolution"][1].get<int>(),
+                     report["program"].get<std::string>(), count(report["scene"]["triangles"]));
+  line("cycles (T&I clock)", fmt::format("{}  = {:.3f} ms  = {:.1f} frames/s", count(t["cycles"]),
+                                         t["time_ms"].get<double>(), t["perf"]["fps"].get<double>()));
+  line("rays", fmt::format("{}  ({} primary, {} shadow, {} reflection, {} refraction)", count(rays["total"]),
+                           count(rays["primary"]), count(rays["shadow"]), count(rays["reflection"]),
+                           count(rays["refraction"])));
+  line("ray rate", si_text(1e6 * t["perf"]["mrays_per_s"].get<double>(), "rays/s"));
+  line("traversal steps", fmt::format("{}  = {:.1f} per ray", count(t["traversal_steps"]),
+                                      t["traversal_steps"].get<double>() / rays["total"].get<double>()));
+  line("DRAM traffic", si_text(t["dram_bytes"].get<double>(), "B"));
+  line("busy", fmt::format("T&I {}, SRP {}, DRAM {}", percent(t["utilisation"]["tni"]),
+                           percent(t["utilisation"]["srp"]), percent(t["utilisation"]["dram"])));
+  line("limited by", t["limiter"].get<std::string>());
+  line("energy", spread(t["energy_mj"], 1, "mJ  (low / nominal / high)"));
+  line("power", spread(t["power_w"], 1, "W"));
+  line("efficiency", fmt::format("{:.1f} frames/J GPU with memory, {:.1f} frames/J T&I alone, {:.2f} nJ per ray",
+                                 t["perf"]["frames_per_joule_gpu"].get<double>(),
+                                 t["perf"]["frames_per_joule_tni"].get<double>(),
+                                 t["perf"]["nj_per_ray"].get<double>()));
+  if (t.contains("relative")) {
+    const Json& r = t["relative"];
+    line("against reference",
+         fmt::format("speed x{:.2f}, rays x{:.3f}, performance per watt T&I x{:.2f}, GPU x{:.2f}, PSNR {}",
+                     r["speedup"].get<double>(), r["rays"].get<double>(), r["tni_perf_per_watt"].get<double>(),
+                     r["gpu_perf_per_watt"].get<double>(),
+                     t["psnr_db"].is_null() ? "identical" : fmt::format("{:.2f} dB", t["psnr_db"].get<double>())));
+  }
+  return out;
+}
+
+std::string energy_table(const Json& totals) {
+  sim::Table table({"energy", "low mJ", "nominal mJ", "high mJ", "share"});
+  const double all = totals["energy_mj"]["nominal"].get<double>();
+  const auto row = [&](const std::string& name, const Json& s) {
+    const double nominal = s["nominal"].get<double>();
+    table.row({name, fmt::format("{:.4f}", s["low"].get<double>()), fmt::format("{:.4f}", nominal),
+               fmt::format("{:.4f}", s["high"].get<double>()), fmt::format("{:.1f} %", 100 * nominal / all)});
+  };
+  for (const auto& [block, s] : totals["energy_by_block_mj"].items()) row(block, s);
+  row("total", totals["energy_mj"]);
+  for (const auto& [kind, s] : totals["energy_by_kind_mj"].items()) row("of it " + kind, s);
+  return table.text();
+}
+
+std::string kernel_table(const Json& kernels) {
+  sim::Table table({"kernel", "chunks", "items", "II", "depth", "cycles", "share of SRP"});
+  for (const auto& [name, k] : kernels.items()) {
+    table.row({name, si_text(k["launches"].get<double>()), si_text(k["items"].get<double>()),
+               std::to_string(k["ii"].get<int>()), std::to_string(k["depth"].get<int>()),
+               si_text(k["cycles"].get<double>()), percent(k["share"])});
+  }
+  return table.text();
+}
+
+}  // namespace
+
+std::string report_table(const Json& report) {
+  return overview(report) + "\n" + energy_table(report["totals"]) + "\n" + kernel_table(report["totals"]["kernels"]);
+}
+
+}  // namespace tools

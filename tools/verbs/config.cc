@@ -1,0 +1,34 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "sim/config/config.h"
+#include "sim/report/report_json.h"
+#include "tools/options.h"
+#include "tools/paths.h"
+#include "tools/run_job.h"
+#include "tools/verbs/verbs.h"
+
+namespace tools {
+
+void add_config(CLI::App& app) {
+  CLI::App* verb = app.add_subcommand("config", "What can be configured");
+  verb->require_subcommand(1);
+  verb->footer("Example: raywatt config show sgrt-2016 --set cores=2");
+  verb->add_subcommand("list", "Configurations known by name")->callback([] {
+    for (const std::string& name : config_names()) fmt::print("{}\n", name);
+  });
+  CLI::App* show = verb->add_subcommand("show", "The effective configuration: every field, with its meaning");
+  const auto options = std::make_shared<JobOptions>();
+  add_config_options(*show, options->config, options->sets);
+  show->callback([options] { fmt::print("{}", sim::dump_config(load_run_config(*options))); });
+  verb->add_subcommand("schema", "JSON Schema of configuration files")->callback([] {
+    fmt::print("{}", sim::json_text(sim::config_schema<RunConfig>()));
+  });
+  verb->add_subcommand("manual", "Every field: default, unit, range, what it affects, meaning (Markdown)")->callback([] {
+    fmt::print("{}", sim::config_manual<RunConfig>());
+  });
+}
+
+}  // namespace tools

@@ -1,0 +1,29 @@
+#pragma once
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+}
+
+namespace tools {
+
+/// What the process ends with.
+enum ExitCode : int {
+  kGood = 0,
+  kCheckFailed = 1,
+  kBadInput = 2,
+  kStuckMachine = 3,
+  kOurBug = 70,
+  kIoFailed = 74,
+};
+
+// One function per verb: adds it to the command line. The verb runs as its callback and leaves its ending in `exit`.
+void add_run(CLI::App& app, const std::vector<std::string>& argv, int& exit);
+void add_verify(CLI::App& app, const std::vector<std::string>& argv, int& exit);
+void add_scenes(CLI::App& app);
+void add_config(CLI::App& app);
+void add_kernels(CLI::App& app);
+void add_bench(CLI::App& app);
+
+}  // namespace tools
