@@ -16,7 +16,7 @@ step() {
   local name=$1 log
   shift
   log=$logs/$(basename "$script")-${name// /-}.log
-  mkdir -p "$logs" || fail "cannot write to $root/build"
+  mkdir -p "$logs" 2>/dev/null || fail "cannot write to $root/build"
   echo "$script: $name" >&2
   "$@" >"$log" 2>&1 </dev/null || fail "failed to $name; details in $log"
 }

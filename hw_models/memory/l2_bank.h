@@ -23,7 +23,7 @@ struct L2Config {
   std::uint32_t lookup_cycles = 4;
   std::uint32_t targets = 16;
 
-  static constexpr std::uint32_t kMaxTargets = 32;
+  static constexpr std::uint32_t kMaxTargets = 16;
 
   static void describe(auto& c, auto&& field) {
     using sim::Affects;

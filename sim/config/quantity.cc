@@ -4,7 +4,6 @@
 #include <array>
 #include <limits>
 #include <optional>
-#include <ranges>
 
 #include <fmt/format.h>
 
@@ -93,10 +92,9 @@ std::uint64_t read_quantity(std::string_view text, std::span<const Unit> units) 
 
 std::string quantity_text(std::uint64_t base_units, std::span<const Unit> units) {
   if (base_units == 0) return fmt::format("0 {}", units.front().name);
-  for (const Unit& unit : units | std::views::reverse) {
-    if (base_units % unit.factor == 0) return fmt::format("{} {}", base_units / unit.factor, unit.name);
-  }
-  return {};
+  auto unit = units.rbegin();
+  while (base_units % unit->factor != 0) ++unit;  // the smallest unit's factor is 1
+  return fmt::format("{} {}", base_units / unit->factor, unit->name);
 }
 
 }  // namespace sim

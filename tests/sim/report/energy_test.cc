@@ -174,22 +174,18 @@ TEST(Energy, JsonIsInMillijoules) {
 TEST(Energy14nm, LoadsAndHasEveryFigureItsUnitsAskFor) {
   const EnergyConfig c = load_config<EnergyConfig>("configs/energy/14nm.yaml");
   const EnergyTable table(c.events);
-  for (const char* event : {"tni.box_test",   "tni.tri_phase1",      "tni.tri_phase2",
-                            "tni.tri_phase3", "tni.ray_setup",       "tni.stack_push",
-                            "tni.stack_pop",  "tni.ray_buffer_read", "tni.ray_buffer_write",
-                            "tni.ray_route",  "cache.l1_read",       "cache.l1_fill",
-                            "cache.l1_probe", "cache.l2_read",       "cache.l2_fill",
-                            "cache.l2_probe", "interconnect.line",   "interconnect.request",
-                            "tile.read",      "tile.write",          "srp.fp_add",
-                            "srp.fp_mul",     "srp.fp_div_sqrt",     "srp.fp_compare",
-                            "srp.int_add",    "srp.int_mul",         "srp.int_logic",
-                            "srp.int_shift",  "srp.convert",         "srp.rf_read",
-                            "srp.rf_write",   "srp.config_read",     "srp.config_load",
-                            "srp.route_hop",  "srp.local_read",      "srp.local_write",
-                            "dma.line",       "memory.queue_line"}) {
+  for (const char* event : {"tni.box_test",         "tni.tri_phase1",       "tni.tri_phase2",  "tni.tri_phase3",
+                            "tni.ray_setup",        "tni.stack_push",       "tni.stack_pop",   "tni.ray_buffer_read",
+                            "tni.ray_buffer_write", "tni.ray_route",        "cache.l1_read",   "cache.l1_fill",
+                            "cache.l1_probe",       "cache.l2_read",        "cache.l2_fill",   "cache.l2_probe",
+                            "interconnect.line",    "interconnect.request", "tile.read",       "tile.write",
+                            "srp.fp_add",           "srp.fp_mul",           "srp.fp_div_sqrt", "srp.fp_compare",
+                            "srp.int_add",          "srp.int_mul",          "srp.int_logic",   "srp.int_shift",
+                            "srp.convert",          "srp.rf_read",          "srp.rf_write",    "srp.config_read",
+                            "srp.config_load",      "srp.route_hop",        "dma.line",        "memory.queue_line"}) {
     EXPECT_TRUE(table.contains(event)) << event;
   }
-  EXPECT_EQ(table.names().size(), 38U);
+  EXPECT_EQ(table.names().size(), 36U);
   for (const char* block : {"tni", "srp", "l2", "tile_buffer", "dma", "interconnect", "dram"}) {
     EXPECT_TRUE(c.logic.contains(block)) << block;
     EXPECT_TRUE(c.flops.contains(block)) << block;
