@@ -46,9 +46,9 @@ class Link {
   }
 
   /// When the producer may push next as far as is known now; kNever while the slot waits for a pop.
-  Time push_at() const { return slots_[tail_].full ? kNever : slots_[tail_].stamp; }
+  Time push_at() const { return push_at_; }
   /// When the consumer may pop next as far as is known now; kNever while there is nothing.
-  Time pop_at() const { return slots_[head_].full ? slots_[head_].stamp : kNever; }
+  Time pop_at() const { return pop_at_; }
   bool can_push(Time now) const { return push_at() <= now; }
   bool can_pop(Time now) const { return pop_at() <= now; }
 
@@ -58,7 +58,9 @@ class Link {
     slot.item = std::move(item);
     slot.stamp = crossing_ ? consumer_clock_.edge_at_or_after(now + latency_ + synchroniser_) : now + latency_;
     slot.full = true;
+    if (pop_at_ == kNever) pop_at_ = slot.stamp;
     tail_ = after(tail_);
+    push_at_ = slots_[tail_].full ? kNever : slots_[tail_].stamp;
     if (consumer_wake_ != nullptr) *consumer_wake_ = std::min(*consumer_wake_, slot.stamp);
   }
 
@@ -70,7 +72,9 @@ class Link {
     slot.full = false;
     slot.stamp = crossing_ ? producer_clock_.edge_at_or_after(now + consumer_clock_.period())
                            : now + consumer_clock_.period();
+    if (push_at_ == kNever) push_at_ = slot.stamp;
     head_ = after(head_);
+    pop_at_ = slots_[head_].full ? slots_[head_].stamp : kNever;
     if (producer_wake_ != nullptr) *producer_wake_ = std::min(*producer_wake_, slot.stamp);
     return std::move(slot.item);
   }
@@ -92,6 +96,9 @@ class Link {
   };
   std::size_t after(std::size_t i) const { return i + 1 == slots_.size() ? 0 : i + 1; }
 
+  // The stamps at both ends, kept apart because units look at them far more often than they push or pop.
+  Time pop_at_ = kNever;
+  Time push_at_ = 0;
   std::vector<Slot> slots_;
   std::size_t head_ = 0;
   std::size_t tail_ = 0;

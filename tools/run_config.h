@@ -23,6 +23,7 @@ struct RunConfig {
     field.group(c.bvh, "bvh", "how the tree is built on the host");
     field.group(c.energy, "energy", "energy per event, leakage and clock");
   }
+  void check(auto&& complain) const { gpu.check(complain); }
 };
 
 }  // namespace tools

@@ -101,6 +101,11 @@ Simulation simulate(const Inputs& inputs, const kernels::ProgramSpec& program, s
       inputs.config.gpu,
       hw::Gpu::Workload{inputs.image, inputs.parents, frame.tile_samples(), frame.tile_pixels() * hw::kPixelBytes},
       front_end);
+  const auto energy = [&] {
+    return sim::compute_energy(gpu->report(), inputs.config.energy, hw::dram_energy_events(inputs.config.gpu.dram),
+                               gpu->elapsed());
+  };
+  energy();  // a figure that is missing is told before the work, not after it
   gpu->finish(sim::run(*gpu));
 
   Simulation s;
@@ -111,8 +116,7 @@ Simulation simulate(const Inputs& inputs, const kernels::ProgramSpec& program, s
   s.kernels = gpu->kernels();
   s.cycles = gpu->cycles();
   s.elapsed = gpu->elapsed();
-  s.energy = sim::compute_energy(s.units, inputs.config.energy, hw::dram_energy_events(inputs.config.gpu.dram),
-                                 s.elapsed);
+  s.energy = energy();
   s.wall_seconds = seconds_since(begin);
   return s;
 }

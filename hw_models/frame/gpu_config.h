@@ -75,6 +75,16 @@ struct GpuConfig {
     field.group(c.interconnect, "interconnect", "between cores, L2 and memory");
     field.group(c.dram, "dram", "memory channels");
   }
+  void check(auto&& complain) const {
+    const auto line = [&](const char* key, const sim::ByteSize& size) {
+      if (size.bytes != 64) complain(key, "must be 64 B: nodes, attributes and texture tiles are laid out in such lines");
+    };
+    line("tni.trv.l1.line", tni.trv.l1.line);
+    line("tni.ist.l1.line", tni.ist.l1.line);
+    line("srp.data_cache.line", srp.data_cache.line);
+    line("l2.line", l2.cache.line);
+    line("dram.line", dram.line);
+  }
 };
 
 }  // namespace hw

@@ -44,6 +44,7 @@ sim::Time DramChannel::tick(sim::Time now) {
   respond(now, cycle);
   if (plan_is_stale_ || cycle >= replan_at_) replan(cycle);
   if (plan_.at() <= cycle) {
+    assert(plan_ == best_plan(writing_ ? writes_ : reads_, cycle) && "a plan that survives is the plan made afresh");
     issue(cycle);
     replan(cycle);
   }
@@ -77,10 +78,10 @@ void DramChannel::take_request(sim::Time now, Cycle cycle) {
   }
 }
 
-/// Does a new request leave its bank's next command, and the order of reads and writes, as they are? The common case
-/// under load: older requests of its bank come first anyway.
+/// Does a new request leave its bank's next command as it is? The common case under load: older requests of its bank
+/// come first anyway.
 bool DramChannel::plan_survives(bool write, std::uint32_t bank, bool row_is_open) const {
-  if (write != writing_ || (write && writes_.size() + 1 >= controller_.write_high)) return false;
+  if (write != writing_) return false;
   const DramQueue& queue = write ? writes_ : reads_;
   return queue.hits(bank) != 0 || (queue.waiting(bank) != 0 && !row_is_open);
 }

@@ -65,7 +65,7 @@ struct SrpStats {
     rf_reads += n * k.rf_reads;
     rf_writes += n * k.rf_writes;
     route_hops += n * k.route_hops;
-    config_reads += n * k.config_reads;
+    config_reads += (k.depth + (n - 1) * k.ii) * (k.config_reads / k.ii);  // prologue and drain read them too
   }
 };
 

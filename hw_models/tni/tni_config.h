@@ -16,6 +16,9 @@ enum class StackScheme : std::uint8_t {
 };
 constexpr std::array<std::string_view, 2> names_of(StackScheme) { return {"full", "restart_link"}; }
 
+/// A unit's pipelines are kept in a calendar of this many cycles (wheel.h).
+inline constexpr std::uint32_t kLongestPipe = 63;
+
 /// One traversal unit.
 struct TrvConfig {
   std::uint32_t rays = 32;
@@ -38,6 +41,10 @@ struct TrvConfig {
     field(c.stack_entries, "stack_entries", "entries", "short stack depth per ray (restart_link)", sim::between(1, 64),
           Affects::kWalk);
     field.group(c.l1, "l1", "private node cache");
+  }
+  void check(auto&& complain) const {
+    if (l1.hit_cycles + box_latency > kLongestPipe)
+      complain("box_latency", "node fetch (l1.hit_cycles) and box test together must not exceed 63 cycles");
   }
   /// Input buffer and stacks: 96-byte ray records, 8-byte stack entries.
   std::uint64_t sram_bytes() const { return l1.size.bytes + std::uint64_t{rays} * (96 + 8 * std::uint64_t{stack_entries}); }
@@ -63,6 +70,8 @@ struct IstConfig {
     field.group(c.l1, "l1", "triangle cache");
   }
   void check(auto&& complain) const {
+    if (l1.hit_cycles + latency > kLongestPipe)
+      complain("latency", "triangle fetch (l1.hit_cycles) and test together must not exceed 63 cycles");
     if (distance_stage > barycentric_stage || barycentric_stage > latency)
       complain("latency", "the stages must rise: distance_stage <= barycentric_stage <= latency");
   }

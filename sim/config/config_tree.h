@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cassert>
 #include <concepts>
 #include <cstdint>
@@ -43,6 +44,8 @@ constexpr std::array<std::string_view, 11> names_of(FieldKind) {
   return {"bool",      "uint32",   "uint64", "double",     "string", "frequency",
           "byte_size", "duration", "spread", "spread_map", "enum"};
 }
+
+static_assert(std::variant_size_v<Target> == names_of(FieldKind{}).size());
 
 /// What a struct's check() calls for a rule that is broken.
 using Complain = std::function<void(std::string_view key, std::string_view problem)>;

@@ -78,7 +78,8 @@ std::string ConfigLoader::Source::at(TextPosition position) const {
 }
 
 void ConfigLoader::apply_file(ConfigNode& group, const std::filesystem::path& file, std::string_view asked_at) {
-  const std::filesystem::path canonical = std::filesystem::weakly_canonical(file);
+  std::error_code failed;
+  const std::filesystem::path canonical = std::filesystem::weakly_canonical(file, failed);
   if (std::ranges::find(open_files_, canonical) != open_files_.end()) {
     refuse(asked_at, {}, fmt::format("'{}' extends itself", file.string()));
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <optional>
+#include <set>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -68,6 +69,7 @@ class Builder final : public YAML::EventHandler {
     Node node;
     YAML::anchor_t anchor;
     std::optional<YamlNode::Entry> entry;  ///< its key is known, its value is not
+    std::set<std::string> keys;
   };
 
   static TextPosition position(const YAML::Mark& mark) { return {mark.line + 1, mark.column + 1}; }
@@ -87,7 +89,7 @@ class Builder final : public YAML::EventHandler {
     refuse_tag(mark, tag);
     const Node node = make(kind);
     place(mark, node);
-    open_.push_back({node, anchor, std::nullopt});
+    open_.push_back({node, anchor, std::nullopt, {}});
   }
   void close() {
     remember(open_.back().anchor, open_.back().node);
@@ -104,7 +106,7 @@ class Builder final : public YAML::EventHandler {
   void place_key(const YAML::Mark& mark, const Node& node) {
     Open& mapping = open_.back();
     if (node->kind != YamlNode::Kind::kScalar) refuse_at(mark, "a key must be plain text");
-    if (mapping.node->find(node->scalar) != nullptr) {
+    if (!mapping.keys.insert(node->scalar).second) {
       refuse_at(mark, fmt::format("the key '{}' is given twice", node->scalar));
     }
     mapping.entry = {node->scalar, position(mark), position(mark), nullptr};

@@ -171,6 +171,18 @@ TEST(DramChannel, WritesWaitForTheirMarkWhileReadsGo) {
   EXPECT_EQ(b.requester(0).script[399].answered, kWires + kT.rcd + kHit + 399 * kLine);
 }
 
+TEST(DramChannel, OnceTheirHighMarkIsReachedWritesGoDownToTheLowMark) {
+  DramConfig c = DramBench::quiet();
+  c.controller.write_queue = c.controller.write_high = 24;
+  DramBench b(c, 2);
+  for (Addr i = 0; i < 30; ++i) b.requester(0).send(64 * i, 0, true);
+  b.requester(1).send(b.row(0, 0) + 30 * 64, 100);
+  b.run();
+  const std::uint64_t last_write = 1 + kT.rcd + (30 - c.controller.write_low - 1) * kLine;
+  const std::uint64_t read = last_write + kT.ccd_l + kT.wl + kT.dqss + kT.burst + kT.wtr_s;
+  EXPECT_EQ(b.requester(1).script[0].answered, read + kHit + 1);
+}
+
 TEST(DramChannel, EverythingThatEntersLeavesAndIsCounted) {
   DramConfig c = DramBench::quiet();
   c.timing.refi_pb = 780;

@@ -112,6 +112,12 @@ TEST(ConfigFile, MustBeAReadableFileOfSensibleSize) {
   EXPECT_EQ(load("folder.yaml"), "folder.yaml: is a folder, not a file");
   ::mkfifo((b.folder().path() / "pipe.yaml").c_str(), 0600);
   EXPECT_EQ(load("pipe.yaml"), "pipe.yaml: is not a regular file");
+  std::filesystem::create_symlink("loop.yaml", b.folder().path() / "loop.yaml");
+  EXPECT_EQ(load("loop.yaml"), "loop.yaml: Too many levels of symbolic links");
+  if (::geteuid() != 0) {
+    ::chmod(b.folder().write("secret.yaml", "seed: 1").c_str(), 0);
+    EXPECT_EQ(load("secret.yaml"), "secret.yaml: cannot be opened: Permission denied");
+  }
   b.folder().write("large.yaml", std::string((4 << 20) + 1, '#'));
   EXPECT_EQ(load("large.yaml"), "large.yaml: is too large; allowed: 4194304 bytes");
 }

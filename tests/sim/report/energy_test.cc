@@ -1,6 +1,7 @@
 #include "sim/report/energy.h"
 
 #include <cmath>
+#include <fstream>
 
 #include <gtest/gtest.h>
 
@@ -171,26 +172,29 @@ TEST(Energy, JsonIsInMillijoules) {
   EXPECT_DOUBLE_EQ(json.at("energy_by_kind_mj").at("clock").at("nominal").get<double>(), 5e-9);
 }
 
-TEST(Energy14nm, LoadsAndHasEveryFigureItsUnitsAskFor) {
+TEST(Energy14nm, IsAValidTableWithEveryBlock) {
   const EnergyConfig c = load_config<EnergyConfig>("configs/energy/14nm.yaml");
   const EnergyTable table(c.events);
-  for (const char* event : {"tni.box_test",         "tni.tri_phase1",       "tni.tri_phase2",  "tni.tri_phase3",
-                            "tni.ray_setup",        "tni.stack_push",       "tni.stack_pop",   "tni.ray_buffer_read",
-                            "tni.ray_buffer_write", "tni.ray_route",        "cache.l1_read",   "cache.l1_fill",
-                            "cache.l1_probe",       "cache.l2_read",        "cache.l2_fill",   "cache.l2_probe",
-                            "interconnect.line",    "interconnect.request", "tile.read",       "tile.write",
-                            "srp.fp_add",           "srp.fp_mul",           "srp.fp_div_sqrt", "srp.fp_compare",
-                            "srp.int_add",          "srp.int_mul",          "srp.int_logic",   "srp.int_shift",
-                            "srp.convert",          "srp.rf_read",          "srp.rf_write",    "srp.config_read",
-                            "srp.config_load",      "srp.route_hop",        "dma.line",        "memory.queue_line"}) {
-    EXPECT_TRUE(table.contains(event)) << event;
-  }
-  EXPECT_EQ(table.names().size(), 36U);
+  EXPECT_NEAR(table.at("cache.l2_read", 256 * 1024).nominal, 45, 1e-9);
+  EXPECT_DOUBLE_EQ(table.at("tni.box_test", 0).nominal, 24);
   for (const char* block : {"tni", "srp", "l2", "tile_buffer", "dma", "interconnect", "dram"}) {
     EXPECT_TRUE(c.logic.contains(block)) << block;
     EXPECT_TRUE(c.flops.contains(block)) << block;
   }
-  EXPECT_NEAR(table.at("cache.l2_read", 256 * 1024).nominal, 45, 1e-9);
+}
+
+TEST(Energy14nm, NamesASourceForEveryFigure) {
+  std::ifstream file("configs/energy/14nm.yaml");
+  int figures = 0;
+  for (std::string line; std::getline(file, line);) {
+    const std::size_t colon = line.find(": ");
+    if (line.find_first_not_of(' ') == line.find('#') || colon == std::string::npos) continue;
+    const char value = line[line.find_first_not_of(' ', colon + 1)];
+    if (value != '{' && (value < '0' || value > '9')) continue;
+    ++figures;
+    EXPECT_NE(line.find("# source: "), std::string::npos) << line;
+  }
+  EXPECT_GT(figures, 50);
 }
 
 }  // namespace
