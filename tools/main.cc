@@ -1,20 +1,44 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <cerrno>
 #include <cstdio>
 #include <exception>
 #include <string>
+#include <string_view>
+#include <system_error>
 #include <vector>
 
 #include "sim/error.h"
+#include "sim/io/printable.h"
 #include "tools/build_info.h"
+#include "tools/interrupt.h"
 #include "tools/verbs/verbs.h"
+#include "traces/scene/did_you_mean.h"
 
 namespace {
 
-int complain(const std::exception& error, int exit) {
-  fmt::print(stderr, "raywatt: {}\n", error.what());
+constexpr std::size_t kLongestComplaint = 4096;
+
+/// One line, whatever file names and arguments it quotes.
+int complain(std::string_view what, int exit) {
+  fmt::print(stderr, "raywatt: {}\n", sim::printable(what, kLongestComplaint));
   return exit;
+}
+
+/// "unknown verb 'shwo', did you mean 'show'?" if that is what is wrong with the command line.
+std::string unknown_verb(const CLI::App& app) {
+  const CLI::App* verb = &app;
+  while (!verb->get_subcommands().empty()) verb = verb->get_subcommands().front();
+  const std::vector<std::string> rest = verb->remaining();
+  std::vector<std::string> known;
+  for (const CLI::App* sub : verb->get_subcommands([](const CLI::App*) { return true; })) {
+    known.push_back(sub->get_name());
+  }
+  if (rest.empty() || known.empty() || rest.front().starts_with('-')) return {};
+  return fmt::format("unknown verb '{}'{}; there are: {}", sim::printable(rest.front()),
+                     traces::did_you_mean(rest.front(), known), fmt::join(known, ", "));
 }
 
 int run(int argc, char** argv) {
@@ -36,26 +60,29 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     const bool asked = error.get_exit_code() == 0;  // --help, --version
     if (asked) return app.exit(error);
-    fmt::print(stderr, "raywatt: {}; see raywatt --help\n", error.what());
-    return tools::kBadInput;
+    const std::string verb = unknown_verb(app);
+    return complain(verb.empty() ? fmt::format("{}; see raywatt --help", error.what()) : verb, tools::kBadInput);
   }
+  if (std::fflush(stdout) != 0) throw std::system_error(errno, std::generic_category(), "standard output");
   return exit;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
+  tools::end_on_interrupts();
   try {
     return run(argc, argv);
   } catch (const sim::InputError& error) {
-    return complain(error, tools::kBadInput);
+    return complain(error.what(), tools::kBadInput);
   } catch (const sim::IoError& error) {
-    return complain(error, tools::kIoFailed);
+    return complain(error.what(), tools::kIoFailed);
   } catch (const sim::Deadlock& error) {
     fmt::print(stderr, "raywatt: {}\n{}", error.what(), error.state);
     return tools::kStuckMachine;
+  } catch (const std::system_error& error) {
+    return complain(error.what(), tools::kIoFailed);
   } catch (const std::exception& error) {
-    fmt::print(stderr, "raywatt: internal error: {}\n", error.what());
-    return tools::kOurBug;
+    return complain(fmt::format("internal error: {}", error.what()), tools::kOurBug);
   }
 }

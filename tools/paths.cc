@@ -30,11 +30,17 @@ std::vector<fs::path> search_folders() {
   return folders;
 }
 
+std::vector<fs::path> config_folders() {
+  std::vector<fs::path> folders;
+  for (const fs::path& folder : search_folders()) folders.insert(folders.end(), {folder, folder / "configs"});
+  return folders;
+}
+
 std::vector<std::string> config_names() {
   std::vector<std::string> names;
-  for (const fs::path& folder : search_folders()) {
+  for (const fs::path& folder : config_folders()) {
     std::error_code missing;
-    for (const auto& entry : fs::directory_iterator(folder / "configs", missing)) {
+    for (const auto& entry : fs::directory_iterator(folder, missing)) {
       if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem());
     }
   }
@@ -46,10 +52,10 @@ std::vector<std::string> config_names() {
 
 fs::path find_config(const std::string& argument) {
   if (argument.find('/') != std::string::npos || argument.ends_with(".yaml")) return argument;
-  for (const fs::path& folder : search_folders()) {
-    for (const fs::path& candidate : {folder / (argument + ".yaml"), folder / "configs" / (argument + ".yaml")}) {
-      if (fs::exists(candidate)) return candidate;
-    }
+  for (const fs::path& folder : config_folders()) {
+    std::error_code too_long;
+    const fs::path candidate = folder / (argument + ".yaml");
+    if (fs::exists(candidate, too_long)) return candidate;
   }
   const std::vector<std::string> names = config_names();
   throw sim::InputError(fmt::format("no configuration is called '{}'{}; known: {}; or give a path to a .yaml file",

@@ -9,8 +9,11 @@ namespace tools {
 /// from, the share folder it is installed with.
 std::vector<std::filesystem::path> search_folders();
 
-/// The configuration file called `argument`: a path if it holds a '/' or ends in .yaml, else NAME.yaml in a search
-/// folder or its `configs`. InputError with the nearest name if there is none.
+/// The same folders, each followed by its `configs`: where configurations are.
+std::vector<std::filesystem::path> config_folders();
+
+/// The configuration file called `argument`: a path if it holds a '/' or ends in .yaml, else NAME.yaml in one of
+/// config_folders(). InputError with the nearest name if there is none.
 std::filesystem::path find_config(const std::string& argument);
 
 /// Names of the configurations that find_config() knows, sorted.

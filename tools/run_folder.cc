@@ -1,12 +1,19 @@
 #include "tools/run_folder.h"
 
+#include <fcntl.h>
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <cstdio>
 #include <ctime>
+#include <fstream>
+#include <string>
+#include <system_error>
+#include <vector>
 
 #include "sim/error.h"
+#include "tools/interrupt.h"
 
 namespace tools {
 
@@ -16,47 +23,109 @@ namespace {
 
 fs::path dated_folder() {
   const std::string date = fmt::format("{:%Y-%m-%d_%H-%M-%S}", fmt::localtime(std::time(nullptr)));
-  fs::path folder = fs::path("raywatt-out") / date;
-  for (int n = 2; fs::exists(folder); ++n) folder = fs::path("raywatt-out") / fmt::format("{}_{}", date, n);
+  const fs::path parent = fs::absolute("raywatt-out");
+  fs::path folder = parent / date;
+  for (int n = 2; fs::exists(folder); ++n) folder = parent / fmt::format("{}_{}", date, n);
   return folder;
+}
+
+/// Is the file of this name one of ours? Others have a report.json too.
+bool holds_former_run(const fs::path& folder, std::string_view mark) {
+  std::string start(128, '\0');
+  std::ifstream(folder / mark, std::ios::binary).read(start.data(), static_cast<std::streamsize>(start.size()));
+  return start.find("\"schema\": \"raywatt-") != std::string::npos;
+}
+
+std::string cannot_be_written(const fs::path& folder, const std::error_code& error) {
+  return fmt::format("{}: cannot be written ({})", folder.string(), error.message());
+}
+
+/// A folder beside `target` to write into, with what parents are missing. Whatever it holds in the end is removed.
+class Staging {
+ public:
+  explicit Staging(fs::path target) : target_(std::move(target)) {}
+  ~Staging() {
+    std::error_code ignored;
+    if (!folder_.empty()) fs::remove_all(folder_, ignored);
+    for (const fs::path& parent : made_) fs::remove(parent, ignored);  // unless something is in it by now
+  }
+  Staging(const Staging&) = delete;
+  Staging& operator=(const Staging&) = delete;
+
+  std::error_code make() {
+    const fs::path parent = target_.parent_path();
+    std::error_code error;
+    for (fs::path p = parent; !fs::exists(p, error) && p.has_relative_path(); p = p.parent_path()) made_.push_back(p);
+    // Again if the name is taken by what a killed run has left, or if another run has removed the parent it had made.
+    for (int n = 0; n < 100; ++n) {
+      const fs::path folder = parent / fmt::format(".{}.{}.{}.tmp", target_.filename().string(), getpid(), n);
+      fs::create_directories(parent, error);
+      if (!error && fs::create_directory(folder, error)) {
+        folder_ = folder;
+        return {};
+      }
+    }
+    return error ? error : std::make_error_code(std::errc::file_exists);
+  }
+  const fs::path& folder() const { return folder_; }
+
+ private:
+  const fs::path target_;
+  fs::path folder_;
+  std::vector<fs::path> made_;  ///< innermost first
+};
+
+/// Two folders take each other's place, in one step where the file system can do that.
+std::error_code exchange(const fs::path& a, const fs::path& b) {
+  if (::renameat2(AT_FDCWD, a.c_str(), AT_FDCWD, b.c_str(), RENAME_EXCHANGE) == 0) return {};
+  const fs::path aside = a.string() + ".old";
+  std::error_code error, ignored;
+  fs::rename(b, aside, error);
+  if (error) return error;
+  fs::rename(a, b, error);
+  fs::rename(aside, error ? b : a, ignored);
+  return error;
+}
+
+bool is_occupied(const std::error_code& error) {
+  return error == std::errc::directory_not_empty || error == std::errc::file_exists;
 }
 
 }  // namespace
 
 RunFolder::RunFolder(fs::path target, bool force, std::string_view mark)
-    : target_(target.empty() ? dated_folder() : std::move(target)) {
-  target_ = fs::absolute(target_).lexically_normal();
-  if (!target_.has_filename()) target_ = target_.parent_path();
+    : dated_(target.empty()), target_(dated_ ? dated_folder() : std::move(target)) {
   std::error_code error;
-  if (fs::exists(target_, error)) {
-    if (!fs::is_directory(target_)) throw sim::InputError(fmt::format("{}: is a file, not a folder", target_.string()));
-    const bool ours = fs::is_empty(target_, error) || fs::exists(target_ / mark, error);
-    if (!force && !ours) {
+  target_ = fs::weakly_canonical(fs::absolute(target_), error);
+  if (error) throw sim::InputError(cannot_be_written(target_, error));
+  if (!target_.has_filename()) target_ = target_.parent_path();
+  if (fs::exists(fs::symlink_status(target_, error))) {
+    if (!fs::is_directory(target_, error)) {
+      throw sim::InputError(fmt::format("{}: is a file, not a folder", target_.string()));
+    }
+    if (!force && !fs::is_empty(target_, error) && !holds_former_run(target_, mark)) {
       throw sim::InputError(fmt::format("{}: holds files but no former run; choose another folder or give --force",
                                         target_.string()));
     }
   }
-  const fs::path parent = target_.parent_path();
-  fs::create_directories(parent, error);
-  staging_ = parent / fmt::format(".{}.{}.tmp", target_.filename().string(), getpid());
-  if (error || !fs::create_directory(staging_, error)) {
-    throw sim::InputError(fmt::format("{}: cannot be written ({})", target_.string(), error.message()));
+  Staging probe(target_);
+  error = probe.make();
+  if (error) throw sim::InputError(cannot_be_written(target_, error));
+}
+
+void RunFolder::fill(const std::function<void(const fs::path& folder)>& write) {
+  const HoldInterrupts hold;
+  Staging staging(target_);
+  std::error_code error = staging.make();
+  if (error) throw sim::IoError(cannot_be_written(target_, error));
+  write(staging.folder());
+  fs::rename(staging.folder(), target_, error);  // a full folder is never replaced by this
+  while (dated_ && is_occupied(error)) {         // by a run of the same second
+    target_ = dated_folder();
+    fs::rename(staging.folder(), target_, error);
   }
-}
-
-RunFolder::~RunFolder() {
-  std::error_code ignored;
-  fs::remove_all(staging_, ignored);
-}
-
-void RunFolder::commit() {
-  std::error_code error;
-  const fs::path former = staging_.string() + ".old";
-  const bool replaces = fs::exists(target_, error);
-  if (replaces) fs::rename(target_, former, error);
-  if (!error) fs::rename(staging_, target_, error);
-  if (error) throw sim::IoError(fmt::format("{}: cannot be written ({})", target_.string(), error.message()));
-  if (replaces) fs::remove_all(former, error);
+  if (is_occupied(error)) error = exchange(staging.folder(), target_);
+  if (error) throw sim::IoError(cannot_be_written(target_, error));
 }
 
 }  // namespace tools

@@ -1,5 +1,6 @@
 #pragma once
 #include <filesystem>
+#include <functional>
 #include <string_view>
 
 namespace tools {
@@ -7,23 +8,20 @@ namespace tools {
 /// A folder of results, written beside its place and moved there as a whole: nobody sees half of one.
 class RunFolder {
  public:
-  /// Checks that results may go to `target`: a new or empty folder, or a former run (it holds `mark`), or anything
-  /// with `force`; and that it can be written. InputError if not. An empty path becomes a dated folder below raywatt-out/.
+  /// Checks that results may go to `target`: a new or empty folder, or a former run (it holds our `mark`), or anything
+  /// with `force`; and that it can be written. InputError if not. An empty path becomes a dated folder below
+  /// raywatt-out/. Nothing is made yet.
   RunFolder(std::filesystem::path target, bool force, std::string_view mark = "report.json");
-  /// Removes what was not committed.
-  ~RunFolder();
-  RunFolder(const RunFolder&) = delete;
-  RunFolder& operator=(const RunFolder&) = delete;
 
-  /// Where to write meanwhile.
-  const std::filesystem::path& staging() const { return staging_; }
+  /// Has `write` fill a folder beside the target, then swaps it into place; interrupts wait that long. IoError, and
+  /// nothing left behind, if that fails.
+  void fill(const std::function<void(const std::filesystem::path& folder)>& write);
+
   const std::filesystem::path& target() const { return target_; }
-  /// Swaps the results into place.
-  void commit();
 
  private:
+  bool dated_;
   std::filesystem::path target_;
-  std::filesystem::path staging_;
 };
 
 }  // namespace tools

@@ -63,7 +63,7 @@ std::uint32_t host_threads(std::uint32_t wanted) {
 }
 
 RunConfig load_run_config(const JobOptions& options) {
-  sim::set_config_search_path(search_folders());
+  sim::set_config_search_path(config_folders());
   std::vector<std::string> sets = options.sets;
   if (!options.resolution.empty()) {
     const Resolution r = parse_resolution(options.resolution);

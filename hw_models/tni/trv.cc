@@ -15,6 +15,30 @@ using traces::StepKind;
 namespace {
 
 constexpr std::uint64_t bit(std::uint32_t slot) { return std::uint64_t{1} << slot; }
+/// Nodes at which the `stacked` entries now on a ray's stack were pushed, oldest first, found by following its walk from
+/// `begin` up to the step `next`. Restarts are rare; keeping such a list for every ray is not worth the memory.
+std::vector<std::uint32_t> pending_pushes(const std::uint32_t* begin, const std::uint32_t* next, std::size_t stacked) {
+  std::vector<std::uint32_t> entries;
+  bool must_pop = false;
+  for (const std::uint32_t* step = begin; step != next; ++step) {
+    const StepKind kind = traces::kind_of(*step);
+    if (kind == StepKind::kCull) {
+      // The culls just before `next` are under way: `stacked` says how far.
+      if (step + 1 != next) entries.resize(entries.size() - traces::culled_of(*step));
+      continue;
+    }
+    if (must_pop) entries.pop_back();
+    must_pop = kind == StepKind::kLeaf || traces::hits_of(*step) == 0;
+    if (kind == StepKind::kLeaf) {
+      ++step;  // its exit phases
+    } else if (traces::hits_of(*step) == 3) {
+      entries.push_back(traces::node_of(*step));
+    }
+  }
+  entries.resize(stacked);
+  return entries;
+}
+
 constexpr std::uint64_t all(std::uint32_t slots) { return slots == 64 ? ~std::uint64_t{0} : bit(slots) - 1; }
 
 }  // namespace
@@ -27,13 +51,10 @@ Trv::Trv(const TrvConfig& config, const TreeInMemory& tree, Links links, std::ui
       links_(links),
       l1_(config.l1, port),
       slots_(config.rays),
+      paths_(config.rays),
       pipes_(clock),
       free_(all(config.rays)) {
   assert(visit_latency_ < Wheel<kPipes>::kSpan);
-  for (Slot& slot : slots_) {
-    slot.pushed_at.reserve(64);
-    slot.path.reserve(64);
-  }
 }
 
 sim::Time Trv::tick(sim::Time now) {
@@ -90,10 +111,7 @@ void Trv::take_rays(sim::Time now) {
   free_ &= ~bit(index);
   occupied_ |= bit(index);
   Slot& slot = slots_[index];
-  slot.next = job.walk;
-  slot.id = job.id;
-  slot.held = 0;
-  slot.must_pop = false;
+  slot = Slot{job.walk, job.walk, job.id};
   stats_.rays_in += 1;
   switch (next_pipe(slot)) {
     case kToInner: ready_ |= bit(index); break;
@@ -103,7 +121,7 @@ void Trv::take_rays(sim::Time now) {
 }
 
 Trv::Pipe Trv::next_pipe(Slot& slot) const {
-  if (!slot.path.empty()) return kToInner;
+  if (slot.restarting) return kToInner;
   if (traces::kind_of(*slot.next) == StepKind::kCull) {
     slot.culls = traces::culled_of(*slot.next);
     slot.next += 1;
@@ -119,7 +137,7 @@ Trv::Why Trv::issue_visit() {
   inner_turn_ = (index + 1) % 64;
   ready_ &= ~bit(index);
   Slot& slot = slots_[index];
-  const std::uint32_t node = slot.path.empty() ? traces::node_of(*slot.next) : slot.path.back();
+  const std::uint32_t node = slot.restarting ? paths_[index].back() : traces::node_of(*slot.next);
   const Addr line = (tree_.nodes + Addr{node} * tree_.node_bytes) & ~Addr{63};
   stats_.l1_accesses += 1;
   const bool served = (served_ & bit(index)) != 0;
@@ -144,8 +162,9 @@ Trv::Why Trv::issue_visit() {
 void Trv::visited(Slot& slot, std::uint32_t index) {
   stats_.visits += 1;
   stats_.box_tests += 2;
-  if (!slot.path.empty()) {
-    slot.path.pop_back();
+  if (slot.restarting) {
+    paths_[index].pop_back();
+    slot.restarting = !paths_[index].empty();
     stats_.restarted_visits += 1;
   } else {
     const std::uint32_t step = *slot.next;
@@ -154,7 +173,7 @@ void Trv::visited(Slot& slot, std::uint32_t index) {
     slot.must_pop = hits == 0;
     if (hits == 3) {
       stats_.pushes += 1;
-      slot.pushed_at.push_back(traces::node_of(step));
+      slot.stacked += 1;
       if (config_.stack == StackScheme::kRestartLink && slot.held == config_.stack_entries) {
         stats_.dropped += 1;
       } else {
@@ -172,11 +191,11 @@ void Trv::issue_pop() {
   popping_ &= ~bit(index);
   Slot& slot = slots_[index];
   if (slot.held == 0) {
-    restart(slot);
+    restart(slot, index);
   } else {
     stats_.pops += 1;
     slot.held -= 1;
-    slot.pushed_at.pop_back();
+    slot.stacked -= 1;
     if (slot.culls > 0) {
       slot.culls -= 1;
     } else {
@@ -186,20 +205,20 @@ void Trv::issue_pop() {
   pipes_.put(next_pipe(slot), index, config_.stack_latency);
 }
 
-void Trv::restart(Slot& slot) {
-  assert(!slot.pushed_at.empty() && "a pop from an empty stack");
+void Trv::restart(Slot& slot, std::uint32_t index) {
+  assert(slot.stacked > 0 && "a pop from an empty stack");
   // From the link, which is the node of the oldest dropped entry, down to the node of the entry wanted now. Each visit
   // finds its far child again, so the short stack ends up holding the youngest entries.
-  const std::uint32_t link = slot.pushed_at.front();
-  for (std::uint32_t node = slot.pushed_at.back();; node = tree_.parents[node]) {
-    slot.path.push_back(node);
-    if (node == link) break;
+  const std::vector<std::uint32_t> entries = pending_pushes(slot.begin, slot.next, slot.stacked);
+  for (std::uint32_t node = entries.back();; node = tree_.parents[node]) {
+    paths_[index].push_back(node);
+    if (node == entries.front()) break;
   }
-  const auto entries = static_cast<std::uint32_t>(slot.pushed_at.size());
-  slot.held = std::min(entries, config_.stack_entries);
+  slot.restarting = true;
+  slot.held = static_cast<std::uint16_t>(std::min<std::uint32_t>(slot.stacked, config_.stack_entries));
   stats_.restarts += 1;
-  stats_.pushes += entries;
-  stats_.dropped += entries - slot.held;
+  stats_.pushes += slot.stacked;
+  stats_.dropped += slot.stacked - slot.held;
 }
 
 void Trv::issue_leaf(sim::Time now) {
@@ -225,9 +244,7 @@ void Trv::retire(sim::Time now) {
   retiring_ &= ~bit(index);
   occupied_ &= ~bit(index);
   free_ |= bit(index);
-  Slot& slot = slots_[index];
-  slot.pushed_at.clear();  // an any-hit ray may leave entries behind
-  links_.rays_out.push(now, RayDone{slot.id});
+  links_.rays_out.push(now, RayDone{slots_[index].id});
   stats_.rays_out += 1;
 }
 

@@ -96,14 +96,16 @@ class Trv {
   /// Sub-pipes a slot can come out of.
   enum Pipe : std::size_t { kToInner, kToStack, kToLeaf, kToRetire, kPipes };
   struct Slot {
-    const std::uint32_t* next = nullptr;  ///< the step to take now
+    const std::uint32_t* next = nullptr;   ///< the step to take now
+    const std::uint32_t* begin = nullptr;  ///< the ray's first step
     std::uint32_t id = 0;
-    std::uint32_t culls = 0;        ///< stack entries still to pop and drop before `next`
-    std::uint32_t held = 0;         ///< entries in the short stack
-    bool must_pop = false;          ///< `next` is reached through the stack
-    std::vector<std::uint32_t> pushed_at;  ///< node of each entry not popped yet, dropped ones included, oldest first
-    std::vector<std::uint32_t> path;       ///< restart: nodes to test again, last one first
+    std::uint32_t culls = 0;     ///< stack entries still to pop and drop before `next`
+    std::uint16_t stacked = 0;   ///< entries not popped yet, dropped ones included
+    std::uint16_t held = 0;      ///< of these, entries in the short stack
+    bool must_pop = false;       ///< `next` is reached through the stack
+    bool restarting = false;     ///< on the way back down: its nodes are in paths_
   };
+  static_assert(sizeof(Slot) == 32, "two slots a cache line of the host: a tick touches little else");
 
   void take_rays(sim::Time now);
   void take_answers(sim::Time now);
@@ -115,7 +117,7 @@ class Trv {
   void visited(Slot& slot, std::uint32_t index);
   /// Which sub-pipe the slot needs for its next step.
   Pipe next_pipe(Slot& slot) const;
-  void restart(Slot& slot);
+  void restart(Slot& slot, std::uint32_t index);
   void release(const Wheel<kPipes>::Masks& out);
   Why waiting() const;  ///< what a cycle goes to in which no node enters the box pipe
   sim::Time next_wake(sim::Time now) const;
@@ -127,6 +129,7 @@ class Trv {
   Links links_;
   L1Cache l1_;
   std::vector<Slot> slots_;
+  std::vector<std::vector<std::uint32_t>> paths_;  ///< per slot: nodes to test again after a restart, last one first
   Wheel<kPipes> pipes_;
   std::uint64_t free_;
   std::uint64_t occupied_ = 0;

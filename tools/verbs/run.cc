@@ -18,17 +18,17 @@ namespace tools {
 
 namespace {
 
-void write_results(const RunFolder& folder, const Report& report, const nlohmann::ordered_json& json) {
+void write_results(const std::filesystem::path& folder, const Report& report, const nlohmann::ordered_json& json) {
   const Inputs& in = report.inputs;
   const std::uint32_t width = in.config.render.width, height = in.config.render.height;
   const std::vector<float>& rgb = report.run.function.rgb;
-  sim::write_file_atomically(folder.staging() / "report.json", sim::json_text(json));
-  sim::write_file_atomically(folder.staging() / "report.txt", report_table(json));
-  sim::write_file_atomically(folder.staging() / "config.yaml", sim::dump_config(in.config));
-  traces::write_png(folder.staging() / "image.png", width, height, to_rgb8(rgb));
-  traces::write_exr(folder.staging() / "image.exr", width, height, rgb);
+  sim::write_file_atomically(folder / "report.json", sim::json_text(json));
+  sim::write_file_atomically(folder / "report.txt", report_table(json));
+  sim::write_file_atomically(folder / "config.yaml", sim::dump_config(in.config));
+  traces::write_png(folder / "image.png", width, height, to_rgb8(rgb));
+  traces::write_exr(folder / "image.exr", width, height, rgb);
   if (report.reference != nullptr) {
-    traces::write_exr(folder.staging() / "reference.exr", width, height, report.reference->function.rgb);
+    traces::write_exr(folder / "reference.exr", width, height, report.reference->function.rgb);
   }
 }
 
@@ -47,8 +47,7 @@ void run(const JobOptions& options) {
   const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   const Report report{inputs, options, simulation, compared ? &*compared : nullptr, wall};
   const nlohmann::ordered_json json = report_json(report);
-  write_results(folder, report, json);
-  folder.commit();
+  folder.fill([&](const std::filesystem::path& staging) { write_results(staging, report, json); });
   if (options.quiet) return;
   fmt::print("{}\npicture: {}\nreport:  {}\n", report_table(json), (folder.target() / "image.png").string(),
              (folder.target() / "report.json").string());

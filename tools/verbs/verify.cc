@@ -46,10 +46,11 @@ int verify(const JobOptions& options) {
   nlohmann::ordered_json json = verdict_json(counts, psnr);
   json["provenance"] = provenance_json(inputs, options);
   const std::uint32_t width = inputs.config.render.width, height = inputs.config.render.height;
-  sim::write_file_atomically(folder.staging() / "verify.json", sim::json_text(json));
-  traces::write_png(folder.staging() / "image.png", width, height, to_rgb8(ours));
-  traces::write_png(folder.staging() / "embree.png", width, height, to_rgb8(truth));
-  folder.commit();
+  folder.fill([&](const std::filesystem::path& staging) {
+    sim::write_file_atomically(staging / "verify.json", sim::json_text(json));
+    traces::write_png(staging / "image.png", width, height, to_rgb8(ours));
+    traces::write_png(staging / "embree.png", width, height, to_rgb8(truth));
+  });
   if (!options.quiet) {
     fmt::print("{} rays against Embree {}: {} missing hits, {} extra hits, {} distance errors, {} edge ties, picture {}\n",
                counts.rays, traces::embree_version(), counts.missing_hits, counts.extra_hits, counts.distance_errors,

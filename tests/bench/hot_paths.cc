@@ -1,0 +1,87 @@
+// What the simulator does most, one piece at a time: ninja bench_units && tests/bench_units
+#include <benchmark/benchmark.h>
+
+#include <vector>
+
+#include "hw_models/memory/cache_tags.h"
+#include "hw_models/memory/dram_channel.h"
+#include "sim/hash.h"
+#include "sim/link.h"
+#include "tests/hw_models/tni/bench.h"
+#include "traces/walk.h"
+
+namespace {
+
+void link_push_and_pop(benchmark::State& state) {
+  const sim::Clock clock(2'000'000);
+  sim::Link<std::uint64_t> link(4, 1, clock);
+  sim::Time now = 0;
+  for (auto _ : state) {
+    link.push(now, now);
+    now = clock.after(now, 1);
+    benchmark::DoNotOptimize(link.pop(now));
+    now = clock.after(now, 1);
+  }
+}
+BENCHMARK(link_push_and_pop);
+
+void cache_probe(benchmark::State& state) {
+  hw::CacheTags tags{hw::CacheConfig{}};
+  std::uint64_t n = 0;
+  for (auto _ : state) {
+    const hw::Addr line = sim::mix(n++) % 512 * 64;
+    if (!tags.probe(line)) tags.fill(line);
+  }
+}
+BENCHMARK(cache_probe);
+
+/// A T&I unit full of rays that hit their caches: time per node visit.
+void traversal_unit_visit(benchmark::State& state) {
+  std::vector<std::uint32_t> walk;
+  for (std::uint32_t node = 0; node < 30; ++node) walk.push_back(traces::visit_step(node, node == 29 ? 0 : 1, 0));
+  walk.push_back(traces::end_step(false));
+  constexpr std::uint32_t kRays = 2000;
+  for (auto _ : state) {
+    hw::testing::TniBench bench(hw::testing::TniBench::Setup{});
+    bench.add(walk, kRays).run();
+    benchmark::DoNotOptimize(bench.end_time());
+  }
+  state.SetItemsProcessed(state.iterations() * kRays * 30);
+}
+BENCHMARK(traversal_unit_visit);
+
+/// One LPDDR4 channel fed as fast as it takes requests: stream (0) or random lines (1).
+void dram_request(benchmark::State& state) {
+  constexpr std::uint32_t kRequests = 20'000;
+  for (auto _ : state) {
+    const hw::DramConfig config;
+    const sim::Clock clock(config.timing.ck.time);
+    sim::Link<hw::MemRequest> in(8, 1, clock);
+    sim::Link<hw::MemResponse> out(64, 1, clock);
+    hw::DramChannel channel(config, {{&in}, {&out}});
+    sim::Time now = 0, wake = 0;
+    in.wakes(nullptr, &wake);
+    out.wakes(&wake, nullptr);
+    std::uint32_t sent = 0, received = 0;
+    while (received < kRequests) {
+      while (sent < kRequests && in.can_push(now)) {
+        const std::uint64_t line = state.range(0) == 0 ? sent : sim::mix(sent) % (1 << 20);
+        in.push(now, hw::MemRequest{line * 64 * config.channels, 0, 0, false});
+        ++sent;
+      }
+      for (; out.can_pop(now); ++received) out.pop(now);
+      if (wake <= now) {
+        wake = sim::kNever;
+        wake = std::min(wake, channel.tick(now));
+      }
+      const sim::Time feed = sent < kRequests ? std::max(clock.after(now, 1), in.push_at()) : sim::kNever;
+      now = std::min({std::max(clock.after(now, 1), wake), feed, std::max(clock.after(now, 1), out.pop_at())});
+    }
+  }
+  state.SetItemsProcessed(state.iterations() * kRequests);
+}
+BENCHMARK(dram_request)->Arg(0)->Arg(1);
+
+}  // namespace
+
+BENCHMARK_MAIN();
