@@ -2,84 +2,109 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <initializer_list>
-#include <map>
+#include <cstdint>
 #include <string_view>
+#include <vector>
 
 namespace tools {
 
 namespace {
 
-/// Where the time of all units of one kind went, as shares.
-class Shares {
- public:
-  Shares(std::span<const sim::UnitReport> units, std::string_view kind) {
-    for (const sim::UnitReport& unit : units) {
-      if (unit.path.find(kind) == std::string::npos) continue;
-      elapsed_ += static_cast<double>(unit.elapsed);
-      for (const auto& [reason, cycles] : unit.why) cycles_[reason] += static_cast<double>(cycles);
-    }
-  }
-  double of(std::initializer_list<const char*> reasons) const {
-    double sum = 0;
-    for (const char* reason : reasons) {
-      const auto found = cycles_.find(reason);
-      if (found != cycles_.end()) sum += found->second;
-    }
-    return elapsed_ > 0 ? sum / elapsed_ : 0;
-  }
-
- private:
-  std::map<std::string, double> cycles_;
-  double elapsed_ = 0;
+struct Reason {
+  std::string_view name;
+  std::string_view words;
+  bool busy = false;
 };
+
+/// A kind of unit that may hold a frame back, and what its reasons mean to a reader.
+struct Resource {
+  std::string_view kind;  ///< part of a unit's path
+  std::string_view words;
+  std::vector<Reason> reasons;
+};
+
+const std::vector<Resource>& resources() {
+  static const std::vector<Resource> all = {
+      {".trv",
+       "traversal units",
+       {{"visiting", "", true},
+        {"starved", "having no rays"},
+        {"l1_miss", "node lines that are not in their caches"},
+        {"mshr_full", "too few miss registers"},
+        {"ist", "waiting for triangle tests"},
+        {"pipe", "too few rays to fill the pipelines"},
+        {"output_full", "finished rays that cannot leave"}}},
+      {".ist",
+       "intersection units",
+       {{"testing", "", true},
+        {"starved", "having no leaves"},
+        {"l1_miss", "triangle lines that are not in their caches"},
+        {"mshr_full", "too few miss registers"},
+        {"pipe", "too few leaves to fill the pipeline"},
+        {"output_full", "answers that queue"}}},
+      {".srp",
+       "shader cores",
+       {{"running", "", true},
+        {"switching", "", true},
+        {"starved", "having no tile"},
+        {"cache_miss", "misses of their data caches"},
+        {"waiting", "waiting for rays"},
+        {"no_slots", "waiting for ray slots in the tile buffer"}}},
+      {"dram.",
+       "memory channels",
+       {{"reading", "", true},
+        {"writing", "", true},
+        {"idle", "having no requests"},
+        {"latency", "access latency"},
+        {"row_conflict", "row conflicts"},
+        {"activate", "opening rows"},
+        {"refresh", "refresh"},
+        {"turnaround", "changes between reads and writes"},
+        {"column", "spacing of column commands"},
+        {"command_bus", "their command buses"},
+        {"returns_full", "responses that do not leave"}}}};
+  return all;
+}
+
+/// Share of the time that all units of a kind gave one reason for.
+double share(std::span<const sim::UnitReport> units, std::string_view kind, std::string_view reason) {
+  std::uint64_t cycles = 0, elapsed = 0;
+  for (const sim::UnitReport& unit : units) {
+    if (unit.path.find(kind) == std::string::npos) continue;
+    elapsed += unit.elapsed;
+    for (const auto& [name, spent] : unit.why) cycles += name == reason ? spent : 0;
+  }
+  return elapsed == 0 ? 0 : static_cast<double>(cycles) / static_cast<double>(elapsed);
+}
 
 }  // namespace
 
 Utilisation utilisation(std::span<const sim::UnitReport> units) {
-  return {Shares(units, ".trv").of({"visiting"}), Shares(units, ".srp").of({"running"}),
-          Shares(units, "dram.").of({"reading", "writing"})};
+  return {share(units, ".trv", "visiting"), share(units, ".srp", "running"),
+          share(units, "dram.", "reading") + share(units, "dram.", "writing")};
 }
 
 std::string limiter(std::span<const sim::UnitReport> units) {
-  const Shares trv(units, ".trv"), ist(units, ".ist"), srp(units, ".srp"), dram(units, "dram.");
-  struct Candidate {
-    double share;
-    std::string words;
-  };
-  const auto percent = [](double share) { return fmt::format("{:.0f} %", 100 * share); };
-  const double transfers = dram.of({"reading", "writing"});
-  const double arrays = srp.of({"running", "switching"});
-  const double misses = srp.of({"cache_miss"});
-  const double boxes = trv.of({"visiting"});
-  const double tests = ist.of({"testing"});
-  if (transfers >= 0.8) return fmt::format("DRAM bandwidth: data on the buses {} of the time", percent(transfers));
-  if (boxes >= 0.8) return fmt::format("traversal throughput: box pipes busy {} of the time", percent(boxes));
-  if (tests >= 0.8) return fmt::format("intersection throughput: triangle pipes busy {} of the time", percent(tests));
-  const double waiting_for_lines = trv.of({"l1_miss", "mshr_full"});
-  const std::vector<Candidate> candidates = {
-      {boxes, fmt::format("traversal throughput: box pipes busy {} of the time", percent(boxes))},
-      {waiting_for_lines,
-       fmt::format("memory latency of traversal: TRVs wait for node lines {} of the time", percent(waiting_for_lines))},
-      {trv.of({"ist"}), fmt::format("intersection units: TRVs wait for triangle tests {} of the time",
-                                    percent(trv.of({"ist"})))},
-      {trv.of({"pipe"}), fmt::format("traversal latency: too few rays for the box pipes {} of the time",
-                                     percent(trv.of({"pipe"})))},
-      {trv.of({"output_full"}), fmt::format("direct interface: finished rays cannot leave the TRVs {} of the time",
-                                            percent(trv.of({"output_full"})))}};
-  // Starved TRVs mean that the shader core holds the frame back; its own time says how.
-  if (trv.of({"starved"}) < 0.4) return std::ranges::max_element(candidates, {}, &Candidate::share)->words;
-  const double slots = srp.of({"no_slots"});
-  const std::vector<Candidate> shading = {
-      {arrays, fmt::format("shader core throughput: array running or switching kernels {} of the time", percent(arrays))},
-      {misses, fmt::format("shader core's data cache: array stalled by misses {} of the time", percent(misses))},
-      {slots, fmt::format("tile buffer: launches wait for ray slots {} of the time", percent(slots))},
-      {srp.of({"waiting"}), fmt::format("latency between waves: shader cores wait for rays {} of the time",
-                                        percent(srp.of({"waiting"})))},
-      {srp.of({"starved"}), fmt::format("too few tiles: shader cores without one {} of the time",
-                                        percent(srp.of({"starved"})))}};
-  return std::ranges::max_element(shading, {}, &Candidate::share)->words;
+  double most_busy = -1;
+  std::string words;
+  for (const Resource& resource : resources()) {
+    double busy = 0, loss = 0;
+    std::string_view loses_to;
+    for (const Reason& reason : resource.reasons) {
+      const double part = share(units, resource.kind, reason.name);
+      if (reason.busy) {
+        busy += part;
+      } else if (part > loss) {
+        loss = part;
+        loses_to = reason.words;
+      }
+    }
+    if (busy <= most_busy) continue;
+    most_busy = busy;
+    words = fmt::format("{}, busy {:.0f} % of the time", resource.words, 100 * busy);
+    if (loss >= 0.01) words += fmt::format("; they lose most to {} ({:.0f} %)", loses_to, 100 * loss);
+  }
+  return words;
 }
 
 }  // namespace tools

@@ -14,7 +14,7 @@ struct Utilisation {
 };
 Utilisation utilisation(std::span<const sim::UnitReport> units);
 
-/// What holds the frame back, in words, from the reasons that units gave for their time.
+/// What holds the frame back, in words: the kind of unit that is busiest, and what it loses most time to.
 std::string limiter(std::span<const sim::UnitReport> units);
 
 }  // namespace tools

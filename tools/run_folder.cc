@@ -96,8 +96,9 @@ bool is_occupied(const std::error_code& error) {
 RunFolder::RunFolder(fs::path target, bool force, std::string_view mark)
     : dated_(target.empty()), target_(dated_ ? dated_folder() : std::move(target)) {
   std::error_code error;
-  target_ = fs::weakly_canonical(fs::absolute(target_), error);
+  const fs::path canonical = fs::weakly_canonical(fs::absolute(target_), error);
   if (error) throw sim::InputError(cannot_be_written(target_, error));
+  target_ = canonical;
   if (!target_.has_filename()) target_ = target_.parent_path();
   if (fs::exists(fs::symlink_status(target_, error))) {
     if (!fs::is_directory(target_, error)) {

@@ -1,0 +1,118 @@
+#include "tests/tools/program.h"
+
+#include <fcntl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+namespace test {
+namespace {
+
+constexpr auto kPatience = std::chrono::seconds(120);
+constexpr auto kGlance = std::chrono::milliseconds(2);
+
+void redirect(const std::string& path, int stream) {
+  const int file = ::open(path.c_str(), O_WRONLY | O_CREAT, 0666);
+  if (file < 0 || ::dup2(file, stream) < 0) ::_exit(126);
+}
+
+/// In the child: what a terminal would give, whatever this test was started by, then the program.
+[[noreturn]] void become_program(const Words& words, const Surroundings& around, const std::string& out,
+                                 const std::string& err) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) ::signal(signal, SIG_DFL);
+  ::unsetenv("RAYWATT_PATH");
+  for (const auto& [name, value] : around.variables) ::setenv(name.c_str(), value.c_str(), 1);
+  redirect(out, STDOUT_FILENO);
+  redirect(err, STDERR_FILENO);
+  if (!around.folder.empty() && ::chdir(around.folder.c_str()) != 0) ::_exit(126);
+  if (around.longest_file != 0) {
+    ::signal(SIGXFSZ, SIG_IGN);  // so that write() fails, as on a full disk
+    const rlimit limit{around.longest_file, around.longest_file};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  std::vector<char*> arguments;
+  for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
+  arguments.push_back(nullptr);
+  ::execv(arguments.front(), arguments.data());
+  ::_exit(127);
+}
+
+}  // namespace
+
+Program::Program(Words arguments, const Surroundings& around) {
+  arguments.insert(arguments.begin(), RAYWATT_PROGRAM);
+  const std::string out = around.out.empty() ? streams_.write("out", "").string() : around.out;
+  const std::string err = streams_.write("err", "").string();
+  process_ = ::fork();
+  if (process_ == 0) become_program(arguments, around, out, err);
+}
+
+Program::~Program() {
+  if (ended()) return;
+  send(SIGKILL);
+  ::waitpid(process_, &status_, 0);
+}
+
+void Program::send(int signal) const { ::kill(process_, signal); }
+
+bool Program::ended() {
+  if (process_ > 0 && ::waitpid(process_, &status_, WNOHANG) != 0) process_ = -1;
+  return process_ < 0;
+}
+
+bool Program::wait_for_complaint() {
+  while (std::filesystem::file_size(streams_.path() / "err") == 0) {
+    if (ended()) return false;
+    std::this_thread::sleep_for(kGlance);
+  }
+  return true;
+}
+
+Ending Program::wait() {
+  const auto begin = std::chrono::steady_clock::now();
+  while (!ended()) {
+    if (std::chrono::steady_clock::now() - begin > kPatience) {
+      ADD_FAILURE() << "the program does not end";
+      send(SIGKILL);
+    }
+    std::this_thread::sleep_for(kGlance);
+  }
+  return {WIFEXITED(status_) ? WEXITSTATUS(status_) : 128 + WTERMSIG(status_), read_bytes(streams_.path() / "out"),
+          read_bytes(streams_.path() / "err")};
+}
+
+Ending raywatt(const Words& arguments, const Surroundings& around) { return Program(arguments, around).wait(); }
+
+Words small_run(const std::filesystem::path& out, const Words& more) {
+  Words words = {"run", "--resolution", "64x32", "--threads", "1", "-o", out.string()};
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+nlohmann::json read_json(const std::filesystem::path& path) { return nlohmann::json::parse(read_bytes(path)); }
+
+Words names_in(const std::filesystem::path& folder) {
+  Words names;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) names.push_back(entry.path().filename());
+  std::ranges::sort(names);
+  return names;
+}
+
+void expect_refusal(const Ending& ending, const Words& parts) {
+  EXPECT_EQ(ending.exit, 2) << ending.err;
+  EXPECT_EQ(ending.out, "");
+  EXPECT_TRUE(ending.err.starts_with("raywatt: ")) << ending.err;
+  EXPECT_EQ(std::ranges::count(ending.err, '\n'), 1) << ending.err;
+  EXPECT_TRUE(ending.err.ends_with("\n")) << ending.err;
+  for (const std::string& part : parts) EXPECT_SAYS(ending.err, part);
+}
+
+}  // namespace test

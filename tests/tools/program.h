@@ -1,0 +1,68 @@
+#pragma once
+#include <sys/types.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/traces/scene/tiny_gltf_file.h"
+
+namespace test {
+
+using Words = std::vector<std::string>;
+
+/// What a process left behind.
+struct Ending {
+  int exit = -1;    ///< exit code; 128 + signal if one killed it
+  std::string out;  ///< on stdout
+  std::string err;  ///< on stderr
+};
+
+/// Where and how the program is started.
+struct Surroundings {
+  std::filesystem::path folder;                              ///< working directory; empty: the test's own
+  std::vector<std::pair<std::string, std::string>> variables;  ///< added to the environment
+  std::uint64_t longest_file = 0;                            ///< bytes after which writing a file fails; 0: no limit
+  std::string out;                                           ///< file that stdout goes to; empty: into Ending::out
+};
+
+/// The real raywatt program, running.
+class Program {
+ public:
+  explicit Program(Words arguments, const Surroundings& around = {});
+  ~Program();
+  Program(const Program&) = delete;
+  Program& operator=(const Program&) = delete;
+
+  void send(int signal) const;
+  /// Waits until there is something on stderr; false if it ended before.
+  bool wait_for_complaint();
+  Ending wait();
+
+ private:
+  bool ended();
+
+  TempFolder streams_;
+  pid_t process_ = -1;
+  int status_ = 0;
+};
+
+/// Runs the program to its end.
+Ending raywatt(const Words& arguments, const Surroundings& around = {});
+
+/// A run that is over in a moment: 64 x 32 pixels on one thread, results to `out`.
+Words small_run(const std::filesystem::path& out, const Words& more = {});
+
+nlohmann::json read_json(const std::filesystem::path& path);
+
+/// Names in a folder, hidden ones too, sorted.
+Words names_in(const std::filesystem::path& folder);
+
+/// Ended with 2, said why in one line on stderr that holds every one of `parts`, said nothing on stdout.
+void expect_refusal(const Ending& ending, const Words& parts);
+
+}  // namespace test
