@@ -1,10 +1,10 @@
 #include "tools/interrupt.h"
 
-#include <unistd.h>
-
 #include <atomic>
 #include <csignal>
 #include <string_view>
+
+#include <unistd.h>
 
 namespace tools {
 

@@ -85,7 +85,7 @@ Utilisation utilisation(std::span<const sim::UnitReport> units) {
 }
 
 std::string limiter(std::span<const sim::UnitReport> units) {
-  double most_busy = -1;
+  double most_busy = -1, most_loss = 0;
   std::string words;
   for (const Resource& resource : resources()) {
     double busy = 0, loss = 0;
@@ -99,8 +99,9 @@ std::string limiter(std::span<const sim::UnitReport> units) {
         loses_to = reason.words;
       }
     }
-    if (busy <= most_busy) continue;
+    if (busy < most_busy || (busy == most_busy && loss <= most_loss)) continue;
     most_busy = busy;
+    most_loss = loss;
     words = fmt::format("{}, busy {:.0f} % of the time", resource.words, 100 * busy);
     if (loss >= 0.01) words += fmt::format("; they lose most to {} ({:.0f} %)", loses_to, 100 * loss);
   }

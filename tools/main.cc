@@ -1,7 +1,3 @@
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
-#include <CLI/CLI.hpp>
 #include <cerrno>
 #include <cstdio>
 #include <exception>
@@ -9,6 +5,10 @@
 #include <string_view>
 #include <system_error>
 #include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "sim/error.h"
 #include "sim/io/printable.h"
@@ -45,9 +45,9 @@ int run(int argc, char** argv) {
   int exit = tools::kGood;
   CLI::App app{"Raywatt simulates a mobile ray-tracing GPU: cycles, rays, energy and performance per watt.", "raywatt"};
   app.require_subcommand(1);
-  app.set_version_flag("--version", fmt::format("raywatt {} ({}{})", tools::build_info().version,
-                                                tools::build_info().git.substr(0, 12),
-                                                tools::build_info().dirty ? ", with changes" : ""));
+  app.set_version_flag(
+      "--version", fmt::format("raywatt {} ({}{})", tools::build_info().version, tools::build_info().git.substr(0, 12),
+                               tools::build_info().dirty ? ", with changes" : ""));
   const std::vector<std::string> words(argv, argv + argc);
   tools::add_run(app, words, exit);
   tools::add_verify(app, words, exit);

@@ -1,16 +1,16 @@
 #include "tools/run_folder.h"
 
-#include <fcntl.h>
-#include <fmt/chrono.h>
-#include <fmt/format.h>
-#include <unistd.h>
-
 #include <cstdio>
 #include <ctime>
 #include <fstream>
 #include <string>
 #include <system_error>
 #include <vector>
+
+#include <fcntl.h>
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <unistd.h>
 
 #include "sim/error.h"
 #include "tools/interrupt.h"
@@ -105,8 +105,8 @@ RunFolder::RunFolder(fs::path target, bool force, std::string_view mark)
       throw sim::InputError(fmt::format("{}: is a file, not a folder", target_.string()));
     }
     if (!force && !fs::is_empty(target_, error) && !holds_former_run(target_, mark)) {
-      throw sim::InputError(fmt::format("{}: holds files but no former run; choose another folder or give --force",
-                                        target_.string()));
+      throw sim::InputError(
+          fmt::format("{}: holds files but no former run; choose another folder or give --force", target_.string()));
     }
   }
   Staging probe(target_);

@@ -56,6 +56,17 @@ std::vector<std::uint32_t> parents_of(const traces::MemoryImage& image) {
   return parents;
 }
 
+/// Every figure of the table must be one that some counter can use.
+void check_energy(std::span<const sim::UnitReport> units, const sim::EnergyConfig& config) {
+  std::vector<std::string> declared;
+  for (const sim::UnitReport& unit : units) {
+    for (const sim::CounterReport& counter : unit.counters) {
+      if (unit.block != "dram" && !counter.event.empty()) declared.push_back(counter.event);
+    }
+  }
+  sim::check_energy_events(config, declared);
+}
+
 }  // namespace
 
 std::uint32_t host_threads(std::uint32_t wanted) {
@@ -105,6 +116,7 @@ Simulation simulate(const Inputs& inputs, const kernels::ProgramSpec& program, s
     return sim::compute_energy(gpu->report(), inputs.config.energy, hw::dram_energy_events(inputs.config.gpu.dram),
                                gpu->elapsed());
   };
+  check_energy(gpu->report(), inputs.config.energy);
   energy();  // a figure that is missing is told before the work, not after it
   gpu->finish(sim::run(*gpu));
 

@@ -118,23 +118,23 @@ void Gpu::add_core(Wiring& wiring, std::uint32_t c, const Workload& workload) {
 
   // Clients of the core's port: the TRVs, the IST, the SRP's data cache.
   CorePort::Links port{{}, {}, wiring.core_bank_up[c], wiring.core_bank_down[c]};
-  const auto client = [&](sim::Clock clock, std::uint32_t mshrs, sim::Time* unit, sim::Time* port_unit,
-                          CorePort::Links& links) {
+  const auto client = [&](sim::Clock clock, std::uint32_t requests, std::uint32_t responses, sim::Time* unit,
+                          sim::Time* port_unit, CorePort::Links& links) {
     const std::uint32_t crossing = clock == l2_clock_ ? 0 : sync;
-    auto& up = requests_.emplace_back(kRequestDepth, 1, clock, l2_clock_, crossing);
-    auto& down = responses_.emplace_back(mshrs, 1, l2_clock_, clock, crossing);
+    auto& up = requests_.emplace_back(requests, 1, clock, l2_clock_, crossing);
+    auto& down = responses_.emplace_back(responses, 1, l2_clock_, clock, crossing);
     up.wakes(unit, port_unit);
     down.wakes(port_unit, unit);
     links.clients_in.push_back(&up);
     links.clients_out.push_back(&down);
   };
   for (std::uint32_t t = 0; t < trvs; ++t) {
-    client(tni_clock_, config_.tni.trv.l1.mshrs, wiring.trv(c, t), wiring.cache_port(c), port);
+    client(tni_clock_, kRequestDepth, config_.tni.trv.l1.mshrs, wiring.trv(c, t), wiring.cache_port(c), port);
   }
-  client(tni_clock_, config_.tni.ist.l1.mshrs, wiring.ist(c), wiring.cache_port(c), port);
-  client(srp_clock_, config_.srp.data_cache.mshrs, wiring.srp(c), wiring.cache_port(c), port);
+  client(tni_clock_, kRequestDepth, config_.tni.ist.l1.mshrs, wiring.ist(c), wiring.cache_port(c), port);
+  client(srp_clock_, kRequestDepth, config_.srp.data_cache.mshrs, wiring.srp(c), wiring.cache_port(c), port);
   CorePort::Links dma_port{{}, {}, wiring.core_channel_up[c], wiring.core_channel_down[c]};
-  client(srp_clock_, config_.dma.depth, wiring.dma(c), wiring.dma_port(c), dma_port);
+  client(srp_clock_, config_.dma.depth, config_.dma.depth, wiring.dma(c), wiring.dma_port(c), dma_port);
 
   Core& core = cores_.emplace_back();
   core.tni = std::make_unique<Tni>(

@@ -16,6 +16,12 @@ struct CacheConfig {
   std::uint32_t hit_cycles = 2;
 
   static void describe(auto& c, auto&& field) {
+    describe_shape(c, field);
+    field(c.hit_cycles, "hit_cycles", "cycles", "from probe to data of a hit", sim::between(1, 64),
+          sim::Affects::kTiming);
+  }
+  /// All but hit_cycles, for caches whose user keeps the time of a hit elsewhere.
+  static void describe_shape(auto& c, auto&& field) {
     using sim::Affects;
     field(c.size, "size", "bytes", "data held; size = sets x ways x line", sim::between(64, 16 << 20),
           Affects::kTiming);
@@ -24,7 +30,6 @@ struct CacheConfig {
           Affects::kTiming);
     field(c.mshrs, "mshrs", "registers", "miss status registers: lines on their way at once", sim::between(1, 256),
           Affects::kTiming);
-    field(c.hit_cycles, "hit_cycles", "cycles", "from probe to data of a hit", sim::between(1, 64), Affects::kTiming);
   }
 
   void check(auto&& complain) const {

@@ -74,13 +74,18 @@ struct OpLatencyConfig {
   }
 };
 
+/// The shader core's data cache; a hit takes latency.cached_load.
+struct DataCacheConfig : CacheConfig {
+  static void describe(auto& c, auto&& field) { describe_shape(c, field); }
+};
+
 /// The shader core: an array that runs kernels as software-pipelined loops.
 struct SrpConfig {
   ArrayConfig array;
   OpLatencyConfig latency;
   std::uint32_t switch_cycles = 100;
   std::uint32_t chunk = 256;
-  CacheConfig data_cache;
+  DataCacheConfig data_cache;
   sim::ByteSize kernel_data{64 * 1024};
   sim::ByteSize config_memory{36 * 1024};
 

@@ -27,7 +27,7 @@ struct SrpStats {
     counter(s.switches, "switches", "kernel switches");
     counter(s.config_rows_loaded, "config_rows_loaded", "configuration rows loaded by switches", "srp.config_load");
     counter(s.rays, "rays", "rays sent to the T&I unit", "tni.ray_route");
-    counter(s.hits, "hits", "hits taken back", "tni.ray_route");
+    counter(s.hits, "hits", "hits taken back", "tni.hit_route");
     counter(s.fp_add, "fp_add", "additions and subtractions", energy_event(OpClass::kFpAdd));
     counter(s.fp_mul, "fp_mul", "multiplications", energy_event(OpClass::kFpMul));
     counter(s.fp_div_sqrt, "fp_div_sqrt", "divisions and square roots", energy_event(OpClass::kFpDivSqrt));

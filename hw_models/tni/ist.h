@@ -38,7 +38,7 @@ class Ist {
     std::uint64_t l1_accesses = 0, l1_hits = 0, l1_misses = 0, l1_fills = 0, mshr_full = 0;
     static void describe(auto& s, auto&& counter) {
       counter(s.leaves_in, "leaves_in", "leaves accepted into the input buffer", "tni.ray_buffer_write");
-      counter(s.leaves_out, "leaves_out", "leaves answered", "tni.ray_route");
+      counter(s.leaves_out, "leaves_out", "leaves answered", "tni.hit_route");
       counter(s.tests, "tests", "triangles tested (distance phase)", "tni.tri_phase1");
       counter(s.edge_tests, "edge_tests", "of these, tests that reached the barycentric phase", "tni.tri_phase2");
       counter(s.hits, "hits", "of these, tests that reached the hit phase", "tni.tri_phase3");

@@ -25,7 +25,7 @@ class RayDispatcher {
     std::uint64_t rays_in = 0, hits_out = 0;
     static void describe(auto& s, auto&& counter) {
       counter(s.rays_in, "rays_in", "rays dispatched", "tni.ray_setup");
-      counter(s.hits_out, "hits_out", "hits sent back", "tni.ray_route");
+      counter(s.hits_out, "hits_out", "hits sent back", "tni.hit_route");
     }
   };
   struct Links {

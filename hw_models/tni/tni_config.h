@@ -56,7 +56,7 @@ struct IstConfig {
   std::uint32_t distance_stage = 8;
   std::uint32_t barycentric_stage = 16;
   std::uint32_t latency = 22;
-  CacheConfig l1;
+  CacheConfig l1{.size = {32 * 1024}};
 
   static void describe(auto& c, auto&& field) {
     using sim::Affects;

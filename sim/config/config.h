@@ -72,11 +72,11 @@ nlohmann::json config_json(const Config& config) {
   return json_of(config_tree(copy));
 }
 
-/// A Markdown table for each group: key, default, unit, range, what it affects, meaning.
+/// A Markdown table for each group: key, value in `config`, unit, range, what it affects, meaning.
 template <class Config>
-std::string config_manual() {
-  Config defaults;
-  return manual_of(config_tree(defaults));
+std::string config_manual(const Config& config) {
+  Config copy = config;
+  return manual_of(config_tree(copy));
 }
 
 /// Every field in the order of its declaration, with the value it has in `config`.

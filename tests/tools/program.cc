@@ -1,17 +1,16 @@
 #include "tests/tools/program.h"
 
-#include <fcntl.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <thread>
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 namespace test {
 namespace {
@@ -61,7 +60,9 @@ Program::~Program() {
   ::waitpid(process_, &status_, 0);
 }
 
-void Program::send(int signal) const { ::kill(process_, signal); }
+void Program::send(int signal) const {
+  if (process_ > 0) ::kill(process_, signal);
+}
 
 bool Program::ended() {
   if (process_ > 0 && ::waitpid(process_, &status_, WNOHANG) != 0) process_ = -1;

@@ -1,6 +1,4 @@
 #pragma once
-#include <sys/types.h>
-
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -8,6 +6,7 @@
 #include <vector>
 
 #include <nlohmann/json.hpp>
+#include <sys/types.h>
 
 #include "tests/traces/scene/tiny_gltf_file.h"
 
@@ -24,10 +23,10 @@ struct Ending {
 
 /// Where and how the program is started.
 struct Surroundings {
-  std::filesystem::path folder;                              ///< working directory; empty: the test's own
+  std::filesystem::path folder;                                ///< working directory; empty: the test's own
   std::vector<std::pair<std::string, std::string>> variables;  ///< added to the environment
-  std::uint64_t longest_file = 0;                            ///< bytes after which writing a file fails; 0: no limit
-  std::string out;                                           ///< file that stdout goes to; empty: into Ending::out
+  std::uint64_t longest_file = 0;                              ///< bytes after which writing a file fails; 0: no limit
+  std::string out;                                             ///< file that stdout goes to; empty: into Ending::out
 };
 
 /// The real raywatt program, running.

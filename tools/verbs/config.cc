@@ -26,9 +26,8 @@ void add_config(CLI::App& app) {
   verb->add_subcommand("schema", "JSON Schema of configuration files")->callback([] {
     fmt::print("{}", sim::json_text(sim::config_schema<RunConfig>()));
   });
-  verb->add_subcommand("manual", "Every field: default, unit, range, what it affects, meaning (Markdown)")->callback([] {
-    fmt::print("{}", sim::config_manual<RunConfig>());
-  });
+  verb->add_subcommand("manual", "Every field: value in sgrt-2016, unit, range, what it affects, meaning (Markdown)")
+      ->callback([] { fmt::print("{}", sim::config_manual(load_run_config(JobOptions{}))); });
 }
 
 }  // namespace tools

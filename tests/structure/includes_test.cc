@@ -1,0 +1,114 @@
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <regex>
+#include <string_view>
+
+#include <gtest/gtest.h>
+
+#include "tests/structure/repository.h"
+
+// The folders are floors of one house: includes point down only.
+
+namespace test {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Floor {
+  std::string_view folder;
+  int height;
+};
+
+/// A file belongs to the first folder of these that it is in.
+constexpr std::array kFloors = {
+    Floor{"tests", 9},
+    Floor{"tools", 8},
+    Floor{"hw_models/frame", 7},
+    Floor{"hw_models/srp", 6},
+    Floor{"hw_models/tni", 6},
+    Floor{"hw_models/memory", 5},
+    Floor{"shader_kernels", 4},
+    Floor{"traces/accel", 3},
+    Floor{"traces", 2},
+    Floor{"sim/report", 1},
+    Floor{"sim/config", 1},
+    Floor{"sim/io", 1},
+    Floor{"sim", 0},
+};
+
+std::optional<int> floor_of(const fs::path& file) {
+  for (const Floor& floor : kFloors) {
+    if (file.generic_string().starts_with(std::string(floor.folder) + "/")) return floor.height;
+  }
+  return std::nullopt;
+}
+
+struct Include {
+  fs::path from, to;  ///< relative to the root
+  std::string where;  ///< "file:line"
+};
+
+/// Every #include "..." that names a file of the repository; a generated header is not one.
+std::vector<Include> includes() {
+  static const std::regex kInclude("^\\s*#\\s*include\\s*\"([^\"]+)\".*");
+  std::vector<Include> found;
+  for (const fs::path& file : source_files()) {
+    int number = 0;
+    for (const std::string& line : lines_of(file)) {
+      ++number;
+      std::smatch match;
+      if (!std::regex_match(line, match, kInclude)) continue;
+      for (const fs::path& to : {(file.parent_path() / match[1].str()).lexically_normal(), fs::path(match[1].str())}) {
+        if (!fs::exists(repository() / to)) continue;
+        found.push_back({file, to, file.string() + ":" + std::to_string(number)});
+        break;
+      }
+    }
+  }
+  return found;
+}
+
+TEST(Includes, PointDownOnly) {
+  const std::vector<Include> all = includes();
+  EXPECT_GT(all.size(), 300U) << "the scan sees the sources";
+  for (const Include& include : all) {
+    const std::optional<int> from = floor_of(include.from), to = floor_of(include.to);
+    EXPECT_TRUE(from && to) << include.where << " is on no floor";
+    EXPECT_LE(to, from) << include.where << " includes " << include.to.string() << ", which is on a floor above";
+  }
+}
+
+TEST(Includes, NeverNameATestOutsideTheTests) {
+  for (const Include& include : includes()) {
+    const bool outside = !include.from.string().starts_with("tests/");
+    EXPECT_FALSE(outside && include.to.string().starts_with("tests/")) << include.where;
+  }
+}
+
+TEST(Headers, AllBeginWithPragmaOnce) {
+  for (const fs::path& file : source_files()) {
+    if (file.extension() != ".h") continue;
+    const std::vector<std::string> lines = lines_of(file);
+    EXPECT_NE(std::ranges::find(lines, "#pragma once"), lines.end()) << file.string();
+  }
+}
+
+TEST(Files, MentionNoFolderOfAMachine) {
+  // In pieces, so that this file does not mention them either.
+  static const std::regex kMachine(std::string("(^|[^A-Za-z0-9_.~/-])/") +
+                                   "(home|root|work|Users|mnt|media|scratch)/[A-Za-z0-9_.-]");
+  for (const fs::path& file : repository_files()) {
+    const std::string extension = file.extension().string();
+    if (extension == ".png" || extension == ".glb" || extension == ".exr" || extension == ".jpg") continue;
+    int number = 0;
+    for (const std::string& line : lines_of(file)) {
+      ++number;
+      EXPECT_FALSE(line.size() < 2000 && std::regex_search(line, kMachine))
+          << file.string() << ':' << number << ": " << line;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace test

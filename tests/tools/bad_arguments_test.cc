@@ -1,0 +1,88 @@
+#include <gtest/gtest.h>
+
+#include "tests/tools/program.h"
+
+// A command line that cannot be used: one line on stderr, exit 2, and nothing made.
+
+namespace test {
+namespace {
+
+/// "run" with these arguments, and a folder for the results that would have to be made.
+void expect_run_refused(Words arguments, const Words& parts) {
+  const TempFolder folder;
+  arguments.insert(arguments.begin(), "run");
+  arguments.insert(arguments.end(), {"-o", (folder.path() / "new" / "out").string()});
+  expect_refusal(raywatt(arguments, {folder.path(), {}, 0, {}}), parts);
+  EXPECT_EQ(names_in(folder.path()), Words{});
+}
+
+TEST(BadArguments, AResolutionThatIsNone) {
+  for (const char* text : {"64", "64x", "x32", "64x32x1", "64*32", "0x32", "64x0", "-64x32", "64x-32", "64x32 ",
+                           "16385x1", "99999999999x1", "6.4x3", "0x40x32"}) {
+    expect_run_refused({"--resolution", text}, {"WIDTHxHEIGHT", "1 to 16384", "e.g. 1024x512"});
+  }
+}
+
+TEST(BadArguments, AProgramThatIsNotThere) {
+  for (const char* option : {"--program", "--reference"}) {
+    expect_run_refused({option, "fool:1"}, {"'fool:1'", "full:N"});
+    expect_run_refused({option, "full:3"}, {"'full:3'", "square"});
+    expect_run_refused({option, "full:0"}, {"'full:0'", "square"});
+    expect_run_refused({option, "full:-1"}, {"'full:-1'", "square"});
+  }
+}
+
+TEST(BadArguments, ThreadsThatAreNoneOrTooMany) {
+  for (const char* threads : {"0", "-1", "1025", "many", "1.5"}) {
+    expect_run_refused({"--threads", threads}, {"--threads"});
+  }
+}
+
+TEST(BadArguments, OptionsThatAreUnknownRepeatedOrWithoutAValue) {
+  expect_run_refused({"--colour", "red"}, {"--colour"});
+  expect_run_refused({"--scene", "cornell", "--scene", "teapot"}, {"--scene"});
+  expect_run_refused({"sgrt-2016", "teapot"}, {"teapot"});
+  expect_refusal(raywatt({"run", "--scene"}), {"--scene"});
+}
+
+TEST(BadArguments, AVerbThatIsNotThereGetsTheNearestOneAndTheList) {
+  expect_refusal(raywatt({"verfy"}), {"unknown verb 'verfy'", "did you mean 'verify'?", "run, verify, scenes"});
+  expect_refusal(raywatt({"config", "shwo"}), {"unknown verb 'shwo'", "did you mean 'show'?", "list, show"});
+  expect_refusal(raywatt({}), {"raywatt --help"});
+  expect_refusal(raywatt({"config"}), {"raywatt --help"});
+}
+
+TEST(BadArguments, AKernelThatIsNotThereGetsTheNearestOne) {
+  expect_refusal(raywatt({"kernels", "show", "shade_difuse"}), {"'shade_difuse'", "did you mean 'shade_diffuse'?"});
+}
+
+TEST(BadArguments, AComplaintIsOneLineWhateverItQuotes) {
+  expect_run_refused({"two\nlines"}, {"two?lines"});
+  expect_run_refused({"--two\nlines"}, {"two?lines"});
+  expect_run_refused({"--scene", "two\nlines"}, {"two?lines"});
+  expect_run_refused({"--set", "two\nlines=1"}, {"two?lines"});
+  expect_run_refused({"--program", "two\nlines"}, {"two?lines"});
+}
+
+TEST(BadArguments, AnOutputFolderThatCannotBeWritten) {
+  const TempFolder folder;
+  folder.write("file", "text");
+  const std::string file = (folder.path() / "file").string();
+  const Words words = {"run", "-o"};
+  const auto refused = [&](const std::string& out, const std::string& why) {
+    expect_refusal(raywatt({"run", "-o", out}), {why, out.substr(0, 200)});
+    expect_refusal(raywatt({"verify", "-o", out}), {why});
+  };
+  refused(file, "is a file, not a folder");
+  refused(file + "/out", "Not a directory");
+  refused(file + "/deep/out", "Not a directory");
+  refused("/proc/raywatt", "cannot be written");
+  refused(folder.path().string() + "/" + std::string(300, 'a'), "File name too long");
+  std::filesystem::create_symlink(folder.path() / "nowhere", folder.path() / "link");
+  refused((folder.path() / "link").string(), "is a file, not a folder");
+  EXPECT_EQ(names_in(folder.path()), (Words{"file", "link"}));
+  EXPECT_EQ(read_bytes(file), "text");
+}
+
+}  // namespace
+}  // namespace test

@@ -1,0 +1,94 @@
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "tests/tools/program.h"
+
+// A scene that cannot be used: one line on stderr that names the file, exit 2, and nothing made.
+
+namespace test {
+namespace {
+
+/// The verb is refused this scene; the folder for the results, and the one that is to be around it, are not made.
+void expect_scene_refused(const TempFolder& folder, const std::string& scene, const Words& parts) {
+  const Words before = names_in(folder.path());
+  for (const char* verb : {"run", "verify"}) {
+    expect_refusal(raywatt({verb, "--scene", scene, "-o", (folder.path() / "new" / "out").string()}), parts);
+  }
+  expect_refusal(raywatt({"scenes", "info", scene}), parts);
+  EXPECT_EQ(names_in(folder.path()), before);
+}
+
+void expect_file_refused(const std::string& name, const std::string& bytes, Words parts) {
+  const TempFolder folder;
+  const std::string scene = folder.write(name, bytes).string();
+  parts.push_back(scene);
+  expect_scene_refused(folder, scene, parts);
+}
+
+TEST(BadScene, ATruncatedGlb) {
+  const std::string whole = TinyGltf().glb();
+  expect_file_refused("cut.glb", whole.substr(0, whole.size() / 2), {"bytes"});
+  expect_file_refused("nearly.glb", whole.substr(0, whole.size() - 4), {"bytes"});
+}
+
+TEST(BadScene, AnEmptyFile) { expect_file_refused("empty.glb", "", {"empty"}); }
+
+TEST(BadScene, AFileThatIsNoGltf) { expect_file_refused("hello.gltf", "hello", {"line 1, column 1"}); }
+
+TEST(BadScene, AMissingTexture) {
+  TinyGltf file;
+  file.json["images"] = {{{"uri", "nowhere.png"}}};
+  file.json["textures"] = {{{"source", 0}}};
+  file.material()["pbrMetallicRoughness"]["baseColorTexture"]["index"] = 0;
+  file.primitive()["attributes"]["TEXCOORD_0"] = file.add<float>({0, 0, 1, 0, 0, 1}, kFloat, "VEC2", 3);
+  expect_file_refused("bare.gltf", file.text(), {"nowhere.png"});
+}
+
+TEST(BadScene, AMissingBuffer) {
+  TinyGltf file;
+  file.json["buffers"][0]["uri"] = "nowhere.bin";
+  expect_file_refused("bare.gltf", file.text(), {"nowhere.bin"});
+}
+
+TEST(BadScene, NoTriangles) {
+  TinyGltf file;
+  file.json["nodes"][0].erase("mesh");
+  expect_file_refused("none.gltf", file.text(), {"no triangles"});
+}
+
+TEST(BadScene, VerticesThatAreNoNumbers) {
+  TinyGltf file;
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  std::memcpy(file.binary.data() + 4, &nan, sizeof nan);
+  expect_file_refused("nan.glb", file.glb(), {"not a finite number"});
+}
+
+TEST(BadScene, AFileThatIsNotThere) {
+  const TempFolder folder;
+  expect_scene_refused(folder, (folder.path() / "nowhere.glb").string(), {"nowhere.glb", "no such file"});
+}
+
+TEST(BadScene, AFolder) {
+  const TempFolder folder;
+  expect_scene_refused(folder, folder.path().string() + "/", {"is a folder"});
+}
+
+TEST(BadScene, AnUnknownNameGetsTheNearestOne) {
+  const TempFolder folder;
+  expect_scene_refused(folder, "teapott", {"'teapott'", "did you mean 'teapot'"});
+  expect_scene_refused(folder, "zzzzzz", {"'zzzzzz'", "cornell", "teapot"});
+}
+
+TEST(BadScene, AnUnknownCameraIsToldWhichThereAre) {
+  const TempFolder folder;
+  for (const char* camera : {"rear", "7", "-1"}) {
+    expect_refusal(raywatt({"run", "--camera", camera, "-o", (folder.path() / "out").string()}),
+                   {"cornell", camera, "0 'front'"});
+  }
+  EXPECT_EQ(names_in(folder.path()), Words{});
+}
+
+}  // namespace
+}  // namespace test

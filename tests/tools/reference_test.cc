@@ -1,0 +1,95 @@
+#include <gtest/gtest.h>
+
+#include "tests/tools/program.h"
+
+// `run --reference` and `verify`: a run beside another, and beside Embree.
+
+namespace test {
+namespace {
+
+using Json = nlohmann::json;
+
+const Words kRelatives = {"speedup", "traversal_steps", "tni_power", "tni_perf_per_watt", "gpu_perf_per_watt", "rays"};
+
+TEST(Reference, AgainstItselfEveryRatioIsOneAndThePicturesAreIdentical) {
+  const TempFolder folder;
+  const std::filesystem::path out = folder.path() / "out";
+  const Ending ending = raywatt(small_run(out, {"--reference", "full:1"}));
+  ASSERT_EQ(ending.exit, 0) << ending.err;
+  const Json totals = read_json(out / "report.json")["totals"];
+  EXPECT_EQ(totals["identical"], true);
+  EXPECT_TRUE(totals["psnr_db"].is_null());
+  for (const std::string& name : kRelatives) EXPECT_EQ(totals["relative"][name], 1) << name;
+  EXPECT_EQ(read_bytes(out / "reference.exr"), read_bytes(out / "image.exr"));
+  EXPECT_SAYS(ending.out, "against reference");
+  EXPECT_SAYS(ending.out, "identical");
+}
+
+TEST(Reference, OfFourTimesTheSamplesCostsMoreAndLooksAlmostTheSame) {
+  const TempFolder folder;
+  const std::filesystem::path out = folder.path() / "out";
+  const Ending ending = raywatt(small_run(out, {"--reference", "full:4"}));
+  ASSERT_EQ(ending.exit, 0) << ending.err;
+  const Json totals = read_json(out / "report.json")["totals"];
+  EXPECT_EQ(totals["identical"], false);
+  EXPECT_GT(totals["psnr_db"], 20);
+  EXPECT_LT(totals["psnr_db"], 60);
+  EXPECT_NEAR(totals["relative"]["rays"], 0.25, 0.02);
+  EXPECT_NEAR(totals["relative"]["traversal_steps"], 0.25, 0.02);
+  EXPECT_GT(totals["relative"]["speedup"], 1.5);
+  EXPECT_GT(totals["relative"]["gpu_perf_per_watt"], 1.5);
+  EXPECT_GT(totals["relative"]["tni_perf_per_watt"], 1.5);
+  EXPECT_NE(read_bytes(out / "reference.exr"), read_bytes(out / "image.exr"));
+}
+
+TEST(Reference, WithoutOneThereIsNothingRelative) {
+  const TempFolder folder;
+  ASSERT_EQ(raywatt(small_run(folder.path() / "out")).exit, 0);
+  const Json totals = read_json(folder.path() / "out" / "report.json")["totals"];
+  for (const char* name : {"psnr_db", "identical", "relative"}) EXPECT_FALSE(totals.contains(name)) << name;
+}
+
+TEST(Verify, CornellHasNoRayThatEmbreeSeesOtherwise) {
+  const TempFolder folder;
+  const std::filesystem::path out = folder.path() / "out";
+  const Ending ending = raywatt({"verify", "--resolution", "64x32", "--threads", "2", "-o", out.string()});
+  ASSERT_EQ(ending.exit, 0) << ending.out << ending.err;
+  EXPECT_SAYS(ending.out, "0 missing hits, 0 extra hits, 0 distance errors");
+  const Json verdict = read_json(out / "verify.json");
+  EXPECT_EQ(verdict["schema"], "raywatt-verify/1");
+  EXPECT_GT(verdict["rays"], 64 * 32) << "secondary rays too";
+  for (const char* fault : {"missing_hits", "extra_hits", "distance_errors"}) EXPECT_EQ(verdict[fault], 0) << fault;
+  EXPECT_LE(verdict["edge_ties"], 1);
+  ASSERT_TRUE(verdict.contains("psnr_db"));
+  ASSERT_TRUE(verdict["identical"].is_boolean());
+  EXPECT_EQ(verdict["psnr_db"].is_null(), verdict["identical"].get<bool>());
+  EXPECT_TRUE(verdict["identical"] || verdict["psnr_db"] >= 55) << verdict["psnr_db"];
+  EXPECT_EQ(verdict["provenance"]["argv"][1], "verify");
+  EXPECT_EQ(names_in(out), (Words{"embree.png", "image.png", "verify.json"}));
+}
+
+TEST(Verify, ComparesEveryRayOfTheRun) {
+  const TempFolder folder;
+  ASSERT_EQ(raywatt(small_run(folder.path() / "run", {"--scene", "teapot"})).exit, 0);
+  ASSERT_EQ(raywatt({"verify", "--scene", "teapot", "--resolution", "64x32", "--quiet", "-o",
+                     (folder.path() / "verify").string()})
+                .exit,
+            0);
+  EXPECT_EQ(read_json(folder.path() / "verify" / "verify.json")["rays"],
+            read_json(folder.path() / "run" / "report.json")["totals"]["rays"]["total"]);
+  EXPECT_EQ(read_bytes(folder.path() / "verify" / "image.png"), read_bytes(folder.path() / "run" / "image.png"));
+}
+
+TEST(Verify, TakesTheFolderOfAFormerVerdictButNotOfARun) {
+  const TempFolder folder;
+  const Words run = {"run", "--resolution", "16x16", "-o", (folder.path() / "run").string()};
+  const Words verify = {"verify", "--resolution", "16x16", "-o", (folder.path() / "verdict").string()};
+  const Words onto_run = {"verify", "--resolution", "16x16", "-o", (folder.path() / "run").string()};
+  EXPECT_EQ(raywatt(run).exit, 0);
+  EXPECT_EQ(raywatt(verify).exit, 0);
+  EXPECT_EQ(raywatt(verify).exit, 0);
+  expect_refusal(raywatt(onto_run), {"holds files but no former run"});
+}
+
+}  // namespace
+}  // namespace test

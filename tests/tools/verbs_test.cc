@@ -1,0 +1,219 @@
+#include <algorithm>
+#include <chrono>
+
+#include <gtest/gtest.h>
+
+#include "tests/tools/program.h"
+
+// What is printed where, and what the verbs without results say.
+
+namespace test {
+namespace {
+
+std::string output_of(const Words& arguments, const Surroundings& around = {}) {
+  const Ending ending = raywatt(arguments, around);
+  EXPECT_EQ(ending.exit, 0) << ending.err;
+  EXPECT_EQ(ending.err, "");
+  return ending.out;
+}
+
+TEST(Help, OfEveryVerbEndsWellWithAnExample) {
+  const std::string all = output_of({"--help"});
+  for (const char* verb : {"run", "verify", "scenes", "config", "kernels", "bench"}) {
+    EXPECT_SAYS(all, std::string("  ") + verb + " ");
+    EXPECT_SAYS(output_of({verb, "--help"}), std::string("Example: raywatt ") + verb + " ");
+  }
+}
+
+TEST(Help, OfRunShowsTheDefaults) {
+  const std::string help = output_of({"run", "--help"});
+  for (const char* part : {"sgrt-2016", "cornell", "full:1", "1024x512", "all cores", "raywatt-out/"}) {
+    EXPECT_SAYS(help, part);
+  }
+}
+
+TEST(Version, IsOneLineWithinTwentyMilliseconds) {
+  std::chrono::duration<double> best = std::chrono::seconds(1);
+  for (int i = 0; i < 10; ++i) {
+    const auto begin = std::chrono::steady_clock::now();
+    const std::string version = output_of({"--version"});
+    best = std::min(best, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin));
+    EXPECT_TRUE(version.starts_with("raywatt ")) << version;
+    EXPECT_EQ(std::ranges::count(version, '\n'), 1) << version;
+  }
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+  EXPECT_LT(best.count(), 0.020);
+#endif
+}
+
+TEST(Streams, TheTableGoesToStdoutAndIntoAFile) {
+  const TempFolder folder;
+  const std::string table = output_of(small_run(folder.path() / "out"));
+  EXPECT_TRUE(table.starts_with(read_bytes(folder.path() / "out" / "report.txt")));
+  for (const char* part : {"cycles", "rays", "limited by", "energy", "dram", "shade_diffuse", "image.png"}) {
+    EXPECT_SAYS(table, part);
+  }
+}
+
+TEST(Streams, WarningsGoToStderr) {
+  const TempFolder folder;
+  TinyGltf file;
+  file.material()["pbrMetallicRoughness"]["baseColorFactor"] = {1, 1};
+  const std::string scene = folder.write("warned.gltf", file.text()).string();
+  const Ending ending = raywatt(small_run(folder.path() / "out", {"--scene", scene}));
+  EXPECT_EQ(ending.exit, 0);
+  EXPECT_TRUE(ending.err.starts_with("raywatt: warning: ")) << ending.err;
+  EXPECT_EQ(ending.out.find("warning"), std::string::npos) << ending.out;
+}
+
+TEST(Streams, QuietPrintsNothing) {
+  const TempFolder folder;
+  EXPECT_EQ(output_of(small_run(folder.path() / "out", {"--quiet"})), "");
+  EXPECT_EQ(names_in(folder.path()), Words{"out"});
+}
+
+TEST(Streams, AnOutputThatCannotBeWrittenEndsWith74) {
+  for (const Words& words : {Words{"config", "manual"}, Words{"scenes", "list"}}) {
+    const Ending ending = raywatt(words, {{}, {}, 0, "/dev/full"});
+    EXPECT_EQ(ending.exit, 74);
+    EXPECT_SAYS(ending.err, "No space left on device");
+  }
+}
+
+TEST(Set, ChangesOneFieldAndTheLastOneCounts) {
+  const TempFolder folder;
+  output_of(small_run(folder.path() / "out", {"--set", "cores=3", "--set", "l2.size=128 KiB", "--set", "cores=2",
+                                              "--set", "clocks.tni=250 MHz"}));
+  const nlohmann::json report = read_json(folder.path() / "out" / "report.json");
+  EXPECT_EQ(report["config"]["cores"], 2);
+  EXPECT_EQ(report["config"]["l2"]["size"], "128 KiB");
+  EXPECT_DOUBLE_EQ(report["totals"]["time_ms"], report["totals"]["cycles"].get<double>() / 250e3);
+  EXPECT_TRUE(report["units"].contains("core1"));
+  EXPECT_FALSE(report["units"].contains("core2"));
+}
+
+TEST(Set, ExtendsTakesAnotherGradeOfMemoryByName) {
+  const std::string config = output_of({"config", "show", "--set", "dram.extends=dram/lpddr3-1600"});
+  EXPECT_SAYS(config, "grade: \"LPDDR3-1600\"");
+}
+
+TEST(Extends, ListsOnlyWhatDiffers) {
+  const TempFolder folder;
+  const std::string file = folder.write("small.yaml", "extends: sgrt-2016\ncores: 1\ndram: {channels: 2}\n").string();
+  const std::string config = output_of({"config", "show", file});
+  EXPECT_SAYS(config, "cores: 1  #");
+  EXPECT_SAYS(config, "channels: 2  #");
+  EXPECT_SAYS(config, "grade: \"LPDDR4-3200\"");
+}
+
+TEST(Camera, IsChosenByNameOrIndex) {
+  const TempFolder folder;
+  TinyGltf file;
+  file.json["cameras"] = {{{"type", "perspective"}, {"perspective", {{"yfov", 0.8}, {"znear", 0.1}}}}};
+  for (const auto& [name, distance] : {std::pair{"near", 2}, std::pair{"far", 9}}) {
+    file.json["nodes"].push_back({{"name", name}, {"camera", 0}, {"translation", {0.3, 0.3, distance}}});
+  }
+  file.json["scenes"][0]["nodes"] = {0, 1, 2};
+  const std::string scene = folder.write("two.gltf", file.text()).string();
+  const auto picture = [&](const Words& camera) {
+    Words words = {"--scene", scene};
+    words.insert(words.end(), camera.begin(), camera.end());
+    output_of(small_run(folder.path() / "out", words));
+    return read_bytes(folder.path() / "out" / "image.exr");
+  };
+  EXPECT_EQ(picture({"--camera", "near"}), picture({"--camera", "0"}));
+  EXPECT_EQ(picture({"--camera", "far"}), picture({"--camera", "1"}));
+  EXPECT_EQ(picture({}), picture({"--camera", "0"})) << "the first one, if none is named";
+  EXPECT_NE(picture({"--camera", "near"}), picture({"--camera", "far"}));
+}
+
+TEST(LookUp, FindsConfigurationsAndScenesInTheFoldersOfRaywattPath) {
+  const TempFolder first, second;
+  second.write("mine.yaml", "extends: sgrt-2016\ncores: 3\n");
+  second.write("triangle.glb", TinyGltf().glb());
+  const Surroundings around{
+      first.path(), {{"RAYWATT_PATH", first.path().string() + ":" + second.path().string()}}, 0, {}};
+  EXPECT_SAYS(output_of({"config", "list"}, around), "mine\n");
+  EXPECT_SAYS(output_of({"config", "show", "mine"}, around), "cores: 3  #");
+  EXPECT_SAYS(output_of({"scenes", "info", "triangle"}, around), "triangles         1\n");
+  expect_refusal(raywatt({"config", "show", "mine"}), {"no configuration is called 'mine'"});
+  first.write("mine.yaml", "extends: sgrt-2016\ncores: 2\n");
+  EXPECT_SAYS(output_of({"config", "show", "mine"}, around), "cores: 2  #") << "the first folder comes first";
+}
+
+TEST(LookUp, ABareNameIsNeverAFileOfTheWorkingFolder) {
+  const TempFolder folder;
+  folder.write("sgrt-2016", "cores: 3\n");
+  EXPECT_SAYS(output_of({"config", "show", "sgrt-2016"}, {folder.path(), {}, 0, {}}), "cores: 4  #");
+  folder.write("mine.yaml", "extends: sgrt-2016\ncores: 3\n");
+  EXPECT_SAYS(output_of({"config", "show", "mine.yaml"}, {folder.path(), {}, 0, {}}), "cores: 3  #");
+}
+
+/// Does the schema have a place for every key of the value, and for none that is not declared?
+void expect_known(const nlohmann::json& schema, const nlohmann::json& value, const std::string& path) {
+  if (!value.is_object() || !schema.contains("properties")) return;
+  for (const auto& [key, inner] : value.items()) {
+    ASSERT_TRUE(schema["properties"].contains(key)) << path << key;
+    expect_known(schema["properties"][key], inner, path + key + ".");
+  }
+}
+
+TEST(Config, SchemaIsJsonThatKnowsEveryKeyOfTheDefaultMachine) {
+  const TempFolder folder;
+  const nlohmann::json schema = nlohmann::json::parse(output_of({"config", "schema"}));
+  EXPECT_SAYS(schema["$schema"].get<std::string>(), "2020-12");
+  EXPECT_EQ(schema["additionalProperties"], false);
+  output_of({"run", "--resolution", "16x16", "--quiet", "-o", (folder.path() / "out").string()});
+  expect_known(schema, read_json(folder.path() / "out" / "report.json")["config"], "");
+}
+
+TEST(Config, ManualHasARowForEveryKindOfThing) {
+  const std::string manual = output_of({"config", "manual"});
+  for (const char* part : {"`rays`", "input buffer", "MHz", "KiB", "timing", "energy", "function"}) {
+    EXPECT_SAYS(manual, part);
+  }
+}
+
+TEST(Config, ShowIsAFileThatShowsTheSameAgain) {
+  const TempFolder folder;
+  const std::string shown = output_of({"config", "show"});
+  EXPECT_EQ(output_of({"config", "show", folder.write("again.yaml", shown).string()}), shown);
+}
+
+TEST(Kernels, ListHasEveryKernelWithItsSchedule) {
+  const std::string list = output_of({"kernels", "list"});
+  for (const char* part : {"kernel", "II", "depth", "generate_rays", "shade_glass", "average_colour"}) {
+    EXPECT_SAYS(list, part);
+  }
+  EXPECT_NE(output_of({"kernels", "list", "--set", "srp.array.mul_units=1"}), list) << "schedules are this array's";
+}
+
+TEST(Kernels, ShowHasTheGraph) {
+  const std::string shown = output_of({"kernels", "show", "shade_diffuse"});
+  EXPECT_TRUE(shown.starts_with("shade_diffuse: ")) << shown;
+  for (const char* part : {"II ", "depth ", "mul", "shadow_rays"}) EXPECT_SAYS(shown, part);
+}
+
+TEST(Scenes, ListAndInfo) {
+  const std::string list = output_of({"scenes", "list"});
+  EXPECT_SAYS(list, "cornell");
+  EXPECT_SAYS(list, "teapot");
+  const std::string info = output_of({"scenes", "info", "cornell"});
+  for (const char* part : {"triangles", "lights", "'front'", "BVH", "SAH cost"}) EXPECT_SAYS(info, part);
+}
+
+TEST(Bench, PrintsBothHalvesAndTheirRatioForTwoScenes) {
+  const nlohmann::json result = nlohmann::json::parse(output_of({"bench", "--resolution", "64x32", "--json"}));
+  ASSERT_EQ(result["scenes"].size(), 2U);
+  for (const nlohmann::json& scene : result["scenes"]) {
+    EXPECT_GT(scene["functional_rays_per_s"], scene["simulated_rays_per_s"]);
+    EXPECT_GT(scene["ns_per_step"], 0);
+    EXPECT_GT(scene["peak_rss_mb"], 0);
+    EXPECT_NEAR(scene["ratio"],
+                scene["functional_rays_per_s"].get<double>() / scene["simulated_rays_per_s"].get<double>(), 1e-9);
+  }
+  EXPECT_SAYS(output_of({"bench", "--resolution", "16x16", "--scene", "teapot"}), "simulated rays/s");
+}
+
+}  // namespace
+}  // namespace test
