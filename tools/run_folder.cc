@@ -31,6 +31,8 @@ fs::path dated_folder() {
 
 /// Is the file of this name one of ours? Others have a report.json too.
 bool holds_former_run(const fs::path& folder, std::string_view mark) {
+  std::error_code failed;
+  if (!fs::is_regular_file(folder / mark, failed)) return false;
   std::string start(128, '\0');
   std::ifstream(folder / mark, std::ios::binary).read(start.data(), static_cast<std::streamsize>(start.size()));
   return start.find("\"schema\": \"raywatt-") != std::string::npos;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -14,63 +16,55 @@
 namespace test {
 namespace {
 
-/// The default machine with a picture of one tile played on it.
-const tools::Simulation& simulation(const tools::RunConfig& config) {
-  static const tools::Simulation simulated = [&] {
-    tools::JobOptions options;
-    options.resolution = "16x16";
-    tools::Inputs inputs = tools::load_inputs(options);
-    inputs.config = config;
-    return tools::simulate(inputs, kernels::parse_program("full:1"), 1);
-  }();
-  return simulated;
-}
-
-struct Events {
+/// The default machine, after a picture of one tile was played on it.
+struct Played {
   tools::RunConfig config;
-  std::map<std::string, sim::DeviceEvent> device;  ///< what the DRAM model has worked out
-  std::set<std::string> declared;                  ///< what counters name
-  Events() {
-    tools::JobOptions options;
-    options.resolution = "16x16";
-    config = tools::load_run_config(options);
-    device = hw::dram_energy_events(config.gpu.dram);
-    for (const sim::UnitReport& unit : simulation(config).units) {
-      for (const sim::CounterReport& counter : unit.counters) {
-        if (!counter.event.empty()) declared.insert(counter.event);
-      }
-    }
-  }
+  std::vector<sim::UnitReport> units;
+  std::map<std::string, sim::DeviceEvent> device;  ///< events that the DRAM model has worked out
+  std::set<std::string> counted;                   ///< events that counters name
 };
 
+const Played& played() {
+  static const Played once = [] {
+    tools::JobOptions options;
+    options.resolution = "16x16";
+    const tools::Inputs inputs = tools::load_inputs(options);
+    Played p{inputs.config, tools::simulate(inputs, kernels::parse_program("full:1"), 1).units, {}, {}};
+    p.device = hw::dram_energy_events(p.config.gpu.dram);
+    for (const sim::UnitReport& unit : p.units) {
+      for (const sim::CounterReport& counter : unit.counters) {
+        if (!counter.event.empty()) p.counted.insert(counter.event);
+      }
+    }
+    return p;
+  }();
+  return once;
+}
+
 TEST(EnergyEvents, OfTheCountersAreThoseOfTheTable) {
-  const Events events;
   std::vector<std::string> on_chip;
-  std::ranges::copy_if(events.declared, std::back_inserter(on_chip),
-                       [&](const std::string& name) { return !events.device.contains(name); });
+  std::ranges::copy_if(played().counted, std::back_inserter(on_chip),
+                       [](const std::string& name) { return !played().device.contains(name); });
   EXPECT_GT(on_chip.size(), 20U);
-  EXPECT_NO_THROW(sim::check_energy_events(events.config.energy, on_chip));
+  EXPECT_NO_THROW(sim::check_energy_events(played().config.energy, on_chip));
 }
 
 TEST(EnergyEvents, OfTheMemoryDeviceAreAllCounted) {
-  const Events events;
-  for (const auto& [name, event] : events.device) EXPECT_TRUE(events.declared.contains(name)) << name;
+  for (const auto& [name, event] : played().device) EXPECT_TRUE(played().counted.contains(name)) << name;
 }
 
 TEST(EnergyEvents, OfTheMemoryDeviceAreNotInTheTableToo) {
-  const Events events;
-  for (const auto& [name, event] : events.device) EXPECT_FALSE(events.config.energy.events.contains(name)) << name;
+  for (const auto& [name, event] : played().device) EXPECT_FALSE(played().config.energy.events.contains(name)) << name;
 }
 
 TEST(EnergyTable, HasNoUnitThatTheMachineHasNot) {
-  const Events events;
   std::set<std::string> kinds;
-  for (const sim::UnitReport& unit : simulation(events.config).units) {
+  for (const sim::UnitReport& unit : played().units) {
     std::string kind = unit.path.substr(unit.path.rfind('.') + 1);
     kind.erase(kind.find_last_not_of("0123456789") + 1);
     kinds.insert({unit.block, unit.block + "." + kind});
   }
-  for (const auto* table : {&events.config.energy.logic, &events.config.energy.flops}) {
+  for (const auto* table : {&played().config.energy.logic, &played().config.energy.flops}) {
     for (const auto& [name, figure] : *table) EXPECT_TRUE(kinds.contains(name)) << name;
   }
 }

@@ -68,7 +68,6 @@ TEST(BadArguments, AnOutputFolderThatCannotBeWritten) {
   const TempFolder folder;
   folder.write("file", "text");
   const std::string file = (folder.path() / "file").string();
-  const Words words = {"run", "-o"};
   const auto refused = [&](const std::string& out, const std::string& why) {
     expect_refusal(raywatt({"run", "-o", out}), {why, out.substr(0, 200)});
     expect_refusal(raywatt({"verify", "-o", out}), {why});
