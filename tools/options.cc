@@ -26,7 +26,7 @@ void add_job_options(CLI::App& verb, JobOptions& options) {
   verb.add_option("--resolution", options.resolution, "WIDTHxHEIGHT (default: the configuration's, 1024x512)");
   verb.add_option("--threads", options.threads, "host threads (default: all cores)")->check(CLI::Range(1, 1024));
   verb.add_option("-o,--output", options.out, "folder for the results (default: a dated one below raywatt-out/)");
-  verb.add_flag("--force", options.force, "replace a folder that is not a former run");
+  verb.add_flag("--force", options.force, "put the results among the files of a folder that is not a former run");
   verb.add_flag("--quiet", options.quiet, "no table, no progress");
 }
 

@@ -1,5 +1,7 @@
 #include "tools/run_folder.h"
 
+#include <algorithm>
+#include <array>
 #include <cstdio>
 #include <ctime>
 #include <fstream>
@@ -36,6 +38,33 @@ bool holds_former_run(const fs::path& folder, std::string_view mark) {
   std::string start(128, '\0');
   std::ifstream(folder / mark, std::ios::binary).read(start.data(), static_cast<std::streamsize>(start.size()));
   return start.find("\"schema\": \"raywatt-") != std::string::npos;
+}
+
+/// Every file that a verb may leave in its folder.
+constexpr std::array<std::string_view, 8> kResults = {"report.json", "report.txt",  "config.yaml", "image.png",
+                                                      "image.exr",   "reference.exr", "verify.json", "embree.png"};
+
+bool is_result(const fs::directory_entry& entry) {
+  return entry.symlink_status().type() == fs::file_type::regular &&
+         std::ranges::find(kResults, entry.path().filename().string()) != kResults.end();
+}
+
+bool holds_only_results(const fs::path& folder) {
+  return std::ranges::all_of(fs::directory_iterator(folder), is_result);
+}
+
+/// Puts the results of `from` into `to` among the files of others, in place of former results.
+std::error_code place_among(const fs::path& from, const fs::path& to) {
+  std::error_code error;
+  for (const std::string_view name : kResults) {
+    if (fs::exists(from / name)) {
+      fs::rename(from / name, to / name, error);
+    } else if (is_result(fs::directory_entry(to / name, error))) {
+      fs::remove(to / name, error);
+    }
+    if (error && error != std::errc::no_such_file_or_directory) return error;
+  }
+  return {};
 }
 
 std::string cannot_be_written(const fs::path& folder, const std::error_code& error) {
@@ -108,7 +137,7 @@ RunFolder::RunFolder(fs::path target, bool force, std::string_view mark)
     }
     if (!force && !fs::is_empty(target_, error) && !holds_former_run(target_, mark)) {
       throw sim::InputError(
-          fmt::format("{}: holds files but no former run; choose another folder or give --force", target_.string()));
+          fmt::format("{}: holds files but no former run; choose another folder or give --force to put the results among them", target_.string()));
     }
   }
   Staging probe(target_);
@@ -127,7 +156,9 @@ void RunFolder::fill(const std::function<void(const fs::path& folder)>& write) {
     target_ = dated_folder();
     fs::rename(staging.folder(), target_, error);
   }
-  if (is_occupied(error)) error = exchange(staging.folder(), target_);
+  if (is_occupied(error)) {
+    error = holds_only_results(target_) ? exchange(staging.folder(), target_) : place_among(staging.folder(), target_);
+  }
   if (error) throw sim::IoError(cannot_be_written(target_, error));
 }
 

@@ -5,16 +5,17 @@
 
 namespace tools {
 
-/// A folder of results, written beside its place and moved there as a whole: nobody sees half of one.
+/// A folder of results, written beside its place and moved there as a whole: nobody sees half of one. Files that are
+/// not results are never touched: where there are any, the results are put among them one by one.
 class RunFolder {
  public:
-  /// Checks that results may go to `target`: a new or empty folder, or a former run (it holds our `mark`), or anything
+  /// Checks that results may go to `target`: a new or empty folder, a former run (it holds our `mark`), or any folder
   /// with `force`; and that it can be written. InputError if not. An empty path becomes a dated folder below
   /// raywatt-out/. Nothing is made yet.
   RunFolder(std::filesystem::path target, bool force, std::string_view mark = "report.json");
 
-  /// Has `write` fill a folder beside the target, then swaps it into place; interrupts wait that long. IoError, and
-  /// nothing left behind, if that fails.
+  /// Has `write` fill a folder beside the target, then puts it into place of the former results; interrupts wait that
+  /// long. IoError, and nothing left behind, if that fails.
   void fill(const std::function<void(const std::filesystem::path& folder)>& write);
 
   const std::filesystem::path& target() const { return target_; }

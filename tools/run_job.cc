@@ -108,9 +108,11 @@ Simulation simulate(const Inputs& inputs, const kernels::ProgramSpec& program, s
   const kernels::FullProgram frame(inputs.image, inputs.camera, inputs.config.render, program.samples, 0);
   const traces::BvhTracer tracer(inputs.image);
   hw::FrontEnd front_end(frame, tracer, host_threads(threads) - 1);
+  const std::uint32_t tile_bytes = frame.tile_pixels() * hw::kPixelBytes;
   const auto gpu = std::make_unique<hw::Gpu>(
       inputs.config.gpu,
-      hw::Gpu::Workload{inputs.image, inputs.parents, frame.tile_samples(), frame.tile_pixels() * hw::kPixelBytes},
+      hw::Gpu::Workload{inputs.image, inputs.parents, frame.tile_samples(), tile_bytes,
+                        std::uint64_t{frame.tiles()} * tile_bytes},
       front_end);
   const auto energy = [&] {
     return sim::compute_energy(gpu->report(), inputs.config.energy, hw::dram_energy_events(inputs.config.gpu.dram),

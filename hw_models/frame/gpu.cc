@@ -149,13 +149,15 @@ void Gpu::add_core(Wiring& wiring, std::uint32_t c, const Workload& workload) {
   for (std::uint32_t t = 0; t < trvs; ++t) trv_wakes.push_back(wiring.trv(c, t));
   core.tni->wakes(wiring.ray_dispatcher(c), wiring.ist(c), trv_wakes);
 
-  const Addr picture_end = layout.frame_buffer + (Addr{1} << 28);
+  // Behind the picture, room for the largest spill of each core: a chunk's rays and hits, two batches of them.
+  const Addr spill_bytes = Addr{4} * config_.srp.chunk * config_.tile_buffer.slot_bytes;
+  const Addr picture_end = layout.frame_buffer + workload.picture_bytes;
   const Srp::Frame frame{&layout,
                          kernels_,
                          workload.tile_samples,
                          workload.tile_bytes,
                          config_.direct_interface.interval * tni_clock_.period(),
-                         picture_end + Addr{c} * config_.tile_buffer.size.bytes * 16};
+                         (picture_end + Addr{c} * spill_bytes + 63) & ~Addr{63}};
   core.srp = std::make_unique<Srp>(
       config_.srp, config_.tile_buffer, frame,
       Srp::Links{tiles_in, tiles_out, rays, hits, *port.clients_in.back(), *port.clients_out.back(), dma_in, dma_out},
@@ -202,7 +204,7 @@ void Gpu::finish(sim::Time last_edge) {
 }
 
 std::string Gpu::state() {
-  std::string out = fmt::format("tile dispatcher: {}\n", dispatcher_->state());
+  std::string out = fmt::format("tile_dispatcher: {}\n", dispatcher_->state());
   for (std::size_t c = 0; c < cores_.size(); ++c) {
     Core& core = cores_[c];
     out += fmt::format("core{}.srp: {}\n", c, core.srp->state());

@@ -35,6 +35,7 @@ class Gpu {
     std::span<const std::uint32_t> parents;  ///< of each node of the tree
     std::uint32_t tile_samples = 256;        ///< of a full tile
     std::uint32_t tile_bytes = 1024;         ///< of a full tile in the frame buffer
+    std::uint64_t picture_bytes = 0;         ///< of all tiles there
   };
 
   Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles);

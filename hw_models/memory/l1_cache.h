@@ -29,7 +29,6 @@ class L1Cache {
     const std::uint64_t bit = std::uint64_t{1} << slot;
     if (std::uint64_t* waiting = misses_.find(line)) {
       *waiting |= bit;
-      merged_ += 1;
       return Result::kMiss;
     }
     if (misses_.full()) return Result::kFull;
@@ -55,7 +54,6 @@ class L1Cache {
     return unsent_.empty() ? sim::kNever : std::max(next, out.push_at());
   }
 
-  std::uint64_t merged() const { return merged_; }
   std::uint32_t outstanding() const { return misses_.size(); }
   bool full() const { return misses_.full(); }
 
@@ -63,7 +61,6 @@ class L1Cache {
   CacheTags tags_;
   MshrFile<std::uint64_t> misses_;
   std::vector<Addr> unsent_;
-  std::uint64_t merged_ = 0;
   std::uint16_t source_;
 };
 

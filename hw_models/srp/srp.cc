@@ -17,8 +17,9 @@ namespace {
 constexpr std::uint32_t kTileShift = 24;  // a ray's handle: tile in flight, then the ray's index within the tile
 constexpr std::uint32_t kRayMask = (1U << kTileShift) - 1;
 constexpr std::uint32_t kSpillTag = 0xffffffffU;
-constexpr std::uint64_t kRayReads = 3;   // 16-byte accesses: 48 bytes of ray out of its slot
-constexpr std::uint64_t kHitWrites = 2;  // 32 bytes of hit record into it
+constexpr std::uint64_t kAccess = 16;  // bytes of one access to the tile buffer
+constexpr std::uint64_t kRayReads = sizeof(traces::Ray) / kAccess;
+constexpr std::uint64_t kHitWrites = sizeof(traces::Hit) / kAccess;
 
 }  // namespace
 
@@ -191,7 +192,7 @@ void Srp::queue_transfers(std::uint32_t tile) {
     if (run.node(n).kind != WorkNode::Kind::kTransfer || run.node(n).inputs.back().node != run_.node) continue;
     const Addr base = frame_.layout->frame_buffer + Addr{run.work().tile} * frame_.tile_bytes;
     dma_.push_back({base, run.node(n).items, true, (tile << 16) | n});
-    buffer_.read((run.node(n).items + 15) / 16);
+    buffer_.read((run.node(n).items + kAccess - 1) / kAccess);
   }
 }
 
@@ -259,6 +260,8 @@ void Srp::begin_chunk(sim::Time now, std::uint32_t tile, std::uint32_t node) {
   if (spilled == 0) return;
   // Ray out and in again before it is issued, then its hit out and in again before it is shaded.
   const auto bytes = static_cast<std::uint32_t>(2 * spilled * buffer_.slot_bytes());
+  buffer_.read(bytes / kAccess);
+  buffer_.write(bytes / kAccess);
   dma_.push_back({frame_.spill, bytes, true, kSpillTag});
   dma_.push_back({frame_.spill, bytes, false, kSpillTag});
   spills_asked_ += 2;
@@ -290,7 +293,7 @@ void Srp::feed_ray(sim::Time now) {
   buffer_.read(kRayReads);
   rays_out_ += 1;
   stats_.rays += 1;
-  feed_free_at_ = now + frame_.ray_interval;
+  feed_free_at_ = clock_.edge_at_or_after(now + frame_.ray_interval);
   if (++feed->next == run.node(feed->batch).items) feeds_.erase(feed);
 }
 

@@ -27,6 +27,8 @@ struct TrvConfig {
   std::uint32_t stack_latency = 2;
   StackScheme stack = StackScheme::kRestartLink;
   std::uint32_t stack_entries = 8;
+  std::uint32_t stack_entry_bytes = 8;
+  std::uint32_t ray_bytes = 96;
   CacheConfig l1;
 
   static void describe(auto& c, auto&& field) {
@@ -40,19 +42,26 @@ struct TrvConfig {
     field(c.stack, "stack", "", "where far children wait", sim::any(), Affects::kWalk);
     field(c.stack_entries, "stack_entries", "entries", "short stack depth per ray (restart_link)", sim::between(1, 64),
           Affects::kWalk);
+    field(c.stack_entry_bytes, "stack_entry_bytes", "bytes", "storage of a stack entry (it leaks)", sim::between(1, 64),
+          Affects::kEnergy);
+    field(c.ray_bytes, "ray_bytes", "bytes", "storage of a ray in the input buffer (it leaks)", sim::between(16, 256),
+          Affects::kEnergy);
     field.group(c.l1, "l1", "private node cache");
   }
   void check(auto&& complain) const {
     if (l1.hit_cycles + box_latency > kLongestPipe)
       complain("box_latency", "node fetch (l1.hit_cycles) and box test together must not exceed 63 cycles");
   }
-  /// Input buffer and stacks: 96-byte ray records, 8-byte stack entries.
-  std::uint64_t sram_bytes() const { return l1.size.bytes + std::uint64_t{rays} * (96 + 8 * std::uint64_t{stack_entries}); }
+  /// Cache, input buffer and stacks.
+  std::uint64_t sram_bytes() const {
+    return l1.size.bytes + std::uint64_t{rays} * (ray_bytes + std::uint64_t{stack_entry_bytes} * stack_entries);
+  }
 };
 
 /// One intersection unit.
 struct IstConfig {
   std::uint32_t leaves = 32;
+  std::uint32_t leaf_bytes = 96;
   std::uint32_t distance_stage = 8;
   std::uint32_t barycentric_stage = 16;
   std::uint32_t latency = 22;
@@ -61,6 +70,8 @@ struct IstConfig {
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
     field(c.leaves, "leaves", "leaves", "leaves held at once (input buffer)", sim::between(1, 64), Affects::kTiming);
+    field(c.leaf_bytes, "leaf_bytes", "bytes", "storage of a leaf and its ray in the input buffer (it leaks)",
+          sim::between(16, 256), Affects::kEnergy);
     field(c.distance_stage, "distance_stage", "cycles", "stage after which a test that fails on distance is known",
           sim::between(1, 40), Affects::kTiming);
     field(c.barycentric_stage, "barycentric_stage", "cycles", "stage after which a test that fails on the edges is known",
@@ -75,7 +86,7 @@ struct IstConfig {
     if (distance_stage > barycentric_stage || barycentric_stage > latency)
       complain("latency", "the stages must rise: distance_stage <= barycentric_stage <= latency");
   }
-  std::uint64_t sram_bytes() const { return l1.size.bytes + std::uint64_t{leaves} * 96; }
+  std::uint64_t sram_bytes() const { return l1.size.bytes + std::uint64_t{leaves} * leaf_bytes; }
 };
 
 /// A traversal & intersection unit: one ray dispatcher, several traversal units, one intersection unit.

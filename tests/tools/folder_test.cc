@@ -35,7 +35,6 @@ TEST(Folder, OfAFormerRunIsReplacedWhole) {
   const TempFolder folder;
   const fs::path out = folder.path() / "out";
   expect_run_into(out);
-  std::ofstream(out / "note.txt") << "of the former run";
   expect_run_into(out, {"--set", "cores=1"});
   EXPECT_EQ(read_json(out / "report.json")["config"]["cores"], 1);
 }
@@ -53,12 +52,28 @@ TEST(Folder, OfSomebodyElseIsRefusedAndLeftAlone) {
   EXPECT_EQ(names_in(folder.path()), Words{"out"});
 }
 
-TEST(Folder, OfSomebodyElseIsReplacedByForce) {
+TEST(Folder, OfSomebodyElseTakesResultsByForceAndLosesNothing) {
   const TempFolder folder;
   const fs::path out = folder.path() / "out";
   fs::create_directories(out / "deep");
-  std::ofstream(out / "deep" / "draft.txt") << "old";
-  expect_run_into(out, {"--force"});
+  std::ofstream(out / "deep" / "thesis.txt") << "three years";
+  std::ofstream(out / "notes.txt") << "ours";
+  EXPECT_EQ(raywatt(small_run(out, {"--force"})).exit, 0);
+  EXPECT_EQ(read_bytes(out / "deep" / "thesis.txt"), "three years");
+  EXPECT_EQ(read_bytes(out / "notes.txt"), "ours");
+  EXPECT_TRUE(fs::exists(out / "report.json"));
+  EXPECT_EQ(names_in(folder.path()), Words{"out"});
+}
+
+TEST(Folder, OfAFormerRunKeepsTheNotesMadeInIt) {
+  const TempFolder folder;
+  const fs::path out = folder.path() / "out";
+  ASSERT_EQ(raywatt(small_run(out, {"--reference", "full:1"})).exit, 0);
+  ASSERT_TRUE(fs::exists(out / "reference.exr"));
+  std::ofstream(out / "notes.txt") << "ours";
+  EXPECT_EQ(raywatt(small_run(out)).exit, 0);
+  EXPECT_EQ(read_bytes(out / "notes.txt"), "ours");
+  EXPECT_FALSE(fs::exists(out / "reference.exr"));
 }
 
 TEST(Folder, BehindALinkIsTheOneThatIsMeant) {

@@ -1,0 +1,92 @@
+#include <gtest/gtest.h>
+
+#include <cctype>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "sim/report/report_json.h"
+#include "tools/run_job.h"
+
+// Small runs whose every counter is stored in tests/golden/*.json, summed over units of one kind. After a change that
+// is meant to move them, accept the new values with: RAYWATT_ACCEPT=1 ctest --preset release -R golden
+
+namespace tools {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Case {
+  const char* name;
+  const char* scene;
+  const char* program;
+};
+void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
+
+std::string kind_of(std::string path) {
+  std::erase_if(path, [](unsigned char c) { return std::isdigit(c) != 0; });
+  return path;
+}
+
+Json measure(const Case& c) {
+  JobOptions options;
+  options.scene = c.scene;
+  options.resolution = "64x32";
+  options.threads = 1;
+  const Inputs inputs = load_inputs(options);
+  const Simulation s = simulate(inputs, kernels::parse_program(c.program), 1);
+  Json out = {{"cycles", s.cycles}, {"rays", s.rays()}, {"traversal_steps", s.function.traversal_steps}};
+  for (const auto& [block, energy] : s.energy.blocks) out["energy_pj"][block] = energy.total().nominal;
+  for (const sim::UnitReport& unit : s.units) {
+    Json& kind = out["units"][kind_of(unit.path)];
+    const auto add = [&](const std::string& group, const std::string& name, std::uint64_t value) {
+      Json& sum = kind[group][name];
+      sum = (sum.is_null() ? 0 : sum.get<std::uint64_t>()) + value;
+    };
+    for (const auto& [reason, cycles] : unit.why) add("why", reason, cycles);
+    for (const sim::CounterReport& counter : unit.counters) add("counters", counter.name, counter.value);
+  }
+  return out;
+}
+
+/// Says of every number that moved what it was and what it is.
+std::string difference(const Json& was, const Json& is, const std::string& path = "") {
+  if (was.is_object() && is.is_object()) {
+    std::string all;
+    for (const auto& [key, value] : was.items()) {
+      all += is.contains(key) ? difference(value, is[key], path + "/" + key) : path + "/" + key + " is gone\n";
+    }
+    for (const auto& [key, value] : is.items()) {
+      if (!was.contains(key)) all += path + "/" + key + " is new\n";
+    }
+    return all;
+  }
+  // Energies of arrays between two points of the table go through the C library's logarithm.
+  const bool same = was.is_number_float()
+                        ? std::abs(was.get<double>() - is.get<double>()) <= 1e-9 * std::abs(was.get<double>())
+                        : was == is;
+  return same ? "" : path + " was " + was.dump() + ", is " + is.dump() + "\n";
+}
+
+class Golden : public testing::TestWithParam<Case> {};
+
+TEST_P(Golden, RunHasNotMovedByACounter) {
+  const std::filesystem::path file =
+      std::filesystem::path(RAYWATT_SOURCE_DIR) / "tests/golden" / (std::string(GetParam().name) + ".json");
+  const Json now = measure(GetParam());
+  if (std::getenv("RAYWATT_ACCEPT") != nullptr) std::ofstream(file) << sim::json_text(now);
+  std::ifstream in(file);
+  ASSERT_TRUE(in) << file << " is missing; make it with RAYWATT_ACCEPT=1";
+  EXPECT_EQ(difference(Json::parse(in), now), "");
+}
+
+INSTANTIATE_TEST_SUITE_P(Runs, Golden,
+                         testing::Values(Case{"cornell-full1", "cornell", "full:1"},
+                                         Case{"cornell-full4", "cornell", "full:4"},
+                                         Case{"teapot-full1", "teapot", "full:1"},
+                                         Case{"teapot-full4", "teapot", "full:4"}));
+
+}  // namespace
+}  // namespace tools

@@ -1,0 +1,146 @@
+#include "tests/hw_models/frame/bench.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numeric>
+#include <stdexcept>
+
+#include "sim/engine.h"
+#include "traces/accel/build.h"
+#include "traces/scene/library.h"
+
+namespace hw::testing {
+
+namespace {
+
+std::vector<std::uint32_t> parents_of(const traces::MemoryImage& image) {
+  std::vector<std::uint32_t> parents(image.nodes.size());
+  for (std::uint32_t node = 0; node < image.nodes.size(); ++node) {
+    for (const std::uint32_t link : image.nodes[node].child) {
+      if (!traces::is_leaf(link) && link != traces::kNoChild) parents[link] = node;
+    }
+  }
+  return parents;
+}
+
+kernels::RenderConfig render_config(std::uint32_t width, std::uint32_t height) {
+  kernels::RenderConfig config;
+  config.width = width;
+  config.height = height;
+  return config;
+}
+
+/// Every pixel of the picture is written once, each tile from a line of its own on.
+std::uint64_t lines_of_picture(const kernels::FullProgram& program, std::uint32_t width, std::uint32_t height) {
+  const auto side = static_cast<std::uint32_t>(std::lround(std::sqrt(program.tile_pixels())));
+  std::uint64_t lines = 0;
+  for (std::uint32_t y = 0; y < height; y += side) {
+    for (std::uint32_t x = 0; x < width; x += side) {
+      lines += (std::min(side, width - x) * std::min(side, height - y) * kPixelBytes + 63) / 64;
+    }
+  }
+  return lines;
+}
+
+/// "core0.tni.trv2" with kind "trv".
+bool is_kind(std::string_view path, std::string_view kind) {
+  path.remove_suffix(path.size() - 1 - path.find_last_not_of("0123456789"));
+  return path.ends_with(kind) && (path.size() == kind.size() || path[path.size() - kind.size() - 1] == '.');
+}
+
+}  // namespace
+
+Frame::Frame(const std::string& scene, std::uint32_t width, std::uint32_t height, std::uint32_t samples)
+    : Frame(traces::open_scene(scene), width, height, samples) {}
+
+Frame::Frame(traces::Scene&& scene, std::uint32_t width, std::uint32_t height, std::uint32_t samples)
+    : camera_(scene.cameras.front()),
+      image_(traces::build_memory_image(scene, {}, 1)),
+      parents_(parents_of(image_)),
+      program_(image_, camera_, render_config(width, height), samples, 0),
+      tracer_(image_),
+      picture_lines_(lines_of_picture(program_, width, height)) {}
+
+Gpu::Workload Frame::workload() const {
+  return {image_, parents_, program_.tile_samples(), program_.tile_pixels() * kPixelBytes};
+}
+
+const Frame& cornell_64x32() {
+  static const Frame frame("cornell", 64, 32);
+  return frame;
+}
+
+const Frame& teapot_64x32() {
+  static const Frame frame("teapot", 64, 32);
+  return frame;
+}
+
+std::uint64_t Outcome::rays() const {
+  return std::accumulate(std::begin(function.rays), std::end(function.rays), std::uint64_t{0});
+}
+
+std::uint64_t Outcome::sum(std::string_view at, std::string_view kind, std::string_view counter) const {
+  std::uint64_t total = 0;
+  bool found = false;
+  for (const sim::UnitReport& unit : units) {
+    if (!unit.path.starts_with(at) || !is_kind(unit.path, kind)) continue;
+    for (const sim::CounterReport& c : unit.counters) {
+      if (c.name != counter) continue;
+      total += c.value;
+      found = true;
+    }
+  }
+  if (!found) throw std::logic_error(fmt::format("no unit '{}...{}' has a counter '{}'", at, kind, counter));
+  return total;
+}
+
+Outcome play(const Frame& frame, const GpuConfig& config, Engine engine, std::uint64_t seed, std::uint32_t workers) {
+  FrontEnd front_end(frame.program(), frame.tracer(), workers);
+  const auto gpu = std::make_unique<Gpu>(config, frame.workload(), front_end);
+  switch (engine) {
+    case Engine::kFast: gpu->finish(sim::run<sim::Skip::kOn>(*gpu)); break;
+    case Engine::kOracle: gpu->finish(sim::run<sim::Skip::kOff>(*gpu)); break;
+    case Engine::kShuffled: gpu->finish(sim::run_shuffled(*gpu, seed)); break;
+  }
+  return {gpu->report(), gpu->kernel_use(), front_end.result(), gpu->elapsed(), gpu->cycles()};
+}
+
+std::string difference(const Outcome& a, const Outcome& b) {
+  std::string found;
+  const auto compare = [&](const std::string& name, std::uint64_t x, std::uint64_t y) {
+    if (found.empty() && x != y) found = fmt::format("{}: {}, {}", name, x, y);
+  };
+  compare("elapsed", a.elapsed, b.elapsed);
+  compare("cycles", a.cycles, b.cycles);
+  compare("units", a.units.size(), b.units.size());
+  for (std::size_t u = 0; u < std::min(a.units.size(), b.units.size()); ++u) {
+    const sim::UnitReport &x = a.units[u], &y = b.units[u];
+    if (found.empty() && x.path != y.path) found = fmt::format("unit {}: {}, {}", u, x.path, y.path);
+    compare(x.path + ".elapsed", x.elapsed, y.elapsed);
+    for (std::size_t i = 0; i < x.counters.size(); ++i) {
+      compare(x.path + "." + x.counters[i].name, x.counters[i].value, y.counters[i].value);
+    }
+    for (std::size_t i = 0; i < x.why.size(); ++i) {
+      compare(x.path + ".why." + x.why[i].first, x.why[i].second, y.why[i].second);
+    }
+  }
+  for (std::size_t k = 0; k < a.kernels.size(); ++k) {
+    const std::string kernel = fmt::format("kernel {}.", k);
+    compare(kernel + "launches", a.kernels[k].launches, b.kernels[k].launches);
+    compare(kernel + "items", a.kernels[k].items, b.kernels[k].items);
+    compare(kernel + "cycles", a.kernels[k].cycles, b.kernels[k].cycles);
+  }
+  return found;
+}
+
+std::string difference(const FrontEnd::Result& a, const FrontEnd::Result& b) {
+  if (a.rgb != b.rgb) return "picture";
+  if (!std::ranges::equal(a.rays, b.rays)) return "rays by kind";
+  if (a.traversal_steps != b.traversal_steps) return "traversal steps";
+  return {};
+}
+
+}  // namespace hw::testing

@@ -1,0 +1,10 @@
+#pragma once
+#include "tests/hw_models/frame/bench.h"
+
+namespace hw::testing {
+
+/// Expects that whatever went into a unit came out of it, that what one unit says it sent another says it got, and that
+/// every cycle of every unit has a reason.
+void expect_conserved(const Outcome& run, const Frame& frame, const GpuConfig& config);
+
+}  // namespace hw::testing

@@ -1,0 +1,172 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "hw_models/frame/dma.h"
+#include "sim/engine.h"
+
+namespace hw {
+namespace {
+
+/// A DMA between a core that hands it jobs and a memory.
+class DmaBench {
+ public:
+  struct Setup {
+    std::uint32_t memory_latency = 20;  ///< cycles from request to line
+    std::uint32_t memory_interval = 1;  ///< cycles from one request taken to the next
+    std::uint32_t depth = 8;
+  };
+
+  explicit DmaBench(const Setup& setup)
+      : setup_(setup),
+        to_memory_(setup.depth, 1, clock_),
+        from_memory_(64, setup.memory_latency, clock_),
+        dma_({jobs_, dones_, to_memory_, from_memory_}, 0, clock_),
+        core_(*this),
+        memory_(*this) {
+    jobs_.wakes(&wakes_[0], &wakes_[1]);
+    dones_.wakes(&wakes_[1], &wakes_[0]);
+    to_memory_.wakes(&wakes_[1], &wakes_[2]);
+    from_memory_.wakes(&wakes_[2], &wakes_[1]);
+  }
+
+  DmaBench& add(std::uint32_t bytes, bool write, Addr base = 0) {
+    to_send_.push_back({base, bytes, write, static_cast<std::uint32_t>(to_send_.size())});
+    return *this;
+  }
+  template <sim::Skip kSkip = sim::Skip::kOn>
+  DmaBench& run() {
+    end_ = clock_.after(sim::run<kSkip>(*this), 1);
+    dma_.finish(end_);
+    return *this;
+  }
+
+  template <class F>
+  void each_unit(F&& f) {
+    f(core_, 0);
+    f(dma_, 1);
+    f(memory_, 2);
+  }
+  std::vector<sim::Time>& wakes() { return wakes_; }
+  bool done() const { return done_at_.size() == to_send_.size(); }
+  std::string state() const { return dma_.state(); }
+
+  /// Cycles from the moment the DMA could see the first job to the moment the core could see that job `i` is done.
+  std::uint64_t cycles(std::size_t i) const { return clock_.cycles(done_at_[i]) - 1; }
+  const Dma& dma() const { return dma_; }
+  const std::vector<Addr>& lines() const { return lines_; }
+  const std::vector<std::uint32_t>& tags() const { return tags_; }
+  std::uint64_t spent(Dma::Why why) const { return clock_.cycles(dma_.activity().spent(why)); }
+  std::uint64_t end() const { return clock_.cycles(end_); }
+
+ private:
+  struct Core {
+    explicit Core(DmaBench& b) : bench(b) {}
+    const sim::Clock& clock() const { return bench.clock_; }
+    sim::Time tick(sim::Time now) {
+      if (sent < bench.to_send_.size() && bench.jobs_.can_push(now)) bench.jobs_.push(now, bench.to_send_[sent++]);
+      if (bench.dones_.can_pop(now)) {
+        bench.tags_.push_back(bench.dones_.pop(now).tag);
+        bench.done_at_.push_back(now);
+      }
+      return bench.clock_.after(now, 1);
+    }
+    DmaBench& bench;
+    std::size_t sent = 0;
+  };
+  struct Memory {
+    explicit Memory(DmaBench& b) : bench(b) {}
+    const sim::Clock& clock() const { return bench.clock_; }
+    sim::Time tick(sim::Time now) {
+      if (now >= free_at && bench.to_memory_.can_pop(now) && bench.from_memory_.can_push(now)) {
+        const MemRequest r = bench.to_memory_.pop(now);
+        bench.lines_.push_back(r.line);
+        if (!r.write) bench.from_memory_.push(now, {r.line, r.source, r.tag});
+        free_at = bench.clock_.after(now, bench.setup_.memory_interval);
+      }
+      return bench.clock_.after(now, 1);
+    }
+    DmaBench& bench;
+    sim::Time free_at = 0;
+  };
+
+  Setup setup_;
+  sim::Clock clock_{1'000'000};
+  sim::Link<DmaJob> jobs_{4, 1, clock_};
+  sim::Link<DmaDone> dones_{4, 1, clock_};
+  sim::Link<MemRequest> to_memory_;
+  sim::Link<MemResponse> from_memory_;
+  Dma dma_;
+  Core core_;
+  Memory memory_;
+  std::vector<sim::Time> wakes_ = std::vector<sim::Time>(3, 0);
+  std::vector<DmaJob> to_send_;
+  std::vector<sim::Time> done_at_;
+  std::vector<std::uint32_t> tags_;
+  std::vector<Addr> lines_;
+  sim::Time end_ = 0;
+};
+
+constexpr std::uint32_t kLine = 64;
+
+TEST(Dma, AWriteOfNLinesTakesNCyclesAndTheWireBack) {
+  for (const std::uint32_t n : {1U, 2U, 16U, 100U}) {
+    EXPECT_EQ(DmaBench({}).add(n * kLine, true).run().cycles(0), n);
+  }
+}
+
+TEST(Dma, AReadOfNLinesTakesNCyclesAndMemorysLatency) {
+  for (const std::uint32_t latency : {1U, 20U, 150U}) {
+    for (const std::uint32_t n : {1U, 2U, 16U}) {
+      const std::uint64_t wires = 2;  // to memory, and back to the core
+      EXPECT_EQ(DmaBench({.memory_latency = latency}).add(n * kLine, false).run().cycles(0), n - 1 + latency + wires);
+    }
+  }
+}
+
+TEST(Dma, ASlowMemorySetsThePace) {
+  DmaBench bench({.memory_interval = 5, .depth = 2});
+  bench.add(20 * kLine, true).run();
+  EXPECT_EQ(bench.cycles(0), 1 + (20 - 2 - 1) * 5 + 1 + 1U) << "two of the lines are on the wire when the last leaves";
+  EXPECT_EQ(bench.spent(Dma::Why::kMoving), 20U);
+}
+
+TEST(Dma, TransfersGoOneAfterTheOtherInOrder) {
+  DmaBench bench({});
+  bench.add(10 * kLine, true, 0).add(5 * kLine, false, 6400).add(3 * kLine, true, 12800).run();
+  EXPECT_EQ(bench.tags(), (std::vector<std::uint32_t>{0, 1, 2}));
+  std::vector<Addr> expected;
+  for (Addr i = 0; i < 10; ++i) expected.push_back(i * kLine);
+  for (Addr i = 0; i < 5; ++i) expected.push_back(6400 + i * kLine);
+  for (Addr i = 0; i < 3; ++i) expected.push_back(12800 + i * kLine);
+  EXPECT_EQ(bench.lines(), expected);
+  EXPECT_EQ(bench.dma().stats().jobs, 3U);
+  EXPECT_EQ(bench.dma().stats().lines_written, 13U);
+  EXPECT_EQ(bench.dma().stats().lines_read, 5U);
+}
+
+TEST(Dma, ThePartOfALineCostsAWholeOne) {
+  DmaBench bench({});
+  bench.add(65, true).run();
+  EXPECT_EQ(bench.dma().stats().lines_written, 2U);
+}
+
+TEST(Dma, EveryCycleHasAReasonAndTheOracleAgrees) {
+  const auto fill = [](DmaBench& b) -> DmaBench& { return b.add(1000, true).add(300, false).add(64, true); };
+  for (const DmaBench::Setup& setup : {DmaBench::Setup{}, DmaBench::Setup{.memory_latency = 3, .memory_interval = 7, .depth = 1}}) {
+    DmaBench fast(setup), oracle(setup);
+    fill(fast).run();
+    fill(oracle).run<sim::Skip::kOff>();
+    std::uint64_t sum = 0;
+    for (const Dma::Why why : {Dma::Why::kIdle, Dma::Why::kMoving, Dma::Why::kWaiting}) {
+      EXPECT_EQ(fast.spent(why), oracle.spent(why));
+      sum += fast.spent(why);
+    }
+    EXPECT_EQ(sum, fast.end());
+    EXPECT_EQ(fast.spent(Dma::Why::kMoving), 16U + 5U + 1U);
+  }
+}
+
+}  // namespace
+}  // namespace hw

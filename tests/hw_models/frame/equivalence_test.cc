@@ -1,0 +1,50 @@
+#include <gtest/gtest.h>
+
+#include "tests/hw_models/frame/bench.h"
+#include "tests/hw_models/frame/random_config.h"
+
+namespace hw {
+namespace {
+
+using testing::difference;
+using testing::Engine;
+using testing::Frame;
+using testing::Outcome;
+using testing::play;
+
+TEST(Gpu, SkippingIdleTimeGivesTheOraclesEveryCounter) {
+  const GpuConfig config;
+  const Outcome fast = play(testing::cornell_64x32(), config);
+  EXPECT_EQ(difference(fast, play(testing::cornell_64x32(), config, Engine::kOracle)), "");
+}
+
+TEST(Gpu, TheOrderOfUnitsWithinAStepIsInvisible) {
+  const GpuConfig config;
+  const Outcome fast = play(testing::cornell_64x32(), config);
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
+    EXPECT_EQ(difference(fast, play(testing::cornell_64x32(), config, Engine::kShuffled, seed)), "") << seed;
+  }
+}
+
+TEST(Gpu, OracleAndShuffledUnitsAgreeOnRandomMachinesToo) {
+  static const Frame frame("cornell", 32, 16);
+  for (std::uint64_t seed = 0; seed < 24; ++seed) {
+    const GpuConfig config = testing::random_config(seed);
+    const Outcome fast = play(frame, config);
+    EXPECT_EQ(difference(fast, play(frame, config, Engine::kOracle)), "") << "seed " << seed;
+    EXPECT_EQ(difference(fast, play(frame, config, Engine::kShuffled, seed)), "") << "seed " << seed;
+  }
+}
+
+TEST(Gpu, ThreadsThatRunAheadOfTheMachineChangeNothing) {
+  const GpuConfig config;
+  const Outcome alone = play(testing::teapot_64x32(), config);
+  for (const std::uint32_t workers : {1U, 2U}) {
+    const Outcome run = play(testing::teapot_64x32(), config, Engine::kFast, 0, workers);
+    EXPECT_EQ(difference(alone, run), "") << workers;
+    EXPECT_EQ(difference(alone.function, run.function), "") << workers;
+  }
+}
+
+}  // namespace
+}  // namespace hw

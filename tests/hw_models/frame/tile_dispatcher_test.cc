@@ -1,0 +1,172 @@
+#include "hw_models/frame/tile_dispatcher.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <deque>
+#include <memory>
+#include <numeric>
+#include <vector>
+
+#include "sim/engine.h"
+
+namespace hw {
+namespace {
+
+/// Tiles 0, 1, 2, ... without any work; notes what is out.
+class Tiles final : public TileSource {
+ public:
+  explicit Tiles(std::uint32_t count) : works_(count) {
+    for (std::uint32_t i = 0; i < count; ++i) works_[i].tile = i;
+  }
+  const traces::TileWork* next() override { return next_ == works_.size() ? nullptr : &works_[next_++]; }
+  void give_back(const traces::TileWork* work) override { back.push_back(work->tile); }
+  std::vector<std::uint32_t> back;
+
+ private:
+  std::vector<traces::TileWork> works_;
+  std::size_t next_ = 0;
+};
+
+/// A dispatcher with cores that keep each tile for a while.
+class DispatcherBench {
+ public:
+  struct Setup {
+    std::uint32_t tiles = 12;
+    std::vector<std::uint32_t> hold = {50, 50};  ///< cycles a tile stays, per core
+    std::uint32_t tiles_per_core = 3;
+  };
+  explicit DispatcherBench(const Setup& setup) : source(setup.tiles), wakes_(1 + setup.hold.size(), 0) {
+    TileDispatcher::Links links;
+    for (std::size_t c = 0; c < setup.hold.size(); ++c) {
+      auto& in = jobs_.emplace_back(setup.tiles_per_core, 1, clock_);
+      auto& out = dones_.emplace_back(setup.tiles_per_core, setup.hold[c], clock_);
+      in.wakes(&wakes_[0], &wakes_[1 + c]);
+      out.wakes(&wakes_[1 + c], &wakes_[0]);
+      links.to_core.push_back(&in);
+      links.from_core.push_back(&out);
+      cores_.emplace_back(*this, c);
+    }
+    dispatcher_ = std::make_unique<TileDispatcher>(source, setup.tiles_per_core, links, clock_);
+  }
+
+  template <sim::Skip kSkip = sim::Skip::kOn>
+  DispatcherBench& run() {
+    end_ = clock_.after(sim::run<kSkip>(*this), 1);
+    dispatcher_->finish(end_);
+    return *this;
+  }
+  template <class F>
+  void each_unit(F&& f) {
+    f(*dispatcher_, 0);
+    for (std::size_t c = 0; c < cores_.size(); ++c) f(cores_[c], 1 + c);
+  }
+  std::vector<sim::Time>& wakes() { return wakes_; }
+  bool done() const { return dispatcher_->done(); }
+  std::string state() const { return dispatcher_->state(); }
+
+  struct Arrival {
+    std::size_t core;
+    std::uint32_t tile;
+    std::uint64_t cycle;
+    friend bool operator==(const Arrival&, const Arrival&) = default;
+  };
+  std::vector<std::uint32_t> tiles_of(std::size_t core) const {
+    std::vector<std::uint32_t> tiles;
+    for (const Arrival& a : arrivals) {
+      if (a.core == core) tiles.push_back(a.tile);
+    }
+    return tiles;
+  }
+  const TileDispatcher& dispatcher() const { return *dispatcher_; }
+  std::uint64_t spent(TileDispatcher::Why why) const { return clock_.cycles(dispatcher_->activity().spent(why)); }
+  std::uint64_t end() const { return clock_.cycles(end_); }
+
+  Tiles source;
+  std::vector<Arrival> arrivals;
+
+ private:
+  struct Core {
+    Core(DispatcherBench& b, std::size_t c) : bench(b), index(c) {}
+    const sim::Clock& clock() const { return bench.clock_; }
+    sim::Time tick(sim::Time now) {
+      auto& in = bench.jobs_[index];
+      if (in.can_pop(now) && bench.dones_[index].can_push(now)) {
+        const TileJob job = in.pop(now);
+        bench.arrivals.push_back({index, job.work->tile, bench.clock_.cycles(now)});
+        bench.dones_[index].push(now, {job.work});
+      }
+      return bench.clock_.after(now, 1);
+    }
+    DispatcherBench& bench;
+    std::size_t index;
+  };
+
+  sim::Clock clock_{2'000'000};
+  std::deque<sim::Link<TileJob>> jobs_;
+  std::deque<sim::Link<TileDone>> dones_;
+  std::deque<Core> cores_;
+  std::unique_ptr<TileDispatcher> dispatcher_;
+  std::vector<sim::Time> wakes_;
+  sim::Time end_ = 0;
+};
+
+TEST(TileDispatcher, HandsOutATileACycleEachCoreInTurnUntilAllAreFull) {
+  DispatcherBench bench({.tiles = 12, .hold = {50, 50, 50}, .tiles_per_core = 2});
+  bench.run();
+  for (std::uint32_t i = 0; i < 6; ++i) {
+    EXPECT_EQ(bench.arrivals[i], (DispatcherBench::Arrival{i % 3, i, 1 + i}));
+  }
+  // The first tile is back after its stay; the seventh leaves in the cycle in which its place is known to be free.
+  EXPECT_EQ(bench.arrivals[6].cycle, 1 + 50 + 1U);
+}
+
+TEST(TileDispatcher, NTilesOnOneCoreTakeNStaysOverTilesInFlight) {
+  DispatcherBench bench({.tiles = 30, .hold = {100}, .tiles_per_core = 3});
+  bench.run();
+  const std::uint64_t round = 100 + 1;  // a stay and the wire in
+  EXPECT_EQ(bench.end() - 1, 10 * round + 2) << "the third tile of a round comes two cycles after the first";
+}
+
+TEST(TileDispatcher, ASlowCoreGetsFewerTiles) {
+  DispatcherBench bench({.tiles = 60, .hold = {40, 400}, .tiles_per_core = 2});
+  bench.run();
+  EXPECT_GT(bench.tiles_of(0).size(), 5 * bench.tiles_of(1).size());
+}
+
+TEST(TileDispatcher, EveryTileGoesOutOnceInOrderAndComesBack) {
+  DispatcherBench bench({.tiles = 40, .hold = {7, 13, 29}});
+  bench.run();
+  ASSERT_EQ(bench.arrivals.size(), 40U);
+  for (std::uint32_t i = 0; i < 40; ++i) EXPECT_EQ(bench.arrivals[i].tile, i);
+  std::vector<std::uint32_t> all(40);
+  std::iota(all.begin(), all.end(), 0U);
+  std::ranges::sort(bench.source.back);
+  EXPECT_EQ(bench.source.back, all);
+  EXPECT_EQ(bench.dispatcher().stats().dispatched, 40U);
+  EXPECT_EQ(bench.dispatcher().stats().finished, 40U);
+}
+
+TEST(TileDispatcher, AnEmptyListIsDoneAtOnce) {
+  DispatcherBench bench({.tiles = 0});
+  bench.run();
+  EXPECT_EQ(bench.end(), 1U);
+}
+
+TEST(TileDispatcher, EveryCycleHasAReasonAndTheOracleAgrees) {
+  const DispatcherBench::Setup setup{.tiles = 20, .hold = {9, 31}, .tiles_per_core = 2};
+  DispatcherBench fast(setup), oracle(setup);
+  fast.run();
+  oracle.run<sim::Skip::kOff>();
+  using Why = TileDispatcher::Why;
+  std::uint64_t sum = 0;
+  for (const Why why : {Why::kIdle, Why::kDispatching, Why::kCoresFull}) {
+    EXPECT_EQ(fast.spent(why), oracle.spent(why));
+    sum += fast.spent(why);
+  }
+  EXPECT_EQ(sum, fast.end());
+  EXPECT_EQ(fast.spent(Why::kDispatching), 20U);
+}
+
+}  // namespace
+}  // namespace hw
