@@ -45,9 +45,8 @@ Time run(Machine& machine) {
     if (next == kNever) throw Deadlock("the machine is stuck", machine.state());
     if constexpr (kSkip == Skip::kOff) {
       Time edge = kNever;
-      machine.each_unit([&](auto& unit, std::size_t) {
-        edge = std::min(edge, unit.clock().edge_at_or_after(now + 1));
-      });
+      machine.each_unit(
+          [&](auto& unit, std::size_t) { edge = std::min(edge, unit.clock().edge_at_or_after(now + 1)); });
       now = edge;
     } else {
       now = next;

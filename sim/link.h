@@ -70,8 +70,8 @@ class Link {
     assert(can_pop(now) && "pop from an empty link");
     Slot& slot = slots_[head_];
     slot.full = false;
-    slot.stamp = crossing_ ? producer_clock_.edge_at_or_after(now + consumer_clock_.period())
-                           : now + consumer_clock_.period();
+    slot.stamp =
+        crossing_ ? producer_clock_.edge_at_or_after(now + consumer_clock_.period()) : now + consumer_clock_.period();
     if (push_at_ == kNever) push_at_ = slot.stamp;
     head_ = after(head_);
     pop_at_ = slots_[head_].full ? slots_[head_].stamp : kNever;

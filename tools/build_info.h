@@ -6,8 +6,8 @@ namespace tools {
 /// What this program was built from.
 struct BuildInfo {
   std::string_view version;
-  std::string_view git;       ///< commit, or "unknown" outside a repository
-  bool dirty;                 ///< uncommitted changes when it was built
+  std::string_view git;  ///< commit, or "unknown" outside a repository
+  bool dirty;            ///< uncommitted changes when it was built
   std::string_view compiler;
   std::string_view flags;
   std::string_view model_id;  ///< hash of the model's sources and library versions: equal ids, equal results

@@ -1,10 +1,10 @@
 #include "tools/limiter.h"
 
-#include <fmt/format.h>
-
 #include <cstdint>
 #include <string_view>
 #include <vector>
+
+#include <fmt/format.h>
 
 namespace tools {
 
@@ -24,45 +24,44 @@ struct Resource {
 };
 
 const std::vector<Resource>& resources() {
-  static const std::vector<Resource> all = {
-      {".trv",
-       "traversal units",
-       {{"visiting", "", true},
-        {"starved", "having no rays"},
-        {"l1_miss", "node lines that are not in their caches"},
-        {"mshr_full", "too few miss registers"},
-        {"ist", "waiting for triangle tests"},
-        {"pipe", "too few rays to fill the pipelines"},
-        {"output_full", "finished rays that cannot leave"}}},
-      {".ist",
-       "intersection units",
-       {{"testing", "", true},
-        {"starved", "having no leaves"},
-        {"l1_miss", "triangle lines that are not in their caches"},
-        {"mshr_full", "too few miss registers"},
-        {"pipe", "too few leaves to fill the pipeline"},
-        {"output_full", "answers that queue"}}},
-      {".srp",
-       "shader cores",
-       {{"running", "", true},
-        {"switching", "", true},
-        {"starved", "having no tile"},
-        {"cache_miss", "misses of their data caches"},
-        {"waiting", "waiting for rays"},
-        {"no_slots", "waiting for ray slots in the tile buffer"}}},
-      {"dram.",
-       "memory channels",
-       {{"reading", "", true},
-        {"writing", "", true},
-        {"idle", "having no requests"},
-        {"latency", "access latency"},
-        {"row_conflict", "row conflicts"},
-        {"activate", "opening rows"},
-        {"refresh", "refresh"},
-        {"turnaround", "changes between reads and writes"},
-        {"column", "spacing of column commands"},
-        {"command_bus", "their command buses"},
-        {"returns_full", "responses that do not leave"}}}};
+  static const std::vector<Resource> all = {{".trv",
+                                             "traversal units",
+                                             {{"visiting", "", true},
+                                              {"starved", "having no rays"},
+                                              {"l1_miss", "node lines that are not in their caches"},
+                                              {"mshr_full", "too few miss registers"},
+                                              {"ist", "waiting for triangle tests"},
+                                              {"pipe", "too few rays to fill the pipelines"},
+                                              {"output_full", "finished rays that cannot leave"}}},
+                                            {".ist",
+                                             "intersection units",
+                                             {{"testing", "", true},
+                                              {"starved", "having no leaves"},
+                                              {"l1_miss", "triangle lines that are not in their caches"},
+                                              {"mshr_full", "too few miss registers"},
+                                              {"pipe", "too few leaves to fill the pipeline"},
+                                              {"output_full", "answers that queue"}}},
+                                            {".srp",
+                                             "shader cores",
+                                             {{"running", "", true},
+                                              {"switching", "", true},
+                                              {"starved", "having no tile"},
+                                              {"cache_miss", "misses of their data caches"},
+                                              {"waiting", "waiting for rays"},
+                                              {"no_slots", "waiting for ray slots in the tile buffer"}}},
+                                            {"dram.",
+                                             "memory channels",
+                                             {{"reading", "", true},
+                                              {"writing", "", true},
+                                              {"idle", "having no requests"},
+                                              {"latency", "access latency"},
+                                              {"row_conflict", "row conflicts"},
+                                              {"activate", "opening rows"},
+                                              {"refresh", "refresh"},
+                                              {"turnaround", "changes between reads and writes"},
+                                              {"column", "spacing of column commands"},
+                                              {"command_bus", "their command buses"},
+                                              {"returns_full", "responses that do not leave"}}}};
   return all;
 }
 
@@ -80,7 +79,7 @@ double share(std::span<const sim::UnitReport> units, std::string_view kind, std:
 }  // namespace
 
 Utilisation utilisation(std::span<const sim::UnitReport> units) {
-  return {share(units, ".trv", "visiting"), share(units, ".srp", "running"),
+  return {share(units, ".trv", "visiting"), share(units, ".srp", "running") + share(units, ".srp", "switching"),
           share(units, "dram.", "reading") + share(units, "dram.", "writing")};
 }
 

@@ -9,7 +9,7 @@ namespace tools {
 /// Shares of time, 0 to 1.
 struct Utilisation {
   double tni = 0;   ///< cycles in which a traversal unit put a node into its box pipe, over all of them
-  double srp = 0;   ///< cycles in which a kernel's loop ran on an array
+  double srp = 0;   ///< cycles in which a kernel ran on an array or was switched in
   double dram = 0;  ///< cycles in which data were on a channel's bus
 };
 Utilisation utilisation(std::span<const sim::UnitReport> units);

@@ -1,9 +1,9 @@
 #include "tools/options.h"
 
-#include <fmt/format.h>
+#include <charconv>
 
 #include <CLI/CLI.hpp>
-#include <charconv>
+#include <fmt/format.h>
 
 #include "sim/error.h"
 #include "sim/io/printable.h"
@@ -35,8 +35,8 @@ Resolution parse_resolution(const std::string& text) {
   const char* end = text.data() + text.size();
   const auto [cross, bad_width] = std::from_chars(text.data(), end, r.width);
   const bool crossed = bad_width == std::errc{} && cross != end && *cross == 'x';
-  const auto [rest, bad_height] = crossed ? std::from_chars(cross + 1, end, r.height)
-                                          : std::from_chars_result{end, std::errc::invalid_argument};
+  const auto [rest, bad_height] =
+      crossed ? std::from_chars(cross + 1, end, r.height) : std::from_chars_result{end, std::errc::invalid_argument};
   const auto sane = [](std::uint32_t n) { return n >= 1 && n <= 16384; };
   if (bad_height != std::errc{} || rest != end || !sane(r.width) || !sane(r.height)) {
     throw sim::InputError(fmt::format("--resolution '{}' is not WIDTHxHEIGHT with both from 1 to 16384, e.g. 1024x512",

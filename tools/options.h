@@ -14,7 +14,7 @@ namespace tools {
 struct JobOptions {
   std::string config = "sgrt-2016";
   std::string scene = "cornell";
-  std::string camera;      ///< name or index; empty: the first
+  std::string camera;  ///< name or index; empty: the first
   std::string program = "full:1";
   std::string reference;   ///< program to compare with; empty: none
   std::string resolution;  ///< "1024x512"; empty: the configuration's

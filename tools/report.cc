@@ -1,12 +1,12 @@
 #include "tools/report.h"
 
+#include <array>
+#include <ctime>
+
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <sys/resource.h>
 #include <unistd.h>
-
-#include <array>
-#include <ctime>
 
 #include "shader_kernels/catalogue.h"
 #include "sim/config/config.h"
@@ -48,6 +48,15 @@ Json rays_json(const Simulation& s) {
           {"total", s.rays()}};
 }
 
+/// Who moved the bytes: fills of the L2, the picture, ray slots that did not fit into the tile buffers (out and in).
+Json dram_clients_json(const Simulation& s) {
+  constexpr std::uint64_t kLine = 64;
+  const std::uint64_t read = sum_of(s, "dma", "lines_read"), written = sum_of(s, "dma", "lines_written");
+  return {{"caches", kLine * sum_of(s, "l2", "fills")},
+          {"frame_buffer", kLine * (written - read)},
+          {"spills", 2 * kLine * read}};
+}
+
 Json perf_json(const Simulation& s) {
   const double ms = time_ms(s);
   const auto rays = static_cast<double>(s.rays());
@@ -65,12 +74,10 @@ Json kernels_json(const Simulation& s) {
   for (std::size_t k = 0; k < s.kernels.size(); ++k) {
     const hw::KernelUse& use = s.kernel_use[k];
     if (use.launches == 0) continue;
-    out[s.kernels[k].kernel] = {{"launches", use.launches},
-                                {"items", use.items},
-                                {"ii", s.kernels[k].ii},
-                                {"depth", s.kernels[k].depth},
-                                {"cycles", use.cycles},
-                                {"share", static_cast<double>(use.cycles) / static_cast<double>(all)}};
+    out[s.kernels[k].kernel] = {
+        {"launches", use.launches}, {"items", use.items},
+        {"ii", s.kernels[k].ii},    {"depth", s.kernels[k].depth},
+        {"cycles", use.cycles},     {"share", static_cast<double>(use.cycles) / static_cast<double>(all)}};
   }
   return out;
 }
@@ -81,13 +88,12 @@ void add_relative(Json& totals, const Simulation& run, const Simulation& referen
   const std::optional<double> psnr = psnr_db(run.function.rgb, reference.function.rgb);
   totals["psnr_db"] = psnr ? Json(*psnr) : Json(nullptr);
   totals["identical"] = !psnr.has_value();
-  totals["relative"] = {
-      {"speedup", per(reference.cycles, run.cycles)},
-      {"traversal_steps", per(run.function.traversal_steps, reference.function.traversal_steps)},
-      {"tni_power", power(run, tni_mj(run)) / power(reference, tni_mj(reference))},
-      {"tni_perf_per_watt", tni_mj(reference) / tni_mj(run)},
-      {"gpu_perf_per_watt", energy_mj(reference) / energy_mj(run)},
-      {"rays", per(run.rays(), reference.rays())}};
+  totals["relative"] = {{"speedup", per(reference.cycles, run.cycles)},
+                        {"traversal_steps", per(run.function.traversal_steps, reference.function.traversal_steps)},
+                        {"tni_power", power(run, tni_mj(run)) / power(reference, tni_mj(reference))},
+                        {"tni_perf_per_watt", tni_mj(reference) / tni_mj(run)},
+                        {"gpu_perf_per_watt", energy_mj(reference) / energy_mj(run)},
+                        {"rays", per(run.rays(), reference.rays())}};
 }
 
 Json totals_json(const Simulation& s, const Simulation* reference) {
@@ -98,7 +104,8 @@ Json totals_json(const Simulation& s, const Simulation* reference) {
                  {"rays", rays_json(s)},
                  {"traced_ratio", 1.0},
                  {"traversal_steps", s.function.traversal_steps},
-                 {"dram_bytes", sum_of(s, "dram", "bytes")}};
+                 {"dram_bytes", sum_of(s, "dram", "bytes")},
+                 {"dram_bytes_by_client", dram_clients_json(s)}};
   totals.update(sim::energy_json(s.energy));
   totals["power_w"] = sim::spread_json(power);
   totals["perf"] = perf_json(s);

@@ -41,7 +41,7 @@ bool holds_former_run(const fs::path& folder, std::string_view mark) {
 }
 
 /// Every file that a verb may leave in its folder.
-constexpr std::array<std::string_view, 8> kResults = {"report.json", "report.txt",  "config.yaml", "image.png",
+constexpr std::array<std::string_view, 8> kResults = {"report.json", "report.txt",    "config.yaml", "image.png",
                                                       "image.exr",   "reference.exr", "verify.json", "embree.png"};
 
 bool is_result(const fs::directory_entry& entry) {
@@ -136,8 +136,9 @@ RunFolder::RunFolder(fs::path target, bool force, std::string_view mark)
       throw sim::InputError(fmt::format("{}: is a file, not a folder", target_.string()));
     }
     if (!force && !fs::is_empty(target_, error) && !holds_former_run(target_, mark)) {
-      throw sim::InputError(
-          fmt::format("{}: holds files but no former run; choose another folder or give --force to put the results among them", target_.string()));
+      throw sim::InputError(fmt::format(
+          "{}: holds files but no former run; choose another folder or give --force to put the results among them",
+          target_.string()));
     }
   }
   Staging probe(target_);

@@ -1,7 +1,5 @@
 #include "tools/run_job.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <charconv>
 #include <chrono>
@@ -9,17 +7,19 @@
 #include <numeric>
 #include <thread>
 
+#include <fmt/format.h>
+
 #include "hw_models/frame/gpu.h"
 #include "hw_models/memory/dram_energy.h"
 #include "shader_kernels/programs/full.h"
 #include "sim/config/config.h"
-#include "sim/io/printable.h"
 #include "sim/engine.h"
+#include "sim/io/printable.h"
 #include "tools/paths.h"
 #include "traces/accel/build.h"
 #include "traces/accel/bvh_tracer.h"
-#include "traces/scene/library.h"
 #include "traces/scene/did_you_mean.h"
+#include "traces/scene/library.h"
 
 namespace tools {
 
@@ -81,7 +81,15 @@ RunConfig load_run_config(const JobOptions& options) {
     sets.push_back(fmt::format("render.width={}", r.width));
     sets.push_back(fmt::format("render.height={}", r.height));
   }
-  return sim::load_config<RunConfig>(find_config(options.config), sets);
+  const std::filesystem::path file = find_config(options.config);
+  RunConfig config = sim::load_config<RunConfig>(file, sets);
+  if (config.energy.events.empty()) {
+    throw sim::InputError(
+        fmt::format("{}: energy: no figures; a file that lists only what differs begins with a line "
+                    "such as 'extends: sgrt-2016'",
+                    file.string()));
+  }
+  return config;
 }
 
 Inputs load_inputs(const JobOptions& options) {
@@ -109,11 +117,10 @@ Simulation simulate(const Inputs& inputs, const kernels::ProgramSpec& program, s
   const traces::BvhTracer tracer(inputs.image);
   hw::FrontEnd front_end(frame, tracer, host_threads(threads) - 1);
   const std::uint32_t tile_bytes = frame.tile_pixels() * hw::kPixelBytes;
-  const auto gpu = std::make_unique<hw::Gpu>(
-      inputs.config.gpu,
-      hw::Gpu::Workload{inputs.image, inputs.parents, frame.tile_samples(), tile_bytes,
-                        std::uint64_t{frame.tiles()} * tile_bytes},
-      front_end);
+  const auto gpu = std::make_unique<hw::Gpu>(inputs.config.gpu,
+                                             hw::Gpu::Workload{inputs.image, inputs.parents, frame.tile_samples(),
+                                                               tile_bytes, std::uint64_t{frame.tiles()} * tile_bytes},
+                                             front_end);
   const auto energy = [&] {
     return sim::compute_energy(gpu->report(), inputs.config.energy, hw::dram_energy_events(inputs.config.gpu.dram),
                                gpu->elapsed());

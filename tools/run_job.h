@@ -41,9 +41,9 @@ struct Simulation {
   std::vector<hw::KernelUse> kernel_use;
   std::vector<hw::KernelSchedule> kernels;
   sim::EnergyReport energy;
-  std::uint64_t cycles = 0;    ///< of the T&I clock
+  std::uint64_t cycles = 0;  ///< of the T&I clock
   sim::Time elapsed = 0;
-  double wall_seconds = 0;     ///< host, functional and timing together
+  double wall_seconds = 0;  ///< host, functional and timing together
   std::uint64_t rays() const;
 };
 
@@ -53,7 +53,7 @@ Simulation simulate(const Inputs& inputs, const kernels::ProgramSpec& program, s
 
 /// The picture alone, traced by `tracer`.
 hw::FrontEnd::Result render(const Inputs& inputs, const kernels::ProgramSpec& program, const traces::Tracer& tracer,
-                      std::uint32_t threads);
+                            std::uint32_t threads);
 
 /// 0 means all the host has.
 std::uint32_t host_threads(std::uint32_t wanted);

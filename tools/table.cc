@@ -1,6 +1,7 @@
+#include "sim/report/table.h"
+
 #include <fmt/format.h>
 
-#include "sim/report/table.h"
 #include "tools/report.h"
 
 namespace tools {
@@ -22,7 +23,9 @@ std::string overview(const Json& report) {
   const Json& rays = t["rays"];
   const auto count = [](const Json& n) { return si_text(n.get<double>()); };
   std::string out;
-  const auto line = [&](const char* name, const std::string& value) { out += fmt::format("  {:<22}{}\n", name, value); };
+  const auto line = [&](const char* name, const std::string& value) {
+    out += fmt::format("  {:<22}{}\n", name, value);
+  };
   out += fmt::format("{}  {}x{}  {}  ({} triangles)\n\n", report["scene"]["name"].get<std::string>(),
                      report["resolution"][0].get<int>(), report["resolution"][1].get<int>(),
                      report["program"].get<std::string>(), count(report["scene"]["triangles"]));
@@ -34,16 +37,19 @@ std::string overview(const Json& report) {
   line("ray rate", si_text(1e6 * t["perf"]["mrays_per_s"].get<double>(), "rays/s"));
   line("traversal steps", fmt::format("{}  = {:.1f} per ray", count(t["traversal_steps"]),
                                       t["traversal_steps"].get<double>() / rays["total"].get<double>()));
-  line("DRAM traffic", si_text(t["dram_bytes"].get<double>(), "B"));
+  const auto bytes = [](const Json& n) { return si_text(n.get<double>(), "B"); };
+  const Json& clients = t["dram_bytes_by_client"];
+  line("DRAM traffic", fmt::format("{}  (caches {}, frame buffer {}, spilled ray slots {})", bytes(t["dram_bytes"]),
+                                   bytes(clients["caches"]), bytes(clients["frame_buffer"]), bytes(clients["spills"])));
   line("busy", fmt::format("T&I {}, SRP {}, DRAM {}", percent(t["utilisation"]["tni"]),
                            percent(t["utilisation"]["srp"]), percent(t["utilisation"]["dram"])));
   line("limited by", t["limiter"].get<std::string>());
   line("energy", spread(t["energy_mj"], 1, "mJ  (low / nominal / high)"));
   line("power", spread(t["power_w"], 1, "W"));
-  line("efficiency", fmt::format("{:.1f} frames/J GPU with memory, {:.1f} frames/J T&I alone, {:.2f} nJ per ray",
-                                 t["perf"]["frames_per_joule_gpu"].get<double>(),
-                                 t["perf"]["frames_per_joule_tni"].get<double>(),
-                                 t["perf"]["nj_per_ray"].get<double>()));
+  line("efficiency",
+       fmt::format("{:.1f} frames/J GPU with memory, {:.1f} frames/J T&I alone, {:.2f} nJ per ray",
+                   t["perf"]["frames_per_joule_gpu"].get<double>(), t["perf"]["frames_per_joule_tni"].get<double>(),
+                   t["perf"]["nj_per_ray"].get<double>()));
   if (t.contains("relative")) {
     const Json& r = t["relative"];
     line("against reference",

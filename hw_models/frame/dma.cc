@@ -1,8 +1,8 @@
 #include "hw_models/frame/dma.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
+
+#include <fmt/format.h>
 
 namespace hw {
 

@@ -29,7 +29,8 @@ class FrontEnd final : public TileSource {
 
   /// `workers` threads beside the caller's; 0: tiles are made when they are asked for. Without `record` there is only
   /// the picture, no work for a machine.
-  FrontEnd(const kernels::FullProgram& program, const traces::Tracer& tracer, std::uint32_t workers, bool record = true);
+  FrontEnd(const kernels::FullProgram& program, const traces::Tracer& tracer, std::uint32_t workers,
+           bool record = true);
   ~FrontEnd() override;
   FrontEnd(const FrontEnd&) = delete;
   FrontEnd& operator=(const FrontEnd&) = delete;
@@ -55,8 +56,8 @@ class FrontEnd final : public TileSource {
   Result result_;
   std::mutex mutex_;
   std::condition_variable room_, news_;
-  std::deque<std::unique_ptr<Slot>> ahead_;     ///< tiles being made or made, in order
-  std::vector<std::unique_ptr<Slot>> handed_;   ///< out in the machine
+  std::deque<std::unique_ptr<Slot>> ahead_;    ///< tiles being made or made, in order
+  std::vector<std::unique_ptr<Slot>> handed_;  ///< out in the machine
   std::vector<std::unique_ptr<Slot>> spare_;
   std::uint32_t next_tile_ = 0;
   std::size_t max_ahead_;

@@ -1,8 +1,8 @@
 #include "hw_models/frame/gpu.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
+
+#include <fmt/format.h>
 
 #include "shader_kernels/catalogue.h"
 
@@ -137,14 +137,15 @@ void Gpu::add_core(Wiring& wiring, std::uint32_t c, const Workload& workload) {
   client(srp_clock_, config_.dma.depth, config_.dma.depth, wiring.dma(c), wiring.dma_port(c), dma_port);
 
   Core& core = cores_.emplace_back();
-  core.tni = std::make_unique<Tni>(
-      config_.tni,
-      Tni::Scene{{layout.nodes, sizeof(traces::NodeRecord), workload.parents},
-                 {layout.triangles, sizeof(traces::TriangleRecord)}},
-      config_.direct_interface.interval,
-      Tni::Links{rays, hits, {port.clients_in.begin(), port.clients_in.end() - 1},
-                 {port.clients_out.begin(), port.clients_out.end() - 1}},
-      tni_clock_);
+  core.tni = std::make_unique<Tni>(config_.tni,
+                                   Tni::Scene{{layout.nodes, sizeof(traces::NodeRecord), workload.parents},
+                                              {layout.triangles, sizeof(traces::TriangleRecord)}},
+                                   config_.direct_interface.interval,
+                                   Tni::Links{rays,
+                                              hits,
+                                              {port.clients_in.begin(), port.clients_in.end() - 1},
+                                              {port.clients_out.begin(), port.clients_out.end() - 1}},
+                                   tni_clock_);
   std::vector<sim::Time*> trv_wakes;
   for (std::uint32_t t = 0; t < trvs; ++t) trv_wakes.push_back(wiring.trv(c, t));
   core.tni->wakes(wiring.ray_dispatcher(c), wiring.ist(c), trv_wakes);
@@ -162,9 +163,9 @@ void Gpu::add_core(Wiring& wiring, std::uint32_t c, const Workload& workload) {
       config_.srp, config_.tile_buffer, frame,
       Srp::Links{tiles_in, tiles_out, rays, hits, *port.clients_in.back(), *port.clients_out.back(), dma_in, dma_out},
       static_cast<std::uint16_t>(trvs + 1), srp_clock_);
-  core.dma = std::make_unique<Dma>(
-      Dma::Links{dma_in, dma_out, *dma_port.clients_in.front(), *dma_port.clients_out.front()}, std::uint16_t{0},
-      srp_clock_);
+  core.dma =
+      std::make_unique<Dma>(Dma::Links{dma_in, dma_out, *dma_port.clients_in.front(), *dma_port.clients_out.front()},
+                            std::uint16_t{0}, srp_clock_);
   core.cache_port = std::make_unique<CorePort>(config_.interconnect, port, config_.l2.interleave(), l2_clock_);
   core.dma_port = std::make_unique<CorePort>(config_.interconnect, dma_port, config_.dram.interleave(), l2_clock_);
 }
@@ -218,7 +219,8 @@ std::string Gpu::state() {
     out += fmt::format("core{}.dma_port: {}\n", c, core.dma_port->state());
   }
   for (std::size_t b = 0; b < banks_.size(); ++b) out += fmt::format("l2.bank{}: {}\n", b, banks_[b].state());
-  for (std::size_t k = 0; k < channels_.size(); ++k) out += fmt::format("dram.channel{}: {}\n", k, channels_[k].state());
+  for (std::size_t k = 0; k < channels_.size(); ++k)
+    out += fmt::format("dram.channel{}: {}\n", k, channels_[k].state());
   return out;
 }
 
@@ -229,10 +231,10 @@ std::vector<sim::UnitReport> Gpu::report() const {
   for (std::size_t c = 0; c < cores_.size(); ++c) {
     const Core& core = cores_[c];
     const std::string at = fmt::format("core{}", c);
-    units.push_back(report_of(*core.srp, at + ".srp", "srp", config_.srp.sram_bytes(),
-                              config_.srp.data_cache.size.bytes));
-    units.push_back(report_of(core.srp->tile_buffer(), at + ".tile_buffer", "tile_buffer",
-                              config_.tile_buffer.size.bytes));
+    units.push_back(
+        report_of(*core.srp, at + ".srp", "srp", config_.srp.sram_bytes(), config_.srp.data_cache.size.bytes));
+    units.push_back(
+        report_of(core.srp->tile_buffer(), at + ".tile_buffer", "tile_buffer", config_.tile_buffer.size.bytes));
     units.push_back(report_of(core.tni->dispatcher(), at + ".tni.dispatcher", "tni"));
     for (std::size_t t = 0; t < core.tni->trvs().size(); ++t) {
       units.push_back(report_of(core.tni->trvs()[t], fmt::format("{}.tni.trv{}", at, t), "tni",

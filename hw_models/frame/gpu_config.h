@@ -77,7 +77,8 @@ struct GpuConfig {
   }
   void check(auto&& complain) const {
     const auto line = [&](const char* key, const sim::ByteSize& size) {
-      if (size.bytes != 64) complain(key, "must be 64 B: nodes, attributes and texture tiles are laid out in such lines");
+      if (size.bytes != 64)
+        complain(key, "must be 64 B: nodes, attributes and texture tiles are laid out in such lines");
     };
     line("tni.trv.l1.line", tni.trv.l1.line);
     line("tni.ist.l1.line", tni.ist.l1.line);

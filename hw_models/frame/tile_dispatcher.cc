@@ -1,8 +1,8 @@
 #include "hw_models/frame/tile_dispatcher.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
+
+#include <fmt/format.h>
 
 namespace hw {
 

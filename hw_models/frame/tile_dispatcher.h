@@ -66,6 +66,8 @@ class TileDispatcher {
   sim::Activity<Why> activity_;
 };
 
-constexpr std::array<std::string_view, 3> names_of(TileDispatcher::Why) { return {"idle", "dispatching", "cores_full"}; }
+constexpr std::array<std::string_view, 3> names_of(TileDispatcher::Why) {
+  return {"idle", "dispatching", "cores_full"};
+}
 
 }  // namespace hw

@@ -24,8 +24,12 @@ struct LineSet {
 inline LineSet lines_of(const traces::Access& access, const traces::Layout& layout) {
   LineSet lines;
   switch (access.kind()) {
-    case traces::Access::Kind::kAttributes: lines.add(layout.attributes_at(access.element)); break;
-    case traces::Access::Kind::kMaterial: lines.add(layout.material_at(access.element)); break;
+    case traces::Access::Kind::kAttributes:
+      lines.add(layout.attributes_at(access.element));
+      break;
+    case traces::Access::Kind::kMaterial:
+      lines.add(layout.material_at(access.element));
+      break;
     case traces::Access::Kind::kTexels: {
       const std::uint32_t xs[2] = {access.element & 0xffffU, access.element2 & 0xffffU};
       const std::uint32_t ys[2] = {access.element >> 16, access.element2 >> 16};

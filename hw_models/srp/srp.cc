@@ -1,10 +1,10 @@
 #include "hw_models/srp/srp.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <bit>
 #include <cassert>
+
+#include <fmt/format.h>
 
 #include "hw_models/srp/data_cache.h"
 
@@ -23,8 +23,8 @@ constexpr std::uint64_t kHitWrites = sizeof(traces::Hit) / kAccess;
 
 }  // namespace
 
-Srp::Srp(const SrpConfig& config, const TileBufferConfig& buffer, const Frame& frame, Links links,
-         std::uint16_t port, sim::Clock clock)
+Srp::Srp(const SrpConfig& config, const TileBufferConfig& buffer, const Frame& frame, Links links, std::uint16_t port,
+         sim::Clock clock)
     : config_(config),
       clock_(clock),
       frame_(frame),
@@ -112,8 +112,8 @@ void Srp::run_array(sim::Time now) {
 /// Lines that are needed at this point of array time have come, or the array freezes.
 bool Srp::loads_in_time(sim::Time now) {
   if (run_.frozen != sim::kNever) {
-    const bool late = !loads_.empty() && loads_.front().needed == array_time(now) &&
-                      ((missing_ >> loads_.front().slot) & 1U) != 0;
+    const bool late =
+        !loads_.empty() && loads_.front().needed == array_time(now) && ((missing_ >> loads_.front().slot) & 1U) != 0;
     if (late || full_) return false;
     run_.stalled += now - run_.frozen;
     run_.frozen = sim::kNever;

@@ -24,8 +24,8 @@ namespace hw {
 /// The shader core of a GPU core (SRP): works through the kernel launches of its tiles, feeds their rays to the T&I
 /// unit and moves finished tiles out.
 ///
-///   tiles --> [ launches, oldest tile first, consumers before producers ] --> array: switch + depth + (n-1) II + stalls
-///   rays  <-- [ tile buffer: a slot for each ray and its hit ] <-- hits
+///   tiles --> [ launches, oldest tile first, consumers before producers ] --> array: switch + depth + (n-1) II +
+///   stalls rays  <-- [ tile buffer: a slot for each ray and its hit ] <-- hits
 ///
 /// A launch runs in chunks; each pays kernel switch (if the array holds another kernel), prologue and drain. A chunk
 /// starts only when its rays fit into free ray slots, and a younger tile's first rays leave room for the oldest tile's.
@@ -84,9 +84,9 @@ class Srp {
     bool active = false;
     std::uint32_t tile = 0, node = 0;
     std::uint32_t first = 0, items = 0;
-    sim::Time begin = 0;         ///< switch begins
-    sim::Time start = 0;         ///< loop begins
-    sim::Time stalled = 0;       ///< time frozen so far
+    sim::Time begin = 0;             ///< switch begins
+    sim::Time start = 0;             ///< loop begins
+    sim::Time stalled = 0;           ///< time frozen so far
     sim::Time frozen = sim::kNever;  ///< frozen since
     std::uint32_t next_item = 0;     ///< next to touch the data cache
     std::uint32_t next_line = 0;     ///< of that item
@@ -140,16 +140,16 @@ class Srp {
   std::vector<std::uint32_t> by_age_;  ///< active tiles, oldest first
   Run run_;
   std::deque<Load> loads_;
-  std::uint64_t missing_ = 0;          ///< slots of items that wait for lines
+  std::uint64_t missing_ = 0;                 ///< slots of items that wait for lines
   std::vector<std::uint32_t> lines_missing_;  ///< per slot
   std::vector<Addr> item_lines_;
-  bool full_ = false;                  ///< frozen for want of a miss register
-  bool look_ = false;                  ///< something happened that may let a launch start
-  bool blocked_ = false;               ///< a launch found no ray slots
+  bool full_ = false;                       ///< frozen for want of a miss register
+  bool look_ = false;                       ///< something happened that may let a launch start
+  bool blocked_ = false;                    ///< a launch found no ray slots
   std::uint32_t configured_ = 0xffffffffU;  ///< kernel on the array
   std::vector<Feed> feeds_;
   sim::Time feed_free_at_ = 0;
-  std::uint64_t rays_out_ = 0;         ///< in the T&I unit
+  std::uint64_t rays_out_ = 0;  ///< in the T&I unit
   std::deque<DmaJob> dma_;
   std::uint64_t spills_asked_ = 0, spills_done_ = 0;
   std::vector<KernelUse> kernel_use_;

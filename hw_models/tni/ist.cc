@@ -1,10 +1,10 @@
 #include "hw_models/tni/ist.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <bit>
 #include <cassert>
+
+#include <fmt/format.h>
 
 #include "traces/walk.h"
 
@@ -19,8 +19,7 @@ constexpr Addr line_of(Addr a) { return a & ~Addr{63}; }
 
 }  // namespace
 
-Ist::Ist(const IstConfig& config, const TrianglesInMemory& triangles, Links links, std::uint16_t port,
-         sim::Clock clock)
+Ist::Ist(const IstConfig& config, const TrianglesInMemory& triangles, Links links, std::uint16_t port, sim::Clock clock)
     : config_(config),
       clock_(clock),
       triangles_(triangles),
@@ -91,7 +90,8 @@ Ist::Why Ist::issue() {
       stats_.l1_misses += 1;
       missing_ |= bit(index);
       return Why::kL1Miss;
-    case L1Cache::Result::kFull: break;
+    case L1Cache::Result::kFull:
+      break;
   }
   stats_.l1_misses += 1;
   stats_.mshr_full += 1;
@@ -161,7 +161,8 @@ sim::Time Ist::next_wake(sim::Time now) const {
 
 std::string Ist::state() const {
   return fmt::format("leaves {}: ready {}, missing {}, no mshr {}, answering {}", std::popcount(occupied_),
-                     std::popcount(ready_), std::popcount(missing_), std::popcount(no_mshr_), std::popcount(answering_));
+                     std::popcount(ready_), std::popcount(missing_), std::popcount(no_mshr_),
+                     std::popcount(answering_));
 }
 
 }  // namespace hw

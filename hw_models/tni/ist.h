@@ -72,9 +72,9 @@ class Ist {
   struct Slot {
     LeafJob job;
     std::uint32_t trv = 0;
-    std::uint32_t tested = 0;          ///< triangles fully fetched
-    bool second_line = false;          ///< the first line of the present triangle has been read
-    std::uint64_t known_at = 0;        ///< cycle at which all tests so far are known
+    std::uint32_t tested = 0;    ///< triangles fully fetched
+    bool second_line = false;    ///< the first line of the present triangle has been read
+    std::uint64_t known_at = 0;  ///< cycle at which all tests so far are known
   };
 
   void take_line(sim::Time now);

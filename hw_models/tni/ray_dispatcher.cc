@@ -1,9 +1,9 @@
 #include "hw_models/tni/ray_dispatcher.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-
-#include <algorithm>
 
 namespace hw {
 

@@ -74,8 +74,8 @@ struct IstConfig {
           sim::between(16, 256), Affects::kEnergy);
     field(c.distance_stage, "distance_stage", "cycles", "stage after which a test that fails on distance is known",
           sim::between(1, 40), Affects::kTiming);
-    field(c.barycentric_stage, "barycentric_stage", "cycles", "stage after which a test that fails on the edges is known",
-          sim::between(1, 40), Affects::kTiming);
+    field(c.barycentric_stage, "barycentric_stage", "cycles",
+          "stage after which a test that fails on the edges is known", sim::between(1, 40), Affects::kTiming);
     field(c.latency, "latency", "cycles", "pipeline depth of a triangle test that hits", sim::between(1, 40),
           Affects::kTiming);
     field.group(c.l1, "l1", "triangle cache");

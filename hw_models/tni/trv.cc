@@ -1,10 +1,10 @@
 #include "hw_models/tni/trv.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <bit>
 #include <cassert>
+
+#include <fmt/format.h>
 
 #include "traces/walk.h"
 
@@ -15,8 +15,8 @@ using traces::StepKind;
 namespace {
 
 constexpr std::uint64_t bit(std::uint32_t slot) { return std::uint64_t{1} << slot; }
-/// Nodes at which the `stacked` entries now on a ray's stack were pushed, oldest first, found by following its walk from
-/// `begin` up to the step `next`. Restarts are rare; keeping such a list for every ray is not worth the memory.
+/// Nodes at which the `stacked` entries now on a ray's stack were pushed, oldest first, found by following its walk
+/// from `begin` up to the step `next`. Restarts are rare; keeping such a list for every ray is not worth the memory.
 std::vector<std::uint32_t> pending_pushes(const std::uint32_t* begin, const std::uint32_t* next, std::size_t stacked) {
   std::vector<std::uint32_t> entries;
   bool must_pop = false;
@@ -98,9 +98,14 @@ void Trv::take_answers(sim::Time now) {
   Slot& slot = slots_[index];
   slot.must_pop = true;
   switch (next_pipe(slot)) {
-    case kToStack: popping_ |= bit(index); break;
-    case kToRetire: retiring_ |= bit(index); break;
-    default: assert(false && "a leaf is followed by a pop or the end");
+    case kToStack:
+      popping_ |= bit(index);
+      break;
+    case kToRetire:
+      retiring_ |= bit(index);
+      break;
+    default:
+      assert(false && "a leaf is followed by a pop or the end");
   }
 }
 
@@ -114,9 +119,14 @@ void Trv::take_rays(sim::Time now) {
   slot = Slot{job.walk, job.walk, job.id};
   stats_.rays_in += 1;
   switch (next_pipe(slot)) {
-    case kToInner: ready_ |= bit(index); break;
-    case kToRetire: retiring_ |= bit(index); break;
-    default: assert(false && "a walk begins with the root");
+    case kToInner:
+      ready_ |= bit(index);
+      break;
+    case kToRetire:
+      retiring_ |= bit(index);
+      break;
+    default:
+      assert(false && "a walk begins with the root");
   }
 }
 
@@ -151,7 +161,8 @@ Trv::Why Trv::issue_visit() {
       stats_.l1_misses += 1;
       missing_ |= bit(index);
       return Why::kL1Miss;
-    case L1Cache::Result::kFull: break;
+    case L1Cache::Result::kFull:
+      break;
   }
   stats_.l1_misses += 1;
   stats_.mshr_full += 1;

@@ -99,11 +99,11 @@ class Trv {
     const std::uint32_t* next = nullptr;   ///< the step to take now
     const std::uint32_t* begin = nullptr;  ///< the ray's first step
     std::uint32_t id = 0;
-    std::uint32_t culls = 0;     ///< stack entries still to pop and drop before `next`
-    std::uint16_t stacked = 0;   ///< entries not popped yet, dropped ones included
-    std::uint16_t held = 0;      ///< of these, entries in the short stack
-    bool must_pop = false;       ///< `next` is reached through the stack
-    bool restarting = false;     ///< on the way back down: its nodes are in paths_
+    std::uint32_t culls = 0;    ///< stack entries still to pop and drop before `next`
+    std::uint16_t stacked = 0;  ///< entries not popped yet, dropped ones included
+    std::uint16_t held = 0;     ///< of these, entries in the short stack
+    bool must_pop = false;      ///< `next` is reached through the stack
+    bool restarting = false;    ///< on the way back down: its nodes are in paths_
   };
   static_assert(sizeof(Slot) == 32, "two slots a cache line of the host: a tick touches little else");
 
@@ -134,10 +134,10 @@ class Trv {
   std::uint64_t free_;
   std::uint64_t occupied_ = 0;
   std::uint64_t ready_ = 0, popping_ = 0, leaving_ = 0, retiring_ = 0;  ///< waiting for the sub-pipe of that name
-  std::uint64_t missing_ = 0;     ///< waiting for a line
-  std::uint64_t no_mshr_ = 0;     ///< waiting for a miss register
-  std::uint64_t served_ = 0;      ///< their line has come and is kept for them
-  std::uint64_t at_ist_ = 0;      ///< waiting for the intersection unit's answer
+  std::uint64_t missing_ = 0;                                           ///< waiting for a line
+  std::uint64_t no_mshr_ = 0;                                           ///< waiting for a miss register
+  std::uint64_t served_ = 0;                                            ///< their line has come and is kept for them
+  std::uint64_t at_ist_ = 0;                                            ///< waiting for the intersection unit's answer
   std::uint32_t inner_turn_ = 0, stack_turn_ = 0, leaf_turn_ = 0, retire_turn_ = 0;
   sim::Time leaf_free_at_ = 0;
   Stats stats_;

@@ -63,11 +63,15 @@ std::string cell(std::string_view text) {
   return escaped;
 }
 
+constexpr std::size_t kWidestCell = 100;  // longer values, maps with many entries, are left to config show
+
 void manual_group(const ConfigNode& group, std::string& text) {
   std::string rows;
   for (const ConfigNode& node : group.children) {
     if (node.is_group()) continue;
-    rows += fmt::format("| `{}` | `{}` | {} | {} | {} | {} |\n", node.key, cell(value_text(node)), cell(node.unit),
+    const std::string value = value_text(node);
+    rows += fmt::format("| `{}` | {} | {} | {} | {} | {} |\n", node.key,
+                        value.size() <= kWidestCell ? fmt::format("`{}`", cell(value)) : "a table", cell(node.unit),
                         cell(allowed_text(node)), names_of(node.affects)[static_cast<std::size_t>(node.affects)],
                         cell(node.meaning));
   }

@@ -1,7 +1,7 @@
 // What the simulator does most, one piece at a time: ninja bench_units && tests/bench_units
-#include <benchmark/benchmark.h>
-
 #include <vector>
+
+#include <benchmark/benchmark.h>
 
 #include "hw_models/memory/cache_tags.h"
 #include "hw_models/memory/dram_channel.h"

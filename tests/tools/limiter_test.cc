@@ -79,7 +79,7 @@ TEST(Utilisation, IsTheShareOfCyclesInWhichUnitsOfAKindWork) {
                         .dram = {{"reading", 20}, {"writing", 5}, {"idle", 75}}};
   const tools::Utilisation used = tools::utilisation(machine.units());
   EXPECT_DOUBLE_EQ(used.tni, 0.30);
-  EXPECT_DOUBLE_EQ(used.srp, 0.45);
+  EXPECT_DOUBLE_EQ(used.srp, 0.50);
   EXPECT_DOUBLE_EQ(used.dram, 0.25);
   EXPECT_EQ(tools::utilisation({}).tni, 0);
 }

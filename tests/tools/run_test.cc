@@ -89,6 +89,14 @@ TEST(Run, ReportHasEveryFieldOfTheContract) {
   EXPECT_TRUE(t["kernels"].contains("generate_rays"));
 }
 
+TEST(Run, DramBytesByClientSumToAllOfThem) {
+  const TempFolder folder;
+  const Json totals = report_of(folder.path() / "out")["totals"];
+  std::uint64_t sum = 0;
+  for (const auto& [client, bytes] : totals["dram_bytes_by_client"].items()) sum += bytes.get<std::uint64_t>();
+  EXPECT_EQ(sum, totals["dram_bytes"]);
+}
+
 TEST(Run, EnergyByBlockAndByKindSumToTheTotal) {
   const TempFolder folder;
   const Json totals = report_of(folder.path() / "out")["totals"];

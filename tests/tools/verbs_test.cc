@@ -145,8 +145,9 @@ TEST(LookUp, ABareNameIsNeverAFileOfTheWorkingFolder) {
   const TempFolder folder;
   folder.write("sgrt-2016", "cores: 3\n");
   EXPECT_SAYS(output_of({"config", "show", "sgrt-2016"}, {folder.path(), {}, 0, {}}), "cores: 4  #");
-  folder.write("mine.yaml", "extends: sgrt-2016\ncores: 3\n");
-  EXPECT_SAYS(output_of({"config", "show", "mine.yaml"}, {folder.path(), {}, 0, {}}), "cores: 3  #");
+  const TempFolder other;
+  other.write("mine.yaml", "extends: sgrt-2016\ncores: 3\n");
+  EXPECT_SAYS(output_of({"config", "show", "mine.yaml"}, {other.path(), {}, 0, {}}), "cores: 3  #");
 }
 
 /// Does the schema have a place for every key of the value, and for none that is not declared?

@@ -1,9 +1,10 @@
-#include <fmt/format.h>
+#include "sim/config/config.h"
 
-#include <CLI/CLI.hpp>
 #include <memory>
 
-#include "sim/config/config.h"
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
 #include "sim/report/report_json.h"
 #include "tools/options.h"
 #include "tools/paths.h"

@@ -1,7 +1,9 @@
-#include <fmt/format.h>
+#include "traces/accel/verify.h"
+
+#include <memory>
 
 #include <CLI/CLI.hpp>
-#include <memory>
+#include <fmt/format.h>
 
 #include "sim/io/file.h"
 #include "sim/report/report_json.h"
@@ -12,7 +14,6 @@
 #include "tools/verbs/verbs.h"
 #include "traces/accel/bvh_tracer.h"
 #include "traces/accel/embree_tracer.h"
-#include "traces/accel/verify.h"
 #include "traces/scene/images.h"
 
 namespace tools {
@@ -52,9 +53,10 @@ int verify(const JobOptions& options) {
     traces::write_png(staging / "embree.png", width, height, to_rgb8(truth));
   });
   if (!options.quiet) {
-    fmt::print("{} rays against Embree {}: {} missing hits, {} extra hits, {} distance errors, {} edge ties, picture {}\n",
-               counts.rays, traces::embree_version(), counts.missing_hits, counts.extra_hits, counts.distance_errors,
-               counts.edge_ties, psnr ? fmt::format("{:.2f} dB", *psnr) : "identical");
+    fmt::print(
+        "{} rays against Embree {}: {} missing hits, {} extra hits, {} distance errors, {} edge ties, picture {}\n",
+        counts.rays, traces::embree_version(), counts.missing_hits, counts.extra_hits, counts.distance_errors,
+        counts.edge_ties, psnr ? fmt::format("{:.2f} dB", *psnr) : "identical");
     fmt::print("details: {}\n", (folder.target() / "verify.json").string());
   }
   return counts.faults() == 0 ? kGood : kCheckFailed;
@@ -67,7 +69,8 @@ void add_verify(CLI::App& app, const std::vector<std::string>& argv, int& exit) 
   const auto options = std::make_shared<JobOptions>();
   options->argv = argv;
   add_job_options(*verb, *options);
-  verb->footer("Example: raywatt verify --scene teapot --resolution 512x256\nEnds with 1 if a ray differs that is no edge tie.");
+  verb->footer(
+      "Example: raywatt verify --scene teapot --resolution 512x256\nEnds with 1 if a ray differs that is no edge tie.");
   verb->callback([options, &exit] { exit = verify(*options); });
 }
 

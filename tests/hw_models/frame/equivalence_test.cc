@@ -26,13 +26,19 @@ TEST(Gpu, TheOrderOfUnitsWithinAStepIsInvisible) {
   }
 }
 
-TEST(Gpu, OracleAndShuffledUnitsAgreeOnRandomMachinesToo) {
-  static const Frame frame("cornell", 32, 16);
-  for (std::uint64_t seed = 0; seed < 24; ++seed) {
+TEST(Gpu, TheOracleAgreesOnRandomMachinesToo) {
+  static const Frame frame("cornell", 16, 16);
+  for (std::uint64_t seed = 0; seed < 16; ++seed) {
     const GpuConfig config = testing::random_config(seed);
-    const Outcome fast = play(frame, config);
-    EXPECT_EQ(difference(fast, play(frame, config, Engine::kOracle)), "") << "seed " << seed;
-    EXPECT_EQ(difference(fast, play(frame, config, Engine::kShuffled, seed)), "") << "seed " << seed;
+    EXPECT_EQ(difference(play(frame, config), play(frame, config, Engine::kOracle)), "") << "seed " << seed;
+  }
+}
+
+TEST(Gpu, TheOrderOfUnitsIsInvisibleOnRandomMachinesToo) {
+  static const Frame frame("cornell", 32, 16);
+  for (std::uint64_t seed = 16; seed < 40; ++seed) {
+    const GpuConfig config = testing::random_config(seed);
+    EXPECT_EQ(difference(play(frame, config), play(frame, config, Engine::kShuffled, seed)), "") << "seed " << seed;
   }
 }
 

@@ -28,7 +28,7 @@ class Drawing {
   }
 
  private:
-  std::uint64_t below(std::uint64_t n) { return sim::hash(seed_, count_++) % n; }
+  std::uint64_t below(std::uint64_t n) { return sim::hash(seed_, field_, draws_++) % n; }
 
   /// From the field's least to `most`; every other time a power of two.
   std::uint64_t number(const sim::Limits& limits, std::uint64_t most) {
@@ -53,6 +53,9 @@ class Drawing {
 
   void draw_field(sim::ConfigNode& field) {
     const sim::Limits& limits = field.limits;
+    field_ = 0;
+    draws_ = 0;
+    for (const char letter : field.path) field_ = sim::hash(field_, letter);
     std::visit(sim::Overloaded{
                    [&](bool* member) { change(*member, below(2) == 1); },
                    [&](std::uint32_t* member) {
@@ -69,7 +72,8 @@ class Drawing {
   }
 
   std::uint64_t seed_;
-  std::uint64_t count_ = 0;
+  std::uint64_t field_ = 0;  ///< hash of the field's path: a field more in the machine changes no other
+  std::uint64_t draws_ = 0;  ///< for this field
   sim::ConfigNode& root_;
 };
 

@@ -1,0 +1,123 @@
+#include "tests/hw_models/srp/srp_bench.h"
+
+#include <algorithm>
+
+namespace hw::testing {
+
+using traces::WorkNode;
+
+SrpBench::SrpBench(const Setup& setup, const std::vector<Kernel>& kernels)
+    : tiles_in_(setup.buffer.tiles_in_flight, 1, clock_),
+      tiles_out_(setup.buffer.tiles_in_flight, 1, clock_),
+      hits_in_(1024, setup.tni_latency, clock_),
+      memory_in_(64, setup.memory_latency, clock_),
+      dma_in_(8, setup.dma_latency, clock_),
+      world_(*this) {
+  layout_.attributes = 0;
+  layout_.materials = 1 << 20;
+  layout_.frame_buffer = 1 << 24;
+  for (const Kernel& kernel : kernels) {
+    KernelSchedule& k = kernels_.emplace_back();
+    k.ii = kernel.ii;
+    k.depth = kernel.depth;
+    k.config_reads = 16 * kernel.ii;
+  }
+  const Srp::Frame frame{&layout_,        kernels_, setup.tile_samples, 4 * setup.tile_samples,
+                         setup.ray_interval * clock_.period(), Addr{1} << 28};
+  srp_ = std::make_unique<Srp>(
+      setup.config, setup.buffer, frame,
+      Srp::Links{tiles_in_, tiles_out_, rays_out_, hits_in_, memory_out_, memory_in_, dma_out_, dma_in_},
+      std::uint16_t{0}, clock_);
+  sim::Time *world = &wakes_[0], *srp = &wakes_[1];
+  tiles_in_.wakes(world, srp);
+  tiles_out_.wakes(srp, world);
+  rays_out_.wakes(srp, world);
+  hits_in_.wakes(world, srp);
+  memory_out_.wakes(srp, world);
+  memory_in_.wakes(world, srp);
+  dma_out_.wakes(srp, world);
+  dma_in_.wakes(world, srp);
+}
+
+SrpBench& SrpBench::add(traces::TileWork work) {
+  works_.push_back(std::move(work));
+  return *this;
+}
+
+sim::Time SrpBench::World::tick(sim::Time now) {
+  SrpBench& b = bench;
+  const std::uint64_t cycle = b.clock_.cycles(now);
+  if (tiles_sent < b.works_.size() && b.tiles_in_.can_push(now)) b.tiles_in_.push(now, {&b.works_[tiles_sent++]});
+  if (b.tiles_out_.can_pop(now)) {
+    b.tiles_done_.push_back(b.tiles_out_.pop(now).work->tile);
+    b.done_at_.push_back(cycle);
+  }
+  if (b.rays_out_.can_pop(now)) {
+    const std::uint32_t id = b.rays_out_.pop(now).id;
+    b.rays_.push_back({cycle, id >> 24, id & 0xffffffU});
+    b.hits_in_.push(now, {id});
+  }
+  if (b.memory_out_.can_pop(now)) {
+    const MemRequest r = b.memory_out_.pop(now);
+    b.memory_in_.push(now, {r.line, r.source, r.tag});
+  }
+  if (b.dma_out_.can_pop(now) && b.dma_in_.can_push(now)) {
+    b.transfers_.push_back(b.dma_out_.pop(now));
+    b.dma_in_.push(now, {b.transfers_.back().tag});
+  }
+  sim::Time at = std::min({b.tiles_out_.pop_at(), b.rays_out_.pop_at(), b.memory_out_.pop_at(), b.dma_out_.pop_at()});
+  if (tiles_sent < b.works_.size()) at = std::min(at, b.tiles_in_.push_at());
+  return at == sim::kNever ? at : std::max(b.clock_.after(now, 1), at);
+}
+
+TileBuilder::Node TileBuilder::add(WorkNode::Kind kind, std::uint32_t items, std::vector<Edge> inputs) {
+  WorkNode& node = work_.nodes.emplace_back();
+  node.kind = kind;
+  node.items = items;
+  node.inputs = std::move(inputs);
+  return static_cast<Node>(work_.nodes.size() - 1);
+}
+
+TileBuilder::Node TileBuilder::launch(traces::KernelId kernel, std::uint32_t items, std::vector<Edge> inputs) {
+  const Node node = add(WorkNode::Kind::kLaunch, items, std::move(inputs));
+  work_.nodes[node].kernel = kernel;
+  return node;
+}
+
+TileBuilder::Node TileBuilder::launch(traces::KernelId kernel, const std::vector<std::vector<traces::Access>>& accesses,
+                                      std::vector<Edge> inputs) {
+  const Node node = launch(kernel, static_cast<std::uint32_t>(accesses.size()), std::move(inputs));
+  work_.nodes[node].has_accesses = true;
+  work_.nodes[node].first = static_cast<std::uint32_t>(work_.access_begin.size());
+  for (const auto& item : accesses) {
+    work_.access_begin.push_back(static_cast<std::uint32_t>(work_.accesses.size()));
+    work_.accesses.insert(work_.accesses.end(), item.begin(), item.end());
+  }
+  return node;
+}
+
+TileBuilder::Node TileBuilder::rays(Node launch, std::uint32_t count, std::vector<std::uint32_t> sources) {
+  const Node node = add(WorkNode::Kind::kRays, count, {each(launch)});
+  work_.nodes[node].first = static_cast<std::uint32_t>(work_.ray_begin.size());
+  work_.ray_begin.resize(work_.ray_begin.size() + count);
+  if (!sources.empty()) map(node, sources);
+  return node;
+}
+
+TileBuilder& TileBuilder::map(Node node, const std::vector<std::uint32_t>& sources) {
+  work_.nodes[node].sources = static_cast<std::uint32_t>(work_.sources.size());
+  work_.sources.insert(work_.sources.end(), sources.begin(), sources.end());
+  return *this;
+}
+
+TileBuilder::Node TileBuilder::transfer(std::uint32_t bytes, Node after) {
+  return add(WorkNode::Kind::kTransfer, bytes, {all(after)});
+}
+
+traces::TileWork TileBuilder::build() {
+  work_.access_begin.push_back(static_cast<std::uint32_t>(work_.accesses.size()));
+  work_.walk.push_back(0);
+  return work_;
+}
+
+}  // namespace hw::testing

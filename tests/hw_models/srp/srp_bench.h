@@ -1,0 +1,124 @@
+#pragma once
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "hw_models/srp/srp.h"
+#include "sim/engine.h"
+
+namespace hw::testing {
+
+/// A shader core on a bench: tiles in as fast as it takes them, a T&I unit, a memory and a DMA that each answer after a
+/// fixed time. Kernels are given by initiation interval and depth.
+class SrpBench {
+ public:
+  struct Setup {
+    SrpConfig config;
+    TileBufferConfig buffer{.size = {1 << 20}};
+    std::uint32_t tni_latency = 10;     ///< cycles from a ray on its way to its hit on its way
+    std::uint32_t memory_latency = 40;  ///< cycles from a request on its way to its line on its way
+    std::uint32_t dma_latency = 5;
+    std::uint32_t ray_interval = 1;  ///< cycles from one ray into the direct interface to the next
+    std::uint32_t tile_samples = 16;
+  };
+  struct Kernel {
+    std::uint32_t ii = 1, depth = 10;
+  };
+  struct RaySent {
+    std::uint64_t cycle = 0;
+    std::uint32_t tile = 0, ray = 0;  ///< place of the tile among those in flight, ray of the tile
+  };
+
+  SrpBench(const Setup& setup, const std::vector<Kernel>& kernels);
+
+  SrpBench& add(traces::TileWork work);
+  template <sim::Skip kSkip = sim::Skip::kOn>
+  SrpBench& run() {
+    end_ = clock_.after(sim::run<kSkip>(*this), 1);
+    srp_->finish(end_);
+    return *this;
+  }
+
+  // The machine, as the engine sees it.
+  template <class F>
+  void each_unit(F&& f) {
+    f(world_, 0);
+    f(*srp_, 1);
+  }
+  std::vector<sim::Time>& wakes() { return wakes_; }
+  bool done() const { return tiles_done_.size() == works_.size(); }
+  std::string state() const { return srp_->state(); }
+
+  const Srp& srp() const { return *srp_; }
+  /// Cycles that kernel `k` kept the array, switch and stalls included.
+  std::uint64_t cycles(std::size_t k) const { return srp_->kernel_use()[k].cycles; }
+  std::uint64_t spent(Srp::Why why) const { return clock_.cycles(srp_->activity().spent(why)); }
+  std::uint64_t elapsed() const { return clock_.cycles(end_); }
+  const std::vector<RaySent>& rays() const { return rays_; }
+  const std::vector<DmaJob>& transfers() const { return transfers_; }
+  const std::vector<std::uint32_t>& tiles_done() const { return tiles_done_; }
+  /// When the i-th tile to end had left the shader core, in cycles after the first could be seen by it.
+  std::uint64_t done_at(std::size_t i) const { return done_at_[i] - 2; }
+
+ private:
+  /// Everything around the shader core.
+  struct World {
+    explicit World(SrpBench& b) : bench(b) {}
+    const sim::Clock& clock() const { return bench.clock_; }
+    sim::Time tick(sim::Time now);
+    SrpBench& bench;
+    std::size_t tiles_sent = 0;
+  };
+
+  const sim::Clock clock_{1'000'000};
+  traces::Layout layout_;
+  std::vector<KernelSchedule> kernels_;
+  sim::Link<TileJob> tiles_in_;
+  sim::Link<TileDone> tiles_out_;
+  sim::Link<RayJob> rays_out_{64, 1, clock_};
+  sim::Link<RayDone> hits_in_;
+  sim::Link<MemRequest> memory_out_{2, 1, clock_};
+  sim::Link<MemResponse> memory_in_;
+  sim::Link<DmaJob> dma_out_{4, 1, clock_};
+  sim::Link<DmaDone> dma_in_;
+  std::unique_ptr<Srp> srp_;
+  World world_;
+  std::vector<sim::Time> wakes_ = std::vector<sim::Time>(2, 0);
+  std::deque<traces::TileWork> works_;
+  std::vector<RaySent> rays_;
+  std::vector<DmaJob> transfers_;
+  std::vector<std::uint32_t> tiles_done_;
+  std::vector<std::uint64_t> done_at_;
+  sim::Time end_ = 0;
+};
+
+/// A tile's graph of work, node by node; every call returns the new node.
+class TileBuilder {
+ public:
+  using Node = std::uint32_t;
+  using Edge = traces::Edge;
+
+  explicit TileBuilder(std::uint32_t tile = 0) { work_.tile = tile; }
+  Node launch(traces::KernelId kernel, std::uint32_t items, std::vector<Edge> inputs = {});
+  /// A launch each of whose items reads memory: `accesses[i]` are those of item i.
+  Node launch(traces::KernelId kernel, const std::vector<std::vector<traces::Access>>& accesses,
+              std::vector<Edge> inputs = {});
+  /// A ray for each item of `launch`, or one for each item in `sources`.
+  Node rays(Node launch, std::uint32_t count, std::vector<std::uint32_t> sources = {});
+  Node transfer(std::uint32_t bytes, Node after);
+  traces::TileWork build();
+
+  static Edge all(Node node) { return {node, Edge::Kind::kAll}; }
+  static Edge each(Node node) { return {node, Edge::Kind::kEach}; }
+  /// Edge `each` from a node whose items map to those of `sources`.
+  TileBuilder& map(Node node, const std::vector<std::uint32_t>& sources);
+
+ private:
+  Node add(traces::WorkNode::Kind kind, std::uint32_t items, std::vector<Edge> inputs);
+
+  traces::TileWork work_;
+};
+
+}  // namespace hw::testing

@@ -1,0 +1,66 @@
+#include "hw_models/srp/tile_buffer.h"
+
+#include <gtest/gtest.h>
+
+namespace hw {
+namespace {
+
+constexpr sim::Clock kClock{1'000'000};
+
+TEST(TileBuffer, WhatColoursOfTheTilesInFlightLeaveIsRaySlots) {
+  TileBufferConfig config;
+  config.size.bytes = 64 * 1024;
+  EXPECT_EQ(TileBuffer(config, 256, kClock).slots(), (65536U - 3 * 256 * 16) / 64);
+  config.tiles_in_flight = 1;
+  config.colour_bytes = 12;
+  config.slot_bytes = 96;
+  EXPECT_EQ(TileBuffer(config, 256, kClock).slots(), (65536U - 256 * 12) / 96);
+}
+
+TEST(TileBuffer, SmallerThanTheColoursItHasNoSlots) {
+  TileBufferConfig config;
+  config.size.bytes = 12 * 1024;
+  EXPECT_EQ(TileBuffer(config, 256, kClock).slots(), 0U);
+  config.size.bytes = 1024;
+  EXPECT_EQ(TileBuffer(config, 256, kClock).slots(), 0U);
+}
+
+TEST(TileBuffer, SlotsTakenAreNotFreeUntilGivenBack) {
+  TileBufferConfig config;
+  config.size.bytes = 3 * 256 * 16 + 64 * 100;
+  TileBuffer buffer(config, 256, kClock);
+  EXPECT_EQ(buffer.take(60), 0U);
+  EXPECT_EQ(buffer.free(), 40U);
+  EXPECT_EQ(buffer.take(40), 0U);
+  EXPECT_EQ(buffer.free(), 0U);
+  buffer.give_back(70);
+  EXPECT_EQ(buffer.free(), 70U);
+  EXPECT_EQ(buffer.used(), 30U);
+  EXPECT_EQ(buffer.stats().slots_taken, 100U);
+  EXPECT_EQ(buffer.stats().slots_peak, 100U);
+  EXPECT_EQ(buffer.stats().spilled_slots, 0U);
+}
+
+TEST(TileBuffer, WhatDoesNotFitIsSpilledAndOnlyThat) {
+  TileBufferConfig config;
+  config.size.bytes = 3 * 256 * 16 + 64 * 100;
+  TileBuffer buffer(config, 256, kClock);
+  EXPECT_EQ(buffer.take(130), 30U);
+  EXPECT_EQ(buffer.take(10), 10U) << "nothing is free any more";
+  buffer.give_back(60);
+  EXPECT_EQ(buffer.free(), 20U) << "140 were taken, 80 are still in use";
+  EXPECT_EQ(buffer.stats().spilled_slots, 40U);
+}
+
+TEST(TileBuffer, IsIdleOrInUseInEveryCycle) {
+  TileBuffer buffer({}, 256, kClock);
+  buffer.in_use(10 * kClock.period(), true);
+  buffer.in_use(50 * kClock.period(), false);
+  buffer.in_use(70 * kClock.period(), true);
+  buffer.finish(100 * kClock.period());
+  EXPECT_EQ(kClock.cycles(buffer.activity().spent(TileBuffer::Why::kInUse)), 40U + 30U);
+  EXPECT_EQ(kClock.cycles(buffer.activity().spent(TileBuffer::Why::kIdle)), 10U + 20U);
+}
+
+}  // namespace
+}  // namespace hw

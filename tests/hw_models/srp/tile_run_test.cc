@@ -1,0 +1,164 @@
+#include "hw_models/srp/tile_run.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/hw_models/srp/srp_bench.h"
+
+namespace hw {
+namespace {
+
+using testing::TileBuilder;
+
+constexpr std::uint32_t kNone = TileRun::kNone;
+constexpr traces::KernelId kKernel = 0;
+
+/// A tile's run with the work it refers to.
+struct Tile {
+  explicit Tile(TileBuilder builder, std::uint32_t chunk = 256) : work(builder.build()) { run.begin(work, chunk); }
+  std::uint32_t next() const {
+    return run.next_launch([](std::uint32_t) { return true; });
+  }
+  traces::TileWork work;
+  TileRun run;
+};
+
+TEST(TileRun, AnEachEdgeLetsAChunkGoWhenItsOwnItemsAreDone) {
+  TileBuilder builder;
+  builder.launch(kKernel, 10, {TileBuilder::each(builder.launch(kKernel, 10))});
+  Tile tile(builder, 4);
+  EXPECT_EQ(tile.next(), 0U);
+  EXPECT_EQ(tile.run.chunk_items(0), 4U);
+  tile.run.finish_items(0, 3);
+  EXPECT_EQ(tile.next(), 0U) << "three items are no chunk";
+  tile.run.finish_items(0, 1);
+  EXPECT_EQ(tile.next(), 1U) << "consumers before producers";
+  tile.run.finish_items(1, 4);
+  EXPECT_EQ(tile.next(), 0U);
+}
+
+TEST(TileRun, AnAllEdgeWaitsForTheLastItem) {
+  TileBuilder builder;
+  builder.launch(kKernel, 10, {TileBuilder::all(builder.launch(kKernel, 10))});
+  Tile tile(builder, 4);
+  tile.run.finish_items(0, 8);
+  EXPECT_EQ(tile.next(), 0U);
+  EXPECT_EQ(tile.run.chunk_items(0), 2U) << "the last chunk is what is left";
+  tile.run.finish_items(0, 2);
+  EXPECT_EQ(tile.next(), 1U);
+}
+
+TEST(TileRun, MappedItemsWaitForTheirSources) {
+  TileBuilder builder;
+  const auto producer = builder.launch(kKernel, 12);
+  const auto consumer = builder.launch(kKernel, 4, {TileBuilder::each(producer)});
+  builder.map(consumer, {0, 3, 7, 11});
+  Tile tile(builder, 2);
+  tile.run.finish_items(producer, 2);
+  EXPECT_EQ(tile.next(), producer) << "item 1 comes from item 3";
+  tile.run.finish_items(producer, 2);
+  EXPECT_EQ(tile.next(), consumer);
+  tile.run.finish_items(consumer, 2);
+  tile.run.finish_items(producer, 6);
+  EXPECT_EQ(tile.next(), producer) << "item 3 comes from item 11";
+  tile.run.finish_items(producer, 2);
+  EXPECT_EQ(tile.next(), consumer);
+}
+
+TEST(TileRun, AnUnusableLaunchIsPassedOver) {
+  TileBuilder builder;
+  builder.launch(kKernel, 4);
+  builder.launch(kKernel, 4);
+  Tile tile(builder);
+  EXPECT_EQ(tile.run.next_launch([](std::uint32_t n) { return n != 1; }), 0U);
+  EXPECT_EQ(tile.run.next_launch([](std::uint32_t) { return false; }), kNone);
+}
+
+TEST(TileRun, RaysThatComeBackInAnyOrderReleaseTheirChunkWhenTheLastIsIn) {
+  TileBuilder builder;
+  const auto rays = builder.rays(builder.launch(kKernel, 8), 8);
+  const auto shade = builder.launch(kKernel, 8, {TileBuilder::each(rays)});
+  Tile tile(builder, 4);
+  tile.run.finish_items(0, 8);
+  for (const std::uint32_t ray : {7U, 5U, 6U}) EXPECT_FALSE(tile.run.finish_ray(ray));
+  EXPECT_FALSE(tile.run.finish_ray(4)) << "the second chunk is in, but the first is not";
+  EXPECT_EQ(tile.next(), kNone);
+  for (const std::uint32_t ray : {0U, 2U, 3U}) EXPECT_FALSE(tile.run.finish_ray(ray));
+  EXPECT_TRUE(tile.run.finish_ray(1));
+  EXPECT_TRUE(tile.run.complete(rays));
+  EXPECT_EQ(tile.next(), shade);
+  tile.run.finish_items(shade, 4);
+  EXPECT_EQ(tile.next(), shade) << "the second chunk had been in all the time";
+}
+
+TEST(TileRun, SlotsAreFreedWhenTheLastReaderIsDone) {
+  TileBuilder builder;
+  const auto rays = builder.rays(builder.launch(kKernel, 6), 6);
+  const auto first = builder.launch(kKernel, 6, {TileBuilder::each(rays)});
+  const auto second = builder.launch(kKernel, 6, {TileBuilder::all(rays), TileBuilder::all(first)});
+  Tile tile(builder);
+  EXPECT_EQ(tile.run.finish_items(0, 6), 0U);
+  for (std::uint32_t r = 0; r < 6; ++r) tile.run.finish_ray(r);
+  EXPECT_EQ(tile.run.finish_items(first, 6), 0U) << "the second launch still reads them";
+  EXPECT_EQ(tile.run.finish_items(second, 4), 0U) << "and is not through";
+  EXPECT_EQ(tile.run.finish_items(second, 2), 6U);
+}
+
+TEST(TileRun, RaysMadeByAChunkAreThoseWhoseSourcesLieInIt) {
+  TileBuilder builder;
+  const auto launch = builder.launch(kKernel, 10);
+  builder.rays(launch, 3, {1, 4, 8});
+  builder.rays(launch, 2, {0, 9});
+  Tile tile(builder);
+  EXPECT_EQ(tile.run.rays_made(launch, 0, 10), 5U);
+  EXPECT_EQ(tile.run.rays_made(launch, 0, 4), 2U);
+  EXPECT_EQ(tile.run.rays_made(launch, 4, 4), 1U);
+  EXPECT_EQ(tile.run.rays_made(launch, 8, 2), 2U);
+  EXPECT_EQ(tile.run.batches_of(launch), (std::vector<std::uint32_t>{1, 2}));
+  EXPECT_EQ(tile.run.source(1, 2), 8U);
+  EXPECT_EQ(tile.run.batch_of(3), 2U);
+
+  TileBuilder each;
+  each.rays(each.launch(kKernel, 10), 10);
+  EXPECT_EQ(Tile(each).run.rays_made(0, 4, 3), 3U) << "a ray an item";
+}
+
+TEST(TileRun, IsCompleteWhenLaunchesRaysAndTransfersAre) {
+  TileBuilder builder;
+  const auto rays = builder.rays(builder.launch(kKernel, 2), 2);
+  const auto shade = builder.launch(kKernel, 2, {TileBuilder::each(rays)});
+  const auto out = builder.transfer(64, shade);
+  Tile tile(builder);
+  tile.run.finish_items(0, 2);
+  tile.run.finish_ray(0);
+  tile.run.finish_ray(1);
+  tile.run.finish_items(shade, 2);
+  EXPECT_EQ(tile.next(), kNone) << "a transfer is no launch";
+  EXPECT_FALSE(tile.run.all_complete());
+  tile.run.finish_items(out, 64);
+  EXPECT_TRUE(tile.run.all_complete());
+}
+
+TEST(TileRun, APlaceIsUsedAgainWithNothingLeftOfTheTileBefore) {
+  TileBuilder large;
+  large.launch(kKernel, 9, {TileBuilder::each(large.rays(large.launch(kKernel, 9), 9))});
+  Tile tile(large, 2);
+  tile.run.finish_items(0, 9);
+  for (std::uint32_t r = 0; r < 9; ++r) tile.run.finish_ray(r);
+  tile.run.finish_items(2, 9);
+  EXPECT_TRUE(tile.run.all_complete());
+  tile.run.end();
+  EXPECT_FALSE(tile.run.active());
+
+  TileBuilder small;
+  small.launch(kKernel, 3, {TileBuilder::each(small.rays(small.launch(kKernel, 3), 3))});
+  const traces::TileWork work = small.build();
+  tile.run.begin(work, 2);
+  EXPECT_EQ(tile.next(), 0U);
+  EXPECT_EQ(tile.run.rays_made(0, 0, 3), 3U);
+  tile.run.finish_items(0, 3);
+  EXPECT_EQ(tile.next(), kNone) << "no ray of this tile is back";
+  EXPECT_FALSE(tile.run.all_complete());
+}
+
+}  // namespace
+}  // namespace hw
