@@ -24,8 +24,8 @@ namespace hw {
 /// The shader core of a GPU core (SRP): works through the kernel launches of its tiles, feeds their rays to the T&I
 /// unit and moves finished tiles out.
 ///
-///   tiles --> [ launches, oldest tile first, consumers before producers ] --> array: switch + depth + (n-1) II +
-///   stalls rays  <-- [ tile buffer: a slot for each ray and its hit ] <-- hits
+///   tiles --> [ launches: oldest tile, then consumers, first ] --> array: switch + depth + (n-1) II + stalls
+///   rays  <-- [ tile buffer: a slot for each ray and its hit ] <-- hits
 ///
 /// A launch runs in chunks; each pays kernel switch (if the array holds another kernel), prologue and drain. A chunk
 /// starts only when its rays fit into free ray slots, and a younger tile's first rays leave room for the oldest tile's.

@@ -1,13 +1,14 @@
 #include <cstdlib>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "tools/run_job.h"
 
 // What a believable machine of this class shows. What lies outside is written in DEVIATIONS.md with its cause, and held
-// here at its measured range, so that closing a gap is noticed.
+// here at its measured range, outside the band, so that closing a gap is noticed.
 
 namespace tools {
 namespace {
@@ -17,22 +18,28 @@ struct Figures {
   double dram_share = 0;    ///< of all energy
   double watts = 0;
   double mrays_per_s = 0;
+  std::uint64_t spilled = 0;  ///< ray slots that did not fit into the tile buffers
 };
 
-Figures measure(const std::string& scene) {
+std::uint64_t sum(const Simulation& s, const std::string& counter) {
+  std::uint64_t total = 0;
+  for (const sim::UnitReport& unit : s.units) {
+    for (const sim::CounterReport& c : unit.counters) total += c.name == counter ? c.value : 0;
+  }
+  return total;
+}
+
+Figures measure(const std::string& scene, std::vector<std::string> sets = {}) {
   JobOptions options;
   options.scene = scene;
   options.resolution = "512x256";
+  options.sets = std::move(sets);
   const Simulation s = simulate(load_inputs(options), kernels::parse_program("full:1"), 0);
-  std::uint64_t visits = 0;
-  for (const sim::UnitReport& unit : s.units) {
-    for (const sim::CounterReport& c : unit.counters) visits += c.name == "visits" ? c.value : 0;
-  }
   const double all = s.energy.total_pj.nominal;
   const double seconds = static_cast<double>(s.elapsed) * 1e-15;
-  return {s.energy.blocks.at("tni").total().nominal / static_cast<double>(visits),
+  return {s.energy.blocks.at("tni").total().nominal / static_cast<double>(sum(s, "visits")),
           s.energy.blocks.at("dram").total().nominal / all, all * 1e-12 / seconds,
-          static_cast<double>(s.rays()) / seconds / 1e6};
+          static_cast<double>(s.rays()) / seconds / 1e6, sum(s, "spilled_slots")};
 }
 
 void expect_between(const char* what, double value, double low, double high) {
@@ -43,42 +50,55 @@ void expect_between(const char* what, double value, double low, double high) {
 /// What holds for every scene: power and ray rate inside their bands; energy per node visit above its band (D1).
 void expect_believable(const Figures& f) {
   expect_between("W", f.watts, 0.5, 3);
+  expect_between("Mrays/s", f.mrays_per_s, 100, 320);
   expect_between("pJ per visit", f.pj_per_visit, 120, 190);
 }
 
-TEST(Bands, CornellFitsIntoTheL2) {
-  const Figures f = measure("cornell");
+void expect_a_scene_larger_than_the_l2(const Figures& f) {
   expect_believable(f);
-  expect_between("Mrays/s", f.mrays_per_s, 100, 320);
-  expect_between("share of DRAM", f.dram_share, 0.10, 0.25);  // above its band: D2
-}
-
-TEST(Bands, TeapotIsALittleLargerThanTheL2) {
-  const Figures f = measure("teapot");
-  expect_believable(f);
-  expect_between("Mrays/s", f.mrays_per_s, 100, 320);
   expect_between("share of DRAM", f.dram_share, 0.15, 0.50);
 }
 
-std::filesystem::path real_scene(const char* name) {
-  const char* folder = std::getenv("RAYWATT_SCENES");
-  return (folder != nullptr ? std::filesystem::path(folder)
-                            : std::filesystem::path(RAYWATT_SOURCE_DIR).parent_path() / "shared/scenes") /
-         name;
+TEST(Bands, BuiltInScenesAreSixToTenTimesTheL2) {
+  expect_a_scene_larger_than_the_l2(measure("cornell"));
+  expect_a_scene_larger_than_the_l2(measure("teapot"));
 }
 
-TEST(Bands, RealScenesLargerThanTheL2) {
-  if (!std::filesystem::exists(real_scene("chess-42k.glb"))) {
-    GTEST_SKIP() << "no real scenes here: set RAYWATT_SCENES to a folder that has them";
+TEST(Bands, ASceneThatFitsTheL2HardlyUsesMemoryUnlessRaySlotsSpill) {
+  const Figures spilling = measure("cornell", {"l2.size=2 MiB"});
+  expect_believable(spilling);
+  EXPECT_GT(spilling.spilled, 0U);
+  expect_between("share of DRAM", spilling.dram_share, 0.10, 0.25);  // above its band: D2
+
+  const Figures held = measure("cornell", {"l2.size=2 MiB", "tile_buffer.size=256 KiB"});
+  EXPECT_EQ(held.spilled, 0U);
+  expect_between("share of DRAM", held.dram_share, 0, 0.10);
+}
+
+/// Empty if there are no real scenes here.
+std::string real_scene(const char* name) {
+  const char* folder = std::getenv("RAYWATT_SCENES");
+  const std::filesystem::path file =
+      (folder != nullptr ? std::filesystem::path(folder)
+                         : std::filesystem::path(RAYWATT_SOURCE_DIR).parent_path() / "shared/scenes") /
+      name;
+  return std::filesystem::exists(file) ? file.string() : "";
+}
+
+TEST(Bands, ChessIsWhatARealSceneShouldBe) {
+  const std::string chess = real_scene("chess-42k.glb");
+  if (chess.empty()) GTEST_SKIP() << "no real scenes here: set RAYWATT_SCENES to a folder that has chess-42k.glb";
+  expect_a_scene_larger_than_the_l2(measure(chess));
+}
+
+TEST(Bands, ConferenceShowsLittleOfItsTreeToOneCamera) {
+  const std::string conference = real_scene("conference-331k.glb");
+  if (conference.empty()) {
+    GTEST_SKIP() << "no real scenes here: set RAYWATT_SCENES to a folder that has conference-331k.glb";
   }
-  const Figures chess = measure(real_scene("chess-42k.glb"));
-  expect_believable(chess);
-  expect_between("Mrays/s", chess.mrays_per_s, 100, 320);
-  expect_between("share of DRAM", chess.dram_share, 0.15, 0.50);
-  const Figures conference = measure(real_scene("conference-331k.glb"));
-  expect_believable(conference);
-  expect_between("Mrays/s", conference.mrays_per_s, 100, 320);
-  expect_between("share of DRAM", conference.dram_share, 0.08, 0.20);  // at or below its band: D3
+  const Figures f = measure(conference);
+  expect_believable(f);
+  expect_between("share of DRAM", f.dram_share, 0.08, 0.15);  // below its band: D3
 }
 
 }  // namespace

@@ -1,12 +1,12 @@
 #include "tests/hw_models/frame/bench.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <memory>
 #include <numeric>
 #include <stdexcept>
+
+#include <fmt/format.h>
 
 #include "sim/engine.h"
 #include "traces/accel/build.h"
@@ -101,9 +101,15 @@ Outcome play(const Frame& frame, const GpuConfig& config, Engine engine, std::ui
   FrontEnd front_end(frame.program(), frame.tracer(), workers);
   const auto gpu = std::make_unique<Gpu>(config, frame.workload(), front_end);
   switch (engine) {
-    case Engine::kFast: gpu->finish(sim::run<sim::Skip::kOn>(*gpu)); break;
-    case Engine::kOracle: gpu->finish(sim::run<sim::Skip::kOff>(*gpu)); break;
-    case Engine::kShuffled: gpu->finish(sim::run_shuffled(*gpu, seed)); break;
+    case Engine::kFast:
+      gpu->finish(sim::run<sim::Skip::kOn>(*gpu));
+      break;
+    case Engine::kOracle:
+      gpu->finish(sim::run<sim::Skip::kOff>(*gpu));
+      break;
+    case Engine::kShuffled:
+      gpu->finish(sim::run_shuffled(*gpu, seed));
+      break;
   }
   return {gpu->report(), gpu->kernel_use(), front_end.result(), gpu->elapsed(), gpu->cycles()};
 }

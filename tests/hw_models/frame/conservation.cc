@@ -30,8 +30,8 @@ void expect_lines_conserved(const Outcome& run, const std::string& core) {
   EXPECT_EQ(run.sum(core, "trv", "visits"), run.sum(core, "trv", "l1_hits"));
   EXPECT_EQ(run.sum(core, "srp", "cache_hits") + run.sum(core, "srp", "cache_misses"),
             run.sum(core, "srp", "cache_accesses"));
-  const std::uint64_t fills = run.sum(core, "trv", "l1_fills") + run.sum(core, "ist", "l1_fills") +
-                              run.sum(core, "srp", "cache_fills");
+  const std::uint64_t fills =
+      run.sum(core, "trv", "l1_fills") + run.sum(core, "ist", "l1_fills") + run.sum(core, "srp", "cache_fills");
   EXPECT_EQ(run.sum(core, "cache_port", "requests"), fills);
   EXPECT_EQ(run.sum(core, "cache_port", "lines_down"), fills);
   EXPECT_EQ(run.sum(core, "dma_port", "lines_up"), run.sum(core, "dma", "lines_written"));

@@ -1,9 +1,10 @@
-#include <gtest/gtest.h>
+#include "hw_models/frame/dma.h"
 
 #include <algorithm>
 #include <vector>
 
-#include "hw_models/frame/dma.h"
+#include <gtest/gtest.h>
+
 #include "sim/engine.h"
 
 namespace hw {
@@ -154,7 +155,8 @@ TEST(Dma, ThePartOfALineCostsAWholeOne) {
 
 TEST(Dma, EveryCycleHasAReasonAndTheOracleAgrees) {
   const auto fill = [](DmaBench& b) -> DmaBench& { return b.add(1000, true).add(300, false).add(64, true); };
-  for (const DmaBench::Setup& setup : {DmaBench::Setup{}, DmaBench::Setup{.memory_latency = 3, .memory_interval = 7, .depth = 1}}) {
+  for (const DmaBench::Setup& setup :
+       {DmaBench::Setup{}, DmaBench::Setup{.memory_latency = 3, .memory_interval = 7, .depth = 1}}) {
     DmaBench fast(setup), oracle(setup);
     fill(fast).run();
     fill(oracle).run<sim::Skip::kOff>();

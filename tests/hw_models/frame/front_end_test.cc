@@ -1,9 +1,9 @@
 #include "hw_models/frame/front_end.h"
 
-#include <gtest/gtest.h>
-
 #include <stdexcept>
 #include <vector>
+
+#include <gtest/gtest.h>
 
 #include "tests/hw_models/frame/bench.h"
 

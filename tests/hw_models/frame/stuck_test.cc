@@ -1,7 +1,7 @@
-#include <gtest/gtest.h>
-
 #include <memory>
 #include <utility>
+
+#include <gtest/gtest.h>
 
 #include "shader_kernels/catalogue.h"
 #include "sim/engine.h"

@@ -1,12 +1,12 @@
 #include "hw_models/frame/tile_dispatcher.h"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <deque>
 #include <memory>
 #include <numeric>
 #include <vector>
+
+#include <gtest/gtest.h>
 
 #include "sim/engine.h"
 

@@ -22,8 +22,9 @@ SrpBench::SrpBench(const Setup& setup, const std::vector<Kernel>& kernels)
     k.depth = kernel.depth;
     k.config_reads = 16 * kernel.ii;
   }
-  const Srp::Frame frame{&layout_,        kernels_, setup.tile_samples, 4 * setup.tile_samples,
-                         setup.ray_interval * clock_.period(), Addr{1} << 28};
+  const Srp::Frame frame{
+      &layout_,     kernels_, setup.tile_samples, 4 * setup.tile_samples, setup.ray_interval * clock_.period(),
+      Addr{1} << 28};
   srp_ = std::make_unique<Srp>(
       setup.config, setup.buffer, frame,
       Srp::Links{tiles_in_, tiles_out_, rays_out_, hits_in_, memory_out_, memory_in_, dma_out_, dma_in_},

@@ -29,7 +29,8 @@ SrpBench::Setup with_slots(std::uint32_t slots) {
 }
 
 TEST(Srp, AYoungerTilesFirstRaysLeaveRoomForATileOfTheOldest) {
-  for (const auto& [slots, together] : {std::pair{2 * kSamples + kSamples, true}, {2 * kSamples + kSamples - 1, false}}) {
+  for (const auto& [slots, together] :
+       {std::pair{2 * kSamples + kSamples, true}, {2 * kSamples + kSamples - 1, false}}) {
     SrpBench::Setup setup = with_slots(slots);
     setup.tni_latency = 900;
     SrpBench bench(setup, {{1, 50}, {1, 50}});
