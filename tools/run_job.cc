@@ -46,16 +46,6 @@ traces::Camera choose_camera(const traces::Scene& scene, const std::string& want
                                     traces::did_you_mean(wanted, names), known));
 }
 
-std::vector<std::uint32_t> parents_of(const traces::MemoryImage& image) {
-  std::vector<std::uint32_t> parents(image.nodes.size());
-  for (std::uint32_t node = 0; node < image.nodes.size(); ++node) {
-    for (const std::uint32_t link : image.nodes[node].child) {
-      if (!traces::is_leaf(link) && link != traces::kNoChild) parents[link] = node;
-    }
-  }
-  return parents;
-}
-
 /// Every figure of the table must be one that some counter can use.
 void check_energy(std::span<const sim::UnitReport> units, const sim::EnergyConfig& config) {
   std::vector<std::string> declared;
@@ -102,7 +92,7 @@ Inputs load_inputs(const JobOptions& options) {
   in.scene_sha256 = scene.sha256;
   in.warnings = scene.warnings;
   in.image = traces::build_memory_image(scene, in.config.bvh, host_threads(options.threads));
-  in.parents = parents_of(in.image);
+  in.parents = traces::parents_of(in.image);
   in.load_seconds = seconds_since(begin);
   return in;
 }

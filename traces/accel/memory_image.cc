@@ -73,4 +73,14 @@ MemoryImage build_memory_image(const Scene& scene, const BvhConfig& config, unsi
   return image;
 }
 
+std::vector<std::uint32_t> parents_of(const MemoryImage& image) {
+  std::vector<std::uint32_t> parents(image.nodes.size());
+  for (std::uint32_t node = 0; node < image.nodes.size(); ++node) {
+    for (const std::uint32_t link : image.nodes[node].child) {
+      if (!is_leaf(link) && link != kNoChild) parents[link] = node;
+    }
+  }
+  return parents;
+}
+
 }  // namespace traces

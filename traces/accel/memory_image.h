@@ -95,4 +95,7 @@ struct MemoryImage {
   float diagonal() const;
 };
 
+/// The inner node above each inner node; the root is its own.
+std::vector<std::uint32_t> parents_of(const MemoryImage& image);
+
 }  // namespace traces

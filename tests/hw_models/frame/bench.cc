@@ -16,16 +16,6 @@ namespace hw::testing {
 
 namespace {
 
-std::vector<std::uint32_t> parents_of(const traces::MemoryImage& image) {
-  std::vector<std::uint32_t> parents(image.nodes.size());
-  for (std::uint32_t node = 0; node < image.nodes.size(); ++node) {
-    for (const std::uint32_t link : image.nodes[node].child) {
-      if (!traces::is_leaf(link) && link != traces::kNoChild) parents[link] = node;
-    }
-  }
-  return parents;
-}
-
 kernels::RenderConfig render_config(std::uint32_t width, std::uint32_t height) {
   kernels::RenderConfig config;
   config.width = width;
@@ -59,7 +49,7 @@ Frame::Frame(const std::string& scene, std::uint32_t width, std::uint32_t height
 Frame::Frame(traces::Scene&& scene, std::uint32_t width, std::uint32_t height, std::uint32_t samples)
     : camera_(scene.cameras.front()),
       image_(traces::build_memory_image(scene, {}, 1)),
-      parents_(parents_of(image_)),
+      parents_(traces::parents_of(image_)),
       program_(image_, camera_, render_config(width, height), samples, 0),
       tracer_(image_),
       picture_lines_(lines_of_picture(program_, width, height)) {}
