@@ -37,7 +37,7 @@ Layout place(const MemoryImage& image) {
 }
 
 MaterialRecord record_of(const Material& m) {
-  return {m.base_colour, m.mirror, m.mirror_tint, m.transmission, m.emission, m.ior, m.base_texture, {}};
+  return {m.base_colour, m.mirror, m.mirror_tint, m.transmission, m.emission, m.ior, m.base_texture.texture, {}};
 }
 
 }  // namespace

@@ -49,21 +49,21 @@ INSTANTIATE_TEST_SUITE_P(Scenes, Builtin, testing::Values("cornell", "teapot"),
                          [](const auto& test) { return test.param; });
 
 TEST(BuiltinScenes, AreTheSizeTheyClaim) {
-  EXPECT_EQ(traces::scene_info(traces::build_cornell()).triangles, 10'338U);
-  EXPECT_EQ(traces::scene_info(traces::build_teapot()).triangles, 14'792U);
+  EXPECT_EQ(traces::scene_info(traces::build_scene("cornell")).triangles, 10'338U);
+  EXPECT_EQ(traces::scene_info(traces::build_scene("teapot")).triangles, 14'792U);
 }
 
 TEST(BuiltinScenes, CornellBoxIsTwoByOne) {
-  const traces::Bounds bounds = traces::world_bounds(traces::build_cornell());
+  const traces::Bounds bounds = traces::world_bounds(traces::build_scene("cornell"));
   EXPECT_EQ(bounds.lower, glm::vec3(-2, -1, -1));
   EXPECT_EQ(bounds.upper, glm::vec3(2, 1, 1));
 }
 
 TEST(BuiltinScenes, TheTeapotShinesAndItsFloorIsTextured) {
-  const Scene scene = traces::build_teapot();
+  const Scene scene = traces::build_scene("teapot");
   EXPECT_GT(scene.materials.at(0).mirror, 0);
   ASSERT_EQ(scene.textures.size(), 1U);
-  EXPECT_EQ(scene.materials.at(1).base_texture, 0U);
+  EXPECT_EQ(scene.materials.at(1).base_texture.texture, 0U);
   EXPECT_EQ(scene.textures[0].texels.size(), std::size_t{scene.textures[0].width} * scene.textures[0].height);
 }
 

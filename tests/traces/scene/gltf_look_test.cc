@@ -83,7 +83,7 @@ TEST(GltfTexture, ABaseTextureIsDecodedWithItsWrapModesAndTransform) {
   file.primitive()["attributes"]["TEXCOORD_0"] = file.add<float>({0, 0, 1, 0, 0, 1}, kFloat, "VEC2", 3);
   const Scene scene = load(file);
   ASSERT_EQ(scene.textures.size(), 1U);
-  EXPECT_EQ(scene.materials[0].base_texture, 0U);
+  EXPECT_EQ(scene.materials[0].base_texture.texture, 0U);
   EXPECT_EQ(scene.textures[0].texels, (std::vector<std::uint32_t>{0xff0000ffU, 0xffff0000U}));
   EXPECT_EQ(scene.textures[0].wrap_u, traces::Texture::Wrap::kClamp);
   EXPECT_EQ(scene.textures[0].wrap_v, traces::Texture::Wrap::kMirror);

@@ -12,26 +12,27 @@ namespace {
 struct Entry {
   const char* name;
   const char* description;
-  Scene (*build)();
+  std::uint32_t triangles;
+  Scene (*build)(const BuiltinOptions&);
 };
 
 constexpr Entry kEntries[] = {
-    {"cornell", "Cornell box, twice as wide as high, with a mirror sphere and a glass sphere", build_cornell},
-    {"teapot", "Newell's teapot, glazed, on a checkered floor", build_teapot},
+    {"cornell", "Cornell box, twice as wide as high, with a mirror sphere and a glass sphere", 10'000, build_cornell},
+    {"teapot", "Newell's teapot, glazed, on a checkered floor", 15'000, build_teapot},
 };
 
 }  // namespace
 
 std::vector<BuiltinInfo> builtin_scenes() {
   std::vector<BuiltinInfo> list;
-  for (const Entry& entry : kEntries) list.push_back({entry.name, entry.description});
+  for (const Entry& entry : kEntries) list.push_back({entry.name, entry.description, entry.triangles});
   return list;
 }
 
-Scene build_scene(std::string_view name) {
+Scene build_scene(std::string_view name, const BuiltinOptions& options) {
   std::vector<std::string> names;
   for (const Entry& entry : kEntries) {
-    if (name == entry.name) return entry.build();
+    if (name == entry.name) return entry.build(options);
     names.emplace_back(entry.name);
   }
   throw sim::InputError(

@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -10,15 +11,21 @@ namespace traces {
 /// A scene that the program makes itself, so that nothing needs downloading.
 struct BuiltinInfo {
   std::string name;
-  std::string description;  ///< one line
+  std::string description;      ///< one line
+  std::uint32_t triangles = 0;  ///< of its class in the literature
+};
+
+/// What a generator can be told.
+struct BuiltinOptions {
+  std::uint32_t triangles = 0;  ///< about how many; 0: as many as its class has
 };
 
 std::vector<BuiltinInfo> builtin_scenes();
 
 /// The scene of that name. InputError, with the nearest name, if there is none.
-Scene build_scene(std::string_view name);
+Scene build_scene(std::string_view name, const BuiltinOptions& options = {});
 
-Scene build_cornell();
-Scene build_teapot();
+Scene build_cornell(const BuiltinOptions& options);
+Scene build_teapot(const BuiltinOptions& options);
 
 }  // namespace traces

@@ -6,7 +6,7 @@
 namespace traces {
 
 /// The box is twice as wide as high, and the camera stands where its open front just fills a 2:1 picture.
-Scene build_cornell() {
+Scene build_cornell(const BuiltinOptions& /*options*/) {
   constexpr std::uint32_t kWallCells = 16;
   constexpr std::uint32_t kSphereCells = 18;
   Scene scene;

@@ -63,7 +63,7 @@ Texture make_checker() {
 
 }  // namespace
 
-Scene build_teapot() {
+Scene build_teapot(const BuiltinOptions& /*options*/) {
   constexpr std::uint32_t kFloorCells = 16;
   Scene scene;
   scene.name = "teapot";
@@ -75,7 +75,7 @@ Scene build_teapot() {
   porcelain.mirror = 0.15F;
   floor.name = "checkered floor";
   floor.base_colour = glm::vec3(1);
-  floor.base_texture = 0;
+  floor.base_texture.texture = 0;
   const std::uint32_t porcelain_id = add_material(scene, porcelain);
   const std::uint32_t floor_id = add_material(scene, floor);
 

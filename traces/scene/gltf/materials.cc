@@ -118,7 +118,7 @@ std::vector<TexturePlacement> read_materials(Context& context, Textures& texture
     out.name = sim::printable(m.name);
     out.base_colour = glm::vec3(base);
     if (texture.index >= 0) {
-      out.base_texture = textures.base_colour(texture.index);
+      out.base_texture.texture = textures.base_colour(texture.index);
       mean_base *= textures.mean(texture.index, true);
     }
     if (m.alphaMode == "BLEND" && mean_base.w < 1 && surface.transmission <= 0) {
