@@ -8,8 +8,10 @@
 #include "sim/io/printable.h"
 #include "traces/scene/cameras.h"
 #include "traces/scene/gltf/context.h"
+#include "traces/scene/gltf/draco.h"
 #include "traces/scene/gltf/extensions.h"
 #include "traces/scene/gltf/meshes.h"
+#include "traces/scene/gltf/meshopt.h"
 #include "traces/scene/gltf/nodes.h"
 #include "traces/scene/gltf/parse.h"
 #include "traces/scene/gltf/source.h"
@@ -20,12 +22,12 @@ namespace traces {
 namespace {
 
 Scene read(const std::filesystem::path& path, const SceneLimits& limits) {
-  gltf::Budget budget(sim::printable(path.string()), limits.memory_bytes);
+  gltf::Budget budget(sim::printable(path.string()), limits.memory.bytes);
   Scene scene;
   scene.name = path.stem().string();
   gltf::Source source = gltf::read_source(path, limits, budget);
   std::string complaint;
-  const tinygltf::Model model = gltf::parse_model(source, complaint);
+  tinygltf::Model model = gltf::parse_model(source, complaint);
   scene.sha256 = source.sha256;
   const std::string file = source.shown_name;
   source = {};
@@ -38,6 +40,8 @@ Scene read(const std::filesystem::path& path, const SceneLimits& limits) {
     }
   }
   if (!model.animations.empty()) context.warn("animations are not played: the scene is shown at rest");
+  gltf::expand_meshopt(context, model);
+  gltf::expand_draco(context, model);
   gltf::Textures textures(context);
   gltf::Meshes meshes(context, gltf::read_materials(context, textures));
   gltf::read_nodes(context, meshes);
