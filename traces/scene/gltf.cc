@@ -21,6 +21,15 @@
 namespace traces {
 namespace {
 
+/// Where an animated file is loaded is at its beginning.
+void place_all(gltf::Context& context) {
+  try {
+    pose(context.scene, 0);
+  } catch (const sim::InputError& error) {
+    context.refuse(error.what());
+  }
+}
+
 Scene read(const std::filesystem::path& path, const SceneLimits& limits) {
   gltf::Budget budget(sim::printable(path.string()), limits.memory_bytes);
   Scene scene;
@@ -44,7 +53,7 @@ Scene read(const std::filesystem::path& path, const SceneLimits& limits) {
   gltf::read_nodes(context, meshes);
   gltf::finish_deformations(context);
   gltf::read_animations(context);
-  pose(scene, 0);
+  place_all(context);
   if (scene.instances.empty()) context.refuse("shows no triangles; at least one is needed");
   if (scene.cameras.empty()) scene.cameras.push_back(framing_camera(scene));
   finish_lights(scene);
