@@ -92,8 +92,10 @@ void add_emitter_lights(Scene& scene) {
     light.position = centroid + way * (std::max(glm::dot(corner - centroid, way), 0.0F) + 1e-3F * world.diagonal());
     light.direction = way;
     light.intensity = static_cast<float>(e.area) * emission;
-    light.node = instance.node;
-    if (instance.node != kNone) {
+    const bool skinned = mesh.deformation != nullptr && mesh.deformation->skin != kNone;
+    const bool flat = glm::determinant(glm::dmat3(instance.to_world)) == 0;
+    if (instance.node != kNone && !skinned && !flat) {
+      light.node = instance.node;
       light.in_node = glm::mat4(glm::inverse(glm::dmat4(instance.to_world)) * glm::dmat4(frame(light.position, way)));
     }
     found.push_back(light);

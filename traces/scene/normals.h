@@ -10,6 +10,9 @@ namespace traces {
 /// Returns for each new vertex the old one it is a copy of.
 std::vector<std::uint32_t> flatten_normals(Mesh& mesh);
 
+/// A normal for every vertex, that of the last triangle that uses it: for meshes with flat normals.
+std::vector<glm::vec3> triangle_normals(const Mesh& mesh);
+
 /// Makes given normals unit length; where one is null, the geometric normal of a triangle that uses the vertex.
 void repair_normals(Mesh& mesh);
 

@@ -4,9 +4,9 @@
 #include <numbers>
 
 #include <fmt/format.h>
-#include <glm/geometric.hpp>
 
 #include "sim/io/printable.h"
+#include "traces/scene/cameras.h"
 
 namespace traces::gltf {
 namespace {
@@ -38,20 +38,15 @@ void add_camera(Context& context, const tinygltf::Node& node, const glm::dmat4& 
   if (!(fov > 0 && fov < std::numbers::pi)) {
     context.refuse(fmt::format("cameras[{}]: yfov is {}; allowed is more than 0 and less than pi", node.camera, fov));
   }
-  // A camera's node may be scaled, its rays must not be.
-  glm::dvec3 back(to_world[2]), up(to_world[1]);
-  glm::dvec3 right = glm::cross(up, back);
-  if (!(glm::length(right) > 0)) {
+  const std::optional<glm::mat4> standing = camera_place(to_world);
+  if (!standing) {
     context.warn(fmt::format("camera '{}': its transform has no direction", name));
     return;
   }
-  back = glm::normalize(back);
-  right = glm::normalize(right);
-  up = glm::cross(back, right);
   std::vector<Camera>& cameras = context.scene.cameras;
   Camera camera;
   camera.name = unique_name(cameras, name.empty() ? fmt::format("camera {}", cameras.size()) : name);
-  camera.to_world = glm::mat4(glm::dmat4(glm::dvec4(right, 0), glm::dvec4(up, 0), glm::dvec4(back, 0), to_world[3]));
+  camera.to_world = *standing;
   camera.vertical_fov = static_cast<float>(fov);
   camera.node = place;
   cameras.push_back(camera);

@@ -9,6 +9,7 @@
 #include "sim/io/printable.h"
 #include "traces/scene/gltf/accessors.h"
 #include "traces/scene/gltf/attributes.h"
+#include "traces/scene/gltf/skins.h"
 #include "traces/scene/normals.h"
 #include "traces/scene/tangents.h"
 
@@ -78,7 +79,7 @@ void Meshes::fold_colours(Mesh& mesh) {
   context_.scene.materials.push_back(std::move(material));
 }
 
-Mesh Meshes::read(const tinygltf::Primitive& primitive, const std::string& name) {
+Mesh Meshes::read(const tinygltf::Primitive& primitive, const std::string& name, int skin) {
   constexpr std::uint64_t kCornerBytes = 96;  // of a triangle's corner with everything a vertex may have
   static const Placements kNowhere;
   Mesh mesh;
@@ -94,10 +95,14 @@ Mesh Meshes::read(const tinygltf::Primitive& primitive, const std::string& name)
   const std::vector<std::uint32_t> order = read_order(context_, primitive, mesh);
   context_.budget.take(order.size(), kCornerBytes, "the triangles of mesh '" + name + "'");
   mesh.triangles = assemble(order, primitive.mode);
-  if (mesh.normals.empty()) {
-    flatten_normals(mesh);
-  } else {
+  const bool flat = mesh.normals.empty();
+  std::vector<std::uint32_t> from;  // the vertices of the file that those of the mesh are made from
+  if (!flat) {
     repair_normals(mesh);
+    from.resize(mesh.positions.size());
+    std::iota(from.begin(), from.end(), 0U);
+  } else {
+    from = flatten_normals(mesh);
   }
   if (bumpy && mesh.tangents.empty()) {
     context_.budget.take(mesh.positions.size(), sizeof(glm::vec4) + 2 * sizeof(glm::dvec3), "tangents");
@@ -105,37 +110,46 @@ Mesh Meshes::read(const tinygltf::Primitive& primitive, const std::string& name)
                      context_.scene.materials[mesh.material].normal_texture.second_uv ? mesh.second_uvs : mesh.uvs);
   }
   fold_colours(mesh);
+  if (deforms(primitive, skin)) mesh.deformation = read_deformation(context_, primitive, skin, mesh, flat, from);
   return mesh;
 }
 
-const std::vector<std::uint32_t>& Meshes::primitives_of(int index) {
-  const auto [place, is_new] = read_.try_emplace(index);
-  if (!is_new) return place->second;
+std::vector<std::uint32_t> Meshes::primitives_of(int index, int skin) {
   const tinygltf::Mesh& mesh = context_.at(context_.model.meshes, index, "meshes");
+  std::vector<std::uint32_t> shown;
   const std::string name = mesh.name.empty() ? fmt::format("mesh {}", index) : sim::printable(mesh.name);
   for (std::size_t i = 0; i < mesh.primitives.size(); ++i) {
     const tinygltf::Primitive& primitive = mesh.primitives[i];
+    const bool rigid = !deforms(primitive, skin);
+    const auto known = read_.find({index, i});
+    if (rigid && known != read_.end()) {
+      if (known->second != kNone) shown.push_back(known->second);
+      continue;
+    }
     const std::string part = mesh.primitives.size() == 1 ? name : fmt::format("{}/{}", name, i);
-    if (!is_triangles(primitive.mode)) {
-      context_.warn(fmt::format("mesh '{}': points and lines are left out", part));
-      continue;
-    }
-    if (attribute(primitive, "POSITION") < 0) {
-      context_.warn(fmt::format("mesh '{}' has no positions and is left out", part));
-      continue;
-    }
-    if (!primitive.targets.empty()) context_.warn(fmt::format("mesh '{}': morph targets are not applied", part));
-    Mesh read_mesh = read(primitive, part);
-    if (read_mesh.triangles.empty()) continue;
-    place->second.push_back(static_cast<std::uint32_t>(context_.scene.meshes.size()));
-    float reach = 0;
-    for (const glm::vec3& p : read_mesh.positions) {
-      reach = std::max({reach, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
-    }
-    reaches_.push_back(reach);
-    context_.scene.meshes.push_back(std::move(read_mesh));
+    const std::uint32_t added = add(primitive, part, skin);
+    if (rigid) read_.emplace(std::pair{index, i}, added);
+    if (added != kNone) shown.push_back(added);
   }
-  return place->second;
+  return shown;
+}
+
+std::uint32_t Meshes::add(const tinygltf::Primitive& primitive, const std::string& name, int skin) {
+  if (!is_triangles(primitive.mode)) {
+    context_.warn(fmt::format("mesh '{}': points and lines are left out", name));
+    return kNone;
+  }
+  if (attribute(primitive, "POSITION") < 0) {
+    context_.warn(fmt::format("mesh '{}' has no positions and is left out", name));
+    return kNone;
+  }
+  Mesh mesh = read(primitive, name, skin);
+  if (mesh.triangles.empty()) return kNone;
+  float reach = 0;
+  for (const glm::vec3& p : mesh.positions) reach = std::max({reach, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+  reaches_.push_back(reach);
+  context_.scene.meshes.push_back(std::move(mesh));
+  return static_cast<std::uint32_t>(context_.scene.meshes.size() - 1);
 }
 
 }  // namespace traces::gltf

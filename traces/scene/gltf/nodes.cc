@@ -11,6 +11,7 @@
 #include "traces/scene/gltf/instancing.h"
 #include "traces/scene/gltf/punctual_lights.h"
 #include "traces/scene/gltf/values.h"
+#include "traces/scene/pose_nodes.h"
 
 namespace traces::gltf {
 namespace {
@@ -36,22 +37,7 @@ Node read_node(const Context& context, const tinygltf::Node& node, const std::st
 }
 
 glm::dmat4 local_matrix(const Node& node) {
-  const double x = node.rest.rotation.x, y = node.rest.rotation.y, z = node.rest.rotation.z, w = node.rest.rotation.w;
-  const glm::dvec3 scale(node.rest.scale);
-  glm::dmat4 m(1);
-  m[0] = glm::dvec4(1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w), 0) * scale.x;
-  m[1] = glm::dvec4(2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w), 0) * scale.y;
-  m[2] = glm::dvec4(2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y), 0) * scale.z;
-  m[3] = glm::dvec4(glm::dvec3(node.rest.translation), 1);
-  return glm::dmat4(node.matrix) * m;
-}
-
-constexpr double kFarthest = 1e15;  // in single precision, squares and products of two such coordinates are finite
-
-double largest_entry(const glm::dmat4& m) {
-  double largest = 0;
-  for (int i = 0; i < 16; ++i) largest = std::max(largest, std::abs(m[i / 4][i % 4]));
-  return largest;
+  return glm::dmat4(node.matrix) * matrix_of(node.rest.translation, node.rest.rotation, node.rest.scale);
 }
 
 bool has_focus(const tinygltf::Value& extras) {
@@ -64,13 +50,13 @@ bool has_focus(const tinygltf::Value& extras) {
 void add_instances(Context& context, Meshes& meshes, const tinygltf::Node& node, const glm::dmat4& to_world,
                    std::uint32_t place, const std::string& what) {
   constexpr std::uint64_t kTriangleBytes = 176;  // laid out for the GPU: triangle, attributes and its share of nodes
-  if (node.skin >= 0) context.warn(what + ": the skin is not applied, the mesh is shown in its bind pose");
-  if (!(std::abs(glm::determinant(glm::dmat3(to_world))) > 0)) {
+  const bool may_move = node.skin >= 0 || !context.model.animations.empty();
+  if (!may_move && !(std::abs(glm::determinant(glm::dmat3(to_world))) > 0)) {
     context.warn(what + " is scaled to nothing and left out");
     return;
   }
   const bool focus = has_focus(node.extras) || has_focus(context.at(context.model.meshes, node.mesh, "meshes").extras);
-  for (const std::uint32_t mesh : meshes.primitives_of(node.mesh)) {
+  for (const std::uint32_t mesh : meshes.primitives_of(node.mesh, node.skin)) {
     const std::size_t triangles = context.scene.meshes[mesh].triangles.size();
     if (!(largest_entry(to_world) * (3.0 * static_cast<double>(meshes.reach_of(mesh)) + 1) <= kFarthest)) {
       context.refuse(fmt::format("{} reaches further than {} from the origin", what, kFarthest));
@@ -100,6 +86,7 @@ void show_mesh(Context& context, Meshes& meshes, const tinygltf::Node& node, con
     Node copy;
     copy.name = fmt::format("{}[{}]", sim::printable(node.name), i);
     copy.rest = copies[i];
+    copy.morph_weights = context.scene.nodes[place].morph_weights;
     const glm::dmat4 there = to_world * local_matrix(copy);
     add_instances(context, meshes, node, there, add_node(context, std::move(copy), place), what);
   }
