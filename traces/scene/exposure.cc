@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 #include <glm/matrix.hpp>
@@ -119,13 +120,11 @@ float percentile(std::vector<Sample> samples, float rank) {
   return samples.empty() ? 0 : samples.back().irradiance;
 }
 
-}  // namespace
+constexpr std::size_t kPoints = 16384;
+constexpr float kRank = 0.9F;
 
-void expose_lights(Scene& scene) {
-  constexpr std::size_t kPoints = 16384;
-  constexpr float kRank = 0.9F;
-  scene.ambient = glm::vec3(kAmbient);
-  const std::vector<Point> points = spread_points(scene, kPoints);
+/// How bright the lights make what the first camera sees, or the whole scene where it sees nothing.
+float brightness(const Scene& scene, const std::vector<Point>& points) {
   float level = 0;
   if (!scene.cameras.empty()) {
     level = percentile(seen_by(scene.cameras[0], scene, points, 0.02F * world_bounds(scene).diagonal()), kRank);
@@ -140,6 +139,31 @@ void expose_lights(Scene& scene) {
     }
     level = percentile(std::move(everywhere), kRank);
   }
+  return level;
+}
+
+}  // namespace
+
+void keep_strongest_light(Scene& scene) {
+  const std::vector<Point> points = spread_points(scene, kPoints);
+  const std::vector<Light> all = std::exchange(scene.lights, {});
+  float most = -1;
+  Light strongest;
+  for (const Light& light : all) {
+    scene.lights = {light};
+    const float level = brightness(scene, points);
+    if (level > most) {
+      most = level;
+      strongest = light;
+    }
+  }
+  scene.lights.clear();
+  if (most >= 0) scene.lights.push_back(strongest);
+}
+
+void expose_lights(Scene& scene) {
+  scene.ambient = glm::vec3(kAmbient);
+  const float level = brightness(scene, spread_points(scene, kPoints));
   const float scale = kTargetIrradiance / level;
   if (!(level > 0) || !std::isfinite(scale)) return;
   for (Light& light : scene.lights) light.intensity *= scale;

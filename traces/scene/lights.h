@@ -26,7 +26,10 @@ void expose_lights(Scene& scene);
 inline constexpr float kTargetIrradiance = 0.85F;
 inline constexpr float kAmbient = 0.15F;
 
-/// The three above in order; exposure only where lights came with the scene. Needs the cameras.
+/// Drops all lights but the one that, alone, makes what the first camera sees brightest.
+void keep_strongest_light(Scene& scene);
+
+/// Emitters, default light and exposure in order; exposure only where lights came with the scene. Needs the cameras.
 void finish_lights(Scene& scene);
 
 }  // namespace traces
