@@ -159,7 +159,7 @@ TEST(GltfFuzz, SeedsAreGoodFiles) {
 TEST(GltfFuzz, EveryMutantBecomesASceneOrIsRefused) {
   const traces::SceneLimits limits{.memory = {std::uint64_t{1} << 24}, .pixels = 1 << 20, .nodes = 1000};
   const TempFolder folder;
-  const long before = peak_kib();
+  [[maybe_unused]] const long before = peak_kib();
   for (const Seed& seed : seeds()) {
     Figures figures;
     for (int i = 0; i < kMutantsPerSeed; ++i) {
