@@ -19,6 +19,7 @@ struct Entry {
 constexpr Entry kEntries[] = {
     {"cornell", "Cornell box, twice as wide as high, with a mirror sphere and a glass sphere", 10'000, build_cornell},
     {"teapot", "Newell's teapot, glazed, on a checkered floor", 15'000, build_teapot},
+    {"atrium", "A court with arcades on two storeys, banners and a polished floor under the sun", 66'000, build_atrium},
     {"bathroom", "A bathroom: mirrors, chrome, a glass screen, and much that is thinner than a pixel", 270'000,
      build_bathroom},
     {"conference", "A conference room: long table, fourteen chairs, panelling; five views of it", 190'000,

@@ -29,5 +29,6 @@ Scene build_cornell(const BuiltinOptions& options);
 Scene build_teapot(const BuiltinOptions& options);
 Scene build_conference(const BuiltinOptions& options);
 Scene build_bathroom(const BuiltinOptions& options);
+Scene build_atrium(const BuiltinOptions& options);
 
 }  // namespace traces

@@ -1,6 +1,8 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <span>
+#include <vector>
 
 #include "traces/scene/scene.h"
 
@@ -14,6 +16,9 @@ struct Detail {
   std::uint32_t cells(std::uint32_t at_one, std::uint32_t least = 1) const;
   /// Pieces of which there are more with more triangles.
   std::uint32_t pieces(std::uint32_t at_one, std::uint32_t least = 1) const;
+  /// A profile for a scene of few triangles: from half of detail 1 down every second point between its ends, from a
+  /// third down every third.
+  std::vector<glm::vec2> profile(std::span<const glm::vec2> points) const;
 };
 
 /// What `make` makes at the detail at which it has about `triangles`, as instanced; tried from detail 1 on, at most

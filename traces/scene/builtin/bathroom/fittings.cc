@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -26,8 +27,8 @@ Mesh make_hose(std::span<const glm::vec3> path, const Detail& detail) {
 Mesh make_head(const Detail& detail) {
   const glm::vec2 body[] = {{0, 0},          {0.05F, 0},      {0.055F, 0.005F}, {0.055F, 0.014F},
                             {0.035F, 0.03F}, {0.016F, 0.04F}, {0, 0.042F}};
-  Mesh mesh = make_lathe("shower head", body, detail.cells(32, 10));
-  for (int ring = 1; ring <= 4; ++ring) {
+  Mesh mesh = make_lathe("shower head", detail.profile(body), detail.cells(32, 10));
+  for (int ring = 1; ring <= (detail.share < 0.5F ? 2 : 4); ++ring) {
     for (int k = 0; k < 6 * ring; ++k) {
       const glm::vec2 at = on_circle(k / (6.0 * ring)) * 0.0115F * static_cast<float>(ring);
       append(mesh, transformed(make_cylinder("", 0.002F, 0.004F, detail.cells(6, 3)), placed({at.x, -0.004F, at.y})));
@@ -37,8 +38,9 @@ Mesh make_head(const Detail& detail) {
 }
 
 /// A basket of wires: hoops on top of each other and ribs that meet below; half length, half depth, height.
-Mesh make_basket(const Detail& detail, float a, float b, float height, int ribs, int hoops) {
+Mesh make_basket(const Detail& detail, float a, float b, float height, std::uint32_t most_ribs, int hoops) {
   const std::uint32_t sides = detail.cells(6, 3), round = detail.cells(48, 16);
+  const int ribs = static_cast<int>(std::min(detail.cells(most_ribs, most_ribs / 3), most_ribs));
   const auto widening = [height](float y) { return 0.82F + 0.18F * y / height; };
   Mesh mesh;
   mesh.name = "wire basket";

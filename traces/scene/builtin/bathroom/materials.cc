@@ -74,7 +74,7 @@ Materials add_materials(Scene& scene) {
   is.enamel = with_paint("enamel", {0.90F, 0.90F, 0.89F}, 0.05F);
   is.chrome = add_material(scene, metal("chrome", {0.90F, 0.91F, 0.93F}, 0.82F));
   is.mirror = add_material(scene, metal("mirror", glm::vec3(0.93F), 0.95F));
-  is.glass = add_material(scene, glass("shower screen", {0.96F, 1, 0.98F}));
+  is.glass = add_material(scene, glass("shower screen", {0.94F, 0.98F, 0.965F}, 1.0F));
   is.oak = with_picture("oak", kOak);
   is.stone = with_picture("marble top", kMarble, 0.05F);
   is.white = with_paint("white lacquer", {0.88F, 0.88F, 0.87F});

@@ -16,7 +16,7 @@ Mesh make_tap(const Detail& detail, float height, float reach) {
   const std::uint32_t round = detail.cells(16, 6);
   const glm::vec2 foot[] = {{0.028F, 0},     {0.028F, 0.008F}, {0.02F, 0.014F},
                             {0.017F, 0.05F}, {0.013F, 0.055F}, {0, 0.055F}};
-  Mesh mesh = make_lathe("tap", foot, round);
+  Mesh mesh = make_lathe("tap", detail.profile(foot), round);
   const glm::vec3 neck[] = {{0, 0.03F, 0},
                             {0, 0.7F * height, 0.0F},
                             {0, height, 0.35F * reach},
@@ -27,7 +27,7 @@ Mesh make_tap(const Detail& detail, float height, float reach) {
     const glm::mat4 at = placed({side * 0.085F, 0, 0});
     const glm::vec2 knob[] = {{0.022F, 0},      {0.022F, 0.006F}, {0.012F, 0.012F}, {0.012F, 0.04F},
                               {0.018F, 0.046F}, {0.016F, 0.056F}, {0, 0.058F}};
-    append(mesh, transformed(make_lathe("", knob, round), at));
+    append(mesh, transformed(make_lathe("", detail.profile(knob), round), at));
     for (int k = 0; k < 4; ++k) {
       const glm::vec2 way = on_circle(0.25 * k + 0.1);
       const glm::vec3 spoke[] = {{0, 0.05F, 0}, {0.034F * way.x, 0.05F, 0.034F * way.y}};
@@ -41,7 +41,7 @@ Mesh make_tap(const Detail& detail, float height, float reach) {
 
 Mesh make_drain(const Detail& detail) {
   const glm::vec2 plug[] = {{0.03F, 0}, {0.03F, 0.003F}, {0.022F, 0.004F}, {0.018F, 0.009F}, {0, 0.011F}};
-  return make_lathe("drain", plug, detail.cells(20, 8));
+  return make_lathe("drain", detail.profile(plug), detail.cells(20, 8));
 }
 
 }  // namespace
@@ -77,11 +77,13 @@ void add_tub(Scene& scene, const Materials& is, const Detail& detail) {
              is.chrome);
   // A glass screen on the rim, hinged at the wall.
   const float z = kTubZ + 0.36F;
-  add_object(scene, make_box("shower screen", {-1.77F, kTubRim + 0.012F, z - 0.004F}, {-0.95F, 2.0F, z + 0.004F}),
+  // One sheet that bends nothing: behind two surfaces of glass, the paths' depth would not suffice for the chrome.
+  add_object(scene, make_quad("shower screen", {-1.77F, kTubRim + 0.012F, z}, {0.82F, 0, 0}, {0, 1.4F, 0}, 1),
              is.glass);
   Mesh profile = make_box("screen profile", {-1.79F, kTubRim + 0.01F, z - 0.012F}, {-1.765F, 2.01F, z + 0.012F});
   append(profile, make_box("", {-1.765F, kTubRim + 0.004F, z - 0.007F}, {-0.95F, kTubRim + 0.014F, z + 0.007F}));
   append(profile, make_box("", {-1.765F, 2.0F, z - 0.007F}, {-0.95F, 2.012F, z + 0.007F}));
+  append(profile, make_box("", {-0.955F, kTubRim + 0.004F, z - 0.006F}, {-0.945F, 2.012F, z + 0.006F}));
   add_object(scene, std::move(profile), is.chrome);
 }
 
@@ -94,7 +96,8 @@ void add_vanity(Scene& scene, const Materials& is, const Detail& detail) {
   for (int row = 0; row < 2; ++row) {
     for (int k = 0; k < 2; ++k) {
       const glm::vec3 corner(kLeft + 0.7F * static_cast<float>(k), 0.25F + 0.275F * static_cast<float>(row), kFront);
-      append(cabinet, transformed(make_panel("", 0.7F, 0.275F, drawer, detail.cells(3)), placed(corner)));
+      append(cabinet,
+             transformed(make_panel("", 0.7F, 0.275F, detail.profile(drawer), detail.cells(3)), placed(corner)));
       const glm::vec3 bow[] = {corner + glm::vec3(0.27F, 0.14F, 0.012F), corner + glm::vec3(0.275F, 0.14F, 0.035F),
                                corner + glm::vec3(0.35F, 0.14F, 0.045F), corner + glm::vec3(0.425F, 0.14F, 0.035F),
                                corner + glm::vec3(0.43F, 0.14F, 0.012F)};
@@ -168,19 +171,21 @@ void add_toilet(Scene& scene, const Materials& is, const Detail& detail) {
   append(body, make_cushion("", {0.05F, 0.0F, -0.1F}, {0.40F, 0.37F, 0.1F}, 0.03F, detail.cells(3), 1));
   add_object(scene, transformed(std::move(body), at), is.enamel);
   const glm::vec2 button[] = {{0.025F, 0}, {0.025F, 0.004F}, {0.02F, 0.006F}, {0, 0.006F}};
-  add_object(scene, transformed(make_lathe("flush", button, detail.cells(16, 6)), at * placed({0.32F, 0.82F, 0})),
-             is.chrome);
+  add_object(
+      scene,
+      transformed(make_lathe("flush", detail.profile(button), detail.cells(16, 6)), at * placed({0.32F, 0.82F, 0})),
+      is.chrome);
   // A roll of paper on its holder.
   const glm::vec3 holder[] = {{kHalfLength - 0.01F, 0.78F, 0.5F},
-                              {kHalfLength - 0.08F, 0.78F, 0.5F},
-                              {kHalfLength - 0.09F, 0.78F, 0.5F},
+                              {kHalfLength - 0.06F, 0.78F, 0.5F},
+                              {kHalfLength - 0.09F, 0.78F, 0.54F},
                               {kHalfLength - 0.09F, 0.78F, 0.64F}};
   add_object(scene,
              make_tube("paper holder", smoothed(holder, detail.cells(4, 2)), std::array{0.006F}, detail.cells(10, 5)),
              is.chrome);
   const glm::vec2 roll[] = {{0.02F, 0}, {0.055F, 0}, {0.055F, 0.1F}, {0.02F, 0.1F}, {0.02F, 0}};
   add_object(scene,
-             transformed(make_lathe("paper roll", roll, detail.cells(36, 12)),
+             transformed(make_lathe("paper roll", detail.profile(roll), detail.cells(36, 12)),
                          turned({kHalfLength - 0.09F, 0.768F, 0.52F}, {1, 0, 0}, 0.25)),
              is.white);
 }

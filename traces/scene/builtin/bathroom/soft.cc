@@ -89,7 +89,7 @@ void add_mat(Scene& scene, const Materials& is, const Detail& detail) {
       append(mat, make_tube("", std::array{root, tip}, std::array{thick, 0.0F}, 3));
     }
   }
-  add_object(scene, transformed(std::move(mat), placed({-0.72F, 0, -0.25F}, 0.015)), is.mat);
+  add_object(scene, transformed(std::move(mat), placed({-0.72F, 0, -0.35F}, 0.015)), is.mat);
 }
 
 }  // namespace traces::bathroom

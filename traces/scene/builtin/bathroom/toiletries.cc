@@ -19,7 +19,9 @@ void add_bottle(Scene& scene, const Detail& detail, const glm::vec3& at, float r
       {0.85F * radius, 0},      {radius, 0.04F * height},        {radius, 0.4F * height},
       {radius, 0.75F * height}, {0.8F * radius, 0.87F * height}, {0.38F * radius, 0.93F * height},
       {0.35F * radius, height}};
-  add_object(scene, transformed(make_lathe("bottle", smoothed(shape, detail.cells(4, 2)), round), placed(at)), body);
+  add_object(scene,
+             transformed(make_lathe("bottle", smoothed(detail.profile(shape), detail.cells(4, 2)), round), placed(at)),
+             body);
   std::vector<glm::vec2> top{{0.45F * radius, 0}};
   for (int k = 0; k < 4; ++k) {
     const float y = 0.012F * static_cast<float>(k);
@@ -29,7 +31,9 @@ void add_bottle(Scene& scene, const Detail& detail, const glm::vec3& at, float r
                            {0.47F * radius, y + 0.011F}});
   }
   top.insert(top.end(), {{0.46F * radius, 0.05F}, {0, 0.051F}});
-  add_object(scene, transformed(make_lathe("cap", top, round), placed(at + glm::vec3(0, 0.95F * height, 0))), cap);
+  add_object(scene,
+             transformed(make_lathe("cap", detail.profile(top), round), placed(at + glm::vec3(0, 0.95F * height, 0))),
+             cap);
 }
 
 /// A soap dispenser with a pump.
@@ -37,11 +41,13 @@ void add_dispenser(Scene& scene, const Materials& is, const Detail& detail, cons
   const std::uint32_t round = detail.cells(36, 12);
   const glm::vec2 body[] = {{0.034F, 0},      {0.04F, 0.006F},  {0.041F, 0.05F}, {0.041F, 0.1F},
                             {0.036F, 0.118F}, {0.018F, 0.128F}, {0.016F, 0.132F}};
-  add_object(scene, transformed(make_lathe("soap dispenser", smoothed(body, detail.cells(4, 2)), round), placed(at)),
-             is.amber);
+  add_object(
+      scene,
+      transformed(make_lathe("soap dispenser", smoothed(detail.profile(body), detail.cells(4, 2)), round), placed(at)),
+      is.amber);
   const glm::vec2 collar[] = {{0.019F, 0.128F}, {0.019F, 0.143F}, {0.006F, 0.145F}, {0.006F, 0.165F},
                               {0.013F, 0.167F}, {0.013F, 0.178F}, {0, 0.18F}};
-  Mesh pump = make_lathe("pump", collar, detail.cells(20, 8));
+  Mesh pump = make_lathe("pump", detail.profile(collar), detail.cells(20, 8));
   const glm::vec3 spout[] = {{0, 0.172F, 0}, {0, 0.174F, 0.025F}, {0, 0.172F, 0.045F}, {0, 0.16F, 0.052F}};
   append(pump, make_tube("", smoothed(spout, detail.cells(5, 2)), std::array{0.0045F}, detail.cells(10, 4)));
   add_object(scene, transformed(std::move(pump), placed(at, 0.05)), is.chrome);
@@ -85,7 +91,8 @@ void add_brush(Scene& scene, const Materials& is, const Detail& detail, const gl
 
 void add_toothbrushes(Scene& scene, const Materials& is, const Detail& detail, const glm::vec3& at) {
   const glm::vec2 tumbler[] = {{0.03F, 0}, {0.036F, 0.1F}, {0.0345F, 0.1F}, {0.0285F, 0.008F}, {0, 0.008F}};
-  add_object(scene, transformed(make_lathe("tumbler", tumbler, detail.cells(36, 12)), placed(at)), is.white);
+  add_object(scene, transformed(make_lathe("tumbler", detail.profile(tumbler), detail.cells(36, 12)), placed(at)),
+             is.white);
   const std::uint32_t inks[] = {is.blue, is.rose, is.green};
   for (std::uint32_t k = 0; k < 3; ++k) {
     const glm::mat4 lean =
@@ -128,7 +135,7 @@ void add_duck(Scene& scene, const Materials& is, const Detail& detail, const glm
 void add_fern(Scene& scene, const Materials& is, const Detail& detail, const glm::vec3& at) {
   const glm::vec2 pot[] = {{0.035F, 0},     {0.05F, 0.08F},   {0.055F, 0.08F}, {0.055F, 0.095F},
                            {0.05F, 0.095F}, {0.045F, 0.085F}, {0, 0.085F}};
-  add_object(scene, transformed(make_lathe("pot", pot, detail.cells(28, 10)), placed(at)), is.white);
+  add_object(scene, transformed(make_lathe("pot", detail.profile(pot), detail.cells(28, 10)), placed(at)), is.white);
   Mesh fern;
   fern.name = "fern";
   const std::uint32_t fronds = detail.cells(20, 8);

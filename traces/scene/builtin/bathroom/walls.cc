@@ -23,7 +23,7 @@ Mesh make_tiles(float left, float right, float top, bool accent, const Detail& d
     for (; x < right - 1e-4F; x += kTileWidth) {
       const float from = std::max(x, left) + 0.5F * kJoint, to = std::min(x + kTileWidth, right) - 0.5F * kJoint;
       if (to - from < 0.03F) continue;
-      const Mesh tile = make_panel("", to - from, kTileHeight - kJoint, rings, detail.cells(1));
+      const Mesh tile = make_panel("", to - from, kTileHeight - kJoint, detail.profile(rings), detail.cells(1));
       append(mesh, transformed(tile, placed({from, kTileHeight * static_cast<float>(row) + 0.5F * kJoint, 0})));
     }
   }
@@ -47,7 +47,7 @@ void add_floor(Scene& scene, const Materials& is, const Detail& detail) {
   constexpr float kRadius = 0.058F, kAcross = 0.866025F * 2 * kRadius;
   const glm::vec2 profile[] = {
       {kRadius - 0.0015F, 0}, {kRadius - 0.0015F, 0.002F}, {kRadius - 0.004F, 0.004F}, {0, 0.004F}};
-  const Mesh tile = make_lathe("", profile, 6);
+  const Mesh tile = make_lathe("", detail.profile(profile), 6);
   Mesh floor;
   floor.name = "floor tiles";
   for (int row = 0; row < 36; ++row) {
@@ -72,7 +72,8 @@ void add_door(Scene& scene, const Materials& is, const Detail& detail, const glm
   Mesh door;
   door.name = "door";
   for (const auto& [low, high] : {std::pair{0.01F, 0.98F}, std::pair{0.98F, kTall}}) {
-    append(door, transformed(make_panel("", kWidth, high - low, field, detail.cells(3)), placed({left, low, 0})));
+    append(door, transformed(make_panel("", kWidth, high - low, detail.profile(field), detail.cells(3)),
+                             placed({left, low, 0})));
   }
   for (const float x : {left - 0.09F, left + kWidth})
     append(door, make_box("", {x, 0, 0}, {x + 0.09F, kTall + 0.09F, 0.035F}));
@@ -111,10 +112,12 @@ void add_walls(Scene& scene, const Materials& is, const Detail& detail) {
   const glm::mat4 under_ceiling = placed({-0.3F, kHeight, 0.25F});
   add_object(
       scene,
-      transformed(make_lathe("ceiling lamp", smoothed(bowl, detail.cells(4, 2)), detail.cells(36, 12)), under_ceiling),
+      transformed(make_lathe("ceiling lamp", smoothed(detail.profile(bowl), detail.cells(4, 2)), detail.cells(36, 12)),
+                  under_ceiling),
       is.lamp);
   const glm::vec2 ring[] = {{0.2F, -0.03F}, {0.215F, -0.03F}, {0.215F, 0}};
-  add_object(scene, transformed(make_lathe("lamp ring", ring, detail.cells(36, 12)), under_ceiling), is.chrome);
+  add_object(scene, transformed(make_lathe("lamp ring", detail.profile(ring), detail.cells(36, 12)), under_ceiling),
+             is.chrome);
 }
 
 }  // namespace traces::bathroom

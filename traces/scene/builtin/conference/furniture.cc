@@ -45,7 +45,7 @@ Mesh make_castor(const Detail& detail) {
                              {0.027F, 0.016F}, {0.022F, 0.021F}, {0.004F, 0.022F}};
   Mesh mesh;
   for (const float z : {-0.025F, 0.003F}) {
-    append(mesh, transformed(make_lathe("", wheel, round), turned({0, 0.028F, z}, {1, 0, 0}, 0.25)));
+    append(mesh, transformed(make_lathe("", detail.profile(wheel), round), turned({0, 0.028F, z}, {1, 0, 0}, 0.25)));
   }
   const glm::vec3 fork[] = {{0, 0.028F, 0}, {0, 0.055F, 0}, {-0.01F, 0.085F, 0}};
   append(mesh, make_tube("", fork, std::array{0.009F}, round));
@@ -66,7 +66,7 @@ Mesh make_chair_frame(const Detail& detail) {
   }
   const glm::vec2 lift[] = {{0.05F, 0.11F},  {0.05F, 0.155F}, {0.03F, 0.165F}, {0.03F, 0.29F}, {0.019F, 0.292F},
                             {0.019F, 0.41F}, {0.09F, 0.415F}, {0.09F, 0.43F},  {0, 0.43F}};
-  append(mesh, make_lathe("", lift, detail.cells(16, 6)));
+  append(mesh, make_lathe("", detail.profile(lift), detail.cells(16, 6)));
   for (const float side : {-1.0F, 1.0F}) {
     const glm::vec3 bow[] = {{side * 0.2F, 0.425F, 0.02F},  {side * 0.285F, 0.43F, 0.03F},
                              {side * 0.305F, 0.47F, 0.05F}, {side * 0.305F, 0.62F, 0.1F},

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -21,7 +22,7 @@ Mesh make_panelling(float width, const Detail& detail) {
   const auto count = static_cast<std::uint32_t>(width / 0.66F + 0.5F);
   const float step = width / static_cast<float>(count);
   for (std::uint32_t k = 0; k < count; ++k) {
-    const Mesh field = make_panel("", step, kPanelling - 0.17F, kField, detail.cells(3));
+    const Mesh field = make_panel("", step, kPanelling - 0.17F, detail.profile(kField), detail.cells(3));
     append(mesh, transformed(field, placed({static_cast<float>(k) * step, 0.12F, 0})));
   }
   const glm::vec2 base[] = {{0, 0}, {0.03F, 0}, {0.03F, 0.1F}, {0.024F, 0.12F}, {0, 0.12F}};
@@ -51,7 +52,7 @@ void add_door(Scene& scene, const Materials& is, const Detail& detail) {
   Mesh leaf = make_panel("door", kWidth, kTall, std::array<glm::vec2, 2>{{{0, 0}, {0, 0.025F}}});
   for (const auto& [low, high] : {std::pair{0.12F, 0.95F}, std::pair{1.05F, 1.98F}}) {
     for (const float x : {0.1F, 0.51F}) {
-      const Mesh field = make_panel("", 0.34F, high - low, kField, detail.cells(3));
+      const Mesh field = make_panel("", 0.34F, high - low, detail.profile(kField), detail.cells(3));
       append(leaf, transformed(field, placed({x, low, 0.02F})));
     }
   }
@@ -102,8 +103,9 @@ void add_ceiling(Scene& scene, const Materials& is, const Detail& detail) {
   boards.name = "ceiling boards";
   panels.name = "lamp panels";
   grid.name = "ceiling grid";
-  const Mesh board = make_panel("", kStepX, kStepZ, board_rings, detail.cells(2));
+  const Mesh board = make_panel("", kStepX, kStepZ, detail.profile(board_rings), detail.cells(2));
   const auto is_lamp = [](int i, int j) { return i % 4 != 0 && i % 4 != 3 && (j == 2 || j == 7 || j == 4 || j == 5); };
+  const std::uint32_t cells = std::min(detail.cells(6, 3), 12U);
   for (int j = 0; j < kRows; ++j) {
     for (int i = 0; i < kColumns; ++i) {
       const glm::vec3 corner(-kHalfLength + kStepX * static_cast<float>(i), kHeight,
@@ -113,8 +115,8 @@ void add_ceiling(Scene& scene, const Materials& is, const Detail& detail) {
         continue;
       }
       append(panels, make_quad("", corner + glm::vec3(0, 0.03F, 0), {kStepX, 0, 0}, {0, 0, kStepZ}, 1));
-      for (int k = 1; k < 6; ++k) {  // louvres
-        const float share = static_cast<float>(k) / 6;
+      for (std::uint32_t k = 1; k < cells; ++k) {  // louvres
+        const float share = static_cast<float>(k) / static_cast<float>(cells);
         append(grid, make_box("", corner + glm::vec3(share * kStepX - 0.004F, 0.002F, 0),
                               corner + glm::vec3(share * kStepX + 0.004F, 0.028F, kStepZ)));
         append(grid, make_box("", corner + glm::vec3(0, 0.003F, share * kStepZ - 0.004F),

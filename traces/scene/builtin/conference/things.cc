@@ -60,8 +60,8 @@ Mesh make_cup(const Detail& detail) {
   const glm::vec2 saucer[] = {{0, 0}, {0.04F, 0}, {0.075F, 0.012F}, {0.076F, 0.014F}, {0.042F, 0.005F}, {0, 0.004F}};
   const glm::vec2 cup[] = {{0, 0.005F},      {0.022F, 0.006F}, {0.024F, 0.012F}, {0.036F, 0.03F}, {0.041F, 0.066F},
                            {0.039F, 0.066F}, {0.034F, 0.03F},  {0.02F, 0.013F},  {0, 0.012F}};
-  Mesh mesh = make_lathe("cup", saucer, round);
-  append(mesh, make_lathe("", cup, round));
+  Mesh mesh = make_lathe("cup", detail.profile(saucer), round);
+  append(mesh, make_lathe("", detail.profile(cup), round));
   const glm::vec3 ear[] = {{0.037F, 0.052F, 0}, {0.058F, 0.055F, 0}, {0.06F, 0.035F, 0}, {0.034F, 0.024F, 0}};
   append(mesh, make_tube("", smoothed(ear, detail.cells(4, 2)), std::array{0.0035F}, detail.cells(6, 4)));
   return mesh;
@@ -139,8 +139,8 @@ void add_wall_things(Scene& scene, const Materials& is, const Detail& detail) {
   const glm::vec2 rim[] = {{0.17F, 0}, {0.17F, 0.03F}, {0.155F, 0.035F}, {0.15F, 0.015F}},
                   face[] = {{0.15F, 0.012F}, {0, 0.012F}};
   const glm::mat4 flat = clock * turned(glm::vec3(0), {1, 0, 0}, 0.25);
-  add_object(scene, transformed(make_lathe("clock rim", rim, detail.cells(32, 12)), flat), is.dark);
-  Mesh dial = make_lathe("clock face", face, detail.cells(32, 12));
+  add_object(scene, transformed(make_lathe("clock rim", detail.profile(rim), detail.cells(32, 12)), flat), is.dark);
+  Mesh dial = make_lathe("clock face", detail.profile(face), detail.cells(32, 12));
   add_object(scene, transformed(std::move(dial), flat), is.white);
   add_object(scene, transformed(make_clock_hands(), clock), is.dark);
   // A sideboard below the middle picture.
@@ -160,7 +160,7 @@ void add_wall_things(Scene& scene, const Materials& is, const Detail& detail) {
   add_object(scene, transformed(std::move(knobs), back), is.brass);
   const glm::vec2 flask[] = {{0, 0},          {0.06F, 0},     {0.065F, 0.01F}, {0.065F, 0.19F},
                              {0.05F, 0.235F}, {0.03F, 0.25F}, {0.03F, 0.275F}, {0, 0.28F}};
-  const std::uint32_t can = add_mesh(scene, make_lathe("flask", flask, detail.cells(28, 10)), is.steel);
+  const std::uint32_t can = add_mesh(scene, make_lathe("flask", detail.profile(flask), detail.cells(28, 10)), is.steel);
   for (const float x : {4.1F, 4.28F}) add_instance(scene, can, back * placed({x, 0.835F, 0.22F}));
 }
 
@@ -192,10 +192,11 @@ void add_table_things(Scene& scene, const Materials& is, const Detail& detail) {
   add_object(scene, transformed(make_telephone(detail), placed({-0.35F, y, 0.02F}, 0.1)), is.dark);
   const glm::vec2 bowl[] = {{0, 0},          {0.06F, 0},      {0.065F, 0.01F}, {0.1F, 0.05F},
                             {0.115F, 0.11F}, {0.11F, 0.115F}, {0.098F, 0.1F},  {0, 0.1F}};
-  add_object(scene,
-             transformed(make_lathe("flower bowl", smoothed(bowl, detail.cells(3)), detail.cells(32, 10)),
-                         placed({0.62F, y, -0.02F})),
-             is.china);
+  add_object(
+      scene,
+      transformed(make_lathe("flower bowl", smoothed(detail.profile(bowl), detail.cells(3)), detail.cells(32, 10)),
+                  placed({0.62F, y, -0.02F})),
+      is.china);
   Mesh leaves = make_leaves(detail, {0.62F, y + 0.08F, -0.02F}, detail.cells(30, 10), 0.26F, 5);
   Mesh blossoms;
   blossoms.name = "blossoms";
@@ -221,8 +222,8 @@ void add_plant(Scene& scene, const Materials& is, const Detail& detail) {
                            {0.225F, 0.31F}, {0.225F, 0.36F}, {0.215F, 0.365F}, {0.19F, 0.36F}, {0.185F, 0.32F}};
   const glm::vec2 ground[] = {{0.187F, 0.325F}, {0.1F, 0.34F}, {0, 0.345F}};
   const std::uint32_t round = detail.cells(36, 12);
-  const std::uint32_t pot_mesh = add_mesh(scene, make_lathe("flower pot", pot, round), is.terracotta);
-  const std::uint32_t soil_mesh = add_mesh(scene, make_lathe("soil", ground, round), is.soil);
+  const std::uint32_t pot_mesh = add_mesh(scene, make_lathe("flower pot", detail.profile(pot), round), is.terracotta);
+  const std::uint32_t soil_mesh = add_mesh(scene, make_lathe("soil", detail.profile(ground), round), is.soil);
   std::uint32_t seed = 40;
   for (const glm::vec3& at : corners) {
     add_instance(scene, pot_mesh, placed(at));
