@@ -40,7 +40,7 @@ Mesh make_face(std::string name, float a, float b, float y, bool up, std::uint32
 }
 
 Mesh make_castor(const Detail& detail) {
-  const std::uint32_t round = detail.cells(10, 5);
+  const std::uint32_t round = detail.cells(10, 4);
   const glm::vec2 wheel[] = {{0.004F, 0},      {0.022F, 0.001F}, {0.027F, 0.006F},
                              {0.027F, 0.016F}, {0.022F, 0.021F}, {0.004F, 0.022F}};
   Mesh mesh;
@@ -54,7 +54,7 @@ Mesh make_castor(const Detail& detail) {
 
 /// All that is hard: five-star base, castors, gas lift, armrests, the shell of the back. The chair looks towards +z.
 Mesh make_chair_frame(const Detail& detail) {
-  const std::uint32_t round = detail.cells(10, 5);
+  const std::uint32_t round = detail.cells(10, 4);
   Mesh mesh;
   mesh.name = "chair frame";
   for (int k = 0; k < 5; ++k) {
@@ -71,12 +71,12 @@ Mesh make_chair_frame(const Detail& detail) {
     const glm::vec3 bow[] = {{side * 0.2F, 0.425F, 0.02F},  {side * 0.285F, 0.43F, 0.03F},
                              {side * 0.305F, 0.47F, 0.05F}, {side * 0.305F, 0.62F, 0.1F},
                              {side * 0.3F, 0.665F, 0.06F},  {side * 0.3F, 0.665F, -0.14F}};
-    append(mesh, make_tube("", smoothed(bow, detail.cells(5, 2)), std::array{0.013F}, round));
+    append(mesh, make_tube("", smoothed(bow, detail.cells(5)), std::array{0.013F}, round));
     append(mesh, make_cushion("", {side * 0.3F - 0.035F, 0.665F, -0.15F}, {side * 0.3F + 0.035F, 0.695F, 0.13F},
                               0.0145F, detail.cells(2), detail.cells(3)));
   }
   const glm::vec3 spine[] = {{0, 0.415F, -0.05F}, {0, 0.42F, -0.24F}, {0, 0.5F, -0.3F}, {0, 0.8F, -0.315F}};
-  append(mesh, make_tube("", smoothed(spine, detail.cells(5, 2)), std::array{0.022F}, round));
+  append(mesh, make_tube("", smoothed(spine, detail.cells(5)), std::array{0.022F}, round));
   return mesh;
 }
 
