@@ -28,7 +28,7 @@ Scene furnish(const Detail& detail) {
 void add_cameras(Scene& scene) {
   scene.cameras.push_back(look_at("door", {-0.05F, 1.52F, 1.38F}, {0, 0.9F, -1.2F}, 0.93F));
   scene.cameras.push_back(look_at("basin", {0.45F, 1.38F, -0.3F}, {1.05F, 1.1F, -1.4F}, 0.8F));
-  scene.cameras.push_back(look_at("shower", {-0.35F, 1.35F, -0.1F}, {-1.6F, 1.0F, -1.1F}, 0.85F));
+  scene.cameras.push_back(look_at("shower", {-0.5F, 1.4F, -0.85F}, {-1.7F, 1.1F, -1.12F}, 0.9F));
   const ViewKey keys[] = {{0, {-0.05F, 1.52F, 1.3F}, {0, 0.9F, -1.2F}},
                           {4, {-0.6F, 1.4F, 0.7F}, {0.7F, 1.0F, -1.3F}},
                           {8, {0.1F, 1.4F, 0.0F}, {1.0F, 1.15F, -1.4F}},
