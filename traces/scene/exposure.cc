@@ -17,12 +17,17 @@ struct Point {
   glm::vec3 position, normal;
 };
 
+/// A lamp or an unlit surface: what falls on it does not matter.
+bool shines(const Material& material) {
+  return material.emission != glm::vec3(0) && !(material.casts_light && material.emission_texture.used());
+}
+
 /// Calls visit(triangle's corners) for each triangle that does not shine itself, in world space.
 template <class Visit>
 void for_each_triangle(const Scene& scene, Visit visit) {
   for (const Instance& instance : scene.instances) {
     const Mesh& mesh = scene.meshes[instance.mesh];
-    if (scene.materials[mesh.material].emission != glm::vec3(0)) continue;
+    if (shines(scene.materials[mesh.material])) continue;
     for (const auto& triangle : mesh.triangles) {
       glm::vec3 p[3];
       for (std::size_t k = 0; k < 3; ++k)
@@ -70,6 +75,10 @@ glm::vec3 irradiance(const Scene& scene, const Point& at) {
     const glm::vec3 way = d / std::sqrt(squared);
     float share = std::max(glm::dot(way, at.normal), 0.0F);
     if (light.kind == Light::Kind::kSpot && -glm::dot(way, light.direction) < light.cos_outer) share = 0;
+    if (light.range > 0) {
+      const float far = squared / (light.range * light.range);
+      share *= std::max(1 - far * far, 0.0F);  // the fading that KHR_lights_punctual recommends
+    }
     sum += light.intensity * (share / squared);
   }
   return sum;
