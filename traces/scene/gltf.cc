@@ -9,6 +9,7 @@
 #include "traces/scene/cameras.h"
 #include "traces/scene/gltf/context.h"
 #include "traces/scene/gltf/extensions.h"
+#include "traces/scene/gltf/final_light.h"
 #include "traces/scene/gltf/meshes.h"
 #include "traces/scene/gltf/nodes.h"
 #include "traces/scene/gltf/parse.h"
@@ -43,7 +44,7 @@ Scene read(const std::filesystem::path& path, const SceneLimits& limits) {
   gltf::read_nodes(context, meshes);
   if (scene.instances.empty()) context.refuse("shows no triangles; at least one is needed");
   if (scene.cameras.empty()) scene.cameras.push_back(framing_camera(scene));
-  finish_lights(scene);
+  if (!gltf::read_final_light(context)) finish_lights(scene);
   return scene;
 }
 
