@@ -1,10 +1,11 @@
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
-#include <sys/resource.h>
 
 #include "sim/error.h"
 #include "sim/io/file.h"
@@ -26,10 +27,15 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
-std::uint64_t peak_rss() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+/// "VmRSS" (memory in use) or "VmHWM" (its peak) of this process, in bytes. getrusage() would count the program that
+/// started this one.
+std::uint64_t memory_in_use(const std::string& key) {
+  std::ifstream status("/proc/self/status");
+  for (std::string word; status >> word;) {
+    std::uint64_t kib = 0;
+    if (word == key + ":" && status >> kib) return kib * 1024;
+  }
+  return 0;
 }
 
 void print_warnings(const traces::Scene& scene) {
@@ -51,7 +57,7 @@ struct InfoOptions {
 
 void show(const InfoOptions& options) {
   SceneCost cost;
-  const std::uint64_t before = peak_rss();
+  const std::uint64_t before = memory_in_use("VmRSS");
   const std::filesystem::path file = traces::scene_file(options.scene);
   auto begin = Clock::now();
   const traces::Scene scene = traces::open_scene(options.scene);
@@ -59,7 +65,7 @@ void show(const InfoOptions& options) {
   begin = Clock::now();
   const traces::MemoryImage image = traces::build_memory_image(scene);
   cost.build_s = seconds_since(begin);
-  cost.peak_bytes = peak_rss() - before;
+  cost.peak_bytes = std::max(memory_in_use("VmHWM"), before) - before;
   std::error_code ignored;
   if (!file.empty()) cost.file_bytes = std::filesystem::file_size(file, ignored);
   const nlohmann::ordered_json sheet = scene_sheet(scene, image, cost);

@@ -130,7 +130,7 @@ bool is_unlit(const Material& m) {
 tinygltf::Material material_of(const Scene& scene, const Material& m, Document& out) {
   tinygltf::Material to;
   to.name = m.name;
-  to.doubleSided = true;  // rays hit both sides
+  to.doubleSided = m.absorption == glm::vec3(0);  // rays hit both sides; glTF wants volumes to have an outside
   tinygltf::PbrMetallicRoughness& pbr = to.pbrMetallicRoughness;
   if (is_unlit(m)) {
     out.extend(to.extensions, "KHR_materials_unlit", {});
