@@ -210,6 +210,18 @@ TEST(ExportOfSurfaces, GlassKeepsItsIndexAndAColdReflection) {
   EXPECT_NEAR(back.mirror, 0.05F, 1e-5F);
 }
 
+TEST(ExportOfSurfaces, AThinSheetHasAnIndexForItsMirrorAndNoThickness) {
+  Scene scene = feature_scene();
+  Material& pane = scene.materials[1];
+  pane.ior = 1;
+  pane.absorption = glm::vec3(0);
+  EXPECT_FALSE(exported(scene)["materials"][1]["extensions"].contains("KHR_materials_volume"));
+  pane.mirror = 0.18F;
+  const json extensions = exported(scene)["materials"][1]["extensions"];
+  EXPECT_EQ(extensions["KHR_materials_volume"]["thicknessFactor"], 0);
+  EXPECT_NEAR(extensions["KHR_materials_ior"]["ior"].get<double>(), 1.3 / 0.7, 1e-6) << "twice 0.3 squared";
+}
+
 TEST(ExportOfSurfaces, AbsorptionIsAColourAfterADistance) {
   const json volume = exported(feature_scene())["materials"][1]["extensions"]["KHR_materials_volume"];
   const glm::dvec3 absorption(0.5, 0.1, 0.7);

@@ -24,7 +24,8 @@ struct Surface {
   glm::vec3 base{1};
   float metallic = 0, roughness = 1;
   float ior = 1.5F;
-  float coat = 0;  ///< factor
+  float coat = 0;     ///< factor
+  bool thin = false;  ///< a sheet of glass that mirrors as any dielectric and bends nothing
 };
 
 /// The metal's part of a mirror: the a that fits a (base - 1) = mirror (tint - 1) best.
@@ -38,8 +39,10 @@ float metal_share(const Material& m, const glm::vec3& mean_base) {
 Surface surface_of(const Material& m, const glm::vec3& mean_texture) {
   Surface s;
   s.base = glm::clamp(m.base_colour, 0.0F, 1.0F);
-  const bool glass = m.transmission > 0;
+  s.thin = m.transmission > 0 && m.ior <= 1 && m.absorption == glm::vec3(0);
+  const bool glass = m.transmission > 0 && !s.thin;
   if (glass) s.ior = std::max(m.ior, 1.0F);
+  if (s.thin) s.ior = 1;
   if (m.metal_rough_texture.used()) {
     s.metallic = m.metallic;
     s.roughness = m.roughness;
@@ -47,7 +50,7 @@ Surface surface_of(const Material& m, const glm::vec3& mean_texture) {
     s.coat = std::min(m.coat / kCoatShare, 1.0F);
     return s;
   }
-  if (glass) s.roughness = 0;
+  if (m.transmission > 0) s.roughness = 0;
   if (!(m.mirror > 0)) return s;
   s.roughness = 0;
   if (m.mirror >= 1 && !m.base_texture.used()) {
@@ -94,7 +97,9 @@ void write_surface(const Material& m, const Surface& s, tinygltf::Material& to, 
   if (s.coat > 0) out.extend(to.extensions, "KHR_materials_clearcoat", {{"clearcoatFactor", value(s.coat)}});
   if (m.transmission > 0) {
     out.extend(to.extensions, "KHR_materials_transmission", {{"transmissionFactor", value(m.transmission)}});
-    if (const float most = strongest_channel(m.absorption); most > 0) {
+    if (s.thin && s.ior > 1) {
+      out.extend(to.extensions, "KHR_materials_volume", {{"thicknessFactor", value(0)}});
+    } else if (const float most = strongest_channel(m.absorption); most > 0) {
       // One distance for all channels: that after which the most absorbed one has fallen to 1 / e.
       const glm::vec3 colour(std::exp(-m.absorption.x / most), std::exp(-m.absorption.y / most),
                              std::exp(-m.absorption.z / most));
@@ -130,10 +135,10 @@ bool is_unlit(const Material& m) {
 tinygltf::Material material_of(const Scene& scene, const Material& m, Document& out) {
   tinygltf::Material to;
   to.name = m.name;
-  to.doubleSided = m.absorption == glm::vec3(0);  // rays hit both sides; glTF wants volumes to have an outside
   tinygltf::PbrMetallicRoughness& pbr = to.pbrMetallicRoughness;
   if (is_unlit(m)) {
     out.extend(to.extensions, "KHR_materials_unlit", {});
+    to.doubleSided = true;
     pbr.baseColorFactor = numbers(glm::vec4(glm::clamp(m.emission, 0.0F, 1.0F), 1));
     use(m.emission_texture.used() ? m.emission_texture : m.base_texture, pbr.baseColorTexture);
     write_alpha(m, to);
@@ -145,6 +150,7 @@ tinygltf::Material material_of(const Scene& scene, const Material& m, Document& 
   use(m.base_texture, pbr.baseColorTexture);
   use(m.metal_rough_texture, pbr.metallicRoughnessTexture);
   write_surface(m, s, to, out);
+  to.doubleSided = !to.extensions.contains("KHR_materials_volume");  // volumes have an outside
   write_emission(m, to, out);
   write_alpha(m, to);
   use(m.normal_texture, to.normalTexture);

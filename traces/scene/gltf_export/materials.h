@@ -13,7 +13,8 @@ namespace traces::gltf_export {
 ///            is not seen.
 ///   no mirror  roughness 1
 ///   per texel  (metal_rough_texture) the factors as they are; the index from `dielectric`, a clear coat from `coat`
-///   glass    KHR_materials_transmission, _ior and _volume
+///   glass    KHR_materials_transmission, _ior and _volume; a sheet that bends nothing (ior 1) but mirrors white has a
+///            volume of thickness 0 and the index that mirrors so much
 ///   emission KHR_materials_emissive_strength above 1; a black surface that only shines and lights nothing is unlit
 ///
 /// What glTF cannot say comes as near as it goes: a tint darker than any mixture of base colour and white, more than
