@@ -104,4 +104,11 @@ void FrontEnd::keep(const Slot& slot) {
   result_.seconds += slot.seconds;
 }
 
+void FrontEnd::Result::add(const Result& other) {
+  for (std::size_t k = 0; k < std::size(rays); ++k) rays[k] += other.rays[k];
+  traversal_steps += other.traversal_steps;
+  seconds += other.seconds;
+  waited += other.waited;
+}
+
 }  // namespace hw

@@ -25,6 +25,8 @@ class FrontEnd final : public TileSource {
     std::uint64_t traversal_steps = 0;
     double seconds = 0;  ///< host time of the functional half, summed over its threads
     double waited = 0;   ///< of that, time for which the caller of next() stood still
+    /// Adds another frame's figures; the picture stays.
+    void add(const Result& other);
   };
 
   /// `workers` threads beside the caller's; 0: tiles are made when they are asked for. Without `record` there is only

@@ -113,7 +113,7 @@ void write_exr(const std::filesystem::path& path, std::uint32_t width, std::uint
 }
 
 FloatImage read_exr(const std::filesystem::path& path, const SceneLimits& limits) {
-  const std::string bytes = sim::read_file(path, limits.memory_bytes);
+  const std::string bytes = sim::read_file(path, limits.memory.bytes);
   const std::string shown = sim::printable(path.string());
   if (!bytes.starts_with("\x76\x2f\x31\x01")) throw sim::InputError(shown + ": not an OpenEXR file");
   FloatImage image;

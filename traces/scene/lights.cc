@@ -4,7 +4,10 @@
 #include <cmath>
 #include <vector>
 
+#include <glm/matrix.hpp>
+
 #include "traces/scene/bounds.h"
+#include "traces/scene/texture_mean.h"
 
 namespace traces {
 namespace {
@@ -50,14 +53,34 @@ glm::vec3 way_out(const Emitter& e, const glm::vec3& centroid, const glm::vec3& 
   return glm::dot(way, middle - centroid) < 0 ? -way : way;
 }
 
+/// An orthonormal frame at `position` that looks along `direction`.
+glm::mat4 frame(const glm::vec3& position, const glm::vec3& direction) {
+  const glm::vec3 other = std::abs(direction.y) < 0.9F ? glm::vec3(0, 1, 0) : glm::vec3(1, 0, 0);
+  const glm::vec3 right = glm::normalize(glm::cross(other, -direction));
+  return {glm::vec4(right, 0), glm::vec4(glm::cross(-direction, right), 0), glm::vec4(-direction, 0),
+          glm::vec4(position, 1)};
+}
+
+/// Of each material, as a lamp; null if it is none.
+std::vector<glm::vec3> mean_emissions(const Scene& scene) {
+  std::vector<glm::vec3> means;
+  for (const Material& material : scene.materials) {
+    means.push_back(material.casts_light ? material.emission : glm::vec3(0));
+    if (strongest_channel(means.back()) < 1 || !material.emission_texture.used()) continue;
+    means.back() *= glm::vec3(mean_texel(scene.textures[material.emission_texture.texture]));
+  }
+  return means;
+}
+
 }  // namespace
 
 void add_emitter_lights(Scene& scene) {
   const Bounds world = world_bounds(scene);
+  const std::vector<glm::vec3> emissions = mean_emissions(scene);
   std::vector<Light> found;
   for (const Instance& instance : scene.instances) {
     const Mesh& mesh = scene.meshes[instance.mesh];
-    const glm::vec3 emission = scene.materials[mesh.material].emission;
+    const glm::vec3 emission = emissions[mesh.material];
     if (strongest_channel(emission) < 1) continue;
     const Emitter e = measure(mesh, instance.to_world);
     if (!(e.area > 0)) continue;
@@ -69,6 +92,12 @@ void add_emitter_lights(Scene& scene) {
     light.position = centroid + way * (std::max(glm::dot(corner - centroid, way), 0.0F) + 1e-3F * world.diagonal());
     light.direction = way;
     light.intensity = static_cast<float>(e.area) * emission;
+    const bool skinned = mesh.deformation != nullptr && mesh.deformation->skin != kNone;
+    const bool flat = glm::determinant(glm::dmat3(instance.to_world)) == 0;
+    if (instance.node != kNone && !skinned && !flat) {
+      light.node = instance.node;
+      light.in_node = glm::mat4(glm::inverse(glm::dmat4(instance.to_world)) * glm::dmat4(frame(light.position, way)));
+    }
     found.push_back(light);
   }
   std::stable_sort(found.begin(), found.end(), [](const Light& a, const Light& b) {

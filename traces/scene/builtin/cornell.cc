@@ -1,7 +1,7 @@
 #include "traces/scene/builtin/builtin.h"
+#include "traces/scene/builtin/motion.h"
 #include "traces/scene/builtin/shapes.h"
 #include "traces/scene/cameras.h"
-#include "traces/scene/lights.h"
 
 namespace traces {
 
@@ -47,8 +47,7 @@ Scene build_cornell(const BuiltinOptions& /*options*/) {
   add_object(scene, make_quad("lamp", {-0.5F, 0.9998F, -0.05F}, {1, 0, 0}, {0, 0, 0.5F}, 1), lamp_id);
 
   scene.cameras.push_back(look_at("front", {0, 0, 3.4F}, {0, 0, 0}, 0.7896F));
-  finish_lights(scene);
-  scene.sha256 = scene_digest(scene);
+  finish_scene(scene);
   return scene;
 }
 

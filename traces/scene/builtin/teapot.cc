@@ -6,10 +6,10 @@
 
 #include "sim/hash.h"
 #include "traces/scene/builtin/builtin.h"
+#include "traces/scene/builtin/motion.h"
 #include "traces/scene/builtin/shapes.h"
 #include "traces/scene/builtin/teapot_patches.h"
 #include "traces/scene/cameras.h"
-#include "traces/scene/lights.h"
 
 namespace traces {
 namespace {
@@ -88,8 +88,7 @@ Scene build_teapot(const BuiltinOptions& /*options*/) {
   lamp.intensity = glm::vec3(1, 0.95F, 0.88F);
   scene.lights.push_back(lamp);
   scene.cameras.push_back(look_at("front", {1.2F, 4.2F, 8.6F}, {0.2F, 1.3F, 0}, 0.5F));
-  finish_lights(scene);
-  scene.sha256 = scene_digest(scene);
+  finish_scene(scene);
   return scene;
 }
 

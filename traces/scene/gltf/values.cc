@@ -4,6 +4,7 @@
 #include <limits>
 
 #include <fmt/format.h>
+#include <glm/geometric.hpp>
 
 namespace traces::gltf {
 namespace {
@@ -38,6 +39,14 @@ glm::vec4 to_vec4(const Context& context, const std::vector<double>& list, const
   return to_vector(context, list, absent, what);
 }
 
+glm::quat to_rotation(const Context& context, const std::vector<double>& list, const std::string& what) {
+  const glm::dvec4 q(to_vec4(context, list, glm::vec4(0, 0, 0, 1), what));
+  const double length = glm::length(q);
+  if (!(length > 0)) context.refuse(what + " is null");
+  const glm::vec4 unit(q / length);
+  return {unit.w, unit.x, unit.y, unit.z};
+}
+
 const tinygltf::Value* find_extension(const tinygltf::ExtensionMap& extensions, const char* name) {
   const auto found = extensions.find(name);
   return found != extensions.end() && found->second.IsObject() ? &found->second : nullptr;
@@ -46,6 +55,22 @@ const tinygltf::Value* find_extension(const tinygltf::ExtensionMap& extensions, 
 float number_or(const Context& context, const tinygltf::Value& object, const char* key, float absent) {
   if (!object.Has(key) || !object.Get(key).IsNumber()) return absent;
   return to_float(context, object.Get(key).GetNumberAsDouble(), key);
+}
+
+glm::vec3 vec3_or(const Context& context, const tinygltf::Value& object, const char* key, const glm::vec3& absent) {
+  if (!object.Has(key) || !object.Get(key).IsArray()) return absent;
+  const tinygltf::Value& list = object.Get(key);
+  std::vector<double> numbers;
+  for (int i = 0; i < static_cast<int>(list.ArrayLen()); ++i) numbers.push_back(list.Get(i).GetNumberAsDouble());
+  return to_vec3(context, numbers, absent, key);
+}
+
+std::uint64_t size_or(const Context& context, const tinygltf::Value& object, const char* key, std::uint64_t absent) {
+  constexpr double kMost = 9007199254740992;  // 2^53, up to which doubles hold every integer
+  if (!object.Has(key)) return absent;
+  const double value = object.Get(key).IsNumber() ? object.Get(key).GetNumberAsDouble() : -1;
+  if (!(value >= 0 && value <= kMost)) context.refuse(fmt::format("{} is not a number of 0 or more", key));
+  return static_cast<std::uint64_t>(value);
 }
 
 int index_or_none(const tinygltf::Value& object, const char* key) {

@@ -1,7 +1,9 @@
 #pragma once
+#include <cstdint>
 #include <string>
 #include <vector>
 
+#include <glm/gtc/quaternion.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
@@ -18,11 +20,20 @@ glm::vec3 to_vec3(const Context& context, const std::vector<double>& list, const
 glm::vec4 to_vec4(const Context& context, const std::vector<double>& list, const glm::vec4& absent,
                   const std::string& what);
 
+/// A unit quaternion from x, y, z, w; refused if it is null.
+glm::quat to_rotation(const Context& context, const std::vector<double>& list, const std::string& what);
+
 /// The object of that extension, or null.
 const tinygltf::Value* find_extension(const tinygltf::ExtensionMap& extensions, const char* name);
 
 /// A number of an extension's object, or `absent`.
 float number_or(const Context& context, const tinygltf::Value& object, const char* key, float absent);
+
+/// A list of three numbers of an extension's object, or `absent`.
+glm::vec3 vec3_or(const Context& context, const tinygltf::Value& object, const char* key, const glm::vec3& absent);
+
+/// A count of bytes or elements of an extension's object, or `absent`; refused if it is no such number.
+std::uint64_t size_or(const Context& context, const tinygltf::Value& object, const char* key, std::uint64_t absent);
 
 /// An index of an extension's object, or -1.
 int index_or_none(const tinygltf::Value& object, const char* key);

@@ -1,0 +1,41 @@
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "traces/scene/scene.h"
+
+namespace traces {
+
+/// A texture from a function of (u, v) in [0, 1) x [0, 1), v downwards; colours are sRGB-encoded, 0..1, w is alpha.
+Texture paint_texture(std::string name, std::uint32_t width, std::uint32_t height,
+                      const std::function<glm::vec4(float u, float v)>& at);
+
+/// Value noise in 0..1 that repeats every `period` lattice cells; u = 1 is `period` cells.
+float noise(float u, float v, std::uint32_t period, std::uint32_t seed);
+/// Octaves of noise, each twice as fine and half as strong; 0..1.
+float fractal(float u, float v, std::uint32_t period, std::uint32_t octaves, std::uint32_t seed);
+/// Without repetition, over space; 0..1.
+float fractal(const glm::vec3& p, std::uint32_t octaves, std::uint32_t seed);
+
+/// A normal map (linear) of a height field h(u, v) in 0..1; `strength` scales the slopes.
+Texture bump_texture(std::string name, std::uint32_t width, std::uint32_t height,
+                     const std::function<float(float u, float v)>& at, float strength);
+
+// Ready ones, all tileable, 0..1 colours.
+Texture wood_texture(std::string name, const glm::vec3& light, const glm::vec3& dark, std::uint32_t seed,
+                     std::uint32_t size = 512);
+Texture stone_texture(std::string name, const glm::vec3& light, const glm::vec3& dark, std::uint32_t seed,
+                      std::uint32_t size = 512);
+Texture brick_texture(std::string name, const glm::vec3& brick, const glm::vec3& mortar, std::uint32_t columns,
+                      std::uint32_t rows, std::uint32_t seed, std::uint32_t size = 512);
+Texture tile_texture(std::string name, const glm::vec3& first, const glm::vec3& second, const glm::vec3& joint,
+                     std::uint32_t tiles, std::uint32_t seed, std::uint32_t size = 512);
+Texture cloth_texture(std::string name, const glm::vec3& warp, const glm::vec3& weft, std::uint32_t threads,
+                      std::uint32_t seed, std::uint32_t size = 512);
+
+/// Random in [0, 1), [low, high): a hash of the keys.
+float random(std::uint64_t a, std::uint64_t b = 0, std::uint64_t c = 0);
+float random_between(float low, float high, std::uint64_t a, std::uint64_t b = 0, std::uint64_t c = 0);
+
+}  // namespace traces
