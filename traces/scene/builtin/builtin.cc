@@ -19,6 +19,10 @@ struct Entry {
 constexpr Entry kEntries[] = {
     {"cornell", "Cornell box, twice as wide as high, with a mirror sphere and a glass sphere", 10'000, build_cornell},
     {"teapot", "Newell's teapot, glazed, on a checkered floor", 15'000, build_teapot},
+    {"bathroom", "A bathroom: mirrors, chrome, a glass screen, and much that is thinner than a pixel", 270'000,
+     build_bathroom},
+    {"conference", "A conference room: long table, fourteen chairs, panelling; five views of it", 190'000,
+     build_conference},
 };
 
 }  // namespace

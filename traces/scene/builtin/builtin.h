@@ -27,5 +27,7 @@ Scene build_scene(std::string_view name, const BuiltinOptions& options = {});
 
 Scene build_cornell(const BuiltinOptions& options);
 Scene build_teapot(const BuiltinOptions& options);
+Scene build_conference(const BuiltinOptions& options);
+Scene build_bathroom(const BuiltinOptions& options);
 
 }  // namespace traces
