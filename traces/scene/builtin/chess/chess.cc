@@ -1,4 +1,5 @@
 #include <array>
+#include <cmath>
 #include <string_view>
 #include <vector>
 
@@ -57,9 +58,9 @@ struct Move {
 /// What moves: the pawn on e5 leaves, a knight takes its place, the queen on d1 leaves, a bishop takes hers.
 std::array<Move, 4> moves() {
   const float table = chess::kTableTop;
-  return {{{"e5", {5.9F, table, 1.6F}, 0.4F, 1.9F, 2.2F},
+  return {{{"e5", {5.75F, table, -1.2F}, 0.4F, 1.9F, 2.2F},
            {"f3", square("e5"), 1.2F, 2.6F, 1.6F},
-           {"d1", {-5.7F, table, 2.9F}, 3.0F, 4.5F, 2.4F},
+           {"d1", {-5.8F, table, 1.9F}, 3.0F, 4.5F, 2.4F},
            {"g4", square("d1"), 3.7F, 5.5F, 2.0F}}};
 }
 
@@ -117,8 +118,9 @@ Scene build_chess(const BuiltinOptions& options) {
   Scene scene;
   scene.name = "chess";
   scene.background = glm::vec3(0.05F);
-  chess::add_surroundings(scene);
-  const std::uint64_t wanted = options.triangles != 0 ? options.triangles : 42'000;
+  constexpr double kClass = 42'000;
+  const std::uint64_t wanted = options.triangles != 0 ? options.triangles : static_cast<std::uint64_t>(kClass);
+  chess::add_surroundings(scene, std::sqrt(static_cast<double>(wanted) / kClass));
   const std::uint64_t rest = triangles_of(scene);
   add_pieces(scene, fit_detail(wanted > rest ? wanted - rest : 0, triangles_of_set));
 

@@ -6,6 +6,7 @@
 #include "traces/scene/builtin/shapes.h"
 #include "traces/scene/builtin/sweeps.h"
 #include "traces/scene/builtin/trigonometry.h"
+#include "traces/scene/builtin/turned.h"
 
 namespace traces::chess {
 namespace {
@@ -65,21 +66,23 @@ Mesh make_frame() {
   return frame;
 }
 
-void add_clock(Scene& scene, std::uint32_t wood, std::uint32_t brass, std::uint32_t ivory, std::uint32_t black) {
+void add_clock(Scene& scene, double detail, std::uint32_t wood, std::uint32_t brass, std::uint32_t ivory,
+               std::uint32_t black) {
   // In its own space it looks along +z.
   const glm::mat4 at = placed({-6.9F, kTableTop, -0.6F}, 0.19);
   const auto part = [&](Mesh mesh, std::uint32_t material) {
     add_instance(scene, add_mesh(scene, std::move(mesh), material), at);
   };
-  part(make_rounded_box("clock", {-1.35F, 0.06F, -0.36F}, {1.35F, 1.35F, 0.36F}, 0.1F, 3), wood);
+  part(make_rounded_box("clock", {-1.35F, 0.06F, -0.36F}, {1.35F, 1.35F, 0.36F}, 0.1F, parts(detail, 3, 1)), wood);
   const glm::mat4 upright(glm::vec4(1, 0, 0, 0), glm::vec4(0, 0, 1, 0), glm::vec4(0, -1, 0, 0), glm::vec4(0, 0, 0, 1));
+  const std::uint32_t sides = parts(detail, 32, 10);
   Mesh dials, rings, hands, buttons;
   for (const float x : {-0.62F, 0.62F}) {
     glm::mat4 place = upright;
     place[3] = glm::vec4(x, 0.71F, 0.36F, 1);
-    append(dials, transformed(make_cylinder("", 0.47F, 0.012F, 32), place));
+    append(dials, transformed(make_cylinder("", 0.47F, 0.012F, sides), place));
     const glm::vec2 bezel[] = {{0.53F, 0}, {0.53F, 0.05F}, {0.50F, 0.07F}, {0.46F, 0.04F}, {0.46F, 0}};
-    append(rings, transformed(make_lathe("", bezel, 32), place));
+    append(rings, transformed(make_lathe("", bezel, sides), place));
     for (int hour = 0; hour < 12; ++hour) {
       const glm::vec2 way = on_circle(hour / 12.0);
       const glm::mat4 turn(glm::vec4(way.y, -way.x, 0, 0), glm::vec4(way, 0, 0), glm::vec4(0, 0, 1, 0),
@@ -94,7 +97,7 @@ void add_clock(Scene& scene, std::uint32_t wood, std::uint32_t brass, std::uint3
     }
     const glm::vec2 knob[] = {
         {0.11F, 0}, {0.11F, x < 0 ? 0.10F : 0.2F}, {0.09F, x < 0 ? 0.13F : 0.23F}, {0, x < 0 ? 0.14F : 0.24F}};
-    append(buttons, transformed(make_lathe("", knob, 20), placed({x, 1.34F, 0})));
+    append(buttons, transformed(make_lathe("", knob, parts(detail, 20, 8)), placed({x, 1.34F, 0})));
   }
   dials.name = "dials", rings.name = "bezels", hands.name = "hands", buttons.name = "buttons";
   part(std::move(dials), ivory);
@@ -120,7 +123,7 @@ void add_window(Scene& scene, std::uint32_t frame_paint) {
 
 }  // namespace
 
-void add_surroundings(Scene& scene) {
+void add_surroundings(Scene& scene, double detail) {
   const std::uint32_t maple =
       add_texture(scene, wood_texture("maple", {0.93F, 0.80F, 0.60F}, {0.80F, 0.61F, 0.38F}, 11));
   const std::uint32_t walnut =
@@ -137,7 +140,8 @@ void add_surroundings(Scene& scene) {
   add_object(scene, make_squares(false), dark);
   add_object(scene, make_frame(), dark);
   const std::uint32_t table = add_material(scene, textured("mahogany", mahogany, glm::vec3(1), 0.15F));
-  Mesh top = make_rounded_box("table", {-11, kTableTop - 0.7F, -7.5F}, {11, kTableTop, 7.5F}, 0.25F, 4);
+  Mesh top =
+      make_rounded_box("table", {-11, kTableTop - 0.7F, -7.5F}, {11, kTableTop, 7.5F}, 0.25F, parts(detail, 4, 1));
   for (std::size_t k = 0; k < top.uvs.size(); ++k) {
     const glm::vec3 p = top.positions[k];
     top.uvs[k] = {0.04F * p.x + 0.3F, 0.06F * p.z + 0.06F * p.y + 0.5F};
@@ -145,12 +149,12 @@ void add_surroundings(Scene& scene) {
   add_object(scene, std::move(top), table);
   const glm::vec2 leg[] = {{0.35F, kFloor}, {0.45F, kFloor + 0.6F}, {0.3F, kFloor + 1}, {0.55F, -3},
                            {0.4F, -2},      {0.6F, -1.1F}};
-  const std::uint32_t leg_mesh = add_mesh(scene, make_lathe("leg", leg, 12), table);
+  const std::uint32_t leg_mesh = add_mesh(scene, make_lathe("leg", leg, parts(detail, 12, 6)), table);
   for (const float x : {-9.8F, 9.8F}) {
     for (const float z : {-6.3F, 6.3F}) add_instance(scene, leg_mesh, placed({x, 0, z}));
   }
 
-  add_clock(scene, dark, add_material(scene, metal("brass", {0.95F, 0.72F, 0.35F}, 0.6F)),
+  add_clock(scene, detail, dark, add_material(scene, metal("brass", {0.95F, 0.72F, 0.35F}, 0.6F)),
             add_material(scene, paint("ivory", {0.88F, 0.84F, 0.74F}, 0.05F)),
             add_material(scene, paint("black enamel", {0.02F, 0.02F, 0.02F}, 0.05F)));
 
@@ -167,8 +171,8 @@ void add_surroundings(Scene& scene) {
   add_object(scene, make_quad("ceiling", far_corner, -z, -x, 2), plaster);
   add_window(scene, plaster);
   // Panelling along the back wall.
-  const std::uint32_t panel =
-      add_mesh(scene, make_rounded_box("panel", {-1.9F, -4.4F, 0}, {1.9F, 4.4F, 0.3F}, 0.14F, 1), table);
+  const std::uint32_t panel = add_mesh(
+      scene, make_rounded_box("panel", {-1.9F, -4.4F, 0}, {1.9F, 4.4F, 0.3F}, 0.14F, parts(detail, 1.4, 1)), table);
   for (int k = 0; k < 8; ++k) {
     add_instance(scene, panel, placed({kLeft + 2.2F + 4.2F * static_cast<float>(k), kFloor + 4.8F, kBack + 0.1F}));
   }
