@@ -19,6 +19,7 @@ struct Entry {
 constexpr Entry kEntries[] = {
     {"cornell", "Cornell box, twice as wide as high, with a mirror sphere and a glass sphere", 10'000, build_cornell},
     {"teapot", "Newell's teapot, glazed, on a checkered floor", 15'000, build_teapot},
+    {"village", "Houses, church and windmill among trees and fields, with a fly-through", 600'000, build_village},
 };
 
 }  // namespace

@@ -27,5 +27,6 @@ Scene build_scene(std::string_view name, const BuiltinOptions& options = {});
 
 Scene build_cornell(const BuiltinOptions& options);
 Scene build_teapot(const BuiltinOptions& options);
+Scene build_village(const BuiltinOptions& options);
 
 }  // namespace traces
