@@ -1,10 +1,17 @@
 #pragma once
+#include <array>
 #include <cstdint>
+#include <string_view>
 
 #include "sim/config/field.h"
 #include "traces/walk.h"
 
 namespace traces {
+
+/// What is done with the tree when the scene has moved: made anew, or its boxes drawn around where things are now
+/// (traces/accel/refit.h).
+enum class BvhUpdate : std::uint8_t { kRebuild, kRefit };
+constexpr std::array<std::string_view, 2> names_of(BvhUpdate) { return {"rebuild", "refit"}; }
 
 /// How the bounding volume hierarchy is built. Any change gives other walks.
 struct BvhConfig {
@@ -12,6 +19,7 @@ struct BvhConfig {
   std::uint32_t max_depth = 64;
   double traversal_cost = 1;
   double intersection_cost = 1;
+  BvhUpdate update = BvhUpdate::kRebuild;
 
   static void describe(auto& c, auto&& field) {
     using enum sim::Affects;
@@ -22,6 +30,8 @@ struct BvhConfig {
           sim::between(0.01, 100), kFunction);
     field(c.intersection_cost, "intersection_cost", "", "surface area heuristic: cost of a triangle",
           sim::between(0.01, 100), kFunction);
+    field(c.update, "update", "",
+          "moving scenes: build the tree anew for each frame, or refit the boxes of the first frame's tree", kFunction);
   }
 };
 

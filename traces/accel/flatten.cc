@@ -51,8 +51,9 @@ void check(const Mesh& mesh, std::size_t materials) {
 
 void append(const Mesh& mesh, const glm::mat4& to_world, std::uint32_t object, FlatTriangles& out) {
   std::vector<glm::vec3> positions(mesh.positions.size());
+  // Adding nothing makes zeros positive: boxes do not depend on the order in which they are put together.
   std::ranges::transform(mesh.positions, positions.begin(),
-                         [&](const glm::vec3& p) { return glm::vec3(to_world * glm::vec4(p, 1)); });
+                         [&](const glm::vec3& p) { return glm::vec3(to_world * glm::vec4(p, 1)) + 0.0F; });
   const glm::mat3 to_world_normal = normal_matrix(to_world);
   for (const auto& corners : mesh.triangles) {
     TriangleRecord triangle{positions[corners[0]], positions[corners[1]],

@@ -19,6 +19,16 @@ Camera look_at(std::string name, const glm::vec3& eye, const glm::vec3& target, 
   return camera;
 }
 
+std::optional<glm::mat4> camera_place(const glm::dmat4& node_to_world) {
+  glm::dvec3 back(node_to_world[2]);
+  glm::dvec3 right = glm::cross(glm::dvec3(node_to_world[1]), back);
+  if (!(glm::length(right) > 0)) return std::nullopt;
+  back = glm::normalize(back);
+  right = glm::normalize(right);
+  return glm::mat4(
+      glm::dmat4(glm::dvec4(right, 0), glm::dvec4(glm::cross(back, right), 0), glm::dvec4(back, 0), node_to_world[3]));
+}
+
 Camera framing_camera(const Scene& scene) {
   constexpr float kFov = 0.7F;
   constexpr float kInverseSine = 2.92F;  // 1 / sin(kFov / 2): the bounding sphere just fits

@@ -7,17 +7,28 @@
 #include "sim/error.h"
 #include "sim/io/printable.h"
 #include "traces/scene/cameras.h"
+#include "traces/scene/gltf/animations.h"
 #include "traces/scene/gltf/context.h"
 #include "traces/scene/gltf/extensions.h"
 #include "traces/scene/gltf/meshes.h"
 #include "traces/scene/gltf/nodes.h"
 #include "traces/scene/gltf/parse.h"
+#include "traces/scene/gltf/skins.h"
 #include "traces/scene/gltf/source.h"
 #include "traces/scene/gltf/textures.h"
 #include "traces/scene/lights.h"
 
 namespace traces {
 namespace {
+
+/// Where an animated file is loaded is at its beginning.
+void place_all(gltf::Context& context) {
+  try {
+    pose(context.scene, 0);
+  } catch (const sim::InputError& error) {
+    context.refuse(error.what());
+  }
+}
 
 Scene read(const std::filesystem::path& path, const SceneLimits& limits) {
   gltf::Budget budget(sim::printable(path.string()), limits.memory_bytes);
@@ -37,13 +48,16 @@ Scene read(const std::filesystem::path& path, const SceneLimits& limits) {
       context.warn(fmt::format("the extension {} is not supported and left out", sim::printable(extension)));
     }
   }
-  if (!model.animations.empty()) context.warn("animations are not played: the scene is shown at rest");
   gltf::Textures textures(context);
   gltf::Meshes meshes(context, gltf::read_materials(context, textures));
   gltf::read_nodes(context, meshes);
+  gltf::finish_deformations(context);
+  gltf::read_animations(context);
+  place_all(context);
   if (scene.instances.empty()) context.refuse("shows no triangles; at least one is needed");
   if (scene.cameras.empty()) scene.cameras.push_back(framing_camera(scene));
   finish_lights(scene);
+  pose(scene, 0);  // for the lights that stand in for emitters: the same bits whenever that time comes again
   return scene;
 }
 

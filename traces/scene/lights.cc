@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include <glm/matrix.hpp>
+
 #include "traces/scene/bounds.h"
 
 namespace traces {
@@ -50,6 +52,14 @@ glm::vec3 way_out(const Emitter& e, const glm::vec3& centroid, const glm::vec3& 
   return glm::dot(way, middle - centroid) < 0 ? -way : way;
 }
 
+/// An orthonormal frame at `position` that looks along `direction`.
+glm::mat4 frame(const glm::vec3& position, const glm::vec3& direction) {
+  const glm::vec3 other = std::abs(direction.y) < 0.9F ? glm::vec3(0, 1, 0) : glm::vec3(1, 0, 0);
+  const glm::vec3 right = glm::normalize(glm::cross(other, -direction));
+  return {glm::vec4(right, 0), glm::vec4(glm::cross(-direction, right), 0), glm::vec4(-direction, 0),
+          glm::vec4(position, 1)};
+}
+
 }  // namespace
 
 void add_emitter_lights(Scene& scene) {
@@ -69,6 +79,12 @@ void add_emitter_lights(Scene& scene) {
     light.position = centroid + way * (std::max(glm::dot(corner - centroid, way), 0.0F) + 1e-3F * world.diagonal());
     light.direction = way;
     light.intensity = static_cast<float>(e.area) * emission;
+    const bool skinned = mesh.deformation != nullptr && mesh.deformation->skin != kNone;
+    const bool flat = glm::determinant(glm::dmat3(instance.to_world)) == 0;
+    if (instance.node != kNone && !skinned && !flat) {
+      light.node = instance.node;
+      light.in_node = glm::mat4(glm::inverse(glm::dmat4(instance.to_world)) * glm::dmat4(frame(light.position, way)));
+    }
     found.push_back(light);
   }
   std::stable_sort(found.begin(), found.end(), [](const Light& a, const Light& b) {

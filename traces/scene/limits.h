@@ -3,6 +3,9 @@
 
 namespace traces {
 
+/// No vertex is further from the origin: in single precision, squares and products of two such coordinates are finite.
+inline constexpr double kFarthest = 1e15;
+
 /// What a scene may cost at most. A file that asks for more is refused before the memory is taken.
 struct SceneLimits {
   std::uint64_t memory_bytes = std::uint64_t{1} << 33;  ///< everything read, decoded and later laid out for the GPU

@@ -36,6 +36,14 @@ void flatten_normals(Mesh& mesh) {
   mesh.uvs = std::move(flat.uvs);
 }
 
+std::vector<glm::vec3> triangle_normals(const Mesh& mesh) {
+  std::vector<glm::vec3> normals(mesh.positions.size(), glm::vec3(0, 1, 0));
+  for (const auto& [a, b, c] : mesh.triangles) {
+    normals[a] = normals[b] = normals[c] = geometric_normal(mesh.positions[a], mesh.positions[b], mesh.positions[c]);
+  }
+  return normals;
+}
+
 void repair_normals(Mesh& mesh) {
   bool has_null = false;
   for (glm::vec3& normal : mesh.normals) {

@@ -1,10 +1,12 @@
 #include "traces/scene/gltf/accessors.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 
 #include <fmt/format.h>
+#include <glm/gtc/type_ptr.hpp>
 
 namespace traces::gltf {
 namespace {
@@ -148,6 +150,15 @@ std::vector<Vector> read(Context& context, int index, int type, const char* name
   return out;
 }
 
+/// So many numbers, for what is no vector.
+template <int kCount>
+struct Numbers {
+  std::array<float, kCount> values;
+  explicit Numbers(int value) { values.fill(static_cast<float>(value)); }
+  static constexpr int length() { return kCount; }
+  float& operator[](int i) { return values[static_cast<std::size_t>(i)]; }
+};
+
 }  // namespace
 
 Bytes view_bytes(const Context& context, int buffer_view) {
@@ -160,6 +171,12 @@ Bytes view_bytes(const Context& context, int buffer_view) {
   return {buffer.data.data() + view.byteOffset, view.byteLength};
 }
 
+std::vector<float> read_floats(Context& context, int accessor, const char* what) {
+  std::vector<float> out;
+  for (const auto& v : read<Numbers<1>>(context, accessor, TINYGLTF_TYPE_SCALAR, what)) out.push_back(v.values[0]);
+  return out;
+}
+
 std::vector<glm::vec2> read_vec2(Context& context, int accessor, const char* what) {
   return read<glm::vec2>(context, accessor, TINYGLTF_TYPE_VEC2, what);
 }
@@ -170,6 +187,17 @@ std::vector<glm::vec3> read_vec3(Context& context, int accessor, const char* wha
 
 std::vector<glm::vec4> read_vec4(Context& context, int accessor, const char* what) {
   return read<glm::vec4>(context, accessor, TINYGLTF_TYPE_VEC4, what);
+}
+
+std::vector<glm::mat4> read_mat4(Context& context, int accessor, const char* what) {
+  if (context.at(context.model.accessors, accessor, "accessors").componentType != TINYGLTF_COMPONENT_TYPE_FLOAT) {
+    context.refuse(fmt::format("accessors[{}] ({}) must be of single precision", accessor, what));
+  }
+  std::vector<glm::mat4> out;
+  for (const auto& v : read<Numbers<16>>(context, accessor, TINYGLTF_TYPE_MAT4, what)) {
+    out.push_back(glm::make_mat4(v.values.data()));
+  }
+  return out;
 }
 
 std::vector<std::uint32_t> read_indices(Context& context, int index) {

@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <vector>
 
+#include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
@@ -19,9 +20,12 @@ Bytes view_bytes(const Context& context, int buffer_view);
 
 // Accessors, any component type (normalised integers become 0..1 or -1..1, others their value), sparse ones filled in.
 // Refused: an index that is not there, a wrong type, values outside the buffer view, numbers that are not finite.
+std::vector<float> read_floats(Context& context, int accessor, const char* what);
 std::vector<glm::vec2> read_vec2(Context& context, int accessor, const char* what);
 std::vector<glm::vec3> read_vec3(Context& context, int accessor, const char* what);
 std::vector<glm::vec4> read_vec4(Context& context, int accessor, const char* what);
+/// Single precision only.
+std::vector<glm::mat4> read_mat4(Context& context, int accessor, const char* what);
 
 /// Unsigned integers of 8, 16 or 32 bits.
 std::vector<std::uint32_t> read_indices(Context& context, int accessor);

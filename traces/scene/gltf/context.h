@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@ struct Context {
   const SceneLimits& limits;
   Budget& budget;
   Scene& scene;
+  std::vector<std::uint32_t> node_places{};  ///< of the file's nodes in Scene::nodes; kNone: not shown
 
   /// Throws InputError.
   [[noreturn]] void refuse(const std::string& why) const;

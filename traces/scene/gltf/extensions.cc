@@ -8,8 +8,9 @@ namespace traces::gltf {
 namespace {
 
 constexpr std::string_view kSupported[] = {
-    "KHR_lights_punctual",        "KHR_materials_clearcoat", "KHR_materials_emissive_strength", "KHR_materials_ior",
-    "KHR_materials_transmission", "KHR_mesh_quantization",   "KHR_texture_transform",
+    "EXT_mesh_gpu_instancing",         "KHR_lights_punctual",   "KHR_materials_clearcoat",
+    "KHR_materials_emissive_strength", "KHR_materials_ior",     "KHR_materials_transmission",
+    "KHR_mesh_quantization",           "KHR_texture_transform",
 };
 
 }  // namespace

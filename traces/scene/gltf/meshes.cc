@@ -8,6 +8,7 @@
 
 #include "sim/io/printable.h"
 #include "traces/scene/gltf/accessors.h"
+#include "traces/scene/gltf/skins.h"
 #include "traces/scene/normals.h"
 
 namespace traces::gltf {
@@ -72,7 +73,7 @@ void Meshes::read_uvs(const tinygltf::Primitive& primitive, Mesh& mesh) {
   }
 }
 
-Mesh Meshes::read(const tinygltf::Primitive& primitive, const std::string& name) {
+Mesh Meshes::read(const tinygltf::Primitive& primitive, const std::string& name, int skin) {
   Mesh mesh;
   mesh.name = name;
   mesh.material = material_of(primitive);
@@ -99,44 +100,57 @@ Mesh Meshes::read(const tinygltf::Primitive& primitive, const std::string& name)
   }
   context_.budget.take(order.size(), sizeof(glm::vec3) * 4, "the triangles of mesh '" + name + "'");
   mesh.triangles = assemble(order, primitive.mode);
-  if (mesh.normals.empty()) {
-    flatten_normals(mesh);
-  } else {
+  const bool flat = mesh.normals.empty();
+  std::vector<std::uint32_t> from;  // the vertices of the file that those of the mesh are made from
+  if (!flat) {
     repair_normals(mesh);
+    from.resize(mesh.positions.size());
+    std::iota(from.begin(), from.end(), 0U);
+  } else {
+    for (const auto& triangle : mesh.triangles) from.insert(from.end(), triangle.begin(), triangle.end());
+    flatten_normals(mesh);
   }
+  if (deforms(primitive, skin)) mesh.deformation = read_deformation(context_, primitive, skin, mesh, flat, from);
   return mesh;
 }
 
-const std::vector<std::uint32_t>& Meshes::primitives_of(int index) {
-  const auto [place, is_new] = read_.try_emplace(index);
-  if (!is_new) return place->second;
+std::vector<std::uint32_t> Meshes::primitives_of(int index, int skin) {
   const tinygltf::Mesh& mesh = context_.at(context_.model.meshes, index, "meshes");
+  std::vector<std::uint32_t> shown;
   const std::string name = mesh.name.empty() ? fmt::format("mesh {}", index) : sim::printable(mesh.name);
   for (std::size_t i = 0; i < mesh.primitives.size(); ++i) {
     const tinygltf::Primitive& primitive = mesh.primitives[i];
+    const bool rigid = !deforms(primitive, skin);
+    const auto known = read_.find({index, i});
+    if (rigid && known != read_.end()) {
+      if (known->second != kNone) shown.push_back(known->second);
+      continue;
+    }
     const std::string part = mesh.primitives.size() == 1 ? name : fmt::format("{}/{}", name, i);
-    if (!is_triangles(primitive.mode)) {
-      context_.warn(fmt::format("mesh '{}': points and lines are left out", part));
-      continue;
-    }
-    if (attribute(primitive, "POSITION") < 0) {
-      context_.warn(fmt::format("mesh '{}' has no positions and is left out", part));
-      continue;
-    }
-    if (!primitive.targets.empty()) context_.warn(fmt::format("mesh '{}': morph targets are not applied", part));
-    if (attribute(primitive, "COLOR_0") >= 0)
-      context_.warn(fmt::format("mesh '{}': vertex colours are not shown", part));
-    Mesh read_mesh = read(primitive, part);
-    if (read_mesh.triangles.empty()) continue;
-    place->second.push_back(static_cast<std::uint32_t>(context_.scene.meshes.size()));
-    float reach = 0;
-    for (const glm::vec3& p : read_mesh.positions) {
-      reach = std::max({reach, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
-    }
-    reaches_.push_back(reach);
-    context_.scene.meshes.push_back(std::move(read_mesh));
+    const std::uint32_t added = add(primitive, part, skin);
+    if (rigid) read_.emplace(std::pair{index, i}, added);
+    if (added != kNone) shown.push_back(added);
   }
-  return place->second;
+  return shown;
+}
+
+std::uint32_t Meshes::add(const tinygltf::Primitive& primitive, const std::string& name, int skin) {
+  if (!is_triangles(primitive.mode)) {
+    context_.warn(fmt::format("mesh '{}': points and lines are left out", name));
+    return kNone;
+  }
+  if (attribute(primitive, "POSITION") < 0) {
+    context_.warn(fmt::format("mesh '{}' has no positions and is left out", name));
+    return kNone;
+  }
+  if (attribute(primitive, "COLOR_0") >= 0) context_.warn(fmt::format("mesh '{}': vertex colours are not shown", name));
+  Mesh mesh = read(primitive, name, skin);
+  if (mesh.triangles.empty()) return kNone;
+  float reach = 0;
+  for (const glm::vec3& p : mesh.positions) reach = std::max({reach, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+  reaches_.push_back(reach);
+  context_.scene.meshes.push_back(std::move(mesh));
+  return static_cast<std::uint32_t>(context_.scene.meshes.size() - 1);
 }
 
 }  // namespace traces::gltf

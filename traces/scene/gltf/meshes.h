@@ -14,21 +14,23 @@ class Meshes {
   Meshes(Context& context, std::vector<TexturePlacement> placements)
       : context_(context), placements_(std::move(placements)) {}
 
-  /// Indices in Scene::meshes of its primitives that are triangles, strips or fans.
-  const std::vector<std::uint32_t>& primitives_of(int mesh);
+  /// Indices in Scene::meshes of its primitives that are triangles, strips or fans, as a node with glTF skin `skin`
+  /// (-1: none) shows them: those that deform are read anew for each such node.
+  std::vector<std::uint32_t> primitives_of(int mesh, int skin);
 
   /// The largest coordinate of a mesh of Scene::meshes.
   float reach_of(std::uint32_t mesh) const { return reaches_[mesh]; }
 
  private:
-  Mesh read(const tinygltf::Primitive& primitive, const std::string& name);
+  std::uint32_t add(const tinygltf::Primitive& primitive, const std::string& name, int skin);
+  Mesh read(const tinygltf::Primitive& primitive, const std::string& name, int skin);
   std::uint32_t material_of(const tinygltf::Primitive& primitive);
   void read_uvs(const tinygltf::Primitive& primitive, Mesh& mesh);
 
   Context& context_;
   std::vector<TexturePlacement> placements_;
-  std::map<int, std::vector<std::uint32_t>> read_;
-  std::vector<float> reaches_;  ///< parallel to Scene::meshes
+  std::map<std::pair<int, std::size_t>, std::uint32_t> read_;  ///< rigid ones, by mesh and primitive
+  std::vector<float> reaches_;                                 ///< parallel to Scene::meshes
 };
 
 }  // namespace traces::gltf

@@ -12,7 +12,7 @@
 
 namespace traces::gltf {
 
-void add_punctual_light(Context& context, const tinygltf::Node& node, const glm::dmat4& to_world) {
+void add_punctual_light(Context& context, const tinygltf::Node& node, const glm::dmat4& to_world, std::uint32_t place) {
   const auto* extension = find_extension(node.extensions, "KHR_lights_punctual");
   if (extension == nullptr) return;
   const tinygltf::Light& found = context.at(context.model.lights, index_or_none(*extension, "light"), "lights");
@@ -35,6 +35,8 @@ void add_punctual_light(Context& context, const tinygltf::Node& node, const glm:
   const float strength = to_float(context, found.intensity, what + " intensity");
   light.intensity = glm::max(to_vec3(context, found.color, glm::vec3(1), what + " colour") * strength, 0.0F);
   if (light.intensity == glm::vec3(0)) return;
+  light.range = std::max(to_float(context, found.range, what + " range"), 0.0F);
+  light.node = place;
   light.position = glm::vec3(to_world[3]);
   const glm::dvec3 ahead = -glm::dvec3(to_world[2]);
   if (glm::length(ahead) > 0) light.direction = glm::vec3(glm::normalize(ahead));

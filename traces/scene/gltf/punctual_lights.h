@@ -1,11 +1,13 @@
 #pragma once
+#include <cstdint>
+
 #include <glm/mat4x4.hpp>
 
 #include "traces/scene/gltf/context.h"
 
 namespace traces::gltf {
 
-/// KHR_lights_punctual: adds the node's light, if it has one. `range` is not applied.
-void add_punctual_light(Context& context, const tinygltf::Node& node, const glm::dmat4& to_world);
+/// KHR_lights_punctual: adds the node's light, if it has one. `place` is the node's in Scene::nodes.
+void add_punctual_light(Context& context, const tinygltf::Node& node, const glm::dmat4& to_world, std::uint32_t place);
 
 }  // namespace traces::gltf

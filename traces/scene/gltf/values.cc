@@ -4,6 +4,7 @@
 #include <limits>
 
 #include <fmt/format.h>
+#include <glm/geometric.hpp>
 
 namespace traces::gltf {
 namespace {
@@ -36,6 +37,14 @@ glm::vec3 to_vec3(const Context& context, const std::vector<double>& list, const
 glm::vec4 to_vec4(const Context& context, const std::vector<double>& list, const glm::vec4& absent,
                   const std::string& what) {
   return to_vector(context, list, absent, what);
+}
+
+glm::quat to_rotation(const Context& context, const std::vector<double>& list, const std::string& what) {
+  const glm::dvec4 q(to_vec4(context, list, glm::vec4(0, 0, 0, 1), what));
+  const double length = glm::length(q);
+  if (!(length > 0)) context.refuse(what + " is null");
+  const glm::vec4 unit(q / length);
+  return {unit.w, unit.x, unit.y, unit.z};
 }
 
 const tinygltf::Value* find_extension(const tinygltf::ExtensionMap& extensions, const char* name) {

@@ -2,6 +2,7 @@
 #include <string>
 #include <vector>
 
+#include <glm/gtc/quaternion.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
@@ -17,6 +18,9 @@ glm::vec3 to_vec3(const Context& context, const std::vector<double>& list, const
                   const std::string& what);
 glm::vec4 to_vec4(const Context& context, const std::vector<double>& list, const glm::vec4& absent,
                   const std::string& what);
+
+/// A unit quaternion from x, y, z, w; refused if it is null.
+glm::quat to_rotation(const Context& context, const std::vector<double>& list, const std::string& what);
 
 /// The object of that extension, or null.
 const tinygltf::Value* find_extension(const tinygltf::ExtensionMap& extensions, const char* name);

@@ -1,0 +1,65 @@
+#include "traces/accel/refit.h"
+
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
+#include "traces/accel/flatten.h"
+#include "traces/scene/bounds.h"
+
+namespace traces {
+namespace {
+
+Bounds bounds_of(const MemoryImage& image, std::uint32_t leaf) {
+  Bounds b;
+  for (std::uint32_t i = leaf_first(leaf); i < leaf_first(leaf) + leaf_count(leaf); ++i) {
+    const TriangleRecord& t = image.triangles[i];
+    for (const glm::vec3& v : {t.v0, t.v1, t.v2}) b.add(v);
+  }
+  return b;
+}
+
+Bounds bounds_of(const NodeRecord& node) {
+  return {{std::min(node.x[0], node.x[1]), std::min(node.y[0], node.y[1]), std::min(node.z[0], node.z[1])},
+          {std::max(node.x[2], node.x[3]), std::max(node.y[2], node.y[3]), std::max(node.z[2], node.z[3])}};
+}
+
+void set_box(NodeRecord& node, int child, const Bounds& b) {
+  for (auto [lanes, axis] : {std::pair{node.x, 0}, {node.y, 1}, {node.z, 2}}) {
+    lanes[child] = b.lower[axis];
+    lanes[2 + child] = b.upper[axis];
+  }
+}
+
+/// Children lie behind their parents, so one pass from the back sees every box before it is needed.
+void fit_boxes(MemoryImage& image) {
+  for (std::size_t i = image.nodes.size(); i-- > 0;) {
+    NodeRecord& node = image.nodes[i];
+    for (int c = 0; c < 2; ++c) {
+      const std::uint32_t link = node.child[c];
+      if (link == kNoChild) continue;
+      set_box(node, c, is_leaf(link) ? bounds_of(image, link) : bounds_of(image.nodes[link]));
+    }
+  }
+}
+
+}  // namespace
+
+void refit_memory_image(const Scene& posed, MemoryImage& image) {
+  const FlatTriangles flat = flatten(posed);
+  assert(flat.triangles.size() == image.triangles.size() && "a refit moves triangles, it does not add or remove any");
+  for (std::size_t i = 0; i < image.triangles.size(); ++i) {
+    const std::uint32_t source = image.triangles[i].source;
+    image.triangles[i] = flat.triangles[source];
+    image.attributes[i] = flat.attributes[source];
+  }
+  fit_boxes(image);
+  if (!image.triangles.empty()) {
+    const Bounds bounds = bounds_of(image.nodes.front());
+    image.lower = bounds.lower;
+    image.upper = bounds.upper;
+  }
+  image.lights = posed.lights;
+}
+
+}  // namespace traces
