@@ -25,6 +25,7 @@ constexpr Entry kEntries[] = {
      build_bathroom},
     {"conference", "A conference room: long table, fourteen chairs, panelling; five views of it", 190'000,
      build_conference},
+    {"village", "Houses, church and windmill among trees and fields, with a fly-through", 600'000, build_village},
 };
 
 }  // namespace
