@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "traces/accel/flatten.h"
+#include "traces/accel/material_tables.h"
 #include "traces/scene/bounds.h"
 
 namespace traces {
