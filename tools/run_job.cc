@@ -16,6 +16,7 @@
 #include "traces/accel/build.h"
 #include "traces/accel/bvh_info.h"
 #include "traces/accel/bvh_tracer.h"
+#include "traces/accel/refit.h"
 #include "traces/scene/workload.h"
 
 namespace tools {
@@ -80,7 +81,9 @@ void advance(Inputs& in, std::uint32_t frame, std::uint32_t threads) {
   const traces::Moved moved = traces::pose_workload(in.moving, in.config.scene, frame);
   in.frame = frame;
   in.camera = in.moving.cameras.front();
-  if (moved.geometry) {
+  if (moved.geometry && in.config.bvh.update == traces::BvhUpdate::kRefit) {
+    traces::refit_memory_image(in.moving, in.image);
+  } else if (moved.geometry) {
     in.image = traces::build_memory_image(in.moving, in.config.bvh, host_threads(threads));
     in.parents = traces::parents_of(in.image);
   } else if (moved.lights) {

@@ -39,25 +39,42 @@ Layout place(const MemoryImage& image) {
   return at;
 }
 
+/// Makes record i what record order[i] was, without a second array: along the cycles of the permutation.
+template <class Record>
+void reorder(std::vector<Record>& records, const std::vector<std::uint32_t>& order) {
+  std::vector<bool> done(records.size(), false);
+  for (std::uint32_t start = 0; start < order.size(); ++start) {
+    if (done[start]) continue;
+    const Record first = records[start];
+    std::uint32_t to = start;
+    for (std::uint32_t from = order[to]; from != start; to = from, from = order[to]) {
+      records[to] = records[from];
+      done[to] = true;
+    }
+    records[to] = first;
+    done[to] = true;
+  }
+}
+
 }  // namespace
 
 float MemoryImage::diagonal() const { return glm::length(upper - lower); }
 
 MemoryImage build_memory_image(const Scene& scene, const BvhConfig& config, unsigned threads) {
   MaterialTables materials = material_tables(scene);
-  const FlatTriangles flat = flatten(scene, materials);
+  FlatTriangles flat = flatten(scene, materials);
   PlacedBvh bvh = build_bvh(flat.triangles, config, threads);
 
   MemoryImage image;
   image.nodes = std::move(bvh.nodes);
-  image.triangles.reserve(bvh.order.size());
-  image.attributes.reserve(bvh.order.size());
+  image.triangles = std::move(flat.triangles);
+  image.attributes = std::move(flat.attributes);
+  reorder(image.triangles, bvh.order);
+  image.vertices = std::move(flat.vertices);
+  reorder(image.attributes, bvh.order);
+  if (!image.vertices.empty()) reorder(image.vertices, bvh.order);
   Bounds bounds;
-  for (const std::uint32_t source : bvh.order) {
-    const TriangleRecord& t = flat.triangles[source];
-    image.triangles.push_back(t);
-    image.attributes.push_back(flat.attributes[source]);
-    if (!flat.vertices.empty()) image.vertices.push_back(flat.vertices[source]);
+  for (const TriangleRecord& t : image.triangles) {
     for (const glm::vec3& v : {t.v0, t.v1, t.v2}) bounds.add(v);
   }
   if (!bounds.empty()) {

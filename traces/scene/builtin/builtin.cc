@@ -17,6 +17,8 @@ struct Entry {
 };
 
 constexpr Entry kEntries[] = {
+    {"car", "a red coupe that drives through a hall of concrete and light", 55'000, build_car},
+    {"chess", "a game of chess by a window, lacquered pieces on a wooden board", 42'000, build_chess},
     {"cornell", "Cornell box, twice as wide as high, with a mirror sphere and a glass sphere", 10'000, build_cornell},
     {"teapot", "Newell's teapot, glazed, on a checkered floor", 15'000, build_teapot},
     {"atrium", "A court with arcades on two storeys, banners and a polished floor under the sun", 66'000, build_atrium},
@@ -24,6 +26,7 @@ constexpr Entry kEntries[] = {
      build_bathroom},
     {"conference", "A conference room: long table, fourteen chairs, panelling; five views of it", 190'000,
      build_conference},
+    {"village", "Houses, church and windmill among trees and fields, with a fly-through", 600'000, build_village},
 };
 
 }  // namespace
