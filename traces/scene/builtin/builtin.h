@@ -28,6 +28,7 @@ Scene build_scene(std::string_view name, const BuiltinOptions& options = {});
 Scene build_car(const BuiltinOptions& options);
 Scene build_chess(const BuiltinOptions& options);
 Scene build_cornell(const BuiltinOptions& options);
+Scene build_laboratory(const BuiltinOptions& options);
 Scene build_teapot(const BuiltinOptions& options);
 
 }  // namespace traces
