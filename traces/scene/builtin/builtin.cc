@@ -22,6 +22,11 @@ constexpr Entry kEntries[] = {
     {"cornell", "Cornell box, twice as wide as high, with a mirror sphere and a glass sphere", 10'000, build_cornell},
     {"laboratory", "a chemist's bench full of glass and coloured liquids", 98'000, build_laboratory},
     {"teapot", "Newell's teapot, glazed, on a checkered floor", 15'000, build_teapot},
+    {"bathroom", "A bathroom: mirrors, chrome, a glass screen, and much that is thinner than a pixel", 270'000,
+     build_bathroom},
+    {"conference", "A conference room: long table, fourteen chairs, panelling; five views of it", 190'000,
+     build_conference},
+    {"village", "Houses, church and windmill among trees and fields, with a fly-through", 600'000, build_village},
 };
 
 }  // namespace

@@ -1,0 +1,153 @@
+#include "traces/accel/refit.h"
+
+#include <cstring>
+
+#include <glm/gtc/matrix_transform.hpp>
+#include <gtest/gtest.h>
+
+#include "support.h"
+#include "traces/accel/build.h"
+#include "traces/accel/bvh_info.h"
+#include "traces/accel/bvh_tracer.h"
+#include "traces/accel/embree_tracer.h"
+#include "traces/accel/verify.h"
+
+namespace traces {
+namespace {
+
+template <class Record>
+bool same_bytes(const std::vector<Record>& a, const std::vector<Record>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Record)) == 0;
+}
+
+void expect_same(const MemoryImage& a, const MemoryImage& b) {
+  EXPECT_TRUE(same_bytes(a.nodes, b.nodes));
+  EXPECT_TRUE(same_bytes(a.triangles, b.triangles));
+  EXPECT_TRUE(same_bytes(a.attributes, b.attributes));
+  EXPECT_EQ(std::memcmp(&a.lower, &b.lower, sizeof a.lower), 0);
+  EXPECT_EQ(std::memcmp(&a.upper, &b.upper, sizeof a.upper), 0);
+  EXPECT_EQ(a.layout.end, b.layout.end);
+}
+
+/// Every vertex elsewhere, by up to `far` along each axis, and the whole turned and stretched.
+Scene moved(Scene scene, float far, std::uint64_t seed = 7) {
+  Dice dice(seed);
+  for (Mesh& mesh : scene.meshes) {
+    for (glm::vec3& p : mesh.positions) p += dice.point(-far, far);
+  }
+  for (Instance& instance : scene.instances) {
+    instance.to_world = glm::scale(glm::rotate(glm::mat4(1), 1.0F, {1, 2, 3}), {1.2F, -0.7F, 1});
+  }
+  return scene;
+}
+
+/// Some with areas, some flat, some a mere line or point; zeros of both signs.
+std::vector<Scene> scenes() {
+  Scene signs = grid_soup(500);
+  signs.instances[0].to_world = glm::scale(glm::translate(glm::mat4(1), {-0.0F, -0.0F, -0.0F}), {-1, 1, -1});
+  return {triangle_soup(5000, 0.1F), grid_soup(3000), sphere(20, 30), one_triangle(), signs, Scene{}};
+}
+
+TEST(Refit, OfAnUnmovedSceneChangesNoBit) {
+  for (const Scene& scene : scenes()) {
+    const MemoryImage built = build_memory_image(scene);
+    MemoryImage refitted = built;
+    refit_memory_image(scene, refitted);
+    expect_same(built, refitted);
+  }
+}
+
+TEST(Refit, DependsOnTheLastPoseAlone) {
+  for (const Scene& scene : scenes()) {
+    MemoryImage once = build_memory_image(scene), often = once;
+    const Scene there = moved(scene, 0.3F);
+    refit_memory_image(there, once);
+    for (const float far : {1.0F, 0.0F, 5.0F}) refit_memory_image(moved(scene, far, 9), often);
+    refit_memory_image(there, often);
+    expect_same(once, often);
+    refit_memory_image(scene, often);
+    expect_same(build_memory_image(scene), often);
+  }
+}
+
+TEST(Refit, HitsWhatARebuiltTreeHits) {
+  for (const Scene& scene : {triangle_soup(3000, 0.1F), grid_soup(1000)}) {
+    MemoryImage refitted = build_memory_image(scene);
+    const Scene there = moved(scene, 0.2F);
+    refit_memory_image(there, refitted);
+    const MemoryImage rebuilt = build_memory_image(there);
+    EXPECT_EQ(refitted.lower, rebuilt.lower);
+    EXPECT_EQ(refitted.upper, rebuilt.upper);
+    const std::vector<Ray> rays = random_rays(20000);
+    for (const RayKind kind : {RayKind::kPrimary, RayKind::kShadow}) {
+      const std::vector<Hit> a = trace(BvhTracer(refitted), rays, kind), b = trace(BvhTracer(rebuilt), rays, kind);
+      std::size_t hits = 0;
+      for (std::size_t i = 0; i < rays.size(); ++i) {
+        ASSERT_EQ(a[i].is_hit(), b[i].is_hit()) << i;
+        hits += a[i].is_hit();
+        if (!a[i].is_hit() || kind == RayKind::kShadow) continue;
+        ASSERT_EQ(a[i].t, b[i].t) << i;
+        ASSERT_EQ(refitted.triangles[a[i].triangle].source, rebuilt.triangles[b[i].triangle].source) << i;
+      }
+      EXPECT_GT(hits, 1000U);
+    }
+  }
+}
+
+TEST(Refit, AgreesWithEmbreeOnTheMovedTriangles) {
+  const Scene scene = triangle_soup(3000, 0.1F);
+  MemoryImage image = build_memory_image(scene);
+  refit_memory_image(moved(scene, 0.5F), image);
+  const BvhTracer bvh(image);
+  const EmbreeTracer embree(image, 1);
+  const VerifyingTracer verifying(image, bvh, embree);
+  trace(verifying, random_rays(50000));
+  EXPECT_EQ(verifying.counts().faults(), 0U);
+}
+
+TEST(Refit, TheFurtherThingsMoveTheMoreTheOldTreeCosts) {
+  const Scene scene = triangle_soup(5000, 0.05F);
+  MemoryImage image = build_memory_image(scene);
+  const double built = bvh_info(image).sah_cost;
+  refit_memory_image(moved(scene, 0.1F), image);
+  const double near = bvh_info(image).sah_cost;
+  refit_memory_image(moved(scene, 1), image);
+  const double far = bvh_info(image).sah_cost;
+  EXPECT_LT(built, near);
+  EXPECT_LT(near, far);
+  EXPECT_LT(bvh_info(build_memory_image(moved(scene, 1))).sah_cost, far);
+}
+
+TEST(Refit, KeepsTheTreeTheMaterialsAndAllAddresses) {
+  const Scene scene = triangle_soup(1000, 0.1F);
+  const MemoryImage built = build_memory_image(scene);
+  MemoryImage image = built;
+  refit_memory_image(moved(scene, 1), image);
+  for (std::size_t i = 0; i < built.nodes.size(); ++i) {
+    EXPECT_EQ(image.nodes[i].child[0], built.nodes[i].child[0]);
+    EXPECT_EQ(image.nodes[i].child[1], built.nodes[i].child[1]);
+  }
+  for (std::size_t i = 0; i < built.triangles.size(); ++i) {
+    EXPECT_EQ(image.triangles[i].source, built.triangles[i].source);
+  }
+  EXPECT_EQ(image.layout.attributes, built.layout.attributes);
+  EXPECT_EQ(image.layout.end, built.layout.end);
+}
+
+TEST(Refit, TakesOverLightsAndDrawsFlatTrianglesToAPoint) {
+  Scene scene = one_triangle();
+  scene.lights.emplace_back();
+  MemoryImage image = build_memory_image(scene);
+  scene.lights[0].position = {1, 2, 3};
+  scene.meshes[0].positions = {{1, 1, 1}, {2, 2, 2}, {3, 3, 3}};
+  refit_memory_image(scene, image);
+  EXPECT_EQ(image.lights[0].position, glm::vec3(1, 2, 3));
+  EXPECT_EQ(image.triangles[0].v2, glm::vec3(1, 1, 1));
+  EXPECT_EQ(image.upper, glm::vec3(1, 1, 1));
+  scene.meshes[0].positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  refit_memory_image(scene, image);
+  EXPECT_EQ(image.triangles[0].v1, glm::vec3(1, 0, 0)) << "it comes back";
+}
+
+}  // namespace
+}  // namespace traces
