@@ -33,7 +33,7 @@ Outline& Outline::round(const glm::vec2& centre, float radius, double from, doub
   constexpr int kSteps = 16;
   for (int k = 0; k <= kSteps; ++k) {
     const glm::vec2 p = centre + radius * on_circle(from + (to - from) * k / kSteps);
-    points_.emplace_back(std::max(p.x, 0.0F), p.y);
+    if (glm::length(p - points_.back()) > 1e-6F) points_.emplace_back(std::max(p.x, 0.0F), p.y);
   }
   return *this;
 }
