@@ -33,7 +33,7 @@ Outline& Outline::round(const glm::vec2& centre, float radius, double from, doub
   constexpr int kSteps = 16;
   for (int k = 0; k <= kSteps; ++k) {
     const glm::vec2 p = centre + radius * on_circle(from + (to - from) * k / kSteps);
-    points_.emplace_back(std::max(p.x, 0.0F), p.y);
+    if (glm::length(p - points_.back()) > 1e-6F) points_.emplace_back(std::max(p.x, 0.0F), p.y);
   }
   return *this;
 }
@@ -67,14 +67,17 @@ Mesh make_turned(std::string name, const std::vector<glm::vec2>& profile, std::u
 }
 
 double fit_detail(std::uint64_t wanted, const std::function<std::uint64_t(double detail)>& triangles) {
-  int low = 10, high = 800;
-  while (low + 1 < high) {
-    const int middle = (low + high) / 2;
-    (triangles(middle / 100.0) <= wanted ? low : high) = middle;
+  constexpr double kLeast = 0.1, kMost = 10;
+  constexpr int kTries = 6;
+  double detail = 1, best = 1, error = -1;
+  for (int k = 0; k < kTries; ++k) {
+    const double ratio = static_cast<double>(wanted) / static_cast<double>(triangles(detail));
+    const double off = std::abs(1 - ratio);
+    if (error < 0 || off < error) error = off, best = detail;
+    if (off < 0.01) break;
+    detail = std::clamp(detail * std::sqrt(ratio), kLeast, kMost);  // surfaces: triangles grow with its square
   }
-  const std::uint64_t below = triangles(low / 100.0), above = triangles(high / 100.0);
-  const bool take_high = below < wanted && above - wanted < wanted - below;
-  return (take_high ? high : low) / 100.0;
+  return best;
 }
 
 std::uint32_t parts(double detail, double at_one, std::uint32_t least) {

@@ -5,7 +5,9 @@
 #include <utility>
 #include <vector>
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/vector_relational.hpp>
 
 #include "traces/scene/builtin/shapes.h"
 #include "traces/scene/builtin/sweeps.h"
@@ -67,6 +69,11 @@ Mesh draped(const Mesh& body, const Mesh& patch, From from, float lift) {
   std::vector<char> is_hit(patch.positions.size(), 0);
   std::vector<float> best(patch.positions.size());
   Mesh out = patch;
+  glm::vec2 lowest(patch.positions.front()), highest = lowest;
+  for (const glm::vec3& p : patch.positions) {
+    lowest = glm::min(lowest, glm::vec2(p));
+    highest = glm::max(highest, glm::vec2(p));
+  }
   for (const auto& t : body.triangles) {
     const glm::vec3 p[3] = {body.positions[t[0]], body.positions[t[1]], body.positions[t[2]]};
     const auto flat = [&](const glm::vec3& q) { return glm::vec2(q[to.x], q[to.y]); };
@@ -75,6 +82,7 @@ Mesh draped(const Mesh& body, const Mesh& patch, From from, float lift) {
     if (std::abs(area) < 1e-10F) continue;
     const glm::vec2 low = glm::min(a, glm::min(flat(p[1]), flat(p[2]))),
                     high = glm::max(a, glm::max(flat(p[1]), flat(p[2])));
+    if (glm::any(glm::lessThan(high, lowest)) || glm::any(glm::greaterThan(low, highest))) continue;
     for (std::size_t k = 0; k < patch.positions.size(); ++k) {
       const glm::vec2 q(patch.positions[k]);
       if (q.x < low.x || q.y < low.y || q.x > high.x || q.y > high.y) continue;

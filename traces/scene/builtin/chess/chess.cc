@@ -81,9 +81,9 @@ void animate(Scene& scene, std::uint32_t node, const Move& move) {
 }
 
 void add_pieces(Scene& scene, double detail) {
-  scene.textures.push_back(wood_texture("boxwood", {0.93F, 0.76F, 0.50F}, {0.82F, 0.60F, 0.34F}, 21));
+  scene.textures.push_back(wood_texture("boxwood", {0.93F, 0.76F, 0.50F}, {0.82F, 0.60F, 0.34F}, 21, 256));
   const auto boxwood = static_cast<std::uint32_t>(scene.textures.size() - 1);
-  scene.textures.push_back(wood_texture("rosewood", {0.23F, 0.10F, 0.07F}, {0.12F, 0.05F, 0.04F}, 22));
+  scene.textures.push_back(wood_texture("rosewood", {0.23F, 0.10F, 0.07F}, {0.12F, 0.05F, 0.04F}, 22, 256));
   const std::uint32_t white = add_material(scene, textured("lacquered boxwood", boxwood, glm::vec3(1), 0.12F));
   const std::uint32_t black = add_material(scene, textured("lacquered rosewood", boxwood + 1, glm::vec3(1), 0.2F));
   for (const Placement& group : kPosition) {

@@ -31,7 +31,7 @@ Outline& collar(Outline& outline, float radius, float height, float thickness) {
 }
 
 Mesh turned(const Outline& outline, double detail, double points) {
-  return make_lathe("", simplified(outline.points(), parts(detail, points, 6)), parts(detail, 26, 8));
+  return make_lathe("", simplified(outline.points(), parts(detail, points, 10)), parts(detail, 26, 8));
 }
 
 Mesh make_pawn(double detail) {

@@ -133,7 +133,7 @@ void add_surroundings(Scene& scene, double detail) {
   const std::uint32_t parquet =
       add_texture(scene, wood_texture("parquet", {0.62F, 0.45F, 0.30F}, {0.42F, 0.27F, 0.17F}, 14, 256));
   const std::uint32_t cloth =
-      add_texture(scene, cloth_texture("wallpaper", {0.36F, 0.45F, 0.41F}, {0.31F, 0.40F, 0.37F}, 64, 15));
+      add_texture(scene, cloth_texture("wallpaper", {0.36F, 0.45F, 0.41F}, {0.31F, 0.40F, 0.37F}, 64, 15, 256));
 
   add_object(scene, make_squares(true), add_material(scene, textured("maple", maple, glm::vec3(1), 0.10F)));
   const std::uint32_t dark = add_material(scene, textured("walnut", walnut, glm::vec3(1), 0.12F));
