@@ -128,8 +128,16 @@ TEST(Layers, LightTooFaintToBeSeenDoesNotGoOn) {
   Shadow shadow;
   for (int i = 1; i < 9; ++i) shadow.pane(static_cast<float>(i), {.alpha = Alpha::kBlend, .opacity = 0.95F});
   const View view(shadow.scene, {0, 0, 0.5F}, {0, 0, 0}, small(1, 1));
-  EXPECT_EQ(view.picture.rays[static_cast<std::size_t>(RayKind::kShadow)], 2U);  // with 1, then 0.05
+  EXPECT_EQ(view.picture.rays[static_cast<std::size_t>(RayKind::kShadow)], 3U);  // with 1, 0.05, 0.0025
   EXPECT_EQ(view.centre().x, 0.0F);
+}
+
+TEST(Layers, DarkSurfacesHaveTintedShadowsToo) {
+  Shadow shadow;
+  shadow.scene.materials[0].base_colour = glm::vec3(0.005F);
+  shadow.pane(1, {.base_colour = glm::vec3(1), .transmission = 0.8F});
+  shadow.pane(2, {.alpha = Alpha::kMask, .opacity = 0});
+  EXPECT_NEAR(shadow.lit().x, 0.004F, 1e-6F);
 }
 
 TEST(Layers, VertexColoursAndSecondCoordinatesHaveASay) {
