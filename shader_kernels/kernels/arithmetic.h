@@ -34,6 +34,14 @@ M<V> has(const I<V>& flags, traces::MaterialFlag bit) {
   return I<V>(0U) < (flags & static_cast<std::uint32_t>(bit));
 }
 
+/// Byte 0 (lowest) to 3 of a word.
+template <class V>
+I<V> byte_of(const I<V>& word, std::uint32_t byte) {
+  if (byte == 0) return word & 255U;
+  if (byte == 3) return word >> 24U;
+  return (word >> (8U * byte)) & 255U;
+}
+
 template <class V>
 F<V> clamped(const F<V>& x) {
   return min(max(x, F<V>(0.0F)), F<V>(1.0F));

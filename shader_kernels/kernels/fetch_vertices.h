@@ -39,13 +39,13 @@ struct FetchVertices {
     at.mattes.store(slot, {matte.diffuse * colour.rgb, matte.classes});
     optics.alpha = optics.alpha * colour.alpha;
     at.optics.store(slot, optics);
-    const auto byte = [&](std::uint32_t shift) {
-      const auto part = [&](const I<V>& word) { return (word >> shift) & 255U; };
+    const auto signed_byte = [&](std::uint32_t byte) {
+      const auto part = [&](const I<V>& word) { return byte_of<V>(word, byte); };
       return (corners.mix_int(part(vertex.tangent0), part(vertex.tangent1), part(vertex.tangent2)) - 128.0F) *
              (1.0F / 127.0F);
     };
-    at.tangents.store(slot, {{byte(0), byte(8), byte(16)},
-                             byte(24),
+    at.tangents.store(slot, {{signed_byte(0), signed_byte(1), signed_byte(2)},
+                             signed_byte(3),
                              corners.mix(vertex.u0, vertex.u1, vertex.u2),
                              corners.mix(vertex.v0, vertex.v1, vertex.v2)});
   }

@@ -18,19 +18,14 @@ struct Sample {
   }
   /// Channel 0 (red) to 3 (alpha) of a linear texture.
   F<V> linear(std::uint32_t channel) const {
-    return blend([&](const I<V>& rgba) { return to_float(bits_of(rgba, channel)) * (1.0F / 255.0F); });
+    return blend([&](const I<V>& rgba) { return to_float(byte_of<V>(rgba, channel)) * (1.0F / 255.0F); });
   }
   /// Red, green and blue of an sRGB texture, decoded before they are blended.
   Vec3<V> colour() const { return {decoded_channel(0), decoded_channel(1), decoded_channel(2)}; }
 
  private:
-  static I<V> bits_of(const I<V>& rgba, std::uint32_t channel) {
-    if (channel == 0) return rgba & 255U;
-    if (channel == 3) return rgba >> 24U;
-    return (rgba >> (8U * channel)) & 255U;
-  }
   F<V> decoded_channel(std::uint32_t channel) const {
-    return blend([&](const I<V>& rgba) { return decoded<V>(to_float(bits_of(rgba, channel)) * (1.0F / 255.0F)); });
+    return blend([&](const I<V>& rgba) { return decoded<V>(to_float(byte_of<V>(rgba, channel)) * (1.0F / 255.0F)); });
   }
 };
 

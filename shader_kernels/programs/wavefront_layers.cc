@@ -4,6 +4,14 @@ namespace kernels {
 
 using traces::RayKind;
 
+namespace {
+
+/// Light is dropped when it is below this share of min_weight: a step of an 8-bit sRGB channel in the dark, by default.
+/// A path is dropped earlier, but of paths each sample has a few, and of dark surfaces a picture has many.
+constexpr float kLeastLight = 0x1p-5F;
+
+}  // namespace
+
 /// Rays whose hit turns out to be a hole, or to let light pass, go on as rays of their own, made from the original ray
 /// and the hit; their hits take the place of the original's. Returns the last launch that did that, or kNone if there
 /// was nothing to test.
@@ -62,6 +70,7 @@ std::uint32_t Wavefront::test_layers(RayKind kind, RaySlots& slots, std::uint32_
   if (kind == RayKind::kShadow) {
     ShadowLayerPorts<float, kColoured> ports;
     bind(ports);
+    ports.min_weight = scene_.min_weight * kLeastLight;
     ports.paths.bind(slots.paths.data() + first);
     tested = launch<TestShadow<kColoured>>(ports, items);
     return ports.emitted.value;
