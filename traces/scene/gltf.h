@@ -6,9 +6,9 @@
 
 namespace traces {
 
-/// Reads a glTF 2.0 file (.gltf or .glb, told apart by their first bytes) as it stands at rest: the default scene's
-/// triangles with base colour, mirror, glass and emission, its lights and its perspective cameras. What cannot be shown
-/// as the file says is told in Scene::warnings; what cannot be read is an InputError of one line.
+/// Reads a glTF 2.0 file (.gltf or .glb, told apart by their first bytes): the default scene's nodes with their
+/// triangles, materials, lights and perspective cameras, its skins, morph targets and animations, posed at time 0. What
+/// cannot be shown as the file says is told in Scene::warnings; what cannot be read is an InputError of one line.
 ///
 /// Files named by the .gltf must lie in its folder or below; nothing is read over a network. Rules of their own have:
 /// surfaces (gltf/materials.h), lights and exposure (lights.h), a file without cameras (framing_camera), a file without

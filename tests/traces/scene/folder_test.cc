@@ -20,7 +20,8 @@ std::filesystem::path scenes_folder() {
 void try_all(const std::filesystem::path& folder) {
   int tried = 0;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
-    if (entry.path().extension() != ".glb" && entry.path().extension() != ".gltf" || !entry.is_regular_file()) continue;
+    const bool is_gltf = entry.path().extension() == ".glb" || entry.path().extension() == ".gltf";
+    if (!is_gltf || !entry.is_regular_file()) continue;
     SCOPED_TRACE(entry.path().string());
     ++tried;
     try {
