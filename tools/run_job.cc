@@ -62,7 +62,7 @@ Inputs load_inputs(const JobOptions& options) {
   Inputs in;
   in.config = load_run_config(options);
   const Clock::time_point begin = Clock::now();
-  traces::Scene scene = traces::open_workload(in.config.scene);
+  traces::Scene scene = traces::open_workload(in.config.scene, in.config.limits);
   in.frame = in.config.scene.first_frame;
   in.camera = scene.cameras.front();
   in.scene = traces::scene_info(scene);

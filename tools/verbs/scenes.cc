@@ -6,12 +6,15 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "sim/error.h"
 #include "sim/io/file.h"
 #include "sim/io/printable.h"
 #include "sim/report/report_json.h"
 #include "sim/report/table.h"
+#include "tools/load_config.h"
+#include "tools/paths.h"
 #include "tools/scene_sheet.h"
 #include "tools/verbs/verbs.h"
 #include "traces/accel/build.h"
@@ -47,20 +50,30 @@ void list() {
   for (const traces::BuiltinInfo& scene : traces::builtin_scenes()) {
     table.row({scene.name, fmt::format("about {}", sim::si_text(scene.triangles)), scene.description});
   }
-  fmt::print("{}", table.text());
+  fmt::print("{}\nworkloads (scene, camera, frames and resolution together): {}\n", table.text(),
+             fmt::join(workload_names(), ", "));
 }
 
+/// The scene that a user asks for by name, workload or file.
+struct Wanted {
+  JobOptions job;
+  traces::Scene open() const {
+    const RunConfig config = load_run_config(job);
+    return traces::open_scene(config.scene.name, {.triangles = config.scene.triangles}, config.limits);
+  }
+};
+
 struct InfoOptions {
-  std::string scene;
+  Wanted scene;
   bool cameras = false, json = false;
 };
 
 void show(const InfoOptions& options) {
   SceneCost cost;
   const std::uint64_t before = memory_in_use("VmRSS");
-  const std::filesystem::path file = traces::scene_file(options.scene);
+  const std::filesystem::path file = traces::scene_file(load_run_config(options.scene.job).scene.name);
   auto begin = Clock::now();
-  const traces::Scene scene = traces::open_scene(options.scene);
+  const traces::Scene scene = options.scene.open();
   cost.load_s = seconds_since(begin);
   begin = Clock::now();
   const traces::MemoryImage image = traces::build_memory_image(scene);
@@ -74,7 +87,7 @@ void show(const InfoOptions& options) {
 }
 
 struct ExportOptions {
-  std::string scene;
+  Wanted scene;
   std::filesystem::path out;
   bool force = false;
 };
@@ -86,16 +99,18 @@ void export_scene(const ExportOptions& options) {
   if (!options.force && std::filesystem::exists(options.out, ignored)) {
     throw sim::InputError(shown + " exists; --force replaces it");
   }
-  const traces::Scene scene = traces::open_scene(options.scene);
+  const traces::Scene scene = options.scene.open();
   const std::string bytes = traces::export_glb(scene);
   sim::write_file_atomically(options.out, bytes);
   print_warnings(scene);
   fmt::print("{}: {}\n", shown, sim::si_text(static_cast<double>(bytes.size()), "B"));
 }
 
-CLI::App* add_scene_verb(CLI::App& verb, const char* name, const char* description, std::string& scene) {
+CLI::App* add_scene_verb(CLI::App& verb, const char* name, const char* description, Wanted& wanted) {
   CLI::App* sub = verb.add_subcommand(name, description);
-  sub->add_option("scene", scene, "built-in scene, or a .gltf or .glb file")->required();
+  sub->add_option("scene", wanted.job.scene, "built-in scene, workload, or .gltf or .glb file")->required();
+  sub->add_option("--set", wanted.job.sets, "change one field, e.g. scene.triangles=100000 (repeatable)")
+      ->allow_extra_args(false);
   return sub;
 }
 
@@ -106,7 +121,7 @@ void add_scenes(CLI::App& app) {
   verb->require_subcommand(1);
   verb->footer("Example: raywatt scenes info teapot");
 
-  CLI::App* all = verb->add_subcommand("list", "Built-in scenes");
+  CLI::App* all = verb->add_subcommand("list", "Built-in scenes and workloads");
   all->footer("Example: raywatt scenes list");
   all->callback(list);
 

@@ -17,16 +17,16 @@ struct Entry {
 };
 
 constexpr Entry kEntries[] = {
-    {"car", "A red coupe that drives through a hall of concrete and light", 55'000, build_car},
-    {"chess", "A game of chess by a window, lacquered pieces on a wooden board", 42'000, build_chess},
-    {"cornell", "Cornell box, twice as wide as high, with a mirror sphere and a glass sphere", 10'000, build_cornell},
-    {"laboratory", "A chemist's bench full of glass and coloured liquids", 98'000, build_laboratory},
-    {"teapot", "Newell's teapot, glazed, on a checkered floor", 15'000, build_teapot},
     {"atrium", "A court with arcades on two storeys, banners and a polished floor under the sun", 66'000, build_atrium},
     {"bathroom", "A bathroom: mirrors, chrome, a glass screen, and much that is thinner than a pixel", 270'000,
      build_bathroom},
+    {"car", "A red coupe that drives through a hall of concrete and light", 55'000, build_car},
+    {"chess", "A game of chess by a window, lacquered pieces on a wooden board", 42'000, build_chess},
     {"conference", "A conference room: long table, fourteen chairs, panelling; five views of it", 190'000,
      build_conference},
+    {"cornell", "Cornell box, twice as wide as high, with a mirror sphere and a glass sphere", 10'000, build_cornell},
+    {"laboratory", "A chemist's bench full of glass and coloured liquids", 98'000, build_laboratory},
+    {"teapot", "Newell's teapot, glazed, on a checkered floor", 15'000, build_teapot},
     {"village", "Houses, church and windmill among trees and fields, with a fly-through", 600'000, build_village},
 };
 
