@@ -122,6 +122,11 @@ TEST(ScenesInfo, CountsMotionTexturesAndTheFile) {
   EXPECT_EQ(sheet["host"]["file_bytes"], std::filesystem::file_size(file));
   EXPECT_EQ(sheet["triangles"], 14);
   EXPECT_GT(sheet["textures"]["bytes"], 0);
+  EXPECT_EQ(sheet["animation"]["duration_s"], 2);
+  EXPECT_EQ(sheet["animation"]["tracks"], 5);
+  EXPECT_EQ(sheet["animation"]["skins"], 1);
+  EXPECT_EQ(sheet["animation"]["morph_targets"], 2);
+  EXPECT_EQ(sheet["animation"]["moving_instances"], 5) << "all but the two boards";
 }
 
 TEST(ScenesInfo, ShowsWhereCamerasStandOnRequest) {
