@@ -52,7 +52,9 @@ TEST_P(ExportOfBuiltin, GivesTheSameSceneBack) {
     const traces::Mesh &mesh = scene.meshes[scene.instances[i].mesh], &same = back.meshes[back.instances[i].mesh];
     EXPECT_EQ(back.instances[i].to_world, scene.instances[i].to_world);
     EXPECT_EQ(same.positions, mesh.positions) << mesh.name;
-    if (scene.materials[mesh.material].base_texture.used()) EXPECT_EQ(same.uvs, mesh.uvs) << mesh.name;
+    if (scene.materials[mesh.material].base_texture.used()) {
+      EXPECT_EQ(same.uvs, mesh.uvs) << mesh.name;
+    }
     EXPECT_EQ(same.triangles, mesh.triangles) << mesh.name;
     for (std::size_t v = 0; v < mesh.normals.size(); ++v) expect_near(same.normals[v], mesh.normals[v], 1e-6F);
   }
