@@ -27,12 +27,14 @@ Json cameras_json(const traces::Scene& scene) {
   return list;
 }
 
-/// The parts' sizes; what lies between them belongs to `bytes` alone.
+/// The sizes of its parts; what fills lines up counts as the textures'.
 Json memory_json(const traces::MemoryImage& image) {
   Json parts = {{"nodes", image.nodes.size() * sizeof(traces::NodeRecord)},
                 {"triangles", image.triangles.size() * sizeof(traces::TriangleRecord)},
                 {"attributes", image.attributes.size() * sizeof(traces::AttributeRecord)},
-                {"materials", image.materials.size() * sizeof(traces::MaterialRecord)}};
+                {"vertices", image.vertices.size() * sizeof(traces::VertexRecord)},
+                {"materials", image.materials.size() * sizeof(traces::MaterialRecord) +
+                                  image.details.size() * sizeof(traces::MaterialDetailRecord)}};
   std::uint64_t sum = 0;
   for (const auto& part : parts.items()) sum += part.value().get<std::uint64_t>();
   parts["textures"] = image.layout.end - std::min(image.layout.end, sum);
