@@ -19,6 +19,9 @@ struct Entry {
 constexpr Entry kEntries[] = {
     {"cornell", "Cornell box, twice as wide as high, with a mirror sphere and a glass sphere", 10'000, build_cornell},
     {"teapot", "Newell's teapot, glazed, on a checkered floor", 15'000, build_teapot},
+    {"forest", "A clearing with a deer, a bench and toadstools; fine textures everywhere", 174'000, build_forest},
+    {"hairball", "A ball of thin strands above a mirror floor, beside a mirror wall, in three lights", 2'880'000,
+     build_hairball},
     {"village", "Houses, church and windmill among trees and fields, with a fly-through", 600'000, build_village},
 };
 

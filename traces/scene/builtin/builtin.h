@@ -26,6 +26,8 @@ std::vector<BuiltinInfo> builtin_scenes();
 Scene build_scene(std::string_view name, const BuiltinOptions& options = {});
 
 Scene build_cornell(const BuiltinOptions& options);
+Scene build_forest(const BuiltinOptions& options);
+Scene build_hairball(const BuiltinOptions& options);
 Scene build_teapot(const BuiltinOptions& options);
 Scene build_village(const BuiltinOptions& options);
 
