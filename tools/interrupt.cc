@@ -21,8 +21,9 @@ static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_alw
 }
 
 extern "C" void on_interrupt(int signal) {
-  waiting = signal;
-  if (!held) end(signal);  // read last, as ~HoldInterrupts reads `waiting` last: one of the two sees the other
+  const bool second = waiting.exchange(signal) != 0;
+  if (!held || second)
+    end(signal);  // read last, as ~HoldInterrupts reads `waiting` last: one of the two sees the other
 }
 
 }  // namespace
@@ -37,6 +38,8 @@ void end_on_interrupts() {
     ::sigaction(signal, &action, nullptr);
   }
 }
+
+bool interrupted() { return waiting != 0; }
 
 HoldInterrupts::HoldInterrupts() { held = true; }
 

@@ -6,7 +6,7 @@ namespace tools {
 /// the caller has it ignore stays ignored.
 void end_on_interrupts();
 
-/// While it lives, interrupts wait: for the moments in which files are half made.
+/// While it lives, interrupts wait: for the times in which files are half made. The second one waits no longer.
 class HoldInterrupts {
  public:
   HoldInterrupts();
@@ -14,5 +14,11 @@ class HoldInterrupts {
   HoldInterrupts(const HoldInterrupts&) = delete;
   HoldInterrupts& operator=(const HoldInterrupts&) = delete;
 };
+
+/// Does an interrupt wait?
+bool interrupted();
+
+/// Thrown by long work that has seen interrupted().
+struct Interrupted {};
 
 }  // namespace tools

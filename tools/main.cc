@@ -1,4 +1,5 @@
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <string>
@@ -73,6 +74,8 @@ int main(int argc, char** argv) {
   tools::end_on_interrupts();
   try {
     return run(argc, argv);
+  } catch (const tools::Interrupted&) {
+    return 128 + SIGINT;  // not reached while HoldInterrupts ends the process
   } catch (const sim::InputError& error) {
     return complain(error.what(), tools::kBadInput);
   } catch (const sim::IoError& error) {

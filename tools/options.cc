@@ -1,5 +1,6 @@
 #include "tools/options.h"
 
+#include <algorithm>
 #include <charconv>
 
 #include <CLI/CLI.hpp>
@@ -19,8 +20,11 @@ void add_config_options(CLI::App& verb, std::string& config, std::vector<std::st
 
 void add_job_options(CLI::App& verb, JobOptions& options) {
   add_config_options(verb, options.config, options.sets);
-  verb.add_option("--scene", options.scene, "built-in scene, or a .gltf or .glb file")->capture_default_str();
+  verb.add_option("--scene", options.scene,
+                  "built-in scene, workload (.yaml), or .gltf or .glb file (default: cornell)");
   verb.add_option("--camera", options.camera, "camera of the scene, by name or index (default: its first)");
+  verb.add_option("--frames", options.frames,
+                  "A:B renders frames A to B of an animation, A frame A alone (default: 0)");
   verb.add_option("--program", options.program, "frame program: full:N traces N samples per pixel, N a square")
       ->capture_default_str();
   verb.add_option("--resolution", options.resolution, "WIDTHxHEIGHT (default: the configuration's, 1024x512)");
@@ -41,6 +45,24 @@ Resolution parse_resolution(const std::string& text) {
   if (bad_height != std::errc{} || rest != end || !sane(r.width) || !sane(r.height)) {
     throw sim::InputError(fmt::format("--resolution '{}' is not WIDTHxHEIGHT with both from 1 to 16384, e.g. 1024x512",
                                       sim::printable(text)));
+  }
+  return r;
+}
+
+FrameRange parse_frames(const std::string& text) {
+  FrameRange r;
+  const char* end = text.data() + text.size();
+  const auto [colon, bad_first] = std::from_chars(text.data(), end, r.first);
+  bool good = bad_first == std::errc{};
+  if (good && colon == end) {
+    r.last = r.first;
+  } else if (good) {
+    const auto [rest, bad_last] = std::from_chars(std::min(colon + 1, end), end, r.last);
+    good = *colon == ':' && bad_last == std::errc{} && rest == end && r.first <= r.last;
+  }
+  if (!good) {
+    throw sim::InputError(
+        fmt::format("--frames '{}' is not A:B with A no greater than B, or A alone, e.g. 0:29", sim::printable(text)));
   }
   return r;
 }

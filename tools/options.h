@@ -13,8 +13,9 @@ namespace tools {
 /// What `raywatt run` and `raywatt verify` can be told.
 struct JobOptions {
   std::string config = "sgrt-2016";
-  std::string scene = "cornell";
-  std::string camera;  ///< name or index; empty: the first
+  std::string scene;   ///< built-in scene, workload or file; empty: the configuration's
+  std::string camera;  ///< name or index; empty: the configuration's
+  std::string frames;  ///< "10:19" or "10"; empty: the configuration's
   std::string program = "full:1";
   std::string reference;   ///< program to compare with; empty: none
   std::string resolution;  ///< "1024x512"; empty: the configuration's
@@ -35,5 +36,11 @@ struct Resolution {
   std::uint32_t width = 0, height = 0;
 };
 Resolution parse_resolution(const std::string& text);
+
+/// "10:19" (both rendered) or "10"; InputError otherwise.
+struct FrameRange {
+  std::uint32_t first = 0, last = 0;
+};
+FrameRange parse_frames(const std::string& text);
 
 }  // namespace tools

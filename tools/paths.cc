@@ -36,9 +36,11 @@ std::vector<fs::path> config_folders() {
   return folders;
 }
 
-std::vector<std::string> config_names() {
+namespace {
+
+std::vector<std::string> yaml_names(const std::vector<fs::path>& folders) {
   std::vector<std::string> names;
-  for (const fs::path& folder : config_folders()) {
+  for (const fs::path& folder : folders) {
     std::error_code missing;
     for (const auto& entry : fs::directory_iterator(folder, missing)) {
       if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem());
@@ -50,13 +52,38 @@ std::vector<std::string> config_names() {
   return names;
 }
 
-fs::path find_config(const std::string& argument) {
-  if (argument.find('/') != std::string::npos || argument.ends_with(".yaml")) return argument;
-  for (const fs::path& folder : config_folders()) {
+std::vector<fs::path> workload_folders() {
+  std::vector<fs::path> folders;
+  for (const fs::path& folder : search_folders()) {
+    folders.insert(folders.end(), {folder / "traces" / "workloads", folder / "workloads"});
+  }
+  return folders;
+}
+
+std::optional<fs::path> find_yaml(const std::vector<fs::path>& folders, const std::string& name) {
+  for (const fs::path& folder : folders) {
     std::error_code too_long;
-    const fs::path candidate = folder / (argument + ".yaml");
+    const fs::path candidate = folder / (name + ".yaml");
     if (fs::exists(candidate, too_long)) return candidate;
   }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::vector<std::string> config_names() { return yaml_names(config_folders()); }
+
+std::vector<std::string> workload_names() { return yaml_names(workload_folders()); }
+
+std::optional<fs::path> find_workload(const std::string& argument) {
+  if (argument.ends_with(".yaml")) return argument;
+  if (argument.empty() || argument.find('/') != std::string::npos) return std::nullopt;
+  return find_yaml(workload_folders(), argument);
+}
+
+fs::path find_config(const std::string& argument) {
+  if (argument.find('/') != std::string::npos || argument.ends_with(".yaml")) return argument;
+  if (const std::optional<fs::path> found = find_yaml(config_folders(), argument)) return *found;
   const std::vector<std::string> names = config_names();
   throw sim::InputError(fmt::format("no configuration is called '{}'{}; known: {}; or give a path to a .yaml file",
                                     sim::printable(argument), traces::did_you_mean(argument, names),

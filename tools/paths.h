@@ -1,5 +1,6 @@
 #pragma once
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,13 @@ std::vector<std::filesystem::path> config_folders();
 /// The configuration file called `argument`: a path if it holds a '/' or ends in .yaml, else NAME.yaml in one of
 /// config_folders(). InputError with the nearest name if there is none.
 std::filesystem::path find_config(const std::string& argument);
+
+/// The workload file that --scene means: `argument` itself if it ends in .yaml, else NAME.yaml in the folder
+/// traces/workloads or workloads below one of search_folders(); nothing if it is a scene.
+std::optional<std::filesystem::path> find_workload(const std::string& argument);
+
+/// Names of the workloads that find_workload() knows, sorted.
+std::vector<std::string> workload_names();
 
 /// Names of the configurations that find_config() knows, sorted.
 std::vector<std::string> config_names();

@@ -18,15 +18,19 @@ std::vector<std::uint8_t> to_rgb8(std::span<const float> linear) {
   return out;
 }
 
-std::optional<double> psnr_db(std::span<const float> a, std::span<const float> b) {
+double mean_squared_error(std::span<const float> a, std::span<const float> b) {
   assert(a.size() == b.size() && !a.empty());
   double squares = 0;
   for (std::size_t i = 0; i < a.size(); ++i) {
     const double difference = static_cast<double>(srgb_encoded(a[i])) - static_cast<double>(srgb_encoded(b[i]));
     squares += difference * difference;
   }
-  if (squares == 0) return {};
-  return -10 * std::log10(squares / static_cast<double>(a.size()));
+  return squares / static_cast<double>(a.size());
+}
+
+std::optional<double> psnr_db(double mean_squared_error) {
+  if (mean_squared_error == 0) return {};
+  return -10 * std::log10(mean_squared_error);
 }
 
 }  // namespace tools

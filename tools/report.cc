@@ -60,11 +60,11 @@ Json dram_clients_json(const Simulation& s) {
 Json perf_json(const Simulation& s) {
   const double ms = time_ms(s);
   const auto rays = static_cast<double>(s.rays());
-  return {{"fps", 1000 / ms},
+  return {{"fps", 1000 * s.frames / ms},
           {"mrays_per_s", rays / ms / 1000},
           {"nj_per_ray", energy_mj(s) * 1e6 / rays},
-          {"frames_per_joule_gpu", 1000 / energy_mj(s)},
-          {"frames_per_joule_tni", 1000 / tni_mj(s)}};
+          {"frames_per_joule_gpu", 1000 * s.frames / energy_mj(s)},
+          {"frames_per_joule_tni", 1000 * s.frames / tni_mj(s)}};
 }
 
 Json kernels_json(const Simulation& s) {
@@ -82,10 +82,11 @@ Json kernels_json(const Simulation& s) {
   return out;
 }
 
-void add_relative(Json& totals, const Simulation& run, const Simulation& reference) {
+void add_relative(Json& totals, const Result& result) {
+  const Simulation &run = result.run, &reference = *result.reference;
   const auto power = [](const Simulation& s, double mj) { return mj / time_ms(s); };
   const auto per = [](std::uint64_t a, std::uint64_t b) { return static_cast<double>(a) / static_cast<double>(b); };
-  const std::optional<double> psnr = psnr_db(run.function.rgb, reference.function.rgb);
+  const std::optional<double> psnr = psnr_db(result.squared_error);
   totals["psnr_db"] = psnr ? Json(*psnr) : Json(nullptr);
   totals["identical"] = !psnr.has_value();
   totals["relative"] = {{"speedup", per(reference.cycles, run.cycles)},
@@ -96,7 +97,31 @@ void add_relative(Json& totals, const Simulation& run, const Simulation& referen
                         {"rays", per(run.rays(), reference.rays())}};
 }
 
-Json totals_json(const Simulation& s, const Simulation* reference) {
+Json host_json(const Report& report) {
+  std::array<char, 256> name{};
+  gethostname(name.data(), name.size() - 1);
+  const Result& totals = report.totals;
+  const hw::FrontEnd::Result& function = totals.run.function;
+  const double timing = totals.run.wall_seconds - function.waited;
+  const double reference = totals.reference != nullptr ? totals.reference->wall_seconds : 0;
+  const double wall = report.wall_seconds - report.inputs.load_seconds - report.inputs.update_seconds - reference;
+  return {{"date", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)))},
+          {"name", name.data()},
+          {"wall_s", report.wall_seconds},
+          {"load_s", report.inputs.load_seconds},
+          {"update_s", report.inputs.update_seconds},
+          {"functional_s", function.seconds},
+          {"timing_s", timing},
+          {"rays_per_s", static_cast<double>(totals.run.rays()) / wall},
+          {"steps_per_s", static_cast<double>(function.traversal_steps) / wall},
+          {"peak_rss_mb", peak_rss_mib()},
+          {"threads", host_threads(report.options.threads)}};
+}
+
+}  // namespace
+
+Json totals_json(const Result& result) {
+  const Simulation& s = result.run;
   const sim::Spread power = s.energy.total_pj * (1 / (kPicojoulesPerMillijoule * time_ms(s)));
   const Utilisation used = utilisation(s.units);
   Json totals = {{"cycles", s.cycles},
@@ -112,30 +137,9 @@ Json totals_json(const Simulation& s, const Simulation* reference) {
   totals["utilisation"] = {{"tni", used.tni}, {"srp", used.srp}, {"dram", used.dram}};
   totals["limiter"] = limiter(s.units);
   totals["kernels"] = kernels_json(s);
-  if (reference != nullptr) add_relative(totals, s, *reference);
+  if (result.reference != nullptr) add_relative(totals, result);
   return totals;
 }
-
-Json host_json(const Report& report) {
-  std::array<char, 256> name{};
-  gethostname(name.data(), name.size() - 1);
-  const hw::FrontEnd::Result& function = report.run.function;
-  const double timing = report.run.wall_seconds - function.waited;
-  const double reference = report.reference != nullptr ? report.reference->wall_seconds : 0;
-  const double wall = report.wall_seconds - report.inputs.load_seconds - reference;
-  return {{"date", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)))},
-          {"name", name.data()},
-          {"wall_s", report.wall_seconds},
-          {"load_s", report.inputs.load_seconds},
-          {"functional_s", function.seconds},
-          {"timing_s", timing},
-          {"rays_per_s", static_cast<double>(report.run.rays()) / wall},
-          {"steps_per_s", static_cast<double>(function.traversal_steps) / wall},
-          {"peak_rss_mb", peak_rss_mib()},
-          {"threads", host_threads(report.options.threads)}};
-}
-
-}  // namespace
 
 double peak_rss_mib() {
   rusage usage{};
@@ -154,18 +158,15 @@ Json provenance_json(const Inputs& inputs, const JobOptions& options) {
           {"model_id", build.model_id},
           {"config_hash", sim::config_hash(inputs.config)},
           {"scene_sha256", inputs.scene_sha256},
-          {"bvh_hash", traces::bvh_hash(inputs.image)},
+          {"bvh_hash", inputs.bvh_hash},
           {"argv", options.argv}};
 }
 
 Json report_json(const Report& report) {
   const Inputs& in = report.inputs;
-  const Json totals = totals_json(report.run, report.reference);
-  Json frame = {{"frame", 0}};
-  frame.update(totals);
   return {{"schema", "raywatt-report/1"},
-          {"partial", false},
-          {"program", report.run.program.name()},
+          {"partial", report.partial},
+          {"program", report.totals.run.program.name()},
           {"resolution", {in.config.render.width, in.config.render.height}},
           {"config", Json(sim::config_json(in.config))},
           {"scene",
@@ -174,9 +175,9 @@ Json report_json(const Report& report) {
             {"instances", in.scene.instances},
             {"lights", in.scene.lights}}},
           {"provenance", provenance_json(in, report.options)},
-          {"totals", totals},
-          {"frames", Json::array({frame})},
-          {"units", sim::units_json(report.run.units)},
+          {"totals", totals_json(report.totals)},
+          {"frames", report.frames},
+          {"units", sim::units_json(report.totals.run.units)},
           {"host", host_json(report)}};
 }
 

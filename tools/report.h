@@ -8,13 +8,23 @@
 
 namespace tools {
 
-/// A run, and the run it is compared with if there is one.
+/// A run, and the run it is compared with if there is one: of one frame, or of all.
+struct Result {
+  const Simulation& run;
+  const Simulation* reference = nullptr;
+  double squared_error = 0;  ///< mean over the pictures' channels, with a reference
+};
+
+/// What report.json has of a frame (`frames[]`) or of all (`totals`).
+nlohmann::ordered_json totals_json(const Result& result);
+
 struct Report {
   const Inputs& inputs;
   const JobOptions& options;
-  const Simulation& run;
-  const Simulation* reference = nullptr;
-  double wall_seconds = 0;  ///< of the whole job
+  const Result& totals;
+  nlohmann::ordered_json frames;  ///< one entry per frame
+  bool partial = false;           ///< interrupted before the last frame
+  double wall_seconds = 0;        ///< of the whole job
 };
 
 /// report.json, schema raywatt-report/1: everything but `host` and `provenance.argv` depends on the inputs alone.

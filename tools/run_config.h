@@ -6,22 +6,24 @@
 #include "sim/config/field.h"
 #include "sim/report/energy.h"
 #include "traces/accel/bvh_config.h"
+#include "traces/scene/workload.h"
 
 namespace tools {
 
-/// Everything a run depends on but the scene, the camera and the frame program: one YAML file. The machine's keys stand
-/// at the top level.
+/// Everything a run depends on but the frame program: one YAML file. The machine's keys stand at the top level.
 struct RunConfig {
   hw::GpuConfig gpu;
   kernels::RenderConfig render;
   traces::BvhConfig bvh;
   sim::EnergyConfig energy;
+  traces::WorkloadConfig scene;
 
   static void describe(auto& c, auto&& field) {
     hw::GpuConfig::describe(c.gpu, field);
     field.group(c.render, "render", "what is rendered, and how finely");
     field.group(c.bvh, "bvh", "how the tree is built on the host");
     field.group(c.energy, "energy", "energy per event, leakage and clock");
+    field.group(c.scene, "scene", "what is looked at, from where, and when");
   }
   void check(auto&& complain) const { gpu.check(complain); }
 };

@@ -44,9 +44,18 @@ bool holds_former_run(const fs::path& folder, std::string_view mark) {
 constexpr std::array<std::string_view, 8> kResults = {"report.json", "report.txt",    "config.yaml", "image.png",
                                                       "image.exr",   "reference.exr", "verify.json", "embree.png"};
 
+/// frame-0000.png
+bool is_frame(std::string_view name) {
+  constexpr std::string_view kHead = "frame-", kTail = ".png";
+  if (!name.starts_with(kHead) || !name.ends_with(kTail) || name.size() == kHead.size() + kTail.size()) return false;
+  const std::string_view number = name.substr(kHead.size(), name.size() - kHead.size() - kTail.size());
+  return number.find_first_not_of("0123456789") == std::string_view::npos;
+}
+
 bool is_result(const fs::directory_entry& entry) {
+  const std::string name = entry.path().filename().string();
   return entry.symlink_status().type() == fs::file_type::regular &&
-         std::ranges::find(kResults, entry.path().filename().string()) != kResults.end();
+         (std::ranges::find(kResults, name) != kResults.end() || is_frame(name));
 }
 
 bool holds_only_results(const fs::path& folder) {
@@ -55,14 +64,19 @@ bool holds_only_results(const fs::path& folder) {
 
 /// Puts the results of `from` into `to` among the files of others, in place of former results.
 std::error_code place_among(const fs::path& from, const fs::path& to) {
+  std::vector<fs::path> former, results;
+  for (const fs::directory_entry& entry : fs::directory_iterator(to)) {
+    if (is_result(entry)) former.push_back(entry.path());
+  }
+  for (const fs::directory_entry& entry : fs::directory_iterator(from)) results.push_back(entry.path().filename());
   std::error_code error;
-  for (const std::string_view name : kResults) {
-    if (fs::exists(from / name)) {
-      fs::rename(from / name, to / name, error);
-    } else if (is_result(fs::directory_entry(to / name, error))) {
-      fs::remove(to / name, error);
-    }
-    if (error && error != std::errc::no_such_file_or_directory) return error;
+  for (const fs::path& file : former) {
+    if (std::ranges::find(results, file.filename()) == results.end()) fs::remove(file, error);
+    if (error) return error;
+  }
+  for (const fs::path& name : results) {
+    fs::rename(from / name, to / name, error);
+    if (error) return error;
   }
   return {};
 }
@@ -146,12 +160,15 @@ RunFolder::RunFolder(fs::path target, bool force, std::string_view mark)
   if (error) throw sim::InputError(cannot_be_written(target_, error));
 }
 
-void RunFolder::fill(const std::function<void(const fs::path& folder)>& write) {
+void RunFolder::fill(const std::function<void(const Open& folder)>& write) {
   const HoldInterrupts hold;
   Staging staging(target_);
-  std::error_code error = staging.make();
-  if (error) throw sim::IoError(cannot_be_written(target_, error));
-  write(staging.folder());
+  std::error_code error;
+  write([&]() -> const fs::path& {
+    if (staging.folder().empty()) error = staging.make();
+    if (error) throw sim::IoError(cannot_be_written(target_, error));
+    return staging.folder();
+  });
   fs::rename(staging.folder(), target_, error);  // a full folder is never replaced by this
   while (dated_ && is_occupied(error)) {         // by a run of the same second
     target_ = dated_folder();

@@ -14,9 +14,12 @@ class RunFolder {
   /// raywatt-out/. Nothing is made yet.
   RunFolder(std::filesystem::path target, bool force, std::string_view mark = "report.json");
 
+  /// Makes the folder beside the target when first asked for it.
+  using Open = std::function<const std::filesystem::path&()>;
+
   /// Has `write` fill a folder beside the target, then puts it into place of the former results; interrupts wait that
   /// long. IoError, and nothing left behind, if that fails.
-  void fill(const std::function<void(const std::filesystem::path& folder)>& write);
+  void fill(const std::function<void(const Open& folder)>& write);
 
   const std::filesystem::path& target() const { return target_; }
 

@@ -9,33 +9,38 @@
 #include "shader_kernels/programs/program_spec.h"
 #include "sim/report/energy.h"
 #include "sim/report/unit_report.h"
-#include "tools/options.h"
-#include "tools/run_config.h"
+#include "tools/load_config.h"
 #include "traces/accel/memory_image.h"
 #include "traces/scene/info.h"
+#include "traces/scene/scene.h"
 
 namespace tools {
 
-/// Everything a run reads, read.
+/// Everything a run reads, read, as it is in one frame.
 struct Inputs {
   RunConfig config;
   traces::SceneInfo scene;
-  std::string scene_sha256;
+  std::string scene_sha256, bvh_hash;  ///< the tree's: of the first frame
   std::vector<std::string> warnings;
+  std::uint32_t frame = 0;
   traces::Camera camera;
   traces::MemoryImage image;
   std::vector<std::uint32_t> parents;  ///< of each node of the tree
   double load_seconds = 0;
+  double update_seconds = 0;  ///< host: posing the scene and bringing the image up to date, later frames
+  traces::Scene moving;       ///< what later frames are posed from; empty if there are none
+  std::uint32_t frames() const { return config.scene.last_frame - config.scene.first_frame + 1; }
 };
 
-/// The configuration with --set and --resolution applied. InputError.
-RunConfig load_run_config(const JobOptions& options);
-/// Reads scene and configuration and builds the tree. InputError.
+/// Reads scene and configuration and builds the tree of the first frame. InputError.
 Inputs load_inputs(const JobOptions& options);
+/// Goes on to a later frame: poses the scene, then refits or rebuilds the tree if anything in it has moved.
+void advance(Inputs& inputs, std::uint32_t frame, std::uint32_t threads);
 
-/// A frame on the machine.
+/// A frame on the machine, or several added up.
 struct Simulation {
   kernels::ProgramSpec program;
+  std::uint32_t frames = 1;
   hw::FrontEnd::Result function;
   std::vector<sim::UnitReport> units;
   std::vector<hw::KernelUse> kernel_use;
@@ -45,10 +50,12 @@ struct Simulation {
   sim::Time elapsed = 0;
   double wall_seconds = 0;  ///< host, functional and timing together
   std::uint64_t rays() const;
+  /// Adds a later frame's figures; the picture stays.
+  void add(const Simulation& frame);
 };
 
 /// Runs a frame program on the machine. `threads` of the host: one plays the machine, the others run ahead of it.
-/// sim::Deadlock if the machine is stuck.
+/// sim::Deadlock if the machine is stuck, Interrupted if an interrupt waits. Every frame begins with cold caches.
 Simulation simulate(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads);
 
 /// The picture alone, traced by `tracer`.

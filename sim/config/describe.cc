@@ -50,6 +50,7 @@ nlohmann::json value_json(const ConfigNode& field) {
     case FieldKind::kFrequency:
     case FieldKind::kByteSize:
     case FieldKind::kDuration:
+    case FieldKind::kTriple:
     case FieldKind::kEnum:
       break;
   }

@@ -42,6 +42,12 @@ struct Spread {
   friend bool operator==(const Spread&, const Spread&) = default;
 };
 
+/// Three numbers in one field, "x y z": a point, a direction or a colour.
+struct Triple {
+  double x = 0, y = 0, z = 0;
+  friend bool operator==(const Triple&, const Triple&) = default;
+};
+
 /// What values a number may take. `power_of_two` and the bounds are checked together, bounds inclusive, in the
 /// field's own unit (bytes, hertz, femtoseconds for the quantities above).
 struct Limits {
@@ -69,7 +75,7 @@ constexpr Limits power_of_two(double min, double max) { return {min, max, true};
 //   };
 //
 // Members may be bool, std::uint32_t, std::uint64_t, double, std::string, an enum with names (below), Frequency,
-// ByteSize, Duration, Spread, std::map<std::string, Spread> and groups. A struct may add
+// ByteSize, Duration, Triple, Spread, std::map<std::string, Spread> and groups. A struct may add
 // `void check(auto&& complain) const` for rules that join several fields: complain("key", "what is wrong, what is
 // allowed"). An enum `E` names its values with a function found by argument: `constexpr auto names_of(E) ->
 // std::array<std::string_view, n>`.

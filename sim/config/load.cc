@@ -94,6 +94,12 @@ void ConfigLoader::apply_file(ConfigNode& group, const std::filesystem::path& fi
   open_files_.pop_back();
 }
 
+void ConfigLoader::apply_part(const std::filesystem::path& file, std::span<const std::string_view> keys) {
+  top_keys_ = keys;
+  apply_file(file);
+  top_keys_ = {};
+}
+
 void ConfigLoader::apply_mapping(ConfigNode& group, const YamlNode& mapping, const Source& source) {
   if (const YamlNode::Entry* base = mapping.find(kExtends)) {
     apply_extends(group, *base->value, source, source.at(base->value_at));
@@ -101,6 +107,11 @@ void ConfigLoader::apply_mapping(ConfigNode& group, const YamlNode& mapping, con
   for (const YamlNode::Entry& entry : mapping.entries) {
     if (entry.key == kExtends) continue;
     ConfigNode* node = group.child(entry.key);
+    const bool fits = &group != &root_ || top_keys_.empty() || std::ranges::count(top_keys_, entry.key) != 0;
+    if (node != nullptr && !fits) {
+      refuse(source.at(entry.key_at), entry.key,
+             fmt::format("does not belong into such a file; allowed: {}", fmt::join(top_keys_, ", ")));
+    }
     if (node == nullptr) {
       refuse(source.at(entry.key_at), path_of(group, entry.key), unknown_key(root_, group, entry.key));
     }

@@ -27,6 +27,8 @@ class ConfigLoader {
   explicit ConfigLoader(ConfigNode& root) : root_(root) {}
 
   void apply_file(const std::filesystem::path& file) { apply_file(root_, file, {}); }
+  /// A file that may have these keys at its top level alone.
+  void apply_part(const std::filesystem::path& file, std::span<const std::string_view> keys);
   /// "tni.trv.rays=16", "dram.extends=dram/lpddr3-1600", "dram.energy.refresh={low: 1, nominal: 2, high: 3}"
   void apply_set(const std::string& argument);
 
@@ -46,6 +48,7 @@ class ConfigLoader {
   void apply_spread(const ConfigNode& field, const YamlNode& mapping, const Source& source, const std::string& at);
 
   ConfigNode& root_;
+  std::span<const std::string_view> top_keys_;     ///< of the files being read; empty: all
   std::vector<std::filesystem::path> open_files_;  ///< each extended by the one before it
   std::size_t files_read_ = 0;
 };

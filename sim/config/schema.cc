@@ -62,6 +62,8 @@ Json type_schema(const ConfigNode& field) {
       return quantity_schema(byte_units());
     case FieldKind::kDuration:
       return quantity_schema(duration_units());
+    case FieldKind::kTriple:
+      return {{"type", "string"}, {"pattern", "^ *[-+.0-9eE]+ +[-+.0-9eE]+ +[-+.0-9eE]+ *$"}};
     case FieldKind::kSpread:
       return spread_schema(field);
     case FieldKind::kSpreadMap:

@@ -1,6 +1,7 @@
 #include "sim/config/value.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -69,17 +70,41 @@ std::string spread_problem(const ConfigNode& field, const Spread& spread) {
   return fmt::format("'{}' is not in order; allowed: low <= nominal <= high", spread_text(spread));
 }
 
+/// A number; `text` is what the user wrote of it.
+double double_of(const ConfigNode& field, std::string_view digits, std::string_view text, std::string_view what) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  if (error != std::errc{} || end != digits.data() + digits.size() || !std::isfinite(value)) not_a(text, what, field);
+  return value + 0.0;  // so that -0 is 0
+}
+
+Triple triple_of(const ConfigNode& field, std::string_view text) {
+  constexpr std::string_view kWhat = "three numbers";
+  std::array<double, 3> values{};
+  std::string_view rest = text;
+  for (double& value : values) {
+    rest = trim(rest);
+    const std::string_view digits = rest.substr(0, rest.find(' '));
+    value = double_of(field, digits, text, kWhat);
+    rest.remove_prefix(digits.size());
+  }
+  if (!trim(rest).empty()) not_a(text, kWhat, field);
+  return {values[0], values[1], values[2]};
+}
+
+std::string triple_problem(const ConfigNode& field, const Triple& triple) {
+  for (const double value : {triple.x, triple.y, triple.z}) {
+    if (!within(value, effective_limits(field))) return out_of_range(field, fmt::format("{}", value));
+  }
+  return {};
+}
+
 }  // namespace
 
 double number_of(const ConfigNode& field, std::string_view raw) {
   const std::string_view text = trim(raw);
   const std::string_view digits = without_unit(text, field.unit);
-  double value = 0;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-  if (error != std::errc{} || end != digits.data() + digits.size() || !std::isfinite(value)) {
-    not_a(text, "a number", field);
-  }
-  return value + 0.0;  // so that -0 is 0
+  return double_of(field, digits, text, "a number");
 }
 
 void assign(const ConfigNode& field, std::string_view raw) {
@@ -96,6 +121,7 @@ void assign(const ConfigNode& field, std::string_view raw) {
                  [&](Frequency* member) { member->hz = quantity_of(field, text, frequency_units()); },
                  [&](ByteSize* member) { member->bytes = quantity_of(field, text, byte_units()); },
                  [&](Duration* member) { member->time = quantity_of(field, text, duration_units()); },
+                 [&](Triple* member) { *member = triple_of(field, text); },
                  [&](Spread* member) {
                    const double value = number_of(field, text);
                    *member = {value, value, value};
@@ -123,6 +149,7 @@ std::string value_problem(const ConfigNode& field) {
                         [&](const Frequency* member) { return number(static_cast<double>(member->hz)); },
                         [&](const ByteSize* member) { return number(static_cast<double>(member->bytes)); },
                         [&](const Duration* member) { return number(static_cast<double>(member->time)); },
+                        [&](const Triple* member) { return triple_problem(field, *member); },
                         [&](const Spread* member) { return spread_problem(field, *member); },
                         [&](const std::map<std::string, Spread>* member) {
                           for (const auto& [name, spread] : *member) {

@@ -37,7 +37,8 @@ std::string bound_text(const ConfigNode& field, double bound) {
 Limits effective_limits(const ConfigNode& field) {
   Limits limits = field.limits;
   const FieldKind kind = field.kind();
-  if (kind != FieldKind::kDouble && kind != FieldKind::kSpread && kind != FieldKind::kSpreadMap) {
+  if (kind != FieldKind::kDouble && kind != FieldKind::kSpread && kind != FieldKind::kSpreadMap &&
+      kind != FieldKind::kTriple) {
     limits.min = std::max(limits.min, 0.0);
   }
   if (kind == FieldKind::kUint32) limits.max = std::min(limits.max, double{std::numeric_limits<std::uint32_t>::max()});
@@ -54,6 +55,7 @@ std::string value_text(const ConfigNode& field) {
                         [](const Frequency* member) { return quantity_text(member->hz, frequency_units()); },
                         [](const ByteSize* member) { return quantity_text(member->bytes, byte_units()); },
                         [](const Duration* member) { return quantity_text(member->time, duration_units()); },
+                        [](const Triple* member) { return fmt::format("{} {} {}", member->x, member->y, member->z); },
                         [](const Spread* member) { return spread_text(*member); },
                         [](const std::map<std::string, Spread>* member) {
                           std::vector<std::string> entries;
@@ -96,6 +98,7 @@ std::string allowed_text(const ConfigNode& field) {
       break;
   }
   const Limits limits = effective_limits(field);
+  const std::string_view three = field.kind() == FieldKind::kTriple ? "three numbers, each " : "";
   const bool floor = std::isfinite(limits.min);
   const bool ceiling = std::isfinite(limits.max);
   std::string text = limits.power_of_two ? "powers of two" : "any number";
@@ -107,6 +110,7 @@ std::string allowed_text(const ConfigNode& field) {
   } else if (ceiling) {
     text = fmt::format("{}at most {}", limits.power_of_two ? "powers of two, " : "", bound_text(field, limits.max));
   }
+  text.insert(0, three);
   return units_of(field).empty() && !field.unit.empty() ? fmt::format("{} {}", text, field.unit) : text;
 }
 

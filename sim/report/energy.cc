@@ -141,4 +141,18 @@ void check_energy_events(const EnergyConfig& config, std::span<const std::string
   }
 }
 
+EnergyByKind& EnergyByKind::operator+=(const EnergyByKind& other) {
+  dynamic += other.dynamic;
+  clock += other.clock;
+  leakage += other.leakage;
+  return *this;
+}
+
+EnergyReport& EnergyReport::operator+=(const EnergyReport& other) {
+  for (const auto& [name, energy] : other.blocks) blocks[name] += energy;
+  kinds += other.kinds;
+  total_pj += other.total_pj;
+  return *this;
+}
+
 }  // namespace sim

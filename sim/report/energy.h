@@ -70,6 +70,7 @@ struct EnergyByKind {
   Spread clock;
   Spread leakage;
   Spread total() const { return dynamic + clock + leakage; }
+  EnergyByKind& operator+=(const EnergyByKind& other);
 };
 
 /// Where the energy went, in pJ. Both views, by block and by kind, sum to `total_pj`.
@@ -77,6 +78,7 @@ struct EnergyReport {
   std::map<std::string, EnergyByKind> blocks;
   EnergyByKind kinds;
   Spread total_pj;
+  EnergyReport& operator+=(const EnergyReport& other);
 };
 
 /// E_block = sum(count x pJ) / (1 - clock share) + leakage x time + idle clock, where the clock of idle units runs in

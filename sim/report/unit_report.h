@@ -30,6 +30,9 @@ struct UnitReport {
   std::uint32_t clock_mhz = 0;
 };
 
+/// Adds what the same units did at another time.
+void add_reports(std::vector<UnitReport>& sum, const std::vector<UnitReport>& more);
+
 /// Builds the report of a unit from its declarations: Stats::describe and names_of(Why). Without `cache_bytes`, all of
 /// the unit's storage is taken for the array that its counters access.
 template <class Unit>

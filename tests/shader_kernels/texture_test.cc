@@ -16,8 +16,8 @@ float exactly_encoded(float x) { return x <= 0.0031308F ? x * 12.92F : 1.055F * 
 /// Runs shade_textured for one surface of white base colour; `log` gets what it read.
 float fetch_red(const traces::Texture& texture, float u, float v, std::vector<traces::Access>* log = nullptr) {
   const std::uint32_t stream[] = {0};
-  const AxisRecord<float> axes[] = {axis_record(texture.width, texture.wrap_u),
-                                    axis_record(texture.height, texture.wrap_v)};
+  const AxisRecord<float> axes[] = {axis_record(texture.width, texture.wrap_u, texture.filter),
+                                    axis_record(texture.height, texture.wrap_v, texture.filter)};
   std::uint32_t slots[] = {stream[0]};
   TexcoordRecord<float> texcoords[] = {{u, v, 0}};
   MatteRecord<float> mattes[] = {{{1, 1, 1}, 7}};

@@ -101,7 +101,10 @@ TEST(Folder, LeftByAKilledRunDoesNotDisturbTheNext) {
   const std::string stale = ".out." + std::to_string(::getpid()) + ".0.tmp";
   fs::create_directories(folder.path() / stale / "half");
   tools::RunFolder results(folder.path() / "out", false);
-  results.fill([](const fs::path& staging) { std::ofstream(staging / "report.json") << "{}"; });
+  results.fill([](const tools::RunFolder::Open& open) {
+    const fs::path& staging = open();
+    std::ofstream(staging / "report.json") << "{}";
+  });
   EXPECT_EQ(names_in(folder.path()), (Words{stale, "out"}));
   EXPECT_EQ(names_in(folder.path() / "out"), Words{"report.json"});
 }
@@ -112,7 +115,8 @@ TEST(Folder, AFailureWhileWritingLeavesTheFormerResults) {
   fs::create_directory(out);
   std::ofstream(out / "report.json") << "{\"schema\": \"raywatt-report/1\"}";
   tools::RunFolder results(out, false);
-  EXPECT_THROW(results.fill([](const fs::path& staging) {
+  EXPECT_THROW(results.fill([](const tools::RunFolder::Open& open) {
+    const fs::path& staging = open();
     std::ofstream(staging / "half") << "made";
     throw sim::IoError("disk full");
   }),
@@ -133,7 +137,7 @@ TEST(Folder, AFullDiskEndsWith74AndLeavesNothing) {
     EXPECT_EQ(std::ranges::count(ending.err, '\n'), 1) << ending.err;
     EXPECT_EQ(names_in(folder.path()), Words{});
   };
-  full_disk_of(4096, "64x32", "report.json");
+  full_disk_of(4096, "16x8", "report.json");
   full_disk_of(80'000, "160x128", "image.exr");
 }
 

@@ -67,7 +67,8 @@ TEST(Interrupt, WaitsUntilResultsThatAreBeingWrittenAreThere) {
   const auto interrupted = [&] {
     tools::end_on_interrupts();
     tools::RunFolder results(folder.path() / "out", false);
-    results.fill([](const fs::path& staging) {
+    results.fill([](const tools::RunFolder::Open& open) {
+      const fs::path& staging = open();
       std::raise(SIGTERM);
       std::ofstream(staging / "report.json") << "{}";
     });

@@ -7,6 +7,7 @@
 #include "sim/config/config.h"
 #include "sim/io/file.h"
 #include "sim/report/report_json.h"
+#include "tools/interrupt.h"
 #include "tools/picture.h"
 #include "tools/report.h"
 #include "tools/run_folder.h"
@@ -18,36 +19,92 @@ namespace tools {
 
 namespace {
 
-void write_results(const std::filesystem::path& folder, const Report& report, const nlohmann::ordered_json& json) {
-  const Inputs& in = report.inputs;
-  const std::uint32_t width = in.config.render.width, height = in.config.render.height;
-  const std::vector<float>& rgb = report.run.function.rgb;
-  sim::write_file_atomically(folder / "report.json", sim::json_text(json));
-  sim::write_file_atomically(folder / "report.txt", report_table(json));
-  sim::write_file_atomically(folder / "config.yaml", sim::dump_config(in.config));
-  traces::write_png(folder / "image.png", width, height, to_rgb8(rgb));
-  traces::write_exr(folder / "image.exr", width, height, rgb);
-  if (report.reference != nullptr) {
-    traces::write_exr(folder / "reference.exr", width, height, report.reference->function.rgb);
+/// What has become of the frames so far.
+struct Outcome {
+  std::optional<Simulation> total, reference;
+  double squared_error = 0;  ///< sum over frames
+  nlohmann::ordered_json frames = nlohmann::ordered_json::array();
+  bool partial = false;
+
+  Result result() const {
+    return {*total, reference ? &*reference : nullptr, squared_error / static_cast<double>(frames.size())};
+  }
+};
+
+void keep(Simulation frame, std::optional<Simulation>& total) {
+  if (total) {
+    total->add(frame);
+  } else {
+    total = std::move(frame);
   }
 }
 
+struct Job {
+  const JobOptions& options;
+  kernels::ProgramSpec program;
+  std::optional<kernels::ProgramSpec> reference;
+
+  /// Simulates the frame that `inputs` stand at and writes its picture.
+  void run_frame(const Inputs& inputs, const RunFolder::Open& open, Outcome& out) const {
+    const std::uint32_t width = inputs.config.render.width, height = inputs.config.render.height;
+    Simulation frame = simulate(inputs, program, options.threads);
+    std::optional<Simulation> compared;
+    if (reference) compared = simulate(inputs, *reference, options.threads);
+    const double error = compared ? mean_squared_error(frame.function.rgb, compared->function.rgb) : 0;
+    const std::filesystem::path& folder = open();
+    nlohmann::ordered_json entry = {{"frame", inputs.frame}};
+    entry.update(totals_json({frame, compared ? &*compared : nullptr, error}));
+    if (inputs.frames() > 1) {
+      const std::vector<std::uint8_t> picture = to_rgb8(frame.function.rgb);
+      traces::write_png(folder / fmt::format("frame-{:04}.png", inputs.frame), width, height, picture);
+    }
+    if (out.frames.empty()) {
+      traces::write_png(folder / "image.png", width, height, to_rgb8(frame.function.rgb));
+      traces::write_exr(folder / "image.exr", width, height, frame.function.rgb);
+      if (compared) traces::write_exr(folder / "reference.exr", width, height, compared->function.rgb);
+    }
+    out.frames.push_back(std::move(entry));
+    out.squared_error += error;
+    keep(std::move(frame), out.total);
+    if (compared) keep(*std::move(compared), out.reference);
+  }
+
+  /// All frames, or those that an interrupt has left time for; Interrupted if that is none.
+  Outcome run_frames(Inputs& inputs, const RunFolder::Open& folder) const {
+    Outcome out;
+    try {
+      run_frame(inputs, folder, out);
+      while (inputs.frame < inputs.config.scene.last_frame) {
+        advance(inputs, inputs.frame + 1, options.threads);
+        run_frame(inputs, folder, out);
+      }
+    } catch (const Interrupted&) {
+      if (out.frames.empty()) throw;
+      out.partial = true;
+    }
+    return out;
+  }
+};
+
 void run(const JobOptions& options) {
   const auto begin = std::chrono::steady_clock::now();
-  const kernels::ProgramSpec program = kernels::parse_program(options.program);
-  std::optional<kernels::ProgramSpec> reference;
-  if (!options.reference.empty()) reference = kernels::parse_program(options.reference);
+  Job job{options, kernels::parse_program(options.program), {}};
+  if (!options.reference.empty()) job.reference = kernels::parse_program(options.reference);
   RunFolder folder(options.out, options.force);
-  const Inputs inputs = load_inputs(options);
+  Inputs inputs = load_inputs(options);
   for (const std::string& warning : inputs.warnings) fmt::print(stderr, "raywatt: warning: {}\n", warning);
 
-  const Simulation simulation = simulate(inputs, program, options.threads);
-  std::optional<Simulation> compared;
-  if (reference) compared = simulate(inputs, *reference, options.threads);
-  const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  const Report report{inputs, options, simulation, compared ? &*compared : nullptr, wall};
-  const nlohmann::ordered_json json = report_json(report);
-  folder.fill([&](const std::filesystem::path& staging) { write_results(staging, report, json); });
+  nlohmann::ordered_json json;
+  folder.fill([&](const RunFolder::Open& open) {
+    const Outcome out = job.run_frames(inputs, open);
+    const std::filesystem::path& staging = open();
+    const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    const Result result = out.result();
+    json = report_json({inputs, options, result, out.frames, out.partial, wall});
+    sim::write_file_atomically(staging / "report.json", sim::json_text(json));
+    sim::write_file_atomically(staging / "report.txt", report_table(json));
+    sim::write_file_atomically(staging / "config.yaml", sim::dump_config(inputs.config));
+  });
   if (options.quiet) return;
   fmt::print("{}\npicture: {}\nreport:  {}\n", report_table(json), (folder.target() / "image.png").string(),
              (folder.target() / "report.json").string());
@@ -56,7 +113,7 @@ void run(const JobOptions& options) {
 }  // namespace
 
 void add_run(CLI::App& app, const std::vector<std::string>& argv, int&) {
-  CLI::App* verb = app.add_subcommand("run", "Render a frame on the simulated GPU and report cycles, rays and energy");
+  CLI::App* verb = app.add_subcommand("run", "Render on the simulated GPU and report cycles, rays and energy");
   const auto options = std::make_shared<JobOptions>();
   options->argv = argv;
   add_job_options(*verb, *options);

@@ -20,39 +20,67 @@ namespace tools {
 
 namespace {
 
-nlohmann::ordered_json verdict_json(const traces::VerifyCounts& counts, const std::optional<double>& psnr) {
-  return {{"schema", "raywatt-verify/1"},
-          {"rays", counts.rays},
-          {"missing_hits", counts.missing_hits},
-          {"extra_hits", counts.extra_hits},
-          {"distance_errors", counts.distance_errors},
-          {"edge_ties", counts.edge_ties},
-          {"reference_errors", counts.reference_errors},
-          {"psnr_db", psnr ? nlohmann::ordered_json(*psnr) : nlohmann::ordered_json(nullptr)},
-          {"identical", !psnr.has_value()}};
+/// How a frame, or all of them, compares with Embree.
+struct Verdict {
+  traces::VerifyCounts counts;
+  double squared_error = 0;
+
+  nlohmann::ordered_json json() const {
+    const std::optional<double> psnr = psnr_db(squared_error);
+    return {{"rays", counts.rays},
+            {"missing_hits", counts.missing_hits},
+            {"extra_hits", counts.extra_hits},
+            {"distance_errors", counts.distance_errors},
+            {"edge_ties", counts.edge_ties},
+            {"reference_errors", counts.reference_errors},
+            {"psnr_db", psnr ? nlohmann::ordered_json(*psnr) : nlohmann::ordered_json(nullptr)},
+            {"identical", !psnr.has_value()}};
+  }
+};
+
+/// Compares the frame that `inputs` stand at; writes both pictures if `open` is given.
+Verdict verify_frame(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
+                     const RunFolder::Open* open) {
+  const traces::BvhTracer tested(inputs.image);
+  const traces::EmbreeTracer embree(inputs.image, host_threads(threads));
+  const traces::VerifyingTracer verifying(inputs.image, tested, embree);
+  const std::vector<float> ours = render(inputs, program, verifying, threads).rgb;
+  const std::vector<float> truth = render(inputs, program, embree, threads).rgb;
+  if (open != nullptr) {
+    const std::filesystem::path& folder = (*open)();
+    const std::uint32_t width = inputs.config.render.width, height = inputs.config.render.height;
+    traces::write_png(folder / "image.png", width, height, to_rgb8(ours));
+    traces::write_png(folder / "embree.png", width, height, to_rgb8(truth));
+  }
+  return {verifying.counts(), mean_squared_error(ours, truth)};
 }
 
 int verify(const JobOptions& options) {
   const kernels::ProgramSpec program = kernels::parse_program(options.program);
   RunFolder folder(options.out, options.force, "verify.json");
-  const Inputs inputs = load_inputs(options);
-  const traces::BvhTracer tested(inputs.image);
-  const traces::EmbreeTracer embree(inputs.image, host_threads(options.threads));
-  const traces::VerifyingTracer verifying(inputs.image, tested, embree);
-  const std::vector<float> ours = render(inputs, program, verifying, options.threads).rgb;
-  const std::vector<float> truth = render(inputs, program, embree, options.threads).rgb;
-
-  const traces::VerifyCounts counts = verifying.counts();
-  const std::optional<double> psnr = psnr_db(ours, truth);
-  nlohmann::ordered_json json = verdict_json(counts, psnr);
-  json["provenance"] = provenance_json(inputs, options);
-  const std::uint32_t width = inputs.config.render.width, height = inputs.config.render.height;
-  folder.fill([&](const std::filesystem::path& staging) {
-    sim::write_file_atomically(staging / "verify.json", sim::json_text(json));
-    traces::write_png(staging / "image.png", width, height, to_rgb8(ours));
-    traces::write_png(staging / "embree.png", width, height, to_rgb8(truth));
+  Inputs inputs = load_inputs(options);
+  Verdict total;
+  folder.fill([&](const RunFolder::Open& open) {
+    nlohmann::ordered_json frames = nlohmann::ordered_json::array();
+    for (;;) {
+      const Verdict verdict = verify_frame(inputs, program, options.threads, frames.empty() ? &open : nullptr);
+      nlohmann::ordered_json entry = {{"frame", inputs.frame}};
+      entry.update(verdict.json());
+      frames.push_back(std::move(entry));
+      total.counts += verdict.counts;
+      total.squared_error += verdict.squared_error / inputs.frames();
+      if (inputs.frame == inputs.config.scene.last_frame) break;
+      advance(inputs, inputs.frame + 1, options.threads);
+    }
+    nlohmann::ordered_json json = {{"schema", "raywatt-verify/1"}};
+    json.update(total.json());
+    json["frames"] = std::move(frames);
+    json["provenance"] = provenance_json(inputs, options);
+    sim::write_file_atomically(open() / "verify.json", sim::json_text(json));
   });
+  const traces::VerifyCounts& counts = total.counts;
   if (!options.quiet) {
+    const std::optional<double> psnr = psnr_db(total.squared_error);
     fmt::print(
         "{} rays against Embree {}: {} missing hits, {} extra hits, {} distance errors, {} edge ties, picture {}\n",
         counts.rays, traces::embree_version(), counts.missing_hits, counts.extra_hits, counts.distance_errors,
@@ -65,7 +93,7 @@ int verify(const JobOptions& options) {
 }  // namespace
 
 void add_verify(CLI::App& app, const std::vector<std::string>& argv, int& exit) {
-  CLI::App* verb = app.add_subcommand("verify", "Compare every ray of a frame, primary and secondary, with Embree");
+  CLI::App* verb = app.add_subcommand("verify", "Compare every ray, primary and secondary, with Embree");
   const auto options = std::make_shared<JobOptions>();
   options->argv = argv;
   add_job_options(*verb, *options);

@@ -57,7 +57,11 @@ struct Moved {
 };
 
 /// Puts the scene's instances, deforming meshes, cameras and lights where they are at that time. Depends on the time
-/// alone, not on the pose before it.
+/// alone, not on the pose before it, and has the same bits on every host. InputError where something goes further than
+/// kFarthest from the origin.
+///
+/// Time is in seconds as the tracks have it. All tracks start together; a file is loaded as it is at time 0. Nothing
+/// repeats: who wants a loop takes the time modulo duration().
 Moved pose(Scene& scene, double seconds);
 
 /// The last key of any track, in seconds; 0 for a still scene.

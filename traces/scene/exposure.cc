@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 #include <glm/matrix.hpp>
@@ -16,12 +17,17 @@ struct Point {
   glm::vec3 position, normal;
 };
 
+/// A lamp or an unlit surface: what falls on it does not matter.
+bool shines(const Material& material) {
+  return material.emission != glm::vec3(0) && !(material.casts_light && material.emission_texture.used());
+}
+
 /// Calls visit(triangle's corners) for each triangle that does not shine itself, in world space.
 template <class Visit>
 void for_each_triangle(const Scene& scene, Visit visit) {
   for (const Instance& instance : scene.instances) {
     const Mesh& mesh = scene.meshes[instance.mesh];
-    if (scene.materials[mesh.material].emission != glm::vec3(0)) continue;
+    if (shines(scene.materials[mesh.material])) continue;
     for (const auto& triangle : mesh.triangles) {
       glm::vec3 p[3];
       for (std::size_t k = 0; k < 3; ++k)
@@ -69,6 +75,10 @@ glm::vec3 irradiance(const Scene& scene, const Point& at) {
     const glm::vec3 way = d / std::sqrt(squared);
     float share = std::max(glm::dot(way, at.normal), 0.0F);
     if (light.kind == Light::Kind::kSpot && -glm::dot(way, light.direction) < light.cos_outer) share = 0;
+    if (light.range > 0) {
+      const float far = squared / (light.range * light.range);
+      share *= std::max(1 - far * far, 0.0F);  // the fading that KHR_lights_punctual recommends
+    }
     sum += light.intensity * (share / squared);
   }
   return sum;
@@ -110,13 +120,11 @@ float percentile(std::vector<Sample> samples, float rank) {
   return samples.empty() ? 0 : samples.back().irradiance;
 }
 
-}  // namespace
+constexpr std::size_t kPoints = 16384;
+constexpr float kRank = 0.9F;
 
-void expose_lights(Scene& scene) {
-  constexpr std::size_t kPoints = 16384;
-  constexpr float kRank = 0.9F;
-  scene.ambient = glm::vec3(kAmbient);
-  const std::vector<Point> points = spread_points(scene, kPoints);
+/// How bright the lights make what the first camera sees, or the whole scene where it sees nothing.
+float brightness(const Scene& scene, const std::vector<Point>& points) {
   float level = 0;
   if (!scene.cameras.empty()) {
     level = percentile(seen_by(scene.cameras[0], scene, points, 0.02F * world_bounds(scene).diagonal()), kRank);
@@ -131,6 +139,31 @@ void expose_lights(Scene& scene) {
     }
     level = percentile(std::move(everywhere), kRank);
   }
+  return level;
+}
+
+}  // namespace
+
+void keep_strongest_light(Scene& scene) {
+  const std::vector<Point> points = spread_points(scene, kPoints);
+  const std::vector<Light> all = std::exchange(scene.lights, {});
+  float most = -1;
+  Light strongest;
+  for (const Light& light : all) {
+    scene.lights = {light};
+    const float level = brightness(scene, points);
+    if (level > most) {
+      most = level;
+      strongest = light;
+    }
+  }
+  scene.lights.clear();
+  if (most >= 0) scene.lights.push_back(strongest);
+}
+
+void expose_lights(Scene& scene) {
+  scene.ambient = glm::vec3(kAmbient);
+  const float level = brightness(scene, spread_points(scene, kPoints));
   const float scale = kTargetIrradiance / level;
   if (!(level > 0) || !std::isfinite(scale)) return;
   for (Light& light : scene.lights) light.intensity *= scale;

@@ -9,8 +9,11 @@
 #include "traces/scene/cameras.h"
 #include "traces/scene/gltf/animations.h"
 #include "traces/scene/gltf/context.h"
+#include "traces/scene/gltf/draco.h"
 #include "traces/scene/gltf/extensions.h"
+#include "traces/scene/gltf/final_light.h"
 #include "traces/scene/gltf/meshes.h"
+#include "traces/scene/gltf/meshopt.h"
 #include "traces/scene/gltf/nodes.h"
 #include "traces/scene/gltf/parse.h"
 #include "traces/scene/gltf/skins.h"
@@ -31,12 +34,12 @@ void place_all(gltf::Context& context) {
 }
 
 Scene read(const std::filesystem::path& path, const SceneLimits& limits) {
-  gltf::Budget budget(sim::printable(path.string()), limits.memory_bytes);
+  gltf::Budget budget(sim::printable(path.string()), limits.memory.bytes);
   Scene scene;
   scene.name = path.stem().string();
   gltf::Source source = gltf::read_source(path, limits, budget);
   std::string complaint;
-  const tinygltf::Model model = gltf::parse_model(source, complaint);
+  tinygltf::Model model = gltf::parse_model(source, complaint);
   scene.sha256 = source.sha256;
   const std::string file = source.shown_name;
   source = {};
@@ -48,15 +51,17 @@ Scene read(const std::filesystem::path& path, const SceneLimits& limits) {
       context.warn(fmt::format("the extension {} is not supported and left out", sim::printable(extension)));
     }
   }
+  gltf::expand_meshopt(context, model);
+  gltf::expand_draco(context, model);
   gltf::Textures textures(context);
   gltf::Meshes meshes(context, gltf::read_materials(context, textures));
   gltf::read_nodes(context, meshes);
   gltf::finish_deformations(context);
   gltf::read_animations(context);
   place_all(context);
-  if (scene.instances.empty()) context.refuse("shows no triangles; at least one is needed");
+  if (scene.instances.empty()) context.refuse("shows no triangles; at least one is needed, points and lines do not count");
   if (scene.cameras.empty()) scene.cameras.push_back(framing_camera(scene));
-  finish_lights(scene);
+  if (!gltf::read_final_light(context)) finish_lights(scene);
   pose(scene, 0);  // for the lights that stand in for emitters: the same bits whenever that time comes again
   return scene;
 }

@@ -6,15 +6,10 @@
 #include <optional>
 #include <sstream>
 
-#include "traces/scene/builtin/builtin.h"
 #include "traces/scene/gltf.h"
 
 namespace traces {
 namespace {
-
-bool is_path(const std::string& text) {
-  return text.find('/') != std::string::npos || text.ends_with(".glb") || text.ends_with(".gltf");
-}
 
 std::optional<std::filesystem::path> find_in_path(const std::string& name) {
   const char* variable = std::getenv("RAYWATT_PATH");
@@ -34,14 +29,20 @@ std::optional<std::filesystem::path> find_in_path(const std::string& name) {
 
 }  // namespace
 
-Scene open_scene(const std::string& name_or_path, const SceneLimits& limits) {
-  if (is_path(name_or_path)) return load_gltf(name_or_path, limits);
+bool is_scene_file(const std::string& text) {
+  return text.find('/') != std::string::npos || text.ends_with(".glb") || text.ends_with(".gltf");
+}
+
+std::filesystem::path scene_file(const std::string& name_or_path) {
+  if (is_scene_file(name_or_path)) return name_or_path;
   const std::vector<BuiltinInfo> builtin = builtin_scenes();
-  const bool is_builtin = std::ranges::any_of(builtin, [&](const BuiltinInfo& b) { return b.name == name_or_path; });
-  if (!is_builtin) {
-    if (const auto path = find_in_path(name_or_path)) return load_gltf(*path, limits);
-  }
-  return build_scene(name_or_path);
+  if (std::ranges::any_of(builtin, [&](const BuiltinInfo& b) { return b.name == name_or_path; })) return {};
+  return find_in_path(name_or_path).value_or(std::filesystem::path());
+}
+
+Scene open_scene(const std::string& name_or_path, const BuiltinOptions& options, const SceneLimits& limits) {
+  const std::filesystem::path file = scene_file(name_or_path);
+  return file.empty() ? build_scene(name_or_path, options) : load_gltf(file, limits);
 }
 
 }  // namespace traces

@@ -7,6 +7,7 @@
 #include <glm/matrix.hpp>
 
 #include "traces/scene/bounds.h"
+#include "traces/scene/texture_mean.h"
 
 namespace traces {
 namespace {
@@ -60,14 +61,26 @@ glm::mat4 frame(const glm::vec3& position, const glm::vec3& direction) {
           glm::vec4(position, 1)};
 }
 
+/// Of each material, as a lamp; null if it is none.
+std::vector<glm::vec3> mean_emissions(const Scene& scene) {
+  std::vector<glm::vec3> means;
+  for (const Material& material : scene.materials) {
+    means.push_back(material.casts_light ? material.emission : glm::vec3(0));
+    if (strongest_channel(means.back()) < 1 || !material.emission_texture.used()) continue;
+    means.back() *= glm::vec3(mean_texel(scene.textures[material.emission_texture.texture]));
+  }
+  return means;
+}
+
 }  // namespace
 
 void add_emitter_lights(Scene& scene) {
   const Bounds world = world_bounds(scene);
+  const std::vector<glm::vec3> emissions = mean_emissions(scene);
   std::vector<Light> found;
   for (const Instance& instance : scene.instances) {
     const Mesh& mesh = scene.meshes[instance.mesh];
-    const glm::vec3 emission = scene.materials[mesh.material].emission;
+    const glm::vec3 emission = emissions[mesh.material];
     if (strongest_channel(emission) < 1) continue;
     const Emitter e = measure(mesh, instance.to_world);
     if (!(e.area > 0)) continue;

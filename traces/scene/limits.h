@@ -1,6 +1,8 @@
 #pragma once
 #include <cstdint>
 
+#include "sim/config/field.h"
+
 namespace traces {
 
 /// No vertex is further from the origin: in single precision, squares and products of two such coordinates are finite.
@@ -8,10 +10,21 @@ inline constexpr double kFarthest = 1e15;
 
 /// What a scene may cost at most. A file that asks for more is refused before the memory is taken.
 struct SceneLimits {
-  std::uint64_t memory_bytes = std::uint64_t{1} << 33;  ///< everything read, decoded and later laid out for the GPU
-  std::uint64_t pixels = std::uint64_t{1} << 26;        ///< of one image: 8192 x 8192
-  std::uint32_t json_depth = 128;                       ///< nesting of a glTF file's JSON
-  std::uint32_t nodes = 1'000'000;                      ///< of the hierarchy, and entries of any other list of the file
+  sim::ByteSize memory{std::uint64_t{1} << 33};
+  std::uint64_t pixels = std::uint64_t{1} << 26;
+  std::uint32_t json_depth = 128;
+  std::uint32_t nodes = 1'000'000;
+
+  static void describe(auto& c, auto&& field) {
+    using enum sim::Affects;
+    field(c.memory, "memory", "bytes",
+          "all that a scene's files hold, decoded and laid out for the GPU; more is refused", sim::at_least(1 << 20),
+          kFunction);
+    field(c.pixels, "pixels", "pixels", "of one image; 67108864 is 8192 x 8192", sim::at_least(1), kFunction);
+    field(c.json_depth, "json_depth", "levels", "nesting of a glTF file's JSON", sim::between(8, 1000), kFunction);
+    field(c.nodes, "nodes", "nodes", "of a glTF file's hierarchy, and entries of any other list of the file",
+          sim::at_least(1), kFunction);
+  }
 };
 
 }  // namespace traces

@@ -14,26 +14,38 @@ glm::vec3 geometric_normal(const glm::vec3& a, const glm::vec3& b, const glm::ve
   return length > 0 ? glm::vec3(normal / length) : glm::vec3(0, 1, 0);
 }
 
+template <class T>
+std::vector<T> rearranged(const std::vector<T>& values, const std::vector<std::uint32_t>& from) {
+  std::vector<T> out;
+  if (values.empty()) return out;
+  out.reserve(from.size());
+  for (const std::uint32_t i : from) out.push_back(values[i]);
+  return out;
+}
+
 }  // namespace
 
-void flatten_normals(Mesh& mesh) {
-  Mesh flat;
-  flat.positions.reserve(mesh.triangles.size() * 3);
-  flat.normals.reserve(mesh.triangles.size() * 3);
-  flat.uvs.reserve(mesh.uvs.empty() ? 0 : mesh.triangles.size() * 3);
+std::vector<std::uint32_t> flatten_normals(Mesh& mesh) {
+  std::vector<std::uint32_t> from;
+  std::vector<glm::vec3> normals;
+  from.reserve(mesh.triangles.size() * 3);
+  normals.reserve(mesh.triangles.size() * 3);
   for (auto& triangle : mesh.triangles) {
     const glm::vec3 normal =
         geometric_normal(mesh.positions[triangle[0]], mesh.positions[triangle[1]], mesh.positions[triangle[2]]);
     for (std::uint32_t& vertex : triangle) {
-      flat.positions.push_back(mesh.positions[vertex]);
-      flat.normals.push_back(normal);
-      if (!mesh.uvs.empty()) flat.uvs.push_back(mesh.uvs[vertex]);
-      vertex = static_cast<std::uint32_t>(flat.positions.size() - 1);
+      from.push_back(vertex);
+      normals.push_back(normal);
+      vertex = static_cast<std::uint32_t>(from.size() - 1);
     }
   }
-  mesh.positions = std::move(flat.positions);
-  mesh.normals = std::move(flat.normals);
-  mesh.uvs = std::move(flat.uvs);
+  mesh.positions = rearranged(mesh.positions, from);
+  mesh.normals = std::move(normals);
+  mesh.uvs = rearranged(mesh.uvs, from);
+  mesh.second_uvs = rearranged(mesh.second_uvs, from);
+  mesh.tangents = rearranged(mesh.tangents, from);
+  mesh.colours = rearranged(mesh.colours, from);
+  return from;
 }
 
 std::vector<glm::vec3> triangle_normals(const Mesh& mesh) {

@@ -1,10 +1,14 @@
 #pragma once
+#include <cstdint>
+#include <vector>
+
 #include "traces/scene/scene.h"
 
 namespace traces {
 
 /// Gives every triangle vertices of its own with its geometric normal, as glTF asks where a file has no normals.
-void flatten_normals(Mesh& mesh);
+/// Returns for each new vertex the old one it is a copy of.
+std::vector<std::uint32_t> flatten_normals(Mesh& mesh);
 
 /// A normal for every vertex, that of the last triangle that uses it: for meshes with flat normals.
 std::vector<glm::vec3> triangle_normals(const Mesh& mesh);

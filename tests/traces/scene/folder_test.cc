@@ -17,14 +17,10 @@ std::filesystem::path scenes_folder() {
   return variable != nullptr ? variable : "../shared/scenes";
 }
 
-TEST(SceneFolder, EveryFileLoadsOrIsRefusedWithAReason) {
-  const std::filesystem::path folder = scenes_folder();
-  if (!std::filesystem::is_directory(folder)) {
-    GTEST_SKIP() << "no scenes in " << folder << "; set RAYWATT_SCENES to a folder of .glb files to try them";
-  }
+void try_all(const std::filesystem::path& folder) {
   int tried = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    if (entry.path().extension() != ".glb" && entry.path().extension() != ".gltf") continue;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    if (entry.path().extension() != ".glb" && entry.path().extension() != ".gltf" || !entry.is_regular_file()) continue;
     SCOPED_TRACE(entry.path().string());
     ++tried;
     try {
@@ -48,6 +44,20 @@ TEST(SceneFolder, EveryFileLoadsOrIsRefusedWithAReason) {
     }
   }
   EXPECT_GT(tried, 0) << "the folder holds no .glb or .gltf file";
+}
+
+TEST(SceneFolder, EveryFileLoadsOrIsRefusedWithAReason) {
+  const std::filesystem::path folder = scenes_folder();
+  if (!std::filesystem::is_directory(folder)) {
+    GTEST_SKIP() << "no scenes in " << folder << "; set RAYWATT_SCENES to a folder of .glb files to try them";
+  }
+  try_all(folder);
+}
+
+TEST(SceneFolder, EveryTestModelOfAssimpLoadsOrIsRefusedWithAReason) {
+  const std::filesystem::path folder = "/usr/share/assimp/models";
+  if (!std::filesystem::is_directory(folder)) GTEST_SKIP() << "Debian's package assimp-testmodels is not installed";
+  try_all(folder);
 }
 
 }  // namespace

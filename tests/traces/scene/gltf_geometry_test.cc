@@ -99,13 +99,22 @@ TEST(GltfGeometry, NormalisedIntegersAreUnfolded) {
   file.primitive()["attributes"]["NORMAL"] =
       file.add<std::int8_t>({127, 0, 0, 0, 0, 127, 0, 0, 0, 127, 0, 0}, kByte, "VEC3", 3, true);
   file.json["bufferViews"].back()["byteStride"] = 4;
-  file.primitive()["attributes"]["TEXCOORD_0"] =
-      file.add<std::uint16_t>({0, 65535, 0, 0, 65535, 0}, kUShort, "VEC2", 3, true);
   const Scene scene = load(file);
   expect_near(scene.meshes[0].normals[0], {1, 0, 0});
   expect_near(scene.meshes[0].normals[1], {0, 1, 0});
-  EXPECT_EQ(scene.meshes[0].uvs.at(0), glm::vec2(0, 1));
-  EXPECT_EQ(scene.meshes[0].uvs.at(2), glm::vec2(1, 0));
+}
+
+TEST(GltfGeometry, QuantisedPositionsAreWhatTheirIntegersSay) {
+  TinyGltf bytes, words;
+  bytes.primitive()["attributes"]["POSITION"] =
+      bytes.add<std::int8_t>({0, 0, 0, 0, -100, 0, 0, 0, 0, 50, 0, 0}, kByte, "VEC3", 3);
+  bytes.json["bufferViews"].back()["byteStride"] = 4;
+  expect_near(corner(load(bytes), 0, 1), {-100, 0, 0});
+  words.primitive()["attributes"]["POSITION"] =
+      words.add<std::uint16_t>({0, 0, 0, 0, 65535, 0, 0, 0, 0, 13107, 0, 0}, kUShort, "VEC3", 3, true);
+  words.json["bufferViews"].back()["byteStride"] = 8;
+  expect_near(corner(load(words), 0, 1), {1, 0, 0});
+  expect_near(corner(load(words), 0, 2), {0, 0.2F, 0});
 }
 
 TEST(GltfGeometry, ASparseAccessorReplacesSomeElements) {

@@ -65,12 +65,48 @@ TEST(GltfHostile, BracketsInStringsAreNoDepth) {
 }
 
 TEST(GltfHostile, ExtensionsThatMustBeUnderstood) {
+  for (const char* name : {"KHR_texture_basisu", "EXT_texture_webp", "KHR_materials_sheen", "VENDOR_unheard_of"}) {
+    TinyGltf file;
+    file.json["extensionsRequired"] = {name};
+    EXPECT_SAYS(refusal(file.text()), name);
+    file.json.erase("extensionsRequired");
+    file.json["extensionsUsed"] = {name};
+    const traces::Scene scene = load(file);
+    ASSERT_EQ(scene.warnings.size(), 1U);
+    EXPECT_SAYS(scene.warnings[0], name);
+  }
+}
+
+TEST(GltfHostile, LinksThatLeadElsewhere) {
+  const TempFolder outside, folder;
+  outside.write("secret.bin", TinyGltf().binary);
   TinyGltf file;
-  file.json["extensionsRequired"] = {"KHR_draco_mesh_compression"};
-  EXPECT_SAYS(refusal(file.text()), "KHR_draco_mesh_compression");
-  file.json.erase("extensionsRequired");
-  file.json["extensionsUsed"] = {"KHR_draco_mesh_compression"};
-  EXPECT_EQ(load(file).warnings.size(), 1U);
+  file.json["buffers"][0]["uri"] = "link.bin";
+  const auto path = folder.write("a.gltf", file.text());
+  const auto said = [&] {
+    try {
+      traces::load_gltf(path);
+    } catch (const sim::InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string("nothing");
+  };
+  std::filesystem::create_symlink(outside.path() / "secret.bin", folder.path() / "link.bin");
+  EXPECT_SAYS(said(), "leads out of the file's folder");
+  std::filesystem::remove(folder.path() / "link.bin");
+  std::filesystem::create_directory_symlink(outside.path(), folder.path() / "in");
+  file.json["buffers"][0]["uri"] = "in/secret.bin";
+  folder.write("a.gltf", file.text());
+  EXPECT_SAYS(said(), "leads out of the file's folder");
+  std::filesystem::create_symlink("gone.bin", folder.path() / "dangling.bin");
+  file.json["buffers"][0]["uri"] = "dangling.bin";
+  folder.write("a.gltf", file.text());
+  EXPECT_SAYS(said(), "'dangling.bin' is missing");
+  folder.write("real.bin", TinyGltf().binary);
+  std::filesystem::create_symlink("real.bin", folder.path() / "near.bin");
+  file.json["buffers"][0]["uri"] = "near.bin";
+  folder.write("a.gltf", file.text());
+  EXPECT_EQ(traces::load_gltf(path).instances.size(), 1U) << "a link within the folder is as good as a file";
 }
 
 TEST(GltfHostile, UrisThatLeadElsewhere) {
@@ -126,8 +162,8 @@ TEST(GltfHostile, MoreThanTheLimits) {
     file.json["scenes"][0]["nodes"].push_back(i);
   }
   EXPECT_SAYS(refusal(file.text(), {.nodes = 10}), "'nodes' has 20 entries, allowed are 10");
-  EXPECT_SAYS(refusal(file.text(), {.memory_bytes = 100}), "allowed: 100 bytes");
-  EXPECT_SAYS(refusal(file.text(), {.memory_bytes = file.text().size() * 18 + 500}), "more than is left of the limit");
+  EXPECT_SAYS(refusal(file.text(), {.memory = {100}}), "allowed: 100 bytes");
+  EXPECT_SAYS(refusal(file.text(), {.memory = {file.text().size() * 18 + 500}}), "more than is left of the limit");
 }
 
 TEST(GltfHostile, NamesCannotBreakTheLine) {

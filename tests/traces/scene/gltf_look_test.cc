@@ -50,15 +50,6 @@ TEST(GltfMaterial, GlassComesFromTransmissionAndIor) {
   EXPECT_EQ(m.mirror, 0);
 }
 
-TEST(GltfMaterial, BlendedSurfacesLetLightThroughUnbent) {
-  nlohmann::json pane = surface(0, 1);
-  pane["alphaMode"] = "BLEND";
-  pane["pbrMetallicRoughness"]["baseColorFactor"][3] = 0.25;
-  const traces::Material m = material_of(pane);
-  EXPECT_FLOAT_EQ(m.transmission, 0.75F);
-  EXPECT_EQ(m.ior, 1);
-}
-
 TEST(GltfMaterial, ClearCoatAddsAMirrorLayer) {
   nlohmann::json coated = surface(0, 1);
   coated["extensions"]["KHR_materials_clearcoat"] = {{"clearcoatFactor", 1}, {"clearcoatRoughnessFactor", 0}};

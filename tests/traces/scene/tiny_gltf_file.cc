@@ -34,6 +34,13 @@ std::string padded(std::string text, char with) {
   return text;
 }
 
+/// Null where a test has put something else into its place.
+nlohmann::json* first_buffer(nlohmann::json& file) {
+  const auto buffers = file.find("buffers");
+  if (buffers == file.end() || !buffers->is_array() || buffers->empty() || !(*buffers)[0].is_object()) return nullptr;
+  return &(*buffers)[0];
+}
+
 }  // namespace
 
 TempFolder::TempFolder() {
@@ -90,16 +97,16 @@ nlohmann::json& TinyGltf::material() {
 
 std::string TinyGltf::text() const {
   nlohmann::json whole = json;
-  if (!whole["buffers"][0].contains("byteLength")) whole["buffers"][0]["byteLength"] = binary.size();
-  if (!whole["buffers"][0].contains("uri")) {
-    whole["buffers"][0]["uri"] = "data:application/octet-stream;base64," + base64(binary);
+  if (nlohmann::json* buffer = first_buffer(whole)) {
+    if (!buffer->contains("byteLength")) (*buffer)["byteLength"] = binary.size();
+    if (!buffer->contains("uri")) (*buffer)["uri"] = "data:application/octet-stream;base64," + base64(binary);
   }
   return whole.dump();
 }
 
 std::string TinyGltf::glb() const {
   nlohmann::json whole = json;
-  whole["buffers"][0]["byteLength"] = binary.size();
+  if (nlohmann::json* buffer = first_buffer(whole)) (*buffer)["byteLength"] = binary.size();
   const std::string text = padded(whole.dump(), ' ');
   const std::string chunks =
       word(text.size()) + word(0x4e4f534a) + text + word(binary.size()) + word(0x004e4942) + binary;

@@ -24,6 +24,8 @@ class Budget {
     left_ -= count * bytes_each;
   }
 
+  std::uint64_t left() const { return left_; }
+
  private:
   std::string file_;
   std::uint64_t limit_, left_;

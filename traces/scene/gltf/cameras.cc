@@ -25,12 +25,14 @@ void add_camera(Context& context, const tinygltf::Node& node, const glm::dmat4& 
   constexpr std::size_t kMost = 1000;  // names are made unique by comparing each with all
   if (node.camera < 0) return;
   const tinygltf::Camera& found = context.at(context.model.cameras, node.camera, "cameras");
-  const std::string name = sim::printable(!found.name.empty() ? found.name : node.name);
+  std::vector<Camera>& cameras = context.scene.cameras;
+  std::string name = sim::printable(!found.name.empty() ? found.name : node.name);
+  if (name.empty()) name = fmt::format("camera {}", node.camera);
   if (found.type != "perspective") {
     context.warn(fmt::format("camera '{}': only perspective cameras are supported", name));
     return;
   }
-  if (context.scene.cameras.size() == kMost) {
+  if (cameras.size() == kMost) {
     context.warn(fmt::format("cameras after the first {} are left out", kMost));
     return;
   }
@@ -43,9 +45,8 @@ void add_camera(Context& context, const tinygltf::Node& node, const glm::dmat4& 
     context.warn(fmt::format("camera '{}': its transform has no direction", name));
     return;
   }
-  std::vector<Camera>& cameras = context.scene.cameras;
   Camera camera;
-  camera.name = unique_name(cameras, name.empty() ? fmt::format("camera {}", cameras.size()) : name);
+  camera.name = unique_name(cameras, name);
   camera.to_world = *standing;
   camera.vertical_fov = static_cast<float>(fov);
   camera.node = place;

@@ -8,9 +8,11 @@ namespace traces::gltf {
 namespace {
 
 constexpr std::string_view kSupported[] = {
-    "EXT_mesh_gpu_instancing",         "KHR_lights_punctual",   "KHR_materials_clearcoat",
-    "KHR_materials_emissive_strength", "KHR_materials_ior",     "KHR_materials_transmission",
-    "KHR_mesh_quantization",           "KHR_texture_transform",
+    "EXT_mesh_gpu_instancing", "EXT_meshopt_compression", "KHR_draco_mesh_compression",
+    "KHR_lights_punctual",     "KHR_materials_clearcoat", "KHR_materials_emissive_strength",
+    "KHR_materials_ior",       "KHR_materials_specular",  "KHR_materials_transmission",
+    "KHR_materials_unlit",     "KHR_materials_volume",    "KHR_mesh_quantization",
+    "KHR_meshopt_compression", "KHR_texture_transform",
 };
 
 }  // namespace

@@ -8,19 +8,16 @@
 
 #include "sim/io/printable.h"
 #include "traces/scene/gltf/accessors.h"
+#include "traces/scene/gltf/attributes.h"
 #include "traces/scene/gltf/skins.h"
 #include "traces/scene/normals.h"
+#include "traces/scene/tangents.h"
 
 namespace traces::gltf {
 namespace {
 
 bool is_triangles(int mode) {
   return mode == TINYGLTF_MODE_TRIANGLES || mode == TINYGLTF_MODE_TRIANGLE_STRIP || mode == TINYGLTF_MODE_TRIANGLE_FAN;
-}
-
-int attribute(const tinygltf::Primitive& primitive, const std::string& name) {
-  const auto found = primitive.attributes.find(name);
-  return found == primitive.attributes.end() ? -1 : found->second;
 }
 
 /// Lists are taken as they are; strips and fans lose the triangles that only stitch (two equal corners).
@@ -38,6 +35,23 @@ std::vector<std::array<std::uint32_t, 3>> assemble(const std::vector<std::uint32
   return triangles;
 }
 
+/// The vertices in the order in which they make triangles.
+std::vector<std::uint32_t> read_order(Context& context, const tinygltf::Primitive& primitive, const Mesh& mesh) {
+  std::vector<std::uint32_t> order;
+  if (primitive.indices < 0) {
+    order.resize(mesh.positions.size());
+    std::iota(order.begin(), order.end(), 0U);
+    return order;
+  }
+  order = read_indices(context, primitive.indices);
+  for (const std::uint32_t index : order) {
+    if (index >= mesh.positions.size()) {
+      context.refuse(fmt::format("mesh '{}': index {} of {} vertices", mesh.name, index, mesh.positions.size()));
+    }
+  }
+  return order;
+}
+
 }  // namespace
 
 std::uint32_t Meshes::material_of(const tinygltf::Primitive& primitive) {
@@ -45,60 +59,41 @@ std::uint32_t Meshes::material_of(const tinygltf::Primitive& primitive) {
     context_.at(context_.model.materials, primitive.material, "materials");
     return static_cast<std::uint32_t>(primitive.material);
   }
-  const std::size_t none = context_.model.materials.size();  // glTF's default material stands behind those of the file
-  if (context_.scene.materials.size() == none) {
+  if (default_material_ == kNone) {
+    default_material_ = static_cast<std::uint32_t>(context_.scene.materials.size());
     Material material;
     material.name = "default";
     material.base_colour = glm::vec3(1);
     context_.scene.materials.push_back(material);
   }
-  return static_cast<std::uint32_t>(none);
+  return default_material_;
 }
 
-void Meshes::read_uvs(const tinygltf::Primitive& primitive, Mesh& mesh) {
-  TexturePlacement placement;
-  if (mesh.material < placements_.size()) placement = placements_[mesh.material];
-  const int accessor = attribute(primitive, fmt::format("TEXCOORD_{}", placement.set));
-  if (accessor < 0) return;
-  mesh.uvs = read_vec2(context_, accessor, "texture coordinates");
-  if (mesh.uvs.size() != mesh.positions.size()) {
-    context_.refuse(fmt::format("mesh '{}': {} texture coordinates for {} vertices", mesh.name, mesh.uvs.size(),
-                                mesh.positions.size()));
-  }
-  for (glm::vec2& uv : mesh.uvs) {
-    uv = placement.apply(uv);
-    if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) {
-      context_.refuse(fmt::format("mesh '{}': a texture coordinate is too large", mesh.name));
-    }
-  }
+void Meshes::fold_colours(Mesh& mesh) {
+  if (mesh.colours.empty() || context_.scene.materials[mesh.material].casts_light) return;
+  glm::dvec4 sum(0);
+  for (const glm::vec4& colour : mesh.colours) sum += glm::dvec4(colour);
+  Material material = context_.scene.materials[mesh.material];
+  material.emission *= glm::vec3(sum / static_cast<double>(mesh.colours.size()));
+  mesh.material = static_cast<std::uint32_t>(context_.scene.materials.size());
+  context_.scene.materials.push_back(std::move(material));
 }
 
 Mesh Meshes::read(const tinygltf::Primitive& primitive, const std::string& name, int skin) {
+  constexpr std::uint64_t kCornerBytes = 96;  // of a triangle's corner with everything a vertex may have
+  static const Placements kNowhere;
   Mesh mesh;
   mesh.name = name;
   mesh.material = material_of(primitive);
   mesh.positions = read_vec3(context_, attribute(primitive, "POSITION"), "positions");
-  if (const int normals = attribute(primitive, "NORMAL"); normals >= 0) {
-    mesh.normals = read_vec3(context_, normals, "normals");
-    if (mesh.normals.size() != mesh.positions.size()) {
-      context_.refuse(
-          fmt::format("mesh '{}': {} normals for {} vertices", name, mesh.normals.size(), mesh.positions.size()));
-    }
-  }
-  read_uvs(primitive, mesh);
-  std::vector<std::uint32_t> order;
-  if (primitive.indices >= 0) {
-    order = read_indices(context_, primitive.indices);
-    for (const std::uint32_t index : order) {
-      if (index >= mesh.positions.size()) {
-        context_.refuse(fmt::format("mesh '{}': index {} of {} vertices", name, index, mesh.positions.size()));
-      }
-    }
-  } else {
-    order.resize(mesh.positions.size());
-    std::iota(order.begin(), order.end(), 0U);
-  }
-  context_.budget.take(order.size(), sizeof(glm::vec3) * 4, "the triangles of mesh '" + name + "'");
+  const bool is_default = mesh.material >= placements_.size();
+  const bool bumpy = context_.scene.materials[mesh.material].normal_texture.used();
+  read_normals(context_, primitive, mesh);
+  read_uvs(context_, primitive, is_default ? kNowhere : placements_[mesh.material], mesh);
+  read_colours(context_, primitive, mesh);
+  if (bumpy && !mesh.normals.empty()) read_tangents(context_, primitive, mesh);
+  const std::vector<std::uint32_t> order = read_order(context_, primitive, mesh);
+  context_.budget.take(order.size(), kCornerBytes, "the triangles of mesh '" + name + "'");
   mesh.triangles = assemble(order, primitive.mode);
   const bool flat = mesh.normals.empty();
   std::vector<std::uint32_t> from;  // the vertices of the file that those of the mesh are made from
@@ -107,9 +102,14 @@ Mesh Meshes::read(const tinygltf::Primitive& primitive, const std::string& name,
     from.resize(mesh.positions.size());
     std::iota(from.begin(), from.end(), 0U);
   } else {
-    for (const auto& triangle : mesh.triangles) from.insert(from.end(), triangle.begin(), triangle.end());
-    flatten_normals(mesh);
+    from = flatten_normals(mesh);
   }
+  if (bumpy && mesh.tangents.empty()) {
+    context_.budget.take(mesh.positions.size(), sizeof(glm::vec4) + 2 * sizeof(glm::dvec3), "tangents");
+    compute_tangents(mesh,
+                     context_.scene.materials[mesh.material].normal_texture.second_uv ? mesh.second_uvs : mesh.uvs);
+  }
+  fold_colours(mesh);
   if (deforms(primitive, skin)) mesh.deformation = read_deformation(context_, primitive, skin, mesh, flat, from);
   return mesh;
 }
@@ -143,7 +143,6 @@ std::uint32_t Meshes::add(const tinygltf::Primitive& primitive, const std::strin
     context_.warn(fmt::format("mesh '{}' has no positions and is left out", name));
     return kNone;
   }
-  if (attribute(primitive, "COLOR_0") >= 0) context_.warn(fmt::format("mesh '{}': vertex colours are not shown", name));
   Mesh mesh = read(primitive, name, skin);
   if (mesh.triangles.empty()) return kNone;
   float reach = 0;

@@ -11,7 +11,7 @@ namespace traces::gltf {
 /// Reads a glTF mesh when a node first shows it; meshes that no node shows are left out of the scene.
 class Meshes {
  public:
-  Meshes(Context& context, std::vector<TexturePlacement> placements)
+  Meshes(Context& context, std::vector<Placements> placements)
       : context_(context), placements_(std::move(placements)) {}
 
   /// Indices in Scene::meshes of its primitives that are triangles, strips or fans, as a node with glTF skin `skin`
@@ -25,10 +25,12 @@ class Meshes {
   std::uint32_t add(const tinygltf::Primitive& primitive, const std::string& name, int skin);
   Mesh read(const tinygltf::Primitive& primitive, const std::string& name, int skin);
   std::uint32_t material_of(const tinygltf::Primitive& primitive);
-  void read_uvs(const tinygltf::Primitive& primitive, Mesh& mesh);
+  /// Unlit surfaces have no diffuse light for vertex colours to tint: a copy of the material shines in their mean.
+  void fold_colours(Mesh& mesh);
 
   Context& context_;
-  std::vector<TexturePlacement> placements_;
+  std::vector<Placements> placements_;  ///< of the file's materials
+  std::uint32_t default_material_ = kNone;
   std::map<std::pair<int, std::size_t>, std::uint32_t> read_;  ///< rigid ones, by mesh and primitive
   std::vector<float> reaches_;                                 ///< parallel to Scene::meshes
 };

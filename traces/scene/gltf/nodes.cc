@@ -86,6 +86,7 @@ void show_mesh(Context& context, Meshes& meshes, const tinygltf::Node& node, con
     Node copy;
     copy.name = fmt::format("{}[{}]", sim::printable(node.name), i);
     copy.rest = copies[i];
+    copy.morph_weights = context.scene.nodes[place].morph_weights;
     const glm::dmat4 there = to_world * local_matrix(copy);
     add_instances(context, meshes, node, there, add_node(context, std::move(copy), place), what);
   }

@@ -1,5 +1,6 @@
 #include "traces/scene/gltf/source.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <string_view>
@@ -12,6 +13,7 @@
 #include "sim/io/printable.h"
 #include "sim/sha256.h"
 #include "traces/scene/gltf/extensions.h"
+#include "traces/scene/gltf/rewrite.h"
 #include "traces/scene/gltf/uri.h"
 
 namespace traces::gltf {
@@ -94,6 +96,13 @@ void check_lists(const Source& source, const nlohmann::json& json, const SceneLi
              fmt::format("'{}' has {} entries, allowed are {}", sim::printable(key), value.size(), limits.nodes));
     }
   }
+  const auto asset = json.find("asset");
+  if (asset != json.end() && asset->is_object() && asset->contains("version") && (*asset)["version"].is_string()) {
+    const std::string& version = (*asset)["version"].get_ref<const std::string&>();
+    if (!version.starts_with("2.")) {
+      refuse(source, "glTF version '" + sim::printable(version) + "'; supported is 2.0");
+    }
+  }
   const auto required = json.find("extensionsRequired");
   if (required == json.end() || !required->is_array()) return;
   for (const auto& extension : *required) {
@@ -103,6 +112,33 @@ void check_lists(const Source& source, const nlohmann::json& json, const SceneLi
                          sim::printable(extension.is_string() ? extension.get<std::string>() : extension.dump()),
                          supported_extensions()));
     }
+  }
+}
+
+/// Puts other JSON in the place of the file's.
+void replace_json(Source& source, std::string text) {
+  while (text.size() % 4 != 0) text += ' ';
+  source.bytes.replace(source.json_begin, source.json_size, text);
+  source.json_size = text.size();
+  if (!source.binary) return;
+  const auto set_word = [&](std::size_t at, std::size_t value) {
+    const auto word = static_cast<std::uint32_t>(value);
+    std::memcpy(source.bytes.data() + at, &word, sizeof word);
+  };
+  set_word(8, source.bytes.size());
+  set_word(12, text.size());
+}
+
+/// Follows symbolic links, which must not lead out of the folder either.
+void check_inside(const std::filesystem::path& folder, const std::string& relative, const std::string& where) {
+  std::error_code failed;
+  const std::filesystem::path home = std::filesystem::canonical(folder.empty() ? "." : folder, failed);
+  const std::filesystem::path file = std::filesystem::canonical(folder / relative, failed);
+  if (failed) throw sim::InputError(fmt::format("{}: the file '{}' is missing", where, sim::printable(relative)));
+  const auto [rest, unused] = std::mismatch(home.begin(), home.end(), file.begin(), file.end());
+  if (rest != home.end()) {
+    throw sim::InputError(fmt::format("{}: '{}' is a link that leads out of the file's folder; allowed are files in it",
+                                      where, sim::printable(relative)));
   }
 }
 
@@ -119,10 +155,8 @@ void read_external(Source& source, const nlohmann::json& json, const std::filesy
       const std::string where = fmt::format("{}: {}[{}]", source.shown_name, list, i);
       const std::string relative = local_path(uri, where);
       if (source.external.contains(relative)) continue;
-      if (!std::filesystem::exists(folder / relative)) {
-        throw sim::InputError(fmt::format("{}: the file '{}' is missing", where, sim::printable(relative)));
-      }
-      std::string bytes = sim::read_file(folder / relative, limits.memory_bytes);
+      check_inside(folder, relative, where);
+      std::string bytes = sim::read_file(folder / relative, limits.memory.bytes);
       budget.take(bytes.size(), 2, fmt::format("the file '{}'", sim::printable(relative)));
       source.sha256 += sim::sha256_hex(bytes);
       source.external.emplace(relative, std::move(bytes));
@@ -137,7 +171,7 @@ Source read_source(const std::filesystem::path& path, const SceneLimits& limits,
   constexpr std::uint64_t kJsonExpansion = 16;  // bytes that a parsed value may take for each of its text
   Source source;
   source.shown_name = sim::printable(path.string());
-  source.bytes = sim::read_file(path, limits.memory_bytes);
+  source.bytes = sim::read_file(path, limits.memory.bytes);
   budget.take(source.bytes.size(), 2, "the file");
   source.sha256 = sim::sha256_hex(source.bytes);
   source.json_size = source.bytes.size();
@@ -146,9 +180,10 @@ Source read_source(const std::filesystem::path& path, const SceneLimits& limits,
   if (source.json_size == 0) refuse(source, "the file is empty");
   budget.take(source.json_size, kJsonExpansion, "the JSON");
   check_depth(source, limits.json_depth);
-  const nlohmann::json json = parse(source);
+  nlohmann::json json = parse(source);
   check_lists(source, json, limits);
   read_external(source, json, path.parent_path(), budget, limits);
+  if (make_parsable(json)) replace_json(source, json.dump());
   return source;
 }
 

@@ -1,13 +1,13 @@
 #include "traces/scene/gltf/textures.h"
 
-#include <array>
-#include <cmath>
+#include <algorithm>
 
 #include <fmt/format.h>
 
 #include "sim/io/printable.h"
 #include "traces/scene/gltf/accessors.h"
 #include "traces/scene/images.h"
+#include "traces/scene/texture_mean.h"
 
 namespace traces::gltf {
 namespace {
@@ -23,31 +23,6 @@ Texture::Wrap wrap_of(int mode) {
   }
 }
 
-double to_linear(double encoded) {
-  return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
-}
-
-glm::vec4 mean_of(const Texture& texture, bool srgb) {
-  std::array<double, 256> value;
-  for (std::size_t i = 0; i < value.size(); ++i) {
-    const double encoded = static_cast<double>(i) / 255;
-    value[i] = srgb ? to_linear(encoded) : encoded;
-  }
-  std::array<std::array<std::uint64_t, 256>, 4> counts{};
-  for (const std::uint32_t texel : texture.texels) {
-    for (std::size_t k = 0; k < 4; ++k) ++counts[k][(texel >> (8 * k)) & 255U];
-  }
-  glm::vec4 mean;
-  for (std::size_t k = 0; k < 4; ++k) {
-    double sum = 0;
-    for (std::size_t i = 0; i < 256; ++i) {
-      sum += static_cast<double>(counts[k][i]) * (k < 3 ? value[i] : static_cast<double>(i) / 255);
-    }
-    mean[static_cast<int>(k)] = static_cast<float>(sum / static_cast<double>(texture.texels.size()));
-  }
-  return mean;
-}
-
 }  // namespace
 
 int Textures::source_of(int texture) {
@@ -56,7 +31,7 @@ int Textures::source_of(int texture) {
   return found.source;
 }
 
-const Texture& Textures::image(int index) {
+Texture& Textures::image(int index) {
   if (const auto found = images_.find(index); found != images_.end()) return found->second;
   const tinygltf::Image& image = context_.at(context_.model.images, index, "images");
   const std::string name = fmt::format("{}: images[{}]{}{}", context_.file, index, image.name.empty() ? "" : " ",
@@ -68,25 +43,30 @@ const Texture& Textures::image(int index) {
   } else {
     bytes = std::as_bytes(std::span(image.image));
   }
-  Texture texture = read_image(bytes, name, context_.limits);
+  SceneLimits limits = context_.limits;
+  limits.pixels = std::min(limits.pixels, context_.budget.left() / (2 * sizeof(std::uint32_t)));
+  Texture texture = read_image(bytes, name, limits);
   context_.budget.take(texture.texels.size(), sizeof(std::uint32_t), name);
   texture.name = sim::printable(image.name.empty() ? image.uri : image.name);
   return images_.emplace(index, std::move(texture)).first->second;
 }
 
-std::uint32_t Textures::base_colour(int texture) {
+std::uint32_t Textures::use(int texture, bool srgb) {
   const int source = source_of(texture);
   if (source < 0) return kNoTexture;
   tinygltf::Sampler sampler;
   const int sampler_index = context_.model.textures[static_cast<std::size_t>(texture)].sampler;
   if (sampler_index >= 0) sampler = context_.at(context_.model.samplers, sampler_index, "samplers");
-  const auto [place, is_new] = added_.try_emplace({source, sampler.wrapS, sampler.wrapT},
+  const bool nearest = sampler.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST;
+  const auto [place, is_new] = added_.try_emplace({source, sampler.wrapS, sampler.wrapT, nearest, srgb},
                                                   static_cast<std::uint32_t>(context_.scene.textures.size()));
   if (is_new) {
     Texture copy = image(source);
     context_.budget.take(copy.texels.size(), sizeof(std::uint32_t), "a texture");
     copy.wrap_u = wrap_of(sampler.wrapS);
     copy.wrap_v = wrap_of(sampler.wrapT);
+    copy.filter = nearest ? Texture::Filter::kNearest : Texture::Filter::kLinear;
+    copy.srgb = srgb;
     context_.scene.textures.push_back(std::move(copy));
   }
   return place->second;
@@ -96,7 +76,10 @@ glm::vec4 Textures::mean(int texture, bool srgb) {
   const int source = source_of(texture);
   if (source < 0) return glm::vec4(1);
   const auto [place, is_new] = means_.try_emplace({source, srgb}, glm::vec4(1));
-  if (is_new) place->second = mean_of(image(source), srgb);
+  if (is_new) {
+    image(source).srgb = srgb;
+    place->second = mean_texel(image(source));
+  }
   return place->second;
 }
 

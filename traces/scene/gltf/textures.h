@@ -14,20 +14,21 @@ class Textures {
  public:
   explicit Textures(Context& context) : context_(context) {}
 
-  /// Index in Scene::textures of glTF texture `texture`, or kNoTexture where it names no image.
-  std::uint32_t base_colour(int texture);
+  /// Index in Scene::textures of glTF texture `texture`, to be read as colour (`srgb`) or as numbers; kNoTexture where
+  /// it names no image that can be read.
+  std::uint32_t use(int texture, bool srgb);
 
   /// Mean of all texels, 0..1, alpha included; linear colour if `srgb`. White where the texture names no image.
   glm::vec4 mean(int texture, bool srgb);
 
  private:
-  const Texture& image(int index);
+  Texture& image(int index);
   int source_of(int texture);
 
   Context& context_;
   std::map<int, Texture> images_;
   std::map<std::pair<int, bool>, glm::vec4> means_;
-  std::map<std::tuple<int, int, int>, std::uint32_t> added_;  ///< by image and wrap modes
+  std::map<std::tuple<int, int, int, bool, bool>, std::uint32_t> added_;  ///< image, wrap modes, nearest, sRGB
 };
 
 }  // namespace traces::gltf

@@ -57,6 +57,22 @@ float number_or(const Context& context, const tinygltf::Value& object, const cha
   return to_float(context, object.Get(key).GetNumberAsDouble(), key);
 }
 
+glm::vec3 vec3_or(const Context& context, const tinygltf::Value& object, const char* key, const glm::vec3& absent) {
+  if (!object.Has(key) || !object.Get(key).IsArray()) return absent;
+  const tinygltf::Value& list = object.Get(key);
+  std::vector<double> numbers;
+  for (int i = 0; i < static_cast<int>(list.ArrayLen()); ++i) numbers.push_back(list.Get(i).GetNumberAsDouble());
+  return to_vec3(context, numbers, absent, key);
+}
+
+std::uint64_t size_or(const Context& context, const tinygltf::Value& object, const char* key, std::uint64_t absent) {
+  constexpr double kMost = 9007199254740992;  // 2^53, up to which doubles hold every integer
+  if (!object.Has(key)) return absent;
+  const double value = object.Get(key).IsNumber() ? object.Get(key).GetNumberAsDouble() : -1;
+  if (!(value >= 0 && value <= kMost)) context.refuse(fmt::format("{} is not a number of 0 or more", key));
+  return static_cast<std::uint64_t>(value);
+}
+
 int index_or_none(const tinygltf::Value& object, const char* key) {
   if (!object.Has(key) || !object.Get(key).IsInt()) return -1;
   return object.Get(key).GetNumberAsInt();

@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,12 @@ const tinygltf::Value* find_extension(const tinygltf::ExtensionMap& extensions, 
 
 /// A number of an extension's object, or `absent`.
 float number_or(const Context& context, const tinygltf::Value& object, const char* key, float absent);
+
+/// A list of three numbers of an extension's object, or `absent`.
+glm::vec3 vec3_or(const Context& context, const tinygltf::Value& object, const char* key, const glm::vec3& absent);
+
+/// A count of bytes or elements of an extension's object, or `absent`; refused if it is no such number.
+std::uint64_t size_or(const Context& context, const tinygltf::Value& object, const char* key, std::uint64_t absent);
 
 /// An index of an extension's object, or -1.
 int index_or_none(const tinygltf::Value& object, const char* key);
