@@ -156,7 +156,7 @@ void add_houses(Scene& s, const Palette& c, float detail) {
     float z, aside;  ///< to the right (east) of the street
   };
   constexpr Place kPlaces[] = {{0, 71, -10.5F}, {2, 57, -10},      {1, 43, -9.8F},    {4, 29, -10},   {0, 15.5F, -11},
-                               {3, 73, 12},     {1, 57, 10},       {0, 43.5F, 10.4F}, {2, 30, 10.2F}, {4, 16, 10.6F},
+                               {4, 73, 11},     {1, 57, 10},       {0, 43.5F, 10.4F}, {2, 30, 10.2F}, {4, 16, 10.6F},
                                {5, -5, -16.5F}, {1, -6.5F, 16.8F}, {4, -24, -10.2F},  {0, -37, -11},  {2, -27, 11},
                                {3, 36, -28},    {3, 2, 31}};
   for (const Place& place : kPlaces) {
@@ -212,12 +212,12 @@ void add_windmill(Scene& s, const Palette& c, float detail) {
   const Paints paints{c.white_wall, c.slate, c.dark_wood, c.red, c.glass, c.red, c.stone};
   const glm::mat4 at = placed(on_ground(kMill.x, kMill.y), 0.13);
   show(s, add_mill(s, paints, c.dark_wood, detail), at);
-  constexpr float kQuarter = 1.55F;  // seconds for a quarter turn
+  constexpr float kQuarter = 23.3F / 15;  // seconds for a quarter turn: they turn as long as the camera flies
   const std::uint32_t base =
       add_node(s, "mill", {.translation = glm::vec3(at * glm::vec4(kHub, 1)), .rotation = rotation({0, 1, 0}, 0.13)});
   const std::uint32_t axle = add_node(s, "sails", {}, base);
   std::vector<TurnKey> keys;
-  for (int k = 0; k <= 16; ++k)
+  for (int k = 0; k <= 15; ++k)
     keys.push_back({kQuarter * static_cast<float>(k), rotation({0, 0, 1}, -k / 4.0 + 0.07)});
   for (std::size_t k = 1; k < keys.size(); ++k) {
     if (glm::dot(keys[k].value, keys[k - 1].value) < 0) keys[k].value = -keys[k].value;
