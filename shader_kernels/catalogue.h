@@ -6,28 +6,45 @@
 #include <vector>
 
 #include "shader_kernels/graph.h"
+#include "shader_kernels/kernels/absorb.h"
 #include "shader_kernels/kernels/average_colour.h"
+#include "shader_kernels/kernels/classify_details.h"
 #include "shader_kernels/kernels/classify_hits.h"
+#include "shader_kernels/kernels/classify_layers.h"
 #include "shader_kernels/kernels/classify_surfaces.h"
 #include "shader_kernels/kernels/combine_shadow.h"
+#include "shader_kernels/kernels/fetch_vertices.h"
 #include "shader_kernels/kernels/generate_rays.h"
 #include "shader_kernels/kernels/pack_colour.h"
+#include "shader_kernels/kernels/scatter_layers.h"
 #include "shader_kernels/kernels/shade_ambient.h"
 #include "shader_kernels/kernels/shade_background.h"
+#include "shader_kernels/kernels/shade_base.h"
+#include "shader_kernels/kernels/shade_blend.h"
+#include "shader_kernels/kernels/shade_bump.h"
 #include "shader_kernels/kernels/shade_diffuse.h"
 #include "shader_kernels/kernels/shade_emission.h"
 #include "shader_kernels/kernels/shade_glass.h"
+#include "shader_kernels/kernels/shade_glow.h"
 #include "shader_kernels/kernels/shade_mirror.h"
+#include "shader_kernels/kernels/shade_occluded.h"
+#include "shader_kernels/kernels/shade_physical.h"
+#include "shader_kernels/kernels/shade_straight.h"
 #include "shader_kernels/kernels/shade_surface.h"
 #include "shader_kernels/kernels/shade_textured.h"
+#include "shader_kernels/kernels/test_alpha.h"
+#include "shader_kernels/kernels/test_shadow.h"
 #include "traces/stream.h"
 
 namespace kernels {
 
 /// Every kernel; its place in this list is its KernelId.
-using AllKernels = std::tuple<GenerateRays, GenerateJitteredRays, ClassifyHits, ShadeBackground, ShadeSurface,
-                              ClassifySurfaces, ShadeTextured, ShadeEmission, ShadeAmbient, ShadeDiffuse, CombineShadow,
-                              ShadeMirror, ShadeGlass, AverageColour, PackColour>;
+using AllKernels =
+    std::tuple<GenerateRays, GenerateJitteredRays, ClassifyLayers, TestAlpha<false>, TestAlpha<true>, TestShadow<false>,
+               TestShadow<true>, ScatterLayers, ClassifyHits, ShadeBackground, ShadeSurface, ClassifyDetails, Absorb,
+               FetchVertices, ShadeBase, ShadePhysical, ShadeBump, ShadeBlend, ClassifySurfaces, ShadeTextured,
+               ShadeEmission, ShadeGlow, ShadeAmbient, ShadeOccluded, ShadeDiffuse, CombineShadow, ShadeStraight,
+               ShadeMirror, ShadeGlass, AverageColour, PackColour>;
 
 template <class K, class... Ks>
 constexpr traces::KernelId place_in(std::type_identity<std::tuple<Ks...>>) {

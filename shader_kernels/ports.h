@@ -79,7 +79,7 @@ struct Cached<float, R, kKind> {
     log = accesses;
   }
   R<float> load(std::uint32_t index) const {
-    if (log) log->push_back({static_cast<std::uint32_t>(kKind) << 30, index, 0});
+    if (log) log->push_back(traces::Access::record(kKind, index));
     return load_record<R>(base, index);
   }
 };
@@ -124,5 +124,9 @@ template <class V>
 using Attributes = Cached<V, AttributeFields, traces::Access::Kind::kAttributes>;
 template <class V>
 using Materials = Cached<V, MaterialFields, traces::Access::Kind::kMaterial>;
+template <class V>
+using Vertices = Cached<V, VertexFields, traces::Access::Kind::kVertices>;
+template <class V>
+using Details = Cached<V, DetailFields, traces::Access::Kind::kDetail>;
 
 }  // namespace kernels

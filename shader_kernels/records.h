@@ -4,7 +4,8 @@
 namespace kernels {
 
 // What kernels load and store. fields() names every member in memory order; with V = float a record is the bytes
-// themselves. A ray slot of the tile buffer is Ray + Path + Hit, 64 bytes; a surface is Place + Matte + Texcoord.
+// themselves. A ray slot of the tile buffer is Ray + Path + Hit, 64 bytes; a surface is Place + Matte + Texcoord +
+// Optics, and Tangent where it has vertex detail.
 
 template <class V>
 struct RayRecord {
@@ -58,13 +59,10 @@ struct PlaceRecord {
   }
 };
 
-/// Bits of MatteRecord::classes, one per stream that classify_surfaces fills.
-enum Class : std::uint32_t { kTextured = 1, kDiffuse = 2, kMirror = 4, kGlass = 8, kEmissive = 16 };
-
 template <class V>
 struct MatteRecord {
   Vec3<V> diffuse;  ///< base colour, weighted with what is neither mirrored nor let in
-  I<V> classes;
+  I<V> classes;     ///< traces::MaterialFlag; a bit per stream
   static void fields(auto& r, auto&& field) {
     field(r.diffuse, "diffuse");
     field(r.classes, "classes");
@@ -79,6 +77,37 @@ struct TexcoordRecord {
     field(r.u, "u");
     field(r.v, "v");
     field(r.texture, "texture");
+  }
+};
+
+/// Where light goes that is not scattered.
+template <class V>
+struct OpticsRecord {
+  Vec3<V> mirrored;  ///< share, by channel
+  F<V> entering;     ///< share, to be split by Fresnel's law
+  F<V> ior;
+  F<V> alpha;  ///< of blended surfaces: what does not pass straight on
+  F<V> kept;   ///< factor of what the surface itself sends out
+  static void fields(auto& r, auto&& field) {
+    field(r.mirrored, "mirrored");
+    field(r.entering, "entering");
+    field(r.ior, "ior");
+    field(r.alpha, "alpha");
+    field(r.kept, "kept");
+  }
+};
+
+/// What a surface with vertex detail knows besides.
+template <class V>
+struct TangentRecord {
+  Vec3<V> tangent;  ///< about unit; zero where there is none
+  F<V> handedness;  ///< sign of the bitangent
+  F<V> u, v;        ///< second texture coordinates
+  static void fields(auto& r, auto&& field) {
+    field(r.tangent, "tangent");
+    field(r.handedness, "handedness");
+    field(r.u, "u");
+    field(r.v, "v");
   }
 };
 
@@ -119,32 +148,85 @@ struct AttributeFields {
 template <class V>
 struct MaterialFields {
   Vec3<V> base_colour;
-  F<V> mirror;
-  Vec3<V> mirror_tint;
-  F<V> transmission;
+  F<V> diffuse_share;
+  Vec3<V> mirrored;
+  F<V> entering;
   Vec3<V> emission;
   F<V> ior;
-  I<V> base_texture, spare0, spare1, spare2;
+  I<V> base_texture, flags;
+  F<V> opacity, alpha_cutoff;
   static void fields(auto& r, auto&& field) {
     field(r.base_colour, "base_colour");
-    field(r.mirror, "mirror");
-    field(r.mirror_tint, "mirror_tint");
-    field(r.transmission, "transmission");
+    field(r.diffuse_share, "diffuse_share");
+    field(r.mirrored, "mirrored");
+    field(r.entering, "entering");
     field(r.emission, "emission");
     field(r.ior, "ior");
     field(r.base_texture, "base_texture");
-    field(r.spare0, "spare0");
-    field(r.spare1, "spare1");
-    field(r.spare2, "spare2");
+    field(r.flags, "flags");
+    field(r.opacity, "opacity");
+    field(r.alpha_cutoff, "alpha_cutoff");
+  }
+};
+
+/// traces::VertexRecord
+template <class V>
+struct VertexFields {
+  F<V> u0, v0, u1, v1, u2, v2;
+  I<V> red_green0, blue_alpha0, red_green1, blue_alpha1, red_green2, blue_alpha2;
+  I<V> tangent0, tangent1, tangent2, spare;
+  static void fields(auto& r, auto&& field) {
+    field(r.u0, "u0");
+    field(r.v0, "v0");
+    field(r.u1, "u1");
+    field(r.v1, "v1");
+    field(r.u2, "u2");
+    field(r.v2, "v2");
+    field(r.red_green0, "red_green0");
+    field(r.blue_alpha0, "blue_alpha0");
+    field(r.red_green1, "red_green1");
+    field(r.blue_alpha1, "blue_alpha1");
+    field(r.red_green2, "red_green2");
+    field(r.blue_alpha2, "blue_alpha2");
+    field(r.tangent0, "tangent0");
+    field(r.tangent1, "tangent1");
+    field(r.tangent2, "tangent2");
+    field(r.spare, "spare");
+  }
+};
+
+/// traces::MaterialDetailRecord
+template <class V>
+struct DetailFields {
+  Vec3<V> emission;
+  I<V> normal_texture;
+  Vec3<V> absorption;
+  I<V> occlusion_texture, metal_rough_texture, emission_texture;
+  F<V> normal_scale, occlusion_strength, metallic, roughness, dielectric, coat;
+  static void fields(auto& r, auto&& field) {
+    field(r.emission, "emission");
+    field(r.normal_texture, "normal_texture");
+    field(r.absorption, "absorption");
+    field(r.occlusion_texture, "occlusion_texture");
+    field(r.metal_rough_texture, "metal_rough_texture");
+    field(r.emission_texture, "emission_texture");
+    field(r.normal_scale, "normal_scale");
+    field(r.occlusion_strength, "occlusion_strength");
+    field(r.metallic, "metallic");
+    field(r.roughness, "roughness");
+    field(r.dielectric, "dielectric");
+    field(r.coat, "coat");
   }
 };
 
 /// How one axis of a texture is addressed, in a form that needs no branch: a coordinate is clamped to [low, high],
-/// folded into [0, period), mirrored above 1 and scaled by `size`; a neighbour that falls off one end is `below` or
-/// `above`. A clamped axis has the period 2, which its [0, 1] never leaves.
+/// folded into [0, period), mirrored above 1 and scaled by `size`. A neighbour that falls off the lower end is `below`,
+/// off the other `last` - `below`. A clamped axis has the period 2, which its [0, 1] never leaves.
+/// `offset` is half the way from a texel to its neighbour: 0.5. For the nearest texel alone it is 0, and `size` a
+/// little less, so that 1 is still within the last texel.
 template <class V>
 struct AxisRecord {
-  F<V> size, last, low, high, period, inverse_period, below, above;
+  F<V> size, last, low, high, period, inverse_period, below, offset;
   static void fields(auto& r, auto&& field) {
     field(r.size, "size");
     field(r.last, "last");
@@ -153,7 +235,7 @@ struct AxisRecord {
     field(r.period, "period");
     field(r.inverse_period, "inverse_period");
     field(r.below, "below");
-    field(r.above, "above");
+    field(r.offset, "offset");
   }
 };
 

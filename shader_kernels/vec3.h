@@ -29,6 +29,10 @@ F<V> dot(const Vec3<V>& a, const Vec3<V>& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 template <class V>
+Vec3<V> cross(const Vec3<V>& a, const Vec3<V>& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+template <class V>
 F<V> largest(const Vec3<V>& a) {
   return max(max(a.x, a.y), a.z);
 }

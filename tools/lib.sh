@@ -24,7 +24,11 @@ step() {
 missing_packages() {
   local package status
   sed 's/#.*//' "$root/tools/packages.txt" | while read -r package; do
+    package=${package%% *}
     [ -n "$package" ] || continue
+    case $package in  # a newer node from elsewhere conflicts with Debian's npm, and will do
+      nodejs | npm) ! command -v node >/dev/null || ! command -v npm >/dev/null || continue ;;
+    esac
     status=$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null) || status=missing
     [ "$status" = installed ] || printf ' %s' "$package"
   done
@@ -70,4 +74,14 @@ build() {
   cd "$root" || fail "cannot enter $root"
   step "configure $preset" cmake --preset "$preset" "${options[@]}"
   step "build $preset" cmake --build --preset "$preset" "$@"
+}
+
+# Puts the glTF validator that tests/tools/gltf_validator pins into the build tree of PRESET, unless it is there.
+install_gltf_validator() {
+  local pinned=$root/tests/tools/gltf_validator folder=$root/build/$1/gltf_validator
+  [ "$install" = yes ] || return 0
+  ! cmp -s "$pinned/package-lock.json" "$folder/installed.json" || return 0
+  mkdir -p "$folder" && cp "$pinned"/package*.json "$folder" || fail "cannot write to $folder"
+  step "install the glTF validator" npm ci --prefix "$folder" --ignore-scripts --no-audit --no-fund
+  cp "$pinned/package-lock.json" "$folder/installed.json"
 }

@@ -17,6 +17,7 @@ struct RunConfig {
   traces::BvhConfig bvh;
   sim::EnergyConfig energy;
   traces::WorkloadConfig scene;
+  traces::SceneLimits limits;
 
   static void describe(auto& c, auto&& field) {
     hw::GpuConfig::describe(c.gpu, field);
@@ -24,6 +25,7 @@ struct RunConfig {
     field.group(c.bvh, "bvh", "how the tree is built on the host");
     field.group(c.energy, "energy", "energy per event, leakage and clock");
     field.group(c.scene, "scene", "what is looked at, from where, and when");
+    field.group(c.limits, "limits", "what a scene file may cost at most");
   }
   void check(auto&& complain) const { gpu.check(complain); }
 };

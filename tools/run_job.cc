@@ -16,6 +16,7 @@
 #include "traces/accel/build.h"
 #include "traces/accel/bvh_info.h"
 #include "traces/accel/bvh_tracer.h"
+#include "traces/accel/refit.h"
 #include "traces/scene/workload.h"
 
 namespace tools {
@@ -61,7 +62,7 @@ Inputs load_inputs(const JobOptions& options) {
   Inputs in;
   in.config = load_run_config(options);
   const Clock::time_point begin = Clock::now();
-  traces::Scene scene = traces::open_workload(in.config.scene);
+  traces::Scene scene = traces::open_workload(in.config.scene, in.config.limits);
   in.frame = in.config.scene.first_frame;
   in.camera = scene.cameras.front();
   in.scene = traces::scene_info(scene);
@@ -80,7 +81,9 @@ void advance(Inputs& in, std::uint32_t frame, std::uint32_t threads) {
   const traces::Moved moved = traces::pose_workload(in.moving, in.config.scene, frame);
   in.frame = frame;
   in.camera = in.moving.cameras.front();
-  if (moved.geometry) {
+  if (moved.geometry && in.config.bvh.update == traces::BvhUpdate::kRefit) {
+    traces::refit_memory_image(in.moving, in.image);
+  } else if (moved.geometry) {
     in.image = traces::build_memory_image(in.moving, in.config.bvh, host_threads(threads));
     in.parents = traces::parents_of(in.image);
   } else if (moved.lights) {

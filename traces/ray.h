@@ -18,14 +18,25 @@ struct Ray {
 
 inline constexpr std::uint32_t kNoHit = 0xffffffffU;
 
+// Two flags that a triangle hands to its hits, above the index: the traversal knows no textures, so whether there
+// really is a surface, and how much light passes, is for a shader to say.
+inline constexpr std::uint32_t kAlphaFlag = 1U << 31;  ///< the material has an alpha: any ray may have to go on
+inline constexpr std::uint32_t kTintFlag = 1U << 30;   ///< the material lets light in: shadow rays are tinted
+inline constexpr std::uint32_t kTriangleMask = kTintFlag - 1;
+
 /// Where a ray met a triangle; `u`, `v` are the barycentric weights of its second and third vertex. `triangle` is the
-/// index in the memory image's leaf order. For an any-hit (shadow) ray only "hit or not" has a meaning.
+/// index in the memory image's leaf order, with the triangle's flags above it.
+///
+/// Shadow rays: a hit without flags says that something solid is in the way, no matter which and where. A flagged one
+/// is the nearest of all hits.
 struct Hit {
   float t = std::numeric_limits<float>::infinity();
   float u = 0;
   float v = 0;
   std::uint32_t triangle = kNoHit;
   bool is_hit() const { return triangle != kNoHit; }
+  std::uint32_t index() const { return triangle & kTriangleMask; }
+  bool is_flagged() const { return triangle > kTriangleMask && is_hit(); }
 };
 
 }  // namespace traces

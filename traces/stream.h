@@ -11,20 +11,21 @@ using KernelId = std::uint16_t;
 
 /// One access of a kernel to memory through the SRP's data cache, by what it names, not where it lies.
 struct Access {
-  enum class Kind : std::uint32_t { kAttributes, kMaterial, kTexels };
-  // kAttributes: element = triangle. kMaterial: element = material.
+  enum class Kind : std::uint32_t { kAttributes, kMaterial, kTexels, kVertices, kDetail };
+  // kAttributes, kVertices: element = triangle. kMaterial, kDetail: element = material.
   // kTexels: `object` = texture, a bilinear footprint of up to 2 x 2 texels packed by texels().
-  std::uint32_t object = 0;   ///< kind in the top 2 bits, texture index below
+  std::uint32_t object = 0;  ///< kind in the top 3 bits, texture index below
   std::uint32_t element = 0;
   std::uint32_t element2 = 0;  ///< kTexels: the opposite corner of the footprint
 
-  static Access attributes(std::uint32_t triangle) { return {0U << 30, triangle, 0}; }
-  static Access material(std::uint32_t index) { return {1U << 30, index, 0}; }
+  static Access record(Kind kind, std::uint32_t index) { return {static_cast<std::uint32_t>(kind) << 29, index, 0}; }
+  static Access attributes(std::uint32_t triangle) { return record(Kind::kAttributes, triangle); }
+  static Access material(std::uint32_t index) { return record(Kind::kMaterial, index); }
   static Access texels(std::uint32_t texture, std::uint32_t x0, std::uint32_t y0, std::uint32_t x1, std::uint32_t y1) {
-    return {(2U << 30) | texture, (y0 << 16) | x0, (y1 << 16) | x1};
+    return {record(Kind::kTexels, 0).object | texture, (y0 << 16) | x0, (y1 << 16) | x1};
   }
-  Kind kind() const { return static_cast<Kind>(object >> 30); }
-  std::uint32_t texture() const { return object & ((1U << 30) - 1); }
+  Kind kind() const { return static_cast<Kind>(object >> 29); }
+  std::uint32_t texture() const { return object & ((1U << 29) - 1); }
 };
 
 /// How a node's items wait for an earlier node of the same tile.
@@ -44,8 +45,8 @@ struct WorkNode {
   RayKind ray_kind = RayKind::kPrimary;  ///< kRays
   KernelId kernel = 0;                   ///< kLaunch
   std::uint32_t items = 0;               ///< work items, rays, or bytes to transfer
-  std::uint32_t first = 0;       ///< kRays: first ray of the tile; kLaunch: first entry of access_begin, if it has any
-  bool has_accesses = false;     ///< kLaunch: items read memory through the data cache
+  std::uint32_t first = 0;        ///< kRays: first ray of the tile; kLaunch: first entry of access_begin, if it has any
+  bool has_accesses = false;      ///< kLaunch: items read memory through the data cache
   std::uint32_t sources = kNone;  ///< first entry in TileWork::sources for mapped `each` edges (one per item), or kNone
   std::vector<Edge> inputs;
   static constexpr std::uint32_t kNone = 0xffffffffU;

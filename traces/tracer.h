@@ -13,7 +13,8 @@ struct WalkSink {
   std::vector<std::uint32_t>& begin;
 };
 
-/// Finds hits. Shadow rays ask "anything?" and stop at the first triangle found; all others want the nearest.
+/// Finds hits. Shadow rays ask "anything?" and stop at the first triangle without flags (ray.h); where there is none
+/// they report the nearest flagged one. All others want the nearest of all.
 class Tracer {
  public:
   virtual ~Tracer() = default;

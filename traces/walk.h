@@ -9,9 +9,9 @@ namespace traces {
 //
 //   visit  00 | near(1) | hits(2) | node(27)      inner node tested; bit 0 of `hits` is child 0, bit 1 child 1;
 //                                                  `near` is the child entered first when both are hit
-//   leaf   01 | count(4) | first triangle(26)      leaf entered, `count` triangles tested (an any-hit ray may stop
-//                                                  early); one more word follows: the exit phase of each test,
-//                                                  4 bits each, first test lowest
+//   leaf   01 | count(4) | first triangle(26)      leaf entered, `count` triangles tested (a shadow ray stops behind
+//                                                  a hit without flags, ray.h); one more word follows: the exit phase
+//                                                  of each test, 4 bits each, first test lowest
 //   cull   10 | n(30)                              n stack entries popped and dropped: they begin behind the hit
 //   end    11 | hit(1)
 //
@@ -35,7 +35,9 @@ constexpr std::uint32_t node_of(std::uint32_t word) { return word & (kMaxNodes -
 constexpr std::uint32_t hits_of(std::uint32_t word) { return (word >> 27) & 3U; }
 constexpr std::uint32_t near_of(std::uint32_t word) { return (word >> 29) & 1U; }
 
-constexpr std::uint32_t leaf_step(std::uint32_t first, std::uint32_t count) { return (1U << 30) | (count << 26) | first; }
+constexpr std::uint32_t leaf_step(std::uint32_t first, std::uint32_t count) {
+  return (1U << 30) | (count << 26) | first;
+}
 constexpr std::uint32_t first_of(std::uint32_t word) { return word & (kMaxTriangles - 1); }
 constexpr std::uint32_t count_of(std::uint32_t word) { return (word >> 26) & 15U; }
 constexpr ExitPhase phase_of(std::uint32_t phases, std::uint32_t test) {

@@ -100,6 +100,7 @@ void FrontEnd::give_back(const traces::TileWork* work) {
 void FrontEnd::keep(const Slot& slot) {
   program_.place(slot.tile, result_.rgb);
   for (std::size_t k = 0; k < std::size(result_.rays); ++k) result_.rays[k] += slot.tile.rays[k];
+  result_.continued += slot.tile.continued;
   result_.traversal_steps += slot.tile.traversal_steps;
   result_.seconds += slot.seconds;
 }

@@ -22,6 +22,7 @@ class FrontEnd final : public TileSource {
   struct Result {
     std::vector<float> rgb;  ///< linear, row by row
     std::uint64_t rays[static_cast<std::size_t>(traces::RayKind::kCount)] = {};
+    std::uint64_t continued = 0;  ///< of the rays, those that went on behind what was no solid surface
     std::uint64_t traversal_steps = 0;
     double seconds = 0;  ///< host time of the functional half, summed over its threads
     double waited = 0;   ///< of that, time for which the caller of next() stood still

@@ -30,6 +30,12 @@ inline LineSet lines_of(const traces::Access& access, const traces::Layout& layo
     case traces::Access::Kind::kMaterial:
       lines.add(layout.material_at(access.element));
       break;
+    case traces::Access::Kind::kVertices:
+      lines.add(layout.vertices_at(access.element));
+      break;
+    case traces::Access::Kind::kDetail:
+      lines.add(layout.detail_at(access.element));
+      break;
     case traces::Access::Kind::kTexels: {
       const std::uint32_t xs[2] = {access.element & 0xffffU, access.element2 & 0xffffU};
       const std::uint32_t ys[2] = {access.element >> 16, access.element2 >> 16};

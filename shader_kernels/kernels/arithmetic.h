@@ -1,5 +1,6 @@
 #pragma once
 #include "shader_kernels/vec3.h"
+#include "traces/accel/memory_image.h"
 
 namespace kernels {
 
@@ -29,6 +30,19 @@ F<V> unit_float(const I<V>& hash) {
 }
 
 template <class V>
+M<V> has(const I<V>& flags, traces::MaterialFlag bit) {
+  return I<V>(0U) < (flags & static_cast<std::uint32_t>(bit));
+}
+
+/// Byte 0 (lowest) to 3 of a word.
+template <class V>
+I<V> byte_of(const I<V>& word, std::uint32_t byte) {
+  if (byte == 0) return word & 255U;
+  if (byte == 3) return word >> 24U;
+  return (word >> (8U * byte)) & 255U;
+}
+
+template <class V>
 F<V> clamped(const F<V>& x) {
   return min(max(x, F<V>(0.0F)), F<V>(1.0F));
 }
@@ -47,6 +61,29 @@ F<V> encoded(const F<V>& x) {
   const F<V> curve = half * 0.58723747F + quarter * 0.77597848F - sqrt(quarter) * 0.36321595F;
   return select(x <= 0.0031308F, x * 12.92F, curve);
 }
+
+/// exp(-x) for x >= 0, within 4e-6: the fourth-order series of exp(x / 16), inverted and squared four times.
+template <class V>
+F<V> decay(const F<V>& x) {
+  const F<V> y = x * (1.0F / 16.0F);
+  const F<V> series = (((y * (1.0F / 24.0F) + 1.0F / 6.0F) * y + 0.5F) * y + 1.0F) * y + 1.0F;
+  const F<V> once = 1.0F / series;
+  const F<V> twice = once * once;
+  const F<V> four = twice * twice;
+  const F<V> eight = four * four;
+  return eight * eight;
+}
+
+/// A value in the middle of a triangle, given that of its corners.
+template <class V>
+struct Weights {
+  F<V> first, second, third;
+  explicit Weights(const auto& hit) : first(1.0F - hit.u - hit.v), second(hit.u), third(hit.v) {}
+  F<V> mix(const F<V>& a, const F<V>& b, const F<V>& c) const { return a * first + b * second + c * third; }
+  Vec3<V> mix(const Vec3<V>& a, const Vec3<V>& b, const Vec3<V>& c) const { return a * first + b * second + c * third; }
+  /// Of whole numbers.
+  F<V> mix_int(const I<V>& a, const I<V>& b, const I<V>& c) const { return mix(to_float(a), to_float(b), to_float(c)); }
+};
 
 /// What happens to light that meets a surface between two media.
 template <class V>

@@ -1,9 +1,17 @@
 #pragma once
 #include <string_view>
 
+#include "shader_kernels/kernels/arithmetic.h"
 #include "shader_kernels/ports.h"
 
 namespace kernels {
+
+/// Appends a surface to a stream if its classes have the stream's bit.
+template <class V>
+void append_if(const I<V>& slot, const I<V>& classes, traces::MaterialFlag bit, const Local<V, WordRecord>& stream,
+               Counter<V>& count) {
+  stream.store(count.next(has<V>(classes, bit)), {slot});
+}
 
 /// The second inspector: a surface goes into the stream of every class that it belongs to.
 struct ClassifySurfaces {
@@ -34,14 +42,11 @@ struct ClassifySurfaces {
   static void body(const I<V>& item, Ports<V>& at) {
     const I<V> slot = at.surfaces.load(item).word;
     const I<V> classes = at.mattes.load(slot).classes;
-    const auto append = [&](Class bit, const auto& stream, auto& count) {
-      stream.store(count.next(I<V>(0U) < (classes & static_cast<std::uint32_t>(bit))), {slot});
-    };
-    append(kTextured, at.textured, at.textured_count);
-    append(kDiffuse, at.diffuse, at.diffuse_count);
-    append(kMirror, at.mirror, at.mirror_count);
-    append(kGlass, at.glass, at.glass_count);
-    append(kEmissive, at.emissive, at.emissive_count);
+    append_if<V>(slot, classes, traces::kTextured, at.textured, at.textured_count);
+    append_if<V>(slot, classes, traces::kDiffuse, at.diffuse, at.diffuse_count);
+    append_if<V>(slot, classes, traces::kMirror, at.mirror, at.mirror_count);
+    append_if<V>(slot, classes, traces::kGlass, at.glass, at.glass_count);
+    append_if<V>(slot, classes, traces::kEmissive, at.emissive, at.emissive_count);
   }
 };
 

@@ -13,7 +13,7 @@ struct SecondaryPorts {
   Local<V, PlaceRecord> places;
   Local<V, RayRecord> rays;
   Local<V, PathRecord> paths;
-  Materials<V> materials;
+  Local<V, OpticsRecord> optics;
   Local<V, RayRecord> next_rays;
   Local<V, PathRecord> next_paths;
   Counter<V> emitted;
@@ -23,7 +23,7 @@ struct SecondaryPorts {
     port(p.places, "places");
     port(p.rays, "rays");
     port(p.paths, "paths");
-    port(p.materials, "materials");
+    port(p.optics, "optics");
     port(p.next_rays, "next_rays");
     port(p.next_paths, "next_paths");
     port(p.emitted, "emitted");

@@ -13,12 +13,14 @@ struct ShadeEmission {
     Local<V, WordRecord> emissive;
     Local<V, PlaceRecord> places;
     Local<V, PathRecord> paths;
+    Local<V, OpticsRecord> optics;
     Materials<V> materials;
     Local<V, ColourRecord> colours;
     static void describe(auto& p, auto&& port) {
       port(p.emissive, "emissive");
       port(p.places, "places");
       port(p.paths, "paths");
+      port(p.optics, "optics");
       port(p.materials, "materials");
       port(p.colours, "colours");
     }
@@ -28,7 +30,7 @@ struct ShadeEmission {
     const I<V> slot = at.emissive.load(item).word;
     const PathRecord<V> path = at.paths.load(slot);
     const MaterialFields<V> material = at.materials.load(at.places.load(slot).material);
-    add_light<V>(at.colours, path.sample, path.throughput * material.emission);
+    add_light<V>(at.colours, path.sample, path.throughput * material.emission * at.optics.load(slot).kept);
   }
 };
 

@@ -17,11 +17,11 @@ struct ShadeGlass {
     const PlaceRecord<V> place = at.places.load(slot);
     const Vec3<V> direction = at.rays.load(slot).direction;
     const PathRecord<V> path = at.paths.load(slot);
-    const MaterialFields<V> m = at.materials.load(place.material);
-    const Interface<V> glass = interface<V>(direction, place.normal, place.side, m.ior);
+    const OpticsRecord<V> optics = at.optics.load(slot);
+    const Interface<V> glass = interface<V>(direction, place.normal, place.side, optics.ior);
     const F<V> bend = glass.eta * glass.cosine - sqrt(max(glass.inside, F<V>(0.0F)));
     const Vec3<V> refracted = direction * glass.eta + place.normal * bend;
-    const F<V> share = (1.0F - m.mirror) * m.transmission * (1.0F - glass.reflectance);
+    const F<V> share = optics.entering * (1.0F - glass.reflectance);
     emit_secondary<V>(at, place.position, refracted, {path.throughput * share, path.sample});
   }
 };

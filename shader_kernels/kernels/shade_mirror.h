@@ -17,10 +17,10 @@ struct ShadeMirror {
     const PlaceRecord<V> place = at.places.load(slot);
     const Vec3<V> direction = at.rays.load(slot).direction;
     const PathRecord<V> path = at.paths.load(slot);
-    const MaterialFields<V> m = at.materials.load(place.material);
-    const Interface<V> glass = interface<V>(direction, place.normal, place.side, m.ior);
-    const F<V> share = (1.0F - m.mirror) * m.transmission * glass.reflectance;
-    const Vec3<V> tint = m.mirror_tint * m.mirror + Vec3<V>{share, share, share};
+    const OpticsRecord<V> optics = at.optics.load(slot);
+    const Interface<V> glass = interface<V>(direction, place.normal, place.side, optics.ior);
+    const F<V> share = optics.entering * glass.reflectance;
+    const Vec3<V> tint = optics.mirrored + Vec3<V>{share, share, share};
     const Vec3<V> reflected = direction + place.normal * (2.0F * glass.cosine);
     emit_secondary<V>(at, place.position, reflected, {path.throughput * tint, path.sample});
   }

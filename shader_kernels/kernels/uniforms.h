@@ -37,11 +37,12 @@ struct TileUniforms {
 };
 
 /// A light of any kind. Point and spot: `local` 1, `place` the position, `reach` 1. Directional: `local` 0, `place` a
-/// unit vector towards the light, `reach` infinite. Without a cone `cone_scale` is 0 and `cone_offset` 1.
+/// unit vector towards the light, `reach` infinite. Without a cone `cone_scale` is 0 and `cone_offset` 1; without a
+/// range `inverse_range_squared` is 0.
 template <class V>
 struct LightUniforms {
   Vec3<V> place, direction, intensity;
-  F<V> local, reach, cone_scale, cone_offset;
+  F<V> local, reach, cone_scale, cone_offset, inverse_range_squared;
   static void describe(auto& c, auto&& port) {
     port(c.place, "light.place");
     port(c.direction, "light.direction");
@@ -50,6 +51,7 @@ struct LightUniforms {
     port(c.reach, "light.reach");
     port(c.cone_scale, "light.cone_scale");
     port(c.cone_offset, "light.cone_offset");
+    port(c.inverse_range_squared, "light.inverse_range_squared");
   }
 };
 

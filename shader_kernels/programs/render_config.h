@@ -10,12 +10,17 @@ namespace kernels {
 enum class SamplePattern : std::uint8_t { kRegular, kJittered };
 constexpr std::array<std::string_view, 2> names_of(SamplePattern) { return {"regular", "jittered"}; }
 
+enum class GlassShadows : std::uint8_t { kOpaque, kTinted };
+constexpr std::array<std::string_view, 2> names_of(GlassShadows) { return {"opaque", "tinted"}; }
+
 /// What is rendered, and how finely. Everything here changes the recorded work.
 struct RenderConfig {
   std::uint32_t width = 1024, height = 512;
   std::uint32_t tile = 16;
   std::uint32_t depth = 3;
   SamplePattern samples = SamplePattern::kRegular;
+  std::uint32_t layers = 32;
+  GlassShadows glass_shadows = GlassShadows::kTinted;
   double ray_epsilon = 1e-4;
   double min_weight = 0.01;
 
@@ -29,6 +34,12 @@ struct RenderConfig {
           sim::between(1, 16), Affects::kFunction);
     field(c.samples, "samples", "", "where a pixel's samples lie: in the middle of grid cells, or anywhere in them",
           sim::any(), Affects::kFunction);
+    field(c.layers, "layers", "surfaces",
+          "how many holes, blended surfaces or panes of glass a ray may pass; the next one counts as solid",
+          sim::between(0, 1024), Affects::kFunction);
+    field(c.glass_shadows, "glass_shadows", "",
+          "shadow rays that meet glass: blocked, or let through unbent with its transmission and colour", sim::any(),
+          Affects::kFunction);
     field(c.ray_epsilon, "ray_epsilon", "scene diagonals", "how far from a surface its secondary rays begin",
           sim::between(0, 0.1), Affects::kFunction);
     field(c.min_weight, "min_weight", "", "a path goes on while its largest colour weight is above this",

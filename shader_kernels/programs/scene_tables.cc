@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
 
 #include <glm/geometric.hpp>
+
+#include "traces/accel/material_tables.h"
 
 namespace kernels {
 namespace {
@@ -36,7 +37,9 @@ LightUniforms<float> light_uniforms(const traces::Light& light) {
                          .local = local ? 1.0F : 0.0F,
                          .reach = local ? 1.0F : kInfinity,
                          .cone_scale = 0,
-                         .cone_offset = 1};
+                         .cone_offset = 1,
+                         .inverse_range_squared = 0};
+  if (local && light.range > 0) u.inverse_range_squared = 1.0F / (light.range * light.range);
   if (light.kind == Kind::kSpot) {
     u.cone_scale = 1.0F / std::max(0.001F, light.cos_inner - light.cos_outer);
     u.cone_offset = -light.cos_outer * u.cone_scale;
@@ -44,19 +47,28 @@ LightUniforms<float> light_uniforms(const traces::Light& light) {
   return u;
 }
 
-AxisRecord<float> axis_record(std::uint32_t size, traces::Texture::Wrap wrap) {
+AxisRecord<float> axis_record(std::uint32_t size, traces::Texture::Wrap wrap, traces::Texture::Filter filter) {
   using Wrap = traces::Texture::Wrap;
   const auto texels = static_cast<float>(size);
   const float last = texels - 1.0F;
+  AxisRecord<float> axis{texels, last, -kInfinity, kInfinity, 2.0F, 0.5F, 0.0F, 0.5F};
   switch (wrap) {
     case Wrap::kRepeat:
-      return {texels, last, -kInfinity, kInfinity, 1.0F, 1.0F, last, 0.0F};
+      axis.period = axis.inverse_period = 1.0F;
+      axis.below = last;
+      break;
     case Wrap::kMirror:
-      return {texels, last, -kInfinity, kInfinity, 2.0F, 0.5F, 0.0F, last};
+      break;
     case Wrap::kClamp:
+      axis.low = 0.0F;
+      axis.high = 1.0F;
       break;
   }
-  return {texels, last, 0.0F, 1.0F, 2.0F, 0.5F, 0.0F, last};
+  if (filter == traces::Texture::Filter::kNearest) {
+    axis.size = std::nextafter(texels, 0.0F);
+    axis.offset = 0.0F;
+  }
+  return axis;
 }
 
 SceneTables::SceneTables(const traces::MemoryImage& memory_image, const RenderConfig& config)
@@ -65,12 +77,22 @@ SceneTables::SceneTables(const traces::MemoryImage& memory_image, const RenderCo
       ambient(vec3(memory_image.ambient)),
       epsilon(static_cast<float>(config.ray_epsilon) * memory_image.diagonal()),
       min_weight(static_cast<float>(config.min_weight)),
-      depth(config.depth) {
+      depth(config.depth),
+      layers(config.layers) {
+  std::uint32_t flags = 0, shades = 0;
+  for (const traces::MaterialRecord& material : image.materials) {
+    flags |= material.flags;
+    shades |= traces::triangle_flags(material);
+  }
+  has_details = (flags & traces::kDetailStreams) != 0;
+  has_alpha = (shades & traces::kAlphaFlag) != 0;
+  const bool is_tinted = config.glass_shadows == GlassShadows::kTinted;
+  has_shades = has_alpha || (is_tinted && shades != 0);
+  solid_shadow = is_tinted ? traces::kTriangleMask : kSolidNearest;
   for (const traces::Light& light : image.lights) lights.push_back(light_uniforms(light));
   for (const traces::Texture& texture : image.textures) {
-    if (!texture.srgb) throw std::invalid_argument("texture '" + texture.name + "': base colours are sRGB-encoded");
-    axes.push_back(axis_record(texture.width, texture.wrap_u));
-    axes.push_back(axis_record(texture.height, texture.wrap_v));
+    axes.push_back(axis_record(texture.width, texture.wrap_u, texture.filter));
+    axes.push_back(axis_record(texture.height, texture.wrap_v, texture.filter));
   }
 }
 

@@ -12,7 +12,10 @@ namespace kernels {
 
 CameraUniforms<float> camera_uniforms(const traces::Camera& camera, std::uint32_t width, std::uint32_t height);
 LightUniforms<float> light_uniforms(const traces::Light& light);
-AxisRecord<float> axis_record(std::uint32_t size, traces::Texture::Wrap wrap);
+AxisRecord<float> axis_record(std::uint32_t size, traces::Texture::Wrap wrap, traces::Texture::Filter filter);
+
+/// The largest triangle word of a hit that needs no test, where only alpha asks for one.
+inline constexpr std::uint32_t kSolidNearest = traces::kAlphaFlag - 1;
 
 /// What the kernels know of a scene besides memory: uniforms, and tables that lie in the SRP's own memory.
 struct SceneTables {
@@ -23,7 +26,10 @@ struct SceneTables {
   std::vector<AxisRecord<float>> axes;  ///< two per texture
   Vec3<float> background, ambient;
   float epsilon, min_weight;
-  std::uint32_t depth;
+  std::uint32_t depth, layers;
+  bool has_details;            ///< some surface goes into a stream of classify_details
+  bool has_alpha, has_shades;  ///< some hit may have to be tested: of rays that want the nearest, of shadow rays
+  std::uint32_t solid_shadow;  ///< largest triangle word of a shadow ray's hit that needs no test
 };
 
 }  // namespace kernels

@@ -22,6 +22,20 @@ void TileBuffer::hold_wave(std::size_t slots) {
   grow(places, slots);
   grow(mattes, slots);
   grow(texcoords, slots);
+  grow(optics, slots);
+}
+
+void TileBuffer::hold_details(std::size_t slots) {
+  for (auto* stream : {&absorbing, &vertexed, &based, &physical, &bumped, &blended, &glowing, &occluded}) {
+    grow(*stream, slots + 1);
+  }
+  grow(tangents, slots);
+}
+
+void TileBuffer::hold_layers(std::size_t slots) {
+  grow(layers, slots + 1);
+  grow(targets, slots + 1);
+  layer.hold(slots + 1);
 }
 
 }  // namespace kernels

@@ -22,15 +22,22 @@ struct RaySlots {
 
 /// What a tile keeps in the tile buffer. Arrays only grow, so that a used TileResult allocates no more.
 struct TileBuffer {
-  RaySlots wave, next_wave, shadow;
-  std::vector<std::uint32_t> misses, surfaces, textured, diffuse, mirror, glass, emissive;  ///< streams of slots
+  RaySlots wave, next_wave, shadow, layer;
+  // Streams of slots.
+  std::vector<std::uint32_t> misses, surfaces, textured, diffuse, mirror, glass, emissive;
+  std::vector<std::uint32_t> absorbing, vertexed, based, physical, bumped, blended, glowing, occluded;
+  std::vector<std::uint32_t> layers, targets;  ///< hits to test; slots whose rays go on
   std::vector<PlaceRecord<float>> places;
   std::vector<MatteRecord<float>> mattes;
   std::vector<TexcoordRecord<float>> texcoords;
+  std::vector<OpticsRecord<float>> optics;
+  std::vector<TangentRecord<float>> tangents;
   std::vector<ColourRecord<float>> colours;  ///< per sample
   std::vector<std::uint32_t> colour_nodes;   ///< of the work: launches that have added to colours
   std::vector<traces::WorkNode> spare_nodes;
   void hold_wave(std::size_t slots);
+  void hold_details(std::size_t slots);
+  void hold_layers(std::size_t slots);
 };
 
 /// What comes of one tile.
@@ -40,6 +47,7 @@ struct TileResult {
   std::vector<glm::vec3> linear;                      ///< per pixel, row by row: linear RGB in [0, 1]
   std::vector<std::uint32_t> packed;                  ///< per pixel: as the frame buffer holds it, R in the lowest byte
   std::array<std::uint64_t, static_cast<std::size_t>(traces::RayKind::kCount)> rays{};
+  std::uint64_t continued = 0;        ///< of those, rays that went on behind what was no solid surface
   std::uint64_t traversal_steps = 0;  ///< node visits and triangle tests; counted from the walks, so 0 if not recorded
   traces::TileWork work;              ///< filled if recorded
   TileBuffer buffer;

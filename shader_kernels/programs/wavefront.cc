@@ -16,14 +16,16 @@ Wavefront::Wavefront(const SceneTables& scene, const traces::Tracer& tracer, boo
       buffer_(out.buffer),
       stream_(out.work, out.buffer.spare_nodes, record) {
   out.rays = {};
+  out.continued = 0;
   out.traversal_steps = 0;
   buffer_.colour_nodes.clear();
 }
 
 void Wavefront::run(Node maker, std::uint32_t rays) {
-  Bounce bounce{.rays = rays};
+  Bounce bounce;
+  bounce.rays = rays;
   buffer_.hold_wave(rays);
-  bounce.batches[0] = trace(RayKind::kPrimary, buffer_.wave, 0, rays, maker, false);
+  bounce.batches[bounce.batch_count++] = trace(RayKind::kPrimary, buffer_.wave, 0, rays, maker, false);
   for (std::uint32_t depth = 1; bounce.rays != 0; ++depth) {
     const std::uint32_t surfaces = classify(bounce);
     if (surfaces < bounce.rays) shade_background(bounce, bounce.rays - surfaces);
@@ -31,8 +33,10 @@ void Wavefront::run(Node maker, std::uint32_t rays) {
     const Streams streams = shade_surfaces(bounce, surfaces);
     if (streams.textured != 0) shade_textured(bounce, streams.textured);
     if (streams.emissive != 0) shade_emission(bounce, streams.emissive);
+    if (streams.glowing != 0) shade_glow(bounce, streams.glowing);
     if (streams.diffuse != 0) {
       shade_ambient(bounce, streams.diffuse);
+      if (streams.occluded != 0) shade_occluded(bounce, streams.occluded);
       for (const LightUniforms<float>& light : scene_.lights) shade_light(bounce, light, streams.diffuse);
     }
     if (depth == scene_.depth) return;
@@ -40,14 +44,20 @@ void Wavefront::run(Node maker, std::uint32_t rays) {
   }
 }
 
-Wavefront::Node Wavefront::trace(RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t count, Node maker,
-                                 bool is_mapped) {
-  if (count == 0) return StreamBuilder::kNone;
-  const std::span<const traces::Ray> rays(slots.rays.data() + first, count);
-  const std::span<traces::Hit> hits(slots.hits.data() + first, count);
+Wavefront::Batch Wavefront::trace(RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t count, Node maker,
+                                  bool is_mapped) {
+  Batch batch{trace_once(kind, slots.rays.data() + first, slots.hits.data() + first, count, maker, is_mapped)};
+  if (kind == RayKind::kShadow ? scene_.has_shades : scene_.has_alpha) {
+    batch.settled = settle(kind, slots, first, count, batch.rays);
+  }
+  return batch;
+}
+
+Wavefront::Node Wavefront::trace_once(RayKind kind, const traces::Ray* rays, traces::Hit* hits, std::uint32_t count,
+                                      Node maker, bool is_mapped) {
   const std::size_t from_word = out_.work.walk.size();
   traces::WalkSink sink{out_.work.walk, out_.work.ray_begin};
-  tracer_.trace(rays, kind, hits, stream_.is_on() ? &sink : nullptr);
+  tracer_.trace({rays, count}, kind, {hits, count}, stream_.is_on() ? &sink : nullptr);
   count_steps(from_word);
   const Node node = stream_.rays(kind, count, rays_traced_, maker, is_mapped);
   rays_traced_ += count;
@@ -70,7 +80,7 @@ void Wavefront::count_steps(std::size_t from_word) {
 void Wavefront::wait_for_bounce(Node node, const Bounce& bounce) {
   wait_all(node, bounce.colours != StreamBuilder::kNone ? bounce.colours : bounce.inspector);
   // The rays are back long since; the edges say that their slots are still read.
-  for (const Node batch : bounce.batches) wait_all(node, batch);
+  for (const Batch& batch : bounce.batches) wait_all(node, batch.rays);
 }
 
 std::uint32_t Wavefront::classify(Bounce& bounce) {
@@ -80,43 +90,48 @@ std::uint32_t Wavefront::classify(Bounce& bounce) {
   ports.surfaces.bind(buffer_.surfaces.data());
   bounce.inspector = launch<ClassifyHits>(ports, bounce.rays);
   bounce.colours = StreamBuilder::kNone;
-  if (bounce.batches[1] == StreamBuilder::kNone) {
-    wait_each(bounce.inspector, bounce.batches[0]);
+  if (bounce.batch_count == 1 && bounce.batches[0].settled == StreamBuilder::kNone) {
+    wait_each(bounce.inspector, bounce.batches[0].rays);
   } else {
-    for (const Node batch : bounce.batches) wait_all(bounce.inspector, batch);
+    for (const Batch& batch : bounce.batches) {
+      wait_all(bounce.inspector, batch.rays);
+      wait_all(bounce.inspector, batch.settled);
+    }
   }
   return ports.surface_count.value;
 }
 
 template <class K>
-std::uint32_t Wavefront::send(const Bounce& bounce, RayKind kind, std::vector<std::uint32_t>& stream,
-                              std::uint32_t items, std::uint32_t first, Node& batch) {
-  if (items == 0) return 0;
-  RaySlots& next = buffer_.next_wave;
+void Wavefront::send(const Bounce& bounce, RayKind kind, std::vector<std::uint32_t>& stream, std::uint32_t items,
+                     Bounce& next) {
+  if (items == 0) return;
+  RaySlots& slots = buffer_.next_wave;
   typename K::template Ports<float> ports;
   ports.stream.bind(stream.data());
   ports.places.bind(buffer_.places.data());
   ports.rays.bind(buffer_.wave.rays.data());
   ports.paths.bind(buffer_.wave.paths.data());
-  ports.materials.bind(scene_.image.materials.data(), accesses());
-  ports.next_rays.bind(next.rays.data() + first);
-  ports.next_paths.bind(next.paths.data() + first);
+  ports.optics.bind(buffer_.optics.data());
+  ports.next_rays.bind(slots.rays.data() + next.rays);
+  ports.next_paths.bind(slots.paths.data() + next.rays);
   ports.epsilon = scene_.epsilon;
   ports.min_weight = scene_.min_weight;
   const Node maker = launch<K>(ports, items);
   wait_for_bounce(maker, bounce);
-  batch = trace(kind, next, first, ports.emitted.value, maker, true);
-  return ports.emitted.value;
+  const std::uint32_t rays = ports.emitted.value;
+  if (rays == 0) return;
+  next.batches[next.batch_count++] = trace(kind, slots, next.rays, rays, maker, true);
+  next.rays += rays;
 }
 
 Wavefront::Bounce Wavefront::send_on(const Bounce& bounce, const Streams& streams) {
-  buffer_.next_wave.hold(std::size_t{streams.mirror} + streams.glass + 1);
+  buffer_.next_wave.hold(std::size_t{streams.blended} + streams.mirror + streams.glass + 1);
   Bounce from = bounce;
-  from.colours = StreamBuilder::kNone;  // mirrors and glass do not look at base colours
+  from.colours = StreamBuilder::kNone;  // what is sent on does not look at base colours
   Bounce next;
-  next.rays = send<ShadeMirror>(from, RayKind::kReflection, buffer_.mirror, streams.mirror, 0, next.batches[0]);
-  Node& refraction = next.batches[next.batches[0] == StreamBuilder::kNone ? 0 : 1];
-  next.rays += send<ShadeGlass>(from, RayKind::kRefraction, buffer_.glass, streams.glass, next.rays, refraction);
+  send<ShadeStraight>(from, RayKind::kRefraction, buffer_.blended, streams.blended, next);
+  send<ShadeMirror>(from, RayKind::kReflection, buffer_.mirror, streams.mirror, next);
+  send<ShadeGlass>(from, RayKind::kRefraction, buffer_.glass, streams.glass, next);
   std::swap(buffer_.wave, buffer_.next_wave);
   buffer_.hold_wave(next.rays);
   return next;

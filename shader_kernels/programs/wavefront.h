@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -17,6 +18,18 @@ namespace kernels {
 ///                                                                                 -> shade_diffuse (per light)
 ///                                          -> shade_emission                          -> shadow rays -> combine_shadow
 ///                                          -> shade_mirror, shade_glass -> rays of the next wave
+///
+/// Where the scene has more to it (wavefront_details.cc), between shade_surface and classify_surfaces, each step over a
+/// stream of its own and only where that stream has items:
+///
+///   classify_details -> absorb -> fetch_vertices -> shade_base -> shade_physical -> shade_bump -> shade_blend
+///
+/// and shade_glow beside shade_emission, shade_occluded behind shade_ambient, shade_straight before shade_mirror.
+///
+/// Where it has triangles that are not solid, a batch of rays is followed by rounds (wavefront_layers.cc) until no ray
+/// goes on:
+///
+///   classify_layers -> [ test_alpha or test_shadow -> rays -> scatter_layers ] ...
 ///
 /// All orders (of rays, of additions to a sample) follow from the tile alone.
 class Wavefront {
@@ -39,22 +52,53 @@ class Wavefront {
   void finish() { stream_.finish(); }
 
  private:
+  /// Rays that have been traced.
+  struct Batch {
+    Node rays = StreamBuilder::kNone;
+    Node settled = StreamBuilder::kNone;  ///< the launch that has put the last hit in its place, if any ray went on
+  };
   /// Nodes that the launches of a bounce wait for.
   struct Bounce {
     std::uint32_t rays = 0;
-    Node batches[2] = {StreamBuilder::kNone, StreamBuilder::kNone};
+    std::array<Batch, 3> batches{};
+    std::uint32_t batch_count = 0;
     Node inspector = StreamBuilder::kNone;  ///< fills the streams
-    Node colours = StreamBuilder::kNone;    ///< makes the base colours, if not the inspector's input did
+    Node colours = StreamBuilder::kNone;    ///< makes the base colours, if nothing before the inspector did
   };
   struct Streams {
     std::uint32_t textured = 0, diffuse = 0, mirror = 0, glass = 0, emissive = 0;
+    std::uint32_t blended = 0, glowing = 0, occluded = 0;  ///< of classify_details
   };
 
-  Node trace(traces::RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t count, Node maker,
-             bool is_mapped);
+  /// Traces rays and those that go on behind what turns out not to be solid.
+  Batch trace(traces::RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t count, Node maker,
+              bool is_mapped);
+  Node trace_once(traces::RayKind kind, const traces::Ray* rays, traces::Hit* hits, std::uint32_t count, Node maker,
+                  bool is_mapped);
+  Node settle(traces::RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t count, Node batch);
+  template <bool kColoured>
+  std::uint32_t test_layers(traces::RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t items,
+                            Node& tested);
   void count_steps(std::size_t from_word);
   std::uint32_t classify(Bounce& bounce);
   Streams shade_surfaces(Bounce& bounce, std::uint32_t surfaces);
+  void shade_details(Bounce& bounce, std::uint32_t surfaces, Streams& streams);
+  void absorb(Bounce& bounce, std::uint32_t items);
+  void fetch_vertices(Bounce& bounce, std::uint32_t items);
+  void shade_base(Bounce& bounce, std::uint32_t items);
+  void shade_physical(Bounce& bounce, std::uint32_t items);
+  void shade_bump(Bounce& bounce, std::uint32_t items);
+  void shade_blend(Bounce& bounce, std::uint32_t items);
+  void shade_glow(const Bounce& bounce, std::uint32_t items);
+  void shade_occluded(const Bounce& bounce, std::uint32_t items);
+  void bind_details(DetailPorts<float>& ports, std::vector<std::uint32_t>& stream);
+  /// Launches the next step of shade_details: it waits for the one before.
+  template <class K>
+  void step(Bounce& bounce, typename K::template Ports<float>& ports, std::uint32_t items) {
+    const Node node = launch<K>(ports, items);
+    wait_for_bounce(node, bounce);
+    bounce.inspector = node;
+  }
   void shade_background(const Bounce& bounce, std::uint32_t misses);
   void shade_textured(Bounce& bounce, std::uint32_t items);
   void shade_emission(const Bounce& bounce, std::uint32_t items);
@@ -62,8 +106,8 @@ class Wavefront {
   void shade_light(const Bounce& bounce, const LightUniforms<float>& light, std::uint32_t items);
   Bounce send_on(const Bounce& bounce, const Streams& streams);
   template <class K>
-  std::uint32_t send(const Bounce& bounce, traces::RayKind kind, std::vector<std::uint32_t>& stream,
-                     std::uint32_t items, std::uint32_t first, Node& batch);
+  void send(const Bounce& bounce, traces::RayKind kind, std::vector<std::uint32_t>& stream, std::uint32_t items,
+            Bounce& next);
   void wait_for_bounce(Node node, const Bounce& bounce);
   std::vector<traces::Access>* accesses() { return stream_.is_on() ? &out_.work.accesses : nullptr; }
 
@@ -78,7 +122,9 @@ class Wavefront {
 template <class K>
 Wavefront::Node Wavefront::launch(typename K::template Ports<float>& ports, std::uint32_t items) {
   constexpr bool kReads = requires { ports.materials; }
-  || requires { ports.texels; };
+  || requires { ports.texels; }
+  || requires { ports.vertices; }
+  || requires { ports.details; };
   constexpr bool kEmits = requires { ports.emitted; };
   const Node node = stream_.launch(kKernelId<K>, items, kReads);
   typename K::template Ports<float> at = ports;  // a copy whose address nobody has stays in registers

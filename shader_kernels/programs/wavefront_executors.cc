@@ -25,8 +25,15 @@ Wavefront::Streams Wavefront::shade_surfaces(Bounce& bounce, std::uint32_t surfa
   surface.places.bind(buffer_.places.data());
   surface.mattes.bind(buffer_.mattes.data());
   surface.texcoords.bind(buffer_.texcoords.data());
+  surface.optics.bind(buffer_.optics.data());
   const Node fetched = launch<ShadeSurface>(surface, surfaces);
   wait_for_bounce(fetched, bounce);
+
+  Streams streams;
+  if (scene_.has_details) {
+    bounce.inspector = fetched;
+    shade_details(bounce, surfaces, streams);
+  }
 
   ClassifySurfaces::Ports<float> ports;
   ports.surfaces.bind(buffer_.surfaces.data());
@@ -36,10 +43,15 @@ Wavefront::Streams Wavefront::shade_surfaces(Bounce& bounce, std::uint32_t surfa
   ports.mirror.bind(buffer_.mirror.data());
   ports.glass.bind(buffer_.glass.data());
   ports.emissive.bind(buffer_.emissive.data());
-  bounce.inspector = launch<ClassifySurfaces>(ports, surfaces);
-  wait_each(bounce.inspector, fetched);
-  return {ports.textured_count.value, ports.diffuse_count.value, ports.mirror_count.value, ports.glass_count.value,
-          ports.emissive_count.value};
+  const Node classified = launch<ClassifySurfaces>(ports, surfaces);
+  scene_.has_details ? wait_all(classified, bounce.inspector) : wait_each(classified, fetched);
+  bounce.inspector = classified;
+  streams.textured = ports.textured_count.value;
+  streams.diffuse = ports.diffuse_count.value;
+  streams.mirror = ports.mirror_count.value;
+  streams.glass = ports.glass_count.value;
+  streams.emissive = ports.emissive_count.value;
+  return streams;
 }
 
 void Wavefront::shade_textured(Bounce& bounce, std::uint32_t items) {
@@ -58,6 +70,7 @@ void Wavefront::shade_emission(const Bounce& bounce, std::uint32_t items) {
   ports.emissive.bind(buffer_.emissive.data());
   ports.places.bind(buffer_.places.data());
   ports.paths.bind(buffer_.wave.paths.data());
+  ports.optics.bind(buffer_.optics.data());
   ports.materials.bind(scene_.image.materials.data(), accesses());
   ports.colours.bind(buffer_.colours.data());
   const Node node = launch<ShadeEmission>(ports, items);
@@ -92,14 +105,19 @@ void Wavefront::shade_light(const Bounce& bounce, const LightUniforms<float>& li
   wait_for_bounce(shaded, bounce);
   const std::uint32_t rays = ports.emitted.value;
   if (rays == 0) return;
-  const Node batch = trace(RayKind::kShadow, buffer_.shadow, 0, rays, shaded, true);
+  const Batch batch = trace(RayKind::kShadow, buffer_.shadow, 0, rays, shaded, true);
 
   CombineShadow::Ports<float> combine;
   combine.shadow_hits.bind(buffer_.shadow.hits.data());
   combine.shadow_paths.bind(buffer_.shadow.paths.data());
   combine.colours.bind(buffer_.colours.data());
   const Node combined = launch<CombineShadow>(combine, rays);
-  wait_each(combined, batch);
+  if (batch.settled == StreamBuilder::kNone) {
+    wait_each(combined, batch.rays);
+  } else {
+    wait_all(combined, batch.rays);
+    wait_all(combined, batch.settled);
+  }
   buffer_.colour_nodes.push_back(combined);
 }
 

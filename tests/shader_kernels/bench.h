@@ -3,6 +3,8 @@
 #include <span>
 #include <vector>
 
+#include <gtest/gtest.h>
+
 #include "shader_kernels/programs/full.h"
 #include "traces/accel/build.h"
 #include "traces/accel/bvh_tracer.h"
@@ -72,6 +74,29 @@ inline RenderConfig small(std::uint32_t width, std::uint32_t height) {
   config.width = width;
   config.height = height;
   return config;
+}
+
+/// Renders `scene` as seen from `eye` towards `target`; notes its rays.
+struct View {
+  View(const traces::Scene& scene, const glm::vec3& eye, const glm::vec3& target, RenderConfig config = small(9, 9))
+      : image(traces::build_memory_image(scene, {}, 1)),
+        tracer(image),
+        spy(tracer),
+        camera(traces::look_at("view", eye, target, 0.5F)),
+        picture(render(image, camera, spy, config)) {}
+  glm::vec3 centre() const { return picture.at(picture.width / 2, picture.height / 2); }
+
+  const traces::MemoryImage image;
+  const traces::BvhTracer tracer;
+  const SpyTracer spy;
+  const traces::Camera camera;
+  const Picture picture;
+};
+
+inline void expect_near(const glm::vec3& a, const glm::vec3& b, float tolerance) {
+  EXPECT_NEAR(a.x, b.x, tolerance);
+  EXPECT_NEAR(a.y, b.y, tolerance);
+  EXPECT_NEAR(a.z, b.z, tolerance);
 }
 
 }  // namespace kernels

@@ -145,7 +145,7 @@ TEST(RenderConfig, EveryFieldChangesTheWork) {
     EXPECT_FALSE(meaning.empty()) << key;
     ++fields;
   });
-  EXPECT_EQ(fields, 7U);
+  EXPECT_EQ(fields, 9U);
 }
 
 TEST(ProgramSpec, NamesAreParsed) {

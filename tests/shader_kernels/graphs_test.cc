@@ -49,6 +49,20 @@ std::ostream& operator<<(std::ostream& out, const Count& c) {
 //   scrambled       3 xor, 3 shift, 2 mul                                 8 integer
 //   next            select, int_add                                       1 select 1 integer
 //   add_light       load, 3 add, store                                    3 add
+//   mix             3 mul 2 add (and 2 sub, once, for the weights)
+//   has             and, compare; look_up: has, 2 select, sample
+//   sample          2 neighbours (max min, mul floor mul sub, sub min, mul sub, floor, add, add, 2 compare, 2 select,
+//                   sub, 2 to_int, sub); shift, add; 2 shift, 2 or          14 add  6 mul 10 other 4 compare 4 select
+//                                                                           6 integer 4 convert
+//   linear          3 (sub, mul, add), 4 (to_float, mul); 4 integer (red, alpha) or 8: 6 add 7 mul 4 convert
+//   colour          3 of (3 (sub, mul, add), 4 (to_float, mul, 3 mul 2 add)); 4 + 8 + 8 integer
+//                                                                           42 add 57 mul 20 integer 12 convert
+//   vertex_colour   4 of (3 (integer, to_float), mix, mul)                  8 add 16 mul 12 integer 12 convert
+//   decay           mul, 4 (mul, add), div, 4 mul                           4 add  9 mul 1 div_sqrt
+//   fetch_layer     and; weights, 2 mix; compare, select; sample, linear; mul
+//                                            26 add 20 mul 10 other 5 compare 5 select 11 integer 8 convert
+//     with colours  has; 2 mix, 2 select; vertex_colour; mul
+//   go_on           next; mul, dot, sqrt, div; mul, 2 add                   4 add  5 mul 2 div_sqrt
 //   interface       -dot, less, 1/ior, select; 3 mul 2 sub; sub add div; compare max sqrt select sub; mul;
 //                   4 mul 3 sub              10 add 11 mul 3 div_sqrt 2 other 2 compare 2 select
 //
@@ -57,20 +71,38 @@ std::ostream& operator<<(std::ostream& out, const Count& c) {
 //                             to_int, add; xor
 //   classify_hits             2 (compare, next)
 //   shade_background          3 mul, add_light
-//   shade_surface             2 sub; 3 scale, 2 vector add, normalised; dot, compare, select; scale; scale, vector add;
-//                             2 sub, 4 mul; 2 max; 6 mul 4 add; classes: 3 max, 5 compare, and, 4 or, 5 select
-//   classify_surfaces         5 (and, compare, next)
-//   shade_textured            2 neighbours (max min, mul floor mul sub, sub min, mul sub, floor, add, 2 compare,
-//                             2 select, 2 to_int, sub); shift, add; 2 shift, 2 or; 4 texels of 3 channels (to_float,
-//                             mul, 3 mul 2 add) with 3 and, 2 shift; 3 blends of 3 (sub, mul, add); 3 mul
-//   shade_emission            3 mul, add_light
+//   classify_layers           2 compare, and, next
+//   test_alpha                fetch_layer; has, select, compare; go_on (of the vertex colour, alpha alone)
+//   test_shadow               fetch_layer; compare, select; has, select; colour, 3 mul; sub; mul, scale, vector add, 3
+//   mul;
+//                             2 max, compare; go_on; with colours 3 mul more
+//   scatter_layers            2 compare, and, next
+//   shade_surface             and; weights; mix of vectors, normalised; dot, compare, select; scale, vector add; scale;
+//                             scale; 2 mix
+//   classify_details          8 (has, next)
+//   absorb                    neg, max, mul; scale; 3 decay; 3 mul
+//   fetch_vertices            and; weights; vertex_colour; 4 mul; 4 (mix, 3 to_float, sub, mul) with 3 (1 + 2 + 2 + 1)
+//                             integer; 2 mix
+//   shade_base                look_up, colour, 3 mul, linear, mul
+//   shade_physical            look_up, 2 linear; mul sub mul max min; mul; mul; sub mul add; add; compare, max, div,
+//                             select; 2 scale, vector add; mul sub; sub mul, scale; mul; 2 (2 max, compare, select), 2
+//                             or
+//   shade_bump                look_up, 3 linear; 2 (mul sub mul), mul sub max; scale; cross 6 mul 3 sub; mul, 3 scale,
+//                             2 vector add; 2 normalised; scale; dot, add, max; scale, vector sub
+//   shade_blend               7 mul
+//   classify_surfaces         5 (has, next)
+//   shade_textured            sample, colour, 3 mul
+//   shade_emission            3 mul, scale, add_light
+//   shade_glow                look_up, colour; 6 mul, scale, add_light
 //   shade_ambient             6 mul, add_light
+//   shade_occluded            look_up, linear; sub, mul; 6 mul, scale, add_light
 //   shade_diffuse             scale, vector sub; dot, sqrt, div; dot, mul; dot, neg, mul; mul add max min; 4 mul;
-//                             9 mul; 2 max, compare, next; mul, sub
+//                             9 mul; mul mul sub max, mul; 2 max, compare, next; mul, sub
 //   combine_shadow            compare, 3 select, add_light
-//   shade_mirror              interface; sub, 2 mul; scale, vector add; mul, scale, vector add; 3 mul; 2 max,
+//   shade_straight            sub; scale; 2 max, compare, next
+//   shade_mirror              interface; mul; vector add; mul, scale, vector add; 3 mul; 2 max,
 //                             compare, next
-//   shade_glass               interface; mul, max, sqrt, sub; 2 scale, vector add; 2 sub, 2 mul; scale; 2 max,
+//   shade_glass               interface; mul, max, sqrt, sub; 2 scale, vector add; sub, mul; scale; 2 max,
 //                             compare, next
 //   average_colour            to_float, split, compare; 3 (select, max, min, add); to_int; 3 mul
 //   pack_colour               3 (max min, 3 sqrt, 3 mul add sub, compare, mul, select, mul, add, to_int); 2 shift, 3 or
@@ -82,17 +114,33 @@ constexpr Hand kByHand[] = {
     //                         add mul d/s oth cmp sel int cnv  ld  st  $
     {"generate_rays", {20, 20, 2, 4, 0, 0, 0, 1, 0, 3, 0}},
     {"generate_jittered_rays", {20, 22, 2, 4, 0, 0, 31, 6, 0, 3, 0}},
+    {"classify_layers", {0, 0, 0, 0, 2, 1, 2, 0, 1, 1, 0}},
+    {"test_alpha", {30, 25, 2, 10, 7, 7, 13, 8, 5, 2, 3}},
+    {"test_alpha_coloured", {36, 36, 2, 10, 8, 9, 17, 11, 5, 2, 4}},
+    {"test_shadow", {76, 92, 2, 12, 8, 8, 33, 20, 6, 3, 3}},
+    {"test_shadow_coloured", {88, 118, 2, 12, 9, 10, 46, 32, 6, 3, 4}},
+    {"scatter_layers", {0, 0, 0, 0, 2, 1, 2, 0, 2, 2, 0}},
     {"classify_hits", {0, 0, 0, 0, 2, 2, 2, 0, 1, 2, 0}},
     {"shade_background", {3, 3, 0, 0, 0, 0, 0, 0, 3, 1, 0}},
-    {"shade_surface", {21, 34, 2, 6, 6, 6, 5, 0, 3, 3, 2}},
+    {"shade_surface", {19, 33, 2, 1, 1, 1, 1, 0, 3, 4, 2}},
+    {"classify_details", {0, 0, 0, 0, 8, 8, 16, 0, 2, 8, 0}},
+    {"absorb", {12, 34, 3, 2, 0, 0, 0, 0, 4, 1, 1}},
+    {"fetch_vertices", {26, 42, 0, 0, 0, 0, 31, 24, 4, 3, 1}},
+    {"shade_base", {62, 74, 0, 10, 5, 6, 31, 20, 7, 2, 1}},
+    {"shade_physical", {35, 37, 1, 17, 8, 9, 25, 12, 8, 2, 2}},
+    {"shade_bump", {54, 72, 4, 14, 5, 6, 27, 16, 8, 1, 2}},
+    {"shade_blend", {0, 7, 0, 0, 0, 0, 0, 0, 3, 2, 0}},
     {"classify_surfaces", {0, 0, 0, 0, 5, 5, 10, 0, 2, 5, 0}},
-    {"shade_textured", {52, 66, 0, 10, 4, 4, 26, 16, 5, 1, 1}},
-    {"shade_emission", {3, 3, 0, 0, 0, 0, 0, 0, 4, 1, 1}},
+    {"shade_textured", {56, 66, 0, 10, 4, 4, 26, 16, 5, 1, 1}},
+    {"shade_emission", {3, 6, 0, 0, 0, 0, 0, 0, 5, 1, 1}},
+    {"shade_glow", {59, 72, 0, 10, 5, 6, 27, 16, 10, 1, 2}},
     {"shade_ambient", {3, 6, 0, 0, 0, 0, 0, 0, 4, 1, 0}},
-    {"shade_diffuse", {11, 29, 2, 5, 1, 1, 1, 0, 4, 2, 0}},
+    {"shade_occluded", {24, 23, 0, 10, 5, 6, 11, 8, 9, 1, 2}},
+    {"shade_diffuse", {12, 32, 2, 6, 1, 1, 1, 0, 4, 2, 0}},
     {"combine_shadow", {3, 0, 0, 0, 1, 3, 0, 0, 3, 1, 0}},
-    {"shade_mirror", {17, 23, 3, 4, 3, 3, 1, 0, 4, 2, 1}},
-    {"shade_glass", {16, 23, 4, 5, 3, 3, 1, 0, 4, 2, 1}},
+    {"shade_straight", {1, 3, 0, 2, 1, 1, 1, 0, 5, 2, 0}},
+    {"shade_mirror", {16, 19, 3, 4, 3, 3, 1, 0, 5, 2, 0}},
+    {"shade_glass", {15, 22, 4, 5, 3, 3, 1, 0, 5, 2, 0}},
     {"average_colour", {5, 5, 0, 7, 1, 3, 0, 2, 1, 1, 0}},
     {"pack_colour", {9, 15, 9, 6, 3, 3, 5, 3, 1, 1, 0}},
 };

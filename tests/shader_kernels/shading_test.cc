@@ -11,29 +11,6 @@ namespace {
 
 using traces::RayKind;
 
-/// Renders `scene` as seen from `eye` towards `target`; notes its rays.
-struct View {
-  View(const traces::Scene& scene, const glm::vec3& eye, const glm::vec3& target, RenderConfig config = small(9, 9))
-      : image(traces::build_memory_image(scene, {}, 1)),
-        tracer(image),
-        spy(tracer),
-        camera(traces::look_at("view", eye, target, 0.5F)),
-        picture(render(image, camera, spy, config)) {}
-  glm::vec3 centre() const { return picture.at(picture.width / 2, picture.height / 2); }
-
-  const traces::MemoryImage image;
-  const traces::BvhTracer tracer;
-  const SpyTracer spy;
-  const traces::Camera camera;
-  const Picture picture;
-};
-
-void expect_near(const glm::vec3& a, const glm::vec3& b, float tolerance) {
-  EXPECT_NEAR(a.x, b.x, tolerance);
-  EXPECT_NEAR(a.y, b.y, tolerance);
-  EXPECT_NEAR(a.z, b.z, tolerance);
-}
-
 TEST(Shading, PointLightOnAWallIsAlbedoTimesIrradiance) {
   traces::Scene scene = empty_scene();
   const glm::vec3 albedo(0.8F, 0.4F, 0.2F), intensity(2, 3, 4), light(0.5F, 0.25F, 2);

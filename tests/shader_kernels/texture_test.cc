@@ -16,8 +16,8 @@ float exactly_encoded(float x) { return x <= 0.0031308F ? x * 12.92F : 1.055F * 
 /// Runs shade_textured for one surface of white base colour; `log` gets what it read.
 float fetch_red(const traces::Texture& texture, float u, float v, std::vector<traces::Access>* log = nullptr) {
   const std::uint32_t stream[] = {0};
-  const AxisRecord<float> axes[] = {axis_record(texture.width, texture.wrap_u),
-                                    axis_record(texture.height, texture.wrap_v)};
+  const AxisRecord<float> axes[] = {axis_record(texture.width, texture.wrap_u, texture.filter),
+                                    axis_record(texture.height, texture.wrap_v, texture.filter)};
   std::uint32_t slots[] = {stream[0]};
   TexcoordRecord<float> texcoords[] = {{u, v, 0}};
   MatteRecord<float> mattes[] = {{{1, 1, 1}, 7}};
@@ -75,6 +75,30 @@ TEST(Textures, BordersFollowTheWrapMode) {
   EXPECT_NEAR(fetch_red(ramp(Wrap::kMirror), -0.375F, 0.125F), texel(1, 0), kTolerance);
 }
 
+TEST(Textures, NearestTakesTheTexelThatTheCoordinateLiesIn) {
+  std::vector<traces::Access> log;
+  for (const Wrap wrap : {Wrap::kRepeat, Wrap::kMirror, Wrap::kClamp}) {
+    traces::Texture texture = ramp(wrap);
+    texture.filter = traces::Texture::Filter::kNearest;
+    for (std::uint32_t x = 0; x < 4; ++x) {
+      for (const float within : {0.001F, 0.3F, 0.999F}) {
+        const float u = (static_cast<float>(x) + within) / 4;
+        EXPECT_NEAR(fetch_red(texture, u, 0.6F, &log), texel(x, 2), kTolerance) << u;
+        EXPECT_EQ(log.back().element, log.back().element2);
+      }
+    }
+    // The ends of the picture and far outside of it.
+    EXPECT_NEAR(fetch_red(texture, 0, 0, &log), texel(0, 0), kTolerance);
+    EXPECT_NEAR(fetch_red(texture, 1, 0, &log), wrap == Wrap::kRepeat ? texel(0, 0) : texel(3, 0), kTolerance);
+    EXPECT_NEAR(fetch_red(texture, 1.1F, 0, &log), wrap == Wrap::kRepeat ? texel(0, 0) : texel(3, 0), kTolerance);
+    for (const float u : {-1e-8F, 0.99999994F, 1.0000001F, -7.0F, 12345.678F}) {
+      EXPECT_GE(fetch_red(texture, u, u, &log), 0.0F);
+      EXPECT_LT(log.back().element & 0xffffU, 4U);
+      EXPECT_LT(log.back().element >> 16, 4U);
+    }
+  }
+}
+
 TEST(Textures, TheAccessNamesTheFootprintsCorners) {
   std::vector<traces::Access> log;
   fetch_red(ramp(Wrap::kRepeat), 0, 0.5F, &log);
@@ -82,6 +106,15 @@ TEST(Textures, TheAccessNamesTheFootprintsCorners) {
   EXPECT_EQ(log[0].kind(), traces::Access::Kind::kTexels);
   EXPECT_EQ(log[0].element, (1U << 16) | 3U);
   EXPECT_EQ(log[0].element2, (2U << 16) | 0U);
+}
+
+TEST(Decay, IsAsCloseToTheExponentialAsItSays) {
+  for (int i = 0; i <= 40000; ++i) {
+    const float x = static_cast<float>(i) / 1000;
+    EXPECT_NEAR(decay<float>(x), std::exp(-x), 4e-6F) << x;
+  }
+  EXPECT_EQ(decay<float>(0.0F), 1.0F);
+  EXPECT_EQ(decay<float>(1e30F), 0.0F);
 }
 
 TEST(Srgb, ApproximationsAreAsCloseAsTheySay) {

@@ -52,11 +52,13 @@ void add_kernels(CLI::App& app) {
   const auto options = std::make_shared<JobOptions>();
   CLI::App* all = verb->add_subcommand("list", "Kernels with their schedules on a configuration's array");
   add_config_options(*all, options->config, options->sets);
+  all->footer("Example: raywatt kernels list --set srp.array.cache_ports=2");
   all->callback([options] { list(*options); });
   CLI::App* one = verb->add_subcommand("show", "A kernel's dataflow graph and schedule");
   const auto name = std::make_shared<std::string>();
   one->add_option("kernel", *name, "name of the kernel")->required();
   add_config_options(*one, options->config, options->sets);
+  one->footer("Example: raywatt kernels show shade_diffuse");
   one->callback([options, name] { show(*options, *name); });
 }
 

@@ -1,50 +1,117 @@
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
 #include <memory>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include "sim/error.h"
+#include "sim/io/file.h"
+#include "sim/io/printable.h"
+#include "sim/report/report_json.h"
 #include "sim/report/table.h"
+#include "tools/load_config.h"
+#include "tools/paths.h"
+#include "tools/scene_sheet.h"
 #include "tools/verbs/verbs.h"
 #include "traces/accel/build.h"
-#include "traces/accel/bvh_info.h"
 #include "traces/scene/builtin/builtin.h"
-#include "traces/scene/info.h"
+#include "traces/scene/export.h"
 #include "traces/scene/library.h"
 
 namespace tools {
 
 namespace {
 
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
+
+/// "VmRSS" (memory in use) or "VmHWM" (its peak) of this process, in bytes. getrusage() would count the program that
+/// started this one.
+std::uint64_t memory_in_use(const std::string& key) {
+  std::ifstream status("/proc/self/status");
+  for (std::string word; status >> word;) {
+    std::uint64_t kib = 0;
+    if (word == key + ":" && status >> kib) return kib * 1024;
+  }
+  return 0;
+}
+
+void print_warnings(const traces::Scene& scene) {
+  for (const std::string& warning : scene.warnings) fmt::print(stderr, "raywatt: warning: {}\n", warning);
+}
+
 void list() {
   sim::Table table({"scene", "triangles", ""});
   for (const traces::BuiltinInfo& scene : traces::builtin_scenes()) {
-    const traces::SceneInfo info = traces::scene_info(traces::build_scene(scene.name));
-    table.row({std::string(scene.name), std::to_string(info.triangles), std::string(scene.description)});
+    table.row({scene.name, fmt::format("about {}", sim::si_text(scene.triangles)), scene.description});
   }
-  fmt::print("{}", table.text());
+  fmt::print("{}\nworkloads (scene, camera, frames and resolution together): {}\n", table.text(),
+             fmt::join(workload_names(), ", "));
 }
 
-void show(const std::string& name) {
-  const traces::Scene scene = traces::open_scene(name);
-  const traces::SceneInfo info = traces::scene_info(scene);
+/// The scene that a user asks for by name, workload or file.
+struct Wanted {
+  JobOptions job;
+  traces::Scene open() const {
+    const RunConfig config = load_run_config(job);
+    return traces::open_scene(config.scene.name, {.triangles = config.scene.triangles}, config.limits);
+  }
+};
+
+struct InfoOptions {
+  Wanted scene;
+  bool cameras = false, json = false;
+};
+
+void show(const InfoOptions& options) {
+  SceneCost cost;
+  const std::uint64_t before = memory_in_use("VmRSS");
+  const std::filesystem::path file = traces::scene_file(load_run_config(options.scene.job).scene.name);
+  auto begin = Clock::now();
+  const traces::Scene scene = options.scene.open();
+  cost.load_s = seconds_since(begin);
+  begin = Clock::now();
   const traces::MemoryImage image = traces::build_memory_image(scene);
-  const traces::BvhInfo tree = traces::bvh_info(image);
-  const auto line = [](const char* what, const std::string& value) { fmt::print("{:<18}{}\n", what, value); };
-  line("scene", info.name);
-  line("triangles", info.triangles == info.stored_triangles
-                        ? std::to_string(info.triangles)
-                        : fmt::format("{} ({} stored)", info.triangles, info.stored_triangles));
-  line("instances", fmt::format("{} of {} meshes", info.instances, info.meshes));
-  line("materials", std::to_string(info.materials));
-  line("textures", std::to_string(info.textures));
-  line("lights", std::to_string(info.lights));
-  std::string cameras;
-  for (const traces::Camera& c : scene.cameras) cameras += fmt::format("{}'{}'", cameras.empty() ? "" : ", ", c.name);
-  line("cameras", cameras);
-  line("memory image", sim::si_text(static_cast<double>(image.layout.end), "B"));
-  line("BVH", fmt::format("{} nodes, {} leaves, depth {}, SAH cost {:.1f}", tree.nodes, tree.leaves, tree.depth,
-                          tree.sah_cost));
-  for (const std::string& warning : scene.warnings) fmt::print(stderr, "raywatt: warning: {}\n", warning);
+  cost.build_s = seconds_since(begin);
+  cost.peak_bytes = std::max(memory_in_use("VmHWM"), before) - before;
+  std::error_code ignored;
+  if (!file.empty()) cost.file_bytes = std::filesystem::file_size(file, ignored);
+  const nlohmann::ordered_json sheet = scene_sheet(scene, image, cost);
+  fmt::print("{}", options.json ? sim::json_text(sheet) : scene_sheet_text(sheet, options.cameras));
+  print_warnings(scene);
+}
+
+struct ExportOptions {
+  Wanted scene;
+  std::filesystem::path out;
+  bool force = false;
+};
+
+void export_scene(const ExportOptions& options) {
+  const std::string shown = sim::printable(options.out.string());
+  if (options.out.extension() != ".glb") throw sim::InputError(shown + ": the name of a GLB file ends with .glb");
+  std::error_code ignored;
+  if (!options.force && std::filesystem::exists(options.out, ignored)) {
+    throw sim::InputError(shown + " exists; --force replaces it");
+  }
+  const traces::Scene scene = options.scene.open();
+  const std::string bytes = traces::export_glb(scene);
+  sim::write_file_atomically(options.out, bytes);
+  print_warnings(scene);
+  fmt::print("{}: {}\n", shown, sim::si_text(static_cast<double>(bytes.size()), "B"));
+}
+
+CLI::App* add_scene_verb(CLI::App& verb, const char* name, const char* description, Wanted& wanted) {
+  CLI::App* sub = verb.add_subcommand(name, description);
+  sub->add_option("scene", wanted.job.scene, "built-in scene, workload, or .gltf or .glb file")->required();
+  sub->add_option("--set", wanted.job.sets, "change one field, e.g. scene.triangles=100000 (repeatable)")
+      ->allow_extra_args(false);
+  return sub;
 }
 
 }  // namespace
@@ -53,11 +120,25 @@ void add_scenes(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("scenes", "What can be rendered");
   verb->require_subcommand(1);
   verb->footer("Example: raywatt scenes info teapot");
-  verb->add_subcommand("list", "Built-in scenes")->callback(list);
-  CLI::App* info = verb->add_subcommand("info", "Triangles, lights, cameras and tree of a scene");
-  const auto name = std::make_shared<std::string>();
-  info->add_option("scene", *name, "built-in scene, or a .gltf or .glb file")->required();
-  info->callback([name] { show(*name); });
+
+  CLI::App* all = verb->add_subcommand("list", "Built-in scenes and workloads");
+  all->footer("Example: raywatt scenes list");
+  all->callback(list);
+
+  const auto asked = std::make_shared<InfoOptions>();
+  CLI::App* info =
+      add_scene_verb(*verb, "info", "What is in a scene, its tree, and what loading it costs", asked->scene);
+  info->add_flag("--camera", asked->cameras, "also where each camera stands and looks");
+  info->add_flag("--json", asked->json, "as JSON");
+  info->footer("Example: raywatt scenes info teapot --camera");
+  info->callback([asked] { show(*asked); });
+
+  const auto wanted = std::make_shared<ExportOptions>();
+  CLI::App* out = add_scene_verb(*verb, "export", "Writes a scene as glTF 2.0 for other programs", wanted->scene);
+  out->add_option("-o,--output", wanted->out, "the file, .glb")->required();
+  out->add_flag("--force", wanted->force, "replace the file if it exists");
+  out->footer("Example: raywatt scenes export cornell -o cornell.glb");
+  out->callback([wanted] { export_scene(*wanted); });
 }
 
 }  // namespace tools

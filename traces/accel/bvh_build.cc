@@ -13,12 +13,22 @@
 namespace traces {
 namespace {
 
-/// What Embree's builder hands back through the callbacks; it lives in Embree's own memory.
+// What Embree's builder hands back through the callbacks; it lives in Embree's own memory, and no larger than it must
+// be, for a tree has about as many nodes as triangles.
+
 struct TreeNode {
-  TreeNode* child[2] = {nullptr, nullptr};
-  Bounds bounds[2];         ///< of the children; of a leaf, bounds[0] is its own
   std::uint32_t count = 0;  ///< triangles of a leaf, 0 for an inner node
-  std::uint32_t triangle[kMaxLeafTriangles] = {};
+};
+
+struct InnerNode : TreeNode {
+  TreeNode* child[2] = {nullptr, nullptr};
+  Bounds bounds[2];  ///< of the children
+};
+
+/// With `count` indices of triangles behind it.
+struct LeafNode : TreeNode {
+  std::uint32_t* triangles() { return reinterpret_cast<std::uint32_t*>(this + 1); }
+  const std::uint32_t* triangles() const { return reinterpret_cast<const std::uint32_t*>(this + 1); }
 };
 
 Bounds bounds_of(const TriangleRecord& t) {
@@ -33,32 +43,29 @@ float half_area(const Bounds& b) {
 }
 
 void* create_node(RTCThreadLocalAllocator allocator, unsigned, void*) {
-  return new (rtcThreadLocalAlloc(allocator, sizeof(TreeNode), 16)) TreeNode;
+  return new (rtcThreadLocalAlloc(allocator, sizeof(InnerNode), alignof(InnerNode))) InnerNode;
 }
 
 void set_children(void* node, void** children, unsigned count, void*) {
   assert(count == 2);
-  std::copy_n(reinterpret_cast<TreeNode**>(children), count, static_cast<TreeNode*>(node)->child);
+  std::copy_n(reinterpret_cast<TreeNode**>(children), count, static_cast<InnerNode*>(node)->child);
 }
 
 void set_bounds(void* node, const RTCBounds** bounds, unsigned count, void*) {
   for (unsigned i = 0; i < count; ++i) {
     const RTCBounds& b = *bounds[i];
-    static_cast<TreeNode*>(node)->bounds[i] = {{b.lower_x, b.lower_y, b.lower_z}, {b.upper_x, b.upper_y, b.upper_z}};
+    static_cast<InnerNode*>(node)->bounds[i] = {{b.lower_x, b.lower_y, b.lower_z}, {b.upper_x, b.upper_y, b.upper_z}};
   }
 }
 
 void* create_leaf(RTCThreadLocalAllocator allocator, const RTCBuildPrimitive* primitives, std::size_t count, void*) {
-  assert(count <= kMaxLeafTriangles);
-  auto* leaf = new (rtcThreadLocalAlloc(allocator, sizeof(TreeNode), 16)) TreeNode;
+  assert(count >= 1 && count <= kMaxLeafTriangles);
+  const std::size_t bytes = sizeof(LeafNode) + count * sizeof(std::uint32_t);
+  auto* leaf = new (rtcThreadLocalAlloc(allocator, bytes, alignof(InnerNode))) LeafNode;
   leaf->count = static_cast<std::uint32_t>(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    const RTCBuildPrimitive& p = primitives[i];
-    leaf->triangle[i] = p.primID;
-    leaf->bounds[0].add({p.lower_x, p.lower_y, p.lower_z});
-    leaf->bounds[0].add({p.upper_x, p.upper_y, p.upper_z});
-  }
-  std::sort(leaf->triangle, leaf->triangle + count);
+  std::transform(primitives, primitives + count, leaf->triangles(),
+                 [](const RTCBuildPrimitive& p) { return p.primID; });
+  std::sort(leaf->triangles(), leaf->triangles() + count);
   return leaf;
 }
 
@@ -69,13 +76,15 @@ void set_box(NodeRecord& node, int child, const Bounds& b) {
   }
 }
 
-/// Copies the tree below `node` behind what is already placed; returns its link word.
-std::uint32_t place(const TreeNode& node, PlacedBvh& out) {
-  if (node.count != 0) {
+/// Copies the tree below `root` behind what is already placed; returns its link word.
+std::uint32_t place(const TreeNode& root, PlacedBvh& out) {
+  if (root.count != 0) {
+    const std::uint32_t* triangles = static_cast<const LeafNode&>(root).triangles();
     const auto first = static_cast<std::uint32_t>(out.order.size());
-    out.order.insert(out.order.end(), node.triangle, node.triangle + node.count);
-    return leaf_link(first, node.count);
+    out.order.insert(out.order.end(), triangles, triangles + root.count);
+    return leaf_link(first, root.count);
   }
+  const auto& node = static_cast<const InnerNode&>(root);
   const auto index = static_cast<std::uint32_t>(out.nodes.size());
   out.nodes.emplace_back();
   const int larger = half_area(node.bounds[1]) > half_area(node.bounds[0]) ? 1 : 0;
@@ -88,8 +97,8 @@ std::uint32_t place(const TreeNode& node, PlacedBvh& out) {
   return index;
 }
 
-/// The root is always an inner node: a lone leaf, or nothing at all, is put below one.
-void place_root(const TreeNode* root, PlacedBvh& out) {
+/// The root is always an inner node: a lone leaf, or nothing at all, is put below one. `bounds` are those of all.
+void place_root(const TreeNode* root, const Bounds& bounds, PlacedBvh& out) {
   if (root != nullptr && root->count == 0) {
     place(*root, out);
     return;
@@ -100,9 +109,17 @@ void place_root(const TreeNode* root, PlacedBvh& out) {
     node.child[i] = kNoChild;
   }
   if (root != nullptr) {
-    set_box(node, 0, root->bounds[0]);
+    set_box(node, 0, bounds);
     node.child[0] = place(*root, out);
   }
+}
+
+Bounds bounds_of(std::span<const TriangleRecord> triangles) {
+  Bounds all;
+  for (const TriangleRecord& t : triangles) {
+    for (const glm::vec3& v : {t.v0, t.v1, t.v2}) all.add(v);
+  }
+  return all;
 }
 
 std::vector<RTCBuildPrimitive> primitives_of(std::span<const TriangleRecord> triangles) {
@@ -119,7 +136,7 @@ std::vector<RTCBuildPrimitive> primitives_of(std::span<const TriangleRecord> tri
 PlacedBvh build_bvh(std::span<const TriangleRecord> triangles, const BvhConfig& config, unsigned threads) {
   PlacedBvh out;
   if (triangles.empty()) {
-    place_root(nullptr, out);
+    place_root(nullptr, {}, out);
     return out;
   }
   const EmbreeDevice device = open_embree("threads=" + std::to_string(threads));
@@ -150,9 +167,10 @@ PlacedBvh build_bvh(std::span<const TriangleRecord> triangles, const BvhConfig& 
                           std::to_string(config.leaf_size));
   }
 
-  out.nodes.reserve(primitives.size());
-  out.order.reserve(primitives.size());
-  place_root(root, out);
+  primitives = {};  // the leaves know their triangles
+  out.nodes.reserve(triangles.size());
+  out.order.reserve(triangles.size());
+  place_root(root, root->count != 0 ? bounds_of(triangles) : Bounds{}, out);
   return out;
 }
 

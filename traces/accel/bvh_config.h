@@ -31,7 +31,8 @@ struct BvhConfig {
     field(c.intersection_cost, "intersection_cost", "", "surface area heuristic: cost of a triangle",
           sim::between(0.01, 100), kFunction);
     field(c.update, "update", "",
-          "moving scenes: build the tree anew for each frame, or refit the boxes of the first frame's tree", kFunction);
+          "moving scenes: build the tree anew for each frame, or refit the boxes of the first frame's tree", sim::any(),
+          kFunction);
   }
 };
 

@@ -40,13 +40,14 @@ class Walk {
     do {
       record_.make_room();
       if (is_leaf(link)) {
-        if (enter_leaf(link) && kAnyHit) break;
+        if (enter_leaf(link)) break;
         link = pop();
       } else {
         link = visit(link);
       }
     } while (link != kNoChild);
     record_.write(end_step(hit_.is_hit()));
+    if (hit_.is_hit()) hit_.triangle |= image_.triangles[hit_.triangle].flags();
     return hit_;
   }
 
@@ -87,26 +88,27 @@ class Walk {
     return link;
   }
 
-  /// Tests the triangles of a leaf, for any-hit rays up to the first hit; says whether there was one.
+  /// Tests the triangles of a leaf, for any-hit rays up to the first that ends the walk; says whether there was one.
   bool enter_leaf(std::uint32_t link) {
     const std::uint32_t first = leaf_first(link);
     const std::uint32_t count = leaf_count(link);
     std::uint32_t tested = 0, phases = 0;
-    bool hit = false;
-    while (tested < count && !(kAnyHit && hit)) {
+    bool ends = false;
+    while (tested < count && !ends) {
       const std::uint32_t group = std::min(count - tested, 4U);
       std::uint32_t done = group;
-      const std::uint32_t exits = test_group(first + tested, done, hit);
+      const std::uint32_t exits = test_group(first + tested, done, ends);
       phases |= (exits & (0xffffU >> (16 - 4 * done))) << (4 * tested);
       tested += done;
     }
     record_.write(leaf_step(first, tested));
     record_.write(phases);
-    return hit;
+    return ends;
   }
 
-  /// Tests `count` triangles and returns their exit phases; an any-hit ray lowers `count` to those up to its hit.
-  std::uint32_t test_group(std::uint32_t first, std::uint32_t& count, bool& hit) {
+  /// Tests `count` triangles and returns their exit phases. Of an any-hit ray a triangle without flags `ends` the walk
+  /// and lowers `count` to those up to it.
+  std::uint32_t test_group(std::uint32_t first, std::uint32_t& count, bool& ends) {
     const auto result = triangles_.test(&image_.triangles[first], count);
     const unsigned lanes = (1U << count) - 1;
     const unsigned reached = less_equal(Lanes::all(t_min_), result.t) & lanes;
@@ -117,14 +119,16 @@ class Walk {
     if (hits == 0) return phases_of(in_range, 0);
 
     // A hit shortens the ray for the triangles behind it in the leaf.
-    hit = true;
     for (unsigned lane = 0; lane < count; ++lane) {
       if (((hits >> lane) & 1U) == 0) continue;
-      accept(result, lane, first + lane);
-      if (kAnyHit) {
+      if (kAnyHit && image_.triangles[first + lane].flags() == 0) {
+        hit_ = Hit{};  // whatever is at the same distance
+        accept(result, lane, first + lane);
         count = lane + 1;
+        ends = true;
         break;
       }
+      accept(result, lane, first + lane);
       const unsigned earlier = (2U << lane) - 1;
       in_range = (in_range & earlier) | (reached & less_equal(result.t, Lanes::all(limit_)) & ~earlier);
       hits = in_range & inside;

@@ -1,5 +1,6 @@
 #include "traces/accel/embree_tracer.h"
 
+#include <algorithm>
 #include <array>
 #include <cassert>
 #include <cmath>
@@ -95,6 +96,7 @@ struct EmbreeTracer::Impl {
   bool blocked(const Ray& ray) const;
 
   const MemoryImage& image_;
+  bool has_flags_;
   float diagonal_;
   EmbreeDevice device_;
   EmbreeScene scene_;
@@ -102,6 +104,7 @@ struct EmbreeTracer::Impl {
 
 EmbreeTracer::Impl::Impl(const MemoryImage& image, unsigned threads)
     : image_(image),
+      has_flags_(std::ranges::any_of(image.triangles, [](const TriangleRecord& t) { return t.flags() != 0; })),
       diagonal_(image.diagonal()),
       device_(open_embree(kInstructionSet + ",threads=" + std::to_string(threads))),
       scene_(rtcNewScene(device_.get())) {
@@ -143,6 +146,7 @@ Hit EmbreeTracer::Impl::nearest(const Ray& ray) const {
   arguments.context = &query.context;
   rtcIntersect1(scene_.get(), &r, &arguments);
 #endif
+  if (query.best.is_hit()) query.best.triangle |= image_.triangles[query.best.triangle].flags();
   return query.best;
 }
 
@@ -168,7 +172,7 @@ EmbreeTracer::~EmbreeTracer() = default;
 void EmbreeTracer::trace(std::span<const Ray> rays, RayKind kind, std::span<Hit> hits, WalkSink*) const {
   assert(hits.size() == rays.size());
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    if (kind == RayKind::kShadow) {
+    if (kind == RayKind::kShadow && !impl_->has_flags_) {
       hits[i] = impl_->blocked(rays[i]) ? Hit{rays[i].t_min, 0, 0, 0} : Hit{};
     } else {
       hits[i] = impl_->nearest(rays[i]);

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string>
 
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
 #include <glm/vec4.hpp>
 
 #include "sim/error.h"
@@ -41,15 +43,46 @@ void check(const Mesh& mesh, std::size_t materials) {
   if (!mesh.normals.empty() && mesh.normals.size() != mesh.positions.size()) {
     refuse("normals must be as many as positions, or none");
   }
-  if (!mesh.uvs.empty() && mesh.uvs.size() != mesh.positions.size()) {
-    refuse("texture coordinates must be as many as positions, or none");
+  const auto is_odd = [&](const auto& array) { return !array.empty() && array.size() != mesh.positions.size(); };
+  if (is_odd(mesh.uvs) || is_odd(mesh.second_uvs)) refuse("texture coordinates must be as many as positions, or none");
+  if (is_odd(mesh.tangents) || is_odd(mesh.colours)) {
+    refuse("tangents and colours must be as many as positions, or none");
   }
   for (const auto& corners : mesh.triangles) {
     if (std::ranges::max(corners) >= mesh.positions.size()) refuse("a triangle names a vertex that is not there");
   }
 }
 
-void append(const Mesh& mesh, const glm::mat4& to_world, std::uint32_t object, FlatTriangles& out) {
+/// 128 + 127 * x, for x from -1 to 1.
+std::uint32_t byte_of(float x) {
+  return static_cast<std::uint32_t>(std::lround(127 * std::clamp(x, -1.0F, 1.0F)) + 128);
+}
+
+std::uint32_t packed_tangent(const glm::vec3& t, float sign) {
+  return byte_of(t.x) | byte_of(t.y) << 8 | byte_of(t.z) << 16 | byte_of(sign) << 24;
+}
+
+std::uint32_t half_word(float x) { return static_cast<std::uint32_t>(std::lround(65535 * std::clamp(x, 0.0F, 1.0F))); }
+
+/// What a mesh does not have: white, the first texture coordinates, a tangent of length 0.
+VertexRecord vertices_of(const Mesh& mesh, const std::array<std::uint32_t, 3>& corners, const glm::mat3& to_world) {
+  const float handedness = glm::determinant(to_world) < 0 ? -1.0F : 1.0F;
+  VertexRecord record{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::uint32_t vertex = corners[i];
+    const std::vector<glm::vec2>& uvs = mesh.second_uvs.empty() ? mesh.uvs : mesh.second_uvs;
+    record.uv[i] = uvs.empty() ? glm::vec2(0) : uvs[vertex];
+    const glm::vec4 colour = mesh.colours.empty() ? glm::vec4(1) : mesh.colours[vertex];
+    record.colour[i][0] = half_word(colour.x) | half_word(colour.y) << 16;
+    record.colour[i][1] = half_word(colour.z) | half_word(colour.w) << 16;
+    const glm::vec4 tangent = mesh.tangents.empty() ? glm::vec4(0) : mesh.tangents[vertex];
+    record.tangent[i] = packed_tangent(unit_or(to_world * glm::vec3(tangent), glm::vec3(0)), handedness * tangent.w);
+  }
+  return record;
+}
+
+void append(const Mesh& mesh, const glm::mat4& to_world, std::uint32_t object, std::uint32_t flags,
+            FlatTriangles& out) {
   std::vector<glm::vec3> positions(mesh.positions.size());
   // Adding nothing makes zeros positive: boxes do not depend on the order in which they are put together.
   std::ranges::transform(mesh.positions, positions.begin(),
@@ -58,7 +91,7 @@ void append(const Mesh& mesh, const glm::mat4& to_world, std::uint32_t object, F
   for (const auto& corners : mesh.triangles) {
     TriangleRecord triangle{positions[corners[0]], positions[corners[1]],
                             positions[corners[2]], object,
-                            mesh.material,         static_cast<std::uint32_t>(out.triangles.size())};
+                            flags | mesh.material, static_cast<std::uint32_t>(out.triangles.size())};
     if (!has_area(triangle)) triangle.v1 = triangle.v2 = triangle.v0;
     out.triangles.push_back(triangle);
 
@@ -78,7 +111,7 @@ void append(const Mesh& mesh, const glm::mat4& to_world, std::uint32_t object, F
 
 }  // namespace
 
-FlatTriangles flatten(const Scene& scene) {
+FlatTriangles flatten(const Scene& scene, const MaterialTables& materials) {
   for (const Mesh& mesh : scene.meshes) check(mesh, std::max<std::size_t>(scene.materials.size(), 1));
   std::size_t count = 0;
   for (const Instance& instance : scene.instances) {
@@ -92,8 +125,15 @@ FlatTriangles flatten(const Scene& scene) {
   FlatTriangles out;
   out.triangles.reserve(count);
   out.attributes.reserve(count);
+  if (materials.needs_vertices) out.vertices.reserve(count);
   for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
-    append(scene.meshes[scene.instances[i].mesh], scene.instances[i].to_world, i, out);
+    const Instance& instance = scene.instances[i];
+    const Mesh& mesh = scene.meshes[instance.mesh];
+    append(mesh, instance.to_world, i, triangle_flags(materials.records[mesh.material]), out);
+    if (!materials.needs_vertices) continue;
+    for (const auto& corners : mesh.triangles) {
+      out.vertices.push_back(vertices_of(mesh, corners, glm::mat3(instance.to_world)));
+    }
   }
   return out;
 }

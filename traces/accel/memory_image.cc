@@ -1,13 +1,13 @@
 #include "traces/accel/memory_image.h"
 
-#include <algorithm>
+#include <utility>
 
-#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include "traces/accel/build.h"
 #include "traces/accel/bvh_build.h"
 #include "traces/accel/flatten.h"
+#include "traces/accel/material_tables.h"
 #include "traces/scene/bounds.h"
 
 namespace traces {
@@ -16,6 +16,7 @@ namespace {
 constexpr std::uint64_t aligned(std::uint64_t at) { return (at + 63) & ~std::uint64_t{63}; }
 
 /// One array behind the other, each on a line of its own: nodes, triangles, attributes, materials, textures, frame.
+/// What the scene does not need takes no memory.
 Layout place(const MemoryImage& image) {
   Layout at;
   std::uint64_t next = 0;
@@ -27,7 +28,9 @@ Layout place(const MemoryImage& image) {
   at.nodes = reserve(image.nodes.size() * sizeof(NodeRecord));
   at.triangles = reserve(image.triangles.size() * sizeof(TriangleRecord));
   at.attributes = reserve(image.attributes.size() * sizeof(AttributeRecord));
+  at.vertices = reserve(image.vertices.size() * sizeof(VertexRecord));
   at.materials = reserve(image.materials.size() * sizeof(MaterialRecord));
+  at.details = reserve(image.details.size() * sizeof(MaterialDetailRecord));
   for (const Texture& texture : image.textures) {
     const std::uint32_t per_row = (texture.width + 3) / 4;
     at.textures.push_back({reserve(std::uint64_t{per_row} * ((texture.height + 3) / 4) * 64), per_row});
@@ -36,8 +39,21 @@ Layout place(const MemoryImage& image) {
   return at;
 }
 
-MaterialRecord record_of(const Material& m) {
-  return {m.base_colour, m.mirror, m.mirror_tint, m.transmission, m.emission, m.ior, m.base_texture.texture, {}};
+/// Makes record i what record order[i] was, without a second array: along the cycles of the permutation.
+template <class Record>
+void reorder(std::vector<Record>& records, const std::vector<std::uint32_t>& order) {
+  std::vector<bool> done(records.size(), false);
+  for (std::uint32_t start = 0; start < order.size(); ++start) {
+    if (done[start]) continue;
+    const Record first = records[start];
+    std::uint32_t to = start;
+    for (std::uint32_t from = order[to]; from != start; to = from, from = order[to]) {
+      records[to] = records[from];
+      done[to] = true;
+    }
+    records[to] = first;
+    done[to] = true;
+  }
 }
 
 }  // namespace
@@ -45,27 +61,33 @@ MaterialRecord record_of(const Material& m) {
 float MemoryImage::diagonal() const { return glm::length(upper - lower); }
 
 MemoryImage build_memory_image(const Scene& scene, const BvhConfig& config, unsigned threads) {
-  const FlatTriangles flat = flatten(scene);
+  MaterialTables materials = material_tables(scene);
+  FlatTriangles flat = flatten(scene, materials);
   PlacedBvh bvh = build_bvh(flat.triangles, config, threads);
 
   MemoryImage image;
   image.nodes = std::move(bvh.nodes);
-  image.triangles.reserve(bvh.order.size());
-  image.attributes.reserve(bvh.order.size());
+  image.triangles = std::move(flat.triangles);
+  image.attributes = std::move(flat.attributes);
+  reorder(image.triangles, bvh.order);
+  image.vertices = std::move(flat.vertices);
+  reorder(image.attributes, bvh.order);
+  if (!image.vertices.empty()) reorder(image.vertices, bvh.order);
   Bounds bounds;
-  for (const std::uint32_t source : bvh.order) {
-    const TriangleRecord& t = flat.triangles[source];
-    image.triangles.push_back(t);
-    image.attributes.push_back(flat.attributes[source]);
+  for (const TriangleRecord& t : image.triangles) {
     for (const glm::vec3& v : {t.v0, t.v1, t.v2}) bounds.add(v);
   }
   if (!bounds.empty()) {
     image.lower = bounds.lower;
     image.upper = bounds.upper;
   }
-  std::ranges::transform(scene.materials, std::back_inserter(image.materials), record_of);
-  if (image.materials.empty()) image.materials.push_back(record_of(Material{}));
   image.textures = scene.textures;
+  if (materials.needs_white) {
+    image.white = static_cast<std::uint32_t>(image.textures.size());
+    image.textures.push_back({.name = "white", .width = 1, .height = 1, .texels = {0xffffffffU}});
+  }
+  image.materials = std::move(materials.records);
+  image.details = std::move(materials.details);
   image.lights = scene.lights;
   image.background = scene.background;
   image.ambient = scene.ambient;

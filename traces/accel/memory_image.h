@@ -5,6 +5,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
+#include "traces/ray.h"
 #include "traces/scene/scene.h"
 
 namespace traces {
@@ -31,9 +32,10 @@ constexpr std::uint32_t leaf_count(std::uint32_t link) { return ((link >> 28) & 
 /// What the intersection unit reads: 48 bytes, three vertices and what a hit must say without another fetch.
 struct TriangleRecord {
   glm::vec3 v0, v1, v2;
-  std::uint32_t object;  ///< object id: index of the instance
-  std::uint32_t material;
-  std::uint32_t source;  ///< index of the triangle before leaf order (instance by instance)
+  std::uint32_t object;    ///< object id: index of the instance
+  std::uint32_t material;  ///< with the flags of ray.h above it
+  std::uint32_t source;    ///< index of the triangle before leaf order (instance by instance)
+  std::uint32_t flags() const { return material & ~kTriangleMask; }
 };
 static_assert(sizeof(TriangleRecord) == 48);
 
@@ -45,23 +47,74 @@ struct AttributeRecord {
 };
 static_assert(sizeof(AttributeRecord) == 64);
 
-/// 64 bytes per material, all colours linear.
+/// What some materials need besides, 64 bytes per triangle, same index again; there only if the scene has such a
+/// material (kVertexed).
+struct VertexRecord {
+  glm::vec2 uv[3];             ///< Mesh::second_uvs
+  std::uint32_t colour[3][2];  ///< RGBA, 16 bits a channel, linear, R lowest
+  std::uint32_t tangent[3];    ///< world space x, y, z and the bitangent's sign: bytes 128 + 127 * value, x lowest
+  std::uint32_t spare;         ///< keeps the record one line
+};
+static_assert(sizeof(VertexRecord) == 64);
+
+/// MaterialRecord::flags. The first two groups are streams that the frame program's inspectors make of surfaces.
+enum MaterialFlag : std::uint32_t {
+  kTextured = 1,        ///< the base texture is a factor of the diffuse colour and nothing else
+  kDiffuse = 1U << 1,   ///< metal_rough textures decide for themselves
+  kMirror = 1U << 2,    ///< likewise
+  kGlass = 1U << 3,     ///< light enters
+  kEmissive = 1U << 4,  ///< without a texture
+  kVertexed = 1U << 5,  ///< vertex colours, second texture coordinates or tangents
+  kBased = 1U << 6,     ///< a base texture that kTextured does not cover
+  kPhysical = 1U << 7,  ///< metal_rough texture
+  kBumped = 1U << 8,    ///< normal texture
+  kAbsorbing = 1U << 9,
+  kBlended = 1U << 10,   ///< Material::Alpha::kBlend
+  kGlowing = 1U << 11,   ///< emission texture
+  kOccluded = 1U << 12,  ///< occlusion texture
+  kMasked = 1U << 13,    ///< Material::Alpha::kMask
+  // Textures that are looked up with the second coordinates.
+  kBaseSecond = 1U << 16,
+  kMetalRoughSecond = 1U << 17,
+  kNormalSecond = 1U << 18,
+  kOcclusionSecond = 1U << 19,
+  kEmissionSecond = 1U << 20,
+};
+inline constexpr std::uint32_t kSurfaceStreams = 0x1fU;   ///< those every scene may have
+inline constexpr std::uint32_t kDetailStreams = 0x1fe0U;  ///< those that cost nothing where no material has them
+
+/// What every hit needs to know of its material: 64 bytes, all colours linear. With a metal_rough texture, mirrored is
+/// 0 and the other shares are as if nothing were.
 struct MaterialRecord {
   glm::vec3 base_colour;
-  float mirror;
-  glm::vec3 mirror_tint;
-  float transmission;
+  float diffuse_share;  ///< (1 - mirror) (1 - transmission)
+  glm::vec3 mirrored;   ///< mirror * mirror_tint
+  float entering;       ///< (1 - mirror) transmission, to be split by Fresnel's law
   glm::vec3 emission;
   float ior;
   std::uint32_t base_texture;  ///< kNoTexture or an index into textures
-  std::uint32_t spare[3];
+  std::uint32_t flags;         ///< MaterialFlag
+  float opacity;               ///< 1 if alpha does not count
+  float alpha_cutoff;          ///< kMasked; otherwise 0
 };
 static_assert(sizeof(MaterialRecord) == 64);
+
+/// The rest, 64 bytes per material; there only if some material needs it.
+struct MaterialDetailRecord {
+  glm::vec3 emission;
+  std::uint32_t normal_texture;
+  glm::vec3 absorption;
+  std::uint32_t occlusion_texture;
+  std::uint32_t metal_rough_texture, emission_texture;
+  float normal_scale, occlusion_strength;
+  float metallic, roughness, dielectric, coat;
+};
+static_assert(sizeof(MaterialDetailRecord) == 64);
 
 /// Where everything lies in the GPU's memory: byte addresses, 64-byte aligned. Textures are stored as RGBA8 in tiles of
 /// 4 x 4 texels, one line each, tiles row by row.
 struct Layout {
-  std::uint64_t nodes = 0, triangles = 0, attributes = 0, materials = 0;
+  std::uint64_t nodes = 0, triangles = 0, attributes = 0, vertices = 0, materials = 0, details = 0;
   struct TextureAt {
     std::uint64_t base = 0;
     std::uint32_t tiles_per_row = 0;
@@ -74,6 +127,8 @@ struct Layout {
   std::uint64_t triangle_at(std::uint32_t i) const { return triangles + std::uint64_t{i} * sizeof(TriangleRecord); }
   std::uint64_t attributes_at(std::uint32_t i) const { return attributes + std::uint64_t{i} * sizeof(AttributeRecord); }
   std::uint64_t material_at(std::uint32_t i) const { return materials + std::uint64_t{i} * sizeof(MaterialRecord); }
+  std::uint64_t vertices_at(std::uint32_t i) const { return vertices + std::uint64_t{i} * sizeof(VertexRecord); }
+  std::uint64_t detail_at(std::uint32_t i) const { return details + std::uint64_t{i} * sizeof(MaterialDetailRecord); }
   /// Address of the 4 x 4 tile that holds texel (x, y).
   std::uint64_t texel_tile_at(std::uint32_t texture, std::uint32_t x, std::uint32_t y) const {
     const TextureAt& t = textures[texture];
@@ -86,8 +141,11 @@ struct MemoryImage {
   std::vector<NodeRecord> nodes;          ///< node 0 is the root
   std::vector<TriangleRecord> triangles;  ///< in leaf order
   std::vector<AttributeRecord> attributes;
+  std::vector<VertexRecord> vertices;  ///< or empty
   std::vector<MaterialRecord> materials;
-  std::vector<Texture> textures;  ///< texels decoded row by row; only their addresses are tiled
+  std::vector<MaterialDetailRecord> details;  ///< or empty
+  std::vector<Texture> textures;              ///< texels decoded row by row; only their addresses are tiled
+  std::uint32_t white = kNoTexture;           ///< a white texel, for flagged triangles without a base texture
   std::vector<Light> lights;
   glm::vec3 background{0}, ambient{0};
   glm::vec3 lower{0}, upper{0};  ///< bounds of all triangles

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "traces/accel/flatten.h"
+#include "traces/accel/material_tables.h"
 #include "traces/scene/bounds.h"
 
 namespace traces {
@@ -46,12 +47,13 @@ void fit_boxes(MemoryImage& image) {
 }  // namespace
 
 void refit_memory_image(const Scene& posed, MemoryImage& image) {
-  const FlatTriangles flat = flatten(posed);
+  const FlatTriangles flat = flatten(posed, material_tables(posed));
   assert(flat.triangles.size() == image.triangles.size() && "a refit moves triangles, it does not add or remove any");
   for (std::size_t i = 0; i < image.triangles.size(); ++i) {
     const std::uint32_t source = image.triangles[i].source;
     image.triangles[i] = flat.triangles[source];
     image.attributes[i] = flat.attributes[source];
+    if (!flat.vertices.empty()) image.vertices[i] = flat.vertices[source];
   }
   fit_boxes(image);
   if (!image.triangles.empty()) {

@@ -45,9 +45,16 @@ double VerifyingTracer::tolerance(const Ray& ray, double t) const {
 
 bool VerifyingTracer::alike(const Ray& ray, bool any, const Hit& tested, const Hit& reference) const {
   if (tested.is_hit() != reference.is_hit()) return false;
-  if (any || !tested.is_hit()) return true;
+  if (!tested.is_hit()) return true;
+  // A reference that found a flagged triangle first does not tell whether there is another.
+  if (any) return !reference.is_flagged() || is_possible(ray, tested);
   return tested.triangle == reference.triangle &&
          std::fabs(double{tested.t} - reference.t) <= tolerance(ray, reference.t);
+}
+
+bool VerifyingTracer::is_possible(const Ray& ray, const Hit& hit) const {
+  return hit.index() < image_.triangles.size() &&
+         exact_hit(ray, image_.triangles[hit.index()], diagonal_).standing != Standing::kMiss;
 }
 
 VerifyingTracer::Verdict VerifyingTracer::retry(const Ray& ray, bool any, const Hit& tested,
@@ -55,9 +62,9 @@ VerifyingTracer::Verdict VerifyingTracer::retry(const Ray& ray, bool any, const 
   const ExactTrace truth = exact_trace(ray, image_);
   const auto allowed = [&](const Hit& hit) {
     if (!hit.is_hit()) return std::isinf(truth.nearest);
-    if (any) return truth.any_possible;
-    if (hit.triangle >= image_.triangles.size()) return false;
-    const ExactHit exact = exact_hit(ray, image_.triangles[hit.triangle], diagonal_);
+    if (any) return hit.is_flagged() || reference.is_flagged() ? is_possible(ray, hit) : truth.any_possible;
+    if (hit.index() >= image_.triangles.size()) return false;
+    const ExactHit exact = exact_hit(ray, image_.triangles[hit.index()], diagonal_);
     const double slack = tolerance(ray, exact.t);
     return exact.standing != Standing::kMiss && std::fabs(hit.t - exact.t) <= slack && hit.t <= truth.nearest + slack;
   };
@@ -71,12 +78,12 @@ void VerifyingTracer::trace(std::span<const Ray> rays, RayKind kind, std::span<H
   tested_.trace(rays, kind, hits, walk);
   reference_.trace(rays, kind, references, nullptr);
 
-  const bool any = kind == RayKind::kShadow;
   VerifyCounts found;
   found.rays = rays.size();
   for (std::size_t i = 0; i < rays.size(); ++i) {
     const Hit& tested = hits[i];
     const Hit& reference = references[i];
+    const bool any = is_any(kind, tested);
     if (alike(rays[i], any, tested, reference)) continue;
     const Verdict verdict = take_retry() ? retry(rays[i], any, tested, reference) : Verdict::kTestedWrong;
     if (verdict == Verdict::kTie) {

@@ -21,7 +21,8 @@ struct VerifyCounts {
 };
 
 /// Traces every ray with two tracers, returns the tested one's hits and walks, and counts where they differ: hit or
-/// miss, and for nearest hits the triangle and the distance (within 1e-4 t + 1e-5 of the scene's diagonal).
+/// miss, and for nearest hits the triangle and the distance (within 1e-4 t + 1e-5 of the scene's diagonal). A shadow
+/// ray's hit is held to that if it is flagged; if not, double precision must allow a hit of the triangle that it names.
 /// Each difference is tried again in double precision against every triangle; after kRetries of them, which a
 /// working tracer never has, differences count as faults untried. Several threads may trace at once.
 class VerifyingTracer : public Tracer {
@@ -36,7 +37,10 @@ class VerifyingTracer : public Tracer {
  private:
   enum class Verdict { kTie, kReferenceWrong, kTestedWrong };
 
+  /// What a hit has to stand for: "something is there" or "this is the nearest".
+  static bool is_any(RayKind kind, const Hit& tested) { return kind == RayKind::kShadow && !tested.is_flagged(); }
   bool alike(const Ray& ray, bool any, const Hit& tested, const Hit& reference) const;
+  bool is_possible(const Ray& ray, const Hit& hit) const;
   Verdict retry(const Ray& ray, bool any, const Hit& tested, const Hit& reference) const;
   double tolerance(const Ray& ray, double t) const;
   bool take_retry() const;

@@ -11,6 +11,7 @@
 #include "traces/scene/gltf/context.h"
 #include "traces/scene/gltf/draco.h"
 #include "traces/scene/gltf/extensions.h"
+#include "traces/scene/gltf/final_light.h"
 #include "traces/scene/gltf/meshes.h"
 #include "traces/scene/gltf/meshopt.h"
 #include "traces/scene/gltf/nodes.h"
@@ -60,7 +61,7 @@ Scene read(const std::filesystem::path& path, const SceneLimits& limits) {
   place_all(context);
   if (scene.instances.empty()) context.refuse("shows no triangles; at least one is needed, points and lines do not count");
   if (scene.cameras.empty()) scene.cameras.push_back(framing_camera(scene));
-  finish_lights(scene);
+  if (!gltf::read_final_light(context)) finish_lights(scene);
   pose(scene, 0);  // for the lights that stand in for emitters: the same bits whenever that time comes again
   return scene;
 }

@@ -1,5 +1,6 @@
 #include "traces/scene/images.h"
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <string_view>
@@ -81,11 +82,27 @@ Texture read_image(std::span<const std::byte> bytes, const std::string& name, co
   return texture;
 }
 
+std::vector<unsigned char> encode_png(const Texture& texture) {
+  const bool opaque = std::ranges::all_of(texture.texels, [](std::uint32_t texel) { return texel >> 24 == 255; });
+  const std::uint32_t channels = opaque ? 3 : 4;
+  std::vector<std::uint8_t> pixels;
+  pixels.reserve(texture.texels.size() * channels);
+  for (const std::uint32_t texel : texture.texels) {
+    for (std::uint32_t k = 0; k < channels; ++k) pixels.push_back(static_cast<std::uint8_t>(texel >> (8 * k)));
+  }
+  std::vector<unsigned char> bytes;
+  const std::string error = codec().encode_png({texture.width, texture.height}, channels, pixels, bytes);
+  if (!error.empty()) {
+    throw sim::IoError(fmt::format("texture '{}': {}", sim::printable(texture.name), sim::printable(error)));
+  }
+  return bytes;
+}
+
 void write_png(const std::filesystem::path& path, std::uint32_t width, std::uint32_t height,
                std::span<const std::uint8_t> rgb8) {
   check_size(path, width, height, rgb8.size());
   std::vector<unsigned char> bytes;
-  finish(path, codec().encode_png({width, height}, rgb8, bytes), bytes);
+  finish(path, codec().encode_png({width, height}, 3, rgb8, bytes), bytes);
 }
 
 void write_exr(const std::filesystem::path& path, std::uint32_t width, std::uint32_t height,

@@ -25,6 +25,9 @@ struct FloatImage {
   std::vector<float> rgb;
 };
 
+/// The bytes of a PNG file, with alpha if any texel is not opaque. IoError if encoding fails.
+std::vector<unsigned char> encode_png(const Texture& texture);
+
 // Equal pixels give equal bytes. Nobody sees a half-written file. IoError if writing fails.
 void write_png(const std::filesystem::path& path, std::uint32_t width, std::uint32_t height,
                std::span<const std::uint8_t> rgb8);

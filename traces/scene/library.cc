@@ -33,14 +33,16 @@ bool is_scene_file(const std::string& text) {
   return text.find('/') != std::string::npos || text.ends_with(".glb") || text.ends_with(".gltf");
 }
 
-Scene open_scene(const std::string& name_or_path, const BuiltinOptions& options, const SceneLimits& limits) {
-  if (is_scene_file(name_or_path)) return load_gltf(name_or_path, limits);
+std::filesystem::path scene_file(const std::string& name_or_path) {
+  if (is_scene_file(name_or_path)) return name_or_path;
   const std::vector<BuiltinInfo> builtin = builtin_scenes();
-  const bool is_builtin = std::ranges::any_of(builtin, [&](const BuiltinInfo& b) { return b.name == name_or_path; });
-  if (!is_builtin) {
-    if (const auto path = find_in_path(name_or_path)) return load_gltf(*path, limits);
-  }
-  return build_scene(name_or_path, options);
+  if (std::ranges::any_of(builtin, [&](const BuiltinInfo& b) { return b.name == name_or_path; })) return {};
+  return find_in_path(name_or_path).value_or(std::filesystem::path());
+}
+
+Scene open_scene(const std::string& name_or_path, const BuiltinOptions& options, const SceneLimits& limits) {
+  const std::filesystem::path file = scene_file(name_or_path);
+  return file.empty() ? build_scene(name_or_path, options) : load_gltf(file, limits);
 }
 
 }  // namespace traces

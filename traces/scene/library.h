@@ -1,4 +1,5 @@
 #pragma once
+#include <filesystem>
 #include <string>
 
 #include "traces/scene/builtin/builtin.h"
@@ -14,5 +15,8 @@ bool is_scene_file(const std::string& text);
 /// built-in scene, or of a file NAME.glb or NAME.gltf in one of the folders of $RAYWATT_PATH (or its `scenes` folder).
 /// InputError with the nearest name if there is none.
 Scene open_scene(const std::string& name_or_path, const BuiltinOptions& options = {}, const SceneLimits& limits = {});
+
+/// The file that open_scene() reads for that name; empty for a built-in scene and for names that are not known.
+std::filesystem::path scene_file(const std::string& name_or_path);
 
 }  // namespace traces

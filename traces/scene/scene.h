@@ -55,9 +55,9 @@ struct Instance {
 struct Texture {
   enum class Wrap : std::uint8_t { kRepeat, kMirror, kClamp };
   enum class Filter : std::uint8_t { kLinear, kNearest };
-  std::string name;
+  std::string name{};
   std::uint32_t width = 0, height = 0;
-  std::vector<std::uint32_t> texels;  ///< R in the lowest byte
+  std::vector<std::uint32_t> texels{};  ///< R in the lowest byte
   bool srgb = true;
   Wrap wrap_u = Wrap::kRepeat, wrap_v = Wrap::kRepeat;
   Filter filter = Filter::kLinear;
@@ -77,7 +77,7 @@ struct TextureUse {
 /// with the 1/pi of Lambert's law inside the light units: irradiance 1 makes a white surface shine with radiance 1.
 struct Material {
   enum class Alpha : std::uint8_t { kOpaque, kMask, kBlend };
-  std::string name;
+  std::string name{};
   glm::vec3 base_colour{0.8F};
   TextureUse base_texture{};  ///< sRGB; its alpha counts unless `alpha` is kOpaque
   float mirror = 0;           ///< share of light mirrored, 0..1

@@ -134,7 +134,7 @@ std::string difference(const Outcome& a, const Outcome& b) {
 
 std::string difference(const FrontEnd::Result& a, const FrontEnd::Result& b) {
   if (a.rgb != b.rgb) return "picture";
-  if (!std::ranges::equal(a.rays, b.rays)) return "rays by kind";
+  if (!std::ranges::equal(a.rays, b.rays) || a.continued != b.continued) return "rays by kind";
   if (a.traversal_steps != b.traversal_steps) return "traversal steps";
   return {};
 }

@@ -17,6 +17,7 @@ namespace hw::testing {
 class Frame {
  public:
   Frame(const std::string& scene, std::uint32_t width, std::uint32_t height, std::uint32_t samples = 1);
+  Frame(traces::Scene&& scene, std::uint32_t width, std::uint32_t height, std::uint32_t samples = 1);
   Frame(const Frame&) = delete;
   Frame& operator=(const Frame&) = delete;
 
@@ -27,8 +28,6 @@ class Frame {
   std::uint64_t picture_lines() const { return picture_lines_; }
 
  private:
-  Frame(traces::Scene&& scene, std::uint32_t width, std::uint32_t height, std::uint32_t samples);
-
   const traces::Camera camera_;
   const traces::MemoryImage image_;
   const std::vector<std::uint32_t> parents_;

@@ -184,6 +184,71 @@ TEST(MemoryImage, PlacesEverythingOnLinesOfItsOwn) {
   EXPECT_EQ(at.frame_buffer, at.end);
 }
 
+TEST(MemoryImage, WhatNoMaterialNeedsTakesNoMemory) {
+  Scene scene = triangle_soup(100, 0.3F);
+  scene.materials = {{.mirror = 0.5F}};
+  const MemoryImage plain = build_memory_image(scene);
+  EXPECT_EQ(plain.vertices.size() + plain.details.size() + plain.textures.size(), 0U);
+  EXPECT_EQ(plain.layout.vertices, plain.layout.materials);
+  EXPECT_EQ(plain.layout.details, plain.layout.end);
+
+  scene.materials.push_back({.absorption = glm::vec3(1)});
+  const MemoryImage absorbing = build_memory_image(scene);
+  EXPECT_EQ(absorbing.details.size(), 2U);
+  EXPECT_EQ(absorbing.layout.end, absorbing.layout.detail_at(2));
+  EXPECT_TRUE(absorbing.vertices.empty());
+
+  scene.meshes[0].colours.assign(300, glm::vec4(1));
+  const MemoryImage coloured = build_memory_image(scene);
+  EXPECT_EQ(coloured.vertices.size(), 100U);
+  EXPECT_EQ(coloured.layout.materials, coloured.layout.vertices_at(100));
+
+  scene.materials[0].alpha = Material::Alpha::kMask;
+  const MemoryImage masked = build_memory_image(scene);
+  ASSERT_EQ(masked.textures.size(), 1U);
+  EXPECT_EQ(masked.white, 0U);
+}
+
+TEST(MemoryImage, FlagsTellWhichTrianglesAreNotSolid) {
+  const MemoryImage image = build_memory_image(with_flags(triangle_soup(300, 0.3F)));
+  for (const TriangleRecord& t : image.triangles) {
+    const std::uint32_t material = t.material & kTriangleMask;
+    EXPECT_EQ(t.flags(), material == 0 ? 0 : material == 1 ? kAlphaFlag : kTintFlag);
+  }
+}
+
+TEST(MemoryImage, VertexRecordsHoldColoursCoordinatesAndTangents) {
+  Scene scene = one_triangle();
+  Mesh& mesh = scene.meshes[0];
+  mesh.uvs = {{1, 2}, {3, 4}, {5, 6}};
+  mesh.colours = {{0, 1, 0.5F, 1}, {2, -1, 0, 1}, {1, 1, 1, 0}};
+  mesh.tangents = {{2, 0, 0, 1}, {0, -3, 0, -1}, {0, 0, 0, 1}};
+  scene.instances[0].to_world = glm::scale(glm::mat4(1), {-1, 1, 1});
+  const VertexRecord v = build_memory_image(scene).vertices.at(0);
+  EXPECT_EQ(v.uv[2], glm::vec2(5, 6)) << "the first coordinates, where there are no second";
+  EXPECT_EQ(v.colour[0][0], 0xffff0000U);
+  EXPECT_EQ(v.colour[0][1], 0xffff8000U);
+  EXPECT_EQ(v.colour[1][0], 0x0000ffffU);
+  EXPECT_EQ(v.tangent[0], 0x01808001U) << "mirrored, and so is the bitangent's sign";
+  EXPECT_EQ(v.tangent[1], 0xff800180U);
+  EXPECT_EQ(v.tangent[2] & 0xffffffU, 0x808080U);
+}
+
+TEST(MemoryImage, RefusesATextureThatIsNotThereOrEncodedForAnotherUse) {
+  Scene scene = one_triangle();
+  scene.textures.resize(1);
+  scene.textures[0].width = scene.textures[0].height = 1;
+  scene.textures[0].texels = {0};
+  scene.materials = {{.name = "m", .base_texture = {1}}};
+  EXPECT_THROW(build_memory_image(scene), sim::InputError);
+  scene.materials = {{.name = "m", .normal_texture = {0}}};
+  EXPECT_THROW(build_memory_image(scene), sim::InputError);
+  scene.textures[0].srgb = false;
+  EXPECT_NO_THROW(build_memory_image(scene));
+  scene.materials = {{.name = "m", .emission_texture = {0}}};
+  EXPECT_THROW(build_memory_image(scene), sim::InputError);
+}
+
 TEST(MemoryImage, TheHashKnowsEveryBitOfTheTree) {
   MemoryImage image = build_memory_image(triangle_soup(100, 0.3F));
   const std::string hash = bvh_hash(image);

@@ -85,7 +85,7 @@ TEST(BvhTracer, TheTreeNeverChangesTheAnswer) {
 }
 
 TEST(BvhTracer, PortableArithmeticGivesTheSameBits) {
-  for (const Scene& scene : {triangle_soup(3000, 0.1F), grid_soup(2000)}) {
+  for (const Scene& scene : {triangle_soup(3000, 0.1F), grid_soup(2000), with_flags(grid_soup(2000))}) {
     const MemoryImage image = build_memory_image(scene, {.leaf_size = 6});
     for (const std::vector<Ray>& rays : {random_rays(20000), grid_rays(20000)}) {
       for (const RayKind kind : {RayKind::kPrimary, RayKind::kShadow}) {
@@ -199,6 +199,44 @@ TEST(BvhTracer, OfEqualTrianglesTheOneThatCameFirstWins) {
     EXPECT_LT(image.triangles[hit.triangle].source, 200U);
   }
   EXPECT_GT(hits, 500);
+}
+
+TEST(BvhTracer, AShadowRayEndsAtWhatIsSolidAndElseReportsTheNearestFlaggedHit) {
+  for (const Scene& scene : {triangle_soup(1000, 0.2F), grid_soup(1000)}) {
+    const MemoryImage image = build_memory_image(with_flags(scene));
+    int flagged = 0, solid = 0, hidden = 0;
+    for (const std::vector<Ray>& rays : {random_rays(5000), grid_rays(5000)}) {
+      const std::vector<Hit> hits = trace(BvhTracer(image), rays, RayKind::kShadow);
+      for (std::size_t i = 0; i < rays.size(); ++i) {
+        const Hit nearest = test_all(image, rays[i]);
+        ASSERT_EQ(hits[i].is_hit(), nearest.is_hit());
+        if (!nearest.is_hit()) continue;
+        EXPECT_EQ(hits[i].triangle & ~kTriangleMask, image.triangles[hits[i].index()].flags());
+        if (hits[i].is_flagged()) {
+          ++flagged;
+          ASSERT_EQ(std::memcmp(&hits[i], &nearest, sizeof(Hit)), 0) << "ray " << i;
+        } else {
+          ++solid;
+          hidden += nearest.is_flagged() ? 1 : 0;
+          Ray segment = rays[i];
+          segment.t_min = segment.t_max = hits[i].t;
+          EXPECT_TRUE(test_all(image, segment).is_hit());
+        }
+      }
+    }
+    EXPECT_GT(flagged, 300);
+    EXPECT_GT(solid, 300);
+    EXPECT_GT(hidden, 20) << "solid triangles behind flagged ones are taken when they come first";
+  }
+}
+
+TEST(BvhTracer, NearestHitsCarryTheFlagsOfTheirTriangle) {
+  const MemoryImage image = build_memory_image(with_flags(triangle_soup(1000, 0.2F)));
+  const std::vector<Ray> rays = random_rays(3000);
+  std::vector<Hit> expected;
+  for (const Ray& ray : rays) expected.push_back(test_all(image, ray));
+  EXPECT_EQ(count_different(trace(BvhTracer(image), rays), expected), 0U);
+  EXPECT_GT(std::ranges::count_if(expected, &Hit::is_flagged), 100);
 }
 
 TEST(BvhTracer, AnEmptySceneIsMissed) {

@@ -24,6 +24,7 @@ void expect_same(const MemoryImage& a, const MemoryImage& b) {
   EXPECT_TRUE(same_bytes(a.nodes, b.nodes));
   EXPECT_TRUE(same_bytes(a.triangles, b.triangles));
   EXPECT_TRUE(same_bytes(a.attributes, b.attributes));
+  EXPECT_TRUE(same_bytes(a.vertices, b.vertices));
   EXPECT_EQ(std::memcmp(&a.lower, &b.lower, sizeof a.lower), 0);
   EXPECT_EQ(std::memcmp(&a.upper, &b.upper, sizeof a.upper), 0);
   EXPECT_EQ(a.layout.end, b.layout.end);
@@ -41,11 +42,22 @@ Scene moved(Scene scene, float far, std::uint64_t seed = 7) {
   return scene;
 }
 
+/// With a record per triangle for what only some materials need.
+Scene coloured_soup() {
+  Scene scene = triangle_soup(500, 0.1F);
+  scene.materials.resize(1);
+  Mesh& mesh = scene.meshes[0];
+  mesh.tangents.assign(mesh.positions.size(), {0, 0, 1, 1});
+  Dice dice(5);
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) mesh.colours.emplace_back(dice.point(0, 1), 1);
+  return scene;
+}
+
 /// Some with areas, some flat, some a mere line or point; zeros of both signs.
 std::vector<Scene> scenes() {
   Scene signs = grid_soup(500);
   signs.instances[0].to_world = glm::scale(glm::translate(glm::mat4(1), {-0.0F, -0.0F, -0.0F}), {-1, 1, -1});
-  return {triangle_soup(5000, 0.1F), grid_soup(3000), sphere(20, 30), one_triangle(), signs, Scene{}};
+  return {triangle_soup(5000, 0.1F), grid_soup(3000), sphere(20, 30), coloured_soup(), one_triangle(), signs, Scene{}};
 }
 
 TEST(Refit, OfAnUnmovedSceneChangesNoBit) {

@@ -102,6 +102,20 @@ Scene one_triangle() {
   return scene_of(std::move(mesh));
 }
 
+Scene with_flags(Scene scene) {
+  scene.materials = {{}, {.alpha = Material::Alpha::kMask}, {.transmission = 1}};
+  const Mesh all = scene.meshes[0];
+  scene.meshes.resize(3, all);
+  scene.instances.resize(3);
+  for (std::uint32_t m = 0; m < 3; ++m) {
+    Mesh& mesh = scene.meshes[m];
+    mesh.material = scene.instances[m].mesh = m;
+    mesh.triangles.clear();
+    for (std::size_t i = m; i < all.triangles.size(); i += 3) mesh.triangles.push_back(all.triangles[i]);
+  }
+  return scene;
+}
+
 std::vector<Ray> random_rays(std::uint32_t count, std::uint64_t seed) {
   Dice dice(seed);
   std::vector<Ray> rays(count);
@@ -160,7 +174,9 @@ Hit test_all(const MemoryImage& image, const Ray& ray) {
     const float u = std::clamp(result.u.v[0] / result.sum.v[0], 0.0F, 1.0F);
     best = {t, u, std::clamp(result.v.v[0] / result.sum.v[0], 0.0F, 1 - u), i};
   }
-  return best.is_hit() ? best : Hit{};
+  if (!best.is_hit()) return {};
+  best.triangle |= image.triangles[best.triangle].flags();
+  return best;
 }
 
 }  // namespace traces

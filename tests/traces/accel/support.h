@@ -34,6 +34,9 @@ Scene sphere(std::uint32_t rings, std::uint32_t segments);
 /// One triangle: (0,0,0), (1,0,0), (0,1,0).
 Scene one_triangle();
 
+/// Gives two of three triangles a material that is not solid: one with an alpha, one that lets light in.
+Scene with_flags(Scene scene);
+
 std::vector<Ray> random_rays(std::uint32_t count, std::uint64_t seed = 2);
 /// From and along the grid of eighths: zero components of both signs, origins on planes, edges and corners.
 std::vector<Ray> grid_rays(std::uint32_t count, std::uint64_t seed = 3);

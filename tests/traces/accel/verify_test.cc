@@ -87,6 +87,31 @@ TEST_F(Verify, BlamesTheReferenceIfThatIsWrong) {
   EXPECT_EQ(verifying.counts().faults(), 0U);
 }
 
+TEST_F(Verify, HoldsFlaggedHitsOfShadowRaysToTheNearest) {
+  const MemoryImage image = build_memory_image(with_flags(triangle_soup(800, 0.3F)));
+  const BvhTracer bvh(image);
+  const EmbreeTracer embree(image, 1);
+  const auto counts_of = [&](std::function<void(Hit&)> damage, RayKind kind) {
+    const BrokenTracer broken(bvh, std::move(damage));
+    const VerifyingTracer verifying(image, broken, embree);
+    trace(verifying, random_rays(20000), kind);
+    return verifying.counts();
+  };
+  for (const RayKind kind : {RayKind::kPrimary, RayKind::kShadow}) {
+    EXPECT_EQ(counts_of([](Hit&) {}, kind).faults(), 0U);
+  }
+  const auto farther = [](Hit& hit) { hit.t *= hit.is_flagged() ? 1.001F : 1; };
+  EXPECT_GT(counts_of(farther, RayKind::kShadow).distance_errors, 50U);
+  const auto solid = [](Hit& hit) { hit.t *= hit.is_flagged() ? 1 : 1.001F; };
+  EXPECT_EQ(counts_of(solid, RayKind::kShadow).faults(), 0U);
+  const auto another = [](Hit& hit) {
+    if (hit.is_hit() && !hit.is_flagged()) hit.triangle ^= 1;
+  };
+  EXPECT_GT(counts_of(another, RayKind::kShadow).faults(), 10U);
+  const auto gone = [](Hit& hit) { hit = Hit{}; };
+  EXPECT_GT(counts_of(gone, RayKind::kShadow).missing_hits, 50U);
+}
+
 TEST_F(Verify, CallsADifferenceOnAnEdgeATie) {
   const MemoryImage image = build_memory_image(one_triangle());
   const BvhTracer bvh(image);

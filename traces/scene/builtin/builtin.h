@@ -25,7 +25,16 @@ std::vector<BuiltinInfo> builtin_scenes();
 /// The scene of that name. InputError, with the nearest name, if there is none.
 Scene build_scene(std::string_view name, const BuiltinOptions& options = {});
 
+Scene build_atrium(const BuiltinOptions& options);
+Scene build_bathroom(const BuiltinOptions& options);
+Scene build_car(const BuiltinOptions& options);
+Scene build_chess(const BuiltinOptions& options);
+Scene build_conference(const BuiltinOptions& options);
 Scene build_cornell(const BuiltinOptions& options);
+Scene build_forest(const BuiltinOptions& options);
+Scene build_hairball(const BuiltinOptions& options);
+Scene build_laboratory(const BuiltinOptions& options);
 Scene build_teapot(const BuiltinOptions& options);
+Scene build_village(const BuiltinOptions& options);
 
 }  // namespace traces

@@ -1,14 +1,18 @@
+#include <cmath>
+
 #include "traces/scene/builtin/builtin.h"
 #include "traces/scene/builtin/motion.h"
 #include "traces/scene/builtin/shapes.h"
+#include "traces/scene/builtin/turned.h"
 #include "traces/scene/cameras.h"
 
 namespace traces {
 
 /// The box is twice as wide as high, and the camera stands where its open front just fills a 2:1 picture.
-Scene build_cornell(const BuiltinOptions& /*options*/) {
-  constexpr std::uint32_t kWallCells = 16;
-  constexpr std::uint32_t kSphereCells = 18;
+Scene build_cornell(const BuiltinOptions& options) {
+  constexpr double kTriangles = 10'338;  // with 16 and 18 cells
+  const double detail = options.triangles == 0 ? 1 : std::sqrt(options.triangles / kTriangles);
+  const std::uint32_t wall_cells = parts(detail, 16, 2), sphere_cells = parts(detail, 18, 4);
   Scene scene;
   scene.name = "cornell";
   scene.background = glm::vec3(0.02F);
@@ -37,16 +41,22 @@ Scene build_cornell(const BuiltinOptions& /*options*/) {
   const std::uint32_t lamp_id = add_material(scene, lamp);
 
   const glm::vec3 x(4, 0, 0), y(0, 2, 0), z(0, 0, 2);
-  add_object(scene, make_quad("floor", {-2, -1, -1}, z, x, kWallCells), white_id);
-  add_object(scene, make_quad("ceiling", {-2, 1, -1}, x, z, kWallCells), white_id);
-  add_object(scene, make_quad("back wall", {-2, -1, -1}, x, y, kWallCells), white_id);
-  add_object(scene, make_quad("left wall", {-2, -1, -1}, y, z, kWallCells), red_id);
-  add_object(scene, make_quad("right wall", {2, -1, -1}, z, y, kWallCells), green_id);
-  add_object(scene, make_sphere("mirror sphere", {-0.85F, -0.45F, -0.3F}, 0.55F, kSphereCells), mirror_id);
-  add_object(scene, make_sphere("glass sphere", {0.8F, -0.5F, 0.25F}, 0.5F, kSphereCells), glass_id);
+  add_object(scene, make_quad("floor", {-2, -1, -1}, z, x, wall_cells), white_id);
+  add_object(scene, make_quad("ceiling", {-2, 1, -1}, x, z, wall_cells), white_id);
+  add_object(scene, make_quad("back wall", {-2, -1, -1}, x, y, wall_cells), white_id);
+  add_object(scene, make_quad("left wall", {-2, -1, -1}, y, z, wall_cells), red_id);
+  add_object(scene, make_quad("right wall", {2, -1, -1}, z, y, wall_cells), green_id);
+  add_object(scene, make_sphere("mirror sphere", {-0.85F, -0.45F, -0.3F}, 0.55F, sphere_cells), mirror_id);
+  add_object(scene, make_sphere("glass sphere", {0.8F, -0.5F, 0.25F}, 0.5F, sphere_cells), glass_id);
   add_object(scene, make_quad("lamp", {-0.5F, 0.9998F, -0.05F}, {1, 0, 0}, {0, 0, 0.5F}, 1), lamp_id);
 
   scene.cameras.push_back(look_at("front", {0, 0, 3.4F}, {0, 0, 0}, 0.7896F));
+  const ViewKey path[] = {{0, {0, 0, 3.4F}, {0, 0, 0}},
+                          {2.5F, {-1.1F, 0.25F, 2.3F}, {-0.2F, -0.2F, 0}},
+                          {5, {-0.2F, 0.3F, 1.3F}, {0, -0.4F, 0}},
+                          {7.5F, {1.3F, 0.2F, 2.1F}, {0.1F, -0.3F, 0}},
+                          {10, {0, 0, 3.4F}, {0, 0, 0}}};
+  add_camera_path(scene, "path", path, 0.7896F);
   finish_scene(scene);
   return scene;
 }

@@ -168,7 +168,11 @@ void append(Mesh& mesh, const Mesh& other) {
   const auto first = static_cast<std::uint32_t>(mesh.positions.size());
   mesh.positions.insert(mesh.positions.end(), other.positions.begin(), other.positions.end());
   mesh.normals.insert(mesh.normals.end(), other.normals.begin(), other.normals.end());
-  mesh.uvs.insert(mesh.uvs.end(), other.uvs.begin(), other.uvs.end());
+  if (!mesh.uvs.empty() || !other.uvs.empty()) {  // spheres have none
+    mesh.uvs.resize(first);
+    mesh.uvs.insert(mesh.uvs.end(), other.uvs.begin(), other.uvs.end());
+    mesh.uvs.resize(mesh.positions.size());
+  }
   for (const auto& t : other.triangles) mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
 }
 

@@ -107,13 +107,18 @@ Mesh make_lathe(std::string name, std::span<const glm::vec2> profile, std::uint3
     const bool sharp = glm::dot(outward[stretch], outward[other]) < kSharp;
     return sharp ? outward[stretch] : glm::normalize(outward[stretch] + outward[other]);
   };
+  std::vector<glm::vec2> rounds;
+  for (std::uint32_t i = 0; i <= segments; ++i) {
+    const float u = static_cast<float>(i) / static_cast<float>(segments);
+    rounds.push_back(on_circle(i == segments ? 0.0 : static_cast<double>(u)));
+  }
   for (std::size_t k = 0; k < stretches; ++k) {
     const auto first = static_cast<std::uint32_t>(mesh.positions.size());
     for (const std::size_t point : {k, k + 1}) {
       const glm::vec2 normal = normal_at(k, point);
       for (std::uint32_t i = 0; i <= segments; ++i) {
         const float u = static_cast<float>(i) / static_cast<float>(segments);
-        const glm::vec2 round = on_circle(i == segments ? 0.0 : static_cast<double>(u));
+        const glm::vec2 round = rounds[i];
         // Against the circle's sense, so that u and v grow to the right and up seen from outside.
         mesh.positions.emplace_back(profile[point].x * round.x, profile[point].y, -profile[point].x * round.y);
         mesh.normals.push_back(glm::normalize(glm::vec3(normal.x * round.x, normal.y, -normal.x * round.y)));

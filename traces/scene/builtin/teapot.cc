@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <cmath>
 #include <span>
 #include <utility>
+#include <vector>
 
 #include <glm/geometric.hpp>
 
@@ -9,30 +11,30 @@
 #include "traces/scene/builtin/motion.h"
 #include "traces/scene/builtin/shapes.h"
 #include "traces/scene/builtin/teapot_patches.h"
+#include "traces/scene/builtin/trigonometry.h"
+#include "traces/scene/builtin/turned.h"
 #include "traces/scene/cameras.h"
 
 namespace traces {
 namespace {
 
-constexpr std::uint32_t kPatchCells = 15;
-
-/// The patches as one mesh, without the triangles that have no area at the poles.
-Mesh make_pot(std::string name, std::span<const BezierPatch> patches) {
+/// The patches as one mesh, each in cells x cells, without the triangles that have no area at the poles.
+Mesh make_pot(std::string name, std::span<const BezierPatch> patches, std::uint32_t cells) {
   Mesh mesh;
   mesh.name = std::move(name);
   for (const BezierPatch& patch : patches) {
     const auto first = static_cast<std::uint32_t>(mesh.positions.size());
-    for (std::uint32_t j = 0; j <= kPatchCells; ++j) {
-      for (std::uint32_t i = 0; i <= kPatchCells; ++i) {
-        const float u = static_cast<float>(i) / static_cast<float>(kPatchCells);
-        const float v = static_cast<float>(j) / static_cast<float>(kPatchCells);
+    for (std::uint32_t j = 0; j <= cells; ++j) {
+      for (std::uint32_t i = 0; i <= cells; ++i) {
+        const float u = static_cast<float>(i) / static_cast<float>(cells);
+        const float v = static_cast<float>(j) / static_cast<float>(cells);
         const SurfacePoint point = evaluate(patch, u, v);
         mesh.positions.push_back(point.position);
         mesh.normals.push_back(point.normal);
         mesh.uvs.emplace_back(u, v);
       }
     }
-    add_grid(mesh, first, kPatchCells, kPatchCells);
+    add_grid(mesh, first, cells, cells);
   }
   std::erase_if(mesh.triangles, [&mesh](const std::array<std::uint32_t, 3>& t) {
     constexpr float kNothing = 1e-6F;
@@ -63,8 +65,9 @@ Texture make_checker() {
 
 }  // namespace
 
-Scene build_teapot(const BuiltinOptions& /*options*/) {
-  constexpr std::uint32_t kFloorCells = 16;
+Scene build_teapot(const BuiltinOptions& options) {
+  constexpr double kTriangles = 14'792;  // with 15 and 16 cells
+  const double detail = options.triangles == 0 ? 1 : std::sqrt(options.triangles / kTriangles);
   Scene scene;
   scene.name = "teapot";
   scene.textures.push_back(make_checker());
@@ -80,14 +83,21 @@ Scene build_teapot(const BuiltinOptions& /*options*/) {
   const std::uint32_t floor_id = add_material(scene, floor);
 
   const std::vector<BezierPatch> patches = teapot_patches();
-  add_object(scene, make_pot("teapot", patches), porcelain_id);
-  add_object(scene, make_quad("floor", {-12, 0, -12}, {0, 0, 24}, {24, 0, 0}, kFloorCells, 12), floor_id);
+  add_object(scene, make_pot("teapot", patches, parts(detail, 15, 3)), porcelain_id);
+  add_object(scene, make_quad("floor", {-12, 0, -12}, {0, 0, 24}, {24, 0, 0}, parts(detail, 16, 2), 12), floor_id);
 
   Light lamp;
   lamp.position = {-5, 9, 7};
   lamp.intensity = glm::vec3(1, 0.95F, 0.88F);
   scene.lights.push_back(lamp);
   scene.cameras.push_back(look_at("front", {1.2F, 4.2F, 8.6F}, {0.2F, 1.3F, 0}, 0.5F));
+  // Once round the pot.
+  std::vector<ViewKey> path;
+  for (int k = 0; k <= 8; ++k) {
+    const glm::vec2 way = on_circle(0.25 - k / 8.0);
+    path.push_back({1.5F * static_cast<float>(k), {0.2F + 8.6F * way.x, 4.2F, 8.6F * way.y}, {0.2F, 1.3F, 0}});
+  }
+  add_camera_path(scene, "path", path, 0.5F);
   finish_scene(scene);
   return scene;
 }

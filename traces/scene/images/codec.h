@@ -21,13 +21,14 @@ class ImageCodec {
                              Size& size, std::vector<std::uint32_t>& rgba) const = 0;
   virtual std::string decode_exr(std::span<const std::byte> bytes, std::uint64_t most_pixels, Size& size,
                                  std::vector<float>& rgb) const = 0;
-  virtual std::string encode_png(Size size, std::span<const std::uint8_t> rgb8,
+  /// 8 bits a channel, 3 channels or 4; colour is not multiplied by alpha.
+  virtual std::string encode_png(Size size, std::uint32_t channels, std::span<const std::uint8_t> pixels,
                                  std::vector<unsigned char>& out) const = 0;
   virtual std::string encode_exr(Size size, std::span<const float> rgb, std::vector<unsigned char>& out) const = 0;
 };
 
 /// The module's only symbol, a function of this type and name; the number changes with the class above.
 using ImageCodecFactory = const ImageCodec* (*)();
-inline constexpr char kImageCodecSymbol[] = "raywatt_image_codec_1";
+inline constexpr char kImageCodecSymbol[] = "raywatt_image_codec_2";
 
 }  // namespace traces

@@ -109,11 +109,13 @@ class OiioCodec : public ImageCodec {
     return {};
   }
 
-  std::string encode_png(Size size, std::span<const std::uint8_t> rgb8,
+  std::string encode_png(Size size, std::uint32_t channels, std::span<const std::uint8_t> pixels,
                          std::vector<unsigned char>& out) const override {
-    OIIO::ImageSpec spec(static_cast<int>(size.width), static_cast<int>(size.height), 3, OIIO::TypeDesc::UINT8);
+    OIIO::ImageSpec spec(static_cast<int>(size.width), static_cast<int>(size.height), static_cast<int>(channels),
+                         OIIO::TypeDesc::UINT8);
     spec.attribute("oiio:ColorSpace", "sRGB");
-    return encode("png", spec, OIIO::TypeDesc::UINT8, rgb8.data(), out);
+    spec.attribute("oiio:UnassociatedAlpha", 1);
+    return encode("png", spec, OIIO::TypeDesc::UINT8, pixels.data(), out);
   }
 
   std::string encode_exr(Size size, std::span<const float> rgb, std::vector<unsigned char>& out) const override {
@@ -127,7 +129,7 @@ class OiioCodec : public ImageCodec {
 }  // namespace
 }  // namespace traces
 
-extern "C" __attribute__((visibility("default"))) const traces::ImageCodec* raywatt_image_codec_1() {
+extern "C" __attribute__((visibility("default"))) const traces::ImageCodec* raywatt_image_codec_2() {
   static const traces::OiioCodec codec;
   return &codec;
 }

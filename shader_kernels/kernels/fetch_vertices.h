@@ -1,0 +1,54 @@
+#pragma once
+#include <string_view>
+
+#include "shader_kernels/kernels/vertex_colour.h"
+#include "shader_kernels/ports.h"
+#include "traces/ray.h"
+
+namespace kernels {
+
+struct FetchVertices {
+  static constexpr std::string_view kName = "fetch_vertices";
+  static constexpr std::string_view kMeaning = "surface -> tangent, second texture coordinates; times vertex colour";
+  template <class V>
+  struct Ports {
+    Local<V, WordRecord> vertexed;
+    Local<V, HitRecord> hits;
+    Local<V, MatteRecord> mattes;
+    Local<V, OpticsRecord> optics;
+    Local<V, TangentRecord> tangents;
+    Vertices<V> vertices;
+    static void describe(auto& p, auto&& port) {
+      port(p.vertexed, "vertexed");
+      port(p.hits, "hits");
+      port(p.mattes, "mattes");
+      port(p.optics, "optics");
+      port(p.tangents, "tangents");
+      port(p.vertices, "vertices");
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const I<V> slot = at.vertexed.load(item).word;
+    const HitRecord<V> hit = at.hits.load(slot);
+    const MatteRecord<V> matte = at.mattes.load(slot);
+    OpticsRecord<V> optics = at.optics.load(slot);
+    const VertexFields<V> vertex = at.vertices.load(hit.triangle & traces::kTriangleMask);
+    const Weights<V> corners(hit);
+    const VertexColour<V> colour = vertex_colour<V>(corners, vertex);
+    at.mattes.store(slot, {matte.diffuse * colour.rgb, matte.classes});
+    optics.alpha = optics.alpha * colour.alpha;
+    at.optics.store(slot, optics);
+    const auto signed_byte = [&](std::uint32_t byte) {
+      const auto part = [&](const I<V>& word) { return byte_of<V>(word, byte); };
+      return (corners.mix_int(part(vertex.tangent0), part(vertex.tangent1), part(vertex.tangent2)) - 128.0F) *
+             (1.0F / 127.0F);
+    };
+    at.tangents.store(slot, {{signed_byte(0), signed_byte(1), signed_byte(2)},
+                             signed_byte(3),
+                             corners.mix(vertex.u0, vertex.u1, vertex.u2),
+                             corners.mix(vertex.v0, vertex.v1, vertex.v2)});
+  }
+};
+
+}  // namespace kernels

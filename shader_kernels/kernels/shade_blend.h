@@ -1,0 +1,36 @@
+#pragma once
+#include <string_view>
+
+#include "shader_kernels/ports.h"
+
+namespace kernels {
+
+/// What passes straight on is shade_straight's part.
+struct ShadeBlend {
+  static constexpr std::string_view kName = "shade_blend";
+  static constexpr std::string_view kMeaning = "blended surface -> all that it sends out, times its alpha";
+  template <class V>
+  struct Ports {
+    Local<V, WordRecord> blended;
+    Local<V, MatteRecord> mattes;
+    Local<V, OpticsRecord> optics;
+    static void describe(auto& p, auto&& port) {
+      port(p.blended, "blended");
+      port(p.mattes, "mattes");
+      port(p.optics, "optics");
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const I<V> slot = at.blended.load(item).word;
+    const MatteRecord<V> matte = at.mattes.load(slot);
+    OpticsRecord<V> optics = at.optics.load(slot);
+    at.mattes.store(slot, {matte.diffuse * optics.alpha, matte.classes});
+    optics.mirrored = optics.mirrored * optics.alpha;
+    optics.entering = optics.entering * optics.alpha;
+    optics.kept = optics.alpha;
+    at.optics.store(slot, optics);
+  }
+};
+
+}  // namespace kernels

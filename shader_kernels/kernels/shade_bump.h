@@ -1,0 +1,49 @@
+#pragma once
+#include <string_view>
+
+#include "shader_kernels/kernels/sampling.h"
+
+namespace kernels {
+
+/// A normal map in tangent space, as glTF has it. Where there is no tangent the normal stays; where the mapped normal
+/// looks away from the ray it is turned back until the ray just grazes the surface.
+struct ShadeBump {
+  static constexpr std::string_view kName = "shade_bump";
+  static constexpr std::string_view kMeaning = "surface with a normal map -> its normal from the map";
+  template <class V>
+  struct Ports : DetailPorts<V> {
+    Local<V, RayRecord> rays;
+    Local<V, PlaceRecord> places;
+    Details<V> details;
+    static void describe(auto& p, auto&& port) {
+      DetailPorts<V>::describe(p, port);
+      port(p.rays, "rays");
+      port(p.places, "places");
+      port(p.details, "details");
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const I<V> slot = at.stream.load(item).word;
+    const I<V> classes = at.mattes.load(slot).classes;
+    const TexcoordRecord<V> uv = at.texcoords.load(slot);
+    const TangentRecord<V> frame = at.tangents.load(slot);
+    const Vec3<V> direction = at.rays.load(slot).direction;
+    PlaceRecord<V> place = at.places.load(slot);
+    const DetailFields<V> m = at.details.load(place.material);
+    const Sample<V> texel = at.look_up(m.normal_texture, classes, traces::kNormalSecond, uv.u, uv.v, frame);
+
+    const F<V> x = (texel.linear(0) * 2.0F - 1.0F) * m.normal_scale;
+    const F<V> y = (texel.linear(1) * 2.0F - 1.0F) * m.normal_scale;
+    const F<V> z = max(texel.linear(2) * 2.0F - 1.0F, F<V>(0.01F));
+    const Vec3<V> normal = place.normal * place.side;  // the outside's
+    const Vec3<V> bitangent = cross(normal, frame.tangent);
+    const Vec3<V> mapped = frame.tangent * x + bitangent * (y * frame.handedness) + normal * z;
+    const Vec3<V> facing = normalised(mapped) * place.side;
+    const F<V> away = max(dot(facing, direction) + 0.01F, F<V>(0.0F));
+    place.normal = normalised(facing - direction * away);
+    at.places.store(slot, place);
+  }
+};
+
+}  // namespace kernels

@@ -1,0 +1,42 @@
+#pragma once
+#include <string_view>
+
+#include "shader_kernels/kernels/add_light.h"
+#include "shader_kernels/kernels/sampling.h"
+
+namespace kernels {
+
+struct ShadeGlow {
+  static constexpr std::string_view kName = "shade_glow";
+  static constexpr std::string_view kMeaning = "surface with an emission texture -> its own light into its sample";
+  template <class V>
+  struct Ports : DetailPorts<V> {
+    Local<V, PlaceRecord> places;
+    Local<V, PathRecord> paths;
+    Local<V, OpticsRecord> optics;
+    Details<V> details;
+    Local<V, ColourRecord> colours;
+    static void describe(auto& p, auto&& port) {
+      DetailPorts<V>::describe(p, port);
+      port(p.places, "places");
+      port(p.paths, "paths");
+      port(p.optics, "optics");
+      port(p.details, "details");
+      port(p.colours, "colours");
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const I<V> slot = at.stream.load(item).word;
+    const I<V> classes = at.mattes.load(slot).classes;
+    const TexcoordRecord<V> uv = at.texcoords.load(slot);
+    const TangentRecord<V> other = at.tangents.load(slot);
+    const PathRecord<V> path = at.paths.load(slot);
+    const F<V> kept = at.optics.load(slot).kept;
+    const DetailFields<V> m = at.details.load(at.places.load(slot).material);
+    const Sample<V> texel = at.look_up(m.emission_texture, classes, traces::kEmissionSecond, uv.u, uv.v, other);
+    add_light<V>(at.colours, path.sample, path.throughput * (m.emission * texel.colour()) * kept);
+  }
+};
+
+}  // namespace kernels

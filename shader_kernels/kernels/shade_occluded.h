@@ -1,0 +1,43 @@
+#pragma once
+#include <string_view>
+
+#include "shader_kernels/kernels/add_light.h"
+#include "shader_kernels/kernels/sampling.h"
+
+namespace kernels {
+
+/// So shade_ambient need not know of occlusion.
+struct ShadeOccluded {
+  static constexpr std::string_view kName = "shade_occluded";
+  static constexpr std::string_view kMeaning = "surface with an occlusion texture -> ambient light taken back";
+  template <class V>
+  struct Ports : DetailPorts<V> {
+    Local<V, PlaceRecord> places;
+    Local<V, PathRecord> paths;
+    Details<V> details;
+    Local<V, ColourRecord> colours;
+    Vec3<V> ambient;
+    static void describe(auto& p, auto&& port) {
+      DetailPorts<V>::describe(p, port);
+      port(p.places, "places");
+      port(p.paths, "paths");
+      port(p.details, "details");
+      port(p.colours, "colours");
+      port(p.ambient, "ambient");
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const I<V> slot = at.stream.load(item).word;
+    const MatteRecord<V> matte = at.mattes.load(slot);
+    const TexcoordRecord<V> uv = at.texcoords.load(slot);
+    const TangentRecord<V> other = at.tangents.load(slot);
+    const PathRecord<V> path = at.paths.load(slot);
+    const DetailFields<V> m = at.details.load(at.places.load(slot).material);
+    const Sample<V> texel = at.look_up(m.occlusion_texture, matte.classes, traces::kOcclusionSecond, uv.u, uv.v, other);
+    const F<V> taken = (texel.linear(0) - 1.0F) * m.occlusion_strength;
+    add_light<V>(at.colours, path.sample, path.throughput * matte.diffuse * at.ambient * taken);
+  }
+};
+
+}  // namespace kernels

@@ -1,0 +1,21 @@
+#pragma once
+#include <array>
+#include <cstdint>
+
+#include "traces/scene/scene.h"
+
+namespace traces::laboratory {
+
+/// What things are made of, as indices of materials.
+struct Looks {
+  std::uint32_t steel, iron, brass, wood, porcelain, plastic, cork, rubber;
+  std::uint32_t tiles, floor, plaster, bench, lacquer, shelf, chart, rail, daylight, lamp;
+  std::uint32_t page, label, stopper, flame, inner_flame, glass;
+  std::uint32_t blue, green, orange, violet, pink, yellow, red, water;  ///< liquids
+  std::array<std::uint32_t, 4> bottles;
+};
+
+/// Paints all textures and adds all materials.
+Looks add_looks(Scene& scene);
+
+}  // namespace traces::laboratory

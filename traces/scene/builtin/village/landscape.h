@@ -1,0 +1,39 @@
+#pragma once
+#include <cstdint>
+#include <string>
+
+#include "traces/scene/scene.h"
+
+namespace traces::village {
+
+/// Height of the land in metres: flat where the houses stand, a hill for the mill, far hills all round.
+float ground(float x, float z);
+inline glm::vec3 on_ground(float x, float z, float above = 0) { return {x, ground(x, z) + above, z}; }
+
+/// The middle of the village street at z; it runs from kStreetEnd to kStreetStart, to the church.
+float street_x(float z);
+inline constexpr float kStreetStart = 92, kStreetEnd = -40;
+
+inline constexpr glm::vec2 kChurch{-8, -64}, kMill{-74, -66}, kSquare{-1, -6};
+
+/// Land between two circles about the origin; texture coordinates are metres / `texture_size` from the middle.
+Mesh make_land(std::string name, float from, float to, std::uint32_t round, std::uint32_t rings, float texture_size);
+
+/// A rectangle of `size`, its middle at `middle`, turned, that lies `above` the ground.
+Mesh make_field(std::string name, const glm::vec2& middle, const glm::vec2& size, double turns, float above, float cell,
+                float texture_size);
+
+/// The street, `width` wide, and the round square on it.
+Mesh make_street(std::string name, float width, float cell, float texture_size);
+Mesh make_square(std::string name, float radius, std::uint32_t round, float texture_size);
+
+/// Fields and woods as seen from afar: one picture over `size` metres.
+Texture countryside_texture(std::string name, std::uint32_t size);
+Texture haze_texture(std::string name, std::uint32_t size);
+Texture grass_texture(std::string name);
+Texture cobble_texture(std::string name, std::uint32_t stones);
+/// Rows of a crop with soil between them.
+Texture crop_texture(std::string name, const glm::vec3& crop, const glm::vec3& soil, std::uint32_t rows,
+                     std::uint32_t seed);
+
+}  // namespace traces::village

@@ -1,0 +1,57 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <set>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <glm/mat4x4.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+#include <tiny_gltf.h>
+
+#include "traces/scene/scene.h"
+
+namespace traces::gltf_export {
+
+/// The glTF document being written, and its one buffer.
+class Document {
+ public:
+  tinygltf::Model model;
+
+  /// What a buffer view is for; the validator wants to know.
+  enum class Use { kVertices, kIndices, kOther };
+
+  // Each appends a buffer view and an accessor; returns the accessor's index. Smallest and largest value are written
+  // where glTF demands them.
+  int add(std::span<const float> values, bool bounds);
+  int add(std::span<const glm::vec2> values);
+  int add(std::span<const glm::vec3> values, bool bounds = false, Use use = Use::kVertices);
+  int add(std::span<const glm::vec4> values, Use use = Use::kVertices);
+  int add(std::span<const glm::mat4> values);
+  int add(std::span<const std::array<std::uint16_t, 4>> values);
+  int add(std::span<const std::array<std::uint32_t, 3>> triangles, bool wide);  ///< indices of 16 or 32 bits
+
+  int add_view(std::span<const std::byte> bytes, Use use = Use::kOther);
+
+  /// An extension's object, noted as used.
+  void extend(tinygltf::ExtensionMap& extensions, const char* name, tinygltf::Value::Object object);
+
+  /// The file. The document is spent afterwards.
+  std::string glb() &&;
+
+ private:
+  int add_accessor(std::span<const std::byte> bytes, int component, int type, std::size_t count, Use use);
+
+  std::vector<unsigned char> buffer_;
+  std::set<std::string> used_;
+};
+
+std::vector<double> numbers(const glm::vec3& v);
+std::vector<double> numbers(const glm::vec4& v);
+tinygltf::Value value(const glm::vec3& v);
+tinygltf::Value value(float number);
+
+}  // namespace traces::gltf_export

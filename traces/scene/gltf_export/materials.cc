@@ -1,0 +1,169 @@
+#include "traces/scene/gltf_export/materials.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+namespace traces::gltf_export {
+namespace {
+
+constexpr float kCoatShare = 0.08F;  // of a clear coat whose factor is 1: twice the reflectance of index 1.5
+
+/// The index of refraction at which twice the reflectance at normal incidence is `share`.
+float index_for(float share) {
+  const float ratio = std::sqrt(0.5F * std::clamp(share, 0.0F, 1.0F));
+  return (1 + ratio) / (1 - ratio);
+}
+
+float strongest_channel(const glm::vec3& c) { return std::max({c.x, c.y, c.z}); }
+
+/// What the loader's rule starts from.
+struct Surface {
+  glm::vec3 base{1};
+  float metallic = 0, roughness = 1;
+  float ior = 1.5F;
+  float coat = 0;     ///< factor
+  bool thin = false;  ///< a sheet of glass that mirrors as any dielectric and bends nothing
+};
+
+/// The metal's part of a mirror: the a that fits a (base - 1) = mirror (tint - 1) best.
+float metal_share(const Material& m, const glm::vec3& mean_base) {
+  const glm::vec3 base = mean_base - 1.0F, tint = m.mirror_tint - 1.0F;
+  const float squared = glm::dot(base, base);
+  if (!(squared > 1e-12F)) return m.mirror >= 0.5F ? m.mirror : 0;
+  return std::clamp(m.mirror * glm::dot(base, tint) / squared, 0.0F, m.mirror);
+}
+
+Surface surface_of(const Material& m, const glm::vec3& mean_texture) {
+  Surface s;
+  s.base = glm::clamp(m.base_colour, 0.0F, 1.0F);
+  s.thin = m.transmission > 0 && m.ior <= 1 && m.absorption == glm::vec3(0);
+  const bool glass = m.transmission > 0 && !s.thin;
+  if (glass) s.ior = std::max(m.ior, 1.0F);
+  if (s.thin) s.ior = 1;
+  if (m.metal_rough_texture.used()) {
+    s.metallic = m.metallic;
+    s.roughness = m.roughness;
+    if (!glass) s.ior = index_for(m.dielectric);
+    s.coat = std::min(m.coat / kCoatShare, 1.0F);
+    return s;
+  }
+  if (m.transmission > 0) s.roughness = 0;
+  if (!(m.mirror > 0)) return s;
+  s.roughness = 0;
+  if (m.mirror >= 1 && !m.base_texture.used()) {
+    s.base = glm::clamp(m.mirror_tint, 0.0F, 1.0F);
+    s.metallic = 1;
+    return s;
+  }
+  s.metallic = metal_share(m, s.base * mean_texture);
+  const float white = m.mirror - s.metallic;
+  const float share = s.metallic < 1 ? white / (1 - s.metallic) : 0;
+  if (glass) {
+    s.coat = std::min(share / kCoatShare, 1.0F);
+  } else {
+    s.ior = index_for(share);
+  }
+  return s;
+}
+
+float to_linear(std::uint32_t encoded) {
+  const float c = static_cast<float>(encoded & 255U) / 255;
+  return c <= 0.04045F ? c / 12.92F : std::pow((c + 0.055F) / 1.055F, 2.4F);
+}
+
+/// Linear, of an sRGB texture.
+glm::vec3 mean_of(const Texture& texture) {
+  glm::dvec3 sum(0);
+  for (const std::uint32_t texel : texture.texels) {
+    sum += glm::dvec3(to_linear(texel), to_linear(texel >> 8), to_linear(texel >> 16));
+  }
+  return glm::vec3(sum / std::max<double>(static_cast<double>(texture.texels.size()), 1));
+}
+
+template <class Info>
+void use(const TextureUse& from, Info& to) {
+  if (!from.used()) return;
+  to.index = static_cast<int>(from.texture);
+  to.texCoord = from.second_uv ? 1 : 0;
+}
+
+void write_surface(const Material& m, const Surface& s, tinygltf::Material& to, Document& out) {
+  to.pbrMetallicRoughness.metallicFactor = double{s.metallic};
+  to.pbrMetallicRoughness.roughnessFactor = double{s.roughness};
+  if (s.ior != 1.5F) out.extend(to.extensions, "KHR_materials_ior", {{"ior", value(s.ior)}});
+  if (s.coat > 0) out.extend(to.extensions, "KHR_materials_clearcoat", {{"clearcoatFactor", value(s.coat)}});
+  if (m.transmission > 0) {
+    out.extend(to.extensions, "KHR_materials_transmission", {{"transmissionFactor", value(m.transmission)}});
+    if (s.thin && s.ior > 1) {
+      out.extend(to.extensions, "KHR_materials_volume", {{"thicknessFactor", value(0)}});
+    } else if (const float most = strongest_channel(m.absorption); most > 0) {
+      // One distance for all channels: that after which the most absorbed one has fallen to 1 / e.
+      const glm::vec3 colour(std::exp(-m.absorption.x / most), std::exp(-m.absorption.y / most),
+                             std::exp(-m.absorption.z / most));
+      out.extend(to.extensions, "KHR_materials_volume",
+                 {{"thicknessFactor", value(1)},
+                  {"attenuationDistance", value(1 / most)},
+                  {"attenuationColor", value(colour)}});
+    }
+  }
+}
+
+void write_emission(const Material& m, tinygltf::Material& to, Document& out) {
+  const float strength = std::max(strongest_channel(m.emission), 1.0F);
+  to.emissiveFactor = numbers(m.emission / strength);
+  if (strength > 1) {
+    out.extend(to.extensions, "KHR_materials_emissive_strength", {{"emissiveStrength", value(strength)}});
+  }
+  use(m.emission_texture, to.emissiveTexture);
+}
+
+void write_alpha(const Material& m, tinygltf::Material& to) {
+  if (m.alpha == Material::Alpha::kOpaque) return;
+  to.alphaMode = m.alpha == Material::Alpha::kMask ? "MASK" : "BLEND";
+  if (m.alpha == Material::Alpha::kMask) to.alphaCutoff = double{m.alpha_cutoff};
+  to.pbrMetallicRoughness.baseColorFactor[3] = double{std::clamp(m.opacity, 0.0F, 1.0F)};
+}
+
+bool is_unlit(const Material& m) {
+  return !m.casts_light && m.base_colour == glm::vec3(0) && m.mirror == 0 && m.transmission == 0 &&
+         !m.metal_rough_texture.used();
+}
+
+tinygltf::Material material_of(const Scene& scene, const Material& m, Document& out) {
+  tinygltf::Material to;
+  to.name = m.name;
+  tinygltf::PbrMetallicRoughness& pbr = to.pbrMetallicRoughness;
+  if (is_unlit(m)) {
+    out.extend(to.extensions, "KHR_materials_unlit", {});
+    to.doubleSided = true;
+    pbr.baseColorFactor = numbers(glm::vec4(glm::clamp(m.emission, 0.0F, 1.0F), 1));
+    use(m.emission_texture.used() ? m.emission_texture : m.base_texture, pbr.baseColorTexture);
+    write_alpha(m, to);
+    return to;
+  }
+  const bool tinted = m.mirror > 0 && m.base_texture.used();
+  const Surface s = surface_of(m, tinted ? mean_of(scene.textures[m.base_texture.texture]) : glm::vec3(1));
+  pbr.baseColorFactor = numbers(glm::vec4(s.base, 1));
+  use(m.base_texture, pbr.baseColorTexture);
+  use(m.metal_rough_texture, pbr.metallicRoughnessTexture);
+  write_surface(m, s, to, out);
+  to.doubleSided = !to.extensions.contains("KHR_materials_volume");  // volumes have an outside
+  write_emission(m, to, out);
+  write_alpha(m, to);
+  use(m.normal_texture, to.normalTexture);
+  to.normalTexture.scale = double{m.normal_scale};
+  use(m.occlusion_texture, to.occlusionTexture);
+  to.occlusionTexture.strength = double{m.occlusion_strength};
+  return to;
+}
+
+}  // namespace
+
+void write_materials(const Scene& scene, Document& out) {
+  for (const Material& m : scene.materials) out.model.materials.push_back(material_of(scene, m, out));
+}
+
+}  // namespace traces::gltf_export
