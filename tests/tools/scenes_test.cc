@@ -105,7 +105,7 @@ TEST(ScenesInfo, JsonCountsWhatIsThere) {
   const nlohmann::json sheet = nlohmann::json::parse(ending.out);
   EXPECT_EQ(sheet["schema"], "raywatt-scene/1");
   EXPECT_EQ(sheet["cameras"][0]["name"], "front");
-  EXPECT_EQ(sheet["animation"]["tracks"], 0);
+  EXPECT_EQ(sheet["animation"]["tracks"], 2) << "the camera's path and turns";
   std::uint64_t parts = 0;
   for (const auto& part : sheet["memory_image"]["parts"].items()) parts += part.value().get<std::uint64_t>();
   EXPECT_EQ(sheet["memory_image"]["bytes"], parts);

@@ -94,9 +94,10 @@ void add_camera_path(Scene& scene, std::string name, std::span<const ViewKey> ke
   turn_node(scene, scene.cameras.back().node, turns);
 }
 
-void finish_scene(Scene& scene) {
+void finish_scene(Scene& scene, const glm::vec3& ambient) {
   pose(scene, 0);
   finish_lights(scene);
+  scene.ambient = ambient;
   scene.sha256 = scene_digest(scene);
 }
 

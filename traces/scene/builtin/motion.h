@@ -2,6 +2,7 @@
 #include <span>
 #include <string>
 
+#include "traces/scene/lights.h"
 #include "traces/scene/scene.h"
 
 namespace traces {
@@ -37,6 +38,6 @@ void add_camera_path(Scene& scene, std::string name, std::span<const ViewKey> ke
 
 /// The last step of every generator: things are put where they are at time 0, lights and exposure set, the digest
 /// taken.
-void finish_scene(Scene& scene);
+void finish_scene(Scene& scene, const glm::vec3& ambient = glm::vec3(kAmbient));
 
 }  // namespace traces

@@ -286,14 +286,19 @@ std::string scene_digest(const Scene& scene) {
   }
   for (const Texture& texture : scene.textures) add(texture.texels);
   for (const Material& m : scene.materials) {
-    add(std::vector<float>{m.base_colour.x, m.base_colour.y, m.base_colour.z, m.mirror, m.transmission, m.ior,
-                           m.mirror_tint.x, m.mirror_tint.y, m.mirror_tint.z, m.emission.x, m.emission.y,
-                           m.emission.z});
+    add(std::vector<glm::vec3>{m.base_colour, m.mirror_tint, m.emission, m.absorption});
+    add(std::vector<float>{m.mirror, m.transmission, m.ior, m.metallic, m.roughness, m.dielectric, m.coat,
+                           m.normal_scale, m.occlusion_strength, m.opacity, m.alpha_cutoff});
+    add(std::vector<std::uint32_t>{m.base_texture.texture, m.emission_texture.texture, m.metal_rough_texture.texture,
+                                   m.normal_texture.texture, m.occlusion_texture.texture,
+                                   static_cast<std::uint32_t>(m.alpha)});
   }
-  for (const Light& l : scene.lights) {
-    add(std::vector<float>{l.position.x, l.position.y, l.position.z, l.direction.x, l.direction.y, l.direction.z,
-                           l.intensity.x, l.intensity.y, l.intensity.z});
+  for (const Light& l : scene.lights) add(std::vector<glm::vec3>{l.position, l.direction, l.intensity});
+  for (const Camera& c : scene.cameras) {
+    add(std::vector<glm::mat4>{c.to_world});
+    add(std::vector<float>{c.vertical_fov});
   }
+  add(std::vector<glm::vec3>{scene.background, scene.ambient});
   return sim::sha256_hex(bytes);
 }
 

@@ -57,8 +57,7 @@ Scene build_atrium(const BuiltinOptions& options) {
     bounce.intensity = {1.5F, 1.35F, 1.1F};
     scene.lights.push_back(bounce);
   }
-  finish_scene(scene);
-  scene.ambient = {0.27F, 0.29F, 0.33F};
+  finish_scene(scene, {0.27F, 0.29F, 0.33F});
   return scene;
 }
 

@@ -55,8 +55,7 @@ Scene build_bathroom(const BuiltinOptions& options) {
   add_light(scene, {-0.3F, kHeight - 0.3F, 0.25F}, {1, 0.96F, 0.9F});
   add_light(scene, {1.0F, 2.12F, -1.12F}, {0.4F, 0.37F, 0.32F});
   add_light(scene, {-1.0F, kHeight - 0.15F, -1.0F}, {0.4F, 0.39F, 0.37F});  // behind the shower screen
-  finish_scene(scene);
-  scene.ambient = {0.28F, 0.285F, 0.29F};
+  finish_scene(scene, {0.28F, 0.285F, 0.29F});
   return scene;
 }
 

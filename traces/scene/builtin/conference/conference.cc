@@ -51,8 +51,7 @@ Scene build_conference(const BuiltinOptions& options) {
     light.intensity = glm::vec3(1, 0.95F, 0.87F);
     scene.lights.push_back(light);
   }
-  finish_scene(scene);
-  scene.ambient = {0.27F, 0.265F, 0.26F};
+  finish_scene(scene, {0.27F, 0.265F, 0.26F});
   return scene;
 }
 

@@ -375,8 +375,7 @@ Scene build_forest(const BuiltinOptions& options) {
       {10.5F, {0.4F, 1.35F, 1.8F}, {1.8F, 0.6F, -0.1F}}, {13, {-0.9F, 1.6F, 3.0F}, {1.0F, 2.2F, -2}},
       {15, {-0.5F, 1.35F, 6.3F}, {0.15F, 0.82F, -1.0F}}};
   add_camera_path(scene, "path", keys, kFov);
-  finish_scene(scene);
-  scene.ambient = {0.33F, 0.37F, 0.35F};
+  finish_scene(scene, {0.33F, 0.37F, 0.35F});
   return scene;
 }
 

@@ -273,8 +273,7 @@ Scene build_village(const BuiltinOptions& options) {
   sun.direction = glm::normalize(glm::vec3(0.62F, -0.66F, -0.42F));
   sun.intensity = {1, 0.92F, 0.78F};
   scene.lights.push_back(sun);
-  finish_scene(scene);
-  scene.ambient = {0.20F, 0.24F, 0.30F};
+  finish_scene(scene, {0.20F, 0.24F, 0.30F});
   return scene;
 }
 

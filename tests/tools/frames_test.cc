@@ -1,0 +1,144 @@
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "tests/tools/program.h"
+
+// Runs over several frames of a scene that moves, and the workload files that ask for them.
+
+namespace test {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The smallest chess set, while the first piece is on its way.
+Words chess(const Words& more) {
+  Words words = {"--scene", "chess", "--set", "scene.triangles=5000", "--set", "scene.frame_rate=2"};
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+nlohmann::json report_of(const fs::path& out, const Words& more) {
+  const Ending ending = raywatt(small_run(out, chess(more)));
+  EXPECT_EQ(ending.exit, 0) << ending.err;
+  return read_json(out / "report.json");
+}
+
+TEST(Frames, HaveTheirOwnFiguresAndPicturesAndTheTotalIsTheirSum) {
+  const TempFolder folder;
+  const fs::path out = folder.path() / "out";
+  const nlohmann::json report = report_of(out, {"--frames", "1:3"});
+  ASSERT_EQ(report["frames"].size(), 3U);
+  std::uint64_t cycles = 0, rays = 0;
+  double energy = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const nlohmann::json& frame = report["frames"][i];
+    EXPECT_EQ(frame["frame"], i + 1);
+    cycles += frame["cycles"].get<std::uint64_t>();
+    rays += frame["rays"]["total"].get<std::uint64_t>();
+    energy += frame["energy_mj"]["nominal"].get<double>();
+  }
+  const nlohmann::json& totals = report["totals"];
+  EXPECT_EQ(totals["cycles"], cycles);
+  EXPECT_EQ(totals["rays"]["total"], rays);
+  EXPECT_NEAR(totals["energy_mj"]["nominal"].get<double>(), energy, 1e-9 * energy);
+  EXPECT_NEAR(totals["perf"]["fps"].get<double>(), 3000 / totals["time_ms"].get<double>(), 1e-6);
+  EXPECT_EQ(read_bytes(out / "image.png"), read_bytes(out / "frame-0001.png"));
+  EXPECT_NE(read_bytes(out / "frame-0001.png"), read_bytes(out / "frame-0003.png")) << "a piece has moved";
+}
+
+TEST(Frames, AreTheSameAloneAndInARun) {
+  const TempFolder folder;
+  const nlohmann::json all = report_of(folder.path() / "all", {"--frames", "0:2"});
+  const nlohmann::json last = report_of(folder.path() / "last", {"--frames", "2"});
+  EXPECT_EQ(all["frames"][2], last["frames"][0]);
+  EXPECT_EQ(read_bytes(folder.path() / "all" / "frame-0002.png"), read_bytes(folder.path() / "last" / "image.png"));
+}
+
+TEST(Frames, OfAFormerRunAreReplaced) {
+  const TempFolder folder;
+  const fs::path out = folder.path() / "out";
+  report_of(out, {"--frames", "0:2"});
+  report_of(out, {"--frames", "1:2"});
+  EXPECT_FALSE(fs::exists(out / "frame-0000.png"));
+  EXPECT_TRUE(fs::exists(out / "frame-0002.png"));
+}
+
+TEST(Frames, AgreeWithEmbreeWhenTheTreeIsRefittedOrRebuilt) {
+  const TempFolder folder;
+  for (const char* update : {"refit", "rebuild"}) {
+    Words words = chess({"--frames", "1:3", "--set", std::string("bvh.update=") + update});
+    words.insert(words.begin(), "verify");
+    words.insert(words.end(), {"--resolution", "64x32", "--quiet", "-o", (folder.path() / update).string()});
+    const Ending ending = raywatt(words);
+    EXPECT_EQ(ending.exit, 0) << ending.err;
+    EXPECT_EQ(read_json(folder.path() / update / "verify.json")["frames"].size(), 3U);
+  }
+}
+
+TEST(Frames, FinishedBeforeAnInterruptAreKept) {
+  const TempFolder folder;
+  const fs::path out = folder.path() / "out";
+  Program program(small_run(out, chess({"--frames", "0:100000"})));
+  const auto has_a_frame = [&] {
+    std::error_code vanished;
+    for (const auto& entry : fs::recursive_directory_iterator(folder.path(), vanished)) {
+      if (entry.path().filename() == "frame-0001.png") return true;
+    }
+    return false;
+  };
+  for (int tries = 0; tries < 3000 && !has_a_frame(); ++tries) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  program.send(SIGINT);
+  EXPECT_EQ(program.wait().exit, 128 + SIGINT);
+  const nlohmann::json report = read_json(out / "report.json");
+  EXPECT_EQ(report["partial"], true);
+  EXPECT_GE(report["frames"].size(), 2U);
+  EXPECT_TRUE(fs::exists(out / "frame-0001.png"));
+  EXPECT_EQ(names_in(folder.path()), Words{"out"});
+}
+
+TEST(Frames, ThatMakeNoSenseAreRefused) {
+  const TempFolder folder;
+  for (const char* text : {"3:1", "a", "1:", ":2", "1:2:3", "-1", ""}) {
+    if (*text == '\0') continue;  // not given
+    expect_refusal(raywatt(small_run(folder.path() / "out", {std::string("--frames=") + text})), {"--frames", text});
+  }
+  EXPECT_TRUE(names_in(folder.path()).empty());
+}
+
+TEST(WorkloadFile, SaysWhatIsRenderedAndSetsGoBeforeIt) {
+  const TempFolder folder;
+  folder.write("triangle.glb", TinyGltf().glb());
+  const std::string file =
+      folder.write("mine.yaml", "scene: {name: ./triangle.glb, first_frame: 4, last_frame: 4}\nrender: {depth: 2}\n")
+          .string();
+  const Ending ending = raywatt({"run", "--scene", file, "--set", "scene.last_frame=5", "--resolution", "16x16",
+                                 "--quiet", "-o", (folder.path() / "out").string()});
+  ASSERT_EQ(ending.exit, 0) << ending.err;
+  const nlohmann::json report = read_json(folder.path() / "out" / "report.json");
+  EXPECT_EQ(report["scene"]["name"], "triangle") << "found beside the workload file";
+  EXPECT_EQ(report["config"]["render"]["depth"], 2);
+  EXPECT_EQ(report["frames"].size(), 2U);
+}
+
+TEST(WorkloadFile, SaysNothingOfTheMachine) {
+  const TempFolder folder;
+  const std::string file = folder.write("bad.yaml", "scene: {name: teapot}\ncores: 2\n").string();
+  expect_refusal(raywatt({"run", "--scene", file, "-o", (folder.path() / "out").string()}),
+                 {"bad.yaml:2:1", "cores", "scene, render, bvh"});
+}
+
+TEST(WorkloadFile, OfTheProjectIsFoundByItsName) {
+  const TempFolder folder;
+  const Ending ending = raywatt(small_run(folder.path() / "out", {"--scene", "lee2016-teapot"}));
+  ASSERT_EQ(ending.exit, 0) << ending.err;
+  EXPECT_EQ(read_json(folder.path() / "out" / "report.json")["scene"]["name"], "teapot");
+}
+
+}  // namespace
+}  // namespace test
