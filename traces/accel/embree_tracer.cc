@@ -111,11 +111,12 @@ EmbreeTracer::Impl::Impl(const MemoryImage& image, unsigned threads)
   rtcSetSceneFlags(scene_.get(), RTC_SCENE_FLAG_ROBUST);
   if (!image.triangles.empty()) {
     const EmbreeGeometry geometry(rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE));
-    // A record is read as four vertices, the last of which is no vertex and not named by any triangle.
+    // A record is read as four vertices, the last of which is no vertex and not named by any triangle. The very last is
+    // left out: Embree reads 16 bytes of a vertex.
     static_assert(sizeof(TriangleRecord) == 4 * sizeof(glm::vec3) && offsetof(TriangleRecord, v2) == 24);
     const std::size_t count = image.triangles.size();
     rtcSetSharedGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, image.triangles.data(), 0,
-                               sizeof(glm::vec3), 4 * count);
+                               sizeof(glm::vec3), 4 * count - 1);
     auto* corners = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
         geometry.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), count));
     check_embree(device_.get(), "taking over the triangles");
