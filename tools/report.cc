@@ -45,7 +45,8 @@ Json rays_json(const Simulation& s) {
           {"shadow", of(traces::RayKind::kShadow)},
           {"reflection", of(traces::RayKind::kReflection)},
           {"refraction", of(traces::RayKind::kRefraction)},
-          {"total", s.rays()}};
+          {"total", s.rays()},
+          {"continued", s.function.continued}};
 }
 
 /// Who moved the bytes: fills of the L2, the picture, ray slots that did not fit into the tile buffers (out and in).

@@ -107,6 +107,7 @@ void FrontEnd::keep(const Slot& slot) {
 
 void FrontEnd::Result::add(const Result& other) {
   for (std::size_t k = 0; k < std::size(rays); ++k) rays[k] += other.rays[k];
+  continued += other.continued;
   traversal_steps += other.traversal_steps;
   seconds += other.seconds;
   waited += other.waited;

@@ -16,6 +16,7 @@ namespace {
 
 constexpr std::uint32_t kTileShift = 24;  // a ray's handle: tile in flight, then the ray's index within the tile
 constexpr std::uint32_t kRayMask = (1U << kTileShift) - 1;
+static_assert(kMaxRays == 1U << kTileShift);
 constexpr std::uint32_t kSpillTag = 0xffffffffU;
 constexpr std::uint64_t kAccess = 16;  // bytes of one access to the tile buffer
 constexpr std::uint64_t kRayReads = sizeof(traces::Ray) / kAccess;

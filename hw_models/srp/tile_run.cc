@@ -3,12 +3,18 @@
 #include <algorithm>
 #include <cassert>
 
+#include "sim/error.h"
+
 namespace hw {
 
 using traces::Edge;
 using traces::WorkNode;
 
 void TileRun::begin(const traces::TileWork& work, std::uint32_t chunk) {
+  if (work.ray_begin.size() > kMaxRays) {
+    throw sim::InputError(
+        "render.tile: a tile has more than 16777216 rays; allowed: a smaller tile, depth or number of lights");
+  }
   work_ = &work;
   chunk_ = chunk;
   nodes_left_ = static_cast<std::uint32_t>(work.nodes.size());
@@ -26,7 +32,7 @@ void TileRun::begin(const traces::TileWork& work, std::uint32_t chunk) {
       for (std::uint32_t left = w.items; left > 0; left -= std::min(left, chunk)) {
         p.chunk_left.push_back(std::min(left, chunk));
       }
-      std::fill_n(batch_of_ray_.begin() + w.first, w.items, static_cast<std::uint16_t>(n));
+      std::fill_n(batch_of_ray_.begin() + w.first, w.items, n);
     } else {
       for (const Edge& e : w.inputs) {
         if (node(e.node).kind == WorkNode::Kind::kRays) progress_[e.node].readers += 1;

@@ -6,6 +6,9 @@
 
 namespace hw {
 
+/// Rays of one tile: their handles have 24 bits for them.
+inline constexpr std::uint32_t kMaxRays = 1U << 24;
+
 /// A tile in flight: how far each node of its graph of work has come. Plain bookkeeping; time is the SRP's business.
 class TileRun {
  public:
@@ -67,7 +70,7 @@ class TileRun {
   std::uint32_t chunk_ = 1;
   std::uint32_t nodes_left_ = 0;
   std::vector<Progress> progress_;
-  std::vector<std::uint16_t> batch_of_ray_;
+  std::vector<std::uint32_t> batch_of_ray_;
 };
 
 }  // namespace hw

@@ -21,7 +21,7 @@ struct LayerPorts {
   Local<V, WordRecord> targets;  ///< slots of the rays that go on
   Counter<V> emitted;
   F<V> epsilon, min_weight;  ///< what is not above it is not seen
-  I<V> white;  ///< the texture of materials without one
+  I<V> white;                ///< the texture of materials without one
   static void describe(auto& p, auto&& port) {
     port(p.layers, "layers");
     port(p.rays, "rays");

@@ -104,8 +104,7 @@ TEST(Frames, FinishedBeforeAnInterruptAreKept) {
 
 TEST(Frames, ThatMakeNoSenseAreRefused) {
   const TempFolder folder;
-  for (const char* text : {"3:1", "a", "1:", ":2", "1:2:3", "-1", ""}) {
-    if (*text == '\0') continue;  // not given
+  for (const char* text : {"3:1", "a", "1:", ":2", "1:2:3", "-1"}) {
     expect_refusal(raywatt(small_run(folder.path() / "out", {std::string("--frames=") + text})), {"--frames", text});
   }
   EXPECT_TRUE(names_in(folder.path()).empty());

@@ -6,6 +6,8 @@
 #include <optional>
 #include <sstream>
 
+#include "sim/error.h"
+#include "sim/io/printable.h"
 #include "traces/scene/gltf.h"
 
 namespace traces {
@@ -42,7 +44,11 @@ std::filesystem::path scene_file(const std::string& name_or_path) {
 
 Scene open_scene(const std::string& name_or_path, const BuiltinOptions& options, const SceneLimits& limits) {
   const std::filesystem::path file = scene_file(name_or_path);
-  return file.empty() ? build_scene(name_or_path, options) : load_gltf(file, limits);
+  if (file.empty()) return build_scene(name_or_path, options);
+  if (options.triangles != 0) {
+    throw sim::InputError(sim::printable(file.string()) + ": scene.triangles scales built-in scenes only; allowed: 0");
+  }
+  return load_gltf(file, limits);
 }
 
 }  // namespace traces

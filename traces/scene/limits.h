@@ -11,16 +11,17 @@ inline constexpr double kFarthest = 1e15;
 /// What a scene may cost at most. A file that asks for more is refused before the memory is taken.
 struct SceneLimits {
   sim::ByteSize memory{std::uint64_t{1} << 33};
-  std::uint64_t pixels = std::uint64_t{1} << 26;
+  std::uint64_t pixels = std::uint64_t{1} << 27;
   std::uint32_t json_depth = 128;
-  std::uint32_t nodes = 1'000'000;
+  std::uint32_t nodes = 100'000;
 
   static void describe(auto& c, auto&& field) {
     using enum sim::Affects;
     field(c.memory, "memory", "bytes",
           "all that a scene's files hold, decoded and laid out for the GPU; more is refused", sim::at_least(1 << 20),
           kFunction);
-    field(c.pixels, "pixels", "pixels", "of one image; 67108864 is 8192 x 8192", sim::at_least(1), kFunction);
+    field(c.pixels, "pixels", "pixels", "of all images together; 134217728 is 32 times 2048 x 2048", sim::at_least(1),
+          kFunction);
     field(c.json_depth, "json_depth", "levels", "nesting of a glTF file's JSON", sim::between(8, 1000), kFunction);
     field(c.nodes, "nodes", "nodes", "of a glTF file's hierarchy, and entries of any other list of the file",
           sim::at_least(1), kFunction);

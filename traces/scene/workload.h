@@ -36,8 +36,9 @@ struct LightsConfig {
 
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
-    field(c.rig, "rig", "", "which lights shine: the scene's, its strongest alone, or one of one's own", sim::any(),
-          Affects::kFunction);
+    field(c.rig, "rig", "",
+          "which lights shine: the scene's, the one that lights its first camera's view best, or one of one's own",
+          sim::any(), Affects::kFunction);
     field(c.position, "position", "", "of one's own point light", sim::any(), Affects::kFunction);
     field(c.direction, "direction", "", "in which the light of one's own sun travels", sim::any(), Affects::kFunction);
     field(c.intensity, "intensity", "", "linear RGB; point: per steradian, sun: irradiance (1 makes white shine white)",

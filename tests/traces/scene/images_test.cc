@@ -109,7 +109,7 @@ TEST(Images, ABombIsSeenInTheHeader) {
     traces::read_image(as_bytes(file), "bomb.png");
     FAIL();
   } catch (const sim::InputError& error) {
-    EXPECT_STREQ(error.what(), "bomb.png: 60000 x 60000 pixels, allowed are 67108864");
+    EXPECT_STREQ(error.what(), "bomb.png: 60000 x 60000 pixels, allowed are 134217728");
   }
 }
 

@@ -71,8 +71,9 @@ double fit_detail(std::uint64_t wanted, const std::function<std::uint64_t(double
   constexpr int kTries = 6;
   double detail = 1, best = 1, error = -1;
   for (int k = 0; k < kTries; ++k) {
-    const double ratio = static_cast<double>(wanted) / static_cast<double>(triangles(detail));
-    const double off = std::abs(1 - ratio);
+    const double ratio =
+        static_cast<double>(std::max<std::uint64_t>(wanted, 1)) / static_cast<double>(triangles(detail));
+    const double off = std::max(ratio, 1 / ratio) - 1;
     if (error < 0 || off < error) error = off, best = detail;
     if (off < 0.01) break;
     detail = std::clamp(detail * std::sqrt(ratio), kLeast, kMost);  // surfaces: triangles grow with its square

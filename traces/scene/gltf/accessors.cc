@@ -118,6 +118,9 @@ void for_each_element(const Context& context, const tinygltf::Accessor& accessor
   }
 }
 
+/// Elements that no byte of the file stands for.
+constexpr std::size_t kMostZeros = 1 << 20;
+
 /// The accessor, once it is certain that its elements exist and that there is room for them decoded.
 const tinygltf::Accessor& find(Context& context, int index, int type, std::size_t bytes_each, const std::string& what) {
   const tinygltf::Accessor& accessor = context.at(context.model.accessors, index, "accessors");
@@ -127,6 +130,9 @@ const tinygltf::Accessor& find(Context& context, int index, int type, std::size_
                            static_cast<std::size_t>(tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(type)));
   if (accessor.bufferView >= 0) {
     elements(context, accessor.bufferView, accessor.byteOffset, accessor.count, size, what);
+  } else if (accessor.count > kMostZeros) {
+    context.refuse(
+        fmt::format("{} has {} elements without a buffer view; allowed: {}", what, accessor.count, kMostZeros));
   }
   context.budget.take(accessor.count, bytes_each, what);
   return accessor;

@@ -14,9 +14,9 @@ namespace traces::gltf {
 ///            dielectric's mean reflectance over all angles. Below 0.02 it is dropped: no rays for nothing. With a
 ///            metallic-roughness texture the same is done for each texel with its metallic and roughness.
 ///   tint     base colour for the metal's part of the mirror, white for the dielectric's
-///   clear coat adds a second such dielectric layer of its own roughness: coat x gloss x 0.08 of what is not yet
-///   mirrored glass    KHR_materials_transmission with KHR_materials_ior, whatever the roughness. A body: light is
-///   bent, and its
+///   coat     KHR_materials_clearcoat adds a second such dielectric layer of its own roughness: coat x gloss x 0.08 of
+///            what is not yet mirrored
+///   glass    KHR_materials_transmission with KHR_materials_ior, whatever the roughness. A body: light is bent, and its
 ///            mirror share comes from Fresnel's law alone. KHR_materials_volume colours it: absorption =
 ///            -ln(attenuationColor) / attenuationDistance. A volume of thickness 0 says that the surface is a thin
 ///            sheet: nothing absorbed, nothing bent (ior 1), and it mirrors as any dielectric. Without the volume

@@ -49,7 +49,7 @@ bool has_focus(const tinygltf::Value& extras) {
 /// Shows the primitives of the node's mesh at `to_world`, which hangs on Scene::nodes[place].
 void add_instances(Context& context, Meshes& meshes, const tinygltf::Node& node, const glm::dmat4& to_world,
                    std::uint32_t place, const std::string& what) {
-  constexpr std::uint64_t kTriangleBytes = 176;  // laid out for the GPU: triangle, attributes and its share of nodes
+  constexpr std::uint64_t kTriangleBytes = 240;  // laid out for the GPU: triangle, attributes and its share of nodes
   const bool may_move = node.skin >= 0 || !context.model.animations.empty();
   if (!may_move && !(std::abs(glm::determinant(glm::dmat3(to_world))) > 0)) {
     context.warn(what + " is scaled to nothing and left out");

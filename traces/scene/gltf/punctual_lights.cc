@@ -12,6 +12,9 @@
 
 namespace traces::gltf {
 
+/// Every light costs a shadow ray for each surface that is seen.
+constexpr std::size_t kMostLights = 1024;
+
 void add_punctual_light(Context& context, const tinygltf::Node& node, const glm::dmat4& to_world, std::uint32_t place) {
   const auto* extension = find_extension(node.extensions, "KHR_lights_punctual");
   if (extension == nullptr) return;
@@ -35,6 +38,7 @@ void add_punctual_light(Context& context, const tinygltf::Node& node, const glm:
   const float strength = to_float(context, found.intensity, what + " intensity");
   light.intensity = glm::max(to_vec3(context, found.color, glm::vec3(1), what + " colour") * strength, 0.0F);
   if (light.intensity == glm::vec3(0)) return;
+  if (context.scene.lights.size() == kMostLights) context.refuse(fmt::format("more than {} lights", kMostLights));
   light.range = std::max(to_float(context, found.range, what + " range"), 0.0F);
   light.node = place;
   light.position = glm::vec3(to_world[3]);

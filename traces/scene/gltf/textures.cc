@@ -44,11 +44,20 @@ Texture& Textures::image(int index) {
     bytes = std::as_bytes(std::span(image.image));
   }
   SceneLimits limits = context_.limits;
-  limits.pixels = std::min(limits.pixels, context_.budget.left() / (2 * sizeof(std::uint32_t)));
+  limits.pixels = std::min(limits.pixels - pixels_, context_.budget.left() / (2 * sizeof(std::uint32_t)));
   Texture texture = read_image(bytes, name, limits);
+  count_pixels(texture, name);
   context_.budget.take(texture.texels.size(), sizeof(std::uint32_t), name);
   texture.name = sim::printable(image.name.empty() ? image.uri : image.name);
   return images_.emplace(index, std::move(texture)).first->second;
+}
+
+void Textures::count_pixels(const Texture& texture, const std::string& name) {
+  if (texture.texels.size() > context_.limits.pixels - pixels_) {
+    context_.refuse(
+        fmt::format("{}: all images together have more than limits.pixels, {}", name, context_.limits.pixels));
+  }
+  pixels_ += texture.texels.size();
 }
 
 std::uint32_t Textures::use(int texture, bool srgb) {
@@ -62,6 +71,7 @@ std::uint32_t Textures::use(int texture, bool srgb) {
                                                   static_cast<std::uint32_t>(context_.scene.textures.size()));
   if (is_new) {
     Texture copy = image(source);
+    if (!shown_.insert(source).second) count_pixels(copy, copy.name);
     context_.budget.take(copy.texels.size(), sizeof(std::uint32_t), "a texture");
     copy.wrap_u = wrap_of(sampler.wrapS);
     copy.wrap_v = wrap_of(sampler.wrapT);

@@ -1,6 +1,8 @@
 #pragma once
 #include <cstdint>
 #include <map>
+#include <set>
+#include <string>
 #include <tuple>
 
 #include <glm/vec4.hpp>
@@ -24,9 +26,13 @@ class Textures {
  private:
   Texture& image(int index);
   int source_of(int texture);
+  /// Refused where the scene then has more than its limit.
+  void count_pixels(const Texture& texture, const std::string& name);
 
   Context& context_;
   std::map<int, Texture> images_;
+  std::set<int> shown_;       ///< images that a texture of the scene shows
+  std::uint64_t pixels_ = 0;  ///< decoded, and copied for further ways to look them up
   std::map<std::pair<int, bool>, glm::vec4> means_;
   std::map<std::tuple<int, int, int, bool, bool>, std::uint32_t> added_;  ///< image, wrap modes, nearest, sRGB
 };
