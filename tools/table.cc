@@ -1,5 +1,7 @@
 #include "sim/report/table.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "tools/report.h"
@@ -26,9 +28,17 @@ std::string overview(const Json& report) {
   const auto line = [&](const char* name, const std::string& value) {
     out += fmt::format("  {:<22}{}\n", name, value);
   };
+  const Json& frames = report["frames"];
+  if (report["partial"].get<bool>()) out += "PARTIAL: interrupted before the last frame\n";
   out += fmt::format("{}  {}x{}  {}  ({} triangles)\n\n", report["scene"]["name"].get<std::string>(),
                      report["resolution"][0].get<int>(), report["resolution"][1].get<int>(),
                      report["program"].get<std::string>(), count(report["scene"]["triangles"]));
+  if (frames.size() > 1) {
+    const auto by_cycles = [](const Json& a, const Json& b) { return a["cycles"] < b["cycles"]; };
+    const auto [least, most] = std::minmax_element(frames.begin(), frames.end(), by_cycles);
+    line("frames", fmt::format("{} to {}, added up; {} to {} cycles each", frames.front()["frame"].get<int>(),
+                               frames.back()["frame"].get<int>(), count((*least)["cycles"]), count((*most)["cycles"])));
+  }
   line("cycles (T&I clock)", fmt::format("{}  = {:.3f} ms  = {:.1f} frames/s", count(t["cycles"]),
                                          t["time_ms"].get<double>(), t["perf"]["fps"].get<double>()));
   line("rays", fmt::format("{}  ({} primary, {} shadow, {} reflection, {} refraction)", count(rays["total"]),
