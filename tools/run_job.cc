@@ -1,7 +1,6 @@
 #include "tools/run_job.h"
 
 #include <algorithm>
-#include <chrono>
 #include <memory>
 #include <numeric>
 #include <thread>
@@ -12,6 +11,7 @@
 #include "hw_models/memory/dram_energy.h"
 #include "shader_kernels/programs/full.h"
 #include "sim/engine.h"
+#include "sim/host_clock.h"
 #include "tools/interrupt.h"
 #include "traces/accel/build.h"
 #include "traces/accel/bvh_info.h"
@@ -22,10 +22,6 @@
 namespace tools {
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
 /// Lets go of the work when the user has interrupted it.
 class Interruptible final : public hw::TileSource {
@@ -61,7 +57,7 @@ std::uint32_t host_threads(std::uint32_t wanted) {
 Inputs load_inputs(const JobOptions& options) {
   Inputs in;
   in.config = load_run_config(options);
-  const Clock::time_point begin = Clock::now();
+  const sim::HostClock::time_point begin = sim::HostClock::now();
   traces::Scene scene = traces::open_workload(in.config.scene, in.config.limits);
   in.frame = in.config.scene.first_frame;
   in.camera = scene.cameras.front();
@@ -72,12 +68,12 @@ Inputs load_inputs(const JobOptions& options) {
   in.bvh_hash = traces::bvh_hash(in.image);
   in.parents = traces::parents_of(in.image);
   if (in.frames() > 1) in.moving = std::move(scene);
-  in.load_seconds = seconds_since(begin);
+  in.load_seconds = sim::seconds_since(begin);
   return in;
 }
 
 void advance(Inputs& in, std::uint32_t frame, std::uint32_t threads) {
-  const Clock::time_point begin = Clock::now();
+  const sim::HostClock::time_point begin = sim::HostClock::now();
   const traces::Moved moved = traces::pose_workload(in.moving, in.config.scene, frame);
   in.frame = frame;
   in.camera = in.moving.cameras.front();
@@ -89,7 +85,7 @@ void advance(Inputs& in, std::uint32_t frame, std::uint32_t threads) {
   } else if (moved.lights) {
     in.image.lights = in.moving.lights;
   }
-  in.update_seconds += seconds_since(begin);
+  in.update_seconds += sim::seconds_since(begin);
 }
 
 std::uint64_t Simulation::rays() const {
@@ -112,7 +108,7 @@ void Simulation::add(const Simulation& frame) {
 }
 
 Simulation simulate(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads) {
-  const Clock::time_point begin = Clock::now();
+  const sim::HostClock::time_point begin = sim::HostClock::now();
   const kernels::FullProgram frame(inputs.image, inputs.camera, inputs.config.render, program.samples, inputs.frame);
   const traces::BvhTracer tracer(inputs.image);
   hw::FrontEnd front_end(frame, tracer, host_threads(threads) - 1);
@@ -139,7 +135,7 @@ Simulation simulate(const Inputs& inputs, const kernels::ProgramSpec& program, s
   s.cycles = gpu->cycles();
   s.elapsed = gpu->elapsed();
   s.energy = energy();
-  s.wall_seconds = seconds_since(begin);
+  s.wall_seconds = sim::seconds_since(begin);
   return s;
 }
 

@@ -1,17 +1,10 @@
 #include "hw_models/frame/front_end.h"
 
 #include <algorithm>
-#include <chrono>
+
+#include "sim/host_clock.h"
 
 namespace hw {
-
-namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
-
-}  // namespace
 
 FrontEnd::FrontEnd(const kernels::FullProgram& program, const traces::Tracer& tracer, std::uint32_t workers,
                    bool record)
@@ -33,9 +26,9 @@ FrontEnd::~FrontEnd() {
 }
 
 void FrontEnd::make(Slot& slot, std::uint32_t tile) const {
-  const Clock::time_point begin = Clock::now();
+  const sim::HostClock::time_point begin = sim::HostClock::now();
   program_.run_tile(tile, tracer_, record_, slot.tile);
-  slot.seconds = seconds_since(begin);
+  slot.seconds = sim::seconds_since(begin);
 }
 
 void FrontEnd::run_ahead() {
@@ -64,9 +57,9 @@ void FrontEnd::run_ahead() {
 }
 
 const traces::TileWork* FrontEnd::next() {
-  const Clock::time_point begin = Clock::now();
+  const sim::HostClock::time_point begin = sim::HostClock::now();
   const traces::TileWork* work = take();
-  result_.waited += seconds_since(begin);
+  result_.waited += sim::seconds_since(begin);
   return work;
 }
 

@@ -99,6 +99,13 @@ class Wavefront {
     wait_for_bounce(node, bounce);
     bounce.inspector = node;
   }
+  /// Launches what adds to the samples' colours.
+  template <class K>
+  void add_colours(const Bounce& bounce, typename K::template Ports<float>& ports, std::uint32_t items) {
+    const Node node = launch<K>(ports, items);
+    wait_for_bounce(node, bounce);
+    buffer_.colour_nodes.push_back(node);
+  }
   void shade_background(const Bounce& bounce, std::uint32_t misses);
   void shade_textured(Bounce& bounce, std::uint32_t items);
   void shade_emission(const Bounce& bounce, std::uint32_t items);

@@ -102,9 +102,7 @@ void Wavefront::shade_glow(const Bounce& bounce, std::uint32_t items) {
   ports.optics.bind(buffer_.optics.data());
   ports.details.bind(scene_.image.details.data(), accesses());
   ports.colours.bind(buffer_.colours.data());
-  const Node node = launch<ShadeGlow>(ports, items);
-  wait_for_bounce(node, bounce);
-  buffer_.colour_nodes.push_back(node);
+  add_colours<ShadeGlow>(bounce, ports, items);
 }
 
 void Wavefront::shade_occluded(const Bounce& bounce, std::uint32_t items) {
@@ -115,9 +113,7 @@ void Wavefront::shade_occluded(const Bounce& bounce, std::uint32_t items) {
   ports.details.bind(scene_.image.details.data(), accesses());
   ports.colours.bind(buffer_.colours.data());
   ports.ambient = scene_.ambient;
-  const Node node = launch<ShadeOccluded>(ports, items);
-  wait_for_bounce(node, bounce);
-  buffer_.colour_nodes.push_back(node);
+  add_colours<ShadeOccluded>(bounce, ports, items);
 }
 
 }  // namespace kernels

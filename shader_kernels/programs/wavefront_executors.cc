@@ -10,9 +10,7 @@ void Wavefront::shade_background(const Bounce& bounce, std::uint32_t misses) {
   ports.paths.bind(buffer_.wave.paths.data());
   ports.colours.bind(buffer_.colours.data());
   ports.background = scene_.background;
-  const Node node = launch<ShadeBackground>(ports, misses);
-  wait_for_bounce(node, bounce);
-  buffer_.colour_nodes.push_back(node);
+  add_colours<ShadeBackground>(bounce, ports, misses);
 }
 
 Wavefront::Streams Wavefront::shade_surfaces(Bounce& bounce, std::uint32_t surfaces) {
@@ -73,9 +71,7 @@ void Wavefront::shade_emission(const Bounce& bounce, std::uint32_t items) {
   ports.optics.bind(buffer_.optics.data());
   ports.materials.bind(scene_.image.materials.data(), accesses());
   ports.colours.bind(buffer_.colours.data());
-  const Node node = launch<ShadeEmission>(ports, items);
-  wait_for_bounce(node, bounce);
-  buffer_.colour_nodes.push_back(node);
+  add_colours<ShadeEmission>(bounce, ports, items);
 }
 
 void Wavefront::shade_ambient(const Bounce& bounce, std::uint32_t items) {
@@ -85,9 +81,7 @@ void Wavefront::shade_ambient(const Bounce& bounce, std::uint32_t items) {
   ports.mattes.bind(buffer_.mattes.data());
   ports.colours.bind(buffer_.colours.data());
   ports.ambient = scene_.ambient;
-  const Node node = launch<ShadeAmbient>(ports, items);
-  wait_for_bounce(node, bounce);
-  buffer_.colour_nodes.push_back(node);
+  add_colours<ShadeAmbient>(bounce, ports, items);
 }
 
 void Wavefront::shade_light(const Bounce& bounce, const LightUniforms<float>& light, std::uint32_t items) {

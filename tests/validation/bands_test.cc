@@ -1,10 +1,10 @@
-#include <cstdlib>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "tests/real_scenes.h"
 #include "tools/run_job.h"
 
 // What a believable machine of this class shows. What lies outside is written in DEVIATIONS.md with its cause, and held
@@ -77,11 +77,7 @@ TEST(Bands, ASceneThatFitsTheL2HardlyUsesMemoryUnlessRaySlotsSpill) {
 
 /// Empty if there are no real scenes here.
 std::string real_scene(const char* name) {
-  const char* folder = std::getenv("RAYWATT_SCENES");
-  const std::filesystem::path file =
-      (folder != nullptr ? std::filesystem::path(folder)
-                         : std::filesystem::path(RAYWATT_SOURCE_DIR).parent_path() / "shared/scenes") /
-      name;
+  const std::filesystem::path file = test::scenes_folder() / name;
   return std::filesystem::exists(file) ? file.string() : "";
 }
 

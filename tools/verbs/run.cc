@@ -1,10 +1,10 @@
-#include <chrono>
 #include <memory>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "sim/config/config.h"
+#include "sim/host_clock.h"
 #include "sim/io/file.h"
 #include "sim/report/report_json.h"
 #include "tools/interrupt.h"
@@ -87,7 +87,7 @@ struct Job {
 };
 
 void run(const JobOptions& options) {
-  const auto begin = std::chrono::steady_clock::now();
+  const auto begin = sim::HostClock::now();
   Job job{options, kernels::parse_program(options.program), {}};
   if (!options.reference.empty()) job.reference = kernels::parse_program(options.reference);
   RunFolder folder(options.out, options.force);
@@ -98,7 +98,7 @@ void run(const JobOptions& options) {
   folder.fill([&](const RunFolder::Open& open) {
     const Outcome out = job.run_frames(inputs, open);
     const std::filesystem::path& staging = open();
-    const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    const double wall = sim::seconds_since(begin);
     const Result result = out.result();
     json = report_json({inputs, options, result, out.frames, out.partial, wall});
     sim::write_file_atomically(staging / "report.json", sim::json_text(json));

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -9,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "sim/error.h"
+#include "sim/host_clock.h"
 #include "sim/io/file.h"
 #include "sim/io/printable.h"
 #include "sim/report/report_json.h"
@@ -25,10 +25,6 @@
 namespace tools {
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
 /// "VmRSS" (memory in use) or "VmHWM" (its peak) of this process, in bytes. getrusage() would count the program that
 /// started this one.
@@ -57,8 +53,8 @@ void list() {
 /// The scene that a user asks for by name, workload or file.
 struct Wanted {
   JobOptions job;
-  traces::Scene open() const {
-    const RunConfig config = load_run_config(job);
+  traces::Scene open() const { return open(load_run_config(job)); }
+  static traces::Scene open(const RunConfig& config) {
     return traces::open_scene(config.scene.name, {.triangles = config.scene.triangles}, config.limits);
   }
 };
@@ -70,14 +66,15 @@ struct InfoOptions {
 
 void show(const InfoOptions& options) {
   SceneCost cost;
+  const RunConfig config = load_run_config(options.scene.job);
   const std::uint64_t before = memory_in_use("VmRSS");
-  const std::filesystem::path file = traces::scene_file(load_run_config(options.scene.job).scene.name);
-  auto begin = Clock::now();
-  const traces::Scene scene = options.scene.open();
-  cost.load_s = seconds_since(begin);
-  begin = Clock::now();
+  const std::filesystem::path file = traces::scene_file(config.scene.name);
+  auto begin = sim::HostClock::now();
+  const traces::Scene scene = Wanted::open(config);
+  cost.load_s = sim::seconds_since(begin);
+  begin = sim::HostClock::now();
   const traces::MemoryImage image = traces::build_memory_image(scene);
-  cost.build_s = seconds_since(begin);
+  cost.build_s = sim::seconds_since(begin);
   cost.peak_bytes = std::max(memory_in_use("VmHWM"), before) - before;
   std::error_code ignored;
   if (!file.empty()) cost.file_bytes = std::filesystem::file_size(file, ignored);

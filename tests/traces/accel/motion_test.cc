@@ -1,10 +1,10 @@
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 
 #include <gtest/gtest.h>
 
 #include "support.h"
+#include "tests/real_scenes.h"
 #include "traces/accel/build.h"
 #include "traces/accel/bvh_tracer.h"
 #include "traces/accel/embree_tracer.h"
@@ -16,12 +16,6 @@
 
 namespace traces {
 namespace {
-
-/// $RAYWATT_SCENES, or a folder shared beside the checkout.
-std::filesystem::path scenes_folder() {
-  const char* variable = std::getenv("RAYWATT_SCENES");
-  return variable != nullptr ? variable : "../shared/scenes";
-}
 
 std::vector<Ray> camera_rays(const Camera& camera, std::uint32_t width, std::uint32_t height) {
   const float up = std::tan(camera.vertical_fov / 2),
@@ -68,7 +62,7 @@ void expect_no_faults(const MemoryImage& image, const Camera& camera, std::uint6
 class MovingScene : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(MovingScene, IsHitAsEmbreeHitsItAtAnyTime) {
-  const std::filesystem::path file = scenes_folder() / GetParam();
+  const std::filesystem::path file = test::scenes_folder() / GetParam();
   if (!std::filesystem::exists(file)) {
     GTEST_SKIP() << "no " << file << "; set RAYWATT_SCENES to a folder that has it";
   }

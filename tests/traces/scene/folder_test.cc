@@ -1,21 +1,15 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 
 #include <gtest/gtest.h>
 
 #include "sim/error.h"
+#include "tests/real_scenes.h"
 #include "traces/scene/gltf.h"
 #include "traces/scene/info.h"
 
 namespace test {
 namespace {
-
-/// $RAYWATT_SCENES, or a folder shared beside the checkout.
-std::filesystem::path scenes_folder() {
-  const char* variable = std::getenv("RAYWATT_SCENES");
-  return variable != nullptr ? variable : "../shared/scenes";
-}
 
 void try_all(const std::filesystem::path& folder) {
   int tried = 0;
