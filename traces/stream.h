@@ -38,15 +38,27 @@ struct Edge {
   Kind kind = Kind::kAll;
 };
 
-/// A kernel launch, a batch of rays, or a transfer out of the tile buffer.
+/// What a transfer moves between a core's tile buffer and memory.
+enum class Region : std::uint8_t {
+  kPicture,  ///< finished pixels, a block per tile
+  kSamples,  ///< attributes and colours of samples: halos, or all of them where the tile buffer does not hold them
+  kRates,    ///< sampling rates of tiles, from frame to frame
+  kCount
+};
+
+/// A kernel launch, a batch of rays, or a transfer between the tile buffer and memory.
 struct WorkNode {
   enum class Kind : std::uint8_t { kLaunch, kRays, kTransfer };
   Kind kind = Kind::kLaunch;
   RayKind ray_kind = RayKind::kPrimary;  ///< kRays
   KernelId kernel = 0;                   ///< kLaunch
   std::uint32_t items = 0;               ///< work items, rays, or bytes to transfer
-  std::uint32_t first = 0;        ///< kRays: first ray of the tile; kLaunch: first entry of access_begin, if it has any
-  bool has_accesses = false;      ///< kLaunch: items read memory through the data cache
+  std::uint32_t first = 0;    ///< kRays: first ray of the tile; kLaunch: first entry of access_begin, if it has any
+  bool has_accesses = false;  ///< kLaunch: items read memory through the data cache
+  std::uint32_t idle = 0;     ///< kLaunch: items beyond `items` that pass through the loop and do nothing
+  Region region = Region::kPicture;  ///< kTransfer
+  bool to_memory = true;             ///< kTransfer
+  std::uint64_t offset = 0;          ///< kTransfer: first byte within its region
   std::uint32_t sources = kNone;  ///< first entry in TileWork::sources for mapped `each` edges (one per item), or kNone
   std::vector<Edge> inputs;
   static constexpr std::uint32_t kNone = 0xffffffffU;
@@ -57,6 +69,8 @@ struct TileWork {
   std::uint32_t frame = 0;
   std::uint32_t tile = 0;
   std::uint32_t samples = 0;
+  std::vector<std::uint32_t> after;  ///< tiles of the frame that must be finished before this one begins
+  bool after_all = false;            ///< all earlier tiles of the list must be finished before
   std::vector<WorkNode> nodes;
   std::vector<std::uint32_t> walk;          ///< canonical walks of all rays, back to back (walk.h)
   std::vector<std::uint32_t> ray_begin;     ///< per ray, where its walk begins

@@ -78,7 +78,8 @@ void FullProgram::run_tile(std::uint32_t tile, const traces::Tracer& tracer, boo
   pack.packed.bind(out.packed.data());
   const Wavefront::Node packed = wave.launch<PackColour>(pack, pixels);
   wave.wait_all(packed, averaged);
-  wave.transfer(pixels * 4, packed);
+  wave.wait_all(wave.transfer(traces::Region::kPicture, true, std::uint64_t{tile} * tile_pixels() * 4, pixels * 4),
+                packed);
   wave.finish();
 }
 

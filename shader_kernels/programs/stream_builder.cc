@@ -14,6 +14,8 @@ StreamBuilder::StreamBuilder(traces::TileWork& work, std::vector<WorkNode>& spar
   work.accesses.clear();
   work.access_begin.clear();
   work.sources.clear();
+  work.after.clear();
+  work.after_all = false;
 }
 
 WorkNode& StreamBuilder::add(WorkNode::Kind kind, std::uint32_t items) {
@@ -29,12 +31,14 @@ WorkNode& StreamBuilder::add(WorkNode::Kind kind, std::uint32_t items) {
   return node;
 }
 
-StreamBuilder::Node StreamBuilder::launch(traces::KernelId kernel, std::uint32_t items, bool has_accesses) {
+StreamBuilder::Node StreamBuilder::launch(traces::KernelId kernel, std::uint32_t items, bool has_accesses,
+                                          std::uint32_t idle) {
   if (!on_) return kNone;
   launch_sources_ = static_cast<std::uint32_t>(work_.sources.size());
   WorkNode& node = add(WorkNode::Kind::kLaunch, items);
   node.kernel = kernel;
   node.has_accesses = has_accesses;
+  node.idle = idle;
   if (has_accesses) node.first = static_cast<std::uint32_t>(work_.access_begin.size());
   return count_ - 1;
 }
@@ -50,9 +54,13 @@ StreamBuilder::Node StreamBuilder::rays(traces::RayKind kind, std::uint32_t coun
   return count_ - 1;
 }
 
-StreamBuilder::Node StreamBuilder::transfer(std::uint32_t bytes) {
+StreamBuilder::Node StreamBuilder::transfer(traces::Region region, bool to_memory, std::uint64_t offset,
+                                            std::uint32_t bytes) {
   if (!on_) return kNone;
-  add(WorkNode::Kind::kTransfer, bytes);
+  WorkNode& node = add(WorkNode::Kind::kTransfer, bytes);
+  node.region = region;
+  node.to_memory = to_memory;
+  node.offset = offset;
   return count_ - 1;
 }
 

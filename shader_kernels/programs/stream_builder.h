@@ -17,14 +17,15 @@ class StreamBuilder {
   StreamBuilder(traces::TileWork& work, std::vector<traces::WorkNode>& spare, bool on);
   bool is_on() const { return on_; }
 
-  Node launch(traces::KernelId kernel, std::uint32_t items, bool has_accesses);
+  /// `idle` items more pass through the loop and do nothing.
+  Node launch(traces::KernelId kernel, std::uint32_t items, bool has_accesses, std::uint32_t idle = 0);
   /// An item of the last launch begins; for launches with accesses.
   void begin_item() { work_.access_begin.push_back(static_cast<std::uint32_t>(work_.accesses.size())); }
   /// The last launch made a ray out of `item`.
   void add_source(std::uint32_t item) { work_.sources.push_back(item); }
   /// Rays made by `launch`: one per item, or (`is_mapped`) one per source added since that launch.
   Node rays(traces::RayKind kind, std::uint32_t count, std::uint32_t first, Node launch, bool is_mapped);
-  Node transfer(std::uint32_t bytes);
+  Node transfer(traces::Region region, bool to_memory, std::uint64_t offset, std::uint32_t bytes);
   void wait(Node node, Node for_node, traces::Edge::Kind kind);
   void finish();
 

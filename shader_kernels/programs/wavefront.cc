@@ -141,9 +141,8 @@ void Wavefront::wait_for_colours(Node node) {
   for (const Node adder : buffer_.colour_nodes) wait_all(node, adder);
 }
 
-void Wavefront::transfer(std::uint32_t bytes, Node maker) {
-  const Node node = stream_.transfer(bytes);
-  wait_all(node, maker);
+Wavefront::Node Wavefront::transfer(traces::Region region, bool to_memory, std::uint64_t offset, std::uint32_t bytes) {
+  return stream_.transfer(region, to_memory, offset, bytes);
 }
 
 }  // namespace kernels

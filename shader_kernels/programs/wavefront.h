@@ -48,7 +48,7 @@ class Wavefront {
   void run(Node maker, std::uint32_t rays);
   /// Makes `node` wait for all launches that add to the samples' colours.
   void wait_for_colours(Node node);
-  void transfer(std::uint32_t bytes, Node maker);
+  Node transfer(traces::Region region, bool to_memory, std::uint64_t offset, std::uint32_t bytes);
   void finish() { stream_.finish(); }
 
  private:
