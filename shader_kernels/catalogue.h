@@ -16,12 +16,16 @@
 #include "shader_kernels/kernels/classify_surfaces.h"
 #include "shader_kernels/kernels/clear_samples.h"
 #include "shader_kernels/kernels/combine_shadow.h"
+#include "shader_kernels/kernels/encode_colours.h"
 #include "shader_kernels/kernels/fetch_vertices.h"
+#include "shader_kernels/kernels/generate_extra_rays.h"
 #include "shader_kernels/kernels/generate_listed_rays.h"
 #include "shader_kernels/kernels/generate_rays.h"
 #include "shader_kernels/kernels/interpolate_sample.h"
 #include "shader_kernels/kernels/list_samples.h"
 #include "shader_kernels/kernels/pack_colour.h"
+#include "shader_kernels/kernels/pack_subpixels.h"
+#include "shader_kernels/kernels/record_branch.h"
 #include "shader_kernels/kernels/record_geometry.h"
 #include "shader_kernels/kernels/record_secondary.h"
 #include "shader_kernels/kernels/record_shadow.h"
@@ -42,25 +46,30 @@
 #include "shader_kernels/kernels/shade_straight.h"
 #include "shader_kernels/kernels/shade_surface.h"
 #include "shader_kernels/kernels/shade_textured.h"
+#include "shader_kernels/kernels/sum_subpixels.h"
 #include "shader_kernels/kernels/test_alpha.h"
 #include "shader_kernels/kernels/test_shadow.h"
+#include "shader_kernels/kernels/test_subpixels.h"
+#include "shader_kernels/kernels/weigh_centres.h"
 #include "traces/stream.h"
 
 namespace kernels {
 
 /// Every kernel; its place in this list is its KernelId.
-using AllKernels =
-    std::tuple<GenerateRays, GenerateJitteredRays, ClassifyLayers, TestAlpha<false>, TestAlpha<true>, TestShadow<false>,
-               TestShadow<true>, ScatterLayers, ClassifyHits, ShadeBackground, ShadeSurface, ClassifyDetails, Absorb,
-               FetchVertices, ShadeBase, ShadePhysical, ShadeBump, ShadeBlend, ClassifySurfaces, ShadeTextured,
-               ShadeEmission, ShadeGlow, ShadeAmbient, ShadeOccluded, ShadeDiffuse, CombineShadow, ShadeStraight,
-               ShadeMirror, ShadeGlass, AverageColour, PackColour,
-               // Adaptive sampling.
-               ListSamples, GenerateListedRays, ClearGeometry, ClearSecondary, RecordGeometry, RecordSurface,
-               RecordSecondary, RecordShadow, RecordSecondaryShadow, CheckSimilarity<false, false>,
-               CheckSimilarity<false, true>, CheckSimilarity<true, false>, CheckSimilarity<true, true>,
-               InterpolateSample<false, false>, InterpolateSample<false, true>, InterpolateSample<true, false>,
-               AverageSamples>;
+using AllKernels = std::tuple<
+    GenerateRays, GenerateJitteredRays, ClassifyLayers, TestAlpha<false>, TestAlpha<true>, TestShadow<false>,
+    TestShadow<true>, ScatterLayers, ClassifyHits, ShadeBackground, ShadeSurface, ClassifyDetails, Absorb,
+    FetchVertices, ShadeBase, ShadePhysical, ShadeBump, ShadeBlend, ClassifySurfaces, ShadeTextured, ShadeEmission,
+    ShadeGlow, ShadeAmbient, ShadeOccluded, ShadeDiffuse, CombineShadow, ShadeStraight, ShadeMirror, ShadeGlass,
+    AverageColour, PackColour,
+    // Adaptive sampling.
+    ListSamples, GenerateListedRays, ClearGeometry, ClearSecondary, RecordGeometry, RecordSurface, RecordSecondary,
+    RecordShadow, RecordSecondaryShadow, CheckSimilarity<false, false>, CheckSimilarity<false, true>,
+    CheckSimilarity<true, false>, CheckSimilarity<true, true>, InterpolateSample<false, false>,
+    InterpolateSample<false, true>, InterpolateSample<true, false>, AverageSamples,
+    // supersample.
+    ClearBranch, WeighBranch, RecordBranch, RecordBranchShadow, EncodeColours, TestSubpixels, WeighCentres<false>,
+    WeighCentres<true>, PackSubpixels, PackSubpixelsAtomic, GenerateExtraRays, SumSubpixels>;
 
 template <class K, class... Ks>
 constexpr traces::KernelId place_in(std::type_identity<std::tuple<Ks...>>) {

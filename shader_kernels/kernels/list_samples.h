@@ -19,9 +19,7 @@ struct ListSamples {
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
-    const Split<V> row = split<V>(to_float(item), at.lattice.across, at.lattice.inverse_across);
-    at.samples.store(item,
-                     {to_int(at.lattice.first + row.remainder * at.lattice.step + row.quotient * at.lattice.row_step)});
+    at.samples.store(item, {lattice_sample<V>(item, at.lattice)});
   }
 };
 

@@ -33,5 +33,10 @@ struct LatticeUniforms {
     port(l.row_step, "lattice.row_step");
   }
 };
+template <class V>
+I<V> lattice_sample(const I<V>& item, const LatticeUniforms<V>& lattice) {
+  const Split<V> row = split<V>(to_float(item), lattice.across, lattice.inverse_across);
+  return to_int(lattice.first + row.remainder * lattice.step + row.quotient * lattice.row_step);
+}
 
 }  // namespace kernels

@@ -7,7 +7,7 @@ namespace kernels {
 
 /// A frame program as the user names it.
 struct ProgramSpec {
-  enum class Kind : std::uint8_t { kFull, kMultirate };
+  enum class Kind : std::uint8_t { kFull, kMultirate, kSupersample };
   Kind kind = Kind::kFull;
   std::uint32_t samples = 1;  ///< wanted per pixel, a square; full: traced
   std::string name() const;

@@ -1,5 +1,7 @@
 #include "shader_kernels/programs/tile_result.h"
 
+#include "shader_kernels/kernels/subpixels.h"
+
 namespace kernels {
 namespace {
 
@@ -45,6 +47,18 @@ void TileBuffer::hold_samples(std::size_t samples) {
   grow(kept, samples);
   grow(verdicts, samples);
   for (auto* stream : {&this->samples, &passed, &failed}) grow(*stream, samples + 1);
+}
+
+void TileBuffer::hold_subpixels(std::size_t centres, std::size_t pixels) {
+  grow(branches, centres);
+  grow(weights, centres);
+  grow(references, centres);
+  grow(subpixels, 4 * pixels);
+  // Lists have places to spare: what is not kept is written behind their end, and chunks may stay three short.
+  const std::size_t chunks = (4 * pixels + kChunk - 4) / (kChunk - 3) + 1;
+  grow(active, chunks * kChunk + 4);
+  grow(masters, pixels + 1);
+  grow(fills, chunks + 1);
 }
 
 }  // namespace kernels
