@@ -113,11 +113,9 @@ Simulation simulate(const Inputs& inputs, const kernels::ProgramSpec& program, s
   const traces::BvhTracer tracer(inputs.image);
   hw::FrontEnd front_end(frame, tracer, host_threads(threads) - 1);
   Interruptible tiles(front_end);
-  const std::uint32_t tile_bytes = frame.tile_pixels() * hw::kPixelBytes;
-  const auto gpu = std::make_unique<hw::Gpu>(inputs.config.gpu,
-                                             hw::Gpu::Workload{inputs.image, inputs.parents, frame.tile_samples(),
-                                                               tile_bytes, std::uint64_t{frame.tiles()} * tile_bytes},
-                                             tiles);
+  const std::uint64_t picture_bytes = std::uint64_t{frame.tiles()} * frame.tile_pixels() * hw::kPixelBytes;
+  const auto gpu = std::make_unique<hw::Gpu>(
+      inputs.config.gpu, hw::Gpu::Workload{inputs.image, inputs.parents, frame.tile_samples(), {picture_bytes}}, tiles);
   const auto energy = [&] {
     return sim::compute_energy(gpu->report(), inputs.config.energy, hw::dram_energy_events(inputs.config.gpu.dram),
                                gpu->elapsed());

@@ -15,7 +15,7 @@ namespace hw {
 ///   jobs --> [one at a time, in order] --> line requests --> memory
 ///
 /// A write is done when its last line has left; a read when its last line has come.
-/// Not modelled: reads of partial lines before writing them (tiles fill whole lines of the tiled frame buffer).
+/// Part of a line costs as much as all of it. Not modelled: reads of partial lines before writing them.
 class Dma {
  public:
   enum class Why : std::uint8_t { kIdle, kMoving, kWaiting, kCount };
@@ -54,6 +54,7 @@ class Dma {
   const std::uint16_t port_;
   bool active_ = false;
   DmaJob job_;
+  Addr next_line_ = 0;
   std::uint32_t lines_left_ = 0;  ///< still to be asked for
   std::uint32_t replies_left_ = 0;
   Stats stats_;

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <deque>
 #include <memory>
@@ -32,10 +33,9 @@ class Gpu {
   /// What the machine must know of the workload beside the stream itself.
   struct Workload {
     const traces::MemoryImage& image;
-    std::span<const std::uint32_t> parents;  ///< of each node of the tree
-    std::uint32_t tile_samples = 256;        ///< of a full tile
-    std::uint32_t tile_bytes = 1024;         ///< of a full tile in the frame buffer
-    std::uint64_t picture_bytes = 0;         ///< of all tiles there
+    std::span<const std::uint32_t> parents;              ///< of each node of the tree
+    std::uint32_t tile_samples = 256;                    ///< of a full tile
+    std::array<std::uint64_t, kRegions> region_bytes{};  ///< of all tiles together, by traces::Region
   };
 
   Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles);

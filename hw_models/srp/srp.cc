@@ -14,8 +14,8 @@ using traces::WorkNode;
 
 namespace {
 
-constexpr std::uint32_t kTileShift = 24;  // a ray's handle: tile in flight, then the ray's index within the tile
-constexpr std::uint32_t kRayMask = (1U << kTileShift) - 1;
+constexpr std::uint32_t kTileShift = 24;  // a handle: tile in flight, then the ray's or node's index within the tile
+constexpr std::uint32_t kIndexMask = (1U << kTileShift) - 1;
 static_assert(kMaxRays == 1U << kTileShift);
 constexpr std::uint32_t kSpillTag = 0xffffffffU;
 constexpr std::uint64_t kAccess = 16;  // bytes of one access to the tile buffer
@@ -66,6 +66,7 @@ void Srp::take_tile(sim::Time now) {
   by_age_.push_back(static_cast<std::uint32_t>(free - tiles_.begin()));
   stats_.tiles += 1;
   look_ = true;
+  start_transfers(by_age_.back());
 }
 
 void Srp::take_hit(sim::Time now) {
@@ -74,7 +75,10 @@ void Srp::take_hit(sim::Time now) {
   buffer_.write(kHitWrites);
   rays_out_ -= 1;
   stats_.hits += 1;
-  if (tiles_[id >> kTileShift].finish_ray(id & kRayMask) || rays_out_ == 0) look_ = true;
+  const std::uint32_t tile = id >> kTileShift;
+  const bool news = tiles_[tile].finish_ray(id & kIndexMask);
+  if (news) start_transfers(tile);
+  if (news || rays_out_ == 0) look_ = true;
 }
 
 void Srp::take_line(sim::Time now) {
@@ -95,9 +99,9 @@ void Srp::take_dma(sim::Time now) {
     look_ = true;
     return;
   }
-  const std::uint32_t tile = tag >> 16;
-  tiles_[tile].finish_items(tag & 0xffffU, tiles_[tile].node(tag & 0xffffU).items);
-  end_tile(now, tile);
+  const std::uint32_t tile = tag >> kTileShift, node = tag & kIndexMask;
+  if (tiles_[tile].is_awaited(node)) transfers_awaited_ -= 1;
+  finish_items(now, tile, node, tiles_[tile].node(node).items);
 }
 
 void Srp::run_array(sim::Time now) {
@@ -177,24 +181,32 @@ void Srp::collect_lines(const WorkNode& node, std::uint32_t item) {
 }
 
 void Srp::finish_chunk(sim::Time now) {
-  TileRun& tile = tiles_[run_.tile];
-  KernelUse& use = kernel_use_[tile.node(run_.node).kernel];
+  KernelUse& use = kernel_use_[tiles_[run_.tile].node(run_.node).kernel];
   use.cycles += clock_.cycles(now - run_.begin);
-  buffer_.give_back(tile.finish_items(run_.node, run_.items));
   run_.active = false;
-  look_ = true;
-  if (tile.complete(run_.node)) queue_transfers(run_.tile);
-  end_tile(now, run_.tile);
+  finish_items(now, run_.tile, run_.node, run_.items);
 }
 
-void Srp::queue_transfers(std::uint32_t tile) {
-  const TileRun& run = tiles_[tile];
-  for (std::uint32_t n = 0; n < run.nodes(); ++n) {
-    if (run.node(n).kind != WorkNode::Kind::kTransfer || run.node(n).inputs.back().node != run_.node) continue;
-    const Addr base = frame_.layout->frame_buffer + Addr{run.work().tile} * frame_.tile_bytes;
-    dma_.push_back({base, run.node(n).items, true, (tile << 16) | n});
-    buffer_.read((run.node(n).items + kAccess - 1) / kAccess);
-  }
+void Srp::finish_items(sim::Time now, std::uint32_t tile, std::uint32_t node, std::uint32_t items) {
+  buffer_.give_back(tiles_[tile].finish_items(node, items));
+  look_ = true;
+  start_transfers(tile);
+  end_tile(now, tile);
+}
+
+void Srp::start_transfers(std::uint32_t tile) {
+  tiles_[tile].start_transfers([&](std::uint32_t n) {
+    const WorkNode& node = tiles_[tile].node(n);
+    const Addr base = frame_.areas[static_cast<std::size_t>(area_of(node.region))] + node.offset;
+    dma_.push_back({base, node.items, node.to_memory, (tile << kTileShift) | n});
+    const std::uint64_t accesses = (node.items + kAccess - 1) / kAccess;
+    if (node.to_memory) {
+      buffer_.read(accesses);
+    } else {
+      buffer_.write(accesses);
+    }
+    if (tiles_[tile].is_awaited(n)) transfers_awaited_ += 1;
+  });
 }
 
 void Srp::end_tile(sim::Time now, std::uint32_t tile) {
@@ -227,7 +239,8 @@ void Srp::start_chunk(sim::Time now) {
     if (node != TileRun::kNone) return begin_chunk(now, tile, node);
   }
   const bool rays_can_go = std::ranges::any_of(feeds_, [&](const Feed& f) { return feed_at(f) != sim::kNever; });
-  if (!blocked_ || rays_out_ > 0 || rays_can_go || spills_done_ < spills_asked_) return;
+  const bool data_come = spills_done_ < spills_asked_ || transfers_awaited_ > 0;
+  if (!blocked_ || rays_out_ > 0 || rays_can_go || data_come) return;
   for (const std::uint32_t tile : by_age_) {
     const std::uint32_t node = tiles_[tile].next_launch([](std::uint32_t) { return true; });
     if (node != TileRun::kNone) return begin_chunk(now, tile, node);
@@ -263,8 +276,9 @@ void Srp::begin_chunk(sim::Time now, std::uint32_t tile, std::uint32_t node) {
   const auto bytes = static_cast<std::uint32_t>(2 * spilled * buffer_.slot_bytes());
   buffer_.read(bytes / kAccess);
   buffer_.write(bytes / kAccess);
-  dma_.push_back({frame_.spill, bytes, true, kSpillTag});
-  dma_.push_back({frame_.spill, bytes, false, kSpillTag});
+  const Addr spill = frame_.areas[static_cast<std::size_t>(Area::kSpill)];
+  dma_.push_back({spill, bytes, true, kSpillTag});
+  dma_.push_back({spill, bytes, false, kSpillTag});
   spills_asked_ += 2;
   for (Feed& f : feeds_) {
     if (f.tile == tile && run.producer(f.batch) == node) f.after_spill = spills_asked_;

@@ -22,10 +22,11 @@
 namespace hw {
 
 /// The shader core of a GPU core (SRP): works through the kernel launches of its tiles, feeds their rays to the T&I
-/// unit and moves finished tiles out.
+/// unit and has the DMA move what its tiles read and write.
 ///
 ///   tiles --> [ launches: oldest tile, then consumers, first ] --> array: switch + depth + (n-1) II + stalls
 ///   rays  <-- [ tile buffer: a slot for each ray and its hit ] <-- hits
+///                        [ transfers whose inputs are there ] --> DMA
 ///
 /// A launch runs in chunks; each pays kernel switch (if the array holds another kernel), prologue and drain. A chunk
 /// starts only when its rays fit into free ray slots, and a younger tile's first rays leave room for the oldest tile's.
@@ -59,9 +60,8 @@ class Srp {
     const traces::Layout* layout = nullptr;
     std::span<const KernelSchedule> kernels;  ///< by KernelId
     std::uint32_t tile_samples = 0;
-    std::uint32_t tile_bytes = 0;  ///< of a full tile in the frame buffer
-    sim::Time ray_interval = 0;    ///< the direct interface takes a ray this often
-    Addr spill = 0;                ///< where slots go that do not fit
+    sim::Time ray_interval = 0;        ///< the direct interface takes a ray this often
+    std::array<Addr, kAreas> areas{};  ///< where each begins; slots of this core spill to kSpill
   };
 
   Srp(const SrpConfig& config, const TileBufferConfig& buffer, const Frame& frame, Links links, std::uint16_t port,
@@ -114,7 +114,8 @@ class Srp {
   void start_chunk(sim::Time now);
   bool fits(std::uint32_t tile, std::uint32_t node) const;
   void begin_chunk(sim::Time now, std::uint32_t tile, std::uint32_t node);
-  void queue_transfers(std::uint32_t tile);
+  void finish_items(sim::Time now, std::uint32_t tile, std::uint32_t node, std::uint32_t items);
+  void start_transfers(std::uint32_t tile);
   void end_tile(sim::Time now, std::uint32_t tile);
   void feed_ray(sim::Time now);
   void freeze(sim::Time now) { run_.frozen = now; }
@@ -152,6 +153,7 @@ class Srp {
   std::uint64_t rays_out_ = 0;  ///< in the T&I unit
   std::deque<DmaJob> dma_;
   std::uint64_t spills_asked_ = 0, spills_done_ = 0;
+  std::uint64_t transfers_awaited_ = 0;  ///< under way, and something waits for them
   std::vector<KernelUse> kernel_use_;
   Stats stats_;
   sim::Activity<Why> activity_;

@@ -20,12 +20,14 @@ void TileRun::begin(const traces::TileWork& work, std::uint32_t chunk) {
   nodes_left_ = static_cast<std::uint32_t>(work.nodes.size());
   if (progress_.size() < work.nodes.size()) progress_.resize(work.nodes.size());
   batch_of_ray_.resize(work.ray_begin.size());
+  transfers_.clear();
   for (std::uint32_t n = 0; n < nodes(); ++n) {
     Progress& p = progress_[n];
     p.done = p.prefix = p.readers = 0;
     p.batches.clear();
     p.chunk_left.clear();
     const WorkNode& w = node(n);
+    assert(w.items > 0);
     if (w.kind == WorkNode::Kind::kRays) {
       assert(w.inputs.size() == 1 && w.inputs.front().kind == Edge::Kind::kEach && "rays come from one launch each");
       progress_[producer(n)].batches.push_back(n);
@@ -34,9 +36,8 @@ void TileRun::begin(const traces::TileWork& work, std::uint32_t chunk) {
       }
       std::fill_n(batch_of_ray_.begin() + w.first, w.items, n);
     } else {
-      for (const Edge& e : w.inputs) {
-        if (node(e.node).kind == WorkNode::Kind::kRays) progress_[e.node].readers += 1;
-      }
+      for (const Edge& e : w.inputs) progress_[e.node].readers += 1;
+      if (w.kind == WorkNode::Kind::kTransfer) transfers_.push_back(n);
     }
   }
 }
@@ -57,6 +58,10 @@ bool TileRun::ready(std::uint32_t n) const {
   if (complete(n)) return false;
   const std::uint32_t want = done(n) + chunk_items(n);
   return std::ranges::all_of(node(n).inputs, [&](const Edge& e) { return available(n, e) >= want; });
+}
+
+bool TileRun::inputs_complete(std::uint32_t n) const {
+  return std::ranges::all_of(node(n).inputs, [&](const Edge& e) { return complete(e.node); });
 }
 
 std::uint32_t TileRun::rays_made(std::uint32_t n, std::uint32_t first, std::uint32_t items) const {
@@ -81,8 +86,7 @@ std::uint32_t TileRun::finish_items(std::uint32_t n, std::uint32_t items) {
   nodes_left_ -= 1;
   std::uint32_t freed = 0;
   for (const Edge& e : node(n).inputs) {
-    if (node(e.node).kind != WorkNode::Kind::kRays) continue;
-    if (--progress_[e.node].readers == 0) freed += node(e.node).items;
+    if (--progress_[e.node].readers == 0 && node(e.node).kind == WorkNode::Kind::kRays) freed += node(e.node).items;
   }
   return freed;
 }

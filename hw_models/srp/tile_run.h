@@ -1,4 +1,5 @@
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -23,6 +24,8 @@ class TileRun {
   std::uint32_t done(std::uint32_t n) const { return progress_[n].done; }
   bool complete(std::uint32_t n) const { return progress_[n].done == node(n).items; }
   bool all_complete() const { return nodes_left_ == 0; }
+  /// Nodes still to come wait for node `n`.
+  bool is_awaited(std::uint32_t n) const { return progress_[n].readers > 0; }
 
   /// The launch to run next: the latest node whose next chunk is ready, so that consumers go before producers.
   /// `usable(n)` may refuse one. kNone if there is none.
@@ -32,6 +35,19 @@ class TileRun {
       if (node(n).kind == traces::WorkNode::Kind::kLaunch && ready(n) && usable(n)) return n;
     }
     return kNone;
+  }
+  /// Calls `start(n)` for every transfer whose inputs have become complete, once for each.
+  template <class Start>
+  void start_transfers(Start&& start) {
+    std::size_t left = 0;
+    for (const std::uint32_t n : transfers_) {
+      if (inputs_complete(n)) {
+        start(n);
+      } else {
+        transfers_[left++] = n;
+      }
+    }
+    transfers_.resize(left);
   }
   /// Items of launch `n` that its next chunk holds.
   std::uint32_t chunk_items(std::uint32_t n) const;
@@ -50,7 +66,7 @@ class TileRun {
 
   /// `items` more items of a launch (or the whole transfer) are finished. Returns ray slots that nobody reads any more.
   std::uint32_t finish_items(std::uint32_t n, std::uint32_t items);
-  /// Ray `ray` of the tile has come back. True if that may have made a launch ready.
+  /// Ray `ray` of the tile has come back. True if that may have made another node ready.
   bool finish_ray(std::uint32_t ray);
 
   static constexpr std::uint32_t kNone = 0xffffffffU;
@@ -59,17 +75,19 @@ class TileRun {
   struct Progress {
     std::uint32_t done = 0;
     std::uint32_t prefix = 0;   ///< rays: leading items all of which are done, in whole chunks
-    std::uint32_t readers = 0;  ///< rays: launches that still read their slots
+    std::uint32_t readers = 0;  ///< launches and transfers that still wait for it, or read its rays' slots
     std::vector<std::uint32_t> batches;
     std::vector<std::uint32_t> chunk_left;  ///< rays: items of each chunk still out
   };
   bool ready(std::uint32_t n) const;
+  bool inputs_complete(std::uint32_t n) const;
   std::uint32_t available(std::uint32_t n, const traces::Edge& edge) const;
 
   const traces::TileWork* work_ = nullptr;
   std::uint32_t chunk_ = 1;
   std::uint32_t nodes_left_ = 0;
   std::vector<Progress> progress_;
+  std::vector<std::uint32_t> transfers_;  ///< not yet started
   std::vector<std::uint32_t> batch_of_ray_;
 };
 

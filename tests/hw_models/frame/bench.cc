@@ -55,7 +55,8 @@ Frame::Frame(traces::Scene&& scene, std::uint32_t width, std::uint32_t height, s
       picture_lines_(lines_of_picture(program_, width, height)) {}
 
 Gpu::Workload Frame::workload() const {
-  return {image_, parents_, program_.tile_samples(), program_.tile_pixels() * kPixelBytes};
+  const std::uint64_t picture_bytes = std::uint64_t{program_.tiles()} * program_.tile_pixels() * kPixelBytes;
+  return {image_, parents_, program_.tile_samples(), {picture_bytes}};
 }
 
 const Frame& cornell_64x32() {

@@ -153,6 +153,12 @@ TEST(Dma, ThePartOfALineCostsAWholeOne) {
   EXPECT_EQ(bench.dma().stats().lines_written, 2U);
 }
 
+TEST(Dma, ABlockThatBeginsWithinALineMovesEveryLineItTouches) {
+  DmaBench bench({});
+  bench.add(64, true, 640 + 32).add(8, false, 640 + 60).add(16, false, 640 + 16).run();
+  EXPECT_EQ(bench.lines(), (std::vector<Addr>{640, 704, 640, 704, 640}));
+}
+
 TEST(Dma, EveryCycleHasAReasonAndTheOracleAgrees) {
   const auto fill = [](DmaBench& b) -> DmaBench& { return b.add(1000, true).add(300, false).add(64, true); };
   for (const DmaBench::Setup& setup :

@@ -1,5 +1,7 @@
 #include "hw_models/srp/tile_run.h"
 
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include "tests/hw_models/srp/srp_bench.h"
@@ -126,7 +128,7 @@ TEST(TileRun, IsCompleteWhenLaunchesRaysAndTransfersAre) {
   TileBuilder builder;
   const auto rays = builder.rays(builder.launch(kKernel, 2), 2);
   const auto shade = builder.launch(kKernel, 2, {TileBuilder::each(rays)});
-  const auto out = builder.transfer(64, shade);
+  const auto out = builder.picture(64, shade);
   Tile tile(builder);
   tile.run.finish_items(0, 2);
   tile.run.finish_ray(0);
@@ -136,6 +138,29 @@ TEST(TileRun, IsCompleteWhenLaunchesRaysAndTransfersAre) {
   EXPECT_FALSE(tile.run.all_complete());
   tile.run.finish_items(out, 64);
   EXPECT_TRUE(tile.run.all_complete());
+}
+
+TEST(TileRun, ATransferStartsOnceWhenItsLastInputIsComplete) {
+  TileBuilder builder;
+  const auto in = builder.transfer(traces::Region::kRates, false, 64);
+  const auto launch = builder.launch(kKernel, 4, {TileBuilder::all(in)});
+  const auto out = builder.transfer(traces::Region::kRates, true, 64, {TileBuilder::all(launch), TileBuilder::all(in)});
+  Tile tile(builder);
+  const auto started = [&] {
+    std::vector<std::uint32_t> nodes;
+    tile.run.start_transfers([&](std::uint32_t n) { nodes.push_back(n); });
+    return nodes;
+  };
+  EXPECT_EQ(started(), (std::vector<std::uint32_t>{in}));
+  EXPECT_EQ(started(), (std::vector<std::uint32_t>{}));
+  EXPECT_EQ(tile.next(), kNone);
+  EXPECT_TRUE(tile.run.is_awaited(in));
+  tile.run.finish_items(in, 64);
+  EXPECT_EQ(started(), (std::vector<std::uint32_t>{}));
+  EXPECT_EQ(tile.next(), launch);
+  tile.run.finish_items(launch, 4);
+  EXPECT_EQ(started(), (std::vector<std::uint32_t>{out}));
+  EXPECT_FALSE(tile.run.is_awaited(out)) << "it is the last";
 }
 
 TEST(TileRun, APlaceIsUsedAgainWithNothingLeftOfTheTileBefore) {
