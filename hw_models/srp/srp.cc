@@ -223,7 +223,7 @@ bool Srp::fits(std::uint32_t tile, std::uint32_t node) const {
   const TileRun& run = tiles_[tile];
   const std::uint64_t rays = run.rays_made(node, run.done(node), run.chunk_items(node));
   if (rays == 0) return true;
-  const bool first_rays_of_younger = tile != by_age_.front() && run.node(node).inputs.empty();
+  const bool first_rays_of_younger = tile != by_age_.front() && !run.follows_rays(node);
   return buffer_.free() >= rays + (first_rays_of_younger ? frame_.tile_samples : 0);
 }
 

@@ -28,6 +28,9 @@ void TileRun::begin(const traces::TileWork& work, std::uint32_t chunk) {
     p.chunk_left.clear();
     const WorkNode& w = node(n);
     assert(w.items > 0);
+    p.follows_rays = std::ranges::any_of(w.inputs, [&](const Edge& e) {
+      return node(e.node).kind == WorkNode::Kind::kRays || progress_[e.node].follows_rays;
+    });
     if (w.kind == WorkNode::Kind::kRays) {
       assert(w.inputs.size() == 1 && w.inputs.front().kind == Edge::Kind::kEach && "rays come from one launch each");
       progress_[producer(n)].batches.push_back(n);

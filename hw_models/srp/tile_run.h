@@ -24,6 +24,8 @@ class TileRun {
   std::uint32_t done(std::uint32_t n) const { return progress_[n].done; }
   bool complete(std::uint32_t n) const { return progress_[n].done == node(n).items; }
   bool all_complete() const { return nodes_left_ == 0; }
+  /// Node `n` waits for rays, itself or through others.
+  bool follows_rays(std::uint32_t n) const { return progress_[n].follows_rays; }
   /// Nodes still to come wait for node `n`.
   bool is_awaited(std::uint32_t n) const { return progress_[n].readers > 0; }
 
@@ -76,6 +78,7 @@ class TileRun {
     std::uint32_t done = 0;
     std::uint32_t prefix = 0;   ///< rays: leading items all of which are done, in whole chunks
     std::uint32_t readers = 0;  ///< launches and transfers that still wait for it, or read its rays' slots
+    bool follows_rays = false;
     std::vector<std::uint32_t> batches;
     std::vector<std::uint32_t> chunk_left;  ///< rays: items of each chunk still out
   };
