@@ -49,13 +49,19 @@ Json rays_json(const Simulation& s) {
           {"continued", s.function.continued}};
 }
 
-/// Who moved the bytes: fills of the L2, the picture, ray slots that did not fit into the tile buffers (out and in).
+/// What the bytes were for: fills of the L2, the picture, ray slots that did not fit into the tile buffers, and where a
+/// method has them samples and rates; out and in.
 Json dram_clients_json(const Simulation& s) {
   constexpr std::uint64_t kLine = 64;
-  const std::uint64_t read = sum_of(s, "dma", "lines_read"), written = sum_of(s, "dma", "lines_written");
-  return {{"caches", kLine * sum_of(s, "l2", "fills")},
-          {"frame_buffer", kLine * (written - read)},
-          {"spills", 2 * kLine * read}};
+  const auto moved = [&](const std::string& area) {
+    return kLine * (sum_of(s, "dma", area + "_lines_written") + sum_of(s, "dma", area + "_lines_read"));
+  };
+  Json clients = {
+      {"caches", kLine * sum_of(s, "l2", "fills")}, {"frame_buffer", moved("picture")}, {"spills", moved("spill")}};
+  for (const char* area : {"samples", "rates"}) {
+    if (const std::uint64_t bytes = moved(area); bytes != 0) clients[area] = bytes;
+  }
+  return clients;
 }
 
 Json perf_json(const Simulation& s) {

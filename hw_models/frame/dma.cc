@@ -38,7 +38,9 @@ bool Dma::move_line(sim::Time now) {
   links_.memory_out.push(now, MemRequest{next_line_, port_, 0, job_.write});
   next_line_ += kLine;
   lines_left_ -= 1;
+  Stats::Lines& lines = stats_.lines[static_cast<std::size_t>(job_.area)];
   (job_.write ? stats_.lines_written : stats_.lines_read) += 1;
+  (job_.write ? lines.written : lines.read) += 1;
   return true;
 }
 

@@ -32,6 +32,7 @@ struct DmaJob {
   std::uint32_t bytes = 0;
   bool write = true;      ///< to memory
   std::uint32_t tag = 0;  ///< returned when done
+  Area area = Area::kPicture;
 };
 
 struct DmaDone {

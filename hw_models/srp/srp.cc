@@ -197,8 +197,9 @@ void Srp::finish_items(sim::Time now, std::uint32_t tile, std::uint32_t node, st
 void Srp::start_transfers(std::uint32_t tile) {
   tiles_[tile].start_transfers([&](std::uint32_t n) {
     const WorkNode& node = tiles_[tile].node(n);
-    const Addr base = frame_.areas[static_cast<std::size_t>(area_of(node.region))] + node.offset;
-    dma_.push_back({base, node.items, node.to_memory, (tile << kTileShift) | n});
+    const Area area = area_of(node.region);
+    const Addr base = frame_.areas[static_cast<std::size_t>(area)] + node.offset;
+    dma_.push_back({base, node.items, node.to_memory, (tile << kTileShift) | n, area});
     const std::uint64_t accesses = (node.items + kAccess - 1) / kAccess;
     if (node.to_memory) {
       buffer_.read(accesses);
@@ -277,8 +278,8 @@ void Srp::begin_chunk(sim::Time now, std::uint32_t tile, std::uint32_t node) {
   buffer_.read(bytes / kAccess);
   buffer_.write(bytes / kAccess);
   const Addr spill = frame_.areas[static_cast<std::size_t>(Area::kSpill)];
-  dma_.push_back({spill, bytes, true, kSpillTag});
-  dma_.push_back({spill, bytes, false, kSpillTag});
+  dma_.push_back({spill, bytes, true, kSpillTag, Area::kSpill});
+  dma_.push_back({spill, bytes, false, kSpillTag, Area::kSpill});
   spills_asked_ += 2;
   for (Feed& f : feeds_) {
     if (f.tile == tile && run.producer(f.batch) == node) f.after_spill = spills_asked_;

@@ -57,9 +57,12 @@ void expect_tiles_conserved(const Outcome& run, const Frame& frame, const GpuCon
   EXPECT_EQ(run.sum("tile_dispatcher", "dispatched"), frame.program().tiles());
   EXPECT_EQ(run.sum("tile_dispatcher", "finished"), frame.program().tiles());
   EXPECT_EQ(run.sum("srp", "tiles"), frame.program().tiles());
-  const std::uint64_t spilled = run.sum("dma", "lines_read");
+  const std::uint64_t spilled = run.sum("dma", "spill_lines_read");
   const std::uint64_t bytes = 2 * run.sum("tile_buffer", "spilled_slots") * config.tile_buffer.slot_bytes;
+  EXPECT_EQ(run.sum("dma", "spill_lines_written"), spilled);
+  EXPECT_EQ(run.sum("dma", "picture_lines_written"), frame.picture_lines());
   EXPECT_EQ(run.sum("dma", "lines_written"), frame.picture_lines() + spilled);
+  EXPECT_EQ(run.sum("dma", "lines_read"), spilled);
   EXPECT_GE(spilled * kLine, bytes);
   EXPECT_LE(spilled, bytes == 0 ? 0 : bytes / kLine + run.sum("srp", "chunks"));
 }
