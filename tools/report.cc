@@ -81,10 +81,11 @@ Json kernels_json(const Simulation& s) {
   for (std::size_t k = 0; k < s.kernels.size(); ++k) {
     const hw::KernelUse& use = s.kernel_use[k];
     if (use.launches == 0) continue;
-    out[s.kernels[k].kernel] = {
-        {"launches", use.launches}, {"items", use.items},
-        {"ii", s.kernels[k].ii},    {"depth", s.kernels[k].depth},
-        {"cycles", use.cycles},     {"share", static_cast<double>(use.cycles) / static_cast<double>(all)}};
+    Json& kernel = out[s.kernels[k].kernel];
+    kernel = {{"launches", use.launches}, {"items", use.items},
+              {"ii", s.kernels[k].ii},    {"depth", s.kernels[k].depth},
+              {"cycles", use.cycles},     {"share", static_cast<double>(use.cycles) / static_cast<double>(all)}};
+    if (use.idle != 0) kernel["idle"] = use.idle;
   }
   return out;
 }

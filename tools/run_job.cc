@@ -96,11 +96,7 @@ void Simulation::add(const Simulation& frame) {
   frames += frame.frames;
   function.add(frame.function);
   sim::add_reports(units, frame.units);
-  for (std::size_t k = 0; k < kernel_use.size(); ++k) {
-    kernel_use[k].launches += frame.kernel_use[k].launches;
-    kernel_use[k].items += frame.kernel_use[k].items;
-    kernel_use[k].cycles += frame.kernel_use[k].cycles;
-  }
+  for (std::size_t k = 0; k < kernel_use.size(); ++k) kernel_use[k] += frame.kernel_use[k];
   energy += frame.energy;
   cycles += frame.cycles;
   elapsed += frame.elapsed;

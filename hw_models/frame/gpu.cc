@@ -268,12 +268,7 @@ std::vector<sim::UnitReport> Gpu::report() const {
 std::vector<KernelUse> Gpu::kernel_use() const {
   std::vector<KernelUse> sum(kernels_.size());
   for (const Core& core : cores_) {
-    for (std::size_t k = 0; k < sum.size(); ++k) {
-      const KernelUse& use = core.srp->kernel_use()[k];
-      sum[k].launches += use.launches;
-      sum[k].items += use.items;
-      sum[k].cycles += use.cycles;
-    }
+    for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += core.srp->kernel_use()[k];
   }
   return sum;
 }

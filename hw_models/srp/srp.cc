@@ -107,7 +107,7 @@ void Srp::take_dma(sim::Time now) {
 void Srp::run_array(sim::Time now) {
   if (run_.active && now >= run_.start) {
     const bool flowing = loads_in_time(now) && touch_cache(now);
-    if (flowing && run_.next_item == run_.items && loads_.empty() && now >= leaves_at(run_.items - 1)) {
+    if (flowing && run_.next_item == run_.loading && loads_.empty() && now >= leaves_at(run_.items - 1)) {
       finish_chunk(now);
     }
   }
@@ -136,16 +136,11 @@ bool Srp::loads_in_time(sim::Time now) {
 
 /// The item that enters the loop now asks the data cache for its lines. False if the array froze.
 bool Srp::touch_cache(sim::Time now) {
-  const TileRun& tile = tiles_[run_.tile];
-  if (!tile.node(run_.node).has_accesses) {
-    run_.next_item = run_.items;
-    return true;
-  }
   const sim::Time at = array_time(now);
-  if (run_.next_item == run_.items || at < sim::Time{run_.next_item} * run_.kernel->ii * clock_.period()) return true;
+  if (run_.next_item == run_.loading || at < sim::Time{run_.next_item} * run_.kernel->ii * clock_.period()) return true;
   const std::uint32_t slot = run_.next_item % 64;
   const std::uint64_t bit = std::uint64_t{1} << slot;
-  collect_lines(tile.node(run_.node), run_.first + run_.next_item);
+  collect_lines(tiles_[run_.tile].node(run_.node), run_.first + run_.next_item);
   for (; run_.next_line < item_lines_.size(); ++run_.next_line) {
     stats_.cache_accesses += 1;
     const L1Cache::Result result = cache_.access(item_lines_[run_.next_line], slot);
@@ -257,7 +252,16 @@ void Srp::begin_chunk(sim::Time now, std::uint32_t tile, std::uint32_t node) {
   configured_ = work.kernel;
   const std::uint32_t items = run.chunk_items(node);
   const sim::Time start = clock_.after(now, switching ? config_.switch_cycles : 0);
-  run_ = Run{true, tile, node, run.done(node), items, now, start, 0, sim::kNever, 0, 0, &kernel};
+  const std::uint32_t first = run.done(node), working = run.working(node, first, items);
+  run_ = Run{.active = true,
+             .tile = tile,
+             .node = node,
+             .first = first,
+             .items = items,
+             .loading = work.has_accesses ? working : 0,
+             .begin = now,
+             .start = start,
+             .kernel = &kernel};
   if (switching) {
     stats_.switches += 1;
     stats_.config_rows_loaded += kernel.ii;
@@ -267,6 +271,7 @@ void Srp::begin_chunk(sim::Time now, std::uint32_t tile, std::uint32_t node) {
   buffer_.write(std::uint64_t{items} * kernel.local_writes);
   kernel_use_[work.kernel].launches += 1;
   kernel_use_[work.kernel].items += items;
+  kernel_use_[work.kernel].idle += items - working;
 
   const std::uint64_t spilled = buffer_.take(run.rays_made(node, run_.first, items));
   for (const std::uint32_t batch : run.batches_of(node)) {
@@ -331,7 +336,7 @@ sim::Time Srp::next_wake(sim::Time now) const {
   } else if (run_.active && run_.frozen == sim::kNever) {
     const sim::Time origin = run_.start + run_.stalled;
     at = leaves_at(run_.items - 1);
-    if (run_.next_item < run_.items) at = origin + sim::Time{run_.next_item} * run_.kernel->ii * clock_.period();
+    if (run_.next_item < run_.loading) at = origin + sim::Time{run_.next_item} * run_.kernel->ii * clock_.period();
     if (!loads_.empty()) at = std::min(at, origin + loads_.front().needed);
     at = std::max(at, next);
   }
@@ -354,7 +359,7 @@ std::string Srp::state() const {
     const TileRun& run = tiles_[t];
     tiles += fmt::format("; tile {}:", run.work().tile);
     for (std::uint32_t n = 0; n < run.nodes(); ++n) {
-      if (!run.complete(n)) tiles += fmt::format(" node {} {}/{}", n, run.done(n), run.node(n).items);
+      if (!run.complete(n)) tiles += fmt::format(" node {} {}/{}", n, run.done(n), run.total(n));
     }
   }
   return fmt::format("{}, rays in T&I {}, ray slots {}/{}, feeds {}, DMA jobs {}{}",

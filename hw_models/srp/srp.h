@@ -84,11 +84,12 @@ class Srp {
     bool active = false;
     std::uint32_t tile = 0, node = 0;
     std::uint32_t first = 0, items = 0;
+    std::uint32_t loading = 0;       ///< leading items that touch the data cache
     sim::Time begin = 0;             ///< switch begins
     sim::Time start = 0;             ///< loop begins
     sim::Time stalled = 0;           ///< time frozen so far
     sim::Time frozen = sim::kNever;  ///< frozen since
-    std::uint32_t next_item = 0;     ///< next to touch the data cache
+    std::uint32_t next_item = 0;     ///< next of them
     std::uint32_t next_line = 0;     ///< of that item
     const KernelSchedule* kernel = nullptr;
   };

@@ -47,7 +47,7 @@ void TileRun::begin(const traces::TileWork& work, std::uint32_t chunk) {
 
 std::uint32_t TileRun::available(std::uint32_t n, const Edge& edge) const {
   const Progress& from = progress_[edge.node];
-  if (edge.kind == Edge::Kind::kAll) return complete(edge.node) ? node(n).items : 0;
+  if (edge.kind == Edge::Kind::kAll) return settled(edge.node) ? node(n).items : 0;
   const std::uint32_t prefix = node(edge.node).kind == WorkNode::Kind::kRays ? from.prefix : from.done;
   const std::uint32_t map = node(n).sources;
   if (map == WorkNode::kNone) return prefix;
@@ -55,16 +55,16 @@ std::uint32_t TileRun::available(std::uint32_t n, const Edge& edge) const {
   return static_cast<std::uint32_t>(std::lower_bound(first, first + node(n).items, prefix) - first);
 }
 
-std::uint32_t TileRun::chunk_items(std::uint32_t n) const { return std::min(chunk_, node(n).items - done(n)); }
+std::uint32_t TileRun::chunk_items(std::uint32_t n) const { return std::min(chunk_, total(n) - done(n)); }
 
 bool TileRun::ready(std::uint32_t n) const {
   if (complete(n)) return false;
-  const std::uint32_t want = done(n) + chunk_items(n);
+  const std::uint32_t want = std::min(done(n) + chunk_items(n), node(n).items);
   return std::ranges::all_of(node(n).inputs, [&](const Edge& e) { return available(n, e) >= want; });
 }
 
-bool TileRun::inputs_complete(std::uint32_t n) const {
-  return std::ranges::all_of(node(n).inputs, [&](const Edge& e) { return complete(e.node); });
+bool TileRun::inputs_settled(std::uint32_t n) const {
+  return std::ranges::all_of(node(n).inputs, [&](const Edge& e) { return settled(e.node); });
 }
 
 std::uint32_t TileRun::rays_made(std::uint32_t n, std::uint32_t first, std::uint32_t items) const {
@@ -72,7 +72,7 @@ std::uint32_t TileRun::rays_made(std::uint32_t n, std::uint32_t first, std::uint
   for (const std::uint32_t batch : batches_of(n)) {
     const WorkNode& w = node(batch);
     if (w.sources == WorkNode::kNone) {
-      rays += items;
+      rays += working(n, first, items);
       continue;
     }
     const auto begin = work_->sources.begin() + w.sources;
@@ -84,7 +84,7 @@ std::uint32_t TileRun::rays_made(std::uint32_t n, std::uint32_t first, std::uint
 
 std::uint32_t TileRun::finish_items(std::uint32_t n, std::uint32_t items) {
   progress_[n].done += items;
-  assert(progress_[n].done <= node(n).items);
+  assert(progress_[n].done <= total(n));
   if (!complete(n)) return 0;
   nodes_left_ -= 1;
   std::uint32_t freed = 0;

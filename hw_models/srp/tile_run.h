@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -21,8 +22,13 @@ class TileRun {
   const traces::TileWork& work() const { return *work_; }
   const traces::WorkNode& node(std::uint32_t n) const { return work_->nodes[n]; }
   std::uint32_t nodes() const { return static_cast<std::uint32_t>(work_->nodes.size()); }
+  /// Items of node `n`, then those that idle.
+  std::uint32_t total(std::uint32_t n) const { return node(n).items + node(n).idle; }
+  /// How many of them are finished.
   std::uint32_t done(std::uint32_t n) const { return progress_[n].done; }
-  bool complete(std::uint32_t n) const { return progress_[n].done == node(n).items; }
+  /// What waits for node `n` need wait no longer; idle items may be left.
+  bool settled(std::uint32_t n) const { return progress_[n].done >= node(n).items; }
+  bool complete(std::uint32_t n) const { return progress_[n].done == total(n); }
   bool all_complete() const { return nodes_left_ == 0; }
   /// Node `n` waits for rays, itself or through others.
   bool follows_rays(std::uint32_t n) const { return progress_[n].follows_rays; }
@@ -38,12 +44,12 @@ class TileRun {
     }
     return kNone;
   }
-  /// Calls `start(n)` for every transfer whose inputs have become complete, once for each.
+  /// Calls `start(n)` for every transfer whose inputs are settled, once for each.
   template <class Start>
   void start_transfers(Start&& start) {
     std::size_t left = 0;
     for (const std::uint32_t n : transfers_) {
-      if (inputs_complete(n)) {
+      if (inputs_settled(n)) {
         start(n);
       } else {
         transfers_[left++] = n;
@@ -51,7 +57,7 @@ class TileRun {
     }
     transfers_.resize(left);
   }
-  /// Items of launch `n` that its next chunk holds.
+  /// Items of launch `n` that its next chunk holds, idle ones included.
   std::uint32_t chunk_items(std::uint32_t n) const;
   /// Item of its producing launch that ray `i` of batch `n` comes from.
   std::uint32_t source(std::uint32_t n, std::uint32_t i) const {
@@ -62,6 +68,10 @@ class TileRun {
   std::uint32_t producer(std::uint32_t n) const { return node(n).inputs.front().node; }
   /// Batches made by launch `n`.
   const std::vector<std::uint32_t>& batches_of(std::uint32_t n) const { return progress_[n].batches; }
+  /// Of items [first, first + items) of launch `n`, how many do not idle.
+  std::uint32_t working(std::uint32_t n, std::uint32_t first, std::uint32_t items) const {
+    return std::min(first + items, node(n).items) - std::min(first, node(n).items);
+  }
   /// Rays that items [first, first + items) of launch `n` make, over all its batches.
   std::uint32_t rays_made(std::uint32_t n, std::uint32_t first, std::uint32_t items) const;
   std::uint32_t batch_of(std::uint32_t ray) const { return batch_of_ray_[ray]; }
@@ -83,7 +93,7 @@ class TileRun {
     std::vector<std::uint32_t> chunk_left;  ///< rays: items of each chunk still out
   };
   bool ready(std::uint32_t n) const;
-  bool inputs_complete(std::uint32_t n) const;
+  bool inputs_settled(std::uint32_t n) const;
   std::uint32_t available(std::uint32_t n, const traces::Edge& edge) const;
 
   const traces::TileWork* work_ = nullptr;

@@ -128,6 +128,7 @@ std::string difference(const Outcome& a, const Outcome& b) {
     const std::string kernel = fmt::format("kernel {}.", k);
     compare(kernel + "launches", a.kernels[k].launches, b.kernels[k].launches);
     compare(kernel + "items", a.kernels[k].items, b.kernels[k].items);
+    compare(kernel + "idle", a.kernels[k].idle, b.kernels[k].idle);
     compare(kernel + "cycles", a.kernels[k].cycles, b.kernels[k].cycles);
   }
   return found;

@@ -108,6 +108,8 @@ class TileBuilder {
   /// A launch each of whose items reads memory: `accesses[i]` are those of item i.
   Node launch(traces::KernelId kernel, const std::vector<std::vector<traces::Access>>& accesses,
               std::vector<Edge> inputs = {});
+  /// `items` more items of a launch, that idle.
+  void idle(Node launch, std::uint32_t items) { work_.nodes[launch].idle = items; }
   /// A ray for each item of `launch`, or one for each item in `sources`.
   Node rays(Node launch, std::uint32_t count, std::vector<std::uint32_t> sources = {});
   Node transfer(traces::Region region, bool to_memory, std::uint32_t bytes, std::vector<Edge> inputs = {},

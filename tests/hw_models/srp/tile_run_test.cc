@@ -163,6 +163,61 @@ TEST(TileRun, ATransferStartsOnceWhenItsLastInputIsComplete) {
   EXPECT_FALSE(tile.run.is_awaited(out)) << "it is the last";
 }
 
+TEST(TileRun, IdleItemsComeLastAndNobodyWaitsForThem) {
+  TileBuilder builder;
+  const auto producer = builder.launch(kKernel, 6);
+  builder.idle(producer, 5);
+  const auto each = builder.launch(kKernel, 6, {TileBuilder::each(producer)});
+  const auto all = builder.launch(kKernel, 3, {TileBuilder::all(producer)});
+  Tile tile(builder, 4);
+  EXPECT_EQ(tile.run.total(producer), 11U);
+  tile.run.finish_items(producer, 4);
+  EXPECT_EQ(tile.next(), each);
+  tile.run.finish_items(each, 4);
+  EXPECT_EQ(tile.next(), producer);
+  EXPECT_EQ(tile.run.chunk_items(producer), 4U);
+  EXPECT_EQ(tile.run.working(producer, 4, 4), 2U) << "two work, two idle";
+  tile.run.finish_items(producer, 4);
+  EXPECT_FALSE(tile.run.complete(producer));
+  EXPECT_EQ(tile.next(), all) << "every item that works is finished";
+  tile.run.finish_items(all, 3);
+  tile.run.finish_items(each, 2);
+  EXPECT_FALSE(tile.run.all_complete());
+  EXPECT_EQ(tile.next(), producer);
+  EXPECT_EQ(tile.run.chunk_items(producer), 3U);
+  EXPECT_EQ(tile.run.working(producer, 8, 3), 0U);
+  tile.run.finish_items(producer, 3);
+  EXPECT_TRUE(tile.run.all_complete());
+}
+
+TEST(TileRun, IdleItemsWaitForAllInputsOfTheirLaunchAndKeepTheSlotsItReads) {
+  TileBuilder builder;
+  const auto rays = builder.rays(builder.launch(kKernel, 6), 6);
+  const auto shade = builder.launch(kKernel, 6, {TileBuilder::each(rays)});
+  builder.idle(shade, 2);
+  Tile tile(builder, 4);
+  tile.run.finish_items(0, 6);
+  for (std::uint32_t r = 0; r < 5; ++r) tile.run.finish_ray(r);
+  EXPECT_EQ(tile.next(), shade);
+  EXPECT_EQ(tile.run.finish_items(shade, 4), 0U);
+  EXPECT_EQ(tile.next(), kNone) << "two that work and two that idle run together, but a ray is out";
+  tile.run.finish_ray(5);
+  EXPECT_EQ(tile.next(), shade);
+  EXPECT_EQ(tile.run.finish_items(shade, 2), 0U) << "idle items are left";
+  EXPECT_EQ(tile.run.finish_items(shade, 2), 6U);
+}
+
+TEST(TileRun, IdleItemsMakeNoRays) {
+  TileBuilder builder;
+  const auto launch = builder.launch(kKernel, 6);
+  builder.idle(launch, 4);
+  builder.rays(launch, 6);
+  Tile tile(builder);
+  EXPECT_EQ(tile.run.rays_made(launch, 0, 10), 6U);
+  EXPECT_EQ(tile.run.rays_made(launch, 4, 4), 2U);
+  EXPECT_EQ(tile.run.rays_made(launch, 8, 2), 0U);
+}
+
 TEST(TileRun, APlaceIsUsedAgainWithNothingLeftOfTheTileBefore) {
   TileBuilder large;
   large.launch(kKernel, 9, {TileBuilder::each(large.rays(large.launch(kKernel, 9), 9))});
