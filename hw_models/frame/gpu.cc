@@ -166,8 +166,12 @@ void Gpu::add_core(Wiring& wiring, std::uint32_t c, const Workload& workload) {
   for (std::uint32_t t = 0; t < trvs; ++t) trv_wakes.push_back(wiring.trv(c, t));
   core.tni->wakes(wiring.ray_dispatcher(c), wiring.ist(c), trv_wakes);
 
-  const Srp::Frame frame{&layout, kernels_, workload.tile_samples,
-                         config_.direct_interface.interval * tni_clock_.period(), areas_of(config_, workload, c)};
+  const Srp::Frame frame{.layout = &layout,
+                         .kernels = kernels_,
+                         .tile_samples = workload.tile_samples,
+                         .attribute_bytes = workload.attribute_bytes,
+                         .ray_interval = config_.direct_interface.interval * tni_clock_.period(),
+                         .areas = areas_of(config_, workload, c)};
   core.srp = std::make_unique<Srp>(
       config_.srp, config_.tile_buffer, frame,
       Srp::Links{tiles_in, tiles_out, rays, hits, *port.clients_in.back(), *port.clients_out.back(), dma_in, dma_out},

@@ -36,6 +36,7 @@ class Gpu {
     std::span<const std::uint32_t> parents;              ///< of each node of the tree
     std::uint32_t tile_samples = 256;                    ///< of a full tile
     std::array<std::uint64_t, kRegions> region_bytes{};  ///< of all tiles together, by traces::Region
+    std::uint64_t attribute_bytes = 0;                   ///< of a full tile, set aside in the tile buffer
   };
 
   Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles);

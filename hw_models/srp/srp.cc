@@ -30,7 +30,7 @@ Srp::Srp(const SrpConfig& config, const TileBufferConfig& buffer, const Frame& f
       clock_(clock),
       frame_(frame),
       links_(links),
-      buffer_(buffer, frame.tile_samples, clock),
+      buffer_(buffer, frame.tile_samples, frame.attribute_bytes, clock),
       cache_(config.data_cache, port),
       tiles_(buffer.tiles_in_flight),
       lines_missing_(64),

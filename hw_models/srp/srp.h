@@ -59,9 +59,10 @@ class Srp {
   struct Frame {
     const traces::Layout* layout = nullptr;
     std::span<const KernelSchedule> kernels;  ///< by KernelId
-    std::uint32_t tile_samples = 0;
-    sim::Time ray_interval = 0;        ///< the direct interface takes a ray this often
-    std::array<Addr, kAreas> areas{};  ///< where each begins; slots of this core spill to kSpill
+    std::uint32_t tile_samples = 0;           ///< of a full tile
+    std::uint64_t attribute_bytes = 0;        ///< of a full tile in the tile buffer
+    sim::Time ray_interval = 0;               ///< the direct interface takes a ray this often
+    std::array<Addr, kAreas> areas{};         ///< where each begins; slots of this core spill to kSpill
   };
 
   Srp(const SrpConfig& config, const TileBufferConfig& buffer, const Frame& frame, Links links, std::uint16_t port,

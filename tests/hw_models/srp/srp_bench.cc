@@ -21,7 +21,11 @@ SrpBench::SrpBench(const Setup& setup, const std::vector<Kernel>& kernels)
     k.depth = kernel.depth;
     k.config_reads = 16 * kernel.ii;
   }
-  const Srp::Frame frame{&layout_, kernels_, setup.tile_samples, setup.ray_interval * clock_.period(), kBases};
+  const Srp::Frame frame{.layout = &layout_,
+                         .kernels = kernels_,
+                         .tile_samples = setup.tile_samples,
+                         .ray_interval = setup.ray_interval * clock_.period(),
+                         .areas = kBases};
   srp_ = std::make_unique<Srp>(
       setup.config, setup.buffer, frame,
       Srp::Links{tiles_in_, tiles_out_, rays_out_, hits_in_, memory_out_, memory_in_, dma_out_, dma_in_},
