@@ -84,7 +84,8 @@ Json kernels_json(const Simulation& s) {
     Json& kernel = out[s.kernels[k].kernel];
     kernel = {{"launches", use.launches}, {"items", use.items},
               {"ii", s.kernels[k].ii},    {"depth", s.kernels[k].depth},
-              {"cycles", use.cycles},     {"share", static_cast<double>(use.cycles) / static_cast<double>(all)}};
+              {"cycles", use.cycles},     {"share", static_cast<double>(use.cycles) / static_cast<double>(all)},
+              {"starved", use.starved}};
     if (use.idle != 0) kernel["idle"] = use.idle;
   }
   return out;

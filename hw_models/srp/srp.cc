@@ -73,7 +73,7 @@ void Srp::take_hit(sim::Time now) {
   if (!links_.hits_in.can_pop(now)) return;
   const std::uint32_t id = links_.hits_in.pop(now).id;
   buffer_.write(kHitWrites);
-  rays_out_ -= 1;
+  if (--rays_out_ == 0) empty_since_ = now;
   stats_.hits += 1;
   const std::uint32_t tile = id >> kTileShift;
   const bool news = tiles_[tile].finish_ray(id & kIndexMask);
@@ -178,6 +178,7 @@ void Srp::collect_lines(const WorkNode& node, std::uint32_t item) {
 void Srp::finish_chunk(sim::Time now) {
   KernelUse& use = kernel_use_[tiles_[run_.tile].node(run_.node).kernel];
   use.cycles += clock_.cycles(now - run_.begin);
+  use.starved += clock_.cycles(time_without_rays(now) - run_.without_rays);
   run_.active = false;
   finish_items(now, run_.tile, run_.node, run_.items);
 }
@@ -260,6 +261,7 @@ void Srp::begin_chunk(sim::Time now, std::uint32_t tile, std::uint32_t node) {
              .items = items,
              .loading = work.has_accesses ? working : 0,
              .begin = now,
+             .without_rays = time_without_rays(now),
              .start = start,
              .kernel = &kernel};
   if (switching) {
@@ -312,6 +314,7 @@ void Srp::feed_ray(sim::Time now) {
   const traces::TileWork& work = run.work();
   links_.rays_out.push(now, RayJob{work.walk.data() + work.ray_begin[ray], (feed->tile << kTileShift) | ray});
   buffer_.read(kRayReads);
+  without_rays_ = time_without_rays(now);
   rays_out_ += 1;
   stats_.rays += 1;
   feed_free_at_ = clock_.edge_at_or_after(now + frame_.ray_interval);

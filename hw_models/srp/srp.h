@@ -87,6 +87,7 @@ class Srp {
     std::uint32_t first = 0, items = 0;
     std::uint32_t loading = 0;       ///< leading items that touch the data cache
     sim::Time begin = 0;             ///< switch begins
+    sim::Time without_rays = 0;      ///< time without rays before
     sim::Time start = 0;             ///< loop begins
     sim::Time stalled = 0;           ///< time frozen so far
     sim::Time frozen = sim::kNever;  ///< frozen since
@@ -120,6 +121,8 @@ class Srp {
   void start_transfers(std::uint32_t tile);
   void end_tile(sim::Time now, std::uint32_t tile);
   void feed_ray(sim::Time now);
+  /// All time up to `now` in which the T&I unit had no rays of this core.
+  sim::Time time_without_rays(sim::Time now) const { return without_rays_ + (rays_out_ == 0 ? now - empty_since_ : 0); }
   void freeze(sim::Time now) { run_.frozen = now; }
   sim::Time array_time(sim::Time now) const {
     return (run_.frozen != sim::kNever ? run_.frozen : now) - run_.start - run_.stalled;
@@ -153,6 +156,8 @@ class Srp {
   std::vector<Feed> feeds_;
   sim::Time feed_free_at_ = 0;
   std::uint64_t rays_out_ = 0;  ///< in the T&I unit
+  sim::Time without_rays_ = 0;  ///< time without any there, but for the present one
+  sim::Time empty_since_ = 0;   ///< if there are none
   std::deque<DmaJob> dma_;
   std::uint64_t spills_asked_ = 0, spills_done_ = 0;
   std::uint64_t transfers_awaited_ = 0;  ///< under way, and something waits for them

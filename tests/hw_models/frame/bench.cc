@@ -130,6 +130,7 @@ std::string difference(const Outcome& a, const Outcome& b) {
     compare(kernel + "items", a.kernels[k].items, b.kernels[k].items);
     compare(kernel + "idle", a.kernels[k].idle, b.kernels[k].idle);
     compare(kernel + "cycles", a.kernels[k].cycles, b.kernels[k].cycles);
+    compare(kernel + "starved", a.kernels[k].starved, b.kernels[k].starved);
   }
   return found;
 }

@@ -108,6 +108,7 @@ void expect_conserved(const Outcome& run, const Frame& frame, const GpuConfig& c
   for (const KernelUse& kernel : run.kernels) {
     launches += kernel.launches;
     items += kernel.items;
+    EXPECT_LE(kernel.starved, kernel.cycles);
   }
   EXPECT_EQ(launches, run.sum("srp", "chunks"));
   EXPECT_EQ(items, run.sum("srp", "items"));
