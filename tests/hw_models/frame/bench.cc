@@ -16,10 +16,11 @@ namespace hw::testing {
 
 namespace {
 
-kernels::RenderConfig render_config(std::uint32_t width, std::uint32_t height) {
+kernels::RenderConfig render_config(std::uint32_t width, std::uint32_t height, std::uint32_t tile) {
   kernels::RenderConfig config;
   config.width = width;
   config.height = height;
+  config.tile = tile;
   return config;
 }
 
@@ -35,6 +36,32 @@ std::uint64_t lines_of_picture(const kernels::FullProgram& program, std::uint32_
   return lines;
 }
 
+class Tiles final : public TileSource {
+ public:
+  explicit Tiles(std::span<const traces::TileWork> works) : works_(works) {}
+  const traces::TileWork* next() override { return next_ == works_.size() ? nullptr : &works_[next_++]; }
+  void give_back(const traces::TileWork*) override {}
+
+ private:
+  std::span<const traces::TileWork> works_;
+  std::size_t next_ = 0;
+};
+
+Outcome run(Gpu& gpu, Engine engine, std::uint64_t seed) {
+  switch (engine) {
+    case Engine::kFast:
+      gpu.finish(sim::run<sim::Skip::kOn>(gpu));
+      break;
+    case Engine::kOracle:
+      gpu.finish(sim::run<sim::Skip::kOff>(gpu));
+      break;
+    case Engine::kShuffled:
+      gpu.finish(sim::run_shuffled(gpu, seed));
+      break;
+  }
+  return {gpu.report(), gpu.kernel_use(), {}, gpu.elapsed(), gpu.cycles()};
+}
+
 /// "core0.tni.trv2" with kind "trv".
 bool is_kind(std::string_view path, std::string_view kind) {
   path.remove_suffix(path.size() - 1 - path.find_last_not_of("0123456789"));
@@ -43,14 +70,16 @@ bool is_kind(std::string_view path, std::string_view kind) {
 
 }  // namespace
 
-Frame::Frame(const std::string& scene, std::uint32_t width, std::uint32_t height, std::uint32_t samples)
-    : Frame(traces::open_scene(scene), width, height, samples) {}
+Frame::Frame(const std::string& scene, std::uint32_t width, std::uint32_t height, std::uint32_t samples,
+             std::uint32_t tile)
+    : Frame(traces::open_scene(scene), width, height, samples, tile) {}
 
-Frame::Frame(traces::Scene&& scene, std::uint32_t width, std::uint32_t height, std::uint32_t samples)
+Frame::Frame(traces::Scene&& scene, std::uint32_t width, std::uint32_t height, std::uint32_t samples,
+             std::uint32_t tile)
     : camera_(scene.cameras.front()),
       image_(traces::build_memory_image(scene, {}, 1)),
       parents_(traces::parents_of(image_)),
-      program_(image_, camera_, render_config(width, height), samples, 0),
+      program_(image_, camera_, render_config(width, height, tile), samples, 0),
       tracer_(image_),
       picture_lines_(lines_of_picture(program_, width, height)) {}
 
@@ -91,18 +120,16 @@ std::uint64_t Outcome::sum(std::string_view at, std::string_view kind, std::stri
 Outcome play(const Frame& frame, const GpuConfig& config, Engine engine, std::uint64_t seed, std::uint32_t workers) {
   FrontEnd front_end(frame.program(), frame.tracer(), workers);
   const auto gpu = std::make_unique<Gpu>(config, frame.workload(), front_end);
-  switch (engine) {
-    case Engine::kFast:
-      gpu->finish(sim::run<sim::Skip::kOn>(*gpu));
-      break;
-    case Engine::kOracle:
-      gpu->finish(sim::run<sim::Skip::kOff>(*gpu));
-      break;
-    case Engine::kShuffled:
-      gpu->finish(sim::run_shuffled(*gpu, seed));
-      break;
-  }
-  return {gpu->report(), gpu->kernel_use(), front_end.result(), gpu->elapsed(), gpu->cycles()};
+  Outcome outcome = run(*gpu, engine, seed);
+  outcome.function = front_end.result();
+  return outcome;
+}
+
+Outcome play(const Frame& frame, std::span<const traces::TileWork> tiles, const GpuConfig& config, Engine engine,
+             std::uint64_t seed) {
+  Tiles source(tiles);
+  const auto gpu = std::make_unique<Gpu>(config, frame.workload(), source);
+  return run(*gpu, engine, seed);
 }
 
 std::string difference(const Outcome& a, const Outcome& b) {
