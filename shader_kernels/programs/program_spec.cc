@@ -21,6 +21,7 @@ constexpr auto kNamed = std::to_array<Named>({
     {"multirate:under", {ProgramSpec::Kind::kMultirate, 1}},
     {"multirate:super", {ProgramSpec::Kind::kMultirate, 4}},
     {"supersample", {ProgramSpec::Kind::kSupersample, 16}},
+    {"undersample", {ProgramSpec::Kind::kUndersample, 1}},
 });
 
 bool is_square(std::uint32_t n) {

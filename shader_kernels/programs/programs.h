@@ -8,6 +8,7 @@
 #include "shader_kernels/programs/rate_map.h"
 #include "shader_kernels/programs/render_config.h"
 #include "shader_kernels/programs/supersample_config.h"
+#include "shader_kernels/programs/undersample_config.h"
 #include "traces/accel/memory_image.h"
 #include "traces/scene/scene.h"
 
@@ -17,9 +18,11 @@ namespace kernels {
 struct ProgramConfig {
   MultirateConfig multirate;
   SupersampleConfig supersample;
+  UndersampleConfig undersample;
 
   static void describe(auto& c, auto&& field) {
     field.group(c.multirate, "multirate", "frame programs multirate:under and multirate:super");
+    field.group(c.undersample, "undersample", "frame program undersample");
     field.group(c.supersample, "supersample", "frame program supersample");
   }
 };

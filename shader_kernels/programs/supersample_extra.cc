@@ -146,9 +146,9 @@ void SupersampleProgram::trace_chunk(Tile& tile, const Chunk& chunk, Node packed
 }
 
 SupersampleProgram::Node SupersampleProgram::sum_up(Tile& tile, const Chunk& chunk, Node weighed) const {
-  const std::uint32_t padding = supersample_.packing == Packing::kNone ? kChunk / 4 : chunk.masters;
-  return sum(tile, tile.buffer.masters.data() + chunk.first_master, chunk.masters, padding - chunk.masters, chunk.first,
-             weighed);
+  const bool is_listed = supersample_.packing == Packing::kBlock;
+  const std::uint32_t idle = is_listed ? 0 : (chunk.subpixels + chunk.padding) / 4 - chunk.masters;
+  return sum(tile, tile.buffer.masters.data() + chunk.first_master, chunk.masters, idle, chunk.first, weighed);
 }
 
 SupersampleProgram::Node SupersampleProgram::sum_from_memory(Tile& tile, std::uint32_t subpixels, Node weighed) const {
@@ -160,6 +160,7 @@ SupersampleProgram::Node SupersampleProgram::sum_from_memory(Tile& tile, std::ui
   tile.wave.colours_are_in(in);
   ListSamples::Ports<float> list;
   list.samples.bind(tile.buffer.masters.data());
+  list.verdicts.bind(tile.buffer.verdicts.data());
   list.lattice = {.first = 0,
                   .across = static_cast<float>(tile.pixels),
                   .inverse_across = 1.0F / static_cast<float>(tile.pixels),

@@ -18,6 +18,7 @@ void SupersampleProgram::trace_centres(Tile& tile, std::uint32_t x, std::uint32_
   const std::uint32_t items = across * down;
   ListSamples::Ports<float> list;
   list.samples.bind(buffer.samples.data());
+  list.verdicts.bind(buffer.verdicts.data());
   list.lattice = lattice(x, y, across);
   const Node listed = wave.launch<ListSamples>(list, items);
 
