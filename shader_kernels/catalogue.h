@@ -18,7 +18,6 @@
 #include "shader_kernels/kernels/clear_samples.h"
 #include "shader_kernels/kernels/clear_surface.h"
 #include "shader_kernels/kernels/combine_shadow.h"
-#include "shader_kernels/kernels/encode_colours.h"
 #include "shader_kernels/kernels/fetch_vertices.h"
 #include "shader_kernels/kernels/find_suspects.h"
 #include "shader_kernels/kernels/generate_extra_rays.h"
@@ -29,12 +28,12 @@
 #include "shader_kernels/kernels/list_samples.h"
 #include "shader_kernels/kernels/pack_colour.h"
 #include "shader_kernels/kernels/pack_subpixels.h"
-#include "shader_kernels/kernels/record_branch.h"
 #include "shader_kernels/kernels/record_geometry.h"
 #include "shader_kernels/kernels/record_global.h"
 #include "shader_kernels/kernels/record_secondary.h"
 #include "shader_kernels/kernels/record_shadow.h"
 #include "shader_kernels/kernels/record_surface.h"
+#include "shader_kernels/kernels/record_traits.h"
 #include "shader_kernels/kernels/scatter_layers.h"
 #include "shader_kernels/kernels/shade_ambient.h"
 #include "shader_kernels/kernels/shade_background.h"
@@ -77,9 +76,9 @@ using AllKernels =
                CheckAttributes<false>, CheckAttributes<true>, InterpolateAttributes<false>, InterpolateAttributes<true>,
                ShadeVisible, StoreIdentities<false>, StoreIdentities<true>, FindSuspects<false>, FindSuspects<true>,
                // supersample.
-               ClearBranch, WeighBranch, RecordBranch, RecordBranchShadow, EncodeColours, TestSubpixels,
-               WeighCentres<false>, WeighCentres<true>, PackSubpixels, PackSubpixelsAtomic, GenerateExtraRays,
-               SumSubpixels>;
+               ClearTraits, RecordTraits, RecordTraitsShadow, WeighBranch, RecordBranch, RecordBranchShadow,
+               TestSubpixels, WeighCentres<false>, WeighCentres<true>, PackSubpixels, PackSubpixelsAtomic,
+               GenerateExtraRays, SumSubpixels>;
 
 template <class K, class... Ks>
 constexpr traces::KernelId place_in(std::type_identity<std::tuple<Ks...>>) {

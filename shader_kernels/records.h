@@ -119,7 +119,7 @@ struct GeometryRecord {
   Vec3<V> normal;  ///< as shaded
   I<V> object;     ///< traces::TriangleRecord::object, with kTexturedObject above it
   Vec3<V> position;
-  I<V> shadows;  ///< a mark per light whose shadow ray was stopped: its bit, or 1 where they are counted
+  I<V> shadows;  ///< a mark per light whose shadow ray was stopped: its bit
   static void fields(auto& r, auto&& field) {
     field(r.normal, "normal");
     field(r.object, "object");
@@ -130,11 +130,27 @@ struct GeometryRecord {
 inline constexpr std::uint32_t kTexturedObject = 1U << 31;
 inline constexpr std::uint32_t kNoObject = traces::kFocusObject - 1;
 
-/// The largest share of its sample's colour that a secondary ray carries.
+/// What supersample keeps of a hit: as GeometryRecord, without the position, shadows counted.
 template <class V>
-struct WeightRecord {
-  F<V> weight;
-  static void fields(auto& r, auto&& field) { field(r.weight, "weight"); }
+struct TraitsRecord {
+  Vec3<V> normal;
+  I<V> object, shadows;
+  static void fields(auto& r, auto&& field) {
+    field(r.normal, "normal");
+    field(r.object, "object");
+    field(r.shadows, "shadows");
+  }
+};
+
+/// Tells a sample's secondary hits apart while they are shaded: the largest share of its colour that a ray carries,
+/// and a sum that stands for the place where that one hit.
+template <class V>
+struct BranchRecord {
+  F<V> weight, place;
+  static void fields(auto& r, auto&& field) {
+    field(r.weight, "weight");
+    field(r.place, "place");
+  }
 };
 
 /// What a sample keeps of its secondary hits: normals of the next hit behind a mirror and behind glass ((0, 0, 1) where

@@ -11,7 +11,7 @@ inline constexpr float kSameNormal = 0.9F;
 /// Bits of an attribute set, counted from its first, that differ between two pixels; all of them only if one of the two
 /// objects has the flag `focus` (0: any has).
 template <class V>
-I<V> disagreements(const GeometryRecord<V>& own, const GeometryRecord<V>& other, const I<V>& focus) {
+I<V> disagreements(const TraitsRecord<V>& own, const TraitsRecord<V>& other, const I<V>& focus) {
   constexpr std::uint32_t kObject = 1, kNormal = 2, kShadow = 4;
   const I<V> differ = select(own.object == other.object, I<V>(0U), I<V>(kObject)) |
                       select(dot(own.normal, other.normal) < kSameNormal, I<V>(kNormal), I<V>(0U)) |
@@ -19,11 +19,12 @@ I<V> disagreements(const GeometryRecord<V>& own, const GeometryRecord<V>& other,
   return select(((own.object | other.object) & focus) == focus, differ, I<V>(0U));
 }
 
-/// Contrast of one channel (Mitchell 1987): 0 for equal colours, black ones too, and at most 1.
+/// Contrast of one channel (Mitchell 1987) of linear colours, clamped and sRGB-encoded: 0 for equal ones, black too,
+/// and at most 1.
 template <class V>
 F<V> contrast(const F<V>& a, const F<V>& b, const F<V>& c, const F<V>& d) {
-  const F<V> most = max(max(a, b), max(c, d));
-  const F<V> least = min(min(a, b), min(c, d));
+  const F<V> most = encoded<V>(clamped<V>(max(max(a, b), max(c, d))));
+  const F<V> least = encoded<V>(clamped<V>(min(min(a, b), min(c, d))));
   return (most - least) / max(most + least, F<V>(1e-30F));
 }
 
@@ -37,17 +38,17 @@ struct TestSubpixels {
   template <class V>
   struct Ports {
     FinishedUniforms<V> finished;
-    Local<V, GeometryRecord> geometry, branches;
-    Local<V, ColourRecord> references;
+    Local<V, TraitsRecord> traits, secondary;
+    Local<V, ColourRecord> colours;
     Local<V, WordRecord> verdicts;
     std::array<F<V>, kAttributes> thresholds;  ///< above 1: no contrast is enough
     I<V> compared;                             ///< attributes that count, a bit each
     I<V> focus, textured;                      ///< flags that objects need: one of a pair; with a texture
     static void describe(auto& p, auto&& port) {
       FinishedUniforms<V>::describe(p.finished, port);
-      port(p.geometry, "geometry");
-      port(p.branches, "branches");
-      port(p.references, "references");
+      port(p.traits, "traits");
+      port(p.secondary, "secondary");
+      port(p.colours, "colours");
       port(p.verdicts, "verdicts");
       for (std::size_t i = 0; i < kAttributes; ++i) port(p.thresholds[i], names_of(Attribute{})[i]);
       port(p.compared, "compared");
@@ -67,8 +68,8 @@ struct TestSubpixels {
     const I<V> above = to_int(own + step.y);
     const I<V> corner = to_int(select(step.has_both, own + step.x + step.y, own));
 
-    const I<V> primary = differing<V>(at.geometry, place, beside, above, corner, at);
-    const I<V> secondary = differing<V>(at.branches, place, beside, above, corner, at);
+    const I<V> primary = differing<V>(at.traits, place, beside, above, corner, at);
+    const I<V> secondary = differing<V>(at.secondary, place, beside, above, corner, at);
     const I<V> counting = ((primary << 1U) | (secondary << 5U)) & at.compared;
     F<V> threshold = kNever;
     for (std::uint32_t i = 1; i < kAttributes; ++i) {
@@ -77,10 +78,10 @@ struct TestSubpixels {
     const M<V> none = counting == 0U;
     threshold = select(none, at.thresholds[0], threshold);
 
-    const Vec3<V> a = at.references.load(place).rgb;
-    const Vec3<V> b = at.references.load(beside).rgb;
-    const Vec3<V> c = at.references.load(above).rgb;
-    const Vec3<V> d = at.references.load(corner).rgb;
+    const Vec3<V> a = at.colours.load(place).rgb;
+    const Vec3<V> b = at.colours.load(beside).rgb;
+    const Vec3<V> c = at.colours.load(above).rgb;
+    const Vec3<V> d = at.colours.load(corner).rgb;
     const M<V> active = either(either(threshold * 1.36F <= contrast<V>(a.x, b.x, c.x, d.x),
                                       threshold * 1.02F <= contrast<V>(a.y, b.y, c.y, d.y)),
                                threshold * 2.04F <= contrast<V>(a.z, b.z, c.z, d.z));
@@ -91,13 +92,13 @@ struct TestSubpixels {
  private:
   /// Bits of one attribute set; its texture disagrees wherever the pixel itself has one.
   template <class V>
-  static I<V> differing(const Local<V, GeometryRecord>& set, const I<V>& place, const I<V>& beside, const I<V>& above,
+  static I<V> differing(const Local<V, TraitsRecord>& set, const I<V>& place, const I<V>& beside, const I<V>& above,
                         const I<V>& corner, const Ports<V>& at) {
     constexpr std::uint32_t kTexture = 8;
-    const GeometryRecord<V> own = set.load(place);
-    const GeometryRecord<V> one = set.load(beside);
-    const GeometryRecord<V> two = set.load(above);
-    const GeometryRecord<V> three = set.load(corner);
+    const TraitsRecord<V> own = set.load(place);
+    const TraitsRecord<V> one = set.load(beside);
+    const TraitsRecord<V> two = set.load(above);
+    const TraitsRecord<V> three = set.load(corner);
     return disagreements<V>(own, one, at.focus) | disagreements<V>(own, two, at.focus) |
            disagreements<V>(own, three, at.focus) |
            select((own.object & at.textured) == at.textured, I<V>(kTexture), I<V>(0U));

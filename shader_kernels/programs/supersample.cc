@@ -70,7 +70,6 @@ void SupersampleProgram::run_tile(std::uint32_t place, const traces::Tracer& tra
   trace_centres(tile, kHalo, kHalo, at.width, at.height, true);
   make_halo(tile);
   export_borders(tile);
-  encode_colours(tile);
   park_attributes(tile);
   const Node tested = test(tile);
   const Node weighed = weigh(tile, tested);

@@ -15,7 +15,7 @@ namespace kernels {
 /// Frame program supersample (Jin et al. 2009): every pixel has one sample at its centre; each of its four sub-pixels
 /// is compared with the three pixels around its corner and, if need be, gets four samples more, those of full:16.
 ///
-///   per tile: centres -> encode_colours -> test_subpixels -> weigh_centres -> pack_colour -> transfer to frame buffer
+///   per tile: centres -> test_subpixels -> weigh_centres -> pack_colour -> transfer to frame buffer
 ///                                                         -> pack_subpixels -> generate_extra_rays -> sum_subpixels
 ///
 /// Pixels look to all sides, but tiles only to the left and above: what a tile finishes lies one pixel further left and
@@ -60,8 +60,8 @@ class SupersampleProgram final : public FrameProgram {
     std::uint32_t first_master = 0, masters = 0;
   };
 
-  /// What a sample keeps beside its colour: two hits, and its colour as it is compared.
-  static constexpr std::uint32_t kAttributeBytes = 2 * sizeof(GeometryRecord<float>) + sizeof(ColourRecord<float>);
+  /// What a sample keeps beside its colour: of two hits.
+  static constexpr std::uint32_t kAttributeBytes = 2 * sizeof(TraitsRecord<float>);
 
   /// Samples to a row of the tile buffer: two of the halo, then the tile's own.
   std::uint32_t pitch() const { return tiles_.side() + 2; }
@@ -73,7 +73,6 @@ class SupersampleProgram final : public FrameProgram {
   // supersample_tests.cc
   void trace_centres(Tile& tile, std::uint32_t x, std::uint32_t y, std::uint32_t across, std::uint32_t down,
                      bool is_own) const;
-  void encode_colours(Tile& tile) const;
   Node test(Tile& tile) const;
   Node weigh(Tile& tile, Node tested) const;
   template <bool kBilinear>

@@ -6,7 +6,7 @@ namespace {
 using traces::Region;
 
 /// What goes to neighbours of a sample.
-constexpr std::uint32_t kExchangedBytes = 2 * sizeof(GeometryRecord<float>) + sizeof(ColourRecord<float>);
+constexpr std::uint32_t kExchangedBytes = 2 * sizeof(TraitsRecord<float>) + sizeof(ColourRecord<float>);
 
 }  // namespace
 

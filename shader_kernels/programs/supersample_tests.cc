@@ -38,39 +38,18 @@ void SupersampleProgram::trace_centres(Tile& tile, std::uint32_t x, std::uint32_
   const Node generated = wave.launch<GenerateListedRays>(generate, items);
   wave.wait_all(generated, listed);
 
-  Wavefront::Keep keep{.geometry = true, .branches = true, .counted_shadows = true};
-  ClearGeometry::Ports<float> clear;
+  ClearTraits::Ports<float> clear;
   clear.samples.bind(buffer.samples.data());
-  clear.geometry.bind(buffer.geometry.data());
-  keep.cleared = wave.launch<ClearGeometry>(clear, items);
+  clear.traits.bind(buffer.traits.data());
+  clear.secondary.bind(buffer.secondary_traits.data());
+  clear.branches.bind(buffer.branches.data());
+  const Wavefront::Keep keep{.traits = true, .cleared = wave.launch<ClearTraits>(clear, items)};
   wave.wait_all(keep.cleared, listed);
   wave.adds_records(keep.cleared);
-  ClearBranch::Ports<float> clear_branch;
-  clear_branch.samples.bind(buffer.samples.data());
-  clear_branch.branches.bind(buffer.branches.data());
-  clear_branch.weights.bind(buffer.weights.data());
-  keep.cleared_secondary = wave.launch<ClearBranch>(clear_branch, items);
-  wave.wait_all(keep.cleared_secondary, listed);
-  wave.adds_records(keep.cleared_secondary);
-
   wave.run(generated, items, keep);
   if (wave.is_muted()) return;
   tile.out.sampling.traced += items;
   if (!is_own) tile.out.sampling.halo += items;
-}
-
-/// Of the tile's own samples and its halo's.
-void SupersampleProgram::encode_colours(Tile& tile) const {
-  const std::uint32_t x = tile.at.has_left ? 0 : 2;
-  const std::uint32_t y = tile.at.has_above ? 0 : 2;
-  const std::uint32_t across = tile.at.width + 2 - x;
-  EncodeColours::Ports<float> ports;
-  ports.lattice = lattice(x, y, across);
-  ports.colours.bind(tile.buffer.colours.data());
-  ports.references.bind(tile.buffer.references.data());
-  const Node encoded = tile.wave.launch<EncodeColours>(ports, across * (tile.at.height + 2 - y));
-  tile.wave.wait_for_colours(encoded);
-  tile.wave.adds_records(encoded);
 }
 
 SupersampleProgram::Node SupersampleProgram::test(Tile& tile) const {
@@ -80,9 +59,9 @@ SupersampleProgram::Node SupersampleProgram::test(Tile& tile) const {
                                                    c.secondary_normal, c.secondary_shadow, c.secondary_texture};
   TestSubpixels::Ports<float> ports;
   ports.finished = tile.finished;
-  ports.geometry.bind(tile.buffer.geometry.data());
-  ports.branches.bind(tile.buffer.branches.data());
-  ports.references.bind(tile.buffer.references.data());
+  ports.traits.bind(tile.buffer.traits.data());
+  ports.secondary.bind(tile.buffer.secondary_traits.data());
+  ports.colours.bind(tile.buffer.colours.data());
   ports.verdicts.bind(tile.buffer.subpixels.data());
   ports.compared = 0;
   for (std::size_t i = 0; i < kAttributes; ++i) {
@@ -94,6 +73,7 @@ SupersampleProgram::Node SupersampleProgram::test(Tile& tile) const {
   ports.textured = ports.focus | kTexturedObject;
   const Node node = tile.wave.launch<TestSubpixels>(ports, 4 * tile.pixels);
   tile.wave.wait_for_records(node);
+  tile.wave.wait_for_colours(node);
   return node;
 }
 
@@ -133,7 +113,7 @@ void SupersampleProgram::count(Tile& tile) const {
     sampling.active[active] += 1;
     const Split<float> row = finished_pixel<float>(static_cast<float>(pixel), tile.finished);
     const auto centre = static_cast<std::size_t>(centre_sample<float>(row, tile.finished));
-    if (tile.buffer.geometry[centre].object == kNoObject) sampling.background += kExtra * (4 - active);
+    if (tile.buffer.traits[centre].object == kNoObject) sampling.background += kExtra * (4 - active);
   }
 }
 

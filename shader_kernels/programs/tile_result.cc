@@ -54,9 +54,9 @@ void TileBuffer::hold_samples(std::size_t samples) {
 }
 
 void TileBuffer::hold_subpixels(std::size_t centres, std::size_t pixels) {
+  grow(traits, centres);
+  grow(secondary_traits, centres);
   grow(branches, centres);
-  grow(weights, centres);
-  grow(references, centres);
   grow(subpixels, 4 * pixels);
   // Lists have places to spare: what is not kept is written behind their end, and chunks may stay three short.
   const std::size_t chunks = (4 * pixels + kChunk - 4) / (kChunk - 3) + 1;

@@ -43,10 +43,9 @@ struct TileBuffer {
   std::vector<SurfaceRecord<float>> kept;
   std::vector<ColourRecord<float>> globals;  ///< of kept surfaces
   std::vector<std::uint32_t> verdicts, identities, samples, passed, failed;
-  // Of supersampling: one secondary hit per sample, colours as they are compared; verdicts on sub-pixels, lists.
-  std::vector<GeometryRecord<float>> branches;
-  std::vector<WeightRecord<float>> weights;
-  std::vector<ColourRecord<float>> references;
+  // Of supersampling: what samples keep; verdicts on sub-pixels, lists.
+  std::vector<TraitsRecord<float>> traits, secondary_traits;
+  std::vector<BranchRecord<float>> branches;
   std::vector<std::uint32_t> subpixels, active, masters, fills;
   std::vector<std::uint32_t> record_nodes;  ///< of the work: launches that have added to what samples keep
   std::vector<std::uint32_t> colour_nodes;  ///< of the work: launches that have added to colours

@@ -35,7 +35,8 @@ namespace kernels {
 ///
 ///   surfaces of the first wave -> record_geometry or record_surface, of later ones -> record_secondary
 ///   shadow rays -> record_shadow, record_secondary_shadow
-///   rays of the second wave -> weigh_branch, their surfaces -> record_branch, shadow rays -> record_branch_shadow
+///   or: surfaces of the first wave -> record_traits, shadow rays -> record_traits_shadow
+///       rays of the second -> weigh_branch, their surfaces -> record_branch, shadow rays -> record_branch_shadow
 ///
 /// All orders (of rays, of additions to a sample) follow from the tile alone.
 class Wavefront {
@@ -47,8 +48,7 @@ class Wavefront {
   struct Keep {
     bool geometry = false, surfaces = false;  ///< of the first hit: geometry alone, or all that shading needs
     bool secondary = false;
-    bool branches = false;         ///< the secondary hit that carries most; beside geometry
-    bool counted_shadows = false;  ///< shadows are counted, not told apart by light
+    bool traits = false;  ///< of the first hit and of the secondary one that carries most
     Node cleared = StreamBuilder::kNone, cleared_secondary = StreamBuilder::kNone;  ///< launches that began them
   };
 

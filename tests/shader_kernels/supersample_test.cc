@@ -1,6 +1,7 @@
 #include "shader_kernels/programs/supersample.h"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -144,8 +145,12 @@ TEST_P(Supersample, ATileWaitsForThoseToTheLeftAndAbove) {
   EXPECT_TRUE(world_.supersample(small(32, 32), c, true).last.work.after.empty());
 }
 
-TEST(Contrast, IsTheDifferenceOverTheSum) {
-  EXPECT_EQ(contrast<float>(0.2F, 0.6F, 0.2F, 0.3F), (0.6F - 0.2F) / (0.6F + 0.2F));
+/// The exact inverse of sRGB's encoding.
+float linear(float x) { return x <= 0.04045F ? x / 12.92F : std::pow((x + 0.055F) / 1.055F, 2.4F); }
+
+TEST(Contrast, IsTheDifferenceOverTheSumOfEncodedColours) {
+  EXPECT_NEAR(contrast<float>(linear(0.2F), linear(0.6F), linear(0.2F), linear(0.3F)), 0.5F, 2e-3F);
+  EXPECT_NEAR(contrast<float>(linear(0.5F), 7, 1, 2), 1.0F / 3, 2e-3F);
   EXPECT_EQ(contrast<float>(0, 0, 0.01F, 0), 1.0F);
   EXPECT_EQ(contrast<float>(0, 0, 0, 0), 0.0F);
   EXPECT_EQ(contrast<float>(0.7F, 0.7F, 0.7F, 0.7F), 0.0F);
@@ -154,21 +159,21 @@ TEST(Contrast, IsTheDifferenceOverTheSum) {
 /// Two pixels side by side with encoded colours 0 and `colour`, on objects 1 and `object`; the verdict on sub-pixel 1
 /// of the first, which looks at the second.
 std::uint32_t verdict_between(const Vec3<float>& colour, std::uint32_t object, double object_threshold) {
-  std::array<GeometryRecord<float>, 2> geometry{};
-  geometry[0].normal = geometry[1].normal = {0, 0, 1};
-  geometry[0].object = 1;
-  geometry[1].object = object;
-  auto branches = geometry;
-  branches[1].object = 1;
-  std::array<ColourRecord<float>, 2> references{};
-  references[0].rgb = {0.5F, 0.5F, 0.5F};
-  references[1].rgb = colour;
+  std::array<TraitsRecord<float>, 2> traits{};
+  traits[0].normal = traits[1].normal = {0, 0, 1};
+  traits[0].object = 1;
+  traits[1].object = object;
+  auto secondary = traits;
+  secondary[1].object = 1;
+  std::array<ColourRecord<float>, 2> colours{};
+  colours[0].rgb = {linear(0.5F), linear(0.5F), linear(0.5F)};
+  colours[1].rgb = {linear(colour.x), linear(colour.y), linear(colour.z)};
   std::array<std::uint32_t, 8> verdicts{};
   TestSubpixels::Ports<float> ports;
   ports.finished = {2, 0.5F, 0, 2, 0, 1, 0, 0};
-  ports.geometry.bind(geometry.data());
-  ports.branches.bind(branches.data());
-  ports.references.bind(references.data());
+  ports.traits.bind(traits.data());
+  ports.secondary.bind(secondary.data());
+  ports.colours.bind(colours.data());
   ports.verdicts.bind(verdicts.data());
   ports.thresholds.fill(kNever);
   ports.thresholds[1] = static_cast<float>(object_threshold);
@@ -226,7 +231,7 @@ traces::Scene mirrored_room() {
 }
 
 /// As the method has it, of a pixel and one of its neighbours.
-bool disagrees(Reason of, const GeometryRecord<float>& own, const GeometryRecord<float>& other) {
+bool disagrees(Reason of, const TraitsRecord<float>& own, const TraitsRecord<float>& other) {
   switch (of) {
     case Reason::kObject:
     case Reason::kSecondaryObject:
@@ -244,7 +249,7 @@ bool disagrees(Reason of, const GeometryRecord<float>& own, const GeometryRecord
 
 /// Sub-pixels at which `of` disagrees, counted from what the samples have kept.
 std::set<std::uint32_t> disagreeing(Reason of, const TileResult& tile, std::uint32_t pitch, bool focus = false) {
-  const auto& kept = of < Reason::kSecondaryObject ? tile.buffer.geometry : tile.buffer.branches;
+  const auto& kept = of < Reason::kSecondaryObject ? tile.buffer.traits : tile.buffer.secondary_traits;
   const auto at = [&](int x, int y) {
     return kept[static_cast<std::size_t>((y + 2) * static_cast<int>(pitch) + x + 2)];
   };
@@ -345,14 +350,14 @@ TEST(Branches, TheStrongerBranchIsKept) {
   scene.cameras.push_back(traces::look_at("front", {0, 0, 4}, {0, 0, 0}, 0.5F));
   RenderConfig render = small(8, 8);
   const Result through = World(scene).supersample(render, {});
-  EXPECT_EQ(through.last.buffer.branches[5 * 18 + 5].object, 1U);
-  EXPECT_EQ(through.last.buffer.geometry[5 * 18 + 5].object, 0U);
+  EXPECT_EQ(through.last.buffer.secondary_traits[5 * 18 + 5].object, 1U);
+  EXPECT_EQ(through.last.buffer.traits[5 * 18 + 5].object, 0U);
   scene.materials[glass].transmission = 0.1F;
   scene.materials[glass].mirror = 0.8F;
-  EXPECT_EQ(World(scene).supersample(render, {}).last.buffer.branches[5 * 18 + 5].object, 2U);
+  EXPECT_EQ(World(scene).supersample(render, {}).last.buffer.secondary_traits[5 * 18 + 5].object, 2U);
   // If the stronger branch hits nothing there is no secondary hit, whatever the weaker one meets.
   scene.instances.pop_back();
-  EXPECT_EQ(World(scene).supersample(render, {}).last.buffer.branches[5 * 18 + 5].object, kNoObject);
+  EXPECT_EQ(World(scene).supersample(render, {}).last.buffer.secondary_traits[5 * 18 + 5].object, kNoObject);
 }
 
 TEST(Packing, AChunkNeverSplitsAPixelAndNothingIsLost) {

@@ -1,0 +1,158 @@
+#pragma once
+#include <string_view>
+
+#include "shader_kernels/kernels/record_geometry.h"
+#include "shader_kernels/kernels/record_shadow.h"
+
+namespace kernels {
+
+// What supersample compares. Of a sample's secondary hits only one is kept: that of the branch, mirrored or refracted,
+// that carries most, one bounce behind the first hit.
+
+/// A place as one number, which two hits of a sample hardly ever share.
+template <class V>
+F<V> place_sum(const Vec3<V>& position) {
+  return dot(position, Vec3<V>{1.0F, 1.7320508F, 2.2360680F});
+}
+
+struct ClearTraits {
+  static constexpr std::string_view kName = "clear_traits";
+  static constexpr std::string_view kMeaning = "sample -> its traits are those of a miss, without a secondary hit";
+  template <class V>
+  struct Ports {
+    Local<V, WordRecord> samples;
+    Local<V, TraitsRecord> traits, secondary;
+    Local<V, BranchRecord> branches;
+    static void describe(auto& p, auto&& port) {
+      port(p.samples, "samples");
+      port(p.traits, "traits");
+      port(p.secondary, "secondary");
+      port(p.branches, "branches");
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const I<V> sample = at.samples.load(item).word;
+    at.traits.store(sample, {{0.0F, 0.0F, 1.0F}, kNoObject, 0U});
+    at.secondary.store(sample, {{0.0F, 0.0F, 1.0F}, kNoObject, 0U});
+    at.branches.store(sample, {0.0F, 0.0F});
+  }
+};
+
+struct RecordTraits {
+  static constexpr std::string_view kName = "record_traits";
+  static constexpr std::string_view kMeaning = "first hit -> its sample's traits: object, normal, no shadow yet";
+  template <class V>
+  struct Ports {
+    Local<V, WordRecord> surfaces;
+    Local<V, HitRecord> hits;
+    Local<V, PlaceRecord> places;
+    Local<V, MatteRecord> mattes;
+    Local<V, PathRecord> paths;
+    Triangles<V> triangles;
+    Local<V, TraitsRecord> traits;
+    static void describe(auto& p, auto&& port) {
+      port(p.surfaces, "surfaces");
+      port(p.hits, "hits");
+      port(p.places, "places");
+      port(p.mattes, "mattes");
+      port(p.paths, "paths");
+      port(p.triangles, "triangles");
+      port(p.traits, "traits");
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const I<V> slot = at.surfaces.load(item).word;
+    const PlaceRecord<V> place = at.places.load(slot);
+    const TriangleFields<V> triangle = at.triangles.load(at.hits.load(slot).triangle & traces::kTriangleMask);
+    const I<V> object = object_of<V>(triangle, at.mattes.load(slot).classes);
+    at.traits.store(at.paths.load(slot).sample, {place.normal, object, 0U});
+  }
+};
+
+struct RecordTraitsShadow : RecordShadowPorts<TraitsRecord> {
+  static constexpr std::string_view kName = "record_traits_shadow";
+  static constexpr std::string_view kMeaning = "shadow ray of a first hit -> counted in its sample if it was stopped";
+};
+
+/// Over all rays of the first bounce, for the branch that carries most may hit nothing.
+struct WeighBranch {
+  static constexpr std::string_view kName = "weigh_branch";
+  static constexpr std::string_view kMeaning = "secondary ray -> most that one of its sample carries";
+  template <class V>
+  struct Ports {
+    Local<V, PathRecord> paths;
+    Local<V, BranchRecord> branches;
+    static void describe(auto& p, auto&& port) {
+      port(p.paths, "paths");
+      port(p.branches, "branches");
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const PathRecord<V> path = at.paths.load(item);
+    const BranchRecord<V> so_far = at.branches.load(path.sample);
+    at.branches.store(path.sample, {max(so_far.weight, largest(path.throughput)), so_far.place});
+  }
+};
+
+struct RecordBranch {
+  static constexpr std::string_view kName = "record_branch";
+  static constexpr std::string_view kMeaning = "secondary hit -> its sample's, if its branch carries most";
+  template <class V>
+  struct Ports : RecordTraits::Ports<V> {
+    Local<V, BranchRecord> branches;
+    static void describe(auto& p, auto&& port) {
+      RecordTraits::Ports<V>::describe(p, port);
+      port(p.branches, "branches");
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const I<V> slot = at.surfaces.load(item).word;
+    const PlaceRecord<V> place = at.places.load(slot);
+    const TriangleFields<V> triangle = at.triangles.load(at.hits.load(slot).triangle & traces::kTriangleMask);
+    const I<V> object = object_of<V>(triangle, at.mattes.load(slot).classes);
+    const PathRecord<V> path = at.paths.load(slot);
+    const TraitsRecord<V> so_far = at.traits.load(path.sample);
+    const BranchRecord<V> branch = at.branches.load(path.sample);
+    const M<V> most = branch.weight <= largest(path.throughput);
+    at.traits.store(path.sample,
+                    {select(most, place.normal, so_far.normal), select(most, object, so_far.object), so_far.shadows});
+    at.branches.store(path.sample, {branch.weight, select(most, place_sum<V>(place.position), branch.place)});
+  }
+};
+
+/// Shadow rays do not say which branch they belong to, but where they begin.
+struct RecordBranchShadow {
+  static constexpr std::string_view kName = "record_branch_shadow";
+  static constexpr std::string_view kMeaning = "shadow ray of the kept secondary hit -> counted if it was stopped";
+  template <class V>
+  struct Ports {
+    Local<V, RayRecord> shadow_rays;
+    Local<V, HitRecord> shadow_hits;
+    Local<V, PathRecord> shadow_paths;
+    Local<V, TraitsRecord> traits;
+    Local<V, BranchRecord> branches;
+    static void describe(auto& p, auto&& port) {
+      port(p.shadow_rays, "shadow_rays");
+      port(p.shadow_hits, "shadow_hits");
+      port(p.shadow_paths, "shadow_paths");
+      port(p.traits, "traits");
+      port(p.branches, "branches");
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const Vec3<V> origin = at.shadow_rays.load(item).origin;
+    const M<V> lit = at.shadow_hits.load(item).triangle == traces::kNoHit;
+    const I<V> sample = at.shadow_paths.load(item).sample;
+    const M<V> same = place_sum<V>(origin) == at.branches.load(sample).place;
+    TraitsRecord<V> record = at.traits.load(sample);
+    record.shadows = record.shadows + select(same, select(lit, I<V>(0U), I<V>(1U)), I<V>(0U));
+    at.traits.store(sample, record);
+  }
+};
+
+}  // namespace kernels
