@@ -12,7 +12,7 @@ namespace kernels {
 namespace {
 
 constexpr std::uint32_t kItems = 200;
-constexpr std::uint32_t kPlaces = 8 * kItems;  ///< of a memory: numbers drawn at random lead beyond the items
+constexpr std::uint32_t kPlaces = 16 * kItems;  ///< of a memory: numbers drawn at random lead beyond the items
 constexpr std::uint32_t kTextureSize = 16;
 
 /// Gives every port of a kernel memory full of random records, every uniform a random value.
@@ -84,6 +84,7 @@ class RandomPorts {
   }
   void fill(std::uint32_t& field, std::string_view name) {
     field = random() % (name.ends_with("texture") ? kItems / 2 : kItems);
+    if (name == "word" && (random() & 1U) != 0) field |= 1U << kActiveShift;
     if (name == "triangle" && with_misses_ && (random() & 1U) != 0) field = traces::kNoHit;
   }
 
