@@ -41,8 +41,12 @@ bool holds_former_run(const fs::path& folder, std::string_view mark) {
 }
 
 /// Every file that a verb may leave in its folder.
-constexpr std::array<std::string_view, 8> kResults = {"report.json", "report.txt",    "config.yaml", "image.png",
-                                                      "image.exr",   "reference.exr", "verify.json", "embree.png"};
+constexpr std::array<std::string_view, 10> kResults = {"report.json",    "report.txt",    "config.yaml", "image.png",
+                                                       "image.exr",      "reference.exr", "verify.json", "embree.png",
+                                                       "reproduce.json", "reproduce.md"};
+
+/// figure-1-village.png
+bool is_figure(std::string_view name) { return name.starts_with("figure-") && name.ends_with(".png"); }
 
 /// frame-0000.png
 bool is_frame(std::string_view name) {
@@ -55,7 +59,7 @@ bool is_frame(std::string_view name) {
 bool is_result(const fs::directory_entry& entry) {
   const std::string name = entry.path().filename().string();
   return entry.symlink_status().type() == fs::file_type::regular &&
-         (std::ranges::find(kResults, name) != kResults.end() || is_frame(name));
+         (std::ranges::find(kResults, name) != kResults.end() || is_frame(name) || is_figure(name));
 }
 
 bool holds_only_results(const fs::path& folder) {

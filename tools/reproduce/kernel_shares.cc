@@ -1,0 +1,41 @@
+#include "tools/reproduce/kernel_shares.h"
+
+#include <string_view>
+
+namespace tools::reproduce {
+
+namespace {
+
+struct Named {
+  std::string_view begins;  ///< the kernel's name, or how it begins
+  KernelGroup group;
+};
+
+/// All others trace and shade.
+constexpr Named kGroups[] = {{"check", KernelGroup::kCheck},
+                             {"interpolate", KernelGroup::kInterpolation},
+                             {"pack_samples", KernelGroup::kPacking},
+                             {"scan", KernelGroup::kPacking},
+                             {"correct", KernelGroup::kCorrection}};
+
+KernelGroup group_of(std::string_view kernel) {
+  for (const Named& named : kGroups) {
+    if (kernel.starts_with(named.begins)) return named.group;
+  }
+  return KernelGroup::kTracing;
+}
+
+}  // namespace
+
+std::optional<double> kernel_share(const Simulation& simulation, KernelGroup group) {
+  std::uint64_t all = 0, those = 0;
+  for (std::size_t k = 0; k < simulation.kernels.size(); ++k) {
+    const std::uint64_t cycles = simulation.kernel_use[k].cycles;
+    all += cycles;
+    if (group_of(simulation.kernels[k].kernel) == group) those += cycles;
+  }
+  if (all == 0) return {};
+  return static_cast<double>(those) / static_cast<double>(all);
+}
+
+}  // namespace tools::reproduce

@@ -1,0 +1,14 @@
+#pragma once
+#include <optional>
+
+#include "tools/run_job.h"
+
+namespace tools::reproduce {
+
+/// What kernels are for, where papers count the time of some of them apart.
+enum class KernelGroup : std::uint8_t { kTracing, kCheck, kInterpolation, kPacking, kCorrection };
+
+/// Share of the shader cores' busy cycles; nothing if they were never busy.
+std::optional<double> kernel_share(const Simulation& simulation, KernelGroup group);
+
+}  // namespace tools::reproduce
