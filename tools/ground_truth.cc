@@ -2,16 +2,15 @@
 
 #include <cstdlib>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
-#include "shader_kernels/programs/full.h"
 #include "sim/config/config.h"
 #include "sim/error.h"
 #include "sim/io/file.h"
 #include "sim/sha256.h"
 #include "tools/build_info.h"
-#include "tools/interrupt.h"
 #include "traces/accel/embree_tracer.h"
 #include "traces/scene/images.h"
 
@@ -24,6 +23,20 @@ namespace {
 /// Frame numbers seed the samples; no frame of a workload has this one.
 constexpr std::uint32_t kOtherSeed = 0x80000000U;
 constexpr std::uint64_t kDigestBytes = 4096;
+
+/// Gives a value back when it goes.
+template <class T>
+class Restored {
+ public:
+  Restored(T& value, T meanwhile) : value_(value), before_(std::exchange(value, meanwhile)) {}
+  ~Restored() { value_ = before_; }
+  Restored(const Restored&) = delete;
+  Restored& operator=(const Restored&) = delete;
+
+ private:
+  T& value_;
+  const T before_;
+};
 
 std::string name_of(const Inputs& inputs, std::uint32_t samples) {
   const nlohmann::json config = sim::config_json(inputs.config);
@@ -65,17 +78,11 @@ void keep(const fs::path& picture, const fs::path& digest, const RunConfig& conf
   }
 }
 
-std::vector<float> render_truth(const Inputs& inputs, std::uint32_t samples, std::uint32_t threads) {
-  kernels::RenderConfig config = inputs.config.render;
-  config.samples = kernels::SamplePattern::kJittered;
-  const kernels::FullProgram program(inputs.image, inputs.camera, config, samples, inputs.frame ^ kOtherSeed);
+std::vector<float> render_truth(Inputs& inputs, std::uint32_t samples, std::uint32_t threads) {
+  const Restored<kernels::SamplePattern> pattern(inputs.config.render.samples, kernels::SamplePattern::kJittered);
+  const Restored<std::uint32_t> seed(inputs.frame, inputs.frame ^ kOtherSeed);
   const traces::EmbreeTracer embree(inputs.image, host_threads(threads));
-  hw::FrontEnd front_end(program, embree, host_threads(threads), false);
-  while (const traces::TileWork* work = front_end.next()) {
-    if (interrupted()) throw Interrupted{};
-    front_end.give_back(work);
-  }
-  return front_end.result().rgb;
+  return render(inputs, kernels::parse_program(fmt::format("full:{}", samples)), embree, threads).rgb;
 }
 
 }  // namespace
@@ -88,8 +95,7 @@ fs::path cache_folder() {
   return {};
 }
 
-std::vector<float> ground_truth(const Inputs& inputs, std::uint32_t samples, std::uint32_t threads,
-                                const fs::path& cache) {
+std::vector<float> ground_truth(Inputs& inputs, std::uint32_t samples, std::uint32_t threads, const fs::path& cache) {
   if (cache.empty()) return render_truth(inputs, samples, threads);
   const std::string name = name_of(inputs, samples);
   const fs::path picture = cache / (name + ".exr"), digest = cache / (name + ".sha256");

@@ -12,8 +12,9 @@ namespace tools {
 ///
 /// It is kept as EXR in `cache` under a name made from all it depends on: scene, camera, frame, the configuration's
 /// groups `scene` and `render`, samples, model id. A digest beside it says that the file is what was written: anything
-/// else is not used but written anew. What cannot be kept is rendered each time. Interrupted if an interrupt waits.
-std::vector<float> ground_truth(const Inputs& inputs, std::uint32_t samples, std::uint32_t threads,
+/// else is not used but written anew. What cannot be kept is rendered each time. `inputs` are as before when it
+/// returns. Interrupted if an interrupt waits.
+std::vector<float> ground_truth(Inputs& inputs, std::uint32_t samples, std::uint32_t threads,
                                 const std::filesystem::path& cache);
 
 /// $XDG_CACHE_HOME/raywatt, else ~/.cache/raywatt; empty if there is neither.

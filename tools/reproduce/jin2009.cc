@@ -1,5 +1,3 @@
-#include <algorithm>
-
 #include <fmt/format.h>
 
 #include "tools/reproduce/plan.h"
@@ -64,7 +62,6 @@ void add_table_2(std::vector<Case>& cases, const std::string& scene, bool quick)
     if (c.run.name == "supersample") {
       c.figures.push_back({"table 2", "samples_of_fixed_9"});
       c.picture = fmt::format("1-{}-{}", scene, c.setting);
-      std::ranges::replace_if(c.picture, [](char x) { return x == ' ' || x == ','; }, '-');
     }
     cases.push_back(std::move(c));
   };

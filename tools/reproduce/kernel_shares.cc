@@ -14,8 +14,7 @@ struct Named {
 /// All others trace and shade.
 constexpr Named kGroups[] = {{"check", KernelGroup::kCheck},
                              {"interpolate", KernelGroup::kInterpolation},
-                             {"pack_samples", KernelGroup::kPacking},
-                             {"scan", KernelGroup::kPacking},
+                             {"list_samples", KernelGroup::kPacking},
                              {"correct", KernelGroup::kCorrection}};
 
 KernelGroup group_of(std::string_view kernel) {

@@ -34,11 +34,11 @@ std::uint64_t dram_bytes(const Outcome& o) {
   return sum;
 }
 
-Value speedup(const Comparison& c) { return ratio(c.reference->simulation.cycles, c.run.simulation.cycles); }
+Value speedup(const Comparison& c) { return ratio(c.reference.simulation.cycles, c.run.simulation.cycles); }
 Value work_ratio(const Comparison& c) {
-  return ratio(c.run.simulation.function.traversal_steps, c.reference->simulation.function.traversal_steps);
+  return ratio(c.run.simulation.function.traversal_steps, c.reference.simulation.function.traversal_steps);
 }
-Value tni_perf_per_watt(const Comparison& c) { return ratio(tni_pj(*c.reference), tni_pj(c.run)); }
+Value tni_perf_per_watt(const Comparison& c) { return ratio(tni_pj(c.reference), tni_pj(c.run)); }
 
 Value product(Value a, Value b) {
   if (!a || !b) return {};
@@ -49,7 +49,7 @@ Value share(const Comparison& c, KernelGroup group) { return kernel_share(c.run.
 
 constexpr std::array<Metric, 23> kMetrics = {{
     {"psnr_db", "PSNR against the reference picture", Shown::kDecibel, false,
-     [](const Comparison& c) { return c.squared_error ? psnr_db(*c.squared_error) : Value{}; }},
+     [](const Comparison& c) { return psnr_db(c.squared_error); }},
     {"traced_ratio", "samples traced of those wanted", Shown::kShare, false,
      [](const Comparison& c) { return ratio(c.run.samples.traced, c.run.samples.wanted); }},
     {"traced_ratio_lit", "the same without samples of the background", Shown::kShare, false,
@@ -66,25 +66,25 @@ constexpr std::array<Metric, 23> kMetrics = {{
     {"reflective_share", "pixels whose surface reflects", Shown::kShare, false,
      [](const Comparison& c) { return c.reflective_share; }},
     {"rays_ratio", "rays against the reference's", Shown::kShare, false,
-     [](const Comparison& c) { return ratio(c.run.simulation.rays(), c.reference->simulation.rays()); }},
+     [](const Comparison& c) { return ratio(c.run.simulation.rays(), c.reference.simulation.rays()); }},
     {"work_ratio", "traversal steps against the reference's", Shown::kShare, true, work_ratio},
     {"speedup", "cycles of the reference over cycles", Shown::kFactor, true, speedup},
     {"speedup_x_work", "speed-up times work ratio: 1 where traversal sets the pace", Shown::kFactor, true,
      [](const Comparison& c) { return product(speedup(c), work_ratio(c)); }},
     {"time_ratio", "cycles over cycles of the reference", Shown::kFactor, true,
-     [](const Comparison& c) { return ratio(c.run.simulation.cycles, c.reference->simulation.cycles); }},
+     [](const Comparison& c) { return ratio(c.run.simulation.cycles, c.reference.simulation.cycles); }},
     {"time_of_fixed_1", "cycles over cycles of one sample per pixel", Shown::kFactor, true,
-     [](const Comparison& c) { return ratio(c.run.simulation.cycles, c.reference->simulation.cycles); }},
+     [](const Comparison& c) { return ratio(c.run.simulation.cycles, c.reference.simulation.cycles); }},
     {"tni_power", "power of the T&I units against the reference's", Shown::kFactor, true,
-     [](const Comparison& c) { return product(ratio(tni_pj(c.run), tni_pj(*c.reference)), speedup(c)); }},
+     [](const Comparison& c) { return product(ratio(tni_pj(c.run), tni_pj(c.reference)), speedup(c)); }},
     {"tni_perf_per_watt", "performance per watt of the T&I units against the reference's", Shown::kFactor, true,
      tni_perf_per_watt},
     {"gpu_perf_per_watt", "the same of the GPU with its memory", Shown::kFactor, true,
-     [](const Comparison& c) { return ratio(all_pj(*c.reference), all_pj(c.run)); }},
+     [](const Comparison& c) { return ratio(all_pj(c.reference), all_pj(c.run)); }},
     {"energy_ratio", "energy of GPU and memory against the reference's", Shown::kFactor, true,
-     [](const Comparison& c) { return ratio(all_pj(c.run), all_pj(*c.reference)); }},
+     [](const Comparison& c) { return ratio(all_pj(c.run), all_pj(c.reference)); }},
     {"dram_bytes_ratio", "bytes over the memory's buses against the reference's", Shown::kFactor, true,
-     [](const Comparison& c) { return ratio(dram_bytes(c.run), dram_bytes(*c.reference)); }},
+     [](const Comparison& c) { return ratio(dram_bytes(c.run), dram_bytes(c.reference)); }},
     {"check_share", "SRP cycles in similarity checks", Shown::kShare, true,
      [](const Comparison& c) { return share(c, KernelGroup::kCheck); }},
     {"interpolation_share", "SRP cycles in interpolation", Shown::kShare, true,
@@ -93,7 +93,7 @@ constexpr std::array<Metric, 23> kMetrics = {{
      [](const Comparison& c) { return share(c, KernelGroup::kPacking); }},
     {"correction_share", "SRP cycles in post-correction", Shown::kShare, true,
      [](const Comparison& c) { return share(c, KernelGroup::kCorrection); }},
-    {"tracing_share", "SRP cycles in what a frame without adaptive sampling has too", Shown::kShare, true,
+    {"tracing_share", "SRP cycles in everything else", Shown::kShare, true,
      [](const Comparison& c) { return share(c, KernelGroup::kTracing); }},
 }};
 

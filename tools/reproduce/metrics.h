@@ -11,8 +11,8 @@ namespace tools::reproduce {
 /// What a figure is made from.
 struct Comparison {
   const Outcome& run;
-  const Outcome* reference = nullptr;
-  std::optional<double> squared_error{};     ///< of the run's picture
+  const Outcome& reference;
+  double squared_error = 0;                  ///< of the run's picture
   std::optional<double> reflective_share{};  ///< of the view's pixels
 };
 
@@ -22,7 +22,7 @@ struct Metric {
   std::string_view name;
   std::string_view meaning;
   Shown shown;
-  bool machine;  ///< needs cycles or energy, of both if there is a reference
+  bool machine;  ///< needs cycles or energy
   /// Nothing if the run has no such figure: a picture identical to its reference has no PSNR.
   std::optional<double> (*measure)(const Comparison&);
 };

@@ -1,7 +1,6 @@
 #include "tools/reproduce/mirrors.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -14,8 +13,9 @@ namespace {
 
 using traces::MaterialRecord;
 
-constexpr float kMirrored = 0.3F;            ///< of the light, by what is made a mirror
-constexpr std::uint32_t kProbePixels = 192;  ///< width of the picture that shares are counted in
+constexpr float kMirrored = 0.3F;  ///< of the light, by what is made a mirror
+constexpr double kTolerance = 0.01;
+constexpr std::uint32_t kProbePixels = 96;  ///< width of the picture that shares are counted in
 
 void make_mirror(MaterialRecord& m) {
   m.mirrored = glm::vec3(kMirrored);
@@ -36,17 +36,16 @@ bool is_fixed(const MaterialRecord& m) {
 
 }  // namespace
 
-double reflective_share(const Inputs& inputs, std::uint32_t threads) {
-  kernels::RenderConfig config = inputs.config.render;
+double reflective_share(Inputs& inputs, std::uint32_t threads) {
+  kernels::RenderConfig& config = inputs.config.render;
+  const kernels::RenderConfig before = config;
   config.height = std::max(1U, kProbePixels * config.height / config.width);
   config.width = kProbePixels;
   config.depth = 2;
-  const traces::BvhTracer tracer(inputs.image);
-  const kernels::FullProgram program(inputs.image, inputs.camera, config, 1, inputs.frame);
-  hw::FrontEnd front_end(program, tracer, host_threads(threads), false);
-  while (const traces::TileWork* work = front_end.next()) front_end.give_back(work);
-  const auto rays = front_end.result().rays[static_cast<std::size_t>(traces::RayKind::kReflection)];
-  return static_cast<double>(rays) / (static_cast<double>(config.width) * config.height);
+  const double pixels = static_cast<double>(config.width) * config.height;
+  const hw::FrontEnd::Result result = render(inputs, {}, traces::BvhTracer(inputs.image), threads);
+  config = before;
+  return static_cast<double>(result.rays[static_cast<std::size_t>(traces::RayKind::kReflection)]) / pixels;
 }
 
 void set_reflective_share(Inputs& inputs, double share, std::uint32_t threads) {
@@ -69,7 +68,7 @@ void set_reflective_share(Inputs& inputs, double share, std::uint32_t threads) {
     return a.first != b.first ? a.first > b.first : a.second < b.second;
   });
   for (const auto& [cover, i] : covers) {
-    if (std::abs(reached + cover - share) >= std::abs(reached - share)) continue;
+    if (reached + cover > share + kTolerance) continue;
     reached += cover;
     materials[i] = originals[i];
     if ((materials[i].flags & traces::kMirror) == 0) make_mirror(materials[i]);

@@ -39,11 +39,11 @@ struct Case {
   std::string setting;
   std::uint32_t width = 0, height = 0;
   Program run{};
-  Program reference{};  ///< without a name: none
+  Program reference{};
   bool machine = true;  ///< false: the picture and the counts of samples alone
   bool truth = false;   ///< PSNR against 256 samples per pixel instead of the reference
   std::vector<Figure> figures{};
-  std::string picture{};  ///< pictures are figure-PICTURE*.png; empty: none
+  std::string picture{};  ///< figure-PICTURE.png and figure-PICTURE-difference.png; empty: none
 };
 
 /// The experiments of a paper. `quick`: at a fraction of the resolution, some of them, and the built-in scenes made of

@@ -71,24 +71,24 @@ class Job {
 
  private:
   void measure(const Case& c, const RunFolder::Open& open) {
-    std::vector<std::optional<double>> values(c.figures.size());
-    std::string stand_in, why_not = c.machine ? "there is none" : "not simulated: only the picture is made";
+    std::vector<Measured> figures;
+    std::string stand_in;
     try {
       stand_in = runner_.stand_in(c.view);
-      values = runner_.measure(c);
+      figures = runner_.measure(c);
       runner_.write_pictures(c, open());
     } catch (const sim::InputError& error) {
-      why_not = std::string("skipped: ") + error.what();
+      figures.assign(c.figures.size(), {{}, std::string("skipped: ") + error.what()});
     }
-    for (std::size_t i = 0; i < values.size(); ++i) {
+    for (std::size_t i = 0; i < figures.size(); ++i) {
       Row row{.place = {c.figures[i].experiment, c.view.scene, c.setting, c.figures[i].metric},
               .stand_in = stand_in,
               .width = c.width,
               .height = c.height,
               .program = c.run.text(),
               .reference = c.truth && c.figures[i].metric == "psnr_db" ? "256 samples" : c.reference.text(),
-              .measured = values[i],
-              .why_not = values[i] ? "" : why_not,
+              .measured = figures[i].value,
+              .why_not = figures[i].why_not,
               .published = {}};
       const auto found = published_.find(row.place);
       if (found != published_.end()) row.published = found->second;

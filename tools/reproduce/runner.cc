@@ -1,5 +1,8 @@
 #include "tools/reproduce/runner.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -17,6 +20,32 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::uint32_t kTruthSamples = 256;  ///< source: Jin 2009, table 2
+
+Measured measured(const Metric& metric, const Comparison& c) {
+  if (metric.machine && !c.run.machine) return {{}, "not simulated: functional only"};
+  if (const std::optional<double> value = metric.measure(c)) return {value, {}};
+  return {{}, c.squared_error == 0.0 ? "identical" : "nothing to measure"};
+}
+
+/// Four times the difference of two pictures, sRGB-encoded, as 8 bits a channel.
+std::vector<std::uint8_t> difference(std::span<const float> a, std::span<const float> b) {
+  constexpr float kGain = 4;
+  std::vector<std::uint8_t> out(a.size());
+  std::ranges::transform(a, b, out.begin(), [](float x, float y) {
+    const float encoded = std::min(1.0F, kGain * std::abs(srgb_encoded(x) - srgb_encoded(y)));
+    return static_cast<std::uint8_t>(std::lround(255 * encoded));
+  });
+  return out;
+}
+
+std::string key_of(const Case& c, const Program& program) { return program.text() + (c.machine ? "" : " (picture)"); }
+
+/// A name as a part of a file's name.
+std::string file_part(std::string text) {
+  std::ranges::replace_if(
+      text, [](char c) { return std::string_view(" ,:").find(c) != std::string_view::npos; }, '-');
+  return text;
+}
 
 }  // namespace
 
@@ -64,7 +93,7 @@ void Runner::look_at(const Case& c) {
 }
 
 const Outcome& Runner::outcome(const Case& c, const Program& program) {
-  const std::string key = program.text() + (c.machine ? "" : " (picture)");
+  const std::string key = key_of(c, program);
   const auto found = outcomes_.find(key);
   if (found != outcomes_.end()) return found->second;
   const kernels::ProgramSpec spec = kernels::parse_program(program.name);
@@ -90,37 +119,31 @@ const std::vector<float>& Runner::truth(const Case& c) {
   return truth_;
 }
 
-std::vector<std::optional<double>> Runner::measure(const Case& c) {
+std::vector<Measured> Runner::measure(const Case& c) {
   look_at(c);
   const Outcome& run = outcome(c, c.run);
-  const Outcome* reference = c.reference.name.empty() ? nullptr : &outcome(c, c.reference);
-  Comparison comparison{.run = run, .reference = reference};
-  comparison.reflective_share = reflective_share_;
-  if (c.truth) {
-    comparison.squared_error = mean_squared_error(run.simulation.function.rgb, truth(c));
-  } else if (reference != nullptr) {
-    comparison.squared_error = mean_squared_error(run.simulation.function.rgb, reference->simulation.function.rgb);
-  }
-  std::vector<std::optional<double>> values;
-  for (const Figure& figure : c.figures) {
-    const Metric& metric = find_metric(figure.metric);
-    values.push_back(metric.machine && !c.machine ? std::nullopt : metric.measure(comparison));
-  }
-  return values;
+  const Outcome& reference = outcome(c, c.reference);
+  const std::vector<float>& other = c.truth ? truth(c) : reference.simulation.function.rgb;
+  const Comparison comparison{.run = run,
+                              .reference = reference,
+                              .squared_error = mean_squared_error(run.simulation.function.rgb, other),
+                              .reflective_share = reflective_share_};
+  std::vector<Measured> figures;
+  for (const Figure& figure : c.figures) figures.push_back(measured(find_metric(figure.metric), comparison));
+  return figures;
 }
 
 void Runner::write_pictures(const Case& c, const fs::path& folder) const {
   if (c.picture.empty()) return;
-  const auto write = [&](std::string_view which, std::span<const float> linear) {
-    traces::write_png(folder / fmt::format("figure-{}{}.png", c.picture, which), c.width, c.height, to_rgb8(linear));
+  const auto write = [&](const std::string& name, const std::vector<std::uint8_t>& picture) {
+    traces::write_png(folder / fmt::format("figure-{}.png", file_part(name)), c.width, c.height, picture);
   };
-  const std::string key_end = c.machine ? "" : " (picture)";
-  write("", outcomes_.at(c.run.text() + key_end).simulation.function.rgb);
-  if (c.truth) {
-    write("-truth", truth_);
-  } else if (!c.reference.name.empty()) {
-    write("-reference", outcomes_.at(c.reference.text() + key_end).simulation.function.rgb);
-  }
+  const std::vector<float>& run = outcomes_.at(key_of(c, c.run)).simulation.function.rgb;
+  write(c.picture, to_rgb8(run));
+  const std::vector<float>& other = c.truth ? truth_ : outcomes_.at(key_of(c, c.reference)).simulation.function.rgb;
+  const std::string frame = c.view.frame.empty() ? "" : "-" + c.view.frame;
+  write(fmt::format("reference-{}{}-{}", c.view.scene, frame, c.truth ? "truth" : c.reference.name), to_rgb8(other));
+  write(c.picture + "-difference", difference(run, other));
 }
 
 }  // namespace tools::reproduce

@@ -23,6 +23,12 @@ struct Options {
   std::vector<std::string> argv;
 };
 
+/// A figure, or why there is none.
+struct Measured {
+  std::optional<double> value{};
+  std::string why_not{};
+};
+
 /// Measures cases one after the other. What several of them need, scene, tree, runs, is made once as long as they
 /// follow each other.
 class Runner {
@@ -30,12 +36,13 @@ class Runner {
   explicit Runner(const Options& options) : options_(options) {}
 
   /// The figures of a case in its order. InputError if its scene is not there or cannot be read.
-  std::vector<std::optional<double>> measure(const Case& c);
+  std::vector<Measured> measure(const Case& c);
 
   /// The scene that stands in, as a user would name it. InputError if it is not there.
   std::string stand_in(const View& view) const;
 
-  /// Writes the pictures of the case last measured into a folder.
+  /// Writes the pictures of the case last measured into a folder: the run's, what it is compared with (one file for all
+  /// that are compared with it), and four times their difference.
   void write_pictures(const Case& c, const std::filesystem::path& folder) const;
 
  private:
