@@ -8,14 +8,24 @@
 #include "shader_kernels/graph.h"
 #include "shader_kernels/kernels/absorb.h"
 #include "shader_kernels/kernels/average_colour.h"
+#include "shader_kernels/kernels/average_samples.h"
+#include "shader_kernels/kernels/check_similarity.h"
 #include "shader_kernels/kernels/classify_details.h"
 #include "shader_kernels/kernels/classify_hits.h"
 #include "shader_kernels/kernels/classify_layers.h"
 #include "shader_kernels/kernels/classify_surfaces.h"
+#include "shader_kernels/kernels/clear_samples.h"
 #include "shader_kernels/kernels/combine_shadow.h"
 #include "shader_kernels/kernels/fetch_vertices.h"
+#include "shader_kernels/kernels/generate_listed_rays.h"
 #include "shader_kernels/kernels/generate_rays.h"
+#include "shader_kernels/kernels/interpolate_sample.h"
+#include "shader_kernels/kernels/list_samples.h"
 #include "shader_kernels/kernels/pack_colour.h"
+#include "shader_kernels/kernels/record_geometry.h"
+#include "shader_kernels/kernels/record_secondary.h"
+#include "shader_kernels/kernels/record_shadow.h"
+#include "shader_kernels/kernels/record_surface.h"
 #include "shader_kernels/kernels/scatter_layers.h"
 #include "shader_kernels/kernels/shade_ambient.h"
 #include "shader_kernels/kernels/shade_background.h"
@@ -44,7 +54,13 @@ using AllKernels =
                TestShadow<true>, ScatterLayers, ClassifyHits, ShadeBackground, ShadeSurface, ClassifyDetails, Absorb,
                FetchVertices, ShadeBase, ShadePhysical, ShadeBump, ShadeBlend, ClassifySurfaces, ShadeTextured,
                ShadeEmission, ShadeGlow, ShadeAmbient, ShadeOccluded, ShadeDiffuse, CombineShadow, ShadeStraight,
-               ShadeMirror, ShadeGlass, AverageColour, PackColour>;
+               ShadeMirror, ShadeGlass, AverageColour, PackColour,
+               // Adaptive sampling.
+               ListSamples, GenerateListedRays, ClearGeometry, ClearSecondary, RecordGeometry, RecordSurface,
+               RecordSecondary, RecordShadow, RecordSecondaryShadow, CheckSimilarity<false, false>,
+               CheckSimilarity<false, true>, CheckSimilarity<true, false>, CheckSimilarity<true, true>,
+               InterpolateSample<false, false>, InterpolateSample<false, true>, InterpolateSample<true, false>,
+               AverageSamples>;
 
 template <class K, class... Ks>
 constexpr traces::KernelId place_in(std::type_identity<std::tuple<Ks...>>) {

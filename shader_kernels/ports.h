@@ -123,6 +123,8 @@ struct Carried<float> {
 template <class V>
 using Attributes = Cached<V, AttributeFields, traces::Access::Kind::kAttributes>;
 template <class V>
+using Triangles = Cached<V, TriangleFields, traces::Access::Kind::kTriangle>;
+template <class V>
 using Materials = Cached<V, MaterialFields, traces::Access::Kind::kMaterial>;
 template <class V>
 using Vertices = Cached<V, VertexFields, traces::Access::Kind::kVertices>;

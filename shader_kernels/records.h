@@ -111,6 +111,59 @@ struct TangentRecord {
   }
 };
 
+/// What a sample keeps of its first hit, to be compared with its neighbours'. A miss has kNoObject and the normal
+/// (0, 0, 1), so that two misses are alike.
+template <class V>
+struct GeometryRecord {
+  Vec3<V> normal;  ///< as shaded
+  I<V> object;     ///< traces::TriangleRecord::object, with kTexturedObject above it
+  Vec3<V> position;
+  I<V> shadows;  ///< a mark per light whose shadow ray was stopped: its bit, or 1 where they are counted
+  static void fields(auto& r, auto&& field) {
+    field(r.normal, "normal");
+    field(r.object, "object");
+    field(r.position, "position");
+    field(r.shadows, "shadows");
+  }
+};
+inline constexpr std::uint32_t kTexturedObject = 1U << 31;
+inline constexpr std::uint32_t kNoObject = kTexturedObject - 1;
+
+/// What a sample keeps of its secondary hits: normals of the next hit behind a mirror and behind glass ((0, 0, 1) where
+/// there is none), and of all of them a sum of hashes of their objects and one of their shadows, which is the same for
+/// the same hits whatever their order.
+template <class V>
+struct SecondaryRecord {
+  Vec3<V> mirror_normal;
+  I<V> objects;
+  Vec3<V> glass_normal;
+  I<V> shadows;
+  static void fields(auto& r, auto&& field) {
+    field(r.mirror_normal, "mirror_normal");
+    field(r.objects, "objects");
+    field(r.glass_normal, "glass_normal");
+    field(r.shadows, "shadows");
+  }
+};
+
+/// What else a sample keeps of its first hit if it is to be interpolated and then shaded.
+template <class V>
+struct SurfaceRecord {
+  Vec3<V> diffuse;  ///< before its texture
+  I<V> classes;
+  Vec3<V> plane;  ///< the triangle's own normal, on the side that the ray came from
+  F<V> u, v;
+  I<V> texture;
+  static void fields(auto& r, auto&& field) {
+    field(r.diffuse, "diffuse");
+    field(r.classes, "classes");
+    field(r.plane, "plane");
+    field(r.u, "u");
+    field(r.v, "v");
+    field(r.texture, "texture");
+  }
+};
+
 template <class V>
 struct ColourRecord {
   Vec3<V> rgb;
@@ -141,6 +194,21 @@ struct AttributeFields {
     field(r.u2, "u2");
     field(r.v2, "v2");
     field(r.material, "material");
+  }
+};
+
+/// traces::TriangleRecord
+template <class V>
+struct TriangleFields {
+  Vec3<V> v0, v1, v2;
+  I<V> object, material, source;
+  static void fields(auto& r, auto&& field) {
+    field(r.v0, "v0");
+    field(r.v1, "v1");
+    field(r.v2, "v2");
+    field(r.object, "object");
+    field(r.material, "material");
+    field(r.source, "source");
   }
 };
 

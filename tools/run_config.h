@@ -2,6 +2,7 @@
 #include <cstdint>
 
 #include "hw_models/frame/gpu_config.h"
+#include "shader_kernels/programs/programs.h"
 #include "shader_kernels/programs/render_config.h"
 #include "sim/config/field.h"
 #include "sim/report/energy.h"
@@ -14,6 +15,7 @@ namespace tools {
 struct RunConfig {
   hw::GpuConfig gpu;
   kernels::RenderConfig render;
+  kernels::ProgramConfig programs;
   traces::BvhConfig bvh;
   sim::EnergyConfig energy;
   traces::WorkloadConfig scene;
@@ -22,6 +24,7 @@ struct RunConfig {
   static void describe(auto& c, auto&& field) {
     hw::GpuConfig::describe(c.gpu, field);
     field.group(c.render, "render", "what is rendered, and how finely");
+    kernels::ProgramConfig::describe(c.programs, field);
     field.group(c.bvh, "bvh", "how the tree is built on the host");
     field.group(c.energy, "energy", "energy per event, leakage and clock");
     field.group(c.scene, "scene", "what is looked at, from where, and when");

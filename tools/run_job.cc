@@ -9,7 +9,7 @@
 
 #include "hw_models/frame/gpu.h"
 #include "hw_models/memory/dram_energy.h"
-#include "shader_kernels/programs/full.h"
+#include "shader_kernels/programs/programs.h"
 #include "sim/engine.h"
 #include "sim/host_clock.h"
 #include "tools/interrupt.h"
@@ -35,6 +35,16 @@ class Interruptible final : public hw::TileSource {
 
  private:
   hw::TileSource& source_;
+};
+
+/// A frame program for the frame that `inputs` stand at.
+struct Program {
+  Program(const Inputs& inputs, const kernels::ProgramSpec& spec, const kernels::RateMap* rates)
+      : first(inputs.config.programs.multirate),
+        frame(kernels::make_program(spec, {inputs.image, inputs.camera, inputs.config.render, inputs.config.programs,
+                                           rates != nullptr ? *rates : first, inputs.frame})) {}
+  const kernels::RateMap first;
+  const std::unique_ptr<kernels::FrameProgram> frame;
 };
 
 /// Every figure of the table must be one that some counter can use.
@@ -107,17 +117,21 @@ void Simulation::add(const Simulation& frame) {
   wall_seconds += frame.wall_seconds;
 }
 
-Simulation simulate(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads) {
+Simulation simulate(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
+                    kernels::RateMap* rates) {
   const sim::HostClock::time_point begin = sim::HostClock::now();
-  const kernels::FullProgram frame(inputs.image, inputs.camera, inputs.config.render, program.samples, inputs.frame);
+  const Program made(inputs, program, rates);
+  kernels::FrameProgram& frame = *made.frame;
   const traces::BvhTracer tracer(inputs.image);
   hw::FrontEnd front_end(frame, tracer, host_threads(threads) - 1);
   Interruptible tiles(front_end);
-  const std::uint32_t tile_bytes = frame.tile_pixels() * hw::kPixelBytes;
-  const auto gpu = std::make_unique<hw::Gpu>(inputs.config.gpu,
-                                             hw::Gpu::Workload{inputs.image, inputs.parents, frame.tile_samples(),
-                                                               tile_bytes, std::uint64_t{frame.tiles()} * tile_bytes},
-                                             tiles);
+  const kernels::Demands demands = frame.demands();
+  const std::uint64_t picture = demands.region_bytes[0];
+  const auto gpu =
+      std::make_unique<hw::Gpu>(inputs.config.gpu,
+                                hw::Gpu::Workload{inputs.image, inputs.parents, demands.tile_samples,
+                                                  static_cast<std::uint32_t>(picture / frame.tiles()), picture},
+                                tiles);
   const auto energy = [&] {
     return sim::compute_energy(gpu->report(), inputs.config.energy, hw::dram_energy_events(inputs.config.gpu.dram),
                                gpu->elapsed());
@@ -136,15 +150,17 @@ Simulation simulate(const Inputs& inputs, const kernels::ProgramSpec& program, s
   s.elapsed = gpu->elapsed();
   s.energy = energy();
   s.wall_seconds = sim::seconds_since(begin);
+  if (rates != nullptr) rates->advance(s.function.sampling);
   return s;
 }
 
 hw::FrontEnd::Result render(const Inputs& inputs, const kernels::ProgramSpec& program, const traces::Tracer& tracer,
-                            std::uint32_t threads) {
-  const kernels::FullProgram frame(inputs.image, inputs.camera, inputs.config.render, program.samples, inputs.frame);
-  hw::FrontEnd front_end(frame, tracer, host_threads(threads), false);
+                            std::uint32_t threads, kernels::RateMap* rates) {
+  const Program made(inputs, program, rates);
+  hw::FrontEnd front_end(*made.frame, tracer, host_threads(threads), false);
   Interruptible tiles(front_end);
   while (const traces::TileWork* work = tiles.next()) tiles.give_back(work);
+  if (rates != nullptr) rates->advance(front_end.result().sampling);
   return front_end.result();
 }
 

@@ -7,6 +7,7 @@
 #include "hw_models/srp/schedule.h"
 #include "hw_models/srp/srp_stats.h"
 #include "shader_kernels/programs/program_spec.h"
+#include "shader_kernels/programs/rate_map.h"
 #include "sim/report/energy.h"
 #include "sim/report/unit_report.h"
 #include "tools/load_config.h"
@@ -54,13 +55,15 @@ struct Simulation {
   void add(const Simulation& frame);
 };
 
-/// Runs a frame program on the machine. `threads` of the host: one plays the machine, the others run ahead of it.
-/// sim::Deadlock if the machine is stuck, Interrupted if an interrupt waits. Every frame begins with cold caches.
-Simulation simulate(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads);
+/// Runs a frame program on the machine; `rates`, if given, are those of its tiles, and go on to the next frame.
+/// `threads` of the host: one plays the machine, the others run ahead of it. sim::Deadlock if the machine is stuck,
+/// Interrupted if an interrupt waits. Every frame begins with cold caches.
+Simulation simulate(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
+                    kernels::RateMap* rates = nullptr);
 
 /// The picture alone, traced by `tracer`.
 hw::FrontEnd::Result render(const Inputs& inputs, const kernels::ProgramSpec& program, const traces::Tracer& tracer,
-                            std::uint32_t threads);
+                            std::uint32_t threads, kernels::RateMap* rates = nullptr);
 
 /// 0 means all the host has.
 std::uint32_t host_threads(std::uint32_t wanted);

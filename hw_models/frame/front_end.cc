@@ -6,13 +6,11 @@
 
 namespace hw {
 
-FrontEnd::FrontEnd(const kernels::FullProgram& program, const traces::Tracer& tracer, std::uint32_t workers,
-                   bool record)
+FrontEnd::FrontEnd(kernels::FrameProgram& program, const traces::Tracer& tracer, std::uint32_t workers, bool record)
     : program_(program),
       tracer_(tracer),
       record_(record),
       max_ahead_(std::max<std::size_t>(1, 8 * std::size_t{workers})) {
-  result_.rgb.resize(std::size_t{3} * program.width() * program.height());
   for (std::uint32_t i = 0; i < workers; ++i) threads_.emplace_back([this] { run_ahead(); });
 }
 
@@ -34,7 +32,7 @@ void FrontEnd::make(Slot& slot, std::uint32_t tile) const {
 void FrontEnd::run_ahead() {
   std::unique_lock lock(mutex_);
   for (;;) {
-    room_.wait(lock, [&] { return stop_ || next_tile_ == program_.tiles() || ahead_.size() < max_ahead_; });
+    room_.wait(lock, [&] { return stop_ || next_tile_ == program_.tiles() || may_make(); });
     if (stop_ || next_tile_ == program_.tiles()) return;
     if (spare_.empty()) spare_.push_back(std::make_unique<Slot>());
     ahead_.push_back(std::move(spare_.back()));
@@ -65,20 +63,25 @@ const traces::TileWork* FrontEnd::next() {
 
 const traces::TileWork* FrontEnd::take() {
   std::unique_lock lock(mutex_);
+  if (taken_ == program_.tiles()) return nullptr;
+  if (taken_ == pass_end_) {
+    program_.begin_pass(taken_, tracer_);
+    pass_end_ = program_.pass_end(taken_);
+    room_.notify_all();
+  }
   if (threads_.empty()) {
-    if (next_tile_ == program_.tiles()) return nullptr;
     if (spare_.empty()) spare_.push_back(std::make_unique<Slot>());
     ahead_.push_back(std::move(spare_.back()));
     spare_.pop_back();
     make(*ahead_.back(), next_tile_++);
   } else {
-    if (ahead_.empty() && next_tile_ == program_.tiles()) return nullptr;
     news_.wait(lock, [&] { return !ahead_.empty() && ahead_.front()->ready; });
     if (failure_) std::rethrow_exception(failure_);
   }
   handed_.push_back(std::move(ahead_.front()));
   ahead_.pop_front();
   room_.notify_one();
+  taken_ += 1;
   keep(*handed_.back());
   return &handed_.back()->tile.work;
 }
@@ -91,7 +94,11 @@ void FrontEnd::give_back(const traces::TileWork* work) {
 }
 
 void FrontEnd::keep(const Slot& slot) {
-  program_.place(slot.tile, result_.rgb);
+  program_.keep(slot.tile);
+  if (taken_ == program_.tiles()) {
+    result_.rgb = program_.picture();
+    result_.sampling = program_.sampling();
+  }
   for (std::size_t k = 0; k < std::size(result_.rays); ++k) result_.rays[k] += slot.tile.rays[k];
   result_.continued += slot.tile.continued;
   result_.traversal_steps += slot.tile.traversal_steps;
@@ -100,6 +107,7 @@ void FrontEnd::keep(const Slot& slot) {
 
 void FrontEnd::Result::add(const Result& other) {
   for (std::size_t k = 0; k < std::size(rays); ++k) rays[k] += other.rays[k];
+  sampling.add(other.sampling);
   continued += other.continued;
   traversal_steps += other.traversal_steps;
   seconds += other.seconds;

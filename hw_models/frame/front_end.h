@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "hw_models/frame/tile_dispatcher.h"
-#include "shader_kernels/programs/full.h"
+#include "shader_kernels/programs/frame_program.h"
 #include "traces/tracer.h"
 
 namespace hw {
@@ -20,20 +20,20 @@ class FrontEnd final : public TileSource {
  public:
   /// What the frame program found out, independent of any machine.
   struct Result {
-    std::vector<float> rgb;  ///< linear, row by row
+    std::vector<float> rgb;      ///< linear, row by row; there when the last tile has been taken
+    kernels::Sampling sampling;  ///< likewise
     std::uint64_t rays[static_cast<std::size_t>(traces::RayKind::kCount)] = {};
     std::uint64_t continued = 0;  ///< of the rays, those that went on behind what was no solid surface
     std::uint64_t traversal_steps = 0;
     double seconds = 0;  ///< host time of the functional half, summed over its threads
     double waited = 0;   ///< of that, time for which the caller of next() stood still
-    /// Adds another frame's figures; the picture stays.
+    /// Adds another frame's figures; the picture, and what is per tile, stay.
     void add(const Result& other);
   };
 
   /// `workers` threads beside the caller's; 0: tiles are made when they are asked for. Without `record` there is only
   /// the picture, no work for a machine.
-  FrontEnd(const kernels::FullProgram& program, const traces::Tracer& tracer, std::uint32_t workers,
-           bool record = true);
+  FrontEnd(kernels::FrameProgram& program, const traces::Tracer& tracer, std::uint32_t workers, bool record = true);
   ~FrontEnd() override;
   FrontEnd(const FrontEnd&) = delete;
   FrontEnd& operator=(const FrontEnd&) = delete;
@@ -49,11 +49,12 @@ class FrontEnd final : public TileSource {
     bool ready = false;
   };
   void run_ahead();
+  bool may_make() const { return next_tile_ < pass_end_ && ahead_.size() < max_ahead_; }
   const traces::TileWork* take();
   void make(Slot& slot, std::uint32_t tile) const;
   void keep(const Slot& slot);
 
-  const kernels::FullProgram& program_;
+  kernels::FrameProgram& program_;
   const traces::Tracer& tracer_;
   const bool record_;
   Result result_;
@@ -63,6 +64,8 @@ class FrontEnd final : public TileSource {
   std::vector<std::unique_ptr<Slot>> handed_;  ///< out in the machine
   std::vector<std::unique_ptr<Slot>> spare_;
   std::uint32_t next_tile_ = 0;
+  std::uint32_t taken_ = 0;
+  std::uint32_t pass_end_ = 0;  ///< tiles before it may be made
   std::size_t max_ahead_;
   bool stop_ = false;
   std::exception_ptr failure_;

@@ -36,6 +36,10 @@ inline LineSet lines_of(const traces::Access& access, const traces::Layout& layo
     case traces::Access::Kind::kDetail:
       lines.add(layout.detail_at(access.element));
       break;
+    case traces::Access::Kind::kTriangle:
+      lines.add(layout.triangle_at(access.element));
+      lines.add(layout.triangle_at(access.element) + sizeof(traces::TriangleRecord) - 1);
+      break;
     case traces::Access::Kind::kTexels: {
       const std::uint32_t xs[2] = {access.element & 0xffffU, access.element2 & 0xffffU};
       const std::uint32_t ys[2] = {access.element >> 16, access.element2 >> 16};

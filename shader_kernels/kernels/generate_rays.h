@@ -42,12 +42,13 @@ SamplePlace<V> sample_place(const I<V>& item, const TileUniforms<V>& tile) {
   return {tile.x0 + row.remainder, tile.y0 + row.quotient, cell.remainder, cell.quotient, pixel.remainder};
 }
 
+/// The ray of `sample` through the picture's point (x, y), into slot `item`.
 template <class V>
-void emit_primary(const I<V>& item, const F<V>& x, const F<V>& y, const GeneratePorts<V>& at) {
+void emit_primary(const I<V>& item, const I<V>& sample, const F<V>& x, const F<V>& y, const auto& at) {
   const Vec3<V> direction = normalised(at.camera.corner + at.camera.right * x + at.camera.down * y);
   at.rays.store(item, {at.camera.origin, 0.0F, direction, std::numeric_limits<float>::infinity()});
-  at.paths.store(item, {{1.0F, 1.0F, 1.0F}, item});
-  at.colours.store(item, {{0.0F, 0.0F, 0.0F}});
+  at.paths.store(item, {{1.0F, 1.0F, 1.0F}, sample});
+  at.colours.store(sample, {{0.0F, 0.0F, 0.0F}});
 }
 
 struct GenerateRays {
@@ -58,8 +59,8 @@ struct GenerateRays {
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
     const SamplePlace<V> s = sample_place<V>(item, at.tile);
-    emit_primary<V>(item, s.x + (s.column + 0.5F) * at.tile.inverse_grid, s.y + (s.row + 0.5F) * at.tile.inverse_grid,
-                    at);
+    emit_primary<V>(item, item, s.x + (s.column + 0.5F) * at.tile.inverse_grid,
+                    s.y + (s.row + 0.5F) * at.tile.inverse_grid, at);
   }
 };
 
@@ -75,7 +76,7 @@ struct GenerateJitteredRays {
     const I<V> pixel = to_int(s.y) * at.image_width + to_int(s.x);
     const I<V> hash_x = scrambled<V>(scrambled<V>(pixel ^ at.seed) + to_int(s.number));
     const I<V> hash_y = scrambled<V>(hash_x ^ 0x9e3779b9U);
-    emit_primary<V>(item, s.x + (s.column + unit_float<V>(hash_x)) * at.tile.inverse_grid,
+    emit_primary<V>(item, item, s.x + (s.column + unit_float<V>(hash_x)) * at.tile.inverse_grid,
                     s.y + (s.row + unit_float<V>(hash_y)) * at.tile.inverse_grid, at);
   }
 };

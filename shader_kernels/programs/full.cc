@@ -17,7 +17,8 @@ float inverse(std::uint32_t n) { return 1.0F / static_cast<float>(n); }
 
 FullProgram::FullProgram(const traces::MemoryImage& image, const traces::Camera& camera, const RenderConfig& config,
                          std::uint32_t samples, std::uint32_t frame)
-    : config_(config),
+    : FrameProgram(config.width, config.height),
+      config_(config),
       scene_(image, config),
       camera_(camera_uniforms(camera, config.width, config.height)),
       samples_(samples),
@@ -27,6 +28,10 @@ FullProgram::FullProgram(const traces::MemoryImage& image, const traces::Camera&
       tiles_across_(tiles_along(config.width, side_)),
       tiles_down_(tiles_along(config.height, side_)),
       seed_(static_cast<std::uint32_t>(sim::hash(frame))) {}
+
+Demands FullProgram::demands() const {
+  return {tile_samples(), 0, {std::uint64_t{tiles()} * tile_pixels() * kPixelBytes, 0, 0}};
+}
 
 void FullProgram::run_tile(std::uint32_t tile, const traces::Tracer& tracer, bool record, TileResult& out) const {
   out.tile = tile;
@@ -73,26 +78,11 @@ void FullProgram::run_tile(std::uint32_t tile, const traces::Tracer& tracer, boo
   const Wavefront::Node averaged = wave.launch<AverageColour>(average, samples);
   wave.wait_for_colours(averaged);
 
-  PackColour::Ports<float> pack;
-  pack.pixels.bind(out.linear.data());
-  pack.packed.bind(out.packed.data());
-  const Wavefront::Node packed = wave.launch<PackColour>(pack, pixels);
-  wave.wait_all(packed, averaged);
-  wave.wait_all(wave.transfer(traces::Region::kPicture, true, std::uint64_t{tile} * tile_pixels() * 4, pixels * 4),
-                packed);
+  wave.put_out(averaged, std::uint64_t{tile} * tile_pixels() * kPixelBytes);
   wave.finish();
-}
-
-void FullProgram::place(const TileResult& tile, std::vector<float>& rgb) const {
-  for (std::uint32_t row = 0; row < tile.height; ++row) {
-    float* to = rgb.data() + std::size_t{3} * (std::size_t{tile.y + row} * config_.width + tile.x);
-    for (std::uint32_t column = 0; column < tile.width; ++column) {
-      const glm::vec3& from = tile.linear[std::size_t{row} * tile.width + column];
-      *to++ = from.x;
-      *to++ = from.y;
-      *to++ = from.z;
-    }
-  }
+  out.sampling = {};
+  out.sampling.wanted = out.sampling.traced = samples;
+  out.sampling.background = out.sampling.traced_background = out.background.size();
 }
 
 }  // namespace kernels

@@ -1,11 +1,9 @@
 #pragma once
 #include <cstdint>
-#include <vector>
 
+#include "shader_kernels/programs/frame_program.h"
 #include "shader_kernels/programs/render_config.h"
 #include "shader_kernels/programs/scene_tables.h"
-#include "shader_kernels/programs/tile_result.h"
-#include "traces/tracer.h"
 
 namespace kernels {
 
@@ -14,25 +12,19 @@ namespace kernels {
 ///   generate_rays -> Wavefront -> average_colour -> pack_colour -> transfer to the frame buffer
 ///
 /// A tile is a square of whole pixels, as many as fit into the configured square of samples, at least one.
-class FullProgram {
+class FullProgram final : public FrameProgram {
  public:
   /// `samples`: per pixel, a square. The image must outlive the program.
   FullProgram(const traces::MemoryImage& image, const traces::Camera& camera, const RenderConfig& config,
               std::uint32_t samples, std::uint32_t frame);
 
-  std::uint32_t width() const { return config_.width; }
-  std::uint32_t height() const { return config_.height; }
-  std::uint32_t tiles() const { return tiles_across_ * tiles_down_; }  ///< row by row
+  std::uint32_t tiles() const override { return tiles_across_ * tiles_down_; }  ///< row by row
+  Demands demands() const override;
   /// Of a tile that no edge cuts.
   std::uint32_t tile_pixels() const { return side_ * side_; }
   std::uint32_t tile_samples() const { return tile_pixels() * samples_; }
 
-  /// Renders a tile; with `record` also writes down its work. Any number of threads may run tiles at once, each into
-  /// its own `out`, whose storage is used again.
-  void run_tile(std::uint32_t tile, const traces::Tracer& tracer, bool record, TileResult& out) const;
-
-  /// Copies a tile's pixels into the picture: linear RGB, row by row.
-  void place(const TileResult& tile, std::vector<float>& rgb) const;
+  void run_tile(std::uint32_t tile, const traces::Tracer& tracer, bool record, TileResult& out) const override;
 
  private:
   const RenderConfig config_;

@@ -1,5 +1,6 @@
 #include "shader_kernels/programs/program_spec.h"
 
+#include <array>
 #include <charconv>
 
 #include <fmt/format.h>
@@ -11,6 +12,16 @@ namespace {
 
 constexpr std::uint32_t kMaxGrid = 32;
 
+struct Named {
+  std::string_view name;
+  ProgramSpec spec;
+};
+constexpr auto kNamed = std::to_array<Named>({
+    {"full", {ProgramSpec::Kind::kFull, 1}},
+    {"multirate:under", {ProgramSpec::Kind::kMultirate, 1}},
+    {"multirate:super", {ProgramSpec::Kind::kMultirate, 4}},
+});
+
 bool is_square(std::uint32_t n) {
   for (std::uint32_t side = 1; side <= kMaxGrid; ++side) {
     if (side * side == n) return true;
@@ -18,24 +29,36 @@ bool is_square(std::uint32_t n) {
   return false;
 }
 
+ProgramSpec parse_full(std::string_view text, std::string_view number) {
+  std::uint32_t samples = 0;
+  const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), samples);
+  if (error == std::errc{} && end == number.data() + number.size() && is_square(samples)) return {.samples = samples};
+  throw sim::InputError(
+      fmt::format("program '{}': the N of full:N, samples per pixel, must be a square from 1 to {} (1, 4, 9, 16, ...)",
+                  text, kMaxGrid * kMaxGrid));
+}
+
 }  // namespace
 
-ProgramSpec parse_program(std::string_view text) {
-  constexpr std::string_view kFull = "full";
-  if (text == kFull) return {};
-  if (text.starts_with("full:")) {
-    const std::string_view number = text.substr(kFull.size() + 1);
-    std::uint32_t samples = 0;
-    const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), samples);
-    if (error == std::errc{} && end == number.data() + number.size() && is_square(samples)) {
-      return {.samples = samples};
-    }
-    throw sim::InputError(fmt::format(
-        "program '{}': the N of full:N, samples per pixel, must be a square from 1 to {} (1, 4, 9, 16, ...)", text,
-        kMaxGrid * kMaxGrid));
+std::string ProgramSpec::name() const {
+  if (kind == Kind::kFull) return fmt::format("full:{}", samples);
+  for (const Named& named : kNamed) {
+    if (named.spec.kind == kind && named.spec.samples == samples) return std::string(named.name);
   }
-  throw sim::InputError(
-      fmt::format("program '{}' does not exist; there is: full:N (N samples per pixel, a square)", text));
+  return {};
+}
+
+ProgramSpec parse_program(std::string_view text) {
+  for (const Named& named : kNamed) {
+    if (named.name == text) return named.spec;
+  }
+  constexpr std::string_view kFull = "full:";
+  if (text.starts_with(kFull)) return parse_full(text, text.substr(kFull.size()));
+  std::string all = "full:N (N samples per pixel, a square)";
+  for (const Named& named : kNamed) {
+    if (named.spec.kind != ProgramSpec::Kind::kFull) all += fmt::format(", {}", named.name);
+  }
+  throw sim::InputError(fmt::format("program '{}' does not exist; there is: {}", text, all));
 }
 
 }  // namespace kernels

@@ -13,6 +13,9 @@ constexpr std::array<std::string_view, 2> names_of(SamplePattern) { return {"reg
 enum class GlassShadows : std::uint8_t { kOpaque, kTinted };
 constexpr std::array<std::string_view, 2> names_of(GlassShadows) { return {"opaque", "tinted"}; }
 
+enum class Streams : std::uint8_t { kCompacted, kDivergent };
+constexpr std::array<std::string_view, 2> names_of(Streams) { return {"compacted", "divergent"}; }
+
 /// What is rendered, and how finely. Everything here changes the recorded work.
 struct RenderConfig {
   std::uint32_t width = 1024, height = 512;
@@ -21,6 +24,7 @@ struct RenderConfig {
   SamplePattern samples = SamplePattern::kRegular;
   std::uint32_t layers = 32;
   GlassShadows glass_shadows = GlassShadows::kTinted;
+  Streams streams = Streams::kCompacted;
   double ray_epsilon = 1e-4;
   double min_weight = 0.01;
 
@@ -40,6 +44,9 @@ struct RenderConfig {
     field(c.glass_shadows, "glass_shadows", "",
           "shadow rays that meet glass: blocked, or let through unbent with its transmission and colour", sim::any(),
           Affects::kFunction);
+    field(c.streams, "streams", "",
+          "executors run over the items of their class, compacted by an inspector, or (as without inspectors) over all",
+          sim::any(), Affects::kFunction);
     field(c.ray_epsilon, "ray_epsilon", "scene diagonals", "how far from a surface its secondary rays begin",
           sim::between(0, 0.1), Affects::kFunction);
     field(c.min_weight, "min_weight", "", "a path goes on while its largest colour weight is above this",

@@ -85,6 +85,7 @@ SceneTables::SceneTables(const traces::MemoryImage& memory_image, const RenderCo
     shades |= traces::triangle_flags(material);
   }
   has_details = (flags & traces::kDetailStreams) != 0;
+  diverges = config.streams == Streams::kDivergent;
   has_alpha = (shades & traces::kAlphaFlag) != 0;
   const bool is_tinted = config.glass_shadows == GlassShadows::kTinted;
   has_shades = has_alpha || (is_tinted && shades != 0);

@@ -28,6 +28,7 @@ struct SceneTables {
   float epsilon, min_weight;
   std::uint32_t depth, layers;
   bool has_details;            ///< some surface goes into a stream of classify_details
+  bool diverges;               ///< RenderConfig::streams
   bool has_alpha, has_shades;  ///< some hit may have to be tested: of rays that want the nearest, of shadow rays
   std::uint32_t solid_shadow;  ///< largest triangle word of a shadow ray's hit that needs no test
 };

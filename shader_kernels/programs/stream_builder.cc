@@ -33,7 +33,7 @@ WorkNode& StreamBuilder::add(WorkNode::Kind kind, std::uint32_t items) {
 
 StreamBuilder::Node StreamBuilder::launch(traces::KernelId kernel, std::uint32_t items, bool has_accesses,
                                           std::uint32_t idle) {
-  if (!on_) return kNone;
+  if (!is_on()) return kNone;
   launch_sources_ = static_cast<std::uint32_t>(work_.sources.size());
   WorkNode& node = add(WorkNode::Kind::kLaunch, items);
   node.kernel = kernel;
@@ -45,7 +45,7 @@ StreamBuilder::Node StreamBuilder::launch(traces::KernelId kernel, std::uint32_t
 
 StreamBuilder::Node StreamBuilder::rays(traces::RayKind kind, std::uint32_t count, std::uint32_t first, Node launch,
                                         bool is_mapped) {
-  if (!on_) return kNone;
+  if (!is_on()) return kNone;
   WorkNode& node = add(WorkNode::Kind::kRays, count);
   node.ray_kind = kind;
   node.first = first;
@@ -56,7 +56,7 @@ StreamBuilder::Node StreamBuilder::rays(traces::RayKind kind, std::uint32_t coun
 
 StreamBuilder::Node StreamBuilder::transfer(traces::Region region, bool to_memory, std::uint64_t offset,
                                             std::uint32_t bytes) {
-  if (!on_) return kNone;
+  if (!is_on()) return kNone;
   WorkNode& node = add(WorkNode::Kind::kTransfer, bytes);
   node.region = region;
   node.to_memory = to_memory;
@@ -65,7 +65,7 @@ StreamBuilder::Node StreamBuilder::transfer(traces::Region region, bool to_memor
 }
 
 void StreamBuilder::wait(Node node, Node for_node, Edge::Kind kind) {
-  if (on_ && for_node != kNone) work_.nodes[node].inputs.push_back({for_node, kind});
+  if (node != kNone && for_node != kNone) work_.nodes[node].inputs.push_back({for_node, kind});
 }
 
 void StreamBuilder::finish() {

@@ -15,7 +15,10 @@ class StreamBuilder {
   static constexpr Node kNone = traces::WorkNode::kNone;
 
   StreamBuilder(traces::TileWork& work, std::vector<traces::WorkNode>& spare, bool on);
-  bool is_on() const { return on_; }
+  bool is_on() const { return on_ && !muted_; }
+  /// A muted builder writes nothing until it is unmuted.
+  void mute(bool muted) { muted_ = muted; }
+  bool is_muted() const { return muted_; }
 
   /// `idle` items more pass through the loop and do nothing.
   Node launch(traces::KernelId kernel, std::uint32_t items, bool has_accesses, std::uint32_t idle = 0);
@@ -35,6 +38,7 @@ class StreamBuilder {
   traces::TileWork& work_;
   std::vector<traces::WorkNode>& spare_;
   bool on_;
+  bool muted_ = false;
   Node count_ = 0;
   std::uint32_t launch_sources_ = 0;  ///< first source of the last launch
 };

@@ -38,4 +38,13 @@ void TileBuffer::hold_layers(std::size_t slots) {
   layer.hold(slots + 1);
 }
 
+void TileBuffer::hold_samples(std::size_t samples) {
+  grow(colours, samples);
+  grow(geometry, samples);
+  grow(secondary, samples);
+  grow(kept, samples);
+  grow(verdicts, samples);
+  for (auto* stream : {&this->samples, &passed, &failed}) grow(*stream, samples + 1);
+}
+
 }  // namespace kernels

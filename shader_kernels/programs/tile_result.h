@@ -6,11 +6,15 @@
 
 #include <glm/vec3.hpp>
 
+#include "shader_kernels/programs/sampling.h"
 #include "shader_kernels/records.h"
 #include "traces/ray.h"
 #include "traces/stream.h"
 
 namespace kernels {
+
+/// Bytes of a pixel in the frame buffer: three channels in a packed format.
+inline constexpr std::uint32_t kPixelBytes = 4;
 
 /// A wave: rays on their way, what they carry, where they hit. The three arrays are the ray slots of the tile buffer.
 struct RaySlots {
@@ -33,11 +37,18 @@ struct TileBuffer {
   std::vector<OpticsRecord<float>> optics;
   std::vector<TangentRecord<float>> tangents;
   std::vector<ColourRecord<float>> colours;  ///< per sample
-  std::vector<std::uint32_t> colour_nodes;   ///< of the work: launches that have added to colours
+  // Of adaptive sampling: what samples keep, what checks said of them, streams of them.
+  std::vector<GeometryRecord<float>> geometry;
+  std::vector<SecondaryRecord<float>> secondary;
+  std::vector<SurfaceRecord<float>> kept;
+  std::vector<std::uint32_t> verdicts, samples, passed, failed;
+  std::vector<std::uint32_t> record_nodes;  ///< of the work: launches that have added to what samples keep
+  std::vector<std::uint32_t> colour_nodes;  ///< of the work: launches that have added to colours
   std::vector<traces::WorkNode> spare_nodes;
   void hold_wave(std::size_t slots);
   void hold_details(std::size_t slots);
   void hold_layers(std::size_t slots);
+  void hold_samples(std::size_t samples);
 };
 
 /// What comes of one tile.
@@ -47,7 +58,10 @@ struct TileResult {
   std::vector<glm::vec3> linear;                      ///< per pixel, row by row: linear RGB in [0, 1]
   std::vector<std::uint32_t> packed;                  ///< per pixel: as the frame buffer holds it, R in the lowest byte
   std::array<std::uint64_t, static_cast<std::size_t>(traces::RayKind::kCount)> rays{};
-  std::uint64_t continued = 0;        ///< of those, rays that went on behind what was no solid surface
+  std::uint64_t continued = 0;  ///< of those, rays that went on behind what was no solid surface
+  Sampling sampling;
+  std::vector<SampleMark> marks;          ///< of adaptive sampling: per sample of the tile, row by row
+  std::vector<std::uint32_t> background;  ///< samples whose primary ray hit nothing, in the order traced
   std::uint64_t traversal_steps = 0;  ///< node visits and triangle tests; counted from the walks, so 0 if not recorded
   traces::TileWork work;              ///< filled if recorded
   TileBuffer buffer;

@@ -1,5 +1,6 @@
 #include "shader_kernels/programs/wavefront.h"
 
+#include <algorithm>
 #include <span>
 #include <utility>
 
@@ -18,28 +19,33 @@ Wavefront::Wavefront(const SceneTables& scene, const traces::Tracer& tracer, boo
   out.rays = {};
   out.continued = 0;
   out.traversal_steps = 0;
+  out.background.clear();
   buffer_.colour_nodes.clear();
+  buffer_.record_nodes.clear();
 }
 
-void Wavefront::run(Node maker, std::uint32_t rays) {
+void Wavefront::run(Node maker, std::uint32_t rays, const Keep& keep, std::uint32_t lanes) {
+  keep_ = keep;
   Bounce bounce;
   bounce.rays = rays;
+  bounce.lanes = std::max(rays, lanes);
   buffer_.hold_wave(rays);
   bounce.batches[bounce.batch_count++] = trace(RayKind::kPrimary, buffer_.wave, 0, rays, maker, false);
-  for (std::uint32_t depth = 1; bounce.rays != 0; ++depth) {
+  while (bounce.rays != 0) {
     const std::uint32_t surfaces = classify(bounce);
     if (surfaces < bounce.rays) shade_background(bounce, bounce.rays - surfaces);
     if (surfaces == 0) return;
     const Streams streams = shade_surfaces(bounce, surfaces);
+    record_hits(bounce, surfaces);
     if (streams.textured != 0) shade_textured(bounce, streams.textured);
     if (streams.emissive != 0) shade_emission(bounce, streams.emissive);
     if (streams.glowing != 0) shade_glow(bounce, streams.glowing);
     if (streams.diffuse != 0) {
       shade_ambient(bounce, streams.diffuse);
       if (streams.occluded != 0) shade_occluded(bounce, streams.occluded);
-      for (const LightUniforms<float>& light : scene_.lights) shade_light(bounce, light, streams.diffuse);
+      for (std::uint32_t light = 0; light < scene_.lights.size(); ++light) shade_light(bounce, light, streams.diffuse);
     }
-    if (depth == scene_.depth) return;
+    if (bounce.depth == scene_.depth) return;
     bounce = send_on(bounce, streams);
   }
 }
@@ -58,6 +64,7 @@ Wavefront::Node Wavefront::trace_once(RayKind kind, const traces::Ray* rays, tra
   const std::size_t from_word = out_.work.walk.size();
   traces::WalkSink sink{out_.work.walk, out_.work.ray_begin};
   tracer_.trace({rays, count}, kind, {hits, count}, stream_.is_on() ? &sink : nullptr);
+  if (stream_.is_muted()) return StreamBuilder::kNone;
   count_steps(from_word);
   const Node node = stream_.rays(kind, count, rays_traced_, maker, is_mapped);
   rays_traced_ += count;
@@ -83,12 +90,21 @@ void Wavefront::wait_for_bounce(Node node, const Bounce& bounce) {
   for (const Batch& batch : bounce.batches) wait_all(node, batch.rays);
 }
 
+void Wavefront::wait_for_batch(Node node, const Batch& batch) {
+  if (batch.settled == StreamBuilder::kNone) {
+    wait_each(node, batch.rays);
+  } else {
+    wait_all(node, batch.rays);
+    wait_all(node, batch.settled);
+  }
+}
+
 std::uint32_t Wavefront::classify(Bounce& bounce) {
   ClassifyHits::Ports<float> ports;
   ports.hits.bind(buffer_.wave.hits.data());
   ports.misses.bind(buffer_.misses.data());
   ports.surfaces.bind(buffer_.surfaces.data());
-  bounce.inspector = launch<ClassifyHits>(ports, bounce.rays);
+  bounce.inspector = launch<ClassifyHits>(ports, bounce.rays, bounce.lanes);
   bounce.colours = StreamBuilder::kNone;
   if (bounce.batch_count == 1 && bounce.batches[0].settled == StreamBuilder::kNone) {
     wait_each(bounce.inspector, bounce.batches[0].rays);
@@ -96,6 +112,11 @@ std::uint32_t Wavefront::classify(Bounce& bounce) {
     for (const Batch& batch : bounce.batches) {
       wait_all(bounce.inspector, batch.rays);
       wait_all(bounce.inspector, batch.settled);
+    }
+  }
+  if (bounce.depth == 1 && !stream_.is_muted()) {
+    for (std::uint32_t i = 0; i < ports.miss_count.value; ++i) {
+      out_.background.push_back(buffer_.wave.paths[buffer_.misses[i]].sample);
     }
   }
   return ports.surface_count.value;
@@ -116,12 +137,13 @@ void Wavefront::send(const Bounce& bounce, RayKind kind, std::vector<std::uint32
   ports.next_paths.bind(slots.paths.data() + next.rays);
   ports.epsilon = scene_.epsilon;
   ports.min_weight = scene_.min_weight;
-  const Node maker = launch<K>(ports, items);
+  const Node maker = launch<K>(ports, items, bounce.lanes);
   wait_for_bounce(maker, bounce);
   const std::uint32_t rays = ports.emitted.value;
   if (rays == 0) return;
   next.batches[next.batch_count++] = trace(kind, slots, next.rays, rays, maker, true);
   next.rays += rays;
+  next.lanes += bounce.lanes;
 }
 
 Wavefront::Bounce Wavefront::send_on(const Bounce& bounce, const Streams& streams) {
@@ -129,8 +151,11 @@ Wavefront::Bounce Wavefront::send_on(const Bounce& bounce, const Streams& stream
   Bounce from = bounce;
   from.colours = StreamBuilder::kNone;  // what is sent on does not look at base colours
   Bounce next;
+  next.depth = bounce.depth + 1;
   send<ShadeStraight>(from, RayKind::kRefraction, buffer_.blended, streams.blended, next);
+  next.mirrored = next.rays;
   send<ShadeMirror>(from, RayKind::kReflection, buffer_.mirror, streams.mirror, next);
+  next.refracted = next.rays;
   send<ShadeGlass>(from, RayKind::kRefraction, buffer_.glass, streams.glass, next);
   std::swap(buffer_.wave, buffer_.next_wave);
   buffer_.hold_wave(next.rays);
@@ -139,6 +164,20 @@ Wavefront::Bounce Wavefront::send_on(const Bounce& bounce, const Streams& stream
 
 void Wavefront::wait_for_colours(Node node) {
   for (const Node adder : buffer_.colour_nodes) wait_all(node, adder);
+}
+
+void Wavefront::wait_for_records(Node node) {
+  for (const Node adder : buffer_.record_nodes) wait_all(node, adder);
+}
+
+void Wavefront::put_out(Node averaged, std::uint64_t offset) {
+  const auto pixels = static_cast<std::uint32_t>(out_.linear.size());
+  PackColour::Ports<float> pack;
+  pack.pixels.bind(out_.linear.data());
+  pack.packed.bind(out_.packed.data());
+  const Node packed = launch<PackColour>(pack, pixels);
+  wait_all(packed, averaged);
+  wait_all(transfer(traces::Region::kPicture, true, offset, pixels * kPixelBytes), packed);
 }
 
 Wavefront::Node Wavefront::transfer(traces::Region region, bool to_memory, std::uint64_t offset, std::uint32_t bytes) {

@@ -31,24 +31,53 @@ namespace kernels {
 ///
 ///   classify_layers -> [ test_alpha or test_shadow -> rays -> scatter_layers ] ...
 ///
+/// For adaptive sampling it also keeps what samples hit (wavefront_records.cc):
+///
+///   surfaces of the first wave -> record_geometry or record_surface, of later ones -> record_secondary
+///   shadow rays -> record_shadow, record_secondary_shadow
+///
 /// All orders (of rays, of additions to a sample) follow from the tile alone.
 class Wavefront {
  public:
   using Node = StreamBuilder::Node;
+  static constexpr Node kNone = StreamBuilder::kNone;
+
+  /// What samples keep of their hits, beside their colour.
+  struct Keep {
+    bool geometry = false, surfaces = false;  ///< of the first hit: geometry alone, or all that shading needs
+    bool secondary = false;
+    bool counted_shadows = false;  ///< shadows are counted, not told apart by light
+    Node cleared = StreamBuilder::kNone, cleared_secondary = StreamBuilder::kNone;  ///< launches that began them
+  };
 
   Wavefront(const SceneTables& scene, const traces::Tracer& tracer, bool record, TileResult& out);
 
-  /// Runs kernel K over `items` items and notes the launch.
+  /// From here on work is done but not written down, nor are its rays counted: another tile's.
+  void mute() { stream_.mute(true); }
+  void unmute() { stream_.mute(false); }
+  bool is_muted() const { return stream_.is_muted(); }
+
+  /// Runs kernel K over `items` items and notes the launch. `lanes`: items of the stream that the inspector split;
+  /// where kernels diverge (RenderConfig::streams) all of them go through K.
   template <class K>
-  Node launch(typename K::template Ports<float>& ports, std::uint32_t items);
+  Node launch(typename K::template Ports<float>& ports, std::uint32_t items, std::uint32_t lanes = 0);
   void wait_all(Node node, Node for_node) { stream_.wait(node, for_node, traces::Edge::Kind::kAll); }
   void wait_each(Node node, Node for_node) { stream_.wait(node, for_node, traces::Edge::Kind::kEach); }
 
   /// Traces and shades the primary rays that `maker` has put into the first wave, one per item, and all that follows.
-  void run(Node maker, std::uint32_t rays);
+  /// `lanes` as for launch().
+  void run(Node maker, std::uint32_t rays, const Keep& keep, std::uint32_t lanes = 0);
+  void run(Node maker, std::uint32_t rays) { run(maker, rays, {}); }
   /// Makes `node` wait for all launches that add to the samples' colours.
   void wait_for_colours(Node node);
+  /// Makes `node` wait for all that adds to what samples keep.
+  void wait_for_records(Node node);
+  /// Has all later wait_for_colours(), wait_for_records() wait for `node` too.
+  void adds_colours(Node node) { buffer_.colour_nodes.push_back(node); }
+  void adds_records(Node node) { buffer_.record_nodes.push_back(node); }
   Node transfer(traces::Region region, bool to_memory, std::uint64_t offset, std::uint32_t bytes);
+  /// Encodes the tile's pixels, once `averaged` is done, and moves them to byte `offset` of the picture.
+  void put_out(Node averaged, std::uint64_t offset);
   void finish() { stream_.finish(); }
 
  private:
@@ -60,6 +89,10 @@ class Wavefront {
   /// Nodes that the launches of a bounce wait for.
   struct Bounce {
     std::uint32_t rays = 0;
+    std::uint32_t depth = 1;
+    std::uint32_t lanes = 0;                    ///< as for launch()
+    std::uint32_t mirrored = 0, refracted = 0;  ///< first slots of rays that were; those before went straight on
+    Node recorded = StreamBuilder::kNone;       ///< the launch that keeps its geometry
     std::array<Batch, 3> batches{};
     std::uint32_t batch_count = 0;
     Node inspector = StreamBuilder::kNone;  ///< fills the streams
@@ -78,7 +111,7 @@ class Wavefront {
   Node settle(traces::RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t count, Node batch);
   template <bool kColoured>
   std::uint32_t test_layers(traces::RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t items,
-                            Node& tested);
+                            std::uint32_t lanes, Node& tested);
   void count_steps(std::size_t from_word);
   std::uint32_t classify(Bounce& bounce);
   Streams shade_surfaces(Bounce& bounce, std::uint32_t surfaces);
@@ -95,14 +128,14 @@ class Wavefront {
   /// Launches the next step of shade_details: it waits for the one before.
   template <class K>
   void step(Bounce& bounce, typename K::template Ports<float>& ports, std::uint32_t items) {
-    const Node node = launch<K>(ports, items);
+    const Node node = launch<K>(ports, items, bounce.lanes);
     wait_for_bounce(node, bounce);
     bounce.inspector = node;
   }
   /// Launches what adds to the samples' colours.
   template <class K>
   void add_colours(const Bounce& bounce, typename K::template Ports<float>& ports, std::uint32_t items) {
-    const Node node = launch<K>(ports, items);
+    const Node node = launch<K>(ports, items, bounce.lanes);
     wait_for_bounce(node, bounce);
     buffer_.colour_nodes.push_back(node);
   }
@@ -110,12 +143,20 @@ class Wavefront {
   void shade_textured(Bounce& bounce, std::uint32_t items);
   void shade_emission(const Bounce& bounce, std::uint32_t items);
   void shade_ambient(const Bounce& bounce, std::uint32_t items);
-  void shade_light(const Bounce& bounce, const LightUniforms<float>& light, std::uint32_t items);
+  void shade_light(const Bounce& bounce, std::uint32_t light, std::uint32_t items);
+  void record_hits(Bounce& bounce, std::uint32_t surfaces);
+  template <class K>
+  Node record_surfaces(typename K::template Ports<float>& ports, std::uint32_t surfaces);
+  void record_shadows(const Bounce& bounce, std::uint32_t light, const Batch& batch, std::uint32_t rays);
+  template <class K>
+  Node record_shadows(auto* records, std::uint32_t mark, std::uint32_t rays, std::uint32_t lanes);
   Bounce send_on(const Bounce& bounce, const Streams& streams);
   template <class K>
   void send(const Bounce& bounce, traces::RayKind kind, std::vector<std::uint32_t>& stream, std::uint32_t items,
             Bounce& next);
   void wait_for_bounce(Node node, const Bounce& bounce);
+  /// Item by item, unless rays went on.
+  void wait_for_batch(Node node, const Batch& batch);
   std::vector<traces::Access>* accesses() { return stream_.is_on() ? &out_.work.accesses : nullptr; }
 
   const SceneTables& scene_;
@@ -123,17 +164,19 @@ class Wavefront {
   TileResult& out_;
   TileBuffer& buffer_;
   StreamBuilder stream_;
+  Keep keep_;
   std::uint32_t rays_traced_ = 0;
 };
 
 template <class K>
-Wavefront::Node Wavefront::launch(typename K::template Ports<float>& ports, std::uint32_t items) {
+Wavefront::Node Wavefront::launch(typename K::template Ports<float>& ports, std::uint32_t items, std::uint32_t lanes) {
   constexpr bool kReads = requires { ports.materials; }
+  || requires { ports.triangles; }
   || requires { ports.texels; }
   || requires { ports.vertices; }
   || requires { ports.details; };
   constexpr bool kEmits = requires { ports.emitted; };
-  const Node node = stream_.launch(kKernelId<K>, items, kReads);
+  const Node node = stream_.launch(kKernelId<K>, items, kReads, scene_.diverges && lanes > items ? lanes - items : 0);
   typename K::template Ports<float> at = ports;  // a copy whose address nobody has stays in registers
   if (!stream_.is_on()) {
     for (std::uint32_t i = 0; i < items; ++i) K::template body<float>(i, at);

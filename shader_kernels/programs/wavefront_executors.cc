@@ -24,7 +24,7 @@ Wavefront::Streams Wavefront::shade_surfaces(Bounce& bounce, std::uint32_t surfa
   surface.mattes.bind(buffer_.mattes.data());
   surface.texcoords.bind(buffer_.texcoords.data());
   surface.optics.bind(buffer_.optics.data());
-  const Node fetched = launch<ShadeSurface>(surface, surfaces);
+  const Node fetched = launch<ShadeSurface>(surface, surfaces, bounce.lanes);
   wait_for_bounce(fetched, bounce);
 
   Streams streams;
@@ -41,7 +41,7 @@ Wavefront::Streams Wavefront::shade_surfaces(Bounce& bounce, std::uint32_t surfa
   ports.mirror.bind(buffer_.mirror.data());
   ports.glass.bind(buffer_.glass.data());
   ports.emissive.bind(buffer_.emissive.data());
-  const Node classified = launch<ClassifySurfaces>(ports, surfaces);
+  const Node classified = launch<ClassifySurfaces>(ports, surfaces, bounce.lanes);
   scene_.has_details ? wait_all(classified, bounce.inspector) : wait_each(classified, fetched);
   bounce.inspector = classified;
   streams.textured = ports.textured_count.value;
@@ -59,7 +59,7 @@ void Wavefront::shade_textured(Bounce& bounce, std::uint32_t items) {
   ports.mattes.bind(buffer_.mattes.data());
   ports.axes.bind(scene_.axes.data());
   ports.texels.bind(scene_.image.textures.data(), accesses());
-  bounce.colours = launch<ShadeTextured>(ports, items);
+  bounce.colours = launch<ShadeTextured>(ports, items, bounce.lanes);
   wait_all(bounce.colours, bounce.inspector);
 }
 
@@ -84,7 +84,7 @@ void Wavefront::shade_ambient(const Bounce& bounce, std::uint32_t items) {
   add_colours<ShadeAmbient>(bounce, ports, items);
 }
 
-void Wavefront::shade_light(const Bounce& bounce, const LightUniforms<float>& light, std::uint32_t items) {
+void Wavefront::shade_light(const Bounce& bounce, std::uint32_t light, std::uint32_t items) {
   buffer_.shadow.hold(std::size_t{items} + 1);
   ShadeDiffuse::Ports<float> ports;
   ports.diffuse.bind(buffer_.diffuse.data());
@@ -93,9 +93,9 @@ void Wavefront::shade_light(const Bounce& bounce, const LightUniforms<float>& li
   ports.mattes.bind(buffer_.mattes.data());
   ports.shadow_rays.bind(buffer_.shadow.rays.data());
   ports.shadow_paths.bind(buffer_.shadow.paths.data());
-  ports.light = light;
+  ports.light = scene_.lights[light];
   ports.epsilon = scene_.epsilon;
-  const Node shaded = launch<ShadeDiffuse>(ports, items);
+  const Node shaded = launch<ShadeDiffuse>(ports, items, bounce.lanes);
   wait_for_bounce(shaded, bounce);
   const std::uint32_t rays = ports.emitted.value;
   if (rays == 0) return;
@@ -105,14 +105,10 @@ void Wavefront::shade_light(const Bounce& bounce, const LightUniforms<float>& li
   combine.shadow_hits.bind(buffer_.shadow.hits.data());
   combine.shadow_paths.bind(buffer_.shadow.paths.data());
   combine.colours.bind(buffer_.colours.data());
-  const Node combined = launch<CombineShadow>(combine, rays);
-  if (batch.settled == StreamBuilder::kNone) {
-    wait_each(combined, batch.rays);
-  } else {
-    wait_all(combined, batch.rays);
-    wait_all(combined, batch.settled);
-  }
+  const Node combined = launch<CombineShadow>(combine, rays, bounce.lanes);
+  wait_for_batch(combined, batch);
   buffer_.colour_nodes.push_back(combined);
+  record_shadows(bounce, light, batch, rays);
 }
 
 }  // namespace kernels

@@ -27,13 +27,14 @@ Wavefront::Node Wavefront::settle(RayKind kind, RaySlots& slots, std::uint32_t f
   std::uint32_t items = classify.layer_count.value;
   Node settled = StreamBuilder::kNone;
   for (std::uint32_t layer = 0; items != 0 && layer < scene_.layers; ++layer) {
-    const std::uint32_t rays = scene_.image.vertices.empty() ? test_layers<false>(kind, slots, first, items, settled)
-                                                             : test_layers<true>(kind, slots, first, items, settled);
+    const std::uint32_t rays = scene_.image.vertices.empty()
+                                   ? test_layers<false>(kind, slots, first, items, count, settled)
+                                   : test_layers<true>(kind, slots, first, items, count, settled);
     wait_all(settled, before);
     wait_all(settled, batch);
     if (rays == 0) break;
     const Node onwards = trace_once(kind, buffer_.layer.rays.data(), buffer_.layer.hits.data(), rays, settled, true);
-    out_.continued += rays;
+    if (!stream_.is_muted()) out_.continued += rays;
 
     ScatterLayers::Ports<float> scatter;
     scatter.targets.bind(buffer_.targets.data());
@@ -41,7 +42,7 @@ Wavefront::Node Wavefront::settle(RayKind kind, RaySlots& slots, std::uint32_t f
     scatter.hits.bind(slots.hits.data() + first);
     scatter.layers.bind(buffer_.layers.data());
     scatter.solid = solid;
-    settled = before = launch<ScatterLayers>(scatter, rays);
+    settled = before = launch<ScatterLayers>(scatter, rays, count);
     wait_each(settled, onwards);
     wait_all(settled, batch);
     items = scatter.layer_count.value;
@@ -51,7 +52,7 @@ Wavefront::Node Wavefront::settle(RayKind kind, RaySlots& slots, std::uint32_t f
 
 template <bool kColoured>
 std::uint32_t Wavefront::test_layers(RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t items,
-                                     Node& tested) {
+                                     std::uint32_t lanes, Node& tested) {
   const auto bind = [&](LayerPorts<float, kColoured>& ports) {
     ports.layers.bind(buffer_.layers.data());
     ports.rays.bind(slots.rays.data() + first);
@@ -72,12 +73,12 @@ std::uint32_t Wavefront::test_layers(RayKind kind, RaySlots& slots, std::uint32_
     bind(ports);
     ports.min_weight = scene_.min_weight * kLeastLight;
     ports.paths.bind(slots.paths.data() + first);
-    tested = launch<TestShadow<kColoured>>(ports, items);
+    tested = launch<TestShadow<kColoured>>(ports, items, lanes);
     return ports.emitted.value;
   }
   LayerPorts<float, kColoured> ports;
   bind(ports);
-  tested = launch<TestAlpha<kColoured>>(ports, items);
+  tested = launch<TestAlpha<kColoured>>(ports, items, lanes);
   return ports.emitted.value;
 }
 

@@ -43,15 +43,15 @@ struct Picture {
 
 inline Picture render(const traces::MemoryImage& image, const traces::Camera& camera, const traces::Tracer& tracer,
                       const RenderConfig& config, std::uint32_t samples = 1, bool record = false) {
-  const FullProgram program(image, camera, config, samples, 0);
+  FullProgram program(image, camera, config, samples, 0);
   Picture picture{program.width(), program.height(), {}, {}};
-  picture.rgb.resize(std::size_t{3} * config.width * config.height);
   TileResult tile;
   for (std::uint32_t t = 0; t < program.tiles(); ++t) {
     program.run_tile(t, tracer, record, tile);
-    program.place(tile, picture.rgb);
+    program.keep(tile);
     for (std::size_t k = 0; k < picture.rays.size(); ++k) picture.rays[k] += tile.rays[k];
   }
+  picture.rgb = program.picture();
   return picture;
 }
 

@@ -39,17 +39,23 @@ void keep(Simulation frame, std::optional<Simulation>& total) {
   }
 }
 
+/// A frame program and what it carries from frame to frame.
+struct Program {
+  kernels::ProgramSpec spec;
+  kernels::RateMap rates;
+};
+
 struct Job {
   const JobOptions& options;
-  kernels::ProgramSpec program;
-  std::optional<kernels::ProgramSpec> reference;
+  Program program;
+  std::optional<Program> reference;
 
   /// Simulates the frame that `inputs` stand at and writes its picture.
-  void run_frame(const Inputs& inputs, const RunFolder::Open& open, Outcome& out) const {
+  void run_frame(const Inputs& inputs, const RunFolder::Open& open, Outcome& out) {
     const std::uint32_t width = inputs.config.render.width, height = inputs.config.render.height;
-    Simulation frame = simulate(inputs, program, options.threads);
+    Simulation frame = simulate(inputs, program.spec, options.threads, &program.rates);
     std::optional<Simulation> compared;
-    if (reference) compared = simulate(inputs, *reference, options.threads);
+    if (reference) compared = simulate(inputs, reference->spec, options.threads, &reference->rates);
     const double error = compared ? mean_squared_error(frame.function.rgb, compared->function.rgb) : 0;
     const std::filesystem::path& folder = open();
     nlohmann::ordered_json entry = {{"frame", inputs.frame}};
@@ -70,7 +76,7 @@ struct Job {
   }
 
   /// All frames, or those that an interrupt has left time for; Interrupted if that is none.
-  Outcome run_frames(Inputs& inputs, const RunFolder::Open& folder) const {
+  Outcome run_frames(Inputs& inputs, const RunFolder::Open& folder) {
     Outcome out;
     try {
       run_frame(inputs, folder, out);
@@ -88,10 +94,14 @@ struct Job {
 
 void run(const JobOptions& options) {
   const auto begin = sim::HostClock::now();
-  Job job{options, kernels::parse_program(options.program), {}};
-  if (!options.reference.empty()) job.reference = kernels::parse_program(options.reference);
+  const kernels::ProgramSpec program = kernels::parse_program(options.program);
+  std::optional<kernels::ProgramSpec> reference;
+  if (!options.reference.empty()) reference = kernels::parse_program(options.reference);
   RunFolder folder(options.out, options.force);
   Inputs inputs = load_inputs(options);
+  const kernels::RateMap rates(inputs.config.programs.multirate);
+  Job job{options, {program, rates}, {}};
+  if (reference) job.reference = Program{*reference, rates};
   for (const std::string& warning : inputs.warnings) fmt::print(stderr, "raywatt: warning: {}\n", warning);
 
   nlohmann::ordered_json json;

@@ -21,7 +21,7 @@ class Frame {
   Frame(const Frame&) = delete;
   Frame& operator=(const Frame&) = delete;
 
-  const kernels::FullProgram& program() const { return program_; }
+  kernels::FullProgram& program() const { return program_; }
   const traces::Tracer& tracer() const { return tracer_; }
   Gpu::Workload workload() const;
   /// Lines of the frame buffer that the tiles of the picture fill.
@@ -31,7 +31,7 @@ class Frame {
   const traces::Camera camera_;
   const traces::MemoryImage image_;
   const std::vector<std::uint32_t> parents_;
-  const kernels::FullProgram program_;
+  mutable kernels::FullProgram program_;  ///< keeps the last picture
   const traces::BvhTracer tracer_;
   const std::uint64_t picture_lines_;
 };

@@ -1,0 +1,112 @@
+#pragma once
+#include "shader_kernels/kernels/checks.h"
+#include "shader_kernels/kernels/sample_grid.h"
+
+namespace kernels {
+
+/// The samples between the reference samples of parallel lines. Along a line every `block`-th sample is a reference,
+/// from place 0 on; places below `low` or above `high` are outside the picture. `gaps` is block - 1.
+template <class V>
+struct LineUniforms {
+  F<V> inner, inverse_inner;  ///< along x: samples between references in a line; along y: lines
+  F<V> gaps, inverse_gaps, block, inverse_block;
+  F<V> first, step, line_step;  ///< place 0 of line 0; from place to place, from line to line
+  F<V> low, high;
+  static void describe(auto& l, auto&& port) {
+    port(l.inner, "line.inner");
+    port(l.inverse_inner, "line.inverse_inner");
+    port(l.gaps, "line.gaps");
+    port(l.inverse_gaps, "line.inverse_gaps");
+    port(l.block, "line.block");
+    port(l.inverse_block, "line.inverse_block");
+    port(l.first, "line.first");
+    port(l.step, "line.step");
+    port(l.line_step, "line.line_step");
+    port(l.low, "line.low");
+    port(l.high, "line.high");
+  }
+};
+
+/// A sample and the two references that it lies between.
+template <class V>
+struct Between {
+  I<V> sample, before, after;
+  I<V> gap;      ///< places from `before` to the sample, less one
+  M<V> outside;  ///< one of the two is not there
+};
+
+/// Sample number `item`; lines are worked off one after the other along x, side by side along y.
+template <bool kAlongY, class V>
+Between<V> sample_between(const I<V>& item, const LineUniforms<V>& line) {
+  const Split<V> outer = split<V>(to_float(item), line.inner, line.inverse_inner);
+  const F<V> number = kAlongY ? outer.quotient : outer.remainder;
+  const F<V> of_line = kAlongY ? outer.remainder : outer.quotient;
+  const Split<V> gap = split<V>(number, line.gaps, line.inverse_gaps);
+  const F<V> place = gap.quotient * line.block;
+  const F<V> before = line.first + of_line * line.line_step + place * line.step;
+  return {to_int(before + (gap.remainder + 1.0F) * line.step), to_int(before), to_int(before + line.block * line.step),
+          to_int(gap.remainder), either(place < line.low, line.high < place + line.block)};
+}
+
+// An item of the stream of samples that have passed: the sample, and above it the gap.
+inline constexpr std::uint32_t kGapShift = 24;
+inline constexpr std::uint32_t kSampleMask = (1U << kGapShift) - 1;
+
+template <class V>
+struct Passed {
+  I<V> sample, before, after;
+  F<V> weight;  ///< of `after`; that of `before` is the rest
+};
+template <class V>
+Passed<V> passed(const I<V>& word, const LineUniforms<V>& line) {
+  const I<V> sample = word & kSampleMask;
+  const F<V> places = to_float(word >> kGapShift) + 1.0F;
+  const F<V> at = to_float(sample);
+  const F<V> before = at - places * line.step;
+  return {sample, to_int(before), to_int(before + line.block * line.step), places * line.inverse_block};
+}
+
+/// What the check kernels leave: the failed checks of a sample in the tile buffer, and it in one of two streams.
+template <class V>
+struct VerdictPorts {
+  LineUniforms<V> line;
+  Local<V, WordRecord> verdicts, passed, failed;
+  Counter<V> passed_count, failed_count;
+  static void describe(auto& p, auto&& port) {
+    LineUniforms<V>::describe(p.line, port);
+    port(p.verdicts, "verdicts");
+    port(p.passed, "passed");
+    port(p.failed, "failed");
+    port(p.passed_count, "passed_count");
+    port(p.failed_count, "failed_count");
+  }
+};
+template <class V>
+void pronounce(VerdictPorts<V>& at, const Between<V>& b, const I<V>& failed) {
+  at.verdicts.store(b.sample, {failed});
+  at.passed.store(at.passed_count.next(failed == 0U), {b.sample | (b.gap << kGapShift)});
+  at.failed.store(at.failed_count.next(I<V>(0U) < failed), {b.sample});
+}
+
+template <class V>
+I<V> fails_if(const M<V>& mask, Check check) {
+  return select(mask, I<V>(bit(check)), I<V>(0U));
+}
+
+template <class V>
+F<V> mixed(const F<V>& a, const F<V>& b, const F<V>& weight) {
+  return a + (b - a) * weight;
+}
+template <class V>
+Vec3<V> mixed(const Vec3<V>& a, const Vec3<V>& b, const F<V>& weight) {
+  return a + (b - a) * weight;
+}
+
+/// Colour of a sample between two: samples are what is averaged, so they are clamped first.
+template <class V>
+Vec3<V> mixed_colours(const Vec3<V>& a, const Vec3<V>& b, const F<V>& weight) {
+  return mixed<V>({clamped<V>(a.x), clamped<V>(a.y), clamped<V>(a.z)},
+                  {clamped<V>(b.x), clamped<V>(b.y), clamped<V>(b.z)}, weight);
+}
+
+}  // namespace kernels

@@ -1,0 +1,45 @@
+#pragma once
+#include <string_view>
+
+#include "shader_kernels/ports.h"
+
+namespace kernels {
+
+/// Samples about to be traced: what they keep is that of a miss until a hit says otherwise.
+struct ClearGeometry {
+  static constexpr std::string_view kName = "clear_geometry";
+  static constexpr std::string_view kMeaning = "sample -> its geometry is that of a miss";
+  template <class V>
+  struct Ports {
+    Local<V, WordRecord> samples;
+    Local<V, GeometryRecord> geometry;
+    static void describe(auto& p, auto&& port) {
+      port(p.samples, "samples");
+      port(p.geometry, "geometry");
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    at.geometry.store(at.samples.load(item).word, {{0.0F, 0.0F, 1.0F}, kNoObject, {0.0F, 0.0F, 0.0F}, 0U});
+  }
+};
+
+struct ClearSecondary {
+  static constexpr std::string_view kName = "clear_secondary";
+  static constexpr std::string_view kMeaning = "sample -> no secondary hits";
+  template <class V>
+  struct Ports {
+    Local<V, WordRecord> samples;
+    Local<V, SecondaryRecord> secondary;
+    static void describe(auto& p, auto&& port) {
+      port(p.samples, "samples");
+      port(p.secondary, "secondary");
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    at.secondary.store(at.samples.load(item).word, {{0.0F, 0.0F, 1.0F}, 0U, {0.0F, 0.0F, 1.0F}, 0U});
+  }
+};
+
+}  // namespace kernels

@@ -1,0 +1,55 @@
+#pragma once
+#include <string_view>
+
+#include "shader_kernels/kernels/between.h"
+
+namespace kernels {
+
+/// What an interpolated sample keeps, for checks along the other axis that it is a reference of. What had to be equal
+/// is taken over.
+template <class V>
+GeometryRecord<V> mixed_geometry(const GeometryRecord<V>& a, const GeometryRecord<V>& b, const F<V>& weight) {
+  return {normalised(mixed<V>(a.normal, b.normal, weight)), a.object, mixed<V>(a.position, b.position, weight),
+          a.shadows};
+}
+
+/// The executor of samples that have passed (Lee et al. 2016): the colour in the middle of two. Along x it also leaves
+/// the geometry there, as checks along y look at it.
+template <bool kAlongY, bool kSecondary>
+struct InterpolateSample {
+  static constexpr std::string_view kName =
+      kAlongY ? "interpolate_y" : (kSecondary ? "interpolate_x_secondary" : "interpolate_x");
+  static constexpr std::string_view kMeaning = "sample that passed -> colour between its references";
+  template <class V>
+  struct Ports {
+    Local<V, WordRecord> passed;
+    LineUniforms<V> line;
+    Local<V, ColourRecord> colours;
+    Local<V, GeometryRecord> geometry;
+    Local<V, SecondaryRecord> secondary;
+    static void describe(auto& p, auto&& port) {
+      port(p.passed, "passed");
+      LineUniforms<V>::describe(p.line, port);
+      port(p.colours, "colours");
+      port(p.geometry, "geometry");
+      port(p.secondary, "secondary");
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const Passed<V> p = passed<V>(at.passed.load(item).word, at.line);
+    at.colours.store(p.sample,
+                     {mixed_colours<V>(at.colours.load(p.before).rgb, at.colours.load(p.after).rgb, p.weight)});
+    if constexpr (!kAlongY) {
+      at.geometry.store(p.sample, mixed_geometry<V>(at.geometry.load(p.before), at.geometry.load(p.after), p.weight));
+    }
+    if constexpr (kSecondary) {
+      const SecondaryRecord<V> a = at.secondary.load(p.before);
+      const SecondaryRecord<V> b = at.secondary.load(p.after);
+      at.secondary.store(p.sample, {normalised(mixed<V>(a.mirror_normal, b.mirror_normal, p.weight)), a.objects,
+                                    normalised(mixed<V>(a.glass_normal, b.glass_normal, p.weight)), a.shadows});
+    }
+  }
+};
+
+}  // namespace kernels

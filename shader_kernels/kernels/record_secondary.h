@@ -1,0 +1,54 @@
+#pragma once
+#include <string_view>
+
+#include "shader_kernels/kernels/record_geometry.h"
+
+namespace kernels {
+
+/// One launch per bounce behind the first. `way` tells bounces apart, so that the same objects met in another order
+/// are not taken for the same.
+struct RecordSecondary {
+  static constexpr std::string_view kName = "record_secondary";
+  static constexpr std::string_view kMeaning = "secondary hit -> into its sample's secondary geometry";
+  template <class V>
+  struct Ports {
+    Local<V, WordRecord> surfaces;
+    Local<V, HitRecord> hits;
+    Local<V, PlaceRecord> places;
+    Local<V, PathRecord> paths;
+    Triangles<V> triangles;
+    Local<V, SecondaryRecord> secondary;
+    I<V> way;
+    I<V> mirrored, refracted;  ///< slots below `mirrored` go straight on, those below `refracted` were mirrored
+    F<V> first;                ///< 1 for the bounce whose normals are kept, else 0
+    static void describe(auto& p, auto&& port) {
+      port(p.surfaces, "surfaces");
+      port(p.hits, "hits");
+      port(p.places, "places");
+      port(p.paths, "paths");
+      port(p.triangles, "triangles");
+      port(p.secondary, "secondary");
+      port(p.way, "way");
+      port(p.mirrored, "mirrored");
+      port(p.refracted, "refracted");
+      port(p.first, "first");
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const I<V> slot = at.surfaces.load(item).word;
+    const Vec3<V> normal = at.places.load(slot).normal;
+    const I<V> object = at.triangles.load(at.hits.load(slot).triangle & traces::kTriangleMask).object;
+    const I<V> sample = at.paths.load(slot).sample;
+    const SecondaryRecord<V> so_far = at.secondary.load(sample);
+    const M<V> is_first = F<V>(0.0F) < at.first;
+    const I<V> kind = select(slot < at.mirrored, I<V>(0U), select(slot < at.refracted, I<V>(1U), I<V>(2U)));
+    const M<V> by_mirror = both(is_first, kind == 1U);
+    const M<V> by_glass = both(is_first, kind == 2U);
+    at.secondary.store(sample, {select(by_mirror, normal, so_far.mirror_normal),
+                                so_far.objects + scrambled<V>(object ^ at.way ^ (kind << 28U)),
+                                select(by_glass, normal, so_far.glass_normal), so_far.shadows});
+  }
+};
+
+}  // namespace kernels

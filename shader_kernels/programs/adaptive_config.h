@@ -1,0 +1,33 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+#include "sim/config/field.h"
+
+namespace kernels {
+
+/// How a tile comes by the samples of its neighbours.
+enum class Halo : std::uint8_t { kReload, kRetrace };
+constexpr std::array<std::string_view, 2> names_of(Halo) { return {"reload", "retrace"}; }
+
+/// Where samples' attributes are between the kernel that writes them and the one that compares them.
+enum class AttributePlace : std::uint8_t { kTile, kDram };
+constexpr std::array<std::string_view, 2> names_of(AttributePlace) { return {"tile", "dram"}; }
+
+/// Keys that every adaptive method has.
+struct AdaptiveConfig {
+  Halo halo = Halo::kReload;
+  AttributePlace attributes = AttributePlace::kTile;
+
+  static void describe(auto& c, auto&& field) {
+    field(c.halo, "halo", "",
+          "samples of neighbouring tiles: read back from memory when those tiles are finished, or traced again",
+          sim::any(), sim::Affects::kFunction);
+    field(c.attributes, "attributes", "",
+          "where a tile's attributes wait for their check: in the tile buffer, or written to memory and read back",
+          sim::any(), sim::Affects::kFunction);
+  }
+};
+
+}  // namespace kernels

@@ -1,0 +1,21 @@
+#include "shader_kernels/programs/programs.h"
+
+#include <cmath>
+
+#include "shader_kernels/programs/full.h"
+#include "shader_kernels/programs/multirate.h"
+
+namespace kernels {
+
+std::unique_ptr<FrameProgram> make_program(const ProgramSpec& spec, const Frame& f) {
+  switch (spec.kind) {
+    case ProgramSpec::Kind::kMultirate:
+      return std::make_unique<MultirateProgram>(f.image, f.camera, f.render, f.programs.multirate,
+                                                spec.samples == 1 ? 1 : 2, f.rates, f.number);
+    case ProgramSpec::Kind::kFull:
+      break;
+  }
+  return std::make_unique<FullProgram>(f.image, f.camera, f.render, spec.samples, f.number);
+}
+
+}  // namespace kernels

@@ -1,0 +1,36 @@
+#pragma once
+#include <cstdint>
+#include <memory>
+
+#include "shader_kernels/programs/frame_program.h"
+#include "shader_kernels/programs/multirate_config.h"
+#include "shader_kernels/programs/program_spec.h"
+#include "shader_kernels/programs/rate_map.h"
+#include "shader_kernels/programs/render_config.h"
+#include "traces/accel/memory_image.h"
+#include "traces/scene/scene.h"
+
+namespace kernels {
+
+/// Keys of the frame programs, a group each.
+struct ProgramConfig {
+  MultirateConfig multirate;
+
+  static void describe(auto& c, auto&& field) {
+    field.group(c.multirate, "multirate", "frame programs multirate:under and multirate:super");
+  }
+};
+
+/// What a frame program works on. The image and the rates must outlive it.
+struct Frame {
+  const traces::MemoryImage& image;
+  const traces::Camera& camera;
+  const RenderConfig& render;
+  const ProgramConfig& programs;
+  const RateMap& rates;
+  std::uint32_t number = 0;
+};
+
+std::unique_ptr<FrameProgram> make_program(const ProgramSpec& spec, const Frame& frame);
+
+}  // namespace kernels

@@ -1,0 +1,35 @@
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "shader_kernels/kernels/checks.h"
+
+namespace kernels {
+
+/// What a frame program was to find out, and how much of that it traced; counts of samples. A sample is background if
+/// its primary ray hits nothing, or if it lies between two that are.
+struct Sampling {
+  std::uint64_t wanted = 0;
+  std::uint64_t traced = 0;      ///< halo and correction included
+  std::uint64_t halo = 0;        ///< of those, samples of neighbouring tiles, traced again
+  std::uint64_t correction = 0;  ///< of those, samples first taken for similar and traced after all
+  std::uint64_t background = 0, traced_background = 0;                          ///< of the wanted, of the traced
+  std::uint64_t checked = 0, passed = 0;                                        ///< samples between references
+  std::array<std::uint64_t, static_cast<std::size_t>(Check::kCount)> failed{};  ///< a sample may fail several checks
+
+  /// Per tile of the grid, row by row, where tiles have them: share of checked samples that passed, and block side.
+  std::vector<float> similar;
+  std::vector<std::uint8_t> blocks;
+
+  /// Adds a tile's or another frame's counts; what is per tile stays.
+  void add(const Sampling& other);
+};
+
+/// Of a sample: bits of failed checks (Check), and above them how it came about.
+using SampleMark = std::uint16_t;
+inline constexpr SampleMark kTracedMark = 1U << 12, kReferenceMark = 1U << 13, kCorrectedMark = 1U << 14;
+static_assert(static_cast<std::size_t>(Check::kCount) <= 12);
+
+}  // namespace kernels
