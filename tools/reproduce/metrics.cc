@@ -51,18 +51,18 @@ constexpr std::array<Metric, 23> kMetrics = {{
     {"psnr_db", "PSNR against the reference picture", Shown::kDecibel, false,
      [](const Comparison& c) { return psnr_db(c.squared_error); }},
     {"traced_ratio", "samples traced of those wanted", Shown::kShare, false,
-     [](const Comparison& c) { return ratio(c.run.samples.traced, c.run.samples.wanted); }},
+     [](const Comparison& c) { return ratio(c.run.sampling().traced, c.run.sampling().wanted); }},
     {"traced_ratio_lit", "the same without samples of the background", Shown::kShare, false,
      [](const Comparison& c) {
-       const Samples& s = c.run.samples;
-       return ratio(s.traced - s.background_traced, s.wanted - s.background_wanted);
+       const kernels::Sampling& s = c.run.sampling();
+       return ratio(s.traced - s.traced_background, s.wanted - s.background);
      }},
     {"similar_ratio", "of the samples between references, those found similar", Shown::kShare, false,
-     [](const Comparison& c) { return ratio(c.run.samples.similar, c.run.samples.tested); }},
+     [](const Comparison& c) { return ratio(c.run.sampling().passed, c.run.sampling().checked); }},
     {"samples_of_fixed_9", "samples against nine per pixel", Shown::kShare, false,
-     [](const Comparison& c) { return ratio(c.run.samples.traced, 9 * c.run.pixels); }},
+     [](const Comparison& c) { return ratio(c.run.sampling().traced, 9 * c.run.pixels); }},
     {"sample_ratio", "samples against sixteen per pixel", Shown::kShare, false,
-     [](const Comparison& c) { return ratio(c.run.samples.traced, 16 * c.run.pixels); }},
+     [](const Comparison& c) { return ratio(c.run.sampling().traced, 16 * c.run.pixels); }},
     {"reflective_share", "pixels whose surface reflects", Shown::kShare, false,
      [](const Comparison& c) { return c.reflective_share; }},
     {"rays_ratio", "rays against the reference's", Shown::kShare, false,

@@ -107,7 +107,6 @@ const Outcome& Runner::outcome(const Case& c, const Program& program) {
     out.simulation.program = spec;
     out.simulation.function = render(*inputs_, spec, traces::BvhTracer(inputs_->image), options_.threads);
   }
-  out.samples = samples_of(out.simulation, out.pixels);
   return outcomes_.emplace(key, std::move(out)).first->second;
 }
 
