@@ -96,7 +96,7 @@ void add_table_3b(std::vector<Case>& cases, bool quick) {
 
 void add_table_3c(std::vector<Case>& cases, bool quick) {
   int number = 0;
-  for (const char* camera : {"seated", "door", "windows", "along", "corner"}) {
+  for (const char* camera : {"corner", "door", "seated", "windows", "along"}) {
     View view = view_of("conference", quick);
     view.camera = camera;
     Case c = sampled(view, 1024, 1024, 1, quick);
