@@ -9,20 +9,25 @@
 #include "shader_kernels/kernels/absorb.h"
 #include "shader_kernels/kernels/average_colour.h"
 #include "shader_kernels/kernels/average_samples.h"
+#include "shader_kernels/kernels/check_attributes.h"
 #include "shader_kernels/kernels/check_similarity.h"
 #include "shader_kernels/kernels/classify_details.h"
 #include "shader_kernels/kernels/classify_hits.h"
 #include "shader_kernels/kernels/classify_layers.h"
 #include "shader_kernels/kernels/classify_surfaces.h"
 #include "shader_kernels/kernels/clear_samples.h"
+#include "shader_kernels/kernels/clear_surface.h"
 #include "shader_kernels/kernels/combine_shadow.h"
 #include "shader_kernels/kernels/fetch_vertices.h"
+#include "shader_kernels/kernels/find_suspects.h"
 #include "shader_kernels/kernels/generate_listed_rays.h"
 #include "shader_kernels/kernels/generate_rays.h"
+#include "shader_kernels/kernels/interpolate_attributes.h"
 #include "shader_kernels/kernels/interpolate_sample.h"
 #include "shader_kernels/kernels/list_samples.h"
 #include "shader_kernels/kernels/pack_colour.h"
 #include "shader_kernels/kernels/record_geometry.h"
+#include "shader_kernels/kernels/record_global.h"
 #include "shader_kernels/kernels/record_secondary.h"
 #include "shader_kernels/kernels/record_shadow.h"
 #include "shader_kernels/kernels/record_surface.h"
@@ -42,6 +47,7 @@
 #include "shader_kernels/kernels/shade_straight.h"
 #include "shader_kernels/kernels/shade_surface.h"
 #include "shader_kernels/kernels/shade_textured.h"
+#include "shader_kernels/kernels/shade_visible.h"
 #include "shader_kernels/kernels/test_alpha.h"
 #include "shader_kernels/kernels/test_shadow.h"
 #include "traces/stream.h"
@@ -60,7 +66,9 @@ using AllKernels =
                RecordSecondary, RecordShadow, RecordSecondaryShadow, CheckSimilarity<false, false>,
                CheckSimilarity<false, true>, CheckSimilarity<true, false>, CheckSimilarity<true, true>,
                InterpolateSample<false, false>, InterpolateSample<false, true>, InterpolateSample<true, false>,
-               AverageSamples>;
+               AverageSamples, ClearSurface, RecordLocal<false>, RecordLocal<true>, RecordGlobal,
+               CheckAttributes<false>, CheckAttributes<true>, InterpolateAttributes<false>, InterpolateAttributes<true>,
+               ShadeVisible, StoreIdentities<false>, StoreIdentities<true>, FindSuspects<false>, FindSuspects<true>>;
 
 template <class K, class... Ks>
 constexpr traces::KernelId place_in(std::type_identity<std::tuple<Ks...>>) {

@@ -5,23 +5,25 @@
 
 namespace kernels {
 
+/// References of a tile.
 struct ListSamples {
   static constexpr std::string_view kName = "list_samples";
-  static constexpr std::string_view kMeaning = "number -> sample of a regular lattice";
+  static constexpr std::string_view kMeaning = "number -> reference sample";
   template <class V>
   struct Ports {
-    Local<V, WordRecord> samples;
+    Local<V, WordRecord> samples, verdicts;
     LatticeUniforms<V> lattice;
     static void describe(auto& p, auto&& port) {
       port(p.samples, "samples");
+      port(p.verdicts, "verdicts");
       LatticeUniforms<V>::describe(p.lattice, port);
     }
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
-    const Split<V> row = split<V>(to_float(item), at.lattice.across, at.lattice.inverse_across);
-    at.samples.store(item,
-                     {to_int(at.lattice.first + row.remainder * at.lattice.step + row.quotient * at.lattice.row_step)});
+    const I<V> sample = lattice_sample<V>(item, at.lattice);
+    at.samples.store(item, {sample});
+    at.verdicts.store(sample, {kReferenceVerdict});
   }
 };
 

@@ -21,7 +21,7 @@ struct GridUniforms {
   }
 };
 
-/// The lattice of samples that list_samples lists: `across` to a row, steps in samples.
+/// A lattice of samples: `across` to a row, steps in samples.
 template <class V>
 struct LatticeUniforms {
   F<V> first, across, inverse_across, step, row_step;
@@ -33,5 +33,13 @@ struct LatticeUniforms {
     port(l.row_step, "lattice.row_step");
   }
 };
+template <class V>
+I<V> lattice_sample(const I<V>& number, const LatticeUniforms<V>& lattice) {
+  const Split<V> row = split<V>(to_float(number), lattice.across, lattice.inverse_across);
+  return to_int(lattice.first + row.remainder * lattice.step + row.quotient * lattice.row_step);
+}
+
+/// In place of failed checks: a reference sample, which is not checked.
+inline constexpr std::uint32_t kReferenceVerdict = 1U << 31;
 
 }  // namespace kernels

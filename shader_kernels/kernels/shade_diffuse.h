@@ -1,14 +1,12 @@
 #pragma once
 #include <string_view>
 
-#include "shader_kernels/kernels/uniforms.h"
+#include "shader_kernels/kernels/diffuse_light.h"
 #include "shader_kernels/ports.h"
 
 namespace kernels {
 
-/// One launch per light: an item is a surface. A spot's edge falls off as in glTF's KHR_lights_punctual, and so does
-/// a light with a range. The shadow
-/// ray's direction is not of unit length: t = 1 is the light.
+/// One launch per light: an item is a surface.
 struct ShadeDiffuse {
   static constexpr std::string_view kName = "shade_diffuse";
   static constexpr std::string_view kMeaning = "diffuse surface, one light -> shadow ray that brings its light";
@@ -40,16 +38,8 @@ struct ShadeDiffuse {
     const I<V> slot = at.diffuse.load(item).word;
     const PlaceRecord<V> place = at.places.load(slot);
     const PathRecord<V> path = at.paths.load(slot);
-    const Vec3<V> to_light = at.light.place - place.position * at.light.local;
-    const F<V> squared = dot(to_light, to_light);
-    const F<V> inverse_distance = 1.0F / sqrt(squared);
-    const F<V> cosine = dot(place.normal, to_light) * inverse_distance;
-    const F<V> off_axis = -dot(at.light.direction, to_light) * inverse_distance;
-    const F<V> cone = min(max(off_axis * at.light.cone_scale + at.light.cone_offset, F<V>(0.0F)), F<V>(1.0F));
-    const F<V> of_range = squared * at.light.inverse_range_squared;
-    const F<V> window = max(1.0F - of_range * of_range, F<V>(0.0F));
-    const F<V> share = cosine * (inverse_distance * inverse_distance) * (cone * cone) * window;
-    const Vec3<V> light = path.throughput * at.mattes.load(slot).diffuse * (at.light.intensity * share);
+    const auto [to_light, inverse_distance, light] =
+        diffuse_light<V>(place, path, at.mattes.load(slot).diffuse, at.light);
 
     const I<V> out = at.emitted.next(F<V>(0.0F) < largest(light));
     const F<V> t_min = at.epsilon * inverse_distance;

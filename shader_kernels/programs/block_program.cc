@@ -72,6 +72,7 @@ void BlockProgram::run_tile(std::uint32_t place, const traces::Tracer& tracer, b
   export_borders(tile);
   park_attributes(tile, beside, rows * at.width);
   resolve(tile, true, line_along_y(tile), (at.height - rows) * at.width, true);
+  settled(tile);
   average(tile);
   wave.finish();
   count(tile);

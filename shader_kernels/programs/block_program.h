@@ -68,11 +68,19 @@ class BlockProgram : public FrameProgram {
   /// Called when listed samples have been traced and shaded.
   virtual void traced(Tile&, std::vector<std::uint32_t>&, std::uint32_t, const Wavefront::Keep&) const {}
 
+  /// Called when all samples of a tile are there.
+  virtual void settled(Tile&) const {}
+
+  /// Between rows in the tile buffer.
+  std::uint32_t pitch() const { return tiles_.side() + 1; }
+  const CameraUniforms<float>& camera() const { return camera_; }
+  GridUniforms<float> grid_uniforms(float x0, float y0, std::uint32_t pitch) const;
+  const std::vector<std::uint32_t>& order() const { return order_; }
+  std::uint32_t frame() const { return frame_; }
   const SceneTables& scene() const { return scene_; }
   const SampleTiles& sample_tiles() const { return tiles_; }
 
  private:
-  std::uint32_t pitch() const { return tiles_.side() + 1; }
   std::uint64_t store_bytes() const;
   std::uint32_t exchanged_bytes() const;
 

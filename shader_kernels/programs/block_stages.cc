@@ -19,12 +19,22 @@ LineUniforms<float> line_uniforms(std::uint32_t inner, std::uint32_t block) {
 
 }  // namespace
 
+GridUniforms<float> BlockProgram::grid_uniforms(float x0, float y0, std::uint32_t pitch) const {
+  return {.x0 = x0,
+          .y0 = y0,
+          .pitch = static_cast<float>(pitch),
+          .inverse_pitch = inverse(pitch),
+          .grid = static_cast<float>(setup_.grid),
+          .inverse_grid = inverse(setup_.grid)};
+}
+
 /// Traces `across` samples to a row, from sample `first` on.
 void BlockProgram::trace_lattice(Tile& tile, std::uint32_t first, std::uint32_t across, std::uint32_t step,
                                  std::uint32_t row_step, std::uint32_t items, bool is_own) const {
   if (items == 0) return;
   ListSamples::Ports<float> ports;
   ports.samples.bind(tile.buffer.samples.data());
+  ports.verdicts.bind(tile.buffer.verdicts.data());
   ports.lattice = {.first = static_cast<float>(first),
                    .across = static_cast<float>(across),
                    .inverse_across = inverse(across),
@@ -52,12 +62,7 @@ void BlockProgram::trace_listed(Tile& tile, std::vector<std::uint32_t>& list, Wa
   generate.paths.bind(tile.buffer.wave.paths.data());
   generate.colours.bind(tile.buffer.colours.data());
   generate.camera = camera_;
-  generate.grid = {.x0 = static_cast<float>(tile.at.x) - 1.0F,
-                   .y0 = static_cast<float>(tile.at.y) - 1.0F,
-                   .pitch = static_cast<float>(pitch()),
-                   .inverse_pitch = inverse(pitch()),
-                   .grid = static_cast<float>(setup_.grid),
-                   .inverse_grid = inverse(setup_.grid)};
+  generate.grid = grid_uniforms(static_cast<float>(tile.at.x) - 1.0F, static_cast<float>(tile.at.y) - 1.0F, pitch());
   const Wavefront::Node generated = wave.launch<GenerateListedRays>(generate, items, lanes);
   wave.wait_all(generated, lister);
   const Wavefront::Keep keep = clear(tile, list, lister, items, keeps(is_last));

@@ -7,9 +7,9 @@ namespace kernels {
 
 /// A frame program as the user names it.
 struct ProgramSpec {
-  enum class Kind : std::uint8_t { kFull, kMultirate };
+  enum class Kind : std::uint8_t { kFull, kMultirate, kUndersample };
   Kind kind = Kind::kFull;
-  std::uint32_t samples = 1;  ///< wanted per pixel, a square; full: traced
+  std::uint32_t samples = 1;  ///< per pixel, a square; full, multirate
   std::string name() const;
 };
 

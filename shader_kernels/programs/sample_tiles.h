@@ -23,6 +23,7 @@ class SampleTiles {
   SampleTiles(std::uint32_t width, std::uint32_t height, std::uint32_t grid, std::uint32_t side, std::uint32_t block);
 
   std::uint32_t count() const { return across_ * down_; }
+  std::uint32_t across() const { return across_; }  ///< tiles
   std::uint32_t side() const { return side_; }
   std::uint32_t grid() const { return grid_; }
   SampleTile tile(std::uint32_t index) const;

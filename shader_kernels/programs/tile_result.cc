@@ -1,5 +1,7 @@
 #include "shader_kernels/programs/tile_result.h"
 
+#include <glm/common.hpp>
+
 namespace kernels {
 namespace {
 
@@ -43,8 +45,15 @@ void TileBuffer::hold_samples(std::size_t samples) {
   grow(geometry, samples);
   grow(secondary, samples);
   grow(kept, samples);
+  grow(globals, samples);
   grow(verdicts, samples);
+  grow(identities, samples);
   for (auto* stream : {&this->samples, &passed, &failed}) grow(*stream, samples + 1);
+}
+
+glm::vec3 TileResult::colour(std::uint32_t sample) const {
+  const Vec3<float>& rgb = buffer.colours[sample].rgb;
+  return glm::clamp(glm::vec3(rgb.x, rgb.y, rgb.z), 0.0F, 1.0F);
 }
 
 }  // namespace kernels

@@ -41,7 +41,8 @@ struct TileBuffer {
   std::vector<GeometryRecord<float>> geometry;
   std::vector<SecondaryRecord<float>> secondary;
   std::vector<SurfaceRecord<float>> kept;
-  std::vector<std::uint32_t> verdicts, samples, passed, failed;
+  std::vector<ColourRecord<float>> globals;  ///< of kept surfaces
+  std::vector<std::uint32_t> verdicts, identities, samples, passed, failed;
   std::vector<std::uint32_t> record_nodes;  ///< of the work: launches that have added to what samples keep
   std::vector<std::uint32_t> colour_nodes;  ///< of the work: launches that have added to colours
   std::vector<traces::WorkNode> spare_nodes;
@@ -65,6 +66,8 @@ struct TileResult {
   std::uint64_t traversal_steps = 0;  ///< node visits and triangle tests; counted from the walks, so 0 if not recorded
   traces::TileWork work;              ///< filled if recorded
   TileBuffer buffer;
+  /// Of a sample, as it is averaged.
+  glm::vec3 colour(std::uint32_t sample) const;
 };
 
 }  // namespace kernels

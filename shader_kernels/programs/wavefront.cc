@@ -40,11 +40,14 @@ void Wavefront::run(Node maker, std::uint32_t rays, const Keep& keep, std::uint3
     if (streams.textured != 0) shade_textured(bounce, streams.textured);
     if (streams.emissive != 0) shade_emission(bounce, streams.emissive);
     if (streams.glowing != 0) shade_glow(bounce, streams.glowing);
+    const bool keeps_local = keep_.surfaces && bounce.depth == 1 && streams.diffuse != 0;
+    if (keeps_local) bounce.colours = record_local<false>(bounce, streams.diffuse);
     if (streams.diffuse != 0) {
       shade_ambient(bounce, streams.diffuse);
       if (streams.occluded != 0) shade_occluded(bounce, streams.occluded);
       for (std::uint32_t light = 0; light < scene_.lights.size(); ++light) shade_light(bounce, light, streams.diffuse);
     }
+    if (keeps_local) bounce.after = record_local<true>(bounce, streams.diffuse);
     if (bounce.depth == scene_.depth) return;
     bounce = send_on(bounce, streams);
   }
@@ -88,6 +91,7 @@ void Wavefront::wait_for_bounce(Node node, const Bounce& bounce) {
   wait_all(node, bounce.colours != StreamBuilder::kNone ? bounce.colours : bounce.inspector);
   // The rays are back long since; the edges say that their slots are still read.
   for (const Batch& batch : bounce.batches) wait_all(node, batch.rays);
+  if (bounce.depth > 1) wait_all(node, bounce.after);
 }
 
 void Wavefront::wait_for_batch(Node node, const Batch& batch) {
@@ -152,6 +156,7 @@ Wavefront::Bounce Wavefront::send_on(const Bounce& bounce, const Streams& stream
   from.colours = StreamBuilder::kNone;  // what is sent on does not look at base colours
   Bounce next;
   next.depth = bounce.depth + 1;
+  next.after = bounce.after;
   send<ShadeStraight>(from, RayKind::kRefraction, buffer_.blended, streams.blended, next);
   next.mirrored = next.rays;
   send<ShadeMirror>(from, RayKind::kReflection, buffer_.mirror, streams.mirror, next);

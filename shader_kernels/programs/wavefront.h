@@ -61,6 +61,11 @@ class Wavefront {
   /// where kernels diverge (RenderConfig::streams) all of them go through K.
   template <class K>
   Node launch(typename K::template Ports<float>& ports, std::uint32_t items, std::uint32_t lanes = 0);
+  /// Notes a launch of a kernel without accesses whose work has been done elsewhere.
+  template <class K>
+  Node note(std::uint32_t items) {
+    return stream_.launch(kKernelId<K>, items, false);
+  }
   void wait_all(Node node, Node for_node) { stream_.wait(node, for_node, traces::Edge::Kind::kAll); }
   void wait_each(Node node, Node for_node) { stream_.wait(node, for_node, traces::Edge::Kind::kEach); }
 
@@ -68,6 +73,9 @@ class Wavefront {
   /// `lanes` as for launch().
   void run(Node maker, std::uint32_t rays, const Keep& keep, std::uint32_t lanes = 0);
   void run(Node maker, std::uint32_t rays) { run(maker, rays, {}); }
+  /// Shades interpolated surfaces, which `maker` has put into the wave's first slots: local light alone, with shadows
+  /// that are known. Their colours so far are global ones.
+  void shade_interpolated(Node maker, std::uint32_t items, std::uint32_t lanes);
   /// Makes `node` wait for all launches that add to the samples' colours.
   void wait_for_colours(Node node);
   /// Makes `node` wait for all that adds to what samples keep.
@@ -93,6 +101,7 @@ class Wavefront {
     std::uint32_t lanes = 0;                    ///< as for launch()
     std::uint32_t mirrored = 0, refracted = 0;  ///< first slots of rays that were; those before went straight on
     Node recorded = StreamBuilder::kNone;       ///< the launch that keeps its geometry
+    Node after = StreamBuilder::kNone;          ///< what the last bounce still had to do with colours
     std::array<Batch, 3> batches{};
     std::uint32_t batch_count = 0;
     Node inspector = StreamBuilder::kNone;  ///< fills the streams
@@ -144,7 +153,10 @@ class Wavefront {
   void shade_emission(const Bounce& bounce, std::uint32_t items);
   void shade_ambient(const Bounce& bounce, std::uint32_t items);
   void shade_light(const Bounce& bounce, std::uint32_t light, std::uint32_t items);
+  Streams classify_surfaces(Bounce& bounce, std::uint32_t surfaces);
   void record_hits(Bounce& bounce, std::uint32_t surfaces);
+  template <bool kAfter>
+  Node record_local(const Bounce& bounce, std::uint32_t items);
   template <class K>
   Node record_surfaces(typename K::template Ports<float>& ports, std::uint32_t surfaces);
   void record_shadows(const Bounce& bounce, std::uint32_t light, const Batch& batch, std::uint32_t rays);

@@ -33,6 +33,18 @@ Wavefront::Streams Wavefront::shade_surfaces(Bounce& bounce, std::uint32_t surfa
     shade_details(bounce, surfaces, streams);
   }
 
+  const Node before = bounce.inspector;
+  const Streams classified = classify_surfaces(bounce, surfaces);
+  scene_.has_details ? wait_all(bounce.inspector, before) : wait_each(bounce.inspector, fetched);
+  streams.textured = classified.textured;
+  streams.diffuse = classified.diffuse;
+  streams.mirror = classified.mirror;
+  streams.glass = classified.glass;
+  streams.emissive = classified.emissive;
+  return streams;
+}
+
+Wavefront::Streams Wavefront::classify_surfaces(Bounce& bounce, std::uint32_t surfaces) {
   ClassifySurfaces::Ports<float> ports;
   ports.surfaces.bind(buffer_.surfaces.data());
   ports.mattes.bind(buffer_.mattes.data());
@@ -41,9 +53,8 @@ Wavefront::Streams Wavefront::shade_surfaces(Bounce& bounce, std::uint32_t surfa
   ports.mirror.bind(buffer_.mirror.data());
   ports.glass.bind(buffer_.glass.data());
   ports.emissive.bind(buffer_.emissive.data());
-  const Node classified = launch<ClassifySurfaces>(ports, surfaces, bounce.lanes);
-  scene_.has_details ? wait_all(classified, bounce.inspector) : wait_each(classified, fetched);
-  bounce.inspector = classified;
+  bounce.inspector = launch<ClassifySurfaces>(ports, surfaces, bounce.lanes);
+  Streams streams;
   streams.textured = ports.textured_count.value;
   streams.diffuse = ports.diffuse_count.value;
   streams.mirror = ports.mirror_count.value;

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "shader_kernels/programs/wavefront.h"
 
 namespace kernels {
@@ -75,6 +77,45 @@ void Wavefront::record_shadows(const Bounce& bounce, std::uint32_t light, const 
   wait_for_batch(node, batch);
   wait_all(node, bounce.recorded);
   buffer_.record_nodes.push_back(node);
+}
+
+/// Either side of local shading. Later bounces must not add to a sample before its second side is kept.
+template <bool kAfter>
+Wavefront::Node Wavefront::record_local(const Bounce& bounce, std::uint32_t items) {
+  typename RecordLocal<kAfter>::template Ports<float> ports;
+  ports.diffuse.bind(buffer_.diffuse.data());
+  ports.paths.bind(buffer_.wave.paths.data());
+  ports.colours.bind(buffer_.colours.data());
+  ports.globals.bind(buffer_.globals.data());
+  const Node node = launch<RecordLocal<kAfter>>(ports, items, bounce.lanes);
+  wait_for_bounce(node, bounce);
+  wait_for_colours(node);
+  if (!kAfter) wait_all(node, keep_.cleared);
+  return node;
+}
+template Wavefront::Node Wavefront::record_local<false>(const Bounce& bounce, std::uint32_t items);
+template Wavefront::Node Wavefront::record_local<true>(const Bounce& bounce, std::uint32_t items);
+
+void Wavefront::shade_interpolated(Node maker, std::uint32_t items, std::uint32_t lanes) {
+  Bounce bounce;
+  bounce.lanes = std::max(items, lanes);
+  const Streams streams = classify_surfaces(bounce, items);
+  wait_all(bounce.inspector, maker);
+  if (streams.textured != 0) shade_textured(bounce, streams.textured);
+  if (streams.diffuse == 0) return;
+  shade_ambient(bounce, streams.diffuse);
+  ShadeVisible::Ports<float> ports;
+  ports.diffuse.bind(buffer_.diffuse.data());
+  ports.places.bind(buffer_.places.data());
+  ports.paths.bind(buffer_.wave.paths.data());
+  ports.mattes.bind(buffer_.mattes.data());
+  ports.geometry.bind(buffer_.geometry.data());
+  ports.colours.bind(buffer_.colours.data());
+  for (std::uint32_t light = 0; light < scene_.lights.size(); ++light) {
+    ports.light = scene_.lights[light];
+    ports.mark = bit_of(light);
+    add_colours<ShadeVisible>(bounce, ports, streams.diffuse);
+  }
 }
 
 }  // namespace kernels

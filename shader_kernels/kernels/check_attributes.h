@@ -1,0 +1,73 @@
+#pragma once
+#include <string_view>
+
+#include "shader_kernels/kernels/between.h"
+#include "traces/accel/memory_image.h"
+
+namespace kernels {
+
+/// Coordinates on both sides of a texture's edge: one below the threshold, the other above one less it.
+template <class V>
+M<V> wraps(const F<V>& a, const F<V>& b, const F<V>& threshold) {
+  const F<V> x = a - floor(a);
+  const F<V> y = b - floor(b);
+  return both(min(x, y) < threshold, 1.0F - threshold < max(x, y));
+}
+
+template <class V>
+F<V> encoded_distance_squared(const Vec3<V>& a, const Vec3<V>& b) {
+  const auto code = [](const F<V>& x) { return encoded<V>(clamped<V>(x)); };
+  const Vec3<V> apart{code(a.x) - code(b.x), code(a.y) - code(b.y), code(a.z) - code(b.z)};
+  return dot(apart, apart);
+}
+
+/// The inspector of adaptive undersampling: the seven similarity checks of Kim et al. 2016, table 1. Convexity has a
+/// slack of 0.001 distances squared, without which rounding fails coplanar pairs. Occlusion textures are not kept, so
+/// surfaces that have one are traced.
+template <bool kAlongY>
+struct CheckAttributes {
+  static constexpr std::string_view kName = kAlongY ? "check_attributes_y" : "check_attributes_x";
+  static constexpr std::string_view kMeaning = "sample between two others -> stream passed or failed";
+  template <class V>
+  struct Ports : VerdictPorts<V> {
+    Local<V, GeometryRecord> geometry;
+    Local<V, SurfaceRecord> kept;
+    Local<V, ColourRecord> globals;
+    F<V> apart_squared, least_dot, texture, colour_squared;
+    static void describe(auto& p, auto&& port) {
+      VerdictPorts<V>::describe(p, port);
+      port(p.geometry, "geometry");
+      port(p.kept, "kept");
+      port(p.globals, "globals");
+      port(p.apart_squared, "apart_squared");
+      port(p.least_dot, "least_dot");
+      port(p.texture, "texture");
+      port(p.colour_squared, "colour_squared");
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const Between<V> b = sample_between<kAlongY, V>(item, at.line);
+    const GeometryRecord<V> g0 = at.geometry.load(b.before);
+    const GeometryRecord<V> g1 = at.geometry.load(b.after);
+    const SurfaceRecord<V> s0 = at.kept.load(b.before);
+    const SurfaceRecord<V> s1 = at.kept.load(b.after);
+    const Vec3<V> d = g1.position - g0.position;
+    const F<V> squared = dot(d, d);
+    const F<V> bend = dot(d, s0.plane) * -dot(d, s1.plane);
+    const M<V> over_edge = either(wraps<V>(s0.u, s1.u, at.texture), wraps<V>(s0.v, s1.v, at.texture));
+    const F<V> colours = encoded_distance_squared<V>(at.globals.load(b.before).rgb, at.globals.load(b.after).rgb);
+    const I<V> failed = fails_if<V>(b.outside, Check::kBorder) |
+                        select(g0.object == g1.object, I<V>(0U), I<V>(bit(Check::kObject))) |
+                        fails_if<V>(at.apart_squared < squared, Check::kPosition) |
+                        fails_if<V>(dot(g0.normal, g1.normal) < at.least_dot, Check::kNormal) |
+                        fails_if<V>(bend < squared * -1e-6F, Check::kConvexity) |
+                        fails_if<V>(both(over_edge, has<V>(s0.classes, traces::kTextured)), Check::kTexture) |
+                        select(g0.shadows == g1.shadows, I<V>(0U), I<V>(bit(Check::kShadow))) |
+                        fails_if<V>(at.colour_squared < colours, Check::kColour) |
+                        fails_if<V>(has<V>(s0.classes, traces::kOccluded), Check::kDetail);
+    pronounce<V>(at, b, failed);
+  }
+};
+
+}  // namespace kernels

@@ -1,0 +1,64 @@
+#pragma once
+#include <string_view>
+
+#include "shader_kernels/kernels/interpolate_sample.h"
+
+namespace kernels {
+
+/// The executor of samples that have passed in adaptive undersampling (Kim et al. 2016): attributes in the middle of
+/// two become a surface to be shaded. Along x they are also left for checks along y.
+template <bool kAlongY>
+struct InterpolateAttributes {
+  static constexpr std::string_view kName = kAlongY ? "interpolate_attributes_y" : "interpolate_attributes_x";
+  static constexpr std::string_view kMeaning = "sample that passed -> surface between its references, global colour";
+  template <class V>
+  struct Ports {
+    Local<V, WordRecord> passed;
+    LineUniforms<V> line;
+    Local<V, GeometryRecord> geometry;
+    Local<V, SurfaceRecord> kept;
+    Local<V, ColourRecord> globals, colours;
+    Local<V, WordRecord> surfaces;
+    Local<V, PlaceRecord> places;
+    Local<V, PathRecord> paths;
+    Local<V, MatteRecord> mattes;
+    Local<V, TexcoordRecord> texcoords;
+    static void describe(auto& p, auto&& port) {
+      port(p.passed, "passed");
+      LineUniforms<V>::describe(p.line, port);
+      port(p.geometry, "geometry");
+      port(p.kept, "kept");
+      port(p.globals, "globals");
+      port(p.colours, "colours");
+      port(p.surfaces, "surfaces");
+      port(p.places, "places");
+      port(p.paths, "paths");
+      port(p.mattes, "mattes");
+      port(p.texcoords, "texcoords");
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const Passed<V> p = passed<V>(at.passed.load(item).word, at.line);
+    const GeometryRecord<V> g = mixed_geometry<V>(at.geometry.load(p.before), at.geometry.load(p.after), p.weight);
+    const SurfaceRecord<V> a = at.kept.load(p.before);
+    const SurfaceRecord<V> b = at.kept.load(p.after);
+    const Vec3<V> diffuse = mixed<V>(a.diffuse, b.diffuse, p.weight);
+    const F<V> u = mixed<V>(a.u, b.u, p.weight);
+    const F<V> v = mixed<V>(a.v, b.v, p.weight);
+    const Vec3<V> global = mixed<V>(at.globals.load(p.before).rgb, at.globals.load(p.after).rgb, p.weight);
+    at.geometry.store(p.sample, g);
+    if constexpr (!kAlongY) {
+      at.kept.store(p.sample, {diffuse, a.classes, normalised(mixed<V>(a.plane, b.plane, p.weight)), u, v, a.texture});
+      at.globals.store(p.sample, {global});
+    }
+    at.colours.store(p.sample, {global});
+    at.surfaces.store(item, {item});
+    at.places.store(item, {g.position, 0U, g.normal, 1.0F});
+    at.paths.store(item, {{1.0F, 1.0F, 1.0F}, p.sample});
+    at.mattes.store(item, {diffuse, a.classes});
+    at.texcoords.store(item, {u, v, a.texture});
+  }
+};
+
+}  // namespace kernels

@@ -1,0 +1,60 @@
+#pragma once
+#include <string_view>
+
+#include "shader_kernels/ports.h"
+
+namespace kernels {
+
+/// A sample's global colour is all but what ambient light and lights do at its first hit: those are shaded anew where
+/// it is interpolated. It is found by difference, so that the sum of a traced sample's colour stays as it is.
+template <bool kAfter>
+struct RecordLocal {
+  static constexpr std::string_view kName = kAfter ? "record_local_after" : "record_local_before";
+  static constexpr std::string_view kMeaning = kAfter
+                                                   ? "first hit -> its sample's colour behind local shading, taken off"
+                                                   : "first hit -> its sample's colour before local shading";
+  template <class V>
+  struct Ports {
+    Local<V, WordRecord> diffuse;
+    Local<V, PathRecord> paths;
+    Local<V, ColourRecord> colours, globals;
+    static void describe(auto& p, auto&& port) {
+      port(p.diffuse, "diffuse");
+      port(p.paths, "paths");
+      port(p.colours, "colours");
+      port(p.globals, "globals");
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const I<V> sample = at.paths.load(at.diffuse.load(item).word).sample;
+    const Vec3<V> colour = at.colours.load(sample).rgb;
+    if constexpr (kAfter) {
+      at.globals.store(sample, {at.globals.load(sample).rgb - colour});
+    } else {
+      at.globals.store(sample, {colour});
+    }
+  }
+};
+
+struct RecordGlobal {
+  static constexpr std::string_view kName = "record_global";
+  static constexpr std::string_view kMeaning = "traced sample -> its global colour";
+  template <class V>
+  struct Ports {
+    Local<V, WordRecord> samples;
+    Local<V, ColourRecord> colours, globals;
+    static void describe(auto& p, auto&& port) {
+      port(p.samples, "samples");
+      port(p.colours, "colours");
+      port(p.globals, "globals");
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const I<V> sample = at.samples.load(item).word;
+    at.globals.store(sample, {at.globals.load(sample).rgb + at.colours.load(sample).rgb});
+  }
+};
+
+}  // namespace kernels

@@ -1,0 +1,160 @@
+#include "shader_kernels/programs/undersample.h"
+
+#include <algorithm>
+
+#include <glm/common.hpp>
+
+namespace kernels {
+
+namespace {
+
+constexpr std::uint32_t kRecordBytes =
+    sizeof(GeometryRecord<float>) + sizeof(SurfaceRecord<float>) + sizeof(ColourRecord<float>);
+
+/// What the scene's longest side is.
+float size_of(const traces::MemoryImage& image) {
+  const glm::vec3 sides = image.upper - image.lower;
+  return std::max({sides.x, sides.y, sides.z});
+}
+
+}  // namespace
+
+UndersampleProgram::UndersampleProgram(const traces::MemoryImage& image, const traces::Camera& camera,
+                                       const RenderConfig& config, const UndersampleConfig& undersample,
+                                       std::uint32_t frame)
+    : BlockProgram(image, camera, config, undersample,
+                   {.grid = undersample.grid(),
+                    .block = undersample.block,
+                    .whole = undersample.block,
+                    .record_bytes = kRecordBytes},
+                   frame),
+      undersample_(undersample),
+      apart_(static_cast<float>(undersample.position) * size_of(image)),
+      correction_(undersample, config.width * undersample.grid(), config.height * undersample.grid(),
+                  sample_tiles().side()) {}
+
+Wavefront::Keep UndersampleProgram::keeps(bool is_last) const {
+  Wavefront::Keep keep;
+  keep.surfaces = !is_last;
+  keep.geometry = is_last && correction_.scans() > 0;
+  return keep;
+}
+
+Wavefront::Keep UndersampleProgram::clear(Tile& tile, std::vector<std::uint32_t>& list, Wavefront::Node lister,
+                                          std::uint32_t items, const Wavefront::Keep& keep) const {
+  Wavefront::Keep cleared = keep;
+  if (keep.surfaces) {
+    ClearSurface::Ports<float> ports;
+    ports.samples.bind(list.data());
+    ports.geometry.bind(tile.buffer.geometry.data());
+    ports.kept.bind(tile.buffer.kept.data());
+    ports.globals.bind(tile.buffer.globals.data());
+    cleared.cleared = tile.wave.launch<ClearSurface>(ports, items);
+  } else if (keep.geometry) {
+    ClearGeometry::Ports<float> ports;
+    ports.samples.bind(list.data());
+    ports.geometry.bind(tile.buffer.geometry.data());
+    cleared.cleared = tile.wave.launch<ClearGeometry>(ports, items);
+  } else {
+    return keep;
+  }
+  tile.wave.wait_all(cleared.cleared, lister);
+  tile.wave.adds_records(cleared.cleared);
+  return cleared;
+}
+
+void UndersampleProgram::traced(Tile& tile, std::vector<std::uint32_t>& list, std::uint32_t items,
+                                const Wavefront::Keep& keep) const {
+  if (!keep.surfaces) return;
+  RecordGlobal::Ports<float> ports;
+  ports.samples.bind(list.data());
+  ports.colours.bind(tile.buffer.colours.data());
+  ports.globals.bind(tile.buffer.globals.data());
+  const Wavefront::Node node = tile.wave.launch<RecordGlobal>(ports, items);
+  tile.wave.wait_for_colours(node);
+  tile.wave.adds_records(node);
+}
+
+BlockProgram::Verdict UndersampleProgram::check(Tile& tile, bool along_y, const LineUniforms<float>& line,
+                                                std::uint32_t items) const {
+  return along_y ? check_with<CheckAttributes<true>>(tile, line, items)
+                 : check_with<CheckAttributes<false>>(tile, line, items);
+}
+
+template <class K>
+BlockProgram::Verdict UndersampleProgram::check_with(Tile& tile, const LineUniforms<float>& line,
+                                                     std::uint32_t items) const {
+  const auto colour = static_cast<float>(undersample_.colour);
+  typename K::template Ports<float> ports;
+  ports.line = line;
+  ports.verdicts.bind(tile.buffer.verdicts.data());
+  ports.passed.bind(tile.buffer.passed.data());
+  ports.failed.bind(tile.buffer.failed.data());
+  ports.geometry.bind(tile.buffer.geometry.data());
+  ports.kept.bind(tile.buffer.kept.data());
+  ports.globals.bind(tile.buffer.globals.data());
+  ports.apart_squared = apart_ * apart_;
+  ports.least_dot = static_cast<float>(undersample_.normal);
+  ports.texture = static_cast<float>(undersample_.texture);
+  ports.colour_squared = colour * colour;
+  const Wavefront::Node node = tile.wave.launch<K>(ports, items);
+  return {node, ports.passed_count.value, ports.failed_count.value};
+}
+
+void UndersampleProgram::interpolate(Tile& tile, bool along_y, const LineUniforms<float>& line,
+                                     const Verdict& verdict) const {
+  if (along_y) return interpolate_with<InterpolateAttributes<true>>(tile, line, verdict);
+  interpolate_with<InterpolateAttributes<false>>(tile, line, verdict);
+}
+
+template <class K>
+void UndersampleProgram::interpolate_with(Tile& tile, const LineUniforms<float>& line, const Verdict& verdict) const {
+  TileBuffer& buffer = tile.buffer;
+  buffer.hold_wave(verdict.passed);
+  typename K::template Ports<float> ports;
+  ports.passed.bind(buffer.passed.data());
+  ports.line = line;
+  ports.geometry.bind(buffer.geometry.data());
+  ports.kept.bind(buffer.kept.data());
+  ports.globals.bind(buffer.globals.data());
+  ports.colours.bind(buffer.colours.data());
+  ports.surfaces.bind(buffer.surfaces.data());
+  ports.places.bind(buffer.places.data());
+  ports.paths.bind(buffer.wave.paths.data());
+  ports.mattes.bind(buffer.mattes.data());
+  ports.texcoords.bind(buffer.texcoords.data());
+  const std::uint32_t lanes = verdict.passed + verdict.failed;
+  const Wavefront::Node node = tile.wave.launch<K>(ports, verdict.passed, lanes);
+  tile.wave.wait_all(node, verdict.node);
+  tile.wave.adds_records(node);
+  tile.wave.adds_colours(node);
+  tile.wave.shade_interpolated(node, verdict.passed, lanes);
+}
+
+void UndersampleProgram::settled(Tile& tile) const {
+  if (correction_.scans() == 0) return;
+  undersample_.correct_shadows ? store_identities<StoreIdentities<true>>(tile)
+                               : store_identities<StoreIdentities<false>>(tile);
+}
+
+template <class K>
+void UndersampleProgram::store_identities(Tile& tile) const {
+  typename K::template Ports<float> ports;
+  ports.geometry.bind(tile.buffer.geometry.data());
+  ports.verdicts.bind(tile.buffer.verdicts.data());
+  ports.identities.bind(tile.buffer.identities.data());
+  ports.lattice = {.first = static_cast<float>(pitch() + 1),
+                   .across = static_cast<float>(tile.at.width),
+                   .inverse_across = 1.0F / static_cast<float>(tile.at.width),
+                   .step = 1,
+                   .row_step = static_cast<float>(pitch())};
+  const std::uint32_t samples = tile.at.width * tile.at.height;
+  const Wavefront::Node node = tile.wave.launch<K>(ports, samples);
+  tile.wave.wait_for_records(node);
+  const Wavefront::Node out =
+      tile.wave.transfer(traces::Region::kSamples, true, scan_store(tile.at.index), samples * scanned_bytes());
+  tile.wave.wait_all(out, node);
+  tile.wave.wait_for_colours(out);
+}
+
+}  // namespace kernels

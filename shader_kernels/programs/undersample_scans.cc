@@ -1,0 +1,206 @@
+#include <algorithm>
+
+#include "shader_kernels/programs/undersample.h"
+
+namespace kernels {
+
+using traces::Region;
+
+namespace {
+
+constexpr std::uint32_t kLine = 64;  // what a sample alone costs of memory
+constexpr auto kPicture = static_cast<std::size_t>(Region::kPicture);
+constexpr auto kSamples = static_cast<std::size_t>(Region::kSamples);
+
+}  // namespace
+
+std::uint32_t UndersampleProgram::tiles() const { return sample_tiles().count() * (1 + correction_.scans()); }
+
+std::uint32_t UndersampleProgram::pass_end(std::uint32_t place) const {
+  const std::uint32_t count = sample_tiles().count();
+  return (place / count + 1) * count;
+}
+
+/// A sample's word for the scans; where pixels have several samples, their colours too, to average them again.
+std::uint32_t UndersampleProgram::scanned_bytes() const {
+  return 4 + (undersample_.samples > 1 ? static_cast<std::uint32_t>(sizeof(ColourRecord<float>)) : 0);
+}
+
+std::uint64_t UndersampleProgram::scan_store(std::uint32_t tile) const {
+  const std::uint64_t side = sample_tiles().side();
+  return BlockProgram::demands().region_bytes[kSamples] + tile * side * side * scanned_bytes();
+}
+
+Demands UndersampleProgram::demands() const {
+  Demands d = BlockProgram::demands();
+  if (correction_.scans() > 0) d.region_bytes[kSamples] = scan_store(sample_tiles().count());
+  return d;
+}
+
+void UndersampleProgram::begin_pass(std::uint32_t place, const traces::Tracer& tracer) {
+  const std::uint32_t count = sample_tiles().count();
+  if (place < count) return;
+  const PostCorrection::Scan scan = PostCorrection::scan(scan_of(place));
+  TileResult scratch;
+  const auto trace = [&](std::span<const PostCorrection::Suspect> suspects) {
+    // All suspects of a step lie in one column, or in one row.
+    const std::uint32_t pitch = scan.is_along_y ? width() * undersample_.grid() : 1;
+    const PostCorrection::Suspect& first = suspects.front();
+    const GridUniforms<float> grid = scan.is_along_y ? grid_uniforms(0, static_cast<float>(first.y), pitch)
+                                                     : grid_uniforms(static_cast<float>(first.x), 0, pitch);
+    Wavefront wave(scene(), tracer, false, scratch);
+    const auto sample = [&](const PostCorrection::Suspect& s) { return scan.is_along_y ? s.x : s.y; };
+    list_suspects(suspects, scratch, sample);
+    trace_suspects(wave, scratch, grid, static_cast<std::uint32_t>(suspects.size()), Wavefront::kNone);
+    PostCorrection::Found found;
+    for (const PostCorrection::Suspect& s : suspects) {
+      const GeometryRecord<float>& geometry = scratch.buffer.geometry[sample(s)];
+      const std::uint32_t shown =
+          undersample_.correct_shadows ? shown_by<float, true>(geometry) : shown_by<float, false>(geometry);
+      found.identities.push_back(shown | kTracedSample);
+      found.colours.push_back(scratch.colour(sample(s)));
+    }
+    return found;
+  };
+  const std::uint32_t grid = undersample_.grid();
+  for (const PostCorrection::Suspect& s : correction_.run(scan, trace)) average_again(s.x / grid, s.y / grid);
+}
+
+template <class Sample>
+void UndersampleProgram::list_suspects(std::span<const PostCorrection::Suspect> suspects, TileResult& out,
+                                       Sample&& sample) const {
+  std::uint32_t most = 0;
+  for (const PostCorrection::Suspect& s : suspects) most = std::max(most, sample(s));
+  out.buffer.hold_samples(std::max(std::size_t{most} + 1, suspects.size()));
+  std::ranges::transform(suspects, out.buffer.samples.begin(), sample);
+}
+
+/// Traces the listed samples.
+void UndersampleProgram::trace_suspects(Wavefront& wave, TileResult& out, const GridUniforms<float>& grid,
+                                        std::uint32_t items, Wavefront::Node lister) const {
+  out.buffer.hold_wave(items);
+  GenerateListedRays::Ports<float> generate;
+  generate.samples.bind(out.buffer.samples.data());
+  generate.rays.bind(out.buffer.wave.rays.data());
+  generate.paths.bind(out.buffer.wave.paths.data());
+  generate.colours.bind(out.buffer.colours.data());
+  generate.camera = camera();
+  generate.grid = grid;
+  const Wavefront::Node generated = wave.launch<GenerateListedRays>(generate, items);
+  wave.wait_all(generated, lister);
+  ClearGeometry::Ports<float> clear;
+  clear.samples.bind(out.buffer.samples.data());
+  clear.geometry.bind(out.buffer.geometry.data());
+  Wavefront::Keep keep;
+  keep.geometry = true;
+  keep.cleared = wave.launch<ClearGeometry>(clear, items);
+  wave.wait_all(keep.cleared, lister);
+  wave.adds_records(keep.cleared);
+  wave.run(generated, items, keep);
+}
+
+void UndersampleProgram::average_again(std::uint32_t x, std::uint32_t y) {
+  const std::uint32_t grid = undersample_.grid();
+  glm::vec3 sum(0);
+  for (std::uint32_t row = 0; row < grid; ++row) {
+    for (std::uint32_t column = 0; column < grid; ++column) {
+      sum += correction_.colour(x * grid + column, y * grid + row);
+    }
+  }
+  sum *= 1.0F / static_cast<float>(grid * grid);
+  float* to = kept_picture().data() + std::size_t{3} * (std::size_t{y} * width() + x);
+  for (int channel = 0; channel < 3; ++channel) to[channel] = sum[channel];
+}
+
+void UndersampleProgram::run_tile(std::uint32_t place, const traces::Tracer& tracer, bool record,
+                                  TileResult& out) const {
+  if (place < sample_tiles().count()) {
+    BlockProgram::run_tile(place, tracer, record, out);
+  } else {
+    run_scan(place, tracer, record, out);
+  }
+}
+
+void UndersampleProgram::run_scan(std::uint32_t place, const traces::Tracer& tracer, bool record,
+                                  TileResult& out) const {
+  const std::uint32_t count = sample_tiles().count();
+  const std::uint32_t number = scan_of(place);
+  const PostCorrection::Scan scan = PostCorrection::scan(number);
+  const std::uint32_t in_pass = place % count;
+  const SampleTile at = sample_tiles().tile(order()[scan.is_backward ? count - 1 - in_pass : in_pass]);
+  const std::uint32_t samples = at.width * at.height;
+  out.tile = (number + 1) * count + at.index;
+  out.x = out.y = out.width = out.height = 0;
+  out.marks.clear();
+  out.linear.clear();
+  out.packed.clear();
+  out.sampling = {};
+  Wavefront wave(scene(), tracer, record, out);
+  out.work.frame = frame();
+  out.work.tile = out.tile;
+  out.work.samples = samples;
+  out.work.after_all = in_pass == 0;
+  const std::uint32_t step = scan.is_along_y ? sample_tiles().across() : 1;
+  const bool has_behind = scan.is_along_y ? (scan.is_backward ? at.has_below : at.has_above)
+                                          : (scan.is_backward ? at.has_right : at.has_left);
+  if (has_behind) out.work.after.push_back(scan.is_backward ? out.tile + step : out.tile - step);
+
+  const auto note_search = [&](std::uint32_t items) {
+    return undersample_.neighbours == Neighbourhood::kEight ? wave.note<FindSuspects<true>>(items)
+                                                         : wave.note<FindSuspects<false>>(items);
+  };
+  const std::uint64_t store = scan_store(at.index);
+  const std::uint32_t border = scan.is_along_y ? at.width : at.height;
+  const Wavefront::Node in = wave.transfer(Region::kSamples, false, store, (samples + border) * 4);
+  Wavefront::Node found = note_search(samples);
+  wave.wait_all(found, in);
+  std::span<const PostCorrection::Suspect> left = correction_.suspects_of(at.index);
+  out.sampling.traced = out.sampling.correction = left.size();
+  if (!left.empty()) {
+    const auto corrected = static_cast<std::uint32_t>(left.size());
+    while (!left.empty()) {
+      const auto end = std::ranges::find_if(
+          left, [&](std::uint32_t round) { return round != left.front().round; }, &PostCorrection::Suspect::round);
+      const std::span round = left.first(static_cast<std::size_t>(end - left.begin()));
+      left = left.subspan(round.size());
+      const auto items = static_cast<std::uint32_t>(round.size());
+      list_suspects(round, out,
+                    [&](const PostCorrection::Suspect& s) { return (s.y - at.y + 1) * pitch() + s.x - at.x + 1; });
+      trace_suspects(wave, out,
+                     grid_uniforms(static_cast<float>(at.x) - 1.0F, static_cast<float>(at.y) - 1.0F, pitch()), items,
+                     found);
+      const Wavefront::Node stored = undersample_.correct_shadows ? wave.note<StoreIdentities<true>>(items)
+                                                                  : wave.note<StoreIdentities<false>>(items);
+      wave.wait_for_records(stored);
+      found = note_search(items);
+      wave.wait_all(found, stored);
+    }
+    put_corrected(wave, at, corrected, found);
+  }
+  wave.finish();
+}
+
+/// Averages and encodes the corrected pixels and writes them, each a line of its own, and their words.
+void UndersampleProgram::put_corrected(Wavefront& wave, const SampleTile& at, std::uint32_t corrected,
+                                       Wavefront::Node last) const {
+  const std::uint64_t store = scan_store(at.index);
+  const Wavefront::Node averaged = wave.note<AverageSamples>(corrected * undersample_.samples);
+  wave.wait_for_colours(averaged);
+  if (undersample_.samples > 1) {
+    const Wavefront::Node in = wave.transfer(Region::kSamples, false, store, corrected * kLine * undersample_.grid());
+    wave.wait_all(averaged, in);
+  }
+  const Wavefront::Node packed = wave.note<PackColour>(corrected);
+  wave.wait_all(packed, averaged);
+  const std::uint64_t pixels = demands().region_bytes[kPicture] / sample_tiles().count();
+  wave.wait_all(wave.transfer(Region::kPicture, true, pixels * at.index, corrected * kLine), packed);
+  wave.wait_all(wave.transfer(Region::kSamples, true, store, corrected * kLine), last);
+}
+
+void UndersampleProgram::keep(const TileResult& tile) {
+  if (tile.tile >= sample_tiles().count()) return FrameProgram::keep(tile);
+  BlockProgram::keep(tile);
+  correction_.keep(tile, sample_tiles().tile(tile.tile), pitch());
+}
+
+}  // namespace kernels
