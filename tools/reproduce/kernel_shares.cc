@@ -12,10 +12,10 @@ struct Named {
 };
 
 /// All others trace and shade.
-constexpr Named kGroups[] = {{"check", KernelGroup::kCheck},
-                             {"interpolate", KernelGroup::kInterpolation},
-                             {"list_samples", KernelGroup::kPacking},
-                             {"correct", KernelGroup::kCorrection}};
+constexpr Named kGroups[] = {{"check_", KernelGroup::kCheck},
+                             {"interpolate_", KernelGroup::kInterpolation},
+                             {"find_suspects", KernelGroup::kCorrection},
+                             {"store_identities", KernelGroup::kCorrection}};
 
 KernelGroup group_of(std::string_view kernel) {
   for (const Named& named : kGroups) {

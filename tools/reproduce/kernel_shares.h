@@ -6,7 +6,8 @@
 namespace tools::reproduce {
 
 /// What kernels are for, where papers count the time of some of them apart.
-enum class KernelGroup : std::uint8_t { kTracing, kCheck, kInterpolation, kPacking, kCorrection };
+/// Checks pack what passed and what failed into streams.
+enum class KernelGroup : std::uint8_t { kTracing, kCheck, kInterpolation, kCorrection };
 
 /// Share of the shader cores' busy cycles; nothing if they were never busy.
 std::optional<double> kernel_share(const Simulation& simulation, KernelGroup group);

@@ -2,7 +2,7 @@
 
 #include "tools/reproduce/plan.h"
 
-// Kim 2016: undersampling with 2x2 base blocks and post-correction by four scans.
+// Kim 2016: undersampling with 2x2 base blocks and post-correction by two scans, the defaults.
 
 namespace tools::reproduce {
 
@@ -50,7 +50,7 @@ void add_table_5(std::vector<Case>& cases, const std::string& scene, bool quick)
       c.setting = fmt::format("{} {}", width, c.setting);
       c.figures = figures("table 5", {"speedup", "traced_ratio", "traced_ratio_lit", "psnr_db"});
       if (width == 1024 && grid == 1) {
-        for (const char* share : {"tracing_share", "check_share", "packing_share", "correction_share"}) {
+        for (const char* share : {"tracing_share", "adaptive_share", "correction_share"}) {
           c.figures.push_back({"table 3a", share});
         }
         if (scene == "kitchen") c.figures.push_back({"figure 1", "traced_ratio"});
