@@ -49,13 +49,19 @@ Json rays_json(const Simulation& s) {
           {"continued", s.function.continued}};
 }
 
-/// Who moved the bytes: fills of the L2, the picture, ray slots that did not fit into the tile buffers (out and in).
+/// What the bytes were for: fills of the L2, the picture, ray slots that did not fit into the tile buffers, and where a
+/// method has them samples and rates; out and in.
 Json dram_clients_json(const Simulation& s) {
   constexpr std::uint64_t kLine = 64;
-  const std::uint64_t read = sum_of(s, "dma", "lines_read"), written = sum_of(s, "dma", "lines_written");
-  return {{"caches", kLine * sum_of(s, "l2", "fills")},
-          {"frame_buffer", kLine * (written - read)},
-          {"spills", 2 * kLine * read}};
+  const auto moved = [&](const std::string& area) {
+    return kLine * (sum_of(s, "dma", area + "_lines_written") + sum_of(s, "dma", area + "_lines_read"));
+  };
+  Json clients = {
+      {"caches", kLine * sum_of(s, "l2", "fills")}, {"frame_buffer", moved("picture")}, {"spills", moved("spill")}};
+  for (const char* area : {"samples", "rates"}) {
+    if (const std::uint64_t bytes = moved(area); bytes != 0) clients[area] = bytes;
+  }
+  return clients;
 }
 
 double ratio(std::uint64_t part, std::uint64_t whole) { return static_cast<double>(part) / static_cast<double>(whole); }
@@ -94,10 +100,12 @@ Json kernels_json(const Simulation& s) {
   for (std::size_t k = 0; k < s.kernels.size(); ++k) {
     const hw::KernelUse& use = s.kernel_use[k];
     if (use.launches == 0) continue;
-    out[s.kernels[k].kernel] = {
-        {"launches", use.launches}, {"items", use.items},
-        {"ii", s.kernels[k].ii},    {"depth", s.kernels[k].depth},
-        {"cycles", use.cycles},     {"share", static_cast<double>(use.cycles) / static_cast<double>(all)}};
+    Json& kernel = out[s.kernels[k].kernel];
+    kernel = {{"launches", use.launches}, {"items", use.items},
+              {"ii", s.kernels[k].ii},    {"depth", s.kernels[k].depth},
+              {"cycles", use.cycles},     {"share", static_cast<double>(use.cycles) / static_cast<double>(all)},
+              {"starved", use.starved}};
+    if (use.idle != 0) kernel["idle"] = use.idle;
   }
   return out;
 }

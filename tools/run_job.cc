@@ -106,11 +106,7 @@ void Simulation::add(const Simulation& frame) {
   frames += frame.frames;
   function.add(frame.function);
   sim::add_reports(units, frame.units);
-  for (std::size_t k = 0; k < kernel_use.size(); ++k) {
-    kernel_use[k].launches += frame.kernel_use[k].launches;
-    kernel_use[k].items += frame.kernel_use[k].items;
-    kernel_use[k].cycles += frame.kernel_use[k].cycles;
-  }
+  for (std::size_t k = 0; k < kernel_use.size(); ++k) kernel_use[k] += frame.kernel_use[k];
   energy += frame.energy;
   cycles += frame.cycles;
   elapsed += frame.elapsed;
@@ -126,12 +122,10 @@ Simulation simulate(const Inputs& inputs, const kernels::ProgramSpec& program, s
   hw::FrontEnd front_end(frame, tracer, host_threads(threads) - 1);
   Interruptible tiles(front_end);
   const kernels::Demands demands = frame.demands();
-  const std::uint64_t picture = demands.region_bytes[0];
-  const auto gpu =
-      std::make_unique<hw::Gpu>(inputs.config.gpu,
-                                hw::Gpu::Workload{inputs.image, inputs.parents, demands.tile_samples,
-                                                  static_cast<std::uint32_t>(picture / frame.tiles()), picture},
-                                tiles);
+  const auto gpu = std::make_unique<hw::Gpu>(inputs.config.gpu,
+                                             hw::Gpu::Workload{inputs.image, inputs.parents, demands.tile_samples,
+                                                               demands.region_bytes, demands.attribute_bytes},
+                                             tiles);
   const auto energy = [&] {
     return sim::compute_energy(gpu->report(), inputs.config.energy, hw::dram_energy_events(inputs.config.gpu.dram),
                                gpu->elapsed());

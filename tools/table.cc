@@ -49,8 +49,12 @@ std::string overview(const Json& report) {
                                       t["traversal_steps"].get<double>() / rays["total"].get<double>()));
   const auto bytes = [](const Json& n) { return si_text(n.get<double>(), "B"); };
   const Json& clients = t["dram_bytes_by_client"];
-  line("DRAM traffic", fmt::format("{}  (caches {}, frame buffer {}, spilled ray slots {})", bytes(t["dram_bytes"]),
-                                   bytes(clients["caches"]), bytes(clients["frame_buffer"]), bytes(clients["spills"])));
+  std::string traffic = fmt::format("caches {}, frame buffer {}, spilled ray slots {}", bytes(clients["caches"]),
+                                    bytes(clients["frame_buffer"]), bytes(clients["spills"]));
+  for (const char* more : {"samples", "rates"}) {
+    if (clients.contains(more)) traffic += fmt::format(", {} {}", more, bytes(clients[more]));
+  }
+  line("DRAM traffic", fmt::format("{}  ({})", bytes(t["dram_bytes"]), traffic));
   line("busy", fmt::format("T&I {}, SRP {}, DRAM {}", percent(t["utilisation"]["tni"]),
                            percent(t["utilisation"]["srp"]), percent(t["utilisation"]["dram"])));
   line("limited by", t["limiter"].get<std::string>());

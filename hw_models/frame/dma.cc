@@ -7,7 +7,7 @@
 namespace hw {
 
 namespace {
-constexpr std::uint32_t kLine = 64;
+constexpr Addr kLine = 64;
 }
 
 sim::Time Dma::tick(sim::Time now) {
@@ -18,7 +18,8 @@ sim::Time Dma::tick(sim::Time now) {
   if (!active_ && links_.jobs_in.can_pop(now)) {
     job_ = links_.jobs_in.pop(now);
     active_ = true;
-    lines_left_ = (job_.bytes + kLine - 1) / kLine;
+    next_line_ = job_.base / kLine * kLine;
+    lines_left_ = static_cast<std::uint32_t>((job_.base + job_.bytes + kLine - 1 - next_line_) / kLine);
     replies_left_ = job_.write ? 0 : lines_left_;
   }
   const bool moved = active_ && move_line(now);
@@ -34,11 +35,12 @@ sim::Time Dma::tick(sim::Time now) {
 
 bool Dma::move_line(sim::Time now) {
   if (lines_left_ == 0 || !links_.memory_out.can_push(now)) return false;
-  const std::uint32_t lines = (job_.bytes + kLine - 1) / kLine;
-  const Addr line = job_.base + Addr{lines - lines_left_} * kLine;
-  links_.memory_out.push(now, MemRequest{line, port_, 0, job_.write});
+  links_.memory_out.push(now, MemRequest{next_line_, port_, 0, job_.write});
+  next_line_ += kLine;
   lines_left_ -= 1;
+  Stats::Lines& lines = stats_.lines[static_cast<std::size_t>(job_.area)];
   (job_.write ? stats_.lines_written : stats_.lines_read) += 1;
+  (job_.write ? lines.written : lines.read) += 1;
   return true;
 }
 

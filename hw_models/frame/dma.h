@@ -15,16 +15,29 @@ namespace hw {
 ///   jobs --> [one at a time, in order] --> line requests --> memory
 ///
 /// A write is done when its last line has left; a read when its last line has come.
-/// Not modelled: reads of partial lines before writing them (tiles fill whole lines of the tiled frame buffer).
+/// Part of a line costs as much as all of it. Not modelled: reads of partial lines before writing them.
 class Dma {
  public:
   enum class Why : std::uint8_t { kIdle, kMoving, kWaiting, kCount };
   struct Stats {
+    struct Lines {
+      std::uint64_t written = 0, read = 0;
+    };
     std::uint64_t jobs = 0, lines_written = 0, lines_read = 0;
+    std::array<Lines, kAreas> lines{};  ///< the same by Area
     static void describe(auto& s, auto&& counter) {
       counter(s.jobs, "jobs", "transfers finished");
       counter(s.lines_written, "lines_written", "lines written to memory", "dma.line");
       counter(s.lines_read, "lines_read", "lines read from memory", "dma.line");
+      auto& [picture, samples, rates, spill] = s.lines;
+      counter(picture.written, "picture_lines_written", "of these, finished pixels");
+      counter(picture.read, "picture_lines_read", "of these, finished pixels");
+      counter(samples.written, "samples_lines_written", "of these, attributes and colours of samples");
+      counter(samples.read, "samples_lines_read", "of these, attributes and colours of samples");
+      counter(rates.written, "rates_lines_written", "of these, sampling rates of tiles");
+      counter(rates.read, "rates_lines_read", "of these, sampling rates of tiles");
+      counter(spill.written, "spill_lines_written", "of these, ray slots that did not fit");
+      counter(spill.read, "spill_lines_read", "of these, ray slots that did not fit");
     }
   };
   struct Links {
@@ -54,6 +67,7 @@ class Dma {
   const std::uint16_t port_;
   bool active_ = false;
   DmaJob job_;
+  Addr next_line_ = 0;
   std::uint32_t lines_left_ = 0;  ///< still to be asked for
   std::uint32_t replies_left_ = 0;
   Stats stats_;

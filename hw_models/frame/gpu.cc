@@ -12,6 +12,22 @@ namespace {
 
 constexpr std::uint32_t kRequestDepth = 2;  // a unit's requests on the wire to its core's port
 
+constexpr Addr whole_lines(Addr bytes) { return (bytes + 63) & ~Addr{63}; }
+
+/// Behind the scene lie the frame's regions, behind them each core's room for its largest spill: a chunk's rays and
+/// hits, two batches of them.
+std::array<Addr, kAreas> areas_of(const GpuConfig& config, const Gpu::Workload& workload, std::uint32_t core) {
+  std::array<Addr, kAreas> areas{};
+  Addr next = workload.image.layout.frame_buffer;
+  for (std::size_t region = 0; region < kRegions; ++region) {
+    areas[region] = next;
+    next = whole_lines(next + workload.region_bytes[region]);
+  }
+  const Addr spill_bytes = Addr{4} * config.srp.chunk * config.tile_buffer.slot_bytes;
+  areas[static_cast<std::size_t>(Area::kSpill)] = whole_lines(next + core * spill_bytes);
+  return areas;
+}
+
 }  // namespace
 
 /// Places in the wake array (in the order of each_unit) and the links between cores and memory.
@@ -150,15 +166,12 @@ void Gpu::add_core(Wiring& wiring, std::uint32_t c, const Workload& workload) {
   for (std::uint32_t t = 0; t < trvs; ++t) trv_wakes.push_back(wiring.trv(c, t));
   core.tni->wakes(wiring.ray_dispatcher(c), wiring.ist(c), trv_wakes);
 
-  // Behind the picture, room for the largest spill of each core: a chunk's rays and hits, two batches of them.
-  const Addr spill_bytes = Addr{4} * config_.srp.chunk * config_.tile_buffer.slot_bytes;
-  const Addr picture_end = layout.frame_buffer + workload.picture_bytes;
-  const Srp::Frame frame{&layout,
-                         kernels_,
-                         workload.tile_samples,
-                         workload.tile_bytes,
-                         config_.direct_interface.interval * tni_clock_.period(),
-                         (picture_end + Addr{c} * spill_bytes + 63) & ~Addr{63}};
+  const Srp::Frame frame{.layout = &layout,
+                         .kernels = kernels_,
+                         .tile_samples = workload.tile_samples,
+                         .attribute_bytes = workload.attribute_bytes,
+                         .ray_interval = config_.direct_interface.interval * tni_clock_.period(),
+                         .areas = areas_of(config_, workload, c)};
   core.srp = std::make_unique<Srp>(
       config_.srp, config_.tile_buffer, frame,
       Srp::Links{tiles_in, tiles_out, rays, hits, *port.clients_in.back(), *port.clients_out.back(), dma_in, dma_out},
@@ -259,12 +272,7 @@ std::vector<sim::UnitReport> Gpu::report() const {
 std::vector<KernelUse> Gpu::kernel_use() const {
   std::vector<KernelUse> sum(kernels_.size());
   for (const Core& core : cores_) {
-    for (std::size_t k = 0; k < sum.size(); ++k) {
-      const KernelUse& use = core.srp->kernel_use()[k];
-      sum[k].launches += use.launches;
-      sum[k].items += use.items;
-      sum[k].cycles += use.cycles;
-    }
+    for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += core.srp->kernel_use()[k];
   }
   return sum;
 }

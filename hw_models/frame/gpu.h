@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <deque>
 #include <memory>
@@ -19,9 +20,6 @@
 
 namespace hw {
 
-/// Bytes of a pixel in the frame buffer: three channels in a packed format.
-inline constexpr std::uint32_t kPixelBytes = 4;
-
 /// The machine: cores, L2, memory, and the only place that wires them together.
 ///
 ///   tile dispatcher --> core x n: SRP <--direct interface--> T&I unit        core ports       L2 banks    channels
@@ -32,10 +30,10 @@ class Gpu {
   /// What the machine must know of the workload beside the stream itself.
   struct Workload {
     const traces::MemoryImage& image;
-    std::span<const std::uint32_t> parents;  ///< of each node of the tree
-    std::uint32_t tile_samples = 256;        ///< of a full tile
-    std::uint32_t tile_bytes = 1024;         ///< of a full tile in the frame buffer
-    std::uint64_t picture_bytes = 0;         ///< of all tiles there
+    std::span<const std::uint32_t> parents;              ///< of each node of the tree
+    std::uint32_t tile_samples = 256;                    ///< of a full tile
+    std::array<std::uint64_t, kRegions> region_bytes{};  ///< of all tiles together, by traces::Region
+    std::uint64_t attribute_bytes = 0;                   ///< of a full tile, set aside in the tile buffer
   };
 
   Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles);

@@ -16,19 +16,26 @@ TileDispatcher::TileDispatcher(TileSource& source, std::uint32_t tiles_per_core,
 
 sim::Time TileDispatcher::tick(sim::Time now) {
   collect(now);
-  const bool dispatched = next_ != nullptr && dispatch(now);
-  const Why then = next_ == nullptr ? Why::kIdle : Why::kCoresFull;
+  const bool dispatched = next_ != nullptr && !must_wait() && dispatch(now);
+  const bool waits = next_ != nullptr && must_wait();
+  const Why then = next_ == nullptr ? Why::kIdle : waits ? Why::kWaiting : Why::kCoresFull;
   activity_.spend(now, clock_.period(), dispatched ? Why::kDispatching : then, then);
 
   const sim::Time next = clock_.after(now, 1);
   sim::Time at = sim::kNever;
   for (std::size_t core = 0; core < in_flight_.size(); ++core) {
     at = std::min(at, std::max(next, links_.from_core[core]->pop_at()));
-    if (next_ != nullptr && in_flight_[core] < tiles_per_core_) {
+    if (next_ != nullptr && !waits && in_flight_[core] < tiles_per_core_) {
       at = std::min(at, std::max(next, links_.to_core[core]->push_at()));
     }
   }
   return at;
+}
+
+bool TileDispatcher::must_wait() const {
+  if (next_->after_all && stats_.finished < stats_.dispatched) return true;
+  return std::ranges::any_of(next_->after,
+                             [&](std::uint32_t tile) { return tile >= finished_.size() || !finished_[tile]; });
 }
 
 bool TileDispatcher::dispatch(sim::Time now) {
@@ -49,15 +56,20 @@ bool TileDispatcher::dispatch(sim::Time now) {
 void TileDispatcher::collect(sim::Time now) {
   for (std::size_t core = 0; core < in_flight_.size(); ++core) {
     if (!links_.from_core[core]->can_pop(now)) continue;
-    source_.give_back(links_.from_core[core]->pop(now).work);
+    const traces::TileWork* work = links_.from_core[core]->pop(now).work;
+    if (finished_.size() <= work->tile) finished_.resize(std::size_t{work->tile} + 1);
+    finished_[work->tile] = true;
+    source_.give_back(work);
     in_flight_[core] -= 1;
     stats_.finished += 1;
   }
 }
 
 std::string TileDispatcher::state() const {
-  return fmt::format("tiles dispatched {}, finished {}, {} left", stats_.dispatched, stats_.finished,
-                     next_ == nullptr ? "none" : "some");
+  const std::string next = next_ == nullptr ? "none left"
+                           : must_wait()    ? fmt::format("tile {} waits for others", next_->tile)
+                                            : "some left";
+  return fmt::format("tiles dispatched {}, finished {}, {}", stats_.dispatched, stats_.finished, next);
 }
 
 }  // namespace hw

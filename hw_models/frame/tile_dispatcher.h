@@ -20,12 +20,19 @@ class TileSource {
   virtual void give_back(const traces::TileWork* work) = 0;
 };
 
-/// Hands the tiles of the list to the cores, each in turn as it has room for one.
+/// Hands the tiles of the list to the cores, each in turn as it has room for one, in the order of the list: a tile that
+/// needs others (TileWork::after, after_all) holds up those behind it until they are finished.
 ///
 ///   tile list --> [one tile a cycle, round robin over cores with room] --> cores
 class TileDispatcher {
  public:
-  enum class Why : std::uint8_t { kIdle, kDispatching, kCoresFull, kCount };
+  enum class Why : std::uint8_t {
+    kIdle,
+    kDispatching,
+    kCoresFull,
+    kWaiting,  ///< for tiles that the next one needs
+    kCount
+  };
   struct Stats {
     std::uint64_t dispatched = 0, finished = 0;
     static void describe(auto& s, auto&& counter) {
@@ -53,6 +60,8 @@ class TileDispatcher {
 
  private:
   bool dispatch(sim::Time now);
+  /// A tile that the next one needs is not finished.
+  bool must_wait() const;
   void collect(sim::Time now);
 
   TileSource& source_;
@@ -61,13 +70,14 @@ class TileDispatcher {
   const sim::Clock clock_;
   const traces::TileWork* next_;
   std::vector<std::uint32_t> in_flight_;
+  std::vector<bool> finished_;  ///< by number of tile
   std::size_t turn_ = 0;
   Stats stats_;
   sim::Activity<Why> activity_;
 };
 
-constexpr std::array<std::string_view, 3> names_of(TileDispatcher::Why) {
-  return {"idle", "dispatching", "cores_full"};
+constexpr std::array<std::string_view, 4> names_of(TileDispatcher::Why) {
+  return {"idle", "dispatching", "cores_full", "waiting"};
 }
 
 }  // namespace hw

@@ -1,4 +1,5 @@
 #pragma once
+#include <cstddef>
 #include <cstdint>
 
 #include "hw_models/memory/messages.h"
@@ -16,12 +17,22 @@ struct TileDone {
   const traces::TileWork* work = nullptr;
 };
 
+/// Parts of memory that only the DMA reads and writes: the regions of the frame, and room for ray slots.
+enum class Area : std::uint8_t { kPicture, kSamples, kRates, kSpill, kCount };
+inline constexpr std::size_t kAreas = static_cast<std::size_t>(Area::kCount);
+inline constexpr std::size_t kRegions = static_cast<std::size_t>(traces::Region::kCount);
+static_assert(kAreas == kRegions + 1);
+constexpr Area area_of(traces::Region region) { return static_cast<Area>(region); }
+static_assert(area_of(traces::Region::kPicture) == Area::kPicture &&
+              area_of(traces::Region::kSamples) == Area::kSamples && area_of(traces::Region::kRates) == Area::kRates);
+
 /// A block to be moved between the tile buffer and memory.
 struct DmaJob {
   Addr base = 0;
   std::uint32_t bytes = 0;
   bool write = true;      ///< to memory
   std::uint32_t tag = 0;  ///< returned when done
+  Area area = Area::kPicture;
 };
 
 struct DmaDone {

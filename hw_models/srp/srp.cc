@@ -14,8 +14,8 @@ using traces::WorkNode;
 
 namespace {
 
-constexpr std::uint32_t kTileShift = 24;  // a ray's handle: tile in flight, then the ray's index within the tile
-constexpr std::uint32_t kRayMask = (1U << kTileShift) - 1;
+constexpr std::uint32_t kTileShift = 24;  // a handle: tile in flight, then the ray's or node's index within the tile
+constexpr std::uint32_t kIndexMask = (1U << kTileShift) - 1;
 static_assert(kMaxRays == 1U << kTileShift);
 constexpr std::uint32_t kSpillTag = 0xffffffffU;
 constexpr std::uint64_t kAccess = 16;  // bytes of one access to the tile buffer
@@ -30,7 +30,7 @@ Srp::Srp(const SrpConfig& config, const TileBufferConfig& buffer, const Frame& f
       clock_(clock),
       frame_(frame),
       links_(links),
-      buffer_(buffer, frame.tile_samples, clock),
+      buffer_(buffer, frame.tile_samples, frame.attribute_bytes, clock),
       cache_(config.data_cache, port),
       tiles_(buffer.tiles_in_flight),
       lines_missing_(64),
@@ -66,15 +66,19 @@ void Srp::take_tile(sim::Time now) {
   by_age_.push_back(static_cast<std::uint32_t>(free - tiles_.begin()));
   stats_.tiles += 1;
   look_ = true;
+  start_transfers(by_age_.back());
 }
 
 void Srp::take_hit(sim::Time now) {
   if (!links_.hits_in.can_pop(now)) return;
   const std::uint32_t id = links_.hits_in.pop(now).id;
   buffer_.write(kHitWrites);
-  rays_out_ -= 1;
+  if (--rays_out_ == 0) empty_since_ = now;
   stats_.hits += 1;
-  if (tiles_[id >> kTileShift].finish_ray(id & kRayMask) || rays_out_ == 0) look_ = true;
+  const std::uint32_t tile = id >> kTileShift;
+  const bool news = tiles_[tile].finish_ray(id & kIndexMask);
+  if (news) start_transfers(tile);
+  if (news || rays_out_ == 0) look_ = true;
 }
 
 void Srp::take_line(sim::Time now) {
@@ -95,15 +99,15 @@ void Srp::take_dma(sim::Time now) {
     look_ = true;
     return;
   }
-  const std::uint32_t tile = tag >> 16;
-  tiles_[tile].finish_items(tag & 0xffffU, tiles_[tile].node(tag & 0xffffU).items);
-  end_tile(now, tile);
+  const std::uint32_t tile = tag >> kTileShift, node = tag & kIndexMask;
+  if (tiles_[tile].is_awaited(node)) transfers_awaited_ -= 1;
+  finish_items(now, tile, node, tiles_[tile].node(node).items);
 }
 
 void Srp::run_array(sim::Time now) {
   if (run_.active && now >= run_.start) {
     const bool flowing = loads_in_time(now) && touch_cache(now);
-    if (flowing && run_.next_item == run_.items && loads_.empty() && now >= leaves_at(run_.items - 1)) {
+    if (flowing && run_.next_item == run_.loading && loads_.empty() && now >= leaves_at(run_.items - 1)) {
       finish_chunk(now);
     }
   }
@@ -132,16 +136,11 @@ bool Srp::loads_in_time(sim::Time now) {
 
 /// The item that enters the loop now asks the data cache for its lines. False if the array froze.
 bool Srp::touch_cache(sim::Time now) {
-  const TileRun& tile = tiles_[run_.tile];
-  if (!tile.node(run_.node).has_accesses) {
-    run_.next_item = run_.items;
-    return true;
-  }
   const sim::Time at = array_time(now);
-  if (run_.next_item == run_.items || at < sim::Time{run_.next_item} * run_.kernel->ii * clock_.period()) return true;
+  if (run_.next_item == run_.loading || at < sim::Time{run_.next_item} * run_.kernel->ii * clock_.period()) return true;
   const std::uint32_t slot = run_.next_item % 64;
   const std::uint64_t bit = std::uint64_t{1} << slot;
-  collect_lines(tile.node(run_.node), run_.first + run_.next_item);
+  collect_lines(tiles_[run_.tile].node(run_.node), run_.first + run_.next_item);
   for (; run_.next_line < item_lines_.size(); ++run_.next_line) {
     stats_.cache_accesses += 1;
     const L1Cache::Result result = cache_.access(item_lines_[run_.next_line], slot);
@@ -177,24 +176,34 @@ void Srp::collect_lines(const WorkNode& node, std::uint32_t item) {
 }
 
 void Srp::finish_chunk(sim::Time now) {
-  TileRun& tile = tiles_[run_.tile];
-  KernelUse& use = kernel_use_[tile.node(run_.node).kernel];
+  KernelUse& use = kernel_use_[tiles_[run_.tile].node(run_.node).kernel];
   use.cycles += clock_.cycles(now - run_.begin);
-  buffer_.give_back(tile.finish_items(run_.node, run_.items));
+  use.starved += clock_.cycles(time_without_rays(now) - run_.without_rays);
   run_.active = false;
-  look_ = true;
-  if (tile.complete(run_.node)) queue_transfers(run_.tile);
-  end_tile(now, run_.tile);
+  finish_items(now, run_.tile, run_.node, run_.items);
 }
 
-void Srp::queue_transfers(std::uint32_t tile) {
-  const TileRun& run = tiles_[tile];
-  for (std::uint32_t n = 0; n < run.nodes(); ++n) {
-    if (run.node(n).kind != WorkNode::Kind::kTransfer || run.node(n).inputs.back().node != run_.node) continue;
-    const Addr base = frame_.layout->frame_buffer + Addr{run.work().tile} * frame_.tile_bytes;
-    dma_.push_back({base, run.node(n).items, true, (tile << 16) | n});
-    buffer_.read((run.node(n).items + kAccess - 1) / kAccess);
-  }
+void Srp::finish_items(sim::Time now, std::uint32_t tile, std::uint32_t node, std::uint32_t items) {
+  buffer_.give_back(tiles_[tile].finish_items(node, items));
+  look_ = true;
+  start_transfers(tile);
+  end_tile(now, tile);
+}
+
+void Srp::start_transfers(std::uint32_t tile) {
+  tiles_[tile].start_transfers([&](std::uint32_t n) {
+    const WorkNode& node = tiles_[tile].node(n);
+    const Area area = area_of(node.region);
+    const Addr base = frame_.areas[static_cast<std::size_t>(area)] + node.offset;
+    dma_.push_back({base, node.items, node.to_memory, (tile << kTileShift) | n, area});
+    const std::uint64_t accesses = (node.items + kAccess - 1) / kAccess;
+    if (node.to_memory) {
+      buffer_.read(accesses);
+    } else {
+      buffer_.write(accesses);
+    }
+    if (tiles_[tile].is_awaited(n)) transfers_awaited_ += 1;
+  });
 }
 
 void Srp::end_tile(sim::Time now, std::uint32_t tile) {
@@ -211,7 +220,7 @@ bool Srp::fits(std::uint32_t tile, std::uint32_t node) const {
   const TileRun& run = tiles_[tile];
   const std::uint64_t rays = run.rays_made(node, run.done(node), run.chunk_items(node));
   if (rays == 0) return true;
-  const bool first_rays_of_younger = tile != by_age_.front() && run.node(node).inputs.empty();
+  const bool first_rays_of_younger = tile != by_age_.front() && !run.follows_rays(node);
   return buffer_.free() >= rays + (first_rays_of_younger ? frame_.tile_samples : 0);
 }
 
@@ -227,7 +236,8 @@ void Srp::start_chunk(sim::Time now) {
     if (node != TileRun::kNone) return begin_chunk(now, tile, node);
   }
   const bool rays_can_go = std::ranges::any_of(feeds_, [&](const Feed& f) { return feed_at(f) != sim::kNever; });
-  if (!blocked_ || rays_out_ > 0 || rays_can_go || spills_done_ < spills_asked_) return;
+  const bool data_come = spills_done_ < spills_asked_ || transfers_awaited_ > 0;
+  if (!blocked_ || rays_out_ > 0 || rays_can_go || data_come) return;
   for (const std::uint32_t tile : by_age_) {
     const std::uint32_t node = tiles_[tile].next_launch([](std::uint32_t) { return true; });
     if (node != TileRun::kNone) return begin_chunk(now, tile, node);
@@ -243,7 +253,17 @@ void Srp::begin_chunk(sim::Time now, std::uint32_t tile, std::uint32_t node) {
   configured_ = work.kernel;
   const std::uint32_t items = run.chunk_items(node);
   const sim::Time start = clock_.after(now, switching ? config_.switch_cycles : 0);
-  run_ = Run{true, tile, node, run.done(node), items, now, start, 0, sim::kNever, 0, 0, &kernel};
+  const std::uint32_t first = run.done(node), working = run.working(node, first, items);
+  run_ = Run{.active = true,
+             .tile = tile,
+             .node = node,
+             .first = first,
+             .items = items,
+             .loading = work.has_accesses ? working : 0,
+             .begin = now,
+             .without_rays = time_without_rays(now),
+             .start = start,
+             .kernel = &kernel};
   if (switching) {
     stats_.switches += 1;
     stats_.config_rows_loaded += kernel.ii;
@@ -253,6 +273,7 @@ void Srp::begin_chunk(sim::Time now, std::uint32_t tile, std::uint32_t node) {
   buffer_.write(std::uint64_t{items} * kernel.local_writes);
   kernel_use_[work.kernel].launches += 1;
   kernel_use_[work.kernel].items += items;
+  kernel_use_[work.kernel].idle += items - working;
 
   const std::uint64_t spilled = buffer_.take(run.rays_made(node, run_.first, items));
   for (const std::uint32_t batch : run.batches_of(node)) {
@@ -263,8 +284,9 @@ void Srp::begin_chunk(sim::Time now, std::uint32_t tile, std::uint32_t node) {
   const auto bytes = static_cast<std::uint32_t>(2 * spilled * buffer_.slot_bytes());
   buffer_.read(bytes / kAccess);
   buffer_.write(bytes / kAccess);
-  dma_.push_back({frame_.spill, bytes, true, kSpillTag});
-  dma_.push_back({frame_.spill, bytes, false, kSpillTag});
+  const Addr spill = frame_.areas[static_cast<std::size_t>(Area::kSpill)];
+  dma_.push_back({spill, bytes, true, kSpillTag, Area::kSpill});
+  dma_.push_back({spill, bytes, false, kSpillTag, Area::kSpill});
   spills_asked_ += 2;
   for (Feed& f : feeds_) {
     if (f.tile == tile && run.producer(f.batch) == node) f.after_spill = spills_asked_;
@@ -292,6 +314,7 @@ void Srp::feed_ray(sim::Time now) {
   const traces::TileWork& work = run.work();
   links_.rays_out.push(now, RayJob{work.walk.data() + work.ray_begin[ray], (feed->tile << kTileShift) | ray});
   buffer_.read(kRayReads);
+  without_rays_ = time_without_rays(now);
   rays_out_ += 1;
   stats_.rays += 1;
   feed_free_at_ = clock_.edge_at_or_after(now + frame_.ray_interval);
@@ -316,7 +339,7 @@ sim::Time Srp::next_wake(sim::Time now) const {
   } else if (run_.active && run_.frozen == sim::kNever) {
     const sim::Time origin = run_.start + run_.stalled;
     at = leaves_at(run_.items - 1);
-    if (run_.next_item < run_.items) at = origin + sim::Time{run_.next_item} * run_.kernel->ii * clock_.period();
+    if (run_.next_item < run_.loading) at = origin + sim::Time{run_.next_item} * run_.kernel->ii * clock_.period();
     if (!loads_.empty()) at = std::min(at, origin + loads_.front().needed);
     at = std::max(at, next);
   }
@@ -339,7 +362,7 @@ std::string Srp::state() const {
     const TileRun& run = tiles_[t];
     tiles += fmt::format("; tile {}:", run.work().tile);
     for (std::uint32_t n = 0; n < run.nodes(); ++n) {
-      if (!run.complete(n)) tiles += fmt::format(" node {} {}/{}", n, run.done(n), run.node(n).items);
+      if (!run.complete(n)) tiles += fmt::format(" node {} {}/{}", n, run.done(n), run.total(n));
     }
   }
   return fmt::format("{}, rays in T&I {}, ray slots {}/{}, feeds {}, DMA jobs {}{}",

@@ -22,10 +22,11 @@
 namespace hw {
 
 /// The shader core of a GPU core (SRP): works through the kernel launches of its tiles, feeds their rays to the T&I
-/// unit and moves finished tiles out.
+/// unit and has the DMA move what its tiles read and write.
 ///
 ///   tiles --> [ launches: oldest tile, then consumers, first ] --> array: switch + depth + (n-1) II + stalls
 ///   rays  <-- [ tile buffer: a slot for each ray and its hit ] <-- hits
+///                        [ transfers whose inputs are there ] --> DMA
 ///
 /// A launch runs in chunks; each pays kernel switch (if the array holds another kernel), prologue and drain. A chunk
 /// starts only when its rays fit into free ray slots, and a younger tile's first rays leave room for the oldest tile's.
@@ -58,10 +59,10 @@ class Srp {
   struct Frame {
     const traces::Layout* layout = nullptr;
     std::span<const KernelSchedule> kernels;  ///< by KernelId
-    std::uint32_t tile_samples = 0;
-    std::uint32_t tile_bytes = 0;  ///< of a full tile in the frame buffer
-    sim::Time ray_interval = 0;    ///< the direct interface takes a ray this often
-    Addr spill = 0;                ///< where slots go that do not fit
+    std::uint32_t tile_samples = 0;           ///< of a full tile
+    std::uint64_t attribute_bytes = 0;        ///< of a full tile in the tile buffer
+    sim::Time ray_interval = 0;               ///< the direct interface takes a ray this often
+    std::array<Addr, kAreas> areas{};         ///< where each begins; slots of this core spill to kSpill
   };
 
   Srp(const SrpConfig& config, const TileBufferConfig& buffer, const Frame& frame, Links links, std::uint16_t port,
@@ -84,11 +85,13 @@ class Srp {
     bool active = false;
     std::uint32_t tile = 0, node = 0;
     std::uint32_t first = 0, items = 0;
+    std::uint32_t loading = 0;       ///< leading items that touch the data cache
     sim::Time begin = 0;             ///< switch begins
+    sim::Time without_rays = 0;      ///< time without rays before
     sim::Time start = 0;             ///< loop begins
     sim::Time stalled = 0;           ///< time frozen so far
     sim::Time frozen = sim::kNever;  ///< frozen since
-    std::uint32_t next_item = 0;     ///< next to touch the data cache
+    std::uint32_t next_item = 0;     ///< next of them
     std::uint32_t next_line = 0;     ///< of that item
     const KernelSchedule* kernel = nullptr;
   };
@@ -114,9 +117,12 @@ class Srp {
   void start_chunk(sim::Time now);
   bool fits(std::uint32_t tile, std::uint32_t node) const;
   void begin_chunk(sim::Time now, std::uint32_t tile, std::uint32_t node);
-  void queue_transfers(std::uint32_t tile);
+  void finish_items(sim::Time now, std::uint32_t tile, std::uint32_t node, std::uint32_t items);
+  void start_transfers(std::uint32_t tile);
   void end_tile(sim::Time now, std::uint32_t tile);
   void feed_ray(sim::Time now);
+  /// All time up to `now` in which the T&I unit had no rays of this core.
+  sim::Time time_without_rays(sim::Time now) const { return without_rays_ + (rays_out_ == 0 ? now - empty_since_ : 0); }
   void freeze(sim::Time now) { run_.frozen = now; }
   sim::Time array_time(sim::Time now) const {
     return (run_.frozen != sim::kNever ? run_.frozen : now) - run_.start - run_.stalled;
@@ -150,8 +156,11 @@ class Srp {
   std::vector<Feed> feeds_;
   sim::Time feed_free_at_ = 0;
   std::uint64_t rays_out_ = 0;  ///< in the T&I unit
+  sim::Time without_rays_ = 0;  ///< time without any there, but for the present one
+  sim::Time empty_since_ = 0;   ///< if there are none
   std::deque<DmaJob> dma_;
   std::uint64_t spills_asked_ = 0, spills_done_ = 0;
+  std::uint64_t transfers_awaited_ = 0;  ///< under way, and something waits for them
   std::vector<KernelUse> kernel_use_;
   Stats stats_;
   sim::Activity<Why> activity_;

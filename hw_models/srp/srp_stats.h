@@ -9,7 +9,18 @@ namespace hw {
 struct KernelUse {
   std::uint64_t launches = 0;  ///< chunks, each with prologue and drain
   std::uint64_t items = 0;
-  std::uint64_t cycles = 0;  ///< switch and stalls included
+  std::uint64_t idle = 0;     ///< of these, items that idle through the loop
+  std::uint64_t cycles = 0;   ///< switch and stalls included
+  std::uint64_t starved = 0;  ///< of these, cycles in which the T&I unit had no ray of the core
+
+  KernelUse& operator+=(const KernelUse& other) {
+    launches += other.launches;
+    items += other.items;
+    idle += other.idle;
+    cycles += other.cycles;
+    starved += other.starved;
+    return *this;
+  }
 };
 
 /// Counters of a shader core.
@@ -23,7 +34,7 @@ struct SrpStats {
   static void describe(auto& s, auto&& counter) {
     counter(s.tiles, "tiles", "tiles taken");
     counter(s.chunks, "chunks", "chunks of launches run on the array");
-    counter(s.items, "items", "work items run on the array");
+    counter(s.items, "items", "work items run on the array, idle ones included");
     counter(s.switches, "switches", "kernel switches");
     counter(s.config_rows_loaded, "config_rows_loaded", "configuration rows loaded by switches", "srp.config_load");
     counter(s.rays, "rays", "rays sent to the T&I unit", "tni.ray_route");

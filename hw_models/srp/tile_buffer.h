@@ -47,11 +47,13 @@ class TileBuffer {
     }
   };
 
-  /// `samples`: of a full tile; their colours are set aside for every tile in flight.
-  TileBuffer(const TileBufferConfig& config, std::uint32_t samples, sim::Clock clock)
+  /// Of a full tile: `samples`, whose colours are set aside for every tile in flight, and `attribute_bytes`, set aside
+  /// likewise.
+  TileBuffer(const TileBufferConfig& config, std::uint32_t samples, std::uint64_t attribute_bytes, sim::Clock clock)
       : clock_(clock), slot_bytes_(config.slot_bytes) {
-    const std::uint64_t colours = std::uint64_t{config.tiles_in_flight} * samples * config.colour_bytes;
-    slots_ = config.size.bytes > colours ? (config.size.bytes - colours) / config.slot_bytes : 0;
+    const std::uint64_t tile = std::uint64_t{samples} * config.colour_bytes + attribute_bytes;
+    const std::uint64_t set_aside = config.tiles_in_flight * tile;
+    slots_ = config.size.bytes > set_aside ? (config.size.bytes - set_aside) / config.slot_bytes : 0;
   }
 
   std::uint64_t free() const { return used_ < slots_ ? slots_ - used_ : 0; }

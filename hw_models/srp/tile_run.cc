@@ -20,12 +20,17 @@ void TileRun::begin(const traces::TileWork& work, std::uint32_t chunk) {
   nodes_left_ = static_cast<std::uint32_t>(work.nodes.size());
   if (progress_.size() < work.nodes.size()) progress_.resize(work.nodes.size());
   batch_of_ray_.resize(work.ray_begin.size());
+  transfers_.clear();
   for (std::uint32_t n = 0; n < nodes(); ++n) {
     Progress& p = progress_[n];
     p.done = p.prefix = p.readers = 0;
     p.batches.clear();
     p.chunk_left.clear();
     const WorkNode& w = node(n);
+    assert(w.items > 0);
+    p.follows_rays = std::ranges::any_of(w.inputs, [&](const Edge& e) {
+      return node(e.node).kind == WorkNode::Kind::kRays || progress_[e.node].follows_rays;
+    });
     if (w.kind == WorkNode::Kind::kRays) {
       assert(w.inputs.size() == 1 && w.inputs.front().kind == Edge::Kind::kEach && "rays come from one launch each");
       progress_[producer(n)].batches.push_back(n);
@@ -34,16 +39,15 @@ void TileRun::begin(const traces::TileWork& work, std::uint32_t chunk) {
       }
       std::fill_n(batch_of_ray_.begin() + w.first, w.items, n);
     } else {
-      for (const Edge& e : w.inputs) {
-        if (node(e.node).kind == WorkNode::Kind::kRays) progress_[e.node].readers += 1;
-      }
+      for (const Edge& e : w.inputs) progress_[e.node].readers += 1;
+      if (w.kind == WorkNode::Kind::kTransfer) transfers_.push_back(n);
     }
   }
 }
 
 std::uint32_t TileRun::available(std::uint32_t n, const Edge& edge) const {
   const Progress& from = progress_[edge.node];
-  if (edge.kind == Edge::Kind::kAll) return complete(edge.node) ? node(n).items : 0;
+  if (edge.kind == Edge::Kind::kAll) return settled(edge.node) ? node(n).items : 0;
   const std::uint32_t prefix = node(edge.node).kind == WorkNode::Kind::kRays ? from.prefix : from.done;
   const std::uint32_t map = node(n).sources;
   if (map == WorkNode::kNone) return prefix;
@@ -51,12 +55,16 @@ std::uint32_t TileRun::available(std::uint32_t n, const Edge& edge) const {
   return static_cast<std::uint32_t>(std::lower_bound(first, first + node(n).items, prefix) - first);
 }
 
-std::uint32_t TileRun::chunk_items(std::uint32_t n) const { return std::min(chunk_, node(n).items - done(n)); }
+std::uint32_t TileRun::chunk_items(std::uint32_t n) const { return std::min(chunk_, total(n) - done(n)); }
 
 bool TileRun::ready(std::uint32_t n) const {
   if (complete(n)) return false;
-  const std::uint32_t want = done(n) + chunk_items(n);
+  const std::uint32_t want = std::min(done(n) + chunk_items(n), node(n).items);
   return std::ranges::all_of(node(n).inputs, [&](const Edge& e) { return available(n, e) >= want; });
+}
+
+bool TileRun::inputs_settled(std::uint32_t n) const {
+  return std::ranges::all_of(node(n).inputs, [&](const Edge& e) { return settled(e.node); });
 }
 
 std::uint32_t TileRun::rays_made(std::uint32_t n, std::uint32_t first, std::uint32_t items) const {
@@ -64,7 +72,7 @@ std::uint32_t TileRun::rays_made(std::uint32_t n, std::uint32_t first, std::uint
   for (const std::uint32_t batch : batches_of(n)) {
     const WorkNode& w = node(batch);
     if (w.sources == WorkNode::kNone) {
-      rays += items;
+      rays += working(n, first, items);
       continue;
     }
     const auto begin = work_->sources.begin() + w.sources;
@@ -76,13 +84,12 @@ std::uint32_t TileRun::rays_made(std::uint32_t n, std::uint32_t first, std::uint
 
 std::uint32_t TileRun::finish_items(std::uint32_t n, std::uint32_t items) {
   progress_[n].done += items;
-  assert(progress_[n].done <= node(n).items);
+  assert(progress_[n].done <= total(n));
   if (!complete(n)) return 0;
   nodes_left_ -= 1;
   std::uint32_t freed = 0;
   for (const Edge& e : node(n).inputs) {
-    if (node(e.node).kind != WorkNode::Kind::kRays) continue;
-    if (--progress_[e.node].readers == 0) freed += node(e.node).items;
+    if (--progress_[e.node].readers == 0 && node(e.node).kind == WorkNode::Kind::kRays) freed += node(e.node).items;
   }
   return freed;
 }

@@ -1,4 +1,6 @@
 #pragma once
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -20,9 +22,18 @@ class TileRun {
   const traces::TileWork& work() const { return *work_; }
   const traces::WorkNode& node(std::uint32_t n) const { return work_->nodes[n]; }
   std::uint32_t nodes() const { return static_cast<std::uint32_t>(work_->nodes.size()); }
+  /// Items of node `n`, then those that idle.
+  std::uint32_t total(std::uint32_t n) const { return node(n).items + node(n).idle; }
+  /// How many of them are finished.
   std::uint32_t done(std::uint32_t n) const { return progress_[n].done; }
-  bool complete(std::uint32_t n) const { return progress_[n].done == node(n).items; }
+  /// What waits for node `n` need wait no longer; idle items may be left.
+  bool settled(std::uint32_t n) const { return progress_[n].done >= node(n).items; }
+  bool complete(std::uint32_t n) const { return progress_[n].done == total(n); }
   bool all_complete() const { return nodes_left_ == 0; }
+  /// Node `n` waits for rays, itself or through others.
+  bool follows_rays(std::uint32_t n) const { return progress_[n].follows_rays; }
+  /// Nodes still to come wait for node `n`.
+  bool is_awaited(std::uint32_t n) const { return progress_[n].readers > 0; }
 
   /// The launch to run next: the latest node whose next chunk is ready, so that consumers go before producers.
   /// `usable(n)` may refuse one. kNone if there is none.
@@ -33,7 +44,20 @@ class TileRun {
     }
     return kNone;
   }
-  /// Items of launch `n` that its next chunk holds.
+  /// Calls `start(n)` for every transfer whose inputs are settled, once for each.
+  template <class Start>
+  void start_transfers(Start&& start) {
+    std::size_t left = 0;
+    for (const std::uint32_t n : transfers_) {
+      if (inputs_settled(n)) {
+        start(n);
+      } else {
+        transfers_[left++] = n;
+      }
+    }
+    transfers_.resize(left);
+  }
+  /// Items of launch `n` that its next chunk holds, idle ones included.
   std::uint32_t chunk_items(std::uint32_t n) const;
   /// Item of its producing launch that ray `i` of batch `n` comes from.
   std::uint32_t source(std::uint32_t n, std::uint32_t i) const {
@@ -44,13 +68,17 @@ class TileRun {
   std::uint32_t producer(std::uint32_t n) const { return node(n).inputs.front().node; }
   /// Batches made by launch `n`.
   const std::vector<std::uint32_t>& batches_of(std::uint32_t n) const { return progress_[n].batches; }
+  /// Of items [first, first + items) of launch `n`, how many do not idle.
+  std::uint32_t working(std::uint32_t n, std::uint32_t first, std::uint32_t items) const {
+    return std::min(first + items, node(n).items) - std::min(first, node(n).items);
+  }
   /// Rays that items [first, first + items) of launch `n` make, over all its batches.
   std::uint32_t rays_made(std::uint32_t n, std::uint32_t first, std::uint32_t items) const;
   std::uint32_t batch_of(std::uint32_t ray) const { return batch_of_ray_[ray]; }
 
   /// `items` more items of a launch (or the whole transfer) are finished. Returns ray slots that nobody reads any more.
   std::uint32_t finish_items(std::uint32_t n, std::uint32_t items);
-  /// Ray `ray` of the tile has come back. True if that may have made a launch ready.
+  /// Ray `ray` of the tile has come back. True if that may have made another node ready.
   bool finish_ray(std::uint32_t ray);
 
   static constexpr std::uint32_t kNone = 0xffffffffU;
@@ -59,17 +87,20 @@ class TileRun {
   struct Progress {
     std::uint32_t done = 0;
     std::uint32_t prefix = 0;   ///< rays: leading items all of which are done, in whole chunks
-    std::uint32_t readers = 0;  ///< rays: launches that still read their slots
+    std::uint32_t readers = 0;  ///< launches and transfers that still wait for it, or read its rays' slots
+    bool follows_rays = false;
     std::vector<std::uint32_t> batches;
     std::vector<std::uint32_t> chunk_left;  ///< rays: items of each chunk still out
   };
   bool ready(std::uint32_t n) const;
+  bool inputs_settled(std::uint32_t n) const;
   std::uint32_t available(std::uint32_t n, const traces::Edge& edge) const;
 
   const traces::TileWork* work_ = nullptr;
   std::uint32_t chunk_ = 1;
   std::uint32_t nodes_left_ = 0;
   std::vector<Progress> progress_;
+  std::vector<std::uint32_t> transfers_;  ///< not yet started
   std::vector<std::uint32_t> batch_of_ray_;
 };
 

@@ -84,7 +84,7 @@ TEST(Run, ReportHasEveryFieldOfTheContract) {
   for (const std::string& block : kBlocks) expect_members(t["energy_by_block_mj"][block], kBand, block);
   for (const char* kind : {"dynamic", "clock", "leakage"}) expect_members(t["energy_by_kind_mj"][kind], kBand, kind);
   for (const auto& [name, kernel] : t["kernels"].items()) {
-    expect_members(kernel, {"launches", "items", "ii", "depth", "cycles", "share"}, name);
+    expect_members(kernel, {"launches", "items", "ii", "depth", "cycles", "share", "starved"}, name);
   }
   EXPECT_TRUE(t["kernels"].contains("generate_rays"));
 }

@@ -16,10 +16,11 @@ namespace hw::testing {
 
 namespace {
 
-kernels::RenderConfig render_config(std::uint32_t width, std::uint32_t height) {
+kernels::RenderConfig render_config(std::uint32_t width, std::uint32_t height, std::uint32_t tile) {
   kernels::RenderConfig config;
   config.width = width;
   config.height = height;
+  config.tile = tile;
   return config;
 }
 
@@ -29,10 +30,36 @@ std::uint64_t lines_of_picture(const kernels::FullProgram& program, std::uint32_
   std::uint64_t lines = 0;
   for (std::uint32_t y = 0; y < height; y += side) {
     for (std::uint32_t x = 0; x < width; x += side) {
-      lines += (std::min(side, width - x) * std::min(side, height - y) * kPixelBytes + 63) / 64;
+      lines += (std::min(side, width - x) * std::min(side, height - y) * kernels::kPixelBytes + 63) / 64;
     }
   }
   return lines;
+}
+
+class Tiles final : public TileSource {
+ public:
+  explicit Tiles(std::span<const traces::TileWork> works) : works_(works) {}
+  const traces::TileWork* next() override { return next_ == works_.size() ? nullptr : &works_[next_++]; }
+  void give_back(const traces::TileWork*) override {}
+
+ private:
+  std::span<const traces::TileWork> works_;
+  std::size_t next_ = 0;
+};
+
+Outcome run(Gpu& gpu, Engine engine, std::uint64_t seed) {
+  switch (engine) {
+    case Engine::kFast:
+      gpu.finish(sim::run<sim::Skip::kOn>(gpu));
+      break;
+    case Engine::kOracle:
+      gpu.finish(sim::run<sim::Skip::kOff>(gpu));
+      break;
+    case Engine::kShuffled:
+      gpu.finish(sim::run_shuffled(gpu, seed));
+      break;
+  }
+  return {gpu.report(), gpu.kernel_use(), {}, gpu.elapsed(), gpu.cycles()};
 }
 
 /// "core0.tni.trv2" with kind "trv".
@@ -43,19 +70,22 @@ bool is_kind(std::string_view path, std::string_view kind) {
 
 }  // namespace
 
-Frame::Frame(const std::string& scene, std::uint32_t width, std::uint32_t height, std::uint32_t samples)
-    : Frame(traces::open_scene(scene), width, height, samples) {}
+Frame::Frame(const std::string& scene, std::uint32_t width, std::uint32_t height, std::uint32_t samples,
+             std::uint32_t tile)
+    : Frame(traces::open_scene(scene), width, height, samples, tile) {}
 
-Frame::Frame(traces::Scene&& scene, std::uint32_t width, std::uint32_t height, std::uint32_t samples)
+Frame::Frame(traces::Scene&& scene, std::uint32_t width, std::uint32_t height, std::uint32_t samples,
+             std::uint32_t tile)
     : camera_(scene.cameras.front()),
       image_(traces::build_memory_image(scene, {}, 1)),
       parents_(traces::parents_of(image_)),
-      program_(image_, camera_, render_config(width, height), samples, 0),
+      program_(image_, camera_, render_config(width, height, tile), samples, 0),
       tracer_(image_),
       picture_lines_(lines_of_picture(program_, width, height)) {}
 
 Gpu::Workload Frame::workload() const {
-  return {image_, parents_, program_.tile_samples(), program_.tile_pixels() * kPixelBytes};
+  const std::uint64_t picture_bytes = std::uint64_t{program_.tiles()} * program_.tile_pixels() * kernels::kPixelBytes;
+  return {image_, parents_, program_.tile_samples(), {picture_bytes}};
 }
 
 const Frame& cornell_64x32() {
@@ -90,18 +120,16 @@ std::uint64_t Outcome::sum(std::string_view at, std::string_view kind, std::stri
 Outcome play(const Frame& frame, const GpuConfig& config, Engine engine, std::uint64_t seed, std::uint32_t workers) {
   FrontEnd front_end(frame.program(), frame.tracer(), workers);
   const auto gpu = std::make_unique<Gpu>(config, frame.workload(), front_end);
-  switch (engine) {
-    case Engine::kFast:
-      gpu->finish(sim::run<sim::Skip::kOn>(*gpu));
-      break;
-    case Engine::kOracle:
-      gpu->finish(sim::run<sim::Skip::kOff>(*gpu));
-      break;
-    case Engine::kShuffled:
-      gpu->finish(sim::run_shuffled(*gpu, seed));
-      break;
-  }
-  return {gpu->report(), gpu->kernel_use(), front_end.result(), gpu->elapsed(), gpu->cycles()};
+  Outcome outcome = run(*gpu, engine, seed);
+  outcome.function = front_end.result();
+  return outcome;
+}
+
+Outcome play(const Frame& frame, std::span<const traces::TileWork> tiles, const GpuConfig& config, Engine engine,
+             std::uint64_t seed) {
+  Tiles source(tiles);
+  const auto gpu = std::make_unique<Gpu>(config, frame.workload(), source);
+  return run(*gpu, engine, seed);
 }
 
 std::string difference(const Outcome& a, const Outcome& b) {
@@ -127,7 +155,9 @@ std::string difference(const Outcome& a, const Outcome& b) {
     const std::string kernel = fmt::format("kernel {}.", k);
     compare(kernel + "launches", a.kernels[k].launches, b.kernels[k].launches);
     compare(kernel + "items", a.kernels[k].items, b.kernels[k].items);
+    compare(kernel + "idle", a.kernels[k].idle, b.kernels[k].idle);
     compare(kernel + "cycles", a.kernels[k].cycles, b.kernels[k].cycles);
+    compare(kernel + "starved", a.kernels[k].starved, b.kernels[k].starved);
   }
   return found;
 }

@@ -16,8 +16,11 @@ namespace hw::testing {
 /// A scene, a camera and a frame program: everything but the machine. Pinned, because the program refers to the image.
 class Frame {
  public:
-  Frame(const std::string& scene, std::uint32_t width, std::uint32_t height, std::uint32_t samples = 1);
-  Frame(traces::Scene&& scene, std::uint32_t width, std::uint32_t height, std::uint32_t samples = 1);
+  /// `tile`: side of a tile in samples.
+  Frame(const std::string& scene, std::uint32_t width, std::uint32_t height, std::uint32_t samples = 1,
+        std::uint32_t tile = 16);
+  Frame(traces::Scene&& scene, std::uint32_t width, std::uint32_t height, std::uint32_t samples = 1,
+        std::uint32_t tile = 16);
   Frame(const Frame&) = delete;
   Frame& operator=(const Frame&) = delete;
 
@@ -63,6 +66,10 @@ enum class Engine : std::uint8_t {
 /// Plays the frame on a machine; `workers` threads of the front end run ahead of it.
 Outcome play(const Frame& frame, const GpuConfig& config, Engine engine = Engine::kFast, std::uint64_t seed = 0,
              std::uint32_t workers = 0);
+
+/// Plays ready-made tiles, which trace rays in the frame's scene; nothing is known of their function.
+Outcome play(const Frame& frame, std::span<const traces::TileWork> tiles, const GpuConfig& config,
+             Engine engine = Engine::kFast, std::uint64_t seed = 0);
 
 /// The first figure in which two runs differ ("core0.srp.rays: 12, 13"); empty if they are equal to the last counter.
 std::string difference(const Outcome& a, const Outcome& b);

@@ -57,9 +57,12 @@ void expect_tiles_conserved(const Outcome& run, const Frame& frame, const GpuCon
   EXPECT_EQ(run.sum("tile_dispatcher", "dispatched"), frame.program().tiles());
   EXPECT_EQ(run.sum("tile_dispatcher", "finished"), frame.program().tiles());
   EXPECT_EQ(run.sum("srp", "tiles"), frame.program().tiles());
-  const std::uint64_t spilled = run.sum("dma", "lines_read");
+  const std::uint64_t spilled = run.sum("dma", "spill_lines_read");
   const std::uint64_t bytes = 2 * run.sum("tile_buffer", "spilled_slots") * config.tile_buffer.slot_bytes;
+  EXPECT_EQ(run.sum("dma", "spill_lines_written"), spilled);
+  EXPECT_EQ(run.sum("dma", "picture_lines_written"), frame.picture_lines());
   EXPECT_EQ(run.sum("dma", "lines_written"), frame.picture_lines() + spilled);
+  EXPECT_EQ(run.sum("dma", "lines_read"), spilled);
   EXPECT_GE(spilled * kLine, bytes);
   EXPECT_LE(spilled, bytes == 0 ? 0 : bytes / kLine + run.sum("srp", "chunks"));
 }
@@ -87,27 +90,32 @@ void expect_time_accounted(const Outcome& run, const GpuConfig& config) {
 
 }  // namespace
 
-void expect_conserved(const Outcome& run, const Frame& frame, const GpuConfig& config) {
+void expect_machine_conserved(const Outcome& run, const GpuConfig& config) {
   for (std::uint32_t c = 0; c < config.cores; ++c) {
     const std::string core = fmt::format("core{}.", c);
     SCOPED_TRACE(core);
     expect_rays_conserved(run, core);
     expect_lines_conserved(run, core);
   }
-  EXPECT_EQ(run.sum("srp", "rays"), run.rays());
-  EXPECT_EQ(run.sum("trv", "visits") - run.sum("trv", "restarted_visits") + run.sum("ist", "tests"),
-            run.function.traversal_steps);
   expect_memory_conserved(run);
-  expect_tiles_conserved(run, frame, config);
   expect_time_accounted(run, config);
 
   std::uint64_t launches = 0, items = 0;
   for (const KernelUse& kernel : run.kernels) {
     launches += kernel.launches;
     items += kernel.items;
+    EXPECT_LE(kernel.starved, kernel.cycles);
   }
   EXPECT_EQ(launches, run.sum("srp", "chunks"));
   EXPECT_EQ(items, run.sum("srp", "items"));
+}
+
+void expect_conserved(const Outcome& run, const Frame& frame, const GpuConfig& config) {
+  expect_machine_conserved(run, config);
+  EXPECT_EQ(run.sum("srp", "rays"), run.rays());
+  EXPECT_EQ(run.sum("trv", "visits") - run.sum("trv", "restarted_visits") + run.sum("ist", "tests"),
+            run.function.traversal_steps);
+  expect_tiles_conserved(run, frame, config);
 }
 
 }  // namespace hw::testing

@@ -32,8 +32,8 @@ class DmaBench {
     from_memory_.wakes(&wakes_[2], &wakes_[1]);
   }
 
-  DmaBench& add(std::uint32_t bytes, bool write, Addr base = 0) {
-    to_send_.push_back({base, bytes, write, static_cast<std::uint32_t>(to_send_.size())});
+  DmaBench& add(std::uint32_t bytes, bool write, Addr base = 0, Area area = Area::kPicture) {
+    to_send_.push_back({base, bytes, write, static_cast<std::uint32_t>(to_send_.size()), area});
     return *this;
   }
   template <sim::Skip kSkip = sim::Skip::kOn>
@@ -151,6 +151,30 @@ TEST(Dma, ThePartOfALineCostsAWholeOne) {
   DmaBench bench({});
   bench.add(65, true).run();
   EXPECT_EQ(bench.dma().stats().lines_written, 2U);
+}
+
+TEST(Dma, ABlockThatBeginsWithinALineMovesEveryLineItTouches) {
+  DmaBench bench({});
+  bench.add(64, true, 640 + 32).add(8, false, 640 + 60).add(16, false, 640 + 16).run();
+  EXPECT_EQ(bench.lines(), (std::vector<Addr>{640, 704, 640, 704, 640}));
+}
+
+TEST(Dma, LinesAreCountedByWhatTheyAreForAndDirection) {
+  DmaBench bench({});
+  std::uint32_t lines = 1;
+  for (std::size_t area = 0; area < kAreas; ++area) {
+    for (const bool write : {true, false}) bench.add(lines++ * kLine, write, 0, static_cast<Area>(area));
+  }
+  bench.run();
+  std::uint64_t written = 0, read = 0, expected = 1;
+  for (const Dma::Stats::Lines& moved : bench.dma().stats().lines) {
+    EXPECT_EQ(moved.written, expected++);
+    EXPECT_EQ(moved.read, expected++);
+    written += moved.written;
+    read += moved.read;
+  }
+  EXPECT_EQ(bench.dma().stats().lines_written, written);
+  EXPECT_EQ(bench.dma().stats().lines_read, read);
 }
 
 TEST(Dma, EveryCycleHasAReasonAndTheOracleAgrees) {

@@ -20,7 +20,11 @@ class Tiles final : public TileSource {
     for (std::uint32_t i = 0; i < count; ++i) works_[i].tile = i;
   }
   const traces::TileWork* next() override { return next_ == works_.size() ? nullptr : &works_[next_++]; }
-  void give_back(const traces::TileWork* work) override { back.push_back(work->tile); }
+  void give_back(const traces::TileWork* work) override {
+    back.push_back(work->tile);
+    works_[work->tile].tile = 0xffffffffU;  // its storage belongs to somebody else now
+  }
+  traces::TileWork& work(std::uint32_t tile) { return works_[tile]; }
   std::vector<std::uint32_t> back;
 
  private:
@@ -153,19 +157,56 @@ TEST(TileDispatcher, AnEmptyListIsDoneAtOnce) {
   EXPECT_EQ(bench.end(), 1U);
 }
 
+TEST(TileDispatcher, ATileWaitsForThoseItNeedsAndHoldsUpThoseBehindIt) {
+  DispatcherBench bench({.tiles = 6, .hold = {50, 80}, .tiles_per_core = 3});
+  bench.source.work(3).after = {0, 1};
+  bench.run();
+  ASSERT_EQ(bench.arrivals.size(), 6U);
+  for (std::uint32_t i = 0; i < 3; ++i) EXPECT_EQ(bench.arrivals[i].cycle, 1 + i) << "these need nothing";
+  // Tile 1 came to the slow core in cycle 2; the next goes out in the cycle in which it is known to be back.
+  EXPECT_EQ(bench.arrivals[3], (DispatcherBench::Arrival{1, 3, 2 + 80 + 1}));
+  EXPECT_EQ(bench.arrivals[4].tile, 4U);
+  EXPECT_EQ(bench.arrivals[4].cycle, 2 + 80 + 2U);
+  EXPECT_EQ(bench.spent(TileDispatcher::Why::kWaiting), 2 + 80 - 3U);
+  EXPECT_EQ(bench.spent(TileDispatcher::Why::kCoresFull), 0U);
+}
+
+TEST(TileDispatcher, ATileAfterAllWaitsForEveryTileBeforeIt) {
+  DispatcherBench bench({.tiles = 8, .hold = {20, 90}, .tiles_per_core = 2});
+  bench.source.work(4).after_all = true;
+  bench.run();
+  ASSERT_EQ(bench.arrivals.size(), 8U);
+  EXPECT_EQ(bench.arrivals[3].cycle, 4U);
+  EXPECT_EQ(bench.arrivals[4].cycle, 4 + 90 + 1U) << "the fourth is the last to be back";
+}
+
+TEST(TileDispatcher, ATileThatNeedsOnlyFinishedTilesDoesNotWait) {
+  const DispatcherBench::Setup setup{.tiles = 9, .hold = {30}, .tiles_per_core = 1};
+  DispatcherBench plain(setup), needing(setup);
+  for (std::uint32_t t = 1; t < 9; ++t) needing.source.work(t).after = {t - 1};
+  EXPECT_EQ(needing.run().end(), plain.run().end()) << "one at a time they end in order anyhow";
+}
+
 TEST(TileDispatcher, EveryCycleHasAReasonAndTheOracleAgrees) {
-  const DispatcherBench::Setup setup{.tiles = 20, .hold = {9, 31}, .tiles_per_core = 2};
-  DispatcherBench fast(setup), oracle(setup);
-  fast.run();
-  oracle.run<sim::Skip::kOff>();
-  using Why = TileDispatcher::Why;
-  std::uint64_t sum = 0;
-  for (const Why why : {Why::kIdle, Why::kDispatching, Why::kCoresFull}) {
-    EXPECT_EQ(fast.spent(why), oracle.spent(why));
-    sum += fast.spent(why);
+  for (const bool some_wait : {false, true}) {
+    const DispatcherBench::Setup setup{.tiles = 20, .hold = {9, 31}, .tiles_per_core = 2};
+    DispatcherBench fast(setup), oracle(setup);
+    for (DispatcherBench* bench : {&fast, &oracle}) {
+      for (std::uint32_t t = 3; some_wait && t < 20; t += 3) bench->source.work(t).after = {t - 1, t - 3};
+      bench->source.work(10).after_all = some_wait;
+    }
+    fast.run();
+    oracle.run<sim::Skip::kOff>();
+    using Why = TileDispatcher::Why;
+    std::uint64_t sum = 0;
+    for (const Why why : {Why::kIdle, Why::kDispatching, Why::kCoresFull, Why::kWaiting}) {
+      EXPECT_EQ(fast.spent(why), oracle.spent(why));
+      sum += fast.spent(why);
+    }
+    EXPECT_EQ(sum, fast.end());
+    EXPECT_EQ(fast.spent(Why::kDispatching), 20U);
+    EXPECT_EQ(fast.spent(Why::kWaiting) > 0, some_wait);
   }
-  EXPECT_EQ(sum, fast.end());
-  EXPECT_EQ(fast.spent(Why::kDispatching), 20U);
 }
 
 }  // namespace

@@ -15,16 +15,17 @@ SrpBench::SrpBench(const Setup& setup, const std::vector<Kernel>& kernels)
       world_(*this) {
   layout_.attributes = 0;
   layout_.materials = 1 << 20;
-  layout_.frame_buffer = 1 << 24;
   for (const Kernel& kernel : kernels) {
     KernelSchedule& k = kernels_.emplace_back();
     k.ii = kernel.ii;
     k.depth = kernel.depth;
     k.config_reads = 16 * kernel.ii;
   }
-  const Srp::Frame frame{
-      &layout_,     kernels_, setup.tile_samples, 4 * setup.tile_samples, setup.ray_interval * clock_.period(),
-      Addr{1} << 28};
+  const Srp::Frame frame{.layout = &layout_,
+                         .kernels = kernels_,
+                         .tile_samples = setup.tile_samples,
+                         .ray_interval = setup.ray_interval * clock_.period(),
+                         .areas = kBases};
   srp_ = std::make_unique<Srp>(
       setup.config, setup.buffer, frame,
       Srp::Links{tiles_in_, tiles_out_, rays_out_, hits_in_, memory_out_, memory_in_, dma_out_, dma_in_},
@@ -111,8 +112,13 @@ TileBuilder& TileBuilder::map(Node node, const std::vector<std::uint32_t>& sourc
   return *this;
 }
 
-TileBuilder::Node TileBuilder::transfer(std::uint32_t bytes, Node after) {
-  return add(WorkNode::Kind::kTransfer, bytes, {all(after)});
+TileBuilder::Node TileBuilder::transfer(traces::Region region, bool to_memory, std::uint32_t bytes,
+                                        std::vector<Edge> inputs, std::uint64_t offset) {
+  const Node node = add(WorkNode::Kind::kTransfer, bytes, std::move(inputs));
+  work_.nodes[node].region = region;
+  work_.nodes[node].to_memory = to_memory;
+  work_.nodes[node].offset = offset;
+  return node;
 }
 
 traces::TileWork TileBuilder::build() {

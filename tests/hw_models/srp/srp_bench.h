@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <deque>
 #include <memory>
@@ -26,6 +27,8 @@ class SrpBench {
   struct Kernel {
     std::uint32_t ii = 1, depth = 10;
   };
+  /// Where picture, samples, rates and spilled slots lie.
+  static constexpr std::array<Addr, kAreas> kBases{Addr{1} << 24, Addr{1} << 25, Addr{1} << 26, Addr{1} << 28};
   struct RaySent {
     std::uint64_t cycle = 0;
     std::uint32_t tile = 0, ray = 0;  ///< place of the tile among those in flight, ray of the tile
@@ -105,9 +108,15 @@ class TileBuilder {
   /// A launch each of whose items reads memory: `accesses[i]` are those of item i.
   Node launch(traces::KernelId kernel, const std::vector<std::vector<traces::Access>>& accesses,
               std::vector<Edge> inputs = {});
+  /// `items` more items of a launch, that idle.
+  void idle(Node launch, std::uint32_t items) { work_.nodes[launch].idle = items; }
   /// A ray for each item of `launch`, or one for each item in `sources`.
   Node rays(Node launch, std::uint32_t count, std::vector<std::uint32_t> sources = {});
-  Node transfer(std::uint32_t bytes, Node after);
+  Node transfer(traces::Region region, bool to_memory, std::uint32_t bytes, std::vector<Edge> inputs = {},
+                std::uint64_t offset = 0);
+  Node picture(std::uint32_t bytes, Node after) {
+    return transfer(traces::Region::kPicture, true, bytes, {all(after)});
+  }
   traces::TileWork build();
 
   static Edge all(Node node) { return {node, Edge::Kind::kAll}; }

@@ -1,3 +1,5 @@
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include "tests/hw_models/srp/srp_bench.h"
@@ -13,9 +15,12 @@ using testing::TileBuilder;
 constexpr std::uint32_t kSwitch = 100, kSamples = 16;
 constexpr traces::KernelId kA = 0, kB = 1;
 
-traces::TileWork trace_and_shade(std::uint32_t items, std::uint32_t tile = 0) {
+/// `reads_first`: not before data from memory are there.
+traces::TileWork trace_and_shade(std::uint32_t items, std::uint32_t tile = 0, bool reads_first = false) {
   TileBuilder work(tile);
-  work.launch(kB, items, {TileBuilder::each(work.rays(work.launch(kA, items), items))});
+  std::vector<traces::Edge> inputs;
+  if (reads_first) inputs.push_back(TileBuilder::all(work.transfer(traces::Region::kRates, false, 64)));
+  work.launch(kB, items, {TileBuilder::each(work.rays(work.launch(kA, items, inputs), items))});
   return work.build();
 }
 
@@ -31,14 +36,16 @@ SrpBench::Setup with_slots(std::uint32_t slots) {
 TEST(Srp, AYoungerTilesFirstRaysLeaveRoomForATileOfTheOldest) {
   for (const auto& [slots, together] :
        {std::pair{2 * kSamples + kSamples, true}, {2 * kSamples + kSamples - 1, false}}) {
-    SrpBench::Setup setup = with_slots(slots);
-    setup.tni_latency = 900;
-    SrpBench bench(setup, {{1, 50}, {1, 50}});
-    bench.add(trace_and_shade(kSamples, 0)).add(trace_and_shade(kSamples, 1)).run();
-    const std::uint64_t both = 2 * kSamples;
-    EXPECT_EQ(bench.srp().tile_buffer().stats().slots_peak, together ? both : kSamples) << slots;
-    EXPECT_EQ(bench.srp().tile_buffer().stats().spilled_slots, 0U) << "it waits, it does not spill";
-    EXPECT_EQ(bench.spent(Srp::Why::kNoSlots) > 0, !together);
+    for (const bool reads_first : {false, true}) {
+      SrpBench::Setup setup = with_slots(slots);
+      setup.tni_latency = 900;
+      SrpBench bench(setup, {{1, 50}, {1, 50}});
+      bench.add(trace_and_shade(kSamples, 0, reads_first)).add(trace_and_shade(kSamples, 1, reads_first)).run();
+      const std::uint64_t both = 2 * kSamples;
+      EXPECT_EQ(bench.srp().tile_buffer().stats().slots_peak, together ? both : kSamples) << slots;
+      EXPECT_EQ(bench.srp().tile_buffer().stats().spilled_slots, 0U) << "it waits, it does not spill";
+      EXPECT_EQ(bench.spent(Srp::Why::kNoSlots) > 0, !together);
+    }
   }
 }
 

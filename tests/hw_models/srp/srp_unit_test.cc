@@ -171,17 +171,5 @@ TEST(Srp, WhileATilesRaysAreOutTheNextTileRuns) {
   EXPECT_EQ(bench.done_at(1), bench.done_at(0) + loop) << "its hits were back while the first was shaded";
 }
 
-TEST(Srp, TransfersFollowTheLaunchTheyWaitForAndEndTheTile) {
-  SrpBench bench({}, {{1, 10}});
-  TileBuilder work(3);
-  work.transfer(64, work.launch(kA, 16));
-  bench.add(work.build()).run();
-  ASSERT_EQ(bench.transfers().size(), 1U);
-  EXPECT_TRUE(bench.transfers()[0].write);
-  EXPECT_EQ(bench.transfers()[0].bytes, 64U);
-  EXPECT_EQ(bench.transfers()[0].base, (Addr{1} << 24) + 3 * 64) << "the tile's place in the frame buffer";
-  EXPECT_EQ(bench.done_at(0), kSwitch + 10 + 15 + 1 + 5) << "launch, wire, DMA";
-}
-
 }  // namespace
 }  // namespace hw

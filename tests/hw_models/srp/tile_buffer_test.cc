@@ -10,25 +10,33 @@ constexpr sim::Clock kClock{1'000'000};
 TEST(TileBuffer, WhatColoursOfTheTilesInFlightLeaveIsRaySlots) {
   TileBufferConfig config;
   config.size.bytes = 64 * 1024;
-  EXPECT_EQ(TileBuffer(config, 256, kClock).slots(), (65536U - 3 * 256 * 16) / 64);
+  EXPECT_EQ(TileBuffer(config, 256, 0, kClock).slots(), (65536U - 3 * 256 * 16) / 64);
   config.tiles_in_flight = 1;
   config.colour_bytes = 12;
   config.slot_bytes = 96;
-  EXPECT_EQ(TileBuffer(config, 256, kClock).slots(), (65536U - 256 * 12) / 96);
+  EXPECT_EQ(TileBuffer(config, 256, 0, kClock).slots(), (65536U - 256 * 12) / 96);
 }
 
 TEST(TileBuffer, SmallerThanTheColoursItHasNoSlots) {
   TileBufferConfig config;
   config.size.bytes = 12 * 1024;
-  EXPECT_EQ(TileBuffer(config, 256, kClock).slots(), 0U);
+  EXPECT_EQ(TileBuffer(config, 256, 0, kClock).slots(), 0U);
   config.size.bytes = 1024;
-  EXPECT_EQ(TileBuffer(config, 256, kClock).slots(), 0U);
+  EXPECT_EQ(TileBuffer(config, 256, 0, kClock).slots(), 0U);
+}
+
+TEST(TileBuffer, AttributesOfTheTilesInFlightLeaveFewerRaySlots) {
+  TileBufferConfig config;
+  config.size.bytes = 64 * 1024;
+  const std::uint64_t without = TileBuffer(config, 256, 0, kClock).slots();
+  EXPECT_EQ(TileBuffer(config, 256, 64 * 25, kClock).slots(), without - 3 * 25);
+  EXPECT_EQ(TileBuffer(config, 256, 256 * 1024, kClock).slots(), 0U);
 }
 
 TEST(TileBuffer, SlotsTakenAreNotFreeUntilGivenBack) {
   TileBufferConfig config;
   config.size.bytes = 3 * 256 * 16 + 64 * 100;
-  TileBuffer buffer(config, 256, kClock);
+  TileBuffer buffer(config, 256, 0, kClock);
   EXPECT_EQ(buffer.take(60), 0U);
   EXPECT_EQ(buffer.free(), 40U);
   EXPECT_EQ(buffer.take(40), 0U);
@@ -44,7 +52,7 @@ TEST(TileBuffer, SlotsTakenAreNotFreeUntilGivenBack) {
 TEST(TileBuffer, WhatDoesNotFitIsSpilledAndOnlyThat) {
   TileBufferConfig config;
   config.size.bytes = 3 * 256 * 16 + 64 * 100;
-  TileBuffer buffer(config, 256, kClock);
+  TileBuffer buffer(config, 256, 0, kClock);
   EXPECT_EQ(buffer.take(130), 30U);
   EXPECT_EQ(buffer.take(10), 10U) << "nothing is free any more";
   buffer.give_back(60);
@@ -53,7 +61,7 @@ TEST(TileBuffer, WhatDoesNotFitIsSpilledAndOnlyThat) {
 }
 
 TEST(TileBuffer, IsIdleOrInUseInEveryCycle) {
-  TileBuffer buffer({}, 256, kClock);
+  TileBuffer buffer({}, 256, 0, kClock);
   buffer.in_use(10 * kClock.period(), true);
   buffer.in_use(50 * kClock.period(), false);
   buffer.in_use(70 * kClock.period(), true);

@@ -1,5 +1,7 @@
 #include "hw_models/srp/tile_run.h"
 
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include "tests/hw_models/srp/srp_bench.h"
@@ -126,7 +128,7 @@ TEST(TileRun, IsCompleteWhenLaunchesRaysAndTransfersAre) {
   TileBuilder builder;
   const auto rays = builder.rays(builder.launch(kKernel, 2), 2);
   const auto shade = builder.launch(kKernel, 2, {TileBuilder::each(rays)});
-  const auto out = builder.transfer(64, shade);
+  const auto out = builder.picture(64, shade);
   Tile tile(builder);
   tile.run.finish_items(0, 2);
   tile.run.finish_ray(0);
@@ -136,6 +138,84 @@ TEST(TileRun, IsCompleteWhenLaunchesRaysAndTransfersAre) {
   EXPECT_FALSE(tile.run.all_complete());
   tile.run.finish_items(out, 64);
   EXPECT_TRUE(tile.run.all_complete());
+}
+
+TEST(TileRun, ATransferStartsOnceWhenItsLastInputIsComplete) {
+  TileBuilder builder;
+  const auto in = builder.transfer(traces::Region::kRates, false, 64);
+  const auto launch = builder.launch(kKernel, 4, {TileBuilder::all(in)});
+  const auto out = builder.transfer(traces::Region::kRates, true, 64, {TileBuilder::all(launch), TileBuilder::all(in)});
+  Tile tile(builder);
+  const auto started = [&] {
+    std::vector<std::uint32_t> nodes;
+    tile.run.start_transfers([&](std::uint32_t n) { nodes.push_back(n); });
+    return nodes;
+  };
+  EXPECT_EQ(started(), (std::vector<std::uint32_t>{in}));
+  EXPECT_EQ(started(), (std::vector<std::uint32_t>{}));
+  EXPECT_EQ(tile.next(), kNone);
+  EXPECT_TRUE(tile.run.is_awaited(in));
+  tile.run.finish_items(in, 64);
+  EXPECT_EQ(started(), (std::vector<std::uint32_t>{}));
+  EXPECT_EQ(tile.next(), launch);
+  tile.run.finish_items(launch, 4);
+  EXPECT_EQ(started(), (std::vector<std::uint32_t>{out}));
+  EXPECT_FALSE(tile.run.is_awaited(out)) << "it is the last";
+}
+
+TEST(TileRun, IdleItemsComeLastAndNobodyWaitsForThem) {
+  TileBuilder builder;
+  const auto producer = builder.launch(kKernel, 6);
+  builder.idle(producer, 5);
+  const auto each = builder.launch(kKernel, 6, {TileBuilder::each(producer)});
+  const auto all = builder.launch(kKernel, 3, {TileBuilder::all(producer)});
+  Tile tile(builder, 4);
+  EXPECT_EQ(tile.run.total(producer), 11U);
+  tile.run.finish_items(producer, 4);
+  EXPECT_EQ(tile.next(), each);
+  tile.run.finish_items(each, 4);
+  EXPECT_EQ(tile.next(), producer);
+  EXPECT_EQ(tile.run.chunk_items(producer), 4U);
+  EXPECT_EQ(tile.run.working(producer, 4, 4), 2U) << "two work, two idle";
+  tile.run.finish_items(producer, 4);
+  EXPECT_FALSE(tile.run.complete(producer));
+  EXPECT_EQ(tile.next(), all) << "every item that works is finished";
+  tile.run.finish_items(all, 3);
+  tile.run.finish_items(each, 2);
+  EXPECT_FALSE(tile.run.all_complete());
+  EXPECT_EQ(tile.next(), producer);
+  EXPECT_EQ(tile.run.chunk_items(producer), 3U);
+  EXPECT_EQ(tile.run.working(producer, 8, 3), 0U);
+  tile.run.finish_items(producer, 3);
+  EXPECT_TRUE(tile.run.all_complete());
+}
+
+TEST(TileRun, IdleItemsWaitForAllInputsOfTheirLaunchAndKeepTheSlotsItReads) {
+  TileBuilder builder;
+  const auto rays = builder.rays(builder.launch(kKernel, 6), 6);
+  const auto shade = builder.launch(kKernel, 6, {TileBuilder::each(rays)});
+  builder.idle(shade, 2);
+  Tile tile(builder, 4);
+  tile.run.finish_items(0, 6);
+  for (std::uint32_t r = 0; r < 5; ++r) tile.run.finish_ray(r);
+  EXPECT_EQ(tile.next(), shade);
+  EXPECT_EQ(tile.run.finish_items(shade, 4), 0U);
+  EXPECT_EQ(tile.next(), kNone) << "two that work and two that idle run together, but a ray is out";
+  tile.run.finish_ray(5);
+  EXPECT_EQ(tile.next(), shade);
+  EXPECT_EQ(tile.run.finish_items(shade, 2), 0U) << "idle items are left";
+  EXPECT_EQ(tile.run.finish_items(shade, 2), 6U);
+}
+
+TEST(TileRun, IdleItemsMakeNoRays) {
+  TileBuilder builder;
+  const auto launch = builder.launch(kKernel, 6);
+  builder.idle(launch, 4);
+  builder.rays(launch, 6);
+  Tile tile(builder);
+  EXPECT_EQ(tile.run.rays_made(launch, 0, 10), 6U);
+  EXPECT_EQ(tile.run.rays_made(launch, 4, 4), 2U);
+  EXPECT_EQ(tile.run.rays_made(launch, 8, 2), 0U);
 }
 
 TEST(TileRun, APlaceIsUsedAgainWithNothingLeftOfTheTileBefore) {
