@@ -18,14 +18,18 @@
 #include "shader_kernels/kernels/clear_samples.h"
 #include "shader_kernels/kernels/clear_surface.h"
 #include "shader_kernels/kernels/combine_shadow.h"
+#include "shader_kernels/kernels/encode_colours.h"
 #include "shader_kernels/kernels/fetch_vertices.h"
 #include "shader_kernels/kernels/find_suspects.h"
+#include "shader_kernels/kernels/generate_extra_rays.h"
 #include "shader_kernels/kernels/generate_listed_rays.h"
 #include "shader_kernels/kernels/generate_rays.h"
 #include "shader_kernels/kernels/interpolate_attributes.h"
 #include "shader_kernels/kernels/interpolate_sample.h"
 #include "shader_kernels/kernels/list_samples.h"
 #include "shader_kernels/kernels/pack_colour.h"
+#include "shader_kernels/kernels/pack_subpixels.h"
+#include "shader_kernels/kernels/record_branch.h"
 #include "shader_kernels/kernels/record_geometry.h"
 #include "shader_kernels/kernels/record_global.h"
 #include "shader_kernels/kernels/record_secondary.h"
@@ -48,8 +52,11 @@
 #include "shader_kernels/kernels/shade_surface.h"
 #include "shader_kernels/kernels/shade_textured.h"
 #include "shader_kernels/kernels/shade_visible.h"
+#include "shader_kernels/kernels/sum_subpixels.h"
 #include "shader_kernels/kernels/test_alpha.h"
 #include "shader_kernels/kernels/test_shadow.h"
+#include "shader_kernels/kernels/test_subpixels.h"
+#include "shader_kernels/kernels/weigh_centres.h"
 #include "traces/stream.h"
 
 namespace kernels {
@@ -68,7 +75,11 @@ using AllKernels =
                InterpolateSample<false, false>, InterpolateSample<false, true>, InterpolateSample<true, false>,
                AverageSamples, ClearSurface, RecordLocal<false>, RecordLocal<true>, RecordGlobal,
                CheckAttributes<false>, CheckAttributes<true>, InterpolateAttributes<false>, InterpolateAttributes<true>,
-               ShadeVisible, StoreIdentities<false>, StoreIdentities<true>, FindSuspects<false>, FindSuspects<true>>;
+               ShadeVisible, StoreIdentities<false>, StoreIdentities<true>, FindSuspects<false>, FindSuspects<true>,
+               // supersample.
+               ClearBranch, WeighBranch, RecordBranch, RecordBranchShadow, EncodeColours, TestSubpixels,
+               WeighCentres<false>, WeighCentres<true>, PackSubpixels, PackSubpixelsAtomic, GenerateExtraRays,
+               SumSubpixels>;
 
 template <class K, class... Ks>
 constexpr traces::KernelId place_in(std::type_identity<std::tuple<Ks...>>) {

@@ -1,5 +1,6 @@
 #pragma once
 #include "shader_kernels/vec3.h"
+#include "traces/accel/memory_image.h"
 
 namespace kernels {
 
@@ -127,7 +128,14 @@ struct GeometryRecord {
   }
 };
 inline constexpr std::uint32_t kTexturedObject = 1U << 31;
-inline constexpr std::uint32_t kNoObject = kTexturedObject - 1;
+inline constexpr std::uint32_t kNoObject = traces::kFocusObject - 1;
+
+/// The largest share of its sample's colour that a secondary ray carries.
+template <class V>
+struct WeightRecord {
+  F<V> weight;
+  static void fields(auto& r, auto&& field) { field(r.weight, "weight"); }
+};
 
 /// What a sample keeps of its secondary hits: normals of the next hit behind a mirror and behind glass ((0, 0, 1) where
 /// there is none), and of all of them a sum of hashes of their objects and one of their shadows, which is the same for

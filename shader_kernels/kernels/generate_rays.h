@@ -64,7 +64,18 @@ struct GenerateRays {
   }
 };
 
-/// The random place within a cell depends on frame (seed), pixel and sample alone.
+/// A random place within a cell, which depends on frame (seed), pixel and cell alone.
+template <class V>
+struct Jitter {
+  F<V> x, y;
+};
+template <class V>
+Jitter<V> jitter(const I<V>& pixel, const I<V>& cell, const I<V>& seed) {
+  const I<V> hash_x = scrambled<V>(scrambled<V>(pixel ^ seed) + cell);
+  const I<V> hash_y = scrambled<V>(hash_x ^ 0x9e3779b9U);
+  return {unit_float<V>(hash_x), unit_float<V>(hash_y)};
+}
+
 struct GenerateJitteredRays {
   static constexpr std::string_view kName = "generate_jittered_rays";
   static constexpr std::string_view kMeaning = "sample -> primary ray, samples anywhere in the cells of a grid";
@@ -74,10 +85,9 @@ struct GenerateJitteredRays {
   static void body(const I<V>& item, Ports<V>& at) {
     const SamplePlace<V> s = sample_place<V>(item, at.tile);
     const I<V> pixel = to_int(s.y) * at.image_width + to_int(s.x);
-    const I<V> hash_x = scrambled<V>(scrambled<V>(pixel ^ at.seed) + to_int(s.number));
-    const I<V> hash_y = scrambled<V>(hash_x ^ 0x9e3779b9U);
-    emit_primary<V>(item, item, s.x + (s.column + unit_float<V>(hash_x)) * at.tile.inverse_grid,
-                    s.y + (s.row + unit_float<V>(hash_y)) * at.tile.inverse_grid, at);
+    const Jitter<V> in_cell = jitter<V>(pixel, to_int(s.number), at.seed);
+    emit_primary<V>(item, item, s.x + (s.column + in_cell.x) * at.tile.inverse_grid,
+                    s.y + (s.row + in_cell.y) * at.tile.inverse_grid, at);
   }
 };
 

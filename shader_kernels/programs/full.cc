@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "shader_kernels/programs/wavefront.h"
-#include "sim/hash.h"
 
 namespace kernels {
 namespace {
@@ -27,7 +26,7 @@ FullProgram::FullProgram(const traces::MemoryImage& image, const traces::Camera&
       side_(std::max(1U, config.tile / grid_)),
       tiles_across_(tiles_along(config.width, side_)),
       tiles_down_(tiles_along(config.height, side_)),
-      seed_(static_cast<std::uint32_t>(sim::hash(frame))) {}
+      seed_(jitter_seed(frame)) {}
 
 Demands FullProgram::demands() const {
   return {tile_samples(), 0, {std::uint64_t{tiles()} * tile_pixels() * kPixelBytes, 0, 0}};

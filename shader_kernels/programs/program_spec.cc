@@ -20,6 +20,7 @@ constexpr auto kNamed = std::to_array<Named>({
     {"full", {ProgramSpec::Kind::kFull, 1}},
     {"multirate:under", {ProgramSpec::Kind::kMultirate, 1}},
     {"multirate:super", {ProgramSpec::Kind::kMultirate, 4}},
+    {"supersample", {ProgramSpec::Kind::kSupersample, 16}},
     {"undersample", {ProgramSpec::Kind::kUndersample, 1}},
 });
 

@@ -4,6 +4,7 @@
 
 #include "shader_kernels/programs/full.h"
 #include "shader_kernels/programs/multirate.h"
+#include "shader_kernels/programs/supersample.h"
 #include "shader_kernels/programs/undersample.h"
 
 namespace kernels {
@@ -13,6 +14,8 @@ std::unique_ptr<FrameProgram> make_program(const ProgramSpec& spec, const Frame&
     case ProgramSpec::Kind::kMultirate:
       return std::make_unique<MultirateProgram>(f.image, f.camera, f.render, f.programs.multirate,
                                                 spec.samples == 1 ? 1 : 2, f.rates, f.number);
+    case ProgramSpec::Kind::kSupersample:
+      return std::make_unique<SupersampleProgram>(f.image, f.camera, f.render, f.programs.supersample, f.number);
     case ProgramSpec::Kind::kUndersample:
       return std::make_unique<UndersampleProgram>(f.image, f.camera, f.render, f.programs.undersample, f.number);
     case ProgramSpec::Kind::kFull:

@@ -7,6 +7,7 @@
 #include "shader_kernels/programs/program_spec.h"
 #include "shader_kernels/programs/rate_map.h"
 #include "shader_kernels/programs/render_config.h"
+#include "shader_kernels/programs/supersample_config.h"
 #include "shader_kernels/programs/undersample_config.h"
 #include "traces/accel/memory_image.h"
 #include "traces/scene/scene.h"
@@ -16,11 +17,13 @@ namespace kernels {
 /// Keys of the frame programs, a group each.
 struct ProgramConfig {
   MultirateConfig multirate;
+  SupersampleConfig supersample;
   UndersampleConfig undersample;
 
   static void describe(auto& c, auto&& field) {
     field.group(c.multirate, "multirate", "frame programs multirate:under and multirate:super");
     field.group(c.undersample, "undersample", "frame program undersample");
+    field.group(c.supersample, "supersample", "frame program supersample");
   }
 };
 

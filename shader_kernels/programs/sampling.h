@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "shader_kernels/kernels/checks.h"
+#include "shader_kernels/kernels/subpixels.h"
 
 namespace kernels {
 
@@ -19,6 +20,12 @@ struct Sampling {
   std::uint64_t checked = 0, passed = 0;                                        ///< samples between references
   std::array<std::uint64_t, static_cast<std::size_t>(Check::kCount)> failed{};  ///< a sample may fail several checks
 
+  // supersample: pixels by how many of their sub-pixels are active, active sub-pixels by what disagreed (one may have
+  // several reasons), and places that listing them left empty.
+  std::array<std::uint64_t, 5> active{};
+  std::array<std::uint64_t, kAttributes> reasons{};
+  std::uint64_t padding = 0;
+
   /// Per tile of the grid, row by row, where tiles have them: share of checked samples that passed, and block side.
   std::vector<float> similar;
   std::vector<std::uint8_t> blocks;
@@ -31,5 +38,11 @@ struct Sampling {
 using SampleMark = std::uint16_t;
 inline constexpr SampleMark kTracedMark = 1U << 12, kReferenceMark = 1U << 13, kCorrectedMark = 1U << 14;
 static_assert(static_cast<std::size_t>(Check::kCount) <= 12);
+
+// Of a pixel of supersample: attributes that disagreed at its active sub-pixels (Attribute, a bit each), and above them
+// how many of those there are.
+inline constexpr std::uint32_t kActiveCountShift = kAttributes;
+inline constexpr std::uint32_t active_of(SampleMark mark) { return (mark >> kActiveCountShift) & 7U; }
+static_assert(kActiveCountShift + 3 <= 12);
 
 }  // namespace kernels

@@ -6,6 +6,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "sim/hash.h"
 #include "traces/accel/material_tables.h"
 
 namespace kernels {
@@ -46,6 +47,8 @@ LightUniforms<float> light_uniforms(const traces::Light& light) {
   }
   return u;
 }
+
+std::uint32_t jitter_seed(std::uint32_t frame) { return static_cast<std::uint32_t>(sim::hash(frame)); }
 
 AxisRecord<float> axis_record(std::uint32_t size, traces::Texture::Wrap wrap, traces::Texture::Filter filter) {
   using Wrap = traces::Texture::Wrap;

@@ -2,6 +2,8 @@
 
 #include <glm/common.hpp>
 
+#include "shader_kernels/kernels/subpixels.h"
+
 namespace kernels {
 namespace {
 
@@ -49,6 +51,18 @@ void TileBuffer::hold_samples(std::size_t samples) {
   grow(verdicts, samples);
   grow(identities, samples);
   for (auto* stream : {&this->samples, &passed, &failed}) grow(*stream, samples + 1);
+}
+
+void TileBuffer::hold_subpixels(std::size_t centres, std::size_t pixels) {
+  grow(branches, centres);
+  grow(weights, centres);
+  grow(references, centres);
+  grow(subpixels, 4 * pixels);
+  // Lists have places to spare: what is not kept is written behind their end, and chunks may stay three short.
+  const std::size_t chunks = (4 * pixels + kChunk - 4) / (kChunk - 3) + 1;
+  grow(active, chunks * kChunk + 4);
+  grow(masters, pixels + 1);
+  grow(fills, chunks + 1);
 }
 
 glm::vec3 TileResult::colour(std::uint32_t sample) const {

@@ -43,6 +43,11 @@ struct TileBuffer {
   std::vector<SurfaceRecord<float>> kept;
   std::vector<ColourRecord<float>> globals;  ///< of kept surfaces
   std::vector<std::uint32_t> verdicts, identities, samples, passed, failed;
+  // Of supersampling: one secondary hit per sample, colours as they are compared; verdicts on sub-pixels, lists.
+  std::vector<GeometryRecord<float>> branches;
+  std::vector<WeightRecord<float>> weights;
+  std::vector<ColourRecord<float>> references;
+  std::vector<std::uint32_t> subpixels, active, masters, fills;
   std::vector<std::uint32_t> record_nodes;  ///< of the work: launches that have added to what samples keep
   std::vector<std::uint32_t> colour_nodes;  ///< of the work: launches that have added to colours
   std::vector<traces::WorkNode> spare_nodes;
@@ -50,6 +55,8 @@ struct TileBuffer {
   void hold_details(std::size_t slots);
   void hold_layers(std::size_t slots);
   void hold_samples(std::size_t samples);
+  /// Of `pixels` pixels whose centres are among `centres` samples.
+  void hold_subpixels(std::size_t centres, std::size_t pixels);
 };
 
 /// What comes of one tile.
@@ -61,7 +68,7 @@ struct TileResult {
   std::array<std::uint64_t, static_cast<std::size_t>(traces::RayKind::kCount)> rays{};
   std::uint64_t continued = 0;  ///< of those, rays that went on behind what was no solid surface
   Sampling sampling;
-  std::vector<SampleMark> marks;          ///< of adaptive sampling: per sample of the tile, row by row
+  std::vector<SampleMark> marks;          ///< of adaptive sampling: per sample (or pixel) of the tile, row by row
   std::vector<std::uint32_t> background;  ///< samples whose primary ray hit nothing, in the order traced
   std::uint64_t traversal_steps = 0;  ///< node visits and triangle tests; counted from the walks, so 0 if not recorded
   traces::TileWork work;              ///< filled if recorded

@@ -24,11 +24,12 @@ Wavefront::Wavefront(const SceneTables& scene, const traces::Tracer& tracer, boo
   buffer_.record_nodes.clear();
 }
 
-void Wavefront::run(Node maker, std::uint32_t rays, const Keep& keep, std::uint32_t lanes) {
+void Wavefront::run(Node maker, std::uint32_t rays, const Keep& keep, std::uint32_t lanes, std::uint32_t padding) {
   keep_ = keep;
   Bounce bounce;
   bounce.rays = rays;
   bounce.lanes = std::max(rays, lanes);
+  bounce.padding = padding;
   buffer_.hold_wave(rays);
   bounce.batches[bounce.batch_count++] = trace(RayKind::kPrimary, buffer_.wave, 0, rays, maker, false);
   while (bounce.rays != 0) {
@@ -108,7 +109,7 @@ std::uint32_t Wavefront::classify(Bounce& bounce) {
   ports.hits.bind(buffer_.wave.hits.data());
   ports.misses.bind(buffer_.misses.data());
   ports.surfaces.bind(buffer_.surfaces.data());
-  bounce.inspector = launch<ClassifyHits>(ports, bounce.rays, bounce.lanes);
+  bounce.inspector = launch<ClassifyHits>(ports, bounce.rays, bounce.lanes, bounce.padding);
   bounce.colours = StreamBuilder::kNone;
   if (bounce.batch_count == 1 && bounce.batches[0].settled == StreamBuilder::kNone) {
     wait_each(bounce.inspector, bounce.batches[0].rays);

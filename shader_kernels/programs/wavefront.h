@@ -35,6 +35,7 @@ namespace kernels {
 ///
 ///   surfaces of the first wave -> record_geometry or record_surface, of later ones -> record_secondary
 ///   shadow rays -> record_shadow, record_secondary_shadow
+///   rays of the second wave -> weigh_branch, their surfaces -> record_branch, shadow rays -> record_branch_shadow
 ///
 /// All orders (of rays, of additions to a sample) follow from the tile alone.
 class Wavefront {
@@ -46,6 +47,7 @@ class Wavefront {
   struct Keep {
     bool geometry = false, surfaces = false;  ///< of the first hit: geometry alone, or all that shading needs
     bool secondary = false;
+    bool branches = false;         ///< the secondary hit that carries most; beside geometry
     bool counted_shadows = false;  ///< shadows are counted, not told apart by light
     Node cleared = StreamBuilder::kNone, cleared_secondary = StreamBuilder::kNone;  ///< launches that began them
   };
@@ -58,9 +60,11 @@ class Wavefront {
   bool is_muted() const { return stream_.is_muted(); }
 
   /// Runs kernel K over `items` items and notes the launch. `lanes`: items of the stream that the inspector split;
-  /// where kernels diverge (RenderConfig::streams) all of them go through K.
+  /// where kernels diverge (RenderConfig::streams) all of them go through K. `padding`: places of K's stream that hold
+  /// no item; they always go through K.
   template <class K>
-  Node launch(typename K::template Ports<float>& ports, std::uint32_t items, std::uint32_t lanes = 0);
+  Node launch(typename K::template Ports<float>& ports, std::uint32_t items, std::uint32_t lanes = 0,
+              std::uint32_t padding = 0);
   /// Notes a launch of a kernel without accesses whose work has been done elsewhere.
   template <class K>
   Node note(std::uint32_t items) {
@@ -70,8 +74,8 @@ class Wavefront {
   void wait_each(Node node, Node for_node) { stream_.wait(node, for_node, traces::Edge::Kind::kEach); }
 
   /// Traces and shades the primary rays that `maker` has put into the first wave, one per item, and all that follows.
-  /// `lanes` as for launch().
-  void run(Node maker, std::uint32_t rays, const Keep& keep, std::uint32_t lanes = 0);
+  /// `lanes` and `padding` as for launch().
+  void run(Node maker, std::uint32_t rays, const Keep& keep, std::uint32_t lanes = 0, std::uint32_t padding = 0);
   void run(Node maker, std::uint32_t rays) { run(maker, rays, {}); }
   /// Shades interpolated surfaces, which `maker` has put into the wave's first slots: local light alone, with shadows
   /// that are known. Their colours so far are global ones.
@@ -83,6 +87,8 @@ class Wavefront {
   /// Has all later wait_for_colours(), wait_for_records() wait for `node` too.
   void adds_colours(Node node) { buffer_.colour_nodes.push_back(node); }
   void adds_records(Node node) { buffer_.record_nodes.push_back(node); }
+  /// `node` has waited for all launches so far: later wait_for_colours() wait for it instead.
+  void colours_are_in(Node node) { buffer_.colour_nodes.assign(1, node); }
   Node transfer(traces::Region region, bool to_memory, std::uint64_t offset, std::uint32_t bytes);
   /// Encodes the tile's pixels, once `averaged` is done, and moves them to byte `offset` of the picture.
   void put_out(Node averaged, std::uint64_t offset);
@@ -98,7 +104,7 @@ class Wavefront {
   struct Bounce {
     std::uint32_t rays = 0;
     std::uint32_t depth = 1;
-    std::uint32_t lanes = 0;                    ///< as for launch()
+    std::uint32_t lanes = 0, padding = 0;       ///< as for launch()
     std::uint32_t mirrored = 0, refracted = 0;  ///< first slots of rays that were; those before went straight on
     Node recorded = StreamBuilder::kNone;       ///< the launch that keeps its geometry
     Node after = StreamBuilder::kNone;          ///< what the last bounce still had to do with colours
@@ -160,6 +166,8 @@ class Wavefront {
   template <class K>
   Node record_surfaces(typename K::template Ports<float>& ports, std::uint32_t surfaces);
   void record_shadows(const Bounce& bounce, std::uint32_t light, const Batch& batch, std::uint32_t rays);
+  Node record_branches(const Bounce& bounce, std::uint32_t surfaces);
+  Node record_branch_shadows(std::uint32_t rays, std::uint32_t lanes);
   template <class K>
   Node record_shadows(auto* records, std::uint32_t mark, std::uint32_t rays, std::uint32_t lanes);
   Bounce send_on(const Bounce& bounce, const Streams& streams);
@@ -181,14 +189,16 @@ class Wavefront {
 };
 
 template <class K>
-Wavefront::Node Wavefront::launch(typename K::template Ports<float>& ports, std::uint32_t items, std::uint32_t lanes) {
+Wavefront::Node Wavefront::launch(typename K::template Ports<float>& ports, std::uint32_t items, std::uint32_t lanes,
+                                  std::uint32_t padding) {
   constexpr bool kReads = requires { ports.materials; }
   || requires { ports.triangles; }
   || requires { ports.texels; }
   || requires { ports.vertices; }
   || requires { ports.details; };
   constexpr bool kEmits = requires { ports.emitted; };
-  const Node node = stream_.launch(kKernelId<K>, items, kReads, scene_.diverges && lanes > items ? lanes - items : 0);
+  const std::uint32_t idle = scene_.diverges && lanes > items ? lanes - items : padding;
+  const Node node = stream_.launch(kKernelId<K>, items, kReads, idle);
   typename K::template Ports<float> at = ports;  // a copy whose address nobody has stays in registers
   if (!stream_.is_on()) {
     for (std::uint32_t i = 0; i < items; ++i) K::template body<float>(i, at);

@@ -24,6 +24,22 @@ Wavefront::Node Wavefront::record_surfaces(typename K::template Ports<float>& po
   return launch<K>(ports, surfaces);
 }
 
+Wavefront::Node Wavefront::record_branches(const Bounce& bounce, std::uint32_t surfaces) {
+  WeighBranch::Ports<float> weigh;
+  weigh.paths.bind(buffer_.wave.paths.data());
+  weigh.weights.bind(buffer_.weights.data());
+  const Node weighed = launch<WeighBranch>(weigh, bounce.rays);
+  wait_all(weighed, bounce.inspector);
+  wait_all(weighed, keep_.cleared_secondary);
+  RecordBranch::Ports<float> ports;
+  ports.mattes.bind(buffer_.mattes.data());
+  ports.branches.bind(buffer_.branches.data());
+  ports.weights.bind(buffer_.weights.data());
+  const Node recorded = record_surfaces<RecordBranch>(ports, surfaces);
+  wait_all(recorded, weighed);
+  return recorded;
+}
+
 void Wavefront::record_hits(Bounce& bounce, std::uint32_t surfaces) {
   if (bounce.depth == 1 && keep_.geometry) {
     RecordGeometry::Ports<float> ports;
@@ -37,6 +53,8 @@ void Wavefront::record_hits(Bounce& bounce, std::uint32_t surfaces) {
     ports.texcoords.bind(buffer_.texcoords.data());
     ports.kept.bind(buffer_.kept.data());
     bounce.recorded = record_surfaces<RecordSurface>(ports, surfaces);
+  } else if (bounce.depth == 2 && keep_.branches) {
+    bounce.recorded = record_branches(bounce, surfaces);
   } else if (bounce.depth > 1 && keep_.secondary) {
     RecordSecondary::Ports<float> ports;
     ports.secondary.bind(buffer_.secondary.data());
@@ -63,11 +81,22 @@ Wavefront::Node Wavefront::record_shadows(auto* records, std::uint32_t mark, std
   return launch<K>(ports, rays, lanes);
 }
 
+Wavefront::Node Wavefront::record_branch_shadows(std::uint32_t rays, std::uint32_t lanes) {
+  RecordBranchShadow::Ports<float> ports;
+  ports.shadow_rays.bind(buffer_.shadow.rays.data());
+  ports.shadow_hits.bind(buffer_.shadow.hits.data());
+  ports.shadow_paths.bind(buffer_.shadow.paths.data());
+  ports.records.bind(buffer_.branches.data());
+  return launch<RecordBranchShadow>(ports, rays, lanes);
+}
+
 void Wavefront::record_shadows(const Bounce& bounce, std::uint32_t light, const Batch& batch, std::uint32_t rays) {
   Node node = StreamBuilder::kNone;
   if (bounce.depth == 1 && (keep_.geometry || keep_.surfaces)) {
     const std::uint32_t mark = keep_.counted_shadows ? 1 : bit_of(light);
     node = record_shadows<RecordShadow>(buffer_.geometry.data(), mark, rays, bounce.lanes);
+  } else if (bounce.depth == 2 && keep_.branches) {
+    node = record_branch_shadows(rays, bounce.lanes);
   } else if (bounce.depth > 1 && keep_.secondary) {
     const std::uint32_t mark = scrambled<float>(way_of(bounce.depth) ^ light);
     node = record_shadows<RecordSecondaryShadow>(buffer_.secondary.data(), mark, rays, bounce.lanes);

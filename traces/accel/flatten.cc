@@ -129,7 +129,8 @@ FlatTriangles flatten(const Scene& scene, const MaterialTables& materials) {
   for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
     const Instance& instance = scene.instances[i];
     const Mesh& mesh = scene.meshes[instance.mesh];
-    append(mesh, instance.to_world, i, triangle_flags(materials.records[mesh.material]), out);
+    const std::uint32_t object = i | (instance.focus ? kFocusObject : 0);
+    append(mesh, instance.to_world, object, triangle_flags(materials.records[mesh.material]), out);
     if (!materials.needs_vertices) continue;
     for (const auto& corners : mesh.triangles) {
       out.vertices.push_back(vertices_of(mesh, corners, glm::mat3(instance.to_world)));

@@ -29,10 +29,13 @@ constexpr std::uint32_t leaf_link(std::uint32_t first, std::uint32_t count) {
 constexpr std::uint32_t leaf_first(std::uint32_t link) { return link & ((1U << 28) - 1); }
 constexpr std::uint32_t leaf_count(std::uint32_t link) { return ((link >> 28) & 7U) + 1; }
 
+/// In an object id: of an instance in focus.
+inline constexpr std::uint32_t kFocusObject = 1U << 30;
+
 /// What the intersection unit reads: 48 bytes, three vertices and what a hit must say without another fetch.
 struct TriangleRecord {
   glm::vec3 v0, v1, v2;
-  std::uint32_t object;    ///< object id: index of the instance
+  std::uint32_t object;    ///< object id: index of the instance, with kFocusObject above it
   std::uint32_t material;  ///< with the flags of ray.h above it
   std::uint32_t source;    ///< index of the triangle before leaf order (instance by instance)
   std::uint32_t flags() const { return material & ~kTriangleMask; }
