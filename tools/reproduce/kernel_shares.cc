@@ -37,4 +37,16 @@ std::optional<double> kernel_share(const Simulation& simulation, KernelGroup gro
   return static_cast<double>(those) / static_cast<double>(all);
 }
 
+std::optional<double> starved_share(const Simulation& simulation) {
+  std::uint64_t starved = 0, elapsed = 0;
+  for (std::size_t k = 0; k < simulation.kernels.size(); ++k) {
+    const KernelGroup group = group_of(simulation.kernels[k].kernel);
+    if (group == KernelGroup::kCheck || group == KernelGroup::kInterpolation)
+      starved += simulation.kernel_use[k].starved;
+  }
+  for (const sim::UnitReport& unit : simulation.units) elapsed += unit.path.ends_with(".srp") ? unit.elapsed : 0;
+  if (elapsed == 0) return {};
+  return static_cast<double>(starved) / static_cast<double>(elapsed);
+}
+
 }  // namespace tools::reproduce

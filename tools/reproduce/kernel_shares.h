@@ -12,4 +12,7 @@ enum class KernelGroup : std::uint8_t { kTracing, kCheck, kInterpolation, kCorre
 /// Share of the shader cores' busy cycles; nothing if they were never busy.
 std::optional<double> kernel_share(const Simulation& simulation, KernelGroup group);
 
+/// Part of the time for which the T&I units have no rays while checks or interpolation run on their core.
+std::optional<double> starved_share(const Simulation& simulation);
+
 }  // namespace tools::reproduce

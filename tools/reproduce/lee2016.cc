@@ -42,7 +42,8 @@ std::vector<Case> lee2016(bool quick) {
                    {"figure 7", "tni_perf_per_watt"},
                    {"figure 7", "gpu_perf_per_watt"},
                    {"kernel shares", "check_share"},
-                   {"kernel shares", "interpolation_share"}};
+                   {"kernel shares", "interpolation_share"},
+                   {"kernel shares", "starved_share"}};
       if (view.scene == "village" && super) {
         c.figures.insert(c.figures.end(), {{"figure 1", "psnr_db"}, {"figure 1", "tni_perf_per_watt"}});
         c.picture = "1-village";

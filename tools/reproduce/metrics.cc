@@ -52,7 +52,7 @@ Value sum(Value a, Value b) {
 
 Value share(const Comparison& c, KernelGroup group) { return kernel_share(c.run.simulation, group); }
 
-constexpr std::array<Metric, 23> kMetrics = {{
+constexpr std::array<Metric, 24> kMetrics = {{
     {"psnr_db", "PSNR against the reference picture", Shown::kDecibel, false,
      [](const Comparison& c) { return psnr_db(c.squared_error); }},
     {"traced_ratio", "samples traced of those wanted", Shown::kShare, false,
@@ -96,6 +96,8 @@ constexpr std::array<Metric, 23> kMetrics = {{
      [](const Comparison& c) { return share(c, KernelGroup::kInterpolation); }},
     {"adaptive_share", "SRP cycles in both, lists of what passed and failed included", Shown::kShare, true,
      [](const Comparison& c) { return sum(share(c, KernelGroup::kCheck), share(c, KernelGroup::kInterpolation)); }},
+    {"starved_share", "time without rays for the T&I units while checks or interpolation run", Shown::kShare, true,
+     [](const Comparison& c) { return starved_share(c.run.simulation); }},
     {"correction_share", "SRP cycles in post-correction", Shown::kShare, true,
      [](const Comparison& c) { return share(c, KernelGroup::kCorrection); }},
     {"tracing_share", "SRP cycles in everything else", Shown::kShare, true,
