@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "tools/picture.h"
-#include "tools/reproduce/kernel_shares.h"
+#include "tools/kernel_shares.h"
 
 namespace tools::reproduce {
 

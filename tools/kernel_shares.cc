@@ -1,8 +1,8 @@
-#include "tools/reproduce/kernel_shares.h"
+#include "tools/kernel_shares.h"
 
 #include <string_view>
 
-namespace tools::reproduce {
+namespace tools {
 
 namespace {
 
@@ -49,4 +49,4 @@ std::optional<double> starved_share(const Simulation& simulation) {
   return static_cast<double>(starved) / static_cast<double>(elapsed);
 }
 
-}  // namespace tools::reproduce
+}  // namespace tools

@@ -3,7 +3,7 @@
 
 #include "tools/run_job.h"
 
-namespace tools::reproduce {
+namespace tools {
 
 /// What kernels are for, where papers count the time of some of them apart.
 /// Checks pack what passed and what failed into streams.
@@ -15,4 +15,4 @@ std::optional<double> kernel_share(const Simulation& simulation, KernelGroup gro
 /// Part of the time for which the T&I units have no rays while checks or interpolation run on their core.
 std::optional<double> starved_share(const Simulation& simulation);
 
-}  // namespace tools::reproduce
+}  // namespace tools
