@@ -76,7 +76,7 @@ void add_table_2(std::vector<Case>& cases, const std::string& scene, bool quick)
   Program shadows = adaptive(scene, 1.0);
   set_both(shadows.sets, "shadow", 1.0);
   add("tau 1.0, shadows 1.0", shadows);
-  shadows.sets.emplace_back("supersample.objects=focus");
+  shadows.sets.emplace_back("supersample.focus=true");
   add("in focus", shadows);
 }
 
