@@ -52,6 +52,7 @@ int run(int argc, char** argv) {
   const std::vector<std::string> words(argv, argv + argc);
   tools::add_run(app, words, exit);
   tools::add_verify(app, words, exit);
+  tools::add_reproduce(app, words);
   tools::add_scenes(app);
   tools::add_config(app);
   tools::add_kernels(app);

@@ -14,6 +14,7 @@
 #include "tools/build_info.h"
 #include "tools/limiter.h"
 #include "tools/picture.h"
+#include "tools/sampling_report.h"
 #include "traces/accel/bvh_info.h"
 #include "traces/accel/embree_tracer.h"
 
@@ -65,23 +66,6 @@ Json dram_clients_json(const Simulation& s) {
 }
 
 double ratio(std::uint64_t part, std::uint64_t whole) { return static_cast<double>(part) / static_cast<double>(whole); }
-
-/// Counts of samples; checks only where some sample was checked.
-Json sampling_json(const kernels::Sampling& s) {
-  Json out = {{"wanted", s.wanted},         {"traced", s.traced},         {"halo", s.halo},
-              {"correction", s.correction}, {"background", s.background}, {"traced_background", s.traced_background}};
-  if (s.wanted > s.background) {
-    out["traced_ratio_without_background"] = ratio(s.traced - s.traced_background, s.wanted - s.background);
-  }
-  if (s.checked == 0) return out;
-  out["checked"] = s.checked;
-  out["passed"] = s.passed;
-  out["similar_ratio"] = ratio(s.passed, s.checked);
-  for (std::size_t check = 0; check < s.failed.size(); ++check) {
-    out["failed"][names_of(kernels::Check{})[check]] = s.failed[check];
-  }
-  return out;
-}
 
 Json perf_json(const Simulation& s) {
   const double ms = time_ms(s);
@@ -156,7 +140,7 @@ Json totals_json(const Result& result) {
                  {"time_ms", time_ms(s)},
                  {"rays", rays_json(s)},
                  {"traced_ratio", ratio(s.function.sampling.traced, s.function.sampling.wanted)},
-                 {"sampling", sampling_json(s.function.sampling)},
+                 {"sampling", sampling_json(s)},
                  {"traversal_steps", s.function.traversal_steps},
                  {"dram_bytes", sum_of(s, "dram", "bytes")},
                  {"dram_bytes_by_client", dram_clients_json(s)}};

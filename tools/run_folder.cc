@@ -41,21 +41,29 @@ bool holds_former_run(const fs::path& folder, std::string_view mark) {
 }
 
 /// Every file that a verb may leave in its folder.
-constexpr std::array<std::string_view, 8> kResults = {"report.json", "report.txt",    "config.yaml", "image.png",
-                                                      "image.exr",   "reference.exr", "verify.json", "embree.png"};
+constexpr std::array<std::string_view, 10> kResults = {"report.json",    "report.txt",    "config.yaml", "image.png",
+                                                       "image.exr",      "reference.exr", "verify.json", "embree.png",
+                                                       "reproduce.json", "reproduce.md"};
 
-/// frame-0000.png
+/// figure-1-village.png, debug-similar.png
+bool is_picture_of(std::string_view prefix, std::string_view name) {
+  return name.starts_with(prefix) && name.ends_with(".png");
+}
+
+/// frame-0000.png, frame-0000-debug-similar.png
 bool is_frame(std::string_view name) {
-  constexpr std::string_view kHead = "frame-", kTail = ".png";
-  if (!name.starts_with(kHead) || !name.ends_with(kTail) || name.size() == kHead.size() + kTail.size()) return false;
-  const std::string_view number = name.substr(kHead.size(), name.size() - kHead.size() - kTail.size());
-  return number.find_first_not_of("0123456789") == std::string_view::npos;
+  constexpr std::string_view kHead = "frame-", kDigits = "0123456789";
+  if (!name.starts_with(kHead)) return false;
+  const std::size_t end = name.find_first_not_of(kDigits, kHead.size());
+  if (end == std::string_view::npos || end == kHead.size()) return false;
+  return name.substr(end) == ".png" || is_picture_of("-debug-", name.substr(end));
 }
 
 bool is_result(const fs::directory_entry& entry) {
   const std::string name = entry.path().filename().string();
   return entry.symlink_status().type() == fs::file_type::regular &&
-         (std::ranges::find(kResults, name) != kResults.end() || is_frame(name));
+         (std::ranges::find(kResults, name) != kResults.end() || is_frame(name) || is_picture_of("figure-", name) ||
+          is_picture_of("debug-", name));
 }
 
 bool holds_only_results(const fs::path& folder) {

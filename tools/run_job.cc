@@ -39,10 +39,12 @@ class Interruptible final : public hw::TileSource {
 
 /// A frame program for the frame that `inputs` stand at.
 struct Program {
-  Program(const Inputs& inputs, const kernels::ProgramSpec& spec, const kernels::RateMap* rates)
+  Program(const Inputs& inputs, const kernels::ProgramSpec& spec, const Extras& extras)
       : first(inputs.config.programs.multirate),
         frame(kernels::make_program(spec, {inputs.image, inputs.camera, inputs.config.render, inputs.config.programs,
-                                           rates != nullptr ? *rates : first, inputs.frame})) {}
+                                           extras.rates != nullptr ? *extras.rates : first, inputs.frame})) {
+    if (extras.marks) frame->keep_marks();
+  }
   const kernels::RateMap first;
   const std::unique_ptr<kernels::FrameProgram> frame;
 };
@@ -114,9 +116,9 @@ void Simulation::add(const Simulation& frame) {
 }
 
 Simulation simulate(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
-                    kernels::RateMap* rates) {
+                    const Extras& extras) {
   const sim::HostClock::time_point begin = sim::HostClock::now();
-  const Program made(inputs, program, rates);
+  const Program made(inputs, program, extras);
   kernels::FrameProgram& frame = *made.frame;
   const traces::BvhTracer tracer(inputs.image);
   hw::FrontEnd front_end(frame, tracer, host_threads(threads) - 1);
@@ -144,17 +146,17 @@ Simulation simulate(const Inputs& inputs, const kernels::ProgramSpec& program, s
   s.elapsed = gpu->elapsed();
   s.energy = energy();
   s.wall_seconds = sim::seconds_since(begin);
-  if (rates != nullptr) rates->advance(s.function.sampling);
+  if (extras.rates != nullptr) extras.rates->advance(s.function.sampling);
   return s;
 }
 
 hw::FrontEnd::Result render(const Inputs& inputs, const kernels::ProgramSpec& program, const traces::Tracer& tracer,
-                            std::uint32_t threads, kernels::RateMap* rates) {
-  const Program made(inputs, program, rates);
+                            std::uint32_t threads, const Extras& extras) {
+  const Program made(inputs, program, extras);
   hw::FrontEnd front_end(*made.frame, tracer, host_threads(threads), false);
   Interruptible tiles(front_end);
   while (const traces::TileWork* work = tiles.next()) tiles.give_back(work);
-  if (rates != nullptr) rates->advance(front_end.result().sampling);
+  if (extras.rates != nullptr) extras.rates->advance(front_end.result().sampling);
   return front_end.result();
 }
 

@@ -55,15 +55,21 @@ struct Simulation {
   void add(const Simulation& frame);
 };
 
-/// Runs a frame program on the machine; `rates`, if given, are those of its tiles, and go on to the next frame.
+/// What goes with a frame program.
+struct Extras {
+  kernels::RateMap* rates = nullptr;  ///< of its tiles, if they go on from frame to frame
+  bool marks = false;                 ///< how all samples came about is kept, for pictures
+};
+
+/// Runs a frame program on the machine.
 /// `threads` of the host: one plays the machine, the others run ahead of it. sim::Deadlock if the machine is stuck,
 /// Interrupted if an interrupt waits. Every frame begins with cold caches.
 Simulation simulate(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
-                    kernels::RateMap* rates = nullptr);
+                    const Extras& extras = {});
 
 /// The picture alone, traced by `tracer`.
 hw::FrontEnd::Result render(const Inputs& inputs, const kernels::ProgramSpec& program, const traces::Tracer& tracer,
-                            std::uint32_t threads, kernels::RateMap* rates = nullptr);
+                            std::uint32_t threads, const Extras& extras = {});
 
 /// 0 means all the host has.
 std::uint32_t host_threads(std::uint32_t wanted);

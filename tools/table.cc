@@ -20,6 +20,19 @@ std::string spread(const Json& s, double scale, const char* unit) {
                      s["high"].get<double>() * scale, unit);
 }
 
+/// What an adaptive program did.
+std::string samples(const Json& totals) {
+  const Json& s = totals["sampling"];
+  std::string out = fmt::format("{} of {} traced ({})", si_text(s["traced"].get<double>()),
+                                si_text(s["wanted"].get<double>()), percent(totals["traced_ratio"]));
+  for (const char* of_them : {"halo", "correction"}) {
+    if (s[of_them] != 0) out += fmt::format(", {} for the {}", si_text(s[of_them].get<double>()), of_them);
+  }
+  if (s.contains("similar_ratio"))
+    out += fmt::format("; {} of those between were similar", percent(s["similar_ratio"]));
+  return out;
+}
+
 std::string overview(const Json& report) {
   const Json& t = report["totals"];
   const Json& rays = t["rays"];
@@ -44,6 +57,7 @@ std::string overview(const Json& report) {
   line("rays", fmt::format("{}  ({} primary, {} shadow, {} reflection, {} refraction)", count(rays["total"]),
                            count(rays["primary"]), count(rays["shadow"]), count(rays["reflection"]),
                            count(rays["refraction"])));
+  if (t["sampling"].contains("checked") || t["sampling"].contains("active")) line("samples", samples(t));
   line("ray rate", si_text(1e6 * t["perf"]["mrays_per_s"].get<double>(), "rays/s"));
   line("traversal steps", fmt::format("{}  = {:.1f} per ray", count(t["traversal_steps"]),
                                       t["traversal_steps"].get<double>() / rays["total"].get<double>()));

@@ -98,6 +98,7 @@ void FrontEnd::keep(const Slot& slot) {
   if (taken_ == program_.tiles()) {
     result_.rgb = program_.picture();
     result_.sampling = program_.sampling();
+    result_.marks = program_.marks();
   }
   for (std::size_t k = 0; k < std::size(result_.rays); ++k) result_.rays[k] += slot.tile.rays[k];
   result_.continued += slot.tile.continued;

@@ -20,8 +20,9 @@ class FrontEnd final : public TileSource {
  public:
   /// What the frame program found out, independent of any machine.
   struct Result {
-    std::vector<float> rgb;      ///< linear, row by row; there when the last tile has been taken
-    kernels::Sampling sampling;  ///< likewise
+    std::vector<float> rgb;                  ///< linear, row by row; there when the last tile has been taken
+    kernels::Sampling sampling;              ///< likewise
+    std::vector<kernels::SampleMark> marks;  ///< likewise, if the program keeps them
     std::uint64_t rays[static_cast<std::size_t>(traces::RayKind::kCount)] = {};
     std::uint64_t continued = 0;  ///< of the rays, those that went on behind what was no solid surface
     std::uint64_t traversal_steps = 0;

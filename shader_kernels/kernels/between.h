@@ -82,7 +82,8 @@ struct VerdictPorts {
   }
 };
 template <class V>
-void pronounce(VerdictPorts<V>& at, const Between<V>& b, const I<V>& failed) {
+void pronounce(VerdictPorts<V>& at, const Between<V>& b, const I<V>& checks) {
+  const I<V> failed = select(b.outside, I<V>(bit(Check::kBorder)), checks);
   at.verdicts.store(b.sample, {failed});
   at.passed.store(at.passed_count.next(failed == 0U), {b.sample | (b.gap << kGapShift)});
   at.failed.store(at.failed_count.next(I<V>(0U) < failed), {b.sample});

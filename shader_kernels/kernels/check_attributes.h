@@ -57,8 +57,7 @@ struct CheckAttributes {
     const F<V> bend = dot(d, s0.plane) * -dot(d, s1.plane);
     const M<V> over_edge = either(wraps<V>(s0.u, s1.u, at.texture), wraps<V>(s0.v, s1.v, at.texture));
     const F<V> colours = encoded_distance_squared<V>(at.globals.load(b.before).rgb, at.globals.load(b.after).rgb);
-    const I<V> failed = fails_if<V>(b.outside, Check::kBorder) |
-                        select(g0.object == g1.object, I<V>(0U), I<V>(bit(Check::kObject))) |
+    const I<V> failed = select(g0.object == g1.object, I<V>(0U), I<V>(bit(Check::kObject))) |
                         fails_if<V>(at.apart_squared < squared, Check::kPosition) |
                         fails_if<V>(dot(g0.normal, g1.normal) < at.least_dot, Check::kNormal) |
                         fails_if<V>(bend < squared * -1e-6F, Check::kConvexity) |

@@ -30,8 +30,7 @@ struct CheckSimilarity {
     const Between<V> b = sample_between<kAlongY, V>(item, at.line);
     const GeometryRecord<V> before = at.geometry.load(b.before);
     const GeometryRecord<V> after = at.geometry.load(b.after);
-    I<V> failed = fails_if<V>(b.outside, Check::kBorder) |
-                  select(before.object == after.object, I<V>(0U), I<V>(bit(Check::kObject))) |
+    I<V> failed = select(before.object == after.object, I<V>(0U), I<V>(bit(Check::kObject))) |
                   fails_if<V>(dot(before.normal, after.normal) < at.least_dot, Check::kNormal) |
                   select(before.shadows == after.shadows, I<V>(0U), I<V>(bit(Check::kShadow)));
     if constexpr (kSecondary) {

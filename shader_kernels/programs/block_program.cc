@@ -15,6 +15,7 @@ BlockProgram::BlockProgram(const traces::MemoryImage& image, const traces::Camer
       frame_(frame) {
   kept_sampling().similar.resize(tiles_.count());
   kept_sampling().blocks.resize(tiles_.count());
+  kept_sampling().tile_side = tiles_.side();
 }
 
 std::uint64_t BlockProgram::store_bytes() const {
@@ -80,6 +81,7 @@ void BlockProgram::run_tile(std::uint32_t place, const traces::Tracer& tracer, b
 
 void BlockProgram::keep(const TileResult& tile) {
   FrameProgram::keep(tile);
+  kept_sampling().has_rates = carries_rates();
   const Sampling& of = tile.sampling;
   kept_sampling().similar[tile.tile] =
       of.checked == 0 ? 1.0F : static_cast<float>(of.passed) / static_cast<float>(of.checked);

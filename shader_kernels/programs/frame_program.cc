@@ -1,5 +1,8 @@
 #include "shader_kernels/programs/frame_program.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace kernels {
 
 void FrameProgram::keep(const TileResult& tile) {
@@ -13,6 +16,19 @@ void FrameProgram::keep(const TileResult& tile) {
     }
   }
   sampling_.add(tile.sampling);
+  if (keeps_marks_ && !tile.marks.empty()) place_marks(tile);
+}
+
+void FrameProgram::place_marks(const TileResult& tile) {
+  const std::size_t pixels = std::size_t{tile.width} * tile.height;
+  const auto grid = static_cast<std::size_t>(std::lround(std::sqrt(tile.marks.size() / pixels)));
+  marks_.resize(std::size_t{width_} * height_ * grid * grid);
+  const std::size_t across = tile.width * grid;
+  for (std::size_t row = 0; row < tile.height * grid; ++row) {
+    const auto from = tile.marks.begin() + static_cast<std::ptrdiff_t>(row * across);
+    std::copy_n(from, across,
+                marks_.begin() + static_cast<std::ptrdiff_t>((tile.y * grid + row) * width_ * grid + tile.x * grid));
+  }
 }
 
 }  // namespace kernels

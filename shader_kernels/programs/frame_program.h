@@ -47,15 +47,25 @@ class FrameProgram {
   /// Linear RGB, row by row, as far as tiles have been kept.
   const std::vector<float>& picture() const { return picture_; }
   const Sampling& sampling() const { return sampling_; }
+  /// Has keep() keep marks too.
+  void keep_marks() { keeps_marks_ = true; }
+  /// How all samples came about, row by row, as many to a pixel as the program marks; empty if it marks none or they
+  /// are not kept.
+  const std::vector<SampleMark>& marks() const { return marks_; }
 
  protected:
   std::vector<float>& kept_picture() { return picture_; }
   Sampling& kept_sampling() { return sampling_; }
+  std::vector<SampleMark>& kept_marks() { return marks_; }
 
  private:
+  void place_marks(const TileResult& tile);
+
   const std::uint32_t width_, height_;
   std::vector<float> picture_;
   Sampling sampling_;
+  bool keeps_marks_ = false;
+  std::vector<SampleMark> marks_;
 };
 
 }  // namespace kernels

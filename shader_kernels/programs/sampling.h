@@ -29,6 +29,8 @@ struct Sampling {
   /// Per tile of the grid, row by row, where tiles have them: share of checked samples that passed, and block side.
   std::vector<float> similar;
   std::vector<std::uint8_t> blocks;
+  std::uint32_t tile_side = 0;  ///< in samples
+  bool has_rates = false;       ///< blocks differ from tile to tile
 
   /// Adds a tile's or another frame's counts; what is per tile stays.
   void add(const Sampling& other);

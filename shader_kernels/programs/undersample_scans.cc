@@ -63,7 +63,12 @@ void UndersampleProgram::begin_pass(std::uint32_t place, const traces::Tracer& t
     return found;
   };
   const std::uint32_t grid = undersample_.grid();
-  for (const PostCorrection::Suspect& s : correction_.run(scan, trace)) average_again(s.x / grid, s.y / grid);
+  for (const PostCorrection::Suspect& s : correction_.run(scan, trace)) {
+    average_again(s.x / grid, s.y / grid);
+    if (!kept_marks().empty()) {
+      kept_marks()[std::size_t{s.y} * width() * grid + s.x] = kTracedMark | kCorrectedMark;
+    }
+  }
 }
 
 template <class Sample>
@@ -147,7 +152,7 @@ void UndersampleProgram::run_scan(std::uint32_t place, const traces::Tracer& tra
 
   const auto note_search = [&](std::uint32_t items) {
     return undersample_.neighbours == Neighbourhood::kEight ? wave.note<FindSuspects<true>>(items)
-                                                         : wave.note<FindSuspects<false>>(items);
+                                                            : wave.note<FindSuspects<false>>(items);
   };
   const std::uint64_t store = scan_store(at.index);
   const std::uint32_t border = scan.is_along_y ? at.width : at.height;

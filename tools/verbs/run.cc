@@ -7,11 +7,13 @@
 #include "sim/host_clock.h"
 #include "sim/io/file.h"
 #include "sim/report/report_json.h"
+#include "tools/debug_pictures.h"
 #include "tools/interrupt.h"
 #include "tools/picture.h"
 #include "tools/report.h"
 #include "tools/run_folder.h"
 #include "tools/run_job.h"
+#include "tools/sampling_report.h"
 #include "tools/verbs/verbs.h"
 #include "traces/scene/images.h"
 
@@ -53,13 +55,14 @@ struct Job {
   /// Simulates the frame that `inputs` stand at and writes its picture.
   void run_frame(const Inputs& inputs, const RunFolder::Open& open, Outcome& out) {
     const std::uint32_t width = inputs.config.render.width, height = inputs.config.render.height;
-    Simulation frame = simulate(inputs, program.spec, options.threads, &program.rates);
+    Simulation frame = simulate(inputs, program.spec, options.threads, {&program.rates, options.debug_images});
     std::optional<Simulation> compared;
-    if (reference) compared = simulate(inputs, reference->spec, options.threads, &reference->rates);
+    if (reference) compared = simulate(inputs, reference->spec, options.threads, {&reference->rates});
     const double error = compared ? mean_squared_error(frame.function.rgb, compared->function.rgb) : 0;
     const std::filesystem::path& folder = open();
     nlohmann::ordered_json entry = {{"frame", inputs.frame}};
     entry.update(totals_json({frame, compared ? &*compared : nullptr, error}));
+    if (!frame.function.sampling.similar.empty()) entry["sampling"]["tiles"] = tiles_json(frame.function.sampling);
     if (inputs.frames() > 1) {
       const std::vector<std::uint8_t> picture = to_rgb8(frame.function.rgb);
       traces::write_png(folder / fmt::format("frame-{:04}.png", inputs.frame), width, height, picture);
@@ -68,6 +71,10 @@ struct Job {
       traces::write_png(folder / "image.png", width, height, to_rgb8(frame.function.rgb));
       traces::write_exr(folder / "image.exr", width, height, frame.function.rgb);
       if (compared) traces::write_exr(folder / "reference.exr", width, height, compared->function.rgb);
+    }
+    for (const DebugPicture& p : debug_pictures(program.spec, frame.function, width, height)) {
+      const std::string frame_name = inputs.frames() > 1 ? fmt::format("frame-{:04}-", inputs.frame) : "";
+      traces::write_png(folder / fmt::format("{}debug-{}.png", frame_name, p.name), p.width, p.height, p.rgb);
     }
     out.frames.push_back(std::move(entry));
     out.squared_error += error;
@@ -128,6 +135,8 @@ void add_run(CLI::App& app, const std::vector<std::string>& argv, int&) {
   options->argv = argv;
   add_job_options(*verb, *options);
   verb->add_option("--reference", options->reference, "also run this program; add PSNR and relative figures");
+  verb->add_flag("--debug-images", options->debug_images,
+                 "also pictures of how an adaptive frame came about: debug-similar.png, debug-check-NAME.png, ...");
   verb->footer("Example: raywatt run sgrt-2016 --scene teapot --set cores=2 -o out/two-cores");
   verb->callback([options] { run(*options); });
 }

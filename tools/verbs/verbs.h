@@ -21,6 +21,7 @@ enum ExitCode : int {
 // One function per verb: adds it to the command line. The verb runs as its callback and leaves its ending in `exit`.
 void add_run(CLI::App& app, const std::vector<std::string>& argv, int& exit);
 void add_verify(CLI::App& app, const std::vector<std::string>& argv, int& exit);
+void add_reproduce(CLI::App& app, const std::vector<std::string>& argv);
 void add_scenes(CLI::App& app);
 void add_config(CLI::App& app);
 void add_kernels(CLI::App& app);

@@ -1,0 +1,69 @@
+#pragma once
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace tools::reproduce {
+
+/// Arguments as of --set.
+using Sets = std::vector<std::string>;
+
+/// A scene of a paper and what stands in for it.
+struct View {
+  std::string scene;               ///< as the paper calls it
+  std::string stand_in;            ///< workload or built-in scene; empty: one of `files`
+  std::vector<std::string> files;  ///< names to look for in --scenes DIR, first come first
+  std::string camera{}, frame{};   ///< empty: the workload's
+  Sets sets{};
+  std::uint32_t mirrors = 0;  ///< per cent of pixels that shall reflect (mirrors.h); 0: as the scene is
+  friend bool operator==(const View&, const View&) = default;
+};
+
+/// A frame program and its keys.
+struct Program {
+  std::string name{};
+  Sets sets{};
+  /// "multirate:under --set multirate.attributes=dram"
+  std::string text() const;
+};
+
+/// A figure to measure: where it stands in the paper, and what it is (metrics.h).
+struct Figure {
+  std::string experiment, metric;
+};
+
+/// One setting on one scene: what is run, what it is compared with, and the figures that come of it.
+struct Case {
+  View view;
+  std::string setting;
+  std::uint32_t width = 0, height = 0;
+  Program run{};
+  Program reference{};
+  bool machine = true;  ///< false: the picture and the counts of samples alone
+  bool truth = false;   ///< PSNR against 256 samples per pixel instead of the reference
+  std::vector<Figure> figures{};
+  std::string picture{};  ///< figure-PICTURE.png and figure-PICTURE-difference.png; empty: none
+};
+
+/// The experiments of a paper. `quick`: at a fraction of the resolution, some of them, and the built-in scenes made of
+/// few triangles.
+struct Paper {
+  std::string_view name;
+  std::string_view title;
+  std::vector<Case> (*cases)(bool quick);
+};
+std::vector<Case> lee2016(bool quick);
+std::vector<Case> kim2016(bool quick);
+std::vector<Case> jin2009(bool quick);
+
+/// All of them.
+const std::vector<Paper>& papers();
+
+/// What makes any scene one of these experiments', as traces/workloads/reproduction.yaml does for the built-in ones.
+Sets reproduction_rules();
+
+/// Pixels of one side when a plan is quick.
+std::uint32_t side(std::uint32_t pixels, bool quick);
+
+}  // namespace tools::reproduce
