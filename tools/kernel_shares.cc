@@ -13,6 +13,7 @@ struct Named {
 
 /// All others trace and shade.
 constexpr Named kGroups[] = {{"check_", KernelGroup::kCheck},
+                             {"test_subpixels", KernelGroup::kCheck},
                              {"interpolate_", KernelGroup::kInterpolation},
                              {"find_suspects", KernelGroup::kCorrection},
                              {"store_identities", KernelGroup::kCorrection}};

@@ -15,7 +15,7 @@ namespace kernels {
 /// Frame program supersample (Jin et al. 2009): every pixel has one sample at its centre; each of its four sub-pixels
 /// is compared with the three pixels around its corner and, if need be, gets four samples more, those of full:16.
 ///
-///   per tile: centres -> test_subpixels -> weigh_centres -> pack_colour -> transfer to frame buffer
+///   per tile: centres -> test_subpixels -> weigh_centres -> pack_colour -> transfer to the frame buffer
 ///                                                         -> pack_subpixels -> generate_extra_rays -> sum_subpixels
 ///
 /// Pixels look to all sides, but tiles only to the left and above: what a tile finishes lies one pixel further left and

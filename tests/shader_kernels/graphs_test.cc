@@ -106,6 +106,36 @@ std::ostream& operator<<(std::ostream& out, const Count& c) {
 //                             compare, next
 //   average_colour            to_float, split, compare; 3 (select, max, min, add); to_int; 3 mul
 //   pack_colour               3 (max min, 3 sqrt, 3 mul add sub, compare, mul, select, mul, add, to_int); 2 shift, 3 or
+//
+//   corner_steps    2 add, 4 compare, 2 and, 2 select, mul; a third and if has_both is used
+//   active_bit      shift, and; place_sum: dot; object_of: and, compare, select, or
+//   contrast        3 max, 3 min, 2 clamped (max min), 2 encoded (as in pack_colour); sub, add, max, div
+//
+//   clear_traits              nothing
+//   record_traits             and; object_of
+//   record_traits_shadow      compare, select, add
+//   weigh_branch              largest, max
+//   record_branch             and; object_of; largest, compare; 4 select; place_sum, select
+//   record_branch_shadow      compare; place_sum, compare; 2 select, add
+//   test_subpixels            shift, to_float, split; (shift, and), and, 2 (to_float, sub); corner_steps; 2 add, mul;
+//                             2 add, 2 add, select, 4 to_int; 2 sets of 3 (2 compare, 2 select; dot, compare, select;
+//                             2 or; or, and, compare, select), 3 or, and, compare, select; 2 shift, or, and; 8 (and,
+//                             compare, select, min); compare, select; 3 contrast, 3 (mul, compare), 2 or; 2 select, or
+//   weigh_centres             to_float, split; 2 add, mul, to_int; clamped; shift; 4 active_bit, 3 (add, add);
+//                             to_float, mul, sub; scale
+//   weigh_centres_bilinear    to_float, split; 2 add, mul, to_int; clamped; shift; 4 of (corner_steps; 4 add, 3 to_int;
+//                             3 clamped; add, active_bit, to_float, mul, sub; 3 scale, 4 vector add)
+//   pack_subpixels            shift, to_float, split; mul, and, to_float, add; mul, shift, and, to_float, add; 2
+//   compare,
+//                             and; mul, add, to_int; shift; 4 (add, active_bit, select), 3 add; to_float; mul, floor;
+//                             mul, sub, add, compare, select, add; mul, max; add; to_int; 3 add, 4 (2 add, compare,
+//                             shift, or, select); compare, next, select, add; to_int, mul, sub, to_int, shift, or
+//   pack_subpixels_atomic     add, compare, sub, select; to_int; active_bit; add; compare, shift, or, select
+//   generate_extra_rays       shift, shift, to_float, split; 2 add; 2 (and, and, or) with 2 shift; 2 to_int, mul, add;
+//                             shift, or; hashes as generate_jittered_rays; add, to_float, to_int; 2 (to_float, add,
+//                             mul, add), 2 scale, 2 vector add, normalised
+//   sum_subpixels             shift; 2 (and, and, or) with 3 shift; shift, or; active_bit, compare; shift, shift, or;
+//                             to_float, add, to_int; and, compare; 3 (max, min, 3 select, add, mul, add)
 struct Hand {
   std::string_view kernel;
   Count count;
@@ -143,6 +173,20 @@ constexpr Hand kByHand[] = {
     {"shade_glass", {15, 22, 4, 5, 3, 3, 1, 0, 5, 2, 0}},
     {"average_colour", {5, 5, 0, 7, 1, 3, 0, 2, 1, 1, 0}},
     {"pack_colour", {9, 15, 9, 6, 3, 3, 5, 3, 1, 1, 0}},
+    // supersample.
+    {"clear_traits", {0, 0, 0, 0, 0, 0, 0, 0, 1, 3, 0}},
+    {"record_traits", {0, 0, 0, 0, 1, 1, 3, 0, 5, 1, 1}},
+    {"record_traits_shadow", {0, 0, 0, 0, 1, 1, 1, 0, 3, 1, 0}},
+    {"weigh_branch", {0, 0, 0, 3, 0, 0, 0, 0, 2, 1, 0}},
+    {"record_branch", {2, 3, 0, 2, 2, 6, 3, 0, 7, 2, 1}},
+    {"record_branch_shadow", {2, 3, 0, 0, 2, 2, 1, 0, 5, 1, 0}},
+    {"test_subpixels", {42, 49, 21, 42, 48, 46, 54, 7, 12, 1, 0}},
+    {"weigh_centres", {5, 7, 0, 7, 0, 0, 15, 3, 5, 1, 0}},
+    {"weigh_centres_bilinear", {80, 47, 0, 79, 16, 8, 21, 18, 17, 1, 0}},
+    {"pack_subpixels", {10, 9, 0, 3, 8, 11, 44, 8, 4, 10, 0}},
+    {"pack_subpixels_atomic", {2, 0, 0, 0, 2, 2, 5, 1, 2, 3, 0}},
+    {"generate_extra_rays", {17, 18, 2, 2, 0, 0, 43, 9, 1, 3, 0}},
+    {"sum_subpixels", {7, 3, 0, 6, 2, 9, 18, 2, 4, 1, 0}},
 };
 
 TEST(Graphs, OperationsAreThoseOfTheSource) {
