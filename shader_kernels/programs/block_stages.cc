@@ -9,12 +9,14 @@ namespace {
 float inverse(std::uint32_t n) { return 1.0F / static_cast<float>(std::max(n, 1U)); }
 
 LineUniforms<float> line_uniforms(std::uint32_t inner, std::uint32_t block) {
-  return {.inner = static_cast<float>(inner),
-          .inverse_inner = inverse(inner),
-          .gaps = static_cast<float>(block - 1),
-          .inverse_gaps = inverse(block - 1),
-          .block = static_cast<float>(block),
-          .inverse_block = inverse(block)};
+  LineUniforms<float> line{};
+  line.inner = static_cast<float>(inner);
+  line.inverse_inner = inverse(inner);
+  line.gaps = static_cast<float>(block - 1);
+  line.inverse_gaps = inverse(block - 1);
+  line.block = static_cast<float>(block);
+  line.inverse_block = inverse(block);
+  return line;
 }
 
 }  // namespace

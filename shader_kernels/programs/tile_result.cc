@@ -42,15 +42,15 @@ void TileBuffer::hold_layers(std::size_t slots) {
   layer.hold(slots + 1);
 }
 
-void TileBuffer::hold_samples(std::size_t samples) {
-  grow(colours, samples);
-  grow(geometry, samples);
-  grow(secondary, samples);
-  grow(kept, samples);
-  grow(globals, samples);
-  grow(verdicts, samples);
-  grow(identities, samples);
-  for (auto* stream : {&this->samples, &passed, &failed}) grow(*stream, samples + 1);
+void TileBuffer::hold_samples(std::size_t count) {
+  grow(colours, count);
+  grow(geometry, count);
+  grow(secondary, count);
+  grow(kept, count);
+  grow(globals, count);
+  grow(verdicts, count);
+  grow(identities, count);
+  for (auto* stream : {&samples, &passed, &failed}) grow(*stream, count + 1);
 }
 
 void TileBuffer::hold_subpixels(std::size_t centres, std::size_t pixels) {

@@ -53,7 +53,7 @@ struct TileBuffer {
   void hold_wave(std::size_t slots);
   void hold_details(std::size_t slots);
   void hold_layers(std::size_t slots);
-  void hold_samples(std::size_t samples);
+  void hold_samples(std::size_t count);
   /// Of `pixels` pixels whose centres are among `centres` samples.
   void hold_subpixels(std::size_t centres, std::size_t pixels);
 };
