@@ -14,7 +14,7 @@ void RateMap::advance(const Sampling& frame) {
     }
     const bool is_coarse = tile.block == kCoarse;
     const bool uses_down = alternates ? frame_ % 2 == 1 : is_coarse;
-    const bool coarse = frame.similar[i] >= (uses_down ? config_.rate_down : config_.rate_up);
+    const bool coarse = frame.similar[i] >= static_cast<float>(uses_down ? config_.rate_down : config_.rate_up);
     if (is_coarse && !coarse) tile.held = config_.rate_hold;
     tile.block = coarse ? kCoarse : static_cast<std::uint8_t>(config_.block);
   }

@@ -147,7 +147,7 @@ TEST(RenderConfig, EveryFieldChangesTheWork) {
     EXPECT_FALSE(meaning.empty()) << key;
     ++fields;
   });
-  EXPECT_EQ(fields, 9U);
+  EXPECT_EQ(fields, 10U);
 }
 
 TEST(ProgramSpec, NamesAreParsed) {

@@ -62,11 +62,30 @@ std::ostream& operator<<(std::ostream& out, const Count& c) {
 //   fetch_layer     and; weights, 2 mix; compare, select; sample, linear; mul
 //                                            26 add 20 mul 10 other 5 compare 5 select 11 integer 8 convert
 //     with colours  has; 2 mix, 2 select; vertex_colour; mul
+//   emit_primary    2 scale, 2 vector add, normalised; 3 store             8 add 12 mul 2 div_sqrt 1 other
+//   diffuse_light   scale, vector sub; dot, sqrt, div; dot, mul; dot, neg, mul; mul add max min; mul mul sub max;
+//                   4 mul; 7 mul                                           11 add 31 mul 2 div_sqrt 4 other
+//   encoded         3 sqrt, 3 mul add sub, compare, mul, select            2 add  4 mul 3 div_sqrt 1 compare 1 select
+//   clamped         max, min                                               2 other
+//   lattice_sample  to_float, split; 2 (mul, add); to_int                  4 add  4 mul 1 other 2 convert
+//   sample_between  to_float, 2 split; mul; 2 (mul, add); add, mul, add, to_int; to_int; mul, add, to_int; to_int;
+//                   compare, add, compare, or                              10 add 9 mul 2 other 2 compare 1 integer
+//                                                                           5 convert
+//   pronounce       select; 2 (compare, next); shift, or; 3 store          3 select 2 compare 4 integer
+//   passed          and; shift, to_float, add; to_float; mul, sub, to_int; mul, add, to_int; mul
+//                                                                           3 add  3 mul 2 integer 4 convert
+//   mixed           sub, mul, add; of vectors three times that
+//   mixed_colours   6 clamped, mixed                                       6 add  3 mul 12 other
+//   mixed_geometry  2 mixed, normalised                                    14 add 12 mul 2 div_sqrt 1 other
+//   fails           compare, select; where flags decide, and before it
+//   wraps           2 (floor, sub); min, compare, sub, max, compare, and   3 add  4 other 2 compare 1 integer
+//   object_of       and, compare, select, or                               1 compare 1 select 2 integer
+//   add_samples     compare; 3 (select, clamped, add); to_int; 3 mul       3 add  3 mul 6 other 1 compare 3 select
 //   go_on           next; mul, dot, sqrt, div; mul, 2 add                   4 add  5 mul 2 div_sqrt
 //   interface       -dot, less, 1/ior, select; 3 mul 2 sub; sub add div; compare max sqrt select sub; mul;
 //                   4 mul 3 sub              10 add 11 mul 3 div_sqrt 2 other 2 compare 2 select
 //
-//   generate_rays             3 split, 2 + 2 (2 add, mul), 2 scale, 2 vector add, normalised, to_float
+//   generate_rays             to_float, 3 split, 2 add, 2 (2 add, mul), emit_primary
 //   generate_jittered_rays    the same with 2 (shift, to_float, mul) for 0.5; 2 to_int, mul, add; xor; 3 scrambled;
 //                             to_int, add; xor
 //   classify_hits             2 (compare, next)
@@ -96,16 +115,41 @@ std::ostream& operator<<(std::ostream& out, const Count& c) {
 //   shade_glow                look_up, colour; 6 mul, scale, add_light
 //   shade_ambient             6 mul, add_light
 //   shade_occluded            look_up, linear; sub, mul; 6 mul, scale, add_light
-//   shade_diffuse             scale, vector sub; dot, sqrt, div; dot, mul; dot, neg, mul; mul add max min; 4 mul;
-//                             9 mul; mul mul sub max, mul; 2 max, compare, next; mul, sub
+//   shade_diffuse             diffuse_light; 2 max, compare, next; mul, sub
 //   combine_shadow            compare, 3 select, add_light
 //   shade_straight            sub; scale; 2 max, compare, next
 //   shade_mirror              interface; mul; vector add; mul, scale, vector add; 3 mul; 2 max,
 //                             compare, next
 //   shade_glass               interface; mul, max, sqrt, sub; 2 scale, vector add; sub, mul; scale; 2 max,
 //                             compare, next
-//   average_colour            to_float, split, compare; 3 (select, max, min, add); to_int; 3 mul
-//   pack_colour               3 (max min, 3 sqrt, 3 mul add sub, compare, mul, select, mul, add, to_int); 2 shift, 3 or
+//   average_colour            to_float, split, add_samples
+//   pack_colour               3 (clamped, encoded, mul, add, to_int); 2 shift, 3 or
+//
+//   list_samples              lattice_sample
+//   generate_listed_rays      to_float, 3 split, 2 add, 2 (2 add, mul), emit_primary
+//   record_geometry           and, object_of
+//   record_surface            and; 2 vector sub, cross 6 mul 3 sub; dot, compare, select; object_of; normalised, scale
+//   record_secondary          and; 5 compare, 2 and, 2 select; 2 vectors of select; xor, shift, xor, scrambled, add
+//   record_shadow             compare, select, add
+//   check_similarity          sample_between; 3 fails, dot; 2 or; pronounce
+//     with secondary hits     3 fails, 2 dot, min; 3 or more
+//   interpolate_x             passed, mixed_colours, mixed_geometry
+//     with secondary hits     2 (mixed, normalised) more
+//   interpolate_y             passed, mixed_colours
+//   average_samples           to_float, 3 split; 3 mul, 4 add, to_int; add_samples
+//   record_local_after, record_global   vector add or sub
+//   check_attributes          sample_between; vector sub, dot; 2 dot, neg, mul; 2 wraps, or;
+//                             6 (clamped, encoded), vector sub, dot; 8 fails with dot, mul, 2 and for flags, 1 and; 7
+//                             or; pronounce
+//   interpolate_attributes_y  passed, mixed_geometry; mixed of 2 vectors and 2 numbers
+//   interpolate_attributes_x  the same, and one more vector, normalised
+//   shade_visible             diffuse_light; and, compare; 2 max, compare; 2 vectors of select; add_light
+//   store_identities          lattice_sample; and; 2 (compare, select); or
+//     with shadows            2 scrambled, xor more
+//   find_suspects_4           sub, xor, and, compare, and, select; and, 2 compare, and; next
+//   find_suspects_8           2 (2 add or sub; xor, and, compare, and, select; or) more
+//
+// supersample:
 //
 //   corner_steps    2 add, 4 compare, 2 and, 2 select, mul; a third and if has_both is used
 //   active_bit      shift, and; place_sum: dot; object_of: and, compare, select, or
@@ -173,6 +217,36 @@ constexpr Hand kByHand[] = {
     {"shade_glass", {15, 22, 4, 5, 3, 3, 1, 0, 5, 2, 0}},
     {"average_colour", {5, 5, 0, 7, 1, 3, 0, 2, 1, 1, 0}},
     {"pack_colour", {9, 15, 9, 6, 3, 3, 5, 3, 1, 1, 0}},
+    {"list_samples", {4, 4, 0, 1, 0, 0, 0, 2, 0, 2, 0}},
+    {"generate_listed_rays", {20, 20, 2, 4, 0, 0, 0, 1, 1, 3, 0}},
+    {"clear_geometry", {0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 0}},
+    {"clear_secondary", {0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 0}},
+    {"record_geometry", {0, 0, 0, 0, 1, 1, 3, 0, 5, 1, 1}},
+    {"record_surface", {13, 18, 2, 1, 2, 2, 3, 0, 6, 2, 1}},
+    {"record_secondary", {0, 0, 0, 0, 5, 8, 15, 0, 5, 1, 1}},
+    {"record_shadow", {0, 0, 0, 0, 1, 1, 1, 0, 3, 1, 0}},
+    {"record_secondary_shadow", {0, 0, 0, 0, 1, 1, 1, 0, 3, 1, 0}},
+    {"check_similarity_x", {12, 12, 0, 2, 7, 6, 7, 5, 2, 3, 0}},
+    {"check_similarity_x_secondary", {16, 18, 0, 3, 10, 9, 10, 5, 4, 3, 0}},
+    {"check_similarity_y", {12, 12, 0, 2, 7, 6, 7, 5, 2, 3, 0}},
+    {"check_similarity_y_secondary", {16, 18, 0, 3, 10, 9, 10, 5, 4, 3, 0}},
+    {"interpolate_x", {23, 18, 2, 13, 0, 0, 2, 4, 5, 2, 0}},
+    {"interpolate_x_secondary", {39, 36, 6, 15, 0, 0, 2, 4, 7, 3, 0}},
+    {"interpolate_y", {9, 6, 0, 12, 0, 0, 2, 4, 3, 1, 0}},
+    {"average_samples", {13, 12, 0, 9, 1, 3, 0, 3, 1, 1, 0}},
+    {"clear_surface", {0, 0, 0, 0, 0, 0, 0, 0, 1, 3, 0}},
+    {"record_local_before", {0, 0, 0, 0, 0, 0, 0, 0, 3, 1, 0}},
+    {"record_local_after", {3, 0, 0, 0, 0, 0, 0, 0, 4, 1, 0}},
+    {"record_global", {3, 0, 0, 0, 0, 0, 0, 0, 3, 1, 0}},
+    {"check_attributes_x", {44, 50, 18, 23, 22, 17, 18, 5, 6, 3, 0}},
+    {"check_attributes_y", {44, 50, 18, 23, 22, 17, 18, 5, 6, 3, 0}},
+    {"interpolate_attributes_x", {41, 32, 4, 2, 0, 0, 2, 4, 7, 9, 0}},
+    {"interpolate_attributes_y", {33, 23, 2, 1, 0, 0, 2, 4, 7, 7, 0}},
+    {"shade_visible", {14, 31, 2, 6, 2, 6, 1, 0, 6, 1, 0}},
+    {"store_identities", {4, 4, 0, 1, 2, 2, 2, 2, 2, 1, 0}},
+    {"store_identities_shadows", {4, 4, 0, 1, 2, 2, 19, 2, 2, 1, 0}},
+    {"find_suspects_4", {0, 0, 0, 0, 3, 2, 7, 0, 3, 1, 0}},
+    {"find_suspects_8", {0, 0, 0, 0, 5, 4, 19, 0, 5, 1, 0}},
     // supersample.
     {"clear_traits", {0, 0, 0, 0, 0, 0, 0, 0, 1, 3, 0}},
     {"record_traits", {0, 0, 0, 0, 1, 1, 3, 0, 5, 1, 1}},

@@ -14,6 +14,7 @@ namespace {
 constexpr std::uint32_t kItems = 200;
 constexpr std::uint32_t kPlaces = 16 * kItems;  ///< of a memory: numbers drawn at random lead beyond the items
 constexpr std::uint32_t kTextureSize = 16;
+constexpr std::uint32_t kLeast = 32;  // samples from here on have neighbours on all sides
 
 /// Gives every port of a kernel memory full of random records, every uniform a random value.
 class RandomPorts {
@@ -27,8 +28,9 @@ class RandomPorts {
   }
 
   template <template <class> class R>
-  void operator()(Local<float, R>& port, std::string_view) {
+  void operator()(Local<float, R>& port, std::string_view name) {
     port.base = memory<R>();
+    if constexpr (std::is_same_v<R<float>, WordRecord<float>>) fill_stream(name);
   }
   template <template <class> class R>
   void operator()(Table<float, R>& port, std::string_view) {
@@ -42,11 +44,21 @@ class RandomPorts {
   void operator()(Counter<float>&, std::string_view) {}
   void operator()(Carried<float>& port, std::string_view) { port.value = number(); }
   void operator()(float& uniform, std::string_view name) {
-    // Counts must be counts: 4 samples per pixel.
-    uniform = name.ends_with("inverse_samples") ? 0.25F : name.ends_with("samples") ? 4.0F : number();
+    const bool is_inverse = name.find("inverse_") != std::string_view::npos;
+    const float count = counted(name);
+    uniform = count == 0 ? number() : is_inverse ? 1 / count : count;
+    // Lights must reach something.
+    if (name == "light.inverse_range_squared") uniform *= 0.01F;
+    if (name == "light.cone_offset") uniform += 1;
   }
   void operator()(std::uint32_t& uniform, std::string_view name) {
-    uniform = name == "white" ? random() % (kItems / 2) : random();
+    if (name == "step" || name == "line_step") {
+      uniform = random() % 2 == 0 ? 1 : 15;
+    } else if (name == "mirrored" || name == "refracted") {
+      uniform = random() % kItems;
+    } else {
+      uniform = name == "white" ? random() % (kItems / 2) : random();
+    }
   }
   void operator()(Vec3<float>& uniform, std::string_view) { uniform = vector(); }
 
@@ -57,6 +69,38 @@ class RandomPorts {
   float number() { return 0.1F + 1.9F * sim::unit_float(sim::hash(seed_, drawn_++)); }
   float signed_number() { return number() * ((random() & 1U) != 0 ? 1.0F : -1.0F); }
   Vec3<float> vector() { return {signed_number(), signed_number(), signed_number()}; }
+
+  /// Counts must be counts, and fit each other: 4 samples per pixel, 5 pixels to a row, blocks of 2 to 4. 0: no count.
+  float counted(std::string_view name) const {
+    const float block = static_cast<float>(2 + seed_ % 3);
+    if (name.ends_with("samples")) return 4;
+    if (name == "width" || name == "inverse_width") return 5;
+    if (name == "grid" || name == "inverse_grid") return 2;
+    if (name == "pitch") return 10;
+    if (name.ends_with("inner") || name.ends_with("across")) return 8;
+    if (name.ends_with("gaps")) return block - 1;
+    if (name == "line.block" || name == "line.inverse_block") return block;
+    if (name.ends_with("row_step") || name.ends_with("line_step")) return 6;
+    if (name == "line.step" || name.ends_with("first") || name == "lattice.step") return 1;
+    if (name == "line.low") return 1;
+    if (name == "line.high") return 40;
+    return 0;
+  }
+
+  /// Samples that are looked up together with their neighbours, and words whose bits have a meaning.
+  void fill_stream(std::string_view name) {
+    const auto store = [&](auto&& word) {
+      for (std::uint32_t i = 0; i <= kItems; ++i) {
+        const std::uint32_t value = word();
+        std::memcpy(memories_.back().data() + i * sizeof(value), &value, sizeof(value));
+      }
+    };
+    const auto sample = [&] { return kLeast + random() % (kItems - 2 * kLeast); };
+    if (name == "samples") store(sample);
+    if (name == "passed") store([&] { return sample() | (random() % 3) << kGapShift; });
+    if (name == "verdicts") store([&] { return random() % 3 == 0 ? kReferenceVerdict : random() % 2; });
+    if (name == "identities") store([&] { return random() & (kTracedSample | kInterpolatedSample | 1U); });
+  }
 
   template <template <class> class R>
   std::byte* memory() {
@@ -85,6 +129,7 @@ class RandomPorts {
   void fill(std::uint32_t& field, std::string_view name) {
     field = random() % (name.ends_with("texture") ? kItems / 2 : kItems);
     if (name == "word" && (random() & 1U) != 0) field |= 1U << kActiveShift;
+    if (name == "shadows" || name == "objects") field %= 4;
     if (name == "triangle" && with_misses_ && (random() & 1U) != 0) field = traces::kNoHit;
   }
 

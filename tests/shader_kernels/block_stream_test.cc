@@ -1,0 +1,289 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "block_bench.h"
+#include "shader_kernels/catalogue.h"
+#include "shader_kernels/programs/programs.h"
+#include "showcase.h"
+
+// The work that pictures made of blocks write down: tiles that wait for tiles, what they move, items that idle.
+
+namespace kernels {
+namespace {
+
+using traces::Edge;
+using traces::Region;
+using traces::WorkNode;
+
+struct Recorded {
+  Demands demands;
+  std::vector<traces::TileWork> works;
+  std::uint32_t count = 0, across = 0;  ///< tiles
+};
+
+class BlockStream : public testing::TestWithParam<const char*> {
+ protected:
+  static constexpr std::uint32_t kWidth = 75, kHeight = 41;
+  const ProgramSpec spec_ = parse_program(GetParam());
+  const std::uint32_t grid_ = spec_.samples == 4 ? 2 : 1;
+  ProgramConfig programs_;
+  RenderConfig render_ = small(kWidth, kHeight);
+
+  BlockStream() { programs_.undersample.correction = Correction::kFour; }
+  void set(const AdaptiveConfig& adaptive) {
+    static_cast<AdaptiveConfig&>(programs_.multirate) = adaptive;
+    static_cast<AdaptiveConfig&>(programs_.undersample) = adaptive;
+  }
+  std::uint32_t record_bytes() const {
+    if (spec_.kind == ProgramSpec::Kind::kMultirate) {
+      return sizeof(GeometryRecord<float>) + sizeof(SecondaryRecord<float>);
+    }
+    return sizeof(GeometryRecord<float>) + sizeof(SurfaceRecord<float>) + sizeof(ColourRecord<float>);
+  }
+  Recorded record(const traces::Scene& scene) const {
+    const Stage stage(scene);
+    const RateMap rates(programs_.multirate);
+    const auto program = make_program(spec_, {stage.image, stage.camera, render_, programs_, rates, 0});
+    Recorded out{program->demands(), run_program(*program, stage.tracer, grid_, true).works, 0, 0};
+    out.count = program->pass_end(0);
+    const auto side = static_cast<std::uint32_t>(std::lround(std::sqrt(out.demands.tile_samples)));
+    out.across = (kWidth * grid_ + side - 1) / side;
+    return out;
+  }
+  static void for_each_scene(auto&& check) {
+    check(showcase_scene());
+    check(traces::open_scene("cornell"));
+  }
+  static std::string_view kernel(const WorkNode& node) {
+    return node.kind == WorkNode::Kind::kLaunch ? catalogue()[node.kernel].name : "";
+  }
+  static bool moves(const WorkNode& node, Region region) {
+    return node.kind == WorkNode::Kind::kTransfer && node.region == region;
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Programs, BlockStream, testing::Values("multirate:under", "multirate:super", "undersample"),
+                         [](const auto& i) {
+                           std::string name = i.param;
+                           std::ranges::replace(name, ':', '_');
+                           return name;
+                         });
+
+TEST_P(BlockStream, NodesHaveItemsEdgesPointDownAndEveryBatchOfRaysIsRead) {
+  for (const Streams streams : {Streams::kCompacted, Streams::kDivergent}) {
+    render_.streams = streams;
+    for_each_scene([&](const traces::Scene& scene) {
+      for (const traces::TileWork& work : record(scene).works) {
+        std::set<std::uint32_t> batches;
+        for (std::uint32_t n = 0; n < work.nodes.size(); ++n) {
+          const WorkNode& node = work.nodes[n];
+          EXPECT_GT(node.items, 0U);
+          if (node.kind == WorkNode::Kind::kRays) batches.insert(n);
+          for (const Edge& edge : node.inputs) {
+            ASSERT_LT(edge.node, n);
+            batches.erase(edge.node);
+            if (edge.kind == Edge::Kind::kEach && node.sources == WorkNode::kNone) {
+              EXPECT_EQ(node.items, work.nodes[edge.node].items) << kernel(node);
+            }
+          }
+        }
+        EXPECT_TRUE(batches.empty());
+        EXPECT_EQ(work.nodes.empty() ? 0U : work.access_begin.back(), work.accesses.size());
+      }
+    });
+  }
+}
+
+TEST_P(BlockStream, TilesComeBehindThoseThatTheyWaitFor) {
+  for_each_scene([&](const traces::Scene& scene) {
+    const Recorded r = record(scene);
+    std::set<std::uint32_t> before;
+    for (std::size_t place = 0; place < r.works.size(); ++place) {
+      const traces::TileWork& work = r.works[place];
+      EXPECT_EQ(work.after_all, place != 0 && place % r.count == 0);
+      for (const std::uint32_t tile : work.after) EXPECT_TRUE(before.contains(tile)) << work.tile << " for " << tile;
+      EXPECT_TRUE(before.insert(work.tile).second) << "each once";
+      if (work.tile >= r.count) continue;
+      std::set<std::uint32_t> neighbours;
+      if (work.tile % r.across != 0) neighbours.insert(work.tile - 1);
+      if (work.tile >= r.across) neighbours.insert(work.tile - r.across);
+      EXPECT_EQ(std::set(work.after.begin(), work.after.end()), neighbours);
+    }
+    EXPECT_EQ(before.size(), r.works.size());
+    EXPECT_EQ(*before.rbegin(), r.works.size() - 1);
+  });
+}
+
+TEST_P(BlockStream, ScansWaitForTheTileBehindThem) {
+  if (spec_.kind != ProgramSpec::Kind::kUndersample) GTEST_SKIP() << "has none";
+  const Recorded r = record(traces::open_scene("cornell"));
+  ASSERT_EQ(r.works.size(), 5 * r.count);
+  for (const traces::TileWork& work : r.works) {
+    if (work.tile < r.count) continue;
+    const std::uint32_t scan = work.tile / r.count - 1, tile = work.tile % r.count;
+    const std::uint32_t x = tile % r.across, y = tile / r.across;
+    const std::array<std::pair<bool, int>, 4> behind = {{{x > 0, -1},
+                                                         {y > 0, -static_cast<int>(r.across)},
+                                                         {x + 1 < r.across, 1},
+                                                         {tile + r.across < r.count, static_cast<int>(r.across)}}};
+    std::vector<std::uint32_t> expected;
+    if (behind[scan].first) {
+      expected.push_back(static_cast<std::uint32_t>(static_cast<int>(work.tile) + behind[scan].second));
+    }
+    EXPECT_EQ(work.after, expected) << "scan " << scan << ", tile " << tile;
+  }
+}
+
+TEST_P(BlockStream, WhatIsReadOfOtherTilesTheyHaveWritten) {
+  for_each_scene([&](const traces::Scene& scene) {
+    programs_.undersample.correction = Correction::kOff;
+    using Range = std::pair<std::uint64_t, std::uint64_t>;
+    std::map<std::uint32_t, std::vector<Range>> written;
+    std::uint64_t imports = 0;
+    for (const traces::TileWork& work : record(scene).works) {
+      for (const WorkNode& node : work.nodes) {
+        if (!moves(node, Region::kSamples)) continue;
+        const Range range{node.offset, node.offset + node.items};
+        if (node.to_memory) {
+          EXPECT_FALSE(node.inputs.empty()) << "what is written has been made";
+          written[work.tile].push_back(range);
+          continue;
+        }
+        ++imports;
+        EXPECT_TRUE(std::ranges::any_of(work.after,
+                                        [&](std::uint32_t tile) {
+                                          return std::ranges::any_of(written[tile], [&](const Range& w) {
+                                            return w.first <= range.first && range.second <= w.second;
+                                          });
+                                        }))
+            << "tile " << work.tile;
+      }
+    }
+    EXPECT_GT(imports, 0U);
+    std::vector<Range> all;
+    for (const auto& [tile, ranges] : written) all.insert(all.end(), ranges.begin(), ranges.end());
+    std::ranges::sort(all);
+    for (std::size_t i = 1; i < all.size(); ++i) EXPECT_LE(all[i - 1].second, all[i].first) << "no two share bytes";
+  });
+}
+
+TEST_P(BlockStream, WhoRetracesTheHaloNeitherWaitsNorReads) {
+  programs_.undersample.correction = Correction::kOff;
+  set({Halo::kRetrace, AttributePlace::kTile});
+  for_each_scene([&](const traces::Scene& scene) {
+    std::uint32_t place = 0;
+    for (const traces::TileWork& work : record(scene).works) {
+      EXPECT_EQ(work.tile, place++) << "row by row";
+      EXPECT_TRUE(work.after.empty());
+      EXPECT_FALSE(work.after_all);
+      for (const WorkNode& node : work.nodes) EXPECT_FALSE(moves(node, Region::kSamples));
+    }
+  });
+}
+
+TEST_P(BlockStream, TransfersStayWithinTheirRegions) {
+  for (const AttributePlace place : {AttributePlace::kTile, AttributePlace::kDram}) {
+    set({Halo::kReload, place});
+    for_each_scene([&](const traces::Scene& scene) {
+      const Recorded r = record(scene);
+      for (const traces::TileWork& work : r.works) {
+        for (const WorkNode& node : work.nodes) {
+          if (node.kind != WorkNode::Kind::kTransfer) continue;
+          EXPECT_LE(node.offset + node.items, r.demands.region_bytes[static_cast<std::size_t>(node.region)])
+              << "tile " << work.tile << " of " << r.count << ", region " << static_cast<int>(node.region);
+        }
+      }
+    });
+  }
+}
+
+TEST_P(BlockStream, AttributesInMemoryAreWrittenAndReadBackOnceForEachCheck) {
+  const auto moved = [](const traces::TileWork& work) {
+    std::array<std::uint64_t, 2> bytes{};
+    for (const WorkNode& node : work.nodes) {
+      if (moves(node, Region::kSamples)) bytes[node.to_memory ? 1 : 0] += node.items;
+    }
+    return bytes;
+  };
+  const traces::Scene scene = traces::open_scene("cornell");
+  const Recorded tile = record(scene);
+  set({Halo::kReload, AttributePlace::kDram});
+  const Recorded dram = record(scene);
+  EXPECT_GT(tile.demands.attribute_bytes, 0U);
+  EXPECT_EQ(dram.demands.attribute_bytes, 0U);
+  ASSERT_EQ(tile.works.size(), dram.works.size());
+  const auto side = static_cast<std::uint32_t>(std::lround(std::sqrt(tile.demands.tile_samples)));
+  for (std::size_t i = 0; i < tile.works.size(); ++i) {
+    const auto [read, written] = moved(tile.works[i]);
+    const auto [dram_read, dram_written] = moved(dram.works[i]);
+    const std::uint32_t index = tile.works[i].tile;
+    std::uint64_t more_written = 0, more_read = 0;
+    if (index < tile.count) {
+      const std::uint32_t width = std::min(side, kWidth * grid_ - index % tile.across * side);
+      const std::uint32_t height = std::min(side, kHeight * grid_ - index / tile.across * side);
+      const std::uint32_t rows = height / 2, columns = width / 2;
+      const std::uint32_t beside = rows * (width - columns);
+      more_written = std::uint64_t{record_bytes()} * (rows * columns + beside);
+      more_read = std::uint64_t{record_bytes()} * (rows * columns + (beside != 0 ? rows * width : 0));
+    }
+    EXPECT_EQ(dram_read - read, more_read) << "tile " << index;
+    EXPECT_EQ(dram_written - written, more_written) << "tile " << index;
+  }
+}
+
+TEST_P(BlockStream, ItemsIdleOnlyWhereKernelsDivergeAndThenAllOfAStreamPassThroughBothSides) {
+  for (const Streams streams : {Streams::kCompacted, Streams::kDivergent}) {
+    render_.streams = streams;
+    const bool diverges = streams == Streams::kDivergent;
+    for_each_scene([&](const traces::Scene& scene) {
+      std::uint64_t idle = 0;
+      const Recorded r = record(scene);
+      for (const traces::TileWork& work : r.works) {
+        std::uint32_t lanes = 0;
+        for (const WorkNode& node : work.nodes) {
+          idle += node.idle;
+          const std::string_view name = kernel(node);
+          if (name.starts_with("check_") || name == "list_samples" || name.starts_with("find_suspects")) {
+            lanes = node.items;
+            EXPECT_EQ(node.idle, 0U) << name << ": an inspector sees every item";
+          } else if (work.tile < r.count && (name.starts_with("interpolate_") || name == "generate_listed_rays")) {
+            EXPECT_EQ(node.items + node.idle, diverges ? lanes : node.items) << name;
+          }
+        }
+      }
+      EXPECT_EQ(idle != 0, diverges);
+    });
+  }
+}
+
+TEST_P(BlockStream, EverySampleIsGeneratedCheckedAndAveragedOnce) {
+  for_each_scene([&](const traces::Scene& scene) {
+    const Recorded r = record(scene);
+    for (const traces::TileWork& work : r.works) {
+      if (work.tile >= r.count) continue;
+      std::map<std::string_view, std::uint64_t> items;
+      std::uint64_t picture = 0, checked = 0, interpolated = 0;
+      for (const WorkNode& node : work.nodes) {
+        const std::string_view name = kernel(node);
+        items[name] += node.items;
+        if (name.starts_with("check_")) checked += node.items;
+        if (name.starts_with("interpolate_")) interpolated += node.items;
+        if (moves(node, Region::kPicture)) picture += node.items;
+      }
+      EXPECT_EQ(items["average_samples"], work.samples);
+      EXPECT_EQ(items["pack_colour"] * grid_ * grid_, work.samples);
+      EXPECT_EQ(picture, items["pack_colour"] * kPixelBytes);
+      EXPECT_EQ(items["generate_listed_rays"] + interpolated, items["list_samples"] + checked)
+          << "all that are listed or checked, of this tile and of its halo";
+    }
+  });
+}
+
+}  // namespace
+}  // namespace kernels

@@ -1,0 +1,137 @@
+#include <algorithm>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+#include <gtest/gtest.h>
+
+#include "block_bench.h"
+#include "showcase.h"
+
+// How near what lies between samples comes to what would have been traced there.
+
+namespace kernels {
+namespace {
+
+constexpr float kStep = 1.0F / 255;  // of the frame buffer
+
+Stage stage_of(const traces::Scene& scene) { return Stage(scene, traces::look_at("c", {0, 0, 4}, {0, 0, 0}, 0.5F)); }
+
+float greatest_difference(const Sampled& a, const Sampled& b) {
+  float most = 0;
+  for (std::size_t i = 0; i < a.rgb.size(); ++i) most = std::max(most, std::abs(a.rgb[i] - b.rgb[i]));
+  return most;
+}
+
+double mean_squared_error(const Sampled& a, const Sampled& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.rgb.size(); ++i) sum += std::pow(static_cast<double>(a.rgb[i] - b.rgb[i]), 2);
+  return sum / static_cast<double>(a.rgb.size());
+}
+
+/// A wall whose colour grows evenly from its left to its right and from its foot to its top.
+traces::Scene ramp() {
+  traces::Scene scene = empty_scene();
+  scene.ambient = glm::vec3(1);
+  traces::Mesh wall = traces::make_quad("wall", {-1.25F, -1.25F, 0}, {2.5F, 0, 0}, {0, 2.5F, 0}, 1);
+  for (const glm::vec3& at : wall.positions) {
+    wall.colours.emplace_back(0.5F + 0.4F * at.x, 0.5F + 0.4F * at.y, 0.5F - 0.2F * at.x - 0.2F * at.y, 1);
+  }
+  traces::add_object(scene, std::move(wall), traces::add_material(scene, {.base_colour = glm::vec3(1)}));
+  return scene;
+}
+
+TEST(Interpolation, AnEvenRampIsMetExactly) {
+  const Stage stage = stage_of(ramp());
+  for (const std::uint32_t block : {2U, 3U, 4U}) {
+    for (const std::uint32_t grid : {1U, 2U}) {
+      const Sampled full = stage.full(small(33, 25), grid * grid);
+      MultirateConfig lee;
+      lee.block = block;
+      const Sampled multi = stage.multirate(small(33, 25), lee, grid);
+      EXPECT_GT(multi.sampling.passed * 3, multi.sampling.wanted);
+      EXPECT_LE(greatest_difference(multi, full), 1e-4F) << "block " << block << ", grid " << grid;
+      UndersampleConfig kim;
+      kim.block = block;
+      kim.samples = grid * grid;
+      kim.position = 1;
+      const Sampled under = stage.undersample(small(33, 25), kim);
+      EXPECT_EQ(under.sampling.passed, multi.sampling.passed);
+      EXPECT_LE(greatest_difference(under, full), 1e-4F) << "block " << block << ", grid " << grid;
+    }
+  }
+}
+
+TEST(Interpolation, AFarLightIsMetWithinAStepOfTheFrameBuffer) {
+  traces::Scene scene = empty_scene();
+  add_wall(scene, 0, 10, {.base_colour = {0.9F, 0.5F, 0.2F}});
+  scene.lights.push_back({.position = {10, 5, 20}, .intensity = glm::vec3(500)});
+  const Stage stage = stage_of(scene);
+  const Sampled full = stage.full(small(32, 32));
+  EXPECT_LE(greatest_difference(stage.multirate(small(32, 32), {}), full), kStep);
+  EXPECT_LE(greatest_difference(stage.undersample(small(32, 32), {}), full), kStep);
+}
+
+TEST(Interpolation, NormalsAreInterpolatedAndThenShaded) {
+  // A ball under one light: colours do not change evenly, normals nearly do.
+  traces::Scene scene = empty_scene();
+  traces::add_object(scene, traces::make_sphere("ball", {0, 0, 0}, 3, 40),
+                     traces::add_material(scene, {.base_colour = glm::vec3(1)}));
+  scene.lights.push_back(
+      {.kind = traces::Light::Kind::kDirectional, .direction = {0, 0, -1}, .intensity = glm::vec3(0.9F)});
+  const Stage stage(scene, traces::look_at("c", {0, 0, 20}, {0, 0, 0}, 0.2F));
+  const RenderConfig render = small(48, 48);
+  const Sampled full = stage.full(render);
+  MultirateConfig lee;
+  lee.block = 4;
+  lee.normal = 0.8;
+  UndersampleConfig kim;
+  kim.block = 4;
+  kim.position = 1;
+  kim.normal = 0.8;
+  kim.correction = Correction::kOff;
+  const Sampled coloured = stage.multirate(render, lee), shaded = stage.undersample(render, kim);
+  EXPECT_GT(shaded.sampling.passed * 2, shaded.sampling.checked);
+  EXPECT_EQ(shaded.marks, coloured.marks) << "only what is done with those that pass differs";
+  EXPECT_LT(4 * mean_squared_error(shaded, full), mean_squared_error(coloured, full));
+}
+
+TEST(Interpolation, TexturesAreLookedUpAtInterpolatedCoordinates) {
+  traces::Scene scene = empty_scene();
+  scene.ambient = glm::vec3(1);
+  const std::uint32_t checks = add_texture(
+      scene, 32, true, [](std::uint32_t x, std::uint32_t y) { return (x ^ y) & 1U ? 0xffffffffU : 0xff000000U; });
+  add_wall(scene, 0, 2.5F, {.base_colour = glm::vec3(1), .base_texture = {checks}});
+  const Stage stage = stage_of(scene);
+  const Sampled full = stage.full(small(64, 64));
+  UndersampleConfig kim;
+  kim.position = 1;
+  const Sampled under = stage.undersample(small(64, 64), kim);
+  EXPECT_GT(under.sampling.passed * 2, under.sampling.wanted);
+  EXPECT_LE(greatest_difference(under, full), 0.005F);
+  EXPECT_GT(greatest_difference(stage.multirate(small(64, 64), {}), full), 0.2F) << "colours would be smeared";
+}
+
+TEST(Interpolation, WhatIsMirroredIsInterpolatedAsAColour) {
+  // Half a mirror before an even wall: local colour is shaded anew, what is mirrored lies between its neighbours'.
+  traces::Scene scene = empty_scene();
+  scene.ambient = glm::vec3(0.5F);
+  add_wall(scene, 0, 4, {.base_colour = glm::vec3(0.8F), .mirror = 0.5F});
+  traces::Mesh behind = traces::make_quad("behind", {10, -10, 8}, {-20, 0, 0}, {0, 20, 0}, 1);
+  for (const glm::vec3& at : behind.positions) behind.colours.emplace_back(0.5F + 0.04F * at.x, 0.5F, 0.3F, 1);
+  traces::add_object(scene, std::move(behind), traces::add_material(scene, {.base_colour = glm::vec3(1)}));
+  const Stage stage = stage_of(scene);
+  const Sampled full = stage.full(small(32, 32)), under = stage.undersample(small(32, 32), {});
+  EXPECT_GT(under.sampling.passed * 2, under.sampling.wanted);
+  EXPECT_LE(greatest_difference(under, full), 1e-4F);
+}
+
+TEST(Interpolation, ColoursAreClampedBeforeTheyAreMixed) {
+  traces::Scene scene = empty_scene();
+  scene.background = glm::vec3(40);
+  add_wall(scene, -100, 1, {});
+  const Stage stage = stage_of(scene);
+  for (const float value : stage.multirate(small(9, 9), {}).rgb) EXPECT_EQ(value, 1.0F);
+}
+
+}  // namespace
+}  // namespace kernels
