@@ -19,7 +19,9 @@ constexpr std::uint32_t kLeast = 32;  // samples from here on have neighbours on
 /// Gives every port of a kernel memory full of random records, every uniform a random value.
 class RandomPorts {
  public:
-  RandomPorts(std::uint32_t seed, bool with_misses) : seed_(seed), with_misses_(with_misses) {
+  /// With identities, verdicts are those of block programs, otherwise of sub-pixels.
+  RandomPorts(std::uint32_t seed, bool with_misses, bool with_identities)
+      : seed_(seed), with_misses_(with_misses), with_identities_(with_identities) {
     for (std::uint32_t i = 0; i < kItems; ++i) {
       traces::Texture& t = textures_.emplace_back();
       t.width = t.height = kTextureSize;
@@ -98,7 +100,10 @@ class RandomPorts {
     const auto sample = [&] { return kLeast + random() % (kItems - 2 * kLeast); };
     if (name == "samples") store(sample);
     if (name == "passed") store([&] { return sample() | (random() % 3) << kGapShift; });
-    if (name == "verdicts") store([&] { return random() % 3 == 0 ? kReferenceVerdict : random() % 2; });
+    if (name == "verdicts") {
+      const std::uint32_t whole = with_identities_ ? kReferenceVerdict : 1U << kActiveShift;
+      store([&] { return random() % 3 == 0 ? whole : random() % 2; });
+    }
     if (name == "identities") store([&] { return random() & (kTracedSample | kInterpolatedSample | 1U); });
   }
 
@@ -134,7 +139,7 @@ class RandomPorts {
   }
 
   const std::uint32_t seed_;
-  const bool with_misses_;
+  const bool with_misses_, with_identities_;
   std::uint32_t drawn_ = 0;
   std::deque<std::vector<std::byte>> memories_;
   std::vector<traces::Texture> textures_;
@@ -156,7 +161,8 @@ TYPED_TEST(Readings, ComputingAndInterpretingTheGraphGiveEqualBits) {
   for (std::uint32_t seed = 0; seed < 20; ++seed) {
     Ports ports;
     RandomPorts random(
-        seed, !requires { ports.attributes; } && !requires { ports.vertices; } && !requires { ports.triangles; });
+        seed, !requires { ports.attributes; } && !requires { ports.vertices; } && !requires { ports.triangles; },
+        requires { ports.identities; });
     Ports::describe(ports, random);
     const auto before = random.memories();
 

@@ -67,7 +67,7 @@ struct World {
 /// One tile holds all of it.
 RenderConfig whole_picture() {
   RenderConfig render = small(64, 48);
-  render.tile = 64;
+  render.tile = 128;  // sub-pixels
   return render;
 }
 
@@ -105,7 +105,7 @@ TEST_P(Supersample, ThePictureIsTheSameForEveryTileHaloAttributePlaceAndPacking)
     c.filter = filter;
     RenderConfig render = small(37, 29);
     const Result reference = world_.supersample(render, c);
-    for (const std::uint32_t tile : {1U, 4U, 12U, 36U, 64U}) {
+    for (const std::uint32_t tile : {1U, 8U, 24U, 72U, 128U}) {
       for (const Halo halo : {Halo::kReload, Halo::kRetrace}) {
         for (const Packing packing : {Packing::kBlock, Packing::kAtomic, Packing::kNone}) {
           c.halo = halo;
@@ -118,7 +118,7 @@ TEST_P(Supersample, ThePictureIsTheSameForEveryTileHaloAttributePlaceAndPacking)
           EXPECT_EQ(result.sampling.reasons, reference.sampling.reasons);
           EXPECT_EQ(result.sampling.background, reference.sampling.background);
           EXPECT_EQ(result.sampling.traced - result.sampling.halo, reference.sampling.traced);
-          EXPECT_EQ(result.sampling.halo == 0, halo == Halo::kReload || tile == 64);
+          EXPECT_EQ(result.sampling.halo == 0, halo == Halo::kReload || tile == 128);
         }
       }
     }
@@ -136,13 +136,13 @@ TEST_P(Supersample, FourSamplesAreTracedForEveryActiveSubpixel) {
 
 TEST_P(Supersample, ATileWaitsForThoseToTheLeftAndAbove) {
   SupersampleConfig c;
-  const Result result = world_.supersample(small(32, 32), c, true);
+  const Result result = world_.supersample(small(16, 16), c, true);
   EXPECT_EQ(result.last.tile, 3U);
   std::vector<std::uint32_t> after = result.last.work.after;
   std::ranges::sort(after);
   EXPECT_EQ(after, (std::vector<std::uint32_t>{0, 1, 2}));
   c.halo = Halo::kRetrace;
-  EXPECT_TRUE(world_.supersample(small(32, 32), c, true).last.work.after.empty());
+  EXPECT_TRUE(world_.supersample(small(16, 16), c, true).last.work.after.empty());
 }
 
 /// The exact inverse of sRGB's encoding.
