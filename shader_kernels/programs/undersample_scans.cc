@@ -148,17 +148,22 @@ void UndersampleProgram::run_scan(std::uint32_t place, const traces::Tracer& tra
   const std::uint32_t step = scan.is_along_y ? sample_tiles().across() : 1;
   const bool has_behind = scan.is_along_y ? (scan.is_backward ? at.has_below : at.has_above)
                                           : (scan.is_backward ? at.has_right : at.has_left);
-  if (has_behind) out.work.after.push_back(scan.is_backward ? out.tile + step : out.tile - step);
+  const auto behind = [&](std::uint32_t tile) { return scan.is_backward ? tile + step : tile - step; };
+  if (has_behind) out.work.after.push_back(behind(out.tile));
 
   const auto note_search = [&](std::uint32_t items) {
     return undersample_.neighbours == Neighbourhood::kEight ? wave.note<FindSuspects<true>>(items)
                                                             : wave.note<FindSuspects<false>>(items);
   };
-  const std::uint64_t store = scan_store(at.index);
-  const std::uint32_t border = scan.is_along_y ? at.width : at.height;
-  const Wavefront::Node in = wave.transfer(Region::kSamples, false, store, (samples + border) * 4);
+  const Wavefront::Node in = wave.transfer(Region::kSamples, false, scan_store(at.index), samples * 4);
+  Wavefront::Node border = Wavefront::kNone;
+  if (has_behind) {
+    const std::uint32_t words = scan.is_along_y ? at.width : at.height;
+    border = wave.transfer(Region::kSamples, false, scan_store(behind(at.index)), words * 4);
+  }
   Wavefront::Node found = note_search(samples);
   wave.wait_all(found, in);
+  wave.wait_all(found, border);
   std::span<const PostCorrection::Suspect> left = correction_.suspects_of(at.index);
   out.sampling.traced = out.sampling.correction = left.size();
   if (!left.empty()) {
@@ -183,23 +188,30 @@ void UndersampleProgram::run_scan(std::uint32_t place, const traces::Tracer& tra
     put_corrected(wave, at, corrected, found);
   }
   wave.finish();
+  out.sampling.traced_background = out.background.size();
 }
 
-/// Averages and encodes the corrected pixels and writes them, each a line of its own, and their words.
+/// Averages and encodes the corrected pixels and writes them and their words: each a line of its own, as long as those
+/// are not more than all of the tile's.
 void UndersampleProgram::put_corrected(Wavefront& wave, const SampleTile& at, std::uint32_t corrected,
                                        Wavefront::Node last) const {
   const std::uint64_t store = scan_store(at.index);
+  const std::uint64_t stored = scan_store(at.index + 1) - store;
+  const auto lines = [](std::uint32_t count, std::uint64_t all) {
+    return static_cast<std::uint32_t>(std::min(std::uint64_t{count} * kLine, all));
+  };
   const Wavefront::Node averaged = wave.note<AverageSamples>(corrected * undersample_.samples);
   wave.wait_for_colours(averaged);
   if (undersample_.samples > 1) {
-    const Wavefront::Node in = wave.transfer(Region::kSamples, false, store, corrected * kLine * undersample_.grid());
+    const Wavefront::Node in =
+        wave.transfer(Region::kSamples, false, store, lines(corrected * undersample_.grid(), stored));
     wave.wait_all(averaged, in);
   }
   const Wavefront::Node packed = wave.note<PackColour>(corrected);
   wave.wait_all(packed, averaged);
   const std::uint64_t pixels = demands().region_bytes[kPicture] / sample_tiles().count();
-  wave.wait_all(wave.transfer(Region::kPicture, true, pixels * at.index, corrected * kLine), packed);
-  wave.wait_all(wave.transfer(Region::kSamples, true, store, corrected * kLine), last);
+  wave.wait_all(wave.transfer(Region::kPicture, true, pixels * at.index, lines(corrected, pixels)), packed);
+  wave.wait_all(wave.transfer(Region::kSamples, true, store, lines(corrected, stored)), last);
 }
 
 void UndersampleProgram::keep(const TileResult& tile) {

@@ -30,7 +30,7 @@ struct Recorded {
 
 class BlockStream : public testing::TestWithParam<const char*> {
  protected:
-  static constexpr std::uint32_t kWidth = 75, kHeight = 41;
+  static constexpr std::uint32_t kWidth = 75, kHeight = 41;  // tiles at the edges are cut
   const ProgramSpec spec_ = parse_program(GetParam());
   const std::uint32_t grid_ = spec_.samples == 4 ? 2 : 1;
   ProgramConfig programs_;

@@ -222,6 +222,49 @@ TEST(PostCorrection, AScanFollowsWhatItFindsAndStopsWhereItWasWrong) {
   }
 }
 
+/// Thin slanted bars close to each other; nothing behind them.
+Stage fence() {
+  traces::Scene scene = empty_scene();
+  const std::uint32_t wood = traces::add_material(scene, {.base_colour = glm::vec3(0), .emission = {0.5F, 0, 0}});
+  for (int i = -9; i <= 9; ++i) {
+    const float x = 0.13F * static_cast<float>(i);
+    traces::add_object(scene, traces::make_quad("bar", {x, -1.2F, 0}, {0.055F, 0, 0}, {0.3F, 2.4F, 0}, 1), wood);
+  }
+  return Stage(scene, traces::look_at("c", {0, 0, 4}, {0, 0, 0}, 0.5F));
+}
+
+TEST(PostCorrection, ManyCorrectedSamplesMoveNoMoreThanTheirTile) {
+  const Stage stage = fence();
+  for (const std::uint32_t samples : {1U, 4U}) {
+    UndersampleConfig config = scanning(Correction::kFour, Neighbourhood::kEight);
+    config.samples = samples;
+    const RenderConfig render = small(32, 32);
+    UndersampleProgram program(stage.image, stage.camera, render, config, 0);
+    const Sampled run = run_program(program, stage.tracer, config.grid(), true);
+    EXPECT_GT(run.sampling.correction, 32U * 32U / 16) << "lines of the picture";
+    const Demands demands = program.demands();
+    for (const traces::TileWork& work : run.works) {
+      for (const traces::WorkNode& node : work.nodes) {
+        if (node.kind != traces::WorkNode::Kind::kTransfer) continue;
+        EXPECT_LE(node.offset + node.items, demands.region_bytes[static_cast<std::size_t>(node.region)])
+            << "tile " << work.tile << ", region " << static_cast<int>(node.region);
+        if (node.region == traces::Region::kPicture) {
+          EXPECT_LE(node.items, 16U * 16 / samples * kPixelBytes);
+        }
+      }
+    }
+  }
+}
+
+TEST(PostCorrection, SamplesThatItTracesMayHitNothing) {
+  const Stage stage = fence();
+  const Sampling with = stage.undersample(small(32, 32), scanning(Correction::kFour)).sampling,
+                 without = stage.undersample(small(32, 32), scanning(Correction::kOff)).sampling;
+  EXPECT_EQ(with.background, without.background);
+  EXPECT_GT(with.traced_background, without.traced_background);
+  EXPECT_LT(with.traced_background - without.traced_background, with.correction);
+}
+
 TEST(PostCorrection, WithoutScansThereIsNoSecondPass) {
   const Stage rod = rod_of(1, 1.4F);
   const auto program = [&](Correction scans) {

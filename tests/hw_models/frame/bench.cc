@@ -88,6 +88,30 @@ Gpu::Workload Frame::workload() const {
   return {image_, parents_, program_.tile_samples(), {picture_bytes}};
 }
 
+Method::Method(const std::string& scene, const std::string& program, const kernels::ProgramConfig& programs,
+               std::uint32_t width, std::uint32_t height, std::uint32_t tile)
+    : Method(traces::open_scene(scene), program, programs, render_config(width, height, tile)) {}
+
+Method::Method(const traces::Scene& scene, const std::string& program, const kernels::ProgramConfig& programs,
+               const kernels::RenderConfig& render)
+    : spec_(kernels::parse_program(program)),
+      programs_(programs),
+      render_(render),
+      rates_(programs.multirate),
+      camera_(scene.cameras.front()),
+      image_(traces::build_memory_image(scene, {}, 1)),
+      parents_(traces::parents_of(image_)),
+      tracer_(image_) {}
+
+std::unique_ptr<kernels::FrameProgram> Method::make() const {
+  return kernels::make_program(spec_, {image_, camera_, render_, programs_, rates_, 0});
+}
+
+Gpu::Workload Method::workload() const {
+  const kernels::Demands demands = make()->demands();
+  return {image_, parents_, demands.tile_samples, demands.region_bytes, demands.attribute_bytes};
+}
+
 const Frame& cornell_64x32() {
   static const Frame frame("cornell", 64, 32);
   return frame;
@@ -120,6 +144,15 @@ std::uint64_t Outcome::sum(std::string_view at, std::string_view kind, std::stri
 Outcome play(const Frame& frame, const GpuConfig& config, Engine engine, std::uint64_t seed, std::uint32_t workers) {
   FrontEnd front_end(frame.program(), frame.tracer(), workers);
   const auto gpu = std::make_unique<Gpu>(config, frame.workload(), front_end);
+  Outcome outcome = run(*gpu, engine, seed);
+  outcome.function = front_end.result();
+  return outcome;
+}
+
+Outcome play(const Method& method, const GpuConfig& config, Engine engine, std::uint64_t seed, std::uint32_t workers) {
+  const std::unique_ptr<kernels::FrameProgram> program = method.make();
+  FrontEnd front_end(*program, method.tracer(), workers);
+  const auto gpu = std::make_unique<Gpu>(config, method.workload(), front_end);
   Outcome outcome = run(*gpu, engine, seed);
   outcome.function = front_end.result();
   return outcome;

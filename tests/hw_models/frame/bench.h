@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -8,6 +9,7 @@
 #include "hw_models/frame/front_end.h"
 #include "hw_models/frame/gpu.h"
 #include "shader_kernels/programs/full.h"
+#include "shader_kernels/programs/programs.h"
 #include "traces/accel/bvh_tracer.h"
 #include "traces/accel/memory_image.h"
 
@@ -39,6 +41,32 @@ class Frame {
   const std::uint64_t picture_lines_;
 };
 
+/// The same for any frame program, by its name; each run makes it anew, since some learn from what they have kept.
+class Method {
+ public:
+  Method(const std::string& scene, const std::string& program, const kernels::ProgramConfig& programs,
+         std::uint32_t width, std::uint32_t height, std::uint32_t tile);
+  Method(const Method&) = delete;
+  Method& operator=(const Method&) = delete;
+
+  std::unique_ptr<kernels::FrameProgram> make() const;
+  const traces::Tracer& tracer() const { return tracer_; }
+  Gpu::Workload workload() const;
+
+ private:
+  Method(const traces::Scene& scene, const std::string& program, const kernels::ProgramConfig& programs,
+         const kernels::RenderConfig& render);
+
+  const kernels::ProgramSpec spec_;
+  const kernels::ProgramConfig programs_;
+  const kernels::RenderConfig render_;
+  const kernels::RateMap rates_;
+  const traces::Camera camera_;
+  const traces::MemoryImage image_;
+  const std::vector<std::uint32_t> parents_;
+  const traces::BvhTracer tracer_;
+};
+
 /// Small pictures that several tests share.
 const Frame& cornell_64x32();
 const Frame& teapot_64x32();
@@ -65,6 +93,9 @@ enum class Engine : std::uint8_t {
 
 /// Plays the frame on a machine; `workers` threads of the front end run ahead of it.
 Outcome play(const Frame& frame, const GpuConfig& config, Engine engine = Engine::kFast, std::uint64_t seed = 0,
+             std::uint32_t workers = 0);
+
+Outcome play(const Method& method, const GpuConfig& config, Engine engine = Engine::kFast, std::uint64_t seed = 0,
              std::uint32_t workers = 0);
 
 /// Plays ready-made tiles, which trace rays in the frame's scene; nothing is known of their function.

@@ -1,0 +1,140 @@
+#include <cstdint>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "tests/tools/program.h"
+
+// Runs of adaptive sampling: what report.json says of samples, and rates that go on from frame to frame.
+
+namespace test {
+namespace {
+
+using Json = nlohmann::json;
+
+Json report_of(const std::filesystem::path& out, const std::string& program, const Words& more = {}) {
+  Words words = small_run(out, {"--program", program});
+  words.insert(words.end(), more.begin(), more.end());
+  const Ending ending = raywatt(words);
+  EXPECT_EQ(ending.exit, 0) << ending.err;
+  return read_json(out / "report.json");
+}
+
+Json repeatable(Json report) {
+  report.erase("host");
+  report["provenance"].erase("argv");
+  return report;
+}
+
+class AdaptiveRun : public testing::TestWithParam<const char*> {
+ protected:
+  const TempFolder folder_;
+};
+INSTANTIATE_TEST_SUITE_P(Programs, AdaptiveRun, testing::Values("multirate:under", "multirate:super", "undersample"),
+                         [](const auto& i) {
+                           std::string name = i.param;
+                           if (const std::size_t colon = name.find(':'); colon != std::string::npos) name[colon] = '_';
+                           return name;
+                         });
+
+TEST_P(AdaptiveRun, ReportsItsSamples) {
+  // Pixels of so small a picture are far from each other.
+  const Json report = report_of(folder_.path() / "out", GetParam(), {"--set", "undersample.position=0.2"});
+  EXPECT_EQ(report["program"], GetParam());
+  const Json& totals = report["totals"];
+  const Json& s = totals["sampling"];
+  const auto count = [&](const char* name) { return s[name].get<std::uint64_t>(); };
+  EXPECT_EQ(count("wanted"), std::string(GetParam()) == "multirate:super" ? 4U * 64 * 32 : 64U * 32);
+  EXPECT_EQ(count("traced"), count("wanted") - count("passed") + count("halo") + count("correction"));
+  EXPECT_LT(count("checked"), count("wanted"));
+  EXPECT_DOUBLE_EQ(totals["traced_ratio"], static_cast<double>(count("traced")) / static_cast<double>(count("wanted")));
+  EXPECT_DOUBLE_EQ(s["similar_ratio"], static_cast<double>(count("passed")) / static_cast<double>(count("checked")));
+  EXPECT_LT(totals["traced_ratio"], 1);
+  std::uint64_t failures = 0;
+  for (const auto& [check, failed] : s["failed"].items()) failures += failed.get<std::uint64_t>();
+  EXPECT_GE(failures, count("checked") - count("passed")) << "who fails does so by one check or more";
+  EXPECT_GT(s["failed"]["object"], 0);
+  EXPECT_GE(totals["rays"]["primary"].get<std::uint64_t>(), count("traced"));
+  EXPECT_GT(totals["dram_bytes_by_client"]["samples"], 0) << "halos";
+}
+
+TEST_P(AdaptiveRun, DoesNotDependOnTheThreadsOfTheHost) {
+  const auto out = [&](const char* threads) {
+    const std::filesystem::path path = folder_.path() / threads;
+    const Ending ending =
+        raywatt({"run", "--program", GetParam(), "--resolution", "64x32", "--threads", threads, "-o", path.string()});
+    EXPECT_EQ(ending.exit, 0) << ending.err;
+    return path;
+  };
+  const std::filesystem::path one = out("1");
+  for (const char* threads : {"2", "3"}) {
+    const std::filesystem::path other = out(threads);
+    EXPECT_EQ(repeatable(read_json(other / "report.json")), repeatable(read_json(one / "report.json"))) << threads;
+    for (const char* name : {"image.png", "image.exr", "report.txt", "config.yaml"}) {
+      EXPECT_EQ(read_bytes(other / name), read_bytes(one / name)) << name << ", " << threads << " threads";
+    }
+  }
+}
+
+TEST_P(AdaptiveRun, ItsConfigurationLoadsAgainAndGivesTheSameRun) {
+  const Json first = report_of(folder_.path() / "first", GetParam(),
+                               {"--set", "undersample.correction=four", "--set", "multirate.halo=retrace"});
+  const std::filesystem::path out = folder_.path() / "second";
+  const Ending ending = raywatt(
+      {"run", (folder_.path() / "first" / "config.yaml").string(), "--program", GetParam(), "-o", out.string()});
+  ASSERT_EQ(ending.exit, 0) << ending.err;
+  EXPECT_EQ(repeatable(read_json(out / "report.json")), repeatable(first));
+}
+
+/// Of a frame.
+std::uint64_t references(const Json& frame) {
+  return frame["sampling"]["wanted"].get<std::uint64_t>() - frame["sampling"]["checked"].get<std::uint64_t>();
+}
+
+/// Frames of a view that does not change, of 128 x 64 pixels.
+Json frames_of(const std::filesystem::path& out, const Words& more) {
+  Words words = {"run",       "--scene",         "teapot",    "--frames", "0:3", "--resolution", "128x64",
+                 "--program", "multirate:under", "--threads", "1",        "-o",  out.string()};
+  words.insert(words.end(), more.begin(), more.end());
+  const Ending ending = raywatt(words);
+  EXPECT_EQ(ending.exit, 0) << ending.err;
+  Json frames = read_json(out / "report.json")["frames"];
+  EXPECT_EQ(frames.size(), 4U);
+  return frames;
+}
+
+TEST(Rates, GoOnFromFrameToFrameOfAStaticView) {
+  const TempFolder folder;
+  const Json frames = frames_of(folder.path() / "out", {"--set", "multirate.rate_control=hysteresis"});
+  EXPECT_EQ(references(frames[0]), 128U * 64 / 4) << "blocks of 2";
+  EXPECT_LT(references(frames[1]), references(frames[0])) << "some tiles have blocks of 4";
+  EXPECT_LT(frames[1]["traced_ratio"], frames[0]["traced_ratio"]);
+  for (const Json& frame : frames) EXPECT_GT(frame["dram_bytes_by_client"]["rates"], 0);
+}
+
+TEST(Rates, StayWhereTheyAreWithoutControl) {
+  const TempFolder folder;
+  const Json frames = frames_of(folder.path() / "out", {});
+  for (const Json& frame : frames) {
+    EXPECT_EQ(references(frame), 128U * 64 / 4);
+    EXPECT_EQ(frame["sampling"], frames[0]["sampling"]);
+    EXPECT_FALSE(frame["dram_bytes_by_client"].contains("rates"));
+  }
+}
+
+TEST(Rates, NeedBlocksOfTwo) {
+  const TempFolder folder;
+  expect_refusal(raywatt(small_run(folder.path() / "out", {"--program", "multirate:under", "--set", "multirate.block=3",
+                                                           "--set", "multirate.rate_control=hysteresis"})),
+                 {"multirate.block", "rate_control"});
+}
+
+TEST(Undersample, SamplesMustBeASquare) {
+  const TempFolder folder;
+  expect_refusal(
+      raywatt(small_run(folder.path() / "out", {"--program", "undersample", "--set", "undersample.samples=8"})),
+      {"undersample.samples", "square"});
+}
+
+}  // namespace
+}  // namespace test
