@@ -61,7 +61,7 @@ void BlockProgram::run_tile(std::uint32_t place, const traces::Tracer& tracer, b
   out.work.tile = at.index;
   out.work.samples = at.width * at.height;
   Tile tile{at, block_of(at.index), wave, out, out.buffer};
-  if (carries_rates()) tile.start = wave.transfer(traces::Region::kRates, false, at.index, 1);
+  if (carries_rates()) read_rates(tile);
 
   const std::uint32_t rows = at.height / tile.block;
   const std::uint32_t columns = at.width / tile.block;
@@ -77,6 +77,17 @@ void BlockProgram::run_tile(std::uint32_t place, const traces::Tracer& tracer, b
   average(tile);
   wave.finish();
   count(tile);
+}
+
+/// The tile's own and those of the tiles that its halo belongs to.
+void BlockProgram::read_rates(Tile& tile) const {
+  const SampleTile& at = tile.at;
+  const std::uint32_t first = at.has_left ? at.left : at.index;
+  tile.start = tile.wave.transfer(traces::Region::kRates, false, first, at.index - first + 1);
+  if (!at.has_above) return;
+  const Wavefront::Node above = tile.wave.transfer(traces::Region::kRates, false, at.above, 1);
+  tile.wave.wait_all(above, tile.start);
+  tile.start = above;
 }
 
 void BlockProgram::keep(const TileResult& tile) {

@@ -64,9 +64,10 @@ class BlockProgram : public FrameProgram {
   virtual void interpolate(Tile& tile, bool along_y, const LineUniforms<float>& line, const Verdict& verdict) const = 0;
   /// Makes what samples keep that of a miss; returns `keep` with the launches that did.
   virtual Wavefront::Keep clear(Tile& tile, std::vector<std::uint32_t>& list, Wavefront::Node lister,
-                                std::uint32_t items, const Wavefront::Keep& keep) const = 0;
+                                std::uint32_t items, std::uint32_t lanes, const Wavefront::Keep& keep) const = 0;
   /// Called when listed samples have been traced and shaded.
-  virtual void traced(Tile&, std::vector<std::uint32_t>&, std::uint32_t, const Wavefront::Keep&) const {}
+  virtual void traced(Tile&, std::vector<std::uint32_t>& /*list*/, std::uint32_t /*items*/, std::uint32_t /*lanes*/,
+                      const Wavefront::Keep&) const {}
 
   /// Called when all samples of a tile are there.
   virtual void settled(Tile&) const {}
@@ -83,6 +84,8 @@ class BlockProgram : public FrameProgram {
  private:
   std::uint64_t store_bytes() const;
   std::uint32_t exchanged_bytes() const;
+
+  void read_rates(Tile& tile) const;
 
   // block_stages.cc
   void trace_lattice(Tile& tile, std::uint32_t first, std::uint32_t across, std::uint32_t step, std::uint32_t row_step,

@@ -67,9 +67,9 @@ void BlockProgram::trace_listed(Tile& tile, std::vector<std::uint32_t>& list, Wa
   generate.grid = grid_uniforms(static_cast<float>(tile.at.x) - 1.0F, static_cast<float>(tile.at.y) - 1.0F, pitch());
   const Wavefront::Node generated = wave.launch<GenerateListedRays>(generate, items, lanes);
   wave.wait_all(generated, lister);
-  const Wavefront::Keep keep = clear(tile, list, lister, items, keeps(is_last));
+  const Wavefront::Keep keep = clear(tile, list, lister, items, lanes, keeps(is_last));
   wave.run(generated, items, keep, lanes);
-  traced(tile, list, items, keep);
+  traced(tile, list, items, lanes, keep);
   if (wave.is_muted()) return;
   tile.out.sampling.traced += items;
   if (!is_own) tile.out.sampling.halo += items;
@@ -117,6 +117,7 @@ void BlockProgram::mark(Tile& tile, const Verdict& verdict, const LineUniforms<f
   };
   Sampling& sampling = tile.out.sampling;
   const auto step = static_cast<std::uint32_t>(line.step);
+  std::uint32_t unchecked = 0;
   for (std::uint32_t i = 0; i < verdict.passed; ++i) {
     const std::uint32_t word = tile.buffer.passed[i];
     const std::uint32_t sample = word & kSampleMask;
@@ -127,10 +128,11 @@ void BlockProgram::mark(Tile& tile, const Verdict& verdict, const LineUniforms<f
   for (std::uint32_t i = 0; i < verdict.failed; ++i) {
     const std::uint32_t sample = tile.buffer.failed[i];
     const std::uint32_t failed = tile.buffer.verdicts[sample];
+    if (failed == bit(Check::kBorder)) unchecked += 1;
     own(sample) = static_cast<SampleMark>(failed | kTracedMark);
     for (std::size_t check = 0; check < sampling.failed.size(); ++check) sampling.failed[check] += failed >> check & 1U;
   }
-  sampling.checked += verdict.passed + verdict.failed;
+  sampling.checked += verdict.passed + verdict.failed - unchecked;
   sampling.passed += verdict.passed;
 }
 

@@ -30,13 +30,13 @@ Wavefront::Keep MultirateProgram::keeps(bool is_last) const {
 }
 
 Wavefront::Keep MultirateProgram::clear(Tile& tile, std::vector<std::uint32_t>& list, Wavefront::Node lister,
-                                        std::uint32_t items, const Wavefront::Keep& keep) const {
+                                        std::uint32_t items, std::uint32_t lanes, const Wavefront::Keep& keep) const {
   Wavefront::Keep cleared = keep;
   if (keep.geometry) {
     ClearGeometry::Ports<float> ports;
     ports.samples.bind(list.data());
     ports.geometry.bind(tile.buffer.geometry.data());
-    cleared.cleared = tile.wave.launch<ClearGeometry>(ports, items);
+    cleared.cleared = tile.wave.launch<ClearGeometry>(ports, items, lanes);
     tile.wave.wait_all(cleared.cleared, lister);
     tile.wave.adds_records(cleared.cleared);
   }
@@ -44,7 +44,7 @@ Wavefront::Keep MultirateProgram::clear(Tile& tile, std::vector<std::uint32_t>& 
     ClearSecondary::Ports<float> ports;
     ports.samples.bind(list.data());
     ports.secondary.bind(tile.buffer.secondary.data());
-    cleared.cleared_secondary = tile.wave.launch<ClearSecondary>(ports, items);
+    cleared.cleared_secondary = tile.wave.launch<ClearSecondary>(ports, items, lanes);
     tile.wave.wait_all(cleared.cleared_secondary, lister);
     tile.wave.adds_records(cleared.cleared_secondary);
   }

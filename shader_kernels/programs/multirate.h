@@ -25,7 +25,7 @@ class MultirateProgram final : public BlockProgram {
   Verdict check(Tile& tile, bool along_y, const LineUniforms<float>& line, std::uint32_t items) const override;
   void interpolate(Tile& tile, bool along_y, const LineUniforms<float>& line, const Verdict& verdict) const override;
   Wavefront::Keep clear(Tile& tile, std::vector<std::uint32_t>& list, Wavefront::Node lister, std::uint32_t items,
-                        const Wavefront::Keep& keep) const override;
+                        std::uint32_t lanes, const Wavefront::Keep& keep) const override;
 
   template <class K>
   Verdict check_with(Tile& tile, const LineUniforms<float>& line, std::uint32_t items) const;

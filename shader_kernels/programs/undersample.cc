@@ -41,7 +41,7 @@ Wavefront::Keep UndersampleProgram::keeps(bool is_last) const {
 }
 
 Wavefront::Keep UndersampleProgram::clear(Tile& tile, std::vector<std::uint32_t>& list, Wavefront::Node lister,
-                                          std::uint32_t items, const Wavefront::Keep& keep) const {
+                                          std::uint32_t items, std::uint32_t lanes, const Wavefront::Keep& keep) const {
   Wavefront::Keep cleared = keep;
   if (keep.surfaces) {
     ClearSurface::Ports<float> ports;
@@ -49,12 +49,12 @@ Wavefront::Keep UndersampleProgram::clear(Tile& tile, std::vector<std::uint32_t>
     ports.geometry.bind(tile.buffer.geometry.data());
     ports.kept.bind(tile.buffer.kept.data());
     ports.globals.bind(tile.buffer.globals.data());
-    cleared.cleared = tile.wave.launch<ClearSurface>(ports, items);
+    cleared.cleared = tile.wave.launch<ClearSurface>(ports, items, lanes);
   } else if (keep.geometry) {
     ClearGeometry::Ports<float> ports;
     ports.samples.bind(list.data());
     ports.geometry.bind(tile.buffer.geometry.data());
-    cleared.cleared = tile.wave.launch<ClearGeometry>(ports, items);
+    cleared.cleared = tile.wave.launch<ClearGeometry>(ports, items, lanes);
   } else {
     return keep;
   }
@@ -63,14 +63,14 @@ Wavefront::Keep UndersampleProgram::clear(Tile& tile, std::vector<std::uint32_t>
   return cleared;
 }
 
-void UndersampleProgram::traced(Tile& tile, std::vector<std::uint32_t>& list, std::uint32_t items,
+void UndersampleProgram::traced(Tile& tile, std::vector<std::uint32_t>& list, std::uint32_t items, std::uint32_t lanes,
                                 const Wavefront::Keep& keep) const {
   if (!keep.surfaces) return;
   RecordGlobal::Ports<float> ports;
   ports.samples.bind(list.data());
   ports.colours.bind(tile.buffer.colours.data());
   ports.globals.bind(tile.buffer.globals.data());
-  const Wavefront::Node node = tile.wave.launch<RecordGlobal>(ports, items);
+  const Wavefront::Node node = tile.wave.launch<RecordGlobal>(ports, items, lanes);
   tile.wave.wait_for_colours(node);
   tile.wave.adds_records(node);
 }

@@ -32,8 +32,8 @@ class UndersampleProgram final : public BlockProgram {
   Verdict check(Tile& tile, bool along_y, const LineUniforms<float>& line, std::uint32_t items) const override;
   void interpolate(Tile& tile, bool along_y, const LineUniforms<float>& line, const Verdict& verdict) const override;
   Wavefront::Keep clear(Tile& tile, std::vector<std::uint32_t>& list, Wavefront::Node lister, std::uint32_t items,
-                        const Wavefront::Keep& keep) const override;
-  void traced(Tile& tile, std::vector<std::uint32_t>& list, std::uint32_t items,
+                        std::uint32_t lanes, const Wavefront::Keep& keep) const override;
+  void traced(Tile& tile, std::vector<std::uint32_t>& list, std::uint32_t items, std::uint32_t lanes,
               const Wavefront::Keep& keep) const override;
   void settled(Tile& tile) const override;
 
@@ -53,7 +53,8 @@ class UndersampleProgram final : public BlockProgram {
   void trace_suspects(Wavefront& wave, TileResult& out, const GridUniforms<float>& grid, std::uint32_t items,
                       Wavefront::Node lister) const;
   void average_again(std::uint32_t x, std::uint32_t y);
-  void put_corrected(Wavefront& wave, const SampleTile& at, std::uint32_t corrected, Wavefront::Node last) const;
+  void put_corrected(Wavefront& wave, const SampleTile& at, std::uint32_t corrected, std::uint32_t corrected_pixels,
+                     Wavefront::Node last) const;
 
   const UndersampleConfig undersample_;
   const float apart_;  ///< hits are near each other up to this distance

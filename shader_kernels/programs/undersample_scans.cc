@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <set>
+#include <utility>
 
 #include "shader_kernels/programs/undersample.h"
 
@@ -11,6 +13,13 @@ namespace {
 constexpr std::uint32_t kLine = 64;  // what a sample alone costs of memory
 constexpr auto kPicture = static_cast<std::size_t>(Region::kPicture);
 constexpr auto kSamples = static_cast<std::size_t>(Region::kSamples);
+
+/// How many pixels samples belong to.
+std::uint32_t pixels_of(std::span<const PostCorrection::Suspect> suspects, std::uint32_t grid) {
+  std::set<std::pair<std::uint32_t, std::uint32_t>> pixels;
+  for (const PostCorrection::Suspect& s : suspects) pixels.emplace(s.x / grid, s.y / grid);
+  return static_cast<std::uint32_t>(pixels.size());
+}
 
 }  // namespace
 
@@ -167,6 +176,7 @@ void UndersampleProgram::run_scan(std::uint32_t place, const traces::Tracer& tra
   std::span<const PostCorrection::Suspect> left = correction_.suspects_of(at.index);
   out.sampling.traced = out.sampling.correction = left.size();
   if (!left.empty()) {
+    const std::uint32_t pixels = pixels_of(left, undersample_.grid());
     const auto corrected = static_cast<std::uint32_t>(left.size());
     while (!left.empty()) {
       const auto end = std::ranges::find_if(
@@ -185,7 +195,7 @@ void UndersampleProgram::run_scan(std::uint32_t place, const traces::Tracer& tra
       found = note_search(items);
       wave.wait_all(found, stored);
     }
-    put_corrected(wave, at, corrected, found);
+    put_corrected(wave, at, corrected, pixels, found);
   }
   wave.finish();
   out.sampling.traced_background = out.background.size();
@@ -194,23 +204,23 @@ void UndersampleProgram::run_scan(std::uint32_t place, const traces::Tracer& tra
 /// Averages and encodes the corrected pixels and writes them and their words: each a line of its own, as long as those
 /// are not more than all of the tile's.
 void UndersampleProgram::put_corrected(Wavefront& wave, const SampleTile& at, std::uint32_t corrected,
-                                       Wavefront::Node last) const {
+                                       std::uint32_t corrected_pixels, Wavefront::Node last) const {
   const std::uint64_t store = scan_store(at.index);
   const std::uint64_t stored = scan_store(at.index + 1) - store;
   const auto lines = [](std::uint32_t count, std::uint64_t all) {
     return static_cast<std::uint32_t>(std::min(std::uint64_t{count} * kLine, all));
   };
-  const Wavefront::Node averaged = wave.note<AverageSamples>(corrected * undersample_.samples);
+  const Wavefront::Node averaged = wave.note<AverageSamples>(corrected_pixels * undersample_.samples);
   wave.wait_for_colours(averaged);
   if (undersample_.samples > 1) {
     const Wavefront::Node in =
-        wave.transfer(Region::kSamples, false, store, lines(corrected * undersample_.grid(), stored));
+        wave.transfer(Region::kSamples, false, store, lines(corrected_pixels * undersample_.grid(), stored));
     wave.wait_all(averaged, in);
   }
-  const Wavefront::Node packed = wave.note<PackColour>(corrected);
+  const Wavefront::Node packed = wave.note<PackColour>(corrected_pixels);
   wave.wait_all(packed, averaged);
   const std::uint64_t pixels = demands().region_bytes[kPicture] / sample_tiles().count();
-  wave.wait_all(wave.transfer(Region::kPicture, true, pixels * at.index, lines(corrected, pixels)), packed);
+  wave.wait_all(wave.transfer(Region::kPicture, true, pixels * at.index, lines(corrected_pixels, pixels)), packed);
   wave.wait_all(wave.transfer(Region::kSamples, true, store, lines(corrected, stored)), last);
 }
 

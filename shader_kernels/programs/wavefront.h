@@ -164,7 +164,7 @@ class Wavefront {
   template <bool kAfter>
   Node record_local(const Bounce& bounce, std::uint32_t items);
   template <class K>
-  Node record_surfaces(typename K::template Ports<float>& ports, std::uint32_t surfaces);
+  Node record_surfaces(typename K::template Ports<float>& ports, std::uint32_t surfaces, std::uint32_t lanes);
   void record_shadows(const Bounce& bounce, std::uint32_t light, const Batch& batch, std::uint32_t rays);
   Node record_branches(const Bounce& bounce, std::uint32_t surfaces);
   Node record_branch_shadows(std::uint32_t rays, std::uint32_t lanes);

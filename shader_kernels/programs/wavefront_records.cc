@@ -15,13 +15,14 @@ std::uint32_t bit_of(std::uint32_t light) { return 1U << (light % 32); }
 }  // namespace
 
 template <class K>
-Wavefront::Node Wavefront::record_surfaces(typename K::template Ports<float>& ports, std::uint32_t surfaces) {
+Wavefront::Node Wavefront::record_surfaces(typename K::template Ports<float>& ports, std::uint32_t surfaces,
+                                           std::uint32_t lanes) {
   ports.surfaces.bind(buffer_.surfaces.data());
   ports.hits.bind(buffer_.wave.hits.data());
   ports.places.bind(buffer_.places.data());
   ports.paths.bind(buffer_.wave.paths.data());
   ports.triangles.bind(scene_.image.triangles.data(), accesses());
-  return launch<K>(ports, surfaces);
+  return launch<K>(ports, surfaces, lanes);
 }
 
 Wavefront::Node Wavefront::record_branches(const Bounce& bounce, std::uint32_t surfaces) {
@@ -35,7 +36,7 @@ Wavefront::Node Wavefront::record_branches(const Bounce& bounce, std::uint32_t s
   ports.mattes.bind(buffer_.mattes.data());
   ports.traits.bind(buffer_.secondary_traits.data());
   ports.branches.bind(buffer_.branches.data());
-  const Node recorded = record_surfaces<RecordBranch>(ports, surfaces);
+  const Node recorded = record_surfaces<RecordBranch>(ports, surfaces, bounce.lanes);
   wait_all(recorded, weighed);
   return recorded;
 }
@@ -45,19 +46,19 @@ void Wavefront::record_hits(Bounce& bounce, std::uint32_t surfaces) {
     RecordGeometry::Ports<float> ports;
     ports.mattes.bind(buffer_.mattes.data());
     ports.geometry.bind(buffer_.geometry.data());
-    bounce.recorded = record_surfaces<RecordGeometry>(ports, surfaces);
+    bounce.recorded = record_surfaces<RecordGeometry>(ports, surfaces, bounce.lanes);
   } else if (bounce.depth == 1 && keep_.surfaces) {
     RecordSurface::Ports<float> ports;
     ports.mattes.bind(buffer_.mattes.data());
     ports.geometry.bind(buffer_.geometry.data());
     ports.texcoords.bind(buffer_.texcoords.data());
     ports.kept.bind(buffer_.kept.data());
-    bounce.recorded = record_surfaces<RecordSurface>(ports, surfaces);
+    bounce.recorded = record_surfaces<RecordSurface>(ports, surfaces, bounce.lanes);
   } else if (bounce.depth == 1 && keep_.traits) {
     RecordTraits::Ports<float> ports;
     ports.mattes.bind(buffer_.mattes.data());
     ports.traits.bind(buffer_.traits.data());
-    bounce.recorded = record_surfaces<RecordTraits>(ports, surfaces);
+    bounce.recorded = record_surfaces<RecordTraits>(ports, surfaces, bounce.lanes);
   } else if (bounce.depth == 2 && keep_.traits) {
     bounce.recorded = record_branches(bounce, surfaces);
   } else if (bounce.depth > 1 && keep_.secondary) {
@@ -67,7 +68,7 @@ void Wavefront::record_hits(Bounce& bounce, std::uint32_t surfaces) {
     ports.mirrored = bounce.mirrored;
     ports.refracted = bounce.refracted;
     ports.first = bounce.depth == 2 ? 1.0F : 0.0F;
-    bounce.recorded = record_surfaces<RecordSecondary>(ports, surfaces);
+    bounce.recorded = record_surfaces<RecordSecondary>(ports, surfaces, bounce.lanes);
   } else {
     return;
   }
