@@ -26,8 +26,8 @@ void add_job_options(CLI::App& verb, JobOptions& options) {
   verb.add_option("--frames", options.frames,
                   "A:B renders frames A to B of an animation, A frame A alone (default: 0)");
   verb.add_option("--program", options.program,
-                  "frame program: full:N (N samples per pixel, a square), supersample, undersample, multirate:under,\n"
-                  "multirate:super; their keys: raywatt config manual")
+                  "frame program: full:N traces N samples per pixel, a square; multirate:under, multirate:super,\n"
+                  "undersample and supersample trace where neighbours differ (docs/adaptive.md)")
       ->capture_default_str();
   verb.add_option("--resolution", options.resolution, "WIDTHxHEIGHT (default: the configuration's, 1024x512)");
   verb.add_option("--threads", options.threads, "host threads (default: all cores)")->check(CLI::Range(1, 1024));
