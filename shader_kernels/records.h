@@ -173,7 +173,7 @@ struct SecondaryRecord {
 /// What else a sample keeps of its first hit if it is to be interpolated and then shaded.
 template <class V>
 struct SurfaceRecord {
-  Vec3<V> diffuse;  ///< before its texture
+  Vec3<V> diffuse;  ///< before a texture that is kTextured; others are in it
   I<V> classes;
   Vec3<V> plane;  ///< the triangle's own normal, on the side that the ray came from
   F<V> u, v;

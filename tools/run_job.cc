@@ -17,6 +17,7 @@
 #include "traces/accel/bvh_info.h"
 #include "traces/accel/bvh_tracer.h"
 #include "traces/accel/refit.h"
+#include "traces/scene/bounds.h"
 #include "traces/scene/workload.h"
 
 namespace tools {
@@ -41,13 +42,22 @@ class Interruptible final : public hw::TileSource {
 struct Program {
   Program(const Inputs& inputs, const kernels::ProgramSpec& spec, const Extras& extras)
       : first(inputs.config.programs.multirate),
-        frame(kernels::make_program(spec, {inputs.image, inputs.camera, inputs.config.render, inputs.config.programs,
-                                           extras.rates != nullptr ? *extras.rates : first, inputs.frame})) {
+        frame(kernels::make_program(
+            spec, {inputs.image, inputs.camera, inputs.config.render, inputs.config.programs,
+                   extras.rates != nullptr ? *extras.rates : first, inputs.frame, inputs.scene_size})) {
     if (extras.marks) frame->keep_marks();
   }
   const kernels::RateMap first;
   const std::unique_ptr<kernels::FrameProgram> frame;
 };
+
+float size_in_frame_0(traces::Scene& scene, const traces::WorkloadConfig& workload) {
+  if (workload.first_frame != 0) traces::pose_workload(scene, workload, 0);
+  const traces::Bounds bounds = traces::world_bounds(scene);
+  if (workload.first_frame != 0) traces::pose_workload(scene, workload, workload.first_frame);
+  const glm::vec3 sides = bounds.upper - bounds.lower;
+  return std::max({sides.x, sides.y, sides.z});
+}
 
 /// Every figure of the table must be one that some counter can use.
 void check_energy(std::span<const sim::UnitReport> units, const sim::EnergyConfig& config) {
@@ -72,6 +82,7 @@ Inputs load_inputs(const JobOptions& options) {
   const sim::HostClock::time_point begin = sim::HostClock::now();
   traces::Scene scene = traces::open_workload(in.config.scene, in.config.limits);
   in.frame = in.config.scene.first_frame;
+  in.scene_size = size_in_frame_0(scene, in.config.scene);
   in.camera = scene.cameras.front();
   in.scene = traces::scene_info(scene);
   in.scene_sha256 = scene.sha256;

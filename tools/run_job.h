@@ -24,6 +24,7 @@ struct Inputs {
   std::string scene_sha256, bvh_hash;  ///< the tree's: of the first frame
   std::vector<std::string> warnings;
   std::uint32_t frame = 0;
+  float scene_size = 1;  ///< longest side of the scene's bounds in frame 0
   traces::Camera camera;
   traces::MemoryImage image;
   std::vector<std::uint32_t> parents;  ///< of each node of the tree

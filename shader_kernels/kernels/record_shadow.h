@@ -1,5 +1,6 @@
 #pragma once
 #include <string_view>
+#include <type_traits>
 
 #include "shader_kernels/kernels/arithmetic.h"
 #include "shader_kernels/ports.h"
@@ -29,7 +30,12 @@ struct RecordShadowPorts {
     const M<V> lit = at.shadow_hits.load(item).triangle == traces::kNoHit;
     const I<V> sample = at.shadow_paths.load(item).sample;
     R<V> record = at.records.load(sample);
-    record.shadows = record.shadows + select(lit, I<V>(0U), at.mark);
+    const I<V> mark = select(lit, I<V>(0U), at.mark);
+    if constexpr (std::is_same_v<R<V>, GeometryRecord<V>>) {
+      record.shadows = record.shadows | mark;  // lights beyond 32 share bits
+    } else {
+      record.shadows = record.shadows + mark;
+    }
     at.records.store(sample, record);
   }
 };

@@ -40,6 +40,7 @@ struct MultirateConfig : AdaptiveConfig {
     AdaptiveConfig::describe(c, field);
   }
   void check(auto&& complain) const {
+    if (rate_up < rate_down) complain("rate_up", "is below rate_down; allowed: rate_down or more");
     if (rate_control != RateControl::kOff && block != 2) {
       complain("block", "is not 2, which rate_control needs: it changes between blocks of 2 and of 4");
     }

@@ -17,7 +17,8 @@ std::unique_ptr<FrameProgram> make_program(const ProgramSpec& spec, const Frame&
     case ProgramSpec::Kind::kSupersample:
       return std::make_unique<SupersampleProgram>(f.image, f.camera, f.render, f.programs.supersample, f.number);
     case ProgramSpec::Kind::kUndersample:
-      return std::make_unique<UndersampleProgram>(f.image, f.camera, f.render, f.programs.undersample, f.number);
+      return std::make_unique<UndersampleProgram>(f.image, f.camera, f.render, f.programs.undersample, f.scene_size,
+                                                  f.number);
     case ProgramSpec::Kind::kFull:
       break;
   }

@@ -35,6 +35,7 @@ struct Frame {
   const ProgramConfig& programs;
   const RateMap& rates;
   std::uint32_t number = 0;
+  float scene_size = 1;  ///< longest side of the scene's bounds in frame 0
 };
 
 std::unique_ptr<FrameProgram> make_program(const ProgramSpec& spec, const Frame& frame);

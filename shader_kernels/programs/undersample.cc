@@ -11,17 +11,11 @@ namespace {
 constexpr std::uint32_t kRecordBytes =
     sizeof(GeometryRecord<float>) + sizeof(SurfaceRecord<float>) + sizeof(ColourRecord<float>);
 
-/// What the scene's longest side is.
-float size_of(const traces::MemoryImage& image) {
-  const glm::vec3 sides = image.upper - image.lower;
-  return std::max({sides.x, sides.y, sides.z});
-}
-
 }  // namespace
 
 UndersampleProgram::UndersampleProgram(const traces::MemoryImage& image, const traces::Camera& camera,
                                        const RenderConfig& config, const UndersampleConfig& undersample,
-                                       std::uint32_t frame)
+                                       float scene_size, std::uint32_t frame)
     : BlockProgram(image, camera, config, undersample,
                    {.grid = undersample.grid(),
                     .block = undersample.block,
@@ -29,7 +23,7 @@ UndersampleProgram::UndersampleProgram(const traces::MemoryImage& image, const t
                     .record_bytes = kRecordBytes},
                    frame),
       undersample_(undersample),
-      apart_(static_cast<float>(undersample.position) * size_of(image)),
+      apart_(static_cast<float>(undersample.position) * scene_size),
       correction_(undersample, config.width * undersample.grid(), config.height * undersample.grid(),
                   sample_tiles().side()) {}
 

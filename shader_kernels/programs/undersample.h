@@ -17,8 +17,9 @@ namespace kernels {
 ///   per scan and tile: identities from memory -> find_suspects -> trace -> find_suspects -> ... -> corrected pixels
 class UndersampleProgram final : public BlockProgram {
  public:
+  /// `scene_size`: the longest side of the scene's bounds, the same in all frames.
   UndersampleProgram(const traces::MemoryImage& image, const traces::Camera& camera, const RenderConfig& config,
-                     const UndersampleConfig& undersample, std::uint32_t frame);
+                     const UndersampleConfig& undersample, float scene_size, std::uint32_t frame);
 
   std::uint32_t tiles() const override;
   std::uint32_t pass_end(std::uint32_t place) const override;

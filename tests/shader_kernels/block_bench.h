@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <vector>
 
 #include "bench.h"
@@ -63,8 +64,14 @@ struct Stage {
     return run_program(program, tracer, grid, record);
   }
   Sampled undersample(const RenderConfig& render, const UndersampleConfig& config, bool record = false) const {
-    UndersampleProgram program(image, camera, render, config, 0);
+    UndersampleProgram program(image, camera, render, config, size(), 0);
     return run_program(program, tracer, config.grid(), record);
+  }
+
+  /// Longest side of the scene's bounds.
+  float size() const {
+    const glm::vec3 sides = image.upper - image.lower;
+    return std::max({sides.x, sides.y, sides.z});
   }
 
   const traces::MemoryImage image;

@@ -139,7 +139,7 @@ TEST_P(Blocks, TilesOfAPassMayRunOnManyThreadsInAnyOrder) {
   UndersampleConfig config;
   config.correction = Correction::kFour;
   const Sampled alone = stage_.undersample(small(64, 40), config, true);
-  UndersampleProgram program(stage_.image, stage_.camera, small(64, 40), config, 0);
+  UndersampleProgram program(stage_.image, stage_.camera, small(64, 40), config, stage_.size(), 0);
   for (std::uint32_t begin = 0; begin < program.tiles(); begin = program.pass_end(begin)) {
     program.begin_pass(begin, stage_.tracer);
     std::vector<TileResult> tiles(program.pass_end(begin) - begin);

@@ -246,7 +246,7 @@ TEST(PostCorrection, ManyCorrectedSamplesMoveNoMoreThanTheirTile) {
     UndersampleConfig config = scanning(Correction::kFour, Neighbourhood::kEight);
     config.samples = samples;
     const RenderConfig render = small(32, 32);
-    UndersampleProgram program(stage.image, stage.camera, render, config, 0);
+    UndersampleProgram program(stage.image, stage.camera, render, config, stage.size(), 0);
     const Sampled run = run_program(program, stage.tracer, config.grid(), true);
     EXPECT_GT(run.sampling.correction, 32U * 32U / 16) << "lines of the picture";
     const Demands demands = program.demands();
@@ -275,7 +275,7 @@ TEST(PostCorrection, SamplesThatItTracesMayHitNothing) {
 TEST(PostCorrection, WithoutScansThereIsNoSecondPass) {
   const Stage rod = rod_of(1, 1.4F);
   const auto program = [&](Correction scans) {
-    return UndersampleProgram(rod.image, rod.camera, small(kSide, kSide), scanning(scans), 0).tiles();
+    return UndersampleProgram(rod.image, rod.camera, small(kSide, kSide), scanning(scans), rod.size(), 0).tiles();
   };
   EXPECT_EQ(program(Correction::kOff), 9U);
   EXPECT_EQ(program(Correction::kTwo), 3 * 9U);

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "tools/picture.h"
 #include "tools/kernel_shares.h"
+#include "tools/picture.h"
 
 namespace tools::reproduce {
 

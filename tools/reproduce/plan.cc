@@ -17,7 +17,9 @@ const std::vector<Paper>& papers() {
   return all;
 }
 
-Sets reproduction_rules() { return {"scene.lights.rig=strongest"}; }
+Sets reproduction_rules() {
+  return {"scene.lights.rig=strongest", "render.depth=3", "render.samples=regular", "render.glass_shadows=opaque"};
+}
 
 std::uint32_t side(std::uint32_t pixels, bool quick) {
   constexpr std::uint32_t kQuickly = 16;
