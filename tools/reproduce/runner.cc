@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "sim/error.h"
+#include "tools/debug_pictures.h"
 #include "tools/ground_truth.h"
 #include "tools/picture.h"
 #include "tools/reproduce/mirrors.h"
@@ -101,11 +102,12 @@ const Outcome& Runner::outcome(const Case& c, const Program& program) {
   Outcome out;
   out.pixels = std::uint64_t{c.width} * c.height;
   out.machine = c.machine;
+  const Extras extras{.rates = nullptr, .marks = !c.picture.empty()};
   if (c.machine) {
-    out.simulation = simulate(*inputs_, spec, options_.threads);
+    out.simulation = simulate(*inputs_, spec, options_.threads, extras);
   } else {
     out.simulation.program = spec;
-    out.simulation.function = render(*inputs_, spec, traces::BvhTracer(inputs_->image), options_.threads);
+    out.simulation.function = render(*inputs_, spec, traces::BvhTracer(inputs_->image), options_.threads, extras);
   }
   return outcomes_.emplace(key, std::move(out)).first->second;
 }
@@ -137,8 +139,13 @@ void Runner::write_pictures(const Case& c, const fs::path& folder) const {
   const auto write = [&](const std::string& name, const std::vector<std::uint8_t>& picture) {
     traces::write_png(folder / fmt::format("figure-{}.png", file_part(name)), c.width, c.height, picture);
   };
-  const std::vector<float>& run = outcomes_.at(key_of(c, c.run)).simulation.function.rgb;
+  const Simulation& simulation = outcomes_.at(key_of(c, c.run)).simulation;
+  const std::vector<float>& run = simulation.function.rgb;
   write(c.picture, to_rgb8(run));
+  for (const DebugPicture& p : debug_pictures(simulation.program, simulation.function, c.width, c.height)) {
+    const std::string name = file_part(fmt::format("{}-{}", c.picture, p.name));
+    traces::write_png(folder / fmt::format("figure-{}.png", name), p.width, p.height, p.rgb);
+  }
   const std::vector<float>& other = c.truth ? truth_ : outcomes_.at(key_of(c, c.reference)).simulation.function.rgb;
   const std::string frame = c.view.frame.empty() ? "" : "-" + c.view.frame;
   write(fmt::format("reference-{}{}-{}", c.view.scene, frame, c.truth ? "truth" : c.reference.name), to_rgb8(other));

@@ -41,8 +41,9 @@ class Runner {
   /// The scene that stands in, as a user would name it. InputError if it is not there.
   std::string stand_in(const View& view) const;
 
-  /// Writes the pictures of the case last measured into a folder: the run's, what it is compared with (one file for all
-  /// that are compared with it), and four times their difference.
+  /// Writes the pictures of the case last measured into a folder: the run's and those of how it came about
+  /// (debug_pictures.h), what it is compared with (one file for all that are compared with it), and four times their
+  /// difference.
   void write_pictures(const Case& c, const std::filesystem::path& folder) const;
 
  private:
