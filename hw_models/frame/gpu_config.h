@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 
+#include "hw_models/frame/ideal_config.h"
 #include "hw_models/memory/core_port.h"
 #include "hw_models/memory/dram_config.h"
 #include "hw_models/memory/l2_bank.h"
@@ -62,6 +63,7 @@ struct GpuConfig {
   L2Config l2;
   InterconnectConfig interconnect;
   DramConfig dram;
+  IdealConfig ideal;
 
   static void describe(auto& c, auto&& field) {
     field(c.cores, "cores", "cores", "pairs of an SRP and a T&I unit", sim::between(1, 64), sim::Affects::kTiming);
@@ -74,6 +76,7 @@ struct GpuConfig {
     field.group(c.l2, "l2", "second-level cache, shared");
     field.group(c.interconnect, "interconnect", "between cores, L2 and memory");
     field.group(c.dram, "dram", "memory channels");
+    field.group(c.ideal, "ideal", "resources made perfect, for bounds (--ideal)");
   }
   void check(auto&& complain) const {
     const auto line = [&](const char* key, const sim::ByteSize& size) {

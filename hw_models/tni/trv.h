@@ -15,11 +15,15 @@
 
 namespace hw {
 
-/// What a traversal unit knows of the tree in memory: where nodes lie, and each node's parent (for restarts).
+/// What a traversal unit knows of the tree in memory: where records lie, and each node's parent (for restarts).
 struct TreeInMemory {
   Addr nodes = 0;
-  std::uint32_t node_bytes = 64;
+  std::uint32_t node_bytes = 64;  ///< of a record; it may lie across two lines
   std::span<const std::uint32_t> parents;
+  /// Of each inner node, the records of its two children, where a record holds a single box; empty where it holds both
+  /// boxes of a node.
+  std::span<const std::array<std::uint32_t, 2>> single_boxes;
+  bool hybrid = false;  ///< fixed-point boxes
 };
 
 /// A traversal unit (TRV): takes independent rays through a 2-wide BVH, three sub-pipes side by side, each one
