@@ -61,8 +61,11 @@ Gpu::Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles)
       srp_clock_(config.clocks.srp.clock()),
       l2_clock_(config.clocks.l2.clock()),
       dram_clock_(config.dram.timing.ck.time) {
+  SrpConfig srp = config.srp;
+  if (config.ideal.tile_buffer) srp.array.local_ports = 64;  // more than any kernel can use
   for (const kernels::KernelInfo& kernel : kernels::catalogue()) {
-    kernels_.push_back(schedule(kernel.graph, config.srp));
+    kernels_.push_back(schedule(kernel.graph, srp));
+    conflicts_.push_back(bank_conflicts(kernels_.back(), kernel.graph, config.tile_buffer.banks));
   }
   Wiring wiring{config.tni.trvs, config.cores, config.l2.banks, config.dram.channels, wakes_, {}, {}, {}, {}, {}, {}};
   wakes_.assign(wiring.size(), 0);
@@ -166,12 +169,16 @@ void Gpu::add_core(Wiring& wiring, std::uint32_t c, const Workload& workload) {
   for (std::uint32_t t = 0; t < trvs; ++t) trv_wakes.push_back(wiring.trv(c, t));
   core.tni->wakes(wiring.ray_dispatcher(c), wiring.ist(c), trv_wakes);
 
-  const Srp::Frame frame{.layout = &layout,
-                         .kernels = kernels_,
-                         .tile_samples = workload.tile_samples,
-                         .attribute_bytes = workload.attribute_bytes,
-                         .ray_interval = config_.direct_interface.interval * tni_clock_.period(),
-                         .areas = areas_of(config_, workload, c)};
+  const Srp::Frame frame{
+      .layout = &layout,
+      .kernels = kernels_,
+      .conflicts = conflicts_,
+      .tile_samples = workload.tile_samples,
+      .attribute_bytes = workload.attribute_bytes,
+      .ray_interval = config_.ideal.tni ? 0 : config_.direct_interface.interval * tni_clock_.period(),
+      .areas = areas_of(config_, workload, c),
+      .ideal = config_.ideal.srp,
+      .ideal_buffer = config_.ideal.tile_buffer};
   core.srp = std::make_unique<Srp>(
       config_.srp, config_.tile_buffer, frame,
       Srp::Links{tiles_in, tiles_out, rays, hits, *port.clients_in.back(), *port.clients_out.back(), dma_in, dma_out},

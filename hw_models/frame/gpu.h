@@ -90,6 +90,7 @@ class Gpu {
   const GpuConfig config_;
   const sim::Clock tni_clock_, srp_clock_, l2_clock_, dram_clock_;
   std::vector<KernelSchedule> kernels_;
+  std::vector<BankConflicts> conflicts_;  ///< of each kernel
 
   // Pinned links, by what they carry.
   std::deque<sim::Link<TileJob>> tile_jobs_;

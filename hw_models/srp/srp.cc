@@ -22,16 +22,22 @@ constexpr std::uint64_t kAccess = 16;  // bytes of one access to the tile buffer
 constexpr std::uint64_t kRayReads = sizeof(traces::Ray) / kAccess;
 constexpr std::uint64_t kHitWrites = sizeof(traces::Hit) / kAccess;
 
+/// An ideal shader core never stands still for a line; it asks for lines all the same, with registers to spare.
+SrpConfig with_registers(SrpConfig config, bool ideal) {
+  if (ideal) config.data_cache.mshrs = 256;
+  return config;
+}
+
 }  // namespace
 
 Srp::Srp(const SrpConfig& config, const TileBufferConfig& buffer, const Frame& frame, Links links, std::uint16_t port,
          sim::Clock clock)
-    : config_(config),
+    : config_(with_registers(config, frame.ideal)),
       clock_(clock),
       frame_(frame),
       links_(links),
-      buffer_(buffer, frame.tile_samples, frame.attribute_bytes, clock),
-      cache_(config.data_cache, port),
+      buffer_(buffer, frame.tile_samples, frame.attribute_bytes, clock, frame.ideal_buffer),
+      cache_(config_.data_cache, port),
       tiles_(buffer.tiles_in_flight),
       lines_missing_(64),
       kernel_use_(frame.kernels.size()) {}
@@ -42,7 +48,8 @@ sim::Time Srp::tick(sim::Time now) {
   take_line(now);
   take_dma(now);
   run_array(now);
-  feed_ray(now);
+  while (feed_ray(now) && frame_.ray_interval == 0) {
+  }
   cache_.send(now, links_.memory_out);
   if (!dma_.empty() && links_.dma_out.can_push(now)) {
     links_.dma_out.push(now, dma_.front());
@@ -84,7 +91,9 @@ void Srp::take_hit(sim::Time now) {
 void Srp::take_line(sim::Time now) {
   if (!links_.memory_in.can_pop(now)) return;
   stats_.cache_fills += 1;
-  for (std::uint64_t waited = cache_.fill(links_.memory_in.pop(now).line); waited != 0; waited &= waited - 1) {
+  std::uint64_t waited = cache_.fill(links_.memory_in.pop(now).line);
+  if (frame_.ideal) return;
+  for (; waited != 0; waited &= waited - 1) {
     const auto slot = static_cast<std::uint32_t>(std::countr_zero(waited));
     if (--lines_missing_[slot] == 0) missing_ &= ~(std::uint64_t{1} << slot);
   }
@@ -106,6 +115,7 @@ void Srp::take_dma(sim::Time now) {
 
 void Srp::run_array(sim::Time now) {
   if (run_.active && now >= run_.start) {
+    if (frame_.ideal) load_freely();
     const bool flowing = loads_in_time(now) && touch_cache(now);
     if (flowing && run_.next_item == run_.loading && loads_.empty() && now >= leaves_at(run_.items - 1)) {
       finish_chunk(now);
@@ -137,7 +147,7 @@ bool Srp::loads_in_time(sim::Time now) {
 /// The item that enters the loop now asks the data cache for its lines. False if the array froze.
 bool Srp::touch_cache(sim::Time now) {
   const sim::Time at = array_time(now);
-  if (run_.next_item == run_.loading || at < sim::Time{run_.next_item} * run_.kernel->ii * clock_.period()) return true;
+  if (run_.next_item == run_.loading || at < sim::Time{run_.next_item} * run_.ii * clock_.period()) return true;
   const std::uint32_t slot = run_.next_item % 64;
   const std::uint64_t bit = std::uint64_t{1} << slot;
   collect_lines(tiles_[run_.tile].node(run_.node), run_.first + run_.next_item);
@@ -162,6 +172,18 @@ bool Srp::touch_cache(sim::Time now) {
   run_.next_item += 1;
   run_.next_line = 0;
   return true;
+}
+
+/// All items of an ideal shader core ask at once and wait for nothing.
+void Srp::load_freely() {
+  for (; run_.next_item < run_.loading; ++run_.next_item) {
+    collect_lines(tiles_[run_.tile].node(run_.node), run_.first + run_.next_item);
+    for (const Addr line : item_lines_) {
+      const bool hit = cache_.access(line, 0) == L1Cache::Result::kHit;
+      stats_.cache_accesses += 1;
+      (hit ? stats_.cache_hits : stats_.cache_misses) += 1;
+    }
+  }
 }
 
 void Srp::collect_lines(const WorkNode& node, std::uint32_t item) {
@@ -248,11 +270,13 @@ void Srp::begin_chunk(sim::Time now, std::uint32_t tile, std::uint32_t node) {
   TileRun& run = tiles_[tile];
   const WorkNode& work = run.node(node);
   const KernelSchedule& kernel = frame_.kernels[work.kernel];
-  const bool switching = configured_ != work.kernel;
+  const bool switching = configured_ != work.kernel && !frame_.ideal;
   blocked_ = false;
   configured_ = work.kernel;
   const std::uint32_t items = run.chunk_items(node);
-  const sim::Time start = clock_.after(now, switching ? config_.switch_cycles : 0);
+  const bool conflicts = !frame_.ideal && !frame_.ideal_buffer;
+  const std::uint64_t conflict_cycles = conflicts ? frame_.conflicts[work.kernel].of(items) : 0;
+  const sim::Time configured = clock_.after(now, switching ? config_.switch_cycles : 0);
   const std::uint32_t first = run.done(node), working = run.working(node, first, items);
   run_ = Run{.active = true,
              .tile = tile,
@@ -262,8 +286,10 @@ void Srp::begin_chunk(sim::Time now, std::uint32_t tile, std::uint32_t node) {
              .loading = work.has_accesses ? working : 0,
              .begin = now,
              .without_rays = time_without_rays(now),
-             .start = start,
-             .kernel = &kernel};
+             .configured = configured,
+             .start = clock_.after(configured, conflict_cycles),
+             .ii = frame_.ideal ? 0 : kernel.ii,
+             .depth = frame_.ideal ? 0 : kernel.depth};
   if (switching) {
     stats_.switches += 1;
     stats_.config_rows_loaded += kernel.ii;
@@ -271,6 +297,7 @@ void Srp::begin_chunk(sim::Time now, std::uint32_t tile, std::uint32_t node) {
   stats_.add(kernel, items);
   buffer_.read(std::uint64_t{items} * kernel.local_reads);
   buffer_.write(std::uint64_t{items} * kernel.local_writes);
+  buffer_.conflict(conflict_cycles);
   kernel_use_[work.kernel].launches += 1;
   kernel_use_[work.kernel].items += items;
   kernel_use_[work.kernel].idle += items - working;
@@ -305,10 +332,10 @@ sim::Time Srp::feed_at(const Feed& feed) const {
   return leaves <= run_.frozen ? leaves : sim::kNever;
 }
 
-void Srp::feed_ray(sim::Time now) {
-  if (feeds_.empty() || now < feed_free_at_ || !links_.rays_out.can_push(now)) return;
+bool Srp::feed_ray(sim::Time now) {
+  if (feeds_.empty() || now < feed_free_at_ || !links_.rays_out.can_push(now)) return false;
   const auto feed = std::ranges::find_if(feeds_, [&](const Feed& f) { return feed_at(f) <= now; });
-  if (feed == feeds_.end()) return;
+  if (feed == feeds_.end()) return false;
   const TileRun& run = tiles_[feed->tile];
   const std::uint32_t ray = run.node(feed->batch).first + feed->next;
   const traces::TileWork& work = run.work();
@@ -319,11 +346,13 @@ void Srp::feed_ray(sim::Time now) {
   stats_.rays += 1;
   feed_free_at_ = clock_.edge_at_or_after(now + frame_.ray_interval);
   if (++feed->next == run.node(feed->batch).items) feeds_.erase(feed);
+  return true;
 }
 
 Srp::Why Srp::why(sim::Time now) const {
   if (run_.active) {
-    if (now < run_.start) return Why::kSwitching;
+    if (now < run_.configured) return Why::kSwitching;
+    if (now < run_.start) return Why::kBanks;
     return run_.frozen == sim::kNever ? Why::kRunning : Why::kCacheMiss;
   }
   if (by_age_.empty()) return Why::kStarved;
@@ -335,11 +364,11 @@ sim::Time Srp::next_wake(sim::Time now) const {
   if (!run_.active && look_) return next;
   sim::Time at = sim::kNever;
   if (run_.active && now < run_.start) {
-    at = run_.start;
+    at = now < run_.configured ? run_.configured : run_.start;
   } else if (run_.active && run_.frozen == sim::kNever) {
     const sim::Time origin = run_.start + run_.stalled;
     at = leaves_at(run_.items - 1);
-    if (run_.next_item < run_.loading) at = origin + sim::Time{run_.next_item} * run_.kernel->ii * clock_.period();
+    if (run_.next_item < run_.loading) at = origin + sim::Time{run_.next_item} * run_.ii * clock_.period();
     if (!loads_.empty()) at = std::min(at, origin + loads_.front().needed);
     at = std::max(at, next);
   }

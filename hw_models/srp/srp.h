@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "hw_models/memory/l1_cache.h"
+#include "hw_models/srp/bank_conflicts.h"
 #include "hw_models/srp/messages.h"
 #include "hw_models/srp/schedule.h"
 #include "hw_models/srp/srp_config.h"
@@ -32,7 +33,8 @@ namespace hw {
 /// starts only when its rays fit into free ray slots, and a younger tile's first rays leave room for the oldest tile's.
 /// If nothing can move any more, the oldest tile's launch starts anyhow and what does not fit goes out to memory and
 /// back. The array is scheduled statically: a data-cache line that is not there when its turn comes stalls all of it.
-/// Not modelled: VLIW mode between loops beyond the switch cost; tile-buffer bank conflicts.
+/// What it loses to bank conflicts it pays before the loop begins.
+/// Not modelled: VLIW mode between loops beyond the switch cost.
 class Srp {
  public:
   enum class Why : std::uint8_t {
@@ -40,6 +42,7 @@ class Srp {
     kRunning,    ///< a kernel's loop is on the array
     kSwitching,  ///< the array is being configured for another kernel
     kCacheMiss,  ///< the array stands still for a line of the data cache
+    kBanks,      ///< the array stands still because accesses meet in a bank of the tile buffer
     kWaiting,    ///< launches wait for rays in the T&I unit, or for the DMA
     kNoSlots,    ///< a launch waits for free ray slots in the tile buffer
     kCount
@@ -58,11 +61,14 @@ class Srp {
   /// What the SRP knows of the frame.
   struct Frame {
     const traces::Layout* layout = nullptr;
-    std::span<const KernelSchedule> kernels;  ///< by KernelId
-    std::uint32_t tile_samples = 0;           ///< of a full tile
-    std::uint64_t attribute_bytes = 0;        ///< of a full tile in the tile buffer
-    sim::Time ray_interval = 0;               ///< the direct interface takes a ray this often
-    std::array<Addr, kAreas> areas{};         ///< where each begins; slots of this core spill to kSpill
+    std::span<const KernelSchedule> kernels;   ///< by KernelId
+    std::span<const BankConflicts> conflicts;  ///< likewise
+    std::uint32_t tile_samples = 0;            ///< of a full tile
+    std::uint64_t attribute_bytes = 0;         ///< of a full tile in the tile buffer
+    sim::Time ray_interval = 0;                ///< the direct interface takes a ray this often
+    std::array<Addr, kAreas> areas{};          ///< where each begins; slots of this core spill to kSpill
+    bool ideal = false;                        ///< kernels cost no time
+    bool ideal_buffer = false;                 ///< the tile buffer has room for everything and no bank conflicts
   };
 
   Srp(const SrpConfig& config, const TileBufferConfig& buffer, const Frame& frame, Links links, std::uint16_t port,
@@ -88,12 +94,13 @@ class Srp {
     std::uint32_t loading = 0;       ///< leading items that touch the data cache
     sim::Time begin = 0;             ///< switch begins
     sim::Time without_rays = 0;      ///< time without rays before
+    sim::Time configured = 0;        ///< switch is over
     sim::Time start = 0;             ///< loop begins
     sim::Time stalled = 0;           ///< time frozen so far
     sim::Time frozen = sim::kNever;  ///< frozen since
     std::uint32_t next_item = 0;     ///< next of them
     std::uint32_t next_line = 0;     ///< of that item
-    const KernelSchedule* kernel = nullptr;
+    std::uint32_t ii = 1, depth = 0;
   };
   /// An item whose lines have not all come yet.
   struct Load {
@@ -111,6 +118,7 @@ class Srp {
   void take_dma(sim::Time now);
   void run_array(sim::Time now);
   bool touch_cache(sim::Time now);
+  void load_freely();
   bool loads_in_time(sim::Time now);
   void collect_lines(const traces::WorkNode& node, std::uint32_t item);
   void finish_chunk(sim::Time now);
@@ -120,7 +128,7 @@ class Srp {
   void finish_items(sim::Time now, std::uint32_t tile, std::uint32_t node, std::uint32_t items);
   void start_transfers(std::uint32_t tile);
   void end_tile(sim::Time now, std::uint32_t tile);
-  void feed_ray(sim::Time now);
+  bool feed_ray(sim::Time now);
   /// All time up to `now` in which the T&I unit had no rays of this core.
   sim::Time time_without_rays(sim::Time now) const { return without_rays_ + (rays_out_ == 0 ? now - empty_since_ : 0); }
   void freeze(sim::Time now) { run_.frozen = now; }
@@ -129,7 +137,7 @@ class Srp {
   }
   /// When item `item` of the present chunk has left the array, if nothing more stalls.
   sim::Time leaves_at(std::uint32_t item) const {
-    return run_.start + run_.stalled + (run_.kernel->depth + sim::Time{item} * run_.kernel->ii) * clock_.period();
+    return run_.start + run_.stalled + (run_.depth + sim::Time{item} * run_.ii) * clock_.period();
   }
   /// When the ray at the head of a feed can go; kNever if nothing is known.
   sim::Time feed_at(const Feed& feed) const;
@@ -166,8 +174,8 @@ class Srp {
   sim::Activity<Why> activity_;
 };
 
-constexpr std::array<std::string_view, 6> names_of(Srp::Why) {
-  return {"starved", "running", "switching", "cache_miss", "waiting", "no_slots"};
+constexpr std::array<std::string_view, 7> names_of(Srp::Why) {
+  return {"starved", "running", "switching", "cache_miss", "banks", "waiting", "no_slots"};
 }
 
 }  // namespace hw

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <string_view>
 
 #include "sim/activity.h"
@@ -16,6 +17,7 @@ struct TileBufferConfig {
   std::uint32_t tiles_in_flight = 3;
   std::uint32_t slot_bytes = 64;
   std::uint32_t colour_bytes = 16;
+  std::uint32_t banks = 16;
 
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
@@ -26,21 +28,25 @@ struct TileBufferConfig {
           Affects::kTiming);
     field(c.colour_bytes, "colour_bytes", "bytes", "colour accumulator of a sample", sim::between(4, 64),
           Affects::kTiming);
+    field(c.banks, "banks", "banks", "16-byte banks that can be accessed in the same cycle", sim::power_of_two(1, 64),
+          Affects::kTiming);
   }
 };
 
 /// Keeps account of the tile buffer: ray slots taken and given back, and the 16-byte accesses that cost energy.
 /// A ray is made only into a free slot, which is also the place reserved for its hit; so hits never wait.
-/// Not modelled: bank conflicts (the SRP's schedule limits accesses by its memory ports).
+/// Conflicts of kernels for its banks are a matter of their schedules (bank_conflicts.h). Not modelled: conflicts with
+/// the T&I unit's and the DMA's accesses.
 class TileBuffer {
  public:
   enum class Why : std::uint8_t { kIdle, kInUse, kCount };
   struct Stats {
-    std::uint64_t reads = 0, writes = 0;
+    std::uint64_t reads = 0, writes = 0, bank_conflicts = 0;
     std::uint64_t slots_taken = 0, slots_peak = 0, spilled_slots = 0;
     static void describe(auto& s, auto&& counter) {
       counter(s.reads, "reads", "16-byte reads", "tile.read");
       counter(s.writes, "writes", "16-byte writes", "tile.write");
+      counter(s.bank_conflicts, "bank_conflicts", "cycles for which a kernel stood still for a bank");
       counter(s.slots_taken, "slots_taken", "ray slots taken");
       counter(s.slots_peak, "slots_peak", "most ray slots in use at once");
       counter(s.spilled_slots, "spilled_slots", "ray slots that did not fit and went through memory");
@@ -48,12 +54,14 @@ class TileBuffer {
   };
 
   /// Of a full tile: `samples`, whose colours are set aside for every tile in flight, and `attribute_bytes`, set aside
-  /// likewise.
-  TileBuffer(const TileBufferConfig& config, std::uint32_t samples, std::uint64_t attribute_bytes, sim::Clock clock)
+  /// likewise. An ideal one has room for everything.
+  TileBuffer(const TileBufferConfig& config, std::uint32_t samples, std::uint64_t attribute_bytes, sim::Clock clock,
+             bool ideal = false)
       : clock_(clock), slot_bytes_(config.slot_bytes) {
     const std::uint64_t tile = std::uint64_t{samples} * config.colour_bytes + attribute_bytes;
     const std::uint64_t set_aside = config.tiles_in_flight * tile;
     slots_ = config.size.bytes > set_aside ? (config.size.bytes - set_aside) / config.slot_bytes : 0;
+    if (ideal) slots_ = std::numeric_limits<std::uint64_t>::max();
   }
 
   std::uint64_t free() const { return used_ < slots_ ? slots_ - used_ : 0; }
@@ -74,6 +82,7 @@ class TileBuffer {
 
   void read(std::uint64_t accesses) { stats_.reads += accesses; }
   void write(std::uint64_t accesses) { stats_.writes += accesses; }
+  void conflict(std::uint64_t cycles) { stats_.bank_conflicts += cycles; }
 
   /// From `now` on the buffer is in use, or not.
   void in_use(sim::Time now, bool used) {

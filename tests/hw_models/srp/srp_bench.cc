@@ -20,9 +20,11 @@ SrpBench::SrpBench(const Setup& setup, const std::vector<Kernel>& kernels)
     k.ii = kernel.ii;
     k.depth = kernel.depth;
     k.config_reads = 16 * kernel.ii;
+    conflicts_.push_back(kernel.conflicts);
   }
   const Srp::Frame frame{.layout = &layout_,
                          .kernels = kernels_,
+                         .conflicts = conflicts_,
                          .tile_samples = setup.tile_samples,
                          .ray_interval = setup.ray_interval * clock_.period(),
                          .areas = kBases};

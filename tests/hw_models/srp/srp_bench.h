@@ -26,6 +26,7 @@ class SrpBench {
   };
   struct Kernel {
     std::uint32_t ii = 1, depth = 10;
+    BankConflicts conflicts{};
   };
   /// Where picture, samples, rates and spilled slots lie.
   static constexpr std::array<Addr, kAreas> kBases{Addr{1} << 24, Addr{1} << 25, Addr{1} << 26, Addr{1} << 28};
@@ -78,6 +79,7 @@ class SrpBench {
   const sim::Clock clock_{1'000'000};
   traces::Layout layout_;
   std::vector<KernelSchedule> kernels_;
+  std::vector<BankConflicts> conflicts_;
   sim::Link<TileJob> tiles_in_;
   sim::Link<TileDone> tiles_out_;
   sim::Link<RayJob> rays_out_{64, 1, clock_};

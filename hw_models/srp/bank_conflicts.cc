@@ -1,0 +1,72 @@
+#include "hw_models/srp/bank_conflicts.h"
+
+#include <algorithm>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "hw_models/srp/schedule_graph.h"
+
+namespace hw {
+
+using kernels::GraphNode;
+using kernels::Op;
+
+namespace {
+
+/// An access of every item: at `slot` of the interval, `behind` items behind the youngest in the loop.
+struct LocalAccess {
+  std::uint32_t slot = 0, behind = 0;
+  std::uint32_t words = 1;  ///< 16-byte pieces of a record
+  std::uint32_t part = 0;   ///< of them, counted from the array's first bank
+  bool constant = false;
+  std::uint32_t index = 0;  ///< if constant
+};
+
+bool is_local(const GraphNode& node) { return node.op == Op::kLoadLocal || node.op == Op::kStoreLocal; }
+std::uint32_t words_of(const GraphNode& node) { return std::max(1U, (node.bytes + kPortBytes - 1) / kPortBytes); }
+
+std::vector<LocalAccess> accesses_of(const KernelSchedule& schedule, const kernels::Graph& graph) {
+  std::map<std::string, std::uint32_t> begins;  // of each array, in the order of the graph
+  std::uint32_t end = 0;
+  for (const GraphNode& node : graph.nodes) {
+    if (!is_local(node) || !begins.emplace(node.label, end).second) continue;
+    end += words_of(node);
+  }
+  std::vector<LocalAccess> accesses;
+  for (const Placement& p : schedule.placements) {
+    const GraphNode& node = graph.nodes[p.node];
+    if (!is_local(node)) continue;
+    LocalAccess a{p.start % schedule.ii, p.start / schedule.ii, words_of(node), begins.at(node.label) + p.part};
+    if (node.inputs[0] != GraphNode::kNone && graph.nodes[node.inputs[0]].op == Op::kConstant) {
+      a.constant = true;
+      a.index = graph.nodes[node.inputs[0]].value;
+    }
+    accesses.push_back(a);
+  }
+  return accesses;
+}
+
+}  // namespace
+
+BankConflicts bank_conflicts(const KernelSchedule& schedule, const kernels::Graph& graph, std::uint32_t banks) {
+  const std::vector<LocalAccess> accesses = accesses_of(schedule, graph);
+  BankConflicts conflicts{0, banks};
+  std::vector<std::uint32_t> used(banks);
+  for (std::uint32_t item = 0; item < banks; ++item) {  // the pattern repeats after as many items as there are banks
+    for (std::uint32_t slot = 0; slot < schedule.ii; ++slot) {
+      std::ranges::fill(used, 0);
+      std::uint32_t most = 0;
+      for (const LocalAccess& a : accesses) {
+        if (a.slot != slot) continue;
+        // Unsigned arithmetic wraps at a multiple of the number of banks.
+        const std::uint32_t record = a.constant ? a.index : item - a.behind;
+        most = std::max(most, ++used[(record * a.words + a.part) % banks]);
+      }
+      conflicts.cycles += most > 1 ? most - 1 : 0;
+    }
+  }
+  return conflicts;
+}
+
+}  // namespace hw
