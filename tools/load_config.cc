@@ -1,5 +1,6 @@
 #include "tools/load_config.h"
 
+#include <algorithm>
 #include <array>
 #include <optional>
 
@@ -43,6 +44,10 @@ RunConfig load_run_config(const JobOptions& options) {
     const FrameRange range = parse_frames(options.frames);
     config.scene.first_frame = range.first;
     config.scene.last_frame = range.last;
+  }
+  for (const hw::IdealConfig::Resource& resource : hw::IdealConfig::kResources) {
+    if (std::ranges::find(options.ideal, resource.name) != options.ideal.end())
+      config.gpu.ideal.*resource.member = true;
   }
   if (!options.resolution.empty()) {
     const Resolution r = parse_resolution(options.resolution);

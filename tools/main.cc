@@ -56,6 +56,7 @@ int run(int argc, char** argv) {
   tools::add_scenes(app);
   tools::add_config(app);
   tools::add_kernels(app);
+  tools::add_bottleneck(app);
   tools::add_bench(app);
   try {
     app.parse(argc, argv);

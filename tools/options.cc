@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "hw_models/frame/ideal_config.h"
 #include "sim/error.h"
 #include "sim/io/printable.h"
 #include "traces/scene/did_you_mean.h"
@@ -18,19 +19,29 @@ void add_config_options(CLI::App& verb, std::string& config, std::vector<std::st
       ->allow_extra_args(false);
 }
 
-void add_job_options(CLI::App& verb, JobOptions& options) {
+void add_work_options(CLI::App& verb, JobOptions& options) {
   add_config_options(verb, options.config, options.sets);
   verb.add_option("--scene", options.scene,
                   "built-in scene, workload (.yaml), or .gltf or .glb file (default: cornell)");
   verb.add_option("--camera", options.camera, "camera of the scene, by name or index (default: its first)");
-  verb.add_option("--frames", options.frames,
-                  "A:B renders frames A to B of an animation, A frame A alone (default: 0)");
   verb.add_option("--program", options.program,
                   "frame program: full:N traces N samples per pixel, a square; multirate:under, multirate:super,\n"
                   "undersample and supersample trace where neighbours differ (docs/adaptive.md)")
       ->capture_default_str();
   verb.add_option("--resolution", options.resolution, "WIDTHxHEIGHT (default: the configuration's, 1024x512)");
   verb.add_option("--threads", options.threads, "host threads (default: all cores)")->check(CLI::Range(1, 1024));
+}
+
+void add_job_options(CLI::App& verb, JobOptions& options) {
+  add_work_options(verb, options);
+  verb.add_option("--frames", options.frames,
+                  "A:B renders frames A to B of an animation, A frame A alone (default: 0)");
+  std::vector<std::string> names;
+  for (const hw::IdealConfig::Resource& resource : hw::IdealConfig::kResources) names.emplace_back(resource.name);
+  verb.add_option("--ideal", options.ideal, "a resource made perfect, for a bound (repeatable, or with commas)")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(CLI::IsMember(names));
   verb.add_option("-o,--output", options.out, "folder for the results (default: a dated one below raywatt-out/)");
   verb.add_flag("--force", options.force, "put the results among the files of a folder that is not a former run");
   verb.add_flag("--quiet", options.quiet, "no table, no progress");

@@ -20,15 +20,18 @@ struct JobOptions {
   std::string reference;   ///< program to compare with; empty: none
   std::string resolution;  ///< "1024x512"; empty: the configuration's
   std::vector<std::string> sets;
-  std::uint32_t threads = 0;  ///< 0: all cores
-  std::filesystem::path out;  ///< empty: a dated folder below raywatt-out/
+  std::vector<std::string> ideal;  ///< resources made perfect
+  std::uint32_t threads = 0;       ///< 0: all cores
+  std::filesystem::path out;       ///< empty: a dated folder below raywatt-out/
   bool force = false;
   bool quiet = false;
   bool debug_images = false;  ///< also pictures of how adaptive frames came about
   std::vector<std::string> argv;
 };
 
-/// Adds these options to a verb of the command line.
+/// Adds to a verb of the command line what says what is rendered, and on what.
+void add_work_options(CLI::App& verb, JobOptions& options);
+/// These, frames, and what becomes of the results.
 void add_job_options(CLI::App& verb, JobOptions& options);
 void add_config_options(CLI::App& verb, std::string& config, std::vector<std::string>& sets);
 

@@ -1,4 +1,7 @@
 #pragma once
+#include <array>
+#include <string_view>
+
 #include "sim/config/field.h"
 
 namespace hw {
@@ -13,6 +16,12 @@ struct IdealConfig {
   bool srp = false;
   bool tile_buffer = false;
   bool interconnect = false;
+
+  struct Resource {
+    std::string_view name;
+    bool IdealConfig::*member;
+  };
+  static const std::array<Resource, 7> kResources;
 
   static void describe(auto& c, auto&& field) {
     const auto perfect = [&](auto& value, const char* name, const char* meaning) {
@@ -29,5 +38,14 @@ struct IdealConfig {
     perfect(c.interconnect, "interconnect", "any number of requests and lines a cycle, each in one cycle");
   }
 };
+
+inline constexpr std::array<IdealConfig::Resource, 7> IdealConfig::kResources = {
+    {{"tni", &IdealConfig::tni},
+     {"l1", &IdealConfig::l1},
+     {"l2", &IdealConfig::l2},
+     {"dram", &IdealConfig::dram},
+     {"srp", &IdealConfig::srp},
+     {"tile_buffer", &IdealConfig::tile_buffer},
+     {"interconnect", &IdealConfig::interconnect}}};
 
 }  // namespace hw

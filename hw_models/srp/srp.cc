@@ -56,11 +56,23 @@ sim::Time Srp::tick(sim::Time now) {
     dma_.pop_front();
   }
   const Why reason = why(now);
+  account(now);
   activity_.spend(now, clock_.period(), reason, reason);
   return next_wake(now);
 }
 
+/// Charges the time since the last tick to the state in which that left the core.
+void Srp::account(sim::Time now) {
+  const std::uint64_t cycles = clock_.cycles(now - accounted_);
+  if (fed_) stats_.fed += cycles;
+  if (fed_ && !busy_) stats_.awaited += cycles;
+  accounted_ = now;
+  fed_ = rays_out_ > 0;
+  busy_ = run_.active;
+}
+
 void Srp::finish(sim::Time end) {
+  account(end);
   activity_.finish(end);
   buffer_.finish(end);
 }

@@ -141,6 +141,7 @@ class Srp {
   }
   /// When the ray at the head of a feed can go; kNever if nothing is known.
   sim::Time feed_at(const Feed& feed) const;
+  void account(sim::Time now);
   Why why(sim::Time now) const;
   sim::Time next_wake(sim::Time now) const;
 
@@ -163,9 +164,11 @@ class Srp {
   std::uint32_t configured_ = 0xffffffffU;  ///< kernel on the array
   std::vector<Feed> feeds_;
   sim::Time feed_free_at_ = 0;
-  std::uint64_t rays_out_ = 0;  ///< in the T&I unit
-  sim::Time without_rays_ = 0;  ///< time without any there, but for the present one
-  sim::Time empty_since_ = 0;   ///< if there are none
+  std::uint64_t rays_out_ = 0;       ///< in the T&I unit
+  sim::Time without_rays_ = 0;       ///< time without any there, but for the present one
+  sim::Time empty_since_ = 0;        ///< if there are none
+  bool fed_ = false, busy_ = false;  ///< since the last tick: rays were in the T&I unit, a chunk was on the array
+  sim::Time accounted_ = 0;
   std::deque<DmaJob> dma_;
   std::uint64_t spills_asked_ = 0, spills_done_ = 0;
   std::uint64_t transfers_awaited_ = 0;  ///< under way, and something waits for them

@@ -29,6 +29,7 @@ struct SrpStats {
   std::uint64_t fp_add = 0, fp_mul = 0, fp_div_sqrt = 0, fp_compare = 0;
   std::uint64_t int_add = 0, int_mul = 0, int_logic = 0, int_shift = 0, convert = 0;
   std::uint64_t rf_reads = 0, rf_writes = 0, route_hops = 0, config_reads = 0;
+  std::uint64_t fed = 0, awaited = 0;
   std::uint64_t cache_accesses = 0, cache_hits = 0, cache_misses = 0, cache_fills = 0, mshr_full = 0;
 
   static void describe(auto& s, auto&& counter) {
@@ -39,6 +40,8 @@ struct SrpStats {
     counter(s.config_rows_loaded, "config_rows_loaded", "configuration rows loaded by switches", "srp.config_load");
     counter(s.rays, "rays", "rays sent to the T&I unit", "tni.ray_route");
     counter(s.hits, "hits", "hits taken back", "tni.hit_route");
+    counter(s.fed, "fed", "cycles with rays in the T&I unit");
+    counter(s.awaited, "awaited", "of these, cycles with nothing on the array");
     counter(s.fp_add, "fp_add", "additions and subtractions", energy_event(OpClass::kFpAdd));
     counter(s.fp_mul, "fp_mul", "multiplications", energy_event(OpClass::kFpMul));
     counter(s.fp_div_sqrt, "fp_div_sqrt", "divisions and square roots", energy_event(OpClass::kFpDivSqrt));

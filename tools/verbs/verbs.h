@@ -25,6 +25,7 @@ void add_reproduce(CLI::App& app, const std::vector<std::string>& argv);
 void add_scenes(CLI::App& app);
 void add_config(CLI::App& app);
 void add_kernels(CLI::App& app);
+void add_bottleneck(CLI::App& app);
 void add_bench(CLI::App& app);
 
 }  // namespace tools
