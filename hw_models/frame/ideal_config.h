@@ -33,7 +33,10 @@ struct IdealConfig {
     perfect(c.l1, "l1", "every probe of a node, triangle or data cache hits");
     perfect(c.l2, "l2", "every look-up hits, any number a cycle, each in one cycle");
     perfect(c.dram, "dram", "channels take any number of requests a cycle and answer each a cycle later");
-    perfect(c.srp, "srp", "kernels cost no time: any number of items a cycle, no switches, no stalls");
+    perfect(c.srp, "srp",
+            "kernels cost no time: any number of items a cycle, no switches; they still wait for lines that their data "
+            "cache "
+            "does not have");
     perfect(c.tile_buffer, "tile_buffer", "room for every ray slot, any number of accesses a cycle");
     perfect(c.interconnect, "interconnect", "any number of requests and lines a cycle, each in one cycle");
   }

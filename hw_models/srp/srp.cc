@@ -22,22 +22,16 @@ constexpr std::uint64_t kAccess = 16;  // bytes of one access to the tile buffer
 constexpr std::uint64_t kRayReads = sizeof(traces::Ray) / kAccess;
 constexpr std::uint64_t kHitWrites = sizeof(traces::Hit) / kAccess;
 
-/// An ideal shader core never stands still for a line; it asks for lines all the same, with registers to spare.
-SrpConfig with_registers(SrpConfig config, bool ideal) {
-  if (ideal) config.data_cache.mshrs = 256;
-  return config;
-}
-
 }  // namespace
 
 Srp::Srp(const SrpConfig& config, const TileBufferConfig& buffer, const Frame& frame, Links links, std::uint16_t port,
          sim::Clock clock)
-    : config_(with_registers(config, frame.ideal)),
+    : config_(config),
       clock_(clock),
       frame_(frame),
       links_(links),
       buffer_(buffer, frame.tile_samples, frame.attribute_bytes, clock, frame.ideal_buffer),
-      cache_(config_.data_cache, port),
+      cache_(config.data_cache, port),
       tiles_(buffer.tiles_in_flight),
       lines_missing_(64),
       kernel_use_(frame.kernels.size()) {}
@@ -103,9 +97,7 @@ void Srp::take_hit(sim::Time now) {
 void Srp::take_line(sim::Time now) {
   if (!links_.memory_in.can_pop(now)) return;
   stats_.cache_fills += 1;
-  std::uint64_t waited = cache_.fill(links_.memory_in.pop(now).line);
-  if (frame_.ideal) return;
-  for (; waited != 0; waited &= waited - 1) {
+  for (std::uint64_t waited = cache_.fill(links_.memory_in.pop(now).line); waited != 0; waited &= waited - 1) {
     const auto slot = static_cast<std::uint32_t>(std::countr_zero(waited));
     if (--lines_missing_[slot] == 0) missing_ &= ~(std::uint64_t{1} << slot);
   }
@@ -127,8 +119,7 @@ void Srp::take_dma(sim::Time now) {
 
 void Srp::run_array(sim::Time now) {
   if (run_.active && now >= run_.start) {
-    if (frame_.ideal) load_freely();
-    const bool flowing = loads_in_time(now) && touch_cache(now);
+    const bool flowing = frame_.ideal ? load_all(now) : loads_in_time(now) && touch_cache(now);
     if (flowing && run_.next_item == run_.loading && loads_.empty() && now >= leaves_at(run_.items - 1)) {
       finish_chunk(now);
     }
@@ -142,8 +133,7 @@ bool Srp::loads_in_time(sim::Time now) {
     const bool late =
         !loads_.empty() && loads_.front().needed == array_time(now) && ((missing_ >> loads_.front().slot) & 1U) != 0;
     if (late || full_) return false;
-    run_.stalled += now - run_.frozen;
-    run_.frozen = sim::kNever;
+    thaw(now);
   }
   const sim::Time at = array_time(now);
   while (!loads_.empty() && loads_.front().needed <= at) {
@@ -161,8 +151,20 @@ bool Srp::touch_cache(sim::Time now) {
   const sim::Time at = array_time(now);
   if (run_.next_item == run_.loading || at < sim::Time{run_.next_item} * run_.ii * clock_.period()) return true;
   const std::uint32_t slot = run_.next_item % 64;
-  const std::uint64_t bit = std::uint64_t{1} << slot;
-  collect_lines(tiles_[run_.tile].node(run_.node), run_.first + run_.next_item);
+  if (!ask(run_.next_item)) {
+    freeze(now);
+    return false;
+  }
+  if ((missing_ >> slot & 1U) != 0) loads_.push_back({at + config_.latency.cached_load * clock_.period(), slot});
+  run_.next_item += 1;
+  return true;
+}
+
+/// An item of the present chunk asks for its lines, those it has not asked for yet. False if there is no miss register
+/// left.
+bool Srp::ask(std::uint32_t item) {
+  const std::uint32_t slot = item % 64;
+  collect_lines(tiles_[run_.tile].node(run_.node), run_.first + item);
   for (; run_.next_line < item_lines_.size(); ++run_.next_line) {
     stats_.cache_accesses += 1;
     const L1Cache::Result result = cache_.access(item_lines_[run_.next_line], slot);
@@ -174,28 +176,24 @@ bool Srp::touch_cache(sim::Time now) {
     if (result == L1Cache::Result::kFull) {
       stats_.mshr_full += 1;
       full_ = true;
-      freeze(now);
       return false;
     }
     lines_missing_[slot] += 1;
-    missing_ |= bit;
+    missing_ |= std::uint64_t{1} << slot;
   }
-  if ((missing_ & bit) != 0) loads_.push_back({at + config_.latency.cached_load * clock_.period(), slot});
-  run_.next_item += 1;
   run_.next_line = 0;
   return true;
 }
 
-/// All items of an ideal shader core ask at once and wait for nothing.
-void Srp::load_freely() {
-  for (; run_.next_item < run_.loading; ++run_.next_item) {
-    collect_lines(tiles_[run_.tile].node(run_.node), run_.first + run_.next_item);
-    for (const Addr line : item_lines_) {
-      const bool hit = cache_.access(line, 0) == L1Cache::Result::kHit;
-      stats_.cache_accesses += 1;
-      (hit ? stats_.cache_hits : stats_.cache_misses) += 1;
-    }
+/// All items of an ideal shader core ask at once, as far as there are miss registers. True when every line has come.
+bool Srp::load_all(sim::Time now) {
+  while (!full_ && run_.next_item < run_.loading && ask(run_.next_item)) run_.next_item += 1;
+  if (full_ || cache_.outstanding() > 0) {
+    if (run_.frozen == sim::kNever) freeze(now);
+    return false;
   }
+  if (run_.frozen != sim::kNever) thaw(now);
+  return true;
 }
 
 void Srp::collect_lines(const WorkNode& node, std::uint32_t item) {
@@ -301,7 +299,7 @@ void Srp::begin_chunk(sim::Time now, std::uint32_t tile, std::uint32_t node) {
              .configured = configured,
              .start = clock_.after(configured, conflict_cycles),
              .ii = frame_.ideal ? 0 : kernel.ii,
-             .depth = frame_.ideal ? 0 : kernel.depth};
+             .depth = frame_.ideal ? 1 : kernel.depth};
   if (switching) {
     stats_.switches += 1;
     stats_.config_rows_loaded += kernel.ii;
@@ -340,6 +338,7 @@ sim::Time Srp::feed_at(const Feed& feed) const {
   if (item < run.done(launch)) return 0;
   const bool running = run_.active && run_.tile == feed.tile && run_.node == launch && item < run_.first + run_.items;
   if (!running) return sim::kNever;
+  if (frame_.ideal && run_.frozen != sim::kNever) return sim::kNever;
   const sim::Time leaves = leaves_at(item - run_.first);
   return leaves <= run_.frozen ? leaves : sim::kNever;
 }

@@ -118,7 +118,8 @@ class Srp {
   void take_dma(sim::Time now);
   void run_array(sim::Time now);
   bool touch_cache(sim::Time now);
-  void load_freely();
+  bool load_all(sim::Time now);
+  bool ask(std::uint32_t item);
   bool loads_in_time(sim::Time now);
   void collect_lines(const traces::WorkNode& node, std::uint32_t item);
   void finish_chunk(sim::Time now);
@@ -132,6 +133,10 @@ class Srp {
   /// All time up to `now` in which the T&I unit had no rays of this core.
   sim::Time time_without_rays(sim::Time now) const { return without_rays_ + (rays_out_ == 0 ? now - empty_since_ : 0); }
   void freeze(sim::Time now) { run_.frozen = now; }
+  void thaw(sim::Time now) {
+    run_.stalled += now - run_.frozen;
+    run_.frozen = sim::kNever;
+  }
   sim::Time array_time(sim::Time now) const {
     return (run_.frozen != sim::kNever ? run_.frozen : now) - run_.start - run_.stalled;
   }
