@@ -20,8 +20,8 @@ class GraphBuilder {
     for (const std::uint32_t input : inputs) node.inputs[n++] = input;
     return add(std::move(node));
   }
-  std::uint32_t load(std::uint32_t bytes, std::uint32_t index, Op op = Op::kLoadLocal) {
-    kernels::GraphNode node{.op = op, .bytes = bytes};
+  std::uint32_t load(std::uint32_t bytes, std::uint32_t index, Op op = Op::kLoadLocal, const char* array = "") {
+    kernels::GraphNode node{.op = op, .bytes = bytes, .label = array};
     node.inputs[0] = index;
     return add(std::move(node));
   }

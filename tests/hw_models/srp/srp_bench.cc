@@ -27,7 +27,8 @@ SrpBench::SrpBench(const Setup& setup, const std::vector<Kernel>& kernels)
                          .conflicts = conflicts_,
                          .tile_samples = setup.tile_samples,
                          .ray_interval = setup.ray_interval * clock_.period(),
-                         .areas = kBases};
+                         .areas = kBases,
+                         .ideal = setup.ideal};
   srp_ = std::make_unique<Srp>(
       setup.config, setup.buffer, frame,
       Srp::Links{tiles_in_, tiles_out_, rays_out_, hits_in_, memory_out_, memory_in_, dma_out_, dma_in_},

@@ -23,6 +23,7 @@ class SrpBench {
     std::uint32_t dma_latency = 5;
     std::uint32_t ray_interval = 1;  ///< cycles from one ray into the direct interface to the next
     std::uint32_t tile_samples = 16;
+    bool ideal = false;
   };
   struct Kernel {
     std::uint32_t ii = 1, depth = 10;

@@ -1,0 +1,95 @@
+#include "hw_models/srp/bank_conflicts.h"
+
+#include <gtest/gtest.h>
+
+#include "hw_models/srp/schedule.h"
+#include "shader_kernels/catalogue.h"
+#include "tests/hw_models/srp/graph_builder.h"
+#include "tests/hw_models/srp/srp_bench.h"
+
+namespace hw {
+namespace {
+
+using kernels::Op;
+using test::GraphBuilder;
+using testing::SrpBench;
+using testing::TileBuilder;
+
+/// Cycles lost per item, times 16, with four ports.
+std::uint64_t per_16_items(const GraphBuilder& g, std::uint32_t banks) {
+  return bank_conflicts(schedule(g.graph(), SrpConfig{}), g.graph(), banks).of(16);
+}
+
+TEST(BankConflicts, ALoneAccessMeetsNobody) {
+  GraphBuilder g;
+  g.load(16, g.item());
+  for (const std::uint32_t banks : {1U, 2U, 16U}) EXPECT_EQ(per_16_items(g, banks), 0U) << banks;
+}
+
+TEST(BankConflicts, TwoAccessesOfACycleToTheSamePlaceMeetWhateverTheNumberOfBanks) {
+  GraphBuilder g;
+  const std::uint32_t item = g.item();
+  g.load(16, item);
+  g.load(16, item);
+  for (const std::uint32_t banks : {1U, 2U, 16U}) EXPECT_EQ(per_16_items(g, banks), 16U) << banks;
+}
+
+TEST(BankConflicts, ArraysAreStaggeredSoThatEqualPlacesOfTwoMeetInASingleBankOnly) {
+  GraphBuilder g;
+  const std::uint32_t item = g.item();
+  g.load(16, item, Op::kLoadLocal, "a");
+  g.load(16, item, Op::kLoadLocal, "b");
+  EXPECT_EQ(per_16_items(g, 1), 16U);
+  EXPECT_EQ(per_16_items(g, 2), 0U);
+}
+
+TEST(BankConflicts, TheFourPartsOfARecordWantAsManyBanks) {
+  GraphBuilder g;
+  g.load(64, g.item());
+  EXPECT_EQ(per_16_items(g, 4), 0U);
+  EXPECT_EQ(per_16_items(g, 2), 16U) << "two parts to a bank";
+  EXPECT_EQ(per_16_items(g, 1), 3 * 16U);
+}
+
+TEST(BankConflicts, RecordsOfDifferentLengthMeetEveryFewItems) {
+  // Array a moves on by one bank an item, b (which begins at bank 1) by two: of four banks they share one when
+  // i = 1 + 2 i or i = 2 + 2 i (mod 4), which is every other item.
+  GraphBuilder g;
+  const std::uint32_t item = g.item();
+  g.load(16, item, Op::kLoadLocal, "a");
+  g.load(32, item, Op::kLoadLocal, "b");
+  EXPECT_EQ(per_16_items(g, 4), 8U);
+}
+
+TEST(BankConflicts, AConstantIndexStaysInItsBank) {
+  // The constant's record lies in bank 0, those of the other array begin at bank 1.
+  GraphBuilder g;
+  g.load(16, g.constant(), Op::kLoadLocal, "table");
+  g.load(16, g.item(), Op::kLoadLocal, "stream");
+  EXPECT_EQ(per_16_items(g, 8), 2U);
+}
+
+TEST(BankConflicts, MoreBanksNeverMakeAKernelOfTheCatalogueSlower) {
+  for (const kernels::KernelInfo& kernel : kernels::catalogue()) {
+    const KernelSchedule s = schedule(kernel.graph, SrpConfig{});
+    std::uint64_t before = bank_conflicts(s, kernel.graph, 1).of(64);
+    for (const std::uint32_t banks : {2U, 4U, 8U, 16U, 32U, 64U}) {
+      const std::uint64_t now = bank_conflicts(s, kernel.graph, banks).of(64);
+      EXPECT_LE(now, before) << kernel.name << " with " << banks;
+      before = now;
+    }
+  }
+}
+
+TEST(Srp, StandsStillForBanksAndSaysSo) {
+  SrpBench bench({}, {{.ii = 4, .depth = 50, .conflicts = {3, 4}}});
+  TileBuilder work;
+  work.launch(0, 9);
+  bench.add(work.build()).run();
+  EXPECT_EQ(bench.spent(Srp::Why::kBanks), 6U) << "three cycles in every four items";
+  EXPECT_EQ(bench.cycles(0), 100U + 6 + 50 + 8 * 4);
+  EXPECT_EQ(bench.srp().tile_buffer().stats().bank_conflicts, 6U);
+}
+
+}  // namespace
+}  // namespace hw
