@@ -15,6 +15,7 @@
 #include "tools/limiter.h"
 #include "tools/picture.h"
 #include "tools/sampling_report.h"
+#include "tools/top_down.h"
 #include "traces/accel/bvh_info.h"
 #include "traces/accel/embree_tracer.h"
 
@@ -148,6 +149,7 @@ Json totals_json(const Result& result) {
   totals["power_w"] = sim::spread_json(power);
   totals["perf"] = perf_json(s);
   totals["utilisation"] = {{"tni", used.tni}, {"srp", used.srp}, {"dram", used.dram}};
+  totals["top_down"] = top_down_json(top_down(s.units));
   totals["limiter"] = limiter(s.units);
   totals["kernels"] = kernels_json(s);
   if (result.reference != nullptr) add_relative(totals, result);

@@ -1,0 +1,198 @@
+#include "tools/top_down.h"
+
+#include <algorithm>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace tools {
+
+namespace {
+
+using sim::UnitReport;
+
+/// Units of one machine or of one of its cores, and sums over them.
+class Units {
+ public:
+  Units(std::span<const UnitReport> units, std::string_view prefix, std::string_view kind = {}) {
+    for (const UnitReport& unit : units) {
+      if (unit.path.starts_with(prefix) && unit.path.find(kind) != std::string::npos) units_.push_back(&unit);
+    }
+  }
+  bool empty() const { return units_.empty(); }
+  /// Cycles given to a reason.
+  double spent(std::string_view reason) const {
+    return sum([&](const UnitReport& unit) {
+      const auto found =
+          std::ranges::find(unit.why, reason, [](const auto& why) { return std::string_view(why.first); });
+      return found == unit.why.end() ? 0 : found->second;
+    });
+  }
+  double elapsed() const {
+    return sum([](const UnitReport& unit) { return unit.elapsed; });
+  }
+  double counted(std::string_view name) const {
+    return sum([&](const UnitReport& unit) {
+      const auto found = std::ranges::find(unit.counters, name, &sim::CounterReport::name);
+      return found == unit.counters.end() ? 0 : found->value;
+    });
+  }
+  double share(std::string_view reason) const { return elapsed() == 0 ? 0 : spent(reason) / elapsed(); }
+  double clock_mhz() const { return units_.empty() ? 1 : units_.front()->clock_mhz; }
+
+ private:
+  template <class F>
+  double sum(F&& f) const {
+    std::uint64_t total = 0;
+    for (const UnitReport* unit : units_) total += f(*unit);
+    return static_cast<double>(total);
+  }
+  std::vector<const UnitReport*> units_;
+};
+
+double ratio(double a, double b) { return b == 0 ? 0 : a / b; }
+
+/// Average latency of the machine's L2 seen from its ports, and the part of it for which DRAM is waited for, in ns.
+struct Beyond {
+  double l2 = 0, dram = 0;
+};
+
+Beyond beyond(std::span<const UnitReport> units) {
+  const Units banks(units, "l2.");
+  const double ns = 1000 / banks.clock_mhz();
+  const double requests = banks.counted("reads");
+  return {ns * ratio(banks.counted("latency"), requests), ns * ratio(banks.counted("memory_cycles"), requests)};
+}
+
+/// `latency`: of a miss, in ns.
+MissLevels levels(double latency, const Beyond& b) {
+  if (latency == 0) return {};
+  const double dram = std::min(b.dram, latency), l2 = std::clamp(b.l2 - b.dram, 0.0, latency - dram);
+  return {(latency - dram - l2) / latency, l2 / latency, dram / latency};
+}
+
+/// What the rays inside a T&I unit do, as shares of the time in which traversal units have any.
+struct Inside {
+  double boxes = 0, triangles = 0, misses = 0;
+};
+
+double misses_of(const Units& units) {
+  double share = 0;
+  for (const char* reason : {"l1_miss", "mshr_full", "rau_full", "blocked"}) share += units.share(reason);
+  return share;
+}
+
+Inside inside(const Units& trvs, const Units& ist) {
+  const double there = 1 - trvs.share("starved"), leaves = 1 - ist.share("starved");
+  const double at_ist = ratio(trvs.share("ist"), there);
+  return {ratio(trvs.share("visiting"), there), at_ist * ratio(ist.share("testing"), leaves),
+          ratio(misses_of(trvs), there) + at_ist * ratio(misses_of(ist), leaves)};
+}
+
+CoreTime core_time(std::span<const UnitReport> units, const std::string& core, const Beyond& memory) {
+  const Units srp(units, core + ".srp"), trvs(units, core + ".tni.", ".trv"), ist(units, core + ".tni.", ".ist");
+  CoreTime t;
+  t.kernels = srp.share("running");
+  t.switches = srp.share("switching");
+  t.banks = srp.share("banks");
+  t.data_misses = srp.share("cache_miss");
+  t.no_tile = srp.share("starved");
+  t.no_slots = srp.share("no_slots");
+  t.fed = ratio(srp.counted("fed"), srp.elapsed());
+  const double tracing = ratio(srp.counted("awaited"), srp.elapsed());
+  t.transfers = std::max(0.0, srp.share("waiting") + t.no_slots - tracing);
+  const Inside in = inside(trvs, ist);
+  t.boxes = tracing * in.boxes;
+  t.triangles = tracing * in.triangles;
+  t.tree_misses = tracing * in.misses;
+  t.pipes = tracing - t.boxes - t.triangles - t.tree_misses;
+  const double srp_ns = 1000 / srp.clock_mhz(), tni_ns = 1000 / trvs.clock_mhz();
+  t.data_levels = levels(srp_ns * ratio(srp.counted("cache_miss_cycles"), srp.counted("cache_fills")), memory);
+  t.tree_levels = levels(tni_ns * ratio(trvs.counted("l1_miss_cycles") + ist.counted("l1_miss_cycles"),
+                                        trvs.counted("l1_fills") + ist.counted("l1_fills")),
+                         memory);
+  return t;
+}
+
+/// Calls f(member of a, same member of b) for everything in a CoreTime.
+template <class A, class F>
+void each_share(A& a, const CoreTime& b, F&& f) {
+  for (double CoreTime::*share : {&CoreTime::kernels, &CoreTime::switches, &CoreTime::banks, &CoreTime::data_misses,
+                                  &CoreTime::boxes, &CoreTime::triangles, &CoreTime::pipes, &CoreTime::tree_misses,
+                                  &CoreTime::transfers, &CoreTime::no_tile, &CoreTime::no_slots, &CoreTime::fed}) {
+    f(a.*share, b.*share);
+  }
+  for (MissLevels CoreTime::*of : {&CoreTime::data_levels, &CoreTime::tree_levels}) {
+    for (double MissLevels::*level : {&MissLevels::interconnect, &MissLevels::l2, &MissLevels::dram}) {
+      f(a.*of.*level, b.*of.*level);
+    }
+  }
+}
+
+nlohmann::ordered_json levels_json(const MissLevels& l, double share) {
+  return {{"interconnect", share * l.interconnect}, {"l2", share * l.l2}, {"dram", share * l.dram}};
+}
+
+nlohmann::ordered_json time_json(const CoreTime& t) {
+  return {{"kernels", t.kernels},     {"switches", t.switches},
+          {"banks", t.banks},         {"data_misses", levels_json(t.data_levels, t.data_misses)},
+          {"boxes", t.boxes},         {"triangles", t.triangles},
+          {"pipes", t.pipes},         {"tree_misses", levels_json(t.tree_levels, t.tree_misses)},
+          {"transfers", t.transfers}, {"no_tile", t.no_tile}};
+}
+
+std::string levels_text(const MissLevels& l, double share) {
+  std::vector<std::pair<double, const char*>> parts = {
+      {share * l.dram, "DRAM"}, {share * l.l2, "L2"}, {share * l.interconnect, "interconnect"}};
+  std::ranges::sort(parts, std::greater<>());
+  std::vector<std::string> words;
+  for (const auto& [part, name] : parts) {
+    if (part >= 0.005) words.push_back(fmt::format("{} {:.0f} %", name, 100 * part));
+  }
+  return words.empty() ? "" : fmt::format(" ({})", fmt::join(words, ", "));
+}
+
+}  // namespace
+
+TopDown top_down(std::span<const UnitReport> units) {
+  const Beyond memory = beyond(units);
+  TopDown view;
+  for (std::size_t c = 0; !Units(units, fmt::format("core{}.", c)).empty(); ++c) {
+    view.cores.push_back(core_time(units, fmt::format("core{}", c), memory));
+  }
+  for (const CoreTime& core : view.cores) {
+    each_share(view.gpu, core,
+               [&](double& sum, double share) { sum += share / static_cast<double>(view.cores.size()); });
+  }
+  return view;
+}
+
+nlohmann::ordered_json top_down_json(const TopDown& view) {
+  nlohmann::ordered_json out = {{"gpu", time_json(view.gpu)}, {"cores", nlohmann::ordered_json::array()}};
+  for (const CoreTime& core : view.cores) out["cores"].push_back(time_json(core));
+  return out;
+}
+
+std::string top_down_text(const CoreTime& t) {
+  std::vector<std::pair<double, std::string>> parts = {
+      {t.kernels, ""},   {t.switches, ""},  {t.banks, ""}, {t.data_misses, levels_text(t.data_levels, t.data_misses)},
+      {t.boxes, ""},     {t.triangles, ""}, {t.pipes, ""}, {t.tree_misses, levels_text(t.tree_levels, t.tree_misses)},
+      {t.transfers, ""}, {t.no_tile, ""},
+  };
+  constexpr const char* kNames[] = {"kernels",   "kernel switches", "tile-buffer banks", "data-cache misses",
+                                    "box tests", "triangles",       "T&I pipelines",     "tree misses",
+                                    "transfers", "no tile"};
+  std::vector<std::pair<double, std::string>> words;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const auto& [share, levels] = parts[i];
+    if (share >= 0.005) words.emplace_back(share, fmt::format("{} {:.0f} %{}", kNames[i], 100 * share, levels));
+  }
+  std::ranges::stable_sort(words, std::greater<>(), [](const auto& w) { return w.first; });
+  std::vector<std::string> text;
+  for (auto& [share, word] : words) text.push_back(std::move(word));
+  return fmt::format("{}", fmt::join(text, ", "));
+}
+
+}  // namespace tools
