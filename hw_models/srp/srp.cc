@@ -31,7 +31,7 @@ Srp::Srp(const SrpConfig& config, const TileBufferConfig& buffer, const Frame& f
       frame_(frame),
       links_(links),
       buffer_(buffer, frame.tile_samples, frame.attribute_bytes, clock),
-      cache_(config.data_cache, port),
+      cache_(config.data_cache, port, frame.perfect_cache),
       tiles_(buffer.tiles_in_flight),
       lines_missing_(64),
       kernel_use_(frame.kernels.size()) {}
@@ -84,7 +84,7 @@ void Srp::take_hit(sim::Time now) {
 void Srp::take_line(sim::Time now) {
   if (!links_.memory_in.can_pop(now)) return;
   stats_.cache_fills += 1;
-  for (std::uint64_t waited = cache_.fill(links_.memory_in.pop(now).line); waited != 0; waited &= waited - 1) {
+  for (std::uint64_t waited = cache_.fill(links_.memory_in.pop(now).line).slots; waited != 0; waited &= waited - 1) {
     const auto slot = static_cast<std::uint32_t>(std::countr_zero(waited));
     if (--lines_missing_[slot] == 0) missing_ &= ~(std::uint64_t{1} << slot);
   }

@@ -63,6 +63,7 @@ class Srp {
     std::uint64_t attribute_bytes = 0;        ///< of a full tile in the tile buffer
     sim::Time ray_interval = 0;               ///< the direct interface takes a ray this often
     std::array<Addr, kAreas> areas{};         ///< where each begins; slots of this core spill to kSpill
+    bool perfect_cache = false;               ///< every probe of the data cache hits (ideal.l1)
   };
 
   Srp(const SrpConfig& config, const TileBufferConfig& buffer, const Frame& frame, Links links, std::uint16_t port,
