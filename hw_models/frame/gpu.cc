@@ -156,8 +156,13 @@ void Gpu::add_core(Wiring& wiring, std::uint32_t c, const Workload& workload) {
   client(srp_clock_, config_.dma.depth, config_.dma.depth, wiring.dma(c), wiring.dma_port(c), dma_port);
 
   Core& core = cores_.emplace_back();
-  core.tni = std::make_unique<Tni>(config_.tni,
-                                   Tni::Scene{{layout.nodes, sizeof(traces::NodeRecord), workload.parents},
+  core.tni = std::make_unique<Tni>(config_.tni, Tni::Perfect{config_.ideal.tni, config_.ideal.l1},
+                                   Tni::Scene{{.nodes = layout.nodes,
+                                               .node_bytes = sizeof(traces::NodeRecord),
+                                               .parents = workload.parents,
+                                               .single_boxes = {},
+                                               .hybrid = false,
+                                               .links = workload.image.nodes},
                                               {layout.triangles, sizeof(traces::TriangleRecord)}},
                                    config_.direct_interface.interval,
                                    Tni::Links{rays,
@@ -178,7 +183,8 @@ void Gpu::add_core(Wiring& wiring, std::uint32_t c, const Workload& workload) {
       .ray_interval = config_.ideal.tni ? 0 : config_.direct_interface.interval * tni_clock_.period(),
       .areas = areas_of(config_, workload, c),
       .ideal = config_.ideal.srp,
-      .ideal_buffer = config_.ideal.tile_buffer};
+      .ideal_buffer = config_.ideal.tile_buffer,
+      .perfect_cache = config_.ideal.l1};
   core.srp = std::make_unique<Srp>(
       config_.srp, config_.tile_buffer, frame,
       Srp::Links{tiles_in, tiles_out, rays, hits, *port.clients_in.back(), *port.clients_out.back(), dma_in, dma_out},
@@ -215,8 +221,12 @@ void Gpu::add_memory(Wiring& wiring) {
 
 bool Gpu::memory_quiet() const {
   const auto empty = [](const auto& link) { return link.empty(); };
+  const auto trvs_idle = [](const Core& core) {  // they may wait for lines that no ray needs yet
+    return std::ranges::all_of(core.tni->trvs(), [](const Trv& trv) { return trv.idle(); });
+  };
   return std::ranges::all_of(channels_, [](const DramChannel& c) { return c.idle(); }) &&
-         std::ranges::all_of(requests_, empty) && std::ranges::all_of(responses_, empty);
+         std::ranges::all_of(cores_, trvs_idle) && std::ranges::all_of(requests_, empty) &&
+         std::ranges::all_of(responses_, empty);
 }
 
 void Gpu::finish(sim::Time last_edge) {
@@ -258,9 +268,9 @@ std::vector<sim::UnitReport> Gpu::report() const {
     units.push_back(report_of(core.tni->dispatcher(), at + ".tni.dispatcher", "tni"));
     for (std::size_t t = 0; t < core.tni->trvs().size(); ++t) {
       units.push_back(report_of(core.tni->trvs()[t], fmt::format("{}.tni.trv{}", at, t), "tni",
-                                config_.tni.trv.sram_bytes(), config_.tni.trv.l1.size.bytes));
+                                config_.tni.trv_sram_bytes(), config_.tni.trv.l1.size.bytes));
     }
-    units.push_back(report_of(core.tni->ist(), at + ".tni.ist", "tni", config_.tni.ist.sram_bytes(),
+    units.push_back(report_of(core.tni->ist(), at + ".tni.ist", "tni", config_.tni.ist_sram_bytes(),
                               config_.tni.ist.l1.size.bytes));
     units.push_back(report_of(*core.dma, at + ".dma", "dma"));
     units.push_back(report_of(*core.cache_port, at + ".cache_port", "interconnect"));

@@ -38,6 +38,9 @@ class CacheTags {
     return true;
   }
 
+  /// Is the line here? Its use is not noted.
+  bool holds(Addr line) const { return find(base_of(line), tag_of(line)) != ways_; }
+
   /// Puts the line in place of an empty way or of the least recently used one.
   void fill(Addr line) {
     const std::size_t base = base_of(line);

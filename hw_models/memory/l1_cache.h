@@ -11,7 +11,7 @@
 namespace hw {
 
 /// A read-only first-level cache of one unit: tags, miss status registers that merge, and requests waiting for the
-/// way to memory. Who waits for a line is a bit mask of the unit's slots.
+/// way to memory. Who waits for a line is a bit mask of the unit's slots. A perfect one holds every line.
 class L1Cache {
  public:
   enum class Result : std::uint8_t {
@@ -20,28 +20,46 @@ class L1Cache {
     kFull,  ///< no free miss register: nothing was noted, try again after a fill
   };
 
-  L1Cache(const CacheConfig& config, std::uint16_t source) : tags_(config), misses_(config.mshrs), source_(source) {
+  /// A line on its way.
+  struct Miss {
+    std::uint64_t slots = 0;     ///< who waits for it
+    std::uint64_t asked_at = 0;  ///< the user's cycle of the miss
+  };
+
+  L1Cache(const CacheConfig& config, std::uint16_t source, bool perfect = false)
+      : tags_(config), misses_(config.mshrs), source_(source), perfect_(perfect) {
     unsent_.reserve(config.mshrs);
   }
 
-  Result access(Addr line, std::uint32_t slot) {
-    if (tags_.probe(line)) return Result::kHit;
+  Result access(Addr line, std::uint32_t slot, std::uint64_t cycle = 0) {
+    if (perfect_ || tags_.probe(line)) return Result::kHit;
     const std::uint64_t bit = std::uint64_t{1} << slot;
-    if (std::uint64_t* waiting = misses_.find(line)) {
-      *waiting |= bit;
+    if (Miss* miss = misses_.find(line)) {
+      miss->slots |= bit;
       return Result::kMiss;
     }
     if (misses_.full()) return Result::kFull;
-    misses_.allocate(line) = bit;
-    unsent_.push_back(line);
+    ask(line, {bit, cycle});
     return Result::kMiss;
   }
 
-  /// The line has come; returns the slots that waited for it.
-  std::uint64_t fill(Addr line) {
+  /// Asks for a line that nobody needs yet, if it is neither here nor on its way. Needs a free miss register.
+  bool prefetch(Addr line, std::uint64_t cycle) {
+    if (holds(line) || on_its_way(line) != nullptr) return false;
+    ask(line, {0, cycle});
+    return true;
+  }
+
+  /// The line has come: who waited for it, since when it was on its way.
+  Miss fill(Addr line) {
     tags_.fill(line);
     return misses_.release(line);
   }
+
+  /// Is the line here? Unlike access() this leaves no trace.
+  bool holds(Addr line) const { return perfect_ || tags_.holds(line); }
+  /// nullptr if the line is not on its way.
+  const Miss* on_its_way(Addr line) { return misses_.find(line); }
 
   /// Sends the oldest request that has not left yet, if there is one and the link has room.
   void send(sim::Time now, sim::Link<MemRequest>& out) {
@@ -55,13 +73,20 @@ class L1Cache {
   }
 
   std::uint32_t outstanding() const { return misses_.size(); }
+  std::uint32_t free_registers() const { return misses_.capacity() - misses_.size(); }
   bool full() const { return misses_.full(); }
 
  private:
+  void ask(Addr line, Miss miss) {
+    misses_.allocate(line) = miss;
+    unsent_.push_back(line);
+  }
+
   CacheTags tags_;
-  MshrFile<std::uint64_t> misses_;
+  MshrFile<Miss> misses_;
   std::vector<Addr> unsent_;
   std::uint16_t source_;
+  bool perfect_;
 };
 
 }  // namespace hw

@@ -17,6 +17,7 @@ class MshrFile {
   explicit MshrFile(std::uint32_t capacity) : lines_(capacity), payloads_(capacity) {}
 
   std::uint32_t size() const { return size_; }
+  std::uint32_t capacity() const { return static_cast<std::uint32_t>(lines_.size()); }
   bool empty() const { return size_ == 0; }
   bool full() const { return size_ == lines_.size(); }
 

@@ -31,7 +31,7 @@ Srp::Srp(const SrpConfig& config, const TileBufferConfig& buffer, const Frame& f
       frame_(frame),
       links_(links),
       buffer_(buffer, frame.tile_samples, frame.attribute_bytes, clock, frame.ideal_buffer),
-      cache_(config.data_cache, port),
+      cache_(config.data_cache, port, frame.perfect_cache),
       tiles_(buffer.tiles_in_flight),
       lines_missing_(64),
       kernel_use_(frame.kernels.size()) {}
@@ -96,8 +96,10 @@ void Srp::take_hit(sim::Time now) {
 
 void Srp::take_line(sim::Time now) {
   if (!links_.memory_in.can_pop(now)) return;
+  const L1Cache::Miss miss = cache_.fill(links_.memory_in.pop(now).line);
   stats_.cache_fills += 1;
-  for (std::uint64_t waited = cache_.fill(links_.memory_in.pop(now).line); waited != 0; waited &= waited - 1) {
+  stats_.cache_miss_cycles += clock_.cycles(now) - miss.asked_at;
+  for (std::uint64_t waited = miss.slots; waited != 0; waited &= waited - 1) {
     const auto slot = static_cast<std::uint32_t>(std::countr_zero(waited));
     if (--lines_missing_[slot] == 0) missing_ &= ~(std::uint64_t{1} << slot);
   }
@@ -151,7 +153,7 @@ bool Srp::touch_cache(sim::Time now) {
   const sim::Time at = array_time(now);
   if (run_.next_item == run_.loading || at < sim::Time{run_.next_item} * run_.ii * clock_.period()) return true;
   const std::uint32_t slot = run_.next_item % 64;
-  if (!ask(run_.next_item)) {
+  if (!ask(now, run_.next_item)) {
     freeze(now);
     return false;
   }
@@ -162,12 +164,12 @@ bool Srp::touch_cache(sim::Time now) {
 
 /// An item of the present chunk asks for its lines, those it has not asked for yet. False if there is no miss register
 /// left.
-bool Srp::ask(std::uint32_t item) {
+bool Srp::ask(sim::Time now, std::uint32_t item) {
   const std::uint32_t slot = item % 64;
   collect_lines(tiles_[run_.tile].node(run_.node), run_.first + item);
   for (; run_.next_line < item_lines_.size(); ++run_.next_line) {
     stats_.cache_accesses += 1;
-    const L1Cache::Result result = cache_.access(item_lines_[run_.next_line], slot);
+    const L1Cache::Result result = cache_.access(item_lines_[run_.next_line], slot, clock_.cycles(now));
     if (result == L1Cache::Result::kHit) {
       stats_.cache_hits += 1;
       continue;
@@ -187,7 +189,7 @@ bool Srp::ask(std::uint32_t item) {
 
 /// All items of an ideal shader core ask at once, as far as there are miss registers. True when every line has come.
 bool Srp::load_all(sim::Time now) {
-  while (!full_ && run_.next_item < run_.loading && ask(run_.next_item)) run_.next_item += 1;
+  while (!full_ && run_.next_item < run_.loading && ask(now, run_.next_item)) run_.next_item += 1;
   if (full_ || cache_.outstanding() > 0) {
     if (run_.frozen == sim::kNever) freeze(now);
     return false;

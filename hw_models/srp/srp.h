@@ -69,6 +69,7 @@ class Srp {
     std::array<Addr, kAreas> areas{};          ///< where each begins; slots of this core spill to kSpill
     bool ideal = false;                        ///< kernels cost no time
     bool ideal_buffer = false;                 ///< the tile buffer has room for everything and no bank conflicts
+    bool perfect_cache = false;                ///< every probe of the data cache hits
   };
 
   Srp(const SrpConfig& config, const TileBufferConfig& buffer, const Frame& frame, Links links, std::uint16_t port,
@@ -119,7 +120,7 @@ class Srp {
   void run_array(sim::Time now);
   bool touch_cache(sim::Time now);
   bool load_all(sim::Time now);
-  bool ask(std::uint32_t item);
+  bool ask(sim::Time now, std::uint32_t item);
   bool loads_in_time(sim::Time now);
   void collect_lines(const traces::WorkNode& node, std::uint32_t item);
   void finish_chunk(sim::Time now);

@@ -30,7 +30,8 @@ struct SrpStats {
   std::uint64_t int_add = 0, int_mul = 0, int_logic = 0, int_shift = 0, convert = 0;
   std::uint64_t rf_reads = 0, rf_writes = 0, route_hops = 0, config_reads = 0;
   std::uint64_t fed = 0, awaited = 0;
-  std::uint64_t cache_accesses = 0, cache_hits = 0, cache_misses = 0, cache_fills = 0, mshr_full = 0;
+  std::uint64_t cache_accesses = 0, cache_hits = 0, cache_misses = 0, cache_fills = 0, cache_miss_cycles = 0,
+                mshr_full = 0;
 
   static void describe(auto& s, auto&& counter) {
     counter(s.tiles, "tiles", "tiles taken");
@@ -59,6 +60,7 @@ struct SrpStats {
     counter(s.cache_hits, "cache_hits", "of these, lines found", "cache.l1_read");
     counter(s.cache_misses, "cache_misses", "of these, lines not found", "cache.l1_probe");
     counter(s.cache_fills, "cache_fills", "lines filled", "cache.l1_fill");
+    counter(s.cache_miss_cycles, "cache_miss_cycles", "sum over lines of cycles from the miss to the line's arrival");
     counter(s.mshr_full, "mshr_full", "misses that found no free miss register");
   }
 

@@ -19,42 +19,46 @@ constexpr Addr line_of(Addr a) { return a & ~Addr{63}; }
 
 }  // namespace
 
-Ist::Ist(const IstConfig& config, const TrianglesInMemory& triangles, Links links, std::uint16_t port, sim::Clock clock)
+Ist::Ist(const IstConfig& config, const TniMode& mode, const TrianglesInMemory& triangles, Links links,
+         std::uint16_t port, sim::Clock clock)
     : config_(config),
       clock_(clock),
       triangles_(triangles),
+      unbounded_(mode.unbounded),
       links_(std::move(links)),
-      l1_(config.l1, port),
+      fetch_(config.l1, mode, port, stats_),
       slots_(config.leaves),
       pipe_(clock),
       free_(config.leaves == 64 ? ~std::uint64_t{0} : bit(config.leaves) - 1) {}
 
 sim::Time Ist::tick(sim::Time now) {
+  const auto as_often_as_may_be = [&](auto&& step) {
+    while (step() && unbounded_) {
+    }
+  };
   pipe_.advance(now);
-  answering_ |= pipe_.take()[0];
-  take_line(now);
-  take_leaf(now);
-  const bool tried = ready_ != 0;
+  const Wheel<kPipes>::Masks out = pipe_.take();
+  answering_ |= out[kToAnswer];
+  fetch_.enter(out[kToFetch]);
+  as_often_as_may_be([&] { return take_line(now); });
+  as_often_as_may_be([&] { return take_leaf(now); });
+  const bool tried = fetch_.able() != 0;
   const Why tested = tried ? issue() : Why::kStarved;
-  answer(now);
-  l1_.send(now, links_.memory_out);
+  as_often_as_may_be([&] { return answer(now); });
+  fetch_.send(now, links_.memory_out);
   const Why then = waiting();
   activity_.spend(now, clock_.period(), tried ? tested : then, then);
   return next_wake(now);
 }
 
-void Ist::take_line(sim::Time now) {
-  if (!links_.memory_in.can_pop(now)) return;
-  const std::uint64_t waited = l1_.fill(links_.memory_in.pop(now).line);
-  stats_.l1_fills += 1;
-  missing_ &= ~waited;
-  served_ |= waited;
-  ready_ |= waited | no_mshr_;
-  no_mshr_ = 0;
+bool Ist::take_line(sim::Time now) {
+  if (!links_.memory_in.can_pop(now)) return false;
+  fetch_.fill(links_.memory_in.pop(now).line, pipe_.cycle());
+  return true;
 }
 
-void Ist::take_leaf(sim::Time now) {
-  if (free_ == 0) return;
+bool Ist::take_leaf(sim::Time now) {
+  if (free_ == 0) return false;
   const auto sources = static_cast<std::uint32_t>(links_.leaves_in.size());
   for (std::uint32_t k = 0; k < sources; ++k) {
     const std::uint32_t trv = (source_turn_ + k) % sources;
@@ -63,46 +67,52 @@ void Ist::take_leaf(sim::Time now) {
     const auto index = static_cast<std::uint32_t>(std::countr_zero(free_));
     free_ &= ~bit(index);
     occupied_ |= bit(index);
-    ready_ |= bit(index);
+    fetch_.enter(bit(index));
     slots_[index] = Slot{links_.leaves_in[trv]->pop(now), trv, 0, false, 0};
     stats_.leaves_in += 1;
-    return;
+    return true;
   }
+  return false;
 }
 
 Ist::Why Ist::issue() {
-  const std::uint32_t index = pick(ready_, turn_);
+  Why why = issue_one();
+  while (unbounded_ && fetch_.able() != 0) {
+    if (issue_one() == Why::kTesting) why = Why::kTesting;
+  }
+  return why;
+}
+
+Ist::Why Ist::issue_one() {
+  const std::uint32_t index = pick(fetch_.able(), turn_);
   turn_ = (index + 1) % 64;
-  ready_ &= ~bit(index);
   Slot& slot = slots_[index];
   const Addr begin = triangles_.base + Addr{slot.job.first + slot.tested} * triangles_.bytes;
   const Addr last_line = line_of(begin + triangles_.bytes - 1);
   const Addr line = slot.second_line ? last_line : line_of(begin);
-  stats_.l1_accesses += 1;
-  const bool served = (served_ & bit(index)) != 0;
-  served_ &= ~bit(index);
-  switch (served ? L1Cache::Result::kHit : l1_.access(line, index)) {
-    case L1Cache::Result::kHit:
-      stats_.l1_hits += 1;
-      read(slot, index, line == last_line);
-      return Why::kTesting;
-    case L1Cache::Result::kMiss:
-      stats_.l1_misses += 1;
-      missing_ |= bit(index);
-      return Why::kL1Miss;
-    case L1Cache::Result::kFull:
-      break;
+  const FetchStage::Result result = fetch_.read(index, line, pipe_.cycle());
+  if (result == FetchStage::Result::kRead) {
+    read(slot, index, line == last_line);
+    return Why::kTesting;
   }
-  stats_.l1_misses += 1;
-  stats_.mshr_full += 1;
-  no_mshr_ |= bit(index);
-  return Why::kMshrFull;
+  if (fetch_.bypasses()) {
+    stats_.bypass_passes += 1;
+    pipe_.put(kToFetch, index, config_.l1.hit_cycles + config_.latency);
+  }
+  switch (result) {
+    case FetchStage::Result::kNoRegister:
+      return Why::kMshrFull;
+    case FetchStage::Result::kTableFull:
+      return Why::kRauFull;
+    default:
+      return Why::kL1Miss;
+  }
 }
 
 void Ist::read(Slot& slot, std::uint32_t index, bool last_line) {
   if (!last_line) {
     slot.second_line = true;
-    ready_ |= bit(index);
+    fetch_.enter(bit(index));
     return;
   }
   const ExitPhase phase = traces::phase_of(slot.job.phases, slot.tested);
@@ -120,14 +130,14 @@ void Ist::read(Slot& slot, std::uint32_t index, bool last_line) {
   slot.tested += 1;
   slot.second_line = false;
   if (slot.tested < slot.job.count) {
-    ready_ |= bit(index);
+    fetch_.enter(bit(index));
   } else {
-    pipe_.put(0, index, slot.known_at - pipe_.cycle());
+    pipe_.put(kToAnswer, index, slot.known_at - pipe_.cycle());
   }
 }
 
-void Ist::answer(sim::Time now) {
-  if (answering_ == 0) return;
+bool Ist::answer(sim::Time now) {
+  if (answering_ == 0) return false;
   const std::uint32_t index = pick(answering_, answer_turn_);
   const Slot& slot = slots_[index];
   sim::Link<LeafDone>& out = *links_.leaves_out[slot.trv];
@@ -138,31 +148,40 @@ void Ist::answer(sim::Time now) {
   free_ |= bit(index);
   out.push(now, LeafDone{slot.job.slot});
   stats_.leaves_out += 1;
+  return true;
 }
 
 Ist::Why Ist::waiting() const {
   if (occupied_ == 0) return Why::kStarved;
   if (answering_ != 0) return Why::kOutputFull;
-  if (no_mshr_ != 0) return Why::kMshrFull;
-  if (missing_ != 0) return Why::kL1Miss;
+  switch (fetch_.waits_for()) {
+    case FetchStage::Wait::kTable:
+      return Why::kRauFull;
+    case FetchStage::Wait::kRegister:
+      return Why::kMshrFull;
+    case FetchStage::Wait::kLine:
+      return Why::kL1Miss;
+    case FetchStage::Wait::kNothing:
+      break;
+  }
   return Why::kPipe;
 }
 
 sim::Time Ist::next_wake(sim::Time now) const {
   const sim::Time next = clock_.after(now, 1);
-  if ((ready_ | answering_) != 0) return next;
+  if ((fetch_.able() | answering_) != 0) return next;
   sim::Time at = pipe_.next();
   if (free_ != 0) {
     for (const sim::Link<LeafJob>* link : links_.leaves_in) at = std::min(at, std::max(next, link->pop_at()));
   }
   at = std::min(at, std::max(next, links_.memory_in.pop_at()));
-  return std::min(at, l1_.send_at(next, links_.memory_out));
+  return std::min(at, fetch_.send_at(next, links_.memory_out));
 }
 
 std::string Ist::state() const {
   return fmt::format("leaves {}: ready {}, missing {}, no mshr {}, answering {}", std::popcount(occupied_),
-                     std::popcount(ready_), std::popcount(missing_), std::popcount(no_mshr_),
-                     std::popcount(answering_));
+                     std::popcount(fetch_.ready()), std::popcount(fetch_.missing()),
+                     std::popcount(fetch_.no_register()), std::popcount(answering_));
 }
 
 }  // namespace hw

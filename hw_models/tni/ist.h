@@ -1,25 +1,19 @@
 #pragma once
 #include <array>
 #include <cstdint>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "hw_models/memory/l1_cache.h"
+#include "hw_models/tni/fetch_stage.h"
 #include "hw_models/tni/messages.h"
 #include "hw_models/tni/tni_config.h"
+#include "hw_models/tni/tree_in_memory.h"
 #include "hw_models/tni/wheel.h"
 #include "sim/activity.h"
 #include "sim/link.h"
 
 namespace hw {
-
-/// Where triangles lie in memory.
-struct TrianglesInMemory {
-  Addr base = 0;
-  std::uint32_t bytes = 48;
-};
 
 /// The intersection unit (IST) of a T&I unit: tests the triangles of leaves, one triangle line a cycle.
 ///
@@ -31,22 +25,19 @@ struct TrianglesInMemory {
 /// Not modelled: a hit found by one triangle of a leaf does not shorten the next one's test.
 class Ist {
  public:
-  enum class Why : std::uint8_t { kStarved, kTesting, kL1Miss, kMshrFull, kPipe, kOutputFull, kCount };
-  struct Stats {
+  enum class Why : std::uint8_t { kStarved, kTesting, kL1Miss, kMshrFull, kPipe, kOutputFull, kRauFull, kCount };
+  struct Stats : FetchStats {
     std::uint64_t leaves_in = 0, leaves_out = 0;
-    std::uint64_t tests = 0, edge_tests = 0, hits = 0;
-    std::uint64_t l1_accesses = 0, l1_hits = 0, l1_misses = 0, l1_fills = 0, mshr_full = 0;
+    std::uint64_t tests = 0, edge_tests = 0, hits = 0, bypass_passes = 0;
     static void describe(auto& s, auto&& counter) {
       counter(s.leaves_in, "leaves_in", "leaves accepted into the input buffer", "tni.ray_buffer_write");
       counter(s.leaves_out, "leaves_out", "leaves answered", "tni.hit_route");
       counter(s.tests, "tests", "triangles tested (distance phase)", "tni.tri_phase1");
       counter(s.edge_tests, "edge_tests", "of these, tests that reached the barycentric phase", "tni.tri_phase2");
       counter(s.hits, "hits", "of these, tests that reached the hit phase", "tni.tri_phase3");
-      counter(s.l1_accesses, "l1_accesses", "probes of the triangle cache, retries included", "tni.ray_buffer_read");
-      counter(s.l1_hits, "l1_hits", "probes that found the line", "cache.l1_read");
-      counter(s.l1_misses, "l1_misses", "probes that did not", "cache.l1_probe");
-      counter(s.l1_fills, "l1_fills", "lines filled", "cache.l1_fill");
-      counter(s.mshr_full, "mshr_full", "misses that found no free miss register");
+      FetchStats::describe(s, counter);
+      counter(s.bypass_passes, "bypass_passes", "times a leaf went through the pipe without work, having missed",
+              "tni.tri_bypass_pass");
     }
   };
   struct Links {
@@ -56,7 +47,8 @@ class Ist {
     sim::Link<MemResponse>& memory_in;
   };
 
-  Ist(const IstConfig& config, const TrianglesInMemory& triangles, Links links, std::uint16_t port, sim::Clock clock);
+  Ist(const IstConfig& config, const TniMode& mode, const TrianglesInMemory& triangles, Links links, std::uint16_t port,
+      sim::Clock clock);
   Ist(const Ist&) = delete;
   Ist& operator=(const Ist&) = delete;
 
@@ -77,31 +69,34 @@ class Ist {
     std::uint64_t known_at = 0;  ///< cycle at which all tests so far are known
   };
 
-  void take_line(sim::Time now);
-  void take_leaf(sim::Time now);
+  enum Pipe : std::size_t { kToAnswer, kToFetch, kPipes };
+
+  bool take_line(sim::Time now);
+  bool take_leaf(sim::Time now);
   Why issue();
+  Why issue_one();
   void read(Slot& slot, std::uint32_t index, bool last_line);
-  void answer(sim::Time now);
+  bool answer(sim::Time now);
   Why waiting() const;
   sim::Time next_wake(sim::Time now) const;
 
   const IstConfig config_;
   const sim::Clock clock_;
   const TrianglesInMemory triangles_;
+  const bool unbounded_;  ///< any number of operations a cycle
   Links links_;
-  L1Cache l1_;
-  std::vector<Slot> slots_;
-  Wheel<1> pipe_;
-  std::uint64_t free_;
-  std::uint64_t occupied_ = 0, ready_ = 0, missing_ = 0, no_mshr_ = 0, answering_ = 0;
-  std::uint64_t served_ = 0;  ///< their line has come and is kept for them
-  std::uint32_t turn_ = 0, answer_turn_ = 0, source_turn_ = 0;
   Stats stats_;
+  FetchStage fetch_;
+  std::vector<Slot> slots_;
+  Wheel<kPipes> pipe_;
+  std::uint64_t free_;
+  std::uint64_t occupied_ = 0, answering_ = 0;
+  std::uint32_t turn_ = 0, answer_turn_ = 0, source_turn_ = 0;
   sim::Activity<Why> activity_;
 };
 
-constexpr std::array<std::string_view, 6> names_of(Ist::Why) {
-  return {"starved", "testing", "l1_miss", "mshr_full", "pipe", "output_full"};
+constexpr std::array<std::string_view, 7> names_of(Ist::Why) {
+  return {"starved", "testing", "l1_miss", "mshr_full", "pipe", "output_full", "rau_full"};
 }
 
 }  // namespace hw

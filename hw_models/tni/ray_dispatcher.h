@@ -6,15 +6,15 @@
 #include <vector>
 
 #include "hw_models/tni/messages.h"
+#include "hw_models/tni/tni_config.h"
 #include "sim/activity.h"
 #include "sim/link.h"
 
 namespace hw {
 
-/// The front door of a T&I unit: hands rays to the traversal unit with the fewest rays inside, and collects finished
-/// rays from all of them.
+/// The front door of a T&I unit: hands rays to the traversal units, and collects finished rays from all of them.
 ///
-///   ray FIFO --> [one ray a cycle] --> TRV with the emptiest input buffer
+///   ray FIFO --> [one ray a cycle] --> TRV with the emptiest input buffer, or the next in turn that has room
 ///   hit FIFO <-- [one hit every `hit_interval` cycles] <-- TRVs, round robin
 ///
 /// How full a TRV is, it knows from its own count of rays sent and returned.
@@ -35,8 +35,14 @@ class RayDispatcher {
     std::vector<sim::Link<RayDone>*> from_trv;
   };
 
-  /// `rays_per_trv`: slots of a TRV's input buffer.
-  RayDispatcher(std::uint32_t rays_per_trv, std::uint32_t hit_interval, Links links, sim::Clock clock);
+  struct Policy {
+    Dispatch dispatch = Dispatch::kEmptiest;
+    std::uint32_t rays_per_trv = 0;  ///< slots of a TRV's input buffer
+    std::uint32_t hit_interval = 1;  ///< cycles from one hit to the next
+    bool unbounded = false;          ///< any number of rays and hits a cycle (ideal.tni)
+  };
+
+  RayDispatcher(const Policy& policy, Links links, sim::Clock clock);
   RayDispatcher(const RayDispatcher&) = delete;
   RayDispatcher& operator=(const RayDispatcher&) = delete;
 
@@ -50,15 +56,18 @@ class RayDispatcher {
 
  private:
   bool dispatch(sim::Time now);
-  void collect(sim::Time now);
+  bool collect(sim::Time now);
   std::size_t emptiest() const;
+  /// Of the TRVs that can take a ray soonest, from `at` on, the first in turn.
+  std::size_t next_in_turn(sim::Time at) const;
+  std::size_t chosen(sim::Time at) const;
   sim::Time next_wake(sim::Time now) const;
 
   const sim::Clock clock_;
-  const std::uint32_t rays_per_trv_;
-  const std::uint32_t hit_interval_;
+  const Policy policy_;
   Links links_;
   std::vector<std::uint32_t> load_;  ///< rays inside each TRV
+  std::size_t turn_ = 0;             ///< the TRV whose turn it is
   std::size_t collect_turn_ = 0;
   sim::Time collect_at_ = 0;
   Stats stats_;

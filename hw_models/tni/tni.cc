@@ -11,25 +11,39 @@ std::vector<sim::Link<T>*> pointers(std::deque<sim::Link<T>>& links) {
   return out;
 }
 
+/// Misses wait as they do under `reorder`, which lets all other rays go on.
+TniConfig with_perfect_pipes(TniConfig config) {
+  constexpr std::uint32_t kMost = 64;
+  config.link_depth = kMost;
+  config.miss_handling = MissHandling::kReorder;
+  config.trv.rays = config.ist.leaves = kMost;
+  config.trv.box_latency = config.trv.leaf_latency = config.trv.stack_latency = 1;
+  config.ist.distance_stage = config.ist.barycentric_stage = config.ist.latency = 1;
+  config.trv.l1.hit_cycles = config.ist.l1.hit_cycles = 0;
+  return config;
+}
+
 }  // namespace
 
-Tni::Tni(const TniConfig& config, const Scene& scene, std::uint32_t hit_interval, const Links& links,
-         sim::Clock clock) {
+Tni::Tni(const TniConfig& given, const Perfect& perfect, const Scene& scene, std::uint32_t hit_interval,
+         const Links& links, sim::Clock clock) {
+  const TniConfig config = perfect.tni ? with_perfect_pipes(given) : given;
+  const TniMode mode{config.miss_handling, config.rau, perfect.tni, perfect.l1};
   for (std::uint32_t i = 0; i < config.trvs; ++i) {
     auto& rays = to_trv_.emplace_back(config.link_depth, 1, clock);
     auto& done = from_trv_.emplace_back(config.link_depth, 1, clock);
     auto& leaves = to_ist_.emplace_back(config.trv.leaf_latency + config.link_depth, config.trv.leaf_latency, clock);
     auto& answers = from_ist_.emplace_back(config.trv.rays, 1, clock);
-    trvs_.emplace_back(config.trv, scene.tree,
+    trvs_.emplace_back(config.trv, mode, scene.tree,
                        Trv::Links{rays, done, leaves, answers, *links.memory_out[i], *links.memory_in[i]},
                        static_cast<std::uint16_t>(i), clock);
   }
   ist_ = std::make_unique<Ist>(
-      config.ist, scene.triangles,
+      config.ist, mode, scene.triangles,
       Ist::Links{pointers(to_ist_), pointers(from_ist_), *links.memory_out[config.trvs], *links.memory_in[config.trvs]},
       static_cast<std::uint16_t>(config.trvs), clock);
   dispatcher_ = std::make_unique<RayDispatcher>(
-      config.trv.rays, hit_interval,
+      RayDispatcher::Policy{config.dispatch, config.trv.rays, hit_interval, perfect.tni},
       RayDispatcher::Links{links.rays_in, links.hits_out, pointers(to_trv_), pointers(from_trv_)}, clock);
 }
 

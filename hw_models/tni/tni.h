@@ -21,6 +21,11 @@ class Tni {
     TreeInMemory tree;
     TrianglesInMemory triangles;
   };
+  /// Made perfect, for bounds (ideal.*).
+  struct Perfect {
+    bool tni = false;  ///< 64 rays a TRV, 64 leaves, any number of operations a cycle, each in one cycle
+    bool l1 = false;   ///< every probe hits
+  };
   struct Links {
     sim::Link<RayJob>& rays_in;
     sim::Link<RayDone>& hits_out;
@@ -28,7 +33,8 @@ class Tni {
     std::vector<sim::Link<MemResponse>*> memory_in;
   };
 
-  Tni(const TniConfig& config, const Scene& scene, std::uint32_t hit_interval, const Links& links, sim::Clock clock);
+  Tni(const TniConfig& config, const Perfect& perfect, const Scene& scene, std::uint32_t hit_interval,
+      const Links& links, sim::Clock clock);
   Tni(const Tni&) = delete;
   Tni& operator=(const Tni&) = delete;
 

@@ -10,11 +10,53 @@ namespace hw {
 
 /// Where a ray keeps the far children it still has to visit.
 enum class StackScheme : std::uint8_t {
-  kFull,         ///< as deep as needed
-  kRestartLink,  ///< short: when full the oldest entry is dropped and a link to its node kept; when the short stack is
-                 ///< empty and entries were dropped, traversal starts again from that node (US patent 9,275,494)
+  kFull,          ///< as deep as needed
+  kRestartLink,   ///< short: when full the oldest entry is dropped and a link to its node kept; when the short stack is
+                  ///< empty and entries were dropped, traversal starts again from that node (US patent 9,275,494)
+  kRestartTrail,  ///< short or none: a bit per level says which near children are done; when the short stack is empty,
+                  ///< traversal starts again from the root and follows the bits (US patents 9,495,792 and 9,390,545)
 };
-constexpr std::array<std::string_view, 2> names_of(StackScheme) { return {"full", "restart_link"}; }
+constexpr std::array<std::string_view, 3> names_of(StackScheme) { return {"full", "restart_link", "restart_trail"}; }
+
+/// What a traversal unit asks memory for ahead of need.
+enum class Prefetch : std::uint8_t {
+  kNone,
+  kSibling,  ///< of two children hit, the node of the far one
+};
+constexpr std::array<std::string_view, 2> names_of(Prefetch) { return {"none", "sibling"}; }
+
+/// What becomes of a ray or leaf whose line is not in the first-level cache (fetch_stage.h).
+enum class MissHandling : std::uint8_t {
+  kReorder,   ///< it stays in the input buffer and tries again when its line has come (Lee et al. 2015)
+  kBypass,    ///< it passes the pipe without work and tries again, as often as it takes (US patent 9,754,403)
+  kRau,       ///< it waits in a table beside its line and goes on with it (US patent 9,342,919)
+  kBlocking,  ///< the fetch stage stands still until the line has come
+};
+constexpr std::array<std::string_view, 4> names_of(MissHandling) { return {"reorder", "bypass", "rau", "blocking"}; }
+
+/// The ray accumulation unit: a table with a row for each line that rays wait for.
+struct RauConfig {
+  std::uint32_t rows = 16;
+  std::uint32_t rays = 4;
+
+  static void describe(auto& c, auto&& field) {
+    using sim::Affects;
+    field(c.rows, "rows", "rows", "lines waited for at once, each with its rays", sim::between(1, 64),
+          Affects::kTiming);
+    field(c.rays, "rays", "rays", "rays of a row", sim::between(1, 64), Affects::kTiming);
+  }
+  /// Rays of `ray_bytes` each and a line of `line_bytes` a row.
+  std::uint64_t sram_bytes(std::uint32_t ray_bytes, std::uint64_t line_bytes) const {
+    return rows * (std::uint64_t{rays} * ray_bytes + line_bytes);
+  }
+};
+
+/// Who gets the next ray.
+enum class Dispatch : std::uint8_t {
+  kEmptiest,    ///< the traversal unit with the fewest rays inside
+  kRoundRobin,  ///< each in turn that has room
+};
+constexpr std::array<std::string_view, 2> names_of(Dispatch) { return {"emptiest", "round_robin"}; }
 
 /// A unit's pipelines are kept in a calendar of this many cycles (wheel.h).
 inline constexpr std::uint32_t kLongestPipe = 63;
@@ -22,6 +64,7 @@ inline constexpr std::uint32_t kLongestPipe = 63;
 /// One traversal unit.
 struct TrvConfig {
   std::uint32_t rays = 32;
+  std::uint32_t box_testers = 2;
   std::uint32_t box_latency = 12;
   std::uint32_t leaf_latency = 4;
   std::uint32_t stack_latency = 2;
@@ -29,26 +72,33 @@ struct TrvConfig {
   std::uint32_t stack_entries = 8;
   std::uint32_t stack_entry_bytes = 8;
   std::uint32_t ray_bytes = 96;
+  Prefetch prefetch = Prefetch::kNone;
   CacheConfig l1;
 
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
     field(c.rays, "rays", "rays", "rays held at once (input buffer)", sim::between(1, 64), Affects::kTiming);
-    field(c.box_latency, "box_latency", "cycles", "pipeline depth of the test of both child boxes", sim::between(1, 40),
+    field(c.box_testers, "box_testers", "testers",
+          "2: both child boxes at once, beside stack and leaf pipes; 1: one box a pass, all work through one pipe",
+          sim::between(1, 2), Affects::kWalk);
+    field(c.box_latency, "box_latency", "cycles", "pipeline depth of a box test", sim::between(1, 40),
           Affects::kTiming);
     field(c.leaf_latency, "leaf_latency", "cycles", "leaf sub-pipe, from leaf to the intersection unit's buffer",
           sim::between(1, 16), Affects::kTiming);
     field(c.stack_latency, "stack_latency", "cycles", "stack sub-pipe, one pop", sim::between(1, 16), Affects::kTiming);
     field(c.stack, "stack", "", "where far children wait", sim::any(), Affects::kWalk);
-    field(c.stack_entries, "stack_entries", "entries", "short stack depth per ray (restart_link)", sim::between(1, 64),
-          Affects::kWalk);
+    field(c.stack_entries, "stack_entries", "entries", "short stack depth per ray; 0: restart_trail without a stack",
+          sim::between(0, 64), Affects::kWalk);
     field(c.stack_entry_bytes, "stack_entry_bytes", "bytes", "storage of a stack entry (it leaks)", sim::between(1, 64),
           Affects::kEnergy);
     field(c.ray_bytes, "ray_bytes", "bytes", "storage of a ray in the input buffer (it leaks)", sim::between(16, 256),
           Affects::kEnergy);
+    field(c.prefetch, "prefetch", "", "node lines asked for ahead of need", sim::any(), Affects::kTiming);
     field.group(c.l1, "l1", "private node cache");
   }
   void check(auto&& complain) const {
+    if (stack_entries == 0 && stack != StackScheme::kRestartTrail)
+      complain("stack_entries", "must be at least 1; 0 is allowed with stack: restart_trail only");
     if (l1.hit_cycles + box_latency > kLongestPipe)
       complain("box_latency", "node fetch (l1.hit_cycles) and box test together must not exceed 63 cycles");
   }
@@ -89,10 +139,21 @@ struct IstConfig {
   std::uint64_t sram_bytes() const { return l1.size.bytes + std::uint64_t{leaves} * leaf_bytes; }
 };
 
+/// How all parts of a T&I unit work, beside what the configuration of each says.
+struct TniMode {
+  MissHandling handling = MissHandling::kReorder;
+  RauConfig rau;
+  bool unbounded = false;   ///< any number of operations of each kind a cycle (ideal.tni)
+  bool perfect_l1 = false;  ///< every probe hits (ideal.l1)
+};
+
 /// A traversal & intersection unit: one ray dispatcher, several traversal units, one intersection unit.
 struct TniConfig {
   std::uint32_t trvs = 4;
   std::uint32_t link_depth = 2;
+  Dispatch dispatch = Dispatch::kEmptiest;
+  MissHandling miss_handling = MissHandling::kReorder;
+  RauConfig rau;
   TrvConfig trv;
   IstConfig ist;
 
@@ -101,8 +162,20 @@ struct TniConfig {
     field(c.trvs, "trvs", "units", "traversal units", sim::between(1, 16), Affects::kTiming);
     field(c.link_depth, "link_depth", "entries", "slots of each link inside the unit", sim::between(1, 64),
           Affects::kTiming);
+    field(c.dispatch, "dispatch", "", "which traversal unit gets a ray", sim::any(), Affects::kTiming);
+    field(c.miss_handling, "miss_handling", "", "what becomes of a ray or leaf whose line is not in its L1", sim::any(),
+          Affects::kTiming);
+    field.group(c.rau, "rau", "table of waiting rays (miss_handling: rau), one per L1");
     field.group(c.trv, "trv", "traversal unit");
     field.group(c.ist, "ist", "intersection unit");
+  }
+  /// Storage of a traversal unit, of an intersection unit.
+  std::uint64_t trv_sram_bytes() const { return trv.sram_bytes() + rau_bytes(trv.ray_bytes, trv.l1.line.bytes); }
+  std::uint64_t ist_sram_bytes() const { return ist.sram_bytes() + rau_bytes(ist.leaf_bytes, ist.l1.line.bytes); }
+
+ private:
+  std::uint64_t rau_bytes(std::uint32_t ray_bytes, std::uint64_t line_bytes) const {
+    return miss_handling == MissHandling::kRau ? rau.sram_bytes(ray_bytes, line_bytes) : 0;
   }
 };
 

@@ -15,84 +15,97 @@ using traces::StepKind;
 namespace {
 
 constexpr std::uint64_t bit(std::uint32_t slot) { return std::uint64_t{1} << slot; }
-/// Nodes at which the `stacked` entries now on a ray's stack were pushed, oldest first, found by following its walk
-/// from `begin` up to the step `next`. Restarts are rare; keeping such a list for every ray is not worth the memory.
-std::vector<std::uint32_t> pending_pushes(const std::uint32_t* begin, const std::uint32_t* next, std::size_t stacked) {
-  std::vector<std::uint32_t> entries;
-  bool must_pop = false;
-  for (const std::uint32_t* step = begin; step != next; ++step) {
-    const StepKind kind = traces::kind_of(*step);
-    if (kind == StepKind::kCull) {
-      // The culls just before `next` are under way: `stacked` says how far.
-      if (step + 1 != next) entries.resize(entries.size() - traces::culled_of(*step));
-      continue;
-    }
-    if (must_pop) entries.pop_back();
-    must_pop = kind == StepKind::kLeaf || traces::hits_of(*step) == 0;
-    if (kind == StepKind::kLeaf) {
-      ++step;  // its exit phases
-    } else if (traces::hits_of(*step) == 3) {
-      entries.push_back(traces::node_of(*step));
-    }
-  }
-  entries.resize(stacked);
-  return entries;
-}
-
 constexpr std::uint64_t all(std::uint32_t slots) { return slots == 64 ? ~std::uint64_t{0} : bit(slots) - 1; }
 
 }  // namespace
 
-Trv::Trv(const TrvConfig& config, const TreeInMemory& tree, Links links, std::uint16_t port, sim::Clock clock)
+Trv::Trv(const TrvConfig& config, const TniMode& mode, const TreeInMemory& tree, Links links, std::uint16_t port,
+         sim::Clock clock)
     : config_(config),
       clock_(clock),
       tree_(tree),
       visit_latency_(config.l1.hit_cycles + config.box_latency),
+      one_line_(tree.one_line()),
+      unbounded_(mode.unbounded),
+      one_pipe_(config.box_testers == 1 && !mode.unbounded),
       links_(links),
-      l1_(config.l1, port),
+      fetch_(config.l1, mode, port, stats_),
       slots_(config.rays),
       paths_(config.rays),
       pipes_(clock),
       free_(all(config.rays)) {
   assert(visit_latency_ < Wheel<kPipes>::kSpan);
+  far_nodes_.reserve(config.rays);
 }
 
 sim::Time Trv::tick(sim::Time now) {
+  const auto as_often_as_may_be = [&](auto&& step) {
+    while (step() && unbounded_) {
+    }
+  };
   pipes_.advance(now);
   release(pipes_.take());
-  take_lines(now);
-  take_answers(now);
-  take_rays(now);
-  const bool tried = ready_ != 0;
-  const Why inner = tried ? issue_visit() : Why::kStarved;
-  issue_pop();
-  issue_leaf(now);
-  retire(now);
-  l1_.send(now, links_.memory_out);
-  const Why then = waiting();
-  activity_.spend(now, clock_.period(), tried ? inner : then, then);
-  return next_wake(now);
+  as_often_as_may_be([&] { return take_line(now); });
+  as_often_as_may_be([&] { return take_answer(now); });
+  if (free_ != 0) as_often_as_may_be([&] { return take_ray(now); });
+  bool tried = false;
+  Why why = Why::kStarved;
+  if (one_pipe_) {
+    tried = issue_any(now, why);
+  } else {
+    for (std::uint64_t able = fetch_.able(); able != 0; able = unbounded_ ? fetch_.able() : 0) {
+      const Why of_this = issue_visit(next_of(able));
+      if (!tried || of_this == Why::kVisiting) why = of_this;
+      tried = true;
+    }
+    if (popping_ != 0) as_often_as_may_be([&] { return issue_pop(); });
+    if (leaving_ != 0) as_often_as_may_be([&] { return issue_leaf(now); });
+  }
+  if (retiring_ != 0) as_often_as_may_be([&] { return retire(now); });
+  if (!far_nodes_.empty()) prefetch_far_nodes();  // behind what rays need now
+  fetch_.send(now, links_.memory_out);
+  const sim::Time next = clock_.after(now, 1);
+  const sim::Time wake = next_wake(next);
+  const Why then = tried && wake == next ? why : waiting(next);
+  activity_.spend(now, clock_.period(), tried ? why : then, then);
+  return wake;
 }
 
 void Trv::release(const Wheel<kPipes>::Masks& out) {
-  ready_ |= out[kToInner];
+  fetch_.enter(out[kToInner]);
   popping_ |= out[kToStack];
   leaving_ |= out[kToLeaf];
   retiring_ |= out[kToRetire];
+  if (forked_ != 0) note_far_nodes(forked_ & (out[kToInner] | out[kToLeaf]));
 }
 
-void Trv::take_lines(sim::Time now) {
-  if (!links_.memory_in.can_pop(now)) return;
-  const std::uint64_t waited = l1_.fill(links_.memory_in.pop(now).line);
-  stats_.l1_fills += 1;
-  missing_ &= ~waited;
-  served_ |= waited;
-  ready_ |= waited | no_mshr_;  // a miss register is free again: those that found none try again
-  no_mshr_ = 0;
+void Trv::note_far_nodes(std::uint64_t visited) {
+  forked_ &= ~visited;
+  for (; visited != 0; visited &= visited - 1) {
+    const std::uint32_t step = slots_[static_cast<std::uint32_t>(std::countr_zero(visited))].next[-1];
+    const std::uint32_t far = tree_.links[traces::node_of(step)].child[1 - traces::near_of(step)];
+    if (!traces::is_leaf(far)) far_nodes_.push_back(far);
+  }
 }
 
-void Trv::take_answers(sim::Time now) {
-  if (!links_.leaves_in.can_pop(now)) return;
+void Trv::prefetch_far_nodes() {
+  for (const std::uint32_t node : far_nodes_) {
+    if (!fetch_.can_prefetch()) break;
+    stats_.prefetch_probes += 1;
+    const Addr line = tree_.line_of_visit(node, config_.box_testers, 0, 0).line;
+    if (fetch_.prefetch(line, pipes_.cycle())) stats_.prefetches += 1;
+  }
+  far_nodes_.clear();
+}
+
+bool Trv::take_line(sim::Time now) {
+  if (!links_.memory_in.can_pop(now)) return false;
+  fetch_.fill(links_.memory_in.pop(now).line, pipes_.cycle());
+  return true;
+}
+
+bool Trv::take_answer(sim::Time now) {
+  if (!links_.leaves_in.can_pop(now)) return false;
   const std::uint32_t index = links_.leaves_in.pop(now).slot;
   at_ist_ &= ~bit(index);
   Slot& slot = slots_[index];
@@ -107,10 +120,11 @@ void Trv::take_answers(sim::Time now) {
     default:
       assert(false && "a leaf is followed by a pop or the end");
   }
+  return true;
 }
 
-void Trv::take_rays(sim::Time now) {
-  if (free_ == 0 || !links_.rays_in.can_pop(now)) return;
+bool Trv::take_ray(sim::Time now) {
+  if (free_ == 0 || !links_.rays_in.can_pop(now)) return false;
   const RayJob job = links_.rays_in.pop(now);
   const auto index = static_cast<std::uint32_t>(std::countr_zero(free_));
   free_ &= ~bit(index);
@@ -120,7 +134,7 @@ void Trv::take_rays(sim::Time now) {
   stats_.rays_in += 1;
   switch (next_pipe(slot)) {
     case kToInner:
-      ready_ |= bit(index);
+      fetch_.enter(bit(index));
       break;
     case kToRetire:
       retiring_ |= bit(index);
@@ -128,6 +142,7 @@ void Trv::take_rays(sim::Time now) {
     default:
       assert(false && "a walk begins with the root");
   }
+  return true;
 }
 
 Trv::Pipe Trv::next_pipe(Slot& slot) const {
@@ -142,63 +157,74 @@ Trv::Pipe Trv::next_pipe(Slot& slot) const {
   return traces::kind_of(*slot.next) == StepKind::kVisit ? kToInner : kToLeaf;
 }
 
-Trv::Why Trv::issue_visit() {
-  const std::uint32_t index = pick(ready_, inner_turn_);
-  inner_turn_ = (index + 1) % 64;
-  ready_ &= ~bit(index);
+Trv::Why Trv::issue_visit(std::uint32_t index) {
   Slot& slot = slots_[index];
   const std::uint32_t node = slot.restarting ? paths_[index].back() : traces::node_of(*slot.next);
-  const Addr line = (tree_.nodes + Addr{node} * tree_.node_bytes) & ~Addr{63};
-  stats_.l1_accesses += 1;
-  const bool served = (served_ & bit(index)) != 0;
-  served_ &= ~bit(index);
-  switch (served ? L1Cache::Result::kHit : l1_.access(line, index)) {
-    case L1Cache::Result::kHit:
-      stats_.l1_hits += 1;
+  const TreeInMemory::Line read = one_line_ ? TreeInMemory::Line{tree_.line_of(node), true}
+                                            : tree_.line_of_visit(node, config_.box_testers, slot.child, slot.fetched);
+  const FetchStage::Result result = fetch_.read(index, read.line, pipes_.cycle());
+  if (result == FetchStage::Result::kRead) {
+    if (read.last) {
       visited(slot, index);
-      return Why::kVisiting;
-    case L1Cache::Result::kMiss:
-      stats_.l1_misses += 1;
-      missing_ |= bit(index);
-      return Why::kL1Miss;
-    case L1Cache::Result::kFull:
-      break;
+    } else {
+      slot.fetched += 1;
+      fetch_.enter(bit(index));
+    }
+    return Why::kVisiting;
   }
-  stats_.l1_misses += 1;
-  stats_.mshr_full += 1;
-  no_mshr_ |= bit(index);
-  return Why::kMshrFull;
+  if (fetch_.bypasses()) {
+    stats_.bypass_passes += 1;
+    pipes_.put(kToInner, index, visit_latency_);
+  }
+  switch (result) {
+    case FetchStage::Result::kNoRegister:
+      return Why::kMshrFull;
+    case FetchStage::Result::kTableFull:
+      return Why::kRauFull;
+    default:
+      return Why::kL1Miss;
+  }
 }
 
 void Trv::visited(Slot& slot, std::uint32_t index) {
+  slot.fetched = 0;
+  (tree_.hybrid ? stats_.hybrid_box_tests : stats_.box_tests) += config_.box_testers;
+  if (config_.box_testers == 1) {
+    slot.child ^= 1U;
+    if (slot.child == 1) {
+      stats_.first_passes += 1;
+      pipes_.put(kToInner, index, visit_latency_);
+      return;
+    }
+  }
   stats_.visits += 1;
-  stats_.box_tests += 2;
   if (slot.restarting) {
-    paths_[index].pop_back();
-    slot.restarting = !paths_[index].empty();
-    stats_.restarted_visits += 1;
+    visited_again(slot, index);
   } else {
     const std::uint32_t step = *slot.next;
     slot.next += 1;
     const std::uint32_t hits = traces::hits_of(step);
     slot.must_pop = hits == 0;
     if (hits == 3) {
-      stats_.pushes += 1;
-      slot.stacked += 1;
-      if (config_.stack == StackScheme::kRestartLink && slot.held == config_.stack_entries) {
-        stats_.dropped += 1;
-      } else {
-        slot.held += 1;
-      }
+      push(slot);
+      if (config_.prefetch == Prefetch::kSibling) forked_ |= bit(index);
     }
   }
   pipes_.put(next_pipe(slot), index, visit_latency_);
 }
 
-void Trv::issue_pop() {
-  if (popping_ == 0) return;
-  const std::uint32_t index = pick(popping_, stack_turn_);
-  stack_turn_ = (index + 1) % 64;
+void Trv::push(Slot& slot) {
+  slot.stacked += 1;
+  if (config_.stack_entries == 0) return;
+  stats_.pushes += 1;
+  if (config_.stack != StackScheme::kFull && slot.held == config_.stack_entries) {
+    stats_.dropped += 1;
+  } else {
+    slot.held += 1;
+  }
+}
+
+void Trv::pop(std::uint32_t index) {
   popping_ &= ~bit(index);
   Slot& slot = slots_[index];
   if (slot.held == 0) {
@@ -206,36 +232,37 @@ void Trv::issue_pop() {
   } else {
     stats_.pops += 1;
     slot.held -= 1;
-    slot.stacked -= 1;
-    if (slot.culls > 0) {
-      slot.culls -= 1;
-    } else {
-      slot.must_pop = false;
-    }
+    take_entry(slot);
   }
   pipes_.put(next_pipe(slot), index, config_.stack_latency);
 }
 
-void Trv::restart(Slot& slot, std::uint32_t index) {
-  assert(slot.stacked > 0 && "a pop from an empty stack");
-  // From the link, which is the node of the oldest dropped entry, down to the node of the entry wanted now. Each visit
-  // finds its far child again, so the short stack ends up holding the youngest entries.
-  const std::vector<std::uint32_t> entries = pending_pushes(slot.begin, slot.next, slot.stacked);
-  for (std::uint32_t node = entries.back();; node = tree_.parents[node]) {
-    paths_[index].push_back(node);
-    if (node == entries.front()) break;
+void Trv::take_entry(Slot& slot) {
+  slot.stacked -= 1;
+  if (slot.culls > 0) {
+    slot.culls -= 1;
+  } else {
+    slot.must_pop = false;
   }
-  slot.restarting = true;
-  slot.held = static_cast<std::uint16_t>(std::min<std::uint32_t>(slot.stacked, config_.stack_entries));
-  stats_.restarts += 1;
-  stats_.pushes += slot.stacked;
-  stats_.dropped += slot.stacked - slot.held;
 }
 
-void Trv::issue_leaf(sim::Time now) {
-  if (leaving_ == 0 || now < leaf_free_at_ || !links_.leaves_out.can_push(now)) return;
+bool Trv::issue_pop() {
+  if (popping_ == 0) return false;
+  const std::uint32_t index = pick(popping_, stack_turn_);
+  stack_turn_ = (index + 1) % 64;
+  pop(index);
+  return true;
+}
+
+bool Trv::issue_leaf(sim::Time now) {
+  if (leaving_ == 0 || now < leaf_free_at_ || !links_.leaves_out.can_push(now)) return false;
   const std::uint32_t index = pick(leaving_, leaf_turn_);
   leaf_turn_ = (index + 1) % 64;
+  send_leaf(now, index);
+  return true;
+}
+
+void Trv::send_leaf(sim::Time now, std::uint32_t index) {
   leaving_ &= ~bit(index);
   Slot& slot = slots_[index];
   const std::uint32_t step = slot.next[0];
@@ -244,12 +271,34 @@ void Trv::issue_leaf(sim::Time now) {
                                       static_cast<std::uint8_t>(index)});
   slot.next += 2;
   at_ist_ |= bit(index);
-  leaf_free_at_ = clock_.after(now, std::max(count, 1U));
+  if (!unbounded_) leaf_free_at_ = clock_.after(now, std::max(count, 1U));
   stats_.leaves += 1;
 }
 
-void Trv::retire(sim::Time now) {
-  if (retiring_ == 0 || !links_.rays_out.can_push(now)) return;
+/// Slots of which one may enter the one pipe; of leaves only if there is room for them.
+std::uint64_t Trv::shared_work(bool room_for_leaves) const {
+  if (fetch_.stands()) return fetch_.able();
+  return fetch_.able() | popping_ | (room_for_leaves ? leaving_ : 0);
+}
+
+bool Trv::issue_any(sim::Time now, Why& why) {
+  why = Why::kSerial;
+  if (now < leaf_free_at_) return true;
+  const std::uint64_t work = shared_work(links_.leaves_out.can_push(now));
+  if (work == 0) return false;
+  const std::uint32_t index = next_of(work);
+  if ((popping_ & bit(index)) != 0) {
+    pop(index);
+  } else if ((leaving_ & bit(index)) != 0) {
+    send_leaf(now, index);
+  } else {
+    why = issue_visit(index);
+  }
+  return true;
+}
+
+bool Trv::retire(sim::Time now) {
+  if (retiring_ == 0 || !links_.rays_out.can_push(now)) return false;
   const std::uint32_t index = pick(retiring_, retire_turn_);
   retire_turn_ = (index + 1) % 64;
   retiring_ &= ~bit(index);
@@ -257,34 +306,49 @@ void Trv::retire(sim::Time now) {
   free_ |= bit(index);
   links_.rays_out.push(now, RayDone{slots_[index].id});
   stats_.rays_out += 1;
+  return true;
 }
 
-Trv::Why Trv::waiting() const {
+Trv::Why Trv::waiting(sim::Time next) const {
   if (occupied_ == 0) return Why::kStarved;
+  if (one_pipe_ && next < leaf_free_at_) return Why::kSerial;
   if (retiring_ != 0) return Why::kOutputFull;
-  if (no_mshr_ != 0) return Why::kMshrFull;
-  if (missing_ != 0) return Why::kL1Miss;
+  switch (fetch_.waits_for()) {
+    case FetchStage::Wait::kTable:
+      return Why::kRauFull;
+    case FetchStage::Wait::kRegister:
+      return Why::kMshrFull;
+    case FetchStage::Wait::kLine:
+      return Why::kL1Miss;
+    case FetchStage::Wait::kNothing:
+      break;
+  }
   if ((at_ist_ | leaving_) != 0) return Why::kIst;
   return Why::kPipe;
 }
 
-sim::Time Trv::next_wake(sim::Time now) const {
-  const sim::Time next = clock_.after(now, 1);
-  if ((ready_ | popping_) != 0) return next;
+sim::Time Trv::next_wake(sim::Time next) const {
+  if (!one_pipe_ && (fetch_.able() | popping_) != 0) return next;
   sim::Time at = pipes_.next();
-  if (leaving_ != 0) at = std::min(at, std::max({next, leaf_free_at_, links_.leaves_out.push_at()}));
+  if (one_pipe_) {
+    const sim::Time free_at = std::max(next, leaf_free_at_);
+    if (free_at > next || shared_work(false) != 0) at = std::min(at, free_at);
+    if (leaving_ != 0 && !fetch_.stands()) at = std::min(at, std::max(free_at, links_.leaves_out.push_at()));
+  } else if (leaving_ != 0) {
+    at = std::min(at, std::max({next, leaf_free_at_, links_.leaves_out.push_at()}));
+  }
   if (retiring_ != 0) at = std::min(at, std::max(next, links_.rays_out.push_at()));
   if (free_ != 0) at = std::min(at, std::max(next, links_.rays_in.pop_at()));
   at = std::min(at, std::max(next, links_.leaves_in.pop_at()));
   at = std::min(at, std::max(next, links_.memory_in.pop_at()));
-  return std::min(at, l1_.send_at(next, links_.memory_out));
+  return std::min(at, fetch_.send_at(next, links_.memory_out));
 }
 
 std::string Trv::state() const {
   return fmt::format("rays {}: ready {}, stack {}, leaf {}, retiring {}, missing {}, no mshr {}, at ist {}",
-                     std::popcount(occupied_), std::popcount(ready_), std::popcount(popping_), std::popcount(leaving_),
-                     std::popcount(retiring_), std::popcount(missing_), std::popcount(no_mshr_),
-                     std::popcount(at_ist_));
+                     std::popcount(occupied_), std::popcount(fetch_.ready()), std::popcount(popping_),
+                     std::popcount(leaving_), std::popcount(retiring_), std::popcount(fetch_.missing()),
+                     std::popcount(fetch_.no_register()), std::popcount(at_ist_));
 }
 
 }  // namespace hw

@@ -1,30 +1,19 @@
 #pragma once
 #include <array>
 #include <cstdint>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "hw_models/memory/l1_cache.h"
+#include "hw_models/tni/fetch_stage.h"
 #include "hw_models/tni/messages.h"
 #include "hw_models/tni/tni_config.h"
+#include "hw_models/tni/tree_in_memory.h"
 #include "hw_models/tni/wheel.h"
 #include "sim/activity.h"
 #include "sim/link.h"
 
 namespace hw {
-
-/// What a traversal unit knows of the tree in memory: where records lie, and each node's parent (for restarts).
-struct TreeInMemory {
-  Addr nodes = 0;
-  std::uint32_t node_bytes = 64;  ///< of a record; it may lie across two lines
-  std::span<const std::uint32_t> parents;
-  /// Of each inner node, the records of its two children, where a record holds a single box; empty where it holds both
-  /// boxes of a node.
-  std::span<const std::array<std::uint32_t, 2>> single_boxes;
-  bool hybrid = false;  ///< fixed-point boxes
-};
 
 /// A traversal unit (TRV): takes independent rays through a 2-wide BVH, three sub-pipes side by side, each one
 /// operation a cycle.
@@ -34,44 +23,51 @@ struct TreeInMemory {
 ///                   |                       --> leaf: to the IST, `count` cycles -----> ... answer
 ///                   +---- finished rays leave in any order
 ///
-/// A ray keeps its slot until it retires. A ray whose node is not in the L1 stays in the input buffer, marked, and is
-/// not pushed through the pipe; it tries again when its line has come (the buffer is reordered by the result of the
-/// cache access: Lee et al. 2015, "reorder buffer"). Which of several ready rays goes first is round robin by slot.
-/// A push shares the cycle of the visit that causes it (the stack RAM has one read and one write port).
-/// A line that has come stays readable for the rays that waited for it, whatever is filled meanwhile: each of them
-/// makes progress, however small the cache.
+/// A ray keeps its slot until it retires. What becomes of a ray whose node is not in the L1 is the fetch stage's
+/// (fetch_stage.h). Which of several ready rays goes first is round robin by slot. A visit whose records lie in several
+/// lines fetches one line a cycle. A push shares the cycle of the visit that causes it (the stack RAM has one read and
+/// one write port).
+/// With one box tester (the unit of before 2014) a visit is two passes, child 0 then child 1, and passes, pops and
+/// leaves share one pipe: one of them enters a cycle, a leaf for `count` cycles. Each keeps its own latency.
+/// Not modelled: under `rau` a ray could give its place in the input buffer to another while it waits in the table.
 class Trv {
  public:
   enum class Why : std::uint8_t {
     kStarved,     ///< no ray inside
-    kVisiting,    ///< a node went into the box pipe
+    kVisiting,    ///< a node, or one line of several, went into the box pipe
     kL1Miss,      ///< rays wait for node lines, or this cycle's probe missed
     kMshrFull,    ///< rays wait for a free miss register
     kIst,         ///< rays wait for the intersection unit
     kPipe,        ///< rays are all inside the pipelines: too few of them to fill the latency
     kOutputFull,  ///< finished rays cannot leave
+    kSerial,      ///< a pop or a leaf was in the one pipe (box_testers 1)
+    kRauFull,     ///< a ray stands in the fetch stage for lack of room in the table (miss_handling rau)
     kCount
   };
-  struct Stats {
+  struct Stats : FetchStats {
     std::uint64_t rays_in = 0, rays_out = 0;
-    std::uint64_t visits = 0, restarted_visits = 0, box_tests = 0;
-    std::uint64_t l1_accesses = 0, l1_hits = 0, l1_misses = 0, l1_fills = 0, mshr_full = 0;
+    std::uint64_t visits = 0, restarted_visits = 0, first_passes = 0, box_tests = 0, hybrid_box_tests = 0;
+    std::uint64_t bypass_passes = 0, prefetch_probes = 0, prefetches = 0;
     std::uint64_t pushes = 0, pops = 0, dropped = 0, restarts = 0, leaves = 0;
     static void describe(auto& s, auto&& counter) {
       counter(s.rays_in, "rays_in", "rays accepted into the input buffer", "tni.ray_buffer_write");
       counter(s.rays_out, "rays_out", "rays retired", "tni.ray_buffer_read");
       counter(s.visits, "visits", "nodes tested, restarts included", "tni.ray_update");
       counter(s.restarted_visits, "restarted_visits", "of these, nodes tested again after a restart");
-      counter(s.box_tests, "box_tests", "child boxes tested", "tni.box_test");
-      counter(s.l1_accesses, "l1_accesses", "probes of the node cache, retries included", "tni.ray_buffer_read");
-      counter(s.l1_hits, "l1_hits", "probes that found the line", "cache.l1_read");
-      counter(s.l1_misses, "l1_misses", "probes that did not", "cache.l1_probe");
-      counter(s.l1_fills, "l1_fills", "lines filled", "cache.l1_fill");
-      counter(s.mshr_full, "mshr_full", "misses that found no free miss register");
+      counter(s.first_passes, "first_passes", "visits' passes for the first child alone (one box tester)",
+              "tni.ray_update");
+      counter(s.box_tests, "box_tests", "child boxes tested, floating-point", "tni.box_test");
+      counter(s.hybrid_box_tests, "hybrid_box_tests", "child boxes tested, fixed-point planes and origin",
+              "tni.box_test_hybrid");
+      FetchStats::describe(s, counter);
+      counter(s.bypass_passes, "bypass_passes", "times a ray went through the box pipe without work, having missed",
+              "tni.bypass_pass");
+      counter(s.prefetch_probes, "prefetch_probes", "far nodes looked up ahead of need", "cache.l1_probe");
+      counter(s.prefetches, "prefetches", "of these, lines asked for");
       counter(s.pushes, "pushes", "stack entries written", "tni.stack_push");
       counter(s.pops, "pops", "stack entries read", "tni.stack_pop");
       counter(s.dropped, "dropped", "stack entries dropped because the short stack was full");
-      counter(s.restarts, "restarts", "restarts from the link");
+      counter(s.restarts, "restarts", "restarts from the link or the root");
       counter(s.leaves, "leaves", "leaves sent to the intersection unit", "tni.ray_route");
     }
   };
@@ -84,7 +80,8 @@ class Trv {
     sim::Link<MemResponse>& memory_in;
   };
 
-  Trv(const TrvConfig& config, const TreeInMemory& tree, Links links, std::uint16_t port, sim::Clock clock);
+  Trv(const TrvConfig& config, const TniMode& mode, const TreeInMemory& tree, Links links, std::uint16_t port,
+      sim::Clock clock);
   Trv(const Trv&) = delete;
   Trv& operator=(const Trv&) = delete;
 
@@ -93,7 +90,7 @@ class Trv {
   const Stats& stats() const { return stats_; }
   const sim::Activity<Why>& activity() const { return activity_; }
   void finish(sim::Time end) { activity_.finish(end); }
-  bool idle() const { return occupied_ == 0; }
+  bool idle() const { return occupied_ == 0 && !fetch_.waits_for_memory(); }
   std::string state() const;
 
  private:
@@ -108,48 +105,72 @@ class Trv {
     std::uint16_t held = 0;     ///< of these, entries in the short stack
     bool must_pop = false;      ///< `next` is reached through the stack
     bool restarting = false;    ///< on the way back down: its nodes are in paths_
+    std::uint8_t child = 0;     ///< the box to test (one tester)
+    std::uint8_t fetched = 0;   ///< lines of the present visit or pass that have been read
   };
   static_assert(sizeof(Slot) == 32, "two slots a cache line of the host: a tick touches little else");
 
-  void take_rays(sim::Time now);
-  void take_answers(sim::Time now);
-  void take_lines(sim::Time now);
-  Why issue_visit();
-  void issue_pop();
-  void issue_leaf(sim::Time now);
-  void retire(sim::Time now);
+  // Each does one thing, if there is one to do.
+  bool take_ray(sim::Time now);
+  bool take_answer(sim::Time now);
+  bool take_line(sim::Time now);
+  bool issue_pop();
+  bool issue_leaf(sim::Time now);
+  bool retire(sim::Time now);
+
+  /// Of the slots of a mask the one whose turn it is.
+  std::uint32_t next_of(std::uint64_t slots) {
+    const std::uint32_t index = pick(slots, inner_turn_);
+    inner_turn_ = (index + 1) % 64;
+    return index;
+  }
+  Why issue_visit(std::uint32_t index);
+  bool issue_any(sim::Time now, Why& why);
+  std::uint64_t shared_work(bool room_for_leaves) const;
+  void push(Slot& slot);
+  void pop(std::uint32_t index);
+  void send_leaf(sim::Time now, std::uint32_t index);
   void visited(Slot& slot, std::uint32_t index);
+  void visited_again(Slot& slot, std::uint32_t index);
+  /// The youngest entry of the stack is dropped, being behind the hit, or is where the ray goes on.
+  static void take_entry(Slot& slot);
   /// Which sub-pipe the slot needs for its next step.
   Pipe next_pipe(Slot& slot) const;
   void restart(Slot& slot, std::uint32_t index);
   void release(const Wheel<kPipes>::Masks& out);
-  Why waiting() const;  ///< what a cycle goes to in which no node enters the box pipe
-  sim::Time next_wake(sim::Time now) const;
+  /// These visits have hit both children: their far ones may be asked for ahead of need.
+  void note_far_nodes(std::uint64_t visited);
+  void prefetch_far_nodes();
+  /// What a cycle goes to in which no node enters the box pipe, from `next` on.
+  Why waiting(sim::Time next) const;
+  sim::Time next_wake(sim::Time next) const;
 
   const TrvConfig config_;
   const sim::Clock clock_;
   const TreeInMemory tree_;
   const std::uint32_t visit_latency_;
+  const bool one_line_;   ///< a visit reads one line
+  const bool unbounded_;  ///< any number of operations a cycle
+  const bool one_pipe_;   ///< passes, pops and leaves share a pipe
   Links links_;
-  L1Cache l1_;
+  Stats stats_;
+  FetchStage fetch_;
   std::vector<Slot> slots_;
   std::vector<std::vector<std::uint32_t>> paths_;  ///< per slot: nodes to test again after a restart, last one first
   Wheel<kPipes> pipes_;
   std::uint64_t free_;
   std::uint64_t occupied_ = 0;
-  std::uint64_t ready_ = 0, popping_ = 0, leaving_ = 0, retiring_ = 0;  ///< waiting for the sub-pipe of that name
-  std::uint64_t missing_ = 0;                                           ///< waiting for a line
-  std::uint64_t no_mshr_ = 0;                                           ///< waiting for a miss register
-  std::uint64_t served_ = 0;                                            ///< their line has come and is kept for them
-  std::uint64_t at_ist_ = 0;                                            ///< waiting for the intersection unit's answer
+  std::uint64_t popping_ = 0, leaving_ = 0, retiring_ = 0;  ///< waiting for the sub-pipe of that name
+  std::uint64_t at_ist_ = 0;                                ///< waiting for the intersection unit's answer
+  std::uint64_t forked_ = 0;  ///< in the box pipe, where it will be seen that both children are hit (prefetching)
+  std::vector<std::uint32_t> far_nodes_;  ///< of this cycle's
   std::uint32_t inner_turn_ = 0, stack_turn_ = 0, leaf_turn_ = 0, retire_turn_ = 0;
-  sim::Time leaf_free_at_ = 0;
-  Stats stats_;
+  sim::Time leaf_free_at_ = 0;  ///< when the pipe of leaves, or the one pipe for all, takes the next operation
   sim::Activity<Why> activity_;
 };
 
-constexpr std::array<std::string_view, 7> names_of(Trv::Why) {
-  return {"starved", "visiting", "l1_miss", "mshr_full", "ist", "pipe", "output_full"};
+constexpr std::array<std::string_view, 9> names_of(Trv::Why) {
+  return {"starved", "visiting", "l1_miss", "mshr_full", "ist", "pipe", "output_full", "serial", "rau_full"};
 }
 
 }  // namespace hw

@@ -23,11 +23,14 @@ void expect_rays_conserved(const Outcome& run, const std::string& core) {
   EXPECT_EQ(run.sum(core, "tile_buffer", "slots_taken"), rays);
 }
 
-void expect_lines_conserved(const Outcome& run, const std::string& core) {
+void expect_lines_conserved(const Outcome& run, const std::string& core, const GpuConfig& config) {
   for (const char* unit : {"trv", "ist"}) {
     EXPECT_EQ(run.sum(core, unit, "l1_hits") + run.sum(core, unit, "l1_misses"), run.sum(core, unit, "l1_accesses"));
+    EXPECT_EQ(run.sum(core, unit, "rau_writes"), run.sum(core, unit, "rau_reads"));
   }
-  EXPECT_EQ(run.sum(core, "trv", "visits"), run.sum(core, "trv", "l1_hits"));
+  const std::uint64_t visits = run.sum(core, "trv", "visits"), first_passes = run.sum(core, "trv", "first_passes");
+  EXPECT_EQ(first_passes, config.tni.trv.box_testers == 1 ? visits : 0);
+  EXPECT_EQ(visits + first_passes, run.sum(core, "trv", "l1_hits") + run.sum(core, "trv", "rau_reads"));
   EXPECT_EQ(run.sum(core, "srp", "cache_hits") + run.sum(core, "srp", "cache_misses"),
             run.sum(core, "srp", "cache_accesses"));
   const std::uint64_t fills =
@@ -95,7 +98,7 @@ void expect_machine_conserved(const Outcome& run, const GpuConfig& config) {
     const std::string core = fmt::format("core{}.", c);
     SCOPED_TRACE(core);
     expect_rays_conserved(run, core);
-    expect_lines_conserved(run, core);
+    expect_lines_conserved(run, core, config);
   }
   expect_memory_conserved(run);
   expect_time_accounted(run, config);

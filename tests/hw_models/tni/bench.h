@@ -1,4 +1,6 @@
 #pragma once
+#include <algorithm>
+#include <array>
 #include <deque>
 #include <memory>
 #include <string>
@@ -18,6 +20,12 @@ class TniBench {
     TniConfig config;
     std::uint32_t memory_latency = 50;  ///< cycles from request to line
     std::vector<std::uint32_t> parents;
+    std::vector<std::array<std::uint32_t, 2>> single_boxes;
+    std::vector<traces::NodeRecord> links;
+    std::uint32_t node_bytes = 64;
+    std::uint32_t triangle_bytes = 48;
+    bool hybrid = false;
+    Tni::Perfect perfect;
     std::uint32_t fifo = 64;
     std::uint32_t hit_interval = 1;
     std::uint32_t drain_every = 1;  ///< cycles from one hit taken to the next
@@ -35,8 +43,11 @@ class TniBench {
       links.memory_out.push_back(&requests_.emplace_back(4, 1, clock_));
       links.memory_in.push_back(&replies_.emplace_back(64, setup.memory_latency, clock_));
     }
-    tni_ = std::make_unique<Tni>(setup.config, Tni::Scene{{0, 64, setup_.parents}, {1 << 20, 48}}, setup.hit_interval,
-                                 links, clock_);
+    tni_ = std::make_unique<Tni>(
+        setup.config, setup.perfect,
+        Tni::Scene{{0, setup.node_bytes, setup_.parents, setup_.single_boxes, setup.hybrid, setup_.links},
+                   {1 << 20, setup.triangle_bytes}},
+        setup.hit_interval, links, clock_);
     wakes_.assign(4 + setup.config.trvs, 0);
     std::vector<sim::Time*> trvs;
     for (std::uint32_t i = 0; i < setup.config.trvs; ++i) trvs.push_back(&wakes_[4 + i]);
@@ -69,7 +80,10 @@ class TniBench {
     for (Trv& trv : tni_->trvs()) f(trv, i++);
   }
   std::vector<sim::Time>& wakes() { return wakes_; }
-  bool done() const { return arrived_.size() == to_send_.size(); }
+  bool done() const {
+    return arrived_.size() == to_send_.size() &&
+           std::ranges::all_of(tni_->trvs(), [](const Trv& trv) { return trv.idle(); });
+  }
   std::string state() const { return "bench"; }
 
   template <sim::Skip kSkip = sim::Skip::kOn>

@@ -1,22 +1,21 @@
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <numeric>
 
-#include "sim/hash.h"
-#include "tests/hw_models/tni/bench.h"
+#include <gtest/gtest.h>
+
+#include "tests/hw_models/tni/random_load.h"
 
 namespace hw {
 namespace {
 
+using testing::random_setup;
+using testing::RandomLoad;
 using testing::TniBench;
+using testing::Walk;
 using traces::cull_step;
 using traces::end_step;
-using traces::ExitPhase;
 using traces::leaf_step;
 using traces::visit_step;
-
-using Walk = std::vector<std::uint32_t>;
 
 constexpr std::uint32_t kHit = 3, kEdge = 2, kDistance = 1;
 
@@ -140,51 +139,12 @@ TEST(Tni, AShortStackRestartsFromItsLinkAndVisitsThePathAgain) {
   EXPECT_EQ(full.tni().trvs().front().stats().restarts, 0U);
 }
 
-/// A random tree of `nodes` inner nodes and rays that walk it with consistent stacks.
-struct RandomLoad {
-  std::vector<std::uint32_t> parents;
-  std::vector<Walk> walks;
-
-  explicit RandomLoad(std::uint64_t seed, std::uint32_t nodes = 400, std::uint32_t rays = 300) {
-    parents.resize(nodes);
-    for (std::uint32_t i = 1; i < nodes; ++i) parents[i] = (i - 1) / 2;
-    for (std::uint32_t r = 0; r < rays; ++r) walks.push_back(walk(seed, r, nodes));
-  }
-  static Walk walk(std::uint64_t seed, std::uint32_t ray, std::uint32_t nodes) {
-    Walk out;
-    std::vector<std::uint32_t> stack;
-    std::uint32_t node = 0;
-    for (std::uint32_t step = 0;; ++step) {
-      const std::uint64_t h = sim::hash(seed, ray, step);
-      bool pop = false;
-      if (2 * node + 2 >= nodes) {
-        const auto count = static_cast<std::uint32_t>(1 + h % 4);
-        out.push_back(leaf_step(node * 4, count));
-        std::uint32_t phases = 0;
-        for (std::uint32_t t = 0; t < count; ++t) phases |= static_cast<std::uint32_t>(1 + (h >> (8 + 2 * t)) % 3) << (4 * t);
-        out.push_back(phases);
-        pop = true;
-      } else {
-        const auto hits = static_cast<std::uint32_t>((h >> 4) % 4);
-        out.push_back(visit_step(node, hits, 0));
-        if (hits == 3) stack.push_back(2 * node + 2);
-        pop = hits == 0;
-        node = hits == 2 ? 2 * node + 2 : 2 * node + 1;
-      }
-      if (!pop) continue;
-      const auto culled = static_cast<std::uint32_t>(std::min<std::size_t>(stack.size(), (h >> 40) % 3 == 0 ? 1 : 0));
-      if (culled > 0) {
-        out.push_back(cull_step(culled));
-        stack.resize(stack.size() - culled);
-      }
-      if (stack.empty()) break;
-      node = stack.back();
-      stack.pop_back();
-    }
-    out.push_back(end_step(false));
-    return out;
-  }
-};
+/// A record for each box, those of a node's children side by side here and there.
+std::vector<std::array<std::uint32_t, 2>> single_boxes(const RandomLoad& load) {
+  std::vector<std::array<std::uint32_t, 2>> boxes;
+  for (std::uint32_t i = 0; i < load.parents.size(); ++i) boxes.push_back({1 + 3 * i % 1201, 2 + 2 * i});
+  return boxes;
+}
 
 struct Fingerprint {
   std::vector<std::uint64_t> values;
@@ -208,38 +168,15 @@ Fingerprint fingerprint(const TniBench& bench) {
   return f;
 }
 
-TniBench::Setup random_setup(std::uint64_t seed) {
-  const auto draw = [&](std::uint32_t dimension, std::uint32_t low, std::uint32_t high) {
-    return low + static_cast<std::uint32_t>(sim::hash(seed, dimension) % (high - low + 1));
-  };
-  TniBench::Setup s;
-  s.config.trvs = draw(0, 1, 4);
-  s.config.link_depth = draw(1, 1, 3);
-  s.config.trv.rays = draw(2, 1, 64);
-  s.config.trv.box_latency = draw(3, 1, 20);
-  s.config.trv.stack_latency = draw(4, 1, 4);
-  s.config.trv.leaf_latency = draw(5, 1, 8);
-  s.config.trv.stack_entries = draw(6, 1, 8);
-  s.config.trv.l1.mshrs = draw(7, 1, 8);
-  s.config.trv.l1.size.bytes = std::uint64_t{256} << draw(8, 0, 5);
-  s.config.ist.leaves = draw(9, 1, 32);
-  s.config.ist.l1.mshrs = draw(10, 1, 8);
-  s.config.ist.l1.size.bytes = std::uint64_t{256} << draw(11, 0, 5);
-  s.fifo = draw(12, 1, 64);
-  s.hit_interval = draw(13, 1, 3);
-  s.drain_every = draw(14, 1, 40);
-  s.memory_latency = draw(15, 1, 80);
-  return s;
-}
-
 TEST(Tni, SkippingIdleTimeAndAnyUnitOrderGiveTheOraclesEveryCounter) {
-  for (std::uint64_t seed = 0; seed < 30; ++seed) {
+  for (std::uint64_t seed = 0; seed < 80; ++seed) {
     const RandomLoad load(seed);
     TniBench::Setup setup = random_setup(seed);
-    setup.parents = load.parents;
+    load.give(setup);
+    setup.single_boxes = seed % 2 == 0 ? single_boxes(load) : decltype(setup.single_boxes){};
     const auto fresh = [&] {
       auto bench = std::make_unique<TniBench>(setup);
-      for (const Walk& w : load.walks) bench->add(w);
+      load.send(*bench);
       return bench;
     };
     const Fingerprint fast = fingerprint(fresh()->run());
@@ -249,13 +186,14 @@ TEST(Tni, SkippingIdleTimeAndAnyUnitOrderGiveTheOraclesEveryCounter) {
 }
 
 TEST(Tni, WhatEntersLeavesAndEveryCycleHasAReason) {
-  for (std::uint64_t seed = 100; seed < 120; ++seed) {
+  for (std::uint64_t seed = 100; seed < 180; ++seed) {
+    SCOPED_TRACE(seed);
     const RandomLoad load(seed);
     TniBench::Setup setup = random_setup(seed);
-    setup.parents = load.parents;
+    load.give(setup);
+    setup.single_boxes = seed % 2 == 0 ? single_boxes(load) : decltype(setup.single_boxes){};
     TniBench bench(setup);
-    for (const Walk& w : load.walks) bench.add(w);
-    bench.run();
+    load.send(bench).run();
     std::vector<std::uint32_t> ids = bench.arrived();
     std::ranges::sort(ids);
     std::vector<std::uint32_t> all(load.walks.size());
@@ -271,8 +209,14 @@ TEST(Tni, WhatEntersLeavesAndEveryCycleHasAReason) {
       const Trv::Stats& s = trv.stats();
       EXPECT_EQ(s.rays_in, s.rays_out);
       EXPECT_EQ(s.l1_hits + s.l1_misses, s.l1_accesses);
-      EXPECT_EQ(s.visits, s.l1_hits);
+      const bool one = setup.config.trv.box_testers == 1;
+      EXPECT_EQ(s.first_passes, one ? s.visits : 0);
+      EXPECT_GE(s.l1_hits + s.rau_reads, s.visits + s.first_passes);
+      EXPECT_LE(s.l1_hits + s.rau_reads, (s.visits + s.first_passes) * (one ? 2 : 4));
+      EXPECT_EQ(setup.hybrid ? s.hybrid_box_tests : s.box_tests, 2 * s.visits);
+      EXPECT_EQ(setup.hybrid ? s.box_tests : s.hybrid_box_tests, 0U);
       EXPECT_EQ(s.pushes, s.pops + s.dropped);
+      EXPECT_EQ(s.rau_writes, s.rau_reads);
       EXPECT_EQ(trv.activity().accounted(), bench.end_time());
       sim::Time sum = 0;
       for (std::size_t w = 0; w < static_cast<std::size_t>(Trv::Why::kCount); ++w) {

@@ -1,0 +1,60 @@
+#include "hw_models/tni/fetch_stage.h"
+
+#include <algorithm>
+#include <cassert>
+
+namespace hw {
+
+void FetchStage::missed(Addr line, std::uint64_t slot) {
+  if (handling_ == MissHandling::kBlocking) {
+    stalled_ = true;
+    return;
+  }
+  stats_.rau_writes += 1;
+  if (l1_.on_its_way(line)->slots == slot) rows_used_ += 1;
+}
+
+void FetchStage::go_on(Addr line, std::uint64_t slots) {
+  resume(no_register_);
+  if (handling_ == MissHandling::kBlocking) {
+    if (slots != 0) stalled_ = false;
+    return;
+  }
+  if (slots != 0) {
+    stats_.rau_fills += 1;
+    rows_read_.push_back(slots);
+  }
+  if (wanted_row_ == line) resume(table_full_);
+}
+
+bool FetchStage::room_in_table(Addr line) {
+  const L1Cache::Miss* row = l1_.on_its_way(line);
+  if (row != nullptr && row->slots != 0) {
+    wanted_row_ = line;
+    return static_cast<std::uint32_t>(std::popcount(row->slots)) < rau_.rays;
+  }
+  wanted_row_ = kAnyRow;
+  return rows_used_ < rau_.rows || (row == nullptr && l1_.holds(line));
+}
+
+void FetchStage::leave_table(std::uint64_t slot) {
+  stats_.rau_reads += 1;
+  const auto row = std::ranges::find_if(rows_read_, [&](std::uint64_t slots) { return (slots & slot) != 0; });
+  assert(row != rows_read_.end() && "a line is kept for a slot that is in no row");
+  *row &= ~slot;
+  if (*row != 0) return;
+  *row = rows_read_.back();
+  rows_read_.pop_back();
+  rows_used_ -= 1;
+  if (wanted_row_ == kAnyRow) resume(table_full_);
+}
+
+void FetchStage::resume(std::uint64_t slot) {
+  if (slot == 0) return;
+  resumed_ |= slot;
+  ready_ |= slot;
+  table_full_ &= ~slot;
+  stalled_ = false;
+}
+
+}  // namespace hw

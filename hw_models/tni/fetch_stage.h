@@ -1,0 +1,175 @@
+#pragma once
+#include <bit>
+#include <cstdint>
+#include <vector>
+
+#include "hw_models/memory/l1_cache.h"
+#include "hw_models/tni/tni_config.h"
+#include "sim/link.h"
+
+namespace hw {
+
+/// What a fetch stage and its cache count, a part of their unit's Stats.
+struct FetchStats {
+  std::uint64_t l1_accesses = 0, l1_hits = 0, l1_misses = 0, l1_fills = 0, mshr_full = 0, l1_miss_cycles = 0;
+  std::uint64_t rau_fills = 0, rau_writes = 0, rau_reads = 0, rau_full = 0;
+  static void describe(auto& s, auto&& counter) {
+    counter(s.l1_accesses, "l1_accesses", "probes of the L1, retries included", "tni.ray_buffer_read");
+    counter(s.l1_hits, "l1_hits", "probes that found the line", "cache.l1_read");
+    counter(s.l1_misses, "l1_misses", "probes that did not", "cache.l1_probe");
+    counter(s.l1_fills, "l1_fills", "lines filled", "cache.l1_fill");
+    counter(s.mshr_full, "mshr_full", "misses that found no free miss register");
+    counter(s.l1_miss_cycles, "l1_miss_cycles", "cycles from miss to line, summed over lines filled");
+    counter(s.rau_fills, "rau_fills", "lines put into the table of waiting rays", "tni.rau_write");
+    counter(s.rau_writes, "rau_writes", "rays or leaves put into that table", "tni.rau_write");
+    counter(s.rau_reads, "rau_reads", "of these, those that went on with their line", "tni.rau_read");
+    counter(s.rau_full, "rau_full", "misses that found the table or their row of it full");
+  }
+};
+
+/// Where the slots of a unit read lines through its L1, and what becomes of those that miss (tni.miss_handling).
+///
+///   slots that want a line --> [one probe at a time] --> hit: on with the line
+///            ^                        | miss
+///            +--- line has come ------+--- reorder: wait in the buffer;  bypass: through the pipe without work;
+///                                          rau: wait in a table;         blocking: wait here, before all others
+///
+/// A line that has come stays readable for the slots that waited for it, whatever is filled meanwhile: each of them
+/// makes progress, however small the cache.
+/// Under `bypass` the unit puts a slot that missed through its pipe and enter()s it again behind.
+/// Under `rau` a slot goes on from its row without another probe, ahead of slots that have not probed yet; one that
+/// finds its row full, or needs a row and there is none, stands in the fetch stage until that has changed. It keeps
+/// its place in the input buffer.
+class FetchStage {
+ public:
+  enum class Result : std::uint8_t { kRead, kMiss, kNoRegister, kTableFull };
+  enum class Wait : std::uint8_t { kNothing, kLine, kRegister, kTable };
+
+  FetchStage(const CacheConfig& cache, const TniMode& mode, std::uint16_t port, FetchStats& stats)
+      : l1_(cache, port, mode.perfect_l1), handling_(mode.handling), rau_(mode.rau), stats_(stats) {
+    rows_read_.reserve(rau_.rows);
+  }
+  FetchStage(const FetchStage&) = delete;
+  FetchStage& operator=(const FetchStage&) = delete;
+
+  /// The slots of the mask want to read a line.
+  void enter(std::uint64_t slots) { ready_ |= slots; }
+  /// Of the slots that want to, those that may.
+  std::uint64_t able() const {
+    if (handling_ <= MissHandling::kBypass) return ready_;
+    const std::uint64_t first = ready_ & (served_ | resumed_);
+    return (first != 0 || stalled_) ? first : ready_;
+  }
+  /// Does a slot stand in the fetch stage, or go on from where it stood, before all others?
+  bool stands() const { return handling_ >= MissHandling::kRau && (stalled_ || (ready_ & (served_ | resumed_)) != 0); }
+  bool bypasses() const { return handling_ == MissHandling::kBypass; }
+  /// What slots wait for, the scarcest thing first.
+  Wait waits_for() const {
+    if (table_full_ != 0) return Wait::kTable;
+    if (no_register_ != 0) return Wait::kRegister;
+    return missing_ != 0 ? Wait::kLine : Wait::kNothing;
+  }
+
+  /// One of able() tries to read the line. If it cannot, it wants to again by itself, except under `bypass`.
+  Result read(std::uint32_t slot, Addr line, std::uint64_t cycle) {
+    const std::uint64_t bit = std::uint64_t{1} << slot;
+    ready_ &= ~bit;
+    if (handling_ != MissHandling::kReorder) forget(bit);
+    if ((served_ & bit) != 0) {
+      served_ &= ~bit;
+      if (handling_ == MissHandling::kRau) {
+        leave_table(bit);
+        return Result::kRead;
+      }
+      stats_.l1_accesses += 1;
+      stats_.l1_hits += 1;
+      return Result::kRead;
+    }
+    stats_.l1_accesses += 1;
+    if (handling_ == MissHandling::kRau && !room_in_table(line)) {
+      stats_.l1_misses += 1;
+      stats_.rau_full += 1;
+      table_full_ = bit;
+      stalled_ = true;
+      return Result::kTableFull;
+    }
+    switch (l1_.access(line, slot, cycle)) {
+      case L1Cache::Result::kHit:
+        stats_.l1_hits += 1;
+        return Result::kRead;
+      case L1Cache::Result::kMiss:
+        stats_.l1_misses += 1;
+        missing_ |= bit;
+        if (handling_ >= MissHandling::kRau) missed(line, bit);
+        return Result::kMiss;
+      case L1Cache::Result::kFull:
+        break;
+    }
+    stats_.l1_misses += 1;
+    stats_.mshr_full += 1;
+    no_register_ |= bit;
+    stalled_ = handling_ >= MissHandling::kRau;
+    return Result::kNoRegister;
+  }
+
+  /// A line has come.
+  void fill(Addr line, std::uint64_t cycle) {
+    const L1Cache::Miss miss = l1_.fill(line);
+    stats_.l1_fills += 1;
+    stats_.l1_miss_cycles += cycle - miss.asked_at;
+    served_ |= miss.slots;
+    if (bypasses()) return;
+    missing_ &= ~miss.slots;
+    ready_ |= miss.slots | no_register_;  // a miss register is free again: those that found none try again
+    if (handling_ != MissHandling::kReorder) go_on(line, miss.slots);
+    no_register_ = 0;
+  }
+
+  /// May a line be asked for ahead of need and leave a miss register to those in need?
+  bool can_prefetch() const { return l1_.free_registers() >= 2; }
+  /// Asks for the line unless it is there or on its way.
+  bool prefetch(Addr line, std::uint64_t cycle) { return l1_.prefetch(line, cycle); }
+
+  void send(sim::Time now, sim::Link<MemRequest>& out) { l1_.send(now, out); }
+  sim::Time send_at(sim::Time next, const sim::Link<MemRequest>& out) const { return l1_.send_at(next, out); }
+  /// Are lines on their way?
+  bool waits_for_memory() const { return l1_.outstanding() != 0; }
+
+  std::uint64_t ready() const { return ready_; }
+  std::uint64_t missing() const { return missing_; }
+  std::uint64_t no_register() const { return no_register_; }
+
+ private:
+  static constexpr Addr kAnyRow = ~Addr{0};
+
+  /// What a slot that tries again no longer waits for.
+  void forget(std::uint64_t slot) {
+    missing_ &= ~slot;
+    no_register_ &= ~slot;
+    resumed_ &= ~slot;
+  }
+  /// A slot now waits for the line: under `rau` in a row, under `blocking` where it stands.
+  void missed(Addr line, std::uint64_t slot);
+  /// A line has come, or a register is free: slots that stand in the fetch stage go on.
+  void go_on(Addr line, std::uint64_t slots);
+  bool room_in_table(Addr line);
+  void leave_table(std::uint64_t slot);
+  void resume(std::uint64_t slot);
+
+  L1Cache l1_;
+  const MissHandling handling_;
+  const RauConfig rau_;
+  FetchStats& stats_;
+  std::uint64_t ready_ = 0;        ///< want to read a line
+  std::uint64_t missing_ = 0;      ///< wait for a line
+  std::uint64_t no_register_ = 0;  ///< wait for a miss register
+  std::uint64_t served_ = 0;       ///< their line has come and is kept for them
+  std::uint64_t resumed_ = 0;      ///< stood in the fetch stage and may probe again, before all others
+  bool stalled_ = false;           ///< a slot stands in the fetch stage
+  std::uint64_t table_full_ = 0;   ///< the slot that stands there for lack of room in the table
+  Addr wanted_row_ = kAnyRow;      ///< it needs the room of this line's row, or a row
+  std::uint32_t rows_used_ = 0;
+  std::vector<std::uint64_t> rows_read_;  ///< rows whose line has come: slots that have not gone on yet
+};
+
+}  // namespace hw

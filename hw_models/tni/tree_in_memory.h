@@ -1,0 +1,44 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "hw_models/memory/messages.h"
+#include "traces/accel/memory_image.h"
+
+namespace hw {
+
+/// What a traversal unit knows of the tree in memory: where records lie, and how nodes hang together.
+struct TreeInMemory {
+  Addr nodes = 0;
+  std::uint32_t node_bytes = 64;  ///< of a record; it may lie across two lines
+  /// Of each inner node the one above it, for restarts.
+  std::span<const std::uint32_t> parents;
+  /// Of each inner node, the records of its two children, where a record holds a single box; empty where it holds both
+  /// boxes of a node.
+  std::span<const std::array<std::uint32_t, 2>> single_boxes;
+  bool hybrid = false;  ///< fixed-point boxes
+  /// Links from node to node, for prefetching.
+  std::span<const traces::NodeRecord> links;
+
+  /// Does a visit read one line, whatever the node?
+  bool one_line() const { return single_boxes.empty() && 64 % node_bytes == 0 && nodes % node_bytes == 0; }
+  Addr line_of(std::uint32_t record) const { return (nodes + Addr{record} * node_bytes) & ~Addr{63}; }
+
+  /// A line that a visit reads.
+  struct Line {
+    Addr line = 0;
+    bool last = true;  ///< there are no more
+  };
+  /// The lines of a node's records from the first (`index` 0) to the last. With `testers` 2 a visit reads the boxes of
+  /// both children, with 1 that of `child`.
+  Line line_of_visit(std::uint32_t node, std::uint32_t testers, std::uint32_t child, std::uint32_t index) const;
+};
+
+/// Where triangles lie in memory. A triangle may lie across two lines.
+struct TrianglesInMemory {
+  Addr base = 0;
+  std::uint32_t bytes = 48;
+};
+
+}  // namespace hw

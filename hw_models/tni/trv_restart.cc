@@ -1,0 +1,67 @@
+#include <algorithm>
+#include <cassert>
+
+#include "hw_models/tni/trv.h"
+#include "traces/walk.h"
+
+namespace hw {
+
+using traces::StepKind;
+
+namespace {
+
+/// Nodes at which the `stacked` entries now on a ray's stack were pushed, oldest first, found by following its walk
+/// from `begin` up to the step `next`. Restarts are rare; keeping such a list for every ray is not worth the memory.
+std::vector<std::uint32_t> pending_pushes(const std::uint32_t* begin, const std::uint32_t* next, std::size_t stacked) {
+  std::vector<std::uint32_t> entries;
+  bool must_pop = false;
+  for (const std::uint32_t* step = begin; step != next; ++step) {
+    const StepKind kind = traces::kind_of(*step);
+    if (kind == StepKind::kCull) {
+      // The culls just before `next` are under way: `stacked` says how far.
+      if (step + 1 != next) entries.resize(entries.size() - traces::culled_of(*step));
+      continue;
+    }
+    if (must_pop) entries.pop_back();
+    must_pop = kind == StepKind::kLeaf || traces::hits_of(*step) == 0;
+    if (kind == StepKind::kLeaf) {
+      ++step;  // its exit phases
+    } else if (traces::hits_of(*step) == 3) {
+      entries.push_back(traces::node_of(*step));
+    }
+  }
+  entries.resize(stacked);
+  return entries;
+}
+
+}  // namespace
+
+void Trv::restart(Slot& slot, std::uint32_t index) {
+  assert(slot.stacked > 0 && "a pop from an empty stack");
+  // From the link, which is the node of the oldest dropped entry, or from the root, down to the node of the entry
+  // wanted now. Each visit finds its far child again, so the short stack ends up holding the youngest entries; the
+  // trail says that the last one is where to go on, without a pop.
+  const std::vector<std::uint32_t> entries = pending_pushes(slot.begin, slot.next, slot.stacked);
+  const bool trail = config_.stack == StackScheme::kRestartTrail;
+  const std::uint32_t from = trail ? 0 : entries.front();
+  for (std::uint32_t node = entries.back();; node = tree_.parents[node]) {
+    paths_[index].push_back(node);
+    if (node == from) break;
+  }
+  slot.restarting = true;
+  stats_.restarts += 1;
+  const std::uint32_t found = slot.stacked - (trail ? 1U : 0U);
+  slot.held = static_cast<std::uint16_t>(std::min(found, config_.stack_entries));
+  if (config_.stack_entries == 0) return;
+  stats_.pushes += found;
+  stats_.dropped += found - slot.held;
+}
+
+void Trv::visited_again(Slot& slot, std::uint32_t index) {
+  stats_.restarted_visits += 1;
+  paths_[index].pop_back();
+  slot.restarting = !paths_[index].empty();
+  if (!slot.restarting && config_.stack == StackScheme::kRestartTrail) take_entry(slot);
+}
+
+}  // namespace hw

@@ -1,0 +1,158 @@
+#include <gtest/gtest.h>
+
+#include "tests/hw_models/tni/random_load.h"
+
+// The four ways to handle a miss (tni.miss_handling), against cycle counts worked out by hand.
+
+namespace hw {
+namespace {
+
+using testing::RandomLoad;
+using testing::TniBench;
+using testing::Walk;
+using traces::end_step;
+using traces::visit_step;
+
+constexpr MissHandling kAll[] = {MissHandling::kReorder, MissHandling::kBypass, MissHandling::kRau,
+                                 MissHandling::kBlocking};
+constexpr std::uint64_t kWires = 3, kVisit = 14;  // fetch 2, box 12
+constexpr std::uint64_t kMiss = 51;               // to memory 1, back 50; the next probe is in the cycle of the fill
+constexpr std::uint64_t kPeriod = 2'000'000;
+
+TniBench::Setup one_trv(MissHandling handling) {
+  TniBench::Setup s;
+  s.config.trvs = 1;
+  s.config.miss_handling = handling;
+  return s;
+}
+
+Walk one_node(std::uint32_t node) { return {visit_step(node, 0, 0), end_step(false)}; }
+
+const Trv& trv(const TniBench& bench) { return bench.tni().trvs().front(); }
+
+TEST(MissHandling, ALoneRayWaitsForEachLineAlikeUnlessItLoops) {
+  for (const MissHandling handling : kAll) {
+    TniBench bench(one_trv(handling));
+    bench.add({visit_step(0, 1, 0), visit_step(1, 1, 0), visit_step(2, 0, 0), end_step(false)}).run();
+    const bool loops = handling == MissHandling::kBypass;
+    const std::uint64_t wait = loops ? 4 * kVisit : kMiss;  // passes of 14 cycles until the line is there
+    EXPECT_EQ(bench.latency(0), kWires + 3 * (kVisit + wait)) << static_cast<int>(handling);
+    EXPECT_EQ(trv(bench).stats().bypass_passes, loops ? 3U * 4U : 0U);
+    EXPECT_EQ(trv(bench).stats().l1_miss_cycles, 3 * kMiss);
+  }
+}
+
+TEST(MissHandling, WithoutMissesAllTakeTheSameCycles) {
+  const RandomLoad load(1);
+  std::vector<sim::Time> ends;
+  for (const MissHandling handling : kAll) {
+    TniBench::Setup setup = testing::random_setup(7);
+    load.give(setup);
+    setup.config.miss_handling = handling;
+    setup.perfect = {false, true};
+    TniBench bench(setup);
+    ends.push_back(load.send(bench).run().end_time());
+    EXPECT_EQ(bench.lines_asked(), 0U);
+  }
+  EXPECT_EQ(std::ranges::count(ends, ends.front()), 4);
+}
+
+TEST(MissHandling, BlockingHasOneLineOnItsWayAndTheNextRayProbesBehindIt) {
+  TniBench bench(one_trv(MissHandling::kBlocking));
+  for (std::uint32_t i = 0; i < 10; ++i) bench.add(one_node(i));
+  bench.run();
+  for (std::uint32_t i = 0; i < 10; ++i) EXPECT_EQ(bench.latency(i), kWires + kVisit + kMiss + i * kMiss) << i;
+}
+
+TEST(MissHandling, ReorderOverlapsTheMissesOfIndependentRays) {
+  TniBench bench(one_trv(MissHandling::kReorder));
+  for (std::uint32_t i = 0; i < 8; ++i) bench.add(one_node(i));
+  bench.run();
+  for (std::uint32_t i = 0; i < 8; ++i) EXPECT_EQ(bench.latency(i), kWires + kVisit + kMiss) << i;
+}
+
+TEST(MissHandling, RaysLoopUntilTheirLineHasComeAndThenReadItWithTheNextProbe) {
+  // 14 rays on one line loop behind each other and fill the pipe until it comes at cycle 51.
+  TniBench bench(one_trv(MissHandling::kBypass));
+  bench.add(one_node(0), 14).run();
+  EXPECT_EQ(trv(bench).stats().bypass_passes, 14U * 4U - 5U);  // rays 9 to 13 start late enough to miss but three times
+  EXPECT_EQ(trv(bench).stats().l1_accesses, trv(bench).stats().bypass_passes + 14);
+}
+
+TEST(MissHandling, AFullTableStopsTheFetchStageUntilARowIsFree) {
+  TniBench::Setup setup = one_trv(MissHandling::kRau);
+  setup.config.rau = {1, 4};
+  TniBench one(setup);
+  one.add(one_node(0)).add(one_node(1)).run();
+  EXPECT_EQ(one.latency(0), kWires + kVisit + kMiss);
+  EXPECT_EQ(one.latency(1), kWires + kVisit + kMiss + kMiss);
+  EXPECT_EQ(trv(one).stats().rau_full, 1U);
+  EXPECT_EQ(trv(one).activity().spent(Trv::Why::kRauFull), (kMiss - 1) * kPeriod);
+
+  setup.config.rau = {2, 4};
+  TniBench two(setup);
+  two.add(one_node(0)).add(one_node(1)).run();
+  EXPECT_EQ(two.latency(1), kWires + kVisit + kMiss);
+  EXPECT_EQ(trv(two).activity().spent(Trv::Why::kRauFull), 0U);
+}
+
+TEST(MissHandling, AFullRowStopsTheFetchStageUntilItsLineHasCome) {
+  TniBench::Setup setup = one_trv(MissHandling::kRau);
+  setup.config.rau = {16, 1};
+  TniBench bench(setup);
+  bench.add(one_node(0), 2).add(one_node(1)).run();
+  EXPECT_EQ(bench.latency(0), kWires + kVisit + kMiss);
+  EXPECT_EQ(bench.latency(1), kWires + kVisit + kMiss);  // its second probe follows the row's ray into the pipe
+  EXPECT_EQ(bench.latency(2), kWires + kVisit + kMiss + kMiss);
+  EXPECT_EQ(trv(bench).stats().rau_full, 1U);
+  EXPECT_EQ(trv(bench).stats().l1_hits, 1U);
+  EXPECT_EQ(trv(bench).stats().rau_reads, 2U);
+}
+
+TEST(MissHandling, RaysOfARowGoOnWithoutAnotherProbe) {
+  TniBench bench(one_trv(MissHandling::kRau));
+  bench.add(one_node(0), 4).run();
+  EXPECT_EQ(trv(bench).stats().l1_accesses, 4U);
+  EXPECT_EQ(trv(bench).stats().rau_writes, 4U);
+  EXPECT_EQ(trv(bench).stats().rau_reads, 4U);
+  EXPECT_EQ(trv(bench).stats().rau_fills, 1U);
+}
+
+TEST(MissHandling, BlockingIsNeverFasterThanReorderWhereLinesAreScarce) {
+  for (std::uint64_t seed = 0; seed < 12; ++seed) {
+    const RandomLoad load(seed);
+    const auto cycles = [&](MissHandling handling) {
+      TniBench::Setup setup;
+      load.give(setup);
+      setup.config.miss_handling = handling;
+      setup.config.trv.l1.size.bytes = setup.config.ist.l1.size.bytes = 1024;
+      TniBench bench(setup);
+      return load.send(bench).run().span();
+    };
+    EXPECT_GT(cycles(MissHandling::kBlocking), cycles(MissHandling::kReorder)) << seed;
+  }
+}
+
+TEST(MissHandling, CachesOfOneLineEndUnderEachOfThem) {
+  const RandomLoad load(3);
+  for (const MissHandling handling : kAll) {
+    for (const std::uint32_t registers : {1U, 2U, 3U}) {
+      TniBench::Setup setup;
+      load.give(setup);
+      setup.config.miss_handling = handling;
+      setup.config.rau = {1, 1};
+      setup.config.trv.prefetch = Prefetch::kSibling;
+      for (CacheConfig* l1 : {&setup.config.trv.l1, &setup.config.ist.l1}) {
+        l1->size.bytes = 64;
+        l1->ways = 1;
+        l1->mshrs = registers;
+      }
+      TniBench bench(setup);
+      load.send(bench).run();
+      EXPECT_EQ(bench.arrived().size(), load.walks.size());
+    }
+  }
+}
+
+}  // namespace
+}  // namespace hw

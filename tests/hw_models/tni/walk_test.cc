@@ -1,0 +1,265 @@
+#include <gtest/gtest.h>
+
+#include "tests/hw_models/tni/random_load.h"
+
+// How the canonical walk is expanded: box testers, records of the tree, stacks, prefetching, dispatch, perfect units.
+
+namespace hw {
+namespace {
+
+using testing::RandomLoad;
+using testing::TniBench;
+using testing::Walk;
+using traces::end_step;
+using traces::leaf_step;
+using traces::visit_step;
+
+constexpr std::uint64_t kWires = 3, kVisit = 14, kMiss = 51, kPop = 2;
+constexpr std::uint64_t kPeriod = 2'000'000;
+
+TniBench::Setup one_trv() {
+  TniBench::Setup s;
+  s.config.trvs = 1;
+  return s;
+}
+
+/// Cycles of a ray alone and with warm caches.
+std::uint64_t alone(TniBench::Setup setup, const Walk& walk) {
+  setup.config.trv.rays = 1;
+  TniBench bench(setup);
+  return bench.add(walk, 2).run().gap() - (kWires - 1);
+}
+
+const Trv& trv(const TniBench& bench) { return bench.tni().trvs().front(); }
+
+const Walk kTwoDown = {visit_step(0, 1, 0), visit_step(1, 0, 0), end_step(false)};
+const Walk kPopped = {visit_step(0, 3, 0), visit_step(1, 0, 0), visit_step(2, 0, 0), end_step(false)};
+
+TEST(BoxTesters, OneTakesTwoPassesAVisit) {
+  TniBench::Setup setup = one_trv();
+  EXPECT_EQ(alone(setup, kPopped), 3 * kVisit + kPop);
+  setup.config.trv.box_testers = 1;
+  EXPECT_EQ(alone(setup, kTwoDown), 2 * 2 * kVisit);
+  EXPECT_EQ(alone(setup, kPopped), 3 * 2 * kVisit + kPop);
+}
+
+TEST(BoxTesters, WithOnePassesPopsAndLeavesShareTheIssueOfOnePipe) {
+  constexpr std::uint32_t kRays = 1000;
+  const auto run = [&](std::uint32_t testers, const Walk& walk, auto&& check) {
+    TniBench::Setup setup = one_trv();
+    setup.config.trv.rays = 64;
+    setup.config.trv.box_testers = testers;
+    setup.perfect.l1 = true;
+    TniBench bench(setup);
+    bench.add(walk, kRays).run();
+    check(bench);
+  };
+  const Walk leaf = {visit_step(0, 1, 0), leaf_step(0, 2), 0x11, end_step(false)};
+  // Three visits and a pop.
+  run(1, kPopped, [&](const TniBench& bench) {
+    EXPECT_NEAR(static_cast<double>(bench.span()), 7.0 * kRays, 200);
+    EXPECT_EQ(trv(bench).activity().spent(Trv::Why::kSerial), kRays * kPeriod);
+    EXPECT_EQ(trv(bench).activity().spent(Trv::Why::kVisiting), 6 * kRays * kPeriod);
+  });
+  run(2, kPopped, [&](const TniBench& bench) {
+    EXPECT_NEAR(static_cast<double>(bench.span()), 3.0 * kRays, 200);
+    EXPECT_EQ(trv(bench).activity().spent(Trv::Why::kSerial), 0U);
+  });
+  // One visit, a leaf of two triangles, of which the second lies across two lines.
+  run(1, leaf, [&](const TniBench& bench) {
+    EXPECT_NEAR(static_cast<double>(bench.span()), 4.0 * kRays, 200);
+    EXPECT_EQ(trv(bench).activity().spent(Trv::Why::kSerial), 2 * kRays * kPeriod);
+  });
+  run(2, leaf, [&](const TniBench& bench) { EXPECT_NEAR(static_cast<double>(bench.span()), 3.0 * kRays, 200); });
+}
+
+TEST(BoxTesters, InOnePipeAMissThatBlocksHoldsUpPopsToo) {
+  // Ray 1 comes to its pop when ray 0 has begun to stand in the fetch stage.
+  const auto latency = [](std::uint32_t testers) {
+    TniBench::Setup setup = one_trv();
+    setup.config.trv.box_testers = testers;
+    setup.config.miss_handling = MissHandling::kBlocking;
+    setup.memory_latency = 500;
+    TniBench bench(setup);
+    bench.add({visit_step(0, 1, 0), visit_step(0, 1, 0), visit_step(100, 0, 0), end_step(false)});
+    bench.add({visit_step(0, 3, 0), visit_step(0, 0, 0), visit_step(0, 0, 0), end_step(false)});
+    return bench.run().latency(1);
+  };
+  constexpr std::uint64_t kMemory = 501;
+  EXPECT_EQ(latency(1), kWires + kMemory + 4 * kVisit + kMemory + kPop + 2 * kVisit);
+  EXPECT_EQ(latency(2), kWires + kMemory + 2 * kVisit + kMemory + kVisit);
+}
+
+TEST(TreeRecords, AVisitReadsEachLineOfItsRecordsOnce) {
+  const std::vector<std::array<std::uint32_t, 2>> boxes = {{1, 0}, {2, 3}, {4, 9}};
+  const auto lines = [&](std::uint32_t bytes, bool single, std::uint32_t node, std::uint32_t testers,
+                         std::uint32_t child) {
+    TreeInMemory tree{.nodes = 1024, .node_bytes = bytes, .parents = {}, .single_boxes = {}, .links = {}};
+    if (single) tree.single_boxes = boxes;
+    std::vector<Addr> all;
+    for (bool more = true; more;) {
+      const TreeInMemory::Line line = tree.line_of_visit(node, testers, child, static_cast<std::uint32_t>(all.size()));
+      all.push_back(line.line - 1024);
+      more = !line.last;
+    }
+    return all;
+  };
+  using Lines = std::vector<Addr>;
+  EXPECT_EQ(lines(64, false, 5, 2, 0), Lines{320});
+  EXPECT_EQ(lines(64, false, 5, 1, 1), Lines{320});
+  EXPECT_EQ(lines(48, false, 1, 2, 0), (Lines{0, 64}));
+  EXPECT_EQ(lines(32, true, 0, 2, 0), Lines{0});
+  EXPECT_EQ(lines(32, true, 2, 2, 0), (Lines{128, 256}));
+  EXPECT_EQ(lines(32, true, 2, 1, 1), Lines{256});
+  EXPECT_EQ(lines(40, true, 0, 2, 0), (Lines{0, 64}));               // 40..79, 0..39
+  EXPECT_EQ(lines(40, true, 2, 2, 0), (Lines{128, 192, 320, 384}));  // 160..199, 360..399
+}
+
+TEST(TreeRecords, EachFurtherLineTakesACycleOfTheFetchStage) {
+  TniBench::Setup setup = one_trv();
+  setup.node_bytes = 48;
+  EXPECT_EQ(alone(setup, kTwoDown), 2 * kVisit + 1);  // node 0 at 0..47, node 1 at 48..95
+  setup.node_bytes = 32;
+  setup.single_boxes = {{0, 1}, {2, 5}};
+  EXPECT_EQ(alone(setup, kTwoDown), 2 * kVisit + 1);
+  setup.config.trv.box_testers = 1;
+  EXPECT_EQ(alone(setup, kTwoDown), 4 * kVisit);
+}
+
+TEST(TreeRecords, TrianglesOf36BytesTakeTheLinesTheyLieIn) {
+  const auto accesses = [](std::uint32_t bytes) {
+    TniBench::Setup setup = one_trv();
+    setup.triangle_bytes = bytes;
+    setup.perfect.l1 = true;
+    TniBench bench(setup);
+    bench.add({visit_step(0, 1, 0), leaf_step(0, 3), 0x111, end_step(false)}).run();
+    return bench.tni().ist().stats().l1_accesses;
+  };
+  EXPECT_EQ(accesses(36), 1U + 2U + 1U);  // from 0, 36 (across 64) and 72 on
+  EXPECT_EQ(accesses(48), 1U + 2U + 2U);  // from 0, 48 (across 64) and 96 (across 128) on
+}
+
+TEST(TreeRecords, HybridBoxesAreCountedApart) {
+  TniBench::Setup setup = one_trv();
+  setup.hybrid = true;
+  TniBench bench(setup);
+  bench.add(kTwoDown).run();
+  EXPECT_EQ(trv(bench).stats().hybrid_box_tests, 4U);
+  EXPECT_EQ(trv(bench).stats().box_tests, 0U);
+}
+
+/// A chain 0 -> 1 -> 2 -> 3 that pushes at each node; nothing is culled, so all four far children are popped.
+const Walk kChain = {visit_step(0, 3, 0), visit_step(1, 3, 0), visit_step(2, 3, 0), visit_step(3, 3, 0),
+                     visit_step(4, 0, 0), visit_step(5, 0, 0), visit_step(6, 0, 0), visit_step(7, 0, 0),
+                     visit_step(8, 0, 0), end_step(false)};
+
+TniBench::Setup trail(std::uint32_t entries) {
+  TniBench::Setup setup = one_trv();
+  setup.parents = {0, 0, 1, 2, 3, 3, 2, 1, 0};
+  setup.config.trv.stack = StackScheme::kRestartTrail;
+  setup.config.trv.stack_entries = entries;
+  return setup;
+}
+
+TEST(RestartTrail, APopFromTheEmptyShortStackGoesDownFromTheRootToTheEntryWanted) {
+  TniBench bench(trail(2));
+  bench.add(kChain).run();
+  const Trv::Stats& s = trv(bench).stats();
+  // Entries of nodes 3 and 2 are popped. That of 1 was dropped: from 0 to 1, where the trail says to go on; the visit
+  // of 0 pushes its entry again.
+  EXPECT_EQ(s.restarts, 1U);
+  EXPECT_EQ(s.restarted_visits, 2U);
+  EXPECT_EQ(s.pops, 3U);
+  EXPECT_EQ(s.pushes, 4U + 1U);
+  EXPECT_EQ(alone(trail(2), kChain), (9 + 2) * kVisit + 4 * kPop);
+}
+
+TEST(RestartTrail, WithoutAStackEachPopGoesDownFromTheRoot) {
+  TniBench bench(trail(0));
+  bench.add(kChain).run();
+  const Trv::Stats& s = trv(bench).stats();
+  EXPECT_EQ(s.restarts, 4U);
+  EXPECT_EQ(s.restarted_visits, 4U + 3U + 2U + 1U);
+  EXPECT_EQ(s.pushes, 0U);
+  EXPECT_EQ(s.pops, 0U);
+  EXPECT_EQ(alone(trail(0), kChain), (9 + 10) * kVisit + 4 * kPop);
+}
+
+TEST(Prefetch, TheFarChildComesWhileTheNearOneIsWaitedFor) {
+  TniBench::Setup setup = one_trv();
+  setup.links.resize(3);
+  setup.links[0].child[0] = 1;
+  setup.links[0].child[1] = 2;
+  const auto latency = [&](Prefetch prefetch, std::uint32_t registers) {
+    setup.config.trv.prefetch = prefetch;
+    setup.config.trv.l1.mshrs = registers;
+    TniBench bench(setup);
+    bench.add(kPopped).run();
+    EXPECT_EQ(bench.lines_asked(), 3U);
+    return bench.latency(0);
+  };
+  const std::uint64_t none = kWires + 3 * (kMiss + kVisit) + kPop;
+  EXPECT_EQ(latency(Prefetch::kNone, 8), none);
+  EXPECT_EQ(latency(Prefetch::kSibling, 8), none - kMiss);
+  // The near child takes a register, the far one would take the second: a third must stay free.
+  EXPECT_EQ(latency(Prefetch::kSibling, 3), none - kMiss);
+  EXPECT_EQ(latency(Prefetch::kSibling, 2), none);
+  setup.links[0].child[1] = traces::leaf_link(0, 1);
+  EXPECT_EQ(latency(Prefetch::kSibling, 8), none);
+}
+
+TEST(Dispatch, RoundRobinGivesEachTraversalUnitItsTurnAndPassesOverFullOnes) {
+  TniBench::Setup setup = one_trv();
+  setup.config.trvs = 3;
+  setup.config.dispatch = Dispatch::kRoundRobin;
+  setup.config.trv.rays = 64;
+  Walk long_walk(200, visit_step(0, 1, 0));
+  long_walk.push_back(end_step(false));
+  const auto shares = [&] {
+    TniBench bench(setup);
+    bench.add(long_walk).add(kTwoDown, 8).run();
+    std::vector<std::uint64_t> rays;
+    for (const Trv& unit : bench.tni().trvs()) rays.push_back(unit.stats().rays_in);
+    return rays;
+  };
+  EXPECT_EQ(shares(), (std::vector<std::uint64_t>{3, 3, 3}));
+  setup.config.trv.rays = 1;
+  EXPECT_EQ(shares(), (std::vector<std::uint64_t>{1, 4, 4}));
+}
+
+TEST(Perfect, EveryOperationOfAPerfectUnitTakesOneCycleAndAnyNumberGoAtOnce) {
+  TniBench::Setup setup = one_trv();
+  setup.perfect = {true, true};
+  TniBench bench(setup);
+  bench.add(kPopped, 40).run();
+  for (std::size_t ray = 0; ray < 40; ++ray) EXPECT_EQ(bench.latency(ray), kWires + 3 + 1) << ray;
+
+  TniBench leaf(setup);
+  leaf.add({visit_step(0, 1, 0), leaf_step(0, 8), 0x33333333, end_step(false)}, 40).run();
+  for (std::size_t ray = 0; ray < 40; ++ray) EXPECT_EQ(leaf.latency(ray), kWires + 1 + 1 + 1 + 1) << ray;
+}
+
+TEST(Perfect, APerfectUnitStillWaitsForItsLines) {
+  TniBench::Setup setup = one_trv();
+  setup.perfect = {true, false};
+  TniBench bench(setup);
+  bench.add(kTwoDown).run();
+  EXPECT_EQ(bench.latency(0), kWires + 2 * (kMiss + 1));
+}
+
+TEST(Perfect, APerfectUnitIsNeverSlower) {
+  for (std::uint64_t seed = 0; seed < 30; ++seed) {
+    const RandomLoad load(seed);
+    TniBench::Setup setup = testing::random_setup(seed);
+    load.give(setup);
+    const auto span = [&](bool perfect) {
+      setup.perfect = {perfect, true};
+      TniBench bench(setup);
+      return load.send(bench).run().span();
+    };
+    EXPECT_LE(span(true), span(false)) << seed;
+  }
+}
+
+}  // namespace
+}  // namespace hw
