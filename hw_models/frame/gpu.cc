@@ -154,8 +154,9 @@ void Gpu::add_core(Wiring& wiring, std::uint32_t c, const Workload& workload) {
 
   Core& core = cores_.emplace_back();
   core.tni = std::make_unique<Tni>(config_.tni,
-                                   Tni::Scene{{layout.nodes, sizeof(traces::NodeRecord), workload.parents},
-                                              {layout.triangles, sizeof(traces::TriangleRecord)}},
+                                   Tni::Scene{{layout.nodes, layout.node_bytes, workload.parents, layout.single_boxes,
+                                               workload.image.grid.has_value()},
+                                              {layout.triangles, layout.triangle_bytes}},
                                    config_.direct_interface.interval,
                                    Tni::Links{rays,
                                               hits,

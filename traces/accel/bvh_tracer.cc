@@ -30,7 +30,7 @@ class Walk {
   Walk(const MemoryImage& image, const Ray& ray, Record& record)
       : image_(image),
         record_(record),
-        boxes_(ray, image.lower, image.upper),
+        boxes_(ray, image),
         triangles_(ray),
         t_min_(ray.t_min),
         limit_(std::min(ray.t_max, std::numeric_limits<float>::max())) {}
