@@ -25,9 +25,12 @@ namespace traces {
 template <class Lanes>
 class RayBoxes {
  public:
-  /// Of nodes of `image`.
-  RayBoxes(const Ray& ray, const MemoryImage& image)
-      : RayBoxes(ray, reach(ray.origin, image.lower, image.upper), image.grid ? &*image.grid : nullptr) {}
+  /// Boxes of floats in a scene of these bounds.
+  RayBoxes(const Ray& ray, const glm::vec3& scene_lower, const glm::vec3& scene_upper)
+      : RayBoxes(ray, reach(ray.origin, scene_lower, scene_upper)) {}
+  /// Boxes that lie on a grid.
+  RayBoxes(const Ray& ray, const glm::vec3& scene_lower, const glm::vec3& scene_upper, const BoxGrid& grid)
+      : RayBoxes(ray, reach(ray.origin, scene_lower, scene_upper), grid) {}
 
   /// Distances at which the ray enters both boxes, not before t_min, in lanes 0 and 1; `hits` gets a bit per box that
   /// the ray enters no later than it leaves it or comes to `limit`.
@@ -46,16 +49,26 @@ class RayBoxes {
   static constexpr float kEpsilon = std::numeric_limits<float>::epsilon();
   static constexpr float kTiny = 1e-30F;
 
-  RayBoxes(const Ray& ray, float reach, const BoxGrid* grid)
+  RayBoxes(const Ray& ray, float reach)
+      : swap_x_(ray.direction.x < 0),
+        swap_y_(ray.direction.y < 0),
+        swap_z_(ray.direction.z < 0),
+        x_(origin(ray, 0, reach)),
+        y_(origin(ray, 1, reach)),
+        z_(origin(ray, 2, reach)),
+        inverse_x_(both_ways(inverse(ray.direction.x))),
+        inverse_y_(both_ways(inverse(ray.direction.y))),
+        inverse_z_(both_ways(inverse(ray.direction.z))) {}
+  RayBoxes(const Ray& ray, float reach, const BoxGrid& grid)
       : swap_x_(ray.direction.x < 0),
         swap_y_(ray.direction.y < 0),
         swap_z_(ray.direction.z < 0),
         x_(origin(ray, 0, reach, grid)),
         y_(origin(ray, 1, reach, grid)),
         z_(origin(ray, 2, reach, grid)),
-        inverse_x_(inverse(ray, 0, grid)),
-        inverse_y_(inverse(ray, 1, grid)),
-        inverse_z_(inverse(ray, 2, grid)) {}
+        inverse_x_(both_ways(inverse(ray.direction.x, grid.step().x))),
+        inverse_y_(both_ways(inverse(ray.direction.y, grid.step().y))),
+        inverse_z_(both_ways(inverse(ray.direction.z, grid.step().z))) {}
 
   /// How far the scene's farthest corner is along any axis: rounding errors of the tests grow with it.
   static float reach(const glm::vec3& o, const glm::vec3& lower, const glm::vec3& upper) {
@@ -63,24 +76,26 @@ class RayBoxes {
     for (int a = 0; a < 3; ++a) r = std::max({r, std::fabs(o[a] - lower[a]), std::fabs(o[a] - upper[a])});
     return r;
   }
-  static Lanes origin(const Ray& ray, int axis, float reach, const BoxGrid* grid) {
+  static Lanes origin(const Ray& ray, int axis, float reach) {
     const float o = ray.origin[axis];
-    const float pad = kEpsilon * ((grid != nullptr ? 10 : 8) * reach + std::fabs(o));
-    float below = o - pad, above = o + pad;
-    if (grid != nullptr) {
-      below = std::floor((below - grid->lower()[axis]) / grid->step()[axis]);
-      above = std::ceil((above - grid->lower()[axis]) / grid->step()[axis]);
-    }
+    const float pad = kEpsilon * (8 * reach + std::fabs(o));
+    return ahead_and_back(ray, axis, o - pad, o + pad);
+  }
+  static Lanes origin(const Ray& ray, int axis, float reach, const BoxGrid& grid) {
+    const float o = ray.origin[axis];
+    const float pad = kEpsilon * (10 * reach + std::fabs(o));
+    const auto planes = [&](float x) { return (x - grid.lower()[axis]) / grid.step()[axis]; };
+    return ahead_and_back(ray, axis, std::floor(planes(o - pad)), std::ceil(planes(o + pad)));
+  }
+  static Lanes ahead_and_back(const Ray& ray, int axis, float below, float above) {
     const float ahead = ray.direction[axis] < 0 ? below : above;
     const float back = ray.direction[axis] < 0 ? above : below;
     return Lanes::of(ahead, ahead, back, back);
   }
-  static Lanes inverse(const Ray& ray, int axis, const BoxGrid* grid) {
-    const float d = ray.direction[axis];
-    float i = 1 / (std::fabs(d) < kTiny ? (d < 0 ? -kTiny : kTiny) : d);
-    if (grid != nullptr) i = std::clamp(grid->step()[axis] * i, -1 / kTiny, 1 / kTiny);
-    return Lanes::of(i, i, -i, -i);
-  }
+  static float inverse(float d) { return 1 / (std::fabs(d) < kTiny ? (d < 0 ? -kTiny : kTiny) : d); }
+  /// In steps; a direction that is tiny in steps is taken as `kTiny` too.
+  static float inverse(float d, float step) { return std::clamp(step * inverse(d), -1 / kTiny, 1 / kTiny); }
+  static Lanes both_ways(float inverse) { return Lanes::of(inverse, inverse, -inverse, -inverse); }
 
   typename Lanes::Swap swap_x_, swap_y_, swap_z_;
   Lanes x_, y_, z_;
