@@ -7,6 +7,7 @@
 
 #include "sim/report/table.h"
 #include "traces/accel/bvh_info.h"
+#include "traces/accel/node_format.h"
 #include "traces/scene/info.h"
 
 namespace tools {
@@ -27,9 +28,24 @@ Json cameras_json(const traces::Scene& scene) {
   return list;
 }
 
+/// Bytes that a tree takes in each format.
+Json nodes_by_format(std::uint64_t inner_nodes) {
+  using traces::BoxNumbers, traces::BoxRecords;
+  Json formats;
+  for (const BoxNumbers numbers : {BoxNumbers::kFp32, BoxNumbers::kHybrid}) {
+    for (const BoxRecords boxes : {BoxRecords::kPair, BoxRecords::kSingle}) {
+      const std::string_view of = names_of(numbers)[static_cast<std::size_t>(numbers)];
+      const std::string_view in = names_of(boxes)[static_cast<std::size_t>(boxes)];
+      formats[fmt::format("{} {}", of, in)] =
+          traces::node_bytes(numbers, boxes) * traces::node_records(inner_nodes, boxes);
+    }
+  }
+  return formats;
+}
+
 /// The sizes of its parts; what fills lines up counts as the textures'.
 Json memory_json(const traces::MemoryImage& image) {
-  Json parts = {{"nodes", image.nodes.size() * sizeof(traces::NodeRecord)},
+  Json parts = {{"nodes", image.node_array_bytes()},
                 {"triangles", image.triangles.size() * sizeof(traces::TriangleRecord)},
                 {"attributes", image.attributes.size() * sizeof(traces::AttributeRecord)},
                 {"vertices", image.vertices.size() * sizeof(traces::VertexRecord)},
@@ -38,7 +54,7 @@ Json memory_json(const traces::MemoryImage& image) {
   std::uint64_t sum = 0;
   for (const auto& part : parts.items()) sum += part.value().get<std::uint64_t>();
   parts["textures"] = image.layout.end - std::min(image.layout.end, sum);
-  return {{"bytes", image.layout.end}, {"parts", parts}};
+  return {{"bytes", image.layout.end}, {"parts", parts}, {"nodes_by_format", nodes_by_format(image.nodes.size())}};
 }
 
 std::string plural(std::uint64_t count, const char* what) {
@@ -46,6 +62,14 @@ std::string plural(std::uint64_t count, const char* what) {
 }
 
 std::string bytes_text(const Json& bytes) { return sim::si_text(bytes.get<double>(), "B"); }
+
+std::string sizes_text(const Json& sizes) {
+  std::string text;
+  for (const auto& size : sizes.items()) {
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", size.key(), bytes_text(size.value()));
+  }
+  return text;
+}
 
 std::string animation_text(const Json& animation) {
   if (animation["tracks"] == 0) return "none";
@@ -124,11 +148,9 @@ std::string scene_sheet_text(const Json& sheet, bool cameras) {
     if (cameras) line("", fmt::format("'{}' {}", camera["name"].get<std::string>(), place_text(camera)));
   }
   line("animation", animation_text(sheet["animation"]));
-  std::string parts;
-  for (const auto& part : sheet["memory_image"]["parts"].items()) {
-    parts += fmt::format("{}{} {}", parts.empty() ? "" : ", ", part.key(), bytes_text(part.value()));
-  }
-  line("memory image", fmt::format("{} ({})", bytes_text(sheet["memory_image"]["bytes"]), parts));
+  const Json& memory = sheet["memory_image"];
+  line("memory image", fmt::format("{} ({})", bytes_text(memory["bytes"]), sizes_text(memory["parts"])));
+  line("nodes by format", sizes_text(memory["nodes_by_format"]));
   const Json& tree = sheet["bvh"];
   line("BVH", fmt::format("{} nodes, {} leaves, depth {}, SAH cost {:.1f}", tree["nodes"].get<std::uint64_t>(),
                           tree["leaves"].get<std::uint64_t>(), tree["depth"].get<std::uint64_t>(),

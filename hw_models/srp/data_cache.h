@@ -38,7 +38,11 @@ inline LineSet lines_of(const traces::Access& access, const traces::Layout& layo
       break;
     case traces::Access::Kind::kTriangle:
       lines.add(layout.triangle_at(access.element));
-      lines.add(layout.triangle_at(access.element) + sizeof(traces::TriangleRecord) - 1);
+      lines.add(layout.triangle_at(access.element) + layout.triangle_bytes - 1);
+      if (layout.has_labels()) {
+        lines.add(layout.label_at(access.element));
+        lines.add(layout.label_at(access.element) + traces::Layout::kLabelBytes - 1);
+      }
       break;
     case traces::Access::Kind::kTexels: {
       const std::uint32_t xs[2] = {access.element & 0xffffU, access.element2 & 0xffffU};

@@ -114,6 +114,23 @@ TEST(ScenesInfo, JsonCountsWhatIsThere) {
   EXPECT_EQ(sheet["host"]["file_bytes"], 0);
 }
 
+TEST(ScenesInfo, GivesTheBytesOfNodesInEachFormatAndInTheChosenOne) {
+  const auto sheet = [](const Words& more) {
+    Words words = {"scenes", "info", "teapot", "--json"};
+    words.insert(words.end(), more.begin(), more.end());
+    return nlohmann::json::parse(raywatt(words).out);
+  };
+  const nlohmann::json standard = sheet({});
+  const std::uint64_t nodes = standard["bvh"]["nodes"];
+  const nlohmann::json formats = {{"fp32 pair", 64 * nodes},
+                                  {"fp32 single", 32 * (2 * nodes + 1)},
+                                  {"hybrid pair", 40 * nodes},
+                                  {"hybrid single", 20 * (2 * nodes + 1)}};
+  EXPECT_EQ(standard["memory_image"]["nodes_by_format"], formats);
+  EXPECT_EQ(standard["memory_image"]["parts"]["nodes"], formats["fp32 pair"]);
+  EXPECT_EQ(sheet({"--set", "bvh.numbers=hybrid"})["memory_image"]["parts"]["nodes"], formats["hybrid pair"]);
+}
+
 TEST(ScenesInfo, CountsMotionTexturesAndTheFile) {
   const TempFolder folder;
   const std::string file = folder.write("features.glb", traces::export_glb(feature_scene())).string();

@@ -1,9 +1,11 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <string>
 #include <string_view>
 
 #include "sim/config/field.h"
+#include "traces/accel/node_format.h"
 #include "traces/walk.h"
 
 namespace traces {
@@ -13,13 +15,16 @@ namespace traces {
 enum class BvhUpdate : std::uint8_t { kRebuild, kRefit };
 constexpr std::array<std::string_view, 2> names_of(BvhUpdate) { return {"rebuild", "refit"}; }
 
-/// How the bounding volume hierarchy is built. Any change gives other walks.
+/// How the bounding volume hierarchy is built, which decides about walks, and how it lies in memory.
 struct BvhConfig {
   std::uint32_t leaf_size = 4;
   std::uint32_t max_depth = 64;
   double traversal_cost = 1;
   double intersection_cost = 1;
   BvhUpdate update = BvhUpdate::kRebuild;
+  BoxNumbers numbers = BoxNumbers::kFp32;
+  BoxRecords boxes = BoxRecords::kPair;
+  std::uint32_t triangle_bytes = 48;
 
   static void describe(auto& c, auto&& field) {
     using enum sim::Affects;
@@ -33,6 +38,20 @@ struct BvhConfig {
     field(c.update, "update", "",
           "moving scenes: build the tree anew for each frame, or refit the boxes of the first frame's tree", sim::any(),
           kFunction);
+    field(c.numbers, "numbers", "",
+          "of box planes and ray origin: floats, or hybrid: fixed point, times a floating-point reciprocal of the "
+          "direction",
+          sim::any(), kFunction);
+    field(c.boxes, "boxes", "", "a record of the tree holds both child boxes of a node, or a single box", sim::any(),
+          kLayout);
+    field(c.triangle_bytes, "triangle_bytes", "bytes",
+          "a triangle: 48, or 36 for its vertices alone, the rest in an array of its own", sim::between(36, 48),
+          kLayout);
+  }
+  void check(auto&& complain) const {
+    if (triangle_bytes != 36 && triangle_bytes != 48) {
+      complain("triangle_bytes", "is " + std::to_string(triangle_bytes) + "; allowed: 36 or 48");
+    }
   }
 };
 

@@ -15,7 +15,9 @@ std::string digest_of(const std::vector<Record>& records) {
 }  // namespace
 
 std::string bvh_hash(const MemoryImage& image) {
-  return sim::sha256_hex(digest_of(image.nodes) + digest_of(image.triangles));
+  std::string parts = digest_of(image.nodes) + digest_of(image.triangles);
+  if (image.grid) parts += digest_of(std::vector{image.grid->lower(), image.grid->step()});
+  return sim::sha256_hex(parts);
 }
 
 }  // namespace traces

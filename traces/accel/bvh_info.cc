@@ -6,10 +6,10 @@
 namespace traces {
 namespace {
 
-double half_area(const NodeRecord& node, int child) {
-  const double x = double{node.x[2 + child]} - node.x[child];
-  const double y = double{node.y[2 + child]} - node.y[child];
-  const double z = double{node.z[2 + child]} - node.z[child];
+double half_area(const NodeRecord& node, int child, const glm::vec3& step) {
+  const double x = (double{node.x[2 + child]} - node.x[child]) * step.x;
+  const double y = (double{node.y[2 + child]} - node.y[child]) * step.y;
+  const double z = (double{node.z[2 + child]} - node.z[child]) * step.z;
   return x * y + y * z + z * x;
 }
 
@@ -18,7 +18,8 @@ double half_area(const NodeRecord& node, int child) {
 BvhInfo bvh_info(const MemoryImage& image, const BvhConfig& config) {
   BvhInfo info;
   info.nodes = image.nodes.size();
-  info.bytes = image.nodes.size() * sizeof(NodeRecord) + image.triangles.size() * sizeof(TriangleRecord);
+  info.bytes = image.node_array_bytes() + image.triangles.size() * sizeof(TriangleRecord);  // labels are a part of it
+  const glm::vec3 step = image.grid ? image.grid->step() : glm::vec3(1);
   const double x = double{image.upper.x} - image.lower.x;
   const double y = double{image.upper.y} - image.lower.y;
   const double z = double{image.upper.z} - image.lower.z;
@@ -35,10 +36,10 @@ BvhInfo bvh_info(const MemoryImage& image, const BvhConfig& config) {
       if (link == kNoChild) continue;
       if (is_leaf(link)) {
         ++info.leaves;
-        cost += half_area(node, c) * config.intersection_cost * leaf_count(link);
+        cost += half_area(node, c, step) * config.intersection_cost * leaf_count(link);
       } else {
         depth[link] = depth[i] + 1;
-        cost += half_area(node, c) * config.traversal_cost;
+        cost += half_area(node, c, step) * config.traversal_cost;
       }
     }
   }

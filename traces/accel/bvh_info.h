@@ -18,7 +18,8 @@ struct BvhInfo {
 
 BvhInfo bvh_info(const MemoryImage& image, const BvhConfig& config = {});
 
-/// SHA-256 of the nodes and triangles as they lie in memory.
+/// SHA-256 of what the traversal reads: nodes, triangles and, in hybrid numbers, the grid; where and how all that lies
+/// in memory has no part in it.
 std::string bvh_hash(const MemoryImage& image);
 
 }  // namespace traces

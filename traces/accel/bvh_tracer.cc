@@ -30,7 +30,8 @@ class Walk {
   Walk(const MemoryImage& image, const Ray& ray, Record& record)
       : image_(image),
         record_(record),
-        boxes_(ray, image.lower, image.upper),
+        boxes_(image.grid ? RayBoxes<Lanes>(ray, image.lower, image.upper, *image.grid)
+                          : RayBoxes<Lanes>(ray, image.lower, image.upper)),
         triangles_(ray),
         t_min_(ray.t_min),
         limit_(std::min(ray.t_max, std::numeric_limits<float>::max())) {}

@@ -15,18 +15,46 @@ namespace {
 
 constexpr std::uint64_t aligned(std::uint64_t at) { return (at + 63) & ~std::uint64_t{63}; }
 
+/// The tree depth first, a record for every node and leaf, child 0 right behind its parent: of each inner node, where
+/// its children are. Child 1 follows all that is below child 0. What is never hit has a record too: both are read.
+std::vector<std::array<std::uint32_t, 2>> place_single_boxes(const std::vector<NodeRecord>& nodes) {
+  const auto has_records = [](std::uint32_t link) { return !is_leaf(link) && link != kNoChild; };
+  // Inner nodes lie depth first already: from the back, every child is known before its parent.
+  std::vector<std::uint32_t> records(nodes.size());  // of a node and all below it
+  for (std::size_t i = nodes.size(); i-- > 0;) {
+    records[i] = 1;
+    for (const std::uint32_t link : nodes[i].child) records[i] += has_records(link) ? records[link] : 1;
+  }
+  std::vector<std::array<std::uint32_t, 2>> children(nodes.size());
+  std::vector<std::uint32_t> own(nodes.size(), 0);
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    std::uint32_t next = own[i] + 1;
+    for (std::size_t c = 0; c < 2; ++c) {
+      const std::uint32_t link = nodes[i].child[c];
+      children[i][c] = next;
+      if (has_records(link)) own[link] = next;
+      next += has_records(link) ? records[link] : 1;
+    }
+  }
+  return children;
+}
+
 /// One array behind the other, each on a line of its own: nodes, triangles, attributes, materials, textures, frame.
 /// What the scene does not need takes no memory.
-Layout place(const MemoryImage& image) {
+Layout place(const MemoryImage& image, const BvhConfig& config) {
   Layout at;
+  at.node_bytes = node_bytes(config.numbers, config.boxes);
+  if (config.boxes == BoxRecords::kSingle) at.single_boxes = place_single_boxes(image.nodes);
+  at.triangle_bytes = config.triangle_bytes;
   std::uint64_t next = 0;
   const auto reserve = [&](std::uint64_t bytes) {
     const std::uint64_t base = next;
     next = aligned(next + bytes);
     return base;
   };
-  at.nodes = reserve(image.nodes.size() * sizeof(NodeRecord));
-  at.triangles = reserve(image.triangles.size() * sizeof(TriangleRecord));
+  at.nodes = reserve(at.node_bytes * node_records(image.nodes.size(), config.boxes));
+  at.triangles = reserve(image.triangles.size() * at.triangle_bytes);
+  at.labels = reserve(at.has_labels() ? image.triangles.size() * Layout::kLabelBytes : 0);
   at.attributes = reserve(image.attributes.size() * sizeof(AttributeRecord));
   at.vertices = reserve(image.vertices.size() * sizeof(VertexRecord));
   at.materials = reserve(image.materials.size() * sizeof(MaterialRecord));
@@ -60,6 +88,11 @@ void reorder(std::vector<Record>& records, const std::vector<std::uint32_t>& ord
 
 float MemoryImage::diagonal() const { return glm::length(upper - lower); }
 
+std::uint64_t MemoryImage::node_array_bytes() const {
+  const BoxRecords boxes = layout.single_boxes.empty() ? BoxRecords::kPair : BoxRecords::kSingle;
+  return layout.node_bytes * node_records(nodes.size(), boxes);
+}
+
 MemoryImage build_memory_image(const Scene& scene, const BvhConfig& config, unsigned threads) {
   MaterialTables materials = material_tables(scene);
   FlatTriangles flat = flatten(scene, materials);
@@ -91,7 +124,8 @@ MemoryImage build_memory_image(const Scene& scene, const BvhConfig& config, unsi
   image.lights = scene.lights;
   image.background = scene.background;
   image.ambient = scene.ambient;
-  image.layout = place(image);
+  if (config.numbers == BoxNumbers::kHybrid) put_on_grid(image);
+  image.layout = place(image, config);
   return image;
 }
 

@@ -1,17 +1,22 @@
 #pragma once
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
+#include "traces/accel/box_grid.h"
 #include "traces/ray.h"
 #include "traces/scene/scene.h"
 
 namespace traces {
 
 /// Inner node of the 2-wide BVH, one 64-byte line: both child boxes and two links. Bounds are kept axis by axis as
-/// {lower of child 0, lower of child 1, upper of child 0, upper of child 1}, so that four lanes test both boxes.
+/// {lower of child 0, lower of child 1, upper of child 0, upper of child 1}, so that four lanes test both boxes. In
+/// hybrid numbers a bound is a plane of the image's grid, a whole number; how many bits and bytes that takes in the
+/// GPU's memory, and whether boxes lie there in pairs, is said in node_format.h.
 struct alignas(64) NodeRecord {
   float x[4], y[4], z[4];
   std::uint32_t child[2];  ///< link words
@@ -114,10 +119,17 @@ struct MaterialDetailRecord {
 };
 static_assert(sizeof(MaterialDetailRecord) == 64);
 
-/// Where everything lies in the GPU's memory: byte addresses, 64-byte aligned. Textures are stored as RGBA8 in tiles of
-/// 4 x 4 texels, one line each, tiles row by row.
+/// Where everything lies in the GPU's memory: byte addresses of arrays, 64-byte aligned. Textures are stored as RGBA8
+/// in tiles of 4 x 4 texels, one line each, tiles row by row.
 struct Layout {
   std::uint64_t nodes = 0, triangles = 0, attributes = 0, vertices = 0, materials = 0, details = 0;
+  std::uint32_t node_bytes = sizeof(NodeRecord);
+  /// Of each inner node, the records of its children, where records hold single boxes; otherwise empty, and a node's
+  /// record has its index.
+  std::vector<std::array<std::uint32_t, 2>> single_boxes;
+  std::uint32_t triangle_bytes = sizeof(TriangleRecord);
+  /// Where triangles are their vertices alone, the three words that follow them in TriangleRecord lie here.
+  std::uint64_t labels = 0;
   struct TextureAt {
     std::uint64_t base = 0;
     std::uint32_t tiles_per_row = 0;
@@ -126,8 +138,14 @@ struct Layout {
   std::uint64_t frame_buffer = 0;
   std::uint64_t end = 0;  ///< first byte behind the scene, where the frame buffer begins
 
-  std::uint64_t node_at(std::uint32_t i) const { return nodes + std::uint64_t{i} * sizeof(NodeRecord); }
-  std::uint64_t triangle_at(std::uint32_t i) const { return triangles + std::uint64_t{i} * sizeof(TriangleRecord); }
+  static constexpr std::uint32_t kVerticesBytes = 36;
+  static constexpr std::uint32_t kLabelBytes = sizeof(TriangleRecord) - kVerticesBytes;
+
+  /// Record `i` of the tree.
+  std::uint64_t node_at(std::uint32_t i) const { return nodes + std::uint64_t{i} * node_bytes; }
+  std::uint64_t triangle_at(std::uint32_t i) const { return triangles + std::uint64_t{i} * triangle_bytes; }
+  bool has_labels() const { return triangle_bytes == kVerticesBytes; }
+  std::uint64_t label_at(std::uint32_t i) const { return labels + std::uint64_t{i} * kLabelBytes; }
   std::uint64_t attributes_at(std::uint32_t i) const { return attributes + std::uint64_t{i} * sizeof(AttributeRecord); }
   std::uint64_t material_at(std::uint32_t i) const { return materials + std::uint64_t{i} * sizeof(MaterialRecord); }
   std::uint64_t vertices_at(std::uint32_t i) const { return vertices + std::uint64_t{i} * sizeof(VertexRecord); }
@@ -152,7 +170,9 @@ struct MemoryImage {
   std::vector<Light> lights;
   glm::vec3 background{0}, ambient{0};
   glm::vec3 lower{0}, upper{0};  ///< bounds of all triangles
+  std::optional<BoxGrid> grid;   ///< that the nodes' boxes lie on, in hybrid numbers
   Layout layout;
+  std::uint64_t node_array_bytes() const;
   float diagonal() const;
 };
 

@@ -61,6 +61,7 @@ void refit_memory_image(const Scene& posed, MemoryImage& image) {
     image.lower = bounds.lower;
     image.upper = bounds.upper;
   }
+  if (image.grid) put_on_grid(image);
   image.lights = posed.lights;
 }
 

@@ -1,0 +1,33 @@
+#include "hw_models/srp/data_cache.h"
+
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace hw {
+namespace {
+
+std::vector<Addr> lines(std::uint32_t triangle, const traces::Layout& layout) {
+  const LineSet set = lines_of(traces::Access::record(traces::Access::Kind::kTriangle, triangle), layout);
+  return {set.line, set.line + set.count};
+}
+
+TEST(DataCache, ATriangleOf48BytesIsOneLineOrTwo) {
+  traces::Layout layout;
+  layout.triangles = 1024;
+  EXPECT_EQ(lines(0, layout), (std::vector<Addr>{1024}));
+  EXPECT_EQ(lines(1, layout), (std::vector<Addr>{1024, 1088})) << "bytes 48 to 95";
+}
+
+TEST(DataCache, ATriangleOf36BytesIsItsVerticesAndItsLabel) {
+  traces::Layout layout;
+  layout.triangle_bytes = 36;
+  layout.triangles = 1024;
+  layout.labels = 4096;
+  EXPECT_EQ(lines(0, layout), (std::vector<Addr>{1024, 4096}));
+  EXPECT_EQ(lines(3, layout), (std::vector<Addr>{1088, 1152, 4096})) << "vertices 108 to 143";
+  EXPECT_EQ(lines(5, layout), (std::vector<Addr>{1152, 1216, 4096, 4160})) << "vertices 180 to 215, label 60 to 71";
+}
+
+}  // namespace
+}  // namespace hw

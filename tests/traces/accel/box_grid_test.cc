@@ -1,0 +1,110 @@
+#include "traces/accel/box_grid.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "support.h"
+#include "traces/accel/build.h"
+#include "traces/accel/bvh_info.h"
+#include "traces/accel/refit.h"
+#include "traces/scene/builtin/builtin.h"
+
+// Boxes in hybrid numbers.
+
+namespace traces {
+namespace {
+
+/// All boxes of `hybrid` are whole numbers of 19 bits and hold those of `floats`, by a step on each side at most.
+void expect_around(const MemoryImage& hybrid, const MemoryImage& floats) {
+  ASSERT_TRUE(hybrid.grid.has_value());
+  const BoxGrid& grid = *hybrid.grid;
+  ASSERT_EQ(hybrid.nodes.size(), floats.nodes.size());
+  for (std::size_t i = 0; i < floats.nodes.size(); ++i) {
+    const NodeRecord &h = hybrid.nodes[i], &f = floats.nodes[i];
+    for (int c = 0; c < 2; ++c) {
+      ASSERT_EQ(h.child[c], f.child[c]);
+      if (f.child[c] == kNoChild) continue;
+      const float* planes[2][3] = {{h.x, h.y, h.z}, {f.x, f.y, f.z}};
+      for (int a = 0; a < 3; ++a) {
+        const float low = planes[0][a][c], high = planes[0][a][2 + c];
+        const float lower = planes[1][a][c], upper = planes[1][a][2 + c];
+        ASSERT_TRUE(low == std::floor(low) && high == std::floor(high));
+        ASSERT_TRUE(low >= 0 && low <= high && high <= 524287) << low << " to " << high;
+        ASSERT_LE(grid.at(low, a), lower);
+        ASSERT_GE(grid.at(high, a), upper);
+        ASSERT_GE(grid.at(low + 1.0, a), lower);
+        ASSERT_LE(grid.at(high - 1.0, a), upper);
+      }
+    }
+  }
+}
+
+TEST(HybridBoxes, HoldThoseOfFloatsByAStepAtMostInBuiltInScenes) {
+  for (const BuiltinInfo& info : builtin_scenes()) {
+    SCOPED_TRACE(info.name);
+    if (info.triangles > 100'000 && info.name != "hairball") continue;  // what is larger takes seconds to make
+    const MemoryImage floats = build_memory_image(build_scene(info.name, {.triangles = 20000}));
+    MemoryImage hybrid = floats;
+    put_on_grid(hybrid);
+    expect_around(hybrid, floats);
+  }
+}
+
+TEST(HybridBoxes, HoldThoseOfFloatsFarFromTheOriginInFlatTinyAndHugeScenes) {
+  for (const glm::vec3 scale : {glm::vec3(1), glm::vec3(1, 0, 1), glm::vec3(0, 3, 0), glm::vec3(1, 1, 1e-7F),
+                                glm::vec3(1e-20F), glm::vec3(1e20F, 1, 1)}) {
+    for (const float offset : {0.0F, -7.0F, 1e6F, -1e12F}) {
+      SCOPED_TRACE(testing::Message() << scale.x << " " << scale.y << " " << scale.z << " at " << offset);
+      Scene scene = triangle_soup(300, 0.2F);
+      for (glm::vec3& p : scene.meshes[0].positions) p = p * scale + offset;
+      expect_around(build_memory_image(scene, {.numbers = BoxNumbers::kHybrid}), build_memory_image(scene));
+    }
+  }
+}
+
+TEST(HybridBoxes, OfAMovedSceneLieOnAGridOfItsNewBounds) {
+  const Scene scene = triangle_soup(500, 0.1F);
+  Scene moved = scene;
+  for (glm::vec3& p : moved.meshes[0].positions) p = p * glm::vec3(3, 1, 0.5F) + 10.0F;
+  const BvhConfig config{.numbers = BoxNumbers::kHybrid};
+  MemoryImage hybrid = build_memory_image(scene, config), floats = build_memory_image(scene);
+  const BoxGrid before = *hybrid.grid;
+  refit_memory_image(moved, hybrid);
+  refit_memory_image(moved, floats);
+  EXPECT_FALSE(*hybrid.grid == before);
+  EXPECT_EQ(hybrid.grid->lower(), hybrid.lower);
+  expect_around(hybrid, floats);
+  refit_memory_image(scene, hybrid);
+  EXPECT_EQ(bvh_hash(hybrid), bvh_hash(build_memory_image(scene, config))) << "and back";
+}
+
+TEST(HybridBoxes, AreAnotherTreeToTheHashAndAboutEquallyDearOnes) {
+  const Scene scene = triangle_soup(2000, 0.05F);
+  const MemoryImage hybrid = build_memory_image(scene, {.numbers = BoxNumbers::kHybrid});
+  const MemoryImage floats = build_memory_image(scene);
+  EXPECT_NE(bvh_hash(hybrid), bvh_hash(floats));
+  MemoryImage elsewhere = hybrid;
+  elsewhere.grid = BoxGrid(hybrid.lower - 1.0F, hybrid.upper - 1.0F);
+  EXPECT_NE(bvh_hash(hybrid), bvh_hash(elsewhere)) << "the same planes of another grid";
+  const double cost = bvh_info(floats).sah_cost;
+  EXPECT_GT(bvh_info(hybrid).sah_cost, cost);
+  EXPECT_LT(bvh_info(hybrid).sah_cost, 1.001 * cost);
+}
+
+TEST(BoxGrid, SpreadsItsPlanesOverTheScene) {
+  const BoxGrid grid({-1, 0, 5}, {1, 4, 5});
+  EXPECT_EQ(grid.below(-1, 0), 0);
+  EXPECT_GE(grid.above(1, 0), 524286) << "of 524287";
+  EXPECT_FLOAT_EQ(grid.step().x, 2.0F / 524286);
+  EXPECT_FLOAT_EQ(grid.step().y, 4.0F / 524286);
+  EXPECT_FLOAT_EQ(grid.step().z, 4.0F / 1024 / 524286) << "flat";
+  EXPECT_EQ(grid.below(5, 2), 0);
+  EXPECT_EQ(grid.above(5, 2), 0);
+  const auto on_plane = static_cast<float>(grid.at(3, 0));
+  EXPECT_LE(grid.below(on_plane, 0), 3);
+  EXPECT_GE(grid.above(on_plane, 0), 3);
+}
+
+}  // namespace
+}  // namespace traces
