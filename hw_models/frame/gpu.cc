@@ -50,7 +50,7 @@ struct Gpu::Wiring {
 
   sim::Time* at(std::size_t i) const { return &wakes[i]; }
   std::size_t core(std::uint32_t c) const { return 1 + std::size_t{c} * units_per_core(); }
-  std::size_t units_per_core() const { return 6 + trvs + !direct_interface; }
+  std::size_t units_per_core() const { return 6 + trvs; }
   sim::Time* dispatcher() const { return at(0); }
   sim::Time* srp(std::uint32_t c) const { return at(core(c)); }
   sim::Time* ray_dispatcher(std::uint32_t c) const { return at(core(c) + 1); }
@@ -59,10 +59,10 @@ struct Gpu::Wiring {
   sim::Time* dma(std::uint32_t c) const { return at(core(c) + 3 + trvs); }
   sim::Time* cache_port(std::uint32_t c) const { return at(core(c) + 4 + trvs); }
   sim::Time* dma_port(std::uint32_t c) const { return at(core(c) + 5 + trvs); }
-  sim::Time* memory_interface(std::uint32_t c) const { return at(core(c) + 6 + trvs); }
   sim::Time* bank(std::uint32_t b) const { return at(core(cores) + b); }
   sim::Time* channel(std::uint32_t k) const { return at(core(cores) + banks + k); }
-  std::size_t size() const { return core(cores) + banks + channels; }
+  sim::Time* memory_interface(std::uint32_t c) const { return at(core(cores) + banks + channels + c); }
+  std::size_t size() const { return core(cores) + banks + channels + (direct_interface ? 0 : cores); }
 };
 
 Gpu::Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles)
@@ -229,7 +229,7 @@ void Gpu::add_core(Wiring& wiring, std::uint32_t c, const Workload& workload) {
   core.dma_port = std::make_unique<CorePort>(config_.interconnect, dma_port, config_.dram.interleave(), l2_clock_, line,
                                              config_.ideal.interconnect);
   if (direct.enabled) return;
-  core.memory_interface = std::make_unique<MemoryInterface>(
+  memory_interfaces_.emplace_back(
       direct, records_of(config_, workload, c), static_cast<std::uint16_t>(trvs + 2),
       MemoryInterface::Rays::Links{rays_from_srp, rays, *port.clients_in[trvs + 2], *port.clients_out[trvs + 2]},
       MemoryInterface::Hits::Links{hits_from_tni, hits, *port.clients_in[trvs + 3], *port.clients_out[trvs + 3]},
@@ -291,11 +291,12 @@ std::string Gpu::state() {
     out += fmt::format("core{}.dma: {}\n", c, core.dma->state());
     out += fmt::format("core{}.cache_port: {}\n", c, core.cache_port->state());
     out += fmt::format("core{}.dma_port: {}\n", c, core.dma_port->state());
-    if (core.memory_interface) out += fmt::format("core{}.memory_interface: {}\n", c, core.memory_interface->state());
   }
   for (std::size_t b = 0; b < banks_.size(); ++b) out += fmt::format("l2.bank{}: {}\n", b, banks_[b].state());
   for (std::size_t k = 0; k < channels_.size(); ++k)
     out += fmt::format("dram.channel{}: {}\n", k, channels_[k].state());
+  for (std::size_t c = 0; c < memory_interfaces_.size(); ++c)
+    out += fmt::format("core{}.memory_interface: {}\n", c, memory_interfaces_[c].state());
   return out;
 }
 
@@ -320,8 +321,8 @@ std::vector<sim::UnitReport> Gpu::report() const {
     units.push_back(report_of(*core.dma, at + ".dma", "dma"));
     units.push_back(report_of(*core.cache_port, at + ".cache_port", "interconnect"));
     units.push_back(report_of(*core.dma_port, at + ".dma_port", "interconnect"));
-    if (core.memory_interface) {
-      units.push_back(report_of(*core.memory_interface, at + ".memory_interface", "interconnect"));
+    if (c < memory_interfaces_.size()) {
+      units.push_back(report_of(memory_interfaces_[c], at + ".memory_interface", "interconnect"));
     }
   }
   for (std::size_t b = 0; b < banks_.size(); ++b) {

@@ -56,10 +56,10 @@ class Gpu {
       f(*core.dma, i++);
       f(*core.cache_port, i++);
       f(*core.dma_port, i++);
-      if (core.memory_interface) f(*core.memory_interface, i++);
     }
     for (L2Bank& bank : banks_) f(bank, i++);
     for (DramChannel& channel : channels_) f(channel, i++);
+    for (MemoryInterface& unit : memory_interfaces_) f(unit, i++);
   }
   std::vector<sim::Time>& wakes() { return wakes_; }
   bool done() const { return dispatcher_->done() && memory_quiet(); }
@@ -84,7 +84,6 @@ class Gpu {
     std::unique_ptr<Tni> tni;
     std::unique_ptr<Dma> dma;
     std::unique_ptr<CorePort> cache_port, dma_port;
-    std::unique_ptr<MemoryInterface> memory_interface;  ///< if there is no direct interface
   };
   struct Wiring;
 
@@ -110,6 +109,7 @@ class Gpu {
   std::deque<Core> cores_;
   std::deque<L2Bank> banks_;
   std::deque<DramChannel> channels_;
+  std::deque<MemoryInterface> memory_interfaces_;  ///< of each core, if there is no direct interface
   std::unique_ptr<TileDispatcher> dispatcher_;
   std::vector<sim::Time> wakes_;
   sim::Time elapsed_ = 0;
