@@ -59,7 +59,9 @@ Json dram_clients_json(const Simulation& s) {
     return kLine * (sum_of(s, "dma", area + "_lines_written") + sum_of(s, "dma", area + "_lines_read"));
   };
   Json clients = {
-      {"caches", kLine * sum_of(s, "l2", "fills")}, {"frame_buffer", moved("picture")}, {"spills", moved("spill")}};
+      {"caches", kLine * (sum_of(s, "l2", "fills") + sum_of(s, "l2", "passed_on") + sum_of(s, "l2", "written_back"))},
+      {"frame_buffer", moved("picture")},
+      {"spills", moved("spill")}};
   for (const char* area : {"samples", "rates"}) {
     if (const std::uint64_t bytes = moved(area); bytes != 0) clients[area] = bytes;
   }

@@ -11,11 +11,14 @@ namespace hw {
 namespace {
 
 constexpr std::uint32_t kRequestDepth = 2;  // a unit's requests on the wire to its core's port
+constexpr std::uint32_t kIdealDepth = 256;  // of the links of an ideal interconnect: more than is under way at once
 
 constexpr Addr whole_lines(Addr bytes) { return (bytes + 63) & ~Addr{63}; }
 
-/// Behind the scene lie the frame's regions, behind them each core's room for its largest spill: a chunk's rays and
-/// hits, two batches of them.
+/// Bytes set aside for a core's largest spill: a chunk's rays and hits, two batches of them.
+Addr spill_bytes(const GpuConfig& config) { return Addr{4} * config.srp.chunk * config.tile_buffer.slot_bytes; }
+
+/// Behind the scene lie the frame's regions, behind them each core's room for its largest spill.
 std::array<Addr, kAreas> areas_of(const GpuConfig& config, const Gpu::Workload& workload, std::uint32_t core) {
   std::array<Addr, kAreas> areas{};
   Addr next = workload.image.layout.frame_buffer;
@@ -23,9 +26,14 @@ std::array<Addr, kAreas> areas_of(const GpuConfig& config, const Gpu::Workload& 
     areas[region] = next;
     next = whole_lines(next + workload.region_bytes[region]);
   }
-  const Addr spill_bytes = Addr{4} * config.srp.chunk * config.tile_buffer.slot_bytes;
-  areas[static_cast<std::size_t>(Area::kSpill)] = whole_lines(next + core * spill_bytes);
+  areas[static_cast<std::size_t>(Area::kSpill)] = whole_lines(next + core * spill_bytes(config));
   return areas;
+}
+
+/// Behind the spills lie the rays and hits of each core that has no direct interface.
+Addr records_of(const GpuConfig& config, const Gpu::Workload& workload, std::uint32_t core) {
+  const Addr spills_end = areas_of(config, workload, config.cores)[static_cast<std::size_t>(Area::kSpill)];
+  return spills_end + core * MemoryInterface::bytes_of(config.direct_interface);
 }
 
 }  // namespace
@@ -33,6 +41,7 @@ std::array<Addr, kAreas> areas_of(const GpuConfig& config, const Gpu::Workload& 
 /// Places in the wake array (in the order of each_unit) and the links between cores and memory.
 struct Gpu::Wiring {
   const std::uint32_t trvs, cores, banks, channels;
+  const bool direct_interface;
   std::vector<sim::Time>& wakes;
 
   // [core][bank] and so on; requests go to memory, responses come back.
@@ -52,7 +61,8 @@ struct Gpu::Wiring {
   sim::Time* dma_port(std::uint32_t c) const { return at(core(c) + 5 + trvs); }
   sim::Time* bank(std::uint32_t b) const { return at(core(cores) + b); }
   sim::Time* channel(std::uint32_t k) const { return at(core(cores) + banks + k); }
-  std::size_t size() const { return core(cores) + banks + channels; }
+  sim::Time* memory_interface(std::uint32_t c) const { return at(core(cores) + banks + channels + c); }
+  std::size_t size() const { return core(cores) + banks + channels + (direct_interface ? 0 : cores); }
 };
 
 Gpu::Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles)
@@ -67,18 +77,31 @@ Gpu::Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles)
     kernels_.push_back(schedule(kernel.graph, srp));
     conflicts_.push_back(bank_conflicts(kernels_.back(), kernel.graph, config.tile_buffer.banks));
   }
-  Wiring wiring{config.tni.trvs, config.cores, config.l2.banks, config.dram.channels, wakes_, {}, {}, {}, {}, {}, {}};
+  Wiring wiring{config.tni.trvs,
+                config.cores,
+                config.l2.banks,
+                config.dram.channels,
+                config.direct_interface.enabled,
+                wakes_,
+                {},
+                {},
+                {},
+                {},
+                {},
+                {}};
   wakes_.assign(wiring.size(), 0);
 
-  const InterconnectConfig& net = config.interconnect;
+  const bool ideal = config.ideal.interconnect;
+  const std::uint32_t distance = ideal ? 1 : config.interconnect.latency;
+  const std::uint32_t link_depth = ideal ? kIdealDepth : config.interconnect.link_depth;
   const auto request = [&](std::uint32_t latency, sim::Clock to, sim::Time* from_unit, sim::Time* to_unit) {
-    auto& link = requests_.emplace_back(net.link_depth + latency, latency, l2_clock_, to,
+    auto& link = requests_.emplace_back(link_depth + latency, latency, l2_clock_, to,
                                         to == l2_clock_ ? 0 : config.clocks.synchroniser);
     link.wakes(from_unit, to_unit);
     return &link;
   };
   const auto response = [&](std::uint32_t latency, sim::Clock from, sim::Time* from_unit, sim::Time* to_unit) {
-    auto& link = responses_.emplace_back(net.link_depth + latency, latency, from, l2_clock_,
+    auto& link = responses_.emplace_back(link_depth + latency, latency, from, l2_clock_,
                                          from == l2_clock_ ? 0 : config.clocks.synchroniser);
     link.wakes(from_unit, to_unit);
     return &link;
@@ -87,14 +110,14 @@ Gpu::Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles)
     auto& up = wiring.core_bank_up.emplace_back();
     auto& down = wiring.core_bank_down.emplace_back();
     for (std::uint32_t b = 0; b < config.l2.banks; ++b) {
-      up.push_back(request(net.latency, l2_clock_, wiring.cache_port(c), wiring.bank(b)));
-      down.push_back(response(net.latency, l2_clock_, wiring.bank(b), wiring.cache_port(c)));
+      up.push_back(request(distance, l2_clock_, wiring.cache_port(c), wiring.bank(b)));
+      down.push_back(response(distance, l2_clock_, wiring.bank(b), wiring.cache_port(c)));
     }
     auto& dma_up = wiring.core_channel_up.emplace_back();
     auto& dma_down = wiring.core_channel_down.emplace_back();
     for (std::uint32_t k = 0; k < config.dram.channels; ++k) {
-      dma_up.push_back(request(net.latency, dram_clock_, wiring.dma_port(c), wiring.channel(k)));
-      dma_down.push_back(response(net.latency, dram_clock_, wiring.channel(k), wiring.dma_port(c)));
+      dma_up.push_back(request(distance, dram_clock_, wiring.dma_port(c), wiring.channel(k)));
+      dma_down.push_back(response(distance, dram_clock_, wiring.channel(k), wiring.dma_port(c)));
     }
   }
   for (std::uint32_t b = 0; b < config.l2.banks; ++b) {
@@ -113,6 +136,7 @@ Gpu::Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles)
     tile_links.from_core.push_back(&tile_dones_[c]);
   }
   add_memory(wiring);
+  for (auto& flush : flushes_) tile_links.to_l2.push_back(&flush);
   dispatcher_ = std::make_unique<TileDispatcher>(tiles, config.tile_buffer.tiles_in_flight, tile_links, l2_clock_);
 }
 
@@ -124,34 +148,54 @@ void Gpu::add_core(Wiring& wiring, std::uint32_t c, const Workload& workload) {
 
   auto& tiles_in = tile_jobs_.emplace_back(in_flight, 1, l2_clock_, srp_clock_, sync);
   auto& tiles_out = tile_dones_.emplace_back(in_flight, 1, srp_clock_, l2_clock_, sync);
-  auto& rays = ray_jobs_.emplace_back(config_.direct_interface.depth, 1, srp_clock_, tni_clock_, sync);
-  auto& hits = ray_dones_.emplace_back(config_.direct_interface.depth, 1, tni_clock_, srp_clock_, sync);
+  // The direct interface, or its halves between each end and the memory interface.
+  const DirectInterfaceConfig& direct = config_.direct_interface;
+  const sim::Clock ray_reader = direct.enabled ? tni_clock_ : l2_clock_;
+  const sim::Clock hit_reader = direct.enabled ? srp_clock_ : l2_clock_;
+  auto& rays_from_srp = ray_jobs_.emplace_back(direct.depth, 1, srp_clock_, ray_reader, sync);
+  auto& hits_from_tni = ray_dones_.emplace_back(direct.depth, 1, tni_clock_, hit_reader, sync);
+  auto& rays = direct.enabled ? rays_from_srp : ray_jobs_.emplace_back(direct.depth, 1, l2_clock_, tni_clock_, sync);
+  auto& hits = direct.enabled ? hits_from_tni : ray_dones_.emplace_back(direct.depth, 1, l2_clock_, srp_clock_, sync);
   auto& dma_in = dma_jobs_.emplace_back(in_flight, 1, srp_clock_);
   auto& dma_out = dma_dones_.emplace_back(in_flight, 1, srp_clock_);
   tiles_in.wakes(wiring.dispatcher(), wiring.srp(c));
   tiles_out.wakes(wiring.srp(c), wiring.dispatcher());
-  rays.wakes(wiring.srp(c), wiring.ray_dispatcher(c));
-  hits.wakes(wiring.ray_dispatcher(c), wiring.srp(c));
+  if (direct.enabled) {
+    rays.wakes(wiring.srp(c), wiring.ray_dispatcher(c));
+    hits.wakes(wiring.ray_dispatcher(c), wiring.srp(c));
+  } else {
+    rays_from_srp.wakes(wiring.srp(c), wiring.memory_interface(c));
+    rays.wakes(wiring.memory_interface(c), wiring.ray_dispatcher(c));
+    hits_from_tni.wakes(wiring.ray_dispatcher(c), wiring.memory_interface(c));
+    hits.wakes(wiring.memory_interface(c), wiring.srp(c));
+  }
   dma_in.wakes(wiring.srp(c), wiring.dma(c));
   dma_out.wakes(wiring.dma(c), wiring.srp(c));
 
   // Clients of the core's port: the TRVs, the IST, the SRP's data cache.
   CorePort::Links port{{}, {}, wiring.core_bank_up[c], wiring.core_bank_down[c]};
-  const auto client = [&](sim::Clock clock, std::uint32_t requests, std::uint32_t responses, sim::Time* unit,
+  const auto client = [&](sim::Clock clock, std::uint32_t up_depth, std::uint32_t down_depth, sim::Time* unit,
                           sim::Time* port_unit, CorePort::Links& links) {
     const std::uint32_t crossing = clock == l2_clock_ ? 0 : sync;
-    auto& up = requests_.emplace_back(requests, 1, clock, l2_clock_, crossing);
-    auto& down = responses_.emplace_back(responses, 1, l2_clock_, clock, crossing);
+    auto& up = requests_.emplace_back(up_depth, 1, clock, l2_clock_, crossing);
+    auto& down = responses_.emplace_back(down_depth, 1, l2_clock_, clock, crossing);
     up.wakes(unit, port_unit);
     down.wakes(port_unit, unit);
     links.clients_in.push_back(&up);
     links.clients_out.push_back(&down);
   };
+  const std::uint32_t requests = config_.ideal.interconnect ? kIdealDepth : kRequestDepth;
   for (std::uint32_t t = 0; t < trvs; ++t) {
-    client(tni_clock_, kRequestDepth, config_.tni.trv.l1.mshrs, wiring.trv(c, t), wiring.cache_port(c), port);
+    client(tni_clock_, requests, config_.tni.trv.l1.mshrs, wiring.trv(c, t), wiring.cache_port(c), port);
   }
-  client(tni_clock_, kRequestDepth, config_.tni.ist.l1.mshrs, wiring.ist(c), wiring.cache_port(c), port);
-  client(srp_clock_, kRequestDepth, config_.srp.data_cache.mshrs, wiring.srp(c), wiring.cache_port(c), port);
+  client(tni_clock_, requests, config_.tni.ist.l1.mshrs, wiring.ist(c), wiring.cache_port(c), port);
+  client(srp_clock_, requests, config_.srp.data_cache.mshrs, wiring.srp(c), wiring.cache_port(c), port);
+  if (!direct.enabled) {
+    for (int way = 0; way < 2; ++way) {
+      client(l2_clock_, requests, config_.interconnect.link_depth, wiring.memory_interface(c), wiring.cache_port(c),
+             port);
+    }
+  }
   CorePort::Links dma_port{{}, {}, wiring.core_channel_up[c], wiring.core_channel_down[c]};
   client(srp_clock_, config_.dma.depth, config_.dma.depth, wiring.dma(c), wiring.dma_port(c), dma_port);
 
@@ -164,36 +208,44 @@ void Gpu::add_core(Wiring& wiring, std::uint32_t c, const Workload& workload) {
                                                .hybrid = workload.image.grid.has_value(),
                                                .links = workload.image.nodes},
                                               {layout.triangles, layout.triangle_bytes}},
-                                   config_.direct_interface.interval,
+                                   direct.interval,
                                    Tni::Links{rays,
-                                              hits,
-                                              {port.clients_in.begin(), port.clients_in.end() - 1},
-                                              {port.clients_out.begin(), port.clients_out.end() - 1}},
+                                              hits_from_tni,
+                                              {port.clients_in.begin(), port.clients_in.begin() + trvs + 1},
+                                              {port.clients_out.begin(), port.clients_out.begin() + trvs + 1}},
                                    tni_clock_);
   std::vector<sim::Time*> trv_wakes;
   for (std::uint32_t t = 0; t < trvs; ++t) trv_wakes.push_back(wiring.trv(c, t));
   core.tni->wakes(wiring.ray_dispatcher(c), wiring.ist(c), trv_wakes);
 
-  const Srp::Frame frame{
-      .layout = &layout,
-      .kernels = kernels_,
-      .conflicts = conflicts_,
-      .tile_samples = workload.tile_samples,
-      .attribute_bytes = workload.attribute_bytes,
-      .ray_interval = config_.ideal.tni ? 0 : config_.direct_interface.interval * tni_clock_.period(),
-      .areas = areas_of(config_, workload, c),
-      .ideal = config_.ideal.srp,
-      .ideal_buffer = config_.ideal.tile_buffer,
-      .perfect_cache = config_.ideal.l1};
-  core.srp = std::make_unique<Srp>(
-      config_.srp, config_.tile_buffer, frame,
-      Srp::Links{tiles_in, tiles_out, rays, hits, *port.clients_in.back(), *port.clients_out.back(), dma_in, dma_out},
-      static_cast<std::uint16_t>(trvs + 1), srp_clock_);
+  const Srp::Frame frame{.layout = &layout,
+                         .kernels = kernels_,
+                         .conflicts = conflicts_,
+                         .tile_samples = workload.tile_samples,
+                         .attribute_bytes = workload.attribute_bytes,
+                         .ray_interval = config_.ideal.tni ? 0 : direct.interval * tni_clock_.period(),
+                         .areas = areas_of(config_, workload, c),
+                         .ideal = config_.ideal.srp,
+                         .ideal_buffer = config_.ideal.tile_buffer,
+                         .perfect_cache = config_.ideal.l1};
+  core.srp = std::make_unique<Srp>(config_.srp, config_.tile_buffer, frame,
+                                   Srp::Links{tiles_in, tiles_out, rays_from_srp, hits, *port.clients_in[trvs + 1],
+                                              *port.clients_out[trvs + 1], dma_in, dma_out},
+                                   static_cast<std::uint16_t>(trvs + 1), srp_clock_);
   core.dma =
       std::make_unique<Dma>(Dma::Links{dma_in, dma_out, *dma_port.clients_in.front(), *dma_port.clients_out.front()},
                             std::uint16_t{0}, srp_clock_);
-  core.cache_port = std::make_unique<CorePort>(config_.interconnect, port, config_.l2.interleave(), l2_clock_);
-  core.dma_port = std::make_unique<CorePort>(config_.interconnect, dma_port, config_.dram.interleave(), l2_clock_);
+  const std::uint64_t line = config_.l2.cache.line.bytes;
+  core.cache_port = std::make_unique<CorePort>(config_.interconnect, port, config_.l2.interleave(), l2_clock_, line,
+                                               config_.ideal.interconnect);
+  core.dma_port = std::make_unique<CorePort>(config_.interconnect, dma_port, config_.dram.interleave(), l2_clock_, line,
+                                             config_.ideal.interconnect);
+  if (direct.enabled) return;
+  memory_interfaces_.emplace_back(
+      direct, records_of(config_, workload, c), static_cast<std::uint16_t>(trvs + 2),
+      MemoryInterface::Rays::Links{rays_from_srp, rays, *port.clients_in[trvs + 2], *port.clients_out[trvs + 2]},
+      MemoryInterface::Hits::Links{hits_from_tni, hits, *port.clients_in[trvs + 3], *port.clients_out[trvs + 3]},
+      l2_clock_);
 }
 
 void Gpu::add_memory(Wiring& wiring) {
@@ -203,7 +255,13 @@ void Gpu::add_memory(Wiring& wiring) {
       links.cores_in.push_back(wiring.core_bank_up[c][b]);
       links.cores_out.push_back(wiring.core_bank_down[c][b]);
     }
-    banks_.emplace_back(config_.l2, static_cast<std::uint16_t>(b), links, config_.dram.interleave(), l2_clock_);
+    // Only rays and hits are ever written to the L2.
+    if (!config_.direct_interface.enabled && config_.l2.writes == L2Writes::kBack && !config_.ideal.l2) {
+      links.flush_in = &flushes_.emplace_back(1, 1, l2_clock_);
+      links.flush_in->wakes(wiring.dispatcher(), wiring.bank(b));
+    }
+    banks_.emplace_back(config_.l2, static_cast<std::uint16_t>(b), links, config_.dram.interleave(), l2_clock_,
+                        config_.interconnect.arbitration, config_.ideal.l2);
   }
   for (std::uint32_t k = 0; k < config_.dram.channels; ++k) {
     DramChannel::Links links;
@@ -221,12 +279,12 @@ void Gpu::add_memory(Wiring& wiring) {
 
 bool Gpu::memory_quiet() const {
   const auto empty = [](const auto& link) { return link.empty(); };
-  const auto trvs_idle = [](const Core& core) {  // they may wait for lines that no ray needs yet
-    return std::ranges::all_of(core.tni->trvs(), [](const Trv& trv) { return trv.idle(); });
-  };
-  return std::ranges::all_of(channels_, [](const DramChannel& c) { return c.idle(); }) &&
-         std::ranges::all_of(cores_, trvs_idle) && std::ranges::all_of(requests_, empty) &&
-         std::ranges::all_of(responses_, empty);
+  const auto idle = [](const auto& unit) { return unit.idle(); };
+  // Traversal units may wait for lines that no ray needs yet.
+  return std::ranges::all_of(channels_, idle) && std::ranges::all_of(banks_, idle) &&
+         std::ranges::all_of(cores_, [&](const Core& core) { return std::ranges::all_of(core.tni->trvs(), idle); }) &&
+         std::ranges::all_of(requests_, empty) && std::ranges::all_of(responses_, empty) &&
+         std::ranges::all_of(flushes_, empty);
 }
 
 void Gpu::finish(sim::Time last_edge) {
@@ -251,6 +309,8 @@ std::string Gpu::state() {
   for (std::size_t b = 0; b < banks_.size(); ++b) out += fmt::format("l2.bank{}: {}\n", b, banks_[b].state());
   for (std::size_t k = 0; k < channels_.size(); ++k)
     out += fmt::format("dram.channel{}: {}\n", k, channels_[k].state());
+  for (std::size_t c = 0; c < memory_interfaces_.size(); ++c)
+    out += fmt::format("core{}.memory_interface: {}\n", c, memory_interfaces_[c].state());
   return out;
 }
 
@@ -275,6 +335,9 @@ std::vector<sim::UnitReport> Gpu::report() const {
     units.push_back(report_of(*core.dma, at + ".dma", "dma"));
     units.push_back(report_of(*core.cache_port, at + ".cache_port", "interconnect"));
     units.push_back(report_of(*core.dma_port, at + ".dma_port", "interconnect"));
+    if (c < memory_interfaces_.size()) {
+      units.push_back(report_of(memory_interfaces_[c], at + ".memory_interface", "interconnect"));
+    }
   }
   for (std::size_t b = 0; b < banks_.size(); ++b) {
     units.push_back(report_of(banks_[b], fmt::format("l2.bank{}", b), "l2",

@@ -9,6 +9,7 @@
 
 #include "hw_models/frame/dma.h"
 #include "hw_models/frame/gpu_config.h"
+#include "hw_models/frame/memory_interface.h"
 #include "hw_models/frame/tile_dispatcher.h"
 #include "hw_models/memory/core_port.h"
 #include "hw_models/memory/dram_channel.h"
@@ -24,7 +25,9 @@ namespace hw {
 ///
 ///   tile dispatcher --> core x n: SRP <--direct interface--> T&I unit        core ports       L2 banks    channels
 ///                        |  tile buffer --> DMA -------------------------------------------------------> LPDDR
-///                        +-- L1s of TRVs and IST, data cache --------------> round robin ---> L2 -------->
+///                        +-- L1s of TRVs and IST, data cache --------------> arbiter -------> L2 -------->
+///
+/// Without the direct interface, rays and hits pass a memory interface, which is a client of the core's port, too.
 class Gpu {
  public:
   /// What the machine must know of the workload beside the stream itself.
@@ -56,6 +59,7 @@ class Gpu {
     }
     for (L2Bank& bank : banks_) f(bank, i++);
     for (DramChannel& channel : channels_) f(channel, i++);
+    for (MemoryInterface& unit : memory_interfaces_) f(unit, i++);
   }
   std::vector<sim::Time>& wakes() { return wakes_; }
   bool done() const { return dispatcher_->done() && memory_quiet(); }
@@ -101,10 +105,12 @@ class Gpu {
   std::deque<sim::Link<DmaDone>> dma_dones_;
   std::deque<sim::Link<MemRequest>> requests_;
   std::deque<sim::Link<MemResponse>> responses_;
+  std::deque<sim::Link<Flush>> flushes_;  ///< to each L2 bank that keeps writes
 
   std::deque<Core> cores_;
   std::deque<L2Bank> banks_;
   std::deque<DramChannel> channels_;
+  std::deque<MemoryInterface> memory_interfaces_;  ///< of each core, if there is no direct interface
   std::unique_ptr<TileDispatcher> dispatcher_;
   std::vector<sim::Time> wakes_;
   sim::Time elapsed_ = 0;

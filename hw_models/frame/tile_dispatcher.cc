@@ -16,6 +16,7 @@ TileDispatcher::TileDispatcher(TileSource& source, std::uint32_t tiles_per_core,
 
 sim::Time TileDispatcher::tick(sim::Time now) {
   collect(now);
+  flush(now);
   const bool dispatched = next_ != nullptr && !must_wait() && dispatch(now);
   const bool waits = next_ != nullptr && must_wait();
   const Why then = next_ == nullptr ? Why::kIdle : waits ? Why::kWaiting : Why::kCoresFull;
@@ -63,6 +64,12 @@ void TileDispatcher::collect(sim::Time now) {
     in_flight_[core] -= 1;
     stats_.finished += 1;
   }
+}
+
+void TileDispatcher::flush(sim::Time now) {
+  if (flushed_ || !done()) return;
+  flushed_ = true;
+  for (sim::Link<Flush>* bank : links_.to_l2) bank->push(now, Flush{});
 }
 
 std::string TileDispatcher::state() const {

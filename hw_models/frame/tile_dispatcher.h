@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "hw_models/memory/messages.h"
 #include "hw_models/srp/messages.h"
 #include "sim/activity.h"
 #include "sim/link.h"
@@ -43,6 +44,7 @@ class TileDispatcher {
   struct Links {
     std::vector<sim::Link<TileJob>*> to_core;
     std::vector<sim::Link<TileDone>*> from_core;
+    std::vector<sim::Link<Flush>*> to_l2;  ///< told when the last tile is finished; may be none
   };
 
   TileDispatcher(TileSource& source, std::uint32_t tiles_per_core, Links links, sim::Clock clock);
@@ -63,6 +65,7 @@ class TileDispatcher {
   /// A tile that the next one needs is not finished.
   bool must_wait() const;
   void collect(sim::Time now);
+  void flush(sim::Time now);
 
   TileSource& source_;
   const std::uint32_t tiles_per_core_;
@@ -72,6 +75,7 @@ class TileDispatcher {
   std::vector<std::uint32_t> in_flight_;
   std::vector<bool> finished_;  ///< by number of tile
   std::size_t turn_ = 0;
+  bool flushed_ = false;
   Stats stats_;
   sim::Activity<Why> activity_;
 };

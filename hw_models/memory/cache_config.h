@@ -1,11 +1,21 @@
 #pragma once
+#include <array>
 #include <bit>
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 #include "sim/config/field.h"
 
 namespace hw {
+
+/// Which line of a full set goes when another comes.
+enum class Replacement : std::uint8_t {
+  kLru,     ///< the least recently used
+  kPlru,    ///< nearly that: a tree of bits, each of which points away from the half that was used last
+  kRandom,  ///< any, drawn by hash
+};
+constexpr std::array<std::string_view, 3> names_of(Replacement) { return {"lru", "plru", "random"}; }
 
 /// The shape of a cache: size = sets x ways x line.
 struct CacheConfig {
@@ -14,6 +24,7 @@ struct CacheConfig {
   std::uint32_t ways = 4;
   std::uint32_t mshrs = 8;
   std::uint32_t hit_cycles = 2;
+  Replacement replacement = Replacement::kLru;
 
   static void describe(auto& c, auto&& field) {
     describe_shape(c, field);
@@ -26,8 +37,9 @@ struct CacheConfig {
     field(c.size, "size", "bytes", "data held; size = sets x ways x line", sim::between(64, 16 << 20),
           Affects::kTiming);
     field(c.line, "line", "bytes", "bytes of one line", sim::power_of_two(16, 256), Affects::kTiming);
-    field(c.ways, "ways", "ways", "lines of one set, replaced least recently used first", sim::between(1, 64),
-          Affects::kTiming);
+    field(c.ways, "ways", "ways", "lines of one set", sim::between(1, 64), Affects::kTiming);
+    field(c.replacement, "replacement", "", "which line of a full set goes; plru wants a power of two of ways",
+          sim::any(), Affects::kTiming);
     field(c.mshrs, "mshrs", "registers", "miss status registers: lines on their way at once", sim::between(1, 256),
           Affects::kTiming);
   }
@@ -41,6 +53,9 @@ struct CacheConfig {
     } else if (!std::has_single_bit(sets())) {
       complain("size", std::to_string(size.bytes) + " bytes in sets of " + shape + " make " + std::to_string(sets()) +
                            " sets; the number of sets must be a power of two");
+    } else if (replacement == Replacement::kPlru && !std::has_single_bit(ways)) {
+      complain("replacement", "plru halves a set again and again: " + std::to_string(ways) +
+                                  " ways are no power of two; allowed: lru, random");
     }
   }
 

@@ -1,6 +1,7 @@
 #include "hw_models/memory/core_port.h"
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <utility>
 
@@ -9,11 +10,16 @@
 namespace hw {
 
 CorePort::CorePort(const InterconnectConfig& config, Links links, Interleave targets, sim::Clock clock,
-                   std::uint64_t line_bytes)
+                   std::uint64_t line_bytes, bool ideal)
     : links_(std::move(links)),
       targets_(targets),
       clock_(clock),
-      line_time_(config.cycles_of(line_bytes) * clock.period()) {
+      ideal_(ideal),
+      up_(config.arbitration, links_.clients_in.size()),
+      down_(config.arbitration, links_.targets_in.size()) {
+  for (std::size_t eighths = 0; eighths < carry_time_.size(); ++eighths) {
+    carry_time_[eighths] = (ideal ? 1 : config.cycles_of(line_bytes * eighths / 8)) * clock.period();
+  }
   assert(links_.clients_in.size() == links_.clients_out.size());
   assert(links_.targets_in.size() == links_.targets_out.size());
 }
@@ -32,6 +38,8 @@ sim::Time CorePort::tick(sim::Time now) {
 void CorePort::finish(sim::Time end) {
   settle(end);
   activity_.finish(end);
+  stats_.request_wait = clock_.cycles(request_wait_);
+  stats_.line_wait = clock_.cycles(line_wait_);
 }
 
 /// The line that was under way at the last tick may be over since: no tick was needed to see it go.
@@ -41,40 +49,59 @@ void CorePort::settle(sim::Time until) {
 }
 
 bool CorePort::send_up(sim::Time now) {
-  if (up_free_ > now) return false;
-  const auto clients = static_cast<std::uint32_t>(links_.clients_in.size());
-  for (std::uint32_t i = 0, client = client_turn_; i < clients; ++i, client = client + 1 == clients ? 0 : client + 1) {
-    sim::Link<MemRequest>& in = *links_.clients_in[client];
-    if (!in.can_pop(now)) continue;
-    sim::Link<MemRequest>& target = target_of(in.front());
-    if (!target.can_push(now)) continue;
-    const MemRequest request = in.pop(now);
-    target.push(now, request);
-    client_turn_ = client + 1 == clients ? 0 : client + 1;
-    up_free_ = now + (request.write ? line_time_ : clock_.period());
-    if (request.write) line_until_ = std::max(line_until_, up_free_);
-    stats_.requests += 1;
-    stats_.lines_up += request.write;
-    return true;
+  if (ideal_) {
+    bool any = false;
+    for (std::uint32_t client = 0; client < up_.count(); ++client) {
+      for (; can_send(client, now); any = true) send(client, now);
+    }
+    return any;
   }
-  return false;
+  if (up_free_ > now) return false;
+  const std::uint32_t client = up_.choose([&](std::uint32_t i) { return can_send(i, now); },
+                                          [&](std::uint32_t i) { return links_.clients_in[i]->pop_at(); });
+  if (client == up_.count()) return false;
+  send(client, now);
+  up_.served(client);
+  return true;
+}
+
+void CorePort::send(std::uint32_t client, sim::Time now) {
+  sim::Link<MemRequest>& in = *links_.clients_in[client];
+  request_wait_ += now - in.pop_at();
+  const MemRequest request = in.pop(now);
+  target_of(request).push(now, request);
+  up_free_ = now + clock_.period();
+  if (request.write) {
+    up_free_ = now + carry_time_[static_cast<std::size_t>(std::popcount(request.pieces))];
+    line_until_ = std::max(line_until_, up_free_);
+  }
+  stats_.requests += 1;
+  stats_.lines_up += request.write;
 }
 
 void CorePort::carry_down(sim::Time now) {
-  if (down_free_ > now) return;
-  const auto targets = static_cast<std::uint32_t>(links_.targets_in.size());
-  for (std::uint32_t i = 0, target = target_turn_; i < targets; ++i, target = target + 1 == targets ? 0 : target + 1) {
-    sim::Link<MemResponse>& in = *links_.targets_in[target];
-    if (!in.can_pop(now)) continue;
-    sim::Link<MemResponse>& client = *links_.clients_out[in.front().source];
-    if (!client.can_push(now)) continue;
-    client.push(now, in.pop(now));
-    target_turn_ = target + 1 == targets ? 0 : target + 1;
-    down_free_ = now + line_time_;
-    line_until_ = std::max(line_until_, down_free_);
-    stats_.lines_down += 1;
+  if (ideal_) {
+    for (std::uint32_t target = 0; target < down_.count(); ++target) {
+      while (can_carry(target, now)) carry(target, now);
+    }
     return;
   }
+  if (down_free_ > now) return;
+  const std::uint32_t target = down_.choose([&](std::uint32_t i) { return can_carry(i, now); },
+                                            [&](std::uint32_t i) { return links_.targets_in[i]->pop_at(); });
+  if (target == down_.count()) return;
+  carry(target, now);
+  down_.served(target);
+}
+
+void CorePort::carry(std::uint32_t target, sim::Time now) {
+  sim::Link<MemResponse>& in = *links_.targets_in[target];
+  line_wait_ += now - in.pop_at();
+  sim::Link<MemResponse>& client = *links_.clients_out[in.front().source];
+  client.push(now, in.pop(now));
+  down_free_ = now + carry_time_.back();
+  line_until_ = std::max(line_until_, down_free_);
+  stats_.lines_down += 1;
 }
 
 CorePort::Why CorePort::waiting(sim::Time now) const {

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "hw_models/memory/arbiter.h"
 #include "hw_models/memory/interleave.h"
 #include "hw_models/memory/messages.h"
 #include "sim/activity.h"
@@ -18,6 +19,7 @@ struct InterconnectConfig {
   std::uint32_t latency = 4;
   std::uint32_t width_bytes = 32;
   std::uint32_t link_depth = 4;
+  Arbitration arbitration = Arbitration::kRoundRobin;
 
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
@@ -26,6 +28,8 @@ struct InterconnectConfig {
     field(c.width_bytes, "width", "bytes", "of a line carried per cycle and direction", sim::power_of_two(8, 256),
           Affects::kTiming);
     field(c.link_depth, "link_depth", "entries", "slots of each link", sim::between(1, 64), Affects::kTiming);
+    field(c.arbitration, "arbitration", "", "who goes first at a core's ports and at an L2 bank", sim::any(),
+          Affects::kTiming);
   }
   std::uint32_t cycles_of(std::uint64_t bytes) const {
     return static_cast<std::uint32_t>((bytes + width_bytes - 1) / width_bytes);
@@ -35,11 +39,12 @@ struct InterconnectConfig {
 /// A core's port to the memory side: its clients' requests go up, lines come down. One such port carries the caches'
 /// requests to the L2 banks; a second one, with a single client, takes the DMA's past the L2 to the DRAM channels.
 ///
-///   clients_in  --> round robin, one request per cycle -------> targets_out (the owner of the line)
-///   clients_out <-- round robin, line / width cycles a line <-- targets_in
+///   clients_in  --> arbiter, one request per cycle -------> targets_out (the owner of the line)
+///   clients_out <-- arbiter, line / width cycles a line <-- targets_in
 ///
-/// A client is named by its index in clients_out, which it writes into `source`. A write carries its line up and
-/// holds the way up as long as a line holds the way down. The distance is the links' latency.
+/// A client is named by its index in clients_out, which it writes into `source`. A write carries its pieces of the line
+/// up and holds the way up as long as these would hold the way down; who reads pieces gets the line. The distance is
+/// the links' latency. An ideal port carries whatever there is and room for, both ways, in a cycle.
 /// Not modelled: the topology between port and targets; every target is equally far and has its own wires.
 class CorePort {
  public:
@@ -53,10 +58,13 @@ class CorePort {
   };
   struct Stats {
     std::uint64_t requests = 0, lines_down = 0, lines_up = 0;
+    std::uint64_t request_wait = 0, line_wait = 0;
     static void describe(auto& s, auto&& counter) {
       counter(s.requests, "requests", "requests carried up", "interconnect.request");
       counter(s.lines_down, "lines_down", "lines carried down to a client", "interconnect.line");
-      counter(s.lines_up, "lines_up", "lines carried up by writes", "interconnect.line");
+      counter(s.lines_up, "lines_up", "lines, or pieces of one, carried up by writes", "interconnect.line");
+      counter(s.request_wait, "request_wait", "cycles requests waited for their turn and for room, all together");
+      counter(s.line_wait, "line_wait", "cycles lines waited for their turn and for room, all together");
     }
   };
   struct Links {
@@ -67,7 +75,7 @@ class CorePort {
   };
 
   CorePort(const InterconnectConfig& config, Links links, Interleave targets, sim::Clock clock,
-           std::uint64_t line_bytes = 64);
+           std::uint64_t line_bytes = 64, bool ideal = false);
   CorePort(const CorePort&) = delete;
   CorePort& operator=(const CorePort&) = delete;
 
@@ -82,6 +90,16 @@ class CorePort {
  private:
   bool send_up(sim::Time now);
   void carry_down(sim::Time now);
+  void send(std::uint32_t client, sim::Time now);
+  void carry(std::uint32_t target, sim::Time now);
+  bool can_send(std::uint32_t client, sim::Time now) const {
+    const sim::Link<MemRequest>& in = *links_.clients_in[client];
+    return in.can_pop(now) && target_of(in.front()).can_push(now);
+  }
+  bool can_carry(std::uint32_t target, sim::Time now) const {
+    const sim::Link<MemResponse>& in = *links_.targets_in[target];
+    return in.can_pop(now) && links_.clients_out[in.front().source]->can_push(now);
+  }
   void settle(sim::Time until);
   Why waiting(sim::Time now) const;
   sim::Time next_wake(sim::Time now) const;
@@ -93,10 +111,11 @@ class CorePort {
   Links links_;
   Interleave targets_;
   sim::Clock clock_;
-  sim::Time line_time_;
+  const bool ideal_;
+  std::array<sim::Time, 9> carry_time_;  ///< of so many eighths of a line
 
-  std::uint32_t client_turn_ = 0;
-  std::uint32_t target_turn_ = 0;
+  Arbiter up_, down_;
+  sim::Time request_wait_ = 0, line_wait_ = 0;
   sim::Time up_free_ = 0;
   sim::Time down_free_ = 0;
   sim::Time line_until_ = 0;  ///< a line is under way before this

@@ -1,6 +1,7 @@
 #include "hw_models/memory/l2_bank.h"
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <utility>
 
@@ -8,28 +9,49 @@
 
 namespace hw {
 
-L2Bank::L2Bank(const L2Config& config, std::uint16_t index, Links links, Interleave channels, sim::Clock clock)
+L2Bank::L2Bank(const L2Config& config, std::uint16_t index, Links links, Interleave channels, sim::Clock clock,
+               Arbitration arbitration, bool ideal)
     : links_(std::move(links)),
       channels_(channels),
       clock_(clock),
       index_(index),
       targets_(config.targets),
-      tags_(config.cache, config.banks),
+      writes_(config.writes),
+      eighth_(config.cache.line.bytes / 8),
+      store_(config),
       misses_(config.mshrs_per_bank()),
       hits_(config.cache.hit_cycles + 1, config.cache.hit_cycles, clock),
-      unsent_(config.mshrs_per_bank() + 1, config.lookup_cycles, clock) {
+      room_(2 * config.mshrs_per_bank() + 2),
+      unsent_(room_ + 1, config.lookup_cycles, clock),
+      cores_(arbitration, links_.cores_in.size()),
+      channels_turn_(Arbitration::kRoundRobin, links_.channels_in.size()) {
   assert(links_.cores_in.size() == links_.cores_out.size());
   assert(links_.channels_in.size() == links_.channels_out.size());
+  if (!ideal) return;
+  for (const sim::Link<MemRequest>* in : links_.cores_in) ideal_.emplace_back(2 * in->capacity(), 1, clock);
 }
 
 sim::Time L2Bank::tick(sim::Time now) {
+  if (!ideal_.empty()) return tick_ideal(now);
   bool served = reply(now);
   served |= take_fill(now);
+  send_to_memory(now);
   served |= take_request(now);
-  send_miss(now);
+  served |= flush(now);
   const Why then = waiting(now);
   activity_.spend(now, clock_.period(), served ? Why::kServing : then, then);
   return next_wake(now);
+}
+
+void L2Bank::finish(sim::Time end) {
+  activity_.finish(end);
+  stats_.latency = clock_.cycles(latency_);
+  stats_.memory_cycles = clock_.cycles(memory_time_);
+}
+
+bool L2Bank::idle() const {
+  const bool dirty = store_.dirty_lines() != 0 && links_.flush_in != nullptr;
+  return !dirty && !head_.full && !filled_.pending() && misses_.empty() && queued_ == 0 && hits_.empty();
 }
 
 /// One line per cycle leaves: first those of the last fill, then hits.
@@ -37,6 +59,7 @@ bool L2Bank::reply(sim::Time now) {
   const std::optional<Reply> next = next_reply(now);
   if (!next || !links_.cores_out[next->core]->can_push(now)) return false;
   links_.cores_out[next->core]->push(now, next->response);
+  latency_ += now;
   if (filled_.pending()) {
     filled_.next += 1;
   } else {
@@ -56,72 +79,143 @@ std::optional<L2Bank::Reply> L2Bank::next_reply(sim::Time now) const {
 
 bool L2Bank::take_fill(sim::Time now) {
   if (filled_.pending()) return false;
-  const auto channels = static_cast<std::uint32_t>(links_.channels_in.size());
-  for (std::uint32_t i = 0, c = channel_turn_; i < channels; ++i, c = c + 1 == channels ? 0 : c + 1) {
-    sim::Link<MemResponse>& in = *links_.channels_in[c];
-    if (!in.can_pop(now)) continue;
-    const Addr line = in.pop(now).line;
-    filled_ = {line, 0, misses_.release(line)};
-    tags_.fill(line);
-    channel_turn_ = c + 1 == channels ? 0 : c + 1;
-    stats_.fills += 1;
-    return true;
-  }
-  return false;
+  const auto has_come = [&](std::uint32_t i) { return links_.channels_in[i]->can_pop(now); };
+  const std::uint32_t channel = channels_turn_.choose(has_come, [](std::uint32_t) { return sim::Time{0}; });
+  if (channel == channels_turn_.count()) return false;
+  channels_turn_.served(channel);
+  const Addr line = links_.channels_in[channel]->pop(now).line;
+  filled_ = {line, 0, misses_.release(line)};
+  memory_time_ += now * filled_.waiters.count;
+  write_back(now, store_.put_in(line, kWholeLine, filled_.waiters.dirty));
+  stats_.fills += 1;
+  return true;
+}
+
+void L2Bank::send_to_memory(sim::Time now) {
+  if (!unsent_.can_pop(now)) return;
+  sim::Link<MemRequest>& channel = channel_of(unsent_.front());
+  if (!channel.can_push(now)) return;
+  channel.push(now, unsent_.pop(now));
+  queued_ -= 1;
+}
+
+void L2Bank::to_memory(sim::Time now, const MemRequest& request) {
+  unsent_.push(now, request);
+  queued_ += 1;
+  if (request.write) stats_.bytes_to_memory += eighth_ * static_cast<std::uint32_t>(std::popcount(request.pieces));
+}
+
+void L2Bank::write_back(sim::Time now, const L2Store::Victim& victim) {
+  if (victim.pieces == 0) return;
+  to_memory(now, MemRequest{victim.line, index_, 0, true, victim.pieces});
+  stats_.written_back += 1;
 }
 
 bool L2Bank::take_request(sim::Time now) {
   if (head_.full) return look_up(now);
-  const auto cores = static_cast<std::uint32_t>(links_.cores_in.size());
-  for (std::uint32_t i = 0, core = core_turn_; i < cores; ++i, core = core + 1 == cores ? 0 : core + 1) {
-    sim::Link<MemRequest>& in = *links_.cores_in[core];
-    if (!in.can_pop(now)) continue;
-    head_ = {in.pop(now), static_cast<std::uint16_t>(core), true};
-    assert(!head_.request.write && "writes go around the L2");
-    core_turn_ = core + 1 == cores ? 0 : core + 1;
-    look_up(now);
-    return true;
-  }
-  return false;
+  const std::uint32_t core = cores_.choose([&](std::uint32_t i) { return links_.cores_in[i]->can_pop(now); },
+                                           [&](std::uint32_t i) { return links_.cores_in[i]->pop_at(); });
+  if (core == cores_.count()) return false;
+  cores_.served(core);
+  sim::Link<MemRequest>& in = *links_.cores_in[core];
+  if (!in.front().write) latency_ -= in.pop_at();
+  head_ = {in.pop(now), static_cast<std::uint16_t>(core), true};
+  look_up(now);
+  return true;
 }
 
 /// Sends the head on its way; false if it must stay.
 bool L2Bank::look_up(sim::Time now) {
+  head_.full = !(head_.request.write ? write(now) : read(now));
+  return !head_.full;
+}
+
+bool L2Bank::read(sim::Time now) {
   if (!hits_.can_push(now)) return false;
   const MemRequest& r = head_.request;
-  if (tags_.probe(r.line)) {
+  const L2Store::Found found = store_.find(r.line, r.pieces);
+  if (found == L2Store::Found::kAll) {
     hits_.push(now, Reply{{r.line, r.source, r.tag}, head_.core});
     stats_.hits += 1;
   } else {
     Waiters* waiters = misses_.find(r.line);
-    if (waiters == nullptr ? misses_.full() : waiters->count == targets_) return false;
+    if (waiters == nullptr ? misses_.full() || !has_room(2) : waiters->count == targets_) return false;
     if (waiters == nullptr) {
       waiters = &misses_.allocate(r.line);
-      unsent_.push(now, MemRequest{r.line, index_, 0, false});
+      if (found == L2Store::Found::kPart) waiters->dirty = store_.take_out(r.line);
+      to_memory(now, MemRequest{r.line, index_, 0, false});
     } else {
       stats_.merges += 1;
     }
     waiters->list[waiters->count++] = {head_.core, r.source, r.tag};
+    memory_time_ -= now;
     stats_.misses += 1;
   }
   stats_.reads += 1;
-  head_.full = false;
   return true;
 }
 
-void L2Bank::send_miss(sim::Time now) {
-  if (!unsent_.can_pop(now)) return;
-  sim::Link<MemRequest>& channel = channel_of(unsent_.front());
-  if (channel.can_push(now)) channel.push(now, unsent_.pop(now));
+bool L2Bank::write(sim::Time now) {
+  if (!has_room(1)) return false;
+  const MemRequest& r = head_.request;
+  if (writes_ == L2Writes::kBack) {
+    write_here(now);
+  } else {
+    const bool here = store_.find(r.line, r.pieces) != L2Store::Found::kNot;
+    const bool stored = here && writes_ == L2Writes::kThrough;
+    if (here && !stored) store_.take_out(r.line);
+    stats_.write_hits += here;
+    (stored ? stats_.stored : stats_.not_stored) += 1;
+    to_memory(now, MemRequest{r.line, index_, 0, true, r.pieces});
+    stats_.passed_on += 1;
+  }
+  stats_.writes += 1;
+  stats_.bytes_written += eighth_ * static_cast<std::uint32_t>(std::popcount(r.pieces));
+  return true;
+}
+
+/// Keeps what the head writes.
+void L2Bank::write_here(sim::Time now) {
+  const MemRequest& r = head_.request;
+  Pieces overwritten = 0;
+  bool hit = true;
+  if (Waiters* waiters = misses_.find(r.line)) {
+    overwritten = waiters->dirty & r.pieces;
+    waiters->dirty |= r.pieces;
+  } else if (store_.find(r.line, r.pieces) != L2Store::Found::kNot) {
+    overwritten = store_.write(r.line, r.pieces);
+  } else {
+    hit = false;
+    write_back(now, store_.put_in(r.line, r.pieces, r.pieces));
+  }
+  stats_.write_hits += hit;
+  stats_.stored += 1;
+  stats_.bytes_overwritten += eighth_ * static_cast<std::uint32_t>(std::popcount(overwritten));
+}
+
+/// After the end of the frame a dirty line goes each cycle.
+bool L2Bank::flush(sim::Time now) {
+  if (links_.flush_in == nullptr) return false;
+  if (links_.flush_in->can_pop(now)) {
+    links_.flush_in->pop(now);
+    flushing_ = true;
+  }
+  if (!flushing_ || store_.dirty_lines() == 0 || !has_room(1)) return false;
+  write_back(now, store_.clean_next());
+  return true;
 }
 
 L2Bank::Why L2Bank::waiting(sim::Time now) const {
   const std::optional<Reply> next = next_reply(now);
   if (next && !links_.cores_out[next->core]->can_push(now)) return Why::kOutputFull;
-  if (head_.full) return Why::kMshrFull;
+  if (head_.full) {
+    const bool to_memory = head_.request.write || (!misses_.full() && !has_room(2));
+    return to_memory ? Why::kMemoryFull : Why::kMshrFull;
+  }
   if (hits_.pop_at() != sim::kNever) return Why::kLookup;
   if (unsent_.pop_at() != sim::kNever && !unsent_.can_pop(now)) return Why::kLookup;
-  return misses_.empty() ? Why::kIdle : Why::kMemory;
+  if (!misses_.empty()) return Why::kMemory;
+  return queued_ != 0 || (flushing_ && store_.dirty_lines() != 0) ? Why::kMemoryFull : Why::kIdle;
 }
 
 sim::Time L2Bank::next_wake(sim::Time now) const {
@@ -138,9 +232,11 @@ sim::Time L2Bank::next_wake(sim::Time now) const {
   }
   if (!head_.full) {
     for (const sim::Link<MemRequest>* in : links_.cores_in) at(in->pop_at());
-  } else if (!hits_.can_push(now)) {
+  } else if (!hits_.can_push(now) && !head_.request.write) {
     at(hits_.push_at());
-  }  // else it waits for a fill, whose tick looks it up again
+  }  // else it waits for a fill or for memory to take something: that tick looks it up again
+  if (links_.flush_in != nullptr) at(links_.flush_in->pop_at());
+  if (flushing_ && store_.dirty_lines() != 0 && has_room(1)) at(next);
   if (unsent_.can_pop(now)) {
     at(channel_of(unsent_.front()).push_at());
   } else {
@@ -149,10 +245,51 @@ sim::Time L2Bank::next_wake(sim::Time now) const {
   return wake;
 }
 
+/// Each core has a way of its own through an ideal bank.
+sim::Time L2Bank::tick_ideal(sim::Time now) {
+  bool served = false;
+  Why then = Why::kIdle;
+  sim::Time wake = sim::kNever;
+  for (std::size_t core = 0; core < ideal_.size(); ++core) {
+    sim::Link<MemRequest>& in = *links_.cores_in[core];
+    sim::Link<MemResponse>&pipe = ideal_[core], &out = *links_.cores_out[core];
+    for (; pipe.can_pop(now) && out.can_push(now); served = true) {
+      out.push(now, pipe.pop(now));
+      latency_ += now;
+    }
+    for (; in.can_pop(now) && pipe.can_push(now); served = true) {
+      if (!in.front().write) latency_ -= in.pop_at();
+      const MemRequest r = in.pop(now);
+      if (r.write) {
+        stats_.writes += 1;
+        stats_.write_hits += 1;
+        stats_.stored += 1;
+        stats_.bytes_written += eighth_ * static_cast<std::uint32_t>(std::popcount(r.pieces));
+      } else {
+        pipe.push(now, {r.line, r.source, r.tag});
+        stats_.reads += 1;
+        stats_.hits += 1;
+      }
+    }
+    if (pipe.can_pop(now)) {
+      then = Why::kOutputFull;
+    } else if (pipe.pop_at() != sim::kNever && then == Why::kIdle) {
+      then = Why::kLookup;
+    }
+    const sim::Time next = now + clock_.period();
+    wake = std::min(wake, sim::opens(now, clock_.period(), in.pop_at(), pipe.push_at()));
+    wake = std::min(wake, sim::opens(now, clock_.period(), pipe.pop_at(), std::max(next, out.push_at())));
+  }
+  activity_.spend(now, clock_.period(), served ? Why::kServing : then, then);
+  return wake;
+}
+
 std::string L2Bank::state() const {
-  return fmt::format("{} lines under way, head {}, {} hits in the pipe, {} misses to send, {} waiters to answer",
-                     misses_.size(), head_.full ? "waits" : "empty", hits_.size(), unsent_.size(),
-                     filled_.waiters.count - filled_.next);
+  return fmt::format(
+      "{} lines under way, head {}, {} hits in the pipe, {} requests to memory to send, {} waiters to answer, "
+      "{} dirty lines",
+      misses_.size(), head_.full ? "waits" : "empty", hits_.size(), queued_, filled_.waiters.count - filled_.next,
+      store_.dirty_lines());
 }
 
 }  // namespace hw

@@ -1,14 +1,16 @@
 #pragma once
 #include <array>
-#include <bit>
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "hw_models/memory/cache_tags.h"
+#include "hw_models/memory/arbiter.h"
 #include "hw_models/memory/interleave.h"
+#include "hw_models/memory/l2_config.h"
+#include "hw_models/memory/l2_store.h"
 #include "hw_models/memory/messages.h"
 #include "hw_models/memory/mshr_file.h"
 #include "sim/activity.h"
@@ -16,48 +18,25 @@
 
 namespace hw {
 
-/// The second-level cache, shared by all cores. Size and miss registers are those of all banks together.
-struct L2Config {
-  CacheConfig cache{.size = {256 * 1024}, .line = {64}, .ways = 8, .mshrs = 32, .hit_cycles = 12};
-  std::uint32_t banks = 4;
-  std::uint32_t lookup_cycles = 4;
-  std::uint32_t targets = 16;
-
-  static constexpr std::uint32_t kMaxTargets = 16;
-
-  static void describe(auto& c, auto&& field) {
-    using sim::Affects;
-    CacheConfig::describe(c.cache, field);
-    field(c.banks, "banks", "banks", "banks, interleaved by line", sim::power_of_two(1, 64), Affects::kTiming);
-    field(c.lookup_cycles, "lookup_cycles", "cycles", "from a request's arrival until its miss leaves",
-          sim::between(1, 64), Affects::kTiming);
-    field(c.targets, "targets", "requests", "requests that may wait for one line on its way",
-          sim::between(1, kMaxTargets), Affects::kTiming);
-  }
-  void check(auto&& complain) const {
-    cache.check(complain);
-    if (!std::has_single_bit(banks) || cache.mshrs % banks != 0)
-      complain("mshrs", std::to_string(cache.mshrs) + " miss registers cannot be divided over " +
-                            std::to_string(banks) + " banks");
-    if (cache.sets() % banks != 0)
-      complain("banks", "more banks (" + std::to_string(banks) + ") than sets (" + std::to_string(cache.sets()) + ")");
-  }
-  std::uint32_t mshrs_per_bank() const { return cache.mshrs / banks; }
-  Interleave interleave() const { return {cache.line.bytes, banks}; }
-};
-
 /// One bank of the L2: takes one request per cycle, gives one line per cycle.
 ///
-///   cores_in --> round robin --> [head] --> tags --hit--> [pipe: hit_cycles] ----------------> cores_out
-///                                  |                                        [waiters] --+-->
-///                                  +--miss--> [MSHRs] --> [lookup_cycles] --> channels_out
-///                                                         channels_in --> fill, waiters of the line
+///   cores_in --> arbiter --> [head] --> tags --hit--> [pipe: hit_cycles] ----------------> cores_out
+///                              |                                        [waiters] --+-->
+///                              +--miss--> [MSHRs] --> [to memory: lookup_cycles] --> channels_out
+///                              +--write-> lines         channels_in --> fill, waiters of the line
 ///
 /// A request that finds neither its line nor a free miss register (or no free place among the line's targets) stays
 /// in the head and holds up all behind it. `source` and `tag` are returned unchanged to the core the request came from;
 /// towards memory, `source` is the bank's index.
-/// Not modelled: writes (frame buffer and spills go around the L2 by DMA, so that every victim is clean), and
-/// contention of fills and reads for the data array.
+///
+/// A write that is kept (L2Writes::kBack) takes a place without a fetch; a read that wants more than the pieces that
+/// are there gives the place up: the dirty pieces wait in the miss register, and the fill comes in around them. Of a
+/// line that is replaced, what is dirty goes to memory; memory is told which pieces (a masked write) and takes as long
+/// as for a line. At the end of a frame a Flush has all that is dirty written. The queue to memory has room for a miss
+/// and a dirty victim of every miss register, so a fill never waits for it.
+///
+/// An ideal bank has every line: it takes whatever comes, answers a cycle later, and keeps what is written.
+/// Not modelled: contention of fills, writes and reads for the data array.
 class L2Bank {
  public:
   enum class Why : std::uint8_t {
@@ -66,17 +45,32 @@ class L2Bank {
     kLookup,      ///< requests are inside the pipeline
     kMemory,      ///< every request inside waits for DRAM
     kMshrFull,    ///< the head found no miss register, or no place among its line's targets
+    kMemoryFull,  ///< memory does not take what is written to it
     kOutputFull,  ///< a line cannot leave towards its core
     kCount
   };
   struct Stats {
     std::uint64_t reads = 0, hits = 0, misses = 0, merges = 0, fills = 0;
+    std::uint64_t writes = 0, write_hits = 0, stored = 0, not_stored = 0, passed_on = 0, written_back = 0;
+    std::uint64_t bytes_written = 0, bytes_overwritten = 0, bytes_to_memory = 0;
+    std::uint64_t latency = 0, memory_cycles = 0;
     static void describe(auto& s, auto&& counter) {
       counter(s.reads, "reads", "requests looked up: hits + misses");
       counter(s.hits, "hits", "requests that found their line", "cache.l2_read");
       counter(s.misses, "misses", "requests that did not", "cache.l2_probe");
       counter(s.merges, "merges", "misses whose line was already on its way");
       counter(s.fills, "fills", "lines filled from memory", "cache.l2_fill");
+      counter(s.writes, "writes", "writes of a line or of pieces of one: stored + not_stored");
+      counter(s.write_hits, "write_hits", "writes that found their line, whole or in part, or on its way");
+      counter(s.stored, "stored", "writes put into the cache", "cache.l2_fill");
+      counter(s.not_stored, "not_stored", "writes that were not", "cache.l2_probe");
+      counter(s.passed_on, "passed_on", "writes passed on to memory");
+      counter(s.written_back, "written_back", "lines, or pieces of one, written to memory later", "cache.l2_read");
+      counter(s.bytes_written, "bytes_written", "bytes of all writes");
+      counter(s.bytes_overwritten, "bytes_overwritten", "of these, bytes written again before memory had them");
+      counter(s.bytes_to_memory, "bytes_to_memory", "bytes that memory was told to write");
+      counter(s.latency, "latency", "cycles from the arrival of reads to their lines leaving, all together");
+      counter(s.memory_cycles, "memory_cycles", "of these, cycles in which misses waited for their lines");
     }
   };
   struct Links {
@@ -84,16 +78,18 @@ class L2Bank {
     std::vector<sim::Link<MemResponse>*> cores_out;
     std::vector<sim::Link<MemRequest>*> channels_out;
     std::vector<sim::Link<MemResponse>*> channels_in;
+    sim::Link<Flush>* flush_in = nullptr;  ///< none: nothing is ever flushed
   };
 
-  L2Bank(const L2Config& config, std::uint16_t index, Links links, Interleave channels, sim::Clock clock);
+  L2Bank(const L2Config& config, std::uint16_t index, Links links, Interleave channels, sim::Clock clock,
+         Arbitration arbitration = Arbitration::kRoundRobin, bool ideal = false);
   L2Bank(const L2Bank&) = delete;
   L2Bank& operator=(const L2Bank&) = delete;
 
   sim::Time tick(sim::Time now);
-  void finish(sim::Time end) { activity_.finish(end); }
-  /// Forgets every line (the start of a frame). Only while nothing is inside.
-  void invalidate() { tags_.invalidate(); }
+  void finish(sim::Time end);
+  /// Nothing is inside, and if there was a Flush, nothing is dirty.
+  bool idle() const;
 
   const sim::Clock& clock() const { return clock_; }
   const Stats& stats() const { return stats_; }
@@ -110,6 +106,7 @@ class L2Bank {
   };
   struct Waiters {
     std::uint32_t count = 0;
+    Pieces dirty = 0;  ///< pieces of the line that came by writes
     std::array<Waiter, L2Config::kMaxTargets> list;
   };
   struct Head {
@@ -127,9 +124,18 @@ class L2Bank {
 
   bool reply(sim::Time now);
   bool take_fill(sim::Time now);
+  void send_to_memory(sim::Time now);
   bool take_request(sim::Time now);
   bool look_up(sim::Time now);
-  void send_miss(sim::Time now);
+  bool read(sim::Time now);
+  bool write(sim::Time now);
+  void write_here(sim::Time now);
+  bool flush(sim::Time now);
+  void to_memory(sim::Time now, const MemRequest& request);
+  void write_back(sim::Time now, const L2Store::Victim& victim);
+  /// Is there room towards memory for so many, beside a dirty victim of every miss?
+  bool has_room(std::uint32_t requests) const { return queued_ + misses_.size() + requests <= room_; }
+  sim::Time tick_ideal(sim::Time now);
   Why waiting(sim::Time now) const;
   sim::Time next_wake(sim::Time now) const;
   std::optional<Reply> next_reply(sim::Time now) const;
@@ -142,20 +148,27 @@ class L2Bank {
   sim::Clock clock_;
   std::uint16_t index_;
   std::uint32_t targets_;
-  CacheTags tags_;
+  L2Writes writes_;
+  std::uint64_t eighth_;  ///< bytes of a piece
+  L2Store store_;
   MshrFile<Waiters> misses_;
   sim::Link<Reply> hits_;
+  std::uint32_t room_;
   sim::Link<MemRequest> unsent_;
+  std::uint32_t queued_ = 0;  ///< in unsent_
   Head head_;
   Filled filled_;
-  std::uint32_t core_turn_ = 0;
-  std::uint32_t channel_turn_ = 0;
+  Arbiter cores_;
+  Arbiter channels_turn_;
+  bool flushing_ = false;
+  std::deque<sim::Link<MemResponse>> ideal_;  ///< answers to each core, a cycle long; none unless ideal
+  sim::Time latency_ = 0, memory_time_ = 0;   ///< sums of ends minus sums of beginnings: exact when all has ended
   Stats stats_;
   sim::Activity<Why> activity_;
 };
 
-constexpr std::array<std::string_view, 6> names_of(L2Bank::Why) {
-  return {"idle", "serving", "lookup", "memory", "mshr_full", "output_full"};
+constexpr std::array<std::string_view, 7> names_of(L2Bank::Why) {
+  return {"idle", "serving", "lookup", "memory", "mshr_full", "memory_full", "output_full"};
 }
 
 }  // namespace hw

@@ -23,7 +23,20 @@ void expect_rays_conserved(const Outcome& run, const std::string& core) {
   EXPECT_EQ(run.sum(core, "tile_buffer", "slots_taken"), rays);
 }
 
+/// Without the direct interface every ray and hit goes through memory.
+void expect_records_conserved(const Outcome& run, const std::string& core, const DirectInterfaceConfig& config) {
+  const std::uint64_t rays = run.sum(core, "srp", "rays");
+  EXPECT_EQ(run.sum(core, "memory_interface", "rays"), rays);
+  EXPECT_EQ(run.sum(core, "memory_interface", "hits"), rays);
+  EXPECT_GE(run.sum(core, "memory_interface", "ray_writes") * kLine, rays * config.ray_bytes);
+  EXPECT_GE(run.sum(core, "memory_interface", "hit_writes") * kLine, rays * config.hit_bytes);
+}
+
 void expect_lines_conserved(const Outcome& run, const std::string& core, const GpuConfig& config) {
+  const bool direct = config.direct_interface.enabled;
+  const auto records = [&](const char* what) { return direct ? 0 : run.sum(core, "memory_interface", what); };
+  const std::uint64_t record_reads = records("ray_reads") + records("hit_reads");
+  const std::uint64_t record_writes = records("ray_writes") + records("hit_writes");
   for (const char* unit : {"trv", "ist"}) {
     EXPECT_EQ(run.sum(core, unit, "l1_hits") + run.sum(core, unit, "l1_misses"), run.sum(core, unit, "l1_accesses"));
     EXPECT_EQ(run.sum(core, unit, "rau_writes"), run.sum(core, unit, "rau_reads"));
@@ -35,21 +48,29 @@ void expect_lines_conserved(const Outcome& run, const std::string& core, const G
             run.sum(core, "srp", "cache_accesses"));
   const std::uint64_t fills =
       run.sum(core, "trv", "l1_fills") + run.sum(core, "ist", "l1_fills") + run.sum(core, "srp", "cache_fills");
-  EXPECT_EQ(run.sum(core, "cache_port", "requests"), fills);
-  EXPECT_EQ(run.sum(core, "cache_port", "lines_down"), fills);
+  EXPECT_EQ(run.sum(core, "cache_port", "requests"), fills + record_reads + record_writes);
+  EXPECT_EQ(run.sum(core, "cache_port", "lines_down"), fills + record_reads);
+  EXPECT_EQ(run.sum(core, "cache_port", "lines_up"), record_writes);
   EXPECT_EQ(run.sum(core, "dma_port", "lines_up"), run.sum(core, "dma", "lines_written"));
   EXPECT_EQ(run.sum(core, "dma_port", "lines_down"), run.sum(core, "dma", "lines_read"));
   EXPECT_EQ(run.sum(core, "dma_port", "requests"),
             run.sum(core, "dma", "lines_written") + run.sum(core, "dma", "lines_read"));
 }
 
-void expect_memory_conserved(const Outcome& run) {
-  EXPECT_EQ(run.sum("bank", "reads"), run.sum("cache_port", "requests"));
+void expect_memory_conserved(const Outcome& run, const GpuConfig& config) {
+  EXPECT_EQ(run.sum("bank", "reads"), run.sum("cache_port", "lines_down"));
+  EXPECT_EQ(run.sum("bank", "writes"), run.sum("cache_port", "lines_up"));
   EXPECT_EQ(run.sum("bank", "hits") + run.sum("bank", "misses"), run.sum("bank", "reads"));
+  EXPECT_EQ(run.sum("bank", "stored") + run.sum("bank", "not_stored"), run.sum("bank", "writes"));
+  EXPECT_LE(run.sum("bank", "memory_cycles"), run.sum("bank", "latency"));
+  if (!config.ideal.l2) {
+    EXPECT_EQ(run.sum("bank", "bytes_overwritten") + run.sum("bank", "bytes_to_memory"),
+              run.sum("bank", "bytes_written"));
+  }
   EXPECT_EQ(run.sum("bank", "fills") + run.sum("bank", "merges"), run.sum("bank", "misses"));
   const std::uint64_t reads = run.sum("channel", "reads"), writes = run.sum("channel", "writes");
   EXPECT_EQ(reads, run.sum("bank", "fills") + run.sum("dma", "lines_read"));
-  EXPECT_EQ(writes, run.sum("dma", "lines_written"));
+  EXPECT_EQ(writes, run.sum("dma", "lines_written") + run.sum("bank", "passed_on") + run.sum("bank", "written_back"));
   EXPECT_EQ(run.sum("channel", "bytes"), kLine * (reads + writes));
   EXPECT_EQ(run.sum("channel", "row_hits") + run.sum("channel", "row_misses") + run.sum("channel", "row_conflicts"),
             reads + writes);
@@ -99,8 +120,9 @@ void expect_machine_conserved(const Outcome& run, const GpuConfig& config) {
     SCOPED_TRACE(core);
     expect_rays_conserved(run, core);
     expect_lines_conserved(run, core, config);
+    if (!config.direct_interface.enabled) expect_records_conserved(run, core, config.direct_interface);
   }
-  expect_memory_conserved(run);
+  expect_memory_conserved(run, config);
   expect_time_accounted(run, config);
 
   std::uint64_t launches = 0, items = 0;

@@ -2,49 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/hw_models/memory/harness.h"
+#include "tests/hw_models/memory/port_bench.h"
 
 namespace hw::test {
 namespace {
-
-const sim::Clock kClock(2'000'000);
-
-/// Clients, a port, and memories that answer at once.
-struct PortBench {
-  PortBench(std::size_t clients, std::size_t targets, std::size_t capacity, std::uint64_t latency = 1,
-            std::uint32_t width = 32) {
-    InterconnectConfig config;
-    config.width_bytes = width;
-    CorePort::Links links;
-    for (std::size_t i = 0; i < clients; ++i) {
-      auto& up = bench.link<MemRequest>(capacity, 1, kClock, kClock);
-      auto& down = bench.link<MemResponse>(capacity, latency, kClock, kClock);
-      bench.requesters.emplace_back(kClock, up, down).source = static_cast<std::uint16_t>(i);
-      bench.connect(up, i, clients);
-      bench.connect(down, clients, i);
-      links.clients_in.push_back(&up);
-      links.clients_out.push_back(&down);
-    }
-    for (std::size_t i = 0; i < targets; ++i) {
-      auto& up = bench.link<MemRequest>(capacity, latency, kClock, kClock);
-      auto& down = bench.link<MemResponse>(capacity, 1, kClock, kClock);
-      bench.echoes.emplace_back(kClock, up, down);
-      bench.connect(up, clients, clients + 1 + i);
-      bench.connect(down, clients + 1 + i, clients);
-      links.targets_out.push_back(&up);
-      links.targets_in.push_back(&down);
-    }
-    bench.ports.emplace_back(config, links, Interleave(64, static_cast<std::uint32_t>(targets)), kClock);
-  }
-
-  Requester& client(std::size_t i) { return *std::next(bench.requesters.begin(), static_cast<long>(i)); }
-  const Echo& target(std::size_t i) { return *std::next(bench.echoes.begin(), static_cast<long>(i)); }
-  const CorePort& port() { return bench.ports.front(); }
-  std::uint64_t why(CorePort::Why w) { return kClock.cycles(port().activity().spent(w)); }
-  std::uint64_t elapsed() { return kClock.cycles(port().activity().accounted()); }
-
-  Bench bench;
-};
 
 TEST(CorePort, ALoneRequestTakesTheWiresBothWays) {
   PortBench b(1, 1, 8, 5);

@@ -1,5 +1,6 @@
 #pragma once
 #include <algorithm>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -18,6 +19,8 @@
 
 namespace hw::test {
 
+inline const sim::Clock kClock(2'000'000);
+
 /// Sends a list of requests, each not before its cycle, and notes when each answer came.
 class Requester {
  public:
@@ -31,9 +34,9 @@ class Requester {
   Requester(sim::Clock clock, sim::Link<MemRequest>& out, sim::Link<MemResponse>& in)
       : clock_(clock), out_(out), in_(in) {}
 
-  void send(Addr line, std::uint64_t not_before = 0, bool write = false) {
+  void send(Addr line, std::uint64_t not_before = 0, bool write = false, Pieces pieces = kWholeLine) {
     const auto tag = static_cast<std::uint16_t>(script.size());
-    script.push_back({{line, source, tag, write}, not_before, 0});
+    script.push_back({{line, source, tag, write, pieces}, not_before, 0});
   }
 
   sim::Time tick(sim::Time now) {
@@ -91,12 +94,14 @@ class Echo {
     if (in_.can_pop(now) && out_.can_push(now)) {
       const MemRequest r = in_.pop(now);
       if (!r.write) out_.push(now, {r.line, r.source, r.tag});
+      if (r.write) written += 8 * static_cast<std::uint32_t>(std::popcount(r.pieces));
       requests += 1;
     }
     return sim::opens(now, clock_.period(), in_.pop_at(), out_.push_at());
   }
   const sim::Clock& clock() const { return clock_; }
   std::uint64_t requests = 0;
+  std::uint64_t written = 0;  ///< bytes
 
  private:
   sim::Clock clock_;
@@ -140,9 +145,11 @@ class Bench {
   bool done() const {
     for (const Requester& r : requesters)
       if (!r.done()) return false;
+    for (const L2Bank& b : banks)
+      if (!b.idle()) return false;
     for (const DramChannel& c : channels)
       if (!c.idle()) return false;
-    return true;
+    return std::ranges::all_of(request_links_, [](const auto& link) { return link.empty(); });
   }
   std::string state() const {
     std::string all;

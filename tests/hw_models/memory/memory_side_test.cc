@@ -5,8 +5,6 @@
 namespace hw::test {
 namespace {
 
-const sim::Clock kClock(2'000'000);
-
 /// The whole memory side: cores with cache clients and a DMA client each, L2 banks, DRAM channels.
 struct MemorySide {
   static constexpr std::size_t kClients = 3;

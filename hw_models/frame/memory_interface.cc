@@ -1,0 +1,58 @@
+#include "hw_models/frame/memory_interface.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace hw {
+
+namespace {
+
+MemoryInterface::Rays::Shape rays_of(const DirectInterfaceConfig& c, Addr base, std::uint16_t port) {
+  return {base, c.ray_bytes, c.ring, c.depth, port};
+}
+MemoryInterface::Hits::Shape hits_of(const DirectInterfaceConfig& c, Addr base, std::uint16_t port) {
+  return {base + MemoryInterface::Rays::bytes_of(rays_of(c, base, port)), c.hit_bytes, c.ring, c.depth,
+          static_cast<std::uint16_t>(port + 1)};
+}
+
+}  // namespace
+
+MemoryInterface::MemoryInterface(const DirectInterfaceConfig& config, Addr base, std::uint16_t port,
+                                 const Rays::Links& rays, const Hits::Links& hits, sim::Clock clock)
+    : clock_(clock), rays_(rays_of(config, base, port), rays), hits_(hits_of(config, base, port), hits) {}
+
+Addr MemoryInterface::bytes_of(const DirectInterfaceConfig& config) {
+  return Rays::bytes_of(rays_of(config, 0, 0)) + Hits::bytes_of(hits_of(config, 0, 0));
+}
+
+sim::Time MemoryInterface::tick(sim::Time now) {
+  bool moved = hits_.tick(now);
+  moved |= rays_.tick(now);
+  constexpr std::array kReasons{Why::kIdle, Why::kMemory, Why::kPortFull, Why::kOutputFull};
+  const auto waits = std::max(static_cast<std::size_t>(hits_.waits(now)), static_cast<std::size_t>(rays_.waits(now)));
+  const Why then = kReasons[waits];
+  activity_.spend(now, clock_.period(), moved ? Why::kMoving : then, then);
+  const sim::Time next = clock_.after(now, 1);
+  return std::min(hits_.next_wake(next), rays_.next_wake(next));
+}
+
+void MemoryInterface::finish(sim::Time end) {
+  activity_.finish(end);
+  const Rays::Counts& rays = rays_.counts();
+  const Hits::Counts& hits = hits_.counts();
+  stats_ = {.rays = rays.records,
+            .hits = hits.records,
+            .ray_writes = rays.written,
+            .ray_reads = rays.read,
+            .hit_writes = hits.written,
+            .hit_reads = hits.read,
+            .ray_latency = clock_.cycles(rays.inside),
+            .hit_latency = clock_.cycles(hits.inside)};
+}
+
+std::string MemoryInterface::state() const {
+  return fmt::format("{} rays and {} hits on their way through memory", rays_.inside(), hits_.inside());
+}
+
+}  // namespace hw

@@ -1,0 +1,79 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "hw_models/frame/gpu_config.h"
+#include "hw_models/frame/record_stream.h"
+#include "hw_models/tni/messages.h"
+#include "sim/activity.h"
+#include "sim/link.h"
+
+namespace hw {
+
+/// What stands in for the direct interface when it is off: rays and hits of a core travel through memory.
+///
+///   SRP --> rays --> [ring of rays in memory] --> T&I unit
+///   SRP <-- hits <-- [ring of hits in memory] <-- T&I unit
+///
+/// Each direction is a client of the core's cache port of its own and does one request a cycle; there is no
+/// first-level cache on its way, and what the L2 does with the writes is its matter (l2.writes).
+/// Not modelled: the energy of its own buffers, which are those of the direct interface.
+class MemoryInterface {
+ public:
+  enum class Why : std::uint8_t {
+    kIdle,        ///< nothing inside
+    kMoving,      ///< a record came or went, or a request left
+    kMemory,      ///< records are on their way through memory
+    kPortFull,    ///< a request waits for the port
+    kOutputFull,  ///< a record waits for its reader
+    kCount
+  };
+  struct Stats {
+    std::uint64_t rays = 0, hits = 0;
+    std::uint64_t ray_writes = 0, ray_reads = 0, hit_writes = 0, hit_reads = 0;
+    std::uint64_t ray_latency = 0, hit_latency = 0;
+    static void describe(auto& s, auto&& counter) {
+      counter(s.rays, "rays", "rays that went through memory");
+      counter(s.hits, "hits", "hits that went through memory");
+      counter(s.ray_writes, "ray_writes", "lines or parts of lines of rays written");
+      counter(s.ray_reads, "ray_reads", "lines or parts of lines of rays read");
+      counter(s.hit_writes, "hit_writes", "lines or parts of lines of hits written");
+      counter(s.hit_reads, "hit_reads", "lines or parts of lines of hits read");
+      counter(s.ray_latency, "ray_latency", "cycles from a ray's arrival until it leaves, of all rays together");
+      counter(s.hit_latency, "hit_latency", "the same for hits");
+    }
+  };
+  using Rays = RecordStream<RayJob>;
+  using Hits = RecordStream<RayDone>;
+
+  /// `base`: of the memory set aside; `port`: number of the rays as a client, the hits' is the next.
+  MemoryInterface(const DirectInterfaceConfig& config, Addr base, std::uint16_t port, const Rays::Links& rays,
+                  const Hits::Links& hits, sim::Clock clock);
+  MemoryInterface(const MemoryInterface&) = delete;
+  MemoryInterface& operator=(const MemoryInterface&) = delete;
+
+  /// Memory that it needs, in bytes.
+  static Addr bytes_of(const DirectInterfaceConfig& config);
+
+  sim::Time tick(sim::Time now);
+  const sim::Clock& clock() const { return clock_; }
+  const Stats& stats() const { return stats_; }
+  const sim::Activity<Why>& activity() const { return activity_; }
+  void finish(sim::Time end);
+  std::string state() const;
+
+ private:
+  const sim::Clock clock_;
+  Rays rays_;
+  Hits hits_;
+  Stats stats_;
+  sim::Activity<Why> activity_;
+};
+
+constexpr std::array<std::string_view, 5> names_of(MemoryInterface::Why) {
+  return {"idle", "moving", "memory", "port_full", "output_full"};
+}
+
+}  // namespace hw

@@ -1,0 +1,226 @@
+#include "hw_models/frame/memory_interface.h"
+
+#include <algorithm>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "sim/engine.h"
+#include "sim/report/unit_report.h"
+#include "tests/hw_models/memory/harness.h"
+
+// The memory interface between hands that give and take records, and memories that answer in order of asking.
+
+namespace hw {
+namespace {
+
+const sim::Clock kClock(2'000'000);
+constexpr std::uint64_t kMemory = 40;  ///< cycles of a memory's answer on its wire
+
+/// Gives records with ids 0, 1, 2..., one every `interval` cycles from `begin` on.
+template <class Record>
+struct Giver {
+  sim::Time tick(sim::Time now) {
+    if (given < count && now >= next && out.can_push(now)) {
+      Record record;
+      record.id = given++;
+      out.push(now, record);
+      next = now + interval * kClock.period();
+    }
+    return given == count ? sim::kNever : std::max({now + kClock.period(), next, out.push_at()});
+  }
+  const sim::Clock& clock() const { return kClock; }
+
+  sim::Link<Record>& out;
+  std::uint32_t count = 0;
+  std::uint64_t interval = 1;
+  sim::Time next = 0;
+  std::uint32_t given = 0;
+};
+
+/// Takes records, one every `interval` cycles, and notes when each came.
+template <class Record>
+struct Taker {
+  sim::Time tick(sim::Time now) {
+    if (now >= next && in.can_pop(now)) {
+      in_order &= in.pop(now).id == taken.size();
+      taken.push_back(kClock.cycles(now));
+      next = now + interval * kClock.period();
+    }
+    return in.pop_at() == sim::kNever ? sim::kNever : std::max({now + kClock.period(), next, in.pop_at()});
+  }
+  const sim::Clock& clock() const { return kClock; }
+
+  sim::Link<Record>& in;
+  std::uint64_t interval = 1;
+  sim::Time next = 0;
+  bool in_order = true;
+  std::vector<std::uint64_t> taken;
+};
+
+struct Machine {
+  explicit Machine(DirectInterfaceConfig config, std::uint32_t rays, std::uint32_t hits = 0)
+      : rays_in(4, 1, kClock),
+        rays_out(4, 1, kClock),
+        hits_in(4, 1, kClock),
+        hits_out(4, 1, kClock),
+        up{sim::Link<MemRequest>(2, 1, kClock), sim::Link<MemRequest>(2, 1, kClock)},
+        down{sim::Link<MemResponse>(64, kMemory, kClock), sim::Link<MemResponse>(64, kMemory, kClock)},
+        memories{test::Echo(kClock, up[0], down[0]), test::Echo(kClock, up[1], down[1])},
+        ray_giver{rays_in, rays},
+        hit_giver{hits_in, hits},
+        ray_taker{rays_out},
+        hit_taker{hits_out},
+        unit(config, 4096, 0, {rays_in, rays_out, up[0], down[0]}, {hits_in, hits_out, up[1], down[1]}, kClock) {
+    rays_in.wakes(&all[0], &all[4]);
+    hits_in.wakes(&all[1], &all[4]);
+    rays_out.wakes(&all[4], &all[2]);
+    hits_out.wakes(&all[4], &all[3]);
+    for (std::size_t i : {0U, 1U}) {
+      up[i].wakes(&all[4], &all[5 + i]);
+      down[i].wakes(&all[5 + i], &all[4]);
+    }
+  }
+
+  void each_unit(auto&& f) {
+    f(ray_giver, 0);
+    f(hit_giver, 1);
+    f(ray_taker, 2);
+    f(hit_taker, 3);
+    f(unit, 4);
+    f(memories[0], 5);
+    f(memories[1], 6);
+  }
+  std::vector<sim::Time>& wakes() { return all; }
+  bool done() const { return ray_taker.taken.size() == ray_giver.count && hit_taker.taken.size() == hit_giver.count; }
+  std::string state() const { return unit.state(); }
+
+  /// Runs it in one of three ways, and says everything that must not depend on which.
+  std::string run(int engine = 0) {
+    const sim::Time end = engine == 0   ? sim::run<sim::Skip::kOn>(*this)
+                          : engine == 1 ? sim::run<sim::Skip::kOff>(*this)
+                                        : sim::run_shuffled(*this, 3);
+    unit.finish(kClock.edge_at_or_after(end + 1));
+    std::string all_of_it = std::to_string(end);
+    const sim::UnitReport report = sim::report_of(unit, "unit", "interconnect");
+    EXPECT_EQ(report.elapsed, kClock.cycles(end) + 1);
+    for (const auto& [why, cycles] : report.why) all_of_it += " " + why + " " + std::to_string(cycles);
+    for (const sim::CounterReport& c : report.counters) all_of_it += " " + c.name + " " + std::to_string(c.value);
+    EXPECT_TRUE(ray_taker.in_order);
+    EXPECT_TRUE(hit_taker.in_order);
+    return all_of_it;
+  }
+  std::uint64_t why(MemoryInterface::Why w) const { return kClock.cycles(unit.activity().spent(w)); }
+
+  std::vector<sim::Time> all = std::vector<sim::Time>(7, 0);
+  sim::Link<RayJob> rays_in, rays_out;
+  sim::Link<RayDone> hits_in, hits_out;
+  sim::Link<MemRequest> up[2];
+  sim::Link<MemResponse> down[2];
+  test::Echo memories[2];
+  Giver<RayJob> ray_giver;
+  Giver<RayDone> hit_giver;
+  Taker<RayJob> ray_taker;
+  Taker<RayDone> hit_taker;
+  MemoryInterface unit;
+};
+
+DirectInterfaceConfig off() {
+  DirectInterfaceConfig c;
+  c.enabled = false;
+  return c;
+}
+
+constexpr std::uint64_t kLone = 1 + 1 + 1 + kMemory;  // written, read, wire, memory: in the unit from taking to giving
+
+TEST(MemoryInterface, ALoneRayIsWrittenReadBackAndHandedOn) {
+  Machine m(off(), 1);
+  m.run();
+  EXPECT_EQ(m.unit.stats().ray_latency, kLone);
+  EXPECT_EQ(m.ray_taker.taken[0], 1 + kLone + 1) << "and a wire at each end";
+  EXPECT_EQ(m.unit.stats().ray_writes, 1U);
+  EXPECT_EQ(m.unit.stats().ray_reads, 1U);
+  EXPECT_EQ(m.memories[0].written, 64U);
+}
+
+TEST(MemoryInterface, ALoneHitDoesNotWaitForAnotherToFillItsLine) {
+  Machine m(off(), 0, 1);
+  m.run();
+  EXPECT_EQ(m.unit.stats().hit_latency, kLone);
+  EXPECT_EQ(m.memories[1].written, 32U);
+}
+
+TEST(MemoryInterface, HitsThatComeTogetherShareALine) {
+  Machine m(off(), 0, 400);
+  m.run();
+  EXPECT_LE(m.unit.stats().hit_writes, 202U) << "the first goes alone, and may the last";
+  EXPECT_EQ(m.memories[1].written, 400U * 32);
+}
+
+TEST(MemoryInterface, ALineOfRecordsCostsTwoRequestsAndARequestLeavesEachCycle) {
+  for (const std::uint32_t bytes : {16U, 32U, 48U, 64U, 96U, 256U}) {
+    DirectInterfaceConfig c = off();
+    c.ray_bytes = bytes;
+    c.depth = 64;
+    Machine m(c, 1200);
+    m.run();
+    const double cycles = static_cast<double>(m.ray_taker.taken[1100] - m.ray_taker.taken[100]) / 1000;
+    EXPECT_NEAR(cycles, std::max(1.0, 2.0 * bytes / 64), 0.02) << bytes;
+    EXPECT_EQ(m.memories[0].written, std::uint64_t{1200} * bytes);
+  }
+}
+
+TEST(MemoryInterface, ReadsAheadNoFurtherThanItsDepth) {
+  for (const std::uint32_t depth : {1U, 4U, 10U}) {
+    DirectInterfaceConfig c = off();
+    c.depth = depth;
+    Machine m(c, 400);
+    m.run();
+    const double cycles = static_cast<double>(m.ray_taker.taken[300] - m.ray_taker.taken[100]) / 200;
+    // From the handing on of a record to the read that may then go, and its way.
+    EXPECT_NEAR(cycles, static_cast<double>(1 + kMemory) / depth, 1.0) << depth;
+  }
+}
+
+TEST(MemoryInterface, ARingOfOneRecordIsWrittenAgainAndAgain) {
+  DirectInterfaceConfig c = off();
+  c.ring = c.depth = 1;
+  for (const std::uint32_t bytes : {8U, 40U, 200U}) {
+    c.ray_bytes = c.hit_bytes = bytes;
+    Machine m(c, 50, 50);
+    m.run();
+    EXPECT_EQ(m.ray_taker.taken.size(), 50U);
+    EXPECT_EQ(m.memories[1].written, std::uint64_t{50} * bytes);
+  }
+}
+
+TEST(MemoryInterface, AReaderThatDoesNotTakeIsTheReason) {
+  Machine m(off(), 200);
+  m.ray_taker.interval = 100;
+  m.run();
+  EXPECT_GT(m.why(MemoryInterface::Why::kOutputFull), 15'000U);
+}
+
+TEST(MemoryInterface, RecordsDoNotDependOnHowTheEngineVisitsThem) {
+  for (std::uint64_t seed = 0; seed < 24; ++seed) {
+    DirectInterfaceConfig c = off();
+    c.ray_bytes = 8 * static_cast<std::uint32_t>(1 + sim::hash(seed, 1) % 32);
+    c.hit_bytes = 8 * static_cast<std::uint32_t>(1 + sim::hash(seed, 2) % 32);
+    c.ring = static_cast<std::uint32_t>(1 + sim::hash(seed, 3) % 20);
+    c.depth = static_cast<std::uint32_t>(1 + sim::hash(seed, 4) % 10);
+    std::string expected;
+    for (const int engine : {0, 1, 2}) {
+      Machine m(c, 300, 250);
+      m.ray_giver.interval = 1 + sim::hash(seed, 5) % 50;
+      m.hit_taker.interval = 1 + sim::hash(seed, 6) % 50;
+      const std::string all = m.run(engine);
+      if (engine == 0) expected = all;
+      ASSERT_EQ(all, expected) << "seed " << seed;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace hw
