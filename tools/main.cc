@@ -57,6 +57,7 @@ int run(int argc, char** argv) {
   tools::add_config(app);
   tools::add_kernels(app);
   tools::add_bench(app);
+  tools::add_microbench(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

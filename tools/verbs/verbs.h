@@ -26,5 +26,6 @@ void add_scenes(CLI::App& app);
 void add_config(CLI::App& app);
 void add_kernels(CLI::App& app);
 void add_bench(CLI::App& app);
+void add_microbench(CLI::App& app);
 
 }  // namespace tools

@@ -73,7 +73,7 @@ TEST_P(DramGrades, EveryNumberHasASource) {
 
 TEST_P(DramGrades, AStreamingReadCostsWhatTheGenerationIsKnownFor) {
   const auto events = dram_energy_events(load());
-  ASSERT_EQ(events.size(), 6U);
+  ASSERT_EQ(events.size(), 8U);
   const double pj_per_bit = events.at("dram.read_burst").pj.nominal / 256;
   EXPECT_GT(pj_per_bit, 3.5);
   EXPECT_LT(pj_per_bit, 8.0);

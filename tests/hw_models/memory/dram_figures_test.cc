@@ -1,0 +1,29 @@
+#include "hw_models/memory/dram_figures.h"
+
+#include <gtest/gtest.h>
+
+#include "sim/config/config.h"
+
+namespace hw::test {
+namespace {
+
+class DramFigures : public testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Grades, DramFigures,
+                         testing::Values("lpddr3-1600", "lpddr4-3200", "lpddr4-4266", "lpddr4x-4266", "lpddr5-6400"),
+                         [](const auto& grade) {
+                           std::string name = grade.param;
+                           std::erase(name, '-');
+                           return name;
+                         });
+
+TEST_P(DramFigures, AllHoldToTheirClosedForms) {
+  const auto grade = sim::load_config<DramConfig>(std::string("configs/dram/") + GetParam() + ".yaml");
+  for (const DramFigure& f : dram_figures(grade)) {
+    EXPECT_TRUE(f.good()) << f.name << ": " << f.measured << " " << f.unit << ", expected " << f.expected;
+    printf("%-40s %10.3f %10.3f %s %+.2f%%\n", f.name.c_str(), f.measured, f.expected, f.unit.c_str(),
+           100 * (f.measured / f.expected - 1));
+  }
+}
+
+}  // namespace
+}  // namespace hw::test
