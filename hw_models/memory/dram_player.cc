@@ -19,6 +19,7 @@ class Player : DramChannel::Watcher {
   Player(const DramConfig& config, std::span<const DramRequest> requests, std::uint32_t outstanding)
       : requests_(requests),
         outstanding_(outstanding),
+        ranks_(config.organisation.ranks),
         line_(config.line.bytes),
         clock_(config.timing.ck.time),
         in_(outstanding, 1, clock_),
@@ -71,7 +72,7 @@ class Player : DramChannel::Watcher {
   DramPlay finish() {
     channel_.finish(play_.end + clock_.period());
     play_.stats = channel_.stats();
-    play_.stats.precharge_standby -= 1;
+    play_.stats.precharge_standby -= ranks_;
     const sim::UnitReport report = sim::report_of(channel_, "", "");
     play_.why = report.why;
     play_.why.front().second -= 1;
@@ -80,6 +81,7 @@ class Player : DramChannel::Watcher {
 
   std::span<const DramRequest> requests_;
   const std::uint32_t outstanding_;
+  const std::uint32_t ranks_;
   const std::uint64_t line_;
   const sim::Clock clock_;
   sim::Link<MemRequest> in_;

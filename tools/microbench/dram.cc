@@ -121,7 +121,7 @@ Json stream_json(const Result& r) {
 
 void print_stream(const Result& r) {
   const hw::DramChannel::Stats& s = r.play.stats;
-  const auto line = [](const char* name, const std::string& text) { fmt::print("{:<12}{}\n", name, text); };
+  const auto line = [](const char* name, const std::string& text) { fmt::print("{:<14}{}\n", name, text); };
   line("memory", fmt::format("one channel of {}, lines of {} B, up to {} outstanding", r.config.grade,
                              r.config.line.bytes, r.outstanding));
   line("requests", fmt::format("{} ({} reads, {} writes)", r.all.count, s.reads, s.writes));
@@ -140,7 +140,7 @@ void print_stream(const Result& r) {
   }
   line("time went to", went);
 
-  sim::Table table({"\nlatency, ns", "min", "p50", "p90", "p99", "max", "mean"});
+  sim::Table table({"latency, ns", "min", "p50", "p90", "p99", "max", "mean"});
   const auto row = [&](const char* name, const Latencies& of) {
     if (of.count == 0) return;
     std::vector<std::string> cells = {name};

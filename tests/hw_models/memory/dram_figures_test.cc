@@ -20,8 +20,6 @@ TEST_P(DramFigures, AllHoldToTheirClosedForms) {
   const auto grade = sim::load_config<DramConfig>(std::string("configs/dram/") + GetParam() + ".yaml");
   for (const DramFigure& f : dram_figures(grade)) {
     EXPECT_TRUE(f.good()) << f.name << ": " << f.measured << " " << f.unit << ", expected " << f.expected;
-    printf("%-40s %10.3f %10.3f %s %+.2f%%\n", f.name.c_str(), f.measured, f.expected, f.unit.c_str(),
-           100 * (f.measured / f.expected - 1));
   }
 }
 
