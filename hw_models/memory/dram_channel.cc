@@ -170,19 +170,20 @@ DramChannel::Plan DramChannel::best_plan(const DramQueue& queue, Cycle now) cons
   for (std::uint32_t rank = 0; rank < ranks_; ++rank) {
     const DramDevice::Floors floors = device_.floors(rank, writing_, now);
     const std::uint32_t here = banks & device_.banks_of(rank);
-    const auto consider = [&](DramCommand command, std::uint32_t of) {
+    const auto consider = [&]<DramCommand command>(std::uint32_t of) {
+      if (best < Plan(floors[static_cast<std::size_t>(command)], command, 0, 0)) return;  // none can come before it
       for (std::uint32_t left = of; left != 0; left &= left - 1) {
         const auto bank = static_cast<std::uint32_t>(std::countr_zero(left));
+        const Cycle ready = device_.ready(command, bank, writing_, floors);
+        if (best < Plan(ready, command, 0, 0)) continue;
         const std::uint64_t places = command == DramCommand::kColumn ? queue.hits(bank) : queue.waiting(bank);
         const auto place = static_cast<std::uint32_t>(std::countr_zero(places));
-        const Cycle ready = device_.ready(command, bank, writing_, floors);
-        if (best < Plan(ready, command, place, bank)) continue;
         best = std::min(best, Plan(device_.earliest(command, ready), command, place, bank));
       }
     };
-    consider(DramCommand::kColumn, here & columns);
-    consider(DramCommand::kActivate, here & ~columns & ~open);
-    consider(DramCommand::kPrecharge, here & ~columns & open);
+    consider.template operator()<DramCommand::kColumn>(here & columns);
+    consider.template operator()<DramCommand::kActivate>(here & ~columns & ~open);
+    consider.template operator()<DramCommand::kPrecharge>(here & ~columns & open);
   }
   return best;
 }

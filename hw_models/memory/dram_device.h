@@ -58,8 +58,9 @@ class DramDevice {
   /// The first cycle at which the command may run in the bank, as far as the buses are free for it.
   Cycle ready(DramCommand command, std::uint32_t bank, bool write, const Floors& floors) const {
     const auto c = static_cast<std::size_t>(command);
-    const std::size_t row = command != DramCommand::kColumn ? kNoGroupRule : write ? kWriteTrain : kReadTrain;
-    return std::max({floors[c], bank_at_[c][bank], group_at_[row][group_of(bank)]});
+    const Cycle at = std::max(floors[c], bank_at_[c][bank]);
+    if (command != DramCommand::kColumn) return at;
+    return std::max(at, group_at_[write ? kWriteTrain : kReadTrain][group_of(bank)]);
   }
   /// The first cycle, `ready` or later, at which the buses are free for the command.
   Cycle earliest(DramCommand command, Cycle ready) const { return calendar_.first_free(command, ready); }
@@ -102,7 +103,7 @@ class DramDevice {
   Cycle active_cycles(Cycle until);
 
  private:
-  enum GroupRule : std::uint8_t { kReadTrain, kWriteTrain, kNoGroupRule };
+  enum GroupRule : std::uint8_t { kReadTrain, kWriteTrain };
 
   Cycle& at(DramCommand command, std::uint32_t bank) { return bank_at_[static_cast<std::size_t>(command)][bank]; }
   Cycle at(DramCommand command, std::uint32_t bank) const { return bank_at_[static_cast<std::size_t>(command)][bank]; }
@@ -142,7 +143,7 @@ class DramDevice {
   std::array<std::uint32_t, kMaxBanks> rows_{};
   std::array<std::array<Cycle, kMaxBanks>, 3> bank_at_{};
   std::array<DramWhy, kMaxBanks> closed_why_{};  ///< what an activate of the closed bank waits for
-  std::array<std::array<Cycle, kMaxBanks>, 3> group_at_{};
+  std::array<std::array<Cycle, kMaxBanks>, 2> group_at_{};
   std::array<Rank, kMaxRanks> rank_{};
   Cycle awake_at_ = 0;
   CommandCalendar calendar_;

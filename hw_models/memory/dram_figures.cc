@@ -1,5 +1,6 @@
 #include "hw_models/memory/dram_figures.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "hw_models/memory/dram_forms.h"
@@ -136,7 +137,9 @@ void rows(const DramConfig& grade, std::vector<DramFigure>& figures) {
   DramTiming& t = activates.config.timing;
   t.ca_activate = t.ca_column = t.ca_precharge = 1;
   figures.push_back(rows_in_turn(activates, "a burst of every row, tRRD and tFAW alone", 1, Holds::kClosely));
-  figures.push_back(rows_in_turn(long_rows, "sixteen lines of every row", 16, Holds::kClosely));
+  const auto most = static_cast<std::uint32_t>(grade.organisation.page.bytes / grade.line.bytes);
+  const std::uint32_t lines_of_row = std::min<std::uint32_t>(16, most);
+  figures.push_back(rows_in_turn(long_rows, "sixteen lines of every row", lines_of_row, Holds::kClosely));
   figures.push_back(rows_in_turn(lines, "a line of every row", 1, Holds::kAtMost));
   for (Addr i = 0; i < kLines; ++i) random.send(sim::hash(i) % (1 << 22) * random.config.line.bytes);
   random.go();

@@ -32,7 +32,7 @@ struct Options {
 constexpr double kFemtosecondsPerNs = 1e6;
 double ns_of(sim::Time time) { return static_cast<double>(time) / kFemtosecondsPerNs; }
 
-/// Latencies of some of the requests, sorted, in ns.
+/// Latencies of some of the requests, in ns.
 struct Latencies {
   static constexpr std::array<const char*, 6> kNames = {"min", "p50", "p90", "p99", "max", "mean"};
   std::array<double, 6> values{};
@@ -40,13 +40,15 @@ struct Latencies {
 
   explicit Latencies(std::vector<double> all) : count(all.size()) {
     if (all.empty()) return;
-    std::ranges::sort(all);
-    const auto rank = [&](double part) {  // nearest rank
-      return all[static_cast<std::size_t>(std::ceil(part * static_cast<double>(all.size()))) - 1];
-    };
     double sum = 0;
     for (const double ns : all) sum += ns;
-    values = {all.front(), rank(0.5), rank(0.9), rank(0.99), all.back(), sum / static_cast<double>(all.size())};
+    const auto rank = [&](double part) {  // nearest rank
+      const auto nth = all.begin() + static_cast<std::ptrdiff_t>(std::ceil(part * static_cast<double>(count))) - 1;
+      std::ranges::nth_element(all, nth);
+      return *nth;
+    };
+    const auto [min, max] = std::ranges::minmax(all);
+    values = {min, rank(0.5), rank(0.9), rank(0.99), max, sum / static_cast<double>(count)};
   }
   Json json() const {
     Json j = Json::object();

@@ -54,8 +54,11 @@ class StreamParser {
       "a line is a hexadecimal address, R or W, and if wanted an earliest time in ns, such as '0x1f40 R 12.5'";
 
   std::string_view word() {
-    const std::size_t begin = std::min(line_.find_first_not_of(" \t\r"), line_.size());
-    const std::size_t end = std::min(line_.find_first_of(" \t\r", begin), line_.size());
+    const auto is_blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
+    std::size_t begin = 0;
+    while (begin < line_.size() && is_blank(line_[begin])) ++begin;
+    std::size_t end = begin;
+    while (end < line_.size() && !is_blank(line_[end])) ++end;
     const std::string_view word = line_.substr(begin, end - begin);
     line_.remove_prefix(end);
     return word;

@@ -65,7 +65,8 @@ TEST(ClosedPages, ARowIsClosedNoSoonerThanItsTimesAllow) {
   s.read(0, 2, kT.rcd + 1);  // arrives after the only hit of row 1 is served
   s.go();
   const std::uint64_t precharge = std::max(kT.ras, kT.rcd + kT.ccd_l + kT.rtp);
-  EXPECT_EQ(s.done(1), std::max<std::uint64_t>(precharge + kT.rp, kT.rc) + static_cast<std::uint64_t>(kForm.closed_bank()));
+  EXPECT_EQ(s.done(1),
+            std::max<std::uint64_t>(precharge + kT.rp, kT.rc) + static_cast<std::uint64_t>(kForm.closed_bank()));
 }
 
 TEST(AdaptivePages, AreClosedWhereTheNextRequestWantsAnotherRow) {
@@ -223,6 +224,29 @@ TEST(IdealChannel, AnswersAnyNumberACycleLater) {
   EXPECT_EQ(b.stats().reads + b.stats().writes, 300U);
   EXPECT_EQ(b.stats().read_bursts, 2 * b.stats().reads);
   EXPECT_EQ(b.stats().activates + b.stats().refreshes, 0U);
+}
+
+TEST(Refresh, ThatBarelyLeavesABankTimeStillLetsEverybodyBeServed) {
+  for (const RefreshKind kind : {RefreshKind::kPerBank, RefreshKind::kAllBank}) {
+    for (const DramScheduler scheduler : {DramScheduler::kFrFcfs, DramScheduler::kFcfs}) {
+      DramConfig c = with([&](DramConfig& d) {
+        d.controller.refresh = kind;
+        d.controller.scheduler = scheduler;
+        d.controller.power_down = true;
+        d.controller.power_down_after = 1;
+        d.timing.refi_pb = 200;
+        d.timing.refi_ab = 1600;
+        d.timing.rfc_pb = d.timing.rfc_ab = 1600 - kT.xp - kT.rp_ab - 2 * kT.rc - 1;
+      });
+      c.check([](const std::string& key, const std::string& what) { ADD_FAILURE() << key << " " << what; });
+      Script s(c);
+      for (std::uint64_t i = 0; i < 600; ++i) {
+        s.requests.push_back({sim::hash(i) % 65536 * 64, sim::hash(i, 1) % 3 == 0, 0});
+      }
+      s.go();
+      EXPECT_EQ(s.result.stats.reads + s.result.stats.writes, 600U);
+    }
+  }
 }
 
 TEST(Controllers, OfEveryKindDoNotDependOnHowTheEngineVisitsThem) {
