@@ -64,7 +64,9 @@ const std::vector<Resource>& resources() {
                                               {"turnaround", "changes between reads and writes"},
                                               {"column", "spacing of column commands"},
                                               {"command_bus", "their command buses"},
-                                              {"returns_full", "responses that do not leave"}}}};
+                                              {"returns_full", "responses that do not leave"},
+                                              {"rank_switch", "changes between ranks"},
+                                              {"power_down_exit", "leaving power-down"}}}};
   return all;
 }
 

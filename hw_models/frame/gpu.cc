@@ -273,7 +273,7 @@ void Gpu::add_memory(Wiring& wiring) {
       links.ports_in.push_back(wiring.core_channel_up[c][k]);
       links.ports_out.push_back(wiring.core_channel_down[c][k]);
     }
-    channels_.emplace_back(config_.dram, links);
+    channels_.emplace_back(config_.dram, links, config_.ideal.dram);
   }
 }
 

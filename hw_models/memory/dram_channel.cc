@@ -14,20 +14,24 @@ std::size_t most_bursts(const DramTiming& t) { return (std::max(t.rl + t.dqsck, 
 
 }  // namespace
 
-DramChannel::DramChannel(const DramConfig& c, Links links)
+DramChannel::DramChannel(const DramConfig& c, Links links, bool ideal)
     : controller_(c.controller),
       map_(c),
-      all_banks_(static_cast<std::uint32_t>((std::uint64_t{1} << c.organisation.banks) - 1)),
+      ranks_(c.organisation.ranks),
+      ideal_(ideal),
       bursts_(c.bursts_per_line()),
       line_bytes_(c.line.bytes),
       fabric_((c.fabric.time + c.timing.ck.time - 1) / c.timing.ck.time),
-      refresh_interval_(c.timing.refi_pb),
+      refresh_interval_(c.refresh_interval()),
+      refresh_cycles_(c.controller.refresh == RefreshKind::kAllBank ? c.timing.rfc_ab : c.timing.rfc_pb),
+      exit_cycles_(c.timing.xp),
       clock_(c.timing.ck.time),
       links_(std::move(links)),
       device_(c),
       data_bus_(most_bursts(c.timing)),
-      refresh_at_(refresh_interval_ == 0 ? sim::kNever : refresh_interval_),
-      to_refresh_(all_banks_),
+      page_policy_(c.controller.page_policy),
+      refresh_at_(refresh_interval_ == 0 || ideal ? sim::kNever : refresh_interval_),
+      to_refresh_(device_.refresh_leaders()),
       reads_(c.controller.read_queue),
       writes_(c.controller.write_queue) {
   assert(links_.ports_in.size() == links_.ports_out.size());
@@ -37,6 +41,7 @@ DramChannel::DramChannel(const DramConfig& c, Links links)
 }
 
 sim::Time DramChannel::tick(sim::Time now) {
+  if (ideal_) return tick_ideal(now);
   const Cycle cycle = clock_.cycles(now);
   settle(cycle);
   refresh(cycle);
@@ -53,12 +58,19 @@ sim::Time DramChannel::tick(sim::Time now) {
 
 void DramChannel::finish(sim::Time end) {
   const Cycle cycle = clock_.cycles(end);
-  settle(cycle);
+  if (!ideal_) {
+    settle(cycle);
+    refresh(cycle);
+    power_down(cycle);
+    if (is_down_ && cycle > down_since_) {
+      stats_.power_down += ranks_ * (cycle - down_since_);
+      down_since_ = cycle;
+    }
+  }
   activity_.finish(end);
-  refresh(cycle);
   stats_.turnarounds = device_.turnarounds();
   stats_.active_standby = device_.active_cycles(cycle);
-  stats_.precharge_standby = cycle - stats_.active_standby;
+  stats_.precharge_standby = ranks_ * cycle - stats_.active_standby - stats_.power_down;
 }
 
 void DramChannel::take_request(sim::Time now, Cycle cycle) {
@@ -70,6 +82,9 @@ void DramChannel::take_request(sim::Time now, Cycle cycle) {
     if (queue.full()) continue;
     const MemRequest request = in.pop(now);
     const DramPlace place = map_.place(request.line);
+    power_down(cycle);
+    wake(cycle);
+    page_policy_.requested(place.bank, place.row);
     const bool row_is_open = device_.is_open(place.bank, place.row);
     plan_is_stale_ |= !plan_survives(request.write, place.bank, row_is_open);
     queue.push({request, place, cycle, static_cast<std::uint16_t>(port)}, row_is_open);
@@ -143,15 +158,32 @@ bool DramChannel::writes_first(Cycle now) {
 }
 
 DramChannel::Plan DramChannel::best_plan(const DramQueue& queue, Cycle now) const {
-  const std::uint32_t overdue_bank = overdue(queue, now) ? queue.oldest().place.bank : DramDevice::kMaxBanks;
-  const DramDevice::Floors floors = device_.floors(writing_, now);
+  const bool in_turn = controller_.scheduler == DramScheduler::kFcfs;
+  std::uint32_t banks = queue.banks(), columns = queue.hit_banks();
+  if (in_turn || overdue(queue, now)) {
+    const std::uint32_t first = 1U << queue.oldest().place.bank;
+    if ((queue.hits(queue.oldest().place.bank) & 1) == 0) columns &= ~first;
+    if (in_turn) banks = first;
+  }
+  const std::uint32_t open = device_.open_mask();
   Plan best;
-  for (std::uint32_t left = queue.banks(); left != 0; left &= left - 1) {
-    const auto bank = static_cast<std::uint32_t>(std::countr_zero(left));
-    const std::uint64_t hits = queue.hits(bank) & (bank == overdue_bank ? 1 : ~std::uint64_t{0});
-    const DramCommand command = device_.needed(bank, hits != 0);
-    const auto place = static_cast<std::uint32_t>(std::countr_zero(hits != 0 ? hits : queue.waiting(bank)));
-    best = std::min(best, Plan(device_.earliest(command, bank, writing_, floors), command, place, bank));
+  for (std::uint32_t rank = 0; rank < ranks_; ++rank) {
+    const DramDevice::Floors floors = device_.floors(rank, writing_, now);
+    const std::uint32_t here = banks & device_.banks_of(rank);
+    const auto consider = [&]<DramCommand command>(std::uint32_t of) {
+      if (best < Plan(floors[static_cast<std::size_t>(command)], command, 0, 0)) return;  // none can come before it
+      for (std::uint32_t left = of; left != 0; left &= left - 1) {
+        const auto bank = static_cast<std::uint32_t>(std::countr_zero(left));
+        const Cycle ready = device_.ready(command, bank, writing_, floors);
+        if (best < Plan(ready, command, 0, 0)) continue;
+        const std::uint64_t places = command == DramCommand::kColumn ? queue.hits(bank) : queue.waiting(bank);
+        const auto place = static_cast<std::uint32_t>(std::countr_zero(places));
+        best = std::min(best, Plan(device_.earliest(command, ready), command, place, bank));
+      }
+    };
+    consider.template operator()<DramCommand::kColumn>(here & columns);
+    consider.template operator()<DramCommand::kActivate>(here & ~columns & ~open);
+    consider.template operator()<DramCommand::kPrecharge>(here & ~columns & open);
   }
   return best;
 }
@@ -164,6 +196,7 @@ void DramChannel::issue(Cycle now) {
     case DramCommand::kColumn:
       transfer(entry, now);
       queue.remove(plan_.place());
+      if ((reads_.hits(place.bank) | writes_.hits(place.bank)) == 0) row_done(place);
       break;
     case DramCommand::kActivate:
       entry.activated = true;
@@ -181,11 +214,19 @@ void DramChannel::issue(Cycle now) {
   }
 }
 
+/// The last queued hit of the row is on its way.
+void DramChannel::row_done(const DramPlace& place) {
+  const bool others = (reads_.waiting(place.bank) | writes_.waiting(place.bank)) != 0;
+  if (page_policy_.closes(place.bank, place.row, others)) device_.auto_precharge(place.bank);
+}
+
 /// Moves the request's line over the data bus.
 void DramChannel::transfer(const DramQueue::Entry& entry, Cycle now) {
   const MemRequest& r = entry.request;
   const Cycle data = r.write ? device_.write(entry.place.bank, now) : device_.read(entry.place.bank, now);
   const Cycle end = data + device_.data_cycles();
+  data_end_ = std::max(data_end_, end);
+  if (links_.watcher != nullptr) links_.watcher->served(r, end * clock_.period());
   device_.each_burst(data, [&](Cycle begin, Cycle burst_end) { data_bus_.book({begin, burst_end, r.write}); });
   if (r.write) {
     stats_.writes += 1;
@@ -206,22 +247,81 @@ void DramChannel::transfer(const DramQueue::Entry& entry, Cycle now) {
 /// Runs every refresh due by now, each at its own time: the outcome is the same whenever this is called.
 void DramChannel::refresh(Cycle now) {
   while (refresh_at_ <= now) {
-    const std::uint32_t bank = next_refresh();
-    device_.refresh(bank, refresh_at_);
-    reads_.row_closed(bank);
-    writes_.row_closed(bank);
-    stats_.refreshes += 1;
-    refresh_at_ += refresh_interval_;
-    to_refresh_ &= ~(1U << bank);
-    if (to_refresh_ == 0) to_refresh_ = all_banks_;
+    Cycle due = refresh_at_;
+    power_down(due);
+    if (is_down_) {
+      if (due > down_since_) {
+        stats_.power_down += ranks_ * (due - down_since_);
+        due += exit_cycles_;
+        device_.wake(due);
+      }
+      down_since_ = std::max(due, down_since_) + refresh_cycles_;
+    }
+    refresh_banks(static_cast<std::uint32_t>(refresh_turn_ % ranks_), due);
+    refresh_turn_ += 1;
+    refresh_at_ =
+        refresh_interval_ * (refresh_turn_ / ranks_ + 1) + refresh_interval_ * (refresh_turn_ % ranks_) / ranks_;
     plan_is_stale_ = true;
   }
 }
 
-std::uint32_t DramChannel::next_refresh() const {
-  const std::uint32_t unwanted = to_refresh_ & ~(reads_.banks() | writes_.banks());
-  const bool choose = controller_.refresh_order == RefreshOrder::kIdleFirst && unwanted != 0;
-  return static_cast<std::uint32_t>(std::countr_zero(choose ? unwanted : to_refresh_));
+void DramChannel::refresh_banks(std::uint32_t rank, Cycle due) {
+  if (controller_.refresh == RefreshKind::kAllBank) {
+    device_.refresh_rank(rank, due);
+    close_rows(device_.banks_of(rank));
+    stats_.refreshes_all += 1;
+    return;
+  }
+  const std::uint32_t leader = next_refresh(rank);
+  const std::uint32_t banks = device_.refreshed_with(leader);
+  device_.refresh(banks, due);
+  close_rows(banks);
+  stats_.refreshes += 1;
+  to_refresh_ &= ~(1U << leader);
+  const std::uint32_t of_rank = device_.banks_of(rank);
+  if ((to_refresh_ & of_rank) == 0) to_refresh_ |= device_.refresh_leaders() & of_rank;
+}
+
+std::uint32_t DramChannel::next_refresh(std::uint32_t rank) const {
+  const std::uint32_t candidates = to_refresh_ & device_.banks_of(rank);
+  if (controller_.refresh_order == RefreshOrder::kIdleFirst) {
+    const std::uint32_t wanted = reads_.banks() | writes_.banks();
+    for (std::uint32_t left = candidates; left != 0; left &= left - 1) {
+      const auto leader = static_cast<std::uint32_t>(std::countr_zero(left));
+      if ((wanted & device_.refreshed_with(leader)) == 0) return leader;
+    }
+  }
+  return static_cast<std::uint32_t>(std::countr_zero(candidates));
+}
+
+/// The device has closed these banks.
+void DramChannel::close_rows(std::uint32_t banks) {
+  for (std::uint32_t left = banks; left != 0; left &= left - 1) {
+    const auto bank = static_cast<std::uint32_t>(std::countr_zero(left));
+    reads_.row_closed(bank);
+    writes_.row_closed(bank);
+  }
+}
+
+/// Powers down if the channel has been idle for long enough before `now`: as with refreshes, it does not matter when
+/// this is called, as long as it is before something changes.
+void DramChannel::power_down(Cycle now) {
+  const Cycle due = data_end_ + controller_.power_down_after;
+  if (!controller_.power_down || is_down_ || due >= now || !reads_.empty() || !writes_.empty()) return;
+  is_down_ = true;
+  down_since_ = due;
+  for (std::uint32_t rank = 0; rank < ranks_; ++rank)
+    down_since_ = std::max(down_since_, device_.precharge_all(device_.banks_of(rank), due));
+}
+
+/// A request has arrived.
+void DramChannel::wake(Cycle now) {
+  if (!is_down_) return;
+  is_down_ = false;
+  if (now <= down_since_) return;
+  stats_.power_down += ranks_ * (now - down_since_);
+  stats_.power_downs += 1;
+  device_.wake(now + exit_cycles_);
 }
 
 /// Charges the cycles before `until`: to the data bus while it moves data, else to what the next command waits for.
@@ -243,6 +343,34 @@ void DramChannel::settle(Cycle until) {
     activity_.spend(settled_ * clock_.period(), clock_.period(), why, why);
     settled_ = end;
   }
+}
+
+sim::Time DramChannel::tick_ideal(sim::Time now) {
+  Why why = Why::kIdle;
+  bool blocked = false;
+  sim::Time wake = sim::kNever;
+  for (std::size_t port = 0; port < links_.ports_in.size(); ++port) {
+    sim::Link<MemRequest>& in = *links_.ports_in[port];
+    sim::Link<MemResponse>& out = *links_.ports_out[port];
+    const auto open = [&] { return in.front().write || out.can_push(now); };
+    while (in.can_pop(now) && open()) {
+      const MemRequest r = in.pop(now);
+      (r.write ? stats_.writes : stats_.reads) += 1;
+      (r.write ? stats_.write_bursts : stats_.read_bursts) += bursts_;
+      stats_.bytes += line_bytes_;
+      stats_.row_hits += 1;
+      why = r.write ? Why::kWriting : Why::kReading;
+      if (!r.write) out.push(now, {r.line, r.source, r.tag});
+      if (links_.watcher != nullptr) links_.watcher->served(r, now + clock_.period());
+    }
+    const bool stuck = in.can_pop(now);
+    blocked |= stuck;
+    if (stuck) wake = std::min(wake, std::max(now + clock_.period(), out.push_at()));
+    if (!stuck && in.pop_at() != sim::kNever) wake = std::min(wake, in.pop_at());
+  }
+  const Why then = blocked ? Why::kReturnsFull : Why::kIdle;
+  activity_.spend(now, clock_.period(), why == Why::kIdle ? then : why, then);
+  return wake;
 }
 
 std::string DramChannel::state() const {

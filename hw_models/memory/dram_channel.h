@@ -7,6 +7,7 @@
 #include "hw_models/memory/data_bus.h"
 #include "hw_models/memory/dram_config.h"
 #include "hw_models/memory/dram_device.h"
+#include "hw_models/memory/dram_page_policy.h"
 #include "hw_models/memory/dram_queue.h"
 #include "hw_models/memory/messages.h"
 #include "sim/activity.h"
@@ -20,23 +21,29 @@ namespace hw {
 ///                                          [write queue]                                               |
 ///   ports_out <-- [returns: fixed fabric latency] <--------- data bus <--------------------------------+
 ///
-/// First ready, first come first served, rows left open: a column command before an activate before a precharge, the
-/// oldest first among equals. A request older than the age limit is no longer overtaken in its bank. Writes wait until
-/// the queue is filled to its high mark, an old write or an idle read queue calls them, and then go to the low mark.
-/// The bursts of a line are booked as one train; other bank groups and other commands fit between them. Refresh
-/// takes one bank per interval, closes it and keeps it busy.
+/// First ready, first come first served (or strictly first come first served): a column command before an activate
+/// before a precharge, the oldest first among equals. A request older than the age limit is no longer overtaken in its
+/// bank. Writes wait until the queue is filled to its high mark, an old write or an idle read queue calls them, and
+/// then go to the low mark. The bursts of a line are booked as one train; other bank groups and other commands fit
+/// between them. Rows stay open, or go with their last queued hit (DramPagePolicy). Refresh takes one bank, a pair of
+/// banks or a whole rank per interval, closes it and keeps it busy; ranks take turns. An idle channel may power down,
+/// all ranks together and with all rows closed; a refresh wakes it for as long as it takes.
 /// A response leaves on the port on which its request came, with `source` and `tag` unchanged.
+/// An ideal channel takes whatever has arrived and answers it in the same cycle, so that the wire is all of the delay;
+/// its lines still cost their bursts.
 /// Not modelled: forwarding from the write queue, postponed refresh, command slots of refreshes and their distance to
-/// activates of other banks (LPDDR5 refreshes banks in pairs), power-down, ranks, masked writes, WCK synchronisation.
+/// activates of other banks, power-down of single ranks or with open rows, self refresh, masked writes, WCK
+/// synchronisation.
 class DramChannel {
  public:
   using Why = DramWhy;
   struct Stats {
     std::uint64_t reads = 0, writes = 0, bytes = 0;
     std::uint64_t row_hits = 0, row_misses = 0, row_conflicts = 0;
-    std::uint64_t activates = 0, read_bursts = 0, write_bursts = 0, refreshes = 0, turnarounds = 0;
+    std::uint64_t activates = 0, read_bursts = 0, write_bursts = 0, turnarounds = 0;
+    std::uint64_t refreshes = 0, refreshes_all = 0, power_downs = 0;
     std::uint64_t read_latency = 0, read_latency_max = 0;
-    std::uint64_t active_standby = 0, precharge_standby = 0;
+    std::uint64_t active_standby = 0, precharge_standby = 0, power_down = 0;
     static void describe(auto& s, auto&& counter) {
       counter(s.reads, "reads", "lines read");
       counter(s.writes, "writes", "lines written");
@@ -47,20 +54,31 @@ class DramChannel {
       counter(s.activates, "activates", "rows opened", "dram.activate");
       counter(s.read_bursts, "read_bursts", "read commands", "dram.read_burst");
       counter(s.write_bursts, "write_bursts", "write commands", "dram.write_burst");
-      counter(s.refreshes, "refreshes", "refreshes of one bank", "dram.refresh");
+      counter(s.refreshes, "refreshes", "refreshes of one bank or pair of banks", "dram.refresh");
+      counter(s.refreshes_all, "refreshes_all", "refreshes of all banks of a rank", "dram.refresh_all");
       counter(s.turnarounds, "turnarounds", "changes of direction between reads and writes");
       counter(s.read_latency, "read_latency", "sum over reads of cycles from arrival here to the last data");
       counter(s.read_latency_max, "read_latency_max", "the longest of these");
-      counter(s.active_standby, "active_standby", "cycles with a row open somewhere", "dram.active_standby");
-      counter(s.precharge_standby, "precharge_standby", "cycles with every row closed", "dram.precharge_standby");
+      counter(s.active_standby, "active_standby", "cycles with a row open, summed over ranks", "dram.active_standby");
+      counter(s.precharge_standby, "precharge_standby", "cycles with every row closed, summed over ranks",
+              "dram.precharge_standby");
+      counter(s.power_down, "power_down", "cycles in power-down, summed over ranks", "dram.power_down");
+      counter(s.power_downs, "power_downs", "times that the channel woke from power-down for a request");
     }
+  };
+  /// Is told of every request when its data are booked on the bus; `end` is when the last of them will be over.
+  class Watcher {
+   public:
+    virtual ~Watcher() = default;
+    virtual void served(const MemRequest& request, sim::Time end) = 0;
   };
   struct Links {
     std::vector<sim::Link<MemRequest>*> ports_in;
     std::vector<sim::Link<MemResponse>*> ports_out;
+    Watcher* watcher = nullptr;
   };
 
-  DramChannel(const DramConfig& config, Links links);
+  DramChannel(const DramConfig& config, Links links, bool ideal = false);
   DramChannel(const DramChannel&) = delete;
   DramChannel& operator=(const DramChannel&) = delete;
 
@@ -109,16 +127,22 @@ class DramChannel {
 
   void settle(Cycle until);
   void refresh(Cycle now);
-  std::uint32_t next_refresh() const;
+  std::uint32_t next_refresh(std::uint32_t rank) const;
+  void refresh_banks(std::uint32_t rank, Cycle due);
+  void close_rows(std::uint32_t banks);
+  void power_down(Cycle now);
+  void wake(Cycle now);
   void take_request(sim::Time now, Cycle cycle);
   void respond(sim::Time now, Cycle cycle);
   sim::Time next_wake(sim::Time now) const;
+  sim::Time tick_ideal(sim::Time now);
 
   void replan(Cycle now);
   bool writes_first(Cycle now);
   bool plan_survives(bool write, std::uint32_t bank, bool row_is_open) const;
   Plan best_plan(const DramQueue& queue, Cycle now) const;
   void issue(Cycle now);
+  void row_done(const DramPlace& place);
   void transfer(const DramQueue::Entry& entry, Cycle now);
   bool overdue(const DramQueue& queue, Cycle now) const {
     return !queue.empty() && now >= queue.oldest().arrived + controller_.age_limit;
@@ -126,18 +150,27 @@ class DramChannel {
 
   const DramController controller_;
   const DramMap map_;
-  const std::uint32_t all_banks_;  ///< as a mask
+  const std::uint32_t ranks_;
+  const bool ideal_;
   const std::uint32_t bursts_;
   const std::uint64_t line_bytes_;
   const Cycle fabric_;
-  const Cycle refresh_interval_;
+  const Cycle refresh_interval_;  ///< of a rank; 0: never
+  const std::uint32_t refresh_cycles_;
+  const std::uint32_t exit_cycles_;  ///< of power-down
   const sim::Clock clock_;
   Links links_;
 
   DramDevice device_;
   DataBus data_bus_;
+  DramPagePolicy page_policy_;
   Cycle refresh_at_;
-  std::uint32_t to_refresh_;  ///< banks that have not had their turn in this round, as a mask
+  std::uint64_t refresh_turn_ = 0;  ///< refreshes so far: ranks take turns
+  std::uint32_t to_refresh_;        ///< banks that have not had their turn in this round, as a mask
+
+  Cycle data_end_ = 0;  ///< of the last line
+  bool is_down_ = false;
+  Cycle down_since_ = 0;  ///< power-down begins or began, if is_down_
 
   DramQueue reads_, writes_;
   Returns returns_;

@@ -28,32 +28,62 @@ enum class RefreshOrder : std::uint8_t {
 };
 constexpr std::array<std::string_view, 2> names_of(RefreshOrder) { return {"round_robin", "idle_first"}; }
 
+/// How much of a rank a refresh takes at a time.
+enum class RefreshKind : std::uint8_t {
+  kPerBank,  ///< a bank, or the banks that the device refreshes together; the others go on
+  kAllBank,  ///< all banks of a rank, less often
+};
+constexpr std::array<std::string_view, 2> names_of(RefreshKind) { return {"per_bank", "all_bank"}; }
+
+/// What becomes of a row when no queued request wants it any more.
+enum class PagePolicy : std::uint8_t {
+  kOpen,      ///< it stays open until its bank is wanted for another row
+  kClosed,    ///< its last queued hit closes it (auto-precharge)
+  kAdaptive,  ///< the one or the other, by what former requests of the bank wanted next
+};
+constexpr std::array<std::string_view, 3> names_of(PagePolicy) { return {"open", "closed", "adaptive"}; }
+
+/// Who goes next, within the reads or within the writes.
+enum class DramScheduler : std::uint8_t {
+  kFrFcfs,  ///< whoever is ready, the oldest first among equals
+  kFcfs,    ///< the oldest, and nobody prepares a bank before his turn
+};
+constexpr std::array<std::string_view, 2> names_of(DramScheduler) { return {"fr_fcfs", "fcfs"}; }
+
 /// What one channel consists of.
 struct DramOrganisation {
+  std::uint32_t ranks = 1;
   std::uint32_t banks = 8;
   std::uint32_t bank_groups = 1;
+  std::uint32_t refresh_banks = 1;
   std::uint32_t rows = 65536;
   sim::ByteSize page{2048};
   sim::ByteSize burst{32};
 
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
-    field(c.banks, "banks", "banks", "banks of a channel, all groups together", sim::power_of_two(1, 32),
+    field(c.ranks, "ranks", "ranks", "devices that share the channel's buses; rank bits lie above those of the bank",
+          sim::power_of_two(1, 2), Affects::kTiming);
+    field(c.banks, "banks", "banks", "banks of a rank, all groups together", sim::power_of_two(1, 32),
           Affects::kTiming);
     field(c.bank_groups, "bank_groups", "groups", "bank groups", sim::power_of_two(1, 8), Affects::kTiming);
+    field(c.refresh_banks, "refresh_banks", "banks", "banks that a refresh of single banks takes together",
+          sim::power_of_two(1, 2), Affects::kTiming);
     field(c.rows, "rows", "rows", "rows of a bank", sim::power_of_two(1, 1 << 20), Affects::kTiming);
     field(c.page, "page", "bytes", "data of one row", sim::power_of_two(64, 1 << 16), Affects::kTiming);
     field(c.burst, "burst", "bytes", "data of one read or write command", sim::power_of_two(8, 256), Affects::kTiming);
   }
+  std::uint32_t all_banks() const { return ranks * banks; }
 };
 
 /// The speed grade, in cycles of the command clock (nCK) but for the clock itself.
 struct DramTiming {
   sim::Duration ck{625'000};
   std::uint32_t rl = 28, wl = 14, burst = 8, dqsck = 3;
-  std::uint32_t rcd = 29, rp = 29, ras = 68, rc = 97, rrd = 16, faw = 64;
+  std::uint32_t rcd = 29, rp = 29, rp_ab = 34, ras = 68, rc = 97, rrd = 16, faw = 64;
   std::uint32_t ccd_s = 8, ccd_l = 8, rtp = 12, wr = 29, wtr_s = 16, wtr_l = 16, dqss = 1, rtw = 1;
-  std::uint32_t rfc_pb = 224, refi_pb = 780;
+  std::uint32_t rtrs = 1, xp = 12;
+  std::uint32_t rfc_pb = 224, refi_pb = 780, rfc_ab = 448, refi_ab = 6246;
   std::uint32_t ca_activate = 4, ca_column = 4, ca_precharge = 2;
 
   static void describe(auto& c, auto&& field) {
@@ -68,6 +98,7 @@ struct DramTiming {
     cycles(c.dqsck, "dqsck", "further delay of read data", 0, 16);
     cycles(c.rcd, "rcd", "activate to read or write", 1, 256);
     cycles(c.rp, "rp", "precharge (one bank) to activate", 1, 256);
+    cycles(c.rp_ab, "rp_ab", "precharge of all banks to refresh or power-down", 1, 256);
     cycles(c.ras, "ras", "activate to precharge", 1, 512);
     cycles(c.rc, "rc", "activate to activate, same bank", 1, 1024);
     cycles(c.rrd, "rrd", "activate to activate, other bank", 1, 256);
@@ -80,8 +111,12 @@ struct DramTiming {
     cycles(c.wtr_l, "wtr_l", "end of write data to read, same bank group", 0, 256);
     cycles(c.dqss, "dqss", "further delay of write data", 0, 16);
     cycles(c.rtw, "rtw", "idle data bus between read and write data", 0, 64);
+    cycles(c.rtrs, "rtrs", "idle data bus between bursts of two ranks", 0, 64);
+    cycles(c.xp, "xp", "end of power-down to the first command", 1, 256);
     cycles(c.rfc_pb, "rfc_pb", "a bank's refresh", 1, 4096);
-    cycles(c.refi_pb, "refi_pb", "between refreshes of single banks; 0 switches refresh off", 0, 100'000);
+    cycles(c.refi_pb, "refi_pb", "between refreshes of single banks of a rank; 0 switches refresh off", 0, 100'000);
+    cycles(c.rfc_ab, "rfc_ab", "a refresh of all banks", 1, 8192);
+    cycles(c.refi_ab, "refi_ab", "between refreshes of all banks of a rank; 0 switches refresh off", 0, 1'000'000);
     cycles(c.ca_activate, "ca_activate", "command bus time of an activate", 1, 8);
     cycles(c.ca_column, "ca_column", "command bus time of a read or write", 1, 8);
     cycles(c.ca_precharge, "ca_precharge", "command bus time of a precharge", 1, 8);
@@ -92,7 +127,12 @@ struct DramTiming {
 struct DramController {
   DramMapping mapping = DramMapping::kRowBankColumnChannel;
   bool bank_xor = true;
+  DramScheduler scheduler = DramScheduler::kFrFcfs;
+  PagePolicy page_policy = PagePolicy::kOpen;
+  RefreshKind refresh = RefreshKind::kPerBank;
   RefreshOrder refresh_order = RefreshOrder::kIdleFirst;
+  bool power_down = false;
+  std::uint32_t power_down_after = 160;
   std::uint32_t read_queue = 32;
   std::uint32_t write_queue = 32;
   std::uint32_t write_high = 24;
@@ -104,7 +144,16 @@ struct DramController {
     field(c.mapping, "mapping", "", "order of the address bits", sim::any(), Affects::kTiming);
     field(c.bank_xor, "bank_xor", "", "exclusive-or of the bank with low row bits, against strides", sim::any(),
           Affects::kTiming);
-    field(c.refresh_order, "refresh_order", "", "which bank is refreshed next", sim::any(), Affects::kTiming);
+    field(c.scheduler, "scheduler", "", "who goes next", sim::any(), Affects::kTiming);
+    field(c.page_policy, "page_policy", "", "what becomes of a row that no queued request wants", sim::any(),
+          Affects::kTiming);
+    field(c.refresh, "refresh", "", "refresh bank by bank or all at once", sim::any(), Affects::kTiming);
+    field(c.refresh_order, "refresh_order", "", "which bank is refreshed next, bank by bank", sim::any(),
+          Affects::kTiming);
+    field(c.power_down, "power_down", "", "an idle channel closes its rows and powers its devices down", sim::any(),
+          Affects::kTiming);
+    field(c.power_down_after, "power_down_after", "nCK", "idle time before power-down", sim::between(1, 1'000'000),
+          Affects::kTiming);
     field(c.read_queue, "read_queue", "requests", "reads waiting in a channel", sim::between(1, 64), Affects::kTiming);
     field(c.write_queue, "write_queue", "requests", "writes waiting in a channel", sim::between(1, 64),
           Affects::kTiming);
@@ -127,8 +176,9 @@ struct DramEnergy {
   sim::Spread read_core{309.9, 404.2, 673.8}, read_io{256, 412.2, 563.2};
   sim::Spread write_core{212.9, 247.5, 495}, write_io{256, 419.8, 614.4};
   sim::Spread phy{307.2, 512, 768};
-  sim::Spread refresh{1055, 1216, 1465};
+  sim::Spread refresh{1055, 1216, 1465}, refresh_all{8437, 9726, 11718};
   sim::Spread active_standby{7.285, 10.91, 18.94}, precharge_standby{6.535, 9.726, 17.06};
+  sim::Spread power_down_standby{1.204, 1.791, 3.143};
 
   static void describe(auto& c, auto&& field) {
     const auto energy = [&](auto& value, const char* name, const char* unit, const char* meaning) {
@@ -140,9 +190,11 @@ struct DramEnergy {
     energy(c.write_core, "write_core", "pJ", "a write burst inside the device, above standby");
     energy(c.write_io, "write_io", "pJ", "a write burst on the pins, driver and receiver");
     energy(c.phy, "phy", "pJ", "controller and PHY on the GPU's die, per burst");
-    energy(c.refresh, "refresh", "pJ", "a refresh of one bank, above standby");
-    energy(c.active_standby, "active_standby", "mW", "while a row is open somewhere, clock included");
-    energy(c.precharge_standby, "precharge_standby", "mW", "while every row is closed, clock included");
+    energy(c.refresh, "refresh", "pJ", "a refresh bank by bank, above standby");
+    energy(c.refresh_all, "refresh_all", "pJ", "a refresh of all banks, above standby");
+    energy(c.active_standby, "active_standby", "mW", "a rank while a row is open somewhere, clock included");
+    energy(c.precharge_standby, "precharge_standby", "mW", "a rank while every row is closed, clock included");
+    energy(c.power_down_standby, "power_down_standby", "mW", "a rank in power-down");
   }
 };
 
@@ -177,16 +229,41 @@ struct DramConfig {
     else if ((bursts_per_line() - 1) * timing.ccd_l + 32 > 64)
       complain("line", "has too many bursts: their commands must fit 64 nCK");
     if (organisation.bank_groups > organisation.banks) complain("organisation", "has more bank groups than banks");
+    if (organisation.refresh_banks > organisation.banks) complain("organisation", "has more refresh_banks than banks");
+    if (organisation.all_banks() > 32) complain("organisation", "must have at most 32 banks, all ranks together");
     if (timing.wl > timing.rl) complain("timing", "must have wl <= rl");
     if (timing.burst > timing.ccd_s || timing.ccd_s > timing.ccd_l)
       complain("timing", "must have burst <= ccd_s <= ccd_l");
+    check_refresh(complain);
   }
 
   std::uint32_t bursts_per_line() const { return static_cast<std::uint32_t>(line.bytes / organisation.burst.bytes); }
+  /// Between refreshes of a rank, in nCK; 0: never.
+  std::uint32_t refresh_interval() const {
+    return controller.refresh == RefreshKind::kAllBank ? timing.refi_ab : timing.refi_pb;
+  }
+  /// Between refreshes of the same bank, in nCK; 0: never.
+  std::uint64_t bank_refresh_interval() const {
+    if (controller.refresh == RefreshKind::kAllBank) return timing.refi_ab;
+    return std::uint64_t{timing.refi_pb} * (organisation.banks / organisation.refresh_banks);
+  }
   /// Which channel owns a line.
   Interleave interleave() const {
     const bool by_page = controller.mapping == DramMapping::kRowBankChannelColumn;
     return {by_page ? organisation.page.bytes : line.bytes, channels};
+  }
+
+ private:
+  /// A bank that is always refreshing, or never long enough free to open a row, serves nobody.
+  void check_refresh(auto&& complain) const {
+    const bool all = controller.refresh == RefreshKind::kAllBank;
+    const std::uint64_t busy =
+        (all ? timing.rfc_ab : timing.rfc_pb) + std::uint64_t{timing.xp} + timing.rp_ab + std::uint64_t{2} * timing.rc;
+    if (bank_refresh_interval() == 0 || busy < bank_refresh_interval()) return;
+    complain("timing", std::string("leaves a bank no time between its refreshes: ") + (all ? "rfc_ab" : "rfc_pb") +
+                           " + xp + rp_ab + 2 rc is " + std::to_string(busy) + ", must be less than " +
+                           (all ? "refi_ab" : "refi_pb x banks / refresh_banks") + ", " +
+                           std::to_string(bank_refresh_interval()));
   }
 };
 

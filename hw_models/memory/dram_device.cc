@@ -8,32 +8,51 @@ namespace hw {
 
 using enum DramCommand;
 
-DramDevice::DramDevice(const DramConfig& c)
-    : t_(c.timing),
-      group_mask_(c.organisation.bank_groups - 1),
-      train_length_(Cycle{c.bursts_per_line() - 1} * c.timing.ccd_l),
-      calendar_(c.timing, c.bursts_per_line()) {
-  assert(c.organisation.banks <= kMaxBanks && c.organisation.bank_groups <= kMaxGroups);
+namespace {
+
+std::uint32_t log2(std::uint32_t n) { return static_cast<std::uint32_t>(std::countr_zero(n)); }
+std::uint32_t first_bits(std::uint32_t n) { return static_cast<std::uint32_t>((std::uint64_t{1} << n) - 1); }
+
+/// Banks that are refreshed together are as far apart as they can be: half of the bank groups, or half of the banks.
+std::uint32_t pair_distance(const DramOrganisation& o) { return o.bank_groups > 1 ? o.bank_groups / 2 : o.banks / 2; }
+
+std::uint32_t leaders(const DramOrganisation& o) {
+  std::uint32_t banks = 0;
+  for (std::uint32_t bank = 0; bank < o.all_banks(); ++bank) {
+    if (o.refresh_banks == 1 || (bank & pair_distance(o)) == 0) banks |= 1U << bank;
+  }
+  return banks;
 }
 
-DramDevice::Floors DramDevice::floors(bool write, Cycle now) const {
-  return {std::max(now, write ? write_at_ : read_at_), std::max({now, activate_at_, four_activates_[oldest_activate_]}),
-          now};
+}  // namespace
+
+DramDevice::DramDevice(const DramConfig& c)
+    : t_(c.timing),
+      ranks_(c.organisation.ranks),
+      rank_shift_(log2(c.organisation.banks)),
+      group_mask_((c.organisation.bank_groups - 1) | ~(c.organisation.banks - 1)),
+      rank_banks_(first_bits(c.organisation.banks)),
+      refresh_set_(c.organisation.refresh_banks == 1 ? 1 : 1 | 1U << pair_distance(c.organisation)),
+      refresh_leaders_(leaders(c.organisation)),
+      train_length_(Cycle{c.bursts_per_line() - 1} * c.timing.ccd_l),
+      calendar_(c.timing, c.bursts_per_line()) {
+  assert(c.organisation.all_banks() <= kMaxBanks && c.organisation.ranks <= kMaxRanks);
 }
 
 DramWhy DramDevice::reason(DramCommand command, std::uint32_t bank, bool write, Cycle at) const {
   const bool by_bank = at == this->at(command, bank);
+  const Rank& rank = rank_[rank_of(bank)];
+  if (at == awake_at_ && at != 0) return DramWhy::kPowerDown;
   switch (command) {
     case kColumn:
       if (by_bank) return DramWhy::kActivate;
-      if (at == (write ? write_at_ : read_at_)) return DramWhy::kTurnaround;
+      if (at == rank.column_at[write]) return rank.column_why[write];
       if (at == group_at_[write ? kWriteTrain : kReadTrain][group_of(bank)])
         return last_was_write_ && !write ? DramWhy::kTurnaround : DramWhy::kColumn;
       return calendar_.data_free(at - 1) ? DramWhy::kCommandBus : DramWhy::kColumn;
     case kActivate:
       if (by_bank) return closed_why_[bank];
-      return at == std::max(activate_at_, four_activates_[oldest_activate_]) ? DramWhy::kActivate
-                                                                             : DramWhy::kCommandBus;
+      return at == rank.next_activate() ? DramWhy::kActivate : DramWhy::kCommandBus;
     case kPrecharge:
       return by_bank ? DramWhy::kRowConflict : DramWhy::kCommandBus;
   }
@@ -41,18 +60,19 @@ DramWhy DramDevice::reason(DramCommand command, std::uint32_t bank, bool write, 
 }
 
 void DramDevice::activate(std::uint32_t bank, std::uint32_t row, Cycle now) {
-  if (open_ == 0 && now > active_until_) {
-    active_ += active_until_ - active_since_;
-    active_since_ = now;
+  Rank& rank = rank_[rank_of(bank)];
+  if ((open_ & banks_of(rank_of(bank))) == 0 && now > rank.active_until) {
+    rank.active += rank.active_until - rank.active_since;
+    rank.active_since = now;
   }
   open_ |= 1U << bank;
   rows_[bank] = row;
   at(kColumn, bank) = now + t_.rcd;
   at(kPrecharge, bank) = now + t_.ras;
   at(kActivate, bank) = now + t_.rc;
-  activate_at_ = now + t_.rrd;
-  four_activates_[oldest_activate_] = now + t_.faw;
-  oldest_activate_ = (oldest_activate_ + 1) % 4;
+  rank.activate_at = now + t_.rrd;
+  rank.four_activates[rank.oldest_activate] = now + t_.faw;
+  rank.oldest_activate = (rank.oldest_activate + 1) % 4;
   calendar_.book(kActivate, now);
 }
 
@@ -65,7 +85,8 @@ void DramDevice::close(std::uint32_t bank, Cycle now) {
   open_ &= ~(1U << bank);
   at(kActivate, bank) = std::max(at(kActivate, bank), now + t_.rp);
   closed_why_[bank] = DramWhy::kRowConflict;
-  active_until_ = std::max(active_until_, now);
+  Rank& rank = rank_[rank_of(bank)];
+  rank.active_until = std::max(rank.active_until, now);
 }
 
 DramDevice::Cycle DramDevice::read(std::uint32_t bank, Cycle now) {
@@ -73,7 +94,16 @@ DramDevice::Cycle DramDevice::read(std::uint32_t bank, Cycle now) {
   const std::uint32_t group = group_of(bank);
   at(kPrecharge, bank) = std::max(at(kPrecharge, bank), last + t_.rtp);
   group_at_[kReadTrain][group] = group_at_[kWriteTrain][group] = last + t_.ccd_l;
-  write_at_ = last + t_.rl + t_.dqsck + t_.burst + t_.rtw - t_.wl;
+  const Cycle end = last + t_.rl + t_.dqsck + t_.burst;
+  for (std::uint32_t r = 0; r < ranks_; ++r) {
+    if (r == rank_of(bank)) {
+      rank_[r].raise(true, end + t_.rtw - t_.wl, DramWhy::kTurnaround);
+    } else {
+      rank_[r].raise(false, last + t_.burst + t_.rtrs, DramWhy::kRankSwitch);
+      rank_[r].raise(true, end + std::max(t_.rtw, t_.rtrs) - t_.wl,
+                     t_.rtrs > t_.rtw ? DramWhy::kRankSwitch : DramWhy::kTurnaround);
+    }
+  }
   book_train(false, now);
   return now + t_.rl + t_.dqsck;
 }
@@ -85,7 +115,16 @@ DramDevice::Cycle DramDevice::write(std::uint32_t bank, Cycle now) {
   at(kPrecharge, bank) = std::max(at(kPrecharge, bank), last_data + t_.burst + t_.wr);
   group_at_[kReadTrain][group] = last_data + t_.ccd_l + t_.wtr_l;
   group_at_[kWriteTrain][group] = last + t_.ccd_l;
-  read_at_ = last_data + t_.burst + t_.wtr_s;
+  const Cycle end = last_data + t_.burst;
+  for (std::uint32_t r = 0; r < ranks_; ++r) {
+    if (r == rank_of(bank)) {
+      rank_[r].raise(false, end + t_.wtr_s, DramWhy::kTurnaround);
+    } else {
+      const Cycle read_delay = Cycle{t_.rl} + t_.dqsck;
+      rank_[r].raise(false, std::max(end + t_.rtrs, read_delay) - read_delay, DramWhy::kRankSwitch);
+      rank_[r].raise(true, last + t_.burst + t_.rtrs, DramWhy::kRankSwitch);
+    }
+  }
   book_train(true, now);
   return now + t_.wl + t_.dqss;
 }
@@ -96,22 +135,51 @@ void DramDevice::book_train(bool write, Cycle now) {
   last_was_write_ = write;
 }
 
-void DramDevice::refresh(std::uint32_t bank, Cycle due) {
-  if (is_open(bank)) close(bank, std::max(due, at(kPrecharge, bank)));
-  at(kActivate, bank) = std::max(due, at(kActivate, bank)) + t_.rfc_pb;
-  closed_why_[bank] = DramWhy::kRefresh;
+void DramDevice::refresh(std::uint32_t banks, Cycle due) {
+  for (std::uint32_t left = banks & open_; left != 0; left &= left - 1) {
+    const std::uint32_t bank = log2(left);
+    close(bank, std::max(due, at(kPrecharge, bank)));
+  }
+  keep_busy(banks, due, t_.rfc_pb);
+}
+
+void DramDevice::refresh_rank(std::uint32_t rank, Cycle due) {
+  keep_busy(banks_of(rank), precharge_all(banks_of(rank), due), t_.rfc_ab);
+}
+
+void DramDevice::keep_busy(std::uint32_t banks, Cycle from, std::uint32_t cycles) {
+  Cycle begin = from;
+  for (std::uint32_t left = banks; left != 0; left &= left - 1) begin = std::max(begin, at(kActivate, log2(left)));
+  for (std::uint32_t left = banks; left != 0; left &= left - 1) {
+    at(kActivate, log2(left)) = begin + cycles;
+    closed_why_[log2(left)] = DramWhy::kRefresh;
+  }
+}
+
+DramDevice::Cycle DramDevice::precharge_all(std::uint32_t banks, Cycle from) {
+  const std::uint32_t open = banks & open_;
+  if (open == 0) return from;
+  Cycle begin = from;
+  for (std::uint32_t left = open; left != 0; left &= left - 1) begin = std::max(begin, at(kPrecharge, log2(left)));
+  for (std::uint32_t left = open; left != 0; left &= left - 1) close(log2(left), begin);
+  return begin + t_.rp_ab;
 }
 
 std::uint32_t DramDevice::open_banks() const { return static_cast<std::uint32_t>(std::popcount(open_)); }
 
 DramDevice::Cycle DramDevice::active_cycles(Cycle until) {
-  // A refresh may have set the end of the last open row some cycles ahead.
-  const Cycle end = open_ != 0 ? until : std::min(until, active_until_);
-  if (end > active_since_) {
-    active_ += end - active_since_;
-    active_since_ = end;
+  Cycle sum = 0;
+  for (std::uint32_t r = 0; r < ranks_; ++r) {
+    Rank& rank = rank_[r];
+    // A refresh may have set the end of the last open row some cycles ahead.
+    const Cycle end = (open_ & banks_of(r)) != 0 ? until : std::min(until, rank.active_until);
+    if (end > rank.active_since) {
+      rank.active += end - rank.active_since;
+      rank.active_since = end;
+    }
+    sum += rank.active;
   }
-  return active_;
+  return sum;
 }
 
 }  // namespace hw

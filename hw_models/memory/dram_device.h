@@ -23,11 +23,13 @@ enum class DramWhy : std::uint8_t {
   kColumn,       ///< column commands follow too closely (tCCD)
   kCommandBus,   ///< the command bus is taken
   kReturnsFull,  ///< reads cannot start because responses do not leave
+  kRankSwitch,   ///< the data bus changes from one rank to another
+  kPowerDown,    ///< the device leaves power-down (tXP)
   kCount
 };
-constexpr std::array<std::string_view, 11> names_of(DramWhy) {
-  return {"idle",    "reading",    "writing", "latency",     "row_conflict", "activate",
-          "refresh", "turnaround", "column",  "command_bus", "returns_full"};
+constexpr std::array<std::string_view, 13> names_of(DramWhy) {
+  return {"idle",       "reading", "writing",     "latency",      "row_conflict", "activate",       "refresh",
+          "turnaround", "column",  "command_bus", "returns_full", "rank_switch",  "power_down_exit"};
 }
 
 /// The banks and busses of one channel: which command may run when. State is "the first cycle at which this may
@@ -35,33 +37,40 @@ constexpr std::array<std::string_view, 11> names_of(DramWhy) {
 class DramDevice {
  public:
   using Cycle = std::uint64_t;
-  static constexpr std::uint32_t kMaxBanks = 32;
-  static constexpr std::uint32_t kMaxGroups = 8;
+  static constexpr std::uint32_t kMaxBanks = 32;  ///< of all ranks, those of a rank together
+  static constexpr std::uint32_t kMaxRanks = 2;
 
   explicit DramDevice(const DramConfig& config);
 
   bool is_open(std::uint32_t bank) const { return ((open_ >> bank) & 1) != 0; }
   bool is_open(std::uint32_t bank, std::uint32_t row) const { return is_open(bank) && rows_[bank] == row; }
 
-  /// The command that a request needs next in this bank.
-  DramCommand needed(std::uint32_t bank, bool hits) const {
-    return hits ? DramCommand::kColumn : is_open(bank) ? DramCommand::kPrecharge : DramCommand::kActivate;
-  }
+  /// Banks with an open row, as a mask.
+  std::uint32_t open_mask() const { return open_; }
 
-  /// What binds every bank, by command.
+  /// What binds every bank of a rank, by command.
   using Floors = std::array<Cycle, 3>;
-  Floors floors(bool write, Cycle now) const;
-  /// The first cycle at which the command may run in the bank.
-  Cycle earliest(DramCommand command, std::uint32_t bank, bool write, const Floors& floors) const {
-    const auto c = static_cast<std::size_t>(command);
-    const std::size_t row = command != DramCommand::kColumn ? kNoGroupRule : write ? kWriteTrain : kReadTrain;
-    return calendar_.first_free(command, std::max({floors[c], bank_at_[c][bank], group_at_[row][group_of(bank)]}));
+  Floors floors(std::uint32_t rank, bool write, Cycle now) const {
+    const Rank& r = rank_[rank];
+    const Cycle from = std::max(now, awake_at_);
+    return {std::max(from, r.column_at[write]), std::max(from, r.next_activate()), from};
   }
+  /// The first cycle at which the command may run in the bank, as far as the buses are free for it.
+  Cycle ready(DramCommand command, std::uint32_t bank, bool write, const Floors& floors) const {
+    const auto c = static_cast<std::size_t>(command);
+    const Cycle at = std::max(floors[c], bank_at_[c][bank]);
+    if (command != DramCommand::kColumn) return at;
+    return std::max(at, group_at_[write ? kWriteTrain : kReadTrain][group_of(bank)]);
+  }
+  /// The first cycle, `ready` or later, at which the buses are free for the command.
+  Cycle earliest(DramCommand command, Cycle ready) const { return calendar_.first_free(command, ready); }
   /// What keeps the command from running one cycle before `at`, its earliest cycle; true of every cycle until then.
   DramWhy reason(DramCommand command, std::uint32_t bank, bool write, Cycle at) const;
 
   void activate(std::uint32_t bank, std::uint32_t row, Cycle now);
   void precharge(std::uint32_t bank, Cycle now);
+  /// The last read or write of the bank's open row brings its precharge along, which takes no command slot.
+  void auto_precharge(std::uint32_t bank) { close(bank, at(DramCommand::kPrecharge, bank)); }
   /// The bursts of one line; returns the cycle of the first data.
   Cycle read(std::uint32_t bank, Cycle now);
   Cycle write(std::uint32_t bank, Cycle now);
@@ -73,42 +82,73 @@ class DramDevice {
     for (Cycle begin = data; begin <= data + train_length_; begin += t_.ccd_l) f(begin, begin + t_.burst);
   }
 
-  /// Refreshes the bank as soon as it may after `due`, closing it first.
-  void refresh(std::uint32_t bank, Cycle due);
+  /// The banks of a rank, and those that one refresh of single banks takes with `bank`, as masks.
+  std::uint32_t banks_of(std::uint32_t rank) const { return rank_banks_ << (rank << rank_shift_); }
+  std::uint32_t refreshed_with(std::uint32_t bank) const { return refresh_set_ << bank; }
+  /// The banks by whose number refreshes of single banks go: the lower one of each pair.
+  std::uint32_t refresh_leaders() const { return refresh_leaders_; }
+
+  /// Refreshes these banks together as soon as they may after `due`, closing them first.
+  void refresh(std::uint32_t banks, Cycle due);
+  /// Refreshes the whole rank as soon as it may after `due`, closing it first.
+  void refresh_rank(std::uint32_t rank, Cycle due);
+  /// Closes these banks together as soon as they may after `from`; returns when all of them are precharged.
+  Cycle precharge_all(std::uint32_t banks, Cycle from);
+  /// No command before `at`: the device leaves power-down.
+  void wake(Cycle at) { awake_at_ = at; }
 
   std::uint32_t open_banks() const;
   std::uint64_t turnarounds() const { return turnarounds_; }
-  /// Cycles before `until` in which a row was open somewhere. `until` never goes back.
+  /// Cycles before `until` in which a rank had a row open, summed over the ranks. `until` never goes back.
   Cycle active_cycles(Cycle until);
 
  private:
-  enum GroupRule : std::uint8_t { kReadTrain, kWriteTrain, kNoGroupRule };
+  enum GroupRule : std::uint8_t { kReadTrain, kWriteTrain };
 
   Cycle& at(DramCommand command, std::uint32_t bank) { return bank_at_[static_cast<std::size_t>(command)][bank]; }
   Cycle at(DramCommand command, std::uint32_t bank) const { return bank_at_[static_cast<std::size_t>(command)][bank]; }
+  std::uint32_t rank_of(std::uint32_t bank) const { return bank >> rank_shift_; }
+  /// A number of the bank's group that no other group of the channel has.
   std::uint32_t group_of(std::uint32_t bank) const { return bank & group_mask_; }
   void close(std::uint32_t bank, Cycle now);
   void book_train(bool write, Cycle now);
+  void keep_busy(std::uint32_t banks, Cycle from, std::uint32_t cycles);
+
+  struct Rank {
+    std::array<Cycle, 2> column_at{};       ///< reads, writes: after data in the other direction
+    std::array<DramWhy, 2> column_why{};    ///< or of another rank
+    Cycle activate_at = 0;                  ///< tRRD
+    std::array<Cycle, 4> four_activates{};  ///< tFAW: when each of the last four leaves the window
+    std::uint32_t oldest_activate = 0;
+    Cycle active = 0;  ///< counted up to active_since
+    Cycle active_since = 0, active_until = 0;
+
+    Cycle next_activate() const { return std::max(activate_at, four_activates[oldest_activate]); }
+    void raise(bool write, Cycle at, DramWhy why) {
+      if (at <= column_at[write]) return;
+      column_at[write] = at;
+      column_why[write] = why;
+    }
+  };
 
   const DramTiming t_;
-  const std::uint32_t group_mask_;
+  const std::uint32_t ranks_, rank_shift_;
+  const std::uint32_t group_mask_;  ///< low bits of the bank, and its rank
+  const std::uint32_t rank_banks_;  ///< of the first rank, as a mask
+  const std::uint32_t refresh_set_;
+  const std::uint32_t refresh_leaders_;
   const Cycle train_length_;  ///< first to last column command of a line
 
   std::uint32_t open_ = 0;  ///< a bit per bank
   std::array<std::uint32_t, kMaxBanks> rows_{};
   std::array<std::array<Cycle, kMaxBanks>, 3> bank_at_{};
   std::array<DramWhy, kMaxBanks> closed_why_{};  ///< what an activate of the closed bank waits for
-  std::array<std::array<Cycle, kMaxGroups>, 3> group_at_{};
-  Cycle read_at_ = 0, write_at_ = 0;       ///< after data in the other direction
-  Cycle activate_at_ = 0;                  ///< tRRD
-  std::array<Cycle, 4> four_activates_{};  ///< tFAW: when each of the last four leaves the window
-  std::uint32_t oldest_activate_ = 0;
+  std::array<std::array<Cycle, kMaxBanks>, 2> group_at_{};
+  std::array<Rank, kMaxRanks> rank_{};
+  Cycle awake_at_ = 0;
   CommandCalendar calendar_;
   bool last_was_write_ = false;
   std::uint64_t turnarounds_ = 0;
-
-  Cycle active_ = 0;  ///< counted up to active_since_
-  Cycle active_since_ = 0, active_until_ = 0;
 };
 
 }  // namespace hw

@@ -10,9 +10,20 @@ std::map<std::string, sim::DeviceEvent> dram_energy_events(const DramConfig& con
       {"dram.read_burst", {e.read_core + e.read_io + e.phy}},
       {"dram.write_burst", {e.write_core + e.write_io + e.phy}},
       {"dram.refresh", {e.refresh}},
+      {"dram.refresh_all", {e.refresh_all}},
       {"dram.active_standby", {e.active_standby * cycle_ns, true}},
       {"dram.precharge_standby", {e.precharge_standby * cycle_ns, true}},
+      {"dram.power_down", {e.power_down_standby * cycle_ns, true}},
   };
+}
+
+sim::Spread dram_energy(const DramConfig& config, const DramChannel::Stats& stats) {
+  const auto events = dram_energy_events(config);
+  sim::Spread sum;
+  DramChannel::Stats::describe(stats, [&](std::uint64_t count, const char*, const char*, const char* event = "") {
+    if (*event != 0) sum += events.at(event).pj * static_cast<double>(count);
+  });
+  return sum;
 }
 
 }  // namespace hw

@@ -2,13 +2,17 @@
 #include <map>
 #include <string>
 
+#include "hw_models/memory/dram_channel.h"
 #include "hw_models/memory/dram_config.h"
 #include "sim/report/energy.h"
 
 namespace hw {
 
 /// What the events that DramChannel counts cost. A burst includes the device's core, the pins and the GPU's PHY; a
-/// standby cycle is the background power of one channel for one cycle of its command clock.
+/// standby cycle is the background power of one rank for one cycle of its command clock.
 std::map<std::string, sim::DeviceEvent> dram_energy_events(const DramConfig& config);
+
+/// What a channel has taken for all that it counted, in pJ.
+sim::Spread dram_energy(const DramConfig& config, const DramChannel::Stats& stats);
 
 }  // namespace hw

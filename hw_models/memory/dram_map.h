@@ -9,19 +9,19 @@ namespace hw {
 
 /// Where a line lies inside its channel.
 struct DramPlace {
-  std::uint32_t bank = 0;
+  std::uint32_t bank = 0;  ///< of all ranks: those of a rank stand together
   std::uint32_t row = 0;
 };
 
-/// Address bits to bank and row; the channel is chosen before, by DramConfig::interleave().
+/// Address bits to rank, bank and row; the channel is chosen before, by DramConfig::interleave().
 class DramMap {
  public:
   explicit DramMap(const DramConfig& c)
       : bank_first_(c.controller.mapping == DramMapping::kRowColumnBankChannel),
-        bank_xor_(c.controller.bank_xor),
         skip_(shift_of(c.line.bytes) + shift_of(c.channels)),
         column_bits_(shift_of(c.organisation.page.bytes) - shift_of(c.line.bytes)),
-        bank_bits_(shift_of(c.organisation.banks)),
+        bank_bits_(shift_of(c.organisation.all_banks())),
+        xor_mask_(c.controller.bank_xor ? c.organisation.banks - 1 : 0),
         row_mask_(c.organisation.rows - 1) {}
 
   DramPlace place(Addr line) const {
@@ -31,7 +31,7 @@ class DramMap {
     DramPlace p;
     p.bank = static_cast<std::uint32_t>(in_channel >> (bank_first_ ? 0 : column_bits_)) & bank_mask;
     p.row = static_cast<std::uint32_t>(in_channel >> (column_bits_ + bank_bits_)) & row_mask_;
-    if (bank_xor_) p.bank ^= p.row & bank_mask;
+    p.bank ^= p.row & xor_mask_;
     return p;
   }
 
@@ -39,10 +39,10 @@ class DramMap {
   static constexpr std::uint32_t shift_of(std::uint64_t n) { return static_cast<std::uint32_t>(std::countr_zero(n)); }
 
   bool bank_first_;
-  bool bank_xor_;
   std::uint32_t skip_;
   std::uint32_t column_bits_;
-  std::uint32_t bank_bits_;
+  std::uint32_t bank_bits_;  ///< those of the rank included, above
+  std::uint32_t xor_mask_;
   std::uint32_t row_mask_;
 };
 

@@ -37,6 +37,8 @@ class DramQueue {
 
   /// Banks that somebody wants, as a mask.
   std::uint32_t banks() const { return banks_; }
+  /// Banks whose open row somebody wants, as a mask.
+  std::uint32_t hit_banks() const { return hit_banks_; }
   /// Places of those who want the bank.
   std::uint64_t waiting(std::uint32_t bank) const { return waiting_[bank]; }
   /// Places of those who want the row that is open in the bank.
@@ -49,7 +51,7 @@ class DramQueue {
     entries_[order_[size_]] = entry;
     size_ += 1;
     waiting_[bank] |= bit;
-    if (row_is_open) hits_[bank] |= bit;
+    if (row_is_open) set_hits(bank, hits_[bank] | bit);
     banks_ |= 1U << bank;
   }
 
@@ -65,6 +67,7 @@ class DramQueue {
       waiting_[b] = without(waiting_[b], place);
       hits_[b] = without(hits_[b], place);
     }
+    set_hits(bank, hits_[bank]);
     if (waiting_[bank] == 0) banks_ &= ~(1U << bank);
   }
 
@@ -74,11 +77,16 @@ class DramQueue {
       const auto place = static_cast<std::size_t>(std::countr_zero(left));
       if (entries_[order_[place]].place.row == row) hits |= std::uint64_t{1} << place;
     }
-    hits_[bank] = hits;
+    set_hits(bank, hits);
   }
-  void row_closed(std::uint32_t bank) { hits_[bank] = 0; }
+  void row_closed(std::uint32_t bank) { set_hits(bank, 0); }
 
  private:
+  void set_hits(std::uint32_t bank, std::uint64_t places) {
+    hits_[bank] = places;
+    hit_banks_ = (hit_banks_ & ~(1U << bank)) | std::uint32_t{places != 0} << bank;
+  }
+
   /// The mask after the place has gone and all behind it moved up.
   static std::uint64_t without(std::uint64_t mask, std::uint32_t place) {
     const std::uint64_t before = (std::uint64_t{1} << place) - 1;
@@ -88,6 +96,7 @@ class DramQueue {
   std::uint32_t capacity_;
   std::uint32_t size_ = 0;
   std::uint32_t banks_ = 0;
+  std::uint32_t hit_banks_ = 0;
   std::array<std::uint8_t, 64> order_{};
   std::array<Entry, 64> entries_{};
   std::array<std::uint64_t, 32> waiting_{};

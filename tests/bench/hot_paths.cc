@@ -5,6 +5,7 @@
 
 #include "hw_models/memory/cache_tags.h"
 #include "hw_models/memory/dram_channel.h"
+#include "hw_models/memory/dram_player.h"
 #include "sim/hash.h"
 #include "sim/link.h"
 #include "tests/hw_models/tni/bench.h"
@@ -81,6 +82,18 @@ void dram_request(benchmark::State& state) {
   state.SetItemsProcessed(state.iterations() * kRequests);
 }
 BENCHMARK(dram_request)->Arg(0)->Arg(1);
+
+/// The memory model alone as `raywatt microbench dram` runs it: stream (0) or random lines (1), so many percent reads.
+void dram_play(benchmark::State& state) {
+  std::vector<hw::DramRequest> requests;
+  for (std::uint64_t i = 0; i < 100'000; ++i) {
+    const std::uint64_t line = state.range(0) == 0 ? i : sim::mix(i) % (1 << 24);
+    requests.push_back({line * 64, sim::hash(i) % 100 >= static_cast<std::uint64_t>(state.range(1)), 0});
+  }
+  for (auto _ : state) benchmark::DoNotOptimize(hw::play(hw::DramConfig{}, requests, 32).end);
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(requests.size()));
+}
+BENCHMARK(dram_play)->Args({0, 100})->Args({0, 80})->Args({1, 100})->Args({1, 80});
 
 }  // namespace
 

@@ -17,7 +17,8 @@ struct DramBench {
     return c;
   }
 
-  explicit DramBench(DramConfig c = quiet(), std::size_t requesters = 1, std::size_t capacity = 64) : config(c) {
+  explicit DramBench(DramConfig c = quiet(), std::size_t requesters = 1, std::size_t capacity = 64, bool ideal = false)
+      : config(c) {
     const sim::Clock clock(c.timing.ck.time);
     DramChannel::Links links;
     for (std::size_t i = 0; i < requesters; ++i) {
@@ -29,7 +30,7 @@ struct DramBench {
       links.ports_in.push_back(&up);
       links.ports_out.push_back(&down);
     }
-    bench.channels.emplace_back(c, links);
+    bench.channels.emplace_back(c, links, ideal);
   }
 
   Requester& requester(std::size_t i = 0) { return *std::next(bench.requesters.begin(), static_cast<long>(i)); }
@@ -46,7 +47,7 @@ struct DramBench {
   /// The address of a row's first line.
   Addr row(std::uint32_t bank, std::uint32_t index) const {
     const Addr page = config.organisation.page.bytes;
-    return (Addr{index} * config.organisation.banks + bank) * page;
+    return (Addr{index} * config.organisation.all_banks() + bank) * page;
   }
 
   DramConfig config;

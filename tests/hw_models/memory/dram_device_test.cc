@@ -16,7 +16,7 @@ using enum DramCommand;
 const DramTiming kT;
 
 Cycle earliest(const DramDevice& d, DramCommand command, std::uint32_t bank, bool write, Cycle now) {
-  return d.earliest(command, bank, write, d.floors(write, now));
+  return d.earliest(command, d.ready(command, bank, write, d.floors(0, write, now)));
 }
 
 DramConfig with_groups() {
@@ -109,10 +109,10 @@ TEST(DramDevice, AfterAWriteTheSameBankGroupWaitsLonger) {
 TEST(DramDevice, ARefreshClosesTheBankAndKeepsItBusy) {
   DramDevice d{DramConfig{}};
   d.activate(0, 0, 0);
-  d.refresh(0, 20);
+  d.refresh(1U << 0, 20);
   EXPECT_FALSE(d.is_open(0));
   EXPECT_EQ(earliest(d, kActivate, 0, false, 21), std::max(kT.rc, kT.ras + kT.rp) + kT.rfc_pb);
-  d.refresh(1, 500);
+  d.refresh(1U << 1, 500);
   EXPECT_EQ(earliest(d, kActivate, 1, false, 501), 500 + kT.rfc_pb);
 }
 
@@ -125,7 +125,7 @@ TEST(DramDevice, StandbyIsActiveFromTheFirstActivateToTheLastPrecharge) {
   d.precharge(1, 400);
   EXPECT_EQ(d.active_cycles(1000), 300U);
   d.activate(0, 0, 2000);
-  d.refresh(0, 2010);  // closes at 2000 + tRAS
+  d.refresh(1U << 0, 2010);  // closes at 2000 + tRAS
   EXPECT_EQ(d.active_cycles(2020), 320U);
   EXPECT_EQ(d.active_cycles(3000), 300U + kT.ras);
 }

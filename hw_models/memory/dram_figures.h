@@ -1,0 +1,32 @@
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "hw_models/memory/dram_config.h"
+
+namespace hw {
+
+/// A figure of a channel, measured on requests made for it, beside its closed form.
+struct DramFigure {
+  /// How the two compare.
+  enum class Holds : std::uint8_t {
+    kExactly,
+    kClosely,  ///< within 2 %
+    kNearly,   ///< between nine tenths of the form and all of it
+    kAtMost,   ///< the form is a bound, and what is lost to command slots and waiting banks is left out (2 % for ends)
+  };
+  std::string name;
+  std::string unit;  ///< "ns" or "GB/s"
+  double measured = 0;
+  double expected = 0;
+  Holds holds = Holds::kExactly;
+
+  bool good() const;
+};
+
+/// The figures of a speed grade: its organisation and timing, under a controller that leaves rows open, neither
+/// refreshes nor powers down and maps addresses as each figure needs it.
+std::vector<DramFigure> dram_figures(const DramConfig& grade);
+
+}  // namespace hw

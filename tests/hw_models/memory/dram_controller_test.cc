@@ -1,0 +1,292 @@
+#include <gtest/gtest.h>
+
+#include "hw_models/memory/dram_forms.h"
+#include "hw_models/memory/dram_player.h"
+#include "tests/hw_models/memory/dram_bench.h"
+
+// What the controller may be told: page policies, schedulers, refreshes, power-down; and a device of two ranks.
+
+namespace hw::test {
+namespace {
+
+const DramTiming kT;
+const DramForms kForm{DramBench::quiet()};
+
+/// Requests for rows of one channel, played alone. Times in cycles.
+struct Script {
+  explicit Script(DramConfig c = DramBench::quiet()) : config(std::move(c)) {}
+
+  void read(std::uint32_t bank, Addr row, std::uint64_t cycle = 0, Addr line = 0) {
+    const Addr page = row * config.organisation.all_banks() + bank;
+    requests.push_back({page * config.organisation.page.bytes + 64 * line, false, cycle * config.timing.ck.time});
+  }
+  void go() { result = play(config, requests, 32); }
+  double latency(std::size_t i) const {
+    return static_cast<double>(result.latency(i)) / static_cast<double>(config.timing.ck.time);
+  }
+  std::uint64_t done(std::size_t i) const { return result.done[i] / config.timing.ck.time; }
+  std::uint64_t why(DramWhy reason) const { return result.why[static_cast<std::size_t>(reason)].second; }
+
+  DramConfig config;
+  std::vector<DramRequest> requests;
+  DramPlay result;
+};
+
+DramConfig with(auto&& change) {
+  DramConfig c = DramBench::quiet();
+  change(c);
+  return c;
+}
+DramConfig with_policy(PagePolicy policy) {
+  return with([&](DramConfig& c) { c.controller.page_policy = policy; });
+}
+
+TEST(ClosedPages, MakeEveryLoneReadOneOfAClosedBank) {
+  Script s(with_policy(PagePolicy::kClosed));
+  s.read(0, 1);
+  s.read(0, 1, 1000);
+  s.read(0, 2, 2000);
+  s.go();
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(s.latency(i), kForm.closed_bank());
+  EXPECT_EQ(s.result.stats.row_misses, 3U);
+}
+
+TEST(ClosedPages, StayOpenForHitsThatWait) {
+  Script s(with_policy(PagePolicy::kClosed));
+  for (Addr i = 0; i < 10; ++i) s.read(0, 1, 0, i);
+  s.go();
+  EXPECT_EQ(s.result.stats.activates, 1U);
+  EXPECT_EQ(s.result.stats.row_hits, 9U);
+}
+
+TEST(ClosedPages, ARowIsClosedNoSoonerThanItsTimesAllow) {
+  Script s(with_policy(PagePolicy::kClosed));
+  s.read(0, 1);
+  s.read(0, 2, kT.rcd + 1);  // arrives after the only hit of row 1 is served
+  s.go();
+  const std::uint64_t precharge = std::max(kT.ras, kT.rcd + kT.ccd_l + kT.rtp);
+  EXPECT_EQ(s.done(1),
+            std::max<std::uint64_t>(precharge + kT.rp, kT.rc) + static_cast<std::uint64_t>(kForm.closed_bank()));
+}
+
+TEST(AdaptivePages, AreClosedWhereTheNextRequestWantsAnotherRow) {
+  Script s(with_policy(PagePolicy::kAdaptive));
+  for (std::uint64_t i = 0; i < 6; ++i) s.read(0, i, 1000 * i);
+  s.go();
+  EXPECT_EQ(s.latency(1), kForm.row_conflict());
+  EXPECT_EQ(s.latency(2), kForm.row_conflict());
+  for (const std::size_t i : {3U, 4U, 5U}) EXPECT_EQ(s.latency(i), kForm.closed_bank()) << "two in a row are enough";
+}
+
+TEST(AdaptivePages, AreLeftOpenAgainWhereTheNextRequestWantsTheSameRow) {
+  Script s(with_policy(PagePolicy::kAdaptive));
+  for (std::uint64_t i = 0; i < 6; ++i) s.read(0, i, 1000 * i);
+  for (std::uint64_t i = 6; i < 12; ++i) s.read(0, 5, 1000 * i);
+  s.go();
+  EXPECT_EQ(s.latency(6), kForm.closed_bank());
+  for (const std::size_t i : {9U, 10U, 11U}) EXPECT_EQ(s.latency(i), kForm.row_hit());
+}
+
+TEST(Scheduler, FirstComeFirstServedLetsNobodyOvertakeNorPrepare) {
+  std::array<Script, 2> scripts{Script(DramBench::quiet()),
+                                Script(with([](DramConfig& c) { c.controller.scheduler = DramScheduler::kFcfs; }))};
+  for (Script& s : scripts) {
+    s.read(0, 1);
+    s.read(0, 2);
+    s.read(0, 1, 0, 1);
+    s.read(1, 1);
+    s.go();
+  }
+  EXPECT_LT(scripts[0].done(2), scripts[0].done(1)) << "a row hit goes first";
+  EXPECT_LT(scripts[0].done(3), scripts[0].done(1)) << "another bank is made ready meanwhile";
+  const Script& in_turn = scripts[1];
+  for (std::size_t i = 1; i < 4; ++i) EXPECT_LT(in_turn.done(i - 1), in_turn.done(i));
+  const std::uint64_t third = in_turn.done(2) - static_cast<std::uint64_t>(kForm.row_hit());
+  EXPECT_EQ(in_turn.done(3), third + kT.ca_column + static_cast<std::uint64_t>(kForm.closed_bank()))
+      << "the bank is opened in the first gap after the third read's first command";
+}
+
+TEST(AllBankRefresh, KeepsEveryBankBusy) {
+  DramConfig c = with([](DramConfig& d) {
+    d.controller.refresh = RefreshKind::kAllBank;
+    d.timing.refi_ab = 6246;
+  });
+  Script s(c);
+  s.read(3, 0, 6246);
+  s.read(5, 0, 12'400);  // leaves a row open into the next refresh
+  s.read(6, 0, 2 * 6246);
+  s.go();
+  const auto closed = static_cast<std::uint64_t>(kForm.closed_bank());
+  EXPECT_EQ(s.done(0), 6246 - 1 + kT.rfc_ab + closed) << "a player's cycles begin one later";
+  EXPECT_EQ(s.done(2), 2 * 6246 - 1 + kT.rp_ab + kT.rfc_ab + closed);
+  EXPECT_EQ(s.result.stats.refreshes_all, 2U);
+  EXPECT_EQ(s.result.stats.refreshes, 0U);
+  EXPECT_GT(s.why(DramWhy::kRefresh), std::uint64_t{2} * kT.rfc_ab - 20);
+}
+
+TEST(PairRefresh, TakesBanksOfTwoGroupsTogether) {
+  DramConfig c;
+  c.organisation.banks = 16;
+  c.organisation.bank_groups = 4;
+  c.organisation.refresh_banks = 2;
+  const DramDevice paired(c);
+  EXPECT_EQ(paired.refresh_leaders(), 0b0011'0011'0011'0011U);
+  EXPECT_EQ(paired.refreshed_with(5), 1U << 5 | 1U << 7);
+  c.organisation.bank_groups = 1;
+  const DramDevice halves(c);
+  EXPECT_EQ(halves.refresh_leaders(), 0x00FFU);
+  EXPECT_EQ(halves.refreshed_with(5), 1U << 5 | 1U << 13);
+}
+
+TEST(PowerDown, BeginsAfterTheIdleTimeAndThePrechargeAndEndsWithARequest) {
+  Script s(with([](DramConfig& c) { c.controller.power_down = true; }));
+  s.read(0, 1);
+  s.read(0, 1, 5000);
+  s.go();
+  EXPECT_EQ(s.latency(1), kForm.after_power_down());
+  EXPECT_EQ(s.why(DramWhy::kPowerDown), kT.xp);
+  EXPECT_EQ(s.result.stats.power_downs, 1U);
+  EXPECT_EQ(s.result.stats.power_down, 5000 - s.done(0) - s.config.controller.power_down_after - kT.rp_ab);
+}
+
+TEST(PowerDown, IsLeftForEveryRefresh) {
+  DramConfig c = with([](DramConfig& d) {
+    d.controller.power_down = true;
+    d.timing.refi_pb = 780;
+  });
+  DramBench b(c);
+  b.requester().send(b.row(7, 0));
+  b.requester().send(b.row(7, 0), 100'000);
+  const std::uint64_t cycles = b.run();
+  const std::uint64_t refreshes = 100'000 / 780;
+  const std::uint64_t awake = refreshes * (kT.xp + kT.rfc_pb);
+  EXPECT_NEAR(static_cast<double>(b.stats().power_down), static_cast<double>(100'000 - awake), 500.0);
+  EXPECT_EQ(b.stats().refreshes, cycles / 780);
+  EXPECT_EQ(b.stats().active_standby + b.stats().precharge_standby + b.stats().power_down, cycles);
+}
+
+TEST(Ranks, HaveActivateWindowsOfTheirOwn) {
+  DramConfig c = with([](DramConfig& d) { d.organisation.ranks = 2; });
+  Script s(c);
+  s.read(0, 0);
+  s.read(8, 0);  // the first bank of the other rank
+  s.read(1, 0, 1000);
+  s.read(2, 0, 1000);
+  s.go();
+  EXPECT_EQ(s.done(1) - s.done(0), 2 * kT.burst + kT.rtrs) << "only the data bus keeps them apart";
+  EXPECT_EQ(s.done(3) - s.done(2), std::max(kT.rrd, 2 * kT.burst)) << "tRRD, within a rank";
+  EXPECT_GT(s.why(DramWhy::kRankSwitch), 0U);
+}
+
+TEST(Ranks, AreRefreshedInTurn) {
+  DramConfig c = with([](DramConfig& d) {
+    d.organisation.ranks = 2;
+    d.timing.refi_pb = 780;
+  });
+  Script s(c);
+  s.read(0, 0, 780);
+  s.read(8, 0, 780);  // its rank's refresh is half an interval later
+  s.read(0, 0, 780'000);
+  s.go();
+  EXPECT_EQ(s.latency(0), kT.rfc_pb - 1 + kForm.closed_bank());
+  EXPECT_LT(s.latency(1), kForm.closed_bank() + 2 * kT.burst);
+  EXPECT_NEAR(static_cast<double>(s.result.stats.refreshes), 2000.0, 2.0);
+  const std::uint64_t cycles = s.done(2);
+  EXPECT_EQ(s.result.stats.active_standby + s.result.stats.precharge_standby, 2 * cycles) << "of either rank";
+}
+
+TEST(Ranks, LieAboveTheirBanksInTheAddress) {
+  DramConfig c = with([](DramConfig& d) {
+    d.organisation.ranks = 2;
+    d.controller.bank_xor = true;
+  });
+  const DramMap map(c);
+  const Addr pages = c.organisation.page.bytes;
+  EXPECT_EQ(map.place(7 * pages).bank, 7U);
+  EXPECT_EQ(map.place(8 * pages).bank, 8U);
+  EXPECT_EQ(map.place(16 * pages).row, 1U);
+  EXPECT_EQ(map.place(16 * pages).bank, 1U) << "row 1 changes the bank";
+  EXPECT_EQ(map.place((8 * 16 + 8) * pages).bank, 8U) << "row 8 does not change the rank";
+}
+
+TEST(IdealChannel, AnswersAnyNumberACycleLater) {
+  DramBench b(DramBench::quiet(), 3, 64, true);
+  for (std::uint64_t i = 0; i < 300; ++i) b.requester(i % 3).send(sim::hash(i) % 65536 * 64, 0, i % 5 == 4);
+  b.run();
+  for (std::size_t r = 0; r < 3; ++r) {
+    for (const auto& sent : b.requester(r).script) {
+      if (!sent.request.write) {
+        EXPECT_EQ(sent.latency(), DramBench::kWires);
+      }
+    }
+    EXPECT_EQ(b.requester(r).script[99].cycle, 99U) << "nobody waits";
+  }
+  EXPECT_EQ(b.stats().reads + b.stats().writes, 300U);
+  EXPECT_EQ(b.stats().read_bursts, 2 * b.stats().reads);
+  EXPECT_EQ(b.stats().activates + b.stats().refreshes, 0U);
+}
+
+TEST(Refresh, ThatBarelyLeavesABankTimeStillLetsEverybodyBeServed) {
+  for (const RefreshKind kind : {RefreshKind::kPerBank, RefreshKind::kAllBank}) {
+    for (const DramScheduler scheduler : {DramScheduler::kFrFcfs, DramScheduler::kFcfs}) {
+      DramConfig c = with([&](DramConfig& d) {
+        d.controller.refresh = kind;
+        d.controller.scheduler = scheduler;
+        d.controller.power_down = true;
+        d.controller.power_down_after = 1;
+        d.timing.refi_pb = 200;
+        d.timing.refi_ab = 1600;
+        d.timing.rfc_pb = d.timing.rfc_ab = 1600 - kT.xp - kT.rp_ab - 2 * kT.rc - 1;
+      });
+      c.check([](const std::string& key, const std::string& what) { ADD_FAILURE() << key << " " << what; });
+      Script s(c);
+      for (std::uint64_t i = 0; i < 600; ++i) {
+        s.requests.push_back({sim::hash(i) % 65536 * 64, sim::hash(i, 1) % 3 == 0, 0});
+      }
+      s.go();
+      EXPECT_EQ(s.result.stats.reads + s.result.stats.writes, 600U);
+    }
+  }
+}
+
+TEST(Controllers, OfEveryKindDoNotDependOnHowTheEngineVisitsThem) {
+  for (std::uint64_t seed = 0; seed < 24; ++seed) {
+    std::string expected;
+    for (const Mode mode : {Mode::kSkip, Mode::kEveryEdge, Mode::kShuffled}) {
+      DramConfig c = DramBench::quiet();
+      c.controller.page_policy = static_cast<PagePolicy>(seed % 3);
+      c.controller.refresh = static_cast<RefreshKind>(seed / 3 % 2);
+      c.controller.power_down = seed / 6 % 2 == 1;
+      c.controller.power_down_after = seed % 5 == 0 ? 1 : 160;
+      c.controller.scheduler = static_cast<DramScheduler>(sim::hash(seed) % 2);
+      c.controller.bank_xor = seed % 2 == 1;
+      c.organisation.ranks = seed / 12 % 2 + 1;
+      c.organisation.refresh_banks = sim::hash(seed, 1) % 2 + 1;
+      c.timing.refi_pb = 780;
+      c.timing.refi_ab = 1600;
+      const bool ideal = seed == 23;
+      DramBench b(c, 3, seed % 4 == 0 ? 1 : 8, ideal);
+      b.requester(0).pop_every = seed % 7 == 0 ? 50 : 1;
+      for (std::uint64_t i = 0; i < 900; ++i) {
+        const std::uint64_t pause = i / 150 * 4321;
+        b.requester(i % 3).send(sim::hash(i, seed) % (seed % 2 == 0 ? 100000 : 512) * 64, pause + i % 150 * (seed % 4),
+                                sim::hash(i, seed, 1) % 3 == 0);
+      }
+      const std::uint64_t cycles = b.run(mode);
+      std::uint64_t spent = 0;
+      for (std::size_t i = 0; i < static_cast<std::size_t>(DramWhy::kCount); ++i) {
+        spent += b.why(static_cast<DramWhy>(i));
+      }
+      EXPECT_EQ(spent, cycles);
+      const DramChannel::Stats& s = b.stats();
+      EXPECT_EQ(s.active_standby + s.precharge_standby + s.power_down, c.organisation.ranks * cycles);
+      EXPECT_EQ(s.reads + s.writes, 900U);
+      const std::string all = b.bench.everything(b.end);
+      if (mode == Mode::kSkip) expected = all;
+      ASSERT_EQ(all, expected) << "seed " << seed;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace hw::test

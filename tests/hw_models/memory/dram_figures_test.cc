@@ -1,0 +1,27 @@
+#include "hw_models/memory/dram_figures.h"
+
+#include <gtest/gtest.h>
+
+#include "sim/config/config.h"
+
+namespace hw::test {
+namespace {
+
+class DramFigures : public testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Grades, DramFigures,
+                         testing::Values("lpddr3-1600", "lpddr4-3200", "lpddr4-4266", "lpddr4x-4266", "lpddr5-6400"),
+                         [](const auto& grade) {
+                           std::string name = grade.param;
+                           std::erase(name, '-');
+                           return name;
+                         });
+
+TEST_P(DramFigures, AllHoldToTheirClosedForms) {
+  const auto grade = sim::load_config<DramConfig>(std::string("configs/dram/") + GetParam() + ".yaml");
+  for (const DramFigure& f : dram_figures(grade)) {
+    EXPECT_TRUE(f.good()) << f.name << ": " << f.measured << " " << f.unit << ", expected " << f.expected;
+  }
+}
+
+}  // namespace
+}  // namespace hw::test
