@@ -25,7 +25,7 @@ Trv::Trv(const TrvConfig& config, const TniMode& mode, const TreeInMemory& tree,
       clock_(clock),
       tree_(tree),
       visit_latency_(config.l1.hit_cycles + config.box_latency),
-      one_line_(tree.one_line()),
+      plain_(tree.one_line() && !tree.hybrid && config.box_testers == 2),
       unbounded_(mode.unbounded),
       one_pipe_(config.box_testers == 1 && !mode.unbounded),
       links_(links),
@@ -53,10 +53,11 @@ sim::Time Trv::tick(sim::Time now) {
   if (one_pipe_) {
     tried = issue_any(now, why);
   } else {
-    for (std::uint64_t able = fetch_.able(); able != 0; able = unbounded_ ? fetch_.able() : 0) {
-      const Why of_this = issue_visit(next_of(able));
-      if (!tried || of_this == Why::kVisiting) why = of_this;
-      tried = true;
+    const std::uint64_t able = fetch_.able();
+    tried = able != 0;
+    if (tried) why = issue_visit(next_of(able));
+    while (unbounded_ && fetch_.able() != 0) {
+      if (issue_visit(next_of(fetch_.able())) == Why::kVisiting) why = Why::kVisiting;
     }
     if (popping_ != 0) as_often_as_may_be([&] { return issue_pop(); });
     if (leaving_ != 0) as_often_as_may_be([&] { return issue_leaf(now); });
@@ -65,7 +66,7 @@ sim::Time Trv::tick(sim::Time now) {
   if (!far_nodes_.empty()) prefetch_far_nodes();  // behind what rays need now
   fetch_.send(now, links_.memory_out);
   const sim::Time next = clock_.after(now, 1);
-  const sim::Time wake = next_wake(next);
+  const sim::Time wake = !one_pipe_ && (fetch_.able() | popping_) != 0 ? next : next_wake(next);
   const Why then = tried && wake == next ? why : waiting(next);
   activity_.spend(now, clock_.period(), tried ? why : then, then);
   return wake;
@@ -160,8 +161,8 @@ Trv::Pipe Trv::next_pipe(Slot& slot) const {
 Trv::Why Trv::issue_visit(std::uint32_t index) {
   Slot& slot = slots_[index];
   const std::uint32_t node = slot.restarting ? paths_[index].back() : traces::node_of(*slot.next);
-  const TreeInMemory::Line read = one_line_ ? TreeInMemory::Line{tree_.line_of(node), true}
-                                            : tree_.line_of_visit(node, config_.box_testers, slot.child, slot.fetched);
+  const TreeInMemory::Line read = plain_ ? TreeInMemory::Line{tree_.line_of(node), true}
+                                         : tree_.line_of_visit(node, config_.box_testers, slot.child, slot.fetched);
   const FetchStage::Result result = fetch_.read(index, read.line, pipes_.cycle());
   if (result == FetchStage::Result::kRead) {
     if (read.last) {
@@ -186,16 +187,23 @@ Trv::Why Trv::issue_visit(std::uint32_t index) {
   }
 }
 
-void Trv::visited(Slot& slot, std::uint32_t index) {
+/// Counts the boxes of a pass. False if the visit needs another pass, which the slot now makes.
+bool Trv::test_boxes(Slot& slot, std::uint32_t index) {
   slot.fetched = 0;
   (tree_.hybrid ? stats_.hybrid_box_tests : stats_.box_tests) += config_.box_testers;
-  if (config_.box_testers == 1) {
-    slot.child ^= 1U;
-    if (slot.child == 1) {
-      stats_.first_passes += 1;
-      pipes_.put(kToInner, index, visit_latency_);
-      return;
-    }
+  if (config_.box_testers == 2) return true;
+  slot.child ^= 1U;
+  if (slot.child == 0) return true;
+  stats_.first_passes += 1;
+  pipes_.put(kToInner, index, visit_latency_);
+  return false;
+}
+
+void Trv::visited(Slot& slot, std::uint32_t index) {
+  if (plain_) {
+    stats_.box_tests += 2;
+  } else if (!test_boxes(slot, index)) {
+    return;
   }
   stats_.visits += 1;
   if (slot.restarting) {
@@ -328,7 +336,6 @@ Trv::Why Trv::waiting(sim::Time next) const {
 }
 
 sim::Time Trv::next_wake(sim::Time next) const {
-  if (!one_pipe_ && (fetch_.able() | popping_) != 0) return next;
   sim::Time at = pipes_.next();
   if (one_pipe_) {
     const sim::Time free_at = std::max(next, leaf_free_at_);

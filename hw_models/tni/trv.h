@@ -130,6 +130,7 @@ class Trv {
   void push(Slot& slot);
   void pop(std::uint32_t index);
   void send_leaf(sim::Time now, std::uint32_t index);
+  bool test_boxes(Slot& slot, std::uint32_t index);
   void visited(Slot& slot, std::uint32_t index);
   void visited_again(Slot& slot, std::uint32_t index);
   /// The youngest entry of the stack is dropped, being behind the hit, or is where the ray goes on.
@@ -149,7 +150,7 @@ class Trv {
   const sim::Clock clock_;
   const TreeInMemory tree_;
   const std::uint32_t visit_latency_;
-  const bool one_line_;   ///< a visit reads one line
+  const bool plain_;      ///< a visit is one pass that reads one line and tests two boxes in floating point
   const bool unbounded_;  ///< any number of operations a cycle
   const bool one_pipe_;   ///< passes, pops and leaves share a pipe
   Links links_;
