@@ -25,7 +25,7 @@ struct RunConfig {
     hw::GpuConfig::describe(c.gpu, field);
     field.group(c.render, "render", "what is rendered, and how finely");
     kernels::ProgramConfig::describe(c.programs, field);
-    field.group(c.bvh, "bvh", "how the tree is built on the host");
+    field.group(c.bvh, "bvh", "how the tree is built on the host, and how it lies in memory");
     field.group(c.energy, "energy", "energy per event, leakage and clock");
     field.group(c.scene, "scene", "what is looked at, from where, and when");
     field.group(c.limits, "limits", "what a scene file may cost at most");
