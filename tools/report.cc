@@ -51,7 +51,7 @@ Json rays_json(const Simulation& s) {
           {"continued", s.function.continued}};
 }
 
-/// What the bytes were for: fills of the L2, the picture, ray slots that did not fit into the tile buffers, and where a
+/// What the bytes were for: lines between L2 and memory, the picture, ray slots that did not fit into the tile buffers, and where a
 /// method has them samples and rates; out and in.
 Json dram_clients_json(const Simulation& s) {
   constexpr std::uint64_t kLine = 64;

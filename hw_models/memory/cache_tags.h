@@ -78,13 +78,6 @@ class CacheTags {
   /// The line at a place that is not empty.
   Addr line_at(std::size_t place) const { return Addr{tags_[place]} << line_shift_; }
 
-  /// Forgets every line.
-  void invalidate() {
-    std::ranges::fill(tags_, kInvalid);
-    std::ranges::fill(used_, 0);
-    std::ranges::fill(trees_, 0);
-  }
-
  private:
   static constexpr std::uint32_t kInvalid = std::numeric_limits<std::uint32_t>::max();
 

@@ -155,56 +155,6 @@ bool L2Bank::read(sim::Time now) {
   return true;
 }
 
-bool L2Bank::write(sim::Time now) {
-  if (!has_room(1)) return false;
-  const MemRequest& r = head_.request;
-  if (writes_ == L2Writes::kBack) {
-    write_here(now);
-  } else {
-    const bool here = store_.find(r.line, r.pieces) != L2Store::Found::kNot;
-    const bool stored = here && writes_ == L2Writes::kThrough;
-    if (here && !stored) store_.take_out(r.line);
-    stats_.write_hits += here;
-    (stored ? stats_.stored : stats_.not_stored) += 1;
-    to_memory(now, MemRequest{r.line, index_, 0, true, r.pieces});
-    stats_.passed_on += 1;
-  }
-  stats_.writes += 1;
-  stats_.bytes_written += eighth_ * static_cast<std::uint32_t>(std::popcount(r.pieces));
-  return true;
-}
-
-/// Keeps what the head writes.
-void L2Bank::write_here(sim::Time now) {
-  const MemRequest& r = head_.request;
-  Pieces overwritten = 0;
-  bool hit = true;
-  if (Waiters* waiters = misses_.find(r.line)) {
-    overwritten = waiters->dirty & r.pieces;
-    waiters->dirty |= r.pieces;
-  } else if (store_.find(r.line, r.pieces) != L2Store::Found::kNot) {
-    overwritten = store_.write(r.line, r.pieces);
-  } else {
-    hit = false;
-    write_back(now, store_.put_in(r.line, r.pieces, r.pieces));
-  }
-  stats_.write_hits += hit;
-  stats_.stored += 1;
-  stats_.bytes_overwritten += eighth_ * static_cast<std::uint32_t>(std::popcount(overwritten));
-}
-
-/// After the end of the frame a dirty line goes each cycle.
-bool L2Bank::flush(sim::Time now) {
-  if (links_.flush_in == nullptr) return false;
-  if (links_.flush_in->can_pop(now)) {
-    links_.flush_in->pop(now);
-    flushing_ = true;
-  }
-  if (!flushing_ || store_.dirty_lines() == 0 || !has_room(1)) return false;
-  write_back(now, store_.clean_next());
-  return true;
-}
-
 L2Bank::Why L2Bank::waiting(sim::Time now) const {
   const std::optional<Reply> next = next_reply(now);
   if (next && !links_.cores_out[next->core]->can_push(now)) return Why::kOutputFull;
@@ -242,45 +192,6 @@ sim::Time L2Bank::next_wake(sim::Time now) const {
   } else {
     at(unsent_.pop_at());
   }
-  return wake;
-}
-
-/// Each core has a way of its own through an ideal bank.
-sim::Time L2Bank::tick_ideal(sim::Time now) {
-  bool served = false;
-  Why then = Why::kIdle;
-  sim::Time wake = sim::kNever;
-  for (std::size_t core = 0; core < ideal_.size(); ++core) {
-    sim::Link<MemRequest>& in = *links_.cores_in[core];
-    sim::Link<MemResponse>&pipe = ideal_[core], &out = *links_.cores_out[core];
-    for (; pipe.can_pop(now) && out.can_push(now); served = true) {
-      out.push(now, pipe.pop(now));
-      latency_ += now;
-    }
-    for (; in.can_pop(now) && pipe.can_push(now); served = true) {
-      if (!in.front().write) latency_ -= in.pop_at();
-      const MemRequest r = in.pop(now);
-      if (r.write) {
-        stats_.writes += 1;
-        stats_.write_hits += 1;
-        stats_.stored += 1;
-        stats_.bytes_written += eighth_ * static_cast<std::uint32_t>(std::popcount(r.pieces));
-      } else {
-        pipe.push(now, {r.line, r.source, r.tag});
-        stats_.reads += 1;
-        stats_.hits += 1;
-      }
-    }
-    if (pipe.can_pop(now)) {
-      then = Why::kOutputFull;
-    } else if (pipe.pop_at() != sim::kNever && then == Why::kIdle) {
-      then = Why::kLookup;
-    }
-    const sim::Time next = now + clock_.period();
-    wake = std::min(wake, sim::opens(now, clock_.period(), in.pop_at(), pipe.push_at()));
-    wake = std::min(wake, sim::opens(now, clock_.period(), pipe.pop_at(), std::max(next, out.push_at())));
-  }
-  activity_.spend(now, clock_.period(), served ? Why::kServing : then, then);
   return wake;
 }
 

@@ -1,7 +1,6 @@
 #include "hw_models/frame/memory_interface.h"
 
 #include <algorithm>
-#include <functional>
 #include <string>
 #include <vector>
 

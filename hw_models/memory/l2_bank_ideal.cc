@@ -1,0 +1,47 @@
+#include <algorithm>
+#include <bit>
+
+#include "hw_models/memory/l2_bank.h"
+
+namespace hw {
+
+/// Each core has a way of its own through an ideal bank.
+sim::Time L2Bank::tick_ideal(sim::Time now) {
+  bool served = false;
+  Why then = Why::kIdle;
+  sim::Time wake = sim::kNever;
+  for (std::size_t core = 0; core < ideal_.size(); ++core) {
+    sim::Link<MemRequest>& in = *links_.cores_in[core];
+    sim::Link<MemResponse>&pipe = ideal_[core], &out = *links_.cores_out[core];
+    for (; pipe.can_pop(now) && out.can_push(now); served = true) {
+      out.push(now, pipe.pop(now));
+      latency_ += now;
+    }
+    for (; in.can_pop(now) && pipe.can_push(now); served = true) {
+      if (!in.front().write) latency_ -= in.pop_at();
+      const MemRequest r = in.pop(now);
+      if (r.write) {
+        stats_.writes += 1;
+        stats_.write_hits += 1;
+        stats_.stored += 1;
+        stats_.bytes_written += eighth_ * static_cast<std::uint32_t>(std::popcount(r.pieces));
+      } else {
+        pipe.push(now, {r.line, r.source, r.tag});
+        stats_.reads += 1;
+        stats_.hits += 1;
+      }
+    }
+    if (pipe.can_pop(now)) {
+      then = Why::kOutputFull;
+    } else if (pipe.pop_at() != sim::kNever && then == Why::kIdle) {
+      then = Why::kLookup;
+    }
+    const sim::Time next = now + clock_.period();
+    wake = std::min(wake, sim::opens(now, clock_.period(), in.pop_at(), pipe.push_at()));
+    wake = std::min(wake, sim::opens(now, clock_.period(), pipe.pop_at(), std::max(next, out.push_at())));
+  }
+  activity_.spend(now, clock_.period(), served ? Why::kServing : then, then);
+  return wake;
+}
+
+}  // namespace hw
