@@ -56,7 +56,7 @@ struct Taker {
   std::uint64_t interval = 1;
   sim::Time next = 0;
   bool in_order = true;
-  std::vector<std::uint64_t> taken;
+  std::vector<std::uint64_t> taken{};
 };
 
 struct Machine {

@@ -27,7 +27,7 @@ Addr victim_of(CacheTags& tags, Addr n) {
 
 /// The tree of bits as a drawing: of each node, whether the next victim is in its upper half.
 struct Tree {
-  explicit Tree(std::uint32_t ways) : ways(ways) {}
+  explicit Tree(std::uint32_t all) : ways(all) {}
   void touch(std::uint32_t way, std::uint32_t low, std::uint32_t size) {
     if (size == 1) return;
     const std::uint32_t half = size / 2;
