@@ -1,5 +1,7 @@
 #include "tools/bottleneck.h"
 
+#include <algorithm>
+
 #include "tools/limiter.h"
 #include "tools/run_job.h"
 
@@ -9,12 +11,19 @@ Bottleneck find_bottleneck(const JobOptions& options) {
   Inputs inputs = load_inputs(options);
   const kernels::ProgramSpec program = kernels::parse_program(options.program);
   const Simulation measured = simulate(inputs, program, options.threads);
-  Bottleneck found{.cycles = measured.cycles, .limiter = limiter(measured.units), .named = {}, .bounds = {}};
+  const CoreTime time = top_down(measured.units, measured.machine).gpu;
+  const std::vector<Estimate> estimates = estimate(time);
+  Bottleneck found{.cycles = measured.cycles,
+                   .limiter = limiter(time),
+                   .time = time,
+                   .named = most(estimates).resource,
+                   .bounds = {}};
   for (const auto& [name, member] : hw::IdealConfig::kResources) {
     bool& ideal = inputs.config.gpu.ideal.*member;
     const bool configured = ideal;
     ideal = true;
-    found.bounds.push_back({std::string(name), simulate(inputs, program, options.threads).cycles});
+    const double estimated = std::ranges::find(estimates, name, &Estimate::resource)->speedup;
+    found.bounds.push_back({std::string(name), simulate(inputs, program, options.threads).cycles, estimated});
     ideal = configured;
   }
   return found;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "tools/options.h"
+#include "tools/top_down.h"
 
 namespace tools {
 
@@ -11,13 +12,15 @@ namespace tools {
 struct Bound {
   std::string resource;
   std::uint64_t cycles = 0;  ///< of the T&I clock
+  double estimated = 1;      ///< the speed-up that the counters of the run as configured promise
 };
 
 /// What limits a frame, as one run's counters say, and what each resource could bring at most, as further runs show.
 struct Bottleneck {
   std::uint64_t cycles = 0;
   std::string limiter;  ///< in words
-  std::string named;    ///< the resource that the counters name
+  CoreTime time;
+  std::string named;  ///< the resource that the counters name
   std::vector<Bound> bounds;
   double speedup(const Bound& bound) const { return static_cast<double>(cycles) / static_cast<double>(bound.cycles); }
 };

@@ -1,73 +1,57 @@
 #include "tools/limiter.h"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstdint>
 #include <string_view>
-#include <vector>
+#include <utility>
 
 #include <fmt/format.h>
+
+#include "hw_models/frame/ideal_config.h"
 
 namespace tools {
 
 namespace {
 
-struct Reason {
-  std::string_view name;
-  std::string_view words;
-  bool busy = false;
-};
+// Chosen: fitted to the bounds of twenty frames (five scenes, four machines), where they name the right resource.
+constexpr double kRegistersInUse =
+    2.0 / 3;  ///< of a cache's miss registers, on average, when misses are all there is to wait for
+constexpr double kBusAtBest = 0.9;  ///< of the data bus, with a frame's accesses
+constexpr double kSlotsGain = 0.6;  ///< of what more ray slots could hide, this much is hidden
 
-/// A kind of unit that may hold a frame back, and what its reasons mean to a reader.
-struct Resource {
-  std::string_view kind;  ///< part of a unit's path
-  std::string_view words;
-  std::vector<Reason> reasons;
-};
+/// The time of two stages together that need `a` and `b` alone.
+double together(double a, double b, double p) {
+  if (a <= 0 || b <= 0) return std::max({a, b, 0.0});
+  return std::pow(std::pow(a, p) + std::pow(b, p), 1 / p);
+}
 
-const std::vector<Resource>& resources() {
-  static const std::vector<Resource> all = {{".trv",
-                                             "traversal units",
-                                             {{"visiting", "", true},
-                                              {"serial", "", true},
-                                              {"starved", "having no rays"},
-                                              {"l1_miss", "node lines that are not in their caches"},
-                                              {"mshr_full", "too few miss registers"},
-                                              {"rau_full", "full ray accumulation tables"},
-                                              {"ist", "waiting for triangle tests"},
-                                              {"pipe", "too few rays to fill the pipelines"},
-                                              {"output_full", "finished rays that cannot leave"}}},
-                                            {".ist",
-                                             "intersection units",
-                                             {{"testing", "", true},
-                                              {"starved", "having no leaves"},
-                                              {"l1_miss", "triangle lines that are not in their caches"},
-                                              {"mshr_full", "too few miss registers"},
-                                              {"rau_full", "full ray accumulation tables"},
-                                              {"pipe", "too few leaves to fill the pipeline"},
-                                              {"output_full", "answers that queue"}}},
-                                            {".srp",
-                                             "shader cores",
-                                             {{"running", "", true},
-                                              {"switching", "", true},
-                                              {"starved", "having no tile"},
-                                              {"cache_miss", "misses of their data caches"},
-                                              {"waiting", "waiting for rays"},
-                                              {"no_slots", "waiting for ray slots in the tile buffer"}}},
-                                            {"dram.",
-                                             "memory channels",
-                                             {{"reading", "", true},
-                                              {"writing", "", true},
-                                              {"idle", "having no requests"},
-                                              {"latency", "access latency"},
-                                              {"row_conflict", "row conflicts"},
-                                              {"activate", "opening rows"},
-                                              {"refresh", "refresh"},
-                                              {"turnaround", "changes between reads and writes"},
-                                              {"column", "spacing of column commands"},
-                                              {"command_bus", "their command buses"},
-                                              {"returns_full", "responses that do not leave"},
-                                              {"rank_switch", "changes between ranks"},
-                                              {"power_down_exit", "leaving power-down"}}}};
-  return all;
+/// How two stages overlapped: p of together(a, b, p) = time.
+double overlap(double a, double b, double time) {
+  if (a <= 0 || b <= 0 || a + b <= time) return 1;
+  double low = 1, high = 40;
+  for (int i = 0; i < 60; ++i) {
+    const double p = (low + high) / 2;
+    (together(a, b, p) > time ? low : high) = p;
+  }
+  return low;
+}
+
+/// What is left of `misses` if a part of their latency goes.
+double without(double misses, double part) { return misses * (1 - part); }
+
+constexpr std::array<std::pair<std::string_view, std::string_view>, 7> kWords = {
+    {{"tni", "T&I units"},
+     {"l1", "first-level caches"},
+     {"l2", "L2 banks"},
+     {"dram", "memory channels"},
+     {"srp", "shader cores"},
+     {"tile_buffer", "tile buffers"},
+     {"interconnect", "core ports and wires"}}};
+
+std::string_view words_of(std::string_view resource) {
+  return std::ranges::find(kWords, resource, &std::pair<std::string_view, std::string_view>::first)->second;
 }
 
 /// Share of the time that all units of a kind gave one reason for.
@@ -88,28 +72,48 @@ Utilisation utilisation(std::span<const sim::UnitReport> units) {
           share(units, "dram.", "reading") + share(units, "dram.", "writing")};
 }
 
-std::string limiter(std::span<const sim::UnitReport> units) {
-  double most_busy = -1, most_loss = 0;
-  std::string words;
-  for (const Resource& resource : resources()) {
-    double busy = 0, loss = 0;
-    std::string_view loses_to;
-    for (const Reason& reason : resource.reasons) {
-      const double part = share(units, resource.kind, reason.name);
-      if (reason.busy) {
-        busy += part;
-      } else if (part > loss) {
-        loss = part;
-        loses_to = reason.words;
-      }
-    }
-    if (busy < most_busy || (busy == most_busy && loss <= most_loss)) continue;
-    most_busy = busy;
-    most_loss = loss;
-    words = fmt::format("{}, busy {:.0f} % of the time", resource.words, 100 * busy);
-    if (loss >= 0.01) words += fmt::format("; they lose most to {} ({:.0f} %)", loses_to, 100 * loss);
+std::vector<Estimate> estimate(const CoreTime& t) {
+  const CoreTime::Demands& d = t.demands;
+  const double neither = t.transfers + t.no_tile, time = 1 - neither;
+  const double kernels = t.busy(), data = t.data_misses, shading = kernels + data;
+  const double p = overlap(shading, d.fed, time);
+  const double tree = t.tracing() > 0 ? d.fed * t.tree_misses / t.tracing() : 0;  // of the T&I unit's time
+  const double memory = std::max(d.dram_bus / kBusAtBest, d.l2_lines / kRegistersInUse);
+  const auto least = [](double lines, double measured) { return std::min(measured, lines / kRegistersInUse); };
+
+  const auto levels = [&](double data_part, double tree_part) {
+    return together(kernels + without(data, data_part), d.fed - tree + without(tree, tree_part), p);
+  };
+  const MissLevels &of_data = t.data_levels, &of_tree = t.tree_levels;
+  const std::vector<std::pair<const char*, double>> times = {
+      {"tni", std::max(together(shading, std::max(tree, least(d.tree_lines, d.fed)), p), memory)},
+      {"l1", levels(1, 1)},
+      {"l2", levels(of_data.l2 + of_data.dram, of_tree.l2 + of_tree.dram)},
+      {"dram", levels(of_data.dram, of_tree.dram)},
+      {"srp", std::max(together(least(d.data_lines, data), d.tracing, p), memory)},
+      {"tile_buffer",
+       time - kSlotsGain * std::max(0.0, std::min(d.no_slots + t.banks, time - std::max(shading, d.fed)))},
+      {"interconnect", std::max(levels(of_data.interconnect / 2, of_tree.interconnect / 2), memory)},
+  };
+  std::vector<Estimate> estimates;
+  for (const auto& [resource, rest] : times) {
+    const double total = std::min(rest, time) + neither;
+    estimates.push_back({resource, total > 0 ? 1 / total : 1});
   }
-  return words;
+  return estimates;
+}
+
+const Estimate& most(const std::vector<Estimate>& estimates) {
+  return *std::ranges::max_element(estimates, {}, &Estimate::speedup);
+}
+
+std::string limiter(const CoreTime& time) {
+  std::vector<Estimate> estimates = estimate(time);
+  std::ranges::stable_sort(estimates, std::greater<>(), &Estimate::speedup);
+  const Estimate &first = estimates[0], &second = estimates[1];
+  if (first.speedup < 1.01) return "nothing alone: no resource made perfect would be worth 1 %";
+  return fmt::format("{} (perfect, they would be worth x{:.2f}; next are {} with x{:.2f})", words_of(first.resource),
+                     first.speedup, words_of(second.resource), second.speedup);
 }
 
 }  // namespace tools

@@ -51,8 +51,8 @@ Json rays_json(const Simulation& s) {
           {"continued", s.function.continued}};
 }
 
-/// What the bytes were for: lines between L2 and memory, the picture, ray slots that did not fit into the tile buffers, and where a
-/// method has them samples and rates; out and in.
+/// What the bytes were for: lines between L2 and memory, the picture, ray slots that did not fit into the tile buffers,
+/// and where a method has them samples and rates; out and in.
 Json dram_clients_json(const Simulation& s) {
   constexpr std::uint64_t kLine = 64;
   const auto moved = [&](const std::string& area) {
@@ -151,8 +151,12 @@ Json totals_json(const Result& result) {
   totals["power_w"] = sim::spread_json(power);
   totals["perf"] = perf_json(s);
   totals["utilisation"] = {{"tni", used.tni}, {"srp", used.srp}, {"dram", used.dram}};
-  totals["top_down"] = top_down_json(top_down(s.units));
-  totals["limiter"] = limiter(s.units);
+  const TopDown view = top_down(s.units, s.machine);
+  totals["top_down"] = top_down_json(view);
+  totals["limiter"] = limiter(view.gpu);
+  const std::vector<Estimate> estimates = estimate(view.gpu);
+  totals["bottleneck"] = {{"named", most(estimates).resource}};
+  for (const Estimate& e : estimates) totals["bottleneck"]["estimated_speedup"][e.resource] = e.speedup;
   totals["kernels"] = kernels_json(s);
   if (result.reference != nullptr) add_relative(totals, result);
   return totals;

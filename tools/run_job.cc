@@ -149,6 +149,7 @@ Simulation simulate(const Inputs& inputs, const kernels::ProgramSpec& program, s
 
   Simulation s;
   s.program = program;
+  s.machine = inputs.config.gpu;
   s.function = front_end.result();
   s.units = gpu->report();
   s.kernel_use = gpu->kernel_use();

@@ -42,6 +42,7 @@ void advance(Inputs& inputs, std::uint32_t frame, std::uint32_t threads);
 /// A frame on the machine, or several added up.
 struct Simulation {
   kernels::ProgramSpec program;
+  hw::GpuConfig machine;
   std::uint32_t frames = 1;
   hw::FrontEnd::Result function;
   std::vector<sim::UnitReport> units;

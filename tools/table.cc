@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "tools/report.h"
+#include "tools/top_down.h"
 
 namespace tools {
 
@@ -71,6 +72,7 @@ std::string overview(const Json& report) {
   line("DRAM traffic", fmt::format("{}  ({})", bytes(t["dram_bytes"]), traffic));
   line("busy", fmt::format("T&I {}, SRP {}, DRAM {}", percent(t["utilisation"]["tni"]),
                            percent(t["utilisation"]["srp"]), percent(t["utilisation"]["dram"])));
+  line("time goes to", top_down_text(t["top_down"]["gpu"]));
   line("limited by", t["limiter"].get<std::string>());
   line("energy", spread(t["energy_mj"], 1, "mJ  (low / nominal / high)"));
   line("power", spread(t["power_w"], 1, "W"));

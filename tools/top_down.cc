@@ -1,6 +1,8 @@
 #include "tools/top_down.h"
 
 #include <algorithm>
+#include <functional>
+#include <map>
 #include <string_view>
 #include <utility>
 
@@ -91,18 +93,40 @@ Inside inside(const Units& trvs, const Units& ist) {
           ratio(misses_of(trvs), there) + at_ist * ratio(misses_of(ist), leaves)};
 }
 
-CoreTime core_time(std::span<const UnitReport> units, const std::string& core, const Beyond& memory) {
+/// Lines that a first-level cache can have on their way at once.
+double registers(const hw::TniConfig& config, const hw::CacheConfig& cache) {
+  return config.miss_handling == hw::MissHandling::kBlocking ? 1 : cache.mshrs;
+}
+
+/// Time for all visits at the pace of times when every ray slot was taken; that of all times where there were too few.
+double tracing_demand(const Units& trvs) {
+  const double occupied = 1 - trvs.share("starved"), full = ratio(trvs.counted("full"), trvs.elapsed());
+  if (full < 0.02) return occupied;
+  return std::min(occupied, full * ratio(trvs.counted("visits"), trvs.counted("full_visits")));
+}
+
+CoreTime core_time(std::span<const UnitReport> units, const std::string& core, const Beyond& memory,
+                   const hw::GpuConfig& config) {
   const Units srp(units, core + ".srp"), trvs(units, core + ".tni.", ".trv"), ist(units, core + ".tni.", ".ist");
+  const Units banks(units, "l2.");
   CoreTime t;
   t.kernels = srp.share("running");
   t.switches = srp.share("switching");
   t.banks = srp.share("banks");
   t.data_misses = srp.share("cache_miss");
   t.no_tile = srp.share("starved");
-  t.no_slots = srp.share("no_slots");
-  t.fed = ratio(srp.counted("fed"), srp.elapsed());
+  t.demands = {.no_slots = srp.share("no_slots"),
+               .fed = ratio(srp.counted("fed"), srp.elapsed()),
+               .occupied = 1 - trvs.share("starved"),
+               .tree_lines = std::max(
+                   ratio(trvs.counted("l1_miss_cycles"), trvs.elapsed()) / registers(config.tni, config.tni.trv.l1),
+                   ratio(ist.counted("l1_miss_cycles"), ist.elapsed()) / registers(config.tni, config.tni.ist.l1)),
+               .data_lines = ratio(srp.counted("cache_miss_cycles"), srp.elapsed()) / config.srp.data_cache.mshrs,
+               .l2_lines = ratio(banks.counted("line_cycles"), banks.elapsed()) / config.l2.mshrs_per_bank(),
+               .dram_bus = Units(units, "dram.").share("reading") + Units(units, "dram.").share("writing"),
+               .tracing = tracing_demand(trvs)};
   const double tracing = ratio(srp.counted("awaited"), srp.elapsed());
-  t.transfers = std::max(0.0, srp.share("waiting") + t.no_slots - tracing);
+  t.transfers = std::max(0.0, srp.share("waiting") + t.demands.no_slots - tracing);
   const Inside in = inside(trvs, ist);
   t.boxes = tracing * in.boxes;
   t.triangles = tracing * in.triangles;
@@ -119,10 +143,15 @@ CoreTime core_time(std::span<const UnitReport> units, const std::string& core, c
 /// Calls f(member of a, same member of b) for everything in a CoreTime.
 template <class A, class F>
 void each_share(A& a, const CoreTime& b, F&& f) {
-  for (double CoreTime::*share : {&CoreTime::kernels, &CoreTime::switches, &CoreTime::banks, &CoreTime::data_misses,
-                                  &CoreTime::boxes, &CoreTime::triangles, &CoreTime::pipes, &CoreTime::tree_misses,
-                                  &CoreTime::transfers, &CoreTime::no_tile, &CoreTime::no_slots, &CoreTime::fed}) {
+  for (double CoreTime::*share :
+       {&CoreTime::kernels, &CoreTime::switches, &CoreTime::banks, &CoreTime::data_misses, &CoreTime::boxes,
+        &CoreTime::triangles, &CoreTime::pipes, &CoreTime::tree_misses, &CoreTime::transfers, &CoreTime::no_tile}) {
     f(a.*share, b.*share);
+  }
+  using Demands = CoreTime::Demands;
+  for (double Demands::*demand : {&Demands::no_slots, &Demands::fed, &Demands::occupied, &Demands::tree_lines,
+                                  &Demands::data_lines, &Demands::l2_lines, &Demands::dram_bus, &Demands::tracing}) {
+    f(a.demands.*demand, b.demands.*demand);
   }
   for (MissLevels CoreTime::*of : {&CoreTime::data_levels, &CoreTime::tree_levels}) {
     for (double MissLevels::*level : {&MissLevels::interconnect, &MissLevels::l2, &MissLevels::dram}) {
@@ -135,32 +164,13 @@ nlohmann::ordered_json levels_json(const MissLevels& l, double share) {
   return {{"interconnect", share * l.interconnect}, {"l2", share * l.l2}, {"dram", share * l.dram}};
 }
 
-nlohmann::ordered_json time_json(const CoreTime& t) {
-  return {{"kernels", t.kernels},     {"switches", t.switches},
-          {"banks", t.banks},         {"data_misses", levels_json(t.data_levels, t.data_misses)},
-          {"boxes", t.boxes},         {"triangles", t.triangles},
-          {"pipes", t.pipes},         {"tree_misses", levels_json(t.tree_levels, t.tree_misses)},
-          {"transfers", t.transfers}, {"no_tile", t.no_tile}};
-}
-
-std::string levels_text(const MissLevels& l, double share) {
-  std::vector<std::pair<double, const char*>> parts = {
-      {share * l.dram, "DRAM"}, {share * l.l2, "L2"}, {share * l.interconnect, "interconnect"}};
-  std::ranges::sort(parts, std::greater<>());
-  std::vector<std::string> words;
-  for (const auto& [part, name] : parts) {
-    if (part >= 0.005) words.push_back(fmt::format("{} {:.0f} %", name, 100 * part));
-  }
-  return words.empty() ? "" : fmt::format(" ({})", fmt::join(words, ", "));
-}
-
 }  // namespace
 
-TopDown top_down(std::span<const UnitReport> units) {
+TopDown top_down(std::span<const UnitReport> units, const hw::GpuConfig& config) {
   const Beyond memory = beyond(units);
   TopDown view;
   for (std::size_t c = 0; !Units(units, fmt::format("core{}.", c)).empty(); ++c) {
-    view.cores.push_back(core_time(units, fmt::format("core{}", c), memory));
+    view.cores.push_back(core_time(units, fmt::format("core{}", c), memory, config));
   }
   for (const CoreTime& core : view.cores) {
     each_share(view.gpu, core,
@@ -169,30 +179,61 @@ TopDown top_down(std::span<const UnitReport> units) {
   return view;
 }
 
+nlohmann::ordered_json time_json(const CoreTime& t) {
+  return {{"kernels", t.kernels},
+          {"switches", t.switches},
+          {"banks", t.banks},
+          {"data_misses", levels_json(t.data_levels, t.data_misses)},
+          {"boxes", t.boxes},
+          {"triangles", t.triangles},
+          {"pipes", t.pipes},
+          {"tree_misses", levels_json(t.tree_levels, t.tree_misses)},
+          {"transfers", t.transfers},
+          {"no_tile", t.no_tile},
+          {"demands",
+           {{"no_slots", t.demands.no_slots},
+            {"fed", t.demands.fed},
+            {"occupied", t.demands.occupied},
+            {"tree_lines", t.demands.tree_lines},
+            {"data_lines", t.demands.data_lines},
+            {"l2_lines", t.demands.l2_lines},
+            {"dram_bus", t.demands.dram_bus},
+            {"tracing", t.demands.tracing}}}};
+}
+
 nlohmann::ordered_json top_down_json(const TopDown& view) {
   nlohmann::ordered_json out = {{"gpu", time_json(view.gpu)}, {"cores", nlohmann::ordered_json::array()}};
   for (const CoreTime& core : view.cores) out["cores"].push_back(time_json(core));
   return out;
 }
 
-std::string top_down_text(const CoreTime& t) {
-  std::vector<std::pair<double, std::string>> parts = {
-      {t.kernels, ""},   {t.switches, ""},  {t.banks, ""}, {t.data_misses, levels_text(t.data_levels, t.data_misses)},
-      {t.boxes, ""},     {t.triangles, ""}, {t.pipes, ""}, {t.tree_misses, levels_text(t.tree_levels, t.tree_misses)},
-      {t.transfers, ""}, {t.no_tile, ""},
-  };
-  constexpr const char* kNames[] = {"kernels",   "kernel switches", "tile-buffer banks", "data-cache misses",
-                                    "box tests", "triangles",       "T&I pipelines",     "tree misses",
-                                    "transfers", "no tile"};
-  std::vector<std::pair<double, std::string>> words;
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    const auto& [share, levels] = parts[i];
-    if (share >= 0.005) words.emplace_back(share, fmt::format("{} {:.0f} %{}", kNames[i], 100 * share, levels));
+std::string top_down_text(const nlohmann::ordered_json& time) {
+  static const std::map<std::string, const char*> kWords = {{"kernels", "kernels"},
+                                                            {"switches", "kernel switches"},
+                                                            {"banks", "tile-buffer banks"},
+                                                            {"data_misses", "data-cache misses"},
+                                                            {"boxes", "box tests"},
+                                                            {"triangles", "triangle tests"},
+                                                            {"pipes", "T&I pipelines"},
+                                                            {"tree_misses", "tree misses"},
+                                                            {"transfers", "transfers"},
+                                                            {"no_tile", "no tile"},
+                                                            {"dram", "DRAM"},
+                                                            {"l2", "L2"},
+                                                            {"interconnect", "interconnect"}};
+  std::vector<std::pair<double, std::string>> parts;
+  for (const auto& [name, share] : time.items()) {
+    if (name == "demands") continue;
+    double all = 0;
+    for (const auto& [level, part] : share.items()) all += part.get<double>();
+    if (all < 0.005) continue;
+    const std::string inner = share.is_object() ? fmt::format(" ({})", top_down_text(share)) : "";
+    parts.emplace_back(all, fmt::format("{} {:.0f} %{}", kWords.at(name), 100 * all, inner));
   }
-  std::ranges::stable_sort(words, std::greater<>(), [](const auto& w) { return w.first; });
-  std::vector<std::string> text;
-  for (auto& [share, word] : words) text.push_back(std::move(word));
-  return fmt::format("{}", fmt::join(text, ", "));
+  std::ranges::stable_sort(parts, std::greater<>(), &std::pair<double, std::string>::first);
+  std::vector<std::string> words;
+  for (auto& [share, word] : parts) words.push_back(std::move(word));
+  return fmt::format("{}", fmt::join(words, ", "));
 }
 
 }  // namespace tools

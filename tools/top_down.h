@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "hw_models/frame/gpu_config.h"
 #include "sim/report/unit_report.h"
 
 namespace tools {
@@ -30,10 +31,18 @@ struct CoreTime {
   double pipes = 0;        ///< too few rays to fill pipelines, and what holds rays up inside the unit
   double tree_misses = 0;  ///< rays wait for node or triangle lines
   double transfers = 0, no_tile = 0;
-  /// Of the shares above, time in which launches waited for ray slots of the tile buffer.
-  double no_slots = 0;
-  /// Rays were in the T&I unit, whatever the array did.
-  double fed = 0;
+  /// What parts of the core would need alone, as shares of the same time; they overlap with each other.
+  struct Demands {
+    double no_slots = 0;    ///< launches waited for ray slots of the tile buffer
+    double fed = 0;         ///< rays were in the T&I unit
+    double occupied = 0;    ///< of an average traversal unit: rays were inside
+    double tree_lines = 0;  ///< least time for the T&I unit's misses, all miss registers of a cache always in use
+    double data_lines = 0;  ///< likewise for the data cache
+    double l2_lines = 0;    ///< likewise for the L2
+    double dram_bus = 0;    ///< data were on the channels' buses
+    double tracing = 0;     ///< of the T&I unit, at the pace it has with a ray in every slot
+  };
+  Demands demands;
   /// What the misses of its three kinds of cache were spent on.
   MissLevels data_levels, tree_levels;
 
@@ -46,10 +55,13 @@ struct TopDown {
   std::vector<CoreTime> cores;
   CoreTime gpu;
 };
-TopDown top_down(std::span<const sim::UnitReport> units);
+TopDown top_down(std::span<const sim::UnitReport> units, const hw::GpuConfig& config);
 
+nlohmann::ordered_json time_json(const CoreTime& time);
+/// {gpu, cores[]}, each as above.
 nlohmann::ordered_json top_down_json(const TopDown& view);
-/// A line in words: "kernels 44 %, data-cache misses 30 % (DRAM 22 %, ...), tracing 20 %, ...", largest first.
-std::string top_down_text(const CoreTime& time);
+/// A line in words of what time_json() gives: "kernels 44 %, data-cache misses 30 % (DRAM 22 %, ...), ...", largest
+/// first.
+std::string top_down_text(const nlohmann::ordered_json& time);
 
 }  // namespace tools

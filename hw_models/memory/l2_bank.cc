@@ -47,6 +47,7 @@ void L2Bank::finish(sim::Time end) {
   activity_.finish(end);
   stats_.latency = clock_.cycles(latency_);
   stats_.memory_cycles = clock_.cycles(memory_time_);
+  stats_.line_cycles = clock_.cycles(line_time_);
 }
 
 bool L2Bank::idle() const {
@@ -85,6 +86,7 @@ bool L2Bank::take_fill(sim::Time now) {
   channels_turn_.served(channel);
   const Addr line = links_.channels_in[channel]->pop(now).line;
   filled_ = {line, 0, misses_.release(line)};
+  line_time_ += now;
   memory_time_ += now * filled_.waiters.count;
   write_back(now, store_.put_in(line, kWholeLine, filled_.waiters.dirty));
   stats_.fills += 1;
@@ -142,6 +144,7 @@ bool L2Bank::read(sim::Time now) {
     if (waiters == nullptr ? misses_.full() || !has_room(2) : waiters->count == targets_) return false;
     if (waiters == nullptr) {
       waiters = &misses_.allocate(r.line);
+      line_time_ -= now;
       if (found == L2Store::Found::kPart) waiters->dirty = store_.take_out(r.line);
       to_memory(now, MemRequest{r.line, index_, 0, false});
     } else {

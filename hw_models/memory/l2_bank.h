@@ -53,7 +53,7 @@ class L2Bank {
     std::uint64_t reads = 0, hits = 0, misses = 0, merges = 0, fills = 0;
     std::uint64_t writes = 0, write_hits = 0, stored = 0, not_stored = 0, passed_on = 0, written_back = 0;
     std::uint64_t bytes_written = 0, bytes_overwritten = 0, bytes_to_memory = 0;
-    std::uint64_t latency = 0, memory_cycles = 0;
+    std::uint64_t latency = 0, memory_cycles = 0, line_cycles = 0;
     static void describe(auto& s, auto&& counter) {
       counter(s.reads, "reads", "requests looked up: hits + misses");
       counter(s.hits, "hits", "requests that found their line", "cache.l2_read");
@@ -71,6 +71,7 @@ class L2Bank {
       counter(s.bytes_to_memory, "bytes_to_memory", "bytes that memory was told to write");
       counter(s.latency, "latency", "cycles from the arrival of reads to their lines leaving, all together");
       counter(s.memory_cycles, "memory_cycles", "of these, cycles in which misses waited for their lines");
+      counter(s.line_cycles, "line_cycles", "sum over lines of cycles from the miss to the fill");
     }
   };
   struct Links {
@@ -162,7 +163,7 @@ class L2Bank {
   Arbiter channels_turn_;
   bool flushing_ = false;
   std::deque<sim::Link<MemResponse>> ideal_;  ///< answers to each core, a cycle long; none unless ideal
-  sim::Time latency_ = 0, memory_time_ = 0;   ///< sums of ends minus sums of beginnings: exact when all has ended
+  sim::Time latency_ = 0, memory_time_ = 0, line_time_ = 0;   ///< sums of ends minus sums of beginnings: exact when all has ended
   Stats stats_;
   sim::Activity<Why> activity_;
 };

@@ -43,6 +43,7 @@ sim::Time Trv::tick(sim::Time now) {
     while (step() && unbounded_) {
     }
   };
+  const std::uint64_t visits_before = stats_.visits;
   pipes_.advance(now);
   release(pipes_.take());
   as_often_as_may_be([&] { return take_line(now); });
@@ -65,11 +66,23 @@ sim::Time Trv::tick(sim::Time now) {
   if (retiring_ != 0) as_often_as_may_be([&] { return retire(now); });
   if (!far_nodes_.empty()) prefetch_far_nodes();  // behind what rays need now
   fetch_.send(now, links_.memory_out);
+  if (full_) {
+    full_time_ += now - last_tick_;
+    stats_.full_visits += stats_.visits - visits_before;
+  }
+  full_ = free_ == 0;
+  last_tick_ = now;
   const sim::Time next = clock_.after(now, 1);
   const sim::Time wake = !one_pipe_ && (fetch_.able() | popping_) != 0 ? next : next_wake(next);
   const Why then = tried && wake == next ? why : waiting(next);
   activity_.spend(now, clock_.period(), tried ? why : then, then);
   return wake;
+}
+
+void Trv::finish(sim::Time end) {
+  activity_.finish(end);
+  if (full_) full_time_ += end - last_tick_;
+  stats_.full = clock_.cycles(full_time_);
 }
 
 void Trv::release(const Wheel<kPipes>::Masks& out) {

@@ -48,10 +48,13 @@ class Trv {
     std::uint64_t rays_in = 0, rays_out = 0;
     std::uint64_t visits = 0, restarted_visits = 0, first_passes = 0, box_tests = 0, hybrid_box_tests = 0;
     std::uint64_t bypass_passes = 0, prefetch_probes = 0, prefetches = 0;
+    std::uint64_t full = 0, full_visits = 0;
     std::uint64_t pushes = 0, pops = 0, dropped = 0, restarts = 0, leaves = 0;
     static void describe(auto& s, auto&& counter) {
       counter(s.rays_in, "rays_in", "rays accepted into the input buffer", "tni.ray_buffer_write");
       counter(s.rays_out, "rays_out", "rays retired", "tni.ray_buffer_read");
+      counter(s.full, "full", "cycles with a ray in every slot");
+      counter(s.full_visits, "full_visits", "visits in these");
       counter(s.visits, "visits", "nodes tested, restarts included", "tni.ray_update");
       counter(s.restarted_visits, "restarted_visits", "of these, nodes tested again after a restart");
       counter(s.first_passes, "first_passes", "visits' passes for the first child alone (one box tester)",
@@ -89,7 +92,7 @@ class Trv {
   const sim::Clock& clock() const { return clock_; }
   const Stats& stats() const { return stats_; }
   const sim::Activity<Why>& activity() const { return activity_; }
-  void finish(sim::Time end) { activity_.finish(end); }
+  void finish(sim::Time end);
   bool idle() const { return occupied_ == 0 && !fetch_.waits_for_memory(); }
   std::string state() const;
 
@@ -154,6 +157,9 @@ class Trv {
   const bool unbounded_;  ///< any number of operations a cycle
   const bool one_pipe_;   ///< passes, pops and leaves share a pipe
   Links links_;
+  /// Since the last tick there was a ray in every slot.
+  bool full_ = false;
+  sim::Time last_tick_ = 0, full_time_ = 0;
   Stats stats_;
   FetchStage fetch_;
   std::vector<Slot> slots_;

@@ -7,7 +7,6 @@
 
 #include "sim/report/report_json.h"
 #include "sim/report/table.h"
-#include "tools/run_job.h"
 #include "tools/verbs/verbs.h"
 
 namespace tools {
@@ -17,20 +16,25 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 std::string text_of(const Bottleneck& b) {
-  std::string out = fmt::format("{} cycles (T&I clock); limited by {}\n\n", sim::si_text(static_cast<double>(b.cycles)), b.limiter);
-  sim::Table table({"made perfect", "cycles at best", "speed-up"});
+  std::string out =
+      fmt::format("{} cycles of the T&I clock\nlimited by    {}\ntime goes to  {}\n\n",
+                  sim::si_text(static_cast<double>(b.cycles)), b.limiter, top_down_text(time_json(b.time)));
+  sim::Table table({"made perfect", "cycles", "speed-up", "estimated"});
   for (const Bound& bound : b.bounds) {
-    table.row({std::string(bound.resource), sim::si_text(static_cast<double>(bound.cycles)),
-               fmt::format("{:.3f}", b.speedup(bound))});
+    table.row({bound.resource, sim::si_text(static_cast<double>(bound.cycles)), fmt::format("{:.3f}", b.speedup(bound)),
+               fmt::format("{:.2f}", bound.estimated)});
   }
   return out + table.text();
 }
 
 Json json_of(const Bottleneck& b) {
   Json bounds = Json::object();
-  for (const Bound& bound : b.bounds)
-    bounds[std::string(bound.resource)] = {{"cycles", bound.cycles}, {"speedup", b.speedup(bound)}};
-  return {{"schema", "raywatt-bottleneck/1"}, {"cycles", b.cycles}, {"limiter", b.limiter}, {"bounds", bounds}};
+  for (const Bound& bound : b.bounds) {
+    bounds[bound.resource] = {
+        {"cycles", bound.cycles}, {"speedup", b.speedup(bound)}, {"estimated_speedup", bound.estimated}};
+  }
+  return {{"schema", "raywatt-bottleneck/1"}, {"cycles", b.cycles}, {"limiter", b.limiter}, {"named", b.named},
+          {"top_down", time_json(b.time)},    {"bounds", bounds}};
 }
 
 }  // namespace
