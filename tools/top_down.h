@@ -42,9 +42,9 @@ struct CoreTime {
     double dram_bus = 0;    ///< data were on the channels' buses
     double tracing = 0;     ///< of the T&I unit, at the pace it has with a ray in every slot
   };
-  Demands demands;
+  Demands demands{};
   /// What the misses of its three kinds of cache were spent on.
-  MissLevels data_levels, tree_levels;
+  MissLevels data_levels{}, tree_levels{};
 
   double busy() const { return kernels + switches + banks; }
   double tracing() const { return boxes + triangles + pipes + tree_misses; }

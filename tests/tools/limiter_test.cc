@@ -1,94 +1,86 @@
 #include "tools/limiter.h"
 
-#include <algorithm>
-#include <string>
-#include <vector>
-
 #include <gtest/gtest.h>
 
-#include "tools/run_job.h"
+#include "tests/tools/made_up_machine.h"
 
-// The words for what holds a frame back, on made-up units of 100 cycles each.
+// Which resource is named from the counters of one run.
 
-namespace test {
+namespace tools {
 namespace {
 
-using Why = std::vector<std::pair<std::string, std::uint64_t>>;
-
-sim::UnitReport unit_of(std::string path, const Why& why) {
-  sim::UnitReport report;
-  report.path = std::move(path);
-  report.elapsed = 100;
-  report.why = why;
-  return report;
-}
-
-/// A machine of one core; what is not given is idle.
-struct Machine {
-  Why trv = {{"starved", 100}};
-  Why ist = {{"starved", 100}};
-  Why srp = {{"starved", 100}};
-  Why dram = {{"idle", 100}};
-  std::vector<sim::UnitReport> units() const {
-    return {unit_of("core0.tni.trv0", trv), unit_of("core0.tni.ist", ist), unit_of("core0.srp", srp),
-            unit_of("dram.channel0", dram)};
+double worth(const CoreTime& time, const std::string& resource) {
+  for (const Estimate& e : estimate(time)) {
+    if (e.resource == resource) return e.speedup;
   }
-  std::string words() const { return tools::limiter(units()); }
-};
-
-TEST(Limiter, IsTheBusiestKindOfUnitAndWhatItLosesMostTimeTo) {
-  Machine machine{.trv = {{"visiting", 60}, {"l1_miss", 25}, {"ist", 15}}, .srp = {{"running", 40}, {"waiting", 60}}};
-  EXPECT_EQ(machine.words(),
-            "traversal units, busy 60 % of the time; they lose most to node lines that are not in their caches (25 %)");
-  machine.dram = {{"reading", 60}, {"writing", 25}, {"turnaround", 15}};
-  EXPECT_EQ(machine.words(),
-            "memory channels, busy 85 % of the time; they lose most to changes between reads and writes (15 %)");
+  ADD_FAILURE() << resource;
+  return 0;
 }
 
-TEST(Limiter, LosesNothingIfItIsBusyAllTheTime) {
-  EXPECT_EQ((Machine{.ist = {{"testing", 100}}}).words(), "intersection units, busy 100 % of the time");
+TEST(Limiter, IsTheShaderCoreWhereKernelsKeepTheArrayBusyAndTheUnitWaits) {
+  const CoreTime t = {.kernels = 1, .demands = {.fed = 0.25, .occupied = 0.25, .tracing = 0.25}};
+  EXPECT_EQ(most(estimate(t)).resource, "srp");
+  EXPECT_NEAR(worth(t, "srp"), 4, 1e-6) << "the T&I unit alone needs a quarter";
+  EXPECT_EQ(limiter(t).substr(0, 31), "shader cores (perfect, they wou");
 }
 
-TEST(Limiter, ShaderCoresAreBusyWhileTheySwitchKernelsToo) {
-  const Machine machine{.trv = {{"visiting", 60}, {"starved", 40}},
-                        .srp = {{"running", 45}, {"switching", 20}, {"cache_miss", 35}}};
-  EXPECT_EQ(machine.words(),
-            "shader cores, busy 65 % of the time; they lose most to misses of their data caches (35 %)");
+TEST(Limiter, IsTheUnitWhereTheArrayWaitsForRays) {
+  const CoreTime t = {
+      .kernels = 0.2, .boxes = 0.6, .triangles = 0.2, .demands = {.fed = 1, .occupied = 1, .tracing = 1}};
+  EXPECT_EQ(most(estimate(t)).resource, "tni");
+  EXPECT_NEAR(worth(t, "tni"), 5, 1e-6) << "kernels alone need a fifth";
+  EXPECT_NEAR(worth(t, "srp"), 1, 0.01) << "they are hidden behind the unit";
 }
 
-TEST(Limiter, HasWordsForEveryReasonOfTheRealUnits) {
-  tools::JobOptions options;
-  options.resolution = "16x16";
-  const auto units = tools::simulate(tools::load_inputs(options), kernels::parse_program("full:1"), 1).units;
-  for (const auto& [kind, busy] :
-       {std::pair{".trv", "visiting"}, {".ist", "testing"}, {".srp", "running"}, {"dram.", "reading"}}) {
-    const auto of_kind = [&](const sim::UnitReport& unit) { return unit.path.find(kind) != std::string::npos; };
-    const auto real = std::ranges::find_if(units, of_kind);
-    ASSERT_NE(real, units.end()) << kind;
-    for (const auto& [reason, cycles] : real->why) {
-      const std::string words = tools::limiter(std::vector{unit_of(real->path, {{busy, 50}, {reason, 50}})});
-      const bool told = words.find("busy 100 %") != std::string::npos || words.find("(50 %)") != std::string::npos;
-      EXPECT_TRUE(told) << real->path << ", " << reason << ": " << words;
-    }
-  }
+TEST(Limiter, IsTheFirstLevelWhereTheArrayStandsStillForItsLines) {
+  const CoreTime t = {.kernels = 0.3,
+                      .data_misses = 0.7,
+                      .demands = {.fed = 0.05, .occupied = 0.05, .data_lines = 0.35, .tracing = 0.05},
+                      .data_levels = {.interconnect = 0.2, .l2 = 0.3, .dram = 0.5}};
+  EXPECT_EQ(most(estimate(t)).resource, "l1");
+  EXPECT_GT(worth(t, "l1"), worth(t, "l2"));
+  EXPECT_GT(worth(t, "l2"), worth(t, "dram")) << "a perfect L2 asks nothing of memory";
+  EXPECT_NEAR(worth(t, "dram"), 1 / (0.3 + 0.35), 0.02);
 }
 
-TEST(Utilisation, IsTheShareOfCyclesInWhichUnitsOfAKindWork) {
-  const Machine machine{.trv = {{"visiting", 30}, {"starved", 70}},
-                        .srp = {{"running", 45}, {"switching", 5}, {"starved", 50}},
-                        .dram = {{"reading", 20}, {"writing", 5}, {"idle", 75}}};
-  const tools::Utilisation used = tools::utilisation(machine.units());
-  EXPECT_DOUBLE_EQ(used.tni, 0.30);
-  EXPECT_DOUBLE_EQ(used.srp, 0.50);
-  EXPECT_DOUBLE_EQ(used.dram, 0.25);
-  EXPECT_EQ(tools::utilisation({}).tni, 0);
+TEST(Limiter, NoPerfectUnitHelpsWhereTheMissRegistersOfTheL2AreAllInUse) {
+  const CoreTime t = {.kernels = 0.1,
+                      .boxes = 0.2,
+                      .tree_misses = 0.7,
+                      .demands = {.fed = 1, .occupied = 1, .tree_lines = 0.6, .l2_lines = 0.7, .tracing = 1},
+                      .tree_levels = {.interconnect = 0.1, .l2 = 0.4, .dram = 0.5}};
+  EXPECT_EQ(worth(t, "tni"), 1);
+  EXPECT_EQ(worth(t, "srp"), 1);
+  EXPECT_EQ(most(estimate(t)).resource, "l1");
 }
 
-TEST(Utilisation, IsTheMeanOverCores) {
-  const std::vector<sim::UnitReport> units = {unit_of("core0.srp", {{"running", 100}}),
-                                              unit_of("core1.srp", {{"starved", 100}})};
-  EXPECT_DOUBLE_EQ(tools::utilisation(units).srp, 0.5);
+TEST(Limiter, MoreRaySlotsCannotHideMoreThanTheShorterStage) {
+  const CoreTime t = {
+      .kernels = 0.5, .boxes = 0.5, .demands = {.no_slots = 0.5, .fed = 0.98, .occupied = 1, .tracing = 1}};
+  EXPECT_LT(worth(t, "tile_buffer"), 1.02);
+}
+
+TEST(Limiter, NamesNothingThatIsWorthNothing) {
+  EXPECT_EQ(limiter({.no_tile = 1}), "nothing alone: no resource made perfect would be worth 1 %");
+}
+
+TEST(Limiter, UtilisationCountsSwitchesAsWorkOfTheShaderCores) {
+  const test::MadeUpMachine machine{.trv = {{"visiting", 60}, {"starved", 40}},
+                                    .srp = {{"running", 45}, {"switching", 20}, {"cache_miss", 35}},
+                                    .dram = {{"reading", 30}, {"writing", 5}, {"idle", 65}}};
+  const Utilisation u = utilisation(machine.units());
+  EXPECT_DOUBLE_EQ(u.tni, 0.60);
+  EXPECT_DOUBLE_EQ(u.srp, 0.65);
+  EXPECT_DOUBLE_EQ(u.dram, 0.35);
+}
+
+TEST(Limiter, UtilisationIsTheMeanOverUnitsAndNothingWithoutAny) {
+  std::vector<sim::UnitReport> units = test::MadeUpMachine{.srp = {{"running", 100}}}.units();
+  const std::vector<sim::UnitReport> idle = test::MadeUpMachine{}.units();
+  units.insert(units.end(), idle.begin(), idle.end());
+  EXPECT_DOUBLE_EQ(utilisation(units).srp, 0.5);
+  EXPECT_EQ(utilisation({}).srp, 0);
 }
 
 }  // namespace
-}  // namespace test
+}  // namespace tools
