@@ -1,0 +1,47 @@
+#include "tools/bottleneck.h"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+// The resource that one run's counters name is the one whose perfection brings most, within 2 %. Real scenes at larger
+// sizes are in DEVIATIONS.md; here small built-in ones, on machines that are limited by different things.
+
+namespace tools {
+namespace {
+
+struct Case {
+  const char* name;
+  const char* scene;
+  std::vector<std::string> sets;
+};
+
+void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
+
+class NamedLimiter : public ::testing::TestWithParam<Case> {};
+
+TEST_P(NamedLimiter, IsWorthMostWithinTwoPercent) {
+  JobOptions options;
+  options.scene = GetParam().scene;
+  options.sets = GetParam().sets;
+  options.resolution = "256x128";
+  options.threads = 2;
+  const Bottleneck b = find_bottleneck(options);
+  ASSERT_EQ(b.bounds.size(), hw::IdealConfig::kResources.size());
+  const auto speedup = [&](const Bound& bound) { return b.speedup(bound); };
+  const double best = speedup(std::ranges::max(b.bounds, {}, speedup));
+  const Bound named = *std::ranges::find(b.bounds, b.named, &Bound::resource);
+  EXPECT_GE(speedup(named), 0.98 * best) << b.named << ": " << b.limiter;
+  EXPECT_GT(best, 1.02) << "something must be worth something";
+}
+
+INSTANTIATE_TEST_SUITE_P(Machines, NamedLimiter,
+                         ::testing::Values(Case{"chess", "chess", {}}, Case{"cornell", "cornell", {}},
+                                           Case{"atrium_one_trv", "atrium", {"tni.trvs=1"}},
+                                           Case{"forest_slow_unit", "forest", {"clocks.tni=150 MHz"}},
+                                           Case{"car_one_channel", "car", {"dram.channels=1", "l2.size=64 KiB"}},
+                                           Case{"teapot", "teapot", {}}),
+                         [](const auto& param) { return std::string(param.param.name); });
+
+}  // namespace
+}  // namespace tools
