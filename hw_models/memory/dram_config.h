@@ -228,12 +228,19 @@ struct DramConfig {
                            std::to_string(organisation.page.bytes) + " bytes)");
     else if ((bursts_per_line() - 1) * timing.ccd_l + 32 > 64)
       complain("line", "has too many bursts: their commands must fit 64 nCK");
-    if (organisation.bank_groups > organisation.banks) complain("organisation", "has more bank groups than banks");
-    if (organisation.refresh_banks > organisation.banks) complain("organisation", "has more refresh_banks than banks");
-    if (organisation.all_banks() > 32) complain("organisation", "must have at most 32 banks, all ranks together");
-    if (timing.wl > timing.rl) complain("timing", "must have wl <= rl");
+    const auto at_most = [](const char* key, std::uint32_t limit) {
+      return "must not be more than " + std::string(key) + " (" + std::to_string(limit) + ")";
+    };
+    if (organisation.bank_groups > organisation.banks)
+      complain("organisation.bank_groups", at_most("banks", organisation.banks));
+    if (organisation.refresh_banks > organisation.banks)
+      complain("organisation.refresh_banks", at_most("banks", organisation.banks));
+    if (organisation.all_banks() > 32)
+      complain("organisation.banks",
+               "are " + std::to_string(organisation.all_banks()) + "; allowed: at most 32, all ranks together");
+    if (timing.wl > timing.rl) complain("timing.wl", at_most("rl", timing.rl));
     if (timing.burst > timing.ccd_s || timing.ccd_s > timing.ccd_l)
-      complain("timing", "must have burst <= ccd_s <= ccd_l");
+      complain("timing.ccd_s", "allowed: burst <= ccd_s <= ccd_l");
     check_refresh(complain);
   }
 

@@ -71,13 +71,13 @@ bool is_kind(std::string_view path, std::string_view kind) {
 }  // namespace
 
 Frame::Frame(const std::string& scene, std::uint32_t width, std::uint32_t height, std::uint32_t samples,
-             std::uint32_t tile)
-    : Frame(traces::open_scene(scene), width, height, samples, tile) {}
+             std::uint32_t tile, const traces::BvhConfig& bvh)
+    : Frame(traces::open_scene(scene), width, height, samples, tile, bvh) {}
 
 Frame::Frame(traces::Scene&& scene, std::uint32_t width, std::uint32_t height, std::uint32_t samples,
-             std::uint32_t tile)
+             std::uint32_t tile, const traces::BvhConfig& bvh)
     : camera_(scene.cameras.front()),
-      image_(traces::build_memory_image(scene, {}, 1)),
+      image_(traces::build_memory_image(scene, bvh, 1)),
       parents_(traces::parents_of(image_)),
       program_(image_, camera_, render_config(width, height, tile), samples, 0),
       tracer_(image_),
@@ -86,6 +86,16 @@ Frame::Frame(traces::Scene&& scene, std::uint32_t width, std::uint32_t height, s
 Gpu::Workload Frame::workload() const {
   const std::uint64_t picture_bytes = std::uint64_t{program_.tiles()} * program_.tile_pixels() * kernels::kPixelBytes;
   return {image_, parents_, program_.tile_samples(), {picture_bytes}};
+}
+
+std::vector<traces::TileWork> Frame::record() const {
+  std::vector<traces::TileWork> works;
+  kernels::TileResult tile;
+  for (std::uint32_t t = 0; t < program_.tiles(); ++t) {
+    program_.run_tile(t, tracer_, true, tile);
+    works.push_back(tile.work);
+  }
+  return works;
 }
 
 Method::Method(const std::string& scene, const std::string& program, const kernels::ProgramConfig& programs,

@@ -10,6 +10,7 @@
 #include "hw_models/frame/gpu.h"
 #include "shader_kernels/programs/full.h"
 #include "shader_kernels/programs/programs.h"
+#include "traces/accel/bvh_config.h"
 #include "traces/accel/bvh_tracer.h"
 #include "traces/accel/memory_image.h"
 
@@ -20,15 +21,17 @@ class Frame {
  public:
   /// `tile`: side of a tile in samples.
   Frame(const std::string& scene, std::uint32_t width, std::uint32_t height, std::uint32_t samples = 1,
-        std::uint32_t tile = 16);
+        std::uint32_t tile = 16, const traces::BvhConfig& bvh = {});
   Frame(traces::Scene&& scene, std::uint32_t width, std::uint32_t height, std::uint32_t samples = 1,
-        std::uint32_t tile = 16);
+        std::uint32_t tile = 16, const traces::BvhConfig& bvh = {});
   Frame(const Frame&) = delete;
   Frame& operator=(const Frame&) = delete;
 
   kernels::FullProgram& program() const { return program_; }
   const traces::Tracer& tracer() const { return tracer_; }
   Gpu::Workload workload() const;
+  /// The work of every tile, to be played again and again.
+  std::vector<traces::TileWork> record() const;
   /// Lines of the frame buffer that the tiles of the picture fill.
   std::uint64_t picture_lines() const { return picture_lines_; }
 

@@ -1,5 +1,11 @@
+#include <cstdint>
+#include <map>
+#include <string>
+#include <variant>
+
 #include <gtest/gtest.h>
 
+#include "sim/config/config_tree.h"
 #include "tests/hw_models/frame/bench.h"
 #include "tests/hw_models/frame/conservation.h"
 #include "tests/hw_models/frame/random_config.h"
@@ -12,12 +18,27 @@ using testing::Frame;
 using testing::Outcome;
 using testing::play;
 
-TEST(Gpu, PictureRaysAndStepsAreTheSameOnFiftyRandomMachinesAndNothingIsLostOnAnyOfThem) {
-  const Frame& frame = testing::cornell_64x32();
+/// Seeds of the 200 machines, in parts of 25 that run side by side.
+constexpr std::uint64_t kFirstSeed = 100, kSeeds = 200, kPart = 25;
+
+/// Every way in which the tree may lie in memory, in turn.
+traces::BvhConfig format_of(std::uint64_t part) {
+  traces::BvhConfig bvh;
+  if ((part & 1) != 0) bvh.boxes = traces::BoxRecords::kSingle;
+  if ((part & 2) != 0) bvh.numbers = traces::BoxNumbers::kHybrid;
+  if ((part & 4) != 0) bvh.triangle_bytes = 36;
+  return bvh;
+}
+
+class RandomMachines : public ::testing::TestWithParam<std::uint64_t> {};
+
+TEST_P(RandomMachines, MakeTheSamePictureRaysAndStepsAndLoseNothing) {
+  const Frame frame("cornell", 64, 32, 1, 16, format_of(GetParam()));
   const GpuConfig standard;
   const Outcome expected = play(frame, standard);
   expect_conserved(expected, frame, standard);
-  for (std::uint64_t seed = 100; seed < 150; ++seed) {
+  const std::uint64_t first = kFirstSeed + GetParam() * kPart;
+  for (std::uint64_t seed = first; seed < first + kPart; ++seed) {
     SCOPED_TRACE(seed);
     const GpuConfig config = testing::random_config(seed);
     const Outcome run = play(frame, config);
@@ -26,6 +47,38 @@ TEST(Gpu, PictureRaysAndStepsAreTheSameOnFiftyRandomMachinesAndNothingIsLostOnAn
     EXPECT_EQ(run.sum("ist", "hits"), expected.sum("ist", "hits"));
     EXPECT_EQ(run.sum("srp", "items"), expected.sum("srp", "items"));
     expect_conserved(run, frame, config);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(TwoHundred, RandomMachines, ::testing::Range(std::uint64_t{0}, kSeeds / kPart));
+
+/// How often each value of each choice (enum or switch) was drawn.
+using Draws = std::map<std::string, std::map<std::string, int>>;
+
+void count_choices(const sim::ConfigNode& node, Draws& draws) {
+  for (const sim::ConfigNode& child : node.children) count_choices(child, draws);
+  if (node.is_group() || (node.affects != sim::Affects::kTiming && node.affects != sim::Affects::kWalk)) return;
+  if (const auto* choice = std::get_if<sim::EnumTarget>(&*node.target)) {
+    for (const std::string_view name : choice->names) draws[node.path].try_emplace(std::string(name), 0);
+    ++draws[node.path][std::string(choice->names[choice->get()])];
+  } else if (const auto* on = std::get_if<bool*>(&*node.target)) {
+    for (const char* name : {"false", "true"}) draws[node.path].try_emplace(name, 0);
+    ++draws[node.path][**on ? "true" : "false"];
+  } else if (node.path == "tni.trv.box_testers" || node.path == "dram.organisation.ranks") {
+    for (const char* name : {"1", "2"}) draws[node.path].try_emplace(name, 0);
+    ++draws[node.path][std::to_string(*std::get<std::uint32_t*>(*node.target))];
+  }
+}
+
+TEST(RandomMachinesDrawn, HaveEveryMechanismMoreThanAFewTimes) {
+  Draws draws;
+  for (std::uint64_t seed = kFirstSeed; seed < kFirstSeed + kSeeds; ++seed) {
+    GpuConfig config = testing::random_config(seed);
+    count_choices(sim::config_tree(config), draws);
+  }
+  EXPECT_GE(draws.size(), 20U);
+  for (const auto& [path, values] : draws) {
+    for (const auto& [value, times] : values) EXPECT_GE(times, 20) << path << " = " << value;
   }
 }
 

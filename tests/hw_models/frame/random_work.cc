@@ -67,12 +67,8 @@ class Additions {
 }  // namespace
 
 std::vector<traces::TileWork> random_work(const Frame& frame, std::uint64_t seed) {
-  std::vector<traces::TileWork> works;
-  kernels::TileResult tile;
-  for (std::uint32_t t = 0; t < frame.program().tiles(); ++t) {
-    frame.program().run_tile(t, frame.tracer(), true, tile);
-    Additions(seed, works.emplace_back(tile.work)).add();
-  }
+  std::vector<traces::TileWork> works = frame.record();
+  for (traces::TileWork& work : works) Additions(seed, work).add();
   return works;
 }
 
