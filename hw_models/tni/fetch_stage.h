@@ -11,12 +11,14 @@ namespace hw {
 
 /// What a fetch stage and its cache count, a part of their unit's Stats.
 struct FetchStats {
-  std::uint64_t l1_accesses = 0, l1_hits = 0, l1_misses = 0, l1_fills = 0, mshr_full = 0, l1_miss_cycles = 0;
+  std::uint64_t l1_accesses = 0, l1_hits = 0, l1_misses = 0, l1_late = 0, l1_fills = 0, mshr_full = 0;
+  std::uint64_t l1_miss_cycles = 0;
   std::uint64_t rau_fills = 0, rau_writes = 0, rau_reads = 0, rau_full = 0;
   static void describe(auto& s, auto&& counter) {
     counter(s.l1_accesses, "l1_accesses", "probes of the L1, retries included", "tni.ray_buffer_read");
     counter(s.l1_hits, "l1_hits", "probes that found the line", "cache.l1_read");
     counter(s.l1_misses, "l1_misses", "probes that did not", "cache.l1_probe");
+    counter(s.l1_late, "l1_late", "lines read that the first probe for them had not found");
     counter(s.l1_fills, "l1_fills", "lines filled", "cache.l1_fill");
     counter(s.mshr_full, "mshr_full", "misses that found no free miss register");
     counter(s.l1_miss_cycles, "l1_miss_cycles", "cycles from miss to line, summed over lines filled");
@@ -77,6 +79,7 @@ class FetchStage {
     if (handling_ != MissHandling::kReorder) forget(bit);
     if ((served_ & bit) != 0) {
       served_ &= ~bit;
+      note_read(bit);
       if (handling_ == MissHandling::kRau) {
         leave_table(bit);
         return Result::kRead;
@@ -87,6 +90,7 @@ class FetchStage {
     }
     stats_.l1_accesses += 1;
     if (handling_ == MissHandling::kRau && !room_in_table(line)) {
+      late_ |= bit;
       stats_.l1_misses += 1;
       stats_.rau_full += 1;
       table_full_ = bit;
@@ -96,8 +100,10 @@ class FetchStage {
     switch (l1_.access(line, slot, cycle)) {
       case L1Cache::Result::kHit:
         stats_.l1_hits += 1;
+        note_read(bit);
         return Result::kRead;
       case L1Cache::Result::kMiss:
+        late_ |= bit;
         stats_.l1_misses += 1;
         missing_ |= bit;
         if (handling_ >= MissHandling::kRau) missed(line, bit);
@@ -105,6 +111,7 @@ class FetchStage {
       case L1Cache::Result::kFull:
         break;
     }
+    late_ |= bit;
     stats_.l1_misses += 1;
     stats_.mshr_full += 1;
     no_register_ |= bit;
@@ -142,6 +149,11 @@ class FetchStage {
  private:
   static constexpr Addr kAnyRow = ~Addr{0};
 
+  /// A slot has read its line, at the first probe or later.
+  void note_read(std::uint64_t slot) {
+    stats_.l1_late += (late_ & slot) != 0;
+    late_ &= ~slot;
+  }
   /// What a slot that tries again no longer waits for.
   void forget(std::uint64_t slot) {
     missing_ &= ~slot;
@@ -163,6 +175,7 @@ class FetchStage {
   std::uint64_t ready_ = 0;        ///< want to read a line
   std::uint64_t missing_ = 0;      ///< wait for a line
   std::uint64_t no_register_ = 0;  ///< wait for a miss register
+  std::uint64_t late_ = 0;         ///< have probed for the line they want and not found it
   std::uint64_t served_ = 0;       ///< their line has come and is kept for them
   std::uint64_t resumed_ = 0;      ///< stood in the fetch stage and may probe again, before all others
   bool stalled_ = false;           ///< a slot stands in the fetch stage

@@ -4,6 +4,7 @@
 #include <set>
 #include <thread>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "sim/error.h"
@@ -11,9 +12,10 @@
 #include "tools/reproduce/mirrors.h"
 #include "tools/reproduce/plan.h"
 #include "tools/reproduce/published.h"
+#include "tools/reproduce/results.h"
 #include "tools/reproduce/runner.h"
 
-// `raywatt reproduce`: the experiments of three papers, measured beside published.
+// `raywatt reproduce`: published experiments, measured beside published.
 
 namespace test {
 namespace {
@@ -43,8 +45,11 @@ Surroundings with_cache(const TempFolder& folder) {
 }
 
 class EachPaper : public testing::TestWithParam<Paper> {};
-INSTANTIATE_TEST_SUITE_P(Reproduce, EachPaper, testing::ValuesIn(papers()),
-                         [](const auto& paper) { return std::string(paper.param.name); });
+INSTANTIATE_TEST_SUITE_P(Reproduce, EachPaper, testing::ValuesIn(papers()), [](const auto& paper) {
+  std::string name(paper.param.name);
+  std::ranges::replace(name, '-', '_');
+  return name;
+});
 
 /// A program of the paper that this build does not have; empty if it has them all.
 std::string missing_program(const Paper& paper) {
@@ -74,7 +79,9 @@ TEST_P(EachPaper, QuicklyGetsANumberForEveryRow) {
   for (const nlohmann::json& row : results["rows"]) EXPECT_TRUE(row["measured"].is_number()) << row;
   EXPECT_SAYS(ending.out, std::string(GetParam().title));
   EXPECT_SAYS(read_bytes(out / "reproduce.md"), "| scene | stand-in |");
-  EXPECT_TRUE(std::ranges::any_of(names_in(out), [](const std::string& n) { return n.starts_with("figure-"); }));
+  const std::vector<Case> cases = GetParam().cases(true);
+  EXPECT_EQ(std::ranges::any_of(names_in(out), [](const std::string& n) { return n.starts_with("figure-"); }),
+            std::ranges::any_of(cases, [](const Case& c) { return !c.picture.empty(); }));
 }
 
 TEST_P(EachPaper, HasAPlaceForEveryPublishedFigure) {
@@ -140,6 +147,53 @@ TEST(Reproduce, SkipsScenesThatNobodyHasAndSaysWhatTheyAreCalled) {
   EXPECT_SAYS(complaint(), "there is no kitchen.glb or kitchen-866k.glb");
   folder.write("kitchen-866k.glb", "");
   EXPECT_EQ(complaint(), (folder.path() / "kitchen-866k.glb").string());
+}
+
+TEST(Reproduce, TakesABuiltInSceneOnlyIfThereIsNoFileOfTheOneMeant) {
+  const TempFolder folder;
+  Options options;
+  const View car{.scene = "car", .stand_in = "car", .files = {"car-62k.glb"}};
+  EXPECT_EQ(Runner(options).stand_in(car), "car");
+  options.scenes = folder.path();
+  EXPECT_EQ(Runner(options).stand_in(car), "car");
+  folder.write("car-62k.glb", "");
+  EXPECT_EQ(Runner(options).stand_in(car), (folder.path() / "car-62k.glb").string());
+}
+
+TEST(Reproduce, MeasuresARunAgainstAReferenceWithATreeOfItsOwn) {
+  Options options;
+  options.threads = 1;
+  Runner runner(options);
+  Case c{.view = {.scene = "teapot", .stand_in = "teapot", .files = {}},
+         .setting = "hybrid",
+         .width = 32,
+         .height = 16,
+         .run = {"full:1", {"bvh.numbers=hybrid"}},
+         .reference = {"full:1"}};
+  c.figures = {{"", "box_bytes_ratio"}, {"", "node_bytes_ratio"}};
+  const std::vector<Measured> figures = runner.measure(c);
+  EXPECT_DOUBLE_EQ(figures.at(0).value.value(), 29.0 / 48) << "twelve planes of 19 bits against twelve floats";
+  EXPECT_DOUBLE_EQ(figures.at(1).value.value(), 40.0 / 64);
+  std::swap(c.run, c.reference);
+  EXPECT_DOUBLE_EQ(runner.measure(c).at(0).value.value(), 48 / 29.0);
+}
+
+TEST(Reproduce, WritesWhatIsHeldAgainstWhatAndEachFigureOverItsScenes) {
+  Results results;
+  for (const double speedup : {1.0, 3.0, 2.0}) {
+    results.rows.push_back({.place = {"caches", fmt::format("scene {}", speedup), "large", "speedup"},
+                            .stand_in = "",
+                            .width = 8,
+                            .height = 4,
+                            .program = "full:1 --set a=2",
+                            .reference = "full:1 --set a=1",
+                            .measured = speedup,
+                            .why_not = "",
+                            .published = Range{1, 2.9}});
+  }
+  const std::string text = results_markdown(results, {});
+  EXPECT_SAYS(text, "| large | `full:1 --set a=2` | `full:1 --set a=1` |");
+  EXPECT_SAYS(text, "| large | speedup | 3 | 2.00 x | 1.00 x to 3.00 x | 1.00 x to 2.90 x |");
 }
 
 TEST(Reproduce, RefusesWhatItDoesNotKnowBeforeItBegins) {

@@ -25,13 +25,25 @@ Value ratio(std::uint64_t a, std::uint64_t b) { return ratio(static_cast<double>
 double tni_pj(const Outcome& o) { return o.simulation.energy.blocks.at("tni").total().nominal; }
 double all_pj(const Outcome& o) { return o.simulation.energy.total_pj.nominal; }
 
-std::uint64_t dram_bytes(const Outcome& o) {
+/// Of all units of a block.
+std::uint64_t counted(const Outcome& o, std::string_view block, std::string_view name) {
   std::uint64_t sum = 0;
   for (const sim::UnitReport& unit : o.simulation.units) {
-    if (unit.block != "dram") continue;
-    for (const sim::CounterReport& counter : unit.counters) sum += counter.name == "bytes" ? counter.value : 0;
+    if (unit.block != block) continue;
+    for (const sim::CounterReport& counter : unit.counters) sum += counter.name == name ? counter.value : 0;
   }
   return sum;
+}
+
+std::uint64_t dram_bytes(const Outcome& o) { return counted(o, "dram", "bytes"); }
+std::uint64_t lines_filled(const Outcome& o) { return counted(o, "tni", "l1_fills"); }
+/// Of the T&I units' caches, in the first probe for a line and in all of them.
+double first_hits(const Outcome& o) {
+  const std::uint64_t lines = counted(o, "tni", "l1_hits") + counted(o, "tni", "rau_reads");
+  return 1 - ratio(counted(o, "tni", "l1_late"), lines).value_or(0);
+}
+double all_hits(const Outcome& o) {
+  return ratio(counted(o, "tni", "l1_hits"), counted(o, "tni", "l1_accesses")).value_or(0);
 }
 
 Value speedup(const Comparison& c) { return ratio(c.reference.simulation.cycles, c.run.simulation.cycles); }
@@ -52,7 +64,7 @@ Value sum(Value a, Value b) {
 
 Value share(const Comparison& c, KernelGroup group) { return kernel_share(c.run.simulation, group); }
 
-constexpr std::array<Metric, 24> kMetrics = {{
+constexpr std::array<Metric, 31> kMetrics = {{
     {"psnr_db", "PSNR against the reference picture", Shown::kDecibel, false,
      [](const Comparison& c) { return psnr_db(c.squared_error); }},
     {"traced_ratio", "samples traced of those wanted", Shown::kShare, false,
@@ -90,6 +102,20 @@ constexpr std::array<Metric, 24> kMetrics = {{
      [](const Comparison& c) { return ratio(all_pj(c.run), all_pj(c.reference)); }},
     {"dram_bytes_ratio", "bytes over the memory's buses against the reference's", Shown::kFactor, true,
      [](const Comparison& c) { return ratio(dram_bytes(c.run), dram_bytes(c.reference)); }},
+    {"l1_hits", "probes of the T&I units' caches that hit, retries included", Shown::kShare, true,
+     [](const Comparison& c) { return Value(all_hits(c.run)); }},
+    {"l1_hits_ratio", "the same against the reference's", Shown::kFactor, true,
+     [](const Comparison& c) { return ratio(all_hits(c.run), all_hits(c.reference)); }},
+    {"l1_first_hits", "the same of the first probe for each line", Shown::kShare, true,
+     [](const Comparison& c) { return Value(first_hits(c.run)); }},
+    {"l1_first_hits_ratio", "the same against the reference's", Shown::kFactor, true,
+     [](const Comparison& c) { return ratio(first_hits(c.run), first_hits(c.reference)); }},
+    {"l1_fills_ratio", "lines brought into the T&I units' caches against the reference's", Shown::kFactor, true,
+     [](const Comparison& c) { return ratio(lines_filled(c.run), lines_filled(c.reference)); }},
+    {"box_bytes_ratio", "bytes of all boxes of the tree against the reference's", Shown::kFactor, false,
+     [](const Comparison& c) { return ratio(c.run.box_bytes, c.reference.box_bytes); }},
+    {"node_bytes_ratio", "the same of whole nodes", Shown::kFactor, false,
+     [](const Comparison& c) { return ratio(c.run.node_bytes, c.reference.node_bytes); }},
     {"check_share", "SRP cycles in similarity checks", Shown::kShare, true,
      [](const Comparison& c) { return share(c, KernelGroup::kCheck); }},
     {"interpolation_share", "SRP cycles in interpolation", Shown::kShare, true,

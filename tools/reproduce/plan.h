@@ -12,7 +12,7 @@ using Sets = std::vector<std::string>;
 /// A scene of a paper and what stands in for it.
 struct View {
   std::string scene;               ///< as the paper calls it
-  std::string stand_in;            ///< workload or built-in scene; empty: one of `files`
+  std::string stand_in;            ///< workload or built-in scene, if none of `files` is there; may be empty
   std::vector<std::string> files;  ///< names to look for in --scenes DIR, first come first
   std::string camera{}, frame{};   ///< empty: the workload's
   Sets sets{};
@@ -56,6 +56,7 @@ struct Paper {
 std::vector<Case> lee2016(bool quick);
 std::vector<Case> kim2016(bool quick);
 std::vector<Case> jin2009(bool quick);
+std::vector<Case> sgrt_units(bool quick);
 
 /// All of them.
 const std::vector<Paper>& papers();

@@ -1,6 +1,8 @@
 #include "tools/reproduce/results.h"
 
 #include <algorithm>
+#include <span>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -95,21 +97,70 @@ std::string results_text(const Results& results) {
   return out;
 }
 
-std::string results_markdown(const Results& results, const std::vector<std::string>& pictures) {
-  std::string out = fmt::format("# {}\n", heading(results));
-  std::string experiment;
-  for (const Row& row : by_experiment(results.rows)) {
-    if (row.place.experiment != experiment) {
-      experiment = row.place.experiment;
-      out += fmt::format(
-          "\n## {}\n\n| scene | stand-in | pixels | setting | figure | measured | published | difference |\n"
-          "|---|---|---|---|---|---|---|---|\n",
-          experiment);
+namespace {
+
+/// What was run for each setting of an experiment, and what that is held against.
+std::string programs_markdown(std::span<const Row> rows) {
+  std::string out = "\n| setting | run | held against |\n|---|---|---|\n";
+  std::vector<std::string> listed;
+  for (const Row& row : rows) {
+    std::string line = fmt::format("| {} | `{}` | `{}` |\n", row.place.setting, row.program, row.reference);
+    if (std::ranges::find(listed, line) != listed.end()) continue;
+    out += line;
+    listed.push_back(std::move(line));
+  }
+  return out;
+}
+
+/// Each figure of an experiment over its scenes: median and range.
+std::string scenes_markdown(std::span<const Row> rows) {
+  std::string out;
+  std::vector<std::pair<std::string, std::string>> listed;
+  for (const Row& row : rows) {
+    const std::pair figure{row.place.setting, row.place.metric};
+    if (std::ranges::find(listed, figure) != listed.end()) continue;
+    listed.push_back(figure);
+    std::vector<double> values;
+    for (const Row& other : rows) {
+      const bool same = other.place.setting == figure.first && other.place.metric == figure.second;
+      if (same && other.measured) values.push_back(*other.measured);
     }
+    if (values.size() < 2) continue;
+    std::ranges::sort(values);
+    const double median = (values[(values.size() - 1) / 2] + values[values.size() / 2]) / 2;
+    const auto text = [&](double value) { return metric_text(find_metric(figure.second), value); };
+    out += fmt::format("| {} | {} | {} | {} | {} to {} | {} |\n", figure.first, figure.second, values.size(),
+                       text(median), text(values.front()), text(values.back()), published_text(row));
+  }
+  if (out.empty()) return out;
+  return "\n| setting | figure | scenes | median | range | published |\n|---|---|---|---|---|---|\n" + out;
+}
+
+std::string experiment_markdown(std::span<const Row> rows) {
+  std::string out = fmt::format("\n## {}\n", rows.front().place.experiment);
+  out += programs_markdown(rows) + scenes_markdown(rows);
+  out +=
+      "\n| scene | stand-in | pixels | setting | figure | measured | published | difference |\n"
+      "|---|---|---|---|---|---|---|---|\n";
+  for (const Row& row : rows) {
     const std::string stand_in = std::filesystem::path(row.stand_in).filename().string();
     out +=
         fmt::format("| {} | {} | {} | {} | {} | {} | {} | {} |\n", row.place.scene, stand_in, size_text(row),
                     row.place.setting, row.place.metric, measured_text(row), published_text(row), difference_text(row));
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string results_markdown(const Results& results, const std::vector<std::string>& pictures) {
+  std::string out = fmt::format("# {}\n", heading(results));
+  const std::vector<Row> rows = by_experiment(results.rows);
+  for (auto first = rows.begin(); first != rows.end();) {
+    const auto last = std::find_if(first, rows.end(),
+                                   [&](const Row& row) { return row.place.experiment != first->place.experiment; });
+    out += experiment_markdown({first, last});
+    first = last;
   }
   if (!pictures.empty()) out += "\n## Pictures\n";
   for (const std::string& picture : pictures) out += fmt::format("\n{}\n\n![{}]({})\n", picture, picture, picture);

@@ -6,12 +6,14 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "sim/config/config.h"
 #include "sim/error.h"
 #include "tools/debug_pictures.h"
 #include "tools/ground_truth.h"
 #include "tools/picture.h"
 #include "tools/reproduce/mirrors.h"
 #include "traces/accel/bvh_tracer.h"
+#include "traces/accel/node_format.h"
 #include "traces/scene/images.h"
 
 namespace tools::reproduce {
@@ -51,14 +53,15 @@ std::string file_part(std::string text) {
 }  // namespace
 
 std::string Runner::stand_in(const View& view) const {
+  std::error_code unreadable;
+  for (const std::string& file : view.files) {
+    if (options_.scenes.empty()) break;
+    if (fs::exists(options_.scenes / file, unreadable)) return (options_.scenes / file).string();
+  }
   if (!view.stand_in.empty()) return view.stand_in;
   if (options_.scenes.empty()) {
     throw sim::InputError(
         fmt::format("no built-in scene stands in for it: --scenes DIR with {}", fmt::join(view.files, " or ")));
-  }
-  std::error_code unreadable;
-  for (const std::string& file : view.files) {
-    if (fs::exists(options_.scenes / file, unreadable)) return (options_.scenes / file).string();
   }
   throw sim::InputError(fmt::format("{}: there is no {}", options_.scenes.string(), fmt::join(view.files, " or ")));
 }
@@ -82,11 +85,15 @@ void Runner::look_at(const Case& c) {
   truth_.clear();
   width_ = c.width;
   height_ = c.height;
-  if (inputs_ && c.view == view_) return;
+  if (!inputs_ || c.view != view_) load(c, {});
+}
+
+void Runner::load(const Case& c, const Program& program) {
   inputs_.reset();
   reflective_share_.reset();
   view_ = c.view;
-  inputs_ = load_inputs(job(c, {}));
+  inputs_ = load_inputs(job(c, program));
+  tree_ = sim::config_hash(inputs_->config.bvh);
   if (c.view.mirrors != 0) {
     set_reflective_share(*inputs_, c.view.mirrors / 100.0, options_.threads);
     reflective_share_ = reflective_share(*inputs_, options_.threads);
@@ -98,8 +105,13 @@ const Outcome& Runner::outcome(const Case& c, const Program& program) {
   const auto found = outcomes_.find(key);
   if (found != outcomes_.end()) return found->second;
   const kernels::ProgramSpec spec = kernels::parse_program(program.name);
-  inputs_->config = load_run_config(job(c, program));
+  const RunConfig config = load_run_config(job(c, program));
+  if (sim::config_hash(config.bvh) != tree_) load(c, program);
+  inputs_->config = config;
   Outcome out;
+  const std::uint64_t records = traces::node_records(inputs_->image.nodes.size(), config.bvh.boxes);
+  out.box_bytes = records * traces::box_bytes(config.bvh.numbers, config.bvh.boxes);
+  out.node_bytes = records * traces::node_bytes(config.bvh.numbers, config.bvh.boxes);
   out.pixels = std::uint64_t{c.width} * c.height;
   out.machine = c.machine;
   const Extras extras{.rates = nullptr, .marks = !c.picture.empty()};

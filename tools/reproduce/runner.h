@@ -48,6 +48,8 @@ class Runner {
 
  private:
   void look_at(const Case& c);
+  /// Scene and tree, as the program's keys want it.
+  void load(const Case& c, const Program& program);
   JobOptions job(const Case& c, const Program& program) const;
   const Outcome& outcome(const Case& c, const Program& program);
   const std::vector<float>& truth(const Case& c);
@@ -55,6 +57,7 @@ class Runner {
   const Options& options_;
   std::optional<Inputs> inputs_;
   View view_;
+  std::string tree_;  ///< hash of the keys that the tree is made by
   std::uint32_t width_ = 0, height_ = 0;
   std::optional<double> reflective_share_;
   std::map<std::string, Outcome> outcomes_;  ///< of this view and resolution

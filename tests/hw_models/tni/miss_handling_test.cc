@@ -118,6 +118,16 @@ TEST(MissHandling, RaysOfARowGoOnWithoutAnotherProbe) {
   EXPECT_EQ(trv(bench).stats().rau_fills, 1U);
 }
 
+TEST(MissHandling, ALineIsLateIfTheFirstProbeForItMissedHoweverManyFollow) {
+  for (const MissHandling handling : kAll) {
+    TniBench bench(one_trv(handling));
+    bench.add(one_node(0), 4).run();
+    // Where a ray that missed blocks the fetch stage, those behind it probe when the line is there.
+    EXPECT_EQ(trv(bench).stats().l1_late, handling == MissHandling::kBlocking ? 1U : 4U) << static_cast<int>(handling);
+    EXPECT_EQ(trv(bench).stats().l1_hits + trv(bench).stats().rau_reads, 4U);
+  }
+}
+
 TEST(MissHandling, BlockingIsNeverFasterThanReorderWhereLinesAreScarce) {
   for (std::uint64_t seed = 0; seed < 12; ++seed) {
     const RandomLoad load(seed);
