@@ -44,8 +44,8 @@ double measured_gbps(const hw::GpuConfig& config, bool random) {
 Figure figure_of(const hw::GpuConfig& config, bool random) {
   const MemoryForms forms(config);
   const Level level = random ? Level::kBankClosed : Level::kRowOpen;
-  const double registers = config.cores * (config.tni.trvs * config.tni.trv.l1.mshrs + config.tni.ist.l1.mshrs +
-                                           config.srp.data_cache.mshrs);
+  const std::uint32_t registers = config.cores * (config.tni.trvs * config.tni.trv.l1.mshrs + config.tni.ist.l1.mshrs +
+                                                  config.srp.data_cache.mshrs);
   const UpperBound bound = least({forms.ports(config.cores), forms.l2_lines(), forms.registers(registers, level),
                                   forms.l2_registers(level), random ? forms.lines_of_own_row() : forms.streamed()});
   return {fmt::format("{}, {}", config.dram.grade, random ? "random" : "stream"),

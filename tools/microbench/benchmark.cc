@@ -21,13 +21,16 @@ CLI::App* add_benchmark(CLI::App& verb, const Benchmark& benchmark, const std::s
   app->callback([name = benchmark.name, json, job, &exit, measure = std::move(measure)] {
     const Findings findings = measure();
     fmt::print("{}", *json ? json_of(name, findings) : table_of(findings));
-    if (findings.good()) return;
-    exit = kCheckFailed;
-    fmt::print(stderr, "raywatt: {} of {} figures leave their closed forms\n",
-               std::ranges::count_if(findings.figures, [](const Figure& f) { return !f.good(); }),
-               findings.figures.size());
+    const auto missed = std::ranges::count_if(findings.figures, [](const Figure& f) { return !f.good(); });
+    report_missed(static_cast<std::size_t>(missed), findings.figures.size(), exit);
   });
   return app;
+}
+
+void report_missed(std::size_t missed, std::size_t figures, int& exit) {
+  if (missed == 0) return;
+  exit = kCheckFailed;
+  fmt::print(stderr, "raywatt: {} of {} figures leave their closed forms\n", missed, figures);
 }
 
 RunConfig real_machine(const JobOptions& job) {

@@ -1,4 +1,5 @@
 #pragma once
+#include <cstddef>
 #include <functional>
 #include <memory>
 #include <string>
@@ -24,6 +25,9 @@ struct Benchmark {
 /// `exit` kCheckFailed. What it measures may have further options: the result is for them.
 CLI::App* add_benchmark(CLI::App& verb, const Benchmark& benchmark, const std::shared_ptr<JobOptions>& job, int& exit,
                         std::function<Findings()> measure);
+
+/// Says so, and makes `exit` kCheckFailed, if figures leave their closed forms.
+void report_missed(std::size_t missed, std::size_t figures, int& exit);
 
 /// The configured machine without perfect resources: what costs no time has no figure.
 RunConfig real_machine(const JobOptions& job);

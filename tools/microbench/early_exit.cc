@@ -1,3 +1,5 @@
+#include <array>
+
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
@@ -8,6 +10,7 @@
 #include "tools/microbench/microbench.h"
 #include "tools/microbench/tni_forms.h"
 #include "tools/run_job.h"
+#include "traces/accel/bvh_tracer.h"
 
 namespace tools {
 
@@ -29,7 +32,7 @@ class IstStand {
         requests_(1, 1, clock_),
         lines_(1, 1, clock_),
         source_(*this, leaf, leaves),
-        ist_(config.gpu.tni.ist, {.perfect_l1 = true}, {0, config.bvh.triangle_bytes},
+        ist_(config.gpu.tni.ist, {.rau = {}, .perfect_l1 = true}, {0, config.bvh.triangle_bytes},
              {{&jobs_}, {&answers_}, requests_, lines_}, 0, clock_) {
     wakes_.assign(2, 0);
     jobs_.wakes(&wakes_[0], &wakes_[1]);
@@ -129,8 +132,8 @@ void add_exits(const RunConfig& config, Findings& found) {
     const double leaves = steady_rate(full.answered()) * static_cast<double>(full.clock().period()) /
                           static_cast<double>(sim::kFemtosecondsPerSecond);
     const UpperBound bound = forms.leaves_per_cycle(four);
-    found.figures.push_back({name("leaves of 4 tests"), "tests/cycle", 4 * leaves, 4 * bound.value,
-                             Figure::Holds::kClosely, std::string(bound.by)});
+    found.figures.push_back(
+        {name("leaves of 4 tests"), "tests/cycle", 4 * leaves, 4 * bound.value, bound.holds(), std::string(bound.by)});
 
     const sim::UnitReport unit = IstStand(config, one, kLeaves).report(config.gpu.tni);
     found.figures.push_back({name("energy of a test"), "pJ", counted_pj(unit, table) / kLeaves,
@@ -138,48 +141,68 @@ void add_exits(const RunConfig& config, Findings& found) {
   }
 }
 
-struct Counts {
-  std::uint64_t tests = 0, edge_tests = 0, hits = 0;
-};
+/// How many tests ended at each of kExits.
+using Exits = std::array<std::uint64_t, 3>;
 
-/// Of all intersection units.
-Counts counts_of(const std::vector<sim::UnitReport>& units) {
-  Counts sum;
+/// By the counters of all intersection units.
+Exits exits_of(const std::vector<sim::UnitReport>& units) {
+  std::uint64_t tests = 0, edge_tests = 0, hits = 0;
   for (const sim::UnitReport& unit : units) {
     if (!unit.path.ends_with(".tni.ist")) continue;
     for (const sim::CounterReport& counter : unit.counters) {
-      if (counter.name == "tests") sum.tests += counter.value;
-      if (counter.name == "edge_tests") sum.edge_tests += counter.value;
-      if (counter.name == "hits") sum.hits += counter.value;
+      if (counter.name == "tests") tests += counter.value;
+      if (counter.name == "edge_tests") edge_tests += counter.value;
+      if (counter.name == "hits") hits += counter.value;
     }
   }
-  return sum;
+  return {tests - edge_tests, edge_tests - hits, hits};
+}
+
+/// By what is recorded of each ray.
+Exits exits_in_walks(const Inputs& inputs, const kernels::ProgramSpec& spec) {
+  const kernels::RateMap rates(inputs.config.programs.multirate);
+  const auto program = kernels::make_program(spec, {inputs.image, inputs.camera, inputs.config.render,
+                                                    inputs.config.programs, rates, inputs.frame, inputs.scene_size});
+  const traces::BvhTracer tracer(inputs.image);
+  hw::FrontEnd front_end(*program, tracer, 0);
+  Exits exits{};
+  while (const traces::TileWork* work = front_end.next()) {
+    for (std::size_t at = 0; at < work->walk.size(); ++at) {
+      if (traces::kind_of(work->walk[at]) != traces::StepKind::kLeaf) continue;
+      const std::uint32_t tests = traces::count_of(work->walk[at]);
+      at += 1;
+      for (std::uint32_t test = 0; test < tests; ++test)
+        exits[static_cast<std::size_t>(traces::phase_of(work->walk[at], test)) - 1] += 1;
+    }
+    front_end.give_back(work);
+  }
+  return exits;
 }
 
 /// How often the rays of a scene leave early, and what that spares.
-std::string scene_note(const JobOptions& job) {
+void add_scene(const JobOptions& job, Findings& found) {
   const Inputs inputs = load_inputs(job);
-  const Counts n = counts_of(simulate(inputs, kernels::parse_program(job.program), 1).units);
+  const kernels::ProgramSpec spec = kernels::parse_program(job.program);
+  const Exits measured = exits_of(simulate(inputs, spec, 1).units), expected = exits_in_walks(inputs, spec);
   const std::string name =
       fmt::format("{}, {}x{}", inputs.scene.name, inputs.config.render.width, inputs.config.render.height);
-  if (n.tests == 0) return name + ": no tests";
+  const auto tests = static_cast<double>(expected[0] + expected[1] + expected[2]);
   const TniForms forms(inputs.config.gpu, inputs.config.bvh.triangle_bytes);
   const sim::EnergyTable table(inputs.config.energy.events);
-  const auto tests = static_cast<double>(n.tests);
-  const std::array<double, 3> share = {static_cast<double>(n.tests - n.edge_tests) / tests,
-                                       static_cast<double>(n.edge_tests - n.hits) / tests,
-                                       static_cast<double>(n.hits) / tests};
-  double cycles = 0, pj = 0;
   const std::uint64_t cache = inputs.config.gpu.tni.ist.l1.size.bytes;
-  for (std::size_t i = 0; i < share.size(); ++i) {
-    cycles += share[i] * forms.leaf_time({0, {kExits[i]}});
-    pj += share[i] * leaf_pj(kExits[i], cache, table);
+  double cycles = 0, pj = 0;
+  for (std::size_t i = 0; i < kExits.size(); ++i) {
+    const auto n = static_cast<double>(expected[i]);
+    found.figures.push_back({fmt::format("{}, exit: {}", name, kExitNames[i]), "tests",
+                             static_cast<double>(measured[i]), n, Figure::Holds::kExactly,
+                             fmt::format("{:.1f} %", tests == 0 ? 0 : 100 * n / tests)});
+    cycles += n * forms.leaf_time({0, {kExits[i]}});
+    pj += n * leaf_pj(kExits[i], cache, table);
   }
-  return fmt::format(
-      "{}: {} tests; {:.1f} % exit at distance, {:.1f} % at barycentric, {:.1f} % hit.\n"
-      "A lone test of this mix takes {:.1f} cycles and {:.1f} pJ; without early exits {} and {:.1f}.",
-      name, n.tests, 100 * share[0], 100 * share[1], 100 * share[2], cycles, pj,
-      forms.leaf_time({0, {ExitPhase::kHit}}), leaf_pj(ExitPhase::kHit, cache, table));
+  if (tests == 0) return;
+  found.notes.push_back(fmt::format(
+      "{}: a lone test of this mix takes {:.1f} cycles and {:.1f} pJ; without early exits {} and {:.1f}.", name,
+      cycles / tests, pj / tests, forms.leaf_time({0, {ExitPhase::kHit}}), leaf_pj(ExitPhase::kHit, cache, table)));
 }
 
 }  // namespace
@@ -192,13 +215,13 @@ void add_microbench_early_exit(CLI::App& verb, int& exit) {
       {"early_exit",
        "Cycles and energy of a triangle test by the phase that ends it, and how often rays of a scene end there",
        "Tests are measured on an intersection unit alone, with every line in its cache. Energies are nominal, without\n"
-       "leakage and clock.\n"
+       "leakage and clock. Of the scene, what the machine counts beside a count of the recorded rays.\n"
        "\n"
        "Example: raywatt microbench early_exit --scene teapot"},
       job, exit, [job] {
         Findings found{"intersection unit", {}};
         add_exits(real_machine(*job), found);
-        found.notes.push_back(scene_note(*job));
+        add_scene(*job, found);
         return found;
       });
   app->add_option("--scene", job->scene, "built-in scene, workload (.yaml), or .gltf or .glb file (default: cornell)");

@@ -30,6 +30,16 @@ const char* words_for(Holds holds) {
   return "";
 }
 
+std::string table_of_figures(const Findings& findings) {
+  sim::Table table({findings.title, "measured", "closed form", "", "difference", "holds", "", ""});
+  for (const Figure& f : findings.figures) {
+    table.row({f.name, fmt::format("{:.3f}", f.measured), fmt::format("{:.3f}", f.expected), f.unit,
+               fmt::format("{:+.2f} %", 100 * f.relative_error()), words_for(f.holds), f.remark,
+               f.good() ? "" : "MISSED"});
+  }
+  return table.text();
+}
+
 }  // namespace
 
 bool Figure::good() const {
@@ -52,16 +62,15 @@ bool Findings::good() const {
   return std::ranges::all_of(figures, [](const Figure& f) { return f.good(); });
 }
 
-UpperBound least(std::vector<UpperBound> bounds) { return *std::ranges::min_element(bounds, {}, &UpperBound::value); }
+UpperBound least(const std::vector<UpperBound>& bounds) {
+  constexpr double kClear = 1.5;
+  UpperBound tightest = *std::ranges::min_element(bounds, {}, &UpperBound::value);
+  for (const UpperBound& bound : bounds) tightest.reached &= bound.reached || bound.value > kClear * tightest.value;
+  return tightest;
+}
 
 std::string table_of(const Findings& findings) {
-  sim::Table table({findings.title, "measured", "closed form", "", "difference", "holds", "", ""});
-  for (const Figure& f : findings.figures) {
-    table.row({f.name, fmt::format("{:.3f}", f.measured), fmt::format("{:.3f}", f.expected), f.unit,
-               fmt::format("{:+.2f} %", 100 * f.relative_error()), words_for(f.holds), f.remark,
-               f.good() ? "" : "MISSED"});
-  }
-  std::string text = table.text();
+  std::string text = findings.sheet.empty() ? table_of_figures(findings) : findings.sheet;
   for (const std::string& note : findings.notes) text += "\n" + note + "\n";
   return text;
 }

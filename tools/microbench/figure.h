@@ -32,6 +32,7 @@ struct Findings {
   std::string title;
   std::vector<Figure> figures;
   std::vector<std::string> notes{};  ///< lines below the table
+  std::string sheet{};               ///< a shorter table in place of the one of all figures
 
   bool good() const;
 };
@@ -40,9 +41,13 @@ struct Findings {
 struct UpperBound {
   double value = 0;
   std::string_view by;
+  bool reached = true;  ///< else waiting, which the form leaves out, keeps a unit below it
+
+  /// How a measurement compares with it.
+  Figure::Holds holds() const { return reached ? Figure::Holds::kClosely : Figure::Holds::kAtMost; }
 };
-/// The tightest.
-UpperBound least(std::vector<UpperBound> bounds);
+/// The tightest; one that is not reached itself and lies less than half as much above keeps it from being reached.
+UpperBound least(const std::vector<UpperBound>& bounds);
 
 std::string table_of(const Findings& findings);
 /// Schema raywatt-microbench/1.

@@ -3,12 +3,12 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "hw_models/srp/schedule.h"
 #include "shader_kernels/catalogue.h"
 #include "sim/error.h"
 #include "sim/io/printable.h"
+#include "sim/report/table.h"
 #include "tools/microbench/benchmark.h"
 #include "tools/microbench/microbench.h"
 #include "traces/scene/did_you_mean.h"
@@ -47,19 +47,28 @@ std::vector<const kernels::KernelInfo*> wanted(const std::vector<std::string>& n
 
 Findings measure(const hw::SrpConfig& srp, const std::vector<std::string>& names) {
   Findings found{"interval from item to item", {}};
-  std::vector<std::string> above;
+  std::vector<std::string> header = {"II (bound, if less)"};
+  for (const auto& [rows, columns] : kSizes) header.push_back(fmt::format("{}x{}", rows, columns));
+  sim::Table table(header);
+  std::size_t above = 0;
   for (const kernels::KernelInfo* kernel : wanted(names)) {
+    std::vector<std::string> cells = {std::string(kernel->name)};
     for (const auto& [rows, columns] : kSizes) {
       const hw::KernelSchedule s = hw::schedule(kernel->graph, resized(srp, rows, columns));
       const std::uint32_t bound = std::max({1U, s.res_mii, s.rec_mii});
+      const bool recurrence = s.rec_mii > s.res_mii;
       found.figures.push_back({fmt::format("{}, {}x{}", kernel->name, rows, columns), "cycles", double(s.ii),
-                               double(bound), Figure::Holds::kAtLeast,
-                               s.rec_mii > s.res_mii ? "recurrence" : "units and ports"});
-      if (s.ii > bound) above.push_back(found.figures.back().name);
+                               double(bound), Figure::Holds::kAtLeast, recurrence ? "recurrence" : "units and ports"});
+      above += s.ii > bound ? 1 : 0;
+      cells.push_back(
+          fmt::format("{}{}{}", s.ii, recurrence ? "r" : "", s.ii > bound ? fmt::format(" ({})", bound) : ""));
     }
+    table.row(cells);
   }
-  found.notes.push_back(fmt::format("{} of {} schedules are longer than their bound{}{}", above.size(),
-                                    found.figures.size(), above.empty() ? "" : ": ", fmt::join(above, "; ")));
+  found.sheet = table.text();
+  found.notes.push_back(fmt::format(
+      "r: values handed from item to item set the bound, not units and ports.\n{} of {} schedules exceed their bound.",
+      above, found.figures.size()));
   return found;
 }
 

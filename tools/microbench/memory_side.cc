@@ -2,15 +2,10 @@
 
 #include <algorithm>
 
+#include "hw_models/frame/gpu.h"
 #include "sim/engine.h"
 
 namespace tools {
-
-namespace {
-
-constexpr std::uint32_t kRequestDepth = 2;  // as in Gpu
-
-}  // namespace
 
 /// Places in the wake array, and the links that meet at banks and channels.
 struct MemorySide::Wiring {
@@ -62,7 +57,7 @@ void MemorySide::add_core(Wiring& w, const hw::GpuConfig& config, std::uint32_t 
   hw::CorePort::Links port;
   const auto client = [&](sim::Clock clock, const hw::CacheConfig& cache) {
     const auto place = static_cast<std::uint32_t>(readers_.size());
-    auto* up = w.link(requests_, kRequestDepth, 1, clock, w.l2, w.reader(place), w.port(core));
+    auto* up = w.link(requests_, hw::kRequestDepth, 1, clock, w.l2, w.reader(place), w.port(core));
     auto* down = w.link(responses_, cache.mshrs, 1, w.l2, clock, w.port(core), w.reader(place));
     readers_.emplace_back(clock, cache, static_cast<std::uint16_t>(port.clients_in.size()), *up, *down);
     port.clients_in.push_back(up);

@@ -13,7 +13,7 @@ namespace tools {
 
 namespace {
 
-constexpr std::uint32_t kRays = 4000;
+constexpr std::uint32_t kRays = 12'000;
 
 /// The shader core's end of the direct interface: a ray every so many cycles if there is room, hits taken at once.
 class RaySource {
@@ -114,7 +114,7 @@ Findings measure(const RunConfig& machine) {
   hw::GpuConfig config = machine.gpu;
   config.tni.trv.prefetch = hw::Prefetch::kNone;
   Findings found{"rays through one T&I unit", {}};
-  const StraightRay misses{.visits = 4}, hits{.visits = 16, .leaf = {0, {kDistance, kHit}}};
+  const StraightRay misses{.visits = 4, .leaf = {}}, hits{.visits = 16, .leaf = {0, {kDistance, kHit}}};
   for (const std::uint32_t testers : {2U, 1U}) {
     for (const StraightRay& ray : {hits, misses}) {
       for (const std::uint32_t trvs : {1U, 2U, 4U, 8U}) {
@@ -125,7 +125,7 @@ Findings measure(const RunConfig& machine) {
             {fmt::format("{} TRV{}, {} box tester{}, {} nodes{}", trvs, trvs == 1 ? "" : "s", testers,
                          testers == 1 ? "" : "s", ray.visits, ray.leaf.exits.empty() ? "" : " and 2 triangles"),
              "rays/cycle", TniStand(config, machine.bvh.triangle_bytes, ray).rays_per_cycle(), bound.value,
-             Figure::Holds::kClosely, std::string(bound.by)});
+             bound.holds(), std::string(bound.by)});
       }
     }
   }

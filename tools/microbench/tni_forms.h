@@ -56,7 +56,7 @@ class TniForms {
     }
     return tni_.ist.latency;
   }
-  /// Lines of the leaf's triangles, one read a cycle, and when each triangle's last one is read.
+  /// Lines of the leaf's first triangles: one is read a cycle, the same one again for a triangle that shares it.
   std::uint32_t lines(const Leaf& leaf, std::uint32_t triangles) const {
     std::uint32_t count = 0;
     for (std::uint32_t i = 0; i < triangles; ++i) {
@@ -80,10 +80,13 @@ class TniForms {
     return passes(ray) * pass + (ray.leaf.exits.empty() ? 0 : to_ist_and_back);
   }
 
-  /// Upper bound of leaves a cycle through the intersection unit.
+  /// Leaves a cycle through the intersection unit if there are always more. Its turns go round, so that the leaves
+  /// inside read in step, and end within a round of each other; if a round is shorter than the rest of the pipe, the
+  /// unit has nothing to read until the first of them has left.
   UpperBound leaves_per_cycle(const Leaf& leaf) const {
-    return least(
-        {{1.0 / lines(leaf), "intersection"}, {double(tni_.ist.leaves) / (leaf_time(leaf) + 1), "leaves inside"}});
+    const std::uint32_t round = tni_.ist.leaves, rest = leaf_time(leaf) - lines(leaf) + 2;
+    const std::uint32_t idle = rest > round ? rest - round : 0;
+    return {double(round) / (round * lines(leaf) + idle), idle == 0 ? "intersection" : "leaves inside"};
   }
   /// Upper bound of rays a cycle through the whole unit, with what sets it.
   UpperBound rays_per_cycle(const StraightRay& ray) const {
@@ -93,11 +96,14 @@ class TniForms {
     // A ray's slot is taken from its dispatch to its collection: a wire there and one back.
     const std::uint32_t taken = ray_time(ray) + 2;
     std::vector<UpperBound> bounds = {{double(tni_.trvs) / busy, "traversal"},
-                                      {double(tni_.trvs) * tni_.trv.rays / taken, "rays inside"},
+                                      {double(tni_.trvs) * tni_.trv.rays / taken, "rays inside", false},
                                       {1.0 / direct_.interval, "interface"},
                                       {direct_.depth / 2.0, "interface"},
                                       {1, "dispatcher"}};
-    if (tests != 0) bounds.push_back(leaves_per_cycle(ray.leaf));
+    if (tests != 0) {
+      bounds.push_back({1.0 / lines(ray.leaf), "intersection"});
+      bounds.push_back({double(tni_.ist.leaves) / (leaf_time(ray.leaf) + 1), "leaves inside", false});
+    }
     return least(bounds);
   }
 
