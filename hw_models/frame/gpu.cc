@@ -10,7 +10,6 @@ namespace hw {
 
 namespace {
 
-constexpr std::uint32_t kRequestDepth = 2;  // a unit's requests on the wire to its core's port
 constexpr std::uint32_t kIdealDepth = 256;  // of the links of an ideal interconnect: more than is under way at once
 
 constexpr Addr whole_lines(Addr bytes) { return (bytes + 63) & ~Addr{63}; }

@@ -21,6 +21,9 @@
 
 namespace hw {
 
+/// A unit's requests on the wire to its core's port.
+inline constexpr std::uint32_t kRequestDepth = 2;
+
 /// The machine: cores, L2, memory, and the only place that wires them together.
 ///
 ///   tile dispatcher --> core x n: SRP <--direct interface--> T&I unit        core ports       L2 banks    channels

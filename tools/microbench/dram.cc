@@ -11,6 +11,7 @@
 #include "sim/report/report_json.h"
 #include "sim/report/table.h"
 #include "tools/load_config.h"
+#include "tools/microbench/benchmark.h"
 #include "tools/microbench/dram_stream.h"
 #include "tools/microbench/microbench.h"
 
@@ -169,13 +170,15 @@ const char* words_for(Holds holds) {
   return "";
 }
 
-void show_figures(const hw::DramConfig& config, bool json) {
+void show_figures(const hw::DramConfig& config, bool json, int& exit) {
+  std::size_t missed = 0;
   Json list = Json::array();
   sim::Table table({config.grade + ", a channel", "measured", "closed form", "", "difference", "holds", ""});
   for (const hw::DramFigure& f : hw::dram_figures(config)) {
     table.row({f.name, fmt::format("{:.3f}", f.measured), fmt::format("{:.3f}", f.expected), f.unit,
                fmt::format("{:+.2f} %", 100 * (f.measured / f.expected - 1)), words_for(f.holds),
                f.good() ? "" : "MISSED"});
+    missed += f.good() ? 0 : 1;
     list.push_back({{"name", f.name},
                     {"unit", f.unit},
                     {"measured", f.measured},
@@ -185,12 +188,13 @@ void show_figures(const hw::DramConfig& config, bool json) {
   }
   const Json all = {{"schema", "raywatt-microbench-dram-figures/1"}, {"grade", config.grade}, {"figures", list}};
   fmt::print("{}", json ? sim::json_text(all) : table.text());
+  report_missed(missed, list.size(), exit);
 }
 
-void run(const Options& options) {
+void run(const Options& options, int& exit) {
   hw::DramConfig config = load_run_config(options.job).gpu.dram;
   if (options.refresh == "off") config.timing.refi_pb = config.timing.refi_ab = 0;
-  if (options.stream.empty()) return show_figures(config, options.json);
+  if (options.stream.empty()) return show_figures(config, options.json, exit);
   const std::vector<hw::DramRequest> requests = load_dram_stream(options.stream);
   const Result result(config, requests, options.outstanding == 0 ? config.controller.read_queue : options.outstanding);
   if (options.json) {
@@ -202,7 +206,7 @@ void run(const Options& options) {
 
 }  // namespace
 
-void add_microbench_dram(CLI::App& verb) {
+void add_microbench_dram(CLI::App& verb, int& exit) {
   CLI::App* dram = verb.add_subcommand("dram", "A memory channel alone: what its grade allows, or a file of requests");
   const auto options = std::make_shared<Options>();
   add_config_options(*dram, options->job.config, options->job.sets);
@@ -224,7 +228,7 @@ void add_microbench_dram(CLI::App& verb) {
       "\n"
       "Example: raywatt microbench dram --stream requests.txt --outstanding 16 --refresh off\n"
       "Example: raywatt microbench dram --set dram.extends=dram/lpddr5-6400");
-  dram->callback([options] { run(*options); });
+  dram->callback([options, &exit] { run(*options, exit); });
 }
 
 }  // namespace tools

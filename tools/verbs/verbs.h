@@ -27,6 +27,6 @@ void add_config(CLI::App& app);
 void add_kernels(CLI::App& app);
 void add_bottleneck(CLI::App& app);
 void add_bench(CLI::App& app);
-void add_microbench(CLI::App& app);
+void add_microbench(CLI::App& app, int& exit);
 
 }  // namespace tools

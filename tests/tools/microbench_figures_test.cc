@@ -1,0 +1,204 @@
+#include <map>
+
+#include <gtest/gtest.h>
+
+#include "tests/tools/program.h"
+
+// raywatt microbench: every piece of the machine, measured alone, holds its closed form; and some of these forms by
+// hand.
+
+namespace test {
+namespace {
+
+using Json = nlohmann::json;
+
+const std::map<std::string, Words> kMachines = {
+    {"the default", {}},
+    {"clocks that do not divide each other",
+     {"--set", "clocks.l2=800 MHz", "--set", "clocks.tni=333 MHz", "--set", "clocks.synchroniser=3", "--set",
+      "interconnect.latency=7", "--set", "dram.extends=dram/lpddr5-6400"}},
+    {"narrow and small",
+     {"--set", "cores=1", "--set", "dram.extends=dram/lpddr3-1600", "--set", "dram.channels=1", "--set",
+      "interconnect.width=8", "--set", "l2.banks=1", "--set", "l2.hit_cycles=1", "--set", "l2.lookup_cycles=1", "--set",
+      "clocks.synchroniser=0"}},
+    {"little room", {"--set", "tni.trv.rays=4",
+                     "--set", "tni.ist.leaves=2",
+                     "--set", "tni.miss_handling=rau",
+                     "--set", "direct_interface.interval=1",
+                     "--set", "direct_interface.depth=1",
+                     "--set", "tni.link_depth=1",
+                     "--set", "interconnect.link_depth=1",
+                     "--set", "l2.mshrs=4",
+                     "--set", "bvh.triangle_bytes=36",
+                     "--set", "srp.array.local_ports=8",
+                     "--set", "dram.controller.mapping=row_bank_channel_column"}},
+};
+
+Json measured(const std::string& benchmark, const Words& more = {}) {
+  Words words = {"microbench", benchmark, "--json"};
+  words.insert(words.end(), more.begin(), more.end());
+  const Ending ending = raywatt(words);
+  EXPECT_EQ(ending.exit, 0) << ending.err << ending.out;
+  return Json::parse(ending.out);
+}
+
+double value_of(const Json& all, const std::string& figure) {
+  for (const Json& f : all["figures"]) {
+    if (f["name"] == figure) return f["measured"];
+  }
+  ADD_FAILURE() << "no figure is called " << figure;
+  return 0;
+}
+
+class Microbench : public testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(All, Microbench,
+                         testing::Values("chase", "bandwidth", "mshr", "rays", "early_exit", "tile_buffer", "kernels"),
+                         [](const auto& benchmark) { return std::string(benchmark.param); });
+
+TEST_P(Microbench, HoldsItsClosedFormsOnEveryMachine) {
+  const std::map<std::string, std::pair<double, double>> least_and_most = {{"exactly", {-1e-9, 1e-9}},
+                                                                           {"within 2 %", {-0.02, 0.02}},
+                                                                           {"an upper bound", {-0.75, 0.02}},
+                                                                           {"a lower bound", {0, 9}}};
+  for (const auto& [name, sets] : kMachines) {
+    const Json all = measured(GetParam(), sets);
+    EXPECT_EQ(all["schema"], "raywatt-microbench/1");
+    EXPECT_EQ(all["benchmark"], GetParam());
+    EXPECT_FALSE(all["figures"].empty());
+    EXPECT_TRUE(all["good"]);
+    for (const Json& f : all["figures"]) {
+      const std::string what = name + ": " + f["name"].get<std::string>();
+      const double error = f["relative_error"];
+      EXPECT_LE(error, least_and_most.at(f["holds"]).second) << what;
+      EXPECT_GE(error, least_and_most.at(f["holds"]).first) << what;
+    }
+  }
+}
+
+// L2 cycles of 2 ns: wire 1, distance 4, bank 12, distance 4, wire 1; then the L1's 2 again.
+// DRAM: 1 + 4 + 4 cycles and the wire to the channel are 20 ns, two of its cycles later 21.25; 47, 76 or 105 of them
+// for the line, 80 for the fabric; a wire and two L2 cycles, up to the next edge; bank 1, distance 4, wire 1, L1 2.
+TEST(MicrobenchChase, AddsUpTheWayToEachLevel) {
+  const Json all = measured("chase", {"--set", "dram.channels=2"});
+  EXPECT_DOUBLE_EQ(value_of(all, "L1 hit"), 2 * 2);
+  EXPECT_DOUBLE_EQ(value_of(all, "L2 hit"), 2 * (22 + 2));
+  EXPECT_NEAR(value_of(all, "DRAM, row open"), 21.25 + 0.625 * (47 + 80 + 1) + 4 + 16, 2);
+  EXPECT_NEAR(value_of(all, "DRAM, bank closed"), 21.25 + 0.625 * (76 + 80 + 1) + 4 + 16, 2);
+  EXPECT_NEAR(value_of(all, "DRAM, other row open"), 21.25 + 0.625 * (105 + 80 + 1) + 4 + 16, 2);
+}
+
+TEST(MicrobenchBandwidth, ReachesANarrowPort) {
+  // A line in 8 cycles of 2 ns.
+  const Json all = measured("bandwidth", {"--set", "cores=1", "--set", "interconnect.width=8"});
+  EXPECT_NEAR(value_of(all, "LPDDR4-3200, stream"), 4, 0.08);
+  EXPECT_EQ(all["figures"][0]["remark"], "core ports");
+}
+
+TEST(MicrobenchBandwidth, ComesNearWhatOneChannelStreams) {
+  const Json all = measured("bandwidth", {"--set", "dram.channels=1"});
+  EXPECT_GT(value_of(all, "LPDDR4-3200, stream"), 0.9 * 6.4);
+  EXPECT_LT(value_of(all, "LPDDR4-3200, stream"), 6.4);
+  EXPECT_EQ(all["figures"][0]["remark"], "DRAM");
+}
+
+TEST(MicrobenchBandwidth, HasTwoRowsForEachGrade) {
+  const Json all = measured("bandwidth", {"--all-grades", "--set", "dram.channels=1"});
+  ASSERT_EQ(all["figures"].size(), 10U);
+  EXPECT_EQ(all["figures"][0]["name"], "LPDDR3-1600, stream");
+  EXPECT_EQ(all["figures"][9]["name"], "LPDDR5-6400, random");
+}
+
+TEST(MicrobenchMshr, GivesALineForEachRegisterAndLatencyUntilThePortIsFull) {
+  const Json all = measured("mshr");
+  EXPECT_NEAR(value_of(all, "1 miss register, lines in the L2"), 1e3 / 44, 0.01);
+  EXPECT_NEAR(value_of(all, "4 miss registers, lines in the L2"), 4e3 / 44, 0.5);
+  EXPECT_NEAR(value_of(all, "32 miss registers, lines in the L2"), 250, 0.1) << "a line in two cycles of 2 ns";
+}
+
+// A request slot is taken for a cycle of the client, three of the L2 to cross and one until the pop is seen: between
+// 2 + 4 x 1.25 ns and the next edge that is 8 ns, for two slots.
+TEST(MicrobenchMshr, FindsTheWireThatAClockCrossingFills) {
+  const Json all = measured("mshr", {"--set", "clocks.l2=800 MHz", "--set", "clocks.synchroniser=3"});
+  EXPECT_NEAR(value_of(all, "64 miss registers, lines in the L2"), 2e3 / 8, 1);
+  EXPECT_EQ(all["figures"][6]["remark"], "request wire");
+}
+
+TEST(MicrobenchRays, CountsPassesThroughThePipesOfAllTraversalUnits) {
+  const Json all = measured("rays");
+  EXPECT_NEAR(value_of(all, "1 TRV, 2 box testers, 16 nodes and 2 triangles"), 1. / 16, 0.001);
+  EXPECT_NEAR(value_of(all, "1 TRV, 1 box tester, 16 nodes and 2 triangles"), 1. / (2 * 16 + 2), 0.001);
+  EXPECT_NEAR(value_of(all, "8 TRVs, 2 box testers, 16 nodes and 2 triangles"), 1. / 3, 0.005) << "three lines a leaf";
+  EXPECT_NEAR(value_of(all, "8 TRVs, 2 box testers, 4 nodes"), 1. / 2, 0.005) << "the interface's interval";
+}
+
+TEST(MicrobenchEarlyExit, StopsTimeAndEnergyAtThePhaseThatFails) {
+  const Json all = measured("early_exit");
+  EXPECT_DOUBLE_EQ(value_of(all, "a lone test, exit: distance"), 2 + 8);
+  EXPECT_DOUBLE_EQ(value_of(all, "a lone test, exit: barycentric"), 2 + 16);
+  EXPECT_DOUBLE_EQ(value_of(all, "a lone test, exit: hit"), 2 + 22);
+  const double distance = value_of(all, "energy of a test, exit: distance");
+  EXPECT_NEAR(value_of(all, "energy of a test, exit: barycentric") - distance, 31.5, 1e-6);
+  EXPECT_NEAR(value_of(all, "energy of a test, exit: hit") - distance, 31.5 + 18, 1e-6);
+}
+
+TEST(MicrobenchEarlyExit, CountsTheExitsOfAScene) {
+  const Json all = measured("early_exit", {"--scene", "teapot", "--resolution", "32x16"});
+  EXPECT_GT(value_of(all, "teapot, 32x16, exit: distance"), 0);
+  EXPECT_GT(value_of(all, "teapot, 32x16, exit: barycentric"), 0);
+  EXPECT_GT(value_of(all, "teapot, 32x16, exit: hit"), 0);
+  expect_refusal(raywatt({"microbench", "early_exit", "--scene", "teapt"}), {"teapt", "teapot"});
+}
+
+TEST(MicrobenchTileBuffer, LosesACycleForEachFurtherAccessOfABank) {
+  const Json all = measured("tile_buffer");
+  EXPECT_EQ(value_of(all, "stride 16 B, 1 bank"), 2) << "three accesses in a cycle";
+  EXPECT_EQ(value_of(all, "stride 64 B, 1 bank"), 12 - 3) << "twelve in three cycles";
+  EXPECT_EQ(value_of(all, "stride 64 B, 64 banks"), 0);
+  EXPECT_GT(value_of(all, "all kernels, 1 bank"), value_of(all, "all kernels, 16 banks"));
+}
+
+TEST(MicrobenchKernels, NeedLessTimeOnALargerArrayUntilPortsOrRecurrencesBindThem) {
+  const Json all = measured("kernels");
+  EXPECT_GT(all["figures"].size(), 300U);
+  for (std::size_t i = 0; i + 1 < all["figures"].size(); ++i) {
+    const bool last_size = i % 5 == 4;
+    EXPECT_TRUE(last_size || all["figures"][i]["measured"] >= all["figures"][i + 1]["measured"]) << all["figures"][i];
+  }
+  EXPECT_EQ(measured("kernels", {"--kernel", "sum_subpixels"})["figures"][4]["remark"], "recurrence");
+}
+
+TEST(MicrobenchKernels, AreThoseThatAreNamed) {
+  EXPECT_EQ(measured("kernels", {"--kernel", "shade_diffuse", "--kernel", "absorb"})["figures"].size(), 10U);
+  expect_refusal(raywatt({"microbench", "kernels", "--kernel", "shade_difuse"}), {"shade_difuse", "shade_diffuse"});
+}
+
+TEST(MicrobenchVerb, ListsWhatEachMeasures) {
+  const Ending list = raywatt({"microbench", "list"});
+  EXPECT_EQ(list.exit, 0);
+  const Ending help = raywatt({"microbench", "--help"});
+  for (const char* name : {"chase", "bandwidth", "mshr", "dram", "rays", "early_exit", "tile_buffer", "kernels"}) {
+    EXPECT_SAYS(list.out, name);
+    EXPECT_SAYS(help.out, name);
+  }
+}
+
+TEST(MicrobenchVerb, PrintsATableWithTheMarginOfEachFigure) {
+  const Ending ending = raywatt({"microbench", "mshr"});
+  EXPECT_EQ(ending.exit, 0);
+  for (const char* part : {"closed form", "within 2 %", "core ports", "difference"}) EXPECT_SAYS(ending.out, part);
+}
+
+// Refreshes that take more than half of each bank's time: a stream cannot reach nine tenths of the bus.
+TEST(MicrobenchVerb, EndsWithOneIfAFigureLeavesItsClosedForm) {
+  const Ending ending = raywatt({"microbench", "dram", "--set", "dram.timing.refi_pb=60"});
+  EXPECT_EQ(ending.exit, 1);
+  EXPECT_SAYS(ending.out, "MISSED");
+  EXPECT_SAYS(ending.err, "leave their closed forms");
+}
+
+TEST(MicrobenchVerb, MeasuresRealResourcesEvenIfTheConfigurationMakesThemPerfect) {
+  EXPECT_EQ(measured("chase", {"--set", "ideal.dram=true"}), measured("chase"));
+}
+
+}  // namespace
+}  // namespace test
