@@ -112,11 +112,12 @@ TEST(DramConfig, ImpossibleFiguresAreNamed) {
   };
   EXPECT_EQ(complaint([](DramConfig&) {}), "");
   EXPECT_EQ(complaint([](DramConfig& c) { c.line = {16}; }), "line ");
-  EXPECT_EQ(complaint([](DramConfig& c) { c.organisation.bank_groups = 16; }), "organisation ");
-  EXPECT_EQ(complaint([](DramConfig& c) { c.organisation.banks = 32, c.organisation.ranks = 2; }), "organisation ");
+  EXPECT_EQ(complaint([](DramConfig& c) { c.organisation.bank_groups = 16; }), "organisation.bank_groups ");
+  EXPECT_EQ(complaint([](DramConfig& c) { c.organisation.banks = 32, c.organisation.ranks = 2; }),
+            "organisation.banks ");
   EXPECT_EQ(complaint([](DramConfig& c) { c.organisation.banks = 1, c.organisation.refresh_banks = 2; }),
-            "organisation ");
-  EXPECT_EQ(complaint([](DramConfig& c) { c.timing.burst = 16; }), "timing ");
+            "organisation.refresh_banks ");
+  EXPECT_EQ(complaint([](DramConfig& c) { c.timing.burst = 16; }), "timing.ccd_s ");
   EXPECT_EQ(complaint([](DramConfig& c) { c.timing.rfc_pb = 4096, c.timing.refi_pb = 512; }), "timing ");
   EXPECT_EQ(complaint([](DramConfig& c) { c.timing.rfc_ab = 6246; }), "") << "they refresh bank by bank";
   EXPECT_EQ(complaint([](DramConfig& c) {
