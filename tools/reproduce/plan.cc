@@ -14,7 +14,7 @@ const std::vector<Paper>& papers() {
   static const std::vector<Paper> all = {{"lee2016", "Lee et al. 2016, adaptive multi-rate ray sampling", lee2016},
                                          {"kim2016", "Kim et al. 2016, adaptive undersampling", kim2016},
                                          {"jin2009", "Jin et al. 2009, selective and adaptive supersampling", jin2009},
-                                         {"sgrt-units", "mechanisms of the SGRT line, 2013 to 2015", sgrt_units}};
+                                         {"sgrt-units", "Mechanisms of the SGRT line, 2013 to 2015", sgrt_units}};
   return all;
 }
 
