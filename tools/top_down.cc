@@ -82,14 +82,14 @@ struct Inside {
 
 double misses_of(const Units& units) {
   double share = 0;
-  for (const char* reason : {"l1_miss", "mshr_full", "rau_full", "blocked"}) share += units.share(reason);
+  for (const char* reason : {"l1_miss", "mshr_full", "rau_full"}) share += units.share(reason);
   return share;
 }
 
 Inside inside(const Units& trvs, const Units& ist) {
   const double there = 1 - trvs.share("starved"), leaves = 1 - ist.share("starved");
   const double at_ist = ratio(trvs.share("ist"), there);
-  return {ratio(trvs.share("visiting"), there), at_ist * ratio(ist.share("testing"), leaves),
+  return {ratio(trvs.share("visiting") + trvs.share("serial"), there), at_ist * ratio(ist.share("testing"), leaves),
           ratio(misses_of(trvs), there) + at_ist * ratio(misses_of(ist), leaves)};
 }
 

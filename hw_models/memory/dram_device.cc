@@ -158,8 +158,9 @@ void DramDevice::keep_busy(std::uint32_t banks, Cycle from, std::uint32_t cycles
 
 DramDevice::Cycle DramDevice::precharge_all(std::uint32_t banks, Cycle from) {
   const std::uint32_t open = banks & open_;
-  if (open == 0) return from;
-  Cycle begin = from;
+  const Cycle closed = rank_[rank_of(log2(banks))].active_until;  // a precharge may have been booked ahead
+  if (open == 0) return closed == 0 ? from : std::max(from, closed + t_.rp);
+  Cycle begin = std::max(from, closed);
   for (std::uint32_t left = open; left != 0; left &= left - 1) begin = std::max(begin, at(kPrecharge, log2(left)));
   for (std::uint32_t left = open; left != 0; left &= left - 1) close(log2(left), begin);
   return begin + t_.rp_ab;

@@ -77,6 +77,14 @@ void expect_memory_conserved(const Outcome& run, const GpuConfig& config) {
   EXPECT_EQ(run.sum("channel", "bytes"), kLine * (reads + writes));
   EXPECT_EQ(run.sum("channel", "row_hits") + run.sum("channel", "row_misses") + run.sum("channel", "row_conflicts"),
             reads + writes);
+  for (const sim::UnitReport& unit : run.units) {
+    if (!unit.path.starts_with("dram.")) continue;
+    for (const sim::CounterReport& c : unit.counters) {
+      const bool standby = c.name == "active_standby" || c.name == "precharge_standby" || c.name == "power_down";
+      if (!standby) continue;
+      EXPECT_LE(c.value, config.dram.organisation.ranks * unit.elapsed) << unit.path << ": " << c.name;
+    }
+  }
 }
 
 /// Spilled slots go out and come back in whole lines: ray and hit, so each slot twice.

@@ -165,6 +165,26 @@ TEST(PowerDown, IsLeftForEveryRefresh) {
   EXPECT_EQ(b.stats().active_standby + b.stats().precharge_standby + b.stats().power_down, cycles);
 }
 
+TEST(PowerDown, WaitsForAPrechargeThatIsBookedAhead) {
+  DramConfig c = with([](DramConfig& d) {
+    d.controller.power_down = true;
+    d.controller.power_down_after = 1;
+    d.controller.page_policy = PagePolicy::kClosed;
+    d.timing.refi_pb = 0;
+  });
+  DramBench b(c);
+  for (const std::uint32_t i : {0U, 1U, 2U}) b.requester().send(b.row(i, 0), 2000 * i, true);
+  const std::uint64_t cycles = b.run();
+  const DramChannel::Stats& s = b.stats();
+  // A row stays open from its activate to the precharge behind the write's recovery; from then on and tRP later all is
+  // closed and may sleep.
+  const std::uint64_t open = kT.rcd + kT.ccd_l + kT.wl + kT.dqss + kT.burst + kT.wr;
+  EXPECT_EQ(s.active_standby, 2 * open + kT.rcd + 1) << "the last one is still open at the end of the run";
+  EXPECT_GE(s.power_downs, 2U);
+  EXPECT_GE(s.precharge_standby, 2 * kT.rp);
+  EXPECT_LE(s.precharge_standby, cycles);
+}
+
 TEST(Ranks, HaveActivateWindowsOfTheirOwn) {
   DramConfig c = with([](DramConfig& d) { d.organisation.ranks = 2; });
   Script s(c);
@@ -280,6 +300,10 @@ TEST(Controllers, OfEveryKindDoNotDependOnHowTheEngineVisitsThem) {
       EXPECT_EQ(spent, cycles);
       const DramChannel::Stats& s = b.stats();
       EXPECT_EQ(s.active_standby + s.precharge_standby + s.power_down, c.organisation.ranks * cycles);
+      // The second is what the others leave, so the sum alone would hide that they overlap.
+      for (const std::uint64_t part : {s.active_standby, s.precharge_standby, s.power_down}) {
+        EXPECT_LE(part, c.organisation.ranks * cycles) << "seed " << seed;
+      }
       EXPECT_EQ(s.reads + s.writes, 900U);
       const std::string all = b.bench.everything(b.end);
       if (mode == Mode::kSkip) expected = all;
