@@ -100,7 +100,7 @@ std::vector<Estimate> estimate(const CoreTime& t) {
   const MissLevels &of_data = t.data_levels, &of_tree = t.tree_levels;
   const std::vector<std::pair<const char*, double>> times = {
       {"tni", std::max(together(shading, std::max(tree, least(d.tree_lines, d.fed)), p), memory)},
-      {"l1", levels(1, 1)},
+      {"l1", std::max(levels(1, 1), memory * d.records)},
       {"l2", levels(of_data.l2 + of_data.dram, of_tree.l2 + of_tree.dram)},
       {"dram", levels(of_data.dram, of_tree.dram)},
       {"srp", std::max(together(least(d.data_lines, data), tracing, p), memory)},
@@ -110,7 +110,9 @@ std::vector<Estimate> estimate(const CoreTime& t) {
   };
   std::vector<Estimate> estimates;
   for (const auto& [resource, rest] : times) {
-    const double total = std::min(rest, time) + neither;
+    // Transfers wait for memory; ray slots that fit make none.
+    const bool of_transfers = std::string_view(resource) == "dram" || std::string_view(resource) == "tile_buffer";
+    const double total = std::min(rest, time) + t.no_tile + (of_transfers ? 0 : t.transfers);
     estimates.push_back({resource, total > 0 ? 1 / total : 1});
   }
   return estimates;

@@ -98,6 +98,13 @@ double registers(const hw::TniConfig& config, const hw::CacheConfig& cache) {
   return config.miss_handling == hw::MissHandling::kBlocking ? 1 : cache.mshrs;
 }
 
+double record_share(std::span<const UnitReport> units, const Units& banks) {
+  const Units records(units, "core", ".memory_interface");
+  double requests = 0;
+  for (const char* kind : {"ray_reads", "ray_writes", "hit_reads", "hit_writes"}) requests += records.counted(kind);
+  return ratio(requests, banks.counted("reads") + banks.counted("writes"));
+}
+
 /// Time for all visits at the pace of times when every ray slot was taken; that of all times where there were too few.
 double tracing_demand(const Units& trvs) {
   const double occupied = 1 - trvs.share("starved"), full = ratio(trvs.counted("full"), trvs.elapsed());
@@ -124,7 +131,8 @@ CoreTime core_time(std::span<const UnitReport> units, const std::string& core, c
                .data_lines = ratio(srp.counted("cache_miss_cycles"), srp.elapsed()) / config.srp.data_cache.mshrs,
                .l2_lines = ratio(banks.counted("line_cycles"), banks.elapsed()) / config.l2.mshrs_per_bank(),
                .dram_bus = Units(units, "dram.").share("reading") + Units(units, "dram.").share("writing"),
-               .tracing = tracing_demand(trvs)};
+               .tracing = tracing_demand(trvs),
+               .records = record_share(units, banks)};
   const double tracing = ratio(srp.counted("awaited"), srp.elapsed());
   t.transfers = std::max(0.0, srp.share("waiting") + t.demands.no_slots - tracing);
   const Inside in = inside(trvs, ist);
@@ -149,8 +157,9 @@ void each_share(A& a, const CoreTime& b, F&& f) {
     f(a.*share, b.*share);
   }
   using Demands = CoreTime::Demands;
-  for (double Demands::*demand : {&Demands::no_slots, &Demands::fed, &Demands::occupied, &Demands::tree_lines,
-                                  &Demands::data_lines, &Demands::l2_lines, &Demands::dram_bus, &Demands::tracing}) {
+  for (double Demands::*demand :
+       {&Demands::no_slots, &Demands::fed, &Demands::occupied, &Demands::tree_lines, &Demands::data_lines,
+        &Demands::l2_lines, &Demands::dram_bus, &Demands::tracing, &Demands::records}) {
     f(a.demands.*demand, b.demands.*demand);
   }
   for (MissLevels CoreTime::*of : {&CoreTime::data_levels, &CoreTime::tree_levels}) {
@@ -198,7 +207,8 @@ nlohmann::ordered_json time_json(const CoreTime& t) {
             {"data_lines", t.demands.data_lines},
             {"l2_lines", t.demands.l2_lines},
             {"dram_bus", t.demands.dram_bus},
-            {"tracing", t.demands.tracing}}}};
+            {"tracing", t.demands.tracing},
+            {"records", t.demands.records}}}};
 }
 
 nlohmann::ordered_json top_down_json(const TopDown& view) {

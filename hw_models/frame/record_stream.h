@@ -15,7 +15,7 @@ namespace hw {
 ///
 /// Records lie behind each other; a line is written when it is full, or when no whole record is under way that could
 /// be waited for. What is written is read at once, as long as fewer than `depth` records are asked for or wait at the
-/// end; a read follows its write on the same link, so it cannot overtake it. Memory holds up to `ring` records.
+/// end; a read follows its write on the same link, so it cannot overtake it on the way to the L2. Memory holds up to `ring` records.
 template <class Record>
 class RecordStream {
  public:
