@@ -47,7 +47,9 @@ constexpr KnownSlower kKnownSlower[] = {
     {"chess", 73, 6.74},     // tni.ist.l1.mshrs
     {"chess", 75, 1.05},     // l2.mshrs
     {"chess", 93, 3.77},     // l2.mshrs
+    {"chess", 118, 2.25},    // tni.ist.l1.mshrs
     {"chess", 150, 1.62},    // srp.data_cache.size
+    {"chess", 162, 1.63},    // tni.trv.l1.mshrs
 };
 
 }  // namespace
