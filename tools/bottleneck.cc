@@ -14,16 +14,16 @@ Bottleneck find_bottleneck(const JobOptions& options) {
   const CoreTime time = top_down(measured.units, measured.machine).gpu;
   const std::vector<Estimate> estimates = estimate(time);
   Bottleneck found{.cycles = measured.cycles,
-                   .limiter = limiter(time),
+                   .limiter = limiter(estimates),
                    .time = time,
                    .named = most(estimates).resource,
                    .bounds = {}};
-  for (const auto& [name, member] : hw::IdealConfig::kResources) {
-    bool& ideal = inputs.config.gpu.ideal.*member;
+  for (const hw::IdealConfig::Resource& resource : hw::IdealConfig::kResources) {
+    bool& ideal = inputs.config.gpu.ideal.*resource.member;
     const bool configured = ideal;
     ideal = true;
-    const double estimated = std::ranges::find(estimates, name, &Estimate::resource)->speedup;
-    found.bounds.push_back({std::string(name), simulate(inputs, program, options.threads).cycles, estimated});
+    const double estimated = std::ranges::find(estimates, resource.name, &Estimate::resource)->speedup;
+    found.bounds.push_back({resource.name, simulate(inputs, program, options.threads).cycles, estimated});
     ideal = configured;
   }
   return found;

@@ -1,15 +1,13 @@
 #include "tools/limiter.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdint>
 #include <string_view>
-#include <utility>
 
 #include <fmt/format.h>
 
 #include "hw_models/frame/ideal_config.h"
+#include "tools/units.h"
 
 namespace tools {
 
@@ -53,40 +51,21 @@ double never_full(const CoreTime::Demands& d) {
 /// What is left of `misses` if a part of their latency goes.
 double without(double misses, double part) { return misses * (1 - part); }
 
-constexpr std::array<std::pair<std::string_view, std::string_view>, 7> kWords = {
-    {{"tni", "T&I units"},
-     {"l1", "first-level caches"},
-     {"l2", "L2 banks"},
-     {"dram", "memory channels"},
-     {"srp", "shader cores"},
-     {"tile_buffer", "tile buffers"},
-     {"interconnect", "core ports and wires"}}};
-
 std::string_view words_of(std::string_view resource) {
-  return std::ranges::find(kWords, resource, &std::pair<std::string_view, std::string_view>::first)->second;
-}
-
-/// Share of the time that all units of a kind gave one reason for.
-double share(std::span<const sim::UnitReport> units, std::string_view kind, std::string_view reason) {
-  std::uint64_t cycles = 0, elapsed = 0;
-  for (const sim::UnitReport& unit : units) {
-    if (unit.path.find(kind) == std::string::npos) continue;
-    elapsed += unit.elapsed;
-    for (const auto& [name, spent] : unit.why) cycles += name == reason ? spent : 0;
-  }
-  return elapsed == 0 ? 0 : static_cast<double>(cycles) / static_cast<double>(elapsed);
+  return std::ranges::find(hw::IdealConfig::kResources, resource, &hw::IdealConfig::Resource::name)->words;
 }
 
 }  // namespace
 
 Utilisation utilisation(std::span<const sim::UnitReport> units) {
-  return {share(units, ".trv", "visiting"), share(units, ".srp", "running") + share(units, ".srp", "switching"),
-          share(units, "dram.", "reading") + share(units, "dram.", "writing")};
+  const Units trvs(units, "", ".trv"), srps(units, "", ".srp"), channels(units, "dram.");
+  return {trvs.share("visiting"), srps.share("running") + srps.share("switching"),
+          channels.share("reading") + channels.share("writing")};
 }
 
 std::vector<Estimate> estimate(const CoreTime& t) {
   const CoreTime::Demands& d = t.demands;
-  const double neither = t.transfers + t.no_tile, time = 1 - neither;
+  const double time = 1 - (t.transfers + t.no_tile);
   const double kernels = t.busy(), data = t.data_misses, shading = kernels + data;
   const double p = overlap(shading, d.fed, time);
   const double tree = t.tracing() > 0 ? d.fed * t.tree_misses / t.tracing() : 0;  // of the T&I unit's time
@@ -98,21 +77,25 @@ std::vector<Estimate> estimate(const CoreTime& t) {
     return together(kernels + without(data, data_part), d.fed - tree + without(tree, tree_part), p);
   };
   const MissLevels &of_data = t.data_levels, &of_tree = t.tree_levels;
-  const std::vector<std::pair<const char*, double>> times = {
-      {"tni", std::max(together(shading, std::max(tree, least(d.tree_lines, d.fed)), p), memory)},
-      {"l1", std::max(levels(1, 1), memory * d.records)},
-      {"l2", levels(of_data.l2 + of_data.dram, of_tree.l2 + of_tree.dram)},
-      {"dram", levels(of_data.dram, of_tree.dram)},
-      {"srp", std::max(together(least(d.data_lines, data), tracing, p), memory)},
-      {"tile_buffer",
-       time - kSlotsGain * std::max(0.0, std::min(d.no_slots + t.banks, time - std::max(shading, d.fed)))},
-      {"interconnect", std::max(levels(of_data.interconnect / 2, of_tree.interconnect / 2), memory)},
+  // What is left of the two stages together, and of the time spent on transfers: they wait for memory, and ray slots
+  // that fit make none.
+  struct Rest {
+    const char* resource;
+    double stages, transfers;
+  };
+  const double more_slots = std::min(d.no_slots + t.banks, time - std::max(shading, d.fed));
+  const std::vector<Rest> rests = {
+      {"tni", std::max(together(shading, std::max(tree, least(d.tree_lines, d.fed)), p), memory), t.transfers},
+      {"l1", std::max(levels(1, 1), memory * d.records), t.transfers},
+      {"l2", levels(of_data.l2 + of_data.dram, of_tree.l2 + of_tree.dram), t.transfers},
+      {"dram", levels(of_data.dram, of_tree.dram), 0},
+      {"srp", std::max(together(least(d.data_lines, data), tracing, p), memory), t.transfers},
+      {"tile_buffer", time - kSlotsGain * std::max(0.0, more_slots), 0},
+      {"interconnect", std::max(levels(of_data.interconnect / 2, of_tree.interconnect / 2), memory), t.transfers},
   };
   std::vector<Estimate> estimates;
-  for (const auto& [resource, rest] : times) {
-    // Transfers wait for memory; ray slots that fit make none.
-    const bool of_transfers = std::string_view(resource) == "dram" || std::string_view(resource) == "tile_buffer";
-    const double total = std::min(rest, time) + t.no_tile + (of_transfers ? 0 : t.transfers);
+  for (const auto& [resource, stages, transfers] : rests) {
+    const double total = std::min(stages, time) + t.no_tile + transfers;
     estimates.push_back({resource, total > 0 ? 1 / total : 1});
   }
   return estimates;
@@ -122,8 +105,7 @@ const Estimate& most(const std::vector<Estimate>& estimates) {
   return *std::ranges::max_element(estimates, {}, &Estimate::speedup);
 }
 
-std::string limiter(const CoreTime& time) {
-  std::vector<Estimate> estimates = estimate(time);
+std::string limiter(std::vector<Estimate> estimates) {
   std::ranges::stable_sort(estimates, std::greater<>(), &Estimate::speedup);
   const Estimate &first = estimates[0], &second = estimates[1];
   if (first.speedup < 1.01) return "nothing alone: no resource made perfect would be worth 1 %";

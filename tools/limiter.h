@@ -35,6 +35,6 @@ std::vector<Estimate> estimate(const CoreTime& time);
 const Estimate& most(const std::vector<Estimate>& estimates);
 
 /// What limits the frame, in a line of words.
-std::string limiter(const CoreTime& time);
+std::string limiter(std::vector<Estimate> estimates);
 
 }  // namespace tools

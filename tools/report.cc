@@ -16,6 +16,7 @@
 #include "tools/picture.h"
 #include "tools/sampling_report.h"
 #include "tools/top_down.h"
+#include "tools/units.h"
 #include "traces/accel/bvh_info.h"
 #include "traces/accel/embree_tracer.h"
 
@@ -32,15 +33,6 @@ double time_ms(const Simulation& s) { return static_cast<double>(s.elapsed) / kF
 double energy_mj(const Simulation& s) { return s.energy.total_pj.nominal / kPicojoulesPerMillijoule; }
 double tni_mj(const Simulation& s) { return s.energy.blocks.at("tni").total().nominal / kPicojoulesPerMillijoule; }
 
-std::uint64_t sum_of(const Simulation& s, std::string_view block, std::string_view counter) {
-  std::uint64_t sum = 0;
-  for (const sim::UnitReport& unit : s.units) {
-    if (unit.block != block) continue;
-    for (const sim::CounterReport& c : unit.counters) sum += c.name == counter ? c.value : 0;
-  }
-  return sum;
-}
-
 Json rays_json(const Simulation& s) {
   const auto of = [&](traces::RayKind kind) { return s.function.rays[static_cast<std::size_t>(kind)]; };
   return {{"primary", of(traces::RayKind::kPrimary)},
@@ -56,12 +48,12 @@ Json rays_json(const Simulation& s) {
 Json dram_clients_json(const Simulation& s) {
   constexpr std::uint64_t kLine = 64;
   const auto moved = [&](const std::string& area) {
-    return kLine * (sum_of(s, "dma", area + "_lines_written") + sum_of(s, "dma", area + "_lines_read"));
+    return kLine * (sum_of(s.units, "dma", area + "_lines_written") + sum_of(s.units, "dma", area + "_lines_read"));
   };
-  Json clients = {
-      {"caches", kLine * (sum_of(s, "l2", "fills") + sum_of(s, "l2", "passed_on") + sum_of(s, "l2", "written_back"))},
-      {"frame_buffer", moved("picture")},
-      {"spills", moved("spill")}};
+  Json clients = {{"caches", kLine * (sum_of(s.units, "l2", "fills") + sum_of(s.units, "l2", "passed_on") +
+                                      sum_of(s.units, "l2", "written_back"))},
+                  {"frame_buffer", moved("picture")},
+                  {"spills", moved("spill")}};
   for (const char* area : {"samples", "rates"}) {
     if (const std::uint64_t bytes = moved(area); bytes != 0) clients[area] = bytes;
   }
@@ -145,7 +137,7 @@ Json totals_json(const Result& result) {
                  {"traced_ratio", ratio(s.function.sampling.traced, s.function.sampling.wanted)},
                  {"sampling", sampling_json(s)},
                  {"traversal_steps", s.function.traversal_steps},
-                 {"dram_bytes", sum_of(s, "dram", "bytes")},
+                 {"dram_bytes", sum_of(s.units, "dram", "bytes")},
                  {"dram_bytes_by_client", dram_clients_json(s)}};
   totals.update(sim::energy_json(s.energy));
   totals["power_w"] = sim::spread_json(power);
@@ -153,8 +145,8 @@ Json totals_json(const Result& result) {
   totals["utilisation"] = {{"tni", used.tni}, {"srp", used.srp}, {"dram", used.dram}};
   const TopDown view = top_down(s.units, s.machine);
   totals["top_down"] = top_down_json(view);
-  totals["limiter"] = limiter(view.gpu);
   const std::vector<Estimate> estimates = estimate(view.gpu);
+  totals["limiter"] = limiter(estimates);
   totals["bottleneck"] = {{"named", most(estimates).resource}};
   for (const Estimate& e : estimates) totals["bottleneck"]["estimated_speedup"][e.resource] = e.speedup;
   totals["kernels"] = kernels_json(s);

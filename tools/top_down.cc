@@ -3,56 +3,18 @@
 #include <algorithm>
 #include <functional>
 #include <map>
-#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+
+#include "tools/units.h"
 
 namespace tools {
 
 namespace {
 
 using sim::UnitReport;
-
-/// Units of one machine or of one of its cores, and sums over them.
-class Units {
- public:
-  Units(std::span<const UnitReport> units, std::string_view prefix, std::string_view kind = {}) {
-    for (const UnitReport& unit : units) {
-      if (unit.path.starts_with(prefix) && unit.path.find(kind) != std::string::npos) units_.push_back(&unit);
-    }
-  }
-  bool empty() const { return units_.empty(); }
-  /// Cycles given to a reason.
-  double spent(std::string_view reason) const {
-    return sum([&](const UnitReport& unit) {
-      const auto found =
-          std::ranges::find(unit.why, reason, [](const auto& why) { return std::string_view(why.first); });
-      return found == unit.why.end() ? 0 : found->second;
-    });
-  }
-  double elapsed() const {
-    return sum([](const UnitReport& unit) { return unit.elapsed; });
-  }
-  double counted(std::string_view name) const {
-    return sum([&](const UnitReport& unit) {
-      const auto found = std::ranges::find(unit.counters, name, &sim::CounterReport::name);
-      return found == unit.counters.end() ? 0 : found->value;
-    });
-  }
-  double share(std::string_view reason) const { return elapsed() == 0 ? 0 : spent(reason) / elapsed(); }
-  double clock_mhz() const { return units_.empty() ? 1 : units_.front()->clock_mhz; }
-
- private:
-  template <class F>
-  double sum(F&& f) const {
-    std::uint64_t total = 0;
-    for (const UnitReport* unit : units_) total += f(*unit);
-    return static_cast<double>(total);
-  }
-  std::vector<const UnitReport*> units_;
-};
 
 double ratio(double a, double b) { return b == 0 ? 0 : a / b; }
 

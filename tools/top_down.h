@@ -41,7 +41,7 @@ struct CoreTime {
     double l2_lines = 0;    ///< likewise for the L2
     double dram_bus = 0;    ///< data were on the channels' buses
     double tracing = 0;     ///< of the T&I unit, at the pace it has with a ray in every slot
-    double records = 0;     ///< of the L2\'s requests, those for rays and hits that travel through memory
+    double records = 0;     ///< of the L2's requests, those for rays and hits that travel through memory
   };
   Demands demands{};
   /// What the misses of its three kinds of cache were spent on.

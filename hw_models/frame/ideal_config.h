@@ -1,6 +1,5 @@
 #pragma once
 #include <array>
-#include <string_view>
 
 #include "sim/config/field.h"
 
@@ -18,37 +17,35 @@ struct IdealConfig {
   bool interconnect = false;
 
   struct Resource {
-    std::string_view name;
+    const char* name;
+    const char* words;  ///< in the plural, for sentences
     bool IdealConfig::*member;
+    const char* meaning;
   };
   static const std::array<Resource, 7> kResources;
 
   static void describe(auto& c, auto&& field) {
-    const auto perfect = [&](auto& value, const char* name, const char* meaning) {
-      field(value, name, "", meaning, sim::any(), sim::Affects::kTiming);
-    };
-    perfect(c.tni, "tni",
-            "T&I units do any number of operations a cycle, each in one cycle, on 64 rays a traversal unit; their "
-            "caches stay as they are");
-    perfect(c.l1, "l1", "every probe of a node, triangle or data cache hits");
-    perfect(c.l2, "l2", "every look-up hits, any number a cycle, each in one cycle");
-    perfect(c.dram, "dram", "channels take any number of requests a cycle and answer each a cycle later");
-    perfect(c.srp, "srp",
-            "kernels cost no time: any number of items a cycle, no switches; they still wait for lines that their data "
-            "cache "
-            "does not have");
-    perfect(c.tile_buffer, "tile_buffer", "room for every ray slot, any number of accesses a cycle");
-    perfect(c.interconnect, "interconnect", "any number of requests and lines a cycle, each in one cycle");
+    for (const Resource& r : kResources) {
+      field(c.*r.member, r.name, "", r.meaning, sim::any(), sim::Affects::kTiming);
+    }
   }
 };
 
-inline constexpr std::array<IdealConfig::Resource, 7> IdealConfig::kResources = {
-    {{"tni", &IdealConfig::tni},
-     {"l1", &IdealConfig::l1},
-     {"l2", &IdealConfig::l2},
-     {"dram", &IdealConfig::dram},
-     {"srp", &IdealConfig::srp},
-     {"tile_buffer", &IdealConfig::tile_buffer},
-     {"interconnect", &IdealConfig::interconnect}}};
+inline constexpr std::array<IdealConfig::Resource, 7> IdealConfig::kResources = {{
+    {"tni", "T&I units", &IdealConfig::tni,
+     "T&I units do any number of operations a cycle, each in one cycle, on 64 rays a traversal unit; their caches stay "
+     "as they are"},
+    {"l1", "first-level caches", &IdealConfig::l1, "every probe of a node, triangle or data cache hits"},
+    {"l2", "L2 banks", &IdealConfig::l2, "every look-up hits, any number a cycle, each in one cycle"},
+    {"dram", "memory channels", &IdealConfig::dram,
+     "channels take any number of requests a cycle and answer each a cycle later"},
+    {"srp", "shader cores", &IdealConfig::srp,
+     "kernels cost no time: any number of items a cycle, no switches; they still wait for lines that their data cache "
+     "does not have"},
+    {"tile_buffer", "tile buffers", &IdealConfig::tile_buffer,
+     "room for every ray slot, any number of accesses a cycle"},
+    {"interconnect", "core ports and wires", &IdealConfig::interconnect,
+     "any number of requests and lines a cycle, each in one cycle"},
+}};
 
 }  // namespace hw

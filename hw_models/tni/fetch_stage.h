@@ -46,6 +46,21 @@ class FetchStage {
  public:
   enum class Result : std::uint8_t { kRead, kMiss, kNoRegister, kTableFull };
   enum class Wait : std::uint8_t { kNothing, kLine, kRegister, kTable };
+  /// A unit's reason for a cycle in which its slots wait for that; `otherwise` if for nothing.
+  template <class Why>
+  static constexpr Why reason(Wait wait, Why otherwise) {
+    switch (wait) {
+      case Wait::kTable:
+        return Why::kRauFull;
+      case Wait::kRegister:
+        return Why::kMshrFull;
+      case Wait::kLine:
+        return Why::kL1Miss;
+      case Wait::kNothing:
+        break;
+    }
+    return otherwise;
+  }
 
   FetchStage(const CacheConfig& cache, const TniMode& mode, std::uint16_t port, FetchStats& stats)
       : l1_(cache, port, mode.perfect_l1), handling_(mode.handling), rau_(mode.rau), stats_(stats) {

@@ -154,17 +154,7 @@ bool Ist::answer(sim::Time now) {
 Ist::Why Ist::waiting() const {
   if (occupied_ == 0) return Why::kStarved;
   if (answering_ != 0) return Why::kOutputFull;
-  switch (fetch_.waits_for()) {
-    case FetchStage::Wait::kTable:
-      return Why::kRauFull;
-    case FetchStage::Wait::kRegister:
-      return Why::kMshrFull;
-    case FetchStage::Wait::kLine:
-      return Why::kL1Miss;
-    case FetchStage::Wait::kNothing:
-      break;
-  }
-  return Why::kPipe;
+  return FetchStage::reason(fetch_.waits_for(), Why::kPipe);
 }
 
 sim::Time Ist::next_wake(sim::Time now) const {

@@ -334,18 +334,7 @@ Trv::Why Trv::waiting(sim::Time next) const {
   if (occupied_ == 0) return Why::kStarved;
   if (one_pipe_ && next < leaf_free_at_) return Why::kSerial;
   if (retiring_ != 0) return Why::kOutputFull;
-  switch (fetch_.waits_for()) {
-    case FetchStage::Wait::kTable:
-      return Why::kRauFull;
-    case FetchStage::Wait::kRegister:
-      return Why::kMshrFull;
-    case FetchStage::Wait::kLine:
-      return Why::kL1Miss;
-    case FetchStage::Wait::kNothing:
-      break;
-  }
-  if ((at_ist_ | leaving_) != 0) return Why::kIst;
-  return Why::kPipe;
+  return FetchStage::reason(fetch_.waits_for(), (at_ist_ | leaving_) != 0 ? Why::kIst : Why::kPipe);
 }
 
 sim::Time Trv::next_wake(sim::Time next) const {

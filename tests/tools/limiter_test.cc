@@ -21,7 +21,7 @@ TEST(Limiter, IsTheShaderCoreWhereKernelsKeepTheArrayBusyAndTheUnitWaits) {
   const CoreTime t = {.kernels = 1, .demands = {.fed = 0.25, .occupied = 0.25, .tracing = 0.25}};
   EXPECT_EQ(most(estimate(t)).resource, "srp");
   EXPECT_NEAR(worth(t, "srp"), 4, 1e-6) << "the T&I unit alone needs a quarter";
-  EXPECT_EQ(limiter(t).substr(0, 31), "shader cores (perfect, they wou");
+  EXPECT_EQ(limiter(estimate(t)).substr(0, 31), "shader cores (perfect, they wou");
 }
 
 TEST(Limiter, IsTheUnitWhereTheArrayWaitsForRays) {
@@ -61,7 +61,7 @@ TEST(Limiter, MoreRaySlotsCannotHideMoreThanTheShorterStage) {
 }
 
 TEST(Limiter, NamesNothingThatIsWorthNothing) {
-  EXPECT_EQ(limiter({.no_tile = 1}), "nothing alone: no resource made perfect would be worth 1 %");
+  EXPECT_EQ(limiter(estimate({.no_tile = 1})), "nothing alone: no resource made perfect would be worth 1 %");
 }
 
 TEST(Limiter, UtilisationCountsSwitchesAsWorkOfTheShaderCores) {

@@ -8,6 +8,7 @@
 
 #include "tools/kernel_shares.h"
 #include "tools/picture.h"
+#include "tools/units.h"
 
 namespace tools::reproduce {
 
@@ -27,12 +28,7 @@ double all_pj(const Outcome& o) { return o.simulation.energy.total_pj.nominal; }
 
 /// Of all units of a block.
 std::uint64_t counted(const Outcome& o, std::string_view block, std::string_view name) {
-  std::uint64_t sum = 0;
-  for (const sim::UnitReport& unit : o.simulation.units) {
-    if (unit.block != block) continue;
-    for (const sim::CounterReport& counter : unit.counters) sum += counter.name == name ? counter.value : 0;
-  }
-  return sum;
+  return sum_of(o.simulation.units, block, name);
 }
 
 std::uint64_t dram_bytes(const Outcome& o) { return counted(o, "dram", "bytes"); }
