@@ -28,7 +28,7 @@ Ist::Ist(const IstConfig& config, const TniMode& mode, const TrianglesInMemory& 
       links_(std::move(links)),
       fetch_(config.l1, mode, port, stats_),
       slots_(config.leaves),
-      pipe_(clock),
+      pipe_(clock, config.l1.hit_cycles + config.latency),
       free_(config.leaves == 64 ? ~std::uint64_t{0} : bit(config.leaves) - 1) {}
 
 sim::Time Ist::tick(sim::Time now) {
@@ -37,18 +37,21 @@ sim::Time Ist::tick(sim::Time now) {
     }
   };
   pipe_.advance(now);
-  const Wheel<kPipes>::Masks out = pipe_.take();
-  answering_ |= out[kToAnswer];
-  fetch_.enter(out[kToFetch]);
+  if (pipe_.due()) {
+    const Wheel<kPipes>::Masks out = pipe_.take();
+    answering_ |= out[kToAnswer];
+    fetch_.enter(out[kToFetch]);
+  }
   as_often_as_may_be([&] { return take_line(now); });
   as_often_as_may_be([&] { return take_leaf(now); });
   const bool tried = fetch_.able() != 0;
   const Why tested = tried ? issue() : Why::kStarved;
   as_often_as_may_be([&] { return answer(now); });
   fetch_.send(now, links_.memory_out);
-  const Why then = waiting();
+  const sim::Time wake = next_wake(now);
+  const Why then = tried && wake == clock_.after(now, 1) ? tested : waiting();
   activity_.spend(now, clock_.period(), tried ? tested : then, then);
-  return next_wake(now);
+  return wake;
 }
 
 bool Ist::take_line(sim::Time now) {

@@ -28,60 +28,66 @@ Trv::Trv(const TrvConfig& config, const TniMode& mode, const TreeInMemory& tree,
       plain_(tree.one_line() && !tree.hybrid && config.box_testers == 2),
       unbounded_(mode.unbounded),
       one_pipe_(config.box_testers == 1 && !mode.unbounded),
+      common_(plain_ && !unbounded_ && mode.handling == MissHandling::kReorder && config.prefetch == Prefetch::kNone),
       links_(links),
       fetch_(config.l1, mode, port, stats_),
       slots_(config.rays),
       paths_(config.rays),
-      pipes_(clock),
+      pipes_(clock, std::max(visit_latency_, config.stack_latency)),
       free_(all(config.rays)) {
-  assert(visit_latency_ < Wheel<kPipes>::kSpan);
   far_nodes_.reserve(config.rays);
 }
 
-sim::Time Trv::tick(sim::Time now) {
+template <bool kCommon>
+sim::Time Trv::tick_as(sim::Time now) {
   const auto as_often_as_may_be = [&](auto&& step) {
-    while (step() && unbounded_) {
+    while (step() && !kCommon && unbounded_) {
     }
   };
-  const std::uint64_t visits_before = stats_.visits;
   pipes_.advance(now);
-  release(pipes_.take());
+  if (pipes_.due()) release(pipes_.take());
   as_often_as_may_be([&] { return take_line(now); });
   as_often_as_may_be([&] { return take_answer(now); });
   if (free_ != 0) as_often_as_may_be([&] { return take_ray(now); });
   bool tried = false;
   Why why = Why::kStarved;
-  if (one_pipe_) {
+  if (!kCommon && one_pipe_) {
     tried = issue_any(now, why);
   } else {
-    const std::uint64_t able = fetch_.able();
+    const std::uint64_t able = kCommon ? fetch_.ready() : fetch_.able();
     tried = able != 0;
-    if (tried) why = issue_visit(next_of(able));
-    while (unbounded_ && fetch_.able() != 0) {
-      if (issue_visit(next_of(fetch_.able())) == Why::kVisiting) why = Why::kVisiting;
+    if (tried) why = issue_visit<kCommon>(next_of(able));
+    while (!kCommon && unbounded_ && fetch_.able() != 0) {
+      if (issue_visit<kCommon>(next_of(fetch_.able())) == Why::kVisiting) why = Why::kVisiting;
     }
     if (popping_ != 0) as_often_as_may_be([&] { return issue_pop(); });
     if (leaving_ != 0) as_often_as_may_be([&] { return issue_leaf(now); });
   }
   if (retiring_ != 0) as_often_as_may_be([&] { return retire(now); });
-  if (!far_nodes_.empty()) prefetch_far_nodes();  // behind what rays need now
+  if (!kCommon && !far_nodes_.empty()) prefetch_far_nodes();  // behind what rays need now
   fetch_.send(now, links_.memory_out);
-  if (full_) {
-    full_time_ += now - last_tick_;
-    stats_.full_visits += stats_.visits - visits_before;
+  if (full_ != (free_ == 0)) {
+    full_ = !full_;
+    if (full_) {
+      full_since_ = now;
+    } else {
+      full_time_ += now - full_since_;
+    }
   }
-  full_ = free_ == 0;
-  last_tick_ = now;
   const sim::Time next = clock_.after(now, 1);
-  const sim::Time wake = !one_pipe_ && (fetch_.able() | popping_) != 0 ? next : next_wake(next);
+  const bool go_on = kCommon ? (fetch_.ready() | popping_) != 0 : !one_pipe_ && (fetch_.able() | popping_) != 0;
+  const sim::Time wake = go_on ? next : next_wake(next);
   const Why then = tried && wake == next ? why : waiting(next);
   activity_.spend(now, clock_.period(), tried ? why : then, then);
   return wake;
 }
 
+template sim::Time Trv::tick_as<true>(sim::Time);
+template sim::Time Trv::tick_as<false>(sim::Time);
+
 void Trv::finish(sim::Time end) {
   activity_.finish(end);
-  if (full_) full_time_ += end - last_tick_;
+  if (full_) full_time_ += end - full_since_;
   stats_.full = clock_.cycles(full_time_);
 }
 
@@ -160,6 +166,7 @@ bool Trv::take_ray(sim::Time now) {
 }
 
 Trv::Pipe Trv::next_pipe(Slot& slot) const {
+  if (!slot.must_pop && traces::kind_of(*slot.next) == StepKind::kVisit) return kToInner;
   if (slot.restarting) return kToInner;
   if (traces::kind_of(*slot.next) == StepKind::kCull) {
     slot.culls = traces::culled_of(*slot.next);
@@ -171,22 +178,24 @@ Trv::Pipe Trv::next_pipe(Slot& slot) const {
   return traces::kind_of(*slot.next) == StepKind::kVisit ? kToInner : kToLeaf;
 }
 
+template <bool kCommon>
 Trv::Why Trv::issue_visit(std::uint32_t index) {
   Slot& slot = slots_[index];
   const std::uint32_t node = slot.restarting ? paths_[index].back() : traces::node_of(*slot.next);
-  const TreeInMemory::Line read = plain_ ? TreeInMemory::Line{tree_.line_of(node), true}
-                                         : tree_.line_of_visit(node, config_.box_testers, slot.child, slot.fetched);
-  const FetchStage::Result result = fetch_.read(index, read.line, pipes_.cycle());
+  const TreeInMemory::Line read = kCommon || plain_
+                                      ? TreeInMemory::Line{tree_.line_of(node), true}
+                                      : tree_.line_of_visit(node, config_.box_testers, slot.child, slot.fetched);
+  const FetchStage::Result result = fetch_.read<kCommon>(index, read.line, pipes_.cycle());
   if (result == FetchStage::Result::kRead) {
     if (read.last) {
-      visited(slot, index);
+      visited<kCommon>(slot, index);
     } else {
       slot.fetched += 1;
       fetch_.enter(bit(index));
     }
     return Why::kVisiting;
   }
-  if (fetch_.bypasses()) {
+  if (!kCommon && fetch_.bypasses()) {
     stats_.bypass_passes += 1;
     pipes_.put(kToInner, index, visit_latency_);
   }
@@ -212,13 +221,15 @@ bool Trv::test_boxes(Slot& slot, std::uint32_t index) {
   return false;
 }
 
+template <bool kCommon>
 void Trv::visited(Slot& slot, std::uint32_t index) {
-  if (plain_) {
+  if (kCommon || plain_) {
     stats_.box_tests += 2;
   } else if (!test_boxes(slot, index)) {
     return;
   }
   stats_.visits += 1;
+  stats_.full_visits += full_;
   if (slot.restarting) {
     visited_again(slot, index);
   } else {
@@ -228,7 +239,7 @@ void Trv::visited(Slot& slot, std::uint32_t index) {
     slot.must_pop = hits == 0;
     if (hits == 3) {
       push(slot);
-      if (config_.prefetch == Prefetch::kSibling) forked_ |= bit(index);
+      if (!kCommon && config_.prefetch == Prefetch::kSibling) forked_ |= bit(index);
     }
   }
   pipes_.put(next_pipe(slot), index, visit_latency_);
@@ -313,7 +324,7 @@ bool Trv::issue_any(sim::Time now, Why& why) {
   } else if ((leaving_ & bit(index)) != 0) {
     send_leaf(now, index);
   } else {
-    why = issue_visit(index);
+    why = issue_visit<false>(index);
   }
   return true;
 }

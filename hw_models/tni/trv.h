@@ -88,7 +88,7 @@ class Trv {
   Trv(const Trv&) = delete;
   Trv& operator=(const Trv&) = delete;
 
-  sim::Time tick(sim::Time now);
+  sim::Time tick(sim::Time now) { return common_ ? tick_as<true>(now) : tick_as<false>(now); }
   const sim::Clock& clock() const { return clock_; }
   const Stats& stats() const { return stats_; }
   const sim::Activity<Why>& activity() const { return activity_; }
@@ -113,6 +113,10 @@ class Trv {
   };
   static_assert(sizeof(Slot) == 32, "two slots a cache line of the host: a tick touches little else");
 
+  /// `kCommon`: the unit is common_, and what it does not have costs nothing.
+  template <bool kCommon>
+  sim::Time tick_as(sim::Time now);
+
   // Each does one thing, if there is one to do.
   bool take_ray(sim::Time now);
   bool take_answer(sim::Time now);
@@ -127,6 +131,7 @@ class Trv {
     inner_turn_ = (index + 1) % 64;
     return index;
   }
+  template <bool kCommon>
   Why issue_visit(std::uint32_t index);
   bool issue_any(sim::Time now, Why& why);
   std::uint64_t shared_work(bool room_for_leaves) const;
@@ -134,6 +139,7 @@ class Trv {
   void pop(std::uint32_t index);
   void send_leaf(sim::Time now, std::uint32_t index);
   bool test_boxes(Slot& slot, std::uint32_t index);
+  template <bool kCommon>
   void visited(Slot& slot, std::uint32_t index);
   void visited_again(Slot& slot, std::uint32_t index);
   /// The youngest entry of the stack is dropped, being behind the hit, or is where the ray goes on.
@@ -156,14 +162,16 @@ class Trv {
   const bool plain_;      ///< a visit is one pass that reads one line and tests two boxes in floating point
   const bool unbounded_;  ///< any number of operations a cycle
   const bool one_pipe_;   ///< passes, pops and leaves share a pipe
+  const bool common_;     ///< plain, one operation a cycle in each of three pipes, misses reordered, no prefetches
   Links links_;
-  /// Since the last tick there was a ray in every slot.
+  /// Since a tick at `full_since_` there is a ray in every slot.
   bool full_ = false;
-  sim::Time last_tick_ = 0, full_time_ = 0;
+  sim::Time full_since_ = 0, full_time_ = 0;
   Stats stats_;
   FetchStage fetch_;
   std::vector<Slot> slots_;
   std::vector<std::vector<std::uint32_t>> paths_;  ///< per slot: nodes to test again after a restart, last one first
+  std::vector<std::uint32_t> pushed_;              ///< for restart()
   Wheel<kPipes> pipes_;
   std::uint64_t free_;
   std::uint64_t occupied_ = 0;
