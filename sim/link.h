@@ -41,7 +41,8 @@ class Link {
   Link(const Link&) = delete;
   Link& operator=(const Link&) = delete;
 
-  /// Entries of the engine's wake array that this link lowers when it gives an end something to do.
+  /// Entries of the engine's wake array that this link lowers when it gives an end something to do that the end cannot
+  /// know of: the first item in an empty link, the first room in a full one. All else it says by pop_at() and push_at().
   void wakes(Time* producer, Time* consumer) {
     producer_wake_ = producer;
     consumer_wake_ = consumer;
@@ -60,11 +61,13 @@ class Link {
     const Time stamp = crossing_ ? consumer_clock_.edge_at_or_after(now + latency_) : now + latency_;
     slot.item = std::move(item);
     slot.stamp = stamp;
-    if (size_ == 0) pop_at_ = stamp;
+    if (size_ == 0) {
+      pop_at_ = stamp;
+      if (consumer_wake_ != nullptr) *consumer_wake_ = std::min(*consumer_wake_, stamp);
+    }
     size_ += 1;
     tail_ = after(tail_);
     push_at_ = size_ == capacity_ ? kNever : slots_[tail_].stamp;
-    if (consumer_wake_ != nullptr) *consumer_wake_ = std::min(*consumer_wake_, stamp);
   }
 
   const T& front() const { return slots_[head_].item; }
@@ -74,11 +77,13 @@ class Link {
     Slot& slot = slots_[head_];
     const Time stamp = crossing_ ? producer_clock_.edge_at_or_after(now + release_) : now + release_;
     slot.stamp = stamp;
-    if (size_ == capacity_) push_at_ = stamp;
+    if (size_ == capacity_) {
+      push_at_ = stamp;
+      if (producer_wake_ != nullptr) *producer_wake_ = std::min(*producer_wake_, stamp);
+    }
     size_ -= 1;
     head_ = after(head_);
     pop_at_ = size_ == 0 ? kNever : slots_[head_].stamp;
-    if (producer_wake_ != nullptr) *producer_wake_ = std::min(*producer_wake_, stamp);
     return std::move(slot.item);
   }
 
