@@ -66,6 +66,9 @@ class CacheTags {
   /// Is the line here? Its use is not noted.
   bool holds(Addr line) const { return find(set_of(line), tag_of(line)) != kNoWay; }
 
+  /// Has the host bring the tags that a probe for the line will look at.
+  void look_ahead(Addr line) const { __builtin_prefetch(tags(set_of(line))); }
+
   /// Puts the line in place of an empty way or of the one whose turn it is to go.
   Filled fill(Addr line) {
     const std::size_t set = set_of(line);

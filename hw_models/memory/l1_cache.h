@@ -58,6 +58,8 @@ class L1Cache {
 
   /// Is the line here? Unlike access() this leaves no trace.
   bool holds(Addr line) const { return perfect_ || tags_.holds(line); }
+  /// Has the host bring the tags that a probe for the line will look at.
+  void look_ahead(Addr line) const { tags_.look_ahead(line); }
   /// nullptr if the line is not on its way.
   const Miss* on_its_way(Addr line) { return misses_.find(line); }
 

@@ -152,6 +152,9 @@ class FetchStage {
     no_register_ = 0;
   }
 
+  /// Has the host bring the tags that a probe for the line will look at.
+  void look_ahead(Addr line) const { l1_.look_ahead(line); }
+
   /// May a line be asked for ahead of need and leave a miss register to those in need?
   bool can_prefetch() const { return l1_.free_registers() >= 2; }
   /// Asks for the line unless it is there or on its way.

@@ -15,6 +15,8 @@ using traces::StepKind;
 namespace {
 
 constexpr std::uint64_t bit(std::uint32_t slot) { return std::uint64_t{1} << slot; }
+/// Has the host bring steps that a ray will take some visits from now.
+void look_further(const std::uint32_t* step) { __builtin_prefetch(step + 8); }
 constexpr std::uint64_t all(std::uint32_t slots) { return slots == 64 ? ~std::uint64_t{0} : bit(slots) - 1; }
 
 }  // namespace
@@ -32,6 +34,7 @@ Trv::Trv(const TrvConfig& config, const TniMode& mode, const TreeInMemory& tree,
       links_(links),
       fetch_(config.l1, mode, port, stats_),
       slots_(config.rays),
+      begins_(config.rays),
       paths_(config.rays),
       pipes_(clock, std::max(visit_latency_, config.stack_latency)),
       free_(all(config.rays)) {
@@ -77,6 +80,7 @@ sim::Time Trv::tick_as(sim::Time now) {
   const sim::Time next = clock_.after(now, 1);
   const bool go_on = kCommon ? (fetch_.ready() | popping_) != 0 : !one_pipe_ && (fetch_.able() | popping_) != 0;
   const sim::Time wake = go_on ? next : next_wake(next);
+  if (fetch_.ready() != 0) look_ahead();
   const Why then = tried && wake == next ? why : waiting(next);
   activity_.spend(now, clock_.period(), tried ? why : then, then);
   return wake;
@@ -150,7 +154,10 @@ bool Trv::take_ray(sim::Time now) {
   free_ &= ~bit(index);
   occupied_ |= bit(index);
   Slot& slot = slots_[index];
-  slot = Slot{job.walk, job.walk, job.id};
+  slot = Slot{};
+  slot.id = job.id;
+  slot.go(job.walk);
+  begins_[index] = job.walk;
   stats_.rays_in += 1;
   switch (next_pipe(slot)) {
     case kToInner:
@@ -166,22 +173,27 @@ bool Trv::take_ray(sim::Time now) {
 }
 
 Trv::Pipe Trv::next_pipe(Slot& slot) const {
-  if (!slot.must_pop && traces::kind_of(*slot.next) == StepKind::kVisit) return kToInner;
+  if (!slot.must_pop && traces::kind_of(slot.step) == StepKind::kVisit) return kToInner;
   if (slot.restarting) return kToInner;
-  if (traces::kind_of(*slot.next) == StepKind::kCull) {
-    slot.culls = traces::culled_of(*slot.next);
-    slot.next += 1;
+  if (traces::kind_of(slot.step) == StepKind::kCull) {
+    slot.culls = traces::culled_of(slot.step);
+    slot.go(slot.next + 1);
   }
   if (slot.culls > 0) return kToStack;
-  if (traces::kind_of(*slot.next) == StepKind::kEnd) return kToRetire;
+  if (traces::kind_of(slot.step) == StepKind::kEnd) return kToRetire;
   if (slot.must_pop) return kToStack;
-  return traces::kind_of(*slot.next) == StepKind::kVisit ? kToInner : kToLeaf;
+  return traces::kind_of(slot.step) == StepKind::kVisit ? kToInner : kToLeaf;
+}
+
+void Trv::look_ahead() const {
+  const Slot& slot = slots_[pick(fetch_.ready(), inner_turn_)];
+  fetch_.look_ahead(tree_.line_of(traces::node_of(slot.step)));
 }
 
 template <bool kCommon>
 Trv::Why Trv::issue_visit(std::uint32_t index) {
   Slot& slot = slots_[index];
-  const std::uint32_t node = slot.restarting ? paths_[index].back() : traces::node_of(*slot.next);
+  const std::uint32_t node = slot.restarting ? paths_[index].back() : traces::node_of(slot.step);
   const TreeInMemory::Line read = kCommon || plain_
                                       ? TreeInMemory::Line{tree_.line_of(node), true}
                                       : tree_.line_of_visit(node, config_.box_testers, slot.child, slot.fetched);
@@ -233,8 +245,9 @@ void Trv::visited(Slot& slot, std::uint32_t index) {
   if (slot.restarting) {
     visited_again(slot, index);
   } else {
-    const std::uint32_t step = *slot.next;
-    slot.next += 1;
+    const std::uint32_t step = slot.step;
+    slot.go(slot.next + 1);
+    look_further(slot.next);
     const std::uint32_t hits = traces::hits_of(step);
     slot.must_pop = hits == 0;
     if (hits == 3) {
@@ -297,11 +310,11 @@ bool Trv::issue_leaf(sim::Time now) {
 void Trv::send_leaf(sim::Time now, std::uint32_t index) {
   leaving_ &= ~bit(index);
   Slot& slot = slots_[index];
-  const std::uint32_t step = slot.next[0];
+  const std::uint32_t step = slot.step;
   const std::uint32_t count = traces::count_of(step);
   links_.leaves_out.push(now, LeafJob{traces::first_of(step), slot.next[1], static_cast<std::uint8_t>(count),
                                       static_cast<std::uint8_t>(index)});
-  slot.next += 2;
+  slot.go(slot.next + 2);
   at_ist_ |= bit(index);
   if (!unbounded_) leaf_free_at_ = clock_.after(now, std::max(count, 1U));
   stats_.leaves += 1;

@@ -100,8 +100,8 @@ class Trv {
   /// Sub-pipes a slot can come out of.
   enum Pipe : std::size_t { kToInner, kToStack, kToLeaf, kToRetire, kPipes };
   struct Slot {
-    const std::uint32_t* next = nullptr;   ///< the step to take now
-    const std::uint32_t* begin = nullptr;  ///< the ray's first step
+    const std::uint32_t* next = nullptr;  ///< the step to take now
+    std::uint32_t step = 0;               ///< its first word
     std::uint32_t id = 0;
     std::uint32_t culls = 0;    ///< stack entries still to pop and drop before `next`
     std::uint16_t stacked = 0;  ///< entries not popped yet, dropped ones included
@@ -110,6 +110,11 @@ class Trv {
     bool restarting = false;    ///< on the way back down: its nodes are in paths_
     std::uint8_t child = 0;     ///< the box to test (one tester)
     std::uint8_t fetched = 0;   ///< lines of the present visit or pass that have been read
+
+    void go(const std::uint32_t* to) {
+      next = to;
+      step = *to;
+    }
   };
   static_assert(sizeof(Slot) == 32, "two slots a cache line of the host: a tick touches little else");
 
@@ -144,6 +149,8 @@ class Trv {
   void visited_again(Slot& slot, std::uint32_t index);
   /// The youngest entry of the stack is dropped, being behind the hit, or is where the ray goes on.
   static void take_entry(Slot& slot);
+  /// The visit that comes next if nothing changes: has the host bring what it will look at.
+  void look_ahead() const;
   /// Which sub-pipe the slot needs for its next step.
   Pipe next_pipe(Slot& slot) const;
   void restart(Slot& slot, std::uint32_t index);
@@ -170,6 +177,7 @@ class Trv {
   Stats stats_;
   FetchStage fetch_;
   std::vector<Slot> slots_;
+  std::vector<const std::uint32_t*> begins_;       ///< of each slot's ray, its first step
   std::vector<std::vector<std::uint32_t>> paths_;  ///< per slot: nodes to test again after a restart, last one first
   std::vector<std::uint32_t> pushed_;              ///< for restart()
   Wheel<kPipes> pipes_;

@@ -41,7 +41,7 @@ void Trv::restart(Slot& slot, std::uint32_t index) {
   // From the link, which is the node of the oldest dropped entry, or from the root, down to the node of the entry
   // wanted now. Each visit finds its far child again, so the short stack ends up holding the youngest entries; the
   // trail says that the last one is where to go on, without a pop.
-  find_pushes(slot.begin, slot.next, slot.stacked, pushed_);
+  find_pushes(begins_[index], slot.next, slot.stacked, pushed_);
   const bool trail = config_.stack == StackScheme::kRestartTrail;
   const std::uint32_t from = trail ? 0 : pushed_.front();
   for (std::uint32_t node = pushed_.back();; node = tree_.parents[node]) {
