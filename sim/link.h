@@ -44,8 +44,14 @@ class Link {
   /// Entries of the engine's wake array that this link lowers when it gives an end something to do that the end cannot
   /// know of: the first item in an empty link, the first room in a full one. All else it says by pop_at() and push_at().
   void wakes(Time* producer, Time* consumer) {
-    producer_wake_ = producer;
-    consumer_wake_ = consumer;
+    producer_wake_ = producer != nullptr ? producer : &nobody_;
+    consumer_wake_ = consumer != nullptr ? consumer : &nobody_;
+  }
+  /// Keeps `bit` of the set while something is inside (sim/inputs.h).
+  void tell(std::uint64_t* set, unsigned bit) {
+    holding_ = set;
+    bit_ = std::uint64_t{1} << bit;
+    if (size_ != 0) *holding_ |= bit_;
   }
 
   /// When the producer may push next as far as is known now; kNever while the slot waits for a pop.
@@ -63,7 +69,8 @@ class Link {
     slot.stamp = stamp;
     if (size_ == 0) {
       pop_at_ = stamp;
-      if (consumer_wake_ != nullptr) *consumer_wake_ = std::min(*consumer_wake_, stamp);
+      *holding_ |= bit_;
+      *consumer_wake_ = std::min(*consumer_wake_, stamp);
     }
     size_ += 1;
     tail_ = after(tail_);
@@ -79,11 +86,16 @@ class Link {
     slot.stamp = stamp;
     if (size_ == capacity_) {
       push_at_ = stamp;
-      if (producer_wake_ != nullptr) *producer_wake_ = std::min(*producer_wake_, stamp);
+      *producer_wake_ = std::min(*producer_wake_, stamp);
     }
     size_ -= 1;
     head_ = after(head_);
-    pop_at_ = size_ == 0 ? kNever : slots_[head_].stamp;
+    if (size_ == 0) {
+      pop_at_ = kNever;
+      *holding_ &= ~bit_;
+    } else {
+      pop_at_ = slots_[head_].stamp;
+    }
     return std::move(slot.item);
   }
 
@@ -107,8 +119,12 @@ class Link {
   std::uint32_t head_ = 0, tail_ = 0, size_ = 0;
   const bool crossing_;
   const Time latency_, release_;  ///< from a push to the consumer, from a pop to the producer, but for the next edge
-  Time* producer_wake_ = nullptr;
-  Time* consumer_wake_ = nullptr;
+  Time* producer_wake_ = &nobody_;
+  Time* consumer_wake_ = &nobody_;
+  std::uint64_t* holding_ = &nobodys_;
+  std::uint64_t bit_ = 0;
+  Time nobody_ = kNever;  ///< woken where there is no engine
+  std::uint64_t nobodys_ = 0;
   const Clock producer_clock_, consumer_clock_;
 };
 

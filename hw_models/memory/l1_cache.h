@@ -65,7 +65,7 @@ class L1Cache {
 
   /// Sends the oldest request that has not left yet, if there is one and the link has room.
   void send(sim::Time now, sim::Link<MemRequest>& out) {
-    if (unsent_.empty() || !out.can_push(now)) return;
+    if (unsent_.empty() || !out.can_push(now)) [[likely]] return;
     out.push(now, MemRequest{unsent_.front(), source_, 0, false});
     unsent_.erase(unsent_.begin());
   }

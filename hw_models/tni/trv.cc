@@ -49,9 +49,9 @@ sim::Time Trv::tick_as(sim::Time now) {
   };
   pipes_.advance(now);
   if (pipes_.due()) release(pipes_.take());
-  as_often_as_may_be([&] { return take_line(now); });
-  as_often_as_may_be([&] { return take_answer(now); });
-  if (free_ != 0) as_often_as_may_be([&] { return take_ray(now); });
+  if (links_.memory_in.can_pop(now)) as_often_as_may_be([&] { return take_line(now); });
+  if (links_.leaves_in.can_pop(now)) as_often_as_may_be([&] { return take_answer(now); });
+  if (free_ != 0 && links_.rays_in.can_pop(now)) as_often_as_may_be([&] { return take_ray(now); });
   bool tried = false;
   Why why = Why::kStarved;
   if (!kCommon && one_pipe_) {
