@@ -9,6 +9,7 @@
 #include "sim/error.h"
 #include "sim/hash.h"
 #include "sim/time.h"
+#include "sim/wakes.h"
 
 namespace sim {
 
@@ -20,6 +21,7 @@ enum class Skip : std::uint8_t {
 /// A machine, as the engine sees it:
 ///   each_unit(f)   calls f(unit, index) for every unit; unit.tick(now) returns its next own wake-up time,
 ///                  unit.clock() its clock domain
+///   visit(i, f)    the same for one unit; not needed where units are few
 ///   wakes()        the wake array, one entry per unit, which links lower
 ///   done()         all work has left the machine
 ///   state()        a line per unit, for a stuck machine
@@ -28,20 +30,30 @@ enum class Skip : std::uint8_t {
 template <Skip kSkip = Skip::kOn, class Machine>
 Time run(Machine& machine) {
   std::vector<Time>& wakes = machine.wakes();
+  UnitSet due(wakes.size());
   Time now = 0;
+  const auto tick = [&](auto& unit, std::size_t i) {
+    wakes[i] = kNever;  // links may lower it while the unit ticks
+    const Time own = unit.tick(now);
+    wakes[i] = std::min(wakes[i], own);
+  };
   for (;;) {
-    machine.each_unit([&](auto& unit, std::size_t i) {
-      if constexpr (kSkip == Skip::kOff) {
-        if (!unit.clock().is_edge(now)) return;
+    if constexpr (kSkip == Skip::kOff) {
+      machine.each_unit([&](auto& unit, std::size_t i) {
+        if (unit.clock().is_edge(now)) tick(unit, i);
+      });
+    } else {
+      due.set_due(wakes, now);
+      if constexpr (requires { machine.visit(0, tick); }) {
+        due.each([&](std::size_t i) { machine.visit(i, tick); });
       } else {
-        if (wakes[i] > now) return;
+        machine.each_unit([&](auto& unit, std::size_t i) {
+          if (due.has(i)) tick(unit, i);
+        });
       }
-      wakes[i] = kNever;  // links may lower it while the unit ticks
-      const Time own = unit.tick(now);
-      wakes[i] = std::min(wakes[i], own);
-    });
+    }
     if (machine.done()) return now;
-    const Time next = *std::ranges::min_element(wakes);
+    const Time next = earliest(wakes);
     if (next == kNever) throw Deadlock("the machine is stuck", machine.state());
     if constexpr (kSkip == Skip::kOff) {
       Time edge = kNever;
@@ -72,7 +84,7 @@ Time run_shuffled(Machine& machine, std::uint64_t seed) {
       wakes[i] = std::min(wakes[i], own);
     }
     if (machine.done()) return now;
-    now = *std::ranges::min_element(wakes);
+    now = earliest(wakes);
     if (now == kNever) throw Deadlock("the machine is stuck", machine.state());
   }
 }

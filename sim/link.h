@@ -29,20 +29,29 @@ class Link {
   Link(std::size_t capacity, std::uint64_t latency_cycles, Clock producer, Clock consumer,
        std::uint64_t synchroniser_cycles)
       : slots_(capacity),
+        capacity_(static_cast<std::uint32_t>(capacity)),
+        crossing_(!(producer == consumer)),
+        latency_(latency_cycles * producer.period() +
+                 (crossing_ ? synchroniser_cycles * consumer.period() : 0)),
+        release_(consumer.period()),
         producer_clock_(producer),
-        consumer_clock_(consumer),
-        latency_(latency_cycles * producer.period()),
-        synchroniser_(synchroniser_cycles * consumer.period()),
-        crossing_(!(producer == consumer)) {
+        consumer_clock_(consumer) {
     assert(capacity > 0 && latency_cycles > 0);
   }
   Link(const Link&) = delete;
   Link& operator=(const Link&) = delete;
 
-  /// Entries of the engine's wake array that this link lowers when it gives an end something to do.
+  /// Entries of the engine's wake array that this link lowers when it gives an end something to do that the end cannot
+  /// know of: the first item in an empty link, the first room in a full one. All else it says by pop_at() and push_at().
   void wakes(Time* producer, Time* consumer) {
-    producer_wake_ = producer;
-    consumer_wake_ = consumer;
+    producer_wake_ = producer != nullptr ? producer : &nobody_;
+    consumer_wake_ = consumer != nullptr ? consumer : &nobody_;
+  }
+  /// Keeps `bit` of the set while something is inside (sim/inputs.h).
+  void tell(std::uint64_t* set, unsigned bit) {
+    holding_ = set;
+    bit_ = std::uint64_t{1} << bit;
+    if (size_ != 0) *holding_ |= bit_;
   }
 
   /// When the producer may push next as far as is known now; kNever while the slot waits for a pop.
@@ -55,13 +64,17 @@ class Link {
   void push(Time now, T item) {
     assert(can_push(now) && "push into a full link");
     Slot& slot = slots_[tail_];
+    const Time stamp = crossing_ ? consumer_clock_.edge_at_or_after(now + latency_) : now + latency_;
     slot.item = std::move(item);
-    slot.stamp = crossing_ ? consumer_clock_.edge_at_or_after(now + latency_ + synchroniser_) : now + latency_;
-    slot.full = true;
-    if (pop_at_ == kNever) pop_at_ = slot.stamp;
+    slot.stamp = stamp;
+    if (size_ == 0) {
+      pop_at_ = stamp;
+      *holding_ |= bit_;
+      *consumer_wake_ = std::min(*consumer_wake_, stamp);
+    }
+    size_ += 1;
     tail_ = after(tail_);
-    push_at_ = slots_[tail_].full ? kNever : slots_[tail_].stamp;
-    if (consumer_wake_ != nullptr) *consumer_wake_ = std::min(*consumer_wake_, slot.stamp);
+    push_at_ = size_ == capacity_ ? kNever : slots_[tail_].stamp;
   }
 
   const T& front() const { return slots_[head_].item; }
@@ -69,46 +82,50 @@ class Link {
   T pop(Time now) {
     assert(can_pop(now) && "pop from an empty link");
     Slot& slot = slots_[head_];
-    slot.full = false;
-    slot.stamp =
-        crossing_ ? producer_clock_.edge_at_or_after(now + consumer_clock_.period()) : now + consumer_clock_.period();
-    if (push_at_ == kNever) push_at_ = slot.stamp;
+    const Time stamp = crossing_ ? producer_clock_.edge_at_or_after(now + release_) : now + release_;
+    slot.stamp = stamp;
+    if (size_ == capacity_) {
+      push_at_ = stamp;
+      *producer_wake_ = std::min(*producer_wake_, stamp);
+    }
+    size_ -= 1;
     head_ = after(head_);
-    pop_at_ = slots_[head_].full ? slots_[head_].stamp : kNever;
-    if (producer_wake_ != nullptr) *producer_wake_ = std::min(*producer_wake_, slot.stamp);
+    if (size_ == 0) {
+      pop_at_ = kNever;
+      *holding_ &= ~bit_;
+    } else {
+      pop_at_ = slots_[head_].stamp;
+    }
     return std::move(slot.item);
   }
 
   /// Nothing inside, seen from outside time (tests, state dumps).
-  bool empty() const {
-    return std::ranges::none_of(slots_, [](const Slot& s) { return s.full; });
-  }
-  std::size_t size() const {
-    return static_cast<std::size_t>(std::ranges::count_if(slots_, [](const Slot& s) { return s.full; }));
-  }
-  std::size_t capacity() const { return slots_.size(); }
+  bool empty() const { return size_ == 0; }
+  std::size_t size() const { return size_; }
+  std::size_t capacity() const { return capacity_; }
 
  private:
   struct Slot {
     Time stamp = 0;
-    bool full = false;
     T item{};
   };
-  std::size_t after(std::size_t i) const { return i + 1 == slots_.size() ? 0 : i + 1; }
+  std::uint32_t after(std::uint32_t i) const { return i + 1 == capacity_ ? 0 : i + 1; }
 
   // The stamps at both ends, kept apart because units look at them far more often than they push or pop.
   Time pop_at_ = kNever;
   Time push_at_ = 0;
   std::vector<Slot> slots_;
-  std::size_t head_ = 0;
-  std::size_t tail_ = 0;
-  Clock producer_clock_;
-  Clock consumer_clock_;
-  Time latency_;
-  Time synchroniser_;
-  bool crossing_;
-  Time* producer_wake_ = nullptr;
-  Time* consumer_wake_ = nullptr;
+  const std::uint32_t capacity_;
+  std::uint32_t head_ = 0, tail_ = 0, size_ = 0;
+  const bool crossing_;
+  const Time latency_, release_;  ///< from a push to the consumer, from a pop to the producer, but for the next edge
+  Time* producer_wake_ = &nobody_;
+  Time* consumer_wake_ = &nobody_;
+  std::uint64_t* holding_ = &nobodys_;
+  std::uint64_t bit_ = 0;
+  Time nobody_ = kNever;  ///< woken where there is no engine
+  std::uint64_t nobodys_ = 0;
+  const Clock producer_clock_, consumer_clock_;
 };
 
 /// The next time after `now` at which an item-and-room pair changes.

@@ -1,4 +1,5 @@
 #pragma once
+#include <bit>
 #include <cassert>
 #include <cstdint>
 #include <limits>
@@ -8,26 +9,42 @@ namespace sim {
 /// A moment or a span, in integer femtoseconds: fine enough for every clock, and never rounded by arithmetic.
 using Time = std::uint64_t;
 
-inline constexpr Time kNever = std::numeric_limits<Time>::max();
+/// Later than any moment; as a signed number still the greatest.
+inline constexpr Time kNever = std::numeric_limits<std::int64_t>::max();
 inline constexpr Time kFemtosecondsPerSecond = 1'000'000'000'000'000;
 
 /// A clock domain: edges at every multiple of the period, starting at time 0.
 class Clock {
  public:
-  constexpr explicit Clock(Time period) : period_(period) { assert(period > 0); }
+  constexpr explicit Clock(Time period)
+      : period_(period),
+        shift_(static_cast<unsigned>(std::bit_width(period - 1))),
+        inverse_(static_cast<Time>(((Wide{1} << (kTimeBits + shift_)) + period - 1) / period)) {
+    assert(period > 0);
+  }
 
   constexpr Time period() const { return period_; }
-  constexpr Time edge_at_or_after(Time t) const { return (t + period_ - 1) / period_ * period_; }
-  constexpr bool is_edge(Time t) const { return t % period_ == 0; }
+  constexpr Time edge_at_or_after(Time t) const { return cycles(t + period_ - 1) * period_; }
+  constexpr bool is_edge(Time t) const { return cycles(t) * period_ == t; }
   /// The edge `cycles` after `now`, which must itself be an edge.
   constexpr Time after(Time now, std::uint64_t cycles) const { return now + cycles * period_; }
-  /// Whole cycles that fit into `t`.
-  constexpr std::uint64_t cycles(Time t) const { return t / period_; }
+  /// Whole cycles that fit into `t`, which must lie below 2^kTimeBits (an hour and more).
+  constexpr std::uint64_t cycles(Time t) const {
+    assert(t >> kTimeBits == 0);
+    return static_cast<std::uint64_t>((Wide{t} * inverse_) >> (kTimeBits + shift_));
+  }
 
-  friend constexpr bool operator==(const Clock&, const Clock&) = default;
+  friend constexpr bool operator==(const Clock& a, const Clock& b) { return a.period_ == b.period_; }
 
  private:
+  // Division by multiplication with 2^(kTimeBits + shift) / period, rounded up: exact for all that has kTimeBits bits
+  // (Granlund and Montgomery 1994, theorem 4.2).
+  __extension__ using Wide = unsigned __int128;
+  static constexpr unsigned kTimeBits = 62;
+
   Time period_;
+  unsigned shift_;
+  Time inverse_;
 };
 
 }  // namespace sim

@@ -1,6 +1,7 @@
 #include "hw_models/frame/gpu.h"
 
 #include <algorithm>
+#include <cassert>
 
 #include <fmt/format.h>
 
@@ -37,7 +38,7 @@ Addr records_of(const GpuConfig& config, const Gpu::Workload& workload, std::uin
 
 }  // namespace
 
-/// Places in the wake array (in the order of each_unit) and the links between cores and memory.
+/// Places in the wake array (in the order of list_units()) and the links between cores and memory.
 struct Gpu::Wiring {
   const std::uint32_t trvs, cores, banks, channels;
   const bool direct_interface;
@@ -137,6 +138,7 @@ Gpu::Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles)
   add_memory(wiring);
   for (auto& flush : flushes_) tile_links.to_l2.push_back(&flush);
   dispatcher_ = std::make_unique<TileDispatcher>(tiles, config.tile_buffer.tiles_in_flight, tile_links, l2_clock_);
+  list_units();
 }
 
 void Gpu::add_core(Wiring& wiring, std::uint32_t c, const Workload& workload) {
@@ -274,6 +276,23 @@ void Gpu::add_memory(Wiring& wiring) {
     }
     channels_.emplace_back(config_.dram, links, config_.ideal.dram);
   }
+}
+
+void Gpu::list_units() {
+  units_.emplace_back(dispatcher_.get());
+  for (Core& core : cores_) {
+    units_.emplace_back(core.srp.get());
+    units_.emplace_back(&core.tni->dispatcher());
+    for (Trv& trv : core.tni->trvs()) units_.emplace_back(&trv);
+    units_.emplace_back(&core.tni->ist());
+    units_.emplace_back(core.dma.get());
+    units_.emplace_back(core.cache_port.get());
+    units_.emplace_back(core.dma_port.get());
+  }
+  for (L2Bank& bank : banks_) units_.emplace_back(&bank);
+  for (DramChannel& channel : channels_) units_.emplace_back(&channel);
+  for (MemoryInterface& unit : memory_interfaces_) units_.emplace_back(&unit);
+  assert(units_.size() == wakes_.size());
 }
 
 bool Gpu::memory_quiet() const {

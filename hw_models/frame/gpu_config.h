@@ -108,7 +108,13 @@ struct GpuConfig {
     line("srp.data_cache.line", srp.data_cache.line);
     line("l2.line", l2.cache.line);
     line("dram.line", dram.line);
+    if (cores + l2.banks > kMostWays) {
+      complain("cores", "a memory channel takes requests from " + std::to_string(kMostWays) +
+                            " cores and L2 banks at most, not from " + std::to_string(cores) + " + " +
+                            std::to_string(l2.banks));
+    }
   }
+  static constexpr std::uint32_t kMostWays = 64;
 };
 
 }  // namespace hw

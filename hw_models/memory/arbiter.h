@@ -1,5 +1,7 @@
 #pragma once
 #include <array>
+#include <bit>
+#include <cassert>
 #include <cstddef>
 #include <cstdint>
 #include <string_view>
@@ -16,19 +18,26 @@ enum class Arbitration : std::uint8_t {
 };
 constexpr std::array<std::string_view, 3> names_of(Arbitration) { return {"round_robin", "oldest_first", "fixed"}; }
 
-/// Chooses among `count` askers.
+/// Chooses among `count` askers, at most 64.
 class Arbiter {
  public:
-  Arbiter(Arbitration how, std::size_t count) : how_(how), count_(static_cast<std::uint32_t>(count)) {}
+  Arbiter(Arbitration how, std::size_t count) : how_(how), count_(static_cast<std::uint32_t>(count)) {
+    assert(count <= 64);
+  }
 
   std::uint32_t count() const { return count_; }
 
-  /// One of those for whom `ready(i)`; they have been there since `since(i)`. count() if there is none.
+  /// Of those with a bit in `asking` one for whom `ready(i)`; they have been there since `since(i)`. count() if there is
+  /// none.
   template <class Ready, class Since>
-  std::uint32_t choose(Ready&& ready, Since&& since) const {
-    if (how_ == Arbitration::kOldestFirst) return oldest(ready, since);
-    for (std::uint32_t i = 0, at = turn_; i < count_; ++i, at = after(at)) {
-      if (ready(at)) return at;
+  std::uint32_t choose(std::uint64_t asking, Ready&& ready, Since&& since) const {
+    if (how_ == Arbitration::kOldestFirst) return oldest(asking, ready, since);
+    const std::uint64_t before = (std::uint64_t{1} << turn_) - 1;
+    for (const std::uint64_t part : {asking & ~before, asking & before}) {
+      for (std::uint64_t left = part; left != 0; left &= left - 1) {
+        const auto i = static_cast<std::uint32_t>(std::countr_zero(left));
+        if (ready(i)) return i;
+      }
     }
     return count_;
   }
@@ -40,10 +49,11 @@ class Arbiter {
  private:
   std::uint32_t after(std::uint32_t i) const { return i + 1 == count_ ? 0 : i + 1; }
   template <class Ready, class Since>
-  std::uint32_t oldest(Ready&& ready, Since&& since) const {
+  std::uint32_t oldest(std::uint64_t asking, Ready&& ready, Since&& since) const {
     std::uint32_t found = count_;
     sim::Time first = sim::kNever;
-    for (std::uint32_t i = 0; i < count_; ++i) {
+    for (std::uint64_t left = asking; left != 0; left &= left - 1) {
+      const auto i = static_cast<std::uint32_t>(std::countr_zero(left));
       if (since(i) >= first || !ready(i)) continue;
       found = i;
       first = since(i);

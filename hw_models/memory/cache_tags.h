@@ -7,6 +7,10 @@
 #include <limits>
 #include <vector>
 
+#if defined(__SSE4_1__)
+#include <smmintrin.h>
+#endif
+
 #include "hw_models/memory/cache_config.h"
 #include "hw_models/memory/messages.h"
 #include "sim/hash.h"
@@ -29,82 +33,109 @@ class CacheTags {
     Addr evicted = 0;
   };
 
-  explicit CacheTags(const CacheConfig& config, std::uint32_t banks = 1)
+  /// `clock` is the time of the last use so far, for tests.
+  explicit CacheTags(const CacheConfig& config, std::uint32_t banks = 1, std::uint32_t clock = 0)
       : line_shift_(static_cast<std::uint32_t>(std::countr_zero(config.line.bytes))),
         bank_shift_(static_cast<std::uint32_t>(std::countr_zero(banks))),
         ways_(config.ways),
+        stride_((config.ways + kLanes - 1) / kLanes * kLanes),
         replacement_(config.replacement),
         set_mask_(config.sets() / banks - 1),
-        tags_(config.sets() / banks * config.ways, kInvalid),
-        used_(tags_.size(), 0),
-        trees_(replacement_ == Replacement::kPlru ? config.sets() / banks : 0, 0) {
+        sets_(config.sets() / banks * 2 * stride_, 0),
+        trees_(replacement_ == Replacement::kPlru ? config.sets() / banks : 0, 0),
+        clock_(clock) {
     assert(std::has_single_bit(banks) && config.sets() >= banks);
+    for (std::size_t set = 0; set < sets_.size(); set += 2 * stride_) std::fill_n(&sets_[set], stride_, kInvalid);
   }
 
-  std::size_t places() const { return tags_.size(); }
+  /// Places are numbered from 0 to this; some may never be taken.
+  std::size_t places() const { return sets_.size() / 2; }
 
   /// Is the line here? If so it counts as used now.
   bool probe(Addr line) { return look_up(line) != kNowhere; }
 
   /// The same, and says where; kNowhere if it is not here.
   std::size_t look_up(Addr line) {
-    const std::size_t base = base_of(line);
-    const std::uint32_t way = find(base, tag_of(line));
-    if (way == ways_) return kNowhere;
-    use(base, way);
-    return base + way;
+    const std::size_t set = set_of(line);
+    const std::uint32_t way = find(set, tag_of(line));
+    if (way == kNoWay) return kNowhere;
+    use(set, way);
+    return place_of(set, way);
   }
 
   /// Is the line here? Its use is not noted.
-  bool holds(Addr line) const { return find(base_of(line), tag_of(line)) != ways_; }
+  bool holds(Addr line) const { return find(set_of(line), tag_of(line)) != kNoWay; }
+
+  /// Has the host bring the tags that a probe for the line will look at.
+  void look_ahead(Addr line) const { __builtin_prefetch(tags(set_of(line))); }
 
   /// Puts the line in place of an empty way or of the one whose turn it is to go.
   Filled fill(Addr line) {
-    const std::size_t base = base_of(line);
-    const std::uint32_t found = find(base, tag_of(line));
-    const std::uint32_t way = found != ways_ ? found : victim(base, tag_of(line));
-    const std::uint32_t before = tags_[base + way];
+    const std::size_t set = set_of(line);
+    const std::uint32_t found = find(set, tag_of(line));
+    const std::uint32_t way = found != kNoWay ? found : victim(set, tag_of(line));
+    const std::uint32_t before = tags(set)[way];
     fills_ += 1;
-    tags_[base + way] = tag_of(line);
-    use(base, way);
-    return {base + way, before != kInvalid && found == ways_, Addr{before} << line_shift_};
+    tags(set)[way] = tag_of(line);
+    use(set, way);
+    return {place_of(set, way), before != kInvalid && found == kNoWay, Addr{before} << line_shift_};
   }
 
   /// Empties the place.
   void remove(std::size_t place) {
-    tags_[place] = kInvalid;
-    used_[place] = 0;
+    tags(place / stride_)[place % stride_] = kInvalid;
+    used(place / stride_)[place % stride_] = 0;
   }
   /// The line at a place that is not empty.
-  Addr line_at(std::size_t place) const { return Addr{tags_[place]} << line_shift_; }
+  Addr line_at(std::size_t place) const { return Addr{tags(place / stride_)[place % stride_]} << line_shift_; }
 
  private:
   static constexpr std::uint32_t kInvalid = std::numeric_limits<std::uint32_t>::max();
+  static constexpr std::uint32_t kNoWay = std::numeric_limits<std::uint32_t>::max();
+  static constexpr std::uint32_t kLanes = 4;
 
   /// The number of the line, which names it whatever its set: addresses end far below 2^32 lines.
   std::uint32_t tag_of(Addr line) const { return static_cast<std::uint32_t>(line >> line_shift_); }
-  std::size_t base_of(Addr line) const {
-    return static_cast<std::size_t>((line >> (line_shift_ + bank_shift_)) & set_mask_) * ways_;
+  std::size_t set_of(Addr line) const {
+    return static_cast<std::size_t>((line >> (line_shift_ + bank_shift_)) & set_mask_);
   }
-  /// The way that holds `tag`, or `ways_`. No early exit, so that all ways are compared at once.
-  std::uint32_t find(std::size_t base, std::uint32_t tag) const {
-    const std::uint32_t* tags = &tags_[base];
-    std::uint32_t found = ways_;
-    for (std::uint32_t way = 0; way < ways_; ++way) found = tags[way] == tag ? way : found;
-    return found;
+  std::size_t place_of(std::size_t set, std::uint32_t way) const { return set * stride_ + way; }
+  std::uint32_t* tags(std::size_t set) { return &sets_[set * 2 * stride_]; }
+  const std::uint32_t* tags(std::size_t set) const { return &sets_[set * 2 * stride_]; }
+  std::uint32_t* used(std::size_t set) { return tags(set) + stride_; }
+  const std::uint32_t* used(std::size_t set) const { return tags(set) + stride_; }
+
+  /// The way that holds `tag`, or kNoWay.
+  std::uint32_t find(std::size_t set, std::uint32_t tag) const {
+    const std::uint32_t* here = tags(set);
+    for (std::uint32_t way = 0; way < stride_; way += kLanes) {
+#if defined(__SSE4_1__)
+      const __m128i four = _mm_loadu_si128(reinterpret_cast<const __m128i*>(here + way));
+      const __m128i equal = _mm_cmpeq_epi32(four, _mm_set1_epi32(static_cast<std::int32_t>(tag)));
+      const auto mask = static_cast<std::uint32_t>(_mm_movemask_ps(_mm_castsi128_ps(equal)));
+#else
+      std::uint32_t mask = 0;
+      for (std::uint32_t lane = 0; lane < kLanes; ++lane) mask |= std::uint32_t{here[way + lane] == tag} << lane;
+#endif
+      if (mask != 0) return way + static_cast<std::uint32_t>(std::countr_zero(mask));
+    }
+    return kNoWay;
   }
 
-  void use(std::size_t base, std::uint32_t way) {
-    used_[base + way] = ++clock_;
-    if (replacement_ == Replacement::kPlru) point_away(trees_[base / ways_], way);
+  void use(std::size_t set, std::uint32_t way) {
+    if (clock_ == std::numeric_limits<std::uint32_t>::max()) renumber();
+    used(set)[way] = ++clock_;
+    if (replacement_ == Replacement::kPlru) point_away(trees_[set], way);
   }
+  /// Times of last use become ranks within their sets, so that the clock can start afresh.
+  void renumber();
   /// An empty way, the first of several, or the one to replace.
-  std::uint32_t victim(std::size_t base, std::uint32_t tag) const {
-    const auto first = used_.begin() + static_cast<std::ptrdiff_t>(base);
+  std::uint32_t victim(std::size_t set, std::uint32_t tag) const {
+    const std::uint32_t* first = used(set);
     const auto least = static_cast<std::uint32_t>(std::min_element(first, first + ways_) - first);
-    if (replacement_ == Replacement::kLru || tags_[base + least] == kInvalid) return least;
+    if (replacement_ == Replacement::kLru || tags(set)[least] == kInvalid) return least;
     if (replacement_ == Replacement::kRandom) return static_cast<std::uint32_t>(sim::hash(tag, fills_) % ways_);
-    return pointed_at(trees_[base / ways_]);
+    return pointed_at(trees_[set]);
   }
 
   // The tree: bit n says in which half below node n the next victim is; node 1 is the root, 2n and 2n + 1 the halves.
@@ -122,13 +153,13 @@ class CacheTags {
 
   std::uint32_t line_shift_;
   std::uint32_t bank_shift_;
-  std::uint32_t ways_;
+  std::uint32_t ways_, stride_;  ///< a set's ways, and its places: ways are compared four at once
   Replacement replacement_;
   Addr set_mask_;
-  std::vector<std::uint32_t> tags_;
-  std::vector<std::uint64_t> used_;
+  std::vector<std::uint32_t> sets_;   ///< of each set its tags, then when each was last used, side by side for the host
   std::vector<std::uint64_t> trees_;  ///< of each set
-  std::uint64_t clock_ = 0, fills_ = 0;
+  std::uint32_t clock_;
+  std::uint64_t fills_ = 0;
 };
 
 }  // namespace hw

@@ -11,28 +11,32 @@ namespace hw {
 
 CorePort::CorePort(const InterconnectConfig& config, Links links, Interleave targets, sim::Clock clock,
                    std::uint64_t line_bytes, bool ideal)
-    : links_(std::move(links)),
+    : clients_out_(std::move(links.clients_out)),
+      targets_out_(std::move(links.targets_out)),
+      clients_in_(std::move(links.clients_in)),
+      targets_in_(std::move(links.targets_in)),
       targets_(targets),
       clock_(clock),
       ideal_(ideal),
-      up_(config.arbitration, links_.clients_in.size()),
-      down_(config.arbitration, links_.targets_in.size()) {
+      up_(config.arbitration, clients_in_.size()),
+      down_(config.arbitration, targets_in_.size()) {
   for (std::size_t eighths = 0; eighths < carry_time_.size(); ++eighths) {
     carry_time_[eighths] = (ideal ? 1 : config.cycles_of(line_bytes * eighths / 8)) * clock.period();
   }
-  assert(links_.clients_in.size() == links_.clients_out.size());
-  assert(links_.targets_in.size() == links_.targets_out.size());
+  assert(clients_in_.size() == clients_out_.size());
+  assert(targets_in_.size() == targets_out_.size());
 }
 
 sim::Time CorePort::tick(sim::Time now) {
   settle(now);
   const bool requested = send_up(now);
   carry_down(now);
-  waiting_ = waiting(now);
-  const auto why_at = [&](sim::Time at, Why otherwise) { return at < line_until_ ? Why::kLine : otherwise; };
   const sim::Time next = now + clock_.period();
+  const sim::Time wake = next_wake(now);
+  if (!requested || wake != next) waiting_ = waiting(now);  // else no cycle goes to it
+  const auto why_at = [&](sim::Time at, Why otherwise) { return at < line_until_ ? Why::kLine : otherwise; };
   activity_.spend(now, clock_.period(), why_at(now, requested ? Why::kRequest : waiting_), why_at(next, waiting_));
-  return next_wake(now);
+  return wake;
 }
 
 void CorePort::finish(sim::Time end) {
@@ -57,8 +61,9 @@ bool CorePort::send_up(sim::Time now) {
     return any;
   }
   if (up_free_ > now) return false;
-  const std::uint32_t client = up_.choose([&](std::uint32_t i) { return can_send(i, now); },
-                                          [&](std::uint32_t i) { return links_.clients_in[i]->pop_at(); });
+  const std::uint32_t client = up_.choose(
+      clients_in_.holding(), [&](std::uint32_t i) { return can_send(i, now); },
+      [&](std::uint32_t i) { return clients_in_[i].pop_at(); });
   if (client == up_.count()) return false;
   send(client, now);
   up_.served(client);
@@ -66,7 +71,7 @@ bool CorePort::send_up(sim::Time now) {
 }
 
 void CorePort::send(std::uint32_t client, sim::Time now) {
-  sim::Link<MemRequest>& in = *links_.clients_in[client];
+  sim::Link<MemRequest>& in = clients_in_[client];
   request_wait_ += now - in.pop_at();
   const MemRequest request = in.pop(now);
   target_of(request).push(now, request);
@@ -87,17 +92,18 @@ void CorePort::carry_down(sim::Time now) {
     return;
   }
   if (down_free_ > now) return;
-  const std::uint32_t target = down_.choose([&](std::uint32_t i) { return can_carry(i, now); },
-                                            [&](std::uint32_t i) { return links_.targets_in[i]->pop_at(); });
+  const std::uint32_t target = down_.choose(
+      targets_in_.holding(), [&](std::uint32_t i) { return can_carry(i, now); },
+      [&](std::uint32_t i) { return targets_in_[i].pop_at(); });
   if (target == down_.count()) return;
   carry(target, now);
   down_.served(target);
 }
 
 void CorePort::carry(std::uint32_t target, sim::Time now) {
-  sim::Link<MemResponse>& in = *links_.targets_in[target];
+  sim::Link<MemResponse>& in = targets_in_[target];
   line_wait_ += now - in.pop_at();
-  sim::Link<MemResponse>& client = *links_.clients_out[in.front().source];
+  sim::Link<MemResponse>& client = *clients_out_[in.front().source];
   client.push(now, in.pop(now));
   down_free_ = now + carry_time_.back();
   line_until_ = std::max(line_until_, down_free_);
@@ -105,36 +111,35 @@ void CorePort::carry(std::uint32_t target, sim::Time now) {
 }
 
 CorePort::Why CorePort::waiting(sim::Time now) const {
-  for (const sim::Link<MemResponse>* in : links_.targets_in) {
-    if (in->can_pop(now) && !links_.clients_out[in->front().source]->can_push(now)) return Why::kClientFull;
-  }
-  for (const sim::Link<MemRequest>* in : links_.clients_in) {
-    if (in->can_pop(now) && !target_of(in->front()).can_push(now)) return Why::kTargetFull;
-  }
-  return Why::kIdle;
+  Why why = Why::kIdle;
+  clients_in_.each([&](const sim::Link<MemRequest>& in) {
+    if (in.can_pop(now) && !target_of(in.front()).can_push(now)) why = Why::kTargetFull;
+  });
+  targets_in_.each([&](const sim::Link<MemResponse>& in) {
+    if (in.can_pop(now) && !clients_out_[in.front().source]->can_push(now)) why = Why::kClientFull;
+  });
+  return why;
 }
 
 sim::Time CorePort::next_wake(sim::Time now) const {
+  const sim::Time next = now + clock_.period();
   sim::Time wake = sim::kNever;
-  const auto consider = [&](const auto& in, sim::Time free_at, auto&& way_out) {
+  // What is not visible yet must not be looked at: wake up for it and decide then.
+  const auto consider = [&](const auto& in, sim::Time free_at, const auto& out) {
     const sim::Time at = in.pop_at();
-    if (at == sim::kNever) return;
-    // What is not visible yet must not be looked at: wake up for it and decide then.
-    wake = std::min(wake, at > now ? at : std::max({now + clock_.period(), free_at, way_out(in.front()).push_at()}));
+    wake = std::min(wake, at > now ? at : std::max({next, free_at, out.push_at()}));
   };
-  for (const sim::Link<MemRequest>* in : links_.clients_in)
-    consider(
-        *in, up_free_, [&](const MemRequest& r) -> const auto& { return target_of(r); });
-  for (const sim::Link<MemResponse>* in : links_.targets_in)
-    consider(
-        *in, down_free_, [&](const MemResponse& r) -> const auto& { return *links_.clients_out[r.source]; });
+  clients_in_.each([&](const sim::Link<MemRequest>& in) { consider(in, up_free_, target_of(in.front())); });
+  targets_in_.each([&](const sim::Link<MemResponse>& in) {
+    consider(in, down_free_, *clients_out_[in.front().source]);
+  });
   return wake;
 }
 
 std::string CorePort::state() const {
   std::size_t requests = 0, lines = 0;
-  for (const sim::Link<MemRequest>* in : links_.clients_in) requests += in->size();
-  for (const sim::Link<MemResponse>* in : links_.targets_in) lines += in->size();
+  clients_in_.each([&](const sim::Link<MemRequest>& in) { requests += in.size(); });
+  targets_in_.each([&](const sim::Link<MemResponse>& in) { lines += in.size(); });
   return fmt::format("{} requests wait to go up, {} lines to come down", requests, lines);
 }
 

@@ -10,6 +10,7 @@
 #include "hw_models/memory/messages.h"
 #include "sim/activity.h"
 #include "sim/config/field.h"
+#include "sim/inputs.h"
 #include "sim/link.h"
 
 namespace hw {
@@ -93,22 +94,25 @@ class CorePort {
   void send(std::uint32_t client, sim::Time now);
   void carry(std::uint32_t target, sim::Time now);
   bool can_send(std::uint32_t client, sim::Time now) const {
-    const sim::Link<MemRequest>& in = *links_.clients_in[client];
+    const sim::Link<MemRequest>& in = clients_in_[client];
     return in.can_pop(now) && target_of(in.front()).can_push(now);
   }
   bool can_carry(std::uint32_t target, sim::Time now) const {
-    const sim::Link<MemResponse>& in = *links_.targets_in[target];
-    return in.can_pop(now) && links_.clients_out[in.front().source]->can_push(now);
+    const sim::Link<MemResponse>& in = targets_in_[target];
+    return in.can_pop(now) && clients_out_[in.front().source]->can_push(now);
   }
   void settle(sim::Time until);
   Why waiting(sim::Time now) const;
   sim::Time next_wake(sim::Time now) const;
 
   sim::Link<MemRequest>& target_of(const MemRequest& request) const {
-    return *links_.targets_out[targets_.owner(request.line)];
+    return *targets_out_[targets_.owner(request.line)];
   }
 
-  Links links_;
+  const std::vector<sim::Link<MemResponse>*> clients_out_;
+  const std::vector<sim::Link<MemRequest>*> targets_out_;
+  const sim::Inputs<MemRequest> clients_in_;
+  const sim::Inputs<MemResponse> targets_in_;
   Interleave targets_;
   sim::Clock clock_;
   const bool ideal_;

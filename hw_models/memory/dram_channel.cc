@@ -26,15 +26,18 @@ DramChannel::DramChannel(const DramConfig& c, Links links, bool ideal)
       refresh_cycles_(c.controller.refresh == RefreshKind::kAllBank ? c.timing.rfc_ab : c.timing.rfc_pb),
       exit_cycles_(c.timing.xp),
       clock_(c.timing.ck.time),
-      links_(std::move(links)),
+      ports_in_(std::move(links.ports_in)),
+      ports_out_(std::move(links.ports_out)),
+      watcher_(links.watcher),
       device_(c),
       data_bus_(most_bursts(c.timing)),
       page_policy_(c.controller.page_policy),
       refresh_at_(refresh_interval_ == 0 || ideal ? sim::kNever : refresh_interval_),
       to_refresh_(device_.refresh_leaders()),
       reads_(c.controller.read_queue),
-      writes_(c.controller.write_queue) {
-  assert(links_.ports_in.size() == links_.ports_out.size());
+      writes_(c.controller.write_queue),
+      ports_(Arbitration::kRoundRobin, ports_in_.size()) {
+  assert(ports_in_.size() == ports_out_.size());
   // Room for what a full data bus brings in while the device and the fabric delay it, and as much again.
   const Cycle in_flight = fabric_ + c.timing.rl + c.timing.dqsck + device_.data_cycles();
   returns_.slots.resize(2 * (in_flight / (Cycle{bursts_} * c.timing.burst) + 4));
@@ -44,9 +47,9 @@ sim::Time DramChannel::tick(sim::Time now) {
   if (ideal_) return tick_ideal(now);
   const Cycle cycle = clock_.cycles(now);
   settle(cycle);
-  refresh(cycle);
-  take_request(now, cycle);
-  respond(now, cycle);
+  if (refresh_at_ <= cycle) refresh(cycle);
+  if (ports_in_.holding() != 0) take_request(now, cycle);
+  if (returns_.size != 0) respond(now, cycle);
   if (plan_is_stale_ || cycle >= replan_at_) replan(cycle);
   if (plan_.at() <= cycle) {
     assert(plan_ == best_plan(writing_ ? writes_ : reads_, cycle) && "a plan that survives is the plan made afresh");
@@ -74,23 +77,20 @@ void DramChannel::finish(sim::Time end) {
 }
 
 void DramChannel::take_request(sim::Time now, Cycle cycle) {
-  const auto ports = static_cast<std::uint32_t>(links_.ports_in.size());
-  for (std::uint32_t i = 0, port = port_turn_; i < ports; ++i, port = port + 1 == ports ? 0 : port + 1) {
-    sim::Link<MemRequest>& in = *links_.ports_in[port];
-    if (!in.can_pop(now)) continue;
-    DramQueue& queue = in.front().write ? writes_ : reads_;
-    if (queue.full()) continue;
-    const MemRequest request = in.pop(now);
-    const DramPlace place = map_.place(request.line);
-    power_down(cycle);
-    wake(cycle);
-    page_policy_.requested(place.bank, place.row);
-    const bool row_is_open = device_.is_open(place.bank, place.row);
-    plan_is_stale_ |= !plan_survives(request.write, place.bank, row_is_open);
-    queue.push({request, place, cycle, static_cast<std::uint16_t>(port)}, row_is_open);
-    port_turn_ = port + 1 == ports ? 0 : port + 1;
-    return;
-  }
+  const auto has_room = [&](std::uint32_t i) {
+    return ports_in_[i].can_pop(now) && !(ports_in_[i].front().write ? writes_ : reads_).full();
+  };
+  const std::uint32_t port = ports_.choose(ports_in_.holding(), has_room, [](std::uint32_t) { return sim::Time{0}; });
+  if (port == ports_.count()) return;
+  ports_.served(port);
+  const MemRequest request = ports_in_[port].pop(now);
+  const DramPlace place = map_.place(request.line);
+  power_down(cycle);
+  wake(cycle);
+  page_policy_.requested(place.bank, place.row);
+  const bool row_is_open = device_.is_open(place.bank, place.row);
+  plan_is_stale_ |= !plan_survives(request.write, place.bank, row_is_open);
+  (request.write ? writes_ : reads_).push({request, place, cycle, static_cast<std::uint16_t>(port)}, row_is_open);
 }
 
 /// Does a new request leave its bank's next command as it is? The common case under load: older requests of its bank
@@ -102,9 +102,8 @@ bool DramChannel::plan_survives(bool write, std::uint32_t bank, bool row_is_open
 }
 
 void DramChannel::respond(sim::Time now, Cycle cycle) {
-  if (returns_.size == 0) return;
   const Return& first = returns_.slots[returns_.head];
-  sim::Link<MemResponse>& out = *links_.ports_out[first.port];
+  sim::Link<MemResponse>& out = *ports_out_[first.port];
   if (first.due > cycle || !out.can_push(now)) return;
   out.push(now, first.response);
   plan_is_stale_ |= returns_.full();
@@ -120,14 +119,13 @@ sim::Time DramChannel::next_wake(sim::Time now) const {
   if (!plan_.none()) wake = std::min(wake, time_of(refresh_at_));
   if (returns_.size > 0) {
     const Return& first = returns_.slots[returns_.head];
-    wake = std::min(wake, std::max({next, time_of(first.due), links_.ports_out[first.port]->push_at()}));
+    wake = std::min(wake, std::max({next, time_of(first.due), ports_out_[first.port]->push_at()}));
   }
-  for (const sim::Link<MemRequest>* in : links_.ports_in) {
-    const sim::Time at = in->pop_at();
-    if (at == sim::kNever) continue;
-    const bool room = at > now || !(in->front().write ? writes_ : reads_).full();
+  ports_in_.each([&](const sim::Link<MemRequest>& in) {
+    const sim::Time at = in.pop_at();
+    const bool room = at > now || !(in.front().write ? writes_ : reads_).full();
     if (room) wake = std::min(wake, std::max(next, at));
-  }
+  });
   return wake;
 }
 
@@ -226,7 +224,7 @@ void DramChannel::transfer(const DramQueue::Entry& entry, Cycle now) {
   const Cycle data = r.write ? device_.write(entry.place.bank, now) : device_.read(entry.place.bank, now);
   const Cycle end = data + device_.data_cycles();
   data_end_ = std::max(data_end_, end);
-  if (links_.watcher != nullptr) links_.watcher->served(r, end * clock_.period());
+  if (watcher_ != nullptr) watcher_->served(r, end * clock_.period());
   device_.each_burst(data, [&](Cycle begin, Cycle burst_end) { data_bus_.book({begin, burst_end, r.write}); });
   if (r.write) {
     stats_.writes += 1;
@@ -349,9 +347,9 @@ sim::Time DramChannel::tick_ideal(sim::Time now) {
   Why why = Why::kIdle;
   bool blocked = false;
   sim::Time wake = sim::kNever;
-  for (std::size_t port = 0; port < links_.ports_in.size(); ++port) {
-    sim::Link<MemRequest>& in = *links_.ports_in[port];
-    sim::Link<MemResponse>& out = *links_.ports_out[port];
+  for (std::size_t port = 0; port < ports_in_.size(); ++port) {
+    sim::Link<MemRequest>& in = ports_in_[port];
+    sim::Link<MemResponse>& out = *ports_out_[port];
     const auto open = [&] { return in.front().write || out.can_push(now); };
     while (in.can_pop(now) && open()) {
       const MemRequest r = in.pop(now);
@@ -361,7 +359,7 @@ sim::Time DramChannel::tick_ideal(sim::Time now) {
       stats_.row_hits += 1;
       why = r.write ? Why::kWriting : Why::kReading;
       if (!r.write) out.push(now, {r.line, r.source, r.tag});
-      if (links_.watcher != nullptr) links_.watcher->served(r, now + clock_.period());
+      if (watcher_ != nullptr) watcher_->served(r, now + clock_.period());
     }
     const bool stuck = in.can_pop(now);
     blocked |= stuck;

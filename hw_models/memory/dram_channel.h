@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "hw_models/memory/arbiter.h"
 #include "hw_models/memory/data_bus.h"
 #include "hw_models/memory/dram_config.h"
 #include "hw_models/memory/dram_device.h"
@@ -11,6 +12,7 @@
 #include "hw_models/memory/dram_queue.h"
 #include "hw_models/memory/messages.h"
 #include "sim/activity.h"
+#include "sim/inputs.h"
 #include "sim/link.h"
 
 namespace hw {
@@ -159,7 +161,9 @@ class DramChannel {
   const std::uint32_t refresh_cycles_;
   const std::uint32_t exit_cycles_;  ///< of power-down
   const sim::Clock clock_;
-  Links links_;
+  const sim::Inputs<MemRequest> ports_in_;
+  const std::vector<sim::Link<MemResponse>*> ports_out_;
+  Watcher* const watcher_;
 
   DramDevice device_;
   DataBus data_bus_;
@@ -174,7 +178,7 @@ class DramChannel {
 
   DramQueue reads_, writes_;
   Returns returns_;
-  std::uint32_t port_turn_ = 0;
+  Arbiter ports_;
   bool draining_ = false;  ///< writes go first, down to the low mark
   bool writing_ = false;   ///< the plan serves the write queue
   Plan plan_;

@@ -58,12 +58,14 @@ class L1Cache {
 
   /// Is the line here? Unlike access() this leaves no trace.
   bool holds(Addr line) const { return perfect_ || tags_.holds(line); }
+  /// Has the host bring the tags that a probe for the line will look at.
+  void look_ahead(Addr line) const { tags_.look_ahead(line); }
   /// nullptr if the line is not on its way.
   const Miss* on_its_way(Addr line) { return misses_.find(line); }
 
   /// Sends the oldest request that has not left yet, if there is one and the link has room.
   void send(sim::Time now, sim::Link<MemRequest>& out) {
-    if (unsent_.empty() || !out.can_push(now)) return;
+    if (unsent_.empty() || !out.can_push(now)) [[likely]] return;
     out.push(now, MemRequest{unsent_.front(), source_, 0, false});
     unsent_.erase(unsent_.begin());
   }

@@ -11,7 +11,11 @@ namespace hw {
 
 L2Bank::L2Bank(const L2Config& config, std::uint16_t index, Links links, Interleave channels, sim::Clock clock,
                Arbitration arbitration, bool ideal)
-    : links_(std::move(links)),
+    : cores_out_(std::move(links.cores_out)),
+      channels_out_(std::move(links.channels_out)),
+      cores_in_(std::move(links.cores_in)),
+      channels_in_(std::move(links.channels_in)),
+      flush_in_(links.flush_in),
       channels_(channels),
       clock_(clock),
       index_(index),
@@ -23,24 +27,27 @@ L2Bank::L2Bank(const L2Config& config, std::uint16_t index, Links links, Interle
       hits_(config.cache.hit_cycles + 1, config.cache.hit_cycles, clock),
       room_(2 * config.mshrs_per_bank() + 2),
       unsent_(room_ + 1, config.lookup_cycles, clock),
-      cores_(arbitration, links_.cores_in.size()),
-      channels_turn_(Arbitration::kRoundRobin, links_.channels_in.size()) {
-  assert(links_.cores_in.size() == links_.cores_out.size());
-  assert(links_.channels_in.size() == links_.channels_out.size());
+      cores_(arbitration, cores_in_.size()),
+      channels_turn_(Arbitration::kRoundRobin, channels_in_.size()) {
+  assert(cores_in_.size() == cores_out_.size());
+  assert(channels_in_.size() == channels_out_.size());
   if (!ideal) return;
-  for (const sim::Link<MemRequest>* in : links_.cores_in) ideal_.emplace_back(2 * in->capacity(), 1, clock);
+  for (std::size_t core = 0; core < cores_in_.size(); ++core) {
+    ideal_.emplace_back(2 * cores_in_[core].capacity(), 1, clock);
+  }
 }
 
 sim::Time L2Bank::tick(sim::Time now) {
   if (!ideal_.empty()) return tick_ideal(now);
   bool served = reply(now);
   served |= take_fill(now);
-  send_to_memory(now);
+  if (queued_ != 0) send_to_memory(now);
   served |= take_request(now);
-  served |= flush(now);
-  const Why then = waiting(now);
+  if (flush_in_ != nullptr) served |= flush(now);
+  const sim::Time wake = next_wake(now);
+  const Why then = served && wake == now + clock_.period() ? Why::kServing : waiting(now);
   activity_.spend(now, clock_.period(), served ? Why::kServing : then, then);
-  return next_wake(now);
+  return wake;
 }
 
 void L2Bank::finish(sim::Time end) {
@@ -51,40 +58,33 @@ void L2Bank::finish(sim::Time end) {
 }
 
 bool L2Bank::idle() const {
-  const bool dirty = store_.dirty_lines() != 0 && links_.flush_in != nullptr;
+  const bool dirty = store_.dirty_lines() != 0 && flush_in_ != nullptr;
   return !dirty && !head_.full && !filled_.pending() && misses_.empty() && queued_ == 0 && hits_.empty();
 }
 
 /// One line per cycle leaves: first those of the last fill, then hits.
 bool L2Bank::reply(sim::Time now) {
-  const std::optional<Reply> next = next_reply(now);
-  if (!next || !links_.cores_out[next->core]->can_push(now)) return false;
-  links_.cores_out[next->core]->push(now, next->response);
-  latency_ += now;
+  const std::uint16_t core = reply_core(now);
+  if (core == kNoCore || !cores_out_[core]->can_push(now)) return false;
   if (filled_.pending()) {
+    const Waiter& waiter = filled_.waiters.list[filled_.next];
+    cores_out_[core]->push(now, {filled_.line, waiter.source, waiter.tag});
     filled_.next += 1;
   } else {
-    hits_.pop(now);
+    cores_out_[core]->push(now, hits_.pop(now).response);
   }
+  latency_ += now;
   return true;
 }
 
-std::optional<L2Bank::Reply> L2Bank::next_reply(sim::Time now) const {
-  if (filled_.pending()) {
-    const Waiter& waiter = filled_.waiters.list[filled_.next];
-    return Reply{{filled_.line, waiter.source, waiter.tag}, waiter.core};
-  }
-  if (hits_.can_pop(now)) return hits_.front();
-  return std::nullopt;
-}
-
 bool L2Bank::take_fill(sim::Time now) {
-  if (filled_.pending()) return false;
-  const auto has_come = [&](std::uint32_t i) { return links_.channels_in[i]->can_pop(now); };
-  const std::uint32_t channel = channels_turn_.choose(has_come, [](std::uint32_t) { return sim::Time{0}; });
+  if (filled_.pending() || channels_in_.holding() == 0) return false;
+  const auto has_come = [&](std::uint32_t i) { return channels_in_[i].can_pop(now); };
+  const std::uint32_t channel =
+      channels_turn_.choose(channels_in_.holding(), has_come, [](std::uint32_t) { return sim::Time{0}; });
   if (channel == channels_turn_.count()) return false;
   channels_turn_.served(channel);
-  const Addr line = links_.channels_in[channel]->pop(now).line;
+  const Addr line = channels_in_[channel].pop(now).line;
   filled_ = {line, 0, misses_.release(line)};
   line_time_ += now;
   memory_time_ += now * filled_.waiters.count;
@@ -115,11 +115,12 @@ void L2Bank::write_back(sim::Time now, const L2Store::Victim& victim) {
 
 bool L2Bank::take_request(sim::Time now) {
   if (head_.full) return look_up(now);
-  const std::uint32_t core = cores_.choose([&](std::uint32_t i) { return links_.cores_in[i]->can_pop(now); },
-                                           [&](std::uint32_t i) { return links_.cores_in[i]->pop_at(); });
+  const std::uint32_t core = cores_.choose(
+      cores_in_.holding(), [&](std::uint32_t i) { return cores_in_[i].can_pop(now); },
+      [&](std::uint32_t i) { return cores_in_[i].pop_at(); });
   if (core == cores_.count()) return false;
   cores_.served(core);
-  sim::Link<MemRequest>& in = *links_.cores_in[core];
+  sim::Link<MemRequest>& in = cores_in_[core];
   if (!in.front().write) latency_ -= in.pop_at();
   head_ = {in.pop(now), static_cast<std::uint16_t>(core), true};
   look_up(now);
@@ -159,8 +160,8 @@ bool L2Bank::read(sim::Time now) {
 }
 
 L2Bank::Why L2Bank::waiting(sim::Time now) const {
-  const std::optional<Reply> next = next_reply(now);
-  if (next && !links_.cores_out[next->core]->can_push(now)) return Why::kOutputFull;
+  const std::uint16_t core = reply_core(now);
+  if (core != kNoCore && !cores_out_[core]->can_push(now)) return Why::kOutputFull;
   if (head_.full) {
     const bool to_memory = head_.request.write || (!misses_.full() && !has_room(2));
     return to_memory ? Why::kMemoryFull : Why::kMshrFull;
@@ -175,20 +176,20 @@ sim::Time L2Bank::next_wake(sim::Time now) const {
   const sim::Time next = now + clock_.period();
   sim::Time wake = sim::kNever;
   const auto at = [&](sim::Time time) { wake = std::min(wake, time == sim::kNever ? time : std::max(next, time)); };
-  if (const std::optional<Reply> reply = next_reply(now)) {
-    at(links_.cores_out[reply->core]->push_at());
+  if (const std::uint16_t core = reply_core(now); core != kNoCore) {
+    at(cores_out_[core]->push_at());
   } else {
     at(hits_.pop_at());
   }
   if (!filled_.pending()) {
-    for (const sim::Link<MemResponse>* in : links_.channels_in) at(in->pop_at());
+    at(channels_in_.pop_at());
   }
   if (!head_.full) {
-    for (const sim::Link<MemRequest>* in : links_.cores_in) at(in->pop_at());
+    at(cores_in_.pop_at());
   } else if (!hits_.can_push(now) && !head_.request.write) {
     at(hits_.push_at());
   }  // else it waits for a fill or for memory to take something: that tick looks it up again
-  if (links_.flush_in != nullptr) at(links_.flush_in->pop_at());
+  if (flush_in_ != nullptr) at(flush_in_->pop_at());
   if (flushing_ && store_.dirty_lines() != 0 && has_room(1)) at(next);
   if (unsent_.can_pop(now)) {
     at(channel_of(unsent_.front()).push_at());

@@ -2,7 +2,6 @@
 #include <array>
 #include <cstdint>
 #include <deque>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,6 +13,7 @@
 #include "hw_models/memory/messages.h"
 #include "hw_models/memory/mshr_file.h"
 #include "sim/activity.h"
+#include "sim/inputs.h"
 #include "sim/link.h"
 
 namespace hw {
@@ -139,12 +139,21 @@ class L2Bank {
   sim::Time tick_ideal(sim::Time now);
   Why waiting(sim::Time now) const;
   sim::Time next_wake(sim::Time now) const;
-  std::optional<Reply> next_reply(sim::Time now) const;
+  /// The core that the next reply goes to; none if no reply can go before another tick.
+  static constexpr std::uint16_t kNoCore = 0xffff;
+  std::uint16_t reply_core(sim::Time now) const {
+    if (filled_.pending()) return filled_.waiters.list[filled_.next].core;
+    return hits_.can_pop(now) ? hits_.front().core : kNoCore;
+  }
   sim::Link<MemRequest>& channel_of(const MemRequest& request) const {
-    return *links_.channels_out[channels_.owner(request.line)];
+    return *channels_out_[channels_.owner(request.line)];
   }
 
-  Links links_;
+  const std::vector<sim::Link<MemResponse>*> cores_out_;
+  const std::vector<sim::Link<MemRequest>*> channels_out_;
+  const sim::Inputs<MemRequest> cores_in_;
+  const sim::Inputs<MemResponse> channels_in_;
+  sim::Link<Flush>* const flush_in_;
   Interleave channels_;
   sim::Clock clock_;
   std::uint16_t index_;

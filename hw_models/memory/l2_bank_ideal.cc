@@ -11,8 +11,8 @@ sim::Time L2Bank::tick_ideal(sim::Time now) {
   Why then = Why::kIdle;
   sim::Time wake = sim::kNever;
   for (std::size_t core = 0; core < ideal_.size(); ++core) {
-    sim::Link<MemRequest>& in = *links_.cores_in[core];
-    sim::Link<MemResponse>&pipe = ideal_[core], &out = *links_.cores_out[core];
+    sim::Link<MemRequest>& in = cores_in_[core];
+    sim::Link<MemResponse>&pipe = ideal_[core], &out = *cores_out_[core];
     for (; pipe.can_pop(now) && out.can_push(now); served = true) {
       out.push(now, pipe.pop(now));
       latency_ += now;

@@ -45,9 +45,8 @@ void L2Bank::write_here(sim::Time now) {
 
 /// After the end of the frame a dirty line goes each cycle.
 bool L2Bank::flush(sim::Time now) {
-  if (links_.flush_in == nullptr) return false;
-  if (links_.flush_in->can_pop(now)) {
-    links_.flush_in->pop(now);
+  if (flush_in_->can_pop(now)) {
+    flush_in_->pop(now);
     flushing_ = true;
   }
   if (!flushing_ || store_.dirty_lines() == 0 || !has_room(1)) return false;

@@ -80,6 +80,7 @@ class FetchStage {
   /// Does a slot stand in the fetch stage, or go on from where it stood, before all others?
   bool stands() const { return handling_ >= MissHandling::kRau && (stalled_ || (ready_ & (served_ | resumed_)) != 0); }
   bool bypasses() const { return handling_ == MissHandling::kBypass; }
+  bool reorders() const { return handling_ == MissHandling::kReorder; }
   /// What slots wait for, the scarcest thing first.
   Wait waits_for() const {
     if (table_full_ != 0) return Wait::kTable;
@@ -88,14 +89,18 @@ class FetchStage {
   }
 
   /// One of able() tries to read the line. If it cannot, it wants to again by itself, except under `bypass`.
+  /// `kReorder`: the caller knows that misses are reordered.
+  template <bool kReorder = false>
   Result read(std::uint32_t slot, Addr line, std::uint64_t cycle) {
     const std::uint64_t bit = std::uint64_t{1} << slot;
     ready_ &= ~bit;
-    if (handling_ != MissHandling::kReorder) forget(bit);
+    if constexpr (!kReorder) {
+      if (handling_ != MissHandling::kReorder) forget(bit);
+    }
     if ((served_ & bit) != 0) {
       served_ &= ~bit;
       note_read(bit);
-      if (handling_ == MissHandling::kRau) {
+      if (!kReorder && handling_ == MissHandling::kRau) {
         leave_table(bit);
         return Result::kRead;
       }
@@ -104,7 +109,7 @@ class FetchStage {
       return Result::kRead;
     }
     stats_.l1_accesses += 1;
-    if (handling_ == MissHandling::kRau && !room_in_table(line)) {
+    if (!kReorder && handling_ == MissHandling::kRau && !room_in_table(line)) {
       late_ |= bit;
       stats_.l1_misses += 1;
       stats_.rau_full += 1;
@@ -121,7 +126,7 @@ class FetchStage {
         late_ |= bit;
         stats_.l1_misses += 1;
         missing_ |= bit;
-        if (handling_ >= MissHandling::kRau) missed(line, bit);
+        if (!kReorder && handling_ >= MissHandling::kRau) missed(line, bit);
         return Result::kMiss;
       case L1Cache::Result::kFull:
         break;
@@ -130,7 +135,7 @@ class FetchStage {
     stats_.l1_misses += 1;
     stats_.mshr_full += 1;
     no_register_ |= bit;
-    stalled_ = handling_ >= MissHandling::kRau;
+    stalled_ = !kReorder && handling_ >= MissHandling::kRau;
     return Result::kNoRegister;
   }
 
@@ -146,6 +151,9 @@ class FetchStage {
     if (handling_ != MissHandling::kReorder) go_on(line, miss.slots);
     no_register_ = 0;
   }
+
+  /// Has the host bring the tags that a probe for the line will look at.
+  void look_ahead(Addr line) const { l1_.look_ahead(line); }
 
   /// May a line be asked for ahead of need and leave a miss register to those in need?
   bool can_prefetch() const { return l1_.free_registers() >= 2; }

@@ -25,10 +25,14 @@ Ist::Ist(const IstConfig& config, const TniMode& mode, const TrianglesInMemory& 
       clock_(clock),
       triangles_(triangles),
       unbounded_(mode.unbounded),
-      links_(std::move(links)),
+      leaves_out_(std::move(links.leaves_out)),
+      leaves_in_(std::move(links.leaves_in)),
+      memory_out_(links.memory_out),
+      memory_in_(links.memory_in),
+      sources_(Arbitration::kRoundRobin, leaves_in_.size()),
       fetch_(config.l1, mode, port, stats_),
       slots_(config.leaves),
-      pipe_(clock),
+      pipe_(clock, config.l1.hit_cycles + config.latency),
       free_(config.leaves == 64 ? ~std::uint64_t{0} : bit(config.leaves) - 1) {}
 
 sim::Time Ist::tick(sim::Time now) {
@@ -37,42 +41,44 @@ sim::Time Ist::tick(sim::Time now) {
     }
   };
   pipe_.advance(now);
-  const Wheel<kPipes>::Masks out = pipe_.take();
-  answering_ |= out[kToAnswer];
-  fetch_.enter(out[kToFetch]);
-  as_often_as_may_be([&] { return take_line(now); });
+  if (pipe_.due()) {
+    const Wheel<kPipes>::Masks out = pipe_.take();
+    answering_ |= out[kToAnswer];
+    fetch_.enter(out[kToFetch]);
+  }
+  if (memory_in_.can_pop(now)) as_often_as_may_be([&] { return take_line(now); });
   as_often_as_may_be([&] { return take_leaf(now); });
   const bool tried = fetch_.able() != 0;
   const Why tested = tried ? issue() : Why::kStarved;
-  as_often_as_may_be([&] { return answer(now); });
-  fetch_.send(now, links_.memory_out);
-  const Why then = waiting();
+  if (answering_ != 0) as_often_as_may_be([&] { return answer(now); });
+  fetch_.send(now, memory_out_);
+  const sim::Time wake = next_wake(now);
+  const Why then = tried && wake == clock_.after(now, 1) ? tested : waiting();
   activity_.spend(now, clock_.period(), tried ? tested : then, then);
-  return next_wake(now);
+  return wake;
 }
 
 bool Ist::take_line(sim::Time now) {
-  if (!links_.memory_in.can_pop(now)) return false;
-  fetch_.fill(links_.memory_in.pop(now).line, pipe_.cycle());
+  if (!memory_in_.can_pop(now)) return false;
+  fetch_.fill(memory_in_.pop(now).line, pipe_.cycle());
   return true;
 }
 
 bool Ist::take_leaf(sim::Time now) {
-  if (free_ == 0) return false;
-  const auto sources = static_cast<std::uint32_t>(links_.leaves_in.size());
-  for (std::uint32_t k = 0; k < sources; ++k) {
-    const std::uint32_t trv = (source_turn_ + k) % sources;
-    if (!links_.leaves_in[trv]->can_pop(now)) continue;
-    source_turn_ = (trv + 1) % sources;
-    const auto index = static_cast<std::uint32_t>(std::countr_zero(free_));
-    free_ &= ~bit(index);
-    occupied_ |= bit(index);
-    fetch_.enter(bit(index));
-    slots_[index] = Slot{links_.leaves_in[trv]->pop(now), trv, 0, false, 0};
-    stats_.leaves_in += 1;
-    return true;
-  }
-  return false;
+  if (free_ == 0 || leaves_in_.holding() == 0) return false;
+  const std::uint32_t trv = sources_.choose(
+      leaves_in_.holding(), [&](std::uint32_t i) { return leaves_in_[i].can_pop(now); },
+      [](std::uint32_t) { return sim::Time{0}; });
+  if (trv == sources_.count()) return false;
+  sources_.served(trv);
+  const auto index = static_cast<std::uint32_t>(std::countr_zero(free_));
+  free_ &= ~bit(index);
+  occupied_ |= bit(index);
+  fetch_.enter(bit(index));
+  slots_[index] = Slot{leaves_in_[trv].pop(now), trv, 0, false, 0};
+  fetch_.look_ahead(line_of(triangles_.base + Addr{slots_[index].job.first} * triangles_.bytes));
+  stats_.leaves_in += 1;
+  return true;
 }
 
 Ist::Why Ist::issue() {
@@ -140,7 +146,7 @@ bool Ist::answer(sim::Time now) {
   if (answering_ == 0) return false;
   const std::uint32_t index = pick(answering_, answer_turn_);
   const Slot& slot = slots_[index];
-  sim::Link<LeafDone>& out = *links_.leaves_out[slot.trv];
+  sim::Link<LeafDone>& out = *leaves_out_[slot.trv];
   assert(out.can_push(now) && "the ray's slot is its reserved return space");
   answer_turn_ = (index + 1) % 64;
   answering_ &= ~bit(index);
@@ -161,11 +167,9 @@ sim::Time Ist::next_wake(sim::Time now) const {
   const sim::Time next = clock_.after(now, 1);
   if ((fetch_.able() | answering_) != 0) return next;
   sim::Time at = pipe_.next();
-  if (free_ != 0) {
-    for (const sim::Link<LeafJob>* link : links_.leaves_in) at = std::min(at, std::max(next, link->pop_at()));
-  }
-  at = std::min(at, std::max(next, links_.memory_in.pop_at()));
-  return std::min(at, fetch_.send_at(next, links_.memory_out));
+  if (free_ != 0) at = std::min(at, std::max(next, leaves_in_.pop_at()));
+  at = std::min(at, std::max(next, memory_in_.pop_at()));
+  return std::min(at, fetch_.send_at(next, memory_out_));
 }
 
 std::string Ist::state() const {

@@ -5,12 +5,14 @@
 #include <string_view>
 #include <vector>
 
+#include "hw_models/memory/arbiter.h"
 #include "hw_models/tni/fetch_stage.h"
 #include "hw_models/tni/messages.h"
 #include "hw_models/tni/tni_config.h"
 #include "hw_models/tni/tree_in_memory.h"
 #include "hw_models/tni/wheel.h"
 #include "sim/activity.h"
+#include "sim/inputs.h"
 #include "sim/link.h"
 
 namespace hw {
@@ -84,14 +86,18 @@ class Ist {
   const sim::Clock clock_;
   const TrianglesInMemory triangles_;
   const bool unbounded_;  ///< any number of operations a cycle
-  Links links_;
+  const std::vector<sim::Link<LeafDone>*> leaves_out_;
+  const sim::Inputs<LeafJob> leaves_in_;
+  sim::Link<MemRequest>& memory_out_;
+  sim::Link<MemResponse>& memory_in_;
+  Arbiter sources_;
   Stats stats_;
   FetchStage fetch_;
   std::vector<Slot> slots_;
   Wheel<kPipes> pipe_;
   std::uint64_t free_;
   std::uint64_t occupied_ = 0, answering_ = 0;
-  std::uint32_t turn_ = 0, answer_turn_ = 0, source_turn_ = 0;
+  std::uint32_t turn_ = 0, answer_turn_ = 0;
   sim::Activity<Why> activity_;
 };
 

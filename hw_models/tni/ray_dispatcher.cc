@@ -8,7 +8,14 @@
 namespace hw {
 
 RayDispatcher::RayDispatcher(const Policy& policy, Links links, sim::Clock clock)
-    : clock_(clock), policy_(policy), links_(std::move(links)), load_(links_.to_trv.size()) {}
+    : clock_(clock),
+      policy_(policy),
+      rays_in_(links.rays_in),
+      hits_out_(links.hits_out),
+      to_trv_(std::move(links.to_trv)),
+      from_trv_(std::move(links.from_trv)),
+      collects_(Arbitration::kRoundRobin, from_trv_.size()),
+      load_(to_trv_.size()) {}
 
 sim::Time RayDispatcher::tick(sim::Time now) {
   while (collect(now) && policy_.unbounded) {
@@ -30,7 +37,7 @@ std::size_t RayDispatcher::next_in_turn(sim::Time at) const {
   sim::Time soonest = sim::kNever;
   for (std::size_t k = 0; k < load_.size(); ++k) {
     const std::size_t trv = (turn_ + k) % load_.size();
-    const sim::Time room_at = std::max(at, links_.to_trv[trv]->push_at());
+    const sim::Time room_at = std::max(at, to_trv_[trv]->push_at());
     if (load_[trv] == policy_.rays_per_trv || room_at >= soonest) continue;
     best = trv;
     soonest = room_at;
@@ -43,10 +50,10 @@ std::size_t RayDispatcher::chosen(sim::Time at) const {
 }
 
 bool RayDispatcher::dispatch(sim::Time now) {
-  if (!links_.rays_in.can_pop(now)) return false;
+  if (!rays_in_.can_pop(now)) return false;
   const std::size_t trv = chosen(now);
-  if (load_[trv] == policy_.rays_per_trv || !links_.to_trv[trv]->can_push(now)) return false;
-  links_.to_trv[trv]->push(now, links_.rays_in.pop(now));
+  if (load_[trv] == policy_.rays_per_trv || !to_trv_[trv]->can_push(now)) return false;
+  to_trv_[trv]->push(now, rays_in_.pop(now));
   load_[trv] += 1;
   turn_ = (trv + 1) % load_.size();
   stats_.rays_in += 1;
@@ -54,32 +61,26 @@ bool RayDispatcher::dispatch(sim::Time now) {
 }
 
 bool RayDispatcher::collect(sim::Time now) {
-  if (now < collect_at_ || !links_.hits_out.can_push(now)) return false;
-  const std::size_t trvs = links_.from_trv.size();
-  for (std::size_t k = 0; k < trvs; ++k) {
-    const std::size_t trv = (collect_turn_ + k) % trvs;
-    if (!links_.from_trv[trv]->can_pop(now)) continue;
-    collect_turn_ = (trv + 1) % trvs;
-    links_.hits_out.push(now, links_.from_trv[trv]->pop(now));
-    load_[trv] -= 1;
-    stats_.hits_out += 1;
-    if (!policy_.unbounded) collect_at_ = clock_.after(now, policy_.hit_interval);
-    return true;
-  }
-  return false;
+  if (from_trv_.holding() == 0 || now < collect_at_ || !hits_out_.can_push(now)) return false;
+  const std::uint32_t trv = collects_.choose(
+      from_trv_.holding(), [&](std::uint32_t i) { return from_trv_[i].can_pop(now); },
+      [](std::uint32_t) { return sim::Time{0}; });
+  if (trv == collects_.count()) return false;
+  collects_.served(trv);
+  hits_out_.push(now, from_trv_[trv].pop(now));
+  load_[trv] -= 1;
+  stats_.hits_out += 1;
+  if (!policy_.unbounded) collect_at_ = clock_.after(now, policy_.hit_interval);
+  return true;
 }
 
 sim::Time RayDispatcher::next_wake(sim::Time now) const {
   const sim::Time next = clock_.after(now, 1);
-  sim::Time at = sim::kNever;
+  const sim::Time at = std::max({next, collect_at_, from_trv_.pop_at(), hits_out_.push_at()});
+  if (rays_in_.pop_at() == sim::kNever) return at;
   const std::size_t trv = chosen(next);
-  if (load_[trv] < policy_.rays_per_trv) {
-    at = std::max({next, links_.rays_in.pop_at(), links_.to_trv[trv]->push_at()});
-  }
-  for (const sim::Link<RayDone>* link : links_.from_trv) {
-    at = std::min(at, std::max({next, collect_at_, link->pop_at(), links_.hits_out.push_at()}));
-  }
-  return at;
+  if (load_[trv] == policy_.rays_per_trv) return at;
+  return std::min(at, std::max({next, rays_in_.pop_at(), to_trv_[trv]->push_at()}));
 }
 
 std::string RayDispatcher::state() const { return fmt::format("rays inside the TRVs: {}", fmt::join(load_, " ")); }

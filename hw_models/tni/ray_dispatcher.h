@@ -5,9 +5,11 @@
 #include <string_view>
 #include <vector>
 
+#include "hw_models/memory/arbiter.h"
 #include "hw_models/tni/messages.h"
 #include "hw_models/tni/tni_config.h"
 #include "sim/activity.h"
+#include "sim/inputs.h"
 #include "sim/link.h"
 
 namespace hw {
@@ -65,10 +67,13 @@ class RayDispatcher {
 
   const sim::Clock clock_;
   const Policy policy_;
-  Links links_;
+  sim::Link<RayJob>& rays_in_;
+  sim::Link<RayDone>& hits_out_;
+  const std::vector<sim::Link<RayJob>*> to_trv_;
+  const sim::Inputs<RayDone> from_trv_;
+  Arbiter collects_;
   std::vector<std::uint32_t> load_;  ///< rays inside each TRV
   std::size_t turn_ = 0;             ///< the TRV whose turn it is
-  std::size_t collect_turn_ = 0;
   sim::Time collect_at_ = 0;
   Stats stats_;
   sim::Activity<Why> activity_;

@@ -15,6 +15,8 @@ using traces::StepKind;
 namespace {
 
 constexpr std::uint64_t bit(std::uint32_t slot) { return std::uint64_t{1} << slot; }
+/// Has the host bring steps that a ray will take some visits from now.
+void look_further(const std::uint32_t* step) { __builtin_prefetch(step + 8); }
 constexpr std::uint64_t all(std::uint32_t slots) { return slots == 64 ? ~std::uint64_t{0} : bit(slots) - 1; }
 
 }  // namespace
@@ -28,60 +30,68 @@ Trv::Trv(const TrvConfig& config, const TniMode& mode, const TreeInMemory& tree,
       plain_(tree.one_line() && !tree.hybrid && config.box_testers == 2),
       unbounded_(mode.unbounded),
       one_pipe_(config.box_testers == 1 && !mode.unbounded),
+      common_(plain_ && !unbounded_ && mode.handling == MissHandling::kReorder && config.prefetch == Prefetch::kNone),
       links_(links),
       fetch_(config.l1, mode, port, stats_),
       slots_(config.rays),
+      begins_(config.rays),
       paths_(config.rays),
-      pipes_(clock),
+      pipes_(clock, std::max(visit_latency_, config.stack_latency)),
       free_(all(config.rays)) {
-  assert(visit_latency_ < Wheel<kPipes>::kSpan);
   far_nodes_.reserve(config.rays);
 }
 
-sim::Time Trv::tick(sim::Time now) {
+template <bool kCommon>
+sim::Time Trv::tick_as(sim::Time now) {
   const auto as_often_as_may_be = [&](auto&& step) {
-    while (step() && unbounded_) {
+    while (step() && !kCommon && unbounded_) {
     }
   };
-  const std::uint64_t visits_before = stats_.visits;
   pipes_.advance(now);
-  release(pipes_.take());
-  as_often_as_may_be([&] { return take_line(now); });
-  as_often_as_may_be([&] { return take_answer(now); });
-  if (free_ != 0) as_often_as_may_be([&] { return take_ray(now); });
+  if (pipes_.due()) release(pipes_.take());
+  if (links_.memory_in.can_pop(now)) as_often_as_may_be([&] { return take_line(now); });
+  if (links_.leaves_in.can_pop(now)) as_often_as_may_be([&] { return take_answer(now); });
+  if (free_ != 0 && links_.rays_in.can_pop(now)) as_often_as_may_be([&] { return take_ray(now); });
   bool tried = false;
   Why why = Why::kStarved;
-  if (one_pipe_) {
+  if (!kCommon && one_pipe_) {
     tried = issue_any(now, why);
   } else {
-    const std::uint64_t able = fetch_.able();
+    const std::uint64_t able = kCommon ? fetch_.ready() : fetch_.able();
     tried = able != 0;
-    if (tried) why = issue_visit(next_of(able));
-    while (unbounded_ && fetch_.able() != 0) {
-      if (issue_visit(next_of(fetch_.able())) == Why::kVisiting) why = Why::kVisiting;
+    if (tried) why = issue_visit<kCommon>(next_of(able));
+    while (!kCommon && unbounded_ && fetch_.able() != 0) {
+      if (issue_visit<kCommon>(next_of(fetch_.able())) == Why::kVisiting) why = Why::kVisiting;
     }
     if (popping_ != 0) as_often_as_may_be([&] { return issue_pop(); });
     if (leaving_ != 0) as_often_as_may_be([&] { return issue_leaf(now); });
   }
   if (retiring_ != 0) as_often_as_may_be([&] { return retire(now); });
-  if (!far_nodes_.empty()) prefetch_far_nodes();  // behind what rays need now
+  if (!kCommon && !far_nodes_.empty()) prefetch_far_nodes();  // behind what rays need now
   fetch_.send(now, links_.memory_out);
-  if (full_) {
-    full_time_ += now - last_tick_;
-    stats_.full_visits += stats_.visits - visits_before;
+  if (full_ != (free_ == 0)) {
+    full_ = !full_;
+    if (full_) {
+      full_since_ = now;
+    } else {
+      full_time_ += now - full_since_;
+    }
   }
-  full_ = free_ == 0;
-  last_tick_ = now;
   const sim::Time next = clock_.after(now, 1);
-  const sim::Time wake = !one_pipe_ && (fetch_.able() | popping_) != 0 ? next : next_wake(next);
+  const bool go_on = kCommon ? (fetch_.ready() | popping_) != 0 : !one_pipe_ && (fetch_.able() | popping_) != 0;
+  const sim::Time wake = go_on ? next : next_wake(next);
+  if (fetch_.ready() != 0) look_ahead();
   const Why then = tried && wake == next ? why : waiting(next);
   activity_.spend(now, clock_.period(), tried ? why : then, then);
   return wake;
 }
 
+template sim::Time Trv::tick_as<true>(sim::Time);
+template sim::Time Trv::tick_as<false>(sim::Time);
+
 void Trv::finish(sim::Time end) {
   activity_.finish(end);
-  if (full_) full_time_ += end - last_tick_;
+  if (full_) full_time_ += end - full_since_;
   stats_.full = clock_.cycles(full_time_);
 }
 
@@ -144,7 +154,10 @@ bool Trv::take_ray(sim::Time now) {
   free_ &= ~bit(index);
   occupied_ |= bit(index);
   Slot& slot = slots_[index];
-  slot = Slot{job.walk, job.walk, job.id};
+  slot = Slot{};
+  slot.id = job.id;
+  slot.go(job.walk);
+  begins_[index] = job.walk;
   stats_.rays_in += 1;
   switch (next_pipe(slot)) {
     case kToInner:
@@ -160,33 +173,41 @@ bool Trv::take_ray(sim::Time now) {
 }
 
 Trv::Pipe Trv::next_pipe(Slot& slot) const {
+  if (!slot.must_pop && traces::kind_of(slot.step) == StepKind::kVisit) return kToInner;
   if (slot.restarting) return kToInner;
-  if (traces::kind_of(*slot.next) == StepKind::kCull) {
-    slot.culls = traces::culled_of(*slot.next);
-    slot.next += 1;
+  if (traces::kind_of(slot.step) == StepKind::kCull) {
+    slot.culls = traces::culled_of(slot.step);
+    slot.go(slot.next + 1);
   }
   if (slot.culls > 0) return kToStack;
-  if (traces::kind_of(*slot.next) == StepKind::kEnd) return kToRetire;
+  if (traces::kind_of(slot.step) == StepKind::kEnd) return kToRetire;
   if (slot.must_pop) return kToStack;
-  return traces::kind_of(*slot.next) == StepKind::kVisit ? kToInner : kToLeaf;
+  return traces::kind_of(slot.step) == StepKind::kVisit ? kToInner : kToLeaf;
 }
 
+void Trv::look_ahead() const {
+  const Slot& slot = slots_[pick(fetch_.ready(), inner_turn_)];
+  fetch_.look_ahead(tree_.line_of(traces::node_of(slot.step)));
+}
+
+template <bool kCommon>
 Trv::Why Trv::issue_visit(std::uint32_t index) {
   Slot& slot = slots_[index];
-  const std::uint32_t node = slot.restarting ? paths_[index].back() : traces::node_of(*slot.next);
-  const TreeInMemory::Line read = plain_ ? TreeInMemory::Line{tree_.line_of(node), true}
-                                         : tree_.line_of_visit(node, config_.box_testers, slot.child, slot.fetched);
-  const FetchStage::Result result = fetch_.read(index, read.line, pipes_.cycle());
+  const std::uint32_t node = slot.restarting ? paths_[index].back() : traces::node_of(slot.step);
+  const TreeInMemory::Line read = kCommon || plain_
+                                      ? TreeInMemory::Line{tree_.line_of(node), true}
+                                      : tree_.line_of_visit(node, config_.box_testers, slot.child, slot.fetched);
+  const FetchStage::Result result = fetch_.read<kCommon>(index, read.line, pipes_.cycle());
   if (result == FetchStage::Result::kRead) {
     if (read.last) {
-      visited(slot, index);
+      visited<kCommon>(slot, index);
     } else {
       slot.fetched += 1;
       fetch_.enter(bit(index));
     }
     return Why::kVisiting;
   }
-  if (fetch_.bypasses()) {
+  if (!kCommon && fetch_.bypasses()) {
     stats_.bypass_passes += 1;
     pipes_.put(kToInner, index, visit_latency_);
   }
@@ -212,23 +233,26 @@ bool Trv::test_boxes(Slot& slot, std::uint32_t index) {
   return false;
 }
 
+template <bool kCommon>
 void Trv::visited(Slot& slot, std::uint32_t index) {
-  if (plain_) {
+  if (kCommon || plain_) {
     stats_.box_tests += 2;
   } else if (!test_boxes(slot, index)) {
     return;
   }
   stats_.visits += 1;
+  stats_.full_visits += full_;
   if (slot.restarting) {
     visited_again(slot, index);
   } else {
-    const std::uint32_t step = *slot.next;
-    slot.next += 1;
+    const std::uint32_t step = slot.step;
+    slot.go(slot.next + 1);
+    look_further(slot.next);
     const std::uint32_t hits = traces::hits_of(step);
     slot.must_pop = hits == 0;
     if (hits == 3) {
       push(slot);
-      if (config_.prefetch == Prefetch::kSibling) forked_ |= bit(index);
+      if (!kCommon && config_.prefetch == Prefetch::kSibling) forked_ |= bit(index);
     }
   }
   pipes_.put(next_pipe(slot), index, visit_latency_);
@@ -286,11 +310,11 @@ bool Trv::issue_leaf(sim::Time now) {
 void Trv::send_leaf(sim::Time now, std::uint32_t index) {
   leaving_ &= ~bit(index);
   Slot& slot = slots_[index];
-  const std::uint32_t step = slot.next[0];
+  const std::uint32_t step = slot.step;
   const std::uint32_t count = traces::count_of(step);
   links_.leaves_out.push(now, LeafJob{traces::first_of(step), slot.next[1], static_cast<std::uint8_t>(count),
                                       static_cast<std::uint8_t>(index)});
-  slot.next += 2;
+  slot.go(slot.next + 2);
   at_ist_ |= bit(index);
   if (!unbounded_) leaf_free_at_ = clock_.after(now, std::max(count, 1U));
   stats_.leaves += 1;
@@ -313,7 +337,7 @@ bool Trv::issue_any(sim::Time now, Why& why) {
   } else if ((leaving_ & bit(index)) != 0) {
     send_leaf(now, index);
   } else {
-    why = issue_visit(index);
+    why = issue_visit<false>(index);
   }
   return true;
 }

@@ -88,7 +88,7 @@ class Trv {
   Trv(const Trv&) = delete;
   Trv& operator=(const Trv&) = delete;
 
-  sim::Time tick(sim::Time now);
+  sim::Time tick(sim::Time now) { return common_ ? tick_as<true>(now) : tick_as<false>(now); }
   const sim::Clock& clock() const { return clock_; }
   const Stats& stats() const { return stats_; }
   const sim::Activity<Why>& activity() const { return activity_; }
@@ -100,8 +100,8 @@ class Trv {
   /// Sub-pipes a slot can come out of.
   enum Pipe : std::size_t { kToInner, kToStack, kToLeaf, kToRetire, kPipes };
   struct Slot {
-    const std::uint32_t* next = nullptr;   ///< the step to take now
-    const std::uint32_t* begin = nullptr;  ///< the ray's first step
+    const std::uint32_t* next = nullptr;  ///< the step to take now
+    std::uint32_t step = 0;               ///< its first word
     std::uint32_t id = 0;
     std::uint32_t culls = 0;    ///< stack entries still to pop and drop before `next`
     std::uint16_t stacked = 0;  ///< entries not popped yet, dropped ones included
@@ -110,8 +110,17 @@ class Trv {
     bool restarting = false;    ///< on the way back down: its nodes are in paths_
     std::uint8_t child = 0;     ///< the box to test (one tester)
     std::uint8_t fetched = 0;   ///< lines of the present visit or pass that have been read
+
+    void go(const std::uint32_t* to) {
+      next = to;
+      step = *to;
+    }
   };
   static_assert(sizeof(Slot) == 32, "two slots a cache line of the host: a tick touches little else");
+
+  /// `kCommon`: the unit is common_, and what it does not have costs nothing.
+  template <bool kCommon>
+  sim::Time tick_as(sim::Time now);
 
   // Each does one thing, if there is one to do.
   bool take_ray(sim::Time now);
@@ -127,6 +136,7 @@ class Trv {
     inner_turn_ = (index + 1) % 64;
     return index;
   }
+  template <bool kCommon>
   Why issue_visit(std::uint32_t index);
   bool issue_any(sim::Time now, Why& why);
   std::uint64_t shared_work(bool room_for_leaves) const;
@@ -134,10 +144,13 @@ class Trv {
   void pop(std::uint32_t index);
   void send_leaf(sim::Time now, std::uint32_t index);
   bool test_boxes(Slot& slot, std::uint32_t index);
+  template <bool kCommon>
   void visited(Slot& slot, std::uint32_t index);
   void visited_again(Slot& slot, std::uint32_t index);
   /// The youngest entry of the stack is dropped, being behind the hit, or is where the ray goes on.
   static void take_entry(Slot& slot);
+  /// The visit that comes next if nothing changes: has the host bring what it will look at.
+  void look_ahead() const;
   /// Which sub-pipe the slot needs for its next step.
   Pipe next_pipe(Slot& slot) const;
   void restart(Slot& slot, std::uint32_t index);
@@ -156,14 +169,17 @@ class Trv {
   const bool plain_;      ///< a visit is one pass that reads one line and tests two boxes in floating point
   const bool unbounded_;  ///< any number of operations a cycle
   const bool one_pipe_;   ///< passes, pops and leaves share a pipe
+  const bool common_;     ///< plain, one operation a cycle in each of three pipes, misses reordered, no prefetches
   Links links_;
-  /// Since the last tick there was a ray in every slot.
+  /// Since a tick at `full_since_` there is a ray in every slot.
   bool full_ = false;
-  sim::Time last_tick_ = 0, full_time_ = 0;
+  sim::Time full_since_ = 0, full_time_ = 0;
   Stats stats_;
   FetchStage fetch_;
   std::vector<Slot> slots_;
+  std::vector<const std::uint32_t*> begins_;       ///< of each slot's ray, its first step
   std::vector<std::vector<std::uint32_t>> paths_;  ///< per slot: nodes to test again after a restart, last one first
+  std::vector<std::uint32_t> pushed_;              ///< for restart()
   Wheel<kPipes> pipes_;
   std::uint64_t free_;
   std::uint64_t occupied_ = 0;

@@ -12,8 +12,9 @@ namespace {
 
 /// Nodes at which the `stacked` entries now on a ray's stack were pushed, oldest first, found by following its walk
 /// from `begin` up to the step `next`. Restarts are rare; keeping such a list for every ray is not worth the memory.
-std::vector<std::uint32_t> pending_pushes(const std::uint32_t* begin, const std::uint32_t* next, std::size_t stacked) {
-  std::vector<std::uint32_t> entries;
+void find_pushes(const std::uint32_t* begin, const std::uint32_t* next, std::size_t stacked,
+                 std::vector<std::uint32_t>& entries) {
+  entries.clear();
   bool must_pop = false;
   for (const std::uint32_t* step = begin; step != next; ++step) {
     const StepKind kind = traces::kind_of(*step);
@@ -31,7 +32,6 @@ std::vector<std::uint32_t> pending_pushes(const std::uint32_t* begin, const std:
     }
   }
   entries.resize(stacked);
-  return entries;
 }
 
 }  // namespace
@@ -41,10 +41,10 @@ void Trv::restart(Slot& slot, std::uint32_t index) {
   // From the link, which is the node of the oldest dropped entry, or from the root, down to the node of the entry
   // wanted now. Each visit finds its far child again, so the short stack ends up holding the youngest entries; the
   // trail says that the last one is where to go on, without a pop.
-  const std::vector<std::uint32_t> entries = pending_pushes(slot.begin, slot.next, slot.stacked);
+  find_pushes(begins_[index], slot.next, slot.stacked, pushed_);
   const bool trail = config_.stack == StackScheme::kRestartTrail;
-  const std::uint32_t from = trail ? 0 : entries.front();
-  for (std::uint32_t node = entries.back();; node = tree_.parents[node]) {
+  const std::uint32_t from = trail ? 0 : pushed_.front();
+  for (std::uint32_t node = pushed_.back();; node = tree_.parents[node]) {
     paths_[index].push_back(node);
     if (node == from) break;
   }

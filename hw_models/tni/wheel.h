@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <bit>
+#include <cassert>
 #include <cstddef>
 #include <cstdint>
 
@@ -13,10 +14,14 @@ namespace hw {
 template <std::size_t kPipes>
 class Wheel {
  public:
-  static constexpr std::uint64_t kSpan = 64;  ///< latencies must be shorter than this
+  static constexpr std::uint64_t kMostSpan = 64;  ///< latencies must be shorter than this
   using Masks = std::array<std::uint64_t, kPipes>;
 
-  explicit Wheel(sim::Clock clock) : clock_(clock) {}
+  /// `longest` latency that will be put. What lies ahead is kept in as few bins as hold it: they are touched in turn.
+  Wheel(sim::Clock clock, std::uint64_t longest)
+      : clock_(clock), span_(static_cast<std::uint32_t>(std::bit_ceil(longest + 1))) {
+    assert(span_ <= kMostSpan);
+  }
 
   /// Moves to `now` (an edge). At most one non-empty cycle lies between two calls: next() says when.
   void advance(sim::Time now) {
@@ -26,25 +31,31 @@ class Wheel {
   }
   /// What comes out at the present cycle; empties it.
   Masks take() {
-    const std::uint64_t bin = cycle_ % kSpan;
     Masks out{};
-    if ((occupied_ >> bin) & 1U) {
+    if (due()) {
+      const std::uint64_t bin = cycle_ & (span_ - 1);
       out = bins_[bin];
       bins_[bin] = {};
       occupied_ &= ~(std::uint64_t{1} << bin);
     }
     return out;
   }
+  /// Does anything come out at the present cycle?
+  bool due() const { return ((occupied_ >> (cycle_ & (span_ - 1))) & 1U) != 0; }
   void put(std::size_t pipe, std::uint32_t slot, std::uint64_t latency) {
-    const std::uint64_t bin = (cycle_ + latency) % kSpan;
+    assert(latency < span_);
+    const std::uint64_t bin = (cycle_ + latency) & (span_ - 1);
     bins_[bin][pipe] |= std::uint64_t{1} << slot;
     occupied_ |= std::uint64_t{1} << bin;
   }
   /// When the next slot comes out; kNever if the pipes are empty.
   sim::Time next() const {
     if (occupied_ == 0) return sim::kNever;
-    const int shift = static_cast<int>(cycle_ % kSpan);
-    return now_ + static_cast<sim::Time>(std::countr_zero(std::rotr(occupied_, shift))) * clock_.period();
+    const std::uint64_t bin = cycle_ & (span_ - 1);
+    const std::uint64_t later = occupied_ >> bin;  // else they have gone round
+    const int bins = later != 0 ? std::countr_zero(later)
+                                : static_cast<int>(span_ - bin) + std::countr_zero(occupied_);
+    return now_ + static_cast<sim::Time>(bins) * clock_.period();
   }
   std::uint64_t cycle() const { return cycle_; }
   bool empty() const { return occupied_ == 0; }
@@ -54,7 +65,8 @@ class Wheel {
   sim::Time now_ = 0;
   std::uint64_t cycle_ = 0;
   std::uint64_t occupied_ = 0;
-  std::array<Masks, kSpan> bins_{};
+  const std::uint32_t span_;
+  std::array<Masks, kMostSpan> bins_{};
 };
 
 /// Round robin over a mask: the first set bit at or after `from`, wrapping. `mask` must not be 0.
