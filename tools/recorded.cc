@@ -64,13 +64,16 @@ void check_function(const Json& header, const std::string& file, const RunConfig
   }
 }
 
+// What is left out is 0.
 template <class Number>
 void read(const Json& json, const char* key, Number& number) {
+  if (!json.contains(key)) return;
   number = static_cast<Number>(traces::number_at(json, key, std::numeric_limits<Number>::max()));
 }
 
 template <class Array>
 void read_all(const Json& json, const char* key, Array& numbers) {
+  if (!json.contains(key)) return;
   for (std::size_t i = 0; i < numbers.size(); ++i) {
     numbers[i] = traces::number_of(json.at(key).at(i), std::numeric_limits<std::uint64_t>::max(), key);
   }
@@ -131,6 +134,7 @@ hw::FrontEnd::Result result_of(const Json& json) {
   const Json& from = json.at("sampling");
   kernels::Sampling& s = result.sampling;
   read(from, "wanted", s.wanted);
+  if (s.wanted == 0) throw sim::InputError("sampling.wanted is not there or 0");
   read(from, "traced", s.traced);
   read(from, "halo", s.halo);
   read(from, "correction", s.correction);
@@ -142,12 +146,12 @@ hw::FrontEnd::Result result_of(const Json& json) {
   read_all(from, "active", s.active);
   read_all(from, "reasons", s.reasons);
   read(from, "padding", s.padding);
-  for (const Json& share : from.at("similar")) s.similar.push_back(share.get<float>());
-  for (const Json& side : from.at("blocks")) {
+  for (const Json& share : from.value("similar", Json::array())) s.similar.push_back(share.get<float>());
+  for (const Json& side : from.value("blocks", Json::array())) {
     s.blocks.push_back(static_cast<std::uint8_t>(traces::number_of(side, 255, "blocks")));
   }
   read(from, "tile_side", s.tile_side);
-  s.has_rates = from.at("has_rates").get<bool>();
+  s.has_rates = from.value("has_rates", false);
   return result;
 }
 

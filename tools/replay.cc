@@ -103,8 +103,9 @@ Outcome Replay::run(std::uint32_t threads) {
   try {
     for (const traces::Json& frame : trace_.frames()) {
       const auto [number, error] = trace_.naming_file([&] {
-        return std::pair{static_cast<std::uint32_t>(traces::number_at(frame, "frame", traces::kMaxFrame)),
-                         frame.at("squared_error").get<double>()};
+        const double difference = frame.at("squared_error").get<double>();
+        if (!(difference >= 0 && difference < 4)) throw sim::InputError("squared_error is out of range");
+        return std::pair{static_cast<std::uint32_t>(traces::number_at(frame, "frame", traces::kMaxFrame)), difference};
       });
       const Part& work = trace_.naming_file([&]() -> const Part& { return part(number, false); });
       Simulation played = play(work, program_, threads);

@@ -61,7 +61,10 @@ void ReplayProgram::keep(const kernels::TileResult& tile) {
   });
   if (seen_.size() <= work.tile) seen_.resize(std::size_t{work.tile} + 1);
   seen_[work.tile] = true;
-  if (++kept_ == part_.tiles) kept_sampling() = sampling_;
+  rays_ += work.ray_begin.size();
+  if (++kept_ < part_.tiles) return;
+  if (rays_ == 0) trace_.naming_file([&] { throw sim::InputError(fmt::format("frame {} has no rays", part_.frame)); });
+  kept_sampling() = sampling_;
 }
 
 }  // namespace tools

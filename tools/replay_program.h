@@ -35,6 +35,7 @@ class ReplayProgram final : public kernels::FrameProgram {
   std::uint64_t continued_ = 0;
   kernels::Sampling sampling_;
   std::uint32_t kept_ = 0;
+  std::uint64_t rays_ = 0;
   std::vector<bool> seen_;  ///< by number of tile
   mutable std::mutex mutex_;
   mutable std::vector<std::unique_ptr<Cursor>> cursors_;  ///< that nobody uses

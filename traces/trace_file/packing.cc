@@ -13,6 +13,9 @@ namespace {
 // Higher levels save little: most of a tile are walks, which hardly shrink.
 constexpr int kLevel = 1;
 
+// A block of zstd holds this much at most, and takes this much at least.
+constexpr std::uint64_t kMostInBlock = 128U << 10, kLeastOfBlock = 3;
+
 [[noreturn]] void damaged() { throw sim::InputError("is damaged"); }
 
 }  // namespace
@@ -41,6 +44,7 @@ Unpacker::Unpacker() : context_(ZSTD_createDCtx()) {
 std::string_view Unpacker::unpack(std::string_view block, std::uint64_t most) {
   const unsigned long long size = ZSTD_getFrameContentSize(block.data(), block.size());
   if (size == ZSTD_CONTENTSIZE_UNKNOWN || size == ZSTD_CONTENTSIZE_ERROR || size > most) damaged();
+  if (size > (block.size() / kLeastOfBlock + 1) * kMostInBlock) damaged();  // before it is taken at its word
   if (ZSTD_findFrameCompressedSize(block.data(), block.size()) != block.size()) damaged();
   if (bytes_.size() < size + kBitsPadding) bytes_.resize(size + kBitsPadding);
   if (ZSTD_decompressDCtx(context_.get(), bytes_.data(), size, block.data(), block.size()) != size) damaged();
