@@ -67,6 +67,16 @@ void add_job_options(CLI::App& verb, JobOptions& options) {
   add_output_options(verb, options);
 }
 
+void add_rays_option(CLI::App& verb, JobOptions& options) {
+  CLI::Option* rays =
+      verb.add_option("--rays", options.rays,
+                      "trace this list of rays, 8 floats each (origin, t_min, direction, t_max), T&I units alone");
+  for (const char* other :
+       {"--program", "--camera", "--resolution", "--frames", "--reference", "--record", "--debug-images"}) {
+    if (CLI::Option* option = verb.get_option_no_throw(other)) rays->excludes(option);
+  }
+}
+
 void add_reference_option(CLI::App& verb, JobOptions& options) {
   verb.add_option("--reference", options.reference, "also run this program; add PSNR and relative figures");
 }

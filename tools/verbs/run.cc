@@ -8,6 +8,7 @@
 #include "tools/interrupt.h"
 #include "tools/outcome.h"
 #include "tools/picture.h"
+#include "tools/rays_job.h"
 #include "tools/recorded.h"
 #include "tools/report.h"
 #include "tools/run_folder.h"
@@ -117,8 +118,9 @@ void add_run(CLI::App& app, const std::vector<std::string>& argv, int&) {
   verb->add_option("--record", options->record, "also write the work into this file, for raywatt trace replay");
   verb->add_flag("--debug-images", options->debug_images,
                  "also pictures of how an adaptive frame came about: debug-similar.png, debug-check-NAME.png, ...");
+  add_rays_option(*verb, *options);
   verb->footer("Example: raywatt run sgrt-2016 --scene teapot --set cores=2 -o out/two-cores");
-  verb->callback([options] { run(*options); });
+  verb->callback([options] { options->rays.empty() ? run(*options) : run_rays(*options); });
 }
 
 }  // namespace tools
