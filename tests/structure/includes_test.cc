@@ -30,6 +30,7 @@ constexpr std::array kFloors = {
     Floor{"hw_models/memory", 5},
     Floor{"shader_kernels", 4},
     Floor{"traces/accel", 3},
+    Floor{"traces/trace_file", 3},
     Floor{"traces", 2},
     Floor{"sim/report", 1},
     Floor{"sim/config", 1},
