@@ -26,6 +26,14 @@ void apply_workload(sim::ConfigLoader& loader, RunConfig& config, const std::fil
   }
 }
 
+void check_energy_figures(const RunConfig& config, const std::string& origin) {
+  if (!config.energy.events.empty()) return;
+  throw sim::InputError(
+      fmt::format("{}: energy: no figures; a file that lists only what differs begins with a line "
+                  "such as 'extends: sgrt-2016'",
+                  origin));
+}
+
 }  // namespace
 
 RunConfig load_run_config(const JobOptions& options) {
@@ -45,23 +53,26 @@ RunConfig load_run_config(const JobOptions& options) {
     config.scene.first_frame = range.first;
     config.scene.last_frame = range.last;
   }
-  for (const hw::IdealConfig::Resource& resource : hw::IdealConfig::kResources) {
-    if (std::ranges::find(options.ideal, resource.name) != options.ideal.end())
-      config.gpu.ideal.*resource.member = true;
-  }
+  apply_ideal(config, options.ideal);
   if (!options.resolution.empty()) {
     const Resolution r = parse_resolution(options.resolution);
     config.render.width = r.width;
     config.render.height = r.height;
   }
   sim::check_tree(tree, file.string());
-  if (config.energy.events.empty()) {
-    throw sim::InputError(
-        fmt::format("{}: energy: no figures; a file that lists only what differs begins with a line "
-                    "such as 'extends: sgrt-2016'",
-                    file.string()));
-  }
+  check_energy_figures(config, file.string());
   return config;
+}
+
+void apply_ideal(RunConfig& config, const std::vector<std::string>& resources) {
+  for (const hw::IdealConfig::Resource& resource : hw::IdealConfig::kResources) {
+    if (std::ranges::find(resources, resource.name) != resources.end()) config.gpu.ideal.*resource.member = true;
+  }
+}
+
+void check_run_config(RunConfig& config, const std::string& origin) {
+  sim::check_tree(sim::config_tree(config), origin);
+  check_energy_figures(config, origin);
 }
 
 }  // namespace tools

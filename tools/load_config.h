@@ -8,4 +8,9 @@ namespace tools {
 /// --camera, --frames and --resolution. InputError.
 RunConfig load_run_config(const JobOptions& options);
 
+// Its last steps, for configurations that come from elsewhere.
+void apply_ideal(RunConfig& config, const std::vector<std::string>& resources);
+/// Checks limits, rules, and that there are energy figures; `origin` is where the configuration comes from.
+void check_run_config(RunConfig& config, const std::string& origin);
+
 }  // namespace tools

@@ -22,6 +22,8 @@ struct JobOptions {
   std::vector<std::string> sets;
   std::vector<std::string> ideal;  ///< resources made perfect
   std::uint32_t threads = 0;       ///< 0: all cores
+  std::filesystem::path rays;      ///< list of rays in place of a camera; empty: none
+  std::filesystem::path record;    ///< trace to be written; empty: none
   std::filesystem::path out;       ///< empty: a dated folder below raywatt-out/
   bool force = false;
   bool quiet = false;
@@ -30,10 +32,22 @@ struct JobOptions {
 };
 
 /// Adds to a verb of the command line what says what is rendered, and on what.
-void add_work_options(CLI::App& verb, JobOptions& options);
+/// `positional`: the configuration is an argument of its own.
+void add_work_options(CLI::App& verb, JobOptions& options, bool positional = true);
+/// Adds a list of rays, which takes the place of what says what is rendered; call it last.
+void add_rays_option(CLI::App& verb, JobOptions& options);
+/// Adds the program that others are compared with.
+void add_reference_option(CLI::App& verb, JobOptions& options);
+/// Adds perfect resources.
+void add_ideal_option(CLI::App& verb, JobOptions& options);
+/// Adds what becomes of the results.
+void add_output_options(CLI::App& verb, JobOptions& options);
+/// Adds frames of an animation.
+void add_frames_option(CLI::App& verb, JobOptions& options);
 /// These, frames, and what becomes of the results.
 void add_job_options(CLI::App& verb, JobOptions& options);
 void add_config_options(CLI::App& verb, std::string& config, std::vector<std::string>& sets);
+void add_set_option(CLI::App& verb, std::vector<std::string>& sets);
 
 /// "1024x512" as two numbers from 1 to 16384; InputError otherwise.
 struct Resolution {

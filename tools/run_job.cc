@@ -13,6 +13,7 @@
 #include "sim/engine.h"
 #include "sim/host_clock.h"
 #include "tools/interrupt.h"
+#include "tools/recorded.h"
 #include "traces/accel/build.h"
 #include "traces/accel/bvh_info.h"
 #include "traces/accel/bvh_tracer.h"
@@ -36,6 +37,32 @@ class Interruptible final : public hw::TileSource {
 
  private:
   hw::TileSource& source_;
+};
+
+/// Writes the work of a frame into a trace while it goes by; with no trace it just goes by.
+class Recording final : public hw::TileSource {
+ public:
+  Recording(hw::TileSource& source, const Inputs& inputs, const kernels::Demands& demands, const Extras& extras)
+      : source_(source), trace_(extras.trace) {
+    if (trace_ == nullptr) return;
+    trace_->begin_part({inputs.frame, extras.reference}, traces::links_of(inputs.image),
+                       traces::counts_of(inputs.image),
+                       {demands.tile_samples, demands.attribute_bytes, demands.region_bytes});
+  }
+  const traces::TileWork* next() override {
+    const traces::TileWork* work = source_.next();
+    if (trace_ != nullptr && work != nullptr) trace_->add(*work);
+    return work;
+  }
+  void give_back(const traces::TileWork* work) override { source_.give_back(work); }
+  /// Call once, when the last tile has gone by.
+  void finish(const hw::FrontEnd::Result& result) {
+    if (trace_ != nullptr) trace_->end_part(recorded_result(result));
+  }
+
+ private:
+  hw::TileSource& source_;
+  traces::TraceWriter* const trace_;
 };
 
 /// A frame program for the frame that `inputs` stand at.
@@ -128,13 +155,20 @@ void Simulation::add(const Simulation& frame) {
 
 Simulation simulate(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
                     const Extras& extras) {
-  const sim::HostClock::time_point begin = sim::HostClock::now();
   const Program made(inputs, program, extras);
-  kernels::FrameProgram& frame = *made.frame;
   const traces::BvhTracer tracer(inputs.image);
+  Simulation s = play(inputs, program, *made.frame, tracer, threads, extras);
+  if (extras.rates != nullptr) extras.rates->advance(s.function.sampling);
+  return s;
+}
+
+Simulation play(const Inputs& inputs, const kernels::ProgramSpec& program, kernels::FrameProgram& frame,
+                const traces::Tracer& tracer, std::uint32_t threads, const Extras& extras) {
+  const sim::HostClock::time_point begin = sim::HostClock::now();
   hw::FrontEnd front_end(frame, tracer, host_threads(threads) - 1);
-  Interruptible tiles(front_end);
+  Interruptible interruptible(front_end);
   const kernels::Demands demands = frame.demands();
+  Recording tiles(interruptible, inputs, demands, extras);
   const auto gpu = std::make_unique<hw::Gpu>(inputs.config.gpu,
                                              hw::Gpu::Workload{inputs.image, inputs.parents, demands.tile_samples,
                                                                demands.region_bytes, demands.attribute_bytes},
@@ -146,6 +180,7 @@ Simulation simulate(const Inputs& inputs, const kernels::ProgramSpec& program, s
   check_energy(gpu->report(), inputs.config.energy);
   energy();  // a figure that is missing is told before the work, not after it
   gpu->finish(sim::run(*gpu));
+  tiles.finish(front_end.result());
 
   Simulation s;
   s.program = program;
@@ -158,16 +193,17 @@ Simulation simulate(const Inputs& inputs, const kernels::ProgramSpec& program, s
   s.elapsed = gpu->elapsed();
   s.energy = energy();
   s.wall_seconds = sim::seconds_since(begin);
-  if (extras.rates != nullptr) extras.rates->advance(s.function.sampling);
   return s;
 }
 
 hw::FrontEnd::Result render(const Inputs& inputs, const kernels::ProgramSpec& program, const traces::Tracer& tracer,
                             std::uint32_t threads, const Extras& extras) {
   const Program made(inputs, program, extras);
-  hw::FrontEnd front_end(*made.frame, tracer, host_threads(threads), false);
-  Interruptible tiles(front_end);
+  hw::FrontEnd front_end(*made.frame, tracer, host_threads(threads), extras.trace != nullptr);
+  Interruptible interruptible(front_end);
+  Recording tiles(interruptible, inputs, made.frame->demands(), extras);
   while (const traces::TileWork* work = tiles.next()) tiles.give_back(work);
+  tiles.finish(front_end.result());
   if (extras.rates != nullptr) extras.rates->advance(front_end.result().sampling);
   return front_end.result();
 }

@@ -14,6 +14,7 @@
 #include "traces/accel/memory_image.h"
 #include "traces/scene/info.h"
 #include "traces/scene/scene.h"
+#include "traces/trace_file/trace_writer.h"
 
 namespace tools {
 
@@ -59,8 +60,10 @@ struct Simulation {
 
 /// What goes with a frame program.
 struct Extras {
-  kernels::RateMap* rates = nullptr;  ///< of its tiles, if they go on from frame to frame
-  bool marks = false;                 ///< how all samples came about is kept, for pictures
+  kernels::RateMap* rates = nullptr;     ///< of its tiles, if they go on from frame to frame
+  bool marks = false;                    ///< how all samples came about is kept, for pictures
+  traces::TraceWriter* trace = nullptr;  ///< gets the frame's work, if somebody wants it
+  bool reference = false;                ///< for the trace: this is what others are compared with
 };
 
 /// Runs a frame program on the machine.
@@ -69,7 +72,11 @@ struct Extras {
 Simulation simulate(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
                     const Extras& extras = {});
 
-/// The picture alone, traced by `tracer`.
+/// Plays what a frame program makes with `tracer` on the machine that `inputs` name; the last half of simulate().
+Simulation play(const Inputs& inputs, const kernels::ProgramSpec& program, kernels::FrameProgram& frame,
+                const traces::Tracer& tracer, std::uint32_t threads, const Extras& extras = {});
+
+/// The picture alone, traced by `tracer`, and if a trace is wanted the work.
 hw::FrontEnd::Result render(const Inputs& inputs, const kernels::ProgramSpec& program, const traces::Tracer& tracer,
                             std::uint32_t threads, const Extras& extras = {});
 

@@ -100,6 +100,10 @@ void ConfigLoader::apply_part(const std::filesystem::path& file, std::span<const
   top_keys_ = {};
 }
 
+void ConfigLoader::apply_text(const std::string& text, const std::string& name) {
+  apply_mapping(root_, *parse_yaml_mapping(text, name), {name, {}});
+}
+
 void ConfigLoader::apply_mapping(ConfigNode& group, const YamlNode& mapping, const Source& source) {
   if (const YamlNode::Entry* base = mapping.find(kExtends)) {
     apply_extends(group, *base->value, source, source.at(base->value_at));

@@ -29,6 +29,8 @@ class ConfigLoader {
   void apply_file(const std::filesystem::path& file) { apply_file(root_, file, {}); }
   /// A file that may have these keys at its top level alone.
   void apply_part(const std::filesystem::path& file, std::span<const std::string_view> keys);
+  /// A configuration as dump_config writes it; `name` is how errors call it.
+  void apply_text(const std::string& text, const std::string& name);
   /// "tni.trv.rays=16", "dram.extends=dram/lpddr3-1600", "dram.energy.refresh={low: 1, nominal: 2, high: 3}"
   void apply_set(const std::string& argument);
 

@@ -22,19 +22,11 @@ struct Floor {
 
 /// A file belongs to the first folder of these that it is in.
 constexpr std::array kFloors = {
-    Floor{"tests", 9},
-    Floor{"tools", 8},
-    Floor{"hw_models/frame", 7},
-    Floor{"hw_models/srp", 6},
-    Floor{"hw_models/tni", 6},
-    Floor{"hw_models/memory", 5},
-    Floor{"shader_kernels", 4},
-    Floor{"traces/accel", 3},
-    Floor{"traces", 2},
-    Floor{"sim/report", 1},
-    Floor{"sim/config", 1},
-    Floor{"sim/io", 1},
-    Floor{"sim", 0},
+    Floor{"tests", 9},          Floor{"tools", 8},         Floor{"hw_models/frame", 7},
+    Floor{"hw_models/srp", 6},  Floor{"hw_models/tni", 6}, Floor{"hw_models/memory", 5},
+    Floor{"shader_kernels", 4}, Floor{"traces/accel", 3},  Floor{"traces/trace_file", 3},
+    Floor{"traces", 2},         Floor{"sim/report", 1},    Floor{"sim/config", 1},
+    Floor{"sim/io", 1},         Floor{"sim", 0},
 };
 
 std::optional<int> floor_of(const fs::path& file) {

@@ -19,7 +19,7 @@ std::string output_of(const Words& arguments, const Surroundings& around = {}) {
 
 TEST(Help, OfEveryVerbEndsWellWithAnExample) {
   const std::string all = output_of({"--help"});
-  for (const char* verb : {"run", "verify", "scenes", "config", "kernels", "bench", "microbench"}) {
+  for (const char* verb : {"run", "verify", "scenes", "config", "kernels", "bench", "trace", "microbench"}) {
     EXPECT_SAYS(all, std::string("  ") + verb + " ");
     EXPECT_SAYS(output_of({verb, "--help"}), std::string("Example: raywatt ") + verb + " ");
   }

@@ -4,20 +4,13 @@
 #include <string>
 #include <vector>
 
-#include "hw_models/frame/gpu_config.h"
-#include "hw_models/memory/core_port.h"
-#include "hw_models/memory/dram_channel.h"
-#include "hw_models/memory/l2_bank.h"
+#include "tools/memory_net.h"
 #include "tools/microbench/reader.h"
 
 namespace tools {
 
-/// The memory side of a machine as Gpu wires it, with a Reader in the place of every first-level cache.
-///
-///   readers x n of each core --> core port --> L2 banks --> channels
-///
-/// Readers of a core: one for each traversal unit, one for the intersection unit, one for the shader core.
-/// Not there: the DMA and its ports.
+/// The memory side of a machine with a Reader in the place of every first-level cache. Readers of a core: one for each
+/// traversal unit, one for the intersection unit, one for the shader core.
 class MemorySide {
  public:
   explicit MemorySide(const hw::GpuConfig& config);
@@ -33,26 +26,17 @@ class MemorySide {
   void each_unit(auto&& f) {
     std::size_t i = 0;
     for (Reader& unit : readers_) f(unit, i++);
-    for (hw::CorePort& unit : ports_) f(unit, i++);
-    for (hw::L2Bank& unit : banks_) f(unit, i++);
-    for (hw::DramChannel& unit : channels_) f(unit, i++);
+    net_.each_unit(f, i);
   }
   std::vector<sim::Time>& wakes() { return wakes_; }
   bool done() const;
-  std::string state() const;
+  std::string state() const { return net_.state(); }
 
  private:
-  struct Wiring;
-  void add_core(Wiring& wiring, const hw::GpuConfig& config, std::uint32_t core);
-
   const std::uint32_t clients_;
-  std::deque<sim::Link<hw::MemRequest>> requests_;
-  std::deque<sim::Link<hw::MemResponse>> responses_;
-  std::deque<Reader> readers_;
-  std::deque<hw::CorePort> ports_;
-  std::deque<hw::L2Bank> banks_;
-  std::deque<hw::DramChannel> channels_;
   std::vector<sim::Time> wakes_;
+  MemoryNet net_;
+  std::deque<Reader> readers_;
 };
 
 }  // namespace tools

@@ -8,6 +8,7 @@
 #include "tools/microbench/benchmark.h"
 #include "tools/microbench/microbench.h"
 #include "tools/microbench/tni_forms.h"
+#include "tools/ray_source.h"
 
 namespace tools {
 
@@ -15,38 +16,13 @@ namespace {
 
 constexpr std::uint32_t kRays = 12'000;
 
-/// The shader core's end of the direct interface: a ray every so many cycles if there is room, hits taken at once.
-class RaySource {
- public:
-  RaySource(sim::Clock clock, std::uint32_t interval, const std::uint32_t* walk, sim::Link<hw::RayJob>& out,
-            sim::Link<hw::RayDone>& in)
-      : clock_(clock), interval_(interval), walk_(walk), out_(out), in_(in) {}
-
-  const sim::Clock& clock() const { return clock_; }
-  sim::Time tick(sim::Time now) {
-    if (in_.can_pop(now)) {
-      in_.pop(now);
-      hits_.push_back(now);
-    }
-    if (sent_ < kRays && now >= send_at_ && out_.can_push(now)) {
-      out_.push(now, {walk_, sent_++});
-      send_at_ = clock_.after(now, interval_);
-    }
-    const sim::Time next = clock_.after(now, 1);
-    const sim::Time send = sent_ < kRays ? std::max({next, send_at_, out_.push_at()}) : sim::kNever;
-    return std::min(send, std::max(next, in_.pop_at()));
-  }
-  const std::vector<sim::Time>& hits() const { return hits_; }
-
- private:
-  const sim::Clock clock_;
-  const std::uint32_t interval_;
-  const std::uint32_t* const walk_;
-  sim::Link<hw::RayJob>& out_;
-  sim::Link<hw::RayDone>& in_;
-  std::uint32_t sent_ = 0;
-  sim::Time send_at_ = 0;
-  std::vector<sim::Time> hits_;
+/// Equal rays, and when they come back.
+struct EqualRays {
+  std::vector<std::uint32_t> steps;
+  std::vector<sim::Time> hits{};
+  std::uint32_t count() const { return kRays; }
+  const std::uint32_t* walk(std::uint32_t) const { return steps.data(); }
+  void returned(std::uint32_t, sim::Time now) { hits.push_back(now); }
 };
 
 /// A T&I unit with every line in its caches, between the two halves of its interface.
@@ -54,10 +30,10 @@ class TniStand {
  public:
   TniStand(const hw::GpuConfig& config, std::uint32_t triangle_bytes, const StraightRay& ray)
       : clock_(config.clocks.tni.clock()),
-        walk_(ray.walk()),
+        equal_{ray.walk()},
         rays_(config.direct_interface.depth, 1, clock_),
         hits_(config.direct_interface.depth, 1, clock_),
-        source_(clock_, config.direct_interface.interval, walk_.data(), rays_, hits_),
+        source_(clock_, config.direct_interface.interval, equal_, rays_, hits_),
         tni_(config.tni, {.l1 = true}, {{}, {0, triangle_bytes}}, config.direct_interface.interval,
              memory_links(config.tni.trvs + 1), clock_) {
     wakes_.assign(3 + config.tni.trvs, 0);
@@ -71,7 +47,7 @@ class TniStand {
   /// Rays a cycle once the unit is full.
   double rays_per_cycle() {
     sim::run(*this);
-    return steady_rate(source_.hits()) * static_cast<double>(clock_.period()) /
+    return steady_rate(equal_.hits) * static_cast<double>(clock_.period()) /
            static_cast<double>(sim::kFemtosecondsPerSecond);
   }
 
@@ -84,7 +60,7 @@ class TniStand {
     for (hw::Trv& trv : tni_.trvs()) f(trv, i++);
   }
   std::vector<sim::Time>& wakes() { return wakes_; }
-  bool done() const { return source_.hits().size() == kRays; }
+  bool done() const { return source_.done(); }
   std::string state() const { return tni_.dispatcher().state() + "\n"; }
 
  private:
@@ -99,12 +75,12 @@ class TniStand {
   }
 
   const sim::Clock clock_;
-  const std::vector<std::uint32_t> walk_;
+  EqualRays equal_;
   sim::Link<hw::RayJob> rays_;
   sim::Link<hw::RayDone> hits_;
   std::deque<sim::Link<hw::MemRequest>> requests_;
   std::deque<sim::Link<hw::MemResponse>> lines_;
-  RaySource source_;
+  RaySource<EqualRays> source_;
   hw::Tni tni_;
   std::vector<sim::Time> wakes_;
 };

@@ -3,43 +3,22 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "sim/config/config.h"
 #include "sim/host_clock.h"
-#include "sim/io/file.h"
-#include "sim/report/report_json.h"
 #include "tools/debug_pictures.h"
 #include "tools/interrupt.h"
+#include "tools/outcome.h"
 #include "tools/picture.h"
+#include "tools/rays_job.h"
+#include "tools/recorded.h"
 #include "tools/report.h"
 #include "tools/run_folder.h"
 #include "tools/run_job.h"
-#include "tools/sampling_report.h"
 #include "tools/verbs/verbs.h"
 #include "traces/scene/images.h"
 
 namespace tools {
 
 namespace {
-
-/// What has become of the frames so far.
-struct Outcome {
-  std::optional<Simulation> total, reference;
-  double squared_error = 0;  ///< sum over frames
-  nlohmann::ordered_json frames = nlohmann::ordered_json::array();
-  bool partial = false;
-
-  Result result() const {
-    return {*total, reference ? &*reference : nullptr, squared_error / static_cast<double>(frames.size())};
-  }
-};
-
-void keep(Simulation frame, std::optional<Simulation>& total) {
-  if (total) {
-    total->add(frame);
-  } else {
-    total = std::move(frame);
-  }
-}
 
 /// A frame program and what it carries from frame to frame.
 struct Program {
@@ -51,18 +30,21 @@ struct Job {
   const JobOptions& options;
   Program program;
   std::optional<Program> reference;
+  traces::TraceWriter* trace = nullptr;
 
   /// Simulates the frame that `inputs` stand at and writes its picture.
   void run_frame(const Inputs& inputs, const RunFolder::Open& open, Outcome& out) {
     const std::uint32_t width = inputs.config.render.width, height = inputs.config.render.height;
-    Simulation frame = simulate(inputs, program.spec, options.threads, {&program.rates, options.debug_images});
+    Simulation frame = simulate(inputs, program.spec, options.threads,
+                                {.rates = &program.rates, .marks = options.debug_images, .trace = trace});
     std::optional<Simulation> compared;
-    if (reference) compared = simulate(inputs, reference->spec, options.threads, {&reference->rates});
+    if (reference) {
+      compared = simulate(inputs, reference->spec, options.threads,
+                          {.rates = &reference->rates, .trace = trace, .reference = true});
+    }
     const double error = compared ? mean_squared_error(frame.function.rgb, compared->function.rgb) : 0;
+    if (trace != nullptr) trace->end_frame(recorded_frame(inputs.frame, error));
     const std::filesystem::path& folder = open();
-    nlohmann::ordered_json entry = {{"frame", inputs.frame}};
-    entry.update(totals_json({frame, compared ? &*compared : nullptr, error}));
-    if (!frame.function.sampling.similar.empty()) entry["sampling"]["tiles"] = tiles_json(frame.function.sampling);
     if (inputs.frames() > 1) {
       const std::vector<std::uint8_t> picture = to_rgb8(frame.function.rgb);
       traces::write_png(folder / fmt::format("frame-{:04}.png", inputs.frame), width, height, picture);
@@ -76,10 +58,7 @@ struct Job {
       const std::string frame_name = inputs.frames() > 1 ? fmt::format("frame-{:04}-", inputs.frame) : "";
       traces::write_png(folder / fmt::format("{}debug-{}.png", frame_name, p.name), p.width, p.height, p.rgb);
     }
-    out.frames.push_back(std::move(entry));
-    out.squared_error += error;
-    keep(std::move(frame), out.total);
-    if (compared) keep(*std::move(compared), out.reference);
+    out.add(inputs.frame, std::move(frame), std::move(compared), error);
   }
 
   /// All frames, or those that an interrupt has left time for; Interrupted if that is none.
@@ -107,20 +86,21 @@ void run(const JobOptions& options) {
   RunFolder folder(options.out, options.force);
   Inputs inputs = load_inputs(options);
   const kernels::RateMap rates(inputs.config.programs.multirate);
-  Job job{options, {program, rates}, {}};
+  Job job{options, {program, rates}, {}, nullptr};
   if (reference) job.reference = Program{*reference, rates};
   for (const std::string& warning : inputs.warnings) fmt::print(stderr, "raywatt: warning: {}\n", warning);
 
   nlohmann::ordered_json json;
   folder.fill([&](const RunFolder::Open& open) {
+    std::optional<traces::TraceWriter> trace;
+    if (!options.record.empty()) job.trace = &trace.emplace(options.record, trace_header(inputs, options));
     const Outcome out = job.run_frames(inputs, open);
     const std::filesystem::path& staging = open();
     const double wall = sim::seconds_since(begin);
     const Result result = out.result();
     json = report_json({inputs, options, result, out.frames, out.partial, wall});
-    sim::write_file_atomically(staging / "report.json", sim::json_text(json));
-    sim::write_file_atomically(staging / "report.txt", report_table(json));
-    sim::write_file_atomically(staging / "config.yaml", sim::dump_config(inputs.config));
+    write_report(staging, json, inputs.config);
+    if (trace) trace->commit();
   });
   if (options.quiet) return;
   fmt::print("{}\npicture: {}\nreport:  {}\n", report_table(json), (folder.target() / "image.png").string(),
@@ -134,11 +114,13 @@ void add_run(CLI::App& app, const std::vector<std::string>& argv, int&) {
   const auto options = std::make_shared<JobOptions>();
   options->argv = argv;
   add_job_options(*verb, *options);
-  verb->add_option("--reference", options->reference, "also run this program; add PSNR and relative figures");
+  add_reference_option(*verb, *options);
+  verb->add_option("--record", options->record, "also write the work into this file, for raywatt trace replay");
   verb->add_flag("--debug-images", options->debug_images,
                  "also pictures of how an adaptive frame came about: debug-similar.png, debug-check-NAME.png, ...");
+  add_rays_option(*verb, *options);
   verb->footer("Example: raywatt run sgrt-2016 --scene teapot --set cores=2 -o out/two-cores");
-  verb->callback([options] { run(*options); });
+  verb->callback([options] { options->rays.empty() ? run(*options) : run_rays(*options); });
 }
 
 }  // namespace tools

@@ -8,6 +8,7 @@
 #include "sim/io/file.h"
 #include "sim/report/report_json.h"
 #include "tools/picture.h"
+#include "tools/ray_list.h"
 #include "tools/report.h"
 #include "tools/run_folder.h"
 #include "tools/run_job.h"
@@ -20,6 +21,21 @@ namespace tools {
 
 namespace {
 
+nlohmann::ordered_json counts_json(const traces::VerifyCounts& counts) {
+  return {{"rays", counts.rays},
+          {"missing_hits", counts.missing_hits},
+          {"extra_hits", counts.extra_hits},
+          {"distance_errors", counts.distance_errors},
+          {"edge_ties", counts.edge_ties},
+          {"reference_errors", counts.reference_errors}};
+}
+
+std::string counts_text(const traces::VerifyCounts& counts) {
+  return fmt::format("{} rays against Embree {}: {} missing hits, {} extra hits, {} distance errors, {} edge ties",
+                     counts.rays, traces::embree_version(), counts.missing_hits, counts.extra_hits,
+                     counts.distance_errors, counts.edge_ties);
+}
+
 /// How a frame, or all of them, compares with Embree.
 struct Verdict {
   traces::VerifyCounts counts;
@@ -27,14 +43,10 @@ struct Verdict {
 
   nlohmann::ordered_json json() const {
     const std::optional<double> psnr = psnr_db(squared_error);
-    return {{"rays", counts.rays},
-            {"missing_hits", counts.missing_hits},
-            {"extra_hits", counts.extra_hits},
-            {"distance_errors", counts.distance_errors},
-            {"edge_ties", counts.edge_ties},
-            {"reference_errors", counts.reference_errors},
-            {"psnr_db", psnr ? nlohmann::ordered_json(*psnr) : nlohmann::ordered_json(nullptr)},
-            {"identical", !psnr.has_value()}};
+    nlohmann::ordered_json json = counts_json(counts);
+    json["psnr_db"] = psnr ? nlohmann::ordered_json(*psnr) : nlohmann::ordered_json(nullptr);
+    json["identical"] = !psnr.has_value();
+    return json;
   }
 };
 
@@ -53,6 +65,30 @@ Verdict verify_frame(const Inputs& inputs, const kernels::ProgramSpec& program, 
     traces::write_png(folder / "embree.png", width, height, to_rgb8(truth));
   }
   return {verifying.counts(), mean_squared_error(ours, truth)};
+}
+
+/// Compares a list of rays; there are no pictures.
+int verify_rays(const JobOptions& options) {
+  RunFolder folder(options.out, options.force, "verify.json");
+  const RayList list = read_ray_list(options.rays);
+  const Inputs inputs = load_inputs(options);
+  const traces::BvhTracer tested(inputs.image);
+  const traces::EmbreeTracer embree(inputs.image, host_threads(options.threads));
+  const traces::VerifyingTracer verifying(inputs.image, tested, embree);
+  std::vector<traces::Hit> hits(list.rays.size());
+  verifying.trace(list.rays, traces::RayKind::kPrimary, hits, nullptr);
+  const traces::VerifyCounts counts = verifying.counts();
+  folder.fill([&](const RunFolder::Open& open) {
+    nlohmann::ordered_json json = {{"schema", "raywatt-verify/1"}};
+    json.update(counts_json(counts));
+    json["provenance"] = provenance_json(inputs, options);
+    json["provenance"]["rays_sha256"] = list.sha256;
+    sim::write_file_atomically(open() / "verify.json", sim::json_text(json));
+  });
+  if (!options.quiet) {
+    fmt::print("{}\ndetails: {}\n", counts_text(counts), (folder.target() / "verify.json").string());
+  }
+  return counts.faults() == 0 ? kGood : kCheckFailed;
 }
 
 int verify(const JobOptions& options) {
@@ -81,10 +117,7 @@ int verify(const JobOptions& options) {
   const traces::VerifyCounts& counts = total.counts;
   if (!options.quiet) {
     const std::optional<double> psnr = psnr_db(total.squared_error);
-    fmt::print(
-        "{} rays against Embree {}: {} missing hits, {} extra hits, {} distance errors, {} edge ties, picture {}\n",
-        counts.rays, traces::embree_version(), counts.missing_hits, counts.extra_hits, counts.distance_errors,
-        counts.edge_ties, psnr ? fmt::format("{:.2f} dB", *psnr) : "identical");
+    fmt::print("{}, picture {}\n", counts_text(counts), psnr ? fmt::format("{:.2f} dB", *psnr) : "identical");
     fmt::print("details: {}\n", (folder.target() / "verify.json").string());
   }
   return counts.faults() == 0 ? kGood : kCheckFailed;
@@ -97,9 +130,10 @@ void add_verify(CLI::App& app, const std::vector<std::string>& argv, int& exit) 
   const auto options = std::make_shared<JobOptions>();
   options->argv = argv;
   add_job_options(*verb, *options);
+  add_rays_option(*verb, *options);
   verb->footer(
       "Example: raywatt verify --scene teapot --resolution 512x256\nEnds with 1 if a ray differs that is no edge tie.");
-  verb->callback([options, &exit] { exit = verify(*options); });
+  verb->callback([options, &exit] { exit = options->rays.empty() ? verify(*options) : verify_rays(*options); });
 }
 
 }  // namespace tools

@@ -39,34 +39,6 @@ std::vector<std::array<std::uint32_t, 2>> place_single_boxes(const std::vector<N
   return children;
 }
 
-/// One array behind the other, each on a line of its own: nodes, triangles, attributes, materials, textures, frame.
-/// What the scene does not need takes no memory.
-Layout place(const MemoryImage& image, const BvhConfig& config) {
-  Layout at;
-  at.node_bytes = node_bytes(config.numbers, config.boxes);
-  if (config.boxes == BoxRecords::kSingle) at.single_boxes = place_single_boxes(image.nodes);
-  at.triangle_bytes = config.triangle_bytes;
-  std::uint64_t next = 0;
-  const auto reserve = [&](std::uint64_t bytes) {
-    const std::uint64_t base = next;
-    next = aligned(next + bytes);
-    return base;
-  };
-  at.nodes = reserve(at.node_bytes * node_records(image.nodes.size(), config.boxes));
-  at.triangles = reserve(image.triangles.size() * at.triangle_bytes);
-  at.labels = reserve(at.has_labels() ? image.triangles.size() * Layout::kLabelBytes : 0);
-  at.attributes = reserve(image.attributes.size() * sizeof(AttributeRecord));
-  at.vertices = reserve(image.vertices.size() * sizeof(VertexRecord));
-  at.materials = reserve(image.materials.size() * sizeof(MaterialRecord));
-  at.details = reserve(image.details.size() * sizeof(MaterialDetailRecord));
-  for (const Texture& texture : image.textures) {
-    const std::uint32_t per_row = (texture.width + 3) / 4;
-    at.textures.push_back({reserve(std::uint64_t{per_row} * ((texture.height + 3) / 4) * 64), per_row});
-  }
-  at.frame_buffer = at.end = next;
-  return at;
-}
-
 /// Makes record i what record order[i] was, without a second array: along the cycles of the permutation.
 template <class Record>
 void reorder(std::vector<Record>& records, const std::vector<std::uint32_t>& order) {
@@ -85,6 +57,40 @@ void reorder(std::vector<Record>& records, const std::vector<std::uint32_t>& ord
 }
 
 }  // namespace
+
+ImageCounts counts_of(const MemoryImage& image) {
+  ImageCounts counts{image.triangles.size(), image.attributes.size(), image.vertices.size(),
+                     image.materials.size(), image.details.size(),    {}};
+  for (const Texture& texture : image.textures) counts.textures.push_back({texture.width, texture.height});
+  return counts;
+}
+
+// What the scene does not need takes no memory.
+Layout layout_of(const ImageCounts& counts, const std::vector<NodeRecord>& nodes, const BvhConfig& config) {
+  Layout at;
+  at.node_bytes = node_bytes(config.numbers, config.boxes);
+  if (config.boxes == BoxRecords::kSingle) at.single_boxes = place_single_boxes(nodes);
+  at.triangle_bytes = config.triangle_bytes;
+  std::uint64_t next = 0;
+  const auto reserve = [&](std::uint64_t bytes) {
+    const std::uint64_t base = next;
+    next = aligned(next + bytes);
+    return base;
+  };
+  at.nodes = reserve(at.node_bytes * node_records(nodes.size(), config.boxes));
+  at.triangles = reserve(counts.triangles * at.triangle_bytes);
+  at.labels = reserve(at.has_labels() ? counts.triangles * Layout::kLabelBytes : 0);
+  at.attributes = reserve(counts.attributes * sizeof(AttributeRecord));
+  at.vertices = reserve(counts.vertices * sizeof(VertexRecord));
+  at.materials = reserve(counts.materials * sizeof(MaterialRecord));
+  at.details = reserve(counts.details * sizeof(MaterialDetailRecord));
+  for (const auto& [width, height] : counts.textures) {
+    const std::uint32_t per_row = (width + 3) / 4;
+    at.textures.push_back({reserve(std::uint64_t{per_row} * ((height + 3) / 4) * 64), per_row});
+  }
+  at.frame_buffer = at.end = next;
+  return at;
+}
 
 float MemoryImage::diagonal() const { return glm::length(upper - lower); }
 
@@ -125,7 +131,7 @@ MemoryImage build_memory_image(const Scene& scene, const BvhConfig& config, unsi
   image.background = scene.background;
   image.ambient = scene.ambient;
   if (config.numbers == BoxNumbers::kHybrid) put_on_grid(image);
-  image.layout = place(image, config);
+  image.layout = layout_of(counts_of(image), image.nodes, config);
   return image;
 }
 

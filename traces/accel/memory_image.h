@@ -157,6 +157,14 @@ struct Layout {
   }
 };
 
+/// How many records of each kind there are, the tree's aside, and how large textures are: with the tree, all that
+/// the layout depends on.
+struct ImageCounts {
+  std::uint64_t triangles = 0, attributes = 0, vertices = 0, materials = 0, details = 0;
+  std::vector<std::array<std::uint32_t, 2>> textures;  ///< width and height
+  friend bool operator==(const ImageCounts&, const ImageCounts&) = default;
+};
+
 /// The scene as the GPU's memory holds it, instances flattened into world space.
 struct MemoryImage {
   std::vector<NodeRecord> nodes;          ///< node 0 is the root
@@ -175,6 +183,13 @@ struct MemoryImage {
   std::uint64_t node_array_bytes() const;
   float diagonal() const;
 };
+
+struct BvhConfig;
+
+ImageCounts counts_of(const MemoryImage& image);
+
+/// Where everything lies: one array behind the other, each on a line of its own.
+Layout layout_of(const ImageCounts& counts, const std::vector<NodeRecord>& nodes, const BvhConfig& config);
 
 /// The inner node above each inner node; the root is its own.
 std::vector<std::uint32_t> parents_of(const MemoryImage& image);

@@ -1,0 +1,220 @@
+#include "traces/trace_file/tile_code.h"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "sim/error.h"
+#include "tests/traces/accel/support.h"
+#include "tests/traces/trace_file/tiny_tile.h"
+#include "traces/accel/build.h"
+#include "traces/accel/bvh_tracer.h"
+
+// A tile's work as bytes: nothing is lost, little is written, and no bytes make a tile that a machine cannot play.
+
+namespace traces {
+namespace {
+
+using testing::decode;
+using testing::same;
+using testing::tiny_scope;
+using testing::tiny_tile;
+
+std::string encode(const TileWork& work, const Links& links) {
+  std::string bytes;
+  TileEncoder().encode(work, links, bytes);
+  return bytes;
+}
+
+TEST(TileCode, GivesBackATileThatHasEverything) {
+  const TileScope scope = tiny_scope();
+  const TileWork tile = tiny_tile();
+  TileWork back;
+  const TileRays rays = decode(encode(tile, scope.links), scope, back);
+  EXPECT_TRUE(same(tile, back));
+  EXPECT_EQ(rays.by_kind, (std::array<std::uint64_t, kRayKinds>{3, 2, 0, 0}));
+  EXPECT_EQ(rays.steps, 1U + 3 + 3 + 6 + 3 + 1 + 2 + 2) << "visits and tests of the five rays";
+}
+
+TEST(TileCode, ADecoderUsesStorageOfFormerTilesAgain) {
+  const TileScope scope = tiny_scope();
+  const TileWork tile = tiny_tile();
+  TileWork small;
+  small.nodes = {{.items = 1, .inputs = {}}};
+  small.access_begin = {0};
+  const std::string large_bytes = testing::padded(encode(tile, scope.links));
+  const std::string small_bytes = testing::padded(encode(small, scope.links));
+  const auto inside = [](const std::string& bytes) { return std::string_view(bytes).substr(0, bytes.size() - 16); };
+  TileDecoder decoder;
+  TileWork work;
+  decoder.decode(inside(large_bytes), scope, work);
+  const Edge* edges = work.nodes[5].inputs.data();
+  const std::uint32_t* walk = work.walk.data();
+  decoder.decode(inside(small_bytes), scope, work);
+  EXPECT_TRUE(same(small, work));
+  decoder.decode(inside(large_bytes), scope, work);
+  EXPECT_TRUE(same(tile, work));
+  EXPECT_EQ(work.walk.data(), walk);
+  EXPECT_TRUE(std::ranges::any_of(work.nodes, [&](const WorkNode& n) { return n.inputs.data() == edges; }));
+}
+
+TEST(TileCode, WalksThatAreNoneOnTheTreeAreRefusedWhenRead) {
+  const TileScope scope = tiny_scope();
+  TileWork tile = tiny_tile();
+  tile.walk[1] = visit_step(2, 0, 0);  // in place of the end
+  TileWork back;
+  EXPECT_THROW(decode(encode(tile, scope.links), scope, back), sim::InputError);
+}
+
+/// `tile` says what is wrong, so nothing else may be.
+std::string complaint(const TileWork& tile, const TileScope& scope) {
+  TileWork back;
+  try {
+    decode(encode(tile, tiny_scope().links), scope, back);
+  } catch (const sim::InputError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(TileCode, WhatATileRefersToMustBeThere) {
+  const auto without = [](auto&& change) {
+    TileScope scope = tiny_scope();
+    change(scope);
+    return complaint(tiny_tile(), scope);
+  };
+  EXPECT_EQ(without([](TileScope&) {}), "no error");
+  EXPECT_EQ(without([](TileScope& s) { s.kernels = 4; }), "kernel of a launch is out of range");
+  EXPECT_EQ(without([](TileScope& s) { s.counts.attributes = 6; }), "an accessed record is out of range");
+  EXPECT_EQ(without([](TileScope& s) { s.counts.triangles = 6; }), "an accessed record is out of range");
+  EXPECT_EQ(without([](TileScope& s) { s.counts.vertices = 0; }), "an accessed record is out of range");
+  EXPECT_EQ(without([](TileScope& s) { s.counts.materials = 1; }), "an accessed record is out of range");
+  EXPECT_EQ(without([](TileScope& s) { s.counts.details = 0; }), "an accessed record is out of range");
+  EXPECT_EQ(without([](TileScope& s) { s.counts.textures.pop_back(); }), "an accessed texture is out of range");
+  EXPECT_EQ(without([](TileScope& s) { s.counts.textures[0] = {63, 32}; }), "an accessed texel is out of range");
+  EXPECT_EQ(without([](TileScope& s) { s.counts.textures[1] = {8, 4}; }), "an accessed texel is out of range");
+  EXPECT_EQ(without([](TileScope& s) { s.region_bytes[0] = 4095; }), "bytes of a transfer is out of range");
+  EXPECT_EQ(without([](TileScope& s) { s.region_bytes[2] = 0; }), "bytes of a transfer is out of range");
+}
+
+TEST(TileCode, AGraphThatAMachineCouldNotPlayIsRefused) {
+  const auto changed = [](auto&& change) {
+    TileWork tile = tiny_tile();
+    change(tile);
+    return complaint(tile, tiny_scope());
+  };
+  EXPECT_EQ(changed([](TileWork& t) { t.nodes[1].items = 0; }), "items of a node is out of range");
+  EXPECT_EQ(changed([](TileWork& t) { t.nodes[6].inputs[0].node = 6; }), "input of a node is out of range");
+  EXPECT_EQ(changed([](TileWork& t) { t.nodes[1].items = 2; }), "input of a node is out of range");
+  EXPECT_EQ(changed([](TileWork& t) { t.nodes[1].items = 4; }),
+            "rays without sources must be as many as the items that make them");
+  EXPECT_EQ(changed([](TileWork& t) { t.sources = {0, 3}; }), "source of a ray is out of range");
+  EXPECT_EQ(changed([](TileWork& t) { t.sources = {2, 0}; }), "source of a ray is out of range");
+  EXPECT_EQ(changed([](TileWork& t) {
+              t.nodes[2].inputs.push_back({0, Edge::Kind::kAll});
+            }),
+            "rays must have one input, an `each` edge from a launch");
+}
+
+TEST(TileCode, NoBytesMakeAnythingButATileOrAComplaint) {
+  const TileScope scope = tiny_scope();
+  const std::string good = encode(tiny_tile(), scope.links);
+  TileWork back;
+  std::size_t accepted = 0;
+  const auto attempt = [&](const std::string& bytes) {
+    try {
+      decode(bytes, scope, back);
+    } catch (const sim::InputError&) {
+      return;
+    }
+    ++accepted;
+    TileWork again;
+    decode(encode(back, scope.links), scope, again);
+    EXPECT_TRUE(same(back, again)) << "what is accepted is a tile";
+  };
+  for (std::size_t size = 0; size < good.size(); ++size) attempt(good.substr(0, size));
+  EXPECT_EQ(accepted, 0U) << "a piece of a tile is none";
+  for (std::size_t i = 0; i < good.size(); ++i) {
+    for (unsigned bit = 0; bit < 8; ++bit) {
+      std::string bad = good;
+      bad[i] = static_cast<char>(static_cast<unsigned char>(bad[i]) ^ (1U << bit));
+      attempt(bad);
+    }
+  }
+  Dice dice(7);
+  for (int n = 0; n < 20000; ++n) {
+    std::string bad = good;
+    for (std::uint32_t changes = 1 + dice.below(4); changes > 0; --changes) {
+      bad[dice.below(static_cast<std::uint32_t>(bad.size()))] = static_cast<char>(dice.below(256));
+    }
+    attempt(bad);
+  }
+  EXPECT_GT(accepted, 100U) << "otherwise only the first check has been tried";
+}
+
+/// A tile of nothing but rays through a scene.
+TileWork rays_through(const MemoryImage& image, RayKind kind, const std::vector<Ray>& rays) {
+  TileWork tile;
+  const auto count = static_cast<std::uint32_t>(rays.size());
+  tile.nodes = {{.items = count, .inputs = {}},
+                {.kind = WorkNode::Kind::kRays, .ray_kind = kind, .items = count, .inputs = {{0, Edge::Kind::kEach}}}};
+  tile.access_begin = {0};
+  std::vector<Hit> hits(rays.size());
+  WalkSink sink{tile.walk, tile.ray_begin};
+  BvhTracer(image).trace(rays, kind, hits, &sink);
+  return tile;
+}
+
+TEST(TileCode, WalksOfAnyRaysComeBackAndTakeAFewBitsAStep) {
+  const std::vector<Scene> scenes = {with_flags(triangle_soup(2000, 0.3F)), grid_soup(500), one_triangle(),
+                                     sphere(40, 80)};
+  for (const Scene& scene : scenes) {
+    for (const std::uint32_t leaf_size : {1U, 8U}) {
+      const MemoryImage image = build_memory_image(scene, {.leaf_size = leaf_size}, 1);
+      const TileScope scope{links_of(image), counts_of(image), 1, {}};
+      for (const RayKind kind : {RayKind::kPrimary, RayKind::kShadow}) {
+        for (const auto& rays : {random_rays(500), grid_rays(500)}) {
+          const TileWork tile = rays_through(image, kind, rays);
+          const std::string bytes = encode(tile, scope.links);
+          TileWork back;
+          decode(bytes, scope, back);
+          ASSERT_TRUE(same(tile, back));
+          EXPECT_LT(bytes.size(), tile.walk.size() + 32) << "a byte a word, and what is beside walks";
+        }
+      }
+    }
+  }
+}
+
+TEST(TreeLinks, ComeBackAndMustBeATree) {
+  const MemoryImage image = build_memory_image(triangle_soup(3000, 0.2F), {}, 1);
+  const Links links = links_of(image);
+  const std::uint64_t triangles = image.triangles.size();
+  const std::string bytes = encode_links(links);
+  EXPECT_EQ(decode_links(bytes, links.size(), triangles), links);
+  EXPECT_LT(bytes.size(), 4 * links.size());
+  const Links one = links_of(build_memory_image(one_triangle(), {}, 1));
+  EXPECT_EQ(decode_links(encode_links(one), 1, 1), one) << "a root with one child";
+
+  EXPECT_THROW(decode_links(bytes, links.size(), triangles - 1), sim::InputError);
+  EXPECT_THROW(decode_links(bytes, links.size() - 1, triangles), sim::InputError);
+  EXPECT_THROW(decode_links(bytes, links.size() + 1, triangles), sim::InputError);
+  const std::uint32_t leaf = leaf_link(0, 1);
+  const auto refused = [&](const Links& bad) {
+    EXPECT_THROW(decode_links(encode_links(bad), bad.size(), 1), sim::InputError);
+  };
+  refused({{1, 1}, {leaf, leaf}});                   // two parents
+  refused({{1, leaf}, {leaf, leaf}, {leaf, leaf}});  // no parent
+  refused({{leaf, leaf}, {leaf, leaf_link(1, 1)}});  // no such triangle
+  refused({{1, leaf}, {leaf, kNoChild}});            // a child is missing
+  Links deep;
+  for (std::uint32_t node = 1; node <= kMaxTreeDepth; ++node) deep.push_back({node, leaf});
+  deep.push_back({leaf, leaf});
+  refused(deep);
+  deep.erase(deep.begin() + 1);
+  for (std::size_t node = 0; node + 1 < deep.size(); ++node) deep[node][0] = static_cast<std::uint32_t>(node) + 1;
+  EXPECT_EQ(decode_links(encode_links(deep), deep.size(), 1), deep);
+}
+
+}  // namespace
+}  // namespace traces

@@ -1,0 +1,105 @@
+#pragma once
+#include <algorithm>
+#include <initializer_list>
+#include <string>
+#include <string_view>
+
+#include "traces/trace_file/tile_code.h"
+#include "traces/walk.h"
+
+namespace traces::testing {
+
+// A tree of three inner nodes and four leaves, and a tile that has everything a tile may have.
+//
+//            0
+//        1       2
+//      t0 t1-3 t4 t5-6
+
+inline TileScope tiny_scope() {
+  return {
+      {{1, 2}, {leaf_link(0, 1), leaf_link(1, 3)}, {leaf_link(4, 1), leaf_link(5, 2)}},
+      {.triangles = 7, .attributes = 7, .vertices = 7, .materials = 2, .details = 2, .textures = {{64, 32}, {8, 8}}},
+      5,
+      {4096, 512, 16}};
+}
+
+inline TileWork tiny_tile() {
+  using enum WorkNode::Kind;
+  TileWork t;
+  t.frame = 3;
+  t.tile = 12;
+  t.samples = 4;
+  t.after = {5, 11};
+  t.after_all = true;
+  t.nodes = {
+      {.kind = kTransfer, .items = 16, .region = Region::kRates, .to_memory = false, .offset = 0, .inputs = {}},
+      {.kind = kLaunch, .kernel = 4, .items = 3, .idle = 2, .inputs = {{0, Edge::Kind::kAll}}},
+      {.kind = kRays, .ray_kind = RayKind::kPrimary, .items = 3, .first = 0, .inputs = {{1, Edge::Kind::kEach}}},
+      {.kind = kLaunch, .kernel = 0, .items = 3, .first = 0, .has_accesses = true, .inputs = {{2, Edge::Kind::kEach}}},
+      {.kind = kRays,
+       .ray_kind = RayKind::kShadow,
+       .items = 2,
+       .first = 3,
+       .sources = 0,
+       .inputs = {{3, Edge::Kind::kEach}}},
+      {.kind = kLaunch,
+       .kernel = 1,
+       .items = 1,
+       .first = 3,
+       .has_accesses = true,
+       .inputs = {{4, Edge::Kind::kAll}, {2, Edge::Kind::kAll}}},
+      {.kind = kTransfer, .items = 256, .offset = 3840, .inputs = {{5, Edge::Kind::kAll}}},
+  };
+  t.sources = {0, 2};
+  t.accesses = {Access::attributes(6),
+                Access::material(1),
+                Access::texels(0, 63, 31, 0, 0),
+                Access::attributes(2),
+                Access::record(Access::Kind::kVertices, 2),
+                Access::texels(1, 7, 3, 7, 4),
+                Access::texels(0, 1, 2, 2, 3),
+                Access::record(Access::Kind::kTriangle, 6),
+                Access::record(Access::Kind::kDetail, 1)};
+  t.access_begin = {0, 3, 3, 7, 9};
+  const auto ray = [&](std::initializer_list<std::uint32_t> words) {
+    t.ray_begin.push_back(static_cast<std::uint32_t>(t.walk.size()));
+    t.walk.insert(t.walk.end(), words);
+  };
+  ray({visit_step(0, 0, 0), end_step(false)});
+  ray({visit_step(0, 3, 1), visit_step(2, 3, 0), leaf_step(4, 1), 0x3, cull_step(2), end_step(true)});
+  ray({visit_step(0, 3, 0), visit_step(1, 3, 1), leaf_step(1, 3), 0x212, leaf_step(0, 1), 0x2, visit_step(2, 2, 0),
+       leaf_step(5, 2), 0x31, end_step(true)});
+  ray({visit_step(0, 3, 0), visit_step(1, 3, 0), leaf_step(0, 1), 0x3, cull_step(1), visit_step(2, 0, 0),
+       end_step(true)});
+  ray({visit_step(0, 3, 0), visit_step(1, 2, 0), leaf_step(1, 2), 0x31, end_step(true)});
+  return t;
+}
+
+inline bool same(const WorkNode& a, const WorkNode& b) {
+  const auto edges = [](const Edge& x, const Edge& y) { return x.node == y.node && x.kind == y.kind; };
+  return a.kind == b.kind && a.ray_kind == b.ray_kind && a.kernel == b.kernel && a.items == b.items &&
+         a.first == b.first && a.has_accesses == b.has_accesses && a.idle == b.idle && a.region == b.region &&
+         a.to_memory == b.to_memory && a.offset == b.offset && a.sources == b.sources &&
+         std::ranges::equal(a.inputs, b.inputs, edges);
+}
+
+inline bool same(const TileWork& a, const TileWork& b) {
+  const auto accesses = [](const Access& x, const Access& y) {
+    return x.object == y.object && x.element == y.element && x.element2 == y.element2;
+  };
+  return a.frame == b.frame && a.tile == b.tile && a.samples == b.samples && a.after == b.after &&
+         a.after_all == b.after_all && a.walk == b.walk && a.ray_begin == b.ray_begin &&
+         a.access_begin == b.access_begin && a.sources == b.sources &&
+         std::ranges::equal(a.accesses, b.accesses, accesses) &&
+         std::ranges::equal(a.nodes, b.nodes, [](const WorkNode& x, const WorkNode& y) { return same(x, y); });
+}
+
+/// With what a decoder wants behind the bytes.
+inline std::string padded(std::string bytes) { return bytes.append(16, '\x5a'); }
+
+inline TileRays decode(const std::string& bytes, const TileScope& scope, TileWork& work) {
+  const std::string with_padding = padded(bytes);
+  return TileDecoder().decode(std::string_view(with_padding).substr(0, bytes.size()), scope, work);
+}
+
+}  // namespace traces::testing

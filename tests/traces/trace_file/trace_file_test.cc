@@ -1,0 +1,165 @@
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+#include "sim/error.h"
+#include "tests/sim/folder.h"
+#include "tests/traces/trace_file/tiny_tile.h"
+#include "traces/trace_file/trace_reader.h"
+#include "traces/trace_file/trace_writer.h"
+
+// The file: what is written is read, tiles in any order; what is damaged is refused in one line; nothing is half there.
+
+namespace traces {
+namespace {
+
+using sim::test::complaint;
+using sim::test::Folder;
+using testing::same;
+using testing::tiny_scope;
+using testing::tiny_tile;
+
+constexpr std::uint32_t kTiles = 5;
+constexpr TraceDemands kDemands{.tile_samples = 4, .attribute_bytes = 64, .region_bytes = {4096, 512, 16}};
+
+TileWork tile(std::uint32_t number) {
+  TileWork work = tiny_tile();
+  work.tile = number;
+  return work;
+}
+
+void write(const std::filesystem::path& path) {
+  TraceWriter trace(path, {{"program", "full:1"}});
+  const TileScope scope = tiny_scope();
+  Links other = scope.links;
+  other[0] = {1, leaf_link(0, 1)};
+  other[1] = {2, leaf_link(1, 1)};
+  for (const std::uint32_t frame : {7U, 8U, 9U}) {
+    trace.begin_part({.frame = frame}, frame == 9 ? other : scope.links, scope.counts, kDemands);
+    if (frame != 9) {
+      for (std::uint32_t t = 0; t < kTiles; ++t) trace.add(tile(t + 100 * frame));
+    }
+    trace.end_part({{"rays", frame}});
+    trace.end_frame({{"frame", frame}});
+  }
+  trace.commit();
+}
+
+std::string bytes_of(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// Everything that can be read.
+void read_all(const std::filesystem::path& path) {
+  const TraceReader trace(path);
+  TraceReader::Cursor cursor(trace);
+  TileWork work;
+  for (const TraceReader::Part& part : trace.parts()) {
+    const TileScope scope = trace.scope(part, 5);
+    for (const TraceReader::Place& place : trace.tiles(part)) {
+      trace.naming_file([&] { cursor.read(place, scope, work); });
+    }
+  }
+}
+
+TEST(TraceFile, GivesBackItsPartsTreesAndTilesInAnyOrder) {
+  const Folder folder;
+  const auto path = folder.path() / "a.trace";
+  write(path);
+  const TraceReader trace(path);
+  EXPECT_EQ(trace.header()["program"], "full:1");
+  ASSERT_EQ(trace.parts().size(), 3U);
+  EXPECT_EQ(trace.frames().size(), 3U);
+  EXPECT_EQ(trace.trees(), 2U) << "the second part's tree is the first's";
+  EXPECT_EQ(trace.parts()[1].tree, 0U);
+  EXPECT_EQ(trace.parts()[2].tree, 1U);
+  const TraceReader::Part& part = trace.parts()[1];
+  EXPECT_EQ(part.frame, 8U);
+  EXPECT_EQ(part.result["rays"], 8);
+  EXPECT_EQ(part.demands.region_bytes, kDemands.region_bytes);
+  const TileScope scope = trace.scope(part, 5);
+  EXPECT_EQ(scope.links, tiny_scope().links);
+  EXPECT_EQ(scope.counts, tiny_scope().counts);
+  const auto places = trace.tiles(part);
+  ASSERT_EQ(places.size(), kTiles);
+  TraceReader::Cursor cursor(trace);
+  TileWork work;
+  for (const std::uint32_t t : {kTiles - 1, 0U, 2U, 2U}) {
+    cursor.read(places[t], scope, work);
+    EXPECT_TRUE(same(work, tile(800 + t)));
+  }
+}
+
+TEST(TraceFile, EqualWorkMakesEqualBytes) {
+  const Folder folder;
+  write(folder.path() / "a.trace");
+  write(folder.path() / "b.trace");
+  EXPECT_EQ(bytes_of(folder.path() / "a.trace"), bytes_of(folder.path() / "b.trace"));
+}
+
+TEST(TraceFile, IsThereAsAWholeOrNotAtAll) {
+  const Folder folder;
+  const auto path = folder.path() / "a.trace";
+  {
+    TraceWriter trace(path, {});
+    trace.begin_part({}, tiny_scope().links, tiny_scope().counts, kDemands);
+    trace.add(tiny_tile());
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+  write(path);
+  const std::string former = bytes_of(path);
+  { const TraceWriter trace(path, {}); }
+  EXPECT_EQ(bytes_of(path), former);
+  write(path);  // over a former trace
+}
+
+TEST(TraceFile, WhatIsNoTraceIsNeitherReplacedNorRead) {
+  const Folder folder;
+  const auto thesis = folder.write("thesis.txt", "three years");
+  EXPECT_EQ(complaint<sim::InputError>(folder, [&] { TraceWriter(thesis, {}); }),
+            "thesis.txt: is there and is no trace; allowed: a new file, or a trace to be replaced");
+  EXPECT_EQ(bytes_of(thesis), "three years");
+  const auto complaint_of = [&](const std::filesystem::path& path) {
+    return complaint<sim::InputError>(folder, [&] { read_all(path); });
+  };
+  EXPECT_EQ(complaint_of(thesis), "thesis.txt: is no trace: too short");
+  EXPECT_EQ(complaint_of(folder.write("long", std::string(100, 'x'))),
+            "long: is no trace; raywatt trace record makes one");
+  EXPECT_EQ(complaint_of(folder.write("later", "raywatt-trace/2\n" + std::string(100, 'x'))),
+            "later: is a trace of another format, 'raywatt-trace/2'; this program reads 'raywatt-trace/1'");
+  EXPECT_EQ(complaint_of(folder.path() / "absent"), "absent: no such file");
+  EXPECT_EQ(complaint_of(folder.path() / "."), ".: is a folder, not a file");
+  EXPECT_EQ(complaint<sim::InputError>(folder, [&] { TraceWriter(folder.path() / "no" / "folder", {}); }),
+            "no/folder: cannot be written: No such file or directory");
+}
+
+TEST(TraceFile, EveryDamageIsFoundOrHarmless) {
+  const Folder folder;
+  const auto path = folder.path() / "a.trace";
+  write(path);
+  const std::string good = bytes_of(path);
+  const auto damaged = folder.path() / "b.trace";
+  const auto is_refused = [&](const std::string& bytes) {
+    std::ofstream(damaged, std::ios::binary) << bytes;
+    const std::string says = complaint<sim::InputError>(folder, [&] { read_all(damaged); });
+    if (says == "no error") return false;
+    EXPECT_TRUE(says.starts_with("b.trace: ")) << says;
+    EXPECT_EQ(says.find('\n'), std::string::npos) << says;
+    return true;
+  };
+  for (std::size_t size = 0; size < good.size(); size += 1 + size / 32) {
+    EXPECT_TRUE(is_refused(good.substr(0, size))) << size;
+  }
+  std::size_t harmless = 0;
+  for (std::size_t i = 0; i < good.size(); i += 5) {
+    std::string bad = good;
+    bad[i] = static_cast<char>(static_cast<unsigned char>(bad[i]) ^ (1U << (i % 8)));
+    if (!is_refused(bad)) ++harmless;
+  }
+  // Only zstd's own unused bits may pass.
+  EXPECT_LT(harmless, good.size() / 5 / 50 + 1);
+}
+
+}  // namespace
+}  // namespace traces

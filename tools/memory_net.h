@@ -1,0 +1,70 @@
+#pragma once
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "hw_models/frame/gpu_config.h"
+#include "hw_models/memory/core_port.h"
+#include "hw_models/memory/dram_channel.h"
+#include "hw_models/memory/l2_bank.h"
+
+namespace tools {
+
+/// The memory side of a machine as Gpu wires it, for clients of any kind.
+///
+///   clients x n of each core --> core port --> L2 banks --> channels
+///
+/// Not there: the DMA and its ports.
+class MemoryNet {
+ public:
+  /// Who asks for lines: its clock, and the lines that may be on their way to it.
+  struct Client {
+    sim::Clock clock;
+    std::uint32_t lines = 1;
+  };
+  /// `wakes`: of the net's units, units() of them, in the order of each_unit; `wake_of(core, client)`: of a client.
+  MemoryNet(const hw::GpuConfig& config, std::span<const Client> clients, sim::Time* wakes,
+            const std::function<sim::Time*(std::uint32_t, std::uint32_t)>& wake_of);
+  MemoryNet(const MemoryNet&) = delete;
+  MemoryNet& operator=(const MemoryNet&) = delete;
+
+  static std::size_t units(const hw::GpuConfig& config) {
+    return std::size_t{config.cores} + config.l2.banks + config.dram.channels;
+  }
+  sim::Link<hw::MemRequest>& requests(std::uint32_t core, std::uint32_t client) {
+    return *requests_of_[core * clients_ + client];
+  }
+  sim::Link<hw::MemResponse>& responses(std::uint32_t core, std::uint32_t client) {
+    return *responses_of_[core * clients_ + client];
+  }
+  const std::deque<hw::CorePort>& ports() const { return ports_; }
+  const std::deque<hw::L2Bank>& banks() const { return banks_; }
+  const std::deque<hw::DramChannel>& channels() const { return channels_; }
+  /// Nothing is under way.
+  bool quiet() const;
+  std::string state() const;
+
+  /// As the engine sees it, from place `i` on.
+  void each_unit(auto&& f, std::size_t i) {
+    for (hw::CorePort& unit : ports_) f(unit, i++);
+    for (hw::L2Bank& unit : banks_) f(unit, i++);
+    for (hw::DramChannel& unit : channels_) f(unit, i++);
+  }
+
+ private:
+  struct Wiring;
+
+  const std::uint32_t clients_;
+  std::deque<sim::Link<hw::MemRequest>> requests_;
+  std::deque<sim::Link<hw::MemResponse>> responses_;
+  std::vector<sim::Link<hw::MemRequest>*> requests_of_;
+  std::vector<sim::Link<hw::MemResponse>*> responses_of_;
+  std::deque<hw::CorePort> ports_;
+  std::deque<hw::L2Bank> banks_;
+  std::deque<hw::DramChannel> channels_;
+};
+
+}  // namespace tools

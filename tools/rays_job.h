@@ -1,0 +1,10 @@
+#pragma once
+#include "tools/options.h"
+
+namespace tools {
+
+/// `raywatt run --rays`: plays a list of rays on T&I units, caches and memory, and writes report.json (schema
+/// raywatt-rays/1), report.txt and config.yaml. InputError, IoError, sim::Deadlock.
+void run_rays(const JobOptions& options);
+
+}  // namespace tools

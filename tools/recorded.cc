@@ -1,0 +1,181 @@
+#include "tools/recorded.h"
+
+#include <limits>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "shader_kernels/catalogue.h"
+#include "sim/config/config.h"
+#include "sim/error.h"
+#include "sim/io/printable.h"
+#include "tools/build_info.h"
+#include "tools/paths.h"
+
+namespace tools {
+
+namespace {
+
+using traces::Json;
+
+/// Values of all keys, as --set takes them.
+std::map<std::string, sim::FieldInfo> fields(const RunConfig& config) {
+  std::map<std::string, sim::FieldInfo> all;
+  for (sim::FieldInfo& field : sim::list_fields(config)) all.emplace(field.path, std::move(field));
+  return all;
+}
+
+/// What the command line said of the work beside the configuration: with --scene, --camera, --frames, --resolution.
+Json given(const RunConfig& effective, const JobOptions& options) {
+  JobOptions plain;
+  plain.config = options.config;
+  plain.sets = options.sets;
+  plain.ideal = options.ideal;
+  const auto without = fields(load_run_config(plain));
+  Json out = Json::object();
+  for (const sim::FieldInfo& field : sim::list_fields(effective)) {
+    if (field.value != without.at(field.path).value) out[field.path] = field.value;
+  }
+  return out;
+}
+
+Json function_fields(const RunConfig& config) {
+  Json out = Json::object();
+  for (const sim::FieldInfo& field : sim::list_fields(config)) {
+    if (field.affects == sim::Affects::kFunction) out[field.path] = field.value;
+  }
+  return out;
+}
+
+/// Refuses the first key that would change the recorded work.
+void check_function(const Json& header, const std::string& file, const RunConfig& config) {
+  const auto asked = fields(config);
+  for (const auto& [path, value] : header.at("function").items()) {
+    const auto field = asked.find(path);
+    if (field == asked.end() || field->second.affects != sim::Affects::kFunction) {
+      throw sim::InputError(fmt::format("{}: was recorded with a key '{}', which changes no work in this program", file,
+                                        sim::printable(path)));
+    }
+    const std::string recorded = value.get<std::string>();
+    if (recorded == field->second.value) continue;
+    throw sim::InputError(fmt::format(
+        "{}: {} was recorded as {}, and {} is asked for; allowed: the recorded value, as this key changes the work",
+        file, path, sim::printable(recorded), field->second.value));
+  }
+}
+
+// What is left out is 0.
+template <class Number>
+void read(const Json& json, const char* key, Number& number) {
+  if (!json.contains(key)) return;
+  number = static_cast<Number>(traces::number_at(json, key, std::numeric_limits<Number>::max()));
+}
+
+template <class Array>
+void read_all(const Json& json, const char* key, Array& numbers) {
+  if (!json.contains(key)) return;
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    numbers[i] = traces::number_of(json.at(key).at(i), std::numeric_limits<std::uint64_t>::max(), key);
+  }
+}
+
+}  // namespace
+
+Json trace_header(const Inputs& inputs, const JobOptions& options) {
+  Json kernels = Json::array();
+  for (const kernels::KernelInfo& kernel : kernels::catalogue()) kernels.push_back(kernel.name);
+  const BuildInfo build = build_info();
+  return {{"program", kernels::parse_program(options.program).name()},
+          {"reference", options.reference.empty() ? "" : kernels::parse_program(options.reference).name()},
+          {"resolution", {inputs.config.render.width, inputs.config.render.height}},
+          {"scene",
+           {{"name", inputs.scene.name},
+            {"triangles", inputs.scene.triangles},
+            {"instances", inputs.scene.instances},
+            {"lights", inputs.scene.lights},
+            {"sha256", inputs.scene_sha256},
+            {"bvh_hash", inputs.bvh_hash}}},
+          {"made_by", {{"version", build.version}, {"git", build.git}, {"model_id", build.model_id}}},
+          {"kernels", std::move(kernels)},
+          {"function", function_fields(inputs.config)},
+          {"given", given(inputs.config, options)},
+          {"config", sim::dump_config(inputs.config)}};
+}
+
+Json recorded_frame(std::uint32_t number, double error) { return {{"frame", number}, {"squared_error", error}}; }
+
+Json recorded_result(const hw::FrontEnd::Result& result) {
+  const kernels::Sampling& s = result.sampling;
+  return {{"rays", result.rays},
+          {"traversal_steps", result.traversal_steps},
+          {"continued", result.continued},
+          {"sampling",
+           {{"wanted", s.wanted},
+            {"traced", s.traced},
+            {"halo", s.halo},
+            {"correction", s.correction},
+            {"background", s.background},
+            {"traced_background", s.traced_background},
+            {"checked", s.checked},
+            {"passed", s.passed},
+            {"failed", s.failed},
+            {"active", s.active},
+            {"reasons", s.reasons},
+            {"padding", s.padding},
+            {"similar", s.similar},
+            {"blocks", s.blocks},
+            {"tile_side", s.tile_side},
+            {"has_rates", s.has_rates}}}};
+}
+
+hw::FrontEnd::Result result_of(const Json& json) {
+  hw::FrontEnd::Result result;
+  read(json, "continued", result.continued);
+  const Json& from = json.at("sampling");
+  kernels::Sampling& s = result.sampling;
+  read(from, "wanted", s.wanted);
+  if (s.wanted == 0) throw sim::InputError("sampling.wanted is not there or 0");
+  read(from, "traced", s.traced);
+  read(from, "halo", s.halo);
+  read(from, "correction", s.correction);
+  read(from, "background", s.background);
+  read(from, "traced_background", s.traced_background);
+  read(from, "checked", s.checked);
+  read(from, "passed", s.passed);
+  read_all(from, "failed", s.failed);
+  read_all(from, "active", s.active);
+  read_all(from, "reasons", s.reasons);
+  read(from, "padding", s.padding);
+  for (const Json& share : from.value("similar", Json::array())) s.similar.push_back(share.get<float>());
+  for (const Json& side : from.value("blocks", Json::array())) {
+    s.blocks.push_back(static_cast<std::uint8_t>(traces::number_of(side, 255, "blocks")));
+  }
+  read(from, "tile_side", s.tile_side);
+  s.has_rates = from.value("has_rates", false);
+  return result;
+}
+
+RunConfig replay_config(const Json& header, const std::string& file, const JobOptions& options) {
+  sim::set_config_search_path(config_folders());
+  RunConfig config;
+  sim::ConfigNode tree = sim::config_tree(config);
+  sim::ConfigLoader loader(tree);
+  std::string origin = file;
+  if (options.config.empty()) {
+    loader.apply_text(header.at("config").get<std::string>(), file);
+  } else {
+    const std::filesystem::path found = find_config(options.config);
+    origin = found.string();
+    loader.apply_file(found);
+    for (const auto& [path, value] : header.at("given").items()) {
+      loader.apply_set(path + "=" + value.get<std::string>());
+    }
+  }
+  for (const std::string& argument : options.sets) loader.apply_set(argument);
+  apply_ideal(config, options.ideal);
+  check_run_config(config, origin);
+  check_function(header, file, config);
+  return config;
+}
+
+}  // namespace tools

@@ -1,0 +1,27 @@
+#pragma once
+#include <cstdint>
+#include <string>
+
+#include "hw_models/frame/front_end.h"
+#include "tools/run_job.h"
+#include "traces/trace_file/format.h"
+
+namespace tools {
+
+// What a trace says beside the work itself (docs/trace-format.md).
+
+/// The header of a trace of these inputs.
+traces::Json trace_header(const Inputs& inputs, const JobOptions& options);
+/// A part's result: what a frame program found out that is not in its work.
+traces::Json recorded_result(const hw::FrontEnd::Result& result);
+/// A frame; `error` is the mean squared difference between its picture and the reference's.
+traces::Json recorded_frame(std::uint32_t number, double error);
+
+/// Reads a part's result back: sampling, and the rays that were continued.
+hw::FrontEnd::Result result_of(const traces::Json& json);
+
+/// The configuration for a replay: that of the trace, or if `options` name one that one, with what the trace's command
+/// line said of the work; then --set and --ideal. InputError that names the field if it would change the recorded work.
+RunConfig replay_config(const traces::Json& header, const std::string& file, const JobOptions& options);
+
+}  // namespace tools

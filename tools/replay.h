@@ -1,0 +1,37 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "tools/outcome.h"
+#include "traces/trace_file/trace_reader.h"
+
+namespace tools {
+
+/// A replay: a trace, and the machine that plays it.
+class Replay {
+ public:
+  /// InputError if the trace cannot be read, or does not hold what the configuration asks for.
+  Replay(const std::filesystem::path& file, const JobOptions& options);
+
+  /// As of a run; without a scene.
+  const Inputs& inputs() const { return inputs_; }
+  /// Plays all frames, or those that an interrupt has left time for; Interrupted if that is none.
+  Outcome run(std::uint32_t threads);
+
+ private:
+  const traces::TraceReader::Part& part(std::uint32_t frame, bool reference) const;
+  Simulation play(const traces::TraceReader::Part& part, const kernels::ProgramSpec& program, std::uint32_t threads);
+  void load_tree(const traces::TraceReader::Part& part);
+
+  traces::TraceReader trace_;
+  Inputs inputs_;
+  kernels::ProgramSpec program_;
+  std::optional<kernels::ProgramSpec> reference_;
+  std::vector<traces::KernelId> kernels_;  ///< of this program, by number in the trace
+  std::optional<std::size_t> tree_;        ///< the one that is loaded
+  traces::TileScope scope_;
+};
+
+}  // namespace tools

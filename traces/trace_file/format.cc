@@ -1,0 +1,55 @@
+#include "traces/trace_file/format.h"
+
+#include "traces/trace_file/bytes.h"
+#include "traces/walk.h"
+
+namespace traces {
+namespace {
+
+constexpr std::uint64_t kMaxRegionBytes = std::uint64_t{1} << 40;
+constexpr std::uint64_t kMaxAttributeBytes = 0xffffffffU;
+constexpr std::uint64_t kMaxRecords = std::uint64_t{1} << 28;
+constexpr std::uint32_t kMaxTextureSide = 1U << 16;
+
+}  // namespace
+
+std::uint64_t number_of(const Json& json, std::uint64_t most, const char* what) {
+  if (!json.is_number_unsigned() || json.get<std::uint64_t>() > most) ByteReader::out_of_range(what);
+  return json.get<std::uint64_t>();
+}
+
+Json to_json(const ImageCounts& c) {
+  return {{"triangles", c.triangles}, {"attributes", c.attributes}, {"vertices", c.vertices},
+          {"materials", c.materials}, {"details", c.details},       {"textures", c.textures}};
+}
+
+Json to_json(const TraceDemands& d) {
+  return {{"tile_samples", d.tile_samples}, {"attribute_bytes", d.attribute_bytes}, {"region_bytes", d.region_bytes}};
+}
+
+ImageCounts counts_of_json(const Json& json) {
+  ImageCounts c{number_at(json, "triangles", kMaxTriangles), number_at(json, "attributes", kMaxTriangles),
+                number_at(json, "vertices", kMaxTriangles),  number_at(json, "materials", kMaxRecords),
+                number_at(json, "details", kMaxRecords),     {}};
+  for (const Json& sides : json.at("textures")) {
+    std::array<std::uint32_t, 2> texture{};
+    for (std::size_t i = 0; i < 2; ++i) {
+      texture[i] = static_cast<std::uint32_t>(number_of(sides.at(i), kMaxTextureSide, "textures"));
+      if (texture[i] == 0) ByteReader::out_of_range("textures");
+    }
+    c.textures.push_back(texture);
+  }
+  return c;
+}
+
+TraceDemands demands_of_json(const Json& json) {
+  TraceDemands d{static_cast<std::uint32_t>(number_at(json, "tile_samples", 1U << 26)),
+                 static_cast<std::uint32_t>(number_at(json, "attribute_bytes", kMaxAttributeBytes)),
+                 {}};
+  for (std::size_t i = 0; i < kRegionCount; ++i) {
+    d.region_bytes[i] = number_of(json.at("region_bytes").at(i), kMaxRegionBytes, "region_bytes");
+  }
+  return d;
+}
+
+}  // namespace traces

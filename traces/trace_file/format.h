@@ -1,0 +1,51 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include <nlohmann/json.hpp>
+
+#include "traces/trace_file/tile_code.h"
+
+namespace traces {
+
+// A trace: streams of work on disk (docs/trace-format.md).
+//
+//   magic | header | trees and parts: tiles, sizes of tiles | contents | footer
+//
+// Each block between magic and footer is a zstd frame. A part is a frame of the picture, as one frame program renders
+// it.
+
+using Json = nlohmann::ordered_json;
+
+inline constexpr std::string_view kTraceMagic = "raywatt-trace/1\n";
+inline constexpr std::string_view kTraceKind = "raywatt-trace/";  ///< of any version
+inline constexpr std::string_view kTraceEnd = "end\n";
+inline constexpr std::size_t kFooterBytes = 16;  ///< offset of the contents (8), their bytes (4), kTraceEnd
+
+/// Largest blocks, unpacked.
+inline constexpr std::uint64_t kMaxHeaderBytes = 1U << 24, kMaxContentsBytes = 1U << 28, kMaxTileBytes = 1U << 28,
+                               kMaxTreeBytes = std::uint64_t{1} << 31;
+inline constexpr std::uint32_t kMaxPartTiles = 1U << 26, kMaxFrame = 1'000'000;
+
+/// What a machine must set aside for a frame.
+struct TraceDemands {
+  std::uint32_t tile_samples = 0;     ///< of a full tile
+  std::uint32_t attribute_bytes = 0;  ///< of a full tile, in the tile buffer
+  std::array<std::uint64_t, kRegionCount> region_bytes{};
+};
+
+/// A whole number of the contents, at most `most`; InputError, without the file's name, otherwise.
+std::uint64_t number_of(const Json& json, std::uint64_t most, const char* what);
+inline std::uint64_t number_at(const Json& json, const char* key, std::uint64_t most) {
+  return number_of(json.at(key), most, key);
+}
+
+Json to_json(const ImageCounts& counts);
+Json to_json(const TraceDemands& demands);
+/// InputError, without the file's name, for what no scene has; nlohmann's exceptions for what is not there.
+ImageCounts counts_of_json(const Json& json);
+TraceDemands demands_of_json(const Json& json);
+
+}  // namespace traces

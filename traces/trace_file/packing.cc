@@ -1,0 +1,54 @@
+#include "traces/trace_file/packing.h"
+
+#include <new>
+
+#include <zstd.h>
+
+#include "sim/error.h"
+#include "traces/trace_file/walk_code.h"
+
+namespace traces {
+namespace {
+
+// Higher levels save little: most of a tile are walks, which hardly shrink.
+constexpr int kLevel = 1;
+
+// A block of zstd holds this much at most, and takes this much at least.
+constexpr std::uint64_t kMostInBlock = 128U << 10, kLeastOfBlock = 3;
+
+[[noreturn]] void damaged() { throw sim::InputError("is damaged"); }
+
+}  // namespace
+
+void Packer::Free::operator()(ZSTD_CCtx_s* context) const { ZSTD_freeCCtx(context); }
+void Unpacker::Free::operator()(ZSTD_DCtx_s* context) const { ZSTD_freeDCtx(context); }
+
+Packer::Packer() : context_(ZSTD_createCCtx()) {
+  if (!context_) throw std::bad_alloc();
+  ZSTD_CCtx_setParameter(context_.get(), ZSTD_c_compressionLevel, kLevel);
+  ZSTD_CCtx_setParameter(context_.get(), ZSTD_c_checksumFlag, 1);
+}
+
+std::string_view Packer::pack(std::string_view bytes) {
+  const std::size_t most = ZSTD_compressBound(bytes.size());
+  if (packed_.size() < most) packed_.resize(most);
+  const std::size_t size = ZSTD_compress2(context_.get(), packed_.data(), packed_.size(), bytes.data(), bytes.size());
+  if (ZSTD_isError(size) != 0) throw std::bad_alloc();  // all else is ruled out
+  return {packed_.data(), size};
+}
+
+Unpacker::Unpacker() : context_(ZSTD_createDCtx()) {
+  if (!context_) throw std::bad_alloc();
+}
+
+std::string_view Unpacker::unpack(std::string_view block, std::uint64_t most) {
+  const unsigned long long size = ZSTD_getFrameContentSize(block.data(), block.size());
+  if (size == ZSTD_CONTENTSIZE_UNKNOWN || size == ZSTD_CONTENTSIZE_ERROR || size > most) damaged();
+  if (size > (block.size() / kLeastOfBlock + 1) * kMostInBlock) damaged();  // before it is taken at its word
+  if (ZSTD_findFrameCompressedSize(block.data(), block.size()) != block.size()) damaged();
+  if (bytes_.size() < size + kBitsPadding) bytes_.resize(size + kBitsPadding);
+  if (ZSTD_decompressDCtx(context_.get(), bytes_.data(), size, block.data(), block.size()) != size) damaged();
+  return {bytes_.data(), size};
+}
+
+}  // namespace traces

@@ -1,0 +1,42 @@
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+
+struct ZSTD_CCtx_s;
+struct ZSTD_DCtx_s;
+
+namespace traces {
+
+/// Packs blocks: one zstd frame each, with size and checksum of what is inside.
+class Packer {
+ public:
+  Packer();
+  /// Valid until the next one.
+  std::string_view pack(std::string_view bytes);
+
+ private:
+  struct Free {
+    void operator()(ZSTD_CCtx_s* context) const;
+  };
+  std::unique_ptr<ZSTD_CCtx_s, Free> context_;
+  std::string packed_;
+};
+
+class Unpacker {
+ public:
+  Unpacker();
+  /// What a block holds, followed by kBitsPadding bytes more; valid until the next one. InputError, without the file's
+  /// name, if it is damaged or holds more than `most` bytes.
+  std::string_view unpack(std::string_view block, std::uint64_t most);
+
+ private:
+  struct Free {
+    void operator()(ZSTD_DCtx_s* context) const;
+  };
+  std::unique_ptr<ZSTD_DCtx_s, Free> context_;
+  std::string bytes_;
+};
+
+}  // namespace traces

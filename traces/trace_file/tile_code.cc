@@ -1,0 +1,236 @@
+#include "traces/trace_file/tile_code.h"
+
+#include <algorithm>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+
+#include "traces/trace_file/bytes.h"
+#include "traces/trace_file/walk_code.h"
+#include "traces/walk.h"
+
+namespace traces {
+namespace {
+
+// Bounds that no tile comes near and that keep sums within 32 bits.
+constexpr std::uint64_t kMaxItems = 1U << 26, kMaxRaysOfTile = 1U << 24, kMaxTiles = 1U << 28;
+
+enum Walks : std::uint32_t { kCompact = 0, kPlain = 1 };
+
+void append_words(const std::vector<std::uint32_t>& words, std::string& out) {
+  const std::size_t before = out.size();
+  out.resize(before + 4 * words.size());
+  if (!words.empty()) std::memcpy(out.data() + before, words.data(), 4 * words.size());
+}
+
+void write_walks(const TileWork& work, const Links& links, std::string& out) {
+  ByteWriter to(out);
+  to.number(work.ray_begin.size());
+  to.number(work.walk.size());
+  const std::size_t form = out.size();
+  to.byte(kCompact);
+  if (encode_walks(work, links, out)) return;
+  out[form] = static_cast<char>(kPlain);
+  append_words(work.walk, out);
+}
+
+void write_node(const TileWork& work, std::uint32_t n, ByteWriter& to) {
+  const WorkNode& node = work.nodes[n];
+  to.byte(static_cast<std::uint32_t>(node.kind));
+  to.number(node.items);
+  switch (node.kind) {
+    case WorkNode::Kind::kLaunch:
+      to.number(node.kernel);
+      to.number(node.idle);
+      to.byte(node.has_accesses ? 1 : 0);
+      break;
+    case WorkNode::Kind::kRays:
+      to.byte(static_cast<std::uint32_t>(node.ray_kind));
+      to.byte(node.sources == WorkNode::kNone ? 0 : 1);
+      break;
+    case WorkNode::Kind::kTransfer:
+      to.byte(static_cast<std::uint32_t>(node.region));
+      to.byte(node.to_memory ? 1 : 0);
+      to.number(node.offset);
+      break;
+  }
+  to.number(node.inputs.size());
+  for (const Edge& edge : node.inputs)
+    to.number(std::uint64_t{n - edge.node} << 1 | static_cast<std::uint64_t>(edge.kind));
+}
+
+void write_sources(const TileWork& work, const WorkNode& node, ByteWriter& to) {
+  std::uint32_t last = 0;
+  for (std::uint32_t i = 0; i < node.items; ++i) {
+    const std::uint32_t source = work.sources[node.sources + i];
+    to.number(source - last);
+    last = source;
+  }
+}
+
+std::uint32_t flag(ByteReader& from, const char* what) {
+  const std::uint32_t value = from.byte();
+  if (value > 1) ByteReader::out_of_range(what);
+  return value;
+}
+
+}  // namespace
+
+void TileEncoder::encode(const TileWork& work, const Links& links, std::string& out) {
+  ByteWriter to(out);
+  to.number(work.frame);
+  to.number(work.tile);
+  to.number(work.samples);
+  to.byte(work.after_all ? 1 : 0);
+  to.number(work.after.size());
+  for (const std::uint32_t tile : work.after) to.number(tile);
+  to.number(work.nodes.size());
+  for (std::uint32_t n = 0; n < work.nodes.size(); ++n) write_node(work, n, to);
+  // What nodes have besides, in their order; each array's parts lie in that order, too.
+  accesses_.begin_tile();
+  std::uint32_t rays = 0, items = 0;
+  for (const WorkNode& node : work.nodes) {
+    const bool loads = node.kind == WorkNode::Kind::kLaunch && node.has_accesses;
+    const bool traces = node.kind == WorkNode::Kind::kRays, mapped = node.sources != WorkNode::kNone;
+    if ((traces && node.first != rays) || (loads && node.first != items) || (mapped && !traces)) {
+      throw std::logic_error("a tile's rays and items do not lie in the order of its nodes");
+    }
+    if (mapped) write_sources(work, node, to);
+    if (loads) accesses_.write(work, node, out);
+    rays += traces ? node.items : 0;
+    items += loads ? node.items : 0;
+  }
+  write_walks(work, links, out);
+}
+
+WorkNode& TileDecoder::next_node(TileWork& work) {
+  if (nodes_ == work.nodes.size()) {
+    if (spare_.empty()) spare_.emplace_back();
+    work.nodes.push_back(std::move(spare_.back()));
+    spare_.pop_back();
+  }
+  WorkNode& node = work.nodes[nodes_++];
+  std::vector<Edge> inputs = std::move(node.inputs);
+  inputs.clear();
+  node = {.inputs = std::move(inputs)};
+  return node;
+}
+
+void TileDecoder::read_nodes(ByteReader& from, const TileScope& scope, TileWork& work) {
+  nodes_ = rays_ = items_ = 0;
+  const std::uint32_t nodes = from.number32(from.left() / 3, "number of nodes");
+  for (std::uint32_t n = 0; n < nodes; ++n) {
+    WorkNode& node = next_node(work);
+    const std::uint32_t kind = from.byte();
+    if (kind > static_cast<std::uint32_t>(WorkNode::Kind::kTransfer)) ByteReader::out_of_range("kind of a node");
+    node.kind = static_cast<WorkNode::Kind>(kind);
+    const bool moves = node.kind == WorkNode::Kind::kTransfer;
+    node.items = from.number32(moves ? std::numeric_limits<std::uint32_t>::max() : kMaxItems, "items of a node");
+    if (node.items == 0) ByteReader::out_of_range("items of a node");
+    switch (node.kind) {
+      case WorkNode::Kind::kLaunch:
+        node.kernel = static_cast<KernelId>(from.number(scope.kernels - 1, "kernel of a launch"));
+        node.idle = from.number32(kMaxItems, "idle items of a launch");
+        node.has_accesses = flag(from, "accesses of a launch") != 0;
+        if (!node.has_accesses) break;
+        node.first = items_;
+        items_ += node.items;
+        if (items_ > kMaxItems) ByteReader::out_of_range("items with accesses");
+        break;
+      case WorkNode::Kind::kRays: {
+        const std::uint32_t ray_kind = from.byte();
+        if (ray_kind >= kRayKinds) ByteReader::out_of_range("kind of rays");
+        node.ray_kind = static_cast<RayKind>(ray_kind);
+        // Where its sources begin is known once they are read; until then, that there are any.
+        node.sources = flag(from, "sources of rays") != 0 ? 0 : WorkNode::kNone;
+        node.first = rays_;
+        rays_ += node.items;
+        if (rays_ > kMaxRaysOfTile) ByteReader::out_of_range("rays of a tile");
+        found_.by_kind[ray_kind] += node.items;
+        break;
+      }
+      case WorkNode::Kind::kTransfer: {
+        const std::uint32_t region = from.byte();
+        if (region >= kRegionCount) ByteReader::out_of_range("region of a transfer");
+        node.region = static_cast<Region>(region);
+        node.to_memory = flag(from, "direction of a transfer") != 0;
+        const std::uint64_t size = scope.region_bytes[region];
+        node.offset = from.number(size, "offset of a transfer");
+        if (node.items > size - node.offset) ByteReader::out_of_range("bytes of a transfer");
+        break;
+      }
+    }
+    for (std::uint32_t left = from.number32(from.left(), "inputs of a node"); left > 0; --left) {
+      const std::uint64_t code = from.number(2 * std::uint64_t{n} + 1, "input of a node");
+      if (code < 2) ByteReader::out_of_range("input of a node");
+      const Edge edge{n - static_cast<std::uint32_t>(code >> 1), static_cast<Edge::Kind>(code & 1)};
+      // Item i of a node without sources waits for item i: there must be one.
+      const bool each = edge.kind == Edge::Kind::kEach && node.sources == WorkNode::kNone;
+      if (each && node.items > work.nodes[edge.node].items) ByteReader::out_of_range("input of a node");
+      node.inputs.push_back(edge);
+    }
+    if (node.kind != WorkNode::Kind::kRays) continue;
+    if (node.inputs.size() != 1 || node.inputs[0].kind != Edge::Kind::kEach ||
+        work.nodes[node.inputs[0].node].kind != WorkNode::Kind::kLaunch) {
+      throw sim::InputError("rays must have one input, an `each` edge from a launch");
+    }
+    if (node.sources == WorkNode::kNone && node.items != work.nodes[node.inputs[0].node].items) {
+      throw sim::InputError("rays without sources must be as many as the items that make them");
+    }
+  }
+  while (work.nodes.size() > nodes_) {
+    spare_.push_back(std::move(work.nodes.back()));
+    work.nodes.pop_back();
+  }
+}
+
+TileRays TileDecoder::decode(std::string_view bytes, const TileScope& scope, TileWork& work) {
+  ByteReader from(bytes);
+  found_ = {};
+  work.frame = from.number32(std::numeric_limits<std::uint32_t>::max(), "frame");
+  work.tile = from.number32(kMaxTiles, "number of a tile");
+  work.samples = from.number32(kMaxItems, "samples of a tile");
+  work.after_all = flag(from, "tiles that a tile waits for") != 0;
+  work.after.clear();
+  for (std::uint32_t left = from.number32(from.left(), "tiles that a tile waits for"); left > 0; --left) {
+    work.after.push_back(from.number32(kMaxTiles, "a tile that a tile waits for"));
+  }
+  read_nodes(from, scope, work);
+  work.accesses.clear();
+  work.access_begin.clear();
+  work.sources.clear();
+  accesses_.begin_tile();
+  for (WorkNode& node : work.nodes) {
+    if (node.sources != WorkNode::kNone) {
+      node.sources = static_cast<std::uint32_t>(work.sources.size());
+      const std::uint32_t makers = work.nodes[node.inputs[0].node].items;
+      std::uint64_t source = 0;
+      if (node.items > from.left()) ByteReader::out_of_range("sources of rays");
+      for (std::uint32_t i = 0; i < node.items; ++i) {
+        source += from.number(makers, "source of a ray");
+        if (source >= makers) ByteReader::out_of_range("source of a ray");
+        work.sources.push_back(static_cast<std::uint32_t>(source));
+      }
+    }
+    if (node.has_accesses) accesses_.read(from, scope.counts, node.items, work);
+  }
+  work.access_begin.push_back(static_cast<std::uint32_t>(work.accesses.size()));
+
+  const std::uint32_t rays = from.number32(kMaxRaysOfTile, "rays of a tile");
+  // What follows takes at least a bit for each.
+  if (rays != rays_ || rays > 8 * from.left()) throw sim::InputError("has not as many walks as rays");
+  const std::uint32_t words = from.number32(std::numeric_limits<std::uint32_t>::max(), "words of walks");
+  const std::uint32_t form = flag(from, "form of walks");
+  const std::string_view rest = from.bytes(from.left());
+  if (form == kPlain) {
+    if (rest.size() != 4 * std::uint64_t{words}) throw sim::InputError("has not as many walks as it says");
+    found_.steps = decode_plain_walks(rest, scope.links, rays, work);
+  } else {
+    // A word takes a bit at least.
+    if (words > 8 * std::uint64_t{rest.size()}) ByteReader::out_of_range("words of walks");
+    found_.steps = decode_walks(rest, scope.links, rays, words, work);
+  }
+  return found_;
+}
+
+}  // namespace traces

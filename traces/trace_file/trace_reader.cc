@@ -1,0 +1,140 @@
+#include "traces/trace_file/trace_reader.h"
+
+#include <cerrno>
+#include <system_error>
+#include <utility>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "sim/io/printable.h"
+#include "traces/trace_file/bytes.h"
+#include "traces/walk.h"
+
+namespace traces {
+
+TraceReader::TraceReader(std::filesystem::path path) : path_(std::move(path)) {
+  file_ = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (file_ < 0) complain(errno == ENOENT ? "no such file" : std::generic_category().message(errno));
+  struct stat status {};
+  if (::fstat(file_, &status) != 0 || !S_ISREG(status.st_mode)) {
+    ::close(file_);
+    complain(S_ISDIR(status.st_mode) ? "is a folder, not a file" : "is not a regular file");
+  }
+  size_ = static_cast<std::uint64_t>(status.st_size);
+  try {
+    naming_file([&] {
+      read_header();
+      read_contents();
+    });
+  } catch (...) {
+    ::close(file_);
+    throw;
+  }
+}
+
+TraceReader::~TraceReader() { ::close(file_); }
+
+void TraceReader::complain(const std::string& what) const {
+  throw sim::InputError(fmt::format("{}: {}", sim::printable(path_.string()), sim::printable(what)));
+}
+
+void TraceReader::read_at(const Place& place, std::string& out) const {
+  out.resize(place.bytes);
+  std::size_t done = 0;
+  while (done < place.bytes) {
+    const ssize_t got = ::pread(file_, out.data() + done, place.bytes - done, static_cast<off_t>(place.offset + done));
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) {
+      throw sim::IoError(fmt::format("{}: cannot be read: {}", sim::printable(path_.string()),
+                                     std::generic_category().message(errno)));
+    }
+    if (got == 0) throw sim::InputError("ends early");
+    done += static_cast<std::size_t>(got);
+  }
+}
+
+std::string TraceReader::block(const Place& place, std::uint64_t most) const {
+  std::string packed;
+  read_at(place, packed);
+  return std::string(Unpacker().unpack(packed, most));
+}
+
+TraceReader::Place TraceReader::place_of(const Json& json) const {
+  const std::uint64_t offset = number_at(json, "offset", size_);
+  return {offset, number_at(json, "bytes", size_ - offset)};
+}
+
+void TraceReader::read_header() {
+  std::string start;
+  if (size_ < kTraceMagic.size() + 4) throw sim::InputError("is no trace: too short");
+  read_at({0, kTraceMagic.size() + 4}, start);
+  if (!start.starts_with(kTraceKind)) throw sim::InputError("is no trace; raywatt trace record makes one");
+  if (!start.starts_with(kTraceMagic)) {
+    throw sim::InputError(fmt::format("is a trace of another format, '{}'; this program reads '{}'",
+                                      start.substr(0, start.find('\n')),
+                                      kTraceMagic.substr(0, kTraceMagic.size() - 1)));
+  }
+  const Place place{start.size(), load<std::uint32_t>(start.data() + kTraceMagic.size())};
+  if (place.bytes > size_ - place.offset) throw sim::InputError("ends early");
+  header_ = Json::parse(block(place, kMaxHeaderBytes));
+}
+
+void TraceReader::read_contents() {
+  if (size_ < kTraceMagic.size() + 4 + kFooterBytes) throw sim::InputError("ends early");
+  std::string footer;
+  read_at({size_ - kFooterBytes, kFooterBytes}, footer);
+  if (!footer.ends_with(kTraceEnd)) throw sim::InputError("ends early: there is no footer");
+  const Place place{load<std::uint64_t>(footer.data()), load<std::uint32_t>(footer.data() + 8)};
+  if (place.offset > size_ || place.bytes > size_ - place.offset) throw sim::InputError("footer is damaged");
+  Json contents = Json::parse(block(place, kMaxContentsBytes));
+  for (const Json& tree : contents.at("trees")) {
+    trees_.push_back({place_of(tree), number_at(tree, "nodes", kMaxNodes), counts_of_json(tree.at("counts"))});
+  }
+  for (Json& json : contents.at("parts")) {
+    Part part;
+    part.frame = static_cast<std::uint32_t>(number_at(json, "frame", kMaxFrame));
+    part.reference = json.at("program").get<std::string>() == "reference";
+    if (trees_.empty()) throw sim::InputError("has no tree");
+    part.tree = number_at(json, "tree", trees_.size() - 1);
+    part.demands = demands_of_json(json.at("demands"));
+    part.tiles = static_cast<std::uint32_t>(number_at(json, "tiles", kMaxPartTiles));
+    part.sizes = place_of(json.at("sizes"));
+    part.tiles_at = number_at(json, "offset", size_);
+    part.result = std::move(json.at("result"));
+    parts_.push_back(std::move(part));
+  }
+  frames_ = std::move(contents.at("frames"));
+}
+
+TileScope TraceReader::scope(const Part& part, std::uint32_t kernels) const {
+  const Tree& tree = trees_[part.tree];
+  return naming_file([&]() -> TileScope {
+    return {decode_links(block(tree.place, kMaxTreeBytes), tree.nodes, tree.counts.triangles), tree.counts, kernels,
+            part.demands.region_bytes};
+  });
+}
+
+std::vector<TraceReader::Place> TraceReader::tiles(const Part& part) const {
+  return naming_file([&] {
+    const std::string sizes = block(part.sizes, std::uint64_t{4} * part.tiles);
+    if (sizes.size() != std::uint64_t{4} * part.tiles) throw sim::InputError("sizes of tiles are damaged");
+    std::vector<Place> places(part.tiles);
+    std::uint64_t at = part.tiles_at;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      places[i] = {at, load<std::uint32_t>(sizes.data() + 4 * i)};
+      if (at > size_ || places[i].bytes > size_ - at) throw sim::InputError("ends early");
+      at += places[i].bytes;
+    }
+    return places;
+  });
+}
+
+TileRays TraceReader::Cursor::read(const Place& tile, const TileScope& scope, TileWork& work) {
+  trace_.read_at(tile, block_);
+  return decoder_.decode(unpacker_.unpack(block_, kMaxTileBytes), scope, work);
+}
+
+}  // namespace traces

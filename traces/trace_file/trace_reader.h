@@ -1,0 +1,95 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "traces/trace_file/format.h"
+#include "traces/trace_file/packing.h"
+
+namespace traces {
+
+/// Reads a trace. A file is not to be trusted: whatever it holds, every function returns sound data or throws
+/// InputError of one line that names it; IoError if reading fails.
+class TraceReader {
+ public:
+  struct Place {
+    std::uint64_t offset = 0, bytes = 0;
+  };
+  /// A frame as one program renders it.
+  struct Part {
+    std::uint32_t frame = 0;
+    bool reference = false;
+    std::size_t tree = 0;
+    TraceDemands demands;
+    std::uint32_t tiles = 0;
+    std::uint64_t tiles_at = 0;  ///< where the first lies; the others follow
+    Place sizes;
+    Json result;
+  };
+
+  explicit TraceReader(std::filesystem::path path);
+  ~TraceReader();
+  TraceReader(const TraceReader&) = delete;
+  TraceReader& operator=(const TraceReader&) = delete;
+
+  const Json& header() const { return header_; }
+  const std::vector<Part>& parts() const { return parts_; }
+  const Json& frames() const { return frames_; }
+  std::uint64_t bytes() const { return size_; }
+  std::size_t trees() const { return trees_.size(); }
+  std::uint64_t tree_nodes(std::size_t tree) const { return trees_[tree].nodes; }
+
+  /// What tiles of the part may refer to; `kernels`: how many there are.
+  TileScope scope(const Part& part, std::uint32_t kernels) const;
+  /// Where each tile of the part lies.
+  std::vector<Place> tiles(const Part& part) const;
+
+  /// Reads tiles, one at a time; any number of cursors at once.
+  class Cursor {
+   public:
+    explicit Cursor(const TraceReader& trace) : trace_(trace) {}
+    TileRays read(const Place& tile, const TileScope& scope, TileWork& work);
+
+   private:
+    const TraceReader& trace_;
+    std::string block_;
+    Unpacker unpacker_;
+    TileDecoder decoder_;
+  };
+
+  /// Runs `f` and adds the file's name to what it complains of.
+  template <class F>
+  decltype(auto) naming_file(F&& f) const {
+    try {
+      return f();
+    } catch (const sim::InputError& error) {
+      complain(error.what());
+    } catch (const Json::exception& error) {
+      complain(std::string("is damaged: ") + error.what());
+    }
+  }
+
+ private:
+  struct Tree {
+    Place place;
+    std::uint64_t nodes = 0;
+    ImageCounts counts;
+  };
+  [[noreturn]] void complain(const std::string& what) const;
+  void read_at(const Place& place, std::string& out) const;
+  /// A block, unpacked.
+  std::string block(const Place& place, std::uint64_t most) const;
+  Place place_of(const Json& json) const;
+  void read_header();
+  void read_contents();
+
+  const std::filesystem::path path_;
+  int file_ = -1;
+  std::uint64_t size_ = 0;
+  Json header_, frames_;
+  std::vector<Tree> trees_;
+  std::vector<Part> parts_;
+};
+
+}  // namespace traces

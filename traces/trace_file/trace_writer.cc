@@ -1,0 +1,106 @@
+#include "traces/trace_file/trace_writer.h"
+
+#include <array>
+#include <fstream>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "sim/error.h"
+#include "sim/io/printable.h"
+#include "traces/trace_file/bytes.h"
+
+namespace traces {
+namespace {
+
+/// What a slip of the keyboard must not destroy.
+const std::filesystem::path& may_replace(const std::filesystem::path& path) {
+  std::error_code failed;
+  if (!std::filesystem::exists(path, failed) || std::filesystem::is_directory(path, failed)) return path;
+  std::string start(kTraceKind.size(), '\0');
+  std::ifstream(path, std::ios::binary).read(start.data(), static_cast<std::streamsize>(start.size()));
+  if (start != kTraceKind) {
+    throw sim::InputError(fmt::format("{}: is there and is no trace; allowed: a new file, or a trace to be replaced",
+                                      sim::printable(path.string())));
+  }
+  return path;
+}
+
+std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+template <class T>
+void append(T number, std::string& out) {
+  std::array<char, sizeof number> bytes{};
+  std::memcpy(bytes.data(), &number, bytes.size());
+  out.append(bytes.data(), bytes.size());
+}
+
+}  // namespace
+
+TraceWriter::TraceWriter(const std::filesystem::path& path, const Json& header) : file_(may_replace(path)) {
+  contents_ = {{"trees", Json::array()}, {"parts", Json::array()}, {"frames", Json::array()}};
+  const std::string_view packed = packer_.pack(text_of(header));
+  std::string size;
+  append(static_cast<std::uint32_t>(packed.size()), size);
+  file_.write(kTraceMagic);
+  file_.write(size);
+  file_.write(packed);
+}
+
+Json TraceWriter::put(std::string_view bytes) {
+  const std::string_view packed = packer_.pack(bytes);
+  const Json place = {{"offset", file_.size()}, {"bytes", packed.size()}};
+  file_.write(packed);
+  return place;
+}
+
+void TraceWriter::begin_part(PartId id, Links links, const ImageCounts& counts, const TraceDemands& demands) {
+  Json& trees = contents_["trees"];
+  if (trees.empty() || links != links_ || counts != counts_) {
+    links_ = std::move(links);
+    counts_ = counts;
+    Json tree = put(encode_links(links_));
+    tree["nodes"] = links_.size();
+    tree["counts"] = to_json(counts);
+    trees.push_back(std::move(tree));
+  }
+  sizes_.clear();
+  part_ = {{"frame", id.frame},
+           {"program", id.reference ? "reference" : "program"},
+           {"tree", trees.size() - 1},
+           {"demands", to_json(demands)},
+           {"offset", file_.size()}};
+}
+
+void TraceWriter::add(const TileWork& work) {
+  bytes_.clear();
+  encoder_.encode(work, links_, bytes_);
+  if (bytes_.size() > kMaxTileBytes) {
+    throw sim::InputError(
+        "render.tile: a tile's work takes more than 256 MiB and cannot be recorded; allowed: a "
+        "smaller tile, depth or number of lights");
+  }
+  const std::string_view packed = packer_.pack(bytes_);
+  file_.write(packed);
+  sizes_.push_back(static_cast<std::uint32_t>(packed.size()));
+}
+
+void TraceWriter::end_part(Json result) {
+  std::string sizes;
+  for (const std::uint32_t size : sizes_) append(size, sizes);
+  part_["tiles"] = sizes_.size();
+  part_["sizes"] = put(sizes);
+  part_["result"] = std::move(result);
+  contents_["parts"].push_back(std::move(part_));
+}
+
+void TraceWriter::commit() {
+  const Json place = put(text_of(contents_));
+  std::string footer;
+  append(place["offset"].get<std::uint64_t>(), footer);
+  append(place["bytes"].get<std::uint32_t>(), footer);
+  file_.write(footer.append(kTraceEnd));
+  file_.commit();
+}
+
+}  // namespace traces
