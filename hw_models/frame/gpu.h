@@ -18,6 +18,7 @@
 #include "hw_models/srp/srp.h"
 #include "hw_models/tni/tni.h"
 #include "sim/report/unit_report.h"
+#include "sim/wakes.h"
 #include "traces/accel/memory_image.h"
 
 namespace hw {
@@ -56,7 +57,7 @@ class Gpu {
   void visit(std::size_t i, F&& f) {
     std::visit([&](auto* unit) { f(*unit, i); }, units_[i]);
   }
-  std::vector<sim::Time>& wakes() { return wakes_; }
+  sim::Wakes& wakes() { return wakes_; }
   bool done() const { return dispatcher_->done() && memory_quiet(); }
   std::string state();
 
@@ -110,8 +111,8 @@ class Gpu {
   std::unique_ptr<TileDispatcher> dispatcher_;
   using Unit = std::variant<Trv*, Ist*, RayDispatcher*, Srp*, CorePort*, L2Bank*, DramChannel*, Dma*, MemoryInterface*,
                             TileDispatcher*>;
-  std::vector<Unit> units_;        ///< in the order of Wiring
-  std::vector<sim::Time> wakes_;  ///< of each of them
+  std::vector<Unit> units_;  ///< in the order of Wiring
+  sim::Wakes wakes_;         ///< of each of them
   sim::Time elapsed_ = 0;
 };
 

@@ -11,21 +11,21 @@ namespace tools {
 struct MemorySide::Wiring {
   const hw::GpuConfig& config;
   const std::uint32_t clients;
-  std::vector<sim::Time>& wakes;
+  sim::Wakes& wakes;
   sim::Clock l2 = config.clocks.l2.clock();
   std::vector<hw::L2Bank::Links> banks{config.l2.banks};
   std::vector<hw::DramChannel::Links> channels{config.dram.channels};
 
   std::uint32_t readers() const { return config.cores * clients; }
-  sim::Time* reader(std::uint32_t i) const { return &wakes[i]; }
-  sim::Time* port(std::uint32_t core) const { return &wakes[readers() + core]; }
-  sim::Time* bank(std::uint32_t b) const { return &wakes[readers() + config.cores + b]; }
-  sim::Time* channel(std::uint32_t k) const { return &wakes[readers() + config.cores + config.l2.banks + k]; }
+  sim::Waker reader(std::uint32_t i) const { return wakes.of(i); }
+  sim::Waker port(std::uint32_t core) const { return wakes.of(readers() + core); }
+  sim::Waker bank(std::uint32_t b) const { return wakes.of(readers() + config.cores + b); }
+  sim::Waker channel(std::uint32_t k) const { return wakes.of(readers() + config.cores + config.l2.banks + k); }
   std::size_t size() const { return readers() + config.cores + config.l2.banks + config.dram.channels; }
 
   template <class T>
   sim::Link<T>* link(std::deque<sim::Link<T>>& links, std::uint32_t capacity, std::uint32_t latency, sim::Clock from,
-                     sim::Clock to, sim::Time* producer, sim::Time* consumer) const {
+                     sim::Clock to, sim::Waker producer, sim::Waker consumer) const {
     auto& link = links.emplace_back(capacity, latency, from, to, from == to ? 0 : config.clocks.synchroniser);
     link.wakes(producer, consumer);
     return &link;
@@ -34,7 +34,7 @@ struct MemorySide::Wiring {
 
 MemorySide::MemorySide(const hw::GpuConfig& config) : clients_(config.tni.trvs + 2) {
   Wiring w{config, clients_, wakes_};
-  wakes_.assign(w.size(), 0);
+  wakes_.reset(w.size());
   for (std::uint32_t core = 0; core < config.cores; ++core) add_core(w, config, core);
   const sim::Clock dram(config.dram.timing.ck.time);
   const std::uint32_t depth = config.interconnect.link_depth + 1;

@@ -37,7 +37,7 @@ class MemorySide {
     for (hw::L2Bank& unit : banks_) f(unit, i++);
     for (hw::DramChannel& unit : channels_) f(unit, i++);
   }
-  std::vector<sim::Time>& wakes() { return wakes_; }
+  sim::Wakes& wakes() { return wakes_; }
   bool done() const;
   std::string state() const;
 
@@ -52,7 +52,7 @@ class MemorySide {
   std::deque<hw::CorePort> ports_;
   std::deque<hw::L2Bank> banks_;
   std::deque<hw::DramChannel> channels_;
-  std::vector<sim::Time> wakes_;
+  sim::Wakes wakes_;
 };
 
 }  // namespace tools
