@@ -1,7 +1,6 @@
 #pragma once
 #include <algorithm>
 #include <cstdint>
-#include <functional>
 #include <numeric>
 #include <string>
 #include <vector>
@@ -18,42 +17,49 @@ enum class Skip : std::uint8_t {
   kOff,  ///< visit every clock edge of every unit: slow, and the oracle that kOn must equal to the last counter
 };
 
+/// The units of a machine by their places, each to be ticked through a plain function of its own kind.
+class Ticks {
+ public:
+  template <class Machine>
+  Ticks(Machine& machine, std::size_t units) : units_(units) {
+    machine.each_unit([&]<class U>(U& unit, std::size_t i) {
+      units_[i] = {&unit, [](void* of, Time now) { return static_cast<U*>(of)->tick(now); }};
+    });
+  }
+  Time operator()(std::size_t i, Time now) const { return units_[i].tick(units_[i].unit, now); }
+
+ private:
+  struct Unit {
+    void* unit = nullptr;
+    Time (*tick)(void*, Time) = nullptr;
+  };
+  std::vector<Unit> units_;
+};
+
 /// A machine, as the engine sees it:
 ///   each_unit(f)   calls f(unit, index) for every unit; unit.tick(now) returns its next own wake-up time,
 ///                  unit.clock() its clock domain
-///   visit(i, f)    the same for one unit; not needed where units are few
-///   wakes()        the wake array, one entry per unit, which links lower
+///   wakes()        the units' wake-up times, which links lower
 ///   done()         all work has left the machine
 ///   state()        a line per unit, for a stuck machine
 ///
 /// Runs until done and returns the time of the last visited edge.
 template <Skip kSkip = Skip::kOn, class Machine>
 Time run(Machine& machine) {
-  std::vector<Time>& wakes = machine.wakes();
-  UnitSet due(wakes.size());
+  Wakes& wakes = machine.wakes();
+  const Ticks ticks(machine, wakes.size());
   Time now = 0;
-  const auto tick = [&](auto& unit, std::size_t i) {
-    wakes[i] = kNever;  // links may lower it while the unit ticks
-    const Time own = unit.tick(now);
-    wakes[i] = std::min(wakes[i], own);
-  };
+  const auto tick = [&](std::size_t i) { return ticks(i, now); };
   for (;;) {
     if constexpr (kSkip == Skip::kOff) {
       machine.each_unit([&](auto& unit, std::size_t i) {
-        if (unit.clock().is_edge(now)) tick(unit, i);
+        if (unit.clock().is_edge(now)) wakes.tick_one(i, tick);
       });
     } else {
-      due.set_due(wakes, now);
-      if constexpr (requires { machine.visit(0, tick); }) {
-        due.each([&](std::size_t i) { machine.visit(i, tick); });
-      } else {
-        machine.each_unit([&](auto& unit, std::size_t i) {
-          if (due.has(i)) tick(unit, i);
-        });
-      }
+      wakes.tick_due(now, tick);
     }
     if (machine.done()) return now;
-    const Time next = earliest(wakes);
+    const Time next = wakes.earliest();
     if (next == kNever) throw Deadlock("the machine is stuck", machine.state());
     if constexpr (kSkip == Skip::kOff) {
       Time edge = kNever;
@@ -70,21 +76,17 @@ Time run(Machine& machine) {
 /// order invisible, and this shows it.
 template <class Machine>
 Time run_shuffled(Machine& machine, std::uint64_t seed) {
-  std::vector<Time>& wakes = machine.wakes();
-  std::vector<std::function<Time(Time)>> ticks(wakes.size());
-  machine.each_unit([&](auto& unit, std::size_t i) { ticks[i] = [&unit](Time now) { return unit.tick(now); }; });
+  Wakes& wakes = machine.wakes();
+  const Ticks ticks(machine, wakes.size());
   std::vector<std::size_t> order(wakes.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   for (Time now = 0;;) {
     std::ranges::sort(order, {}, [&](std::size_t i) { return hash(seed, now, i); });
     for (const std::size_t i : order) {
-      if (wakes[i] > now) continue;
-      wakes[i] = kNever;
-      const Time own = ticks[i](now);
-      wakes[i] = std::min(wakes[i], own);
+      if (wakes[i] == now) wakes.tick_one(i, [&](std::size_t) { return ticks(i, now); });
     }
     if (machine.done()) return now;
-    now = earliest(wakes);
+    now = wakes.earliest();
     if (now == kNever) throw Deadlock("the machine is stuck", machine.state());
   }
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sim/time.h"
+#include "sim/wakes.h"
 
 namespace sim {
 
@@ -31,8 +32,7 @@ class Link {
       : slots_(capacity),
         capacity_(static_cast<std::uint32_t>(capacity)),
         crossing_(!(producer == consumer)),
-        latency_(latency_cycles * producer.period() +
-                 (crossing_ ? synchroniser_cycles * consumer.period() : 0)),
+        latency_(latency_cycles * producer.period() + (crossing_ ? synchroniser_cycles * consumer.period() : 0)),
         release_(consumer.period()),
         producer_clock_(producer),
         consumer_clock_(consumer) {
@@ -41,11 +41,12 @@ class Link {
   Link(const Link&) = delete;
   Link& operator=(const Link&) = delete;
 
-  /// Entries of the engine's wake array that this link lowers when it gives an end something to do that the end cannot
-  /// know of: the first item in an empty link, the first room in a full one. All else it says by pop_at() and push_at().
-  void wakes(Time* producer, Time* consumer) {
-    producer_wake_ = producer != nullptr ? producer : &nobody_;
-    consumer_wake_ = consumer != nullptr ? consumer : &nobody_;
+  /// Wake-up times of its ends, which this link lowers when it gives an end something to do that the end cannot
+  /// know of: the first item in an empty link, the first room in a full one. All else it says by pop_at() and
+  /// push_at().
+  void wakes(Waker producer, Waker consumer) {
+    if (producer.unit != nullptr) producer_ = producer;
+    if (consumer.unit != nullptr) consumer_ = consumer;
   }
   /// Keeps `bit` of the set while something is inside (sim/inputs.h).
   void tell(std::uint64_t* set, unsigned bit) {
@@ -70,7 +71,7 @@ class Link {
     if (size_ == 0) {
       pop_at_ = stamp;
       *holding_ |= bit_;
-      *consumer_wake_ = std::min(*consumer_wake_, stamp);
+      consumer_.lower(stamp);
     }
     size_ += 1;
     tail_ = after(tail_);
@@ -86,7 +87,7 @@ class Link {
     slot.stamp = stamp;
     if (size_ == capacity_) {
       push_at_ = stamp;
-      *producer_wake_ = std::min(*producer_wake_, stamp);
+      producer_.lower(stamp);
     }
     size_ -= 1;
     head_ = after(head_);
@@ -119,8 +120,7 @@ class Link {
   std::uint32_t head_ = 0, tail_ = 0, size_ = 0;
   const bool crossing_;
   const Time latency_, release_;  ///< from a push to the consumer, from a pop to the producer, but for the next edge
-  Time* producer_wake_ = &nobody_;
-  Time* consumer_wake_ = &nobody_;
+  Waker producer_{&nobody_}, consumer_{&nobody_};
   std::uint64_t* holding_ = &nobodys_;
   std::uint64_t bit_ = 0;
   Time nobody_ = kNever;  ///< woken where there is no engine

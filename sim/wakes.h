@@ -1,9 +1,9 @@
 #pragma once
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #if defined(__SSE4_2__)
@@ -14,68 +14,114 @@
 
 namespace sim {
 
-// The engine's wake array: for each unit the next time at which it has something to do. Units are few and all of them
-// are looked at in every step, two at once where the host can.
+/// Where it is written down that a unit has something to do: its wake-up time and, if the engine keeps one, the
+/// earliest of its group's.
+struct Waker {
+  Waker() = default;
+  Waker(Time* wake) : unit(wake), group(wake) {}  ///< of a unit alone; nobody's if nullptr
+  Waker(Time* wake, Time* earliest) : unit(wake), group(earliest) {}
 
-/// The earliest of the times; kNever if there is none.
-inline Time earliest(std::span<const Time> wakes) {
-  std::size_t i = 0;
-  Time first = kNever;
-#if defined(__SSE4_2__)
-  static_assert(kNever <= 0x7fffffffffffffffU, "compared as signed numbers");
-  const __m128i never = _mm_set1_epi64x(static_cast<std::int64_t>(kNever));
-  __m128i a = never, b = never;
-  const auto lower = [](__m128i x, __m128i y) { return _mm_blendv_epi8(x, y, _mm_cmpgt_epi64(x, y)); };
-  const auto at = [&](std::size_t k) { return _mm_loadu_si128(reinterpret_cast<const __m128i*>(&wakes[k])); };
-  for (; i + 4 <= wakes.size(); i += 4) {
-    a = lower(a, at(i));
-    b = lower(b, at(i + 2));
+  void lower(Time at) const {
+    *unit = std::min(*unit, at);
+    *group = std::min(*group, at);
   }
-  a = lower(a, b);
-  first = static_cast<Time>(std::min(_mm_cvtsi128_si64(a), _mm_extract_epi64(a, 1)));
-#endif
-  for (; i < wakes.size(); ++i) first = std::min(first, wakes[i]);
-  return first;
-}
 
-/// A set of units, by their place in the wake array.
-class UnitSet {
+  Time* unit = nullptr;
+  Time* group = nullptr;
+};
+
+/// The engine's wake-up times: for each unit the next time at which it has something to do, and for each group of
+/// eight neighbours the earliest of theirs. Neighbours are looked at together, two at once where the host can.
+class Wakes {
  public:
-  explicit UnitSet(std::size_t units) : words_((units + 63) / 64) {}
+  static constexpr std::size_t kGroup = 8;
 
-  bool has(std::size_t unit) const { return ((words_[unit / 64] >> (unit % 64)) & 1U) != 0; }
+  Wakes() = default;
+  /// All units wake at time 0.
+  explicit Wakes(std::size_t units) { reset(units); }
+  Wakes(const Wakes&) = delete;
+  Wakes& operator=(const Wakes&) = delete;
 
-  /// All that wake at `now`, the earliest time of all.
-  void set_due(std::span<const Time> wakes, Time now) {
-    for (std::size_t w = 0; w < words_.size(); ++w) {
-      const std::size_t begin = w * 64, end = std::min(begin + 64, wakes.size());
-      std::uint64_t word = 0;
-      std::size_t i = begin;
-#if defined(__SSE4_2__)
-      const __m128i at_now = _mm_set1_epi64x(static_cast<std::int64_t>(now));
-      for (; i + 2 <= end; i += 2) {
-        const __m128i two = _mm_loadu_si128(reinterpret_cast<const __m128i*>(&wakes[i]));
-        const int equal = _mm_movemask_pd(_mm_castsi128_pd(_mm_cmpeq_epi64(two, at_now)));
-        word |= static_cast<std::uint64_t>(equal) << (i - begin);
+  void reset(std::size_t units) {
+    groups_.assign((units + kGroup - 1) / kGroup, Eight{});
+    for (Eight& group : groups_) group.fill(kNever);
+    earliest_.assign((groups_.size() + kGroup - 1) / kGroup * kGroup, kNever);
+    for (std::size_t i = 0; i < units; ++i) lower(i, 0);
+    size_ = units;
+  }
+  std::size_t size() const { return size_; }
+
+  Waker of(std::size_t unit) { return {&at(unit), &earliest_[unit / kGroup]}; }
+  void lower(std::size_t unit, Time time) { of(unit).lower(time); }
+
+  /// The earliest of all.
+  Time earliest() const {
+    Time first = kNever;
+    for (std::size_t i = 0; i < earliest_.size(); i += kGroup) first = std::min(first, least(&earliest_[i]));
+    return first;
+  }
+
+  /// Calls tick(unit), which returns a unit's own next wake-up time, for all units that wake at `now`, the earliest
+  /// time of all. Ticks may lower any unit's time to one after `now`.
+  template <class Tick>
+  void tick_due(Time now, Tick&& tick) {
+    for (std::size_t g = 0; g < groups_.size(); ++g) {
+      if (earliest_[g] != now) continue;
+      Eight& group = groups_[g];
+      for (unsigned due = equal(group.data(), now); due != 0; due &= due - 1) {
+        const auto i = static_cast<std::size_t>(std::countr_zero(due));
+        group[i] = kNever;  // links may lower it while the unit ticks
+        const Time own = tick(g * kGroup + i);
+        group[i] = std::min(group[i], own);
       }
-#endif
-      for (; i < end; ++i) word |= std::uint64_t{wakes[i] == now} << (i - begin);
-      words_[w] = word;
+      earliest_[g] = least(group.data());
     }
   }
 
-  /// Calls f(unit) for each, in order.
-  template <class F>
-  void each(F&& f) const {
-    for (std::size_t w = 0; w < words_.size(); ++w) {
-      for (std::uint64_t left = words_[w]; left != 0; left &= left - 1) {
-        f(w * 64 + static_cast<std::size_t>(std::countr_zero(left)));
-      }
-    }
+  /// The same for one unit, at any time.
+  template <class Tick>
+  void tick_one(std::size_t unit, Tick&& tick) {
+    at(unit) = kNever;
+    const Time own = tick(unit);
+    lower(unit, own);
+    earliest_[unit / kGroup] = least(groups_[unit / kGroup].data());
   }
+  Time operator[](std::size_t unit) const { return groups_[unit / kGroup][unit % kGroup]; }
 
  private:
-  std::vector<std::uint64_t> words_;
+  using Eight = std::array<Time, kGroup>;
+
+  Time& at(std::size_t unit) { return groups_[unit / kGroup][unit % kGroup]; }
+
+#if defined(__SSE4_2__)
+  static_assert(kNever <= 0x7fffffffffffffffU, "compared as signed numbers");
+  static __m128i load(const Time* two) { return _mm_loadu_si128(reinterpret_cast<const __m128i*>(two)); }
+  static __m128i lower_of(__m128i a, __m128i b) { return _mm_blendv_epi8(a, b, _mm_cmpgt_epi64(a, b)); }
+  static Time least(const Time* eight) {
+    const __m128i two = lower_of(lower_of(load(eight), load(eight + 2)), lower_of(load(eight + 4), load(eight + 6)));
+    return static_cast<Time>(std::min(_mm_cvtsi128_si64(two), _mm_extract_epi64(two, 1)));
+  }
+  static unsigned equal(const Time* eight, Time time) {
+    const __m128i wanted = _mm_set1_epi64x(static_cast<std::int64_t>(time));
+    unsigned mask = 0;
+    for (std::size_t i = 0; i < kGroup; i += 2) {
+      const __m128i same = _mm_cmpeq_epi64(load(eight + i), wanted);
+      mask |= static_cast<unsigned>(_mm_movemask_pd(_mm_castsi128_pd(same))) << i;
+    }
+    return mask;
+  }
+#else
+  static Time least(const Time* eight) { return *std::min_element(eight, eight + kGroup); }
+  static unsigned equal(const Time* eight, Time time) {
+    unsigned mask = 0;
+    for (std::size_t i = 0; i < kGroup; ++i) mask |= unsigned{eight[i] == time} << i;
+    return mask;
+  }
+#endif
+
+  std::vector<Eight> groups_;
+  std::vector<Time> earliest_;  ///< of each group
+  std::size_t size_ = 0;
 };
 
 }  // namespace sim

@@ -15,28 +15,29 @@ constexpr std::uint32_t kIdealDepth = 256;  // of the links of an ideal intercon
 /// Places in the wake array, and the links that meet at banks and channels.
 struct MemoryNet::Wiring {
   const hw::GpuConfig& config;
-  sim::Time* const wakes;
+  sim::Wakes& wakes;
+  const std::size_t first;
   sim::Clock l2 = config.clocks.l2.clock();
   std::vector<hw::L2Bank::Links> banks{config.l2.banks};
   std::vector<hw::DramChannel::Links> channels{config.dram.channels};
 
-  sim::Time* port(std::uint32_t core) const { return wakes + core; }
-  sim::Time* bank(std::uint32_t b) const { return wakes + config.cores + b; }
-  sim::Time* channel(std::uint32_t k) const { return wakes + config.cores + config.l2.banks + k; }
+  sim::Waker port(std::uint32_t core) const { return wakes.of(first + core); }
+  sim::Waker bank(std::uint32_t b) const { return wakes.of(first + config.cores + b); }
+  sim::Waker channel(std::uint32_t k) const { return wakes.of(first + config.cores + config.l2.banks + k); }
 
   template <class T>
   sim::Link<T>* link(std::deque<sim::Link<T>>& links, std::uint32_t capacity, std::uint32_t latency, sim::Clock from,
-                     sim::Clock to, sim::Time* producer, sim::Time* consumer) const {
+                     sim::Clock to, sim::Waker producer, sim::Waker consumer) const {
     auto& link = links.emplace_back(capacity, latency, from, to, from == to ? 0 : config.clocks.synchroniser);
     link.wakes(producer, consumer);
     return &link;
   }
 };
 
-MemoryNet::MemoryNet(const hw::GpuConfig& config, std::span<const Client> clients, sim::Time* wakes,
-                     const std::function<sim::Time*(std::uint32_t, std::uint32_t)>& wake_of)
+MemoryNet::MemoryNet(const hw::GpuConfig& config, std::span<const Client> clients, sim::Wakes& wakes, std::size_t first,
+                     const std::function<sim::Waker(std::uint32_t, std::uint32_t)>& wake_of)
     : clients_(static_cast<std::uint32_t>(clients.size())) {
-  Wiring w{config, wakes};
+  Wiring w{config, wakes, first};
   const hw::IdealConfig& ideal = config.ideal;
   const std::uint32_t distance = ideal.interconnect ? 1 : config.interconnect.latency;
   const std::uint32_t link_depth = ideal.interconnect ? kIdealDepth : config.interconnect.link_depth;
@@ -45,7 +46,7 @@ MemoryNet::MemoryNet(const hw::GpuConfig& config, std::span<const Client> client
   for (std::uint32_t core = 0; core < config.cores; ++core) {
     hw::CorePort::Links port;
     for (std::uint32_t c = 0; c < clients_; ++c) {
-      sim::Time* wake = wake_of(core, c);
+      const sim::Waker wake = wake_of(core, c);
       const auto& [clock, lines] = clients[c];
       requests_of_.push_back(w.link(requests_, request_depth, 1, clock, w.l2, wake, w.port(core)));
       responses_of_.push_back(w.link(responses_, lines, 1, w.l2, clock, w.port(core), wake));

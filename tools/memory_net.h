@@ -10,6 +10,7 @@
 #include "hw_models/memory/core_port.h"
 #include "hw_models/memory/dram_channel.h"
 #include "hw_models/memory/l2_bank.h"
+#include "sim/wakes.h"
 
 namespace tools {
 
@@ -25,9 +26,10 @@ class MemoryNet {
     sim::Clock clock;
     std::uint32_t lines = 1;
   };
-  /// `wakes`: of the net's units, units() of them, in the order of each_unit; `wake_of(core, client)`: of a client.
-  MemoryNet(const hw::GpuConfig& config, std::span<const Client> clients, sim::Time* wakes,
-            const std::function<sim::Time*(std::uint32_t, std::uint32_t)>& wake_of);
+  /// The net's units() units have the places from `first` on in `wakes`, in the order of each_unit;
+  /// `wake_of(core, client)`: of a client.
+  MemoryNet(const hw::GpuConfig& config, std::span<const Client> clients, sim::Wakes& wakes, std::size_t first,
+            const std::function<sim::Waker(std::uint32_t, std::uint32_t)>& wake_of);
   MemoryNet(const MemoryNet&) = delete;
   MemoryNet& operator=(const MemoryNet&) = delete;
 

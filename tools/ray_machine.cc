@@ -102,12 +102,12 @@ RayMachine::Core::Core(RayMachine& m, std::span<const traces::Ray> list, const t
       source(m.clock_, m.config_.direct_interface.interval, rays, jobs, dones),
       tni(m.config_.tni, {m.config_.ideal.tni, m.config_.ideal.l1}, scene_of(image, parents),
           m.config_.direct_interface.interval, links_of(m.net_, core, m.config_.tni.trvs + 1, jobs, dones), m.clock_) {
-  sim::Time* const first = &m.wakes_[core * m.units_per_core()];
-  jobs.wakes(first, first + 1);
-  dones.wakes(first + 1, first);
-  std::vector<sim::Time*> trvs;
-  for (std::uint32_t t = 0; t < m.config_.tni.trvs; ++t) trvs.push_back(first + 3 + t);
-  tni.wakes(first + 1, first + 2, trvs);
+  const auto wake = [&](std::size_t place) { return m.wakes_.of(core * m.units_per_core() + place); };
+  jobs.wakes(wake(0), wake(1));
+  dones.wakes(wake(1), wake(0));
+  std::vector<sim::Waker> trvs;
+  for (std::uint32_t t = 0; t < m.config_.tni.trvs; ++t) trvs.push_back(wake(3 + t));
+  tni.wakes(wake(1), wake(2), trvs);
 }
 
 RayMachine::RayMachine(const hw::GpuConfig& config, const traces::MemoryImage& image,
@@ -116,10 +116,10 @@ RayMachine::RayMachine(const hw::GpuConfig& config, const traces::MemoryImage& i
       clock_(config.clocks.tni.clock()),
       tracer_(image),
       wakes_(config.cores * units_per_core() + MemoryNet::units(config)),
-      net_(config_, clients(config_), &wakes_[config.cores * units_per_core()],
+      net_(config_, clients(config_), wakes_, config.cores * units_per_core(),
            [this](std::uint32_t core, std::uint32_t client) {
              const std::size_t place = client == config_.tni.trvs ? 2 : 3 + std::size_t{client};
-             return &wakes_[core * units_per_core() + place];
+             return wakes_.of(core * units_per_core() + place);
            }) {
   for (std::uint32_t core = 0; core < config.cores; ++core) cores_.emplace_back(*this, rays, image, parents, core);
 }

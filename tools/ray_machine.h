@@ -78,7 +78,7 @@ class RayMachine {
     }
     net_.each_unit(f, i);
   }
-  std::vector<sim::Time>& wakes() { return wakes_; }
+  sim::Wakes& wakes() { return wakes_; }
   bool done() const;
   std::string state() const;
 
@@ -97,7 +97,7 @@ class RayMachine {
   const hw::GpuConfig config_;
   const sim::Clock clock_;
   const traces::BvhTracer tracer_;
-  std::vector<sim::Time> wakes_;
+  sim::Wakes wakes_;
   MemoryNet net_;
   std::deque<Core> cores_;
   sim::Time elapsed_ = 0;

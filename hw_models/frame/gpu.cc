@@ -1,7 +1,6 @@
 #include "hw_models/frame/gpu.h"
 
 #include <algorithm>
-#include <cassert>
 
 #include <fmt/format.h>
 
@@ -38,30 +37,30 @@ Addr records_of(const GpuConfig& config, const Gpu::Workload& workload, std::uin
 
 }  // namespace
 
-/// Places in the wake array (in the order of list_units()) and the links between cores and memory.
+/// Places in the wake array (in the order of each_unit) and the links between cores and memory.
 struct Gpu::Wiring {
   const std::uint32_t trvs, cores, banks, channels;
   const bool direct_interface;
-  std::vector<sim::Time>& wakes;
+  sim::Wakes& wakes;
 
   // [core][bank] and so on; requests go to memory, responses come back.
   std::vector<std::vector<sim::Link<MemRequest>*>> core_bank_up, core_channel_up, bank_channel_up;
   std::vector<std::vector<sim::Link<MemResponse>*>> core_bank_down, core_channel_down, bank_channel_down;
 
-  sim::Time* at(std::size_t i) const { return &wakes[i]; }
+  sim::Waker at(std::size_t i) const { return wakes.of(i); }
   std::size_t core(std::uint32_t c) const { return 1 + std::size_t{c} * units_per_core(); }
   std::size_t units_per_core() const { return 6 + trvs; }
-  sim::Time* dispatcher() const { return at(0); }
-  sim::Time* srp(std::uint32_t c) const { return at(core(c)); }
-  sim::Time* ray_dispatcher(std::uint32_t c) const { return at(core(c) + 1); }
-  sim::Time* trv(std::uint32_t c, std::uint32_t t) const { return at(core(c) + 2 + t); }
-  sim::Time* ist(std::uint32_t c) const { return at(core(c) + 2 + trvs); }
-  sim::Time* dma(std::uint32_t c) const { return at(core(c) + 3 + trvs); }
-  sim::Time* cache_port(std::uint32_t c) const { return at(core(c) + 4 + trvs); }
-  sim::Time* dma_port(std::uint32_t c) const { return at(core(c) + 5 + trvs); }
-  sim::Time* bank(std::uint32_t b) const { return at(core(cores) + b); }
-  sim::Time* channel(std::uint32_t k) const { return at(core(cores) + banks + k); }
-  sim::Time* memory_interface(std::uint32_t c) const { return at(core(cores) + banks + channels + c); }
+  sim::Waker dispatcher() const { return at(0); }
+  sim::Waker srp(std::uint32_t c) const { return at(core(c)); }
+  sim::Waker ray_dispatcher(std::uint32_t c) const { return at(core(c) + 1); }
+  sim::Waker trv(std::uint32_t c, std::uint32_t t) const { return at(core(c) + 2 + t); }
+  sim::Waker ist(std::uint32_t c) const { return at(core(c) + 2 + trvs); }
+  sim::Waker cache_port(std::uint32_t c) const { return at(core(c) + 3 + trvs); }
+  sim::Waker dma(std::uint32_t c) const { return at(core(c) + 4 + trvs); }
+  sim::Waker dma_port(std::uint32_t c) const { return at(core(c) + 5 + trvs); }
+  sim::Waker bank(std::uint32_t b) const { return at(core(cores) + b); }
+  sim::Waker channel(std::uint32_t k) const { return at(core(cores) + banks + k); }
+  sim::Waker memory_interface(std::uint32_t c) const { return at(core(cores) + banks + channels + c); }
   std::size_t size() const { return core(cores) + banks + channels + (direct_interface ? 0 : cores); }
 };
 
@@ -89,18 +88,18 @@ Gpu::Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles)
                 {},
                 {},
                 {}};
-  wakes_.assign(wiring.size(), 0);
+  wakes_.reset(wiring.size());
 
   const bool ideal = config.ideal.interconnect;
   const std::uint32_t distance = ideal ? 1 : config.interconnect.latency;
   const std::uint32_t link_depth = ideal ? kIdealDepth : config.interconnect.link_depth;
-  const auto request = [&](std::uint32_t latency, sim::Clock to, sim::Time* from_unit, sim::Time* to_unit) {
+  const auto request = [&](std::uint32_t latency, sim::Clock to, sim::Waker from_unit, sim::Waker to_unit) {
     auto& link = requests_.emplace_back(link_depth + latency, latency, l2_clock_, to,
                                         to == l2_clock_ ? 0 : config.clocks.synchroniser);
     link.wakes(from_unit, to_unit);
     return &link;
   };
-  const auto response = [&](std::uint32_t latency, sim::Clock from, sim::Time* from_unit, sim::Time* to_unit) {
+  const auto response = [&](std::uint32_t latency, sim::Clock from, sim::Waker from_unit, sim::Waker to_unit) {
     auto& link = responses_.emplace_back(link_depth + latency, latency, from, l2_clock_,
                                          from == l2_clock_ ? 0 : config.clocks.synchroniser);
     link.wakes(from_unit, to_unit);
@@ -138,7 +137,6 @@ Gpu::Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles)
   add_memory(wiring);
   for (auto& flush : flushes_) tile_links.to_l2.push_back(&flush);
   dispatcher_ = std::make_unique<TileDispatcher>(tiles, config.tile_buffer.tiles_in_flight, tile_links, l2_clock_);
-  list_units();
 }
 
 void Gpu::add_core(Wiring& wiring, std::uint32_t c, const Workload& workload) {
@@ -175,8 +173,8 @@ void Gpu::add_core(Wiring& wiring, std::uint32_t c, const Workload& workload) {
 
   // Clients of the core's port: the TRVs, the IST, the SRP's data cache.
   CorePort::Links port{{}, {}, wiring.core_bank_up[c], wiring.core_bank_down[c]};
-  const auto client = [&](sim::Clock clock, std::uint32_t up_depth, std::uint32_t down_depth, sim::Time* unit,
-                          sim::Time* port_unit, CorePort::Links& links) {
+  const auto client = [&](sim::Clock clock, std::uint32_t up_depth, std::uint32_t down_depth, sim::Waker unit,
+                          sim::Waker port_unit, CorePort::Links& links) {
     const std::uint32_t crossing = clock == l2_clock_ ? 0 : sync;
     auto& up = requests_.emplace_back(up_depth, 1, clock, l2_clock_, crossing);
     auto& down = responses_.emplace_back(down_depth, 1, l2_clock_, clock, crossing);
@@ -215,7 +213,7 @@ void Gpu::add_core(Wiring& wiring, std::uint32_t c, const Workload& workload) {
                                               {port.clients_in.begin(), port.clients_in.begin() + trvs + 1},
                                               {port.clients_out.begin(), port.clients_out.begin() + trvs + 1}},
                                    tni_clock_);
-  std::vector<sim::Time*> trv_wakes;
+  std::vector<sim::Waker> trv_wakes;
   for (std::uint32_t t = 0; t < trvs; ++t) trv_wakes.push_back(wiring.trv(c, t));
   core.tni->wakes(wiring.ray_dispatcher(c), wiring.ist(c), trv_wakes);
 
@@ -276,23 +274,6 @@ void Gpu::add_memory(Wiring& wiring) {
     }
     channels_.emplace_back(config_.dram, links, config_.ideal.dram);
   }
-}
-
-void Gpu::list_units() {
-  units_.emplace_back(dispatcher_.get());
-  for (Core& core : cores_) {
-    units_.emplace_back(core.srp.get());
-    units_.emplace_back(&core.tni->dispatcher());
-    for (Trv& trv : core.tni->trvs()) units_.emplace_back(&trv);
-    units_.emplace_back(&core.tni->ist());
-    units_.emplace_back(core.dma.get());
-    units_.emplace_back(core.cache_port.get());
-    units_.emplace_back(core.dma_port.get());
-  }
-  for (L2Bank& bank : banks_) units_.emplace_back(&bank);
-  for (DramChannel& channel : channels_) units_.emplace_back(&channel);
-  for (MemoryInterface& unit : memory_interfaces_) units_.emplace_back(&unit);
-  assert(units_.size() == wakes_.size());
 }
 
 bool Gpu::memory_quiet() const {

@@ -5,7 +5,6 @@
 #include <memory>
 #include <span>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include "hw_models/frame/dma.h"
@@ -18,6 +17,7 @@
 #include "hw_models/srp/srp.h"
 #include "hw_models/tni/tni.h"
 #include "sim/report/unit_report.h"
+#include "sim/wakes.h"
 #include "traces/accel/memory_image.h"
 
 namespace hw {
@@ -50,13 +50,22 @@ class Gpu {
   // The machine, as the engine sees it (sim/engine.h).
   template <class F>
   void each_unit(F&& f) {
-    for (std::size_t i = 0; i < units_.size(); ++i) visit(i, f);
+    std::size_t i = 0;
+    f(*dispatcher_, i++);
+    for (Core& core : cores_) {
+      f(*core.srp, i++);
+      f(core.tni->dispatcher(), i++);
+      for (Trv& trv : core.tni->trvs()) f(trv, i++);
+      f(core.tni->ist(), i++);
+      f(*core.cache_port, i++);
+      f(*core.dma, i++);
+      f(*core.dma_port, i++);
+    }
+    for (L2Bank& bank : banks_) f(bank, i++);
+    for (DramChannel& channel : channels_) f(channel, i++);
+    for (MemoryInterface& unit : memory_interfaces_) f(unit, i++);
   }
-  template <class F>
-  void visit(std::size_t i, F&& f) {
-    std::visit([&](auto* unit) { f(*unit, i); }, units_[i]);
-  }
-  std::vector<sim::Time>& wakes() { return wakes_; }
+  sim::Wakes& wakes() { return wakes_; }
   bool done() const { return dispatcher_->done() && memory_quiet(); }
   std::string state();
 
@@ -85,7 +94,6 @@ class Gpu {
   bool memory_quiet() const;
   void add_core(Wiring& wiring, std::uint32_t core, const Workload& workload);
   void add_memory(Wiring& wiring);
-  void list_units();
 
   const GpuConfig config_;
   const sim::Clock tni_clock_, srp_clock_, l2_clock_, dram_clock_;
@@ -108,10 +116,7 @@ class Gpu {
   std::deque<DramChannel> channels_;
   std::deque<MemoryInterface> memory_interfaces_;  ///< of each core, if there is no direct interface
   std::unique_ptr<TileDispatcher> dispatcher_;
-  using Unit = std::variant<Trv*, Ist*, RayDispatcher*, Srp*, CorePort*, L2Bank*, DramChannel*, Dma*, MemoryInterface*,
-                            TileDispatcher*>;
-  std::vector<Unit> units_;        ///< in the order of Wiring
-  std::vector<sim::Time> wakes_;  ///< of each of them
+  sim::Wakes wakes_;  ///< in the order of each_unit
   sim::Time elapsed_ = 0;
 };
 

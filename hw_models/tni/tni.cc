@@ -47,7 +47,7 @@ Tni::Tni(const TniConfig& given, const Perfect& perfect, const Scene& scene, std
       RayDispatcher::Links{links.rays_in, links.hits_out, pointers(to_trv_), pointers(from_trv_)}, clock);
 }
 
-void Tni::wakes(sim::Time* dispatcher, sim::Time* ist, const std::vector<sim::Time*>& trvs) {
+void Tni::wakes(sim::Waker dispatcher, sim::Waker ist, const std::vector<sim::Waker>& trvs) {
   for (std::size_t i = 0; i < trvs_.size(); ++i) {
     to_trv_[i].wakes(dispatcher, trvs[i]);
     from_trv_[i].wakes(trvs[i], dispatcher);

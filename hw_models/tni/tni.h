@@ -46,7 +46,7 @@ class Tni {
   const Ist& ist() const { return *ist_; }
 
   /// Connects the inner links to the engine's wake array, given each unit's entry.
-  void wakes(sim::Time* dispatcher, sim::Time* ist, const std::vector<sim::Time*>& trvs);
+  void wakes(sim::Waker dispatcher, sim::Waker ist, const std::vector<sim::Waker>& trvs);
 
  private:
   std::deque<sim::Link<RayJob>> to_trv_;

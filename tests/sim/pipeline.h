@@ -126,8 +126,8 @@ class Pipeline {
         source(c, first_),
         stage(c, first_, second_),
         sink(c, second_) {
-    first_.wakes(&wakes_[0], &wakes_[1]);
-    second_.wakes(&wakes_[1], &wakes_[2]);
+    first_.wakes(wakes_.of(0), wakes_.of(1));
+    second_.wakes(wakes_.of(1), wakes_.of(2));
   }
 
   void each_unit(auto&& f) {
@@ -135,7 +135,7 @@ class Pipeline {
     f(stage, std::size_t{1});
     f(sink, std::size_t{2});
   }
-  std::vector<Time>& wakes() { return wakes_; }
+  Wakes& wakes() { return wakes_; }
   bool done() const { return sink.taken.size() == config_.items; }
   std::string state() const {
     return "first link: " + std::to_string(first_.size()) + "\nsecond link: " + std::to_string(second_.size());
@@ -153,7 +153,7 @@ class Pipeline {
 
  private:
   PipelineConfig config_;
-  std::vector<Time> wakes_ = std::vector<Time>(3, 0);
+  Wakes wakes_{3};
   Link<std::uint64_t> first_, second_;
 
  public:

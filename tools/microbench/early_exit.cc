@@ -34,9 +34,9 @@ class IstStand {
         source_(*this, leaf, leaves),
         ist_(config.gpu.tni.ist, {.rau = {}, .perfect_l1 = true}, {0, config.bvh.triangle_bytes},
              {{&jobs_}, {&answers_}, requests_, lines_}, 0, clock_) {
-    wakes_.assign(2, 0);
-    jobs_.wakes(&wakes_[0], &wakes_[1]);
-    answers_.wakes(&wakes_[1], &wakes_[0]);
+    wakes_.reset(2);
+    jobs_.wakes(wakes_.of(0), wakes_.of(1));
+    answers_.wakes(wakes_.of(1), wakes_.of(0));
     const sim::Time last = sim::run(*this);
     ist_.finish(clock_.after(last, 1));
   }
@@ -52,7 +52,7 @@ class IstStand {
     f(source_, 0);
     f(ist_, 1);
   }
-  std::vector<sim::Time>& wakes() { return wakes_; }
+  sim::Wakes& wakes() { return wakes_; }
   bool done() const { return source_.answered.size() == source_.leaves; }
   std::string state() const { return ist_.state() + "\n"; }
 
@@ -92,7 +92,7 @@ class IstStand {
   sim::Link<hw::MemResponse> lines_;
   Source source_;
   hw::Ist ist_;
-  std::vector<sim::Time> wakes_;
+  sim::Wakes wakes_;
 };
 
 /// pJ of all that a unit has counted.

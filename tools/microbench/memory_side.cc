@@ -33,8 +33,8 @@ std::vector<MemoryNet::Client> clients(const hw::GpuConfig& config) {
 MemorySide::MemorySide(const hw::GpuConfig& config)
     : clients_(config.tni.trvs + 2),
       wakes_(std::size_t{config.cores} * clients_ + MemoryNet::units(config)),
-      net_(config, clients(config), &wakes_[std::size_t{config.cores} * clients_],
-           [this](std::uint32_t core, std::uint32_t client) { return &wakes_[core * clients_ + client]; }) {
+      net_(config, clients(config), wakes_, std::size_t{config.cores} * clients_,
+           [this](std::uint32_t core, std::uint32_t client) { return wakes_.of(core * clients_ + client); }) {
   const std::vector<Place> places = caches(config);
   for (std::uint32_t core = 0; core < config.cores; ++core) {
     for (std::uint32_t c = 0; c < clients_; ++c) {

@@ -28,13 +28,13 @@ class MemorySide {
     for (Reader& unit : readers_) f(unit, i++);
     net_.each_unit(f, i);
   }
-  std::vector<sim::Time>& wakes() { return wakes_; }
+  sim::Wakes& wakes() { return wakes_; }
   bool done() const;
   std::string state() const { return net_.state(); }
 
  private:
   const std::uint32_t clients_;
-  std::vector<sim::Time> wakes_;
+  sim::Wakes wakes_;
   MemoryNet net_;
   std::deque<Reader> readers_;
 };

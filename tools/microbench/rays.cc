@@ -36,12 +36,12 @@ class TniStand {
         source_(clock_, config.direct_interface.interval, equal_, rays_, hits_),
         tni_(config.tni, {.l1 = true}, {{}, {0, triangle_bytes}}, config.direct_interface.interval,
              memory_links(config.tni.trvs + 1), clock_) {
-    wakes_.assign(3 + config.tni.trvs, 0);
-    std::vector<sim::Time*> trvs;
-    for (std::uint32_t t = 0; t < config.tni.trvs; ++t) trvs.push_back(&wakes_[3 + t]);
-    tni_.wakes(&wakes_[1], &wakes_[2], trvs);
-    rays_.wakes(&wakes_[0], &wakes_[1]);
-    hits_.wakes(&wakes_[1], &wakes_[0]);
+    wakes_.reset(3 + config.tni.trvs);
+    std::vector<sim::Waker> trvs;
+    for (std::uint32_t t = 0; t < config.tni.trvs; ++t) trvs.push_back(wakes_.of(3 + t));
+    tni_.wakes(wakes_.of(1), wakes_.of(2), trvs);
+    rays_.wakes(wakes_.of(0), wakes_.of(1));
+    hits_.wakes(wakes_.of(1), wakes_.of(0));
   }
 
   /// Rays a cycle once the unit is full.
@@ -59,7 +59,7 @@ class TniStand {
     std::size_t i = 3;
     for (hw::Trv& trv : tni_.trvs()) f(trv, i++);
   }
-  std::vector<sim::Time>& wakes() { return wakes_; }
+  sim::Wakes& wakes() { return wakes_; }
   bool done() const { return source_.done(); }
   std::string state() const { return tni_.dispatcher().state() + "\n"; }
 
@@ -82,7 +82,7 @@ class TniStand {
   std::deque<sim::Link<hw::MemResponse>> lines_;
   RaySource<EqualRays> source_;
   hw::Tni tni_;
-  std::vector<sim::Time> wakes_;
+  sim::Wakes wakes_;
 };
 
 Findings measure(const RunConfig& machine) {

@@ -26,10 +26,10 @@ class DmaBench {
         dma_({jobs_, dones_, to_memory_, from_memory_}, 0, clock_),
         core_(*this),
         memory_(*this) {
-    jobs_.wakes(&wakes_[0], &wakes_[1]);
-    dones_.wakes(&wakes_[1], &wakes_[0]);
-    to_memory_.wakes(&wakes_[1], &wakes_[2]);
-    from_memory_.wakes(&wakes_[2], &wakes_[1]);
+    jobs_.wakes(wakes_.of(0), wakes_.of(1));
+    dones_.wakes(wakes_.of(1), wakes_.of(0));
+    to_memory_.wakes(wakes_.of(1), wakes_.of(2));
+    from_memory_.wakes(wakes_.of(2), wakes_.of(1));
   }
 
   DmaBench& add(std::uint32_t bytes, bool write, Addr base = 0, Area area = Area::kPicture) {
@@ -49,7 +49,7 @@ class DmaBench {
     f(dma_, 1);
     f(memory_, 2);
   }
-  std::vector<sim::Time>& wakes() { return wakes_; }
+  sim::Wakes& wakes() { return wakes_; }
   bool done() const { return done_at_.size() == to_send_.size(); }
   std::string state() const { return dma_.state(); }
 
@@ -101,7 +101,7 @@ class DmaBench {
   Dma dma_;
   Core core_;
   Memory memory_;
-  std::vector<sim::Time> wakes_ = std::vector<sim::Time>(3, 0);
+  sim::Wakes wakes_{3};
   std::vector<DmaJob> to_send_;
   std::vector<sim::Time> done_at_;
   std::vector<std::uint32_t> tags_;

@@ -73,13 +73,13 @@ struct Machine {
         ray_taker{rays_out},
         hit_taker{hits_out},
         unit(config, 4096, 0, {rays_in, rays_out, up[0], down[0]}, {hits_in, hits_out, up[1], down[1]}, kClock) {
-    rays_in.wakes(&all[0], &all[4]);
-    hits_in.wakes(&all[1], &all[4]);
-    rays_out.wakes(&all[4], &all[2]);
-    hits_out.wakes(&all[4], &all[3]);
+    rays_in.wakes(all.of(0), all.of(4));
+    hits_in.wakes(all.of(1), all.of(4));
+    rays_out.wakes(all.of(4), all.of(2));
+    hits_out.wakes(all.of(4), all.of(3));
     for (std::size_t i : {0U, 1U}) {
-      up[i].wakes(&all[4], &all[5 + i]);
-      down[i].wakes(&all[5 + i], &all[4]);
+      up[i].wakes(all.of(4), all.of(5 + i));
+      down[i].wakes(all.of(5 + i), all.of(4));
     }
   }
 
@@ -92,7 +92,7 @@ struct Machine {
     f(memories[0], 5);
     f(memories[1], 6);
   }
-  std::vector<sim::Time>& wakes() { return all; }
+  sim::Wakes& wakes() { return all; }
   bool done() const { return ray_taker.taken.size() == ray_giver.count && hit_taker.taken.size() == hit_giver.count; }
   std::string state() const { return unit.state(); }
 
@@ -113,7 +113,7 @@ struct Machine {
   }
   std::uint64_t why(MemoryInterface::Why w) const { return kClock.cycles(unit.activity().spent(w)); }
 
-  std::vector<sim::Time> all = std::vector<sim::Time>(7, 0);
+  sim::Wakes all{7};
   sim::Link<RayJob> rays_in, rays_out;
   sim::Link<RayDone> hits_in, hits_out;
   sim::Link<MemRequest> up[2];

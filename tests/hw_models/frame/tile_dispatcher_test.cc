@@ -40,13 +40,13 @@ class DispatcherBench {
     std::vector<std::uint32_t> hold = {50, 50};  ///< cycles a tile stays, per core
     std::uint32_t tiles_per_core = 3;
   };
-  explicit DispatcherBench(const Setup& setup) : source(setup.tiles), wakes_(1 + setup.hold.size(), 0) {
+  explicit DispatcherBench(const Setup& setup) : source(setup.tiles), wakes_(1 + setup.hold.size()) {
     TileDispatcher::Links links;
     for (std::size_t c = 0; c < setup.hold.size(); ++c) {
       auto& in = jobs_.emplace_back(setup.tiles_per_core, 1, clock_);
       auto& out = dones_.emplace_back(setup.tiles_per_core, setup.hold[c], clock_);
-      in.wakes(&wakes_[0], &wakes_[1 + c]);
-      out.wakes(&wakes_[1 + c], &wakes_[0]);
+      in.wakes(wakes_.of(0), wakes_.of(1 + c));
+      out.wakes(wakes_.of(1 + c), wakes_.of(0));
       links.to_core.push_back(&in);
       links.from_core.push_back(&out);
       cores_.emplace_back(*this, c);
@@ -65,7 +65,7 @@ class DispatcherBench {
     f(*dispatcher_, 0);
     for (std::size_t c = 0; c < cores_.size(); ++c) f(cores_[c], 1 + c);
   }
-  std::vector<sim::Time>& wakes() { return wakes_; }
+  sim::Wakes& wakes() { return wakes_; }
   bool done() const { return dispatcher_->done(); }
   std::string state() const { return dispatcher_->state(); }
 
@@ -111,7 +111,7 @@ class DispatcherBench {
   std::deque<sim::Link<TileDone>> dones_;
   std::deque<Core> cores_;
   std::unique_ptr<TileDispatcher> dispatcher_;
-  std::vector<sim::Time> wakes_;
+  sim::Wakes wakes_;
   sim::Time end_ = 0;
 };
 

@@ -130,7 +130,7 @@ class Bench {
   /// Tells the links who wakes whom: indices count units in the order of each_unit.
   template <class T>
   void connect(sim::Link<T>& link, std::size_t producer, std::size_t consumer) {
-    hookups_.push_back([&link, producer, consumer, this] { link.wakes(&wakes_[producer], &wakes_[consumer]); });
+    hookups_.push_back([&link, producer, consumer, this] { link.wakes(wakes_.of(producer), wakes_.of(consumer)); });
   }
 
   void each_unit(auto&& f) {
@@ -141,7 +141,7 @@ class Bench {
     for (auto& u : channels) f(u, i++);
     for (auto& u : echoes) f(u, i++);
   }
-  std::vector<sim::Time>& wakes() { return wakes_; }
+  sim::Wakes& wakes() { return wakes_; }
   bool done() const {
     for (const Requester& r : requesters)
       if (!r.done()) return false;
@@ -162,7 +162,7 @@ class Bench {
   sim::Time run(Mode mode = Mode::kSkip) {
     std::size_t units = 0;
     each_unit([&](auto&, std::size_t) { units += 1; });
-    wakes_.assign(units, 0);
+    wakes_.reset(units);
     for (const auto& hookup : hookups_) hookup();
     const sim::Time end = mode == Mode::kSkip        ? sim::run<sim::Skip::kOn>(*this)
                           : mode == Mode::kEveryEdge ? sim::run<sim::Skip::kOff>(*this)
@@ -210,7 +210,7 @@ class Bench {
     }
   }
 
-  std::vector<sim::Time> wakes_;
+  sim::Wakes wakes_;
   std::vector<std::function<void()>> hookups_;
   std::list<sim::Link<MemRequest>> request_links_;
   std::list<sim::Link<MemResponse>> response_links_;

@@ -33,7 +33,7 @@ SrpBench::SrpBench(const Setup& setup, const std::vector<Kernel>& kernels)
       setup.config, setup.buffer, frame,
       Srp::Links{tiles_in_, tiles_out_, rays_out_, hits_in_, memory_out_, memory_in_, dma_out_, dma_in_},
       std::uint16_t{0}, clock_);
-  sim::Time *world = &wakes_[0], *srp = &wakes_[1];
+  const sim::Waker world = wakes_.of(0), srp = wakes_.of(1);
   tiles_in_.wakes(world, srp);
   tiles_out_.wakes(srp, world);
   rays_out_.wakes(srp, world);

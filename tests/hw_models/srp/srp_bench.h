@@ -52,7 +52,7 @@ class SrpBench {
     f(world_, 0);
     f(*srp_, 1);
   }
-  std::vector<sim::Time>& wakes() { return wakes_; }
+  sim::Wakes& wakes() { return wakes_; }
   bool done() const { return tiles_done_.size() == works_.size(); }
   std::string state() const { return srp_->state(); }
 
@@ -91,7 +91,7 @@ class SrpBench {
   sim::Link<DmaDone> dma_in_;
   std::unique_ptr<Srp> srp_;
   World world_;
-  std::vector<sim::Time> wakes_ = std::vector<sim::Time>(2, 0);
+  sim::Wakes wakes_{2};
   std::deque<traces::TileWork> works_;
   std::vector<RaySent> rays_;
   std::vector<DmaJob> transfers_;

@@ -48,16 +48,16 @@ class TniBench {
         Tni::Scene{{0, setup.node_bytes, setup_.parents, setup_.single_boxes, setup.hybrid, setup_.links},
                    {1 << 20, setup.triangle_bytes}},
         setup.hit_interval, links, clock_);
-    wakes_.assign(4 + setup.config.trvs, 0);
-    std::vector<sim::Time*> trvs;
-    for (std::uint32_t i = 0; i < setup.config.trvs; ++i) trvs.push_back(&wakes_[4 + i]);
-    tni_->wakes(&wakes_[2], &wakes_[3], trvs);
-    rays_in_.wakes(&wakes_[0], &wakes_[2]);
-    hits_out_.wakes(&wakes_[2], &wakes_[0]);
+    wakes_.reset(4 + setup.config.trvs);
+    std::vector<sim::Waker> trvs;
+    for (std::uint32_t i = 0; i < setup.config.trvs; ++i) trvs.push_back(wakes_.of(4 + i));
+    tni_->wakes(wakes_.of(2), wakes_.of(3), trvs);
+    rays_in_.wakes(wakes_.of(0), wakes_.of(2));
+    hits_out_.wakes(wakes_.of(2), wakes_.of(0));
     for (std::uint32_t p = 0; p < ports; ++p) {
-      sim::Time* user = p < setup.config.trvs ? trvs[p] : &wakes_[3];
-      requests_[p].wakes(user, &wakes_[1]);
-      replies_[p].wakes(&wakes_[1], user);
+      const sim::Waker user = p < setup.config.trvs ? trvs[p] : wakes_.of(3);
+      requests_[p].wakes(user, wakes_.of(1));
+      replies_[p].wakes(wakes_.of(1), user);
     }
   }
 
@@ -79,7 +79,7 @@ class TniBench {
     std::size_t i = 4;
     for (Trv& trv : tni_->trvs()) f(trv, i++);
   }
-  std::vector<sim::Time>& wakes() { return wakes_; }
+  sim::Wakes& wakes() { return wakes_; }
   bool done() const {
     return arrived_.size() == to_send_.size() &&
            std::ranges::all_of(tni_->trvs(), [](const Trv& trv) { return trv.idle(); });
@@ -164,7 +164,7 @@ class TniBench {
   std::unique_ptr<Tni> tni_;
   Memory memory_;
   Source source_;
-  std::vector<sim::Time> wakes_;
+  sim::Wakes wakes_;
   std::deque<std::vector<std::uint32_t>> walks_;
   std::vector<RayJob> to_send_;
   std::size_t sent_ = 0;
