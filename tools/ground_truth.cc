@@ -11,6 +11,7 @@
 #include "sim/io/file.h"
 #include "sim/sha256.h"
 #include "tools/build_info.h"
+#include "tools/interrupt.h"
 #include "traces/accel/embree_tracer.h"
 #include "traces/scene/images.h"
 
@@ -78,11 +79,13 @@ void keep(const fs::path& picture, const fs::path& digest, const RunConfig& conf
   }
 }
 
-std::vector<float> render_truth(Inputs& inputs, std::uint32_t samples, std::uint32_t threads) {
+std::vector<float> render_truth(Inputs& inputs, std::uint32_t samples, std::uint32_t threads, Progress* progress) {
   const Restored<kernels::SamplePattern> pattern(inputs.config.render.samples, kernels::SamplePattern::kJittered);
   const Restored<std::uint32_t> seed(inputs.frame, inputs.frame ^ kOtherSeed);
-  const traces::EmbreeTracer embree(inputs.image, host_threads(threads));
-  return render(inputs, kernels::parse_program(fmt::format("full:{}", samples)), embree, threads).rgb;
+  const traces::EmbreeTracer embree(inputs.image, host_threads(threads), interrupted);
+  return render(inputs, kernels::parse_program(fmt::format("full:{}", samples)), embree, threads,
+                {.progress = progress})
+      .rgb;
 }
 
 }  // namespace
@@ -95,13 +98,14 @@ fs::path cache_folder() {
   return {};
 }
 
-std::vector<float> ground_truth(Inputs& inputs, std::uint32_t samples, std::uint32_t threads, const fs::path& cache) {
-  if (cache.empty()) return render_truth(inputs, samples, threads);
+std::vector<float> ground_truth(Inputs& inputs, std::uint32_t samples, std::uint32_t threads, const fs::path& cache,
+                                Progress* progress) {
+  if (cache.empty()) return render_truth(inputs, samples, threads, progress);
   const std::string name = name_of(inputs, samples);
   const fs::path picture = cache / (name + ".exr"), digest = cache / (name + ".sha256");
   const std::size_t values = std::size_t{inputs.config.render.width} * inputs.config.render.height * 3;
   if (std::optional<std::vector<float>> kept = find(picture, digest, values)) return *std::move(kept);
-  std::vector<float> rgb = render_truth(inputs, samples, threads);
+  std::vector<float> rgb = render_truth(inputs, samples, threads, progress);
   keep(picture, digest, inputs.config, rgb);
   return rgb;
 }

@@ -15,7 +15,7 @@ namespace tools {
 /// else is not used but written anew. What cannot be kept is rendered each time. `inputs` are as before when it
 /// returns. Interrupted if an interrupt waits.
 std::vector<float> ground_truth(Inputs& inputs, std::uint32_t samples, std::uint32_t threads,
-                                const std::filesystem::path& cache);
+                                const std::filesystem::path& cache, Progress* progress = nullptr);
 
 /// $XDG_CACHE_HOME/raywatt, else ~/.cache/raywatt; empty if there is neither.
 std::filesystem::path cache_folder();

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <csignal>
+#include <string>
 #include <string_view>
 
 #include <unistd.h>
@@ -10,20 +11,25 @@ namespace tools {
 
 namespace {
 
-std::atomic<bool> held = false;
-std::atomic<int> waiting = 0;
+std::atomic<int> held = 0, waiting = 0;
+std::atomic<bool> has_bar = false;
 static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free);
+std::string kept_so_far;  ///< not for the signal handler
 
-[[noreturn]] void end(int signal) {
-  constexpr std::string_view kWords = "raywatt: interrupted\n";
-  [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, kWords.data(), kWords.size());
+void say(std::string_view words) {
+  [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, words.data(), words.size());
+}
+
+[[noreturn]] void end(int signal, std::string_view words) {
+  if (has_bar) say("\r\x1b[K");
+  say(words);
   ::_exit(128 + signal);
 }
 
 extern "C" void on_interrupt(int signal) {
   const bool second = waiting.exchange(signal) != 0;
-  if (!held || second)
-    end(signal);  // read last, as ~HoldInterrupts reads `waiting` last: one of the two sees the other
+  if (held == 0 || second)  // read last, as ~HoldInterrupts reads `waiting` last: one of the two sees the other
+    end(signal, "raywatt: interrupted\n");
 }
 
 }  // namespace
@@ -41,11 +47,15 @@ void end_on_interrupts() {
 
 bool interrupted() { return waiting != 0; }
 
-HoldInterrupts::HoldInterrupts() { held = true; }
+void tell_if_interrupted(std::string kept) { kept_so_far = "; " + std::move(kept); }
+
+void erase_if_interrupted(bool bar_is_there) { has_bar = bar_is_there; }
+
+HoldInterrupts::HoldInterrupts() { held += 1; }
 
 HoldInterrupts::~HoldInterrupts() {
-  held = false;
-  if (waiting != 0) end(waiting);
+  held -= 1;
+  if (held == 0 && waiting != 0) end(waiting, "raywatt: interrupted" + kept_so_far + "\n");
 }
 
 }  // namespace tools

@@ -1,4 +1,7 @@
 #pragma once
+#include <string>
+
+#include "sim/stop.h"
 
 namespace tools {
 
@@ -6,7 +9,8 @@ namespace tools {
 /// the caller has it ignore stays ignored.
 void end_on_interrupts();
 
-/// While it lives, interrupts wait: for the times in which files are half made. The second one waits no longer.
+/// While one lives, interrupts wait: for the times in which something would be lost or files are half made. The second
+/// interrupt waits no longer. The end of the last one ends the process if an interrupt waits.
 class HoldInterrupts {
  public:
   HoldInterrupts();
@@ -15,10 +19,16 @@ class HoldInterrupts {
   HoldInterrupts& operator=(const HoldInterrupts&) = delete;
 };
 
+/// What the line on stderr adds when an interrupt has waited: "kept 3 of 10 frames in out".
+void tell_if_interrupted(std::string kept);
+
+/// The terminal's last line is a bar, or no longer: an interrupt erases it before it says its own.
+void erase_if_interrupted(bool bar_is_there);
+
 /// Does an interrupt wait?
 bool interrupted();
 
 /// Thrown by long work that has seen interrupted().
-struct Interrupted {};
+using Interrupted = sim::Cancelled;
 
 }  // namespace tools

@@ -9,6 +9,7 @@
 #include "hw_models/frame/ideal_config.h"
 #include "sim/error.h"
 #include "sim/io/printable.h"
+#include "tools/progress.h"
 #include "traces/scene/did_you_mean.h"
 
 namespace tools {
@@ -57,7 +58,8 @@ void add_ideal_option(CLI::App& verb, JobOptions& options) {
 void add_output_options(CLI::App& verb, JobOptions& options) {
   verb.add_option("-o,--output", options.out, "folder for the results (default: a dated one below raywatt-out/)");
   verb.add_flag("--force", options.force, "put the results among the files of a folder that is not a former run");
-  verb.add_flag("--quiet", options.quiet, "no table, no progress");
+  verb.add_flag("--quiet", options.quiet, "no table, no bar");
+  add_progress_option(verb, options.progress);
 }
 
 void add_job_options(CLI::App& verb, JobOptions& options) {

@@ -27,7 +27,8 @@ struct JobOptions {
   std::filesystem::path out;       ///< empty: a dated folder below raywatt-out/
   bool force = false;
   bool quiet = false;
-  bool debug_images = false;  ///< also pictures of how adaptive frames came about
+  std::string progress = "auto";  ///< form of Progress
+  bool debug_images = false;      ///< also pictures of how adaptive frames came about
   std::vector<std::string> argv;
 };
 

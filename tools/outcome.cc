@@ -23,6 +23,7 @@ void keep(Simulation frame, std::optional<Simulation>& total) {
 
 void Outcome::add(std::uint32_t number, Simulation frame, std::optional<Simulation> compared, double error) {
   nlohmann::ordered_json entry = {{"frame", number}};
+  if (frame.is_part()) entry.update({{"finished_tiles", frame.finished_tiles}, {"tiles", frame.tiles}});
   entry.update(totals_json({frame, compared ? &*compared : nullptr, error}));
   if (!frame.function.sampling.similar.empty()) entry["sampling"]["tiles"] = tiles_json(frame.function.sampling);
   frames.push_back(std::move(entry));

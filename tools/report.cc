@@ -111,11 +111,12 @@ Json host_json(const Report& report) {
   const hw::FrontEnd::Result& function = totals.run.function;
   const double timing = totals.run.wall_seconds - function.waited;
   const double reference = totals.reference != nullptr ? totals.reference->wall_seconds : 0;
-  const double wall = report.wall_seconds - report.inputs.load_seconds - report.inputs.update_seconds - reference;
+  const double load = report.inputs.load_seconds + report.inputs.update_seconds;
+  const double wall = report.wall_seconds - load - reference;
   return {{"date", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)))},
           {"name", name.data()},
           {"wall_s", report.wall_seconds},
-          {"load_s", report.inputs.load_seconds},
+          {"load_s", load},
           {"update_s", report.inputs.update_seconds},
           {"functional_s", function.seconds},
           {"timing_s", timing},

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <ctime>
 #include <fstream>
+#include <optional>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -32,7 +33,7 @@ fs::path dated_folder() {
 }
 
 /// Is the file of this name one of ours? Others have a report.json too.
-bool holds_former_run(const fs::path& folder, std::string_view mark) {
+bool is_former_run(const fs::path& folder, std::string_view mark) {
   std::error_code failed;
   if (!fs::is_regular_file(folder / mark, failed)) return false;
   std::string start(128, '\0');
@@ -147,7 +148,7 @@ bool is_occupied(const std::error_code& error) {
 }  // namespace
 
 RunFolder::RunFolder(fs::path target, bool force, std::string_view mark)
-    : dated_(target.empty()), target_(dated_ ? dated_folder() : std::move(target)) {
+    : mark_(mark), dated_(target.empty()), target_(dated_ ? dated_folder() : std::move(target)) {
   std::error_code error;
   const fs::path canonical = fs::weakly_canonical(fs::absolute(target_), error);
   if (error) throw sim::InputError(cannot_be_written(target_, error));
@@ -157,7 +158,7 @@ RunFolder::RunFolder(fs::path target, bool force, std::string_view mark)
     if (!fs::is_directory(target_, error)) {
       throw sim::InputError(fmt::format("{}: is a file, not a folder", target_.string()));
     }
-    if (!force && !fs::is_empty(target_, error) && !holds_former_run(target_, mark)) {
+    if (!force && !fs::is_empty(target_, error) && !is_former_run(target_, mark)) {
       throw sim::InputError(fmt::format(
           "{}: holds files but no former run; choose another folder or give --force to put the results among them",
           target_.string()));
@@ -168,11 +169,14 @@ RunFolder::RunFolder(fs::path target, bool force, std::string_view mark)
   if (error) throw sim::InputError(cannot_be_written(target_, error));
 }
 
-void RunFolder::fill(const std::function<void(const Open& folder)>& write) {
-  const HoldInterrupts hold;
+bool RunFolder::holds_former_run() const { return is_former_run(target_, mark_); }
+
+void RunFolder::fill(const std::function<std::string(const Open& folder)>& write) {
+  std::optional<HoldInterrupts> hold;
   Staging staging(target_);
   std::error_code error;
-  write([&]() -> const fs::path& {
+  const std::string kept = write([&]() -> const fs::path& {
+    if (!hold) hold.emplace();
     if (staging.folder().empty()) error = staging.make();
     if (error) throw sim::IoError(cannot_be_written(target_, error));
     return staging.folder();
@@ -186,6 +190,7 @@ void RunFolder::fill(const std::function<void(const Open& folder)>& write) {
     error = holds_only_results(target_) ? exchange(staging.folder(), target_) : place_among(staging.folder(), target_);
   }
   if (error) throw sim::IoError(cannot_be_written(target_, error));
+  tell_if_interrupted(fmt::format("kept {} in {}", kept, target_.string()));
 }
 
 }  // namespace tools

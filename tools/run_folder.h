@@ -1,6 +1,7 @@
 #pragma once
 #include <filesystem>
 #include <functional>
+#include <string>
 #include <string_view>
 
 namespace tools {
@@ -17,14 +18,19 @@ class RunFolder {
   /// Makes the folder beside the target when first asked for it.
   using Open = std::function<const std::filesystem::path&()>;
 
-  /// Has `write` fill a folder beside the target, then puts it into place of the former results; interrupts wait that
-  /// long. IoError, and nothing left behind, if that fails.
-  void fill(const std::function<void(const Open& folder)>& write);
+  /// Has `write` fill a folder beside the target, then puts it into place of the former results; interrupts wait from
+  /// the moment the folder is made, and then say what `write` says has been kept. IoError, and nothing left behind, if
+  /// that fails.
+  void fill(const std::function<std::string(const Open& folder)>& write);
+
+  /// There are results of a former run, which these would replace.
+  bool holds_former_run() const;
 
   const std::filesystem::path& target() const { return target_; }
 
  private:
-  bool dated_;
+  const std::string mark_;
+  const bool dated_;
   std::filesystem::path target_;
 };
 

@@ -25,18 +25,46 @@ namespace tools {
 
 namespace {
 
-/// Lets go of the work when the user has interrupted it.
-class Interruptible final : public hw::TileSource {
+std::uint64_t rays_of(const hw::FrontEnd::Result& result) {
+  return std::accumulate(std::begin(result.rays), std::end(result.rays), std::uint64_t{0});
+}
+
+/// The tiles of a frame on their way to whoever plays them: tells of progress, and ends the list when the user has
+/// interrupted it. A machine then finishes the tiles that it has.
+class Tiles final : public hw::TileSource {
  public:
-  explicit Interruptible(hw::TileSource& source) : source_(source) {}
-  const traces::TileWork* next() override {
-    if (interrupted()) throw Interrupted{};
-    return source_.next();
+  Tiles(hw::FrontEnd& front_end, std::uint32_t tiles, const Extras& extras)
+      : front_end_(front_end), extras_(extras), tiles_(tiles) {}
+  ~Tiles() override {
+    if (extras_.progress != nullptr && finished_ == tiles_) extras_.progress->end_part();
   }
-  void give_back(const traces::TileWork* work) override { source_.give_back(work); }
+  Tiles(const Tiles&) = delete;
+  Tiles& operator=(const Tiles&) = delete;
+
+  void begin(const char* phase, std::uint32_t frame) const {
+    if (extras_.progress != nullptr) extras_.progress->begin_part(phase, frame, tiles_);
+  }
+  void played_by(const hw::Gpu& gpu) { gpu_ = &gpu; }
+  const traces::TileWork* next() override {
+    if (!interrupted()) return front_end_.next();
+    if (!extras_.keep_part || finished_ == 0) throw Interrupted{};
+    front_end_.keep_picture();
+    return nullptr;
+  }
+  void give_back(const traces::TileWork* work) override {
+    front_end_.give_back(work);
+    finished_ += 1;
+    if (extras_.progress == nullptr) return;
+    extras_.progress->tiles_done(finished_, rays_of(front_end_.result()), gpu_ != nullptr ? gpu_->cycles_so_far() : 0);
+  }
+  std::uint32_t finished() const { return finished_; }
 
  private:
-  hw::TileSource& source_;
+  hw::FrontEnd& front_end_;
+  const Extras& extras_;
+  const std::uint32_t tiles_;
+  const hw::Gpu* gpu_ = nullptr;
+  std::uint32_t finished_ = 0;
 };
 
 /// Writes the work of a frame into a trace while it goes by; with no trace it just goes by.
@@ -103,7 +131,11 @@ std::uint32_t host_threads(std::uint32_t wanted) {
   return wanted != 0 ? wanted : std::max(1U, std::thread::hardware_concurrency());
 }
 
-Inputs load_inputs(const JobOptions& options) {
+Inputs load_inputs(const JobOptions& options, Progress* progress) {
+  const auto phase = [&](const char* what) {
+    if (progress != nullptr) progress->phase(what);
+  };
+  phase("loading");
   Inputs in;
   in.config = load_run_config(options);
   const sim::HostClock::time_point begin = sim::HostClock::now();
@@ -114,7 +146,8 @@ Inputs load_inputs(const JobOptions& options) {
   in.scene = traces::scene_info(scene);
   in.scene_sha256 = scene.sha256;
   in.warnings = scene.warnings;
-  in.image = traces::build_memory_image(scene, in.config.bvh, host_threads(options.threads));
+  phase("building the tree");
+  in.image = traces::build_memory_image(scene, in.config.bvh, host_threads(options.threads), interrupted);
   in.bvh_hash = traces::bvh_hash(in.image);
   in.parents = traces::parents_of(in.image);
   if (in.frames() > 1) in.moving = std::move(scene);
@@ -122,7 +155,8 @@ Inputs load_inputs(const JobOptions& options) {
   return in;
 }
 
-void advance(Inputs& in, std::uint32_t frame, std::uint32_t threads) {
+void advance(Inputs& in, std::uint32_t frame, std::uint32_t threads, Progress* progress) {
+  if (progress != nullptr) progress->phase("building the tree");
   const sim::HostClock::time_point begin = sim::HostClock::now();
   const traces::Moved moved = traces::pose_workload(in.moving, in.config.scene, frame);
   in.frame = frame;
@@ -130,7 +164,7 @@ void advance(Inputs& in, std::uint32_t frame, std::uint32_t threads) {
   if (moved.geometry && in.config.bvh.update == traces::BvhUpdate::kRefit) {
     traces::refit_memory_image(in.moving, in.image);
   } else if (moved.geometry) {
-    in.image = traces::build_memory_image(in.moving, in.config.bvh, host_threads(threads));
+    in.image = traces::build_memory_image(in.moving, in.config.bvh, host_threads(threads), interrupted);
     in.parents = traces::parents_of(in.image);
   } else if (moved.lights) {
     in.image.lights = in.moving.lights;
@@ -138,9 +172,7 @@ void advance(Inputs& in, std::uint32_t frame, std::uint32_t threads) {
   in.update_seconds += sim::seconds_since(begin);
 }
 
-std::uint64_t Simulation::rays() const {
-  return std::accumulate(std::begin(function.rays), std::end(function.rays), std::uint64_t{0});
-}
+std::uint64_t Simulation::rays() const { return rays_of(function); }
 
 void Simulation::add(const Simulation& frame) {
   frames += frame.frames;
@@ -158,7 +190,7 @@ Simulation simulate(const Inputs& inputs, const kernels::ProgramSpec& program, s
   const Program made(inputs, program, extras);
   const traces::BvhTracer tracer(inputs.image);
   Simulation s = play(inputs, program, *made.frame, tracer, threads, extras);
-  if (extras.rates != nullptr) extras.rates->advance(s.function.sampling);
+  if (extras.rates != nullptr && !s.is_part()) extras.rates->advance(s.function.sampling);
   return s;
 }
 
@@ -166,9 +198,9 @@ Simulation play(const Inputs& inputs, const kernels::ProgramSpec& program, kerne
                 const traces::Tracer& tracer, std::uint32_t threads, const Extras& extras) {
   const sim::HostClock::time_point begin = sim::HostClock::now();
   hw::FrontEnd front_end(frame, tracer, host_threads(threads) - 1);
-  Interruptible interruptible(front_end);
+  Tiles offered(front_end, frame.tiles(), extras);
   const kernels::Demands demands = frame.demands();
-  Recording tiles(interruptible, inputs, demands, extras);
+  Recording tiles(offered, inputs, demands, extras);
   const auto gpu = std::make_unique<hw::Gpu>(inputs.config.gpu,
                                              hw::Gpu::Workload{inputs.image, inputs.parents, demands.tile_samples,
                                                                demands.region_bytes, demands.attribute_bytes},
@@ -179,8 +211,10 @@ Simulation play(const Inputs& inputs, const kernels::ProgramSpec& program, kerne
   };
   check_energy(gpu->report(), inputs.config.energy);
   energy();  // a figure that is missing is told before the work, not after it
+  offered.begin("simulating", inputs.frame);
+  offered.played_by(*gpu);
   gpu->finish(sim::run(*gpu));
-  tiles.finish(front_end.result());
+  if (offered.finished() == frame.tiles()) tiles.finish(front_end.result());
 
   Simulation s;
   s.program = program;
@@ -193,6 +227,8 @@ Simulation play(const Inputs& inputs, const kernels::ProgramSpec& program, kerne
   s.elapsed = gpu->elapsed();
   s.energy = energy();
   s.wall_seconds = sim::seconds_since(begin);
+  s.tiles = frame.tiles();
+  s.finished_tiles = offered.finished();
   return s;
 }
 
@@ -200,8 +236,9 @@ hw::FrontEnd::Result render(const Inputs& inputs, const kernels::ProgramSpec& pr
                             std::uint32_t threads, const Extras& extras) {
   const Program made(inputs, program, extras);
   hw::FrontEnd front_end(*made.frame, tracer, host_threads(threads), extras.trace != nullptr);
-  Interruptible interruptible(front_end);
-  Recording tiles(interruptible, inputs, made.frame->demands(), extras);
+  Tiles offered(front_end, made.frame->tiles(), extras);
+  Recording tiles(offered, inputs, made.frame->demands(), extras);
+  offered.begin("rendering", inputs.frame);
   while (const traces::TileWork* work = tiles.next()) tiles.give_back(work);
   tiles.finish(front_end.result());
   if (extras.rates != nullptr) extras.rates->advance(front_end.result().sampling);

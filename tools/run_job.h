@@ -11,6 +11,7 @@
 #include "sim/report/energy.h"
 #include "sim/report/unit_report.h"
 #include "tools/load_config.h"
+#include "tools/progress.h"
 #include "traces/accel/memory_image.h"
 #include "traces/scene/info.h"
 #include "traces/scene/scene.h"
@@ -35,10 +36,11 @@ struct Inputs {
   std::uint32_t frames() const { return config.scene.last_frame - config.scene.first_frame + 1; }
 };
 
-/// Reads scene and configuration and builds the tree of the first frame. InputError.
-Inputs load_inputs(const JobOptions& options);
+/// Reads scene and configuration and builds the tree of the first frame. InputError, or Interrupted.
+Inputs load_inputs(const JobOptions& options, Progress* progress = nullptr);
 /// Goes on to a later frame: poses the scene, then refits or rebuilds the tree if anything in it has moved.
-void advance(Inputs& inputs, std::uint32_t frame, std::uint32_t threads);
+/// Interrupted if an interrupt waits.
+void advance(Inputs& inputs, std::uint32_t frame, std::uint32_t threads, Progress* progress = nullptr);
 
 /// A frame on the machine, or several added up.
 struct Simulation {
@@ -52,8 +54,10 @@ struct Simulation {
   sim::EnergyReport energy;
   std::uint64_t cycles = 0;  ///< of the T&I clock
   sim::Time elapsed = 0;
-  double wall_seconds = 0;  ///< host, functional and timing together
+  double wall_seconds = 0;                      ///< host, functional and timing together
+  std::uint32_t tiles = 0, finished_tiles = 0;  ///< of the last frame; all are finished, but for Extras::keep_part
   std::uint64_t rays() const;
+  bool is_part() const { return finished_tiles < tiles; }
   /// Adds a later frame's figures; the picture stays.
   void add(const Simulation& frame);
 };
@@ -62,13 +66,15 @@ struct Simulation {
 struct Extras {
   kernels::RateMap* rates = nullptr;     ///< of its tiles, if they go on from frame to frame
   bool marks = false;                    ///< how all samples came about is kept, for pictures
+  bool keep_part = false;                ///< an interrupt leaves the finished tiles, if there are any
+  Progress* progress = nullptr;
   traces::TraceWriter* trace = nullptr;  ///< gets the frame's work, if somebody wants it
   bool reference = false;                ///< for the trace: this is what others are compared with
 };
 
 /// Runs a frame program on the machine.
 /// `threads` of the host: one plays the machine, the others run ahead of it. sim::Deadlock if the machine is stuck,
-/// Interrupted if an interrupt waits. Every frame begins with cold caches.
+/// Interrupted if an interrupt waits and nothing is kept. Every frame begins with cold caches.
 Simulation simulate(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
                     const Extras& extras = {});
 

@@ -43,7 +43,12 @@ std::string overview(const Json& report) {
     out += fmt::format("  {:<22}{}\n", name, value);
   };
   const Json& frames = report["frames"];
-  if (report["partial"].get<bool>()) out += "PARTIAL: interrupted before the last frame\n";
+  if (frames.front().contains("finished_tiles")) {
+    out += fmt::format("PARTIAL: interrupted after {} of {} tiles\n", frames.front()["finished_tiles"].get<int>(),
+                       frames.front()["tiles"].get<int>());
+  } else if (report["partial"].get<bool>()) {
+    out += "PARTIAL: interrupted before the last frame or the reference\n";
+  }
   out += fmt::format("{}  {}x{}  {}  ({} triangles)\n\n", report["scene"]["name"].get<std::string>(),
                      report["resolution"][0].get<int>(), report["resolution"][1].get<int>(),
                      report["program"].get<std::string>(), count(report["scene"]["triangles"]));

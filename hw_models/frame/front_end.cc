@@ -6,6 +6,17 @@
 
 namespace hw {
 
+namespace {
+
+/// What a tile leaves that is not as long for every tile.
+void each_array(auto& tile, auto&& f) {
+  auto& work = tile.work;
+  f(work.nodes), f(work.walk), f(work.ray_begin), f(work.accesses), f(work.access_begin), f(work.sources);
+  f(tile.background), f(tile.shown), f(tile.marks);
+}
+
+}  // namespace
+
 FrontEnd::FrontEnd(kernels::FrameProgram& program, const traces::Tracer& tracer, std::uint32_t workers, bool record)
     : program_(program),
       tracer_(tracer),
@@ -23,27 +34,40 @@ FrontEnd::~FrontEnd() {
   for (std::thread& t : threads_) t.join();
 }
 
-void FrontEnd::make(Slot& slot, std::uint32_t tile) const {
+std::unique_ptr<FrontEnd::Slot> FrontEnd::take_slot() {
+  if (spare_.empty()) {
+    slots_ += 1;
+    for (auto* slots : {&ahead_, &handed_, &spare_}) slots->reserve(slots_);
+    spare_.push_back(std::make_unique<Slot>());
+  }
+  std::unique_ptr<Slot> slot = std::move(spare_.back());
+  spare_.pop_back();
+  each_array(slot->tile, [length = longest_.begin()](auto& array) mutable { array.reserve(*length++); });
+  return slot;
+}
+
+void FrontEnd::make(Slot& slot, std::uint32_t tile, kernels::TileBuffer& buffer) const {
   const sim::HostClock::time_point begin = sim::HostClock::now();
+  std::swap(slot.tile.buffer, buffer);
   program_.run_tile(tile, tracer_, record_, slot.tile);
+  std::swap(slot.tile.buffer, buffer);
   slot.seconds = sim::seconds_since(begin);
 }
 
 void FrontEnd::run_ahead() {
+  kernels::TileBuffer buffer;
   std::unique_lock lock(mutex_);
   for (;;) {
     room_.wait(lock, [&] { return stop_ || next_tile_ == program_.tiles() || may_make(); });
     if (stop_ || next_tile_ == program_.tiles()) return;
-    if (spare_.empty()) spare_.push_back(std::make_unique<Slot>());
-    ahead_.push_back(std::move(spare_.back()));
-    spare_.pop_back();
+    ahead_.push_back(take_slot());
     Slot& slot = *ahead_.back();
     slot.ready = false;
     const std::uint32_t tile = next_tile_++;
     lock.unlock();
     std::exception_ptr failure;
     try {
-      make(slot, tile);
+      make(slot, tile, buffer);
     } catch (...) {
       failure = std::current_exception();
     }
@@ -70,16 +94,14 @@ const traces::TileWork* FrontEnd::take() {
     room_.notify_all();
   }
   if (threads_.empty()) {
-    if (spare_.empty()) spare_.push_back(std::make_unique<Slot>());
-    ahead_.push_back(std::move(spare_.back()));
-    spare_.pop_back();
-    make(*ahead_.back(), next_tile_++);
+    ahead_.push_back(take_slot());
+    make(*ahead_.back(), next_tile_++, buffer_);
   } else {
     news_.wait(lock, [&] { return !ahead_.empty() && ahead_.front()->ready; });
     if (failure_) std::rethrow_exception(failure_);
   }
   handed_.push_back(std::move(ahead_.front()));
-  ahead_.pop_front();
+  ahead_.erase(ahead_.begin());
   room_.notify_one();
   taken_ += 1;
   keep(*handed_.back());
@@ -94,16 +116,22 @@ void FrontEnd::give_back(const traces::TileWork* work) {
 }
 
 void FrontEnd::keep(const Slot& slot) {
+  each_array(slot.tile, [longest = longest_.begin()](const auto& array) mutable {
+    *longest = std::max(*longest, array.size());
+    ++longest;
+  });
   program_.keep(slot.tile);
-  if (taken_ == program_.tiles()) {
-    result_.rgb = program_.picture();
-    result_.sampling = program_.sampling();
-    result_.marks = program_.marks();
-  }
+  if (taken_ == program_.tiles()) keep_picture();
   for (std::size_t k = 0; k < std::size(result_.rays); ++k) result_.rays[k] += slot.tile.rays[k];
   result_.continued += slot.tile.continued;
   result_.traversal_steps += slot.tile.traversal_steps;
   result_.seconds += slot.seconds;
+}
+
+void FrontEnd::keep_picture() {
+  result_.rgb = program_.picture();
+  result_.sampling = program_.sampling();
+  result_.marks = program_.marks();
 }
 
 void FrontEnd::Result::add(const Result& other) {

@@ -1,7 +1,7 @@
 #pragma once
+#include <array>
 #include <condition_variable>
 #include <cstdint>
-#include <deque>
 #include <exception>
 #include <memory>
 #include <mutex>
@@ -20,8 +20,8 @@ class FrontEnd final : public TileSource {
  public:
   /// What the frame program found out, independent of any machine.
   struct Result {
-    std::vector<float> rgb;                  ///< linear, row by row; there when the last tile has been taken
-    kernels::Sampling sampling;              ///< likewise
+    std::vector<float> rgb;      ///< linear, row by row; there when the last tile has been taken or by keep_picture()
+    kernels::Sampling sampling;  ///< likewise
     std::vector<kernels::SampleMark> marks;  ///< likewise, if the program keeps them
     std::uint64_t rays[static_cast<std::size_t>(traces::RayKind::kCount)] = {};
     std::uint64_t continued = 0;  ///< of the rays, those that went on behind what was no solid surface
@@ -42,6 +42,8 @@ class FrontEnd final : public TileSource {
   const traces::TileWork* next() override;
   void give_back(const traces::TileWork* work) override;
   const Result& result() const { return result_; }
+  /// Has the result show what has been taken so far, for a frame that is left unfinished.
+  void keep_picture();
 
  private:
   struct Slot {
@@ -52,7 +54,10 @@ class FrontEnd final : public TileSource {
   void run_ahead();
   bool may_make() const { return next_tile_ < pass_end_ && ahead_.size() < max_ahead_; }
   const traces::TileWork* take();
-  void make(Slot& slot, std::uint32_t tile) const;
+  /// A spare one if there is any, with room for all that tiles have needed so far: soon none allocates any more.
+  std::unique_ptr<Slot> take_slot();
+  /// `buffer` is the thread's: tiles need it while they are made, and one that stays warm serves all of them.
+  void make(Slot& slot, std::uint32_t tile, kernels::TileBuffer& buffer) const;
   void keep(const Slot& slot);
 
   kernels::FrameProgram& program_;
@@ -61,9 +66,12 @@ class FrontEnd final : public TileSource {
   Result result_;
   std::mutex mutex_;
   std::condition_variable room_, news_;
-  std::deque<std::unique_ptr<Slot>> ahead_;    ///< tiles being made or made, in order
+  std::vector<std::unique_ptr<Slot>> ahead_;   ///< tiles being made or made, in order
   std::vector<std::unique_ptr<Slot>> handed_;  ///< out in the machine
   std::vector<std::unique_ptr<Slot>> spare_;
+  std::size_t slots_ = 0;                 ///< in all of these
+  std::array<std::size_t, 9> longest_{};  ///< arrays of any tile so far
+  kernels::TileBuffer buffer_;            ///< of the thread that calls next()
   std::uint32_t next_tile_ = 0;
   std::uint32_t taken_ = 0;
   std::uint32_t pass_end_ = 0;  ///< tiles before it may be made

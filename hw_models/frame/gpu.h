@@ -75,6 +75,9 @@ class Gpu {
   sim::Time elapsed() const { return elapsed_; }
   std::uint64_t cycles() const { return tni_clock_.cycles(elapsed_); }
 
+  /// T&I cycles up to the last time at which the tile dispatcher had something to do, while the machine runs.
+  std::uint64_t cycles_so_far() const { return tni_clock_.cycles(dispatcher_->activity().accounted()); }
+
   /// Every unit's counters, in a fixed order.
   std::vector<sim::UnitReport> report() const;
   /// Per kernel, summed over the cores, by KernelId.

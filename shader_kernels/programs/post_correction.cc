@@ -22,13 +22,13 @@ std::uint32_t PostCorrection::scans() const {
   return config_.correction == Correction::kTwo ? 2 : 4;
 }
 
-void PostCorrection::keep(const TileResult& tile, const SampleTile& at, std::uint32_t pitch) {
+void PostCorrection::keep(const TileResult& tile, const SampleTile& at) {
   if (scans() == 0) return;
   for (std::uint32_t row = 0; row < at.height; ++row) {
     for (std::uint32_t column = 0; column < at.width; ++column) {
-      const glm::vec3 rgb = tile.colour((row + 1) * pitch + column + 1);
-      identities_[place(at.x + column, at.y + row)] = tile.buffer.identities[row * at.width + column];
-      colours_[std::size_t{at.y + row} * width_ + at.x + column] = rgb;
+      const ShownSample& sample = tile.shown[std::size_t{row} * at.width + column];
+      identities_[place(at.x + column, at.y + row)] = sample.identity;
+      colours_[std::size_t{at.y + row} * width_ + at.x + column] = sample.colour;
     }
   }
 }

@@ -41,7 +41,7 @@ class PostCorrection {
   static Scan scan(std::uint32_t number) { return {number % 2 == 1, number >= 2}; }
 
   /// Takes a tile's samples.
-  void keep(const TileResult& tile, const SampleTile& at, std::uint32_t pitch);
+  void keep(const TileResult& tile, const SampleTile& at);
   /// Goes over the picture; `trace(suspects)` says what is there. Returns the suspects by tile, then round.
   template <class Trace>
   const std::vector<Suspect>& run(const Scan& scan, Trace&& trace) {

@@ -18,9 +18,15 @@ StreamBuilder::StreamBuilder(traces::TileWork& work, std::vector<WorkNode>& spar
   work.after_all = false;
 }
 
+namespace {
+
+constexpr std::size_t kUsualInputs = 32;
+
+}  // namespace
+
 WorkNode& StreamBuilder::add(WorkNode::Kind kind, std::uint32_t items) {
   if (count_ == work_.nodes.size()) {
-    if (spare_.empty()) spare_.emplace_back();
+    if (spare_.empty()) spare_.emplace_back().inputs.reserve(kUsualInputs);
     work_.nodes.push_back(std::move(spare_.back()));
     spare_.pop_back();
   }

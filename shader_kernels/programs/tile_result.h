@@ -24,7 +24,8 @@ struct RaySlots {
   void hold(std::size_t slots);
 };
 
-/// What a tile keeps in the tile buffer. Arrays only grow, so that a used TileResult allocates no more.
+/// What a tile keeps in the tile buffer, while it is made; afterwards nobody looks at it, and another tile may have it.
+/// Arrays only grow, so that a used one allocates no more.
 struct TileBuffer {
   RaySlots wave, next_wave, shadow, layer;
   // Streams of slots.
@@ -58,6 +59,12 @@ struct TileBuffer {
   void hold_subpixels(std::size_t centres, std::size_t pixels);
 };
 
+/// What post-correction looks at.
+struct ShownSample {
+  std::uint32_t identity = 0;
+  glm::vec3 colour{};
+};
+
 /// What comes of one tile.
 struct TileResult {
   std::uint32_t tile = 0;
@@ -68,6 +75,7 @@ struct TileResult {
   std::uint64_t continued = 0;  ///< of those, rays that went on behind what was no solid surface
   Sampling sampling;
   std::vector<SampleMark> marks;          ///< of adaptive sampling: per sample (or pixel) of the tile, row by row
+  std::vector<ShownSample> shown;         ///< its own samples, row by row, if a later pass looks at them
   std::vector<std::uint32_t> background;  ///< samples whose primary ray hit nothing, in the order traced
   std::uint64_t traversal_steps = 0;  ///< node visits and triangle tests; counted from the walks, so 0 if not recorded
   traces::TileWork work;              ///< filled if recorded

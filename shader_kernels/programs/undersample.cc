@@ -149,6 +149,11 @@ void UndersampleProgram::store_identities(Tile& tile) const {
       tile.wave.transfer(traces::Region::kSamples, true, scan_store(tile.at.index), samples * scanned_bytes());
   tile.wave.wait_all(out, node);
   tile.wave.wait_for_colours(out);
+  tile.out.shown.clear();
+  for (std::uint32_t i = 0; i < samples; ++i) {
+    const std::uint32_t sample = (i / tile.at.width + 1) * pitch() + i % tile.at.width + 1;
+    tile.out.shown.push_back({tile.buffer.identities[i], tile.out.colour(sample)});
+  }
 }
 
 }  // namespace kernels

@@ -227,7 +227,7 @@ void UndersampleProgram::put_corrected(Wavefront& wave, const SampleTile& at, st
 void UndersampleProgram::keep(const TileResult& tile) {
   if (tile.tile >= sample_tiles().count()) return FrameProgram::keep(tile);
   BlockProgram::keep(tile);
-  correction_.keep(tile, sample_tiles().tile(tile.tile), pitch());
+  correction_.keep(tile, sample_tiles().tile(tile.tile));
 }
 
 }  // namespace kernels

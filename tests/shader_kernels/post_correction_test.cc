@@ -181,15 +181,13 @@ std::string scanned(const std::string& how, const std::string& what, const std::
     at.width = scan.is_along_y ? 1 : part;
     at.height = scan.is_along_y ? part : 1;
     TileResult tile;
-    tile.buffer.hold_samples(17 * 18);
     for (std::uint32_t i = 0; i < part; ++i) {
       const char c = how[first + i];
       const std::uint32_t kind = c == 'I' ? kInterpolatedSample : c == 'T' ? kTracedSample : 0;
-      tile.buffer.identities[i] = static_cast<std::uint32_t>(what[first + i]) | kind;
-      const std::uint32_t sample = scan.is_along_y ? (i + 1) * 17 + 1 : 17 + i + 1;
-      tile.buffer.colours[sample].rgb.x = static_cast<float>(what[first + i]) / 256;
+      const auto shown = static_cast<std::uint32_t>(what[first + i]);
+      tile.shown.push_back({shown | kind, glm::vec3(static_cast<float>(shown) / 256, 0, 0)});
     }
-    correction.keep(tile, at, 17);
+    correction.keep(tile, at);
   }
   const auto& all = correction.run(scan, [&](std::span<const PostCorrection::Suspect> found) {
     PostCorrection::Found out;

@@ -46,7 +46,8 @@ TEST(BadArguments, OptionsThatAreUnknownRepeatedOrWithoutAValue) {
 }
 
 TEST(BadArguments, AVerbThatIsNotThereGetsTheNearestOneAndTheList) {
-  expect_refusal(raywatt({"verfy"}), {"unknown verb 'verfy'", "did you mean 'verify'?", "run, verify, reproduce, scenes"});
+  expect_refusal(raywatt({"verfy"}),
+                 {"unknown verb 'verfy'", "did you mean 'verify'?", "run, verify, reproduce, scenes"});
   expect_refusal(raywatt({"config", "shwo"}), {"unknown verb 'shwo'", "did you mean 'show'?", "list, show"});
   expect_refusal(raywatt({}), {"raywatt --help"});
   expect_refusal(raywatt({"config"}), {"raywatt --help"});

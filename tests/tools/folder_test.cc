@@ -104,6 +104,7 @@ TEST(Folder, LeftByAKilledRunDoesNotDisturbTheNext) {
   results.fill([](const tools::RunFolder::Open& open) {
     const fs::path& staging = open();
     std::ofstream(staging / "report.json") << "{}";
+    return "it";
   });
   EXPECT_EQ(names_in(folder.path()), (Words{stale, "out"}));
   EXPECT_EQ(names_in(folder.path() / "out"), Words{"report.json"});
@@ -115,7 +116,7 @@ TEST(Folder, AFailureWhileWritingLeavesTheFormerResults) {
   fs::create_directory(out);
   std::ofstream(out / "report.json") << "{\"schema\": \"raywatt-report/1\"}";
   tools::RunFolder results(out, false);
-  EXPECT_THROW(results.fill([](const tools::RunFolder::Open& open) {
+  EXPECT_THROW(results.fill([](const tools::RunFolder::Open& open) -> std::string {
     const fs::path& staging = open();
     std::ofstream(staging / "half") << "made";
     throw sim::IoError("disk full");

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <filesystem>
@@ -50,6 +51,25 @@ TEST(Frames, HaveTheirOwnFiguresAndPicturesAndTheTotalIsTheirSum) {
   EXPECT_NE(read_bytes(out / "frame-0001.png"), read_bytes(out / "frame-0003.png")) << "a piece has moved";
 }
 
+TEST(Frames, CountAsRaysPerSecondOfTheHostWithoutLoading) {
+  const TempFolder folder;
+  for (const char* threads : {"1", "2"}) {
+    const fs::path out = folder.path() / threads;
+    Words words = chess({"run", "--frames", "0:2", "--resolution", "64x32", "--threads", threads, "-o", out.string()});
+    std::ranges::rotate(words, std::ranges::find(words, "run"));
+    ASSERT_EQ(raywatt(words).exit, 0);
+    const nlohmann::json report = read_json(out / "report.json");
+    const nlohmann::json &host = report["host"], &totals = report["totals"];
+    const double seconds = host["wall_s"].get<double>() - host["load_s"].get<double>();
+    const auto rays = totals["rays"]["total"].get<double>(), steps = totals["traversal_steps"].get<double>();
+    EXPECT_NEAR(host["rays_per_s"].get<double>(), rays / seconds, 1e-6 * rays / seconds);
+    EXPECT_NEAR(host["steps_per_s"].get<double>(), steps / seconds, 1e-6 * steps / seconds);
+    EXPECT_GT(host["update_s"], 0) << "a piece moves";
+    EXPECT_LT(host["update_s"], host["load_s"]) << "is part of it";
+    EXPECT_GT(host["peak_rss_mb"], 10);
+  }
+}
+
 TEST(Frames, AreTheSameAloneAndInARun) {
   const TempFolder folder;
   const nlohmann::json all = report_of(folder.path() / "all", {"--frames", "0:2"});
@@ -94,8 +114,10 @@ TEST(Frames, FinishedBeforeAnInterruptAreKept) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   program.send(SIGINT);
-  EXPECT_EQ(program.wait().exit, 128 + SIGINT);
+  const Ending ending = program.wait();
+  EXPECT_EQ(ending.exit, 128 + SIGINT);
   const nlohmann::json report = read_json(out / "report.json");
+  EXPECT_SAYS(ending.err, "kept " + std::to_string(report["frames"].size()) + " of 100001 frames in");
   EXPECT_EQ(report["partial"], true);
   EXPECT_GE(report["frames"].size(), 2U);
   EXPECT_TRUE(fs::exists(out / "frame-0001.png"));

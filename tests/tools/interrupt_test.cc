@@ -2,6 +2,7 @@
 
 #include <csignal>
 #include <fstream>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -15,47 +16,144 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A run that takes many seconds, and says a warning once it has read its scene.
-class LongRun {
- public:
-  LongRun() {
-    file_.material()["pbrMetallicRoughness"]["baseColorFactor"] = {1, 1};
-    scene_ = folder_.write("warned.gltf", file_.text()).string();
-  }
-  /// Stops a run into `out` with this signal while it works.
-  Ending stopped_by(int signal, const fs::path& out) const {
-    Program program({"run", "--scene", scene_, "--program", "full:1024", "--threads", "2", "-o", out.string()});
-    EXPECT_TRUE(program.wait_for_complaint());
-    program.send(signal);
-    return program.wait();
-  }
+/// The last line of --progress json that is whole; an empty object if there is none.
+nlohmann::json last_progress(const std::string& err) {
+  const std::size_t end = err.rfind('\n');
+  if (end == std::string::npos) return nlohmann::json::object();
+  const std::size_t begin = end == 0 ? std::string::npos : err.rfind('\n', end - 1);
+  return nlohmann::json::parse(err.substr(begin + 1, end - begin - 1), nullptr, false);
+}
 
- private:
-  TempFolder folder_;
-  TinyGltf file_;
-  std::string scene_;
-};
+/// Waits until some tiles are finished.
+bool wait_for_tiles(Program& program) {
+  return program.wait_until([](const std::string& err) {
+    const nlohmann::json line = last_progress(err);
+    return line.value("tile", 0) > 3 && line.value("tile", 0) < line.value("tiles", 0);
+  });
+}
 
-TEST(Interrupt, EndsWithTheSignalsCodeAndLeavesNothing) {
-  const LongRun run;
+/// Waits for what tells where it is.
+bool wait_for(Program& program, const std::string& key, const nlohmann::json& value) {
+  return program.wait_until([&](const std::string& err) {
+    const nlohmann::json line = last_progress(err);
+    return line.contains(key) && line[key] == value;
+  });
+}
+
+/// A run that takes many seconds, and tells how far it is.
+Words long_run(const fs::path& out) {
+  return {"run", "--resolution", "256x256", "--program", "full:256",  "--threads",
+          "2",   "--progress",   "json",    "-o",        out.string()};
+}
+
+/// Stops a run into `out` with this signal while it works.
+Ending stopped_by(int signal, const fs::path& out) {
+  Program program(long_run(out));
+  EXPECT_TRUE(wait_for_tiles(program));
+  program.send(signal);
+  return program.wait();
+}
+
+/// Sums over all units: the cycles that have elapsed, and the cycles that their reasons give account of.
+std::pair<std::uint64_t, std::uint64_t> elapsed_and_why(const nlohmann::json& units) {
+  std::pair<std::uint64_t, std::uint64_t> sums;
+  if (units.contains("elapsed")) {
+    sums.first += units["elapsed"].get<std::uint64_t>();
+    for (const auto& [reason, cycles] : units["why"].items()) sums.second += cycles.get<std::uint64_t>();
+    return sums;
+  }
+  for (const auto& [name, below] : units.items()) {
+    const auto [elapsed, why] = elapsed_and_why(below);
+    sums.first += elapsed;
+    sums.second += why;
+  }
+  return sums;
+}
+
+TEST(Interrupt, WhileTheSceneIsLoadedLeavesNothing) {
   const TempFolder folder;
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
-    const Ending ending = run.stopped_by(signal, folder.path() / "new" / "out");
+    Program program({"run", "--scene", "chess", "--set", "scene.triangles=4000000", "--threads", "1", "--progress",
+                     "json", "-o", (folder.path() / "new" / "out").string()});
+    EXPECT_TRUE(program.wait_for_complaint());
+    program.send(signal);
+    const Ending ending = program.wait();
     EXPECT_EQ(ending.exit, 128 + signal);
     EXPECT_EQ(ending.out, "");
     EXPECT_TRUE(ending.err.ends_with("raywatt: interrupted\n")) << ending.err;
+    EXPECT_EQ(last_progress(ending.err.substr(0, ending.err.find("raywatt")))["cycles"], 0) << "it was too late";
     EXPECT_EQ(names_in(folder.path()), Words{});
   }
 }
 
+TEST(Interrupt, InAFrameKeepsItsFinishedPart) {
+  const TempFolder folder;
+  const fs::path out = folder.path() / "out";
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    const Ending ending = stopped_by(signal, out);
+    EXPECT_EQ(ending.exit, 128 + signal);
+    const nlohmann::json report = read_json(out / "report.json");
+    EXPECT_EQ(report["partial"], true);
+    const nlohmann::json& frame = report["frames"][0];
+    EXPECT_GT(frame["finished_tiles"], 3);
+    EXPECT_LT(frame["finished_tiles"], frame["tiles"]);
+    EXPECT_SAYS(ending.err, "raywatt: interrupted; kept " + frame["finished_tiles"].dump() + " of " +
+                                frame["tiles"].dump() + " tiles of frame 0 in " + out.string() + "\n");
+    EXPECT_SAYS(read_bytes(out / "report.txt"), "PARTIAL");
+    const nlohmann::json& totals = report["totals"];
+    EXPECT_EQ(totals["rays"]["primary"], frame["finished_tiles"].get<int>() * 256) << "a tile is one pixel";
+    EXPECT_EQ(totals["kernels"]["pack_colour"]["items"], frame["finished_tiles"]);
+    const auto [elapsed, why] = elapsed_and_why(report["units"]);
+    EXPECT_EQ(elapsed, why) << "what is reported of the part adds up";
+    EXPECT_TRUE(fs::exists(out / "image.png"));
+    EXPECT_EQ(names_in(folder.path()), Words{"out"});
+    fs::remove_all(out);
+  }
+}
+
+TEST(Interrupt, InTheReferenceKeepsTheRun) {
+  const TempFolder folder;
+  const fs::path out = folder.path() / "out";
+  Program program({"run", "--resolution", "64x64", "--reference", "full:1024", "--threads", "2", "--progress", "json",
+                   "-o", out.string()});
+  EXPECT_TRUE(wait_for(program, "part", 1));
+  program.send(SIGINT);
+  const Ending ending = program.wait();
+  EXPECT_EQ(ending.exit, 128 + SIGINT);
+  EXPECT_SAYS(ending.err, "kept the run without its reference in");
+  const nlohmann::json report = read_json(out / "report.json");
+  EXPECT_EQ(report["partial"], true);
+  EXPECT_EQ(report["totals"]["rays"]["primary"], 64 * 64);
+  EXPECT_FALSE(report["totals"].contains("relative"));
+}
+
+TEST(Interrupt, OfVerifyKeepsFinishedFrames) {
+  const TempFolder folder;
+  const fs::path out = folder.path() / "out";
+  Program program({"verify", "--scene", "chess", "--set", "scene.triangles=5000", "--set", "scene.frame_rate=2",
+                   "--frames", "0:100000", "--resolution", "64x32", "--threads", "1", "--progress", "json", "-o",
+                   out.string()});
+  EXPECT_TRUE(program.wait_until([](const std::string& err) { return last_progress(err).value("frame", 0) > 2; }));
+  program.send(SIGINT);
+  const Ending ending = program.wait();
+  EXPECT_EQ(ending.exit, 128 + SIGINT);
+  const nlohmann::json report = read_json(out / "verify.json");
+  EXPECT_EQ(report["partial"], true);
+  EXPECT_GE(report["frames"].size(), 2U);
+  EXPECT_SAYS(ending.err, "kept " + std::to_string(report["frames"].size()) + " of 100001 frames in");
+  std::uint64_t rays = 0;
+  for (const nlohmann::json& frame : report["frames"]) rays += frame["rays"].get<std::uint64_t>();
+  EXPECT_EQ(report["rays"], rays);
+  EXPECT_EQ(names_in(out), (Words{"embree.png", "image.png", "verify.json"}));
+}
+
 TEST(Interrupt, LeavesTheFormerRunAsItWas) {
-  const LongRun run;
   const TempFolder folder;
   const fs::path out = folder.path() / "out";
   ASSERT_EQ(raywatt(small_run(out)).exit, 0);
   const std::string former = read_bytes(out / "report.json");
   for (const int signal : {SIGINT, SIGKILL}) {
-    EXPECT_EQ(run.stopped_by(signal, out).exit, 128 + signal);
+    EXPECT_EQ(stopped_by(signal, out).exit, 128 + signal);
     EXPECT_EQ(read_bytes(out / "report.json"), former);
     EXPECT_EQ(names_in(folder.path()), Words{"out"});
   }
@@ -71,6 +169,7 @@ TEST(Interrupt, WaitsUntilResultsThatAreBeingWrittenAreThere) {
       const fs::path& staging = open();
       std::raise(SIGTERM);
       std::ofstream(staging / "report.json") << "{}";
+      return "it";
     });
   };
   EXPECT_EXIT(interrupted(), testing::ExitedWithCode(128 + SIGTERM), "raywatt: interrupted");

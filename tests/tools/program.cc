@@ -69,8 +69,8 @@ bool Program::ended() {
   return process_ < 0;
 }
 
-bool Program::wait_for_complaint() {
-  while (std::filesystem::file_size(streams_.path() / "err") == 0) {
+bool Program::wait_until(const std::function<bool(const std::string& err)>& is_as_wanted) {
+  while (!is_as_wanted(read_bytes(streams_.path() / "err"))) {
     if (ended()) return false;
     std::this_thread::sleep_for(kGlance);
   }

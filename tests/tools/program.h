@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -39,7 +40,11 @@ class Program {
 
   void send(int signal) const;
   /// Waits until there is something on stderr; false if it ended before.
-  bool wait_for_complaint();
+  bool wait_for_complaint() {
+    return wait_until([](const std::string& err) { return !err.empty(); });
+  }
+  /// Waits until what is on stderr is as wanted; false if it ended before.
+  bool wait_until(const std::function<bool(const std::string& err)>& is_as_wanted);
   Ending wait();
 
  private:

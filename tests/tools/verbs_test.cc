@@ -203,18 +203,5 @@ TEST(Scenes, ListAndInfo) {
   for (const char* part : {"triangles", "lights", "'front'", "BVH", "SAH cost"}) EXPECT_SAYS(info, part);
 }
 
-TEST(Bench, PrintsBothHalvesAndTheirRatioForTwoScenes) {
-  const nlohmann::json result = nlohmann::json::parse(output_of({"bench", "--resolution", "64x32", "--json"}));
-  ASSERT_EQ(result["scenes"].size(), 2U);
-  for (const nlohmann::json& scene : result["scenes"]) {
-    EXPECT_GT(scene["functional_rays_per_s"], scene["simulated_rays_per_s"]);
-    EXPECT_GT(scene["ns_per_step"], 0);
-    EXPECT_GT(scene["peak_rss_mb"], 0);
-    EXPECT_NEAR(scene["ratio"],
-                scene["functional_rays_per_s"].get<double>() / scene["simulated_rays_per_s"].get<double>(), 1e-9);
-  }
-  EXPECT_SAYS(output_of({"bench", "--resolution", "16x16", "--scene", "teapot"}), "simulated rays/s");
-}
-
 }  // namespace
 }  // namespace test

@@ -47,7 +47,10 @@ nlohmann::ordered_json provenance(const Options& options, const RunConfig& confi
 class Job {
  public:
   Job(const Options& options, const Paper& paper, const RunConfig& config)
-      : options_(options), runner_(options), published_(load_published(options.paper)) {
+      : options_(options),
+        progress_(options.progress, false),
+        runner_(options, &progress_),
+        published_(load_published(options.paper)) {
     results_.paper = paper.name;
     results_.title = paper.title;
     results_.quick = options.quick;
@@ -57,13 +60,17 @@ class Job {
   void run(const std::vector<Case>& cases, const RunFolder::Open& open) {
     for (std::size_t i = 0; i < cases.size(); ++i) {
       const Case& c = cases[i];
-      fmt::print(stderr, "{} of {}: {}, {}\n", i + 1, cases.size(), c.view.scene, c.setting);
+      const std::string label = fmt::format("{} of {}: {}, {}", i + 1, cases.size(), c.view.scene, c.setting);
+      if (options_.progress == "auto") progress_.say(label);
+      progress_.expect(1, label);
       measure(c, open);
       write(open());
     }
+    progress_.end("done");
   }
 
   void end_early(const fs::path& folder) {
+    progress_.end(interrupted() ? "interrupted" : "failed");
     results_.partial = true;
     write(folder);
   }
@@ -110,6 +117,7 @@ class Job {
   }
 
   const Options& options_;
+  Progress progress_;
   Runner runner_;
   const Published published_;
   Results results_;
@@ -136,6 +144,7 @@ void reproduce(const Options& options) {
       failure = std::current_exception();
       job.end_early(open());
     }
+    return fmt::format("{} rows", job.results().rows.size());
   });
   fmt::print("{}\nresults: {}\n", results_text(job.results()), (folder.target() / "reproduce.md").string());
   if (failure) std::rethrow_exception(failure);

@@ -92,7 +92,7 @@ void Runner::load(const Case& c, const Program& program) {
   inputs_.reset();
   reflective_share_.reset();
   view_ = c.view;
-  inputs_ = load_inputs(job(c, program));
+  inputs_ = load_inputs(job(c, program), progress_);
   tree_ = sim::config_hash(inputs_->config.bvh);
   if (c.view.mirrors != 0) {
     set_reflective_share(*inputs_, c.view.mirrors / 100.0, options_.threads);
@@ -114,7 +114,7 @@ const Outcome& Runner::outcome(const Case& c, const Program& program) {
   out.node_bytes = records * traces::node_bytes(config.bvh.numbers, config.bvh.boxes);
   out.pixels = std::uint64_t{c.width} * c.height;
   out.machine = c.machine;
-  const Extras extras{.rates = nullptr, .marks = !c.picture.empty()};
+  const Extras extras{.marks = !c.picture.empty(), .progress = progress_};
   if (c.machine) {
     out.simulation = simulate(*inputs_, spec, options_.threads, extras);
   } else {
@@ -127,7 +127,7 @@ const Outcome& Runner::outcome(const Case& c, const Program& program) {
 const std::vector<float>& Runner::truth(const Case& c) {
   if (truth_.empty()) {
     inputs_->config = load_run_config(job(c, {}));
-    truth_ = ground_truth(*inputs_, kTruthSamples, options_.threads, cache_folder());
+    truth_ = ground_truth(*inputs_, kTruthSamples, options_.threads, cache_folder(), progress_);
   }
   return truth_;
 }

@@ -19,7 +19,8 @@ struct Options {
   std::filesystem::path out;     ///< empty: a dated folder below raywatt-out/
   bool quick = false;
   bool force = false;
-  std::uint32_t threads = 0;  ///< 0: all cores
+  std::string progress = "auto";  ///< form of Progress
+  std::uint32_t threads = 0;      ///< 0: all cores
   std::vector<std::string> argv;
 };
 
@@ -33,7 +34,7 @@ struct Measured {
 /// follow each other.
 class Runner {
  public:
-  explicit Runner(const Options& options) : options_(options) {}
+  explicit Runner(const Options& options, Progress* progress = nullptr) : options_(options), progress_(progress) {}
 
   /// The figures of a case in its order. InputError if its scene is not there or cannot be read.
   std::vector<Measured> measure(const Case& c);
@@ -55,6 +56,7 @@ class Runner {
   const std::vector<float>& truth(const Case& c);
 
   const Options& options_;
+  Progress* progress_;
   std::optional<Inputs> inputs_;
   View view_;
   std::string tree_;  ///< hash of the keys that the tree is made by

@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "tools/progress.h"
 #include "tools/verbs/verbs.h"
 
 namespace tools {
@@ -21,6 +22,7 @@ void add_reproduce(CLI::App& app, const std::vector<std::string>& argv) {
   verb->add_option("--threads", options->threads, "host threads (default: all cores)")->check(CLI::Range(1, 1024));
   verb->add_option("-o,--output", options->out, "folder for the results (default: a dated one below raywatt-out/)");
   verb->add_flag("--force", options->force, "put the results among the files of a folder that is not a former run");
+  add_progress_option(*verb, options->progress);
   verb->footer(
       "Example: raywatt reproduce kim2016 --scenes ~/scenes -o out/kim2016\n"
       "Whole papers take hours. An interrupt keeps the rows that are finished. docs/reproduce.md tells more.");

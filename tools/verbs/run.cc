@@ -28,22 +28,36 @@ struct Program {
 
 struct Job {
   const JobOptions& options;
+  Progress& progress;
   Program program;
   std::optional<Program> reference;
+  bool keep_part = false;  ///< of the first frame, if that is as far as the run comes
   traces::TraceWriter* trace = nullptr;
 
-  /// Simulates the frame that `inputs` stand at and writes its picture.
+  /// Simulates the frame that `inputs` stand at and writes its picture. An interrupt leaves the finished part of the
+  /// first frame, not compared.
   void run_frame(const Inputs& inputs, const RunFolder::Open& open, Outcome& out) {
     const std::uint32_t width = inputs.config.render.width, height = inputs.config.render.height;
+    const bool may_be_part = keep_part && out.frames.empty();
     Simulation frame = simulate(inputs, program.spec, options.threads,
-                                {.rates = &program.rates, .marks = options.debug_images, .trace = trace});
+                                {.rates = &program.rates,
+                                 .marks = options.debug_images,
+                                 .keep_part = may_be_part,
+                                 .progress = &progress,
+                                 .trace = trace});
     std::optional<Simulation> compared;
-    if (reference) {
-      compared = simulate(inputs, reference->spec, options.threads,
-                          {.rates = &reference->rates, .trace = trace, .reference = true});
+    if (reference && !frame.is_part()) {
+      try {
+        compared = simulate(inputs, reference->spec, options.threads,
+                            {.rates = &reference->rates, .progress = &progress, .trace = trace, .reference = true});
+      } catch (const Interrupted&) {
+        if (!may_be_part) throw;
+      }
     }
+    out.partial = frame.is_part() || (reference && !compared);
     const double error = compared ? mean_squared_error(frame.function.rgb, compared->function.rgb) : 0;
-    if (trace != nullptr) trace->end_frame(recorded_frame(inputs.frame, error));
+    if (trace != nullptr && !out.partial) trace->end_frame(recorded_frame(inputs.frame, error));
+    progress.phase("writing the picture");
     const std::filesystem::path& folder = open();
     if (inputs.frames() > 1) {
       const std::vector<std::uint8_t> picture = to_rgb8(frame.function.rgb);
@@ -61,13 +75,14 @@ struct Job {
     out.add(inputs.frame, std::move(frame), std::move(compared), error);
   }
 
-  /// All frames, or those that an interrupt has left time for; Interrupted if that is none.
+  /// All frames, or what an interrupt has left time for; Interrupted if that is nothing.
   Outcome run_frames(Inputs& inputs, const RunFolder::Open& folder) {
+    const HoldInterrupts hold;  // there is something to lose before there is a folder
     Outcome out;
     try {
       run_frame(inputs, folder, out);
-      while (inputs.frame < inputs.config.scene.last_frame) {
-        advance(inputs, inputs.frame + 1, options.threads);
+      while (!out.partial && inputs.frame < inputs.config.scene.last_frame) {
+        advance(inputs, inputs.frame + 1, options.threads, &progress);
         run_frame(inputs, folder, out);
       }
     } catch (const Interrupted&) {
@@ -78,29 +93,41 @@ struct Job {
   }
 };
 
+/// What an interrupted run has kept, in words.
+std::string kept(const Outcome& out, const Inputs& inputs) {
+  const Simulation& last = *out.total;
+  if (last.is_part()) return fmt::format("{} of {} tiles of frame {}", last.finished_tiles, last.tiles, inputs.frame);
+  if (inputs.frames() > 1) return fmt::format("{} of {} frames", out.frames.size(), inputs.frames());
+  return out.partial ? "the run without its reference" : "the whole run";
+}
+
 void run(const JobOptions& options) {
   const auto begin = sim::HostClock::now();
   const kernels::ProgramSpec program = kernels::parse_program(options.program);
   std::optional<kernels::ProgramSpec> reference;
   if (!options.reference.empty()) reference = kernels::parse_program(options.reference);
   RunFolder folder(options.out, options.force);
-  Inputs inputs = load_inputs(options);
+  Progress progress(options.progress, options.quiet);
+  Inputs inputs = load_inputs(options, &progress);
   const kernels::RateMap rates(inputs.config.programs.multirate);
-  Job job{options, {program, rates}, {}, nullptr};
+  Job job{options, progress, {program, rates}, {}, !folder.holds_former_run(), nullptr};
   if (reference) job.reference = Program{*reference, rates};
-  for (const std::string& warning : inputs.warnings) fmt::print(stderr, "raywatt: warning: {}\n", warning);
+  for (const std::string& warning : inputs.warnings) progress.say("raywatt: warning: " + warning);
+  progress.expect(inputs.frames() * (reference ? 2 : 1));
 
   nlohmann::ordered_json json;
   folder.fill([&](const RunFolder::Open& open) {
     std::optional<traces::TraceWriter> trace;
     if (!options.record.empty()) job.trace = &trace.emplace(options.record, trace_header(inputs, options));
     const Outcome out = job.run_frames(inputs, open);
+    progress.end(out.partial ? "interrupted" : "done");
     const std::filesystem::path& staging = open();
     const double wall = sim::seconds_since(begin);
     const Result result = out.result();
     json = report_json({inputs, options, result, out.frames, out.partial, wall});
     write_report(staging, json, inputs.config);
-    if (trace) trace->commit();
+    if (trace && !out.partial) trace->commit();
+    return kept(out, inputs);
   });
   if (options.quiet) return;
   fmt::print("{}\npicture: {}\nreport:  {}\n", report_table(json), (folder.target() / "image.png").string(),

@@ -78,6 +78,7 @@ void replay(JobOptions options, const Arguments& arguments) {
     const Result result = out.result();
     json = report_json({job.inputs(), options, result, out.frames, out.partial, wall});
     write_report(open(), json, job.inputs().config);
+    return fmt::format("{} of {} frames", out.frames.size(), job.inputs().frames());
   });
   if (options.quiet) return;
   fmt::print("{}\nreport:  {}\n", report_table(json), (folder.target() / "report.json").string());

@@ -7,6 +7,7 @@
 
 #include "sim/io/file.h"
 #include "sim/report/report_json.h"
+#include "tools/interrupt.h"
 #include "tools/picture.h"
 #include "tools/ray_list.h"
 #include "tools/report.h"
@@ -52,12 +53,14 @@ struct Verdict {
 
 /// Compares the frame that `inputs` stand at; writes both pictures if `open` is given.
 Verdict verify_frame(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
-                     const RunFolder::Open* open) {
+                     Progress& progress, const RunFolder::Open* open) {
   const traces::BvhTracer tested(inputs.image);
-  const traces::EmbreeTracer embree(inputs.image, host_threads(threads));
+  progress.phase("building Embree's tree");
+  const traces::EmbreeTracer embree(inputs.image, host_threads(threads), interrupted);
   const traces::VerifyingTracer verifying(inputs.image, tested, embree);
-  const std::vector<float> ours = render(inputs, program, verifying, threads).rgb;
-  const std::vector<float> truth = render(inputs, program, embree, threads).rgb;
+  const Extras extras{.progress = &progress};
+  const std::vector<float> ours = render(inputs, program, verifying, threads, extras).rgb;
+  const std::vector<float> truth = render(inputs, program, embree, threads, extras).rgb;
   if (open != nullptr) {
     const std::filesystem::path& folder = (*open)();
     const std::uint32_t width = inputs.config.render.width, height = inputs.config.render.height;
@@ -84,6 +87,7 @@ int verify_rays(const JobOptions& options) {
     json["provenance"] = provenance_json(inputs, options);
     json["provenance"]["rays_sha256"] = list.sha256;
     sim::write_file_atomically(open() / "verify.json", sim::json_text(json));
+    return std::string("all rays");
   });
   if (!options.quiet) {
     fmt::print("{}\ndetails: {}\n", counts_text(counts), (folder.target() / "verify.json").string());
@@ -91,32 +95,57 @@ int verify_rays(const JobOptions& options) {
   return counts.faults() == 0 ? kGood : kCheckFailed;
 }
 
-int verify(const JobOptions& options) {
-  const kernels::ProgramSpec program = kernels::parse_program(options.program);
-  RunFolder folder(options.out, options.force, "verify.json");
-  Inputs inputs = load_inputs(options);
-  Verdict total;
-  folder.fill([&](const RunFolder::Open& open) {
-    nlohmann::ordered_json frames = nlohmann::ordered_json::array();
-    for (;;) {
-      const Verdict verdict = verify_frame(inputs, program, options.threads, frames.empty() ? &open : nullptr);
-      nlohmann::ordered_json entry = {{"frame", inputs.frame}};
-      entry.update(verdict.json());
-      frames.push_back(std::move(entry));
-      total.counts += verdict.counts;
-      total.squared_error += verdict.squared_error / inputs.frames();
-      if (inputs.frame == inputs.config.scene.last_frame) break;
-      advance(inputs, inputs.frame + 1, options.threads);
+/// Frame after frame; how all of them compare so far, after each.
+struct Verification {
+  Verdict total;  ///< its squared error is a sum
+  nlohmann::ordered_json frames = nlohmann::ordered_json::array();
+
+  Verdict mean() const { return {total.counts, total.squared_error / static_cast<double>(frames.size())}; }
+
+  void add(std::uint32_t frame, const Verdict& verdict) {
+    nlohmann::ordered_json entry = {{"frame", frame}};
+    entry.update(verdict.json());
+    frames.push_back(std::move(entry));
+    total.counts += verdict.counts;
+    total.squared_error += verdict.squared_error;
+  }
+
+  /// All frames, or those that an interrupt has left time for; Interrupted if that is none.
+  void run(Inputs& inputs, const JobOptions& options, Progress& progress, const RunFolder::Open& open) {
+    const kernels::ProgramSpec program = kernels::parse_program(options.program);
+    try {
+      add(inputs.frame, verify_frame(inputs, program, options.threads, progress, &open));
+      while (inputs.frame < inputs.config.scene.last_frame) {
+        advance(inputs, inputs.frame + 1, options.threads, &progress);
+        add(inputs.frame, verify_frame(inputs, program, options.threads, progress, nullptr));
+      }
+    } catch (const Interrupted&) {
+      if (frames.empty()) throw;
     }
-    nlohmann::ordered_json json = {{"schema", "raywatt-verify/1"}};
-    json.update(total.json());
-    json["frames"] = std::move(frames);
+  }
+};
+
+int verify(const JobOptions& options) {
+  kernels::parse_program(options.program);
+  RunFolder folder(options.out, options.force, "verify.json");
+  Progress progress(options.progress, options.quiet);
+  Inputs inputs = load_inputs(options, &progress);
+  progress.expect(2 * inputs.frames());
+  Verification done;
+  folder.fill([&](const RunFolder::Open& open) {
+    done.run(inputs, options, progress, open);
+    const bool partial = done.frames.size() < inputs.frames();
+    progress.end(partial ? "interrupted" : "done");
+    nlohmann::ordered_json json = {{"schema", "raywatt-verify/1"}, {"partial", partial}};
+    json.update(done.mean().json());
+    json["frames"] = done.frames;
     json["provenance"] = provenance_json(inputs, options);
     sim::write_file_atomically(open() / "verify.json", sim::json_text(json));
+    return fmt::format("{} of {} frames", done.frames.size(), inputs.frames());
   });
-  const traces::VerifyCounts& counts = total.counts;
+  const traces::VerifyCounts& counts = done.total.counts;
   if (!options.quiet) {
-    const std::optional<double> psnr = psnr_db(total.squared_error);
+    const std::optional<double> psnr = psnr_db(done.mean().squared_error);
     fmt::print("{}, picture {}\n", counts_text(counts), psnr ? fmt::format("{:.2f} dB", *psnr) : "identical");
     fmt::print("details: {}\n", (folder.target() / "verify.json").string());
   }

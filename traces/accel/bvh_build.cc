@@ -114,6 +114,12 @@ void place_root(const TreeNode* root, const Bounds& bounds, PlacedBvh& out) {
   }
 }
 
+/// Asked by Embree from its threads. Embree 3 does not look at the answer, but what is thrown ends the build.
+bool may_go_on(void* stop, double) {
+  if ((*static_cast<const sim::Stop*>(stop))()) throw sim::Cancelled{};
+  return true;
+}
+
 Bounds bounds_of(std::span<const TriangleRecord> triangles) {
   Bounds all;
   for (const TriangleRecord& t : triangles) {
@@ -133,7 +139,8 @@ std::vector<RTCBuildPrimitive> primitives_of(std::span<const TriangleRecord> tri
 
 }  // namespace
 
-PlacedBvh build_bvh(std::span<const TriangleRecord> triangles, const BvhConfig& config, unsigned threads) {
+PlacedBvh build_bvh(std::span<const TriangleRecord> triangles, const BvhConfig& config, unsigned threads,
+                    sim::Stop stop) {
   PlacedBvh out;
   if (triangles.empty()) {
     place_root(nullptr, {}, out);
@@ -158,8 +165,13 @@ PlacedBvh build_bvh(std::span<const TriangleRecord> triangles, const BvhConfig& 
   arguments.setNodeChildren = set_children;
   arguments.setNodeBounds = set_bounds;
   arguments.createLeaf = create_leaf;
+  if (stop != nullptr) {
+    arguments.buildProgress = may_go_on;
+    arguments.userPtr = &stop;
+  }
   const auto* root = static_cast<const TreeNode*>(rtcBuildBVH(&arguments));
   const RTCError error = rtcGetDeviceError(device.get());
+  if (root == nullptr && stop != nullptr && stop()) throw sim::Cancelled{};
   if (error == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
   if (error != RTC_ERROR_NONE || root == nullptr) {  // what Embree says when the depth does not suffice
     throw sim::InputError("bvh.max_depth: " + std::to_string(config.max_depth) + " levels are not enough for " +

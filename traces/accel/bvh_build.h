@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "sim/stop.h"
 #include "traces/accel/bvh_config.h"
 #include "traces/accel/memory_image.h"
 
@@ -14,6 +15,7 @@ struct PlacedBvh {
   std::vector<std::uint32_t> order;  ///< triangles as the leaves want them, by index into the input
 };
 
-PlacedBvh build_bvh(std::span<const TriangleRecord> triangles, const BvhConfig& config, unsigned threads);
+PlacedBvh build_bvh(std::span<const TriangleRecord> triangles, const BvhConfig& config, unsigned threads,
+                    sim::Stop stop = nullptr);
 
 }  // namespace traces

@@ -88,10 +88,13 @@ RTCRay embree_ray(const Ray& ray) {
   return r;
 }
 
+/// Asked by Embree from its threads: may the build go on?
+bool may_go_on(void* stop, double) { return !(*static_cast<const sim::Stop*>(stop))(); }
+
 }  // namespace
 
 struct EmbreeTracer::Impl {
-  Impl(const MemoryImage& image, unsigned threads);
+  Impl(const MemoryImage& image, unsigned threads, sim::Stop stop);
   Hit nearest(const Ray& ray) const;
   bool blocked(const Ray& ray) const;
 
@@ -102,7 +105,7 @@ struct EmbreeTracer::Impl {
   EmbreeScene scene_;
 };
 
-EmbreeTracer::Impl::Impl(const MemoryImage& image, unsigned threads)
+EmbreeTracer::Impl::Impl(const MemoryImage& image, unsigned threads, sim::Stop stop)
     : image_(image),
       has_flags_(std::ranges::any_of(image.triangles, [](const TriangleRecord& t) { return t.flags() != 0; })),
       diagonal_(image.diagonal()),
@@ -127,7 +130,9 @@ EmbreeTracer::Impl::Impl(const MemoryImage& image, unsigned threads)
     rtcCommitGeometry(geometry.get());
     rtcAttachGeometry(scene_.get(), geometry.get());
   }
+  if (stop != nullptr) rtcSetSceneProgressMonitorFunction(scene_.get(), may_go_on, &stop);
   rtcCommitScene(scene_.get());
+  if (stop != nullptr && stop()) throw sim::Cancelled{};
   check_embree(device_.get(), "building the reference tree");
 }
 
@@ -166,8 +171,8 @@ bool EmbreeTracer::Impl::blocked(const Ray& ray) const {
   return r.tfar < 0;
 }
 
-EmbreeTracer::EmbreeTracer(const MemoryImage& image, unsigned threads)
-    : impl_(std::make_unique<Impl>(image, threads)) {}
+EmbreeTracer::EmbreeTracer(const MemoryImage& image, unsigned threads, sim::Stop stop)
+    : impl_(std::make_unique<Impl>(image, threads, stop)) {}
 EmbreeTracer::~EmbreeTracer() = default;
 
 void EmbreeTracer::trace(std::span<const Ray> rays, RayKind kind, std::span<Hit> hits, WalkSink*) const {

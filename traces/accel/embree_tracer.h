@@ -2,6 +2,7 @@
 #include <memory>
 #include <string>
 
+#include "sim/stop.h"
 #include "traces/accel/memory_image.h"
 #include "traces/tracer.h"
 
@@ -15,8 +16,9 @@ namespace traces {
 /// triangle 0; in a scene with flagged triangles, the nearest hit.
 class EmbreeTracer : public Tracer {
  public:
-  /// `image` must outlive the tracer; `threads` build Embree's tree (0: all there are).
-  explicit EmbreeTracer(const MemoryImage& image, unsigned threads = 0);
+  /// `image` must outlive the tracer; `threads` build Embree's tree (0: all there are). sim::Cancelled if `stop` ends
+  /// it.
+  explicit EmbreeTracer(const MemoryImage& image, unsigned threads = 0, sim::Stop stop = nullptr);
   ~EmbreeTracer() override;
   void trace(std::span<const Ray> rays, RayKind kind, std::span<Hit> hits, WalkSink* walk) const override;
 

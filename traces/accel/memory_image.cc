@@ -99,10 +99,10 @@ std::uint64_t MemoryImage::node_array_bytes() const {
   return layout.node_bytes * node_records(nodes.size(), boxes);
 }
 
-MemoryImage build_memory_image(const Scene& scene, const BvhConfig& config, unsigned threads) {
+MemoryImage build_memory_image(const Scene& scene, const BvhConfig& config, unsigned threads, sim::Stop stop) {
   MaterialTables materials = material_tables(scene);
   FlatTriangles flat = flatten(scene, materials);
-  PlacedBvh bvh = build_bvh(flat.triangles, config, threads);
+  PlacedBvh bvh = build_bvh(flat.triangles, config, threads, stop);
 
   MemoryImage image;
   image.nodes = std::move(bvh.nodes);

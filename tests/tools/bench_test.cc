@@ -1,0 +1,120 @@
+#include "tools/bench.h"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "tests/tools/program.h"
+
+// How fast the simulator is, and against another build.
+
+namespace test {
+namespace {
+
+Words bench(const Words& more) {
+  Words words = {"bench", "--resolution", "64x32", "--runs", "2"};
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+nlohmann::json figures(const Words& more = {}) {
+  Words words = bench(more);
+  words.emplace_back("--json");
+  const Ending ending = raywatt(words);
+  EXPECT_EQ(ending.exit, 0) << ending.err;
+  EXPECT_EQ(ending.err, "");
+  return nlohmann::json::parse(ending.out);
+}
+
+TEST(Bench, MeasuresEveryFigureOfEveryScene) {
+  const nlohmann::json result = figures({"--threads", "2"});
+  EXPECT_EQ(result["runs"], 2);
+  EXPECT_EQ(result["threads"], 2);
+  ASSERT_EQ(result["scenes"].size(), 2U);
+  for (const nlohmann::json& scene : result["scenes"]) {
+    for (const tools::BenchFigure& figure : tools::bench_figures()) EXPECT_GT(scene[figure.name], 0) << figure.name;
+    EXPECT_GT(scene["functional_rays_per_s"], scene["one_thread_rays_per_s"]);
+  }
+}
+
+TEST(Bench, PrintsAColumnForEveryFigure) {
+  const std::string table = raywatt(bench({"--scene", "teapot"})).out;
+  for (const tools::BenchFigure& figure : tools::bench_figures()) EXPECT_SAYS(table, figure.header);
+  EXPECT_SAYS(table, "teapot");
+  EXPECT_EQ(std::ranges::count(table, '\n'), 3) << table;
+}
+
+TEST(Bench, PeakMemoryIsThatOfTheSceneAlone) {
+  const nlohmann::json both = figures({"--scene", "chess", "--scene", "cornell"});
+  EXPECT_LT(both["scenes"][1]["peak_rss_mb"].get<double>(), 0.9 * both["scenes"][0]["peak_rss_mb"].get<double>())
+      << "the smaller scene comes last";
+}
+
+TEST(Bench, RefusesASceneThatIsNotThereWithOneLine) {
+  expect_refusal(raywatt(bench({"--scene", "teapott"})), {"teapott", "did you mean 'teapot'"});
+}
+
+/// What a build has saved: one scene, each figure `value`.
+nlohmann::ordered_json saved(double value, const std::string& scene = "teapot") {
+  nlohmann::ordered_json figures = {{"scene", scene}};
+  for (const tools::BenchFigure& figure : tools::bench_figures()) figures[figure.name] = value;
+  return {{"schema", "raywatt-bench/2"}, {"scenes", {figures}}};
+}
+
+TEST(Bench, SaysHowManyTimesAsGoodEachFigureIs) {
+  const TempFolder folder;
+  const std::string ours = folder.write("ours.json", saved(30).dump()).string();
+  const std::string theirs = folder.write("theirs.json", saved(10).dump()).string();
+  const nlohmann::json result = figures({"--measured", ours, "--against", theirs});
+  const nlohmann::json& against = result["scenes"][0]["against"];
+  EXPECT_DOUBLE_EQ(against["simulated_rays_per_s"], 3) << "three times as many";
+  EXPECT_DOUBLE_EQ(against["ns_per_step"], 1.0 / 3) << "three times as long";
+  EXPECT_DOUBLE_EQ(against["peak_rss_mb"], 1.0 / 3);
+  EXPECT_SAYS(raywatt(bench({"--measured", ours, "--against", theirs})).out, "x3.00");
+}
+
+TEST(Bench, TakesMediansOfResultsThatAreSavedOneBehindTheOther) {
+  const TempFolder folder;
+  const std::string many = saved(5).dump(2) + "\n" + saved(1).dump() + saved(100).dump(2) + "\n";
+  const nlohmann::json result = figures({"--measured", folder.write("many.json", many).string()});
+  EXPECT_EQ(result["scenes"][0]["ns_per_step"], 5);
+}
+
+TEST(Bench, ComparesWithBuildsOfBeforeOnlyWhatTheyMeasured) {
+  const TempFolder folder;
+  const nlohmann::json before = {{"schema", "raywatt-bench/1"},
+                                 {"scenes",
+                                  {{{"scene", "teapot"},
+                                    {"functional_rays_per_s", 20},
+                                    {"simulated_rays_per_s", 10},
+                                    {"ns_per_step", 40},
+                                    {"peak_rss_mb", 7}}}}};
+  const nlohmann::json result = figures({"--measured", folder.write("ours.json", saved(40).dump()).string(),
+                                         "--against", folder.write("before.json", before.dump()).string()});
+  const nlohmann::json against = result["scenes"][0]["against"];
+  EXPECT_EQ(against,
+            (nlohmann::json{{"recording_rays_per_s", 2.0}, {"one_thread_rays_per_s", 4.0}, {"ns_per_step", 1.0}}))
+      << "one thread, peak memory of all scenes before";
+}
+
+TEST(Bench, LeavesOutScenesThatTheOtherHasNot) {
+  const TempFolder folder;
+  const std::string ours = folder.write("ours.json", saved(1).dump()).string();
+  const std::string theirs = folder.write("theirs.json", saved(1, "chess").dump()).string();
+  EXPECT_FALSE(figures({"--measured", ours, "--against", theirs})["scenes"][0].contains("against"));
+}
+
+TEST(Bench, RefusesFilesThatHoldNoFigures) {
+  const TempFolder folder;
+  for (const char* text :
+       {"", "{", "[]", "{}", "7", R"({"schema": "raywatt-report/1"})", R"({"schema": "raywatt-bench/2"})",
+        R"({"schema": "raywatt-bench/2", "scenes": 3})", R"({"schema": "raywatt-bench/2", "scenes": [{}]})",
+        R"({"schema": "raywatt-bench/2", "scenes": [{"scene": "a", "ns_per_step": "fast"}]})"}) {
+    const std::string file = folder.write("bad.json", text).string();
+    expect_refusal(raywatt(bench({"--against", file})), {"bad.json", "bench --json"});
+  }
+  expect_refusal(raywatt(bench({"--against", (folder.path() / "none.json").string()})), {"none.json"});
+}
+
+}  // namespace
+}  // namespace test

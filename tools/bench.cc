@@ -1,0 +1,163 @@
+#include "tools/bench.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+#include <span>
+#include <system_error>
+
+#include <fmt/format.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "tools/build_info.h"
+#include "tools/median.h"
+#include "tools/report.h"
+#include "tools/run_job.h"
+#include "traces/accel/bvh_tracer.h"
+
+namespace tools {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+/// A round: everything once, one after the other, so that figures can be compared whatever the host is doing.
+class Rounds {
+ public:
+  Rounds(const Inputs& inputs, const BenchOptions& options, Progress& progress)
+      : inputs_(inputs), options_(options), program_(kernels::parse_program(options.job.program)), progress_(progress) {
+    progress.expect(kPartsOfARound * options.runs, options.job.scene);
+  }
+
+  void run() {
+    const Extras extras{.progress = &progress_};
+    const double picture = render(inputs_, program_, traces::BvhTracer(inputs_.image), 1, extras).seconds;
+    const Simulation one = simulate(inputs_, program_, 1, extras);
+    const Simulation all = simulate(inputs_, program_, options_.job.threads, extras);
+    rays_ = one.rays();
+    steps_ = one.function.traversal_steps;
+    const auto rays = static_cast<double>(rays_), steps = static_cast<double>(steps_);
+    const double timing = one.wall_seconds - one.function.waited;
+    add("functional_rays_per_s", rays / picture);
+    add("recording_rays_per_s", rays / one.function.seconds);
+    add("one_thread_rays_per_s", rays / one.wall_seconds);
+    add("simulated_rays_per_s", rays / all.wall_seconds);
+    add("steps_per_s", steps / all.wall_seconds);
+    add("ns_per_step", 1e9 * timing / steps);
+    add("timing_s_per_functional_s", timing / picture);
+  }
+
+  Json json() const {
+    Json out = {{"scene", inputs_.scene.name},
+                {"triangles", inputs_.scene.triangles},
+                {"rays", rays_},
+                {"traversal_steps", steps_}};
+    for (const auto& [name, values] : values_) out[name] = median(values);
+    out["peak_rss_mb"] = peak_rss_mib();
+    return out;
+  }
+
+ private:
+  static constexpr std::uint32_t kPartsOfARound = 3;
+
+  void add(const char* name, double value) {
+    const auto known = std::ranges::find(values_, name, [](const auto& figure) { return figure.first; });
+    (known != values_.end() ? *known : values_.emplace_back(name, std::vector<double>{})).second.push_back(value);
+  }
+
+  const Inputs& inputs_;
+  const BenchOptions& options_;
+  const kernels::ProgramSpec program_;
+  Progress& progress_;
+  std::uint64_t rays_ = 0, steps_ = 0;
+  std::vector<std::pair<std::string, std::vector<double>>> values_;
+};
+
+Json measure(const std::string& scene, const BenchOptions& options) {
+  BenchOptions own = options;
+  own.job.scene = scene;
+  Progress progress(own.job.progress, own.job.quiet);
+  const Inputs inputs = load_inputs(own.job, &progress);
+  Rounds rounds(inputs, own, progress);
+  for (std::uint32_t i = 0; i < options.runs; ++i) rounds.run();
+  return rounds.json();
+}
+
+void write_all(int file, std::string_view text) {
+  while (!text.empty()) {
+    const ssize_t written = ::write(file, text.data(), text.size());
+    if (written < 0) throw std::system_error(errno, std::generic_category(), "pipe");
+    text.remove_prefix(static_cast<std::size_t>(written));
+  }
+}
+
+std::string read_all(int file) {
+  std::string text;
+  char part[4096];
+  for (ssize_t n = 0; (n = ::read(file, part, sizeof part)) != 0;) {
+    if (n > 0) text.append(part, static_cast<std::size_t>(n));
+    if (n < 0 && errno != EINTR) throw std::system_error(errno, std::generic_category(), "pipe");
+  }
+  return text;
+}
+
+/// measure() in a process of its own. What it throws goes to main() there, which says so and ends the process.
+Json measure_apart(const std::string& scene, const BenchOptions& options) {
+  int ends[2];
+  if (::pipe(ends) != 0) throw std::system_error(errno, std::generic_category(), "pipe");
+  const pid_t child = ::fork();
+  if (child < 0) throw std::system_error(errno, std::generic_category(), "fork");
+  if (child == 0) {
+    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+    std::signal(SIGINT, SIG_DFL);  // the parent says it
+    ::close(ends[0]);
+    write_all(ends[1], measure(scene, options).dump());
+    std::_Exit(0);
+  }
+  ::close(ends[1]);
+  const std::string text = read_all(ends[0]);
+  ::close(ends[0]);
+  int status = 0;
+  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  if (WIFSIGNALED(status))
+    throw std::runtime_error(fmt::format("signal {} while measuring {}", WTERMSIG(status), scene));
+  if (WEXITSTATUS(status) != 0) std::exit(WEXITSTATUS(status));
+  return Json::parse(text);
+}
+
+}  // namespace
+
+const std::vector<BenchFigure>& bench_figures() {
+  static const std::vector<BenchFigure> figures = {
+      {"functional_rays_per_s", "functional rays/s"},
+      {"recording_rays_per_s", "recording rays/s"},
+      {"one_thread_rays_per_s", "1 thread rays/s"},
+      {"simulated_rays_per_s", "all threads rays/s"},
+      {"steps_per_s", "steps/s"},
+      {"ns_per_step", "timing ns/step", false},
+      {"timing_s_per_functional_s", "timing/functional", false},
+      {"peak_rss_mb", "peak MiB", false},
+  };
+  return figures;
+}
+
+Json measure_scenes(const BenchOptions& options) {
+  const BuildInfo build = build_info();
+  Json out = {{"schema", "raywatt-bench/2"},
+              {"git", build.git},
+              {"dirty", build.dirty},
+              {"compiler", build.compiler},
+              {"flags", build.flags},
+              {"program", options.job.program},
+              {"threads", host_threads(options.job.threads)},
+              {"runs", options.runs},
+              {"scenes", Json::array()}};
+  for (const std::string& scene : options.scenes) out["scenes"].push_back(measure_apart(scene, options));
+  return out;
+}
+
+}  // namespace tools

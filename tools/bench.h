@@ -1,0 +1,43 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "tools/options.h"
+
+namespace tools {
+
+/// What `raywatt bench` is told.
+struct BenchOptions {
+  JobOptions job;  ///< its threads are those of the whole run
+  std::vector<std::string> scenes = {"cornell", "teapot"};
+  std::uint32_t runs = 5;
+  std::filesystem::path measured;  ///< figures saved before, taken instead of measuring; empty: none
+  std::filesystem::path against;   ///< figures to compare with; empty: none
+};
+
+/// A figure of a scene: a key of the JSON, a column of the table.
+struct BenchFigure {
+  std::string name, header;
+  bool is_rate = true;  ///< per second, and more is better; otherwise less is
+};
+const std::vector<BenchFigure>& bench_figures();
+
+/// Measures scene after scene, each in a process of its own, as peak memory never falls: schema raywatt-bench/2. Each
+/// figure is a median over `runs` rounds, and a round measures everything in turn. If a scene's process fails, which
+/// has said why, this one ends with its exit code.
+nlohmann::ordered_json measure_scenes(const BenchOptions& options);
+
+/// Reads what `raywatt bench --json` has printed; of several results, one behind the other, the medians. InputError.
+nlohmann::ordered_json load_bench(const std::filesystem::path& file);
+
+/// Adds to each scene of `bench` that `other` has, too, `against`: how many times as good each figure is.
+void compare_bench(nlohmann::ordered_json& bench, const nlohmann::ordered_json& other);
+
+/// The table for a terminal; a second one if there is something to compare.
+std::string bench_table(const nlohmann::ordered_json& bench);
+
+}  // namespace tools
