@@ -46,8 +46,8 @@ std::string duration_text(double seconds) {
 }  // namespace
 
 double ProgressState::share() const {
-  const double of_part = tiles == 0 ? 0 : static_cast<double>(tile) / tiles;
-  return std::min(1.0, (part + of_part) / parts);
+  const double of_part = tile == tiles ? 0 : static_cast<double>(tile) / tiles;  // all tiles: a finished part
+  return (part + of_part) / parts;
 }
 
 double ProgressState::rays_per_s() const { return busy_seconds > 0 ? static_cast<double>(rays) / busy_seconds : 0; }
@@ -98,7 +98,6 @@ Progress::~Progress() { end(state_.phase); }
 void Progress::phase(const std::string& what) {
   const std::lock_guard lock(mutex_);
   state_.phase = what;
-  state_.tile = state_.tiles = 0;
 }
 
 void Progress::expect(std::uint32_t parts, const std::string& label) {
@@ -127,11 +126,8 @@ void Progress::tiles_done(std::uint32_t tiles, std::uint64_t rays, std::uint64_t
   state_.tile = tiles;
   state_.rays = rays_before_ + rays;
   state_.cycles = cycles_before_ + cycles;
-}
-
-void Progress::end_part() {
-  const std::lock_guard lock(mutex_);
-  state_.part = std::min(state_.part + 1, state_.parts);
+  if (tiles < state_.tiles) return;
+  state_.part += 1;
   rays_before_ = state_.rays;
   cycles_before_ = state_.cycles;
 }

@@ -49,9 +49,8 @@ class Progress {
   /// From now on so many parts, counted anew; and anew when they are over and another begins.
   void expect(std::uint32_t parts, const std::string& label = {});
   void begin_part(const std::string& what, std::uint32_t frame, std::uint32_t tiles);
-  /// So much of the part under way is done.
+  /// So much of the part under way is done; with all its tiles the part is over.
   void tiles_done(std::uint32_t tiles, std::uint64_t rays, std::uint64_t cycles);
-  void end_part();
   /// Writes a line on stderr without disturbing the bar.
   void say(const std::string& line);
   /// The last line: how it ended, "done" or "interrupted". Tells nothing more after that.

@@ -35,12 +35,6 @@ class Tiles final : public hw::TileSource {
  public:
   Tiles(hw::FrontEnd& front_end, std::uint32_t tiles, const Extras& extras)
       : front_end_(front_end), extras_(extras), tiles_(tiles) {}
-  ~Tiles() override {
-    if (extras_.progress != nullptr && finished_ == tiles_) extras_.progress->end_part();
-  }
-  Tiles(const Tiles&) = delete;
-  Tiles& operator=(const Tiles&) = delete;
-
   void begin(const char* phase, std::uint32_t frame) const {
     if (extras_.progress != nullptr) extras_.progress->begin_part(phase, frame, tiles_);
   }

@@ -65,7 +65,7 @@ struct Job {
     }
     if (out.frames.empty()) {
       traces::write_png(folder / "image.png", width, height, to_rgb8(frame.function.rgb));
-      traces::write_exr(folder / "image.exr", width, height, frame.function.rgb);
+      if (!frame.is_part()) traces::write_exr(folder / "image.exr", width, height, frame.function.rgb);
       if (compared) traces::write_exr(folder / "reference.exr", width, height, compared->function.rgb);
     }
     for (const DebugPicture& p : debug_pictures(program.spec, frame.function, width, height)) {
