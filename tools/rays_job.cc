@@ -101,6 +101,7 @@ void run_rays(const JobOptions& options) {
     sim::write_file_atomically(open() / "report.json", sim::json_text(json));
     sim::write_file_atomically(open() / "report.txt", table(json));
     sim::write_file_atomically(open() / "config.yaml", sim::dump_config(inputs.config));
+    return std::string("the whole run");
   });
   if (options.quiet) return;
   fmt::print("{}\nreport:  {}\n", table(json), (folder.target() / "report.json").string());
