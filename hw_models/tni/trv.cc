@@ -25,6 +25,7 @@ Trv::Trv(const TrvConfig& config, const TniMode& mode, const TreeInMemory& tree,
       clock_(clock),
       tree_(tree),
       visit_latency_(config.l1.hit_cycles + config.box_latency),
+      levels_(!tree.placed.empty()),
       plain_(tree.one_line() && !tree.hybrid && config.box_testers == 2),
       unbounded_(mode.unbounded),
       one_pipe_(config.box_testers == 1 && !mode.unbounded),
@@ -168,11 +169,12 @@ Trv::Pipe Trv::next_pipe(Slot& slot) const {
   if (slot.culls > 0) return kToStack;
   if (traces::kind_of(*slot.next) == StepKind::kEnd) return kToRetire;
   if (slot.must_pop) return kToStack;
-  return traces::kind_of(*slot.next) == StepKind::kVisit ? kToInner : kToLeaf;
+  return traces::kind_of(*slot.next) == StepKind::kVisit || traces::is_enter(*slot.next) ? kToInner : kToLeaf;
 }
 
 Trv::Why Trv::issue_visit(std::uint32_t index) {
   Slot& slot = slots_[index];
+  if (levels_ && enters_instance(slot, index)) return issue_transform(slot, index);
   const std::uint32_t node = slot.restarting ? paths_[index].back() : traces::node_of(*slot.next);
   const TreeInMemory::Line read = plain_ ? TreeInMemory::Line{tree_.line_of(node), true}
                                          : tree_.line_of_visit(node, config_.box_testers, slot.child, slot.fetched);
@@ -186,6 +188,11 @@ Trv::Why Trv::issue_visit(std::uint32_t index) {
     }
     return Why::kVisiting;
   }
+  return missed(result, index);
+}
+
+/// The line was not there.
+Trv::Why Trv::missed(FetchStage::Result result, std::uint32_t index) {
   if (fetch_.bypasses()) {
     stats_.bypass_passes += 1;
     pipes_.put(kToInner, index, visit_latency_);

@@ -10,10 +10,17 @@ using traces::StepKind;
 
 namespace {
 
-/// Nodes at which the `stacked` entries now on a ray's stack were pushed, oldest first, found by following its walk
-/// from `begin` up to the step `next`. Restarts are rare; keeping such a list for every ray is not worth the memory.
-std::vector<std::uint32_t> pending_pushes(const std::uint32_t* begin, const std::uint32_t* next, std::size_t stacked) {
-  std::vector<std::uint32_t> entries;
+/// Where an entry of the stack was pushed: at a node, in the tree over instances (kNone) or in that of an instance.
+struct Push {
+  std::uint32_t node = 0;
+  std::uint32_t instance = traces::kNone;
+};
+
+/// Where the `stacked` entries now on a ray's stack were pushed, oldest first, found by following its walk from `begin`
+/// up to the step `next`. Restarts are rare; keeping such a list for every ray is not worth the memory.
+std::vector<Push> pending_pushes(const std::uint32_t* begin, const std::uint32_t* next, std::size_t stacked) {
+  std::vector<Push> entries;
+  std::uint32_t instance = traces::kNone;
   bool must_pop = false;
   for (const std::uint32_t* step = begin; step != next; ++step) {
     const StepKind kind = traces::kind_of(*step);
@@ -22,12 +29,20 @@ std::vector<std::uint32_t> pending_pushes(const std::uint32_t* begin, const std:
       if (step + 1 != next) entries.resize(entries.size() - traces::culled_of(*step));
       continue;
     }
-    if (must_pop) entries.pop_back();
+    if (must_pop) {
+      instance = entries.back().instance;  // of the entry, so of where the ray goes on
+      entries.pop_back();
+    }
+    if (traces::is_enter(*step)) {
+      instance = traces::instance_of(*step);
+      must_pop = false;
+      continue;
+    }
     must_pop = kind == StepKind::kLeaf || traces::hits_of(*step) == 0;
     if (kind == StepKind::kLeaf) {
       ++step;  // its exit phases
     } else if (traces::hits_of(*step) == 3) {
-      entries.push_back(traces::node_of(*step));
+      entries.push_back({traces::node_of(*step), instance});
     }
   }
   entries.resize(stacked);
@@ -41,12 +56,21 @@ void Trv::restart(Slot& slot, std::uint32_t index) {
   // From the link, which is the node of the oldest dropped entry, or from the root, down to the node of the entry
   // wanted now. Each visit finds its far child again, so the short stack ends up holding the youngest entries; the
   // trail says that the last one is where to go on, without a pop.
-  const std::vector<std::uint32_t> entries = pending_pushes(slot.begin, slot.next, slot.stacked);
+  const std::vector<Push> entries = pending_pushes(slot.begin, slot.next, slot.stacked);
   const bool trail = config_.stack == StackScheme::kRestartTrail;
-  const std::uint32_t from = trail ? 0 : entries.front();
-  for (std::uint32_t node = entries.back();; node = tree_.parents[node]) {
+  const std::uint32_t from = trail ? 0 : entries.front().node;
+  const std::uint32_t instance = entries.back().instance;
+  const std::uint32_t root = instance == traces::kNone ? traces::kNone : tree_.placed[instance].root;
+  // From the tree of an instance, unless all of the way is in it, up into the one over instances.
+  for (std::uint32_t node = entries.back().node;;) {
     paths_[index].push_back(node);
     if (node == from) break;
+    if (node == root) {
+      paths_[index].push_back(kEnter | instance);
+      node = tree_.parents[tree_.links.size() + instance];
+    } else {
+      node = tree_.parents[node];
+    }
   }
   slot.restarting = true;
   stats_.restarts += 1;

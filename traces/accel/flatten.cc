@@ -81,8 +81,11 @@ VertexRecord vertices_of(const Mesh& mesh, const std::array<std::uint32_t, 3>& c
   return record;
 }
 
-void append(const Mesh& mesh, const glm::mat4& to_world, std::uint32_t object, std::uint32_t flags,
-            FlatTriangles& out) {
+}  // namespace
+
+void append_mesh(const Mesh& mesh, const glm::mat4& to_world, std::uint32_t object, const MaterialTables& materials,
+                 std::uint32_t base, FlatTriangles& out) {
+  const std::uint32_t flags = triangle_flags(materials.records[mesh.material]);
   std::vector<glm::vec3> positions(mesh.positions.size());
   // Adding nothing makes zeros positive: boxes do not depend on the order in which they are put together.
   std::ranges::transform(mesh.positions, positions.begin(),
@@ -91,7 +94,7 @@ void append(const Mesh& mesh, const glm::mat4& to_world, std::uint32_t object, s
   for (const auto& corners : mesh.triangles) {
     TriangleRecord triangle{positions[corners[0]], positions[corners[1]],
                             positions[corners[2]], object,
-                            flags | mesh.material, static_cast<std::uint32_t>(out.triangles.size())};
+                            flags | mesh.material, static_cast<std::uint32_t>(out.triangles.size()) - base};
     if (!has_area(triangle)) triangle.v1 = triangle.v2 = triangle.v0;
     out.triangles.push_back(triangle);
 
@@ -106,35 +109,36 @@ void append(const Mesh& mesh, const glm::mat4& to_world, std::uint32_t object, s
     }
     attributes.material = mesh.material;
     out.attributes.push_back(attributes);
+    if (materials.needs_vertices) out.vertices.push_back(vertices_of(mesh, corners, glm::mat3(to_world)));
   }
 }
 
-}  // namespace
-
-FlatTriangles flatten(const Scene& scene, const MaterialTables& materials) {
-  for (const Mesh& mesh : scene.meshes) check(mesh, std::max<std::size_t>(scene.materials.size(), 1));
-  std::size_t count = 0;
-  for (const Instance& instance : scene.instances) {
-    if (instance.mesh >= scene.meshes.size()) throw sim::InputError("an instance names a mesh that is not there");
-    count += scene.meshes[instance.mesh].triangles.size();
-  }
-  if (count > kMaxTriangles) {
-    throw sim::InputError("the scene has " + std::to_string(count) + " triangles; at most " +
+void reserve(std::size_t triangles, const MaterialTables& materials, FlatTriangles& out) {
+  if (triangles > kMaxTriangles) {
+    throw sim::InputError("the scene has " + std::to_string(triangles) + " triangles; at most " +
                           std::to_string(kMaxTriangles) + " are allowed");
   }
+  out.triangles.reserve(triangles);
+  out.attributes.reserve(triangles);
+  if (materials.needs_vertices) out.vertices.reserve(triangles);
+}
+
+void check_meshes(const Scene& scene) {
+  for (const Mesh& mesh : scene.meshes) check(mesh, std::max<std::size_t>(scene.materials.size(), 1));
+  for (const Instance& instance : scene.instances) {
+    if (instance.mesh >= scene.meshes.size()) throw sim::InputError("an instance names a mesh that is not there");
+  }
+}
+
+FlatTriangles flatten(const Scene& scene, const MaterialTables& materials) {
+  check_meshes(scene);
+  std::size_t count = 0;
+  for (const Instance& instance : scene.instances) count += scene.meshes[instance.mesh].triangles.size();
   FlatTriangles out;
-  out.triangles.reserve(count);
-  out.attributes.reserve(count);
-  if (materials.needs_vertices) out.vertices.reserve(count);
+  reserve(count, materials, out);
   for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
     const Instance& instance = scene.instances[i];
-    const Mesh& mesh = scene.meshes[instance.mesh];
-    const std::uint32_t object = i | (instance.focus ? kFocusObject : 0);
-    append(mesh, instance.to_world, object, triangle_flags(materials.records[mesh.material]), out);
-    if (!materials.needs_vertices) continue;
-    for (const auto& corners : mesh.triangles) {
-      out.vertices.push_back(vertices_of(mesh, corners, glm::mat3(instance.to_world)));
-    }
+    append_mesh(scene.meshes[instance.mesh], instance.to_world, object_of(instance, i), materials, 0, out);
   }
   return out;
 }

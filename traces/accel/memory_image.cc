@@ -8,6 +8,8 @@
 #include "traces/accel/bvh_build.h"
 #include "traces/accel/flatten.h"
 #include "traces/accel/material_tables.h"
+#include "traces/accel/reorder.h"
+#include "traces/accel/two_level.h"
 #include "traces/scene/bounds.h"
 
 namespace traces {
@@ -15,7 +17,7 @@ namespace {
 
 constexpr std::uint64_t aligned(std::uint64_t at) { return (at + 63) & ~std::uint64_t{63}; }
 
-/// The tree depth first, a record for every node and leaf, child 0 right behind its parent: of each inner node, where
+/// Each tree depth first, a record for every node and leaf, child 0 right behind its parent: of each inner node, where
 /// its children are. Child 1 follows all that is below child 0. What is never hit has a record too: both are read.
 std::vector<std::array<std::uint32_t, 2>> place_single_boxes(const std::vector<NodeRecord>& nodes) {
   const auto has_records = [](std::uint32_t link) { return !is_leaf(link) && link != kNoChild; };
@@ -26,8 +28,13 @@ std::vector<std::array<std::uint32_t, 2>> place_single_boxes(const std::vector<N
     for (const std::uint32_t link : nodes[i].child) records[i] += has_records(link) ? records[link] : 1;
   }
   std::vector<std::array<std::uint32_t, 2>> children(nodes.size());
-  std::vector<std::uint32_t> own(nodes.size(), 0);
+  std::vector<std::uint32_t> own(nodes.size(), kNone);
+  std::uint32_t next_tree = 0;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
+    if (own[i] == kNone) {  // nothing above it: a root
+      own[i] = next_tree;
+      next_tree += records[i];
+    }
     std::uint32_t next = own[i] + 1;
     for (std::size_t c = 0; c < 2; ++c) {
       const std::uint32_t link = nodes[i].child[c];
@@ -39,10 +46,19 @@ std::vector<std::array<std::uint32_t, 2>> place_single_boxes(const std::vector<N
   return children;
 }
 
-/// One array behind the other, each on a line of its own: nodes, triangles, attributes, materials, textures, frame.
-/// What the scene does not need takes no memory.
-Layout place(const MemoryImage& image, const BvhConfig& config) {
-  Layout at;
+}  // namespace
+
+float MemoryImage::diagonal() const { return glm::length(upper - lower); }
+
+std::uint64_t MemoryImage::node_array_bytes() const {
+  const BoxRecords boxes = layout.single_boxes.empty() ? BoxRecords::kPair : BoxRecords::kSingle;
+  return layout.node_bytes * node_records(nodes.size(), boxes, 1 + trees.size());
+}
+
+/// One array behind the other, each on a line of its own: nodes, instances, triangles, attributes, materials, textures,
+/// frame. What the scene does not need takes no memory.
+void place_arrays(MemoryImage& image, const BvhConfig& config) {
+  Layout& at = image.layout = {};
   at.node_bytes = node_bytes(config.numbers, config.boxes);
   if (config.boxes == BoxRecords::kSingle) at.single_boxes = place_single_boxes(image.nodes);
   at.triangle_bytes = config.triangle_bytes;
@@ -52,7 +68,8 @@ Layout place(const MemoryImage& image, const BvhConfig& config) {
     next = aligned(next + bytes);
     return base;
   };
-  at.nodes = reserve(at.node_bytes * node_records(image.nodes.size(), config.boxes));
+  at.nodes = reserve(image.node_array_bytes());
+  at.instances = reserve(image.instances.size() * sizeof(InstanceRecord));
   at.triangles = reserve(image.triangles.size() * at.triangle_bytes);
   at.labels = reserve(at.has_labels() ? image.triangles.size() * Layout::kLabelBytes : 0);
   at.attributes = reserve(image.attributes.size() * sizeof(AttributeRecord));
@@ -64,48 +81,21 @@ Layout place(const MemoryImage& image, const BvhConfig& config) {
     at.textures.push_back({reserve(std::uint64_t{per_row} * ((texture.height + 3) / 4) * 64), per_row});
   }
   at.frame_buffer = at.end = next;
-  return at;
 }
 
-/// Makes record i what record order[i] was, without a second array: along the cycles of the permutation.
-template <class Record>
-void reorder(std::vector<Record>& records, const std::vector<std::uint32_t>& order) {
-  std::vector<bool> done(records.size(), false);
-  for (std::uint32_t start = 0; start < order.size(); ++start) {
-    if (done[start]) continue;
-    const Record first = records[start];
-    std::uint32_t to = start;
-    for (std::uint32_t from = order[to]; from != start; to = from, from = order[to]) {
-      records[to] = records[from];
-      done[to] = true;
-    }
-    records[to] = first;
-    done[to] = true;
-  }
-}
+namespace {
 
-}  // namespace
-
-float MemoryImage::diagonal() const { return glm::length(upper - lower); }
-
-std::uint64_t MemoryImage::node_array_bytes() const {
-  const BoxRecords boxes = layout.single_boxes.empty() ? BoxRecords::kPair : BoxRecords::kSingle;
-  return layout.node_bytes * node_records(nodes.size(), boxes);
-}
-
-MemoryImage build_memory_image(const Scene& scene, const BvhConfig& config, unsigned threads) {
-  MaterialTables materials = material_tables(scene);
+MemoryImage one_level(const Scene& scene, const MaterialTables& materials, const BvhConfig& config, unsigned threads) {
   FlatTriangles flat = flatten(scene, materials);
-  PlacedBvh bvh = build_bvh(flat.triangles, config, threads);
-
+  PlacedBvh bvh = BvhBuilder(config, threads).over(flat.triangles);
   MemoryImage image;
   image.nodes = std::move(bvh.nodes);
   image.triangles = std::move(flat.triangles);
   image.attributes = std::move(flat.attributes);
-  reorder(image.triangles, bvh.order);
   image.vertices = std::move(flat.vertices);
-  reorder(image.attributes, bvh.order);
-  if (!image.vertices.empty()) reorder(image.vertices, bvh.order);
+  reorder<TriangleRecord>(image.triangles, bvh.order);
+  reorder<AttributeRecord>(image.attributes, bvh.order);
+  if (!image.vertices.empty()) reorder<VertexRecord>(image.vertices, bvh.order);
   Bounds bounds;
   for (const TriangleRecord& t : image.triangles) {
     for (const glm::vec3& v : {t.v0, t.v1, t.v2}) bounds.add(v);
@@ -114,6 +104,17 @@ MemoryImage build_memory_image(const Scene& scene, const BvhConfig& config, unsi
     image.lower = bounds.lower;
     image.upper = bounds.upper;
   }
+  if (config.numbers == BoxNumbers::kHybrid) put_on_grid(image);
+  return image;
+}
+
+}  // namespace
+
+MemoryImage build_memory_image(const Scene& scene, const BvhConfig& config, unsigned threads) {
+  MaterialTables materials = material_tables(scene);
+  const bool levels = config.instances == InstanceLevels::kTwoLevel;
+  MemoryImage image =
+      levels ? two_levels(scene, materials, config, threads) : one_level(scene, materials, config, threads);
   image.textures = scene.textures;
   if (materials.needs_white) {
     image.white = static_cast<std::uint32_t>(image.textures.size());
@@ -124,16 +125,21 @@ MemoryImage build_memory_image(const Scene& scene, const BvhConfig& config, unsi
   image.lights = scene.lights;
   image.background = scene.background;
   image.ambient = scene.ambient;
-  if (config.numbers == BoxNumbers::kHybrid) put_on_grid(image);
-  image.layout = place(image, config);
+  place_arrays(image, config);
   return image;
 }
 
 std::vector<std::uint32_t> parents_of(const MemoryImage& image) {
-  std::vector<std::uint32_t> parents(image.nodes.size());
-  for (std::uint32_t node = 0; node < image.nodes.size(); ++node) {
+  const std::size_t nodes = image.nodes.size();
+  std::vector<std::uint32_t> parents(nodes + image.instances.size());
+  for (const ObjectTree& tree : image.trees) parents[tree.first_node] = tree.first_node;
+  for (std::uint32_t node = 0; node < nodes; ++node) {
     for (const std::uint32_t link : image.nodes[node].child) {
-      if (!is_leaf(link) && link != kNoChild) parents[link] = node;
+      if (is_instance(link)) {
+        parents[nodes + link_instance(link)] = node;
+      } else if (!is_leaf(link) && link != kNoChild) {
+        parents[link] = node;
+      }
     }
   }
   return parents;
