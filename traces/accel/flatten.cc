@@ -81,47 +81,32 @@ VertexRecord vertices_of(const Mesh& mesh, const std::array<std::uint32_t, 3>& c
   return record;
 }
 
-}  // namespace
-
-void append_mesh(const Mesh& mesh, const glm::mat4& to_world, std::uint32_t object, const MaterialTables& materials,
-                 std::uint32_t base, FlatTriangles& out) {
-  const std::uint32_t flags = triangle_flags(materials.records[mesh.material]);
-  std::vector<glm::vec3> positions(mesh.positions.size());
-  // Adding nothing makes zeros positive: boxes do not depend on the order in which they are put together.
-  std::ranges::transform(mesh.positions, positions.begin(),
-                         [&](const glm::vec3& p) { return glm::vec3(to_world * glm::vec4(p, 1)) + 0.0F; });
-  const glm::mat3 to_world_normal = normal_matrix(to_world);
+void append_shading(const PlacedMesh& placed, const MaterialTables& materials, ShadingRecords& out) {
+  const Mesh& mesh = *placed.mesh;
+  const glm::mat3 normals_to_space = normal_matrix(placed.to_space);
   for (const auto& corners : mesh.triangles) {
-    TriangleRecord triangle{positions[corners[0]], positions[corners[1]],
-                            positions[corners[2]], object,
-                            flags | mesh.material, static_cast<std::uint32_t>(out.triangles.size()) - base};
-    if (!has_area(triangle)) triangle.v1 = triangle.v2 = triangle.v0;
-    out.triangles.push_back(triangle);
-
     const glm::vec3& p0 = mesh.positions[corners[0]];
     const glm::vec3 face = glm::cross(mesh.positions[corners[1]] - p0, mesh.positions[corners[2]] - p0);
-    const glm::vec3 flat = unit_or(to_world_normal * unit_or(face, glm::vec3(0, 1, 0)), glm::vec3(0, 1, 0));
+    const glm::vec3 flat = unit_or(normals_to_space * unit_or(face, glm::vec3(0, 1, 0)), glm::vec3(0, 1, 0));
     AttributeRecord attributes{};
     for (int i = 0; i < 3; ++i) {
       const std::uint32_t vertex = corners[static_cast<std::size_t>(i)];
-      attributes.normal[i] = mesh.normals.empty() ? flat : unit_or(to_world_normal * mesh.normals[vertex], flat);
+      attributes.normal[i] = mesh.normals.empty() ? flat : unit_or(normals_to_space * mesh.normals[vertex], flat);
       attributes.uv[i] = mesh.uvs.empty() ? glm::vec2(0) : mesh.uvs[vertex];
     }
     attributes.material = mesh.material;
     out.attributes.push_back(attributes);
-    if (materials.needs_vertices) out.vertices.push_back(vertices_of(mesh, corners, glm::mat3(to_world)));
+    if (materials.needs_vertices) out.vertices.push_back(vertices_of(mesh, corners, glm::mat3(placed.to_space)));
   }
 }
 
-void reserve(std::size_t triangles, const MaterialTables& materials, FlatTriangles& out) {
-  if (triangles > kMaxTriangles) {
-    throw sim::InputError("the scene has " + std::to_string(triangles) + " triangles; at most " +
-                          std::to_string(kMaxTriangles) + " are allowed");
-  }
-  out.triangles.reserve(triangles);
-  out.attributes.reserve(triangles);
-  if (materials.needs_vertices) out.vertices.reserve(triangles);
+std::size_t count_of(std::span<const PlacedMesh> placed) {
+  std::size_t count = 0;
+  for (const PlacedMesh& p : placed) count += p.mesh->triangles.size();
+  return count;
 }
+
+}  // namespace
 
 void check_meshes(const Scene& scene) {
   for (const Mesh& mesh : scene.meshes) check(mesh, std::max<std::size_t>(scene.materials.size(), 1));
@@ -130,16 +115,55 @@ void check_meshes(const Scene& scene) {
   }
 }
 
-FlatTriangles flatten(const Scene& scene, const MaterialTables& materials) {
+void check_count(std::size_t triangles) {
+  if (triangles <= kMaxTriangles) return;
+  throw sim::InputError("the scene has " + std::to_string(triangles) + " triangles; at most " +
+                        std::to_string(kMaxTriangles) + " are allowed");
+}
+
+std::vector<PlacedMesh> placed_instances(const Scene& scene) {
   check_meshes(scene);
-  std::size_t count = 0;
-  for (const Instance& instance : scene.instances) count += scene.meshes[instance.mesh].triangles.size();
-  FlatTriangles out;
-  reserve(count, materials, out);
+  std::vector<PlacedMesh> placed;
   for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
     const Instance& instance = scene.instances[i];
-    append_mesh(scene.meshes[instance.mesh], instance.to_world, object_of(instance, i), materials, 0, out);
+    placed.push_back({&scene.meshes[instance.mesh], instance.to_world, object_of(instance, i)});
   }
+  return placed;
+}
+
+void append_triangles(const PlacedMesh& placed, const MaterialTables& materials, std::size_t base,
+                      std::vector<TriangleRecord>& out) {
+  const Mesh& mesh = *placed.mesh;
+  const std::uint32_t material = triangle_flags(materials.records[mesh.material]) | mesh.material;
+  std::vector<glm::vec3> positions(mesh.positions.size());
+  // Adding nothing makes zeros positive: boxes do not depend on the order in which they are put together.
+  std::ranges::transform(mesh.positions, positions.begin(),
+                         [&](const glm::vec3& p) { return glm::vec3(placed.to_space * glm::vec4(p, 1)) + 0.0F; });
+  for (const auto& corners : mesh.triangles) {
+    TriangleRecord triangle{positions[corners[0]],
+                            positions[corners[1]],
+                            positions[corners[2]],
+                            placed.object,
+                            material,
+                            static_cast<std::uint32_t>(out.size() - base)};
+    if (!has_area(triangle)) triangle.v1 = triangle.v2 = triangle.v0;
+    out.push_back(triangle);
+  }
+}
+
+std::vector<TriangleRecord> triangles_of(std::span<const PlacedMesh> placed, const MaterialTables& materials) {
+  std::vector<TriangleRecord> out;
+  check_count(count_of(placed));
+  out.reserve(count_of(placed));
+  for (const PlacedMesh& p : placed) append_triangles(p, materials, 0, out);
+  return out;
+}
+
+ShadingRecords shading_of(std::span<const PlacedMesh> placed, const MaterialTables& materials) {
+  ShadingRecords out;
+  out.attributes.reserve(count_of(placed));
+  if (materials.needs_vertices) out.vertices.reserve(count_of(placed));
+  for (const PlacedMesh& p : placed) append_shading(p, materials, out);
   return out;
 }
 

@@ -86,13 +86,14 @@ void place_arrays(MemoryImage& image, const BvhConfig& config) {
 namespace {
 
 MemoryImage one_level(const Scene& scene, const MaterialTables& materials, const BvhConfig& config, unsigned threads) {
-  FlatTriangles flat = flatten(scene, materials);
-  PlacedBvh bvh = BvhBuilder(config, threads).over(flat.triangles);
+  const std::vector<PlacedMesh> placed = placed_instances(scene);
   MemoryImage image;
+  image.triangles = triangles_of(placed, materials);
+  PlacedBvh bvh = BvhBuilder(config, threads).over(image.triangles);
   image.nodes = std::move(bvh.nodes);
-  image.triangles = std::move(flat.triangles);
-  image.attributes = std::move(flat.attributes);
-  image.vertices = std::move(flat.vertices);
+  ShadingRecords shading = shading_of(placed, materials);
+  image.attributes = std::move(shading.attributes);
+  image.vertices = std::move(shading.vertices);
   reorder<TriangleRecord>(image.triangles, bvh.order);
   reorder<AttributeRecord>(image.attributes, bvh.order);
   if (!image.vertices.empty()) reorder<VertexRecord>(image.vertices, bvh.order);

@@ -49,13 +49,16 @@ void fit_boxes(MemoryImage& image, std::size_t first, std::size_t end) {
 }
 
 void refit_memory_image(const Scene& posed, MemoryImage& image) {
-  const FlatTriangles flat = flatten(posed, material_tables(posed));
-  assert(flat.triangles.size() == image.triangles.size() && "a refit moves triangles, it does not add or remove any");
+  const MaterialTables materials = material_tables(posed);
+  const std::vector<PlacedMesh> placed = placed_instances(posed);
+  const std::vector<TriangleRecord> triangles = triangles_of(placed, materials);
+  assert(triangles.size() == image.triangles.size() && "a refit moves triangles, it does not add or remove any");
+  for (TriangleRecord& t : image.triangles) t = triangles[t.source];
+  const ShadingRecords shading = shading_of(placed, materials);
   for (std::size_t i = 0; i < image.triangles.size(); ++i) {
     const std::uint32_t source = image.triangles[i].source;
-    image.triangles[i] = flat.triangles[source];
-    image.attributes[i] = flat.attributes[source];
-    if (!flat.vertices.empty()) image.vertices[i] = flat.vertices[source];
+    image.attributes[i] = shading.attributes[source];
+    if (!shading.vertices.empty()) image.vertices[i] = shading.vertices[source];
   }
   fit_boxes(image, 0, image.nodes.size());
   if (!image.triangles.empty()) {

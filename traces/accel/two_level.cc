@@ -122,19 +122,30 @@ bool Plan::same_shape(const MemoryImage& image) const {
   return tree_of == image.tree_of && std::ranges::equal(trees, image.trees, alike);
 }
 
-/// The tree's triangles, as they were before any order.
-void append_triangles(const Scene& scene, const MaterialTables& materials, const ObjectTree& tree, FlatTriangles& out) {
-  const glm::mat4 to_space = tree.in_world ? scene.instances[tree.only].to_world : glm::mat4(1);
-  append_mesh(scene.meshes[tree.mesh], to_space, 0, materials, static_cast<std::uint32_t>(out.triangles.size()), out);
+PlacedMesh placed_in(const Scene& scene, const ObjectTree& tree) {
+  return {&scene.meshes[tree.mesh], tree.in_world ? scene.instances[tree.only].to_world : glm::mat4(1)};
+}
+
+/// The part of an array that belongs to a tree.
+template <class Record>
+std::span<Record> part_of(std::vector<Record>& records, const ObjectTree& tree) {
+  return std::span(records).subspan(tree.first_triangle, tree.triangles);
+}
+
+/// What shading reads of a tree, given as the mesh has it, into leaf order.
+void place_shading(const ShadingRecords& shading, const ObjectTree& tree, MemoryImage& image) {
+  for (std::uint32_t i = tree.first_triangle; i < tree.first_triangle + tree.triangles; ++i) {
+    const std::uint32_t source = image.triangles[i].source;
+    image.attributes[i] = shading.attributes[source];
+    if (!shading.vertices.empty()) image.vertices[i] = shading.vertices[source];
+  }
 }
 
 /// Builds a tree over its triangles, which come into leaf order, behind all nodes so far.
 void add_tree(const BvhBuilder& builder, ObjectTree& tree, MemoryImage& image) {
-  const auto part = [&](auto& records) { return std::span(records).subspan(tree.first_triangle, tree.triangles); };
-  const PlacedBvh bvh = builder.over(std::span<const TriangleRecord>(part(image.triangles)));
-  reorder(part(image.triangles), bvh.order);
-  reorder(part(image.attributes), bvh.order);
-  if (!image.vertices.empty()) reorder(part(image.vertices), bvh.order);
+  const std::span<TriangleRecord> triangles = part_of(image.triangles, tree);
+  const PlacedBvh bvh = builder.over(std::span<const TriangleRecord>(triangles));
+  reorder(triangles, bvh.order);
   tree.first_node = static_cast<std::uint32_t>(image.nodes.size());
   for (NodeRecord node : bvh.nodes) {
     for (std::uint32_t& link : node.child) {
@@ -207,19 +218,24 @@ std::size_t nodes_over(std::size_t leaves) { return std::max<std::size_t>(leaves
 MemoryImage two_levels(const Scene& scene, const MaterialTables& materials, const BvhConfig& config, unsigned threads) {
   check_meshes(scene);
   Plan plan(scene);
-  FlatTriangles all;
-  reserve(plan.triangles, materials, all);
-  for (const ObjectTree& tree : plan.trees) append_triangles(scene, materials, tree, all);
+  check_count(plan.triangles);
   MemoryImage image;
-  image.triangles = std::move(all.triangles);
-  image.attributes = std::move(all.attributes);
-  image.vertices = std::move(all.vertices);
   image.trees = plan.trees;
   image.tree_of = plan.tree_of;
+  image.triangles.reserve(plan.triangles);
+  for (const ObjectTree& tree : image.trees) {
+    append_triangles(placed_in(scene, tree), materials, tree.first_triangle, image.triangles);
+  }
   const BvhBuilder builder(config, threads);
   const auto shown = std::ranges::count_if(plan.tree_of, [](std::uint32_t tree) { return tree != kNone; });
   image.nodes.resize(nodes_over(static_cast<std::size_t>(shown)));
   for (ObjectTree& tree : image.trees) add_tree(builder, tree, image);
+  image.attributes.resize(plan.triangles);
+  if (materials.needs_vertices) image.vertices.resize(plan.triangles);
+  for (const ObjectTree& tree : image.trees) {
+    const PlacedMesh placed = placed_in(scene, tree);
+    place_shading(shading_of({&placed, 1}, materials), tree, image);
+  }
   place_instances(scene, plan, builder, image);
   return image;
 }
@@ -233,22 +249,17 @@ bool update_levels(const Scene& posed, const BvhConfig& config, unsigned threads
   const auto own = std::ranges::find_if(image.trees, [](const ObjectTree& tree) { return tree.only != kNone; });
   if (!refits && own != image.trees.end()) image.nodes.resize(own->first_node);
   for (auto tree = own; tree != image.trees.end(); ++tree) {
-    FlatTriangles moved;
-    append_triangles(posed, materials, *tree, moved);
-    const bool has_vertices = !image.vertices.empty();
-    for (std::uint32_t i = 0; i < tree->triangles; ++i) {
-      const std::uint32_t at = tree->first_triangle + i;
-      const std::uint32_t source = refits ? image.triangles[at].source : i;
-      image.triangles[at] = moved.triangles[source];
-      image.attributes[at] = moved.attributes[source];
-      if (has_vertices) image.vertices[at] = moved.vertices[source];
-    }
+    const PlacedMesh placed = placed_in(posed, *tree);
+    std::vector<TriangleRecord> moved;
+    append_triangles(placed, materials, 0, moved);
     if (refits) {
-      const auto end = tree + 1 == image.trees.end() ? image.nodes.size() : (tree + 1)->first_node;
-      fit_boxes(image, tree->first_node, end);
+      for (TriangleRecord& t : part_of(image.triangles, *tree)) t = moved[t.source];
+      fit_boxes(image, tree->first_node, tree + 1 == image.trees.end() ? image.nodes.size() : (tree + 1)->first_node);
     } else {
+      std::ranges::copy(moved, part_of(image.triangles, *tree).begin());
       add_tree(builder, *tree, image);
     }
+    place_shading(shading_of({&placed, 1}, materials), *tree, image);
   }
   place_instances(posed, plan, builder, image);
   image.lights = posed.lights;
