@@ -45,7 +45,7 @@ template <class V>
 Vec3<V> tangent_to_world(const InstanceFields<V>& instance, const Vec3<V>& t) {
   const Vec3<V> along = cross(instance.row1, instance.row2) * t.x + cross(instance.row2, instance.row0) * t.y +
                         cross(instance.row0, instance.row1) * t.z;
-  return normalised(normalised(along) * instance.handedness);
+  return normalised(along) * instance.handedness;
 }
 
 }  // namespace kernels

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "bench.h"
+#include "shader_kernels/catalogue.h"
 #include "shader_kernels/programs/programs.h"
 #include "showcase.h"
 
@@ -95,8 +96,9 @@ TEST(Instanced, AHitReadsTheRecordOfItsInstance) {
     for (std::uint32_t t = 0; t < program.tiles(); ++t) {
       program.run_tile(t, tracer, true, tile);
       for (const traces::Access& access : tile.work.accesses) {
-        records += access.kind() == traces::Access::Kind::kInstance ? 1 : 0;
-        if (access.kind() == traces::Access::Kind::kInstance) EXPECT_LT(access.element, scene.instances.size());
+        if (access.kind() != traces::Access::Kind::kInstance) continue;
+        records += 1;
+        EXPECT_LT(access.element, scene.instances.size());
       }
       for (const traces::WorkNode& node : tile.work.nodes) {
         const bool fetches =

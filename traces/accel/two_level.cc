@@ -20,8 +20,9 @@
 namespace traces {
 namespace {
 
-/// Matrices that turn or stretch by more are not inverted: see Placement::growth.
-constexpr double kMostGrowth = 4096;
+/// Matrices beyond these are not inverted: see Placement::growth, and so that in kernels squares of products of two
+/// entries stay within single precision.
+constexpr double kMostGrowth = 256, kLargestEntry = 0x1p16, kSmallestEntry = 0x1p-16;
 /// Of the boxes around instances, in epsilons; see padded().
 constexpr float kPadding = 64;
 
@@ -40,19 +41,19 @@ bool invert(const glm::mat4& to_world, Placement& out) {
   if (determinant == 0 || !std::isfinite(determinant)) return false;
   const glm::dmat3 inverse = glm::inverse(linear);
   const glm::dvec3 translation = -(inverse * glm::dvec3(to_world[3]));
-  double growth = 0;
+  double growth = 0, largest = 0;
   for (int row = 0; row < 3; ++row) {
     double sum = 0;
     for (int k = 0; k < 3; ++k) {
+      largest = std::max(largest, std::abs(inverse[k][row]));
       for (int column = 0; column < 3; ++column) sum += std::abs(linear[k][row]) * std::abs(inverse[column][k]);
     }
     growth = std::max(growth, sum);
   }
-  if (!(growth <= kMostGrowth)) return false;
+  if (!(growth <= kMostGrowth && largest <= kLargestEntry && largest >= kSmallestEntry)) return false;
   for (int row = 0; row < 3; ++row) {
     for (int column = 0; column < 4; ++column) {
       const double entry = column < 3 ? inverse[column][row] : translation[row];
-      if (!(std::abs(entry) <= std::sqrt(double{std::numeric_limits<float>::max()}))) return false;
       out.record.to_object[row][column] = static_cast<float>(entry);
     }
   }

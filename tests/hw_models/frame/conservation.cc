@@ -154,7 +154,7 @@ void expect_conserved(const Outcome& run, const Frame& frame, const GpuConfig& c
             run.function.traversal_steps);
   const traces::Layout& layout = frame.workload().image.layout;
   if (layout.single_boxes.empty() && kLine % layout.node_bytes == 0) {
-    EXPECT_EQ(run.sum("trv", "visits") + run.sum("trv", "first_passes"),
+    EXPECT_EQ(run.sum("trv", "visits") + run.sum("trv", "first_passes") + run.sum("trv", "transforms"),
               run.sum("trv", "l1_hits") + run.sum("trv", "rau_reads"));
   }
   expect_tiles_conserved(run, frame, config);
