@@ -45,7 +45,7 @@ TEST(Gpu, TheOrderOfUnitsIsInvisibleOnRandomMachinesToo) {
 TEST(Gpu, TheOracleAgreesOnScenesOfInstancesInAnyOrderOfUnits) {
   const traces::BvhConfig levels{.instances = traces::InstanceLevels::kTwoLevel};
   static const Frame frame("chess", 16, 16, 1, 16, levels);
-  for (std::uint64_t seed = 40; seed < 52; ++seed) {
+  for (std::uint64_t seed = 40; seed < 45; ++seed) {
     const GpuConfig config = testing::random_config(seed);
     const Outcome fast = play(frame, config);
     EXPECT_GT(fast.sum("trv", "transforms"), 0U);
