@@ -68,7 +68,7 @@ TEST(TwoLevels, NoTreeChangesTheAnswer) {
     config.leaf_size = leaf_size;
     for (const Scene& scene : {scattered(80), scattered(1), with_flags(grid_soup(500))}) {
       const MemoryImage image = build_memory_image(scene, config);
-      for (const std::vector<Ray>& rays : {random_rays(5000), grid_rays(5000), far_rays(image, 2000)}) {
+      for (const std::vector<Ray>& rays : {random_rays(1500), grid_rays(1500), far_rays(image, 500)}) {
         std::vector<Hit> expected;
         for (const Ray& ray : rays) expected.push_back(test_all(image, ray));
         EXPECT_EQ(count_different(trace(BvhTracer(image), rays), expected), 0U);
@@ -78,7 +78,7 @@ TEST(TwoLevels, NoTreeChangesTheAnswer) {
 }
 
 TEST(TwoLevels, RaysAimedAtEdgesAreNotLostByTheBoxesAroundInstances) {
-  const MemoryImage image = build_memory_image(scattered(200), kLevels);
+  const MemoryImage image = build_memory_image(scattered(80), kLevels);
   Dice dice(31);
   std::vector<Ray> rays;
   for (std::uint32_t i = 0; i < image.instances.size(); ++i) {
@@ -88,7 +88,7 @@ TEST(TwoLevels, RaysAimedAtEdgesAreNotLostByTheBoxesAroundInstances) {
     const glm::mat4 to_object(m[0][0], m[1][0], m[2][0], 0, m[0][1], m[1][1], m[2][1], 0, m[0][2], m[1][2], m[2][2], 0,
                               m[0][3], m[1][3], m[2][3], 1);
     const glm::mat4 to_world = glm::inverse(to_object);
-    for (int k = 0; k < 100; ++k) {
+    for (int k = 0; k < 40; ++k) {
       const TriangleRecord& t = image.triangles[tree.first_triangle + dice.below(tree.triangles)];
       const float along = dice.unit();
       const glm::vec3 at(to_world * glm::vec4(t.v1 * along + t.v2 * (1 - along), 1));
@@ -256,7 +256,7 @@ TEST(TwoLevels, AMovedSceneRefittedIsHitAsEveryTriangleIs) {
   config.update = BvhUpdate::kRefit;
   MemoryImage image = build_memory_image(deforming(), config);
   update_memory_image(moved(deforming(), 0.3F), config, 1, image);
-  const std::vector<Ray> rays = random_rays(5000);
+  const std::vector<Ray> rays = random_rays(2000);
   std::vector<Hit> expected;
   for (const Ray& ray : rays) expected.push_back(test_all(image, ray));
   EXPECT_EQ(count_different(trace(BvhTracer(image), rays), expected), 0U);
