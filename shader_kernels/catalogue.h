@@ -62,23 +62,28 @@ namespace kernels {
 
 /// Every kernel; its place in this list is its KernelId.
 using AllKernels =
-    std::tuple<GenerateRays, GenerateJitteredRays, ClassifyLayers, TestAlpha<false>, TestAlpha<true>, TestShadow<false>,
-               TestShadow<true>, ScatterLayers, ClassifyHits, ShadeBackground, ShadeSurface, ClassifyDetails, Absorb,
-               FetchVertices, ShadeBase, ShadePhysical, ShadeBump, ShadeBlend, ClassifySurfaces, ShadeTextured,
-               ShadeEmission, ShadeGlow, ShadeAmbient, ShadeOccluded, ShadeDiffuse, CombineShadow, ShadeStraight,
-               ShadeMirror, ShadeGlass, AverageColour, PackColour,
+    std::tuple<GenerateRays, GenerateJitteredRays, ClassifyLayers, TestAlpha<false, false>, TestAlpha<true, false>,
+               TestShadow<false, false>, TestShadow<true, false>, ScatterLayers, ClassifyHits, ShadeBackground,
+               ShadeSurface<false>, ClassifyDetails, Absorb, FetchVertices<false>, ShadeBase, ShadePhysical, ShadeBump,
+               ShadeBlend, ClassifySurfaces, ShadeTextured, ShadeEmission, ShadeGlow, ShadeAmbient, ShadeOccluded,
+               ShadeDiffuse, CombineShadow, ShadeStraight, ShadeMirror, ShadeGlass, AverageColour, PackColour,
                // Adaptive sampling.
-               ListSamples, GenerateListedRays, ClearGeometry, ClearSecondary, RecordGeometry, RecordSurface,
-               RecordSecondary, RecordShadow, RecordSecondaryShadow, CheckSimilarity<false, false>,
-               CheckSimilarity<false, true>, CheckSimilarity<true, false>, CheckSimilarity<true, true>,
-               InterpolateSample<false, false>, InterpolateSample<false, true>, InterpolateSample<true, false>,
-               AverageSamples, ClearSurface, RecordLocal<false>, RecordLocal<true>, RecordGlobal,
-               CheckAttributes<false>, CheckAttributes<true>, InterpolateAttributes<false>, InterpolateAttributes<true>,
-               ShadeVisible, StoreIdentities<false>, StoreIdentities<true>, FindSuspects<false>, FindSuspects<true>,
+               ListSamples, GenerateListedRays, ClearGeometry, ClearSecondary, RecordGeometry<false>,
+               RecordSurface<false>, RecordSecondary<false>, RecordShadow, RecordSecondaryShadow,
+               CheckSimilarity<false, false>, CheckSimilarity<false, true>, CheckSimilarity<true, false>,
+               CheckSimilarity<true, true>, InterpolateSample<false, false>, InterpolateSample<false, true>,
+               InterpolateSample<true, false>, AverageSamples, ClearSurface, RecordLocal<false>, RecordLocal<true>,
+               RecordGlobal, CheckAttributes<false>, CheckAttributes<true>, InterpolateAttributes<false>,
+               InterpolateAttributes<true>, ShadeVisible, StoreIdentities<false>, StoreIdentities<true>,
+               FindSuspects<false>, FindSuspects<true>,
                // supersample.
-               ClearTraits, RecordTraits, RecordTraitsShadow, WeighBranch, RecordBranch, RecordBranchShadow,
-               TestSubpixels, WeighCentres<false>, WeighCentres<true>, PackSubpixels, PackSubpixelsAtomic,
-               GenerateExtraRays, SumSubpixels>;
+               ClearTraits, RecordTraits<false>, RecordTraitsShadow, WeighBranch, RecordBranch<false>,
+               RecordBranchShadow, TestSubpixels, WeighCentres<false>, WeighCentres<true>, PackSubpixels,
+               PackSubpixelsAtomic, GenerateExtraRays, SumSubpixels,
+               // Scenes of instances.
+               ShadeSurface<true>, FetchVertices<true>, TestAlpha<false, true>, TestAlpha<true, true>,
+               TestShadow<false, true>, TestShadow<true, true>, RecordGeometry<true>, RecordSurface<true>,
+               RecordSecondary<true>, RecordTraits<true>, RecordBranch<true>>;
 
 template <class K, class... Ks>
 constexpr traces::KernelId place_in(std::type_identity<std::tuple<Ks...>>) {

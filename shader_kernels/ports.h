@@ -125,6 +125,8 @@ using Attributes = Cached<V, AttributeFields, traces::Access::Kind::kAttributes>
 template <class V>
 using Triangles = Cached<V, TriangleFields, traces::Access::Kind::kTriangle>;
 template <class V>
+using Instances = Cached<V, InstanceFields, traces::Access::Kind::kInstance>;
+template <class V>
 using Materials = Cached<V, MaterialFields, traces::Access::Kind::kMaterial>;
 template <class V>
 using Vertices = Cached<V, VertexFields, traces::Access::Kind::kVertices>;

@@ -46,6 +46,19 @@ struct HitRecord {
   }
 };
 
+/// A hit in a scene of instances: the same words, of which `u` and `v` hold whole numbers (traces/ray.h).
+template <class V>
+struct InstanceHitRecord {
+  F<V> t;
+  I<V> u, v, triangle;
+  static void fields(auto& r, auto&& field) {
+    field(r.t, "t");
+    field(r.u, "u");
+    field(r.v, "v");
+    field(r.triangle, "triangle");
+  }
+};
+
 template <class V>
 struct PlaceRecord {
   Vec3<V> position;
@@ -233,6 +246,32 @@ struct TriangleFields {
     field(r.object, "object");
     field(r.material, "material");
     field(r.source, "source");
+  }
+};
+
+/// traces::InstanceRecord
+template <class V>
+struct InstanceFields {
+  Vec3<V> row0;
+  F<V> offset0;
+  Vec3<V> row1;
+  F<V> offset1;
+  Vec3<V> row2;
+  F<V> offset2;
+  I<V> root, object;
+  F<V> handedness;
+  I<V> spare;
+  static void fields(auto& r, auto&& field) {
+    field(r.row0, "row0");
+    field(r.offset0, "offset0");
+    field(r.row1, "row1");
+    field(r.offset1, "offset1");
+    field(r.row2, "row2");
+    field(r.offset2, "offset2");
+    field(r.root, "root");
+    field(r.object, "object");
+    field(r.handedness, "handedness");
+    field(r.spare, "spare");
   }
 };
 

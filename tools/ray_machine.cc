@@ -26,7 +26,9 @@ hw::Tni::Scene scene_of(const traces::MemoryImage& image, std::span<const std::u
            .parents = parents,
            .single_boxes = layout.single_boxes,
            .hybrid = image.grid.has_value(),
-           .links = image.nodes},
+           .links = image.nodes,
+           .instances = layout.instances,
+           .placed = image.instances},
           {layout.triangles, layout.triangle_bytes}};
 }
 

@@ -186,6 +186,8 @@ Json report_json(const Report& report) {
           {"scene",
            {{"name", in.scene.name},
             {"triangles", in.scene.triangles},
+            {"stored_triangles", in.image.triangles.size()},
+            {"memory_bytes", in.image.layout.end},
             {"instances", in.scene.instances},
             {"lights", in.scene.lights}}},
           {"provenance", provenance_json(in, report.options)},

@@ -155,10 +155,8 @@ void advance(Inputs& in, std::uint32_t frame, std::uint32_t threads, Progress* p
   const traces::Moved moved = traces::pose_workload(in.moving, in.config.scene, frame);
   in.frame = frame;
   in.camera = in.moving.cameras.front();
-  if (moved.geometry && in.config.bvh.update == traces::BvhUpdate::kRefit) {
-    traces::refit_memory_image(in.moving, in.image);
-  } else if (moved.geometry) {
-    in.image = traces::build_memory_image(in.moving, in.config.bvh, host_threads(threads), interrupted);
+  if (moved.geometry) {
+    traces::update_memory_image(in.moving, in.config.bvh, host_threads(threads), in.image, interrupted);
     in.parents = traces::parents_of(in.image);
   } else if (moved.lights) {
     in.image.lights = in.moving.lights;

@@ -29,7 +29,7 @@ Json cameras_json(const traces::Scene& scene) {
 }
 
 /// Bytes that a tree takes in each format.
-Json nodes_by_format(std::uint64_t inner_nodes) {
+Json nodes_by_format(std::uint64_t inner_nodes, std::uint64_t trees) {
   using traces::BoxNumbers, traces::BoxRecords;
   Json formats;
   for (const BoxNumbers numbers : {BoxNumbers::kFp32, BoxNumbers::kHybrid}) {
@@ -37,7 +37,7 @@ Json nodes_by_format(std::uint64_t inner_nodes) {
       const std::string_view of = names_of(numbers)[static_cast<std::size_t>(numbers)];
       const std::string_view in = names_of(boxes)[static_cast<std::size_t>(boxes)];
       formats[fmt::format("{} {}", of, in)] =
-          traces::node_bytes(numbers, boxes) * traces::node_records(inner_nodes, boxes);
+          traces::node_bytes(numbers, boxes) * traces::node_records(inner_nodes, boxes, trees);
     }
   }
   return formats;
@@ -51,10 +51,13 @@ Json memory_json(const traces::MemoryImage& image) {
                 {"vertices", image.vertices.size() * sizeof(traces::VertexRecord)},
                 {"materials", image.materials.size() * sizeof(traces::MaterialRecord) +
                                   image.details.size() * sizeof(traces::MaterialDetailRecord)}};
+  if (image.has_levels()) parts["instances"] = image.instances.size() * sizeof(traces::InstanceRecord);
   std::uint64_t sum = 0;
   for (const auto& part : parts.items()) sum += part.value().get<std::uint64_t>();
   parts["textures"] = image.layout.end - std::min(image.layout.end, sum);
-  return {{"bytes", image.layout.end}, {"parts", parts}, {"nodes_by_format", nodes_by_format(image.nodes.size())}};
+  return {{"bytes", image.layout.end},
+          {"parts", parts},
+          {"nodes_by_format", nodes_by_format(image.nodes.size(), 1 + image.trees.size())}};
 }
 
 std::string plural(std::uint64_t count, const char* what) {

@@ -1,4 +1,6 @@
 #pragma once
+#include <algorithm>
+#include <bit>
 #include <cstdint>
 #include <limits>
 
@@ -38,5 +40,27 @@ struct Hit {
   std::uint32_t index() const { return triangle & kTriangleMask; }
   bool is_flagged() const { return triangle > kTriangleMask && is_hit(); }
 };
+
+// In a scene of instances (a memory image of two levels) a hit names its instance as well, in the same four words: `u`
+// and `v` are whole numbers of kWeightBits bits, as shares of kWeightOne, and below each of them lies a half of the
+// instance's number. That is as fine as floats are near 1/4.
+inline constexpr std::uint32_t kWeightBits = 22, kHalfBits = 32 - kWeightBits;
+inline constexpr std::uint32_t kHalfMask = (1U << kHalfBits) - 1;
+inline constexpr std::uint32_t kWeightOne = (1U << kWeightBits) - 1;
+inline constexpr std::uint32_t kMaxInstances = 1U << (2 * kHalfBits);
+
+inline Hit with_instance(const Hit& hit, std::uint32_t instance) {
+  const auto whole = [](float weight) {
+    return static_cast<std::uint32_t>(weight * static_cast<float>(kWeightOne) + 0.5F);
+  };
+  const std::uint32_t u = std::min(whole(hit.u), kWeightOne), v = std::min(whole(hit.v), kWeightOne - u);
+  return {hit.t, std::bit_cast<float>(u << kHalfBits | (instance & kHalfMask)),
+          std::bit_cast<float>(v << kHalfBits | instance >> kHalfBits), hit.triangle};
+}
+/// Of a hit made by with_instance().
+inline std::uint32_t instance_of(const Hit& hit) {
+  return (std::bit_cast<std::uint32_t>(hit.u) & kHalfMask) | (std::bit_cast<std::uint32_t>(hit.v) & kHalfMask)
+                                                                 << kHalfBits;
+}
 
 }  // namespace traces

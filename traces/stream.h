@@ -11,8 +11,9 @@ using KernelId = std::uint16_t;
 
 /// One access of a kernel to memory through the SRP's data cache, by what it names, not where it lies.
 struct Access {
-  enum class Kind : std::uint32_t { kAttributes, kMaterial, kTexels, kVertices, kDetail, kTriangle };
+  enum class Kind : std::uint32_t { kAttributes, kMaterial, kTexels, kVertices, kDetail, kTriangle, kInstance };
   // kAttributes, kVertices, kTriangle: element = triangle. kMaterial, kDetail: element = material.
+  // kInstance: element = instance.
   // kTexels: `object` = texture, a bilinear footprint of up to 2 x 2 texels packed by texels().
   std::uint32_t object = 0;  ///< kind in the top 3 bits, texture index below
   std::uint32_t element = 0;

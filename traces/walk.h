@@ -12,10 +12,13 @@ namespace traces {
 //   leaf   01 | count(4) | first triangle(26)      leaf entered, `count` triangles tested (a shadow ray stops behind
 //                                                  a hit without flags, ray.h); one more word follows: the exit phase
 //                                                  of each test, 4 bits each, first test lowest
-//   cull   10 | n(30)                              n stack entries popped and dropped: they begin behind the hit
+//   enter  01 | 0 (4) | instance(26)                the ray goes on in the space of an instance, at the root of its
+//   tree cull   10 | n(30)                              n stack entries popped and dropped: they begin behind the hit
 //   end    11 | hit(1)
 //
 // A visit that hits nothing and a leaf are followed by a pop (or the end); a visit that hits both pushes the far child.
+// An enter is followed by the visit of that root. There is no word for leaving: the ray is back in world space as soon
+// as an entry comes off the stack that was there when it entered.
 
 enum class StepKind : std::uint32_t { kVisit = 0, kLeaf = 1, kCull = 2, kEnd = 3 };
 
@@ -38,6 +41,9 @@ constexpr std::uint32_t near_of(std::uint32_t word) { return (word >> 29) & 1U; 
 constexpr std::uint32_t leaf_step(std::uint32_t first, std::uint32_t count) {
   return (1U << 30) | (count << 26) | first;
 }
+constexpr std::uint32_t enter_step(std::uint32_t instance) { return leaf_step(instance, 0); }
+constexpr bool is_enter(std::uint32_t word) { return word >> 26 == 1U << 4; }
+constexpr std::uint32_t instance_of(std::uint32_t word) { return word & (kMaxTriangles - 1); }
 constexpr std::uint32_t first_of(std::uint32_t word) { return word & (kMaxTriangles - 1); }
 constexpr std::uint32_t count_of(std::uint32_t word) { return (word >> 26) & 15U; }
 constexpr ExitPhase phase_of(std::uint32_t phases, std::uint32_t test) {

@@ -44,6 +44,9 @@ inline LineSet lines_of(const traces::Access& access, const traces::Layout& layo
         lines.add(layout.label_at(access.element) + traces::Layout::kLabelBytes - 1);
       }
       break;
+    case traces::Access::Kind::kInstance:
+      lines.add(layout.instance_at(access.element));
+      break;
     case traces::Access::Kind::kTexels: {
       const std::uint32_t xs[2] = {access.element & 0xffffU, access.element2 & 0xffffU};
       const std::uint32_t ys[2] = {access.element >> 16, access.element2 >> 16};

@@ -18,6 +18,7 @@ TniConfig with_perfect_pipes(TniConfig config) {
   config.miss_handling = MissHandling::kReorder;
   config.trv.rays = config.ist.leaves = kMost;
   config.trv.box_latency = config.trv.leaf_latency = config.trv.stack_latency = 1;
+  config.trv.transform_latency = 1;
   config.ist.distance_stage = config.ist.barycentric_stage = config.ist.latency = 1;
   config.trv.l1.hit_cycles = config.ist.l1.hit_cycles = 0;
   return config;

@@ -68,6 +68,7 @@ struct TrvConfig {
   std::uint32_t box_latency = 12;
   std::uint32_t leaf_latency = 4;
   std::uint32_t stack_latency = 2;
+  std::uint32_t transform_latency = 12;
   StackScheme stack = StackScheme::kRestartLink;
   std::uint32_t stack_entries = 8;
   std::uint32_t stack_entry_bytes = 8;
@@ -86,6 +87,9 @@ struct TrvConfig {
     field(c.leaf_latency, "leaf_latency", "cycles", "leaf sub-pipe, from leaf to the intersection unit's buffer",
           sim::between(1, 16), Affects::kTiming);
     field(c.stack_latency, "stack_latency", "cycles", "stack sub-pipe, one pop", sim::between(1, 16), Affects::kTiming);
+    field(c.transform_latency, "transform_latency", "cycles",
+          "carrying a ray into the space of an instance (bvh.instances: two_level), in the box test's place",
+          sim::between(1, 40), Affects::kTiming);
     field(c.stack, "stack", "", "where far children wait", sim::any(), Affects::kWalk);
     field(c.stack_entries, "stack_entries", "entries", "short stack depth per ray; 0: restart_trail without a stack",
           sim::between(0, 64), Affects::kWalk);
@@ -101,6 +105,8 @@ struct TrvConfig {
       complain("stack_entries", "must be at least 1; 0 is allowed with stack: restart_trail only");
     if (l1.hit_cycles + box_latency > kLongestPipe)
       complain("box_latency", "node fetch (l1.hit_cycles) and box test together must not exceed 63 cycles");
+    if (l1.hit_cycles + transform_latency > kLongestPipe)
+      complain("transform_latency", "instance fetch (l1.hit_cycles) and transform together must not exceed 63 cycles");
   }
   /// Cache, input buffer and stacks.
   std::uint64_t sram_bytes() const {

@@ -12,7 +12,7 @@ namespace hw {
 struct TreeInMemory {
   Addr nodes = 0;
   std::uint32_t node_bytes = 64;  ///< of a record; it may lie across two lines
-  /// Of each inner node the one above it, for restarts.
+  /// Of each inner node the one above it, for restarts; behind them, of two levels, the node above each instance.
   std::span<const std::uint32_t> parents;
   /// Of each inner node, the records of its two children, where a record holds a single box; empty where it holds both
   /// boxes of a node.
@@ -20,9 +20,13 @@ struct TreeInMemory {
   bool hybrid = false;  ///< fixed-point boxes
   /// Links from node to node, for prefetching.
   std::span<const traces::NodeRecord> links;
+  /// Of two levels: where the records of instances lie, and what they hold.
+  Addr instances = 0;
+  std::span<const traces::InstanceRecord> placed{};
 
   /// Does a visit read one line, whatever the node?
   bool one_line() const { return single_boxes.empty() && 64 % node_bytes == 0 && nodes % node_bytes == 0; }
+  Addr line_of_instance(std::uint32_t i) const { return instances + Addr{i} * sizeof(traces::InstanceRecord); }
   Addr line_of(std::uint32_t record) const { return (nodes + Addr{record} * node_bytes) & ~Addr{63}; }
 
   /// A line that a visit reads.

@@ -27,16 +27,17 @@ Trv::Trv(const TrvConfig& config, const TniMode& mode, const TreeInMemory& tree,
       clock_(clock),
       tree_(tree),
       visit_latency_(config.l1.hit_cycles + config.box_latency),
+      levels_(!tree.placed.empty()),
       plain_(tree.one_line() && !tree.hybrid && config.box_testers == 2),
       unbounded_(mode.unbounded),
       one_pipe_(config.box_testers == 1 && !mode.unbounded),
-      common_(plain_ && !unbounded_ && mode.handling == MissHandling::kReorder && config.prefetch == Prefetch::kNone),
+      common_(plain_ && !levels_ && !unbounded_ && mode.handling == MissHandling::kReorder && config.prefetch == Prefetch::kNone),
       links_(links),
       fetch_(config.l1, mode, port, stats_),
       slots_(config.rays),
       begins_(config.rays),
       paths_(config.rays),
-      pipes_(clock, std::max(visit_latency_, config.stack_latency)),
+      pipes_(clock, std::max({visit_latency_, config.l1.hit_cycles + config.transform_latency, config.stack_latency})),
       free_(all(config.rays)) {
   far_nodes_.reserve(config.rays);
 }
@@ -182,7 +183,7 @@ Trv::Pipe Trv::next_pipe(Slot& slot) const {
   if (slot.culls > 0) return kToStack;
   if (traces::kind_of(slot.step) == StepKind::kEnd) return kToRetire;
   if (slot.must_pop) return kToStack;
-  return traces::kind_of(slot.step) == StepKind::kVisit ? kToInner : kToLeaf;
+  return traces::kind_of(slot.step) == StepKind::kVisit || traces::is_enter(slot.step) ? kToInner : kToLeaf;
 }
 
 void Trv::look_ahead() const {
@@ -193,6 +194,7 @@ void Trv::look_ahead() const {
 template <bool kCommon>
 Trv::Why Trv::issue_visit(std::uint32_t index) {
   Slot& slot = slots_[index];
+  if (!kCommon && levels_ && enters_instance(slot, index)) return issue_transform(slot, index);
   const std::uint32_t node = slot.restarting ? paths_[index].back() : traces::node_of(slot.step);
   const TreeInMemory::Line read = kCommon || plain_
                                       ? TreeInMemory::Line{tree_.line_of(node), true}
@@ -207,7 +209,12 @@ Trv::Why Trv::issue_visit(std::uint32_t index) {
     }
     return Why::kVisiting;
   }
-  if (!kCommon && fetch_.bypasses()) {
+  return missed(result, index);
+}
+
+/// The line was not there.
+Trv::Why Trv::missed(FetchStage::Result result, std::uint32_t index) {
+  if (fetch_.bypasses()) {
     stats_.bypass_passes += 1;
     pipes_.put(kToInner, index, visit_latency_);
   }

@@ -29,12 +29,15 @@ namespace hw {
 /// one write port).
 /// With one box tester (the unit of before 2014) a visit is two passes, child 0 then child 1, and passes, pops and
 /// leaves share one pipe: one of them enters a cycle, a leaf for `count` cycles. Each keeps its own latency.
-/// Not modelled: under `rau` a ray could give its place in the input buffer to another while it waits in the table.
+/// In a scene of instances a ray that comes to one reads its record, a line through the L1, and is carried into its
+/// space in place of a visit (trv_instances.cc). Its slot keeps the ray as it was, so that leaving, which goes with the
+/// pop of an entry from outside, costs nothing more. Not modelled: under `rau` a ray could give its place in the input
+/// buffer to another while it waits in the table.
 class Trv {
  public:
   enum class Why : std::uint8_t {
     kStarved,     ///< no ray inside
-    kVisiting,    ///< a node, or one line of several, went into the box pipe
+    kVisiting,    ///< a node, one line of several, or a ray on its way into an instance went into the box pipe
     kL1Miss,      ///< rays wait for node lines, or this cycle's probe missed
     kMshrFull,    ///< rays wait for a free miss register
     kIst,         ///< rays wait for the intersection unit
@@ -47,6 +50,7 @@ class Trv {
   struct Stats : FetchStats {
     std::uint64_t rays_in = 0, rays_out = 0;
     std::uint64_t visits = 0, restarted_visits = 0, first_passes = 0, box_tests = 0, hybrid_box_tests = 0;
+    std::uint64_t transforms = 0;
     std::uint64_t bypass_passes = 0, prefetch_probes = 0, prefetches = 0;
     std::uint64_t full = 0, full_visits = 0;
     std::uint64_t pushes = 0, pops = 0, dropped = 0, restarts = 0, leaves = 0;
@@ -62,6 +66,8 @@ class Trv {
       counter(s.box_tests, "box_tests", "child boxes tested, floating-point", "tni.box_test");
       counter(s.hybrid_box_tests, "hybrid_box_tests", "child boxes tested, fixed-point planes and origin",
               "tni.box_test_hybrid");
+      counter(s.transforms, "transforms", "rays carried into the space of an instance, restarts included",
+              "tni.ray_transform");
       FetchStats::describe(s, counter);
       counter(s.bypass_passes, "bypass_passes", "times a ray went through the box pipe without work, having missed",
               "tni.bypass_pass");
@@ -116,6 +122,13 @@ class Trv {
       step = *to;
     }
   };
+  /// Where an entry of the stack was pushed: at a node, in the tree over instances (kNone) or in that of an instance.
+  struct Push {
+    std::uint32_t node = 0;
+    std::uint32_t instance = traces::kNone;
+  };
+  /// In a path: not a node but an instance.
+  static constexpr std::uint32_t kEnter = 1U << 31;
   static_assert(sizeof(Slot) == 32, "two slots a cache line of the host: a tick touches little else");
 
   /// `kCommon`: the unit is common_, and what it does not have costs nothing.
@@ -138,6 +151,9 @@ class Trv {
   }
   template <bool kCommon>
   Why issue_visit(std::uint32_t index);
+  Why missed(FetchStage::Result result, std::uint32_t index);
+  bool enters_instance(const Slot& slot, std::uint32_t index) const;
+  Why issue_transform(Slot& slot, std::uint32_t index);
   bool issue_any(sim::Time now, Why& why);
   std::uint64_t shared_work(bool room_for_leaves) const;
   void push(Slot& slot);
@@ -154,6 +170,7 @@ class Trv {
   /// Which sub-pipe the slot needs for its next step.
   Pipe next_pipe(Slot& slot) const;
   void restart(Slot& slot, std::uint32_t index);
+  void find_pushes(const Slot& slot, std::uint32_t index);
   void release(const Wheel<kPipes>::Masks& out);
   /// These visits have hit both children: their far ones may be asked for ahead of need.
   void note_far_nodes(std::uint64_t visited);
@@ -166,6 +183,7 @@ class Trv {
   const sim::Clock clock_;
   const TreeInMemory tree_;
   const std::uint32_t visit_latency_;
+  const bool levels_;     ///< there are instances
   const bool plain_;      ///< a visit is one pass that reads one line and tests two boxes in floating point
   const bool unbounded_;  ///< any number of operations a cycle
   const bool one_pipe_;   ///< passes, pops and leaves share a pipe
@@ -177,9 +195,10 @@ class Trv {
   Stats stats_;
   FetchStage fetch_;
   std::vector<Slot> slots_;
-  std::vector<const std::uint32_t*> begins_;       ///< of each slot's ray, its first step
-  std::vector<std::vector<std::uint32_t>> paths_;  ///< per slot: nodes to test again after a restart, last one first
-  std::vector<std::uint32_t> pushed_;              ///< for restart()
+  std::vector<const std::uint32_t*> begins_;  ///< of each slot's ray, its first step
+  /// Per slot: nodes to test again after a restart, and the instance to enter again (kEnter), last one first.
+  std::vector<std::vector<std::uint32_t>> paths_;
+  std::vector<Push> pushed_;  ///< for restart()
   Wheel<kPipes> pipes_;
   std::uint64_t free_;
   std::uint64_t occupied_ = 0;

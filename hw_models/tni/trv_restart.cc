@@ -8,45 +8,58 @@ namespace hw {
 
 using traces::StepKind;
 
-namespace {
-
-/// Nodes at which the `stacked` entries now on a ray's stack were pushed, oldest first, found by following its walk
-/// from `begin` up to the step `next`. Restarts are rare; keeping such a list for every ray is not worth the memory.
-void find_pushes(const std::uint32_t* begin, const std::uint32_t* next, std::size_t stacked,
-                 std::vector<std::uint32_t>& entries) {
-  entries.clear();
+/// Where the entries now on a ray's stack were pushed, oldest first, found by following its walk up to its next step.
+/// Restarts are rare; keeping such a list for every ray is not worth the memory.
+void Trv::find_pushes(const Slot& slot, std::uint32_t index) {
+  pushed_.clear();
+  std::uint32_t instance = traces::kNone;
   bool must_pop = false;
-  for (const std::uint32_t* step = begin; step != next; ++step) {
+  for (const std::uint32_t* step = begins_[index]; step != slot.next; ++step) {
     const StepKind kind = traces::kind_of(*step);
     if (kind == StepKind::kCull) {
       // The culls just before `next` are under way: `stacked` says how far.
-      if (step + 1 != next) entries.resize(entries.size() - traces::culled_of(*step));
+      if (step + 1 != slot.next) pushed_.resize(pushed_.size() - traces::culled_of(*step));
       continue;
     }
-    if (must_pop) entries.pop_back();
+    if (must_pop) {
+      instance = pushed_.back().instance;  // of the entry, so of where the ray goes on
+      pushed_.pop_back();
+    }
+    if (traces::is_enter(*step)) {
+      instance = traces::instance_of(*step);
+      must_pop = false;
+      continue;
+    }
     must_pop = kind == StepKind::kLeaf || traces::hits_of(*step) == 0;
     if (kind == StepKind::kLeaf) {
       ++step;  // its exit phases
     } else if (traces::hits_of(*step) == 3) {
-      entries.push_back(traces::node_of(*step));
+      pushed_.push_back({traces::node_of(*step), instance});
     }
   }
-  entries.resize(stacked);
+  pushed_.resize(slot.stacked);
 }
-
-}  // namespace
 
 void Trv::restart(Slot& slot, std::uint32_t index) {
   assert(slot.stacked > 0 && "a pop from an empty stack");
   // From the link, which is the node of the oldest dropped entry, or from the root, down to the node of the entry
   // wanted now. Each visit finds its far child again, so the short stack ends up holding the youngest entries; the
   // trail says that the last one is where to go on, without a pop.
-  find_pushes(begins_[index], slot.next, slot.stacked, pushed_);
+  find_pushes(slot, index);
   const bool trail = config_.stack == StackScheme::kRestartTrail;
-  const std::uint32_t from = trail ? 0 : pushed_.front();
-  for (std::uint32_t node = pushed_.back();; node = tree_.parents[node]) {
+  const std::uint32_t from = trail ? 0 : pushed_.front().node;
+  const std::uint32_t instance = pushed_.back().instance;
+  const std::uint32_t root = instance == traces::kNone ? traces::kNone : tree_.placed[instance].root;
+  // From the tree of an instance, unless all of the way is in it, up into the one over instances.
+  for (std::uint32_t node = pushed_.back().node;;) {
     paths_[index].push_back(node);
     if (node == from) break;
+    if (node == root) {
+      paths_[index].push_back(kEnter | instance);
+      node = tree_.parents[tree_.links.size() + instance];
+    } else {
+      node = tree_.parents[node];
+    }
   }
   slot.restarting = true;
   stats_.restarts += 1;

@@ -1,23 +1,28 @@
 #pragma once
 #include <string_view>
 
+#include "shader_kernels/kernels/instances.h"
 #include "shader_kernels/kernels/vertex_colour.h"
 #include "shader_kernels/ports.h"
 #include "traces/ray.h"
 
 namespace kernels {
 
+template <bool kInstanced>
 struct FetchVertices {
-  static constexpr std::string_view kName = "fetch_vertices";
-  static constexpr std::string_view kMeaning = "surface -> tangent, second texture coordinates; times vertex colour";
+  static constexpr std::string_view kName = kInstanced ? "fetch_vertices_instanced" : "fetch_vertices";
+  static constexpr std::string_view kMeaning =
+      kInstanced ? "as fetch_vertices, with the tangent out of the mesh's space"
+                 : "surface -> tangent, second texture coordinates; times vertex colour";
   template <class V>
   struct Ports {
     Local<V, WordRecord> vertexed;
-    Local<V, HitRecord> hits;
+    Hits<V, kInstanced> hits;
     Local<V, MatteRecord> mattes;
     Local<V, OpticsRecord> optics;
     Local<V, TangentRecord> tangents;
     Vertices<V> vertices;
+    Instances<V> instances;  ///< wired if kInstanced
     static void describe(auto& p, auto&& port) {
       port(p.vertexed, "vertexed");
       port(p.hits, "hits");
@@ -25,15 +30,17 @@ struct FetchVertices {
       port(p.optics, "optics");
       port(p.tangents, "tangents");
       port(p.vertices, "vertices");
+      if constexpr (kInstanced) port(p.instances, "instances");
     }
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
     const I<V> slot = at.vertexed.load(item).word;
-    const HitRecord<V> hit = at.hits.load(slot);
+    const auto found = at.hits.load(slot);
+    const HitRecord<V> hit = plain<V>(found);
     const MatteRecord<V> matte = at.mattes.load(slot);
     OpticsRecord<V> optics = at.optics.load(slot);
-    const VertexFields<V> vertex = at.vertices.load(hit.triangle & traces::kTriangleMask);
+    const VertexFields<V> vertex = at.vertices.load(triangle_of<V>(hit));
     const Weights<V> corners(hit);
     const VertexColour<V> colour = vertex_colour<V>(corners, vertex);
     at.mattes.store(slot, {matte.diffuse * colour.rgb, matte.classes});
@@ -44,9 +51,14 @@ struct FetchVertices {
       return (corners.mix_int(part(vertex.tangent0), part(vertex.tangent1), part(vertex.tangent2)) - 128.0F) *
              (1.0F / 127.0F);
     };
-    at.tangents.store(slot, {{signed_byte(0), signed_byte(1), signed_byte(2)},
-                             signed_byte(3),
-                             corners.mix(vertex.u0, vertex.u1, vertex.u2),
+    Vec3<V> tangent{signed_byte(0), signed_byte(1), signed_byte(2)};
+    F<V> handedness = signed_byte(3);
+    if constexpr (kInstanced) {
+      const InstanceFields<V> instance = at.instances.load(instance_of<V>(found));
+      tangent = tangent_to_world<V>(instance, tangent);
+      handedness = handedness * instance.handedness;
+    }
+    at.tangents.store(slot, {tangent, handedness, corners.mix(vertex.u0, vertex.u1, vertex.u2),
                              corners.mix(vertex.v0, vertex.v1, vertex.v2)});
   }
 };

@@ -1,4 +1,5 @@
 #pragma once
+#include "shader_kernels/kernels/instances.h"
 #include "shader_kernels/kernels/sampling.h"
 #include "shader_kernels/kernels/vertex_colour.h"
 #include "traces/ray.h"
@@ -7,11 +8,11 @@ namespace kernels {
 
 /// What tests of flagged hits are wired to. A ray that goes on is the ray of its slot, seen from just behind the hit.
 /// `kColoured`: the scene has vertex records, whose colours and second texture coordinates have a say.
-template <class V, bool kColoured>
+template <class V, bool kColoured, bool kInstanced>
 struct LayerPorts {
   Local<V, WordRecord> layers;
   Local<V, RayRecord> rays;
-  Local<V, HitRecord> hits;
+  Hits<V, kInstanced> hits;
   Attributes<V> attributes;
   Materials<V> materials;
   Vertices<V> vertices;  ///< wired if kColoured
@@ -49,9 +50,9 @@ struct Layer {
   F<V> alpha;
 };
 
-template <class V, bool kColoured>
-Layer<V> fetch_layer(const LayerPorts<V, kColoured>& at, const HitRecord<V>& hit) {
-  const I<V> triangle = hit.triangle & traces::kTriangleMask;
+template <class V, bool kColoured, bool kInstanced>
+Layer<V> fetch_layer(const LayerPorts<V, kColoured, kInstanced>& at, const HitRecord<V>& hit) {
+  const I<V> triangle = triangle_of<V>(hit);
   const AttributeFields<V> a = at.attributes.load(triangle);
   const MaterialFields<V> m = at.materials.load(a.material);
   const Weights<V> corners(hit);
@@ -74,8 +75,8 @@ Layer<V> fetch_layer(const LayerPorts<V, kColoured>& at, const HitRecord<V>& hit
 
 /// Sends the ray of a slot on if told to: from a little more than rounding behind its hit, so that whatever lies at the
 /// same distance is passed with it.
-template <class V, bool kColoured>
-void go_on(LayerPorts<V, kColoured>& at, const M<V>& onwards, const I<V>& slot, const RayRecord<V>& ray,
+template <class V, bool kColoured, bool kInstanced>
+void go_on(LayerPorts<V, kColoured, kInstanced>& at, const M<V>& onwards, const I<V>& slot, const RayRecord<V>& ray,
            const F<V>& t) {
   const I<V> out = at.emitted.next(onwards);
   const F<V> step = at.epsilon * 0x1p-6F / sqrt(dot(ray.direction, ray.direction));

@@ -2,6 +2,7 @@
 #include <string_view>
 
 #include "shader_kernels/kernels/arithmetic.h"
+#include "shader_kernels/kernels/instances.h"
 #include "shader_kernels/ports.h"
 
 namespace kernels {
@@ -10,24 +11,41 @@ namespace kernels {
 inline constexpr std::uint32_t kAnyTexture =
     traces::kTextured | traces::kBased | traces::kPhysical | traces::kBumped | traces::kGlowing;
 
-/// A hit's object with the flag of a textured one.
+/// The object of a hit stands in its triangle's record, which the intersection unit has just read, or in its
+/// instance's.
+template <class V, bool kInstanced>
+using Objects = std::conditional_t<kInstanced, Instances<V>, Triangles<V>>;
+
+/// Which record that is.
 template <class V>
-I<V> object_of(const TriangleFields<V>& triangle, const I<V>& classes) {
-  return triangle.object | select(I<V>(0U) < (classes & kAnyTexture), I<V>(kTexturedObject), I<V>(0U));
+I<V> index_of(const HitRecord<V>& hit) {
+  return triangle_of<V>(hit);
+}
+template <class V>
+I<V> index_of(const InstanceHitRecord<V>& hit) {
+  return instance_of<V>(hit);
 }
 
-/// The object of a hit stands in its triangle's record, which the intersection unit has just read.
+/// An object with the flag of a textured one.
+template <class V>
+I<V> marked(const I<V>& object, const I<V>& classes) {
+  return object | select(I<V>(0U) < (classes & kAnyTexture), I<V>(kTexturedObject), I<V>(0U));
+}
+
+template <bool kInstanced>
 struct RecordGeometry {
-  static constexpr std::string_view kName = "record_geometry";
-  static constexpr std::string_view kMeaning = "first hit -> its sample's geometry: object, normal, position";
+  static constexpr std::string_view kName = kInstanced ? "record_geometry_instanced" : "record_geometry";
+  static constexpr std::string_view kMeaning = kInstanced
+                                                   ? "as record_geometry, with the object of the instance"
+                                                   : "first hit -> its sample's geometry: object, normal, position";
   template <class V>
   struct Ports {
     Local<V, WordRecord> surfaces;
-    Local<V, HitRecord> hits;
+    Hits<V, kInstanced> hits;
     Local<V, PlaceRecord> places;
     Local<V, MatteRecord> mattes;
     Local<V, PathRecord> paths;
-    Triangles<V> triangles;
+    Objects<V, kInstanced> objects;
     Local<V, GeometryRecord> geometry;
     static void describe(auto& p, auto&& port) {
       port(p.surfaces, "surfaces");
@@ -35,7 +53,7 @@ struct RecordGeometry {
       port(p.places, "places");
       port(p.mattes, "mattes");
       port(p.paths, "paths");
-      port(p.triangles, "triangles");
+      port(p.objects, kInstanced ? "instances" : "triangles");
       port(p.geometry, "geometry");
     }
   };
@@ -43,9 +61,9 @@ struct RecordGeometry {
   static void body(const I<V>& item, Ports<V>& at) {
     const I<V> slot = at.surfaces.load(item).word;
     const PlaceRecord<V> place = at.places.load(slot);
-    const TriangleFields<V> triangle = at.triangles.load(at.hits.load(slot).triangle & traces::kTriangleMask);
+    const I<V> object = at.objects.load(index_of<V>(at.hits.load(slot))).object;
     at.geometry.store(at.paths.load(slot).sample,
-                      {place.normal, object_of<V>(triangle, at.mattes.load(slot).classes), place.position, 0U});
+                      {place.normal, marked<V>(object, at.mattes.load(slot).classes), place.position, 0U});
   }
 };
 

@@ -7,16 +7,18 @@ namespace kernels {
 
 /// One launch per bounce behind the first. `way` tells bounces apart, so that the same objects met in another order
 /// are not taken for the same.
+template <bool kInstanced>
 struct RecordSecondary {
-  static constexpr std::string_view kName = "record_secondary";
-  static constexpr std::string_view kMeaning = "secondary hit -> into its sample's secondary geometry";
+  static constexpr std::string_view kName = kInstanced ? "record_secondary_instanced" : "record_secondary";
+  static constexpr std::string_view kMeaning = kInstanced ? "as record_secondary, with the object of the instance"
+                                                          : "secondary hit -> into its sample's secondary geometry";
   template <class V>
   struct Ports {
     Local<V, WordRecord> surfaces;
-    Local<V, HitRecord> hits;
+    Hits<V, kInstanced> hits;
     Local<V, PlaceRecord> places;
     Local<V, PathRecord> paths;
-    Triangles<V> triangles;
+    Objects<V, kInstanced> objects;
     Local<V, SecondaryRecord> secondary;
     I<V> way;
     I<V> mirrored, refracted;  ///< slots below `mirrored` go straight on, those below `refracted` were mirrored
@@ -26,7 +28,7 @@ struct RecordSecondary {
       port(p.hits, "hits");
       port(p.places, "places");
       port(p.paths, "paths");
-      port(p.triangles, "triangles");
+      port(p.objects, kInstanced ? "instances" : "triangles");
       port(p.secondary, "secondary");
       port(p.way, "way");
       port(p.mirrored, "mirrored");
@@ -38,7 +40,7 @@ struct RecordSecondary {
   static void body(const I<V>& item, Ports<V>& at) {
     const I<V> slot = at.surfaces.load(item).word;
     const Vec3<V> normal = at.places.load(slot).normal;
-    const I<V> object = at.triangles.load(at.hits.load(slot).triangle & traces::kTriangleMask).object;
+    const I<V> object = at.objects.load(index_of<V>(at.hits.load(slot))).object;
     const I<V> sample = at.paths.load(slot).sample;
     const SecondaryRecord<V> so_far = at.secondary.load(sample);
     const M<V> is_first = F<V>(0.0F) < at.first;

@@ -39,17 +39,20 @@ struct ClearTraits {
   }
 };
 
+template <bool kInstanced>
 struct RecordTraits {
-  static constexpr std::string_view kName = "record_traits";
-  static constexpr std::string_view kMeaning = "first hit -> its sample's traits: object, normal, no shadow yet";
+  static constexpr std::string_view kName = kInstanced ? "record_traits_instanced" : "record_traits";
+  static constexpr std::string_view kMeaning = kInstanced
+                                                   ? "as record_traits, with the object of the instance"
+                                                   : "first hit -> its sample's traits: object, normal, no shadow yet";
   template <class V>
   struct Ports {
     Local<V, WordRecord> surfaces;
-    Local<V, HitRecord> hits;
+    Hits<V, kInstanced> hits;
     Local<V, PlaceRecord> places;
     Local<V, MatteRecord> mattes;
     Local<V, PathRecord> paths;
-    Triangles<V> triangles;
+    Objects<V, kInstanced> objects;
     Local<V, TraitsRecord> traits;
     static void describe(auto& p, auto&& port) {
       port(p.surfaces, "surfaces");
@@ -57,7 +60,7 @@ struct RecordTraits {
       port(p.places, "places");
       port(p.mattes, "mattes");
       port(p.paths, "paths");
-      port(p.triangles, "triangles");
+      port(p.objects, kInstanced ? "instances" : "triangles");
       port(p.traits, "traits");
     }
   };
@@ -65,8 +68,8 @@ struct RecordTraits {
   static void body(const I<V>& item, Ports<V>& at) {
     const I<V> slot = at.surfaces.load(item).word;
     const PlaceRecord<V> place = at.places.load(slot);
-    const TriangleFields<V> triangle = at.triangles.load(at.hits.load(slot).triangle & traces::kTriangleMask);
-    const I<V> object = object_of<V>(triangle, at.mattes.load(slot).classes);
+    const I<V> found = at.objects.load(index_of<V>(at.hits.load(slot))).object;
+    const I<V> object = marked<V>(found, at.mattes.load(slot).classes);
     at.traits.store(at.paths.load(slot).sample, {place.normal, object, 0U});
   }
 };
@@ -97,14 +100,16 @@ struct WeighBranch {
   }
 };
 
+template <bool kInstanced>
 struct RecordBranch {
-  static constexpr std::string_view kName = "record_branch";
-  static constexpr std::string_view kMeaning = "secondary hit -> its sample's, if its branch carries most";
+  static constexpr std::string_view kName = kInstanced ? "record_branch_instanced" : "record_branch";
+  static constexpr std::string_view kMeaning = kInstanced ? "as record_branch, with the object of the instance"
+                                                          : "secondary hit -> its sample's, if its branch carries most";
   template <class V>
-  struct Ports : RecordTraits::Ports<V> {
+  struct Ports : RecordTraits<kInstanced>::template Ports<V> {
     Local<V, BranchRecord> branches;
     static void describe(auto& p, auto&& port) {
-      RecordTraits::Ports<V>::describe(p, port);
+      RecordTraits<kInstanced>::template Ports<V>::describe(p, port);
       port(p.branches, "branches");
     }
   };
@@ -112,8 +117,8 @@ struct RecordBranch {
   static void body(const I<V>& item, Ports<V>& at) {
     const I<V> slot = at.surfaces.load(item).word;
     const PlaceRecord<V> place = at.places.load(slot);
-    const TriangleFields<V> triangle = at.triangles.load(at.hits.load(slot).triangle & traces::kTriangleMask);
-    const I<V> object = object_of<V>(triangle, at.mattes.load(slot).classes);
+    const I<V> found = at.objects.load(index_of<V>(at.hits.load(slot))).object;
+    const I<V> object = marked<V>(found, at.mattes.load(slot).classes);
     const PathRecord<V> path = at.paths.load(slot);
     const TraitsRecord<V> so_far = at.traits.load(path.sample);
     const BranchRecord<V> branch = at.branches.load(path.sample);

@@ -2,21 +2,26 @@
 #include <string_view>
 
 #include "shader_kernels/kernels/arithmetic.h"
+#include "shader_kernels/kernels/instances.h"
 #include "shader_kernels/ports.h"
 
 namespace kernels {
 
 /// Fetches what the hit triangle says of the surface and leaves it in the tile buffer for the executors. Only shading
 /// normals are known: where one disagrees with its triangle, at silhouettes, a ray may be mirrored into the surface.
+template <bool kInstanced>
 struct ShadeSurface {
-  static constexpr std::string_view kName = "shade_surface";
-  static constexpr std::string_view kMeaning = "hit -> surface: position, normal, texture coordinates, base colour";
+  static constexpr std::string_view kName = kInstanced ? "shade_surface_instanced" : "shade_surface";
+  static constexpr std::string_view kMeaning =
+      kInstanced ? "as shade_surface, with the normal out of the mesh's space"
+                 : "hit -> surface: position, normal, texture coordinates, base colour";
   template <class V>
   struct Ports {
     Local<V, WordRecord> surfaces;
     Local<V, RayRecord> rays;
-    Local<V, HitRecord> hits;
+    Hits<V, kInstanced> hits;
     Attributes<V> attributes;
+    Instances<V> instances;  ///< wired if kInstanced
     Materials<V> materials;
     Local<V, PlaceRecord> places;
     Local<V, MatteRecord> mattes;
@@ -27,6 +32,7 @@ struct ShadeSurface {
       port(p.rays, "rays");
       port(p.hits, "hits");
       port(p.attributes, "attributes");
+      if constexpr (kInstanced) port(p.instances, "instances");
       port(p.materials, "materials");
       port(p.places, "places");
       port(p.mattes, "mattes");
@@ -39,12 +45,15 @@ struct ShadeSurface {
   static void body(const I<V>& item, Ports<V>& at) {
     const I<V> slot = at.surfaces.load(item).word;
     const RayRecord<V> ray = at.rays.load(slot);
-    const HitRecord<V> hit = at.hits.load(slot);
-    const AttributeFields<V> a = at.attributes.load(hit.triangle & traces::kTriangleMask);
+    const auto found = at.hits.load(slot);
+    const HitRecord<V> hit = plain<V>(found);
+    const AttributeFields<V> a = at.attributes.load(triangle_of<V>(hit));
     const MaterialFields<V> m = at.materials.load(a.material);
 
     const Weights<V> corners(hit);
-    const Vec3<V> normal = normalised(corners.mix(a.normal0, a.normal1, a.normal2));
+    Vec3<V> mixed = corners.mix(a.normal0, a.normal1, a.normal2);
+    if constexpr (kInstanced) mixed = normal_to_world<V>(at.instances.load(instance_of<V>(found)), mixed);
+    const Vec3<V> normal = normalised(mixed);
     const F<V> side = select(dot(normal, ray.direction) <= 0.0F, F<V>(1.0F), F<V>(-1.0F));
     at.places.store(slot, {ray.origin + ray.direction * hit.t, a.material, normal * side, side});
     at.mattes.store(slot, {m.base_colour * m.diffuse_share, m.flags});

@@ -82,7 +82,7 @@ void Wavefront::count_steps(std::size_t from_word) {
     const traces::StepKind step = traces::kind_of(walk[i]);
     if (step == traces::StepKind::kVisit) {
       ++out_.traversal_steps;
-    } else if (step == traces::StepKind::kLeaf) {
+    } else if (step == traces::StepKind::kLeaf && !traces::is_enter(walk[i])) {
       for (std::uint32_t phases = walk[++i]; phases != 0; phases >>= 4) ++out_.traversal_steps;
     }
   }

@@ -124,14 +124,17 @@ class Wavefront {
   Node trace_once(traces::RayKind kind, const traces::Ray* rays, traces::Hit* hits, std::uint32_t count, Node maker,
                   bool is_mapped);
   Node settle(traces::RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t count, Node batch);
-  template <bool kColoured>
+  template <bool kColoured, bool kInstanced>
   std::uint32_t test_layers(traces::RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t items,
                             std::uint32_t lanes, Node& tested);
   void count_steps(std::size_t from_word);
   std::uint32_t classify(Bounce& bounce);
   Streams shade_surfaces(Bounce& bounce, std::uint32_t surfaces);
+  template <bool kInstanced>
+  Node fetch_surfaces(const Bounce& bounce, std::uint32_t surfaces);
   void shade_details(Bounce& bounce, std::uint32_t surfaces, Streams& streams);
   void absorb(Bounce& bounce, std::uint32_t items);
+  template <bool kInstanced>
   void fetch_vertices(Bounce& bounce, std::uint32_t items);
   void shade_base(Bounce& bounce, std::uint32_t items);
   void shade_physical(Bounce& bounce, std::uint32_t items);
@@ -166,6 +169,9 @@ class Wavefront {
   template <class K>
   Node record_surfaces(typename K::template Ports<float>& ports, std::uint32_t surfaces, std::uint32_t lanes);
   void record_shadows(const Bounce& bounce, std::uint32_t light, const Batch& batch, std::uint32_t rays);
+  template <bool kInstanced>
+  Node keep_hits(const Bounce& bounce, std::uint32_t surfaces);
+  template <bool kInstanced>
   Node record_branches(const Bounce& bounce, std::uint32_t surfaces);
   Node record_branch_shadows(std::uint32_t rays, std::uint32_t lanes);
   template <class K>
@@ -192,7 +198,7 @@ template <class K>
 Wavefront::Node Wavefront::launch(typename K::template Ports<float>& ports, std::uint32_t items, std::uint32_t lanes,
                                   std::uint32_t padding) {
   constexpr bool kReads = requires { ports.materials; }
-  || requires { ports.triangles; }
+  || requires { ports.objects; }
   || requires { ports.texels; }
   || requires { ports.vertices; }
   || requires { ports.details; };

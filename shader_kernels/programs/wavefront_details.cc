@@ -21,7 +21,10 @@ void Wavefront::shade_details(Bounce& bounce, std::uint32_t surfaces, Streams& s
   bounce.inspector = launch<ClassifyDetails>(ports, surfaces);
   wait_each(bounce.inspector, fetched);
   if (ports.absorbing_count.value != 0) absorb(bounce, ports.absorbing_count.value);
-  if (ports.vertexed_count.value != 0) fetch_vertices(bounce, ports.vertexed_count.value);
+  if (ports.vertexed_count.value != 0) {
+    scene_.image.has_levels() ? fetch_vertices<true>(bounce, ports.vertexed_count.value)
+                              : fetch_vertices<false>(bounce, ports.vertexed_count.value);
+  }
   if (ports.based_count.value != 0) shade_base(bounce, ports.based_count.value);
   if (ports.physical_count.value != 0) shade_physical(bounce, ports.physical_count.value);
   if (ports.bumped_count.value != 0) shade_bump(bounce, ports.bumped_count.value);
@@ -50,15 +53,17 @@ void Wavefront::absorb(Bounce& bounce, std::uint32_t items) {
   step<Absorb>(bounce, ports, items);
 }
 
+template <bool kInstanced>
 void Wavefront::fetch_vertices(Bounce& bounce, std::uint32_t items) {
-  FetchVertices::Ports<float> ports;
+  typename FetchVertices<kInstanced>::template Ports<float> ports;
   ports.vertexed.bind(buffer_.vertexed.data());
   ports.hits.bind(buffer_.wave.hits.data());
   ports.mattes.bind(buffer_.mattes.data());
   ports.optics.bind(buffer_.optics.data());
   ports.tangents.bind(buffer_.tangents.data());
   ports.vertices.bind(scene_.image.vertices.data(), accesses());
-  step<FetchVertices>(bounce, ports, items);
+  ports.instances.bind(scene_.image.instances.data(), accesses());
+  step<FetchVertices<kInstanced>>(bounce, ports, items);
 }
 
 void Wavefront::shade_base(Bounce& bounce, std::uint32_t items) {

@@ -13,18 +13,25 @@ void Wavefront::shade_background(const Bounce& bounce, std::uint32_t misses) {
   add_colours<ShadeBackground>(bounce, ports, misses);
 }
 
-Wavefront::Streams Wavefront::shade_surfaces(Bounce& bounce, std::uint32_t surfaces) {
-  ShadeSurface::Ports<float> surface;
+template <bool kInstanced>
+Wavefront::Node Wavefront::fetch_surfaces(const Bounce& bounce, std::uint32_t surfaces) {
+  typename ShadeSurface<kInstanced>::template Ports<float> surface;
   surface.surfaces.bind(buffer_.surfaces.data());
   surface.rays.bind(buffer_.wave.rays.data());
   surface.hits.bind(buffer_.wave.hits.data());
   surface.attributes.bind(scene_.image.attributes.data(), accesses());
+  surface.instances.bind(scene_.image.instances.data(), accesses());
   surface.materials.bind(scene_.image.materials.data(), accesses());
   surface.places.bind(buffer_.places.data());
   surface.mattes.bind(buffer_.mattes.data());
   surface.texcoords.bind(buffer_.texcoords.data());
   surface.optics.bind(buffer_.optics.data());
-  const Node fetched = launch<ShadeSurface>(surface, surfaces, bounce.lanes);
+  return launch<ShadeSurface<kInstanced>>(surface, surfaces, bounce.lanes);
+}
+
+Wavefront::Streams Wavefront::shade_surfaces(Bounce& bounce, std::uint32_t surfaces) {
+  const Node fetched =
+      scene_.image.has_levels() ? fetch_surfaces<true>(bounce, surfaces) : fetch_surfaces<false>(bounce, surfaces);
   wait_for_bounce(fetched, bounce);
 
   Streams streams;

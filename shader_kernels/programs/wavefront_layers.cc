@@ -1,3 +1,5 @@
+#include <type_traits>
+
 #include "shader_kernels/programs/wavefront.h"
 
 namespace kernels {
@@ -27,9 +29,11 @@ Wavefront::Node Wavefront::settle(RayKind kind, RaySlots& slots, std::uint32_t f
   std::uint32_t items = classify.layer_count.value;
   Node settled = StreamBuilder::kNone;
   for (std::uint32_t layer = 0; items != 0 && layer < scene_.layers; ++layer) {
-    const std::uint32_t rays = scene_.image.vertices.empty()
-                                   ? test_layers<false>(kind, slots, first, items, count, settled)
-                                   : test_layers<true>(kind, slots, first, items, count, settled);
+    const auto test = [&]<bool kInstanced>(std::bool_constant<kInstanced>) {
+      return scene_.image.vertices.empty() ? test_layers<false, kInstanced>(kind, slots, first, items, count, settled)
+                                           : test_layers<true, kInstanced>(kind, slots, first, items, count, settled);
+    };
+    const std::uint32_t rays = scene_.image.has_levels() ? test(std::true_type{}) : test(std::false_type{});
     wait_all(settled, before);
     wait_all(settled, batch);
     if (rays == 0) break;
@@ -50,10 +54,10 @@ Wavefront::Node Wavefront::settle(RayKind kind, RaySlots& slots, std::uint32_t f
   return settled;
 }
 
-template <bool kColoured>
+template <bool kColoured, bool kInstanced>
 std::uint32_t Wavefront::test_layers(RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t items,
                                      std::uint32_t lanes, Node& tested) {
-  const auto bind = [&](LayerPorts<float, kColoured>& ports) {
+  const auto bind = [&](LayerPorts<float, kColoured, kInstanced>& ports) {
     ports.layers.bind(buffer_.layers.data());
     ports.rays.bind(slots.rays.data() + first);
     ports.hits.bind(slots.hits.data() + first);
@@ -69,16 +73,16 @@ std::uint32_t Wavefront::test_layers(RayKind kind, RaySlots& slots, std::uint32_
     ports.white = scene_.image.white;
   };
   if (kind == RayKind::kShadow) {
-    ShadowLayerPorts<float, kColoured> ports;
+    ShadowLayerPorts<float, kColoured, kInstanced> ports;
     bind(ports);
     ports.min_weight = scene_.min_weight * kLeastLight;
     ports.paths.bind(slots.paths.data() + first);
-    tested = launch<TestShadow<kColoured>>(ports, items, lanes);
+    tested = launch<TestShadow<kColoured, kInstanced>>(ports, items, lanes);
     return ports.emitted.value;
   }
-  LayerPorts<float, kColoured> ports;
+  LayerPorts<float, kColoured, kInstanced> ports;
   bind(ports);
-  tested = launch<TestAlpha<kColoured>>(ports, items, lanes);
+  tested = launch<TestAlpha<kColoured, kInstanced>>(ports, items, lanes);
   return ports.emitted.value;
 }
 

@@ -12,6 +12,13 @@ std::uint32_t way_of(std::uint32_t depth) { return depth * 0x9e3779b9U; }
 /// A light's bit; lights beyond 32 share them.
 std::uint32_t bit_of(std::uint32_t light) { return 1U << (light % 32); }
 
+void bind(Triangles<float>& objects, const traces::MemoryImage& image, std::vector<traces::Access>* accesses) {
+  objects.bind(image.triangles.data(), accesses);
+}
+void bind(Instances<float>& objects, const traces::MemoryImage& image, std::vector<traces::Access>* accesses) {
+  objects.bind(image.instances.data(), accesses);
+}
+
 }  // namespace
 
 template <class K>
@@ -21,10 +28,12 @@ Wavefront::Node Wavefront::record_surfaces(typename K::template Ports<float>& po
   ports.hits.bind(buffer_.wave.hits.data());
   ports.places.bind(buffer_.places.data());
   ports.paths.bind(buffer_.wave.paths.data());
-  ports.triangles.bind(scene_.image.triangles.data(), accesses());
+  if constexpr (requires { ports.corners; }) ports.corners.bind(scene_.image.triangles.data(), accesses());
+  bind(ports.objects, scene_.image, accesses());
   return launch<K>(ports, surfaces, lanes);
 }
 
+template <bool kInstanced>
 Wavefront::Node Wavefront::record_branches(const Bounce& bounce, std::uint32_t surfaces) {
   WeighBranch::Ports<float> weigh;
   weigh.paths.bind(buffer_.wave.paths.data());
@@ -32,49 +41,59 @@ Wavefront::Node Wavefront::record_branches(const Bounce& bounce, std::uint32_t s
   const Node weighed = launch<WeighBranch>(weigh, bounce.rays);
   wait_all(weighed, bounce.inspector);
   wait_all(weighed, keep_.cleared);
-  RecordBranch::Ports<float> ports;
+  typename RecordBranch<kInstanced>::template Ports<float> ports;
   ports.mattes.bind(buffer_.mattes.data());
   ports.traits.bind(buffer_.secondary_traits.data());
   ports.branches.bind(buffer_.branches.data());
-  const Node recorded = record_surfaces<RecordBranch>(ports, surfaces, bounce.lanes);
+  const Node recorded = record_surfaces<RecordBranch<kInstanced>>(ports, surfaces, bounce.lanes);
   wait_all(recorded, weighed);
   return recorded;
 }
 
 void Wavefront::record_hits(Bounce& bounce, std::uint32_t surfaces) {
+  bounce.recorded = scene_.image.has_levels() ? keep_hits<true>(bounce, surfaces) : keep_hits<false>(bounce, surfaces);
+  if (bounce.recorded == StreamBuilder::kNone) return;
+  wait_for_bounce(bounce.recorded, bounce);
+  wait_all(bounce.recorded, bounce.depth == 1 ? keep_.cleared : keep_.cleared_secondary);
+  buffer_.record_nodes.push_back(bounce.recorded);
+}
+
+/// The launch that keeps what samples hit, if any is wanted.
+template <bool kInstanced>
+Wavefront::Node Wavefront::keep_hits(const Bounce& bounce, std::uint32_t surfaces) {
   if (bounce.depth == 1 && keep_.geometry) {
-    RecordGeometry::Ports<float> ports;
+    typename RecordGeometry<kInstanced>::template Ports<float> ports;
     ports.mattes.bind(buffer_.mattes.data());
     ports.geometry.bind(buffer_.geometry.data());
-    bounce.recorded = record_surfaces<RecordGeometry>(ports, surfaces, bounce.lanes);
-  } else if (bounce.depth == 1 && keep_.surfaces) {
-    RecordSurface::Ports<float> ports;
+    return record_surfaces<RecordGeometry<kInstanced>>(ports, surfaces, bounce.lanes);
+  }
+  if (bounce.depth == 1 && keep_.surfaces) {
+    typename RecordSurface<kInstanced>::template Ports<float> ports;
     ports.mattes.bind(buffer_.mattes.data());
     ports.geometry.bind(buffer_.geometry.data());
     ports.texcoords.bind(buffer_.texcoords.data());
     ports.kept.bind(buffer_.kept.data());
-    bounce.recorded = record_surfaces<RecordSurface>(ports, surfaces, bounce.lanes);
-  } else if (bounce.depth == 1 && keep_.traits) {
-    RecordTraits::Ports<float> ports;
+    return record_surfaces<RecordSurface<kInstanced>>(ports, surfaces, bounce.lanes);
+  }
+  if (bounce.depth == 1 && keep_.traits) {
+    typename RecordTraits<kInstanced>::template Ports<float> ports;
     ports.mattes.bind(buffer_.mattes.data());
     ports.traits.bind(buffer_.traits.data());
-    bounce.recorded = record_surfaces<RecordTraits>(ports, surfaces, bounce.lanes);
-  } else if (bounce.depth == 2 && keep_.traits) {
-    bounce.recorded = record_branches(bounce, surfaces);
-  } else if (bounce.depth > 1 && keep_.secondary) {
-    RecordSecondary::Ports<float> ports;
+    return record_surfaces<RecordTraits<kInstanced>>(ports, surfaces, bounce.lanes);
+  }
+  if (bounce.depth == 2 && keep_.traits) {
+    return record_branches<kInstanced>(bounce, surfaces);
+  }
+  if (bounce.depth > 1 && keep_.secondary) {
+    typename RecordSecondary<kInstanced>::template Ports<float> ports;
     ports.secondary.bind(buffer_.secondary.data());
     ports.way = way_of(bounce.depth);
     ports.mirrored = bounce.mirrored;
     ports.refracted = bounce.refracted;
     ports.first = bounce.depth == 2 ? 1.0F : 0.0F;
-    bounce.recorded = record_surfaces<RecordSecondary>(ports, surfaces, bounce.lanes);
-  } else {
-    return;
+    return record_surfaces<RecordSecondary<kInstanced>>(ports, surfaces, bounce.lanes);
   }
-  wait_for_bounce(bounce.recorded, bounce);
-  wait_all(bounce.recorded, bounce.depth == 1 ? keep_.cleared : keep_.cleared_secondary);
-  buffer_.record_nodes.push_back(bounce.recorded);
+  return StreamBuilder::kNone;
 }
 
 template <class K>

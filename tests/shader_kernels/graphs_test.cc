@@ -261,6 +261,20 @@ constexpr Hand kByHand[] = {
     {"pack_subpixels_atomic", {2, 0, 0, 0, 2, 2, 5, 1, 2, 3, 0}},
     {"generate_extra_rays", {17, 18, 2, 2, 0, 0, 43, 9, 1, 3, 0}},
     {"sum_subpixels", {7, 3, 0, 6, 2, 9, 18, 2, 4, 1, 0}},
+    // Scenes of instances: 2 (shift, to_float, mul) for the weights, 4 integer for the instance, and for normals 3
+    // vector *
+    // scalar, 2 vector + vector; for tangents 3 cross (6 mul 3 sub) besides, normalised, vector * scalar, mul.
+    {"shade_surface_instanced", {25, 44, 2, 1, 1, 1, 7, 2, 3, 4, 3}},
+    {"fetch_vertices_instanced", {43, 81, 2, 1, 0, 0, 37, 26, 4, 3, 2}},
+    {"test_alpha_instanced", {30, 27, 2, 10, 7, 7, 15, 10, 5, 2, 3}},
+    {"test_alpha_coloured_instanced", {36, 38, 2, 10, 8, 9, 19, 13, 5, 2, 4}},
+    {"test_shadow_instanced", {76, 94, 2, 12, 8, 8, 35, 22, 6, 3, 3}},
+    {"test_shadow_coloured_instanced", {88, 120, 2, 12, 9, 10, 48, 34, 6, 3, 4}},
+    {"record_geometry_instanced", {0, 0, 0, 0, 1, 1, 6, 0, 5, 1, 1}},
+    {"record_surface_instanced", {19, 27, 2, 1, 2, 2, 7, 0, 6, 2, 2}},
+    {"record_secondary_instanced", {0, 0, 0, 0, 5, 8, 18, 0, 5, 1, 1}},
+    {"record_traits_instanced", {0, 0, 0, 0, 1, 1, 6, 0, 5, 1, 1}},
+    {"record_branch_instanced", {2, 3, 0, 2, 2, 6, 6, 0, 7, 2, 1}},
 };
 
 TEST(Graphs, OperationsAreThoseOfTheSource) {

@@ -114,6 +114,9 @@ class RandomPorts {
       if constexpr (std::is_same_v<R<float>, AxisRecord<float>>) {
         record = axis_record(kTextureSize, static_cast<traces::Texture::Wrap>(random() % 3),
                              static_cast<traces::Texture::Filter>(random() % 2));
+      } else if constexpr (std::is_same_v<R<float>, InstanceHitRecord<float>>) {
+        const auto weight = [&] { return random() << traces::kHalfBits; };
+        record = {number(), weight() | random() % kItems, weight(), random() % kItems};
       } else {
         R<float>::fields(record, [&]<class T>(T& field, std::string_view name) { fill(field, name); });
       }
@@ -161,7 +164,7 @@ TYPED_TEST(Readings, ComputingAndInterpretingTheGraphGiveEqualBits) {
   for (std::uint32_t seed = 0; seed < 20; ++seed) {
     Ports ports;
     RandomPorts random(
-        seed, !requires { ports.attributes; } && !requires { ports.vertices; } && !requires { ports.triangles; },
+        seed, !requires { ports.attributes; } && !requires { ports.vertices; } && !requires { ports.objects; },
         requires { ports.identities; });
     Ports::describe(ports, random);
     const auto before = random.memories();

@@ -168,8 +168,9 @@ Exits exits_in_walks(const Inputs& inputs, const kernels::ProgramSpec& spec) {
   Exits exits{};
   while (const traces::TileWork* work = front_end.next()) {
     for (std::size_t at = 0; at < work->walk.size(); ++at) {
-      if (traces::kind_of(work->walk[at]) != traces::StepKind::kLeaf) continue;
-      const std::uint32_t tests = traces::count_of(work->walk[at]);
+      const std::uint32_t word = work->walk[at];
+      if (traces::kind_of(word) != traces::StepKind::kLeaf || traces::is_enter(word)) continue;
+      const std::uint32_t tests = traces::count_of(word);
       at += 1;
       for (std::uint32_t test = 0; test < tests; ++test)
         exits[static_cast<std::size_t>(traces::phase_of(work->walk[at], test)) - 1] += 1;

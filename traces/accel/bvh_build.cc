@@ -5,6 +5,7 @@
 #include <limits>
 #include <new>
 #include <string>
+#include <utility>
 
 #include "sim/error.h"
 #include "traces/accel/embree_api.h"
@@ -120,36 +121,29 @@ bool may_go_on(void* stop, double) {
   return true;
 }
 
-Bounds bounds_of(std::span<const TriangleRecord> triangles) {
-  Bounds all;
-  for (const TriangleRecord& t : triangles) {
-    for (const glm::vec3& v : {t.v0, t.v1, t.v2}) all.add(v);
-  }
-  return all;
-}
+Bounds bounds_of(const Bounds& box) { return box; }
 
-std::vector<RTCBuildPrimitive> primitives_of(std::span<const TriangleRecord> triangles) {
-  std::vector<RTCBuildPrimitive> primitives(triangles.size());
-  for (std::uint32_t i = 0; i < triangles.size(); ++i) {
-    const Bounds b = bounds_of(triangles[i]);
+template <class Item>
+std::vector<RTCBuildPrimitive> primitives_of(std::span<const Item> items, Bounds& all) {
+  std::vector<RTCBuildPrimitive> primitives(items.size());
+  for (std::uint32_t i = 0; i < items.size(); ++i) {
+    const Bounds b = bounds_of(items[i]);
     primitives[i] = {b.lower.x, b.lower.y, b.lower.z, 0, b.upper.x, b.upper.y, b.upper.z, i};
+    all.add(b.lower);
+    all.add(b.upper);
   }
   return primitives;
 }
 
-}  // namespace
-
-PlacedBvh build_bvh(std::span<const TriangleRecord> triangles, const BvhConfig& config, unsigned threads,
-                    sim::Stop stop) {
+PlacedBvh build(RTCDevice device, std::vector<RTCBuildPrimitive> primitives, const Bounds& all, const BvhConfig& config,
+                sim::Stop stop) {
   PlacedBvh out;
-  if (triangles.empty()) {
+  if (primitives.empty()) {
     place_root(nullptr, {}, out);
     return out;
   }
-  const EmbreeDevice device = open_embree("threads=" + std::to_string(threads));
-  const EmbreeBvh bvh(rtcNewBVH(device.get()));
-  std::vector<RTCBuildPrimitive> primitives = primitives_of(triangles);
-
+  const EmbreeBvh bvh(rtcNewBVH(device));
+  const std::size_t count = primitives.size();
   RTCBuildArguments arguments = rtcDefaultBuildArguments();
   arguments.buildQuality = RTC_BUILD_QUALITY_MEDIUM;
   arguments.maxBranchingFactor = 2;
@@ -160,7 +154,7 @@ PlacedBvh build_bvh(std::span<const TriangleRecord> triangles, const BvhConfig& 
   arguments.intersectionCost = static_cast<float>(config.intersection_cost);
   arguments.bvh = bvh.get();
   arguments.primitives = primitives.data();
-  arguments.primitiveCount = arguments.primitiveArrayCapacity = primitives.size();
+  arguments.primitiveCount = arguments.primitiveArrayCapacity = count;
   arguments.createNode = create_node;
   arguments.setNodeChildren = set_children;
   arguments.setNodeBounds = set_bounds;
@@ -170,20 +164,43 @@ PlacedBvh build_bvh(std::span<const TriangleRecord> triangles, const BvhConfig& 
     arguments.userPtr = &stop;
   }
   const auto* root = static_cast<const TreeNode*>(rtcBuildBVH(&arguments));
-  const RTCError error = rtcGetDeviceError(device.get());
+  const RTCError error = rtcGetDeviceError(device);
   if (root == nullptr && stop != nullptr && stop()) throw sim::Cancelled{};
   if (error == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
   if (error != RTC_ERROR_NONE || root == nullptr) {  // what Embree says when the depth does not suffice
     throw sim::InputError("bvh.max_depth: " + std::to_string(config.max_depth) + " levels are not enough for " +
-                          std::to_string(triangles.size()) + " triangles in leaves of " +
-                          std::to_string(config.leaf_size));
+                          std::to_string(count) + " triangles in leaves of " + std::to_string(config.leaf_size));
   }
 
   primitives = {};  // the leaves know their triangles
-  out.nodes.reserve(triangles.size());
-  out.order.reserve(triangles.size());
-  place_root(root, root->count != 0 ? bounds_of(triangles) : Bounds{}, out);
+  out.nodes.reserve(count);
+  out.order.reserve(count);
+  place_root(root, all, out);
   return out;
+}
+
+}  // namespace
+
+struct BvhBuilder::Device {
+  EmbreeDevice embree;
+};
+
+BvhBuilder::BvhBuilder(const BvhConfig& config, unsigned threads, sim::Stop stop)
+    : config_(config), stop_(stop), device_(new Device{open_embree("threads=" + std::to_string(threads))}) {}
+BvhBuilder::~BvhBuilder() = default;
+
+PlacedBvh BvhBuilder::over(std::span<const TriangleRecord> triangles) const {
+  Bounds all;
+  std::vector<RTCBuildPrimitive> primitives = primitives_of(triangles, all);
+  return build(device_->embree.get(), std::move(primitives), all, config_, stop_);
+}
+
+PlacedBvh BvhBuilder::over(std::span<const Bounds> boxes) const {
+  Bounds all;
+  std::vector<RTCBuildPrimitive> primitives = primitives_of(boxes, all);
+  BvhConfig config = config_;
+  config.leaf_size = 1;
+  return build(device_->embree.get(), std::move(primitives), all, config, stop_);
 }
 
 }  // namespace traces

@@ -1,21 +1,38 @@
 #pragma once
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "sim/stop.h"
 #include "traces/accel/bvh_config.h"
 #include "traces/accel/memory_image.h"
+#include "traces/scene/bounds.h"
 
 namespace traces {
 
 /// A tree in its final placement: depth first, the child of larger surface area (child 0) right behind its parent.
 struct PlacedBvh {
   std::vector<NodeRecord> nodes;
-  std::vector<std::uint32_t> order;  ///< triangles as the leaves want them, by index into the input
+  std::vector<std::uint32_t> order;  ///< what was given, as the leaves want it, by index into the input
 };
 
-PlacedBvh build_bvh(std::span<const TriangleRecord> triangles, const BvhConfig& config, unsigned threads,
-                    sim::Stop stop = nullptr);
+/// Embree's builder, for one tree after another.
+class BvhBuilder {
+ public:
+  /// `stop`: asked now and then; sim::Cancelled once it says true.
+  BvhBuilder(const BvhConfig& config, unsigned threads, sim::Stop stop = nullptr);
+  ~BvhBuilder();
+  /// InputError if the tree would be too deep.
+  PlacedBvh over(std::span<const TriangleRecord> triangles) const;
+  /// A tree with a leaf for each box, none of which is empty.
+  PlacedBvh over(std::span<const Bounds> boxes) const;
+
+ private:
+  struct Device;
+  const BvhConfig config_;
+  const sim::Stop stop_;
+  const std::unique_ptr<const Device> device_;
+};
 
 }  // namespace traces

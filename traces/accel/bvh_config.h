@@ -15,6 +15,13 @@ namespace traces {
 enum class BvhUpdate : std::uint8_t { kRebuild, kRefit };
 constexpr std::array<std::string_view, 2> names_of(BvhUpdate) { return {"rebuild", "refit"}; }
 
+/// How a mesh that stands in several places lies in memory.
+enum class InstanceLevels : std::uint8_t {
+  kFlatten,   ///< as often as it stands somewhere, in world space; one tree over all triangles
+  kTwoLevel,  ///< once, with a tree of its own; a tree over all instances above them (traces/accel/two_level.h)
+};
+constexpr std::array<std::string_view, 2> names_of(InstanceLevels) { return {"flatten", "two_level"}; }
+
 /// How the bounding volume hierarchy is built, which decides about walks, and how it lies in memory.
 struct BvhConfig {
   std::uint32_t leaf_size = 4;
@@ -22,6 +29,7 @@ struct BvhConfig {
   double traversal_cost = 1;
   double intersection_cost = 1;
   BvhUpdate update = BvhUpdate::kRebuild;
+  InstanceLevels instances = InstanceLevels::kFlatten;
   BoxNumbers numbers = BoxNumbers::kFp32;
   BoxRecords boxes = BoxRecords::kPair;
   std::uint32_t triangle_bytes = 48;
@@ -38,6 +46,10 @@ struct BvhConfig {
     field(c.update, "update", "",
           "moving scenes: build the tree anew for each frame, or refit the boxes of the first frame's tree", sim::any(),
           kFunction);
+    field(c.instances, "instances", "",
+          "meshes that stand in several places: copied to each, under one tree, or kept once, each with a tree of its "
+          "own below a tree of instances",
+          sim::any(), kFunction);
     field(c.numbers, "numbers", "",
           "of box planes and ray origin: floats, or hybrid: fixed point, times a floating-point reciprocal of the "
           "direction",
@@ -51,6 +63,11 @@ struct BvhConfig {
   void check(auto&& complain) const {
     if (triangle_bytes != 36 && triangle_bytes != 48) {
       complain("triangle_bytes", "is " + std::to_string(triangle_bytes) + "; allowed: 36 or 48");
+    }
+    if (numbers == BoxNumbers::kHybrid && instances == InstanceLevels::kTwoLevel) {
+      complain("numbers",
+               "hybrid numbers lie on one grid over the scene, and a mesh of instances: two_level does not; "
+               "allowed with it: fp32");
     }
   }
 };

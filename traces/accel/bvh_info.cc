@@ -13,37 +13,73 @@ double half_area(const NodeRecord& node, int child, const glm::vec3& step) {
   return x * y + y * z + z * x;
 }
 
+double half_area(const glm::vec3& lower, const glm::vec3& upper) {
+  const double x = double{upper.x} - lower.x;
+  const double y = double{upper.y} - lower.y;
+  const double z = double{upper.z} - lower.z;
+  return x * y + y * z + z * x;
+}
+
+double root_area(const NodeRecord& root) {
+  return half_area({std::min(root.x[0], root.x[1]), std::min(root.y[0], root.y[1]), std::min(root.z[0], root.z[1])},
+                   {std::max(root.x[2], root.x[3]), std::max(root.y[2], root.y[3]), std::max(root.z[2], root.z[3])});
+}
+
+/// A tree as seen by a line that meets its bounds.
+struct Tree {
+  double cost = 0;
+  std::uint32_t depth = 0;
+};
+
+/// Of the tree at nodes `begin` to before `end`, whose bounds have `area`. `below`: trees that its leaves may name.
+Tree look_at(const MemoryImage& image, std::size_t begin, std::size_t end, double area, const BvhConfig& config,
+             const std::vector<Tree>& below, BvhInfo& info) {
+  const glm::vec3 step = image.grid ? image.grid->step() : glm::vec3(1);
+  Tree tree;
+  double cost = area * config.traversal_cost;
+  // A parent lies before its children, so one pass from the front knows every depth.
+  std::vector<std::uint32_t> depth(end - begin, 1);
+  for (std::size_t i = begin; i < end; ++i) {
+    const NodeRecord& node = image.nodes[i];
+    const std::uint32_t own = depth[i - begin];
+    tree.depth = std::max(tree.depth, own);
+    for (int c = 0; c < 2; ++c) {
+      const std::uint32_t link = node.child[c];
+      if (link == kNoChild) continue;
+      if (is_instance(link)) {
+        const Tree& entered = below[image.tree_of[link_instance(link)]];
+        tree.depth = std::max(tree.depth, own + entered.depth);
+        cost += half_area(node, c, step) * entered.cost;
+      } else if (is_leaf(link)) {
+        ++info.leaves;
+        cost += half_area(node, c, step) * config.intersection_cost * leaf_count(link);
+      } else {
+        depth[link - begin] = own + 1;
+        cost += half_area(node, c, step) * config.traversal_cost;
+      }
+    }
+  }
+  tree.cost = area > 0 ? cost / area : 0;
+  return tree;
+}
+
 }  // namespace
 
 BvhInfo bvh_info(const MemoryImage& image, const BvhConfig& config) {
   BvhInfo info;
   info.nodes = image.nodes.size();
-  info.bytes = image.node_array_bytes() + image.triangles.size() * sizeof(TriangleRecord);  // labels are a part of it
-  const glm::vec3 step = image.grid ? image.grid->step() : glm::vec3(1);
-  const double x = double{image.upper.x} - image.lower.x;
-  const double y = double{image.upper.y} - image.lower.y;
-  const double z = double{image.upper.z} - image.lower.z;
-  const double root_area = x * y + y * z + z * x;
-  double cost = root_area * config.traversal_cost;
-
-  // A parent lies before its children, so one pass from the front knows every depth.
-  std::vector<std::uint32_t> depth(image.nodes.size(), 1);
-  for (std::size_t i = 0; i < image.nodes.size(); ++i) {
-    const NodeRecord& node = image.nodes[i];
-    info.depth = std::max(info.depth, depth[i]);
-    for (int c = 0; c < 2; ++c) {
-      const std::uint32_t link = node.child[c];
-      if (link == kNoChild) continue;
-      if (is_leaf(link)) {
-        ++info.leaves;
-        cost += half_area(node, c, step) * config.intersection_cost * leaf_count(link);
-      } else {
-        depth[link] = depth[i] + 1;
-        cost += half_area(node, c, step) * config.traversal_cost;
-      }
-    }
+  info.bytes = image.node_array_bytes() + image.instances.size() * sizeof(InstanceRecord) +
+               image.triangles.size() * sizeof(TriangleRecord);  // labels are a part of it
+  std::vector<Tree> objects;
+  for (std::size_t k = 0; k < image.trees.size(); ++k) {
+    const std::size_t begin = image.trees[k].first_node;
+    const std::size_t end = k + 1 == image.trees.size() ? image.nodes.size() : image.trees[k + 1].first_node;
+    objects.push_back(look_at(image, begin, end, root_area(image.nodes[begin]), config, {}, info));
   }
-  info.sah_cost = root_area > 0 ? cost / root_area : 0;
+  const std::size_t top = image.trees.empty() ? image.nodes.size() : image.trees.front().first_node;
+  const Tree all = look_at(image, 0, top, half_area(image.lower, image.upper), config, objects, info);
+  info.depth = all.depth;
+  info.sah_cost = all.cost;
   return info;
 }
 

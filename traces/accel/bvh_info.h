@@ -9,11 +9,11 @@ namespace traces {
 
 /// What a tree is like.
 struct BvhInfo {
-  std::uint64_t nodes = 0;  ///< inner nodes
+  std::uint64_t nodes = 0;  ///< inner nodes, of all trees
   std::uint64_t leaves = 0;
-  std::uint32_t depth = 0;  ///< inner nodes on the longest way down
+  std::uint32_t depth = 0;  ///< inner nodes on the longest way down, into instances too
   double sah_cost = 0;      ///< expected cost of a random line through the scene
-  std::uint64_t bytes = 0;  ///< nodes and triangles
+  std::uint64_t bytes = 0;  ///< nodes, instances and triangles
 };
 
 BvhInfo bvh_info(const MemoryImage& image, const BvhConfig& config = {});

@@ -4,11 +4,13 @@
 #include <array>
 #include <cassert>
 #include <limits>
+#include <type_traits>
 
 #include "traces/accel/box_test.h"
 #include "traces/accel/lanes.h"
 #include "traces/accel/recorder.h"
 #include "traces/accel/triangle_test.h"
+#include "traces/accel/two_level.h"
 #include "traces/walk.h"
 
 namespace traces {
@@ -23,16 +25,23 @@ constexpr std::uint32_t phases_of(unsigned in_range, unsigned hit) {
   return 0x1111U + kSpread[in_range] + kSpread[hit];
 }
 
-/// The walk of one ray.
-template <class Lanes, bool kAnyHit, class Record>
+/// Where an image has one level.
+struct Nothing {
+  explicit Nothing(const auto&) {}
+};
+
+/// The walk of one ray. `kLevels`: the image has two.
+template <class Lanes, bool kAnyHit, bool kLevels, class Record>
 class Walk {
  public:
   Walk(const MemoryImage& image, const Ray& ray, Record& record)
       : image_(image),
+        ray_(ray),
         record_(record),
         boxes_(image.grid ? RayBoxes<Lanes>(ray, image.lower, image.upper, *image.grid)
                           : RayBoxes<Lanes>(ray, image.lower, image.upper)),
         triangles_(ray),
+        world_(boxes_),
         t_min_(ray.t_min),
         limit_(std::min(ray.t_max, std::numeric_limits<float>::max())) {}
 
@@ -40,7 +49,9 @@ class Walk {
     std::uint32_t link = 0;
     do {
       record_.make_room();
-      if (is_leaf(link)) {
+      if (kLevels && is_instance(link)) {
+        link = enter_instance(link_instance(link));
+      } else if (is_leaf(link)) {
         if (enter_leaf(link)) break;
         link = pop();
       } else {
@@ -49,7 +60,7 @@ class Walk {
     } while (link != kNoChild);
     record_.write(end_step(hit_.is_hit()));
     if (hit_.is_hit()) hit_.triangle |= image_.triangles[hit_.triangle].flags();
-    return hit_;
+    return kLevels && hit_.is_hit() ? with_instance(hit_, hit_instance_) : hit_;
   }
 
  private:
@@ -57,6 +68,23 @@ class Walk {
     std::uint32_t link;
     float enter;
   };
+
+  /// Goes on in the space of an instance, at the root of its tree. Its boxes say how far away its mesh reaches.
+  std::uint32_t enter_instance(std::uint32_t instance) {
+    record_.write(enter_step(instance));
+    const InstanceRecord& record = image_.instances[instance];
+    const NodeRecord& root = image_.nodes[record.root];
+    const glm::vec3 lower{std::min(root.x[0], root.x[1]), std::min(root.y[0], root.y[1]),
+                          std::min(root.z[0], root.z[1])};
+    const glm::vec3 upper{std::max(root.x[2], root.x[3]), std::max(root.y[2], root.y[3]),
+                          std::max(root.z[2], root.z[3])};
+    const Ray ray = into_object(record, ray_);
+    boxes_ = RayBoxes<Lanes>(ray, lower, upper);
+    triangles_ = RayTriangles<Lanes>(ray);
+    instance_ = instance;
+    floor_ = depth_;
+    return record.root;
+  }
 
   /// Tests both children; returns where to go on.
   std::uint32_t visit(std::uint32_t index) {
@@ -86,6 +114,13 @@ class Walk {
       ++culled;
     }
     if (culled != 0) record_.write(cull_step(culled));
+    if constexpr (kLevels) {
+      if (depth_ < floor_) {  // what has come off was there when the ray entered
+        boxes_ = world_;
+        instance_ = kNone;
+        floor_ = 0;
+      }
+    }
     return link;
   }
 
@@ -140,47 +175,60 @@ class Walk {
   void accept(const typename RayTriangles<Lanes>::Result& result, unsigned lane, std::uint32_t triangle) {
     alignas(16) float t[4], u[4], v[4], sum[4];
     result.t.store(t);
-    if (hit_.is_hit() && t[lane] == hit_.t &&
-        image_.triangles[triangle].source > image_.triangles[hit_.triangle].source) {
-      return;
-    }
+    if (hit_.is_hit() && t[lane] == hit_.t && comes_later(triangle)) return;
     result.u.store(u);
     result.v.store(v);
     result.sum.store(sum);
     const float weight_u = std::clamp(u[lane] / sum[lane], 0.0F, 1.0F);
     hit_ = {t[lane], weight_u, std::clamp(v[lane] / sum[lane], 0.0F, 1 - weight_u), triangle};
     limit_ = hit_.t;
+    if constexpr (kLevels) hit_instance_ = instance_;
+  }
+
+  /// Of two triangles at the same distance, does this one stand behind the hit in the scene?
+  bool comes_later(std::uint32_t triangle) const {
+    if (kLevels && instance_ != hit_instance_) return instance_ > hit_instance_;
+    return image_.triangles[triangle].source > image_.triangles[hit_.triangle].source;
   }
 
   const MemoryImage& image_;
+  const Ray& ray_;
   Record& record_;
-  const RayBoxes<Lanes> boxes_;
-  const RayTriangles<Lanes> triangles_;
+  RayBoxes<Lanes> boxes_;
+  RayTriangles<Lanes> triangles_;
+  [[no_unique_address]] const std::conditional_t<kLevels, RayBoxes<Lanes>, Nothing> world_;  ///< boxes_ at first
+  std::uint32_t instance_ = kNone;  ///< whose space the ray is in
+  std::uint32_t hit_instance_ = kNone;
+  std::size_t floor_ = 0;  ///< depth of the stack when it entered
   const float t_min_;
   float limit_;  ///< nothing behind this is of interest: t_max, later the hit
   Hit hit_;
   std::size_t depth_ = 0;
-  std::array<Entry, kStackSize> stack_;
+  std::array<Entry, kLevels ? 2 * kStackSize : kStackSize> stack_;
 };
 
-template <class Lanes, bool kAnyHit, class Record>
+template <class Lanes, bool kAnyHit, bool kLevels, class Record>
 void trace_all(const MemoryImage& image, std::span<const Ray> rays, std::span<Hit> hits, Record&& record) {
   for (std::size_t i = 0; i < rays.size(); ++i) {
     record.begin_ray();
     record.make_room();
-    hits[i] = Walk<Lanes, kAnyHit, std::remove_reference_t<Record>>(image, rays[i], record).run();
+    hits[i] = Walk<Lanes, kAnyHit, kLevels, std::remove_reference_t<Record>>(image, rays[i], record).run();
   }
+}
+
+template <class Lanes, bool kLevels, class Record>
+void trace_kind(const MemoryImage& image, std::span<const Ray> rays, bool any, std::span<Hit> hits, Record&& record) {
+  any ? trace_all<Lanes, true, kLevels>(image, rays, hits, record)
+      : trace_all<Lanes, false, kLevels>(image, rays, hits, record);
 }
 
 template <class Lanes>
 void dispatch(const MemoryImage& image, std::span<const Ray> rays, bool any, std::span<Hit> hits, WalkSink* walk) {
-  if (walk != nullptr) {
-    any ? trace_all<Lanes, true>(image, rays, hits, Recorder(*walk))
-        : trace_all<Lanes, false>(image, rays, hits, Recorder(*walk));
-  } else {
-    any ? trace_all<Lanes, true>(image, rays, hits, NoRecorder{})
-        : trace_all<Lanes, false>(image, rays, hits, NoRecorder{});
-  }
+  const auto with = [&](auto&& record) {
+    image.has_levels() ? trace_kind<Lanes, true>(image, rays, any, hits, record)
+                       : trace_kind<Lanes, false>(image, rays, any, hits, record);
+  };
+  walk != nullptr ? with(Recorder(*walk)) : with(NoRecorder{});
 }
 
 }  // namespace

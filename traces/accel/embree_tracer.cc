@@ -5,12 +5,16 @@
 #include <cassert>
 #include <cmath>
 #include <cstddef>
+#include <vector>
 
 #include <glm/geometric.hpp>
+#include <glm/mat4x4.hpp>
+#include <glm/matrix.hpp>
 
 #include "traces/accel/embree_api.h"
 #include "traces/accel/lanes.h"
 #include "traces/accel/triangle_test.h"
+#include "traces/accel/two_level.h"
 
 #if RTC_VERSION_MAJOR < 4
 using RTCRayQueryContext = RTCIntersectContext;
@@ -32,10 +36,11 @@ const std::string kInstructionSet = "isa=sse4.2";
 struct Rank {
   bool inside = false;
   float t = 0;
-  std::uint32_t source = 0;
+  std::uint32_t instance = 0, source = 0;
   bool before(const Rank& other) const {
     if (inside != other.inside) return inside;
-    return t != other.t ? t < other.t : source < other.source;
+    if (t != other.t) return t < other.t;
+    return instance != other.instance ? instance < other.instance : source < other.source;
   }
 };
 
@@ -48,19 +53,21 @@ struct Query {
   Hit best;
   Rank rank;
 
-  Rank rank_of(std::uint32_t triangle) const {
+  Rank rank_of(std::uint32_t instance, std::uint32_t triangle) const {
     const TriangleRecord& record = image->triangles[triangle];
-    const auto result = RayTriangles<NativeLanes>(*ray).test(&record, 1);
+    const Ray seen = image->has_levels() ? into_object(image->instances[instance], *ray) : *ray;
+    const auto result = RayTriangles<NativeLanes>(seen).test(&record, 1);
     std::array<float, 4> t;
     result.t.store(t.data());
-    return {(result.inside() & 1U) != 0, t[0], record.source};
+    return {(result.inside() & 1U) != 0, t[0], instance, record.source};
   }
   /// How far behind the best hit others still compete with it.
   float horizon() const { return std::min(best.t + kTieOfDistance * best.t + tie, ray->t_max); }
 
-  void offer(const Hit& hit) {
+  /// `instance` 0 where there is but one level.
+  void offer(const Hit& hit, std::uint32_t instance) {
     const float band = kTieOfDistance * best.t + tie;
-    const Rank offered = rank_of(hit.triangle);
+    const Rank offered = rank_of(instance, hit.triangle);
     const bool better = !best.is_hit() || hit.t < best.t - band || (hit.t <= best.t + band && offered.before(rank));
     if (!better) return;
     best = hit;
@@ -74,7 +81,10 @@ void keep_best(const RTCFilterFunctionNArguments* arguments) {
   auto& query = *reinterpret_cast<Query*>(arguments->context);
   auto& ray = *reinterpret_cast<RTCRay*>(arguments->ray);
   const auto& hit = *reinterpret_cast<const RTCHit*>(arguments->hit);
-  query.offer({ray.tfar, hit.u, hit.v, hit.primID});
+  const bool levels = query.image->has_levels();
+  const std::uint32_t instance = levels ? hit.instID[0] : 0;
+  const std::uint32_t first = levels ? query.image->trees[query.image->tree_of[instance]].first_triangle : 0;
+  query.offer({ray.tfar, hit.u, hit.v, first + hit.primID}, instance);
   ray.tfar = query.horizon();
 }
 
@@ -95,6 +105,9 @@ bool may_go_on(void* stop, double) { return !(*static_cast<const sim::Stop*>(sto
 
 struct EmbreeTracer::Impl {
   Impl(const MemoryImage& image, unsigned threads, sim::Stop stop);
+  /// Adds triangles `first` to `first + count` of the image to a scene.
+  void attach(RTCScene scene, std::size_t first, std::size_t count) const;
+  void attach_instances();
   Hit nearest(const Ray& ray) const;
   bool blocked(const Ray& ray) const;
 
@@ -102,6 +115,7 @@ struct EmbreeTracer::Impl {
   bool has_flags_;
   float diagonal_;
   EmbreeDevice device_;
+  std::vector<EmbreeScene> objects_;  ///< of the image's trees
   EmbreeScene scene_;
 };
 
@@ -112,28 +126,58 @@ EmbreeTracer::Impl::Impl(const MemoryImage& image, unsigned threads, sim::Stop s
       device_(open_embree(kInstructionSet + ",threads=" + std::to_string(threads))),
       scene_(rtcNewScene(device_.get())) {
   rtcSetSceneFlags(scene_.get(), RTC_SCENE_FLAG_ROBUST);
-  if (!image.triangles.empty()) {
-    const EmbreeGeometry geometry(rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE));
-    // A record is read as four vertices, the last of which is no vertex and not named by any triangle. The very last is
-    // left out: Embree reads 16 bytes of a vertex.
-    static_assert(sizeof(TriangleRecord) == 4 * sizeof(glm::vec3) && offsetof(TriangleRecord, v2) == 24);
-    const std::size_t count = image.triangles.size();
-    rtcSetSharedGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, image.triangles.data(), 0,
-                               sizeof(glm::vec3), 4 * count - 1);
-    auto* corners = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
-        geometry.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), count));
-    check_embree(device_.get(), "taking over the triangles");
-    for (std::uint32_t i = 0; i < count; ++i) {
-      for (std::uint32_t corner = 0; corner < 3; ++corner) *corners++ = 4 * i + corner;
-    }
-    rtcSetGeometryIntersectFilterFunction(geometry.get(), keep_best);
-    rtcCommitGeometry(geometry.get());
-    rtcAttachGeometry(scene_.get(), geometry.get());
+  if (image.has_levels()) {
+    attach_instances();
+  } else if (!image.triangles.empty()) {
+    attach(scene_.get(), 0, image.triangles.size());
   }
   if (stop != nullptr) rtcSetSceneProgressMonitorFunction(scene_.get(), may_go_on, &stop);
   rtcCommitScene(scene_.get());
   if (stop != nullptr && stop()) throw sim::Cancelled{};
   check_embree(device_.get(), "building the reference tree");
+}
+
+void EmbreeTracer::Impl::attach(RTCScene scene, std::size_t first, std::size_t count) const {
+  const EmbreeGeometry geometry(rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE));
+  // A record is read as four vertices, the last of which is no vertex and not named by any triangle. The very last is
+  // left out: Embree reads 16 bytes of a vertex.
+  static_assert(sizeof(TriangleRecord) == 4 * sizeof(glm::vec3) && offsetof(TriangleRecord, v2) == 24);
+  rtcSetSharedGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, &image_.triangles[first], 0,
+                             sizeof(glm::vec3), 4 * count - 1);
+  auto* corners = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
+      geometry.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), count));
+  check_embree(device_.get(), "taking over the triangles");
+  for (std::uint32_t i = 0; i < count; ++i) {
+    for (std::uint32_t corner = 0; corner < 3; ++corner) *corners++ = 4 * i + corner;
+  }
+  rtcSetGeometryIntersectFilterFunction(geometry.get(), keep_best);
+  rtcCommitGeometry(geometry.get());
+  rtcAttachGeometry(scene, geometry.get());
+}
+
+void EmbreeTracer::Impl::attach_instances() {
+  for (const ObjectTree& tree : image_.trees) {
+    const EmbreeScene& object = objects_.emplace_back(rtcNewScene(device_.get()));
+    rtcSetSceneFlags(object.get(), RTC_SCENE_FLAG_ROBUST);
+    attach(object.get(), tree.first_triangle, tree.triangles);
+    rtcCommitScene(object.get());
+    check_embree(device_.get(), "building the reference tree of a mesh");
+  }
+  for (std::uint32_t i = 0; i < image_.instances.size(); ++i) {
+    if (image_.tree_of[i] == kNone) continue;
+    const auto& m = image_.instances[i].to_object;
+    glm::dmat4 to_object(1);
+    for (int row = 0; row < 3; ++row) {
+      for (int column = 0; column < 4; ++column) to_object[column][row] = m[row][column];
+    }
+    const glm::mat4 to_world(glm::inverse(to_object));
+    const EmbreeGeometry geometry(rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_INSTANCE));
+    rtcSetGeometryInstancedScene(geometry.get(), objects_[image_.tree_of[i]].get());
+    rtcSetGeometryTransform(geometry.get(), 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &to_world[0][0]);
+    rtcCommitGeometry(geometry.get());
+    rtcAttachGeometryByID(scene_.get(), geometry.get(), i);
+    check_embree(device_.get(), "placing an instance");
+  }
 }
 
 Hit EmbreeTracer::Impl::nearest(const Ray& ray) const {
@@ -152,8 +196,9 @@ Hit EmbreeTracer::Impl::nearest(const Ray& ray) const {
   arguments.context = &query.context;
   rtcIntersect1(scene_.get(), &r, &arguments);
 #endif
-  if (query.best.is_hit()) query.best.triangle |= image_.triangles[query.best.triangle].flags();
-  return query.best;
+  if (!query.best.is_hit()) return query.best;
+  query.best.triangle |= image_.triangles[query.best.triangle].flags();
+  return image_.has_levels() ? with_instance(query.best, query.rank.instance) : query.best;
 }
 
 bool EmbreeTracer::Impl::blocked(const Ray& ray) const {

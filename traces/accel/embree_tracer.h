@@ -8,7 +8,8 @@
 
 namespace traces {
 
-/// Ground truth: Embree in its robust mode on the triangles of the memory image. It has no canonical walk.
+/// Ground truth: Embree in its robust mode on the triangles of the memory image, with instances where that has them. It
+/// has no canonical walk.
 ///
 /// Distances and weights are Embree's own. Where several triangles lie within rounding of each other along a ray, which
 /// Embree would settle by the order it happens to meet them, the one that BvhTracer's rule prefers is taken: the

@@ -81,61 +81,89 @@ VertexRecord vertices_of(const Mesh& mesh, const std::array<std::uint32_t, 3>& c
   return record;
 }
 
-void append(const Mesh& mesh, const glm::mat4& to_world, std::uint32_t object, std::uint32_t flags,
-            FlatTriangles& out) {
-  std::vector<glm::vec3> positions(mesh.positions.size());
-  // Adding nothing makes zeros positive: boxes do not depend on the order in which they are put together.
-  std::ranges::transform(mesh.positions, positions.begin(),
-                         [&](const glm::vec3& p) { return glm::vec3(to_world * glm::vec4(p, 1)) + 0.0F; });
-  const glm::mat3 to_world_normal = normal_matrix(to_world);
+void append_shading(const PlacedMesh& placed, const MaterialTables& materials, ShadingRecords& out) {
+  const Mesh& mesh = *placed.mesh;
+  const glm::mat3 normals_to_space = normal_matrix(placed.to_space);
   for (const auto& corners : mesh.triangles) {
-    TriangleRecord triangle{positions[corners[0]], positions[corners[1]],
-                            positions[corners[2]], object,
-                            flags | mesh.material, static_cast<std::uint32_t>(out.triangles.size())};
-    if (!has_area(triangle)) triangle.v1 = triangle.v2 = triangle.v0;
-    out.triangles.push_back(triangle);
-
     const glm::vec3& p0 = mesh.positions[corners[0]];
     const glm::vec3 face = glm::cross(mesh.positions[corners[1]] - p0, mesh.positions[corners[2]] - p0);
-    const glm::vec3 flat = unit_or(to_world_normal * unit_or(face, glm::vec3(0, 1, 0)), glm::vec3(0, 1, 0));
+    const glm::vec3 flat = unit_or(normals_to_space * unit_or(face, glm::vec3(0, 1, 0)), glm::vec3(0, 1, 0));
     AttributeRecord attributes{};
     for (int i = 0; i < 3; ++i) {
       const std::uint32_t vertex = corners[static_cast<std::size_t>(i)];
-      attributes.normal[i] = mesh.normals.empty() ? flat : unit_or(to_world_normal * mesh.normals[vertex], flat);
+      attributes.normal[i] = mesh.normals.empty() ? flat : unit_or(normals_to_space * mesh.normals[vertex], flat);
       attributes.uv[i] = mesh.uvs.empty() ? glm::vec2(0) : mesh.uvs[vertex];
     }
     attributes.material = mesh.material;
     out.attributes.push_back(attributes);
+    if (materials.needs_vertices) out.vertices.push_back(vertices_of(mesh, corners, glm::mat3(placed.to_space)));
   }
+}
+
+std::size_t count_of(std::span<const PlacedMesh> placed) {
+  std::size_t count = 0;
+  for (const PlacedMesh& p : placed) count += p.mesh->triangles.size();
+  return count;
 }
 
 }  // namespace
 
-FlatTriangles flatten(const Scene& scene, const MaterialTables& materials) {
+void check_meshes(const Scene& scene) {
   for (const Mesh& mesh : scene.meshes) check(mesh, std::max<std::size_t>(scene.materials.size(), 1));
-  std::size_t count = 0;
   for (const Instance& instance : scene.instances) {
     if (instance.mesh >= scene.meshes.size()) throw sim::InputError("an instance names a mesh that is not there");
-    count += scene.meshes[instance.mesh].triangles.size();
   }
-  if (count > kMaxTriangles) {
-    throw sim::InputError("the scene has " + std::to_string(count) + " triangles; at most " +
-                          std::to_string(kMaxTriangles) + " are allowed");
-  }
-  FlatTriangles out;
-  out.triangles.reserve(count);
-  out.attributes.reserve(count);
-  if (materials.needs_vertices) out.vertices.reserve(count);
+}
+
+void check_count(std::size_t triangles) {
+  if (triangles <= kMaxTriangles) return;
+  throw sim::InputError("the scene has " + std::to_string(triangles) + " triangles; at most " +
+                        std::to_string(kMaxTriangles) + " are allowed");
+}
+
+std::vector<PlacedMesh> placed_instances(const Scene& scene) {
+  check_meshes(scene);
+  std::vector<PlacedMesh> placed;
   for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
     const Instance& instance = scene.instances[i];
-    const Mesh& mesh = scene.meshes[instance.mesh];
-    const std::uint32_t object = i | (instance.focus ? kFocusObject : 0);
-    append(mesh, instance.to_world, object, triangle_flags(materials.records[mesh.material]), out);
-    if (!materials.needs_vertices) continue;
-    for (const auto& corners : mesh.triangles) {
-      out.vertices.push_back(vertices_of(mesh, corners, glm::mat3(instance.to_world)));
-    }
+    placed.push_back({&scene.meshes[instance.mesh], instance.to_world, object_of(instance, i)});
   }
+  return placed;
+}
+
+void append_triangles(const PlacedMesh& placed, const MaterialTables& materials, std::size_t base,
+                      std::vector<TriangleRecord>& out) {
+  const Mesh& mesh = *placed.mesh;
+  const std::uint32_t material = triangle_flags(materials.records[mesh.material]) | mesh.material;
+  std::vector<glm::vec3> positions(mesh.positions.size());
+  // Adding nothing makes zeros positive: boxes do not depend on the order in which they are put together.
+  std::ranges::transform(mesh.positions, positions.begin(),
+                         [&](const glm::vec3& p) { return glm::vec3(placed.to_space * glm::vec4(p, 1)) + 0.0F; });
+  for (const auto& corners : mesh.triangles) {
+    TriangleRecord triangle{positions[corners[0]],
+                            positions[corners[1]],
+                            positions[corners[2]],
+                            placed.object,
+                            material,
+                            static_cast<std::uint32_t>(out.size() - base)};
+    if (!has_area(triangle)) triangle.v1 = triangle.v2 = triangle.v0;
+    out.push_back(triangle);
+  }
+}
+
+std::vector<TriangleRecord> triangles_of(std::span<const PlacedMesh> placed, const MaterialTables& materials) {
+  std::vector<TriangleRecord> out;
+  check_count(count_of(placed));
+  out.reserve(count_of(placed));
+  for (const PlacedMesh& p : placed) append_triangles(p, materials, 0, out);
+  return out;
+}
+
+ShadingRecords shading_of(std::span<const PlacedMesh> placed, const MaterialTables& materials) {
+  ShadingRecords out;
+  out.attributes.reserve(count_of(placed));
+  if (materials.needs_vertices) out.vertices.reserve(count_of(placed));
+  for (const PlacedMesh& p : placed) append_shading(p, materials, out);
   return out;
 }
 

@@ -8,6 +8,8 @@
 #include "traces/accel/bvh_build.h"
 #include "traces/accel/flatten.h"
 #include "traces/accel/material_tables.h"
+#include "traces/accel/reorder.h"
+#include "traces/accel/two_level.h"
 #include "traces/scene/bounds.h"
 
 namespace traces {
@@ -15,7 +17,7 @@ namespace {
 
 constexpr std::uint64_t aligned(std::uint64_t at) { return (at + 63) & ~std::uint64_t{63}; }
 
-/// The tree depth first, a record for every node and leaf, child 0 right behind its parent: of each inner node, where
+/// Each tree depth first, a record for every node and leaf, child 0 right behind its parent: of each inner node, where
 /// its children are. Child 1 follows all that is below child 0. What is never hit has a record too: both are read.
 std::vector<std::array<std::uint32_t, 2>> place_single_boxes(const std::vector<NodeRecord>& nodes) {
   const auto has_records = [](std::uint32_t link) { return !is_leaf(link) && link != kNoChild; };
@@ -26,8 +28,13 @@ std::vector<std::array<std::uint32_t, 2>> place_single_boxes(const std::vector<N
     for (const std::uint32_t link : nodes[i].child) records[i] += has_records(link) ? records[link] : 1;
   }
   std::vector<std::array<std::uint32_t, 2>> children(nodes.size());
-  std::vector<std::uint32_t> own(nodes.size(), 0);
+  std::vector<std::uint32_t> own(nodes.size(), kNone);
+  std::uint32_t next_tree = 0;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
+    if (own[i] == kNone) {  // nothing above it: a root
+      own[i] = next_tree;
+      next_tree += records[i];
+    }
     std::uint32_t next = own[i] + 1;
     for (std::size_t c = 0; c < 2; ++c) {
       const std::uint32_t link = nodes[i].child[c];
@@ -39,28 +46,17 @@ std::vector<std::array<std::uint32_t, 2>> place_single_boxes(const std::vector<N
   return children;
 }
 
-/// Makes record i what record order[i] was, without a second array: along the cycles of the permutation.
-template <class Record>
-void reorder(std::vector<Record>& records, const std::vector<std::uint32_t>& order) {
-  std::vector<bool> done(records.size(), false);
-  for (std::uint32_t start = 0; start < order.size(); ++start) {
-    if (done[start]) continue;
-    const Record first = records[start];
-    std::uint32_t to = start;
-    for (std::uint32_t from = order[to]; from != start; to = from, from = order[to]) {
-      records[to] = records[from];
-      done[to] = true;
-    }
-    records[to] = first;
-    done[to] = true;
-  }
-}
-
 }  // namespace
 
 ImageCounts counts_of(const MemoryImage& image) {
-  ImageCounts counts{image.triangles.size(), image.attributes.size(), image.vertices.size(),
-                     image.materials.size(), image.details.size(),    {}};
+  ImageCounts counts{.triangles = image.triangles.size(),
+                     .attributes = image.attributes.size(),
+                     .vertices = image.vertices.size(),
+                     .materials = image.materials.size(),
+                     .details = image.details.size(),
+                     .textures = {},
+                     .instances = image.instances.size(),
+                     .trees = image.trees.size()};
   for (const Texture& texture : image.textures) counts.textures.push_back({texture.width, texture.height});
   return counts;
 }
@@ -77,7 +73,8 @@ Layout layout_of(const ImageCounts& counts, const std::vector<NodeRecord>& nodes
     next = aligned(next + bytes);
     return base;
   };
-  at.nodes = reserve(at.node_bytes * node_records(nodes.size(), config.boxes));
+  at.nodes = reserve(at.node_bytes * node_records(nodes.size(), config.boxes, 1 + counts.trees));
+  at.instances = reserve(counts.instances * sizeof(InstanceRecord));
   at.triangles = reserve(counts.triangles * at.triangle_bytes);
   at.labels = reserve(at.has_labels() ? counts.triangles * Layout::kLabelBytes : 0);
   at.attributes = reserve(counts.attributes * sizeof(AttributeRecord));
@@ -96,22 +93,24 @@ float MemoryImage::diagonal() const { return glm::length(upper - lower); }
 
 std::uint64_t MemoryImage::node_array_bytes() const {
   const BoxRecords boxes = layout.single_boxes.empty() ? BoxRecords::kPair : BoxRecords::kSingle;
-  return layout.node_bytes * node_records(nodes.size(), boxes);
+  return layout.node_bytes * node_records(nodes.size(), boxes, 1 + trees.size());
 }
 
-MemoryImage build_memory_image(const Scene& scene, const BvhConfig& config, unsigned threads, sim::Stop stop) {
-  MaterialTables materials = material_tables(scene);
-  FlatTriangles flat = flatten(scene, materials);
-  PlacedBvh bvh = build_bvh(flat.triangles, config, threads, stop);
+namespace {
 
+MemoryImage one_level(const Scene& scene, const MaterialTables& materials, const BvhConfig& config, unsigned threads,
+                      sim::Stop stop) {
+  const std::vector<PlacedMesh> placed = placed_instances(scene);
   MemoryImage image;
+  image.triangles = triangles_of(placed, materials);
+  PlacedBvh bvh = BvhBuilder(config, threads, stop).over(image.triangles);
   image.nodes = std::move(bvh.nodes);
-  image.triangles = std::move(flat.triangles);
-  image.attributes = std::move(flat.attributes);
-  reorder(image.triangles, bvh.order);
-  image.vertices = std::move(flat.vertices);
-  reorder(image.attributes, bvh.order);
-  if (!image.vertices.empty()) reorder(image.vertices, bvh.order);
+  ShadingRecords shading = shading_of(placed, materials);
+  image.attributes = std::move(shading.attributes);
+  image.vertices = std::move(shading.vertices);
+  reorder<TriangleRecord>(image.triangles, bvh.order);
+  reorder<AttributeRecord>(image.attributes, bvh.order);
+  if (!image.vertices.empty()) reorder<VertexRecord>(image.vertices, bvh.order);
   Bounds bounds;
   for (const TriangleRecord& t : image.triangles) {
     for (const glm::vec3& v : {t.v0, t.v1, t.v2}) bounds.add(v);
@@ -120,6 +119,17 @@ MemoryImage build_memory_image(const Scene& scene, const BvhConfig& config, unsi
     image.lower = bounds.lower;
     image.upper = bounds.upper;
   }
+  if (config.numbers == BoxNumbers::kHybrid) put_on_grid(image);
+  return image;
+}
+
+}  // namespace
+
+MemoryImage build_memory_image(const Scene& scene, const BvhConfig& config, unsigned threads, sim::Stop stop) {
+  MaterialTables materials = material_tables(scene);
+  const bool levels = config.instances == InstanceLevels::kTwoLevel;
+  MemoryImage image =
+      levels ? two_levels(scene, materials, config, threads, stop) : one_level(scene, materials, config, threads, stop);
   image.textures = scene.textures;
   if (materials.needs_white) {
     image.white = static_cast<std::uint32_t>(image.textures.size());
@@ -130,16 +140,21 @@ MemoryImage build_memory_image(const Scene& scene, const BvhConfig& config, unsi
   image.lights = scene.lights;
   image.background = scene.background;
   image.ambient = scene.ambient;
-  if (config.numbers == BoxNumbers::kHybrid) put_on_grid(image);
   image.layout = layout_of(counts_of(image), image.nodes, config);
   return image;
 }
 
 std::vector<std::uint32_t> parents_of(const MemoryImage& image) {
-  std::vector<std::uint32_t> parents(image.nodes.size());
-  for (std::uint32_t node = 0; node < image.nodes.size(); ++node) {
+  const std::size_t nodes = image.nodes.size();
+  std::vector<std::uint32_t> parents(nodes + image.instances.size());
+  for (const ObjectTree& tree : image.trees) parents[tree.first_node] = tree.first_node;
+  for (std::uint32_t node = 0; node < nodes; ++node) {
     for (const std::uint32_t link : image.nodes[node].child) {
-      if (!is_leaf(link) && link != kNoChild) parents[link] = node;
+      if (is_instance(link)) {
+        parents[nodes + link_instance(link)] = node;
+      } else if (!is_leaf(link) && link != kNoChild) {
+        parents[link] = node;
+      }
     }
   }
   return parents;

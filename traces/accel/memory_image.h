@@ -8,6 +8,7 @@
 #include <glm/vec3.hpp>
 
 #include "traces/accel/box_grid.h"
+#include "traces/accel/bvh_config.h"
 #include "traces/ray.h"
 #include "traces/scene/scene.h"
 
@@ -34,22 +35,43 @@ constexpr std::uint32_t leaf_link(std::uint32_t first, std::uint32_t count) {
 constexpr std::uint32_t leaf_first(std::uint32_t link) { return link & ((1U << 28) - 1); }
 constexpr std::uint32_t leaf_count(std::uint32_t link) { return ((link >> 28) & 7U) + 1; }
 
+// A leaf of the tree over instances names one of them. In memory its level says that; here a bit of the link does that
+// no first triangle has.
+inline constexpr std::uint32_t kInstanceBit = 1U << 27;
+static_assert(kMaxTriangles <= kInstanceBit && kMaxInstances <= kMaxTriangles);
+constexpr std::uint32_t instance_link(std::uint32_t instance) { return leaf_link(kInstanceBit | instance, 1); }
+constexpr bool is_instance(std::uint32_t link) { return is_leaf(link) && (link & kInstanceBit) != 0; }
+constexpr std::uint32_t link_instance(std::uint32_t link) { return leaf_first(link) & (kInstanceBit - 1); }
+
 /// In an object id: of an instance in focus.
 inline constexpr std::uint32_t kFocusObject = 1U << 30;
+
+/// A mesh somewhere in the world, one line: read by traversal units on the way into its tree, and by kernels for what
+/// hits there need. Rows of the matrix that carries points to the mesh's space; its upper left part transposed carries
+/// normals the other way.
+struct alignas(64) InstanceRecord {
+  float to_object[3][4];
+  std::uint32_t root;    ///< of the mesh's tree, a node
+  std::uint32_t object;  ///< as in TriangleRecord
+  float handedness;      ///< -1 if it is mirrored, else 1
+  std::uint32_t spare;   ///< keeps the record one line
+};
+static_assert(sizeof(InstanceRecord) == 64);
 
 /// What the intersection unit reads: 48 bytes, three vertices and what a hit must say without another fetch.
 struct TriangleRecord {
   glm::vec3 v0, v1, v2;
-  std::uint32_t object;    ///< object id: index of the instance, with kFocusObject above it
+  std::uint32_t object;    ///< object id: index of the instance, with kFocusObject above it; 0 if that is for
+                           ///< InstanceRecord to say
   std::uint32_t material;  ///< with the flags of ray.h above it
-  std::uint32_t source;    ///< index of the triangle before leaf order (instance by instance)
+  std::uint32_t source;  ///< index of the triangle before leaf order (instance by instance; in two levels: in its mesh)
   std::uint32_t flags() const { return material & ~kTriangleMask; }
 };
 static_assert(sizeof(TriangleRecord) == 48);
 
 /// What shading reads through the SRP's data cache: 64 bytes per triangle, same index as the triangle record.
 struct AttributeRecord {
-  glm::vec3 normal[3];  ///< unit shading normals in world space
+  glm::vec3 normal[3];  ///< unit shading normals in world space (in two levels: the mesh's)
   glm::vec2 uv[3];
   std::uint32_t material;
 };
@@ -122,7 +144,7 @@ static_assert(sizeof(MaterialDetailRecord) == 64);
 /// Where everything lies in the GPU's memory: byte addresses of arrays, 64-byte aligned. Textures are stored as RGBA8
 /// in tiles of 4 x 4 texels, one line each, tiles row by row.
 struct Layout {
-  std::uint64_t nodes = 0, triangles = 0, attributes = 0, vertices = 0, materials = 0, details = 0;
+  std::uint64_t nodes = 0, instances = 0, triangles = 0, attributes = 0, vertices = 0, materials = 0, details = 0;
   std::uint32_t node_bytes = sizeof(NodeRecord);
   /// Of each inner node, the records of its children, where records hold single boxes; otherwise empty, and a node's
   /// record has its index.
@@ -143,6 +165,7 @@ struct Layout {
 
   /// Record `i` of the tree.
   std::uint64_t node_at(std::uint32_t i) const { return nodes + std::uint64_t{i} * node_bytes; }
+  std::uint64_t instance_at(std::uint32_t i) const { return instances + std::uint64_t{i} * sizeof(InstanceRecord); }
   std::uint64_t triangle_at(std::uint32_t i) const { return triangles + std::uint64_t{i} * triangle_bytes; }
   bool has_labels() const { return triangle_bytes == kVerticesBytes; }
   std::uint64_t label_at(std::uint32_t i) const { return labels + std::uint64_t{i} * kLabelBytes; }
@@ -162,12 +185,26 @@ struct Layout {
 struct ImageCounts {
   std::uint64_t triangles = 0, attributes = 0, vertices = 0, materials = 0, details = 0;
   std::vector<std::array<std::uint32_t, 2>> textures;  ///< width and height
+  std::uint64_t instances = 0, trees = 0;              ///< of two levels: trees below the one over instances
   friend bool operator==(const ImageCounts&, const ImageCounts&) = default;
 };
 
-/// The scene as the GPU's memory holds it, instances flattened into world space.
+/// Where what belongs to a tree over triangles lies in the arrays.
+struct ObjectTree {
+  std::uint32_t mesh = 0;
+  std::uint32_t only = kNone;  ///< the one instance that it is for, if it cannot be shared
+  bool in_world = false;       ///< its triangles stand in world space, as the instance's matrix has no inverse
+  std::uint32_t first_triangle = 0, triangles = 0;
+  std::uint32_t first_node = 0;  ///< the root; the last tree ends with the array
+};
+
+/// The scene as the GPU's memory holds it. Either its instances are flattened into world space, under one tree, or
+/// there are two levels (two_level.h): a tree over instances first, then one for each mesh in its own space.
 struct MemoryImage {
   std::vector<NodeRecord> nodes;          ///< node 0 is the root
+  std::vector<InstanceRecord> instances;  ///< of two levels: as in Scene::instances; otherwise empty
+  std::vector<ObjectTree> trees;          ///< of two levels, for the host; those that are shared first
+  std::vector<std::uint32_t> tree_of;     ///< of each instance; kNone where there is nothing to see
   std::vector<TriangleRecord> triangles;  ///< in leaf order
   std::vector<AttributeRecord> attributes;
   std::vector<VertexRecord> vertices;  ///< or empty
@@ -180,6 +217,7 @@ struct MemoryImage {
   glm::vec3 lower{0}, upper{0};  ///< bounds of all triangles
   std::optional<BoxGrid> grid;   ///< that the nodes' boxes lie on, in hybrid numbers
   Layout layout;
+  bool has_levels() const { return !instances.empty(); }
   std::uint64_t node_array_bytes() const;
   float diagonal() const;
 };
@@ -191,7 +229,8 @@ ImageCounts counts_of(const MemoryImage& image);
 /// Where everything lies: one array behind the other, each on a line of its own.
 Layout layout_of(const ImageCounts& counts, const std::vector<NodeRecord>& nodes, const BvhConfig& config);
 
-/// The inner node above each inner node; the root is its own.
+/// The inner node above each inner node; a tree's root is its own. Behind them, of two levels, the node above each
+/// instance.
 std::vector<std::uint32_t> parents_of(const MemoryImage& image);
 
 }  // namespace traces

@@ -37,9 +37,9 @@ inline constexpr std::uint32_t kLinkBits = 1 + 3 + 26, kFlagBits = 2 * kMaxLeafT
 static_assert(kMaxTriangles == 1U << 26 && kMaxLeafTriangles == 1U << 3 && 2 * kMaxNodes < 1U << (kLinkBits - 1));
 static_assert(6 * kPlaneBits + kLinkBits + kFlagBits == 8 * node_bytes(BoxNumbers::kHybrid, BoxRecords::kSingle));
 
-/// Records of a tree of `inner` inner nodes. Single boxes: each has two children, and the root has a box too.
-constexpr std::uint64_t node_records(std::uint64_t inner, BoxRecords boxes) {
-  return boxes == BoxRecords::kPair ? inner : 2 * inner + 1;
+/// Records of trees of `inner` inner nodes. Single boxes: each has two children, and a tree's root has a box too.
+constexpr std::uint64_t node_records(std::uint64_t inner, BoxRecords boxes, std::uint64_t trees = 1) {
+  return boxes == BoxRecords::kPair ? inner : 2 * inner + trees;
 }
 
 }  // namespace traces

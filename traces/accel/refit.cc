@@ -4,8 +4,10 @@
 #include <cassert>
 #include <utility>
 
+#include "traces/accel/build.h"
 #include "traces/accel/flatten.h"
 #include "traces/accel/material_tables.h"
+#include "traces/accel/two_level.h"
 #include "traces/scene/bounds.h"
 
 namespace traces {
@@ -32,9 +34,11 @@ void set_box(NodeRecord& node, int child, const Bounds& b) {
   }
 }
 
+}  // namespace
+
 /// Children lie behind their parents, so one pass from the back sees every box before it is needed.
-void fit_boxes(MemoryImage& image) {
-  for (std::size_t i = image.nodes.size(); i-- > 0;) {
+void fit_boxes(MemoryImage& image, std::size_t first, std::size_t end) {
+  for (std::size_t i = end; i-- > first;) {
     NodeRecord& node = image.nodes[i];
     for (int c = 0; c < 2; ++c) {
       const std::uint32_t link = node.child[c];
@@ -44,18 +48,19 @@ void fit_boxes(MemoryImage& image) {
   }
 }
 
-}  // namespace
-
 void refit_memory_image(const Scene& posed, MemoryImage& image) {
-  const FlatTriangles flat = flatten(posed, material_tables(posed));
-  assert(flat.triangles.size() == image.triangles.size() && "a refit moves triangles, it does not add or remove any");
+  const MaterialTables materials = material_tables(posed);
+  const std::vector<PlacedMesh> placed = placed_instances(posed);
+  const std::vector<TriangleRecord> triangles = triangles_of(placed, materials);
+  assert(triangles.size() == image.triangles.size() && "a refit moves triangles, it does not add or remove any");
+  for (TriangleRecord& t : image.triangles) t = triangles[t.source];
+  const ShadingRecords shading = shading_of(placed, materials);
   for (std::size_t i = 0; i < image.triangles.size(); ++i) {
     const std::uint32_t source = image.triangles[i].source;
-    image.triangles[i] = flat.triangles[source];
-    image.attributes[i] = flat.attributes[source];
-    if (!flat.vertices.empty()) image.vertices[i] = flat.vertices[source];
+    image.attributes[i] = shading.attributes[source];
+    if (!shading.vertices.empty()) image.vertices[i] = shading.vertices[source];
   }
-  fit_boxes(image);
+  fit_boxes(image, 0, image.nodes.size());
   if (!image.triangles.empty()) {
     const Bounds bounds = bounds_of(image.nodes.front());
     image.lower = bounds.lower;
@@ -63,6 +68,17 @@ void refit_memory_image(const Scene& posed, MemoryImage& image) {
   }
   if (image.grid) put_on_grid(image);
   image.lights = posed.lights;
+}
+
+void update_memory_image(const Scene& posed, const BvhConfig& config, unsigned threads, MemoryImage& image,
+                         sim::Stop stop) {
+  if (config.instances == InstanceLevels::kTwoLevel) {
+    if (update_levels(posed, config, threads, image, stop)) return;
+  } else if (config.update == BvhUpdate::kRefit) {
+    refit_memory_image(posed, image);
+    return;
+  }
+  image = build_memory_image(posed, config, threads, stop);
 }
 
 }  // namespace traces

@@ -49,12 +49,16 @@ bool VerifyingTracer::alike(const Ray& ray, bool any, const Hit& tested, const H
   // A reference that found a flagged triangle first does not tell whether there is another.
   if (any) return !reference.is_flagged() || is_possible(ray, tested);
   return tested.triangle == reference.triangle &&
+         (!image_.has_levels() || instance_of(tested) == instance_of(reference)) &&
          std::fabs(double{tested.t} - reference.t) <= tolerance(ray, reference.t);
 }
 
+bool VerifyingTracer::is_there(const Hit& hit) const {
+  return hit.index() < image_.triangles.size() && (!image_.has_levels() || instance_of(hit) < image_.instances.size());
+}
+
 bool VerifyingTracer::is_possible(const Ray& ray, const Hit& hit) const {
-  return hit.index() < image_.triangles.size() &&
-         exact_hit(ray, image_.triangles[hit.index()], diagonal_).standing != Standing::kMiss;
+  return is_there(hit) && exact_hit(ray, image_, hit).standing != Standing::kMiss;
 }
 
 VerifyingTracer::Verdict VerifyingTracer::retry(const Ray& ray, bool any, const Hit& tested,
@@ -63,8 +67,8 @@ VerifyingTracer::Verdict VerifyingTracer::retry(const Ray& ray, bool any, const 
   const auto allowed = [&](const Hit& hit) {
     if (!hit.is_hit()) return std::isinf(truth.nearest);
     if (any) return hit.is_flagged() || reference.is_flagged() ? is_possible(ray, hit) : truth.any_possible;
-    if (hit.index() >= image_.triangles.size()) return false;
-    const ExactHit exact = exact_hit(ray, image_.triangles[hit.index()], diagonal_);
+    if (!is_there(hit)) return false;
+    const ExactHit exact = exact_hit(ray, image_, hit);
     const double slack = tolerance(ray, exact.t);
     return exact.standing != Standing::kMiss && std::fabs(hit.t - exact.t) <= slack && hit.t <= truth.nearest + slack;
   };

@@ -40,6 +40,8 @@ class VerifyingTracer : public Tracer {
   /// What a hit has to stand for: "something is there" or "this is the nearest".
   static bool is_any(RayKind kind, const Hit& tested) { return kind == RayKind::kShadow && !tested.is_flagged(); }
   bool alike(const Ray& ray, bool any, const Hit& tested, const Hit& reference) const;
+  /// Does it name what the scene has?
+  bool is_there(const Hit& hit) const;
   bool is_possible(const Ray& ray, const Hit& hit) const;
   Verdict retry(const Ray& ray, bool any, const Hit& tested, const Hit& reference) const;
   double tolerance(const Ray& ray, double t) const;

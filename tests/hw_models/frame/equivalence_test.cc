@@ -42,6 +42,18 @@ TEST(Gpu, TheOrderOfUnitsIsInvisibleOnRandomMachinesToo) {
   }
 }
 
+TEST(Gpu, TheOracleAgreesOnScenesOfInstancesInAnyOrderOfUnits) {
+  const traces::BvhConfig levels{.instances = traces::InstanceLevels::kTwoLevel};
+  static const Frame frame("chess", 16, 16, 1, 16, levels);
+  for (std::uint64_t seed = 40; seed < 45; ++seed) {
+    const GpuConfig config = testing::random_config(seed);
+    const Outcome fast = play(frame, config);
+    EXPECT_GT(fast.sum("trv", "transforms"), 0U);
+    EXPECT_EQ(difference(fast, play(frame, config, Engine::kOracle)), "") << "seed " << seed;
+    EXPECT_EQ(difference(fast, play(frame, config, Engine::kShuffled, seed)), "") << "seed " << seed;
+  }
+}
+
 TEST(Gpu, ThreadsThatRunAheadOfTheMachineChangeNothing) {
   const GpuConfig config;
   const Outcome alone = play(testing::teapot_64x32(), config);

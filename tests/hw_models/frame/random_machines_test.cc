@@ -27,6 +27,7 @@ traces::BvhConfig format_of(std::uint64_t part) {
   if ((part & 1) != 0) bvh.boxes = traces::BoxRecords::kSingle;
   if ((part & 2) != 0) bvh.numbers = traces::BoxNumbers::kHybrid;
   if ((part & 4) != 0) bvh.triangle_bytes = 36;
+  if ((part & 3) < 2 && part >= 4) bvh.instances = traces::InstanceLevels::kTwoLevel;
   return bvh;
 }
 

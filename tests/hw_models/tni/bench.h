@@ -22,6 +22,7 @@ class TniBench {
     std::vector<std::uint32_t> parents;
     std::vector<std::array<std::uint32_t, 2>> single_boxes;
     std::vector<traces::NodeRecord> links;
+    std::vector<traces::InstanceRecord> placed;
     std::uint32_t node_bytes = 64;
     std::uint32_t triangle_bytes = 48;
     bool hybrid = false;
@@ -45,7 +46,8 @@ class TniBench {
     }
     tni_ = std::make_unique<Tni>(
         setup.config, setup.perfect,
-        Tni::Scene{{0, setup.node_bytes, setup_.parents, setup_.single_boxes, setup.hybrid, setup_.links},
+        Tni::Scene{{0, setup.node_bytes, setup_.parents, setup_.single_boxes, setup.hybrid, setup_.links, 1 << 19,
+                           setup_.placed},
                    {1 << 20, setup.triangle_bytes}},
         setup.hit_interval, links, clock_);
     wakes_.reset(4 + setup.config.trvs);

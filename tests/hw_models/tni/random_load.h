@@ -12,47 +12,96 @@ namespace hw::testing {
 
 using Walk = std::vector<std::uint32_t>;
 
-/// A random tree of `nodes` inner nodes and rays that walk it with consistent stacks.
+/// A random tree of `nodes` inner nodes and rays that walk it with consistent stacks; or, of two levels, one over
+/// instances of three such trees.
 struct RandomLoad {
   std::vector<std::uint32_t> parents;
   std::vector<traces::NodeRecord> links;
+  std::vector<traces::InstanceRecord> placed;
   std::vector<Walk> walks;
 
-  explicit RandomLoad(std::uint64_t seed, std::uint32_t nodes = 400, std::uint32_t rays = 300) {
-    parents.resize(nodes);
-    for (std::uint32_t i = 1; i < nodes; ++i) parents[i] = (i - 1) / 2;
-    links.resize(nodes);
-    for (std::uint32_t i = 0; i < nodes; ++i) {
-      for (std::uint32_t c = 0; c < 2; ++c) {
-        const std::uint32_t child = 2 * i + 1 + c;
-        links[i].child[c] = is_leaf(child, nodes) ? traces::leaf_link(child * 4, 4) : child;
+  explicit RandomLoad(std::uint64_t seed, std::uint32_t nodes = 400, std::uint32_t rays = 300, bool levels = false) {
+    if (levels) {
+      add_tree(kTop, true);
+      for (std::uint32_t k = 0; k < kTrees; ++k) {
+        const auto root = static_cast<std::uint32_t>(links.size());
+        for (std::uint32_t i = k; i < kInstances; i += kTrees) placed[i].root = root;
+        add_tree(nodes / 4, false);
       }
+      for (std::uint32_t i = 0; i < kInstances; ++i) parents.push_back((kTop - kInstances + i - 1) / 2);
+    } else {
+      add_tree(nodes, false);
     }
-    for (std::uint32_t r = 0; r < rays; ++r) walks.push_back(walk(seed, r, nodes));
+    for (std::uint32_t r = 0; r < rays; ++r) walks.push_back(walk(seed, r, levels ? kTop : nodes, nodes / 4));
   }
   static bool is_leaf(std::uint32_t node, std::uint32_t nodes) { return 2 * node + 2 >= nodes; }
-  static Walk walk(std::uint64_t seed, std::uint32_t ray, std::uint32_t nodes) {
-    Walk out;
-    std::vector<std::uint32_t> stack;
+  /// The tree and the rays, for a bench.
+  void give(TniBench::Setup& setup) const {
+    setup.parents = parents;
+    setup.links = links;
+    setup.placed = placed;
+  }
+  TniBench& send(TniBench& bench) const {
+    for (const Walk& w : walks) bench.add(w);
+    return bench;
+  }
+
+ private:
+  static constexpr std::uint32_t kTop = 31, kInstances = 16, kTrees = 3;
+  static constexpr std::uint32_t kNowhere = 0xffffffffU;
+
+  /// Somewhere on the way: a node, counted from the root of the tree that it is in, and which tree that is.
+  struct Place {
     std::uint32_t node = 0;
+    std::uint32_t instance = kNowhere;
+  };
+
+  void add_tree(std::uint32_t nodes, bool over_instances) {
+    const auto root = static_cast<std::uint32_t>(links.size());
+    if (over_instances) placed.resize(kInstances);
+    for (std::uint32_t i = 0; i < nodes; ++i) {
+      parents.push_back(i == 0 ? root : root + (i - 1) / 2);
+      traces::NodeRecord& node = links.emplace_back();
+      for (std::uint32_t c = 0; c < 2; ++c) {
+        const std::uint32_t child = 2 * i + 1 + c;
+        if (!is_leaf(child, nodes)) {
+          node.child[c] = root + child;
+        } else if (over_instances) {
+          node.child[c] = traces::instance_link((child + kInstances - kTop) % kInstances);
+        } else {
+          node.child[c] = traces::leaf_link(child * 4, 4);
+        }
+      }
+    }
+  }
+
+  Walk walk(std::uint64_t seed, std::uint32_t ray, std::uint32_t nodes, std::uint32_t object_nodes) const {
+    Walk out;
+    std::vector<Place> stack;
+    Place at;
     for (std::uint32_t step = 0;; ++step) {
       const std::uint64_t h = sim::hash(seed, ray, step);
       bool pop = false;
-      if (is_leaf(node, nodes)) {
+      const bool inside = at.instance != kNowhere;
+      const std::uint32_t root = inside ? placed[at.instance].root : 0;
+      if (!is_leaf(at.node, inside ? object_nodes : nodes)) {
+        const auto hits = static_cast<std::uint32_t>((h >> 4) % 4);
+        out.push_back(traces::visit_step(root + at.node, hits, 0));
+        if (hits == 3) stack.push_back({2 * at.node + 2, at.instance});
+        pop = hits == 0;
+        at.node = hits == 2 ? 2 * at.node + 2 : 2 * at.node + 1;
+      } else if (!inside && !placed.empty()) {
+        at = {0, at.node + kInstances - kTop};
+        out.push_back(traces::enter_step(at.instance));
+      } else {
         const auto count = static_cast<std::uint32_t>(1 + h % 4);
-        out.push_back(traces::leaf_step(node * 4, count));
+        out.push_back(traces::leaf_step(at.node * 4, count));
         std::uint32_t phases = 0;
         for (std::uint32_t t = 0; t < count; ++t) {
           phases |= static_cast<std::uint32_t>(1 + (h >> (8 + 2 * t)) % 3) << (4 * t);
         }
         out.push_back(phases);
         pop = true;
-      } else {
-        const auto hits = static_cast<std::uint32_t>((h >> 4) % 4);
-        out.push_back(traces::visit_step(node, hits, 0));
-        if (hits == 3) stack.push_back(2 * node + 2);
-        pop = hits == 0;
-        node = hits == 2 ? 2 * node + 2 : 2 * node + 1;
       }
       if (!pop) continue;
       const auto culled = static_cast<std::uint32_t>(std::min<std::size_t>(stack.size(), (h >> 40) % 3 == 0 ? 1 : 0));
@@ -61,20 +110,11 @@ struct RandomLoad {
         stack.resize(stack.size() - culled);
       }
       if (stack.empty()) break;
-      node = stack.back();
+      at = stack.back();
       stack.pop_back();
     }
     out.push_back(traces::end_step(false));
     return out;
-  }
-  /// The tree and the rays, for a bench.
-  void give(TniBench::Setup& setup) const {
-    setup.parents = parents;
-    setup.links = links;
-  }
-  TniBench& send(TniBench& bench) const {
-    for (const Walk& w : walks) bench.add(w);
-    return bench;
   }
 };
 

@@ -170,7 +170,7 @@ Fingerprint fingerprint(const TniBench& bench) {
 
 TEST(Tni, SkippingIdleTimeAndAnyUnitOrderGiveTheOraclesEveryCounter) {
   for (std::uint64_t seed = 0; seed < 80; ++seed) {
-    const RandomLoad load(seed);
+    const RandomLoad load(seed, 400, 300, seed % 4 >= 2);
     TniBench::Setup setup = random_setup(seed);
     load.give(setup);
     setup.single_boxes = seed % 2 == 0 ? single_boxes(load) : decltype(setup.single_boxes){};
@@ -188,7 +188,7 @@ TEST(Tni, SkippingIdleTimeAndAnyUnitOrderGiveTheOraclesEveryCounter) {
 TEST(Tni, WhatEntersLeavesAndEveryCycleHasAReason) {
   for (std::uint64_t seed = 100; seed < 180; ++seed) {
     SCOPED_TRACE(seed);
-    const RandomLoad load(seed);
+    const RandomLoad load(seed, 400, 300, seed % 4 >= 2);
     TniBench::Setup setup = random_setup(seed);
     load.give(setup);
     setup.single_boxes = seed % 2 == 0 ? single_boxes(load) : decltype(setup.single_boxes){};

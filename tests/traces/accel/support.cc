@@ -1,14 +1,18 @@
 #include "support.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
 
 #include "traces/accel/lanes.h"
 #include "traces/accel/triangle_test.h"
+#include "traces/accel/two_level.h"
 
 namespace traces {
 
@@ -102,6 +106,25 @@ Scene one_triangle() {
   return scene_of(std::move(mesh));
 }
 
+Scene scattered(std::uint32_t count, std::uint64_t seed) {
+  Scene scene;
+  scene.meshes = {triangle_soup(60, 0.4F, seed).meshes[0], sphere(6, 8).meshes[0], one_triangle().meshes[0], Mesh{}};
+  Dice dice(seed);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    Instance& instance = scene.instances.emplace_back();
+    instance.mesh = i % 4;
+    const glm::vec3 axis = dice.direction();
+    const glm::quat turn = glm::normalize(glm::quat(dice.between(-1, 1), axis.x, axis.y, axis.z));
+    glm::vec3 scale(dice.between(0.05F, 0.5F), dice.between(0.05F, 0.5F), dice.between(0.05F, 0.5F));
+    if (dice.below(3) == 0) scale.y = -scale.y;
+    if (i % 11 == 6) scale.z = 0;
+    instance.to_world = glm::mat4_cast(turn);
+    for (int a = 0; a < 3; ++a) instance.to_world[a] *= scale[a];
+    instance.to_world[3] = glm::vec4(dice.point(), 1);
+  }
+  return scene;
+}
+
 Scene with_flags(Scene scene) {
   scene.materials = {{}, {.alpha = Material::Alpha::kMask}, {.transmission = 1}};
   const Mesh all = scene.meshes[0];
@@ -163,20 +186,33 @@ std::vector<Hit> trace(const Tracer& tracer, const std::vector<Ray>& rays, RayKi
 }
 
 Hit test_all(const MemoryImage& image, const Ray& ray) {
-  const RayTriangles<PortableLanes> test(ray);
   Hit best;
   best.t = std::min(ray.t_max, std::numeric_limits<float>::max());
-  for (std::uint32_t i = 0; i < image.triangles.size(); ++i) {
-    const auto result = test.test(&image.triangles[i], 1);
-    const float t = result.t.v[0];
-    if ((result.inside() & 1U) == 0 || !(t >= ray.t_min && t <= best.t)) continue;
-    if (best.is_hit() && t == best.t && image.triangles[i].source > image.triangles[best.triangle].source) continue;
-    const float u = std::clamp(result.u.v[0] / result.sum.v[0], 0.0F, 1.0F);
-    best = {t, u, std::clamp(result.v.v[0] / result.sum.v[0], 0.0F, 1 - u), i};
+  std::uint32_t best_instance = 0;
+  const auto test = [&](const Ray& seen, std::uint32_t instance, std::uint32_t first, std::uint32_t count) {
+    const RayTriangles<PortableLanes> triangles(seen);
+    for (std::uint32_t i = first; i < first + count; ++i) {
+      const auto result = triangles.test(&image.triangles[i], 1);
+      const float t = result.t.v[0];
+      if ((result.inside() & 1U) == 0 || !(t >= ray.t_min && t <= best.t)) continue;
+      const auto place = [&](std::uint32_t of, std::uint32_t triangle) {
+        return std::pair(of, image.triangles[triangle].source);
+      };
+      if (best.is_hit() && t == best.t && place(instance, i) > place(best_instance, best.triangle)) continue;
+      const float u = std::clamp(result.u.v[0] / result.sum.v[0], 0.0F, 1.0F);
+      best = {t, u, std::clamp(result.v.v[0] / result.sum.v[0], 0.0F, 1 - u), i};
+      best_instance = instance;
+    }
+  };
+  if (!image.has_levels()) test(ray, 0, 0, static_cast<std::uint32_t>(image.triangles.size()));
+  for (std::uint32_t i = 0; i < image.instances.size(); ++i) {
+    if (image.tree_of[i] == kNone) continue;
+    const ObjectTree& tree = image.trees[image.tree_of[i]];
+    test(into_object(image.instances[i], ray), i, tree.first_triangle, tree.triangles);
   }
   if (!best.is_hit()) return {};
   best.triangle |= image.triangles[best.triangle].flags();
-  return best;
+  return image.has_levels() ? with_instance(best, best_instance) : best;
 }
 
 }  // namespace traces

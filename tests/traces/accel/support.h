@@ -34,6 +34,9 @@ Scene sphere(std::uint32_t rings, std::uint32_t segments);
 /// One triangle: (0,0,0), (1,0,0), (0,1,0).
 Scene one_triangle();
 
+/// Meshes that stand in `count` places: turned, stretched, mirrored, some of them flat or without a triangle.
+Scene scattered(std::uint32_t count, std::uint64_t seed = 4);
+
 /// Gives two of three triangles a material that is not solid: one with an alpha, one that lets light in.
 Scene with_flags(Scene scene);
 
@@ -42,7 +45,7 @@ std::vector<Ray> random_rays(std::uint32_t count, std::uint64_t seed = 2);
 std::vector<Ray> grid_rays(std::uint32_t count, std::uint64_t seed = 3);
 
 std::vector<Hit> trace(const Tracer& tracer, const std::vector<Ray>& rays, RayKind kind = RayKind::kPrimary);
-/// Every triangle, one by one, with the triangle test and the rule of BvhTracer.
+/// Every triangle of every instance, one by one, with the triangle test and the rule of BvhTracer.
 Hit test_all(const MemoryImage& image, const Ray& ray);
 
 }  // namespace traces

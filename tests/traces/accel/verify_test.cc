@@ -155,7 +155,7 @@ TEST_F(Verify, CountsTheSameFromManyThreads) {
 TEST(ExactHit, KnowsHowSureItIs) {
   const MemoryImage image = build_memory_image(one_triangle());
   const auto standing = [&](float x, float y) {
-    return exact_hit(Ray{{x, y, 1}, 0, {0, 0, -1}}, image.triangles[0], image.diagonal()).standing;
+    return exact_hit(Ray{{x, y, 1}, 0, {0, 0, -1}}, image, Hit{.triangle = 0}).standing;
   };
   EXPECT_EQ(standing(0.25F, 0.25F), Standing::kHit);
   EXPECT_EQ(standing(0.25F, 1e-7F), Standing::kUncertain);

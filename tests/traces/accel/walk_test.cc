@@ -19,7 +19,9 @@ class Replay {
   bool run(bool any_hit, bool& phase_hit) {
     std::uint32_t link = 0;
     while (link != kNoChild) {
-      if (is_leaf(link)) {
+      if (is_instance(link)) {
+        link = enter(link_instance(link));
+      } else if (is_leaf(link)) {
         if (leaf(link, any_hit) && any_hit) break;
         link = pop();
       } else {
@@ -46,6 +48,10 @@ class Replay {
     }
     stack_.push_back(image_.nodes[node].child[1 - near]);
     return image_.nodes[node].child[near];
+  }
+  std::uint32_t enter(std::uint32_t instance) {
+    EXPECT_EQ(*word_++, enter_step(instance));
+    return image_.instances[instance].root;
   }
   bool leaf(std::uint32_t link, bool any_hit) {
     EXPECT_EQ(kind_of(*word_), StepKind::kLeaf);
@@ -109,9 +115,12 @@ Recorded record(const MemoryImage& image, const std::vector<Ray>& rays, RayKind 
 
 TEST(Walk, ReplayedAgainstTheTreeItGivesTheSameHits) {
   for (const std::uint32_t leaf_size : {1U, 4U, 8U}) {
-    for (const Scene& scene :
-         {triangle_soup(3000, 0.15F), grid_soup(1500), one_triangle(), with_flags(triangle_soup(3000, 0.15F))}) {
-      const MemoryImage image = build_memory_image(scene, {.leaf_size = leaf_size});
+    for (const Scene& scene : {triangle_soup(3000, 0.15F), grid_soup(1500), one_triangle(),
+                               with_flags(triangle_soup(3000, 0.15F)), scattered(60)}) {
+      const BvhConfig config{
+          .leaf_size = leaf_size,
+          .instances = scene.instances.size() > 3 ? InstanceLevels::kTwoLevel : InstanceLevels::kFlatten};
+      const MemoryImage image = build_memory_image(scene, config);
       for (const RayKind kind : {RayKind::kPrimary, RayKind::kShadow}) {
         const Recorded r = record(image, random_rays(5000), kind);
         ASSERT_EQ(r.begin.size(), r.hits.size());
@@ -129,6 +138,24 @@ TEST(Walk, ReplayedAgainstTheTreeItGivesTheSameHits) {
       }
     }
   }
+}
+
+TEST(Walk, EntersAnInstanceWithAWordOfItsOwnAndLeavesItWithoutOne) {
+  Scene scene = one_triangle();
+  scene.instances.resize(3, scene.instances[0]);
+  for (std::size_t i = 0; i < 3; ++i) scene.instances[i].to_world[3].z = -2.0F * static_cast<float>(i);
+  const MemoryImage image = build_memory_image(scene, {.instances = InstanceLevels::kTwoLevel});
+  ASSERT_EQ(image.nodes.size(), 3U) << "two nodes over three instances, and the root of the triangle's tree";
+  // Beside the first two triangles, within their boxes, through the third.
+  const Recorded r = record(image, {Ray{{0.9F, 0.9F, 1}, 0, {-0.1F, -0.1F, -1}}}, RayKind::kPrimary);
+  std::vector<std::uint32_t> entered;
+  for (const std::uint32_t word : r.words) {
+    if (is_enter(word)) entered.push_back(instance_of(word));
+  }
+  EXPECT_EQ(entered, (std::vector<std::uint32_t>{0, 1, 2}));
+  ASSERT_TRUE(r.hits[0].is_hit());
+  EXPECT_EQ(instance_of(r.hits[0]), 2U);
+  EXPECT_FLOAT_EQ(r.hits[0].t, 5);
 }
 
 TEST(Walk, IsAppendedToWhatTheSinkHolds) {

@@ -1,0 +1,26 @@
+#include "hw_models/tni/trv.h"
+#include "traces/walk.h"
+
+namespace hw {
+
+bool Trv::enters_instance(const Slot& slot, std::uint32_t index) const {
+  return slot.restarting ? (paths_[index].back() & kEnter) != 0 : traces::is_enter(slot.step);
+}
+
+/// One operation of the box pipe: 9 multiplications and as many additions for the origin, 9 and 6 for the direction,
+/// and its reciprocal.
+Trv::Why Trv::issue_transform(Slot& slot, std::uint32_t index) {
+  const std::uint32_t instance = slot.restarting ? paths_[index].back() & ~kEnter : traces::instance_of(slot.step);
+  const FetchStage::Result result = fetch_.read(index, tree_.line_of_instance(instance), pipes_.cycle());
+  if (result != FetchStage::Result::kRead) return missed(result, index);
+  stats_.transforms += 1;
+  if (slot.restarting) {
+    paths_[index].pop_back();  // never the last: the way goes on to a node of the instance's tree
+  } else {
+    slot.go(slot.next + 1);
+  }
+  pipes_.put(kToInner, index, config_.l1.hit_cycles + config_.transform_latency);
+  return Why::kVisiting;
+}
+
+}  // namespace hw

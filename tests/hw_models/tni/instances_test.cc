@@ -1,0 +1,139 @@
+#include <gtest/gtest.h>
+
+#include "tests/hw_models/tni/random_load.h"
+
+// Rays that enter instances and leave them (bvh.instances: two_level).
+
+namespace hw {
+namespace {
+
+using testing::RandomLoad;
+using testing::TniBench;
+using testing::Walk;
+using traces::end_step;
+using traces::enter_step;
+using traces::visit_step;
+
+constexpr std::uint64_t kWires = 3, kVisit = 14, kTransform = 14, kMiss = 51, kPop = 2;
+
+/// Nodes 0, 1, 2 over two instances of a tree of nodes 3, 4, 5: instance 0 is below node 1, instance 1 below node 2.
+TniBench::Setup one_trv() {
+  TniBench::Setup s;
+  s.config.trvs = 1;
+  s.placed.resize(2);
+  s.placed[0].root = s.placed[1].root = 3;
+  s.links.resize(6);
+  s.parents = {0, 0, 0, 3, 3, 4, 1, 2};
+  return s;
+}
+
+/// Cycles of a ray alone and with warm caches.
+std::uint64_t alone(TniBench::Setup setup, const Walk& walk) {
+  setup.config.trv.rays = 1;
+  TniBench bench(setup);
+  return bench.add(walk, 2).run().gap() - (kWires - 1);
+}
+
+const Trv& trv(const TniBench& bench) { return bench.tni().trvs().front(); }
+
+const Walk kIn = {visit_step(0, 1, 0), enter_step(0), visit_step(3, 0, 0), end_step(false)};
+/// Into instance 0 and, popping what node 0 pushed, into instance 1.
+const Walk kBoth = {visit_step(0, 3, 0), visit_step(1, 1, 0), enter_step(0),       visit_step(3, 0, 0),
+                    visit_step(2, 1, 0), enter_step(1),       visit_step(3, 0, 0), end_step(false)};
+
+TEST(Instances, EnteringReadsTheRecordAndTakesTheTransformsLatencyInsteadOfAVisits) {
+  EXPECT_EQ(alone(one_trv(), kIn), 2 * kVisit + kTransform);
+  TniBench::Setup slow = one_trv();
+  slow.config.trv.transform_latency = 20;
+  EXPECT_EQ(alone(slow, kIn), 2 * kVisit + kTransform + 8);
+  TniBench bench(one_trv());
+  bench.add(kIn).run();
+  EXPECT_EQ(bench.latency(0), kWires + 2 * (kMiss + kVisit) + kMiss + kTransform);
+  EXPECT_EQ(bench.lines_asked(), 3U);
+  EXPECT_EQ(trv(bench).stats().transforms, 1U);
+  EXPECT_EQ(trv(bench).stats().visits, 2U);
+  EXPECT_EQ(trv(bench).stats().leaves, 0U);
+}
+
+TEST(Instances, LeavingCostsThePopAlone) { EXPECT_EQ(alone(one_trv(), kBoth), 5 * kVisit + 2 * kTransform + kPop); }
+
+TEST(Instances, OneOperationACycleGoesThroughTheBoxPipe) {
+  TniBench::Setup setup = one_trv();
+  setup.config.trv.rays = 64;
+  setup.perfect.l1 = true;
+  TniBench bench(setup);
+  bench.add(kIn, 1000).run();
+  EXPECT_NEAR(static_cast<double>(bench.span()), 3000, 100);
+  EXPECT_EQ(trv(bench).activity().spent(Trv::Why::kVisiting), std::uint64_t{3000} * 2'000'000);
+}
+
+/// Pushes at nodes 0, 1 (both over instances), 3 and 4 (in instance 0), which all come off again.
+const Walk kDeep = {visit_step(0, 3, 0), visit_step(1, 3, 0), enter_step(0),       visit_step(3, 3, 0),
+                    visit_step(4, 3, 0), visit_step(5, 0, 0), visit_step(5, 0, 0), visit_step(5, 0, 0),
+                    visit_step(2, 0, 0), visit_step(2, 0, 0), end_step(false)};
+
+TEST(Instances, ARestartFromALinkOutsideEntersTheInstanceAgain) {
+  TniBench::Setup setup = one_trv();
+  setup.config.trv.stack_entries = 1;
+  TniBench bench(setup);
+  bench.add(kDeep).run();
+  const Trv::Stats& s = trv(bench).stats();
+  // The entry of 4 is held. That of 3 was dropped: from the link, node 0, over 1, the instance and 3. Then that of 1,
+  // over 0 and 1, and that of 0, over 0; none of these within the instance.
+  EXPECT_EQ(s.restarts, 3U);
+  EXPECT_EQ(s.restarted_visits, 3U + 2U + 1U);
+  EXPECT_EQ(s.transforms, 1U + 1U);
+  EXPECT_EQ(s.visits, 9U + 6U);
+  EXPECT_EQ(alone(setup, kDeep), (9 + 6) * kVisit + 2 * kTransform + (4 + 3) * kPop);
+}
+
+TEST(Instances, ARestartFromALinkWithinTheInstanceStaysThere) {
+  const Walk inside = {visit_step(0, 1, 0), visit_step(1, 1, 0), enter_step(0),
+                       visit_step(3, 3, 0), visit_step(4, 3, 0), visit_step(5, 0, 0),
+                       visit_step(5, 0, 0), visit_step(5, 0, 0), end_step(false)};
+  TniBench::Setup setup = one_trv();
+  setup.config.trv.stack_entries = 1;
+  TniBench bench(setup);
+  bench.add(inside).run();
+  EXPECT_EQ(trv(bench).stats().restarts, 1U);
+  EXPECT_EQ(trv(bench).stats().restarted_visits, 1U);
+  EXPECT_EQ(trv(bench).stats().transforms, 1U);
+}
+
+TEST(Instances, ARestartTrailGoesDownFromTheRootOfAllThroughTheInstance) {
+  TniBench::Setup setup = one_trv();
+  setup.config.trv.stack = StackScheme::kRestartTrail;
+  setup.config.trv.stack_entries = 0;
+  TniBench bench(setup);
+  bench.add(kDeep).run();
+  const Trv::Stats& s = trv(bench).stats();
+  // To the entries of 4 and 3 through the instance, to those of 1 and 0 not.
+  EXPECT_EQ(s.restarts, 4U);
+  EXPECT_EQ(s.restarted_visits, (2U + 2U) + (2U + 1U) + 2U + 1U);
+  EXPECT_EQ(s.transforms, 1U + 2U);
+}
+
+TEST(Instances, EveryStackDoesTheSameWork) {
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    const RandomLoad load(seed, 400, 300, true);
+    std::vector<std::uint64_t> entered;
+    for (const StackScheme stack : {StackScheme::kFull, StackScheme::kRestartLink, StackScheme::kRestartTrail}) {
+      for (const std::uint32_t entries : {1U, 3U}) {
+        TniBench::Setup setup;
+        setup.config.trvs = 1;
+        setup.config.trv.stack = stack;
+        setup.config.trv.stack_entries = entries;
+        load.give(setup);
+        TniBench bench(setup);
+        load.send(bench).run();
+        const Trv::Stats& s = trv(bench).stats();
+        EXPECT_EQ(s.rays_out, load.walks.size());
+        entered.push_back(s.visits - s.restarted_visits);
+      }
+    }
+    EXPECT_EQ(std::ranges::count(entered, entered.front()), 6) << seed;
+  }
+}
+
+}  // namespace
+}  // namespace hw
