@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -39,6 +40,19 @@ Inputs load_inputs(const JobOptions& options);
 /// Goes on to a later frame: poses the scene, then refits or rebuilds the tree if anything in it has moved.
 void advance(Inputs& inputs, std::uint32_t frame, std::uint32_t threads);
 
+/// An estimate and its 95 % interval.
+struct Interval {
+  double estimate = 0, half_width = 0;
+};
+
+/// Of a frame of which some tiles were timed (tile_sampling.h), or several.
+struct SampledFrame {
+  std::uint64_t tiles = 0, timed = 0, measured = 0, warmed = 0, blocks = 0, rounds = 0;
+  Interval cycles, energy_pj;
+  double pilot_seconds = 0, warming_seconds = 0;  ///< host
+  void add(const SampledFrame& other);
+};
+
 /// A frame on the machine, or several added up.
 struct Simulation {
   kernels::ProgramSpec program;
@@ -51,7 +65,8 @@ struct Simulation {
   sim::EnergyReport energy;
   std::uint64_t cycles = 0;  ///< of the T&I clock
   sim::Time elapsed = 0;
-  double wall_seconds = 0;  ///< host, functional and timing together
+  double wall_seconds = 0;              ///< host, functional and timing together
+  std::optional<SampledFrame> sampled;  ///< if most of this is estimated
   std::uint64_t rays() const;
   /// Adds a later frame's figures; the picture stays.
   void add(const Simulation& frame);

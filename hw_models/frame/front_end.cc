@@ -1,15 +1,18 @@
 #include "hw_models/frame/front_end.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "sim/host_clock.h"
 
 namespace hw {
 
-FrontEnd::FrontEnd(kernels::FrameProgram& program, const traces::Tracer& tracer, std::uint32_t workers, bool record)
+FrontEnd::FrontEnd(kernels::FrameProgram& program, const traces::Tracer& tracer, std::uint32_t workers, bool record,
+                   std::vector<std::uint32_t> places)
     : program_(program),
       tracer_(tracer),
       record_(record),
+      places_(std::move(places)),
       max_ahead_(std::max<std::size_t>(1, 8 * std::size_t{workers})) {
   for (std::uint32_t i = 0; i < workers; ++i) threads_.emplace_back([this] { run_ahead(); });
 }
@@ -32,14 +35,14 @@ void FrontEnd::make(Slot& slot, std::uint32_t tile) const {
 void FrontEnd::run_ahead() {
   std::unique_lock lock(mutex_);
   for (;;) {
-    room_.wait(lock, [&] { return stop_ || next_tile_ == program_.tiles() || may_make(); });
-    if (stop_ || next_tile_ == program_.tiles()) return;
+    room_.wait(lock, [&] { return stop_ || next_tile_ == count() || may_make(); });
+    if (stop_ || next_tile_ == count()) return;
     if (spare_.empty()) spare_.push_back(std::make_unique<Slot>());
     ahead_.push_back(std::move(spare_.back()));
     spare_.pop_back();
     Slot& slot = *ahead_.back();
     slot.ready = false;
-    const std::uint32_t tile = next_tile_++;
+    const std::uint32_t tile = place(next_tile_++);
     lock.unlock();
     std::exception_ptr failure;
     try {
@@ -63,7 +66,7 @@ const traces::TileWork* FrontEnd::next() {
 
 const traces::TileWork* FrontEnd::take() {
   std::unique_lock lock(mutex_);
-  if (taken_ == program_.tiles()) return nullptr;
+  if (taken_ == count()) return nullptr;
   if (taken_ == pass_end_) {
     program_.begin_pass(taken_, tracer_);
     pass_end_ = program_.pass_end(taken_);
@@ -73,7 +76,7 @@ const traces::TileWork* FrontEnd::take() {
     if (spare_.empty()) spare_.push_back(std::make_unique<Slot>());
     ahead_.push_back(std::move(spare_.back()));
     spare_.pop_back();
-    make(*ahead_.back(), next_tile_++);
+    make(*ahead_.back(), place(next_tile_++));
   } else {
     news_.wait(lock, [&] { return !ahead_.empty() && ahead_.front()->ready; });
     if (failure_) std::rethrow_exception(failure_);
@@ -95,7 +98,7 @@ void FrontEnd::give_back(const traces::TileWork* work) {
 
 void FrontEnd::keep(const Slot& slot) {
   program_.keep(slot.tile);
-  if (taken_ == program_.tiles()) {
+  if (taken_ == count()) {
     result_.rgb = program_.picture();
     result_.sampling = program_.sampling();
     result_.marks = program_.marks();

@@ -147,6 +147,8 @@ class FetchStage {
     no_register_ = 0;
   }
 
+  bool warm(Addr line) { return l1_.warm(line); }
+
   /// May a line be asked for ahead of need and leave a miss register to those in need?
   bool can_prefetch() const { return l1_.free_registers() >= 2; }
   /// Asks for the line unless it is there or on its way.
