@@ -17,10 +17,10 @@ struct TilePlan {
 
 struct PlanShape {
   std::uint32_t edge = 24;      ///< tiles at the frame's begin and at its end
-  std::uint32_t lead = 6;       ///< of a block, tiles before its measured part
+  std::uint32_t lead = 4;       ///< of a block, tiles before its measured part
   std::uint32_t measured = 12;  ///< of a block
   std::uint32_t warming = 8;    ///< tiles before a block that warm the caches
-  std::uint32_t least = 24;     ///< blocks
+  std::uint32_t least = 28;     ///< blocks
 };
 
 /// Blocks whose measured parts come to `share` of the frame's cost, where each tile costs `costs`. The list of tiles is

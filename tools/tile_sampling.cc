@@ -25,6 +25,13 @@ namespace tools {
 namespace {
 
 constexpr double kRidge = 0.2;
+/// What blocks cannot tell, as half of a 95 % interval: neighbours that are others than the frame's, caches that are
+/// nearly warm, the pilot's totals (docs/sampling.md).
+constexpr double kModelError = 0.01;
+/// Of the frame's work; a frame of which more would have to be measured is timed whole.
+constexpr double kMostShare = 0.4;
+
+std::uint64_t rounded(double x) { return static_cast<std::uint64_t>(std::llround(x)); }
 
 /// A thin picture, all of whose tiles are looked at: one of `thinning` samples of each of the frame's.
 struct Pilot {
@@ -79,9 +86,7 @@ Pilot look_at_all(const Inputs& inputs, const kernels::ProgramSpec& spec, const 
 
 /// What the frame's function would have come to, from the pilot's.
 hw::FrontEnd::Result scaled(const Pilot& pilot, const Inputs& inputs, const kernels::ProgramSpec& spec) {
-  const auto whole = [&](std::uint64_t count) {
-    return static_cast<std::uint64_t>(std::llround(pilot.thinning * static_cast<double>(count)));
-  };
+  const auto whole = [&](std::uint64_t count) { return rounded(pilot.thinning * static_cast<double>(count)); };
   hw::FrontEnd::Result f;
   for (std::size_t k = 0; k < std::size(f.rays); ++k) f.rays[k] = whole(pilot.function.rays[k]);
   f.continued = whole(pilot.function.continued);
@@ -107,13 +112,66 @@ SamplePart as_sample(const hw::TileTraits& traits, double cost) {
   return part;
 }
 
+sim::EnergyReport energy_of(const Inputs& inputs, std::span<const sim::UnitReport> units, sim::Time time) {
+  return sim::compute_energy(units, inputs.config.energy, hw::dram_energy_events(inputs.config.gpu.dram), time);
+}
+
+/// What a frame comes to, by the runs of its blocks.
+struct Estimates {
+  MeasuredPart whole;
+  double time_half_width = 0, energy_half_width = 0;
+  double energy = 0;
+  /// The larger of the two, as a part of its estimate.
+  double relative_width() const {
+    return std::max(time_half_width / static_cast<double>(whole.time), energy_half_width / energy);
+  }
+};
+
+/// Of a run of all tiles.
+Estimates known(const Inputs& inputs, const SampledRun& run) {
+  return {{run.elapsed, run.units, run.begin.kernels, {}},
+          0,
+          0,
+          energy_of(inputs, run.units, run.elapsed).total_pj.nominal};
+}
+
+Estimates estimate(const Inputs& inputs, const Pilot& pilot, const TilePlan& plan, std::span<const SampledRun> runs) {
+  const hw::TilePilot measure(inputs.config.gpu, inputs.image.layout, {}, 1);
+  std::vector<const MeasuredPart*> parts;
+  std::vector<SamplePart> samples;
+  std::vector<double> times, energies;
+  for (const SampledRun& run : runs) {
+    for (const MeasuredPart& part : run.parts) {
+      parts.push_back(&part);
+      samples.push_back(as_sample(part.traits, measure.cost(part.traits)));
+      times.push_back(static_cast<double>(part.time));
+      energies.push_back(energy_of(inputs, part.units, part.time).total_pj.nominal);
+    }
+  }
+  hw::TileTraits rest;
+  for (std::uint32_t tile = plan.begin; tile < plan.end; ++tile) rest.add(pilot.traits[tile]);
+  const SampleWeights weights(samples, as_sample(rest, measure.cost(rest)), kRidge);
+  Estimates e;
+  e.whole = weighted_sum(parts, weights.weights(), runs.front());
+  e.energy = energy_of(inputs, e.whole.units, e.whole.time).total_pj.nominal;
+  e.time_half_width = std::hypot(weights.half_width(times), kModelError * static_cast<double>(e.whole.time));
+  e.energy_half_width = std::hypot(weights.half_width(energies), kModelError * e.energy);
+  return e;
+}
+
+/// All but the picture.
+void copy_counts(const hw::FrontEnd::Result& from, hw::FrontEnd::Result& to) {
+  to = from;
+  to.rgb.clear();
+}
+
 /// Blocks overlap the neighbours of as many tiles as are in flight, so they are as long.
 PlanShape shape_of(const hw::GpuConfig& gpu) {
   const std::uint32_t in_flight = gpu.cores * gpu.tile_buffer.tiles_in_flight;
   PlanShape shape;
   shape.edge = 2 * in_flight;
   shape.measured = std::max(12U, in_flight);
-  shape.lead = std::max(4U, in_flight / 2);
+  shape.lead = std::max(4U, in_flight / 3);
   return shape;
 }
 
@@ -150,85 +208,62 @@ Simulation simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& pr
   const sim::HostClock::time_point begin = sim::HostClock::now();
   const traces::BvhTracer tracer(inputs.image);
   const Pilot pilot = look_at_all(inputs, program, tracer, threads);
-  const double pilot_seconds = sim::seconds_since(begin);
-
   const PlanShape shape = shape_of(inputs.config.gpu);
-  const hw::TilePilot measure(inputs.config.gpu, inputs.image.layout, {}, 1);
-  const auto events = hw::dram_energy_events(inputs.config.gpu.dram);
-  const auto energy_of = [&](const MeasuredPart& part) {
-    return sim::compute_energy(part.units, inputs.config.energy, events, part.time);
-  };
+
   Simulation s;
   s.program = program;
   s.machine = inputs.config.gpu;
   s.function = scaled(pilot, inputs, program);
-  double waited = pilot.function.waited, functional = pilot.function.seconds;
   SampledFrame sampled;
   sampled.tiles = pilot.costs.size();
-  sampled.pilot_seconds = pilot_seconds;
+  sampled.pilot_seconds = sim::seconds_since(begin);
+  double waited = pilot.function.waited, functional = pilot.function.seconds;
 
   std::vector<SampledRun> runs;
-  MeasuredPart whole;
-  for (double share = sampling.share;;) {
+  Estimates estimates;
+  for (double share = sampling.share, spent = 0;;) {
     const TilePlan plan = plan_tiles(pilot.costs, share, shape, sim::hash(inputs.frame, runs.size()));
     const bool picture = sampling.full_image && runs.empty();
     kernels::FullProgram frame(inputs.image, inputs.camera, inputs.config.render, program.samples, inputs.frame);
     hw::FrontEnd front_end(frame, tracer, host_threads(threads) - 1, true,
                            picture ? std::vector<std::uint32_t>{} : places_of(plan.blocks));
-    if (plan.all) runs.clear();
     runs.push_back(run_blocks(inputs, front_end, frame.demands(), plan.blocks, pilot.traits));
     const SampledRun& run = runs.back();
-    if (picture) s.function = run.function;
     waited += run.function.waited;
     functional += run.function.seconds;
     sampled.rounds += 1;
     sampled.timed += run.timed;
     sampled.warmed += run.warmed;
     sampled.warming_seconds += run.warming_seconds;
-    const SampledRun& first = runs.front();
+    if (picture) s.function = run.function;
     if (plan.all) {
-      whole = {run.elapsed, run.units, run.begin.kernels, {}};
-      sampled.cycles = {static_cast<double>(run.elapsed), 0};
-      sampled.energy_pj = {energy_of(whole).total_pj.nominal, 0};
+      if (!picture) copy_counts(run.function, s.function);
+      sampled.measured += run.timed;
+      estimates = known(inputs, run);
       break;
     }
     sampled.blocks += run.parts.size();
-
-    std::vector<const MeasuredPart*> parts;
-    std::vector<SamplePart> samples;
-    std::vector<double> times, energies;
-    for (const SampledRun& r : runs) {
-      for (const MeasuredPart& part : r.parts) {
-        parts.push_back(&part);
-        samples.push_back(as_sample(part.traits, measure.cost(part.traits)));
-        times.push_back(static_cast<double>(part.time));
-        energies.push_back(energy_of(part).total_pj.nominal);
-        sampled.measured += static_cast<std::uint64_t>(std::lround(part.traits.tiles));
-      }
-    }
-    hw::TileTraits rest;
-    for (std::uint32_t tile = plan.begin; tile < plan.end; ++tile) rest.add(pilot.traits[tile]);
-    const SampleWeights weights(samples, as_sample(rest, measure.cost(rest)), kRidge);
-    whole = weighted_sum(parts, weights.weights(), first);
-    sampled.cycles = {static_cast<double>(whole.time), weights.half_width(times)};
-    sampled.energy_pj = {energy_of(whole).total_pj.nominal, weights.half_width(energies)};
-    const double off = std::max(sampled.cycles.half_width / sampled.cycles.estimate,
-                                sampled.energy_pj.half_width / sampled.energy_pj.estimate);
-    if (sampling.target == 0 || off <= sampling.target) break;
-    break;  // TODO
+    for (const MeasuredPart& part : run.parts) sampled.measured += rounded(part.traits.tiles);
+    estimates = estimate(inputs, pilot, plan, runs);
+    spent += share;
+    const double off = estimates.relative_width() / sampling.target;
+    if (sampling.target == 0 || off <= 1) break;
+    // As many blocks more as should do, but not so many that they rest on a bad guess.
+    share = std::clamp(spent * (off * off - 1), spent / 2, 2 * spent);
+    if (spent + share > kMostShare) share = 1;
   }
-  const SampledRun& run = runs.front();
-  const auto cycle = static_cast<double>(run.cycle);
-  s.cycles = static_cast<std::uint64_t>(std::llround(static_cast<double>(whole.time) / cycle));
-  s.elapsed = s.cycles * run.cycle;
-  sampled.cycles.estimate = static_cast<double>(s.cycles);
-  sampled.cycles.half_width /= cycle;
-  s.units = std::move(whole.units);
-  s.kernel_use = std::move(whole.kernels);
-  s.kernels = run.kernels;
-  s.energy = sim::compute_energy(s.units, inputs.config.energy, events, s.elapsed);
+  const sim::Time cycle = runs.front().cycle;
+  const auto cycles = [&](double time) { return time / static_cast<double>(cycle); };
+  s.cycles = rounded(cycles(static_cast<double>(estimates.whole.time)));
+  s.elapsed = s.cycles * cycle;
+  s.units = std::move(estimates.whole.units);
+  s.kernel_use = std::move(estimates.whole.kernels);
+  s.kernels = runs.front().kernels;
+  s.energy = energy_of(inputs, s.units, s.elapsed);
   s.function.waited = waited;
   s.function.seconds = functional;
+  sampled.cycles = {static_cast<double>(s.cycles), cycles(estimates.time_half_width)};
+  sampled.energy_pj = {s.energy.total_pj.nominal, estimates.energy_half_width};
   s.sampled = sampled;
   s.wall_seconds = sim::seconds_since(begin);
   return s;
