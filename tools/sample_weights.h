@@ -36,7 +36,7 @@ class SampleWeights {
   double degrees_ = 0;
 };
 
-/// Student's t: 97.5 % of its distribution lies below. For 3 degrees of freedom and more to 1 %.
+/// Student's t: 97.5 % of its distribution lies below. For 3 degrees of freedom and more to 1.5 %.
 double student_t(double degrees);
 
 }  // namespace tools

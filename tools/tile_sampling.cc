@@ -199,7 +199,8 @@ TileSampling parse_tile_sampling(const std::string& sampling, const std::string&
 void check_tile_sampling(const kernels::ProgramSpec& program) {
   if (program.kind == kernels::ProgramSpec::Kind::kFull) return;
   throw sim::InputError(fmt::format(
-      "--tile-sampling: tiles of {} need what other tiles have found, so none can be left out; allowed: full:N",
+      "--tile-sampling: tiles of {} trace what their neighbours' samples call for, which neither single tiles nor a "
+      "thin picture can tell; allowed: full:N",
       program.name()));
 }
 
