@@ -60,6 +60,27 @@ Json dram_clients_json(const Simulation& s) {
   return clients;
 }
 
+Json interval_json(const Interval& i, double scale = 1) {
+  return {{"estimate", i.estimate * scale},
+          {"low", (i.estimate - i.half_width) * scale},
+          {"high", (i.estimate + i.half_width) * scale}};
+}
+
+/// Of a frame of which some tiles were timed: how many, and 95 % intervals.
+Json sampled_json(const Simulation& s) {
+  const SampledFrame& f = *s.sampled;
+  const double ms_per_cycle = time_ms(s) / static_cast<double>(s.cycles);
+  return {{"tiles", f.tiles},
+          {"timed", f.timed},
+          {"measured", f.measured},
+          {"warmed", f.warmed},
+          {"blocks", f.blocks},
+          {"rounds", f.rounds},
+          {"cycles", interval_json(f.cycles)},
+          {"time_ms", interval_json(f.cycles, ms_per_cycle)},
+          {"energy_mj", interval_json(f.energy_pj, 1 / kPicojoulesPerMillijoule)}};
+}
+
 double ratio(std::uint64_t part, std::uint64_t whole) { return static_cast<double>(part) / static_cast<double>(whole); }
 
 Json perf_json(const Simulation& s) {
@@ -113,17 +134,22 @@ Json host_json(const Report& report) {
   const double reference = totals.reference != nullptr ? totals.reference->wall_seconds : 0;
   const double load = report.inputs.load_seconds + report.inputs.update_seconds;
   const double wall = report.wall_seconds - load - reference;
-  return {{"date", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)))},
-          {"name", name.data()},
-          {"wall_s", report.wall_seconds},
-          {"load_s", load},
-          {"update_s", report.inputs.update_seconds},
-          {"functional_s", function.seconds},
-          {"timing_s", timing},
-          {"rays_per_s", static_cast<double>(totals.run.rays()) / wall},
-          {"steps_per_s", static_cast<double>(function.traversal_steps) / wall},
-          {"peak_rss_mb", peak_rss_mib()},
-          {"threads", host_threads(report.options.threads)}};
+  Json host = {{"date", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)))},
+               {"name", name.data()},
+               {"wall_s", report.wall_seconds},
+               {"load_s", load},
+               {"update_s", report.inputs.update_seconds},
+               {"functional_s", function.seconds},
+               {"timing_s", timing},
+               {"rays_per_s", static_cast<double>(totals.run.rays()) / wall},
+               {"steps_per_s", static_cast<double>(function.traversal_steps) / wall},
+               {"peak_rss_mb", peak_rss_mib()},
+               {"threads", host_threads(report.options.threads)}};
+  if (totals.run.sampled) {
+    host["pilot_s"] = totals.run.sampled->pilot_seconds;
+    host["warming_s"] = totals.run.sampled->warming_seconds;
+  }
+  return host;
 }
 
 }  // namespace
@@ -151,6 +177,7 @@ Json totals_json(const Result& result) {
   totals["bottleneck"] = {{"named", most(estimates).resource}};
   for (const Estimate& e : estimates) totals["bottleneck"]["estimated_speedup"][e.resource] = e.speedup;
   totals["kernels"] = kernels_json(s);
+  if (s.sampled) totals["sampled"] = sampled_json(s);
   if (result.reference != nullptr) add_relative(totals, result);
   return totals;
 }

@@ -175,6 +175,7 @@ void Simulation::add(const Simulation& frame) {
   cycles += frame.cycles;
   elapsed += frame.elapsed;
   wall_seconds += frame.wall_seconds;
+  if (sampled) sampled->add(*frame.sampled);
 }
 
 Simulation simulate(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -42,6 +43,19 @@ Inputs load_inputs(const JobOptions& options, Progress* progress = nullptr);
 /// Interrupted if an interrupt waits.
 void advance(Inputs& inputs, std::uint32_t frame, std::uint32_t threads, Progress* progress = nullptr);
 
+/// An estimate and its 95 % interval.
+struct Interval {
+  double estimate = 0, half_width = 0;
+};
+
+/// Of a frame of which some tiles were timed (tile_sampling.h), or several.
+struct SampledFrame {
+  std::uint64_t tiles = 0, timed = 0, measured = 0, warmed = 0, blocks = 0, rounds = 0;
+  Interval cycles, energy_pj;
+  double pilot_seconds = 0, warming_seconds = 0;  ///< host
+  void add(const SampledFrame& other);
+};
+
 /// A frame on the machine, or several added up.
 struct Simulation {
   kernels::ProgramSpec program;
@@ -56,6 +70,7 @@ struct Simulation {
   sim::Time elapsed = 0;
   double wall_seconds = 0;                      ///< host, functional and timing together
   std::uint32_t tiles = 0, finished_tiles = 0;  ///< of the last frame; all are finished, but for Extras::keep_part
+  std::optional<SampledFrame> sampled;          ///< if most of this is estimated
   std::uint64_t rays() const;
   bool is_part() const { return finished_tiles < tiles; }
   /// Adds a later frame's figures; the picture stays.

@@ -34,6 +34,14 @@ std::string samples(const Json& totals) {
   return out;
 }
 
+/// Half of a 95 % interval, where a figure is estimated.
+std::string give_or_take(const Json& totals, const char* figure) {
+  if (!totals.contains("sampled")) return "";
+  const Json& i = totals["sampled"][figure];
+  const double half = (i["high"].get<double>() - i["low"].get<double>()) / 2;
+  return fmt::format("  ± {:.1f} %", 100 * half / i["estimate"].get<double>());
+}
+
 std::string overview(const Json& report) {
   const Json& t = report["totals"];
   const Json& rays = t["rays"];
@@ -58,8 +66,14 @@ std::string overview(const Json& report) {
     line("frames", fmt::format("{} to {}, added up; {} to {} cycles each", frames.front()["frame"].get<int>(),
                                frames.back()["frame"].get<int>(), count((*least)["cycles"]), count((*most)["cycles"])));
   }
-  line("cycles (T&I clock)", fmt::format("{}  = {:.3f} ms  = {:.1f} frames/s", count(t["cycles"]),
-                                         t["time_ms"].get<double>(), t["perf"]["fps"].get<double>()));
+  if (t.contains("sampled")) {
+    const Json& s = t["sampled"];
+    line("sampled", fmt::format("{} of {} tiles timed; the rest is estimated, ± is half of a 95 % interval",
+                                s["timed"].get<int>(), s["tiles"].get<int>()));
+  }
+  line("cycles (T&I clock)",
+       fmt::format("{}  = {:.3f} ms  = {:.1f} frames/s{}", count(t["cycles"]), t["time_ms"].get<double>(),
+                   t["perf"]["fps"].get<double>(), give_or_take(t, "cycles")));
   line("rays", fmt::format("{}  ({} primary, {} shadow, {} reflection, {} refraction)", count(rays["total"]),
                            count(rays["primary"]), count(rays["shadow"]), count(rays["reflection"]),
                            count(rays["refraction"])));
@@ -79,7 +93,7 @@ std::string overview(const Json& report) {
                            percent(t["utilisation"]["srp"]), percent(t["utilisation"]["dram"])));
   line("time goes to", top_down_text(t["top_down"]["gpu"]));
   line("limited by", t["limiter"].get<std::string>());
-  line("energy", spread(t["energy_mj"], 1, "mJ  (low / nominal / high)"));
+  line("energy", spread(t["energy_mj"], 1, "mJ  (low / nominal / high)") + give_or_take(t, "energy_mj"));
   line("power", spread(t["power_w"], 1, "W"));
   line("efficiency",
        fmt::format("{:.1f} frames/J GPU with memory, {:.1f} frames/J T&I alone, {:.2f} nJ per ray",

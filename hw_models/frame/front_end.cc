@@ -1,6 +1,7 @@
 #include "hw_models/frame/front_end.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "sim/host_clock.h"
 
@@ -17,10 +18,12 @@ void each_array(auto& tile, auto&& f) {
 
 }  // namespace
 
-FrontEnd::FrontEnd(kernels::FrameProgram& program, const traces::Tracer& tracer, std::uint32_t workers, bool record)
+FrontEnd::FrontEnd(kernels::FrameProgram& program, const traces::Tracer& tracer, std::uint32_t workers, bool record,
+                   std::vector<std::uint32_t> places)
     : program_(program),
       tracer_(tracer),
       record_(record),
+      places_(std::move(places)),
       max_ahead_(std::max<std::size_t>(1, 8 * std::size_t{workers})) {
   for (std::uint32_t i = 0; i < workers; ++i) threads_.emplace_back([this] { run_ahead(); });
 }
@@ -58,12 +61,12 @@ void FrontEnd::run_ahead() {
   kernels::TileBuffer buffer;
   std::unique_lock lock(mutex_);
   for (;;) {
-    room_.wait(lock, [&] { return stop_ || next_tile_ == program_.tiles() || may_make(); });
-    if (stop_ || next_tile_ == program_.tiles()) return;
+    room_.wait(lock, [&] { return stop_ || next_tile_ == count() || may_make(); });
+    if (stop_ || next_tile_ == count()) return;
     ahead_.push_back(take_slot());
     Slot& slot = *ahead_.back();
     slot.ready = false;
-    const std::uint32_t tile = next_tile_++;
+    const std::uint32_t tile = place(next_tile_++);
     lock.unlock();
     std::exception_ptr failure;
     try {
@@ -87,7 +90,7 @@ const traces::TileWork* FrontEnd::next() {
 
 const traces::TileWork* FrontEnd::take() {
   std::unique_lock lock(mutex_);
-  if (taken_ == program_.tiles()) return nullptr;
+  if (taken_ == count()) return nullptr;
   if (taken_ == pass_end_) {
     program_.begin_pass(taken_, tracer_);
     pass_end_ = program_.pass_end(taken_);
@@ -95,7 +98,7 @@ const traces::TileWork* FrontEnd::take() {
   }
   if (threads_.empty()) {
     ahead_.push_back(take_slot());
-    make(*ahead_.back(), next_tile_++, buffer_);
+    make(*ahead_.back(), place(next_tile_++), buffer_);
   } else {
     news_.wait(lock, [&] { return !ahead_.empty() && ahead_.front()->ready; });
     if (failure_) std::rethrow_exception(failure_);
@@ -121,7 +124,7 @@ void FrontEnd::keep(const Slot& slot) {
     ++longest;
   });
   program_.keep(slot.tile);
-  if (taken_ == program_.tiles()) keep_picture();
+  if (taken_ == count()) keep_picture();
   for (std::size_t k = 0; k < std::size(result_.rays); ++k) result_.rays[k] += slot.tile.rays[k];
   result_.continued += slot.tile.continued;
   result_.traversal_steps += slot.tile.traversal_steps;

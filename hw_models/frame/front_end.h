@@ -33,8 +33,10 @@ class FrontEnd final : public TileSource {
   };
 
   /// `workers` threads beside the caller's; 0: tiles are made when they are asked for. Without `record` there is only
-  /// the picture, no work for a machine.
-  FrontEnd(kernels::FrameProgram& program, const traces::Tracer& tracer, std::uint32_t workers, bool record = true);
+  /// the picture, no work for a machine. `places` of a program of one pass: the entries to make, in order, all others
+  /// are left out; empty: all.
+  FrontEnd(kernels::FrameProgram& program, const traces::Tracer& tracer, std::uint32_t workers, bool record = true,
+           std::vector<std::uint32_t> places = {});
   ~FrontEnd() override;
   FrontEnd(const FrontEnd&) = delete;
   FrontEnd& operator=(const FrontEnd&) = delete;
@@ -59,10 +61,15 @@ class FrontEnd final : public TileSource {
   /// `buffer` is the thread's: tiles need it while they are made, and one that stays warm serves all of them.
   void make(Slot& slot, std::uint32_t tile, kernels::TileBuffer& buffer) const;
   void keep(const Slot& slot);
+  std::uint32_t count() const {
+    return places_.empty() ? program_.tiles() : static_cast<std::uint32_t>(places_.size());
+  }
+  std::uint32_t place(std::uint32_t i) const { return places_.empty() ? i : places_[i]; }
 
   kernels::FrameProgram& program_;
   const traces::Tracer& tracer_;
   const bool record_;
+  const std::vector<std::uint32_t> places_;
   Result result_;
   std::mutex mutex_;
   std::condition_variable room_, news_;

@@ -66,6 +66,7 @@ struct Gpu::Wiring {
 
 Gpu::Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles)
     : config_(config),
+      layout_(workload.image.layout),
       tni_clock_(config.clocks.tni.clock()),
       srp_clock_(config.clocks.srp.clock()),
       l2_clock_(config.clocks.l2.clock()),

@@ -85,6 +85,10 @@ class Gpu {
   const std::vector<KernelSchedule>& kernels() const { return kernels_; }
   std::uint32_t cores() const { return static_cast<std::uint32_t>(cores_.size()); }
 
+  /// Puts what a tile reads into the caches of a core, and into the L2 what these do not hold, as if the tile had just
+  /// been run: in no time, and uncounted (warming.cc).
+  void warm(const traces::TileWork& work, std::uint32_t core);
+
  private:
   struct Core {
     std::unique_ptr<Srp> srp;
@@ -99,6 +103,7 @@ class Gpu {
   void add_memory(Wiring& wiring);
 
   const GpuConfig config_;
+  const traces::Layout& layout_;
   const sim::Clock tni_clock_, srp_clock_, l2_clock_, dram_clock_;
   std::vector<KernelSchedule> kernels_;
   std::vector<BankConflicts> conflicts_;  ///< of each kernel

@@ -48,6 +48,7 @@ bool TileDispatcher::dispatch(sim::Time now) {
     in_flight_[core] += 1;
     stats_.dispatched += 1;
     turn_ = (core + 1) % cores;
+    source_.dispatched(now);
     next_ = source_.next();
     return true;
   }

@@ -19,6 +19,8 @@ class TileSource {
   /// The next tile's work, or null when the frame has no more. It stays valid until given back.
   virtual const traces::TileWork* next() = 0;
   virtual void give_back(const traces::TileWork* work) = 0;
+  /// What next() gave last goes to a core at `now`.
+  virtual void dispatched([[maybe_unused]] sim::Time now) {}
 };
 
 /// Hands the tiles of the list to the cores, each in turn as it has room for one, in the order of the list: a tile that

@@ -56,6 +56,13 @@ class L1Cache {
     return misses_.release(line);
   }
 
+  /// Takes the line as read, in no time (hw_models/frame/warming.h). False if it was not here.
+  bool warm(Addr line) {
+    if (perfect_ || tags_.probe(line)) return true;
+    tags_.fill(line);
+    return false;
+  }
+
   /// Is the line here? Unlike access() this leaves no trace.
   bool holds(Addr line) const { return perfect_ || tags_.holds(line); }
   /// Has the host bring the tags that a probe for the line will look at.

@@ -96,6 +96,10 @@ class L2Bank {
   const Stats& stats() const { return stats_; }
   const sim::Activity<Why>& activity() const { return activity_; }
   std::string state() const;
+  /// Takes the line as read, in no time. What is dirty of a line that goes for it is dropped.
+  void warm(Addr line) {
+    if (store_.find(line, 0) == L2Store::Found::kNot) store_.put_in(line, kWholeLine, 0);
+  }
 
  private:
   struct Reply {
@@ -172,7 +176,8 @@ class L2Bank {
   Arbiter channels_turn_;
   bool flushing_ = false;
   std::deque<sim::Link<MemResponse>> ideal_;  ///< answers to each core, a cycle long; none unless ideal
-  sim::Time latency_ = 0, memory_time_ = 0, line_time_ = 0;   ///< sums of ends minus sums of beginnings: exact when all has ended
+  sim::Time latency_ = 0, memory_time_ = 0,
+            line_time_ = 0;  ///< sums of ends minus sums of beginnings: exact when all has ended
   Stats stats_;
   sim::Activity<Why> activity_;
 };

@@ -85,6 +85,7 @@ class Srp {
   std::span<const KernelUse> kernel_use() const { return kernel_use_; }
   void finish(sim::Time end);
   std::string state() const;
+  bool warm(Addr line) { return cache_.warm(line); }
 
  private:
   /// The chunk on the array. Array time stands still while the array is frozen.

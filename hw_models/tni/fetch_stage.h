@@ -154,6 +154,7 @@ class FetchStage {
 
   /// Has the host bring the tags that a probe for the line will look at.
   void look_ahead(Addr line) const { l1_.look_ahead(line); }
+  bool warm(Addr line) { return l1_.warm(line); }
 
   /// May a line be asked for ahead of need and leave a miss register to those in need?
   bool can_prefetch() const { return l1_.free_registers() >= 2; }

@@ -61,6 +61,7 @@ class Ist {
   void finish(sim::Time end) { activity_.finish(end); }
   bool idle() const { return occupied_ == 0; }
   std::string state() const;
+  bool warm(Addr line) { return fetch_.warm(line); }
 
  private:
   struct Slot {

@@ -101,6 +101,7 @@ class Trv {
   void finish(sim::Time end);
   bool idle() const { return occupied_ == 0 && !fetch_.waits_for_memory(); }
   std::string state() const;
+  bool warm(Addr line) { return fetch_.warm(line); }
 
  private:
   /// Sub-pipes a slot can come out of.

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "sim/error.h"
 #include "sim/host_clock.h"
 #include "tools/debug_pictures.h"
 #include "tools/interrupt.h"
@@ -13,6 +14,7 @@
 #include "tools/report.h"
 #include "tools/run_folder.h"
 #include "tools/run_job.h"
+#include "tools/tile_sampling.h"
 #include "tools/verbs/verbs.h"
 #include "traces/scene/images.h"
 
@@ -32,19 +34,22 @@ struct Job {
   Program program;
   std::optional<Program> reference;
   bool keep_part = false;  ///< of the first frame, if that is as far as the run comes
+  std::optional<TileSampling> sampling;
   traces::TraceWriter* trace = nullptr;
+  bool has_picture() const { return !sampling || sampling->full_image; }
 
   /// Simulates the frame that `inputs` stand at and writes its picture. An interrupt leaves the finished part of the
   /// first frame, not compared.
   void run_frame(const Inputs& inputs, const RunFolder::Open& open, Outcome& out) {
     const std::uint32_t width = inputs.config.render.width, height = inputs.config.render.height;
-    const bool may_be_part = keep_part && out.frames.empty();
-    Simulation frame = simulate(inputs, program.spec, options.threads,
-                                {.rates = &program.rates,
-                                 .marks = options.debug_images,
-                                 .keep_part = may_be_part,
-                                 .progress = &progress,
-                                 .trace = trace});
+    const bool may_be_part = keep_part && out.frames.empty() && !sampling;
+    Simulation frame = sampling ? simulate_sampled(inputs, program.spec, options.threads, *sampling)
+                                : simulate(inputs, program.spec, options.threads,
+                                           {.rates = &program.rates,
+                                            .marks = options.debug_images,
+                                            .keep_part = may_be_part,
+                                            .progress = &progress,
+                                            .trace = trace});
     std::optional<Simulation> compared;
     if (reference && !frame.is_part()) {
       try {
@@ -59,11 +64,11 @@ struct Job {
     if (trace != nullptr && !out.partial) trace->end_frame(recorded_frame(inputs.frame, error));
     progress.phase("writing the picture");
     const std::filesystem::path& folder = open();
-    if (inputs.frames() > 1) {
+    if (inputs.frames() > 1 && has_picture()) {
       const std::vector<std::uint8_t> picture = to_rgb8(frame.function.rgb);
       traces::write_png(folder / fmt::format("frame-{:04}.png", inputs.frame), width, height, picture);
     }
-    if (out.frames.empty()) {
+    if (out.frames.empty() && has_picture()) {
       traces::write_png(folder / "image.png", width, height, to_rgb8(frame.function.rgb));
       if (!frame.is_part()) traces::write_exr(folder / "image.exr", width, height, frame.function.rgb);
       if (compared) traces::write_exr(folder / "reference.exr", width, height, compared->function.rgb);
@@ -101,16 +106,30 @@ std::string kept(const Outcome& out, const Inputs& inputs) {
   return out.partial ? "the run without its reference" : "the whole run";
 }
 
+/// How frames are sampled, if they are; InputError for what does not go with it.
+std::optional<TileSampling> sampling_of(const JobOptions& options, const kernels::ProgramSpec& program) {
+  if (options.tile_sampling.empty()) {
+    if (options.image != "full") throw sim::InputError("--image none goes with --tile-sampling only");
+    return std::nullopt;
+  }
+  check_tile_sampling(program);
+  if (!options.reference.empty())
+    throw sim::InputError("--tile-sampling does not go with --reference: compare two runs of all tiles");
+  if (!options.record.empty()) throw sim::InputError("--tile-sampling does not go with --record: a trace has all tiles");
+  return parse_tile_sampling(options.tile_sampling, options.image);
+}
+
 void run(const JobOptions& options) {
   const auto begin = sim::HostClock::now();
   const kernels::ProgramSpec program = kernels::parse_program(options.program);
   std::optional<kernels::ProgramSpec> reference;
   if (!options.reference.empty()) reference = kernels::parse_program(options.reference);
+  const std::optional<TileSampling> sampling = sampling_of(options, program);
   RunFolder folder(options.out, options.force);
   Progress progress(options.progress, options.quiet);
   Inputs inputs = load_inputs(options, &progress);
   const kernels::RateMap rates(inputs.config.programs.multirate);
-  Job job{options, progress, {program, rates}, {}, !folder.holds_former_run(), nullptr};
+  Job job{options, progress, {program, rates}, {}, !folder.holds_former_run(), sampling, nullptr};
   if (reference) job.reference = Program{*reference, rates};
   for (const std::string& warning : inputs.warnings) progress.say("raywatt: warning: " + warning);
   progress.expect(inputs.frames() * (reference ? 2 : 1));
@@ -130,8 +149,9 @@ void run(const JobOptions& options) {
     return kept(out, inputs);
   });
   if (options.quiet) return;
-  fmt::print("{}\npicture: {}\nreport:  {}\n", report_table(json), (folder.target() / "image.png").string(),
-             (folder.target() / "report.json").string());
+  fmt::print("{}\n", report_table(json));
+  if (job.has_picture()) fmt::print("picture: {}\n", (folder.target() / "image.png").string());
+  fmt::print("report:  {}\n", (folder.target() / "report.json").string());
 }
 
 }  // namespace
@@ -146,6 +166,12 @@ void add_run(CLI::App& app, const std::vector<std::string>& argv, int&) {
   verb->add_flag("--debug-images", options->debug_images,
                  "also pictures of how an adaptive frame came about: debug-similar.png, debug-check-NAME.png, ...");
   add_rays_option(*verb, *options);
+  verb->add_option("--tile-sampling", options->tile_sampling,
+                   "time a part of the frame's tiles and estimate the rest, with 95 % intervals: a share of the\n"
+                   "frame's work, e.g. 5%, or auto, which stops at +-2 % (docs/sampling.md)");
+  verb->add_option("--image", options->image, "with --tile-sampling: render all tiles, or none but those needed")
+      ->check(CLI::IsMember({"full", "none"}))
+      ->capture_default_str();
   verb->footer("Example: raywatt run sgrt-2016 --scene teapot --set cores=2 -o out/two-cores");
   verb->callback([options] { options->rays.empty() ? run(*options) : run_rays(*options); });
 }

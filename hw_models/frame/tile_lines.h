@@ -1,0 +1,58 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+
+#include "hw_models/srp/data_cache.h"
+#include "hw_models/tni/tree_in_memory.h"
+#include "traces/stream.h"
+#include "traces/walk.h"
+
+namespace hw {
+
+/// The tree as a unit with two box testers reads it, without links.
+inline TreeInMemory tree_of(const traces::Layout& layout) {
+  return {.nodes = layout.nodes,
+          .node_bytes = layout.node_bytes,
+          .single_boxes = layout.single_boxes,
+          .instances = layout.instances};
+}
+
+/// Calls, for every line that a tile's work reads, node(ray, line), triangle(line) or data(line): ray by ray along
+/// their walks, then the kernels' accesses. A machine reads the same lines in another order.
+template <class Node, class Triangle, class Data>
+void for_each_line(const traces::TileWork& work, const traces::Layout& layout, Node&& node, Triangle&& triangle,
+                   Data&& data) {
+  const TreeInMemory tree = tree_of(layout);
+  const bool one_line = tree.one_line();
+  for (std::uint32_t ray = 0; ray < work.ray_begin.size(); ++ray) {
+    for (const std::uint32_t* step = &work.walk[work.ray_begin[ray]];; ++step) {
+      const traces::StepKind kind = traces::kind_of(*step);
+      if (kind == traces::StepKind::kVisit) {
+        if (one_line) {
+          node(ray, tree.line_of(traces::node_of(*step)));
+          continue;
+        }
+        for (std::uint32_t i = 0;; ++i) {
+          const TreeInMemory::Line line = tree.line_of_visit(traces::node_of(*step), 2, 0, i);
+          node(ray, line.line);
+          if (line.last) break;
+        }
+      } else if (traces::is_enter(*step)) {
+        node(ray, tree.line_of_instance(traces::instance_of(*step)));
+      } else if (kind == traces::StepKind::kLeaf) {
+        const std::uint32_t first = traces::first_of(*step), count = traces::count_of(*step);
+        const Addr end = layout.triangle_at(first) + Addr{count} * layout.triangle_bytes;
+        for (Addr line = layout.triangle_at(first) & ~Addr{63}; line < end; line += 64) triangle(line);
+        ++step;
+      } else if (kind == traces::StepKind::kEnd) {
+        break;
+      }
+    }
+  }
+  for (const traces::Access& access : work.accesses) {
+    const LineSet lines = lines_of(access, layout);
+    for (std::uint32_t i = 0; i < lines.count; ++i) data(lines.line[i]);
+  }
+}
+
+}  // namespace hw

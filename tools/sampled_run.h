@@ -1,0 +1,40 @@
+#pragma once
+#include <span>
+#include <vector>
+
+#include "hw_models/frame/sampled_tiles.h"
+#include "hw_models/frame/tile_pilot.h"
+#include "tools/run_job.h"
+
+namespace tools {
+
+/// What the machine did in a measured part of a block.
+struct MeasuredPart {
+  sim::Time time = 0;
+  std::vector<sim::UnitReport> units;
+  std::vector<hw::KernelUse> kernels;
+  hw::TileTraits traits;  ///< of what it worked on
+};
+
+/// One run of blocks on a machine of its own.
+struct SampledRun {
+  MeasuredPart begin, end;  ///< of the frame, or of what stood there
+  std::vector<MeasuredPart> parts;
+  std::vector<sim::UnitReport> units;  ///< of the whole run
+  std::vector<hw::KernelSchedule> kernels;
+  sim::Time elapsed = 0;
+  sim::Time cycle = 0;  ///< of the T&I clock
+  hw::FrontEnd::Result function;
+  std::uint64_t timed = 0, warmed = 0;
+  double warming_seconds = 0;
+};
+
+/// Plays blocks of a frame. `traits`: of each of its tiles, by the pilot.
+SampledRun run_blocks(const Inputs& inputs, hw::FrontEnd& front_end, const kernels::Demands& demands,
+                      std::span<const hw::TimedBlock> blocks, std::span<const hw::TileTraits> traits);
+
+/// The whole from its parts, each with its weight.
+MeasuredPart weighted_sum(std::span<const MeasuredPart* const> parts, std::span<const double> weights,
+                          const SampledRun& run);
+
+}  // namespace tools

@@ -1,0 +1,288 @@
+#include "tools/tile_sampling.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "hw_models/memory/dram_energy.h"
+#include "hw_models/srp/schedule.h"
+#include "shader_kernels/catalogue.h"
+#include "shader_kernels/programs/full.h"
+#include "sim/error.h"
+#include "sim/hash.h"
+#include "sim/host_clock.h"
+#include "sim/io/printable.h"
+#include "tools/interrupt.h"
+#include "tools/sample_weights.h"
+#include "tools/sampled_run.h"
+#include "tools/tile_plan.h"
+#include "traces/accel/bvh_tracer.h"
+
+namespace tools {
+
+namespace {
+
+constexpr double kRidge = 0.2;
+/// What blocks cannot tell, as half of a 95 % interval: neighbours that are others than the frame's, caches that are
+/// nearly warm, the pilot's totals (docs/sampling.md).
+constexpr double kModelError = 0.01;
+/// Of the frame's work; a frame of which more would have to be measured is timed whole.
+constexpr double kMostShare = 0.4;
+
+std::uint64_t rounded(double x) { return static_cast<std::uint64_t>(std::llround(x)); }
+
+/// A thin picture, all of whose tiles are looked at: one of `thinning` samples of each of the frame's.
+struct Pilot {
+  std::vector<hw::TileTraits> traits;  ///< of the frame's tiles
+  std::vector<double> costs;
+  double thinning = 1;
+  hw::FrontEnd::Result function;
+};
+
+/// Side of the squares of samples of which one is traced: a divisor of the tile's.
+std::uint32_t thinning_side(std::uint32_t tile_side) {
+  for (const std::uint32_t side : {4U, 5U, 3U, 2U}) {
+    if (tile_side % side == 0) return side;
+  }
+  return 1;
+}
+
+/// The frame with one sample of each square, as a program of as many tiles.
+kernels::FullProgram thin_program(const Inputs& inputs, const kernels::ProgramSpec& spec, double& thinning) {
+  kernels::RenderConfig render = inputs.config.render;
+  const auto grid = static_cast<std::uint32_t>(std::lround(std::sqrt(spec.samples)));
+  const std::uint32_t side = std::max(1U, render.tile / grid) * grid;  // of a tile, in samples
+  const std::uint32_t square = thinning_side(side);
+  const auto thinned = [&](std::uint32_t pixels) { return (pixels * grid + square - 1) / square; };
+  thinning = static_cast<double>(render.width) * render.height * spec.samples;
+  render.width = thinned(render.width);
+  render.height = thinned(render.height);
+  render.tile = side / square;
+  thinning /= static_cast<double>(render.width) * render.height;
+  return {inputs.image, inputs.camera, render, 1, inputs.frame};
+}
+
+Pilot look_at_all(const Inputs& inputs, const kernels::ProgramSpec& spec, const traces::Tracer& tracer,
+                  std::uint32_t threads) {
+  Pilot pilot;
+  kernels::FullProgram program = thin_program(inputs, spec, pilot.thinning);
+  std::vector<hw::KernelSchedule> kernels;
+  for (const kernels::KernelInfo& kernel : kernels::catalogue()) {
+    kernels.push_back(hw::schedule(kernel.graph, inputs.config.gpu.srp));
+  }
+  hw::TilePilot look(inputs.config.gpu, inputs.image.layout, kernels, pilot.thinning);
+  hw::FrontEnd front_end(program, tracer, host_threads(threads) - 1);
+  while (const traces::TileWork* work = front_end.next()) {
+    if (interrupted()) throw Interrupted{};
+    pilot.traits.push_back(look.look(*work));
+    pilot.costs.push_back(look.cost(pilot.traits.back()));
+    front_end.give_back(work);
+  }
+  pilot.function = front_end.result();
+  return pilot;
+}
+
+/// What the frame's function would have come to, from the pilot's.
+hw::FrontEnd::Result scaled(const Pilot& pilot, const Inputs& inputs, const kernels::ProgramSpec& spec) {
+  const auto whole = [&](std::uint64_t count) { return rounded(pilot.thinning * static_cast<double>(count)); };
+  hw::FrontEnd::Result f;
+  for (std::size_t k = 0; k < std::size(f.rays); ++k) f.rays[k] = whole(pilot.function.rays[k]);
+  f.continued = whole(pilot.function.continued);
+  f.traversal_steps = whole(pilot.function.traversal_steps);
+  f.sampling.wanted = std::uint64_t{inputs.config.render.width} * inputs.config.render.height * spec.samples;
+  f.sampling.traced = f.sampling.wanted;
+  f.sampling.background = f.sampling.traced_background = whole(pilot.function.sampling.background);
+  return f;
+}
+
+/// Entries of the frame's list that blocks need.
+std::vector<std::uint32_t> places_of(std::span<const hw::TimedBlock> blocks) {
+  std::vector<std::uint32_t> places;
+  for (const hw::TimedBlock& block : blocks) {
+    for (std::uint32_t tile = block.first - block.warming; tile < block.end; ++tile) places.push_back(tile);
+  }
+  return places;
+}
+
+SamplePart as_sample(const hw::TileTraits& traits, double cost) {
+  SamplePart part{cost, {}};
+  for (const auto member : hw::TileTraits::kAll) part.traits.push_back(traits.*member);
+  return part;
+}
+
+sim::EnergyReport energy_of(const Inputs& inputs, std::span<const sim::UnitReport> units, sim::Time time) {
+  return sim::compute_energy(units, inputs.config.energy, hw::dram_energy_events(inputs.config.gpu.dram), time);
+}
+
+/// What a frame comes to, by the runs of its blocks.
+struct Estimates {
+  MeasuredPart whole;
+  double time_half_width = 0, energy_half_width = 0;
+  double energy = 0;
+  /// The larger of the two, as a part of its estimate.
+  double relative_width() const {
+    return std::max(time_half_width / static_cast<double>(whole.time), energy_half_width / energy);
+  }
+};
+
+/// Of a run of all tiles.
+Estimates known(const Inputs& inputs, const SampledRun& run) {
+  return {{run.elapsed, run.units, run.begin.kernels, {}},
+          0,
+          0,
+          energy_of(inputs, run.units, run.elapsed).total_pj.nominal};
+}
+
+Estimates estimate(const Inputs& inputs, const Pilot& pilot, const TilePlan& plan, std::span<const SampledRun> runs) {
+  const hw::TilePilot measure(inputs.config.gpu, inputs.image.layout, {}, 1);
+  std::vector<const MeasuredPart*> parts;
+  std::vector<SamplePart> samples;
+  std::vector<double> times, energies;
+  for (const SampledRun& run : runs) {
+    for (const MeasuredPart& part : run.parts) {
+      parts.push_back(&part);
+      samples.push_back(as_sample(part.traits, measure.cost(part.traits)));
+      times.push_back(static_cast<double>(part.time));
+      energies.push_back(energy_of(inputs, part.units, part.time).total_pj.nominal);
+    }
+  }
+  hw::TileTraits rest;
+  for (std::uint32_t tile = plan.begin; tile < plan.end; ++tile) rest.add(pilot.traits[tile]);
+  const SampleWeights weights(samples, as_sample(rest, measure.cost(rest)), kRidge);
+  Estimates e;
+  e.whole = weighted_sum(parts, weights.weights(), runs.front());
+  e.energy = energy_of(inputs, e.whole.units, e.whole.time).total_pj.nominal;
+  e.time_half_width = std::hypot(weights.half_width(times), kModelError * static_cast<double>(e.whole.time));
+  e.energy_half_width = std::hypot(weights.half_width(energies), kModelError * e.energy);
+  return e;
+}
+
+/// All but the picture.
+void copy_counts(const hw::FrontEnd::Result& from, hw::FrontEnd::Result& to) {
+  to = from;
+  to.rgb.clear();
+}
+
+/// Blocks overlap the neighbours of as many tiles as are in flight, so they are as long.
+PlanShape shape_of(const hw::GpuConfig& gpu) {
+  const std::uint32_t in_flight = gpu.cores * gpu.tile_buffer.tiles_in_flight;
+  PlanShape shape;
+  shape.edge = 2 * in_flight;
+  shape.measured = std::max(12U, in_flight);
+  shape.lead = std::max(4U, in_flight / 3);
+  return shape;
+}
+
+}  // namespace
+
+TileSampling parse_tile_sampling(const std::string& sampling, const std::string& image) {
+  TileSampling s;
+  s.full_image = image != "none";
+  if (sampling == "auto") {
+    s.share = 0.03;
+    s.target = 0.02;
+    return s;
+  }
+  double percent = 0;
+  const char* end = sampling.data() + sampling.size();
+  const auto [rest, bad] = std::from_chars(sampling.data(), end, percent);
+  if (bad != std::errc{} || rest + 1 != end || *rest != '%' || !(percent >= 0.1 && percent <= 100)) {
+    throw sim::InputError(fmt::format("--tile-sampling '{}' is neither a share from 0.1% to 100%, e.g. 5%, nor auto",
+                                      sim::printable(sampling)));
+  }
+  s.share = percent / 100;
+  return s;
+}
+
+void check_tile_sampling(const kernels::ProgramSpec& program) {
+  if (program.kind == kernels::ProgramSpec::Kind::kFull) return;
+  throw sim::InputError(fmt::format(
+      "--tile-sampling: tiles of {} trace what their neighbours' samples call for, which neither single tiles nor a "
+      "thin picture can tell; allowed: full:N",
+      program.name()));
+}
+
+Simulation simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
+                            const TileSampling& sampling) {
+  const sim::HostClock::time_point begin = sim::HostClock::now();
+  const traces::BvhTracer tracer(inputs.image);
+  const Pilot pilot = look_at_all(inputs, program, tracer, threads);
+  const PlanShape shape = shape_of(inputs.config.gpu);
+
+  Simulation s;
+  s.program = program;
+  s.machine = inputs.config.gpu;
+  s.function = scaled(pilot, inputs, program);
+  SampledFrame sampled;
+  sampled.tiles = pilot.costs.size();
+  sampled.pilot_seconds = sim::seconds_since(begin);
+  double waited = pilot.function.waited, functional = pilot.function.seconds;
+
+  std::vector<SampledRun> runs;
+  Estimates estimates;
+  for (double share = sampling.share, spent = 0;;) {
+    const TilePlan plan = plan_tiles(pilot.costs, share, shape, sim::hash(inputs.frame, runs.size()));
+    const bool picture = sampling.full_image && runs.empty();
+    kernels::FullProgram frame(inputs.image, inputs.camera, inputs.config.render, program.samples, inputs.frame);
+    hw::FrontEnd front_end(frame, tracer, host_threads(threads) - 1, true,
+                           picture ? std::vector<std::uint32_t>{} : places_of(plan.blocks));
+    runs.push_back(run_blocks(inputs, front_end, frame.demands(), plan.blocks, pilot.traits));
+    const SampledRun& run = runs.back();
+    waited += run.function.waited;
+    functional += run.function.seconds;
+    sampled.rounds += 1;
+    sampled.timed += run.timed;
+    sampled.warmed += run.warmed;
+    sampled.warming_seconds += run.warming_seconds;
+    if (picture) s.function = run.function;
+    if (plan.all) {
+      if (!picture) copy_counts(run.function, s.function);
+      sampled.measured += run.timed;
+      estimates = known(inputs, run);
+      break;
+    }
+    sampled.blocks += run.parts.size();
+    for (const MeasuredPart& part : run.parts) sampled.measured += rounded(part.traits.tiles);
+    estimates = estimate(inputs, pilot, plan, runs);
+    spent += share;
+    const double off = estimates.relative_width() / sampling.target;
+    if (sampling.target == 0 || off <= 1) break;
+    // As many blocks more as should do, but not so many that they rest on a bad guess.
+    share = std::clamp(spent * (off * off - 1), spent / 2, 2 * spent);
+    if (spent + share > kMostShare) share = 1;
+  }
+  const sim::Time cycle = runs.front().cycle;
+  const auto cycles = [&](double time) { return time / static_cast<double>(cycle); };
+  s.cycles = rounded(cycles(static_cast<double>(estimates.whole.time)));
+  s.elapsed = s.cycles * cycle;
+  s.units = std::move(estimates.whole.units);
+  s.kernel_use = std::move(estimates.whole.kernels);
+  s.kernels = runs.front().kernels;
+  s.energy = energy_of(inputs, s.units, s.elapsed);
+  s.function.waited = waited;
+  s.function.seconds = functional;
+  sampled.cycles = {static_cast<double>(s.cycles), cycles(estimates.time_half_width)};
+  sampled.energy_pj = {s.energy.total_pj.nominal, estimates.energy_half_width};
+  s.sampled = sampled;
+  s.wall_seconds = sim::seconds_since(begin);
+  return s;
+}
+
+void SampledFrame::add(const SampledFrame& other) {
+  tiles += other.tiles;
+  timed += other.timed;
+  measured += other.measured;
+  warmed += other.warmed;
+  blocks += other.blocks;
+  rounds += other.rounds;
+  for (Interval SampledFrame::*figure : {&SampledFrame::cycles, &SampledFrame::energy_pj}) {
+    Interval& sum = this->*figure;
+    sum = {sum.estimate + (other.*figure).estimate, std::hypot(sum.half_width, (other.*figure).half_width)};
+  }
+  pilot_seconds += other.pilot_seconds;
+  warming_seconds += other.warming_seconds;
+}
+
+}  // namespace tools
