@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <vector>
 
-#if defined(__SSE4_2__)
-#include <nmmintrin.h>
+#if defined(__SSE4_1__)
+#include <smmintrin.h>
 #endif
 
 #include "sim/time.h"
@@ -93,14 +93,14 @@ class Wakes {
 
   Time& at(std::size_t unit) { return groups_[unit / kGroup][unit % kGroup]; }
 
-#if defined(__SSE4_2__)
-  static_assert(kNever <= 0x7fffffffffffffffU, "compared as signed numbers");
-  static __m128i load(const Time* two) { return _mm_loadu_si128(reinterpret_cast<const __m128i*>(two)); }
-  static __m128i lower_of(__m128i a, __m128i b) { return _mm_blendv_epi8(a, b, _mm_cmpgt_epi64(a, b)); }
+  /// One by one: what has just been written singly is slow to be read in pairs.
   static Time least(const Time* eight) {
-    const __m128i two = lower_of(lower_of(load(eight), load(eight + 2)), lower_of(load(eight + 4), load(eight + 6)));
-    return static_cast<Time>(std::min(_mm_cvtsi128_si64(two), _mm_extract_epi64(two, 1)));
+    const Time a = std::min(std::min(eight[0], eight[1]), std::min(eight[2], eight[3]));
+    const Time b = std::min(std::min(eight[4], eight[5]), std::min(eight[6], eight[7]));
+    return std::min(a, b);
   }
+#if defined(__SSE4_1__)
+  static __m128i load(const Time* two) { return _mm_loadu_si128(reinterpret_cast<const __m128i*>(two)); }
   static unsigned equal(const Time* eight, Time time) {
     const __m128i wanted = _mm_set1_epi64x(static_cast<std::int64_t>(time));
     unsigned mask = 0;
@@ -111,7 +111,6 @@ class Wakes {
     return mask;
   }
 #else
-  static Time least(const Time* eight) { return *std::min_element(eight, eight + kGroup); }
   static unsigned equal(const Time* eight, Time time) {
     unsigned mask = 0;
     for (std::size_t i = 0; i < kGroup; ++i) mask |= unsigned{eight[i] == time} << i;

@@ -70,7 +70,7 @@ TileTraits TilePilot::look(const traces::TileWork& work) {
   for (std::size_t i = 0; i < work.ray_begin.size(); ++i) {
     for (const std::uint32_t* step = &work.walk[work.ray_begin[i]]; traces::kind_of(*step) != traces::StepKind::kEnd;
          ++step) {
-      if (traces::kind_of(*step) != traces::StepKind::kLeaf) continue;
+      if (traces::kind_of(*step) != traces::StepKind::kLeaf || traces::is_enter(*step)) continue;
       tests += traces::count_of(*step);
       steps_[i] += traces::count_of(*step);
       ++step;

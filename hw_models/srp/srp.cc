@@ -34,7 +34,10 @@ Srp::Srp(const SrpConfig& config, const TileBufferConfig& buffer, const Frame& f
       cache_(config.data_cache, port, frame.perfect_cache),
       tiles_(buffer.tiles_in_flight),
       lines_missing_(64),
-      kernel_use_(frame.kernels.size()) {}
+      kernel_use_(frame.kernels.size()) {
+  feeds_.reserve(64);
+  item_lines_.reserve(64);
+}
 
 sim::Time Srp::tick(sim::Time now) {
   take_tile(now);

@@ -1,7 +1,6 @@
 #pragma once
 #include <array>
 #include <cstdint>
-#include <deque>
 #include <span>
 #include <string>
 #include <string_view>
@@ -18,6 +17,7 @@
 #include "hw_models/tni/messages.h"
 #include "sim/activity.h"
 #include "sim/link.h"
+#include "sim/ring.h"
 #include "traces/accel/memory_image.h"
 
 namespace hw {
@@ -161,7 +161,7 @@ class Srp {
   std::vector<TileRun> tiles_;
   std::vector<std::uint32_t> by_age_;  ///< active tiles, oldest first
   Run run_;
-  std::deque<Load> loads_;
+  sim::Ring<Load> loads_;
   std::uint64_t missing_ = 0;                 ///< slots of items that wait for lines
   std::vector<std::uint32_t> lines_missing_;  ///< per slot
   std::vector<Addr> item_lines_;
@@ -176,7 +176,7 @@ class Srp {
   sim::Time empty_since_ = 0;        ///< if there are none
   bool fed_ = false, busy_ = false;  ///< since the last tick: rays were in the T&I unit, a chunk was on the array
   sim::Time accounted_ = 0;
-  std::deque<DmaJob> dma_;
+  sim::Ring<DmaJob> dma_;
   std::uint64_t spills_asked_ = 0, spills_done_ = 0;
   std::uint64_t transfers_awaited_ = 0;  ///< under way, and something waits for them
   std::vector<KernelUse> kernel_use_;

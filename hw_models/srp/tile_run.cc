@@ -10,6 +10,16 @@ namespace hw {
 using traces::Edge;
 using traces::WorkNode;
 
+namespace {
+
+/// Twice what is needed, if there is not enough: tiles to come may be larger.
+template <class T>
+void make_room(std::vector<T>& list, std::size_t needed) {
+  if (list.capacity() < needed) list.reserve(2 * needed);
+}
+
+}  // namespace
+
 void TileRun::begin(const traces::TileWork& work, std::uint32_t chunk) {
   if (work.ray_begin.size() > kMaxRays) {
     throw sim::InputError(
@@ -18,14 +28,14 @@ void TileRun::begin(const traces::TileWork& work, std::uint32_t chunk) {
   work_ = &work;
   chunk_ = chunk;
   nodes_left_ = static_cast<std::uint32_t>(work.nodes.size());
-  if (progress_.size() < work.nodes.size()) progress_.resize(work.nodes.size());
+  make_room(progress_, work.nodes.size());
+  make_room(batch_of_ray_, work.ray_begin.size());
+  progress_.assign(work.nodes.size(), {});
   batch_of_ray_.resize(work.ray_begin.size());
   transfers_.clear();
+  chunk_left_.clear();
   for (std::uint32_t n = 0; n < nodes(); ++n) {
     Progress& p = progress_[n];
-    p.done = p.prefix = p.readers = 0;
-    p.batches.clear();
-    p.chunk_left.clear();
     const WorkNode& w = node(n);
     assert(w.items > 0);
     p.follows_rays = std::ranges::any_of(w.inputs, [&](const Edge& e) {
@@ -33,15 +43,34 @@ void TileRun::begin(const traces::TileWork& work, std::uint32_t chunk) {
     });
     if (w.kind == WorkNode::Kind::kRays) {
       assert(w.inputs.size() == 1 && w.inputs.front().kind == Edge::Kind::kEach && "rays come from one launch each");
-      progress_[producer(n)].batches.push_back(n);
+      progress_[producer(n)].batches += 1;
+      p.first_chunk = static_cast<std::uint32_t>(chunk_left_.size());
       for (std::uint32_t left = w.items; left > 0; left -= std::min(left, chunk)) {
-        p.chunk_left.push_back(std::min(left, chunk));
+        chunk_left_.push_back(std::min(left, chunk));
       }
       std::fill_n(batch_of_ray_.begin() + w.first, w.items, n);
     } else {
       for (const Edge& e : w.inputs) progress_[e.node].readers += 1;
       if (w.kind == WorkNode::Kind::kTransfer) transfers_.push_back(n);
     }
+  }
+  list_batches();
+}
+
+/// Puts the batches behind each other, launch by launch, those of a launch in the order of the graph.
+void TileRun::list_batches() {
+  std::uint32_t next = 0;
+  for (Progress& p : progress_) {
+    p.first_batch = next;
+    next += p.batches;
+    p.batches = 0;
+  }
+  make_room(batches_, next);
+  batches_.resize(next);
+  for (std::uint32_t n = 0; n < nodes(); ++n) {
+    if (node(n).kind != WorkNode::Kind::kRays) continue;
+    Progress& p = progress_[producer(n)];
+    batches_[p.first_batch + p.batches++] = n;
   }
 }
 
@@ -100,8 +129,9 @@ bool TileRun::finish_ray(std::uint32_t ray) {
   const std::uint32_t index = ray - node(n).first;
   p.done += 1;
   bool news = false;
-  if (--p.chunk_left[index / chunk_] == 0) {
-    while (p.prefix < node(n).items && p.chunk_left[p.prefix / chunk_] == 0) {
+  std::uint32_t* const chunk_left = &chunk_left_[p.first_chunk];
+  if (--chunk_left[index / chunk_] == 0) {
+    while (p.prefix < node(n).items && chunk_left[p.prefix / chunk_] == 0) {
       p.prefix = std::min(p.prefix + chunk_, node(n).items);
       news = true;
     }

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "traces/stream.h"
@@ -67,7 +68,9 @@ class TileRun {
   /// The launch that makes the rays of batch `n`.
   std::uint32_t producer(std::uint32_t n) const { return node(n).inputs.front().node; }
   /// Batches made by launch `n`.
-  const std::vector<std::uint32_t>& batches_of(std::uint32_t n) const { return progress_[n].batches; }
+  std::span<const std::uint32_t> batches_of(std::uint32_t n) const {
+    return std::span(batches_).subspan(progress_[n].first_batch, progress_[n].batches);
+  }
   /// Of items [first, first + items) of launch `n`, how many do not idle.
   std::uint32_t working(std::uint32_t n, std::uint32_t first, std::uint32_t items) const {
     return std::min(first + items, node(n).items) - std::min(first, node(n).items);
@@ -89,9 +92,10 @@ class TileRun {
     std::uint32_t prefix = 0;   ///< rays: leading items all of which are done, in whole chunks
     std::uint32_t readers = 0;  ///< launches and transfers that still wait for it, or read its rays' slots
     bool follows_rays = false;
-    std::vector<std::uint32_t> batches;
-    std::vector<std::uint32_t> chunk_left;  ///< rays: items of each chunk still out
+    std::uint32_t first_batch = 0, batches = 0;  ///< launches: in batches_
+    std::uint32_t first_chunk = 0;               ///< rays: in chunk_left_
   };
+  void list_batches();
   bool ready(std::uint32_t n) const;
   bool inputs_settled(std::uint32_t n) const;
   std::uint32_t available(std::uint32_t n, const traces::Edge& edge) const;
@@ -100,7 +104,9 @@ class TileRun {
   std::uint32_t chunk_ = 1;
   std::uint32_t nodes_left_ = 0;
   std::vector<Progress> progress_;
-  std::vector<std::uint32_t> transfers_;  ///< not yet started
+  std::vector<std::uint32_t> transfers_;   ///< not yet started
+  std::vector<std::uint32_t> batches_;     ///< by the launch that makes them
+  std::vector<std::uint32_t> chunk_left_;  ///< of each chunk of each batch: rays still out
   std::vector<std::uint32_t> batch_of_ray_;
 };
 

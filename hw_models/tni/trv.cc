@@ -31,7 +31,8 @@ Trv::Trv(const TrvConfig& config, const TniMode& mode, const TreeInMemory& tree,
       plain_(tree.one_line() && !tree.hybrid && config.box_testers == 2),
       unbounded_(mode.unbounded),
       one_pipe_(config.box_testers == 1 && !mode.unbounded),
-      common_(plain_ && !levels_ && !unbounded_ && mode.handling == MissHandling::kReorder && config.prefetch == Prefetch::kNone),
+      common_(plain_ && !levels_ && !unbounded_ && mode.handling == MissHandling::kReorder &&
+              config.prefetch == Prefetch::kNone),
       links_(links),
       fetch_(config.l1, mode, port, stats_),
       slots_(config.rays),
@@ -40,6 +41,8 @@ Trv::Trv(const TrvConfig& config, const TniMode& mode, const TreeInMemory& tree,
       pipes_(clock, std::max({visit_latency_, config.l1.hit_cycles + config.transform_latency, config.stack_latency})),
       free_(all(config.rays)) {
   far_nodes_.reserve(config.rays);
+  for (auto& path : paths_) path.reserve(kMostDepth);
+  pushed_.reserve(kMostDepth);
 }
 
 template <bool kCommon>
@@ -81,7 +84,7 @@ sim::Time Trv::tick_as(sim::Time now) {
   const sim::Time next = clock_.after(now, 1);
   const bool go_on = kCommon ? (fetch_.ready() | popping_) != 0 : !one_pipe_ && (fetch_.able() | popping_) != 0;
   const sim::Time wake = go_on ? next : next_wake(next);
-  if (fetch_.ready() != 0) look_ahead();
+  look_ahead();
   const Why then = tried && wake == next ? why : waiting(next);
   activity_.spend(now, clock_.period(), tried ? why : then, then);
   return wake;
@@ -187,7 +190,9 @@ Trv::Pipe Trv::next_pipe(Slot& slot) const {
 }
 
 void Trv::look_ahead() const {
-  const Slot& slot = slots_[pick(fetch_.ready(), inner_turn_)];
+  const std::uint64_t soon = fetch_.ready() | pipes_.soon(kToInner);
+  if (soon == 0) return;
+  const Slot& slot = slots_[pick(soon, inner_turn_)];
   fetch_.look_ahead(tree_.line_of(traces::node_of(slot.step)));
 }
 

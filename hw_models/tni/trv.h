@@ -128,6 +128,7 @@ class Trv {
     std::uint32_t node = 0;
     std::uint32_t instance = traces::kNone;
   };
+  static constexpr std::size_t kMostDepth = 128;  ///< of a tree, as a rule: deeper ones take more room when they come
   /// In a path: not a node but an instance.
   static constexpr std::uint32_t kEnter = 1U << 31;
   static_assert(sizeof(Slot) == 32, "two slots a cache line of the host: a tick touches little else");

@@ -40,6 +40,8 @@ class Wheel {
     }
     return out;
   }
+  /// What comes out of a pipe at the next cycle, as far as is known now.
+  std::uint64_t soon(std::size_t pipe) const { return bins_[(cycle_ + 1) & (span_ - 1)][pipe]; }
   /// Does anything come out at the present cycle?
   bool due() const { return ((occupied_ >> (cycle_ & (span_ - 1))) & 1U) != 0; }
   void put(std::size_t pipe, std::uint32_t slot, std::uint64_t latency) {
@@ -53,8 +55,7 @@ class Wheel {
     if (occupied_ == 0) return sim::kNever;
     const std::uint64_t bin = cycle_ & (span_ - 1);
     const std::uint64_t later = occupied_ >> bin;  // else they have gone round
-    const int bins = later != 0 ? std::countr_zero(later)
-                                : static_cast<int>(span_ - bin) + std::countr_zero(occupied_);
+    const int bins = later != 0 ? std::countr_zero(later) : static_cast<int>(span_ - bin) + std::countr_zero(occupied_);
     return now_ + static_cast<sim::Time>(bins) * clock_.period();
   }
   std::uint64_t cycle() const { return cycle_; }

@@ -1,4 +1,5 @@
 #pragma once
+#include "sim/stop.h"
 #include "traces/accel/memory_image.h"
 
 namespace traces {

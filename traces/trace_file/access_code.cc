@@ -26,6 +26,7 @@ std::uint64_t records(const ImageCounts& counts, Access::Kind kind) {
       return counts.details;
     case Access::Kind::kTriangle:
       return counts.triangles;
+    case Access::Kind::kInstance:  // two levels are not recorded
     case Access::Kind::kTexels:
       break;
   }

@@ -1,0 +1,41 @@
+#pragma once
+#include <algorithm>
+#include <cassert>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+namespace sim {
+
+/// First in, first out; takes no memory but when it gets longer than ever before.
+template <class T>
+class Ring {
+ public:
+  bool empty() const { return size_ == 0; }
+  std::size_t size() const { return size_; }
+  const T& front() const { return slots_[head_]; }
+
+  void push_back(T item) {
+    if (size_ == slots_.size()) grow();
+    slots_[(head_ + size_) % slots_.size()] = std::move(item);
+    size_ += 1;
+  }
+  void pop_front() {
+    assert(!empty());
+    head_ = (head_ + 1) % slots_.size();
+    size_ -= 1;
+  }
+
+ private:
+  void grow() {
+    std::vector<T> longer(std::max<std::size_t>(64, 2 * slots_.size()));
+    for (std::size_t i = 0; i < size_; ++i) longer[i] = std::move(slots_[(head_ + i) % slots_.size()]);
+    slots_ = std::move(longer);
+    head_ = 0;
+  }
+
+  std::vector<T> slots_;
+  std::size_t head_ = 0, size_ = 0;
+};
+
+}  // namespace sim
