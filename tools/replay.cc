@@ -85,6 +85,7 @@ void Replay::load_tree(const Part& part) {
     // The machine asks whether there is a grid, not where it lies.
     if (bvh.numbers == traces::BoxNumbers::kHybrid) image.grid.emplace(image.lower, image.upper);
     image.layout = traces::layout_of(scope_.counts, image.nodes, bvh);
+    inputs_.stored_triangles = scope_.counts.triangles;
     inputs_.parents = traces::parents_of(image);
     tree_ = part.tree;
   }

@@ -213,7 +213,7 @@ Json report_json(const Report& report) {
           {"scene",
            {{"name", in.scene.name},
             {"triangles", in.scene.triangles},
-            {"stored_triangles", in.image.triangles.size()},
+            {"stored_triangles", in.stored_triangles},
             {"memory_bytes", in.image.layout.end},
             {"instances", in.scene.instances},
             {"lights", in.scene.lights}}},

@@ -143,6 +143,7 @@ Inputs load_inputs(const JobOptions& options, Progress* progress) {
   phase("building the tree");
   in.image = traces::build_memory_image(scene, in.config.bvh, host_threads(options.threads), interrupted);
   in.bvh_hash = traces::bvh_hash(in.image);
+  in.stored_triangles = in.image.triangles.size();
   in.parents = traces::parents_of(in.image);
   if (in.frames() > 1) in.moving = std::move(scene);
   in.load_seconds = sim::seconds_since(begin);

@@ -30,6 +30,7 @@ struct Inputs {
   float scene_size = 1;  ///< longest side of the scene's bounds in frame 0
   traces::Camera camera;
   traces::MemoryImage image;
+  std::uint64_t stored_triangles = 0;  ///< in the image: each that is shared once
   std::vector<std::uint32_t> parents;  ///< of each node of the tree
   double load_seconds = 0;
   double update_seconds = 0;  ///< host: posing the scene and bringing the image up to date, later frames
@@ -79,9 +80,9 @@ struct Simulation {
 
 /// What goes with a frame program.
 struct Extras {
-  kernels::RateMap* rates = nullptr;     ///< of its tiles, if they go on from frame to frame
-  bool marks = false;                    ///< how all samples came about is kept, for pictures
-  bool keep_part = false;                ///< an interrupt leaves the finished tiles, if there are any
+  kernels::RateMap* rates = nullptr;  ///< of its tiles, if they go on from frame to frame
+  bool marks = false;                 ///< how all samples came about is kept, for pictures
+  bool keep_part = false;             ///< an interrupt leaves the finished tiles, if there are any
   Progress* progress = nullptr;
   traces::TraceWriter* trace = nullptr;  ///< gets the frame's work, if somebody wants it
   bool reference = false;                ///< for the trace: this is what others are compared with

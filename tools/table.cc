@@ -51,7 +51,7 @@ std::string overview(const Json& report) {
     out += fmt::format("  {:<22}{}\n", name, value);
   };
   const Json& frames = report["frames"];
-  if (frames.front().contains("finished_tiles")) {
+  if (!frames.empty() && frames.front().contains("finished_tiles")) {
     out += fmt::format("PARTIAL: interrupted after {} of {} tiles\n", frames.front()["finished_tiles"].get<int>(),
                        frames.front()["tiles"].get<int>());
   } else if (report["partial"].get<bool>()) {

@@ -115,7 +115,8 @@ std::optional<TileSampling> sampling_of(const JobOptions& options, const kernels
   check_tile_sampling(program);
   if (!options.reference.empty())
     throw sim::InputError("--tile-sampling does not go with --reference: compare two runs of all tiles");
-  if (!options.record.empty()) throw sim::InputError("--tile-sampling does not go with --record: a trace has all tiles");
+  if (!options.record.empty())
+    throw sim::InputError("--tile-sampling does not go with --record: a trace has all tiles");
   return parse_tile_sampling(options.tile_sampling, options.image);
 }
 

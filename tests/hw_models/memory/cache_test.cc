@@ -122,5 +122,19 @@ TEST(MshrFile, FindsAllocatesAndReleasesByLine) {
   EXPECT_EQ(file.size(), 1U);
 }
 
+TEST(CacheTags, ForgetNothingWhenTheirClockStartsAfresh) {
+  const CacheConfig config;
+  CacheTags fresh(config), late(config, 1, 0xffffffffU - 100);
+  for (std::uint64_t n = 0; n < 3000; ++n) {
+    const Addr line = sim::mix(n) % 700 * 64;
+    const bool here = fresh.probe(line);
+    ASSERT_EQ(late.probe(line), here) << "probe " << n;
+    if (here) continue;
+    const CacheTags::Filled a = fresh.fill(line), b = late.fill(line);
+    ASSERT_EQ(a.place, b.place);
+    ASSERT_EQ(a.evicted, b.evicted);
+  }
+}
+
 }  // namespace
 }  // namespace hw

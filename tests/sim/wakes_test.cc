@@ -1,0 +1,63 @@
+#include "sim/wakes.h"
+
+#include <cstdint>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "sim/hash.h"
+#include "sim/ring.h"
+
+namespace sim::test {
+namespace {
+
+TEST(Wakes, TickThoseThatAreDueAndNoOthers) {
+  constexpr std::size_t kUnits = 19;
+  Wakes wakes(kUnits);
+  std::vector<Time> expected(kUnits, 0);
+  for (int step = 0; step < 200; ++step) {
+    Time now = kNever;
+    for (const Time time : expected) now = std::min(now, time);
+    ASSERT_EQ(wakes.earliest(), now);
+    std::vector<std::size_t> due, ticked;
+    for (std::size_t i = 0; i < kUnits; ++i) {
+      if (expected[i] == now) due.push_back(i);
+    }
+    wakes.tick_due(now, [&](std::size_t i) {
+      ticked.push_back(i);
+      return expected[i] = now + 1 + hash(step, i) % 40;
+    });
+    ASSERT_EQ(ticked, due);
+    const std::size_t other = hash(step) % kUnits;
+    wakes.lower(other, now + 3);
+    expected[other] = std::min(expected[other], now + 3);
+  }
+}
+
+TEST(Wakes, ATickMayLowerTheTimeOfItsOwnUnitAndOfOthers) {
+  Wakes wakes(12);
+  wakes.tick_due(0, [&](std::size_t i) {
+    if (i == 1) wakes.lower(1, 5);
+    if (i == 2) wakes.lower(11, 4);
+    return i == 11 ? Time{9} : kNever;
+  });
+  EXPECT_EQ(wakes[1], 5U);
+  EXPECT_EQ(wakes[11], 9U) << "what was lowered before the tick is what the tick answers";
+  EXPECT_EQ(wakes.earliest(), 5U);
+}
+
+TEST(Ring, GivesBackInOrderAndGrows) {
+  Ring<int> ring;
+  int in = 0, out = 0;
+  for (int round = 0; round < 50; ++round) {
+    for (int i = 0; i < 7; ++i) ring.push_back(in++);
+    for (int i = 0; i < 4; ++i, ++out) {
+      ASSERT_EQ(ring.front(), out);
+      ring.pop_front();
+    }
+  }
+  EXPECT_EQ(ring.size(), 150U);
+}
+
+}  // namespace
+}  // namespace sim::test
