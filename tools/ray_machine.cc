@@ -5,8 +5,9 @@
 
 #include <fmt/format.h>
 
+#include "hw_models/tni/scene_in_memory.h"
 #include "sim/engine.h"
-#include "traces/walk.h"
+#include "traces/walk_steps.h"
 
 namespace tools {
 
@@ -19,19 +20,6 @@ std::vector<MemoryNet::Client> clients(const hw::GpuConfig& config) {
   return all;
 }
 
-hw::Tni::Scene scene_of(const traces::MemoryImage& image, std::span<const std::uint32_t> parents) {
-  const traces::Layout& layout = image.layout;
-  return {{.nodes = layout.nodes,
-           .node_bytes = layout.node_bytes,
-           .parents = parents,
-           .single_boxes = layout.single_boxes,
-           .hybrid = image.grid.has_value(),
-           .links = image.nodes,
-           .instances = layout.instances,
-           .placed = image.instances},
-          {layout.triangles, layout.triangle_bytes}};
-}
-
 hw::Tni::Links links_of(MemoryNet& net, std::uint32_t core, std::uint32_t ports, sim::Link<hw::RayJob>& jobs,
                         sim::Link<hw::RayDone>& dones) {
   hw::Tni::Links links{jobs, dones, {}, {}};
@@ -40,15 +28,6 @@ hw::Tni::Links links_of(MemoryNet& net, std::uint32_t core, std::uint32_t ports,
     links.memory_in.push_back(&net.responses(core, p));
   }
   return links;
-}
-
-std::uint64_t count_steps(const std::vector<std::uint32_t>& words) {
-  std::uint64_t steps = 0;
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    if (traces::kind_of(words[i]) == traces::StepKind::kVisit) steps += 1;
-    if (traces::kind_of(words[i]) == traces::StepKind::kLeaf) steps += traces::count_of(words[i++]);
-  }
-  return steps;
 }
 
 }  // namespace
@@ -79,7 +58,7 @@ void CoreRays::trace_next() {
   tracer_.trace(rays, traces::RayKind::kPrimary, std::span(hit_).first(rays.size()), &sink);
   hits_ += static_cast<std::uint64_t>(
       std::count_if(hit_.begin(), hit_.begin() + block.left, [](const traces::Hit& hit) { return hit.is_hit(); }));
-  steps_ += count_steps(block.words);
+  steps_ += traces::count_steps(block.words);
 }
 
 const std::uint32_t* CoreRays::walk(std::uint32_t ray) {
@@ -102,7 +81,7 @@ RayMachine::Core::Core(RayMachine& m, std::span<const traces::Ray> list, const t
       jobs(m.config_.direct_interface.depth, 1, m.clock_),
       dones(m.config_.direct_interface.depth, 1, m.clock_),
       source(m.clock_, m.config_.direct_interface.interval, rays, jobs, dones),
-      tni(m.config_.tni, {m.config_.ideal.tni, m.config_.ideal.l1}, scene_of(image, parents),
+      tni(m.config_.tni, {m.config_.ideal.tni, m.config_.ideal.l1}, hw::scene_in_memory(image, parents),
           m.config_.direct_interface.interval, links_of(m.net_, core, m.config_.tni.trvs + 1, jobs, dones), m.clock_) {
   const auto wake = [&](std::size_t place) { return m.wakes_.of(core * m.units_per_core() + place); };
   jobs.wakes(wake(0), wake(1));

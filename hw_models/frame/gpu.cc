@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "hw_models/tni/scene_in_memory.h"
 #include "shader_kernels/catalogue.h"
 
 namespace hw {
@@ -201,16 +202,7 @@ void Gpu::add_core(Wiring& wiring, std::uint32_t c, const Workload& workload) {
 
   Core& core = cores_.emplace_back();
   core.tni = std::make_unique<Tni>(config_.tni, Tni::Perfect{config_.ideal.tni, config_.ideal.l1},
-                                   Tni::Scene{{.nodes = layout.nodes,
-                                               .node_bytes = layout.node_bytes,
-                                               .parents = workload.parents,
-                                               .single_boxes = layout.single_boxes,
-                                               .hybrid = workload.image.grid.has_value(),
-                                               .links = workload.image.nodes,
-                                               .instances = layout.instances,
-                                               .placed = workload.image.instances},
-                                              {layout.triangles, layout.triangle_bytes}},
-                                   direct.interval,
+                                   scene_in_memory(workload.image, workload.parents), direct.interval,
                                    Tni::Links{rays,
                                               hits_from_tni,
                                               {port.clients_in.begin(), port.clients_in.begin() + trvs + 1},

@@ -4,7 +4,7 @@
 #include <span>
 #include <utility>
 
-#include "traces/walk.h"
+#include "traces/walk_steps.h"
 
 namespace kernels {
 
@@ -69,23 +69,11 @@ Wavefront::Node Wavefront::trace_once(RayKind kind, const traces::Ray* rays, tra
   traces::WalkSink sink{out_.work.walk, out_.work.ray_begin};
   tracer_.trace({rays, count}, kind, {hits, count}, stream_.is_on() ? &sink : nullptr);
   if (stream_.is_muted()) return StreamBuilder::kNone;
-  count_steps(from_word);
+  out_.traversal_steps += traces::count_steps(std::span(out_.work.walk).subspan(from_word));
   const Node node = stream_.rays(kind, count, rays_traced_, maker, is_mapped);
   rays_traced_ += count;
   out_.rays[static_cast<std::size_t>(kind)] += count;
   return node;
-}
-
-void Wavefront::count_steps(std::size_t from_word) {
-  const std::vector<std::uint32_t>& walk = out_.work.walk;
-  for (std::size_t i = from_word; i < walk.size(); ++i) {
-    const traces::StepKind step = traces::kind_of(walk[i]);
-    if (step == traces::StepKind::kVisit) {
-      ++out_.traversal_steps;
-    } else if (step == traces::StepKind::kLeaf && !traces::is_enter(walk[i])) {
-      for (std::uint32_t phases = walk[++i]; phases != 0; phases >>= 4) ++out_.traversal_steps;
-    }
-  }
 }
 
 void Wavefront::wait_for_bounce(Node node, const Bounce& bounce) {

@@ -127,7 +127,6 @@ class Wavefront {
   template <bool kColoured, bool kInstanced>
   std::uint32_t test_layers(traces::RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t items,
                             std::uint32_t lanes, Node& tested);
-  void count_steps(std::size_t from_word);
   std::uint32_t classify(Bounce& bounce);
   Streams shade_surfaces(Bounce& bounce, std::uint32_t surfaces);
   template <bool kInstanced>

@@ -1,0 +1,19 @@
+#include "traces/walk_steps.h"
+
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace traces::test {
+namespace {
+
+TEST(CountSteps, CountsNodesAndTrianglesOfWalksBackToBack) {
+  // Phases may look like any other word; the word of an enter has none behind it.
+  const std::vector<std::uint32_t> words = {
+      visit_step(0, 1, 0), enter_step(0),       visit_step(3, 3, 0), leaf_step(7, 2), 0x33, cull_step(1),
+      end_step(true),      visit_step(0, 0, 0), end_step(false),     leaf_step(0, 1), 0x1,  end_step(false)};
+  EXPECT_EQ(count_steps(words), 3U + 2U + 1U);
+}
+
+}  // namespace
+}  // namespace traces::test
