@@ -7,6 +7,7 @@
 
 #include "sim/error.h"
 #include "sim/hash.h"
+#include "sim/islands.h"
 #include "sim/time.h"
 #include "sim/wakes.h"
 
@@ -42,21 +43,56 @@ class Ticks {
 ///   wakes()        the units' wake-up times, which links lower
 ///   done()         all work has left the machine
 ///   state()        a line per unit, for a stuck machine
-///
+/// and, if it has any:
+///   islands()      its islands
+///   horizon(t)     when all islands have come to t, how far each may be run by itself; not beyond a time at which the
+///                  machine may be done
+template <class Machine>
+concept HasIslands = requires(Machine& machine, Time now) {
+  machine.islands();
+  machine.horizon(now);
+};
+
+/// Runs the islands of a machine by themselves as far as they may, and returns when they are to be run together again:
+/// the time of what comes next, or kNever.
+template <class Machine, class TickAt>
+Time run_apart(Machine& machine, TickAt&& tick_at) {
+  Wakes& wakes = machine.wakes();
+  Islands& islands = machine.islands();
+  const auto next_of = [&](const Island& island) { return wakes.earliest(island.units); };
+  for (;;) {
+    Time now = next_of(islands.inner);
+    for (const Island& island : islands.outer) now = std::min(now, next_of(island));
+    const Time horizon = now == kNever ? now : machine.horizon(now);
+    if (horizon <= now) return now;
+    Time reached = horizon;  // by all outer islands
+    for (const Island& island : islands.outer) {
+      Time at = next_of(island);
+      // At `now` the inner island has done all that comes before.
+      for (; at < horizon && (island.nearly_full == 0 || at <= now); at = next_of(island)) {
+        wakes.tick_due(island.units, at, tick_at(at));
+      }
+      reached = std::min(reached, at);
+    }
+    for (Time at; (at = next_of(islands.inner)) < reached;) wakes.tick_due(islands.inner.units, at, tick_at(at));
+  }
+}
+
 /// Runs until done and returns the time of the last visited edge.
 template <Skip kSkip = Skip::kOn, class Machine>
 Time run(Machine& machine) {
   Wakes& wakes = machine.wakes();
   const Ticks ticks(machine, wakes.size());
+  const auto tick_at = [&](Time now) { return [&ticks, now](std::size_t i) { return ticks(i, now); }; };
   Time now = 0;
-  const auto tick = [&](std::size_t i) { return ticks(i, now); };
   for (;;) {
     if constexpr (kSkip == Skip::kOff) {
       machine.each_unit([&](auto& unit, std::size_t i) {
-        if (unit.clock().is_edge(now)) wakes.tick_one(i, tick);
+        if (unit.clock().is_edge(now)) wakes.tick_one(i, tick_at(now));
       });
     } else {
-      wakes.tick_due(now, tick);
+      if constexpr (HasIslands<Machine>) now = run_apart(machine, tick_at);
+      if (now != kNever) wakes.tick_due(now, tick_at(now));
     }
     if (machine.done()) return now;
     const Time next = wakes.earliest();

@@ -55,6 +55,15 @@ class Link {
     if (size_ != 0) *holding_ |= bit_;
   }
 
+  /// Counts itself there while there is room for one item at most (sim/islands.h).
+  void count_if_nearly_full(std::uint32_t* count) {
+    assert(size_ == 0);
+    nearly_full_ = count;
+    *nearly_full_ += capacity_ == 1;
+  }
+  /// What is pushed at t cannot be seen before t + latency().
+  Time latency() const { return latency_; }
+
   /// When the producer may push next as far as is known now; kNever while the slot waits for a pop.
   Time push_at() const { return push_at_; }
   /// When the consumer may pop next as far as is known now; kNever while there is nothing.
@@ -74,6 +83,7 @@ class Link {
       consumer_.lower(stamp);
     }
     size_ += 1;
+    *nearly_full_ += size_ + 1 == capacity_;
     tail_ = after(tail_);
     push_at_ = size_ == capacity_ ? kNever : slots_[tail_].stamp;
   }
@@ -89,6 +99,7 @@ class Link {
       push_at_ = stamp;
       producer_.lower(stamp);
     }
+    *nearly_full_ -= size_ + 1 == capacity_;
     size_ -= 1;
     head_ = after(head_);
     if (size_ == 0) {
@@ -122,9 +133,11 @@ class Link {
   const Time latency_, release_;  ///< from a push to the consumer, from a pop to the producer, but for the next edge
   Waker producer_{&nobody_}, consumer_{&nobody_};
   std::uint64_t* holding_ = &nobodys_;
+  std::uint32_t* nearly_full_ = &nobodys_count_;
   std::uint64_t bit_ = 0;
   Time nobody_ = kNever;  ///< woken where there is no engine
   std::uint64_t nobodys_ = 0;
+  std::uint32_t nobodys_count_ = 0;
   const Clock producer_clock_, consumer_clock_;
 };
 

@@ -35,6 +35,8 @@ struct Waker {
 class Wakes {
  public:
   static constexpr std::size_t kGroup = 8;
+  /// So many units and as many more as fill their last group.
+  static constexpr std::size_t whole_groups(std::size_t units) { return (units + kGroup - 1) / kGroup * kGroup; }
 
   Wakes() = default;
   /// All units wake at time 0.
@@ -42,11 +44,12 @@ class Wakes {
   Wakes(const Wakes&) = delete;
   Wakes& operator=(const Wakes&) = delete;
 
-  void reset(std::size_t units) {
-    groups_.assign((units + kGroup - 1) / kGroup, Eight{});
+  /// All units wake at `first`.
+  void reset(std::size_t units, Time first = 0) {
+    groups_.assign(whole_groups(units) / kGroup, Eight{});
     for (Eight& group : groups_) group.fill(kNever);
-    earliest_.assign((groups_.size() + kGroup - 1) / kGroup * kGroup, kNever);
-    for (std::size_t i = 0; i < units; ++i) lower(i, 0);
+    earliest_.assign(whole_groups(groups_.size()), kNever);
+    for (std::size_t i = 0; i < units; ++i) lower(i, first);
     size_ = units;
   }
   std::size_t size() const { return size_; }
@@ -54,10 +57,21 @@ class Wakes {
   Waker of(std::size_t unit) { return {&at(unit), &earliest_[unit / kGroup]}; }
   void lower(std::size_t unit, Time time) { of(unit).lower(time); }
 
+  /// Neighbouring groups.
+  struct Groups {
+    std::size_t first = 0, end = 0;
+  };
+
   /// The earliest of all.
   Time earliest() const {
     Time first = kNever;
     for (std::size_t i = 0; i < earliest_.size(); i += kGroup) first = std::min(first, least(&earliest_[i]));
+    return first;
+  }
+  /// The earliest of those.
+  Time earliest(Groups of) const {
+    Time first = kNever;
+    for (std::size_t g = of.first; g < of.end; ++g) first = std::min(first, earliest_[g]);
     return first;
   }
 
@@ -65,7 +79,12 @@ class Wakes {
   /// time of all. Ticks may lower any unit's time to one after `now`.
   template <class Tick>
   void tick_due(Time now, Tick&& tick) {
-    for (std::size_t g = 0; g < groups_.size(); ++g) {
+    tick_due({0, groups_.size()}, now, tick);
+  }
+  /// The same for those; `now` is the earliest of theirs.
+  template <class Tick>
+  void tick_due(Groups of, Time now, Tick&& tick) {
+    for (std::size_t g = of.first; g < of.end; ++g) {
       if (earliest_[g] != now) continue;
       Eight& group = groups_[g];
       for (unsigned due = equal(group.data(), now); due != 0; due &= due - 1) {

@@ -38,31 +38,28 @@ Addr records_of(const GpuConfig& config, const Gpu::Workload& workload, std::uin
 
 }  // namespace
 
-/// Places in the wake array (in the order of each_unit) and the links between cores and memory.
+/// Places among the wake-up times and the links between cores and memory.
 struct Gpu::Wiring {
   const std::uint32_t trvs, cores, banks, channels;
-  const bool direct_interface;
+  const std::size_t places_of_core;
   sim::Wakes& wakes;
 
   // [core][bank] and so on; requests go to memory, responses come back.
   std::vector<std::vector<sim::Link<MemRequest>*>> core_bank_up, core_channel_up, bank_channel_up;
   std::vector<std::vector<sim::Link<MemResponse>*>> core_bank_down, core_channel_down, bank_channel_down;
 
-  sim::Waker at(std::size_t i) const { return wakes.of(i); }
-  std::size_t core(std::uint32_t c) const { return 1 + std::size_t{c} * units_per_core(); }
-  std::size_t units_per_core() const { return 6 + trvs; }
-  sim::Waker dispatcher() const { return at(0); }
-  sim::Waker srp(std::uint32_t c) const { return at(core(c)); }
-  sim::Waker ray_dispatcher(std::uint32_t c) const { return at(core(c) + 1); }
-  sim::Waker trv(std::uint32_t c, std::uint32_t t) const { return at(core(c) + 2 + t); }
-  sim::Waker ist(std::uint32_t c) const { return at(core(c) + 2 + trvs); }
-  sim::Waker cache_port(std::uint32_t c) const { return at(core(c) + 3 + trvs); }
-  sim::Waker dma(std::uint32_t c) const { return at(core(c) + 4 + trvs); }
-  sim::Waker dma_port(std::uint32_t c) const { return at(core(c) + 5 + trvs); }
-  sim::Waker bank(std::uint32_t b) const { return at(core(cores) + b); }
-  sim::Waker channel(std::uint32_t k) const { return at(core(cores) + banks + k); }
-  sim::Waker memory_interface(std::uint32_t c) const { return at(core(cores) + banks + channels + c); }
-  std::size_t size() const { return core(cores) + banks + channels + (direct_interface ? 0 : cores); }
+  sim::Waker in_core(std::uint32_t c, std::size_t i) const { return wakes.of(c * places_of_core + i); }
+  sim::Waker srp(std::uint32_t c) const { return in_core(c, 0); }
+  sim::Waker ray_dispatcher(std::uint32_t c) const { return in_core(c, 1); }
+  sim::Waker trv(std::uint32_t c, std::uint32_t t) const { return in_core(c, 2 + t); }
+  sim::Waker ist(std::uint32_t c) const { return in_core(c, 2 + trvs); }
+  sim::Waker cache_port(std::uint32_t c) const { return in_core(c, 3 + trvs); }
+  sim::Waker dma(std::uint32_t c) const { return in_core(c, 4 + trvs); }
+  sim::Waker dma_port(std::uint32_t c) const { return in_core(c, 5 + trvs); }
+  sim::Waker memory_interface(std::uint32_t c) const { return in_core(c, 6 + trvs); }
+  sim::Waker dispatcher() const { return in_core(cores, 0); }
+  sim::Waker bank(std::uint32_t b) const { return in_core(cores, 1 + b); }
+  sim::Waker channel(std::uint32_t k) const { return in_core(cores, 1 + banks + k); }
 };
 
 Gpu::Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles)
@@ -71,7 +68,8 @@ Gpu::Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles)
       tni_clock_(config.clocks.tni.clock()),
       srp_clock_(config.clocks.srp.clock()),
       l2_clock_(config.clocks.l2.clock()),
-      dram_clock_(config.dram.timing.ck.time) {
+      dram_clock_(config.dram.timing.ck.time),
+      places_of_core_(sim::Wakes::whole_groups(6 + config.tni.trvs + !config.direct_interface.enabled)) {
   SrpConfig srp = config.srp;
   if (config.ideal.tile_buffer) srp.array.local_ports = 64;  // more than any kernel can use
   for (const kernels::KernelInfo& kernel : kernels::catalogue()) {
@@ -82,7 +80,7 @@ Gpu::Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles)
                 config.cores,
                 config.l2.banks,
                 config.dram.channels,
-                config.direct_interface.enabled,
+                places_of_core_,
                 wakes_,
                 {},
                 {},
@@ -90,7 +88,8 @@ Gpu::Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles)
                 {},
                 {},
                 {}};
-  wakes_.reset(wiring.size());
+  wakes_.reset(places_of_core_ * config.cores + sim::Wakes::whole_groups(1 + config.l2.banks + config.dram.channels),
+               sim::kNever);
 
   const bool ideal = config.ideal.interconnect;
   const std::uint32_t distance = ideal ? 1 : config.interconnect.latency;
@@ -139,6 +138,36 @@ Gpu::Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles)
   add_memory(wiring);
   for (auto& flush : flushes_) tile_links.to_l2.push_back(&flush);
   dispatcher_ = std::make_unique<TileDispatcher>(tiles, config.tile_buffer.tiles_in_flight, tile_links, l2_clock_);
+  each_unit([&](auto&, std::size_t place) { wakes_.lower(place, 0); });
+  add_islands(wiring);
+}
+
+void Gpu::add_islands(const Wiring& wiring) {
+  const std::size_t core = places_of_core_ / sim::Wakes::kGroup, all = wakes_.size() / sim::Wakes::kGroup;
+  islands_.inner.units = {config_.cores * core, all};
+  islands_.outer.resize(config_.cores);
+  reach_ = tile_jobs_.front().latency() + tile_dones_.front().latency();
+  for (std::size_t c = 0; c < config_.cores; ++c) {
+    sim::Island& island = islands_.outer[c];
+    island.units = {c * core, (c + 1) * core};
+    const auto between = [&](const auto& inward, const auto& outward) {
+      for (auto* link : inward) {
+        link->count_if_nearly_full(&island.nearly_full);
+        reach_ = std::min(reach_, link->latency());
+      }
+      for (const auto* link : outward) reach_ = std::min(reach_, link->latency());
+    };
+    between(wiring.core_bank_up[c], wiring.core_bank_down[c]);
+    between(wiring.core_channel_up[c], wiring.core_channel_down[c]);
+    tile_dones_[c].count_if_nearly_full(&island.nearly_full);
+  }
+}
+
+sim::Time Gpu::horizon(sim::Time now) const {
+  // At the end every time at which the machine may be done counts. An ideal port does not stop at a nearly full link.
+  if (!dispatcher_->has_more() || config_.ideal.interconnect) return now;
+  const sim::Time next_tile = wakes_[first_of_core(cores_.size())] + tile_jobs_.front().latency();
+  return std::min(now + reach_, next_tile);
 }
 
 void Gpu::add_core(Wiring& wiring, std::uint32_t c, const Workload& workload) {
@@ -148,7 +177,7 @@ void Gpu::add_core(Wiring& wiring, std::uint32_t c, const Workload& workload) {
   const traces::Layout& layout = workload.image.layout;
 
   auto& tiles_in = tile_jobs_.emplace_back(in_flight, 1, l2_clock_, srp_clock_, sync);
-  auto& tiles_out = tile_dones_.emplace_back(in_flight, 1, srp_clock_, l2_clock_, sync);
+  auto& tiles_out = tile_dones_.emplace_back(in_flight + 1, 1, srp_clock_, l2_clock_, sync);  // never full
   // The direct interface, or its halves between each end and the memory interface.
   const DirectInterfaceConfig& direct = config_.direct_interface;
   const sim::Clock ray_reader = direct.enabled ? tni_clock_ : l2_clock_;

@@ -16,6 +16,7 @@
 #include "hw_models/memory/l2_bank.h"
 #include "hw_models/srp/srp.h"
 #include "hw_models/tni/tni.h"
+#include "sim/islands.h"
 #include "sim/report/unit_report.h"
 #include "sim/wakes.h"
 #include "traces/accel/memory_image.h"
@@ -50,9 +51,9 @@ class Gpu {
   // The machine, as the engine sees it (sim/engine.h).
   template <class F>
   void each_unit(F&& f) {
-    std::size_t i = 0;
-    f(*dispatcher_, i++);
-    for (Core& core : cores_) {
+    for (std::size_t c = 0; c < cores_.size(); ++c) {
+      Core& core = cores_[c];
+      std::size_t i = first_of_core(c);
       f(*core.srp, i++);
       f(core.tni->dispatcher(), i++);
       for (Trv& trv : core.tni->trvs()) f(trv, i++);
@@ -60,12 +61,17 @@ class Gpu {
       f(*core.cache_port, i++);
       f(*core.dma, i++);
       f(*core.dma_port, i++);
+      if (c < memory_interfaces_.size()) f(memory_interfaces_[c], i++);
     }
+    std::size_t i = first_of_core(cores_.size());
+    f(*dispatcher_, i++);
     for (L2Bank& bank : banks_) f(bank, i++);
     for (DramChannel& channel : channels_) f(channel, i++);
-    for (MemoryInterface& unit : memory_interfaces_) f(unit, i++);
   }
   sim::Wakes& wakes() { return wakes_; }
+  /// Each core, and in the middle what they share.
+  sim::Islands& islands() { return islands_; }
+  sim::Time horizon(sim::Time now) const;
   bool done() const { return dispatcher_->done() && memory_quiet(); }
   std::string state();
 
@@ -99,6 +105,9 @@ class Gpu {
   struct Wiring;
 
   bool memory_quiet() const;
+  /// Place of a core's first unit; behind the last core come the units that cores share.
+  std::size_t first_of_core(std::size_t core) const { return core * places_of_core_; }
+  void add_islands(const Wiring& wiring);
   void add_core(Wiring& wiring, std::uint32_t core, const Workload& workload);
   void add_memory(Wiring& wiring);
 
@@ -124,7 +133,10 @@ class Gpu {
   std::deque<DramChannel> channels_;
   std::deque<MemoryInterface> memory_interfaces_;  ///< of each core, if there is no direct interface
   std::unique_ptr<TileDispatcher> dispatcher_;
-  sim::Wakes wakes_;  ///< in the order of each_unit
+  const std::size_t places_of_core_;  ///< among the wake-up times: whole groups
+  sim::Wakes wakes_;                  ///< at the places that each_unit() names
+  sim::Islands islands_;
+  sim::Time reach_ = 0;  ///< what an island does at t does not matter to another before t + reach_, but for new tiles
   sim::Time elapsed_ = 0;
 };
 

@@ -58,6 +58,8 @@ class TileDispatcher {
   const Stats& stats() const { return stats_; }
   const sim::Activity<Why>& activity() const { return activity_; }
   void finish(sim::Time end) { activity_.finish(end); }
+  /// There are tiles in the list.
+  bool has_more() const { return next_ != nullptr; }
   /// The list is empty and every tile has come back.
   bool done() const { return next_ == nullptr && stats_.dispatched == stats_.finished; }
   std::string state() const;
