@@ -69,12 +69,12 @@ Time run_apart(Machine& machine, TickAt&& tick_at) {
     for (const Island& island : islands.outer) {
       Time at = next_of(island);
       // At `now` the inner island has done all that comes before.
-      for (; at < horizon && (island.nearly_full == 0 || at <= now); at = next_of(island)) {
-        wakes.tick_due(island.units, at, tick_at(at));
+      while (at < horizon && (island.nearly_full == 0 || at <= now)) {
+        at = wakes.tick_due(island.units, at, tick_at(at));
       }
       reached = std::min(reached, at);
     }
-    for (Time at; (at = next_of(islands.inner)) < reached;) wakes.tick_due(islands.inner.units, at, tick_at(at));
+    for (Time at = next_of(islands.inner); at < reached;) at = wakes.tick_due(islands.inner.units, at, tick_at(at));
   }
 }
 

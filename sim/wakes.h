@@ -81,9 +81,9 @@ class Wakes {
   void tick_due(Time now, Tick&& tick) {
     tick_due({0, groups_.size()}, now, tick);
   }
-  /// The same for those; `now` is the earliest of theirs.
+  /// The same for those; `now` is the earliest of theirs. Returns what is the earliest then.
   template <class Tick>
-  void tick_due(Groups of, Time now, Tick&& tick) {
+  Time tick_due(Groups of, Time now, Tick&& tick) {
     for (std::size_t g = of.first; g < of.end; ++g) {
       if (earliest_[g] != now) continue;
       Eight& group = groups_[g];
@@ -95,6 +95,7 @@ class Wakes {
       }
       earliest_[g] = least(group.data());
     }
+    return earliest(of);
   }
 
   /// The same for one unit, at any time.

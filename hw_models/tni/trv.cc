@@ -84,7 +84,6 @@ sim::Time Trv::tick_as(sim::Time now) {
   const sim::Time next = clock_.after(now, 1);
   const bool go_on = kCommon ? (fetch_.ready() | popping_) != 0 : !one_pipe_ && (fetch_.able() | popping_) != 0;
   const sim::Time wake = go_on ? next : next_wake(next);
-  look_ahead();
   const Why then = tried && wake == next ? why : waiting(next);
   activity_.spend(now, clock_.period(), tried ? why : then, then);
   return wake;
@@ -187,13 +186,6 @@ Trv::Pipe Trv::next_pipe(Slot& slot) const {
   if (traces::kind_of(slot.step) == StepKind::kEnd) return kToRetire;
   if (slot.must_pop) return kToStack;
   return traces::kind_of(slot.step) == StepKind::kVisit || traces::is_enter(slot.step) ? kToInner : kToLeaf;
-}
-
-void Trv::look_ahead() const {
-  const std::uint64_t soon = fetch_.ready() | pipes_.soon(kToInner);
-  if (soon == 0) return;
-  const Slot& slot = slots_[pick(soon, inner_turn_)];
-  fetch_.look_ahead(tree_.line_of(traces::node_of(slot.step)));
 }
 
 template <bool kCommon>

@@ -167,8 +167,6 @@ class Trv {
   void visited_again(Slot& slot, std::uint32_t index);
   /// The youngest entry of the stack is dropped, being behind the hit, or is where the ray goes on.
   static void take_entry(Slot& slot);
-  /// The visit that comes next if nothing changes: has the host bring what it will look at.
-  void look_ahead() const;
   /// Which sub-pipe the slot needs for its next step.
   Pipe next_pipe(Slot& slot) const;
   void restart(Slot& slot, std::uint32_t index);

@@ -35,8 +35,9 @@ struct Outcome {
   friend bool operator==(const Outcome&, const Outcome&) = default;
 };
 
+template <class Machine = Pipeline>
 Outcome outcome(const PipelineConfig& c, auto&& engine) {
-  Pipeline machine(c);
+  Machine machine(c);
   const Time end = engine(machine);
   std::vector<Time> spent = machine.spent(end);
   return {end, machine.sink.taken, machine.sink.times, std::move(spent)};
@@ -85,6 +86,14 @@ TEST(Engine, TheOrderOfUnitsChangesNothing) {
   }
 }
 
+TEST(Engine, RunningIslandsApartChangesNothing) {
+  for (const PipelineConfig& c : machines()) {
+    const Outcome together = outcome(c, [](Pipeline& m) { return run(m); });
+    const Outcome apart = outcome<ApartPipeline>(c, [](ApartPipeline& m) { return run(m); });
+    ASSERT_EQ(together, apart);
+  }
+}
+
 TEST(Engine, EveryUnitsTimeSumsToTheWhole) {
   for (const PipelineConfig& c : machines()) {
     Pipeline machine(c);
@@ -123,6 +132,13 @@ TEST(Engine, AStuckMachineIsFoundWithItsState) {
   EXPECT_EQ(state_of([](Pipeline& m) { run(m); }), stuck);
   EXPECT_EQ(state_of([](Pipeline& m) { run<Skip::kOff>(m); }), stuck);
   EXPECT_EQ(state_of([](Pipeline& m) { run_shuffled(m, 1); }), stuck);
+}
+
+TEST(Engine, IslandsThatAreStuckAreFoundToo) {
+  PipelineConfig c;
+  c.appetite = 10;
+  ApartPipeline machine(c);
+  EXPECT_THROW(run(machine), Deadlock);
 }
 
 }  // namespace

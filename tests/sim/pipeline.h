@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "sim/activity.h"
+#include "sim/islands.h"
 #include "sim/link.h"
 
 namespace sim::test {
@@ -116,7 +117,7 @@ class Sink {
   Link<std::uint64_t>& in_;
 };
 
-///   source --> stage --> sink
+///   source --> stage --> sink, each with a group of wake-up times to itself
 class Pipeline {
  public:
   explicit Pipeline(const PipelineConfig& c)
@@ -126,14 +127,16 @@ class Pipeline {
         source(c, first_),
         stage(c, first_, second_),
         sink(c, second_) {
-    first_.wakes(wakes_.of(0), wakes_.of(1));
-    second_.wakes(wakes_.of(1), wakes_.of(2));
+    wakes_.reset(place(3), kNever);
+    each_unit([&](auto&, std::size_t unit) { wakes_.lower(unit, 0); });
+    first_.wakes(wakes_.of(place(0)), wakes_.of(place(1)));
+    second_.wakes(wakes_.of(place(1)), wakes_.of(place(2)));
   }
 
   void each_unit(auto&& f) {
-    f(source, std::size_t{0});
-    f(stage, std::size_t{1});
-    f(sink, std::size_t{2});
+    f(source, place(0));
+    f(stage, place(1));
+    f(sink, place(2));
   }
   Wakes& wakes() { return wakes_; }
   bool done() const { return sink.taken.size() == config_.items; }
@@ -152,14 +155,40 @@ class Pipeline {
   }
 
  private:
-  PipelineConfig config_;
-  Wakes wakes_{3};
+  static std::size_t place(std::size_t unit) { return unit * Wakes::kGroup; }
+
+ protected:
+  const PipelineConfig config_;
+
+ private:
+  Wakes wakes_;
+
+ protected:
   Link<std::uint64_t> first_, second_;
 
  public:
   Source source;
   Stage stage;
   Sink sink;
+};
+
+/// The same as three islands.
+class ApartPipeline : public Pipeline {
+ public:
+  explicit ApartPipeline(const PipelineConfig& c) : Pipeline(c) {
+    islands_.outer = {{{0, 1}}, {{2, 3}}};
+    islands_.inner = {{1, 2}};
+    first_.count_if_nearly_full(&islands_.outer[0].nearly_full);
+  }
+  Islands& islands() { return islands_; }
+  /// The last items are taken with all islands at the same time.
+  Time horizon(Time now) const {
+    const bool ends_soon = config_.items - sink.taken.size() <= second_.capacity();
+    return ends_soon ? now : now + std::min(first_.latency(), second_.latency());
+  }
+
+ private:
+  Islands islands_;
 };
 
 }  // namespace sim::test
