@@ -58,6 +58,8 @@ int run(int argc, char** argv) {
   tools::add_kernels(app);
   tools::add_bottleneck(app);
   tools::add_bench(app);
+  tools::add_compare(app);
+  tools::add_baseline(app, exit);
   tools::add_trace(app, words);
   tools::add_microbench(app, exit);
   try {

@@ -110,7 +110,7 @@ CoreTime core_time(std::span<const UnitReport> units, const std::string& core, c
   return t;
 }
 
-/// Calls f(member of a, same member of b) for everything in a CoreTime.
+/// Calls f(member of a, same member of b) for every share and demand of a CoreTime.
 template <class A, class F>
 void each_share(A& a, const CoreTime& b, F&& f) {
   for (double CoreTime::*share :
@@ -124,10 +124,12 @@ void each_share(A& a, const CoreTime& b, F&& f) {
         &Demands::l2_lines, &Demands::dram_bus, &Demands::tracing, &Demands::records}) {
     f(a.demands.*demand, b.demands.*demand);
   }
-  for (MissLevels CoreTime::*of : {&CoreTime::data_levels, &CoreTime::tree_levels}) {
-    for (double MissLevels::*level : {&MissLevels::interconnect, &MissLevels::l2, &MissLevels::dram}) {
-      f(a.*of.*level, b.*of.*level);
-    }
+}
+
+/// Adds the levels of a core's misses to those of all: a core counts as much as it missed.
+void add_levels(MissLevels& all, const MissLevels& core, double weight) {
+  for (double MissLevels::*level : {&MissLevels::interconnect, &MissLevels::l2, &MissLevels::dram}) {
+    all.*level += core.*level * weight;
   }
 }
 
@@ -143,9 +145,16 @@ TopDown top_down(std::span<const UnitReport> units, const hw::GpuConfig& config)
   for (std::size_t c = 0; !Units(units, fmt::format("core{}.", c)).empty(); ++c) {
     view.cores.push_back(core_time(units, fmt::format("core{}", c), memory, config));
   }
+  const auto cores = static_cast<double>(view.cores.size());
+  CoreTime& gpu = view.gpu;
   for (const CoreTime& core : view.cores) {
-    each_share(view.gpu, core,
-               [&](double& sum, double share) { sum += share / static_cast<double>(view.cores.size()); });
+    each_share(gpu, core, [&](double& sum, double share) { sum += share / cores; });
+  }
+  for (const CoreTime& core : view.cores) {
+    if (gpu.data_misses > 0)
+      add_levels(gpu.data_levels, core.data_levels, core.data_misses / (cores * gpu.data_misses));
+    if (gpu.tree_misses > 0)
+      add_levels(gpu.tree_levels, core.tree_levels, core.tree_misses / (cores * gpu.tree_misses));
   }
   return view;
 }

@@ -56,17 +56,18 @@ class Accountant {
         clock_factor_(clock_factor(config.clock_share)),
         leakage_pj_per_mw_(static_cast<double>(elapsed) * kPicojoulesPerMilliwattFemtosecond) {}
 
-  EnergyByKind of(const UnitReport& unit) const {
+  /// Of a unit; what each event takes of it is added to `events`.
+  EnergyByKind of(const UnitReport& unit, std::map<std::string, Spread>& events) const {
     EnergyByKind sum;
     Spread on_chip;
     for (const CounterReport& counter : unit.counters) {
       if (counter.event.empty()) continue;
       const auto count = static_cast<double>(counter.value);
-      if (const auto device = device_events_.find(counter.event); device != device_events_.end()) {
-        (device->second.standby ? sum.leakage : sum.dynamic) += device->second.pj * count;
-      } else {
-        on_chip += figure(unit, counter) * count;
-      }
+      const auto device = device_events_.find(counter.event);
+      const bool is_device = device != device_events_.end();
+      const Spread energy = (is_device ? device->second.pj : figure(unit, counter)) * count;
+      (!is_device ? on_chip : device->second.standby ? sum.leakage : sum.dynamic) += energy;
+      events[counter.event] += energy;
     }
     sum.dynamic += on_chip;
     sum.clock = on_chip * clock_factor_ + idle_clock(unit);
@@ -115,7 +116,7 @@ EnergyReport compute_energy(std::span<const UnitReport> units, const EnergyConfi
   const Accountant accountant(config, device_events, elapsed);
   EnergyReport report;
   for (const UnitReport& unit : units) {
-    const EnergyByKind energy = accountant.of(unit);
+    const EnergyByKind energy = accountant.of(unit, report.events[unit.block]);
     EnergyByKind& block = report.blocks[unit.block];
     for (EnergyByKind* sum : {&block, &report.kinds}) {
       sum->dynamic += energy.dynamic;
@@ -150,6 +151,9 @@ EnergyByKind& EnergyByKind::operator+=(const EnergyByKind& other) {
 
 EnergyReport& EnergyReport::operator+=(const EnergyReport& other) {
   for (const auto& [name, energy] : other.blocks) blocks[name] += energy;
+  for (const auto& [block, more] : other.events) {
+    for (const auto& [event, energy] : more) events[block][event] += energy;
+  }
   kinds += other.kinds;
   total_pj += other.total_pj;
   return *this;

@@ -76,6 +76,9 @@ struct EnergyByKind {
 /// Where the energy went, in pJ. Both views, by block and by kind, sum to `total_pj`.
 struct EnergyReport {
   std::map<std::string, EnergyByKind> blocks;
+  /// Of each block, of each event that its counters name: counts times figures. Standby of devices is leakage; all
+  /// others sum to the dynamic energy.
+  std::map<std::string, std::map<std::string, Spread>> events;
   EnergyByKind kinds;
   Spread total_pj;
   EnergyReport& operator+=(const EnergyReport& other);

@@ -45,6 +45,17 @@ TEST(TopDown, MissesGoToTheLevelsAtWhichTheirTimePasses) {
   EXPECT_EQ(t.tree_levels.dram, 0) << "there was no such miss";
 }
 
+TEST(TopDown, CoresThatHadNothingToDoTakeNothingFromTheLevelsOfOthers) {
+  JobOptions options;
+  options.resolution = "16x16";  // one tile
+  options.sets = {"scene.triangles=500", "cores=4"};
+  const Simulation s = simulate(load_inputs(options), kernels::parse_program("full:1"), 1);
+  const TopDown view = top_down(s.units, s.machine);
+  for (const MissLevels& l : {view.gpu.data_levels, view.gpu.tree_levels}) {
+    EXPECT_NEAR(l.interconnect + l.l2 + l.dram, 1, 1e-9);
+  }
+}
+
 TEST(TopDown, SharesOfEveryCoreOfARealFrameSumToOneWhateverTheMachine) {
   for (const char* set : {"cores=2", "tni.miss_handling=blocking", "tni.miss_handling=rau", "tni.trv.box_testers=1",
                           "direct_interface.enabled=false", "ideal.l1=true"}) {

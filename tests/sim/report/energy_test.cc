@@ -112,6 +112,23 @@ TEST(Energy, OfADeviceIsTakenAsItIs) {
   expect_near(e.kinds.leakage, {10, 20, 30});
 }
 
+TEST(Energy, OfABlockIsToldByEventWithoutTheClock) {
+  const std::map<std::string, DeviceEvent> device = {{"dram.read", {{100, 200, 300}, false}},
+                                                     {"dram.standby", {{1, 2, 3}, true}}};
+  const std::vector<UnitReport> units = {
+      unit("core0.tni", "tni", {{"boxes", "", 10, "box"}, {"rays", "", 9, ""}}),
+      unit("core1.tni", "tni", {{"boxes", "", 5, "box"}}),
+      unit("dram0", "dram", {{"reads", "", 3, "dram.read"}, {"cycles", "", 10, "dram.standby"}})};
+  EnergyReport e = compute_energy(units, config(), device, 0);
+  EXPECT_EQ(e.events["tni"].size(), 1U) << "a counter without an event costs nothing";
+  expect_near(e.events["tni"]["box"], {15, 30, 60});
+  expect_near(e.events["dram"]["dram.standby"], {10, 20, 30});
+  expect_near(e.events["tni"]["box"] + e.events["dram"]["dram.read"], e.kinds.dynamic);
+  e += e;
+  expect_near(e.events["tni"]["box"], {30, 60, 120});
+  EXPECT_DOUBLE_EQ(energy_json(e)["energy_by_event_mj"]["tni"]["box"].get<double>(), 60e-9);
+}
+
 TEST(Energy, BothViewsSumToTheTotal) {
   EnergyConfig c = config();
   for (const char* block : {"l2", "srp", "dma"}) c.logic[block] = {0.1, 0.3, 0.7}, c.flops[block] = {7, 7, 7};

@@ -1,0 +1,215 @@
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "tests/tools/program.h"
+
+// Runs side by side: what changed, and which counters explain it.
+
+namespace test {
+namespace {
+
+using Json = nlohmann::json;
+
+/// Runs, each made when a test first asks for it.
+class Runs : public testing::Test {
+ protected:
+  void run(const std::string& name) const {
+    static const std::map<std::string, Words> kMore = {{"base", {}},
+                                                       {"same", {}},
+                                                       {"ports", {"--set", "srp.array.cache_ports=2"}},
+                                                       {"slow-l2", {"--set", "l2.hit_cycles=40"}},
+                                                       {"teapot", {"--scene", "teapot"}},
+                                                       {"larger", {"--resolution", "48x32"}},
+                                                       {"samples", {"--program", "full:4"}}};
+    Words words = {
+        "run", "--quiet", "--threads", "1", "-o", (folder.path() / name).string(), "--set", "scene.triangles=1000"};
+    if (name != "larger") words.insert(words.end(), {"--resolution", "32x16"});
+    words.insert(words.end(), kMore.at(name).begin(), kMore.at(name).end());
+    const Ending ending = raywatt(words);
+    ASSERT_EQ(ending.exit, 0) << ending.err;
+  }
+  std::string path(const std::string& name) const {
+    const std::filesystem::path place = folder.path() / name;
+    if (!std::filesystem::exists(place)) run(name);
+    return place.string();
+  }
+  Json compared(const std::string& a, const std::string& b) const {
+    const Ending ending = raywatt({"compare", path(a), path(b), "--json"});
+    EXPECT_EQ(ending.exit, 0) << ending.err;
+    const Json json = Json::parse(ending.out);
+    EXPECT_EQ(json["schema"], "raywatt-compare/1");
+    return json["against"][0];
+  }
+  /// A report of a run, changed.
+  std::string changed(const std::string& name, const std::function<void(Json&)>& change) const {
+    Json report = read_json(path("base") + "/report.json");
+    change(report);
+    return folder.write(name, report.dump()).string();
+  }
+
+  TempFolder folder;
+};
+
+TEST_F(Runs, OfEqualInputsAreEqualToTheLastCounterAndPixel) {
+  const Json c = compared("base", "same");
+  for (const char* list : {"config", "time", "reasons", "ratios", "energy_by_block_mj", "counters", "other_work"}) {
+    EXPECT_TRUE(c[list].empty()) << list << c[list];
+  }
+  EXPECT_EQ(c["figures"]["cycles"]["relative"], 1);
+  EXPECT_EQ(c["picture"]["identical"], true);
+  const std::string text = raywatt({"compare", path("base"), path("same")}).out;
+  EXPECT_SAYS(text, "configurations are equal");
+  EXPECT_SAYS(text, "all counters are equal");
+  EXPECT_SAYS(text, "identical");
+}
+
+TEST_F(Runs, TellWhichKeysDifferAndHowMuchFasterOneIs) {
+  const Json c = compared("base", "ports");
+  ASSERT_EQ(c["config"].size(), 1U);
+  EXPECT_EQ(c["config"][0], (Json{{"key", "srp.array.cache_ports"}, {"a", "1"}, {"b", "2"}}));
+  const Json a = read_json(folder.path() / "base" / "report.json")["totals"];
+  const Json b = read_json(folder.path() / "ports" / "report.json")["totals"];
+  const Json& cycles = c["figures"]["cycles"];
+  EXPECT_EQ(cycles["a"], a["cycles"]);
+  EXPECT_EQ(cycles["b"], b["cycles"]);
+  EXPECT_DOUBLE_EQ(cycles["relative"], b["cycles"].get<double>() / a["cycles"].get<double>());
+  EXPECT_EQ(c["figures"]["power_w"]["b"], b["power_w"]["nominal"]);
+  EXPECT_EQ(c["figures"]["rays"]["relative"], 1);
+  EXPECT_EQ(c["figures"]["frames_per_joule_gpu"]["a"], a["perf"]["frames_per_joule_gpu"]);
+  EXPECT_SAYS(raywatt({"compare", path("base"), path("ports")}).out, "srp.array.cache_ports: 1 -> 2");
+}
+
+TEST_F(Runs, ExplanationsComeWithTheLargestFirst) {
+  const Json c = compared("base", "slow-l2");
+  for (const char* list : {"time", "reasons", "energy_by_block_mj", "energy_by_event_mj"}) {
+    ASSERT_GE(c[list].size(), 2U) << list;
+    for (std::size_t i = 1; i < c[list].size(); ++i) {
+      EXPECT_GE(std::abs(c[list][i - 1]["difference"].get<double>()), std::abs(c[list][i]["difference"].get<double>()));
+    }
+  }
+  std::set<std::string> first_places;
+  for (std::size_t i = 0; i < 3; ++i) first_places.insert(c["time"][i]["name"]);
+  EXPECT_TRUE(first_places.contains("data_misses.l2")) << c["time"];
+  EXPECT_EQ(c["ratios"][0]["name"].get<std::string>().substr(0, 7), "node L1");
+}
+
+TEST_F(Runs, PlacesOfTimeAddUpToTheDifferenceInCycles) {
+  const Json c = compared("base", "slow-l2");
+  double sum = 0;
+  for (const Json& place : c["time"]) sum += place["difference"].get<double>();
+  const Json& cycles = c["figures"]["cycles"];
+  EXPECT_NEAR(sum, cycles["b"].get<double>() - cycles["a"].get<double>(), 1e-6 * cycles["a"].get<double>());
+}
+
+TEST_F(Runs, EventsWithClockAndLeakageAddUpToTheDifferenceInEnergy) {
+  const Json c = compared("base", "slow-l2");
+  double sum = 0;
+  for (const Json& event : c["energy_by_event_mj"]) {
+    const std::string name = event["name"];
+    const bool standby = name.find("standby") != std::string::npos || name == "dram dram.power_down";
+    if (!standby) sum += event["difference"].get<double>();  // DRAM's is in the leakage
+  }
+  const Json& energy = c["figures"]["energy_mj"];
+  EXPECT_NEAR(sum, energy["b"].get<double>() - energy["a"].get<double>(), 1e-6 * energy["a"].get<double>());
+}
+
+TEST_F(Runs, OfOtherWorkAreComparedWithAWarning) {
+  const auto warned = [&](const std::string& other, const std::string& why) {
+    const Ending ending = raywatt({"compare", path("base"), path(other)});
+    EXPECT_EQ(ending.exit, 0);
+    EXPECT_SAYS(ending.err, "raywatt: warning: ");
+    EXPECT_SAYS(ending.err, why);
+  };
+  warned("teapot", "scenes: cornell and teapot");
+  warned("larger", "resolutions: 32x16 and 48x32");
+  warned("samples", "programs: full:1 and full:4");
+  EXPECT_EQ(raywatt({"compare", path("base"), path("ports")}).err, "");
+}
+
+TEST_F(Runs, PicturesOfDifferentSizesAreSaidToBe) {
+  EXPECT_EQ(compared("base", "larger")["picture"]["why_not"], "sizes differ: 32x16 and 48x32");
+  const double psnr = compared("base", "samples")["picture"]["psnr_db"];
+  EXPECT_GT(psnr, 10);
+  EXPECT_LT(psnr, 60);
+}
+
+TEST_F(Runs, EightBitPicturesDoWhereOneHasNoOthers) {
+  const std::filesystem::path copy = folder.path() / "copy";
+  std::filesystem::copy(path("samples"), copy, std::filesystem::copy_options::recursive);
+  std::filesystem::remove(copy / "image.exr");
+  const double floats = compared("base", "samples")["picture"]["psnr_db"],
+               bytes = compared("base", "copy")["picture"]["psnr_db"];
+  EXPECT_NEAR(floats, bytes, 0.2);
+  EXPECT_NE(floats, bytes);
+  std::filesystem::remove(copy / "image.png");
+  EXPECT_SAYS(compared("base", "copy")["picture"]["why_not"].get<std::string>(), "not both");
+  folder.write("copy/image.png", "no picture");
+  EXPECT_SAYS(compared("base", "copy")["picture"]["why_not"].get<std::string>(), "image.png");
+}
+
+TEST_F(Runs, SeveralStandInOneTable) {
+  const std::string text = raywatt({"compare", path("base"), path("ports"), path("slow-l2")}).out;
+  EXPECT_SAYS(text, "ports against base");
+  EXPECT_SAYS(text, "slow-l2 against base");
+  const std::string header = text.substr(0, text.find('\n'));
+  for (const char* name : {"base", "ports", "slow-l2"}) EXPECT_SAYS(header, name);
+}
+
+TEST_F(Runs, OfOtherModelsOrInterruptedOrOlderAreComparedAllTheSame) {
+  const auto warned = [&](const std::string& other, const std::string& why) {
+    const Ending ending = raywatt({"compare", path("base"), other});
+    EXPECT_EQ(ending.exit, 0) << ending.err;
+    EXPECT_SAYS(ending.err, why);
+  };
+  warned(changed("other.json", [](Json& report) { report["provenance"]["model_id"] = "another"; }), "model_id");
+  warned(changed("partial.json", [](Json& report) { report["partial"] = true; }), "was interrupted");
+  warned(changed("old.json",
+                 [](Json& report) {
+                   report["totals"].erase("energy_by_event_mj");
+                   report["totals"].erase("top_down");
+                   report.erase("units");
+                 }),
+         "");
+}
+
+TEST_F(Runs, WhatIsNoReportIsRefused) {
+  const auto refused = [&](const std::string& other, const Words& parts) {
+    expect_refusal(raywatt({"compare", path("base"), other}), parts);
+    expect_refusal(raywatt({"compare", other, path("base"), "--json"}), parts);
+  };
+  refused((folder.path() / "nowhere").string(), {"nowhere"});
+  refused(folder.path().string(), {"report.json"});
+  refused(changed("verify.json", [](Json& report) { report["schema"] = "raywatt-verify/1"; }),
+          {"verify.json", "schema 'raywatt-verify/1'", "raywatt-report/1"});
+  refused(changed("future.json", [](Json& report) { report["schema"] = "raywatt-report/2"; }), {"raywatt-report/2"});
+  refused(changed("none.json", [](Json& report) { report.erase("totals"); }), {"totals.cycles"});
+  refused(folder.write("list.json", "[]").string(), {"no 'schema'"});
+  refused(folder.write("odd.json", R"({"schema": {}})").string(), {"schema"});
+  refused(folder.write("broken.json", R"({"schema": "raywatt-report/1")").string(), {"not JSON"});
+  refused(folder
+              .write("deep.json", R"({"schema": "raywatt-report/1", "units": )" + std::string(100000, '[') +
+                                      std::string(100000, ']') + "}")
+              .string(),
+          {"nested"});
+  expect_refusal(raywatt({"compare", path("base")}), {"runs"});
+}
+
+TEST_F(Runs, ReportsOfStrangeShapeDoNotCrashIt) {
+  for (const char* text : {R"({"schema": "raywatt-report/1", "totals": {"cycles": 0}})",
+                           R"({"schema": "raywatt-report/1", "totals": {"cycles": 5, "rays": 7, "top_down": []},
+                               "units": {"core0": 3}, "config": [], "scene": "none", "provenance": 1, "frames": {}})",
+                           R"({"schema": "raywatt-report/1", "totals": {"cycles": 1e308}, "program": 7, "partial": "x",
+                               "units": {"l2": {"bank0": {"elapsed": 0, "why": {"idle": 1}}}}, "resolution": {}})"}) {
+    const std::string odd = folder.write("odd.json", text).string();
+    EXPECT_EQ(raywatt({"compare", path("base"), odd}).exit, 0) << text;
+    EXPECT_EQ(raywatt({"compare", odd, path("base"), odd, "--json"}).exit, 0) << text;
+  }
+}
+
+}  // namespace
+}  // namespace test

@@ -1,0 +1,27 @@
+#pragma once
+#include <filesystem>
+#include <map>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+namespace tools {
+
+/// A report.json that somebody has handed in.
+struct ReportFile {
+  std::filesystem::path file;
+  nlohmann::ordered_json json;
+  std::map<std::string, double> numbers;  ///< report_numbers() by path
+
+  /// 0 where the report has none.
+  double number(const std::string& path) const;
+  bool has(const std::string& path) const { return numbers.contains(path); }
+  /// The text at two keys, e.g. "provenance", "model_id"; empty where the report has none.
+  std::string text(const std::string& group, const std::string& key) const;
+};
+
+/// Reads the report of a run: the file itself, or the folder of a run. InputError if there is none, if it is not JSON,
+/// or if its schema is another than raywatt-report/1.
+ReportFile load_report(const std::filesystem::path& file_or_folder);
+
+}  // namespace tools

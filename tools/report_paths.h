@@ -1,0 +1,35 @@
+#pragma once
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+namespace tools {
+
+/// A number of a report and where it stands: "totals.rays.shadow", "frames[2].cycles",
+/// "units.core0.tni.trv2.why.l1_miss".
+struct ReportNumber {
+  std::string path;
+  double value = 0;
+};
+
+/// Every number of a report in its order, but those of `host` and `provenance`, which differ between equal runs; behind
+/// them unit_sums(). InputError for what is nested more deeply than any report.
+std::vector<ReportNumber> report_numbers(const nlohmann::ordered_json& report);
+
+/// A path without the numbers of its units is their sum: "units.core.tni.trv.counters.l1_hits" is that of all traversal
+/// units, "units.core.tni.trv.units" says how many there are. Units that are alone are told as well.
+std::vector<ReportNumber> unit_sums(const nlohmann::ordered_json& report);
+
+/// The one of `paths` that `text` means: itself, or "totals." before it, or else the one that ends in it at a dot.
+/// Of several, paths of totals win over those of units and all else, and these over those of single frames.
+/// InputError with the candidates if that leaves several or `text` is a group, and with the nearest if it leaves none.
+std::string resolve_report_path(std::string_view text, std::span<const std::string> paths);
+
+/// All that `text` means: the one path, or if it is a group all in it; "units" stands for unit_sums(). Nothing if there
+/// is no such path; InputError if it may mean several that are no group.
+std::vector<std::string> report_path_group(std::string_view text, std::span<const std::string> paths);
+
+}  // namespace tools
