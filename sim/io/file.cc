@@ -70,7 +70,7 @@ std::string read_file(const std::filesystem::path& path, std::uint64_t most_byte
   if (!file.valid()) throw InputError(fmt::format("{}: cannot be opened: {}", shown, reason(errno)));
   std::string bytes;
   for (;;) {
-    constexpr std::size_t kPiece = 1 << 20;
+    constexpr std::size_t kPiece = 1 << 17;
     const std::size_t size = bytes.size();
     bytes.resize(size + kPiece);
     const ssize_t got = ::read(file.get(), bytes.data() + size, kPiece);

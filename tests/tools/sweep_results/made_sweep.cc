@@ -1,0 +1,112 @@
+#include "tests/tools/sweep_results/made_sweep.h"
+
+#include <fstream>
+#include <sstream>
+
+#include "sim/sha256.h"
+#include "tools/sweep/results/point_state.h"
+
+namespace test {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+void write(const fs::path& file, const std::string& bytes) {
+  fs::create_directories(file.parent_path());
+  std::ofstream(file, std::ios::binary) << bytes;
+}
+
+Json core(int loads) { return {{"srp", {{"counters", {{"loads", loads}}}}}}; }
+
+}  // namespace
+
+Json made_report(double cycles) {
+  static int made = 0;
+  ++made;
+  const Json totals = {{"cycles", cycles},
+                       {"time_ms", cycles / 500},
+                       {"limiter", "L2, and \"DRAM\""},
+                       {"power_w", {{"low", 0.1}, {"nominal", 0.5}, {"high", 0.9}}},
+                       {"perf", {{"fps", 1e6 / cycles}, {"frames_per_joule_gpu", 2e6 / cycles}}},
+                       {"top_down", {{"cores", {{{"boxes", 0.25}}, {{"boxes", 0.5}}}}}},
+                       {"psnr_db", nullptr},
+                       {"identical", true}};
+  Json frame = totals;
+  frame["frame"] = 3;
+  frame["rays"] = {{"total", 17}};
+  return {{"schema", "raywatt-report/1"},
+          {"partial", false},
+          {"provenance", {{"argv", {"raywatt", std::to_string(made)}}}},
+          {"totals", totals},
+          {"frames", {frame, frame}},
+          {"units", {{"core0", core(7)}, {"core1", core(8)}}},
+          {"host", {{"name", "a"}, {"wall_s", made}, {"threads", 2}}}};
+}
+
+std::size_t MadeSweep::add(const Axes& axes) {
+  const std::size_t n = ids_.size();
+  ids_.push_back(sim::sha256_hex(std::to_string(n)));
+  Json line = {{"n", n}, {"id", ids_.back()}, {"axes", Json::object()}, {"program", "full:1"}};
+  for (const auto& [name, value] : axes) line["axes"][name] = value;
+  lines_.push_back(line.dump());
+  return n;
+}
+
+void MadeSweep::add_grid(const std::string& a, const std::vector<std::string>& values_of_a, const std::string& b,
+                         const std::vector<std::string>& values_of_b,
+                         const std::function<double(std::size_t, std::size_t)>& cycles) {
+  for (std::size_t i = 0; i < values_of_a.size(); ++i) {
+    for (std::size_t k = 0; k < values_of_b.size(); ++k) {
+      finish(add({{a, values_of_a[i]}, {b, values_of_b[k]}}), cycles(i, k));
+    }
+  }
+}
+
+void MadeSweep::write_list() const {
+  if (lines_.empty()) return;  // a test has its own
+  std::string text;
+  for (const std::string& line : lines_) text += line + "\n";
+  write(folder() / "points.jsonl", text);
+}
+
+void MadeSweep::finish(std::size_t n, const Json& report) const {
+  write(point(n) / "config.yaml", "cores: 4\n");
+  write(point(n) / "report.json", report.dump(2) + "\n");
+}
+
+void MadeSweep::fail(std::size_t n, const std::string& error) const {
+  const Json record = {{"id", id(n)},       {"exit", 3},   {"error", error},
+                       {"log", "one\ntwo"}, {"host", "a"}, {"attempt", 2}};
+  write(tools::results::failure_record(store(), id(n)), record.dump());
+}
+
+void MadeSweep::damage(std::size_t n, const std::string& report) const { write(point(n) / "report.json", report); }
+
+void MadeSweep::remove(std::size_t n) const { fs::remove_all(point(n)); }
+
+tools::results::Collected MadeSweep::collect() const {
+  write_list();
+  return tools::results::collect(folder(), store());
+}
+
+tools::results::Results MadeSweep::results() const {
+  collect();
+  return tools::results::Results(folder());
+}
+
+fs::path MadeSweep::point(std::size_t n) const { return tools::results::point_folder(store(), id(n)); }
+
+std::vector<std::vector<std::string>> cells_of(const std::string& csv) {
+  std::vector<std::vector<std::string>> rows;
+  std::istringstream lines(csv);
+  for (std::string line; std::getline(lines, line);) {
+    rows.emplace_back();
+    std::istringstream cells(line + ",");
+    for (std::string cell; std::getline(cells, cell, ',');) rows.back().push_back(cell);
+  }
+  return rows;
+}
+
+}  // namespace test

@@ -1,0 +1,19 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "tools/sweep/results/results.h"
+
+namespace tools::results {
+
+struct BestOptions {
+  std::string metric;
+  bool most = true;
+  std::vector<std::string> where;
+};
+
+/// The point with the most or least of a metric (of equal ones the first), what it is, where its configuration is and
+/// how to run it again. InputError if no point meets the conditions.
+std::string best_text(const Results& results, const BestOptions& options);
+
+}  // namespace tools::results
