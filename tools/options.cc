@@ -73,8 +73,8 @@ void add_rays_option(CLI::App& verb, JobOptions& options) {
   CLI::Option* rays =
       verb.add_option("--rays", options.rays,
                       "trace this list of rays, 8 floats each (origin, t_min, direction, t_max), T&I units alone");
-  for (const char* other :
-       {"--program", "--camera", "--resolution", "--frames", "--reference", "--record", "--debug-images"}) {
+  for (const char* other : {"--program", "--camera", "--resolution", "--frames", "--reference", "--record",
+                            "--debug-images", "--tile-sampling", "--image"}) {
     if (CLI::Option* option = verb.get_option_no_throw(other)) rays->excludes(option);
   }
 }

@@ -82,9 +82,6 @@ void read_all(const Json& json, const char* key, Array& numbers) {
 }  // namespace
 
 Json trace_header(const Inputs& inputs, const JobOptions& options) {
-  if (inputs.image.has_levels()) {
-    throw sim::InputError("bvh.instances: walks through two levels cannot be recorded yet; allowed: flatten");
-  }
   Json kernels = Json::array();
   for (const kernels::KernelInfo& kernel : kernels::catalogue()) kernels.push_back(kernel.name);
   const BuildInfo build = build_info();

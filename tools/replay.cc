@@ -39,6 +39,26 @@ std::vector<traces::KernelId> kernels_of(const traces::Json& names) {
   return ids;
 }
 
+/// What a machine needs to know of a tree.
+void place_tree(const traces::TileScope& scope, const traces::BvhConfig& config, traces::MemoryImage& image) {
+  const bool has_levels = !scope.links.roots.empty();
+  if (has_levels && config.instances == traces::InstanceLevels::kFlatten) {
+    throw sim::InputError("has a tree of two levels, and bvh.instances is flatten; allowed: two_level");
+  }
+  image = {};
+  for (const auto& children : scope.links.nodes) std::ranges::copy(children, image.nodes.emplace_back().child);
+  for (const std::uint32_t root : scope.links.roots) image.instances.emplace_back().root = root;
+  std::vector<std::uint32_t> roots = scope.links.roots;
+  std::ranges::sort(roots);
+  const auto end = std::ranges::unique(roots).begin();
+  for (auto root = roots.begin(); root != end && *root != traces::kNone; ++root) {
+    image.trees.push_back({.first_node = *root});
+  }
+  // The machine asks whether there is a grid, not where it lies.
+  if (config.numbers == traces::BoxNumbers::kHybrid) image.grid.emplace(image.lower, image.upper);
+  image.layout = traces::layout_of(scope.counts, image.nodes, config);
+}
+
 }  // namespace
 
 Replay::Replay(const std::filesystem::path& file, const JobOptions& options) : trace_(file) {
@@ -77,29 +97,24 @@ void Replay::load_tree(const Part& part) {
   const sim::HostClock::time_point begin = sim::HostClock::now();
   if (tree_ != part.tree) {
     scope_ = trace_.scope(part, static_cast<std::uint32_t>(kernels_.size()));
-    traces::MemoryImage& image = inputs_.image;
-    image = {};
-    image.nodes.resize(scope_.links.size());
-    for (std::size_t i = 0; i < scope_.links.size(); ++i) std::ranges::copy(scope_.links[i], image.nodes[i].child);
-    const traces::BvhConfig& bvh = inputs_.config.bvh;
-    // The machine asks whether there is a grid, not where it lies.
-    if (bvh.numbers == traces::BoxNumbers::kHybrid) image.grid.emplace(image.lower, image.upper);
-    image.layout = traces::layout_of(scope_.counts, image.nodes, bvh);
+    trace_.naming_file([&] { place_tree(scope_, inputs_.config.bvh, inputs_.image); });
     inputs_.stored_triangles = scope_.counts.triangles;
-    inputs_.parents = traces::parents_of(image);
+    inputs_.parents = traces::parents_of(inputs_.image);
     tree_ = part.tree;
   }
   scope_.region_bytes = part.demands.region_bytes;
   inputs_.load_seconds += sim::seconds_since(begin);
 }
 
-Simulation Replay::play(const Part& part, const kernels::ProgramSpec& program, std::uint32_t threads) {
+Simulation Replay::play(const Part& part, const kernels::ProgramSpec& program, std::uint32_t threads,
+                        Progress* progress) {
   load_tree(part);
   ReplayProgram frame(trace_, part, scope_, kernels_);
-  return tools::play(inputs_, program, frame, NoTracer(), threads);
+  inputs_.frame = part.frame;
+  return tools::play(inputs_, program, frame, NoTracer(), threads, {.progress = progress});
 }
 
-Outcome Replay::run(std::uint32_t threads) {
+Outcome Replay::run(std::uint32_t threads, Progress* progress) {
   Outcome out;
   try {
     for (const traces::Json& frame : trace_.frames()) {
@@ -109,11 +124,11 @@ Outcome Replay::run(std::uint32_t threads) {
         return std::pair{static_cast<std::uint32_t>(traces::number_at(frame, "frame", traces::kMaxFrame)), difference};
       });
       const Part& work = trace_.naming_file([&]() -> const Part& { return part(number, false); });
-      Simulation played = play(work, program_, threads);
+      Simulation played = play(work, program_, threads, progress);
       std::optional<Simulation> compared;
       if (reference_) {
         const Part& other = trace_.naming_file([&]() -> const Part& { return part(number, true); });
-        compared = play(other, *reference_, threads);
+        compared = play(other, *reference_, threads, progress);
       }
       out.add(number, std::move(played), std::move(compared), error);
     }

@@ -15,14 +15,17 @@ class Replay {
   /// InputError if the trace cannot be read, or does not hold what the configuration asks for.
   Replay(const std::filesystem::path& file, const JobOptions& options);
 
+  /// Runs of a frame program over a frame.
+  std::uint32_t parts() const { return static_cast<std::uint32_t>(trace_.frames().size()) * (reference_ ? 2 : 1); }
   /// As of a run; without a scene.
   const Inputs& inputs() const { return inputs_; }
   /// Plays all frames, or those that an interrupt has left time for; Interrupted if that is none.
-  Outcome run(std::uint32_t threads);
+  Outcome run(std::uint32_t threads, Progress* progress = nullptr);
 
  private:
   const traces::TraceReader::Part& part(std::uint32_t frame, bool reference) const;
-  Simulation play(const traces::TraceReader::Part& part, const kernels::ProgramSpec& program, std::uint32_t threads);
+  Simulation play(const traces::TraceReader::Part& part, const kernels::ProgramSpec& program, std::uint32_t threads,
+                  Progress* progress);
   void load_tree(const traces::TraceReader::Part& part);
 
   traces::TraceReader trace_;

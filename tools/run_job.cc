@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <memory>
-#include <numeric>
 #include <thread>
 
 #include <fmt/format.h>
@@ -13,6 +12,7 @@
 #include "sim/engine.h"
 #include "sim/host_clock.h"
 #include "tools/interrupt.h"
+#include "tools/offered_tiles.h"
 #include "tools/recorded.h"
 #include "traces/accel/build.h"
 #include "traces/accel/bvh_info.h"
@@ -24,42 +24,6 @@
 namespace tools {
 
 namespace {
-
-std::uint64_t rays_of(const hw::FrontEnd::Result& result) {
-  return std::accumulate(std::begin(result.rays), std::end(result.rays), std::uint64_t{0});
-}
-
-/// The tiles of a frame on their way to whoever plays them: tells of progress, and ends the list when the user has
-/// interrupted it. A machine then finishes the tiles that it has.
-class Tiles final : public hw::TileSource {
- public:
-  Tiles(hw::FrontEnd& front_end, std::uint32_t tiles, const Extras& extras)
-      : front_end_(front_end), extras_(extras), tiles_(tiles) {}
-  void begin(const char* phase, std::uint32_t frame) const {
-    if (extras_.progress != nullptr) extras_.progress->begin_part(phase, frame, tiles_);
-  }
-  void played_by(const hw::Gpu& gpu) { gpu_ = &gpu; }
-  const traces::TileWork* next() override {
-    if (!interrupted()) return front_end_.next();
-    if (!extras_.keep_part || finished_ == 0) throw Interrupted{};
-    front_end_.keep_picture();
-    return nullptr;
-  }
-  void give_back(const traces::TileWork* work) override {
-    front_end_.give_back(work);
-    finished_ += 1;
-    if (extras_.progress == nullptr) return;
-    extras_.progress->tiles_done(finished_, rays_of(front_end_.result()), gpu_ != nullptr ? gpu_->cycles_so_far() : 0);
-  }
-  std::uint32_t finished() const { return finished_; }
-
- private:
-  hw::FrontEnd& front_end_;
-  const Extras& extras_;
-  const std::uint32_t tiles_;
-  const hw::Gpu* gpu_ = nullptr;
-  std::uint32_t finished_ = 0;
-};
 
 /// Writes the work of a frame into a trace while it goes by; with no trace it just goes by.
 class Recording final : public hw::TileSource {
@@ -165,7 +129,7 @@ void advance(Inputs& in, std::uint32_t frame, std::uint32_t threads, Progress* p
   in.update_seconds += sim::seconds_since(begin);
 }
 
-std::uint64_t Simulation::rays() const { return rays_of(function); }
+std::uint64_t Simulation::rays() const { return function.all_rays(); }
 
 void Simulation::add(const Simulation& frame) {
   frames += frame.frames;
@@ -192,7 +156,7 @@ Simulation play(const Inputs& inputs, const kernels::ProgramSpec& program, kerne
                 const traces::Tracer& tracer, std::uint32_t threads, const Extras& extras) {
   const sim::HostClock::time_point begin = sim::HostClock::now();
   hw::FrontEnd front_end(frame, tracer, host_threads(threads) - 1);
-  Tiles offered(front_end, frame.tiles(), extras);
+  OfferedTiles offered(front_end, frame.tiles(), extras.progress, extras.keep_part);
   const kernels::Demands demands = frame.demands();
   Recording tiles(offered, inputs, demands, extras);
   const auto gpu = std::make_unique<hw::Gpu>(inputs.config.gpu,
@@ -230,7 +194,7 @@ hw::FrontEnd::Result render(const Inputs& inputs, const kernels::ProgramSpec& pr
                             std::uint32_t threads, const Extras& extras) {
   const Program made(inputs, program, extras);
   hw::FrontEnd front_end(*made.frame, tracer, host_threads(threads), extras.trace != nullptr);
-  Tiles offered(front_end, made.frame->tiles(), extras);
+  OfferedTiles offered(front_end, made.frame->tiles(), extras.progress, extras.keep_part);
   Recording tiles(offered, inputs, made.frame->demands(), extras);
   offered.begin("rendering", inputs.frame);
   while (const traces::TileWork* work = tiles.next()) tiles.give_back(work);

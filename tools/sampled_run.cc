@@ -5,26 +5,12 @@
 #include <numeric>
 
 #include "sim/engine.h"
-#include "tools/interrupt.h"
+#include "tools/offered_tiles.h"
 #include "tools/units.h"
 
 namespace tools {
 
 namespace {
-
-/// Lets go of the work when the user has interrupted it.
-class Interruptible final : public hw::TileSource {
- public:
-  explicit Interruptible(hw::TileSource& source) : source_(source) {}
-  const traces::TileWork* next() override {
-    if (interrupted()) throw Interrupted{};
-    return source_.next();
-  }
-  void give_back(const traces::TileWork* work) override { source_.give_back(work); }
-
- private:
-  hw::TileSource& source_;
-};
 
 /// What happened from one mark to another.
 MeasuredPart between(const hw::SampledTiles::Mark& a, const hw::SampledTiles::Mark& b) {
@@ -64,15 +50,15 @@ hw::TileTraits traits_of(const MeasuredPart& part, sim::Time begin, sim::Time en
 
 }  // namespace
 
-SampledRun run_blocks(const Inputs& inputs, hw::FrontEnd& front_end, const kernels::Demands& demands,
+SampledRun run_blocks(const Inputs& inputs, OfferedTiles& source, const kernels::Demands& demands,
                       std::span<const hw::TimedBlock> blocks, std::span<const hw::TileTraits> traits) {
-  Interruptible source(front_end);
   hw::SampledTiles tiles(source, blocks);
   const auto gpu = std::make_unique<hw::Gpu>(inputs.config.gpu,
                                              hw::Gpu::Workload{inputs.image, inputs.parents, demands.tile_samples,
                                                                demands.region_bytes, demands.attribute_bytes},
                                              tiles);
   tiles.connect(*gpu);
+  source.played_by(*gpu);
   gpu->finish(sim::run(*gpu));
   tiles.finish();
 
@@ -81,7 +67,6 @@ SampledRun run_blocks(const Inputs& inputs, hw::FrontEnd& front_end, const kerne
   run.kernels = gpu->kernels();
   run.elapsed = gpu->elapsed();
   run.cycle = gpu->elapsed() / gpu->cycles();
-  run.function = front_end.result();
   run.timed = tiles.played().size();
   run.warmed = tiles.warmed();
   run.warming_seconds = tiles.warming_seconds();

@@ -4,6 +4,7 @@
 
 #include "hw_models/frame/sampled_tiles.h"
 #include "hw_models/frame/tile_pilot.h"
+#include "tools/offered_tiles.h"
 #include "tools/run_job.h"
 
 namespace tools {
@@ -24,13 +25,12 @@ struct SampledRun {
   std::vector<hw::KernelSchedule> kernels;
   sim::Time elapsed = 0;
   sim::Time cycle = 0;  ///< of the T&I clock
-  hw::FrontEnd::Result function;
   std::uint64_t timed = 0, warmed = 0;
   double warming_seconds = 0;
 };
 
 /// Plays blocks of a frame. `traits`: of each of its tiles, by the pilot.
-SampledRun run_blocks(const Inputs& inputs, hw::FrontEnd& front_end, const kernels::Demands& demands,
+SampledRun run_blocks(const Inputs& inputs, OfferedTiles& source, const kernels::Demands& demands,
                       std::span<const hw::TimedBlock> blocks, std::span<const hw::TileTraits> traits);
 
 /// The whole from its parts, each with its weight.

@@ -65,7 +65,8 @@ kernels::FullProgram thin_program(const Inputs& inputs, const kernels::ProgramSp
 }
 
 Pilot look_at_all(const Inputs& inputs, const kernels::ProgramSpec& spec, const traces::Tracer& tracer,
-                  std::uint32_t threads) {
+                  std::uint32_t threads, Progress* progress) {
+  if (progress != nullptr) progress->phase("looking at all tiles");
   Pilot pilot;
   kernels::FullProgram program = thin_program(inputs, spec, pilot.thinning);
   std::vector<hw::KernelSchedule> kernels;
@@ -205,10 +206,10 @@ void check_tile_sampling(const kernels::ProgramSpec& program) {
 }
 
 Simulation simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
-                            const TileSampling& sampling) {
+                            const TileSampling& sampling, Progress* progress) {
   const sim::HostClock::time_point begin = sim::HostClock::now();
   const traces::BvhTracer tracer(inputs.image);
-  const Pilot pilot = look_at_all(inputs, program, tracer, threads);
+  const Pilot pilot = look_at_all(inputs, program, tracer, threads, progress);
   const PlanShape shape = shape_of(inputs.config.gpu);
 
   Simulation s;
@@ -221,24 +222,29 @@ Simulation simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& pr
   double waited = pilot.function.waited, functional = pilot.function.seconds;
 
   std::vector<SampledRun> runs;
+  FormerTiles told;
   Estimates estimates;
   for (double share = sampling.share, spent = 0;;) {
     const TilePlan plan = plan_tiles(pilot.costs, share, shape, sim::hash(inputs.frame, runs.size()));
     const bool picture = sampling.full_image && runs.empty();
     kernels::FullProgram frame(inputs.image, inputs.camera, inputs.config.render, program.samples, inputs.frame);
-    hw::FrontEnd front_end(frame, tracer, host_threads(threads) - 1, true,
-                           picture ? std::vector<std::uint32_t>{} : places_of(plan.blocks));
-    runs.push_back(run_blocks(inputs, front_end, frame.demands(), plan.blocks, pilot.traits));
+    const std::vector<std::uint32_t> places = picture ? std::vector<std::uint32_t>{} : places_of(plan.blocks);
+    hw::FrontEnd front_end(frame, tracer, host_threads(threads) - 1, true, places);
+    OfferedTiles source(front_end, picture ? frame.tiles() : static_cast<std::uint32_t>(places.size()), progress, false,
+                        &told);
+    source.begin("simulating", inputs.frame);
+    runs.push_back(run_blocks(inputs, source, frame.demands(), plan.blocks, pilot.traits));
     const SampledRun& run = runs.back();
-    waited += run.function.waited;
-    functional += run.function.seconds;
+    const hw::FrontEnd::Result& function = front_end.result();
+    waited += function.waited;
+    functional += function.seconds;
     sampled.rounds += 1;
     sampled.timed += run.timed;
     sampled.warmed += run.warmed;
     sampled.warming_seconds += run.warming_seconds;
-    if (picture) s.function = run.function;
+    if (picture) s.function = function;
     if (plan.all) {
-      if (!picture) copy_counts(run.function, s.function);
+      if (!picture) copy_counts(function, s.function);
       sampled.measured += run.timed;
       estimates = known(inputs, run);
       break;
@@ -253,6 +259,7 @@ Simulation simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& pr
     share = std::clamp(spent * (off * off - 1), spent / 2, 2 * spent);
     if (spent + share > kMostShare) share = 1;
   }
+  told.end(progress);
   const sim::Time cycle = runs.front().cycle;
   const auto cycles = [&](double time) { return time / static_cast<double>(cycle); };
   s.cycles = rounded(cycles(static_cast<double>(estimates.whole.time)));

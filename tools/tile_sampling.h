@@ -21,6 +21,6 @@ void check_tile_sampling(const kernels::ProgramSpec& program);
 
 /// As simulate(), with some of the frame's tiles timed and the rest estimated from them (docs/sampling.md).
 Simulation simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
-                            const TileSampling& sampling);
+                            const TileSampling& sampling, Progress* progress = nullptr);
 
 }  // namespace tools

@@ -1,6 +1,8 @@
 #include "hw_models/frame/front_end.h"
 
 #include <algorithm>
+#include <iterator>
+#include <numeric>
 #include <utility>
 
 #include "sim/host_clock.h"
@@ -132,9 +134,13 @@ void FrontEnd::keep(const Slot& slot) {
 }
 
 void FrontEnd::keep_picture() {
-  result_.rgb = program_.picture();
+  if (result_.rgb.empty()) result_.rgb = program_.take_picture();
   result_.sampling = program_.sampling();
   result_.marks = program_.marks();
+}
+
+std::uint64_t FrontEnd::Result::all_rays() const {
+  return std::accumulate(std::begin(rays), std::end(rays), std::uint64_t{0});
 }
 
 void FrontEnd::Result::add(const Result& other) {

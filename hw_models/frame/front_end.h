@@ -28,6 +28,7 @@ class FrontEnd final : public TileSource {
     std::uint64_t traversal_steps = 0;
     double seconds = 0;  ///< host time of the functional half, summed over its threads
     double waited = 0;   ///< of that, time for which the caller of next() stood still
+    std::uint64_t all_rays() const;
     /// Adds another frame's figures; the picture, and what is per tile, stay.
     void add(const Result& other);
   };
@@ -44,7 +45,8 @@ class FrontEnd final : public TileSource {
   const traces::TileWork* next() override;
   void give_back(const traces::TileWork* work) override;
   const Result& result() const { return result_; }
-  /// Has the result show what has been taken so far, for a frame that is left unfinished.
+  /// Has the result show what has been taken so far, for a frame that is left unfinished. Nothing may be taken after
+  /// it.
   void keep_picture();
 
  private:

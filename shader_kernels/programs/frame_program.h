@@ -46,6 +46,8 @@ class FrameProgram {
 
   /// Linear RGB, row by row, as far as tiles have been kept.
   const std::vector<float>& picture() const { return picture_; }
+  /// Call once, when no more tiles come.
+  std::vector<float> take_picture() { return std::move(picture_); }
   const Sampling& sampling() const { return sampling_; }
   /// Has keep() keep marks too.
   void keep_marks() { keeps_marks_ = true; }

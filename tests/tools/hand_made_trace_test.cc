@@ -37,6 +37,9 @@ std::string bytes(std::initializer_list<int> values) {
 // The root has two leaves: triangle 0; triangles 1 and 2.
 const std::string kTree = bytes({0b0000'000'1, 0b0000'001'1});
 
+// Two instances of a tree over all three triangles; behind the nodes, the tree of each.
+const std::string kLevels = bytes({0b0000'000'1, 0b0000'000'1, 0b0000'010'1, 0, 1, 1});
+
 // Four pixels: a kernel makes their rays, another looks at what they hit, 16 bytes go to the picture.
 std::string tile(int index, const std::string& walks) {
   return bytes({0,
@@ -93,23 +96,35 @@ const std::string kWords = bytes({17, /*words*/ 1}) + [] {
          number(2U << 30 | 1, 4) + number(3U << 30 | 1, 4) + std::string();
 }();
 
-/// The same as bits, lowest first.
+/// Bits, given as '0' and '1', lowest first, as walks of so many words.
+std::string as_walks(const std::string& all, int words) {
+  std::string out((all.size() + 7) / 8, '\0');
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (all[i] == '1') out[i / 8] = static_cast<char>(out[i / 8] | (1 << (i % 8)));
+  }
+  return bytes({words, /*bits*/ 0}) + out;
+}
+
+/// The same as bits.
 std::string bits() {
-  std::string all;  // of '0' and '1'
+  std::string all;
   for (int ray = 0; ray < 3; ++ray) all += /*visit, the first box*/ "100" /*hit*/ "11" /*the end: a hit*/ "1";
   all +=    /*visit, both boxes, the second first*/
       "111" /*distance, hit*/
       "10"
       "11" /*cull all*/
       "10" /*a hit*/ "1";
-  std::string out((all.size() + 7) / 8, '\0');
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    if (all[i] == '1') out[i / 8] = static_cast<char>(out[i / 8] | (1 << (i % 8)));
-  }
-  return bytes({17, /*bits*/ 0}) + out;
+  return as_walks(all, 17);
 }
 
-std::string trace(const std::string& walks) {
+/// All rays hit the second instance's box and enter it, test the first triangle and hit it.
+std::string bits_of_levels() {
+  std::string all;
+  for (int ray = 0; ray < 4; ++ray) all += /*the second box*/ "010" /*the only box*/ "100" /*hit*/ "110000" /*end*/ "1";
+  return as_walks(all, 4 * 6);
+}
+
+std::string trace(const std::string& walks, bool levels = false) {
   const Json header = {{"program", "full:1"},
                        {"reference", ""},
                        {"resolution", {4, 2}},
@@ -124,7 +139,7 @@ std::string trace(const std::string& walks) {
                        {"function", Json::object()},
                        {"given", {{"render.width", "4"}, {"render.height", "2"}}},
                        {"config", ""}};
-  std::string file = "raywatt-trace/1\n";
+  std::string file = "raywatt-trace/2\n";
   const std::string packed = block(header.dump());
   file += number(packed.size(), 4) + packed;
   Json contents;
@@ -134,10 +149,16 @@ std::string trace(const std::string& walks) {
     file += all;
     return place;
   };
-  Json tree = put(kTree);
-  tree["nodes"] = 1;
-  tree["counts"] = {{"triangles", 3}, {"attributes", 3}, {"vertices", 0},
-                    {"materials", 1}, {"details", 0},    {"textures", Json::array()}};
+  Json tree = put(levels ? kLevels : kTree);
+  tree["nodes"] = levels ? 2 : 1;
+  tree["counts"] = {{"triangles", 3},
+                    {"attributes", 3},
+                    {"vertices", 0},
+                    {"materials", 1},
+                    {"details", 0},
+                    {"textures", Json::array()},
+                    {"instances", levels ? 2 : 0},
+                    {"trees", levels ? 1 : 0}};
   contents["trees"].push_back(tree);
   const std::string tiles[] = {block(tile(0, walks)), block(tile(1, walks))};
   const std::size_t first = file.size();
@@ -163,10 +184,11 @@ std::string trace(const std::string& walks) {
   return file + number(place["offset"], 8) + number(place["bytes"], 4) + "end\n";
 }
 
-nlohmann::json played(const TempFolder& folder, const std::string& name, const std::string& walks) {
-  const std::string file = folder.write(name + ".trace", trace(walks)).string();
+nlohmann::json played(const TempFolder& folder, const std::string& name, const std::string& content,
+                      const std::string& set = "cores=4") {
+  const std::string file = folder.write(name + ".trace", content).string();
   const std::filesystem::path out = folder.path() / name;
-  const Ending ending = raywatt({"trace", "replay", "sgrt-2016", file, "-o", out.string()});
+  const Ending ending = raywatt({"trace", "replay", "sgrt-2016", file, "--set", set, "-o", out.string()});
   EXPECT_EQ(ending.exit, 0) << ending.err;
   const Ending info = raywatt({"trace", "info", file});
   EXPECT_EQ(info.exit, 0) << info.err;
@@ -176,7 +198,7 @@ nlohmann::json played(const TempFolder& folder, const std::string& name, const s
 
 TEST(HandMadeTrace, PlaysWithWalksAsWordsAndAsBits) {
   const TempFolder folder;
-  const nlohmann::json words = played(folder, "words", kWords), as_bits = played(folder, "bits", bits());
+  const nlohmann::json words = played(folder, "words", trace(kWords)), as_bits = played(folder, "bits", trace(bits()));
   const nlohmann::json& totals = words["totals"];
   EXPECT_EQ(totals["rays"]["primary"], 8);
   EXPECT_EQ(totals["rays"]["total"], 8);
@@ -186,6 +208,21 @@ TEST(HandMadeTrace, PlaysWithWalksAsWordsAndAsBits) {
   EXPECT_EQ(words["scene"]["name"], "three triangles");
   EXPECT_EQ(words["resolution"], nlohmann::json({4, 2}));
   EXPECT_EQ(words["units"], as_bits["units"]);
+}
+
+TEST(HandMadeTrace, PlaysRaysThatEnterInstances) {
+  const TempFolder folder;
+  const std::string content = trace(bits_of_levels(), true);
+  const nlohmann::json report = played(folder, "levels", content, "bvh.instances=two_level");
+  EXPECT_EQ(report["totals"]["traversal_steps"], 8 * (2 + 1));
+  std::uint64_t transforms = 0;
+  for (const auto& [name, unit] : report["units"]["core0"]["tni"].items()) {
+    if (name.starts_with("trv")) transforms += unit["counters"]["transforms"].get<std::uint64_t>();
+  }
+  EXPECT_GE(transforms, 4U) << "a tile's rays at least";
+  const std::string file = folder.write("flat.trace", content).string();
+  expect_refusal(raywatt({"trace", "replay", "sgrt-2016", file, "-o", (folder.path() / "out").string()}),
+                 {"flat.trace", "two levels", "bvh.instances is flatten", "allowed: two_level"});
 }
 
 }  // namespace

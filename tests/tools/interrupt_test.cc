@@ -111,6 +111,33 @@ TEST(Interrupt, InAFrameKeepsItsFinishedPart) {
   }
 }
 
+TEST(Interrupt, WithSampledTilesKeepsFinishedFramesAndNothingOfOthers) {
+  const TempFolder folder;
+  const fs::path out = folder.path() / "out";
+  const auto stopped = [&](const Words& more, const std::function<bool(const nlohmann::json&)>& at) {
+    Words words = {"run", "--tile-sampling", "5%", "--threads", "2", "--progress", "json", "-o", out.string()};
+    words.insert(words.end(), more.begin(), more.end());
+    Program program(words);
+    EXPECT_TRUE(program.wait_until([&](const std::string& err) { return at(last_progress(err)); }));
+    program.send(SIGINT);
+    return program.wait();
+  };
+  const Ending first = stopped({"--resolution", "512x256", "--program", "full:64"}, [](const nlohmann::json& line) {
+    return line.value("phase", "") == "simulating" && line.value("tile", 0) > 3;
+  });
+  EXPECT_EQ(first.exit, 128 + SIGINT);
+  EXPECT_TRUE(first.err.ends_with("raywatt: interrupted\n")) << first.err;
+  EXPECT_EQ(names_in(folder.path()), Words{});
+  const Ending later = stopped({"--scene", "chess", "--set", "scene.triangles=5000", "--set", "scene.frame_rate=2",
+                                "--frames", "0:100000", "--resolution", "64x32"},
+                               [](const nlohmann::json& line) { return line.value("frame", 0) > 2; });
+  EXPECT_EQ(later.exit, 128 + SIGINT);
+  const nlohmann::json report = read_json(out / "report.json");
+  EXPECT_EQ(report["partial"], true);
+  EXPECT_GE(report["frames"].size(), 2U);
+  EXPECT_SAYS(later.err, "kept " + std::to_string(report["frames"].size()) + " of 100001 frames in");
+}
+
 TEST(Interrupt, InTheReferenceKeepsTheRun) {
   const TempFolder folder;
   const fs::path out = folder.path() / "out";

@@ -95,6 +95,28 @@ TEST(ProgressJson, GoesUpAndEndsWithTheWholeRun) {
               0.01 * report["totals"]["cycles"].get<double>());
 }
 
+TEST(ProgressJson, OfSampledTilesGoesUpThroughAllRoundsAndEndsWithThem) {
+  const TempFolder folder;
+  const Ending ending =
+      raywatt({"run", "--resolution", "512x256", "--tile-sampling", "auto", "--image", "none", "--threads", "1",
+               "--quiet", "--progress", "json", "-o", (folder.path() / "out").string()});
+  ASSERT_EQ(ending.exit, 0) << ending.err;
+  std::uint64_t rays = 0, tiles = 0;
+  nlohmann::json last;
+  std::istringstream err(ending.err);
+  for (std::string line; std::getline(err, line);) {
+    last = nlohmann::json::parse(line);
+    EXPECT_GE(last["rays"], rays);
+    EXPECT_GE(last["tile"], tiles);
+    EXPECT_TRUE(last["part"] == 0 || last["phase"] != "simulating") << "a frame is one part";
+    rays = last["rays"], tiles = last["tile"];
+  }
+  EXPECT_EQ(last["phase"], "done");
+  EXPECT_EQ(last["part"], 1);
+  EXPECT_GT(rays, 10000U);
+  EXPECT_EQ(last["tile"], last["tiles"]);
+}
+
 TEST(ProgressJson, OfVerifyAndReproduceIsThereToo) {
   const TempFolder folder;
   const Ending verify =

@@ -119,6 +119,7 @@ TEST_F(Rays, ThatAreNoneAreRefusedByTheirNumber) {
   folder_.write("a.rays", "");
   expect_refusal(raywatt({"run", "--rays", (folder_.path() / "a.rays").string()}), {"has 0 bytes", "at least one ray"});
   expect_refusal(raywatt({"run", "--rays", list(good), "--program", "full:4"}), {"--rays", "--program"});
+  expect_refusal(raywatt({"run", "--rays", list(good), "--tile-sampling", "5%"}), {"--rays", "--tile-sampling"});
   EXPECT_FALSE(std::filesystem::exists(out()));
 }
 

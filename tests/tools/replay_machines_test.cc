@@ -29,36 +29,37 @@ tools::JobOptions options_for(const std::filesystem::path& config) {
 }
 
 /// Keys of timing and walk drawn anew, keys of layout in turn.
-tools::RunConfig random_machine(std::uint64_t seed) {
+tools::RunConfig random_machine(std::uint64_t seed, traces::InstanceLevels levels) {
   tools::RunConfig config = tools::load_run_config({});
   config.gpu = hw::testing::random_config(seed);
   config.bvh.boxes = (seed & 1) != 0 ? traces::BoxRecords::kSingle : traces::BoxRecords::kPair;
   config.bvh.triangle_bytes = (seed & 2) != 0 ? 36 : 48;
   config.render.width = 48;
   config.render.height = 32;
-  config.scene.name = "teapot";
+  config.bvh.instances = levels;
+  config.scene.name = levels == traces::InstanceLevels::kFlatten ? "teapot" : "chess";
   return config;
 }
 
-std::filesystem::path write_config(const TempFolder& folder, std::uint64_t seed) {
-  const tools::RunConfig config = random_machine(seed);
+std::filesystem::path write_config(const TempFolder& folder, std::uint64_t seed, traces::InstanceLevels levels) {
+  const tools::RunConfig config = random_machine(seed, levels);
   return folder.write("machine" + std::to_string(seed) + ".yaml", sim::dump_config(config));
 }
 
-TEST(ReplayMachines, SayWhatARunOnThemSays) {
+void expect_same_on_machines(std::uint64_t count, traces::InstanceLevels levels) {
   const TempFolder folder;
   const std::filesystem::path trace = folder.path() / "a.trace";
   {
-    const tools::JobOptions options = options_for(write_config(folder, 0));
+    const tools::JobOptions options = options_for(write_config(folder, 0, levels));
     const tools::Inputs inputs = tools::load_inputs(options);
     traces::TraceWriter writer(trace, tools::trace_header(inputs, options));
     tools::simulate(inputs, {}, 1, {.rates = nullptr, .trace = &writer});
     writer.end_frame(tools::recorded_frame(0, 0));
     writer.commit();
   }
-  for (std::uint64_t seed = 1; seed <= machines(); ++seed) {
+  for (std::uint64_t seed = 1; seed <= count; ++seed) {
     SCOPED_TRACE(seed);
-    const tools::JobOptions options = options_for(write_config(folder, seed));
+    const tools::JobOptions options = options_for(write_config(folder, seed, levels));
     const tools::Inputs inputs = tools::load_inputs(options);
     const tools::Simulation run = tools::simulate(inputs, {}, 1);
     tools::Replay job(trace, options);
@@ -74,6 +75,12 @@ TEST(ReplayMachines, SayWhatARunOnThemSays) {
       }
     }
   }
+}
+
+TEST(ReplayMachines, SayWhatARunOnThemSays) { expect_same_on_machines(machines(), traces::InstanceLevels::kFlatten); }
+
+TEST(ReplayMachines, SayWhatARunOnThemSaysOfTwoLevels) {
+  expect_same_on_machines((machines() + 1) / 2, traces::InstanceLevels::kTwoLevel);
 }
 
 }  // namespace

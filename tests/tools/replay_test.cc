@@ -49,13 +49,17 @@ class Replay : public ::testing::Test {
 };
 
 TEST_F(Replay, SaysWhatTheRunSaidForEveryFrameProgram) {
-  const std::vector<Words> runs = {{},
-                                   {"--program", "full:4", "--scene", "chess"},
-                                   {"--program", "multirate:under", "--reference", "full:1"},
-                                   {"--program", "undersample"},
-                                   {"--program", "supersample"},
-                                   {"--set", "bvh.numbers=hybrid", "--set", "bvh.boxes=single"},
-                                   {"--set", "direct_interface.enabled=false"}};
+  const std::vector<Words> runs = {
+      {},
+      {"--program", "full:4", "--scene", "chess"},
+      {"--program", "multirate:under", "--reference", "full:1"},
+      {"--program", "undersample"},
+      {"--program", "supersample"},
+      {"--set", "bvh.numbers=hybrid", "--set", "bvh.boxes=single"},
+      {"--scene", "forest", "--set", "scene.triangles=20000", "--set", "bvh.instances=two_level"},
+      {"--scene", "laboratory", "--set", "scene.triangles=20000", "--set", "bvh.instances=two_level", "--program",
+       "multirate:under"},
+      {"--set", "direct_interface.enabled=false"}};
   for (const Words& words : runs) {
     SCOPED_TRACE(words.empty() ? "default" : words.back());
     run("run", words, true);
@@ -69,7 +73,8 @@ TEST_F(Replay, SaysWhatTheRunSaidOfAnAnimationWithWhatItIsComparedWith) {
   run("run", {"--scene", "chess", "--frames", "20:22", "--program", "multirate:super", "--reference", "full:1"}, true);
   expect_good(replay("replay"));
   expect_same("run", "replay");
-  expect_good(replay("threads", {}, {}, "3"));
+  const Ending threads = replay("threads", {"--progress", "json"}, {}, "3");
+  EXPECT_SAYS(threads.err, "\"part\":6,\"parts\":6");
   expect_same("run", "threads");
 }
 
@@ -93,6 +98,33 @@ TEST_F(Replay, OfAnotherMachineSaysWhatARunOnThatMachineSays) {
   words.insert(words.end(), changes.begin(), changes.end());
   run("run", words);
   expect_good(replay("replay", changes));
+  expect_same("run", "replay");
+}
+
+TEST_F(Replay, OfTwoLevelsSaysWhatRunsOnOtherMachinesSay) {
+  const Words levels = {"--scene", "forest", "--set", "scene.triangles=20000", "--set", "bvh.instances=two_level"};
+  run("recorded", levels, true);
+  const std::vector<Words> machines = {
+      {"--set", "cores=2", "--set", "tni.trv.stack=restart_trail", "--set", "bvh.boxes=single"},
+      {"--set", "tni.trv.stack=restart_link", "--set", "tni.trv.stack_entries=2", "--set", "tni.trv.box_testers=1"},
+      {"--set", "tni.trv.l1.size=1 KiB", "--set", "tni.trv.prefetch=sibling", "--set", "bvh.triangle_bytes=36"}};
+  for (const Words& changes : machines) {
+    SCOPED_TRACE(changes[1]);
+    Words words = levels;
+    words.insert(words.end(), changes.begin(), changes.end());
+    run("run", words);
+    expect_good(replay("replay", changes));
+    expect_same("run", "replay");
+  }
+  expect_refusal(replay("out", {"--set", "bvh.instances=flatten"}),
+                 {trace(), "bvh.instances was recorded as two_level"});
+}
+
+TEST_F(Replay, OfTwoLevelsThatMove) {
+  run("run",
+      {"--scene", "village", "--set", "scene.triangles=20000", "--frames", "3:4", "--set", "bvh.instances=two_level"},
+      true);
+  expect_good(replay("replay"));
   expect_same("run", "replay");
 }
 
@@ -129,7 +161,7 @@ TEST_F(Replay, InfoSaysWhatIsInTheFile) {
   EXPECT_GT(info["rays"], report["totals"]["rays"]["total"]) << "the reference's, too";
   EXPECT_EQ(info["function"]["render.width"], "64");
   EXPECT_FALSE(info["function"].contains("cores"));
-  EXPECT_SAYS(raywatt({"trace", "info", trace()}).out, "raywatt-trace/1");
+  EXPECT_SAYS(raywatt({"trace", "info", trace()}).out, "raywatt-trace/2");
 }
 
 TEST_F(Replay, BadFilesAreRefusedInOneLine) {

@@ -43,7 +43,7 @@ struct Job {
   void run_frame(const Inputs& inputs, const RunFolder::Open& open, Outcome& out) {
     const std::uint32_t width = inputs.config.render.width, height = inputs.config.render.height;
     const bool may_be_part = keep_part && out.frames.empty() && !sampling;
-    Simulation frame = sampling ? simulate_sampled(inputs, program.spec, options.threads, *sampling)
+    Simulation frame = sampling ? simulate_sampled(inputs, program.spec, options.threads, *sampling, &progress)
                                 : simulate(inputs, program.spec, options.threads,
                                            {.rates = &program.rates,
                                             .marks = options.debug_images,
@@ -166,13 +166,13 @@ void add_run(CLI::App& app, const std::vector<std::string>& argv, int&) {
   verb->add_option("--record", options->record, "also write the work into this file, for raywatt trace replay");
   verb->add_flag("--debug-images", options->debug_images,
                  "also pictures of how an adaptive frame came about: debug-similar.png, debug-check-NAME.png, ...");
-  add_rays_option(*verb, *options);
   verb->add_option("--tile-sampling", options->tile_sampling,
                    "time a part of the frame's tiles and estimate the rest, with 95 % intervals: a share of the\n"
                    "frame's work, e.g. 5%, or auto, which stops at +-2 % (docs/sampling.md)");
   verb->add_option("--image", options->image, "with --tile-sampling: render all tiles, or none but those needed")
       ->check(CLI::IsMember({"full", "none"}))
       ->capture_default_str();
+  add_rays_option(*verb, *options);
   verb->footer("Example: raywatt run sgrt-2016 --scene teapot --set cores=2 -o out/two-cores");
   verb->callback([options] { options->rays.empty() ? run(*options) : run_rays(*options); });
 }

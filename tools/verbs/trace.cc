@@ -70,10 +70,13 @@ void replay(JobOptions options, const Arguments& arguments) {
   const auto begin = sim::HostClock::now();
   options.config = arguments.has_config() ? arguments.words.front() : "";
   RunFolder folder(options.out, options.force);
+  Progress progress(options.progress, options.quiet);
   Replay job(arguments.file(), options);
+  progress.expect(job.parts());
   nlohmann::ordered_json json;
   folder.fill([&](const RunFolder::Open& open) {
-    const Outcome out = job.run(options.threads);
+    const Outcome out = job.run(options.threads, &progress);
+    progress.end(out.partial ? "interrupted" : "done");
     const double wall = sim::seconds_since(begin);
     const Result result = out.result();
     json = report_json({job.inputs(), options, result, out.frames, out.partial, wall});

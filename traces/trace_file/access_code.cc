@@ -26,7 +26,8 @@ std::uint64_t records(const ImageCounts& counts, Access::Kind kind) {
       return counts.details;
     case Access::Kind::kTriangle:
       return counts.triangles;
-    case Access::Kind::kInstance:  // two levels are not recorded
+    case Access::Kind::kInstance:
+      return counts.instances;
     case Access::Kind::kTexels:
       break;
   }

@@ -16,8 +16,8 @@ namespace traces {
 
 /// Shapes of a launch, and accesses of an item, at most.
 inline constexpr std::uint32_t kMaxShapes = 4096, kMaxItemAccesses = 64;
-inline constexpr std::size_t kAccessKinds = 6;
-static_assert(static_cast<std::size_t>(Access::Kind::kTriangle) + 1 == kAccessKinds);
+inline constexpr std::size_t kAccessKinds = 7;
+static_assert(static_cast<std::size_t>(Access::Kind::kInstance) + 1 == kAccessKinds);
 
 /// What was accessed last, by kind and rank.
 struct LastAccesses {

@@ -19,8 +19,9 @@ std::uint64_t number_of(const Json& json, std::uint64_t most, const char* what) 
 }
 
 Json to_json(const ImageCounts& c) {
-  return {{"triangles", c.triangles}, {"attributes", c.attributes}, {"vertices", c.vertices},
-          {"materials", c.materials}, {"details", c.details},       {"textures", c.textures}};
+  return {
+      {"triangles", c.triangles}, {"attributes", c.attributes}, {"vertices", c.vertices},   {"materials", c.materials},
+      {"details", c.details},     {"textures", c.textures},     {"instances", c.instances}, {"trees", c.trees}};
 }
 
 Json to_json(const TraceDemands& d) {
@@ -30,7 +31,8 @@ Json to_json(const TraceDemands& d) {
 ImageCounts counts_of_json(const Json& json) {
   ImageCounts c{number_at(json, "triangles", kMaxTriangles), number_at(json, "attributes", kMaxTriangles),
                 number_at(json, "vertices", kMaxTriangles),  number_at(json, "materials", kMaxRecords),
-                number_at(json, "details", kMaxRecords),     {}};
+                number_at(json, "details", kMaxRecords),     {},
+                number_at(json, "instances", kMaxInstances), number_at(json, "trees", kMaxInstances)};
   for (const Json& sides : json.at("textures")) {
     std::array<std::uint32_t, 2> texture{};
     for (std::size_t i = 0; i < 2; ++i) {

@@ -73,9 +73,10 @@ void TraceReader::read_header() {
   read_at({0, kTraceMagic.size() + 4}, start);
   if (!start.starts_with(kTraceKind)) throw sim::InputError("is no trace; raywatt trace record makes one");
   if (!start.starts_with(kTraceMagic)) {
-    throw sim::InputError(fmt::format("is a trace of another format, '{}'; this program reads '{}'",
-                                      start.substr(0, start.find('\n')),
-                                      kTraceMagic.substr(0, kTraceMagic.size() - 1)));
+    throw sim::InputError(
+        fmt::format("is a trace of another format, '{}'; this program reads '{}', and "
+                    "raywatt trace record makes one",
+                    start.substr(0, start.find('\n')), kTraceMagic.substr(0, kTraceMagic.size() - 1)));
   }
   const Place place{start.size(), load<std::uint32_t>(start.data() + kTraceMagic.size())};
   if (place.bytes > size_ - place.offset) throw sim::InputError("ends early");
@@ -112,7 +113,7 @@ void TraceReader::read_contents() {
 TileScope TraceReader::scope(const Part& part, std::uint32_t kernels) const {
   const Tree& tree = trees_[part.tree];
   return naming_file([&]() -> TileScope {
-    return {decode_links(block(tree.place, kMaxTreeBytes), tree.nodes, tree.counts.triangles), tree.counts, kernels,
+    return {decode_links(block(tree.place, kMaxTreeBytes), tree.nodes, tree.counts), tree.counts, kernels,
             part.demands.region_bytes};
   });
 }

@@ -60,7 +60,7 @@ void TraceWriter::begin_part(PartId id, Links links, const ImageCounts& counts, 
     links_ = std::move(links);
     counts_ = counts;
     Json tree = put(encode_links(links_));
-    tree["nodes"] = links_.size();
+    tree["nodes"] = links_.nodes.size();
     tree["counts"] = to_json(counts);
     trees.push_back(std::move(tree));
   }

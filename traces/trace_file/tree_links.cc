@@ -9,80 +9,150 @@ namespace traces {
 namespace {
 
 // A child is 0 (none), an even number (twice the distance to an inner node) or an odd one: a leaf, its size less one in
-// the next three bits, above them the difference between its first triangle and the last leaf's end.
+// the next three bits, above them the difference between its first triangle (of the tree over instances: its instance)
+// and the last leaf's end. An instance is 0 (nothing to see) or 1 above its tree.
 constexpr std::uint64_t kNothing = 0;
 
-void check_depth(const Links& links) {
-  std::vector<std::uint8_t> depth(links.size(), 0);  // 0: nobody's child yet
-  depth[0] = 1;
-  for (std::uint32_t node = 0; node < links.size(); ++node) {
-    if (depth[node] == 0) throw sim::InputError("tree: a node has no parent");
-    if (depth[node] > kMaxTreeDepth) throw sim::InputError("tree: is too deep; allowed: 128 levels");
-    for (const std::uint32_t link : links[node]) {
-      if (is_leaf(link) || link == kNoChild) continue;
-      if (depth[link] != 0) throw sim::InputError("tree: a node has two parents");
-      depth[link] = static_cast<std::uint8_t>(depth[node] + 1);
-    }
-  }
+/// Where leaves end so far, those that hold triangles and those that hold instances.
+struct LeafEnds {
+  std::int64_t of_triangles = 0, of_instances = 0;
+};
+
+std::uint64_t leaf_code(std::uint32_t link, LeafEnds& ends) {
+  const bool enters = is_instance(link);
+  std::int64_t& end = enters ? ends.of_instances : ends.of_triangles;
+  const std::int64_t first = enters ? link_instance(link) : leaf_first(link);
+  const std::uint32_t count = leaf_count(link);
+  const std::int64_t moved = first - end;
+  end = first + count;
+  const std::uint64_t code = (static_cast<std::uint64_t>(moved) << 1) ^ static_cast<std::uint64_t>(moved >> 63);
+  return code << 4 | (count - 1) << 1 | 1;
 }
+
+/// Makes a tree of bytes, child by child.
+class Decoder {
+ public:
+  Decoder(std::string_view bytes, const ImageCounts& counts)
+      : from_(bytes),
+        counts_(counts),
+        triangles_(std::min<std::uint64_t>(counts.triangles, kMaxTriangles)),
+        has_levels_(counts.instances != 0) {}
+
+  Links run(std::uint64_t nodes) {
+    links_.nodes.resize(nodes);
+    depth_.assign(nodes, 0);
+    is_upper_.assign(nodes, false);
+    seen_.assign(counts_.instances, false);
+    is_upper_[0] = has_levels_;
+    for (std::uint32_t node = 0; node < nodes; ++node) {
+      if (depth_[node] == 0) begin_tree(node);
+      if (depth_[node] > kMaxTreeDepth) throw sim::InputError("tree: is too deep; allowed: 128 levels");
+      for (std::uint32_t& link : links_.nodes[node]) link = child(node);
+    }
+    if (trees_.size() != counts_.trees) throw sim::InputError("tree: has not as many trees as it says");
+    read_instances();
+    if (from_.left() != 0) throw sim::InputError("tree: is longer than its nodes");
+    return std::move(links_);
+  }
+
+ private:
+  /// A node that no node before names.
+  void begin_tree(std::uint32_t node) {
+    if (node != 0 && !has_levels_) throw sim::InputError("tree: a node has no parent");
+    if (node != 0) trees_.push_back(node);
+    depth_[node] = 1;
+  }
+
+  std::uint32_t child(std::uint32_t node) {
+    const std::uint64_t code = from_.number();
+    if (code == kNothing && depth_[node] == 1) return kNoChild;
+    return (code & 1) == 0 ? inner(node, code >> 1) : leaf(node, code);
+  }
+
+  std::uint32_t inner(std::uint32_t node, std::uint64_t distance) {
+    if (distance == 0 || distance >= links_.nodes.size() - node) ByteReader::out_of_range("tree: a child");
+    const std::uint32_t link = node + static_cast<std::uint32_t>(distance);
+    if (depth_[link] != 0) throw sim::InputError("tree: a node has two parents");
+    depth_[link] = static_cast<std::uint8_t>(depth_[node] + 1);
+    is_upper_[link] = is_upper_[node];
+    return link;
+  }
+
+  std::uint32_t leaf(std::uint32_t node, std::uint64_t code) {
+    const bool enters = is_upper_[node];
+    std::uint64_t& end = enters ? instances_end_ : triangles_end_;
+    const std::uint64_t all = enters ? counts_.instances : triangles_, most = enters ? 1 : kMaxLeafTriangles;
+    const auto count = static_cast<std::uint32_t>(code >> 1 & 7) + 1;
+    const std::uint64_t moved = code >> 4;
+    const std::uint64_t first = end + ((moved >> 1) ^ (~(moved & 1) + 1));
+    if (first > all || count > all - first || count > most) ByteReader::out_of_range("tree: a leaf");
+    end = first + count;
+    if (!enters) return leaf_link(static_cast<std::uint32_t>(first), count);
+    if (seen_[first]) throw sim::InputError("tree: an instance is there twice");
+    seen_[first] = true;
+    return instance_link(static_cast<std::uint32_t>(first));
+  }
+
+  void read_instances() {
+    std::vector<bool> has_instance(trees_.size(), false);
+    links_.roots.assign(counts_.instances, kNone);
+    for (std::uint64_t i = 0; i < counts_.instances; ++i) {
+      const std::uint64_t code = from_.number(trees_.size(), "tree: an instance's tree");
+      if (seen_[i] != (code != kNothing)) throw sim::InputError("tree: an instance without a tree, or without a place");
+      if (code == kNothing) continue;
+      links_.roots[i] = trees_[code - 1];
+      has_instance[code - 1] = true;
+    }
+    if (std::ranges::count(has_instance, false) != 0) throw sim::InputError("tree: a tree has no instance");
+  }
+
+  ByteReader from_;
+  const ImageCounts& counts_;
+  const std::uint64_t triangles_;
+  const bool has_levels_;
+  Links links_;
+  std::vector<std::uint8_t> depth_;    ///< of each node; 0: nobody's child yet
+  std::vector<bool> is_upper_, seen_;  ///< nodes of the tree over instances; instances that it holds
+  std::vector<std::uint32_t> trees_;   ///< roots of those below
+  std::uint64_t triangles_end_ = 0, instances_end_ = 0;
+};
 
 }  // namespace
 
 Links links_of(const MemoryImage& image) {
-  Links links(image.nodes.size());
-  for (std::size_t i = 0; i < links.size(); ++i) links[i] = {image.nodes[i].child[0], image.nodes[i].child[1]};
+  Links links;
+  for (const NodeRecord& node : image.nodes) links.nodes.push_back({node.child[0], node.child[1]});
+  for (const std::uint32_t tree : image.tree_of) {
+    links.roots.push_back(tree == kNone ? kNone : image.trees[tree].first_node);
+  }
   return links;
 }
 
 std::string encode_links(const Links& links) {
   std::string out;
   ByteWriter to(out);
-  std::int64_t next = 0;
-  for (std::uint32_t node = 0; node < links.size(); ++node) {
-    for (const std::uint32_t link : links[node]) {
-      if (link == kNoChild) {
-        to.number(kNothing);
-      } else if (!is_leaf(link)) {
-        to.number(std::uint64_t{link - node} << 1);
-      } else {
-        const std::int64_t moved = std::int64_t{leaf_first(link)} - next;
-        const std::uint64_t code = (static_cast<std::uint64_t>(moved) << 1) ^ static_cast<std::uint64_t>(moved >> 63);
-        to.number(code << 4 | (leaf_count(link) - 1) << 1 | 1);
-        next = std::int64_t{leaf_first(link)} + leaf_count(link);
-      }
+  LeafEnds ends;
+  for (std::uint32_t node = 0; node < links.nodes.size(); ++node) {
+    for (const std::uint32_t link : links.nodes[node]) {
+      to.number(link == kNoChild ? kNothing : is_leaf(link) ? leaf_code(link, ends) : std::uint64_t{link - node} << 1);
     }
+  }
+  // Trees have the order of their roots.
+  std::vector<std::uint32_t> trees = links.roots;
+  std::ranges::sort(trees);
+  trees.erase(std::ranges::unique(trees).begin(), trees.end());
+  for (const std::uint32_t root : links.roots) {
+    const auto place = std::ranges::lower_bound(trees, root) - trees.begin();
+    to.number(root == kNone ? kNothing : static_cast<std::uint64_t>(place) + 1);
   }
   return out;
 }
 
-Links decode_links(std::string_view bytes, std::uint64_t nodes, std::uint64_t triangles) {
-  // A child takes a byte at least.
+Links decode_links(std::string_view bytes, std::uint64_t nodes, const ImageCounts& counts) {
+  // A child takes a byte at least, and so does an instance.
   if (nodes == 0 || nodes > kMaxNodes || 2 * nodes > bytes.size()) ByteReader::out_of_range("tree: number of nodes");
-  triangles = std::min<std::uint64_t>(triangles, kMaxTriangles);
-  Links links(nodes);
-  ByteReader from(bytes);
-  std::uint64_t next = 0;
-  for (std::uint32_t node = 0; node < nodes; ++node) {
-    for (std::uint32_t& link : links[node]) {
-      const std::uint64_t code = from.number();
-      if (code == kNothing && nodes == 1) {
-        link = kNoChild;
-      } else if ((code & 1) == 0) {
-        if (code == kNothing || (code >> 1) >= nodes - node) ByteReader::out_of_range("tree: a child");
-        link = node + static_cast<std::uint32_t>(code >> 1);
-      } else {
-        const auto count = static_cast<std::uint32_t>(code >> 1 & 7) + 1;
-        const std::uint64_t moved = code >> 4;
-        const std::uint64_t first = next + ((moved >> 1) ^ (~(moved & 1) + 1));
-        if (first > triangles || count > triangles - first) ByteReader::out_of_range("tree: a leaf");
-        link = leaf_link(static_cast<std::uint32_t>(first), count);
-        next = first + count;
-      }
-    }
-  }
-  if (from.left() != 0) throw sim::InputError("tree: is longer than its nodes");
-  check_depth(links);
-  return links;
+  if (counts.instances > bytes.size() - 2 * nodes) ByteReader::out_of_range("tree: number of instances");
+  return Decoder(bytes, counts).run(nodes);
 }
 
 }  // namespace traces

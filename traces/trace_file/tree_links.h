@@ -9,10 +9,15 @@
 
 namespace traces {
 
-/// Of each inner node the link words of its children (memory_image.h): all of a tree that walks depend on.
-using Links = std::vector<std::array<std::uint32_t, 2>>;
+/// All of a tree that walks depend on.
+struct Links {
+  std::vector<std::array<std::uint32_t, 2>> nodes;  ///< of each inner node the link words of its children
+  std::vector<std::uint32_t>
+      roots;  ///< of two levels: of each instance the root of its tree, or kNone; otherwise empty
+  friend bool operator==(const Links&, const Links&) = default;
+};
 
-/// Deepest tree that a trace may have: entries of a full stack.
+/// Deepest tree that a trace may have: entries of a full stack, of each level.
 inline constexpr std::uint32_t kMaxTreeDepth = 128;
 
 Links links_of(const MemoryImage& image);
@@ -20,7 +25,8 @@ Links links_of(const MemoryImage& image);
 std::string encode_links(const Links& links);
 
 /// InputError unless this is a tree: node 0 is its root, every other inner node has one parent, of a lower number, it
-/// is no deeper than kMaxTreeDepth, and leaves hold some of `triangles` triangles.
-Links decode_links(std::string_view bytes, std::uint64_t nodes, std::uint64_t triangles);
+/// is no deeper than kMaxTreeDepth, and leaves hold some of the triangles. With instances, it is a tree of them and
+/// `counts.trees` such trees below: its leaves hold one instance each, none twice, and all trees have instances.
+Links decode_links(std::string_view bytes, std::uint64_t nodes, const ImageCounts& counts);
 
 }  // namespace traces

@@ -59,11 +59,17 @@ constexpr std::uint32_t nonzero(std::uint32_t phases) {
   return (phases | phases >> 2) & 0x11111111U;
 }
 
+/// Bits that say how many entries are culled; stacks hold kMaxTreeDepth entries of each level.
+constexpr std::uint32_t kCullBits = 7;
+static_assert(kMaxTreeDepth == 1U << kCullBits);
+constexpr std::uint32_t cull_bits(bool levels) { return kCullBits + (levels ? 1 : 0); }
+constexpr std::size_t kStackSize = 2 * std::size_t{kMaxTreeDepth} + 1;
+
 /// Follows walks on a tree, word by word.
 class Follower {
  public:
   Follower(const Links& links, const std::uint32_t* words, const std::uint32_t* end)
-      : links_(links), at_(words), end_(end) {}
+      : links_(links.nodes), roots_(links.roots), cull_bits_(cull_bits(!links.roots.empty())), at_(words), end_(end) {}
 
   const std::uint32_t* at() const { return at_; }
   std::uint64_t steps() const { return steps_; }
@@ -84,10 +90,14 @@ class Follower {
         if (hits != 0) {
           const std::uint32_t near = hits == 3 ? near_of(word) : hits >> 1;
           stack_[depth] = links_[link][1 - near];
-          depth += hits == 3 ? 1 : 0;
+          if (hits == 3 && stack_[depth++] == kNoChild) return false;
           link = links_[link][near];
           continue;
         }
+      } else if (is_instance(link)) {
+        if (word != enter_step(link_instance(link))) return false;
+        link = roots_[link_instance(link)];
+        continue;
       } else if (!leave_leaf(out, link, word)) {
         return false;
       }
@@ -102,7 +112,7 @@ class Follower {
         }
         depth -= culled;
         if (depth != 0 && kind_of(next) != StepKind::kEnd) {
-          out.put(culled != 0 ? kCullSome | culled << 2 : kNext, culled != 0 ? 9 : 2);
+          out.put(culled != 0 ? kCullSome | culled << 2 : kNext, culled != 0 ? 2 + cull_bits_ : 2);
           link = stack_[--depth];
           continue;
         }
@@ -128,33 +138,20 @@ class Follower {
     return true;
   }
 
-  const Links& links_;
+  const std::vector<std::array<std::uint32_t, 2>>& links_;
+  const std::vector<std::uint32_t>& roots_;
+  const std::uint32_t cull_bits_;
   const std::uint32_t *at_, *end_;
   std::uint64_t steps_ = 0;
-  std::array<std::uint32_t, kMaxTreeDepth + 1> stack_;
+  std::array<std::uint32_t, kStackSize> stack_;
 };
 
 [[noreturn]] void no_walk() { throw sim::InputError("a ray's walk is none on this tree"); }
 
-}  // namespace
-
-bool encode_walks(const TileWork& work, const Links& links, std::string& out) {
-  const std::size_t before = out.size();
-  out.resize(before + 4 * work.walk.size() + kBitsPadding);  // a word never takes more than 4 bytes
-  BitWriter bits(out.data() + before);
-  const std::uint32_t* begin = work.walk.data();
-  Follower follower(links, begin, begin + work.walk.size());
-  bool good = true;
-  for (std::size_t ray = 0; good && ray < work.ray_begin.size(); ++ray) {
-    good = follower.at() == begin + work.ray_begin[ray] && follower.follow(bits);
-  }
-  good = good && follower.at() == begin + work.walk.size();
-  out.resize(good ? static_cast<std::size_t>(bits.end() - out.data()) : before);
-  return good;
-}
-
-std::uint64_t decode_walks(std::string_view bits, const Links& links, std::uint32_t rays, std::uint32_t words,
-                           TileWork& work) {
+/// decode_walks() where the tree has levels, or has not.
+template <bool kLevels>
+std::uint64_t decode(std::string_view bits, const Links& links, std::uint32_t rays, std::uint32_t words,
+                     TileWork& work) {
   constexpr std::uint32_t kMostWords = 4;  // that a step and what follows it make
   work.walk.resize(std::size_t{words} + kMostWords);
   work.ray_begin.resize(rays);
@@ -163,10 +160,10 @@ std::uint64_t decode_walks(std::string_view bits, const Links& links, std::uint3
   std::uint32_t* out = begin;
   const char* const from = bits.data();
   const std::uint64_t end = 8 * bits.size();
-  const std::array<std::uint32_t, 2>* const tree = links.data();
-  const auto nodes = static_cast<std::uint32_t>(links.size());
+  const std::array<std::uint32_t, 2>* const tree = links.nodes.data();
+  const auto nodes = static_cast<std::uint32_t>(links.nodes.size());
   std::uint64_t at = 0, steps = 0;
-  std::array<std::uint32_t, kMaxTreeDepth + 1> stack;
+  std::array<std::uint32_t, kStackSize> stack;
   // Of each code of a visit: the child entered first.
   constexpr std::array<std::uint8_t, 8> kNear = {0, 0, 1, 0, 0, 0, 0, 1};
   for (std::uint32_t ray = 0; ray < rays; ++ray) {
@@ -185,11 +182,15 @@ std::uint64_t decode_walks(std::string_view bits, const Links& links, std::uint3
         if (hits != 0) {
           const std::uint32_t near = kNear[code];
           stack[depth] = tree[link][1 - near];
-          depth += hits == 3 ? 1 : 0;
+          if (hits == 3 && stack[depth++] == kNoChild) no_walk();
           link = tree[link][near];
           continue;
         }
         window >>= 3;
+      } else if (kLevels && is_instance(link)) {
+        *out++ = enter_step(link_instance(link));
+        link = links.roots[link_instance(link)];
+        continue;
       } else {
         const std::uint32_t size = 2 * leaf_count(link);
         const std::uint32_t phases = spread(static_cast<std::uint32_t>(window) & ((1U << size) - 1));
@@ -210,8 +211,8 @@ std::uint64_t decode_walks(std::string_view bits, const Links& links, std::uint3
         }
         window >>= 2;
         if (pop == kCullSome) {
-          const std::uint32_t culled = window & 127;
-          at += 7;
+          const std::uint32_t culled = window & ((1U << cull_bits(kLevels)) - 1);
+          at += cull_bits(kLevels);
           if (culled == 0 || culled >= depth) no_walk();
           *out++ = cull_step(culled);
           depth -= culled;
@@ -228,6 +229,29 @@ std::uint64_t decode_walks(std::string_view bits, const Links& links, std::uint3
   if (out != last || (at + 7) / 8 != bits.size()) no_walk();
   work.walk.resize(words);
   return steps;
+}
+
+}  // namespace
+
+bool encode_walks(const TileWork& work, const Links& links, std::string& out) {
+  const std::size_t before = out.size();
+  out.resize(before + 4 * work.walk.size() + kBitsPadding);  // a word never takes more than 4 bytes
+  BitWriter bits(out.data() + before);
+  const std::uint32_t* begin = work.walk.data();
+  Follower follower(links, begin, begin + work.walk.size());
+  bool good = true;
+  for (std::size_t ray = 0; good && ray < work.ray_begin.size(); ++ray) {
+    good = follower.at() == begin + work.ray_begin[ray] && follower.follow(bits);
+  }
+  good = good && follower.at() == begin + work.walk.size();
+  out.resize(good ? static_cast<std::size_t>(bits.end() - out.data()) : before);
+  return good;
+}
+
+std::uint64_t decode_walks(std::string_view bits, const Links& links, std::uint32_t rays, std::uint32_t words,
+                           TileWork& work) {
+  return links.roots.empty() ? decode<false>(bits, links, rays, words, work)
+                             : decode<true>(bits, links, rays, words, work);
 }
 
 std::uint64_t decode_plain_walks(std::string_view bytes, const Links& links, std::uint32_t rays, TileWork& work) {

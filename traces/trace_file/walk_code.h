@@ -12,10 +12,12 @@ namespace traces {
 // by the hits so far. Lowest bit first, one ray behind the other:
 //
 //   visit     near(1) hits(2), hits lowest
+//   enter     none: the instance and its root follow from the tree
 //   leaf      2 bits for each triangle of the leaf: its exit phase, 0 for those that were not tested
 //   pop       where a step is followed by a pop or the end, and the stack is not empty:
 //             0  the youngest entry is next           1  all entries are culled: the end
-//             2  the end, with entries left           3  then 7 bits: so many are culled, the next one is next
+//             2  the end, with entries left           3  then 7 bits (of two levels 8): so many are culled, the next
+//             one is next
 //   end       hit(1)
 
 /// Bytes that must be there, whatever they hold, behind bits to be decoded.

@@ -17,7 +17,7 @@ namespace traces::testing {
 
 inline TileScope tiny_scope() {
   return {
-      {{1, 2}, {leaf_link(0, 1), leaf_link(1, 3)}, {leaf_link(4, 1), leaf_link(5, 2)}},
+      {.nodes = {{1, 2}, {leaf_link(0, 1), leaf_link(1, 3)}, {leaf_link(4, 1), leaf_link(5, 2)}}, .roots = {}},
       {.triangles = 7, .attributes = 7, .vertices = 7, .materials = 2, .details = 2, .textures = {{64, 32}, {8, 8}}},
       5,
       {4096, 512, 16}};
@@ -72,6 +72,50 @@ inline TileWork tiny_tile() {
   ray({visit_step(0, 3, 0), visit_step(1, 3, 0), leaf_step(0, 1), 0x3, cull_step(1), visit_step(2, 0, 0),
        end_step(true)});
   ray({visit_step(0, 3, 0), visit_step(1, 2, 0), leaf_step(1, 2), 0x31, end_step(true)});
+  return t;
+}
+
+// A tree of two levels, and a tile of rays through it.
+//
+//            0                      over instances
+//       i2       1
+//             i0   i1               i3 has nothing to see
+//
+//       2 (i0, i2)      4 (i1)
+//     t0   3          t4-5
+//       t1-2 t3
+
+inline TileScope tiny_levels() {
+  return {{.nodes = {{instance_link(2), 1},
+                     {instance_link(0), instance_link(1)},
+                     {leaf_link(0, 1), 3},
+                     {leaf_link(1, 2), leaf_link(3, 1)},
+                     {leaf_link(4, 2), kNoChild}},
+           .roots = {2, 4, 2, kNone}},
+          {.triangles = 6, .attributes = 6, .materials = 1, .textures = {}, .instances = 4, .trees = 2},
+          2,
+          {4096, 512, 16}};
+}
+
+inline TileWork tile_of_levels() {
+  using enum WorkNode::Kind;
+  TileWork t;
+  t.nodes = {{.kind = kLaunch, .kernel = 0, .items = 3, .inputs = {}},
+             {.kind = kRays, .items = 3, .first = 0, .inputs = {{0, Edge::Kind::kEach}}},
+             {.kind = kLaunch, .kernel = 1, .items = 3, .has_accesses = true, .inputs = {{1, Edge::Kind::kEach}}}};
+  t.accesses = {Access::attributes(4), Access::record(Access::Kind::kInstance, 1), Access::attributes(0),
+                Access::record(Access::Kind::kInstance, 0)};
+  t.access_begin = {0, 2, 4, 4};
+  const auto ray = [&](std::initializer_list<std::uint32_t> words) {
+    t.ray_begin.push_back(static_cast<std::uint32_t>(t.walk.size()));
+    t.walk.insert(t.walk.end(), words);
+  };
+  ray({visit_step(0, 3, 0), enter_step(2), visit_step(2, 2, 0), visit_step(3, 3, 1), leaf_step(3, 1), 0x2,
+       leaf_step(1, 2), 0x31, visit_step(1, 2, 0), enter_step(1), visit_step(4, 1, 0), leaf_step(4, 2), 0x12,
+       end_step(true)});
+  ray({visit_step(0, 3, 1), visit_step(1, 3, 0), enter_step(0), visit_step(2, 3, 0), leaf_step(0, 1), 0x3, cull_step(2),
+       enter_step(2), visit_step(2, 0, 0), end_step(true)});
+  ray({visit_step(0, 1, 0), enter_step(2), visit_step(2, 0, 0), end_step(false)});
   return t;
 }
 

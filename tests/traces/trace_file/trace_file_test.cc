@@ -32,8 +32,8 @@ void write(const std::filesystem::path& path) {
   TraceWriter trace(path, {{"program", "full:1"}});
   const TileScope scope = tiny_scope();
   Links other = scope.links;
-  other[0] = {1, leaf_link(0, 1)};
-  other[1] = {2, leaf_link(1, 1)};
+  other.nodes[0] = {1, leaf_link(0, 1)};
+  other.nodes[1] = {2, leaf_link(1, 1)};
   for (const std::uint32_t frame : {7U, 8U, 9U}) {
     trace.begin_part({.frame = frame}, frame == 9 ? other : scope.links, scope.counts, kDemands);
     if (frame != 9) {
@@ -126,8 +126,10 @@ TEST(TraceFile, WhatIsNoTraceIsNeitherReplacedNorRead) {
   EXPECT_EQ(complaint_of(thesis), "thesis.txt: is no trace: too short");
   EXPECT_EQ(complaint_of(folder.write("long", std::string(100, 'x'))),
             "long: is no trace; raywatt trace record makes one");
-  EXPECT_EQ(complaint_of(folder.write("later", "raywatt-trace/2\n" + std::string(100, 'x'))),
-            "later: is a trace of another format, 'raywatt-trace/2'; this program reads 'raywatt-trace/1'");
+  EXPECT_EQ(
+      complaint_of(folder.write("former", "raywatt-trace/1\n" + std::string(100, 'x'))),
+      "former: is a trace of another format, 'raywatt-trace/1'; this program reads 'raywatt-trace/2', and raywatt "
+      "trace record makes one");
   EXPECT_EQ(complaint_of(folder.path() / "absent"), "absent: no such file");
   EXPECT_EQ(complaint_of(folder.path() / "."), ".: is a folder, not a file");
   EXPECT_EQ(complaint<sim::InputError>(folder, [&] { TraceWriter(folder.path() / "no" / "folder", {}); }),
