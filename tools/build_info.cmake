@@ -1,11 +1,14 @@
-# Writes build_info_data.h at every build, but touches it only when something changed: version, git state, compiler,
-# and model_id, the hash of the model's sources and of the libraries that a result depends on.
+#Writes build_info_data.h at every build, but touches it only when something changed : version, git state, compiler,
+#model_id, the hash of the model's sources and of the libraries that a result depends on, and report_id.
 file(GLOB_RECURSE RAYWATT_MODEL_SOURCES CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR}
   ${PROJECT_SOURCE_DIR}/sim/*.h ${PROJECT_SOURCE_DIR}/sim/*.cc
   ${PROJECT_SOURCE_DIR}/traces/*.h ${PROJECT_SOURCE_DIR}/traces/*.cc
   ${PROJECT_SOURCE_DIR}/shader_kernels/*.h ${PROJECT_SOURCE_DIR}/shader_kernels/*.cc
   ${PROJECT_SOURCE_DIR}/hw_models/*.h ${PROJECT_SOURCE_DIR}/hw_models/*.cc)
 list(SORT RAYWATT_MODEL_SOURCES)
+# What makes a report of the model's figures, or estimates them: results are stored under both ids.
+file(GLOB RAYWATT_REPORT_SOURCES CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR} *.h *.cc sweep/compute*)
+list(SORT RAYWATT_REPORT_SOURCES)
 
 string(TOUPPER "${CMAKE_BUILD_TYPE}" build_type)
 string(STRIP "${CMAKE_CXX_FLAGS} ${CMAKE_CXX_FLAGS_${build_type}}" flags)

@@ -10,7 +10,8 @@ struct BuildInfo {
   bool dirty;            ///< uncommitted changes when it was built
   std::string_view compiler;
   std::string_view flags;
-  std::string_view model_id;  ///< hash of the model's sources and library versions: equal ids, equal results
+  std::string_view model_id;   ///< hash of the model's sources and library versions: equal ids, equal results
+  std::string_view report_id;  ///< hash of the sources that make reports and samples of a model's figures
   std::string_view source_dir;
 };
 BuildInfo build_info();

@@ -34,19 +34,17 @@ void check_energy_figures(const RunConfig& config, const std::string& origin) {
                   origin));
 }
 
-}  // namespace
-
-RunConfig load_run_config(const JobOptions& options) {
+void load_base(sim::ConfigLoader& loader, RunConfig& config, const std::string& name, const std::string& scene) {
   sim::set_config_search_path(config_folders());
-  const std::filesystem::path file = find_config(options.config);
-  RunConfig config;
-  sim::ConfigNode tree = sim::config_tree(config);
-  sim::ConfigLoader loader(tree);
-  loader.apply_file(file);
-  const std::optional<std::filesystem::path> workload = find_workload(options.scene);
-  if (workload) apply_workload(loader, config, *workload);
+  loader.apply_file(find_config(name));
+  if (const std::optional<std::filesystem::path> workload = find_workload(scene)) {
+    apply_workload(loader, config, *workload);
+  }
+}
+
+void apply_rest(sim::ConfigLoader& loader, const sim::ConfigNode& tree, RunConfig& config, const JobOptions& options) {
   for (const std::string& argument : options.sets) loader.apply_set(argument);
-  if (!workload && !options.scene.empty()) config.scene.name = options.scene;
+  if (!options.scene.empty() && !find_workload(options.scene)) config.scene.name = options.scene;
   if (!options.camera.empty()) config.scene.camera = options.camera;
   if (!options.frames.empty()) {
     const FrameRange range = parse_frames(options.frames);
@@ -59,8 +57,34 @@ RunConfig load_run_config(const JobOptions& options) {
     config.render.width = r.width;
     config.render.height = r.height;
   }
-  sim::check_tree(tree, file.string());
-  check_energy_figures(config, file.string());
+  const std::string origin = find_config(options.config).string();
+  sim::check_tree(tree, origin);
+  check_energy_figures(config, origin);
+}
+
+}  // namespace
+
+RunConfig load_run_config(const JobOptions& options) {
+  RunConfig config;
+  sim::ConfigNode tree = sim::config_tree(config);
+  sim::ConfigLoader loader(tree);
+  load_base(loader, config, options.config, options.scene);
+  apply_rest(loader, tree, config, options);
+  return config;
+}
+
+RunConfig load_base_config(const std::string& name, const std::string& scene) {
+  RunConfig config;
+  sim::ConfigNode tree = sim::config_tree(config);
+  sim::ConfigLoader loader(tree);
+  load_base(loader, config, name, scene);
+  return config;
+}
+
+RunConfig apply_options(RunConfig config, const JobOptions& options) {
+  sim::ConfigNode tree = sim::config_tree(config);
+  sim::ConfigLoader loader(tree);
+  apply_rest(loader, tree, config, options);
   return config;
 }
 

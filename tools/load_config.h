@@ -8,6 +8,12 @@ namespace tools {
 /// --camera, --frames and --resolution. InputError.
 RunConfig load_run_config(const JobOptions& options);
 
+// Its steps, for who loads many that differ little.
+/// The file, then the workload, if `scene` names one. Not checked yet.
+RunConfig load_base_config(const std::string& config, const std::string& scene);
+/// What else the options say, upon that, and the checks.
+RunConfig apply_options(RunConfig base, const JobOptions& options);
+
 // Its last steps, for configurations that come from elsewhere.
 void apply_ideal(RunConfig& config, const std::vector<std::string>& resources);
 /// Checks limits, rules, and that there are energy figures; `origin` is where the configuration comes from.

@@ -62,7 +62,7 @@ int run(int argc, char** argv) {
   tools::add_baseline(app, exit);
   tools::add_trace(app, words);
   tools::add_microbench(app, exit);
-  tools::add_sweep(app);
+  tools::add_sweep(app, exit);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

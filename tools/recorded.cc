@@ -47,23 +47,6 @@ Json function_fields(const RunConfig& config) {
   return out;
 }
 
-/// Refuses the first key that would change the recorded work.
-void check_function(const Json& header, const std::string& file, const RunConfig& config) {
-  const auto asked = fields(config);
-  for (const auto& [path, value] : header.at("function").items()) {
-    const auto field = asked.find(path);
-    if (field == asked.end() || field->second.affects != sim::Affects::kFunction) {
-      throw sim::InputError(fmt::format("{}: was recorded with a key '{}', which changes no work in this program", file,
-                                        sim::printable(path)));
-    }
-    const std::string recorded = value.get<std::string>();
-    if (recorded == field->second.value) continue;
-    throw sim::InputError(fmt::format(
-        "{}: {} was recorded as {}, and {} is asked for; allowed: the recorded value, as this key changes the work",
-        file, path, sim::printable(recorded), field->second.value));
-  }
-}
-
 // What is left out is 0.
 template <class Number>
 void read(const Json& json, const char* key, Number& number) {
@@ -155,6 +138,22 @@ hw::FrontEnd::Result result_of(const Json& json) {
   return result;
 }
 
+void check_recorded(const Json& header, const std::string& file, const RunConfig& config) {
+  const auto asked = fields(config);
+  for (const auto& [path, value] : header.at("function").items()) {
+    const auto field = asked.find(path);
+    if (field == asked.end() || field->second.affects != sim::Affects::kFunction) {
+      throw sim::InputError(fmt::format("{}: was recorded with a key '{}', which changes no work in this program", file,
+                                        sim::printable(path)));
+    }
+    const std::string recorded = value.get<std::string>();
+    if (recorded == field->second.value) continue;
+    throw sim::InputError(fmt::format(
+        "{}: {} was recorded as {}, and {} is asked for; allowed: the recorded value, as this key changes the work",
+        file, path, sim::printable(recorded), field->second.value));
+  }
+}
+
 RunConfig replay_config(const Json& header, const std::string& file, const JobOptions& options) {
   sim::set_config_search_path(config_folders());
   RunConfig config;
@@ -174,7 +173,7 @@ RunConfig replay_config(const Json& header, const std::string& file, const JobOp
   for (const std::string& argument : options.sets) loader.apply_set(argument);
   apply_ideal(config, options.ideal);
   check_run_config(config, origin);
-  check_function(header, file, config);
+  check_recorded(header, file, config);
   return config;
 }
 

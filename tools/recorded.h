@@ -24,4 +24,7 @@ hw::FrontEnd::Result result_of(const traces::Json& json);
 /// line said of the work; then --set and --ideal. InputError that names the field if it would change the recorded work.
 RunConfig replay_config(const traces::Json& header, const std::string& file, const JobOptions& options);
 
+/// InputError that names the first field of `config` that would change the recorded work.
+void check_recorded(const traces::Json& header, const std::string& file, const RunConfig& config);
+
 }  // namespace tools

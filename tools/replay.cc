@@ -61,10 +61,23 @@ void place_tree(const traces::TileScope& scope, const traces::BvhConfig& config,
 
 }  // namespace
 
-Replay::Replay(const std::filesystem::path& file, const JobOptions& options) : trace_(file) {
+Replay::Replay(const std::filesystem::path& file, const JobOptions& options)
+    : Replay(file, [&](const traces::Json& header, const std::string& name) {
+        return replay_config(header, name, options);
+      }) {}
+
+Replay::Replay(const std::filesystem::path& file, const RunConfig& config)
+    : Replay(file, [&](const traces::Json& header, const std::string& name) {
+        check_recorded(header, name, config);
+        return config;
+      }) {}
+
+Replay::Replay(const std::filesystem::path& file,
+               const std::function<RunConfig(const traces::Json& header, const std::string& name)>& config)
+    : trace_(file) {
   const std::string name = sim::printable(file.string());
   try {
-    inputs_.config = replay_config(trace_.header(), name, options);
+    inputs_.config = config(trace_.header(), name);
   } catch (const traces::Json::exception& error) {
     throw sim::InputError(fmt::format("{}: is damaged: {}", name, sim::printable(error.what())));
   }

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -14,6 +15,8 @@ class Replay {
  public:
   /// InputError if the trace cannot be read, or does not hold what the configuration asks for.
   Replay(const std::filesystem::path& file, const JobOptions& options);
+  /// The same with an effective configuration.
+  Replay(const std::filesystem::path& file, const RunConfig& config);
 
   /// Runs of a frame program over a frame.
   std::uint32_t parts() const { return static_cast<std::uint32_t>(trace_.frames().size()) * (reference_ ? 2 : 1); }
@@ -23,6 +26,8 @@ class Replay {
   Outcome run(std::uint32_t threads, Progress* progress = nullptr);
 
  private:
+  Replay(const std::filesystem::path& file,
+         const std::function<RunConfig(const traces::Json& header, const std::string& name)>& config);
   const traces::TraceReader::Part& part(std::uint32_t frame, bool reference) const;
   Simulation play(const traces::TraceReader::Part& part, const kernels::ProgramSpec& program, std::uint32_t threads,
                   Progress* progress);

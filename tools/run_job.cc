@@ -90,12 +90,17 @@ std::uint32_t host_threads(std::uint32_t wanted) {
 }
 
 Inputs load_inputs(const JobOptions& options, Progress* progress) {
+  if (progress != nullptr) progress->phase("loading");
+  return load_inputs(load_run_config(options), options.threads, progress);
+}
+
+Inputs load_inputs(const RunConfig& config, std::uint32_t threads, Progress* progress) {
   const auto phase = [&](const char* what) {
     if (progress != nullptr) progress->phase(what);
   };
   phase("loading");
   Inputs in;
-  in.config = load_run_config(options);
+  in.config = config;
   const sim::HostClock::time_point begin = sim::HostClock::now();
   traces::Scene scene = traces::open_workload(in.config.scene, in.config.limits);
   in.frame = in.config.scene.first_frame;
@@ -105,7 +110,7 @@ Inputs load_inputs(const JobOptions& options, Progress* progress) {
   in.scene_sha256 = scene.sha256;
   in.warnings = scene.warnings;
   phase("building the tree");
-  in.image = traces::build_memory_image(scene, in.config.bvh, host_threads(options.threads), interrupted);
+  in.image = traces::build_memory_image(scene, in.config.bvh, host_threads(threads), interrupted);
   in.bvh_hash = traces::bvh_hash(in.image);
   in.stored_triangles = in.image.triangles.size();
   in.parents = traces::parents_of(in.image);

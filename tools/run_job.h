@@ -40,6 +40,7 @@ struct Inputs {
 
 /// Reads scene and configuration and builds the tree of the first frame. InputError, or Interrupted.
 Inputs load_inputs(const JobOptions& options, Progress* progress = nullptr);
+Inputs load_inputs(const RunConfig& config, std::uint32_t threads, Progress* progress = nullptr);
 /// Goes on to a later frame: poses the scene, then refits or rebuilds the tree if anything in it has moved.
 /// Interrupted if an interrupt waits.
 void advance(Inputs& inputs, std::uint32_t frame, std::uint32_t threads, Progress* progress = nullptr);

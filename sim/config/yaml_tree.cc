@@ -101,7 +101,9 @@ class Builder final : public YAML::EventHandler {
       root_ = node;
     } else if (open_.back().node->kind == YamlNode::Kind::kMapping) {
       open_.back().entry ? place_value(mark, node) : place_key(mark, node);
-    }  // no field is a sequence, so nobody will ask for its items
+    } else {
+      open_.back().node->entries.push_back({{}, position(mark), position(mark), node});
+    }
   }
   void place_key(const YAML::Mark& mark, const Node& node) {
     Open& mapping = open_.back();

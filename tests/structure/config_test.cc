@@ -68,8 +68,10 @@ std::vector<fs::path> yaml_files() {
   std::vector<fs::path> files;
   for (const fs::path& file : repository_files()) {
     if ((file.string().starts_with("configs/") || file.string().starts_with("traces/workloads/")) &&
-        file.extension() == ".yaml")
+        !file.string().starts_with("configs/experiments/") &&  // sweeps, which give no figures
+        file.extension() == ".yaml") {
       files.push_back(file);
+    }
   }
   return files;
 }

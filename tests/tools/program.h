@@ -39,6 +39,7 @@ class Program {
   Program& operator=(const Program&) = delete;
 
   void send(int signal) const;
+  pid_t process() const { return process_; }
   /// Waits until there is something on stderr; false if it ended before.
   bool wait_for_complaint() {
     return wait_until([](const std::string& err) { return !err.empty(); });

@@ -1,13 +1,362 @@
-#include <CLI/CLI.hpp>
+#include <chrono>
+#include <csignal>
+#include <ctime>
+#include <memory>
+#include <thread>
 
+#include <CLI/CLI.hpp>
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "sim/error.h"
+#include "sim/io/file.h"
+#include "sim/io/printable.h"
+#include "sim/report/report_json.h"
+#include "sim/report/table.h"
+#include "tools/interrupt.h"
+#include "tools/progress.h"
+#include "tools/sweep/folder.h"
+#include "tools/sweep/local_launcher.h"
+#include "tools/sweep/plan.h"
+#include "tools/sweep/results_csv.h"
 #include "tools/verbs/verbs.h"
 
 namespace tools {
 
-void add_sweep(CLI::App& app) {
-  CLI::App* verb = app.add_subcommand("sweep", "Many runs at once, and what comes of them");
+namespace {
+
+namespace fs = std::filesystem;
+using sweep::Fate;
+using sweep::Point;
+using sweep::Store;
+using sweep::SweepFolder;
+
+constexpr std::size_t kShownFailures = 20;
+
+/// "12  cores=4, tni.trvs=2"
+std::string name_of(const Point& point) {
+  std::vector<std::string> parts;
+  for (const auto& [name, value] : point.axes) parts.push_back(name + "=" + value);
+  return fmt::format("{:<5} {}", point.n, fmt::join(parts, ", "));
+}
+
+void print_failures(const Store& store, const std::vector<Point>& points) {
+  std::size_t failed = 0;
+  for (const Point& point : points) {
+    const std::optional<sweep::Failure> failure = store.failure(point.id);
+    if (!failure || store.state(point.id) == Store::State::kGood) continue;
+    if (failed == 0) fmt::print("failed:\n");
+    if (++failed <= kShownFailures) fmt::print("  {}: {}\n", name_of(point), sim::printable(failure->error, 500));
+  }
+  if (failed > kShownFailures) fmt::print("  and {} more\n", failed - kShownFailures);
+}
+
+struct RunOptions {
+  fs::path file, out, store;
+  std::string launcher = "local";
+  std::uint32_t jobs = 0;
+  bool resume = false, retry_failed = false, dry_run = false, quiet = false;
+  std::string progress = "auto";
+};
+
+struct Planned {
+  std::string text;  ///< of the file
+  std::vector<Point> points;
+  std::vector<std::string> slurm;
+};
+
+Planned plan_from_file(const fs::path& file) {
+  const sweep::Spec spec = sweep::read_spec(file);
+  return {sim::read_file(file, 1 << 20), sweep::plan(spec, file.parent_path()), spec.slurm};
+}
+
+/// The points of a folder, with their keys of today.
+Planned plan_from_folder(const SweepFolder& folder) {
+  Planned planned{sim::read_file(folder.path() / "sweep.yaml", 1 << 20), folder.points(), folder.slurm()};
+  sweep::PointKeys keys;
+  for (Point& point : planned.points) keys.set_key(point);
+  return planned;
+}
+
+void print_plan(const std::vector<Point>& points, const Store& store) {
+  std::vector<std::string> header = {"n"};
+  for (const auto& [name, value] : points.front().axes) header.push_back(name);
+  header.emplace_back("state");
+  sim::Table table(header);
+  std::uint64_t there = 0, impossible = 0;
+  for (const Point& point : points) {
+    std::vector<std::string> cells = {std::to_string(point.n)};
+    for (const auto& [name, value] : point.axes) cells.push_back(value);
+    const bool is_there = store.state(point.id) == Store::State::kGood;
+    there += is_there ? 1 : 0;
+    impossible += point.error.empty() ? 0 : 1;
+    cells.emplace_back(is_there ? "in the store" : point.error.empty() ? "to compute" : "impossible");
+    table.row(std::move(cells));
+  }
+  fmt::print("{}\n{} points, {} of them in the store\n", table.text(), points.size(), there);
+  for (const Point& point : points) {
+    if (!point.error.empty()) fmt::print("impossible: {}: {}\n", name_of(point), sim::printable(point.error, 500));
+  }
+}
+
+/// Tells how far a batch is.
+class Watcher {
+ public:
+  Watcher(const RunOptions& options, std::size_t points)
+      : progress_(options.progress, options.quiet), points_(static_cast<std::uint32_t>(points)) {
+    progress_.expect(1, "sweep");
+    progress_.begin_part(text(), 0, points_);
+  }
+  void operator()(Fate fate) {
+    ended_ += 1;
+    failed_ += fate == Fate::kFailed ? 1 : 0;
+    progress_.phase(text());
+    progress_.tiles_done(ended_, 0, 0);
+  }
+  void end(const std::string& how) { progress_.end(how); }
+
+ private:
+  std::string text() const {
+    return fmt::format("{} of {} points{}", ended_, points_, failed_ != 0 ? fmt::format(", {} failed", failed_) : "");
+  }
+
+  Progress progress_;
+  const std::uint32_t points_;
+  std::uint32_t ended_ = 0, failed_ = 0;
+};
+
+int run(const RunOptions& options) {
+  if (options.file.empty() && !(options.resume && !options.out.empty())) {
+    throw sim::InputError("no sweep is named; allowed: raywatt sweep run FILE, or raywatt sweep run --resume -o DIR");
+  }
+  const bool from_file = !options.file.empty();
+  const fs::path out = !options.out.empty()
+                           ? options.out
+                           : fs::path("raywatt-out") / fmt::format("sweep-{}", options.file.stem().string());
+  std::optional<SweepFolder> former;
+  if (options.resume) former = SweepFolder::open(out);
+  const Planned planned = from_file ? plan_from_file(options.file) : plan_from_folder(*former);
+  const fs::path store_root = !options.store.empty() ? options.store
+                              : former               ? former->store().root()
+                                                     : Store::default_root();
+  if (options.dry_run) {
+    print_plan(planned.points, Store(store_root));
+    return kGood;
+  }
+  const HoldInterrupts hold;
+  const SweepFolder folder = SweepFolder::create(out, planned.text, planned.points, store_root, planned.slurm);
+  const std::optional<sweep::Lock> lock = folder.lock();
+  if (!lock) throw sim::InputError(fmt::format("{}: somebody is running this sweep", sim::printable(out.string())));
+  const Store store = folder.store();
+  store.clean();
+  sweep::LocalLauncher launcher(store,
+                                {.jobs = options.jobs, .retry_failed = options.retry_failed, .log = folder.log()});
+  Watcher watcher(options, planned.points.size());
+  const sweep::BatchEnd end = launcher.run(planned.points, [&](std::size_t, Fate fate) { watcher(fate); });
+  watcher.end(end.interrupted ? "interrupted" : "done");
+  const std::uint64_t computed = end.count(Fate::kComputed), found = end.count(Fate::kFound),
+                      failed = end.count(Fate::kFailed);
+  folder.note_run({{"date", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)))},
+                   {"host", sweep::host_name()},
+                   {"points", planned.points.size()},
+                   {"computed", computed},
+                   {"found", found},
+                   {"failed", failed},
+                   {"seconds", end.seconds},
+                   {"workers", end.workers},
+                   {"busy", end.busy}});
+  write_results_csv(folder);
+  tell_if_interrupted(fmt::format("kept {} of {} points in {}", computed + found, planned.points.size(), out.string()));
+  if (!options.quiet) {
+    fmt::print("{} points: {} computed, {} found, {} failed\n", planned.points.size(), computed, found, failed);
+    if (end.workers != 0) {
+      fmt::print("time:    {:.1f} s, {} worker{} busy {:.1f} % of it\n", end.seconds, end.workers,
+                 end.workers == 1 ? "" : "s", 100 * end.busy);
+    }
+    fmt::print("results: {}\n", (out / "results.csv").string());
+  }
+  if (failed != 0) print_failures(store, planned.points);
+  return failed != 0 ? kCheckFailed : kGood;
+}
+
+void add_sweep_run(CLI::App& group, int& exit) {
+  CLI::App* verb =
+      group.add_subcommand("run", "Compute all points of a sweep; those that are there are not computed again");
+  const auto options = std::make_shared<RunOptions>();
+  verb->add_option("file", options->file, "the sweep, a .yaml file (docs/sweeps.md)");
+  verb->add_option("-o,--output", options->out, "folder of the sweep (default: raywatt-out/sweep-NAME)");
+  verb->add_option("--store", options->store,
+                   "folder of results, for any number of sweeps (default: $RAYWATT_STORE, else raywatt-out/store)");
+  verb->add_option("--launcher", options->launcher, "who computes: local, processes on this host")
+      ->check(CLI::IsMember({"local"}))
+      ->capture_default_str();
+  verb->add_option("-j,--jobs", options->jobs, "local: points at a time (default: all cores)")
+      ->check(CLI::Range(1, 1024));
+  verb->add_flag("--resume", options->resume, "go on with the sweep in the folder; then FILE may be left out");
+  verb->add_flag("--retry-failed", options->retry_failed, "points that failed are computed again");
+  verb->add_flag("--dry-run", options->dry_run, "list the points; compute nothing, write nothing");
+  verb->add_flag("--quiet", options->quiet, "no summary, no bar");
+  add_progress_option(*verb, options->progress);
+  verb->footer(
+      "The same command again goes on where it was stopped. Ends with 1, and a list, if points failed.\n\n"
+      "Example: raywatt sweep run configs/experiments/l1-size.yaml -o out/l1 -j 4");
+  verb->callback([options, &exit] { exit = run(*options); });
+}
+
+struct PointOptions {
+  fs::path folder, list;
+  std::uint64_t index = 0, chunk = 1;
+  bool retry_failed = false;
+};
+
+/// The points of a list of ids, or of the sweep if there is none.
+std::vector<Point> listed(const SweepFolder& folder, const fs::path& list) {
+  std::vector<Point> all = folder.points();
+  if (list.empty()) return all;
+  std::map<std::string, const Point*> by_id;
+  for (const Point& point : all) by_id.emplace(point.id, &point);
+  std::istringstream lines(sim::read_file(list, std::uint64_t{1} << 30));
+  std::vector<Point> points;
+  for (std::string line; std::getline(lines, line);) {
+    const auto found = by_id.find(line);
+    if (found == by_id.end()) {
+      throw sim::InputError(fmt::format("{}:{}: '{}' is no point of this sweep", sim::printable(list.string()),
+                                        points.size() + 1, sim::printable(line)));
+    }
+    points.push_back(*found->second);
+  }
+  return points;
+}
+
+int compute_listed(const PointOptions& options) {
+  const SweepFolder folder = SweepFolder::open(options.folder);
+  const std::vector<Point> all = listed(folder, options.list);
+  if (options.index >= (all.size() + options.chunk - 1) / options.chunk) {
+    throw sim::InputError(fmt::format("--index {}: there are {} chunks of {} points", options.index,
+                                      (all.size() + options.chunk - 1) / options.chunk, options.chunk));
+  }
+  const std::size_t begin = options.index * options.chunk;
+  const std::span<const Point> points =
+      std::span(all).subspan(begin, std::min<std::size_t>(options.chunk, all.size() - begin));
+  const HoldInterrupts hold;
+  sweep::LocalLauncher launcher(
+      folder.store(),
+      {.jobs = 1, .threads = 1, .retry_failed = options.retry_failed, .keep_streams = true, .log = folder.log()});
+  const sweep::BatchEnd end = launcher.run(points);
+  return end.count(Fate::kFailed) != 0 ? kCheckFailed : kGood;
+}
+
+void add_sweep_point(CLI::App& group, int& exit) {
+  CLI::App* verb =
+      group.add_subcommand("point", "Compute some points of a sweep: what launchers start on cluster nodes");
+  const auto options = std::make_shared<PointOptions>();
+  verb->add_option("folder", options->folder, "the sweep's folder")->required();
+  verb->add_option("--list", options->list, "a file of ids, one a line (default: all points of the sweep)");
+  verb->add_option("--index", options->index, "which chunk of the list, from 0")->required();
+  verb->add_option("--chunk", options->chunk, "points of a chunk")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  verb->add_flag("--retry-failed", options->retry_failed, "points that failed are computed again");
+  verb->footer(
+      "Ends with 0 at once if the results are there, with 1 if a point fails.\n\n"
+      "Example: raywatt sweep point out/l1 --list out/l1/submit-1.txt --index 7 --chunk 4");
+  verb->callback([options, &exit] { exit = compute_listed(*options); });
+}
+
+/// How far a sweep is, from its folder and the store alone.
+nlohmann::ordered_json status_of(const SweepFolder& folder) {
+  const Store store = folder.store();
+  std::uint64_t done = 0, failed = 0, running = 0, damaged = 0;
+  const std::vector<Point> points = folder.points();
+  nlohmann::ordered_json failures = nlohmann::ordered_json::array();
+  for (const Point& point : points) {
+    const Store::State state = store.state(point.id);
+    if (state == Store::State::kGood) {
+      done += 1;
+    } else if (const std::optional<sweep::Failure> failure = store.failure(point.id)) {
+      failed += 1;
+      failures.push_back({{"n", point.n}, {"id", point.id}, {"exit", failure->exit}, {"error", failure->error}});
+    } else {
+      running += store.is_locked(point.id) ? 1 : 0;
+      damaged += state == Store::State::kDamaged ? 1 : 0;
+    }
+  }
+  const std::optional<SweepFolder::Runner> runner = folder.runner();
+  return {{"points", points.size()},
+          {"done", done},
+          {"failed", failed},
+          {"missing", points.size() - done - failed},
+          {"running", running},
+          {"damaged", damaged},
+          {"runner", runner ? nlohmann::ordered_json{{"host", runner->host}, {"process", runner->process}}
+                            : nlohmann::ordered_json(nullptr)},
+          {"store", store.root().string()},
+          {"failures", failures}};
+}
+
+void add_sweep_status(CLI::App& group) {
+  CLI::App* verb = group.add_subcommand("status", "How far a sweep is");
+  const auto path = std::make_shared<fs::path>();
+  const auto json = std::make_shared<bool>(false);
+  verb->add_option("folder", *path, "the sweep's folder")->required();
+  verb->add_flag("--json", *json, "as JSON");
+  verb->footer("Example: raywatt sweep status out/l1");
+  verb->callback([=] {
+    const SweepFolder folder = SweepFolder::open(*path);
+    const nlohmann::ordered_json status = status_of(folder);
+    if (*json) {
+      fmt::print("{}", sim::json_text(status));
+      return;
+    }
+    const auto number = [&](const char* key) { return status[key].get<std::uint64_t>(); };
+    fmt::print("{} points: {} done, {} failed, {} missing ({} of them being computed, {} damaged)\n", number("points"),
+               number("done"), number("failed"), number("missing"), number("running"), number("damaged"));
+    if (const std::optional<SweepFolder::Runner> runner = folder.runner()) {
+      fmt::print("run by process {} on {}\n", runner->process, runner->host);
+    }
+    fmt::print("store: {}\n", folder.store().root().string());
+    print_failures(folder.store(), folder.points());
+  });
+}
+
+void cancel(const fs::path& path) {
+  constexpr auto kGlance = std::chrono::milliseconds(20);
+  constexpr int kGlances = 1000;
+  const SweepFolder folder = SweepFolder::open(path);
+  const std::optional<SweepFolder::Runner> runner = folder.runner();
+  if (!runner) {
+    fmt::print("nobody is running this sweep\n");
+    return;
+  }
+  if (runner->host != sweep::host_name() || runner->process <= 1) {
+    throw sim::InputError(fmt::format("{}: is run by process {} on {}; cancel it there", sim::printable(path.string()),
+                                      runner->process, sim::printable(runner->host)));
+  }
+  ::kill(runner->process, SIGTERM);
+  for (int k = 0; k < kGlances && folder.runner(); ++k) std::this_thread::sleep_for(kGlance);
+  if (folder.runner()) throw sim::IoError(fmt::format("process {} does not end", runner->process));
+  fmt::print("cancelled; what is finished is kept. Go on with: raywatt sweep run --resume -o {}\n", path.string());
+}
+
+void add_sweep_cancel(CLI::App& group) {
+  CLI::App* verb = group.add_subcommand("cancel", "Stop whoever runs a sweep; what is finished is kept");
+  const auto path = std::make_shared<fs::path>();
+  verb->add_option("folder", *path, "the sweep's folder")->required();
+  verb->footer("Example: raywatt sweep cancel out/l1");
+  verb->callback([=] { cancel(*path); });
+}
+
+}  // namespace
+
+void add_sweep(CLI::App& app, int& exit) {
+  CLI::App* verb = app.add_subcommand("sweep", "Many runs: axes, conditions, subsets; nothing is computed twice");
   verb->require_subcommand(1);
-  verb->footer("Example: raywatt sweep table out/l1");
+  verb->footer("Example: raywatt sweep run configs/experiments/l1-size.yaml -o out/l1");
+  add_sweep_run(*verb, exit);
+  add_sweep_point(*verb, exit);
+  add_sweep_status(*verb);
+  add_sweep_cancel(*verb);
   add_sweep_results(*verb);
 }
 

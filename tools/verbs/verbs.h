@@ -31,7 +31,7 @@ void add_compare(CLI::App& app);
 void add_baseline(CLI::App& app, int& exit);
 void add_trace(CLI::App& app, const std::vector<std::string>& argv);
 void add_microbench(CLI::App& app, int& exit);
-void add_sweep(CLI::App& app);
+void add_sweep(CLI::App& app, int& exit);
 /// Those verbs of `raywatt sweep` that look at results.
 void add_sweep_results(CLI::App& sweep);
 
