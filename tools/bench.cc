@@ -2,8 +2,12 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <csignal>
 #include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <optional>
 #include <span>
 #include <system_error>
 
@@ -12,10 +16,14 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "sim/error.h"
 #include "tools/build_info.h"
 #include "tools/median.h"
+#include "tools/recorded.h"
+#include "tools/replay.h"
 #include "tools/report.h"
 #include "tools/run_job.h"
+#include "tools/tile_sampling.h"
 #include "traces/accel/bvh_tracer.h"
 
 namespace tools {
@@ -24,12 +32,46 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
+/// A folder that goes with whoever has it.
+class ScratchFolder {
+ public:
+  ScratchFolder() {
+    std::string name = (std::filesystem::temp_directory_path() / "raywatt-bench.XXXXXX").string();
+    if (::mkdtemp(name.data()) == nullptr) throw sim::IoError(fmt::format("{}: cannot be made", name));
+    path_ = name;
+  }
+  ~ScratchFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// The work of a frame as a trace. The file has no name any more when this is there.
+std::unique_ptr<Replay> recorded(const Inputs& inputs, const BenchOptions& options, Progress& progress) {
+  const ScratchFolder folder;
+  const std::filesystem::path file = folder.path() / "a.trace";
+  traces::TraceWriter writer(file, trace_header(inputs, options.job));
+  render(inputs, kernels::parse_program(options.job.program), traces::BvhTracer(inputs.image), options.job.threads,
+         {.progress = &progress, .trace = &writer});
+  writer.end_frame(recorded_frame(inputs.frame, 0));
+  writer.commit();
+  return std::make_unique<Replay>(file, options.job);
+}
+
 /// A round: everything once, one after the other, so that figures can be compared whatever the host is doing.
 class Rounds {
  public:
   Rounds(const Inputs& inputs, const BenchOptions& options, Progress& progress)
       : inputs_(inputs), options_(options), program_(kernels::parse_program(options.job.program)), progress_(progress) {
-    progress.expect(kPartsOfARound * options.runs, options.job.scene);
+    const bool samples = program_.kind == kernels::ProgramSpec::Kind::kFull;
+    if (samples) sampling_ = TileSampling{.full_image = false};
+    progress.expect(1 + (samples ? 5 : 4) * options.runs, options.job.scene);
   }
 
   void run() {
@@ -48,6 +90,11 @@ class Rounds {
     add("steps_per_s", steps / all.wall_seconds);
     add("ns_per_step", 1e9 * timing / steps);
     add("timing_s_per_functional_s", timing / picture);
+    // Peak memory is that of whole runs.
+    if (peak_mib_ == 0) peak_mib_ = peak_rss_mib();
+    if (replay_ == nullptr) replay_ = recorded(inputs_, options_, progress_);
+    add("replay_s_per_timing_s", replay_->run(1, &progress_).total->wall_seconds / timing);
+    if (sampling_) add_sampled(one, timing);
   }
 
   Json json() const {
@@ -56,12 +103,19 @@ class Rounds {
                 {"rays", rays_},
                 {"traversal_steps", steps_}};
     for (const auto& [name, values] : values_) out[name] = median(values);
-    out["peak_rss_mb"] = peak_rss_mib();
+    out["peak_rss_mb"] = peak_mib_;
     return out;
   }
 
  private:
-  static constexpr std::uint32_t kPartsOfARound = 3;
+  void add_sampled(const Simulation& whole, double timing) {
+    const Simulation some = simulate_sampled(inputs_, program_, 1, *sampling_, &progress_);
+    const double off = some.sampled->cycles.estimate - static_cast<double>(whole.cycles);
+    add("sampling_speedup", whole.wall_seconds / some.wall_seconds);
+    add("sampling_timing_speedup", timing / (some.wall_seconds - some.function.waited));
+    add("sampling_cycles_error_percent", 100 * std::abs(off) / static_cast<double>(whole.cycles));
+    add("sampling_cycles_inside", std::abs(off) <= some.sampled->cycles.half_width ? 1 : 0);
+  }
 
   void add(const char* name, double value) {
     const auto known = std::ranges::find(values_, name, [](const auto& figure) { return figure.first; });
@@ -72,6 +126,9 @@ class Rounds {
   const BenchOptions& options_;
   const kernels::ProgramSpec program_;
   Progress& progress_;
+  double peak_mib_ = 0;
+  std::unique_ptr<Replay> replay_;
+  std::optional<TileSampling> sampling_;  ///< of programs whose tiles can be sampled
   std::uint64_t rays_ = 0, steps_ = 0;
   std::vector<std::pair<std::string, std::vector<double>>> values_;
 };
@@ -132,15 +189,21 @@ Json measure_apart(const std::string& scene, const BenchOptions& options) {
 }  // namespace
 
 const std::vector<BenchFigure>& bench_figures() {
+  using enum BenchFigure::Kind;
   static const std::vector<BenchFigure> figures = {
       {"functional_rays_per_s", "functional rays/s"},
       {"recording_rays_per_s", "recording rays/s"},
       {"one_thread_rays_per_s", "1 thread rays/s"},
       {"simulated_rays_per_s", "all threads rays/s"},
       {"steps_per_s", "steps/s"},
-      {"ns_per_step", "timing ns/step", false},
-      {"timing_s_per_functional_s", "timing/functional", false},
-      {"peak_rss_mb", "peak MiB", false},
+      {"ns_per_step", "timing ns/step", kCost},
+      {"timing_s_per_functional_s", "timing/functional", kCost},
+      {"peak_rss_mb", "peak MiB", kCost},
+      {"replay_s_per_timing_s", "replay/timing", kCost, true},
+      {"sampling_speedup", "sampled: times faster", kTimes, true},
+      {"sampling_timing_speedup", "timing times faster", kTimes, true},
+      {"sampling_cycles_error_percent", "cycles off by %", kFact, true},
+      {"sampling_cycles_inside", "inside the interval", kFact, true},
   };
   return figures;
 }

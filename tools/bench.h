@@ -19,10 +19,17 @@ struct BenchOptions {
   std::filesystem::path against;   ///< figures to compare with; empty: none
 };
 
-/// A figure of a scene: a key of the JSON, a column of the table.
+/// A figure of a scene: a key of the JSON, a column of a table.
 struct BenchFigure {
+  enum class Kind : std::uint8_t {
+    kRate,   ///< per second, and more is better
+    kTimes,  ///< more is better
+    kCost,   ///< less is better
+    kFact,   ///< that no build should be better at than another
+  };
   std::string name, header;
-  bool is_rate = true;  ///< per second, and more is better; otherwise less is
+  Kind kind = Kind::kRate;
+  bool of_part = false;  ///< of what need not play the whole frame: a trace replayed, tiles sampled
 };
 const std::vector<BenchFigure>& bench_figures();
 
@@ -37,7 +44,7 @@ nlohmann::ordered_json load_bench(const std::filesystem::path& file);
 /// Adds to each scene of `bench` that `other` has, too, `against`: how many times as good each figure is.
 void compare_bench(nlohmann::ordered_json& bench, const nlohmann::ordered_json& other);
 
-/// The table for a terminal; a second one if there is something to compare.
+/// Tables for a terminal: whole runs, then replays and samples; as many again if there is something to compare.
 std::string bench_table(const nlohmann::ordered_json& bench);
 
 }  // namespace tools

@@ -65,7 +65,35 @@ Json merged(const std::vector<Json>& results) {
 std::string cell(const BenchFigure& figure, const Json& scene) {
   if (!scene.contains(figure.name)) return "-";
   const auto value = scene[figure.name].get<double>();
-  return figure.is_rate ? sim::si_text(value) : fmt::format("{:.2f}", value);
+  if (figure.name == "sampling_cycles_inside") return value >= 0.5 ? "yes" : "no";
+  return figure.kind == BenchFigure::Kind::kRate ? sim::si_text(value) : fmt::format("{:.2f}", value);
+}
+
+/// One table and an empty line; nothing if no scene has what it shows.
+std::string table_of(const Json& bench, bool of_part, bool compares) {
+  std::vector<BenchFigure> columns;
+  for (const BenchFigure& figure : bench_figures()) {
+    const bool is_compared = figure.kind != BenchFigure::Kind::kFact;
+    if (figure.of_part == of_part && (is_compared || !compares)) columns.push_back(figure);
+  }
+  std::vector<std::string> header = {compares ? "times as good" : "scene"};
+  for (const BenchFigure& figure : columns) header.push_back(figure.header);
+  sim::Table table(header);
+  bool shows = false;
+  for (const Json& scene : bench["scenes"]) {
+    if (compares && !scene.contains("against")) continue;
+    std::vector<std::string> row = {scene["scene"].get<std::string>()};
+    for (const BenchFigure& figure : columns) {
+      const Json& from = compares ? scene["against"] : scene;
+      shows = shows || from.contains(figure.name);
+      const bool has = compares && from.contains(figure.name);
+      row.push_back(has        ? fmt::format("x{:.2f}", from[figure.name].get<double>())
+                    : compares ? "-"
+                               : cell(figure, scene));
+    }
+    table.row(row);
+  }
+  return shows ? table.text() + "\n" : "";
 }
 
 }  // namespace
@@ -99,33 +127,21 @@ void compare_bench(Json& bench, const Json& other) {
     if (same == nullptr) continue;
     Json ratios = Json::object();
     for (const BenchFigure& figure : bench_figures()) {
+      if (figure.kind == BenchFigure::Kind::kFact) continue;
       if (!scene.contains(figure.name) || !same->contains(figure.name)) continue;
       const double ratio = scene[figure.name].get<double>() / (*same)[figure.name].get<double>();
-      ratios[figure.name] = figure.is_rate ? ratio : 1 / ratio;
+      ratios[figure.name] = figure.kind == BenchFigure::Kind::kCost ? 1 / ratio : ratio;
     }
     scene["against"] = std::move(ratios);
   }
 }
 
 std::string bench_table(const Json& bench) {
-  std::vector<std::string> header = {"scene"};
-  for (const BenchFigure& figure : bench_figures()) header.push_back(figure.header);
-  sim::Table table(header);
-  header.front() = "times as good";
-  sim::Table against(header);
-  bool compared = false;
-  for (const Json& scene : bench["scenes"]) {
-    std::vector<std::string> figures = {scene["scene"].get<std::string>()}, ratios = figures;
-    for (const BenchFigure& figure : bench_figures()) {
-      figures.push_back(cell(figure, scene));
-      const bool has = scene.contains("against") && scene["against"].contains(figure.name);
-      ratios.push_back(has ? fmt::format("x{:.2f}", scene["against"][figure.name].get<double>()) : "-");
-    }
-    table.row(figures);
-    if (scene.contains("against")) against.row(ratios);
-    compared = compared || scene.contains("against");
+  std::string text;
+  for (const bool compares : {false, true}) {
+    for (const bool of_part : {false, true}) text += table_of(bench, of_part, compares);
   }
-  return table.text() + (compared ? "\n" + against.text() : "");
+  return text.substr(0, text.size() - 1);  // without the empty line behind the last
 }
 
 }  // namespace tools

@@ -8,6 +8,7 @@
 
 #include "hw_models/memory/dram_energy.h"
 #include "hw_models/srp/schedule.h"
+#include "hw_models/srp/tile_buffer.h"
 #include "shader_kernels/catalogue.h"
 #include "shader_kernels/programs/full.h"
 #include "sim/error.h"
@@ -73,7 +74,12 @@ Pilot look_at_all(const Inputs& inputs, const kernels::ProgramSpec& spec, const 
   for (const kernels::KernelInfo& kernel : kernels::catalogue()) {
     kernels.push_back(hw::schedule(kernel.graph, inputs.config.gpu.srp));
   }
-  hw::TilePilot look(inputs.config.gpu, inputs.image.layout, kernels, pilot.thinning);
+  const hw::GpuConfig& gpu = inputs.config.gpu;
+  const kernels::Demands demands =
+      kernels::FullProgram(inputs.image, inputs.camera, inputs.config.render, spec.samples, inputs.frame).demands();
+  const hw::TileBuffer buffer(gpu.tile_buffer, demands.tile_samples, demands.attribute_bytes, gpu.clocks.srp.clock(),
+                              gpu.ideal.tile_buffer);
+  hw::TilePilot look(gpu, inputs.image.layout, kernels, pilot.thinning, static_cast<double>(buffer.slots()));
   hw::FrontEnd front_end(program, tracer, host_threads(threads) - 1);
   while (const traces::TileWork* work = front_end.next()) {
     if (interrupted()) throw Interrupted{};
@@ -137,7 +143,7 @@ Estimates known(const Inputs& inputs, const SampledRun& run) {
 }
 
 Estimates estimate(const Inputs& inputs, const Pilot& pilot, const TilePlan& plan, std::span<const SampledRun> runs) {
-  const hw::TilePilot measure(inputs.config.gpu, inputs.image.layout, {}, 1);
+  const hw::TilePilot measure(inputs.config.gpu, inputs.image.layout, {}, 1, 0);
   std::vector<const MeasuredPart*> parts;
   std::vector<SamplePart> samples;
   std::vector<double> times, energies;

@@ -22,11 +22,12 @@ bool read(CacheTags& tags, Addr line) {
 }  // namespace
 
 TilePilot::TilePilot(const GpuConfig& config, const traces::Layout& layout, std::span<const KernelSchedule> kernels,
-                     double thinning)
+                     double thinning, double slots)
     : config_(config),
       layout_(layout),
       kernels_(kernels),
       thinning_(thinning),
+      share_(slots / config.tile_buffer.tiles_in_flight),
       srp_cycle_(static_cast<double>(config.clocks.srp.clock().period()) /
                  static_cast<double>(config.clocks.tni.clock().period())),
       l2_(config.l2.cache) {
@@ -81,8 +82,19 @@ TileTraits TilePilot::look(const traces::TileWork& work) {
     if (node.kind == traces::WorkNode::Kind::kLaunch)
       t.array += thinning_ * static_cast<double>(node.items + node.idle) * kernels_[node.kernel].ii;
   }
+  t.spills = spills(work);
   t.path = path(work);
   return t;
+}
+
+double TilePilot::spills(const traces::TileWork& work) {
+  made_.assign(work.nodes.size(), 0);
+  for (const traces::WorkNode& node : work.nodes) {
+    if (node.kind == traces::WorkNode::Kind::kRays) made_[node.inputs.front().node] += thinning_ * node.items;
+  }
+  double spilled = 0;
+  for (const double rays : made_) spilled += std::max(0.0, rays - share_);
+  return spilled;
 }
 
 double TilePilot::path(const traces::TileWork& work) {

@@ -20,12 +20,13 @@ struct TileTraits {
   double l1_misses = 0;    ///< of the traversal and intersection units' caches
   double data_misses = 0;  ///< of the data cache
   double l2_misses = 0;
-  double path = 0;  ///< T&I cycles of the longest chain of launches and rays, if the tile were alone
+  double spills = 0;  ///< ray slots beyond a tile's share of the tile buffer, launch by launch
+  double path = 0;    ///< T&I cycles of the longest chain of launches and rays, if the tile were alone
 
-  static constexpr std::size_t kCount = 8;
+  static constexpr std::size_t kCount = 9;
   static constexpr double TileTraits::*kAll[kCount] = {
-      &TileTraits::tiles,     &TileTraits::array,       &TileTraits::visits,    &TileTraits::tests,
-      &TileTraits::l1_misses, &TileTraits::data_misses, &TileTraits::l2_misses, &TileTraits::path};
+      &TileTraits::tiles,       &TileTraits::array,     &TileTraits::visits, &TileTraits::tests, &TileTraits::l1_misses,
+      &TileTraits::data_misses, &TileTraits::l2_misses, &TileTraits::spills, &TileTraits::path};
   void add(const TileTraits& other, double factor = 1) {
     for (const auto member : kAll) this->*member += factor * (other.*member);
   }
@@ -35,8 +36,9 @@ struct TileTraits {
 /// would come to. Caches are tags alone, filled at once; tiles go to cores in turn, rays to traversal units in turn.
 class TilePilot {
  public:
+  /// `slots`: for rays, of a core's tile buffer.
   TilePilot(const GpuConfig& config, const traces::Layout& layout, std::span<const KernelSchedule> kernels,
-            double thinning);
+            double thinning, double slots);
 
   TileTraits look(const traces::TileWork& work);
   /// T&I cycles that the whole machine might take for it: for the choice of tiles, not an estimate.
@@ -48,16 +50,19 @@ class TilePilot {
     CacheTags ist, data;
   };
   double path(const traces::TileWork& work);
+  double spills(const traces::TileWork& work);
 
   const GpuConfig& config_;
   const traces::Layout& layout_;
   const std::span<const KernelSchedule> kernels_;
   const double thinning_;
+  const double share_;      ///< of a tile, in the ray slots
   const double srp_cycle_;  ///< in T&I cycles
   std::vector<Core> cores_;
   CacheTags l2_;
   std::vector<std::uint32_t> steps_;  ///< of each ray of the tile
   std::vector<double> done_;          ///< of each node of its work, when it is
+  std::vector<double> made_;          ///< likewise, rays that a launch makes
 };
 
 }  // namespace hw

@@ -32,7 +32,12 @@ TEST(Bench, MeasuresEveryFigureOfEveryScene) {
   EXPECT_EQ(result["threads"], 2);
   ASSERT_EQ(result["scenes"].size(), 2U);
   for (const nlohmann::json& scene : result["scenes"]) {
-    for (const tools::BenchFigure& figure : tools::bench_figures()) EXPECT_GT(scene[figure.name], 0) << figure.name;
+    for (const tools::BenchFigure& figure : tools::bench_figures()) {
+      if (figure.kind == tools::BenchFigure::Kind::kFact) continue;
+      EXPECT_GT(scene[figure.name], 0) << figure.name;
+    }
+    EXPECT_EQ(scene["sampling_cycles_error_percent"], 0) << "so small a frame is timed whole";
+    EXPECT_EQ(scene["sampling_cycles_inside"], 1);
     EXPECT_GT(scene["functional_rays_per_s"], scene["one_thread_rays_per_s"]);
   }
 }
@@ -41,7 +46,13 @@ TEST(Bench, PrintsAColumnForEveryFigure) {
   const std::string table = raywatt(bench({"--scene", "teapot"})).out;
   for (const tools::BenchFigure& figure : tools::bench_figures()) EXPECT_SAYS(table, figure.header);
   EXPECT_SAYS(table, "teapot");
-  EXPECT_EQ(std::ranges::count(table, '\n'), 3) << table;
+  EXPECT_EQ(std::ranges::count(table, '\n'), 7) << "two tables of three lines, one between them\n" << table;
+}
+
+TEST(Bench, LeavesOutSamplesOfProgramsThatHaveNone) {
+  const nlohmann::json result = figures({"--scene", "teapot", "--program", "multirate:under"});
+  EXPECT_GT(result["scenes"][0]["replay_s_per_timing_s"], 0);
+  EXPECT_FALSE(result["scenes"][0].contains("sampling_speedup"));
 }
 
 TEST(Bench, PeakMemoryIsThatOfTheSceneAlone) {
@@ -70,6 +81,8 @@ TEST(Bench, SaysHowManyTimesAsGoodEachFigureIs) {
   EXPECT_DOUBLE_EQ(against["simulated_rays_per_s"], 3) << "three times as many";
   EXPECT_DOUBLE_EQ(against["ns_per_step"], 1.0 / 3) << "three times as long";
   EXPECT_DOUBLE_EQ(against["peak_rss_mb"], 1.0 / 3);
+  EXPECT_DOUBLE_EQ(against["sampling_speedup"], 3);
+  EXPECT_FALSE(against.contains("sampling_cycles_inside")) << "a fact, not a speed";
   EXPECT_SAYS(raywatt(bench({"--measured", ours, "--against", theirs})).out, "x3.00");
 }
 

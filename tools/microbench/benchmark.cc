@@ -18,19 +18,17 @@ CLI::App* add_benchmark(CLI::App& verb, const Benchmark& benchmark, const std::s
   add_config_options(*app, job->config, job->sets);
   app->add_flag("--json", *json, "as JSON");
   app->footer(benchmark.footer);
-  app->callback([name = benchmark.name, json, job, &exit, measure = std::move(measure)] {
-    const Findings findings = measure();
-    fmt::print("{}", *json ? json_of(name, findings) : table_of(findings));
-    const auto missed = std::ranges::count_if(findings.figures, [](const Figure& f) { return !f.good(); });
-    report_missed(static_cast<std::size_t>(missed), findings.figures.size(), exit);
-  });
+  app->callback(
+      [name = benchmark.name, json, job, &exit, measure = std::move(measure)] { show(measure(), name, *json, exit); });
   return app;
 }
 
-void report_missed(std::size_t missed, std::size_t figures, int& exit) {
+void show(const Findings& findings, const std::string& name, bool json, int& exit) {
+  fmt::print("{}", json ? json_of(name, findings) : table_of(findings));
+  const auto missed = std::ranges::count_if(findings.figures, [](const Figure& f) { return !f.good(); });
   if (missed == 0) return;
   exit = kCheckFailed;
-  fmt::print(stderr, "raywatt: {} of {} figures leave their closed forms\n", missed, figures);
+  fmt::print(stderr, "raywatt: {} of {} figures leave their closed forms\n", missed, findings.figures.size());
 }
 
 RunConfig real_machine(const JobOptions& job) {

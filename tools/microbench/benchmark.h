@@ -26,8 +26,8 @@ struct Benchmark {
 CLI::App* add_benchmark(CLI::App& verb, const Benchmark& benchmark, const std::shared_ptr<JobOptions>& job, int& exit,
                         std::function<Findings()> measure);
 
-/// Says so, and makes `exit` kCheckFailed, if figures leave their closed forms.
-void report_missed(std::size_t missed, std::size_t figures, int& exit);
+/// Prints them. Says so, and makes `exit` kCheckFailed, if figures leave their closed forms.
+void show(const Findings& findings, const std::string& name, bool json, int& exit);
 
 /// The configured machine without perfect resources: what costs no time has no figure.
 RunConfig real_machine(const JobOptions& job);

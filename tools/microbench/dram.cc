@@ -13,6 +13,7 @@
 #include "tools/load_config.h"
 #include "tools/microbench/benchmark.h"
 #include "tools/microbench/dram_stream.h"
+#include "tools/microbench/figure.h"
 #include "tools/microbench/microbench.h"
 
 namespace tools {
@@ -20,7 +21,6 @@ namespace tools {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Holds = hw::DramFigure::Holds;
 
 struct Options {
   JobOptions job;
@@ -156,45 +156,33 @@ void print_stream(const Result& r) {
   fmt::print("\n{}", table.text());
 }
 
-const char* words_for(Holds holds) {
+Figure::Holds same(hw::DramFigure::Holds holds) {
+  using Holds = hw::DramFigure::Holds;
   switch (holds) {
     case Holds::kExactly:
-      return "exactly";
+      return Figure::Holds::kExactly;
     case Holds::kClosely:
-      return "within 2 %";
+      return Figure::Holds::kClosely;
     case Holds::kNearly:
-      return "nine tenths or more";
+      return Figure::Holds::kNearly;
     case Holds::kAtMost:
-      return "a bound";
+      break;
   }
-  return "";
+  return Figure::Holds::kAtMost;
 }
 
-void show_figures(const hw::DramConfig& config, bool json, int& exit) {
-  std::size_t missed = 0;
-  Json list = Json::array();
-  sim::Table table({config.grade + ", a channel", "measured", "closed form", "", "difference", "holds", ""});
+Findings figures_of(const hw::DramConfig& config) {
+  Findings findings{config.grade + ", a channel", {}};
   for (const hw::DramFigure& f : hw::dram_figures(config)) {
-    table.row({f.name, fmt::format("{:.3f}", f.measured), fmt::format("{:.3f}", f.expected), f.unit,
-               fmt::format("{:+.2f} %", 100 * (f.measured / f.expected - 1)), words_for(f.holds),
-               f.good() ? "" : "MISSED"});
-    missed += f.good() ? 0 : 1;
-    list.push_back({{"name", f.name},
-                    {"unit", f.unit},
-                    {"measured", f.measured},
-                    {"expected", f.expected},
-                    {"holds", words_for(f.holds)},
-                    {"good", f.good()}});
+    findings.figures.push_back({f.name, f.unit, f.measured, f.expected, same(f.holds)});
   }
-  const Json all = {{"schema", "raywatt-microbench-dram-figures/1"}, {"grade", config.grade}, {"figures", list}};
-  fmt::print("{}", json ? sim::json_text(all) : table.text());
-  report_missed(missed, list.size(), exit);
+  return findings;
 }
 
 void run(const Options& options, int& exit) {
   hw::DramConfig config = load_run_config(options.job).gpu.dram;
   if (options.refresh == "off") config.timing.refi_pb = config.timing.refi_ab = 0;
-  if (options.stream.empty()) return show_figures(config, options.json, exit);
+  if (options.stream.empty()) return show(figures_of(config), "dram", options.json, exit);
   const std::vector<hw::DramRequest> requests = load_dram_stream(options.stream);
   const Result result(config, requests, options.outstanding == 0 ? config.controller.read_queue : options.outstanding);
   if (options.json) {

@@ -22,6 +22,8 @@ const char* words_for(Holds holds) {
       return "exactly";
     case Holds::kClosely:
       return "within 2 %";
+    case Holds::kNearly:
+      return "nine tenths or more";
     case Holds::kAtMost:
       return "an upper bound";
     case Holds::kAtLeast:
@@ -48,6 +50,8 @@ bool Figure::good() const {
       return std::abs(measured - expected) <= 1e-9 * std::abs(expected);
     case Holds::kClosely:
       return std::abs(measured - expected) <= kTolerance * expected;
+    case Holds::kNearly:
+      return measured >= 0.9 * expected && measured <= expected;
     case Holds::kAtMost:
       return measured <= (1 + kTolerance) * expected;
     case Holds::kAtLeast:

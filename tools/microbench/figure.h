@@ -12,6 +12,7 @@ struct Figure {
   enum class Holds : std::uint8_t {
     kExactly,
     kClosely,  ///< within 2 %
+    kNearly,   ///< between nine tenths of the form and all of it
     kAtMost,   ///< the form is an upper bound (2 % for the ends of a measurement)
     kAtLeast,  ///< the form is a lower bound
   };

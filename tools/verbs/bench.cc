@@ -24,7 +24,8 @@ void bench(const BenchOptions& options, bool json) {
 }  // namespace
 
 void add_bench(CLI::App& app) {
-  CLI::App* verb = app.add_subcommand("bench", "How fast the simulator is: functional half, timing and whole runs");
+  CLI::App* verb = app.add_subcommand(
+      "bench", "How fast the simulator is: functional half, timing, whole runs, replays and sampled tiles");
   const auto options = std::make_shared<BenchOptions>();
   const auto json = std::make_shared<bool>(false);
   add_config_options(*verb, options->job.config, options->job.sets);

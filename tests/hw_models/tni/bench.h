@@ -44,12 +44,11 @@ class TniBench {
       links.memory_out.push_back(&requests_.emplace_back(4, 1, clock_));
       links.memory_in.push_back(&replies_.emplace_back(64, setup.memory_latency, clock_));
     }
-    tni_ = std::make_unique<Tni>(
-        setup.config, setup.perfect,
-        Tni::Scene{{0, setup.node_bytes, setup_.parents, setup_.single_boxes, setup.hybrid, setup_.links, 1 << 19,
-                           setup_.placed},
-                   {1 << 20, setup.triangle_bytes}},
-        setup.hit_interval, links, clock_);
+    tni_ = std::make_unique<Tni>(setup.config, setup.perfect,
+                                 Tni::Scene{{0, setup.node_bytes, setup_.parents, setup_.single_boxes, setup.hybrid,
+                                             setup_.links, 1 << 19, setup_.placed},
+                                            {1 << 20, setup.triangle_bytes}},
+                                 setup.hit_interval, links, clock_);
     wakes_.reset(4 + setup.config.trvs);
     std::vector<sim::Waker> trvs;
     for (std::uint32_t i = 0; i < setup.config.trvs; ++i) trvs.push_back(wakes_.of(4 + i));
@@ -175,5 +174,24 @@ class TniBench {
   sim::Time drain_at_ = 0, last_ = 0, end_ = 0;
   std::uint64_t lines_asked_ = 0;
 };
+
+/// A unit of one traversal unit.
+inline TniBench::Setup one_trv() {
+  TniBench::Setup s;
+  s.config.trvs = 1;
+  return s;
+}
+
+inline const Trv& trv(const TniBench& bench) { return bench.tni().trvs().front(); }
+
+/// Cycles from the FIFO to the FIFO: one wire to the TRV, one back to the dispatcher, one into the hit FIFO.
+inline constexpr std::uint64_t kWires = 3;
+
+/// Cycles of a ray alone and with warm caches.
+inline std::uint64_t alone(TniBench::Setup setup, const std::vector<std::uint32_t>& walk) {
+  setup.config.trv.rays = 1;
+  TniBench bench(setup);
+  return bench.add(walk, 2).run().gap() - (kWires - 1);
+}
 
 }  // namespace hw::testing

@@ -7,19 +7,21 @@
 namespace hw {
 namespace {
 
+using testing::alone;
+using testing::kWires;
 using testing::RandomLoad;
 using testing::TniBench;
+using testing::trv;
 using testing::Walk;
 using traces::end_step;
 using traces::enter_step;
 using traces::visit_step;
 
-constexpr std::uint64_t kWires = 3, kVisit = 14, kTransform = 14, kMiss = 51, kPop = 2;
+constexpr std::uint64_t kVisit = 14, kTransform = 14, kMiss = 51, kPop = 2;
 
 /// Nodes 0, 1, 2 over two instances of a tree of nodes 3, 4, 5: instance 0 is below node 1, instance 1 below node 2.
-TniBench::Setup one_trv() {
-  TniBench::Setup s;
-  s.config.trvs = 1;
+TniBench::Setup two_instances() {
+  TniBench::Setup s = testing::one_trv();
   s.placed.resize(2);
   s.placed[0].root = s.placed[1].root = 3;
   s.links.resize(6);
@@ -27,26 +29,17 @@ TniBench::Setup one_trv() {
   return s;
 }
 
-/// Cycles of a ray alone and with warm caches.
-std::uint64_t alone(TniBench::Setup setup, const Walk& walk) {
-  setup.config.trv.rays = 1;
-  TniBench bench(setup);
-  return bench.add(walk, 2).run().gap() - (kWires - 1);
-}
-
-const Trv& trv(const TniBench& bench) { return bench.tni().trvs().front(); }
-
 const Walk kIn = {visit_step(0, 1, 0), enter_step(0), visit_step(3, 0, 0), end_step(false)};
 /// Into instance 0 and, popping what node 0 pushed, into instance 1.
 const Walk kBoth = {visit_step(0, 3, 0), visit_step(1, 1, 0), enter_step(0),       visit_step(3, 0, 0),
                     visit_step(2, 1, 0), enter_step(1),       visit_step(3, 0, 0), end_step(false)};
 
 TEST(Instances, EnteringReadsTheRecordAndTakesTheTransformsLatencyInsteadOfAVisits) {
-  EXPECT_EQ(alone(one_trv(), kIn), 2 * kVisit + kTransform);
-  TniBench::Setup slow = one_trv();
+  EXPECT_EQ(alone(two_instances(), kIn), 2 * kVisit + kTransform);
+  TniBench::Setup slow = two_instances();
   slow.config.trv.transform_latency = 20;
   EXPECT_EQ(alone(slow, kIn), 2 * kVisit + kTransform + 8);
-  TniBench bench(one_trv());
+  TniBench bench(two_instances());
   bench.add(kIn).run();
   EXPECT_EQ(bench.latency(0), kWires + 2 * (kMiss + kVisit) + kMiss + kTransform);
   EXPECT_EQ(bench.lines_asked(), 3U);
@@ -55,10 +48,12 @@ TEST(Instances, EnteringReadsTheRecordAndTakesTheTransformsLatencyInsteadOfAVisi
   EXPECT_EQ(trv(bench).stats().leaves, 0U);
 }
 
-TEST(Instances, LeavingCostsThePopAlone) { EXPECT_EQ(alone(one_trv(), kBoth), 5 * kVisit + 2 * kTransform + kPop); }
+TEST(Instances, LeavingCostsThePopAlone) {
+  EXPECT_EQ(alone(two_instances(), kBoth), 5 * kVisit + 2 * kTransform + kPop);
+}
 
 TEST(Instances, OneOperationACycleGoesThroughTheBoxPipe) {
-  TniBench::Setup setup = one_trv();
+  TniBench::Setup setup = two_instances();
   setup.config.trv.rays = 64;
   setup.perfect.l1 = true;
   TniBench bench(setup);
@@ -73,7 +68,7 @@ const Walk kDeep = {visit_step(0, 3, 0), visit_step(1, 3, 0), enter_step(0),    
                     visit_step(2, 0, 0), visit_step(2, 0, 0), end_step(false)};
 
 TEST(Instances, ARestartFromALinkOutsideEntersTheInstanceAgain) {
-  TniBench::Setup setup = one_trv();
+  TniBench::Setup setup = two_instances();
   setup.config.trv.stack_entries = 1;
   TniBench bench(setup);
   bench.add(kDeep).run();
@@ -91,7 +86,7 @@ TEST(Instances, ARestartFromALinkWithinTheInstanceStaysThere) {
   const Walk inside = {visit_step(0, 1, 0), visit_step(1, 1, 0), enter_step(0),
                        visit_step(3, 3, 0), visit_step(4, 3, 0), visit_step(5, 0, 0),
                        visit_step(5, 0, 0), visit_step(5, 0, 0), end_step(false)};
-  TniBench::Setup setup = one_trv();
+  TniBench::Setup setup = two_instances();
   setup.config.trv.stack_entries = 1;
   TniBench bench(setup);
   bench.add(inside).run();
@@ -101,7 +96,7 @@ TEST(Instances, ARestartFromALinkWithinTheInstanceStaysThere) {
 }
 
 TEST(Instances, ARestartTrailGoesDownFromTheRootOfAllThroughTheInstance) {
-  TniBench::Setup setup = one_trv();
+  TniBench::Setup setup = two_instances();
   setup.config.trv.stack = StackScheme::kRestartTrail;
   setup.config.trv.stack_entries = 0;
   TniBench bench(setup);

@@ -7,28 +7,27 @@
 namespace hw {
 namespace {
 
+using testing::kWires;
 using testing::RandomLoad;
 using testing::TniBench;
+using testing::trv;
 using testing::Walk;
 using traces::end_step;
 using traces::visit_step;
 
 constexpr MissHandling kAll[] = {MissHandling::kReorder, MissHandling::kBypass, MissHandling::kRau,
                                  MissHandling::kBlocking};
-constexpr std::uint64_t kWires = 3, kVisit = 14;  // fetch 2, box 12
-constexpr std::uint64_t kMiss = 51;               // to memory 1, back 50; the next probe is in the cycle of the fill
+constexpr std::uint64_t kVisit = 14;  // fetch 2, box 12
+constexpr std::uint64_t kMiss = 51;   // to memory 1, back 50; the next probe is in the cycle of the fill
 constexpr std::uint64_t kPeriod = 2'000'000;
 
 TniBench::Setup one_trv(MissHandling handling) {
-  TniBench::Setup s;
-  s.config.trvs = 1;
+  TniBench::Setup s = testing::one_trv();
   s.config.miss_handling = handling;
   return s;
 }
 
 Walk one_node(std::uint32_t node) { return {visit_step(node, 0, 0), end_step(false)}; }
-
-const Trv& trv(const TniBench& bench) { return bench.tni().trvs().front(); }
 
 TEST(MissHandling, ALoneRayWaitsForEachLineAlikeUnlessItLoops) {
   for (const MissHandling handling : kAll) {

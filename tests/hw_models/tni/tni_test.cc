@@ -8,6 +8,8 @@
 namespace hw {
 namespace {
 
+using testing::kWires;
+using testing::one_trv;
 using testing::random_setup;
 using testing::RandomLoad;
 using testing::TniBench;
@@ -27,15 +29,6 @@ Walk straight(std::uint32_t n) {
   walk.push_back(end_step(false));
   return walk;
 }
-
-TniBench::Setup one_trv() {
-  TniBench::Setup s;
-  s.config.trvs = 1;
-  return s;
-}
-
-// From the FIFO to the FIFO: one wire to the TRV, one back to the dispatcher, one into the hit FIFO.
-constexpr std::uint64_t kWires = 3;
 
 TEST(Tni, ALoneRayOfNVisitsThatAllHitTakesWiresPlusNTimesFetchAndBox) {
   for (const std::uint32_t n : {1U, 2U, 7U, 40U}) {

@@ -7,30 +7,19 @@
 namespace hw {
 namespace {
 
+using testing::alone;
+using testing::kWires;
+using testing::one_trv;
 using testing::RandomLoad;
 using testing::TniBench;
+using testing::trv;
 using testing::Walk;
 using traces::end_step;
 using traces::leaf_step;
 using traces::visit_step;
 
-constexpr std::uint64_t kWires = 3, kVisit = 14, kMiss = 51, kPop = 2;
+constexpr std::uint64_t kVisit = 14, kMiss = 51, kPop = 2;
 constexpr std::uint64_t kPeriod = 2'000'000;
-
-TniBench::Setup one_trv() {
-  TniBench::Setup s;
-  s.config.trvs = 1;
-  return s;
-}
-
-/// Cycles of a ray alone and with warm caches.
-std::uint64_t alone(TniBench::Setup setup, const Walk& walk) {
-  setup.config.trv.rays = 1;
-  TniBench bench(setup);
-  return bench.add(walk, 2).run().gap() - (kWires - 1);
-}
-
-const Trv& trv(const TniBench& bench) { return bench.tni().trvs().front(); }
 
 const Walk kTwoDown = {visit_step(0, 1, 0), visit_step(1, 0, 0), end_step(false)};
 const Walk kPopped = {visit_step(0, 3, 0), visit_step(1, 0, 0), visit_step(2, 0, 0), end_step(false)};

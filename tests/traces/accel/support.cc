@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <numbers>
 #include <utility>
@@ -10,6 +11,7 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 
+#include "traces/accel/bvh_tracer.h"
 #include "traces/accel/lanes.h"
 #include "traces/accel/triangle_test.h"
 #include "traces/accel/two_level.h"
@@ -213,6 +215,26 @@ Hit test_all(const MemoryImage& image, const Ray& ray) {
   if (!best.is_hit()) return {};
   best.triangle |= image.triangles[best.triangle].flags();
   return image.has_levels() ? with_instance(best, best_instance) : best;
+}
+
+std::uint64_t count_different(const std::vector<Hit>& a, const std::vector<Hit>& b) {
+  std::uint64_t n = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) n += std::memcmp(&a[i], &b[i], sizeof(Hit)) != 0 ? 1U : 0U;
+  return n;
+}
+
+std::uint64_t count_different_in_portable(const MemoryImage& image, const std::vector<Ray>& rays) {
+  std::uint64_t different = 0;
+  for (const RayKind kind : {RayKind::kPrimary, RayKind::kShadow}) {
+    std::vector<Hit> native(rays.size()), portable(rays.size());
+    std::vector<std::uint32_t> native_words, native_begin, portable_words, portable_begin;
+    WalkSink native_walk{native_words, native_begin}, portable_walk{portable_words, portable_begin};
+    BvhTracer(image).trace(rays, kind, native, &native_walk);
+    BvhTracer(image, BvhTracer::Arithmetic::kPortable).trace(rays, kind, portable, &portable_walk);
+    different += count_different(native, portable);
+    different += native_words != portable_words || native_begin != portable_begin ? 1 : 0;
+  }
+  return different;
 }
 
 }  // namespace traces

@@ -48,4 +48,9 @@ std::vector<Hit> trace(const Tracer& tracer, const std::vector<Ray>& rays, RayKi
 /// Every triangle of every instance, one by one, with the triangle test and the rule of BvhTracer.
 Hit test_all(const MemoryImage& image, const Ray& ray);
 
+/// Hits that differ in any bit.
+std::uint64_t count_different(const std::vector<Hit>& a, const std::vector<Hit>& b);
+/// Hits, words of walks and their beginnings that portable arithmetic makes other than native, of rays and shadow rays.
+std::uint64_t count_different_in_portable(const MemoryImage& image, const std::vector<Ray>& rays);
+
 }  // namespace traces

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstring>
 #include <memory>
 #include <set>
 
@@ -25,12 +24,6 @@ namespace traces {
 namespace {
 
 constexpr BvhConfig kLevels{.instances = InstanceLevels::kTwoLevel};
-
-std::uint64_t count_different(const std::vector<Hit>& a, const std::vector<Hit>& b) {
-  std::uint64_t n = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) n += std::memcmp(&a[i], &b[i], sizeof(Hit)) != 0 ? 1U : 0U;
-  return n;
-}
 
 /// Rays from as far away as instances' boxes allow for, at the scene.
 std::vector<Ray> far_rays(const MemoryImage& image, std::uint32_t count) {
@@ -103,17 +96,7 @@ TEST(TwoLevels, RaysAimedAtEdgesAreNotLostByTheBoxesAroundInstances) {
 
 TEST(TwoLevels, PortableArithmeticGivesTheSameBits) {
   for (const Scene& scene : {scattered(100), with_flags(triangle_soup(2000, 0.1F))}) {
-    const MemoryImage image = build_memory_image(scene, kLevels);
-    for (const RayKind kind : {RayKind::kPrimary, RayKind::kShadow}) {
-      const std::vector<Ray> rays = random_rays(20000);
-      std::vector<Hit> native(rays.size()), portable(rays.size());
-      std::vector<std::uint32_t> native_words, native_begin, portable_words, portable_begin;
-      WalkSink native_walk{native_words, native_begin}, portable_walk{portable_words, portable_begin};
-      BvhTracer(image).trace(rays, kind, native, &native_walk);
-      BvhTracer(image, BvhTracer::Arithmetic::kPortable).trace(rays, kind, portable, &portable_walk);
-      EXPECT_EQ(count_different(native, portable), 0U);
-      EXPECT_EQ(native_words, portable_words);
-    }
+    EXPECT_EQ(count_different_in_portable(build_memory_image(scene, kLevels), random_rays(20000)), 0U);
   }
 }
 
