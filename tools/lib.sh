@@ -40,10 +40,10 @@ can_sudo() {
   sudo -n true 2>/dev/null || { [ -t 2 ] && sudo -v; }
 }
 
-# If the lists cannot be brought up to date, those that are there may do.
+# If the lists cannot be brought up to date, those that are there may do. RUNLEVEL: no package's daemons are started.
 apt_install() {
   "${become_root[@]}" apt-get update
-  "${become_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends "$@"
+  "${become_root[@]}" env RUNLEVEL=1 DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends "$@"
 }
 
 # Installs what tools/packages.txt lists and is not there; says nothing if all is.

@@ -137,11 +137,20 @@ void LocalLauncher::stop() {
     }
     if ((end.revents & POLLHUP) == 0) ::kill(worker.process, SIGKILL);
     reap(worker);
+    if (worker.point) tidy_up_after(worker);
     worker.point.reset();
   }
   for (const Worker& worker : workers_) {
     std::error_code ignored;
     if (!worker.log.empty() && size_of(worker.log) == 0) std::filesystem::remove(worker.log, ignored);
+  }
+}
+
+void LocalLauncher::tidy_up_after(const Worker& worker) {
+  try {
+    store_.lock(worker.id);  // and let go again: what is half done is removed
+  } catch (const sim::IoError&) {
+  } catch (const std::system_error&) {
   }
 }
 
@@ -306,6 +315,7 @@ class LocalLauncher::Batch {
     waiting_.erase(next);
     if (worker.process < 0) launcher_.start(worker);
     worker.point = order.point;
+    worker.id = points_[order.point].id;
     worker.log_begin = size_of(worker.log);
     attempts_[order.point] = order.attempt;
     begun_[w] = sim::HostClock::now();

@@ -17,7 +17,7 @@ class LocalLauncher final : public Launcher {
     std::uint32_t jobs = 0;     ///< workers; 0: one for each core of the host
     std::uint32_t threads = 0;  ///< of each; 0: the host's cores, shared out
     bool retry_failed = false;
-    bool keep_streams = false;  ///< recorded streams stay for other launchers when the last point here has used them
+    bool keep_streams = false;    ///< recorded streams stay for other launchers when the last point here has used them
     std::filesystem::path log{};  ///< folder for what workers say; empty: nowhere
   };
   LocalLauncher(const Store& store, const Options& options);
@@ -35,6 +35,7 @@ class LocalLauncher final : public Launcher {
     std::filesystem::path log;
     std::uint64_t log_begin = 0;       ///< where in it the point under way begins
     std::optional<std::size_t> point;  ///< under way
+    std::string id;                    ///< of that
   };
   class Batch;
 
@@ -42,6 +43,8 @@ class LocalLauncher final : public Launcher {
   /// Waits for its end; the status as of waitpid().
   int reap(Worker& worker);
   void stop();
+  /// It may have been ended by a second interrupt: Ctrl-C and Slurm send theirs to every process.
+  void tidy_up_after(const Worker& worker);
   [[noreturn]] void work(int socket, const std::filesystem::path& log);
 
   const Store store_;

@@ -1,6 +1,7 @@
 #include <chrono>
 #include <csignal>
 #include <ctime>
+#include <iterator>
 #include <memory>
 #include <thread>
 
@@ -20,6 +21,7 @@
 #include "tools/sweep/local_launcher.h"
 #include "tools/sweep/plan.h"
 #include "tools/sweep/results_csv.h"
+#include "tools/verbs/sweep_slurm.h"
 #include "tools/verbs/verbs.h"
 
 namespace tools {
@@ -55,6 +57,7 @@ void print_failures(const Store& store, const std::vector<Point>& points) {
 struct RunOptions {
   fs::path file, out, store;
   std::string launcher = "local";
+  SlurmRun slurm;
   std::uint32_t jobs = 0;
   bool resume = false, retry_failed = false, dry_run = false, quiet = false;
   std::string progress = "auto";
@@ -126,9 +129,25 @@ class Watcher {
   std::uint32_t ended_ = 0, failed_ = 0;
 };
 
+std::unique_ptr<sweep::Launcher> make_launcher(const RunOptions& options, const SweepFolder& folder) {
+  if (options.launcher == "slurm") {
+    return std::make_unique<sweep::SlurmLauncher>(
+        folder, sweep::SlurmLauncher::Options{.chunk = options.slurm.chunk,
+                                              .tasks = options.jobs,
+                                              .retry_failed = options.retry_failed,
+                                              .arguments = sbatch_arguments(folder.slurm(), options.slurm)});
+  }
+  return std::make_unique<sweep::LocalLauncher>(
+      folder.store(),
+      sweep::LocalLauncher::Options{.jobs = options.jobs, .retry_failed = options.retry_failed, .log = folder.log()});
+}
+
 int run(const RunOptions& options) {
   if (options.file.empty() && !(options.resume && !options.out.empty())) {
     throw sim::InputError("no sweep is named; allowed: raywatt sweep run FILE, or raywatt sweep run --resume -o DIR");
+  }
+  if (options.launcher != "slurm" && options.slurm.is_any()) {
+    throw sim::InputError("--slurm-args, --chunk and --wait are for --launcher slurm");
   }
   const bool from_file = !options.file.empty();
   const fs::path out = !options.out.empty()
@@ -150,13 +169,19 @@ int run(const RunOptions& options) {
   if (!lock) throw sim::InputError(fmt::format("{}: somebody is running this sweep", sim::printable(out.string())));
   const Store store = folder.store();
   store.clean();
-  sweep::LocalLauncher launcher(store,
-                                {.jobs = options.jobs, .retry_failed = options.retry_failed, .log = folder.log()});
+  const std::unique_ptr<sweep::Launcher> launcher = make_launcher(options, folder);
+  if (auto* slurm = dynamic_cast<sweep::SlurmLauncher*>(launcher.get()); slurm != nullptr && !options.slurm.wait) {
+    const sweep::SlurmLauncher::Submitted submitted = slurm->submit(planned.points);
+    if (submitted.points + submitted.queued != 0) {
+      if (!options.quiet) tell_submitted(submitted, planned.points.size(), out);
+      return kGood;
+    }
+  }
   Watcher watcher(options, planned.points.size());
-  const sweep::BatchEnd end = launcher.run(planned.points, [&](std::size_t, Fate fate) { watcher(fate); });
+  const sweep::BatchEnd end = launcher->run(planned.points, [&](std::size_t, Fate fate) { watcher(fate); });
   watcher.end(end.interrupted ? "interrupted" : "done");
   const std::uint64_t computed = end.count(Fate::kComputed), found = end.count(Fate::kFound),
-                      failed = end.count(Fate::kFailed);
+                      failed = end.count(Fate::kFailed), missing = end.count(Fate::kMissing);
   folder.note_run({{"date", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)))},
                    {"host", sweep::host_name()},
                    {"points", planned.points.size()},
@@ -177,7 +202,8 @@ int run(const RunOptions& options) {
     fmt::print("results: {}\n", (out / "results.csv").string());
   }
   if (failed != 0) print_failures(store, planned.points);
-  return failed != 0 ? kCheckFailed : kGood;
+  if (missing != 0) tell_missing(folder, missing);
+  return failed + missing != 0 ? kCheckFailed : kGood;
 }
 
 void add_sweep_run(CLI::App& group, int& exit) {
@@ -188,11 +214,13 @@ void add_sweep_run(CLI::App& group, int& exit) {
   verb->add_option("-o,--output", options->out, "folder of the sweep (default: raywatt-out/sweep-NAME)");
   verb->add_option("--store", options->store,
                    "folder of results, for any number of sweeps (default: $RAYWATT_STORE, else raywatt-out/store)");
-  verb->add_option("--launcher", options->launcher, "who computes: local, processes on this host")
-      ->check(CLI::IsMember({"local"}))
+  verb->add_option("--launcher", options->launcher, "who computes: local, processes on this host; slurm, a job array")
+      ->check(CLI::IsMember({"local", "slurm"}))
       ->capture_default_str();
-  verb->add_option("-j,--jobs", options->jobs, "local: points at a time (default: all cores)")
+  verb->add_option("-j,--jobs", options->jobs,
+                   "points at a time (default: all cores); slurm: tasks of an array at a time")
       ->check(CLI::Range(1, 1024));
+  add_slurm_options(*verb, options->slurm);
   verb->add_flag("--resume", options->resume, "go on with the sweep in the folder; then FILE may be left out");
   verb->add_flag("--retry-failed", options->retry_failed, "points that failed are computed again");
   verb->add_flag("--dry-run", options->dry_run, "list the points; compute nothing, write nothing");
@@ -207,42 +235,61 @@ void add_sweep_run(CLI::App& group, int& exit) {
 struct PointOptions {
   fs::path folder, list;
   std::uint64_t index = 0, chunk = 1;
+  std::uint32_t jobs = 1;
   bool retry_failed = false;
 };
 
-/// The points of a list of ids, or of the sweep if there is none.
-std::vector<Point> listed(const SweepFolder& folder, const fs::path& list) {
-  std::vector<Point> all = folder.points();
-  if (list.empty()) return all;
+/// The ids of a list, by line, or of the sweep, each by itself, if there is none.
+std::vector<std::vector<std::string>> listed(const std::vector<Point>& points, const fs::path& list) {
+  std::vector<std::vector<std::string>> ids;
+  if (list.empty()) {
+    for (const Point& point : points) ids.push_back({point.id});
+    return ids;
+  }
+  std::istringstream lines(sim::read_file(list, std::uint64_t{1} << 30));
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    ids.emplace_back(std::istream_iterator<std::string>(words), std::istream_iterator<std::string>());
+  }
+  return ids;
+}
+
+/// The points of a chunk of lines.
+std::vector<Point> chosen(const SweepFolder& folder, const PointOptions& options) {
+  const std::vector<Point> all = folder.points();
+  const std::vector<std::vector<std::string>> lines = listed(all, options.list);
+  const std::uint64_t chunks = (lines.size() + options.chunk - 1) / options.chunk;
+  if (options.index >= chunks) {
+    throw sim::InputError(
+        fmt::format("--index {}: there are {} chunks of {} points", options.index, chunks, options.chunk));
+  }
   std::map<std::string, const Point*> by_id;
   for (const Point& point : all) by_id.emplace(point.id, &point);
-  std::istringstream lines(sim::read_file(list, std::uint64_t{1} << 30));
+  const std::size_t begin = options.index * options.chunk;
+  const std::size_t end = begin + std::min<std::size_t>(options.chunk, lines.size() - begin);
   std::vector<Point> points;
-  for (std::string line; std::getline(lines, line);) {
-    const auto found = by_id.find(line);
-    if (found == by_id.end()) {
-      throw sim::InputError(fmt::format("{}:{}: '{}' is no point of this sweep", sim::printable(list.string()),
-                                        points.size() + 1, sim::printable(line)));
+  for (std::size_t l = begin; l < end; ++l) {
+    for (const std::string& id : lines[l]) {
+      const auto found = by_id.find(id);
+      if (found == by_id.end()) {
+        throw sim::InputError(fmt::format("{}:{}: '{}' is no point of this sweep",
+                                          sim::printable(options.list.string()), l + 1, sim::printable(id)));
+      }
+      points.push_back(*found->second);
     }
-    points.push_back(*found->second);
   }
   return points;
 }
 
 int compute_listed(const PointOptions& options) {
   const SweepFolder folder = SweepFolder::open(options.folder);
-  const std::vector<Point> all = listed(folder, options.list);
-  if (options.index >= (all.size() + options.chunk - 1) / options.chunk) {
-    throw sim::InputError(fmt::format("--index {}: there are {} chunks of {} points", options.index,
-                                      (all.size() + options.chunk - 1) / options.chunk, options.chunk));
-  }
-  const std::size_t begin = options.index * options.chunk;
-  const std::span<const Point> points =
-      std::span(all).subspan(begin, std::min<std::size_t>(options.chunk, all.size() - begin));
+  const std::vector<Point> points = chosen(folder, options);
   const HoldInterrupts hold;
-  sweep::LocalLauncher launcher(
-      folder.store(),
-      {.jobs = 1, .threads = 1, .retry_failed = options.retry_failed, .keep_streams = true, .log = folder.log()});
+  sweep::LocalLauncher launcher(folder.store(), {.jobs = options.jobs,
+                                                 .threads = 1,
+                                                 .retry_failed = options.retry_failed,
+                                                 .keep_streams = true,
+                                                 .log = folder.log()});
   const sweep::BatchEnd end = launcher.run(points);
   return end.count(Fate::kFailed) != 0 ? kCheckFailed : kGood;
 }
@@ -252,9 +299,10 @@ void add_sweep_point(CLI::App& group, int& exit) {
       group.add_subcommand("point", "Compute some points of a sweep: what launchers start on cluster nodes");
   const auto options = std::make_shared<PointOptions>();
   verb->add_option("folder", options->folder, "the sweep's folder")->required();
-  verb->add_option("--list", options->list, "a file of ids, one a line (default: all points of the sweep)");
-  verb->add_option("--index", options->index, "which chunk of the list, from 0")->required();
-  verb->add_option("--chunk", options->chunk, "points of a chunk")
+  verb->add_option("--list", options->list, "a file of ids, one or more a line (default: all points of the sweep)");
+  verb->add_option("--index", options->index, "which chunk of its lines, from 0")->required();
+  verb->add_option("-j,--jobs", options->jobs, "points at a time")->check(CLI::Range(1, 1024))->capture_default_str();
+  verb->add_option("--chunk", options->chunk, "lines of a chunk")
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
   verb->add_flag("--retry-failed", options->retry_failed, "points that failed are computed again");
@@ -304,7 +352,9 @@ void add_sweep_status(CLI::App& group) {
   verb->footer("Example: raywatt sweep status out/l1");
   verb->callback([=] {
     const SweepFolder folder = SweepFolder::open(*path);
-    const nlohmann::ordered_json status = status_of(folder);
+    nlohmann::ordered_json status = status_of(folder);
+    const std::optional<nlohmann::ordered_json> slurm = slurm_status(folder);
+    if (slurm) status["slurm"] = *slurm;
     if (*json) {
       fmt::print("{}", sim::json_text(status));
       return;
@@ -315,6 +365,7 @@ void add_sweep_status(CLI::App& group) {
     if (const std::optional<SweepFolder::Runner> runner = folder.runner()) {
       fmt::print("run by process {} on {}\n", runner->process, runner->host);
     }
+    if (slurm) print_slurm_status(*slurm);
     fmt::print("store: {}\n", folder.store().root().string());
     print_failures(folder.store(), folder.points());
   });
@@ -325,22 +376,27 @@ void cancel(const fs::path& path) {
   constexpr int kGlances = 1000;
   const SweepFolder folder = SweepFolder::open(path);
   const std::optional<SweepFolder::Runner> runner = folder.runner();
-  if (!runner) {
-    fmt::print("nobody is running this sweep\n");
-    return;
+  const bool is_here = runner && runner->host == sweep::host_name() && runner->process > 1;
+  if (is_here) {
+    ::kill(runner->process, SIGTERM);
+    for (int k = 0; k < kGlances && folder.runner(); ++k) std::this_thread::sleep_for(kGlance);
+    if (folder.runner()) throw sim::IoError(fmt::format("process {} does not end", runner->process));
   }
-  if (runner->host != sweep::host_name() || runner->process <= 1) {
+  const bool had_jobs =
+      cancel_on_slurm(folder);  // without them, a process elsewhere that waits for them ends by itself
+  if (runner && !is_here && !had_jobs) {
     throw sim::InputError(fmt::format("{}: is run by process {} on {}; cancel it there", sim::printable(path.string()),
                                       runner->process, sim::printable(runner->host)));
   }
-  ::kill(runner->process, SIGTERM);
-  for (int k = 0; k < kGlances && folder.runner(); ++k) std::this_thread::sleep_for(kGlance);
-  if (folder.runner()) throw sim::IoError(fmt::format("process {} does not end", runner->process));
+  if (!runner && !had_jobs) {
+    fmt::print("nobody is running this sweep\n");
+    return;
+  }
   fmt::print("cancelled; what is finished is kept. Go on with: raywatt sweep run --resume -o {}\n", path.string());
 }
 
 void add_sweep_cancel(CLI::App& group) {
-  CLI::App* verb = group.add_subcommand("cancel", "Stop whoever runs a sweep; what is finished is kept");
+  CLI::App* verb = group.add_subcommand("cancel", "Stop whoever runs a sweep, and its jobs; what is finished is kept");
   const auto path = std::make_shared<fs::path>();
   verb->add_option("folder", *path, "the sweep's folder")->required();
   verb->footer("Example: raywatt sweep cancel out/l1");

@@ -1,0 +1,186 @@
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <set>
+#include <sstream>
+#include <thread>
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include "tests/tools/sweep/small_sweep.h"
+
+// Sweeps on a real Slurm of three nodes, which lives on the loopback interface for the length of this program.
+
+namespace test {
+namespace {
+
+namespace fs = std::filesystem;
+using std::chrono::milliseconds;
+
+// 25 points, one of which cannot be computed.
+constexpr const char* kSweep =
+    "schema: raywatt-sweep/1\n"
+    "resolution: 64x32\n"
+    "axes: {program: [full:1, full:4], cores: [1, 2, 4], tni.trvs: [1, 2, 4, 8], scene.camera: ['0', nobody]}\n"
+    "exclude: [{scene.camera: nobody, cores: '> 1'}, {scene.camera: nobody, tni.trvs: '> 1'},\n"
+    "          {scene.camera: nobody, program: 'full:4'}]\n";
+constexpr std::size_t kPoints = 25, kGoodPoints = 24;
+constexpr std::size_t kLargestArray = 11;
+
+/// Waits until `is_so`; false if that takes more than a minute.
+bool wait_until(const std::function<bool()>& is_so) {
+  const auto begin = std::chrono::steady_clock::now();
+  while (!is_so()) {
+    if (std::chrono::steady_clock::now() - begin > std::chrono::minutes(1)) return false;
+    std::this_thread::sleep_for(milliseconds(5));
+  }
+  return true;
+}
+
+/// Is this a process of a job on that node?
+bool is_on(const std::string& node, const std::string& process) {
+  std::ifstream file("/proc/" + process + "/environ");
+  const std::string variables((std::istreambuf_iterator<char>(file)), {});
+  return variables.find("SLURMD_NODENAME=" + node) != std::string::npos;
+}
+
+struct Slurm : testing::Test {
+  static void SetUpTestSuite() {
+    cluster_ = std::make_unique<TempFolder>();
+    ::setenv("MAX_ARRAY", std::to_string(kLargestArray).c_str(), 1);
+    ::setenv("SLURM_CONF", (fs::canonical(cluster_->path()) / "slurm.conf").c_str(), 1);
+    exit_ = tell_cluster("up");
+  }
+  static void TearDownTestSuite() {
+    tell_cluster("down");
+    cluster_.reset();
+  }
+  static int tell_cluster(const std::string& what, const std::string& node = {}) {
+    const std::string line = CLUSTER_SCRIPT " " + what + " " + cluster_->path().string() + " " + node;
+    const int status = std::system(line.c_str());
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+
+  void SetUp() override {
+    if (exit_ == 77) GTEST_SKIP() << "no Slurm can be started here: " << CLUSTER_SCRIPT << " says why, above";
+    ASSERT_EQ(exit_, 0) << "the cluster does not come up";
+    file = folder.write("sweep.yaml", kSweep);
+  }
+
+  Words on_slurm(const Words& more) {
+    Words words = sweep_run(folder, file, {"--launcher", "slurm", "--chunk", "1"});
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  }
+  Words in_list(const std::string& name) {
+    std::istringstream text(read_bytes(out / name));
+    return {std::istream_iterator<std::string>(text), {}};
+  }
+  nlohmann::json status() { return nlohmann::json::parse(raywatt({"sweep", "status", out, "--json"}).out); }
+
+  /// results.csv of the same sweep by processes on this host.
+  static const std::string& local_table() {
+    static const std::string table = [] {
+      const TempFolder other;
+      EXPECT_EQ(raywatt(sweep_run(other, other.write("sweep.yaml", kSweep), {"-j", "2"})).exit, 1);
+      return read_bytes(other.path() / "out" / "results.csv");
+    }();
+    return table;
+  }
+  /// Results by id, with what changes if one is put in place again.
+  std::map<std::string, fs::file_time_type> results() {
+    std::map<std::string, fs::file_time_type> times;
+    std::error_code missing;
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(store / "points", missing)) {
+      if (entry.path().filename() != "report.json") continue;
+      times[entry.path().parent_path().filename()] = entry.last_write_time(missing);
+    }
+    return times;
+  }
+  void expect_the_whole_sweep() {
+    EXPECT_EQ(points_in(store), kGoodPoints);
+    EXPECT_EQ(read_bytes(out / "results.csv"), local_table());
+    for (const char* name : {"tmp", "locks", "streams"}) {
+      if (!fs::exists(store / name)) continue;
+      EXPECT_EQ(names_in(store / name), Words{}) << name;
+    }
+    EXPECT_FALSE(fs::exists(store / "damaged"));
+  }
+  void expect_as_before(const std::map<std::string, fs::file_time_type>& before) {
+    const auto after = results();
+    for (const auto& [id, time] : before) EXPECT_EQ(after.at(id), time) << "computed again";
+  }
+
+  static inline std::unique_ptr<TempFolder> cluster_;
+  static inline int exit_ = -1;
+  TempFolder folder;
+  fs::path out = folder.path() / "out", store = folder.path() / "store", file;
+};
+
+TEST_F(Slurm, ACancelledSweepGoesOnWithWhatIsMissing) {
+  const Ending begun = raywatt(on_slurm({"--slurm-args", "--time=10 --comment=a"}));
+  ASSERT_EQ(begun.exit, 0) << begun.err;
+  EXPECT_SAYS(begun.out, "25 points: 25 handed in, 0 in the queue already, 0 with a result");
+  EXPECT_SAYS(raywatt(on_slurm({})).out, " 0 handed in") << "what is in the queue is not handed in twice";
+  ASSERT_TRUE(wait_until([&] { return points_in(store) >= 3; }));
+  EXPECT_FALSE(status()["slurm"]["jobs"].empty());
+  const Ending cancelled = raywatt({"sweep", "cancel", out});
+  EXPECT_EQ(cancelled.exit, 0) << cancelled.err;
+  EXPECT_SAYS(cancelled.out, "cancelled job");
+  const auto before = results();
+  EXPECT_LT(before.size(), kGoodPoints);
+  EXPECT_TRUE(status()["slurm"]["jobs"].empty());
+  EXPECT_TRUE(names_in(store / "tmp").empty()) << "what was under way is dropped";
+
+  const auto missing = status()["missing"].get<std::size_t>();
+  const Ending ended = raywatt(on_slurm({"--wait"}));
+  EXPECT_EQ(ended.exit, 1) << ended.err << ended.out;
+  EXPECT_SAYS(ended.out, "1 failed");
+  std::size_t handed_in = 0;
+  for (int k = 4; fs::exists(out / ("submit-" + std::to_string(k) + ".txt")); ++k) {
+    for (const std::string& id : in_list("submit-" + std::to_string(k) + ".txt")) {
+      handed_in += 1;
+      EXPECT_FALSE(before.contains(id)) << "was there";
+    }
+  }
+  EXPECT_EQ(handed_in, missing);
+  expect_as_before(before);
+  expect_the_whole_sweep();
+}
+
+TEST_F(Slurm, ANodeThatIsLostTakesNoPointWithItAndTheTableIsTheLocalOne) {
+  Program program(on_slurm({"--wait"}));
+  std::string worker;
+  const auto is_computing = [&](const std::string& node) {
+    std::error_code missing;
+    for (const fs::directory_entry& entry : fs::directory_iterator(store / "tmp", missing)) {
+      const std::string name = entry.path().filename();
+      worker = name.substr(name.rfind('.') + 1);
+      if (is_on(node, worker)) return true;
+    }
+    return false;
+  };
+  ASSERT_TRUE(wait_until([&] { return points_in(store) >= 3 && is_computing("n2"); }));
+  ::kill(std::stoi(worker), SIGSTOP);  // so that it still is when the node is lost
+  const auto before = results();
+  ASSERT_EQ(tell_cluster("crash", "n2"), 0);
+  const Ending ending = program.wait();
+  EXPECT_EQ(ending.exit, 1) << ending.err << ending.out;
+  EXPECT_SAYS(ending.out, "25 points: 24 computed, 0 found, 1 failed");
+  EXPECT_EQ(in_list("submit-1.txt").size(), kLargestArray);
+  EXPECT_EQ(in_list("submit-2.txt").size(), kLargestArray);
+  EXPECT_EQ(in_list("submit-3.txt").size(), kPoints - 2 * kLargestArray);
+  expect_as_before(before);
+  expect_the_whole_sweep();
+  const Ending again = raywatt(on_slurm({"--wait"}));
+  EXPECT_SAYS(again.out, "25 points: 0 computed, 24 found, 1 failed");
+  EXPECT_FALSE(fs::exists(out / "submit-4.txt"));
+}
+
+}  // namespace
+}  // namespace test

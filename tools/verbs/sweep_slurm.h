@@ -1,0 +1,44 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "tools/sweep/slurm_launcher.h"
+
+namespace CLI {
+class App;
+}
+
+namespace tools {
+
+/// What `raywatt sweep run` can be told of Slurm.
+struct SlurmRun {
+  std::vector<std::string> arguments;
+  std::uint64_t chunk = 0;
+  bool wait = false;
+  bool is_any() const { return !arguments.empty() || chunk != 0 || wait; }
+};
+void add_slurm_options(CLI::App& verb, SlurmRun& run);
+
+/// Arguments for sbatch: the sweep's, then the command line's.
+std::vector<std::string> sbatch_arguments(std::vector<std::string> of_sweep, const SlurmRun& run);
+
+/// Says what has been handed in, and how to go on.
+void tell_submitted(const sweep::SlurmLauncher::Submitted& submitted, std::size_t points,
+                    const std::filesystem::path& out);
+/// Says that tasks have ended without results, and the last that one of them said.
+void tell_missing(const sweep::SweepFolder& folder, std::uint64_t missing);
+
+/// Of a sweep that has been handed in: {"running", "waiting", "jobs", "reasons"}, or {"error"} if Slurm does not tell.
+std::optional<nlohmann::ordered_json> slurm_status(const sweep::SweepFolder& folder);
+/// "in Slurm's queue: ..."
+void print_slurm_status(const nlohmann::ordered_json& status);
+
+/// Cancels the sweep's jobs; false if none was in the queue.
+bool cancel_on_slurm(const sweep::SweepFolder& folder);
+
+}  // namespace tools
