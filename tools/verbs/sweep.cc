@@ -194,7 +194,8 @@ int run(const RunOptions& options) {
   write_results_csv(folder);
   tell_if_interrupted(fmt::format("kept {} of {} points in {}", computed + found, planned.points.size(), out.string()));
   if (!options.quiet) {
-    fmt::print("{} points: {} computed, {} found, {} failed\n", planned.points.size(), computed, found, failed);
+    fmt::print("{} points: {} computed, {} found, {} failed{}\n", planned.points.size(), computed, found, failed,
+               missing != 0 ? fmt::format(", {} missing", missing) : "");
     if (end.workers != 0) {
       fmt::print("time:    {:.1f} s, {} worker{} busy {:.1f} % of it\n", end.seconds, end.workers,
                  end.workers == 1 ? "" : "s", 100 * end.busy);

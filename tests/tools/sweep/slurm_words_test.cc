@@ -20,6 +20,7 @@ struct SlurmWords : testing::Test {
 
   /// A command that notes down its arguments, a line each, and runs these lines of shell.
   void command(const std::string& name, const std::string& lines) {
+    fs::create_directories(folder.path() / "bin");
     const fs::path file = folder.write("bin/" + name, "#!/bin/sh\nprintf '%s\\n' \"$@\" >>" +
                                                           (folder.path() / name).string() + ".said\n" + lines + "\n");
     fs::permissions(file, fs::perms::owner_all);
