@@ -208,6 +208,7 @@ class LocalLauncher::Batch {
     for (const auto& [p, twin] : twins_) {
       if (end_.fates[p] != Fate::kMissing) finish(twin, end_.fates[p]);
     }
+    remove_unused_streams();
   }
 
   BatchEnd run() {
@@ -289,6 +290,14 @@ class LocalLauncher::Batch {
     Group* group = group_of(p);
     if (group == nullptr || --group->left != 0 || launcher_.options_.keep_streams) return;
     launcher_.store_.remove_stream(points_[p].stream);
+  }
+
+  /// Streams that a killed run has left and no point needs any more.
+  void remove_unused_streams() {
+    if (launcher_.options_.keep_streams) return;
+    for (const Point& point : points_) {
+      if (!point.stream.empty() && !groups_.contains(point.stream)) launcher_.store_.remove_stream(point.stream);
+    }
   }
 
   void finish(std::size_t p, Fate fate) {

@@ -199,6 +199,10 @@ void Store::clean() const {
     if (is_id(id)) left.insert(id);
   }
   for (const std::string& id : left) lock(id);  // and let go again
+  for (const fs::directory_entry& entry : fs::directory_iterator(root_ / "locks", error)) {
+    const std::string name = entry.path().filename();
+    if (name.starts_with(kStreamLock)) lock_stream(name.substr(kStreamLock.size()));  // likewise
+  }
   for (const fs::directory_entry& entry : fs::directory_iterator(root_ / "streams", error)) {
     const std::string name = entry.path().filename();
     const bool is_whole = name.size() == stream(name.substr(0, 64)).filename().string().size();
