@@ -18,7 +18,7 @@ namespace tools::sweep {
 
 namespace {
 
-constexpr std::size_t kMostAxes = 64, kMostValues = 10'000;
+constexpr std::size_t kMostAxes = 64, kMostValues = 10'000, kMostKeys = 64, kMostSettings = 1'000'000;
 
 /// "8 KiB" as 8 and " KiB".
 struct Number {
@@ -168,6 +168,7 @@ Axis read_axis(const YamlValue& value) {
   std::optional<YamlValue> values;
   for (const YamlValue& entry : value.entries(kKeys)) {
     if (entry.key() == "keys") axis.keys = entry.texts();
+    if (axis.keys.size() > kMostKeys) entry.refuse(fmt::format("are more than {}", kMostKeys));
     if (entry.key() == "values") values = entry;
   }
   if (values) {
@@ -215,7 +216,10 @@ Axis read_workloads(const YamlValue& value) {
 void check_axes(std::span<const Axis> axes) {
   if (axes.size() > kMostAxes) sim::refuse(axes[kMostAxes].at, "axes", fmt::format("are more than {}", kMostAxes));
   std::map<std::string, std::string> owners, names;
+  std::size_t settings = 0;
   for (const Axis& axis : axes) {
+    settings += axis.values.size() * axis.keys.size();
+    if (settings > kMostSettings) sim::refuse(axis.at, "axes", fmt::format("have more than {} values", kMostSettings));
     if (!names.emplace(axis.name, axis.name).second) sim::refuse(axis.at, axis.name, "is the name of two axes");
     for (const std::string& key : axis.keys) {
       const auto [owner, is_new] = owners.emplace(key, axis.name);

@@ -17,6 +17,8 @@ namespace {
 
 using Side = Condition::Side;
 
+constexpr std::size_t kMostValues = 100'000;  // a hostile file can name one list in many places
+
 std::optional<Side> find_side(std::span<const Axis> axes, const std::string& name) {
   for (std::size_t a = 0; a < axes.size(); ++a) {
     if (axes[a].name == name) return Side{a, axes[a].keys.size() == 1 ? std::optional<std::size_t>(0) : std::nullopt};
@@ -107,9 +109,14 @@ Condition::Term read_term(const YamlValue& value, std::span<const Axis> axes) {
 
 std::vector<Condition> read_conditions(const YamlValue& value, std::span<const Axis> axes) {
   std::vector<Condition> all;
+  std::size_t values = 0;
   for (const YamlValue& item : value.items()) {
     Condition condition;
-    for (const YamlValue& entry : item.entries()) condition.terms.push_back(read_term(entry, axes));
+    for (const YamlValue& entry : item.entries()) {
+      condition.terms.push_back(read_term(entry, axes));
+      values += condition.terms.back().values.size() + 1;
+      if (values > kMostValues) entry.refuse(fmt::format("there are more than {} values in conditions", kMostValues));
+    }
     if (condition.terms.empty()) item.refuse("is empty");
     all.push_back(std::move(condition));
   }

@@ -97,7 +97,10 @@ Spec read_spec(const std::filesystem::path& file) {
     } else if (key == "programs") {
       programs = read_list("program", entry);
     } else if (key == "axes") {
-      for (const YamlValue& axis : entry.entries()) spec.axes.push_back(read_axis(axis));
+      for (const YamlValue& axis : entry.entries()) {
+        spec.axes.push_back(read_axis(axis));
+        check_axes(spec.axes);
+      }
     } else {
       (key == "where" ? where : exclude) = entry;
     }

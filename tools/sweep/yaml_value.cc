@@ -15,7 +15,7 @@ namespace tools::sweep {
 namespace {
 
 /// A hostile file can name one list in many places.
-constexpr std::size_t kMostItems = 100'000;
+constexpr std::size_t kMostItems = 10'000;
 
 }  // namespace
 
@@ -64,6 +64,7 @@ std::vector<std::string> YamlValue::texts() const {
 
 std::vector<YamlValue> YamlValue::entries() const {
   if (!is_mapping()) refuse("allowed: a mapping, such as {key: value}");
+  if (node_->entries.size() > kMostItems) refuse(fmt::format("has more than {} entries", kMostItems));
   std::vector<YamlValue> all;
   for (const sim::YamlNode::Entry& entry : node_->entries) {
     const std::string key = sim::printable(entry.key);

@@ -20,7 +20,7 @@
 #include "tools/sweep/folder.h"
 #include "tools/sweep/local_launcher.h"
 #include "tools/sweep/plan.h"
-#include "tools/sweep/results_csv.h"
+#include "tools/sweep/results/collect.h"
 #include "tools/verbs/sweep_slurm.h"
 #include "tools/verbs/verbs.h"
 
@@ -191,7 +191,7 @@ int run(const RunOptions& options) {
                    {"seconds", end.seconds},
                    {"workers", end.workers},
                    {"busy", end.busy}});
-  write_results_csv(folder);
+  results::collect(folder.path(), store.root());
   tell_if_interrupted(fmt::format("kept {} of {} points in {}", computed + found, planned.points.size(), out.string()));
   if (!options.quiet) {
     fmt::print("{} points: {} computed, {} found, {} failed{}\n", planned.points.size(), computed, found, failed,
@@ -229,7 +229,7 @@ void add_sweep_run(CLI::App& group, int& exit) {
   add_progress_option(*verb, options->progress);
   verb->footer(
       "The same command again goes on where it was stopped. Ends with 1, and a list, if points failed.\n\n"
-      "Example: raywatt sweep run configs/experiments/l1-size.yaml -o out/l1 -j 4");
+      "Example: raywatt sweep run configs/experiments/trv-cores.yaml -o out/trv-cores -j 4");
   verb->callback([options, &exit] { exit = run(*options); });
 }
 
@@ -409,7 +409,7 @@ void add_sweep_cancel(CLI::App& group) {
 void add_sweep(CLI::App& app, int& exit) {
   CLI::App* verb = app.add_subcommand("sweep", "Many runs: axes, conditions, subsets; nothing is computed twice");
   verb->require_subcommand(1);
-  verb->footer("Example: raywatt sweep run configs/experiments/l1-size.yaml -o out/l1");
+  verb->footer("Example: raywatt sweep run configs/experiments/trv-cores.yaml -o out/trv-cores");
   add_sweep_run(*verb, exit);
   add_sweep_point(*verb, exit);
   add_sweep_status(*verb);

@@ -1,4 +1,3 @@
-#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -9,6 +8,7 @@
 #include <unistd.h>
 
 #include "sim/error.h"
+#include "tools/sweep/folder.h"
 #include "tools/sweep/results/best.h"
 #include "tools/sweep/results/collect.h"
 #include "tools/sweep/results/pareto.h"
@@ -60,11 +60,10 @@ void add_collect(CLI::App& group) {
   };
   const auto o = std::make_shared<Options>();
   CLI::App* verb = add_query(group, "collect", "Gather what has come out into index.sqlite and results.csv", o->folder);
-  verb->add_option("--store", o->store, "where results are (default: $RAYWATT_STORE, or raywatt-out/store)");
+  verb->add_option("--store", o->store, "where results are (default: where the sweep has them)");
   verb->footer("Example: raywatt sweep collect out/l1");
   verb->callback([o] {
-    const char* given = std::getenv("RAYWATT_STORE");
-    if (o->store.empty()) o->store = given != nullptr ? fs::path(given) : fs::path("raywatt-out") / "store";
+    if (o->store.empty()) o->store = sweep::SweepFolder::open(o->folder).store().root();
     const results::Collected collected = results::collect(o->folder, o->store);
     fmt::print("{}{}\ntable: {}\nindex: {}\n", summary_text(collected), collected.unchanged ? ", as before" : "",
                (o->folder / "results.csv").string(), (o->folder / "index.sqlite").string());

@@ -1,5 +1,6 @@
 #include "tools/sweep/results/point_state.h"
 
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -8,6 +9,7 @@
 
 #include "sim/error.h"
 #include "sim/io/file.h"
+#include "tools/sweep/store.h"
 
 namespace tools::results {
 
@@ -51,7 +53,14 @@ PointState look_up(const fs::path& store, const std::string& id, MetricNames& na
   }
   if (!fs::exists(report)) return damaged("its folder holds no report.json");
   PointState state{Status::kDone, {}, {}};
-  const auto problem = scan_report(sim::read_file(report, kMostReportBytes), names, state.report);
+  std::optional<std::string> text;
+  if (fs::exists(folder / "point.json")) {
+    text = sweep::Store(store).report(id);
+    if (!text) return damaged("report.json is not as it was written");
+  } else {
+    text = sim::read_file(report, kMostReportBytes);
+  }
+  const auto problem = scan_report(*text, names, state.report);
   return problem ? damaged("report.json: " + *problem) : state;
 }
 
@@ -96,8 +105,8 @@ std::string file_mark(const fs::path& file) {
 
 std::string state_mark(const fs::path& store, const std::string& id) {
   const fs::path folder = point_folder(store, id);
-  return fmt::format("{}, {}, {}", file_mark(folder), file_mark(folder / "report.json"),
-                     file_mark(failure_record(store, id)));
+  return fmt::format("{}, {}, {}, {}", file_mark(folder), file_mark(folder / "report.json"),
+                     file_mark(folder / "point.json"), file_mark(failure_record(store, id)));
 }
 
 }  // namespace tools::results
