@@ -63,6 +63,7 @@ int run(int argc, char** argv) {
   tools::add_trace(app, words);
   tools::add_microbench(app, exit);
   tools::add_sweep(app, exit);
+  tools::add_optimise(app, exit);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

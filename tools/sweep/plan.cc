@@ -1,6 +1,7 @@
 #include "tools/sweep/plan.h"
 
 #include <algorithm>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -73,7 +74,6 @@ Point make_point(const Spec& spec, const fs::path& folder, const Choice& choice)
   Point point;
   point.config = from_folder(spec.config, folder);
   point.reference = spec.reference;
-  point.tile_sampling = spec.tile_sampling;
   point.image = spec.image;
   point.sets = spec.sets;
   for (const auto& [key, value] : {std::pair{"scene", &spec.scene},
@@ -100,29 +100,45 @@ Point make_point(const Spec& spec, const fs::path& folder, const Choice& choice)
 
 }  // namespace
 
-std::vector<Point> plan(const Spec& spec, const fs::path& folder) {
-  const fs::path beside = folder.empty() ? fs::path(".") : folder;
-  check_values(spec, load_base_config(from_folder(spec.config, beside), from_folder(spec.scene, beside)));
-  if (!spec.tile_sampling.empty()) parse_tile_sampling(spec.tile_sampling, "full");
-  if (!spec.tile_sampling.empty() && !spec.reference.empty()) {
+Planner::Planner(Spec spec, const fs::path& folder)
+    : spec_(std::move(spec)), folder_(folder.empty() ? fs::path(".") : folder) {
+  check_values(spec_, load_base_config(from_folder(spec_.config, folder_), from_folder(spec_.scene, folder_)));
+  if (!spec_.tile_sampling.empty()) parse_tile_sampling(spec_.tile_sampling, "full");
+  if (!spec_.tile_sampling.empty() && !spec_.reference.empty()) {
     throw sim::InputError("reference and tile_sampling do not go together: sweep over programs, with all tiles");
   }
+}
+
+std::vector<std::uint32_t> Planner::sizes() const {
   std::vector<std::uint32_t> sizes;
-  for (const Axis& axis : spec.axes) sizes.push_back(static_cast<std::uint32_t>(axis.values.size()));
-  const auto is_wanted = [&](const Choice& choice) {
-    const auto here = [&](const Condition& condition) { return holds(condition, spec.axes, choice); };
-    return std::ranges::all_of(spec.where, here) && std::ranges::none_of(spec.exclude, here);
-  };
+  for (const Axis& axis : spec_.axes) sizes.push_back(static_cast<std::uint32_t>(axis.values.size()));
+  return sizes;
+}
+
+bool Planner::is_wanted(const Choice& choice) const {
+  const auto here = [&](const Condition& condition) { return holds(condition, spec_.axes, choice); };
+  return std::ranges::all_of(spec_.where, here) && std::ranges::none_of(spec_.exclude, here);
+}
+
+Point Planner::point(const Choice& choice) { return point(choice, spec_.tile_sampling); }
+
+Point Planner::point(const Choice& choice, const std::string& tile_sampling) {
+  Point point = make_point(spec_, folder_, choice);
+  point.tile_sampling = tile_sampling;
+  keys_.set_key(point);
+  if (to_line(point).size() > kLongestLine) {
+    throw sim::InputError(fmt::format("a point takes more than {} bytes to say", kLongestLine));
+  }
+  return point;
+}
+
+std::vector<Point> plan(const Spec& spec, const fs::path& folder) {
+  Planner planner(spec, folder);
   std::vector<Point> points;
-  PointKeys keys;
-  for (const Choice& choice : choose(spec.subset, sizes, is_wanted)) {
-    Point point = make_point(spec, beside, choice);
-    point.n = points.size();
-    keys.set_key(point);
-    if (to_line(point).size() > kLongestLine) {
-      throw sim::InputError(fmt::format("point {} takes more than {} bytes to say", point.n, kLongestLine));
-    }
-    points.push_back(std::move(point));
+  const auto is_wanted = [&](const Choice& choice) { return planner.is_wanted(choice); };
+  for (const Choice& choice : choose(spec.subset, planner.sizes(), is_wanted)) {
+    points.push_back(planner.point(choice));
+    points.back().n = points.size() - 1;
   }
   if (points.empty()) throw sim::InputError("no points: the conditions leave none");
   return points;

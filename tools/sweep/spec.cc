@@ -56,15 +56,21 @@ bool is_work_key(const std::string& key) {
 Spec read_spec(const std::filesystem::path& file) {
   const std::string name = sim::printable(file.string());
   const auto tree = sim::parse_yaml_mapping(sim::read_file(file, kMostBytes), name);
-  const YamlValue root(*tree, name);
+  return read_spec(YamlValue(*tree, name), kSchema, {});
+}
+
+Spec read_spec(const YamlValue& root, std::string_view schema, std::span<const std::string_view> others) {
+  std::vector<std::string_view> keys(kKeys.begin(), kKeys.end());
+  keys.insert(keys.end(), others.begin(), others.end());
   Spec spec;
   std::optional<Axis> workloads, programs;
   std::optional<YamlValue> exclude, where;
   bool has_schema = false;
-  for (const YamlValue& entry : root.entries(kKeys)) {
+  for (const YamlValue& entry : root.entries(keys)) {
     const std::string& key = entry.key();
+    if (std::ranges::find(others, key) != others.end()) continue;
     if (key == "schema") {
-      if (entry.text() != kSchema) entry.refuse(fmt::format("allowed: {}", kSchema));
+      if (entry.text() != schema) entry.refuse(fmt::format("allowed: {}", schema));
       has_schema = true;
     } else if (key == "question") {
       spec.question = entry.text();
@@ -105,7 +111,7 @@ Spec read_spec(const std::filesystem::path& file) {
       (key == "where" ? where : exclude) = entry;
     }
   }
-  if (!has_schema) root.refuse(fmt::format("the first line shall be 'schema: {}'", kSchema));
+  if (!has_schema) root.refuse(fmt::format("the first line shall be 'schema: {}'", schema));
   if (programs) spec.axes.insert(spec.axes.begin(), *std::move(programs));
   if (workloads) spec.axes.insert(spec.axes.begin(), *std::move(workloads));
   check_axes(spec.axes);

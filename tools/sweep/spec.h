@@ -2,7 +2,9 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace tools::sweep {
@@ -59,7 +61,11 @@ struct Spec {
   std::vector<std::string> slurm;  ///< arguments for sbatch
 };
 
+class YamlValue;
+
 /// InputError of one line: file, line, column, key, what is wrong, what is allowed.
 Spec read_spec(const std::filesystem::path& file);
+/// The part of another kind of file that is a sweep. `others`: keys of that kind, which are left to the caller.
+Spec read_spec(const YamlValue& root, std::string_view schema, std::span<const std::string_view> others);
 
 }  // namespace tools::sweep

@@ -21,6 +21,8 @@
 #include "tools/sweep/local_launcher.h"
 #include "tools/sweep/plan.h"
 #include "tools/sweep/results/collect.h"
+#include "tools/verbs/launcher.h"
+#include "tools/verbs/sweep_slurm.h"
 #include "tools/verbs/sweep_slurm.h"
 #include "tools/verbs/verbs.h"
 
@@ -54,12 +56,9 @@ void print_failures(const Store& store, const std::vector<Point>& points) {
   if (failed > kShownFailures) fmt::print("  and {} more\n", failed - kShownFailures);
 }
 
-struct RunOptions {
+struct RunOptions : LauncherOptions {
   fs::path file, out, store;
-  std::string launcher = "local";
-  SlurmRun slurm;
-  std::uint32_t jobs = 0;
-  bool resume = false, retry_failed = false, dry_run = false, quiet = false;
+  bool wait = false, resume = false, dry_run = false, quiet = false;
   std::string progress = "auto";
 };
 
@@ -129,26 +128,12 @@ class Watcher {
   std::uint32_t ended_ = 0, failed_ = 0;
 };
 
-std::unique_ptr<sweep::Launcher> make_launcher(const RunOptions& options, const SweepFolder& folder) {
-  if (options.launcher == "slurm") {
-    return std::make_unique<sweep::SlurmLauncher>(
-        folder, sweep::SlurmLauncher::Options{.chunk = options.slurm.chunk,
-                                              .tasks = options.jobs,
-                                              .retry_failed = options.retry_failed,
-                                              .arguments = sbatch_arguments(folder.slurm(), options.slurm)});
-  }
-  return std::make_unique<sweep::LocalLauncher>(
-      folder.store(),
-      sweep::LocalLauncher::Options{.jobs = options.jobs, .retry_failed = options.retry_failed, .log = folder.log()});
-}
-
 int run(const RunOptions& options) {
   if (options.file.empty() && !(options.resume && !options.out.empty())) {
     throw sim::InputError("no sweep is named; allowed: raywatt sweep run FILE, or raywatt sweep run --resume -o DIR");
   }
-  if (options.launcher != "slurm" && options.slurm.is_any()) {
-    throw sim::InputError("--slurm-args, --chunk and --wait are for --launcher slurm");
-  }
+  check(options);
+  if (options.wait && options.launcher != "slurm") throw sim::InputError("--wait is for --launcher slurm");
   const bool from_file = !options.file.empty();
   const fs::path out = !options.out.empty()
                            ? options.out
@@ -170,7 +155,7 @@ int run(const RunOptions& options) {
   const Store store = folder.store();
   store.clean();
   const std::unique_ptr<sweep::Launcher> launcher = make_launcher(options, folder);
-  if (auto* slurm = dynamic_cast<sweep::SlurmLauncher*>(launcher.get()); slurm != nullptr && !options.slurm.wait) {
+  if (auto* slurm = dynamic_cast<sweep::SlurmLauncher*>(launcher.get()); slurm != nullptr && !options.wait) {
     const sweep::SlurmLauncher::Submitted submitted = slurm->submit(planned.points);
     if (submitted.points + submitted.queued != 0) {
       if (!options.quiet) tell_submitted(submitted, planned.points.size(), out);
@@ -215,15 +200,9 @@ void add_sweep_run(CLI::App& group, int& exit) {
   verb->add_option("-o,--output", options->out, "folder of the sweep (default: raywatt-out/sweep-NAME)");
   verb->add_option("--store", options->store,
                    "folder of results, for any number of sweeps (default: $RAYWATT_STORE, else raywatt-out/store)");
-  verb->add_option("--launcher", options->launcher, "who computes: local, processes on this host; slurm, a job array")
-      ->check(CLI::IsMember({"local", "slurm"}))
-      ->capture_default_str();
-  verb->add_option("-j,--jobs", options->jobs,
-                   "points at a time (default: all cores); slurm: tasks of an array at a time")
-      ->check(CLI::Range(1, 1024));
-  add_slurm_options(*verb, options->slurm);
+  add_launcher_options(*verb, *options);
+  verb->add_flag("--wait", options->wait, "slurm: return when all points have ended");
   verb->add_flag("--resume", options->resume, "go on with the sweep in the folder; then FILE may be left out");
-  verb->add_flag("--retry-failed", options->retry_failed, "points that failed are computed again");
   verb->add_flag("--dry-run", options->dry_run, "list the points; compute nothing, write nothing");
   verb->add_flag("--quiet", options->quiet, "no summary, no bar");
   add_progress_option(*verb, options->progress);

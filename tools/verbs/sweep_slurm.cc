@@ -1,9 +1,7 @@
 #include "tools/verbs/sweep_slurm.h"
 
 #include <fstream>
-#include <sstream>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -36,23 +34,6 @@ std::string last_words(const fs::path& log) {
 }
 
 }  // namespace
-
-void add_slurm_options(CLI::App& verb, SlurmRun& run) {
-  verb.add_option("--slurm-args", run.arguments,
-                  "slurm: options for sbatch, as it knows them: --slurm-args \"--partition=short --time=1:00:00\"")
-      ->allow_extra_args(false);
-  verb.add_option("--chunk", run.chunk, "slurm: points of a task (default: as many as make a hundred tasks)")
-      ->check(CLI::Range(1, 1'000'000));
-  verb.add_flag("--wait", run.wait, "slurm: return when all points have ended");
-}
-
-std::vector<std::string> sbatch_arguments(std::vector<std::string> of_sweep, const SlurmRun& run) {
-  for (const std::string& several : run.arguments) {
-    std::istringstream words(several);
-    for (std::string word; words >> word;) of_sweep.push_back(word);
-  }
-  return of_sweep;
-}
 
 void tell_submitted(const sweep::SlurmLauncher::Submitted& submitted, std::size_t points, const fs::path& out) {
   fmt::print("{} points: {} handed in, {} in the queue already, {} with a result\n", points, submitted.points,

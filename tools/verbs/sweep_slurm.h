@@ -9,23 +9,7 @@
 
 #include "tools/sweep/slurm_launcher.h"
 
-namespace CLI {
-class App;
-}
-
 namespace tools {
-
-/// What `raywatt sweep run` can be told of Slurm.
-struct SlurmRun {
-  std::vector<std::string> arguments;
-  std::uint64_t chunk = 0;
-  bool wait = false;
-  bool is_any() const { return !arguments.empty() || chunk != 0 || wait; }
-};
-void add_slurm_options(CLI::App& verb, SlurmRun& run);
-
-/// Arguments for sbatch: the sweep's, then the command line's.
-std::vector<std::string> sbatch_arguments(std::vector<std::string> of_sweep, const SlurmRun& run);
 
 /// Says what has been handed in, and how to go on.
 void tell_submitted(const sweep::SlurmLauncher::Submitted& submitted, std::size_t points,

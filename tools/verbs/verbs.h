@@ -34,5 +34,6 @@ void add_microbench(CLI::App& app, int& exit);
 void add_sweep(CLI::App& app, int& exit);
 /// Those verbs of `raywatt sweep` that look at results.
 void add_sweep_results(CLI::App& sweep);
+void add_optimise(CLI::App& app, int& exit);
 
 }  // namespace tools

@@ -1,45 +1,23 @@
 #include "traces/scene/images.h"
 
 #include <algorithm>
-#include <array>
 #include <cstring>
 #include <string_view>
-#include <system_error>
 
-#include <dlfcn.h>
 #include <fmt/format.h>
 
 #include "sim/error.h"
 #include "sim/io/file.h"
+#include "sim/io/module.h"
 #include "sim/io/printable.h"
 #include "traces/scene/images/codec.h"
 
 namespace traces {
 namespace {
 
-const ImageCodec* load_codec() {
-  std::error_code ignored;
-  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", ignored).parent_path();
-  const std::filesystem::path built(RAYWATT_IMAGES_MODULE);
-  const std::array places = {program / built.filename(), program / ".." / "lib" / "raywatt" / built.filename(), built};
-  std::string tried;
-  for (const std::filesystem::path& place : places) {
-    if (!std::filesystem::exists(place, ignored)) {
-      tried += fmt::format("; {}: no such file", place.string());
-    } else if (void* module = dlopen(place.c_str(), RTLD_NOW | RTLD_LOCAL); module == nullptr) {
-      tried += fmt::format("; {}", dlerror());
-    } else if (void* symbol = dlsym(module, kImageCodecSymbol); symbol == nullptr) {
-      tried += fmt::format("; {}: of another version", place.string());
-      dlclose(module);
-    } else {
-      return reinterpret_cast<ImageCodecFactory>(symbol)();
-    }
-  }
-  throw sim::IoError("the module for image files cannot be loaded" + tried);
-}
-
 const ImageCodec& codec() {
-  static const ImageCodec* const loaded = load_codec();
+  static const ImageCodec* const loaded = reinterpret_cast<ImageCodecFactory>(
+      sim::load_module(RAYWATT_IMAGES_MODULE, kImageCodecSymbol, "for image files"))();
   return *loaded;
 }
 

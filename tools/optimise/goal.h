@@ -1,0 +1,28 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace tools::optimise {
+
+/// What a figure of a point shall be.
+struct Goal {
+  enum class Kind : std::uint8_t { kMax, kMin, kBelow, kAtMost, kAbove, kAtLeast };
+  Kind kind = Kind::kMax;
+  std::string figure;  ///< a report path, or a clear end of one
+  double limit = 0;    ///< of a constraint
+  std::string at;      ///< "file:line:column", for messages
+
+  bool is_objective() const { return kind == Kind::kMax || kind == Kind::kMin; }
+  bool is_upper() const { return kind == Kind::kBelow || kind == Kind::kAtMost; }
+  /// Is the constraint met?
+  bool is_met(double value) const;
+  std::string text() const;
+};
+constexpr std::array<std::string_view, 6> names_of(Goal::Kind) { return {"max", "min", "<", "<=", ">", ">="}; }
+
+/// "power_w.nominal < 1". InputError for anything but PATH, one of < <= > >=, NUMBER.
+Goal read_constraint(const std::string& text);
+
+}  // namespace tools::optimise
