@@ -1,5 +1,7 @@
 #include "tools/sweep/spec.h"
 
+#include <chrono>
+
 #include <gtest/gtest.h>
 
 #include "tests/tools/sweep/small_sweep.h"
@@ -155,6 +157,29 @@ TEST(SweepSpec, ComplaintsNameThePlaceTheKeyAndWhatIsAllowed) {
     const std::string complaint = complaint_of(lines);
     for (const std::string& part : parts) EXPECT_NE(complaint.find(part), std::string::npos) << lines << complaint;
     EXPECT_EQ(complaint.find('\n'), std::string::npos) << complaint;
+  }
+}
+
+TEST(SweepSpec, OfASmallFileThatMeansAHugeOneIsRefusedAtOnce) {
+  std::string items = "&a [1", many = "[*a";
+  for (int i = 0; i < 9'000; ++i) {
+    items += ", 1";
+    many += ", *a";
+  }
+  for (const std::string& lines :
+       {"sets: " + items + "]\naxes: {cores: " + many + "]}\n",
+        "sets: " + items + "]\naxes: {a: {keys: [cores, tni.trvs], values: " + many + "]}}\n",
+        "sets: " + items + "]\naxes: {a: {keys: *a, values: " + many + "]}}\n",
+        "sets: " + items + "]\naxes: {cores: [1]}\nwhere: &w [{cores: *a}" +
+            [] {
+              std::string more;
+              for (int i = 0; i < 9'000; ++i) more += ", {cores: *a}";
+              return more;
+            }() +
+            "]\n"}) {
+    const auto begin = std::chrono::steady_clock::now();
+    EXPECT_NE(complaint_of(lines), "");
+    EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(5));
   }
 }
 
