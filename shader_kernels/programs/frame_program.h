@@ -46,7 +46,7 @@ class FrameProgram {
 
   /// Linear RGB, row by row, as far as tiles have been kept.
   const std::vector<float>& picture() const { return picture_; }
-  /// Call once, when no more tiles come.
+  /// When no more tiles of the frame come; the next tile begins a new picture.
   std::vector<float> take_picture() { return std::move(picture_); }
   const Sampling& sampling() const { return sampling_; }
   /// Has keep() keep marks too.
