@@ -37,6 +37,8 @@ class Store {
 
   const std::filesystem::path& root() const { return root_; }
   std::filesystem::path folder(const std::string& id) const;
+  /// Where a Failure is written down.
+  std::filesystem::path failure_file(const std::string& id) const;
   std::filesystem::path stream(const std::string& key) const { return root_ / "streams" / (key + ".trace"); }
 
   enum class State : std::uint8_t { kMissing, kGood, kDamaged };
@@ -65,7 +67,6 @@ class Store {
   void clean() const;
 
  private:
-  std::filesystem::path failure_file(const std::string& id) const;
   std::filesystem::path lock_file(const std::string& id) const { return root_ / "locks" / id; }
   void clean(const std::string& id) const;
 

@@ -23,7 +23,6 @@
 #include "tools/sweep/results/collect.h"
 #include "tools/verbs/launcher.h"
 #include "tools/verbs/sweep_slurm.h"
-#include "tools/verbs/sweep_slurm.h"
 #include "tools/verbs/verbs.h"
 
 namespace tools {
@@ -176,7 +175,7 @@ int run(const RunOptions& options) {
                    {"seconds", end.seconds},
                    {"workers", end.workers},
                    {"busy", end.busy}});
-  results::collect(folder.path(), store.root());
+  results::collect(folder);
   tell_if_interrupted(fmt::format("kept {} of {} points in {}", computed + found, planned.points.size(), out.string()));
   if (!options.quiet) {
     fmt::print("{} points: {} computed, {} found, {} failed{}\n", planned.points.size(), computed, found, failed,

@@ -55,18 +55,13 @@ void add_where(CLI::App& verb, std::vector<std::string>& where) {
 }
 
 void add_collect(CLI::App& group) {
-  struct Options {
-    fs::path folder, store;
-  };
-  const auto o = std::make_shared<Options>();
-  CLI::App* verb = add_query(group, "collect", "Gather what has come out into index.sqlite and results.csv", o->folder);
-  verb->add_option("--store", o->store, "where results are (default: where the sweep has them)");
+  const auto folder = std::make_shared<fs::path>();
+  CLI::App* verb = add_query(group, "collect", "Gather what has come out into index.sqlite and results.csv", *folder);
   verb->footer("Example: raywatt sweep collect out/l1");
-  verb->callback([o] {
-    if (o->store.empty()) o->store = sweep::SweepFolder::open(o->folder).store().root();
-    const results::Collected collected = results::collect(o->folder, o->store);
+  verb->callback([folder] {
+    const results::Collected collected = results::collect(sweep::SweepFolder::open(*folder));
     fmt::print("{}{}\ntable: {}\nindex: {}\n", summary_text(collected), collected.unchanged ? ", as before" : "",
-               (o->folder / "results.csv").string(), (o->folder / "index.sqlite").string());
+               (*folder / "results.csv").string(), (*folder / "index.sqlite").string());
   });
 }
 
@@ -134,7 +129,8 @@ void add_best(CLI::App& group) {
   verb->callback([o] {
     if (o->most.empty() == o->least.empty()) throw sim::InputError("sweep best needs --max PATH or --min PATH");
     with_results(o->folder, [&](const auto& r) {
-      return best_text(r, {o->most.empty() ? o->least : o->most, !o->most.empty(), o->where});
+      const std::vector<sweep::Point> points = sweep::SweepFolder::open(o->folder).points();
+      return best_text(r, points, {o->most.empty() ? o->least : o->most, !o->most.empty(), o->where});
     });
   });
 }

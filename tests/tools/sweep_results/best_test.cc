@@ -21,7 +21,7 @@ struct Four : MadeSweep {
 };
 
 std::string best(const MadeSweep& sweep, const tools::results::BestOptions& options) {
-  return best_text(sweep.results(), options);
+  return best_text(sweep.results(), sweep.points(), options);
 }
 
 TEST(Best, IsTheFirstOfThoseWithTheMostOrLeast) {
@@ -50,7 +50,7 @@ TEST(Best, SaysHowToRunItAgain) {
   const Words settings = {"--program", "multirate:under", "--set", "cores=2"};
   ASSERT_EQ(raywatt(small_run(run, settings)).exit, 0);
   MadeSweep sweep;
-  sweep.add({{"cores", "2"}, {"program", "multirate:under"}});
+  sweep.add({{"cores", "2"}}, "multirate:under");
   sweep.finish(0, nlohmann::ordered_json::parse(read_bytes(run / "report.json")));
   std::filesystem::copy_file(run / "config.yaml", sweep.point(0) / "config.yaml",
                              std::filesystem::copy_options::overwrite_existing);

@@ -9,7 +9,6 @@
 #include "sim/error.h"
 #include "tests/tools/program.h"
 #include "tests/tools/sweep_results/made_sweep.h"
-#include "tools/sweep/results/point_state.h"
 
 // From point folders to results.csv and index.sqlite.
 
@@ -20,6 +19,7 @@ namespace fs = std::filesystem;
 using tools::results::Collected;
 using tools::results::Database;
 using tools::results::Results;
+using tools::sweep::SweepFolder;
 
 Collected counts(std::size_t done, std::size_t failed, std::size_t missing, std::size_t damaged) {
   return {done, failed, missing, damaged, false};
@@ -39,9 +39,9 @@ struct Three : MadeSweep {
   }
 };
 
-std::string refusal(const MadeSweep& sweep) {
+std::string refusal(const SweepFolder& folder) {
   try {
-    sweep.collect();
+    tools::results::collect(folder);
   } catch (const sim::InputError& error) {
     return error.what();
   }
@@ -90,7 +90,7 @@ TEST(Collect, WhatIsNoFinishedReportIsDamaged) {
   for (const std::string& bytes : {partial.dump(), other.dump(), empty.dump(), deep, nul, std::string("[]"),
                                    std::string("{\"schema\": 1, \"totals\": {\"cycles\": 1e999}}")}) {
     Three sweep;
-    sweep.damage(0, bytes);
+    sweep.finish(0, bytes);
     expect_counts(sweep.collect(), counts(0, 0, 2, 1));
   }
   Three sweep;
@@ -101,7 +101,7 @@ TEST(Collect, WhatIsNoFinishedReportIsDamaged) {
 TEST(Collect, ADamagedRecordOfAFailureIsAFailure) {
   Three sweep;
   sweep.fail(1, "stuck");
-  fs::resize_file(tools::results::failure_record(sweep.store(), sweep.id(1)), 10);
+  fs::resize_file(sweep.store().failure_file(sweep.id(1)), 10);
   expect_counts(sweep.collect(), counts(1, 1, 1, 0));
 }
 
@@ -213,20 +213,24 @@ TEST(Collect, ADamagedIndexIsRefusedAndMadeAnew) {
 }
 
 TEST(Collect, AListThatIsNoneIsRefusedWithItsLine) {
-  const std::string id(64, 'a'), line = "{\"n\": 0, \"id\": \"" + id + "\"}\n";
-  const std::pair<std::string, std::string> lists[] = {
-      {"", "no point"},
-      {line + "{", "points.jsonl:2"},
-      {line + line, "points.jsonl:2"},
-      {"[]\n", "points.jsonl:1"},
-      {"{\"n\": -1, \"id\": \"" + id + "\"}\n", "points.jsonl:1"},
-      {"{\"n\": 0, \"id\": \"../../x\"}\n", "id"},
-      {"{\"n\": 0, \"id\": \"" + id + "\", \"axes\": {\"a\": [1]}}\n", "'a'"}};
+  MadeSweep sweep;
+  sweep.add({});
+  const std::string sound = to_line(sweep.points()[0]) + "\n";
+  const auto other = [&](const std::string& part, const std::string& instead) {
+    std::string line = sound;
+    return line.replace(line.find(part), part.size(), instead);
+  };
+  const std::pair<std::string, std::string> lists[] = {{"", "no point"},
+                                                       {sound + "{", "points.jsonl:2"},
+                                                       {sound + sound, "points.jsonl:2"},
+                                                       {"[]\n", "points.jsonl:1"},
+                                                       {other("\"n\":0", "\"n\":-1"), "points.jsonl:1"},
+                                                       {other(sweep.id(0), "../../x"), "points.jsonl:1"},
+                                                       {other("{}", "{\"a\":[1]}"), "points.jsonl:1"}};
+  const SweepFolder folder = sweep.write();
   for (const auto& [text, part] : lists) {
-    const MadeSweep sweep;
-    fs::create_directories(sweep.folder());
-    std::ofstream(sweep.folder() / "points.jsonl") << text;
-    EXPECT_SAYS(refusal(sweep), part);
+    std::ofstream(folder.path() / "points.jsonl") << text;
+    EXPECT_SAYS(refusal(folder), part);
   }
   const TempFolder empty;
   expect_refusal(raywatt({"sweep", "collect", empty.path().string()}), {"holds no sweep"});
@@ -239,7 +243,7 @@ TEST(Collect, AFullDiskLeavesWhatWasThere) {
   sweep.finish(1, 7);
   Surroundings full;
   full.longest_file = 100;
-  const Words collect = {"sweep", "collect", sweep.folder().string(), "--store", sweep.store().string()};
+  const Words collect = {"sweep", "collect", sweep.folder().string()};
   const Ending ending = raywatt(collect, full);
   EXPECT_EQ(ending.exit, 74) << ending.err;
   EXPECT_EQ(sweep.csv(), csv);
@@ -257,7 +261,7 @@ TEST(Collect, TwoCollectorsAtOnceLeaveOneSoundIndex) {
     {
       std::vector<std::jthread> collectors;
       for (int i = 0; i < 4; ++i)
-        collectors.emplace_back([&] { tools::results::collect(sweep.folder(), sweep.store()); });
+        collectors.emplace_back([&] { tools::results::collect(SweepFolder::open(sweep.folder())); });
     }
     EXPECT_EQ(sweep.csv(), csv);
     EXPECT_EQ(Results(sweep.folder()).rows().size(), 3U);

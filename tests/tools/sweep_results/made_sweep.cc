@@ -4,7 +4,6 @@
 #include <sstream>
 
 #include "sim/sha256.h"
-#include "tools/sweep/results/point_state.h"
 
 namespace test {
 
@@ -13,10 +12,9 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-void write(const fs::path& file, const std::string& bytes) {
-  fs::create_directories(file.parent_path());
-  std::ofstream(file, std::ios::binary) << bytes;
-}
+void write_bytes(const fs::path& file, const std::string& bytes) { std::ofstream(file, std::ios::binary) << bytes; }
+
+Json made_of(std::uint64_t n) { return {{"n", n}}; }
 
 Json core(int loads) { return {{"srp", {{"counters", {{"loads", loads}}}}}}; }
 
@@ -45,13 +43,14 @@ Json made_report(double cycles) {
           {"host", {{"name", "a"}, {"wall_s", made}, {"threads", 2}}}};
 }
 
-std::size_t MadeSweep::add(const Axes& axes) {
-  const std::size_t n = ids_.size();
-  ids_.push_back(sim::sha256_hex(std::to_string(n)));
-  Json line = {{"n", n}, {"id", ids_.back()}, {"axes", Json::object()}, {"program", "full:1"}};
-  for (const auto& [name, value] : axes) line["axes"][name] = value;
-  lines_.push_back(line.dump());
-  return n;
+std::size_t MadeSweep::add(const Axes& axes, const std::string& program) {
+  tools::sweep::Point point;
+  point.n = points_.size();
+  point.id = sim::sha256_hex(made_of(point.n).dump());
+  point.axes = axes;
+  point.program = program;
+  points_.push_back(std::move(point));
+  return points_.size() - 1;
 }
 
 void MadeSweep::add_grid(const std::string& a, const std::vector<std::string>& values_of_a, const std::string& b,
@@ -64,39 +63,34 @@ void MadeSweep::add_grid(const std::string& a, const std::vector<std::string>& v
   }
 }
 
-void MadeSweep::write_list() const {
-  if (lines_.empty()) return;  // a test has its own
-  std::string text;
-  for (const std::string& line : lines_) text += line + "\n";
-  write(folder() / "points.jsonl", text);
-}
-
-void MadeSweep::finish(std::size_t n, const Json& report) const {
-  write(point(n) / "config.yaml", "cores: 4\n");
-  write(point(n) / "report.json", report.dump(2) + "\n");
+void MadeSweep::finish(std::size_t n, const std::string& report) const {
+  remove(n);
+  store().put(id(n), made_of(n), [&](const fs::path& folder) {
+    write_bytes(folder / "config.yaml", "cores: 4\n");
+    write_bytes(folder / "report.json", report);
+  });
 }
 
 void MadeSweep::fail(std::size_t n, const std::string& error) const {
-  const Json record = {{"id", id(n)},       {"exit", 3},   {"error", error},
-                       {"log", "one\ntwo"}, {"host", "a"}, {"attempt", 2}};
-  write(tools::results::failure_record(store(), id(n)), record.dump());
+  store().put_failure({id(n), 3, error, "one\ntwo", "a", 2});
 }
 
-void MadeSweep::damage(std::size_t n, const std::string& report) const { write(point(n) / "report.json", report); }
+void MadeSweep::damage(std::size_t n, const std::string& report) const {
+  write_bytes(point(n) / "report.json", report);
+}
 
 void MadeSweep::remove(std::size_t n) const { fs::remove_all(point(n)); }
 
-tools::results::Collected MadeSweep::collect() const {
-  write_list();
-  return tools::results::collect(folder(), store());
+tools::sweep::SweepFolder MadeSweep::write() const {
+  return tools::sweep::SweepFolder::create(folder(), "", points_, store().root(), {});
 }
+
+tools::results::Collected MadeSweep::collect() const { return tools::results::collect(write()); }
 
 tools::results::Results MadeSweep::results() const {
   collect();
   return tools::results::Results(folder());
 }
-
-fs::path MadeSweep::point(std::size_t n) const { return tools::results::point_folder(store(), id(n)); }
 
 std::vector<std::vector<std::string>> cells_of(const std::string& csv) {
   std::vector<std::vector<std::string>> rows;

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "sim/error.h"
 #include "sim/io/printable.h"
@@ -15,7 +16,7 @@ namespace tools::results {
 namespace {
 
 /// A word as a shell takes it.
-std::string quoted(const std::string& word) {
+std::string shell_word(const std::string& word) {
   constexpr std::string_view kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./:,=%+@";
   if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
   std::string out = "'";
@@ -23,28 +24,26 @@ std::string quoted(const std::string& word) {
   return out + "'";
 }
 
-/// What the configuration file of a point does not say.
-std::string rerun_command(const Results& results, std::size_t row, const std::string& config) {
-  std::string command = "raywatt run " + quoted(config);
-  for (const auto& [axis, option] :
-       {std::pair("program", "--program"), {"reference", "--reference"}, {"tile_sampling", "--tile-sampling"}}) {
-    if (std::ranges::find(results.axes(), axis) == results.axes().end()) continue;
-    const std::string value = exact_text(results.column(axis).values[row]);
-    if (!value.empty()) command += fmt::format(" {} {}", option, quoted(value));
-  }
-  return command;
+/// The same with the configuration as it was, whatever has become of the files that the sweep began with.
+std::string rerun_command(sweep::Point point, const std::string& config) {
+  point.config = config;
+  point.sets.clear();
+  for (std::string* in_config : {&point.scene, &point.camera, &point.frames, &point.resolution}) in_config->clear();
+  std::vector<std::string> words = point.options().argv;
+  for (std::string& word : words) word = shell_word(word);
+  return fmt::format("{}", fmt::join(words, " "));
 }
 
 }  // namespace
 
-std::string best_text(const Results& results, const BestOptions& options) {
+std::string best_text(const Results& results, std::span<const sweep::Point> points, const BestOptions& options) {
   const Column metric = results.column(options.metric);
   const std::vector<bool> may = meeting(results, options.where);
   std::optional<std::size_t> best;
   std::size_t candidates = 0, equal = 0;
   double figure = 0;
   for (std::size_t row = 0; row < may.size(); ++row) {
-    const std::optional<Magnitude> number = amount_of(metric.values[row]);
+    const std::optional<sweep::Magnitude> number = amount_of(metric.values[row]);
     if (!may[row] || !results.rows()[row].is_done() || !number) continue;
     ++candidates;
     const double value = number->value;
@@ -60,6 +59,9 @@ std::string best_text(const Results& results, const BestOptions& options) {
                                       options.where.empty() ? "" : " and meets --where",
                                       missing.empty() ? "" : "; " + missing));
   }
+  if (*best >= points.size() || points[*best].id != results.rows()[*best].id) {
+    throw sim::InputError("the sweep has other points than the index; run 'raywatt sweep collect'");
+  }
   const std::string config = (results.folder_of(results.rows()[*best]) / "config.yaml").string();
   std::string out = fmt::format("{} {} of {} points that qualify: point {}{}\n\n", options.most ? "most" : "least",
                                 metric.name, candidates, results.rows()[*best].n,
@@ -72,7 +74,7 @@ std::string best_text(const Results& results, const BestOptions& options) {
   }
   lines.emplace_back("id", results.rows()[*best].id);
   lines.emplace_back("configuration", sim::printable(config, 4096));
-  lines.emplace_back("run again", sim::printable(rerun_command(results, *best, config), 4096));
+  lines.emplace_back("run again", sim::printable(rerun_command(points[*best], config), 4096));
   std::size_t widest = 0;
   for (const auto& [name, value] : lines) widest = std::max(widest, name.size());
   for (const auto& [name, value] : lines) out += fmt::format("{:<{}}  {}\n", name, widest, value);

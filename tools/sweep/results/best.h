@@ -1,7 +1,9 @@
 #pragma once
+#include <span>
 #include <string>
 #include <vector>
 
+#include "tools/sweep/point.h"
 #include "tools/sweep/results/results.h"
 
 namespace tools::results {
@@ -13,7 +15,7 @@ struct BestOptions {
 };
 
 /// The point with the most or least of a metric (of equal ones the first), what it is, where its configuration is and
-/// how to run it again. InputError if no point meets the conditions.
-std::string best_text(const Results& results, const BestOptions& options);
+/// how to run it again. `points`: of the sweep. InputError if no point meets the conditions.
+std::string best_text(const Results& results, std::span<const sweep::Point> points, const BestOptions& options);
 
 }  // namespace tools::results

@@ -1,11 +1,9 @@
 #include "tools/sweep/results/collect.h"
 
-#include <cerrno>
-#include <system_error>
+#include <chrono>
+#include <thread>
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include "sim/error.h"
 #include "sim/io/file.h"
@@ -20,38 +18,23 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::uint64_t kMostListBytes = std::uint64_t{1} << 30;
-
-/// Held while an index is made. The kernel frees it when the process ends, however that happens.
-class CollectorLock {
- public:
-  explicit CollectorLock(const fs::path& file) : fd_(::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666)) {
-    struct flock whole {};
-    whole.l_type = F_WRLCK;
-    whole.l_whence = SEEK_SET;
-    int result = fd_;
-    while (fd_ >= 0 && (result = ::fcntl(fd_, F_OFD_SETLKW, &whole)) != 0 && errno == EINTR) {
-    }
-    if (result < 0) {
-      const int error = errno;
-      if (fd_ >= 0) ::close(fd_);
-      throw sim::IoError(fmt::format("{}: cannot be locked: {}", sim::printable(file.string()),
-                                     std::generic_category().message(error)));
-    }
+/// Held while an index is made.
+sweep::Lock wait_for_lock(const fs::path& file) {
+  for (;;) {
+    if (std::optional<sweep::Lock> lock = sweep::Lock::attempt(file)) return std::move(*lock);
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
-  ~CollectorLock() { ::close(fd_); }
-  CollectorLock(const CollectorLock&) = delete;
-  CollectorLock& operator=(const CollectorLock&) = delete;
-
- private:
-  int fd_;
-};
+}
 
 /// Changes with everything that an index is made from.
-std::string made_from(const std::string& list, const std::vector<ListedPoint>& points, const fs::path& store) {
+std::string made_from(const std::vector<ListedPoint>& points, const sweep::Store& store) {
   sim::Sha256 all;
-  all.add(fmt::format("{}\n{}\n{}\n", kIndexSchema, store.string(), list));
-  for (const ListedPoint& point : points) all.add(state_mark(store, point.id) + "\n");
+  all.add(fmt::format("{}\n{}\n", kIndexSchema, store.root().string()));
+  for (const ListedPoint& point : points) {
+    all.add(fmt::format("{} {}\n", point.n, point.id));
+    for (const auto& [name, value] : point.axes) all.add(fmt::format("{}\n{}\n", name, value));
+    all.add(state_mark(store, point.id) + "\n");
+  }
   return all.hex();
 }
 
@@ -86,24 +69,20 @@ std::optional<Collected> still_true(const fs::path& sweep, const std::string& ma
 
 }  // namespace
 
-Collected collect(const fs::path& sweep, const fs::path& store) {
-  const fs::path list_file = sweep / "points.jsonl";
-  const std::string shown = sim::printable(list_file.string());
-  if (!fs::exists(list_file)) {
-    throw sim::InputError(fmt::format("{}: no such file: the folder holds no sweep", shown));
-  }
-  const fs::path where = fs::absolute(store).lexically_normal();
-  const CollectorLock lock(sweep / ".collect.lock");
-  const std::string list = sim::read_file(list_file, kMostListBytes);
-  std::vector<ListedPoint> points = parse_point_list(list, shown);
-  const std::string from = made_from(list, points, where);
-  if (const std::optional<Collected> counts = still_true(sweep, from)) return *counts;
+Collected collect(const sweep::SweepFolder& folder) {
+  const fs::path& path = folder.path();
+  const sweep::Lock lock = wait_for_lock(path / "collect.lock");
+  std::vector<ListedPoint> points = list_points(folder.points());
+  if (points.empty()) throw sim::InputError(sim::printable((path / "points.jsonl").string()) + ": holds no point");
+  const sweep::Store store = folder.store();
+  const std::string from = made_from(points, store);
+  if (const std::optional<Collected> counts = still_true(path, from)) return *counts;
 
-  const Collection all = collect_points(std::move(points), where);
-  sim::write_file_atomically(sweep / "results.csv", results_csv(all));
-  sim::write_file_atomically(
-      sweep / "index.sqlite",
-      index_bytes(all, {{"store", where.string()}, {"made_from", from}, {"csv", file_mark(sweep / "results.csv")}}));
+  const Collection all = collect_points(std::move(points), store);
+  sim::write_file_atomically(path / "results.csv", results_csv(all));
+  sim::write_file_atomically(path / "index.sqlite", index_bytes(all, {{"store", store.root().string()},
+                                                                      {"made_from", from},
+                                                                      {"csv", file_mark(path / "results.csv")}}));
   Collected counts;
   for (const PointState& state : all.states) {
     switch (state.status) {

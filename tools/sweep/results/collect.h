@@ -1,8 +1,8 @@
 #pragma once
-#include <array>
 #include <cstddef>
-#include <filesystem>
 #include <string>
+
+#include "tools/sweep/folder.h"
 
 namespace tools::results {
 
@@ -13,9 +13,9 @@ struct Collected {
   std::size_t points() const { return done + failed + missing + damaged; }
 };
 
-/// Makes index.sqlite and results.csv of a sweep anew from its points.jsonl and what the store holds of these points.
-/// Both are replaced as a whole; another collector in the same folder waits. InputError if the folder holds no sweep.
-Collected collect(const std::filesystem::path& sweep, const std::filesystem::path& store);
+/// Makes index.sqlite and results.csv of a sweep anew from its points.jsonl and what its store holds of these points.
+/// Both are replaced as a whole; another collector of the same sweep waits. InputError for a damaged list of points.
+Collected collect(const sweep::SweepFolder& folder);
 
 /// "200 points: 198 done, 2 failed"
 std::string summary_text(const Collected& collected);

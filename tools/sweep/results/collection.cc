@@ -18,7 +18,7 @@ struct Reader {
 };
 
 /// The reader of every point.
-std::vector<std::size_t> read_all(const std::filesystem::path& store, Collection& all, std::vector<Reader>& readers) {
+std::vector<std::size_t> read_all(const sweep::Store& store, Collection& all, std::vector<Reader>& readers) {
   std::vector<std::size_t> by(all.points.size());
   std::atomic<std::size_t> next = 0;
   const auto work = [&](std::size_t reader) {
@@ -36,7 +36,7 @@ std::vector<std::size_t> read_all(const std::filesystem::path& store, Collection
 
 }  // namespace
 
-Collection collect_points(std::vector<ListedPoint> points, const std::filesystem::path& store) {
+Collection collect_points(std::vector<ListedPoint> points, const sweep::Store& store) {
   Collection all;
   all.points = std::move(points);
   all.states.resize(all.points.size());

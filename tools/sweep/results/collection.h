@@ -1,6 +1,5 @@
 #pragma once
 #include <array>
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -19,6 +18,6 @@ struct Collection {
 };
 
 /// Reads what a store holds of the points, on all cores. The same for any number of them.
-Collection collect_points(std::vector<ListedPoint> points, const std::filesystem::path& store);
+Collection collect_points(std::vector<ListedPoint> points, const sweep::Store& store);
 
 }  // namespace tools::results

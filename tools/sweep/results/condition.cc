@@ -60,7 +60,7 @@ class Reader {
     const std::size_t unit = at_;
     while (!at_end() && std::isalpha(static_cast<unsigned char>(text_[at_])) != 0) ++at_;
     const std::string with_unit = fmt::format("{} {}", word, text_.substr(unit, at_ - unit));
-    if (at_ > unit && unit > end && magnitude_of(with_unit)) {
+    if (at_ > unit && unit > end && sweep::magnitude_of(with_unit)) {
       skip_blanks();
       return with_unit;
     }
@@ -154,7 +154,7 @@ std::vector<bool> Condition::met_by(const Results& results) const {
 
 std::vector<bool> Condition::met_by(const Results& results, const Comparison& one) const {
   const Column column = results.column(one.path);
-  const std::optional<Magnitude> wanted = magnitude_of(one.wanted);
+  const std::optional<sweep::Magnitude> wanted = sweep::magnitude_of(one.wanted);
   const bool is_order = one.op != Op::kEqual && one.op != Op::kNot;
   if (is_order && !wanted) refuse(fmt::format("'{}' is no number", sim::printable(one.wanted)));
   std::vector<bool> met(column.values.size(), false);
@@ -162,7 +162,7 @@ std::vector<bool> Condition::met_by(const Results& results, const Comparison& on
   for (std::size_t i = 0; i < met.size(); ++i) {
     const Value& value = column.values[i];
     if (is_absent(value)) continue;
-    const std::optional<Magnitude> number = amount_of(value);
+    const std::optional<sweep::Magnitude> number = amount_of(value);
     has_number = has_number || number;
     if (number && wanted) {
       if (number->kind != wanted->kind) {

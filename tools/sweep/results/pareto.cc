@@ -43,7 +43,7 @@ Objective::Objective(const Results& results, const std::string& text)
       most(text.starts_with("max:") || (!text.starts_with("min:") && is_better_high(column.name))) {}
 
 std::optional<double> Objective::of(std::size_t row) const {
-  const std::optional<Magnitude> number = amount_of(column.values[row]);
+  const std::optional<sweep::Magnitude> number = amount_of(column.values[row]);
   return number ? std::optional(number->value) : std::nullopt;
 }
 

@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "tools/sweep/results/report_scan.h"
+#include "tools/sweep/store.h"
 
 namespace tools::results {
 
@@ -23,15 +24,12 @@ struct PointState {
   PointError error;   ///< of one that failed or is damaged
 };
 
-/// Where a store keeps a point's result, and the record of its failure.
-std::filesystem::path point_folder(const std::filesystem::path& store, const std::string& id);
-std::filesystem::path failure_record(const std::filesystem::path& store, const std::string& id);
-
-/// Looks a point up in a store. A result wins over the record of an earlier failure. What cannot be read is damaged.
-PointState read_point_state(const std::filesystem::path& store, const std::string& id, MetricNames& names);
+/// Looks a point up in a store. A result wins over the record of an earlier failure. What is not as it was written, or
+/// is no finished report, is damaged.
+PointState read_point_state(const sweep::Store& store, const std::string& id, MetricNames& names);
 
 /// Changes whenever what a store holds of a point does: sizes and times of its files.
-std::string state_mark(const std::filesystem::path& store, const std::string& id);
+std::string state_mark(const sweep::Store& store, const std::string& id);
 /// The same of one file; "-" if there is none.
 std::string file_mark(const std::filesystem::path& file);
 

@@ -68,7 +68,7 @@ Results::Results(const std::filesystem::path& sweep) : index_(open_index(sweep /
   while (metric.step()) metrics_.push_back(metric.text(0));
 }
 
-std::filesystem::path Results::folder_of(const Row& row) const { return point_folder(store_, row.id); }
+std::filesystem::path Results::folder_of(const Row& row) const { return sweep::Store(store_).folder(row.id); }
 
 Column Results::column(std::string_view text) const {
   if (text == "error") return of_errors();

@@ -104,7 +104,7 @@ Sensitivity find_sensitivity(const Results& results, const std::string& metric, 
   std::vector<std::size_t> rows;
   std::vector<double> values;
   for (std::size_t row = 0; row < may.size(); ++row) {
-    const std::optional<Magnitude> number = amount_of(column.values[row]);
+    const std::optional<sweep::Magnitude> number = amount_of(column.values[row]);
     if (!may[row] || !results.rows()[row].is_done() || !number) continue;
     rows.push_back(row);
     values.push_back(number->value);

@@ -5,6 +5,8 @@
 #include <string_view>
 #include <variant>
 
+#include "tools/sweep/magnitude.h"
+
 namespace tools::results {
 
 /// A cell of the results: nothing, a number, or text. Whole numbers stay whole.
@@ -15,17 +17,8 @@ inline bool is_absent(const Value& value) { return std::holds_alternative<std::m
 /// The shortest decimals that read back exactly, the text, or "".
 std::string exact_text(const Value& value);
 
-/// A number with a unit, or without.
-struct Magnitude {
-  enum class Kind { kNumber, kFrequency, kBytes, kTime } kind = Kind::kNumber;
-  double value = 0;  ///< in base units: hertz, bytes, femtoseconds
-};
-
-/// Nothing for any other text.
-std::optional<Magnitude> magnitude_of(std::string_view text);
-
 /// Of a number, or of a text that is one; nothing for all else.
-std::optional<Magnitude> amount_of(const Value& value);
+std::optional<sweep::Magnitude> amount_of(const Value& value);
 
 /// Order of a column: numbers by their amount, then texts, then what is absent.
 bool is_before(const Value& a, const Value& b);
