@@ -98,6 +98,18 @@ TEST_F(Runs, ExplanationsComeWithTheLargestFirst) {
   EXPECT_EQ(c["ratios"][0]["name"].get<std::string>().substr(0, 7), "node L1");
 }
 
+TEST_F(Runs, RatesAreShares) {
+  bool has_row_hits = false;
+  for (const Json& ratio : compared("base", "samples")["ratios"]) {
+    const std::string name = ratio["name"];
+    has_row_hits = has_row_hits || name == "DRAM row hit rate";
+    if (!name.ends_with("rate")) continue;
+    EXPECT_GE(ratio["a"].get<double>(), 0) << name;
+    EXPECT_LE(ratio["a"].get<double>(), 1) << name;
+  }
+  EXPECT_TRUE(has_row_hits);
+}
+
 TEST_F(Runs, PlacesOfTimeAddUpToTheDifferenceInCycles) {
   const Json c = compared("base", "slow-l2");
   double sum = 0;

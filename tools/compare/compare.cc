@@ -37,12 +37,14 @@ constexpr std::array<std::pair<const char*, const char*>, 14> kFigures = {{
     {"traced_ratio", "totals.traced_ratio"},
 }};
 
-/// A quotient of counters: sum over the unit's kind.
+/// A quotient of counters: sums over the unit's kind.
 struct Ratio {
   const char* name;
   const char* unit;
   const char* part;
   const char* whole;
+  const char* more = nullptr;  ///< the whole is this and `whole`
+  bool rest = false;           ///< what is left of one
 };
 constexpr std::array<Ratio, 12> kRatios = {{
     {"node L1 hit rate", "core.tni.trv", "l1_hits", "l1_accesses"},
@@ -53,9 +55,9 @@ constexpr std::array<Ratio, 12> kRatios = {{
     {"data cache cycles a miss", "core.srp", "cache_miss_cycles", "cache_fills"},
     {"L2 hit rate", "l2.bank", "hits", "reads"},
     {"L2 cycles a read", "l2.bank", "latency", "reads"},
-    {"DRAM row hit rate", "dram.channel", "row_hits", "reads"},
+    {"DRAM row hit rate", "dram.channel", "row_hits", "reads", "writes"},
     {"DRAM clocks a read", "dram.channel", "read_latency", "reads"},
-    {"IST early exits", "core.tni.ist", "edge_tests", "tests"},
+    {"IST early exit rate", "core.tni.ist", "edge_tests", "tests", nullptr, true},
     {"node visits a ray", "core.tni.trv", "visits", "rays_in"},
 }};
 
@@ -190,8 +192,10 @@ std::vector<Pair> ratios(const ReportFile& a, const ReportFile& b) {
   for (const Ratio& ratio : kRatios) {
     const auto of = [&](const ReportFile& report) {
       const std::string counters = fmt::format("units.{}.counters.", ratio.unit);
-      const double whole = report.number(counters + ratio.whole);
-      return whole == 0 ? 0 : report.number(counters + ratio.part) / whole;
+      double whole = report.number(counters + ratio.whole);
+      if (ratio.more != nullptr) whole += report.number(counters + ratio.more);
+      const double share = whole == 0 ? 0 : report.number(counters + ratio.part) / whole;
+      return ratio.rest && whole != 0 ? 1 - share : share;
     };
     const Pair pair{ratio.name, of(a), of(b)};
     if (differ(pair)) out.push_back(pair);

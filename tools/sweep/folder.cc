@@ -32,10 +32,18 @@ bool is_sweep(const fs::path& path) {
   return fs::is_regular_file(path / "sweep.json", failed);
 }
 
-void check_free(const fs::path& path) {
+constexpr std::array<std::string_view, 2> kOf = {"sweep", "search"};
+
+void check_free(const fs::path& path, std::string_view of) {
   const std::string shown = sim::printable(path.string());
   std::error_code failed;
-  if (!fs::exists(path, failed) || is_sweep(path)) return;
+  if (!fs::exists(path, failed)) return;
+  if (is_sweep(path)) {
+    const Json json = Json::parse(sim::read_file(path / "sweep.json", kMostBytes), nullptr, false);
+    if (!json.is_object() || !json.contains("of") || json["of"] == of) return;
+    throw sim::InputError(
+        fmt::format("{}: holds a {}, not a {}; choose another folder", shown, sim::printable(json["of"].dump()), of));
+  }
   if (!fs::is_directory(path, failed)) throw sim::InputError(shown + ": is a file, not a folder");
   for (const fs::directory_entry& entry : fs::directory_iterator(path)) {
     if (std::ranges::find(kBeginnings, entry.path().filename().string()) == kBeginnings.end()) {
@@ -61,9 +69,10 @@ SweepFolder SweepFolder::open(const fs::path& path) {
   return folder;
 }
 
-SweepFolder SweepFolder::create(const fs::path& path, const std::string& spec, const std::vector<Point>& points,
+SweepFolder SweepFolder::create(const fs::path& path, Of of, const std::string& spec, const std::vector<Point>& points,
                                 const fs::path& store, const std::vector<std::string>& slurm) {
-  check_free(path);
+  const std::string_view what = kOf[static_cast<std::size_t>(of)];
+  check_free(path, what);
   SweepFolder folder(fs::absolute(path).lexically_normal());
   folder.store_ = fs::absolute(store).lexically_normal();
   folder.slurm_ = slurm;
@@ -74,9 +83,11 @@ SweepFolder SweepFolder::create(const fs::path& path, const std::string& spec, c
     if (fs::exists(file, failed) && sim::read_file(file, kMostBytes) == text) return;
     sim::write_file_atomically(file, text);
   };
-  replace("sweep.json",
-          sim::json_text(
-              {{"schema", kSchema}, {"store", folder.store_.string()}, {"points", points.size()}, {"slurm", slurm}}));
+  replace("sweep.json", sim::json_text({{"schema", kSchema},
+                                        {"of", what},
+                                        {"store", folder.store_.string()},
+                                        {"points", points.size()},
+                                        {"slurm", slurm}}));
   replace("sweep.yaml", spec);
   std::string lines;
   for (const Point& point : points) lines += to_line(point) + "\n";

@@ -23,9 +23,11 @@ class SweepFolder {
  public:
   /// InputError if there is no sweep.
   static SweepFolder open(const std::filesystem::path& path);
-  /// Writes a sweep into a new or empty folder, or in place of the sweep there. InputError for a folder of other
-  /// things.
-  static SweepFolder create(const std::filesystem::path& path, const std::string& spec,
+  /// Whose points they are.
+  enum class Of : std::uint8_t { kSweep, kSearch };
+  /// Writes a sweep or a search into a new or empty folder, or in place of the former there. InputError for a folder of
+  /// other things.
+  static SweepFolder create(const std::filesystem::path& path, Of of, const std::string& spec,
                             const std::vector<Point>& points, const std::filesystem::path& store,
                             const std::vector<std::string>& slurm);
 

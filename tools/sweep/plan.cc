@@ -38,14 +38,9 @@ void set_work(Point& point, const std::string& key, const std::string& value, co
   if (key == "program") point.program = value;
 }
 
-/// What a run would say of this value alone.
-void check_value(RunConfig base, const std::string& key, const std::string& value) {
-  if (key == "program") kernels::parse_program(value);
-  if (key == "resolution" && !value.empty()) parse_resolution(value);
-  if (key == "frames" && !value.empty()) parse_frames(value);
-  if (is_work_key(key)) return;
+/// What a run would say of "key=value" alone.
+void check_setting(RunConfig base, const std::string& argument) {
   sim::ConfigNode tree = sim::config_tree(base);
-  const std::string argument = fmt::format("{}={}", key, value);
   try {
     sim::ConfigLoader(tree).apply_set(argument);
   } catch (const sim::InputError& error) {
@@ -56,7 +51,20 @@ void check_value(RunConfig base, const std::string& key, const std::string& valu
   }
 }
 
+/// What a run would say of this value alone.
+void check_value(const RunConfig& base, const std::string& key, const std::string& value) {
+  if (key == "program") kernels::parse_program(value);
+  if (key == "resolution" && !value.empty()) parse_resolution(value);
+  if (key == "frames" && !value.empty()) parse_frames(value);
+  if (!is_work_key(key)) check_setting(base, fmt::format("{}={}", key, value));
+}
+
 void check_values(const Spec& spec, const RunConfig& base) {
+  try {
+    for (const std::string& set : spec.sets) check_setting(base, set);
+  } catch (const sim::InputError& error) {
+    throw sim::InputError(fmt::format("sets: {}", error.what()));
+  }
   for (const Axis& axis : spec.axes) {
     for (const Axis::Value& value : axis.values) {
       for (std::size_t k = 0; k < axis.keys.size(); ++k) {

@@ -5,8 +5,10 @@
 
 #include <fmt/format.h>
 
+#include "sim/error.h"
 #include "sim/io/file.h"
 #include "sim/io/printable.h"
+#include "tools/options.h"
 #include "tools/sweep/axes.h"
 #include "tools/sweep/conditions.h"
 #include "tools/sweep/yaml_value.h"
@@ -46,6 +48,16 @@ Subset read_subset(const YamlValue& value) {
   return subset;
 }
 
+/// A text that can be parsed.
+std::string checked(const YamlValue& value, auto&& parse) {
+  try {
+    parse(value.text());
+  } catch (const sim::InputError& error) {
+    value.refuse(error.what());
+  }
+  return value.text();
+}
+
 }  // namespace
 
 bool is_work_key(const std::string& key) {
@@ -83,9 +95,9 @@ Spec read_spec(const YamlValue& root, std::string_view schema, std::span<const s
     } else if (key == "camera") {
       spec.camera = entry.text();
     } else if (key == "frames") {
-      spec.frames = entry.text();
+      spec.frames = checked(entry, parse_frames);
     } else if (key == "resolution") {
-      spec.resolution = entry.text();
+      spec.resolution = checked(entry, parse_resolution);
     } else if (key == "program") {
       spec.program = entry.text();
     } else if (key == "reference") {

@@ -80,7 +80,7 @@ int run(const Options& options) {
     for (const Point& point : points) ids.insert(point.id);
     std::ranges::copy_if(others, std::back_inserter(points), [&](const Point& p) { return ids.insert(p.id).second; });
     for (std::size_t n = 0; n < points.size(); ++n) points[n].n = n;
-    return SweepFolder::create(out, text, points, store_root, task.space.slurm);
+    return SweepFolder::create(out, SweepFolder::Of::kSearch, text, points, store_root, task.space.slurm);
   };
   const SweepFolder folder = write_points({}, former);
   const std::optional<sweep::Lock> lock = folder.lock();

@@ -148,7 +148,8 @@ int run(const RunOptions& options) {
     return kGood;
   }
   const HoldInterrupts hold;
-  const SweepFolder folder = SweepFolder::create(out, planned.text, planned.points, store_root, planned.slurm);
+  const SweepFolder folder =
+      SweepFolder::create(out, SweepFolder::Of::kSweep, planned.text, planned.points, store_root, planned.slurm);
   const std::optional<sweep::Lock> lock = folder.lock();
   if (!lock) throw sim::InputError(fmt::format("{}: somebody is running this sweep", sim::printable(out.string())));
   const Store store = folder.store();

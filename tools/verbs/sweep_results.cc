@@ -29,9 +29,10 @@ std::size_t terminal_width() {
   return ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col != 0 ? size.ws_col : 80;
 }
 
-/// Has `ask` read the results of a sweep. A file that turns out to be damaged is the user's input.
+/// Has `ask` read the results of a sweep, as they are now. A file that turns out to be damaged is the user's input.
 template <class Ask>
 void with_results(const fs::path& sweep, Ask&& ask) {
+  results::collect(sweep::SweepFolder::open(sweep));
   try {
     const results::Results read(sweep);
     fmt::print("{}", ask(read));
