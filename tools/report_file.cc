@@ -4,6 +4,7 @@
 
 #include "sim/error.h"
 #include "sim/io/file.h"
+#include "sim/io/json.h"
 #include "sim/io/printable.h"
 #include "tools/report_paths.h"
 
@@ -49,7 +50,7 @@ ReportFile load_report(const std::filesystem::path& file_or_folder) {
                     report.file.string(), why));
   };
   try {
-    report.json = Json::parse(bytes);
+    report.json = sim::parse_json<Json>(bytes);
   } catch (const Json::exception& error) {
     throw refuse(fmt::format("is not JSON: {}", error.what()));
   }

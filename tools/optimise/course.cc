@@ -7,6 +7,7 @@
 
 #include "shader_kernels/programs/program_spec.h"
 #include "sim/error.h"
+#include "sim/io/json.h"
 #include "sim/io/printable.h"
 #include "tools/report_paths.h"
 #include "tools/sweep/magnitude.h"
@@ -92,7 +93,7 @@ void Course::find_figures(const std::vector<std::string>& paths) {
 void Course::read_figures(Trial& trial, const sweep::Store& store) {
   const std::optional<std::string> report = store.report(trial.point.id);
   if (!report) throw sim::IoError(fmt::format("{}: the result is gone", store.folder(trial.point.id).string()));
-  const std::vector<ReportNumber> numbers = report_numbers(nlohmann::ordered_json::parse(*report));
+  const std::vector<ReportNumber> numbers = report_numbers(sim::parse_json<nlohmann::ordered_json>(*report));
   if (!has_paths_) {
     std::vector<std::string> paths;
     for (const ReportNumber& number : numbers) paths.push_back(number.path);
@@ -151,6 +152,7 @@ bool Course::compute(const std::vector<Choice>& choices, bool looks, sweep::Laun
     const sweep::BatchEnd end = launcher.run(points, hooks.watch);
     if (end.interrupted) return false;
     computed_ += end.count(Fate::kComputed);
+    found_ += end.count(Fate::kFound);
     for (std::size_t p = 0; p < points.size(); ++p) {
       Trial& trial = fresh[owners[p]];
       if (end.fates[p] == Fate::kComputed || end.fates[p] == Fate::kFound) {

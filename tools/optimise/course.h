@@ -54,6 +54,7 @@ class Course {
   const std::vector<Goal>& goals() const { return task_.goals; }  ///< their figures in full, once there is a report
   std::uint64_t simulated() const { return simulated_; }          ///< without first looks
   std::uint64_t computed() const { return computed_; }            ///< of all, those that were not in the store
+  std::uint64_t found() const { return found_; }                  ///< of all, those that were
 
  private:
   /// Has points computed and tells the search; false if interrupted.
@@ -69,7 +70,7 @@ class Course {
   std::vector<Trial> trials_;
   std::map<std::string, std::size_t> by_id_;
   std::map<Choice, bool> looked_;
-  std::uint64_t simulated_ = 0, computed_ = 0;
+  std::uint64_t simulated_ = 0, computed_ = 0, found_ = 0;
   std::uint32_t batches_ = 0;
   bool has_paths_ = false;
 };

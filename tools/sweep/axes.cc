@@ -79,10 +79,16 @@ class Range {
     const double from = numbers_["from"].value, to = numbers_["to"].value;
     std::vector<std::string> all;
     const auto add = [&](double number) {
-      // Six digits: as many as people write, and rounded alike on all hosts.
-      const double shown = whole ? std::round(number) : number;
-      const std::string text = fmt::format("{:.6g}{}", shown, numbers_["from"].unit);
-      if (all.empty() || all.back() != text) all.push_back(text);
+      // Fewer digits than the host has: rounded alike on all.
+      const std::string shown = whole  ? fmt::format("{:.0f}", number)
+                                : log_ ? fmt::format("{:.6g}", number)
+                                       : fmt::format("{:.12g}", number);
+      const std::string text = shown + numbers_["from"].unit;
+      if (!all.empty() && all.back() == text) {
+        if (!whole) value_.refuse(fmt::format("has '{}' twice: its values are too close to each other", text));
+        return;
+      }
+      all.push_back(text);
       if (all.size() > kMostValues) value_.refuse(fmt::format("has more than {} values", kMostValues));
     };
     const double slack = 1 + 1e-9;
@@ -90,6 +96,7 @@ class Range {
       const double step = numbers_["step"].value;
       if (step == 0 || (to - from) / step < 0) value_.refuse("the step does not lead from 'from' to 'to'");
       const double steps = std::floor((to - from) / step * slack);
+      if (steps >= kMostValues) value_.refuse(fmt::format("has more than {} values", kMostValues));
       for (double k = 0; k <= steps; ++k) add(from + k * step);
     } else if (numbers_.contains("factor")) {
       const double factor = numbers_["factor"].value;
@@ -149,6 +156,14 @@ void check_values(const YamlValue& value, const Axis& axis) {
   std::ranges::sort(labels);
   const auto twice = std::ranges::adjacent_find(labels);
   if (twice != labels.end()) value.refuse(fmt::format("has '{}' twice", sim::printable(*twice)));
+}
+
+/// A name that tables of results have for something else.
+bool is_column(const std::string& name) {
+  constexpr std::array<std::string_view, 4> kOwn = {"n", "id", "status", "error"};
+  constexpr std::array<std::string_view, 4> kOfReports = {"totals.", "units.", "frames[", "config."};
+  return std::ranges::find(kOwn, name) != kOwn.end() ||
+         std::ranges::any_of(kOfReports, [&](std::string_view group) { return name.starts_with(group); });
 }
 
 }  // namespace
@@ -221,6 +236,7 @@ void check_axes(std::span<const Axis> axes) {
     settings += axis.values.size() * axis.keys.size();
     if (settings > kMostSettings) sim::refuse(axis.at, "axes", fmt::format("have more than {} values", kMostSettings));
     if (!names.emplace(axis.name, axis.name).second) sim::refuse(axis.at, axis.name, "is the name of two axes");
+    if (is_column(axis.name)) sim::refuse(axis.at, axis.name, "is the name of a column of results; choose another");
     for (const std::string& key : axis.keys) {
       const auto [owner, is_new] = owners.emplace(key, axis.name);
       if (!is_new) {

@@ -80,6 +80,14 @@ Failure failure_of(const Point& point, int exit, const std::string& error, const
   return {point.id, exit, error, log, host_name(), attempt};
 }
 
+/// Nothing is wrong with the point: it must not be kept as one that fails.
+[[noreturn]] void refuse_changed(const Point& point) {
+  throw sim::IoError(
+      fmt::format("point {}: what it is made of has changed since the sweep was planned; the same command "
+                  "plans anew",
+                  point.n));
+}
+
 void write_results(const fs::path& folder, const nlohmann::ordered_json& report, const RunConfig& config) {
   write_durably(folder / "report.json", sim::json_text(report));
   write_durably(folder / "config.yaml", sim::dump_config(config));
@@ -115,9 +123,7 @@ Fate PointComputer::compute(const Point& point, const Order& order) {
     if (!point.error.empty()) throw sim::InputError(point.error);
     const RunConfig config = keys_.config_of(point);
     const PointKeys::Key key = keys_.key_of(point, config);
-    if (key.id != point.id) {
-      throw sim::InputError("what it is made of has changed since the sweep was planned; run the sweep again");
-    }
+    if (key.id != point.id) refuse_changed(point);
     compute_now(point, key, config, order.record);
     store_.forget_failure(point.id);
     return Fate::kComputed;
@@ -154,6 +160,11 @@ void PointComputer::compute_now(const Point& point, const PointKeys::Key& key, c
   const JobOptions options = point.options();
   store_.put(point.id, key.made_of, [&](const fs::path& folder) {
     Inputs& inputs = inputs_for(config);
+    const std::string planned = key.made_of.at("scene_sha256");
+    if (planned != kBuiltIn && planned != inputs.scene_sha256) {
+      inputs_key_.clear();
+      refuse_changed(point);
+    }
     std::optional<Recording> recording;
     if (record && !key.stream.empty()) recording = begin_recording(key.stream, inputs, options);
     Frames frames{point, inputs, threads_, recording ? recording->trace.get() : nullptr,

@@ -10,6 +10,7 @@
 
 #include "sim/error.h"
 #include "sim/io/file.h"
+#include "sim/io/json.h"
 #include "sim/io/printable.h"
 #include "sim/report/report_json.h"
 #include "tools/sweep/durable.h"
@@ -59,7 +60,7 @@ SweepFolder SweepFolder::open(const fs::path& path) {
   if (!is_sweep(path)) throw sim::InputError(shown + ": holds no sweep; begin one with raywatt sweep run FILE -o DIR");
   SweepFolder folder(fs::absolute(path).lexically_normal());
   try {
-    const Json json = Json::parse(sim::read_file(path / "sweep.json", kMostBytes));
+    const Json json = sim::parse_json<Json>(sim::read_file(path / "sweep.json", kMostBytes));
     if (json.at("schema") != kSchema) throw sim::InputError(shown + ": is a sweep of another version");
     folder.store_ = json.at("store").get<std::string>();
     folder.slurm_ = json.at("slurm").get<std::vector<std::string>>();
@@ -69,10 +70,15 @@ SweepFolder SweepFolder::open(const fs::path& path) {
   return folder;
 }
 
+std::optional<Lock> SweepFolder::claim(const fs::path& path, Of of) {
+  check_free(path, kOf[static_cast<std::size_t>(of)]);
+  make_folders(path);
+  return Lock::attempt(path / "lock", fmt::format("{} {}\n", host_name(), ::getpid()));
+}
+
 SweepFolder SweepFolder::create(const fs::path& path, Of of, const std::string& spec, const std::vector<Point>& points,
                                 const fs::path& store, const std::vector<std::string>& slurm) {
   const std::string_view what = kOf[static_cast<std::size_t>(of)];
-  check_free(path, what);
   SweepFolder folder(fs::absolute(path).lexically_normal());
   folder.store_ = fs::absolute(store).lexically_normal();
   folder.slurm_ = slurm;
@@ -107,10 +113,6 @@ std::vector<Point> SweepFolder::points() const {
     }
   }
   return points;
-}
-
-std::optional<Lock> SweepFolder::lock() const {
-  return Lock::attempt(path_ / "lock", fmt::format("{} {}\n", host_name(), ::getpid()));
 }
 
 std::optional<SweepFolder::Runner> SweepFolder::runner() const {

@@ -25,8 +25,10 @@ class SweepFolder {
   static SweepFolder open(const std::filesystem::path& path);
   /// Whose points they are.
   enum class Of : std::uint8_t { kSweep, kSearch };
-  /// Writes a sweep or a search into a new or empty folder, or in place of the former there. InputError for a folder of
-  /// other things.
+  /// Makes the folder, if it is not there, and holds it as long as somebody works in it; nothing if somebody else does.
+  /// InputError for a folder of other things than a sweep or a search.
+  static std::optional<Lock> claim(const std::filesystem::path& path, Of of);
+  /// Writes a sweep or a search into a folder that the caller has claimed, in place of the former there.
   static SweepFolder create(const std::filesystem::path& path, Of of, const std::string& spec,
                             const std::vector<Point>& points, const std::filesystem::path& store,
                             const std::vector<std::string>& slurm);
@@ -37,8 +39,6 @@ class SweepFolder {
   const std::vector<std::string>& slurm() const { return slurm_; }
   std::vector<Point> points() const;
 
-  /// Held while somebody runs the sweep; nothing if somebody does.
-  std::optional<Lock> lock() const;
   /// The process that runs it, if it is on this host.
   struct Runner {
     std::string host;

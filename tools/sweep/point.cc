@@ -10,6 +10,7 @@
 #include "shader_kernels/programs/program_spec.h"
 #include "sim/config/config.h"
 #include "sim/error.h"
+#include "sim/io/json.h"
 #include "sim/io/printable.h"
 #include "sim/sha256.h"
 #include "tools/build_info.h"
@@ -88,21 +89,29 @@ std::string to_line(const Point& point) {
   return text(json);
 }
 
+namespace {
+
+bool is_key(const std::string& text) {
+  return text.size() == 64 && text.find_first_not_of("0123456789abcdef") == std::string::npos;
+}
+
+}  // namespace
+
 Point read_line(const std::string& line, const std::string& where) {
   try {
-    const Json json = Json::parse(line);
+    const Json json = sim::parse_json<Json>(line);
     Point point;
     point.n = json.at("n").get<std::uint64_t>();
     point.id = json.at("id").get<std::string>();
-    if (point.id.size() != 64 || point.id.find_first_not_of("0123456789abcdef") != std::string::npos) {
-      throw sim::InputError(fmt::format("{}: the id is not 64 hexadecimal digits", where));
+    point.stream = json.value("stream", "");
+    if (!is_key(point.id) || !(point.stream.empty() || is_key(point.stream))) {
+      throw sim::InputError(fmt::format("{}: the id or the stream is not 64 hexadecimal digits", where));
     }
     for (const auto& [name, value] : json.at("axes").items()) point.axes.emplace_back(name, value.get<std::string>());
     point.config = json.at("config").get<std::string>();
     for (const Text& t : kTexts) point.*t.member = json.value(t.name, "");
     point.image = json.value("image", false);
     point.sets = json.at("sets").get<std::vector<std::string>>();
-    point.stream = json.value("stream", "");
     point.error = json.value("error", "");
     return point;
   } catch (const Json::exception& error) {
@@ -122,7 +131,7 @@ std::string PointKeys::scene_digest(const RunConfig& config) {
   const std::filesystem::path file = traces::scene_file(config.scene.name);
   if (file.empty()) {
     check_builtin(config.scene.name);
-    return "built-in";  // made of the model's sources and of keys
+    return std::string(kBuiltIn);  // made of the model's sources and of keys
   }
   auto digest = digests_.find(file.string());
   if (digest == digests_.end()) {

@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -11,6 +12,9 @@
 #include "tools/run_config.h"
 
 namespace tools::sweep {
+
+/// The digest of scenes that are no files.
+inline constexpr std::string_view kBuiltIn = "built-in";
 
 /// One simulation: what is computed, said as to `raywatt run`. A line of points.jsonl.
 struct Point {

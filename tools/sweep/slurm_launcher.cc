@@ -53,8 +53,10 @@ std::string without_patterns(const std::string& path) {
 
 void check_arguments(const std::vector<std::string>& arguments) {
   for (const std::string& argument : arguments) {
-    const bool is_ours = argument.starts_with("--array") || argument.starts_with("-a") ||
-                         argument.starts_with("--wrap") || argument.starts_with("--parsable");
+    // sbatch takes any beginning of a word that is clear.
+    const std::string_view word = std::string_view(argument).substr(0, argument.find('='));
+    const auto begins = [&](std::string_view option) { return word.size() >= 4 && option.starts_with(word); };
+    const bool is_ours = argument.starts_with("-a") || begins("--array") || begins("--wrap") || begins("--parsable");
     if (is_ours || !argument.starts_with('-')) {
       throw sim::InputError(
           fmt::format("argument '{}' for sbatch: allowed: options in one word, such as --time=1:00:00, "

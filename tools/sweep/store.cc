@@ -13,6 +13,7 @@
 
 #include "sim/error.h"
 #include "sim/io/file.h"
+#include "sim/io/json.h"
 #include "sim/io/printable.h"
 #include "sim/report/report_json.h"
 #include "sim/sha256.h"
@@ -51,7 +52,7 @@ auto if_sound(F&& read) -> decltype(read()) {
 
 /// Digests of a point's files, if point.json is sound.
 Json digests_of(const fs::path& folder, const std::string& id) {
-  const Json point = Json::parse(sim::read_file(folder / kPointFile, kMostBytes));
+  const Json point = sim::parse_json<Json>(sim::read_file(folder / kPointFile, kMostBytes));
   if (sim::sha256_hex(point.at("made_of").dump()) != id || !point.at("files").contains(kReportFile)) {
     throw sim::InputError("another point");
   }
@@ -95,7 +96,7 @@ std::optional<std::string> Store::report(const std::string& id) const {
 
 std::optional<Failure> Store::failure(const std::string& id) const {
   return if_sound([&]() -> std::optional<Failure> {
-    const Json json = Json::parse(sim::read_file(failure_file(id), kMostBytes));
+    const Json json = sim::parse_json<Json>(sim::read_file(failure_file(id), kMostBytes));
     return Failure{id,
                    json.at("exit").get<int>(),
                    json.at("error").get<std::string>(),

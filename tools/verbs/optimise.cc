@@ -50,13 +50,13 @@ std::uint64_t count(const Course& course, Trial::State state) {
 }
 
 std::string summary(const Course& course) {
-  const std::uint64_t looks = static_cast<std::uint64_t>(std::ranges::count(course.trials(), true, &Trial::is_look));
+  const auto looks = std::ranges::count_if(
+      course.trials(), [](const Trial& trial) { return trial.is_look && trial.state != Trial::State::kImpossible; });
   const std::uint64_t failed = count(course, Trial::State::kFailed),
                       impossible = count(course, Trial::State::kImpossible);
   std::string text = fmt::format("{} points simulated", course.simulated());
   if (looks != 0) text += fmt::format(" after {} first looks", looks);
-  text += fmt::format(": {} computed now, {} found in the store", course.computed(),
-                      course.simulated() + looks - course.computed() - failed);
+  text += fmt::format(": {} computed now, {} found in the store", course.computed(), course.found());
   if (failed != 0) text += fmt::format(", {} failed", failed);
   if (impossible != 0) text += fmt::format(", {} impossible", impossible);
   return text + "\n";
@@ -72,6 +72,8 @@ int run(const Options& options) {
   const fs::path store_root = !options.store.empty() ? options.store : sweep::Store::default_root();
   const std::string text = sim::read_file(options.file, 1 << 20);
   const HoldInterrupts hold;
+  const std::optional<sweep::Lock> lock = SweepFolder::claim(out, SweepFolder::Of::kSearch);
+  if (!lock) throw sim::InputError(fmt::format("{}: somebody is working in this folder", sim::printable(out.string())));
   // Tasks of an interrupted search that are still under way find their points here.
   std::vector<Point> former;
   if (fs::exists(out / "sweep.json")) former = SweepFolder::open(out).points();
@@ -83,8 +85,6 @@ int run(const Options& options) {
     return SweepFolder::create(out, SweepFolder::Of::kSearch, text, points, store_root, task.space.slurm);
   };
   const SweepFolder folder = write_points({}, former);
-  const std::optional<sweep::Lock> lock = folder.lock();
-  if (!lock) throw sim::InputError(fmt::format("{}: somebody is working in this folder", sim::printable(out.string())));
   const sweep::Store store = folder.store();
   store.clean();
   const std::unique_ptr<sweep::Launcher> launcher = make_launcher(options, folder);

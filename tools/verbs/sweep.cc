@@ -148,10 +148,10 @@ int run(const RunOptions& options) {
     return kGood;
   }
   const HoldInterrupts hold;
+  const std::optional<sweep::Lock> lock = SweepFolder::claim(out, SweepFolder::Of::kSweep);
+  if (!lock) throw sim::InputError(fmt::format("{}: somebody is running this sweep", sim::printable(out.string())));
   const SweepFolder folder =
       SweepFolder::create(out, SweepFolder::Of::kSweep, planned.text, planned.points, store_root, planned.slurm);
-  const std::optional<sweep::Lock> lock = folder.lock();
-  if (!lock) throw sim::InputError(fmt::format("{}: somebody is running this sweep", sim::printable(out.string())));
   const Store store = folder.store();
   store.clean();
   const std::unique_ptr<sweep::Launcher> launcher = make_launcher(options, folder);

@@ -98,8 +98,11 @@ TEST_F(SweepFaults, TwoRunsOfOneFolderAreRefused) {
   const fs::path file = write_sweep(folder, "program: full:256\naxes: {resolution: [256x256]}\n");
   Program first(sweep_run(folder, file));
   while (!fs::exists(out / "lock")) std::this_thread::sleep_for(milliseconds(2));
-  const Ending second = raywatt(sweep_run(folder, file));
+  while (!fs::exists(out / "points.jsonl")) std::this_thread::sleep_for(milliseconds(2));
+  const std::string points = read_bytes(out / "points.jsonl");
+  const Ending second = raywatt(sweep_run(folder, write_sweep(folder, kTwelve)));
   expect_refusal(second, {"somebody is running this sweep"});
+  EXPECT_EQ(read_bytes(out / "points.jsonl"), points);
 }
 
 TEST_F(SweepFaults, InterruptedItKeepsWhatIsFinished) {

@@ -104,9 +104,9 @@ TEST(ResultsTable, NothingOfAReportReachesTheTerminalAsItIs) {
   EXPECT_EQ(text.find('\x1b'), std::string::npos);
 }
 
-TEST(ResultsTable, AQuestionBeforeAnythingIsCollectedSaysWhatToDo) {
+TEST(ResultsTable, AFolderWithoutASweepIsRefused) {
   const MadeSweep sweep;
-  expect_refusal(raywatt({"sweep", "table", sweep.folder().string()}), {"raywatt sweep collect"});
+  expect_refusal(raywatt({"sweep", "table", sweep.folder().string()}), {"holds no sweep", "raywatt sweep run"});
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 
 #include "sim/error.h"
 #include "sim/io/file.h"
+#include "sim/io/json.h"
 #include "tools/report_paths.h"
 #include "tools/sweep/results/point_state.h"
 
@@ -46,7 +47,8 @@ bool occurs_in(std::string_view text, std::string_view path) {
 /// Numbers of the report of a point; none if it can no longer be read.
 std::vector<ReportNumber> numbers_of(const std::filesystem::path& folder) {
   try {
-    return report_numbers(nlohmann::ordered_json::parse(sim::read_file(folder / "report.json", kMostReportBytes)));
+    return report_numbers(
+        sim::parse_json<nlohmann::ordered_json>(sim::read_file(folder / "report.json", kMostReportBytes)));
   } catch (const std::exception&) {
     return {};
   }
