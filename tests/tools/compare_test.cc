@@ -99,8 +99,9 @@ TEST_F(Runs, ExplanationsComeWithTheLargestFirst) {
 }
 
 TEST_F(Runs, RatesAreShares) {
+  const Json c = compared("base", "samples");
   bool has_row_hits = false;
-  for (const Json& ratio : compared("base", "samples")["ratios"]) {
+  for (const Json& ratio : c["ratios"]) {
     const std::string name = ratio["name"];
     has_row_hits = has_row_hits || name == "DRAM row hit rate";
     if (!name.ends_with("rate")) continue;
