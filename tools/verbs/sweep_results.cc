@@ -29,15 +29,26 @@ std::size_t terminal_width() {
   return ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col != 0 ? size.ws_col : 80;
 }
 
-/// Has `ask` read the results of a sweep, as they are now. A file that turns out to be damaged is the user's input.
+/// Has the index say what there is now. Where it cannot be written (another user's folder, a full disk) an older one is
+/// good enough.
+void collect_if_possible(const fs::path& sweep) {
+  try {
+    results::collect(sweep::SweepFolder::open(sweep));
+  } catch (const sim::IoError& error) {
+    if (!fs::exists(sweep / "index.sqlite")) throw;
+    fmt::print(stderr, "raywatt: warning: {}; what follows is what was last collected\n", error.what());
+  }
+}
+
+/// Has `ask` read the results of a sweep. A file that turns out to be damaged is the user's input.
 template <class Ask>
 void with_results(const fs::path& sweep, Ask&& ask) {
-  results::collect(sweep::SweepFolder::open(sweep));
+  collect_if_possible(sweep);
   try {
     const results::Results read(sweep);
     fmt::print("{}", ask(read));
   } catch (const results::SqliteError& error) {
-    throw sim::InputError(fmt::format("{}: is damaged ({}); 'raywatt sweep collect' makes it anew",
+    throw sim::InputError(fmt::format("{}: is damaged ({}); remove it, and it is made anew",
                                       (sweep / "index.sqlite").string(), error.what()));
   }
 }
