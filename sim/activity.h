@@ -17,7 +17,7 @@ class Activity {
   /// The cycle at `now` went to `now_why`; every cycle until the next call goes to `then_why`.
   void spend(Time now, Time period, Why now_why, Why then_why) {
     assert(now >= accounted_);
-    spent_[index(then_)] += now - accounted_;
+    if (now != accounted_) spent_[index(then_)] += now - accounted_;
     spent_[index(now_why)] += period;
     accounted_ = now + period;
     then_ = then_why;

@@ -55,6 +55,12 @@ class Link {
     if (size_ != 0) *holding_ |= bit_;
   }
 
+  /// Keeps pop_at() there, beside what else its consumer looks at.
+  void shows(Time* pop_at) {
+    *pop_at = *pop_at_;
+    pop_at_ = pop_at;
+  }
+
   /// Counts itself there while there is room for one item at most (sim/islands.h).
   void count_if_nearly_full(std::uint32_t* count) {
     assert(size_ == 0);
@@ -67,7 +73,7 @@ class Link {
   /// When the producer may push next as far as is known now; kNever while the slot waits for a pop.
   Time push_at() const { return push_at_; }
   /// When the consumer may pop next as far as is known now; kNever while there is nothing.
-  Time pop_at() const { return pop_at_; }
+  Time pop_at() const { return *pop_at_; }
   bool can_push(Time now) const { return push_at() <= now; }
   bool can_pop(Time now) const { return pop_at() <= now; }
 
@@ -78,7 +84,7 @@ class Link {
     slot.item = std::move(item);
     slot.stamp = stamp;
     if (size_ == 0) {
-      pop_at_ = stamp;
+      *pop_at_ = stamp;
       *holding_ |= bit_;
       consumer_.lower(stamp);
     }
@@ -103,10 +109,10 @@ class Link {
     size_ -= 1;
     head_ = after(head_);
     if (size_ == 0) {
-      pop_at_ = kNever;
+      *pop_at_ = kNever;
       *holding_ &= ~bit_;
     } else {
-      pop_at_ = slots_[head_].stamp;
+      *pop_at_ = slots_[head_].stamp;
     }
     return std::move(slot.item);
   }
@@ -124,7 +130,8 @@ class Link {
   std::uint32_t after(std::uint32_t i) const { return i + 1 == capacity_ ? 0 : i + 1; }
 
   // The stamps at both ends, kept apart because units look at them far more often than they push or pop.
-  Time pop_at_ = kNever;
+  Time own_pop_at_ = kNever;
+  Time* pop_at_ = &own_pop_at_;
   Time push_at_ = 0;
   std::vector<Slot> slots_;
   const std::uint32_t capacity_;

@@ -39,6 +39,7 @@ class CacheTags {
         bank_shift_(static_cast<std::uint32_t>(std::countr_zero(banks))),
         ways_(config.ways),
         stride_((config.ways + kLanes - 1) / kLanes * kLanes),
+        words_(2 * stride_),
         replacement_(config.replacement),
         set_mask_(config.sets() / banks - 1),
         sets_(config.sets() / banks * 2 * stride_, 0),
@@ -52,7 +53,13 @@ class CacheTags {
   std::size_t places() const { return sets_.size() / 2; }
 
   /// Is the line here? If so it counts as used now.
-  bool probe(Addr line) { return look_up(line) != kNowhere; }
+  bool probe(Addr line) {
+    const std::size_t set = set_of(line);
+    const std::uint32_t way = find(set, tag_of(line));
+    if (way == kNoWay) return false;
+    use(set, way);
+    return true;
+  }
 
   /// The same, and says where; kNowhere if it is not here.
   std::size_t look_up(Addr line) {
@@ -100,26 +107,32 @@ class CacheTags {
     return static_cast<std::size_t>((line >> (line_shift_ + bank_shift_)) & set_mask_);
   }
   std::size_t place_of(std::size_t set, std::uint32_t way) const { return set * stride_ + way; }
-  std::uint32_t* tags(std::size_t set) { return &sets_[set * 2 * stride_]; }
-  const std::uint32_t* tags(std::size_t set) const { return &sets_[set * 2 * stride_]; }
+  std::uint32_t* tags(std::size_t set) { return &sets_[set * words_]; }
+  const std::uint32_t* tags(std::size_t set) const { return &sets_[set * words_]; }
   std::uint32_t* used(std::size_t set) { return tags(set) + stride_; }
   const std::uint32_t* used(std::size_t set) const { return tags(set) + stride_; }
 
   /// The way that holds `tag`, or kNoWay.
   std::uint32_t find(std::size_t set, std::uint32_t tag) const {
     const std::uint32_t* here = tags(set);
-    for (std::uint32_t way = 0; way < stride_; way += kLanes) {
-#if defined(__SSE4_1__)
-      const __m128i four = _mm_loadu_si128(reinterpret_cast<const __m128i*>(here + way));
-      const __m128i equal = _mm_cmpeq_epi32(four, _mm_set1_epi32(static_cast<std::int32_t>(tag)));
-      const auto mask = static_cast<std::uint32_t>(_mm_movemask_ps(_mm_castsi128_ps(equal)));
-#else
-      std::uint32_t mask = 0;
-      for (std::uint32_t lane = 0; lane < kLanes; ++lane) mask |= std::uint32_t{here[way + lane] == tag} << lane;
-#endif
+    for (std::uint32_t way = 0;;) {
+      const std::uint32_t mask = equal(here + way, tag);
       if (mask != 0) return way + static_cast<std::uint32_t>(std::countr_zero(mask));
+      way += kLanes;
+      if (way >= stride_) return kNoWay;
     }
-    return kNoWay;
+  }
+  /// A bit for each of four tags that is that one.
+  static std::uint32_t equal(const std::uint32_t* four, std::uint32_t tag) {
+#if defined(__SSE4_1__)
+    const __m128i all = _mm_loadu_si128(reinterpret_cast<const __m128i*>(four));
+    const __m128i same = _mm_cmpeq_epi32(all, _mm_set1_epi32(static_cast<std::int32_t>(tag)));
+    return static_cast<std::uint32_t>(_mm_movemask_ps(_mm_castsi128_ps(same)));
+#else
+    std::uint32_t mask = 0;
+    for (std::uint32_t lane = 0; lane < kLanes; ++lane) mask |= std::uint32_t{four[lane] == tag} << lane;
+    return mask;
+#endif
   }
 
   void use(std::size_t set, std::uint32_t way) {
@@ -154,6 +167,7 @@ class CacheTags {
   std::uint32_t line_shift_;
   std::uint32_t bank_shift_;
   std::uint32_t ways_, stride_;  ///< a set's ways, and its places: ways are compared four at once
+  std::size_t words_;            ///< of a set in `sets_`
   Replacement replacement_;
   Addr set_mask_;
   std::vector<std::uint32_t> sets_;   ///< of each set its tags, then when each was last used, side by side for the host

@@ -43,6 +43,10 @@ class L1Cache {
     return Result::kMiss;
   }
 
+  /// access() to a line that is here, of a cache that is not perfect. False, and nothing done, if it is not here.
+  bool hit(Addr line) { return tags_.probe(line); }
+  bool perfect() const { return perfect_; }
+
   /// Asks for a line that nobody needs yet, if it is neither here nor on its way. Needs a free miss register.
   bool prefetch(Addr line, std::uint64_t cycle) {
     if (holds(line) || on_its_way(line) != nullptr) return false;
@@ -72,7 +76,8 @@ class L1Cache {
 
   /// Sends the oldest request that has not left yet, if there is one and the link has room.
   void send(sim::Time now, sim::Link<MemRequest>& out) {
-    if (unsent_.empty() || !out.can_push(now)) [[likely]] return;
+    if (unsent_.empty() || !out.can_push(now)) [[likely]]
+      return;
     out.push(now, MemRequest{unsent_.front(), source_, 0, false});
     unsent_.erase(unsent_.begin());
   }

@@ -80,7 +80,8 @@ class FetchStage {
   /// Does a slot stand in the fetch stage, or go on from where it stood, before all others?
   bool stands() const { return handling_ >= MissHandling::kRau && (stalled_ || (ready_ & (served_ | resumed_)) != 0); }
   bool bypasses() const { return handling_ == MissHandling::kBypass; }
-  bool reorders() const { return handling_ == MissHandling::kReorder; }
+  /// Misses are reordered, and there are some.
+  bool reorders() const { return handling_ == MissHandling::kReorder && !l1_.perfect(); }
   /// What slots wait for, the scarcest thing first.
   Wait waits_for() const {
     if (table_full_ != 0) return Wait::kTable;
@@ -89,18 +90,14 @@ class FetchStage {
   }
 
   /// One of able() tries to read the line. If it cannot, it wants to again by itself, except under `bypass`.
-  /// `kReorder`: the caller knows that misses are reordered.
-  template <bool kReorder = false>
   Result read(std::uint32_t slot, Addr line, std::uint64_t cycle) {
     const std::uint64_t bit = std::uint64_t{1} << slot;
     ready_ &= ~bit;
-    if constexpr (!kReorder) {
-      if (handling_ != MissHandling::kReorder) forget(bit);
-    }
+    if (handling_ != MissHandling::kReorder) forget(bit);
     if ((served_ & bit) != 0) {
       served_ &= ~bit;
       note_read(bit);
-      if (!kReorder && handling_ == MissHandling::kRau) {
+      if (handling_ == MissHandling::kRau) {
         leave_table(bit);
         return Result::kRead;
       }
@@ -109,7 +106,7 @@ class FetchStage {
       return Result::kRead;
     }
     stats_.l1_accesses += 1;
-    if (!kReorder && handling_ == MissHandling::kRau && !room_in_table(line)) {
+    if (handling_ == MissHandling::kRau && !room_in_table(line)) {
       late_ |= bit;
       stats_.l1_misses += 1;
       stats_.rau_full += 1;
@@ -126,7 +123,7 @@ class FetchStage {
         late_ |= bit;
         stats_.l1_misses += 1;
         missing_ |= bit;
-        if (!kReorder && handling_ >= MissHandling::kRau) missed(line, bit);
+        if (handling_ >= MissHandling::kRau) missed(line, bit);
         return Result::kMiss;
       case L1Cache::Result::kFull:
         break;
@@ -135,8 +132,19 @@ class FetchStage {
     stats_.l1_misses += 1;
     stats_.mshr_full += 1;
     no_register_ |= bit;
-    stalled_ = !kReorder && handling_ >= MissHandling::kRau;
+    stalled_ = handling_ >= MissHandling::kRau;
     return Result::kNoRegister;
+  }
+
+  /// read() where reorders(): what is mostly so takes the least.
+  Result read_reordered(std::uint32_t slot, Addr line, std::uint64_t cycle) {
+    const std::uint64_t bit = std::uint64_t{1} << slot;
+    if (((served_ | late_) & bit) != 0 || !l1_.hit(line)) [[unlikely]]
+      return read(slot, line, cycle);
+    ready_ &= ~bit;
+    stats_.l1_accesses += 1;
+    stats_.l1_hits += 1;
+    return Result::kRead;
   }
 
   /// A line has come.

@@ -33,33 +33,12 @@ Ist::Ist(const IstConfig& config, const TniMode& mode, const TrianglesInMemory& 
       fetch_(config.l1, mode, port, stats_),
       slots_(config.leaves),
       pipe_(clock, config.l1.hit_cycles + config.latency),
-      free_(config.leaves == 64 ? ~std::uint64_t{0} : bit(config.leaves) - 1) {}
-
-sim::Time Ist::tick(sim::Time now) {
-  const auto as_often_as_may_be = [&](auto&& step) {
-    while (step() && unbounded_) {
-    }
-  };
-  pipe_.advance(now);
-  if (pipe_.due()) {
-    const Wheel<kPipes>::Masks out = pipe_.take();
-    answering_ |= out[kToAnswer];
-    fetch_.enter(out[kToFetch]);
-  }
-  if (memory_in_.can_pop(now)) as_often_as_may_be([&] { return take_line(now); });
-  as_often_as_may_be([&] { return take_leaf(now); });
-  const bool tried = fetch_.able() != 0;
-  const Why tested = tried ? issue() : Why::kStarved;
-  if (answering_ != 0) as_often_as_may_be([&] { return answer(now); });
-  fetch_.send(now, memory_out_);
-  const sim::Time wake = next_wake(now);
-  const Why then = tried && wake == clock_.after(now, 1) ? tested : waiting();
-  activity_.spend(now, clock_.period(), tried ? tested : then, then);
-  return wake;
+      free_(config.leaves == 64 ? ~std::uint64_t{0} : bit(config.leaves) - 1) {
+  memory_in_.shows(&line_at_);
 }
 
 bool Ist::take_line(sim::Time now) {
-  if (!memory_in_.can_pop(now)) return false;
+  if (line_at_ > now) return false;
   fetch_.fill(memory_in_.pop(now).line, pipe_.cycle());
   return true;
 }
@@ -81,22 +60,25 @@ bool Ist::take_leaf(sim::Time now) {
   return true;
 }
 
+template <bool kReorder>
 Ist::Why Ist::issue() {
-  Why why = issue_one();
+  Why why = issue_one<kReorder>();
   while (unbounded_ && fetch_.able() != 0) {
-    if (issue_one() == Why::kTesting) why = Why::kTesting;
+    if (issue_one<kReorder>() == Why::kTesting) why = Why::kTesting;
   }
   return why;
 }
 
-Ist::Why Ist::issue_one() {
-  const std::uint32_t index = pick(fetch_.able(), turn_);
+template <bool kReorder>
+[[gnu::always_inline]] inline Ist::Why Ist::issue_one() {
+  const std::uint32_t index = pick(kReorder ? fetch_.ready() : fetch_.able(), turn_);
   turn_ = (index + 1) % 64;
   Slot& slot = slots_[index];
   const Addr begin = triangles_.base + Addr{slot.job.first + slot.tested} * triangles_.bytes;
   const Addr last_line = line_of(begin + triangles_.bytes - 1);
   const Addr line = slot.second_line ? last_line : line_of(begin);
-  const FetchStage::Result result = fetch_.read(index, line, pipe_.cycle());
+  const FetchStage::Result result =
+      kReorder ? fetch_.read_reordered(index, line, pipe_.cycle()) : fetch_.read(index, line, pipe_.cycle());
   if (result == FetchStage::Result::kRead) {
     read(slot, index, line == last_line);
     return Why::kTesting;
@@ -168,9 +150,36 @@ sim::Time Ist::next_wake(sim::Time now) const {
   if ((fetch_.able() | answering_) != 0) return next;
   sim::Time at = pipe_.next();
   if (free_ != 0) at = std::min(at, std::max(next, leaves_in_.pop_at()));
-  at = std::min(at, std::max(next, memory_in_.pop_at()));
+  at = std::min(at, std::max(next, line_at_));
   return std::min(at, fetch_.send_at(next, memory_out_));
 }
+
+template <bool kReorder>
+sim::Time Ist::tick_as(sim::Time now) {
+  const auto as_often_as_may_be = [&](auto&& step) {
+    while (step() && unbounded_) {
+    }
+  };
+  pipe_.advance(now);
+  if (pipe_.due()) {
+    const Wheel<kPipes>::Masks out = pipe_.take();
+    answering_ |= out[kToAnswer];
+    fetch_.enter(out[kToFetch]);
+  }
+  if (line_at_ <= now) as_often_as_may_be([&] { return take_line(now); });
+  as_often_as_may_be([&] { return take_leaf(now); });
+  const bool tried = (kReorder ? fetch_.ready() : fetch_.able()) != 0;
+  const Why tested = tried ? issue<kReorder>() : Why::kStarved;
+  if (answering_ != 0) as_often_as_may_be([&] { return answer(now); });
+  fetch_.send(now, memory_out_);
+  const sim::Time wake = next_wake(now);
+  const Why then = tried && wake == clock_.after(now, 1) ? tested : waiting();
+  activity_.spend(now, clock_.period(), tried ? tested : then, then);
+  return wake;
+}
+
+template sim::Time Ist::tick_as<true>(sim::Time);
+template sim::Time Ist::tick_as<false>(sim::Time);
 
 std::string Ist::state() const {
   return fmt::format("leaves {}: ready {}, missing {}, no mshr {}, answering {}", std::popcount(occupied_),

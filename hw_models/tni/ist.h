@@ -54,7 +54,7 @@ class Ist {
   Ist(const Ist&) = delete;
   Ist& operator=(const Ist&) = delete;
 
-  sim::Time tick(sim::Time now);
+  sim::Time tick(sim::Time now) { return fetch_.reorders() ? tick_as<true>(now) : tick_as<false>(now); }
   const sim::Clock& clock() const { return clock_; }
   const Stats& stats() const { return stats_; }
   const sim::Activity<Why>& activity() const { return activity_; }
@@ -74,9 +74,14 @@ class Ist {
 
   enum Pipe : std::size_t { kToAnswer, kToFetch, kPipes };
 
+  /// `kReorder`: misses are reordered, and what other ways to handle them need costs nothing.
+  template <bool kReorder>
+  sim::Time tick_as(sim::Time now);
   bool take_line(sim::Time now);
   bool take_leaf(sim::Time now);
+  template <bool kReorder>
   Why issue();
+  template <bool kReorder>
   Why issue_one();
   void read(Slot& slot, std::uint32_t index, bool last_line);
   bool answer(sim::Time now);
@@ -86,7 +91,8 @@ class Ist {
   const IstConfig config_;
   const sim::Clock clock_;
   const TrianglesInMemory triangles_;
-  const bool unbounded_;  ///< any number of operations a cycle
+  const bool unbounded_;             ///< any number of operations a cycle
+  sim::Time line_at_ = sim::kNever;  ///< when the next line may be taken
   const std::vector<sim::Link<LeafDone>*> leaves_out_;
   const sim::Inputs<LeafJob> leaves_in_;
   sim::Link<MemRequest>& memory_out_;

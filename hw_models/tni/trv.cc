@@ -24,73 +24,53 @@ constexpr std::uint64_t all(std::uint32_t slots) { return slots == 64 ? ~std::ui
 Trv::Trv(const TrvConfig& config, const TniMode& mode, const TreeInMemory& tree, Links links, std::uint16_t port,
          sim::Clock clock)
     : config_(config),
-      clock_(clock),
       tree_(tree),
+      clock_(clock),
       visit_latency_(config.l1.hit_cycles + config.box_latency),
+      stack_room_(config.stack == StackScheme::kFull ? ~std::uint32_t{0} : config.stack_entries),
       levels_(!tree.placed.empty()),
       plain_(tree.one_line() && !tree.hybrid && config.box_testers == 2),
       unbounded_(mode.unbounded),
       one_pipe_(config.box_testers == 1 && !mode.unbounded),
-      common_(plain_ && !levels_ && !unbounded_ && mode.handling == MissHandling::kReorder &&
-              config.prefetch == Prefetch::kNone),
+      common_(plain_ && !levels_ && !unbounded_ && mode.handling == MissHandling::kReorder && !mode.perfect_l1 &&
+              config.prefetch == Prefetch::kNone && config.stack_entries != 0),
       links_(links),
+      free_(all(config.rays)),
       fetch_(config.l1, mode, port, stats_),
       slots_(config.rays),
-      begins_(config.rays),
-      paths_(config.rays),
       pipes_(clock, std::max({visit_latency_, config.l1.hit_cycles + config.transform_latency, config.stack_latency})),
-      free_(all(config.rays)) {
+      begins_(config.rays),
+      paths_(config.rays) {
+  links_.rays_in.shows(&arrivals_.rays);
+  links_.leaves_in.shows(&arrivals_.answers);
+  links_.memory_in.shows(&arrivals_.lines);
   far_nodes_.reserve(config.rays);
   for (auto& path : paths_) path.reserve(kMostDepth);
   pushed_.reserve(kMostDepth);
 }
 
-template <bool kCommon>
-sim::Time Trv::tick_as(sim::Time now) {
-  const auto as_often_as_may_be = [&](auto&& step) {
-    while (step() && !kCommon && unbounded_) {
-    }
-  };
-  pipes_.advance(now);
-  if (pipes_.due()) release(pipes_.take());
-  if (links_.memory_in.can_pop(now)) as_often_as_may_be([&] { return take_line(now); });
-  if (links_.leaves_in.can_pop(now)) as_often_as_may_be([&] { return take_answer(now); });
-  if (free_ != 0 && links_.rays_in.can_pop(now)) as_often_as_may_be([&] { return take_ray(now); });
-  bool tried = false;
-  Why why = Why::kStarved;
-  if (!kCommon && one_pipe_) {
-    tried = issue_any(now, why);
-  } else {
-    const std::uint64_t able = kCommon ? fetch_.ready() : fetch_.able();
-    tried = able != 0;
-    if (tried) why = issue_visit<kCommon>(next_of(able));
-    while (!kCommon && unbounded_ && fetch_.able() != 0) {
-      if (issue_visit<kCommon>(next_of(fetch_.able())) == Why::kVisiting) why = Why::kVisiting;
-    }
-    if (popping_ != 0) as_often_as_may_be([&] { return issue_pop(); });
-    if (leaving_ != 0) as_often_as_may_be([&] { return issue_leaf(now); });
+/// Of steps that need more than a look at what they are.
+Trv::Pipe Trv::next_pipe_of_few(Slot& slot) {
+  if (slot.restarting) return kToInner;
+  if (traces::kind_of(slot.step) == StepKind::kCull) {
+    slot.culls = traces::culled_of(slot.step);
+    slot.go(slot.next + 1);
   }
-  if (retiring_ != 0) as_often_as_may_be([&] { return retire(now); });
-  if (!kCommon && !far_nodes_.empty()) prefetch_far_nodes();  // behind what rays need now
-  fetch_.send(now, links_.memory_out);
-  if (full_ != (free_ == 0)) {
-    full_ = !full_;
-    if (full_) {
-      full_since_ = now;
-    } else {
-      full_time_ += now - full_since_;
-    }
-  }
-  const sim::Time next = clock_.after(now, 1);
-  const bool go_on = kCommon ? (fetch_.ready() | popping_) != 0 : !one_pipe_ && (fetch_.able() | popping_) != 0;
-  const sim::Time wake = go_on ? next : next_wake(next);
-  const Why then = tried && wake == next ? why : waiting(next);
-  activity_.spend(now, clock_.period(), tried ? why : then, then);
-  return wake;
+  if (slot.culls > 0) return kToStack;
+  return next_pipe(slot);
 }
 
-template sim::Time Trv::tick_as<true>(sim::Time);
-template sim::Time Trv::tick_as<false>(sim::Time);
+[[gnu::always_inline]] inline Trv::Pipe Trv::next_pipe(Slot& slot) {
+  // By kind of step; then the same behind a pop.
+  static constexpr std::array<Pipe, 8> kPipeOf{kToInner, kToLeaf,  kToStack, kToRetire,
+                                               kToStack, kToStack, kToStack, kToRetire};
+  const StepKind kind = traces::kind_of(slot.step);
+  if (slot.restarting || slot.culls > 0 || kind == StepKind::kCull) [[unlikely]]
+    return next_pipe_of_few(slot);
+  if (!slot.must_pop && traces::is_enter(slot.step)) [[unlikely]]
+    return kToInner;
+  return kPipeOf[static_cast<std::size_t>(kind) + (slot.must_pop ? 4U : 0U)];
+}
 
 void Trv::finish(sim::Time end) {
   activity_.finish(end);
@@ -98,12 +78,13 @@ void Trv::finish(sim::Time end) {
   stats_.full = clock_.cycles(full_time_);
 }
 
-void Trv::release(const Wheel<kPipes>::Masks& out) {
+template <bool kCommon>
+[[gnu::always_inline]] inline void Trv::release(const Wheel<kPipes>::Masks& out) {
   fetch_.enter(out[kToInner]);
   popping_ |= out[kToStack];
   leaving_ |= out[kToLeaf];
   retiring_ |= out[kToRetire];
-  if (forked_ != 0) note_far_nodes(forked_ & (out[kToInner] | out[kToLeaf]));
+  if (!kCommon && forked_ != 0) note_far_nodes(forked_ & (out[kToInner] | out[kToLeaf]));
 }
 
 void Trv::note_far_nodes(std::uint64_t visited) {
@@ -126,13 +107,13 @@ void Trv::prefetch_far_nodes() {
 }
 
 bool Trv::take_line(sim::Time now) {
-  if (!links_.memory_in.can_pop(now)) return false;
+  if (arrivals_.lines > now) return false;
   fetch_.fill(links_.memory_in.pop(now).line, pipes_.cycle());
   return true;
 }
 
 bool Trv::take_answer(sim::Time now) {
-  if (!links_.leaves_in.can_pop(now)) return false;
+  if (arrivals_.answers > now) return false;
   const std::uint32_t index = links_.leaves_in.pop(now).slot;
   at_ist_ &= ~bit(index);
   Slot& slot = slots_[index];
@@ -151,7 +132,7 @@ bool Trv::take_answer(sim::Time now) {
 }
 
 bool Trv::take_ray(sim::Time now) {
-  if (free_ == 0 || !links_.rays_in.can_pop(now)) return false;
+  if (free_ == 0 || arrivals_.rays > now) return false;
   const RayJob job = links_.rays_in.pop(now);
   const auto index = static_cast<std::uint32_t>(std::countr_zero(free_));
   free_ &= ~bit(index);
@@ -175,28 +156,16 @@ bool Trv::take_ray(sim::Time now) {
   return true;
 }
 
-Trv::Pipe Trv::next_pipe(Slot& slot) const {
-  if (!slot.must_pop && traces::kind_of(slot.step) == StepKind::kVisit) return kToInner;
-  if (slot.restarting) return kToInner;
-  if (traces::kind_of(slot.step) == StepKind::kCull) {
-    slot.culls = traces::culled_of(slot.step);
-    slot.go(slot.next + 1);
-  }
-  if (slot.culls > 0) return kToStack;
-  if (traces::kind_of(slot.step) == StepKind::kEnd) return kToRetire;
-  if (slot.must_pop) return kToStack;
-  return traces::kind_of(slot.step) == StepKind::kVisit || traces::is_enter(slot.step) ? kToInner : kToLeaf;
-}
-
 template <bool kCommon>
-Trv::Why Trv::issue_visit(std::uint32_t index) {
+[[gnu::always_inline]] inline Trv::Why Trv::issue_visit(std::uint32_t index) {
   Slot& slot = slots_[index];
   if (!kCommon && levels_ && enters_instance(slot, index)) return issue_transform(slot, index);
   const std::uint32_t node = slot.restarting ? paths_[index].back() : traces::node_of(slot.step);
   const TreeInMemory::Line read = kCommon || plain_
                                       ? TreeInMemory::Line{tree_.line_of(node), true}
                                       : tree_.line_of_visit(node, config_.box_testers, slot.child, slot.fetched);
-  const FetchStage::Result result = fetch_.read<kCommon>(index, read.line, pipes_.cycle());
+  const FetchStage::Result result =
+      kCommon ? fetch_.read_reordered(index, read.line, pipes_.cycle()) : fetch_.read(index, read.line, pipes_.cycle());
   if (result == FetchStage::Result::kRead) {
     if (read.last) {
       visited<kCommon>(slot, index);
@@ -238,7 +207,7 @@ bool Trv::test_boxes(Slot& slot, std::uint32_t index) {
 }
 
 template <bool kCommon>
-void Trv::visited(Slot& slot, std::uint32_t index) {
+[[gnu::always_inline]] inline void Trv::visited(Slot& slot, std::uint32_t index) {
   if (kCommon || plain_) {
     stats_.box_tests += 2;
   } else if (!test_boxes(slot, index)) {
@@ -246,31 +215,29 @@ void Trv::visited(Slot& slot, std::uint32_t index) {
   }
   stats_.visits += 1;
   stats_.full_visits += full_;
-  if (slot.restarting) {
+  if (slot.restarting) [[unlikely]] {
     visited_again(slot, index);
-  } else {
-    const std::uint32_t step = slot.step;
-    slot.go(slot.next + 1);
-    look_further(slot.next);
-    const std::uint32_t hits = traces::hits_of(step);
-    slot.must_pop = hits == 0;
-    if (hits == 3) {
-      push(slot);
-      if (!kCommon && config_.prefetch == Prefetch::kSibling) forked_ |= bit(index);
-    }
+  } else if (step_on<kCommon>(slot) && !kCommon && config_.prefetch == Prefetch::kSibling) {
+    forked_ |= bit(index);
   }
   pipes_.put(next_pipe(slot), index, visit_latency_);
 }
 
-void Trv::push(Slot& slot) {
-  slot.stacked += 1;
-  if (config_.stack_entries == 0) return;
-  stats_.pushes += 1;
-  if (config_.stack != StackScheme::kFull && slot.held == config_.stack_entries) {
-    stats_.dropped += 1;
-  } else {
-    slot.held += 1;
-  }
+/// Nearly as many rays hit both children as do not: without a branch.
+template <bool kCommon>
+inline bool Trv::step_on(Slot& slot) {
+  const std::uint32_t hits = traces::hits_of(slot.step);
+  slot.go(slot.next + 1);
+  look_further(slot.next);
+  slot.must_pop = hits == 0;
+  const std::uint16_t both = hits == 3;
+  const std::uint16_t written = both & std::uint16_t{kCommon || stack_room_ != 0};
+  const std::uint16_t kept = written & std::uint16_t{slot.held != stack_room_};
+  slot.stacked += both;
+  slot.held += kept;
+  stats_.pushes += written;
+  stats_.dropped += written ^ kept;
+  return both != 0;
 }
 
 void Trv::pop(std::uint32_t index) {
@@ -375,11 +342,58 @@ sim::Time Trv::next_wake(sim::Time next) const {
     at = std::min(at, std::max({next, leaf_free_at_, links_.leaves_out.push_at()}));
   }
   if (retiring_ != 0) at = std::min(at, std::max(next, links_.rays_out.push_at()));
-  if (free_ != 0) at = std::min(at, std::max(next, links_.rays_in.pop_at()));
-  at = std::min(at, std::max(next, links_.leaves_in.pop_at()));
-  at = std::min(at, std::max(next, links_.memory_in.pop_at()));
+  if (free_ != 0) at = std::min(at, std::max(next, arrivals_.rays));
+  at = std::min(at, std::max(next, arrivals_.answers));
+  at = std::min(at, std::max(next, arrivals_.lines));
   return std::min(at, fetch_.send_at(next, links_.memory_out));
 }
+
+template <bool kCommon>
+sim::Time Trv::tick_as(sim::Time now) {
+  const auto as_often_as_may_be = [&](auto&& step) {
+    while (step() && !kCommon && unbounded_) {
+    }
+  };
+  pipes_.advance(now);
+  if (pipes_.due()) release<kCommon>(pipes_.take());
+  if (arrivals_.lines <= now) as_often_as_may_be([&] { return take_line(now); });
+  if (arrivals_.answers <= now) as_often_as_may_be([&] { return take_answer(now); });
+  if (arrivals_.rays <= now && free_ != 0) as_often_as_may_be([&] { return take_ray(now); });
+  bool tried = false;
+  Why why = Why::kStarved;
+  if (!kCommon && one_pipe_) {
+    tried = issue_any(now, why);
+  } else {
+    const std::uint64_t able = kCommon ? fetch_.ready() : fetch_.able();
+    tried = able != 0;
+    if (tried) why = issue_visit<kCommon>(next_of(able));
+    while (!kCommon && unbounded_ && fetch_.able() != 0) {
+      if (issue_visit<kCommon>(next_of(fetch_.able())) == Why::kVisiting) why = Why::kVisiting;
+    }
+    if (popping_ != 0) as_often_as_may_be([&] { return issue_pop(); });
+    if (leaving_ != 0) as_often_as_may_be([&] { return issue_leaf(now); });
+  }
+  if (retiring_ != 0) as_often_as_may_be([&] { return retire(now); });
+  if (!kCommon && !far_nodes_.empty()) prefetch_far_nodes();  // behind what rays need now
+  fetch_.send(now, links_.memory_out);
+  if (full_ != (free_ == 0)) {
+    full_ = !full_;
+    if (full_) {
+      full_since_ = now;
+    } else {
+      full_time_ += now - full_since_;
+    }
+  }
+  const sim::Time next = clock_.after(now, 1);
+  const bool go_on = kCommon ? (fetch_.ready() | popping_) != 0 : !one_pipe_ && (fetch_.able() | popping_) != 0;
+  const sim::Time wake = go_on ? next : next_wake(next);
+  const Why then = tried && wake == next ? why : waiting(next);
+  activity_.spend(now, clock_.period(), tried ? why : then, then);
+  return wake;
+}
+
+template sim::Time Trv::tick_as<true>(sim::Time);
+template sim::Time Trv::tick_as<false>(sim::Time);
 
 std::string Trv::state() const {
   return fmt::format("rays {}: ready {}, stack {}, leaf {}, retiring {}, missing {}, no mshr {}, at ist {}",

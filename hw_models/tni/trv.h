@@ -158,19 +158,23 @@ class Trv {
   Why issue_transform(Slot& slot, std::uint32_t index);
   bool issue_any(sim::Time now, Why& why);
   std::uint64_t shared_work(bool room_for_leaves) const;
-  void push(Slot& slot);
   void pop(std::uint32_t index);
   void send_leaf(sim::Time now, std::uint32_t index);
   bool test_boxes(Slot& slot, std::uint32_t index);
   template <bool kCommon>
   void visited(Slot& slot, std::uint32_t index);
+  /// The step has been taken: to the next, with a push if both children were hit. True if they were.
+  template <bool kCommon>
+  bool step_on(Slot& slot);
   void visited_again(Slot& slot, std::uint32_t index);
   /// The youngest entry of the stack is dropped, being behind the hit, or is where the ray goes on.
   static void take_entry(Slot& slot);
   /// Which sub-pipe the slot needs for its next step.
-  Pipe next_pipe(Slot& slot) const;
+  static Pipe next_pipe(Slot& slot);
+  static Pipe next_pipe_of_few(Slot& slot);
   void restart(Slot& slot, std::uint32_t index);
   void find_pushes(const Slot& slot, std::uint32_t index);
+  template <bool kCommon>
   void release(const Wheel<kPipes>::Masks& out);
   /// These visits have hit both children: their far ones may be asked for ahead of need.
   void note_far_nodes(std::uint64_t visited);
@@ -180,35 +184,39 @@ class Trv {
   sim::Time next_wake(sim::Time next) const;
 
   const TrvConfig config_;
-  const sim::Clock clock_;
   const TreeInMemory tree_;
+  const sim::Clock clock_;
   const std::uint32_t visit_latency_;
-  const bool levels_;     ///< there are instances
-  const bool plain_;      ///< a visit is one pass that reads one line and tests two boxes in floating point
-  const bool unbounded_;  ///< any number of operations a cycle
-  const bool one_pipe_;   ///< passes, pops and leaves share a pipe
-  const bool common_;     ///< plain, one operation a cycle in each of three pipes, misses reordered, no prefetches
+  const std::uint32_t stack_room_;  ///< entries that a ray's stack keeps
+  const bool levels_;               ///< there are instances
+  const bool plain_;                ///< a visit is one pass that reads one line and tests two boxes in floating point
+  const bool unbounded_;            ///< any number of operations a cycle
+  const bool one_pipe_;             ///< passes, pops and leaves share a pipe
+  const bool common_;  ///< plain, one operation a cycle in each of three pipes, misses reordered, no prefetches
+  bool full_ = false;  ///< since a tick at `full_since_` there is a ray in every slot
   Links links_;
-  /// Since a tick at `full_since_` there is a ray in every slot.
-  bool full_ = false;
-  sim::Time full_since_ = 0, full_time_ = 0;
-  Stats stats_;
-  FetchStage fetch_;
-  std::vector<Slot> slots_;
-  std::vector<const std::uint32_t*> begins_;  ///< of each slot's ray, its first step
-  /// Per slot: nodes to test again after a restart, and the instance to enter again (kEnter), last one first.
-  std::vector<std::vector<std::uint32_t>> paths_;
-  std::vector<Push> pushed_;  ///< for restart()
-  Wheel<kPipes> pipes_;
+  /// When the next ray, answer and line may be taken.
+  struct Arrivals {
+    sim::Time rays = sim::kNever, answers = sim::kNever, lines = sim::kNever;
+  } arrivals_;
   std::uint64_t free_;
   std::uint64_t occupied_ = 0;
   std::uint64_t popping_ = 0, leaving_ = 0, retiring_ = 0;  ///< waiting for the sub-pipe of that name
   std::uint64_t at_ist_ = 0;                                ///< waiting for the intersection unit's answer
   std::uint64_t forked_ = 0;  ///< in the box pipe, where it will be seen that both children are hit (prefetching)
-  std::vector<std::uint32_t> far_nodes_;  ///< of this cycle's
   std::uint32_t inner_turn_ = 0, stack_turn_ = 0, leaf_turn_ = 0, retire_turn_ = 0;
   sim::Time leaf_free_at_ = 0;  ///< when the pipe of leaves, or the one pipe for all, takes the next operation
   sim::Activity<Why> activity_;
+  FetchStage fetch_;
+  Stats stats_;
+  std::vector<Slot> slots_;
+  Wheel<kPipes> pipes_;
+  std::vector<const std::uint32_t*> begins_;  ///< of each slot's ray, its first step
+  /// Per slot: nodes to test again after a restart, and the instance to enter again (kEnter), last one first.
+  std::vector<std::vector<std::uint32_t>> paths_;
+  std::vector<Push> pushed_;              ///< for restart()
+  std::vector<std::uint32_t> far_nodes_;  ///< of this cycle's
+  sim::Time full_since_ = 0, full_time_ = 0;
 };
 
 constexpr std::array<std::string_view, 9> names_of(Trv::Why) {

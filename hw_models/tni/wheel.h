@@ -18,9 +18,8 @@ class Wheel {
   using Masks = std::array<std::uint64_t, kPipes>;
 
   /// `longest` latency that will be put. What lies ahead is kept in as few bins as hold it: they are touched in turn.
-  Wheel(sim::Clock clock, std::uint64_t longest)
-      : clock_(clock), span_(static_cast<std::uint32_t>(std::bit_ceil(longest + 1))) {
-    assert(span_ <= kMostSpan);
+  Wheel(sim::Clock clock, std::uint64_t longest) : clock_(clock), last_(std::bit_ceil(longest + 1) - 1) {
+    assert(last_ < kMostSpan);
   }
 
   /// Moves to `now` (an edge). At most one non-empty cycle lies between two calls: next() says when.
@@ -33,29 +32,28 @@ class Wheel {
   Masks take() {
     Masks out{};
     if (due()) {
-      const std::uint64_t bin = cycle_ & (span_ - 1);
+      const std::uint64_t bin = cycle_ & last_;
       out = bins_[bin];
       bins_[bin] = {};
       occupied_ &= ~(std::uint64_t{1} << bin);
     }
     return out;
   }
-  /// What comes out of a pipe at the next cycle, as far as is known now.
-  std::uint64_t soon(std::size_t pipe) const { return bins_[(cycle_ + 1) & (span_ - 1)][pipe]; }
   /// Does anything come out at the present cycle?
-  bool due() const { return ((occupied_ >> (cycle_ & (span_ - 1))) & 1U) != 0; }
+  bool due() const { return ((occupied_ >> (cycle_ & last_)) & 1U) != 0; }
   void put(std::size_t pipe, std::uint32_t slot, std::uint64_t latency) {
-    assert(latency < span_);
-    const std::uint64_t bin = (cycle_ + latency) & (span_ - 1);
+    assert(latency <= last_);
+    const std::uint64_t bin = (cycle_ + latency) & last_;
     bins_[bin][pipe] |= std::uint64_t{1} << slot;
     occupied_ |= std::uint64_t{1} << bin;
   }
   /// When the next slot comes out; kNever if the pipes are empty.
   sim::Time next() const {
     if (occupied_ == 0) return sim::kNever;
-    const std::uint64_t bin = cycle_ & (span_ - 1);
+    const std::uint64_t bin = cycle_ & last_;
     const std::uint64_t later = occupied_ >> bin;  // else they have gone round
-    const int bins = later != 0 ? std::countr_zero(later) : static_cast<int>(span_ - bin) + std::countr_zero(occupied_);
+    const int bins =
+        later != 0 ? std::countr_zero(later) : static_cast<int>(last_ + 1 - bin) + std::countr_zero(occupied_);
     return now_ + static_cast<sim::Time>(bins) * clock_.period();
   }
   std::uint64_t cycle() const { return cycle_; }
@@ -66,7 +64,7 @@ class Wheel {
   sim::Time now_ = 0;
   std::uint64_t cycle_ = 0;
   std::uint64_t occupied_ = 0;
-  const std::uint32_t span_;
+  const std::uint64_t last_;  ///< bin
   std::array<Masks, kMostSpan> bins_{};
 };
 
