@@ -161,7 +161,11 @@ bool Srp::touch_cache(sim::Time now) {
     return false;
   }
   if ((missing_ >> slot & 1U) != 0) loads_.push_back({at + config_.latency.cached_load * clock_.period(), slot});
-  run_.next_item += 1;
+  const traces::TileWork& work = tiles_[run_.tile].work();
+  const std::uint32_t* const begin = &work.access_begin[tiles_[run_.tile].node(run_.node).first + run_.first];
+  do {  // those that touch nothing need not be looked at
+    run_.next_item += 1;
+  } while (run_.next_item < run_.loading && begin[run_.next_item] == begin[run_.next_item + 1]);
   return true;
 }
 
@@ -389,9 +393,8 @@ sim::Time Srp::next_wake(sim::Time now) const {
     at = std::max(at, next);
   }
   if (!feeds_.empty()) {
-    sim::Time ready = sim::kNever;
-    for (const Feed& f : feeds_) ready = std::min(ready, feed_at(f));
-    at = std::min(at, std::max({next, ready, feed_free_at_, links_.rays_out.push_at()}));
+    const sim::Time open = std::max({next, feed_free_at_, links_.rays_out.push_at()});
+    for (auto f = feeds_.begin(); f != feeds_.end() && open < at; ++f) at = std::min(at, std::max(open, feed_at(*f)));
   }
   if (!dma_.empty()) at = std::min(at, std::max(next, links_.dma_out.push_at()));
   if (by_age_.size() < tiles_.size()) at = std::min(at, std::max(next, links_.tiles_in.pop_at()));
