@@ -29,11 +29,10 @@ CorePort::CorePort(const InterconnectConfig& config, Links links, Interleave tar
 
 sim::Time CorePort::tick(sim::Time now) {
   settle(now);
-  const bool requested = send_up(now);
-  carry_down(now);
+  const bool requested = clients_in_.holding() != 0 && send_up(now);
+  if (targets_in_.holding() != 0) carry_down(now);
   const sim::Time next = now + clock_.period();
-  const sim::Time wake = next_wake(now);
-  if (!requested || wake != next) waiting_ = waiting(now);  // else no cycle goes to it
+  const sim::Time wake = look_ahead(now);
   const auto why_at = [&](sim::Time at, Why otherwise) { return at < line_until_ ? Why::kLine : otherwise; };
   activity_.spend(now, clock_.period(), why_at(now, requested ? Why::kRequest : waiting_), why_at(next, waiting_));
   return wake;
@@ -110,28 +109,26 @@ void CorePort::carry(std::uint32_t target, sim::Time now) {
   stats_.lines_down += 1;
 }
 
-CorePort::Why CorePort::waiting(sim::Time now) const {
-  Why why = Why::kIdle;
-  clients_in_.each([&](const sim::Link<MemRequest>& in) {
-    if (in.can_pop(now) && !target_of(in.front()).can_push(now)) why = Why::kTargetFull;
-  });
-  targets_in_.each([&](const sim::Link<MemResponse>& in) {
-    if (in.can_pop(now) && !clients_out_[in.front().source]->can_push(now)) why = Why::kClientFull;
-  });
-  return why;
-}
-
-sim::Time CorePort::next_wake(sim::Time now) const {
+/// When there may be something to do next, and what it waits for until then.
+sim::Time CorePort::look_ahead(sim::Time now) {
   const sim::Time next = now + clock_.period();
   sim::Time wake = sim::kNever;
+  waiting_ = Why::kIdle;
   // What is not visible yet must not be looked at: wake up for it and decide then.
-  const auto consider = [&](const auto& in, sim::Time free_at, const auto& out) {
-    const sim::Time at = in.pop_at();
-    wake = std::min(wake, at > now ? at : std::max({next, free_at, out.push_at()}));
+  const auto consider = [&](const auto& in, sim::Time free_at, auto&& out_of, Why full) {
+    sim::Time at = in.pop_at();
+    if (at <= now) {
+      const sim::Time room_at = out_of(in.front()).push_at();
+      if (room_at > now) waiting_ = full;
+      at = std::max({next, free_at, room_at});
+    }
+    wake = std::min(wake, at);
   };
-  clients_in_.each([&](const sim::Link<MemRequest>& in) { consider(in, up_free_, target_of(in.front())); });
+  clients_in_.each([&](const sim::Link<MemRequest>& in) {
+    consider(in, up_free_, [&](const MemRequest& r) -> auto& { return target_of(r); }, Why::kTargetFull);
+  });
   targets_in_.each([&](const sim::Link<MemResponse>& in) {
-    consider(in, down_free_, *clients_out_[in.front().source]);
+    consider(in, down_free_, [&](const MemResponse& r) -> auto& { return *clients_out_[r.source]; }, Why::kClientFull);
   });
   return wake;
 }

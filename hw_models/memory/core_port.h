@@ -102,8 +102,7 @@ class CorePort {
     return in.can_pop(now) && clients_out_[in.front().source]->can_push(now);
   }
   void settle(sim::Time until);
-  Why waiting(sim::Time now) const;
-  sim::Time next_wake(sim::Time now) const;
+  sim::Time look_ahead(sim::Time now);
 
   sim::Link<MemRequest>& target_of(const MemRequest& request) const {
     return *targets_out_[targets_.owner(request.line)];
