@@ -161,12 +161,26 @@ bool Srp::touch_cache(sim::Time now) {
     return false;
   }
   if ((missing_ >> slot & 1U) != 0) loads_.push_back({at + config_.latency.cached_load * clock_.period(), slot});
-  const traces::TileWork& work = tiles_[run_.tile].work();
-  const std::uint32_t* const begin = &work.access_begin[tiles_[run_.tile].node(run_.node).first + run_.first];
-  do {  // those that touch nothing need not be looked at
-    run_.next_item += 1;
-  } while (run_.next_item < run_.loading && begin[run_.next_item] == begin[run_.next_item + 1]);
+  run_.next_item += 1;
+  pass_hits();
   return true;
+}
+
+/// Items that touch nothing need not be looked at. Nor do those whose lines are all here while none is on its way, so
+/// that nothing is filled: they read their lines ahead of their time.
+void Srp::pass_hits() {
+  const traces::TileWork& work = tiles_[run_.tile].work();
+  const WorkNode& node = tiles_[run_.tile].node(run_.node);
+  const std::uint32_t* const begin = &work.access_begin[node.first + run_.first];
+  for (; run_.next_item < run_.loading; ++run_.next_item) {
+    if (begin[run_.next_item] == begin[run_.next_item + 1]) continue;
+    if (cache_.outstanding() != 0) return;
+    collect_lines(node, run_.first + run_.next_item);
+    if (!std::ranges::all_of(item_lines_, [&](Addr line) { return cache_.holds(line); })) return;
+    for (const Addr line : item_lines_) cache_.access(line, 0);
+    stats_.cache_accesses += item_lines_.size();
+    stats_.cache_hits += item_lines_.size();
+  }
 }
 
 /// An item of the present chunk asks for its lines, those it has not asked for yet. False if there is no miss register

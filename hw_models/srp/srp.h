@@ -121,6 +121,7 @@ class Srp {
   void run_array(sim::Time now);
   bool touch_cache(sim::Time now);
   bool load_all(sim::Time now);
+  void pass_hits();
   bool ask(sim::Time now, std::uint32_t item);
   bool loads_in_time(sim::Time now);
   void collect_lines(const traces::WorkNode& node, std::uint32_t item);
