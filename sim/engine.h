@@ -60,13 +60,16 @@ Time run_apart(Machine& machine, TickAt&& tick_at) {
   Wakes& wakes = machine.wakes();
   Islands& islands = machine.islands();
   const auto next_of = [&](const Island& island) { return wakes.earliest(island.units); };
-  for (;;) {
+  const std::size_t count = islands.outer.size();
+  // There and back: what has been run last is still at the host's hand.
+  for (bool back = false;; back = !back) {
     Time now = next_of(islands.inner);
     for (const Island& island : islands.outer) now = std::min(now, next_of(island));
     const Time horizon = now == kNever ? now : machine.horizon(now);
     if (horizon <= now) return now;
     Time reached = horizon;  // by all outer islands
-    for (const Island& island : islands.outer) {
+    for (std::size_t i = 0; i < count; ++i) {
+      const Island& island = islands.outer[back ? count - 1 - i : i];
       Time at = next_of(island);
       // At `now` the inner island has done all that comes before.
       while (at < horizon && (island.nearly_full == 0 || at <= now)) {

@@ -67,9 +67,9 @@ std::string overview(const Json& report) {
                                frames.back()["frame"].get<int>(), count((*least)["cycles"]), count((*most)["cycles"])));
   }
   if (t.contains("sampled")) {
-    const Json& s = t["sampled"];
-    line("sampled", fmt::format("{} of {} tiles timed; the rest is estimated, ± is half of a 95 % interval",
-                                s["timed"].get<int>(), s["tiles"].get<int>()));
+    const int timed = t["sampled"]["timed"].get<int>(), tiles = t["sampled"]["tiles"].get<int>();
+    const char* const rest = timed < tiles ? "; the rest is estimated, ± is half of a 95 % interval" : "";
+    line("sampled", fmt::format("{} of {} tiles timed{}", timed, tiles, rest));
   }
   line("cycles (T&I clock)",
        fmt::format("{}  = {:.3f} ms  = {:.1f} frames/s{}", count(t["cycles"]), t["time_ms"].get<double>(),

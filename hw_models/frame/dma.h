@@ -56,6 +56,8 @@ class Dma {
   const Stats& stats() const { return stats_; }
   const sim::Activity<Why>& activity() const { return activity_; }
   void finish(sim::Time end) { activity_.finish(end); }
+  /// Lines that have been or will be asked for are to come.
+  bool awaits_lines() const { return replies_left_ != 0; }
   std::string state() const;
 
  private:

@@ -147,18 +147,20 @@ void Gpu::add_islands(const Wiring& wiring) {
   islands_.inner.units = {config_.cores * core, all};
   islands_.outer.resize(config_.cores);
   reach_ = tile_jobs_.front().latency() + tile_dones_.front().latency();
+  dma_reach_ = sim::kNever;
   for (std::size_t c = 0; c < config_.cores; ++c) {
     sim::Island& island = islands_.outer[c];
     island.units = {c * core, (c + 1) * core};
-    const auto between = [&](const auto& inward, const auto& outward) {
-      for (auto* link : inward) {
+    const auto inward = [&](const auto& links) {
+      for (auto* link : links) {
         link->count_if_nearly_full(&island.nearly_full);
         reach_ = std::min(reach_, link->latency());
       }
-      for (const auto* link : outward) reach_ = std::min(reach_, link->latency());
     };
-    between(wiring.core_bank_up[c], wiring.core_bank_down[c]);
-    between(wiring.core_channel_up[c], wiring.core_channel_down[c]);
+    inward(wiring.core_bank_up[c]);
+    inward(wiring.core_channel_up[c]);
+    for (const auto* link : wiring.core_bank_down[c]) reach_ = std::min(reach_, link->latency());
+    for (const auto* link : wiring.core_channel_down[c]) dma_reach_ = std::min(dma_reach_, link->latency());
     tile_dones_[c].count_if_nearly_full(&island.nearly_full);
   }
 }
@@ -167,7 +169,8 @@ sim::Time Gpu::horizon(sim::Time now) const {
   // At the end every time at which the machine may be done counts. An ideal port does not stop at a nearly full link.
   if (!dispatcher_->has_more() || config_.ideal.interconnect) return now;
   const sim::Time next_tile = wakes_[first_of_core(cores_.size())] + tile_jobs_.front().latency();
-  return std::min(now + reach_, next_tile);
+  const bool dma_reads = std::ranges::any_of(cores_, [](const Core& core) { return core.dma->awaits_lines(); });
+  return std::min(now + (dma_reads ? std::min(reach_, dma_reach_) : reach_), next_tile);
 }
 
 void Gpu::add_core(Wiring& wiring, std::uint32_t c, const Workload& workload) {

@@ -136,7 +136,9 @@ class Gpu {
   const std::size_t places_of_core_;  ///< among the wake-up times: whole groups
   sim::Wakes wakes_;                  ///< at the places that each_unit() names
   sim::Islands islands_;
-  sim::Time reach_ = 0;  ///< what an island does at t does not matter to another before t + reach_, but for new tiles
+  /// What an island does at t does not matter to another before t + reach_, but for new tiles, and for lines that a DMA
+  /// awaits, which may come at t + dma_reach_.
+  sim::Time reach_ = 0, dma_reach_ = 0;
   sim::Time elapsed_ = 0;
 };
 
