@@ -23,6 +23,7 @@ using sweep::Point;
 constexpr std::uint64_t kFirstShare = 5;       // of the budget, for points that are spread: a fifth
 constexpr std::size_t kLooks = 4;              // first looks for each point that is simulated
 constexpr std::uint64_t kMostImpossible = 10;  // for each point of the budget
+constexpr double kIdentical = 100;             // dB, of a picture that equals its reference: nobody sees a better one
 
 /// Are the values of an axis numbers that rise, or fall, as listed?
 bool is_ordered(const sweep::Axis& axis) {
@@ -65,6 +66,14 @@ void check_looks(const Task& task) {
   }
 }
 
+/// The numbers of a report, of which each that a search may want is finite.
+std::vector<ReportNumber> figures_of(const std::string& report) {
+  auto json = sim::parse_json<nlohmann::ordered_json>(report);
+  const nlohmann::ordered_json::json_pointer identical("/totals/identical");
+  if (json.contains(identical) && json[identical] == true) json["totals"]["psnr_db"] = kIdentical;
+  return report_numbers(json);
+}
+
 }  // namespace
 
 Course::Course(const Task& task, const std::filesystem::path& folder)
@@ -93,7 +102,7 @@ void Course::find_figures(const std::vector<std::string>& paths) {
 void Course::read_figures(Trial& trial, const sweep::Store& store) {
   const std::optional<std::string> report = store.report(trial.point.id);
   if (!report) throw sim::IoError(fmt::format("{}: the result is gone", store.folder(trial.point.id).string()));
-  const std::vector<ReportNumber> numbers = report_numbers(sim::parse_json<nlohmann::ordered_json>(*report));
+  const std::vector<ReportNumber> numbers = figures_of(*report);
   if (!has_paths_) {
     std::vector<std::string> paths;
     for (const ReportNumber& number : numbers) paths.push_back(number.path);

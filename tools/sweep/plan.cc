@@ -59,12 +59,26 @@ void check_value(const RunConfig& base, const std::string& key, const std::strin
   if (!is_work_key(key)) check_setting(base, fmt::format("{}={}", key, value));
 }
 
-void check_values(const Spec& spec, const RunConfig& base) {
+/// Calls; what is refused then says where the file gives the key: in an axis, or by itself.
+void at_key(const Spec& spec, const std::string& key, auto&& call) {
   try {
-    for (const std::string& set : spec.sets) check_setting(base, set);
+    call();
   } catch (const sim::InputError& error) {
-    throw sim::InputError(fmt::format("sets: {}", error.what()));
+    for (const Axis& axis : spec.axes) {
+      if (std::ranges::find(axis.keys, key) != axis.keys.end()) {
+        sim::refuse(axis.at, "axes." + sim::printable(axis.name), error.what());
+      }
+    }
+    const auto place = spec.places.find(key);
+    if (place == spec.places.end()) throw;
+    sim::refuse(place->second, key, error.what());
   }
+}
+
+void check_values(const Spec& spec, const RunConfig& base) {
+  at_key(spec, "sets", [&] {
+    for (const std::string& set : spec.sets) check_setting(base, set);
+  });
   for (const Axis& axis : spec.axes) {
     for (const Axis::Value& value : axis.values) {
       for (std::size_t k = 0; k < axis.keys.size(); ++k) {
@@ -110,8 +124,11 @@ Point make_point(const Spec& spec, const fs::path& folder, const Choice& choice)
 
 Planner::Planner(Spec spec, const fs::path& folder)
     : spec_(std::move(spec)), folder_(folder.empty() ? fs::path(".") : folder) {
-  check_values(spec_, load_base_config(from_folder(spec_.config, folder_), from_folder(spec_.scene, folder_)));
-  if (!spec_.tile_sampling.empty()) parse_tile_sampling(spec_.tile_sampling, "full");
+  const std::string config = from_folder(spec_.config, folder_);
+  at_key(spec_, "config", [&] { load_base_config(config, ""); });
+  RunConfig base;
+  at_key(spec_, "scene", [&] { base = load_base_config(config, from_folder(spec_.scene, folder_)); });
+  check_values(spec_, base);
   if (!spec_.tile_sampling.empty() && !spec_.reference.empty()) {
     throw sim::InputError("reference and tile_sampling do not go together: sweep over programs, with all tiles");
   }
@@ -133,7 +150,7 @@ Point Planner::point(const Choice& choice) { return point(choice, spec_.tile_sam
 Point Planner::point(const Choice& choice, const std::string& tile_sampling) {
   Point point = make_point(spec_, folder_, choice);
   point.tile_sampling = tile_sampling;
-  keys_.set_key(point);
+  at_key(spec_, "scene", [&] { keys_.set_key(point); });
   if (to_line(point).size() > kLongestLine) {
     throw sim::InputError(fmt::format("a point takes more than {} bytes to say", kLongestLine));
   }

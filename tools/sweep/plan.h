@@ -1,6 +1,5 @@
 #pragma once
 #include <filesystem>
-#include <functional>
 #include <vector>
 
 #include "tools/sweep/point.h"

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "shader_kernels/programs/program_spec.h"
 #include "sim/error.h"
 #include "sim/io/file.h"
 #include "sim/io/printable.h"
@@ -12,6 +13,7 @@
 #include "tools/sweep/axes.h"
 #include "tools/sweep/conditions.h"
 #include "tools/sweep/yaml_value.h"
+#include "tools/tile_sampling.h"
 
 namespace tools::sweep {
 
@@ -81,6 +83,7 @@ Spec read_spec(const YamlValue& root, std::string_view schema, std::span<const s
   for (const YamlValue& entry : root.entries(keys)) {
     const std::string& key = entry.key();
     if (std::ranges::find(others, key) != others.end()) continue;
+    spec.places[key] = entry.where();
     if (key == "schema") {
       if (entry.text() != schema) entry.refuse(fmt::format("allowed: {}", schema));
       has_schema = true;
@@ -99,11 +102,11 @@ Spec read_spec(const YamlValue& root, std::string_view schema, std::span<const s
     } else if (key == "resolution") {
       spec.resolution = checked(entry, parse_resolution);
     } else if (key == "program") {
-      spec.program = entry.text();
+      spec.program = checked(entry, kernels::parse_program);
     } else if (key == "reference") {
-      spec.reference = entry.text();
+      spec.reference = checked(entry, kernels::parse_program);
     } else if (key == "tile_sampling") {
-      spec.tile_sampling = entry.text();
+      spec.tile_sampling = checked(entry, [](const std::string& text) { parse_tile_sampling(text, "full"); });
     } else if (key == "image") {
       spec.image = entry.yes_or_no();
     } else if (key == "slurm") {

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -58,7 +59,8 @@ struct Spec {
   std::vector<Axis> axes;  ///< the last varies fastest
   std::vector<Condition> exclude, where;
   Subset subset;
-  std::vector<std::string> slurm;  ///< arguments for sbatch
+  std::vector<std::string> slurm;             ///< arguments for sbatch
+  std::map<std::string, std::string> places;  ///< of its keys, "file:line:column", for messages
 };
 
 class YamlValue;

@@ -104,6 +104,17 @@ TEST_F(Optimise, SaysTheCommandThatRunsAPointAgain) {
   EXPECT_EQ(read_json(alone / "report.json")["totals"]["perf"]["fps"].get<double>(), std::stod(rows[1][6]));
 }
 
+TEST_F(Optimise, APictureThatEqualsItsReferenceIsBetterThanAllOthers) {
+  const Ending ending =
+      run("axes: {program: [full:1, full:4, full:9, full:16]}\nreference: full:1\nbudget: 4\n"
+          "objectives: [max: psnr_db]\nconstraints: [psnr_db > 20]\n");
+  ASSERT_EQ(ending.exit, 0) << ending.err;
+  const std::vector<Words> rows = front();
+  ASSERT_EQ(rows.size(), 2U);
+  EXPECT_EQ(rows[1][2], "full:1");
+  EXPECT_EQ(rows[1][3], "100");
+}
+
 TEST_F(Optimise, AgainComputesNothingAndLeavesEveryByte) {
   ASSERT_EQ(run(kSearch).exit, 0);
   const std::string before = results();

@@ -147,10 +147,15 @@ TEST(SweepSpec, ComplaintsNameThePlaceTheKeyAndWhatIsAllowed) {
       {"subset: some\n", {"subset: allowed: grid, or {random: N}"}},
       {"subset: {random: 3, sobol: 4}\n", {"allowed: one of random, latin_hypercube, sobol"}},
       {"image: maybe\n", {"sweep.yaml:3:8: image: 'maybe' is not allowed; allowed: yes, no"}},
-      {"scene: teapott\n", {"'teapott'", "did you mean 'teapot'?"}},
-      {"scene: ./none.glb\n", {"none.glb: no such file"}},
+      {"scene: teapott\n", {"sweep.yaml:3:8: scene: no scene", "'teapott'", "did you mean 'teapot'?"}},
+      {"scene: ./none.glb\n", {"sweep.yaml:3:8: scene: ", "none.glb: no such file"}},
+      {"axes: {scene: [teapot, teapott]}\n", {"sweep.yaml:3:15: axes.scene: no scene", "did you mean 'teapot'?"}},
+      {"program: full:3\n", {"sweep.yaml:3:10: program: program 'full:3'"}},
+      {"reference: ful:4\n", {"sweep.yaml:3:12: reference: ", "'ful:4'"}},
+      {"tile_sampling: 0%\n", {"sweep.yaml:3:16: tile_sampling: ", "0%"}},
       {"sets: cores=1\n", {"sweep.yaml:3:7: sets: allowed: a list"}},
-      {"config: sgrt-2061\n", {"no configuration is called 'sgrt-2061', did you mean 'sgrt-2016'?"}},
+      {"sets: [cores=1, trvs=2]\n", {"sweep.yaml:3:7: sets: trvs: unknown key 'trvs'"}},
+      {"config: sgrt-2061\n", {"sweep.yaml:3:9: config: no configuration is called 'sgrt-2061', did you mean 'sgrt-2016'?"}},
       {"tile_sampling: 5%\nreference: full:4\n", {"do not go together"}},
   };
   for (const auto& [lines, parts] : wrong) {
