@@ -28,19 +28,17 @@ class Wheel {
     cycle_ += gap == clock_.period() ? 1 : clock_.cycles(gap);
     now_ = now;
   }
-  /// What comes out at the present cycle; empties it.
-  Masks take() {
-    Masks out{};
-    if (due()) {
-      const std::uint64_t bin = cycle_ & last_;
-      out = bins_[bin];
-      bins_[bin] = {};
-      occupied_ &= ~(std::uint64_t{1} << bin);
-    }
-    return out;
-  }
   /// Does anything come out at the present cycle?
   bool due() const { return ((occupied_ >> (cycle_ & last_)) & 1U) != 0; }
+  /// What comes out at the present cycle, if something is due(); empties it.
+  Masks take() {
+    assert(due());
+    const std::uint64_t bin = cycle_ & last_;
+    const Masks out = bins_[bin];
+    bins_[bin] = {};
+    occupied_ &= ~(std::uint64_t{1} << bin);
+    return out;
+  }
   void put(std::size_t pipe, std::uint32_t slot, std::uint64_t latency) {
     assert(latency <= last_);
     const std::uint64_t bin = (cycle_ + latency) & last_;

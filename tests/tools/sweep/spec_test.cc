@@ -155,7 +155,8 @@ TEST(SweepSpec, ComplaintsNameThePlaceTheKeyAndWhatIsAllowed) {
       {"tile_sampling: 0%\n", {"sweep.yaml:3:16: tile_sampling: ", "0%"}},
       {"sets: cores=1\n", {"sweep.yaml:3:7: sets: allowed: a list"}},
       {"sets: [cores=1, trvs=2]\n", {"sweep.yaml:3:7: sets: trvs: unknown key 'trvs'"}},
-      {"config: sgrt-2061\n", {"sweep.yaml:3:9: config: no configuration is called 'sgrt-2061', did you mean 'sgrt-2016'?"}},
+      {"config: sgrt-2061\n",
+       {"sweep.yaml:3:9: config: no configuration is called 'sgrt-2061', did you mean 'sgrt-2016'?"}},
       {"tile_sampling: 5%\nreference: full:4\n", {"do not go together"}},
   };
   for (const auto& [lines, parts] : wrong) {
