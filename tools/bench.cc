@@ -114,7 +114,7 @@ class Rounds {
     add("sampling_speedup", whole.wall_seconds / some.wall_seconds);
     add("sampling_timing_speedup", timing / (some.wall_seconds - some.function.waited));
     add("sampling_cycles_error_percent", 100 * std::abs(off) / static_cast<double>(whole.cycles));
-    add("sampling_cycles_inside", std::abs(off) <= some.sampled->cycles.half_width ? 1 : 0);
+    add("sampling_cycles_inside", std::abs(off) <= some.sampled->cycles.half_width() ? 1 : 0);
   }
 
   void add(const char* name, double value) {

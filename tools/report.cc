@@ -62,14 +62,16 @@ Json dram_clients_json(const Simulation& s) {
 
 Json interval_json(const Interval& i, double scale = 1) {
   return {{"estimate", i.estimate * scale},
-          {"low", (i.estimate - i.half_width) * scale},
-          {"high", (i.estimate + i.half_width) * scale}};
+          {"low", (i.estimate - i.half_width()) * scale},
+          {"high", (i.estimate + i.half_width()) * scale}};
 }
 
 /// Of a frame of which some tiles were timed: how many, and 95 % intervals.
 Json sampled_json(const Simulation& s) {
   const SampledFrame& f = *s.sampled;
   const double ms_per_cycle = time_ms(s) / static_cast<double>(s.cycles);
+  Json time = interval_json(f.cycles, ms_per_cycle);
+  time["estimate"] = time_ms(s);  // to the last digit
   return {{"tiles", f.tiles},
           {"timed", f.timed},
           {"measured", f.measured},
@@ -77,7 +79,7 @@ Json sampled_json(const Simulation& s) {
           {"blocks", f.blocks},
           {"rounds", f.rounds},
           {"cycles", interval_json(f.cycles)},
-          {"time_ms", interval_json(f.cycles, ms_per_cycle)},
+          {"time_ms", std::move(time)},
           {"energy_mj", interval_json(f.energy_pj, 1 / kPicojoulesPerMillijoule)}};
 }
 
@@ -205,23 +207,29 @@ Json provenance_json(const Inputs& inputs, const JobOptions& options) {
 
 Json report_json(const Report& report) {
   const Inputs& in = report.inputs;
-  return {{"schema", "raywatt-report/1"},
-          {"partial", report.partial},
-          {"program", report.totals.run.program.name()},
-          {"resolution", {in.config.render.width, in.config.render.height}},
-          {"config", Json(sim::config_json(in.config))},
-          {"scene",
-           {{"name", in.scene.name},
-            {"triangles", in.scene.triangles},
-            {"stored_triangles", in.stored_triangles},
-            {"memory_bytes", in.image.layout.end},
-            {"instances", in.scene.instances},
-            {"lights", in.scene.lights}}},
-          {"provenance", provenance_json(in, report.options)},
-          {"totals", totals_json(report.totals)},
-          {"frames", report.frames},
-          {"units", sim::units_json(report.totals.run.units)},
-          {"host", host_json(report)}};
+  const Simulation& run = report.totals.run;
+  Json out = {{"schema", "raywatt-report/1"},
+              {"partial", report.partial},
+              {"program", run.program.name()},
+              {"resolution", {in.config.render.width, in.config.render.height}},
+              {"config", Json(sim::config_json(in.config))},
+              {"scene",
+               {{"name", in.scene.name},
+                {"triangles", in.scene.triangles},
+                {"stored_triangles", in.stored_triangles},
+                {"memory_bytes", in.image.layout.end},
+                {"instances", in.scene.instances},
+                {"lights", in.scene.lights}}},
+              {"provenance", provenance_json(in, report.options)},
+              {"totals", totals_json(report.totals)},
+              {"frames", report.frames},
+              {"units", sim::units_json(run.units)}};
+  if (run.sampled) {
+    Json& intervals = out["sampled_counters"] = Json::object();
+    for (const auto& [path, interval] : run.sampled->counters) intervals[path] = interval_json(interval);
+  }
+  out["host"] = host_json(report);
+  return out;
 }
 
 }  // namespace tools

@@ -124,7 +124,7 @@ Numbers report_numbers(const Json& report) {
   Numbers out;
   if (!report.is_object()) return out;
   for (const auto& [key, value] : report.items()) {
-    if (key != "host" && key != "provenance") flatten(value, key, 1, out);
+    if (key != "host" && key != "provenance" && key != "sampled_counters") flatten(value, key, 1, out);
   }
   std::set<std::string> known;
   for (const ReportNumber& number : out) known.insert(number.path);

@@ -15,8 +15,8 @@ struct ReportNumber {
   double value = 0;
 };
 
-/// Every number of a report in its order, but those of `host` and `provenance`, which differ between equal runs; behind
-/// them unit_sums(). InputError for what is nested more deeply than any report.
+/// Every number of a report in its order, but those of `host` and `provenance`, which differ between equal runs, and
+/// intervals of counters; behind them unit_sums(). InputError for what is nested more deeply than any report.
 std::vector<ReportNumber> report_numbers(const nlohmann::ordered_json& report);
 
 /// A path without the numbers of its units is their sum: "units.core.tni.trv.counters.l1_hits" is that of all traversal

@@ -1,5 +1,7 @@
 #pragma once
+#include <cmath>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -47,13 +49,19 @@ void advance(Inputs& inputs, std::uint32_t frame, std::uint32_t threads, Progres
 
 /// An estimate and its 95 % interval.
 struct Interval {
-  double estimate = 0, half_width = 0;
+  double estimate = 0;
+  double chance = 0;  ///< half of what the interval would be if only chance were at work
+  double method = 0;  ///< likewise what the method is off, whichever parts are drawn
+  double half_width() const { return std::hypot(chance, method); }
+  /// Of something beside: what is chance evens out, what the method is off does not.
+  void add(const Interval& other);
 };
 
 /// Of a frame of which some tiles were timed (tile_sampling.h), or several.
 struct SampledFrame {
   std::uint64_t tiles = 0, timed = 0, measured = 0, warmed = 0, blocks = 0, rounds = 0;
   Interval cycles, energy_pj;
+  std::map<std::string, Interval> counters;       ///< sums over like units, by path; none if all tiles were timed
   double pilot_seconds = 0, warming_seconds = 0;  ///< host
   void add(const SampledFrame& other);
 };

@@ -5,7 +5,9 @@
 #include <numeric>
 
 #include "sim/engine.h"
+#include "sim/report/report_json.h"
 #include "tools/offered_tiles.h"
+#include "tools/report_paths.h"
 #include "tools/units.h"
 
 namespace tools {
@@ -18,7 +20,10 @@ MeasuredPart between(const hw::SampledTiles::Mark& a, const hw::SampledTiles::Ma
   for (std::size_t u = 0; u < part.units.size(); ++u) {
     sim::UnitReport& unit = part.units[u];
     for (std::size_t i = 0; i < unit.why.size(); ++i) unit.why[i].second -= a.units[u].why[i].second;
-    for (std::size_t i = 0; i < unit.counters.size(); ++i) unit.counters[i].value -= a.units[u].counters[i].value;
+    for (std::size_t i = 0; i < unit.counters.size(); ++i) {
+      sim::CounterReport& counter = unit.counters[i];
+      if (counter.kind == sim::CounterKind::kSum) counter.value -= a.units[u].counters[i].value;
+    }
   }
   for (std::size_t k = 0; k < part.kernels.size(); ++k) {
     hw::KernelUse& use = part.kernels[k];
@@ -85,6 +90,18 @@ SampledRun run_blocks(const Inputs& inputs, OfferedTiles& source, const kernels:
   return run;
 }
 
+std::map<std::string, double> summed_counters(std::vector<sim::UnitReport> units) {
+  for (sim::UnitReport& unit : units) {
+    std::erase_if(unit.counters, [](const sim::CounterReport& c) { return c.kind != sim::CounterKind::kSum; });
+  }
+  constexpr std::string_view kUnits = "units.";
+  std::map<std::string, double> sums;
+  for (const ReportNumber& number : unit_sums({{"units", sim::units_json(units)}})) {
+    if (number.path.find(".counters.") != std::string::npos) sums[number.path.substr(kUnits.size())] = number.value;
+  }
+  return sums;
+}
+
 MeasuredPart weighted_sum(std::span<const MeasuredPart* const> parts, std::span<const double> weights,
                           const SampledRun& run) {
   const auto sum = [&](auto&& of) {
@@ -100,11 +117,12 @@ MeasuredPart weighted_sum(std::span<const MeasuredPart* const> parts, std::span<
   for (std::size_t u = 0; u < run.units.size(); ++u) {
     sim::UnitReport& unit = whole.units[u];
     for (std::size_t i = 0; i < unit.counters.size(); ++i) {
-      const auto value = [&](const MeasuredPart& p) { return p.units[u].counters[i].value; };
-      const std::uint64_t all = unit.counters[i].value;
-      // Some counters are made up when the run is over.
-      const bool late = value(run.end) == all && value(run.begin) == 0;
-      unit.counters[i].value = late ? rounded(longer * static_cast<double>(all)) : rounded(sum(value));
+      sim::CounterReport& counter = unit.counters[i];
+      if (counter.kind == sim::CounterKind::kSum) {
+        counter.value = rounded(sum([&](const MeasuredPart& p) { return p.units[u].counters[i].value; }));
+      } else if (counter.kind == sim::CounterKind::kAtEnd) {
+        counter.value = rounded(longer * static_cast<double>(counter.value));
+      }
     }
     // Reasons are charged as late as at a unit's next tick, so they are put in proportion, and the rest goes to the
     // largest.

@@ -1,5 +1,7 @@
 #pragma once
+#include <map>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "hw_models/frame/sampled_tiles.h"
@@ -33,7 +35,10 @@ struct SampledRun {
 SampledRun run_blocks(const Inputs& inputs, OfferedTiles& source, const kernels::Demands& demands,
                       std::span<const hw::TimedBlock> blocks, std::span<const hw::TileTraits> traits);
 
-/// The whole from its parts, each with its weight.
+/// Counters of like units added up, by path: "core.tni.trv.counters.l1_hits". Without those that are no sums over time.
+std::map<std::string, double> summed_counters(std::vector<sim::UnitReport> units);
+
+/// The whole from its parts, each with its weight. Peaks are those of what was timed.
 MeasuredPart weighted_sum(std::span<const MeasuredPart* const> parts, std::span<const double> weights,
                           const SampledRun& run);
 

@@ -31,6 +31,9 @@ constexpr double kRidge = 0.2;
 constexpr double kModelError = 0.01;
 /// Of the frame's work; a frame of which more would have to be measured is timed whole.
 constexpr double kMostShare = 0.4;
+/// Bytes of caches for each sample of the tiles that warm them before a block: of the L2, and of all first-level
+/// caches. The usual machine comes to eight of its tiles by either.
+constexpr std::uint64_t kSecondLevelBytes = 128, kFirstLevelBytes = 224;
 
 std::uint64_t rounded(double x) { return static_cast<std::uint64_t>(std::llround(x)); }
 
@@ -50,11 +53,17 @@ std::uint32_t thinning_side(std::uint32_t tile_side) {
   return 1;
 }
 
+/// In samples.
+std::uint32_t tile_side(const kernels::RenderConfig& render, const kernels::ProgramSpec& spec) {
+  const auto grid = static_cast<std::uint32_t>(std::lround(std::sqrt(spec.samples)));
+  return std::max(1U, render.tile / grid) * grid;
+}
+
 /// The frame with one sample of each square, as a program of as many tiles.
 kernels::FullProgram thin_program(const Inputs& inputs, const kernels::ProgramSpec& spec, double& thinning) {
   kernels::RenderConfig render = inputs.config.render;
   const auto grid = static_cast<std::uint32_t>(std::lround(std::sqrt(spec.samples)));
-  const std::uint32_t side = std::max(1U, render.tile / grid) * grid;  // of a tile, in samples
+  const std::uint32_t side = tile_side(render, spec);
   const std::uint32_t square = thinning_side(side);
   const auto thinned = [&](std::uint32_t pixels) { return (pixels * grid + square - 1) / square; };
   thinning = static_cast<double>(render.width) * render.height * spec.samples;
@@ -126,20 +135,33 @@ sim::EnergyReport energy_of(const Inputs& inputs, std::span<const sim::UnitRepor
 /// What a frame comes to, by the runs of its blocks.
 struct Estimates {
   MeasuredPart whole;
-  double time_half_width = 0, energy_half_width = 0;
-  double energy = 0;
-  /// The larger of the two, as a part of its estimate.
+  Interval time, energy;
+  std::map<std::string, Interval> counters;
+  /// The larger of the first two, as a part of its estimate.
   double relative_width() const {
-    return std::max(time_half_width / static_cast<double>(whole.time), energy_half_width / energy);
+    return std::max(time.half_width() / time.estimate, energy.half_width() / energy.estimate);
   }
 };
 
 /// Of a run of all tiles.
-Estimates known(const Inputs& inputs, const SampledRun& run) {
-  return {{run.elapsed, run.units, run.begin.kernels, {}},
-          0,
-          0,
-          energy_of(inputs, run.units, run.elapsed).total_pj.nominal};
+Estimates known(const SampledRun& run) { return {{run.elapsed, run.units, run.begin.kernels, {}}, {}, {}, {}}; }
+
+/// Of what parts of a frame were seen to take, one by one.
+Interval interval(double estimate, const SampleWeights& weights, std::span<const double> seen) {
+  return {estimate, weights.half_width(seen), kModelError * estimate};
+}
+
+std::map<std::string, Interval> counter_intervals(const MeasuredPart& whole, std::span<const MeasuredPart* const> parts,
+                                                  const SampleWeights& weights) {
+  std::map<std::string, std::vector<double>> seen;
+  for (const MeasuredPart* part : parts) {
+    for (const auto& [path, value] : summed_counters(part->units)) seen[path].push_back(value);
+  }
+  std::map<std::string, Interval> intervals;
+  for (const auto& [path, estimate] : summed_counters(whole.units)) {
+    intervals[path] = interval(estimate, weights, seen.at(path));
+  }
+  return intervals;
 }
 
 Estimates estimate(const Inputs& inputs, const Pilot& pilot, const TilePlan& plan, std::span<const SampledRun> runs) {
@@ -160,9 +182,9 @@ Estimates estimate(const Inputs& inputs, const Pilot& pilot, const TilePlan& pla
   const SampleWeights weights(samples, as_sample(rest, measure.cost(rest)), kRidge);
   Estimates e;
   e.whole = weighted_sum(parts, weights.weights(), runs.front());
-  e.energy = energy_of(inputs, e.whole.units, e.whole.time).total_pj.nominal;
-  e.time_half_width = std::hypot(weights.half_width(times), kModelError * static_cast<double>(e.whole.time));
-  e.energy_half_width = std::hypot(weights.half_width(energies), kModelError * e.energy);
+  e.time = interval(static_cast<double>(e.whole.time), weights, times);
+  e.energy = interval(energy_of(inputs, e.whole.units, e.whole.time).total_pj.nominal, weights, energies);
+  e.counters = counter_intervals(e.whole, parts, weights);
   return e;
 }
 
@@ -173,12 +195,16 @@ void copy_counts(const hw::FrontEnd::Result& from, hw::FrontEnd::Result& to) {
 }
 
 /// Blocks overlap the neighbours of as many tiles as are in flight, so they are as long.
-PlanShape shape_of(const hw::GpuConfig& gpu) {
+PlanShape shape_of(const hw::GpuConfig& gpu, std::uint32_t tile_samples) {
   const std::uint32_t in_flight = gpu.cores * gpu.tile_buffer.tiles_in_flight;
   PlanShape shape;
   shape.edge = 2 * in_flight;
   shape.measured = std::max(12U, in_flight);
   shape.lead = std::max(4U, in_flight / 3);
+  const std::uint64_t first_level = gpu.cores * (gpu.tni.trvs * gpu.tni.trv.l1.size.bytes + gpu.tni.ist.l1.size.bytes +
+                                                 gpu.srp.data_cache.size.bytes);
+  const std::uint64_t samples = std::max(gpu.l2.cache.size.bytes / kSecondLevelBytes, first_level / kFirstLevelBytes);
+  shape.warming = std::max(shape.warming, static_cast<std::uint32_t>(samples / tile_samples));
   return shape;
 }
 
@@ -216,7 +242,8 @@ Simulation simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& pr
   const sim::HostClock::time_point begin = sim::HostClock::now();
   const traces::BvhTracer tracer(inputs.image);
   const Pilot pilot = look_at_all(inputs, program, tracer, threads, progress);
-  const PlanShape shape = shape_of(inputs.config.gpu);
+  const std::uint32_t side = tile_side(inputs.config.render, program);
+  const PlanShape shape = shape_of(inputs.config.gpu, side * side);
 
   Simulation s;
   s.program = program;
@@ -250,9 +277,10 @@ Simulation simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& pr
     sampled.warming_seconds += run.warming_seconds;
     if (picture) s.function = function;
     if (plan.all) {
-      if (!picture) copy_counts(function, s.function);
-      sampled.measured += run.timed;
-      estimates = known(inputs, run);
+      if (!sampling.full_image) copy_counts(function, s.function);
+      sampled.timed = sampled.measured = run.timed;
+      sampled.warmed = sampled.blocks = 0;
+      estimates = known(run);
       break;
     }
     sampled.blocks += run.parts.size();
@@ -276,11 +304,18 @@ Simulation simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& pr
   s.energy = energy_of(inputs, s.units, s.elapsed);
   s.function.waited = waited;
   s.function.seconds = functional;
-  sampled.cycles = {static_cast<double>(s.cycles), cycles(estimates.time_half_width)};
-  sampled.energy_pj = {s.energy.total_pj.nominal, estimates.energy_half_width};
+  sampled.cycles = {static_cast<double>(s.cycles), cycles(estimates.time.chance), cycles(estimates.time.method)};
+  sampled.energy_pj = {s.energy.total_pj.nominal, estimates.energy.chance, estimates.energy.method};
+  sampled.counters = std::move(estimates.counters);
   s.sampled = sampled;
   s.wall_seconds = sim::seconds_since(begin);
   return s;
+}
+
+void Interval::add(const Interval& other) {
+  estimate += other.estimate;
+  chance = std::hypot(chance, other.chance);
+  method += other.method;
 }
 
 void SampledFrame::add(const SampledFrame& other) {
@@ -290,10 +325,9 @@ void SampledFrame::add(const SampledFrame& other) {
   warmed += other.warmed;
   blocks += other.blocks;
   rounds += other.rounds;
-  for (Interval SampledFrame::*figure : {&SampledFrame::cycles, &SampledFrame::energy_pj}) {
-    Interval& sum = this->*figure;
-    sum = {sum.estimate + (other.*figure).estimate, std::hypot(sum.half_width, (other.*figure).half_width)};
-  }
+  cycles.add(other.cycles);
+  energy_pj.add(other.energy_pj);
+  for (const auto& [path, interval] : other.counters) counters[path].add(interval);
   pilot_seconds += other.pilot_seconds;
   warming_seconds += other.warming_seconds;
 }

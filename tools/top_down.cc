@@ -208,8 +208,9 @@ std::string top_down_text(const nlohmann::ordered_json& time) {
     double all = 0;
     for (const auto& [level, part] : share.items()) all += part.get<double>();
     if (all < 0.005) continue;
-    const std::string inner = share.is_object() ? fmt::format(" ({})", top_down_text(share)) : "";
-    parts.emplace_back(all, fmt::format("{} {:.0f} %{}", kWords.at(name), 100 * all, inner));
+    const std::string inner = share.is_object() ? top_down_text(share) : "";
+    parts.emplace_back(all, fmt::format("{} {:.0f} %{}", kWords.at(name), 100 * all,
+                                        inner.empty() ? "" : fmt::format(" ({})", inner)));
   }
   std::ranges::stable_sort(parts, std::greater<>(), &std::pair<double, std::string>::first);
   std::vector<std::string> words;

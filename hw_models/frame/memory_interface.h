@@ -8,6 +8,7 @@
 #include "hw_models/frame/record_stream.h"
 #include "hw_models/tni/messages.h"
 #include "sim/activity.h"
+#include "sim/counter_kind.h"
 #include "sim/link.h"
 
 namespace hw {
@@ -35,14 +36,16 @@ class MemoryInterface {
     std::uint64_t ray_writes = 0, ray_reads = 0, hit_writes = 0, hit_reads = 0;
     std::uint64_t ray_latency = 0, hit_latency = 0;
     static void describe(auto& s, auto&& counter) {
-      counter(s.rays, "rays", "rays that went through memory");
-      counter(s.hits, "hits", "hits that went through memory");
-      counter(s.ray_writes, "ray_writes", "lines or parts of lines of rays written");
-      counter(s.ray_reads, "ray_reads", "lines or parts of lines of rays read");
-      counter(s.hit_writes, "hit_writes", "lines or parts of lines of hits written");
-      counter(s.hit_reads, "hit_reads", "lines or parts of lines of hits read");
-      counter(s.ray_latency, "ray_latency", "cycles from a ray's arrival until it leaves, of all rays together");
-      counter(s.hit_latency, "hit_latency", "the same for hits");
+      constexpr auto kAtEnd = sim::CounterKind::kAtEnd;
+      counter(s.rays, "rays", "rays that went through memory", "", kAtEnd);
+      counter(s.hits, "hits", "hits that went through memory", "", kAtEnd);
+      counter(s.ray_writes, "ray_writes", "lines or parts of lines of rays written", "", kAtEnd);
+      counter(s.ray_reads, "ray_reads", "lines or parts of lines of rays read", "", kAtEnd);
+      counter(s.hit_writes, "hit_writes", "lines or parts of lines of hits written", "", kAtEnd);
+      counter(s.hit_reads, "hit_reads", "lines or parts of lines of hits read", "", kAtEnd);
+      counter(s.ray_latency, "ray_latency", "cycles from a ray's arrival until it leaves, of all rays together", "",
+              kAtEnd);
+      counter(s.hit_latency, "hit_latency", "the same for hits", "", kAtEnd);
     }
   };
   using Rays = RecordStream<RayJob>;

@@ -10,6 +10,7 @@
 #include "hw_models/memory/messages.h"
 #include "sim/activity.h"
 #include "sim/config/field.h"
+#include "sim/counter_kind.h"
 #include "sim/inputs.h"
 #include "sim/link.h"
 
@@ -64,8 +65,10 @@ class CorePort {
       counter(s.requests, "requests", "requests carried up", "interconnect.request");
       counter(s.lines_down, "lines_down", "lines carried down to a client", "interconnect.line");
       counter(s.lines_up, "lines_up", "lines, or pieces of one, carried up by writes", "interconnect.line");
-      counter(s.request_wait, "request_wait", "cycles requests waited for their turn and for room, all together");
-      counter(s.line_wait, "line_wait", "cycles lines waited for their turn and for room, all together");
+      counter(s.request_wait, "request_wait", "cycles requests waited for their turn and for room, all together", "",
+              sim::CounterKind::kAtEnd);
+      counter(s.line_wait, "line_wait", "cycles lines waited for their turn and for room, all together", "",
+              sim::CounterKind::kAtEnd);
     }
   };
   struct Links {

@@ -12,6 +12,7 @@
 #include "hw_models/memory/dram_queue.h"
 #include "hw_models/memory/messages.h"
 #include "sim/activity.h"
+#include "sim/counter_kind.h"
 #include "sim/inputs.h"
 #include "sim/link.h"
 
@@ -58,12 +59,14 @@ class DramChannel {
       counter(s.write_bursts, "write_bursts", "write commands", "dram.write_burst");
       counter(s.refreshes, "refreshes", "refreshes of one bank or pair of banks", "dram.refresh");
       counter(s.refreshes_all, "refreshes_all", "refreshes of all banks of a rank", "dram.refresh_all");
-      counter(s.turnarounds, "turnarounds", "changes of direction between reads and writes");
+      counter(s.turnarounds, "turnarounds", "changes of direction between reads and writes", "",
+              sim::CounterKind::kAtEnd);
       counter(s.read_latency, "read_latency", "sum over reads of cycles from arrival here to the last data");
-      counter(s.read_latency_max, "read_latency_max", "the longest of these");
-      counter(s.active_standby, "active_standby", "cycles with a row open, summed over ranks", "dram.active_standby");
+      counter(s.read_latency_max, "read_latency_max", "the longest of these", "", sim::CounterKind::kPeak);
+      counter(s.active_standby, "active_standby", "cycles with a row open, summed over ranks", "dram.active_standby",
+              sim::CounterKind::kAtEnd);
       counter(s.precharge_standby, "precharge_standby", "cycles with every row closed, summed over ranks",
-              "dram.precharge_standby");
+              "dram.precharge_standby", sim::CounterKind::kAtEnd);
       counter(s.power_down, "power_down", "cycles in power-down, summed over ranks", "dram.power_down");
       counter(s.power_downs, "power_downs", "times that the channel woke from power-down for a request");
     }

@@ -20,9 +20,10 @@ std::map<std::string, sim::DeviceEvent> dram_energy_events(const DramConfig& con
 sim::Spread dram_energy(const DramConfig& config, const DramChannel::Stats& stats) {
   const auto events = dram_energy_events(config);
   sim::Spread sum;
-  DramChannel::Stats::describe(stats, [&](std::uint64_t count, const char*, const char*, const char* event = "") {
-    if (*event != 0) sum += events.at(event).pj * static_cast<double>(count);
-  });
+  DramChannel::Stats::describe(stats,
+                               [&](std::uint64_t count, const char*, const char*, const char* event = "", auto&&...) {
+                                 if (*event != 0) sum += events.at(event).pj * static_cast<double>(count);
+                               });
   return sum;
 }
 

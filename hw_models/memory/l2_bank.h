@@ -13,6 +13,7 @@
 #include "hw_models/memory/messages.h"
 #include "hw_models/memory/mshr_file.h"
 #include "sim/activity.h"
+#include "sim/counter_kind.h"
 #include "sim/inputs.h"
 #include "sim/link.h"
 
@@ -69,9 +70,12 @@ class L2Bank {
       counter(s.bytes_written, "bytes_written", "bytes of all writes");
       counter(s.bytes_overwritten, "bytes_overwritten", "of these, bytes written again before memory had them");
       counter(s.bytes_to_memory, "bytes_to_memory", "bytes that memory was told to write");
-      counter(s.latency, "latency", "cycles from the arrival of reads to their lines leaving, all together");
-      counter(s.memory_cycles, "memory_cycles", "of these, cycles in which misses waited for their lines");
-      counter(s.line_cycles, "line_cycles", "sum over lines of cycles from the miss to the fill");
+      counter(s.latency, "latency", "cycles from the arrival of reads to their lines leaving, all together", "",
+              sim::CounterKind::kAtEnd);
+      counter(s.memory_cycles, "memory_cycles", "of these, cycles in which misses waited for their lines", "",
+              sim::CounterKind::kAtEnd);
+      counter(s.line_cycles, "line_cycles", "sum over lines of cycles from the miss to the fill", "",
+              sim::CounterKind::kAtEnd);
     }
   };
   struct Links {

@@ -7,6 +7,7 @@
 
 #include "sim/activity.h"
 #include "sim/config/field.h"
+#include "sim/counter_kind.h"
 #include "sim/time.h"
 
 namespace hw {
@@ -48,7 +49,7 @@ class TileBuffer {
       counter(s.writes, "writes", "16-byte writes", "tile.write");
       counter(s.bank_conflicts, "bank_conflicts", "cycles for which a kernel stood still for a bank");
       counter(s.slots_taken, "slots_taken", "ray slots taken");
-      counter(s.slots_peak, "slots_peak", "most ray slots in use at once");
+      counter(s.slots_peak, "slots_peak", "most ray slots in use at once", "", sim::CounterKind::kPeak);
       counter(s.spilled_slots, "spilled_slots", "ray slots that did not fit and went through memory");
     }
   };

@@ -11,6 +11,7 @@
 #include "hw_models/tni/tree_in_memory.h"
 #include "hw_models/tni/wheel.h"
 #include "sim/activity.h"
+#include "sim/counter_kind.h"
 #include "sim/link.h"
 
 namespace hw {
@@ -57,7 +58,7 @@ class Trv {
     static void describe(auto& s, auto&& counter) {
       counter(s.rays_in, "rays_in", "rays accepted into the input buffer", "tni.ray_buffer_write");
       counter(s.rays_out, "rays_out", "rays retired", "tni.ray_buffer_read");
-      counter(s.full, "full", "cycles with a ray in every slot");
+      counter(s.full, "full", "cycles with a ray in every slot", "", sim::CounterKind::kAtEnd);
       counter(s.full_visits, "full_visits", "visits in these");
       counter(s.visits, "visits", "nodes tested, restarts included", "tni.ray_update");
       counter(s.restarted_visits, "restarted_visits", "of these, nodes tested again after a restart");

@@ -1,5 +1,6 @@
 #include "sim/report/unit_report.h"
 
+#include <algorithm>
 #include <cassert>
 #include <cstddef>
 
@@ -10,7 +11,11 @@ void add_reports(std::vector<UnitReport>& sum, const std::vector<UnitReport>& mo
   for (std::size_t u = 0; u < sum.size(); ++u) {
     sum[u].elapsed += more[u].elapsed;
     for (std::size_t i = 0; i < sum[u].why.size(); ++i) sum[u].why[i].second += more[u].why[i].second;
-    for (std::size_t i = 0; i < sum[u].counters.size(); ++i) sum[u].counters[i].value += more[u].counters[i].value;
+    for (std::size_t i = 0; i < sum[u].counters.size(); ++i) {
+      std::uint64_t& value = sum[u].counters[i].value;
+      const CounterReport& other = more[u].counters[i];
+      value = other.kind == CounterKind::kPeak ? std::max(value, other.value) : value + other.value;
+    }
   }
 }
 

@@ -5,17 +5,19 @@
 #include <vector>
 
 #include "sim/activity.h"
+#include "sim/counter_kind.h"
 #include "sim/time.h"
 
 namespace sim {
 
 /// One counter of a unit, as declared in its Stats::describe: counter(s.hits, "hits", "line found", "cache.l1_read").
-/// `event` names the energy event each count costs, empty if none.
+/// `event` names the energy event each count costs, empty if none; a kind may follow.
 struct CounterReport {
   std::string name;
   std::string meaning;
   std::uint64_t value = 0;
   std::string event;
+  CounterKind kind = CounterKind::kSum;
 };
 
 /// What one unit did: the leaf of every report. Plain data, so that reports, energy and comparisons need no unit types.
@@ -53,10 +55,10 @@ UnitReport report_of(const Unit& unit, std::string path, std::string block, std:
     r.elapsed += cycles;
   }
   using Stats = typename Unit::Stats;
-  Stats::describe(unit.stats(),
-                  [&](const std::uint64_t& value, const char* name, const char* meaning, const char* event = "") {
-                    r.counters.push_back({name, meaning, value, event});
-                  });
+  Stats::describe(unit.stats(), [&](const std::uint64_t& value, const char* name, const char* meaning,
+                                    const char* event = "", CounterKind kind = CounterKind::kSum) {
+    r.counters.push_back({name, meaning, value, event, kind});
+  });
   return r;
 }
 

@@ -1,6 +1,8 @@
 #include "tools/tile_sampling.h"
 
 #include <cmath>
+#include <cstdio>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -8,6 +10,7 @@
 
 #include "sim/error.h"
 #include "tests/tools/program.h"
+#include "tools/sampled_run.h"
 
 // Frames of which some tiles are timed, beside the same frames timed whole.
 
@@ -64,10 +67,10 @@ TEST(TileSampling, FarFromAllTilesAreTimed) {
 
 TEST(TileSampling, TheTruthLiesInTheIntervals) {
   const SampledFrame& f = *sampled().sampled;
-  EXPECT_NEAR(f.cycles.estimate, static_cast<double>(whole().cycles), f.cycles.half_width);
-  EXPECT_NEAR(f.energy_pj.estimate, whole().energy.total_pj.nominal, f.energy_pj.half_width);
-  EXPECT_LT(f.cycles.half_width, 0.1 * f.cycles.estimate);
-  EXPECT_LT(f.energy_pj.half_width, 0.1 * f.energy_pj.estimate);
+  EXPECT_NEAR(f.cycles.estimate, static_cast<double>(whole().cycles), f.cycles.half_width());
+  EXPECT_NEAR(f.energy_pj.estimate, whole().energy.total_pj.nominal, f.energy_pj.half_width());
+  EXPECT_LT(f.cycles.half_width(), 0.1 * f.cycles.estimate);
+  EXPECT_LT(f.energy_pj.half_width(), 0.1 * f.energy_pj.estimate);
 }
 
 TEST(TileSampling, AFrameTooSmallToSampleIsTimedWholeToTheLastCounter) {
@@ -77,7 +80,8 @@ TEST(TileSampling, AFrameTooSmallToSampleIsTimedWholeToTheLastCounter) {
   const Simulation a = simulate(small, program(), 1), b = simulate_sampled(small, program(), 1, {});
   EXPECT_EQ(difference(a, b), "");
   EXPECT_EQ(b.sampled->timed, b.sampled->tiles);
-  EXPECT_EQ(b.sampled->cycles.half_width, 0);
+  EXPECT_EQ(b.sampled->cycles.half_width(), 0);
+  EXPECT_TRUE(b.sampled->counters.empty());
 }
 
 TEST(TileSampling, NothingDependsOnTheNumberOfThreads) {
@@ -137,18 +141,80 @@ TEST(TileSampling, AutoGoesOnUntilTheIntervalsAreNarrowEnough) {
   const TileSampling sampling = parse_tile_sampling("auto", "none");
   const Simulation s = simulate_sampled(inputs(), program(), 1, sampling);
   const SampledFrame& f = *s.sampled;
-  EXPECT_LE(f.cycles.half_width, sampling.target * f.cycles.estimate);
-  EXPECT_LE(f.energy_pj.half_width, sampling.target * f.energy_pj.estimate);
+  EXPECT_LE(f.cycles.half_width(), sampling.target * f.cycles.estimate);
+  EXPECT_LE(f.energy_pj.half_width(), sampling.target * f.energy_pj.estimate);
   EXPECT_GT(f.rounds, 1U);
 }
 
-TEST(TileSampling, FramesAreAddedUpAndTheirErrorsAreIndependent) {
-  SampledFrame sum{.timed = 3, .cycles = {100, 3}, .energy_pj = {10, 1}};
-  sum.add({.timed = 4, .cycles = {200, 4}, .energy_pj = {20, 0}});
+TEST(TileSampling, OfFramesThatAreAddedUpChanceEvensOutAndTheMethodDoesNot) {
+  SampledFrame sum{.timed = 3, .cycles = {100, 3, 0}, .energy_pj = {10, 0, 1}, .counters = {{"dma.lines", {1, 0, 0}}}};
+  sum.add({.timed = 4, .cycles = {200, 4, 0}, .energy_pj = {20, 0, 2}, .counters = {{"dma.lines", {2, 0, 0}}}});
   EXPECT_EQ(sum.timed, 7U);
   EXPECT_DOUBLE_EQ(sum.cycles.estimate, 300);
-  EXPECT_DOUBLE_EQ(sum.cycles.half_width, 5);
-  EXPECT_DOUBLE_EQ(sum.energy_pj.half_width, 1);
+  EXPECT_DOUBLE_EQ(sum.cycles.half_width(), 5);
+  EXPECT_DOUBLE_EQ(sum.energy_pj.half_width(), 3);
+  EXPECT_DOUBLE_EQ(sum.counters["dma.lines"].estimate, 3);
+}
+
+TEST(TileSampling, CountersHaveIntervalsThatHoldTheTruth) {
+  std::size_t inside = 0, all = 0;
+  for (const auto& [path, truth] : summed_counters(whole().units)) {
+    const Interval& estimate = sampled().sampled->counters.at(path);
+    EXPECT_GE(estimate.half_width(), 0.01 * estimate.estimate) << path;
+    if (truth < 1000) continue;  // a few of them may fall between the blocks
+    all += 1;
+    if (std::abs(estimate.estimate - truth) <= estimate.half_width()) {
+      inside += 1;
+    } else {
+      std::printf("%s: %.0f is outside of %.0f +- %.0f\n", path.c_str(), truth, estimate.estimate,
+                  estimate.half_width());
+    }
+  }
+  EXPECT_GT(all, 40U);
+  EXPECT_GE(static_cast<double>(inside), 0.9 * static_cast<double>(all));
+}
+
+TEST(TileSampling, PeaksAreThoseOfWhatWasTimed) {
+  const auto peaks = [](const Simulation& s) {
+    std::map<std::string, std::uint64_t> found;
+    for (const sim::UnitReport& unit : s.units) {
+      for (const sim::CounterReport& counter : unit.counters) {
+        if (counter.kind == sim::CounterKind::kPeak) found[unit.path + "." + counter.name] = counter.value;
+      }
+    }
+    return found;
+  };
+  const auto truth = peaks(whole());
+  const hw::GpuConfig& gpu = inputs().config.gpu;
+  EXPECT_EQ(truth.size(), gpu.cores + gpu.dram.channels) << "slots of tile buffers, read latency of channels";
+  for (const auto& [path, peak] : peaks(sampled())) {
+    EXPECT_GT(peak, 0U) << path;
+    EXPECT_LE(static_cast<double>(peak), 1.5 * static_cast<double>(truth.at(path))) << path;
+  }
+}
+
+TEST(TileSampling, AutoThatTimesAllTilesInTheEndIsExactAndKeepsThePicture) {
+  TileSampling sampling;
+  sampling.target = 1e-6;
+  const Simulation s = simulate_sampled(inputs(), program(), 1, sampling);
+  EXPECT_EQ(difference(s, whole()), "");
+  EXPECT_EQ(s.function.rgb, whole().function.rgb);
+  EXPECT_GT(s.sampled->rounds, 1U);
+  EXPECT_EQ(s.sampled->timed, s.sampled->tiles);
+  EXPECT_EQ(s.sampled->measured, s.sampled->tiles);
+  EXPECT_EQ(s.sampled->cycles.half_width(), 0);
+}
+
+TEST(TileSampling, ALargeL2IsAsWarmAsInTheWholeFrame) {
+  JobOptions options;
+  options.scene = "conference";
+  options.resolution = "512x256";
+  options.sets = {"render.tile=8", "l2.size=8 MiB"};
+  const Inputs large = load_inputs(options);
+  const Simulation a = simulate(large, program(), 1), b = simulate_sampled(large, program(), 1, {});
+  EXPECT_LT(b.sampled->timed, b.sampled->tiles);
+  EXPECT_NEAR(b.sampled->cycles.estimate, static_cast<double>(a.cycles), b.sampled->cycles.half_width());
+  EXPECT_NEAR(b.sampled->energy_pj.estimate, a.energy.total_pj.nominal, b.sampled->energy_pj.half_width());
 }
 
 TEST(TileSampling, SharesAreReadAndOthersRefused) {
@@ -191,6 +257,10 @@ TEST(SampledRun, SaysWhatIsEstimatedAndHowWell) {
     EXPECT_LT(s[figure]["low"], s[figure]["estimate"]) << figure;
     EXPECT_LT(s[figure]["estimate"], s[figure]["high"]) << figure;
   }
+  const nlohmann::json report = read_json(folder.path() / "out" / "report.json");
+  const nlohmann::json& bytes = report["sampled_counters"]["dram.channel.counters.bytes"];
+  EXPECT_EQ(bytes["estimate"], totals["dram_bytes"]);
+  EXPECT_LT(bytes["low"], bytes["estimate"]);
   EXPECT_EQ(s["cycles"]["estimate"], totals["cycles"]);
   EXPECT_EQ(s["time_ms"]["estimate"], totals["time_ms"]);
   EXPECT_EQ(s["energy_mj"]["estimate"], totals["energy_mj"]["nominal"]);
@@ -208,6 +278,7 @@ TEST(SampledRun, WhatMakesNoSenseIsRefusedBeforeAnythingIsMade) {
     EXPECT_FALSE(std::filesystem::exists(folder.path() / "out"));
   };
   refused({"--tile-sampling", "lots"}, "e.g. 5%");
+  refused({"--tile-sampling", ""}, "allowed: 5%, auto");
   refused({"--tile-sampling", "5%", "--program", "undersample"}, "full:N");
   refused({"--tile-sampling", "5%", "--reference", "full:1"}, "--reference");
   refused({"--image", "none"}, "--tile-sampling");

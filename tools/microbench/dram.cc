@@ -97,7 +97,7 @@ Json stream_json(const Result& r) {
   Json why = Json::object(), counters = Json::object(), done = Json::array();
   for (const auto& [reason, cycles] : r.play.why) why[reason] = cycles;
   hw::DramChannel::Stats::describe(
-      s, [&](std::uint64_t value, const char* name, const char*, const char* = "") { counters[name] = value; });
+      s, [&](std::uint64_t value, const char* name, const char*, auto&&...) { counters[name] = value; });
   for (const sim::Time time : r.play.done) done.push_back(ns_of(time));
   return {{"schema", "raywatt-microbench-dram/1"},
           {"grade", r.config.grade},

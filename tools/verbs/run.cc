@@ -168,7 +168,8 @@ void add_run(CLI::App& app, const std::vector<std::string>& argv, int&) {
                  "also pictures of how an adaptive frame came about: debug-similar.png, debug-check-NAME.png, ...");
   verb->add_option("--tile-sampling", options->tile_sampling,
                    "time a part of the frame's tiles and estimate the rest, with 95 % intervals: a share of the\n"
-                   "frame's work, e.g. 5%, or auto, which stops at +-2 % (docs/sampling.md)");
+                   "frame's work, e.g. 5%, or auto, which stops at +-2 % (docs/sampling.md)")
+      ->check([](const std::string& text) { return text.empty() ? std::string("is empty; allowed: 5%, auto") : ""; });
   verb->add_option("--image", options->image, "with --tile-sampling: render all tiles, or none but those needed")
       ->check(CLI::IsMember({"full", "none"}))
       ->capture_default_str();

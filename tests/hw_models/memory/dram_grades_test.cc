@@ -84,7 +84,7 @@ TEST(DramEnergy, EveryEventOfTheCountersHasAFigureAndNoOther) {
   const auto events = dram_energy_events(DramConfig{});
   std::size_t named = 0;
   const DramChannel::Stats stats;
-  DramChannel::Stats::describe(stats, [&](auto&, const char*, const char*, const char* event = "") {
+  DramChannel::Stats::describe(stats, [&](auto&, const char*, const char*, const char* event = "", auto&&...) {
     if (*event == 0) return;
     named += 1;
     EXPECT_TRUE(events.contains(event)) << event;
