@@ -80,7 +80,7 @@ TEST(Interrupt, WhileTheSceneIsLoadedLeavesNothing) {
     const Ending ending = program.wait();
     EXPECT_EQ(ending.exit, 128 + signal);
     EXPECT_EQ(ending.out, "");
-    EXPECT_TRUE(ending.err.ends_with("raywatt: interrupted\n")) << ending.err;
+    EXPECT_SAYS(ending.err, "raywatt: interrupted\n");
     EXPECT_EQ(last_progress(ending.err.substr(0, ending.err.find("raywatt")))["cycles"], 0) << "it was too late";
     EXPECT_EQ(names_in(folder.path()), Words{});
   }
@@ -126,7 +126,7 @@ TEST(Interrupt, WithSampledTilesKeepsFinishedFramesAndNothingOfOthers) {
     return line.value("phase", "") == "simulating" && line.value("tile", 0) > 3;
   });
   EXPECT_EQ(first.exit, 128 + SIGINT);
-  EXPECT_TRUE(first.err.ends_with("raywatt: interrupted\n")) << first.err;
+  EXPECT_SAYS(first.err, "raywatt: interrupted\n");
   EXPECT_EQ(names_in(folder.path()), Words{});
   const Ending later = stopped({"--scene", "chess", "--set", "scene.triangles=5000", "--set", "scene.frame_rate=2",
                                 "--frames", "0:100000", "--resolution", "64x32"},
