@@ -236,8 +236,8 @@ TEST_F(Replay, MemoryThatRunsOutIsSaidInOneLine) {
   const std::string script = folder_.write("small", "ulimit -v 300000; exec \"$@\"\n").string();
   const std::string err = at("err").string();
   const int status =
-      std::system(("sh " + script + " " RAYWATT_PROGRAM " trace record --resolution 4096x4096 --threads 1 " + trace() +
-                   " 2> " + err)
+      std::system(("sh " + script + " " RAYWATT_PROGRAM " trace record --resolution 16384x16384 --threads 1 " +
+                   trace() + " 2> " + err)
                       .c_str());
   EXPECT_EQ(WEXITSTATUS(status), 74);
   const std::string said = read_bytes(err);
