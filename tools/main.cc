@@ -2,6 +2,7 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <new>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -93,6 +94,11 @@ int main(int argc, char** argv) {
     return tools::kStuckMachine;
   } catch (const std::system_error& error) {
     return complain(error.what(), tools::kIoFailed);
+  } catch (const std::bad_alloc&) {
+    return complain(
+        "out of memory: the work needs more than this host gives; a smaller --resolution or limits.memory, or fewer "
+        "--threads, needs less",
+        tools::kIoFailed);
   } catch (const std::exception& error) {
     return complain(fmt::format("internal error: {}", error.what()), tools::kOurBug);
   }

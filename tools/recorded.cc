@@ -62,6 +62,23 @@ void read_all(const Json& json, const char* key, Array& numbers) {
   }
 }
 
+/// Another build may not have had all keys that change the work here: what it did then is what the default does.
+void check_not_recorded(const Json& header, const std::string& file,
+                        const std::map<std::string, sim::FieldInfo>& asked) {
+  const std::string id = header.value("made_by", Json::object()).value("model_id", "");
+  if (id.empty() || id == build_info().model_id) return;
+  const auto defaults = fields(RunConfig{});
+  for (const auto& [path, field] : asked) {
+    if (field.affects != sim::Affects::kFunction || header.at("function").contains(path)) continue;
+    const std::string& value = defaults.at(path).value;
+    if (field.value == value) continue;
+    throw sim::InputError(fmt::format(
+        "{}: was recorded by another build, without the key {}, and {} is asked for; allowed: the default, {}, as this "
+        "key changes the work",
+        file, path, field.value, value));
+  }
+}
+
 }  // namespace
 
 Json trace_header(const Inputs& inputs, const JobOptions& options) {
@@ -152,6 +169,7 @@ void check_recorded(const Json& header, const std::string& file, const RunConfig
         "{}: {} was recorded as {}, and {} is asked for; allowed: the recorded value, as this key changes the work",
         file, path, sim::printable(recorded), field->second.value));
   }
+  check_not_recorded(header, file, asked);
 }
 
 RunConfig replay_config(const Json& header, const std::string& file, const JobOptions& options) {

@@ -12,8 +12,8 @@ namespace traces {
 //   leaf   01 | count(4) | first triangle(26)      leaf entered, `count` triangles tested (a shadow ray stops behind
 //                                                  a hit without flags, ray.h); one more word follows: the exit phase
 //                                                  of each test, 4 bits each, first test lowest
-//   enter  01 | 0 (4) | instance(26)                the ray goes on in the space of an instance, at the root of its
-//   tree cull   10 | n(30)                              n stack entries popped and dropped: they begin behind the hit
+//   enter  01 | 0(4) | instance(26)                the ray goes on in the space of an instance, at its tree's root
+//   cull   10 | n(30)                              n stack entries popped and dropped: they begin behind the hit
 //   end    11 | hit(1)
 //
 // A visit that hits nothing and a leaf are followed by a pop (or the end); a visit that hits both pushes the far child.

@@ -63,21 +63,26 @@ void FrontEnd::run_ahead() {
   kernels::TileBuffer buffer;
   std::unique_lock lock(mutex_);
   for (;;) {
-    room_.wait(lock, [&] { return stop_ || next_tile_ == count() || may_make(); });
-    if (stop_ || next_tile_ == count()) return;
-    ahead_.push_back(take_slot());
+    room_.wait(lock, [&] { return stop_ || failure_ || next_tile_ == count() || may_make(); });
+    if (stop_ || failure_ || next_tile_ == count()) return;
+    try {
+      ahead_.push_back(take_slot());
+    } catch (...) {
+      failure_ = std::current_exception();
+      room_.notify_all();
+      news_.notify_one();
+      return;
+    }
     Slot& slot = *ahead_.back();
     slot.ready = false;
     const std::uint32_t tile = place(next_tile_++);
     lock.unlock();
-    std::exception_ptr failure;
     try {
       make(slot, tile, buffer);
     } catch (...) {
-      failure = std::current_exception();
+      slot.failure = std::current_exception();
     }
     lock.lock();
-    if (failure) failure_ = failure;
     slot.ready = true;
     news_.notify_one();
   }
@@ -102,8 +107,10 @@ const traces::TileWork* FrontEnd::take() {
     ahead_.push_back(take_slot());
     make(*ahead_.back(), place(next_tile_++), buffer_);
   } else {
-    news_.wait(lock, [&] { return !ahead_.empty() && ahead_.front()->ready; });
-    if (failure_) std::rethrow_exception(failure_);
+    // Tiles fail in their order, whichever thread is the first to see it.
+    news_.wait(lock, [&] { return ahead_.empty() ? failure_ != nullptr : ahead_.front()->ready; });
+    if (ahead_.empty()) std::rethrow_exception(failure_);
+    if (ahead_.front()->failure) std::rethrow_exception(ahead_.front()->failure);
   }
   handed_.push_back(std::move(ahead_.front()));
   ahead_.erase(ahead_.begin());

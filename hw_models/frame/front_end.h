@@ -54,6 +54,7 @@ class FrontEnd final : public TileSource {
     kernels::TileResult tile;
     double seconds = 0;
     bool ready = false;
+    std::exception_ptr failure;  ///< why it could not be made
   };
   void run_ahead();
   bool may_make() const { return next_tile_ < pass_end_ && ahead_.size() < max_ahead_; }
@@ -86,7 +87,7 @@ class FrontEnd final : public TileSource {
   std::uint32_t pass_end_ = 0;  ///< tiles before it may be made
   std::size_t max_ahead_;
   bool stop_ = false;
-  std::exception_ptr failure_;
+  std::exception_ptr failure_;  ///< why there is no slot for next_tile_
   std::vector<std::thread> threads_;
 };
 

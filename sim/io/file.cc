@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <system_error>
+#include <utility>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -19,7 +20,7 @@ std::string reason(int error) { return std::generic_category().message(error); }
 /// An open file descriptor.
 class Descriptor {
  public:
-  Descriptor(const std::filesystem::path& path, int flags) : fd_(::open(path.c_str(), flags | O_CLOEXEC, 0666)) {}
+  Descriptor(const std::filesystem::path& path, int flags) : fd_(::open(path.c_str(), flags | O_CLOEXEC)) {}
   ~Descriptor() {
     if (fd_ >= 0) ::close(fd_);
   }
@@ -28,31 +29,12 @@ class Descriptor {
 
   bool valid() const { return fd_ >= 0; }
   int get() const { return fd_; }
-  /// Closes now and says whether that worked: some file systems report a full disk only here.
-  bool close() {
-    const int fd = fd_;
-    fd_ = -1;
-    return ::close(fd) == 0;
-  }
 
  private:
-  int fd_;
+  const int fd_;
 };
 
-bool write_all(int fd, std::string_view bytes) {
-  while (!bytes.empty()) {
-    const ssize_t written = ::write(fd, bytes.data(), bytes.size());
-    if (written < 0 && errno != EINTR) return false;
-    if (written > 0) bytes.remove_prefix(static_cast<std::size_t>(written));
-  }
-  return true;
-}
-
-[[noreturn]] void give_up(const std::filesystem::path& temporary, const std::filesystem::path& path) {
-  const int error = errno;
-  ::unlink(temporary.c_str());
-  throw IoError(fmt::format("{}: cannot be written: {}", printable(path.string()), reason(error)));
-}
+constexpr std::string_view kTemporary = ".tmp";
 
 }  // namespace
 
@@ -83,27 +65,56 @@ std::string read_file(const std::filesystem::path& path, std::uint64_t most_byte
   }
 }
 
-std::filesystem::path temporary_name(const std::filesystem::path& path) {
-  std::filesystem::path temporary = path;
-  return temporary.replace_extension(".tmp" + path.extension().string());
+NewFile::NewFile(std::filesystem::path path) : path_(std::move(path)) {
+  const std::string extension = path_.extension().string();
+  // Again if the name is taken: by what a killed process has left, by another thread, by a file of the user's.
+  for (int n = 0; n < 1000 && (n == 0 || errno == EEXIST); ++n) {
+    temporary_ = path_;
+    temporary_.replace_extension(fmt::format(".{}-{}{}{}", ::getpid(), n, kTemporary, extension));
+    file_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+    if (file_ >= 0) return;
+  }
+  fail();
+}
+
+NewFile::~NewFile() {
+  if (file_ >= 0) ::close(file_);
+  if (!temporary_.empty()) ::unlink(temporary_.c_str());
+}
+
+void NewFile::fail() const {
+  const int error = errno;
+  throw IoError(fmt::format("{}: cannot be written: {}", printable(path_.string()), reason(error)));
+}
+
+void NewFile::write(std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(file_, bytes.data(), bytes.size());
+    if (written < 0 && errno != EINTR) fail();
+    if (written > 0) bytes.remove_prefix(static_cast<std::size_t>(written));
+  }
+}
+
+void NewFile::commit() {
+  if (::fsync(file_) != 0) fail();
+  if (::close(std::exchange(file_, -1)) != 0) fail();  // some file systems report a full disk only here
+  if (::rename(temporary_.c_str(), path_.c_str()) != 0) fail();
+  temporary_.clear();
+  const Descriptor folder(path_.has_parent_path() ? path_.parent_path() : ".", O_RDONLY | O_DIRECTORY);
+  if (folder.valid()) ::fsync(folder.get());
 }
 
 void write_file_atomically(const std::filesystem::path& path, std::string_view bytes) {
-  const std::filesystem::path temporary = temporary_name(path);
-  Descriptor file(temporary, O_WRONLY | O_CREAT | O_TRUNC);
-  if (!file.valid()) throw IoError(fmt::format("{}: cannot be written: {}", printable(path.string()), reason(errno)));
-  if (!write_all(file.get(), bytes) || !file.close()) give_up(temporary, path);
-  commit_file(temporary, path);
+  NewFile file(path);
+  file.write(bytes);
+  file.commit();
 }
 
-void commit_file(const std::filesystem::path& temporary, const std::filesystem::path& path) {
-  {
-    const Descriptor file(temporary, O_RDONLY);
-    if (!file.valid() || ::fsync(file.get()) != 0) give_up(temporary, path);
-  }
-  if (::rename(temporary.c_str(), path.c_str()) != 0) give_up(temporary, path);
-  const Descriptor folder(path.has_parent_path() ? path.parent_path() : ".", O_RDONLY | O_DIRECTORY);
-  if (folder.valid()) ::fsync(folder.get());
+bool is_left_of(std::string_view left, const std::filesystem::path& name) {
+  const std::string begin = name.stem().string() + ".", end = std::string(kTemporary) + name.extension().string();
+  if (!left.starts_with(begin) || !left.ends_with(end) || left.size() <= begin.size() + end.size()) return false;
+  const std::string_view number = left.substr(begin.size(), left.size() - begin.size() - end.size());
+  return number.find('-') != number.npos && number.find_first_not_of("0123456789-") == number.npos;
 }
 
 }  // namespace sim

@@ -124,21 +124,22 @@ std::string bits_of_levels() {
   return as_walks(all, 4 * 6);
 }
 
-std::string trace(const std::string& walks, bool levels = false) {
-  const Json header = {{"program", "full:1"},
-                       {"reference", ""},
-                       {"resolution", {4, 2}},
-                       {"scene",
-                        {{"name", "three triangles"},
-                         {"triangles", 3},
-                         {"instances", 1},
-                         {"lights", 0},
-                         {"sha256", ""},
-                         {"bvh_hash", ""}}},
-                       {"kernels", {"generate_rays", "shade_surface"}},
-                       {"function", Json::object()},
-                       {"given", {{"render.width", "4"}, {"render.height", "2"}}},
-                       {"config", ""}};
+std::string trace(const std::string& walks, bool levels = false, const Json& made_by = nullptr) {
+  Json header = {{"program", "full:1"},
+                 {"reference", ""},
+                 {"resolution", {4, 2}},
+                 {"scene",
+                  {{"name", "three triangles"},
+                   {"triangles", 3},
+                   {"instances", 1},
+                   {"lights", 0},
+                   {"sha256", ""},
+                   {"bvh_hash", ""}}},
+                 {"kernels", {"generate_rays", "shade_surface"}},
+                 {"function", Json::object()},
+                 {"given", {{"render.width", "4"}, {"render.height", "2"}}},
+                 {"config", ""}};
+  if (!made_by.is_null()) header["made_by"] = made_by;
   std::string file = "raywatt-trace/2\n";
   const std::string packed = block(header.dump());
   file += number(packed.size(), 4) + packed;
@@ -208,6 +209,23 @@ TEST(HandMadeTrace, PlaysWithWalksAsWordsAndAsBits) {
   EXPECT_EQ(words["scene"]["name"], "three triangles");
   EXPECT_EQ(words["resolution"], nlohmann::json({4, 2}));
   EXPECT_EQ(words["units"], as_bits["units"]);
+}
+
+TEST(HandMadeTrace, OfAnotherBuildMustHaveAllKeysThatAreNotTheirDefaults) {
+  const TempFolder folder;
+  const auto replay = [&](const Json& made_by) {
+    const std::string file = folder.write("a.trace", trace(bits(), false, made_by)).string();
+    return raywatt({"trace", "replay", "sgrt-2016", file, "-o", (folder.path() / "out").string()});
+  };
+  // render.height and render.width are given and are not among the keys of its `function`.
+  expect_refusal(replay({{"model_id", "of last year"}}),
+                 {"a.trace", "was recorded by another build", "without the key render.height", "2 is asked for",
+                  "allowed: the default, 512"});
+  EXPECT_EQ(replay({{"program", "another renderer"}}).exit, 0) << "who has no model keeps no list";
+  const Ending version = raywatt({"run", "--resolution", "8x8", "-o", (folder.path() / "run").string()});
+  EXPECT_EQ(version.exit, 0) << version.err;
+  const auto id = read_json(folder.path() / "run" / "report.json")["provenance"]["model_id"].get<std::string>();
+  EXPECT_EQ(replay({{"model_id", id}}).exit, 0) << "this build left out what it knew of";
 }
 
 TEST(HandMadeTrace, PlaysRaysThatEnterInstances) {

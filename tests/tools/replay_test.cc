@@ -1,4 +1,9 @@
+#include <cstdlib>
+
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <zstd.h>
 
 #include "tests/tools/program.h"
 
@@ -183,6 +188,62 @@ TEST_F(Replay, BadFilesAreRefusedInOneLine) {
   expect_refusal(replay("out"), {trace(), "frame 0, tile", "damaged"});
   EXPECT_FALSE(fs::exists(at("out")));
   expect_refusal(raywatt({"trace", "replay", at("no.trace").string()}), {"no.trace: no such file"});
+}
+
+std::string packed(const std::string& content) {
+  std::string out(ZSTD_compressBound(content.size()), '\0');
+  out.resize(ZSTD_compress(out.data(), out.size(), content.data(), content.size(), 1));
+  return out;
+}
+
+std::string little_endian(std::uint64_t value, int bytes) {
+  std::string out;
+  for (; bytes > 0; --bytes, value >>= 8) out += static_cast<char>(value & 0xff);
+  return out;
+}
+
+TEST_F(Replay, BadFilesThatGrowWhenTheyAreReadAreRefusedInOneLine) {
+  const std::string begin = "raywatt-trace/2\n", end = "end\n";
+  const auto file = [&](const std::string& header, const std::string& contents) {
+    const std::string first = packed(header), last = packed(contents);
+    const std::string start = begin + little_endian(first.size(), 4) + first;
+    return start + last + little_endian(start.size(), 8) + little_endian(last.size(), 4) + end;
+  };
+  const auto is_refused = [&](const std::string& bytes, const Words& parts) {
+    EXPECT_LT(bytes.size(), 20'000U);
+    folder_.write("a.trace", bytes);
+    expect_refusal(replay("out"), parts);
+    expect_refusal(raywatt({"trace", "info", trace()}), parts);
+  };
+  const std::string deep = std::string(300'000, '[') + std::string(300'000, ']');
+  const std::string similar = R"({"trees":[],"frames":[],"parts":[{"result":{"sampling":{"similar":)" + deep + "}}}]}";
+  const std::string too_deep = "is nested too deeply; allowed: 64 levels";
+  is_refused(file("{}", similar), {trace(), too_deep});
+  is_refused(file(deep, "{}"), {trace(), too_deep});
+  is_refused(file("{}", std::string(60'000'000, '[')), {trace(), too_deep});
+  is_refused(file("{}", std::string(100'000'000, ' ')), {trace(), "damaged"});
+}
+
+TEST_F(Replay, APipeIsNotWaitedFor) {
+  ASSERT_EQ(::mkfifo(trace().c_str(), 0600), 0);
+  const Words small = {"trace", "record", "--resolution", "64x32", trace()};
+  expect_refusal(raywatt(small), {trace(), "is not a regular file"});
+  expect_refusal(raywatt(small_run(at("out"), {"--record", trace()})), {trace(), "is not a regular file"});
+  EXPECT_TRUE(fs::is_fifo(trace()));
+}
+
+TEST_F(Replay, MemoryThatRunsOutIsSaidInOneLine) {
+  const std::string script = folder_.write("small", "ulimit -v 300000; exec \"$@\"\n").string();
+  const std::string err = at("err").string();
+  const int status =
+      std::system(("sh " + script + " " RAYWATT_PROGRAM " trace record --resolution 16384x16384 --threads 1 " +
+                   trace() + " 2> " + err)
+                      .c_str());
+  EXPECT_EQ(WEXITSTATUS(status), 74);
+  const std::string said = read_bytes(err);
+  EXPECT_TRUE(said.starts_with("raywatt: out of memory: ")) << said;
+  EXPECT_EQ(said.find('\n'), said.size() - 1) << said;
+  EXPECT_FALSE(fs::exists(trace()));
 }
 
 TEST_F(Replay, WhatCannotBeWrittenLeavesNothingBehind) {

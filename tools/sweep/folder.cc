@@ -25,8 +25,19 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::string_view kSchema = "raywatt-sweep-folder/1";
 constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 32;
+constexpr std::array<std::string_view, 3> kFiles = {"sweep.json", "sweep.yaml", "points.jsonl"};
+
+/// What a run that was killed while it wrote the folder's files has left of them.
+bool is_left_over(const fs::directory_entry& entry) {
+  const std::string name = entry.path().filename();
+  return std::ranges::any_of(kFiles, [&](std::string_view file) { return sim::is_left_of(name, file); });
+}
+
 /// What a run that was killed at once may leave in a new folder.
-constexpr std::array<std::string_view, 3> kBeginnings = {"lock", "log", "sweep.tmp.json"};
+bool is_beginning(const fs::directory_entry& entry) {
+  const fs::path name = entry.path().filename();
+  return name == "lock" || name == "log" || is_left_over(entry);
+}
 
 bool is_sweep(const fs::path& path) {
   std::error_code failed;
@@ -47,7 +58,7 @@ void check_free(const fs::path& path, std::string_view of) {
   }
   if (!fs::is_directory(path, failed)) throw sim::InputError(shown + ": is a file, not a folder");
   for (const fs::directory_entry& entry : fs::directory_iterator(path)) {
-    if (std::ranges::find(kBeginnings, entry.path().filename().string()) == kBeginnings.end()) {
+    if (!is_beginning(entry)) {
       throw sim::InputError(shown + ": holds files but no sweep; choose another folder");
     }
   }
@@ -83,6 +94,10 @@ SweepFolder SweepFolder::create(const fs::path& path, Of of, const std::string& 
   folder.store_ = fs::absolute(store).lexically_normal();
   folder.slurm_ = slurm;
   make_folders(folder.log());
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder.path_)) {
+    if (is_left_over(entry)) fs::remove(entry.path(), ignored);
+  }
   const auto replace = [&](const char* name, const std::string& text) {
     const fs::path file = folder.path_ / name;
     std::error_code failed;

@@ -210,6 +210,11 @@ void Store::clean() const {
     if (!is_id(name.substr(0, 64)) || is_whole) continue;
     if (const std::optional<Lock> lock = lock_stream(name.substr(0, 64))) fs::remove(entry.path(), error);
   }
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root_ / "failed", error)) {
+    const std::string name = entry.path().filename(), id = name.substr(0, 64);
+    if (!is_id(id) || !sim::is_left_of(name, id + ".json")) continue;
+    if (const std::optional<Lock> held = lock(id)) fs::remove(entry.path(), error);
+  }
 }
 
 std::string host_name() {

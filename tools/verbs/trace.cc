@@ -1,4 +1,5 @@
 #include <memory>
+#include <utility>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -50,19 +51,20 @@ void record(JobOptions options, const Arguments& arguments) {
   std::optional<Recorder> reference;
   if (compared) reference = Recorder{*compared, rates};
 
-  const HoldInterrupts hold;
-  traces::TraceWriter trace(arguments.file(), trace_header(inputs, options));
+  auto opened = std::make_unique<traces::TraceWriter>(arguments.file(), trace_header(inputs, options));
+  const HoldInterrupts hold;  // from the first tile on; what is half written is removed before it is let go
+  const std::unique_ptr<traces::TraceWriter> trace = std::move(opened);
   for (;;) {
-    const std::vector<float> picture = program.record(inputs, options.threads, trace, false);
+    const std::vector<float> picture = program.record(inputs, options.threads, *trace, false);
     double error = 0;
     if (reference) {
-      error = mean_squared_error(picture, reference->record(inputs, options.threads, trace, true));
+      error = mean_squared_error(picture, reference->record(inputs, options.threads, *trace, true));
     }
-    trace.end_frame(recorded_frame(inputs.frame, error));
+    trace->end_frame(recorded_frame(inputs.frame, error));
     if (inputs.frame == inputs.config.scene.last_frame) break;
     advance(inputs, inputs.frame + 1, options.threads);
   }
-  trace.commit();
+  trace->commit();
   if (!options.quiet) fmt::print("{}", trace_info_text(trace_info(traces::TraceReader(arguments.file()))));
 }
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <string>
@@ -25,8 +26,9 @@ inline constexpr int kTraceVersion = 2;
 inline constexpr std::string_view kTraceEnd = "end\n";
 inline constexpr std::size_t kFooterBytes = 16;  ///< offset of the contents (8), their bytes (4), kTraceEnd
 
-/// Largest blocks, unpacked.
-inline constexpr std::uint64_t kMaxHeaderBytes = 1U << 24, kMaxContentsBytes = 1U << 28, kMaxTileBytes = 1U << 28,
+/// Largest blocks, unpacked. Most of the contents are two figures a tile, 17 to 22 bytes: 23 MB for a frame of
+/// 16384 x 16384 pixels in tiles of 16 x 16. What is read takes up to twenty times that memory.
+inline constexpr std::uint64_t kMaxHeaderBytes = 1U << 24, kMaxContentsBytes = 1U << 26,
                                kMaxTreeBytes = std::uint64_t{1} << 31;
 inline constexpr std::uint32_t kMaxPartTiles = 1U << 26, kMaxFrame = 1'000'000;
 
@@ -36,6 +38,11 @@ struct TraceDemands {
   std::uint32_t attribute_bytes = 0;  ///< of a full tile, in the tile buffer
   std::array<std::uint64_t, kRegionCount> region_bytes{};
 };
+
+/// The most bytes that the work of a tile may take: 64 KiB for a sample, of which real ones need 100 to 500.
+constexpr std::uint64_t most_tile_bytes(const TraceDemands& demands) {
+  return std::min<std::uint64_t>(kMaxTileBytes, (1U << 16) + (std::uint64_t{1} << 16) * demands.tile_samples);
+}
 
 /// A whole number of the contents, at most `most`; InputError, without the file's name, otherwise.
 std::uint64_t number_of(const Json& json, std::uint64_t most, const char* what);

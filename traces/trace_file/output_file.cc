@@ -1,15 +1,8 @@
 #include "traces/trace_file/output_file.h"
 
-#include <cerrno>
-#include <system_error>
-#include <utility>
-
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include "sim/error.h"
-#include "sim/io/file.h"
 #include "sim/io/printable.h"
 
 namespace traces {
@@ -17,28 +10,21 @@ namespace {
 
 constexpr std::size_t kPiece = 1U << 20;
 
-std::string cannot_be_written(const std::filesystem::path& path, int error) {
-  return fmt::format("{}: cannot be written: {}", sim::printable(path.string()),
-                     std::generic_category().message(error));
+/// A path that cannot be written is the user's mistake; a disk that is full later is not.
+std::unique_ptr<sim::NewFile> begin(const std::filesystem::path& path) {
+  if (std::filesystem::is_directory(path)) {
+    throw sim::InputError(fmt::format("{}: is a folder, not a file", sim::printable(path.string())));
+  }
+  try {
+    return std::make_unique<sim::NewFile>(path);
+  } catch (const sim::IoError& error) {
+    throw sim::InputError(error.what());
+  }
 }
 
 }  // namespace
 
-OutputFile::OutputFile(std::filesystem::path path) : path_(std::move(path)), temporary_(sim::temporary_name(path_)) {
-  if (std::filesystem::is_directory(path_)) {
-    throw sim::InputError(fmt::format("{}: is a folder, not a file", sim::printable(path_.string())));
-  }
-  file_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  if (file_ < 0) throw sim::InputError(cannot_be_written(path_, errno));
-}
-
-OutputFile::~OutputFile() {
-  if (file_ < 0) return;
-  ::close(file_);
-  ::unlink(temporary_.c_str());
-}
-
-void OutputFile::give_up() const { throw sim::IoError(cannot_be_written(path_, errno)); }
+OutputFile::OutputFile(const std::filesystem::path& path) : file_(begin(path)) {}
 
 void OutputFile::write(std::string_view bytes) {
   held_.append(bytes);
@@ -47,25 +33,13 @@ void OutputFile::write(std::string_view bytes) {
 }
 
 void OutputFile::flush() {
-  std::string_view left = held_;
-  while (!left.empty()) {
-    const ssize_t written = ::write(file_, left.data(), left.size());
-    if (written < 0 && errno != EINTR) give_up();
-    if (written > 0) left.remove_prefix(static_cast<std::size_t>(written));
-  }
+  file_->write(held_);
   held_.clear();
 }
 
 void OutputFile::commit() {
   flush();
-  const int file = std::exchange(file_, -1);
-  if (::close(file) != 0) {
-    const int error = errno;
-    ::unlink(temporary_.c_str());
-    errno = error;
-    give_up();
-  }
-  sim::commit_file(temporary_, path_);
+  file_->commit();
 }
 
 }  // namespace traces

@@ -1,20 +1,19 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <string_view>
 
+#include "sim/io/file.h"
+
 namespace traces {
 
-/// A file that is written piece by piece under another name and takes its own when it is whole. Whatever is not
-/// committed is removed.
+/// A sim::NewFile that collects what is written into larger pieces.
 class OutputFile {
  public:
   /// InputError if it cannot be made.
-  explicit OutputFile(std::filesystem::path path);
-  ~OutputFile();
-  OutputFile(const OutputFile&) = delete;
-  OutputFile& operator=(const OutputFile&) = delete;
+  explicit OutputFile(const std::filesystem::path& path);
 
   /// IoError, also for what was written before.
   void write(std::string_view bytes);
@@ -23,10 +22,8 @@ class OutputFile {
 
  private:
   void flush();
-  [[noreturn]] void give_up() const;
 
-  const std::filesystem::path path_, temporary_;
-  int file_ = -1;
+  std::unique_ptr<sim::NewFile> file_;
   std::string held_;
   std::uint64_t size_ = 0;
 };

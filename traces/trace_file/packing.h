@@ -9,6 +9,9 @@ struct ZSTD_DCtx_s;
 
 namespace traces {
 
+/// The smallest block: a zstd frame of nothing.
+inline constexpr std::uint64_t kLeastPacked = 9;
+
 /// Packs blocks: one zstd frame each, with size and checksum of what is inside.
 class Packer {
  public:

@@ -77,6 +77,9 @@ std::uint32_t flag(ByteReader& from, const char* what) {
 }  // namespace
 
 void TileEncoder::encode(const TileWork& work, const Links& links, std::string& out) {
+  if (work.nodes.size() > kMaxTileNodes) {
+    throw sim::InputError("a tile of more than 1048576 launches, batches of rays and transfers cannot be recorded");
+  }
   ByteWriter to(out);
   to.number(work.frame);
   to.number(work.tile);
@@ -118,7 +121,7 @@ WorkNode& TileDecoder::next_node(TileWork& work) {
 
 void TileDecoder::read_nodes(ByteReader& from, const TileScope& scope, TileWork& work) {
   nodes_ = rays_ = items_ = 0;
-  const std::uint32_t nodes = from.number32(from.left() / 3, "number of nodes");
+  const std::uint32_t nodes = from.number32(std::min<std::uint64_t>(from.left() / 3, kMaxTileNodes), "number of nodes");
   for (std::uint32_t n = 0; n < nodes; ++n) {
     WorkNode& node = next_node(work);
     const std::uint32_t kind = from.byte();

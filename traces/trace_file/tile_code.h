@@ -16,12 +16,18 @@ namespace traces {
 inline constexpr std::size_t kRegionCount = static_cast<std::size_t>(Region::kCount);
 inline constexpr std::size_t kRayKinds = static_cast<std::size_t>(RayKind::kCount);
 
+/// The most bytes of a tile, and nodes: real ones have up to some hundreds, and at the largest render.layers and
+/// render.depth some hundred thousand. A node in memory takes many times its bytes.
+inline constexpr std::uint64_t kMaxTileBytes = 1U << 26;
+inline constexpr std::uint32_t kMaxTileNodes = 1U << 20;
+
 /// What the work of a tile may refer to.
 struct TileScope {
   Links links;
   ImageCounts counts;
   std::uint32_t kernels = 0;
   std::array<std::uint64_t, kRegionCount> region_bytes{};
+  std::uint64_t tile_bytes = kMaxTileBytes;  ///< that it may take
 };
 
 /// What a tile's rays are, beside its work.

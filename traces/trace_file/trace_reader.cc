@@ -1,5 +1,6 @@
 #include "traces/trace_file/trace_reader.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <system_error>
 #include <utility>
@@ -9,6 +10,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "sim/io/json.h"
 #include "sim/io/printable.h"
 #include "traces/trace_file/bytes.h"
 #include "traces/walk.h"
@@ -80,7 +82,7 @@ void TraceReader::read_header() {
   }
   const Place place{start.size(), load<std::uint32_t>(start.data() + kTraceMagic.size())};
   if (place.bytes > size_ - place.offset) throw sim::InputError("ends early");
-  header_ = Json::parse(block(place, kMaxHeaderBytes));
+  header_ = sim::parse_json<Json>(block(place, kMaxHeaderBytes));
 }
 
 void TraceReader::read_contents() {
@@ -90,7 +92,7 @@ void TraceReader::read_contents() {
   if (!footer.ends_with(kTraceEnd)) throw sim::InputError("ends early: there is no footer");
   const Place place{load<std::uint64_t>(footer.data()), load<std::uint32_t>(footer.data() + 8)};
   if (place.offset > size_ || place.bytes > size_ - place.offset) throw sim::InputError("footer is damaged");
-  Json contents = Json::parse(block(place, kMaxContentsBytes));
+  Json contents = sim::parse_json<Json>(block(place, kMaxContentsBytes));
   for (const Json& tree : contents.at("trees")) {
     trees_.push_back({place_of(tree), number_at(tree, "nodes", kMaxNodes), counts_of_json(tree.at("counts"))});
   }
@@ -101,7 +103,8 @@ void TraceReader::read_contents() {
     if (trees_.empty()) throw sim::InputError("has no tree");
     part.tree = number_at(json, "tree", trees_.size() - 1);
     part.demands = demands_of_json(json.at("demands"));
-    part.tiles = static_cast<std::uint32_t>(number_at(json, "tiles", kMaxPartTiles));
+    part.tiles = static_cast<std::uint32_t>(
+        number_at(json, "tiles", std::min<std::uint64_t>(kMaxPartTiles, size_ / kLeastPacked)));
     part.sizes = place_of(json.at("sizes"));
     part.tiles_at = number_at(json, "offset", size_);
     part.result = std::move(json.at("result"));
@@ -114,7 +117,7 @@ TileScope TraceReader::scope(const Part& part, std::uint32_t kernels) const {
   const Tree& tree = trees_[part.tree];
   return naming_file([&]() -> TileScope {
     return {decode_links(block(tree.place, kMaxTreeBytes), tree.nodes, tree.counts), tree.counts, kernels,
-            part.demands.region_bytes};
+            part.demands.region_bytes, most_tile_bytes(part.demands)};
   });
 }
 
@@ -135,7 +138,7 @@ std::vector<TraceReader::Place> TraceReader::tiles(const Part& part) const {
 
 TileRays TraceReader::Cursor::read(const Place& tile, const TileScope& scope, TileWork& work) {
   trace_.read_at(tile, block_);
-  return decoder_.decode(unpacker_.unpack(block_, kMaxTileBytes), scope, work);
+  return decoder_.decode(unpacker_.unpack(block_, scope.tile_bytes), scope, work);
 }
 
 }  // namespace traces

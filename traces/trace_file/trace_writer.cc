@@ -16,7 +16,14 @@ namespace {
 /// What a slip of the keyboard must not destroy.
 const std::filesystem::path& may_replace(const std::filesystem::path& path) {
   std::error_code failed;
-  if (!std::filesystem::exists(path, failed) || std::filesystem::is_directory(path, failed)) return path;
+  const std::filesystem::file_status status = std::filesystem::status(path, failed);
+  if (!std::filesystem::exists(status) || std::filesystem::is_directory(status)) return path;
+  if (!std::filesystem::is_regular_file(status)) {  // to open a pipe is to wait for who writes into it
+    throw sim::InputError(
+        fmt::format("{}: is there and is not a regular file; allowed: a new file, or a trace to be "
+                    "replaced",
+                    sim::printable(path.string())));
+  }
   std::string start(kTraceKind.size(), '\0');
   std::ifstream(path, std::ios::binary).read(start.data(), static_cast<std::streamsize>(start.size()));
   if (start != kTraceKind) {
@@ -65,6 +72,7 @@ void TraceWriter::begin_part(PartId id, Links links, const ImageCounts& counts, 
     trees.push_back(std::move(tree));
   }
   sizes_.clear();
+  most_of_tile_ = most_tile_bytes(demands);
   part_ = {{"frame", id.frame},
            {"program", id.reference ? "reference" : "program"},
            {"tree", trees.size() - 1},
@@ -75,10 +83,11 @@ void TraceWriter::begin_part(PartId id, Links links, const ImageCounts& counts, 
 void TraceWriter::add(const TileWork& work) {
   bytes_.clear();
   encoder_.encode(work, links_, bytes_);
-  if (bytes_.size() > kMaxTileBytes) {
+  if (bytes_.size() > most_of_tile_) {
     throw sim::InputError(
-        "render.tile: a tile's work takes more than 256 MiB and cannot be recorded; allowed: a "
-        "smaller tile, depth or number of lights");
+        fmt::format("render.tile: a tile's work takes {} MiB and cannot be recorded; allowed: {} MiB, with a smaller "
+                    "tile, depth or number of lights",
+                    bytes_.size() >> 20, most_of_tile_ >> 20));
   }
   const std::string_view packed = packer_.pack(bytes_);
   file_.write(packed);
@@ -91,6 +100,13 @@ void TraceWriter::end_part(Json result) {
   part_["tiles"] = sizes_.size();
   part_["sizes"] = put(sizes);
   part_["result"] = std::move(result);
+  contents_bytes_ += text_of(part_).size();
+  if (contents_bytes_ > kMaxContentsBytes) {
+    throw sim::InputError(
+        fmt::format("what is told of frames beside their work takes more than {} MiB and cannot be recorded; allowed: "
+                    "fewer --frames",
+                    kMaxContentsBytes >> 20));
+  }
   contents_["parts"].push_back(std::move(part_));
 }
 

@@ -43,10 +43,12 @@ class TraceWriter {
   Packer packer_;
   TileEncoder encoder_;
   Json contents_;
+  std::uint64_t contents_bytes_ = 0;  ///< of its parts, as text
   // Of the present part.
   Links links_;
   ImageCounts counts_;
   Json part_;
+  std::uint64_t most_of_tile_ = 0;    ///< bytes
   std::vector<std::uint32_t> sizes_;  ///< of its tiles
   std::string bytes_;
 };

@@ -1,9 +1,17 @@
 #include "hw_models/frame/front_end.h"
 
+#include <chrono>
+#include <fstream>
+#include <functional>
+#include <new>
 #include <stdexcept>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include "tests/hw_models/frame/bench.h"
 
@@ -77,6 +85,84 @@ TEST(FrontEnd, AFailureInAThreadComesOutWhereTheTileIsAskedFor) {
     EXPECT_THROW(front_end.next(), std::runtime_error) << workers;
   }
 }
+
+/// A list of tiles, each of which is made as the test says.
+class MadeUp final : public kernels::FrameProgram {
+ public:
+  using Run = std::function<void(std::uint32_t place, kernels::TileResult& out)>;
+  MadeUp(std::uint32_t tiles, Run run, std::function<void()> keep = {})
+      : FrameProgram(0, 0), tiles_(tiles), run_(std::move(run)), keep_(std::move(keep)) {}
+  std::uint32_t tiles() const override { return tiles_; }
+  kernels::Demands demands() const override { return {}; }
+  void run_tile(std::uint32_t place, const traces::Tracer&, bool, kernels::TileResult& out) const override {
+    run_(place, out);
+  }
+  void keep(const kernels::TileResult&) override {
+    if (keep_) keep_();
+  }
+
+ private:
+  const std::uint32_t tiles_;
+  const Run run_;
+  const std::function<void()> keep_;
+};
+
+TEST(FrontEnd, OfSeveralTilesThatFailTheFirstIsToldHoweverManyThreadsMakeThem) {
+  const FailingTracer tracer;
+  std::mutex mutex;
+  std::condition_variable news;
+  bool later_has_failed = false;
+  MadeUp program(8, [&](std::uint32_t place, kernels::TileResult&) {
+    if (place < 2) return;
+    std::unique_lock lock(mutex);
+    // Of two threads the one with the earlier tile is the later one.
+    if (place == 2) news.wait_for(lock, std::chrono::milliseconds(500), [&] { return later_has_failed; });
+    later_has_failed = place > 2;
+    news.notify_all();
+    throw std::runtime_error("tile " + std::to_string(place));
+  });
+  for (const std::uint32_t workers : {0U, 1U, 2U, 5U}) {
+    FrontEnd front_end(program, tracer, workers);
+    for (int good = 0; good < 2; ++good) EXPECT_NE(front_end.next(), nullptr);
+    try {
+      front_end.next();
+      FAIL();
+    } catch (const std::runtime_error& error) {
+      EXPECT_STREQ(error.what(), "tile 2") << workers;
+    }
+  }
+}
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // they end the process instead
+TEST(FrontEnd, MemoryThatAThreadIsRefusedComesOutWhereTheTileIsAskedFor) {
+  const FailingTracer tracer;
+  rlimit before{};
+  getrlimit(RLIMIT_AS, &before);
+  const auto allow_no_more = [&] {
+    std::uint64_t pages = 0;
+    std::ifstream("/proc/self/statm") >> pages;
+    const rlimit tight{pages * static_cast<rlim_t>(::getpagesize()) + (8U << 20), before.rlim_max};
+    setrlimit(RLIMIT_AS, &tight);
+  };
+  // All slots get room for the longest tile so far.
+  MadeUp program(
+      100, [](std::uint32_t place, kernels::TileResult& out) { out.work.walk.resize(place == 0 ? 16U << 20 : 0); },
+      allow_no_more);
+  for (const std::uint32_t workers : {1U, 2U}) {
+    bool refused = false;
+    {
+      FrontEnd front_end(program, tracer, workers);
+      try {
+        take_all(front_end);
+      } catch (const std::bad_alloc&) {
+        refused = true;
+      }
+    }
+    setrlimit(RLIMIT_AS, &before);
+    EXPECT_TRUE(refused) << workers;
+  }
+}
+#endif
 
 }  // namespace
 }  // namespace hw

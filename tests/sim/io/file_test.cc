@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "../folder.h"
 #include "sim/error.h"
@@ -27,17 +29,54 @@ TEST(WriteFile, ReplacesTheWholeFileAndLeavesNothingElse) {
   EXPECT_EQ(files_in(folder.path()), 1U);
 }
 
-TEST(WriteFile, KeepsTheExtensionOfTheTemporaryNameLast) {
-  EXPECT_EQ(temporary_name("a/x.y.png"), "a/x.y.tmp.png");
-  EXPECT_EQ(temporary_name("a/x"), "a/x.tmp");
+TEST(WriteFile, TouchesNoOtherFileAndFollowsNoLink) {
+  const Folder folder;
+  // Whatever name it takes in between, it is none of these.
+  const std::string own = std::to_string(::getpid());
+  const auto mine = folder.write("x.tmp.json", "mine"), first = folder.write("x." + own + "-0.tmp.json", "mine");
+  const auto target = folder.write("target", "kept");
+  std::filesystem::create_symlink(target, folder.path() / ("x." + own + "-1.tmp.json"));
+  write_file_atomically(folder.path() / "x.json", "new");
+  EXPECT_EQ(read_file(folder.path() / "x.json", 100), "new");
+  EXPECT_EQ(read_file(mine, 100), "mine");
+  EXPECT_EQ(read_file(first, 100), "mine");
+  EXPECT_EQ(read_file(target, 100), "kept");
+  EXPECT_EQ(files_in(folder.path()), 5U);
 }
 
-TEST(WriteFile, CommitsWhatSomebodyElseHasWritten) {
+TEST(WriteFile, TwoWritersOfOneFileDoNotMix) {
   const Folder folder;
-  const auto file = folder.path() / "x.png";
-  commit_file(folder.write("x.tmp.png", "image"), file);
-  EXPECT_EQ(read_file(file, 100), "image");
+  const auto path = folder.path() / "x";
+  NewFile a(path), b(path);
+  a.write("first");
+  b.write("2nd");
+  a.commit();
+  EXPECT_EQ(read_file(path, 100), "first");
+  b.commit();
+  EXPECT_EQ(read_file(path, 100), "2nd");
+  NewFile(path).write("neither");
+  EXPECT_EQ(read_file(path, 100), "2nd");
   EXPECT_EQ(files_in(folder.path()), 1U);
+}
+
+TEST(WriteFile, HasTheRightsThatTheMaskLeaves) {
+  const Folder folder;
+  const mode_t before = ::umask(027);
+  write_file_atomically(folder.path() / "x", "");
+  ::umask(before);
+  EXPECT_EQ(std::filesystem::status(folder.path() / "x").permissions(), std::filesystem::perms{0640});
+}
+
+TEST(WriteFile, WhatAKilledWriterLeavesIsKnownByItsName) {
+  EXPECT_TRUE(is_left_of("x.123-0.tmp.json", "x.json"));
+  EXPECT_TRUE(is_left_of("x.123-45.tmp", "x"));
+  for (const char* other : {"x.json", "x.tmp.json", "x.123.tmp.json", "x.a-0.tmp.json", "y.123-0.tmp.json",
+                            "x.123-0.tmp.yaml", "x..tmp.json"}) {
+    EXPECT_FALSE(is_left_of(other, "x.json")) << other;
+  }
+  const Folder folder;
+  NewFile file(folder.path() / "x.y.png");
+  EXPECT_TRUE(is_left_of(std::filesystem::directory_iterator(folder.path())->path().filename().string(), "x.y.png"));
 }
 
 TEST(WriteFile, WithoutAFolderIsAnIoError) {
@@ -67,15 +106,6 @@ TEST(WriteFile, WithoutRoomIsAnIoErrorAndKeepsTheOldFile) {
   EXPECT_EQ(message, "x.json: cannot be written: File too large");
   EXPECT_EQ(read_file(file, 100), "old");
   EXPECT_EQ(files_in(folder.path()), 1U);
-}
-
-TEST(WriteFile, ToAFullDeviceIsAnIoError) {
-  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP();
-  const Folder folder;
-  const auto file = folder.path() / "x.json";
-  std::filesystem::create_symlink("/dev/full", temporary_name(file));
-  EXPECT_EQ(complaint<IoError>(folder, [&] { write_file_atomically(file, "x"); }),
-            "x.json: cannot be written: No space left on device");
 }
 
 TEST(ReadFile, RefusesWhatIsMissingTooLargeOrNoFile) {

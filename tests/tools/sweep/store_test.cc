@@ -95,7 +95,13 @@ TEST_F(SweepStore, WhatAKilledProcessHasLeftIsRemovedAndWhatALivingOneHasIsNot) 
     std::ofstream(store.root() / "tmp" / (name + ".host.1") / "report.json") << "{";
   }
   std::ofstream(store.root() / "locks" / id) << "";
+  for (const std::string& name : {id, living}) {
+    tools::sweep::make_folders(store.root() / "failed" / name.substr(0, 2));
+    std::ofstream(store.root() / "failed" / name.substr(0, 2) / (name + ".123-0.tmp.json")) << "{";
+  }
   store.clean();
+  EXPECT_EQ(names_in(store.root() / "failed" / id.substr(0, 2)), Words{});
+  EXPECT_EQ(names_in(store.root() / "failed" / living.substr(0, 2)), Words{living + ".123-0.tmp.json"});
   EXPECT_EQ(names_in(store.root() / "tmp"), Words{living + ".host.1"});
   EXPECT_EQ(names_in(store.root() / "locks"), Words{living});
 }

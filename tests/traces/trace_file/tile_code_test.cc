@@ -10,6 +10,7 @@
 #include "tests/traces/trace_file/tiny_tile.h"
 #include "traces/accel/build.h"
 #include "traces/accel/bvh_tracer.h"
+#include "traces/trace_file/bytes.h"
 
 // A tile's work as bytes: nothing is lost, little is written, and no bytes make a tile that a machine cannot play.
 
@@ -153,6 +154,32 @@ TEST(TileCode, AGraphThatAMachineCouldNotPlayIsRefused) {
               t.nodes[2].inputs.push_back({0, Edge::Kind::kAll});
             }),
             "rays must have one input, an `each` edge from a launch");
+}
+
+TEST(TileCode, ATileHasNoMoreNodesThanAMachineHasRoomFor) {
+  TileWork tile;
+  tile.nodes.resize(kMaxTileNodes, {.items = 1, .inputs = {}});
+  tile.access_begin = {0};
+  std::string bytes;
+  TileEncoder().encode(tile, tiny_scope().links, bytes);
+  TileWork back;
+  decode(bytes, tiny_scope(), back);
+  EXPECT_EQ(back.nodes.size(), kMaxTileNodes);
+  tile.nodes.push_back(tile.nodes.back());
+  EXPECT_THROW(encode(tile, tiny_scope().links), sim::InputError);
+  // One more in the bytes: behind frame, number, samples and what it waits for.
+  std::string number, more;
+  ByteWriter(number).number(kMaxTileNodes);
+  ByteWriter(more).number(kMaxTileNodes + 1);
+  ASSERT_EQ(bytes.find(number), 5U);
+  bytes.replace(5, number.size(), more);
+  bytes.insert(5 + more.size(), std::string("\0\1\0\0\0\0", 6));
+  try {
+    decode(bytes, tiny_scope(), back);
+    FAIL();
+  } catch (const sim::InputError& error) {
+    EXPECT_STREQ(error.what(), "number of nodes is out of range");
+  }
 }
 
 /// Damages a good tile in many ways.

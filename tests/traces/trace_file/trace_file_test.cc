@@ -1,10 +1,13 @@
+#include <cstring>
 #include <fstream>
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "sim/error.h"
 #include "tests/sim/folder.h"
 #include "tests/traces/trace_file/tiny_tile.h"
+#include "traces/trace_file/bytes.h"
 #include "traces/trace_file/trace_reader.h"
 #include "traces/trace_file/trace_writer.h"
 
@@ -134,6 +137,61 @@ TEST(TraceFile, WhatIsNoTraceIsNeitherReplacedNorRead) {
   EXPECT_EQ(complaint_of(folder.path() / "."), ".: is a folder, not a file");
   EXPECT_EQ(complaint<sim::InputError>(folder, [&] { TraceWriter(folder.path() / "no" / "folder", {}); }),
             "no/folder: cannot be written: No such file or directory");
+}
+
+TEST(TraceFile, WhatIsNoRegularFileIsRefusedBeforeItIsOpened) {
+  const Folder folder;
+  const auto pipe = folder.path() / "f.trace";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_EQ(complaint<sim::InputError>(folder, [&] { TraceWriter(pipe, {}); }),
+            "f.trace: is there and is not a regular file; allowed: a new file, or a trace to be replaced");
+  EXPECT_TRUE(std::filesystem::is_fifo(pipe));
+}
+
+TEST(TraceFile, TwoWritersOfOneFileDoNotMixAndNoOtherFileIsTouched) {
+  const Folder folder;
+  const auto path = folder.path() / "a.trace", target = folder.write("target", "kept");
+  const auto mine = folder.write("b.tmp.trace", "mine");
+  std::filesystem::create_symlink(target, folder.path() / "a.tmp.trace");
+  {
+    TraceWriter other(path, {{"program", "other"}});
+    write(path);
+    other.commit();
+  }
+  EXPECT_EQ(TraceReader(path).header()["program"], "other");
+  write(folder.path() / "b.trace");
+  EXPECT_EQ(bytes_of(mine), "mine");
+  EXPECT_EQ(bytes_of(target), "kept");
+  EXPECT_TRUE(std::filesystem::is_symlink(folder.path() / "a.tmp.trace"));
+}
+
+/// A good file with other contents.
+std::string with_contents(const std::string& good, const std::string& contents) {
+  const auto offset = load<std::uint64_t>(good.data() + good.size() - kFooterBytes);
+  Packer packer;
+  const std::string_view packed = packer.pack(contents);
+  std::string footer(12, '\0');
+  const auto size = static_cast<std::uint32_t>(packed.size());
+  std::memcpy(footer.data(), &offset, 8);
+  std::memcpy(footer.data() + 8, &size, 4);
+  return good.substr(0, offset) + std::string(packed) + footer + std::string(kTraceEnd);
+}
+
+TEST(TraceFile, APartHasNoMoreTilesThanTheFileHasRoomFor) {
+  const Folder folder;
+  write(folder.path() / "a.trace");
+  const std::string good = bytes_of(folder.path() / "a.trace");
+  const auto offset = load<std::uint64_t>(good.data() + good.size() - kFooterBytes);
+  const auto size = load<std::uint32_t>(good.data() + good.size() - kFooterBytes + 8);
+  Unpacker unpacker;
+  Json contents = Json::parse(unpacker.unpack(std::string_view(good).substr(offset, size), kMaxContentsBytes));
+  const auto says = [&](std::uint64_t tiles) {
+    contents["parts"][0]["tiles"] = tiles;
+    const auto path = folder.write("b.trace", with_contents(good, contents.dump()));
+    return complaint<sim::InputError>(folder, [&] { const TraceReader trace(path); });
+  };
+  EXPECT_EQ(says(kTiles), "no error");
+  EXPECT_EQ(says(good.size()), "b.trace: tiles is out of range");
 }
 
 TEST(TraceFile, EveryDamageIsFoundOrHarmless) {
