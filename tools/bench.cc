@@ -12,12 +12,14 @@
 #include <system_error>
 
 #include <fmt/format.h>
+#include <poll.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "sim/error.h"
 #include "tools/build_info.h"
+#include "tools/interrupt.h"
 #include "tools/median.h"
 #include "tools/recorded.h"
 #include "tools/replay.h"
@@ -52,23 +54,30 @@ class ScratchFolder {
   std::filesystem::path path_;
 };
 
-/// The work of a frame as a trace. The file has no name any more when this is there.
-std::unique_ptr<Replay> recorded(const Inputs& inputs, const BenchOptions& options, Progress& progress) {
-  const ScratchFolder folder;
-  const std::filesystem::path file = folder.path() / "a.trace";
+/// The work of a frame as a trace, written into `folder`. The file has no name any more when this is there.
+std::unique_ptr<Replay> recorded(const Inputs& inputs, const BenchOptions& options, const std::filesystem::path& folder,
+                                 Progress& progress) {
+  const std::filesystem::path file = folder / "a.trace";
   traces::TraceWriter writer(file, trace_header(inputs, options.job));
   render(inputs, kernels::parse_program(options.job.program), traces::BvhTracer(inputs.image), options.job.threads,
          {.progress = &progress, .trace = &writer});
   writer.end_frame(recorded_frame(inputs.frame, 0));
   writer.commit();
-  return std::make_unique<Replay>(file, options.job);
+  auto replay = std::make_unique<Replay>(file, options.job);
+  std::filesystem::remove(file);
+  return replay;
 }
 
 /// A round: everything once, one after the other, so that figures can be compared whatever the host is doing.
 class Rounds {
  public:
-  Rounds(const Inputs& inputs, const BenchOptions& options, Progress& progress)
-      : inputs_(inputs), options_(options), program_(kernels::parse_program(options.job.program)), progress_(progress) {
+  /// `scratch`: a folder to write into.
+  Rounds(const Inputs& inputs, const BenchOptions& options, const std::filesystem::path& scratch, Progress& progress)
+      : inputs_(inputs),
+        options_(options),
+        scratch_(scratch),
+        program_(kernels::parse_program(options.job.program)),
+        progress_(progress) {
     const bool samples = program_.kind == kernels::ProgramSpec::Kind::kFull;
     if (samples) sampling_ = TileSampling{.full_image = false};
     progress.expect(1 + (samples ? 5 : 4) * options.runs, options.job.scene);
@@ -92,7 +101,7 @@ class Rounds {
     add("timing_s_per_functional_s", timing / picture);
     // Peak memory is that of whole runs.
     if (peak_mib_ == 0) peak_mib_ = peak_rss_mib();
-    if (replay_ == nullptr) replay_ = recorded(inputs_, options_, progress_);
+    if (replay_ == nullptr) replay_ = recorded(inputs_, options_, scratch_, progress_);
     add("replay_s_per_timing_s", replay_->run(1, &progress_).total->wall_seconds / timing);
     if (sampling_) add_sampled(one, timing);
   }
@@ -124,6 +133,7 @@ class Rounds {
 
   const Inputs& inputs_;
   const BenchOptions& options_;
+  const std::filesystem::path scratch_;
   const kernels::ProgramSpec program_;
   Progress& progress_;
   double peak_mib_ = 0;
@@ -133,12 +143,12 @@ class Rounds {
   std::vector<std::pair<std::string, std::vector<double>>> values_;
 };
 
-Json measure(const std::string& scene, const BenchOptions& options) {
+Json measure(const std::string& scene, const BenchOptions& options, const std::filesystem::path& scratch) {
   BenchOptions own = options;
   own.job.scene = scene;
   Progress progress(own.job.progress, own.job.quiet);
   const Inputs inputs = load_inputs(own.job, &progress);
-  Rounds rounds(inputs, own, progress);
+  Rounds rounds(inputs, own, scratch, progress);
   for (std::uint32_t i = 0; i < options.runs; ++i) rounds.run();
   return rounds.json();
 }
@@ -151,34 +161,80 @@ void write_all(int file, std::string_view text) {
   }
 }
 
+/// All that comes, or what has come by an interrupt.
 std::string read_all(int file) {
+  constexpr int kGlanceMs = 100;  // at an interrupt that came just before the wait
   std::string text;
   char part[4096];
-  for (ssize_t n = 0; (n = ::read(file, part, sizeof part)) != 0;) {
+  while (!interrupted()) {
+    pollfd waited{file, POLLIN, 0};
+    if (::poll(&waited, 1, kGlanceMs) <= 0) continue;  // an interrupt ends this
+    const ssize_t n = ::read(file, part, sizeof part);
+    if (n == 0) break;
     if (n > 0) text.append(part, static_cast<std::size_t>(n));
     if (n < 0 && errno != EINTR) throw std::system_error(errno, std::generic_category(), "pipe");
   }
   return text;
 }
 
-/// measure() in a process of its own. What it throws goes to main() there, which says so and ends the process.
-Json measure_apart(const std::string& scene, const BenchOptions& options) {
-  int ends[2];
-  if (::pipe(ends) != 0) throw std::system_error(errno, std::generic_category(), "pipe");
-  const pid_t child = ::fork();
-  if (child < 0) throw std::system_error(errno, std::generic_category(), "fork");
-  if (child == 0) {
-    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-    std::signal(SIGINT, SIG_DFL);  // the parent says it
-    ::close(ends[0]);
-    write_all(ends[1], measure(scene, options).dump());
-    std::_Exit(0);
+/// A process that measures, and what it has to say. What measure() throws goes to main() there, which says so and ends
+/// the process.
+class Measuring {
+ public:
+  Measuring(const std::string& scene, const BenchOptions& options, const std::filesystem::path& scratch) {
+    int ends[2];
+    if (::pipe(ends) != 0) throw std::system_error(errno, std::generic_category(), "pipe");
+    child_ = ::fork();
+    if (child_ < 0) throw std::system_error(errno, std::generic_category(), "fork");
+    if (child_ == 0) {
+      ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+      for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {  // the parent says it
+        if (std::signal(signal, SIG_DFL) == SIG_IGN) std::signal(signal, SIG_IGN);
+      }
+      ::close(ends[0]);
+      write_all(ends[1], measure(scene, options, scratch).dump());
+      std::_Exit(0);
+    }
+    ::close(ends[1]);
+    from_child_ = ends[0];
   }
-  ::close(ends[1]);
-  const std::string text = read_all(ends[0]);
-  ::close(ends[0]);
+  ~Measuring() {
+    ::close(from_child_);
+    if (child_ > 0) ::kill(child_, SIGKILL), wait();
+  }
+  Measuring(const Measuring&) = delete;
+  Measuring& operator=(const Measuring&) = delete;
+
+  /// Interrupted if an interrupt waits.
+  std::string result() {
+    std::string text = read_all(from_child_);
+    if (interrupted()) throw Interrupted{};
+    return text;
+  }
+  /// Its end, as waitpid() tells it.
+  int wait() {
+    int status = 0;
+    while (::waitpid(child_, &status, 0) < 0 && errno == EINTR) {
+    }
+    child_ = -1;
+    return status;
+  }
+
+ private:
+  pid_t child_ = -1;
+  int from_child_ = -1;
+};
+
+/// measure() in a process of its own, so that peak memory is that of the scene.
+Json measure_apart(const std::string& scene, const BenchOptions& options) {
+  std::string text;
   int status = 0;
-  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  {
+    const HoldInterrupts hold;  // until the folder is gone
+    const ScratchFolder scratch;
+    Measuring process(scene, options, scratch.path());
+    text = process.result();
+    status = process.wait();
   }
   if (WIFSIGNALED(status))
     throw std::runtime_error(fmt::format("signal {} while measuring {}", WTERMSIG(status), scene));

@@ -33,8 +33,8 @@ hw::Tni::Links links_of(MemoryNet& net, std::uint32_t core, std::uint32_t ports,
 }  // namespace
 
 CoreRays::CoreRays(std::span<const traces::Ray> rays, const traces::Tracer& tracer, std::uint32_t core,
-                   std::uint32_t cores)
-    : rays_(rays), tracer_(tracer), core_(core), cores_(cores), hit_(kBlock) {
+                   std::uint32_t cores, Finished finished)
+    : rays_(rays), tracer_(tracer), core_(core), cores_(cores), finished_(std::move(finished)), hit_(kBlock) {
   for (std::uint32_t block = 0; !block_of(block).empty(); ++block) {
     count_ += static_cast<std::uint32_t>(block_of(block).size());
   }
@@ -67,17 +67,26 @@ const std::uint32_t* CoreRays::walk(std::uint32_t ray) {
   return block.words.data() + block.begin[ray % kBlock];
 }
 
-void CoreRays::returned(std::uint32_t ray, sim::Time) {
+void CoreRays::returned(std::uint32_t ray, sim::Time now) {
   blocks_[ray / kBlock - first_].left -= 1;
   for (; !blocks_.empty() && blocks_.front().left == 0; ++first_) {
+    const auto traced = first_ + static_cast<std::uint32_t>(blocks_.size());
     spare_.push_back(std::move(blocks_.front()));
     blocks_.pop_front();
+    const bool goes_on = finished_(static_cast<std::uint32_t>(block_of(first_).size()), now);
+    if (!goes_on) count_ = std::min(count_, traced * kBlock);
   }
 }
 
 RayMachine::Core::Core(RayMachine& m, std::span<const traces::Ray> list, const traces::MemoryImage& image,
                        std::span<const std::uint32_t> parents, std::uint32_t core)
-    : rays(list, m.tracer_, core, m.config_.cores),
+    : rays(list, m.tracer_, core, m.config_.cores,
+           [&m](std::uint32_t finished, sim::Time now) {
+             m.done_.blocks += 1;
+             m.done_.rays += finished;
+             m.done_.cycles = m.clock_.cycles(now);
+             return m.watch_(m.done_);
+           }),
       jobs(m.config_.direct_interface.depth, 1, m.clock_),
       dones(m.config_.direct_interface.depth, 1, m.clock_),
       source(m.clock_, m.config_.direct_interface.interval, rays, jobs, dones),
@@ -92,10 +101,11 @@ RayMachine::Core::Core(RayMachine& m, std::span<const traces::Ray> list, const t
 }
 
 RayMachine::RayMachine(const hw::GpuConfig& config, const traces::MemoryImage& image,
-                       std::span<const std::uint32_t> parents, std::span<const traces::Ray> rays)
+                       std::span<const std::uint32_t> parents, std::span<const traces::Ray> rays, Watch watch)
     : config_(config),
       clock_(config.clocks.tni.clock()),
       tracer_(image),
+      watch_(std::move(watch)),
       wakes_(config.cores * units_per_core() + MemoryNet::units(config)),
       net_(config_, clients(config_), wakes_, config.cores * units_per_core(),
            [this](std::uint32_t core, std::uint32_t client) {

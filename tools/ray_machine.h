@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -20,8 +21,12 @@ namespace tools {
 class CoreRays {
  public:
   static constexpr std::uint32_t kBlock = 64;
+  /// Told of a block that is forgotten and its number of rays; says whether to go on. If not, the core's list ends
+  /// behind the blocks that are traced by then.
+  using Finished = std::function<bool(std::uint32_t rays, sim::Time now)>;
 
-  CoreRays(std::span<const traces::Ray> rays, const traces::Tracer& tracer, std::uint32_t core, std::uint32_t cores);
+  CoreRays(std::span<const traces::Ray> rays, const traces::Tracer& tracer, std::uint32_t core, std::uint32_t cores,
+           Finished finished);
 
   std::uint32_t count() const { return count_; }
   const std::uint32_t* walk(std::uint32_t ray);
@@ -40,6 +45,7 @@ class CoreRays {
   const std::span<const traces::Ray> rays_;
   const traces::Tracer& tracer_;
   const std::uint32_t core_, cores_;
+  const Finished finished_;
   std::uint32_t count_ = 0;
   std::uint32_t first_ = 0;  ///< of the blocks kept
   std::deque<Block> blocks_;
@@ -48,19 +54,31 @@ class CoreRays {
   std::uint64_t hits_ = 0, steps_ = 0;
 };
 
+/// How far a list of rays is.
+struct RaysDone {
+  std::uint32_t blocks = 0;  ///< of CoreRays::kBlock rays
+  std::uint64_t rays = 0, cycles = 0;
+};
+
 /// The T&I units of a machine with its caches and memory, and a list of rays in the place of shader cores.
 ///
 ///   rays --> T&I unit of each core --> core port --> L2 banks --> channels
 class RayMachine {
  public:
+  /// Told whenever a block of rays has come back; says whether to go on. If not, the machine brings to their end the
+  /// blocks of rays that it has begun.
+  using Watch = std::function<bool(const RaysDone& so_far)>;
+
   /// `parents`: of the image's nodes. All arguments must outlive it.
   RayMachine(const hw::GpuConfig& config, const traces::MemoryImage& image, std::span<const std::uint32_t> parents,
-             std::span<const traces::Ray> rays);
+             std::span<const traces::Ray> rays, Watch watch);
   RayMachine(const RayMachine&) = delete;
   RayMachine& operator=(const RayMachine&) = delete;
 
-  /// Plays all rays. sim::Deadlock if they do not end.
+  /// Plays all rays, or those that `watch` has left. sim::Deadlock if they do not end.
   void run();
+  /// Rays played.
+  std::uint64_t rays() const { return done_.rays; }
   sim::Time elapsed() const { return elapsed_; }
   std::uint64_t cycles() const { return clock_.cycles(elapsed_); }
   std::uint64_t hits() const;
@@ -97,6 +115,8 @@ class RayMachine {
   const hw::GpuConfig config_;
   const sim::Clock clock_;
   const traces::BvhTracer tracer_;
+  const Watch watch_;
+  RaysDone done_;
   sim::Wakes wakes_;
   MemoryNet net_;
   std::deque<Core> cores_;

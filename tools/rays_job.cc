@@ -1,5 +1,7 @@
 #include "tools/rays_job.h"
 
+#include <optional>
+
 #include <fmt/format.h>
 
 #include "hw_models/memory/dram_energy.h"
@@ -24,12 +26,14 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kFemtosecondsPerMillisecond = 1e12, kPicojoulesPerMillijoule = 1e9;
 
-Json totals_of(const RayMachine& machine, std::uint64_t rays, const std::vector<sim::UnitReport>& units,
+/// `listed`: all rays that there are.
+Json totals_of(const RayMachine& machine, std::uint64_t listed, const std::vector<sim::UnitReport>& units,
                const sim::EnergyReport& energy) {
+  const std::uint64_t rays = machine.rays();
   const double ms = static_cast<double>(machine.elapsed()) / kFemtosecondsPerMillisecond;
   Json totals = {{"cycles", machine.cycles()},
                  {"time_ms", ms},
-                 {"rays", {{"total", rays}, {"hits", machine.hits()}}},
+                 {"rays", {{"total", rays}, {"hits", machine.hits()}, {"listed", listed}}},
                  {"traversal_steps", machine.steps()},
                  {"dram_bytes", sum_of(units, "dram", "bytes")}};
   totals.update(sim::energy_json(energy));
@@ -44,8 +48,13 @@ Json totals_of(const RayMachine& machine, std::uint64_t rays, const std::vector<
 
 std::string table(const Json& report) {
   const Json& t = report["totals"];
-  std::string out = fmt::format("{}  rays of a list  ({} triangles)\n\n", report["scene"]["name"].get<std::string>(),
+  std::string out = fmt::format("{}  rays of a list  ({} triangles)\n", report["scene"]["name"].get<std::string>(),
                                 sim::si_text(report["scene"]["triangles"].get<double>()));
+  if (report["partial"].get<bool>()) {
+    out += fmt::format("PARTIAL: interrupted after {} of {} rays\n", t["rays"]["total"].get<std::uint64_t>(),
+                       t["rays"]["listed"].get<std::uint64_t>());
+  }
+  out += "\n";
   const auto line = [&](const char* name, const std::string& value) {
     out += fmt::format("  {:<22}{}\n", name, value);
   };
@@ -68,40 +77,56 @@ std::string table(const Json& report) {
   return out;
 }
 
+/// `played` by now.
+Json report_of(const JobOptions& options, const Inputs& inputs, const RayList& list, const RayMachine& played) {
+  const std::vector<sim::UnitReport> units = played.report();
+  const sim::EnergyReport energy = sim::compute_energy(
+      units, inputs.config.energy, hw::dram_energy_events(inputs.config.gpu.dram), played.elapsed());
+  Json provenance = provenance_json(inputs, options);
+  provenance["rays_sha256"] = list.sha256;
+  return {{"schema", "raywatt-rays/1"},
+          {"partial", played.rays() < list.rays.size()},
+          {"config", Json(sim::config_json(inputs.config))},
+          {"scene",
+           {{"name", inputs.scene.name},
+            {"triangles", inputs.scene.triangles},
+            {"instances", inputs.scene.instances},
+            {"lights", inputs.scene.lights}}},
+          {"provenance", std::move(provenance)},
+          {"totals", totals_of(played, list.rays.size(), units, energy)},
+          {"units", sim::units_json(units)}};
+}
+
 }  // namespace
 
 void run_rays(const JobOptions& options) {
   const auto begin = sim::HostClock::now();
   RunFolder folder(options.out, options.force);
+  Progress progress(options.progress, options.quiet);
   const RayList list = read_ray_list(options.rays);
-  const Inputs inputs = load_inputs(options);
-  for (const std::string& warning : inputs.warnings) fmt::print(stderr, "raywatt: warning: {}\n", warning);
-  RayMachine machine(inputs.config.gpu, inputs.image, inputs.parents, list.rays);
-  machine.run();
+  const Inputs inputs = load_inputs(options, &progress);
+  for (const std::string& warning : inputs.warnings) progress.say("raywatt: warning: " + warning);
+  RayMachine machine(inputs.config.gpu, inputs.image, inputs.parents, list.rays, [&](const RaysDone& so_far) {
+    progress.tiles_done(so_far.blocks, so_far.rays, so_far.cycles);
+    return !interrupted();
+  });
 
-  const std::vector<sim::UnitReport> units = machine.report();
-  const sim::EnergyReport energy = sim::compute_energy(
-      units, inputs.config.energy, hw::dram_energy_events(inputs.config.gpu.dram), machine.elapsed());
-  Json provenance = provenance_json(inputs, options);
-  provenance["rays_sha256"] = list.sha256;
-  Json json = {{"schema", "raywatt-rays/1"},
-               {"partial", false},
-               {"config", Json(sim::config_json(inputs.config))},
-               {"scene",
-                {{"name", inputs.scene.name},
-                 {"triangles", inputs.scene.triangles},
-                 {"instances", inputs.scene.instances},
-                 {"lights", inputs.scene.lights}}},
-               {"provenance", std::move(provenance)},
-               {"totals", totals_of(machine, list.rays.size(), units, energy)},
-               {"units", sim::units_json(units)}};
-  json["host"] = {
-      {"wall_s", sim::seconds_since(begin)}, {"load_s", inputs.load_seconds}, {"peak_rss_mb", peak_rss_mib()}};
+  Json json;
   folder.fill([&](const RunFolder::Open& open) {
+    std::optional<HoldInterrupts> hold;  // a part never replaces a former run, so nothing is lost where there is one
+    if (!folder.holds_former_run()) hold.emplace();
+    progress.expect(1);
+    progress.begin_part("simulating", 0,
+                        static_cast<std::uint32_t>((list.rays.size() + CoreRays::kBlock - 1) / CoreRays::kBlock));
+    machine.run();
+    json = report_of(options, inputs, list, machine);
+    progress.end(json["partial"].get<bool>() ? "interrupted" : "done");
+    json["host"] = {
+        {"wall_s", sim::seconds_since(begin)}, {"load_s", inputs.load_seconds}, {"peak_rss_mb", peak_rss_mib()}};
     sim::write_file_atomically(open() / "report.json", sim::json_text(json));
     sim::write_file_atomically(open() / "report.txt", table(json));
     sim::write_file_atomically(open() / "config.yaml", sim::dump_config(inputs.config));
-    return std::string("the whole run");
+    return fmt::format("{} of {} rays", machine.rays(), list.rays.size());
   });
   if (options.quiet) return;
   fmt::print("{}\nreport:  {}\n", table(json), (folder.target() / "report.json").string());

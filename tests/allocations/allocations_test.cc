@@ -1,53 +1,102 @@
+#include <algorithm>
 #include <cstdint>
+#include <deque>
+#include <filesystem>
+#include <latch>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <ostream>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "hw_models/frame/front_end.h"
 #include "hw_models/frame/gpu.h"
+#include "shader_kernels/catalogue.h"
 #include "sim/engine.h"
 #include "tests/allocations/count.h"
 #include "tests/hw_models/frame/bench.h"
+#include "tests/traces/scene/tiny_gltf_file.h"
+#include "tools/replay_program.h"
+#include "traces/trace_file/trace_reader.h"
+#include "traces/trace_file/trace_writer.h"
 
-// Once a frame is well under way, nothing is allocated any more: storage is used again.
+// Once a frame is well under way, nothing is allocated any more: storage is used again. Where a tile's nodes wander
+// between threads, and where traces are written and read, some of it still grows, but not by the ray.
 
 namespace test {
 namespace {
 
+constexpr std::uint32_t kTimes = 6, kWidth = 192, kHeight = 96, kTile = 16;
+/// More tiles than a machine, and each worker thread, ever have at once.
+constexpr std::uint32_t kInMachine = 24, kOfWorker = 8;
+
 enum Half : std::uint8_t { kTiming, kFunction };
 
-/// A frame whose list has every tile several times, so that its end meets nothing that is larger than before.
+/// A frame whose list has every tile several times, so that its end meets nothing that is larger than before. With
+/// workers, each thread that comes makes every tile once and waits until all have done so, and so does all storage that
+/// comes, however they are scheduled.
 class Again final : public kernels::FrameProgram {
  public:
-  Again(kernels::FrameProgram& frame, std::uint32_t times)
-      : FrameProgram(frame.width(), frame.height()), frame_(frame), times_(times) {}
-  std::uint32_t tiles() const override { return times_ * frame_.tiles(); }
+  Again(kernels::FrameProgram& frame, std::uint32_t workers)
+      : FrameProgram(frame.width(), frame.height()), frame_(frame), workers_(workers), all_threads_(workers) {}
+  std::uint32_t tiles() const override { return kTimes * frame_.tiles(); }
   kernels::Demands demands() const override { return frame_.demands(); }
   void run_tile(std::uint32_t place, const traces::Tracer& tracer, bool record,
                 kernels::TileResult& out) const override {
+    if (workers_ != 0) {
+      const bool thread_comes = comes(std::this_thread::get_id(), threads_),
+                 room_comes = comes<const kernels::TileResult*>(&out, rooms_);
+      for (std::uint32_t tile = 0; (thread_comes || room_comes) && tile < frame_.tiles(); ++tile) {
+        frame_.run_tile(tile, tracer, record, out);
+      }
+      if (thread_comes) all_threads_.arrive_and_wait();
+    }
     frame_.run_tile(place % frame_.tiles(), tracer, record, out);
   }
 
  private:
+  /// For the first time?
+  template <class T>
+  bool comes(const T& what, std::vector<T>& known) const {
+    const std::lock_guard lock(mutex_);
+    if (std::ranges::find(known, what) != known.end()) return false;
+    known.push_back(what);
+    return true;
+  }
+
   kernels::FrameProgram& frame_;
-  const std::uint32_t times_;
+  const std::uint32_t workers_;
+  mutable std::latch all_threads_;
+  mutable std::mutex mutex_;
+  mutable std::vector<std::thread::id> threads_;
+  mutable std::vector<const kernels::TileResult*> rooms_;
 };
 
 /// Counts while the last round is handed out, but for its last tile, which takes the picture; and tells the functional
 /// half from the machine.
 class Counting final : public hw::TileSource {
  public:
-  Counting(hw::FrontEnd& front_end, std::uint32_t warm_up, std::uint32_t end, CountAllocations& count)
-      : front_end_(front_end), warm_up_(warm_up), end_(end), count_(count) {}
+  Counting(hw::FrontEnd& front_end, std::uint32_t tiles, std::uint32_t workers, traces::TraceWriter* trace,
+           CountAllocations& count)
+      : front_end_(front_end),
+        warm_up_((kTimes - 1) * tiles),
+        end_(kTimes * tiles - 1),
+        many_(workers == 0 ? 0 : kInMachine + kOfWorker * workers),
+        trace_(trace),
+        count_(count) {}
   const traces::TileWork* next() override {
-    if (taken_ == warm_up_) count_.start();
+    if (handed_ == warm_up_) count_.start();
     count_.group(kFunction);
-    const traces::TileWork* work = front_end_.next();
+    const traces::TileWork* work = take();
+    if (trace_ != nullptr && work != nullptr) trace_->add(*work);
     count_.group(kTiming);
-    taken_ += 1;
-    if (taken_ == warm_up_) rays_before_ = rays();
-    if (taken_ == end_) count_.stop();
+    handed_ += 1;
+    if (handed_ == warm_up_) rays_before_ = rays();
+    if (handed_ == end_) count_.stop();
     return work;
   }
   void give_back(const traces::TileWork* work) override {
@@ -58,6 +107,17 @@ class Counting final : public hw::TileSource {
   std::uint64_t rays_counted() const { return rays() - rays_before_; }
 
  private:
+  /// With workers, shortly before it counts it takes more tiles at once than are ever out otherwise: the front end then
+  /// has all the storage it may come to need.
+  const traces::TileWork* take() {
+    if (handed_ == warm_up_ - many_) {
+      for (std::uint32_t i = 0; i < many_; ++i) held_.push_back(front_end_.next());
+    }
+    if (held_.empty()) return front_end_.next();
+    const traces::TileWork* work = held_.front();
+    held_.pop_front();
+    return work;
+  }
   std::uint64_t rays() const {
     std::uint64_t sum = 0;
     for (const std::uint64_t n : front_end_.result().rays) sum += n;
@@ -65,31 +125,110 @@ class Counting final : public hw::TileSource {
   }
 
   hw::FrontEnd& front_end_;
-  const std::uint32_t warm_up_, end_;
+  const std::uint32_t warm_up_, end_, many_;
+  traces::TraceWriter* const trace_;
   CountAllocations& count_;
-  std::uint32_t taken_ = 0;
+  std::deque<const traces::TileWork*> held_;
+  std::uint32_t handed_ = 0;
   std::uint64_t rays_before_ = 0;
 };
 
-class Allocations : public testing::TestWithParam<const char*> {};
+/// A frame that is written into a trace, and read from it.
+class Trace {
+ public:
+  explicit Trace(const hw::testing::Method& frame) : workload_(frame.workload()) {}
+
+  /// One to be written, which stands at the tiles of its only part.
+  std::unique_ptr<traces::TraceWriter> begin(const kernels::FrameProgram& program) const {
+    auto writer = std::make_unique<traces::TraceWriter>(file(), traces::Json{{"version", traces::kTraceVersion}});
+    const kernels::Demands demands = program.demands();
+    writer->begin_part({}, traces::links_of(workload_.image), traces::counts_of(workload_.image),
+                       {demands.tile_samples, demands.attribute_bytes, demands.region_bytes});
+    return writer;
+  }
+  /// Writes the whole frame; from then on replay() is there.
+  void record(kernels::FrameProgram& program, const traces::Tracer& tracer) {
+    const std::unique_ptr<traces::TraceWriter> writer = begin(program);
+    hw::FrontEnd front_end(program, tracer, 0);
+    while (const traces::TileWork* work = front_end.next()) writer->add(*work), front_end.give_back(work);
+    writer->end_part({{"continued", 0}, {"sampling", {{"wanted", 1}}}});
+    writer->commit();
+    reader_.emplace(file());
+    for (const kernels::KernelInfo& kernel : kernels::catalogue()) kernels_.push_back(kernel.id);
+    scope_ = reader_->scope(reader_->parts().front(), static_cast<std::uint32_t>(kernels_.size()));
+    scope_.region_bytes = reader_->parts().front().demands.region_bytes;
+    replay_.emplace(*reader_, reader_->parts().front(), scope_, kernels_);
+  }
+  kernels::FrameProgram& replay() { return *replay_; }
+
+ private:
+  std::filesystem::path file() const { return folder_.path() / "a.trace"; }
+
+  const hw::Gpu::Workload workload_;
+  const TempFolder folder_;
+  std::optional<traces::TraceReader> reader_;
+  std::vector<traces::KernelId> kernels_;
+  traces::TileScope scope_;
+  std::optional<tools::ReplayProgram> replay_;
+};
+
+enum class File : std::uint8_t { kNone, kWritten, kRead };
+
+struct Case {
+  std::string name, scene, program = "full:1";
+  hw::GpuConfig machine{};
+  traces::BvhConfig bvh{};
+  std::uint32_t workers = 0;
+  File trace = File::kNone;
+  std::uint64_t rays_an_allocation = 0;  ///< at least; 0: there are none
+  friend void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
+};
+
+std::vector<Case> cases() {
+  hw::GpuConfig through_memory, restarting;
+  through_memory.direct_interface.enabled = false;
+  restarting.tni.trv.stack = hw::StackScheme::kRestartTrail;
+  restarting.tni.trv.stack_entries = 2;
+  traces::BvhConfig two_level;
+  two_level.instances = traces::InstanceLevels::kTwoLevel;
+  return {{.name = "cornell", .scene = "cornell"},
+          {.name = "chess", .scene = "chess"},
+          {.name = "one_worker", .scene = "cornell", .workers = 1, .rays_an_allocation = 50},
+          {.name = "three_workers", .scene = "cornell", .workers = 3, .rays_an_allocation = 50},
+          {.name = "tree_of_two_levels", .scene = "chess", .bvh = two_level},
+          {.name = "rays_through_memory", .scene = "cornell", .machine = through_memory},
+          {.name = "restart_trail", .scene = "cornell", .machine = restarting},
+          {.name = "adaptive", .scene = "cornell", .program = "multirate:super", .rays_an_allocation = 50},
+          {.name = "recorded", .scene = "cornell", .trace = File::kWritten, .rays_an_allocation = 50},
+          {.name = "replayed", .scene = "cornell", .trace = File::kRead, .rays_an_allocation = 50}};
+}
+
+class Allocations : public testing::TestWithParam<Case> {};
 
 TEST_P(Allocations, StopWhenAFrameIsWellUnderWay) {
   if (!can_count_allocations()) GTEST_SKIP() << "the sanitizer has the heap";
-  constexpr std::uint32_t kTimes = 6;
-  const hw::testing::Frame frame(GetParam(), 192, 96);
-  Again again(frame.program(), kTimes);
-  hw::FrontEnd front_end(again, frame.tracer(), 0);
+  const Case& c = GetParam();
+  const hw::testing::Method frame(c.scene, c.program, {}, kWidth, kHeight, kTile, c.bvh);
+  const std::unique_ptr<kernels::FrameProgram> program = frame.make();
+  Trace trace(frame);
+  if (c.trace == File::kRead) trace.record(*frame.make(), frame.tracer());
+  const auto written = c.trace == File::kWritten ? trace.begin(*program) : nullptr;
+  kernels::FrameProgram& tiles = c.trace == File::kRead ? trace.replay() : *program;
+  Again again(tiles, c.workers);
+  hw::FrontEnd front_end(again, frame.tracer(), c.workers);
   CountAllocations count;
-  Counting tiles(front_end, (kTimes - 1) * frame.program().tiles(), again.tiles() - 1, count);
-  hw::Gpu gpu(hw::GpuConfig{}, frame.workload(), tiles);
+  Counting counted(front_end, tiles.tiles(), c.workers, written.get(), count);
+  hw::Gpu gpu(c.machine, frame.workload(), counted);
   sim::run(gpu);
-  EXPECT_GT(tiles.rays_counted(), 30'000U);
-  EXPECT_EQ(count.count(kFunction), 0U) << "functional half, for " << tiles.rays_counted() << " rays:\n"
-                                        << count.sites(kFunction);
-  EXPECT_EQ(count.sites(kTiming, {}), "") << "timing half, for " << tiles.rays_counted() << " rays";
+  EXPECT_GT(counted.rays_counted(), 30'000U);
+  const std::uint64_t most = c.rays_an_allocation == 0 ? 0 : counted.rays_counted() / c.rays_an_allocation;
+  EXPECT_LE(count.count(kFunction), most) << "functional half, for " << counted.rays_counted() << " rays:\n"
+                                          << count.sites(kFunction);
+  EXPECT_LE(count.count(kTiming), most) << "timing half, for " << counted.rays_counted() << " rays:\n"
+                                        << count.sites(kTiming);
 }
 
-INSTANTIATE_TEST_SUITE_P(OfScenes, Allocations, testing::Values("cornell", "chess"));
+INSTANTIATE_TEST_SUITE_P(Of, Allocations, testing::ValuesIn(cases()), [](const auto& of) { return of.param.name; });
 
 }  // namespace
 }  // namespace test

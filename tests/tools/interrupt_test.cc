@@ -138,6 +138,90 @@ TEST(Interrupt, WithSampledTilesKeepsFinishedFramesAndNothingOfOthers) {
   EXPECT_SAYS(later.err, "kept " + std::to_string(report["frames"].size()) + " of 100001 frames in");
 }
 
+/// What `run --rays` says of such a list, but for how long it was.
+nlohmann::json figures_of_rays(const fs::path& out) {
+  const nlohmann::json report = read_json(out / "report.json");
+  nlohmann::json figures = {{"totals", report["totals"]}, {"units", report["units"]}};
+  figures["totals"]["rays"].erase("listed");
+  return figures;
+}
+
+TEST(Interrupt, InAListOfRaysKeepsThoseThatAreFinished) {
+  constexpr std::size_t kRays = 1'000'000;
+  const TempFolder folder;
+  const fs::path list = folder.write("many.rays", ray_list(kRays)), out = folder.path() / "out";
+  const auto words = [&](const fs::path& file, const fs::path& to) {
+    return Words{"run",     "--rays",  file.string(), "--set", "cores=1", "--threads", "1",
+                 "--scene", "cornell", "--progress",  "json",  "-o",      to.string()};
+  };
+  for (const int signal : {SIGINT, SIGTERM}) {
+    Program program(words(list, out));
+    EXPECT_TRUE(wait_for_tiles(program));
+    program.send(signal);
+    const Ending ending = program.wait();
+    EXPECT_EQ(ending.exit, 128 + signal);
+    EXPECT_EQ(ending.out, "");
+    const nlohmann::json report = read_json(out / "report.json");
+    EXPECT_EQ(report["partial"], true);
+    EXPECT_EQ(report["totals"]["rays"]["listed"], kRays);
+    const auto rays = report["totals"]["rays"]["total"].get<std::size_t>();
+    EXPECT_GT(rays, 0U);
+    EXPECT_LT(rays, kRays);
+    const std::string kept = std::to_string(rays) + " of 1000000 rays";
+    EXPECT_SAYS(ending.err, "raywatt: interrupted; kept " + kept + " in " + out.string() + "\n");
+    EXPECT_SAYS(ending.err, "\"phase\":\"interrupted\"");
+    EXPECT_SAYS(read_bytes(out / "report.txt"), "PARTIAL: interrupted after " + kept);
+    const auto [elapsed, why] = elapsed_and_why(report["units"]);
+    EXPECT_EQ(elapsed, why);
+    const fs::path first = folder.write("first.rays", ray_list(rays)), whole = folder.path() / "whole";
+    ASSERT_EQ(raywatt(words(first, whole)).exit, 0);
+    EXPECT_EQ(figures_of_rays(out), figures_of_rays(whole)) << "as a list of these rays alone, which one core plays";
+    fs::remove_all(out);
+  }
+  ASSERT_EQ(raywatt(words(folder.write("few.rays", ray_list(100)), out)).exit, 0);
+  const std::string former = read_bytes(out / "report.json");
+  Program program(words(list, out));
+  EXPECT_TRUE(wait_for_tiles(program));
+  program.send(SIGINT);
+  EXPECT_EQ(program.wait().exit, 128 + SIGINT);
+  EXPECT_EQ(read_bytes(out / "report.json"), former) << "a part takes no former run's place";
+}
+
+TEST(Interrupt, WhileATraceIsRecordedLeavesNothing) {
+  const TempFolder folder;
+  Program program({"trace", "record", "--resolution", "256x256", "--program", "full:256", "--threads", "2",
+                   "--progress", "json", (folder.path() / "a.trace").string()});
+  EXPECT_TRUE(wait_for_tiles(program));
+  program.send(SIGINT);
+  const Ending ending = program.wait();
+  EXPECT_EQ(ending.exit, 128 + SIGINT);
+  EXPECT_TRUE(ending.err.ends_with("raywatt: interrupted\n")) << ending.err;
+  EXPECT_EQ(names_in(folder.path()), Words{});
+}
+
+TEST(Interrupt, OfBenchLeavesNoScratchFolder) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    const TempFolder folder;
+    const auto is_recording = [&] {
+      for (const auto& entry : fs::recursive_directory_iterator(folder.path())) {
+        if (entry.is_regular_file()) return true;
+      }
+      return false;
+    };
+    Surroundings around;
+    around.variables = {{"TMPDIR", folder.path().string()}};
+    Program program({"bench", "--scene", "cornell", "--resolution", "64x64", "--program", "full:16", "--runs", "1",
+                     "--threads", "1"},
+                    around);
+    EXPECT_TRUE(program.wait_until([&](const std::string&) { return is_recording(); }));
+    program.send(signal);
+    const Ending ending = program.wait();
+    EXPECT_EQ(ending.exit, 128 + signal);
+    EXPECT_EQ(ending.err, "raywatt: interrupted\n");
+    EXPECT_EQ(names_in(folder.path()), Words{});
+  }
+}
+
 TEST(Interrupt, InTheReferenceKeepsTheRun) {
   const TempFolder folder;
   const fs::path out = folder.path() / "out";

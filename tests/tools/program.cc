@@ -98,6 +98,15 @@ Words small_run(const std::filesystem::path& out, const Words& more) {
   return words;
 }
 
+std::string ray_list(std::size_t count) {
+  std::string bytes;
+  for (std::size_t i = 0; i < count; ++i) {
+    const float ray[8] = {0, 1, 0, 0, static_cast<float>(i % 7) - 3, -1, static_cast<float>(i % 5) - 2, 1e30F};
+    bytes.append(reinterpret_cast<const char*>(ray), sizeof ray);
+  }
+  return bytes;
+}
+
 nlohmann::json read_json(const std::filesystem::path& path) { return nlohmann::json::parse(read_bytes(path)); }
 
 Words names_in(const std::filesystem::path& folder) {

@@ -1,4 +1,5 @@
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -61,6 +62,9 @@ Ending raywatt(const Words& arguments, const Surroundings& around = {});
 
 /// A run that is over in a moment: 64 x 32 pixels on one thread, results to `out`.
 Words small_run(const std::filesystem::path& out, const Words& more = {});
+
+/// A file of so many rays, down into the box of the scene cornell; a shorter one is the begin of a longer one.
+std::string ray_list(std::size_t count);
 
 nlohmann::json read_json(const std::filesystem::path& path);
 

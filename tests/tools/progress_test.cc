@@ -126,6 +126,39 @@ TEST(ProgressJson, OfVerifyAndReproduceIsThereToo) {
   EXPECT_SAYS(raywatt({"reproduce", "--help"}).out, "--progress");
 }
 
+TEST(ProgressJson, OfAListOfRaysGoesUpAndEndsWithAllOfThem) {
+  constexpr std::size_t kRays = 300'000;
+  const TempFolder folder;
+  const fs::path out = folder.path() / "out";
+  const Ending ending = raywatt({"run", "--rays", folder.write("a.rays", ray_list(kRays)).string(), "--quiet",
+                                 "--progress", "json", "-o", out.string()});
+  ASSERT_EQ(ending.exit, 0) << ending.err;
+  nlohmann::json last = {{"rays", 0}, {"tile", 0}, {"cycles", 0}};
+  std::istringstream err(ending.err);
+  for (std::string line; std::getline(err, line);) {
+    const nlohmann::json json = nlohmann::json::parse(line);
+    for (const char* figure : {"rays", "tile", "cycles"}) EXPECT_GE(json[figure], last[figure]);
+    last = json;
+  }
+  const nlohmann::json totals = read_json(out / "report.json")["totals"];
+  EXPECT_EQ(last["phase"], "done");
+  EXPECT_EQ(last["part"], 1);
+  EXPECT_EQ(last["rays"], kRays);
+  EXPECT_EQ(last["tile"], (kRays + 63) / 64);
+  EXPECT_EQ(last["tiles"], last["tile"]);
+  EXPECT_EQ(totals["rays"]["listed"], kRays);
+  EXPECT_NEAR(last["cycles"].get<double>(), totals["cycles"].get<double>(), 0.01 * totals["cycles"].get<double>());
+}
+
+TEST(ProgressJson, OfARecordingGoesThroughAllFramesAndTheirReferences) {
+  const TempFolder folder;
+  const Ending ending = raywatt({"trace", "record", "--scene", "chess", "--set", "scene.triangles=5000", "--set",
+                                 "scene.frame_rate=2", "--frames", "0:1", "--resolution", "64x32", "--reference",
+                                 "full:4", "--progress", "json", (folder.path() / "a.trace").string()});
+  ASSERT_EQ(ending.exit, 0) << ending.err;
+  EXPECT_SAYS(ending.err, "\"phase\":\"done\",\"frame\":1,\"part\":4,\"parts\":4");
+}
+
 /// The program on a terminal.
 class OnTerminal {
  public:

@@ -33,9 +33,12 @@ struct Recorder {
   kernels::ProgramSpec spec;
   kernels::RateMap rates;
 
-  std::vector<float> record(const Inputs& inputs, std::uint32_t threads, traces::TraceWriter& trace, bool reference) {
+  std::vector<float> record(const Inputs& inputs, std::uint32_t threads, Progress& progress, traces::TraceWriter& trace,
+                            bool reference) {
     const traces::BvhTracer tracer(inputs.image);
-    return render(inputs, spec, tracer, threads, {.rates = &rates, .trace = &trace, .reference = reference}).rgb;
+    return render(inputs, spec, tracer, threads,
+                  {.rates = &rates, .progress = &progress, .trace = &trace, .reference = reference})
+        .rgb;
   }
 };
 
@@ -44,8 +47,10 @@ void record(JobOptions options, const Arguments& arguments) {
   const kernels::ProgramSpec spec = kernels::parse_program(options.program);
   std::optional<kernels::ProgramSpec> compared;
   if (!options.reference.empty()) compared = kernels::parse_program(options.reference);
-  Inputs inputs = load_inputs(options);
-  for (const std::string& warning : inputs.warnings) fmt::print(stderr, "raywatt: warning: {}\n", warning);
+  Progress progress(options.progress, options.quiet);
+  Inputs inputs = load_inputs(options, &progress);
+  for (const std::string& warning : inputs.warnings) progress.say("raywatt: warning: " + warning);
+  progress.expect(inputs.frames() * (compared ? 2 : 1));
   const kernels::RateMap rates(inputs.config.programs.multirate);
   Recorder program{spec, rates};
   std::optional<Recorder> reference;
@@ -55,16 +60,17 @@ void record(JobOptions options, const Arguments& arguments) {
   const HoldInterrupts hold;  // from the first tile on; what is half written is removed before it is let go
   const std::unique_ptr<traces::TraceWriter> trace = std::move(opened);
   for (;;) {
-    const std::vector<float> picture = program.record(inputs, options.threads, *trace, false);
+    const std::vector<float> picture = program.record(inputs, options.threads, progress, *trace, false);
     double error = 0;
     if (reference) {
-      error = mean_squared_error(picture, reference->record(inputs, options.threads, *trace, true));
+      error = mean_squared_error(picture, reference->record(inputs, options.threads, progress, *trace, true));
     }
     trace->end_frame(recorded_frame(inputs.frame, error));
     if (inputs.frame == inputs.config.scene.last_frame) break;
-    advance(inputs, inputs.frame + 1, options.threads);
+    advance(inputs, inputs.frame + 1, options.threads, &progress);
   }
   trace->commit();
+  progress.end("done");
   if (!options.quiet) fmt::print("{}", trace_info_text(trace_info(traces::TraceReader(arguments.file()))));
 }
 
@@ -106,6 +112,7 @@ void add_record(CLI::App& group, const std::vector<std::string>& argv) {
   add_frames_option(*verb, *options);
   add_reference_option(*verb, *options);
   verb->add_flag("--quiet", options->quiet, "say nothing");
+  add_progress_option(*verb, options->progress);
   verb->footer("Example: raywatt trace record --scene chess --resolution 512x256 chess.trace");
   verb->callback([=] { record(*options, *arguments); });
 }

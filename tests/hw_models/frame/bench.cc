@@ -99,17 +99,17 @@ std::vector<traces::TileWork> Frame::record() const {
 }
 
 Method::Method(const std::string& scene, const std::string& program, const kernels::ProgramConfig& programs,
-               std::uint32_t width, std::uint32_t height, std::uint32_t tile)
-    : Method(traces::open_scene(scene), program, programs, render_config(width, height, tile)) {}
+               std::uint32_t width, std::uint32_t height, std::uint32_t tile, const traces::BvhConfig& bvh)
+    : Method(traces::open_scene(scene), program, programs, render_config(width, height, tile), bvh) {}
 
 Method::Method(const traces::Scene& scene, const std::string& program, const kernels::ProgramConfig& programs,
-               const kernels::RenderConfig& render)
+               const kernels::RenderConfig& render, const traces::BvhConfig& bvh)
     : spec_(kernels::parse_program(program)),
       programs_(programs),
       render_(render),
       rates_(programs.multirate),
       camera_(scene.cameras.front()),
-      image_(traces::build_memory_image(scene, {}, 1)),
+      image_(traces::build_memory_image(scene, bvh, 1)),
       parents_(traces::parents_of(image_)),
       tracer_(image_) {}
 

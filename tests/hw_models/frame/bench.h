@@ -48,7 +48,7 @@ class Frame {
 class Method {
  public:
   Method(const std::string& scene, const std::string& program, const kernels::ProgramConfig& programs,
-         std::uint32_t width, std::uint32_t height, std::uint32_t tile);
+         std::uint32_t width, std::uint32_t height, std::uint32_t tile, const traces::BvhConfig& bvh = {});
   Method(const Method&) = delete;
   Method& operator=(const Method&) = delete;
 
@@ -58,7 +58,7 @@ class Method {
 
  private:
   Method(const traces::Scene& scene, const std::string& program, const kernels::ProgramConfig& programs,
-         const kernels::RenderConfig& render);
+         const kernels::RenderConfig& render, const traces::BvhConfig& bvh);
 
   const kernels::ProgramSpec spec_;
   const kernels::ProgramConfig programs_;
