@@ -18,6 +18,10 @@ namespace {
 constexpr std::size_t kPiece = 1U << 20;
 
 std::string cannot_be_written(const std::filesystem::path& path, int error) {
+  if (error == ENOENT) {  // a file that is made needs no more than its folder
+    return fmt::format("{}: cannot be written: there is no folder {}; make it first", sim::printable(path.string()),
+                       sim::printable(path.parent_path().string()));
+  }
   return fmt::format("{}: cannot be written: {}", sim::printable(path.string()),
                      std::generic_category().message(error));
 }
