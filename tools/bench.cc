@@ -17,6 +17,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "sim/config/config.h"
 #include "sim/error.h"
 #include "tools/build_info.h"
 #include "tools/interrupt.h"
@@ -53,6 +54,13 @@ class ScratchFolder {
  private:
   std::filesystem::path path_;
 };
+
+/// What a scene's figures are of.
+Json conditions_of(const Inputs& inputs) {
+  return {{"scene", inputs.scene.name},
+          {"resolution", {inputs.config.render.width, inputs.config.render.height}},
+          {"config_hash", sim::config_hash(inputs.config)}};
+}
 
 /// The work of a frame as a trace, written into `folder`. The file has no name any more when this is there.
 std::unique_ptr<Replay> recorded(const Inputs& inputs, const BenchOptions& options, const std::filesystem::path& folder,
@@ -107,10 +115,8 @@ class Rounds {
   }
 
   Json json() const {
-    Json out = {{"scene", inputs_.scene.name},
-                {"triangles", inputs_.scene.triangles},
-                {"rays", rays_},
-                {"traversal_steps", steps_}};
+    Json out = conditions_of(inputs_);
+    out.update({{"triangles", inputs_.scene.triangles}, {"rays", rays_}, {"traversal_steps", steps_}});
     for (const auto& [name, values] : values_) out[name] = median(values);
     out["peak_rss_mb"] = peak_mib_;
     return out;
@@ -143,11 +149,17 @@ class Rounds {
   std::vector<std::pair<std::string, std::vector<double>>> values_;
 };
 
-Json measure(const std::string& scene, const BenchOptions& options, const std::filesystem::path& scratch) {
+/// `all`: what holds for all scenes, without them.
+Json measure(const std::string& scene, const BenchOptions& options, Json all, const Json* other,
+             const std::filesystem::path& scratch) {
   BenchOptions own = options;
   own.job.scene = scene;
   Progress progress(own.job.progress, own.job.quiet);
   const Inputs inputs = load_inputs(own.job, &progress);
+  if (other != nullptr) {  // before the time is spent
+    all["scenes"] = Json::array({conditions_of(inputs)});
+    check_comparable(all, *other, options.against, options.scenes.size() == 1);
+  }
   Rounds rounds(inputs, own, scratch, progress);
   for (std::uint32_t i = 0; i < options.runs; ++i) rounds.run();
   return rounds.json();
@@ -181,7 +193,8 @@ std::string read_all(int file) {
 /// the process.
 class Measuring {
  public:
-  Measuring(const std::string& scene, const BenchOptions& options, const std::filesystem::path& scratch) {
+  Measuring(const std::string& scene, const BenchOptions& options, const Json& all, const Json* other,
+            const std::filesystem::path& scratch) {
     int ends[2];
     if (::pipe(ends) != 0) throw std::system_error(errno, std::generic_category(), "pipe");
     child_ = ::fork();
@@ -192,7 +205,7 @@ class Measuring {
         if (std::signal(signal, SIG_DFL) == SIG_IGN) std::signal(signal, SIG_IGN);
       }
       ::close(ends[0]);
-      write_all(ends[1], measure(scene, options, scratch).dump());
+      write_all(ends[1], measure(scene, options, all, other, scratch).dump());
       std::_Exit(0);
     }
     ::close(ends[1]);
@@ -226,13 +239,13 @@ class Measuring {
 };
 
 /// measure() in a process of its own, so that peak memory is that of the scene.
-Json measure_apart(const std::string& scene, const BenchOptions& options) {
+Json measure_apart(const std::string& scene, const BenchOptions& options, const Json& all, const Json* other) {
   std::string text;
   int status = 0;
   {
     const HoldInterrupts hold;  // until the folder is gone
     const ScratchFolder scratch;
-    Measuring process(scene, options, scratch.path());
+    Measuring process(scene, options, all, other, scratch.path());
     text = process.result();
     status = process.wait();
   }
@@ -264,18 +277,21 @@ const std::vector<BenchFigure>& bench_figures() {
   return figures;
 }
 
-Json measure_scenes(const BenchOptions& options) {
+Json measure_scenes(const BenchOptions& options, const Json* other) {
   const BuildInfo build = build_info();
   Json out = {{"schema", "raywatt-bench/2"},
               {"git", build.git},
               {"dirty", build.dirty},
               {"compiler", build.compiler},
               {"flags", build.flags},
-              {"program", options.job.program},
+              {"program", kernels::parse_program(options.job.program).name()},
+              {"config", options.job.config},
+              {"set", options.job.sets},
               {"threads", host_threads(options.job.threads)},
-              {"runs", options.runs},
-              {"scenes", Json::array()}};
-  for (const std::string& scene : options.scenes) out["scenes"].push_back(measure_apart(scene, options));
+              {"runs", options.runs}};
+  Json scenes = Json::array();
+  for (const std::string& scene : options.scenes) scenes.push_back(measure_apart(scene, options, out, other));
+  out["scenes"] = std::move(scenes);
   return out;
 }
 

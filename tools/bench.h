@@ -35,11 +35,19 @@ const std::vector<BenchFigure>& bench_figures();
 
 /// Measures scene after scene, each in a process of its own, as peak memory never falls: schema raywatt-bench/2. Each
 /// figure is a median over `runs` rounds, and a round measures everything in turn. If a scene's process fails, which
-/// has said why, this one ends with its exit code.
-nlohmann::ordered_json measure_scenes(const BenchOptions& options);
+/// has said why, this one ends with its exit code. So it does, before it measures, if a scene's figures could not be
+/// compared with those of `other`, if that is given.
+nlohmann::ordered_json measure_scenes(const BenchOptions& options, const nlohmann::ordered_json* other = nullptr);
 
-/// Reads what `raywatt bench --json` has printed; of several results, one behind the other, the medians. InputError.
+/// Reads what `raywatt bench --json` has printed; of several results of one kind, one behind the other, the medians.
+/// InputError.
 nlohmann::ordered_json load_bench(const std::filesystem::path& file);
+
+/// InputError that says what differs if figures of scenes that both have are of different frames, machines or threads;
+/// and with `need_one` if there is no such scene. What one of them does not say, being of an older build, may be
+/// anything. `file`: of `other`.
+void check_comparable(const nlohmann::ordered_json& bench, const nlohmann::ordered_json& other,
+                      const std::filesystem::path& file, bool need_one = true);
 
 /// Adds to each scene of `bench` that `other` has, too, `against`: how many times as good each figure is.
 void compare_bench(nlohmann::ordered_json& bench, const nlohmann::ordered_json& other);

@@ -2,9 +2,11 @@
 #include <sstream>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "sim/error.h"
 #include "sim/io/file.h"
+#include "sim/io/printable.h"
 #include "sim/report/table.h"
 #include "tools/bench.h"
 #include "tools/median.h"
@@ -23,6 +25,8 @@ const Json* find_scene(const Json& bench, const Json& name) {
   return found != bench["scenes"].end() ? &*found : nullptr;
 }
 
+std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
 /// Of a build of before there was a figure for all threads.
 void read_as_version_2(Json& bench) {
   for (Json& scene : bench["scenes"]) {
@@ -37,13 +41,47 @@ void read_as_version_2(Json& bench) {
   bench["schema"] = "raywatt-bench/2";
 }
 
-void check(const Json& bench) {
-  for (const Json& scene : bench.at("scenes")) {
-    scene.at("scene").get<std::string>();
+/// What is wrong with it; empty: nothing.
+std::string fault(const Json& bench) {
+  if (!bench.is_object() || !bench.contains("schema") || !bench["schema"].is_string()) return "has no 'schema'";
+  const std::string schema = bench["schema"].get<std::string>();
+  if (schema != "raywatt-bench/1" && schema != "raywatt-bench/2") {
+    return fmt::format("has schema '{}'", sim::printable(schema));
+  }
+  if (!bench.contains("scenes") || !bench["scenes"].is_array()) return "has no 'scenes'";
+  for (const Json& scene : bench["scenes"]) {
+    if (!scene.is_object() || !scene.contains("scene") || !scene["scene"].is_string()) {
+      return "has a scene without a name";
+    }
     for (const BenchFigure& figure : bench_figures()) {
-      if (scene.contains(figure.name)) scene[figure.name].get<double>();
+      if (scene.contains(figure.name) && !scene[figure.name].is_number()) {
+        return fmt::format("has a '{}' that is no number", figure.name);
+      }
     }
   }
+  return {};
+}
+
+/// Of a scene that two results have, in what they differ: "resolution [64,32] instead of [32,32]".
+std::vector<std::string> differences(const Json& a, const Json& b, const Json& scene_a, const Json& scene_b) {
+  std::vector<std::string> found;
+  const auto differs = [](const Json& x, const Json& y, const char* key) {
+    return x.contains(key) && y.contains(key) && x[key] != y[key];
+  };
+  const auto compare = [&](const Json& x, const Json& y, const char* key) {
+    if (!differs(x, y, key)) return;
+    found.push_back(
+        fmt::format("{} {} instead of {}", key, sim::printable(text_of(y[key])), sim::printable(text_of(x[key]))));
+  };
+  compare(scene_a, scene_b, "resolution");
+  compare(a, b, "program");
+  compare(a, b, "threads");
+  if (!found.empty() || !differs(scene_a, scene_b, "config_hash")) return found;
+  compare(a, b, "config");
+  compare(a, b, "set");
+  // Of another build it may be that of other keys.
+  if (found.empty() && !differs(a, b, "git")) compare(scene_a, scene_b, "config_hash");
+  return found;
 }
 
 /// Medians of the figures of equal scenes.
@@ -99,9 +137,10 @@ std::string table_of(const Json& bench, bool of_part, bool compares) {
 }  // namespace
 
 Json load_bench(const std::filesystem::path& file) {
+  const std::string name = sim::printable(file.string());
   const auto refuse = [&](const std::string& why) {
     return sim::InputError(
-        fmt::format("{}: {}; wanted is what 'raywatt bench --json' prints, once or more often", file.string(), why));
+        fmt::format("{}: {}; wanted is what 'raywatt bench --json' prints, once or more often", name, why));
   };
   std::istringstream text(sim::read_file(file, kLargestFile));
   std::vector<Json> results;
@@ -109,16 +148,41 @@ Json load_bench(const std::filesystem::path& file) {
     while (text >> std::ws && text.peek() != std::char_traits<char>::eof()) {
       Json& result = results.emplace_back();
       text >> result;
-      const std::string schema = result.at("schema").get<std::string>();
-      if (schema != "raywatt-bench/1" && schema != "raywatt-bench/2") throw refuse("schema is '" + schema + "'");
-      check(result);
-      if (schema == "raywatt-bench/1") read_as_version_2(result);
+      if (const std::string why = fault(result); !why.empty()) throw refuse(why);
+      if (result["schema"] == "raywatt-bench/1") read_as_version_2(result);
+      for (const Json& scene : result["scenes"]) {
+        const Json* same = find_scene(results.front(), scene["scene"]);
+        if (same == nullptr) continue;
+        const std::vector<std::string> all = differences(results.front(), result, *same, scene);
+        if (!all.empty()) throw refuse(fmt::format("has results of different kinds: {}", fmt::join(all, ", ")));
+      }
     }
-  } catch (const nlohmann::json::exception& error) {
-    throw refuse(error.what());
+  } catch (const nlohmann::json::exception&) {
+    throw refuse(text.eof() ? "ends early" : "is no JSON");
   }
   if (results.empty()) throw refuse("is empty");
   return merged(results);
+}
+
+void check_comparable(const Json& bench, const Json& other, const std::filesystem::path& file, bool need_one) {
+  const std::string name = sim::printable(file.string());
+  bool have_one = false;
+  for (const Json& scene : bench["scenes"]) {
+    const Json* same = find_scene(other, scene["scene"]);
+    if (same == nullptr) continue;
+    have_one = true;
+    const std::vector<std::string> all = differences(bench, other, scene, *same);
+    if (all.empty()) continue;
+    throw sim::InputError(
+        fmt::format("{}: cannot be compared with these figures: {} has {}; allowed: the same frame on "
+                    "the same machine",
+                    name, scene["scene"].get<std::string>(), fmt::join(all, ", ")));
+  }
+  if (have_one || !need_one) return;
+  std::vector<std::string> there;
+  for (const Json& scene : other["scenes"]) there.push_back(sim::printable(scene["scene"].get<std::string>()));
+  throw sim::InputError(
+      fmt::format("{}: has no scene in common with these figures; there are: {}", name, fmt::join(there, ", ")));
 }
 
 void compare_bench(Json& bench, const Json& other) {

@@ -29,13 +29,23 @@ int complain(std::string_view what, int exit) {
   return exit;
 }
 
-/// "unknown verb 'shwo', did you mean 'show'?" if that is what is wrong with the command line.
-std::string unknown_verb(const CLI::App& app) {
+/// The verb that the command line has come to, or the program itself.
+const CLI::App& reached(const CLI::App& app) {
   const CLI::App* verb = &app;
   while (!verb->get_subcommands().empty()) verb = verb->get_subcommands().front();
-  const std::vector<std::string> rest = verb->remaining();
+  return *verb;
+}
+
+/// "raywatt trace replay"
+std::string command(const CLI::App& verb) {
+  return (verb.get_parent() != nullptr ? command(*verb.get_parent()) + " " : "") + verb.get_name();
+}
+
+/// "unknown verb 'shwo', did you mean 'show'?" if that is what is wrong with the command line.
+std::string unknown_verb(const CLI::App& verb) {
+  const std::vector<std::string> rest = verb.remaining();
   std::vector<std::string> known;
-  for (const CLI::App* sub : verb->get_subcommands([](const CLI::App*) { return true; })) {
+  for (const CLI::App* sub : verb.get_subcommands([](const CLI::App*) { return true; })) {
     known.push_back(sub->get_name());
   }
   if (rest.empty() || known.empty() || rest.front().starts_with('-')) return {};
@@ -70,8 +80,10 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     const bool asked = error.get_exit_code() == 0;  // --help, --version
     if (asked) return app.exit(error);
-    const std::string verb = unknown_verb(app);
-    return complain(verb.empty() ? fmt::format("{}; see raywatt --help", error.what()) : verb, tools::kBadInput);
+    const CLI::App& verb = reached(app);
+    const std::string unknown = unknown_verb(verb);
+    return complain(unknown.empty() ? fmt::format("{}; see {} --help", error.what(), command(verb)) : unknown,
+                    tools::kBadInput);
   }
   if (std::fflush(stdout) != 0) throw std::system_error(errno, std::generic_category(), "standard output");
   return exit;

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "sim/config/config.h"
 #include "sim/io/file.h"
 #include "sim/report/report_json.h"
@@ -34,6 +36,15 @@ void Outcome::add(std::uint32_t number, Simulation frame, std::optional<Simulati
 
 Result Outcome::result() const {
   return {*total, reference ? &*reference : nullptr, squared_error / static_cast<double>(frames.size())};
+}
+
+std::string Outcome::kept(std::size_t all) const {
+  if (total->is_part()) {
+    return fmt::format("{} of {} tiles of frame {}", total->finished_tiles, total->tiles,
+                       frames.front()["frame"].get<std::uint32_t>());
+  }
+  if (all > 1) return fmt::format("{} of {} frames", frames.size(), all);
+  return partial ? "the run without its reference" : "the whole run";
 }
 
 void write_report(const std::filesystem::path& folder, const nlohmann::ordered_json& json, const RunConfig& config) {

@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <string>
 
 #include "tools/report.h"
 
@@ -17,6 +18,8 @@ struct Outcome {
   /// Adds a frame, and what it is compared with, if anything: `error` is their pictures' mean squared difference.
   void add(std::uint32_t number, Simulation frame, std::optional<Simulation> compared, double error);
   Result result() const;
+  /// What an interrupted run has kept, in words; `all` frames were wanted.
+  std::string kept(std::size_t all) const;
 };
 
 /// Writes report.json, report.txt and config.yaml into a folder.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
+#include <exception>
 #include <string_view>
 
 #include <CLI/CLI.hpp>
@@ -93,7 +94,7 @@ Progress::Progress(const std::string& form, bool quiet)
   if (form_ != Form::kNone) thread_ = std::thread([this] { run(); });
 }
 
-Progress::~Progress() { end(state_.phase); }
+Progress::~Progress() { end(interrupted() ? "interrupted" : std::uncaught_exceptions() != 0 ? "failed" : "done"); }
 
 void Progress::phase(const std::string& what) {
   const std::lock_guard lock(mutex_);

@@ -1,7 +1,10 @@
 #include "tools/recorded.h"
 
+#include <algorithm>
+#include <array>
 #include <limits>
 #include <map>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -39,12 +42,61 @@ Json given(const RunConfig& effective, const JobOptions& options) {
   return out;
 }
 
-Json function_fields(const RunConfig& config) {
+/// Keys that affect `function` change the work, but for those that nothing in it reads: of loading a scene, and of
+/// frame programs that are neither the one nor the other.
+bool changes_work(std::string_view key, std::string_view program, std::string_view reference) {
+  const std::string_view group = key.substr(0, key.find('.'));
+  if (group == "limits") return false;
+  constexpr std::array<std::string_view, 3> kPrograms = {"multirate", "undersample", "supersample"};
+  if (std::ranges::find(kPrograms, group) == kPrograms.end()) return true;
+  return program.starts_with(group) || reference.starts_with(group);
+}
+
+Json function_fields(const RunConfig& config, const std::string& program, const std::string& reference) {
   Json out = Json::object();
   for (const sim::FieldInfo& field : sim::list_fields(config)) {
-    if (field.affects == sim::Affects::kFunction) out[field.path] = field.value;
+    if (field.affects == sim::Affects::kFunction && changes_work(field.path, program, reference))
+      out[field.path] = field.value;
   }
   return out;
+}
+
+bool is_text(const Json& json) { return json.is_string(); }
+bool is_count(const Json& json) { return json.is_number_unsigned(); }
+bool is_list_of_texts(const Json& json) { return json.is_array() && std::ranges::all_of(json, is_text); }
+bool is_object_of_texts(const Json& json) { return json.is_object() && std::ranges::all_of(json, is_text); }
+bool is_pair(const Json& json) { return json.is_array() && json.size() == 2 && std::ranges::all_of(json, is_count); }
+
+/// A key that a header must have.
+struct HeaderKey {
+  const char* place;
+  bool (*fits)(const Json&);
+  const char* kind;
+};
+constexpr std::array<HeaderKey, 13> kHeaderKeys = {{
+    {"/program", is_text, "a frame program as text"},
+    {"/reference", is_text, "a frame program as text, \"\" if there is none"},
+    {"/resolution", is_pair, "[width, height]"},
+    {"/scene/name", is_text, "text"},
+    {"/scene/triangles", is_count, "a whole number"},
+    {"/scene/instances", is_count, "a whole number"},
+    {"/scene/lights", is_count, "a whole number"},
+    {"/scene/sha256", is_text, "text"},
+    {"/scene/bvh_hash", is_text, "text"},
+    {"/kernels", is_list_of_texts, "a list of names"},
+    {"/function", is_object_of_texts, "an object of keys and their values as text"},
+    {"/given", is_object_of_texts, "an object of keys and their values as text"},
+    {"/config", is_text, "YAML as text, \"\" if there is none"},
+}};
+
+/// A file's picture is as large as its configuration says.
+void check_resolution(const Json& header, const std::string& file, const RunConfig& config) {
+  const auto sides = header.at("resolution").get<std::vector<std::uint64_t>>();
+  if (sides[0] == config.render.width && sides[1] == config.render.height) return;
+  throw sim::InputError(
+      fmt::format("{}: its resolution is {}x{}, and that of the configuration (render.width, render.height) {}x{}; "
+                  "allowed: the same",
+                  file, sides[0], sides[1], config.render.width, config.render.height));
 }
 
 // What is left out is 0.
@@ -65,11 +117,13 @@ void read_all(const Json& json, const char* key, Array& numbers) {
 /// Another build may not have had all keys that change the work here: what it did then is what the default does.
 void check_not_recorded(const Json& header, const std::string& file,
                         const std::map<std::string, sim::FieldInfo>& asked) {
-  const std::string id = header.value("made_by", Json::object()).value("model_id", "");
-  if (id.empty() || id == build_info().model_id) return;
+  const Json::json_pointer id("/made_by/model_id");
+  if (!header.contains(id) || header.at(id) == build_info().model_id) return;
+  const auto program = header.at("program").get<std::string>(), reference = header.at("reference").get<std::string>();
   const auto defaults = fields(RunConfig{});
   for (const auto& [path, field] : asked) {
-    if (field.affects != sim::Affects::kFunction || header.at("function").contains(path)) continue;
+    if (field.affects != sim::Affects::kFunction || !changes_work(path, program, reference)) continue;
+    if (header.at("function").contains(path)) continue;
     const std::string& value = defaults.at(path).value;
     if (field.value == value) continue;
     throw sim::InputError(fmt::format(
@@ -85,8 +139,10 @@ Json trace_header(const Inputs& inputs, const JobOptions& options) {
   Json kernels = Json::array();
   for (const kernels::KernelInfo& kernel : kernels::catalogue()) kernels.push_back(kernel.name);
   const BuildInfo build = build_info();
-  return {{"program", kernels::parse_program(options.program).name()},
-          {"reference", options.reference.empty() ? "" : kernels::parse_program(options.reference).name()},
+  const std::string program = kernels::parse_program(options.program).name();
+  const std::string reference = options.reference.empty() ? "" : kernels::parse_program(options.reference).name();
+  return {{"program", program},
+          {"reference", reference},
           {"resolution", {inputs.config.render.width, inputs.config.render.height}},
           {"scene",
            {{"name", inputs.scene.name},
@@ -97,7 +153,7 @@ Json trace_header(const Inputs& inputs, const JobOptions& options) {
             {"bvh_hash", inputs.bvh_hash}}},
           {"made_by", {{"version", build.version}, {"git", build.git}, {"model_id", build.model_id}}},
           {"kernels", std::move(kernels)},
-          {"function", function_fields(inputs.config)},
+          {"function", function_fields(inputs.config, program, reference)},
           {"given", given(inputs.config, options)},
           {"config", sim::dump_config(inputs.config)}};
 }
@@ -155,9 +211,23 @@ hw::FrontEnd::Result result_of(const Json& json) {
   return result;
 }
 
+void check_header(const Json& header) {
+  for (const HeaderKey& key : kHeaderKeys) {
+    const Json::json_pointer place(key.place);
+    std::string name = key.place + 1;
+    std::ranges::replace(name, '/', '.');
+    if (!header.contains(place)) throw sim::InputError(fmt::format("the header has no '{}'", name));
+    if (!key.fits(header.at(place))) {
+      throw sim::InputError(fmt::format("'{}' of the header is wrong; allowed: {}", name, key.kind));
+    }
+  }
+}
+
 void check_recorded(const Json& header, const std::string& file, const RunConfig& config) {
+  const auto program = header.at("program").get<std::string>(), reference = header.at("reference").get<std::string>();
   const auto asked = fields(config);
   for (const auto& [path, value] : header.at("function").items()) {
+    if (!changes_work(path, program, reference)) continue;
     const auto field = asked.find(path);
     if (field == asked.end() || field->second.affects != sim::Affects::kFunction) {
       throw sim::InputError(fmt::format("{}: was recorded with a key '{}', which changes no work in this program", file,
@@ -170,6 +240,7 @@ void check_recorded(const Json& header, const std::string& file, const RunConfig
         file, path, sim::printable(recorded), field->second.value));
   }
   check_not_recorded(header, file, asked);
+  check_resolution(header, file, config);
 }
 
 RunConfig replay_config(const Json& header, const std::string& file, const JobOptions& options) {
@@ -179,7 +250,12 @@ RunConfig replay_config(const Json& header, const std::string& file, const JobOp
   sim::ConfigLoader loader(tree);
   std::string origin = file;
   if (options.config.empty()) {
-    loader.apply_text(header.at("config").get<std::string>(), file);
+    const std::string recorded = header.at("config").get<std::string>();
+    if (recorded.empty()) {
+      throw sim::InputError(
+          fmt::format("{}: has no configuration; give one: raywatt trace replay CONFIG {}", file, file));
+    }
+    loader.apply_text(recorded, file);
   } else {
     const std::filesystem::path found = find_config(options.config);
     origin = found.string();

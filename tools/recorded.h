@@ -20,6 +20,10 @@ traces::Json recorded_frame(std::uint32_t number, double error);
 /// Reads a part's result back: sampling, and the rays that were continued.
 hw::FrontEnd::Result result_of(const traces::Json& json);
 
+/// InputError, without the file's name, for a header that lacks a key, or has something else there. Those below are for
+/// headers that have passed.
+void check_header(const traces::Json& header);
+
 /// The configuration for a replay: that of the trace, or if `options` name one that one, with what the trace's command
 /// line said of the work; then --set and --ideal. InputError that names the field if it would change the recorded work.
 RunConfig replay_config(const traces::Json& header, const std::string& file, const JobOptions& options);

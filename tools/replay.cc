@@ -77,6 +77,7 @@ Replay::Replay(const std::filesystem::path& file,
     : trace_(file) {
   const std::string name = sim::printable(file.string());
   try {
+    trace_.naming_file([&] { check_header(trace_.header()); });
     inputs_.config = config(trace_.header(), name);
   } catch (const traces::Json::exception& error) {
     throw sim::InputError(fmt::format("{}: is damaged: {}", name, sim::printable(error.what())));
@@ -120,14 +121,14 @@ void Replay::load_tree(const Part& part) {
 }
 
 Simulation Replay::play(const Part& part, const kernels::ProgramSpec& program, std::uint32_t threads,
-                        Progress* progress) {
+                        Progress* progress, bool keep_part) {
   load_tree(part);
   ReplayProgram frame(trace_, part, scope_, kernels_);
   inputs_.frame = part.frame;
-  return tools::play(inputs_, program, frame, NoTracer(), threads, {.progress = progress});
+  return tools::play(inputs_, program, frame, NoTracer(), threads, {.keep_part = keep_part, .progress = progress});
 }
 
-Outcome Replay::run(std::uint32_t threads, Progress* progress) {
+Outcome Replay::run(std::uint32_t threads, Progress* progress, bool keep_part) {
   Outcome out;
   try {
     for (const traces::Json& frame : trace_.frames()) {
@@ -137,13 +138,20 @@ Outcome Replay::run(std::uint32_t threads, Progress* progress) {
         return std::pair{static_cast<std::uint32_t>(traces::number_at(frame, "frame", traces::kMaxFrame)), difference};
       });
       const Part& work = trace_.naming_file([&]() -> const Part& { return part(number, false); });
-      Simulation played = play(work, program_, threads, progress);
+      const bool may_be_part = keep_part && out.frames.empty();
+      Simulation played = play(work, program_, threads, progress, may_be_part);
       std::optional<Simulation> compared;
-      if (reference_) {
+      if (reference_ && !played.is_part()) {
         const Part& other = trace_.naming_file([&]() -> const Part& { return part(number, true); });
-        compared = play(other, *reference_, threads, progress);
+        try {
+          compared = play(other, *reference_, threads, progress, false);
+        } catch (const Interrupted&) {
+          if (!may_be_part) throw;
+        }
       }
-      out.add(number, std::move(played), std::move(compared), error);
+      out.partial = played.is_part() || (reference_ && !compared);
+      out.add(number, std::move(played), std::move(compared), out.partial ? 0 : error);
+      if (out.partial) break;
     }
   } catch (const Interrupted&) {
     if (out.frames.empty()) throw;

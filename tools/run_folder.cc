@@ -5,7 +5,9 @@
 #include <cstdio>
 #include <ctime>
 #include <fstream>
+#include <iterator>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -13,6 +15,7 @@
 #include <fcntl.h>
 #include <fmt/chrono.h>
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 #include <unistd.h>
 
 #include "sim/error.h"
@@ -32,13 +35,40 @@ fs::path dated_folder() {
   return folder;
 }
 
-/// Is the file of this name one of ours? Others have a report.json too.
-bool is_former_run(const fs::path& folder, std::string_view mark) {
+constexpr std::streamsize kLongestStart = 1 << 20;  ///< of a report, the part with what it was made by is in that
+
+/// The start of the file of this name if it is one of ours, else nothing. Others have a report.json too.
+std::string start_of_results(const fs::path& folder, std::string_view name) {
   std::error_code failed;
-  if (!fs::is_regular_file(folder / mark, failed)) return false;
-  std::string start(128, '\0');
-  std::ifstream(folder / mark, std::ios::binary).read(start.data(), static_cast<std::streamsize>(start.size()));
-  return start.find("\"schema\": \"raywatt-") != std::string::npos;
+  if (!fs::is_regular_file(folder / name, failed)) return {};
+  std::string start(kLongestStart, '\0');
+  std::ifstream file(folder / name, std::ios::binary);
+  file.read(start.data(), kLongestStart);
+  start.resize(static_cast<std::size_t>(file.gcount()));
+  return std::string_view(start).substr(0, 128).find("\"schema\": \"raywatt-") != std::string_view::npos ? start : "";
+}
+
+/// Of the verbs that write a report.json, the one that has written this.
+std::string_view verb_of(const std::string& report) {
+  constexpr std::string_view kWords = "\"argv\": ";
+  const std::size_t words = report.find(kWords);
+  if (words == std::string::npos) return "run";
+  std::istringstream text(report.substr(words + kWords.size()));
+  nlohmann::json argv;
+  try {
+    text >> argv;
+  } catch (const nlohmann::json::exception&) {
+    return "run";
+  }
+  return argv.is_array() && argv.size() > 1 && argv[1] == "trace" ? "trace replay" : "run";
+}
+
+enum class Former : std::uint8_t { kNone, kOfOtherVerb, kOwn };
+
+Former former_results(const fs::path& folder, const ResultsOf& verb) {
+  const std::string start = start_of_results(folder, verb.mark);
+  if (start.empty()) return Former::kNone;
+  return verb.name.empty() || verb.name == verb_of(start) ? Former::kOwn : Former::kOfOtherVerb;
 }
 
 /// Every file that a verb may leave in its folder.
@@ -60,23 +90,27 @@ bool is_frame(std::string_view name) {
   return name.substr(end) == ".png" || is_picture_of("-debug-", name.substr(end));
 }
 
-bool is_result(const fs::directory_entry& entry) {
+bool is_result(const fs::directory_entry& entry, const ResultsOf& verb) {
   const std::string name = entry.path().filename().string();
-  return entry.symlink_status().type() == fs::file_type::regular &&
+  const bool is_picture = name.ends_with(".png") || name.ends_with(".exr");
+  return entry.symlink_status().type() == fs::file_type::regular && (verb.pictures || !is_picture) &&
          (std::ranges::find(kResults, name) != kResults.end() || is_frame(name) || is_picture_of("figure-", name) ||
           is_picture_of("debug-", name));
 }
 
-bool holds_only_results(const fs::path& folder) {
-  return std::ranges::all_of(fs::directory_iterator(folder), is_result);
+/// Former results of the verb: none in a folder that is not its own.
+std::vector<fs::path> former_files(const fs::path& folder, const ResultsOf& verb) {
+  std::vector<fs::path> files;
+  if (former_results(folder, verb) != Former::kOwn) return files;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    if (is_result(entry, verb)) files.push_back(entry.path());
+  }
+  return files;
 }
 
 /// Puts the results of `from` into `to` among the files of others, in place of former results.
-std::error_code place_among(const fs::path& from, const fs::path& to) {
-  std::vector<fs::path> former, results;
-  for (const fs::directory_entry& entry : fs::directory_iterator(to)) {
-    if (is_result(entry)) former.push_back(entry.path());
-  }
+std::error_code place_among(const fs::path& from, const fs::path& to, const std::vector<fs::path>& former) {
+  std::vector<fs::path> results;
   for (const fs::directory_entry& entry : fs::directory_iterator(from)) results.push_back(entry.path().filename());
   std::error_code error;
   for (const fs::path& file : former) {
@@ -147,8 +181,8 @@ bool is_occupied(const std::error_code& error) {
 
 }  // namespace
 
-RunFolder::RunFolder(fs::path target, bool force, std::string_view mark)
-    : mark_(mark), dated_(target.empty()), target_(dated_ ? dated_folder() : std::move(target)) {
+RunFolder::RunFolder(fs::path target, bool force, const ResultsOf& verb)
+    : verb_(verb), dated_(target.empty()), target_(dated_ ? dated_folder() : std::move(target)) {
   std::error_code error;
   const fs::path canonical = fs::weakly_canonical(fs::absolute(target_), error);
   if (error) throw sim::InputError(cannot_be_written(target_, error));
@@ -158,7 +192,14 @@ RunFolder::RunFolder(fs::path target, bool force, std::string_view mark)
     if (!fs::is_directory(target_, error)) {
       throw sim::InputError(fmt::format("{}: is a file, not a folder", target_.string()));
     }
-    if (!force && !fs::is_empty(target_, error) && !is_former_run(target_, mark)) {
+    const Former former = former_results(target_, verb_);
+    if (!force && former == Former::kOfOtherVerb) {
+      throw sim::InputError(
+          fmt::format("{}: holds the results of raywatt {}; choose another folder or give --force to put these among "
+                      "them, in place of files of the same name",
+                      target_.string(), verb_of(start_of_results(target_, verb_.mark))));
+    }
+    if (!force && former == Former::kNone && !fs::is_empty(target_, error)) {
       throw sim::InputError(fmt::format(
           "{}: holds files but no former run; choose another folder or give --force to put the results among them",
           target_.string()));
@@ -169,7 +210,7 @@ RunFolder::RunFolder(fs::path target, bool force, std::string_view mark)
   if (error) throw sim::InputError(cannot_be_written(target_, error));
 }
 
-bool RunFolder::holds_former_run() const { return is_former_run(target_, mark_); }
+bool RunFolder::holds_former_run() const { return former_results(target_, verb_) != Former::kNone; }
 
 void RunFolder::fill(const std::function<std::string(const Open& folder)>& write) {
   std::optional<HoldInterrupts> hold;
@@ -187,7 +228,10 @@ void RunFolder::fill(const std::function<std::string(const Open& folder)>& write
     fs::rename(staging.folder(), target_, error);
   }
   if (is_occupied(error)) {
-    error = holds_only_results(target_) ? exchange(staging.folder(), target_) : place_among(staging.folder(), target_);
+    const std::vector<fs::path> former = former_files(target_, verb_);
+    const auto files = static_cast<std::size_t>(std::distance(fs::directory_iterator(target_), {}));
+    error =
+        former.size() == files ? exchange(staging.folder(), target_) : place_among(staging.folder(), target_, former);
   }
   if (error) throw sim::IoError(cannot_be_written(target_, error));
   tell_if_interrupted(fmt::format("kept {} in {}", kept, target_.string()));

@@ -6,14 +6,23 @@
 
 namespace tools {
 
+/// How a verb's results are known from those of others.
+struct ResultsOf {
+  std::string_view mark = "report.json";  ///< a file that is always among them
+  std::string_view name = {};             ///< the verb, if others write a file of that name
+  bool pictures = true;                   ///< there may be some among them
+};
+inline constexpr ResultsOf kResultsOfRun{.name = "run"};
+inline constexpr ResultsOf kResultsOfReplay{.name = "trace replay", .pictures = false};
+
 /// A folder of results, written beside its place and moved there as a whole: nobody sees half of one. Files that are
 /// not results are never touched: where there are any, the results are put among them one by one.
 class RunFolder {
  public:
-  /// Checks that results may go to `target`: a new or empty folder, a former run (it holds our `mark`), or any folder
-  /// with `force`; and that it can be written. InputError if not. An empty path becomes a dated folder below
+  /// Checks that results may go to `target`: a new or empty folder, a former run of the same verb, or any folder with
+  /// `force`; and that it can be written. InputError if not. An empty path becomes a dated folder below
   /// raywatt-out/. Nothing is made yet.
-  RunFolder(std::filesystem::path target, bool force, std::string_view mark = "report.json");
+  RunFolder(std::filesystem::path target, bool force, const ResultsOf& verb = kResultsOfRun);
 
   /// Makes the folder beside the target when first asked for it.
   using Open = std::function<const std::filesystem::path&()>;
@@ -23,13 +32,13 @@ class RunFolder {
   /// that fails.
   void fill(const std::function<std::string(const Open& folder)>& write);
 
-  /// There are results of a former run, which these would replace.
+  /// There is a report of a former run, which this one would replace.
   bool holds_former_run() const;
 
   const std::filesystem::path& target() const { return target_; }
 
  private:
-  const std::string mark_;
+  const ResultsOf verb_;
   const bool dated_;
   std::filesystem::path target_;
 };

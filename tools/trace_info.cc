@@ -4,6 +4,7 @@
 
 #include "sim/io/printable.h"
 #include "sim/report/table.h"
+#include "tools/recorded.h"
 
 namespace tools {
 
@@ -18,6 +19,7 @@ std::string text_at(const Json& json, const char* key) { return sim::printable(j
 Json trace_info(const traces::TraceReader& trace) {
   return trace.naming_file([&] {
     const Json& header = trace.header();
+    check_header(header);
     constexpr std::uint64_t kMost = std::uint64_t{1} << 48;
     std::uint64_t tiles = 0, rays = 0, steps = 0, bytes = 0;
     for (const traces::TraceReader::Part& part : trace.parts()) {

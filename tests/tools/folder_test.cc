@@ -52,6 +52,32 @@ TEST(Folder, OfSomebodyElseIsRefusedAndLeftAlone) {
   EXPECT_EQ(names_in(folder.path()), Words{"out"});
 }
 
+TEST(Folder, OfAnotherVerbIsRefusedAndByForceKeepsWhatTheNewOneDoesNotWrite) {
+  const TempFolder folder;
+  const fs::path ran = folder.path() / "ran", replayed = folder.path() / "replayed";
+  const std::string trace = (folder.path() / "a.trace").string();
+  ASSERT_EQ(raywatt(small_run(ran, {"--record", trace})).exit, 0);
+  const std::string picture = read_bytes(ran / "image.png"), report = read_bytes(ran / "report.json");
+  const auto replay = [&](const fs::path& out, const Words& more = {}) {
+    Words words = {"trace", "replay", trace, "-o", out.string(), "--quiet"};
+    words.insert(words.end(), more.begin(), more.end());
+    return raywatt(words);
+  };
+  expect_refusal(replay(ran), {ran.string(), "holds the results of raywatt run", "--force"});
+  EXPECT_EQ(names_in(ran), kResults);
+  EXPECT_EQ(read_bytes(ran / "report.json"), report);
+  ASSERT_EQ(replay(replayed).exit, 0);
+  ASSERT_EQ(replay(replayed).exit, 0) << "its own";
+  expect_refusal(raywatt(small_run(replayed)),
+                 {replayed.string(), "holds the results of raywatt trace replay", "--force"});
+  for (int time = 0; time < 2; ++time) {
+    ASSERT_EQ(replay(ran, {"--force"}).exit, 0);
+    EXPECT_EQ(names_in(ran), kResults);
+    EXPECT_EQ(read_bytes(ran / "image.png"), picture);
+    EXPECT_NE(read_bytes(ran / "report.json"), report);
+  }
+}
+
 TEST(Folder, OfSomebodyElseTakesResultsByForceAndLosesNothing) {
   const TempFolder folder;
   const fs::path out = folder.path() / "out";

@@ -1,5 +1,6 @@
 #include <cstdint>
 #include <fstream>
+#include <functional>
 
 #include <gtest/gtest.h>
 #include <zstd.h>
@@ -13,9 +14,15 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string block(const std::string& content) {
+/// How blocks are made; others are to be refused.
+struct Form {
+  bool checksum = true, size = true;
+};
+
+std::string block(const std::string& content, const Form& form = {}) {
   ZSTD_CCtx* context = ZSTD_createCCtx();
-  ZSTD_CCtx_setParameter(context, ZSTD_c_checksumFlag, 1);
+  ZSTD_CCtx_setParameter(context, ZSTD_c_checksumFlag, form.checksum ? 1 : 0);
+  ZSTD_CCtx_setParameter(context, ZSTD_c_contentSizeFlag, form.size ? 1 : 0);
   std::string packed(ZSTD_compressBound(content.size()), '\0');
   packed.resize(ZSTD_compress2(context, packed.data(), packed.size(), content.data(), content.size()));
   ZSTD_freeCCtx(context);
@@ -124,65 +131,72 @@ std::string bits_of_levels() {
   return as_walks(all, 4 * 6);
 }
 
-std::string trace(const std::string& walks, bool levels = false, const Json& made_by = nullptr) {
-  Json header = {{"program", "full:1"},
-                 {"reference", ""},
-                 {"resolution", {4, 2}},
-                 {"scene",
-                  {{"name", "three triangles"},
-                   {"triangles", 3},
-                   {"instances", 1},
-                   {"lights", 0},
-                   {"sha256", ""},
-                   {"bvh_hash", ""}}},
-                 {"kernels", {"generate_rays", "shade_surface"}},
-                 {"function", Json::object()},
-                 {"given", {{"render.width", "4"}, {"render.height", "2"}}},
-                 {"config", ""}};
-  if (!made_by.is_null()) header["made_by"] = made_by;
+/// What a test does to what is in a file.
+using Change = std::function<void(Json& header, Json& contents)>;
+
+/// A file of one tree and one frame. `tree` and `part` are entries of the contents, without the places of blocks.
+std::string file_of(Json header, const std::string& links, Json tree, const std::vector<std::string>& tiles, Json part,
+                    const Change& change = {}, const Form& form = {}) {
+  Json contents;
+  if (change) change(header, contents);
   std::string file = "raywatt-trace/2\n";
   const std::string packed = block(header.dump());
   file += number(packed.size(), 4) + packed;
-  Json contents;
   const auto put = [&](const std::string& content) {
-    const std::string all = block(content);
+    const std::string all = block(content, form);
     const Json place = {{"offset", file.size()}, {"bytes", all.size()}};
     file += all;
     return place;
   };
-  Json tree = put(levels ? kLevels : kTree);
-  tree["nodes"] = levels ? 2 : 1;
-  tree["counts"] = {{"triangles", 3},
-                    {"attributes", 3},
-                    {"vertices", 0},
-                    {"materials", 1},
-                    {"details", 0},
-                    {"textures", Json::array()},
-                    {"instances", levels ? 2 : 0},
-                    {"trees", levels ? 1 : 0}};
+  tree.update(put(links));
   contents["trees"].push_back(tree);
-  const std::string tiles[] = {block(tile(0, walks)), block(tile(1, walks))};
-  const std::size_t first = file.size();
+  part["offset"] = file.size();
   std::string sizes;
-  for (const std::string& t : tiles) {
-    file += t;
-    sizes += number(t.size(), 4);
-  }
-  contents["parts"].push_back({{"frame", 0},
-                               {"program", "program"},
-                               {"tree", 0},
-                               {"demands", {{"tile_samples", 4}, {"attribute_bytes", 0}, {"region_bytes", {32, 0, 0}}}},
-                               {"tiles", 2},
-                               {"offset", first},
-                               {"sizes", put(sizes)},
-                               {"result",
-                                {{"rays", {8, 0, 0, 0}},
-                                 {"traversal_steps", 18},
-                                 {"continued", 0},
-                                 {"sampling", {{"wanted", 8}, {"traced", 8}}}}}});
+  for (const std::string& tile : tiles) sizes += number(put(tile)["bytes"], 4);
+  part["tiles"] = tiles.size();
+  part["sizes"] = put(sizes);
+  contents["parts"].push_back(part);
   contents["frames"].push_back({{"frame", 0}, {"squared_error", 0.0}});
+  if (change) change(header, contents);
   const Json place = put(contents.dump());
   return file + number(place["offset"], 8) + number(place["bytes"], 4) + "end\n";
+}
+
+std::string trace(const std::string& walks, bool levels = false, const Change& change = {}, const Form& form = {}) {
+  const Json header = {{"program", "full:1"},
+                       {"reference", ""},
+                       {"resolution", {4, 2}},
+                       {"scene",
+                        {{"name", "three triangles"},
+                         {"triangles", 3},
+                         {"instances", 1},
+                         {"lights", 0},
+                         {"sha256", ""},
+                         {"bvh_hash", ""}}},
+                       {"kernels", {"generate_rays", "shade_surface"}},
+                       {"function", Json::object()},
+                       {"given", {{"render.width", "4"}, {"render.height", "2"}}},
+                       {"config", ""}};
+  const Json tree = {{"nodes", levels ? 2 : 1},
+                     {"counts",
+                      {{"triangles", 3},
+                       {"attributes", 3},
+                       {"vertices", 0},
+                       {"materials", 1},
+                       {"details", 0},
+                       {"textures", Json::array()},
+                       {"instances", levels ? 2 : 0},
+                       {"trees", levels ? 1 : 0}}}};
+  const Json part = {{"frame", 0},
+                     {"program", "program"},
+                     {"tree", 0},
+                     {"demands", {{"tile_samples", 4}, {"attribute_bytes", 0}, {"region_bytes", {32, 0, 0}}}},
+                     {"result",
+                      {{"rays", {8, 0, 0, 0}},
+                       {"traversal_steps", 18},
+                       {"continued", 0},
+                       {"sampling", {{"wanted", 8}, {"traced", 8}}}}}};
+  return file_of(header, levels ? kLevels : kTree, tree, {tile(0, walks), tile(1, walks)}, part, change, form);
 }
 
 nlohmann::json played(const TempFolder& folder, const std::string& name, const std::string& content,
@@ -214,7 +228,8 @@ TEST(HandMadeTrace, PlaysWithWalksAsWordsAndAsBits) {
 TEST(HandMadeTrace, OfAnotherBuildMustHaveAllKeysThatAreNotTheirDefaults) {
   const TempFolder folder;
   const auto replay = [&](const Json& made_by) {
-    const std::string file = folder.write("a.trace", trace(bits(), false, made_by)).string();
+    const auto change = [&](Json& header, Json&) { header["made_by"] = made_by; };
+    const std::string file = folder.write("a.trace", trace(bits(), false, change)).string();
     return raywatt({"trace", "replay", "sgrt-2016", file, "-o", (folder.path() / "out").string()});
   };
   // render.height and render.width are given and are not among the keys of its `function`.
@@ -241,6 +256,135 @@ TEST(HandMadeTrace, PlaysRaysThatEnterInstances) {
   const std::string file = folder.write("flat.trace", content).string();
   expect_refusal(raywatt({"trace", "replay", "sgrt-2016", file, "-o", (folder.path() / "out").string()}),
                  {"flat.trace", "two levels", "bvh.instances is flatten", "allowed: two_level"});
+}
+
+// The example of docs/trace-format.md: one ray that hits one triangle.
+TEST(HandMadeTrace, PlaysTheSmallestFile) {
+  const Json header = Json::parse(R"({
+    "program": "full:1", "reference": "", "resolution": [1, 1],
+    "scene": {"name": "a triangle", "triangles": 1, "instances": 1, "lights": 0, "sha256": "", "bvh_hash": ""},
+    "kernels": ["generate_rays"],
+    "function": {}, "given": {"render.width": "1", "render.height": "1"}, "config": ""})");
+  const Json tree = Json::parse(R"({
+    "nodes": 1, "counts": {"triangles": 1, "attributes": 0, "vertices": 0, "materials": 0, "details": 0,
+                           "textures": [], "instances": 0, "trees": 0}})");
+  const Json part = Json::parse(R"({
+    "frame": 0, "program": "program", "tree": 0,
+    "demands": {"tile_samples": 1, "attribute_bytes": 0, "region_bytes": [0, 0, 0]},
+    "result": {"rays": [1, 0, 0, 0], "traversal_steps": 2, "sampling": {"wanted": 1, "traced": 1}}})");
+  const std::string tile = bytes({0, 0, 1, /*after*/ 0, 0, /*nodes*/ 3}) +
+                           bytes({/*launch*/ 0, 1, /*kernel, idle, accesses, inputs*/ 0, 0, 0, 0}) +
+                           bytes({/*rays*/ 1, 1, /*primary, no sources*/ 0, 0, /*each, one back*/ 1, 3}) +
+                           bytes({/*launch*/ 0, 1, /*kernel, idle, accesses*/ 0, 0, 0, /*each, one back*/ 1, 3}) +
+                           bytes({/*rays*/ 1, /*words*/ 4, /*as words*/ 1}) + number(0x08000000, 4) +
+                           number(0x44000000, 4) + number(0x00000003, 4) + number(0xc0000001, 4);
+  const std::string content = file_of(header, bytes({1, 0}), tree, {tile}, part);
+  const TempFolder folder;
+  const std::string file = folder.write("smallest.trace", content).string();
+  const std::filesystem::path out = folder.path() / "out";
+  const Ending ending = raywatt({"trace", "replay", "sgrt-2016", file, "-o", out.string()});
+  EXPECT_EQ(ending.exit, 0) << ending.err;
+  const nlohmann::json totals = read_json(out / "report.json")["totals"];
+  EXPECT_EQ(totals["rays"]["total"], 1);
+  EXPECT_EQ(totals["traversal_steps"], 2);
+}
+
+class BadHandMadeTrace : public ::testing::Test {
+ protected:
+  Ending replay(const std::string& content, const Words& config = {"sgrt-2016"}) const {
+    Words words = {"trace", "replay"};
+    words.insert(words.end(), config.begin(), config.end());
+    words.insert(words.end(), {folder_.write("a.trace", content).string(), "-o", (folder_.path() / "out").string()});
+    return raywatt(words);
+  }
+  /// With a header of which a key is another, or none.
+  static std::string with(const std::string& place, const Json& value) {
+    return trace(kWords, false, [&](Json& header, Json&) {
+      const Json::json_pointer key(place);
+      if (value.is_null()) {
+        header.at(key.parent_pointer()).erase(key.back());
+      } else {
+        header[key] = value;
+      }
+    });
+  }
+
+  TempFolder folder_;
+};
+
+TEST_F(BadHandMadeTrace, WithoutAKeyOfTheHeaderIsRefusedAndTheKeyNamed) {
+  for (const std::string key : {"program", "reference", "resolution", "kernels", "function", "given", "config"}) {
+    expect_refusal(replay(with("/" + key, nullptr)), {"a.trace: the header has no '" + key + "'"});
+    expect_refusal(replay(with("/" + key, 7)), {"a.trace: '" + key + "' of the header is wrong; allowed: "});
+  }
+  for (const std::string key : {"name", "triangles", "instances", "lights", "sha256", "bvh_hash"}) {
+    expect_refusal(replay(with("/scene/" + key, nullptr)), {"a.trace: the header has no 'scene." + key + "'"});
+  }
+  expect_refusal(replay(with("/scene", nullptr)), {"a.trace: the header has no 'scene.name'"});
+  EXPECT_EQ(replay(with("/made_by", nullptr)).exit, 0) << "for people";
+}
+
+TEST_F(BadHandMadeTrace, WithoutAKeyOfTheContentsIsRefusedAndTheKeyNamed) {
+  const auto without = [](const std::string& place) {
+    return trace(kWords, false, [&](Json&, Json& contents) {
+      const Json::json_pointer key(place);
+      if (contents.contains(key)) contents.at(key.parent_pointer()).erase(key.back());
+    });
+  };
+  for (const std::string place : {"/trees", "/trees/0/counts", "/parts/0/demands", "/parts/0/result", "/frames"}) {
+    const std::string key = place.substr(place.rfind('/') + 1);
+    expect_refusal(replay(without(place)), {"a.trace: has no key '" + key + "'"});
+  }
+}
+
+TEST_F(BadHandMadeTrace, OfTwoResolutionsIsRefused) {
+  expect_refusal(replay(with("/resolution", {2, 2})), {"a.trace: its resolution is 2x2", "render.width", "4x2"});
+  expect_refusal(replay(with("/given/render.width", "8")), {"a.trace: its resolution is 4x2", "8x2"});
+}
+
+TEST_F(BadHandMadeTrace, WithoutAConfigurationAsksForOne) {
+  expect_refusal(replay(trace(kWords), {}),
+                 {"a.trace: has no configuration; give one: raywatt trace replay CONFIG ", "a.trace"});
+}
+
+TEST_F(BadHandMadeTrace, OfBlocksThatSayNothingOfTheirContentIsRefused) {
+  expect_refusal(replay(trace(kWords, false, {}, {.checksum = false})), {"a.trace: has a block without a checksum"});
+  expect_refusal(replay(trace(kWords, false, {}, {.size = false})), {"a.trace: has a block without a size"});
+}
+
+TEST_F(BadHandMadeTrace, WhoseTilesDemandMoreThanTheTileBufferSendsItsRaysThroughMemory) {
+  const auto demanding = [](const std::string& key, const Json& value) {
+    return trace(kWords, false, [&](Json&, Json& contents) {
+      if (contents.contains("parts")) contents["parts"][0]["demands"][key] = value;
+    });
+  };
+  const auto spilled = [&](const std::string& content) {
+    const Ending ending = replay(content);
+    EXPECT_EQ(ending.exit, 0) << ending.err;
+    const nlohmann::json units = read_json(folder_.path() / "out" / "report.json")["units"];
+    std::uint64_t slots = 0;
+    for (const auto& [name, core] : units.items()) {
+      if (!name.starts_with("core")) continue;
+      slots += core["tile_buffer"]["counters"]["spilled_slots"].get<std::uint64_t>();
+    }
+    return slots;
+  };
+  EXPECT_EQ(spilled(trace(kWords)), 0U);
+  EXPECT_GT(spilled(demanding("tile_samples", 1U << 26)), 0U);
+  EXPECT_GT(spilled(demanding("attribute_bytes", 0xffffffffU)), 0U);
+  EXPECT_EQ(spilled(demanding("region_bytes", {1ULL << 40, 0, 0})), 0U);
+  expect_refusal(replay(demanding("tile_samples", (1U << 26) + 1)), {"a.trace: tile_samples is out of range"});
+  expect_refusal(replay(demanding("attribute_bytes", 1ULL << 32)), {"a.trace: attribute_bytes is out of range"});
+  expect_refusal(replay(demanding("region_bytes", {(1ULL << 40) + 1, 0, 0})),
+                 {"a.trace: region_bytes is out of range"});
+  expect_refusal(replay(demanding("region_bytes", {31, 0, 0})), {"a.trace", "bytes of a transfer is out of range"});
+}
+
+TEST(HandMadeTrace, OfFormerBuildsPlaysWithKeysThatNothingReads) {
+  const TempFolder folder;
+  played(folder, "former", trace(kWords, false, [](Json& header, Json&) {
+           header["function"] = {{"limits.memory", "7 GiB"}, {"limits.gone", "1"}, {"supersample.colour", "0.9"}};
+         }));
 }
 
 }  // namespace

@@ -127,6 +127,7 @@ TEST(Interrupt, WithSampledTilesKeepsFinishedFramesAndNothingOfOthers) {
   });
   EXPECT_EQ(first.exit, 128 + SIGINT);
   EXPECT_SAYS(first.err, "raywatt: interrupted\n");
+  EXPECT_EQ(last_progress(first.err.substr(0, first.err.find("raywatt")))["phase"], "interrupted");
   EXPECT_EQ(names_in(folder.path()), Words{});
   const Ending later = stopped({"--scene", "chess", "--set", "scene.triangles=5000", "--set", "scene.frame_rate=2",
                                 "--frames", "0:100000", "--resolution", "64x32"},
@@ -236,6 +237,32 @@ TEST(Interrupt, InTheReferenceKeepsTheRun) {
   EXPECT_EQ(report["partial"], true);
   EXPECT_EQ(report["totals"]["rays"]["primary"], 64 * 64);
   EXPECT_FALSE(report["totals"].contains("relative"));
+}
+
+TEST(Interrupt, OfAReplayKeepsTheFinishedPartOfTheFirstFrame) {
+  const TempFolder folder;
+  const fs::path out = folder.path() / "out";
+  const std::string trace = (folder.path() / "a.trace").string();
+  ASSERT_EQ(raywatt({"trace", "record", trace, "--resolution", "256x256", "--program", "full:9", "--quiet"}).exit, 0);
+  Program program({"trace", "replay", trace, "--threads", "1", "--progress", "json", "-o", out.string()});
+  EXPECT_TRUE(wait_for_tiles(program));
+  program.send(SIGTERM);
+  const Ending ending = program.wait();
+  EXPECT_EQ(ending.exit, 128 + SIGTERM);
+  const nlohmann::json report = read_json(out / "report.json");
+  EXPECT_EQ(report["partial"], true);
+  const nlohmann::json& frame = report["frames"][0];
+  EXPECT_GT(frame["finished_tiles"], 3);
+  EXPECT_LT(frame["finished_tiles"], frame["tiles"]);
+  EXPECT_EQ(frame["sampling"], nlohmann::json::object()) << "known of whole frames only";
+  const std::size_t words = ending.err.find("raywatt: interrupted; kept " + frame["finished_tiles"].dump() + " of " +
+                                            frame["tiles"].dump() + " tiles of frame 0 in " + out.string() + "\n");
+  ASSERT_NE(words, std::string::npos) << ending.err;
+  EXPECT_EQ(last_progress(ending.err.substr(0, words))["phase"], "interrupted");
+  EXPECT_SAYS(read_bytes(out / "report.txt"), "PARTIAL");
+  const auto [elapsed, why] = elapsed_and_why(report["units"]);
+  EXPECT_EQ(elapsed, why) << "what is reported of the part adds up";
+  EXPECT_EQ(names_in(out), (Words{"config.yaml", "report.json", "report.txt"}));
 }
 
 TEST(Interrupt, OfVerifyKeepsFinishedFrames) {

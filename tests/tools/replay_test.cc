@@ -151,6 +151,29 @@ TEST_F(Replay, OfOtherWorkIsRefusedAndTheKeyNamed) {
   EXPECT_FALSE(fs::exists(at("out")));
 }
 
+TEST_F(Replay, TakesAnyValueOfKeysThatNothingInTheFileReads) {
+  run("recorded", {}, true);
+  expect_good(replay("out", {"--set", "limits.memory=1GiB", "--set", "limits.json_depth=9", "--set",
+                             "supersample.colour=0.5", "--set", "multirate.block=4"}));
+  run("recorded", {"--program", "full:4", "--reference", "supersample"}, true);
+  expect_refusal(replay("no", {"--set", "supersample.colour=0.5"}), {trace(), "supersample.colour was recorded as"});
+}
+
+TEST_F(Replay, RecordsIntoTheFolderOfTheReportEvenIfThatIsNew) {
+  const auto recorded_at = [&](const std::string& file) { return raywatt(small_run(at("new"), {"--record", file})); };
+  const std::string file = (at("new") / "a.trace").string();
+  for (int time = 0; time < 2; ++time) {
+    expect_good(recorded_at(file));
+    EXPECT_EQ(names_in(at("new")),
+              (Words{"a.trace", "config.yaml", "image.exr", "image.png", "report.json", "report.txt"}));
+    expect_good(raywatt({"trace", "info", file}));
+  }
+  fs::remove_all(at("new"));
+  expect_refusal(recorded_at((at("new") / "deep" / "a.trace").string()),
+                 {"deep/a.trace: cannot be written", "there is no folder " + (at("new") / "deep").string()});
+  EXPECT_EQ(names_in(folder_.path()), Words{});
+}
+
 TEST_F(Replay, InfoSaysWhatIsInTheFile) {
   run("run", {"--program", "full:4", "--reference", "full:1"}, true);
   const Json report = read_json(at("run") / "report.json");
@@ -179,6 +202,10 @@ TEST_F(Replay, BadFilesAreRefusedInOneLine) {
   };
   is_refused("", {trace(), "is no trace"});
   is_refused(good.substr(0, good.size() / 2), {trace(), "ends early"});
+  is_refused(good + "more", {trace(), "with something other than a footer"});
+  std::string first_line = good;
+  first_line[14] = '\0';
+  is_refused(first_line, {trace(), "another format", "this program reads 'raywatt-trace/2'", "record makes one"});
   std::string bad = good;
   bad[30] = '\x7f';
   is_refused(bad, {trace(), "damaged"});
@@ -254,7 +281,7 @@ TEST_F(Replay, WhatCannotBeWrittenLeavesNothingBehind) {
   EXPECT_SAYS(full.err, "cannot be written");
   EXPECT_EQ(names_in(folder_.path()), Words{});
   expect_refusal(raywatt({"trace", "record", "--resolution", "64x32", at("no/such/a.trace").string()}),
-                 {"cannot be written"});
+                 {"cannot be written", "there is no folder " + at("no/such").string()});
   folder_.write("thesis.txt", "three years");
   expect_refusal(raywatt({"trace", "record", "--resolution", "64x32", at("thesis.txt").string()}), {"is no trace"});
   EXPECT_EQ(read_bytes(at("thesis.txt")), "three years");

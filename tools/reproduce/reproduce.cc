@@ -131,7 +131,7 @@ void reproduce(const Options& options) {
   if (!options.scenes.empty() && !fs::is_directory(options.scenes)) {
     throw sim::InputError(fmt::format("--scenes {}: is no folder", sim::printable(options.scenes.string())));
   }
-  RunFolder folder(options.out, options.force, "reproduce.json");
+  RunFolder folder(options.out, options.force, {.mark = "reproduce.json"});
   JobOptions plain;
   plain.config = options.config;
   Job job(options, paper, load_run_config(plain));

@@ -16,8 +16,13 @@ namespace {
 void bench(const BenchOptions& options, bool json) {
   nlohmann::ordered_json other;
   if (!options.against.empty()) other = load_bench(options.against);
-  nlohmann::ordered_json out = options.measured.empty() ? measure_scenes(options) : load_bench(options.measured);
-  if (!options.against.empty()) compare_bench(out, other);
+  nlohmann::ordered_json out = options.measured.empty()
+                                   ? measure_scenes(options, options.against.empty() ? nullptr : &other)
+                                   : load_bench(options.measured);
+  if (!options.against.empty()) {
+    check_comparable(out, other, options.against);
+    compare_bench(out, other);
+  }
   fmt::print("{}", json ? sim::json_text(out) : bench_table(out));
 }
 
@@ -38,7 +43,10 @@ void add_bench(CLI::App& app) {
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   verb->add_option("--against", options->against, "JSON of another build: also how many times as good each figure is");
-  verb->add_option("--measured", options->measured, "JSON of this build, instead of measuring");
+  CLI::Option* measured = verb->add_option("--measured", options->measured, "JSON of this build, instead of measuring");
+  for (const char* of_measuring : {"config", "--set", "--scene", "--program", "--resolution", "--threads", "--runs"}) {
+    measured->excludes(verb->get_option(of_measuring));
+  }
   verb->add_flag("--json", *json, "as JSON");
   add_progress_option(*verb, options->job.progress);
   verb->footer(

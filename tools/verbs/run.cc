@@ -91,20 +91,15 @@ struct Job {
         run_frame(inputs, folder, out);
       }
     } catch (const Interrupted&) {
-      if (out.frames.empty()) throw;
+      if (out.frames.empty()) {
+        progress.end("interrupted");
+        throw;
+      }
       out.partial = true;
     }
     return out;
   }
 };
-
-/// What an interrupted run has kept, in words.
-std::string kept(const Outcome& out, const Inputs& inputs) {
-  const Simulation& last = *out.total;
-  if (last.is_part()) return fmt::format("{} of {} tiles of frame {}", last.finished_tiles, last.tiles, inputs.frame);
-  if (inputs.frames() > 1) return fmt::format("{} of {} frames", out.frames.size(), inputs.frames());
-  return out.partial ? "the run without its reference" : "the whole run";
-}
 
 /// How frames are sampled, if they are; InputError for what does not go with it.
 std::optional<TileSampling> sampling_of(const JobOptions& options, const kernels::ProgramSpec& program) {
@@ -138,7 +133,13 @@ void run(const JobOptions& options) {
   nlohmann::ordered_json json;
   folder.fill([&](const RunFolder::Open& open) {
     std::optional<traces::TraceWriter> trace;
-    if (!options.record.empty()) job.trace = &trace.emplace(options.record, trace_header(inputs, options));
+    if (!options.record.empty()) {
+      // Into a folder that is not there yet it comes with the report.
+      const std::filesystem::path file = std::filesystem::weakly_canonical(std::filesystem::absolute(options.record));
+      const bool comes_along = file.parent_path() == folder.target() && !std::filesystem::exists(folder.target());
+      job.trace = &trace.emplace(comes_along ? open() / file.filename() : std::filesystem::path(options.record),
+                                 trace_header(inputs, options));
+    }
     const Outcome out = job.run_frames(inputs, open);
     progress.end(out.partial ? "interrupted" : "done");
     const std::filesystem::path& staging = open();
@@ -147,7 +148,7 @@ void run(const JobOptions& options) {
     json = report_json({inputs, options, result, out.frames, out.partial, wall});
     write_report(staging, json, inputs.config);
     if (trace && !out.partial) trace->commit();
-    return kept(out, inputs);
+    return out.kept(inputs.frames());
   });
   if (options.quiet) return;
   fmt::print("{}\n", report_table(json));

@@ -1,4 +1,5 @@
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include <CLI/CLI.hpp>
@@ -74,23 +75,36 @@ void record(JobOptions options, const Arguments& arguments) {
   if (!options.quiet) fmt::print("{}", trace_info_text(trace_info(traces::TraceReader(arguments.file()))));
 }
 
+/// A trace says of whole frames only what was sampled, and how many rays went on.
+void leave_out_sampling(nlohmann::ordered_json& report) {
+  for (nlohmann::ordered_json* figures : {&report["totals"], &report["frames"].front()}) {
+    figures->erase("traced_ratio");
+    (*figures)["rays"].erase("continued");
+    (*figures)["sampling"] = nlohmann::ordered_json::object();
+  }
+}
+
 void replay(JobOptions options, const Arguments& arguments) {
   const auto begin = sim::HostClock::now();
   options.config = arguments.has_config() ? arguments.words.front() : "";
-  RunFolder folder(options.out, options.force);
+  RunFolder folder(options.out, options.force, kResultsOfReplay);
+  std::optional<HoldInterrupts> hold;  // ends the process after the progress has told its last
   Progress progress(options.progress, options.quiet);
   Replay job(arguments.file(), options);
   progress.expect(job.parts());
+  hold.emplace();
   nlohmann::ordered_json json;
   folder.fill([&](const RunFolder::Open& open) {
-    const Outcome out = job.run(options.threads, &progress);
+    const Outcome out = job.run(options.threads, &progress, !folder.holds_former_run());
     progress.end(out.partial ? "interrupted" : "done");
     const double wall = sim::seconds_since(begin);
     const Result result = out.result();
     json = report_json({job.inputs(), options, result, out.frames, out.partial, wall});
+    if (out.total->is_part()) leave_out_sampling(json);
     write_report(open(), json, job.inputs().config);
-    return fmt::format("{} of {} frames", out.frames.size(), job.inputs().frames());
+    return out.kept(job.frames());
   });
+  hold.reset();
   if (options.quiet) return;
   fmt::print("{}\nreport:  {}\n", report_table(json), (folder.target() / "report.json").string());
 }

@@ -72,7 +72,7 @@ Verdict verify_frame(const Inputs& inputs, const kernels::ProgramSpec& program, 
 
 /// Compares a list of rays; there are no pictures.
 int verify_rays(const JobOptions& options) {
-  RunFolder folder(options.out, options.force, "verify.json");
+  RunFolder folder(options.out, options.force, {.mark = "verify.json"});
   const RayList list = read_ray_list(options.rays);
   const Inputs inputs = load_inputs(options);
   const traces::BvhTracer tested(inputs.image);
@@ -127,7 +127,7 @@ struct Verification {
 
 int verify(const JobOptions& options) {
   kernels::parse_program(options.program);
-  RunFolder folder(options.out, options.force, "verify.json");
+  RunFolder folder(options.out, options.force, {.mark = "verify.json"});
   Progress progress(options.progress, options.quiet);
   Inputs inputs = load_inputs(options, &progress);
   progress.expect(2 * inputs.frames());

@@ -15,6 +15,10 @@ std::unique_ptr<sim::NewFile> begin(const std::filesystem::path& path) {
   if (std::filesystem::is_directory(path)) {
     throw sim::InputError(fmt::format("{}: is a folder, not a file", sim::printable(path.string())));
   }
+  if (const std::filesystem::path folder = path.parent_path(); !folder.empty() && !std::filesystem::exists(folder)) {
+    throw sim::InputError(fmt::format("{}: cannot be written: there is no folder {}; make it first",
+                                      sim::printable(path.string()), sim::printable(folder.string())));
+  }
   try {
     return std::make_unique<sim::NewFile>(path);
   } catch (const sim::IoError& error) {

@@ -16,6 +16,10 @@ constexpr int kLevel = 1;
 // A block of zstd holds this much at most, and takes this much at least.
 constexpr std::uint64_t kMostInBlock = 128U << 10, kLeastOfBlock = 3;
 
+// How a zstd frame begins (RFC 8878, 3.1.1): this number, then a byte of flags.
+constexpr std::string_view kFrameMagic = "\x28\xb5\x2f\xfd";
+constexpr unsigned kChecksumFlag = 1U << 2;
+
 [[noreturn]] void damaged() { throw sim::InputError("is damaged"); }
 
 }  // namespace
@@ -43,7 +47,15 @@ Unpacker::Unpacker() : context_(ZSTD_createDCtx()) {
 
 std::string_view Unpacker::unpack(std::string_view block, std::uint64_t most) {
   const unsigned long long size = ZSTD_getFrameContentSize(block.data(), block.size());
-  if (size == ZSTD_CONTENTSIZE_UNKNOWN || size == ZSTD_CONTENTSIZE_ERROR || size > most) damaged();
+  if (!block.starts_with(kFrameMagic) || size == ZSTD_CONTENTSIZE_ERROR) damaged();
+  if ((static_cast<unsigned char>(block[kFrameMagic.size()]) & kChecksumFlag) == 0) {
+    throw sim::InputError(
+        "has a block without a checksum; allowed: blocks with a checksum and the size of their content");
+  }
+  if (size == ZSTD_CONTENTSIZE_UNKNOWN) {
+    throw sim::InputError("has a block without a size; allowed: blocks with a checksum and the size of their content");
+  }
+  if (size > most) damaged();
   if (size > (block.size() / kLeastOfBlock + 1) * kMostInBlock) damaged();  // before it is taken at its word
   if (ZSTD_findFrameCompressedSize(block.data(), block.size()) != block.size()) damaged();
   if (bytes_.size() < size + kBitsPadding) bytes_.resize(size + kBitsPadding);

@@ -39,6 +39,16 @@ TraceReader::TraceReader(std::filesystem::path path) : path_(std::move(path)) {
 
 TraceReader::~TraceReader() { ::close(file_); }
 
+std::string TraceReader::damage_of(const Json::exception& error) {
+  constexpr int kNoKey = 403, kParsing = 100, kWrongType = 300;  // of nlohmann's exceptions; the latter, hundreds
+  const std::string what = error.what();
+  const std::size_t begin = what.find('\''), end = what.rfind('\'');
+  if (error.id == kNoKey && begin < end) return "has no key " + what.substr(begin, end - begin + 1);
+  if (error.id / 100 * 100 == kParsing) return "is damaged: a block holds no JSON";
+  if (error.id / 100 * 100 == kWrongType) return "is damaged: a value is of a wrong kind";
+  return "is damaged: a list is too short";
+}
+
 void TraceReader::complain(const std::string& what) const {
   throw sim::InputError(fmt::format("{}: {}", sim::printable(path_.string()), sim::printable(what)));
 }
@@ -78,7 +88,7 @@ void TraceReader::read_header() {
     throw sim::InputError(
         fmt::format("is a trace of another format, '{}'; this program reads '{}', and "
                     "raywatt trace record makes one",
-                    start.substr(0, start.find('\n')), kTraceMagic.substr(0, kTraceMagic.size() - 1)));
+                    sim::printable(start.substr(0, start.find('\n'))), kTraceMagic.substr(0, kTraceMagic.size() - 1)));
   }
   const Place place{start.size(), load<std::uint32_t>(start.data() + kTraceMagic.size())};
   if (place.bytes > size_ - place.offset) throw sim::InputError("ends early");
@@ -89,7 +99,7 @@ void TraceReader::read_contents() {
   if (size_ < kTraceMagic.size() + 4 + kFooterBytes) throw sim::InputError("ends early");
   std::string footer;
   read_at({size_ - kFooterBytes, kFooterBytes}, footer);
-  if (!footer.ends_with(kTraceEnd)) throw sim::InputError("ends early: there is no footer");
+  if (!footer.ends_with(kTraceEnd)) throw sim::InputError("ends early, or with something other than a footer");
   const Place place{load<std::uint64_t>(footer.data()), load<std::uint32_t>(footer.data() + 8)};
   if (place.offset > size_ || place.bytes > size_ - place.offset) throw sim::InputError("footer is damaged");
   Json contents = sim::parse_json<Json>(block(place, kMaxContentsBytes));

@@ -66,7 +66,7 @@ class TraceReader {
     } catch (const sim::InputError& error) {
       complain(error.what());
     } catch (const Json::exception& error) {
-      complain(std::string("is damaged: ") + error.what());
+      complain(damage_of(error));
     }
   }
 
@@ -76,6 +76,7 @@ class TraceReader {
     std::uint64_t nodes = 0;
     ImageCounts counts;
   };
+  static std::string damage_of(const Json::exception& error);
   [[noreturn]] void complain(const std::string& what) const;
   void read_at(const Place& place, std::string& out) const;
   /// A block, unpacked.

@@ -136,7 +136,7 @@ TEST(TraceFile, WhatIsNoTraceIsNeitherReplacedNorRead) {
   EXPECT_EQ(complaint_of(folder.path() / "absent"), "absent: no such file");
   EXPECT_EQ(complaint_of(folder.path() / "."), ".: is a folder, not a file");
   EXPECT_EQ(complaint<sim::InputError>(folder, [&] { TraceWriter(folder.path() / "no" / "folder", {}); }),
-            "no/folder: cannot be written: No such file or directory");
+            "no/folder: cannot be written: there is no folder no; make it first");
 }
 
 TEST(TraceFile, WhatIsNoRegularFileIsRefusedBeforeItIsOpened) {
