@@ -53,7 +53,7 @@ class Progress {
   void tiles_done(std::uint32_t tiles, std::uint64_t rays, std::uint64_t cycles);
   /// Writes a line on stderr without disturbing the bar.
   void say(const std::string& line);
-  /// The last line: how it ended, "done" or "interrupted". Tells nothing more after that.
+  /// The last line: how it ended, "done", "interrupted" or "failed". Tells nothing more after that.
   void end(const std::string& how);
 
  private:
