@@ -3,9 +3,9 @@
 #include <functional>
 
 #include <gtest/gtest.h>
-#include <zstd.h>
 
 #include "tests/tools/program.h"
+#include "tests/tools/trace_bytes.h"
 
 // A trace written by hand, byte by byte as docs/trace-format.md says, by somebody who has nothing else of ours.
 
@@ -13,27 +13,6 @@ namespace test {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-/// How blocks are made; others are to be refused.
-struct Form {
-  bool checksum = true, size = true;
-};
-
-std::string block(const std::string& content, const Form& form = {}) {
-  ZSTD_CCtx* context = ZSTD_createCCtx();
-  ZSTD_CCtx_setParameter(context, ZSTD_c_checksumFlag, form.checksum ? 1 : 0);
-  ZSTD_CCtx_setParameter(context, ZSTD_c_contentSizeFlag, form.size ? 1 : 0);
-  std::string packed(ZSTD_compressBound(content.size()), '\0');
-  packed.resize(ZSTD_compress2(context, packed.data(), packed.size(), content.data(), content.size()));
-  ZSTD_freeCCtx(context);
-  return packed;
-}
-
-std::string number(std::uint64_t value, int bytes) {
-  std::string out;
-  for (; bytes > 0; --bytes, value >>= 8) out += static_cast<char>(value & 0xff);
-  return out;
-}
 
 std::string bytes(std::initializer_list<int> values) {
   std::string out;

@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
-#include <zstd.h>
 
 #include "tests/tools/program.h"
+#include "tests/tools/trace_bytes.h"
 
 // A replay says what the run said, to the last digit, or says in one line why it cannot.
 
@@ -217,27 +217,12 @@ TEST_F(Replay, BadFilesAreRefusedInOneLine) {
   expect_refusal(raywatt({"trace", "replay", at("no.trace").string()}), {"no.trace: no such file"});
 }
 
-std::string packed(const std::string& content) {
-  ZSTD_CCtx* context = ZSTD_createCCtx();
-  ZSTD_CCtx_setParameter(context, ZSTD_c_checksumFlag, 1);
-  std::string out(ZSTD_compressBound(content.size()), '\0');
-  out.resize(ZSTD_compress2(context, out.data(), out.size(), content.data(), content.size()));
-  ZSTD_freeCCtx(context);
-  return out;
-}
-
-std::string little_endian(std::uint64_t value, int bytes) {
-  std::string out;
-  for (; bytes > 0; --bytes, value >>= 8) out += static_cast<char>(value & 0xff);
-  return out;
-}
-
 TEST_F(Replay, BadFilesThatGrowWhenTheyAreReadAreRefusedInOneLine) {
   const std::string begin = "raywatt-trace/2\n", end = "end\n";
   const auto file = [&](const std::string& header, const std::string& contents) {
-    const std::string first = packed(header), last = packed(contents);
-    const std::string start = begin + little_endian(first.size(), 4) + first;
-    return start + last + little_endian(start.size(), 8) + little_endian(last.size(), 4) + end;
+    const std::string first = block(header), last = block(contents);
+    const std::string start = begin + number(first.size(), 4) + first;
+    return start + last + number(start.size(), 8) + number(last.size(), 4) + end;
   };
   const auto is_refused = [&](const std::string& bytes, const Words& parts) {
     EXPECT_LT(bytes.size(), 20'000U);

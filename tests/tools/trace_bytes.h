@@ -1,0 +1,33 @@
+#pragma once
+#include <cstdint>
+#include <string>
+
+#include <zstd.h>
+
+// Pieces of traces, as docs/trace-format.md has them.
+
+namespace test {
+
+/// How blocks are made; others are to be refused.
+struct Form {
+  bool checksum = true, size = true;
+};
+
+inline std::string block(const std::string& content, const Form& form = {}) {
+  ZSTD_CCtx* context = ZSTD_createCCtx();
+  ZSTD_CCtx_setParameter(context, ZSTD_c_checksumFlag, form.checksum ? 1 : 0);
+  ZSTD_CCtx_setParameter(context, ZSTD_c_contentSizeFlag, form.size ? 1 : 0);
+  std::string packed(ZSTD_compressBound(content.size()), '\0');
+  packed.resize(ZSTD_compress2(context, packed.data(), packed.size(), content.data(), content.size()));
+  ZSTD_freeCCtx(context);
+  return packed;
+}
+
+/// The lowest first.
+inline std::string number(std::uint64_t value, int bytes) {
+  std::string out;
+  for (; bytes > 0; --bytes, value >>= 8) out += static_cast<char>(value & 0xff);
+  return out;
+}
+
+}  // namespace test
