@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "traces/trace_file/bytes.h"
 #include "traces/trace_file/walk_code.h"
 #include "traces/walk.h"
@@ -78,7 +80,8 @@ std::uint32_t flag(ByteReader& from, const char* what) {
 
 void TileEncoder::encode(const TileWork& work, const Links& links, std::string& out) {
   if (work.nodes.size() > kMaxTileNodes) {
-    throw sim::InputError("a tile of more than 1048576 launches, batches of rays and transfers cannot be recorded");
+    throw sim::InputError(fmt::format(
+        "a tile of more than {} launches, batches of rays and transfers cannot be recorded", kMaxTileNodes));
   }
   ByteWriter to(out);
   to.number(work.frame);
