@@ -109,7 +109,7 @@ inline FloatNode to_float(const IntNode& a) { return record<FloatNode>(Op::kToFl
 inline IntNode to_int(const FloatNode& a) { return record<IntNode>(Op::kToInt, a); }
 
 inline MaskNode both(const MaskNode& a, const MaskNode& b) { return record<MaskNode>(Op::kAnd, a, b); }
-inline MaskNode either(const MaskNode& a, const MaskNode& b) { return record<MaskNode>(Op::kOr, a, b); }
+inline MaskNode logical_or(const MaskNode& a, const MaskNode& b) { return record<MaskNode>(Op::kOr, a, b); }
 inline FloatNode select(const MaskNode& mask, const FloatNode& yes, const FloatNode& no) {
   return record<FloatNode>(Op::kSelect, mask, yes, no);
 }

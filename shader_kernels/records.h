@@ -1,5 +1,6 @@
 #pragma once
 #include "shader_kernels/vec3.h"
+#include "sim/named.h"
 #include "traces/accel/memory_image.h"
 
 namespace kernels {
@@ -15,10 +16,10 @@ struct RayRecord {
   Vec3<V> direction;
   F<V> t_max;
   static void fields(auto& r, auto&& field) {
-    field(r.origin, "origin");
-    field(r.t_min, "t_min");
-    field(r.direction, "direction");
-    field(r.t_max, "t_max");
+    field(NAMED(r.origin));
+    field(NAMED(r.t_min));
+    field(NAMED(r.direction));
+    field(NAMED(r.t_max));
   }
 };
 
@@ -29,8 +30,8 @@ struct PathRecord {
   Vec3<V> throughput;
   I<V> sample;
   static void fields(auto& r, auto&& field) {
-    field(r.throughput, "throughput");
-    field(r.sample, "sample");
+    field(NAMED(r.throughput));
+    field(NAMED(r.sample));
   }
 };
 
@@ -39,10 +40,10 @@ struct HitRecord {
   F<V> t, u, v;
   I<V> triangle;
   static void fields(auto& r, auto&& field) {
-    field(r.t, "t");
-    field(r.u, "u");
-    field(r.v, "v");
-    field(r.triangle, "triangle");
+    field(NAMED(r.t));
+    field(NAMED(r.u));
+    field(NAMED(r.v));
+    field(NAMED(r.triangle));
   }
 };
 
@@ -52,10 +53,10 @@ struct InstanceHitRecord {
   F<V> t;
   I<V> u, v, triangle;
   static void fields(auto& r, auto&& field) {
-    field(r.t, "t");
-    field(r.u, "u");
-    field(r.v, "v");
-    field(r.triangle, "triangle");
+    field(NAMED(r.t));
+    field(NAMED(r.u));
+    field(NAMED(r.v));
+    field(NAMED(r.triangle));
   }
 };
 
@@ -66,20 +67,20 @@ struct PlaceRecord {
   Vec3<V> normal;  ///< unit, on the side that the ray came from
   F<V> side;       ///< +1 if that is the outside, -1 inside
   static void fields(auto& r, auto&& field) {
-    field(r.position, "position");
-    field(r.material, "material");
-    field(r.normal, "normal");
-    field(r.side, "side");
+    field(NAMED(r.position));
+    field(NAMED(r.material));
+    field(NAMED(r.normal));
+    field(NAMED(r.side));
   }
 };
 
 template <class V>
-struct MatteRecord {
+struct DiffuseRecord {
   Vec3<V> diffuse;  ///< base colour, weighted with what is neither mirrored nor let in
   I<V> classes;     ///< traces::MaterialFlag; a bit per stream
   static void fields(auto& r, auto&& field) {
-    field(r.diffuse, "diffuse");
-    field(r.classes, "classes");
+    field(NAMED(r.diffuse));
+    field(NAMED(r.classes));
   }
 };
 
@@ -88,26 +89,26 @@ struct TexcoordRecord {
   F<V> u, v;
   I<V> texture;
   static void fields(auto& r, auto&& field) {
-    field(r.u, "u");
-    field(r.v, "v");
-    field(r.texture, "texture");
+    field(NAMED(r.u));
+    field(NAMED(r.v));
+    field(NAMED(r.texture));
   }
 };
 
 /// Where light goes that is not scattered.
 template <class V>
-struct OpticsRecord {
+struct SpecularRecord {
   Vec3<V> mirrored;  ///< share, by channel
   F<V> entering;     ///< share, to be split by Fresnel's law
   F<V> ior;
   F<V> alpha;  ///< of blended surfaces: what does not pass straight on
   F<V> kept;   ///< factor of what the surface itself sends out
   static void fields(auto& r, auto&& field) {
-    field(r.mirrored, "mirrored");
-    field(r.entering, "entering");
-    field(r.ior, "ior");
-    field(r.alpha, "alpha");
-    field(r.kept, "kept");
+    field(NAMED(r.mirrored));
+    field(NAMED(r.entering));
+    field(NAMED(r.ior));
+    field(NAMED(r.alpha));
+    field(NAMED(r.kept));
   }
 };
 
@@ -118,10 +119,10 @@ struct TangentRecord {
   F<V> handedness;  ///< sign of the bitangent
   F<V> u, v;        ///< second texture coordinates
   static void fields(auto& r, auto&& field) {
-    field(r.tangent, "tangent");
-    field(r.handedness, "handedness");
-    field(r.u, "u");
-    field(r.v, "v");
+    field(NAMED(r.tangent));
+    field(NAMED(r.handedness));
+    field(NAMED(r.u));
+    field(NAMED(r.v));
   }
 };
 
@@ -134,10 +135,10 @@ struct GeometryRecord {
   Vec3<V> position;
   I<V> shadows;  ///< a mark per light whose shadow ray was stopped: its bit
   static void fields(auto& r, auto&& field) {
-    field(r.normal, "normal");
-    field(r.object, "object");
-    field(r.position, "position");
-    field(r.shadows, "shadows");
+    field(NAMED(r.normal));
+    field(NAMED(r.object));
+    field(NAMED(r.position));
+    field(NAMED(r.shadows));
   }
 };
 inline constexpr std::uint32_t kTexturedObject = 1U << 31;
@@ -149,9 +150,9 @@ struct TraitsRecord {
   Vec3<V> normal;
   I<V> object, shadows;
   static void fields(auto& r, auto&& field) {
-    field(r.normal, "normal");
-    field(r.object, "object");
-    field(r.shadows, "shadows");
+    field(NAMED(r.normal));
+    field(NAMED(r.object));
+    field(NAMED(r.shadows));
   }
 };
 
@@ -161,8 +162,8 @@ template <class V>
 struct BranchRecord {
   F<V> weight, place;
   static void fields(auto& r, auto&& field) {
-    field(r.weight, "weight");
-    field(r.place, "place");
+    field(NAMED(r.weight));
+    field(NAMED(r.place));
   }
 };
 
@@ -176,10 +177,10 @@ struct SecondaryRecord {
   Vec3<V> glass_normal;
   I<V> shadows;
   static void fields(auto& r, auto&& field) {
-    field(r.mirror_normal, "mirror_normal");
-    field(r.objects, "objects");
-    field(r.glass_normal, "glass_normal");
-    field(r.shadows, "shadows");
+    field(NAMED(r.mirror_normal));
+    field(NAMED(r.objects));
+    field(NAMED(r.glass_normal));
+    field(NAMED(r.shadows));
   }
 };
 
@@ -192,26 +193,26 @@ struct SurfaceRecord {
   F<V> u, v;
   I<V> texture;
   static void fields(auto& r, auto&& field) {
-    field(r.diffuse, "diffuse");
-    field(r.classes, "classes");
-    field(r.plane, "plane");
-    field(r.u, "u");
-    field(r.v, "v");
-    field(r.texture, "texture");
+    field(NAMED(r.diffuse));
+    field(NAMED(r.classes));
+    field(NAMED(r.plane));
+    field(NAMED(r.u));
+    field(NAMED(r.v));
+    field(NAMED(r.texture));
   }
 };
 
 template <class V>
 struct ColourRecord {
   Vec3<V> rgb;
-  static void fields(auto& r, auto&& field) { field(r.rgb, "rgb"); }
+  static void fields(auto& r, auto&& field) { field(NAMED(r.rgb)); }
 };
 
 /// A 32-bit number: an item's slot in a stream, or a pixel of the frame buffer.
 template <class V>
 struct WordRecord {
   I<V> word;
-  static void fields(auto& r, auto&& field) { field(r.word, "word"); }
+  static void fields(auto& r, auto&& field) { field(NAMED(r.word)); }
 };
 
 /// traces::AttributeRecord
@@ -221,16 +222,16 @@ struct AttributeFields {
   F<V> u0, v0, u1, v1, u2, v2;
   I<V> material;
   static void fields(auto& r, auto&& field) {
-    field(r.normal0, "normal0");
-    field(r.normal1, "normal1");
-    field(r.normal2, "normal2");
-    field(r.u0, "u0");
-    field(r.v0, "v0");
-    field(r.u1, "u1");
-    field(r.v1, "v1");
-    field(r.u2, "u2");
-    field(r.v2, "v2");
-    field(r.material, "material");
+    field(NAMED(r.normal0));
+    field(NAMED(r.normal1));
+    field(NAMED(r.normal2));
+    field(NAMED(r.u0));
+    field(NAMED(r.v0));
+    field(NAMED(r.u1));
+    field(NAMED(r.v1));
+    field(NAMED(r.u2));
+    field(NAMED(r.v2));
+    field(NAMED(r.material));
   }
 };
 
@@ -240,12 +241,12 @@ struct TriangleFields {
   Vec3<V> v0, v1, v2;
   I<V> object, material, source;
   static void fields(auto& r, auto&& field) {
-    field(r.v0, "v0");
-    field(r.v1, "v1");
-    field(r.v2, "v2");
-    field(r.object, "object");
-    field(r.material, "material");
-    field(r.source, "source");
+    field(NAMED(r.v0));
+    field(NAMED(r.v1));
+    field(NAMED(r.v2));
+    field(NAMED(r.object));
+    field(NAMED(r.material));
+    field(NAMED(r.source));
   }
 };
 
@@ -262,16 +263,16 @@ struct InstanceFields {
   F<V> handedness;
   I<V> spare;
   static void fields(auto& r, auto&& field) {
-    field(r.row0, "row0");
-    field(r.offset0, "offset0");
-    field(r.row1, "row1");
-    field(r.offset1, "offset1");
-    field(r.row2, "row2");
-    field(r.offset2, "offset2");
-    field(r.root, "root");
-    field(r.object, "object");
-    field(r.handedness, "handedness");
-    field(r.spare, "spare");
+    field(NAMED(r.row0));
+    field(NAMED(r.offset0));
+    field(NAMED(r.row1));
+    field(NAMED(r.offset1));
+    field(NAMED(r.row2));
+    field(NAMED(r.offset2));
+    field(NAMED(r.root));
+    field(NAMED(r.object));
+    field(NAMED(r.handedness));
+    field(NAMED(r.spare));
   }
 };
 
@@ -287,16 +288,16 @@ struct MaterialFields {
   I<V> base_texture, flags;
   F<V> opacity, alpha_cutoff;
   static void fields(auto& r, auto&& field) {
-    field(r.base_colour, "base_colour");
-    field(r.diffuse_share, "diffuse_share");
-    field(r.mirrored, "mirrored");
-    field(r.entering, "entering");
-    field(r.emission, "emission");
-    field(r.ior, "ior");
-    field(r.base_texture, "base_texture");
-    field(r.flags, "flags");
-    field(r.opacity, "opacity");
-    field(r.alpha_cutoff, "alpha_cutoff");
+    field(NAMED(r.base_colour));
+    field(NAMED(r.diffuse_share));
+    field(NAMED(r.mirrored));
+    field(NAMED(r.entering));
+    field(NAMED(r.emission));
+    field(NAMED(r.ior));
+    field(NAMED(r.base_texture));
+    field(NAMED(r.flags));
+    field(NAMED(r.opacity));
+    field(NAMED(r.alpha_cutoff));
   }
 };
 
@@ -307,22 +308,22 @@ struct VertexFields {
   I<V> red_green0, blue_alpha0, red_green1, blue_alpha1, red_green2, blue_alpha2;
   I<V> tangent0, tangent1, tangent2, spare;
   static void fields(auto& r, auto&& field) {
-    field(r.u0, "u0");
-    field(r.v0, "v0");
-    field(r.u1, "u1");
-    field(r.v1, "v1");
-    field(r.u2, "u2");
-    field(r.v2, "v2");
-    field(r.red_green0, "red_green0");
-    field(r.blue_alpha0, "blue_alpha0");
-    field(r.red_green1, "red_green1");
-    field(r.blue_alpha1, "blue_alpha1");
-    field(r.red_green2, "red_green2");
-    field(r.blue_alpha2, "blue_alpha2");
-    field(r.tangent0, "tangent0");
-    field(r.tangent1, "tangent1");
-    field(r.tangent2, "tangent2");
-    field(r.spare, "spare");
+    field(NAMED(r.u0));
+    field(NAMED(r.v0));
+    field(NAMED(r.u1));
+    field(NAMED(r.v1));
+    field(NAMED(r.u2));
+    field(NAMED(r.v2));
+    field(NAMED(r.red_green0));
+    field(NAMED(r.blue_alpha0));
+    field(NAMED(r.red_green1));
+    field(NAMED(r.blue_alpha1));
+    field(NAMED(r.red_green2));
+    field(NAMED(r.blue_alpha2));
+    field(NAMED(r.tangent0));
+    field(NAMED(r.tangent1));
+    field(NAMED(r.tangent2));
+    field(NAMED(r.spare));
   }
 };
 
@@ -335,18 +336,18 @@ struct DetailFields {
   I<V> occlusion_texture, metal_rough_texture, emission_texture;
   F<V> normal_scale, occlusion_strength, metallic, roughness, dielectric, coat;
   static void fields(auto& r, auto&& field) {
-    field(r.emission, "emission");
-    field(r.normal_texture, "normal_texture");
-    field(r.absorption, "absorption");
-    field(r.occlusion_texture, "occlusion_texture");
-    field(r.metal_rough_texture, "metal_rough_texture");
-    field(r.emission_texture, "emission_texture");
-    field(r.normal_scale, "normal_scale");
-    field(r.occlusion_strength, "occlusion_strength");
-    field(r.metallic, "metallic");
-    field(r.roughness, "roughness");
-    field(r.dielectric, "dielectric");
-    field(r.coat, "coat");
+    field(NAMED(r.emission));
+    field(NAMED(r.normal_texture));
+    field(NAMED(r.absorption));
+    field(NAMED(r.occlusion_texture));
+    field(NAMED(r.metal_rough_texture));
+    field(NAMED(r.emission_texture));
+    field(NAMED(r.normal_scale));
+    field(NAMED(r.occlusion_strength));
+    field(NAMED(r.metallic));
+    field(NAMED(r.roughness));
+    field(NAMED(r.dielectric));
+    field(NAMED(r.coat));
   }
 };
 
@@ -359,14 +360,14 @@ template <class V>
 struct AxisRecord {
   F<V> size, last, low, high, period, inverse_period, below, offset;
   static void fields(auto& r, auto&& field) {
-    field(r.size, "size");
-    field(r.last, "last");
-    field(r.low, "low");
-    field(r.high, "high");
-    field(r.period, "period");
-    field(r.inverse_period, "inverse_period");
-    field(r.below, "below");
-    field(r.offset, "offset");
+    field(NAMED(r.size));
+    field(NAMED(r.last));
+    field(NAMED(r.low));
+    field(NAMED(r.high));
+    field(NAMED(r.period));
+    field(NAMED(r.inverse_period));
+    field(NAMED(r.below));
+    field(NAMED(r.offset));
   }
 };
 
@@ -375,10 +376,10 @@ template <class V>
 struct FootprintRecord {
   I<V> at00, at10, at01, at11;
   static void fields(auto& r, auto&& field) {
-    field(r.at00, "at00");
-    field(r.at10, "at10");
-    field(r.at01, "at01");
-    field(r.at11, "at11");
+    field(NAMED(r.at00));
+    field(NAMED(r.at10));
+    field(NAMED(r.at01));
+    field(NAMED(r.at11));
   }
 };
 

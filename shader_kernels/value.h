@@ -37,7 +37,7 @@ inline float to_float(std::uint32_t x) { return static_cast<float>(x); }
 inline std::uint32_t to_int(float x) { return x >= 0 && x < 0x1p32F ? static_cast<std::uint32_t>(x) : 0; }
 
 inline bool both(bool a, bool b) { return a & b; }
-inline bool either(bool a, bool b) { return a | b; }
+inline bool logical_or(bool a, bool b) { return a | b; }
 inline float select(bool mask, float yes, float no) { return mask ? yes : no; }
 inline std::uint32_t select(bool mask, std::uint32_t yes, std::uint32_t no) { return mask ? yes : no; }
 

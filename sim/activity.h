@@ -8,14 +8,15 @@
 
 namespace sim {
 
-/// What a unit's time goes to. Every cycle is charged to exactly one reason of `Why`, whose last value is kCount.
-template <class Why>
+/// What a unit's time goes to. Every cycle is charged to exactly one reason of `CycleReason`, whose last value is
+/// kCount.
+template <class CycleReason>
 class Activity {
  public:
-  static constexpr std::size_t kReasons = static_cast<std::size_t>(Why::kCount);
+  static constexpr std::size_t kReasons = static_cast<std::size_t>(CycleReason::kCount);
 
   /// The cycle at `now` went to `now_why`; every cycle until the next call goes to `then_why`.
-  void spend(Time now, Time period, Why now_why, Why then_why) {
+  void spend(Time now, Time period, CycleReason now_why, CycleReason then_why) {
     assert(now >= accounted_);
     if (now != accounted_) spent_[index(then_)] += now - accounted_;
     spent_[index(now_why)] += period;
@@ -30,15 +31,15 @@ class Activity {
     accounted_ = end;
   }
 
-  Time spent(Why why) const { return spent_[index(why)]; }
+  Time spent(CycleReason why) const { return spent_[index(why)]; }
   Time accounted() const { return accounted_; }
 
  private:
-  static constexpr std::size_t index(Why why) { return static_cast<std::size_t>(why); }
+  static constexpr std::size_t index(CycleReason why) { return static_cast<std::size_t>(why); }
 
   std::array<Time, kReasons> spent_{};
   Time accounted_ = 0;
-  Why then_{};
+  CycleReason then_{};
 };
 
 }  // namespace sim

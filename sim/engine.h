@@ -7,7 +7,7 @@
 
 #include "sim/error.h"
 #include "sim/hash.h"
-#include "sim/islands.h"
+#include "sim/partitions.h"
 #include "sim/time.h"
 #include "sim/wakes.h"
 
@@ -44,40 +44,42 @@ class Ticks {
 ///   done()         all work has left the machine
 ///   state()        a line per unit, for a stuck machine
 /// and, if it has any:
-///   islands()      its islands
-///   horizon(t)     when all islands have come to t, how far each may be run by itself; not beyond a time at which the
+///   partitions()      its partitions
+///   lookahead_end(t)     when all partitions have come to t, how far each may be run by itself; not beyond a time at
+///   which the
 ///                  machine may be done
 template <class Machine>
-concept HasIslands = requires(Machine& machine, Time now) {
-  machine.islands();
-  machine.horizon(now);
+concept HasPartitions = requires(Machine& machine, Time now) {
+  machine.partitions();
+  machine.lookahead_end(now);
 };
 
-/// Runs the islands of a machine by themselves as far as they may, and returns when they are to be run together again:
-/// the time of what comes next, or kNever.
+/// Runs the partitions of a machine by themselves as far as they may, and returns when they are to be run together
+/// again: the time of what comes next, or kNever.
 template <class Machine, class TickAt>
-Time run_apart(Machine& machine, TickAt&& tick_at) {
+Time run_partitions(Machine& machine, TickAt&& tick_at) {
   Wakes& wakes = machine.wakes();
-  Islands& islands = machine.islands();
-  const auto next_of = [&](const Island& island) { return wakes.earliest(island.units); };
-  const std::size_t count = islands.outer.size();
+  Partitions& partitions = machine.partitions();
+  const auto next_of = [&](const Partition& partition) { return wakes.earliest(partition.units); };
+  const std::size_t count = partitions.outer.size();
   // There and back: what has been run last is still at the host's hand.
   for (bool back = false;; back = !back) {
-    Time now = next_of(islands.inner);
-    for (const Island& island : islands.outer) now = std::min(now, next_of(island));
-    const Time horizon = now == kNever ? now : machine.horizon(now);
-    if (horizon <= now) return now;
-    Time reached = horizon;  // by all outer islands
+    Time now = next_of(partitions.inner);
+    for (const Partition& partition : partitions.outer) now = std::min(now, next_of(partition));
+    const Time lookahead_end = now == kNever ? now : machine.lookahead_end(now);
+    if (lookahead_end <= now) return now;
+    Time reached = lookahead_end;  // by all outer partitions
     for (std::size_t i = 0; i < count; ++i) {
-      const Island& island = islands.outer[back ? count - 1 - i : i];
-      Time at = next_of(island);
-      // At `now` the inner island has done all that comes before.
-      while (at < horizon && (island.nearly_full == 0 || at <= now)) {
-        at = wakes.tick_due(island.units, at, tick_at(at));
+      const Partition& partition = partitions.outer[back ? count - 1 - i : i];
+      Time at = next_of(partition);
+      // At `now` the inner partition has done all that comes before.
+      while (at < lookahead_end && (partition.nearly_full == 0 || at <= now)) {
+        at = wakes.tick_due(partition.units, at, tick_at(at));
       }
       reached = std::min(reached, at);
     }
-    for (Time at = next_of(islands.inner); at < reached;) at = wakes.tick_due(islands.inner.units, at, tick_at(at));
+    for (Time at = next_of(partitions.inner); at < reached;)
+      at = wakes.tick_due(partitions.inner.units, at, tick_at(at));
   }
 }
 
@@ -94,7 +96,7 @@ Time run(Machine& machine) {
         if (unit.clock().is_edge(now)) wakes.tick_one(i, tick_at(now));
       });
     } else {
-      if constexpr (HasIslands<Machine>) now = run_apart(machine, tick_at);
+      if constexpr (HasPartitions<Machine>) now = run_partitions(machine, tick_at);
       if (now != kNever) wakes.tick_due(now, tick_at(now));
     }
     if (machine.done()) return now;

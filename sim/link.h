@@ -61,7 +61,7 @@ class Link {
     pop_at_ = pop_at;
   }
 
-  /// Counts itself there while there is room for one item at most (sim/islands.h).
+  /// Counts itself there while there is room for one item at most (sim/partitions.h).
   void count_if_nearly_full(std::uint32_t* count) {
     assert(size_ == 0);
     nearly_full_ = count;

@@ -28,8 +28,8 @@ sim::Time Dma::tick(sim::Time now) {
     active_ = false;
     stats_.jobs += 1;
   }
-  const Why then = active_ ? Why::kWaiting : Why::kIdle;
-  activity_.spend(now, clock_.period(), moved ? Why::kMoving : then, then);
+  const CycleReason then = active_ ? CycleReason::kWaiting : CycleReason::kIdle;
+  activity_.spend(now, clock_.period(), moved ? CycleReason::kMoving : then, then);
   return next_wake(now);
 }
 

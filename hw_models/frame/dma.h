@@ -7,6 +7,7 @@
 #include "hw_models/srp/messages.h"
 #include "sim/activity.h"
 #include "sim/link.h"
+#include "sim/named.h"
 
 namespace hw {
 
@@ -18,7 +19,7 @@ namespace hw {
 /// Part of a line costs as much as all of it. Not modelled: reads of partial lines before writing them.
 class Dma {
  public:
-  enum class Why : std::uint8_t { kIdle, kMoving, kWaiting, kCount };
+  enum class CycleReason : std::uint8_t { kIdle, kMoving, kWaiting, kCount };
   struct Stats {
     struct Lines {
       std::uint64_t written = 0, read = 0;
@@ -26,9 +27,9 @@ class Dma {
     std::uint64_t jobs = 0, lines_written = 0, lines_read = 0;
     std::array<Lines, kAreas> lines{};  ///< the same by Area
     static void describe(auto& s, auto&& counter) {
-      counter(s.jobs, "jobs", "transfers finished");
-      counter(s.lines_written, "lines_written", "lines written to memory", "dma.line");
-      counter(s.lines_read, "lines_read", "lines read from memory", "dma.line");
+      counter(NAMED(s.jobs), "transfers finished");
+      counter(NAMED(s.lines_written), "lines written to memory", "dma.line");
+      counter(NAMED(s.lines_read), "lines read from memory", "dma.line");
       auto& [picture, samples, rates, spill] = s.lines;
       counter(picture.written, "picture_lines_written", "of these, finished pixels");
       counter(picture.read, "picture_lines_read", "of these, finished pixels");
@@ -54,7 +55,7 @@ class Dma {
   sim::Time tick(sim::Time now);
   const sim::Clock& clock() const { return clock_; }
   const Stats& stats() const { return stats_; }
-  const sim::Activity<Why>& activity() const { return activity_; }
+  const sim::Activity<CycleReason>& activity() const { return activity_; }
   void finish(sim::Time end) { activity_.finish(end); }
   /// Lines that have been or will be asked for are to come.
   bool awaits_lines() const { return replies_left_ != 0; }
@@ -73,9 +74,9 @@ class Dma {
   std::uint32_t lines_left_ = 0;  ///< still to be asked for
   std::uint32_t replies_left_ = 0;
   Stats stats_;
-  sim::Activity<Why> activity_;
+  sim::Activity<CycleReason> activity_;
 };
 
-constexpr std::array<std::string_view, 3> names_of(Dma::Why) { return {"idle", "moving", "waiting"}; }
+constexpr std::array<std::string_view, 3> names_of(Dma::CycleReason) { return {"idle", "moving", "waiting"}; }
 
 }  // namespace hw

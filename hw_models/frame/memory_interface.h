@@ -4,12 +4,13 @@
 #include <string>
 #include <string_view>
 
-#include "hw_models/frame/gpu_config.h"
+#include "hw_models/frame/direct_interface_config.h"
 #include "hw_models/frame/record_stream.h"
 #include "hw_models/tni/messages.h"
 #include "sim/activity.h"
 #include "sim/counter_kind.h"
 #include "sim/link.h"
+#include "sim/named.h"
 
 namespace hw {
 
@@ -23,7 +24,7 @@ namespace hw {
 /// Not modelled: the energy of its own buffers, which are those of the direct interface.
 class MemoryInterface {
  public:
-  enum class Why : std::uint8_t {
+  enum class CycleReason : std::uint8_t {
     kIdle,        ///< nothing inside
     kMoving,      ///< a record came or went, or a request left
     kMemory,      ///< records are on their way through memory
@@ -37,15 +38,14 @@ class MemoryInterface {
     std::uint64_t ray_latency = 0, hit_latency = 0;
     static void describe(auto& s, auto&& counter) {
       constexpr auto kAtEnd = sim::CounterKind::kAtEnd;
-      counter(s.rays, "rays", "rays that went through memory", "", kAtEnd);
-      counter(s.hits, "hits", "hits that went through memory", "", kAtEnd);
-      counter(s.ray_writes, "ray_writes", "lines or parts of lines of rays written", "", kAtEnd);
-      counter(s.ray_reads, "ray_reads", "lines or parts of lines of rays read", "", kAtEnd);
-      counter(s.hit_writes, "hit_writes", "lines or parts of lines of hits written", "", kAtEnd);
-      counter(s.hit_reads, "hit_reads", "lines or parts of lines of hits read", "", kAtEnd);
-      counter(s.ray_latency, "ray_latency", "cycles from a ray's arrival until it leaves, of all rays together", "",
-              kAtEnd);
-      counter(s.hit_latency, "hit_latency", "the same for hits", "", kAtEnd);
+      counter(NAMED(s.rays), "rays that went through memory", "", kAtEnd);
+      counter(NAMED(s.hits), "hits that went through memory", "", kAtEnd);
+      counter(NAMED(s.ray_writes), "lines or parts of lines of rays written", "", kAtEnd);
+      counter(NAMED(s.ray_reads), "lines or parts of lines of rays read", "", kAtEnd);
+      counter(NAMED(s.hit_writes), "lines or parts of lines of hits written", "", kAtEnd);
+      counter(NAMED(s.hit_reads), "lines or parts of lines of hits read", "", kAtEnd);
+      counter(NAMED(s.ray_latency), "cycles from a ray's arrival until it leaves, of all rays together", "", kAtEnd);
+      counter(NAMED(s.hit_latency), "the same for hits", "", kAtEnd);
     }
   };
   using Rays = RecordStream<RayJob>;
@@ -63,7 +63,7 @@ class MemoryInterface {
   sim::Time tick(sim::Time now);
   const sim::Clock& clock() const { return clock_; }
   const Stats& stats() const { return stats_; }
-  const sim::Activity<Why>& activity() const { return activity_; }
+  const sim::Activity<CycleReason>& activity() const { return activity_; }
   void finish(sim::Time end);
   std::string state() const;
 
@@ -72,10 +72,10 @@ class MemoryInterface {
   Rays rays_;
   Hits hits_;
   Stats stats_;
-  sim::Activity<Why> activity_;
+  sim::Activity<CycleReason> activity_;
 };
 
-constexpr std::array<std::string_view, 5> names_of(MemoryInterface::Why) {
+constexpr std::array<std::string_view, 5> names_of(MemoryInterface::CycleReason) {
   return {"idle", "moving", "memory", "port_full", "output_full"};
 }
 

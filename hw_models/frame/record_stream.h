@@ -15,7 +15,8 @@ namespace hw {
 ///
 /// Records lie behind each other; a line is written when it is full, or when no whole record is under way that could
 /// be waited for. What is written is read at once, as long as fewer than `depth` records are asked for or wait at the
-/// end; a read follows its write on the same link, so it cannot overtake it on the way to the L2. Memory holds up to `ring` records.
+/// end; a read follows its write on the same link, so it cannot overtake it on the way to the L2. Memory holds up to
+/// `ring` records.
 template <class Record>
 class RecordStream {
  public:
@@ -114,7 +115,7 @@ class RecordStream {
     const auto first = static_cast<std::uint32_t>(at % kLine / kPiece);
     const auto past = static_cast<std::uint32_t>((end - 1) % kLine / kPiece + 1);
     MemRequest request{shape_.base + at / kLine * kLine % bytes_of(shape_), shape_.port, 0, !read,
-                       static_cast<Pieces>((1U << past) - (1U << first))};
+                       static_cast<SectorMask>((1U << past) - (1U << first))};
     if (read) {
       request.tag = static_cast<std::uint16_t>(last_ % chunks_.size());
       chunks_[request.tag] = {end, false};

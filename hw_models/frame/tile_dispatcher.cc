@@ -19,8 +19,10 @@ sim::Time TileDispatcher::tick(sim::Time now) {
   flush(now);
   const bool dispatched = next_ != nullptr && !must_wait() && dispatch(now);
   const bool waits = next_ != nullptr && must_wait();
-  const Why then = next_ == nullptr ? Why::kIdle : waits ? Why::kWaiting : Why::kCoresFull;
-  activity_.spend(now, clock_.period(), dispatched ? Why::kDispatching : then, then);
+  const CycleReason then = next_ == nullptr ? CycleReason::kIdle
+                           : waits          ? CycleReason::kWaiting
+                                            : CycleReason::kCoresFull;
+  activity_.spend(now, clock_.period(), dispatched ? CycleReason::kDispatching : then, then);
 
   const sim::Time next = clock_.after(now, 1);
   sim::Time at = sim::kNever;

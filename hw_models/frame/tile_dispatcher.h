@@ -9,6 +9,7 @@
 #include "hw_models/srp/messages.h"
 #include "sim/activity.h"
 #include "sim/link.h"
+#include "sim/named.h"
 
 namespace hw {
 
@@ -29,7 +30,7 @@ class TileSource {
 ///   tile list --> [one tile a cycle, round robin over cores with room] --> cores
 class TileDispatcher {
  public:
-  enum class Why : std::uint8_t {
+  enum class CycleReason : std::uint8_t {
     kIdle,
     kDispatching,
     kCoresFull,
@@ -39,8 +40,8 @@ class TileDispatcher {
   struct Stats {
     std::uint64_t dispatched = 0, finished = 0;
     static void describe(auto& s, auto&& counter) {
-      counter(s.dispatched, "dispatched", "tiles handed to cores");
-      counter(s.finished, "finished", "tiles the cores are through with");
+      counter(NAMED(s.dispatched), "tiles handed to cores");
+      counter(NAMED(s.finished), "tiles the cores are through with");
     }
   };
   struct Links {
@@ -56,7 +57,7 @@ class TileDispatcher {
   sim::Time tick(sim::Time now);
   const sim::Clock& clock() const { return clock_; }
   const Stats& stats() const { return stats_; }
-  const sim::Activity<Why>& activity() const { return activity_; }
+  const sim::Activity<CycleReason>& activity() const { return activity_; }
   void finish(sim::Time end) { activity_.finish(end); }
   /// There are tiles in the list.
   bool has_more() const { return next_ != nullptr; }
@@ -81,10 +82,10 @@ class TileDispatcher {
   std::size_t turn_ = 0;
   bool flushed_ = false;
   Stats stats_;
-  sim::Activity<Why> activity_;
+  sim::Activity<CycleReason> activity_;
 };
 
-constexpr std::array<std::string_view, 4> names_of(TileDispatcher::Why) {
+constexpr std::array<std::string_view, 4> names_of(TileDispatcher::CycleReason) {
   return {"idle", "dispatching", "cores_full", "waiting"};
 }
 

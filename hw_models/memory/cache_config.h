@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "sim/config/field.h"
+#include "sim/named.h"
 
 namespace hw {
 
@@ -28,19 +29,17 @@ struct CacheConfig {
 
   static void describe(auto& c, auto&& field) {
     describe_shape(c, field);
-    field(c.hit_cycles, "hit_cycles", "cycles", "from probe to data of a hit", sim::between(1, 64),
-          sim::Affects::kTiming);
+    field(NAMED(c.hit_cycles), "cycles", "from probe to data of a hit", sim::between(1, 64), sim::Affects::kTiming);
   }
   /// All but hit_cycles, for caches whose user keeps the time of a hit elsewhere.
   static void describe_shape(auto& c, auto&& field) {
     using sim::Affects;
-    field(c.size, "size", "bytes", "data held; size = sets x ways x line", sim::between(64, 16 << 20),
+    field(NAMED(c.size), "bytes", "data held; size = sets x ways x line", sim::between(64, 16 << 20), Affects::kTiming);
+    field(NAMED(c.line), "bytes", "bytes of one line", sim::power_of_two(16, 256), Affects::kTiming);
+    field(NAMED(c.ways), "ways", "lines of one set", sim::between(1, 64), Affects::kTiming);
+    field(NAMED(c.replacement), "", "which line of a full set goes; plru wants a power of two of ways", sim::any(),
           Affects::kTiming);
-    field(c.line, "line", "bytes", "bytes of one line", sim::power_of_two(16, 256), Affects::kTiming);
-    field(c.ways, "ways", "ways", "lines of one set", sim::between(1, 64), Affects::kTiming);
-    field(c.replacement, "replacement", "", "which line of a full set goes; plru wants a power of two of ways",
-          sim::any(), Affects::kTiming);
-    field(c.mshrs, "mshrs", "registers", "miss status registers: lines on their way at once", sim::between(1, 256),
+    field(NAMED(c.mshrs), "registers", "miss status registers: lines on their way at once", sim::between(1, 256),
           Affects::kTiming);
   }
 

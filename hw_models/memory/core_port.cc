@@ -33,8 +33,11 @@ sim::Time CorePort::tick(sim::Time now) {
   if (targets_in_.holding() != 0) carry_down(now);
   const sim::Time next = now + clock_.period();
   const sim::Time wake = look_ahead(now);
-  const auto why_at = [&](sim::Time at, Why otherwise) { return at < line_until_ ? Why::kLine : otherwise; };
-  activity_.spend(now, clock_.period(), why_at(now, requested ? Why::kRequest : waiting_), why_at(next, waiting_));
+  const auto why_at = [&](sim::Time at, CycleReason otherwise) {
+    return at < line_until_ ? CycleReason::kLine : otherwise;
+  };
+  activity_.spend(now, clock_.period(), why_at(now, requested ? CycleReason::kRequest : waiting_),
+                  why_at(next, waiting_));
   return wake;
 }
 
@@ -113,9 +116,9 @@ void CorePort::carry(std::uint32_t target, sim::Time now) {
 sim::Time CorePort::look_ahead(sim::Time now) {
   const sim::Time next = now + clock_.period();
   sim::Time wake = sim::kNever;
-  waiting_ = Why::kIdle;
+  waiting_ = CycleReason::kIdle;
   // What is not visible yet must not be looked at: wake up for it and decide then.
-  const auto consider = [&](const auto& in, sim::Time free_at, auto&& out_of, Why full) {
+  const auto consider = [&](const auto& in, sim::Time free_at, auto&& out_of, CycleReason full) {
     sim::Time at = in.pop_at();
     if (at <= now) {
       const sim::Time room_at = out_of(in.front()).push_at();
@@ -125,10 +128,13 @@ sim::Time CorePort::look_ahead(sim::Time now) {
     wake = std::min(wake, at);
   };
   clients_in_.each([&](const sim::Link<MemRequest>& in) {
-    consider(in, up_free_, [&](const MemRequest& r) -> auto& { return target_of(r); }, Why::kTargetFull);
+    consider(
+        in, up_free_, [&](const MemRequest& r) -> auto& { return target_of(r); }, CycleReason::kTargetFull);
   });
   targets_in_.each([&](const sim::Link<MemResponse>& in) {
-    consider(in, down_free_, [&](const MemResponse& r) -> auto& { return *clients_out_[r.source]; }, Why::kClientFull);
+    consider(
+        in, down_free_, [&](const MemResponse& r) -> auto& { return *clients_out_[r.source]; },
+        CycleReason::kClientFull);
   });
   return wake;
 }

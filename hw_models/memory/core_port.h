@@ -13,6 +13,7 @@
 #include "sim/counter_kind.h"
 #include "sim/inputs.h"
 #include "sim/link.h"
+#include "sim/named.h"
 
 namespace hw {
 
@@ -25,13 +26,12 @@ struct InterconnectConfig {
 
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
-    field(c.latency, "latency", "cycles", "one way between a core and an L2 bank or the memory controller",
+    field(NAMED(c.latency), "cycles", "one way between a core and an L2 bank or the memory controller",
           sim::between(1, 100), Affects::kTiming);
     field(c.width_bytes, "width", "bytes", "of a line carried per cycle and direction", sim::power_of_two(8, 256),
           Affects::kTiming);
-    field(c.link_depth, "link_depth", "entries", "slots of each link", sim::between(1, 64), Affects::kTiming);
-    field(c.arbitration, "arbitration", "", "who goes first at a core's ports and at an L2 bank", sim::any(),
-          Affects::kTiming);
+    field(NAMED(c.link_depth), "entries", "slots of each link", sim::between(1, 64), Affects::kTiming);
+    field(NAMED(c.arbitration), "", "who goes first at a core's ports and at an L2 bank", sim::any(), Affects::kTiming);
   }
   std::uint32_t cycles_of(std::uint64_t bytes) const {
     return static_cast<std::uint32_t>((bytes + width_bytes - 1) / width_bytes);
@@ -50,7 +50,7 @@ struct InterconnectConfig {
 /// Not modelled: the topology between port and targets; every target is equally far and has its own wires.
 class CorePort {
  public:
-  enum class Why : std::uint8_t {
+  enum class CycleReason : std::uint8_t {
     kIdle,        ///< nothing to carry
     kRequest,     ///< a request went up
     kLine,        ///< a line was under way, up or down
@@ -62,12 +62,12 @@ class CorePort {
     std::uint64_t requests = 0, lines_down = 0, lines_up = 0;
     std::uint64_t request_wait = 0, line_wait = 0;
     static void describe(auto& s, auto&& counter) {
-      counter(s.requests, "requests", "requests carried up", "interconnect.request");
-      counter(s.lines_down, "lines_down", "lines carried down to a client", "interconnect.line");
-      counter(s.lines_up, "lines_up", "lines, or pieces of one, carried up by writes", "interconnect.line");
-      counter(s.request_wait, "request_wait", "cycles requests waited for their turn and for room, all together", "",
+      counter(NAMED(s.requests), "requests carried up", "interconnect.request");
+      counter(NAMED(s.lines_down), "lines carried down to a client", "interconnect.line");
+      counter(NAMED(s.lines_up), "lines, or pieces of one, carried up by writes", "interconnect.line");
+      counter(NAMED(s.request_wait), "cycles requests waited for their turn and for room, all together", "",
               sim::CounterKind::kAtEnd);
-      counter(s.line_wait, "line_wait", "cycles lines waited for their turn and for room, all together", "",
+      counter(NAMED(s.line_wait), "cycles lines waited for their turn and for room, all together", "",
               sim::CounterKind::kAtEnd);
     }
   };
@@ -88,7 +88,7 @@ class CorePort {
 
   const sim::Clock& clock() const { return clock_; }
   const Stats& stats() const { return stats_; }
-  const sim::Activity<Why>& activity() const { return activity_; }
+  const sim::Activity<CycleReason>& activity() const { return activity_; }
   std::string state() const;
 
  private:
@@ -125,12 +125,12 @@ class CorePort {
   sim::Time up_free_ = 0;
   sim::Time down_free_ = 0;
   sim::Time line_until_ = 0;  ///< a line is under way before this
-  Why waiting_{};
+  CycleReason waiting_{};
   Stats stats_;
-  sim::Activity<Why> activity_;
+  sim::Activity<CycleReason> activity_;
 };
 
-constexpr std::array<std::string_view, 5> names_of(CorePort::Why) {
+constexpr std::array<std::string_view, 5> names_of(CorePort::CycleReason) {
   return {"idle", "request", "line", "target_full", "client_full"};
 }
 

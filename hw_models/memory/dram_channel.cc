@@ -139,9 +139,9 @@ void DramChannel::replan(Cycle now) {
   writing_ = writes_first(now);
   const DramQueue& queue = writing_ ? writes_ : reads_;
   const bool blocked = !writing_ && returns_.full();
-  plan_ = queue.empty() || blocked ? Plan{} : best_plan(queue, now);
-  waiting_ = queue.empty() ? Why::kIdle
-             : blocked     ? Why::kReturnsFull
+  plan_ = queue.empty() || blocked ? ScheduledCommand{} : best_plan(queue, now);
+  waiting_ = queue.empty() ? CycleReason::kIdle
+             : blocked     ? CycleReason::kReturnsFull
                            : device_.reason(plan_.command(), plan_.bank(), writing_, plan_.at());
 }
 
@@ -155,7 +155,7 @@ bool DramChannel::writes_first(Cycle now) {
   return old_read == old_write ? draining_ : old_write;
 }
 
-DramChannel::Plan DramChannel::best_plan(const DramQueue& queue, Cycle now) const {
+DramChannel::ScheduledCommand DramChannel::best_plan(const DramQueue& queue, Cycle now) const {
   const bool in_turn = controller_.scheduler == DramScheduler::kFcfs;
   std::uint32_t banks = queue.banks(), columns = queue.hit_banks();
   if (in_turn || overdue(queue, now)) {
@@ -164,19 +164,20 @@ DramChannel::Plan DramChannel::best_plan(const DramQueue& queue, Cycle now) cons
     if (in_turn) banks = first;
   }
   const std::uint32_t open = device_.open_mask();
-  Plan best;
+  ScheduledCommand best;
   for (std::uint32_t rank = 0; rank < ranks_; ++rank) {
-    const DramDevice::Floors floors = device_.floors(rank, writing_, now);
+    const DramDevice::Floors rank_ready = device_.rank_ready(rank, writing_, now);
     const std::uint32_t here = banks & device_.banks_of(rank);
     const auto consider = [&]<DramCommand command>(std::uint32_t of) {
-      if (best < Plan(floors[static_cast<std::size_t>(command)], command, 0, 0)) return;  // none can come before it
+      if (best < ScheduledCommand(rank_ready[static_cast<std::size_t>(command)], command, 0, 0))
+        return;  // none can come before it
       for (std::uint32_t left = of; left != 0; left &= left - 1) {
         const auto bank = static_cast<std::uint32_t>(std::countr_zero(left));
-        const Cycle ready = device_.ready(command, bank, writing_, floors);
-        if (best < Plan(ready, command, 0, 0)) continue;
+        const Cycle ready = device_.ready(command, bank, writing_, rank_ready);
+        if (best < ScheduledCommand(ready, command, 0, 0)) continue;
         const std::uint64_t places = command == DramCommand::kColumn ? queue.hits(bank) : queue.waiting(bank);
         const auto place = static_cast<std::uint32_t>(std::countr_zero(places));
-        best = std::min(best, Plan(device_.earliest(command, ready), command, place, bank));
+        best = std::min(best, ScheduledCommand(device_.earliest(command, ready), command, place, bank));
       }
     };
     consider.template operator()<DramCommand::kColumn>(here & columns);
@@ -326,15 +327,15 @@ void DramChannel::wake(Cycle now) {
 void DramChannel::settle(Cycle until) {
   while (settled_ < until) {
     Cycle end = until;
-    Why why = waiting_;
+    CycleReason why = waiting_;
     if (!data_bus_.empty()) {
       const DataBus::Burst burst = data_bus_.front();
       if (burst.begin > settled_) {
         end = std::min(until, burst.begin);
-        if (why == Why::kIdle) why = Why::kLatency;
+        if (why == CycleReason::kIdle) why = CycleReason::kLatency;
       } else {
         end = std::min(until, burst.end);
-        why = burst.write ? Why::kWriting : Why::kReading;
+        why = burst.write ? CycleReason::kWriting : CycleReason::kReading;
         if (end == burst.end) data_bus_.pop();
       }
     }
@@ -344,7 +345,7 @@ void DramChannel::settle(Cycle until) {
 }
 
 sim::Time DramChannel::tick_ideal(sim::Time now) {
-  Why why = Why::kIdle;
+  CycleReason why = CycleReason::kIdle;
   bool blocked = false;
   sim::Time wake = sim::kNever;
   for (std::size_t port = 0; port < ports_in_.size(); ++port) {
@@ -357,7 +358,7 @@ sim::Time DramChannel::tick_ideal(sim::Time now) {
       (r.write ? stats_.write_bursts : stats_.read_bursts) += bursts_;
       stats_.bytes += line_bytes_;
       stats_.row_hits += 1;
-      why = r.write ? Why::kWriting : Why::kReading;
+      why = r.write ? CycleReason::kWriting : CycleReason::kReading;
       if (!r.write) out.push(now, {r.line, r.source, r.tag});
       if (watcher_ != nullptr) watcher_->served(r, now + clock_.period());
     }
@@ -366,8 +367,8 @@ sim::Time DramChannel::tick_ideal(sim::Time now) {
     if (stuck) wake = std::min(wake, std::max(now + clock_.period(), out.push_at()));
     if (!stuck && in.pop_at() != sim::kNever) wake = std::min(wake, in.pop_at());
   }
-  const Why then = blocked ? Why::kReturnsFull : Why::kIdle;
-  activity_.spend(now, clock_.period(), why == Why::kIdle ? then : why, then);
+  const CycleReason then = blocked ? CycleReason::kReturnsFull : CycleReason::kIdle;
+  activity_.spend(now, clock_.period(), why == CycleReason::kIdle ? then : why, then);
   return wake;
 }
 

@@ -15,6 +15,7 @@
 #include "sim/counter_kind.h"
 #include "sim/inputs.h"
 #include "sim/link.h"
+#include "sim/named.h"
 
 namespace hw {
 
@@ -39,7 +40,7 @@ namespace hw {
 /// synchronisation.
 class DramChannel {
  public:
-  using Why = DramWhy;
+  using CycleReason = DramWhy;
   struct Stats {
     std::uint64_t reads = 0, writes = 0, bytes = 0;
     std::uint64_t row_hits = 0, row_misses = 0, row_conflicts = 0;
@@ -48,27 +49,26 @@ class DramChannel {
     std::uint64_t read_latency = 0, read_latency_max = 0;
     std::uint64_t active_standby = 0, precharge_standby = 0, power_down = 0;
     static void describe(auto& s, auto&& counter) {
-      counter(s.reads, "reads", "lines read");
-      counter(s.writes, "writes", "lines written");
-      counter(s.bytes, "bytes", "bytes moved over the data bus");
-      counter(s.row_hits, "row_hits", "lines whose row was open");
-      counter(s.row_misses, "row_misses", "lines whose bank was closed");
-      counter(s.row_conflicts, "row_conflicts", "lines for which another row was closed");
-      counter(s.activates, "activates", "rows opened", "dram.activate");
-      counter(s.read_bursts, "read_bursts", "read commands", "dram.read_burst");
-      counter(s.write_bursts, "write_bursts", "write commands", "dram.write_burst");
-      counter(s.refreshes, "refreshes", "refreshes of one bank or pair of banks", "dram.refresh");
-      counter(s.refreshes_all, "refreshes_all", "refreshes of all banks of a rank", "dram.refresh_all");
-      counter(s.turnarounds, "turnarounds", "changes of direction between reads and writes", "",
+      counter(NAMED(s.reads), "lines read");
+      counter(NAMED(s.writes), "lines written");
+      counter(NAMED(s.bytes), "bytes moved over the data bus");
+      counter(NAMED(s.row_hits), "lines whose row was open");
+      counter(NAMED(s.row_misses), "lines whose bank was closed");
+      counter(NAMED(s.row_conflicts), "lines for which another row was closed");
+      counter(NAMED(s.activates), "rows opened", "dram.activate");
+      counter(NAMED(s.read_bursts), "read commands", "dram.read_burst");
+      counter(NAMED(s.write_bursts), "write commands", "dram.write_burst");
+      counter(NAMED(s.refreshes), "refreshes of one bank or pair of banks", "dram.refresh");
+      counter(NAMED(s.refreshes_all), "refreshes of all banks of a rank", "dram.refresh_all");
+      counter(NAMED(s.turnarounds), "changes of direction between reads and writes", "", sim::CounterKind::kAtEnd);
+      counter(NAMED(s.read_latency), "sum over reads of cycles from arrival here to the last data");
+      counter(NAMED(s.read_latency_max), "the longest of these", "", sim::CounterKind::kPeak);
+      counter(NAMED(s.active_standby), "cycles with a row open, summed over ranks", "dram.active_standby",
               sim::CounterKind::kAtEnd);
-      counter(s.read_latency, "read_latency", "sum over reads of cycles from arrival here to the last data");
-      counter(s.read_latency_max, "read_latency_max", "the longest of these", "", sim::CounterKind::kPeak);
-      counter(s.active_standby, "active_standby", "cycles with a row open, summed over ranks", "dram.active_standby",
+      counter(NAMED(s.precharge_standby), "cycles with every row closed, summed over ranks", "dram.precharge_standby",
               sim::CounterKind::kAtEnd);
-      counter(s.precharge_standby, "precharge_standby", "cycles with every row closed, summed over ranks",
-              "dram.precharge_standby", sim::CounterKind::kAtEnd);
-      counter(s.power_down, "power_down", "cycles in power-down, summed over ranks", "dram.power_down");
-      counter(s.power_downs, "power_downs", "times that the channel woke from power-down for a request");
+      counter(NAMED(s.power_down), "cycles in power-down, summed over ranks", "dram.power_down");
+      counter(NAMED(s.power_downs), "times that the channel woke from power-down for a request");
     }
   };
   /// Is told of every request when its data are booked on the bus; `end` is when the last of them will be over.
@@ -95,7 +95,7 @@ class DramChannel {
 
   const sim::Clock& clock() const { return clock_; }
   const Stats& stats() const { return stats_; }
-  const sim::Activity<Why>& activity() const { return activity_; }
+  const sim::Activity<CycleReason>& activity() const { return activity_; }
   std::string state() const;
 
  private:
@@ -103,17 +103,17 @@ class DramChannel {
 
   /// The command that comes next if nothing new arrives, in one number that sorts by preference: the earliest, then
   /// the kind of command, then the oldest request; the bank comes along in the low bits.
-  class Plan {
+  class ScheduledCommand {
    public:
-    Plan() = default;
-    Plan(Cycle at, DramCommand command, std::uint32_t place, std::uint32_t bank)
+    ScheduledCommand() = default;
+    ScheduledCommand(Cycle at, DramCommand command, std::uint32_t place, std::uint32_t bank)
         : key_(at << 13 | std::uint64_t{static_cast<std::uint8_t>(command)} << 11 | place << 5 | bank) {}
     bool none() const { return key_ == kNone; }
     Cycle at() const { return none() ? sim::kNever : key_ >> 13; }
     DramCommand command() const { return static_cast<DramCommand>(key_ >> 11 & 3); }
     std::uint32_t place() const { return static_cast<std::uint32_t>(key_ >> 5 & 63); }
     std::uint32_t bank() const { return static_cast<std::uint32_t>(key_ & 31); }
-    friend auto operator<=>(const Plan&, const Plan&) = default;
+    friend auto operator<=>(const ScheduledCommand&, const ScheduledCommand&) = default;
 
    private:
     static constexpr std::uint64_t kNone = ~std::uint64_t{0};
@@ -145,7 +145,7 @@ class DramChannel {
   void replan(Cycle now);
   bool writes_first(Cycle now);
   bool plan_survives(bool write, std::uint32_t bank, bool row_is_open) const;
-  Plan best_plan(const DramQueue& queue, Cycle now) const;
+  ScheduledCommand best_plan(const DramQueue& queue, Cycle now) const;
   void issue(Cycle now);
   void row_done(const DramPlace& place);
   void transfer(const DramQueue::Entry& entry, Cycle now);
@@ -184,14 +184,14 @@ class DramChannel {
   Arbiter ports_;
   bool draining_ = false;  ///< writes go first, down to the low mark
   bool writing_ = false;   ///< the plan serves the write queue
-  Plan plan_;
+  ScheduledCommand plan_;
   bool plan_is_stale_ = true;
   Cycle replan_at_ = sim::kNever;  ///< when a request becomes overdue
 
   Cycle settled_ = 0;
-  Why waiting_ = Why::kIdle;  ///< for what, while the data bus is idle
+  CycleReason waiting_ = CycleReason::kIdle;  ///< for what, while the data bus is idle
   Stats stats_;
-  sim::Activity<Why> activity_;
+  sim::Activity<CycleReason> activity_;
 };
 
 }  // namespace hw

@@ -7,6 +7,7 @@
 
 #include "hw_models/memory/interleave.h"
 #include "sim/config/field.h"
+#include "sim/named.h"
 
 namespace hw {
 
@@ -62,16 +63,15 @@ struct DramOrganisation {
 
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
-    field(c.ranks, "ranks", "ranks", "devices that share the channel's buses; rank bits lie above those of the bank",
+    field(NAMED(c.ranks), "ranks", "devices that share the channel's buses; rank bits lie above those of the bank",
           sim::power_of_two(1, 2), Affects::kTiming);
-    field(c.banks, "banks", "banks", "banks of a rank, all groups together", sim::power_of_two(1, 32),
-          Affects::kTiming);
-    field(c.bank_groups, "bank_groups", "groups", "bank groups", sim::power_of_two(1, 8), Affects::kTiming);
-    field(c.refresh_banks, "refresh_banks", "banks", "banks that a refresh of single banks takes together",
+    field(NAMED(c.banks), "banks", "banks of a rank, all groups together", sim::power_of_two(1, 32), Affects::kTiming);
+    field(NAMED(c.bank_groups), "groups", "bank groups", sim::power_of_two(1, 8), Affects::kTiming);
+    field(NAMED(c.refresh_banks), "banks", "banks that a refresh of single banks takes together",
           sim::power_of_two(1, 2), Affects::kTiming);
-    field(c.rows, "rows", "rows", "rows of a bank", sim::power_of_two(1, 1 << 20), Affects::kTiming);
-    field(c.page, "page", "bytes", "data of one row", sim::power_of_two(64, 1 << 16), Affects::kTiming);
-    field(c.burst, "burst", "bytes", "data of one read or write command", sim::power_of_two(8, 256), Affects::kTiming);
+    field(NAMED(c.rows), "rows", "rows of a bank", sim::power_of_two(1, 1 << 20), Affects::kTiming);
+    field(NAMED(c.page), "bytes", "data of one row", sim::power_of_two(64, 1 << 16), Affects::kTiming);
+    field(NAMED(c.burst), "bytes", "data of one read or write command", sim::power_of_two(8, 256), Affects::kTiming);
   }
   std::uint32_t all_banks() const { return ranks * banks; }
 };
@@ -91,35 +91,35 @@ struct DramTiming {
     const auto cycles = [&](auto& value, const char* name, const char* meaning, double min, double max) {
       field(value, name, "nCK", meaning, sim::between(min, max), Affects::kTiming);
     };
-    field(c.ck, "ck", "ns", "period of the command clock", sim::between(100'000, 100'000'000), Affects::kTiming);
-    cycles(c.rl, "rl", "read command to first data", 1, 128);
-    cycles(c.wl, "wl", "write command to first data", 1, 128);
-    cycles(c.burst, "burst", "data bus time of one burst", 1, 32);
-    cycles(c.dqsck, "dqsck", "further delay of read data", 0, 16);
-    cycles(c.rcd, "rcd", "activate to read or write", 1, 256);
-    cycles(c.rp, "rp", "precharge (one bank) to activate", 1, 256);
-    cycles(c.rp_ab, "rp_ab", "precharge of all banks to refresh or power-down", 1, 256);
-    cycles(c.ras, "ras", "activate to precharge", 1, 512);
-    cycles(c.rc, "rc", "activate to activate, same bank", 1, 1024);
-    cycles(c.rrd, "rrd", "activate to activate, other bank", 1, 256);
-    cycles(c.faw, "faw", "window that holds at most four activates", 1, 512);
-    cycles(c.ccd_s, "ccd_s", "column to column command, other bank group (any bank if there are no groups)", 1, 32);
-    cycles(c.ccd_l, "ccd_l", "column to column command, same bank group", 1, 32);
-    cycles(c.rtp, "rtp", "read to precharge", 1, 256);
-    cycles(c.wr, "wr", "end of write data to precharge", 1, 256);
-    cycles(c.wtr_s, "wtr_s", "end of write data to read, other bank group", 0, 256);
-    cycles(c.wtr_l, "wtr_l", "end of write data to read, same bank group", 0, 256);
-    cycles(c.dqss, "dqss", "further delay of write data", 0, 16);
-    cycles(c.rtw, "rtw", "idle data bus between read and write data", 0, 64);
-    cycles(c.rtrs, "rtrs", "idle data bus between bursts of two ranks", 0, 64);
-    cycles(c.xp, "xp", "end of power-down to the first command", 1, 256);
-    cycles(c.rfc_pb, "rfc_pb", "a bank's refresh", 1, 4096);
-    cycles(c.refi_pb, "refi_pb", "between refreshes of single banks of a rank; 0 switches refresh off", 0, 100'000);
-    cycles(c.rfc_ab, "rfc_ab", "a refresh of all banks", 1, 8192);
-    cycles(c.refi_ab, "refi_ab", "between refreshes of all banks of a rank; 0 switches refresh off", 0, 1'000'000);
-    cycles(c.ca_activate, "ca_activate", "command bus time of an activate", 1, 8);
-    cycles(c.ca_column, "ca_column", "command bus time of a read or write", 1, 8);
-    cycles(c.ca_precharge, "ca_precharge", "command bus time of a precharge", 1, 8);
+    field(NAMED(c.ck), "ns", "period of the command clock", sim::between(100'000, 100'000'000), Affects::kTiming);
+    cycles(NAMED(c.rl), "read command to first data", 1, 128);
+    cycles(NAMED(c.wl), "write command to first data", 1, 128);
+    cycles(NAMED(c.burst), "data bus time of one burst", 1, 32);
+    cycles(NAMED(c.dqsck), "further delay of read data", 0, 16);
+    cycles(NAMED(c.rcd), "activate to read or write", 1, 256);
+    cycles(NAMED(c.rp), "precharge (one bank) to activate", 1, 256);
+    cycles(NAMED(c.rp_ab), "precharge of all banks to refresh or power-down", 1, 256);
+    cycles(NAMED(c.ras), "activate to precharge", 1, 512);
+    cycles(NAMED(c.rc), "activate to activate, same bank", 1, 1024);
+    cycles(NAMED(c.rrd), "activate to activate, other bank", 1, 256);
+    cycles(NAMED(c.faw), "window that holds at most four activates", 1, 512);
+    cycles(NAMED(c.ccd_s), "column to column command, other bank group (any bank if there are no groups)", 1, 32);
+    cycles(NAMED(c.ccd_l), "column to column command, same bank group", 1, 32);
+    cycles(NAMED(c.rtp), "read to precharge", 1, 256);
+    cycles(NAMED(c.wr), "end of write data to precharge", 1, 256);
+    cycles(NAMED(c.wtr_s), "end of write data to read, other bank group", 0, 256);
+    cycles(NAMED(c.wtr_l), "end of write data to read, same bank group", 0, 256);
+    cycles(NAMED(c.dqss), "further delay of write data", 0, 16);
+    cycles(NAMED(c.rtw), "idle data bus between read and write data", 0, 64);
+    cycles(NAMED(c.rtrs), "idle data bus between bursts of two ranks", 0, 64);
+    cycles(NAMED(c.xp), "end of power-down to the first command", 1, 256);
+    cycles(NAMED(c.rfc_pb), "a bank's refresh", 1, 4096);
+    cycles(NAMED(c.refi_pb), "between refreshes of single banks of a rank; 0 switches refresh off", 0, 100'000);
+    cycles(NAMED(c.rfc_ab), "a refresh of all banks", 1, 8192);
+    cycles(NAMED(c.refi_ab), "between refreshes of all banks of a rank; 0 switches refresh off", 0, 1'000'000);
+    cycles(NAMED(c.ca_activate), "command bus time of an activate", 1, 8);
+    cycles(NAMED(c.ca_column), "command bus time of a read or write", 1, 8);
+    cycles(NAMED(c.ca_precharge), "command bus time of a precharge", 1, 8);
   }
 };
 
@@ -141,27 +141,24 @@ struct DramController {
 
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
-    field(c.mapping, "mapping", "", "order of the address bits", sim::any(), Affects::kTiming);
-    field(c.bank_xor, "bank_xor", "", "exclusive-or of the bank with low row bits, against strides", sim::any(),
+    field(NAMED(c.mapping), "", "order of the address bits", sim::any(), Affects::kTiming);
+    field(NAMED(c.bank_xor), "", "exclusive-or of the bank with low row bits, against strides", sim::any(),
           Affects::kTiming);
-    field(c.scheduler, "scheduler", "", "who goes next", sim::any(), Affects::kTiming);
-    field(c.page_policy, "page_policy", "", "what becomes of a row that no queued request wants", sim::any(),
+    field(NAMED(c.scheduler), "", "who goes next", sim::any(), Affects::kTiming);
+    field(NAMED(c.page_policy), "", "what becomes of a row that no queued request wants", sim::any(), Affects::kTiming);
+    field(NAMED(c.refresh), "", "refresh bank by bank or all at once", sim::any(), Affects::kTiming);
+    field(NAMED(c.refresh_order), "", "which bank is refreshed next, bank by bank", sim::any(), Affects::kTiming);
+    field(NAMED(c.power_down), "", "an idle channel closes its rows and powers its devices down", sim::any(),
           Affects::kTiming);
-    field(c.refresh, "refresh", "", "refresh bank by bank or all at once", sim::any(), Affects::kTiming);
-    field(c.refresh_order, "refresh_order", "", "which bank is refreshed next, bank by bank", sim::any(),
+    field(NAMED(c.power_down_after), "nCK", "idle time before power-down", sim::between(1, 1'000'000),
           Affects::kTiming);
-    field(c.power_down, "power_down", "", "an idle channel closes its rows and powers its devices down", sim::any(),
+    field(NAMED(c.read_queue), "requests", "reads waiting in a channel", sim::between(1, 64), Affects::kTiming);
+    field(NAMED(c.write_queue), "requests", "writes waiting in a channel", sim::between(1, 64), Affects::kTiming);
+    field(NAMED(c.write_high), "requests", "waiting writes at which they go before reads", sim::between(1, 64),
           Affects::kTiming);
-    field(c.power_down_after, "power_down_after", "nCK", "idle time before power-down", sim::between(1, 1'000'000),
+    field(NAMED(c.write_low), "requests", "waiting writes at which reads go first again", sim::between(0, 63),
           Affects::kTiming);
-    field(c.read_queue, "read_queue", "requests", "reads waiting in a channel", sim::between(1, 64), Affects::kTiming);
-    field(c.write_queue, "write_queue", "requests", "writes waiting in a channel", sim::between(1, 64),
-          Affects::kTiming);
-    field(c.write_high, "write_high", "requests", "waiting writes at which they go before reads", sim::between(1, 64),
-          Affects::kTiming);
-    field(c.write_low, "write_low", "requests", "waiting writes at which reads go first again", sim::between(0, 63),
-          Affects::kTiming);
-    field(c.age_limit, "age_limit", "nCK", "age from which a request is no longer overtaken in its bank",
+    field(NAMED(c.age_limit), "nCK", "age from which a request is no longer overtaken in its bank",
           sim::between(1, 1'000'000), Affects::kTiming);
   }
   void check(auto&& complain) const {
@@ -184,17 +181,17 @@ struct DramEnergy {
     const auto energy = [&](auto& value, const char* name, const char* unit, const char* meaning) {
       field(value, name, unit, meaning, sim::at_least(0), sim::Affects::kEnergy);
     };
-    energy(c.activate, "activate", "pJ", "an activate and its precharge");
-    energy(c.read_core, "read_core", "pJ", "a read burst inside the device, above standby");
-    energy(c.read_io, "read_io", "pJ", "a read burst on the pins");
-    energy(c.write_core, "write_core", "pJ", "a write burst inside the device, above standby");
-    energy(c.write_io, "write_io", "pJ", "a write burst on the pins, driver and receiver");
-    energy(c.phy, "phy", "pJ", "controller and PHY on the GPU's die, per burst");
-    energy(c.refresh, "refresh", "pJ", "a refresh bank by bank, above standby");
-    energy(c.refresh_all, "refresh_all", "pJ", "a refresh of all banks, above standby");
-    energy(c.active_standby, "active_standby", "mW", "a rank while a row is open somewhere, clock included");
-    energy(c.precharge_standby, "precharge_standby", "mW", "a rank while every row is closed, clock included");
-    energy(c.power_down_standby, "power_down_standby", "mW", "a rank in power-down");
+    energy(NAMED(c.activate), "pJ", "an activate and its precharge");
+    energy(NAMED(c.read_core), "pJ", "a read burst inside the device, above standby");
+    energy(NAMED(c.read_io), "pJ", "a read burst on the pins");
+    energy(NAMED(c.write_core), "pJ", "a write burst inside the device, above standby");
+    energy(NAMED(c.write_io), "pJ", "a write burst on the pins, driver and receiver");
+    energy(NAMED(c.phy), "pJ", "controller and PHY on the GPU's die, per burst");
+    energy(NAMED(c.refresh), "pJ", "a refresh bank by bank, above standby");
+    energy(NAMED(c.refresh_all), "pJ", "a refresh of all banks, above standby");
+    energy(NAMED(c.active_standby), "mW", "a rank while a row is open somewhere, clock included");
+    energy(NAMED(c.precharge_standby), "mW", "a rank while every row is closed, clock included");
+    energy(NAMED(c.power_down_standby), "mW", "a rank in power-down");
   }
 };
 
@@ -211,16 +208,16 @@ struct DramConfig {
 
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
-    field(c.grade, "grade", "", "name of the speed grade", sim::any(), Affects::kReport);
-    field(c.channels, "channels", "channels", "independent channels, interleaved by line", sim::power_of_two(1, 16),
+    field(NAMED(c.grade), "", "name of the speed grade", sim::any(), Affects::kReport);
+    field(NAMED(c.channels), "channels", "independent channels, interleaved by line", sim::power_of_two(1, 16),
           Affects::kTiming);
-    field(c.line, "line", "bytes", "data of one request", sim::power_of_two(16, 256), Affects::kTiming);
-    field(c.fabric, "fabric", "ns", "fixed part of a read's latency between the GPU and the controller",
+    field(NAMED(c.line), "bytes", "data of one request", sim::power_of_two(16, 256), Affects::kTiming);
+    field(NAMED(c.fabric), "ns", "fixed part of a read's latency between the GPU and the controller",
           sim::between(0, 1e9), Affects::kTiming);
-    field.group(c.organisation, "organisation", "one channel");
-    field.group(c.timing, "timing", "speed grade, in cycles of the command clock");
-    field.group(c.controller, "controller", "order of requests");
-    field.group(c.energy, "energy", "energy of a channel: device, pins and PHY");
+    field.group(NAMED(c.organisation), "one channel");
+    field.group(NAMED(c.timing), "speed grade, in cycles of the command clock");
+    field.group(NAMED(c.controller), "order of requests");
+    field.group(NAMED(c.energy), "energy of a channel: device, pins and PHY");
   }
   void check(auto&& complain) const {
     if (line.bytes % organisation.burst.bytes != 0 || line.bytes > organisation.page.bytes)

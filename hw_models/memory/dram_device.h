@@ -50,15 +50,15 @@ class DramDevice {
 
   /// What binds every bank of a rank, by command.
   using Floors = std::array<Cycle, 3>;
-  Floors floors(std::uint32_t rank, bool write, Cycle now) const {
+  Floors rank_ready(std::uint32_t rank, bool write, Cycle now) const {
     const Rank& r = rank_[rank];
     const Cycle from = std::max(now, awake_at_);
     return {std::max(from, r.column_at[write]), std::max(from, r.next_activate()), from};
   }
   /// The first cycle at which the command may run in the bank, as far as the buses are free for it.
-  Cycle ready(DramCommand command, std::uint32_t bank, bool write, const Floors& floors) const {
+  Cycle ready(DramCommand command, std::uint32_t bank, bool write, const Floors& rank_ready) const {
     const auto c = static_cast<std::size_t>(command);
-    const Cycle at = std::max(floors[c], bank_at_[c][bank]);
+    const Cycle at = std::max(rank_ready[c], bank_at_[c][bank]);
     if (command != DramCommand::kColumn) return at;
     return std::max(at, group_at_[write ? kWriteTrain : kReadTrain][group_of(bank)]);
   }

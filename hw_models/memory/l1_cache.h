@@ -11,7 +11,7 @@
 namespace hw {
 
 /// A read-only first-level cache of one unit: tags, miss status registers that merge, and requests waiting for the
-/// way to memory. Who waits for a line is a bit mask of the unit's slots. A perfect one holds every line.
+/// way to memory. Who waits for a line is a bit mask of the unit's slots. A ideal one holds every line.
 class L1Cache {
  public:
   enum class Result : std::uint8_t {
@@ -26,8 +26,8 @@ class L1Cache {
     std::uint64_t asked_at = 0;  ///< the user's cycle of the miss
   };
 
-  L1Cache(const CacheConfig& config, std::uint16_t source, bool perfect = false)
-      : tags_(config), misses_(config.mshrs), source_(source), perfect_(perfect) {
+  L1Cache(const CacheConfig& config, std::uint16_t source, bool ideal = false)
+      : tags_(config), misses_(config.mshrs), source_(source), perfect_(ideal) {
     unsent_.reserve(config.mshrs);
   }
 
@@ -43,9 +43,9 @@ class L1Cache {
     return Result::kMiss;
   }
 
-  /// access() to a line that is here, of a cache that is not perfect. False, and nothing done, if it is not here.
+  /// access() to a line that is here, of a cache that is not ideal. False, and nothing done, if it is not here.
   bool hit(Addr line) { return tags_.probe(line); }
-  bool perfect() const { return perfect_; }
+  bool ideal() const { return perfect_; }
 
   /// Asks for a line that nobody needs yet, if it is neither here nor on its way. Needs a free miss register.
   bool prefetch(Addr line, std::uint64_t cycle) {

@@ -45,8 +45,8 @@ sim::Time L2Bank::tick(sim::Time now) {
   served |= take_request(now);
   if (flush_in_ != nullptr) served |= flush(now);
   const sim::Time wake = next_wake(now);
-  const Why then = served && wake == now + clock_.period() ? Why::kServing : waiting(now);
-  activity_.spend(now, clock_.period(), served ? Why::kServing : then, then);
+  const CycleReason then = served && wake == now + clock_.period() ? CycleReason::kServing : waiting(now);
+  activity_.spend(now, clock_.period(), served ? CycleReason::kServing : then, then);
   return wake;
 }
 
@@ -159,17 +159,17 @@ bool L2Bank::read(sim::Time now) {
   return true;
 }
 
-L2Bank::Why L2Bank::waiting(sim::Time now) const {
+L2Bank::CycleReason L2Bank::waiting(sim::Time now) const {
   const std::uint16_t core = reply_core(now);
-  if (core != kNoCore && !cores_out_[core]->can_push(now)) return Why::kOutputFull;
+  if (core != kNoCore && !cores_out_[core]->can_push(now)) return CycleReason::kOutputFull;
   if (head_.full) {
     const bool to_memory = head_.request.write || (!misses_.full() && !has_room(2));
-    return to_memory ? Why::kMemoryFull : Why::kMshrFull;
+    return to_memory ? CycleReason::kMemoryFull : CycleReason::kMshrFull;
   }
-  if (hits_.pop_at() != sim::kNever) return Why::kLookup;
-  if (unsent_.pop_at() != sim::kNever && !unsent_.can_pop(now)) return Why::kLookup;
-  if (!misses_.empty()) return Why::kMemory;
-  return queued_ != 0 || (flushing_ && store_.dirty_lines() != 0) ? Why::kMemoryFull : Why::kIdle;
+  if (hits_.pop_at() != sim::kNever) return CycleReason::kLookup;
+  if (unsent_.pop_at() != sim::kNever && !unsent_.can_pop(now)) return CycleReason::kLookup;
+  if (!misses_.empty()) return CycleReason::kMemory;
+  return queued_ != 0 || (flushing_ && store_.dirty_lines() != 0) ? CycleReason::kMemoryFull : CycleReason::kIdle;
 }
 
 sim::Time L2Bank::next_wake(sim::Time now) const {

@@ -16,6 +16,7 @@
 #include "sim/counter_kind.h"
 #include "sim/inputs.h"
 #include "sim/link.h"
+#include "sim/named.h"
 
 namespace hw {
 
@@ -40,7 +41,7 @@ namespace hw {
 /// Not modelled: contention of fills, writes and reads for the data array.
 class L2Bank {
  public:
-  enum class Why : std::uint8_t {
+  enum class CycleReason : std::uint8_t {
     kIdle,        ///< nothing inside
     kServing,     ///< a request or a line came in, or a line went out
     kLookup,      ///< requests are inside the pipeline
@@ -56,26 +57,25 @@ class L2Bank {
     std::uint64_t bytes_written = 0, bytes_overwritten = 0, bytes_to_memory = 0;
     std::uint64_t latency = 0, memory_cycles = 0, line_cycles = 0;
     static void describe(auto& s, auto&& counter) {
-      counter(s.reads, "reads", "requests looked up: hits + misses");
-      counter(s.hits, "hits", "requests that found their line", "cache.l2_read");
-      counter(s.misses, "misses", "requests that did not", "cache.l2_probe");
-      counter(s.merges, "merges", "misses whose line was already on its way");
-      counter(s.fills, "fills", "lines filled from memory", "cache.l2_fill");
-      counter(s.writes, "writes", "writes of a line or of pieces of one: stored + not_stored");
-      counter(s.write_hits, "write_hits", "writes that found their line, whole or in part, or on its way");
-      counter(s.stored, "stored", "writes put into the cache", "cache.l2_fill");
-      counter(s.not_stored, "not_stored", "writes that were not", "cache.l2_probe");
-      counter(s.passed_on, "passed_on", "writes passed on to memory");
-      counter(s.written_back, "written_back", "lines, or pieces of one, written to memory later", "cache.l2_read");
-      counter(s.bytes_written, "bytes_written", "bytes of all writes");
-      counter(s.bytes_overwritten, "bytes_overwritten", "of these, bytes written again before memory had them");
-      counter(s.bytes_to_memory, "bytes_to_memory", "bytes that memory was told to write");
-      counter(s.latency, "latency", "cycles from the arrival of reads to their lines leaving, all together", "",
+      counter(NAMED(s.reads), "requests looked up: hits + misses");
+      counter(NAMED(s.hits), "requests that found their line", "cache.l2_read");
+      counter(NAMED(s.misses), "requests that did not", "cache.l2_probe");
+      counter(NAMED(s.merges), "misses whose line was already on its way");
+      counter(NAMED(s.fills), "lines filled from memory", "cache.l2_fill");
+      counter(NAMED(s.writes), "writes of a line or of pieces of one: stored + not_stored");
+      counter(NAMED(s.write_hits), "writes that found their line, whole or in part, or on its way");
+      counter(NAMED(s.stored), "writes put into the cache", "cache.l2_fill");
+      counter(NAMED(s.not_stored), "writes that were not", "cache.l2_probe");
+      counter(NAMED(s.passed_on), "writes passed on to memory");
+      counter(NAMED(s.written_back), "lines, or pieces of one, written to memory later", "cache.l2_read");
+      counter(NAMED(s.bytes_written), "bytes of all writes");
+      counter(NAMED(s.bytes_overwritten), "of these, bytes written again before memory had them");
+      counter(NAMED(s.bytes_to_memory), "bytes that memory was told to write");
+      counter(NAMED(s.latency), "cycles from the arrival of reads to their lines leaving, all together", "",
               sim::CounterKind::kAtEnd);
-      counter(s.memory_cycles, "memory_cycles", "of these, cycles in which misses waited for their lines", "",
+      counter(NAMED(s.memory_cycles), "of these, cycles in which misses waited for their lines", "",
               sim::CounterKind::kAtEnd);
-      counter(s.line_cycles, "line_cycles", "sum over lines of cycles from the miss to the fill", "",
-              sim::CounterKind::kAtEnd);
+      counter(NAMED(s.line_cycles), "sum over lines of cycles from the miss to the fill", "", sim::CounterKind::kAtEnd);
     }
   };
   struct Links {
@@ -98,7 +98,7 @@ class L2Bank {
 
   const sim::Clock& clock() const { return clock_; }
   const Stats& stats() const { return stats_; }
-  const sim::Activity<Why>& activity() const { return activity_; }
+  const sim::Activity<CycleReason>& activity() const { return activity_; }
   std::string state() const;
   /// Takes the line as read, in no time. What is dirty of a line that goes for it is dropped.
   void warm(Addr line) {
@@ -115,7 +115,7 @@ class L2Bank {
   };
   struct Waiters {
     std::uint32_t count = 0;
-    Pieces dirty = 0;  ///< pieces of the line that came by writes
+    SectorMask dirty = 0;  ///< pieces of the line that came by writes
     std::array<Waiter, L2Config::kMaxTargets> list;
   };
   struct Head {
@@ -145,7 +145,7 @@ class L2Bank {
   /// Is there room towards memory for so many, beside a dirty victim of every miss?
   bool has_room(std::uint32_t requests) const { return queued_ + misses_.size() + requests <= room_; }
   sim::Time tick_ideal(sim::Time now);
-  Why waiting(sim::Time now) const;
+  CycleReason waiting(sim::Time now) const;
   sim::Time next_wake(sim::Time now) const;
   /// The core that the next reply goes to; none if no reply can go before another tick.
   static constexpr std::uint16_t kNoCore = 0xffff;
@@ -183,10 +183,10 @@ class L2Bank {
   sim::Time latency_ = 0, memory_time_ = 0,
             line_time_ = 0;  ///< sums of ends minus sums of beginnings: exact when all has ended
   Stats stats_;
-  sim::Activity<Why> activity_;
+  sim::Activity<CycleReason> activity_;
 };
 
-constexpr std::array<std::string_view, 7> names_of(L2Bank::Why) {
+constexpr std::array<std::string_view, 7> names_of(L2Bank::CycleReason) {
   return {"idle", "serving", "lookup", "memory", "mshr_full", "memory_full", "output_full"};
 }
 

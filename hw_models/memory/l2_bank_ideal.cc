@@ -8,7 +8,7 @@ namespace hw {
 /// Each core has a way of its own through an ideal bank.
 sim::Time L2Bank::tick_ideal(sim::Time now) {
   bool served = false;
-  Why then = Why::kIdle;
+  CycleReason then = CycleReason::kIdle;
   sim::Time wake = sim::kNever;
   for (std::size_t core = 0; core < ideal_.size(); ++core) {
     sim::Link<MemRequest>& in = cores_in_[core];
@@ -32,15 +32,15 @@ sim::Time L2Bank::tick_ideal(sim::Time now) {
       }
     }
     if (pipe.can_pop(now)) {
-      then = Why::kOutputFull;
-    } else if (pipe.pop_at() != sim::kNever && then == Why::kIdle) {
-      then = Why::kLookup;
+      then = CycleReason::kOutputFull;
+    } else if (pipe.pop_at() != sim::kNever && then == CycleReason::kIdle) {
+      then = CycleReason::kLookup;
     }
     const sim::Time next = now + clock_.period();
     wake = std::min(wake, sim::opens(now, clock_.period(), in.pop_at(), pipe.push_at()));
     wake = std::min(wake, sim::opens(now, clock_.period(), pipe.pop_at(), std::max(next, out.push_at())));
   }
-  activity_.spend(now, clock_.period(), served ? Why::kServing : then, then);
+  activity_.spend(now, clock_.period(), served ? CycleReason::kServing : then, then);
   return wake;
 }
 

@@ -27,7 +27,7 @@ bool L2Bank::write(sim::Time now) {
 /// Keeps what the head writes.
 void L2Bank::write_here(sim::Time now) {
   const MemRequest& r = head_.request;
-  Pieces overwritten = 0;
+  SectorMask overwritten = 0;
   bool hit = true;
   if (Waiters* waiters = misses_.find(r.line)) {
     overwritten = waiters->dirty & r.pieces;

@@ -8,6 +8,7 @@
 #include "hw_models/memory/cache_config.h"
 #include "hw_models/memory/interleave.h"
 #include "sim/config/field.h"
+#include "sim/named.h"
 
 namespace hw {
 
@@ -32,12 +33,12 @@ struct L2Config {
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
     CacheConfig::describe(c.cache, field);
-    field(c.banks, "banks", "banks", "banks, interleaved by line", sim::power_of_two(1, 64), Affects::kTiming);
-    field(c.lookup_cycles, "lookup_cycles", "cycles", "from a request's arrival until its miss leaves",
-          sim::between(1, 64), Affects::kTiming);
-    field(c.targets, "targets", "requests", "requests that may wait for one line on its way",
-          sim::between(1, kMaxTargets), Affects::kTiming);
-    field(c.writes, "writes", "",
+    field(NAMED(c.banks), "banks", "banks, interleaved by line", sim::power_of_two(1, 64), Affects::kTiming);
+    field(NAMED(c.lookup_cycles), "cycles", "from a request's arrival until its miss leaves", sim::between(1, 64),
+          Affects::kTiming);
+    field(NAMED(c.targets), "requests", "requests that may wait for one line on its way", sim::between(1, kMaxTargets),
+          Affects::kTiming);
+    field(NAMED(c.writes), "",
           "what becomes of writes: kept until the line is replaced, passed on, or passed on and the line forgotten",
           sim::any(), Affects::kTiming);
   }

@@ -17,37 +17,37 @@ class L2Store {
   /// What must go to memory because its place was taken; no pieces if nothing must.
   struct Victim {
     Addr line = 0;
-    Pieces pieces = 0;
+    SectorMask pieces = 0;
   };
 
   explicit L2Store(const L2Config& config)
       : tags_(config.cache, config.banks), here_(tags_.places(), kWholeLine), dirty_(tags_.places(), 0) {}
 
   /// Are these pieces of the line here?
-  Found find(Addr line, Pieces wanted) {
+  Found find(Addr line, SectorMask wanted) {
     const std::size_t place = tags_.look_up(line);
     if (place == CacheTags::kNowhere) return Found::kNot;
     return (wanted & ~here_[place]) == 0 ? Found::kAll : Found::kPart;
   }
 
   /// Takes a line that is here out, and returns its dirty pieces.
-  Pieces take_out(Addr line) {
+  SectorMask take_out(Addr line) {
     const std::size_t place = tags_.look_up(line);
     tags_.remove(place);
     return clean(place);
   }
 
   /// Writes pieces of a line that is here, and makes them dirty; returns those that were dirty before.
-  Pieces write(Addr line, Pieces pieces) {
+  SectorMask write(Addr line, SectorMask pieces) {
     const std::size_t place = tags_.look_up(line);
-    const Pieces before = dirty_[place] & pieces;
+    const SectorMask before = dirty_[place] & pieces;
     here_[place] |= pieces;
     make_dirty(place, pieces);
     return before;
   }
 
   /// Puts a line in that is not here: these pieces of it, some of them dirty.
-  Victim put_in(Addr line, Pieces pieces, Pieces dirty) {
+  Victim put_in(Addr line, SectorMask pieces, SectorMask dirty) {
     const CacheTags::Filled filled = tags_.fill(line);
     const Victim victim{filled.evicted, clean(filled.place)};
     here_[filled.place] = pieces;
@@ -64,19 +64,19 @@ class L2Store {
   }
 
  private:
-  void make_dirty(std::size_t place, Pieces pieces) {
+  void make_dirty(std::size_t place, SectorMask pieces) {
     dirty_lines_ += dirty_[place] == 0 && pieces != 0;
     dirty_[place] |= pieces;
   }
-  Pieces clean(std::size_t place) {
-    const Pieces pieces = dirty_[place];
+  SectorMask clean(std::size_t place) {
+    const SectorMask pieces = dirty_[place];
     dirty_lines_ -= pieces != 0;
     dirty_[place] = 0;
     return pieces;
   }
 
   CacheTags tags_;
-  std::vector<Pieces> here_, dirty_;  ///< by place
+  std::vector<SectorMask> here_, dirty_;  ///< by place
   std::size_t dirty_lines_ = 0;
   std::size_t next_ = 0;  ///< for clean_next()
 };

@@ -7,8 +7,8 @@ namespace hw {
 using Addr = std::uint64_t;
 
 /// Which eighths of a line: a bit each, the lowest for its first bytes.
-using Pieces = std::uint8_t;
-inline constexpr Pieces kWholeLine = 0xff;
+using SectorMask = std::uint8_t;
+inline constexpr SectorMask kWholeLine = 0xff;
 
 /// A request for one cache line (or part of one) on its way to memory.
 struct MemRequest {
@@ -16,7 +16,7 @@ struct MemRequest {
   std::uint16_t source = 0;  ///< who asked: index of the requester's port, for the way back
   std::uint16_t tag = 0;     ///< the requester's own mark, returned unchanged
   bool write = false;
-  Pieces pieces = kWholeLine;  ///< what is written, or what is wanted
+  SectorMask pieces = kWholeLine;  ///< what is written, or what is wanted
 };
 
 /// A line that came back. Writes are posted and have no response.

@@ -31,7 +31,7 @@ Srp::Srp(const SrpConfig& config, const TileBufferConfig& buffer, const Frame& f
       frame_(frame),
       links_(links),
       buffer_(buffer, frame.tile_samples, frame.attribute_bytes, clock, frame.ideal_buffer),
-      cache_(config.data_cache, port, frame.perfect_cache),
+      cache_(config.data_cache, port, frame.ideal_cache),
       tiles_(buffer.tiles_in_flight),
       lines_missing_(64),
       kernel_use_(frame.kernels.size()) {
@@ -42,7 +42,7 @@ Srp::Srp(const SrpConfig& config, const TileBufferConfig& buffer, const Frame& f
 sim::Time Srp::tick(sim::Time now) {
   take_tile(now);
   take_hit(now);
-  take_line(now);
+  fill(now);
   take_dma(now);
   run_array(now);
   while (feed_ray(now) && frame_.ray_interval == 0) {
@@ -52,7 +52,7 @@ sim::Time Srp::tick(sim::Time now) {
     links_.dma_out.push(now, dma_.front());
     dma_.pop_front();
   }
-  const Why reason = why(now);
+  const CycleReason reason = why(now);
   account(now);
   activity_.spend(now, clock_.period(), reason, reason);
   return next_wake(now);
@@ -97,7 +97,7 @@ void Srp::take_hit(sim::Time now) {
   if (news || rays_out_ == 0) look_ = true;
 }
 
-void Srp::take_line(sim::Time now) {
+void Srp::fill(sim::Time now) {
   if (!links_.memory_in.can_pop(now)) return;
   const L1Cache::Miss miss = cache_.fill(links_.memory_in.pop(now).line);
   stats_.cache_fills += 1;
@@ -124,7 +124,7 @@ void Srp::take_dma(sim::Time now) {
 
 void Srp::run_array(sim::Time now) {
   if (run_.active && now >= run_.start) {
-    const bool flowing = frame_.ideal ? load_all(now) : loads_in_time(now) && touch_cache(now);
+    const bool flowing = frame_.ideal ? load_all(now) : loads_in_time(now) && issue_loads(now);
     if (flowing && run_.next_item == run_.loading && loads_.empty() && now >= leaves_at(run_.items - 1)) {
       finish_chunk(now);
     }
@@ -138,12 +138,12 @@ bool Srp::loads_in_time(sim::Time now) {
     const bool late =
         !loads_.empty() && loads_.front().needed == array_time(now) && ((missing_ >> loads_.front().slot) & 1U) != 0;
     if (late || full_) return false;
-    thaw(now);
+    resume(now);
   }
   const sim::Time at = array_time(now);
   while (!loads_.empty() && loads_.front().needed <= at) {
     if ((missing_ >> loads_.front().slot) & 1U) {
-      freeze(now);
+      stall(now);
       return false;
     }
     loads_.pop_front();
@@ -152,23 +152,23 @@ bool Srp::loads_in_time(sim::Time now) {
 }
 
 /// The item that enters the loop now asks the data cache for its lines. False if the array froze.
-bool Srp::touch_cache(sim::Time now) {
+bool Srp::issue_loads(sim::Time now) {
   const sim::Time at = array_time(now);
   if (run_.next_item == run_.loading || at < sim::Time{run_.next_item} * run_.ii * clock_.period()) return true;
   const std::uint32_t slot = run_.next_item % 64;
   if (!ask(now, run_.next_item)) {
-    freeze(now);
+    stall(now);
     return false;
   }
   if ((missing_ >> slot & 1U) != 0) loads_.push_back({at + config_.latency.cached_load * clock_.period(), slot});
   run_.next_item += 1;
-  pass_hits();
+  issue_ready_hits();
   return true;
 }
 
 /// Items that touch nothing need not be looked at. Nor do those whose lines are all here while none is on its way, so
 /// that nothing is filled: they read their lines ahead of their time.
-void Srp::pass_hits() {
+void Srp::issue_ready_hits() {
   const traces::TileWork& work = tiles_[run_.tile].work();
   const WorkNode& node = tiles_[run_.tile].node(run_.node);
   const std::uint32_t* const begin = &work.access_begin[node.first + run_.first];
@@ -212,10 +212,10 @@ bool Srp::ask(sim::Time now, std::uint32_t item) {
 bool Srp::load_all(sim::Time now) {
   while (!full_ && run_.next_item < run_.loading && ask(now, run_.next_item)) run_.next_item += 1;
   if (full_ || cache_.outstanding() > 0) {
-    if (run_.frozen == sim::kNever) freeze(now);
+    if (run_.frozen == sim::kNever) stall(now);
     return false;
   }
-  if (run_.frozen != sim::kNever) thaw(now);
+  if (run_.frozen != sim::kNever) resume(now);
   return true;
 }
 
@@ -383,14 +383,14 @@ bool Srp::feed_ray(sim::Time now) {
   return true;
 }
 
-Srp::Why Srp::why(sim::Time now) const {
+Srp::CycleReason Srp::why(sim::Time now) const {
   if (run_.active) {
-    if (now < run_.configured) return Why::kSwitching;
-    if (now < run_.start) return Why::kBanks;
-    return run_.frozen == sim::kNever ? Why::kRunning : Why::kCacheMiss;
+    if (now < run_.configured) return CycleReason::kSwitching;
+    if (now < run_.start) return CycleReason::kBanks;
+    return run_.frozen == sim::kNever ? CycleReason::kRunning : CycleReason::kCacheMiss;
   }
-  if (by_age_.empty()) return Why::kStarved;
-  return blocked_ ? Why::kNoSlots : Why::kWaiting;
+  if (by_age_.empty()) return CycleReason::kStarved;
+  return blocked_ ? CycleReason::kNoSlots : CycleReason::kWaiting;
 }
 
 sim::Time Srp::next_wake(sim::Time now) const {

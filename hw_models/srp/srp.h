@@ -37,7 +37,7 @@ namespace hw {
 /// Not modelled: VLIW mode between loops beyond the switch cost.
 class Srp {
  public:
-  enum class Why : std::uint8_t {
+  enum class CycleReason : std::uint8_t {
     kStarved,    ///< no tile
     kRunning,    ///< a kernel's loop is on the array
     kSwitching,  ///< the array is being configured for another kernel
@@ -69,7 +69,7 @@ class Srp {
     std::array<Addr, kAreas> areas{};          ///< where each begins; slots of this core spill to kSpill
     bool ideal = false;                        ///< kernels cost no time
     bool ideal_buffer = false;                 ///< the tile buffer has room for everything and no bank conflicts
-    bool perfect_cache = false;                ///< every probe of the data cache hits
+    bool ideal_cache = false;                  ///< every probe of the data cache hits
   };
 
   Srp(const SrpConfig& config, const TileBufferConfig& buffer, const Frame& frame, Links links, std::uint16_t port,
@@ -80,7 +80,7 @@ class Srp {
   sim::Time tick(sim::Time now);
   const sim::Clock& clock() const { return clock_; }
   const Stats& stats() const { return stats_; }
-  const sim::Activity<Why>& activity() const { return activity_; }
+  const sim::Activity<CycleReason>& activity() const { return activity_; }
   const TileBuffer& tile_buffer() const { return buffer_; }
   std::span<const KernelUse> kernel_use() const { return kernel_use_; }
   void finish(sim::Time end);
@@ -116,12 +116,12 @@ class Srp {
 
   void take_tile(sim::Time now);
   void take_hit(sim::Time now);
-  void take_line(sim::Time now);
+  void fill(sim::Time now);
   void take_dma(sim::Time now);
   void run_array(sim::Time now);
-  bool touch_cache(sim::Time now);
+  bool issue_loads(sim::Time now);
   bool load_all(sim::Time now);
-  void pass_hits();
+  void issue_ready_hits();
   bool ask(sim::Time now, std::uint32_t item);
   bool loads_in_time(sim::Time now);
   void collect_lines(const traces::WorkNode& node, std::uint32_t item);
@@ -135,8 +135,8 @@ class Srp {
   bool feed_ray(sim::Time now);
   /// All time up to `now` in which the T&I unit had no rays of this core.
   sim::Time time_without_rays(sim::Time now) const { return without_rays_ + (rays_out_ == 0 ? now - empty_since_ : 0); }
-  void freeze(sim::Time now) { run_.frozen = now; }
-  void thaw(sim::Time now) {
+  void stall(sim::Time now) { run_.frozen = now; }
+  void resume(sim::Time now) {
     run_.stalled += now - run_.frozen;
     run_.frozen = sim::kNever;
   }
@@ -150,7 +150,7 @@ class Srp {
   /// When the ray at the head of a feed can go; kNever if nothing is known.
   sim::Time feed_at(const Feed& feed) const;
   void account(sim::Time now);
-  Why why(sim::Time now) const;
+  CycleReason why(sim::Time now) const;
   sim::Time next_wake(sim::Time now) const;
 
   const SrpConfig config_;
@@ -182,10 +182,10 @@ class Srp {
   std::uint64_t transfers_awaited_ = 0;  ///< under way, and something waits for them
   std::vector<KernelUse> kernel_use_;
   Stats stats_;
-  sim::Activity<Why> activity_;
+  sim::Activity<CycleReason> activity_;
 };
 
-constexpr std::array<std::string_view, 7> names_of(Srp::Why) {
+constexpr std::array<std::string_view, 7> names_of(Srp::CycleReason) {
   return {"starved", "running", "switching", "cache_miss", "banks", "waiting", "no_slots"};
 }
 

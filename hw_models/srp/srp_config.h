@@ -4,6 +4,7 @@
 
 #include "hw_models/memory/cache_config.h"
 #include "sim/config/field.h"
+#include "sim/named.h"
 
 namespace hw {
 
@@ -19,15 +20,14 @@ struct ArrayConfig {
 
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
-    field(c.rows, "rows", "units", "rows of functional units", sim::between(1, 16), Affects::kTiming);
-    field(c.columns, "columns", "units", "functional units of a row", sim::between(1, 16), Affects::kTiming);
-    field(c.mul_units, "mul_units", "units", "functional units with a multiplier", sim::between(1, 256),
+    field(NAMED(c.rows), "units", "rows of functional units", sim::between(1, 16), Affects::kTiming);
+    field(NAMED(c.columns), "units", "functional units of a row", sim::between(1, 16), Affects::kTiming);
+    field(NAMED(c.mul_units), "units", "functional units with a multiplier", sim::between(1, 256), Affects::kTiming);
+    field(NAMED(c.div_sqrt_units), "units", "functional units with a divider and square root", sim::between(1, 256),
           Affects::kTiming);
-    field(c.div_sqrt_units, "div_sqrt_units", "units", "functional units with a divider and square root",
-          sim::between(1, 256), Affects::kTiming);
-    field(c.local_ports, "local_ports", "ports", "16-byte loads or stores of local memory a cycle", sim::between(1, 16),
+    field(NAMED(c.local_ports), "ports", "16-byte loads or stores of local memory a cycle", sim::between(1, 16),
           Affects::kTiming);
-    field(c.cache_ports, "cache_ports", "ports", "16-byte loads through the data cache a cycle", sim::between(1, 16),
+    field(NAMED(c.cache_ports), "ports", "16-byte loads through the data cache a cycle", sim::between(1, 16),
           Affects::kTiming);
   }
   void check(auto&& complain) const {
@@ -57,19 +57,18 @@ struct OpLatencyConfig {
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
     const auto cycles = sim::between(1, 64);
-    field(c.fp_add, "fp_add", "cycles", "floating-point addition and subtraction", cycles, Affects::kTiming);
-    field(c.fp_mul, "fp_mul", "cycles", "floating-point multiplication", cycles, Affects::kTiming);
-    field(c.fp_compare, "fp_compare", "cycles", "floating-point comparison, minimum, maximum", cycles,
-          Affects::kTiming);
-    field(c.div_sqrt, "div_sqrt", "cycles", "division and square root", cycles, Affects::kTiming);
-    field(c.div_sqrt_interval, "div_sqrt_interval", "cycles",
+    field(NAMED(c.fp_add), "cycles", "floating-point addition and subtraction", cycles, Affects::kTiming);
+    field(NAMED(c.fp_mul), "cycles", "floating-point multiplication", cycles, Affects::kTiming);
+    field(NAMED(c.fp_compare), "cycles", "floating-point comparison, minimum, maximum", cycles, Affects::kTiming);
+    field(NAMED(c.div_sqrt), "cycles", "division and square root", cycles, Affects::kTiming);
+    field(NAMED(c.div_sqrt_interval), "cycles",
           "a division or square root keeps its functional unit this long (1: pipelined)", cycles, Affects::kTiming);
-    field(c.integer, "integer", "cycles", "integer addition and comparison, logic, shift, select", cycles,
+    field(NAMED(c.integer), "cycles", "integer addition and comparison, logic, shift, select", cycles,
           Affects::kTiming);
-    field(c.int_mul, "int_mul", "cycles", "integer multiplication", cycles, Affects::kTiming);
-    field(c.convert, "convert", "cycles", "between float and integer, floor", cycles, Affects::kTiming);
-    field(c.local_load, "local_load", "cycles", "load from tile buffer or kernel data", cycles, Affects::kTiming);
-    field(c.cached_load, "cached_load", "cycles", "load that hits the data cache, its queue included", cycles,
+    field(NAMED(c.int_mul), "cycles", "integer multiplication", cycles, Affects::kTiming);
+    field(NAMED(c.convert), "cycles", "between float and integer, floor", cycles, Affects::kTiming);
+    field(NAMED(c.local_load), "cycles", "load from tile buffer or kernel data", cycles, Affects::kTiming);
+    field(NAMED(c.cached_load), "cycles", "load that hits the data cache, its queue included", cycles,
           Affects::kTiming);
   }
 };
@@ -91,17 +90,16 @@ struct SrpConfig {
 
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
-    field.group(c.array, "array", "functional units and memory ports");
-    field.group(c.latency, "latency", "of operations and loads");
-    field(c.switch_cycles, "switch_cycles", "cycles", "to another kernel on the array", sim::between(0, 100'000),
+    field.group(NAMED(c.array), "functional units and memory ports");
+    field.group(NAMED(c.latency), "of operations and loads");
+    field(NAMED(c.switch_cycles), "cycles", "to another kernel on the array", sim::between(0, 100'000),
           Affects::kTiming);
-    field(c.chunk, "chunk", "items", "items of a launch that run as one loop", sim::between(1, 65536),
-          Affects::kTiming);
-    field.group(c.data_cache, "data_cache", "attributes, materials and textures");
-    field(c.kernel_data, "kernel_data", "bytes", "local memory for kernel data beside the tile buffer (it leaks)",
+    field(NAMED(c.chunk), "items", "items of a launch that run as one loop", sim::between(1, 65536), Affects::kTiming);
+    field.group(NAMED(c.data_cache), "attributes, materials and textures");
+    field(NAMED(c.kernel_data), "bytes", "local memory for kernel data beside the tile buffer (it leaks)",
           sim::between(0, 16 << 20), Affects::kEnergy);
-    field(c.config_memory, "config_memory", "bytes", "configuration memory of the array (it leaks)",
-          sim::between(0, 16 << 20), Affects::kEnergy);
+    field(NAMED(c.config_memory), "bytes", "configuration memory of the array (it leaks)", sim::between(0, 16 << 20),
+          Affects::kEnergy);
   }
 
   /// Storage that leaks; the tile buffer counts apart.

@@ -2,6 +2,7 @@
 #include <cstdint>
 
 #include "hw_models/srp/schedule.h"
+#include "sim/named.h"
 
 namespace hw {
 
@@ -34,34 +35,34 @@ struct SrpStats {
                 mshr_full = 0;
 
   static void describe(auto& s, auto&& counter) {
-    counter(s.tiles, "tiles", "tiles taken");
-    counter(s.chunks, "chunks", "chunks of launches run on the array");
-    counter(s.items, "items", "work items run on the array, idle ones included");
-    counter(s.switches, "switches", "kernel switches");
-    counter(s.config_rows_loaded, "config_rows_loaded", "configuration rows loaded by switches", "srp.config_load");
-    counter(s.rays, "rays", "rays sent to the T&I unit", "tni.ray_route");
-    counter(s.hits, "hits", "hits taken back", "tni.hit_route");
-    counter(s.fed, "fed", "cycles with rays in the T&I unit");
-    counter(s.awaited, "awaited", "of these, cycles with nothing on the array");
-    counter(s.fp_add, "fp_add", "additions and subtractions", energy_event(OpClass::kFpAdd));
-    counter(s.fp_mul, "fp_mul", "multiplications", energy_event(OpClass::kFpMul));
-    counter(s.fp_div_sqrt, "fp_div_sqrt", "divisions and square roots", energy_event(OpClass::kFpDivSqrt));
-    counter(s.fp_compare, "fp_compare", "comparisons, minima and maxima", energy_event(OpClass::kFpCompare));
-    counter(s.int_add, "int_add", "integer additions and comparisons", energy_event(OpClass::kIntAdd));
-    counter(s.int_mul, "int_mul", "integer multiplications", energy_event(OpClass::kIntMul));
-    counter(s.int_logic, "int_logic", "logic operations and selects", energy_event(OpClass::kIntLogic));
-    counter(s.int_shift, "int_shift", "shifts", energy_event(OpClass::kIntShift));
-    counter(s.convert, "convert", "conversions", energy_event(OpClass::kConvert));
-    counter(s.rf_reads, "rf_reads", "register operands read", "srp.rf_read");
-    counter(s.rf_writes, "rf_writes", "register results written", "srp.rf_write");
-    counter(s.route_hops, "route_hops", "operands routed between units", "srp.route_hop");
-    counter(s.config_reads, "config_reads", "configuration words read, one per unit and cycle", "srp.config_read");
-    counter(s.cache_accesses, "cache_accesses", "lines asked of the data cache, retries included");
-    counter(s.cache_hits, "cache_hits", "of these, lines found", "cache.l1_read");
-    counter(s.cache_misses, "cache_misses", "of these, lines not found", "cache.l1_probe");
-    counter(s.cache_fills, "cache_fills", "lines filled", "cache.l1_fill");
-    counter(s.cache_miss_cycles, "cache_miss_cycles", "sum over lines of cycles from the miss to the line's arrival");
-    counter(s.mshr_full, "mshr_full", "misses that found no free miss register");
+    counter(NAMED(s.tiles), "tiles taken");
+    counter(NAMED(s.chunks), "chunks of launches run on the array");
+    counter(NAMED(s.items), "work items run on the array, idle ones included");
+    counter(NAMED(s.switches), "kernel switches");
+    counter(NAMED(s.config_rows_loaded), "configuration rows loaded by switches", "srp.config_load");
+    counter(NAMED(s.rays), "rays sent to the T&I unit", "tni.ray_route");
+    counter(NAMED(s.hits), "hits taken back", "tni.hit_route");
+    counter(NAMED(s.fed), "cycles with rays in the T&I unit");
+    counter(NAMED(s.awaited), "of these, cycles with nothing on the array");
+    counter(NAMED(s.fp_add), "additions and subtractions", energy_event(OpClass::kFpAdd));
+    counter(NAMED(s.fp_mul), "multiplications", energy_event(OpClass::kFpMul));
+    counter(NAMED(s.fp_div_sqrt), "divisions and square roots", energy_event(OpClass::kFpDivSqrt));
+    counter(NAMED(s.fp_compare), "comparisons, minima and maxima", energy_event(OpClass::kFpCompare));
+    counter(NAMED(s.int_add), "integer additions and comparisons", energy_event(OpClass::kIntAdd));
+    counter(NAMED(s.int_mul), "integer multiplications", energy_event(OpClass::kIntMul));
+    counter(NAMED(s.int_logic), "logic operations and selects", energy_event(OpClass::kIntLogic));
+    counter(NAMED(s.int_shift), "shifts", energy_event(OpClass::kIntShift));
+    counter(NAMED(s.convert), "conversions", energy_event(OpClass::kConvert));
+    counter(NAMED(s.rf_reads), "register operands read", "srp.rf_read");
+    counter(NAMED(s.rf_writes), "register results written", "srp.rf_write");
+    counter(NAMED(s.route_hops), "operands routed between units", "srp.route_hop");
+    counter(NAMED(s.config_reads), "configuration words read, one per unit and cycle", "srp.config_read");
+    counter(NAMED(s.cache_accesses), "lines asked of the data cache, retries included");
+    counter(NAMED(s.cache_hits), "of these, lines found", "cache.l1_read");
+    counter(NAMED(s.cache_misses), "of these, lines not found", "cache.l1_probe");
+    counter(NAMED(s.cache_fills), "lines filled", "cache.l1_fill");
+    counter(NAMED(s.cache_miss_cycles), "sum over lines of cycles from the miss to the line's arrival");
+    counter(NAMED(s.mshr_full), "misses that found no free miss register");
   }
 
   /// Charges a loop of `n` items.

@@ -8,6 +8,7 @@
 #include "sim/activity.h"
 #include "sim/config/field.h"
 #include "sim/counter_kind.h"
+#include "sim/named.h"
 #include "sim/time.h"
 
 namespace hw {
@@ -22,14 +23,12 @@ struct TileBufferConfig {
 
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
-    field(c.size, "size", "bytes", "storage of one core's tile buffer", sim::between(1024, 16 << 20), Affects::kTiming);
-    field(c.tiles_in_flight, "tiles_in_flight", "tiles", "tiles a core works on at once", sim::between(1, 16),
+    field(NAMED(c.size), "bytes", "storage of one core's tile buffer", sim::between(1024, 16 << 20), Affects::kTiming);
+    field(NAMED(c.tiles_in_flight), "tiles", "tiles a core works on at once", sim::between(1, 16), Affects::kTiming);
+    field(NAMED(c.slot_bytes), "bytes", "a ray and the place reserved for its hit", sim::between(16, 256),
           Affects::kTiming);
-    field(c.slot_bytes, "slot_bytes", "bytes", "a ray and the place reserved for its hit", sim::between(16, 256),
-          Affects::kTiming);
-    field(c.colour_bytes, "colour_bytes", "bytes", "colour accumulator of a sample", sim::between(4, 64),
-          Affects::kTiming);
-    field(c.banks, "banks", "banks", "16-byte banks that can be accessed in the same cycle", sim::power_of_two(1, 64),
+    field(NAMED(c.colour_bytes), "bytes", "colour accumulator of a sample", sim::between(4, 64), Affects::kTiming);
+    field(NAMED(c.banks), "banks", "16-byte banks that can be accessed in the same cycle", sim::power_of_two(1, 64),
           Affects::kTiming);
   }
 };
@@ -40,17 +39,17 @@ struct TileBufferConfig {
 /// the T&I unit's and the DMA's accesses.
 class TileBuffer {
  public:
-  enum class Why : std::uint8_t { kIdle, kInUse, kCount };
+  enum class CycleReason : std::uint8_t { kIdle, kInUse, kCount };
   struct Stats {
     std::uint64_t reads = 0, writes = 0, bank_conflicts = 0;
     std::uint64_t slots_taken = 0, slots_peak = 0, spilled_slots = 0;
     static void describe(auto& s, auto&& counter) {
-      counter(s.reads, "reads", "16-byte reads", "tile.read");
-      counter(s.writes, "writes", "16-byte writes", "tile.write");
-      counter(s.bank_conflicts, "bank_conflicts", "cycles for which a kernel stood still for a bank");
-      counter(s.slots_taken, "slots_taken", "ray slots taken");
-      counter(s.slots_peak, "slots_peak", "most ray slots in use at once", "", sim::CounterKind::kPeak);
-      counter(s.spilled_slots, "spilled_slots", "ray slots that did not fit and went through memory");
+      counter(NAMED(s.reads), "16-byte reads", "tile.read");
+      counter(NAMED(s.writes), "16-byte writes", "tile.write");
+      counter(NAMED(s.bank_conflicts), "cycles for which a kernel stood still for a bank");
+      counter(NAMED(s.slots_taken), "ray slots taken");
+      counter(NAMED(s.slots_peak), "most ray slots in use at once", "", sim::CounterKind::kPeak);
+      counter(NAMED(s.spilled_slots), "ray slots that did not fit and went through memory");
     }
   };
 
@@ -87,14 +86,14 @@ class TileBuffer {
 
   /// From `now` on the buffer is in use, or not.
   void in_use(sim::Time now, bool used) {
-    const Why why = used ? Why::kInUse : Why::kIdle;
+    const CycleReason why = used ? CycleReason::kInUse : CycleReason::kIdle;
     activity_.spend(now, clock_.period(), why, why);
   }
   void finish(sim::Time end) { activity_.finish(end); }
 
   const sim::Clock& clock() const { return clock_; }
   const Stats& stats() const { return stats_; }
-  const sim::Activity<Why>& activity() const { return activity_; }
+  const sim::Activity<CycleReason>& activity() const { return activity_; }
 
  private:
   sim::Clock clock_;
@@ -102,9 +101,9 @@ class TileBuffer {
   std::uint64_t slots_ = 0;
   std::uint64_t used_ = 0;
   Stats stats_;
-  sim::Activity<Why> activity_;
+  sim::Activity<CycleReason> activity_;
 };
 
-constexpr std::array<std::string_view, 2> names_of(TileBuffer::Why) { return {"idle", "in_use"}; }
+constexpr std::array<std::string_view, 2> names_of(TileBuffer::CycleReason) { return {"idle", "in_use"}; }
 
 }  // namespace hw

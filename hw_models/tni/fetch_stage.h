@@ -6,6 +6,7 @@
 #include "hw_models/memory/l1_cache.h"
 #include "hw_models/tni/tni_config.h"
 #include "sim/link.h"
+#include "sim/named.h"
 
 namespace hw {
 
@@ -15,17 +16,17 @@ struct FetchStats {
   std::uint64_t l1_miss_cycles = 0;
   std::uint64_t rau_fills = 0, rau_writes = 0, rau_reads = 0, rau_full = 0;
   static void describe(auto& s, auto&& counter) {
-    counter(s.l1_accesses, "l1_accesses", "probes of the L1, retries included", "tni.ray_buffer_read");
-    counter(s.l1_hits, "l1_hits", "probes that found the line", "cache.l1_read");
-    counter(s.l1_misses, "l1_misses", "probes that did not", "cache.l1_probe");
-    counter(s.l1_late, "l1_late", "lines read that the first probe for them had not found");
-    counter(s.l1_fills, "l1_fills", "lines filled", "cache.l1_fill");
-    counter(s.mshr_full, "mshr_full", "misses that found no free miss register");
-    counter(s.l1_miss_cycles, "l1_miss_cycles", "cycles from miss to line, summed over lines filled");
-    counter(s.rau_fills, "rau_fills", "lines put into the table of waiting rays", "tni.rau_write");
-    counter(s.rau_writes, "rau_writes", "rays or leaves put into that table", "tni.rau_write");
-    counter(s.rau_reads, "rau_reads", "of these, those that went on with their line", "tni.rau_read");
-    counter(s.rau_full, "rau_full", "misses that found the table or their row of it full");
+    counter(NAMED(s.l1_accesses), "probes of the L1, retries included", "tni.ray_buffer_read");
+    counter(NAMED(s.l1_hits), "probes that found the line", "cache.l1_read");
+    counter(NAMED(s.l1_misses), "probes that did not", "cache.l1_probe");
+    counter(NAMED(s.l1_late), "lines read that the first probe for them had not found");
+    counter(NAMED(s.l1_fills), "lines filled", "cache.l1_fill");
+    counter(NAMED(s.mshr_full), "misses that found no free miss register");
+    counter(NAMED(s.l1_miss_cycles), "cycles from miss to line, summed over lines filled");
+    counter(NAMED(s.rau_fills), "lines put into the table of waiting rays", "tni.rau_write");
+    counter(NAMED(s.rau_writes), "rays or leaves put into that table", "tni.rau_write");
+    counter(NAMED(s.rau_reads), "of these, those that went on with their line", "tni.rau_read");
+    counter(NAMED(s.rau_full), "misses that found the table or their row of it full");
   }
 };
 
@@ -47,15 +48,15 @@ class FetchStage {
   enum class Result : std::uint8_t { kRead, kMiss, kNoRegister, kTableFull };
   enum class Wait : std::uint8_t { kNothing, kLine, kRegister, kTable };
   /// A unit's reason for a cycle in which its slots wait for that; `otherwise` if for nothing.
-  template <class Why>
-  static constexpr Why reason(Wait wait, Why otherwise) {
+  template <class CycleReason>
+  static constexpr CycleReason reason(Wait wait, CycleReason otherwise) {
     switch (wait) {
       case Wait::kTable:
-        return Why::kRauFull;
+        return CycleReason::kRauFull;
       case Wait::kRegister:
-        return Why::kMshrFull;
+        return CycleReason::kMshrFull;
       case Wait::kLine:
-        return Why::kL1Miss;
+        return CycleReason::kL1Miss;
       case Wait::kNothing:
         break;
     }
@@ -81,7 +82,7 @@ class FetchStage {
   bool stands() const { return handling_ >= MissHandling::kRau && (stalled_ || (ready_ & (served_ | resumed_)) != 0); }
   bool bypasses() const { return handling_ == MissHandling::kBypass; }
   /// Misses are reordered, and there are some.
-  bool reorders() const { return handling_ == MissHandling::kReorder && !l1_.perfect(); }
+  bool reorders() const { return handling_ == MissHandling::kReorder && !l1_.ideal(); }
   /// What slots wait for, the scarcest thing first.
   Wait waits_for() const {
     if (table_full_ != 0) return Wait::kTable;

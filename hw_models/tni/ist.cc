@@ -24,7 +24,7 @@ Ist::Ist(const IstConfig& config, const TniMode& mode, const TrianglesInMemory& 
     : config_(config),
       clock_(clock),
       triangles_(triangles),
-      unbounded_(mode.unbounded),
+      unbounded_(mode.ideal),
       leaves_out_(std::move(links.leaves_out)),
       leaves_in_(std::move(links.leaves_in)),
       memory_out_(links.memory_out),
@@ -37,7 +37,7 @@ Ist::Ist(const IstConfig& config, const TniMode& mode, const TrianglesInMemory& 
   memory_in_.shows(&line_at_);
 }
 
-bool Ist::take_line(sim::Time now) {
+bool Ist::fill(sim::Time now) {
   if (line_at_ > now) return false;
   fetch_.fill(memory_in_.pop(now).line, pipe_.cycle());
   return true;
@@ -61,17 +61,17 @@ bool Ist::take_leaf(sim::Time now) {
 }
 
 template <bool kReorder>
-Ist::Why Ist::issue() {
-  Why why = issue_one<kReorder>();
+Ist::CycleReason Ist::issue() {
+  CycleReason why = issue_one<kReorder>();
   while (unbounded_ && fetch_.able() != 0) {
-    if (issue_one<kReorder>() == Why::kTesting) why = Why::kTesting;
+    if (issue_one<kReorder>() == CycleReason::kTesting) why = CycleReason::kTesting;
   }
   return why;
 }
 
 template <bool kReorder>
-[[gnu::always_inline]] inline Ist::Why Ist::issue_one() {
-  const std::uint32_t index = pick(kReorder ? fetch_.ready() : fetch_.able(), turn_);
+[[gnu::always_inline]] inline Ist::CycleReason Ist::issue_one() {
+  const std::uint32_t index = round_robin(kReorder ? fetch_.ready() : fetch_.able(), turn_);
   turn_ = (index + 1) % 64;
   Slot& slot = slots_[index];
   const Addr begin = triangles_.base + Addr{slot.job.first + slot.tested} * triangles_.bytes;
@@ -81,7 +81,7 @@ template <bool kReorder>
       kReorder ? fetch_.read_reordered(index, line, pipe_.cycle()) : fetch_.read(index, line, pipe_.cycle());
   if (result == FetchStage::Result::kRead) {
     read(slot, index, line == last_line);
-    return Why::kTesting;
+    return CycleReason::kTesting;
   }
   if (fetch_.bypasses()) {
     stats_.bypass_passes += 1;
@@ -89,11 +89,11 @@ template <bool kReorder>
   }
   switch (result) {
     case FetchStage::Result::kNoRegister:
-      return Why::kMshrFull;
+      return CycleReason::kMshrFull;
     case FetchStage::Result::kTableFull:
-      return Why::kRauFull;
+      return CycleReason::kRauFull;
     default:
-      return Why::kL1Miss;
+      return CycleReason::kL1Miss;
   }
 }
 
@@ -126,7 +126,7 @@ void Ist::read(Slot& slot, std::uint32_t index, bool last_line) {
 
 bool Ist::answer(sim::Time now) {
   if (answering_ == 0) return false;
-  const std::uint32_t index = pick(answering_, answer_turn_);
+  const std::uint32_t index = round_robin(answering_, answer_turn_);
   const Slot& slot = slots_[index];
   sim::Link<LeafDone>& out = *leaves_out_[slot.trv];
   assert(out.can_push(now) && "the ray's slot is its reserved return space");
@@ -139,10 +139,10 @@ bool Ist::answer(sim::Time now) {
   return true;
 }
 
-Ist::Why Ist::waiting() const {
-  if (occupied_ == 0) return Why::kStarved;
-  if (answering_ != 0) return Why::kOutputFull;
-  return FetchStage::reason(fetch_.waits_for(), Why::kPipe);
+Ist::CycleReason Ist::waiting() const {
+  if (occupied_ == 0) return CycleReason::kStarved;
+  if (answering_ != 0) return CycleReason::kOutputFull;
+  return FetchStage::reason(fetch_.waits_for(), CycleReason::kPipe);
 }
 
 sim::Time Ist::next_wake(sim::Time now) const {
@@ -162,18 +162,18 @@ sim::Time Ist::tick_as(sim::Time now) {
   };
   pipe_.advance(now);
   if (pipe_.due()) {
-    const Wheel<kPipes>::Masks out = pipe_.take();
+    const TimingWheel<kPipes>::Masks out = pipe_.take();
     answering_ |= out[kToAnswer];
     fetch_.enter(out[kToFetch]);
   }
-  if (line_at_ <= now) as_often_as_may_be([&] { return take_line(now); });
+  if (line_at_ <= now) as_often_as_may_be([&] { return fill(now); });
   as_often_as_may_be([&] { return take_leaf(now); });
   const bool tried = (kReorder ? fetch_.ready() : fetch_.able()) != 0;
-  const Why tested = tried ? issue<kReorder>() : Why::kStarved;
+  const CycleReason tested = tried ? issue<kReorder>() : CycleReason::kStarved;
   if (answering_ != 0) as_often_as_may_be([&] { return answer(now); });
   fetch_.send(now, memory_out_);
   const sim::Time wake = next_wake(now);
-  const Why then = tried && wake == clock_.after(now, 1) ? tested : waiting();
+  const CycleReason then = tried && wake == clock_.after(now, 1) ? tested : waiting();
   activity_.spend(now, clock_.period(), tried ? tested : then, then);
   return wake;
 }

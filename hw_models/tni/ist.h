@@ -8,12 +8,13 @@
 #include "hw_models/memory/arbiter.h"
 #include "hw_models/tni/fetch_stage.h"
 #include "hw_models/tni/messages.h"
+#include "hw_models/tni/timing_wheel.h"
 #include "hw_models/tni/tni_config.h"
 #include "hw_models/tni/tree_in_memory.h"
-#include "hw_models/tni/wheel.h"
 #include "sim/activity.h"
 #include "sim/inputs.h"
 #include "sim/link.h"
+#include "sim/named.h"
 
 namespace hw {
 
@@ -27,18 +28,27 @@ namespace hw {
 /// Not modelled: a hit found by one triangle of a leaf does not shorten the next one's test.
 class Ist {
  public:
-  enum class Why : std::uint8_t { kStarved, kTesting, kL1Miss, kMshrFull, kPipe, kOutputFull, kRauFull, kCount };
+  enum class CycleReason : std::uint8_t {
+    kStarved,
+    kTesting,
+    kL1Miss,
+    kMshrFull,
+    kPipe,
+    kOutputFull,
+    kRauFull,
+    kCount
+  };
   struct Stats : FetchStats {
     std::uint64_t leaves_in = 0, leaves_out = 0;
     std::uint64_t tests = 0, edge_tests = 0, hits = 0, bypass_passes = 0;
     static void describe(auto& s, auto&& counter) {
-      counter(s.leaves_in, "leaves_in", "leaves accepted into the input buffer", "tni.ray_buffer_write");
-      counter(s.leaves_out, "leaves_out", "leaves answered", "tni.hit_route");
-      counter(s.tests, "tests", "triangles tested (distance phase)", "tni.tri_phase1");
-      counter(s.edge_tests, "edge_tests", "of these, tests that reached the barycentric phase", "tni.tri_phase2");
-      counter(s.hits, "hits", "of these, tests that reached the hit phase", "tni.tri_phase3");
+      counter(NAMED(s.leaves_in), "leaves accepted into the input buffer", "tni.ray_buffer_write");
+      counter(NAMED(s.leaves_out), "leaves answered", "tni.hit_route");
+      counter(NAMED(s.tests), "triangles tested (distance phase)", "tni.tri_phase1");
+      counter(NAMED(s.edge_tests), "of these, tests that reached the barycentric phase", "tni.tri_phase2");
+      counter(NAMED(s.hits), "of these, tests that reached the hit phase", "tni.tri_phase3");
       FetchStats::describe(s, counter);
-      counter(s.bypass_passes, "bypass_passes", "times a leaf went through the pipe without work, having missed",
+      counter(NAMED(s.bypass_passes), "times a leaf went through the pipe without work, having missed",
               "tni.tri_bypass_pass");
     }
   };
@@ -57,7 +67,7 @@ class Ist {
   sim::Time tick(sim::Time now) { return fetch_.reorders() ? tick_as<true>(now) : tick_as<false>(now); }
   const sim::Clock& clock() const { return clock_; }
   const Stats& stats() const { return stats_; }
-  const sim::Activity<Why>& activity() const { return activity_; }
+  const sim::Activity<CycleReason>& activity() const { return activity_; }
   void finish(sim::Time end) { activity_.finish(end); }
   bool idle() const { return occupied_ == 0; }
   std::string state() const;
@@ -77,15 +87,15 @@ class Ist {
   /// `kReorder`: misses are reordered, and what other ways to handle them need costs nothing.
   template <bool kReorder>
   sim::Time tick_as(sim::Time now);
-  bool take_line(sim::Time now);
+  bool fill(sim::Time now);
   bool take_leaf(sim::Time now);
   template <bool kReorder>
-  Why issue();
+  CycleReason issue();
   template <bool kReorder>
-  Why issue_one();
+  CycleReason issue_one();
   void read(Slot& slot, std::uint32_t index, bool last_line);
   bool answer(sim::Time now);
-  Why waiting() const;
+  CycleReason waiting() const;
   sim::Time next_wake(sim::Time now) const;
 
   const IstConfig config_;
@@ -101,14 +111,14 @@ class Ist {
   Stats stats_;
   FetchStage fetch_;
   std::vector<Slot> slots_;
-  Wheel<kPipes> pipe_;
+  TimingWheel<kPipes> pipe_;
   std::uint64_t free_;
   std::uint64_t occupied_ = 0, answering_ = 0;
   std::uint32_t turn_ = 0, answer_turn_ = 0;
-  sim::Activity<Why> activity_;
+  sim::Activity<CycleReason> activity_;
 };
 
-constexpr std::array<std::string_view, 7> names_of(Ist::Why) {
+constexpr std::array<std::string_view, 7> names_of(Ist::CycleReason) {
   return {"starved", "testing", "l1_miss", "mshr_full", "pipe", "output_full", "rau_full"};
 }
 

@@ -18,13 +18,13 @@ RayDispatcher::RayDispatcher(const Policy& policy, Links links, sim::Clock clock
       load_(to_trv_.size()) {}
 
 sim::Time RayDispatcher::tick(sim::Time now) {
-  while (collect(now) && policy_.unbounded) {
+  while (collect(now) && policy_.ideal) {
   }
   const bool dispatched = dispatch(now);
-  while (dispatched && policy_.unbounded && dispatch(now)) {
+  while (dispatched && policy_.ideal && dispatch(now)) {
   }
-  const Why then = load_[emptiest()] == policy_.rays_per_trv ? Why::kTrvsFull : Why::kStarved;
-  activity_.spend(now, clock_.period(), dispatched ? Why::kDispatching : then, then);
+  const CycleReason then = load_[emptiest()] == policy_.rays_per_trv ? CycleReason::kTrvsFull : CycleReason::kStarved;
+  activity_.spend(now, clock_.period(), dispatched ? CycleReason::kDispatching : then, then);
   return next_wake(now);
 }
 
@@ -70,7 +70,7 @@ bool RayDispatcher::collect(sim::Time now) {
   hits_out_.push(now, from_trv_[trv].pop(now));
   load_[trv] -= 1;
   stats_.hits_out += 1;
-  if (!policy_.unbounded) collect_at_ = clock_.after(now, policy_.hit_interval);
+  if (!policy_.ideal) collect_at_ = clock_.after(now, policy_.hit_interval);
   return true;
 }
 

@@ -11,6 +11,7 @@
 #include "sim/activity.h"
 #include "sim/inputs.h"
 #include "sim/link.h"
+#include "sim/named.h"
 
 namespace hw {
 
@@ -22,12 +23,12 @@ namespace hw {
 /// How full a TRV is, it knows from its own count of rays sent and returned.
 class RayDispatcher {
  public:
-  enum class Why : std::uint8_t { kStarved, kDispatching, kTrvsFull, kCount };
+  enum class CycleReason : std::uint8_t { kStarved, kDispatching, kTrvsFull, kCount };
   struct Stats {
     std::uint64_t rays_in = 0, hits_out = 0;
     static void describe(auto& s, auto&& counter) {
-      counter(s.rays_in, "rays_in", "rays dispatched", "tni.ray_setup");
-      counter(s.hits_out, "hits_out", "hits sent back", "tni.hit_route");
+      counter(NAMED(s.rays_in), "rays dispatched", "tni.ray_setup");
+      counter(NAMED(s.hits_out), "hits sent back", "tni.hit_route");
     }
   };
   struct Links {
@@ -41,7 +42,7 @@ class RayDispatcher {
     Dispatch dispatch = Dispatch::kEmptiest;
     std::uint32_t rays_per_trv = 0;  ///< slots of a TRV's input buffer
     std::uint32_t hit_interval = 1;  ///< cycles from one hit to the next
-    bool unbounded = false;          ///< any number of rays and hits a cycle (ideal.tni)
+    bool ideal = false;              ///< any number of rays and hits a cycle (ideal.tni)
   };
 
   RayDispatcher(const Policy& policy, Links links, sim::Clock clock);
@@ -51,7 +52,7 @@ class RayDispatcher {
   sim::Time tick(sim::Time now);
   const sim::Clock& clock() const { return clock_; }
   const Stats& stats() const { return stats_; }
-  const sim::Activity<Why>& activity() const { return activity_; }
+  const sim::Activity<CycleReason>& activity() const { return activity_; }
   void finish(sim::Time end) { activity_.finish(end); }
   bool idle() const { return stats_.rays_in == stats_.hits_out; }
   std::string state() const;
@@ -76,10 +77,10 @@ class RayDispatcher {
   std::size_t turn_ = 0;             ///< the TRV whose turn it is
   sim::Time collect_at_ = 0;
   Stats stats_;
-  sim::Activity<Why> activity_;
+  sim::Activity<CycleReason> activity_;
 };
 
-constexpr std::array<std::string_view, 3> names_of(RayDispatcher::Why) {
+constexpr std::array<std::string_view, 3> names_of(RayDispatcher::CycleReason) {
   return {"starved", "dispatching", "trvs_full"};
 }
 

@@ -12,7 +12,7 @@ std::vector<sim::Link<T>*> pointers(std::deque<sim::Link<T>>& links) {
 }
 
 /// Misses wait as they do under `reorder`, which lets all other rays go on.
-TniConfig with_perfect_pipes(TniConfig config) {
+TniConfig with_ideal_pipes(TniConfig config) {
   constexpr std::uint32_t kMost = 64;
   config.link_depth = kMost;
   config.miss_handling = MissHandling::kReorder;
@@ -26,10 +26,10 @@ TniConfig with_perfect_pipes(TniConfig config) {
 
 }  // namespace
 
-Tni::Tni(const TniConfig& given, const Perfect& perfect, const Scene& scene, std::uint32_t hit_interval,
-         const Links& links, sim::Clock clock) {
-  const TniConfig config = perfect.tni ? with_perfect_pipes(given) : given;
-  const TniMode mode{config.miss_handling, config.rau, perfect.tni, perfect.l1};
+Tni::Tni(const TniConfig& given, const Ideal& ideal, const Scene& scene, std::uint32_t hit_interval, const Links& links,
+         sim::Clock clock) {
+  const TniConfig config = ideal.tni ? with_ideal_pipes(given) : given;
+  const TniMode mode{config.miss_handling, config.rau, ideal.tni, ideal.l1};
   for (std::uint32_t i = 0; i < config.trvs; ++i) {
     auto& rays = to_trv_.emplace_back(config.link_depth, 1, clock);
     auto& done = from_trv_.emplace_back(config.link_depth, 1, clock);
@@ -44,7 +44,7 @@ Tni::Tni(const TniConfig& given, const Perfect& perfect, const Scene& scene, std
       Ist::Links{pointers(to_ist_), pointers(from_ist_), *links.memory_out[config.trvs], *links.memory_in[config.trvs]},
       static_cast<std::uint16_t>(config.trvs), clock);
   dispatcher_ = std::make_unique<RayDispatcher>(
-      RayDispatcher::Policy{config.dispatch, config.trv.rays, hit_interval, perfect.tni},
+      RayDispatcher::Policy{config.dispatch, config.trv.rays, hit_interval, ideal.tni},
       RayDispatcher::Links{links.rays_in, links.hits_out, pointers(to_trv_), pointers(from_trv_)}, clock);
 }
 

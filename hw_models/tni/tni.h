@@ -21,8 +21,8 @@ class Tni {
     TreeInMemory tree;
     TrianglesInMemory triangles;
   };
-  /// Made perfect, for bounds (ideal.*).
-  struct Perfect {
+  /// Made ideal, for bounds (ideal.*).
+  struct Ideal {
     bool tni = false;  ///< 64 rays a TRV, 64 leaves, any number of operations a cycle, each in one cycle
     bool l1 = false;   ///< every probe hits
   };
@@ -33,8 +33,8 @@ class Tni {
     std::vector<sim::Link<MemResponse>*> memory_in;
   };
 
-  Tni(const TniConfig& config, const Perfect& perfect, const Scene& scene, std::uint32_t hit_interval,
-      const Links& links, sim::Clock clock);
+  Tni(const TniConfig& config, const Ideal& ideal, const Scene& scene, std::uint32_t hit_interval, const Links& links,
+      sim::Clock clock);
   Tni(const Tni&) = delete;
   Tni& operator=(const Tni&) = delete;
 

@@ -5,6 +5,7 @@
 
 #include "hw_models/memory/cache_tags.h"
 #include "sim/config/field.h"
+#include "sim/named.h"
 
 namespace hw {
 
@@ -41,9 +42,8 @@ struct RauConfig {
 
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
-    field(c.rows, "rows", "rows", "lines waited for at once, each with its rays", sim::between(1, 64),
-          Affects::kTiming);
-    field(c.rays, "rays", "rays", "rays of a row", sim::between(1, 64), Affects::kTiming);
+    field(NAMED(c.rows), "rows", "lines waited for at once, each with its rays", sim::between(1, 64), Affects::kTiming);
+    field(NAMED(c.rays), "rays", "rays of a row", sim::between(1, 64), Affects::kTiming);
   }
   /// Rays of `ray_bytes` each and a line of `line_bytes` a row.
   std::uint64_t sram_bytes(std::uint32_t ray_bytes, std::uint64_t line_bytes) const {
@@ -78,27 +78,26 @@ struct TrvConfig {
 
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
-    field(c.rays, "rays", "rays", "rays held at once (input buffer)", sim::between(1, 64), Affects::kTiming);
-    field(c.box_testers, "box_testers", "testers",
+    field(NAMED(c.rays), "rays", "rays held at once (input buffer)", sim::between(1, 64), Affects::kTiming);
+    field(NAMED(c.box_testers), "testers",
           "2: both child boxes at once, beside stack and leaf pipes; 1: one box a pass, all work through one pipe",
           sim::between(1, 2), Affects::kWalk);
-    field(c.box_latency, "box_latency", "cycles", "pipeline depth of a box test", sim::between(1, 40),
-          Affects::kTiming);
-    field(c.leaf_latency, "leaf_latency", "cycles", "leaf sub-pipe, from leaf to the intersection unit's buffer",
+    field(NAMED(c.box_latency), "cycles", "pipeline depth of a box test", sim::between(1, 40), Affects::kTiming);
+    field(NAMED(c.leaf_latency), "cycles", "leaf sub-pipe, from leaf to the intersection unit's buffer",
           sim::between(1, 16), Affects::kTiming);
-    field(c.stack_latency, "stack_latency", "cycles", "stack sub-pipe, one pop", sim::between(1, 16), Affects::kTiming);
-    field(c.transform_latency, "transform_latency", "cycles",
+    field(NAMED(c.stack_latency), "cycles", "stack sub-pipe, one pop", sim::between(1, 16), Affects::kTiming);
+    field(NAMED(c.transform_latency), "cycles",
           "carrying a ray into the space of an instance (bvh.instances: two_level), in the box test's place",
           sim::between(1, 40), Affects::kTiming);
-    field(c.stack, "stack", "", "where far children wait", sim::any(), Affects::kWalk);
-    field(c.stack_entries, "stack_entries", "entries", "short stack depth per ray; 0: restart_trail without a stack",
+    field(NAMED(c.stack), "", "where far children wait", sim::any(), Affects::kWalk);
+    field(NAMED(c.stack_entries), "entries", "short stack depth per ray; 0: restart_trail without a stack",
           sim::between(0, 64), Affects::kWalk);
-    field(c.stack_entry_bytes, "stack_entry_bytes", "bytes", "storage of a stack entry (it leaks)", sim::between(1, 64),
+    field(NAMED(c.stack_entry_bytes), "bytes", "storage of a stack entry (it leaks)", sim::between(1, 64),
           Affects::kEnergy);
-    field(c.ray_bytes, "ray_bytes", "bytes", "storage of a ray in the input buffer (it leaks)", sim::between(16, 256),
+    field(NAMED(c.ray_bytes), "bytes", "storage of a ray in the input buffer (it leaks)", sim::between(16, 256),
           Affects::kEnergy);
-    field(c.prefetch, "prefetch", "", "node lines asked for ahead of need", sim::any(), Affects::kTiming);
-    field.group(c.l1, "l1", "private node cache");
+    field(NAMED(c.prefetch), "", "node lines asked for ahead of need", sim::any(), Affects::kTiming);
+    field.group(NAMED(c.l1), "private node cache");
   }
   void check(auto&& complain) const {
     if (stack_entries == 0 && stack != StackScheme::kRestartTrail)
@@ -125,16 +124,16 @@ struct IstConfig {
 
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
-    field(c.leaves, "leaves", "leaves", "leaves held at once (input buffer)", sim::between(1, 64), Affects::kTiming);
-    field(c.leaf_bytes, "leaf_bytes", "bytes", "storage of a leaf and its ray in the input buffer (it leaks)",
+    field(NAMED(c.leaves), "leaves", "leaves held at once (input buffer)", sim::between(1, 64), Affects::kTiming);
+    field(NAMED(c.leaf_bytes), "bytes", "storage of a leaf and its ray in the input buffer (it leaks)",
           sim::between(16, 256), Affects::kEnergy);
-    field(c.distance_stage, "distance_stage", "cycles", "stage after which a test that fails on distance is known",
+    field(NAMED(c.distance_stage), "cycles", "stage after which a test that fails on distance is known",
           sim::between(1, 40), Affects::kTiming);
-    field(c.barycentric_stage, "barycentric_stage", "cycles",
-          "stage after which a test that fails on the edges is known", sim::between(1, 40), Affects::kTiming);
-    field(c.latency, "latency", "cycles", "pipeline depth of a triangle test that hits", sim::between(1, 40),
+    field(NAMED(c.barycentric_stage), "cycles", "stage after which a test that fails on the edges is known",
+          sim::between(1, 40), Affects::kTiming);
+    field(NAMED(c.latency), "cycles", "pipeline depth of a triangle test that hits", sim::between(1, 40),
           Affects::kTiming);
-    field.group(c.l1, "l1", "triangle cache");
+    field.group(NAMED(c.l1), "triangle cache");
   }
   void check(auto&& complain) const {
     if (l1.hit_cycles + latency > kLongestPipe)
@@ -149,7 +148,7 @@ struct IstConfig {
 struct TniMode {
   MissHandling handling = MissHandling::kReorder;
   RauConfig rau;
-  bool unbounded = false;   ///< any number of operations of each kind a cycle (ideal.tni)
+  bool ideal = false;       ///< any number of operations of each kind a cycle (ideal.tni)
   bool perfect_l1 = false;  ///< every probe hits (ideal.l1)
 };
 
@@ -165,15 +164,14 @@ struct TniConfig {
 
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
-    field(c.trvs, "trvs", "units", "traversal units", sim::between(1, 16), Affects::kTiming);
-    field(c.link_depth, "link_depth", "entries", "slots of each link inside the unit", sim::between(1, 64),
+    field(NAMED(c.trvs), "units", "traversal units", sim::between(1, 16), Affects::kTiming);
+    field(NAMED(c.link_depth), "entries", "slots of each link inside the unit", sim::between(1, 64), Affects::kTiming);
+    field(NAMED(c.dispatch), "", "which traversal unit gets a ray", sim::any(), Affects::kTiming);
+    field(NAMED(c.miss_handling), "", "what becomes of a ray or leaf whose line is not in its L1", sim::any(),
           Affects::kTiming);
-    field(c.dispatch, "dispatch", "", "which traversal unit gets a ray", sim::any(), Affects::kTiming);
-    field(c.miss_handling, "miss_handling", "", "what becomes of a ray or leaf whose line is not in its L1", sim::any(),
-          Affects::kTiming);
-    field.group(c.rau, "rau", "table of waiting rays (miss_handling: rau), one per L1");
-    field.group(c.trv, "trv", "traversal unit");
-    field.group(c.ist, "ist", "intersection unit");
+    field.group(NAMED(c.rau), "table of waiting rays (miss_handling: rau), one per L1");
+    field.group(NAMED(c.trv), "traversal unit");
+    field.group(NAMED(c.ist), "intersection unit");
   }
   /// Storage of a traversal unit, of an intersection unit.
   std::uint64_t trv_sram_bytes() const { return trv.sram_bytes() + rau_bytes(trv.ray_bytes, trv.l1.line.bytes); }

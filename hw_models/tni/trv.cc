@@ -30,8 +30,8 @@ Trv::Trv(const TrvConfig& config, const TniMode& mode, const TreeInMemory& tree,
       stack_room_(config.stack == StackScheme::kFull ? ~std::uint32_t{0} : config.stack_entries),
       levels_(!tree.placed.empty()),
       plain_(tree.one_line() && !tree.hybrid && config.box_testers == 2),
-      unbounded_(mode.unbounded),
-      one_pipe_(config.box_testers == 1 && !mode.unbounded),
+      unbounded_(mode.ideal),
+      one_pipe_(config.box_testers == 1 && !mode.ideal),
       common_(plain_ && !levels_ && !unbounded_ && mode.handling == MissHandling::kReorder && !mode.perfect_l1 &&
               config.prefetch == Prefetch::kNone && config.stack_entries != 0),
       links_(links),
@@ -79,16 +79,16 @@ void Trv::finish(sim::Time end) {
 }
 
 template <bool kCommon>
-[[gnu::always_inline]] inline void Trv::release(const Wheel<kPipes>::Masks& out) {
+[[gnu::always_inline]] inline void Trv::release(const TimingWheel<kPipes>::Masks& out) {
   fetch_.enter(out[kToInner]);
   popping_ |= out[kToStack];
   leaving_ |= out[kToLeaf];
   retiring_ |= out[kToRetire];
-  if (!kCommon && forked_ != 0) note_far_nodes(forked_ & (out[kToInner] | out[kToLeaf]));
+  if (!kCommon && both_children_hit_ != 0) note_far_nodes(both_children_hit_ & (out[kToInner] | out[kToLeaf]));
 }
 
 void Trv::note_far_nodes(std::uint64_t visited) {
-  forked_ &= ~visited;
+  both_children_hit_ &= ~visited;
   for (; visited != 0; visited &= visited - 1) {
     const std::uint32_t step = slots_[static_cast<std::uint32_t>(std::countr_zero(visited))].next[-1];
     const std::uint32_t far = tree_.links[traces::node_of(step)].child[1 - traces::near_of(step)];
@@ -106,7 +106,7 @@ void Trv::prefetch_far_nodes() {
   far_nodes_.clear();
 }
 
-bool Trv::take_line(sim::Time now) {
+bool Trv::fill(sim::Time now) {
   if (arrivals_.lines > now) return false;
   fetch_.fill(links_.memory_in.pop(now).line, pipes_.cycle());
   return true;
@@ -157,7 +157,7 @@ bool Trv::take_ray(sim::Time now) {
 }
 
 template <bool kCommon>
-[[gnu::always_inline]] inline Trv::Why Trv::issue_visit(std::uint32_t index) {
+[[gnu::always_inline]] inline Trv::CycleReason Trv::issue_visit(std::uint32_t index) {
   Slot& slot = slots_[index];
   if (!kCommon && levels_ && enters_instance(slot, index)) return issue_transform(slot, index);
   const std::uint32_t node = slot.restarting ? paths_[index].back() : traces::node_of(slot.step);
@@ -173,24 +173,24 @@ template <bool kCommon>
       slot.fetched += 1;
       fetch_.enter(bit(index));
     }
-    return Why::kVisiting;
+    return CycleReason::kVisiting;
   }
   return missed(result, index);
 }
 
 /// The line was not there.
-Trv::Why Trv::missed(FetchStage::Result result, std::uint32_t index) {
+Trv::CycleReason Trv::missed(FetchStage::Result result, std::uint32_t index) {
   if (fetch_.bypasses()) {
     stats_.bypass_passes += 1;
     pipes_.put(kToInner, index, visit_latency_);
   }
   switch (result) {
     case FetchStage::Result::kNoRegister:
-      return Why::kMshrFull;
+      return CycleReason::kMshrFull;
     case FetchStage::Result::kTableFull:
-      return Why::kRauFull;
+      return CycleReason::kRauFull;
     default:
-      return Why::kL1Miss;
+      return CycleReason::kL1Miss;
   }
 }
 
@@ -218,7 +218,7 @@ template <bool kCommon>
   if (slot.restarting) [[unlikely]] {
     visited_again(slot, index);
   } else if (step_on<kCommon>(slot) && !kCommon && config_.prefetch == Prefetch::kSibling) {
-    forked_ |= bit(index);
+    both_children_hit_ |= bit(index);
   }
   pipes_.put(next_pipe(slot), index, visit_latency_);
 }
@@ -232,9 +232,9 @@ inline bool Trv::step_on(Slot& slot) {
   slot.must_pop = hits == 0;
   const std::uint16_t both = hits == 3;
   const std::uint16_t written = both & std::uint16_t{kCommon || stack_room_ != 0};
-  const std::uint16_t kept = written & std::uint16_t{slot.held != stack_room_};
-  slot.stacked += both;
-  slot.held += kept;
+  const std::uint16_t kept = written & std::uint16_t{slot.short_stack_size != stack_room_};
+  slot.stack_depth += both;
+  slot.short_stack_size += kept;
   stats_.pushes += written;
   stats_.dropped += written ^ kept;
   return both != 0;
@@ -243,18 +243,18 @@ inline bool Trv::step_on(Slot& slot) {
 void Trv::pop(std::uint32_t index) {
   popping_ &= ~bit(index);
   Slot& slot = slots_[index];
-  if (slot.held == 0) {
+  if (slot.short_stack_size == 0) {
     restart(slot, index);
   } else {
     stats_.pops += 1;
-    slot.held -= 1;
+    slot.short_stack_size -= 1;
     take_entry(slot);
   }
   pipes_.put(next_pipe(slot), index, config_.stack_latency);
 }
 
 void Trv::take_entry(Slot& slot) {
-  slot.stacked -= 1;
+  slot.stack_depth -= 1;
   if (slot.culls > 0) {
     slot.culls -= 1;
   } else {
@@ -264,7 +264,7 @@ void Trv::take_entry(Slot& slot) {
 
 bool Trv::issue_pop() {
   if (popping_ == 0) return false;
-  const std::uint32_t index = pick(popping_, stack_turn_);
+  const std::uint32_t index = round_robin(popping_, stack_turn_);
   stack_turn_ = (index + 1) % 64;
   pop(index);
   return true;
@@ -272,7 +272,7 @@ bool Trv::issue_pop() {
 
 bool Trv::issue_leaf(sim::Time now) {
   if (leaving_ == 0 || now < leaf_free_at_ || !links_.leaves_out.can_push(now)) return false;
-  const std::uint32_t index = pick(leaving_, leaf_turn_);
+  const std::uint32_t index = round_robin(leaving_, leaf_turn_);
   leaf_turn_ = (index + 1) % 64;
   send_leaf(now, index);
   return true;
@@ -297,8 +297,8 @@ std::uint64_t Trv::shared_work(bool room_for_leaves) const {
   return fetch_.able() | popping_ | (room_for_leaves ? leaving_ : 0);
 }
 
-bool Trv::issue_any(sim::Time now, Why& why) {
-  why = Why::kSerial;
+bool Trv::issue_any(sim::Time now, CycleReason& why) {
+  why = CycleReason::kSerial;
   if (now < leaf_free_at_) return true;
   const std::uint64_t work = shared_work(links_.leaves_out.can_push(now));
   if (work == 0) return false;
@@ -315,7 +315,7 @@ bool Trv::issue_any(sim::Time now, Why& why) {
 
 bool Trv::retire(sim::Time now) {
   if (retiring_ == 0 || !links_.rays_out.can_push(now)) return false;
-  const std::uint32_t index = pick(retiring_, retire_turn_);
+  const std::uint32_t index = round_robin(retiring_, retire_turn_);
   retire_turn_ = (index + 1) % 64;
   retiring_ &= ~bit(index);
   occupied_ &= ~bit(index);
@@ -325,11 +325,11 @@ bool Trv::retire(sim::Time now) {
   return true;
 }
 
-Trv::Why Trv::waiting(sim::Time next) const {
-  if (occupied_ == 0) return Why::kStarved;
-  if (one_pipe_ && next < leaf_free_at_) return Why::kSerial;
-  if (retiring_ != 0) return Why::kOutputFull;
-  return FetchStage::reason(fetch_.waits_for(), (at_ist_ | leaving_) != 0 ? Why::kIst : Why::kPipe);
+Trv::CycleReason Trv::waiting(sim::Time next) const {
+  if (occupied_ == 0) return CycleReason::kStarved;
+  if (one_pipe_ && next < leaf_free_at_) return CycleReason::kSerial;
+  if (retiring_ != 0) return CycleReason::kOutputFull;
+  return FetchStage::reason(fetch_.waits_for(), (at_ist_ | leaving_) != 0 ? CycleReason::kIst : CycleReason::kPipe);
 }
 
 sim::Time Trv::next_wake(sim::Time next) const {
@@ -356,11 +356,11 @@ sim::Time Trv::tick_as(sim::Time now) {
   };
   pipes_.advance(now);
   if (pipes_.due()) release<kCommon>(pipes_.take());
-  if (arrivals_.lines <= now) as_often_as_may_be([&] { return take_line(now); });
+  if (arrivals_.lines <= now) as_often_as_may_be([&] { return fill(now); });
   if (arrivals_.answers <= now) as_often_as_may_be([&] { return take_answer(now); });
   if (arrivals_.rays <= now && free_ != 0) as_often_as_may_be([&] { return take_ray(now); });
   bool tried = false;
-  Why why = Why::kStarved;
+  CycleReason why = CycleReason::kStarved;
   if (!kCommon && one_pipe_) {
     tried = issue_any(now, why);
   } else {
@@ -368,7 +368,7 @@ sim::Time Trv::tick_as(sim::Time now) {
     tried = able != 0;
     if (tried) why = issue_visit<kCommon>(next_of(able));
     while (!kCommon && unbounded_ && fetch_.able() != 0) {
-      if (issue_visit<kCommon>(next_of(fetch_.able())) == Why::kVisiting) why = Why::kVisiting;
+      if (issue_visit<kCommon>(next_of(fetch_.able())) == CycleReason::kVisiting) why = CycleReason::kVisiting;
     }
     if (popping_ != 0) as_often_as_may_be([&] { return issue_pop(); });
     if (leaving_ != 0) as_often_as_may_be([&] { return issue_leaf(now); });
@@ -387,7 +387,7 @@ sim::Time Trv::tick_as(sim::Time now) {
   const sim::Time next = clock_.after(now, 1);
   const bool go_on = kCommon ? (fetch_.ready() | popping_) != 0 : !one_pipe_ && (fetch_.able() | popping_) != 0;
   const sim::Time wake = go_on ? next : next_wake(next);
-  const Why then = tried && wake == next ? why : waiting(next);
+  const CycleReason then = tried && wake == next ? why : waiting(next);
   activity_.spend(now, clock_.period(), tried ? why : then, then);
   return wake;
 }

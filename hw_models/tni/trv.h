@@ -7,12 +7,13 @@
 
 #include "hw_models/tni/fetch_stage.h"
 #include "hw_models/tni/messages.h"
+#include "hw_models/tni/timing_wheel.h"
 #include "hw_models/tni/tni_config.h"
 #include "hw_models/tni/tree_in_memory.h"
-#include "hw_models/tni/wheel.h"
 #include "sim/activity.h"
 #include "sim/counter_kind.h"
 #include "sim/link.h"
+#include "sim/named.h"
 
 namespace hw {
 
@@ -36,7 +37,7 @@ namespace hw {
 /// buffer to another while it waits in the table.
 class Trv {
  public:
-  enum class Why : std::uint8_t {
+  enum class CycleReason : std::uint8_t {
     kStarved,     ///< no ray inside
     kVisiting,    ///< a node, one line of several, or a ray on its way into an instance went into the box pipe
     kL1Miss,      ///< rays wait for node lines, or this cycle's probe missed
@@ -56,29 +57,27 @@ class Trv {
     std::uint64_t full = 0, full_visits = 0;
     std::uint64_t pushes = 0, pops = 0, dropped = 0, restarts = 0, leaves = 0;
     static void describe(auto& s, auto&& counter) {
-      counter(s.rays_in, "rays_in", "rays accepted into the input buffer", "tni.ray_buffer_write");
-      counter(s.rays_out, "rays_out", "rays retired", "tni.ray_buffer_read");
-      counter(s.full, "full", "cycles with a ray in every slot", "", sim::CounterKind::kAtEnd);
-      counter(s.full_visits, "full_visits", "visits in these");
-      counter(s.visits, "visits", "nodes tested, restarts included", "tni.ray_update");
-      counter(s.restarted_visits, "restarted_visits", "of these, nodes tested again after a restart");
-      counter(s.first_passes, "first_passes", "visits' passes for the first child alone (one box tester)",
-              "tni.ray_update");
-      counter(s.box_tests, "box_tests", "child boxes tested, floating-point", "tni.box_test");
-      counter(s.hybrid_box_tests, "hybrid_box_tests", "child boxes tested, fixed-point planes and origin",
-              "tni.box_test_hybrid");
-      counter(s.transforms, "transforms", "rays carried into the space of an instance, restarts included",
+      counter(NAMED(s.rays_in), "rays accepted into the input buffer", "tni.ray_buffer_write");
+      counter(NAMED(s.rays_out), "rays retired", "tni.ray_buffer_read");
+      counter(NAMED(s.full), "cycles with a ray in every slot", "", sim::CounterKind::kAtEnd);
+      counter(NAMED(s.full_visits), "visits in these");
+      counter(NAMED(s.visits), "nodes tested, restarts included", "tni.ray_update");
+      counter(NAMED(s.restarted_visits), "of these, nodes tested again after a restart");
+      counter(NAMED(s.first_passes), "visits' passes for the first child alone (one box tester)", "tni.ray_update");
+      counter(NAMED(s.box_tests), "child boxes tested, floating-point", "tni.box_test");
+      counter(NAMED(s.hybrid_box_tests), "child boxes tested, fixed-point planes and origin", "tni.box_test_hybrid");
+      counter(NAMED(s.transforms), "rays carried into the space of an instance, restarts included",
               "tni.ray_transform");
       FetchStats::describe(s, counter);
-      counter(s.bypass_passes, "bypass_passes", "times a ray went through the box pipe without work, having missed",
+      counter(NAMED(s.bypass_passes), "times a ray went through the box pipe without work, having missed",
               "tni.bypass_pass");
-      counter(s.prefetch_probes, "prefetch_probes", "far nodes looked up ahead of need", "cache.l1_probe");
-      counter(s.prefetches, "prefetches", "of these, lines asked for");
-      counter(s.pushes, "pushes", "stack entries written", "tni.stack_push");
-      counter(s.pops, "pops", "stack entries read", "tni.stack_pop");
-      counter(s.dropped, "dropped", "stack entries dropped because the short stack was full");
-      counter(s.restarts, "restarts", "restarts from the link or the root");
-      counter(s.leaves, "leaves", "leaves sent to the intersection unit", "tni.ray_route");
+      counter(NAMED(s.prefetch_probes), "far nodes looked up ahead of need", "cache.l1_probe");
+      counter(NAMED(s.prefetches), "of these, lines asked for");
+      counter(NAMED(s.pushes), "stack entries written", "tni.stack_push");
+      counter(NAMED(s.pops), "stack entries read", "tni.stack_pop");
+      counter(NAMED(s.dropped), "stack entries dropped because the short stack was full");
+      counter(NAMED(s.restarts), "restarts from the link or the root");
+      counter(NAMED(s.leaves), "leaves sent to the intersection unit", "tni.ray_route");
     }
   };
   struct Links {
@@ -98,7 +97,7 @@ class Trv {
   sim::Time tick(sim::Time now) { return common_ ? tick_as<true>(now) : tick_as<false>(now); }
   const sim::Clock& clock() const { return clock_; }
   const Stats& stats() const { return stats_; }
-  const sim::Activity<Why>& activity() const { return activity_; }
+  const sim::Activity<CycleReason>& activity() const { return activity_; }
   void finish(sim::Time end);
   bool idle() const { return occupied_ == 0 && !fetch_.waits_for_memory(); }
   std::string state() const;
@@ -111,13 +110,13 @@ class Trv {
     const std::uint32_t* next = nullptr;  ///< the step to take now
     std::uint32_t step = 0;               ///< its first word
     std::uint32_t id = 0;
-    std::uint32_t culls = 0;    ///< stack entries still to pop and drop before `next`
-    std::uint16_t stacked = 0;  ///< entries not popped yet, dropped ones included
-    std::uint16_t held = 0;     ///< of these, entries in the short stack
-    bool must_pop = false;      ///< `next` is reached through the stack
-    bool restarting = false;    ///< on the way back down: its nodes are in paths_
-    std::uint8_t child = 0;     ///< the box to test (one tester)
-    std::uint8_t fetched = 0;   ///< lines of the present visit or pass that have been read
+    std::uint32_t culls = 0;             ///< stack entries still to pop and drop before `next`
+    std::uint16_t stack_depth = 0;       ///< entries not popped yet, dropped ones included
+    std::uint16_t short_stack_size = 0;  ///< of these, entries in the short stack
+    bool must_pop = false;               ///< `next` is reached through the stack
+    bool restarting = false;             ///< on the way back down: its nodes are in paths_
+    std::uint8_t child = 0;              ///< the box to test (one tester)
+    std::uint8_t fetched = 0;            ///< lines of the present visit or pass that have been read
 
     void go(const std::uint32_t* to) {
       next = to;
@@ -141,23 +140,23 @@ class Trv {
   // Each does one thing, if there is one to do.
   bool take_ray(sim::Time now);
   bool take_answer(sim::Time now);
-  bool take_line(sim::Time now);
+  bool fill(sim::Time now);
   bool issue_pop();
   bool issue_leaf(sim::Time now);
   bool retire(sim::Time now);
 
   /// Of the slots of a mask the one whose turn it is.
   std::uint32_t next_of(std::uint64_t slots) {
-    const std::uint32_t index = pick(slots, inner_turn_);
+    const std::uint32_t index = round_robin(slots, inner_turn_);
     inner_turn_ = (index + 1) % 64;
     return index;
   }
   template <bool kCommon>
-  Why issue_visit(std::uint32_t index);
-  Why missed(FetchStage::Result result, std::uint32_t index);
+  CycleReason issue_visit(std::uint32_t index);
+  CycleReason missed(FetchStage::Result result, std::uint32_t index);
   bool enters_instance(const Slot& slot, std::uint32_t index) const;
-  Why issue_transform(Slot& slot, std::uint32_t index);
-  bool issue_any(sim::Time now, Why& why);
+  CycleReason issue_transform(Slot& slot, std::uint32_t index);
+  bool issue_any(sim::Time now, CycleReason& why);
   std::uint64_t shared_work(bool room_for_leaves) const;
   void pop(std::uint32_t index);
   void send_leaf(sim::Time now, std::uint32_t index);
@@ -176,12 +175,12 @@ class Trv {
   void restart(Slot& slot, std::uint32_t index);
   void find_pushes(const Slot& slot, std::uint32_t index);
   template <bool kCommon>
-  void release(const Wheel<kPipes>::Masks& out);
+  void release(const TimingWheel<kPipes>::Masks& out);
   /// These visits have hit both children: their far ones may be asked for ahead of need.
   void note_far_nodes(std::uint64_t visited);
   void prefetch_far_nodes();
   /// What a cycle goes to in which no node enters the box pipe, from `next` on.
-  Why waiting(sim::Time next) const;
+  CycleReason waiting(sim::Time next) const;
   sim::Time next_wake(sim::Time next) const;
 
   const TrvConfig config_;
@@ -204,14 +203,15 @@ class Trv {
   std::uint64_t occupied_ = 0;
   std::uint64_t popping_ = 0, leaving_ = 0, retiring_ = 0;  ///< waiting for the sub-pipe of that name
   std::uint64_t at_ist_ = 0;                                ///< waiting for the intersection unit's answer
-  std::uint64_t forked_ = 0;  ///< in the box pipe, where it will be seen that both children are hit (prefetching)
+  std::uint64_t both_children_hit_ =
+      0;  ///< in the box pipe, where it will be seen that both children are hit (prefetching)
   std::uint32_t inner_turn_ = 0, stack_turn_ = 0, leaf_turn_ = 0, retire_turn_ = 0;
   sim::Time leaf_free_at_ = 0;  ///< when the pipe of leaves, or the one pipe for all, takes the next operation
-  sim::Activity<Why> activity_;
+  sim::Activity<CycleReason> activity_;
   FetchStage fetch_;
   Stats stats_;
   std::vector<Slot> slots_;
-  Wheel<kPipes> pipes_;
+  TimingWheel<kPipes> pipes_;
   std::vector<const std::uint32_t*> begins_;  ///< of each slot's ray, its first step
   /// Per slot: nodes to test again after a restart, and the instance to enter again (kEnter), last one first.
   std::vector<std::vector<std::uint32_t>> paths_;
@@ -220,7 +220,7 @@ class Trv {
   sim::Time full_since_ = 0, full_time_ = 0;
 };
 
-constexpr std::array<std::string_view, 9> names_of(Trv::Why) {
+constexpr std::array<std::string_view, 9> names_of(Trv::CycleReason) {
   return {"starved", "visiting", "l1_miss", "mshr_full", "ist", "pipe", "output_full", "serial", "rau_full"};
 }
 

@@ -9,7 +9,7 @@ bool Trv::enters_instance(const Slot& slot, std::uint32_t index) const {
 
 /// One operation of the box pipe: 9 multiplications and as many additions for the origin, 9 and 6 for the direction,
 /// and its reciprocal.
-Trv::Why Trv::issue_transform(Slot& slot, std::uint32_t index) {
+Trv::CycleReason Trv::issue_transform(Slot& slot, std::uint32_t index) {
   const std::uint32_t instance = slot.restarting ? paths_[index].back() & ~kEnter : traces::instance_of(slot.step);
   const FetchStage::Result result = fetch_.read(index, tree_.line_of_instance(instance), pipes_.cycle());
   if (result != FetchStage::Result::kRead) return missed(result, index);
@@ -20,7 +20,7 @@ Trv::Why Trv::issue_transform(Slot& slot, std::uint32_t index) {
     slot.go(slot.next + 1);
   }
   pipes_.put(kToInner, index, config_.l1.hit_cycles + config_.transform_latency);
-  return Why::kVisiting;
+  return CycleReason::kVisiting;
 }
 
 }  // namespace hw

@@ -17,7 +17,7 @@ void Trv::find_pushes(const Slot& slot, std::uint32_t index) {
   for (const std::uint32_t* step = begins_[index]; step != slot.next; ++step) {
     const StepKind kind = traces::kind_of(*step);
     if (kind == StepKind::kCull) {
-      // The culls just before `next` are under way: `stacked` says how far.
+      // The culls just before `next` are under way: `stack_depth` says how far.
       if (step + 1 != slot.next) pushed_.resize(pushed_.size() - traces::culled_of(*step));
       continue;
     }
@@ -37,11 +37,11 @@ void Trv::find_pushes(const Slot& slot, std::uint32_t index) {
       pushed_.push_back({traces::node_of(*step), instance});
     }
   }
-  pushed_.resize(slot.stacked);
+  pushed_.resize(slot.stack_depth);
 }
 
 void Trv::restart(Slot& slot, std::uint32_t index) {
-  assert(slot.stacked > 0 && "a pop from an empty stack");
+  assert(slot.stack_depth > 0 && "a pop from an empty stack");
   // From the link, which is the node of the oldest dropped entry, or from the root, down to the node of the entry
   // wanted now. Each visit finds its far child again, so the short stack ends up holding the youngest entries; the
   // trail says that the last one is where to go on, without a pop.
@@ -63,11 +63,11 @@ void Trv::restart(Slot& slot, std::uint32_t index) {
   }
   slot.restarting = true;
   stats_.restarts += 1;
-  const std::uint32_t found = slot.stacked - (trail ? 1U : 0U);
-  slot.held = static_cast<std::uint16_t>(std::min(found, config_.stack_entries));
+  const std::uint32_t found = slot.stack_depth - (trail ? 1U : 0U);
+  slot.short_stack_size = static_cast<std::uint16_t>(std::min(found, config_.stack_entries));
   if (config_.stack_entries == 0) return;
   stats_.pushes += found;
-  stats_.dropped += found - slot.held;
+  stats_.dropped += found - slot.short_stack_size;
 }
 
 void Trv::visited_again(Slot& slot, std::uint32_t index) {

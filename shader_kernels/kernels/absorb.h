@@ -3,6 +3,7 @@
 
 #include "shader_kernels/kernels/arithmetic.h"
 #include "shader_kernels/ports.h"
+#include "sim/named.h"
 
 namespace kernels {
 
@@ -18,11 +19,11 @@ struct Absorb {
     Local<V, PathRecord> paths;
     Details<V> details;
     static void describe(auto& p, auto&& port) {
-      port(p.absorbing, "absorbing");
-      port(p.places, "places");
-      port(p.hits, "hits");
-      port(p.paths, "paths");
-      port(p.details, "details");
+      port(NAMED(p.absorbing));
+      port(NAMED(p.places));
+      port(NAMED(p.hits));
+      port(NAMED(p.paths));
+      port(NAMED(p.details));
     }
   };
   template <class V>

@@ -10,7 +10,7 @@ struct Split {
 };
 /// Whole-number division of small counts (below 2^20); `inverse` is 1 / divisor.
 template <class V>
-Split<V> split(const F<V>& count, const F<V>& divisor, const F<V>& inverse) {
+Split<V> divmod(const F<V>& count, const F<V>& divisor, const F<V>& inverse) {
   const F<V> quotient = floor((count + 0.5F) * inverse);
   return {quotient, count - quotient * divisor};
 }

@@ -3,6 +3,7 @@
 
 #include "shader_kernels/kernels/arithmetic.h"
 #include "shader_kernels/ports.h"
+#include "sim/named.h"
 
 namespace kernels {
 
@@ -16,18 +17,18 @@ struct AverageColour {
     Carried<V> red, green, blue;
     F<V> samples, inverse_samples;
     static void describe(auto& p, auto&& port) {
-      port(p.colours, "colours");
-      port(p.pixels, "pixels");
-      port(p.red, "red");
-      port(p.green, "green");
-      port(p.blue, "blue");
-      port(p.samples, "samples");
-      port(p.inverse_samples, "inverse_samples");
+      port(NAMED(p.colours));
+      port(NAMED(p.pixels));
+      port(NAMED(p.red));
+      port(NAMED(p.green));
+      port(NAMED(p.blue));
+      port(NAMED(p.samples));
+      port(NAMED(p.inverse_samples));
     }
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
-    const Split<V> pixel = split<V>(to_float(item), at.samples, at.inverse_samples);
+    const Split<V> pixel = divmod<V>(to_float(item), at.samples, at.inverse_samples);
     add<V>(at, pixel, at.colours.load(item).rgb);
   }
   /// A pixel's sample, by its number within the pixel; samples come in order.

@@ -3,6 +3,7 @@
 
 #include "shader_kernels/kernels/average_colour.h"
 #include "shader_kernels/kernels/sample_grid.h"
+#include "sim/named.h"
 
 namespace kernels {
 
@@ -17,19 +18,19 @@ struct AverageSamples {
     F<V> first, pitch;
     static void describe(auto& p, auto&& port) {
       AverageColour::Ports<V>::describe(p, port);
-      port(p.width, "width");
-      port(p.inverse_width, "inverse_width");
-      port(p.grid, "grid");
-      port(p.inverse_grid, "inverse_grid");
-      port(p.first, "first");
-      port(p.pitch, "pitch");
+      port(NAMED(p.width));
+      port(NAMED(p.inverse_width));
+      port(NAMED(p.grid));
+      port(NAMED(p.inverse_grid));
+      port(NAMED(p.first));
+      port(NAMED(p.pitch));
     }
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
-    const Split<V> pixel = split<V>(to_float(item), at.samples, at.inverse_samples);
-    const Split<V> row = split<V>(pixel.quotient, at.width, at.inverse_width);
-    const Split<V> cell = split<V>(pixel.remainder, at.grid, at.inverse_grid);
+    const Split<V> pixel = divmod<V>(to_float(item), at.samples, at.inverse_samples);
+    const Split<V> row = divmod<V>(pixel.quotient, at.width, at.inverse_width);
+    const Split<V> cell = divmod<V>(pixel.remainder, at.grid, at.inverse_grid);
     const F<V> sample =
         at.first + (row.quotient * at.grid + cell.quotient) * at.pitch + row.remainder * at.grid + cell.remainder;
     AverageColour::add<V>(at, pixel, at.colours.load(to_int(sample)).rgb);

@@ -1,6 +1,7 @@
 #pragma once
 #include "shader_kernels/kernels/checks.h"
 #include "shader_kernels/kernels/sample_grid.h"
+#include "sim/named.h"
 
 namespace kernels {
 
@@ -29,7 +30,7 @@ struct LineUniforms {
 
 /// A sample and the two references that it lies between.
 template <class V>
-struct Between {
+struct SampleNeighbours {
   I<V> sample, before, after;
   I<V> gap;      ///< places from `before` to the sample, less one
   M<V> outside;  ///< one of the two is not there
@@ -37,15 +38,15 @@ struct Between {
 
 /// Sample number `item`; lines are worked off one after the other along x, side by side along y.
 template <bool kAlongY, class V>
-Between<V> sample_between(const I<V>& item, const LineUniforms<V>& line) {
-  const Split<V> outer = split<V>(to_float(item), line.inner, line.inverse_inner);
+SampleNeighbours<V> sample_between(const I<V>& item, const LineUniforms<V>& line) {
+  const Split<V> outer = divmod<V>(to_float(item), line.inner, line.inverse_inner);
   const F<V> number = kAlongY ? outer.quotient : outer.remainder;
   const F<V> of_line = kAlongY ? outer.remainder : outer.quotient;
-  const Split<V> gap = split<V>(number, line.gaps, line.inverse_gaps);
+  const Split<V> gap = divmod<V>(number, line.gaps, line.inverse_gaps);
   const F<V> place = gap.quotient * line.block;
   const F<V> before = line.first + of_line * line.line_step + place * line.step;
   return {to_int(before + (gap.remainder + 1.0F) * line.step), to_int(before), to_int(before + line.block * line.step),
-          to_int(gap.remainder), either(place < line.low, line.high < place + line.block)};
+          to_int(gap.remainder), logical_or(place < line.low, line.high < place + line.block)};
 }
 
 // An item of the stream of samples that have passed: the sample, and above it the gap.
@@ -74,15 +75,15 @@ struct VerdictPorts {
   Counter<V> passed_count, failed_count;
   static void describe(auto& p, auto&& port) {
     LineUniforms<V>::describe(p.line, port);
-    port(p.verdicts, "verdicts");
-    port(p.passed, "passed");
-    port(p.failed, "failed");
-    port(p.passed_count, "passed_count");
-    port(p.failed_count, "failed_count");
+    port(NAMED(p.verdicts));
+    port(NAMED(p.passed));
+    port(NAMED(p.failed));
+    port(NAMED(p.passed_count));
+    port(NAMED(p.failed_count));
   }
 };
 template <class V>
-void pronounce(VerdictPorts<V>& at, const Between<V>& b, const I<V>& checks) {
+void write_verdict(VerdictPorts<V>& at, const SampleNeighbours<V>& b, const I<V>& checks) {
   const I<V> failed = select(b.outside, I<V>(bit(Check::kBorder)), checks);
   at.verdicts.store(b.sample, {failed});
   at.passed.store(at.passed_count.next(failed == 0U), {b.sample | (b.gap << kGapShift)});
@@ -95,19 +96,19 @@ I<V> fails_if(const M<V>& mask, Check check) {
 }
 
 template <class V>
-F<V> mixed(const F<V>& a, const F<V>& b, const F<V>& weight) {
+F<V> lerp(const F<V>& a, const F<V>& b, const F<V>& weight) {
   return a + (b - a) * weight;
 }
 template <class V>
-Vec3<V> mixed(const Vec3<V>& a, const Vec3<V>& b, const F<V>& weight) {
+Vec3<V> lerp(const Vec3<V>& a, const Vec3<V>& b, const F<V>& weight) {
   return a + (b - a) * weight;
 }
 
 /// Colour of a sample between two: samples are what is averaged, so they are clamped first.
 template <class V>
 Vec3<V> mixed_colours(const Vec3<V>& a, const Vec3<V>& b, const F<V>& weight) {
-  return mixed<V>({clamped<V>(a.x), clamped<V>(a.y), clamped<V>(a.z)},
-                  {clamped<V>(b.x), clamped<V>(b.y), clamped<V>(b.z)}, weight);
+  return lerp<V>({clamped<V>(a.x), clamped<V>(a.y), clamped<V>(a.z)},
+                 {clamped<V>(b.x), clamped<V>(b.y), clamped<V>(b.z)}, weight);
 }
 
 }  // namespace kernels

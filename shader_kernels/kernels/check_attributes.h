@@ -2,6 +2,7 @@
 #include <string_view>
 
 #include "shader_kernels/kernels/between.h"
+#include "sim/named.h"
 #include "traces/accel/memory_image.h"
 
 namespace kernels {
@@ -36,18 +37,18 @@ struct CheckAttributes {
     F<V> apart_squared, least_dot, texture, colour_squared;
     static void describe(auto& p, auto&& port) {
       VerdictPorts<V>::describe(p, port);
-      port(p.geometry, "geometry");
-      port(p.kept, "kept");
-      port(p.globals, "globals");
-      port(p.apart_squared, "apart_squared");
-      port(p.least_dot, "least_dot");
-      port(p.texture, "texture");
-      port(p.colour_squared, "colour_squared");
+      port(NAMED(p.geometry));
+      port(NAMED(p.kept));
+      port(NAMED(p.globals));
+      port(NAMED(p.apart_squared));
+      port(NAMED(p.least_dot));
+      port(NAMED(p.texture));
+      port(NAMED(p.colour_squared));
     }
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
-    const Between<V> b = sample_between<kAlongY, V>(item, at.line);
+    const SampleNeighbours<V> b = sample_between<kAlongY, V>(item, at.line);
     const GeometryRecord<V> g0 = at.geometry.load(b.before);
     const GeometryRecord<V> g1 = at.geometry.load(b.after);
     const SurfaceRecord<V> s0 = at.kept.load(b.before);
@@ -55,7 +56,7 @@ struct CheckAttributes {
     const Vec3<V> d = g1.position - g0.position;
     const F<V> squared = dot(d, d);
     const F<V> bend = dot(d, s0.plane) * -dot(d, s1.plane);
-    const M<V> over_edge = either(wraps<V>(s0.u, s1.u, at.texture), wraps<V>(s0.v, s1.v, at.texture));
+    const M<V> over_edge = logical_or(wraps<V>(s0.u, s1.u, at.texture), wraps<V>(s0.v, s1.v, at.texture));
     const F<V> colours = encoded_distance_squared<V>(at.globals.load(b.before).rgb, at.globals.load(b.after).rgb);
     const I<V> failed = select(g0.object == g1.object, I<V>(0U), I<V>(bit(Check::kObject))) |
                         fails_if<V>(at.apart_squared < squared, Check::kPosition) |
@@ -65,7 +66,7 @@ struct CheckAttributes {
                         select(g0.shadows == g1.shadows, I<V>(0U), I<V>(bit(Check::kShadow))) |
                         fails_if<V>(at.colour_squared < colours, Check::kColour) |
                         fails_if<V>(has<V>(s0.classes, traces::kOccluded), Check::kDetail);
-    pronounce<V>(at, b, failed);
+    write_verdict<V>(at, b, failed);
   }
 };
 

@@ -2,6 +2,7 @@
 #include <string_view>
 
 #include "shader_kernels/kernels/between.h"
+#include "sim/named.h"
 
 namespace kernels {
 
@@ -20,14 +21,14 @@ struct CheckSimilarity {
     F<V> least_dot;
     static void describe(auto& p, auto&& port) {
       VerdictPorts<V>::describe(p, port);
-      port(p.geometry, "geometry");
-      port(p.secondary, "secondary");
-      port(p.least_dot, "least_dot");
+      port(NAMED(p.geometry));
+      port(NAMED(p.secondary));
+      port(NAMED(p.least_dot));
     }
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
-    const Between<V> b = sample_between<kAlongY, V>(item, at.line);
+    const SampleNeighbours<V> b = sample_between<kAlongY, V>(item, at.line);
     const GeometryRecord<V> before = at.geometry.load(b.before);
     const GeometryRecord<V> after = at.geometry.load(b.after);
     I<V> failed = select(before.object == after.object, I<V>(0U), I<V>(bit(Check::kObject))) |
@@ -41,7 +42,7 @@ struct CheckSimilarity {
                fails_if<V>(least < at.least_dot, Check::kSecondaryNormal) |
                select(one.shadows == other.shadows, I<V>(0U), I<V>(bit(Check::kSecondaryShadow)));
     }
-    pronounce<V>(at, b, failed);
+    write_verdict<V>(at, b, failed);
   }
 };
 

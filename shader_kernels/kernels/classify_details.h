@@ -2,6 +2,7 @@
 #include <string_view>
 
 #include "shader_kernels/kernels/classify_surfaces.h"
+#include "sim/named.h"
 
 namespace kernels {
 
@@ -12,29 +13,29 @@ struct ClassifyDetails {
   template <class V>
   struct Ports {
     Local<V, WordRecord> surfaces;
-    Local<V, MatteRecord> mattes;
+    Local<V, DiffuseRecord> mattes;
     Local<V, WordRecord> absorbing, vertexed, based, physical, bumped, blended, glowing, occluded;
     Counter<V> absorbing_count, vertexed_count, based_count, physical_count, bumped_count, blended_count, glowing_count,
         occluded_count;
     static void describe(auto& p, auto&& port) {
-      port(p.surfaces, "surfaces");
-      port(p.mattes, "mattes");
-      port(p.absorbing, "absorbing");
-      port(p.vertexed, "vertexed");
-      port(p.based, "based");
-      port(p.physical, "physical");
-      port(p.bumped, "bumped");
-      port(p.blended, "blended");
-      port(p.glowing, "glowing");
-      port(p.occluded, "occluded");
-      port(p.absorbing_count, "absorbing_count");
-      port(p.vertexed_count, "vertexed_count");
-      port(p.based_count, "based_count");
-      port(p.physical_count, "physical_count");
-      port(p.bumped_count, "bumped_count");
-      port(p.blended_count, "blended_count");
-      port(p.glowing_count, "glowing_count");
-      port(p.occluded_count, "occluded_count");
+      port(NAMED(p.surfaces));
+      port(NAMED(p.mattes));
+      port(NAMED(p.absorbing));
+      port(NAMED(p.vertexed));
+      port(NAMED(p.based));
+      port(NAMED(p.physical));
+      port(NAMED(p.bumped));
+      port(NAMED(p.blended));
+      port(NAMED(p.glowing));
+      port(NAMED(p.occluded));
+      port(NAMED(p.absorbing_count));
+      port(NAMED(p.vertexed_count));
+      port(NAMED(p.based_count));
+      port(NAMED(p.physical_count));
+      port(NAMED(p.bumped_count));
+      port(NAMED(p.blended_count));
+      port(NAMED(p.glowing_count));
+      port(NAMED(p.occluded_count));
     }
   };
   template <class V>

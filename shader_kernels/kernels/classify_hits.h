@@ -2,6 +2,7 @@
 #include <string_view>
 
 #include "shader_kernels/ports.h"
+#include "sim/named.h"
 #include "traces/ray.h"
 
 namespace kernels {
@@ -16,11 +17,11 @@ struct ClassifyHits {
     Local<V, WordRecord> misses, surfaces;
     Counter<V> miss_count, surface_count;
     static void describe(auto& p, auto&& port) {
-      port(p.hits, "hits");
-      port(p.misses, "misses");
-      port(p.surfaces, "surfaces");
-      port(p.miss_count, "miss_count");
-      port(p.surface_count, "surface_count");
+      port(NAMED(p.hits));
+      port(NAMED(p.misses));
+      port(NAMED(p.surfaces));
+      port(NAMED(p.miss_count));
+      port(NAMED(p.surface_count));
     }
   };
   template <class V>

@@ -2,6 +2,7 @@
 #include <string_view>
 
 #include "shader_kernels/ports.h"
+#include "sim/named.h"
 #include "traces/ray.h"
 
 namespace kernels {
@@ -23,10 +24,10 @@ struct ClassifyLayers {
     Counter<V> layer_count;
     I<V> solid;
     static void describe(auto& p, auto&& port) {
-      port(p.hits, "hits");
-      port(p.layers, "layers");
-      port(p.layer_count, "layer_count");
-      port(p.solid, "solid");
+      port(NAMED(p.hits));
+      port(NAMED(p.layers));
+      port(NAMED(p.layer_count));
+      port(NAMED(p.solid));
     }
   };
   template <class V>

@@ -3,6 +3,7 @@
 
 #include "shader_kernels/kernels/arithmetic.h"
 #include "shader_kernels/ports.h"
+#include "sim/named.h"
 
 namespace kernels {
 
@@ -20,22 +21,22 @@ struct ClassifySurfaces {
   template <class V>
   struct Ports {
     Local<V, WordRecord> surfaces;
-    Local<V, MatteRecord> mattes;
+    Local<V, DiffuseRecord> mattes;
     Local<V, WordRecord> textured, diffuse, mirror, glass, emissive;
     Counter<V> textured_count, diffuse_count, mirror_count, glass_count, emissive_count;
     static void describe(auto& p, auto&& port) {
-      port(p.surfaces, "surfaces");
-      port(p.mattes, "mattes");
-      port(p.textured, "textured");
-      port(p.diffuse, "diffuse");
-      port(p.mirror, "mirror");
-      port(p.glass, "glass");
-      port(p.emissive, "emissive");
-      port(p.textured_count, "textured_count");
-      port(p.diffuse_count, "diffuse_count");
-      port(p.mirror_count, "mirror_count");
-      port(p.glass_count, "glass_count");
-      port(p.emissive_count, "emissive_count");
+      port(NAMED(p.surfaces));
+      port(NAMED(p.mattes));
+      port(NAMED(p.textured));
+      port(NAMED(p.diffuse));
+      port(NAMED(p.mirror));
+      port(NAMED(p.glass));
+      port(NAMED(p.emissive));
+      port(NAMED(p.textured_count));
+      port(NAMED(p.diffuse_count));
+      port(NAMED(p.mirror_count));
+      port(NAMED(p.glass_count));
+      port(NAMED(p.emissive_count));
     }
   };
   template <class V>

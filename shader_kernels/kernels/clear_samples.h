@@ -2,6 +2,7 @@
 #include <string_view>
 
 #include "shader_kernels/ports.h"
+#include "sim/named.h"
 
 namespace kernels {
 
@@ -14,8 +15,8 @@ struct ClearGeometry {
     Local<V, WordRecord> samples;
     Local<V, GeometryRecord> geometry;
     static void describe(auto& p, auto&& port) {
-      port(p.samples, "samples");
-      port(p.geometry, "geometry");
+      port(NAMED(p.samples));
+      port(NAMED(p.geometry));
     }
   };
   template <class V>
@@ -32,8 +33,8 @@ struct ClearSecondary {
     Local<V, WordRecord> samples;
     Local<V, SecondaryRecord> secondary;
     static void describe(auto& p, auto&& port) {
-      port(p.samples, "samples");
-      port(p.secondary, "secondary");
+      port(NAMED(p.samples));
+      port(NAMED(p.secondary));
     }
   };
   template <class V>

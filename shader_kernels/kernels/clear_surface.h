@@ -2,6 +2,7 @@
 #include <string_view>
 
 #include "shader_kernels/ports.h"
+#include "sim/named.h"
 
 namespace kernels {
 
@@ -16,10 +17,10 @@ struct ClearSurface {
     Local<V, SurfaceRecord> kept;
     Local<V, ColourRecord> globals;
     static void describe(auto& p, auto&& port) {
-      port(p.samples, "samples");
-      port(p.geometry, "geometry");
-      port(p.kept, "kept");
-      port(p.globals, "globals");
+      port(NAMED(p.samples));
+      port(NAMED(p.geometry));
+      port(NAMED(p.kept));
+      port(NAMED(p.globals));
     }
   };
   template <class V>

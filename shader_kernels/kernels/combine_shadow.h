@@ -2,6 +2,7 @@
 #include <string_view>
 
 #include "shader_kernels/kernels/add_light.h"
+#include "sim/named.h"
 #include "traces/ray.h"
 
 namespace kernels {
@@ -15,9 +16,9 @@ struct CombineShadow {
     Local<V, PathRecord> shadow_paths;
     Local<V, ColourRecord> colours;
     static void describe(auto& p, auto&& port) {
-      port(p.shadow_hits, "shadow_hits");
-      port(p.shadow_paths, "shadow_paths");
-      port(p.colours, "colours");
+      port(NAMED(p.shadow_hits));
+      port(NAMED(p.shadow_paths));
+      port(NAMED(p.colours));
     }
   };
   template <class V>

@@ -4,6 +4,7 @@
 #include "shader_kernels/kernels/instances.h"
 #include "shader_kernels/kernels/vertex_colour.h"
 #include "shader_kernels/ports.h"
+#include "sim/named.h"
 #include "traces/ray.h"
 
 namespace kernels {
@@ -18,19 +19,19 @@ struct FetchVertices {
   struct Ports {
     Local<V, WordRecord> vertexed;
     Hits<V, kInstanced> hits;
-    Local<V, MatteRecord> mattes;
-    Local<V, OpticsRecord> optics;
+    Local<V, DiffuseRecord> mattes;
+    Local<V, SpecularRecord> optics;
     Local<V, TangentRecord> tangents;
     Vertices<V> vertices;
     Instances<V> instances;  ///< wired if kInstanced
     static void describe(auto& p, auto&& port) {
-      port(p.vertexed, "vertexed");
-      port(p.hits, "hits");
-      port(p.mattes, "mattes");
-      port(p.optics, "optics");
-      port(p.tangents, "tangents");
-      port(p.vertices, "vertices");
-      if constexpr (kInstanced) port(p.instances, "instances");
+      port(NAMED(p.vertexed));
+      port(NAMED(p.hits));
+      port(NAMED(p.mattes));
+      port(NAMED(p.optics));
+      port(NAMED(p.tangents));
+      port(NAMED(p.vertices));
+      if constexpr (kInstanced) port(NAMED(p.instances));
     }
   };
   template <class V>
@@ -38,8 +39,8 @@ struct FetchVertices {
     const I<V> slot = at.vertexed.load(item).word;
     const auto found = at.hits.load(slot);
     const HitRecord<V> hit = plain<V>(found);
-    const MatteRecord<V> matte = at.mattes.load(slot);
-    OpticsRecord<V> optics = at.optics.load(slot);
+    const DiffuseRecord<V> matte = at.mattes.load(slot);
+    SpecularRecord<V> optics = at.optics.load(slot);
     const VertexFields<V> vertex = at.vertices.load(triangle_of<V>(hit));
     const Weights<V> corners(hit);
     const VertexColour<V> colour = vertex_colour<V>(corners, vertex);

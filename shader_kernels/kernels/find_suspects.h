@@ -2,6 +2,7 @@
 #include <string_view>
 
 #include "shader_kernels/kernels/sample_grid.h"
+#include "sim/named.h"
 
 namespace kernels {
 
@@ -24,12 +25,12 @@ struct FindSuspects {
     Counter<V> suspect_count;
     I<V> step, line_step;
     static void describe(auto& p, auto&& port) {
-      port(p.samples, "samples");
-      port(p.identities, "identities");
-      port(p.suspects, "suspects");
-      port(p.suspect_count, "suspect_count");
-      port(p.step, "step");
-      port(p.line_step, "line_step");
+      port(NAMED(p.samples));
+      port(NAMED(p.identities));
+      port(NAMED(p.suspects));
+      port(NAMED(p.suspect_count));
+      port(NAMED(p.step));
+      port(NAMED(p.line_step));
     }
   };
   template <class V>
@@ -68,9 +69,9 @@ struct StoreIdentities {
     Local<V, WordRecord> verdicts, identities;
     LatticeUniforms<V> lattice;
     static void describe(auto& p, auto&& port) {
-      port(p.geometry, "geometry");
-      port(p.verdicts, "verdicts");
-      port(p.identities, "identities");
+      port(NAMED(p.geometry));
+      port(NAMED(p.verdicts));
+      port(NAMED(p.identities));
       LatticeUniforms<V>::describe(p.lattice, port);
     }
   };

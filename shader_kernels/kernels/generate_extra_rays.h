@@ -3,6 +3,7 @@
 
 #include "shader_kernels/kernels/generate_rays.h"
 #include "shader_kernels/kernels/subpixels.h"
+#include "sim/named.h"
 
 namespace kernels {
 
@@ -22,24 +23,24 @@ struct GenerateExtraRays {
     F<V> first_sample;                  ///< where their colours lie
     I<V> image_width, seed;
     static void describe(auto& p, auto&& port) {
-      port(p.active, "active");
-      port(p.rays, "rays");
-      port(p.paths, "paths");
-      port(p.colours, "colours");
+      port(NAMED(p.active));
+      port(NAMED(p.rays));
+      port(NAMED(p.paths));
+      port(NAMED(p.colours));
       CameraUniforms<V>::describe(p.camera, port);
-      port(p.x0, "x0");
-      port(p.y0, "y0");
-      port(p.width, "width");
-      port(p.inverse_width, "inverse_width");
-      port(p.first_sample, "first_sample");
-      port(p.image_width, "image_width");
-      port(p.seed, "seed");
+      port(NAMED(p.x0));
+      port(NAMED(p.y0));
+      port(NAMED(p.width));
+      port(NAMED(p.inverse_width));
+      port(NAMED(p.first_sample));
+      port(NAMED(p.image_width));
+      port(NAMED(p.seed));
     }
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
     const I<V> subpixel = at.active.load(item >> 2U).word;
-    const Split<V> row = split<V>(to_float(subpixel >> 2U), at.width, at.inverse_width);
+    const Split<V> row = divmod<V>(to_float(subpixel >> 2U), at.width, at.inverse_width);
     const F<V> x = at.x0 + row.remainder;
     const F<V> y = at.y0 + row.quotient;
     // A cell of the pixel's 4 x 4: two bits of column and row each from the sub-pixel and from the sample.

@@ -3,6 +3,7 @@
 
 #include "shader_kernels/kernels/generate_rays.h"
 #include "shader_kernels/kernels/sample_grid.h"
+#include "sim/named.h"
 
 namespace kernels {
 
@@ -19,10 +20,10 @@ struct GenerateListedRays {
     CameraUniforms<V> camera;
     GridUniforms<V> grid;
     static void describe(auto& p, auto&& port) {
-      port(p.samples, "samples");
-      port(p.rays, "rays");
-      port(p.paths, "paths");
-      port(p.colours, "colours");
+      port(NAMED(p.samples));
+      port(NAMED(p.rays));
+      port(NAMED(p.paths));
+      port(NAMED(p.colours));
       CameraUniforms<V>::describe(p.camera, port);
       GridUniforms<V>::describe(p.grid, port);
     }
@@ -30,9 +31,9 @@ struct GenerateListedRays {
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
     const I<V> sample = at.samples.load(item).word;
-    const Split<V> row = split<V>(to_float(sample), at.grid.pitch, at.grid.inverse_pitch);
-    const Split<V> x = split<V>(at.grid.x0 + row.remainder, at.grid.grid, at.grid.inverse_grid);
-    const Split<V> y = split<V>(at.grid.y0 + row.quotient, at.grid.grid, at.grid.inverse_grid);
+    const Split<V> row = divmod<V>(to_float(sample), at.grid.pitch, at.grid.inverse_pitch);
+    const Split<V> x = divmod<V>(at.grid.x0 + row.remainder, at.grid.grid, at.grid.inverse_grid);
+    const Split<V> y = divmod<V>(at.grid.y0 + row.quotient, at.grid.grid, at.grid.inverse_grid);
     emit_primary<V>(item, sample, x.quotient + (x.remainder + 0.5F) * at.grid.inverse_grid,
                     y.quotient + (y.remainder + 0.5F) * at.grid.inverse_grid, at);
   }

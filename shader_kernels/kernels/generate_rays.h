@@ -5,6 +5,7 @@
 #include "shader_kernels/kernels/arithmetic.h"
 #include "shader_kernels/kernels/uniforms.h"
 #include "shader_kernels/ports.h"
+#include "sim/named.h"
 
 namespace kernels {
 
@@ -17,13 +18,13 @@ struct GeneratePorts {
   TileUniforms<V> tile;
   I<V> image_width, seed;
   static void describe(auto& p, auto&& port) {
-    port(p.rays, "rays");
-    port(p.paths, "paths");
-    port(p.colours, "colours");
+    port(NAMED(p.rays));
+    port(NAMED(p.paths));
+    port(NAMED(p.colours));
     CameraUniforms<V>::describe(p.camera, port);
     TileUniforms<V>::describe(p.tile, port);
-    port(p.image_width, "image_width");
-    port(p.seed, "seed");
+    port(NAMED(p.image_width));
+    port(NAMED(p.seed));
   }
 };
 
@@ -36,9 +37,9 @@ struct SamplePlace {
 };
 template <class V>
 SamplePlace<V> sample_place(const I<V>& item, const TileUniforms<V>& tile) {
-  const Split<V> pixel = split<V>(to_float(item), tile.samples, tile.inverse_samples);
-  const Split<V> row = split<V>(pixel.quotient, tile.width, tile.inverse_width);
-  const Split<V> cell = split<V>(pixel.remainder, tile.grid, tile.inverse_grid);
+  const Split<V> pixel = divmod<V>(to_float(item), tile.samples, tile.inverse_samples);
+  const Split<V> row = divmod<V>(pixel.quotient, tile.width, tile.inverse_width);
+  const Split<V> cell = divmod<V>(pixel.remainder, tile.grid, tile.inverse_grid);
   return {tile.x0 + row.remainder, tile.y0 + row.quotient, cell.remainder, cell.quotient, pixel.remainder};
 }
 

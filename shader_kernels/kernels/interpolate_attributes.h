@@ -2,6 +2,7 @@
 #include <string_view>
 
 #include "shader_kernels/kernels/interpolate_sample.h"
+#include "sim/named.h"
 
 namespace kernels {
 
@@ -21,20 +22,20 @@ struct InterpolateAttributes {
     Local<V, WordRecord> surfaces;
     Local<V, PlaceRecord> places;
     Local<V, PathRecord> paths;
-    Local<V, MatteRecord> mattes;
+    Local<V, DiffuseRecord> mattes;
     Local<V, TexcoordRecord> texcoords;
     static void describe(auto& p, auto&& port) {
-      port(p.passed, "passed");
+      port(NAMED(p.passed));
       LineUniforms<V>::describe(p.line, port);
-      port(p.geometry, "geometry");
-      port(p.kept, "kept");
-      port(p.globals, "globals");
-      port(p.colours, "colours");
-      port(p.surfaces, "surfaces");
-      port(p.places, "places");
-      port(p.paths, "paths");
-      port(p.mattes, "mattes");
-      port(p.texcoords, "texcoords");
+      port(NAMED(p.geometry));
+      port(NAMED(p.kept));
+      port(NAMED(p.globals));
+      port(NAMED(p.colours));
+      port(NAMED(p.surfaces));
+      port(NAMED(p.places));
+      port(NAMED(p.paths));
+      port(NAMED(p.mattes));
+      port(NAMED(p.texcoords));
     }
   };
   template <class V>
@@ -43,13 +44,13 @@ struct InterpolateAttributes {
     const GeometryRecord<V> g = mixed_geometry<V>(at.geometry.load(p.before), at.geometry.load(p.after), p.weight);
     const SurfaceRecord<V> a = at.kept.load(p.before);
     const SurfaceRecord<V> b = at.kept.load(p.after);
-    const Vec3<V> diffuse = mixed<V>(a.diffuse, b.diffuse, p.weight);
-    const F<V> u = mixed<V>(a.u, b.u, p.weight);
-    const F<V> v = mixed<V>(a.v, b.v, p.weight);
-    const Vec3<V> global = mixed<V>(at.globals.load(p.before).rgb, at.globals.load(p.after).rgb, p.weight);
+    const Vec3<V> diffuse = lerp<V>(a.diffuse, b.diffuse, p.weight);
+    const F<V> u = lerp<V>(a.u, b.u, p.weight);
+    const F<V> v = lerp<V>(a.v, b.v, p.weight);
+    const Vec3<V> global = lerp<V>(at.globals.load(p.before).rgb, at.globals.load(p.after).rgb, p.weight);
     at.geometry.store(p.sample, g);
     if constexpr (!kAlongY) {
-      at.kept.store(p.sample, {diffuse, a.classes, normalised(mixed<V>(a.plane, b.plane, p.weight)), u, v, a.texture});
+      at.kept.store(p.sample, {diffuse, a.classes, normalised(lerp<V>(a.plane, b.plane, p.weight)), u, v, a.texture});
       at.globals.store(p.sample, {global});
     }
     at.colours.store(p.sample, {global});

@@ -2,6 +2,7 @@
 #include <string_view>
 
 #include "shader_kernels/kernels/between.h"
+#include "sim/named.h"
 
 namespace kernels {
 
@@ -9,7 +10,7 @@ namespace kernels {
 /// is taken over.
 template <class V>
 GeometryRecord<V> mixed_geometry(const GeometryRecord<V>& a, const GeometryRecord<V>& b, const F<V>& weight) {
-  return {normalised(mixed<V>(a.normal, b.normal, weight)), a.object, mixed<V>(a.position, b.position, weight),
+  return {normalised(lerp<V>(a.normal, b.normal, weight)), a.object, lerp<V>(a.position, b.position, weight),
           a.shadows};
 }
 
@@ -28,11 +29,11 @@ struct InterpolateSample {
     Local<V, GeometryRecord> geometry;
     Local<V, SecondaryRecord> secondary;
     static void describe(auto& p, auto&& port) {
-      port(p.passed, "passed");
+      port(NAMED(p.passed));
       LineUniforms<V>::describe(p.line, port);
-      port(p.colours, "colours");
-      port(p.geometry, "geometry");
-      port(p.secondary, "secondary");
+      port(NAMED(p.colours));
+      port(NAMED(p.geometry));
+      port(NAMED(p.secondary));
     }
   };
   template <class V>
@@ -46,8 +47,8 @@ struct InterpolateSample {
     if constexpr (kSecondary) {
       const SecondaryRecord<V> a = at.secondary.load(p.before);
       const SecondaryRecord<V> b = at.secondary.load(p.after);
-      at.secondary.store(p.sample, {normalised(mixed<V>(a.mirror_normal, b.mirror_normal, p.weight)), a.objects,
-                                    normalised(mixed<V>(a.glass_normal, b.glass_normal, p.weight)), a.shadows});
+      at.secondary.store(p.sample, {normalised(lerp<V>(a.mirror_normal, b.mirror_normal, p.weight)), a.objects,
+                                    normalised(lerp<V>(a.glass_normal, b.glass_normal, p.weight)), a.shadows});
     }
   }
 };

@@ -2,6 +2,7 @@
 #include "shader_kernels/kernels/instances.h"
 #include "shader_kernels/kernels/sampling.h"
 #include "shader_kernels/kernels/vertex_colour.h"
+#include "sim/named.h"
 #include "traces/ray.h"
 
 namespace kernels {
@@ -24,20 +25,20 @@ struct LayerPorts {
   F<V> epsilon, min_weight;  ///< what is not above it is not seen
   I<V> white;                ///< the texture of materials without one
   static void describe(auto& p, auto&& port) {
-    port(p.layers, "layers");
-    port(p.rays, "rays");
-    port(p.hits, "hits");
-    port(p.attributes, "attributes");
-    port(p.materials, "materials");
-    if constexpr (kColoured) port(p.vertices, "vertices");
-    port(p.axes, "axes");
-    port(p.texels, "texels");
-    port(p.next_rays, "next_rays");
-    port(p.targets, "targets");
-    port(p.emitted, "emitted");
-    port(p.epsilon, "epsilon");
-    port(p.min_weight, "min_weight");
-    port(p.white, "white");
+    port(NAMED(p.layers));
+    port(NAMED(p.rays));
+    port(NAMED(p.hits));
+    port(NAMED(p.attributes));
+    port(NAMED(p.materials));
+    if constexpr (kColoured) port(NAMED(p.vertices));
+    port(NAMED(p.axes));
+    port(NAMED(p.texels));
+    port(NAMED(p.next_rays));
+    port(NAMED(p.targets));
+    port(NAMED(p.emitted));
+    port(NAMED(p.epsilon));
+    port(NAMED(p.min_weight));
+    port(NAMED(p.white));
   }
 };
 

@@ -2,6 +2,7 @@
 #include <string_view>
 
 #include "shader_kernels/kernels/sample_grid.h"
+#include "sim/named.h"
 
 namespace kernels {
 
@@ -14,8 +15,8 @@ struct ListSamples {
     Local<V, WordRecord> samples, verdicts;
     LatticeUniforms<V> lattice;
     static void describe(auto& p, auto&& port) {
-      port(p.samples, "samples");
-      port(p.verdicts, "verdicts");
+      port(NAMED(p.samples));
+      port(NAMED(p.verdicts));
       LatticeUniforms<V>::describe(p.lattice, port);
     }
   };

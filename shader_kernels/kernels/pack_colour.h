@@ -3,6 +3,7 @@
 
 #include "shader_kernels/kernels/arithmetic.h"
 #include "shader_kernels/ports.h"
+#include "sim/named.h"
 
 namespace kernels {
 
@@ -14,8 +15,8 @@ struct PackColour {
     Local<V, ColourRecord> pixels;
     Local<V, WordRecord> packed;
     static void describe(auto& p, auto&& port) {
-      port(p.pixels, "pixels");
-      port(p.packed, "packed");
+      port(NAMED(p.pixels));
+      port(NAMED(p.packed));
     }
   };
   template <class V>

@@ -3,6 +3,7 @@
 #include <string_view>
 
 #include "shader_kernels/kernels/subpixels.h"
+#include "sim/named.h"
 
 namespace kernels {
 
@@ -24,16 +25,16 @@ struct PackSubpixels {
     Carried<V> places;
     Counter<V> masters_count;
     static void describe(auto& p, auto&& port) {
-      port(p.across, "across");
-      port(p.inverse_across, "inverse_across");
-      port(p.width, "width");
-      port(p.height, "height");
-      port(p.verdicts, "verdicts");
-      port(p.active, "active");
-      port(p.masters, "masters");
-      port(p.fills, "fills");
-      port(p.places, "places");
-      port(p.masters_count, "masters_count");
+      port(NAMED(p.across));
+      port(NAMED(p.inverse_across));
+      port(NAMED(p.width));
+      port(NAMED(p.height));
+      port(NAMED(p.verdicts));
+      port(NAMED(p.active));
+      port(NAMED(p.masters));
+      port(NAMED(p.fills));
+      port(NAMED(p.places));
+      port(NAMED(p.masters_count));
     }
   };
   static constexpr std::uint32_t kFillBits = 8;
@@ -42,7 +43,7 @@ struct PackSubpixels {
   static void body(const I<V>& item, Ports<V>& at) {
     constexpr std::uint32_t kColumnBits = 3, kItemBits = 5;
     static_assert(1U << kColumnBits == kBlockWidth && 1U << kItemBits == kBlockWidth * kBlockHeight);
-    const Split<V> block = split<V>(to_float(item >> kItemBits), at.across, at.inverse_across);
+    const Split<V> block = divmod<V>(to_float(item >> kItemBits), at.across, at.inverse_across);
     const F<V> column = block.remainder * static_cast<float>(kBlockWidth) + to_float(item & (kBlockWidth - 1));
     const F<V> row =
         block.quotient * static_cast<float>(kBlockHeight) + to_float((item >> kColumnBits) & (kBlockHeight - 1));
@@ -94,12 +95,12 @@ struct PackSubpixelsAtomic {
     Carried<V> subpixel;
     F<V> stride, subpixels;
     static void describe(auto& p, auto&& port) {
-      port(p.verdicts, "verdicts");
-      port(p.active, "active");
-      port(p.length, "length");
-      port(p.subpixel, "subpixel");
-      port(p.stride, "stride");
-      port(p.subpixels, "subpixels");
+      port(NAMED(p.verdicts));
+      port(NAMED(p.active));
+      port(NAMED(p.length));
+      port(NAMED(p.subpixel));
+      port(NAMED(p.stride));
+      port(NAMED(p.subpixels));
     }
   };
   template <class V>

@@ -4,6 +4,7 @@
 #include "shader_kernels/kernels/arithmetic.h"
 #include "shader_kernels/kernels/instances.h"
 #include "shader_kernels/ports.h"
+#include "sim/named.h"
 
 namespace kernels {
 
@@ -43,18 +44,18 @@ struct RecordGeometry {
     Local<V, WordRecord> surfaces;
     Hits<V, kInstanced> hits;
     Local<V, PlaceRecord> places;
-    Local<V, MatteRecord> mattes;
+    Local<V, DiffuseRecord> mattes;
     Local<V, PathRecord> paths;
     Objects<V, kInstanced> objects;
     Local<V, GeometryRecord> geometry;
     static void describe(auto& p, auto&& port) {
-      port(p.surfaces, "surfaces");
-      port(p.hits, "hits");
-      port(p.places, "places");
-      port(p.mattes, "mattes");
-      port(p.paths, "paths");
+      port(NAMED(p.surfaces));
+      port(NAMED(p.hits));
+      port(NAMED(p.places));
+      port(NAMED(p.mattes));
+      port(NAMED(p.paths));
       port(p.objects, kInstanced ? "instances" : "triangles");
-      port(p.geometry, "geometry");
+      port(NAMED(p.geometry));
     }
   };
   template <class V>

@@ -2,6 +2,7 @@
 #include <string_view>
 
 #include "shader_kernels/ports.h"
+#include "sim/named.h"
 
 namespace kernels {
 
@@ -19,10 +20,10 @@ struct RecordLocal {
     Local<V, PathRecord> paths;
     Local<V, ColourRecord> colours, globals;
     static void describe(auto& p, auto&& port) {
-      port(p.diffuse, "diffuse");
-      port(p.paths, "paths");
-      port(p.colours, "colours");
-      port(p.globals, "globals");
+      port(NAMED(p.diffuse));
+      port(NAMED(p.paths));
+      port(NAMED(p.colours));
+      port(NAMED(p.globals));
     }
   };
   template <class V>
@@ -45,9 +46,9 @@ struct RecordGlobal {
     Local<V, WordRecord> samples;
     Local<V, ColourRecord> colours, globals;
     static void describe(auto& p, auto&& port) {
-      port(p.samples, "samples");
-      port(p.colours, "colours");
-      port(p.globals, "globals");
+      port(NAMED(p.samples));
+      port(NAMED(p.colours));
+      port(NAMED(p.globals));
     }
   };
   template <class V>

@@ -2,6 +2,7 @@
 #include <string_view>
 
 #include "shader_kernels/kernels/record_geometry.h"
+#include "sim/named.h"
 
 namespace kernels {
 
@@ -24,16 +25,16 @@ struct RecordSecondary {
     I<V> mirrored, refracted;  ///< slots below `mirrored` go straight on, those below `refracted` were mirrored
     F<V> first;                ///< 1 for the bounce whose normals are kept, else 0
     static void describe(auto& p, auto&& port) {
-      port(p.surfaces, "surfaces");
-      port(p.hits, "hits");
-      port(p.places, "places");
-      port(p.paths, "paths");
+      port(NAMED(p.surfaces));
+      port(NAMED(p.hits));
+      port(NAMED(p.places));
+      port(NAMED(p.paths));
       port(p.objects, kInstanced ? "instances" : "triangles");
-      port(p.secondary, "secondary");
-      port(p.way, "way");
-      port(p.mirrored, "mirrored");
-      port(p.refracted, "refracted");
-      port(p.first, "first");
+      port(NAMED(p.secondary));
+      port(NAMED(p.way));
+      port(NAMED(p.mirrored));
+      port(NAMED(p.refracted));
+      port(NAMED(p.first));
     }
   };
   template <class V>

@@ -4,6 +4,7 @@
 
 #include "shader_kernels/kernels/arithmetic.h"
 #include "shader_kernels/ports.h"
+#include "sim/named.h"
 #include "traces/ray.h"
 
 namespace kernels {
@@ -19,10 +20,10 @@ struct RecordShadowPorts {
     Local<V, R> records;
     I<V> mark;
     static void describe(auto& p, auto&& port) {
-      port(p.shadow_hits, "shadow_hits");
-      port(p.shadow_paths, "shadow_paths");
-      port(p.records, "records");
-      port(p.mark, "mark");
+      port(NAMED(p.shadow_hits));
+      port(NAMED(p.shadow_paths));
+      port(NAMED(p.records));
+      port(NAMED(p.mark));
     }
   };
   template <class V>

@@ -2,6 +2,7 @@
 #include <string_view>
 
 #include "shader_kernels/kernels/record_geometry.h"
+#include "sim/named.h"
 
 namespace kernels {
 
@@ -26,15 +27,15 @@ struct RecordSurface {
     static void describe(auto& p, auto&& port) {
       RecordGeometry<kInstanced>::template Ports<V>::describe(p, port);
       if constexpr (kInstanced) port(p.corners, "triangles");
-      port(p.texcoords, "texcoords");
-      port(p.kept, "kept");
+      port(NAMED(p.texcoords));
+      port(NAMED(p.kept));
     }
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
     const I<V> slot = at.surfaces.load(item).word;
     const PlaceRecord<V> place = at.places.load(slot);
-    const MatteRecord<V> matte = at.mattes.load(slot);
+    const DiffuseRecord<V> matte = at.mattes.load(slot);
     const TexcoordRecord<V> texcoord = at.texcoords.load(slot);
     const auto hit = at.hits.load(slot);
     const auto found = at.objects.load(index_of<V>(hit));

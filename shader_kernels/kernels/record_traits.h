@@ -3,6 +3,7 @@
 
 #include "shader_kernels/kernels/record_geometry.h"
 #include "shader_kernels/kernels/record_shadow.h"
+#include "sim/named.h"
 
 namespace kernels {
 
@@ -24,10 +25,10 @@ struct ClearTraits {
     Local<V, TraitsRecord> traits, secondary;
     Local<V, BranchRecord> branches;
     static void describe(auto& p, auto&& port) {
-      port(p.samples, "samples");
-      port(p.traits, "traits");
-      port(p.secondary, "secondary");
-      port(p.branches, "branches");
+      port(NAMED(p.samples));
+      port(NAMED(p.traits));
+      port(NAMED(p.secondary));
+      port(NAMED(p.branches));
     }
   };
   template <class V>
@@ -50,18 +51,18 @@ struct RecordTraits {
     Local<V, WordRecord> surfaces;
     Hits<V, kInstanced> hits;
     Local<V, PlaceRecord> places;
-    Local<V, MatteRecord> mattes;
+    Local<V, DiffuseRecord> mattes;
     Local<V, PathRecord> paths;
     Objects<V, kInstanced> objects;
     Local<V, TraitsRecord> traits;
     static void describe(auto& p, auto&& port) {
-      port(p.surfaces, "surfaces");
-      port(p.hits, "hits");
-      port(p.places, "places");
-      port(p.mattes, "mattes");
-      port(p.paths, "paths");
+      port(NAMED(p.surfaces));
+      port(NAMED(p.hits));
+      port(NAMED(p.places));
+      port(NAMED(p.mattes));
+      port(NAMED(p.paths));
       port(p.objects, kInstanced ? "instances" : "triangles");
-      port(p.traits, "traits");
+      port(NAMED(p.traits));
     }
   };
   template <class V>
@@ -88,8 +89,8 @@ struct WeighBranch {
     Local<V, PathRecord> paths;
     Local<V, BranchRecord> branches;
     static void describe(auto& p, auto&& port) {
-      port(p.paths, "paths");
-      port(p.branches, "branches");
+      port(NAMED(p.paths));
+      port(NAMED(p.branches));
     }
   };
   template <class V>
@@ -110,7 +111,7 @@ struct RecordBranch {
     Local<V, BranchRecord> branches;
     static void describe(auto& p, auto&& port) {
       RecordTraits<kInstanced>::template Ports<V>::describe(p, port);
-      port(p.branches, "branches");
+      port(NAMED(p.branches));
     }
   };
   template <class V>
@@ -141,11 +142,11 @@ struct RecordBranchShadow {
     Local<V, TraitsRecord> traits;
     Local<V, BranchRecord> branches;
     static void describe(auto& p, auto&& port) {
-      port(p.shadow_rays, "shadow_rays");
-      port(p.shadow_hits, "shadow_hits");
-      port(p.shadow_paths, "shadow_paths");
-      port(p.traits, "traits");
-      port(p.branches, "branches");
+      port(NAMED(p.shadow_rays));
+      port(NAMED(p.shadow_hits));
+      port(NAMED(p.shadow_paths));
+      port(NAMED(p.traits));
+      port(NAMED(p.branches));
     }
   };
   template <class V>

@@ -1,6 +1,7 @@
 #pragma once
 #include "shader_kernels/kernels/arithmetic.h"
 #include "shader_kernels/ports.h"
+#include "sim/named.h"
 
 namespace kernels {
 
@@ -60,18 +61,18 @@ Sample<V> sample(const Table<V, AxisRecord>& axes, const Texels<V>& texels, cons
 template <class V>
 struct DetailPorts {
   Local<V, WordRecord> stream;
-  Local<V, MatteRecord> mattes;
+  Local<V, DiffuseRecord> mattes;
   Local<V, TexcoordRecord> texcoords;
   Local<V, TangentRecord> tangents;
   Table<V, AxisRecord> axes;
   Texels<V> texels;
   static void describe(auto& p, auto&& port) {
-    port(p.stream, "stream");
-    port(p.mattes, "mattes");
-    port(p.texcoords, "texcoords");
-    port(p.tangents, "tangents");
-    port(p.axes, "axes");
-    port(p.texels, "texels");
+    port(NAMED(p.stream));
+    port(NAMED(p.mattes));
+    port(NAMED(p.texcoords));
+    port(NAMED(p.tangents));
+    port(NAMED(p.axes));
+    port(NAMED(p.texels));
   }
   /// Looks up a texture with the first texture coordinates, or the second if the surface's classes have that bit.
   Sample<V> look_up(const I<V>& texture, const I<V>& classes, traces::MaterialFlag second, const F<V>& u, const F<V>& v,

@@ -2,6 +2,7 @@
 #include <string_view>
 
 #include "shader_kernels/kernels/classify_layers.h"
+#include "sim/named.h"
 
 namespace kernels {
 
@@ -18,12 +19,12 @@ struct ScatterLayers {
     Counter<V> layer_count;
     I<V> solid;
     static void describe(auto& p, auto&& port) {
-      port(p.targets, "targets");
-      port(p.layer_hits, "layer_hits");
-      port(p.hits, "hits");
-      port(p.layers, "layers");
-      port(p.layer_count, "layer_count");
-      port(p.solid, "solid");
+      port(NAMED(p.targets));
+      port(NAMED(p.layer_hits));
+      port(NAMED(p.hits));
+      port(NAMED(p.layers));
+      port(NAMED(p.layer_count));
+      port(NAMED(p.solid));
     }
   };
   template <class V>

@@ -3,6 +3,7 @@
 
 #include "shader_kernels/kernels/arithmetic.h"
 #include "shader_kernels/ports.h"
+#include "sim/named.h"
 
 namespace kernels {
 
@@ -13,22 +14,22 @@ struct SecondaryPorts {
   Local<V, PlaceRecord> places;
   Local<V, RayRecord> rays;
   Local<V, PathRecord> paths;
-  Local<V, OpticsRecord> optics;
+  Local<V, SpecularRecord> optics;
   Local<V, RayRecord> next_rays;
   Local<V, PathRecord> next_paths;
   Counter<V> emitted;
   F<V> epsilon, min_weight;
   static void describe(auto& p, auto&& port) {
-    port(p.stream, "stream");
-    port(p.places, "places");
-    port(p.rays, "rays");
-    port(p.paths, "paths");
-    port(p.optics, "optics");
-    port(p.next_rays, "next_rays");
-    port(p.next_paths, "next_paths");
-    port(p.emitted, "emitted");
-    port(p.epsilon, "epsilon");
-    port(p.min_weight, "min_weight");
+    port(NAMED(p.stream));
+    port(NAMED(p.places));
+    port(NAMED(p.rays));
+    port(NAMED(p.paths));
+    port(NAMED(p.optics));
+    port(NAMED(p.next_rays));
+    port(NAMED(p.next_paths));
+    port(NAMED(p.emitted));
+    port(NAMED(p.epsilon));
+    port(NAMED(p.min_weight));
   }
 };
 

@@ -2,6 +2,7 @@
 #include <string_view>
 
 #include "shader_kernels/kernels/add_light.h"
+#include "sim/named.h"
 
 namespace kernels {
 
@@ -12,15 +13,15 @@ struct ShadeAmbient {
   struct Ports {
     Local<V, WordRecord> diffuse;
     Local<V, PathRecord> paths;
-    Local<V, MatteRecord> mattes;
+    Local<V, DiffuseRecord> mattes;
     Local<V, ColourRecord> colours;
     Vec3<V> ambient;
     static void describe(auto& p, auto&& port) {
-      port(p.diffuse, "diffuse");
-      port(p.paths, "paths");
-      port(p.mattes, "mattes");
-      port(p.colours, "colours");
-      port(p.ambient, "ambient");
+      port(NAMED(p.diffuse));
+      port(NAMED(p.paths));
+      port(NAMED(p.mattes));
+      port(NAMED(p.colours));
+      port(NAMED(p.ambient));
     }
   };
   template <class V>

@@ -2,6 +2,7 @@
 #include <string_view>
 
 #include "shader_kernels/kernels/add_light.h"
+#include "sim/named.h"
 
 namespace kernels {
 
@@ -15,10 +16,10 @@ struct ShadeBackground {
     Local<V, ColourRecord> colours;
     Vec3<V> background;
     static void describe(auto& p, auto&& port) {
-      port(p.misses, "misses");
-      port(p.paths, "paths");
-      port(p.colours, "colours");
-      port(p.background, "background");
+      port(NAMED(p.misses));
+      port(NAMED(p.paths));
+      port(NAMED(p.colours));
+      port(NAMED(p.background));
     }
   };
   template <class V>

@@ -2,6 +2,7 @@
 #include <string_view>
 
 #include "shader_kernels/ports.h"
+#include "sim/named.h"
 
 namespace kernels {
 
@@ -12,19 +13,19 @@ struct ShadeBlend {
   template <class V>
   struct Ports {
     Local<V, WordRecord> blended;
-    Local<V, MatteRecord> mattes;
-    Local<V, OpticsRecord> optics;
+    Local<V, DiffuseRecord> mattes;
+    Local<V, SpecularRecord> optics;
     static void describe(auto& p, auto&& port) {
-      port(p.blended, "blended");
-      port(p.mattes, "mattes");
-      port(p.optics, "optics");
+      port(NAMED(p.blended));
+      port(NAMED(p.mattes));
+      port(NAMED(p.optics));
     }
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
     const I<V> slot = at.blended.load(item).word;
-    const MatteRecord<V> matte = at.mattes.load(slot);
-    OpticsRecord<V> optics = at.optics.load(slot);
+    const DiffuseRecord<V> matte = at.mattes.load(slot);
+    SpecularRecord<V> optics = at.optics.load(slot);
     at.mattes.store(slot, {matte.diffuse * optics.alpha, matte.classes});
     optics.mirrored = optics.mirrored * optics.alpha;
     optics.entering = optics.entering * optics.alpha;

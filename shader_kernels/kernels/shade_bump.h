@@ -2,6 +2,7 @@
 #include <string_view>
 
 #include "shader_kernels/kernels/sampling.h"
+#include "sim/named.h"
 
 namespace kernels {
 
@@ -17,9 +18,9 @@ struct ShadeBump {
     Details<V> details;
     static void describe(auto& p, auto&& port) {
       DetailPorts<V>::describe(p, port);
-      port(p.rays, "rays");
-      port(p.places, "places");
-      port(p.details, "details");
+      port(NAMED(p.rays));
+      port(NAMED(p.places));
+      port(NAMED(p.details));
     }
   };
   template <class V>

@@ -3,6 +3,7 @@
 
 #include "shader_kernels/kernels/diffuse_light.h"
 #include "shader_kernels/ports.h"
+#include "sim/named.h"
 
 namespace kernels {
 
@@ -15,22 +16,22 @@ struct ShadeDiffuse {
     Local<V, WordRecord> diffuse;
     Local<V, PlaceRecord> places;
     Local<V, PathRecord> paths;
-    Local<V, MatteRecord> mattes;
+    Local<V, DiffuseRecord> mattes;
     Local<V, RayRecord> shadow_rays;
     Local<V, PathRecord> shadow_paths;
     Counter<V> emitted;
     LightUniforms<V> light;
     F<V> epsilon;
     static void describe(auto& p, auto&& port) {
-      port(p.diffuse, "diffuse");
-      port(p.places, "places");
-      port(p.paths, "paths");
-      port(p.mattes, "mattes");
-      port(p.shadow_rays, "shadow_rays");
-      port(p.shadow_paths, "shadow_paths");
-      port(p.emitted, "emitted");
+      port(NAMED(p.diffuse));
+      port(NAMED(p.places));
+      port(NAMED(p.paths));
+      port(NAMED(p.mattes));
+      port(NAMED(p.shadow_rays));
+      port(NAMED(p.shadow_paths));
+      port(NAMED(p.emitted));
       LightUniforms<V>::describe(p.light, port);
-      port(p.epsilon, "epsilon");
+      port(NAMED(p.epsilon));
     }
   };
   template <class V>

@@ -2,6 +2,7 @@
 #include <string_view>
 
 #include "shader_kernels/kernels/add_light.h"
+#include "sim/named.h"
 
 namespace kernels {
 
@@ -13,16 +14,16 @@ struct ShadeEmission {
     Local<V, WordRecord> emissive;
     Local<V, PlaceRecord> places;
     Local<V, PathRecord> paths;
-    Local<V, OpticsRecord> optics;
+    Local<V, SpecularRecord> optics;
     Materials<V> materials;
     Local<V, ColourRecord> colours;
     static void describe(auto& p, auto&& port) {
-      port(p.emissive, "emissive");
-      port(p.places, "places");
-      port(p.paths, "paths");
-      port(p.optics, "optics");
-      port(p.materials, "materials");
-      port(p.colours, "colours");
+      port(NAMED(p.emissive));
+      port(NAMED(p.places));
+      port(NAMED(p.paths));
+      port(NAMED(p.optics));
+      port(NAMED(p.materials));
+      port(NAMED(p.colours));
     }
   };
   template <class V>

@@ -17,7 +17,7 @@ struct ShadeGlass {
     const PlaceRecord<V> place = at.places.load(slot);
     const Vec3<V> direction = at.rays.load(slot).direction;
     const PathRecord<V> path = at.paths.load(slot);
-    const OpticsRecord<V> optics = at.optics.load(slot);
+    const SpecularRecord<V> optics = at.optics.load(slot);
     const Interface<V> glass = interface<V>(direction, place.normal, place.side, optics.ior);
     const F<V> bend = glass.eta * glass.cosine - sqrt(max(glass.inside, F<V>(0.0F)));
     const Vec3<V> refracted = direction * glass.eta + place.normal * bend;

@@ -3,6 +3,7 @@
 
 #include "shader_kernels/kernels/add_light.h"
 #include "shader_kernels/kernels/sampling.h"
+#include "sim/named.h"
 
 namespace kernels {
 
@@ -13,16 +14,16 @@ struct ShadeGlow {
   struct Ports : DetailPorts<V> {
     Local<V, PlaceRecord> places;
     Local<V, PathRecord> paths;
-    Local<V, OpticsRecord> optics;
+    Local<V, SpecularRecord> optics;
     Details<V> details;
     Local<V, ColourRecord> colours;
     static void describe(auto& p, auto&& port) {
       DetailPorts<V>::describe(p, port);
-      port(p.places, "places");
-      port(p.paths, "paths");
-      port(p.optics, "optics");
-      port(p.details, "details");
-      port(p.colours, "colours");
+      port(NAMED(p.places));
+      port(NAMED(p.paths));
+      port(NAMED(p.optics));
+      port(NAMED(p.details));
+      port(NAMED(p.colours));
     }
   };
   template <class V>

@@ -17,7 +17,7 @@ struct ShadeMirror {
     const PlaceRecord<V> place = at.places.load(slot);
     const Vec3<V> direction = at.rays.load(slot).direction;
     const PathRecord<V> path = at.paths.load(slot);
-    const OpticsRecord<V> optics = at.optics.load(slot);
+    const SpecularRecord<V> optics = at.optics.load(slot);
     const Interface<V> glass = interface<V>(direction, place.normal, place.side, optics.ior);
     const F<V> share = optics.entering * glass.reflectance;
     const Vec3<V> tint = optics.mirrored + Vec3<V>{share, share, share};

@@ -3,6 +3,7 @@
 
 #include "shader_kernels/kernels/add_light.h"
 #include "shader_kernels/kernels/sampling.h"
+#include "sim/named.h"
 
 namespace kernels {
 
@@ -19,17 +20,17 @@ struct ShadeOccluded {
     Vec3<V> ambient;
     static void describe(auto& p, auto&& port) {
       DetailPorts<V>::describe(p, port);
-      port(p.places, "places");
-      port(p.paths, "paths");
-      port(p.details, "details");
-      port(p.colours, "colours");
-      port(p.ambient, "ambient");
+      port(NAMED(p.places));
+      port(NAMED(p.paths));
+      port(NAMED(p.details));
+      port(NAMED(p.colours));
+      port(NAMED(p.ambient));
     }
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
     const I<V> slot = at.stream.load(item).word;
-    const MatteRecord<V> matte = at.mattes.load(slot);
+    const DiffuseRecord<V> matte = at.mattes.load(slot);
     const TexcoordRecord<V> uv = at.texcoords.load(slot);
     const TangentRecord<V> other = at.tangents.load(slot);
     const PathRecord<V> path = at.paths.load(slot);

@@ -2,6 +2,7 @@
 #include <string_view>
 
 #include "shader_kernels/kernels/sampling.h"
+#include "sim/named.h"
 
 namespace kernels {
 
@@ -13,23 +14,23 @@ struct ShadePhysical {
   template <class V>
   struct Ports : DetailPorts<V> {
     Local<V, PlaceRecord> places;
-    Local<V, OpticsRecord> optics;
+    Local<V, SpecularRecord> optics;
     Details<V> details;
     static void describe(auto& p, auto&& port) {
       DetailPorts<V>::describe(p, port);
-      port(p.places, "places");
-      port(p.optics, "optics");
-      port(p.details, "details");
+      port(NAMED(p.places));
+      port(NAMED(p.optics));
+      port(NAMED(p.details));
     }
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
     const I<V> slot = at.stream.load(item).word;
-    const MatteRecord<V> matte = at.mattes.load(slot);
+    const DiffuseRecord<V> matte = at.mattes.load(slot);
     const TexcoordRecord<V> uv = at.texcoords.load(slot);
     const TangentRecord<V> other = at.tangents.load(slot);
     const DetailFields<V> m = at.details.load(at.places.load(slot).material);
-    OpticsRecord<V> optics = at.optics.load(slot);
+    SpecularRecord<V> optics = at.optics.load(slot);
     const Sample<V> texel =
         at.look_up(m.metal_rough_texture, matte.classes, traces::kMetalRoughSecond, uv.u, uv.v, other);
 

@@ -4,6 +4,7 @@
 #include "shader_kernels/kernels/arithmetic.h"
 #include "shader_kernels/kernels/instances.h"
 #include "shader_kernels/ports.h"
+#include "sim/named.h"
 
 namespace kernels {
 
@@ -24,20 +25,20 @@ struct ShadeSurface {
     Instances<V> instances;  ///< wired if kInstanced
     Materials<V> materials;
     Local<V, PlaceRecord> places;
-    Local<V, MatteRecord> mattes;
+    Local<V, DiffuseRecord> mattes;
     Local<V, TexcoordRecord> texcoords;
-    Local<V, OpticsRecord> optics;
+    Local<V, SpecularRecord> optics;
     static void describe(auto& p, auto&& port) {
-      port(p.surfaces, "surfaces");
-      port(p.rays, "rays");
-      port(p.hits, "hits");
-      port(p.attributes, "attributes");
-      if constexpr (kInstanced) port(p.instances, "instances");
-      port(p.materials, "materials");
-      port(p.places, "places");
-      port(p.mattes, "mattes");
-      port(p.texcoords, "texcoords");
-      port(p.optics, "optics");
+      port(NAMED(p.surfaces));
+      port(NAMED(p.rays));
+      port(NAMED(p.hits));
+      port(NAMED(p.attributes));
+      if constexpr (kInstanced) port(NAMED(p.instances));
+      port(NAMED(p.materials));
+      port(NAMED(p.places));
+      port(NAMED(p.mattes));
+      port(NAMED(p.texcoords));
+      port(NAMED(p.optics));
     }
   };
 
@@ -51,9 +52,9 @@ struct ShadeSurface {
     const MaterialFields<V> m = at.materials.load(a.material);
 
     const Weights<V> corners(hit);
-    Vec3<V> mixed = corners.mix(a.normal0, a.normal1, a.normal2);
-    if constexpr (kInstanced) mixed = normal_to_world<V>(at.instances.load(instance_of<V>(found)), mixed);
-    const Vec3<V> normal = normalised(mixed);
+    Vec3<V> lerp = corners.mix(a.normal0, a.normal1, a.normal2);
+    if constexpr (kInstanced) lerp = normal_to_world<V>(at.instances.load(instance_of<V>(found)), lerp);
+    const Vec3<V> normal = normalised(lerp);
     const F<V> side = select(dot(normal, ray.direction) <= 0.0F, F<V>(1.0F), F<V>(-1.0F));
     at.places.store(slot, {ray.origin + ray.direction * hit.t, a.material, normal * side, side});
     at.mattes.store(slot, {m.base_colour * m.diffuse_share, m.flags});

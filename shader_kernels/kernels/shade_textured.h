@@ -2,6 +2,7 @@
 #include <string_view>
 
 #include "shader_kernels/kernels/sampling.h"
+#include "sim/named.h"
 
 namespace kernels {
 
@@ -13,15 +14,15 @@ struct ShadeTextured {
   struct Ports {
     Local<V, WordRecord> textured;
     Local<V, TexcoordRecord> texcoords;
-    Local<V, MatteRecord> mattes;
+    Local<V, DiffuseRecord> mattes;
     Table<V, AxisRecord> axes;  ///< two per texture
     Texels<V> texels;
     static void describe(auto& p, auto&& port) {
-      port(p.textured, "textured");
-      port(p.texcoords, "texcoords");
-      port(p.mattes, "mattes");
-      port(p.axes, "axes");
-      port(p.texels, "texels");
+      port(NAMED(p.textured));
+      port(NAMED(p.texcoords));
+      port(NAMED(p.mattes));
+      port(NAMED(p.axes));
+      port(NAMED(p.texels));
     }
   };
 
@@ -30,7 +31,7 @@ struct ShadeTextured {
     const I<V> slot = at.textured.load(item).word;
     const TexcoordRecord<V> coordinates = at.texcoords.load(slot);
     const Sample<V> base = sample<V>(at.axes, at.texels, coordinates.texture, coordinates.u, coordinates.v);
-    const MatteRecord<V> matte = at.mattes.load(slot);
+    const DiffuseRecord<V> matte = at.mattes.load(slot);
     at.mattes.store(slot, {matte.diffuse * base.colour(), matte.classes});
   }
 };

@@ -3,6 +3,7 @@
 
 #include "shader_kernels/kernels/add_light.h"
 #include "shader_kernels/kernels/diffuse_light.h"
+#include "sim/named.h"
 
 namespace kernels {
 
@@ -16,19 +17,19 @@ struct ShadeVisible {
     Local<V, WordRecord> diffuse;
     Local<V, PlaceRecord> places;
     Local<V, PathRecord> paths;
-    Local<V, MatteRecord> mattes;
+    Local<V, DiffuseRecord> mattes;
     Local<V, GeometryRecord> geometry;
     Local<V, ColourRecord> colours;
     I<V> mark;
     LightUniforms<V> light;
     static void describe(auto& p, auto&& port) {
-      port(p.diffuse, "diffuse");
-      port(p.places, "places");
-      port(p.paths, "paths");
-      port(p.mattes, "mattes");
-      port(p.geometry, "geometry");
-      port(p.colours, "colours");
-      port(p.mark, "mark");
+      port(NAMED(p.diffuse));
+      port(NAMED(p.places));
+      port(NAMED(p.paths));
+      port(NAMED(p.mattes));
+      port(NAMED(p.geometry));
+      port(NAMED(p.colours));
+      port(NAMED(p.mark));
       LightUniforms<V>::describe(p.light, port);
     }
   };

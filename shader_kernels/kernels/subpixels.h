@@ -82,7 +82,7 @@ CornerSteps<V> corner_steps(const Split<V>& pixel, const F<V>& right, const F<V>
 /// The pixel's row (quotient) and column.
 template <class V>
 Split<V> finished_pixel(const F<V>& pixel, const FinishedUniforms<V>& of) {
-  return split<V>(pixel, of.width, of.inverse_width);
+  return divmod<V>(pixel, of.width, of.inverse_width);
 }
 template <class V>
 F<V> centre_sample(const Split<V>& pixel, const FinishedUniforms<V>& of) {

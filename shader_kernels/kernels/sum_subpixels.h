@@ -2,6 +2,7 @@
 #include <string_view>
 
 #include "shader_kernels/kernels/subpixels.h"
+#include "sim/named.h"
 
 namespace kernels {
 
@@ -18,17 +19,17 @@ struct SumSubpixels {
     Carried<V> red, green, blue, base_red, base_green, base_blue;
     F<V> first_sample;  ///< where the colours of the sub-pixel at place 0 lie
     static void describe(auto& p, auto&& port) {
-      port(p.listed, "listed");
-      port(p.verdicts, "verdicts");
-      port(p.colours, "colours");
-      port(p.pixels, "pixels");
-      port(p.red, "red");
-      port(p.green, "green");
-      port(p.blue, "blue");
-      port(p.base_red, "base_red");
-      port(p.base_green, "base_green");
-      port(p.base_blue, "base_blue");
-      port(p.first_sample, "first_sample");
+      port(NAMED(p.listed));
+      port(NAMED(p.verdicts));
+      port(NAMED(p.colours));
+      port(NAMED(p.pixels));
+      port(NAMED(p.red));
+      port(NAMED(p.green));
+      port(NAMED(p.blue));
+      port(NAMED(p.base_red));
+      port(NAMED(p.base_green));
+      port(NAMED(p.base_blue));
+      port(NAMED(p.first_sample));
     }
   };
   template <class V>

@@ -2,6 +2,7 @@
 #include <string_view>
 
 #include "shader_kernels/kernels/layers.h"
+#include "sim/named.h"
 
 namespace kernels {
 
@@ -10,7 +11,7 @@ struct ShadowLayerPorts : LayerPorts<V, kColoured, kInstanced> {
   Local<V, PathRecord> paths;
   static void describe(auto& p, auto&& port) {
     LayerPorts<V, kColoured, kInstanced>::describe(p, port);
-    port(p.paths, "paths");
+    port(NAMED(p.paths));
   }
 };
 

@@ -2,6 +2,7 @@
 #include <string_view>
 
 #include "shader_kernels/kernels/subpixels.h"
+#include "sim/named.h"
 
 namespace kernels {
 
@@ -46,14 +47,14 @@ struct TestSubpixels {
     I<V> focus, textured;                      ///< flags that objects need: one of a pair; with a texture
     static void describe(auto& p, auto&& port) {
       FinishedUniforms<V>::describe(p.finished, port);
-      port(p.traits, "traits");
-      port(p.secondary, "secondary");
-      port(p.colours, "colours");
-      port(p.verdicts, "verdicts");
+      port(NAMED(p.traits));
+      port(NAMED(p.secondary));
+      port(NAMED(p.colours));
+      port(NAMED(p.verdicts));
       for (std::size_t i = 0; i < kAttributes; ++i) port(p.thresholds[i], names_of(Attribute{})[i]);
-      port(p.compared, "compared");
-      port(p.focus, "focus");
-      port(p.textured, "textured");
+      port(NAMED(p.compared));
+      port(NAMED(p.focus));
+      port(NAMED(p.textured));
     }
   };
   template <class V>
@@ -82,9 +83,9 @@ struct TestSubpixels {
     const Vec3<V> b = at.colours.load(beside).rgb;
     const Vec3<V> c = at.colours.load(above).rgb;
     const Vec3<V> d = at.colours.load(corner).rgb;
-    const M<V> active = either(either(threshold * 1.36F <= contrast<V>(a.x, b.x, c.x, d.x),
-                                      threshold * 1.02F <= contrast<V>(a.y, b.y, c.y, d.y)),
-                               threshold * 2.04F <= contrast<V>(a.z, b.z, c.z, d.z));
+    const M<V> active = logical_or(logical_or(threshold * 1.36F <= contrast<V>(a.x, b.x, c.x, d.x),
+                                              threshold * 1.02F <= contrast<V>(a.y, b.y, c.y, d.y)),
+                                   threshold * 2.04F <= contrast<V>(a.z, b.z, c.z, d.z));
     at.verdicts.store(item, {select(none, I<V>(bit(Attribute::kColour)), counting) |
                              select(active, I<V>(1U << kActiveShift), I<V>(0U))});
   }

@@ -2,6 +2,7 @@
 #include <string_view>
 
 #include "shader_kernels/kernels/subpixels.h"
+#include "sim/named.h"
 
 namespace kernels {
 
@@ -18,9 +19,9 @@ struct WeighCentres {
     Local<V, ColourRecord> colours, pixels;
     static void describe(auto& p, auto&& port) {
       FinishedUniforms<V>::describe(p.finished, port);
-      port(p.verdicts, "verdicts");
-      port(p.colours, "colours");
-      port(p.pixels, "pixels");
+      port(NAMED(p.verdicts));
+      port(NAMED(p.colours));
+      port(NAMED(p.pixels));
     }
   };
   template <class V>

@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "sim/config/field.h"
+#include "sim/named.h"
 
 namespace kernels {
 
@@ -21,10 +22,10 @@ struct AdaptiveConfig {
   AttributePlace attributes = AttributePlace::kTile;
 
   static void describe(auto& c, auto&& field) {
-    field(c.halo, "halo", "",
+    field(NAMED(c.halo), "",
           "samples of neighbouring tiles: read back from memory when those tiles are finished, or traced again",
           sim::any(), sim::Affects::kFunction);
-    field(c.attributes, "attributes", "",
+    field(NAMED(c.attributes), "",
           "where a tile's attributes wait for their check: in the tile buffer, or written to memory and read back",
           sim::any(), sim::Affects::kFunction);
   }

@@ -29,11 +29,11 @@ std::uint32_t BlockProgram::exchanged_bytes() const {
   return setup_.record_bytes + static_cast<std::uint32_t>(sizeof(ColourRecord<float>));
 }
 
-Demands BlockProgram::demands() const {
+FrameRequirements BlockProgram::requirements() const {
   const std::uint32_t side = tiles_.side();
   const std::uint32_t kept = side * (side / setup_.block);  // rows of references; others are never compared
   const std::uint32_t pixels = side / setup_.grid * (side / setup_.grid);
-  Demands d;
+  FrameRequirements d;
   d.tile_samples = side * side;
   d.attribute_bytes = adaptive_.attributes == AttributePlace::kTile ? kept * setup_.record_bytes : 0;
   d.region_bytes = {std::uint64_t{tiles_.count()} * pixels * kPixelBytes, tiles_.count() * store_bytes(),

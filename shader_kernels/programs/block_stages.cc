@@ -67,7 +67,7 @@ void BlockProgram::trace_listed(Tile& tile, std::vector<std::uint32_t>& list, Wa
   generate.grid = grid_uniforms(static_cast<float>(tile.at.x) - 1.0F, static_cast<float>(tile.at.y) - 1.0F, pitch());
   const Wavefront::Node generated = wave.launch<GenerateListedRays>(generate, items, lanes);
   wave.wait_all(generated, lister);
-  const Wavefront::Keep keep = clear(tile, list, lister, items, lanes, keeps(is_last));
+  const Wavefront::RetainedRecords keep = clear(tile, list, lister, items, lanes, keeps(is_last));
   wave.run(generated, items, keep, lanes);
   traced(tile, list, items, lanes, keep);
   if (wave.is_muted()) return;
@@ -153,7 +153,7 @@ void BlockProgram::average(Tile& tile) const {
   ports.pitch = static_cast<float>(pitch());
   const Wavefront::Node averaged = wave.launch<AverageSamples>(ports, out.width * out.height * per_pixel);
   wave.wait_for_colours(averaged);
-  wave.put_out(averaged, demands().region_bytes[0] / tiles_.count() * tile.at.index);
+  wave.put_out(averaged, requirements().region_bytes[0] / tiles_.count() * tile.at.index);
 }
 
 void BlockProgram::count(Tile& tile) const {

@@ -12,7 +12,7 @@
 namespace kernels {
 
 /// What a machine must set aside for a frame.
-struct Demands {
+struct FrameRequirements {
   std::uint32_t tile_samples = 0;     ///< of a full tile
   std::uint32_t attribute_bytes = 0;  ///< of a full tile: what its samples keep beside their colour, in the tile buffer
   std::array<std::uint64_t, static_cast<std::size_t>(traces::Region::kCount)> region_bytes{};
@@ -34,7 +34,7 @@ class FrameProgram {
   virtual std::uint32_t tiles() const = 0;
   /// First entry behind the pass that entry `place` belongs to.
   virtual std::uint32_t pass_end([[maybe_unused]] std::uint32_t place) const { return tiles(); }
-  virtual Demands demands() const = 0;
+  virtual FrameRequirements requirements() const = 0;
 
   /// Called once before the pass that begins with entry `place`, when all earlier entries have been kept.
   virtual void begin_pass([[maybe_unused]] std::uint32_t place, [[maybe_unused]] const traces::Tracer& tracer) {}

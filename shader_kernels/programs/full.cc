@@ -28,7 +28,7 @@ FullProgram::FullProgram(const traces::MemoryImage& image, const traces::Camera&
       tiles_down_(tiles_along(config.height, side_)),
       seed_(jitter_seed(frame)) {}
 
-Demands FullProgram::demands() const {
+FrameRequirements FullProgram::requirements() const {
   return {tile_samples(), 0, {std::uint64_t{tiles()} * tile_pixels() * kPixelBytes, 0, 0}};
 }
 

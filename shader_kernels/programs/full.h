@@ -19,7 +19,7 @@ class FullProgram final : public FrameProgram {
               std::uint32_t samples, std::uint32_t frame);
 
   std::uint32_t tiles() const override { return tiles_across_ * tiles_down_; }  ///< row by row
-  Demands demands() const override;
+  FrameRequirements requirements() const override;
   /// Of a tile that no edge cuts.
   std::uint32_t tile_pixels() const { return side_ * side_; }
   std::uint32_t tile_samples() const { return tile_pixels() * samples_; }

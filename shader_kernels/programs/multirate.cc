@@ -22,16 +22,17 @@ MultirateProgram::MultirateProgram(const traces::MemoryImage& image, const trace
       multirate_(multirate),
       rates_(rates) {}
 
-Wavefront::Keep MultirateProgram::keeps(bool is_last) const {
-  Wavefront::Keep keep;
+Wavefront::RetainedRecords MultirateProgram::keeps(bool is_last) const {
+  Wavefront::RetainedRecords keep;
   keep.geometry = !is_last;
   keep.secondary = !is_last && multirate_.secondary_checks;
   return keep;
 }
 
-Wavefront::Keep MultirateProgram::clear(Tile& tile, std::vector<std::uint32_t>& list, Wavefront::Node lister,
-                                        std::uint32_t items, std::uint32_t lanes, const Wavefront::Keep& keep) const {
-  Wavefront::Keep cleared = keep;
+Wavefront::RetainedRecords MultirateProgram::clear(Tile& tile, std::vector<std::uint32_t>& list, Wavefront::Node lister,
+                                                   std::uint32_t items, std::uint32_t lanes,
+                                                   const Wavefront::RetainedRecords& keep) const {
+  Wavefront::RetainedRecords cleared = keep;
   if (keep.geometry) {
     ClearGeometry::Ports<float> ports;
     ports.samples.bind(list.data());

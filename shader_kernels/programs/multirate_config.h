@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "shader_kernels/programs/adaptive_config.h"
+#include "sim/named.h"
 
 namespace kernels {
 
@@ -22,21 +23,19 @@ struct MultirateConfig : AdaptiveConfig {
 
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
-    field(c.block, "block", "samples", "side of a block, of which one sample is always traced", sim::between(2, 4),
+    field(NAMED(c.block), "samples", "side of a block, of which one sample is always traced", sim::between(2, 4),
           Affects::kFunction);
-    field(c.normal, "normal", "", "normals are similar if their dot product is at least this; 2: never",
+    field(NAMED(c.normal), "", "normals are similar if their dot product is at least this; 2: never",
           sim::between(-1, 2), Affects::kFunction);
-    field(c.secondary_checks, "secondary_checks", "", "secondary hits are compared too", sim::any(),
-          Affects::kFunction);
-    field(c.rate_control, "rate_control", "",
+    field(NAMED(c.secondary_checks), "", "secondary hits are compared too", sim::any(), Affects::kFunction);
+    field(NAMED(c.rate_control), "",
           "blocks of 4 where a tile's last frame was similar: both thresholds at once, or one each frame in turn",
           sim::any(), Affects::kFunction);
-    field(c.rate_up, "rate_up", "", "share of similar samples from which a tile goes over to blocks of 4",
+    field(NAMED(c.rate_up), "", "share of similar samples from which a tile goes over to blocks of 4",
           sim::between(0, 1), Affects::kFunction);
-    field(c.rate_down, "rate_down", "", "share of similar samples below which it goes back", sim::between(0, 1),
+    field(NAMED(c.rate_down), "", "share of similar samples below which it goes back", sim::between(0, 1),
           Affects::kFunction);
-    field(c.rate_hold, "rate_hold", "frames", "how long it then stays there", sim::between(0, 1000),
-          Affects::kFunction);
+    field(NAMED(c.rate_hold), "frames", "how long it then stays there", sim::between(0, 1000), Affects::kFunction);
     AdaptiveConfig::describe(c, field);
   }
   void check(auto&& complain) const {

@@ -9,6 +9,7 @@
 #include "shader_kernels/programs/render_config.h"
 #include "shader_kernels/programs/supersample_config.h"
 #include "shader_kernels/programs/undersample_config.h"
+#include "sim/named.h"
 #include "traces/accel/memory_image.h"
 #include "traces/scene/scene.h"
 
@@ -21,9 +22,9 @@ struct ProgramConfig {
   UndersampleConfig undersample;
 
   static void describe(auto& c, auto&& field) {
-    field.group(c.multirate, "multirate", "frame programs multirate:under and multirate:super");
-    field.group(c.undersample, "undersample", "frame program undersample");
-    field.group(c.supersample, "supersample", "frame program supersample");
+    field.group(NAMED(c.multirate), "frame programs multirate:under and multirate:super");
+    field.group(NAMED(c.undersample), "frame program undersample");
+    field.group(NAMED(c.supersample), "frame program supersample");
   }
 };
 

@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "sim/config/field.h"
+#include "sim/named.h"
 
 namespace kernels {
 
@@ -30,27 +31,27 @@ struct RenderConfig {
 
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
-    field(c.width, "width", "pixels", "width of the picture", sim::between(1, 16384), Affects::kFunction);
-    field(c.height, "height", "pixels", "height of the picture", sim::between(1, 16384), Affects::kFunction);
-    field(c.tile, "tile", "samples", "side of a tile: 16 means 16 x 16 samples", sim::between(1, 128),
+    field(NAMED(c.width), "pixels", "width of the picture", sim::between(1, 16384), Affects::kFunction);
+    field(NAMED(c.height), "pixels", "height of the picture", sim::between(1, 16384), Affects::kFunction);
+    field(NAMED(c.tile), "samples", "side of a tile: 16 means 16 x 16 samples", sim::between(1, 128),
           Affects::kFunction);
-    field(c.depth, "depth", "rays", "longest path from the eye: 1 is primary rays (and their shadow rays) alone",
+    field(NAMED(c.depth), "rays", "longest path from the eye: 1 is primary rays (and their shadow rays) alone",
           sim::between(1, 16), Affects::kFunction);
-    field(c.samples, "samples", "", "where a pixel's samples lie: in the middle of grid cells, or anywhere in them",
+    field(NAMED(c.samples), "", "where a pixel's samples lie: in the middle of grid cells, or anywhere in them",
           sim::any(), Affects::kFunction);
-    field(c.layers, "layers", "surfaces",
+    field(NAMED(c.layers), "surfaces",
           "how many holes, blended surfaces or panes of glass a ray may pass; the next one counts as solid",
           sim::between(0, 1024), Affects::kFunction);
-    field(c.glass_shadows, "glass_shadows", "",
+    field(NAMED(c.glass_shadows), "",
           "shadow rays that meet glass: blocked, or let through unbent with its transmission and colour", sim::any(),
           Affects::kFunction);
-    field(c.streams, "streams", "",
+    field(NAMED(c.streams), "",
           "executors run over the items of their class, compacted by an inspector, or (as without inspectors) over all",
           sim::any(), Affects::kFunction);
-    field(c.ray_epsilon, "ray_epsilon", "scene diagonals", "how far from a surface its secondary rays begin",
+    field(NAMED(c.ray_epsilon), "scene diagonals", "how far from a surface its secondary rays begin",
           sim::between(0, 0.1), Affects::kFunction);
-    field(c.min_weight, "min_weight", "", "a path goes on while its largest colour weight is above this",
-          sim::between(0, 1), Affects::kFunction);
+    field(NAMED(c.min_weight), "", "a path goes on while its largest colour weight is above this", sim::between(0, 1),
+          Affects::kFunction);
   }
 };
 

@@ -24,9 +24,9 @@ SupersampleProgram::SupersampleProgram(const traces::MemoryImage& image, const t
       order_(tiles_.order(supersample.halo)),
       frame_(frame) {}
 
-Demands SupersampleProgram::demands() const {
+FrameRequirements SupersampleProgram::requirements() const {
   const std::uint32_t samples = tiles_.side() * tiles_.side();
-  Demands d;
+  FrameRequirements d;
   d.tile_samples = std::max(samples, kChunk * kExtra);
   d.attribute_bytes = supersample_.attributes == AttributePlace::kTile ? samples * kAttributeBytes : 0;
   d.region_bytes = {std::uint64_t{tiles_.count()} * tile_pixels() * kPixelBytes, tiles_.count() * store_bytes(), 0};

@@ -39,7 +39,7 @@ class SupersampleProgram final : public FrameProgram {
                      const SupersampleConfig& supersample, std::uint32_t frame);
 
   std::uint32_t tiles() const override { return tiles_.count(); }
-  Demands demands() const override;
+  FrameRequirements requirements() const override;
   void run_tile(std::uint32_t place, const traces::Tracer& tracer, bool record, TileResult& out) const override;
 
  private:

@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "shader_kernels/programs/adaptive_config.h"
+#include "sim/named.h"
 
 namespace kernels {
 
@@ -31,21 +32,21 @@ struct SupersampleConfig : AdaptiveConfig {
     const auto threshold = [&](auto& value, std::string_view name, std::string_view meaning) {
       field(value, name, "", meaning, sim::between(-1, 1), Affects::kFunction);
     };
-    threshold(c.colour, "colour", "contrast from which a sub-pixel is sampled where nothing else disagrees; -1: never");
-    threshold(c.object, "object", "where objects differ; 0: always, 1: never, -1: they are not compared");
-    threshold(c.normal, "normal", "where normals differ; likewise");
-    threshold(c.shadow, "shadow", "where the number of shadows differs; likewise");
-    threshold(c.texture, "texture", "where the pixel's surface has a texture; likewise");
-    threshold(c.secondary_object, "secondary_object", "as object, of the hit behind the stronger branch");
-    threshold(c.secondary_normal, "secondary_normal", "as normal, of that hit");
-    threshold(c.secondary_shadow, "secondary_shadow", "as shadow, of that hit");
-    threshold(c.secondary_texture, "secondary_texture", "as texture, of that hit");
-    field(c.packing, "packing", "",
+    threshold(NAMED(c.colour), "contrast from which a sub-pixel is sampled where nothing else disagrees; -1: never");
+    threshold(NAMED(c.object), "where objects differ; 0: always, 1: never, -1: they are not compared");
+    threshold(NAMED(c.normal), "where normals differ; likewise");
+    threshold(NAMED(c.shadow), "where the number of shadows differs; likewise");
+    threshold(NAMED(c.texture), "where the pixel's surface has a texture; likewise");
+    threshold(NAMED(c.secondary_object), "as object, of the hit behind the stronger branch");
+    threshold(NAMED(c.secondary_normal), "as normal, of that hit");
+    threshold(NAMED(c.secondary_shadow), "as shadow, of that hit");
+    threshold(NAMED(c.secondary_texture), "as texture, of that hit");
+    field(NAMED(c.packing), "",
           "how sub-pixels are listed for sampling: pixels kept together, each by itself, or not listed at all",
           sim::any(), Affects::kFunction);
-    field(c.filter, "filter", "", "colour of sub-pixels that are not sampled: their pixel's, or between four pixels'",
+    field(NAMED(c.filter), "", "colour of sub-pixels that are not sampled: their pixel's, or between four pixels'",
           sim::any(), Affects::kFunction);
-    field(c.focus, "focus", "", "attributes disagree only where one of two objects is in focus (glTF: extras.focus)",
+    field(NAMED(c.focus), "", "attributes disagree only where one of two objects is in focus (glTF: extras.focus)",
           sim::any(), Affects::kFunction);
     AdaptiveConfig::describe(c, field);
   }

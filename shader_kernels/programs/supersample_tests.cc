@@ -43,7 +43,7 @@ void SupersampleProgram::trace_centres(Tile& tile, std::uint32_t x, std::uint32_
   clear.traits.bind(buffer.traits.data());
   clear.secondary.bind(buffer.secondary_traits.data());
   clear.branches.bind(buffer.branches.data());
-  const Wavefront::Keep keep{.traits = true, .cleared = wave.launch<ClearTraits>(clear, items)};
+  const Wavefront::RetainedRecords keep{.traits = true, .cleared = wave.launch<ClearTraits>(clear, items)};
   wave.wait_all(keep.cleared, listed);
   wave.adds_records(keep.cleared);
   wave.run(generated, items, keep);

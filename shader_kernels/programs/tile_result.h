@@ -33,9 +33,9 @@ struct TileBuffer {
   std::vector<std::uint32_t> absorbing, vertexed, based, physical, bumped, blended, glowing, occluded;
   std::vector<std::uint32_t> layers, targets;  ///< hits to test; slots whose rays go on
   std::vector<PlaceRecord<float>> places;
-  std::vector<MatteRecord<float>> mattes;
+  std::vector<DiffuseRecord<float>> mattes;
   std::vector<TexcoordRecord<float>> texcoords;
-  std::vector<OpticsRecord<float>> optics;
+  std::vector<SpecularRecord<float>> optics;
   std::vector<TangentRecord<float>> tangents;
   std::vector<ColourRecord<float>> colours;  ///< per sample
   // Of adaptive sampling: what samples keep, what checks said of them, streams of them.

@@ -27,16 +27,17 @@ UndersampleProgram::UndersampleProgram(const traces::MemoryImage& image, const t
       correction_(undersample, config.width * undersample.grid(), config.height * undersample.grid(),
                   sample_tiles().side()) {}
 
-Wavefront::Keep UndersampleProgram::keeps(bool is_last) const {
-  Wavefront::Keep keep;
+Wavefront::RetainedRecords UndersampleProgram::keeps(bool is_last) const {
+  Wavefront::RetainedRecords keep;
   keep.surfaces = !is_last;
   keep.geometry = is_last && correction_.scans() > 0;
   return keep;
 }
 
-Wavefront::Keep UndersampleProgram::clear(Tile& tile, std::vector<std::uint32_t>& list, Wavefront::Node lister,
-                                          std::uint32_t items, std::uint32_t lanes, const Wavefront::Keep& keep) const {
-  Wavefront::Keep cleared = keep;
+Wavefront::RetainedRecords UndersampleProgram::clear(Tile& tile, std::vector<std::uint32_t>& list,
+                                                     Wavefront::Node lister, std::uint32_t items, std::uint32_t lanes,
+                                                     const Wavefront::RetainedRecords& keep) const {
+  Wavefront::RetainedRecords cleared = keep;
   if (keep.surfaces) {
     ClearSurface::Ports<float> ports;
     ports.samples.bind(list.data());
@@ -58,7 +59,7 @@ Wavefront::Keep UndersampleProgram::clear(Tile& tile, std::vector<std::uint32_t>
 }
 
 void UndersampleProgram::traced(Tile& tile, std::vector<std::uint32_t>& list, std::uint32_t items, std::uint32_t lanes,
-                                const Wavefront::Keep& keep) const {
+                                const Wavefront::RetainedRecords& keep) const {
   if (!keep.surfaces) return;
   RecordGlobal::Ports<float> ports;
   ports.samples.bind(list.data());

@@ -23,19 +23,20 @@ class UndersampleProgram final : public BlockProgram {
 
   std::uint32_t tiles() const override;
   std::uint32_t pass_end(std::uint32_t place) const override;
-  Demands demands() const override;
+  FrameRequirements requirements() const override;
   void begin_pass(std::uint32_t place, const traces::Tracer& tracer) override;
   void run_tile(std::uint32_t place, const traces::Tracer& tracer, bool record, TileResult& out) const override;
   void keep(const TileResult& tile) override;
 
  private:
-  Wavefront::Keep keeps(bool is_last) const override;
+  Wavefront::RetainedRecords keeps(bool is_last) const override;
   Verdict check(Tile& tile, bool along_y, const LineUniforms<float>& line, std::uint32_t items) const override;
   void interpolate(Tile& tile, bool along_y, const LineUniforms<float>& line, const Verdict& verdict) const override;
-  Wavefront::Keep clear(Tile& tile, std::vector<std::uint32_t>& list, Wavefront::Node lister, std::uint32_t items,
-                        std::uint32_t lanes, const Wavefront::Keep& keep) const override;
+  Wavefront::RetainedRecords clear(Tile& tile, std::vector<std::uint32_t>& list, Wavefront::Node lister,
+                                   std::uint32_t items, std::uint32_t lanes,
+                                   const Wavefront::RetainedRecords& keep) const override;
   void traced(Tile& tile, std::vector<std::uint32_t>& list, std::uint32_t items, std::uint32_t lanes,
-              const Wavefront::Keep& keep) const override;
+              const Wavefront::RetainedRecords& keep) const override;
   void settled(Tile& tile) const override;
 
   template <class K>

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "shader_kernels/programs/adaptive_config.h"
+#include "sim/named.h"
 
 namespace kernels {
 
@@ -26,23 +27,22 @@ struct UndersampleConfig : AdaptiveConfig {
 
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
-    field(c.block, "block", "samples", "side of a block, of which one sample is always traced", sim::between(2, 8),
+    field(NAMED(c.block), "samples", "side of a block, of which one sample is always traced", sim::between(2, 8),
           Affects::kFunction);
-    field(c.samples, "samples", "", "samples per pixel, a square", sim::between(1, 256), Affects::kFunction);
-    field(c.position, "position", "scene sizes",
+    field(NAMED(c.samples), "", "samples per pixel, a square", sim::between(1, 256), Affects::kFunction);
+    field(NAMED(c.position), "scene sizes",
           "hits are near each other up to this distance; the scene's longest side counts as 1", sim::between(0, 1000),
           Affects::kFunction);
-    field(c.normal, "normal", "", "normals are similar if their dot product is at least this; 2: never",
+    field(NAMED(c.normal), "", "normals are similar if their dot product is at least this; 2: never",
           sim::between(-1, 2), Affects::kFunction);
-    field(c.texture, "texture", "", "texture coordinates wrap if one is below this and the other above 1 less this",
+    field(NAMED(c.texture), "", "texture coordinates wrap if one is below this and the other above 1 less this",
           sim::between(0, 0.5), Affects::kFunction);
-    field(c.colour, "colour", "", "mirrored and refracted colours are similar up to this distance, sRGB-encoded",
+    field(NAMED(c.colour), "", "mirrored and refracted colours are similar up to this distance, sRGB-encoded",
           sim::between(0, 2), Affects::kFunction);
-    field(c.correction, "correction", "scans", "post-correction: scans that follow what was found by chance",
-          sim::any(), Affects::kFunction);
-    field(c.neighbours, "neighbours", "", "of those that a scan looks back at: one, or three", sim::any(),
+    field(NAMED(c.correction), "scans", "post-correction: scans that follow what was found by chance", sim::any(),
           Affects::kFunction);
-    field(c.correct_shadows, "correct_shadows", "", "post-correction follows shadows too, not only objects", sim::any(),
+    field(NAMED(c.neighbours), "", "of those that a scan looks back at: one, or three", sim::any(), Affects::kFunction);
+    field(NAMED(c.correct_shadows), "", "post-correction follows shadows too, not only objects", sim::any(),
           Affects::kFunction);
     AdaptiveConfig::describe(c, field);
   }

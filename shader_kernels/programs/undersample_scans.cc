@@ -37,11 +37,11 @@ std::uint32_t UndersampleProgram::scanned_bytes() const {
 
 std::uint64_t UndersampleProgram::scan_store(std::uint32_t tile) const {
   const std::uint64_t side = sample_tiles().side();
-  return BlockProgram::demands().region_bytes[kSamples] + tile * side * side * scanned_bytes();
+  return BlockProgram::requirements().region_bytes[kSamples] + tile * side * side * scanned_bytes();
 }
 
-Demands UndersampleProgram::demands() const {
-  Demands d = BlockProgram::demands();
+FrameRequirements UndersampleProgram::requirements() const {
+  FrameRequirements d = BlockProgram::requirements();
   if (correction_.scans() > 0) d.region_bytes[kSamples] = scan_store(sample_tiles().count());
   return d;
 }
@@ -105,7 +105,7 @@ void UndersampleProgram::trace_suspects(Wavefront& wave, TileResult& out, const 
   ClearGeometry::Ports<float> clear;
   clear.samples.bind(out.buffer.samples.data());
   clear.geometry.bind(out.buffer.geometry.data());
-  Wavefront::Keep keep;
+  Wavefront::RetainedRecords keep;
   keep.geometry = true;
   keep.cleared = wave.launch<ClearGeometry>(clear, items);
   wave.wait_all(keep.cleared, lister);
@@ -219,7 +219,7 @@ void UndersampleProgram::put_corrected(Wavefront& wave, const SampleTile& at, st
   }
   const Wavefront::Node packed = wave.note<PackColour>(corrected_pixels);
   wave.wait_all(packed, averaged);
-  const std::uint64_t pixels = demands().region_bytes[kPicture] / sample_tiles().count();
+  const std::uint64_t pixels = requirements().region_bytes[kPicture] / sample_tiles().count();
   wave.wait_all(wave.transfer(Region::kPicture, true, pixels * at.index, lines(corrected_pixels, pixels)), packed);
   wave.wait_all(wave.transfer(Region::kSamples, true, store, lines(corrected, stored)), last);
 }

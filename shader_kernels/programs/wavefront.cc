@@ -24,7 +24,8 @@ Wavefront::Wavefront(const SceneTables& scene, const traces::Tracer& tracer, boo
   buffer_.record_nodes.clear();
 }
 
-void Wavefront::run(Node maker, std::uint32_t rays, const Keep& keep, std::uint32_t lanes, std::uint32_t padding) {
+void Wavefront::run(Node maker, std::uint32_t rays, const RetainedRecords& keep, std::uint32_t lanes,
+                    std::uint32_t padding) {
   keep_ = keep;
   Bounce bounce;
   bounce.rays = rays;

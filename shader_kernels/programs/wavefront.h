@@ -45,7 +45,7 @@ class Wavefront {
   static constexpr Node kNone = StreamBuilder::kNone;
 
   /// What samples keep of their hits, beside their colour.
-  struct Keep {
+  struct RetainedRecords {
     bool geometry = false, surfaces = false;  ///< of the first hit: geometry alone, or all that shading needs
     bool secondary = false;
     bool traits = false;  ///< of the first hit and of the secondary one that carries most
@@ -75,7 +75,8 @@ class Wavefront {
 
   /// Traces and shades the primary rays that `maker` has put into the first wave, one per item, and all that follows.
   /// `lanes` and `padding` as for launch().
-  void run(Node maker, std::uint32_t rays, const Keep& keep, std::uint32_t lanes = 0, std::uint32_t padding = 0);
+  void run(Node maker, std::uint32_t rays, const RetainedRecords& keep, std::uint32_t lanes = 0,
+           std::uint32_t padding = 0);
   void run(Node maker, std::uint32_t rays) { run(maker, rays, {}); }
   /// Shades interpolated surfaces, which `maker` has put into the wave's first slots: local light alone, with shadows
   /// that are known. Their colours so far are global ones.
@@ -189,7 +190,7 @@ class Wavefront {
   TileResult& out_;
   TileBuffer& buffer_;
   StreamBuilder stream_;
-  Keep keep_;
+  RetainedRecords keep_;
   std::uint32_t rays_traced_ = 0;
 };
 

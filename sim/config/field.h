@@ -4,6 +4,7 @@
 #include <limits>
 #include <string_view>
 
+#include "sim/named.h"
 #include "sim/time.h"
 
 namespace sim {
@@ -69,8 +70,8 @@ constexpr Limits power_of_two(double min, double max) { return {min, max, true};
 //     std::uint32_t rays = 32;
 //     CacheConfig l1;
 //     static void describe(auto& c, auto&& field) {
-//       field(c.rays, "rays", "rays", "rays held at once (input buffer)", between(1, 64), Affects::kTiming);
-//       field.group(c.l1, "l1", "private node cache");
+//       field(NAMED(c.rays), "rays", "rays held at once (input buffer)", between(1, 64), Affects::kTiming);
+//       field.group(NAMED(c.l1), "private node cache");
 //     }
 //   };
 //

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "sim/config/field.h"
+#include "sim/named.h"
 #include "sim/report/unit_report.h"
 #include "sim/time.h"
 
@@ -32,16 +33,16 @@ struct EnergyConfig {
     const auto energy = [&](auto& value, const char* name, const char* unit, const char* meaning, Limits limits) {
       field(value, name, unit, meaning, limits, Affects::kEnergy);
     };
-    energy(c.process, "process", "", "what the figures describe", any());
-    energy(c.events, "events", "pJ", "energy of one event, without its share of the clock tree", at_least(0));
-    energy(c.clock_share, "clock_share", "", "clock tree's part of a block's dynamic energy", between(0, 0.9));
-    energy(c.sram_leakage, "sram_leakage", "mW/KiB", "leakage of storage", at_least(0));
-    energy(c.logic_leakage, "logic_leakage", "mW/mm2", "leakage of logic", at_least(0));
-    energy(c.logic, "logic", "mm2", "area of a unit's logic", at_least(0));
-    energy(c.flop_clock, "flop_clock", "pJ", "clocking one flip-flop for a cycle", at_least(0));
-    energy(c.idle_clocked, "idle_clocked", "", "part of an idle unit's flip-flops that clock gating does not stop",
+    energy(NAMED(c.process), "", "what the figures describe", any());
+    energy(NAMED(c.events), "pJ", "energy of one event, without its share of the clock tree", at_least(0));
+    energy(NAMED(c.clock_share), "", "clock tree's part of a block's dynamic energy", between(0, 0.9));
+    energy(NAMED(c.sram_leakage), "mW/KiB", "leakage of storage", at_least(0));
+    energy(NAMED(c.logic_leakage), "mW/mm2", "leakage of logic", at_least(0));
+    energy(NAMED(c.logic), "mm2", "area of a unit's logic", at_least(0));
+    energy(NAMED(c.flop_clock), "pJ", "clocking one flip-flop for a cycle", at_least(0));
+    energy(NAMED(c.idle_clocked), "", "part of an idle unit's flip-flops that clock gating does not stop",
            between(0, 1));
-    energy(c.flops, "flops", "flops", "flip-flops of a unit", at_least(0));
+    energy(NAMED(c.flops), "flops", "flip-flops of a unit", at_least(0));
   }
   void check(auto&& complain) const {
     for (const auto& [name, spread] : events) {

@@ -6,11 +6,12 @@
 
 #include "sim/activity.h"
 #include "sim/counter_kind.h"
+#include "sim/named.h"
 #include "sim/time.h"
 
 namespace sim {
 
-/// One counter of a unit, as declared in its Stats::describe: counter(s.hits, "hits", "line found", "cache.l1_read").
+/// One counter of a unit, as declared in its Stats::describe: counter(NAMED(s.hits), "line found", "cache.l1_read").
 /// `event` names the energy event each count costs, empty if none; a kind may follow.
 struct CounterReport {
   std::string name;
@@ -35,8 +36,8 @@ struct UnitReport {
 /// Adds what the same units did at another time.
 void add_reports(std::vector<UnitReport>& sum, const std::vector<UnitReport>& more);
 
-/// Builds the report of a unit from its declarations: Stats::describe and names_of(Why). Without `cache_bytes`, all of
-/// the unit's storage is taken for the array that its counters access.
+/// Builds the report of a unit from its declarations: Stats::describe and names_of(CycleReason). Without `cache_bytes`,
+/// all of the unit's storage is taken for the array that its counters access.
 template <class Unit>
 UnitReport report_of(const Unit& unit, std::string path, std::string block, std::uint64_t sram_bytes = 0,
                      std::uint64_t cache_bytes = 0) {
@@ -47,10 +48,10 @@ UnitReport report_of(const Unit& unit, std::string path, std::string block, std:
   r.cache_bytes = cache_bytes != 0 ? cache_bytes : sram_bytes;
   const Clock clock = unit.clock();
   r.clock_mhz = static_cast<std::uint32_t>(kFemtosecondsPerSecond / clock.period() / 1'000'000);
-  using Why = typename Unit::Why;
-  const auto names = names_of(Why{});
+  using CycleReason = typename Unit::CycleReason;
+  const auto names = names_of(CycleReason{});
   for (std::size_t i = 0; i < names.size(); ++i) {
-    const std::uint64_t cycles = clock.cycles(unit.activity().spent(static_cast<Why>(i)));
+    const std::uint64_t cycles = clock.cycles(unit.activity().spent(static_cast<CycleReason>(i)));
     r.why.emplace_back(std::string(names[i]), cycles);
     r.elapsed += cycles;
   }

@@ -13,14 +13,14 @@
 
 #include <gtest/gtest.h>
 
-#include "hw_models/frame/front_end.h"
-#include "hw_models/frame/gpu.h"
+#include "hw_models/machines/gpu.h"
 #include "shader_kernels/catalogue.h"
 #include "sim/engine.h"
 #include "tests/allocations/count.h"
-#include "tests/hw_models/frame/bench.h"
+#include "tests/hw_models/machines/bench.h"
 #include "tests/traces/scene/tiny_gltf_file.h"
-#include "tools/replay_program.h"
+#include "tools/simulation/front_end.h"
+#include "tools/simulation/replay_program.h"
 #include "traces/trace_file/trace_reader.h"
 #include "traces/trace_file/trace_writer.h"
 
@@ -44,7 +44,7 @@ class Again final : public kernels::FrameProgram {
   Again(kernels::FrameProgram& frame, std::uint32_t workers)
       : FrameProgram(frame.width(), frame.height()), frame_(frame), workers_(workers), all_threads_(workers) {}
   std::uint32_t tiles() const override { return kTimes * frame_.tiles(); }
-  kernels::Demands demands() const override { return frame_.demands(); }
+  kernels::FrameRequirements requirements() const override { return frame_.requirements(); }
   void run_tile(std::uint32_t place, const traces::Tracer& tracer, bool record,
                 kernels::TileResult& out) const override {
     if (workers_ != 0) {
@@ -80,7 +80,7 @@ class Again final : public kernels::FrameProgram {
 /// half from the machine.
 class Counting final : public hw::TileSource {
  public:
-  Counting(hw::FrontEnd& front_end, std::uint32_t tiles, std::uint32_t workers, traces::TraceWriter* trace,
+  Counting(tools::FrontEnd& front_end, std::uint32_t tiles, std::uint32_t workers, traces::TraceWriter* trace,
            CountAllocations& count)
       : front_end_(front_end),
         warm_up_((kTimes - 1) * tiles),
@@ -124,7 +124,7 @@ class Counting final : public hw::TileSource {
     return sum;
   }
 
-  hw::FrontEnd& front_end_;
+  tools::FrontEnd& front_end_;
   const std::uint32_t warm_up_, end_, many_;
   traces::TraceWriter* const trace_;
   CountAllocations& count_;
@@ -141,22 +141,22 @@ class Trace {
   /// One to be written, which stands at the tiles of its only part.
   std::unique_ptr<traces::TraceWriter> begin(const kernels::FrameProgram& program) const {
     auto writer = std::make_unique<traces::TraceWriter>(file(), traces::Json{{"version", traces::kTraceVersion}});
-    const kernels::Demands demands = program.demands();
+    const kernels::FrameRequirements requirements = program.requirements();
     writer->begin_part({}, traces::links_of(workload_.image), traces::counts_of(workload_.image),
-                       {demands.tile_samples, demands.attribute_bytes, demands.region_bytes});
+                       {requirements.tile_samples, requirements.attribute_bytes, requirements.region_bytes});
     return writer;
   }
   /// Writes the whole frame; from then on replay() is there.
   void record(kernels::FrameProgram& program, const traces::Tracer& tracer) {
     const std::unique_ptr<traces::TraceWriter> writer = begin(program);
-    hw::FrontEnd front_end(program, tracer, 0);
+    tools::FrontEnd front_end(program, tracer, 0);
     while (const traces::TileWork* work = front_end.next()) writer->add(*work), front_end.give_back(work);
     writer->end_part({{"continued", 0}, {"sampling", {{"wanted", 1}}}});
     writer->commit();
     reader_.emplace(file());
     for (const kernels::KernelInfo& kernel : kernels::catalogue()) kernels_.push_back(kernel.id);
     scope_ = reader_->scope(reader_->parts().front(), static_cast<std::uint32_t>(kernels_.size()));
-    scope_.region_bytes = reader_->parts().front().demands.region_bytes;
+    scope_.region_bytes = reader_->parts().front().requirements.region_bytes;
     replay_.emplace(*reader_, reader_->parts().front(), scope_, kernels_);
   }
   kernels::FrameProgram& replay() { return *replay_; }
@@ -215,7 +215,7 @@ TEST_P(Allocations, StopWhenAFrameIsWellUnderWay) {
   const auto written = c.trace == File::kWritten ? trace.begin(*program) : nullptr;
   kernels::FrameProgram& tiles = c.trace == File::kRead ? trace.replay() : *program;
   Again again(tiles, c.workers);
-  hw::FrontEnd front_end(again, frame.tracer(), c.workers);
+  tools::FrontEnd front_end(again, frame.tracer(), c.workers);
   CountAllocations count;
   Counting counted(front_end, tiles.tiles(), c.workers, written.get(), count);
   hw::Gpu gpu(c.machine, frame.workload(), counted);

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/report/report_json.h"
-#include "tools/run_job.h"
+#include "tools/simulation/run_job.h"
 
 // Small runs whose every counter is stored in tests/golden/*.json, summed over units of one kind. After a change that
 // is meant to move them, accept the new values with: RAYWATT_ACCEPT=1 ctest --preset release -R golden

@@ -8,9 +8,9 @@
 #include "shader_kernels/programs/full.h"
 #include "traces/accel/build.h"
 #include "traces/accel/bvh_tracer.h"
-#include "traces/scene/builtin/shapes.h"
 #include "traces/scene/cameras.h"
-#include "traces/scene/library.h"
+#include "traces/scenes/library.h"
+#include "traces/scenes/shapes.h"
 
 namespace kernels {
 

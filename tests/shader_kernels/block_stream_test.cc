@@ -23,7 +23,7 @@ using traces::Region;
 using traces::WorkNode;
 
 struct Recorded {
-  Demands demands;
+  FrameRequirements requirements;
   std::vector<traces::TileWork> works;
   std::uint32_t count = 0, across = 0;  ///< tiles
 };
@@ -51,9 +51,9 @@ class BlockStream : public testing::TestWithParam<const char*> {
     const Stage stage(scene);
     const RateMap rates(programs_.multirate);
     const auto program = make_program(spec_, {stage.image, stage.camera, render_, programs_, rates, 0});
-    Recorded out{program->demands(), run_program(*program, stage.tracer, grid_, true).works, 0, 0};
+    Recorded out{program->requirements(), run_program(*program, stage.tracer, grid_, true).works, 0, 0};
     out.count = program->pass_end(0);
-    const auto side = static_cast<std::uint32_t>(std::lround(std::sqrt(out.demands.tile_samples)));
+    const auto side = static_cast<std::uint32_t>(std::lround(std::sqrt(out.requirements.tile_samples)));
     out.across = (kWidth * grid_ + side - 1) / side;
     return out;
   }
@@ -195,7 +195,7 @@ TEST_P(BlockStream, TransfersStayWithinTheirRegions) {
       for (const traces::TileWork& work : r.works) {
         for (const WorkNode& node : work.nodes) {
           if (node.kind != WorkNode::Kind::kTransfer) continue;
-          EXPECT_LE(node.offset + node.items, r.demands.region_bytes[static_cast<std::size_t>(node.region)])
+          EXPECT_LE(node.offset + node.items, r.requirements.region_bytes[static_cast<std::size_t>(node.region)])
               << "tile " << work.tile << " of " << r.count << ", region " << static_cast<int>(node.region);
         }
       }
@@ -215,10 +215,10 @@ TEST_P(BlockStream, AttributesInMemoryAreWrittenAndReadBackOnceForEachCheck) {
   const Recorded tile = record(scene);
   set({Halo::kReload, AttributePlace::kDram});
   const Recorded dram = record(scene);
-  EXPECT_GT(tile.demands.attribute_bytes, 0U);
-  EXPECT_EQ(dram.demands.attribute_bytes, 0U);
+  EXPECT_GT(tile.requirements.attribute_bytes, 0U);
+  EXPECT_EQ(dram.requirements.attribute_bytes, 0U);
   ASSERT_EQ(tile.works.size(), dram.works.size());
-  const auto side = static_cast<std::uint32_t>(std::lround(std::sqrt(tile.demands.tile_samples)));
+  const auto side = static_cast<std::uint32_t>(std::lround(std::sqrt(tile.requirements.tile_samples)));
   for (std::size_t i = 0; i < tile.works.size(); ++i) {
     const auto [read, written] = moved(tile.works[i]);
     const auto [dram_read, dram_written] = moved(dram.works[i]);

@@ -45,7 +45,7 @@ std::ostream& operator<<(std::ostream& out, const Count& c) {
 //
 //   dot 3 mul 2 add | vector + vector 3 add | vector * scalar 3 mul | largest 2 max
 //   normalised      dot, max, sqrt, div, 3 mul                            2 add  6 mul 2 div_sqrt 1 other
-//   split           add, mul, floor, mul, sub                             2 add  2 mul 1 other
+//   divmod           add, mul, floor, mul, sub                             2 add  2 mul 1 other
 //   scrambled       3 xor, 3 shift, 2 mul                                 8 integer
 //   next            select, int_add                                       1 select 1 integer
 //   add_light       load, 3 add, store                                    3 add
@@ -67,16 +67,16 @@ std::ostream& operator<<(std::ostream& out, const Count& c) {
 //                   4 mul; 7 mul                                           11 add 31 mul 2 div_sqrt 4 other
 //   encoded         3 sqrt, 3 mul add sub, compare, mul, select            2 add  4 mul 3 div_sqrt 1 compare 1 select
 //   clamped         max, min                                               2 other
-//   lattice_sample  to_float, split; 2 (mul, add); to_int                  4 add  4 mul 1 other 2 convert
-//   sample_between  to_float, 2 split; mul; 2 (mul, add); add, mul, add, to_int; to_int; mul, add, to_int; to_int;
+//   lattice_sample  to_float, divmod; 2 (mul, add); to_int                  4 add  4 mul 1 other 2 convert
+//   sample_between  to_float, 2 divmod; mul; 2 (mul, add); add, mul, add, to_int; to_int; mul, add, to_int; to_int;
 //                   compare, add, compare, or                              10 add 9 mul 2 other 2 compare 1 integer
 //                                                                           5 convert
-//   pronounce       select; 2 (compare, next); shift, or; 3 store          3 select 2 compare 4 integer
+//   write_verdict       select; 2 (compare, next); shift, or; 3 store          3 select 2 compare 4 integer
 //   passed          and; shift, to_float, add; to_float; mul, sub, to_int; mul, add, to_int; mul
 //                                                                           3 add  3 mul 2 integer 4 convert
-//   mixed           sub, mul, add; of vectors three times that
-//   mixed_colours   6 clamped, mixed                                       6 add  3 mul 12 other
-//   mixed_geometry  2 mixed, normalised                                    14 add 12 mul 2 div_sqrt 1 other
+//   lerp           sub, mul, add; of vectors three times that
+//   mixed_colours   6 clamped, lerp                                       6 add  3 mul 12 other
+//   mixed_geometry  2 lerp, normalised                                    14 add 12 mul 2 div_sqrt 1 other
 //   fails           compare, select; where flags decide, and before it
 //   wraps           2 (floor, sub); min, compare, sub, max, compare, and   3 add  4 other 2 compare 1 integer
 //   object_of       and, compare, select, or                               1 compare 1 select 2 integer
@@ -85,7 +85,7 @@ std::ostream& operator<<(std::ostream& out, const Count& c) {
 //   interface       -dot, less, 1/ior, select; 3 mul 2 sub; sub add div; compare max sqrt select sub; mul;
 //                   4 mul 3 sub              10 add 11 mul 3 div_sqrt 2 other 2 compare 2 select
 //
-//   generate_rays             to_float, 3 split, 2 add, 2 (2 add, mul), emit_primary
+//   generate_rays             to_float, 3 divmod, 2 add, 2 (2 add, mul), emit_primary
 //   generate_jittered_rays    the same with 2 (shift, to_float, mul) for 0.5; 2 to_int, mul, add; xor; 3 scrambled;
 //                             to_int, add; xor
 //   classify_hits             2 (compare, next)
@@ -122,26 +122,26 @@ std::ostream& operator<<(std::ostream& out, const Count& c) {
 //                             compare, next
 //   shade_glass               interface; mul, max, sqrt, sub; 2 scale, vector add; sub, mul; scale; 2 max,
 //                             compare, next
-//   average_colour            to_float, split, add_samples
+//   average_colour            to_float, divmod, add_samples
 //   pack_colour               3 (clamped, encoded, mul, add, to_int); 2 shift, 3 or
 //
 //   list_samples              lattice_sample
-//   generate_listed_rays      to_float, 3 split, 2 add, 2 (2 add, mul), emit_primary
+//   generate_listed_rays      to_float, 3 divmod, 2 add, 2 (2 add, mul), emit_primary
 //   record_geometry           and, object_of
 //   record_surface            and; 2 vector sub, cross 6 mul 3 sub; dot, compare, select; object_of; normalised, scale
 //   record_secondary          and; 5 compare, 2 and, 2 select; 2 vectors of select; xor, shift, xor, scrambled, add
 //   record_shadow             compare, select, add
-//   check_similarity          sample_between; 3 fails, dot; 2 or; pronounce
+//   check_similarity          sample_between; 3 fails, dot; 2 or; write_verdict
 //     with secondary hits     3 fails, 2 dot, min; 3 or more
 //   interpolate_x             passed, mixed_colours, mixed_geometry
-//     with secondary hits     2 (mixed, normalised) more
+//     with secondary hits     2 (lerp, normalised) more
 //   interpolate_y             passed, mixed_colours
-//   average_samples           to_float, 3 split; 3 mul, 4 add, to_int; add_samples
+//   average_samples           to_float, 3 divmod; 3 mul, 4 add, to_int; add_samples
 //   record_local_after, record_global   vector add or sub
 //   check_attributes          sample_between; vector sub, dot; 2 dot, neg, mul; 2 wraps, or;
 //                             6 (clamped, encoded), vector sub, dot; 8 fails with dot, mul, 2 and for flags, 1 and; 7
-//                             or; pronounce
-//   interpolate_attributes_y  passed, mixed_geometry; mixed of 2 vectors and 2 numbers
+//                             or; write_verdict
+//   interpolate_attributes_y  passed, mixed_geometry; lerp of 2 vectors and 2 numbers
 //   interpolate_attributes_x  the same, and one more vector, normalised
 //   shade_visible             diffuse_light; and, compare; 2 max, compare; 2 vectors of select; add_light
 //   store_identities          lattice_sample; and; 2 (compare, select); or
@@ -161,21 +161,22 @@ std::ostream& operator<<(std::ostream& out, const Count& c) {
 //   weigh_branch              largest, max
 //   record_branch             and; object_of; largest, compare; 4 select; place_sum, select
 //   record_branch_shadow      compare; place_sum, compare; 2 select, add
-//   test_subpixels            shift, to_float, split; (shift, and), and, 2 (to_float, sub); corner_steps; 2 add, mul;
+//   test_subpixels            shift, to_float, divmod; (shift, and), and, 2 (to_float, sub); corner_steps; 2 add, mul;
 //                             2 add, 2 add, select, 4 to_int; 2 sets of 3 (2 compare, 2 select; dot, compare, select;
 //                             2 or; or, and, compare, select), 3 or, and, compare, select; 2 shift, or, and; 8 (and,
 //                             compare, select, min); compare, select; 3 contrast, 3 (mul, compare), 2 or; 2 select, or
-//   weigh_centres             to_float, split; 2 add, mul, to_int; clamped; shift; 4 active_bit, 3 (add, add);
+//   weigh_centres             to_float, divmod; 2 add, mul, to_int; clamped; shift; 4 active_bit, 3 (add, add);
 //                             to_float, mul, sub; scale
-//   weigh_centres_bilinear    to_float, split; 2 add, mul, to_int; clamped; shift; 4 of (corner_steps; 4 add, 3 to_int;
+//   weigh_centres_bilinear    to_float, divmod; 2 add, mul, to_int; clamped; shift; 4 of (corner_steps; 4 add, 3
+//   to_int;
 //                             3 clamped; add, active_bit, to_float, mul, sub; 3 scale, 4 vector add)
-//   pack_subpixels            shift, to_float, split; mul, and, to_float, add; mul, shift, and, to_float, add; 2
+//   pack_subpixels            shift, to_float, divmod; mul, and, to_float, add; mul, shift, and, to_float, add; 2
 //   compare,
 //                             and; mul, add, to_int; shift; 4 (add, active_bit, select), 3 add; to_float; mul, floor;
 //                             mul, sub, add, compare, select, add; mul, max; add; to_int; 3 add, 4 (2 add, compare,
 //                             shift, or, select); compare, next, select, add; to_int, mul, sub, to_int, shift, or
 //   pack_subpixels_atomic     add, compare, sub, select; to_int; active_bit; add; compare, shift, or, select
-//   generate_extra_rays       shift, shift, to_float, split; 2 add; 2 (and, and, or) with 2 shift; 2 to_int, mul, add;
+//   generate_extra_rays       shift, shift, to_float, divmod; 2 add; 2 (and, and, or) with 2 shift; 2 to_int, mul, add;
 //                             shift, or; hashes as generate_jittered_rays; add, to_float, to_int; 2 (to_float, add,
 //                             mul, add), 2 scale, 2 vector add, normalised
 //   sum_subpixels             shift; 2 (and, and, or) with 3 shift; shift, or; active_bit, compare; shift, shift, or;

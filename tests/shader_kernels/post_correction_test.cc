@@ -247,11 +247,11 @@ TEST(PostCorrection, ManyCorrectedSamplesMoveNoMoreThanTheirTile) {
     UndersampleProgram program(stage.image, stage.camera, render, config, stage.size(), 0);
     const Sampled run = run_program(program, stage.tracer, config.grid(), true);
     EXPECT_GT(run.sampling.correction, 32U * 32U / 16) << "lines of the picture";
-    const Demands demands = program.demands();
+    const FrameRequirements requirements = program.requirements();
     for (const traces::TileWork& work : run.works) {
       for (const traces::WorkNode& node : work.nodes) {
         if (node.kind != traces::WorkNode::Kind::kTransfer) continue;
-        EXPECT_LE(node.offset + node.items, demands.region_bytes[static_cast<std::size_t>(node.region)])
+        EXPECT_LE(node.offset + node.items, requirements.region_bytes[static_cast<std::size_t>(node.region)])
             << "tile " << work.tile << ", region " << static_cast<int>(node.region);
         if (node.region == traces::Region::kPicture) {
           EXPECT_LE(node.items, 16U * 16 / samples * kPixelBytes);

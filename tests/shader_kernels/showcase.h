@@ -3,9 +3,9 @@
 
 #include <glm/geometric.hpp>
 
-#include "traces/scene/builtin/shapes.h"
 #include "traces/scene/cameras.h"
 #include "traces/scene/scene.h"
+#include "traces/scenes/shapes.h"
 
 namespace kernels {
 

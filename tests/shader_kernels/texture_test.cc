@@ -20,7 +20,7 @@ float fetch_red(const traces::Texture& texture, float u, float v, std::vector<tr
                                     axis_record(texture.height, texture.wrap_v, texture.filter)};
   std::uint32_t slots[] = {stream[0]};
   TexcoordRecord<float> texcoords[] = {{u, v, 0}};
-  MatteRecord<float> mattes[] = {{{1, 1, 1}, 7}};
+  DiffuseRecord<float> mattes[] = {{{1, 1, 1}, 7}};
   ShadeTextured::Ports<float> ports;
   ports.textured.bind(slots);
   ports.texcoords.bind(texcoords);

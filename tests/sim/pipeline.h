@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "sim/activity.h"
-#include "sim/islands.h"
 #include "sim/link.h"
+#include "sim/partitions.h"
 
 namespace sim::test {
 
@@ -24,19 +24,19 @@ struct PipelineConfig {
 /// Sends numbers as fast as there is room.
 class Source {
  public:
-  enum class Why : std::uint8_t { kDone, kSending, kFull, kCount };
+  enum class CycleReason : std::uint8_t { kDone, kSending, kFull, kCount };
   Source(const PipelineConfig& c, Link<std::uint64_t>& out) : clock_(c.source), left_(c.items), out_(out) {}
 
   Time tick(Time now) {
     const bool worked = left_ > 0 && out_.can_push(now);
     if (worked) out_.push(now, left_--);
-    const Why then = left_ > 0 ? Why::kFull : Why::kDone;
-    activity.spend(now, clock_.period(), worked ? Why::kSending : then, then);
+    const CycleReason then = left_ > 0 ? CycleReason::kFull : CycleReason::kDone;
+    activity.spend(now, clock_.period(), worked ? CycleReason::kSending : then, then);
     return left_ > 0 ? std::max(now + clock_.period(), out_.push_at()) : kNever;
   }
   Clock clock() const { return clock_; }
 
-  Activity<Why> activity;
+  Activity<CycleReason> activity;
 
  private:
   Clock clock_;
@@ -47,7 +47,7 @@ class Source {
 /// Holds each number for the length of its pipe.
 class Stage {
  public:
-  enum class Why : std::uint8_t { kStarved, kWorking, kInside, kFull, kCount };
+  enum class CycleReason : std::uint8_t { kStarved, kWorking, kInside, kFull, kCount };
   Stage(const PipelineConfig& c, Link<std::uint64_t>& in, Link<std::uint64_t>& out)
       : clock_(c.stage), pipe_(c.in_flight, c.depth, c.stage), in_(in), out_(out) {}
 
@@ -62,18 +62,18 @@ class Stage {
       worked = true;
     }
     const Time period = clock_.period();
-    activity.spend(now, period, worked ? Why::kWorking : waiting(now), waiting(now + period));
+    activity.spend(now, period, worked ? CycleReason::kWorking : waiting(now), waiting(now + period));
     return std::min(opens(now, period, pipe_.pop_at(), out_.push_at()),
                     opens(now, period, in_.pop_at(), pipe_.push_at()));
   }
   Clock clock() const { return clock_; }
 
-  Activity<Why> activity;
+  Activity<CycleReason> activity;
 
  private:
-  Why waiting(Time at) const {
-    if (pipe_.pop_at() == kNever) return Why::kStarved;
-    return pipe_.pop_at() <= at ? Why::kFull : Why::kInside;
+  CycleReason waiting(Time at) const {
+    if (pipe_.pop_at() == kNever) return CycleReason::kStarved;
+    return pipe_.pop_at() <= at ? CycleReason::kFull : CycleReason::kInside;
   }
 
   Clock clock_;
@@ -85,7 +85,7 @@ class Stage {
 /// Takes a number, then rests.
 class Sink {
  public:
-  enum class Why : std::uint8_t { kStarved, kTaking, kResting, kCount };
+  enum class CycleReason : std::uint8_t { kStarved, kTaking, kResting, kCount };
   Sink(const PipelineConfig& c, Link<std::uint64_t>& in)
       : clock_(c.sink), rest_(c.interval * c.sink.period()), appetite_(c.appetite), in_(in) {}
 
@@ -97,18 +97,18 @@ class Sink {
       free_ = now + rest_;
     }
     const Time next = now + clock_.period();
-    activity.spend(now, clock_.period(), worked ? Why::kTaking : waiting(now), waiting(next));
+    activity.spend(now, clock_.period(), worked ? CycleReason::kTaking : waiting(now), waiting(next));
     if (free_ > now) return free_;
     return taken.size() < appetite_ ? in_.pop_at() : kNever;
   }
   Clock clock() const { return clock_; }
 
-  Activity<Why> activity;
+  Activity<CycleReason> activity;
   std::vector<std::uint64_t> taken;
   std::vector<Time> times;
 
  private:
-  Why waiting(Time at) const { return at < free_ ? Why::kResting : Why::kStarved; }
+  CycleReason waiting(Time at) const { return at < free_ ? CycleReason::kResting : CycleReason::kStarved; }
 
   Clock clock_;
   Time rest_;
@@ -147,9 +147,10 @@ class Pipeline {
   std::vector<Time> spent(Time end) {
     std::vector<Time> all;
     each_unit([&](auto& unit, std::size_t) {
-      using Why = typename std::remove_reference_t<decltype(unit)>::Why;
+      using CycleReason = typename std::remove_reference_t<decltype(unit)>::CycleReason;
       unit.activity.finish(unit.clock().edge_at_or_after(end + 1));
-      for (std::size_t i = 0; i < unit.activity.kReasons; ++i) all.push_back(unit.activity.spent(static_cast<Why>(i)));
+      for (std::size_t i = 0; i < unit.activity.kReasons; ++i)
+        all.push_back(unit.activity.spent(static_cast<CycleReason>(i)));
     });
     return all;
   }
@@ -172,23 +173,23 @@ class Pipeline {
   Sink sink;
 };
 
-/// The same as three islands.
+/// The same as three partitions.
 class ApartPipeline : public Pipeline {
  public:
   explicit ApartPipeline(const PipelineConfig& c) : Pipeline(c) {
-    islands_.outer = {{{0, 1}}, {{2, 3}}};
-    islands_.inner = {{1, 2}};
-    first_.count_if_nearly_full(&islands_.outer[0].nearly_full);
+    partitions_.outer = {{{0, 1}}, {{2, 3}}};
+    partitions_.inner = {{1, 2}};
+    first_.count_if_nearly_full(&partitions_.outer[0].nearly_full);
   }
-  Islands& islands() { return islands_; }
-  /// The last items are taken with all islands at the same time.
-  Time horizon(Time now) const {
+  Partitions& partitions() { return partitions_; }
+  /// The last items are taken with all partitions at the same time.
+  Time lookahead_end(Time now) const {
     const bool ends_soon = config_.items - sink.taken.size() <= second_.capacity();
     return ends_soon ? now : now + std::min(first_.latency(), second_.latency());
   }
 
  private:
-  Islands islands_;
+  Partitions partitions_;
 };
 
 }  // namespace sim::test

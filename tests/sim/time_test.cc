@@ -26,28 +26,28 @@ TEST(Frequency, RoundsItsPeriodToTheNearestFemtosecond) {
   EXPECT_EQ(Frequency{3'000'000'000}.clock().period(), 333'333U);
 }
 
-enum class Why : std::uint8_t { kIdle, kWorking, kBlocked, kCount };
+enum class CycleReason : std::uint8_t { kIdle, kWorking, kBlocked, kCount };
 
 TEST(Activity, ChargesEveryCycleOnce) {
-  Activity<Why> a;
-  a.spend(0, 2, Why::kWorking, Why::kBlocked);
-  a.spend(10, 2, Why::kWorking, Why::kIdle);
+  Activity<CycleReason> a;
+  a.spend(0, 2, CycleReason::kWorking, CycleReason::kBlocked);
+  a.spend(10, 2, CycleReason::kWorking, CycleReason::kIdle);
   a.finish(20);
-  EXPECT_EQ(a.spent(Why::kWorking), 4U);
-  EXPECT_EQ(a.spent(Why::kBlocked), 8U);
-  EXPECT_EQ(a.spent(Why::kIdle), 8U);
+  EXPECT_EQ(a.spent(CycleReason::kWorking), 4U);
+  EXPECT_EQ(a.spent(CycleReason::kBlocked), 8U);
+  EXPECT_EQ(a.spent(CycleReason::kIdle), 8U);
   EXPECT_EQ(a.accounted(), 20U);
 }
 
 TEST(Activity, TimeBeforeTheFirstTickGoesToTheFirstReason) {
-  Activity<Why> a;
-  a.spend(6, 2, Why::kWorking, Why::kWorking);
-  EXPECT_EQ(a.spent(Why::kIdle), 6U);
+  Activity<CycleReason> a;
+  a.spend(6, 2, CycleReason::kWorking, CycleReason::kWorking);
+  EXPECT_EQ(a.spent(CycleReason::kIdle), 6U);
 }
 
 TEST(Activity, FinishesOnlyOnce) {
-  Activity<Why> a;
-  a.spend(0, 2, Why::kWorking, Why::kIdle);
+  Activity<CycleReason> a;
+  a.spend(0, 2, CycleReason::kWorking, CycleReason::kIdle);
   a.finish(4);
   a.finish(4);
   a.finish(2);

@@ -12,7 +12,7 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
-#include "tests/tools/sweep/small_sweep.h"
+#include "tests/tools/studies/sweep/small_sweep.h"
 
 // Sweeps on a real Slurm of three nodes, which lives on the loopback interface for the length of this program.
 

@@ -22,11 +22,30 @@ struct Floor {
 
 /// A file belongs to the first folder of these that it is in.
 constexpr std::array kFloors = {
-    Floor{"tests", 9},          Floor{"tools", 8},         Floor{"hw_models/frame", 7},
-    Floor{"hw_models/srp", 6},  Floor{"hw_models/tni", 6}, Floor{"hw_models/memory", 5},
-    Floor{"shader_kernels", 4}, Floor{"traces/accel", 3},  Floor{"traces/trace_file", 3},
-    Floor{"traces", 2},         Floor{"sim/report", 1},    Floor{"sim/config", 1},
-    Floor{"sim/io", 1},         Floor{"sim", 0},
+    Floor{"tests", 20},
+    Floor{"tools/cli", 18},
+    Floor{"tools/studies/optimise", 17},
+    Floor{"tools/studies", 16},
+    Floor{"tools/jobs", 15},
+    Floor{"tools/sampling", 14},
+    Floor{"tools/analysis", 13},
+    Floor{"tools/simulation", 12},
+    Floor{"tools/host", 11},
+    Floor{"hw_models/machines", 10},
+    Floor{"hw_models/frame", 9},
+    Floor{"hw_models/srp", 8},
+    Floor{"hw_models/tni", 8},
+    Floor{"hw_models/memory", 7},
+    Floor{"shader_kernels/programs", 6},
+    Floor{"shader_kernels", 5},
+    Floor{"traces/accel", 4},
+    Floor{"traces/trace_file", 4},
+    Floor{"traces/scenes", 3},
+    Floor{"traces", 2},
+    Floor{"sim/report", 1},
+    Floor{"sim/config", 1},
+    Floor{"sim/io", 1},
+    Floor{"sim", 0},
 };
 
 std::optional<int> floor_of(const fs::path& file) {

@@ -5,9 +5,9 @@
 #include <gtest/gtest.h>
 
 #include "tests/real_scenes.h"
-#include "tools/kernel_shares.h"
-#include "tools/picture.h"
-#include "tools/run_job.h"
+#include "tools/analysis/kernel_shares.h"
+#include "tools/analysis/picture.h"
+#include "tools/simulation/run_job.h"
 #include "traces/accel/bvh_tracer.h"
 
 // Adaptive sampling against what was published. What is not reproduced is written in DEVIATIONS.md with its cause, and
@@ -90,7 +90,8 @@ TEST(Lee2016, SpeedFollowsTheWorkWhereTheTraversalUnitsSetThePace) {
 }
 
 /// Samples of undersample, traced by no machine.
-hw::FrontEnd::Result undersampled(const std::string& scene, const std::string& resolution, std::uint32_t samples = 1) {
+tools::FrontEnd::Result undersampled(const std::string& scene, const std::string& resolution,
+                                     std::uint32_t samples = 1) {
   Inputs inputs = load_inputs(reproduction(scene, resolution));
   inputs.config.programs.undersample.samples = samples;
   return render(inputs, kernels::parse_program("undersample"), traces::BvhTracer(inputs.image), 0);
@@ -100,17 +101,17 @@ TEST(Kim2016, ConferenceTracesWhatWasPublishedAndLessWithResolution) {
   const std::filesystem::path file = test::scenes_folder() / "conference-331k.glb";
   if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is not here";
   const std::string conference = file.string();
-  const auto ratio = [](const hw::FrontEnd::Result& r) {
+  const auto ratio = [](const tools::FrontEnd::Result& r) {
     return static_cast<double>(r.sampling.traced) / static_cast<double>(r.sampling.wanted);
   };
-  const hw::FrontEnd::Result fine = undersampled(conference, "1024x1024");
-  const hw::FrontEnd::Result coarse = undersampled(conference, "512x512");
-  const hw::FrontEnd::Result four = undersampled(conference, "512x512", 4);
+  const tools::FrontEnd::Result fine = undersampled(conference, "1024x1024");
+  const tools::FrontEnd::Result coarse = undersampled(conference, "512x512");
+  const tools::FrontEnd::Result four = undersampled(conference, "512x512", 4);
   expect_between("traced ratio, published 0.300", ratio(fine), 0.26, 0.345);
   EXPECT_LT(ratio(fine), ratio(coarse));
   EXPECT_EQ(four.sampling.traced, fine.sampling.traced) << "2 x 2 samples at 512 are those of 1024";
   const Inputs inputs = load_inputs(reproduction(conference, "1024x1024"));
-  const hw::FrontEnd::Result full =
+  const tools::FrontEnd::Result full =
       render(inputs, kernels::parse_program("full:1"), traces::BvhTracer(inputs.image), 0);
   EXPECT_GE(psnr_db(mean_squared_error(fine.rgb, full.rgb)), 40);
 }

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/real_scenes.h"
-#include "tools/run_job.h"
+#include "tools/simulation/run_job.h"
 
 // What a believable machine of this class shows. What lies outside is written in DEVIATIONS.md with its cause, and held
 // here at its measured range, outside the band, so that closing a gap is noticed.

@@ -1,4 +1,4 @@
-#include "tools/bottleneck.h"
+#include "tools/studies/bottleneck/bottleneck.h"
 
 #include <algorithm>
 

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "tools/reproduce/plan.h"
-#include "tools/reproduce/runner.h"
+#include "tools/studies/reproduce/plan.h"
+#include "tools/studies/reproduce/runner.h"
 
 // Mechanisms of the SGRT line beside what was published. What is not reproduced is written in DEVIATIONS.md (U1 to U5)
 // with its cause, and held here at its measured range, on built-in scenes.

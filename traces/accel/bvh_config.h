@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "sim/config/field.h"
+#include "sim/named.h"
 #include "traces/accel/node_format.h"
 #include "traces/walk.h"
 
@@ -36,27 +37,27 @@ struct BvhConfig {
 
   static void describe(auto& c, auto&& field) {
     using enum sim::Affects;
-    field(c.leaf_size, "leaf_size", "triangles", "largest leaf", sim::between(1, kMaxLeafTriangles), kFunction);
-    field(c.max_depth, "max_depth", "levels", "deepest tree; the last eight levels split at the median",
-          sim::between(16, 96), kFunction);
-    field(c.traversal_cost, "traversal_cost", "", "surface area heuristic: cost of an inner node",
-          sim::between(0.01, 100), kFunction);
-    field(c.intersection_cost, "intersection_cost", "", "surface area heuristic: cost of a triangle",
-          sim::between(0.01, 100), kFunction);
-    field(c.update, "update", "",
+    field(NAMED(c.leaf_size), "triangles", "largest leaf", sim::between(1, kMaxLeafTriangles), kFunction);
+    field(NAMED(c.max_depth), "levels", "deepest tree; the last eight levels split at the median", sim::between(16, 96),
+          kFunction);
+    field(NAMED(c.traversal_cost), "", "surface area heuristic: cost of an inner node", sim::between(0.01, 100),
+          kFunction);
+    field(NAMED(c.intersection_cost), "", "surface area heuristic: cost of a triangle", sim::between(0.01, 100),
+          kFunction);
+    field(NAMED(c.update), "",
           "moving scenes: build the tree anew for each frame, or refit the boxes of the first frame's tree", sim::any(),
           kFunction);
-    field(c.instances, "instances", "",
+    field(NAMED(c.instances), "",
           "meshes that stand in several places: copied to each, under one tree, or kept once, each with a tree of its "
           "own below a tree of instances",
           sim::any(), kFunction);
-    field(c.numbers, "numbers", "",
+    field(NAMED(c.numbers), "",
           "of box planes and ray origin: floats, or hybrid: fixed point, times a floating-point reciprocal of the "
           "direction",
           sim::any(), kFunction);
-    field(c.boxes, "boxes", "", "a record of the tree holds both child boxes of a node, or a single box", sim::any(),
+    field(NAMED(c.boxes), "", "a record of the tree holds both child boxes of a node, or a single box", sim::any(),
           kLayout);
-    field(c.triangle_bytes, "triangle_bytes", "bytes",
+    field(NAMED(c.triangle_bytes), "bytes",
           "a triangle: 48, or 36 for its vertices alone, the rest in an array of its own", sim::between(36, 48),
           kLayout);
   }

@@ -2,6 +2,7 @@
 #include <cstdint>
 
 #include "sim/config/field.h"
+#include "sim/named.h"
 
 namespace traces {
 
@@ -17,13 +18,12 @@ struct SceneLimits {
 
   static void describe(auto& c, auto&& field) {
     using enum sim::Affects;
-    field(c.memory, "memory", "bytes",
-          "all that a scene's files hold, decoded and laid out for the GPU; more is refused", sim::at_least(1 << 20),
+    field(NAMED(c.memory), "bytes", "all that a scene's files hold, decoded and laid out for the GPU; more is refused",
+          sim::at_least(1 << 20), kFunction);
+    field(NAMED(c.pixels), "pixels", "of all images together; 134217728 is 32 times 2048 x 2048", sim::at_least(1),
           kFunction);
-    field(c.pixels, "pixels", "pixels", "of all images together; 134217728 is 32 times 2048 x 2048", sim::at_least(1),
-          kFunction);
-    field(c.json_depth, "json_depth", "levels", "nesting of a glTF file's JSON", sim::between(8, 1000), kFunction);
-    field(c.nodes, "nodes", "nodes", "of a glTF file's hierarchy, and entries of any other list of the file",
+    field(NAMED(c.json_depth), "levels", "nesting of a glTF file's JSON", sim::between(8, 1000), kFunction);
+    field(NAMED(c.nodes), "nodes", "of a glTF file's hierarchy, and entries of any other list of the file",
           sim::at_least(1), kFunction);
   }
 };

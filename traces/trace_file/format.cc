@@ -24,7 +24,7 @@ Json to_json(const ImageCounts& c) {
       {"details", c.details},     {"textures", c.textures},     {"instances", c.instances}, {"trees", c.trees}};
 }
 
-Json to_json(const TraceDemands& d) {
+Json to_json(const TraceRequirements& d) {
   return {{"tile_samples", d.tile_samples}, {"attribute_bytes", d.attribute_bytes}, {"region_bytes", d.region_bytes}};
 }
 
@@ -44,10 +44,10 @@ ImageCounts counts_of_json(const Json& json) {
   return c;
 }
 
-TraceDemands demands_of_json(const Json& json) {
-  TraceDemands d{static_cast<std::uint32_t>(number_at(json, "tile_samples", 1U << 26)),
-                 static_cast<std::uint32_t>(number_at(json, "attribute_bytes", kMaxAttributeBytes)),
-                 {}};
+TraceRequirements requirements_of_json(const Json& json) {
+  TraceRequirements d{static_cast<std::uint32_t>(number_at(json, "tile_samples", 1U << 26)),
+                      static_cast<std::uint32_t>(number_at(json, "attribute_bytes", kMaxAttributeBytes)),
+                      {}};
   for (std::size_t i = 0; i < kRegionCount; ++i) {
     d.region_bytes[i] = number_of(json.at("region_bytes").at(i), kMaxRegionBytes, "region_bytes");
   }

@@ -33,15 +33,15 @@ inline constexpr std::uint64_t kMaxHeaderBytes = 1U << 24, kMaxContentsBytes = 1
 inline constexpr std::uint32_t kMaxPartTiles = 1U << 26, kMaxFrame = 1'000'000;
 
 /// What a machine must set aside for a frame.
-struct TraceDemands {
+struct TraceRequirements {
   std::uint32_t tile_samples = 0;     ///< of a full tile
   std::uint32_t attribute_bytes = 0;  ///< of a full tile, in the tile buffer
   std::array<std::uint64_t, kRegionCount> region_bytes{};
 };
 
 /// The most bytes that the work of a tile may take: 64 KiB for a sample, of which real ones need 100 to 500.
-constexpr std::uint64_t most_tile_bytes(const TraceDemands& demands) {
-  return std::min<std::uint64_t>(kMaxTileBytes, (1U << 16) + (std::uint64_t{1} << 16) * demands.tile_samples);
+constexpr std::uint64_t most_tile_bytes(const TraceRequirements& requirements) {
+  return std::min<std::uint64_t>(kMaxTileBytes, (1U << 16) + (std::uint64_t{1} << 16) * requirements.tile_samples);
 }
 
 /// A whole number of the contents, at most `most`; InputError, without the file's name, otherwise.
@@ -51,9 +51,9 @@ inline std::uint64_t number_at(const Json& json, const char* key, std::uint64_t 
 }
 
 Json to_json(const ImageCounts& counts);
-Json to_json(const TraceDemands& demands);
+Json to_json(const TraceRequirements& requirements);
 /// InputError, without the file's name, for what no scene has; nlohmann's exceptions for what is not there.
 ImageCounts counts_of_json(const Json& json);
-TraceDemands demands_of_json(const Json& json);
+TraceRequirements requirements_of_json(const Json& json);
 
 }  // namespace traces

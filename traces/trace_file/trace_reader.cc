@@ -112,7 +112,7 @@ void TraceReader::read_contents() {
     part.reference = json.at("program").get<std::string>() == "reference";
     if (trees_.empty()) throw sim::InputError("has no tree");
     part.tree = number_at(json, "tree", trees_.size() - 1);
-    part.demands = demands_of_json(json.at("demands"));
+    part.requirements = requirements_of_json(json.at("demands"));
     part.tiles = static_cast<std::uint32_t>(
         number_at(json, "tiles", std::min<std::uint64_t>(kMaxPartTiles, size_ / kLeastPacked)));
     part.sizes = place_of(json.at("sizes"));
@@ -127,7 +127,7 @@ TileScope TraceReader::scope(const Part& part, std::uint32_t kernels) const {
   const Tree& tree = trees_[part.tree];
   return naming_file([&]() -> TileScope {
     return {decode_links(block(tree.place, kMaxTreeBytes), tree.nodes, tree.counts), tree.counts, kernels,
-            part.demands.region_bytes, most_tile_bytes(part.demands)};
+            part.requirements.region_bytes, most_tile_bytes(part.requirements)};
   });
 }
 

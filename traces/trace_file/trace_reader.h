@@ -21,7 +21,7 @@ class TraceReader {
     std::uint32_t frame = 0;
     bool reference = false;
     std::size_t tree = 0;
-    TraceDemands demands;
+    TraceRequirements requirements;
     std::uint32_t tiles = 0;
     std::uint64_t tiles_at = 0;  ///< where the first lies; the others follow
     Place sizes;

@@ -61,7 +61,7 @@ Json TraceWriter::put(std::string_view bytes) {
   return place;
 }
 
-void TraceWriter::begin_part(PartId id, Links links, const ImageCounts& counts, const TraceDemands& demands) {
+void TraceWriter::begin_part(PartId id, Links links, const ImageCounts& counts, const TraceRequirements& requirements) {
   Json& trees = contents_["trees"];
   if (trees.empty() || links != links_ || counts != counts_) {
     links_ = std::move(links);
@@ -72,11 +72,11 @@ void TraceWriter::begin_part(PartId id, Links links, const ImageCounts& counts, 
     trees.push_back(std::move(tree));
   }
   sizes_.clear();
-  most_of_tile_ = most_tile_bytes(demands);
+  most_of_tile_ = most_tile_bytes(requirements);
   part_ = {{"frame", id.frame},
            {"program", id.reference ? "reference" : "program"},
            {"tree", trees.size() - 1},
-           {"demands", to_json(demands)},
+           {"demands", to_json(requirements)},
            {"offset", file_.size()}};
 }
 

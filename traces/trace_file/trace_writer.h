@@ -14,8 +14,8 @@ namespace traces {
 /// commit(), and then all is.
 ///
 ///   TraceWriter trace(path, header);
-///   trace.begin_part({.frame = 0}, links, counts, demands);  for each tile: trace.add(work);  trace.end_part(result);
-///   trace.commit();
+///   trace.begin_part({.frame = 0}, links, counts, requirements);  for each tile: trace.add(work);
+///   trace.end_part(result); trace.commit();
 class TraceWriter {
  public:
   struct PartId {
@@ -27,7 +27,7 @@ class TraceWriter {
   TraceWriter(const std::filesystem::path& path, const Json& header);
 
   /// A tree that is as the part before had it is not written again.
-  void begin_part(PartId id, Links links, const ImageCounts& counts, const TraceDemands& demands);
+  void begin_part(PartId id, Links links, const ImageCounts& counts, const TraceRequirements& requirements);
   void add(const TileWork& work);
   /// `result`: what else a report tells of this part.
   void end_part(Json result);

@@ -58,7 +58,7 @@ class DmaBench {
   const Dma& dma() const { return dma_; }
   const std::vector<Addr>& lines() const { return lines_; }
   const std::vector<std::uint32_t>& tags() const { return tags_; }
-  std::uint64_t spent(Dma::Why why) const { return clock_.cycles(dma_.activity().spent(why)); }
+  std::uint64_t spent(Dma::CycleReason why) const { return clock_.cycles(dma_.activity().spent(why)); }
   std::uint64_t end() const { return clock_.cycles(end_); }
 
  private:
@@ -130,7 +130,7 @@ TEST(Dma, ASlowMemorySetsThePace) {
   DmaBench bench({.memory_interval = 5, .depth = 2});
   bench.add(20 * kLine, true).run();
   EXPECT_EQ(bench.cycles(0), 1 + (20 - 2 - 1) * 5 + 1 + 1U) << "two of the lines are on the wire when the last leaves";
-  EXPECT_EQ(bench.spent(Dma::Why::kMoving), 20U);
+  EXPECT_EQ(bench.spent(Dma::CycleReason::kMoving), 20U);
 }
 
 TEST(Dma, TransfersGoOneAfterTheOtherInOrder) {
@@ -185,12 +185,13 @@ TEST(Dma, EveryCycleHasAReasonAndTheOracleAgrees) {
     fill(fast).run();
     fill(oracle).run<sim::Skip::kOff>();
     std::uint64_t sum = 0;
-    for (const Dma::Why why : {Dma::Why::kIdle, Dma::Why::kMoving, Dma::Why::kWaiting}) {
+    for (const Dma::CycleReason why :
+         {Dma::CycleReason::kIdle, Dma::CycleReason::kMoving, Dma::CycleReason::kWaiting}) {
       EXPECT_EQ(fast.spent(why), oracle.spent(why));
       sum += fast.spent(why);
     }
     EXPECT_EQ(sum, fast.end());
-    EXPECT_EQ(fast.spent(Dma::Why::kMoving), 16U + 5U + 1U);
+    EXPECT_EQ(fast.spent(Dma::CycleReason::kMoving), 16U + 5U + 1U);
   }
 }
 

@@ -111,7 +111,7 @@ struct Machine {
     EXPECT_TRUE(hit_taker.in_order);
     return all_of_it;
   }
-  std::uint64_t why(MemoryInterface::Why w) const { return kClock.cycles(unit.activity().spent(w)); }
+  std::uint64_t why(MemoryInterface::CycleReason w) const { return kClock.cycles(unit.activity().spent(w)); }
 
   sim::Wakes all{7};
   sim::Link<RayJob> rays_in, rays_out;
@@ -199,7 +199,7 @@ TEST(MemoryInterface, AReaderThatDoesNotTakeIsTheReason) {
   Machine m(off(), 200);
   m.ray_taker.interval = 100;
   m.run();
-  EXPECT_GT(m.why(MemoryInterface::Why::kOutputFull), 15'000U);
+  EXPECT_GT(m.why(MemoryInterface::CycleReason::kOutputFull), 15'000U);
 }
 
 TEST(MemoryInterface, RecordsDoNotDependOnHowTheEngineVisitsThem) {

@@ -83,7 +83,9 @@ class DispatcherBench {
     return tiles;
   }
   const TileDispatcher& dispatcher() const { return *dispatcher_; }
-  std::uint64_t spent(TileDispatcher::Why why) const { return clock_.cycles(dispatcher_->activity().spent(why)); }
+  std::uint64_t spent(TileDispatcher::CycleReason why) const {
+    return clock_.cycles(dispatcher_->activity().spent(why));
+  }
   std::uint64_t end() const { return clock_.cycles(end_); }
 
   Tiles source;
@@ -167,8 +169,8 @@ TEST(TileDispatcher, ATileWaitsForThoseItNeedsAndHoldsUpThoseBehindIt) {
   EXPECT_EQ(bench.arrivals[3], (DispatcherBench::Arrival{1, 3, 2 + 80 + 1}));
   EXPECT_EQ(bench.arrivals[4].tile, 4U);
   EXPECT_EQ(bench.arrivals[4].cycle, 2 + 80 + 2U);
-  EXPECT_EQ(bench.spent(TileDispatcher::Why::kWaiting), 2 + 80 - 3U);
-  EXPECT_EQ(bench.spent(TileDispatcher::Why::kCoresFull), 0U);
+  EXPECT_EQ(bench.spent(TileDispatcher::CycleReason::kWaiting), 2 + 80 - 3U);
+  EXPECT_EQ(bench.spent(TileDispatcher::CycleReason::kCoresFull), 0U);
 }
 
 TEST(TileDispatcher, ATileAfterAllWaitsForEveryTileBeforeIt) {
@@ -197,15 +199,16 @@ TEST(TileDispatcher, EveryCycleHasAReasonAndTheOracleAgrees) {
     }
     fast.run();
     oracle.run<sim::Skip::kOff>();
-    using Why = TileDispatcher::Why;
+    using CycleReason = TileDispatcher::CycleReason;
     std::uint64_t sum = 0;
-    for (const Why why : {Why::kIdle, Why::kDispatching, Why::kCoresFull, Why::kWaiting}) {
+    for (const CycleReason why :
+         {CycleReason::kIdle, CycleReason::kDispatching, CycleReason::kCoresFull, CycleReason::kWaiting}) {
       EXPECT_EQ(fast.spent(why), oracle.spent(why));
       sum += fast.spent(why);
     }
     EXPECT_EQ(sum, fast.end());
-    EXPECT_EQ(fast.spent(Why::kDispatching), 20U);
-    EXPECT_EQ(fast.spent(Why::kWaiting) > 0, some_wait);
+    EXPECT_EQ(fast.spent(CycleReason::kDispatching), 20U);
+    EXPECT_EQ(fast.spent(CycleReason::kWaiting) > 0, some_wait);
   }
 }
 

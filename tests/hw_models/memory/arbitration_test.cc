@@ -81,7 +81,7 @@ TEST(Arbiter, RandomTrafficDoesNotDependOnHowTheEngineVisitsIt) {
         b.client(1).pop_every = 7;
         for (std::uint64_t i = 0; i < 900; ++i) {
           b.client(i % 3).send(sim::hash(i) % 64 * 64, i * (i % 7) / 4, sim::hash(i, 1) % 4 == 0,
-                               static_cast<Pieces>(sim::hash(i, 3) % 255 + 1));
+                               static_cast<SectorMask>(sim::hash(i, 3) % 255 + 1));
         }
         const sim::Time end = b.bench.run(mode);
         const std::string all = b.bench.everything(end);
@@ -94,7 +94,7 @@ TEST(Arbiter, RandomTrafficDoesNotDependOnHowTheEngineVisitsIt) {
 }
 
 TEST(CorePort, PiecesHoldTheWayUpForTheirLength) {
-  for (const Pieces pieces : {Pieces{0x01}, Pieces{0x0f}, kWholeLine}) {
+  for (const SectorMask pieces : {SectorMask{0x01}, SectorMask{0x0f}, kWholeLine}) {
     PortBench b(1, 1, 64, 1, 8);
     for (Addr i = 0; i < 20; ++i) b.client(0).send(64 * i, 0, true, pieces);
     b.client(0).send(0);

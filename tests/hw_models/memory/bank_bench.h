@@ -42,7 +42,7 @@ struct BankBench {
   const L2Bank::Stats& stats() { return bench.banks.front().stats(); }
   std::uint64_t fetched() { return bench.echoes.front().requests; }
   std::uint64_t written() { return bench.echoes.front().written; }
-  std::uint64_t why(L2Bank::Why w) { return kClock.cycles(bench.banks.front().activity().spent(w)); }
+  std::uint64_t why(L2Bank::CycleReason w) { return kClock.cycles(bench.banks.front().activity().spent(w)); }
 
   static constexpr std::uint64_t kFlushAt =
       100'000;  ///< the cycle in which the frame is over, as far as dirty lines go

@@ -22,7 +22,7 @@ TEST(CorePort, ALineHoldsTheWayDownForItsLengthOverTheWidth) {
     for (Addr i = 0; i < 40; ++i) b.client(0).send(64 * i);
     b.bench.run();
     EXPECT_EQ(b.client(0).script[39].answered - b.client(0).script[0].answered, 39 * (64U / width));
-    EXPECT_EQ(b.why(CorePort::Why::kLine), 39 * (64U / width) + std::min(64U / width, 2U))
+    EXPECT_EQ(b.why(CorePort::CycleReason::kLine), 39 * (64U / width) + std::min(64U / width, 2U))
         << "the run ends with the answer, two cycles into the last line";
   }
 }
@@ -61,7 +61,7 @@ TEST(CorePort, ABlockedTargetDoesNotHoldUpTheOthersClients) {
   for (Addr i = 0; i < 50; ++i) b.client(1).send(128 * i + 64);
   b.bench.run();
   EXPECT_LT(b.client(1).script[49].answered, 400U);
-  EXPECT_GT(b.why(CorePort::Why::kClientFull), 400U);
+  EXPECT_GT(b.why(CorePort::CycleReason::kClientFull), 400U);
 }
 
 TEST(CorePort, RandomTrafficDoesNotDependOnHowTheEngineVisitsIt) {
@@ -80,8 +80,8 @@ TEST(CorePort, RandomTrafficDoesNotDependOnHowTheEngineVisitsIt) {
       EXPECT_EQ(s.requests, 900U);
       EXPECT_EQ(s.lines_down + s.lines_up, 900U);
       std::uint64_t sum = 0;
-      for (std::size_t w = 0; w < static_cast<std::size_t>(CorePort::Why::kCount); ++w)
-        sum += b.why(static_cast<CorePort::Why>(w));
+      for (std::size_t w = 0; w < static_cast<std::size_t>(CorePort::CycleReason::kCount); ++w)
+        sum += b.why(static_cast<CorePort::CycleReason>(w));
       EXPECT_EQ(sum, b.elapsed());
       EXPECT_EQ(b.elapsed(), kClock.cycles(end) + 1);
     }

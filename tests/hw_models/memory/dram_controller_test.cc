@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "hw_models/memory/dram_forms.h"
+#include "hw_models/memory/dram_closed_forms.h"
 #include "hw_models/memory/dram_player.h"
 #include "tests/hw_models/memory/dram_bench.h"
 
@@ -10,7 +10,7 @@ namespace hw::test {
 namespace {
 
 const DramTiming kT;
-const DramForms kForm{DramBench::quiet()};
+const DramClosedForms kForm{DramBench::quiet()};
 
 /// Requests for rows of one channel, played alone. Times in cycles.
 struct Script {

@@ -1,14 +1,13 @@
-#include "hw_models/memory/dram_figures.h"
-
 #include <gtest/gtest.h>
 
+#include "hw_models/memory/dram_measurements.h"
 #include "sim/config/config.h"
 
 namespace hw::test {
 namespace {
 
-class DramFigures : public testing::TestWithParam<const char*> {};
-INSTANTIATE_TEST_SUITE_P(Grades, DramFigures,
+class DramMeasurements : public testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Grades, DramMeasurements,
                          testing::Values("lpddr3-1600", "lpddr4-3200", "lpddr4-4266", "lpddr4x-4266", "lpddr5-6400"),
                          [](const auto& grade) {
                            std::string name = grade.param;
@@ -16,7 +15,7 @@ INSTANTIATE_TEST_SUITE_P(Grades, DramFigures,
                            return name;
                          });
 
-TEST_P(DramFigures, AllHoldToTheirClosedForms) {
+TEST_P(DramMeasurements, AllHoldToTheirClosedForms) {
   const auto grade = sim::load_config<DramConfig>(std::string("configs/dram/") + GetParam() + ".yaml");
   for (const DramFigure& f : dram_figures(grade)) {
     EXPECT_TRUE(f.good()) << f.name << ": " << f.measured << " " << f.unit << ", expected " << f.expected;

@@ -34,7 +34,7 @@ class Requester {
   Requester(sim::Clock clock, sim::Link<MemRequest>& out, sim::Link<MemResponse>& in)
       : clock_(clock), out_(out), in_(in) {}
 
-  void send(Addr line, std::uint64_t not_before = 0, bool write = false, Pieces pieces = kWholeLine) {
+  void send(Addr line, std::uint64_t not_before = 0, bool write = false, SectorMask pieces = kWholeLine) {
     const auto tag = static_cast<std::uint16_t>(script.size());
     script.push_back({{line, source, tag, write, pieces}, not_before, 0});
   }

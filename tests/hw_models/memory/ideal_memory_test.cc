@@ -42,7 +42,7 @@ TEST(IdealL2, RandomTrafficDoesNotDependOnHowTheEngineVisitsIt) {
       if (mode == Mode::kSkip) expected = all;
       ASSERT_EQ(all, expected) << capacity;
       EXPECT_EQ(b.stats().reads + b.stats().writes, 900U);
-      EXPECT_GT(b.why(L2Bank::Why::kOutputFull), 100U);
+      EXPECT_GT(b.why(L2Bank::CycleReason::kOutputFull), 100U);
       EXPECT_EQ(kClock.cycles(b.bench.banks.front().activity().accounted()), kClock.cycles(end) + 1);
     }
   }

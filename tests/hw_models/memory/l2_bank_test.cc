@@ -45,7 +45,7 @@ TEST(L2Bank, FullMissRegistersHoldUpTheHeadAndAllBehindIt) {
   const std::uint64_t fill = kMiss - 2;  // a reply and a wire before the first answer: a miss register is free again
   EXPECT_EQ(b.core(0).script[5].answered - 200, fill + kMiss - 1) << "from there as any miss, but for the first wire";
   EXPECT_GT(b.core(0).script[6].latency(), kHit + 40) << "a hit, but behind it";
-  EXPECT_GT(b.why(L2Bank::Why::kMshrFull), 40U);
+  EXPECT_GT(b.why(L2Bank::CycleReason::kMshrFull), 40U);
 }
 
 TEST(L2Bank, ALinesTargetsAreLimited) {
@@ -81,8 +81,8 @@ TEST(L2Bank, RandomTrafficDoesNotDependOnHowTheEngineVisitsIt) {
       EXPECT_EQ(s.fills, b.fetched());
       for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(b.core(i).mistakes, 0);
       std::uint64_t sum = 0;
-      for (std::size_t w = 0; w < static_cast<std::size_t>(L2Bank::Why::kCount); ++w)
-        sum += b.why(static_cast<L2Bank::Why>(w));
+      for (std::size_t w = 0; w < static_cast<std::size_t>(L2Bank::CycleReason::kCount); ++w)
+        sum += b.why(static_cast<L2Bank::CycleReason>(w));
       EXPECT_EQ(sum, kClock.cycles(end) + 1);
     }
   }

@@ -9,7 +9,7 @@
 namespace hw::test {
 namespace {
 
-constexpr Pieces kFirstHalf = 0x0f, kSecondHalf = 0xf0;
+constexpr SectorMask kFirstHalf = 0x0f, kSecondHalf = 0xf0;
 
 L2Config policy(L2Writes writes) {
   L2Config c = BankBench::small();
@@ -135,7 +135,7 @@ TEST(L2Writes, WhatIsWrittenReachesMemoryOnceOrIsOverwrittenHoweverTheEngineVisi
       b.core(1).pop_every = seed == 3 ? 20 : 1;
       for (std::uint64_t i = 0; i < 1200; ++i) {
         const bool write = sim::hash(i, seed, 1) % 2 == 0;
-        const auto pieces = static_cast<Pieces>(sim::hash(i, seed, 2) % 255 + 1);
+        const auto pieces = static_cast<SectorMask>(sim::hash(i, seed, 2) % 255 + 1);
         b.core(i % 3).send(sim::hash(i, seed) % 100 * 64, i / 400 * 20000 + i % 400 * (seed % 4), write, pieces);
       }
       const sim::Time end = b.bench.run(mode);
@@ -153,8 +153,8 @@ TEST(L2Writes, WhatIsWrittenReachesMemoryOnceOrIsOverwrittenHoweverTheEngineVisi
       EXPECT_LE(s.memory_cycles, s.latency);
       for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(b.core(i).mistakes, 0);
       std::uint64_t sum = 0;
-      for (std::size_t w = 0; w < static_cast<std::size_t>(L2Bank::Why::kCount); ++w)
-        sum += b.why(static_cast<L2Bank::Why>(w));
+      for (std::size_t w = 0; w < static_cast<std::size_t>(L2Bank::CycleReason::kCount); ++w)
+        sum += b.why(static_cast<L2Bank::CycleReason>(w));
       EXPECT_EQ(sum, kClock.cycles(end) + 1);
     }
   }

@@ -35,7 +35,7 @@ struct PortBench {
   Requester& client(std::size_t i) { return *std::next(bench.requesters.begin(), static_cast<long>(i)); }
   const Echo& target(std::size_t i) { return *std::next(bench.echoes.begin(), static_cast<long>(i)); }
   const CorePort& port() { return bench.ports.front(); }
-  std::uint64_t why(CorePort::Why w) { return kClock.cycles(port().activity().spent(w)); }
+  std::uint64_t why(CorePort::CycleReason w) { return kClock.cycles(port().activity().spent(w)); }
   std::uint64_t elapsed() { return kClock.cycles(port().activity().accounted()); }
 
   Bench bench;

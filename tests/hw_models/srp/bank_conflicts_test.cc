@@ -86,7 +86,7 @@ TEST(Srp, StandsStillForBanksAndSaysSo) {
   TileBuilder work;
   work.launch(0, 9);
   bench.add(work.build()).run();
-  EXPECT_EQ(bench.spent(Srp::Why::kBanks), 6U) << "three cycles in every four items";
+  EXPECT_EQ(bench.spent(Srp::CycleReason::kBanks), 6U) << "three cycles in every four items";
   EXPECT_EQ(bench.cycles(0), 100U + 6 + 50 + 8 * 4);
   EXPECT_EQ(bench.srp().tile_buffer().stats().bank_conflicts, 6U);
 }

@@ -59,7 +59,7 @@ class SrpBench {
   const Srp& srp() const { return *srp_; }
   /// Cycles that kernel `k` kept the array, switch and stalls included.
   std::uint64_t cycles(std::size_t k) const { return srp_->kernel_use()[k].cycles; }
-  std::uint64_t spent(Srp::Why why) const { return clock_.cycles(srp_->activity().spent(why)); }
+  std::uint64_t spent(Srp::CycleReason why) const { return clock_.cycles(srp_->activity().spent(why)); }
   std::uint64_t elapsed() const { return clock_.cycles(end_); }
   const std::vector<RaySent>& rays() const { return rays_; }
   const std::vector<DmaJob>& transfers() const { return transfers_; }

@@ -21,8 +21,8 @@ TEST(SrpIdeal, ALaunchTakesACycleWithoutSwitchDepthOrConflicts) {
   work.launch(0, 200);
   bench.add(work.build()).run();
   EXPECT_EQ(bench.cycles(0), 1U);
-  EXPECT_EQ(bench.spent(Srp::Why::kSwitching), 0U);
-  EXPECT_EQ(bench.spent(Srp::Why::kBanks), 0U);
+  EXPECT_EQ(bench.spent(Srp::CycleReason::kSwitching), 0U);
+  EXPECT_EQ(bench.spent(Srp::CycleReason::kBanks), 0U);
 }
 
 TEST(SrpIdeal, ItStillWaitsForItsLinesAllAtOnceAsFarAsThereAreMissRegisters) {
@@ -38,7 +38,7 @@ TEST(SrpIdeal, ItStillWaitsForItsLinesAllAtOnceAsFarAsThereAreMissRegisters) {
   EXPECT_EQ(bench.srp().stats().cache_fills, 8U);
   EXPECT_GE(bench.cycles(0), 2 * 41U);
   EXPECT_LE(bench.cycles(0), 2 * 41U + 8);
-  EXPECT_EQ(bench.spent(Srp::Why::kCacheMiss), bench.cycles(0) - 1);
+  EXPECT_EQ(bench.spent(Srp::CycleReason::kCacheMiss), bench.cycles(0) - 1);
 }
 
 TEST(SrpIdeal, RaysLeaveWhenTheLinesOfTheirLaunchHaveCome) {
@@ -59,8 +59,8 @@ TEST(SrpIdeal, SkippingIdleTimeChangesNothing) {
     work.launch(1, 3, {TileBuilder::each(rays)});
     bench.add(work.build());
     skip ? bench.run<sim::Skip::kOn>() : bench.run<sim::Skip::kOff>();
-    return std::vector{bench.cycles(0), bench.cycles(1), bench.spent(Srp::Why::kCacheMiss),
-                       bench.spent(Srp::Why::kWaiting)};
+    return std::vector{bench.cycles(0), bench.cycles(1), bench.spent(Srp::CycleReason::kCacheMiss),
+                       bench.spent(Srp::CycleReason::kWaiting)};
   };
   EXPECT_EQ(play(true), play(false));
 }

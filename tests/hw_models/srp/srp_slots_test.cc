@@ -44,7 +44,7 @@ TEST(Srp, AYoungerTilesFirstRaysLeaveRoomForATileOfTheOldest) {
       const std::uint64_t both = 2 * kSamples;
       EXPECT_EQ(bench.srp().tile_buffer().stats().slots_peak, together ? both : kSamples) << slots;
       EXPECT_EQ(bench.srp().tile_buffer().stats().spilled_slots, 0U) << "it waits, it does not spill";
-      EXPECT_EQ(bench.spent(Srp::Why::kNoSlots) > 0, !together);
+      EXPECT_EQ(bench.spent(Srp::CycleReason::kNoSlots) > 0, !together);
     }
   }
 }
@@ -87,8 +87,8 @@ TEST(Srp, EveryCycleHasAReasonAndTheOracleAgreesHoweverFewSlotsThereAre) {
       oracle.run<sim::Skip::kOff>();
       EXPECT_EQ(fast.elapsed(), oracle.elapsed());
       std::uint64_t sum = 0;
-      for (std::size_t w = 0; w < static_cast<std::size_t>(Srp::Why::kCount); ++w) {
-        const auto why = static_cast<Srp::Why>(w);
+      for (std::size_t w = 0; w < static_cast<std::size_t>(Srp::CycleReason::kCount); ++w) {
+        const auto why = static_cast<Srp::CycleReason>(w);
         EXPECT_EQ(fast.spent(why), oracle.spent(why)) << names_of(why)[w] << ", slots " << slots << ", chunk " << chunk;
         sum += fast.spent(why);
       }

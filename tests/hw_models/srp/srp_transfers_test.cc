@@ -70,7 +70,7 @@ TEST(SrpTransfers, ATransferWithoutInputsStartsWithTheTileAndALaunchWaitsForIt) 
   work.launch(kA, 16, {TileBuilder::all(work.transfer(Region::kRates, false, 64))});
   bench.add(work.build()).run();
   EXPECT_EQ(bench.done_at(0), 1 + 300 + kSwitch + 10 + 15);
-  EXPECT_EQ(bench.spent(Srp::Why::kWaiting), 1U + 300U);
+  EXPECT_EQ(bench.spent(Srp::CycleReason::kWaiting), 1U + 300U);
 }
 
 TEST(SrpTransfers, WhileATileWaitsForItsTransferAnotherRuns) {
@@ -161,8 +161,8 @@ TEST(SrpTransfers, TheOracleAgreesOnChainsOfTransfersAndLaunches) {
     fill(fast).run();
     fill(oracle).run<sim::Skip::kOff>();
     EXPECT_EQ(fast.elapsed(), oracle.elapsed());
-    for (std::size_t w = 0; w < static_cast<std::size_t>(Srp::Why::kCount); ++w) {
-      EXPECT_EQ(fast.spent(static_cast<Srp::Why>(w)), oracle.spent(static_cast<Srp::Why>(w)));
+    for (std::size_t w = 0; w < static_cast<std::size_t>(Srp::CycleReason::kCount); ++w) {
+      EXPECT_EQ(fast.spent(static_cast<Srp::CycleReason>(w)), oracle.spent(static_cast<Srp::CycleReason>(w)));
     }
     EXPECT_EQ(fast.srp().tile_buffer().used(), 0U);
   }

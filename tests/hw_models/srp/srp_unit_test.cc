@@ -36,7 +36,7 @@ TEST(Srp, ALaunchOfNItemsTakesSwitchDepthAndAnIntervalForEachFurtherItem) {
       const std::uint64_t expected = kSwitch + kernel.depth + (n - 1) * kernel.ii;
       EXPECT_EQ(bench.cycles(kA), expected);
       EXPECT_EQ(bench.done_at(0), expected) << "the tile leaves with its last item";
-      EXPECT_EQ(bench.spent(Srp::Why::kSwitching), kSwitch);
+      EXPECT_EQ(bench.spent(Srp::CycleReason::kSwitching), kSwitch);
     }
   }
 }
@@ -73,7 +73,7 @@ TEST(Srp, AMissStallsByExactlyWhatArrivesLaterThanTheLoadsLatency) {
     const std::uint64_t arrives = 1 + latency;  // the wire to memory, then memory
     const std::uint64_t stall = arrives - std::min<std::uint64_t>(arrives, setup.config.latency.cached_load);
     EXPECT_EQ(bench.cycles(kA), kSwitch + 50 + 2 * 4 + stall) << latency;
-    EXPECT_EQ(bench.spent(Srp::Why::kCacheMiss), stall) << latency;
+    EXPECT_EQ(bench.spent(Srp::CycleReason::kCacheMiss), stall) << latency;
     EXPECT_EQ(bench.srp().stats().cache_fills, 1U);
   }
 }
@@ -84,7 +84,7 @@ TEST(Srp, MissesOfItemsThatFollowEachOtherOverlap) {
   work.launch(kA, {{Access::attributes(0)}, {Access::attributes(1)}, {Access::attributes(2)}, {Access::attributes(3)}});
   bench.add(work.build()).run();
   // All four are asked for, one a cycle, before the first is needed; each comes a cycle after the other.
-  EXPECT_EQ(bench.spent(Srp::Why::kCacheMiss), 41U - 16U);
+  EXPECT_EQ(bench.spent(Srp::CycleReason::kCacheMiss), 41U - 16U);
 }
 
 TEST(Srp, ALineThatIsThereStallsNothing) {
@@ -107,7 +107,7 @@ TEST(Srp, WithoutAFreeMissRegisterTheArrayStandsStillAtOnce) {
   work.launch(kA, {{Access::attributes(0), Access::attributes(1)}});
   bench.add(work.build()).run();
   // Until the first line is here the second cannot be asked for; then it comes later than its use by the rest.
-  EXPECT_EQ(bench.spent(Srp::Why::kCacheMiss), 41U + (41 - 16));
+  EXPECT_EQ(bench.spent(Srp::CycleReason::kCacheMiss), 41U + (41 - 16));
   EXPECT_EQ(bench.srp().stats().mshr_full, 1U);
 }
 
@@ -136,7 +136,7 @@ TEST(Srp, ShadingBeginsWhenTheLastHitOfItsChunkIsBack) {
   bench.add(trace_and_shade(8)).run();
   const std::uint64_t rays = kSwitch + 30 + 7 * 5, tni = 1 + 10, shading = kSwitch + 20 + 7 * 2;
   EXPECT_EQ(bench.done_at(0), rays + tni + shading);
-  EXPECT_EQ(bench.spent(Srp::Why::kWaiting), tni);
+  EXPECT_EQ(bench.spent(Srp::CycleReason::kWaiting), tni);
   EXPECT_EQ(bench.srp().tile_buffer().used(), 0U) << "every slot has been given back";
 }
 

@@ -66,8 +66,8 @@ TEST(TileBuffer, IsIdleOrInUseInEveryCycle) {
   buffer.in_use(50 * kClock.period(), false);
   buffer.in_use(70 * kClock.period(), true);
   buffer.finish(100 * kClock.period());
-  EXPECT_EQ(kClock.cycles(buffer.activity().spent(TileBuffer::Why::kInUse)), 40U + 30U);
-  EXPECT_EQ(kClock.cycles(buffer.activity().spent(TileBuffer::Why::kIdle)), 10U + 20U);
+  EXPECT_EQ(kClock.cycles(buffer.activity().spent(TileBuffer::CycleReason::kInUse)), 40U + 30U);
+  EXPECT_EQ(kClock.cycles(buffer.activity().spent(TileBuffer::CycleReason::kIdle)), 10U + 20U);
 }
 
 }  // namespace

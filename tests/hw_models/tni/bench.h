@@ -26,7 +26,7 @@ class TniBench {
     std::uint32_t node_bytes = 64;
     std::uint32_t triangle_bytes = 48;
     bool hybrid = false;
-    Tni::Perfect perfect;
+    Tni::Ideal ideal;
     std::uint32_t fifo = 64;
     std::uint32_t hit_interval = 1;
     std::uint32_t drain_every = 1;  ///< cycles from one hit taken to the next
@@ -44,7 +44,7 @@ class TniBench {
       links.memory_out.push_back(&requests_.emplace_back(4, 1, clock_));
       links.memory_in.push_back(&replies_.emplace_back(64, setup.memory_latency, clock_));
     }
-    tni_ = std::make_unique<Tni>(setup.config, setup.perfect,
+    tni_ = std::make_unique<Tni>(setup.config, setup.ideal,
                                  Tni::Scene{{0, setup.node_bytes, setup_.parents, setup_.single_boxes, setup.hybrid,
                                              setup_.links, 1 << 19, setup_.placed},
                                             {1 << 20, setup.triangle_bytes}},

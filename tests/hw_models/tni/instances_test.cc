@@ -55,11 +55,11 @@ TEST(Instances, LeavingCostsThePopAlone) {
 TEST(Instances, OneOperationACycleGoesThroughTheBoxPipe) {
   TniBench::Setup setup = two_instances();
   setup.config.trv.rays = 64;
-  setup.perfect.l1 = true;
+  setup.ideal.l1 = true;
   TniBench bench(setup);
   bench.add(kIn, 1000).run();
   EXPECT_NEAR(static_cast<double>(bench.span()), 3000, 100);
-  EXPECT_EQ(trv(bench).activity().spent(Trv::Why::kVisiting), std::uint64_t{3000} * 2'000'000);
+  EXPECT_EQ(trv(bench).activity().spent(Trv::CycleReason::kVisiting), std::uint64_t{3000} * 2'000'000);
 }
 
 /// Pushes at nodes 0, 1 (both over instances), 3 and 4 (in instance 0), which all come off again.

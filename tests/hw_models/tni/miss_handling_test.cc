@@ -48,7 +48,7 @@ TEST(MissHandling, WithoutMissesAllTakeTheSameCycles) {
     TniBench::Setup setup = testing::random_setup(7);
     load.give(setup);
     setup.config.miss_handling = handling;
-    setup.perfect = {false, true};
+    setup.ideal = {false, true};
     TniBench bench(setup);
     ends.push_back(load.send(bench).run().end_time());
     EXPECT_EQ(bench.lines_asked(), 0U);
@@ -86,13 +86,13 @@ TEST(MissHandling, AFullTableStopsTheFetchStageUntilARowIsFree) {
   EXPECT_EQ(one.latency(0), kWires + kVisit + kMiss);
   EXPECT_EQ(one.latency(1), kWires + kVisit + kMiss + kMiss);
   EXPECT_EQ(trv(one).stats().rau_full, 1U);
-  EXPECT_EQ(trv(one).activity().spent(Trv::Why::kRauFull), (kMiss - 1) * kPeriod);
+  EXPECT_EQ(trv(one).activity().spent(Trv::CycleReason::kRauFull), (kMiss - 1) * kPeriod);
 
   setup.config.rau = {2, 4};
   TniBench two(setup);
   two.add(one_node(0)).add(one_node(1)).run();
   EXPECT_EQ(two.latency(1), kWires + kVisit + kMiss);
-  EXPECT_EQ(trv(two).activity().spent(Trv::Why::kRauFull), 0U);
+  EXPECT_EQ(trv(two).activity().spent(Trv::CycleReason::kRauFull), 0U);
 }
 
 TEST(MissHandling, AFullRowStopsTheFetchStageUntilItsLineHasCome) {

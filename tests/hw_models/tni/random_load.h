@@ -150,7 +150,7 @@ inline TniBench::Setup random_setup(std::uint64_t seed) {
   s.node_bytes = std::array{64U, 32U, 40U, 48U}[draw(23, 0, 3)];
   s.triangle_bytes = draw(24, 0, 1) == 0 ? 48 : 36;
   s.hybrid = draw(25, 0, 1) == 1;
-  s.perfect = {draw(26, 0, 5) == 0, draw(27, 0, 5) == 0};
+  s.ideal = {draw(26, 0, 5) == 0, draw(27, 0, 5) == 0};
   return s;
 }
 

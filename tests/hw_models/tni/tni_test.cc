@@ -147,8 +147,8 @@ struct Fingerprint {
 template <class Unit>
 void append(Fingerprint& f, const Unit& unit) {
   Unit::Stats::describe(unit.stats(), [&](std::uint64_t v, auto&&...) { f.values.push_back(v); });
-  for (std::size_t w = 0; w < static_cast<std::size_t>(Unit::Why::kCount); ++w) {
-    f.values.push_back(unit.activity().spent(static_cast<typename Unit::Why>(w)));
+  for (std::size_t w = 0; w < static_cast<std::size_t>(Unit::CycleReason::kCount); ++w) {
+    f.values.push_back(unit.activity().spent(static_cast<typename Unit::CycleReason>(w)));
   }
 }
 
@@ -212,8 +212,8 @@ TEST(Tni, WhatEntersLeavesAndEveryCycleHasAReason) {
       EXPECT_EQ(s.rau_writes, s.rau_reads);
       EXPECT_EQ(trv.activity().accounted(), bench.end_time());
       sim::Time sum = 0;
-      for (std::size_t w = 0; w < static_cast<std::size_t>(Trv::Why::kCount); ++w) {
-        sum += trv.activity().spent(static_cast<Trv::Why>(w));
+      for (std::size_t w = 0; w < static_cast<std::size_t>(Trv::CycleReason::kCount); ++w) {
+        sum += trv.activity().spent(static_cast<Trv::CycleReason>(w));
       }
       EXPECT_EQ(sum, bench.end_time());
       leaves += s.leaves;

@@ -2,7 +2,7 @@
 
 #include "tests/hw_models/tni/random_load.h"
 
-// How the canonical walk is expanded: box testers, records of the tree, stacks, prefetching, dispatch, perfect units.
+// How the canonical walk is expanded: box testers, records of the tree, stacks, prefetching, dispatch, ideal units.
 
 namespace hw {
 namespace {
@@ -38,7 +38,7 @@ TEST(BoxTesters, WithOnePassesPopsAndLeavesShareTheIssueOfOnePipe) {
     TniBench::Setup setup = one_trv();
     setup.config.trv.rays = 64;
     setup.config.trv.box_testers = testers;
-    setup.perfect.l1 = true;
+    setup.ideal.l1 = true;
     TniBench bench(setup);
     bench.add(walk, kRays).run();
     check(bench);
@@ -47,17 +47,17 @@ TEST(BoxTesters, WithOnePassesPopsAndLeavesShareTheIssueOfOnePipe) {
   // Three visits and a pop.
   run(1, kPopped, [&](const TniBench& bench) {
     EXPECT_NEAR(static_cast<double>(bench.span()), 7.0 * kRays, 200);
-    EXPECT_EQ(trv(bench).activity().spent(Trv::Why::kSerial), kRays * kPeriod);
-    EXPECT_EQ(trv(bench).activity().spent(Trv::Why::kVisiting), 6 * kRays * kPeriod);
+    EXPECT_EQ(trv(bench).activity().spent(Trv::CycleReason::kSerial), kRays * kPeriod);
+    EXPECT_EQ(trv(bench).activity().spent(Trv::CycleReason::kVisiting), 6 * kRays * kPeriod);
   });
   run(2, kPopped, [&](const TniBench& bench) {
     EXPECT_NEAR(static_cast<double>(bench.span()), 3.0 * kRays, 200);
-    EXPECT_EQ(trv(bench).activity().spent(Trv::Why::kSerial), 0U);
+    EXPECT_EQ(trv(bench).activity().spent(Trv::CycleReason::kSerial), 0U);
   });
   // One visit, a leaf of two triangles, of which the second lies across two lines.
   run(1, leaf, [&](const TniBench& bench) {
     EXPECT_NEAR(static_cast<double>(bench.span()), 4.0 * kRays, 200);
-    EXPECT_EQ(trv(bench).activity().spent(Trv::Why::kSerial), 2 * kRays * kPeriod);
+    EXPECT_EQ(trv(bench).activity().spent(Trv::CycleReason::kSerial), 2 * kRays * kPeriod);
   });
   run(2, leaf, [&](const TniBench& bench) { EXPECT_NEAR(static_cast<double>(bench.span()), 3.0 * kRays, 200); });
 }
@@ -119,7 +119,7 @@ TEST(TreeRecords, TrianglesOf36BytesTakeTheLinesTheyLieIn) {
   const auto accesses = [](std::uint32_t bytes) {
     TniBench::Setup setup = one_trv();
     setup.triangle_bytes = bytes;
-    setup.perfect.l1 = true;
+    setup.ideal.l1 = true;
     TniBench bench(setup);
     bench.add({visit_step(0, 1, 0), leaf_step(0, 3), 0x111, end_step(false)}).run();
     return bench.tni().ist().stats().l1_accesses;
@@ -216,9 +216,9 @@ TEST(Dispatch, RoundRobinGivesEachTraversalUnitItsTurnAndPassesOverFullOnes) {
   EXPECT_EQ(shares(), (std::vector<std::uint64_t>{1, 4, 4}));
 }
 
-TEST(Perfect, EveryOperationOfAPerfectUnitTakesOneCycleAndAnyNumberGoAtOnce) {
+TEST(Ideal, EveryOperationOfAPerfectUnitTakesOneCycleAndAnyNumberGoAtOnce) {
   TniBench::Setup setup = one_trv();
-  setup.perfect = {true, true};
+  setup.ideal = {true, true};
   TniBench bench(setup);
   bench.add(kPopped, 40).run();
   for (std::size_t ray = 0; ray < 40; ++ray) EXPECT_EQ(bench.latency(ray), kWires + 3 + 1) << ray;
@@ -228,21 +228,21 @@ TEST(Perfect, EveryOperationOfAPerfectUnitTakesOneCycleAndAnyNumberGoAtOnce) {
   for (std::size_t ray = 0; ray < 40; ++ray) EXPECT_EQ(leaf.latency(ray), kWires + 1 + 1 + 1 + 1) << ray;
 }
 
-TEST(Perfect, APerfectUnitStillWaitsForItsLines) {
+TEST(Ideal, APerfectUnitStillWaitsForItsLines) {
   TniBench::Setup setup = one_trv();
-  setup.perfect = {true, false};
+  setup.ideal = {true, false};
   TniBench bench(setup);
   bench.add(kTwoDown).run();
   EXPECT_EQ(bench.latency(0), kWires + 2 * (kMiss + 1));
 }
 
-TEST(Perfect, APerfectUnitIsNeverSlower) {
+TEST(Ideal, APerfectUnitIsNeverSlower) {
   for (std::uint64_t seed = 0; seed < 30; ++seed) {
     const RandomLoad load(seed);
     TniBench::Setup setup = testing::random_setup(seed);
     load.give(setup);
-    const auto span = [&](bool perfect) {
-      setup.perfect = {perfect, true};
+    const auto span = [&](bool ideal) {
+      setup.ideal = {ideal, true};
       TniBench bench(setup);
       return load.send(bench).run().span();
     };

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "sim/config/config.h"
+#include "sim/named.h"
 
 namespace sim::test {
 
@@ -17,9 +18,9 @@ struct CacheConfig {
   ByteSize line{64};
   std::uint32_t ways = 4;
   static void describe(auto& c, auto&& field) {
-    field(c.size, "size", "bytes", "data held", between(64, 1 << 20), Affects::kTiming);
-    field(c.line, "line", "bytes", "data of one line", power_of_two(16, 256), Affects::kTiming);
-    field(c.ways, "ways", "ways", "lines of a set", at_least(1), Affects::kTiming);
+    field(NAMED(c.size), "bytes", "data held", between(64, 1 << 20), Affects::kTiming);
+    field(NAMED(c.line), "bytes", "data of one line", power_of_two(16, 256), Affects::kTiming);
+    field(NAMED(c.ways), "ways", "lines of a set", at_least(1), Affects::kTiming);
   }
   void check(auto&& complain) const {
     if (size.bytes % (ways * line.bytes) != 0) complain("size", "is no whole number of sets");
@@ -32,9 +33,9 @@ struct UnitConfig {
   Stack stack = Stack::kFull;
   CacheConfig l1;
   static void describe(auto& c, auto&& field) {
-    field(c.rays, "rays", "rays", "rays held at once", between(1, 64), Affects::kTiming);
-    field(c.stack, "stack", "", "where far children wait | full: all of them", any(), Affects::kWalk);
-    field.group(c.l1, "l1", "private cache");
+    field(NAMED(c.rays), "rays", "rays held at once", between(1, 64), Affects::kTiming);
+    field(NAMED(c.stack), "", "where far children wait | full: all of them", any(), Affects::kWalk);
+    field.group(NAMED(c.l1), "private cache");
   }
   friend bool operator==(const UnitConfig&, const UnitConfig&) = default;
 };
@@ -52,16 +53,16 @@ struct MachineConfig {
   UnitConfig unit;
   CacheConfig l2;
   static void describe(auto& c, auto&& field) {
-    field(c.direct, "direct", "", "rays go straight to the unit", any(), Affects::kTiming);
-    field(c.seed, "seed", "", "of the hash", any(), Affects::kFunction);
-    field(c.threshold, "threshold", "", "similarity", between(-1, 1), Affects::kFunction);
-    field(c.name, "name", "", "in reports", any(), Affects::kReport);
-    field(c.clock, "clock", "Hz", "of the unit", between(1e6, 1e10), Affects::kTiming);
-    field(c.fabric, "fabric", "ns", "to memory", between(0, 1e9), Affects::kTiming);
-    field(c.refresh, "refresh", "pJ", "of a bank", at_least(0), Affects::kEnergy);
-    field(c.events, "events", "pJ", "of one event", at_least(0), Affects::kEnergy);
-    field.group(c.unit, "unit", "traversal unit");
-    field.group(c.l2, "l2", "shared cache");
+    field(NAMED(c.direct), "", "rays go straight to the unit", any(), Affects::kTiming);
+    field(NAMED(c.seed), "", "of the hash", any(), Affects::kFunction);
+    field(NAMED(c.threshold), "", "similarity", between(-1, 1), Affects::kFunction);
+    field(NAMED(c.name), "", "in reports", any(), Affects::kReport);
+    field(NAMED(c.clock), "Hz", "of the unit", between(1e6, 1e10), Affects::kTiming);
+    field(NAMED(c.fabric), "ns", "to memory", between(0, 1e9), Affects::kTiming);
+    field(NAMED(c.refresh), "pJ", "of a bank", at_least(0), Affects::kEnergy);
+    field(NAMED(c.events), "pJ", "of one event", at_least(0), Affects::kEnergy);
+    field.group(NAMED(c.unit), "traversal unit");
+    field.group(NAMED(c.l2), "shared cache");
   }
   friend bool operator==(const MachineConfig&, const MachineConfig&) = default;
 };

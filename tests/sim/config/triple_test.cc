@@ -2,6 +2,7 @@
 
 #include "sim/config/config.h"
 #include "sim/error.h"
+#include "sim/named.h"
 
 namespace sim {
 namespace {
@@ -9,7 +10,7 @@ namespace {
 struct Config {
   Triple colour{0.5, 1, 0};
   static void describe(auto& c, auto&& field) {
-    field(c.colour, "colour", "", "linear RGB", between(0, 1), Affects::kFunction);
+    field(NAMED(c.colour), "", "linear RGB", between(0, 1), Affects::kFunction);
   }
 };
 

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sim/named.h"
 #include "sim/report/report_json.h"
 #include "sim/report/table.h"
 #include "sim/report/unit_report.h"
@@ -12,27 +13,27 @@ namespace {
 
 /// A unit that has worked for three cycles and waited for seven.
 struct Worker {
-  enum class Why : std::uint8_t { kIdle, kWorking, kCount };
+  enum class CycleReason : std::uint8_t { kIdle, kWorking, kCount };
   struct Stats {
     std::uint64_t jobs = 3;
     static void describe(auto& s, auto&& counter) {
-      counter(s.jobs, "jobs", "jobs done", "worker.job");
+      counter(NAMED(s.jobs), "jobs done", "worker.job");
       counter(s.jobs, "again", "the same, at no cost");
     }
   };
 
   Worker() {
-    for (Time t = 0; t < 3; ++t) work.spend(t * 2'000'000, 2'000'000, Why::kWorking, Why::kIdle);
+    for (Time t = 0; t < 3; ++t) work.spend(t * 2'000'000, 2'000'000, CycleReason::kWorking, CycleReason::kIdle);
     work.finish(20'000'000);
   }
   Clock clock() const { return Clock(2'000'000); }
   const Stats& stats() const { return counted; }
-  const Activity<Why>& activity() const { return work; }
+  const Activity<CycleReason>& activity() const { return work; }
 
   Stats counted;
-  Activity<Why> work;
+  Activity<CycleReason> work;
 };
-constexpr std::array<std::string_view, 2> names_of(Worker::Why) { return {"idle", "working"}; }
+constexpr std::array<std::string_view, 2> names_of(Worker::CycleReason) { return {"idle", "working"}; }
 
 TEST(UnitReport, HoldsWhatTheUnitDeclares) {
   const UnitReport r = report_of(Worker(), "core0.worker1", "tni", 4096, 1024);

@@ -8,7 +8,7 @@
 #include "traces/accel/build.h"
 #include "traces/accel/bvh_info.h"
 #include "traces/accel/refit.h"
-#include "traces/scene/builtin/builtin.h"
+#include "traces/scenes/builtin.h"
 
 // Boxes in hybrid numbers.
 

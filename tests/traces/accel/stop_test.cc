@@ -4,7 +4,7 @@
 
 #include "traces/accel/build.h"
 #include "traces/accel/embree_tracer.h"
-#include "traces/scene/library.h"
+#include "traces/scenes/library.h"
 
 // Long builds can be told to stop.
 

@@ -8,7 +8,7 @@
 
 #include "tests/traces/scene/feature_scene.h"
 #include "tests/traces/scene/tiny_gltf_file.h"
-#include "traces/scene/builtin/builtin.h"
+#include "traces/scenes/builtin.h"
 
 namespace test {
 namespace {

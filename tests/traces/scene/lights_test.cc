@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "traces/scene/builtin/shapes.h"
 #include "traces/scene/cameras.h"
+#include "traces/scenes/shapes.h"
 
 namespace test {
 namespace {

@@ -23,7 +23,7 @@ using testing::tiny_scope;
 using testing::tiny_tile;
 
 constexpr std::uint32_t kTiles = 5;
-constexpr TraceDemands kDemands{.tile_samples = 4, .attribute_bytes = 64, .region_bytes = {4096, 512, 16}};
+constexpr TraceRequirements kDemands{.tile_samples = 4, .attribute_bytes = 64, .region_bytes = {4096, 512, 16}};
 
 TileWork tile(std::uint32_t number) {
   TileWork work = tiny_tile();
@@ -80,7 +80,7 @@ TEST(TraceFile, GivesBackItsPartsTreesAndTilesInAnyOrder) {
   const TraceReader::Part& part = trace.parts()[1];
   EXPECT_EQ(part.frame, 8U);
   EXPECT_EQ(part.result["rays"], 8);
-  EXPECT_EQ(part.demands.region_bytes, kDemands.region_bytes);
+  EXPECT_EQ(part.requirements.region_bytes, kDemands.region_bytes);
   const TileScope scope = trace.scope(part, 5);
   EXPECT_EQ(scope.links, tiny_scope().links);
   EXPECT_EQ(scope.counts, tiny_scope().counts);

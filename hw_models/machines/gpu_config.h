@@ -1,0 +1,90 @@
+#pragma once
+#include <cstdint>
+#include <string>
+
+#include "hw_models/frame/direct_interface_config.h"
+#include "hw_models/machines/ideal_config.h"
+#include "hw_models/memory/core_port.h"
+#include "hw_models/memory/dram_config.h"
+#include "hw_models/memory/l2_config.h"
+#include "hw_models/srp/srp_config.h"
+#include "hw_models/srp/tile_buffer.h"
+#include "hw_models/tni/tni_config.h"
+#include "sim/config/field.h"
+#include "sim/named.h"
+
+namespace hw {
+
+/// Clock domains on the chip; the memory's own clock comes with its grade.
+struct ClockConfig {
+  sim::Frequency tni{500'000'000};
+  sim::Frequency srp{1'000'000'000};
+  sim::Frequency l2{500'000'000};
+  std::uint32_t synchroniser = 2;
+
+  static void describe(auto& c, auto&& field) {
+    using sim::Affects;
+    field(NAMED(c.tni), "Hz", "traversal & intersection units", sim::between(1e6, 1e10), Affects::kTiming);
+    field(NAMED(c.srp), "Hz", "shader cores, tile buffers and DMA", sim::between(1e6, 1e10), Affects::kTiming);
+    field(NAMED(c.l2), "Hz", "L2, interconnect and tile dispatcher", sim::between(1e6, 1e10), Affects::kTiming);
+    field(NAMED(c.synchroniser), "cycles", "cycles of the receiving clock to cross into its domain",
+          sim::between(0, 16), Affects::kTiming);
+  }
+};
+
+struct DmaConfig {
+  std::uint32_t depth = 8;
+
+  static void describe(auto& c, auto&& field) {
+    field(NAMED(c.depth), "lines", "line requests on their way into the interconnect", sim::between(1, 1024),
+          sim::Affects::kTiming);
+  }
+};
+
+/// The machine.
+struct GpuConfig {
+  std::uint32_t cores = 4;
+  ClockConfig clocks;
+  TniConfig tni;
+  DirectInterfaceConfig direct_interface;
+  SrpConfig srp;
+  TileBufferConfig tile_buffer;
+  DmaConfig dma;
+  L2Config l2;
+  InterconnectConfig interconnect;
+  DramConfig dram;
+  IdealConfig ideal;
+
+  static void describe(auto& c, auto&& field) {
+    field(NAMED(c.cores), "cores", "pairs of an SRP and a T&I unit", sim::between(1, 64), sim::Affects::kTiming);
+    field.group(NAMED(c.clocks), "clock domains");
+    field.group(NAMED(c.tni), "traversal & intersection unit, one per core");
+    field.group(NAMED(c.direct_interface), "path between SRP and T&I unit");
+    field.group(NAMED(c.srp), "shader core, one per core");
+    field.group(NAMED(c.tile_buffer), "on-chip memory for the tiles in flight, one per core");
+    field.group(NAMED(c.dma), "block transfers between tile buffer and memory, one per core");
+    field.group(NAMED(c.l2), "second-level cache, shared");
+    field.group(NAMED(c.interconnect), "between cores, L2 and memory");
+    field.group(NAMED(c.dram), "memory channels");
+    field.group(NAMED(c.ideal), "resources made perfect, for bounds (--ideal)");
+  }
+  void check(auto&& complain) const {
+    const auto line = [&](const char* key, const sim::ByteSize& size) {
+      if (size.bytes != 64)
+        complain(key, "must be 64 B: nodes, attributes and texture tiles are laid out in such lines");
+    };
+    line("tni.trv.l1.line", tni.trv.l1.line);
+    line("tni.ist.l1.line", tni.ist.l1.line);
+    line("srp.data_cache.line", srp.data_cache.line);
+    line("l2.line", l2.cache.line);
+    line("dram.line", dram.line);
+    if (cores + l2.banks > kMostWays) {
+      complain("cores", "a memory channel takes requests from " + std::to_string(kMostWays) +
+                            " cores and L2 banks at most, not from " + std::to_string(cores) + " + " +
+                            std::to_string(l2.banks));
+    }
+  }
+  static constexpr std::uint32_t kMostWays = 64;
+};
+
+}  // namespace hw

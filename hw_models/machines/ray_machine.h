@@ -1,0 +1,126 @@
+#pragma once
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "hw_models/machines/memory_net.h"
+#include "hw_models/machines/ray_source.h"
+#include "hw_models/tni/tni.h"
+#include "sim/report/unit_report.h"
+#include "traces/accel/bvh_tracer.h"
+#include "traces/accel/memory_image.h"
+
+namespace hw {
+
+/// The rays of a list that one core gets: blocks of kBlock in turn. A block is traced when it is first needed and
+/// forgotten when all of it has come back.
+class CoreRays {
+ public:
+  static constexpr std::uint32_t kBlock = 64;
+  /// Told of a block that is forgotten and its number of rays; says whether to go on. If not, the core's list ends
+  /// behind the blocks that are traced by then.
+  using Finished = std::function<bool(std::uint32_t rays, sim::Time now)>;
+
+  CoreRays(std::span<const traces::Ray> rays, const traces::Tracer& tracer, std::uint32_t core, std::uint32_t cores,
+           Finished finished);
+
+  std::uint32_t count() const { return count_; }
+  const std::uint32_t* walk(std::uint32_t ray);
+  void returned(std::uint32_t ray, sim::Time now);
+  std::uint64_t hits() const { return hits_; }
+  std::uint64_t steps() const { return steps_; }
+
+ private:
+  struct Block {
+    std::vector<std::uint32_t> words, begin;
+    std::uint32_t left = 0;
+  };
+  std::span<const traces::Ray> block_of(std::uint32_t block) const;
+  void trace_next();
+
+  const std::span<const traces::Ray> rays_;
+  const traces::Tracer& tracer_;
+  const std::uint32_t core_, cores_;
+  const Finished finished_;
+  std::uint32_t count_ = 0;
+  std::uint32_t first_ = 0;  ///< of the blocks kept
+  std::deque<Block> blocks_;
+  std::vector<Block> spare_;
+  std::vector<traces::Hit> hit_;
+  std::uint64_t hits_ = 0, steps_ = 0;
+};
+
+/// How far a list of rays is.
+struct RaysDone {
+  std::uint32_t blocks = 0;  ///< of CoreRays::kBlock rays
+  std::uint64_t rays = 0, cycles = 0;
+};
+
+/// The T&I units of a machine with its caches and memory, and a list of rays in the place of shader cores.
+///
+///   rays --> T&I unit of each core --> core port --> L2 banks --> channels
+class RayMachine {
+ public:
+  /// Told whenever a block of rays has come back; says whether to go on. If not, the machine brings to their end the
+  /// blocks of rays that it has begun.
+  using Watch = std::function<bool(const RaysDone& so_far)>;
+
+  /// `parents`: of the image's nodes. All arguments must outlive it.
+  RayMachine(const GpuConfig& config, const traces::MemoryImage& image, std::span<const std::uint32_t> parents,
+             std::span<const traces::Ray> rays, Watch watch);
+  RayMachine(const RayMachine&) = delete;
+  RayMachine& operator=(const RayMachine&) = delete;
+
+  /// Plays all rays, or those that `watch` has left. sim::Deadlock if they do not end.
+  void run();
+  /// Rays played.
+  std::uint64_t rays() const { return done_.rays; }
+  sim::Time elapsed() const { return elapsed_; }
+  std::uint64_t cycles() const { return clock_.cycles(elapsed_); }
+  std::uint64_t hits() const;
+  std::uint64_t steps() const;
+  std::vector<sim::UnitReport> report() const;
+
+  // The machine, as the engine sees it.
+  void each_unit(auto&& f) {
+    std::size_t i = 0;
+    for (Core& core : cores_) {
+      f(core.source, i++);
+      f(core.tni.dispatcher(), i++);
+      f(core.tni.ist(), i++);
+      for (Trv& trv : core.tni.trvs()) f(trv, i++);
+    }
+    net_.each_unit(f, i);
+  }
+  sim::Wakes& wakes() { return wakes_; }
+  bool done() const;
+  std::string state() const;
+
+ private:
+  struct Core {
+    Core(RayMachine& machine, std::span<const traces::Ray> list, const traces::MemoryImage& image,
+         std::span<const std::uint32_t> parents, std::uint32_t core);
+    CoreRays rays;
+    sim::Link<RayJob> jobs;
+    sim::Link<RayDone> dones;
+    RaySource<CoreRays> source;
+    Tni tni;
+  };
+  std::size_t units_per_core() const { return 3 + std::size_t{config_.tni.trvs}; }
+
+  const GpuConfig config_;
+  const sim::Clock clock_;
+  const traces::BvhTracer tracer_;
+  const Watch watch_;
+  RaysDone done_;
+  sim::Wakes wakes_;
+  MemoryNet net_;
+  std::deque<Core> cores_;
+  sim::Time elapsed_ = 0;
+};
+
+}  // namespace hw

@@ -1,0 +1,61 @@
+#pragma once
+#include <algorithm>
+
+#include "hw_models/memory/dram_config.h"
+
+namespace hw {
+
+/// What a channel must take by the rules of its grade, in cycles of the command clock. A line is a train of bursts of
+/// one bank; times end with the last of its data.
+class DramClosedForms {
+ public:
+  explicit DramClosedForms(const DramConfig& c)
+      : t_(c.timing),
+        bursts_(c.bursts_per_line()),
+        banks_(c.organisation.banks),
+        groups_(c.organisation.bank_groups),
+        bank_refresh_interval_(static_cast<double>(c.bank_refresh_interval())),
+        refresh_((c.controller.refresh == RefreshKind::kAllBank ? t_.rp_ab + t_.rfc_ab : t_.rp + t_.rfc_pb)) {}
+
+  // A lone read, by the state of its bank.
+  double row_hit() const { return t_.rl + t_.dqsck + train() + t_.burst; }
+  double closed_bank() const { return t_.rcd + row_hit(); }
+  double row_conflict() const { return t_.rp + closed_bank(); }
+  double after_power_down() const { return t_.xp + closed_bank(); }
+
+  // Two row hits one after the other: last data to last data.
+  double write_after_read() const { return train() + t_.burst + t_.rtw + t_.dqss; }
+  double read_after_write() const {
+    return std::max(t_.burst + t_.wtr_s, t_.ccd_l + t_.wtr_l) + t_.rl + t_.dqsck + train();
+  }
+  double read_after_write_of_other_group() const { return t_.burst + t_.wtr_s + t_.rl + t_.dqsck + train(); }
+  double read_after_read_of_other_rank() const { return train() + t_.burst + t_.rtrs; }
+
+  // Line after line, for ever.
+  /// Bursts fill the bus, those of one bank group by leaving gaps that another group fills.
+  double streamed_line() const { return bursts_ * std::max(t_.burst, groups_ > 1 ? t_.ccd_s : t_.ccd_l); }
+  /// So many lines of a row, then as many of the next bank: what is tightest of activates, buses and banks.
+  double line_of_own_row(std::uint32_t lines) const {
+    const double activate = std::max<double>(t_.rrd, t_.faw / 4.0);
+    const std::uint32_t hits = (lines - 1) * bursts_ * t_.ccd_l + train();
+    const double row = std::max(t_.rc, std::max(t_.ras, t_.rcd + hits + t_.rtp) + t_.rp);
+    const double commands = t_.ca_activate + lines * bursts_ * t_.ca_column + t_.ca_precharge;
+    return std::max({activate, row / banks_, commands, lines * streamed_line()}) / lines;
+  }
+  /// From one row that refreshes close: one of the bank or of all banks, as the configuration says.
+  double line_between_refreshes() const {
+    const double line = bursts_ * t_.ccd_l;
+    const double lost = train() + t_.rtp + refresh_ + t_.rcd - line;
+    return line * bank_refresh_interval_ / (bank_refresh_interval_ - lost);
+  }
+
+ private:
+  std::uint32_t train() const { return (bursts_ - 1) * t_.ccd_l; }  ///< first to last column command of a line
+
+  const DramTiming t_;
+  const std::uint32_t bursts_, banks_, groups_;
+  const double bank_refresh_interval_;
+  const double refresh_;
+};
+
+}  // namespace hw

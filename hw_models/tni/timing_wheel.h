@@ -1,0 +1,74 @@
+#pragma once
+#include <array>
+#include <bit>
+#include <cassert>
+#include <cstddef>
+#include <cstdint>
+
+#include "sim/time.h"
+
+namespace hw {
+
+/// Fixed-latency pipelines of one unit, all at once: "slot s comes out of pipe p at cycle c", kept as one bit mask per
+/// pipe and cycle. A unit that holds up to 64 slots needs no queue per pipe.
+template <std::size_t kPipes>
+class TimingWheel {
+ public:
+  static constexpr std::uint64_t kMostSpan = 64;  ///< latencies must be shorter than this
+  using Masks = std::array<std::uint64_t, kPipes>;
+
+  /// `longest` latency that will be put. What lies ahead is kept in as few bins as hold it: they are touched in turn.
+  TimingWheel(sim::Clock clock, std::uint64_t longest) : clock_(clock), last_(std::bit_ceil(longest + 1) - 1) {
+    assert(last_ < kMostSpan);
+  }
+
+  /// Moves to `now` (an edge). At most one non-empty cycle lies between two calls: next() says when.
+  void advance(sim::Time now) {
+    const sim::Time gap = now - now_;
+    cycle_ += gap == clock_.period() ? 1 : clock_.cycles(gap);
+    now_ = now;
+  }
+  /// Does anything come out at the present cycle?
+  bool due() const { return ((occupied_ >> (cycle_ & last_)) & 1U) != 0; }
+  /// What comes out at the present cycle, if something is due(); empties it.
+  Masks take() {
+    assert(due());
+    const std::uint64_t bin = cycle_ & last_;
+    const Masks out = bins_[bin];
+    bins_[bin] = {};
+    occupied_ &= ~(std::uint64_t{1} << bin);
+    return out;
+  }
+  void put(std::size_t pipe, std::uint32_t slot, std::uint64_t latency) {
+    assert(latency <= last_);
+    const std::uint64_t bin = (cycle_ + latency) & last_;
+    bins_[bin][pipe] |= std::uint64_t{1} << slot;
+    occupied_ |= std::uint64_t{1} << bin;
+  }
+  /// When the next slot comes out; kNever if the pipes are empty.
+  sim::Time next() const {
+    if (occupied_ == 0) return sim::kNever;
+    const std::uint64_t bin = cycle_ & last_;
+    const std::uint64_t later = occupied_ >> bin;  // else they have gone round
+    const int bins =
+        later != 0 ? std::countr_zero(later) : static_cast<int>(last_ + 1 - bin) + std::countr_zero(occupied_);
+    return now_ + static_cast<sim::Time>(bins) * clock_.period();
+  }
+  std::uint64_t cycle() const { return cycle_; }
+  bool empty() const { return occupied_ == 0; }
+
+ private:
+  sim::Clock clock_;
+  sim::Time now_ = 0;
+  std::uint64_t cycle_ = 0;
+  std::uint64_t occupied_ = 0;
+  const std::uint64_t last_;  ///< bin
+  std::array<Masks, kMostSpan> bins_{};
+};
+
+/// Round robin over a mask: the first set bit at or after `from`, wrapping. `mask` must not be 0.
+inline std::uint32_t round_robin(std::uint64_t mask, std::uint32_t from) {
+  return (from + static_cast<std::uint32_t>(std::countr_zero(std::rotr(mask, static_cast<int>(from))))) % 64;
+}
+
+}  // namespace hw

@@ -1,0 +1,131 @@
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <tuple>
+
+#include <gtest/gtest.h>
+
+#include "sim/config/config.h"
+#include "sim/hash.h"
+#include "tests/hw_models/machines/bench.h"
+#include "tests/hw_models/machines/random_config.h"
+
+// Adaptive sampling on the machine: tiles that wait for tiles, several passes, transfers both ways.
+
+namespace hw {
+namespace {
+
+using kernels::AttributePlace;
+using kernels::Halo;
+using testing::difference;
+using testing::Engine;
+using testing::Method;
+using testing::Outcome;
+using testing::play;
+
+kernels::ProgramConfig config_of(Halo halo, AttributePlace attributes) {
+  kernels::ProgramConfig config;
+  config.multirate.rate_control = kernels::RateControl::kHysteresis;
+  config.undersample.correction = kernels::Correction::kFour;
+  config.multirate.halo = config.undersample.halo = halo;
+  config.multirate.attributes = config.undersample.attributes = attributes;
+  return config;
+}
+
+/// Every queue at its least, one core, one tile at a time.
+GpuConfig smallest_machine() {
+  GpuConfig config;
+  config.cores = 1;
+  config.tile_buffer.tiles_in_flight = 1;
+  config.direct_interface.depth = 1;
+  config.dma.depth = 1;
+  config.interconnect.link_depth = 1;
+  config.tni.link_depth = 1;
+  config.tni.trvs = 1;
+  config.tni.trv.rays = 1;
+  config.tni.ist.leaves = 1;
+  config.tni.trv.l1.mshrs = config.tni.ist.l1.mshrs = config.srp.data_cache.mshrs = 1;
+  config.l2.cache.mshrs = config.l2.banks;
+  sim::check_config(config);
+  return config;
+}
+
+void expect_same_function(const FrontEnd::Result& a, const FrontEnd::Result& b) {
+  EXPECT_EQ(difference(a, b), "");
+  EXPECT_EQ(a.sampling.traced, b.sampling.traced);
+  EXPECT_EQ(a.sampling.halo, b.sampling.halo);
+  EXPECT_EQ(a.sampling.correction, b.sampling.correction);
+  EXPECT_EQ(a.sampling.failed, b.sampling.failed);
+  EXPECT_EQ(a.sampling.similar, b.sampling.similar);
+}
+
+class Adaptive : public ::testing::TestWithParam<std::tuple<const char*, Halo, AttributePlace>> {
+ protected:
+  const Method method_{
+      "cornell", std::get<0>(GetParam()), config_of(std::get<1>(GetParam()), std::get<2>(GetParam())), 10, 7, 4};
+};
+INSTANTIATE_TEST_SUITE_P(Programs, Adaptive,
+                         ::testing::Combine(::testing::Values("multirate:under", "multirate:super", "undersample"),
+                                            ::testing::Values(Halo::kReload, Halo::kRetrace),
+                                            ::testing::Values(AttributePlace::kTile, AttributePlace::kDram)),
+                         [](const auto& i) {
+                           std::string name = std::get<0>(i.param);
+                           name += std::get<1>(i.param) == Halo::kReload ? "_reload" : "_retrace";
+                           name += std::get<2>(i.param) == AttributePlace::kTile ? "_tile" : "_dram";
+                           std::ranges::replace(name, ':', '_');
+                           return name;
+                         });
+
+TEST_P(Adaptive, TheOracleAndEveryOrderOfUnitsGiveTheFastEnginesCounters) {
+  const GpuConfig config;
+  const Outcome fast = play(method_, config);
+  EXPECT_EQ(difference(fast, play(method_, config, Engine::kOracle)), "");
+  EXPECT_EQ(difference(fast, play(method_, config, Engine::kShuffled, 1)), "");
+}
+
+TEST_P(Adaptive, RandomMachinesPlayItAlikeWithAllEngines) {
+  const auto [program, halo, place] = GetParam();
+  const std::uint64_t seed = 300 + sim::hash(program[10], static_cast<int>(halo), static_cast<int>(place)) % 100;
+  const GpuConfig config = testing::random_config(seed);
+  const Outcome fast = play(method_, config);
+  EXPECT_EQ(difference(fast, play(method_, config, Engine::kOracle)), "") << "seed " << seed;
+  EXPECT_EQ(difference(fast, play(method_, config, Engine::kShuffled, seed)), "") << "seed " << seed;
+}
+
+TEST_P(Adaptive, ThreadsThatRunAheadChangeNothing) {
+  const GpuConfig config;
+  const Outcome alone = play(method_, config);
+  for (const std::uint32_t workers : {1U, 2U}) {
+    const Outcome run = play(method_, config, Engine::kFast, 0, workers);
+    EXPECT_EQ(difference(alone, run), "") << workers;
+    expect_same_function(alone.function, run.function);
+  }
+}
+
+TEST_P(Adaptive, TheSmallestMachineEndsAndFindsTheSame) {
+  const Outcome whole = play(method_, {}), small = play(method_, smallest_machine());
+  expect_same_function(whole.function, small.function);
+  EXPECT_GT(small.cycles, whole.cycles);
+  for (const char* counter : {"samples_lines_written", "samples_lines_read", "rates_lines_read"}) {
+    EXPECT_EQ(whole.sum("dma", counter), small.sum("dma", counter)) << counter;
+  }
+}
+
+TEST_P(Adaptive, EveryTileIsPlayedAndWhatItMovesIsCounted) {
+  const auto [name, halo, place] = GetParam();
+  const Outcome run = play(method_, {});
+  const std::unique_ptr<kernels::FrameProgram> program = method_.make();
+  const bool scans = std::string_view(name) == "undersample";
+  EXPECT_EQ(run.sum("tile_dispatcher", "finished"), program->tiles());
+  EXPECT_EQ(run.sum("srp", "tiles"), program->tiles());
+  const bool moves_samples = halo == Halo::kReload || place == AttributePlace::kDram || scans;
+  EXPECT_EQ(run.sum("dma", "samples_lines_read") != 0, moves_samples);
+  EXPECT_EQ(run.sum("dma", "samples_lines_written") != 0, moves_samples);
+  const std::uint64_t rated = scans ? 0 : program->tiles();
+  EXPECT_GE(run.sum("dma", "rates_lines_read"), rated) << "of its halo too";
+  EXPECT_EQ(run.sum("dma", "rates_lines_written"), rated);
+  EXPECT_EQ(run.function.sampling.halo != 0, halo == Halo::kRetrace);
+}
+
+}  // namespace
+}  // namespace hw

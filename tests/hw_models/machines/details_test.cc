@@ -1,0 +1,68 @@
+#include <gtest/gtest.h>
+
+#include "hw_models/srp/data_cache.h"
+#include "tests/hw_models/machines/bench.h"
+#include "tests/hw_models/machines/conservation.h"
+#include "tests/hw_models/machines/random_config.h"
+#include "tests/shader_kernels/showcase.h"
+
+// Scenes with everything that a material can say: rays that go on, records and textures of several kinds.
+
+namespace hw {
+namespace {
+
+using testing::difference;
+using testing::Engine;
+using testing::Frame;
+using testing::Outcome;
+using testing::play;
+
+TEST(GpuDetails, EveryRayThatGoesOnIsPlayed) {
+  static const Frame frame(kernels::showcase_scene(), 64, 32);
+  const GpuConfig config;
+  const Outcome run = play(frame, config);
+  testing::expect_conserved(run, frame, config);
+  EXPECT_GT(run.function.continued, 500U);
+  EXPECT_GT(run.function.rays[0], 64U * 32U);
+}
+
+TEST(GpuDetails, OracleOrderAndThreadsChangeNothing) {
+  static const Frame frame(kernels::showcase_scene(), 32, 32);
+  const GpuConfig config;
+  const Outcome fast = play(frame, config);
+  EXPECT_EQ(difference(fast, play(frame, config, Engine::kOracle)), "");
+  EXPECT_EQ(difference(fast, play(frame, config, Engine::kShuffled, 7)), "");
+  const Outcome ahead = play(frame, config, Engine::kFast, 0, 2);
+  EXPECT_EQ(difference(fast, ahead), "");
+  EXPECT_EQ(difference(fast.function, ahead.function), "");
+}
+
+TEST(GpuDetails, SmallAndOddMachinesEndAndAgreeWithTheOracle) {
+  static const Frame frame(kernels::showcase_scene(), 32, 16);
+  for (std::uint64_t seed = 100; seed < 106; ++seed) {
+    const GpuConfig config = testing::random_config(seed);
+    const Outcome run = play(frame, config);
+    testing::expect_conserved(run, frame, config);
+    EXPECT_EQ(difference(run, play(frame, config, Engine::kOracle)), "") << "seed " << seed;
+  }
+  GpuConfig tiny;
+  tiny.tile_buffer.size.bytes = 1024;
+  tiny.tile_buffer.tiles_in_flight = 1;
+  testing::expect_conserved(play(frame, tiny), frame, tiny);
+}
+
+TEST(GpuDetails, RecordsOfAllKindsAreReadWhereTheyLie) {
+  traces::Layout layout;
+  layout.vertices = 1 << 12;
+  layout.details = 1 << 13;
+  using Kind = traces::Access::Kind;
+  const LineSet vertices = lines_of(traces::Access::record(Kind::kVertices, 3), layout);
+  ASSERT_EQ(vertices.count, 1U);
+  EXPECT_EQ(vertices.line[0], (1U << 12) + 3 * 64);
+  const LineSet detail = lines_of(traces::Access::record(Kind::kDetail, 2), layout);
+  ASSERT_EQ(detail.count, 1U);
+  EXPECT_EQ(detail.line[0], (1U << 13) + 2 * 64);
+}
+
+}  // namespace
+}  // namespace hw

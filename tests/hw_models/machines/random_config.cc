@@ -1,0 +1,122 @@
+#include "tests/hw_models/machines/random_config.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+
+#include "sim/config/config.h"
+#include "sim/config/overloaded.h"
+#include "sim/error.h"
+#include "sim/hash.h"
+
+namespace hw::testing {
+
+namespace {
+
+constexpr std::array<const char*, 4> kGrades = {"configs/dram/lpddr3-1600.yaml", "configs/dram/lpddr4-3200.yaml",
+                                                "configs/dram/lpddr4-4266.yaml", "configs/dram/lpddr5-6400.yaml"};
+
+/// How far from a field's default its value may lie.
+enum class Range : std::uint8_t {
+  kWild,  ///< anywhere within limits, up to about three times the default
+  kSane,  ///< a half to double; ideal parts are off
+};
+
+bool is_drawn(const sim::ConfigNode& field, Range range) {
+  const auto within = [&](const char* group) { return field.path.starts_with(group); };
+  if (field.affects != sim::Affects::kTiming && field.affects != sim::Affects::kWalk) return false;
+  if (range == Range::kSane && within("ideal.")) return false;
+  const bool of_grade = within("dram.timing.") || within("dram.organisation.");
+  return !of_grade || field.path == "dram.organisation.ranks";
+}
+
+class Drawing {
+ public:
+  Drawing(std::uint64_t seed, Range range, sim::ConfigNode& root) : seed_(seed), range_(range), root_(root) {}
+
+  void draw(sim::ConfigNode& node) {
+    for (sim::ConfigNode& child : node.children) draw(child);
+    if (!node.is_group() && is_drawn(node, range_)) draw_field(node);
+  }
+
+ private:
+  std::uint64_t below(std::uint64_t n) { return sim::hash(seed_, field_, draws_++) % n; }
+
+  /// From the field's least to `most`; every other time a power of two.
+  std::uint64_t number(const sim::Limits& limits, std::uint64_t most) {
+    const auto low = static_cast<std::uint64_t>(limits.min);
+    const auto high = static_cast<std::uint64_t>(std::min(limits.max, static_cast<double>(most)));
+    if (below(4) == 0) return low;
+    const std::uint64_t drawn = low + below(high - low + 1);
+    return limits.power_of_two || below(2) == 0 ? std::max(low, std::bit_floor(drawn)) : drawn;
+  }
+
+  /// A half, once, once or twice the default, within limits.
+  std::uint64_t near(const sim::Limits& limits, std::uint64_t usual) {
+    const std::uint64_t drawn = usual << below(2) >> below(2);
+    return static_cast<std::uint64_t>(std::clamp(static_cast<double>(drawn), limits.min, limits.max));
+  }
+
+  /// Gives the member a new value, and its old one back if that breaks a rule.
+  template <class T>
+  void change(T& member, T value) {
+    const T before = member;
+    member = value;
+    try {
+      sim::check_tree(root_);
+    } catch (const sim::InputError&) {
+      member = before;
+    }
+  }
+
+  void draw_field(sim::ConfigNode& field) {
+    const sim::Limits& limits = field.limits;
+    field_ = 0;
+    draws_ = 0;
+    for (const char letter : field.path) field_ = sim::hash(field_, letter);
+    const bool sane = range_ == Range::kSane;
+    std::visit(sim::Overloaded{
+                   [&](bool* member) { change(*member, below(2) == 1); },
+                   [&](std::uint32_t* member) {
+                     const std::uint64_t most = field.path == "cores" ? 4 : 3 * std::uint64_t{*member} + 2;
+                     const std::uint64_t drawn = sane ? near(limits, *member) : number(limits, most);
+                     change(*member, static_cast<std::uint32_t>(drawn));
+                   },
+                   [&](sim::Frequency* member) {
+                     change(*member, {sane ? near(limits, member->hz) : 100'000'000 + below(1'900'000'000)});
+                   },
+                   [&](sim::ByteSize* member) {
+                     change(*member,
+                            {std::bit_floor(sane ? near(limits, member->bytes) : number(limits, 2 * member->bytes))});
+                   },
+                   [&](sim::Duration* member) {
+                     change(*member, {sane ? near(limits, member->time) : number(limits, 3 * member->time)});
+                   },
+                   [&](sim::EnumTarget& member) { member.set(below(member.names.size())); },
+                   [](auto&) {},
+               },
+               *field.target);
+  }
+
+  std::uint64_t seed_;
+  Range range_;
+  std::uint64_t field_ = 0;  ///< hash of the field's path: a field more in the machine changes no other
+  std::uint64_t draws_ = 0;  ///< for this field
+  sim::ConfigNode& root_;
+};
+
+GpuConfig drawn(std::uint64_t seed, Range range) {
+  GpuConfig config;
+  config.dram = sim::load_config<DramConfig>(kGrades[sim::hash(seed) % kGrades.size()]);
+  sim::ConfigNode root = sim::config_tree(config);
+  Drawing(seed, range, root).draw(root);
+  sim::check_config(config);
+  return config;
+}
+
+}  // namespace
+
+GpuConfig random_config(std::uint64_t seed) { return drawn(seed, Range::kWild); }
+GpuConfig sane_config(std::uint64_t seed) { return drawn(seed, Range::kSane); }
+
+}  // namespace hw::testing

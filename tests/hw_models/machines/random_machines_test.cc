@@ -1,0 +1,139 @@
+#include <cstdint>
+#include <map>
+#include <string>
+#include <variant>
+
+#include <gtest/gtest.h>
+
+#include "sim/config/config_tree.h"
+#include "tests/hw_models/machines/bench.h"
+#include "tests/hw_models/machines/conservation.h"
+#include "tests/hw_models/machines/random_config.h"
+
+namespace hw {
+namespace {
+
+using testing::difference;
+using testing::Frame;
+using testing::Outcome;
+using testing::play;
+
+/// Seeds of the 200 machines, in parts of 25 that run side by side.
+constexpr std::uint64_t kFirstSeed = 100, kSeeds = 200, kPart = 25;
+
+/// Every way in which the tree may lie in memory, in turn.
+traces::BvhConfig format_of(std::uint64_t part) {
+  traces::BvhConfig bvh;
+  if ((part & 1) != 0) bvh.boxes = traces::BoxRecords::kSingle;
+  if ((part & 2) != 0) bvh.numbers = traces::BoxNumbers::kHybrid;
+  if ((part & 4) != 0) bvh.triangle_bytes = 36;
+  if ((part & 3) < 2 && part >= 4) bvh.instances = traces::InstanceLevels::kTwoLevel;
+  return bvh;
+}
+
+class RandomMachines : public ::testing::TestWithParam<std::uint64_t> {};
+
+TEST_P(RandomMachines, MakeTheSamePictureRaysAndStepsAndLoseNothing) {
+  const Frame frame("cornell", 64, 32, 1, 16, format_of(GetParam()));
+  const GpuConfig standard;
+  const Outcome expected = play(frame, standard);
+  expect_conserved(expected, frame, standard);
+  const std::uint64_t first = kFirstSeed + GetParam() * kPart;
+  for (std::uint64_t seed = first; seed < first + kPart; ++seed) {
+    SCOPED_TRACE(seed);
+    const GpuConfig config = testing::random_config(seed);
+    const Outcome run = play(frame, config);
+    EXPECT_EQ(difference(expected.function, run.function), "");
+    EXPECT_EQ(run.sum("ist", "tests"), expected.sum("ist", "tests"));
+    EXPECT_EQ(run.sum("ist", "hits"), expected.sum("ist", "hits"));
+    EXPECT_EQ(run.sum("srp", "items"), expected.sum("srp", "items"));
+    expect_conserved(run, frame, config);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(TwoHundred, RandomMachines, ::testing::Range(std::uint64_t{0}, kSeeds / kPart));
+
+/// How often each value of each choice (enum or switch) was drawn.
+using Draws = std::map<std::string, std::map<std::string, int>>;
+
+void count_choices(const sim::ConfigNode& node, Draws& draws) {
+  for (const sim::ConfigNode& child : node.children) count_choices(child, draws);
+  if (node.is_group() || (node.affects != sim::Affects::kTiming && node.affects != sim::Affects::kWalk)) return;
+  if (const auto* choice = std::get_if<sim::EnumTarget>(&*node.target)) {
+    for (const std::string_view name : choice->names) draws[node.path].try_emplace(std::string(name), 0);
+    ++draws[node.path][std::string(choice->names[choice->get()])];
+  } else if (const auto* on = std::get_if<bool*>(&*node.target)) {
+    for (const char* name : {"false", "true"}) draws[node.path].try_emplace(name, 0);
+    ++draws[node.path][**on ? "true" : "false"];
+  } else if (node.path == "tni.trv.box_testers" || node.path == "dram.organisation.ranks") {
+    for (const char* name : {"1", "2"}) draws[node.path].try_emplace(name, 0);
+    ++draws[node.path][std::to_string(*std::get<std::uint32_t*>(*node.target))];
+  }
+}
+
+TEST(RandomMachinesDrawn, HaveEveryMechanismMoreThanAFewTimes) {
+  Draws draws;
+  for (std::uint64_t seed = kFirstSeed; seed < kFirstSeed + kSeeds; ++seed) {
+    GpuConfig config = testing::random_config(seed);
+    count_choices(sim::config_tree(config), draws);
+  }
+  EXPECT_GE(draws.size(), 20U);
+  for (const auto& [path, values] : draws) {
+    for (const auto& [value, times] : values) EXPECT_GE(times, 20) << path << " = " << value;
+  }
+}
+
+TEST(Gpu, NothingIsLostWithSeveralSamplesPerPixelAndAPictureThatCutsItsTiles) {
+  const Frame frame("teapot", 37, 21, 4);
+  const GpuConfig config;
+  expect_conserved(play(frame, config), frame, config);
+}
+
+/// Every queue at its least, one of everything in flight.
+GpuConfig smallest() {
+  GpuConfig c;
+  c.tni.link_depth = 1;
+  c.tni.trv.rays = c.tni.trv.l1.mshrs = c.tni.trv.stack_entries = 1;
+  c.tni.trv.l1.size.bytes = c.tni.ist.l1.size.bytes = c.srp.data_cache.size.bytes = 64;
+  c.tni.trv.l1.ways = c.tni.ist.l1.ways = c.srp.data_cache.ways = 1;
+  c.tni.ist.leaves = c.tni.ist.l1.mshrs = 1;
+  c.direct_interface.depth = 1;
+  c.srp.chunk = c.srp.data_cache.mshrs = 1;
+  c.tile_buffer.size.bytes = 1024;
+  c.tile_buffer.tiles_in_flight = 1;
+  c.dma.depth = 1;
+  c.l2.banks = c.l2.cache.mshrs = c.l2.targets = c.l2.cache.ways = 1;
+  c.l2.cache.size.bytes = 64;
+  c.interconnect.link_depth = 1;
+  c.dram.channels = 1;
+  c.dram.controller.read_queue = c.dram.controller.write_queue = c.dram.controller.write_high = 1;
+  c.dram.controller.write_low = 0;
+  return c;
+}
+
+TEST(Gpu, QueuesOfOneOneTileInFlightOneItemAChunkAndATileBufferTooSmallForATileStillEnd) {
+  const Frame frame("cornell", 16, 16);
+  for (const std::uint32_t cores : {1U, 4U}) {
+    GpuConfig config = smallest();
+    config.cores = cores;
+    const Outcome run = play(frame, config);
+    expect_conserved(run, frame, config);
+    EXPECT_EQ(run.sum("tile_buffer", "spilled_slots"), run.rays()) << "no slot fits, so every ray spills";
+  }
+}
+
+TEST(Gpu, ATileBufferOfHalfATileSpillsSomeAndEnds) {
+  const Frame& frame = testing::cornell_64x32();
+  for (const std::uint32_t tiles : {1U, 3U}) {
+    GpuConfig config;
+    config.tile_buffer.tiles_in_flight = tiles;
+    config.tile_buffer.size.bytes = 12 * 1024 + 64 * 128;
+    const Outcome run = play(frame, config);
+    expect_conserved(run, frame, config);
+    EXPECT_GT(run.sum("tile_buffer", "spilled_slots"), 0U) << tiles;
+    EXPECT_LT(run.sum("tile_buffer", "spilled_slots"), run.rays()) << tiles;
+  }
+}
+
+}  // namespace
+}  // namespace hw

@@ -1,0 +1,75 @@
+#include "tests/hw_models/machines/random_work.h"
+
+#include <utility>
+
+#include "sim/hash.h"
+
+namespace hw::testing {
+
+namespace {
+
+using traces::Edge;
+using traces::WorkNode;
+
+class Additions {
+ public:
+  Additions(std::uint64_t seed, traces::TileWork& work) : seed_(seed), work_(work) {}
+
+  void add() {
+    for (std::uint32_t tile = 0; tile < work_.tile; ++tile) {
+      if (below(4) == 0) work_.after.push_back(tile);
+    }
+    work_.after_all = below(5) == 0;
+    const std::vector<WorkNode> nodes = std::exchange(work_.nodes, {});
+    for (const WorkNode& node : nodes) {
+      if (below(4) == 0) transfer();
+      for (Edge& edge : work_.nodes.emplace_back(node).inputs) edge.node = places_[edge.node];
+      places_.push_back(static_cast<std::uint32_t>(work_.nodes.size() - 1));
+      if (node.kind == WorkNode::Kind::kLaunch) change(work_.nodes.back());
+    }
+    for (std::uint64_t more = below(3); more > 0; --more) transfer();
+  }
+
+ private:
+  std::uint32_t below(std::uint64_t n) {
+    return static_cast<std::uint32_t>(sim::hash(seed_, work_.tile, draws_++) % n);
+  }
+
+  void transfer() {
+    std::vector<Edge> inputs;
+    for (std::uint32_t i = work_.nodes.empty() ? 0 : below(3); i > 0; --i) {
+      inputs.push_back({below(work_.nodes.size()), Edge::Kind::kAll});
+    }
+    transfers_.push_back(static_cast<std::uint32_t>(work_.nodes.size()));
+    WorkNode& node = work_.nodes.emplace_back();
+    node.kind = WorkNode::Kind::kTransfer;
+    node.region = static_cast<traces::Region>(below(kRegions));
+    node.to_memory = below(2) == 0;
+    node.offset = below(1 << 14);
+    node.items = 1 + below(500);
+    node.inputs = std::move(inputs);
+  }
+
+  void change(WorkNode& launch) {
+    if (below(3) == 0) launch.idle = 1 + below(300);
+    if (!transfers_.empty() && below(3) == 0) {
+      launch.inputs.push_back({transfers_[below(transfers_.size())], Edge::Kind::kAll});
+    }
+  }
+
+  const std::uint64_t seed_;
+  traces::TileWork& work_;
+  std::uint64_t draws_ = 0;
+  std::vector<std::uint32_t> places_;     ///< where the tile's own nodes are now
+  std::vector<std::uint32_t> transfers_;  ///< those added
+};
+
+}  // namespace
+
+std::vector<traces::TileWork> random_work(const Frame& frame, std::uint64_t seed) {
+  std::vector<traces::TileWork> works = frame.record();
+  for (traces::TileWork& work : works) Additions(seed, work).add();
+  return works;
+}
+
+}  // namespace hw::testing

@@ -1,0 +1,13 @@
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "tests/hw_models/machines/bench.h"
+
+namespace hw::testing {
+
+/// The tiles of a frame, to which things are added drawn by hash from `seed`: transfers to and from all regions,
+/// between launches, rays and each other; launches that wait for them; items that idle; tiles that wait for tiles.
+std::vector<traces::TileWork> random_work(const Frame& frame, std::uint64_t seed);
+
+}  // namespace hw::testing

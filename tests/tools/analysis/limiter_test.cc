@@ -1,0 +1,86 @@
+#include "tools/analysis/limiter.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/tools/analysis/made_up_machine.h"
+
+// Which resource is named from the counters of one run.
+
+namespace tools {
+namespace {
+
+double worth(const CoreTime& time, const std::string& resource) {
+  for (const Estimate& e : estimate(time)) {
+    if (e.resource == resource) return e.speedup;
+  }
+  ADD_FAILURE() << resource;
+  return 0;
+}
+
+TEST(Limiter, IsTheShaderCoreWhereKernelsKeepTheArrayBusyAndTheUnitWaits) {
+  const CoreTime t = {.kernels = 1, .demands = {.fed = 0.25, .occupied = 0.25, .tracing = 0.25}};
+  EXPECT_EQ(most(estimate(t)).resource, "srp");
+  EXPECT_NEAR(worth(t, "srp"), 4, 1e-6) << "the T&I unit alone needs a quarter";
+  EXPECT_EQ(limiter(estimate(t)).substr(0, 31), "shader cores (perfect, they wou");
+}
+
+TEST(Limiter, IsTheUnitWhereTheArrayWaitsForRays) {
+  const CoreTime t = {
+      .kernels = 0.2, .boxes = 0.6, .triangles = 0.2, .demands = {.fed = 1, .occupied = 1, .tracing = 1}};
+  EXPECT_EQ(most(estimate(t)).resource, "tni");
+  EXPECT_NEAR(worth(t, "tni"), 5, 1e-6) << "kernels alone need a fifth";
+  EXPECT_NEAR(worth(t, "srp"), 1, 0.01) << "they are hidden behind the unit";
+}
+
+TEST(Limiter, IsTheFirstLevelWhereTheArrayStandsStillForItsLines) {
+  const CoreTime t = {.kernels = 0.3,
+                      .data_misses = 0.7,
+                      .demands = {.fed = 0.05, .occupied = 0.05, .data_lines = 0.35, .tracing = 0.05},
+                      .data_levels = {.interconnect = 0.2, .l2 = 0.3, .dram = 0.5}};
+  EXPECT_EQ(most(estimate(t)).resource, "l1");
+  EXPECT_GT(worth(t, "l1"), worth(t, "l2"));
+  EXPECT_GT(worth(t, "l2"), worth(t, "dram")) << "a perfect L2 asks nothing of memory";
+  EXPECT_NEAR(worth(t, "dram"), 1 / (0.3 + 0.35), 0.02);
+}
+
+TEST(Limiter, NoPerfectUnitHelpsWhereTheMissRegistersOfTheL2AreAllInUse) {
+  const CoreTime t = {.kernels = 0.1,
+                      .boxes = 0.2,
+                      .tree_misses = 0.7,
+                      .demands = {.fed = 1, .occupied = 1, .tree_lines = 0.6, .l2_lines = 0.7, .tracing = 1},
+                      .tree_levels = {.interconnect = 0.1, .l2 = 0.4, .dram = 0.5}};
+  EXPECT_EQ(worth(t, "tni"), 1);
+  EXPECT_EQ(worth(t, "srp"), 1);
+  EXPECT_EQ(most(estimate(t)).resource, "l1");
+}
+
+TEST(Limiter, MoreRaySlotsCannotHideMoreThanTheShorterStage) {
+  const CoreTime t = {
+      .kernels = 0.5, .boxes = 0.5, .demands = {.no_slots = 0.5, .fed = 0.98, .occupied = 1, .tracing = 1}};
+  EXPECT_LT(worth(t, "tile_buffer"), 1.02);
+}
+
+TEST(Limiter, NamesNothingThatIsWorthNothing) {
+  EXPECT_EQ(limiter(estimate({.no_tile = 1})), "nothing alone: no resource made perfect would be worth 1 %");
+}
+
+TEST(Limiter, UtilisationCountsSwitchesAsWorkOfTheShaderCores) {
+  const test::MadeUpMachine machine{.trv = {{"visiting", 60}, {"starved", 40}},
+                                    .srp = {{"running", 45}, {"switching", 20}, {"cache_miss", 35}},
+                                    .dram = {{"reading", 30}, {"writing", 5}, {"idle", 65}}};
+  const Utilisation u = utilisation(machine.units());
+  EXPECT_DOUBLE_EQ(u.tni, 0.60);
+  EXPECT_DOUBLE_EQ(u.srp, 0.65);
+  EXPECT_DOUBLE_EQ(u.dram, 0.35);
+}
+
+TEST(Limiter, UtilisationIsTheMeanOverUnitsAndNothingWithoutAny) {
+  std::vector<sim::UnitReport> units = test::MadeUpMachine{.srp = {{"running", 100}}}.units();
+  const std::vector<sim::UnitReport> idle = test::MadeUpMachine{}.units();
+  units.insert(units.end(), idle.begin(), idle.end());
+  EXPECT_DOUBLE_EQ(utilisation(units).srp, 0.5);
+  EXPECT_EQ(utilisation({}).srp, 0);
+}
+
+}  // namespace
+}  // namespace tools

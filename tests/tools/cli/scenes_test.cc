@@ -1,0 +1,166 @@
+#include <cstdlib>
+
+#include <gtest/gtest.h>
+
+#include "tests/tools/program.h"
+#include "tests/traces/scene/feature_scene.h"
+#include "tools/analysis/picture.h"
+#include "traces/scene/export.h"
+#include "traces/scene/images.h"
+#include "traces/scenes/builtin.h"
+
+// raywatt scenes: list, info, export.
+
+namespace test {
+namespace {
+
+/// What the Khronos validator says of a file; empty if there is neither error nor warning.
+std::string complaints_about(const std::filesystem::path& file) {
+  if (std::system("command -v node >/dev/null") != 0) return "node is not installed; tools/test installs it";
+  if (!std::filesystem::exists(GLTF_VALIDATOR_MODULES)) {
+    return "the glTF validator is not installed in " GLTF_VALIDATOR_MODULES "; tools/test installs it";
+  }
+  const std::filesystem::path said = file.string() + ".txt";
+  const std::string command =
+      "node '" GLTF_VALIDATOR "' '" GLTF_VALIDATOR_MODULES "' '" + file.string() + "' >'" + said.string() + "' 2>&1";
+  const int status = std::system(command.c_str());
+  const std::string text = read_bytes(said);
+  return status != 0 && text.empty() ? "the validator failed" : text;
+}
+
+/// Scenes that are built and exported in a moment.
+Words small_builtin_scenes() {
+  Words names;
+  for (const traces::BuiltinInfo& scene : traces::builtin_scenes()) {
+    if (scene.triangles <= 60'000) names.push_back(scene.name);
+  }
+  return names;
+}
+
+std::string export_of(const std::string& scene, const std::filesystem::path& file) {
+  const Ending ending = raywatt({"scenes", "export", scene, "-o", file.string()});
+  EXPECT_EQ(ending.exit, 0) << ending.err;
+  return ending.out;
+}
+
+TEST(ScenesExport, OfEverySmallSceneIsValidGltf) {
+  const TempFolder folder;
+  for (const std::string& scene : small_builtin_scenes()) {
+    const std::filesystem::path file = folder.path() / (scene + ".glb");
+    export_of(scene, file);
+    EXPECT_EQ(complaints_about(file), "") << scene;
+  }
+}
+
+TEST(ScenesExport, OfEveryFeatureIsValidGltf) {
+  const TempFolder folder;
+  EXPECT_EQ(complaints_about(folder.write("features.glb", traces::export_glb(feature_scene()))), "");
+}
+
+TEST(ScenesExport, TheValidatorFindsWhatIsWrong) {
+  const TempFolder folder;
+  TinyGltf wrong;
+  wrong.json["accessors"][1]["count"] = 2;
+  EXPECT_SAYS(complaints_about(folder.write("wrong.glb", wrong.glb())), "error");
+}
+
+TEST(ScenesExport, GivesTheSamePicture) {
+  const TempFolder folder;
+  for (const std::string& scene : small_builtin_scenes()) {
+    const std::filesystem::path file = folder.path() / (scene + ".glb");
+    export_of(scene, file);
+    const auto picture = [&](const std::string& which) {
+      const std::filesystem::path out = folder.path() / "out";
+      const Ending ending = raywatt(small_run(out, {"--scene", which, "--quiet"}));
+      EXPECT_EQ(ending.exit, 0) << ending.err;
+      return traces::read_exr(out / "image.exr").rgb;
+    };
+    const double error = tools::mean_squared_error(picture(scene), picture(file.string()));
+    EXPECT_GT(tools::psnr_db(error).value_or(200), 70) << scene;
+  }
+}
+
+TEST(ScenesExport, ReplacesAFileOnlyIfForced) {
+  const TempFolder folder;
+  const std::string file = folder.write("mine.glb", "precious").string();
+  expect_refusal(raywatt({"scenes", "export", "cornell", "-o", file}), {"mine.glb exists", "--force"});
+  EXPECT_EQ(read_bytes(file), "precious");
+  EXPECT_EQ(raywatt({"scenes", "export", "cornell", "-o", file, "--force"}).exit, 0);
+  EXPECT_TRUE(read_bytes(file).starts_with("glTF"));
+  EXPECT_EQ(names_in(folder.path()), Words{"mine.glb"});
+}
+
+TEST(ScenesExport, NeedsAnOutputThatEndsWithGlb) {
+  expect_refusal(raywatt({"scenes", "export", "cornell"}), {"--output"});
+  const TempFolder folder;
+  expect_refusal(raywatt({"scenes", "export", "cornell", "-o", (folder.path() / "a.obj").string()}), {".glb"});
+  const Ending ending = raywatt({"scenes", "export", "cornell", "-o", (folder.path() / "none" / "a.glb").string()});
+  EXPECT_EQ(ending.exit, 74) << ending.err;
+  EXPECT_TRUE(names_in(folder.path()).empty());
+}
+
+TEST(ScenesInfo, JsonCountsWhatIsThere) {
+  const Ending ending = raywatt({"scenes", "info", "cornell", "--json"});
+  ASSERT_EQ(ending.exit, 0) << ending.err;
+  const nlohmann::json sheet = nlohmann::json::parse(ending.out);
+  EXPECT_EQ(sheet["schema"], "raywatt-scene/1");
+  EXPECT_EQ(sheet["cameras"][0]["name"], "front");
+  EXPECT_EQ(sheet["animation"]["tracks"], 2) << "the camera's path and turns";
+  std::uint64_t parts = 0;
+  for (const auto& part : sheet["memory_image"]["parts"].items()) parts += part.value().get<std::uint64_t>();
+  EXPECT_EQ(sheet["memory_image"]["bytes"], parts);
+  EXPECT_EQ(sheet["bvh"]["leaves"].get<int>(), sheet["bvh"]["nodes"].get<int>() + 1);
+  EXPECT_GT(sheet["host"]["peak_bytes"], 0);
+  EXPECT_EQ(sheet["host"]["file_bytes"], 0);
+}
+
+TEST(ScenesInfo, GivesTheBytesOfNodesInEachFormatAndInTheChosenOne) {
+  const auto sheet = [](const Words& more) {
+    Words words = {"scenes", "info", "teapot", "--json"};
+    words.insert(words.end(), more.begin(), more.end());
+    return nlohmann::json::parse(raywatt(words).out);
+  };
+  const nlohmann::json standard = sheet({});
+  const std::uint64_t nodes = standard["bvh"]["nodes"];
+  const nlohmann::json formats = {{"fp32 pair", 64 * nodes},
+                                  {"fp32 single", 32 * (2 * nodes + 1)},
+                                  {"hybrid pair", 40 * nodes},
+                                  {"hybrid single", 20 * (2 * nodes + 1)}};
+  EXPECT_EQ(standard["memory_image"]["nodes_by_format"], formats);
+  EXPECT_EQ(standard["memory_image"]["parts"]["nodes"], formats["fp32 pair"]);
+  EXPECT_EQ(sheet({"--set", "bvh.numbers=hybrid"})["memory_image"]["parts"]["nodes"], formats["hybrid pair"]);
+}
+
+TEST(ScenesInfo, CountsMotionTexturesAndTheFile) {
+  const TempFolder folder;
+  const std::string file = folder.write("features.glb", traces::export_glb(feature_scene())).string();
+  const Ending ending = raywatt({"scenes", "info", file, "--json"});
+  ASSERT_EQ(ending.exit, 0) << ending.err;
+  const nlohmann::json sheet = nlohmann::json::parse(ending.out);
+  EXPECT_EQ(sheet["host"]["file_bytes"], std::filesystem::file_size(file));
+  EXPECT_EQ(sheet["triangles"], 14);
+  EXPECT_GT(sheet["textures"]["bytes"], 0);
+  EXPECT_EQ(sheet["animation"]["duration_s"], 2);
+  EXPECT_EQ(sheet["animation"]["tracks"], 5);
+  EXPECT_EQ(sheet["animation"]["skins"], 1);
+  EXPECT_EQ(sheet["animation"]["morph_targets"], 2);
+  EXPECT_EQ(sheet["animation"]["moving_instances"], 5) << "all but the two boards";
+}
+
+TEST(ScenesInfo, ShowsWhereCamerasStandOnRequest) {
+  EXPECT_SAYS(raywatt({"scenes", "info", "cornell", "--camera"}).out, "'front' at (0, 0, 3.4), looks along (");
+  EXPECT_EQ(raywatt({"scenes", "info", "cornell"}).out.find("looks along"), std::string::npos);
+}
+
+TEST(ScenesHelp, OfEverySubVerbHasItsOwnExample) {
+  for (const auto& [verb, subs] : {std::pair{"scenes", Words{"list", "info", "export"}},
+                                   {"config", Words{"list", "show", "schema", "manual"}},
+                                   {"kernels", Words{"list", "show"}}}) {
+    for (const std::string& sub : subs) {
+      EXPECT_SAYS(raywatt({verb, sub, "--help"}).out, std::string("Example: raywatt ") + verb + " " + sub);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace test

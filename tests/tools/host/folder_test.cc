@@ -1,0 +1,172 @@
+#include <fstream>
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "sim/error.h"
+#include "tests/tools/program.h"
+#include "tools/host/run_folder.h"
+
+// Where results may go, and that nobody ever sees half of them.
+
+namespace test {
+namespace {
+
+namespace fs = std::filesystem;
+
+const Words kResults = {"config.yaml", "image.exr", "image.png", "report.json", "report.txt"};
+
+void expect_run_into(const fs::path& out, const Words& more = {}) {
+  const Ending ending = raywatt(small_run(out, more));
+  EXPECT_EQ(ending.exit, 0) << ending.err;
+  EXPECT_EQ(names_in(out), kResults);
+  EXPECT_EQ(names_in(out.parent_path()), Words{out.filename().string()}) << "nothing beside it";
+}
+
+TEST(Folder, NewOrEmptyIsTaken) {
+  const TempFolder folder;
+  fs::create_directory(folder.path() / "empty");
+  expect_run_into(folder.path() / "empty");
+  EXPECT_EQ(raywatt(small_run(folder.path() / "new" / ".." / "empty" / "")).exit, 0) << "however it is written";
+  EXPECT_EQ(names_in(folder.path()), Words{"empty"});
+}
+
+TEST(Folder, OfAFormerRunIsReplacedWhole) {
+  const TempFolder folder;
+  const fs::path out = folder.path() / "out";
+  expect_run_into(out);
+  expect_run_into(out, {"--set", "cores=1"});
+  EXPECT_EQ(read_json(out / "report.json")["config"]["cores"], 1);
+}
+
+TEST(Folder, OfSomebodyElseIsRefusedAndLeftAlone) {
+  const TempFolder folder;
+  const fs::path out = folder.path() / "out";
+  fs::create_directories(out / "deep");
+  std::ofstream(out / "deep" / "thesis.txt") << "three years";
+  expect_refusal(raywatt(small_run(out)), {out.string(), "holds files but no former run", "--force"});
+  std::ofstream(out / "report.json") << "{\"schema\": \"somebody else's\"}";
+  expect_refusal(raywatt(small_run(out)), {out.string(), "holds files but no former run", "--force"});
+  EXPECT_EQ(read_bytes(out / "deep" / "thesis.txt"), "three years");
+  EXPECT_EQ(names_in(out), (Words{"deep", "report.json"}));
+  EXPECT_EQ(names_in(folder.path()), Words{"out"});
+}
+
+TEST(Folder, OfAnotherVerbIsRefusedAndByForceKeepsWhatTheNewOneDoesNotWrite) {
+  const TempFolder folder;
+  const fs::path ran = folder.path() / "ran", replayed = folder.path() / "replayed";
+  const std::string trace = (folder.path() / "a.trace").string();
+  ASSERT_EQ(raywatt(small_run(ran, {"--record", trace})).exit, 0);
+  const std::string picture = read_bytes(ran / "image.png"), report = read_bytes(ran / "report.json");
+  const auto replay = [&](const fs::path& out, const Words& more = {}) {
+    Words words = {"trace", "replay", trace, "-o", out.string(), "--quiet"};
+    words.insert(words.end(), more.begin(), more.end());
+    return raywatt(words);
+  };
+  expect_refusal(replay(ran), {ran.string(), "holds the results of raywatt run", "--force"});
+  EXPECT_EQ(names_in(ran), kResults);
+  EXPECT_EQ(read_bytes(ran / "report.json"), report);
+  ASSERT_EQ(replay(replayed).exit, 0);
+  ASSERT_EQ(replay(replayed).exit, 0) << "its own";
+  expect_refusal(raywatt(small_run(replayed)),
+                 {replayed.string(), "holds the results of raywatt trace replay", "--force"});
+  for (int time = 0; time < 2; ++time) {
+    ASSERT_EQ(replay(ran, {"--force"}).exit, 0);
+    EXPECT_EQ(names_in(ran), kResults);
+    EXPECT_EQ(read_bytes(ran / "image.png"), picture);
+    EXPECT_NE(read_bytes(ran / "report.json"), report);
+  }
+}
+
+TEST(Folder, OfSomebodyElseTakesResultsByForceAndLosesNothing) {
+  const TempFolder folder;
+  const fs::path out = folder.path() / "out";
+  fs::create_directories(out / "deep");
+  std::ofstream(out / "deep" / "thesis.txt") << "three years";
+  std::ofstream(out / "notes.txt") << "ours";
+  EXPECT_EQ(raywatt(small_run(out, {"--force"})).exit, 0);
+  EXPECT_EQ(read_bytes(out / "deep" / "thesis.txt"), "three years");
+  EXPECT_EQ(read_bytes(out / "notes.txt"), "ours");
+  EXPECT_TRUE(fs::exists(out / "report.json"));
+  EXPECT_EQ(names_in(folder.path()), Words{"out"});
+}
+
+TEST(Folder, OfAFormerRunKeepsTheNotesMadeInIt) {
+  const TempFolder folder;
+  const fs::path out = folder.path() / "out";
+  ASSERT_EQ(raywatt(small_run(out, {"--reference", "full:1"})).exit, 0);
+  ASSERT_TRUE(fs::exists(out / "reference.exr"));
+  std::ofstream(out / "notes.txt") << "ours";
+  EXPECT_EQ(raywatt(small_run(out)).exit, 0);
+  EXPECT_EQ(read_bytes(out / "notes.txt"), "ours");
+  EXPECT_FALSE(fs::exists(out / "reference.exr"));
+}
+
+TEST(Folder, BehindALinkIsTheOneThatIsMeant) {
+  const TempFolder folder;
+  fs::create_directories(folder.path() / "disk" / "out");
+  fs::create_directory_symlink(folder.path() / "disk" / "out", folder.path() / "link");
+  EXPECT_EQ(raywatt(small_run(folder.path() / "link")).exit, 0);
+  EXPECT_EQ(names_in(folder.path() / "disk" / "out"), kResults);
+  EXPECT_TRUE(fs::is_symlink(folder.path() / "link"));
+}
+
+TEST(Folder, IsADatedOneIfNoneIsGivenAndTwoRunsNeverShareIt) {
+  const TempFolder folder;
+  const Words words = {"run", "--resolution", "16x16", "--quiet"};
+  const Surroundings around{folder.path(), {}, 0, {}};
+  Program one(words, around), two(words, around), three(words, around);
+  for (Program* program : {&one, &two, &three}) EXPECT_EQ(program->wait().exit, 0);
+  const Words dated = names_in(folder.path() / "raywatt-out");
+  EXPECT_EQ(dated.size(), 3U);
+  for (const std::string& name : dated) EXPECT_EQ(names_in(folder.path() / "raywatt-out" / name), kResults) << name;
+}
+
+TEST(Folder, LeftByAKilledRunDoesNotDisturbTheNext) {
+  const TempFolder folder;
+  const std::string stale = ".out." + std::to_string(::getpid()) + ".0.tmp";
+  fs::create_directories(folder.path() / stale / "half");
+  tools::RunFolder results(folder.path() / "out", false);
+  results.fill([](const tools::RunFolder::Open& open) {
+    const fs::path& staging = open();
+    std::ofstream(staging / "report.json") << "{}";
+    return "it";
+  });
+  EXPECT_EQ(names_in(folder.path()), (Words{stale, "out"}));
+  EXPECT_EQ(names_in(folder.path() / "out"), Words{"report.json"});
+}
+
+TEST(Folder, AFailureWhileWritingLeavesTheFormerResults) {
+  const TempFolder folder;
+  const fs::path out = folder.path() / "out";
+  fs::create_directory(out);
+  std::ofstream(out / "report.json") << "{\"schema\": \"raywatt-report/1\"}";
+  tools::RunFolder results(out, false);
+  EXPECT_THROW(results.fill([](const tools::RunFolder::Open& open) -> std::string {
+    const fs::path& staging = open();
+    std::ofstream(staging / "half") << "made";
+    throw sim::IoError("disk full");
+  }),
+               sim::IoError);
+  EXPECT_EQ(names_in(folder.path()), Words{"out"});
+  EXPECT_EQ(names_in(out), Words{"report.json"});
+}
+
+TEST(Folder, AFullDiskEndsWith74AndLeavesNothing) {
+  // The first limit is hit by report.json, the second by image.exr, which another library writes.
+  const auto full_disk_of = [](std::uint64_t bytes, const char* resolution, const char* file) {
+    const TempFolder folder;
+    const Words words = {"run", "--resolution", resolution, "-o", (folder.path() / "new" / "out").string()};
+    const Ending ending = raywatt(words, {{}, {}, bytes, {}});
+    EXPECT_EQ(ending.exit, 74);
+    EXPECT_EQ(ending.out, "");
+    EXPECT_SAYS(ending.err, file);
+    EXPECT_EQ(std::ranges::count(ending.err, '\n'), 1) << ending.err;
+    EXPECT_EQ(names_in(folder.path()), Words{});
+  };
+  full_disk_of(4096, "16x8", "report.json");
+  full_disk_of(80'000, "160x128", "image.exr");
+}
+
+}  // namespace
+}  // namespace test

@@ -1,0 +1,263 @@
+#include "tools/host/progress.h"
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <thread>
+
+#include <gtest/gtest.h>
+#include <pty.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "tests/tools/program.h"
+
+// What a run tells of itself while it goes on.
+
+namespace test {
+namespace {
+
+namespace fs = std::filesystem;
+
+tools::ProgressState half_way() {
+  tools::ProgressState state;
+  state.phase = "simulating";
+  state.frame = 7;
+  state.part = 1;
+  state.parts = 4;
+  state.tile = 50;
+  state.tiles = 100;
+  state.rays = 3'000'000;
+  state.cycles = 9'000'000;
+  state.busy_seconds = 3;
+  state.seconds = 4;
+  return state;
+}
+
+TEST(ProgressLine, ShowsShareRateAndTimeLeft) {
+  EXPECT_EQ(tools::progress_line(half_way(), 200),
+            "simulating frame 7 [#########...............] 38 %  1.00 Mrays/s  5 s left");
+}
+
+TEST(ProgressLine, NeverFillsTheTerminal) {
+  for (const std::size_t columns : {1U, 2U, 20U, 60U}) {
+    EXPECT_LT(tools::progress_line(half_way(), columns).size(), columns);
+  }
+}
+
+TEST(ProgressLine, SaysWhatIsDoneBeforeThereAreTiles) {
+  tools::ProgressState state;
+  state.seconds = 200;
+  EXPECT_EQ(tools::progress_line(state, 80), "loading ...  3 min 20 s");
+}
+
+TEST(ProgressJson, IsOneLineWithEveryFigure) {
+  const std::string line = tools::progress_json(half_way());
+  EXPECT_EQ(std::ranges::count(line, '\n'), 1);
+  const nlohmann::json json = nlohmann::json::parse(line);
+  EXPECT_EQ(json, (nlohmann::json{{"time", 4.0},
+                                  {"phase", "simulating"},
+                                  {"frame", 7},
+                                  {"part", 1},
+                                  {"parts", 4},
+                                  {"tile", 50},
+                                  {"tiles", 100},
+                                  {"rays", 3'000'000},
+                                  {"cycles", 9'000'000},
+                                  {"rays_per_s", 1e6},
+                                  {"seconds_left", 5.0}}));
+}
+
+TEST(ProgressJson, GoesUpAndEndsWithTheWholeRun) {
+  const TempFolder folder;
+  const fs::path out = folder.path() / "out";
+  const Ending ending = raywatt(
+      {"run", "--resolution", "512x256", "--threads", "1", "--quiet", "--progress", "json", "-o", out.string()});
+  ASSERT_EQ(ending.exit, 0) << ending.err;
+  std::vector<nlohmann::json> lines;
+  std::istringstream err(ending.err);
+  for (std::string line; std::getline(err, line);) lines.push_back(nlohmann::json::parse(line));
+  ASSERT_GE(lines.size(), 2U);
+  for (std::size_t i = 1; i < lines.size(); ++i) {
+    EXPECT_GE(lines[i]["time"], lines[i - 1]["time"]);
+    EXPECT_GE(lines[i]["rays"], lines[i - 1]["rays"]);
+    EXPECT_GE(lines[i]["cycles"], lines[i - 1]["cycles"]);
+    if (i + 1 < lines.size()) {
+      EXPECT_GE(lines[i]["time"].get<double>() - lines[i - 1]["time"].get<double>(), 0.15) << "at most five a second";
+    }
+  }
+  const nlohmann::json report = read_json(out / "report.json");
+  EXPECT_EQ(lines.back()["phase"], "done");
+  EXPECT_EQ(lines.back()["part"], 1);
+  EXPECT_EQ(lines.back()["rays"], report["totals"]["rays"]["total"]);
+  EXPECT_NEAR(lines.back()["cycles"].get<double>(), report["totals"]["cycles"].get<double>(),
+              0.01 * report["totals"]["cycles"].get<double>());
+}
+
+TEST(ProgressJson, OfSampledTilesGoesUpThroughAllRoundsAndEndsWithThem) {
+  const TempFolder folder;
+  const Ending ending =
+      raywatt({"run", "--resolution", "512x256", "--tile-sampling", "auto", "--image", "none", "--threads", "1",
+               "--quiet", "--progress", "json", "-o", (folder.path() / "out").string()});
+  ASSERT_EQ(ending.exit, 0) << ending.err;
+  std::uint64_t rays = 0, tiles = 0;
+  nlohmann::json last;
+  std::istringstream err(ending.err);
+  for (std::string line; std::getline(err, line);) {
+    last = nlohmann::json::parse(line);
+    EXPECT_GE(last["rays"], rays);
+    EXPECT_GE(last["tile"], tiles);
+    EXPECT_TRUE(last["part"] == 0 || last["phase"] != "simulating") << "a frame is one part";
+    rays = last["rays"], tiles = last["tile"];
+  }
+  EXPECT_EQ(last["phase"], "done");
+  EXPECT_EQ(last["part"], 1);
+  EXPECT_GT(rays, 10000U);
+  EXPECT_EQ(last["tile"], last["tiles"]);
+}
+
+TEST(ProgressJson, OfVerifyAndReproduceIsThereToo) {
+  const TempFolder folder;
+  const Ending verify =
+      raywatt({"verify", "--resolution", "64x32", "--progress", "json", "-o", (folder.path() / "verify").string()});
+  EXPECT_SAYS(verify.err, "\"phase\":\"done\"");
+  EXPECT_SAYS(verify.err, "\"part\":2,\"parts\":2");
+  EXPECT_SAYS(raywatt({"reproduce", "--help"}).out, "--progress");
+}
+
+TEST(ProgressJson, OfAListOfRaysGoesUpAndEndsWithAllOfThem) {
+  constexpr std::size_t kRays = 300'000;
+  const TempFolder folder;
+  const fs::path out = folder.path() / "out";
+  const Ending ending = raywatt({"run", "--rays", folder.write("a.rays", ray_list(kRays)).string(), "--quiet",
+                                 "--progress", "json", "-o", out.string()});
+  ASSERT_EQ(ending.exit, 0) << ending.err;
+  nlohmann::json last = {{"rays", 0}, {"tile", 0}, {"cycles", 0}};
+  std::istringstream err(ending.err);
+  for (std::string line; std::getline(err, line);) {
+    const nlohmann::json json = nlohmann::json::parse(line);
+    for (const char* figure : {"rays", "tile", "cycles"}) EXPECT_GE(json[figure], last[figure]);
+    last = json;
+  }
+  const nlohmann::json totals = read_json(out / "report.json")["totals"];
+  EXPECT_EQ(last["phase"], "done");
+  EXPECT_EQ(last["part"], 1);
+  EXPECT_EQ(last["rays"], kRays);
+  EXPECT_EQ(last["tile"], (kRays + 63) / 64);
+  EXPECT_EQ(last["tiles"], last["tile"]);
+  EXPECT_EQ(totals["rays"]["listed"], kRays);
+  EXPECT_NEAR(last["cycles"].get<double>(), totals["cycles"].get<double>(), 0.01 * totals["cycles"].get<double>());
+}
+
+TEST(ProgressJson, OfARecordingGoesThroughAllFramesAndTheirReferences) {
+  const TempFolder folder;
+  const Ending ending = raywatt({"trace", "record", "--scene", "chess", "--set", "scene.triangles=5000", "--set",
+                                 "scene.frame_rate=2", "--frames", "0:1", "--resolution", "64x32", "--reference",
+                                 "full:4", "--progress", "json", (folder.path() / "a.trace").string()});
+  ASSERT_EQ(ending.exit, 0) << ending.err;
+  EXPECT_SAYS(ending.err, "\"phase\":\"done\",\"frame\":1,\"part\":4,\"parts\":4");
+}
+
+/// The program on a terminal.
+class OnTerminal {
+ public:
+  explicit OnTerminal(Words words) {
+    words.insert(words.begin(), RAYWATT_PROGRAM);
+    winsize size{};
+    size.ws_col = 100;
+    process_ = ::forkpty(&terminal_, nullptr, nullptr, &size);
+    if (process_ != 0) return;
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) ::signal(signal, SIG_DFL);
+    ::setenv("TERM", "xterm", 1);
+    std::vector<char*> arguments;
+    for (std::string& word : words) arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    ::execv(arguments.front(), arguments.data());
+    ::_exit(127);
+  }
+  ~OnTerminal() {
+    if (process_ > 0) ::kill(process_, SIGKILL), ::waitpid(process_, nullptr, 0);
+    ::close(terminal_);
+  }
+  OnTerminal(const OnTerminal&) = delete;
+  OnTerminal& operator=(const OnTerminal&) = delete;
+
+  /// Reads until the screen has been sent `part`, or all there is.
+  bool wait_for(const std::string& part) {
+    char bytes[1024];
+    while (screen_.find(part) == std::string::npos) {
+      const ssize_t n = ::read(terminal_, bytes, sizeof bytes);
+      if (n <= 0) return false;  // EIO when the program has ended
+      screen_.append(bytes, static_cast<std::size_t>(n));
+    }
+    return true;
+  }
+  void type(char key) const { EXPECT_EQ(::write(terminal_, &key, 1), 1); }
+  int wait() {
+    wait_for("\x01 never sent");
+    int status = 0;
+    ::waitpid(process_, &status, 0);
+    process_ = -1;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  }
+  const std::string& screen() const { return screen_; }
+
+ private:
+  pid_t process_ = -1;
+  int terminal_ = -1;
+  std::string screen_;
+};
+
+constexpr char kControlC = '\x03';
+
+Words long_run(const TempFolder& folder) {
+  return {"run",       "--resolution", "256x256",
+          "--program", "full:256",     "--threads",
+          "2",         "-o",           (folder.path() / "out").string()};
+}
+
+TEST(ProgressBar, ComesAfterTwoSecondsAndIsErasedByAnInterrupt) {
+  const TempFolder folder;
+  const auto begin = std::chrono::steady_clock::now();
+  OnTerminal run(long_run(folder));
+  ASSERT_TRUE(run.wait_for("rays/s")) << run.screen();
+  EXPECT_GE(std::chrono::steady_clock::now() - begin, std::chrono::milliseconds(1900));
+  EXPECT_TRUE(run.wait_for(" left"));
+  EXPECT_SAYS(run.screen(), "simulating [");
+  run.type(kControlC);
+  EXPECT_EQ(run.wait(), 130);
+  EXPECT_SAYS(run.screen(), "\r\x1b[Kraywatt: interrupted; kept ");
+}
+
+TEST(ProgressBar, IsGoneWhenTheTableComes) {
+  const TempFolder folder;
+  // Some four seconds of work on an idle host; none of the sizes of built-in scenes is as long on any.
+  OnTerminal run({"run", "--scene", "chess", "--set", "scene.triangles=1500000", "--resolution", "64x32", "--threads",
+                  "1", "-o", (folder.path() / "out").string()});
+  EXPECT_EQ(run.wait(), 0);
+  const std::size_t bar = run.screen().find("building the tree ...");
+  if (bar == std::string::npos) GTEST_SKIP() << "this host is too fast";
+  EXPECT_NE(run.screen().find("\r\x1b[Kchess  64x32"), std::string::npos) << run.screen();
+}
+
+TEST(ProgressBar, IsNotThereInAPipeNorIfNobodyWantsIt) {
+  const TempFolder folder;
+  Program piped(long_run(folder));
+  std::this_thread::sleep_for(std::chrono::milliseconds(2600));
+  piped.send(SIGINT);
+  EXPECT_TRUE(piped.wait().err.starts_with("raywatt: interrupted"));
+  for (const Words& unwanted : {Words{"--quiet"}, Words{"--progress", "none"}}) {
+    const TempFolder other;
+    Words words = long_run(other);
+    words.insert(words.end(), unwanted.begin(), unwanted.end());
+    OnTerminal run(words);
+    std::this_thread::sleep_for(std::chrono::milliseconds(2600));
+    run.type(kControlC);
+    EXPECT_EQ(run.wait(), 130);
+    EXPECT_TRUE(run.screen().starts_with("^Craywatt: interrupted")) << run.screen();
+  }
+}
+
+}  // namespace
+}  // namespace test

@@ -1,0 +1,131 @@
+#include "tools/sampling/sampled_tiles.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "sim/engine.h"
+#include "tests/hw_models/machines/bench.h"
+
+// Blocks of a frame on the machine, and caches warmed by the tiles before them.
+
+namespace hw {
+namespace {
+
+using testing::Frame;
+
+const Frame& frame() {
+  static const Frame f("cornell", 128, 64, 1, 8);  // 128 tiles
+  return f;
+}
+
+struct BlockRun {
+  std::vector<SampledTiles::Mark> marks;
+  std::vector<SampledTiles::Played> played;
+  std::uint64_t fills = 0, warmed = 0;
+  std::vector<sim::UnitReport> units;
+};
+
+BlockRun run(const std::vector<TimedBlock>& blocks, const std::vector<std::uint32_t>& places = {}) {
+  GpuConfig config;
+  config.cores = 2;
+  FrontEnd front_end(frame().program(), frame().tracer(), 0, true, places);
+  SampledTiles tiles(front_end, blocks);
+  Gpu gpu(config, frame().workload(), tiles);
+  tiles.connect(gpu);
+  gpu.finish(sim::run(gpu));
+  tiles.finish();
+  BlockRun r{tiles.marks(), tiles.played(), 0, tiles.warmed(), gpu.report()};
+  for (const sim::UnitReport& unit : r.units) {
+    for (const sim::CounterReport& counter : unit.counters)
+      r.fills += unit.block == "l2" && counter.name == "fills" ? counter.value : 0;
+  }
+  return r;
+}
+
+TEST(SampledTiles, OneBlockOfAllTilesIsThePlainRun) {
+  const testing::Outcome plain = [] {
+    GpuConfig config;
+    config.cores = 2;
+    return testing::play(frame(), config);
+  }();
+  const BlockRun all = run({{0, 0, 128, 0}});
+  ASSERT_EQ(all.units.size(), plain.units.size());
+  for (std::size_t u = 0; u < all.units.size(); ++u) {
+    for (std::size_t i = 0; i < all.units[u].counters.size(); ++i) {
+      EXPECT_EQ(all.units[u].counters[i].value, plain.units[u].counters[i].value) << all.units[u].path;
+    }
+  }
+}
+
+TEST(SampledTiles, TilesOfBlocksAloneArePlayedInOrder) {
+  const BlockRun r = run({{0, 0, 4, 0}, {40, 42, 48, 5}, {120, 124, 128, 8}});
+  std::vector<std::uint32_t> tiles;
+  for (const SampledTiles::Played& tile : r.played) tiles.push_back(tile.tile);
+  EXPECT_EQ(tiles, (std::vector<std::uint32_t>{0,  1,  2,   3,   40,  41,  42,  43,  44,  45,
+                                               46, 47, 120, 121, 122, 123, 124, 125, 126, 127}));
+  EXPECT_EQ(r.warmed, 13U);
+}
+
+TEST(SampledTiles, MarksBoundTheMeasuredParts) {
+  const BlockRun r = run({{0, 0, 4, 0}, {40, 42, 48, 5}, {120, 124, 128, 8}});
+  ASSERT_EQ(r.marks.size(), 6U);
+  const auto begin_of = [&](std::uint32_t tile) {
+    return std::ranges::find(r.played, tile, &SampledTiles::Played::tile)->begin;
+  };
+  const std::vector<sim::Time> times = {begin_of(0), begin_of(40), begin_of(42), begin_of(120), begin_of(124)};
+  for (std::size_t i = 0; i < times.size(); ++i) EXPECT_EQ(r.marks[i].time, times[i]) << i;
+  EXPECT_GE(r.marks[5].time, r.played.back().end);
+  for (const SampledTiles::Played& tile : r.played) EXPECT_LT(tile.begin, tile.end) << tile.tile;
+}
+
+TEST(SampledTiles, TilesThatNobodyNeedsNeedNotBeMade) {
+  const std::vector<TimedBlock> blocks = {{0, 0, 4, 0}, {40, 42, 48, 2}, {120, 124, 128, 0}};
+  std::vector<std::uint32_t> places;
+  for (std::uint32_t tile = 0; tile < 128; ++tile) {
+    if (tile < 4 || (tile >= 38 && tile < 48) || tile >= 120) places.push_back(tile);
+  }
+  const BlockRun all = run(blocks), few = run(blocks, places);
+  ASSERT_EQ(all.marks.size(), few.marks.size());
+  for (std::size_t i = 0; i < all.marks.size(); ++i) EXPECT_EQ(all.marks[i].time, few.marks[i].time);
+  EXPECT_EQ(all.fills, few.fills);
+}
+
+TEST(SampledTiles, WarmedCachesAskLessOfMemory) {
+  const BlockRun cold = run({{0, 0, 4, 0}, {80, 84, 96, 0}, {124, 126, 128, 0}});
+  const BlockRun warm = run({{0, 0, 4, 0}, {80, 84, 96, 16}, {124, 126, 128, 0}});
+  EXPECT_LT(warm.fills, cold.fills * 97 / 100);
+}
+
+TEST(SampledTiles, ATileThatWasJustWarmedMissesNothingInTheL2) {
+  const BlockRun cold = run({{0, 0, 1, 0}});
+  // The machine gives up the list behind its last block: of two equal tiles the first warms for the second.
+  GpuConfig config;
+  config.cores = 1;
+  config.l2.cache.size.bytes = 1 << 20;
+  const std::vector<traces::TileWork> work = frame().record();
+  struct Same final : TileSource {
+    const std::vector<traces::TileWork>& work;
+    bool given = false;
+    Gpu* gpu = nullptr;
+    explicit Same(const std::vector<traces::TileWork>& w) : work(w) {}
+    const traces::TileWork* next() override { return std::exchange(given, true) ? nullptr : &work[60]; }
+    void give_back(const traces::TileWork*) override {}
+    void dispatched(sim::Time) override { gpu->warm(work[60], 0); }
+  } same(work);
+  Gpu gpu(config, frame().workload(), same);
+  same.gpu = &gpu;
+  gpu.finish(sim::run(gpu));
+  std::uint64_t fills = 0;
+  for (const sim::UnitReport& unit : gpu.report()) {
+    for (const sim::CounterReport& counter : unit.counters)
+      fills += unit.block == "l2" && counter.name == "fills" ? counter.value : 0;
+  }
+  EXPECT_EQ(fills, 0U);
+  EXPECT_GT(cold.fills, 0U);
+}
+
+}  // namespace
+}  // namespace hw

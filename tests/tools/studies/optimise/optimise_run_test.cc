@@ -1,0 +1,256 @@
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <set>
+#include <sstream>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "tests/tools/studies/sweep/small_sweep.h"
+#include "tools/host/build_info.h"
+#include "tools/studies/optimise/search_run.h"
+
+// Searches as people run them.
+
+namespace test {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+/// 24 points, of which 10 are simulated.
+const std::string kAxes =
+    "axes: {cores: [1, 2], tni.trvs: [1, 2, 4], tni.trv.rays: [8, 16], clocks.tni: [300 MHz, 500 MHz]}\n";
+const std::string kSearch = kAxes + "objectives: [{max: perf.fps}, {min: power_w.nominal}]\nbudget: 10\nbatch: 4\n";
+
+struct Optimise : testing::Test {
+  TempFolder folder;
+  fs::path out = folder.path() / "out", store = folder.path() / "store";
+
+  Words words(const std::string& lines, const Words& more = {}) const {
+    const fs::path file = folder.write("search.yaml", "schema: raywatt-optimise/1\nresolution: 16x16\n" + lines);
+    Words all = {"optimise", file.string(), "-o", out.string(), "--store", store.string()};
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  }
+  Ending run(const std::string& lines, const Words& more = {}) const { return raywatt(words(lines, more)); }
+  std::vector<Json> history() const {
+    std::vector<Json> points;
+    std::istringstream text(read_bytes(out / "history.jsonl"));
+    for (std::string line; std::getline(text, line);) points.push_back(Json::parse(line));
+    return points;
+  }
+  /// Cells of front.csv, none of which has a comma; the header first.
+  std::vector<Words> front() const {
+    std::vector<Words> rows;
+    std::istringstream text(read_bytes(out / "front.csv"));
+    for (std::string line; std::getline(text, line);) {
+      Words cells;
+      std::istringstream row(line);
+      for (std::string cell; std::getline(row, cell, ',');) cells.push_back(cell);
+      rows.push_back(cells);
+    }
+    return rows;
+  }
+  std::string results() const { return read_bytes(out / "front.csv") + read_bytes(out / "history.jsonl"); }
+};
+
+TEST_F(Optimise, SimulatesItsBudgetAndKeepsTheFront) {
+  const Ending ending = run(kSearch);
+  EXPECT_EQ(ending.exit, 0) << ending.err;
+  EXPECT_SAYS(ending.out, "front of max totals.perf.fps, min totals.power_w.nominal");
+  EXPECT_SAYS(ending.out, "10 points simulated");
+  EXPECT_EQ(points_in(store), 10U);
+  std::set<std::string> ids, best;
+  for (const Json& point : history()) {
+    ids.insert(point["id"]);
+    const auto beats = [&](const Json& other) {
+      const Json &a = other["figures"], &b = point["figures"];
+      return a["totals.perf.fps"] >= b["totals.perf.fps"] &&
+             a["totals.power_w.nominal"] <= b["totals.power_w.nominal"] && a != b;
+    };
+    if (std::ranges::none_of(history(), beats)) best.insert(point["id"]);
+  }
+  EXPECT_EQ(ids.size(), 10U);
+  const std::vector<Words> rows = front();
+  EXPECT_EQ(rows[0], (Words{"n", "id", "cores", "tni.trvs", "tni.trv.rays", "clocks.tni", "totals.perf.fps",
+                            "totals.power_w.nominal", "command"}));
+  std::set<std::string> listed;
+  for (std::size_t r = 1; r < rows.size(); ++r) listed.insert(rows[r][1]);
+  EXPECT_EQ(listed, best);
+}
+
+TEST_F(Optimise, SaysTheCommandThatRunsAPointAgain) {
+  ASSERT_EQ(run(kAxes + "objectives: [max: perf.fps]\nbudget: 4\n").exit, 0);
+  const std::vector<Words> rows = front();
+  ASSERT_EQ(rows.size(), 2U) << "one objective has one best point";
+  std::istringstream command(rows[1].back());
+  Words again;
+  for (std::string word; command >> word;) {
+    // A value with a blank is in quotes.
+    if (!again.empty() && again.back().front() == '\'' && (again.back().back() != '\'' || again.back().size() == 1)) {
+      again.back() += " " + word;
+    } else {
+      again.push_back(word);
+    }
+  }
+  for (std::string& word : again) std::erase(word, '\'');
+  again.erase(again.begin());
+  const fs::path alone = folder.path() / "alone";
+  again.insert(again.end(), {"-o", alone.string(), "--quiet"});
+  const Ending ending = raywatt(again);
+  ASSERT_EQ(ending.exit, 0) << ending.err << rows[1].back();
+  EXPECT_EQ(read_json(alone / "report.json")["totals"]["perf"]["fps"].get<double>(), std::stod(rows[1][6]));
+}
+
+TEST_F(Optimise, APictureThatEqualsItsReferenceIsBetterThanAllOthers) {
+  const Ending ending =
+      run("axes: {program: [full:1, full:4, full:9, full:16]}\nreference: full:1\nbudget: 4\n"
+          "objectives: [max: psnr_db]\nconstraints: [psnr_db > 20]\n");
+  ASSERT_EQ(ending.exit, 0) << ending.err;
+  const std::vector<Words> rows = front();
+  ASSERT_EQ(rows.size(), 2U);
+  EXPECT_EQ(rows[1][2], "full:1");
+  EXPECT_EQ(rows[1][3], "100");
+}
+
+TEST_F(Optimise, AgainComputesNothingAndLeavesEveryByte) {
+  ASSERT_EQ(run(kSearch).exit, 0);
+  const std::string before = results();
+  const Ending again = run(kSearch, {"-j", "1"});
+  EXPECT_EQ(again.exit, 0) << again.err;
+  EXPECT_SAYS(again.out, "10 points simulated: 0 computed now, 10 found");
+  EXPECT_EQ(results(), before);
+  EXPECT_EQ(points_in(store), 10U);
+}
+
+TEST_F(Optimise, KilledItGoesOnAndEndsTheSame) {
+  ASSERT_EQ(run(kSearch).exit, 0);
+  const std::string undisturbed = results();
+  fs::remove_all(out);
+  fs::remove_all(store);
+  for (const int pause : {60, 120, 180}) {
+    Program program(words(kSearch, {"-j", "2"}));
+    std::this_thread::sleep_for(std::chrono::milliseconds(pause));
+    program.send(SIGKILL);
+    program.wait();
+  }
+  const std::size_t kept = points_in(store);
+  const Ending last = run(kSearch, {"-j", "2"});
+  EXPECT_EQ(last.exit, 0) << last.err;
+  EXPECT_EQ(results(), undisturbed);
+  EXPECT_EQ(points_in(store), 10U) << kept << " were kept";
+}
+
+TEST_F(Optimise, UsesWhatASweepHasComputed) {
+  ASSERT_EQ(raywatt(sweep_run(folder, write_sweep(folder, kAxes))).exit, 0);
+  out = folder.path() / "search";
+  const Ending ending = run(kSearch);
+  EXPECT_EQ(ending.exit, 0) << ending.err;
+  EXPECT_SAYS(ending.out, "10 points simulated: 0 computed now, 10 found");
+}
+
+TEST_F(Optimise, EndsWhenTheSpaceHasNoMorePoints) {
+  const Ending ending = run("axes: {cores: [1, 2, 3]}\nobjectives: [{min: cycles}]\n");
+  EXPECT_EQ(ending.exit, 0) << ending.err;
+  EXPECT_SAYS(ending.out, "best: min totals.cycles");
+  EXPECT_SAYS(ending.out, "3 points simulated");
+}
+
+TEST_F(Optimise, SaysWhichPointComesNearestIfNoneMeetsTheConstraints) {
+  const Ending ending = run(kSearch + "constraints: [power_w.nominal < 0.0001, cycles > 0]\n");
+  EXPECT_EQ(ending.exit, 1) << ending.err;
+  EXPECT_SAYS(ending.out, "none of 10 points meets the constraints; the nearest is ");
+  EXPECT_SAYS(ending.out, "where totals.power_w.nominal < 0.0001 is asked for");
+  EXPECT_EQ(front().size(), 1U) << "the header";
+}
+
+TEST_F(Optimise, KeepsItsFrontWithinTheConstraints) {
+  ASSERT_EQ(run(kSearch + "constraints: [cores_are_none < 1]\n").exit, 2);
+  const Ending ending =
+      run(kAxes + "objectives: [max: perf.fps]\nconstraints: [power_w.nominal <= 0.45]\nbudget: 12\n");
+  ASSERT_EQ(ending.exit, 0) << ending.err;
+  double best = 0;
+  for (const Json& point : history()) {
+    const Json& figures = point["figures"];
+    EXPECT_EQ(point["feasible"], figures["totals.power_w.nominal"] <= 0.45);
+    if (point["feasible"]) best = std::max(best, figures["totals.perf.fps"].get<double>());
+  }
+  EXPECT_EQ(std::stod(front()[1][6]), best);
+}
+
+TEST_F(Optimise, CountsNoPointWhoseValuesDoNotGoTogether) {
+  const Ending ending =
+      run("axes:\n"
+          "  l1: {keys: [tni.trv.l1.size, tni.trv.l1.ways], values: [[12 KiB, 3], [16 KiB, 4]]}\n"
+          "  tni.trv.l1.replacement: [lru, plru]\n"
+          "  cores: [1, 2]\n"
+          "objectives: [{min: cycles}]\n");
+  EXPECT_EQ(ending.exit, 0) << ending.err << ending.out;
+  EXPECT_SAYS(ending.out, "6 points simulated");
+  EXPECT_SAYS(ending.out, "2 impossible");
+}
+
+TEST_F(Optimise, TakesFirstLooksBySamplingAndConfirmsTheFront) {
+  const Ending ending =
+      run("program: full:1\nsets: [tni.ist.leaves=16]\naxes: {cores: [1, 2], tni.trvs: [1, 2, 4]}\n"
+          "objectives: [{max: perf.fps}, {min: power_w.nominal}]\nbudget: 4\n",
+          {"--fidelity", "sampled"});
+  EXPECT_EQ(ending.exit, 0) << ending.err << ending.out;
+  EXPECT_SAYS(ending.out, "4 points simulated after ");
+  std::size_t looks = 0;
+  for (const Json& point : history()) looks += point.contains("look") ? 1 : 0;
+  EXPECT_GE(looks, 4U);
+  for (const Words& row : front()) {
+    if (row[0] == "n") continue;
+    EXPECT_FALSE(history()[std::stoul(row[0])].contains("look"));
+    EXPECT_EQ(row.back().find("--tile-sampling"), std::string::npos);
+  }
+}
+
+TEST_F(Optimise, ReadsAsASweep) {
+  ASSERT_EQ(run(kSearch).exit, 0);
+  EXPECT_SAYS(raywatt({"sweep", "status", out}).out, "10 points: 10 done, 0 failed");
+}
+
+TEST_F(Optimise, RefusesWhatItCannotUse) {
+  const std::string axes = "axes: {cores: [1, 2]}\n";
+  const auto refused = [&](const std::string& lines, const Words& parts) {
+    Words all = parts;
+    all.emplace_back("search.yaml");
+    expect_refusal(run(lines), all);
+  };
+  refused(axes, {"has no objectives"});
+  refused(axes + "objectives: []\n", {"objectives", "is empty"});
+  refused(axes + "objectives: [{max: a}, {max: b}, {min: c}]\n", {":4:13", "3 objectives", "one or two"});
+  refused(axes + "objectives: [{most: cycles}]\n", {"most", "max, min"});
+  refused(axes + "objectives: [cycles]\n", {"allowed: max: PATH"});
+  refused(axes + "objectives: [{min: cycels}]\n", {":4:20", "cycels", "did you mean 'cycles'"});
+  refused(axes + "objectives: [{min: power_w}]\n", {":4:20", "power_w.nominal"});
+  refused(axes + "objectives: [{min: cycles}]\nconstraints: [cycles = 3]\n", {":5:15", "cycles = 3", "PATH < NUMBER"});
+  refused(axes + "objectives: [{min: cycles}]\nconstraints: [cycles < many]\n", {"PATH < NUMBER"});
+  refused(axes + "objectives: [{min: cycles}]\nbudget: 3\n", {"budget", "4 to 1000"});
+  refused(axes + "objectives: [{min: cycles}]\npopulation: 10\n", {"population", "multiple of 4"});
+  refused(axes + "objectives: [{min: cycles}]\nsubset: {random: 4}\n", {"subset", "is for sweeps"});
+  refused(axes + "objectives: [{min: cycles}]\nbugdet: 30\n", {"bugdet", "did you mean 'budget'"});
+  refused("axes: {cores: [1, 1000]}\nobjectives: [{min: cycles}]\n", {"cores", "64"});
+  refused("program: supersample\nfidelity: sampled\n" + axes + "objectives: [{min: cycles}]\n", {"supersample"});
+  EXPECT_FALSE(fs::exists(folder.path() / "raywatt-out"));
+}
+
+TEST_F(Optimise, GoesByItsAmericanNameToo) {
+  Words all = words("axes: {cores: [1]}\nobjectives: [{min: cycles}]\n");
+  all[0] = "optimize";
+  EXPECT_EQ(raywatt(all).exit, 0);
+}
+
+TEST_F(Optimise, HasAnExampleThatIsSound) {
+  const fs::path folder_of = fs::path(tools::build_info().source_dir) / "configs/experiments";
+  const tools::optimise::Task task = tools::optimise::read_task(folder_of / "optimise-cores.yaml");
+  EXPECT_TRUE(task.space.question.ends_with("?"));
+  EXPECT_NO_THROW(tools::optimise::Course(task, folder_of));
+}
+
+}  // namespace
+}  // namespace test

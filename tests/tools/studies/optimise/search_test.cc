@@ -1,0 +1,249 @@
+#include "tools/studies/optimise/search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "sim/hash.h"
+
+// What a search finds in spaces of 1,024 points with a tenth of their evaluations, against the true front.
+
+namespace test {
+namespace {
+
+using namespace tools::optimise;
+
+constexpr std::size_t kBudget = 102, kFirst = 20, kBatch = 8;
+const Goal kMin = {Goal::Kind::kMin, "f", 0, ""}, kMax = {Goal::Kind::kMax, "f", 0, ""};
+
+/// A made-up space: figures of a point whose axes go from 0 to 1.
+struct MadeUp {
+  std::vector<AxisShape> axes;
+  std::vector<Goal> goals;
+  std::function<std::vector<double>(const std::vector<double>& x)> f;
+  std::function<bool(const Choice&)> is_wanted = [](const Choice&) { return true; };
+
+  std::vector<double> figures(const Choice& choice) const {
+    std::vector<double> x;
+    for (std::size_t a = 0; a < axes.size(); ++a) x.push_back(choice[a] / (axes[a].values - 1.0));
+    return f(x);
+  }
+  std::vector<Choice> points() const {
+    std::vector<std::uint32_t> sizes;
+    for (const AxisShape& axis : axes) sizes.push_back(axis.values);
+    return tools::sweep::choose({}, sizes, is_wanted);
+  }
+  Search search(std::uint64_t seed) const { return Search({axes, is_wanted}, goals, {.seed = seed}); }
+
+  /// Scores of those that meet the constraints.
+  std::vector<Score> scores(const std::vector<Choice>& choices) const {
+    Search judge = search(0);
+    for (const Choice& choice : choices) judge.tell(choice, figures(choice));
+    std::vector<Score> all;
+    for (const auto& [point, score] : judge.scores()) all.push_back(score);
+    return all;
+  }
+};
+
+/// The points that a search looks at, in order.
+std::vector<Choice> course(const MadeUp& space, std::uint64_t seed, std::size_t budget = kBudget) {
+  Search search = space.search(seed);
+  std::vector<Choice> all;
+  while (all.size() < budget) {
+    const std::vector<Choice> proposed = search.propose(all.empty() ? kFirst : std::min(kBatch, budget - all.size()));
+    if (proposed.empty()) break;
+    for (const Choice& choice : proposed) search.tell(choice, space.figures(choice));
+    all.insert(all.end(), proposed.begin(), proposed.end());
+  }
+  return all;
+}
+
+/// Hypervolume as a share of the true front's, measured from the worst corner.
+double share(const MadeUp& space, const std::vector<Choice>& choices) {
+  const std::vector<Score> all = space.scores(space.points());
+  Score corner = all.front();
+  for (const Score& score : all) {
+    for (std::size_t o = 0; o < score.size(); ++o) corner[o] = std::min(corner[o], score[o]);
+  }
+  return hypervolume(space.scores(choices), corner) / hypervolume(all, corner);
+}
+
+/// The median of five seeds.
+double found(const MadeUp& space) {
+  std::vector<double> shares;
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    const std::vector<Choice> points = course(space, seed);
+    EXPECT_LE(points.size(), kBudget);
+    EXPECT_EQ(std::set<Choice>(points.begin(), points.end()).size(), points.size()) << "no point twice";
+    shares.push_back(share(space, points));
+  }
+  std::ranges::sort(shares);
+  return shares[2];
+}
+
+std::vector<AxisShape> fours(std::size_t axes) { return std::vector<AxisShape>(axes, {4, true}); }
+
+/// Throughput and power of a machine: cores, units, cache, clock, second cache.
+std::vector<double> machine(const std::vector<double>& x) {
+  const double cores = std::exp2(3 * x[0]), units = 1 + 3 * x[1], cache = std::exp2(3 * x[2]), clock = 200 + 600 * x[3];
+  const double miss = 0.3 / std::sqrt(cache), miss2 = 0.5 / std::exp2(1.5 * x[4]);
+  const double speed = 1 / (1 / (cores * units * clock) + 3e-3 * miss * miss2 + 1 / (2 * cores * clock));
+  const double power = 0.05 * cores * (1 + 0.4 * units + 0.05 * cache) * std::pow(clock / 400, 2.2) +
+                       0.03 * std::exp2(3 * x[4]) + 1e-4 * speed * (1 + 4 * miss + 30 * miss * miss2);
+  return {speed, power};
+}
+
+const MadeUp kMachine = {fours(5), {kMax, kMin}, machine};
+
+/// Hollow, bulging and broken fronts: ZDT 1 to 3 (Zitzler, Deb and Thiele, Comparison of Multiobjective Evolutionary
+/// Algorithms, 2000).
+MadeUp zdt(int number, std::vector<AxisShape> axes) {
+  return {std::move(axes), {kMin, kMin}, [number](const std::vector<double>& x) {
+            double g = 1;
+            for (std::size_t a = 1; a < x.size(); ++a) g += 9 * x[a] / static_cast<double>(x.size() - 1);
+            const double r = x[0] / g;
+            const double h = number == 2 ? 1 - r * r : 1 - std::sqrt(r);
+            return std::vector<double>{x[0], g * (h - (number == 3 ? r * std::sin(10 * std::numbers::pi * x[0]) : 0))};
+          }};
+}
+
+TEST(Search, FindsTheFrontOfAMachine) { EXPECT_GE(found(kMachine), 0.98); }
+
+TEST(Search, FindsAHollowFront) { EXPECT_GE(found(zdt(1, {{32, true}, {32, true}})), 0.98); }
+
+TEST(Search, FindsABulgingFront) { EXPECT_GE(found(zdt(2, {{64, true}, {4, true}, {4, true}})), 0.98); }
+
+TEST(Search, FindsABrokenFront) { EXPECT_GE(found(zdt(3, {{16, true}, {8, true}, {8, true}})), 0.98); }
+
+TEST(Search, FindsAFrontUnderNoise) {
+  MadeUp rough{{{8, true}, {8, true}, {4, true}, {4, true}}, {kMin, kMin}, [](const std::vector<double>& x) {
+                 std::uint64_t h = 0;
+                 for (const double v : x) h = sim::hash(h, static_cast<std::uint64_t>(v * 1000));
+                 const double noise = sim::unit_float(h), other = sim::unit_float(sim::hash(h));
+                 return std::vector<double>{x[0] * x[0] + x[2] + 0.2 * noise,
+                                            (1 - x[0]) * (1 - x[0]) + x[1] + 0.5 * x[3] + 0.2 * other};
+               }};
+  EXPECT_GE(found(rough), 0.98);
+}
+
+TEST(Search, FindsAFrontAmongNamesWithoutOrder) {
+  MadeUp names{{{4, true}, {4, true}, {4, true}, {16, false}}, {kMin, kMin}, [](const std::vector<double>& x) {
+                 const int name = static_cast<int>(std::lround(x[3] * 15));
+                 return std::vector<double>{
+                     1 + x[0] + 0.5 * x[1] + name * 7 % 16 / 15.0,
+                     2 - x[0] + 0.4 * x[2] * x[2] + 0.3 * std::abs(x[1] - 0.5) + (name * 5 + 3) % 16 / 15.0};
+               }};
+  EXPECT_GE(found(names), 0.98);
+}
+
+TEST(Search, FindsTheFrontUnderAConstraint) {
+  MadeUp limited = kMachine;
+  limited.goals.push_back({Goal::Kind::kBelow, "f", 0.5, ""});
+  limited.f = [](const std::vector<double>& x) {
+    std::vector<double> figures = machine(x);
+    figures.push_back(figures[1]);
+    return figures;
+  };
+  EXPECT_LT(limited.scores(limited.points()).size(), 400U) << "the constraint matters";
+  EXPECT_GE(found(limited), 0.98);
+}
+
+TEST(Search, FindsTheBestOfOneObjective) {
+  MadeUp single{fours(5), {kMin}, [](const std::vector<double>& x) {
+                  double sum = 0;
+                  for (std::size_t a = 0; a < x.size(); ++a) {
+                    const double t = x[a] - 0.3 - 0.1 * static_cast<double>(a);
+                    sum += t * t - 0.1 * std::cos(12 * t);
+                  }
+                  return std::vector<double>{sum};
+                }};
+  EXPECT_NEAR(found(single), 1, 1e-12) << "the very point";
+}
+
+TEST(Search, IsBetterThanChance) {
+  std::vector<double> shares;
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    const tools::sweep::Subset subset{tools::sweep::Subset::Kind::kRandom, kBudget, seed};
+    shares.push_back(
+        share(kMachine, tools::sweep::choose(subset, {std::vector<std::uint32_t>(5, 4)}, kMachine.is_wanted)));
+  }
+  std::ranges::sort(shares);
+  EXPECT_LT(shares[2], 0.97) << "the bar of these tests says something";
+  EXPECT_GE(share(kMachine, course(kMachine, 1, 60)), 0.98) << "and sixty points do";
+}
+
+TEST(Search, TakesTheSameCourseForTheSameSeed) {
+  EXPECT_EQ(course(kMachine, 7, 44), course(kMachine, 7, 44));
+  EXPECT_NE(course(kMachine, 7, 44), course(kMachine, 8, 44));
+}
+
+TEST(Search, StaysWithinWhatIsWanted) {
+  MadeUp part = kMachine;
+  part.is_wanted = [](const Choice& c) { return (c[0] + c[1]) % 2 == 0; };
+  for (const Choice& point : course(part, 1, 60)) EXPECT_TRUE(part.is_wanted(point));
+}
+
+TEST(Search, LooksAtEveryPointOfASpaceThatIsSmallerThanItsBudget) {
+  MadeUp small{{{3, true}, {5, true}, {1, true}}, {kMin, kMin}, [](const std::vector<double>& x) {
+                 return std::vector<double>{x[0] - x[1], x[1]};
+               }};
+  small.is_wanted = [](const Choice& c) { return c != Choice{1, 1, 0}; };
+  EXPECT_EQ(course(small, 1).size(), 14U);
+}
+
+TEST(Search, ComesToTheLastPointOfAHugeSpaceWithFewWantedOnes) {
+  MadeUp rare{std::vector<AxisShape>(6, {8, true}), {kMin, kMin}, [](const std::vector<double>& x) {
+                return std::vector<double>{x[0], -x[0]};
+              }};
+  rare.is_wanted = [](const Choice& c) { return std::ranges::all_of(c, [&](std::uint32_t v) { return v == c[0]; }); };
+  EXPECT_GE(course(rare, 1).size(), 7U) << "of eight in 262,144";
+}
+
+TEST(Search, LearnsWhereNothingCanBeComputed) {
+  Search search = kMachine.search(1);
+  std::size_t asked = 0, in_vain = 0;
+  while (asked < kBudget) {
+    for (const Choice& choice : search.propose(asked == 0 ? kFirst : kBatch)) {
+      const bool fails = choice[0] >= 2;  // half of the space, and the half with the greatest throughput
+      search.tell(choice, fails ? std::nullopt : std::optional(kMachine.figures(choice)));
+      asked += 1;
+      in_vain += fails ? 1 : 0;
+    }
+  }
+  EXPECT_LT(in_vain, 25U);
+}
+
+TEST(Search, GoesOnIfNothingCouldBeComputedYet) {
+  Search search = kMachine.search(1);
+  for (int batch = 0; batch < 3; ++batch) {
+    const std::vector<Choice> proposed = search.propose(8);
+    EXPECT_EQ(proposed.size(), 8U);
+    for (const Choice& choice : proposed) search.tell(choice, std::nullopt);
+  }
+}
+
+TEST(Search, LooksForPointsThatMeetConstraintsFirst) {
+  MadeUp narrow{fours(5), {kMax, kMin, {Goal::Kind::kAtMost, "f", 0.35, ""}}, [](const std::vector<double>& x) {
+                  std::vector<double> figures = machine(x);
+                  double away = 0;
+                  for (const double v : x) away += std::abs(v - 0.66);
+                  figures.push_back(away);
+                  return figures;
+                }};
+  EXPECT_EQ(narrow.scores(narrow.points()).size(), 1U);
+  Search search = narrow.search(3);
+  std::size_t asked = 0;
+  while (search.scores().empty() && asked < kBudget) {
+    for (const Choice& choice : search.propose(asked == 0 ? kFirst : kBatch)) {
+      search.tell(choice, narrow.figures(choice));
+      asked += 1;
+    }
+  }
+  EXPECT_LT(asked, 80U) << "one point of 1,024";
+}
+
+}  // namespace
+}  // namespace test

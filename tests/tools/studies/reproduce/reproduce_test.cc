@@ -1,0 +1,245 @@
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <set>
+#include <thread>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "sim/error.h"
+#include "tests/tools/program.h"
+#include "tools/studies/reproduce/mirrors.h"
+#include "tools/studies/reproduce/plan.h"
+#include "tools/studies/reproduce/published.h"
+#include "tools/studies/reproduce/results.h"
+#include "tools/studies/reproduce/runner.h"
+
+// `raywatt reproduce`: published experiments, measured beside published.
+
+namespace test {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace tools::reproduce;
+
+/// The places that a plan measures.
+std::set<Place> places(const Paper& paper, bool quick) {
+  std::set<Place> out;
+  for (const Case& c : paper.cases(quick)) {
+    for (const Figure& figure : c.figures) {
+      out.insert({figure.experiment, c.view.scene, c.setting, figure.metric});
+    }
+  }
+  return out;
+}
+
+std::string name_of(const Place& p) { return p.experiment + ", " + p.scene + ", " + p.setting + ", " + p.metric; }
+
+/// Pictures of a plan's own tests go where nothing else is.
+Surroundings with_cache(const TempFolder& folder) {
+  return {.folder = {},
+          .variables = {{"XDG_CACHE_HOME", (folder.path() / "cache").string()}},
+          .longest_file = 0,
+          .out = ""};
+}
+
+class EachPaper : public testing::TestWithParam<Paper> {};
+INSTANTIATE_TEST_SUITE_P(Reproduce, EachPaper, testing::ValuesIn(papers()), [](const auto& paper) {
+  std::string name(paper.param.name);
+  std::ranges::replace(name, '-', '_');
+  return name;
+});
+
+/// A program of the paper that this build does not have; empty if it has them all.
+std::string missing_program(const Paper& paper) {
+  for (const Case& c : paper.cases(true)) {
+    try {
+      kernels::parse_program(c.run.name);
+    } catch (const sim::InputError&) {
+      return c.run.name;
+    }
+  }
+  return {};
+}
+
+TEST_P(EachPaper, QuicklyGetsANumberForEveryRow) {
+  const std::string missing = missing_program(GetParam());
+  if (!missing.empty()) GTEST_SKIP() << "there is no frame program " << missing << " yet";
+  const TempFolder folder;
+  const fs::path out = folder.path() / "out";
+  const std::string paper(GetParam().name);
+  const Ending ending = raywatt({"reproduce", paper, "--quick", "-o", out.string()}, with_cache(folder));
+  EXPECT_EQ(ending.exit, 0) << ending.err;
+  const nlohmann::json results = read_json(out / "reproduce.json");
+  EXPECT_EQ(results["schema"], "raywatt-reproduce/1");
+  EXPECT_EQ(results["paper"], paper);
+  EXPECT_EQ(results["partial"], false);
+  EXPECT_EQ(results["rows"].size(), places(GetParam(), true).size());
+  for (const nlohmann::json& row : results["rows"]) EXPECT_TRUE(row["measured"].is_number()) << row;
+  EXPECT_SAYS(ending.out, std::string(GetParam().title));
+  EXPECT_SAYS(read_bytes(out / "reproduce.md"), "| scene | stand-in |");
+  const std::vector<Case> cases = GetParam().cases(true);
+  EXPECT_EQ(std::ranges::any_of(names_in(out), [](const std::string& n) { return n.starts_with("figure-"); }),
+            std::ranges::any_of(cases, [](const Case& c) { return !c.picture.empty(); }));
+}
+
+TEST_P(EachPaper, HasAPlaceForEveryPublishedFigure) {
+  const std::set<Place> measured = places(GetParam(), false);
+  for (const auto& [place, range] : load_published(std::string(GetParam().name))) {
+    EXPECT_TRUE(measured.contains(place)) << name_of(place);
+    EXPECT_LE(range.low, range.high) << name_of(place);
+  }
+}
+
+TEST_P(EachPaper, QuicklyMeasuresSomeOfWhatItMeasuresAtLength) {
+  const std::set<Place> all = places(GetParam(), false), quick = places(GetParam(), true);
+  EXPECT_LT(quick.size(), all.size());
+  for (const Place& place : quick) EXPECT_TRUE(all.contains(place)) << name_of(place);
+}
+
+TEST_P(EachPaper, NamesFiguresThatExistAndEachPictureOnce) {
+  std::set<std::string> pictures;
+  for (const Case& c : GetParam().cases(false)) {
+    for (const Figure& figure : c.figures) EXPECT_NO_THROW(find_metric(figure.metric)) << figure.metric;
+    EXPECT_TRUE(c.picture.empty() || pictures.insert(c.picture).second) << c.picture;
+  }
+}
+
+TEST(Published, HoldsNumbersAndRanges) {
+  const Published p =
+      parse_published("table 1:\n  teapot:\n    super: {psnr_db: 48.99, tni_power: {low: 1, high: 1.09}}\n", "p.yaml");
+  EXPECT_EQ(p.at({"table 1", "teapot", "super", "psnr_db"}), (Range{48.99, 48.99}));
+  EXPECT_EQ(p.at({"table 1", "teapot", "super", "tni_power"}), (Range{1, 1.09}));
+}
+
+TEST(Published, ThatMakesNoSenseIsRefusedWithItsPlace) {
+  const std::pair<const char*, const char*> wrong[] = {{"a: 1\n", "p.yaml:1:1: 'a'"},
+                                                       {"a: {b: {c: {d: x}}}\n", "'d' must be a number"},
+                                                       {"a: {b: {c: {d: .inf}}}\n", "'d' must be a number"},
+                                                       {"a: {b: {c: {d: {low: 2, high: 1}}}}\n", "low: number"},
+                                                       {"a: {b: {c: {d: {low: 2}}}}\n", "low: number"},
+                                                       {"a: {b: {c: [1]}}\n", "'c' must be a mapping"}};
+  for (const auto& [text, says] : wrong) {
+    try {
+      parse_published(text, "p.yaml");
+      ADD_FAILURE() << text;
+    } catch (const sim::InputError& error) {
+      EXPECT_SAYS(std::string(error.what()), says);
+    }
+  }
+}
+
+TEST(Reproduce, SkipsScenesThatNobodyHasAndSaysWhatTheyAreCalled) {
+  const TempFolder folder;
+  Options options;
+  options.paper = "kim2016";
+  const View kitchen{.scene = "kitchen", .stand_in = "", .files = {"kitchen.glb", "kitchen-866k.glb"}};
+  const auto complaint = [&] {
+    try {
+      return Runner(options).stand_in(kitchen);
+    } catch (const sim::InputError& error) {
+      return std::string(error.what());
+    }
+  };
+  EXPECT_SAYS(complaint(), "--scenes DIR with kitchen.glb or kitchen-866k.glb");
+  options.scenes = folder.path();
+  EXPECT_SAYS(complaint(), "there is no kitchen.glb or kitchen-866k.glb");
+  folder.write("kitchen-866k.glb", "");
+  EXPECT_EQ(complaint(), (folder.path() / "kitchen-866k.glb").string());
+}
+
+TEST(Reproduce, TakesABuiltInSceneOnlyIfThereIsNoFileOfTheOneMeant) {
+  const TempFolder folder;
+  Options options;
+  const View car{.scene = "car", .stand_in = "car", .files = {"car-62k.glb"}};
+  EXPECT_EQ(Runner(options).stand_in(car), "car");
+  options.scenes = folder.path();
+  EXPECT_EQ(Runner(options).stand_in(car), "car");
+  folder.write("car-62k.glb", "");
+  EXPECT_EQ(Runner(options).stand_in(car), (folder.path() / "car-62k.glb").string());
+}
+
+TEST(Reproduce, MeasuresARunAgainstAReferenceWithATreeOfItsOwn) {
+  Options options;
+  options.threads = 1;
+  Runner runner(options);
+  Case c{.view = {.scene = "teapot", .stand_in = "teapot", .files = {}},
+         .setting = "hybrid",
+         .width = 32,
+         .height = 16,
+         .run = {"full:1", {"bvh.numbers=hybrid"}},
+         .reference = {"full:1"}};
+  c.figures = {{"", "box_bytes_ratio"}, {"", "node_bytes_ratio"}};
+  const std::vector<Measured> figures = runner.measure(c);
+  EXPECT_DOUBLE_EQ(figures.at(0).value.value(), 29.0 / 48) << "twelve planes of 19 bits against twelve floats";
+  EXPECT_DOUBLE_EQ(figures.at(1).value.value(), 40.0 / 64);
+  std::swap(c.run, c.reference);
+  EXPECT_DOUBLE_EQ(runner.measure(c).at(0).value.value(), 48 / 29.0);
+}
+
+TEST(Reproduce, WritesWhatIsHeldAgainstWhatAndEachFigureOverItsScenes) {
+  Results results;
+  for (const double speedup : {1.0, 3.0, 2.0}) {
+    results.rows.push_back({.place = {"caches", fmt::format("scene {}", speedup), "large", "speedup"},
+                            .stand_in = "",
+                            .width = 8,
+                            .height = 4,
+                            .program = "full:1 --set a=2",
+                            .reference = "full:1 --set a=1",
+                            .measured = speedup,
+                            .why_not = "",
+                            .published = Range{1, 2.9}});
+  }
+  const std::string text = results_markdown(results, {});
+  EXPECT_SAYS(text, "| large | `full:1 --set a=2` | `full:1 --set a=1` |");
+  EXPECT_SAYS(text, "| large | speedup | 3 | 2.00 x | 1.00 x to 3.00 x | 1.00 x to 2.90 x |");
+}
+
+TEST(Reproduce, RefusesWhatItDoesNotKnowBeforeItBegins) {
+  const TempFolder folder;
+  const std::string out = (folder.path() / "out").string();
+  expect_refusal(raywatt({"reproduce", "lee2061", "-o", out}), {"lee2061", "did you mean 'lee2016'", "kim2016"});
+  expect_refusal(raywatt({"reproduce", "lee2016", "--scenes", "/no/such/folder", "-o", out}),
+                 {"--scenes", "no folder"});
+  expect_refusal(raywatt({"reproduce", "lee2016", "--config", "sgrt-2061", "-o", out}), {"sgrt-2061", "sgrt-2016"});
+  EXPECT_TRUE(names_in(folder.path()).empty());
+}
+
+TEST(Reproduce, KeepsFinishedRowsWhenInterruptedMarkedPartial) {
+  const TempFolder folder;
+  const fs::path out = folder.path() / "out";
+  Program program({"reproduce", "jin2009", "--threads", "1", "--quick", "-o", out.string()}, with_cache(folder));
+  const auto has_a_row = [&] {
+    std::error_code vanished;
+    for (const auto& entry : fs::recursive_directory_iterator(folder.path(), vanished)) {
+      if (entry.path().filename() == "reproduce.json") return true;
+    }
+    return false;
+  };
+  for (int tries = 0; tries < 3000 && !has_a_row(); ++tries) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  program.send(SIGINT);
+  EXPECT_EQ(program.wait().exit, 128 + SIGINT);
+  const nlohmann::json results = read_json(out / "reproduce.json");
+  EXPECT_EQ(results["partial"], true);
+  EXPECT_GE(results["rows"].size(), 1U);
+  EXPECT_SAYS(read_bytes(out / "reproduce.md"), "PARTIAL");
+}
+
+TEST(Mirrors, CoverAboutTheShareOfTheViewThatIsWanted) {
+  tools::JobOptions options;
+  options.scene = "kim2016-bathroom";
+  options.sets = {"scene.triangles=15000"};
+  tools::Inputs inputs = tools::load_inputs(options);
+  double before = 0;
+  for (const double share : {0.3, 0.6, 1.0}) {
+    set_reflective_share(inputs, share, 1);
+    const double reached = reflective_share(inputs, 1);
+    EXPECT_NEAR(reached, share, 0.1);
+    EXPECT_GT(reached, before);
+    before = reached;
+  }
+}
+
+}  // namespace
+}  // namespace test

@@ -1,0 +1,53 @@
+#include <gtest/gtest.h>
+
+#include "tests/tools/studies/sweep/small_sweep.h"
+#include "tools/host/build_info.h"
+#include "tools/studies/sweep/compute.h"
+
+// The experiments that come with the program.
+
+namespace test {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace tools::sweep;
+
+std::vector<fs::path> experiments() {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(fs::path(tools::build_info().source_dir) / "configs/experiments")) {
+    const bool is_search = entry.path().filename().string().starts_with("optimise-");
+    if (!is_search) files.push_back(entry.path());
+  }
+  std::ranges::sort(files);
+  return files;
+}
+
+TEST(Experiments, AreFiveEachWithAQuestionAndSoundPoints) {
+  ASSERT_EQ(experiments().size(), 5U);
+  for (const fs::path& file : experiments()) {
+    const Spec spec = read_spec(file);
+    EXPECT_TRUE(spec.question.ends_with("?")) << file;
+    const std::vector<Point> points = plan(spec, file.parent_path());
+    EXPECT_GE(points.size(), 10U) << file;
+    EXPECT_LE(points.size(), 40U) << file;
+    for (const Point& point : points) EXPECT_EQ(point.error, "") << file;
+  }
+}
+
+TEST(Experiments, RunAtATinySize) {
+  const TempFolder folder;
+  const Store store(folder.path());
+  PointKeys keys;
+  PointComputer computer(store, 1);
+  for (const fs::path& file : experiments()) {
+    Point point = plan(read_spec(file), file.parent_path()).back();
+    point.scene = "cornell";
+    point.resolution = "16x16";
+    keys.set_key(point);
+    EXPECT_EQ(computer.compute(point, {}), Fate::kComputed)
+        << file << ": " << (store.failure(point.id) ? store.failure(point.id)->error : "");
+  }
+}
+
+}  // namespace
+}  // namespace test

@@ -1,0 +1,69 @@
+#include "tools/studies/sweep/results/best.h"
+
+#include <sstream>
+
+#include <gtest/gtest.h>
+
+#include "tests/tools/program.h"
+#include "tests/tools/studies/sweep/results/made_sweep.h"
+
+// raywatt sweep best
+
+namespace test {
+namespace {
+
+/// Cycles of 300, 100, 100 and 200.
+struct Four : MadeSweep {
+  Four() {
+    for (const double cycles : {300, 100, 100, 200}) finish(add({{"cores", std::to_string(size++)}}), cycles);
+  }
+  int size = 0;
+};
+
+std::string best(const MadeSweep& sweep, const tools::results::BestOptions& options) {
+  return best_text(sweep.results(), sweep.points(), options);
+}
+
+TEST(Best, IsTheFirstOfThoseWithTheMostOrLeast) {
+  const Four sweep;
+  EXPECT_SAYS(best(sweep, {"cycles", true, {}}), "most totals.cycles of 4 points that qualify: point 0\n");
+  EXPECT_SAYS(best(sweep, {"cycles", false, {}}), "point 1 (and 1 more with the same)\n");
+  EXPECT_SAYS(best(sweep, {"cycles", true, {"cycles<300", "cores!=3"}}), "of 2 points that qualify: point 1");
+}
+
+TEST(Best, CommandLineTakesOneFigure) {
+  const Four sweep;
+  sweep.collect();
+  const std::string folder = sweep.folder().string();
+  expect_refusal(raywatt({"sweep", "best", folder}), {"--max", "--min"});
+  expect_refusal(raywatt({"sweep", "best", folder, "--max", "cycles", "--min", "fps"}), {"--max", "--min"});
+  expect_refusal(raywatt({"sweep", "best", folder, "--max", "cycles", "--where", "cycles<1"}), {"no point"});
+  expect_refusal(raywatt({"sweep", "best", folder, "--max", "low_w"}), {"low_w"});
+  const Ending ending = raywatt({"sweep", "best", folder, "--min", "cycles", "--where", "n>1"});
+  EXPECT_EQ(ending.exit, 0) << ending.err;
+  EXPECT_SAYS(ending.out, "point 2\n");
+}
+
+TEST(Best, SaysHowToRunItAgain) {
+  const TempFolder temporary;
+  const std::filesystem::path run = temporary.path() / "run", again = temporary.path() / "again";
+  const Words settings = {"--program", "multirate:under", "--set", "cores=2"};
+  ASSERT_EQ(raywatt(small_run(run, settings)).exit, 0);
+  MadeSweep sweep;
+  sweep.add({{"cores", "2"}}, "multirate:under");
+  sweep.finish(0, nlohmann::ordered_json::parse(read_bytes(run / "report.json")));
+  std::filesystem::copy_file(run / "config.yaml", sweep.point(0) / "config.yaml",
+                             std::filesystem::copy_options::overwrite_existing);
+  const std::string text = best(sweep, {"fps", true, {}});
+  std::istringstream words(text.substr(text.find("raywatt run ") + std::string("raywatt ").size()));
+  Words command;
+  for (std::string word; words >> word;) command.push_back(word);
+  command.insert(command.end(), {"-o", again.string()});
+  ASSERT_EQ(raywatt(command).exit, 0) << text;
+  const nlohmann::json a = read_json(run / "report.json"), b = read_json(again / "report.json");
+  EXPECT_EQ(a["totals"], b["totals"]);
+  EXPECT_EQ(a["units"], b["units"]);
+}
+
+}  // namespace
+}  // namespace test

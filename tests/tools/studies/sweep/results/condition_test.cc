@@ -1,0 +1,105 @@
+#include "tools/studies/sweep/results/condition.h"
+
+#include <gtest/gtest.h>
+
+#include "sim/error.h"
+#include "tests/tools/studies/sweep/results/made_sweep.h"
+
+// --where
+
+namespace test {
+namespace {
+
+using tools::results::Results;
+
+/// Points 0 to 3: sizes of 4, 8, 16 and 32 KiB, cycles of 400, 300, 200 and none.
+struct Four : MadeSweep {
+  Four() {
+    const char* kinds[] = {"none", "2", "rau", "4"};
+    for (std::size_t i = 0; i < 4; ++i) add({{"l1.size", std::to_string(4 << i) + " KiB"}, {"kind", kinds[i]}});
+    for (std::size_t i = 0; i < 3; ++i) finish(i, 400 - 100.0 * static_cast<double>(i));
+  }
+};
+
+std::string met(const std::vector<std::string>& conditions) {
+  const Four sweep;
+  const Results results = sweep.results();
+  std::string points;
+  const std::vector<bool> all = meeting(results, conditions);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (all[i]) points += std::to_string(i);
+  }
+  return points;
+}
+
+std::string refusal(const std::string& condition) {
+  try {
+    met({condition});
+  } catch (const sim::InputError& error) {
+    return error.what();
+  }
+  return "it is allowed";
+}
+
+TEST(Condition, ComparesNumbers) {
+  EXPECT_EQ(met({"cycles<300"}), "2");
+  EXPECT_EQ(met({"cycles<=300"}), "12");
+  EXPECT_EQ(met({"cycles=300"}), "1");
+  EXPECT_EQ(met({"cycles == 3e2"}), "1");
+  EXPECT_EQ(met({"cycles!=300"}), "02");
+  EXPECT_EQ(met({"totals.cycles >= 300"}), "01");
+  EXPECT_EQ(met({"  cycles > 300  "}), "0");
+  EXPECT_EQ(met({"cycles>-1.5"}), "012");
+}
+
+TEST(Condition, APointWithoutTheValueNeverMeetsIt) {
+  EXPECT_EQ(met({"cycles!=1"}), "012");
+  EXPECT_EQ(met({"cycles<1e9"}), "012");
+}
+
+TEST(Condition, ComparesQuantitiesByWhatTheyAre) {
+  EXPECT_EQ(met({"l1.size>=16 KiB"}), "23");
+  EXPECT_EQ(met({"l1.size<'8 KiB'"}), "0");
+  EXPECT_EQ(met({"size=8192 B"}), "1");
+  EXPECT_EQ(met({"size=8KiB"}), "1");
+}
+
+TEST(Condition, ComparesTextsForEquality) {
+  EXPECT_EQ(met({"kind=rau"}), "2");
+  EXPECT_EQ(met({"kind!=\"rau\""}), "013");
+  EXPECT_EQ(met({"status=missing"}), "3");
+  EXPECT_EQ(met({"totals.limiter='L2, and \"DRAM\"'"}), "012");
+  EXPECT_EQ(met({"kind>2"}), "3") << "texts beside numbers are not above any";
+}
+
+TEST(Condition, AllMustHold) {
+  EXPECT_EQ(met({"cycles<400 and l1.size<16 KiB"}), "1");
+  EXPECT_EQ(met({"cycles<400", "l1.size<16 KiB"}), "1");
+  EXPECT_EQ(met({"cycles<400 and kind=2 and n=1"}), "1");
+  EXPECT_EQ(met({}), "0123");
+}
+
+TEST(Condition, SaysAtWhichColumnItIsWrong) {
+  const std::pair<const char*, const char*> wrong[] = {{"", "column 1"},
+                                                       {"<1", "column 1"},
+                                                       {"cycles", "column 7"},
+                                                       {"cycles<", "column 8"},
+                                                       {"cycles<1 or n=1", "column 10"},
+                                                       {"cycles<1 and", "column 13"},
+                                                       {"cycles<1 andn=1", "column 10"},
+                                                       {"cycles='a", "column 8"},
+                                                       {"cycles ~ 1", "column 8"}};
+  for (const auto& [condition, column] : wrong) EXPECT_SAYS(refusal(condition), column);
+}
+
+TEST(Condition, RefusesWhatCannotBeCompared) {
+  EXPECT_SAYS(refusal("l1.size<16"), "'4 KiB'");
+  EXPECT_SAYS(refusal("l1.size<16 MHz"), "'4 KiB'");
+  EXPECT_SAYS(refusal("cycles<fast"), "'fast' is no number");
+  EXPECT_SAYS(refusal("limiter<3"), "texts are compared with = and !=");
+  EXPECT_SAYS(refusal("cylces<3"), "did you mean 'cycles'");
+  EXPECT_SAYS(refusal("power_w<3"), "power_w.nominal");
+}
+
+}  // namespace
+}  // namespace test

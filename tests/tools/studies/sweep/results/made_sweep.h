@@ -1,0 +1,61 @@
+#pragma once
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/traces/scene/tiny_gltf_file.h"
+#include "tools/studies/sweep/results/collect.h"
+#include "tools/studies/sweep/results/results.h"
+
+namespace test {
+
+/// A report with little in it: cycles, and what else a test says. Host and command line differ between any two.
+nlohmann::ordered_json made_report(double cycles);
+
+/// A sweep's folder with a store, written by hand.
+class MadeSweep {
+ public:
+  using Axes = std::vector<std::pair<std::string, std::string>>;
+
+  /// Adds a point; it has no result yet. Returns its number.
+  std::size_t add(const Axes& axes, const std::string& program = "full:1");
+  /// Every combination of some values of two axes, each point done.
+  void add_grid(const std::string& a, const std::vector<std::string>& values_of_a, const std::string& b,
+                const std::vector<std::string>& values_of_b,
+                const std::function<double(std::size_t a, std::size_t b)>& cycles);
+
+  /// In the place of what was there.
+  void finish(std::size_t n, const std::string& report) const;
+  void finish(std::size_t n, const nlohmann::ordered_json& report) const { finish(n, report.dump(2) + "\n"); }
+  void finish(std::size_t n, double cycles) const { finish(n, made_report(cycles)); }
+  void fail(std::size_t n, const std::string& error) const;
+  /// Replaces the bytes of a point's report behind the store's back.
+  void damage(std::size_t n, const std::string& report) const;
+  void remove(std::size_t n) const;
+  /// Writes the folder; collect() does so, too.
+  tools::sweep::SweepFolder write() const;
+
+  tools::results::Collected collect() const;
+  /// Collected, then opened.
+  tools::results::Results results() const;
+  std::string csv() const { return read_bytes(folder() / "results.csv"); }
+
+  std::filesystem::path folder() const { return temporary_.path() / "sweep"; }
+  tools::sweep::Store store() const { return tools::sweep::Store(temporary_.path() / "store"); }
+  std::filesystem::path point(std::size_t n) const { return store().folder(id(n)); }
+  const std::string& id(std::size_t n) const { return points_.at(n).id; }
+  const std::vector<tools::sweep::Point>& points() const { return points_; }
+
+ private:
+  TempFolder temporary_;
+  std::vector<tools::sweep::Point> points_;
+};
+
+/// The cells of a CSV text without quotes in it.
+std::vector<std::vector<std::string>> cells_of(const std::string& csv);
+
+}  // namespace test

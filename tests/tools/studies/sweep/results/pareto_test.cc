@@ -1,0 +1,123 @@
+#include "tools/studies/sweep/results/pareto.h"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "sim/error.h"
+#include "sim/hash.h"
+#include "tests/tools/studies/sweep/results/made_sweep.h"
+
+// raywatt sweep pareto
+
+namespace test {
+namespace {
+
+using tools::results::Front;
+using tools::results::Objective;
+using tools::results::Results;
+
+/// Points with power and frames per second as given.
+struct Plane : MadeSweep {
+  explicit Plane(const std::vector<std::pair<double, double>>& places) {
+    for (const auto& [watts, fps] : places) {
+      auto report = made_report(100);
+      report["totals"]["power_w"]["nominal"] = watts;
+      report["totals"]["perf"]["fps"] = fps;
+      finish(add({{"cores", std::to_string(lines++)}}), report);
+    }
+  }
+  int lines = 0;
+};
+
+Front front_of(const Results& results, const std::string& x, const std::string& y) {
+  return tools::results::pareto_front({results, x}, {results, y}, std::vector<bool>(results.rows().size(), true));
+}
+
+using Rows = std::vector<std::size_t>;
+
+TEST(Pareto, HoldsWhatNoOtherPointBeats) {
+  const Plane sweep({{1, 10}, {2, 20}, {3, 15}, {3, 30}, {1.5, 5}});
+  const Results results = sweep.results();
+  const Front front = front_of(results, "power_w.nominal", "fps");
+  EXPECT_EQ(front.rows, (Rows{0, 1, 3}));
+  EXPECT_EQ(front.other.size(), 2U);
+}
+
+TEST(Pareto, KnowsWhichWayAFigureIsBetterUnlessToldOtherwise) {
+  const Plane sweep({{1, 10}, {2, 20}});
+  const Results results = sweep.results();
+  EXPECT_FALSE(Objective(results, "power_w.nominal").most);
+  EXPECT_FALSE(Objective(results, "cycles").most);
+  EXPECT_FALSE(Objective(results, "cores").most);
+  EXPECT_TRUE(Objective(results, "fps").most);
+  EXPECT_TRUE(Objective(results, "frames_per_joule_gpu").most);
+  EXPECT_EQ(front_of(results, "max:power_w.nominal", "fps").rows, (Rows{1}));
+  EXPECT_EQ(front_of(results, "power_w.nominal", "min:fps").rows, (Rows{0}));
+}
+
+TEST(Pareto, OfEqualPointsAllAreOnIt) {
+  const Plane sweep({{1, 10}, {1, 10}, {1, 9}, {2, 10}});
+  const Results results = sweep.results();
+  EXPECT_EQ(front_of(results, "power_w.nominal", "fps").rows, (Rows{0, 1}));
+}
+
+TEST(Pareto, IsWhatComparingAllPairsGives) {
+  std::vector<std::pair<double, double>> places;
+  for (int i = 0; i < 200; ++i) {
+    places.emplace_back(static_cast<double>(sim::hash(i, 1) % 20), static_cast<double>(sim::hash(i, 2) % 20));
+  }
+  Rows wanted;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const auto beats = [&](const auto& other) {
+      return other != places[i] && other.first <= places[i].first && other.second >= places[i].second;
+    };
+    if (std::ranges::none_of(places, beats)) wanted.push_back(i);
+  }
+  const Plane sweep(places);
+  const Results results = sweep.results();
+  Rows rows = front_of(results, "power_w.nominal", "fps").rows;
+  std::ranges::sort(rows);
+  EXPECT_EQ(rows, wanted);
+}
+
+TEST(Pareto, DrawsTheFrontAsLettersAndTheOthersAsDots) {
+  const Plane sweep({{1, 10}, {2, 20}, {3, 10}});
+  const std::string text = pareto_text(sweep.results(), {"power_w.nominal", "fps", {}, false}, 60);
+  std::vector<std::string> lines;
+  for (std::size_t begin = 0; begin < text.size(); begin = text.find('\n', begin) + 1) {
+    lines.push_back(text.substr(begin, text.find('\n', begin) - begin));
+  }
+  EXPECT_EQ(lines[0], "totals.perf.fps (more is better)");
+  EXPECT_TRUE(lines[1].starts_with("20 |") && lines[1].ends_with("b")) << text;
+  EXPECT_TRUE(lines[20].starts_with("10 |a") && lines[20].ends_with(".")) << text;
+  const std::size_t dot = lines[20].size(), b = lines[1].size();
+  EXPECT_EQ(dot, 59U) << "as wide as the terminal, but for its last column";
+  EXPECT_NEAR(static_cast<double>(b), (5 + 59) / 2.0, 1) << "half-way";
+  EXPECT_SAYS(text, "2 of 3 points are on the front");
+  EXPECT_SAYS(text, "\na  0      0                   1.000            10.00\n");
+  for (std::size_t i = 0; i < 24; ++i) EXPECT_LE(lines[i].size(), 60U) << lines[i];
+}
+
+TEST(Pareto, DrawsPointsThatAreAllAlike) {
+  const Plane sweep({{1, 10}, {1, 10}});
+  EXPECT_SAYS(pareto_text(sweep.results(), {"power_w.nominal", "fps", {}, false}, 10), "2 of 2 points");
+}
+
+TEST(Pareto, CsvIsTheFrontAlone) {
+  const Plane sweep({{1, 10}, {2, 20}, {3, 10}});
+  const auto rows = cells_of(pareto_text(sweep.results(), {"power_w.nominal", "fps", {"n!=1"}, true}, 80));
+  EXPECT_EQ(rows,
+            (std::vector<std::vector<std::string>>{{"n", "id", "cores", "totals.power_w.nominal", "totals.perf.fps"},
+                                                   {"0", sweep.id(0), "0", "1", "10"}}));
+}
+
+TEST(Pareto, SaysIfNoPointHasBothFigures) {
+  const Plane sweep({{1, 10}});
+  const Results results = sweep.results();
+  EXPECT_THROW(pareto_text(results, {"power_w.nominal", "limiter", {}, false}, 80), sim::InputError);
+  EXPECT_THROW(pareto_text(results, {"power_w.nominal", "fps", {"n=9"}, false}, 80), sim::InputError);
+}
+
+}  // namespace
+}  // namespace test

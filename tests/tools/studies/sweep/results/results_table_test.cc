@@ -1,0 +1,135 @@
+#include "tools/studies/sweep/results/results_table.h"
+
+#include <gtest/gtest.h>
+
+#include "sim/error.h"
+#include "tests/tools/program.h"
+#include "tests/tools/studies/sweep/results/made_sweep.h"
+
+// raywatt sweep table
+
+namespace test {
+namespace {
+
+using tools::results::TableOptions;
+
+/// Sizes in no order; the last point has failed.
+struct Four : MadeSweep {
+  Four() {
+    for (const char* size : {"16 KiB", "4 KiB", "1 MiB", "8 KiB"}) add({{"l1.size", size}, {"trvs", "4"}});
+    finish(0, 3000);
+    finish(1, 1000);
+    finish(2, 2000);
+    fail(3, "stuck");
+  }
+  std::vector<std::vector<std::string>> table(TableOptions options) const {
+    options.csv = true;
+    return cells_of(results_table(results(), options));
+  }
+  std::string order(const std::string& sort) const {
+    std::string points;
+    for (const auto& row : table({{"n"}, sort, {}, {}, false})) points += row[0];
+    return points.substr(1);
+  }
+};
+
+TEST(ResultsTable, ShowsAxesThatVaryAndTheUsualFigures) {
+  const Four sweep;
+  EXPECT_EQ(results_table(sweep.results(), {}),
+            "n  status  l1.size  cycles  perf.fps  power_w.nominal  perf.frames_per_joule_gpu\n"
+            "-  ------  -------  ------  --------  ---------------  -------------------------\n"
+            "0    done   16 KiB    3000     333.3           0.5000                      666.7\n"
+            "1    done    4 KiB    1000    1000.0           0.5000                     2000.0\n"
+            "2    done    1 MiB    2000     500.0           0.5000                     1000.0\n"
+            "3  failed    8 KiB       -         -                -                          -\n");
+}
+
+TEST(ResultsTable, AnyClearEndOfAPathIsAColumn) {
+  const Four sweep;
+  const auto rows = sweep.table({{"size", "fps", "perf.fps", "totals.perf.fps", "error"}, "", {}, {}, false});
+  EXPECT_EQ(rows[0],
+            (std::vector<std::string>{"l1.size", "totals.perf.fps", "totals.perf.fps", "totals.perf.fps", "error"}));
+  EXPECT_EQ(rows[3], (std::vector<std::string>{"1 MiB", "500", "500", "500", ""}));
+  EXPECT_EQ(rows[4], (std::vector<std::string>{"8 KiB", "", "", "", "stuck"}));
+}
+
+TEST(ResultsTable, CountersOfUnitsAreColumnsToo) {
+  const Four sweep;
+  const auto rows = sweep.table({{"units.core.srp.counters.loads", "core1.srp.counters.loads"}, "", {}, {}, false});
+  EXPECT_EQ(rows[1], (std::vector<std::string>{"15", "8"}));
+  EXPECT_EQ(rows[4], (std::vector<std::string>{"", ""}));
+}
+
+TEST(ResultsTable, AnEndThatMeansSeveralIsRefusedWithThem) {
+  const Four sweep;
+  sweep.collect();
+  const std::string folder = sweep.folder().string();
+  expect_refusal(raywatt({"sweep", "table", folder, "--columns", "n,boxes"}),
+                 {"'boxes'", "totals.top_down.cores[0].boxes", "totals.top_down.cores[1].boxes"});
+  expect_refusal(raywatt({"sweep", "table", folder, "--columns", "counters.loads"}),
+                 {"units.core0.srp.counters.loads", "units.core.srp.counters.loads"});
+  expect_refusal(raywatt({"sweep", "table", folder, "--sort", "cylces"}), {"did you mean 'cycles'"});
+  expect_refusal(raywatt({"sweep", "table", folder, "--sort", "cycles:down"}), {"asc, desc"});
+}
+
+TEST(ResultsTable, SortsByAmountAndPutsWhatIsAbsentLast) {
+  const Four sweep;
+  EXPECT_EQ(sweep.order(""), "0123");
+  EXPECT_EQ(sweep.order("l1.size"), "1302");
+  EXPECT_EQ(sweep.order("l1.size:desc"), "2031");
+  EXPECT_EQ(sweep.order("cycles"), "1203");
+  EXPECT_EQ(sweep.order("cycles:desc"), "0213");
+  EXPECT_EQ(sweep.order("trvs:desc"), "0123") << "equal ones stay in their order";
+}
+
+TEST(ResultsTable, ShowsOnlyWhatIsAskedFor) {
+  const Four sweep;
+  EXPECT_EQ(sweep.table({{"n"}, "cycles:desc", {"cycles<3000"}, {}, false}).size(), 1U + 2);
+  EXPECT_EQ(sweep.table({{"n"}, "cycles:desc", {"cycles<3000"}, 1, false}),
+            (std::vector<std::vector<std::string>>{{"n"}, {"2"}}));
+}
+
+TEST(ResultsTable, CsvHasAllDigitsAndQuotesWhatNeedsThem) {
+  const Four sweep;
+  const std::string csv = results_table(sweep.results(), {{"fps", "limiter"}, "", {"n=0"}, {}, true});
+  EXPECT_EQ(csv, "totals.perf.fps,totals.limiter\n333.3333333333333,\"L2, and \"\"DRAM\"\"\"\n");
+}
+
+TEST(ResultsTable, NothingOfAReportReachesTheTerminalAsItIs) {
+  MadeSweep sweep;
+  auto report = made_report(1);
+  report["totals"]["limiter"] = "\x1b[2J";
+  sweep.finish(sweep.add({{"a\x1b", "b\x1b"}}), report);
+  const std::string text = results_table(sweep.results(), {{"limiter", "a\x1b"}, "", {}, {}, false});
+  EXPECT_EQ(text.find('\x1b'), std::string::npos);
+}
+
+TEST(ResultsTable, IsOfWhatThereIsNow) {
+  const Four sweep;
+  sweep.write();
+  const Words table = {"sweep", "table", sweep.folder().string(), "--columns", "n,cycles", "--csv"};
+  EXPECT_EQ(raywatt(table).out, "n,totals.cycles\n0,3000\n1,1000\n2,2000\n3,\n");
+  sweep.finish(3, 4000);
+  EXPECT_EQ(raywatt(table).out, "n,totals.cycles\n0,3000\n1,1000\n2,2000\n3,4000\n");
+}
+
+TEST(ResultsTable, IsOfWhatWasLastCollectedWhereNothingCanBeWritten) {
+  const Four sweep;
+  const Words table = {"sweep", "table", sweep.folder().string(), "--columns", "n,cycles", "--csv"};
+  const std::string before = raywatt((sweep.write(), table)).out;
+  sweep.finish(3, 4000);
+  std::filesystem::remove(sweep.folder() / "results.csv");
+  std::filesystem::create_directory(sweep.folder() / "results.csv");  // in the way
+  const Ending ending = raywatt(table);
+  EXPECT_EQ(ending.exit, 0) << ending.err;
+  EXPECT_EQ(ending.out, before);
+  EXPECT_SAYS(ending.err, "last collected");
+}
+
+TEST(ResultsTable, AFolderWithoutASweepIsRefused) {
+  const MadeSweep sweep;
+  expect_refusal(raywatt({"sweep", "table", sweep.folder().string()}), {"holds no sweep"});
+}
+
+}  // namespace
+}  // namespace test

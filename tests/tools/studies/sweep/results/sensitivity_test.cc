@@ -1,0 +1,133 @@
+#include "tools/studies/sweep/results/sensitivity.h"
+
+#include <gtest/gtest.h>
+
+#include "sim/error.h"
+#include "sim/hash.h"
+#include "tests/tools/studies/sweep/results/made_sweep.h"
+
+// raywatt sweep sensitivity
+
+namespace test {
+namespace {
+
+using tools::results::Results;
+using tools::results::Sensitivity;
+
+Sensitivity of_cycles(const MadeSweep& sweep) {
+  const Results results = sweep.results();
+  return find_sensitivity(results, "cycles", std::vector<bool>(results.rows().size(), true));
+}
+
+const std::vector<std::string> kSizes = {"4 KiB", "8 KiB", "16 KiB"}, kCores = {"1", "2"};
+
+/// cycles = 100 + 10 s + 30 c, s of 0, 1, 2 and c of 0, 1.
+double sum(std::size_t s, std::size_t c) { return 100 + 10.0 * static_cast<double>(s) + 30.0 * static_cast<double>(c); }
+
+TEST(Sensitivity, OfASumIsThatOfItsTerms) {
+  MadeSweep sweep;
+  sweep.add_grid("size", kSizes, "cores", kCores, sum);
+  const Sensitivity s = of_cycles(sweep);
+  EXPECT_EQ(s.points, 6U);
+  EXPECT_TRUE(s.is_grid);
+  EXPECT_DOUBLE_EQ(s.mean, 125);
+  ASSERT_EQ(s.effects.size(), 2U);
+  // Variances: 15^2 = 225 of the cores, 2/3 * 10^2 of the sizes.
+  const double total = 225 + 200 / 3.0;
+  EXPECT_EQ(s.effects[0].axis, "cores");
+  EXPECT_NEAR(s.effects[0].share, 225 / total, 1e-12);
+  EXPECT_NEAR(s.effects[0].range, 30 / 125.0, 1e-12);
+  EXPECT_EQ(s.effects[1].axis, "size");
+  EXPECT_EQ(s.effects[1].levels, kSizes);
+  EXPECT_NEAR(s.effects[1].share, 200 / 3.0 / total, 1e-12);
+  EXPECT_NEAR(s.effects[1].means[0], 115, 1e-9);
+  EXPECT_NEAR(s.effects[1].means[2], 135, 1e-9);
+  EXPECT_NEAR(s.rest(), 0, 1e-12);
+}
+
+TEST(Sensitivity, OfAnExclusiveOrIsOnlyTogether) {
+  MadeSweep sweep;
+  sweep.add_grid("a", {"0", "1"}, "b", {"0", "1"}, [](std::size_t a, std::size_t b) { return a == b ? 10.0 : 20.0; });
+  const Sensitivity s = of_cycles(sweep);
+  EXPECT_NEAR(s.effects[0].share, 0, 1e-12);
+  EXPECT_NEAR(s.effects[1].share, 0, 1e-12);
+  EXPECT_NEAR(s.rest(), 1, 1e-12);
+}
+
+TEST(Sensitivity, PointsThatFailedDoNotBiasTheOthers) {
+  MadeSweep sweep;
+  sweep.add_grid("size", kSizes, "cores", kCores, sum);
+  sweep.remove(5);  // the slowest: plain means of the others would make both axes look harmless
+  sweep.fail(5, "stuck");
+  const Sensitivity s = of_cycles(sweep);
+  EXPECT_EQ(s.points, 5U);
+  EXPECT_FALSE(s.is_grid);
+  ASSERT_EQ(s.effects[0].axis, "cores");
+  ASSERT_EQ(s.effects[1].levels, kSizes);
+  EXPECT_NEAR(s.effects[0].means[1] - s.effects[0].means[0], 30, 1e-6);
+  EXPECT_NEAR(s.effects[1].means[2] - s.effects[1].means[0], 20, 1e-6);
+}
+
+TEST(Sensitivity, AxesThatMoveTogetherAreOne) {
+  MadeSweep sweep;
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t k = 0; k < 2; ++k) {
+      const std::string cores = kCores[k];
+      sweep.finish(sweep.add({{"size", kSizes[i]}, {"cores", cores}, {"channels", cores}}), sum(i, k));
+    }
+  }
+  const Sensitivity s = of_cycles(sweep);
+  EXPECT_TRUE(s.is_grid);
+  ASSERT_EQ(s.effects.size(), 2U);
+  EXPECT_EQ(s.effects[0].axis, "cores + channels");
+  EXPECT_EQ(s.effects[0].levels, (std::vector<std::string>{"1 / 1", "2 / 2"}));
+}
+
+TEST(Sensitivity, ValuesThatNoTwoPointsShareAreTakenTogether) {
+  MadeSweep sweep;  // as of a random subset of two wide ranges, of which the second does nothing
+  for (std::uint64_t i = 0; i < 100; ++i) {
+    const std::uint64_t a = sim::hash(i, 1) % 100'000, b = sim::hash(i, 2) % 100'000;
+    sweep.finish(sweep.add({{"a", std::to_string(a)}, {"b", std::to_string(b)}}), 1000 + static_cast<double>(a));
+  }
+  const Sensitivity s = of_cycles(sweep);
+  EXPECT_FALSE(s.is_grid);
+  EXPECT_EQ(s.effects[0].axis, "a");
+  EXPECT_EQ(s.effects[0].levels.size(), 6U);
+  EXPECT_GT(s.effects[0].share, 0.9);
+  EXPECT_LT(s.effects[1].share, 0.05);
+  EXPECT_TRUE(std::ranges::is_sorted(s.effects[0].means));
+}
+
+TEST(Sensitivity, OfWhatNeverChangesIsNone) {
+  MadeSweep sweep;
+  sweep.add_grid("size", kSizes, "cores", kCores, [](std::size_t, std::size_t) { return 5.0; });
+  const Sensitivity s = of_cycles(sweep);
+  EXPECT_EQ(s.effects[0].share, 0);
+  EXPECT_EQ(s.effects[0].range, 0);
+  EXPECT_EQ(s.rest(), 0);
+}
+
+TEST(Sensitivity, IsShownWithTheLargestFirst) {
+  MadeSweep sweep;
+  sweep.add_grid("size", kSizes, "cores", kCores, sum);
+  EXPECT_EQ(sensitivity_text(sweep.results(), {"cycles"}, {}),
+            "totals.cycles: mean 125 of 6 points\n\n"
+            "axis           levels  lowest mean     at  highest mean      at   range  share of variance\n"
+            "-------------  ------  -----------  -----  ------------  ------  ------  -----------------\n"
+            "cores               2          110      1           140       2  24.0 %             77.1 %\n"
+            "size                3          115  4 KiB           135  16 KiB  16.0 %             22.9 %\n"
+            "only together                                                                        0.0 %\n");
+}
+
+TEST(Sensitivity, SaysWhatHasNoResultAndWhatIsNoNumber) {
+  MadeSweep sweep;
+  sweep.finish(sweep.add({{"a", "1"}}), 1);
+  sweep.add({{"a", "2"}});
+  const Results results = sweep.results();
+  EXPECT_SAYS(sensitivity_text(results, {}, {}), "1 of 2 points have no result: 1 missing");
+  EXPECT_THROW(sensitivity_text(results, {"limiter"}, {}), sim::InputError);
+  EXPECT_THROW(sensitivity_text(results, {"cycles"}, {"a=2"}), sim::InputError);
+}
+
+}  // namespace
+}  // namespace test

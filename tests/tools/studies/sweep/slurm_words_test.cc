@@ -1,0 +1,126 @@
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "tests/tools/studies/sweep/small_sweep.h"
+
+// What is said to Slurm's commands, and what comes of what they say. The commands here are made up; tests/slurm has the
+// real ones.
+
+namespace test {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kFour = "axes: {cores: [1, 2], tni.trvs: [2, 4]}\n";
+
+struct SlurmWords : testing::Test {
+  TempFolder folder;
+  fs::path out = folder.path() / "out";
+
+  /// A command that notes down its arguments, a line each, and runs these lines of shell.
+  void command(const std::string& name, const std::string& lines) {
+    fs::create_directories(folder.path() / "bin");
+    const fs::path file = folder.write("bin/" + name, "#!/bin/sh\nprintf '%s\\n' \"$@\" >>" +
+                                                          (folder.path() / name).string() + ".said\n" + lines + "\n");
+    fs::permissions(file, fs::perms::owner_all);
+  }
+  std::string said_to(const std::string& name) { return read_bytes(folder.path() / (name + ".said")); }
+
+  /// A Slurm that takes everything and does nothing.
+  void idle_slurm() {
+    command("squeue", "");
+    command("scontrol", "echo 'MaxArraySize            = 1001'");
+    command("sbatch", "echo '12;cluster'");
+    command("scancel", "");
+  }
+  Ending with_commands(const Words& words) {
+    Surroundings around;
+    around.variables = {{"PATH", (folder.path() / "bin").string() + ":/usr/bin:/bin"}};
+    return raywatt(words, around);
+  }
+  Ending run(const Words& more = {}) {
+    Words words = sweep_run(folder, write_sweep(folder, kFour), {"--launcher", "slurm"});
+    words.insert(words.end(), more.begin(), more.end());
+    return with_commands(words);
+  }
+};
+
+TEST_F(SlurmWords, AJobArrayIsHandedInAndTheCommandReturns) {
+  idle_slurm();
+  const Ending ending = run({"--chunk", "1", "-j", "3", "--slurm-args", "--time=1:00:00 --partition=fat"});
+  EXPECT_EQ(ending.exit, 0) << ending.err;
+  EXPECT_SAYS(ending.out, "4 points: 4 handed in, 0 in the queue already, 0 with a result");
+  EXPECT_SAYS(ending.out, "4 of job 12\n");
+  const std::string said = said_to("sbatch");
+  for (const char* word : {"--parsable\n", "--array=0-3%3\n", "--requeue\n", "--time=1:00:00\n--partition=fat\n"}) {
+    EXPECT_SAYS(said, word);
+  }
+  EXPECT_TRUE(said.ends_with("/out/submit-1.sh\n")) << said;
+  const std::string list = read_bytes(out / "submit-1.txt");
+  EXPECT_EQ(std::ranges::count(list, '\n'), 4);
+  EXPECT_SAYS(read_bytes(out / "submit-1.sh"), "sweep point");
+}
+
+TEST_F(SlurmWords, WhatIsInTheQueueIsNotHandedInAgain) {
+  idle_slurm();
+  ASSERT_EQ(run({"--chunk", "1"}).exit, 0);
+  command("squeue", "echo '12|1|PENDING|Priority||" + (fs::canonical(out) / "submit-1.sh").string() +
+                        "'; echo '9|0|RUNNING|None|n1|/else/submit-1.sh'; echo '10|N/A|RUNNING|None|n1|/else/job'");
+  EXPECT_SAYS(run({"--chunk", "3"}).out, "4 points: 3 handed in, 1 in the queue already");
+  EXPECT_EQ(std::ranges::count(read_bytes(out / "submit-2.txt"), '\n'), 1);
+  const Ending status = with_commands({"sweep", "status", out});
+  EXPECT_SAYS(status.out, "in Slurm's queue: 0 tasks running, 1 waiting (Priority), of jobs 12\n");
+  EXPECT_EQ(nlohmann::json::parse(with_commands({"sweep", "status", out, "--json"}).out)["slurm"]["waiting"], 1);
+}
+
+TEST_F(SlurmWords, ArraysAreNoLargerThanSlurmAllows) {
+  idle_slurm();
+  command("scontrol", "echo 'MaxArraySize = 3'");
+  EXPECT_EQ(run({"--chunk", "1"}).exit, 0);
+  const std::string said = said_to("sbatch");
+  EXPECT_SAYS(said, "--array=0-2\n");
+  EXPECT_SAYS(said, "--array=0-0\n");
+}
+
+TEST_F(SlurmWords, ARefusalIsToldInSlurmsWordsAndLeavesNothing) {
+  idle_slurm();
+  command("sbatch", "echo 'sbatch: error: invalid partition specified: fat' >&2; exit 1");
+  expect_refusal(run(), {"sbatch: error: invalid partition specified: fat"});
+  EXPECT_FALSE(fs::exists(out / "submit-1.sh"));
+  EXPECT_FALSE(fs::exists(out / "submit-1.txt"));
+}
+
+TEST_F(SlurmWords, AQueueThatDoesNotAnswerIsNoEmptyQueue) {
+  idle_slurm();
+  command("squeue", "echo 'slurm_load_jobs error: Unable to contact slurm controller' >&2; exit 1");
+  const Ending ending = run();
+  EXPECT_EQ(ending.exit, 74);
+  EXPECT_SAYS(ending.err, "Unable to contact slurm controller");
+  EXPECT_FALSE(fs::exists(folder.path() / "sbatch.said"));
+}
+
+TEST_F(SlurmWords, WithoutSlurmTheHostIsTheWrongOne) {
+  Surroundings around;
+  around.variables = {{"PATH", folder.path().string()}};
+  const Ending ending = raywatt(sweep_run(folder, write_sweep(folder, kFour), {"--launcher", "slurm"}), around);
+  expect_refusal(ending, {"squeue cannot be started", "local"});
+}
+
+TEST_F(SlurmWords, TasksThatNeverBeginAreToldOf) {
+  idle_slurm();
+  const Ending ending = run({"--wait"});
+  EXPECT_EQ(ending.exit, 1);
+  EXPECT_SAYS(ending.out, "4 points have no result");
+  EXPECT_SAYS(read_bytes(out / "results.csv"), ",missing,");
+}
+
+TEST_F(SlurmWords, WhatIsNotForOthersToChooseIsRefused) {
+  idle_slurm();
+  expect_refusal(run({"--slurm-args", "--array=1-5"}), {"--array=1-5", "--chunk"});
+  expect_refusal(run({"--slurm-args", "--partition fat"}), {"'fat'", "in one word"});
+  expect_refusal(raywatt(sweep_run(folder, write_sweep(folder, kFour), {"--wait"})), {"--launcher slurm"});
+}
+
+}  // namespace
+}  // namespace test

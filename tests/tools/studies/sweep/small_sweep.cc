@@ -1,0 +1,68 @@
+#include "tests/tools/studies/sweep/small_sweep.h"
+
+#include "sim/error.h"
+
+namespace test {
+
+namespace fs = std::filesystem;
+
+fs::path write_sweep(const TempFolder& folder, const std::string& lines, const std::string& name) {
+  return folder.write(name, "schema: raywatt-sweep/1\nresolution: 16x16\n" + lines);
+}
+
+std::vector<tools::sweep::Point> points_of(const std::string& lines) {
+  const TempFolder folder;
+  return tools::sweep::plan(tools::sweep::read_spec(write_sweep(folder, lines)), folder.path());
+}
+
+std::string complaint_of(const std::string& lines) {
+  const TempFolder folder;
+  const fs::path file = write_sweep(folder, lines);
+  try {
+    tools::sweep::plan(tools::sweep::read_spec(file), folder.path());
+  } catch (const sim::InputError& error) {
+    std::string text = error.what();
+    const std::size_t name = text.find(file.string());
+    return name == 0 ? text.substr(file.string().size() - file.filename().string().size()) : text;
+  }
+  return {};
+}
+
+Words sweep_run(const TempFolder& folder, const fs::path& file, const Words& more) {
+  Words words = {"sweep",
+                 "run",
+                 file.string(),
+                 "-o",
+                 (folder.path() / "out").string(),
+                 "--store",
+                 (folder.path() / "store").string()};
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+Words labels_of(const std::vector<tools::sweep::Point>& points) {
+  Words labels;
+  for (const tools::sweep::Point& point : points) {
+    std::string label;
+    for (const auto& [name, value] : point.axes) label += (label.empty() ? "" : " ") + name + "=" + value;
+    labels.push_back(std::move(label));
+  }
+  return labels;
+}
+
+std::size_t points_in(const fs::path& store) {
+  std::size_t count = 0;
+  std::error_code missing;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(store / "points", missing)) {
+    count += entry.path().filename() == "point.json" ? 1 : 0;
+  }
+  return count;
+}
+
+nlohmann::json comparable(nlohmann::json report) {
+  report.erase("host");
+  report["provenance"].erase("argv");
+  return report;
+}
+
+}  // namespace test

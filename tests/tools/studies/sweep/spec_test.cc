@@ -1,0 +1,199 @@
+#include "tools/studies/sweep/spec.h"
+
+#include <chrono>
+
+#include <gtest/gtest.h>
+
+#include "tests/tools/studies/sweep/small_sweep.h"
+
+// What a sweep's file may say, and which points it means.
+
+namespace test {
+namespace {
+
+Words values_of(const std::string& axis) {
+  Words values;
+  for (const auto& point : points_of("axes:\n  " + axis + "\n")) values.push_back(point.axes.at(0).second);
+  return values;
+}
+
+TEST(SweepSpec, WithoutAxesIsOnePoint) {
+  const auto points = points_of("sets: [cores=2]\nprogram: full:4\n");
+  ASSERT_EQ(points.size(), 1U);
+  EXPECT_EQ(points[0].program, "full:4");
+  EXPECT_EQ(points[0].resolution, "16x16");
+  EXPECT_EQ(points[0].sets, Words{"cores=2"});
+}
+
+TEST(SweepSpec, TheLastAxisVariesFastest) {
+  EXPECT_EQ(labels_of(points_of("axes: {cores: [1, 2], tni.trvs: [2, 4]}\n")),
+            (Words{"cores=1 tni.trvs=2", "cores=1 tni.trvs=4", "cores=2 tni.trvs=2", "cores=2 tni.trvs=4"}));
+}
+
+TEST(SweepSpec, WorkloadsAndProgramsAreTheOuterAxes) {
+  const auto points = points_of(
+      "axes: {cores: [1, 2]}\nprograms: [full:1, full:4]\n"
+      "workloads:\n  - cornell\n  - {scene: teapot, resolution: 32x16, name: pot}\n");
+  ASSERT_EQ(points.size(), 8U);
+  EXPECT_EQ(labels_of(points)[0], "workload=cornell program=full:1 cores=1");
+  EXPECT_EQ(labels_of(points)[7], "workload=pot program=full:4 cores=2");
+  EXPECT_EQ(points[7].scene, "teapot");
+  EXPECT_EQ(points[7].resolution, "32x16");
+  EXPECT_EQ(points[0].resolution, "16x16") << "the sweep's, where the workload has none";
+}
+
+TEST(SweepSpec, RangesByStepFactorAndCount) {
+  EXPECT_EQ(values_of("cores: {from: 1, to: 4, step: 1}"), (Words{"1", "2", "3", "4"}));
+  EXPECT_EQ(values_of("tni.trv.l1.size: {from: 8 KiB, to: 64 KiB, factor: 2}"),
+            (Words{"8 KiB", "16 KiB", "32 KiB", "64 KiB"}));
+  EXPECT_EQ(values_of("clocks.tni: {from: 300 MHz, to: 700 MHz, count: 3}"), (Words{"300 MHz", "500 MHz", "700 MHz"}));
+}
+
+TEST(SweepSpec, RangesOnALogScaleAreRoundedForWholeNumbers) {
+  EXPECT_EQ(values_of("tni.trv.rays: {from: 4, to: 64, count: 5, scale: log}"), (Words{"4", "8", "16", "32", "64"}));
+  EXPECT_EQ(values_of("tni.trv.rays: {from: 10, to: 20, count: 3, scale: log}"), (Words{"10", "14", "20"}));
+}
+
+TEST(SweepSpec, KeysOfOneAxisMoveTogether) {
+  const auto same = points_of("axes:\n  l1: {keys: [tni.trv.l1.size, tni.ist.l1.size], values: [8 KiB, 16 KiB]}\n");
+  ASSERT_EQ(same.size(), 2U);
+  EXPECT_EQ(same[1].sets, (Words{"tni.trv.l1.size=16 KiB", "tni.ist.l1.size=16 KiB"}));
+  const auto rows = points_of("axes:\n  size: {keys: [cores, tni.trvs], values: {small: [1, 2], large: [4, 4]}}\n");
+  EXPECT_EQ(labels_of(rows), (Words{"size=small", "size=large"}));
+  EXPECT_EQ(rows[0].sets, (Words{"cores=1", "tni.trvs=2"}));
+  EXPECT_EQ(labels_of(points_of("axes:\n  size: {keys: [cores, tni.trvs], values: [[1, 2], [4, 4]]}\n")),
+            (Words{"size=1 / 2", "size=4 / 4"}));
+}
+
+TEST(SweepSpec, ConditionsCompareAsQuantitiesAndAcrossAxes) {
+  const std::string axes = "axes: {cores: [1, 2, 4], tni.trvs: [2, 4]}\n";
+  EXPECT_EQ(
+      labels_of(points_of(axes + "exclude:\n  - {cores: [1, 2], tni.trvs: 2}\n  - {cores: 4, tni.trvs: '> 2'}\n")),
+      (Words{"cores=1 tni.trvs=4", "cores=2 tni.trvs=4", "cores=4 tni.trvs=2"}));
+  EXPECT_EQ(labels_of(points_of(axes + "where:\n  - {cores: '>= tni.trvs'}\n")),
+            (Words{"cores=2 tni.trvs=2", "cores=4 tni.trvs=2", "cores=4 tni.trvs=4"}));
+  EXPECT_EQ(
+      points_of("axes: {tni.trv.l1.size: [8 KiB, 16 KiB, 32 KiB]}\nwhere: [{tni.trv.l1.size: <= 16384 B}]\n").size(),
+      2U);
+}
+
+TEST(SweepSpec, EqualPointsHaveEqualIdsHoweverTheyAreSaid) {
+  const auto a = points_of("axes: {tni.trv.l1.size: [16 KiB]}\n"),
+             b = points_of("axes: {tni.trv.l1.size: [16384 B]}\n"),
+             c = points_of("axes: {tni.trv.l1.size: [32 KiB]}\n"), plain = points_of("");
+  EXPECT_EQ(a[0].id, b[0].id);
+  EXPECT_EQ(a[0].id, plain[0].id) << "the default said aloud";
+  EXPECT_NE(a[0].id, c[0].id);
+  EXPECT_EQ(a[0].stream, c[0].stream) << "the same work on another machine";
+  EXPECT_NE(a[0].stream, points_of("scene: teapot\n")[0].stream);
+  EXPECT_NE(a[0].id, points_of("image: yes\n")[0].id);
+  EXPECT_NE(a[0].id, points_of("reference: full:4\n")[0].id);
+  EXPECT_NE(a[0].id, points_of("program: full:4\n")[0].id);
+}
+
+TEST(SweepSpec, APointOfASceneFileDependsOnItsBytes) {
+  const TempFolder folder;
+  const auto id_of = [&](TinyGltf scene) {
+    folder.write("scene.glb", scene.glb());
+    const auto file = write_sweep(folder, "scene: ./scene.glb\n");
+    return tools::sweep::plan(tools::sweep::read_spec(file), folder.path())[0].id;
+  };
+  TinyGltf other;
+  other.node()["translation"] = {0, 0, 1};
+  const std::string first = id_of({});
+  EXPECT_NE(first, id_of(other));
+  EXPECT_EQ(first, id_of({}));
+}
+
+TEST(SweepSpec, ValuesThatDoNotGoTogetherMakeAPointWithAnError) {
+  const auto points = points_of("axes: {tni.trv.l1.size: [64 B, 16 KiB]}\nsets: [tni.trv.l1.ways=4]\n");
+  ASSERT_EQ(points.size(), 2U);
+  EXPECT_NE(points[0].error, "");
+  EXPECT_EQ(points[1].error, "");
+  EXPECT_EQ(points[0].id.size(), 64U);
+}
+
+TEST(SweepSpec, ALineGivesItsPointBack) {
+  for (const auto& point : points_of("axes: {cores: [1, 2]}\nimage: yes\nreference: full:4\nscene: teapot\n")) {
+    const std::string line = tools::sweep::to_line(point);
+    EXPECT_EQ(tools::sweep::to_line(tools::sweep::read_line(line, "here")), line);
+  }
+}
+
+TEST(SweepSpec, ComplaintsNameThePlaceTheKeyAndWhatIsAllowed) {
+  // Behind two lines that write_sweep() begins with.
+  const std::vector<std::pair<std::string, Words>> wrong = {
+      {"axis: {cores: [1]}\n", {"sweep.yaml:3:1: axis: unknown key 'axis', did you mean 'axes'?"}},
+      {"axes:\n  core: [1, 2]\n", {"sweep.yaml:4:9: axes.core: core: unknown key", "did you mean 'cores'?"}},
+      {"axes:\n  cores: [1, many]\n", {"sweep.yaml:4:10: axes.cores: cores: 'many'"}},
+      {"axes:\n  cores: [1, 4096]\n",
+       {"sweep.yaml:4:10: axes.cores: cores: '4096' is out of range; allowed: 1 to 64 cores"}},
+      {"axes:\n  cores: []\n", {"sweep.yaml:4:10: axes.cores: is empty"}},
+      {"axes:\n  cores: [1, 1]\n", {"axes.cores: has '1' twice"}},
+      {"axes:\n  cores: 3\n", {"sweep.yaml:4:10: axes.cores: allowed: a mapping"}},
+      {"axes:\n  cores: {from: 1}\n", {"axes.cores: allowed: both from and to"}},
+      {"axes:\n  cores: {from: 1, to: 4}\n", {"axes.cores: allowed: one of step, factor and count"}},
+      {"axes:\n  cores: {from: 4, to: 1, step: 1}\n", {"the step does not lead"}},
+      {"axes:\n  cores: {from: 1, to: 1e30, step: 1}\n", {"has more than 10000 values"}},
+      {"axes:\n  clocks.tni: {from: 1 MHz, to: 1 GHz, step: 1 MHz}\n", {"from, to and step in one unit"}},
+      {"axes:\n  a: {keys: [cores, tni.trvs], values: [[1, 2, 3]]}\n", {"axes.a", "has 3 values for 2 keys"}},
+      {"axes:\n  a: {keys: [cores], values: [1]}\n  cores: [2]\n", {"cores: moves 'cores', which 'a' moves already"}},
+      {"axes: {program: [full:3]}\n", {"axes.program: ", "full:3"}},
+      {"axes: {resolution: [64]}\n", {"axes.resolution: ", "WIDTHxHEIGHT"}},
+      {"axes: {cores: [1]}\nexclude: [{core: 1}]\n", {"sweep.yaml:4:18: exclude.core: 'core' is no axis", "'cores'"}},
+      {"axes: {cores: [1]}\nwhere: [{cores: '< few'}]\n", {"'1' and 'few' cannot be put in order"}},
+      {"axes: {cores: [1]}\nwhere: [{cores: '> 1'}]\n", {"no points: the conditions leave none"}},
+      {"subset: {random: 0}\n", {"sweep.yaml:3:18: subset.random: '0' is not allowed"}},
+      {"subset: some\n", {"subset: allowed: grid, or {random: N}"}},
+      {"subset: {random: 3, sobol: 4}\n", {"allowed: one of random, latin_hypercube, sobol"}},
+      {"image: maybe\n", {"sweep.yaml:3:8: image: 'maybe' is not allowed; allowed: yes, no"}},
+      {"scene: teapott\n", {"sweep.yaml:3:8: scene: no scene", "'teapott'", "did you mean 'teapot'?"}},
+      {"scene: ./none.glb\n", {"sweep.yaml:3:8: scene: ", "none.glb: no such file"}},
+      {"axes: {scene: [teapot, teapott]}\n", {"sweep.yaml:3:15: axes.scene: no scene", "did you mean 'teapot'?"}},
+      {"program: full:3\n", {"sweep.yaml:3:10: program: program 'full:3'"}},
+      {"reference: ful:4\n", {"sweep.yaml:3:12: reference: ", "'ful:4'"}},
+      {"tile_sampling: 0%\n", {"sweep.yaml:3:16: tile_sampling: ", "0%"}},
+      {"sets: cores=1\n", {"sweep.yaml:3:7: sets: allowed: a list"}},
+      {"sets: [cores=1, trvs=2]\n", {"sweep.yaml:3:7: sets: trvs: unknown key 'trvs'"}},
+      {"config: sgrt-2061\n",
+       {"sweep.yaml:3:9: config: no configuration is called 'sgrt-2061', did you mean 'sgrt-2016'?"}},
+      {"tile_sampling: 5%\nreference: full:4\n", {"do not go together"}},
+  };
+  for (const auto& [lines, parts] : wrong) {
+    const std::string complaint = complaint_of(lines);
+    for (const std::string& part : parts) EXPECT_NE(complaint.find(part), std::string::npos) << lines << complaint;
+    EXPECT_EQ(complaint.find('\n'), std::string::npos) << complaint;
+  }
+}
+
+TEST(SweepSpec, OfASmallFileThatMeansAHugeOneIsRefusedAtOnce) {
+  std::string items = "&a [1", many = "[*a";
+  for (int i = 0; i < 9'000; ++i) {
+    items += ", 1";
+    many += ", *a";
+  }
+  for (const std::string& lines :
+       {"sets: " + items + "]\naxes: {cores: " + many + "]}\n",
+        "sets: " + items + "]\naxes: {a: {keys: [cores, tni.trvs], values: " + many + "]}}\n",
+        "sets: " + items + "]\naxes: {a: {keys: *a, values: " + many + "]}}\n",
+        "sets: " + items + "]\naxes: {cores: [1]}\nwhere: &w [{cores: *a}" +
+            [] {
+              std::string more;
+              for (int i = 0; i < 9'000; ++i) more += ", {cores: *a}";
+              return more;
+            }() +
+            "]\n"}) {
+    const auto begin = std::chrono::steady_clock::now();
+    EXPECT_NE(complaint_of(lines), "");
+    EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(5));
+  }
+}
+
+TEST(SweepSpec, OfAnotherSchemaOrNoneIsRefused) {
+  const TempFolder folder;
+  EXPECT_THROW(tools::sweep::read_spec(folder.write("a.yaml", "axes: {cores: [1]}\n")), std::exception);
+  EXPECT_THROW(tools::sweep::read_spec(folder.write("b.yaml", "schema: raywatt-sweep/9\n")), std::exception);
+}
+
+}  // namespace
+}  // namespace test

@@ -1,0 +1,128 @@
+#include "tools/studies/sweep/store.h"
+
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+#include "sim/sha256.h"
+#include "tests/tools/studies/sweep/small_sweep.h"
+#include "tools/studies/sweep/durable.h"
+
+// Results by what they were made of: whole, or not there.
+
+namespace test {
+namespace {
+
+namespace fs = std::filesystem;
+using tools::sweep::Store;
+using State = Store::State;
+
+struct SweepStore : testing::Test {
+  TempFolder folder;
+  Store store{folder.path() / "store"};
+  nlohmann::ordered_json made_of = {{"schema", "raywatt-point/1"}, {"config_hash", "c"}};
+  std::string id = sim::sha256_hex(made_of.dump());
+
+  void put() {
+    store.put(id, made_of, [](const fs::path& to) {
+      tools::sweep::write_durably(to / "report.json", "{\"totals\": {\"cycles\": 1}}\n");
+      tools::sweep::write_durably(to / "config.yaml", "cores: 1\n");
+    });
+  }
+};
+
+TEST_F(SweepStore, HasAPointOnceItIsPut) {
+  EXPECT_EQ(store.state(id), State::kMissing);
+  EXPECT_FALSE(store.report(id));
+  put();
+  EXPECT_EQ(store.state(id), State::kGood);
+  EXPECT_EQ(store.report(id), "{\"totals\": {\"cycles\": 1}}\n");
+  EXPECT_EQ(names_in(store.folder(id)), (Words{"config.yaml", "point.json", "report.json"}));
+  EXPECT_TRUE(names_in(store.root() / "tmp").empty());
+  put();  // the second of two equal results is dropped
+  EXPECT_EQ(store.state(id), State::kGood);
+  EXPECT_TRUE(names_in(store.root() / "tmp").empty());
+}
+
+TEST_F(SweepStore, NeverServesWhatIsDamaged) {
+  const std::vector<std::function<void(const fs::path&)>> damages = {
+      [](const fs::path& p) { fs::resize_file(p / "report.json", 5); },
+      [](const fs::path& p) { std::ofstream(p / "report.json") << "{\"totals\": {\"cycles\": 2}}\n"; },
+      [](const fs::path& p) { fs::remove(p / "report.json"); },
+      [](const fs::path& p) { fs::resize_file(p / "config.yaml", 0); },
+      [](const fs::path& p) { fs::resize_file(p / "point.json", 40); },
+      [](const fs::path& p) { fs::remove(p / "point.json"); },
+      [](const fs::path& p) { std::ofstream(p / "point.json") << "{}"; },
+      [](const fs::path& p) { std::ofstream(p / "point.json") << "[[[["; },
+  };
+  for (std::size_t d = 0; d < damages.size(); ++d) {
+    put();
+    damages[d](store.folder(id));
+    EXPECT_EQ(store.state(id), State::kDamaged) << d;
+    EXPECT_TRUE(d == 3 || !store.report(id)) << d;
+    EXPECT_TRUE(store.lock(id)) << d;
+    EXPECT_EQ(store.state(id), State::kMissing) << d << ": put aside by who computes it anew";
+  }
+  EXPECT_EQ(names_in(store.root() / "damaged").size(), damages.size());
+}
+
+TEST_F(SweepStore, HasAPointOfAnotherIdForDamaged) {
+  put();
+  const std::string other = sim::sha256_hex("other");
+  fs::create_directories(store.folder(other).parent_path());
+  fs::copy(store.folder(id), store.folder(other));
+  EXPECT_EQ(store.state(other), State::kDamaged);
+}
+
+TEST_F(SweepStore, LocksAPointForOneAtATime) {
+  {
+    const auto lock = store.lock(id);
+    ASSERT_TRUE(lock);
+    EXPECT_FALSE(store.lock(id));
+    EXPECT_TRUE(store.is_locked(id));
+    EXPECT_TRUE(store.lock(sim::sha256_hex("other")));
+  }
+  EXPECT_FALSE(store.is_locked(id));
+  EXPECT_TRUE(store.lock(id));
+  EXPECT_TRUE(names_in(store.root() / "locks").empty()) << "nothing stays";
+}
+
+TEST_F(SweepStore, WhatAKilledProcessHasLeftIsRemovedAndWhatALivingOneHasIsNot) {
+  const std::string living = sim::sha256_hex("living");
+  const auto lock = store.lock(living);
+  for (const std::string& name : {id, living}) {
+    tools::sweep::make_folders(store.root() / "tmp" / (name + ".host.1"));
+    std::ofstream(store.root() / "tmp" / (name + ".host.1") / "report.json") << "{";
+  }
+  std::ofstream(store.root() / "locks" / id) << "";
+  for (const std::string& name : {id, living}) {
+    tools::sweep::make_folders(store.root() / "failed" / name.substr(0, 2));
+    std::ofstream(store.root() / "failed" / name.substr(0, 2) / (name + ".123-0.tmp.json")) << "{";
+  }
+  store.clean();
+  EXPECT_EQ(names_in(store.root() / "failed" / id.substr(0, 2)), Words{});
+  EXPECT_EQ(names_in(store.root() / "failed" / living.substr(0, 2)), Words{living + ".123-0.tmp.json"});
+  EXPECT_EQ(names_in(store.root() / "tmp"), Words{living + ".host.1"});
+  EXPECT_EQ(names_in(store.root() / "locks"), Words{living});
+}
+
+TEST_F(SweepStore, AFailedWriteLeavesNothing) {
+  EXPECT_THROW(store.put(id, made_of, [](const fs::path&) { throw std::runtime_error("no"); }), std::runtime_error);
+  EXPECT_EQ(store.state(id), State::kMissing);
+  EXPECT_TRUE(names_in(store.root() / "tmp").empty());
+}
+
+TEST_F(SweepStore, RemembersFailures) {
+  store.put_failure({id, 3, "stuck", "core0: waits\n", "here", 2});
+  const auto failure = store.failure(id);
+  ASSERT_TRUE(failure);
+  EXPECT_EQ(failure->exit, 3);
+  EXPECT_EQ(failure->error, "stuck");
+  EXPECT_EQ(failure->log, "core0: waits\n");
+  EXPECT_EQ(failure->attempt, 2);
+  store.forget_failure(id);
+  EXPECT_FALSE(store.failure(id));
+}
+
+}  // namespace
+}  // namespace test

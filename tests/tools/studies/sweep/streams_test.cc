@@ -1,0 +1,74 @@
+#include <gtest/gtest.h>
+
+#include "tests/tools/studies/sweep/small_sweep.h"
+#include "tools/studies/sweep/compute.h"
+#include "tools/studies/sweep/local_launcher.h"
+
+// Points that differ in the machine alone share their recorded work.
+
+namespace test {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace tools::sweep;
+
+struct SweepStreams : testing::Test {
+  TempFolder folder;
+  Store store{folder.path() / "store"}, other{folder.path() / "other"};
+
+  std::string report_in(const Store& where, const Point& point) {
+    return comparable(nlohmann::json::parse(where.report(point.id).value())).dump();
+  }
+};
+
+TEST_F(SweepStreams, APlayedPointIsTheComputedOne) {
+  const std::vector<Point> points =
+      points_of("axes: {cores: [1, 2], tni.trv.stack_entries: [4, 8]}\nframes: 0:1\nreference: full:4\n");
+  ASSERT_EQ(points.size(), 4U);
+  PointComputer sharing(store, 1), alone(other, 1);
+  EXPECT_EQ(sharing.compute(points[0], {.record = true}), Fate::kComputed);
+  EXPECT_TRUE(fs::exists(store.stream(points[0].stream)));
+  for (const Point& point : points) {
+    EXPECT_EQ(point.stream, points[0].stream);
+    sharing.compute(point, {});
+    alone.compute(point, {});
+    EXPECT_EQ(report_in(store, point), report_in(other, point));
+  }
+  EXPECT_LT(nlohmann::json::parse(*store.report(points[1].id))["host"]["load_s"], 1e-2) << "without its scene";
+}
+
+TEST_F(SweepStreams, ADamagedStreamIsThrownAway) {
+  const std::vector<Point> points = points_of("axes: {cores: [1, 2]}\n");
+  PointComputer computer(store, 1), alone(other, 1);
+  computer.compute(points[0], {.record = true});
+  fs::resize_file(store.stream(points[0].stream), 1000);
+  EXPECT_EQ(computer.compute(points[1], {}), Fate::kComputed);
+  EXPECT_FALSE(fs::exists(store.stream(points[0].stream)));
+  alone.compute(points[1], {});
+  EXPECT_EQ(report_in(store, points[1]), report_in(other, points[1]));
+}
+
+TEST_F(SweepStreams, OfABatchAreRecordedOnceAndRemovedAfterwards) {
+  const std::vector<Point> points = points_of("axes: {program: [full:1, full:4], cores: [1, 2]}\nimage: no\n");
+  LocalLauncher launcher(store, {.jobs = 1, .threads = 1});
+  bool was_there = false;
+  const BatchEnd end =
+      launcher.run(points, [&](std::size_t p, Fate) { was_there |= fs::exists(store.stream(points[p].stream)); });
+  EXPECT_EQ(end.count(Fate::kComputed), 4U);
+  EXPECT_TRUE(was_there);
+  EXPECT_TRUE(names_in(store.root() / "streams").empty());
+}
+
+TEST_F(SweepStreams, ALauncherTakesBatchAfterBatch) {
+  const std::vector<Point> points = points_of("axes: {cores: [1, 2], tni.trvs: [1, 2]}\n");
+  LocalLauncher launcher(store, {.jobs = 2, .threads = 1});
+  EXPECT_EQ(launcher.run(std::span(points).first(2)).count(Fate::kComputed), 2U);
+  const BatchEnd second = launcher.run(points);
+  EXPECT_EQ(second.fates, (std::vector{Fate::kFound, Fate::kFound, Fate::kComputed, Fate::kComputed}));
+  EXPECT_EQ(second.workers, 2U);
+  EXPECT_GT(second.busy, 0);
+  EXPECT_LE(second.busy, 1);
+}
+
+}  // namespace
+}  // namespace test

@@ -1,0 +1,212 @@
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <fstream>
+#include <sstream>
+#include <thread>
+
+#include <gtest/gtest.h>
+#include <sys/mount.h>
+
+#include "sim/hash.h"
+#include "tests/tools/studies/sweep/small_sweep.h"
+
+// What a sweep survives.
+
+namespace test {
+namespace {
+
+namespace fs = std::filesystem;
+using std::chrono::milliseconds;
+
+constexpr const char* kTwelve = "axes: {cores: [1, 2], tni.trvs: [1, 2, 4], tni.trv.rays: [8, 16]}\n";
+constexpr std::size_t kTwelvePoints = 12;
+
+/// The processes that this one has started.
+std::vector<pid_t> children_of(pid_t process) {
+  std::ifstream file("/proc/" + std::to_string(process) + "/task/" + std::to_string(process) + "/children");
+  std::vector<pid_t> children;
+  for (pid_t child = 0; file >> child;) children.push_back(child);
+  return children;
+}
+
+/// A number in what the program said, behind `before`: "computed" of "12 computed".
+int number_before(const std::string& text, const std::string& word) {
+  const std::size_t end = text.find(" " + word);
+  if (end == std::string::npos) return -1;
+  const std::size_t begin = text.find_last_not_of("0123456789", end - 1) + 1;
+  return std::stoi(text.substr(begin, end - begin));
+}
+
+struct SweepFaults : testing::Test {
+  TempFolder folder;
+  fs::path out = folder.path() / "out", store = folder.path() / "store";
+
+  /// results.csv of the same sweep, in a store of its own, with nothing in its way.
+  std::string undisturbed(const std::string& lines) {
+    const TempFolder other;
+    EXPECT_EQ(raywatt(sweep_run(other, write_sweep(other, lines))).exit, 0);
+    return read_bytes(other.path() / "out" / "results.csv");
+  }
+  void expect_nothing_left_over() {
+    EXPECT_TRUE(names_in(store / "tmp").empty());
+    EXPECT_TRUE(names_in(store / "locks").empty());
+    EXPECT_TRUE(!fs::exists(store / "streams") || names_in(store / "streams").empty());
+    EXPECT_FALSE(fs::exists(store / "damaged"));
+  }
+};
+
+TEST_F(SweepFaults, KilledAgainAndAgainItEndsWithTheSameTable) {
+  const fs::path file = write_sweep(folder, kTwelve);
+  std::size_t before = 0;
+  int kills = 0;
+  for (std::uint64_t round = 0; kills < 5 && before < kTwelvePoints; ++round) {
+    Program program(sweep_run(folder, file, {"-j", "2"}));
+    std::this_thread::sleep_for(milliseconds(40 + sim::hash(round) % 60));
+    const std::vector<pid_t> workers = children_of(program.process());
+    program.send(SIGKILL);
+    for (const pid_t worker : workers) ::kill(worker, SIGKILL);
+    kills += program.wait().exit == 128 + SIGKILL;
+    EXPECT_GE(points_in(store), before) << "nothing is lost";
+    before = points_in(store);
+  }
+  EXPECT_GE(kills, 2) << "the sweep is too small to be killed";
+  const Ending last = raywatt(sweep_run(folder, file, {"-j", "2"}));
+  EXPECT_EQ(last.exit, 0) << last.err << last.out;
+  EXPECT_GE(number_before(last.out, "found"), static_cast<int>(before));
+  EXPECT_EQ(points_in(store), kTwelvePoints);
+  EXPECT_EQ(read_bytes(out / "results.csv"), undisturbed(kTwelve));
+  expect_nothing_left_over();
+}
+
+TEST_F(SweepFaults, TwoSweepsOnOneStoreComputeEachPointOnce) {
+  const fs::path file = write_sweep(folder, kTwelve);
+  Words second = sweep_run(folder, file, {"-j", "2"});
+  second[4] = (folder.path() / "second").string();
+  Program a(sweep_run(folder, file, {"-j", "2"})), b(second);
+  const Ending end_a = a.wait(), end_b = b.wait();
+  EXPECT_EQ(end_a.exit, 0) << end_a.err;
+  EXPECT_EQ(end_b.exit, 0) << end_b.err;
+  EXPECT_EQ(number_before(end_a.out, "computed") + number_before(end_b.out, "computed"),
+            static_cast<int>(kTwelvePoints));
+  EXPECT_EQ(read_bytes(out / "results.csv"), read_bytes(folder.path() / "second" / "results.csv"));
+  EXPECT_EQ(read_bytes(out / "results.csv"), undisturbed(kTwelve));
+  expect_nothing_left_over();
+}
+
+TEST_F(SweepFaults, TwoRunsOfOneFolderAreRefused) {
+  const fs::path file = write_sweep(folder, "program: full:256\naxes: {resolution: [256x256]}\n");
+  Program first(sweep_run(folder, file));
+  while (!fs::exists(out / "lock")) std::this_thread::sleep_for(milliseconds(2));
+  while (!fs::exists(out / "points.jsonl")) std::this_thread::sleep_for(milliseconds(2));
+  const std::string points = read_bytes(out / "points.jsonl");
+  const Ending second = raywatt(sweep_run(folder, write_sweep(folder, kTwelve)));
+  expect_refusal(second, {"somebody is running this sweep"});
+  EXPECT_EQ(read_bytes(out / "points.jsonl"), points);
+}
+
+TEST_F(SweepFaults, InterruptedItKeepsWhatIsFinished) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const fs::path file = write_sweep(folder, "axes:\n  resolution: [16x16, 16x32, 512x512]\n  program: [full:64]\n");
+    Program program(sweep_run(folder, file, {"-j", "1", "--progress", "json"}));
+    EXPECT_TRUE(program.wait_until([](const std::string& err) { return err.find("\"tile\":2") != std::string::npos; }));
+    program.send(signal);
+    const Ending ending = program.wait();
+    EXPECT_EQ(ending.exit, 128 + signal) << ending.err;
+    EXPECT_SAYS(ending.err, "raywatt: interrupted; kept 2 of 3 points in " + out.string());
+    EXPECT_SAYS(read_bytes(out / "results.csv"), ",missing,512x512,");
+    EXPECT_EQ(points_in(store), 2U);
+    expect_nothing_left_over();
+  }
+}
+
+TEST_F(SweepFaults, CancelStopsWhoRunsIt) {
+  const fs::path file = write_sweep(folder, "axes:\n  resolution: [16x16, 512x512]\n  program: [full:64]\n");
+  Program program(sweep_run(folder, file, {"-j", "1", "--progress", "json"}));
+  EXPECT_TRUE(program.wait_until([](const std::string& err) { return err.find("\"tile\":1") != std::string::npos; }));
+  EXPECT_SAYS(raywatt({"sweep", "status", out}).out, "run by process " + std::to_string(program.process()));
+  EXPECT_SAYS(raywatt({"sweep", "cancel", out}).out, "cancelled");
+  EXPECT_EQ(program.wait().exit, 128 + SIGTERM);
+  EXPECT_SAYS(raywatt({"sweep", "cancel", out}).out, "nobody is running this sweep");
+  EXPECT_EQ(points_in(store), 1U);
+}
+
+TEST_F(SweepFaults, AWorkerThatCrashesTakesOnlyItsPoint) {
+  const fs::path file = write_sweep(folder, "axes:\n  resolution: [256x256, 16x16, 16x32]\n  program: [full:64]\n");
+  Program program(sweep_run(folder, file, {"-j", "1"}));
+  while (!fs::exists(store / "tmp") || names_in(store / "tmp").empty()) std::this_thread::sleep_for(milliseconds(2));
+  ASSERT_EQ(children_of(program.process()).size(), 1U);
+  ::kill(children_of(program.process())[0], SIGSEGV);
+  const Ending ending = program.wait();
+  EXPECT_EQ(ending.exit, 1) << ending.err;
+  EXPECT_SAYS(ending.out, "3 points: 2 computed, 0 found, 1 failed");
+  EXPECT_SAYS(ending.out, "the worker crashed: Segmentation fault");
+  const Ending status = raywatt({"sweep", "status", "--json", out});
+  EXPECT_EQ(nlohmann::json::parse(status.out)["failures"][0]["exit"], 128 + SIGSEGV);
+}
+
+TEST_F(SweepFaults, AWorkerThatSomebodyKillsIsTriedAgain) {
+  const fs::path file = write_sweep(folder, "axes:\n  resolution: [128x128, 16x16]\n  program: [full:16]\n");
+  Program program(sweep_run(folder, file, {"-j", "1"}));
+  while (!fs::exists(store / "tmp") || names_in(store / "tmp").empty()) std::this_thread::sleep_for(milliseconds(2));
+  ASSERT_EQ(children_of(program.process()).size(), 1U);
+  ::kill(children_of(program.process())[0], SIGKILL);
+  const Ending ending = program.wait();
+  EXPECT_EQ(ending.exit, 0) << ending.err;
+  EXPECT_SAYS(ending.out, "2 points: 2 computed, 0 found, 0 failed");
+  expect_nothing_left_over();
+}
+
+/// A file system of that size, as long as the test.
+class SmallDisk {
+ public:
+  explicit SmallDisk(fs::path path) : path_(std::move(path)) {
+    fs::create_directories(path_);
+    mounted_ = ::mount("none", path_.c_str(), "tmpfs", 0, "size=600k") == 0;
+  }
+  ~SmallDisk() {
+    if (mounted_) ::umount2(path_.c_str(), MNT_DETACH);
+  }
+  SmallDisk(const SmallDisk&) = delete;
+  SmallDisk& operator=(const SmallDisk&) = delete;
+  bool is_mounted() const { return mounted_; }
+  void grow() const { EXPECT_EQ(::mount("none", path_.c_str(), "tmpfs", MS_REMOUNT, "size=64m"), 0); }
+
+ private:
+  const fs::path path_;
+  bool mounted_ = false;
+};
+
+TEST_F(SweepFaults, AFullDiskStopsItAndItGoesOnOnceThereIsRoom) {
+  const SmallDisk disk(store);
+  if (!disk.is_mounted()) GTEST_SKIP() << "needs the right to mount a small file system";
+  const fs::path file = write_sweep(folder, kTwelve);
+  const Ending full = raywatt(sweep_run(folder, file, {"-j", "2"}));
+  EXPECT_EQ(full.exit, 74) << full.err;
+  EXPECT_SAYS(full.err, "No space left on device");
+  EXPECT_EQ(std::ranges::count(full.err, '\n'), 1) << full.err;
+  EXPECT_LT(points_in(store), kTwelvePoints);
+  EXPECT_GT(points_in(store), 0U);
+  EXPECT_EQ(raywatt(sweep_run(folder, file, {"-j", "2"})).exit, 74) << "still full";
+  disk.grow();
+  const Ending more = raywatt(sweep_run(folder, file, {"-j", "2"}));
+  EXPECT_EQ(more.exit, 0) << more.err << more.out;
+  EXPECT_GT(number_before(more.out, "found"), 0);
+  EXPECT_EQ(read_bytes(out / "results.csv"), undisturbed(kTwelve));
+  expect_nothing_left_over();
+}
+
+TEST_F(SweepFaults, HostileFilesInItsFolderAreRefused) {
+  ASSERT_EQ(raywatt(sweep_run(folder, write_sweep(folder, "axes: {cores: [1]}\n"))).exit, 0);
+  const std::string line = read_bytes(out / "points.jsonl");
+  for (const std::string& bad : std::vector<std::string>{"{", "[]\n", line + line, "{\"n\":0,\"id\":\"../../x\"}\n",
+                                                         line.substr(0, line.size() / 2)}) {
+    std::ofstream(out / "points.jsonl") << bad;
+    expect_refusal(raywatt({"sweep", "status", out}), {"points.jsonl:"});
+  }
+  std::ofstream(out / "sweep.json") << "{\"schema\": 3}";
+  expect_refusal(raywatt({"sweep", "status", out}), {"sweep"});
+}
+
+}  // namespace
+}  // namespace test

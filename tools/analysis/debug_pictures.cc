@@ -1,0 +1,106 @@
+#include "tools/analysis/debug_pictures.h"
+
+#include <array>
+#include <cmath>
+#include <span>
+#include <string_view>
+
+#include "tools/analysis/picture.h"
+
+namespace tools {
+
+namespace {
+
+using Colour = std::array<std::uint8_t, 3>;
+using kernels::SampleMark;
+
+constexpr Colour kYellow{255, 221, 0}, kBlue{20, 40, 200}, kGreen{0, 200, 60}, kWhite{255, 255, 255};
+constexpr int kDarkened = 4;  // a picture's brightness is divided by this under what is marked
+
+struct Canvas {
+  const FrontEnd::Result& frame;
+  std::uint32_t width, height;  ///< samples
+  std::uint32_t grid;           ///< samples along a pixel
+
+  /// `colour(mark, x, y)` of each sample.
+  template <class F>
+  DebugPicture paint(std::string name, F&& colour) const {
+    DebugPicture picture{std::move(name), width, height, {}};
+    picture.rgb.reserve(std::size_t{3} * width * height);
+    for (std::uint32_t y = 0; y < height; ++y) {
+      for (std::uint32_t x = 0; x < width; ++x) {
+        const Colour c = colour(frame.marks[std::size_t{y} * width + x], x, y);
+        picture.rgb.insert(picture.rgb.end(), c.begin(), c.end());
+      }
+    }
+    return picture;
+  }
+
+  /// Where `bit` is set, over the darkened picture.
+  DebugPicture marked(std::string name, SampleMark bit) const {
+    const std::vector<std::uint8_t> picture = to_rgb8(frame.rgb);
+    return paint(std::move(name), [&](SampleMark mark, std::uint32_t x, std::uint32_t y) -> Colour {
+      if ((mark & bit) != 0) return kWhite;
+      const std::uint8_t* at = &picture[3 * (std::size_t{y / grid} * (width / grid) + x / grid)];
+      const auto grey = static_cast<std::uint8_t>((at[0] + 2 * at[1] + at[2]) / 4 / kDarkened);
+      return {grey, grey, grey};
+    });
+  }
+};
+
+/// A reference sample shows what the sample before it is, so that blocks are of one colour where they can be.
+DebugPicture similar_picture(const Canvas& canvas) {
+  Colour last = kYellow;
+  return canvas.paint("similar", [&](SampleMark mark, std::uint32_t x, std::uint32_t) {
+    if (x == 0) last = kYellow;
+    if ((mark & kernels::kReferenceMark) != 0) return last;
+    last = (mark & kernels::kCorrectedMark) != 0 ? kGreen : (mark & kernels::kTracedMark) != 0 ? kBlue : kYellow;
+    return last;
+  });
+}
+
+/// Tiles row by row, all of one size but those at the right and lower edges.
+DebugPicture rates_picture(const Canvas& canvas) {
+  const kernels::Sampling& s = canvas.frame.sampling;
+  const std::uint32_t across = (canvas.width + s.tile_side - 1) / s.tile_side;
+  return canvas.paint("rates", [&](SampleMark, std::uint32_t x, std::uint32_t y) -> Colour {
+    const std::size_t tile = std::size_t{y / s.tile_side} * across + x / s.tile_side;
+    const int full = s.blocks[tile] > 2 ? 255 : 110;
+    const float similar = s.similar[tile];
+    return {static_cast<std::uint8_t>(static_cast<float>(full) * (1 - similar)),
+            static_cast<std::uint8_t>(static_cast<float>(full) * similar), static_cast<std::uint8_t>(full / 4)};
+  });
+}
+
+template <class Name>
+void add_marked(std::vector<DebugPicture>& pictures, const Canvas& canvas, std::string_view prefix,
+                std::span<const std::uint64_t> counts, const Name& names) {
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    if (counts[i] == 0) continue;
+    pictures.push_back(canvas.marked(std::string(prefix) + std::string(names[i]), static_cast<SampleMark>(1U << i)));
+  }
+}
+
+}  // namespace
+
+std::vector<DebugPicture> debug_pictures(const kernels::ProgramSpec& program, const FrontEnd::Result& frame,
+                                         std::uint32_t width, std::uint32_t height) {
+  std::vector<DebugPicture> pictures;
+  if (frame.marks.empty()) return pictures;
+  const auto grid =
+      static_cast<std::uint32_t>(std::lround(std::sqrt(frame.marks.size() / (std::size_t{width} * height))));
+  const Canvas canvas{frame, width * grid, height * grid, grid};
+  if (program.kind == kernels::ProgramSpec::Kind::kSupersample) {
+    constexpr std::array<Colour, 5> kCounts{{{0, 0, 0}, {255, 0, 0}, {0, 255, 0}, {0, 0, 255}, kWhite}};
+    pictures.push_back(canvas.paint(
+        "active", [&](SampleMark mark, std::uint32_t, std::uint32_t) { return kCounts.at(kernels::active_of(mark)); }));
+    add_marked(pictures, canvas, "differs-", frame.sampling.reasons, names_of(kernels::Attribute{}));
+    return pictures;
+  }
+  pictures.push_back(similar_picture(canvas));
+  add_marked(pictures, canvas, "check-", frame.sampling.failed, names_of(kernels::Check{}));
+  if (frame.sampling.has_rates) pictures.push_back(rates_picture(canvas));
+  return pictures;
+}
+
+}  // namespace tools

@@ -1,0 +1,28 @@
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "shader_kernels/programs/program_spec.h"
+#include "tools/simulation/front_end.h"
+
+namespace tools {
+
+/// A picture of how an adaptive frame came about: 8-bit RGB, a pixel to a sample.
+struct DebugPicture {
+  std::string name;
+  std::uint32_t width = 0, height = 0;
+  std::vector<std::uint8_t> rgb;
+};
+
+/// Pictures of a frame whose marks have been kept; none for programs that mark nothing. Failed checks lie in white over
+/// the darkened picture.
+///   multirate, undersample: `similar` (yellow: interpolated, blue: traced; green: by post-correction), `check-NAME`
+///     (samples that failed it), and with rate control `rates` (a tile's blocks: dark 2, bright 4; the more green, the
+///     more similar it was)
+///   supersample: `active` (active sub-pixels of a pixel: black, red, green, blue, white for 0 to 4), `differs-NAME`
+///     (pixels with an active sub-pixel where that attribute disagreed)
+std::vector<DebugPicture> debug_pictures(const kernels::ProgramSpec& program, const FrontEnd::Result& frame,
+                                         std::uint32_t width, std::uint32_t height);
+
+}  // namespace tools

@@ -1,0 +1,235 @@
+#include "tools/analysis/report.h"
+
+#include <array>
+#include <ctime>
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include "shader_kernels/catalogue.h"
+#include "sim/config/config.h"
+#include "sim/report/report_json.h"
+#include "tools/analysis/limiter.h"
+#include "tools/analysis/picture.h"
+#include "tools/analysis/sampling_report.h"
+#include "tools/analysis/top_down.h"
+#include "tools/analysis/units.h"
+#include "tools/host/build_info.h"
+#include "traces/accel/bvh_info.h"
+#include "traces/accel/embree_tracer.h"
+
+namespace tools {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+constexpr double kPicojoulesPerMillijoule = 1e9;
+constexpr double kFemtosecondsPerMillisecond = 1e12;
+
+double time_ms(const Simulation& s) { return static_cast<double>(s.elapsed) / kFemtosecondsPerMillisecond; }
+double energy_mj(const Simulation& s) { return s.energy.total_pj.nominal / kPicojoulesPerMillijoule; }
+double tni_mj(const Simulation& s) { return s.energy.blocks.at("tni").total().nominal / kPicojoulesPerMillijoule; }
+
+Json rays_json(const Simulation& s) {
+  const auto of = [&](traces::RayKind kind) { return s.function.rays[static_cast<std::size_t>(kind)]; };
+  return {{"primary", of(traces::RayKind::kPrimary)},
+          {"shadow", of(traces::RayKind::kShadow)},
+          {"reflection", of(traces::RayKind::kReflection)},
+          {"refraction", of(traces::RayKind::kRefraction)},
+          {"total", s.rays()},
+          {"continued", s.function.continued}};
+}
+
+/// What the bytes were for: lines between L2 and memory, the picture, ray slots that did not fit into the tile buffers,
+/// and where a method has them samples and rates; out and in.
+Json dram_clients_json(const Simulation& s) {
+  constexpr std::uint64_t kLine = 64;
+  const auto moved = [&](const std::string& area) {
+    return kLine * (sum_of(s.units, "dma", area + "_lines_written") + sum_of(s.units, "dma", area + "_lines_read"));
+  };
+  Json clients = {{"caches", kLine * (sum_of(s.units, "l2", "fills") + sum_of(s.units, "l2", "passed_on") +
+                                      sum_of(s.units, "l2", "written_back"))},
+                  {"frame_buffer", moved("picture")},
+                  {"spills", moved("spill")}};
+  for (const char* area : {"samples", "rates"}) {
+    if (const std::uint64_t bytes = moved(area); bytes != 0) clients[area] = bytes;
+  }
+  return clients;
+}
+
+Json interval_json(const Interval& i, double scale = 1) {
+  return {{"estimate", i.estimate * scale},
+          {"low", (i.estimate - i.half_width()) * scale},
+          {"high", (i.estimate + i.half_width()) * scale}};
+}
+
+/// Of a frame of which some tiles were timed: how many, and 95 % intervals.
+Json sampled_json(const Simulation& s) {
+  const SampledFrame& f = *s.sampled;
+  const double ms_per_cycle = time_ms(s) / static_cast<double>(s.cycles);
+  Json time = interval_json(f.cycles, ms_per_cycle);
+  time["estimate"] = time_ms(s);  // to the last digit
+  return {{"tiles", f.tiles},
+          {"timed", f.timed},
+          {"measured", f.measured},
+          {"warmed", f.warmed},
+          {"blocks", f.blocks},
+          {"rounds", f.rounds},
+          {"cycles", interval_json(f.cycles)},
+          {"time_ms", std::move(time)},
+          {"energy_mj", interval_json(f.energy_pj, 1 / kPicojoulesPerMillijoule)}};
+}
+
+double ratio(std::uint64_t part, std::uint64_t whole) { return static_cast<double>(part) / static_cast<double>(whole); }
+
+Json perf_json(const Simulation& s) {
+  const double ms = time_ms(s);
+  const auto rays = static_cast<double>(s.rays());
+  return {{"fps", 1000 * s.frames / ms},
+          {"mrays_per_s", rays / ms / 1000},
+          {"nj_per_ray", energy_mj(s) * 1e6 / rays},
+          {"frames_per_joule_gpu", 1000 * s.frames / energy_mj(s)},
+          {"frames_per_joule_tni", 1000 * s.frames / tni_mj(s)}};
+}
+
+Json kernels_json(const Simulation& s) {
+  Json out = Json::object();
+  std::uint64_t all = 0;
+  for (const hw::KernelUse& use : s.kernel_use) all += use.cycles;
+  for (std::size_t k = 0; k < s.kernels.size(); ++k) {
+    const hw::KernelUse& use = s.kernel_use[k];
+    if (use.launches == 0) continue;
+    Json& kernel = out[s.kernels[k].kernel];
+    kernel = {{"launches", use.launches}, {"items", use.items},
+              {"ii", s.kernels[k].ii},    {"depth", s.kernels[k].depth},
+              {"cycles", use.cycles},     {"share", static_cast<double>(use.cycles) / static_cast<double>(all)},
+              {"starved", use.starved}};
+    if (use.idle != 0) kernel["idle"] = use.idle;
+  }
+  return out;
+}
+
+void add_relative(Json& totals, const Result& result) {
+  const Simulation &run = result.run, &reference = *result.reference;
+  const auto power = [](const Simulation& s, double mj) { return mj / time_ms(s); };
+  const auto per = [](std::uint64_t a, std::uint64_t b) { return static_cast<double>(a) / static_cast<double>(b); };
+  const std::optional<double> psnr = psnr_db(result.squared_error);
+  totals["psnr_db"] = psnr ? Json(*psnr) : Json(nullptr);
+  totals["identical"] = !psnr.has_value();
+  totals["relative"] = {{"speedup", per(reference.cycles, run.cycles)},
+                        {"traversal_steps", per(run.function.traversal_steps, reference.function.traversal_steps)},
+                        {"tni_power", power(run, tni_mj(run)) / power(reference, tni_mj(reference))},
+                        {"tni_perf_per_watt", tni_mj(reference) / tni_mj(run)},
+                        {"gpu_perf_per_watt", energy_mj(reference) / energy_mj(run)},
+                        {"rays", per(run.rays(), reference.rays())}};
+}
+
+Json host_json(const Report& report) {
+  std::array<char, 256> name{};
+  gethostname(name.data(), name.size() - 1);
+  const Result& totals = report.totals;
+  const FrontEnd::Result& function = totals.run.function;
+  const double timing = totals.run.wall_seconds - function.waited;
+  const double reference = totals.reference != nullptr ? totals.reference->wall_seconds : 0;
+  const double load = report.inputs.load_seconds + report.inputs.update_seconds;
+  const double wall = report.wall_seconds - load - reference;
+  Json host = {{"date", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)))},
+               {"name", name.data()},
+               {"wall_s", report.wall_seconds},
+               {"load_s", load},
+               {"update_s", report.inputs.update_seconds},
+               {"functional_s", function.seconds},
+               {"timing_s", timing},
+               {"rays_per_s", static_cast<double>(totals.run.rays()) / wall},
+               {"steps_per_s", static_cast<double>(function.traversal_steps) / wall},
+               {"peak_rss_mb", peak_rss_mib()},
+               {"threads", host_threads(report.options.threads)}};
+  if (totals.run.sampled) {
+    host["pilot_s"] = totals.run.sampled->pilot_seconds;
+    host["warming_s"] = totals.run.sampled->warming_seconds;
+  }
+  return host;
+}
+
+}  // namespace
+
+Json totals_json(const Result& result) {
+  const Simulation& s = result.run;
+  const sim::Spread power = s.energy.total_pj * (1 / (kPicojoulesPerMillijoule * time_ms(s)));
+  const Utilisation used = utilisation(s.units);
+  Json totals = {{"cycles", s.cycles},
+                 {"time_ms", time_ms(s)},
+                 {"rays", rays_json(s)},
+                 {"traced_ratio", ratio(s.function.sampling.traced, s.function.sampling.wanted)},
+                 {"sampling", sampling_json(s)},
+                 {"traversal_steps", s.function.traversal_steps},
+                 {"dram_bytes", sum_of(s.units, "dram", "bytes")},
+                 {"dram_bytes_by_client", dram_clients_json(s)}};
+  totals.update(sim::energy_json(s.energy));
+  totals["power_w"] = sim::spread_json(power);
+  totals["perf"] = perf_json(s);
+  totals["utilisation"] = {{"tni", used.tni}, {"srp", used.srp}, {"dram", used.dram}};
+  const TopDown view = top_down(s.units, s.machine);
+  totals["top_down"] = top_down_json(view);
+  const std::vector<Estimate> estimates = estimate(view.gpu);
+  totals["limiter"] = limiter(estimates);
+  totals["bottleneck"] = {{"named", most(estimates).resource}};
+  for (const Estimate& e : estimates) totals["bottleneck"]["estimated_speedup"][e.resource] = e.speedup;
+  totals["kernels"] = kernels_json(s);
+  if (s.sampled) totals["sampled"] = sampled_json(s);
+  if (result.reference != nullptr) add_relative(totals, result);
+  return totals;
+}
+
+double peak_rss_mib() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024;
+}
+
+Json provenance_json(const Inputs& inputs, const JobOptions& options) {
+  const BuildInfo build = build_info();
+  return {{"version", build.version},
+          {"git", build.git},
+          {"dirty", build.dirty},
+          {"compiler", build.compiler},
+          {"flags", build.flags},
+          {"embree", traces::embree_version()},
+          {"model_id", build.model_id},
+          {"config_hash", sim::config_hash(inputs.config)},
+          {"scene_sha256", inputs.scene_sha256},
+          {"bvh_hash", inputs.bvh_hash},
+          {"argv", options.argv}};
+}
+
+Json report_json(const Report& report) {
+  const Inputs& in = report.inputs;
+  const Simulation& run = report.totals.run;
+  Json out = {{"schema", "raywatt-report/1"},
+              {"partial", report.partial},
+              {"program", run.program.name()},
+              {"resolution", {in.config.render.width, in.config.render.height}},
+              {"config", Json(sim::config_json(in.config))},
+              {"scene",
+               {{"name", in.scene.name},
+                {"triangles", in.scene.triangles},
+                {"stored_triangles", in.stored_triangles},
+                {"memory_bytes", in.image.layout.end},
+                {"instances", in.scene.instances},
+                {"lights", in.scene.lights}}},
+              {"provenance", provenance_json(in, report.options)},
+              {"totals", totals_json(report.totals)},
+              {"frames", report.frames},
+              {"units", sim::units_json(run.units)}};
+  if (run.sampled) {
+    Json& intervals = out["sampled_counters"] = Json::object();
+    for (const auto& [path, interval] : run.sampled->counters) intervals[path] = interval_json(interval);
+  }
+  out["host"] = host_json(report);
+  return out;
+}
+
+}  // namespace tools

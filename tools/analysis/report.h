@@ -1,0 +1,42 @@
+#pragma once
+#include <optional>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "tools/simulation/run_job.h"
+
+namespace tools {
+
+/// A run, and the run it is compared with if there is one: of one frame, or of all.
+struct Result {
+  const Simulation& run;
+  const Simulation* reference = nullptr;
+  double squared_error = 0;  ///< mean over the pictures' channels, with a reference
+};
+
+/// What report.json has of a frame (`frames[]`) or of all (`totals`).
+nlohmann::ordered_json totals_json(const Result& result);
+
+struct Report {
+  const Inputs& inputs;
+  const JobOptions& options;
+  const Result& totals;
+  nlohmann::ordered_json frames;  ///< one entry per frame
+  bool partial = false;           ///< interrupted before the last frame
+  double wall_seconds = 0;        ///< of the whole job
+};
+
+/// report.json, schema raywatt-report/1: everything but `host` and `provenance.argv` depends on the inputs alone.
+nlohmann::ordered_json report_json(const Report& report);
+
+/// What the result was made from and by.
+nlohmann::ordered_json provenance_json(const Inputs& inputs, const JobOptions& options);
+
+/// The table for a terminal, from the JSON.
+std::string report_table(const nlohmann::ordered_json& report);
+
+/// Peak resident memory of this process, in MiB.
+double peak_rss_mib();
+
+}  // namespace tools

@@ -1,0 +1,69 @@
+#include "tools/analysis/report_file.h"
+
+#include <fmt/format.h>
+
+#include "sim/error.h"
+#include "sim/io/file.h"
+#include "sim/io/json.h"
+#include "sim/io/printable.h"
+#include "tools/analysis/report_paths.h"
+
+namespace tools {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+constexpr std::uint64_t kLargestReport = 1ULL << 30;
+
+/// The schema of a report, or what else it is.
+std::string schema_of(const Json& json) {
+  if (!json.is_object() || !json.contains("schema")) return "no 'schema'";
+  const Json& schema = json["schema"];
+  return schema.is_string() ? fmt::format("schema '{}'", sim::printable(schema.get<std::string>())) : "a broken schema";
+}
+
+}  // namespace
+
+double ReportFile::number(const std::string& path) const {
+  const auto found = numbers.find(path);
+  return found == numbers.end() ? 0 : found->second;
+}
+
+std::string ReportFile::text(const std::string& group, const std::string& key) const {
+  const auto at = json.find(group);
+  if (at == json.end() || !at->is_object()) return {};
+  const auto value = at->find(key);
+  return value != at->end() && value->is_string() ? value->get<std::string>() : std::string();
+}
+
+ReportFile load_report(const std::filesystem::path& file_or_folder) {
+  ReportFile report;
+  std::error_code ignored;
+  const bool is_folder = std::filesystem::is_directory(file_or_folder, ignored);
+  report.file = is_folder ? file_or_folder / "report.json" : file_or_folder;
+  const std::string bytes = sim::read_file(report.file, kLargestReport);
+  const auto refuse = [&](const std::string& why) {
+    return sim::InputError(
+        fmt::format("{}: {}; allowed: a folder or report.json that 'raywatt run' wrote, schema "
+                    "'raywatt-report/1'",
+                    report.file.string(), why));
+  };
+  try {
+    report.json = sim::parse_json<Json>(bytes);
+  } catch (const Json::exception& error) {
+    throw refuse(fmt::format("is not JSON: {}", error.what()));
+  }
+  if (schema_of(report.json) != "schema 'raywatt-report/1'") throw refuse("has " + schema_of(report.json));
+  try {
+    for (ReportNumber& number : report_numbers(report.json)) {
+      report.numbers.emplace(std::move(number.path), number.value);
+    }
+  } catch (const sim::InputError& error) {
+    throw refuse(error.what());
+  }
+  if (!report.has("totals.cycles")) throw refuse("has no totals.cycles");
+  return report;
+}
+
+}  // namespace tools

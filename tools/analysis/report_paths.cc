@@ -1,0 +1,175 @@
+#include "tools/analysis/report_paths.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <map>
+#include <set>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "sim/error.h"
+#include "sim/io/printable.h"
+#include "traces/scene/did_you_mean.h"
+
+namespace tools {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Numbers = std::vector<ReportNumber>;
+
+constexpr int kDeepest = 32;
+
+void flatten(const Json& node, const std::string& path, int depth, Numbers& out) {
+  if (depth > kDeepest) throw sim::InputError("the report is nested more deeply than any report");
+  if (node.is_number()) {
+    out.push_back({path, node.get<double>()});
+  } else if (node.is_object()) {
+    for (const auto& [key, value] : node.items()) flatten(value, fmt::format("{}.{}", path, key), depth + 1, out);
+  } else if (node.is_array()) {
+    for (std::size_t i = 0; i < node.size(); ++i) flatten(node[i], fmt::format("{}[{}]", path, i), depth + 1, out);
+  }
+}
+
+/// "core3" is one of the units that "core0" begins; "l2" is not, as there is no "l0".
+std::string kind_of(const std::string& name, const Json& siblings) {
+  const std::string kind = name.substr(0, name.find_last_not_of("0123456789") + 1);
+  return !kind.empty() && siblings.contains(kind + "0") ? kind : name;
+}
+
+/// Adds the numbers below the units' tree, or a part of it, to those of equal kind.
+class Sums {
+ public:
+  void add(const Json& node, const std::string& kind, int depth) {
+    if (depth > kDeepest) return;
+    for (const auto& [key, value] : node.items()) {
+      if (value.is_object()) add(value, fmt::format("{}.{}", kind, kind_of(key, node)), depth + 1);
+      if (value.is_number()) add(fmt::format("{}.{}", kind, key), value.get<double>());
+    }
+    if (node.contains("elapsed")) add(kind + ".units", 1);
+  }
+  Numbers take() { return std::move(numbers_); }
+
+ private:
+  void add(std::string path, double value) {
+    const auto [at, is_new] = places_.emplace(path, numbers_.size());
+    if (is_new) numbers_.push_back({std::move(path), 0});
+    numbers_[at->second].value += value;
+  }
+  Numbers numbers_;
+  std::map<std::string, std::size_t> places_;
+};
+
+bool ends_in(std::string_view path, std::string_view text) {
+  return path.ends_with(text) && path.size() > text.size() && path[path.size() - text.size() - 1] == '.';
+}
+
+/// Is `path` in the group that `text` names, if "." or nothing comes before it?
+bool is_below(std::string_view path, std::string_view text) {
+  return path.size() > text.size() && path.starts_with(text) && (path[text.size()] == '.' || path[text.size()] == '[');
+}
+
+/// As many last parts of a path as `text` has.
+std::string end_of(std::string_view path, std::string_view text) {
+  std::size_t at = std::string_view::npos;
+  for (auto dots = std::ranges::count(text, '.'); dots >= 0; --dots) {
+    at = at == 0 ? std::string_view::npos : path.rfind('.', at == std::string_view::npos ? at : at - 1);
+    if (at == std::string_view::npos) return std::string(path);
+  }
+  return std::string(path.substr(at + 1));
+}
+
+[[noreturn]] void refuse_several(std::string_view text, const char* what, const std::vector<std::string>& candidates) {
+  constexpr std::size_t kMost = 8;
+  const std::size_t shown = std::min(candidates.size(), kMost);
+  throw sim::InputError(
+      fmt::format("the report path '{}' {}: {}{}", sim::printable(text), what,
+                  fmt::join(candidates.begin(), candidates.begin() + static_cast<std::ptrdiff_t>(shown), ", "),
+                  shown < candidates.size() ? fmt::format(" and {} more", candidates.size() - shown) : ""));
+}
+
+/// What a text may mean among paths: one path, a group of them, several, or none of these.
+struct Meanings {
+  Meanings(std::string_view text, std::span<const std::string> paths) {
+    if (text.empty()) return;
+    const std::string in_totals = fmt::format("totals.{}", text), inside = fmt::format(".{}.", text);
+    std::array<std::vector<std::string>, 3> ends;  // of totals, of all else, of frames: first come, first served
+    std::vector<std::string> below;
+    for (const std::string& path : paths) {
+      if (path == text || (path == in_totals && one.empty())) one = path;
+      if (is_below(path, text) || is_below(path, in_totals)) group.push_back(path);
+      if (path.find(inside) != std::string::npos) below.push_back(path);
+      if (!ends_in(path, text)) continue;
+      ends[path.starts_with("totals.") ? 0 : path.starts_with("frames[") ? 2 : 1].push_back(path);
+    }
+    if (!one.empty() || !group.empty()) return;
+    const auto first = std::ranges::find_if(ends, [](const auto& candidates) { return !candidates.empty(); });
+    if (first == ends.end()) {
+      group = below;
+    } else if (first->size() == 1) {
+      one = first->front();
+    } else {
+      several = *first;
+    }
+  }
+  std::string one;
+  std::vector<std::string> group, several;
+};
+
+}  // namespace
+
+Numbers report_numbers(const Json& report) {
+  Numbers out;
+  if (!report.is_object()) return out;
+  for (const auto& [key, value] : report.items()) {
+    if (key != "host" && key != "provenance" && key != "sampled_counters") flatten(value, key, 1, out);
+  }
+  std::set<std::string> known;
+  for (const ReportNumber& number : out) known.insert(number.path);
+  for (ReportNumber& sum : unit_sums(report)) {
+    if (!known.contains(sum.path)) out.push_back(std::move(sum));
+  }
+  return out;
+}
+
+Numbers unit_sums(const Json& report) {
+  Sums sums;
+  if (!report.is_object()) return {};
+  if (const auto units = report.find("units"); units != report.end() && units->is_object()) {
+    sums.add(*units, "units", 0);
+  }
+  return sums.take();
+}
+
+std::string resolve_report_path(std::string_view text, std::span<const std::string> paths) {
+  const Meanings m(text, paths);
+  if (!m.one.empty()) return m.one;
+  if (!m.group.empty()) refuse_several(text, "is a group of", m.group);
+  if (!m.several.empty()) refuse_several(text, "may mean any of", m.several);
+  std::set<std::string> known;
+  for (const std::string& path : paths) known.insert(end_of(path, text));
+  const std::vector<std::string> names(known.begin(), known.end());
+  throw sim::InputError(
+      fmt::format("there is no report path '{}'{}; allowed is what report.json has, or the end of it, e.g. cycles, "
+                  "perf.frames_per_joule_gpu",
+                  sim::printable(text), traces::did_you_mean(text, names)));
+}
+
+std::vector<std::string> report_path_group(std::string_view text, std::span<const std::string> paths) {
+  Meanings m(text, paths);
+  if (!m.one.empty()) return {m.one};
+  if (!m.several.empty()) refuse_several(text, "may mean any of", m.several);
+  if (text != "units") return m.group;
+  // The sums say how many units there are; what else lies there is a single unit of several.
+  const std::set<std::string> known(paths.begin(), paths.end());
+  std::erase_if(m.group, [&](const std::string& path) {
+    const std::size_t end = std::min(path.find(".why."), path.find(".counters."));
+    const std::string unit = path.substr(0, end == std::string::npos ? path.rfind('.') : end);
+    return !known.contains(unit + ".units");
+  });
+  return m.group;
+}
+
+}  // namespace tools

@@ -1,0 +1,169 @@
+#include "tools/analysis/scene_info.h"
+
+#include <algorithm>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "sim/report/table.h"
+#include "traces/accel/bvh_info.h"
+#include "traces/accel/node_format.h"
+#include "traces/scene/info.h"
+
+namespace tools {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json numbers(const glm::vec4& v) { return {v.x, v.y, v.z}; }
+
+Json cameras_json(const traces::Scene& scene) {
+  Json list = Json::array();
+  for (const traces::Camera& camera : scene.cameras) {
+    list.push_back({{"name", camera.name},
+                    {"position", numbers(camera.to_world[3])},
+                    {"direction", numbers(-camera.to_world[2])},
+                    {"vertical_fov_degrees", static_cast<double>(camera.vertical_fov) * 180 / std::numbers::pi}});
+  }
+  return list;
+}
+
+/// Bytes that a tree takes in each format.
+Json nodes_by_format(std::uint64_t inner_nodes, std::uint64_t trees) {
+  using traces::BoxNumbers, traces::BoxRecords;
+  Json formats;
+  for (const BoxNumbers numbers : {BoxNumbers::kFp32, BoxNumbers::kHybrid}) {
+    for (const BoxRecords boxes : {BoxRecords::kPair, BoxRecords::kSingle}) {
+      const std::string_view of = names_of(numbers)[static_cast<std::size_t>(numbers)];
+      const std::string_view in = names_of(boxes)[static_cast<std::size_t>(boxes)];
+      formats[fmt::format("{} {}", of, in)] =
+          traces::node_bytes(numbers, boxes) * traces::node_records(inner_nodes, boxes, trees);
+    }
+  }
+  return formats;
+}
+
+/// The sizes of its parts; what fills lines up counts as the textures'.
+Json memory_json(const traces::MemoryImage& image) {
+  Json parts = {{"nodes", image.node_array_bytes()},
+                {"triangles", image.triangles.size() * sizeof(traces::TriangleRecord)},
+                {"attributes", image.attributes.size() * sizeof(traces::AttributeRecord)},
+                {"vertices", image.vertices.size() * sizeof(traces::VertexRecord)},
+                {"materials", image.materials.size() * sizeof(traces::MaterialRecord) +
+                                  image.details.size() * sizeof(traces::MaterialDetailRecord)}};
+  if (image.has_levels()) parts["instances"] = image.instances.size() * sizeof(traces::InstanceRecord);
+  std::uint64_t sum = 0;
+  for (const auto& part : parts.items()) sum += part.value().get<std::uint64_t>();
+  parts["textures"] = image.layout.end - std::min(image.layout.end, sum);
+  return {{"bytes", image.layout.end},
+          {"parts", parts},
+          {"nodes_by_format", nodes_by_format(image.nodes.size(), 1 + image.trees.size())}};
+}
+
+std::string plural(std::uint64_t count, const char* what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
+
+std::string bytes_text(const Json& bytes) { return sim::si_text(bytes.get<double>(), "B"); }
+
+std::string sizes_text(const Json& sizes) {
+  std::string text;
+  for (const auto& size : sizes.items()) {
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", size.key(), bytes_text(size.value()));
+  }
+  return text;
+}
+
+std::string animation_text(const Json& animation) {
+  if (animation["tracks"] == 0) return "none";
+  return fmt::format("{:.3g} s, {}, {}, {}, {} move", animation["duration_s"].get<double>(),
+                     plural(animation["tracks"], "track"), plural(animation["skins"], "skin"),
+                     plural(animation["morph_targets"], "morph target"),
+                     plural(animation["moving_instances"], "instance"));
+}
+
+std::string place_text(const Json& camera) {
+  const auto triple = [](const Json& v) {
+    return fmt::format("({:.4g}, {:.4g}, {:.4g})", v[0].get<double>(), v[1].get<double>(), v[2].get<double>());
+  };
+  return fmt::format("at {}, looks along {}, {:.1f} degrees high", triple(camera["position"]),
+                     triple(camera["direction"]), camera["vertical_fov_degrees"].get<double>());
+}
+
+}  // namespace
+
+Json scene_sheet(const traces::Scene& scene, const traces::MemoryImage& image, const SceneCost& cost) {
+  const traces::SceneInfo info = traces::scene_info(scene);
+  const traces::BvhInfo tree = traces::bvh_info(image);
+  const auto triangles = static_cast<double>(std::max<std::size_t>(info.triangles, 1));
+  const std::uint64_t beyond = cost.peak_bytes - std::min(cost.peak_bytes, cost.file_bytes);
+  return {{"schema", "raywatt-scene/1"},
+          {"name", info.name},
+          {"sha256", scene.sha256},
+          {"triangles", info.triangles},
+          {"stored_triangles", info.stored_triangles},
+          {"instances", info.instances},
+          {"meshes", info.meshes},
+          {"materials", info.materials},
+          {"textures", {{"count", info.textures}, {"bytes", info.texture_bytes}}},
+          {"lights", info.lights},
+          {"cameras", cameras_json(scene)},
+          {"animation",
+           {{"duration_s", info.duration},
+            {"tracks", info.tracks},
+            {"skins", info.skins},
+            {"morph_targets", info.morph_targets},
+            {"moving_instances", info.moving_instances}}},
+          {"memory_image", memory_json(image)},
+          {"bvh", {{"nodes", tree.nodes}, {"leaves", tree.leaves}, {"depth", tree.depth}, {"sah_cost", tree.sah_cost}}},
+          {"warnings", scene.warnings},
+          {"host",
+           {{"load_s", cost.load_s},
+            {"build_s", cost.build_s},
+            {"file_bytes", cost.file_bytes},
+            {"peak_bytes", cost.peak_bytes},
+            {"bytes_per_triangle", static_cast<double>(beyond) / triangles}}}};
+}
+
+std::string scene_sheet_text(const Json& sheet, bool cameras) {
+  std::string text;
+  const auto line = [&](std::string_view what, const std::string& value) {
+    text += fmt::format("{:<18}{}\n", what, value);
+  };
+  const std::uint64_t triangles = sheet["triangles"], stored = sheet["stored_triangles"];
+  line("scene", sheet["name"]);
+  line("triangles", triangles == stored ? std::to_string(triangles) : fmt::format("{} ({} stored)", triangles, stored));
+  const std::uint64_t meshes = sheet["meshes"];
+  line("instances",
+       fmt::format("{} of {} {}", sheet["instances"].get<std::uint64_t>(), meshes, meshes == 1 ? "mesh" : "meshes"));
+  line("materials", std::to_string(sheet["materials"].get<std::uint64_t>()));
+  const Json& textures = sheet["textures"];
+  line("textures", textures["count"] == 0 ? "0"
+                                          : fmt::format("{}, {:.1f} MiB", textures["count"].get<std::uint64_t>(),
+                                                        textures["bytes"].get<double>() / (1 << 20)));
+  line("lights", std::to_string(sheet["lights"].get<std::uint64_t>()));
+  std::string names;
+  for (const Json& camera : sheet["cameras"]) {
+    names += fmt::format("{}'{}'", names.empty() ? "" : ", ", camera["name"].get<std::string>());
+  }
+  line("cameras", names);
+  for (const Json& camera : sheet["cameras"]) {
+    if (cameras) line("", fmt::format("'{}' {}", camera["name"].get<std::string>(), place_text(camera)));
+  }
+  line("animation", animation_text(sheet["animation"]));
+  const Json& memory = sheet["memory_image"];
+  line("memory image", fmt::format("{} ({})", bytes_text(memory["bytes"]), sizes_text(memory["parts"])));
+  line("nodes by format", sizes_text(memory["nodes_by_format"]));
+  const Json& tree = sheet["bvh"];
+  line("BVH", fmt::format("{} nodes, {} leaves, depth {}, SAH cost {:.1f}", tree["nodes"].get<std::uint64_t>(),
+                          tree["leaves"].get<std::uint64_t>(), tree["depth"].get<std::uint64_t>(),
+                          tree["sah_cost"].get<double>()));
+  const Json& host = sheet["host"];
+  line("host", fmt::format("loaded in {:.2f} s, tree in {:.2f} s, peak memory {}, {:.0f} bytes per triangle beyond the "
+                           "file",
+                           host["load_s"].get<double>(), host["build_s"].get<double>(), bytes_text(host["peak_bytes"]),
+                           host["bytes_per_triangle"].get<double>()));
+  return text;
+}
+
+}  // namespace tools

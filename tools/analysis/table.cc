@@ -1,0 +1,143 @@
+#include "sim/report/table.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "tools/analysis/report.h"
+#include "tools/analysis/top_down.h"
+
+namespace tools {
+
+using Json = nlohmann::ordered_json;
+using sim::si_text;
+
+namespace {
+
+std::string percent(const Json& share) { return fmt::format("{:.1f} %", 100 * share.get<double>()); }
+
+std::string spread(const Json& s, double scale, const char* unit) {
+  return fmt::format("{:.3g} / {:.3g} / {:.3g} {}", s["low"].get<double>() * scale, s["nominal"].get<double>() * scale,
+                     s["high"].get<double>() * scale, unit);
+}
+
+/// What an adaptive program did.
+std::string samples(const Json& totals) {
+  const Json& s = totals["sampling"];
+  std::string out = fmt::format("{} of {} traced ({})", si_text(s["traced"].get<double>()),
+                                si_text(s["wanted"].get<double>()), percent(totals["traced_ratio"]));
+  for (const char* of_them : {"halo", "correction"}) {
+    if (s[of_them] != 0) out += fmt::format(", {} for the {}", si_text(s[of_them].get<double>()), of_them);
+  }
+  if (s.contains("similar_ratio"))
+    out += fmt::format("; {} of those between were similar", percent(s["similar_ratio"]));
+  return out;
+}
+
+/// Half of a 95 % interval, where a figure is estimated.
+std::string give_or_take(const Json& totals, const char* figure) {
+  if (!totals.contains("sampled")) return "";
+  const Json& i = totals["sampled"][figure];
+  const double half = (i["high"].get<double>() - i["low"].get<double>()) / 2;
+  return fmt::format("  ± {:.1f} %", 100 * half / i["estimate"].get<double>());
+}
+
+std::string overview(const Json& report) {
+  const Json& t = report["totals"];
+  const Json& rays = t["rays"];
+  const auto count = [](const Json& n) { return si_text(n.get<double>()); };
+  std::string out;
+  const auto line = [&](const char* name, const std::string& value) {
+    out += fmt::format("  {:<22}{}\n", name, value);
+  };
+  const Json& frames = report["frames"];
+  if (!frames.empty() && frames.front().contains("finished_tiles")) {
+    out += fmt::format("PARTIAL: interrupted after {} of {} tiles\n", frames.front()["finished_tiles"].get<int>(),
+                       frames.front()["tiles"].get<int>());
+  } else if (report["partial"].get<bool>()) {
+    out += "PARTIAL: interrupted before the last frame or the reference\n";
+  }
+  out += fmt::format("{}  {}x{}  {}  ({} triangles)\n\n", report["scene"]["name"].get<std::string>(),
+                     report["resolution"][0].get<int>(), report["resolution"][1].get<int>(),
+                     report["program"].get<std::string>(), count(report["scene"]["triangles"]));
+  if (frames.size() > 1) {
+    const auto by_cycles = [](const Json& a, const Json& b) { return a["cycles"] < b["cycles"]; };
+    const auto [least, most] = std::minmax_element(frames.begin(), frames.end(), by_cycles);
+    line("frames", fmt::format("{} to {}, added up; {} to {} cycles each", frames.front()["frame"].get<int>(),
+                               frames.back()["frame"].get<int>(), count((*least)["cycles"]), count((*most)["cycles"])));
+  }
+  if (t.contains("sampled")) {
+    const int timed = t["sampled"]["timed"].get<int>(), tiles = t["sampled"]["tiles"].get<int>();
+    const char* const rest = timed < tiles ? "; the rest is estimated, ± is half of a 95 % interval" : "";
+    line("sampled", fmt::format("{} of {} tiles timed{}", timed, tiles, rest));
+  }
+  line("cycles (T&I clock)",
+       fmt::format("{}  = {:.3f} ms  = {:.1f} frames/s{}", count(t["cycles"]), t["time_ms"].get<double>(),
+                   t["perf"]["fps"].get<double>(), give_or_take(t, "cycles")));
+  line("rays", fmt::format("{}  ({} primary, {} shadow, {} reflection, {} refraction)", count(rays["total"]),
+                           count(rays["primary"]), count(rays["shadow"]), count(rays["reflection"]),
+                           count(rays["refraction"])));
+  if (t["sampling"].contains("checked") || t["sampling"].contains("active")) line("samples", samples(t));
+  line("ray rate", si_text(1e6 * t["perf"]["mrays_per_s"].get<double>(), "rays/s"));
+  line("traversal steps", fmt::format("{}  = {:.1f} per ray", count(t["traversal_steps"]),
+                                      t["traversal_steps"].get<double>() / rays["total"].get<double>()));
+  const auto bytes = [](const Json& n) { return si_text(n.get<double>(), "B"); };
+  const Json& clients = t["dram_bytes_by_client"];
+  std::string traffic = fmt::format("caches {}, frame buffer {}, spilled ray slots {}", bytes(clients["caches"]),
+                                    bytes(clients["frame_buffer"]), bytes(clients["spills"]));
+  for (const char* more : {"samples", "rates"}) {
+    if (clients.contains(more)) traffic += fmt::format(", {} {}", more, bytes(clients[more]));
+  }
+  line("DRAM traffic", fmt::format("{}  ({})", bytes(t["dram_bytes"]), traffic));
+  line("busy", fmt::format("T&I {}, SRP {}, DRAM {}", percent(t["utilisation"]["tni"]),
+                           percent(t["utilisation"]["srp"]), percent(t["utilisation"]["dram"])));
+  line("time goes to", top_down_text(t["top_down"]["gpu"]));
+  line("limited by", t["limiter"].get<std::string>());
+  line("energy", spread(t["energy_mj"], 1, "mJ  (low / nominal / high)") + give_or_take(t, "energy_mj"));
+  line("power", spread(t["power_w"], 1, "W"));
+  line("efficiency",
+       fmt::format("{:.1f} frames/J GPU with memory, {:.1f} frames/J T&I alone, {:.2f} nJ per ray",
+                   t["perf"]["frames_per_joule_gpu"].get<double>(), t["perf"]["frames_per_joule_tni"].get<double>(),
+                   t["perf"]["nj_per_ray"].get<double>()));
+  if (t.contains("relative")) {
+    const Json& r = t["relative"];
+    line("against reference",
+         fmt::format("speed x{:.2f}, rays x{:.3f}, performance per watt T&I x{:.2f}, GPU x{:.2f}, PSNR {}",
+                     r["speedup"].get<double>(), r["rays"].get<double>(), r["tni_perf_per_watt"].get<double>(),
+                     r["gpu_perf_per_watt"].get<double>(),
+                     t["psnr_db"].is_null() ? "identical" : fmt::format("{:.2f} dB", t["psnr_db"].get<double>())));
+  }
+  return out;
+}
+
+std::string energy_table(const Json& totals) {
+  sim::Table table({"energy", "low mJ", "nominal mJ", "high mJ", "share"});
+  const double all = totals["energy_mj"]["nominal"].get<double>();
+  const auto row = [&](const std::string& name, const Json& s) {
+    const double nominal = s["nominal"].get<double>();
+    table.row({name, fmt::format("{:.4f}", s["low"].get<double>()), fmt::format("{:.4f}", nominal),
+               fmt::format("{:.4f}", s["high"].get<double>()), fmt::format("{:.1f} %", 100 * nominal / all)});
+  };
+  for (const auto& [block, s] : totals["energy_by_block_mj"].items()) row(block, s);
+  row("total", totals["energy_mj"]);
+  for (const auto& [kind, s] : totals["energy_by_kind_mj"].items()) row("of it " + kind, s);
+  return table.text();
+}
+
+std::string kernel_table(const Json& kernels) {
+  sim::Table table({"kernel", "chunks", "items", "II", "depth", "cycles", "share of SRP"});
+  for (const auto& [name, k] : kernels.items()) {
+    table.row({name, si_text(k["launches"].get<double>()), si_text(k["items"].get<double>()),
+               std::to_string(k["ii"].get<int>()), std::to_string(k["depth"].get<int>()),
+               si_text(k["cycles"].get<double>()), percent(k["share"])});
+  }
+  return table.text();
+}
+
+}  // namespace
+
+std::string report_table(const Json& report) {
+  return overview(report) + "\n" + energy_table(report["totals"]) + "\n" + kernel_table(report["totals"]["kernels"]);
+}
+
+}  // namespace tools

@@ -1,0 +1,221 @@
+#include "tools/analysis/top_down.h"
+
+#include <algorithm>
+#include <functional>
+#include <map>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "tools/analysis/units.h"
+
+namespace tools {
+
+namespace {
+
+using sim::UnitReport;
+
+double ratio(double a, double b) { return b == 0 ? 0 : a / b; }
+
+/// Average latency of the machine's L2 seen from its ports, and the part of it for which DRAM is waited for, in ns.
+struct Beyond {
+  double l2 = 0, dram = 0;
+};
+
+Beyond beyond(std::span<const UnitReport> units) {
+  const Units banks(units, "l2.");
+  const double ns = 1000 / banks.clock_mhz();
+  const double requests = banks.counted("reads");
+  return {ns * ratio(banks.counted("latency"), requests), ns * ratio(banks.counted("memory_cycles"), requests)};
+}
+
+/// `latency`: of a miss, in ns.
+MissLevels levels(double latency, const Beyond& b) {
+  if (latency == 0) return {};
+  const double dram = std::min(b.dram, latency), l2 = std::clamp(b.l2 - b.dram, 0.0, latency - dram);
+  return {(latency - dram - l2) / latency, l2 / latency, dram / latency};
+}
+
+/// What the rays inside a T&I unit do, as shares of the time in which traversal units have any.
+struct Inside {
+  double boxes = 0, triangles = 0, misses = 0;
+};
+
+double misses_of(const Units& units) {
+  double share = 0;
+  for (const char* reason : {"l1_miss", "mshr_full", "rau_full"}) share += units.share(reason);
+  return share;
+}
+
+Inside inside(const Units& trvs, const Units& ist) {
+  const double there = 1 - trvs.share("starved"), leaves = 1 - ist.share("starved");
+  const double at_ist = ratio(trvs.share("ist"), there);
+  return {ratio(trvs.share("visiting") + trvs.share("serial"), there), at_ist * ratio(ist.share("testing"), leaves),
+          ratio(misses_of(trvs), there) + at_ist * ratio(misses_of(ist), leaves)};
+}
+
+/// Lines that a first-level cache can have on their way at once.
+double registers(const hw::TniConfig& config, const hw::CacheConfig& cache) {
+  return config.miss_handling == hw::MissHandling::kBlocking ? 1 : cache.mshrs;
+}
+
+double record_share(std::span<const UnitReport> units, const Units& banks) {
+  const Units records(units, "core", ".memory_interface");
+  double requests = 0;
+  for (const char* kind : {"ray_reads", "ray_writes", "hit_reads", "hit_writes"}) requests += records.counted(kind);
+  return ratio(requests, banks.counted("reads") + banks.counted("writes"));
+}
+
+/// Time for all visits at the pace of times when every ray slot was taken; that of all times where there were too few.
+double tracing_demand(const Units& trvs) {
+  const double occupied = 1 - trvs.share("starved"), full = ratio(trvs.counted("full"), trvs.elapsed());
+  if (full < 0.02) return occupied;
+  return std::min(occupied, full * ratio(trvs.counted("visits"), trvs.counted("full_visits")));
+}
+
+CoreTime core_time(std::span<const UnitReport> units, const std::string& core, const Beyond& memory,
+                   const hw::GpuConfig& config) {
+  const Units srp(units, core + ".srp"), trvs(units, core + ".tni.", ".trv"), ist(units, core + ".tni.", ".ist");
+  const Units banks(units, "l2.");
+  CoreTime t;
+  t.kernels = srp.share("running");
+  t.switches = srp.share("switching");
+  t.banks = srp.share("banks");
+  t.data_misses = srp.share("cache_miss");
+  t.no_tile = srp.share("starved");
+  t.demands = {.no_slots = srp.share("no_slots"),
+               .fed = ratio(srp.counted("fed"), srp.elapsed()),
+               .occupied = 1 - trvs.share("starved"),
+               .tree_lines = std::max(
+                   ratio(trvs.counted("l1_miss_cycles"), trvs.elapsed()) / registers(config.tni, config.tni.trv.l1),
+                   ratio(ist.counted("l1_miss_cycles"), ist.elapsed()) / registers(config.tni, config.tni.ist.l1)),
+               .data_lines = ratio(srp.counted("cache_miss_cycles"), srp.elapsed()) / config.srp.data_cache.mshrs,
+               .l2_lines = ratio(banks.counted("line_cycles"), banks.elapsed()) / config.l2.mshrs_per_bank(),
+               .dram_bus = Units(units, "dram.").share("reading") + Units(units, "dram.").share("writing"),
+               .tracing = tracing_demand(trvs),
+               .records = record_share(units, banks)};
+  const double tracing = ratio(srp.counted("awaited"), srp.elapsed());
+  t.transfers = std::max(0.0, srp.share("waiting") + t.demands.no_slots - tracing);
+  const Inside in = inside(trvs, ist);
+  t.boxes = tracing * in.boxes;
+  t.triangles = tracing * in.triangles;
+  t.tree_misses = tracing * in.misses;
+  t.pipes = tracing - t.boxes - t.triangles - t.tree_misses;
+  const double srp_ns = 1000 / srp.clock_mhz(), tni_ns = 1000 / trvs.clock_mhz();
+  t.data_levels = levels(srp_ns * ratio(srp.counted("cache_miss_cycles"), srp.counted("cache_fills")), memory);
+  t.tree_levels = levels(tni_ns * ratio(trvs.counted("l1_miss_cycles") + ist.counted("l1_miss_cycles"),
+                                        trvs.counted("l1_fills") + ist.counted("l1_fills")),
+                         memory);
+  return t;
+}
+
+/// Calls f(member of a, same member of b) for every share and demand of a CoreTime.
+template <class A, class F>
+void each_share(A& a, const CoreTime& b, F&& f) {
+  for (double CoreTime::*share :
+       {&CoreTime::kernels, &CoreTime::switches, &CoreTime::banks, &CoreTime::data_misses, &CoreTime::boxes,
+        &CoreTime::triangles, &CoreTime::pipes, &CoreTime::tree_misses, &CoreTime::transfers, &CoreTime::no_tile}) {
+    f(a.*share, b.*share);
+  }
+  using Demands = CoreTime::Demands;
+  for (double Demands::*demand :
+       {&Demands::no_slots, &Demands::fed, &Demands::occupied, &Demands::tree_lines, &Demands::data_lines,
+        &Demands::l2_lines, &Demands::dram_bus, &Demands::tracing, &Demands::records}) {
+    f(a.demands.*demand, b.demands.*demand);
+  }
+}
+
+/// Adds the levels of a core's misses to those of all: a core counts as much as it missed.
+void add_levels(MissLevels& all, const MissLevels& core, double weight) {
+  for (double MissLevels::*level : {&MissLevels::interconnect, &MissLevels::l2, &MissLevels::dram}) {
+    all.*level += core.*level * weight;
+  }
+}
+
+nlohmann::ordered_json levels_json(const MissLevels& l, double share) {
+  return {{"interconnect", share * l.interconnect}, {"l2", share * l.l2}, {"dram", share * l.dram}};
+}
+
+}  // namespace
+
+TopDown top_down(std::span<const UnitReport> units, const hw::GpuConfig& config) {
+  const Beyond memory = beyond(units);
+  TopDown view;
+  for (std::size_t c = 0; !Units(units, fmt::format("core{}.", c)).empty(); ++c) {
+    view.cores.push_back(core_time(units, fmt::format("core{}", c), memory, config));
+  }
+  const auto cores = static_cast<double>(view.cores.size());
+  CoreTime& gpu = view.gpu;
+  for (const CoreTime& core : view.cores) {
+    each_share(gpu, core, [&](double& sum, double share) { sum += share / cores; });
+  }
+  for (const CoreTime& core : view.cores) {
+    if (gpu.data_misses > 0)
+      add_levels(gpu.data_levels, core.data_levels, core.data_misses / (cores * gpu.data_misses));
+    if (gpu.tree_misses > 0)
+      add_levels(gpu.tree_levels, core.tree_levels, core.tree_misses / (cores * gpu.tree_misses));
+  }
+  return view;
+}
+
+nlohmann::ordered_json time_json(const CoreTime& t) {
+  return {{"kernels", t.kernels},
+          {"switches", t.switches},
+          {"banks", t.banks},
+          {"data_misses", levels_json(t.data_levels, t.data_misses)},
+          {"boxes", t.boxes},
+          {"triangles", t.triangles},
+          {"pipes", t.pipes},
+          {"tree_misses", levels_json(t.tree_levels, t.tree_misses)},
+          {"transfers", t.transfers},
+          {"no_tile", t.no_tile},
+          {"demands",
+           {{"no_slots", t.demands.no_slots},
+            {"fed", t.demands.fed},
+            {"occupied", t.demands.occupied},
+            {"tree_lines", t.demands.tree_lines},
+            {"data_lines", t.demands.data_lines},
+            {"l2_lines", t.demands.l2_lines},
+            {"dram_bus", t.demands.dram_bus},
+            {"tracing", t.demands.tracing},
+            {"records", t.demands.records}}}};
+}
+
+nlohmann::ordered_json top_down_json(const TopDown& view) {
+  nlohmann::ordered_json out = {{"gpu", time_json(view.gpu)}, {"cores", nlohmann::ordered_json::array()}};
+  for (const CoreTime& core : view.cores) out["cores"].push_back(time_json(core));
+  return out;
+}
+
+std::string top_down_text(const nlohmann::ordered_json& time) {
+  static const std::map<std::string, const char*> kWords = {{"kernels", "kernels"},
+                                                            {"switches", "kernel switches"},
+                                                            {"banks", "tile-buffer banks"},
+                                                            {"data_misses", "data-cache misses"},
+                                                            {"boxes", "box tests"},
+                                                            {"triangles", "triangle tests"},
+                                                            {"pipes", "T&I pipelines"},
+                                                            {"tree_misses", "tree misses"},
+                                                            {"transfers", "transfers"},
+                                                            {"no_tile", "no tile"},
+                                                            {"dram", "DRAM"},
+                                                            {"l2", "L2"},
+                                                            {"interconnect", "interconnect"}};
+  std::vector<std::pair<double, std::string>> parts;
+  for (const auto& [name, share] : time.items()) {
+    if (name == "demands") continue;
+    double all = 0;
+    for (const auto& [level, part] : share.items()) all += part.get<double>();
+    if (all < 0.005) continue;
+    const std::string inner = share.is_object() ? top_down_text(share) : "";
+    parts.emplace_back(all, fmt::format("{} {:.0f} %{}", kWords.at(name), 100 * all,
+                                        inner.empty() ? "" : fmt::format(" ({})", inner)));
+  }
+  std::ranges::stable_sort(parts, std::greater<>(), &std::pair<double, std::string>::first);
+  std::vector<std::string> words;
+  for (auto& [share, word] : parts) words.push_back(std::move(word));
+  return fmt::format("{}", fmt::join(words, ", "));
+}
+
+}  // namespace tools

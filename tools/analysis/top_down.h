@@ -1,0 +1,68 @@
+#pragma once
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "hw_models/machines/gpu_config.h"
+#include "sim/report/unit_report.h"
+
+namespace tools {
+
+/// Where a miss of a first-level cache spends its time on average; shares that sum to 1 (all 0 without misses).
+struct MissLevels {
+  double interconnect = 0;  ///< ports and wires, and queues in front of them
+  double l2 = 0;            ///< its queues and look-ups
+  double dram = 0;          ///< from the L2's miss to its fill: controller, device and fabric
+};
+
+/// Where the time of a core goes, seen from its shader core: every cycle is in one place, shares of elapsed time.
+///
+///   array busy: kernels | switches | banks          array stands still: data_misses
+///   array idle, rays in the T&I unit: boxes | triangles | pipes | tree_misses
+///   array idle, none there: transfers (waiting for the DMA or for tiles' turns) | no_tile
+struct CoreTime {
+  double kernels = 0, switches = 0, banks = 0;
+  double data_misses = 0;
+  double boxes = 0;        ///< traversal units put nodes into their box pipes
+  double triangles = 0;    ///< rays wait for triangles that are being tested
+  double pipes = 0;        ///< too few rays to fill pipelines, and what holds rays up inside the unit
+  double tree_misses = 0;  ///< rays wait for node or triangle lines
+  double transfers = 0, no_tile = 0;
+  /// What parts of the core would need alone, as shares of the same time; they overlap with each other.
+  struct Demands {
+    double no_slots = 0;    ///< launches waited for ray slots of the tile buffer
+    double fed = 0;         ///< rays were in the T&I unit
+    double occupied = 0;    ///< of an average traversal unit: rays were inside
+    double tree_lines = 0;  ///< least time for the T&I unit's misses, all miss registers of a cache always in use
+    double data_lines = 0;  ///< likewise for the data cache
+    double l2_lines = 0;    ///< likewise for the L2
+    double dram_bus = 0;    ///< data were on the channels' buses
+    double tracing = 0;     ///< of the T&I unit, at the pace it has with a ray in every slot
+    double records = 0;     ///< of the L2's requests, those for rays and hits that travel through memory
+  };
+  Demands demands{};
+  /// What the misses of its three kinds of cache were spent on.
+  MissLevels data_levels{}, tree_levels{};
+
+  double busy() const { return kernels + switches + banks; }
+  double tracing() const { return boxes + triangles + pipes + tree_misses; }
+};
+
+/// The view for every core, in order, and for all of them together (their mean).
+struct TopDown {
+  std::vector<CoreTime> cores;
+  CoreTime gpu;
+};
+TopDown top_down(std::span<const sim::UnitReport> units, const hw::GpuConfig& config);
+
+nlohmann::ordered_json time_json(const CoreTime& time);
+/// {gpu, cores[]}, each as above.
+nlohmann::ordered_json top_down_json(const TopDown& view);
+/// A line in words of what time_json() gives: "kernels 44 %, data-cache misses 30 % (DRAM 22 %, ...), ...", largest
+/// first.
+std::string top_down_text(const nlohmann::ordered_json& time);
+
+}  // namespace tools

@@ -1,0 +1,57 @@
+#include "tools/studies/bottleneck/bottleneck.h"
+
+#include <memory>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "sim/report/report_json.h"
+#include "sim/report/table.h"
+#include "tools/cli/job_options.h"
+#include "tools/cli/verbs.h"
+
+namespace tools {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string text_of(const Bottleneck& b) {
+  std::string out =
+      fmt::format("{} cycles of the T&I clock\nlimited by    {}\ntime goes to  {}\n\n",
+                  sim::si_text(static_cast<double>(b.cycles)), b.limiter, top_down_text(time_json(b.time)));
+  sim::Table table({"made perfect", "cycles", "speed-up", "estimated"});
+  for (const Bound& bound : b.bounds) {
+    table.row({bound.resource, sim::si_text(static_cast<double>(bound.cycles)), fmt::format("{:.3f}", b.speedup(bound)),
+               fmt::format("{:.2f}", bound.estimated)});
+  }
+  return out + table.text();
+}
+
+Json json_of(const Bottleneck& b) {
+  Json bounds = Json::object();
+  for (const Bound& bound : b.bounds) {
+    bounds[bound.resource] = {
+        {"cycles", bound.cycles}, {"speedup", b.speedup(bound)}, {"estimated_speedup", bound.estimated}};
+  }
+  return {{"schema", "raywatt-bottleneck/1"}, {"cycles", b.cycles}, {"limiter", b.limiter}, {"named", b.named},
+          {"top_down", time_json(b.time)},    {"bounds", bounds}};
+}
+
+}  // namespace
+
+void add_bottleneck(CLI::App& app) {
+  CLI::App* verb = app.add_subcommand(
+      "bottleneck", "What a frame gains if one resource is made perfect, for each resource, and what limits it");
+  const auto options = std::make_shared<JobOptions>();
+  const auto json = std::make_shared<bool>(false);
+  add_work_options(*verb, *options);
+  verb->add_flag("--json", *json, "as JSON");
+  verb->footer("Example: raywatt bottleneck sgrt-2016 --scene chess --resolution 512x256");
+  verb->callback([=] {
+    const Bottleneck b = find_bottleneck(*options);
+    fmt::print("{}", *json ? sim::json_text(json_of(b)) : text_of(b));
+  });
+}
+
+}  // namespace tools

@@ -1,0 +1,85 @@
+#include "tools/cli/job_options.h"
+
+#include <CLI/CLI.hpp>
+
+#include "hw_models/machines/ideal_config.h"
+
+namespace tools {
+
+void add_progress_option(CLI::App& verb, std::string& progress) {
+  verb.add_option("--progress", progress,
+                  "auto: a bar on a terminal after two seconds; json: lines for programs on standard error; none")
+      ->check(CLI::IsMember({"auto", "json", "none"}))
+      ->capture_default_str();
+}
+
+void add_config_options(CLI::App& verb, std::string& config, std::vector<std::string>& sets) {
+  verb.add_option("config", config, "configuration: a name such as sgrt-2016, or a .yaml file")->capture_default_str();
+  add_set_option(verb, sets);
+}
+
+void add_set_option(CLI::App& verb, std::vector<std::string>& sets) {
+  verb.add_option("--set", sets, "change one field: KEY=VALUE, e.g. cores=2 or tni.trv.l1.size='32 KiB' (repeatable)")
+      ->allow_extra_args(false);
+}
+
+void add_work_options(CLI::App& verb, JobOptions& options, bool positional) {
+  if (positional) {
+    add_config_options(verb, options.config, options.sets);
+  } else {
+    add_set_option(verb, options.sets);
+  }
+  verb.add_option("--scene", options.scene,
+                  "built-in scene, workload (.yaml), or .gltf or .glb file (default: cornell)");
+  verb.add_option("--camera", options.camera, "camera of the scene, by name or index (default: its first)");
+  verb.add_option("--program", options.program,
+                  "frame program: full:N traces N samples per pixel, a square; multirate:under, multirate:super,\n"
+                  "undersample and supersample trace where neighbours differ (docs/adaptive.md)")
+      ->capture_default_str();
+  verb.add_option("--resolution", options.resolution, "WIDTHxHEIGHT (default: the configuration's, 1024x512)");
+  verb.add_option("--threads", options.threads, "host threads (default: all cores)")->check(CLI::Range(1, 1024));
+}
+
+void add_frames_option(CLI::App& verb, JobOptions& options) {
+  verb.add_option("--frames", options.frames,
+                  "A:B renders frames A to B of an animation, A frame A alone (default: 0)");
+}
+
+void add_ideal_option(CLI::App& verb, JobOptions& options) {
+  std::vector<std::string> names;
+  for (const hw::IdealConfig::Resource& resource : hw::IdealConfig::kResources) names.emplace_back(resource.name);
+  verb.add_option("--ideal", options.ideal, "a resource made perfect, for a bound (repeatable, or with commas)")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(CLI::IsMember(names));
+}
+
+void add_output_options(CLI::App& verb, JobOptions& options) {
+  verb.add_option("-o,--output", options.out, "folder for the results (default: a dated one below raywatt-out/)");
+  verb.add_flag("--force", options.force, "put the results among the files of a folder that is not a former run");
+  verb.add_flag("--quiet", options.quiet, "no table, no bar");
+  add_progress_option(verb, options.progress);
+}
+
+void add_job_options(CLI::App& verb, JobOptions& options) {
+  add_work_options(verb, options);
+  add_frames_option(verb, options);
+  add_ideal_option(verb, options);
+  add_output_options(verb, options);
+}
+
+void add_rays_option(CLI::App& verb, JobOptions& options) {
+  CLI::Option* rays =
+      verb.add_option("--rays", options.rays,
+                      "trace this list of rays, 8 floats each (origin, t_min, direction, t_max), T&I units alone");
+  for (const char* other : {"--program", "--camera", "--resolution", "--frames", "--reference", "--record",
+                            "--debug-images", "--tile-sampling", "--image"}) {
+    if (CLI::Option* option = verb.get_option_no_throw(other)) rays->excludes(option);
+  }
+}
+
+void add_reference_option(CLI::App& verb, JobOptions& options) {
+  verb.add_option("--reference", options.reference, "also run this program; add PSNR and relative figures");
+}
+
+}  // namespace tools

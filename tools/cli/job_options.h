@@ -1,0 +1,34 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "tools/simulation/job_options.h"
+
+namespace CLI {
+class App;
+}
+
+namespace tools {
+
+/// Adds to a verb of the command line what says what is rendered, and on what.
+/// `positional`: the configuration is an argument of its own.
+void add_work_options(CLI::App& verb, JobOptions& options, bool positional = true);
+/// Adds a list of rays, which takes the place of what says what is rendered; call it last.
+void add_rays_option(CLI::App& verb, JobOptions& options);
+/// Adds the program that others are compared with.
+void add_reference_option(CLI::App& verb, JobOptions& options);
+/// Adds perfect resources.
+void add_ideal_option(CLI::App& verb, JobOptions& options);
+/// Adds what becomes of the results.
+void add_output_options(CLI::App& verb, JobOptions& options);
+/// Adds frames of an animation.
+void add_frames_option(CLI::App& verb, JobOptions& options);
+/// These, frames, and what becomes of the results.
+void add_job_options(CLI::App& verb, JobOptions& options);
+void add_config_options(CLI::App& verb, std::string& config, std::vector<std::string>& sets);
+void add_set_option(CLI::App& verb, std::vector<std::string>& sets);
+
+/// Adds the form of the progress that goes to standard error.
+void add_progress_option(CLI::App& verb, std::string& progress);
+
+}  // namespace tools

@@ -1,0 +1,117 @@
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <new>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "sim/error.h"
+#include "sim/io/printable.h"
+#include "tools/cli/verbs.h"
+#include "tools/host/build_info.h"
+#include "tools/host/interrupt.h"
+#include "traces/scene/did_you_mean.h"
+
+namespace {
+
+constexpr std::size_t kLongestComplaint = 4096;
+
+/// One line, whatever file names and arguments it quotes.
+int complain(std::string_view what, int exit) {
+  fmt::print(stderr, "raywatt: {}\n", sim::printable(what, kLongestComplaint));
+  return exit;
+}
+
+/// The verb that the command line has come to, or the program itself.
+const CLI::App& reached(const CLI::App& app) {
+  const CLI::App* verb = &app;
+  while (!verb->get_subcommands().empty()) verb = verb->get_subcommands().front();
+  return *verb;
+}
+
+/// "raywatt trace replay"
+std::string command(const CLI::App& verb) {
+  return (verb.get_parent() != nullptr ? command(*verb.get_parent()) + " " : "") + verb.get_name();
+}
+
+/// "unknown verb 'shwo', did you mean 'show'?" if that is what is wrong with the command line.
+std::string unknown_verb(const CLI::App& verb) {
+  const std::vector<std::string> rest = verb.remaining();
+  std::vector<std::string> known;
+  for (const CLI::App* sub : verb.get_subcommands([](const CLI::App*) { return true; })) {
+    known.push_back(sub->get_name());
+  }
+  if (rest.empty() || known.empty() || rest.front().starts_with('-')) return {};
+  return fmt::format("unknown verb '{}'{}; there are: {}", sim::printable(rest.front()),
+                     traces::did_you_mean(rest.front(), known), fmt::join(known, ", "));
+}
+
+int run(int argc, char** argv) {
+  int exit = tools::kGood;
+  CLI::App app{"Raywatt simulates a mobile ray-tracing GPU: cycles, rays, energy and performance per watt.", "raywatt"};
+  app.require_subcommand(1);
+  app.set_version_flag(
+      "--version", fmt::format("raywatt {} ({}{})", tools::build_info().version, tools::build_info().git.substr(0, 12),
+                               tools::build_info().dirty ? ", with changes" : ""));
+  const std::vector<std::string> words(argv, argv + argc);
+  tools::add_run(app, words, exit);
+  tools::add_verify(app, words, exit);
+  tools::add_reproduce(app, words);
+  tools::add_scenes(app);
+  tools::add_config(app);
+  tools::add_kernels(app);
+  tools::add_bottleneck(app);
+  tools::add_bench(app);
+  tools::add_compare(app);
+  tools::add_baseline(app, exit);
+  tools::add_trace(app, words);
+  tools::add_microbench(app, exit);
+  tools::add_sweep(app, exit);
+  tools::add_optimise(app, exit);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    const bool asked = error.get_exit_code() == 0;  // --help, --version
+    if (asked) return app.exit(error);
+    const CLI::App& verb = reached(app);
+    const std::string unknown = unknown_verb(verb);
+    return complain(unknown.empty() ? fmt::format("{}; see {} --help", error.what(), command(verb)) : unknown,
+                    tools::kBadInput);
+  }
+  if (std::fflush(stdout) != 0) throw std::system_error(errno, std::generic_category(), "standard output");
+  return exit;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  tools::end_on_interrupts();
+  try {
+    return run(argc, argv);
+  } catch (const tools::Interrupted&) {
+    return 128 + SIGINT;  // not reached while HoldInterrupts ends the process
+  } catch (const sim::InputError& error) {
+    return complain(error.what(), tools::kBadInput);
+  } catch (const sim::IoError& error) {
+    return complain(error.what(), tools::kIoFailed);
+  } catch (const sim::Deadlock& error) {
+    fmt::print(stderr, "raywatt: {}\n{}", error.what(), error.state);
+    return tools::kStuckMachine;
+  } catch (const std::system_error& error) {
+    return complain(error.what(), tools::kIoFailed);
+  } catch (const std::bad_alloc&) {
+    return complain(
+        "out of memory: the work needs more than this host gives; a smaller --resolution or limits.memory, or fewer "
+        "--threads, needs less",
+        tools::kIoFailed);
+  } catch (const std::exception& error) {
+    return complain(fmt::format("internal error: {}", error.what()), tools::kOurBug);
+  }
+}

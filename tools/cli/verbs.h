@@ -1,0 +1,31 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "tools/host/exit_code.h"
+
+namespace CLI {
+class App;
+}
+
+namespace tools {
+
+// One function per verb: adds it to the command line. The verb runs as its callback and leaves its ending in `exit`.
+void add_run(CLI::App& app, const std::vector<std::string>& argv, int& exit);
+void add_verify(CLI::App& app, const std::vector<std::string>& argv, int& exit);
+void add_reproduce(CLI::App& app, const std::vector<std::string>& argv);
+void add_scenes(CLI::App& app);
+void add_config(CLI::App& app);
+void add_kernels(CLI::App& app);
+void add_bottleneck(CLI::App& app);
+void add_bench(CLI::App& app);
+void add_compare(CLI::App& app);
+void add_baseline(CLI::App& app, int& exit);
+void add_trace(CLI::App& app, const std::vector<std::string>& argv);
+void add_microbench(CLI::App& app, int& exit);
+void add_sweep(CLI::App& app, int& exit);
+/// Those verbs of `raywatt sweep` that look at results.
+void add_sweep_results(CLI::App& sweep);
+void add_optimise(CLI::App& app, int& exit);
+
+}  // namespace tools

@@ -1,0 +1,61 @@
+#include "tools/host/interrupt.h"
+
+#include <atomic>
+#include <csignal>
+#include <string>
+#include <string_view>
+
+#include <unistd.h>
+
+namespace tools {
+
+namespace {
+
+std::atomic<int> held = 0, waiting = 0;
+std::atomic<bool> has_bar = false;
+static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free);
+std::string kept_so_far;  ///< not for the signal handler
+
+void say(std::string_view words) {
+  [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, words.data(), words.size());
+}
+
+[[noreturn]] void end(int signal, std::string_view words) {
+  if (has_bar) say("\r\x1b[K");
+  say(words);
+  ::_exit(128 + signal);
+}
+
+extern "C" void on_interrupt(int signal) {
+  const bool second = waiting.exchange(signal) != 0;
+  if (held == 0 || second)  // read last, as ~HoldInterrupts reads `waiting` last: one of the two sees the other
+    end(signal, "raywatt: interrupted\n");
+}
+
+}  // namespace
+
+void end_on_interrupts() {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction action = {};
+    if (::sigaction(signal, nullptr, &action) != 0 || action.sa_handler == SIG_IGN) continue;
+    action = {};
+    action.sa_handler = on_interrupt;
+    action.sa_flags = SA_RESTART;
+    ::sigaction(signal, &action, nullptr);
+  }
+}
+
+bool interrupted() { return waiting != 0; }
+
+void tell_if_interrupted(std::string kept) { kept_so_far = "; " + std::move(kept); }
+
+void erase_if_interrupted(bool bar_is_there) { has_bar = bar_is_there; }
+
+HoldInterrupts::HoldInterrupts() { held += 1; }
+
+HoldInterrupts::~HoldInterrupts() {
+  held -= 1;
+  if (held == 0 && waiting != 0) end(waiting, "raywatt: interrupted" + kept_so_far + "\n");
+}
+
+}  // namespace tools

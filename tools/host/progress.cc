@@ -1,0 +1,185 @@
+#include "tools/host/progress.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <exception>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include "sim/report/table.h"
+#include "tools/host/interrupt.h"
+
+namespace tools {
+
+namespace {
+
+constexpr std::chrono::milliseconds kBetween(200), kPatience(2000);
+constexpr std::size_t kBar = 24;
+
+void write_stderr(std::string_view text) {
+  [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, text.data(), text.size());
+}
+
+std::size_t columns_of_terminal() {
+  winsize size{};
+  return ::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col != 0 ? size.ws_col : 80;
+}
+
+bool is_terminal() {
+  const char* kind = std::getenv("TERM");
+  return ::isatty(STDERR_FILENO) == 1 && kind != nullptr && std::string_view(kind) != "dumb";
+}
+
+/// "48 s", "3 min 20 s", "2 h 5 min"
+std::string duration_text(double seconds) {
+  const auto whole = static_cast<std::uint64_t>(std::max(seconds, 0.0) + 0.5);
+  if (whole < 60) return fmt::format("{} s", whole);
+  if (whole < 3600) return fmt::format("{} min {} s", whole / 60, whole % 60);
+  return fmt::format("{} h {} min", whole / 3600, whole / 60 % 60);
+}
+
+}  // namespace
+
+double ProgressState::share() const {
+  const double of_part = tile == tiles ? 0 : static_cast<double>(tile) / tiles;  // all tiles: a finished part
+  return (part + of_part) / parts;
+}
+
+double ProgressState::rays_per_s() const { return busy_seconds > 0 ? static_cast<double>(rays) / busy_seconds : 0; }
+
+double ProgressState::seconds_left() const { return share() > 0 ? busy_seconds * (1 - share()) / share() : -1; }
+
+std::string progress_line(const ProgressState& s, std::size_t columns) {
+  std::string line = s.label.empty() ? "" : s.label + ": ";
+  line += s.phase;
+  if (s.tiles != 0) {
+    if (s.parts > 1) line += fmt::format(" frame {}", s.frame);
+    const auto full = static_cast<std::size_t>(s.share() * kBar);
+    line += fmt::format(" [{}{}] {:.0f} %", std::string(full, '#'), std::string(kBar - full, '.'), 100 * s.share());
+    if (s.rays != 0) line += "  " + sim::si_text(s.rays_per_s(), "rays/s");
+    if (s.seconds_left() >= 0) line += "  " + duration_text(s.seconds_left()) + " left";
+  } else {
+    line += " ...  " + duration_text(s.seconds);
+  }
+  if (line.size() >= columns) line.resize(columns - 1);  // a full line would begin another
+  return line;
+}
+
+std::string progress_json(const ProgressState& s) {
+  nlohmann::ordered_json json = {{"time", s.seconds}, {"phase", s.phase}};
+  if (!s.label.empty()) json["label"] = s.label;
+  json.update({{"frame", s.frame},
+               {"part", s.part},
+               {"parts", s.parts},
+               {"tile", s.tile},
+               {"tiles", s.tiles},
+               {"rays", s.rays},
+               {"cycles", s.cycles},
+               {"rays_per_s", s.rays_per_s()}});
+  json["seconds_left"] =
+      s.seconds_left() >= 0 ? nlohmann::ordered_json(s.seconds_left()) : nlohmann::ordered_json(nullptr);
+  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+Progress::Progress(const std::string& form, bool quiet)
+    : form_(form == "json"                              ? Form::kJson
+            : form == "auto" && !quiet && is_terminal() ? Form::kBar
+                                                        : Form::kNone) {
+  if (form_ != Form::kNone) thread_ = std::thread([this] { run(); });
+}
+
+Progress::~Progress() { end(interrupted() ? "interrupted" : std::uncaught_exceptions() != 0 ? "failed" : "done"); }
+
+void Progress::phase(const std::string& what) {
+  const std::lock_guard lock(mutex_);
+  state_.phase = what;
+}
+
+void Progress::expect(std::uint32_t parts, const std::string& label) {
+  const std::lock_guard lock(mutex_);
+  restart(parts, label);
+}
+
+void Progress::restart(std::uint32_t parts, const std::string& label) {
+  state_ = {.phase = state_.phase, .label = label, .parts = std::max(parts, 1U)};
+  rays_before_ = cycles_before_ = 0;
+  busy_since_ = {};
+}
+
+void Progress::begin_part(const std::string& what, std::uint32_t frame, std::uint32_t tiles) {
+  const std::lock_guard lock(mutex_);
+  if (state_.part == state_.parts) restart(state_.parts, std::string(state_.label));
+  if (busy_since_ == sim::HostClock::time_point{}) busy_since_ = sim::HostClock::now();
+  state_.phase = what;
+  state_.frame = frame;
+  state_.tile = 0;
+  state_.tiles = tiles;
+}
+
+void Progress::tiles_done(std::uint32_t tiles, std::uint64_t rays, std::uint64_t cycles) {
+  const std::lock_guard lock(mutex_);
+  state_.tile = tiles;
+  state_.rays = rays_before_ + rays;
+  state_.cycles = cycles_before_ + cycles;
+  if (tiles < state_.tiles) return;
+  state_.part += 1;
+  rays_before_ = state_.rays;
+  cycles_before_ = state_.cycles;
+}
+
+void Progress::say(const std::string& line) {
+  const std::lock_guard lock(mutex_);
+  erase();
+  write_stderr(line + "\n");
+}
+
+void Progress::end(const std::string& how) {
+  if (!thread_.joinable()) return;
+  {
+    const std::lock_guard lock(mutex_);
+    ended_ = true;
+    state_.phase = how;
+  }
+  news_.notify_all();
+  thread_.join();
+  if (form_ == Form::kJson) write_stderr(progress_json(now()));
+  erase();
+}
+
+void Progress::run() {
+  std::unique_lock lock(mutex_);
+  const auto ended = [this] { return ended_; };
+  if (form_ == Form::kBar && news_.wait_for(lock, kPatience, ended)) return;
+  while (!news_.wait_for(lock, kBetween, ended)) show();
+}
+
+void Progress::show() {
+  if (form_ == Form::kJson) {
+    write_stderr(progress_json(now()));
+    return;
+  }
+  bar_is_there_ = true;
+  erase_if_interrupted(true);
+  write_stderr(fmt::format("\r{}\x1b[K", progress_line(now(), columns_of_terminal())));
+}
+
+void Progress::erase() {
+  if (!bar_is_there_) return;
+  write_stderr("\r\x1b[K");
+  bar_is_there_ = false;
+  erase_if_interrupted(false);
+}
+
+ProgressState Progress::now() const {
+  ProgressState state = state_;
+  state.seconds = sim::seconds_since(begin_);
+  if (busy_since_ != sim::HostClock::time_point{}) state.busy_seconds = sim::seconds_since(busy_since_);
+  return state;
+}
+
+}  // namespace tools

@@ -1,0 +1,56 @@
+#include "tools/jobs/outcome.h"
+
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "sim/config/config.h"
+#include "sim/io/file.h"
+#include "sim/report/report_json.h"
+#include "tools/analysis/sampling_report.h"
+
+namespace tools {
+
+namespace {
+
+void keep(Simulation frame, std::optional<Simulation>& total) {
+  if (total) {
+    total->add(frame);
+  } else {
+    total = std::move(frame);
+  }
+}
+
+}  // namespace
+
+void Outcome::add(std::uint32_t number, Simulation frame, std::optional<Simulation> compared, double error) {
+  nlohmann::ordered_json entry = {{"frame", number}};
+  if (frame.is_part()) entry.update({{"finished_tiles", frame.finished_tiles}, {"tiles", frame.tiles}});
+  entry.update(totals_json({frame, compared ? &*compared : nullptr, error}));
+  if (!frame.function.sampling.similar.empty()) entry["sampling"]["tiles"] = tiles_json(frame.function.sampling);
+  frames.push_back(std::move(entry));
+  squared_error += error;
+  keep(std::move(frame), total);
+  if (compared) keep(*std::move(compared), reference);
+}
+
+Result Outcome::result() const {
+  return {*total, reference ? &*reference : nullptr, squared_error / static_cast<double>(frames.size())};
+}
+
+std::string Outcome::kept(std::size_t all) const {
+  if (total->is_part()) {
+    return fmt::format("{} of {} tiles of frame {}", total->finished_tiles, total->tiles,
+                       frames.front()["frame"].get<std::uint32_t>());
+  }
+  if (all > 1) return fmt::format("{} of {} frames", frames.size(), all);
+  return partial ? "the run without its reference" : "the whole run";
+}
+
+void write_report(const std::filesystem::path& folder, const nlohmann::ordered_json& json, const RunConfig& config) {
+  sim::write_file_atomically(folder / "report.json", sim::json_text(json));
+  sim::write_file_atomically(folder / "report.txt", report_table(json));
+  sim::write_file_atomically(folder / "config.yaml", sim::dump_config(config));
+}
+
+}  // namespace tools

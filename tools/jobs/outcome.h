@@ -1,0 +1,28 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "tools/analysis/report.h"
+
+namespace tools {
+
+/// What has become of the frames so far.
+struct Outcome {
+  std::optional<Simulation> total, reference;
+  double squared_error = 0;  ///< sum over frames
+  nlohmann::ordered_json frames = nlohmann::ordered_json::array();
+  bool partial = false;
+
+  /// Adds a frame, and what it is compared with, if anything: `error` is their pictures' mean squared difference.
+  void add(std::uint32_t number, Simulation frame, std::optional<Simulation> compared, double error);
+  Result result() const;
+  /// What an interrupted run has kept, in words; `all` frames were wanted.
+  std::string kept(std::size_t all) const;
+};
+
+/// Writes report.json, report.txt and config.yaml into a folder.
+void write_report(const std::filesystem::path& folder, const nlohmann::ordered_json& json, const RunConfig& config);
+
+}  // namespace tools

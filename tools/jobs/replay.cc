@@ -1,0 +1,163 @@
+#include "tools/jobs/replay.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "shader_kernels/catalogue.h"
+#include "sim/error.h"
+#include "sim/host_clock.h"
+#include "sim/io/printable.h"
+#include "tools/host/interrupt.h"
+#include "tools/simulation/recorded.h"
+#include "tools/simulation/replay_program.h"
+#include "traces/accel/bvh_config.h"
+
+namespace tools {
+
+namespace {
+
+using Part = traces::TraceReader::Part;
+
+/// A replay traces nothing.
+class NoTracer final : public traces::Tracer {
+ public:
+  void trace(std::span<const traces::Ray>, traces::RayKind, std::span<traces::Hit>, traces::WalkSink*) const override {}
+};
+
+std::vector<traces::KernelId> kernels_of(const traces::Json& names) {
+  std::vector<traces::KernelId> ids;
+  for (const traces::Json& name : names) {
+    const kernels::KernelInfo* kernel = kernels::find_kernel(name.get<std::string>());
+    if (kernel == nullptr) {
+      throw sim::InputError(fmt::format("has a kernel '{}', which this program has not; see raywatt kernels list",
+                                        sim::printable(name.get<std::string>())));
+    }
+    ids.push_back(kernel->id);
+  }
+  if (ids.empty()) throw sim::InputError("has no kernels");
+  return ids;
+}
+
+/// What a machine needs to know of a tree.
+void place_tree(const traces::TileScope& scope, const traces::BvhConfig& config, traces::MemoryImage& image) {
+  const bool has_levels = !scope.links.roots.empty();
+  if (has_levels && config.instances == traces::InstanceLevels::kFlatten) {
+    throw sim::InputError("has a tree of two levels, and bvh.instances is flatten; allowed: two_level");
+  }
+  image = {};
+  for (const auto& children : scope.links.nodes) std::ranges::copy(children, image.nodes.emplace_back().child);
+  for (const std::uint32_t root : scope.links.roots) image.instances.emplace_back().root = root;
+  std::vector<std::uint32_t> roots = scope.links.roots;
+  std::ranges::sort(roots);
+  const auto end = std::ranges::unique(roots).begin();
+  for (auto root = roots.begin(); root != end && *root != traces::kNone; ++root) {
+    image.trees.push_back({.first_node = *root});
+  }
+  // The machine asks whether there is a grid, not where it lies.
+  if (config.numbers == traces::BoxNumbers::kHybrid) image.grid.emplace(image.lower, image.upper);
+  image.layout = traces::layout_of(scope.counts, image.nodes, config);
+}
+
+}  // namespace
+
+Replay::Replay(const std::filesystem::path& file, const JobOptions& options)
+    : Replay(file, [&](const traces::Json& header, const std::string& name) {
+        return replay_config(header, name, options);
+      }) {}
+
+Replay::Replay(const std::filesystem::path& file, const RunConfig& config)
+    : Replay(file, [&](const traces::Json& header, const std::string& name) {
+        check_recorded(header, name, config);
+        return config;
+      }) {}
+
+Replay::Replay(const std::filesystem::path& file,
+               const std::function<RunConfig(const traces::Json& header, const std::string& name)>& config)
+    : trace_(file) {
+  const std::string name = sim::printable(file.string());
+  try {
+    trace_.naming_file([&] { check_header(trace_.header()); });
+    inputs_.config = config(trace_.header(), name);
+  } catch (const traces::Json::exception& error) {
+    throw sim::InputError(fmt::format("{}: is damaged: {}", name, sim::printable(error.what())));
+  }
+  trace_.naming_file([&] {
+    const traces::Json& header = trace_.header();
+    program_ = kernels::parse_program(header.at("program").get<std::string>());
+    const std::string reference = header.at("reference").get<std::string>();
+    if (!reference.empty()) reference_ = kernels::parse_program(reference);
+    const traces::Json& scene = header.at("scene");
+    constexpr std::uint64_t kMost = std::uint64_t{1} << 40;
+    inputs_.scene.name = sim::printable(scene.at("name").get<std::string>());
+    inputs_.scene.triangles = traces::number_at(scene, "triangles", kMost);
+    inputs_.scene.instances = traces::number_at(scene, "instances", kMost);
+    inputs_.scene.lights = traces::number_at(scene, "lights", kMost);
+    inputs_.scene_sha256 = sim::printable(scene.at("sha256").get<std::string>());
+    inputs_.bvh_hash = sim::printable(scene.at("bvh_hash").get<std::string>());
+    kernels_ = kernels_of(header.at("kernels"));
+    if (trace_.frames().empty()) throw sim::InputError("has no frames");
+  });
+}
+
+const Part& Replay::part(std::uint32_t frame, bool reference) const {
+  const auto found = std::ranges::find_if(
+      trace_.parts(), [&](const Part& p) { return p.frame == frame && p.reference == reference && p.tiles != 0; });
+  if (found == trace_.parts().end()) throw sim::InputError(fmt::format("has no work of frame {}", frame));
+  return *found;
+}
+
+void Replay::load_tree(const Part& part) {
+  const sim::HostClock::time_point begin = sim::HostClock::now();
+  if (tree_ != part.tree) {
+    scope_ = trace_.scope(part, static_cast<std::uint32_t>(kernels_.size()));
+    trace_.naming_file([&] { place_tree(scope_, inputs_.config.bvh, inputs_.image); });
+    inputs_.stored_triangles = scope_.counts.triangles;
+    inputs_.parents = traces::parents_of(inputs_.image);
+    tree_ = part.tree;
+  }
+  scope_.region_bytes = part.requirements.region_bytes;
+  inputs_.load_seconds += sim::seconds_since(begin);
+}
+
+Simulation Replay::play(const Part& part, const kernels::ProgramSpec& program, std::uint32_t threads,
+                        Progress* progress, bool keep_part) {
+  load_tree(part);
+  ReplayProgram frame(trace_, part, scope_, kernels_);
+  inputs_.frame = part.frame;
+  return tools::play(inputs_, program, frame, NoTracer(), threads, {.keep_part = keep_part, .progress = progress});
+}
+
+Outcome Replay::run(std::uint32_t threads, Progress* progress, bool keep_part) {
+  Outcome out;
+  try {
+    for (const traces::Json& frame : trace_.frames()) {
+      const auto [number, error] = trace_.naming_file([&] {
+        const double difference = frame.at("squared_error").get<double>();
+        if (!(difference >= 0 && difference < 4)) throw sim::InputError("squared_error is out of range");
+        return std::pair{static_cast<std::uint32_t>(traces::number_at(frame, "frame", traces::kMaxFrame)), difference};
+      });
+      const Part& work = trace_.naming_file([&]() -> const Part& { return part(number, false); });
+      const bool may_be_part = keep_part && out.frames.empty();
+      Simulation played = play(work, program_, threads, progress, may_be_part);
+      std::optional<Simulation> compared;
+      if (reference_ && !played.is_part()) {
+        const Part& other = trace_.naming_file([&]() -> const Part& { return part(number, true); });
+        try {
+          compared = play(other, *reference_, threads, progress, false);
+        } catch (const Interrupted&) {
+          if (!may_be_part) throw;
+        }
+      }
+      out.partial = played.is_part() || (reference_ && !compared);
+      out.add(number, std::move(played), std::move(compared), out.partial ? 0 : error);
+      if (out.partial) break;
+    }
+  } catch (const Interrupted&) {
+    if (out.frames.empty()) throw;
+    out.partial = true;
+  }
+  return out;
+}
+
+}  // namespace tools

@@ -1,0 +1,155 @@
+#include "tools/sampling/sampled_run.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "sim/engine.h"
+#include "sim/report/report_json.h"
+#include "tools/analysis/report_paths.h"
+#include "tools/analysis/units.h"
+#include "tools/simulation/progress_tile_source.h"
+
+namespace tools {
+
+namespace {
+
+/// What happened from one mark to another.
+MeasuredPart between(const SampledTiles::Mark& a, const SampledTiles::Mark& b) {
+  MeasuredPart part{b.time - a.time, b.units, b.kernels, {}};
+  for (std::size_t u = 0; u < part.units.size(); ++u) {
+    sim::UnitReport& unit = part.units[u];
+    for (std::size_t i = 0; i < unit.why.size(); ++i) unit.why[i].second -= a.units[u].why[i].second;
+    for (std::size_t i = 0; i < unit.counters.size(); ++i) {
+      sim::CounterReport& counter = unit.counters[i];
+      if (counter.kind == sim::CounterKind::kSum) counter.value -= a.units[u].counters[i].value;
+    }
+  }
+  for (std::size_t k = 0; k < part.kernels.size(); ++k) {
+    hw::KernelUse& use = part.kernels[k];
+    const hw::KernelUse& before = a.kernels[k];
+    use = {use.launches - before.launches, use.items - before.items, use.idle - before.idle, use.cycles - before.cycles,
+           use.starved - before.starved};
+  }
+  return part;
+}
+
+/// Traits of what was worked on: what the machine counts itself, and otherwise those of the tiles that were under way,
+/// each for the share of its time that lies in the part.
+TileTraits traits_of(const MeasuredPart& part, sim::Time begin, sim::Time end, const SampledTiles& tiles,
+                     std::span<const TileTraits> traits, std::span<const hw::KernelSchedule> kernels) {
+  TileTraits sum;
+  for (const SampledTiles::Played& tile : tiles.played()) {
+    const sim::Time from = std::max(tile.begin, begin), to = std::min(tile.end, end);
+    if (from < to)
+      sum.add(traits[tile.tile], static_cast<double>(to - from) / static_cast<double>(tile.end - tile.begin));
+  }
+  const auto counted = [&](const char* counter) { return static_cast<double>(sum_of(part.units, "tni", counter)); };
+  sum.visits = counted("visits") - counted("restarted_visits");
+  sum.tests = counted("tests");
+  sum.array = 0;
+  for (std::size_t k = 0; k < kernels.size(); ++k)
+    sum.array += static_cast<double>(part.kernels[k].items) * kernels[k].ii;
+  return sum;
+}
+
+}  // namespace
+
+SampledRun run_blocks(const Inputs& inputs, ProgressTileSource& source, const kernels::FrameRequirements& requirements,
+                      std::span<const TimedBlock> blocks, std::span<const TileTraits> traits) {
+  SampledTiles tiles(source, blocks);
+  const auto gpu = std::make_unique<hw::Gpu>(inputs.config.gpu,
+                                             hw::Gpu::Workload{inputs.image, inputs.parents, requirements.tile_samples,
+                                                               requirements.region_bytes, requirements.attribute_bytes},
+                                             tiles);
+  tiles.connect(*gpu);
+  source.played_by(*gpu);
+  gpu->finish(sim::run(*gpu));
+  tiles.finish();
+
+  SampledRun run;
+  run.units = gpu->report();
+  run.kernels = gpu->kernels();
+  run.elapsed = gpu->elapsed();
+  run.cycle = gpu->elapsed() / gpu->cycles();
+  run.timed = tiles.played().size();
+  run.warmed = tiles.warmed();
+  run.warming_seconds = tiles.warming_seconds();
+  const std::vector<SampledTiles::Mark>& marks = tiles.marks();
+  for (std::size_t i = 0; i < marks.size(); i += 2) {
+    MeasuredPart part = between(marks[i], marks[i + 1]);
+    part.traits = traits_of(part, marks[i].time, marks[i + 1].time, tiles, traits, run.kernels);
+    if (i == 0) {
+      run.begin = std::move(part);
+    } else if (i + 2 == marks.size()) {
+      run.end = std::move(part);
+    } else {
+      run.parts.push_back(std::move(part));
+    }
+  }
+  return run;
+}
+
+std::map<std::string, double> summed_counters(std::vector<sim::UnitReport> units) {
+  for (sim::UnitReport& unit : units) {
+    std::erase_if(unit.counters, [](const sim::CounterReport& c) { return c.kind != sim::CounterKind::kSum; });
+  }
+  constexpr std::string_view kUnits = "units.";
+  std::map<std::string, double> sums;
+  for (const ReportNumber& number : unit_sums({{"units", sim::units_json(units)}})) {
+    if (number.path.find(".counters.") != std::string::npos) sums[number.path.substr(kUnits.size())] = number.value;
+  }
+  return sums;
+}
+
+MeasuredPart weighted_sum(std::span<const MeasuredPart* const> parts, std::span<const double> weights,
+                          const SampledRun& run) {
+  const auto sum = [&](auto&& of) {
+    double total = static_cast<double>(of(run.begin)) + static_cast<double>(of(run.end));
+    for (std::size_t k = 0; k < parts.size(); ++k) total += weights[k] * static_cast<double>(of(*parts[k]));
+    return std::max(0.0, total);
+  };
+  const auto rounded = [](double x) { return static_cast<std::uint64_t>(std::llround(x)); };
+  MeasuredPart whole;
+  whole.time = rounded(sum([](const MeasuredPart& p) { return p.time; }));
+  const double longer = static_cast<double>(whole.time) / static_cast<double>(run.elapsed);
+  whole.units = run.units;
+  for (std::size_t u = 0; u < run.units.size(); ++u) {
+    sim::UnitReport& unit = whole.units[u];
+    for (std::size_t i = 0; i < unit.counters.size(); ++i) {
+      sim::CounterReport& counter = unit.counters[i];
+      if (counter.kind == sim::CounterKind::kSum) {
+        counter.value = rounded(sum([&](const MeasuredPart& p) { return p.units[u].counters[i].value; }));
+      } else if (counter.kind == sim::CounterKind::kAtEnd) {
+        counter.value = rounded(longer * static_cast<double>(counter.value));
+      }
+    }
+    // Reasons are charged as late as at a unit's next tick, so they are put in proportion, and the rest goes to the
+    // largest.
+    unit.elapsed = rounded(longer * static_cast<double>(unit.elapsed));
+    std::vector<double> spent;
+    for (std::size_t i = 0; i < unit.why.size(); ++i) {
+      spent.push_back(sum([&](const MeasuredPart& p) { return p.units[u].why[i].second; }));
+    }
+    const double all = std::accumulate(spent.begin(), spent.end(), 0.0);
+    std::uint64_t given = 0;
+    for (std::size_t i = 0; i < unit.why.size(); ++i) {
+      unit.why[i].second =
+          all == 0 ? 0 : static_cast<std::uint64_t>(spent[i] / all * static_cast<double>(unit.elapsed));
+      given += unit.why[i].second;
+    }
+    if (unit.why.empty()) continue;
+    std::ranges::max_element(unit.why, {}, [](const auto& why) { return why.second; })->second += unit.elapsed - given;
+  }
+  whole.kernels.resize(run.begin.kernels.size());
+  for (std::size_t k = 0; k < whole.kernels.size(); ++k) {
+    const auto of = [&](std::uint64_t hw::KernelUse::*member) {
+      return rounded(sum([&](const MeasuredPart& p) { return p.kernels[k].*member; }));
+    };
+    using Use = hw::KernelUse;
+    whole.kernels[k] = {of(&Use::launches), of(&Use::items), of(&Use::idle), of(&Use::cycles), of(&Use::starved)};
+  }
+  return whole;
+}
+
+}  // namespace tools

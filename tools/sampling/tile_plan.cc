@@ -1,0 +1,47 @@
+#include "tools/sampling/tile_plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "sim/hash.h"
+
+namespace tools {
+
+TilePlan plan_tiles(std::span<const double> costs, double share, const PlanShape& shape, std::uint64_t seed) {
+  const auto tiles = static_cast<std::uint32_t>(costs.size());
+  const std::uint32_t length = shape.lead + shape.measured;
+  const double all = std::accumulate(costs.begin(), costs.end(), 0.0);
+  double squares = 0;
+  for (const double cost : costs) squares += cost * cost;
+  // A tile is drawn with a chance in proportion to its cost, so a drawn one costs this on average.
+  const double drawn = squares / all;
+  const auto count = std::max<std::uint32_t>(
+      shape.least, static_cast<std::uint32_t>(std::lround(share * all / (drawn * shape.measured))));
+  const std::uint64_t sampled = std::uint64_t{count} * length;
+  const std::uint64_t edges = 2 * std::uint64_t{shape.edge} + shape.lead;
+  if (edges + sampled + sampled / 2 >= tiles) return {{{0, 0, tiles, 0}}, true, 0, tiles};
+
+  TilePlan plan{{{0, 0, shape.edge, 0}}, false, shape.edge, tiles - shape.edge};
+  const std::uint32_t last = plan.end - shape.lead - length;  // place for a block
+  // What the measured parts of blocks cost that begin before a place.
+  std::vector<double> before(1);
+  for (std::uint32_t first = plan.begin; first <= last; ++first) {
+    const auto measured = costs.subspan(first + shape.lead, shape.measured);
+    before.push_back(std::accumulate(measured.begin(), measured.end(), before.back()));
+  }
+  for (std::uint32_t k = 0; k < count; ++k) {
+    const double at = before.back() * (k + static_cast<double>(sim::unit_float(sim::hash(seed, k)))) / count;
+    const auto found = std::ranges::upper_bound(before, at) - before.begin() - 1 + plan.begin;
+    const std::uint32_t free = plan.blocks.back().end;
+    const std::uint32_t first = std::max(free, static_cast<std::uint32_t>(found));
+    if (first > last) break;
+    plan.blocks.push_back({first, first + shape.lead, first + length, std::min(shape.warming, first - free)});
+  }
+  const std::uint32_t free = plan.blocks.back().end;
+  const std::uint32_t ending = plan.end - shape.lead;
+  plan.blocks.push_back({ending, plan.end, tiles, std::min(shape.warming, ending - free)});
+  return plan;
+}
+
+}  // namespace tools

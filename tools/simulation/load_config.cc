@@ -1,0 +1,102 @@
+#include "tools/simulation/load_config.h"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "sim/config/config.h"
+#include "sim/error.h"
+#include "tools/host/paths.h"
+#include "traces/scenes/library.h"
+
+namespace tools {
+
+namespace {
+
+/// What a workload file may say: all that describes the work, nothing of the machine.
+constexpr std::array<std::string_view, 3> kWorkloadKeys = {"scene", "render", "bvh"};
+
+void apply_workload(sim::ConfigLoader& loader, RunConfig& config, const std::filesystem::path& file) {
+  loader.apply_part(file, kWorkloadKeys);
+  const std::filesystem::path scene = config.scene.name;
+  if (traces::is_scene_file(config.scene.name) && scene.is_relative()) {
+    config.scene.name = (file.parent_path() / scene).lexically_normal().string();
+  }
+}
+
+void check_energy_figures(const RunConfig& config, const std::string& origin) {
+  if (!config.energy.events.empty()) return;
+  throw sim::InputError(
+      fmt::format("{}: energy: no figures; a file that lists only what differs begins with a line "
+                  "such as 'extends: sgrt-2016'",
+                  origin));
+}
+
+void load_base(sim::ConfigLoader& loader, RunConfig& config, const std::string& name, const std::string& scene) {
+  sim::set_config_search_path(config_folders());
+  loader.apply_file(find_config(name));
+  if (const std::optional<std::filesystem::path> workload = find_workload(scene)) {
+    apply_workload(loader, config, *workload);
+  }
+}
+
+void apply_rest(sim::ConfigLoader& loader, const sim::ConfigNode& tree, RunConfig& config, const JobOptions& options) {
+  for (const std::string& argument : options.sets) loader.apply_set(argument);
+  if (!options.scene.empty() && !find_workload(options.scene)) config.scene.name = options.scene;
+  if (!options.camera.empty()) config.scene.camera = options.camera;
+  if (!options.frames.empty()) {
+    const FrameRange range = parse_frames(options.frames);
+    config.scene.first_frame = range.first;
+    config.scene.last_frame = range.last;
+  }
+  apply_ideal(config, options.ideal);
+  if (!options.resolution.empty()) {
+    const Resolution r = parse_resolution(options.resolution);
+    config.render.width = r.width;
+    config.render.height = r.height;
+  }
+  const std::string origin = find_config(options.config).string();
+  sim::check_tree(tree, origin);
+  check_energy_figures(config, origin);
+}
+
+}  // namespace
+
+RunConfig load_run_config(const JobOptions& options) {
+  RunConfig config;
+  sim::ConfigNode tree = sim::config_tree(config);
+  sim::ConfigLoader loader(tree);
+  load_base(loader, config, options.config, options.scene);
+  apply_rest(loader, tree, config, options);
+  return config;
+}
+
+RunConfig load_base_config(const std::string& name, const std::string& scene) {
+  RunConfig config;
+  sim::ConfigNode tree = sim::config_tree(config);
+  sim::ConfigLoader loader(tree);
+  load_base(loader, config, name, scene);
+  return config;
+}
+
+RunConfig apply_options(RunConfig config, const JobOptions& options) {
+  sim::ConfigNode tree = sim::config_tree(config);
+  sim::ConfigLoader loader(tree);
+  apply_rest(loader, tree, config, options);
+  return config;
+}
+
+void apply_ideal(RunConfig& config, const std::vector<std::string>& resources) {
+  for (const hw::IdealConfig::Resource& resource : hw::IdealConfig::kResources) {
+    if (std::ranges::find(resources, resource.name) != resources.end()) config.gpu.ideal.*resource.member = true;
+  }
+}
+
+void check_run_config(RunConfig& config, const std::string& origin) {
+  sim::check_tree(sim::config_tree(config), origin);
+  check_energy_figures(config, origin);
+}
+
+}  // namespace tools

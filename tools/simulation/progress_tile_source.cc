@@ -1,0 +1,32 @@
+#include "tools/simulation/progress_tile_source.h"
+
+#include "tools/host/interrupt.h"
+
+namespace tools {
+
+void ProgressTileSource::begin(const char* phase, std::uint32_t frame) const {
+  if (progress_ != nullptr) progress_->begin_part(phase, frame, tiles_ + (former_ != nullptr ? former_->tiles : 0));
+}
+
+const traces::TileWork* ProgressTileSource::next() {
+  if (!interrupted()) return front_end_.next();
+  if (!keep_part_ || finished_ == 0) throw Interrupted{};
+  front_end_.keep_picture();
+  return nullptr;
+}
+
+void ProgressTileSource::give_back(const traces::TileWork* work) {
+  front_end_.give_back(work);
+  finished_ += 1;
+  FormerTiles all = former_ != nullptr ? *former_ : FormerTiles{};
+  all.tiles += finished_;
+  all.rays += front_end_.result().all_rays();
+  all.cycles += gpu_ != nullptr ? gpu_->cycles_so_far() : 0;
+  if (former_ != nullptr && finished_ == tiles_) {
+    *former_ = all;
+  } else {
+    all.end(progress_);
+  }
+}
+
+}  // namespace tools

@@ -1,0 +1,47 @@
+#pragma once
+#include <cstdint>
+
+#include "hw_models/machines/gpu.h"
+#include "tools/host/progress.h"
+#include "tools/simulation/front_end.h"
+
+namespace tools {
+
+/// Of a frame whose tiles are made by one front end after the other: what former ones came to.
+struct FormerTiles {
+  std::uint32_t tiles = 0;
+  std::uint64_t rays = 0, cycles = 0;
+  /// There are no more.
+  void end(Progress* progress) const {
+    if (progress != nullptr) progress->tiles_done(tiles, rays, cycles);
+  }
+};
+
+/// The tiles of a frame on their way to whoever plays them: tells of progress, and when the user has interrupted it
+/// throws Interrupted, or ends the list if the part that is finished is to be kept. A machine then finishes the tiles
+/// that it has.
+class ProgressTileSource final : public hw::TileSource {
+ public:
+  /// `tiles`: how many there are. With `former` they follow those, and are added to them; the part that `progress` is
+  /// told of goes on until its end().
+  ProgressTileSource(FrontEnd& front_end, std::uint32_t tiles, Progress* progress, bool keep_part = false,
+                     FormerTiles* former = nullptr)
+      : front_end_(front_end), tiles_(tiles), progress_(progress), keep_part_(keep_part), former_(former) {}
+
+  void begin(const char* phase, std::uint32_t frame) const;
+  void played_by(const hw::Gpu& gpu) { gpu_ = &gpu; }
+  const traces::TileWork* next() override;
+  void give_back(const traces::TileWork* work) override;
+  std::uint32_t finished() const { return finished_; }
+
+ private:
+  FrontEnd& front_end_;
+  const std::uint32_t tiles_;
+  Progress* const progress_;
+  const bool keep_part_;
+  FormerTiles* const former_;
+  const hw::Gpu* gpu_ = nullptr;
+  std::uint32_t finished_ = 0;
+};
+
+}  // namespace tools

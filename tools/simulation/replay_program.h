@@ -1,0 +1,44 @@
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <vector>
+
+#include "shader_kernels/programs/frame_program.h"
+#include "traces/trace_file/trace_reader.h"
+
+namespace tools {
+
+/// A part of a trace in the place of a frame program: its tiles are read, not rendered, so there is no picture.
+class ReplayProgram final : public kernels::FrameProgram {
+ public:
+  /// `kernels`: this program's, by their number in the trace. All arguments must outlive it.
+  ReplayProgram(const traces::TraceReader& trace, const traces::TraceReader::Part& part, const traces::TileScope& scope,
+                std::span<const traces::KernelId> kernels);
+
+  std::uint32_t tiles() const override { return part_.tiles; }
+  kernels::FrameRequirements requirements() const override;
+  void run_tile(std::uint32_t place, const traces::Tracer& tracer, bool record,
+                kernels::TileResult& out) const override;
+  void keep(const kernels::TileResult& tile) override;
+
+ private:
+  using Cursor = traces::TraceReader::Cursor;
+  std::unique_ptr<Cursor> take_cursor() const;
+
+  const traces::TraceReader& trace_;
+  const traces::TraceReader::Part& part_;
+  const traces::TileScope& scope_;
+  const std::span<const traces::KernelId> kernels_;
+  const std::vector<traces::TraceReader::Place> places_;
+  std::uint64_t continued_ = 0;
+  kernels::Sampling sampling_;
+  std::uint32_t kept_ = 0;
+  std::uint64_t rays_ = 0;
+  std::vector<bool> seen_;  ///< by number of tile
+  mutable std::mutex mutex_;
+  mutable std::vector<std::unique_ptr<Cursor>> cursors_;  ///< that nobody uses
+};
+
+}  // namespace tools

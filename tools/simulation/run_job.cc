@@ -1,0 +1,212 @@
+#include "tools/simulation/run_job.h"
+
+#include <algorithm>
+#include <memory>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "hw_models/machines/gpu.h"
+#include "hw_models/memory/dram_energy.h"
+#include "shader_kernels/programs/programs.h"
+#include "sim/engine.h"
+#include "sim/host_clock.h"
+#include "tools/host/interrupt.h"
+#include "tools/simulation/progress_tile_source.h"
+#include "tools/simulation/recorded.h"
+#include "traces/accel/build.h"
+#include "traces/accel/bvh_info.h"
+#include "traces/accel/bvh_tracer.h"
+#include "traces/accel/refit.h"
+#include "traces/scene/bounds.h"
+#include "traces/scenes/workload.h"
+
+namespace tools {
+
+namespace {
+
+/// Writes the work of a frame into a trace while it goes by; with no trace it just goes by.
+class Recording final : public hw::TileSource {
+ public:
+  Recording(hw::TileSource& source, const Inputs& inputs, const kernels::FrameRequirements& requirements,
+            const Extras& extras)
+      : source_(source), trace_(extras.trace) {
+    if (trace_ == nullptr) return;
+    trace_->begin_part({inputs.frame, extras.reference}, traces::links_of(inputs.image),
+                       traces::counts_of(inputs.image),
+                       {requirements.tile_samples, requirements.attribute_bytes, requirements.region_bytes});
+  }
+  const traces::TileWork* next() override {
+    const traces::TileWork* work = source_.next();
+    if (trace_ != nullptr && work != nullptr) trace_->add(*work);
+    return work;
+  }
+  void give_back(const traces::TileWork* work) override { source_.give_back(work); }
+  /// Call once, when the last tile has gone by.
+  void finish(const FrontEnd::Result& result) {
+    if (trace_ != nullptr) trace_->end_part(recorded_result(result));
+  }
+
+ private:
+  hw::TileSource& source_;
+  traces::TraceWriter* const trace_;
+};
+
+/// A frame program for the frame that `inputs` stand at.
+struct Program {
+  Program(const Inputs& inputs, const kernels::ProgramSpec& spec, const Extras& extras)
+      : first(inputs.config.programs.multirate),
+        frame(kernels::make_program(
+            spec, {inputs.image, inputs.camera, inputs.config.render, inputs.config.programs,
+                   extras.rates != nullptr ? *extras.rates : first, inputs.frame, inputs.scene_size})) {
+    if (extras.marks) frame->keep_marks();
+  }
+  const kernels::RateMap first;
+  const std::unique_ptr<kernels::FrameProgram> frame;
+};
+
+float size_in_frame_0(traces::Scene& scene, const traces::WorkloadConfig& workload) {
+  if (workload.first_frame != 0) traces::pose_workload(scene, workload, 0);
+  const traces::Bounds bounds = traces::world_bounds(scene);
+  if (workload.first_frame != 0) traces::pose_workload(scene, workload, workload.first_frame);
+  const glm::vec3 sides = bounds.upper - bounds.lower;
+  return std::max({sides.x, sides.y, sides.z});
+}
+
+/// Every figure of the table must be one that some counter can use.
+void check_energy(std::span<const sim::UnitReport> units, const sim::EnergyConfig& config) {
+  std::vector<std::string> declared;
+  for (const sim::UnitReport& unit : units) {
+    for (const sim::CounterReport& counter : unit.counters) {
+      if (unit.block != "dram" && !counter.event.empty()) declared.push_back(counter.event);
+    }
+  }
+  sim::check_energy_events(config, declared);
+}
+
+}  // namespace
+
+std::uint32_t host_threads(std::uint32_t wanted) {
+  return wanted != 0 ? wanted : std::max(1U, std::thread::hardware_concurrency());
+}
+
+Inputs load_inputs(const JobOptions& options, Progress* progress) {
+  if (progress != nullptr) progress->phase("loading");
+  return load_inputs(load_run_config(options), options.threads, progress);
+}
+
+Inputs load_inputs(const RunConfig& config, std::uint32_t threads, Progress* progress) {
+  const auto phase = [&](const char* what) {
+    if (progress != nullptr) progress->phase(what);
+  };
+  phase("loading");
+  Inputs in;
+  in.config = config;
+  const sim::HostClock::time_point begin = sim::HostClock::now();
+  traces::Scene scene = traces::open_workload(in.config.scene, in.config.limits);
+  in.frame = in.config.scene.first_frame;
+  in.scene_size = size_in_frame_0(scene, in.config.scene);
+  in.camera = scene.cameras.front();
+  in.scene = traces::scene_info(scene);
+  in.scene_sha256 = scene.sha256;
+  in.warnings = scene.warnings;
+  phase("building the tree");
+  in.image = traces::build_memory_image(scene, in.config.bvh, host_threads(threads), interrupted);
+  in.bvh_hash = traces::bvh_hash(in.image);
+  in.stored_triangles = in.image.triangles.size();
+  in.parents = traces::parents_of(in.image);
+  if (in.frames() > 1) in.moving = std::move(scene);
+  in.load_seconds = sim::seconds_since(begin);
+  return in;
+}
+
+void advance(Inputs& in, std::uint32_t frame, std::uint32_t threads, Progress* progress) {
+  if (progress != nullptr) progress->phase("building the tree");
+  const sim::HostClock::time_point begin = sim::HostClock::now();
+  const traces::Moved moved = traces::pose_workload(in.moving, in.config.scene, frame);
+  in.frame = frame;
+  in.camera = in.moving.cameras.front();
+  if (moved.geometry) {
+    traces::update_memory_image(in.moving, in.config.bvh, host_threads(threads), in.image, interrupted);
+    in.parents = traces::parents_of(in.image);
+  } else if (moved.lights) {
+    in.image.lights = in.moving.lights;
+  }
+  in.update_seconds += sim::seconds_since(begin);
+}
+
+std::uint64_t Simulation::rays() const { return function.all_rays(); }
+
+void Simulation::add(const Simulation& frame) {
+  frames += frame.frames;
+  function.add(frame.function);
+  sim::add_reports(units, frame.units);
+  for (std::size_t k = 0; k < kernel_use.size(); ++k) kernel_use[k] += frame.kernel_use[k];
+  energy += frame.energy;
+  cycles += frame.cycles;
+  elapsed += frame.elapsed;
+  wall_seconds += frame.wall_seconds;
+  if (sampled) sampled->add(*frame.sampled);
+}
+
+Simulation simulate(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
+                    const Extras& extras) {
+  const Program made(inputs, program, extras);
+  const traces::BvhTracer tracer(inputs.image);
+  Simulation s = play(inputs, program, *made.frame, tracer, threads, extras);
+  if (extras.rates != nullptr && !s.is_part()) extras.rates->advance(s.function.sampling);
+  return s;
+}
+
+Simulation play(const Inputs& inputs, const kernels::ProgramSpec& program, kernels::FrameProgram& frame,
+                const traces::Tracer& tracer, std::uint32_t threads, const Extras& extras) {
+  const sim::HostClock::time_point begin = sim::HostClock::now();
+  FrontEnd front_end(frame, tracer, host_threads(threads) - 1);
+  ProgressTileSource offered(front_end, frame.tiles(), extras.progress, extras.keep_part);
+  const kernels::FrameRequirements requirements = frame.requirements();
+  Recording tiles(offered, inputs, requirements, extras);
+  const auto gpu = std::make_unique<hw::Gpu>(inputs.config.gpu,
+                                             hw::Gpu::Workload{inputs.image, inputs.parents, requirements.tile_samples,
+                                                               requirements.region_bytes, requirements.attribute_bytes},
+                                             tiles);
+  const auto energy = [&] {
+    return sim::compute_energy(gpu->report(), inputs.config.energy, hw::dram_energy_events(inputs.config.gpu.dram),
+                               gpu->elapsed());
+  };
+  check_energy(gpu->report(), inputs.config.energy);
+  energy();  // a figure that is missing is told before the work, not after it
+  offered.begin("simulating", inputs.frame);
+  offered.played_by(*gpu);
+  gpu->finish(sim::run(*gpu));
+  if (offered.finished() == frame.tiles()) tiles.finish(front_end.result());
+
+  Simulation s;
+  s.program = program;
+  s.machine = inputs.config.gpu;
+  s.function = front_end.result();
+  s.units = gpu->report();
+  s.kernel_use = gpu->kernel_use();
+  s.kernels = gpu->kernels();
+  s.cycles = gpu->cycles();
+  s.elapsed = gpu->elapsed();
+  s.energy = energy();
+  s.wall_seconds = sim::seconds_since(begin);
+  s.tiles = frame.tiles();
+  s.finished_tiles = offered.finished();
+  return s;
+}
+
+FrontEnd::Result render(const Inputs& inputs, const kernels::ProgramSpec& program, const traces::Tracer& tracer,
+                        std::uint32_t threads, const Extras& extras) {
+  const Program made(inputs, program, extras);
+  FrontEnd front_end(*made.frame, tracer, host_threads(threads), extras.trace != nullptr);
+  ProgressTileSource offered(front_end, made.frame->tiles(), extras.progress, extras.keep_part);
+  Recording tiles(offered, inputs, made.frame->requirements(), extras);
+  offered.begin("rendering", inputs.frame);
+  while (const traces::TileWork* work = tiles.next()) tiles.give_back(work);
+  tiles.finish(front_end.result());
+  if (extras.rates != nullptr) extras.rates->advance(front_end.result().sampling);
+  return front_end.result();
+}
+
+}  // namespace tools

@@ -1,0 +1,117 @@
+#pragma once
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hw_models/srp/schedule.h"
+#include "hw_models/srp/srp_stats.h"
+#include "shader_kernels/programs/program_spec.h"
+#include "shader_kernels/programs/rate_map.h"
+#include "sim/report/energy.h"
+#include "sim/report/unit_report.h"
+#include "tools/host/progress.h"
+#include "tools/simulation/front_end.h"
+#include "tools/simulation/load_config.h"
+#include "traces/accel/memory_image.h"
+#include "traces/scene/info.h"
+#include "traces/scene/scene.h"
+#include "traces/trace_file/trace_writer.h"
+
+namespace tools {
+
+/// Everything a run reads, read, as it is in one frame.
+struct Inputs {
+  RunConfig config;
+  traces::SceneInfo scene;
+  std::string scene_sha256, bvh_hash;  ///< the tree's: of the first frame
+  std::vector<std::string> warnings;
+  std::uint32_t frame = 0;
+  float scene_size = 1;  ///< longest side of the scene's bounds in frame 0
+  traces::Camera camera;
+  traces::MemoryImage image;
+  std::uint64_t stored_triangles = 0;  ///< in the image: each that is shared once
+  std::vector<std::uint32_t> parents;  ///< of each node of the tree
+  double load_seconds = 0;
+  double update_seconds = 0;  ///< host: posing the scene and bringing the image up to date, later frames
+  traces::Scene moving;       ///< what later frames are posed from; empty if there are none
+  std::uint32_t frames() const { return config.scene.last_frame - config.scene.first_frame + 1; }
+};
+
+/// Reads scene and configuration and builds the tree of the first frame. InputError, or Interrupted.
+Inputs load_inputs(const JobOptions& options, Progress* progress = nullptr);
+Inputs load_inputs(const RunConfig& config, std::uint32_t threads, Progress* progress = nullptr);
+/// Goes on to a later frame: poses the scene, then refits or rebuilds the tree if anything in it has moved.
+/// Interrupted if an interrupt waits.
+void advance(Inputs& inputs, std::uint32_t frame, std::uint32_t threads, Progress* progress = nullptr);
+
+/// An estimate and its 95 % interval.
+struct Interval {
+  double estimate = 0;
+  double chance = 0;  ///< half of what the interval would be if only chance were at work
+  double method = 0;  ///< likewise what the method is off, whichever parts are drawn
+  double half_width() const { return std::hypot(chance, method); }
+  /// Of something beside: what is chance evens out, what the method is off does not.
+  void add(const Interval& other);
+};
+
+/// Of a frame of which some tiles were timed (tile_sampling.h), or several.
+struct SampledFrame {
+  std::uint64_t tiles = 0, timed = 0, measured = 0, warmed = 0, blocks = 0, rounds = 0;
+  Interval cycles, energy_pj;
+  std::map<std::string, Interval> counters;       ///< sums over like units, by path; none if all tiles were timed
+  double pilot_seconds = 0, warming_seconds = 0;  ///< host
+  void add(const SampledFrame& other);
+};
+
+/// A frame on the machine, or several added up.
+struct Simulation {
+  kernels::ProgramSpec program;
+  hw::GpuConfig machine;
+  std::uint32_t frames = 1;
+  FrontEnd::Result function;
+  std::vector<sim::UnitReport> units;
+  std::vector<hw::KernelUse> kernel_use;
+  std::vector<hw::KernelSchedule> kernels;
+  sim::EnergyReport energy;
+  std::uint64_t cycles = 0;  ///< of the T&I clock
+  sim::Time elapsed = 0;
+  double wall_seconds = 0;                      ///< host, functional and timing together
+  std::uint32_t tiles = 0, finished_tiles = 0;  ///< of the last frame; all are finished, but for Extras::keep_part
+  std::optional<SampledFrame> sampled;          ///< if most of this is estimated
+  std::uint64_t rays() const;
+  bool is_part() const { return finished_tiles < tiles; }
+  /// Adds a later frame's figures; the picture stays.
+  void add(const Simulation& frame);
+};
+
+/// What goes with a frame program.
+struct Extras {
+  kernels::RateMap* rates = nullptr;  ///< of its tiles, if they go on from frame to frame
+  bool marks = false;                 ///< how all samples came about is kept, for pictures
+  bool keep_part = false;             ///< an interrupt leaves the finished tiles, if there are any
+  Progress* progress = nullptr;
+  traces::TraceWriter* trace = nullptr;  ///< gets the frame's work, if somebody wants it
+  bool reference = false;                ///< for the trace: this is what others are compared with
+};
+
+/// Runs a frame program on the machine.
+/// `threads` of the host: one plays the machine, the others run ahead of it. sim::Deadlock if the machine is stuck,
+/// Interrupted if an interrupt waits and nothing is kept. Every frame begins with cold caches.
+Simulation simulate(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
+                    const Extras& extras = {});
+
+/// Plays what a frame program makes with `tracer` on the machine that `inputs` name; the last half of simulate().
+Simulation play(const Inputs& inputs, const kernels::ProgramSpec& program, kernels::FrameProgram& frame,
+                const traces::Tracer& tracer, std::uint32_t threads, const Extras& extras = {});
+
+/// The picture alone, traced by `tracer`, and if a trace is wanted the work.
+FrontEnd::Result render(const Inputs& inputs, const kernels::ProgramSpec& program, const traces::Tracer& tracer,
+                        std::uint32_t threads, const Extras& extras = {});
+
+/// 0 means all the host has.
+std::uint32_t host_threads(std::uint32_t wanted);
+
+}  // namespace tools

@@ -1,0 +1,271 @@
+#include "tools/studies/baseline/check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "sim/config/config.h"
+#include "sim/error.h"
+#include "tools/analysis/report_paths.h"
+#include "tools/simulation/run_config.h"
+#include "traces/accel/embree_tracer.h"
+
+namespace tools {
+
+namespace {
+
+/// The suite's choice of the numbers of reports.
+class Choice {
+ public:
+  explicit Choice(const Suite& suite) : suite_(suite) {}
+
+  struct Chosen {
+    std::string path;
+    double percent = 0;
+  };
+  /// In the order of `keep`; what is named twice stands at its first place, with its last tolerance.
+  std::vector<Chosen> of(const Values& all) {
+    std::vector<std::string> paths;
+    for (const auto& [path, value] : all) paths.push_back(path);
+    std::vector<Chosen> out;
+    std::map<std::string, std::size_t> places;
+    for (const Kept& kept : suite_.kept) {
+      for (std::string& path : group(kept, paths)) {
+        found_.insert(kept.text);
+        const auto [at, is_new] = places.emplace(path, out.size());
+        if (is_new) out.push_back({std::move(path), 0});
+        out[at->second].percent = kept.percent;
+      }
+    }
+    return out;
+  }
+  void refuse_what_no_run_has(const Values& all) const {
+    std::vector<std::string> paths;
+    for (const auto& [path, value] : all) paths.push_back(path);
+    for (const Kept& kept : suite_.kept) {
+      if (found_.contains(kept.text)) continue;
+      refused(kept, [&] { resolve_report_path(kept.text, paths); });
+    }
+  }
+
+ private:
+  static std::vector<std::string> group(const Kept& kept, const std::vector<std::string>& paths) {
+    std::vector<std::string> out;
+    refused(kept, [&] { out = report_path_group(kept.text, paths); });
+    return out;
+  }
+  static void refused(const Kept& kept, const std::function<void()>& call) {
+    try {
+      call();
+    } catch (const sim::InputError& error) {
+      throw sim::InputError(fmt::format("{}: keep: {}", kept.at, error.what()));
+    }
+  }
+  const Suite& suite_;
+  std::set<std::string> found_;
+};
+
+/// Keys that say what work is done, rather than how fast.
+const std::set<std::string>& function_keys() {
+  static const std::set<std::string> keys = [] {
+    std::set<std::string> out;
+    for (const sim::FieldInfo& field : sim::list_fields(RunConfig{})) {
+      if (field.affects == sim::Affects::kFunction) out.insert(field.path);
+    }
+    return out;
+  }();
+  return keys;
+}
+
+std::vector<KeyPair> difference(const FlatConfig& was, const FlatConfig& is) {
+  FlatConfig all = was;
+  all.insert(is.begin(), is.end());
+  std::vector<KeyPair> out;
+  for (const auto& [key, value] : all) {
+    const auto before = was.find(key), after = is.find(key);
+    KeyPair pair{key, before == was.end() ? "none" : before->second, after == is.end() ? "none" : after->second};
+    if (pair.a != pair.b) out.push_back(std::move(pair));
+  }
+  return out;
+}
+
+/// Why values made from `was` say nothing of values made from `is`; what else differs goes to `config`.
+std::vector<std::string> refusals(const Facts& was, const Facts& is, std::vector<KeyPair>& config) {
+  std::vector<std::string> out;
+  if (was.program != is.program) out.push_back(fmt::format("stored of program {}, now {}", was.program, is.program));
+  for (KeyPair& key : difference(was.config, is.config)) {
+    if (function_keys().contains(key.key)) {
+      out.push_back(fmt::format("stored of other work: {} was {}, is {}", key.key, key.a, key.b));
+    } else {
+      config.push_back(std::move(key));
+    }
+  }
+  if (was.scene_sha256 != is.scene_sha256) out.emplace_back("stored of another scene (scene_sha256 differs)");
+  if (out.empty() && was.bvh_hash != is.bvh_hash) {
+    std::string keys;
+    for (const KeyPair& key : config) {
+      if (key.key.starts_with("bvh.")) keys += fmt::format("; {} was {}, is {}", key.key, key.a, key.b);
+    }
+    out.push_back(
+        fmt::format("stored of another tree: bvh_hash was {:.12}..., is {:.12}...{}", was.bvh_hash, is.bvh_hash, keys));
+  }
+  return out;
+}
+
+bool same(double was, double is, double percent) {
+  return was == is || std::abs(is - was) <= percent / 100 * std::abs(was);
+}
+
+void find_moved(const StoredRun& stored, const std::vector<Choice::Chosen>& chosen, const Values& all, RunCheck& run) {
+  std::set<std::string> known;
+  for (const Choice::Chosen& c : chosen) {
+    known.insert(c.path);
+    const double is = all.at(c.path);
+    const auto was = stored.values.find(c.path);
+    if (was == stored.values.end() && is != 0) {
+      run.moved.push_back({c.path, std::nullopt, is});
+    } else if (was != stored.values.end() && !same(was->second, is, c.percent)) {
+      run.moved.push_back({c.path, was->second, is});
+    }
+  }
+  for (const auto& [path, was] : stored.values) {
+    if (!known.contains(path)) run.moved.push_back({path, was, std::nullopt});
+  }
+}
+
+/// The first moved value with this beginning, or null.
+const Moved* find_moved(const RunCheck& run, std::string_view path) {
+  const auto found = std::ranges::find_if(run.moved, [&](const Moved& m) { return m.path.starts_with(path); });
+  return found == run.moved.end() ? nullptr : &*found;
+}
+
+bool is_clear(const RunCheck& run) { return run.suspect && run.suspect->is_clear(); }
+
+std::string details(const RunCheck& run) {
+  constexpr std::size_t kMost = 6;
+  if (!run.error.empty()) return fmt::format("\n{}: {}\n", run.name, run.error);
+  std::string out = fmt::format("\n{}\n", run.name);
+  for (const std::string& why : run.refused) out += fmt::format("  {}\n", why);
+  std::size_t shown = 0;
+  const auto show = [&](bool of_units, std::string_view prefix) {
+    for (const Moved& moved : run.moved) {
+      if (moved.path.starts_with("units.") != of_units || !moved.path.starts_with(prefix)) continue;
+      if (shown == kMost) return;
+      out += fmt::format("  {}: {}\n", moved.path, moved_text(moved));
+      shown += 1;
+    }
+  };
+  show(false, "");
+  const std::size_t figures = std::exchange(shown, 0);
+  show(true, is_clear(run) ? fmt::format("units.{}.", run.suspect->unit) : "units.");
+  if (figures + shown < run.moved.size()) {
+    out += fmt::format("  and {} more values\n", run.moved.size() - figures - shown);
+  }
+  if (is_clear(run)) out += fmt::format("  most likely in {}: {}\n", run.suspect->unit, run.suspect->moved);
+  return out;
+}
+
+}  // namespace
+
+std::size_t Checked::count(bool (*of)(const RunCheck&)) const {
+  return static_cast<std::size_t>(std::ranges::count_if(runs, of));
+}
+
+Checked check_suite(const Suite& suite, const Baseline* stored, std::uint32_t jobs,
+                    const std::function<void(const RunCheck&)>& tell) {
+  Checked out;
+  out.now.embree = traces::embree_version();
+  Choice choice(suite);
+  Values one_of_them;
+  measure(suite, jobs, [&](const SuiteRun& named, Measured measured) {
+    RunCheck run;
+    run.name = named.name;
+    run.seconds = measured.seconds;
+    run.error = measured.error;
+    if (run.error.empty()) {
+      const std::vector<Choice::Chosen> chosen = choice.of(measured.all);
+      run.values = chosen.size();
+      StoredRun& now = out.now.runs[named.name];
+      now.facts = measured.facts;
+      for (const Choice::Chosen& c : chosen) {
+        if (const double value = measured.all.at(c.path); value != 0) now.values[c.path] = value;
+      }
+      const auto was = stored != nullptr ? stored->runs.find(named.name) : decltype(stored->runs.find(""))();
+      if (stored != nullptr && was == stored->runs.end()) {
+        run.refused.emplace_back("nothing is stored of it");
+      } else if (stored != nullptr) {
+        run.refused = refusals(was->second.facts, measured.facts, run.config);
+        find_moved(was->second, chosen, measured.all, run);
+        if (run.refused.empty() && !run.moved.empty()) run.suspect = find_suspect(was->second.values, measured.all);
+      }
+      one_of_them = std::move(measured.all);
+    }
+    tell(run);
+    out.runs.push_back(std::move(run));
+  });
+  if (!one_of_them.empty()) choice.refuse_what_no_run_has(one_of_them);
+  return out;
+}
+
+const RunCheck* clearest(const Checked& checked) {
+  const RunCheck* best = nullptr;
+  for (const RunCheck& run : checked.runs) {
+    if (run.suspect && (best == nullptr || run.suspect->clarity > best->suspect->clarity)) best = &run;
+  }
+  return best;
+}
+
+std::string moved_text(const Moved& moved) {
+  if (!moved.was) return fmt::format("{}, nothing stored", *moved.is);
+  if (!moved.is) return fmt::format("was {}, is gone", *moved.was);
+  const double difference = *moved.is - *moved.was;
+  const std::string relative =
+      *moved.was == 0 ? "" : fmt::format(", {:+.2g} %", 100 * difference / std::abs(*moved.was));
+  return fmt::format("{} -> {} ({:+.6g}{})", *moved.was, *moved.is, difference, relative);
+}
+
+std::string check_line(const RunCheck& run) {
+  if (!run.error.empty()) return fmt::format("FAILED   {}: {}", run.name, run.error.substr(0, run.error.find('\n')));
+  if (!run.refused.empty()) return fmt::format("REFUSED  {}: {}", run.name, run.refused.front());
+  if (run.moved.empty()) return fmt::format("ok       {}", run.name);
+  const Moved* cycles = find_moved(run, "totals.cycles");
+  const Moved& shown = cycles != nullptr ? *cycles : run.moved.front();
+  return fmt::format("MOVED    {}: {} of {} values, {} {}", run.name, run.moved.size(), run.values, shown.path,
+                     moved_text(shown));
+}
+
+std::string check_details(const Checked& checked) {
+  constexpr std::size_t kMost = 6;
+  std::vector<const RunCheck*> bad;
+  for (const RunCheck& run : checked.runs) {
+    if (!run.good()) bad.push_back(&run);
+  }
+  std::ranges::stable_sort(bad, std::greater<>(), [](const RunCheck* run) {
+    return !run->error.empty() || !run->refused.empty() ? 2 : run->suspect ? run->suspect->clarity : 0;
+  });
+  std::string out;
+  for (std::size_t i = 0; i < std::min(bad.size(), kMost); ++i) out += details(*bad[i]);
+  if (bad.size() > kMost) out += fmt::format("\nand {} more runs; --junit writes all\n", bad.size() - kMost);
+  if (const RunCheck* run = clearest(checked); run != nullptr) {
+    out +=
+        fmt::format("\n{} in {}, told most clearly by {}: {}\n", run->suspect->is_clear() ? "Most likely" : "Perhaps",
+                    run->suspect->unit, run->name, run->suspect->moved);
+  }
+  std::vector<KeyPair> keys;
+  for (const RunCheck* run : bad) {
+    for (const KeyPair& key : run->config) {
+      if (std::ranges::find(keys, key.key, &KeyPair::key) == keys.end()) keys.push_back(key);
+    }
+  }
+  for (std::size_t i = 0; i < std::min(keys.size(), kMost); ++i) {
+    out += fmt::format("The configuration has changed: {} was {}, is {}\n", keys[i].key, keys[i].a, keys[i].b);
+  }
+  if (keys.size() > kMost) out += fmt::format("and {} more keys have\n", keys.size() - kMost);
+  return out;
+}
+
+}  // namespace tools

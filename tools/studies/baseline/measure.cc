@@ -1,0 +1,172 @@
+#include "tools/studies/baseline/measure.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+#include <optional>
+#include <system_error>
+#include <vector>
+
+#include <fmt/format.h>
+#include <poll.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "sim/error.h"
+#include "sim/host_clock.h"
+#include "tools/analysis/picture.h"
+#include "tools/analysis/report.h"
+#include "tools/analysis/report_paths.h"
+#include "tools/jobs/outcome.h"
+
+namespace tools {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// A frame program and what it carries from frame to frame.
+struct Program {
+  Program(const std::string& name, const Inputs& inputs)
+      : spec(kernels::parse_program(name)), rates(inputs.config.programs.multirate) {}
+  kernels::ProgramSpec spec;
+  kernels::RateMap rates;
+};
+
+/// The report of a run, without pictures.
+Json report_of(const JobOptions& options) {
+  Inputs inputs = load_inputs(options);
+  Program program(options.program, inputs);
+  std::optional<Program> reference;
+  if (!options.reference.empty()) reference.emplace(options.reference, inputs);
+  Outcome out;
+  while (true) {
+    Simulation frame = simulate(inputs, program.spec, options.threads, {.rates = &program.rates});
+    std::optional<Simulation> compared;
+    if (reference) compared = simulate(inputs, reference->spec, options.threads, {.rates = &reference->rates});
+    const double error = compared ? mean_squared_error(frame.function.rgb, compared->function.rgb) : 0;
+    out.add(inputs.frame, std::move(frame), std::move(compared), error);
+    if (inputs.frame >= inputs.config.scene.last_frame) break;
+    advance(inputs, inputs.frame + 1, options.threads);
+  }
+  const Result result = out.result();
+  return report_json({inputs, options, result, out.frames, false, 0});
+}
+
+/// The same, or {"error": why there is none, "is_input": the user can mend it}.
+Json report_or_error(const JobOptions& options) {
+  try {
+    return report_of(options);
+  } catch (const sim::Deadlock& error) {
+    return {{"error", fmt::format("{}\n{}", error.what(), error.state)}, {"is_input", false}};
+  } catch (const sim::InputError& error) {
+    return {{"error", error.what()}, {"is_input", true}};
+  } catch (const std::exception& error) {
+    return {{"error", error.what()}, {"is_input", false}};
+  }
+}
+
+Measured measured_from(const SuiteRun& run, const std::string& text, int status, double seconds) {
+  Measured out;
+  out.seconds = seconds;
+  if (WIFSIGNALED(status)) {
+    out.error = fmt::format("ended by signal {}", WTERMSIG(status));
+    return out;
+  }
+  const Json report = Json::parse(text, nullptr, false);
+  if (report.is_discarded() || !report.is_object()) {
+    out.error = fmt::format("ended with {} before it was done", WEXITSTATUS(status));
+  } else if (report.contains("error")) {
+    out.error = report["error"].get<std::string>();
+    if (report["is_input"].get<bool>()) throw sim::InputError(fmt::format("runs.{}: {}", run.name, out.error));
+  } else {
+    out.facts = {report["program"].get<std::string>(), report["provenance"]["scene_sha256"].get<std::string>(),
+                 report["provenance"]["bvh_hash"].get<std::string>(), flat_config(report["config"])};
+    out.facts.config.erase("scene.name");
+    for (ReportNumber& number : report_numbers(report)) out.all.emplace(std::move(number.path), number.value);
+  }
+  return out;
+}
+
+[[noreturn]] void fail(const char* what) { throw std::system_error(errno, std::generic_category(), what); }
+
+/// A run in a process of its own, which writes its report into a pipe.
+class Worker {
+ public:
+  Worker(std::size_t number, const SuiteRun& run) : number_(number), run_(&run), begin_(sim::HostClock::now()) {
+    int ends[2];
+    if (::pipe(ends) != 0) fail("pipe");
+    process_ = ::fork();
+    if (process_ < 0) fail("fork");
+    if (process_ == 0) {
+      ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+      for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, SIG_DFL);  // the parent says it
+      ::close(ends[0]);
+      std::_Exit(send(ends[1], report_or_error(run.options).dump(-1, ' ', false, Json::error_handler_t::replace)));
+    }
+    ::close(ends[1]);
+    end_ = ends[0];
+  }
+
+  std::size_t number() const { return number_; }
+  int end() const { return end_; }
+  /// Reads what is there; false if that was all.
+  bool receive() {
+    char part[1 << 16];
+    const ssize_t n = ::read(end_, part, sizeof part);
+    if (n > 0) text_.append(part, static_cast<std::size_t>(n));
+    if (n < 0 && errno != EINTR) fail("pipe");
+    return n != 0;
+  }
+  Measured finish() {
+    ::close(end_);
+    int status = 0;
+    while (::waitpid(process_, &status, 0) < 0 && errno == EINTR) {
+    }
+    return measured_from(*run_, text_, status, sim::seconds_since(begin_));
+  }
+
+ private:
+  static int send(int file, std::string_view text) {
+    while (!text.empty()) {
+      const ssize_t written = ::write(file, text.data(), text.size());
+      if (written < 0) return 1;
+      text.remove_prefix(static_cast<std::size_t>(written));
+    }
+    return 0;
+  }
+
+  std::size_t number_;
+  const SuiteRun* run_;
+  sim::HostClock::time_point begin_;
+  pid_t process_ = -1;
+  int end_ = -1;
+  std::string text_;
+};
+
+}  // namespace
+
+void measure(const Suite& suite, std::uint32_t jobs, const std::function<void(const SuiteRun&, Measured)>& take) {
+  std::vector<std::optional<Measured>> done(suite.runs.size());
+  std::vector<Worker> workers;
+  std::size_t next = 0, taken = 0;
+  while (taken < suite.runs.size()) {
+    while (workers.size() < jobs && next < suite.runs.size()) {
+      workers.emplace_back(next, suite.runs[next]);
+      next += 1;
+    }
+    std::vector<pollfd> ends;
+    for (const Worker& worker : workers) ends.push_back({worker.end(), POLLIN, 0});
+    if (::poll(ends.data(), ends.size(), -1) < 0 && errno != EINTR) fail("poll");
+    for (std::size_t i = workers.size(); i-- > 0;) {
+      if (ends[i].revents == 0 || workers[i].receive()) continue;
+      done[workers[i].number()] = workers[i].finish();
+      workers.erase(workers.begin() + static_cast<std::ptrdiff_t>(i));
+    }
+    for (; taken < done.size() && done[taken]; ++taken) take(suite.runs[taken], *std::move(done[taken]));
+  }
+}
+
+}  // namespace tools

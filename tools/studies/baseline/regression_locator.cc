@@ -1,0 +1,163 @@
+#include "tools/studies/baseline/regression_locator.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+#include <vector>
+
+#include <fmt/format.h>
+
+namespace tools {
+
+namespace {
+
+constexpr std::array<std::string_view, 18> kWork = {
+    "visiting", "pipe", "serial",  "testing", "dispatching", "running", "switching",  "banks",       "moving",
+    "request",  "line", "serving", "lookup",  "reading",     "writing", "turnaround", "command_bus", "activate"};
+constexpr std::array<std::string_view, 5> kDramWork = {"latency", "row_conflict", "column", "rank_switch",
+                                                       "power_down_exit"};
+constexpr std::array<std::string_view, 15> kWaiting = {
+    "l1_miss",  "mshr_full",  "ist",         "output_full", "rau_full", "trvs_full",   "cores_full",  "waiting",
+    "no_slots", "cache_miss", "target_full", "client_full", "memory",   "memory_full", "returns_full"};
+constexpr std::string_view kPortFull = "port_full";  // of memory_interface
+constexpr std::array<std::string_view, 4> kBackground = {"idle", "starved", "in_use", "refresh"};
+
+/// From the memory up: what waits for it comes behind.
+constexpr std::array<std::string_view, 12> kUnits = {
+    "dram.channel", "l2.bank",      "core.cache_port",     "core.dma_port",    "core.dma", "core.memory_interface",
+    "core.tni.ist", "core.tni.trv", "core.tni.dispatcher", "core.tile_buffer", "core.srp", "tile_dispatcher"};
+
+double value(const Values& values, const std::string& path) {
+  const auto found = values.find(path);
+  return found == values.end() ? 0 : found->second;
+}
+
+/// A cycle of an average unit of a kind, in T&I cycles.
+double scale(const Values& values, std::string_view unit) {
+  const double elapsed = value(values, fmt::format("units.{}.elapsed", unit));
+  return elapsed == 0 ? 0 : value(values, "totals.cycles") / elapsed;
+}
+
+/// A unit's reason in both runs.
+struct Move {
+  std::string_view unit;
+  std::string reason;
+  Reason kind;
+  double was = 0, is = 0;  ///< T&I cycles of an average unit
+  double difference() const { return is - was; }
+};
+
+std::vector<Move> all_moves(const Values& was, const Values& is) {
+  std::vector<Move> out;
+  for (const std::string_view unit : kUnits) {
+    const std::string prefix = fmt::format("units.{}.why.", unit);
+    std::set<std::string> reasons;
+    for (const Values* values : {&was, &is}) {
+      for (auto at = values->lower_bound(prefix); at != values->end() && at->first.starts_with(prefix); ++at) {
+        reasons.insert(at->first.substr(prefix.size()));
+      }
+    }
+    for (const std::string& reason : reasons) {
+      out.push_back({unit, reason, kind_of_reason(reason).value_or(Reason::kWaiting),
+                     value(was, prefix + reason) * scale(was, unit), value(is, prefix + reason) * scale(is, unit)});
+    }
+  }
+  return out;
+}
+
+/// The time that misses spend between two levels, in T&I cycles of all of them together.
+struct Way {
+  const char* name;
+  double was = 0, is = 0;
+};
+
+double time_of(const Values& values, const std::string& unit, const char* counter) {
+  const double units = value(values, fmt::format("units.{}.units", unit));
+  return value(values, fmt::format("units.{}.counters.{}", unit, counter)) * scale(values, unit) * units;
+}
+
+double above_l2(const Values& values) {
+  return time_of(values, "core.tni.trv", "l1_miss_cycles") + time_of(values, "core.tni.ist", "l1_miss_cycles") +
+         time_of(values, "core.srp", "cache_miss_cycles") - time_of(values, "l2.bank", "latency");
+}
+double below_l2(const Values& values) {
+  return time_of(values, "l2.bank", "line_cycles") - time_of(values, "dram.channel", "read_latency");
+}
+
+/// What misses waited in queues on their way, which says nothing of the way.
+double queued(const Values& values) {
+  return time_of(values, "core.cache_port", "request_wait") + time_of(values, "core.cache_port", "line_wait");
+}
+
+/// What a reason took, in the unit's own cycles, all units of the kind together.
+std::string moved_text(const Values& was, const Values& is, std::string_view unit, const std::string& reason) {
+  const std::string path = fmt::format("units.{}.why.{}", unit, reason);
+  const double before = value(was, path), after = value(is, path);
+  return fmt::format("why.{} {} -> {} cycles ({:+})", reason, before, after, after - before);
+}
+
+/// Own work that moved, summed by unit, and the reason that moved most.
+struct Own {
+  std::string_view unit;
+  double difference = 0;
+  const Move* most = nullptr;
+};
+
+std::vector<Own> own_work(const std::vector<Move>& moves) {
+  std::vector<Own> out;
+  for (const Move& move : moves) {
+    if (move.kind != Reason::kWork || move.difference() == 0) continue;
+    if (out.empty() || out.back().unit != move.unit) out.push_back({move.unit, 0, &move});
+    Own& own = out.back();
+    own.difference += move.difference();
+    if (std::abs(move.difference()) > std::abs(own.most->difference())) own.most = &move;
+  }
+  return out;
+}
+
+}  // namespace
+
+std::optional<Reason> kind_of_reason(std::string_view name) {
+  const auto in = [&](const auto& names) { return std::ranges::find(names, name) != names.end(); };
+  if (in(kWork) || in(kDramWork)) return Reason::kWork;
+  if (in(kWaiting) || name == kPortFull) return Reason::kWaiting;
+  if (in(kBackground)) return Reason::kBackground;
+  return {};
+}
+
+std::optional<Suspect> find_suspect(const Values& was, const Values& is) {
+  const std::vector<Move> moves = all_moves(was, is);
+  const std::vector<Own> owns = own_work(moves);
+  constexpr double kNoticeable = 0.1;  // of what else moved
+  const double cycles = std::abs(value(is, "totals.cycles") - value(was, "totals.cycles"));
+  double all = 0;
+  for (const Own& own : owns) all += std::abs(own.difference);
+  const auto most = std::ranges::max_element(owns, {}, [](const Own& own) { return std::abs(own.difference); });
+  const double own = most == owns.end() ? 0 : std::abs(most->difference);
+
+  Way ways[] = {{"interconnect between first-level caches and L2", above_l2(was), above_l2(is)},
+                {"way between L2 and memory", below_l2(was), below_l2(is)}};
+  const Way& way = *std::ranges::max_element(ways, {}, [](const Way& w) { return std::abs(w.is - w.was); });
+  const double on_way = std::abs(way.is - way.was);
+  if (own > 0 && own >= kNoticeable * std::max(cycles, on_way)) {
+    return Suspect{std::string(most->unit), moved_text(was, is, most->unit, most->most->reason), own / all};
+  }
+  if (on_way >= kNoticeable * cycles && on_way > 0) {
+    return Suspect{
+        way.name,
+        fmt::format("misses spent {:.0f} -> {:.0f} T&I cycles there ({:+.0f})", way.was, way.is, way.is - way.was),
+        on_way / (on_way + all + std::abs(queued(is) - queued(was)))};
+  }
+  double waited = 0;
+  for (const Move& move : moves) {
+    if (move.kind == Reason::kWaiting) waited = std::max(waited, std::abs(move.difference()));
+  }
+  for (const Move& move : moves) {
+    if (move.kind != Reason::kWaiting || waited == 0 || std::abs(move.difference()) < waited / 2) continue;
+    return Suspect{std::string(move.unit), moved_text(was, is, move.unit, move.reason), waited / (waited + all)};
+  }
+  return {};
+}
+
+}  // namespace tools

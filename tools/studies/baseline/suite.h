@@ -1,0 +1,35 @@
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "tools/simulation/job_options.h"
+
+namespace tools {
+
+/// A value that a suite keeps of its runs.
+struct Kept {
+  std::string text;    ///< report path, any clear end of one, or a group
+  double percent = 0;  ///< of the stored value, by which it may be off; 0: not at all
+  std::string at;      ///< where the suite says so
+};
+
+struct SuiteRun {
+  std::string name;
+  JobOptions options;
+};
+
+/// Small runs whose figures are stored and checked.
+struct Suite {
+  std::filesystem::path file;
+  std::filesystem::path values;  ///< where they are stored
+  std::vector<Kept> kept;
+  std::vector<SuiteRun> runs;
+  std::string name() const { return file.stem().string(); }
+};
+
+/// Reads a suite. InputError with file, line and column for what is not allowed; that includes every run's
+/// configuration, so that nothing is found to be wrong after the first has been computed.
+Suite load_suite(const std::filesystem::path& file);
+
+}  // namespace tools

@@ -1,0 +1,31 @@
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "tools/analysis/top_down.h"
+#include "tools/simulation/job_options.h"
+
+namespace tools {
+
+/// What a frame takes with one resource made perfect.
+struct Bound {
+  std::string resource;
+  std::uint64_t cycles = 0;  ///< of the T&I clock
+  double estimated = 1;      ///< the speed-up that the counters of the run as configured promise
+};
+
+/// What limits a frame, as one run's counters say, and what each resource could bring at most, as further runs show.
+struct Bottleneck {
+  std::uint64_t cycles = 0;
+  std::string limiter;  ///< in words
+  CoreTime time;
+  std::string named;  ///< the resource that the counters name
+  std::vector<Bound> bounds;
+  double speedup(const Bound& bound) const { return static_cast<double>(cycles) / static_cast<double>(bound.cycles); }
+};
+
+/// Simulates the first frame once as configured and once with each resource made perfect. InputError, sim::Deadlock.
+Bottleneck find_bottleneck(const JobOptions& options);
+
+}  // namespace tools

@@ -1,0 +1,53 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/analysis/report_file.h"
+
+namespace tools {
+
+/// A figure of two runs.
+struct Pair {
+  std::string name;
+  double a = 0, b = 0;
+  double difference() const { return b - a; }
+};
+
+/// A key of the configuration in which two runs differ; empty where one has no such key.
+struct KeyPair {
+  std::string key, a, b;
+};
+
+/// A run beside another.
+struct Comparison {
+  std::vector<std::string> other_work;  ///< why the two did not have the same work to do; empty: they had
+  std::vector<KeyPair> config;
+  std::vector<Pair> figures;  ///< what people look at first, in this order
+  // What explains them, largest difference first; equal figures are left out.
+  std::vector<Pair> time;      ///< T&I cycles by place, of an average core
+  std::vector<Pair> reasons;   ///< T&I cycles by unit and reason, of an average unit of its kind; without idle ones
+  std::vector<Pair> blocks;    ///< nominal mJ by block
+  std::vector<Pair> events;    ///< nominal mJ by block and event, and of clock and leakage
+  std::vector<Pair> counters;  ///< sums over units of a kind, by relative change; all that moved by more than 1 % of
+                               ///< the rays
+  std::vector<Pair> ratios;    ///< hit rates and mean times, in the order of the memory hierarchy
+  // The first frame's pictures.
+  std::optional<double> squared_error;
+  std::string no_picture;  ///< why there is no squared_error
+};
+
+/// `b` against `a`.
+Comparison compare(const ReportFile& a, const ReportFile& b);
+
+/// Reports side by side, the first against each other one: schema raywatt-compare/1.
+nlohmann::ordered_json comparison_json(const std::vector<ReportFile>& reports, const std::vector<Comparison>& against);
+
+/// The same for a terminal.
+std::string comparison_text(const std::vector<ReportFile>& reports, const std::vector<Comparison>& against);
+
+/// Of what should be read with care: one line each.
+std::vector<std::string> comparison_warnings(const std::vector<ReportFile>& reports,
+                                             const std::vector<Comparison>& against);
+
+}  // namespace tools

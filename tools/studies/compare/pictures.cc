@@ -1,0 +1,64 @@
+#include "tools/studies/compare/pictures.h"
+
+#include <span>
+
+#include <fmt/format.h>
+
+#include "sim/error.h"
+#include "sim/io/file.h"
+#include "tools/analysis/picture.h"
+#include "traces/scene/images.h"
+
+namespace tools {
+
+namespace {
+
+constexpr std::uint64_t kLargestPicture = 1ULL << 30;
+
+double squared_error(const traces::Texture& a, const traces::Texture& b) {
+  double squares = 0;
+  for (std::size_t i = 0; i < a.texels.size(); ++i) {
+    for (const unsigned shift : {0U, 8U, 16U}) {
+      const auto channel = [&](std::uint32_t texel) { return static_cast<double>((texel >> shift) & 0xff) / 255; };
+      const double difference = channel(a.texels[i]) - channel(b.texels[i]);
+      squares += difference * difference;
+    }
+  }
+  return squares / (3 * static_cast<double>(a.texels.size()));
+}
+
+traces::Texture read_png(const std::filesystem::path& file) {
+  const std::string bytes = sim::read_file(file, kLargestPicture);
+  return traces::read_image(std::as_bytes(std::span(bytes.data(), bytes.size())), file.string());
+}
+
+bool have(const std::filesystem::path& a, const std::filesystem::path& b, const char* name) {
+  return std::filesystem::is_regular_file(a / name) && std::filesystem::is_regular_file(b / name);
+}
+
+template <class Image>
+bool same_size(const Image& a, const Image& b, Comparison& out) {
+  if (a.width == b.width && a.height == b.height) return true;
+  out.no_picture = fmt::format("sizes differ: {}x{} and {}x{}", a.width, a.height, b.width, b.height);
+  return false;
+}
+
+}  // namespace
+
+void compare_pictures(const std::filesystem::path& a, const std::filesystem::path& b, Comparison& out) {
+  try {
+    if (have(a, b, "image.exr")) {
+      const traces::FloatImage of_a = traces::read_exr(a / "image.exr"), of_b = traces::read_exr(b / "image.exr");
+      if (same_size(of_a, of_b, out)) out.squared_error = mean_squared_error(of_a.rgb, of_b.rgb);
+    } else if (have(a, b, "image.png")) {
+      const traces::Texture of_a = read_png(a / "image.png"), of_b = read_png(b / "image.png");
+      if (same_size(of_a, of_b, out)) out.squared_error = squared_error(of_a, of_b);
+    } else {
+      out.no_picture = "not both have one";
+    }
+  } catch (const sim::InputError& error) {
+    out.no_picture = error.what();  // the figures are good all the same
+  }
+}
+
+}  // namespace tools

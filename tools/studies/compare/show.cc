@@ -1,0 +1,225 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "sim/io/printable.h"
+#include "sim/report/table.h"
+#include "tools/analysis/picture.h"
+#include "tools/studies/compare/compare.h"
+
+namespace tools {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kShown = 8;  ///< lines of a list; --json has all
+
+/// What a change is worth: "+1.4 %", "x2.08", "new".
+std::string change_text(const Pair& pair) {
+  if (pair.a == pair.b) return "=";
+  if (pair.a == 0) return "new";
+  if (pair.b == 0) return "gone";
+  const double times = pair.b / pair.a;
+  if (times >= 2) return fmt::format("x{:.3g}", times);
+  const double percent = 100 * (times - 1);
+  return fmt::format("{:+.{}f} %", percent, std::abs(percent) < 1 ? 2 : 1);
+}
+
+/// "raywatt-out/base/report.json" -> "base".
+std::string short_name(const ReportFile& report) {
+  const std::filesystem::path file = report.file.lexically_normal();
+  const std::string folder = file.parent_path().filename().string();
+  const bool usual = file.filename() == "report.json" && !folder.empty() && folder != "." && folder != "..";
+  return sim::printable(usual ? folder : file.stem().string(), 40);
+}
+
+std::vector<std::string> short_names(const std::vector<ReportFile>& reports) {
+  std::vector<std::string> names;
+  for (const ReportFile& report : reports) names.push_back(short_name(report));
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (std::ranges::count(names, names[i]) > 1) {
+      for (std::size_t k = 0; k < names.size(); ++k)
+        names[k] = fmt::format("{}:{}", static_cast<char>('A' + k % 26), names[k]);
+      break;
+    }
+  }
+  return names;
+}
+
+std::string figure_text(const std::string& name, double value) {
+  static const std::map<std::string, const char*> kUnits = {
+      {"time_ms", "ms"}, {"dram_bytes", "B"},        {"energy_mj", "mJ"}, {"energy_tni_mj", "mJ"},
+      {"power_w", "W"},  {"mrays_per_s", "Mrays/s"}, {"nj_per_ray", "nJ"}};
+  const auto unit = kUnits.find(name);
+  if (name == "dram_bytes") return sim::si_text(value, "B");
+  if (unit == kUnits.end()) return sim::si_text(value);
+  return fmt::format("{:.4g} {}", value, unit->second);
+}
+
+std::string picture_text(const Comparison& c) {
+  if (!c.squared_error) return sim::printable(c.no_picture);
+  const std::optional<double> psnr = psnr_db(*c.squared_error);
+  return psnr ? fmt::format("PSNR {:.2f} dB", *psnr) : "identical";
+}
+
+std::string overview(const std::vector<std::string>& names, const std::vector<Comparison>& against) {
+  std::vector<std::string> header = {"", names.front()};
+  for (std::size_t i = 1; i < names.size(); ++i) header.insert(header.end(), {names[i], ""});
+  sim::Table table(header);
+  for (const Pair& first : against.front().figures) {
+    std::vector<std::string> row = {first.name, figure_text(first.name, first.a)};
+    for (const Comparison& c : against) {
+      const auto pair = std::ranges::find(c.figures, first.name, &Pair::name);
+      if (pair == c.figures.end()) row.insert(row.end(), {"-", ""});
+      if (pair != c.figures.end()) row.insert(row.end(), {figure_text(pair->name, pair->b), change_text(*pair)});
+    }
+    table.row(std::move(row));
+  }
+  std::vector<std::string> pictures = {"picture", ""};
+  for (const Comparison& c : against) pictures.insert(pictures.end(), {picture_text(c), ""});
+  table.row(std::move(pictures));
+  return table.text();
+}
+
+enum class Column : std::uint8_t { kCount, kEnergy, kRatio };
+
+std::string cell(Column column, double value) {
+  if (column == Column::kEnergy) return fmt::format("{:.4g}", value);
+  if (column == Column::kRatio) return value <= 1 ? fmt::format("{:.1f} %", 100 * value) : fmt::format("{:.1f}", value);
+  return sim::si_text(std::abs(value) < 1000 ? std::round(value) : value);
+}
+
+/// The first lines of a list of pairs; `whole`, if it is not 0, is the change that they add up to.
+std::string section(const std::string& title, const std::vector<Pair>& pairs, Column column,
+                    const std::vector<std::string>& names, double whole = 0) {
+  if (pairs.empty()) return {};
+  std::vector<std::string> header = {title, names[0], names[1], "difference", ""};
+  sim::Table table(std::move(header));
+  const std::size_t shown = column == Column::kRatio ? pairs.size() : std::min(pairs.size(), kShown);
+  for (std::size_t i = 0; i < shown; ++i) {
+    const Pair& pair = pairs[i];
+    const double difference = pair.difference();
+    std::string moved = (difference > 0 ? "+" : "") + cell(column, difference);
+    if (column == Column::kRatio) {
+      const bool is_share = std::max(pair.a, pair.b) <= 1;
+      moved = fmt::format("{:+.2f}{}", is_share ? 100 * difference : difference, is_share ? " points" : "");
+    }
+    table.row({pair.name, cell(column, pair.a), cell(column, pair.b), moved,
+               whole != 0                 ? fmt::format("{:.0f} % of the change", 100 * difference / whole)
+               : column == Column::kRatio ? ""
+                                          : change_text(pair)});
+  }
+  const std::string rest = shown < pairs.size() ? fmt::format("and {} more\n", pairs.size() - shown) : "";
+  return "\n" + table.text() + rest;
+}
+
+double difference_of(const Comparison& c, const char* figure) {
+  const auto found = std::ranges::find(c.figures, figure, &Pair::name);
+  return found == c.figures.end() ? 0 : found->difference();
+}
+
+/// Words for the places of totals.top_down.
+std::vector<Pair> in_words(std::vector<Pair> places) {
+  static const std::map<std::string, const char*> kWords = {
+      {"kernels", "kernels run"},
+      {"switches", "kernel switches"},
+      {"banks", "tile-buffer banks"},
+      {"boxes", "box tests"},
+      {"triangles", "triangle tests"},
+      {"pipes", "T&I pipelines"},
+      {"transfers", "transfers"},
+      {"no_tile", "no tile"},
+      {"data_misses.dram", "data-cache misses: DRAM"},
+      {"data_misses.l2", "data-cache misses: L2"},
+      {"data_misses.interconnect", "data-cache misses: interconnect"},
+      {"tree_misses.dram", "tree misses: DRAM"},
+      {"tree_misses.l2", "tree misses: L2"},
+      {"tree_misses.interconnect", "tree misses: interconnect"}};
+  for (Pair& place : places) {
+    if (const auto word = kWords.find(place.name); word != kWords.end()) place.name = word->second;
+  }
+  return places;
+}
+
+std::string config_text(const Comparison& c) {
+  if (c.config.empty()) return "configurations are equal\n";
+  std::string out = "configuration\n";
+  const auto value = [](const std::string& text) { return text.empty() ? "none" : text; };
+  for (std::size_t i = 0; i < std::min(c.config.size(), 2 * kShown); ++i) {
+    out += fmt::format("  {}: {} -> {}\n", c.config[i].key, value(c.config[i].a), value(c.config[i].b));
+  }
+  if (c.config.size() > 2 * kShown) out += fmt::format("  and {} more keys\n", c.config.size() - 2 * kShown);
+  return out;
+}
+
+std::string explanation(const Comparison& c, const std::vector<std::string>& names) {
+  const bool has_places = !c.time.empty();
+  std::string out = fmt::format("\n{} against {}: {}", names[1], names[0], config_text(c));
+  out += section("cycles of an average core", in_words(c.time), Column::kCount, names, difference_of(c, "cycles"));
+  out += section("cycles of an average unit", c.reasons, Column::kCount, names);
+  out += section("rates and mean times", c.ratios, Column::kRatio, names);
+  out += section("mJ by block", c.blocks, Column::kEnergy, names, difference_of(c, "energy_mj"));
+  out += section("mJ by event", c.events, Column::kEnergy, names, difference_of(c, "energy_mj"));
+  out += section("counters that changed most", c.counters, Column::kCount, names);
+  if (!has_places && c.events.empty() && c.counters.empty()) out += "\nall counters are equal\n";
+  return out;
+}
+
+Json pairs_json(const std::vector<Pair>& pairs) {
+  Json out = Json::array();
+  for (const Pair& pair : pairs) {
+    out.push_back({{"name", pair.name}, {"a", pair.a}, {"b", pair.b}, {"difference", pair.difference()}});
+  }
+  return out;
+}
+
+Json against_json(const Comparison& c) {
+  Json config = Json::array(), figures = Json::object();
+  for (const KeyPair& key : c.config) config.push_back({{"key", key.key}, {"a", key.a}, {"b", key.b}});
+  for (const Pair& pair : c.figures) {
+    figures[pair.name] = {{"a", pair.a}, {"b", pair.b}, {"relative", pair.a == 0 ? Json() : Json(pair.b / pair.a)}};
+  }
+  Json picture = Json::object();
+  if (c.squared_error) {
+    const std::optional<double> psnr = psnr_db(*c.squared_error);
+    picture = {{"identical", !psnr}, {"psnr_db", psnr ? Json(*psnr) : Json()}};
+  } else {
+    picture = {{"why_not", sim::printable(c.no_picture)}};
+  }
+  return {{"other_work", c.other_work},
+          {"config", config},
+          {"figures", figures},
+          {"time", pairs_json(c.time)},
+          {"reasons", pairs_json(c.reasons)},
+          {"ratios", pairs_json(c.ratios)},
+          {"energy_by_block_mj", pairs_json(c.blocks)},
+          {"energy_by_event_mj", pairs_json(c.events)},
+          {"counters", pairs_json(c.counters)},
+          {"picture", picture}};
+}
+
+}  // namespace
+
+Json comparison_json(const std::vector<ReportFile>& reports, const std::vector<Comparison>& against) {
+  Json out = {{"schema", "raywatt-compare/1"},
+              {"a", sim::printable(reports.front().file.string(), 4096)},
+              {"against", Json::array()}};
+  for (std::size_t i = 0; i < against.size(); ++i) {
+    Json entry = {{"b", sim::printable(reports[i + 1].file.string(), 4096)}};
+    entry.update(against_json(against[i]));
+    out["against"].push_back(std::move(entry));
+  }
+  return out;
+}
+
+std::string comparison_text(const std::vector<ReportFile>& reports, const std::vector<Comparison>& against) {
+  const std::vector<std::string> names = short_names(reports);
+  std::string out = overview(names, against);
+  for (std::size_t i = 0; i < against.size(); ++i) out += explanation(against[i], {names[0], names[i + 1]});
+  return out;
+}
+
+}  // namespace tools

@@ -1,0 +1,248 @@
+#include "tools/studies/optimise/search_run.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "shader_kernels/programs/program_spec.h"
+#include "sim/error.h"
+#include "sim/io/json.h"
+#include "sim/io/printable.h"
+#include "tools/analysis/report_paths.h"
+#include "tools/sampling/tile_sampling.h"
+#include "tools/studies/sweep/magnitude.h"
+
+namespace tools::optimise {
+
+namespace {
+
+using sweep::Fate;
+using sweep::Point;
+
+constexpr std::uint64_t kFirstShare = 5;       // of the budget, for points that are spread: a fifth
+constexpr std::size_t kLooks = 4;              // first looks for each point that is simulated
+constexpr std::uint64_t kMostImpossible = 10;  // for each point of the budget
+constexpr double kIdentical = 100;             // dB, of a picture that equals its reference: nobody sees a better one
+
+/// Are the values of an axis numbers that rise, or fall, as listed?
+bool is_ordered(const sweep::Axis& axis) {
+  for (std::size_t k = 0; k < axis.keys.size(); ++k) {
+    bool rises = true, falls = true;
+    std::optional<sweep::Magnitude> before;
+    for (const sweep::Axis::Value& value : axis.values) {
+      const std::optional<sweep::Magnitude> here = sweep::magnitude_of(value.settings[k]);
+      if (!here || (before && before->kind != here->kind)) return false;
+      rises = rises && (!before || before->value <= here->value);
+      falls = falls && (!before || before->value >= here->value);
+      before = here;
+    }
+    if (!rises && !falls) return false;
+  }
+  return true;
+}
+
+Space space_of(const Task& task, const sweep::Planner& planner) {
+  Space space;
+  for (const sweep::Axis& axis : task.space.axes) {
+    space.axes.push_back({static_cast<std::uint32_t>(axis.values.size()), is_ordered(axis)});
+  }
+  space.is_wanted = [&planner](const Choice& choice) { return planner.is_wanted(choice); };
+  return space;
+}
+
+void check_looks(const Task& task) {
+  parse_tile_sampling(task.looks_sampling, "none");
+  if (!task.space.reference.empty()) {
+    throw sim::InputError("does not go together with a reference; allowed: fidelity full");
+  }
+  check_tile_sampling(kernels::parse_program(task.space.program));
+  for (const sweep::Axis& axis : task.space.axes) {
+    for (std::size_t k = 0; k < axis.keys.size(); ++k) {
+      if (axis.keys[k] != "program") continue;
+      for (const sweep::Axis::Value& value : axis.values)
+        check_tile_sampling(kernels::parse_program(value.settings[k]));
+    }
+  }
+}
+
+/// The numbers of a report, of which each that a search may want is finite.
+std::vector<ReportNumber> figures_of(const std::string& report) {
+  auto json = sim::parse_json<nlohmann::ordered_json>(report);
+  const nlohmann::ordered_json::json_pointer identical("/totals/identical");
+  if (json.contains(identical) && json[identical] == true) json["totals"]["psnr_db"] = kIdentical;
+  return report_numbers(json);
+}
+
+}  // namespace
+
+Course::Course(const Task& task, const std::filesystem::path& folder)
+    : task_(task),
+      planner_(task_.space, folder),
+      search_(space_of(task_, planner_), task_.goals, {.seed = task_.seed, .population = task_.population}) {
+  if (!task_.sampled) return;
+  try {
+    check_looks(task_);
+  } catch (const sim::InputError& error) {
+    throw sim::InputError(fmt::format("{}: fidelity sampled: {}", task_.file, error.what()));
+  }
+}
+
+void Course::find_figures(const std::vector<std::string>& paths) {
+  for (Goal& goal : task_.goals) {
+    try {
+      goal.figure = resolve_report_path(goal.figure, paths);
+    } catch (const sim::InputError& error) {
+      throw sim::InputError(fmt::format("{}: {}", goal.at, error.what()));
+    }
+  }
+  has_paths_ = true;
+}
+
+void Course::read_figures(Trial& trial, const sweep::Store& store) {
+  const std::optional<std::string> report = store.report(trial.point.id);
+  if (!report) throw sim::IoError(fmt::format("{}: the result is gone", store.folder(trial.point.id).string()));
+  const std::vector<ReportNumber> numbers = figures_of(*report);
+  if (!has_paths_) {
+    std::vector<std::string> paths;
+    for (const ReportNumber& number : numbers) paths.push_back(number.path);
+    find_figures(paths);
+  }
+  trial.is_feasible = true;
+  for (const Goal& goal : task_.goals) {
+    const auto number = std::ranges::find(numbers, goal.figure, &ReportNumber::path);
+    if (number == numbers.end() || !std::isfinite(number->value)) {
+      trial.state = Trial::State::kFailed;
+      trial.error = fmt::format("its report has no {}", goal.figure);
+      trial.is_feasible = false;
+      trial.figures.clear();
+      return;
+    }
+    trial.figures.push_back(number->value);
+    trial.is_feasible = trial.is_feasible && goal.is_met(number->value);
+  }
+}
+
+bool Course::compute(const std::vector<Choice>& choices, bool looks, sweep::Launcher& launcher,
+                     const sweep::Store& store, const Hooks& hooks) {
+  std::vector<Trial> fresh;
+  std::map<std::string, std::size_t> places;  // of fresh ones
+  std::vector<std::string> ids;
+  for (const Choice& choice : choices) {
+    Trial trial;
+    trial.point = planner_.point(choice, looks ? task_.looks_sampling : "");
+    trial.choice = choice;
+    trial.is_look = looks;
+    trial.batch = batches_;
+    ids.push_back(trial.point.id);
+    if (!trial.point.error.empty()) {
+      trial.state = Trial::State::kImpossible;
+      trial.error = trial.point.error;
+    }
+    const bool is_known = by_id_.contains(ids.back()) || places.contains(ids.back());
+    if (is_known) continue;  // values of other names that make the same machine
+    places.emplace(ids.back(), fresh.size());
+    fresh.push_back(std::move(trial));
+  }
+
+  std::vector<Point> points, all;
+  std::vector<std::size_t> owners;
+  for (std::size_t f = 0; f < fresh.size(); ++f) {
+    if (fresh[f].state == Trial::State::kImpossible) continue;
+    points.push_back(fresh[f].point);
+    owners.push_back(f);
+  }
+  if (!points.empty()) {
+    for (const Trial& trial : trials_) {
+      if (trial.state != Trial::State::kImpossible) all.push_back(trial.point);
+    }
+    all.insert(all.end(), points.begin(), points.end());
+    hooks.announce(all);
+    const sweep::BatchEnd end = launcher.run(points, hooks.watch);
+    if (end.interrupted) return false;
+    computed_ += end.count(Fate::kComputed);
+    found_ += end.count(Fate::kFound);
+    for (std::size_t p = 0; p < points.size(); ++p) {
+      Trial& trial = fresh[owners[p]];
+      if (end.fates[p] == Fate::kComputed || end.fates[p] == Fate::kFound) {
+        read_figures(trial, store);
+        continue;
+      }
+      if (end.fates[p] != Fate::kFailed) {
+        throw sim::IoError("points were not computed, as somebody stopped who should; the same command goes on");
+      }
+      trial.state = Trial::State::kFailed;
+      const std::optional<sweep::Failure> failure = store.failure(trial.point.id);
+      trial.error = failure ? failure->error : "it failed";
+    }
+  }
+  for (Trial& trial : fresh) {
+    if (!trial.is_look && trial.state != Trial::State::kImpossible) simulated_ += 1;
+    by_id_.emplace(trial.point.id, trials_.size());
+    trials_.push_back(std::move(trial));
+  }
+  for (std::size_t c = 0; c < choices.size(); ++c) {
+    const Trial& trial = trials_[by_id_.at(ids[c])];
+    const bool is_done = trial.state == Trial::State::kDone;
+    if (looks) {
+      looked_.emplace(choices[c], true);
+      if (is_done) search_.tell_look(choices[c], trial.figures);
+    } else {
+      search_.tell(choices[c], is_done ? std::optional(trial.figures) : std::nullopt);
+    }
+  }
+  batches_ += 1;
+  return true;
+}
+
+bool Course::run(sweep::Launcher& launcher, const sweep::Store& store, const Hooks& hooks) {
+  const std::uint64_t axes = task_.space.axes.size();
+  const std::uint64_t first = std::min(std::max(task_.budget / kFirstShare, 2 * (axes + 1)), (task_.budget + 1) / 2);
+  std::uint64_t asked = 0;
+  while (simulated_ < task_.budget && asked < task_.budget * (kMostImpossible + 1)) {
+    const std::size_t count = std::min(simulated_ == 0 ? first : task_.batch, task_.budget - simulated_);
+    if (task_.sampled) {
+      std::vector<Choice> looks = search_.propose(kLooks * count);
+      std::erase_if(looks, [&](const Choice& choice) { return looked_.contains(choice); });
+      if (!compute(looks, true, launcher, store, hooks)) return false;
+    }
+    const std::vector<Choice> proposed = search_.propose(count);
+    if (proposed.empty()) break;
+    asked += proposed.size();
+    if (!compute(proposed, false, launcher, store, hooks)) return false;
+  }
+  return true;
+}
+
+std::vector<const Trial*> Course::front() const {
+  std::vector<const Trial*> feasible, front;
+  std::vector<Score> scores;
+  for (const Trial& trial : trials_) {
+    if (!trial.is_feasible || trial.is_look) continue;
+    feasible.push_back(&trial);
+    scores.push_back(search_.score_of(trial.figures));
+  }
+  for (const std::size_t i : front_of(scores)) front.push_back(feasible[i]);
+  return front;
+}
+
+const Trial* Course::nearest() const {
+  const Trial* nearest = nullptr;
+  double least = 0;
+  for (const Trial& trial : trials_) {
+    if (trial.state != Trial::State::kDone || trial.is_look) continue;
+    double miss = 0;
+    for (std::size_t g = 0; g < task_.goals.size(); ++g) {
+      const Goal& goal = task_.goals[g];
+      if (goal.is_met(trial.figures[g])) continue;
+      miss += std::abs(trial.figures[g] - goal.limit) / std::max(std::abs(goal.limit), 1e-12);
+    }
+    if (nearest == nullptr || miss < least) {
+      nearest = &trial;
+      least = miss;
+    }
+  }
+  return nearest;
+}
+
+}  // namespace tools::optimise

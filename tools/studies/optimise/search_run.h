@@ -1,0 +1,78 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tools/studies/optimise/search.h"
+#include "tools/studies/optimise/task.h"
+#include "tools/studies/sweep/launcher.h"
+#include "tools/studies/sweep/plan.h"
+#include "tools/studies/sweep/store.h"
+
+namespace tools::optimise {
+
+/// A point that the search has asked for.
+struct Trial {
+  sweep::Point point;
+  Choice choice;
+  enum class State : std::uint8_t { kDone, kFailed, kImpossible } state = State::kDone;
+  bool is_look = false;         ///< an estimate by tile sampling
+  bool is_feasible = false;     ///< it meets all constraints
+  std::uint32_t batch = 0;      ///< with which it was simulated
+  std::vector<double> figures;  ///< for each goal
+  std::string error;            ///< why there are none
+};
+constexpr std::array<std::string_view, 3> names_of(Trial::State) { return {"done", "failed", "impossible"}; }
+
+/// A search and the simulations that it asks for. What it does follows from the task, the seed and the results alone:
+/// begun again after an interrupt it finds its simulations in the store and goes on.
+class Course {
+ public:
+  /// InputError for a task that cannot be done. Files that it names are seen from `folder`.
+  Course(const Task& task, const std::filesystem::path& folder);
+  Course(const Course&) = delete;
+  Course& operator=(const Course&) = delete;
+
+  struct Hooks {
+    /// Told all points so far before those that are new are computed.
+    std::function<void(const std::vector<sweep::Point>& points)> announce;
+    sweep::Launcher::Watch watch;  ///< told of each point of a batch
+  };
+  /// False if interrupted. InputError for a figure that reports do not have.
+  bool run(sweep::Launcher& launcher, const sweep::Store& store, const Hooks& hooks);
+
+  const std::vector<Trial>& trials() const { return trials_; }
+  /// Those on the front: the best in the first objective first.
+  std::vector<const Trial*> front() const;
+  /// Of those simulated that which misses the constraints least; none if nothing could be simulated.
+  const Trial* nearest() const;
+  const std::vector<Goal>& goals() const { return task_.goals; }  ///< their figures in full, once there is a report
+  std::uint64_t simulated() const { return simulated_; }          ///< without first looks
+  std::uint64_t computed() const { return computed_; }            ///< of all, those that were not in the store
+  std::uint64_t found() const { return found_; }                  ///< of all, those that were
+
+ private:
+  /// Has points computed and tells the search; false if interrupted.
+  bool compute(const std::vector<Choice>& choices, bool looks, sweep::Launcher& launcher, const sweep::Store& store,
+               const Hooks& hooks);
+  /// Reads a report. Nothing, and why, if it lacks a figure.
+  void read_figures(Trial& trial, const sweep::Store& store);
+  void find_figures(const std::vector<std::string>& paths);
+
+  Task task_;
+  sweep::Planner planner_;
+  Search search_;
+  std::vector<Trial> trials_;
+  std::map<std::string, std::size_t> by_id_;
+  std::map<Choice, bool> looked_;
+  std::uint64_t simulated_ = 0, computed_ = 0, found_ = 0;
+  std::uint32_t batches_ = 0;
+  bool has_paths_ = false;
+};
+
+}  // namespace tools::optimise

@@ -1,0 +1,65 @@
+#include "tools/studies/optimise/surrogate.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tools::optimise {
+
+namespace {
+
+constexpr double kLookDeviation = 0.1;  // of a look's error, in deviations of the values, as long as nothing is known
+
+double mean_of(std::span<const double> values) {
+  double sum = 0;
+  for (const double value : values) sum += value;
+  return values.empty() ? 0 : sum / static_cast<double>(values.size());
+}
+
+double variance_of(std::span<const double> values) {
+  const double mean = mean_of(values);
+  double sum = 0;
+  for (const double value : values) sum += (value - mean) * (value - mean);
+  return values.size() < 2 ? 0 : sum / static_cast<double>(values.size() - 1);
+}
+
+}  // namespace
+
+Surrogate::Surrogate(std::span<const AxisShape> axes) : plain_(axes), log_(axes) {}
+
+double Surrogate::forward(double value) const { return is_log_ ? std::log(value) : value; }
+double Surrogate::inverse(double value) const { return is_log_ ? std::exp(value) : value; }
+
+std::vector<Observation> Surrogate::observations(const Values& exact, const Values& looks) const {
+  std::vector<Observation> all;
+  std::vector<double> values, errors;
+  for (const auto& [point, value] : exact) {
+    all.push_back({point, forward(value), 0});
+    values.push_back(forward(value));
+    if (const auto look = looks.find(point); look != looks.end()) {
+      errors.push_back(forward(look->second) - forward(value));
+    }
+  }
+  const double unknown = kLookDeviation * kLookDeviation * variance_of(values);
+  const auto pairs = static_cast<double>(errors.size());
+  const double bias = mean_of(errors);
+  const double variance = (variance_of(errors) * pairs + unknown) / (pairs + 1);
+  for (const auto& [point, value] : looks) {
+    if (!exact.contains(point)) all.push_back({point, forward(value) - bias, variance});
+  }
+  return all;
+}
+
+void Surrogate::fit(const Values& exact, const Values& looks) {
+  is_log_ = false;
+  const double plain = plain_.fit(observations(exact, looks));
+  const auto is_positive = [](const Values::value_type& v) { return v.second > 0; };
+  if (!std::ranges::all_of(exact, is_positive) || !std::ranges::all_of(looks, is_positive)) return;
+  is_log_ = true;
+  const std::vector<Observation> logs = observations(exact, looks);
+  double jacobian = 0;
+  for (const Observation& o : logs) jacobian += o.value;  // of the logarithm: a value's density is over the value
+  jacobian /= static_cast<double>(logs.size());
+  is_log_ = log_.fit(logs) - jacobian > plain;
+}
+
+}  // namespace tools::optimise

@@ -1,0 +1,35 @@
+#pragma once
+#include <map>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "tools/studies/optimise/gaussian_process.h"
+
+namespace tools::optimise {
+
+/// A figure of the points, estimated where it has not been computed. Figures above 0 are estimated by their logarithm
+/// if that makes what has been seen likelier. First looks, which are off by a bias and an error, help where there are
+/// any.
+class Surrogate {
+ public:
+  explicit Surrogate(std::span<const AxisShape> axes);
+
+  /// Values by point. Exact ones: at least one.
+  using Values = std::map<Choice, double>;
+  void fit(const Values& exact, const Values& looks);
+  /// Of the figure as it is estimated: inverse() makes it a figure again.
+  Estimate at(const Choice& point) const { return process().at(point); }
+  double inverse(double value) const;
+  double forward(double value) const;
+  void believe(const Choice& point, double value) { (is_log_ ? log_ : plain_).believe(point, value); }
+
+ private:
+  const GaussianProcess& process() const { return is_log_ ? log_ : plain_; }
+  std::vector<Observation> observations(const Values& exact, const Values& looks) const;
+
+  GaussianProcess plain_, log_;
+  bool is_log_ = false;
+};
+
+}  // namespace tools::optimise

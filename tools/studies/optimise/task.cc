@@ -1,0 +1,96 @@
+#include "tools/studies/optimise/task.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "sim/config/yaml_tree.h"
+#include "sim/error.h"
+#include "sim/io/file.h"
+#include "sim/io/printable.h"
+#include "tools/studies/sweep/yaml_value.h"
+
+namespace tools::optimise {
+
+namespace {
+
+using sweep::YamlValue;
+
+constexpr std::uint64_t kMostBytes = 1 << 20;
+constexpr std::string_view kSchema = "raywatt-optimise/1";
+constexpr std::array<std::string_view, 7> kKeys = {"objectives", "constraints", "budget",  "seed",
+                                                   "population", "batch",       "fidelity"};
+constexpr std::size_t kMostConstraints = 16;
+
+void read_objectives(const YamlValue& value, std::vector<Goal>& goals) {
+  constexpr std::array<std::string_view, 2> kKinds = {"max", "min"};
+  for (const YamlValue& item : value.items()) {
+    if (!item.is_mapping()) item.refuse("allowed: max: PATH, or min: PATH");
+    for (const YamlValue& entry : item.entries(kKinds)) {
+      Goal goal;
+      goal.kind = entry.key() == "max" ? Goal::Kind::kMax : Goal::Kind::kMin;
+      goal.figure = entry.text();
+      goal.at = entry.where();
+      goals.push_back(std::move(goal));
+    }
+  }
+  if (goals.empty() || goals.size() > 2) {
+    value.refuse(fmt::format("has {} objectives; allowed: one or two", goals.size()));
+  }
+}
+
+void read_constraints(const YamlValue& value, std::vector<Goal>& goals) {
+  for (const YamlValue& item : value.items()) {
+    try {
+      goals.push_back(read_constraint(item.text()));
+    } catch (const sim::InputError& error) {
+      item.refuse(error.what());
+    }
+    goals.back().at = item.where();
+  }
+  if (goals.size() > kMostConstraints) value.refuse(fmt::format("has more than {}", kMostConstraints));
+}
+
+}  // namespace
+
+Task read_task(const std::filesystem::path& file) {
+  const std::string name = sim::printable(file.string());
+  const auto tree = sim::parse_yaml_mapping(sim::read_file(file, kMostBytes), name);
+  const YamlValue root(*tree, name);
+  Task task;
+  task.file = name;
+  task.space = sweep::read_spec(root, kSchema, kKeys);
+  task.looks_sampling = std::exchange(task.space.tile_sampling, "");
+  task.sampled = !task.looks_sampling.empty();
+  std::vector<Goal> constraints;
+  for (const YamlValue& entry : root.entries()) {
+    const std::string& key = entry.key();
+    if (key == "objectives") {
+      read_objectives(entry, task.goals);
+    } else if (key == "constraints") {
+      read_constraints(entry, constraints);
+    } else if (key == "budget") {
+      task.budget = entry.whole_number(kLeastBudget, kMostBudget);
+    } else if (key == "seed") {
+      task.seed = entry.whole_number(0, ~std::uint64_t{0});
+    } else if (key == "population") {
+      task.population = static_cast<std::uint32_t>(entry.whole_number(8, 400));
+      if (task.population % 4 != 0) entry.refuse("allowed: a multiple of 4, which NSGA-II needs");
+    } else if (key == "batch") {
+      task.batch = static_cast<std::uint32_t>(entry.whole_number(1, 256));
+    } else if (key == "fidelity") {
+      if (entry.text() != "full" && entry.text() != "sampled") entry.refuse("allowed: full, sampled");
+      task.sampled = entry.text() == "sampled";
+    } else if (key == "subset") {
+      entry.refuse("is for sweeps; a search finds its own points");
+    }
+  }
+  if (task.goals.empty()) root.refuse("has no objectives; allowed: e.g. objectives: [{max: perf.fps}]");
+  task.goals.insert(task.goals.end(), constraints.begin(), constraints.end());
+  if (task.looks_sampling.empty()) task.looks_sampling = "auto";
+  return task;
+}
+
+}  // namespace tools::optimise

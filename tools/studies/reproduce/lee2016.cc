@@ -1,0 +1,77 @@
+#include "tools/studies/reproduce/plan.h"
+
+// Lee 2016: multi-rate sampling at 2048x1024, rate control off (the paper's section 5 says it was to come).
+
+namespace tools::reproduce {
+
+namespace {
+
+constexpr std::uint32_t kWidth = 2048, kHeight = 1024;
+
+View view_of(const std::string& scene, bool quick) {
+  View view{.scene = scene, .stand_in = "lee2016-" + scene, .files = {}};
+  if (quick) view.sets = {"scene.triangles=15000"};
+  return view;
+}
+
+Case mode_of(const View& view, bool super, bool quick) {
+  const std::string setting = super ? "super" : "under";
+  return {.view = view,
+          .setting = setting,
+          .width = side(kWidth, quick),
+          .height = side(kHeight, quick),
+          .run = {"multirate:" + setting},
+          .reference = {super ? "full:4" : "full:1"}};
+}
+
+}  // namespace
+
+std::vector<Case> lee2016(bool quick) {
+  std::vector<Case> cases;
+  for (const std::string scene : {"teapot", "chess", "car", "laboratory", "village"}) {
+    if (quick && (scene == "car" || scene == "laboratory")) continue;
+    const View view = view_of(scene, quick);
+    for (const bool super : {true, false}) {
+      Case c = mode_of(view, super, quick);
+      c.figures = {{"table 1", "psnr_db"},
+                   {"figure 7", "traced_ratio"},
+                   {"figure 7", "work_ratio"},
+                   {"figure 7", "speedup"},
+                   {"figure 7", "speedup_x_work"},
+                   {"figure 7", "tni_power"},
+                   {"figure 7", "tni_perf_per_watt"},
+                   {"figure 7", "gpu_perf_per_watt"},
+                   {"kernel shares", "check_share"},
+                   {"kernel shares", "interpolation_share"},
+                   {"kernel shares", "starved_share"}};
+      if (view.scene == "village" && super) {
+        c.figures.insert(c.figures.end(), {{"figure 1", "psnr_db"}, {"figure 1", "tni_perf_per_watt"}});
+        c.picture = "1-village";
+      }
+      cases.push_back(std::move(c));
+    }
+    for (const bool super : {true, false}) {
+      Case c = mode_of(view, super, quick);
+      c.reference = c.run;  // attributes in the tile buffer, as is the default
+      c.run.sets = {"multirate.attributes=dram"};
+      c.figures = {{"attributes in DRAM", "dram_bytes_ratio"},
+                   {"attributes in DRAM", "energy_ratio"},
+                   {"attributes in DRAM", "time_ratio"}};
+      cases.push_back(std::move(c));
+    }
+  }
+  for (const char* frame : {"1", "150", "340", "400", "600", "700"}) {
+    View view = view_of("village", quick);
+    view.frame = frame;
+    Case c = mode_of(view, false, quick);
+    c.machine = false;
+    c.setting = std::string("frame ") + frame;
+    c.figures = {{"figure 4", "similar_ratio"}, {"figure 4", "traced_ratio"}};
+    c.picture = std::string("4-frame-") + frame;
+    cases.push_back(std::move(c));
+    if (quick && view.frame == "150") break;
+  }
+  return cases;
+}
+
+}  // namespace tools::reproduce

@@ -1,0 +1,151 @@
+#include "tools/studies/reproduce/metrics.h"
+
+#include <algorithm>
+#include <array>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "tools/analysis/kernel_shares.h"
+#include "tools/analysis/picture.h"
+#include "tools/analysis/units.h"
+
+namespace tools::reproduce {
+
+namespace {
+
+using Value = std::optional<double>;
+using Shown = Metric::Shown;
+
+Value ratio(double a, double b) {
+  if (b == 0) return {};
+  return a / b;
+}
+Value ratio(std::uint64_t a, std::uint64_t b) { return ratio(static_cast<double>(a), static_cast<double>(b)); }
+
+double tni_pj(const Outcome& o) { return o.simulation.energy.blocks.at("tni").total().nominal; }
+double all_pj(const Outcome& o) { return o.simulation.energy.total_pj.nominal; }
+
+/// Of all units of a block.
+std::uint64_t counted(const Outcome& o, std::string_view block, std::string_view name) {
+  return sum_of(o.simulation.units, block, name);
+}
+
+std::uint64_t dram_bytes(const Outcome& o) { return counted(o, "dram", "bytes"); }
+std::uint64_t lines_filled(const Outcome& o) { return counted(o, "tni", "l1_fills"); }
+/// Of the T&I units' caches, in the first probe for a line and in all of them.
+double first_hits(const Outcome& o) {
+  const std::uint64_t lines = counted(o, "tni", "l1_hits") + counted(o, "tni", "rau_reads");
+  return 1 - ratio(counted(o, "tni", "l1_late"), lines).value_or(0);
+}
+double all_hits(const Outcome& o) {
+  return ratio(counted(o, "tni", "l1_hits"), counted(o, "tni", "l1_accesses")).value_or(0);
+}
+
+Value speedup(const Comparison& c) { return ratio(c.reference.simulation.cycles, c.run.simulation.cycles); }
+Value work_ratio(const Comparison& c) {
+  return ratio(c.run.simulation.function.traversal_steps, c.reference.simulation.function.traversal_steps);
+}
+Value tni_perf_per_watt(const Comparison& c) { return ratio(tni_pj(c.reference), tni_pj(c.run)); }
+
+Value product(Value a, Value b) {
+  if (!a || !b) return {};
+  return *a * *b;
+}
+
+Value sum(Value a, Value b) {
+  if (!a || !b) return {};
+  return *a + *b;
+}
+
+Value share(const Comparison& c, KernelGroup group) { return kernel_share(c.run.simulation, group); }
+
+constexpr std::array<Metric, 31> kMetrics = {{
+    {"psnr_db", "PSNR against the reference picture", Shown::kDecibel, false,
+     [](const Comparison& c) { return psnr_db(c.squared_error); }},
+    {"traced_ratio", "samples traced of those wanted", Shown::kShare, false,
+     [](const Comparison& c) { return ratio(c.run.sampling().traced, c.run.sampling().wanted); }},
+    {"traced_ratio_lit", "the same without samples of the background", Shown::kShare, false,
+     [](const Comparison& c) {
+       const kernels::Sampling& s = c.run.sampling();
+       return ratio(s.traced - s.traced_background, s.wanted - s.background);
+     }},
+    {"similar_ratio", "of the samples between references, those found similar", Shown::kShare, false,
+     [](const Comparison& c) { return ratio(c.run.sampling().passed, c.run.sampling().checked); }},
+    {"samples_of_fixed_9", "samples against nine per pixel", Shown::kShare, false,
+     [](const Comparison& c) { return ratio(c.run.sampling().traced, 9 * c.run.pixels); }},
+    {"sample_ratio", "samples against sixteen per pixel", Shown::kShare, false,
+     [](const Comparison& c) { return ratio(c.run.sampling().traced, 16 * c.run.pixels); }},
+    {"reflective_share", "pixels whose surface reflects", Shown::kShare, false,
+     [](const Comparison& c) { return c.reflective_share; }},
+    {"rays_ratio", "rays against the reference's", Shown::kShare, false,
+     [](const Comparison& c) { return ratio(c.run.simulation.rays(), c.reference.simulation.rays()); }},
+    {"work_ratio", "traversal steps against the reference's", Shown::kShare, true, work_ratio},
+    {"speedup", "cycles of the reference over cycles", Shown::kFactor, true, speedup},
+    {"speedup_x_work", "speed-up times work ratio: 1 where traversal sets the pace", Shown::kFactor, true,
+     [](const Comparison& c) { return product(speedup(c), work_ratio(c)); }},
+    {"time_ratio", "cycles over cycles of the reference", Shown::kFactor, true,
+     [](const Comparison& c) { return ratio(c.run.simulation.cycles, c.reference.simulation.cycles); }},
+    {"time_of_fixed_1", "cycles over cycles of one sample per pixel", Shown::kFactor, true,
+     [](const Comparison& c) { return ratio(c.run.simulation.cycles, c.reference.simulation.cycles); }},
+    {"tni_power", "power of the T&I units against the reference's", Shown::kFactor, true,
+     [](const Comparison& c) { return product(ratio(tni_pj(c.run), tni_pj(c.reference)), speedup(c)); }},
+    {"tni_perf_per_watt", "performance per watt of the T&I units against the reference's", Shown::kFactor, true,
+     tni_perf_per_watt},
+    {"gpu_perf_per_watt", "the same of the GPU with its memory", Shown::kFactor, true,
+     [](const Comparison& c) { return ratio(all_pj(c.reference), all_pj(c.run)); }},
+    {"energy_ratio", "energy of GPU and memory against the reference's", Shown::kFactor, true,
+     [](const Comparison& c) { return ratio(all_pj(c.run), all_pj(c.reference)); }},
+    {"dram_bytes_ratio", "bytes over the memory's buses against the reference's", Shown::kFactor, true,
+     [](const Comparison& c) { return ratio(dram_bytes(c.run), dram_bytes(c.reference)); }},
+    {"l1_hits", "probes of the T&I units' caches that hit, retries included", Shown::kShare, true,
+     [](const Comparison& c) { return Value(all_hits(c.run)); }},
+    {"l1_hits_ratio", "the same against the reference's", Shown::kFactor, true,
+     [](const Comparison& c) { return ratio(all_hits(c.run), all_hits(c.reference)); }},
+    {"l1_first_hits", "the same of the first probe for each line", Shown::kShare, true,
+     [](const Comparison& c) { return Value(first_hits(c.run)); }},
+    {"l1_first_hits_ratio", "the same against the reference's", Shown::kFactor, true,
+     [](const Comparison& c) { return ratio(first_hits(c.run), first_hits(c.reference)); }},
+    {"l1_fills_ratio", "lines brought into the T&I units' caches against the reference's", Shown::kFactor, true,
+     [](const Comparison& c) { return ratio(lines_filled(c.run), lines_filled(c.reference)); }},
+    {"box_bytes_ratio", "bytes of all boxes of the tree against the reference's", Shown::kFactor, false,
+     [](const Comparison& c) { return ratio(c.run.box_bytes, c.reference.box_bytes); }},
+    {"node_bytes_ratio", "the same of whole nodes", Shown::kFactor, false,
+     [](const Comparison& c) { return ratio(c.run.node_bytes, c.reference.node_bytes); }},
+    {"check_share", "SRP cycles in similarity checks", Shown::kShare, true,
+     [](const Comparison& c) { return share(c, KernelGroup::kCheck); }},
+    {"interpolation_share", "SRP cycles in interpolation", Shown::kShare, true,
+     [](const Comparison& c) { return share(c, KernelGroup::kInterpolation); }},
+    {"adaptive_share", "SRP cycles in both, lists of what passed and failed included", Shown::kShare, true,
+     [](const Comparison& c) { return sum(share(c, KernelGroup::kCheck), share(c, KernelGroup::kInterpolation)); }},
+    {"starved_share", "time without rays for the T&I units while checks or interpolation run", Shown::kShare, true,
+     [](const Comparison& c) { return starved_share(c.run.simulation); }},
+    {"correction_share", "SRP cycles in post-correction", Shown::kShare, true,
+     [](const Comparison& c) { return share(c, KernelGroup::kCorrection); }},
+    {"tracing_share", "SRP cycles in everything else", Shown::kShare, true,
+     [](const Comparison& c) { return share(c, KernelGroup::kTracing); }},
+}};
+
+}  // namespace
+
+std::span<const Metric> metrics() { return kMetrics; }
+
+const Metric& find_metric(std::string_view name) {
+  const auto found = std::ranges::find(kMetrics, name, &Metric::name);
+  if (found == kMetrics.end()) throw std::logic_error(fmt::format("no figure is called '{}'", name));
+  return *found;
+}
+
+std::string metric_text(const Metric& metric, double value) {
+  switch (metric.shown) {
+    case Shown::kDecibel:
+      return fmt::format("{:.2f} dB", value);
+    case Shown::kShare:
+      return fmt::format("{:.1f} %", 100 * value);
+    case Shown::kFactor:
+      break;
+  }
+  return fmt::format("{:.2f} x", value);
+}
+
+}  // namespace tools::reproduce

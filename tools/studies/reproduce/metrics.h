@@ -1,0 +1,37 @@
+#pragma once
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "tools/studies/reproduce/outcome.h"
+
+namespace tools::reproduce {
+
+/// What a figure is made from.
+struct Comparison {
+  const Outcome& run;
+  const Outcome& reference;
+  double squared_error = 0;                  ///< of the run's picture
+  std::optional<double> reflective_share{};  ///< of the view's pixels
+};
+
+/// A figure that can be measured.
+struct Metric {
+  enum class Shown : std::uint8_t { kDecibel, kFactor, kShare };
+  std::string_view name;
+  std::string_view meaning;
+  Shown shown;
+  bool machine;  ///< needs cycles or energy
+  /// Nothing if the run has no such figure: a picture identical to its reference has no PSNR.
+  std::optional<double> (*measure)(const Comparison&);
+};
+
+std::span<const Metric> metrics();
+/// Throws std::logic_error for a name that is none of them.
+const Metric& find_metric(std::string_view name);
+
+/// "42.13 dB", "1.83 x", "5.2 %"
+std::string metric_text(const Metric& metric, double value);
+
+}  // namespace tools::reproduce

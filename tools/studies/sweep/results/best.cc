@@ -1,0 +1,84 @@
+#include "tools/studies/sweep/results/best.h"
+
+#include <algorithm>
+#include <optional>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "sim/error.h"
+#include "sim/io/printable.h"
+#include "tools/studies/sweep/results/cells.h"
+#include "tools/studies/sweep/results/condition.h"
+
+namespace tools::results {
+
+namespace {
+
+/// A word as a shell takes it.
+std::string shell_word(const std::string& word) {
+  constexpr std::string_view kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./:,=%+@";
+  if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
+  std::string out = "'";
+  for (const char c : word) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return out + "'";
+}
+
+/// The same with the configuration as it was, whatever has become of the files that the sweep began with.
+std::string rerun_command(sweep::Point point, const std::string& config) {
+  point.config = config;
+  point.sets.clear();
+  for (std::string* in_config : {&point.scene, &point.camera, &point.frames, &point.resolution}) in_config->clear();
+  std::vector<std::string> words = point.options().argv;
+  for (std::string& word : words) word = shell_word(word);
+  return fmt::format("{}", fmt::join(words, " "));
+}
+
+}  // namespace
+
+std::string best_text(const Results& results, std::span<const sweep::Point> points, const BestOptions& options) {
+  const Column metric = results.column(options.metric);
+  const std::vector<bool> may = meeting(results, options.where);
+  std::optional<std::size_t> best;
+  std::size_t candidates = 0, equal = 0;
+  double figure = 0;
+  for (std::size_t row = 0; row < may.size(); ++row) {
+    const std::optional<sweep::Magnitude> number = amount_of(metric.values[row]);
+    if (!may[row] || !results.rows()[row].is_done() || !number) continue;
+    ++candidates;
+    const double value = number->value;
+    if (best && value == figure) ++equal;
+    if (best && !(options.most ? value > figure : value < figure)) continue;
+    best = row;
+    figure = value;
+    equal = 0;
+  }
+  const std::string missing = results.what_is_missing();
+  if (!best) {
+    throw sim::InputError(fmt::format("no point has {} as a number{}{}", metric.name,
+                                      options.where.empty() ? "" : " and meets --where",
+                                      missing.empty() ? "" : "; " + missing));
+  }
+  if (*best >= points.size() || points[*best].id != results.rows()[*best].id) {
+    throw sim::InputError("the sweep has other points than the index; run 'raywatt sweep collect'");
+  }
+  const std::string config = (results.folder_of(results.rows()[*best]) / "config.yaml").string();
+  std::string out = fmt::format("{} {} of {} points that qualify: point {}{}\n\n", options.most ? "most" : "least",
+                                metric.name, candidates, results.rows()[*best].n,
+                                equal == 0 ? "" : fmt::format(" (and {} more with the same)", equal));
+  std::vector<std::pair<std::string, std::string>> lines = {
+      {metric.name, sim::printable(exact_text(metric.values[*best]))}};
+  for (const std::string& axis : results.axes()) {
+    const Value value = results.column(axis).values[*best];
+    if (!is_absent(value)) lines.emplace_back(sim::printable(axis), sim::printable(exact_text(value)));
+  }
+  lines.emplace_back("id", results.rows()[*best].id);
+  lines.emplace_back("configuration", sim::printable(config, 4096));
+  lines.emplace_back("run again", sim::printable(rerun_command(points[*best], config), 4096));
+  std::size_t widest = 0;
+  for (const auto& [name, value] : lines) widest = std::max(widest, name.size());
+  for (const auto& [name, value] : lines) out += fmt::format("{:<{}}  {}\n", name, widest, value);
+  return missing.empty() ? out : out + "\n" + missing + "\n";
+}
+
+}  // namespace tools::results

@@ -1,0 +1,196 @@
+#include "tools/studies/sweep/results/condition.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <functional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "sim/error.h"
+#include "sim/io/printable.h"
+
+namespace tools::results {
+
+namespace {
+
+using Op = Condition::Op;
+
+constexpr std::array<std::pair<std::string_view, Op>, 7> kOps{{{"<=", Op::kAtMost},
+                                                               {">=", Op::kAtLeast},
+                                                               {"!=", Op::kNot},
+                                                               {"==", Op::kEqual},
+                                                               {"<", Op::kLess},
+                                                               {">", Op::kMore},
+                                                               {"=", Op::kEqual}}};
+
+/// Reads a condition from left to right.
+class Reader {
+ public:
+  explicit Reader(std::string_view text) : text_(text) { skip_blanks(); }
+
+  bool at_end() const { return at_ == text_.size(); }
+
+  std::string path() {
+    const std::size_t begin = at_;
+    while (!at_end() && is_of_path(text_[at_])) ++at_;
+    if (at_ == begin) fail("a report path or an axis is missing");
+    return taken(begin);
+  }
+
+  Op op() {
+    for (const auto& [name, op] : kOps) {
+      if (!text_.substr(at_).starts_with(name)) continue;
+      at_ += name.size();
+      skip_blanks();
+      return op;
+    }
+    fail("one of <, <=, =, !=, >=, > is missing");
+  }
+
+  /// 'text', "text" or a word; a number may have its unit behind a blank.
+  std::string value() {
+    if (!at_end() && (text_[at_] == '\'' || text_[at_] == '"')) return quoted();
+    const std::size_t begin = at_;
+    while (!at_end() && is_of_word(text_[at_])) ++at_;
+    if (at_ == begin) fail("a number or a text is missing");
+    const std::size_t end = at_;
+    std::string word = taken(begin);
+    const std::size_t unit = at_;
+    while (!at_end() && std::isalpha(static_cast<unsigned char>(text_[at_])) != 0) ++at_;
+    const std::string with_unit = fmt::format("{} {}", word, text_.substr(unit, at_ - unit));
+    if (at_ > unit && unit > end && sweep::magnitude_of(with_unit)) {
+      skip_blanks();
+      return with_unit;
+    }
+    at_ = unit;
+    return word;
+  }
+
+  void conjunction() {
+    if (!text_.substr(at_).starts_with("and") || (at_ + 3 < text_.size() && is_of_word(text_[at_ + 3]))) {
+      fail("'and' is missing");
+    }
+    at_ += 3;
+    skip_blanks();
+  }
+
+ private:
+  static bool is_of_path(char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '.' || c == '_' || c == '-' || c == '[' || c == ']';
+  }
+  static bool is_of_word(char c) { return is_of_path(c) || c == '+' || c == ':' || c == '/' || c == '%'; }
+
+  void skip_blanks() {
+    while (!at_end() && text_[at_] == ' ') ++at_;
+  }
+  std::string taken(std::size_t begin) {
+    std::string word(text_.substr(begin, at_ - begin));
+    skip_blanks();
+    return word;
+  }
+  std::string quoted() {
+    const std::size_t begin = at_ + 1, end = text_.find(text_[at_], begin);
+    if (end == std::string_view::npos) fail("the quote that ends this text is missing");
+    at_ = end + 1;
+    skip_blanks();
+    return std::string(text_.substr(begin, end - begin));
+  }
+  [[noreturn]] void fail(const char* what) const {
+    throw sim::InputError(fmt::format("--where '{}': column {}: {}; allowed: PATH<NUMBER, PATH='TEXT', joined by and",
+                                      sim::printable(text_), at_ + 1, what));
+  }
+
+  std::string_view text_;
+  std::size_t at_ = 0;
+};
+
+bool holds(Op op, int order) {
+  switch (op) {
+    case Op::kLess:
+      return order < 0;
+    case Op::kAtMost:
+      return order <= 0;
+    case Op::kEqual:
+      return order == 0;
+    case Op::kNot:
+      return order != 0;
+    case Op::kAtLeast:
+      return order >= 0;
+    case Op::kMore:
+      return order > 0;
+  }
+  return false;
+}
+
+template <class T>
+int order_of(const T& a, const T& b) {
+  return a < b ? -1 : b < a ? 1 : 0;
+}
+
+}  // namespace
+
+Condition::Condition(const std::string& text) : text_(text) {
+  Reader reader(text_);
+  do {
+    if (!comparisons_.empty()) reader.conjunction();
+    Comparison one;
+    one.path = reader.path();
+    one.op = reader.op();
+    one.wanted = reader.value();
+    comparisons_.push_back(std::move(one));
+  } while (!reader.at_end());
+}
+
+std::vector<bool> Condition::met_by(const Results& results) const {
+  std::vector<bool> all(results.rows().size(), true);
+  for (const Comparison& one : comparisons_) {
+    const std::vector<bool> met = met_by(results, one);
+    for (std::size_t i = 0; i < all.size(); ++i) all[i] = all[i] && met[i];
+  }
+  return all;
+}
+
+std::vector<bool> Condition::met_by(const Results& results, const Comparison& one) const {
+  const Column column = results.column(one.path);
+  const std::optional<sweep::Magnitude> wanted = sweep::magnitude_of(one.wanted);
+  const bool is_order = one.op != Op::kEqual && one.op != Op::kNot;
+  if (is_order && !wanted) refuse(fmt::format("'{}' is no number", sim::printable(one.wanted)));
+  std::vector<bool> met(column.values.size(), false);
+  bool has_number = false;
+  for (std::size_t i = 0; i < met.size(); ++i) {
+    const Value& value = column.values[i];
+    if (is_absent(value)) continue;
+    const std::optional<sweep::Magnitude> number = amount_of(value);
+    has_number = has_number || number;
+    if (number && wanted) {
+      if (number->kind != wanted->kind) {
+        refuse(fmt::format("{} has values such as '{}', with which '{}' cannot be compared", column.name,
+                           sim::printable(exact_text(value)), sim::printable(one.wanted)));
+      }
+      met[i] = holds(one.op, order_of(number->value, wanted->value));
+    } else if (!is_order) {
+      met[i] = holds(one.op, order_of(exact_text(value), one.wanted));
+    }
+  }
+  if (is_order && !has_number && std::ranges::any_of(column.values, std::not_fn(is_absent))) {
+    refuse(fmt::format("{} is no number; texts are compared with = and != only", column.name));
+  }
+  return met;
+}
+
+void Condition::refuse(const std::string& why) const {
+  throw sim::InputError(fmt::format("--where '{}': {}", sim::printable(text_), why));
+}
+
+std::vector<bool> meeting(const Results& results, const std::vector<std::string>& conditions) {
+  std::vector<bool> all(results.rows().size(), true);
+  for (const std::string& text : conditions) {
+    const std::vector<bool> met = Condition(text).met_by(results);
+    for (std::size_t i = 0; i < all.size(); ++i) all[i] = all[i] && met[i];
+  }
+  return all;
+}
+
+}  // namespace tools::results

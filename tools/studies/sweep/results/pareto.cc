@@ -1,0 +1,107 @@
+#include "tools/studies/sweep/results/pareto.h"
+
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+
+#include "sim/error.h"
+#include "sim/io/printable.h"
+#include "tools/studies/sweep/results/condition.h"
+#include "tools/studies/sweep/results/results_table.h"
+
+namespace tools::results {
+
+namespace {
+
+/// Better high, but for some below them.
+constexpr std::array<std::string_view, 4> kBetterHigh = {"totals.perf.", "totals.relative.", "totals.psnr_db",
+                                                         "totals.utilisation."};
+constexpr std::array<std::string_view, 4> kBetterLow = {"totals.perf.nj_per_ray", "totals.relative.traversal_steps",
+                                                        "totals.relative.tni_power", "totals.relative.rays"};
+
+bool is_better_high(std::string_view path) {
+  const auto begins = [&](std::string_view prefix) { return path.starts_with(prefix); };
+  return std::ranges::any_of(kBetterHigh, begins) && std::ranges::none_of(kBetterLow, begins);
+}
+
+std::string path_of(std::string_view text) {
+  return std::string(text.starts_with("min:") || text.starts_with("max:") ? text.substr(4) : text);
+}
+
+/// What points of the front are marked with.
+Column letters_of(const Front& front, std::size_t rows) {
+  Column letters{"", std::vector<Value>(rows)};
+  for (std::size_t i = 0; i < front.rows.size(); ++i) letters.values[front.rows[i]] = std::string(1, front.mark(i));
+  return letters;
+}
+
+}  // namespace
+
+Objective::Objective(const Results& results, const std::string& text)
+    : column(results.column(path_of(text))),
+      most(text.starts_with("max:") || (!text.starts_with("min:") && is_better_high(column.name))) {}
+
+std::optional<double> Objective::of(std::size_t row) const {
+  const std::optional<sweep::Magnitude> number = amount_of(column.values[row]);
+  return number ? std::optional(number->value) : std::nullopt;
+}
+
+std::string Objective::text() const { return fmt::format("{} ({} is better)", column.name, most ? "more" : "less"); }
+
+char Front::mark(std::size_t i) const {
+  constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ";
+  return rows.size() <= kLetters.size() ? kLetters[i] : '#';
+}
+
+Front pareto_front(const Objective& x, const Objective& y, const std::vector<bool>& may) {
+  struct Place {
+    std::size_t row;
+    double x, y;
+  };
+  std::vector<Place> places;
+  for (std::size_t row = 0; row < may.size(); ++row) {
+    const auto at_x = x.of(row), at_y = y.of(row);
+    if (may[row] && at_x && at_y) places.push_back({row, *at_x, *at_y});
+  }
+  std::ranges::stable_sort(places, [&](const Place& a, const Place& b) {
+    return a.x != b.x ? x.is_better(a.x, b.x) : y.is_better(a.y, b.y);
+  });
+  Front front;
+  const Place* last = nullptr;  // the best in y so far
+  for (const Place& place : places) {
+    const bool is_equal = last != nullptr && place.x == last->x && place.y == last->y;
+    const bool is_on_it = last == nullptr || is_equal || y.is_better(place.y, last->y);
+    (is_on_it ? front.rows : front.other).push_back(place.row);
+    if (is_on_it) last = &place;
+  }
+  return front;
+}
+
+std::string pareto_text(const Results& results, const ParetoOptions& options, std::size_t width) {
+  const Objective x(results, options.x), y(results, options.y);
+  const Front front = pareto_front(x, y, meeting(results, options.where));
+  if (front.rows.empty()) {
+    const std::string missing = results.what_is_missing();
+    throw sim::InputError(fmt::format("no point has both {} and {}{}{}", x.column.name, y.column.name,
+                                      options.where.empty() ? "" : " and meets --where",
+                                      missing.empty() ? "" : "; " + missing));
+  }
+  std::vector<Column> columns;
+  if (!options.csv) columns.push_back(letters_of(front, results.rows().size()));
+  columns.push_back(results.column("n"));
+  if (options.csv) columns.push_back(results.column("id"));
+  const auto is_objective = [&](const Column& c) { return c.name == x.column.name || c.name == y.column.name; };
+  for (Column& column : results.varying()) {
+    if (!is_objective(column)) columns.push_back(std::move(column));
+  }
+  columns.push_back(x.column);
+  columns.push_back(y.column);
+  std::vector<std::string> names;
+  for (const Column& column : columns) names.push_back(options.csv ? column.name : sim::printable(column.name));
+  const std::string table = table_text(names, columns, front.rows, options.csv);
+  if (options.csv) return table;
+  return pareto_plot(x, y, front, width) + "\n" + table;
+}
+
+}  // namespace tools::results

@@ -1,0 +1,45 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "tools/studies/sweep/results/results.h"
+
+namespace tools::results {
+
+/// A figure and which way it is better.
+struct Objective {
+  Column column;
+  bool most = false;  ///< more is better
+
+  /// "PATH", "min:PATH" or "max:PATH". Without a word before it: performance, performance per watt,
+  /// utilisation and PSNR are better high, all else low. InputError for paths that mean nothing.
+  Objective(const Results& results, const std::string& text);
+  /// The value of a point as a number; nothing if it has none.
+  std::optional<double> of(std::size_t row) const;
+  bool is_better(double a, double b) const { return most ? a > b : a < b; }
+  std::string text() const;
+};
+
+struct Front {
+  std::vector<std::size_t> rows;   ///< of all that are on it, from the best x on
+  std::vector<std::size_t> other;  ///< that have both figures and are not on it
+  /// Of a row of the front: letters in their order, or '#' if there are not enough.
+  char mark(std::size_t i) const;
+};
+
+/// Points than which no other is as good in both figures and better in one, of those that `may` be.
+Front pareto_front(const Objective& x, const Objective& y, const std::vector<bool>& may);
+
+/// All points as dots, those of the front by their marks.
+std::string pareto_plot(const Objective& x, const Objective& y, const Front& front, std::size_t width);
+
+struct ParetoOptions {
+  std::string x, y;
+  std::vector<std::string> where;
+  bool csv = false;
+};
+
+/// Plot and table, or the front as CSV.
+std::string pareto_text(const Results& results, const ParetoOptions& options, std::size_t width);
+
+}  // namespace tools::results

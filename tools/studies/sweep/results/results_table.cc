@@ -1,0 +1,95 @@
+#include "tools/studies/sweep/results/results_table.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "sim/error.h"
+#include "sim/io/printable.h"
+#include "sim/report/table.h"
+#include "tools/studies/sweep/results/cells.h"
+#include "tools/studies/sweep/results/condition.h"
+#include "tools/studies/sweep/results/csv.h"
+
+namespace tools::results {
+
+namespace {
+
+/// Shown where nobody says what to show.
+constexpr const char* kUsual[] = {"cycles", "perf.fps", "energy_mj.nominal", "power_w.nominal",
+                                  "perf.frames_per_joule_gpu"};
+
+std::vector<std::string> usual_columns(const Results& results) {
+  std::vector<std::string> names = {"n", "status"};
+  for (const Column& column : results.varying()) names.push_back(column.name);
+  for (const char* metric : kUsual) {
+    if (results.has_metric(fmt::format("totals.{}", metric))) names.emplace_back(metric);
+  }
+  return names;
+}
+
+/// What is absent comes last in both directions.
+void sort_rows(std::vector<std::size_t>& rows, const Results& results, const std::string& text) {
+  const std::size_t colon = text.rfind(':');
+  const std::string order = colon == std::string::npos ? "asc" : text.substr(colon + 1);
+  if (order != "asc" && order != "desc") {
+    throw sim::InputError(fmt::format("--sort '{}': the order '{}' is unknown; allowed: asc, desc",
+                                      sim::printable(text), sim::printable(order)));
+  }
+  const Column column = results.column(text.substr(0, colon));
+  std::ranges::stable_sort(rows, [&](std::size_t a, std::size_t b) {
+    const Value &x = column.values[a], &y = column.values[b];
+    if (is_absent(x) || is_absent(y)) return !is_absent(x) && is_absent(y);
+    return order == "asc" ? is_before(x, y) : is_before(y, x);
+  });
+}
+
+}  // namespace
+
+std::string table_text(const std::vector<std::string>& names, const std::vector<Column>& columns,
+                       const std::vector<std::size_t>& rows, bool csv) {
+  std::vector<std::vector<std::string>> cells;
+  for (const Column& column : columns) {
+    std::vector<Value> chosen;
+    for (const std::size_t row : rows) chosen.push_back(column.values[row]);
+    if (csv) {
+      cells.emplace_back();
+      for (const Value& value : chosen) cells.back().push_back(exact_text(value));
+    } else {
+      cells.push_back(shown_cells(chosen));
+    }
+  }
+  sim::Table table(names);
+  std::string lines = csv_line(names);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    std::vector<std::string> row;
+    for (std::vector<std::string>& column : cells) row.push_back(std::move(column[i]));
+    if (csv) {
+      lines += csv_line(row);
+    } else {
+      table.row(std::move(row));
+    }
+  }
+  return csv ? lines : table.text();
+}
+
+std::string results_table(const Results& results, const TableOptions& options) {
+  const std::vector<std::string> asked = options.columns.empty() ? usual_columns(results) : options.columns;
+  std::vector<std::string> names;
+  std::vector<Column> columns;
+  for (const std::string& name : asked) {
+    columns.push_back(results.column(name));
+    names.push_back(options.csv ? columns.back().name : sim::printable(name));
+  }
+  const std::vector<bool> met = meeting(results, options.where);
+  std::vector<std::size_t> rows;
+  for (std::size_t i = 0; i < met.size(); ++i) {
+    if (met[i]) rows.push_back(i);
+  }
+  if (!options.sort.empty()) sort_rows(rows, results, options.sort);
+  if (options.limit && rows.size() > *options.limit) rows.resize(*options.limit);
+  return table_text(names, columns, rows, options.csv);
+}
+
+}  // namespace tools::results

@@ -1,0 +1,39 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "tools/studies/sweep/results/results.h"
+
+namespace tools::results {
+
+/// What an axis does to a metric: its main effect, all other axes averaged.
+struct Effect {
+  std::string axis;                 ///< axes that always move together are one: "a + b"
+  std::vector<std::string> levels;  ///< its values, or groups of neighbours among them
+  std::vector<double> means;        ///< of the metric at each level
+  double range = 0;                 ///< from the lowest mean to the highest, over the mean of all
+  double share = 0;                 ///< of the variance, 0 to 1
+};
+
+struct Sensitivity {
+  std::string metric;
+  std::size_t points = 0;
+  double mean = 0;
+  bool varies = false;
+  bool is_grid = true;          ///< every combination of values is there: shares are exact
+  std::vector<Effect> effects;  ///< the largest share first
+  /// Of the variance: what axes do together only.
+  double rest() const;
+};
+
+/// Effects of all axes that vary on a metric, over the points that `may` be and have it. On a full grid the shares are
+/// the first-order terms of an analysis of variance. Otherwise (subsets, failed points) an additive model is fitted by
+/// least squares, values of an axis that hardly any two points share are taken together in groups, and what chance
+/// alone would explain is taken off the shares. InputError if the metric is no number.
+Sensitivity find_sensitivity(const Results& results, const std::string& metric, const std::vector<bool>& may);
+
+/// `metrics` empty: the usual ones.
+std::string sensitivity_text(const Results& results, std::vector<std::string> metrics,
+                             const std::vector<std::string>& where);
+
+}  // namespace tools::results

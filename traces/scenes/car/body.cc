@@ -1,0 +1,208 @@
+#include "traces/scenes/car/body.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <vector>
+
+#include <glm/common.hpp>
+
+#include "traces/scenes/shapes.h"
+#include "traces/scenes/sweeps.h"
+#include "traces/scenes/trigonometry.h"
+#include "traces/scenes/turned.h"
+
+namespace traces::car {
+namespace {
+
+constexpr float kNose = 2.23F, kTail = -2.20F, kSill = 0.17F;
+constexpr float kRoll = 0.06F, kRolled = 0.09F;  // height and share of the width of the rounded shoulder
+
+/// A smooth line through (x, value) points, x growing.
+float along(std::span<const glm::vec2> keys, float x) {
+  std::size_t k = 0;
+  while (k + 2 < keys.size() && x > keys[k + 1].x) ++k;
+  const glm::vec2 b = keys[k], c = keys[k + 1];
+  const glm::vec2 a = keys[k == 0 ? 0 : k - 1], d = keys[std::min(k + 2, keys.size() - 1)];
+  const float width = c.x - b.x, t = std::clamp((x - b.x) / width, 0.0F, 1.0F);
+  const float m0 = width * (c.y - a.y) / (c.x - a.x), m1 = width * (d.y - b.y) / (d.x - b.x);
+  return b.y + t * (m0 + t * (3 * (c.y - b.y) - 2 * m0 - m1 + t * (2 * (b.y - c.y) + m0 + m1)));
+}
+
+/// 1 at 0, smoothly down to 0 at +-1.
+float bump(float a) {
+  const float s = std::max(1 - a * a, 0.0F);
+  return s * s;
+}
+
+constexpr glm::vec2 kShoulder[] = {{-2.20F, 0.80F}, {-1.90F, 0.855F}, {-1.31F, 0.885F}, {-0.60F, 0.850F},
+                                   {0.0F, 0.825F},  {0.70F, 0.805F},  {1.30F, 0.790F},  {1.75F, 0.715F},
+                                   {2.05F, 0.630F}, {2.23F, 0.545F}};
+constexpr glm::vec2 kMiddle[] = {{-2.20F, 0.86F}, {-1.90F, 0.925F}, {-1.31F, 0.95F}, {0.0F, 0.94F},  {0.90F, 0.905F},
+                                 {1.30F, 0.855F}, {1.75F, 0.765F},  {2.05F, 0.665F}, {2.23F, 0.560F}};
+constexpr glm::vec2 kBottom[] = {{-2.20F, 0.36F}, {-2.05F, 0.29F}, {-1.75F, 0.21F}, {-1.3F, kSill},
+                                 {1.65F, kSill},  {1.90F, 0.165F}, {2.10F, 0.175F}, {2.23F, 0.24F}};
+constexpr glm::vec2 kWidth[] = {{-2.20F, 0.91F}, {-1.70F, 0.925F}, {-1.31F, 0.93F}, {-0.60F, 0.90F},
+                                {0.20F, 0.885F}, {0.80F, 0.89F},   {1.30F, 0.905F}, {2.23F, 0.89F}};
+
+/// How much of the width is left towards nose and tail, which are round seen from above.
+float rounding(float x) {
+  const float front = std::clamp((x - 1.10F) / (kNose - 1.10F), 0.0F, 1.0F);
+  const float rear = std::clamp((-1.25F - x) / (-1.25F - kTail), 0.0F, 1.0F);
+  const float e = std::max(front, rear), e2 = e * e;
+  return std::sqrt(std::sqrt(std::max(1 - e2 * e2 * (front > 0 ? 1.0F : e2), 0.0F)));
+}
+
+/// Front and rear seen from the side: fullest at bumper height.
+float lean(float x, float y) {
+  const float front = glm::smoothstep(1.7F, kNose, x), rear = glm::smoothstep(1.75F, -kTail, -x);
+  const float low = (y - 0.42F) / 0.30F, high = (y - 0.72F) / 0.40F;
+  return -front * 0.10F * low * low + rear * 0.16F * high * high;
+}
+
+float bottom(float x) {
+  float y = along(kBottom, x);
+  for (const float axle : {kFrontAxle, kRearAxle}) {
+    const float rest = kArch * kArch - (x - axle) * (x - axle);
+    if (rest > 0) y = std::max(y, kWheel + std::sqrt(rest));
+  }
+  return y;
+}
+
+/// Along the edge of a wheel arch in the xy plane, axle at the origin: up from the sill, round, down again; 0..1.
+glm::vec2 arch_edge(float share) {
+  constexpr float kStraight = 0.12F, kDrop = kWheel - kSill;
+  if (share < kStraight) return {kArch, -kDrop * (1 - share / kStraight)};
+  if (share > 1 - kStraight) return {-kArch, -kDrop * (1 - (1 - share) / kStraight)};
+  return kArch * on_circle(0.5 * static_cast<double>((share - kStraight) / (1 - 2 * kStraight)));
+}
+
+/// Where the cross sections lie: closer in the arches' ends, at nose and tail.
+std::vector<float> stations(double detail) {
+  constexpr float kReach = kArch - 1e-4F;  // at the very end the edge drops to the sill
+  std::vector<float> xs{kTail};
+  const auto add = [&](float to, double at_one, bool slow_start, bool slow_end) {
+    const float from = xs.back();
+    const std::uint32_t steps = parts(detail, at_one, 4);
+    for (std::uint32_t k = 1; k <= steps; ++k) {
+      const float t = static_cast<float>(k) / static_cast<float>(steps);
+      float s = t;
+      if (slow_start && slow_end) s = 0.5F - 0.5F * cos_turns(0.5 * static_cast<double>(t));
+      if (slow_start && !slow_end) s = t * t * (2 - t);
+      if (!slow_start && slow_end) s = 1 - (1 - t) * (1 - t) * (1 + t);
+      xs.push_back(k == steps ? to : from + s * (to - from));
+    }
+  };
+  add(kRearAxle - kArch, 16, true, false);
+  xs.push_back(kRearAxle - kReach);
+  add(kRearAxle + kReach, 26, true, true);
+  xs.push_back(kRearAxle + kArch);
+  add(kFrontAxle - kArch, 24, false, false);
+  xs.push_back(kFrontAxle - kReach);
+  add(kFrontAxle + kReach, 26, true, true);
+  xs.push_back(kFrontAxle + kArch);
+  add(kNose, 20, false, true);
+  return xs;
+}
+
+}  // namespace
+
+float side_at(float x, float y) {
+  const float u = std::clamp((y - kSill) / (along(kShoulder, x) - kSill), 0.0F, 1.0F);
+  float z = along(kWidth, x) - 0.045F * (1 - u) * (1 - u) - 0.055F * u * u * u;
+  z -= 0.045F * bump((x - 0.05F) / 1.05F) * bump((u - 0.42F) / 0.36F);  // the doors are drawn in
+  for (const float axle : {kFrontAxle, kRearAxle}) {
+    const float away = std::sqrt((x - axle) * (x - axle) + (y - kWheel) * (y - kWheel));
+    z += 0.030F * (1 - glm::smoothstep(kArch, kArch + 0.17F, away));
+  }
+  return z * rounding(x);
+}
+
+Mesh make_shell(double detail) {
+  const std::vector<float> xs = stations(detail);
+  const std::uint32_t side = parts(detail, 20, 5), top = parts(detail, 18, 6), columns = 2 * (side + top);
+  return make_surface("shell", columns, static_cast<std::uint32_t>(xs.size() - 1), [&](float s, float t) {
+    const auto row = static_cast<std::size_t>(t * static_cast<float>(xs.size() - 1) + 0.5F);
+    const auto column = static_cast<std::uint32_t>(s * static_cast<float>(columns) + 0.5F);
+    const float sign = 2 * column < columns ? -1.0F : 1.0F;
+    const std::uint32_t k = std::min(column, columns - column);
+    const float x = xs[row], shoulder = along(kShoulder, x) - kRoll;
+    float y = 0, z = 0;
+    if (k <= side) {
+      const float share = static_cast<float>(k) / static_cast<float>(side);
+      y = glm::mix(bottom(x), shoulder, share);
+      z = side_at(x, y);
+    } else {
+      // A third of the rows for the rounded shoulder.
+      const std::uint32_t rolling = top / 3;
+      const float share = k - side <= rolling ? kRolled * static_cast<float>(k - side) / static_cast<float>(rolling)
+                                              : kRolled + (1 - kRolled) * static_cast<float>(k - side - rolling) /
+                                                              static_cast<float>(top - rolling);
+      const float out = 1 - share, past = std::max((out - 1 + kRolled) / kRolled, 0.0F);
+      z = side_at(x, shoulder) * out;
+      y = shoulder + kRoll * (1 - past * past) + (along(kMiddle, x) - along(kShoulder, x)) * (1 - out * out);
+      // Fenders stand higher than the bonnet, which has a rib on each side.
+      const float fenders = 0.050F * bump((x - kFrontAxle - 0.05F) / 0.75F) + 0.030F * bump((x - kRearAxle) / 0.7F);
+      y += fenders * bump((z - 0.68F) / 0.24F) * rounding(x);
+      y += 0.014F * bump((x - 1.35F) / 0.75F) * bump((z - 0.36F) / 0.09F);
+    }
+    return glm::vec3(x + lean(x, y), y, sign * z);
+  });
+}
+
+Mesh make_cabin(double detail) {
+  static constexpr glm::vec2 kRoof[] = {{-2.02F, 0.88F}, {-1.75F, 0.985F}, {-1.3F, 1.135F},
+                                        {-0.8F, 1.245F}, {-0.3F, 1.285F},  {0.10F, 1.260F},
+                                        {0.45F, 1.150F}, {0.85F, 0.970F},  {1.10F, 0.85F}};
+  static constexpr glm::vec2 kHalf[] = {{-2.02F, 0.40F}, {-1.75F, 0.53F}, {-1.3F, 0.68F}, {-0.8F, 0.765F},
+                                        {-0.2F, 0.79F},  {0.35F, 0.77F},  {0.80F, 0.70F}, {1.10F, 0.60F}};
+  constexpr float kFoot = 0.78F, kFrom = -2.02F, kTo = 1.10F;
+  const auto power = [](float c) { return std::sqrt(c * std::sqrt(c)); };  // c to the 3/4: a fuller ellipse
+  return make_surface("cabin", 2 * parts(detail, 20, 6), parts(detail, 50, 12), [&](float s, float t) {
+    const float x = kFrom + (kTo - kFrom) * t;
+    const glm::vec2 q = on_circle(0.5 - 0.5 * static_cast<double>(s));
+    const float height = std::max(along(kRoof, x) - kFoot, 0.01F), up = power(std::max(q.y, 0.0F));
+    const float half = along(kHalf, x) * (1 - 0.24F * up * height / 0.5F);
+    return glm::vec3(x, kFoot + height * up, (q.x < 0 ? -half : half) * power(std::abs(q.x)));
+  });
+}
+
+Mesh make_underbody(double detail) {
+  Mesh dark;
+  for (const float axle : {kFrontAxle, kRearAxle}) {
+    for (const float sign : {-1.0F, 1.0F}) {
+      const Mesh liner = make_surface("", parts(detail, 20, 6), 2, [&](float s, float t) {
+        const glm::vec2 edge = arch_edge(1 - s);
+        const float x = axle + edge.x, y = kWheel + edge.y;
+        const float outer = side_at(x, y) - 0.015F;
+        return glm::vec3(x, y, sign * (outer - (sign > 0 ? t : 1 - t) * (outer - 0.45F)));
+      });
+      append(dark, liner);
+    }
+  }
+  append(dark, make_box("", {-0.92F, 0.15F, -0.80F}, {0.90F, 0.30F, 0.80F}));
+  append(dark, make_box("", {-1.95F, 0.22F, -0.50F}, {1.98F, 0.50F, 0.50F}));
+  dark.name = "underbody";
+  return dark;
+}
+
+Mesh make_arch_lips(double detail) {
+  Mesh lips;
+  for (const float axle : {kFrontAxle, kRearAxle}) {
+    for (const float sign : {-1.0F, 1.0F}) {
+      std::vector<glm::vec3> path;
+      const std::uint32_t steps = parts(detail, 28, 8);
+      for (std::uint32_t k = 0; k <= steps; ++k) {
+        const glm::vec2 edge = arch_edge(static_cast<float>(k) / static_cast<float>(steps));
+        const float x = axle + edge.x, y = kWheel + edge.y;
+        path.emplace_back(x, y, sign * (side_at(x, y) - 0.004F));
+      }
+      const float radius[] = {0.011F};
+      append(lips, make_tube("", path, radius, parts(detail, 6, 4)));
+    }
+  }
+  lips.name = "arch lips";
+  return lips;
+}
+
+}  // namespace traces::car

@@ -1,0 +1,196 @@
+#include "traces/scenes/chess/pieces.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <glm/common.hpp>
+
+#include "traces/scenes/shapes.h"
+#include "traces/scenes/sweeps.h"
+#include "traces/scenes/trigonometry.h"
+#include "traces/scenes/turned.h"
+
+namespace traces::chess {
+namespace {
+
+/// The foot that all pieces share: a heavy ring and a step.
+Outline foot(float radius) {
+  return Outline({0, 0})
+      .line(radius - 0.02F, 0)
+      .arc(radius - 0.01F, 0.12F, 0.028F)
+      .line(radius - 0.05F, 0.135F)
+      .arc(radius - 0.09F, 0.20F, 0.018F)
+      .line(radius - 0.115F, 0.21F);
+}
+
+/// A ring round the neck.
+Outline& collar(Outline& outline, float radius, float height, float thickness) {
+  return outline.line(radius - 0.02F, height)
+      .arc(radius - 0.02F, height + thickness, 0.6F * thickness)
+      .line(radius - 0.07F, height + 1.3F * thickness);
+}
+
+Mesh turned(const Outline& outline, double detail, double points) {
+  return make_lathe("", simplified(outline.points(), parts(detail, points, 10)), parts(detail, 26, 8));
+}
+
+Mesh make_pawn(double detail) {
+  Outline o = foot(0.30F);
+  o.arc(0.095F, 0.50F, -0.05F);
+  collar(o, 0.19F, 0.52F, 0.04F);
+  o.round({0, 0.70F}, 0.145F, -0.15, 0.25);
+  return turned(o, detail, 20);
+}
+
+/// Six battlements: sectors of a ring.
+void add_battlements(Mesh& rook, double detail) {
+  const std::uint32_t steps = parts(detail, 4, 2);
+  for (int k = 0; k < 6; ++k) {
+    std::vector<glm::vec2> outline;
+    for (const float radius : {0.265F, 0.185F}) {
+      for (std::uint32_t i = 0; i <= steps; ++i) {
+        const double share = static_cast<double>(radius > 0.2F ? i : steps - i) / steps;
+        outline.push_back(radius * on_circle((k + 0.14 + 0.72 * share) / 6));
+      }
+    }
+    Mesh block = make_extrusion("", outline, 0.11F);
+    for (glm::vec3& p : block.positions) p = {p.x, p.z + 0.845F, -p.y};
+    for (glm::vec3& n : block.normals) n = {n.x, n.z, -n.y};
+    append(rook, block);
+  }
+}
+
+Mesh make_rook(double detail) {
+  Outline o = foot(0.33F);
+  o.arc(0.165F, 0.64F, -0.04F)
+      .line(0.20F, 0.66F)
+      .arc(0.20F, 0.70F, 0.02F)
+      .line(0.185F, 0.71F)
+      .arc(0.265F, 0.78F, -0.02F);
+  o.line(0.265F, 0.85F).line(0.185F, 0.85F).line(0.185F, 0.80F).line(0, 0.80F);
+  Mesh rook = turned(o, detail, 24);
+  add_battlements(rook, detail);
+  return rook;
+}
+
+/// A mitre with its slit: the rows lean forward round the slit, which fades out at the back.
+Mesh make_mitre(double detail) {
+  constexpr float kLow = 0.86F, kHeight = 0.36F;
+  const auto radius = [](float share) {  // 0 at the neck, 1 at the tip
+    const float full = 1 - share;
+    return 0.085F * full + 0.62F * share * full * (1 - 0.42F * share);
+  };
+  std::vector<glm::vec2> profile;
+  std::vector<float> depth;
+  const auto row = [&](float share, float cut) {
+    profile.emplace_back(radius(share), kLow + kHeight * share);
+    depth.push_back(cut);
+  };
+  const std::uint32_t below = parts(detail, 6, 3), above = parts(detail, 5, 3);
+  for (std::uint32_t k = 0; k <= below; ++k) row(0.50F * static_cast<float>(k) / static_cast<float>(below), 0);
+  row(0.50F, 0), row(0.51F, 0.09F), row(0.51F, 0.09F), row(0.59F, 0.09F), row(0.59F, 0.09F), row(0.60F, 0),
+      row(0.60F, 0);
+  for (std::uint32_t k = 1; k <= above; ++k) row(0.60F + 0.40F * static_cast<float>(k) / static_cast<float>(above), 0);
+  return make_turned("", profile, parts(detail, 26, 10), [&](float around, std::size_t k, const glm::vec3& p) {
+    const float forward = 0.5F - 0.5F * cos_turns(static_cast<double>(around));  // 1 at the front, -x
+    const float open = glm::smoothstep(0.25F, 0.6F, forward);
+    const float r = profile[k].x;
+    const float in = r > 0 ? (r - depth[k] * open) / r : 1;
+    const float share = (p.y - kLow) / kHeight;
+    const float lean = share < 0.5F ? glm::smoothstep(0.1F, 0.5F, share) : 1 - glm::smoothstep(0.6F, 0.97F, share);
+    return glm::vec3(p.x * in, p.y + 0.8F * p.x * lean, p.z * in);
+  });
+}
+
+Mesh make_bishop(double detail) {
+  Outline o = foot(0.32F);
+  o.arc(0.10F, 0.68F, -0.06F);
+  collar(o, 0.21F, 0.70F, 0.045F);
+  collar(o, 0.165F, 0.775F, 0.035F).line(0.085F, 0.86F).line(0, 0.86F);
+  Mesh bishop = turned(o, detail, 24);
+  append(bishop, transformed(make_mitre(detail), placed({0, 0, 0}, -0.17)));
+  const Outline ball = Outline({0, 1.19F}).round({0, 1.24F}, 0.05F, -0.25, 0.25);
+  append(bishop, make_lathe("", simplified(ball.points(), parts(detail, 8, 4)), parts(detail, 14, 5)));
+  return bishop;
+}
+
+/// Body of queen and king up to the crown, which begins at radius 0.14.
+Outline royal_body(float radius, float neck) {
+  Outline o = foot(radius);
+  o.line(radius - 0.10F, 0.25F).arc(0.125F, neck, -0.075F);
+  collar(o, 0.255F, neck + 0.02F, 0.05F);
+  collar(o, 0.205F, neck + 0.10F, 0.04F);
+  o.line(0.135F, neck + 0.16F);
+  return o;
+}
+
+Mesh make_queen(double detail) {
+  constexpr float kNeck = 0.98F;
+  Outline o = royal_body(0.36F, kNeck);
+  o.line(0, kNeck + 0.16F);
+  Mesh queen = turned(o, detail, 26);
+  // The coronet: a flaring cup with nine points, and a dome with a ball within.
+  constexpr int kPoints = 9;
+  Outline cup({0.13F, kNeck + 0.15F});
+  cup.arc(0.235F, kNeck + 0.38F, -0.02F);
+  std::vector<glm::vec2> profile = simplified(cup.points(), parts(detail, 6, 4));
+  const std::size_t rim = profile.size() - 1;
+  profile.push_back(profile.back());
+  profile.emplace_back(0.20F, kNeck + 0.385F);
+  profile.push_back(profile.back());
+  profile.emplace_back(0.165F, kNeck + 0.33F);
+  const std::uint32_t segments = kPoints * parts(detail, 4, 2);
+  append(queen, make_turned("", profile, segments, [&](float around, std::size_t k, const glm::vec3& p) {
+           if (k < rim || k > rim + 3) return p;
+           const float wave = 0.5F + 0.5F * cos_turns(static_cast<double>(around) * kPoints);
+           return p + glm::vec3(0, 0.075F * wave * wave - 0.02F, 0);
+         }));
+  Outline dome({0.175F, kNeck + 0.33F});
+  dome.arc(0.04F, kNeck + 0.44F, 0.045F).round({0, kNeck + 0.485F}, 0.052F, -0.13, 0.25);
+  append(queen, turned(dome, detail, 11));
+  return queen;
+}
+
+Mesh make_king(double detail) {
+  constexpr float kNeck = 1.06F;
+  Outline o = royal_body(0.37F, kNeck);
+  o.arc(0.215F, kNeck + 0.40F, -0.015F).line(0.225F, kNeck + 0.41F).arc(0.215F, kNeck + 0.44F, 0.01F);
+  o.arc(0.07F, kNeck + 0.53F, 0.03F).arc(0.055F, kNeck + 0.57F, 0.02F).line(0, kNeck + 0.575F);
+  Mesh king = turned(o, detail, 34);
+  // A cross patty.
+  const glm::vec2 quarter[] = {{0.022F, 0.025F}, {0.085F, 0.048F}, {0.085F, -0.048F}};
+  std::vector<glm::vec2> outline;
+  for (int arm = 0; arm < 4; ++arm) {
+    for (const glm::vec2& p : {quarter[2], quarter[1], quarter[0]}) {
+      const glm::vec2 q = arm == 0 ? p : arm == 1 ? glm::vec2(-p.y, p.x) : arm == 2 ? -p : glm::vec2(p.y, -p.x);
+      outline.push_back(q);
+    }
+  }
+  append(king, transformed(make_extrusion("", outline, 0.055F), placed({0, kNeck + 0.645F, -0.0275F})));
+  return king;
+}
+
+Mesh make_knight(double detail) {
+  Outline o = foot(0.33F);
+  o.line(0.24F, 0.24F).arc(0.25F, 0.275F, 0.012F).line(0.20F, 0.285F).line(0, 0.285F);
+  Mesh knight = turned(o, detail, 14);
+  append(knight, make_horse(detail));
+  return knight;
+}
+
+}  // namespace
+
+Mesh make_piece(Piece piece, double detail) {
+  const char* const names[kPieces] = {"pawn", "rook", "knight", "bishop", "queen", "king"};
+  Mesh (*const makers[kPieces])(double) = {make_pawn, make_rook, make_knight, make_bishop, make_queen, make_king};
+  Mesh mesh = makers[static_cast<std::size_t>(piece)](detail);
+  mesh.name = names[static_cast<std::size_t>(piece)];
+  // The grain of turned wood runs up the piece.
+  for (std::size_t k = 0; k < mesh.uvs.size(); ++k) {
+    const glm::vec3 p = mesh.positions[k];
+    mesh.uvs[k] = {0.35F * p.y, 0.45F * p.x + 0.25F * p.z};
+  }
+  return mesh;
+}
+
+}  // namespace traces::chess

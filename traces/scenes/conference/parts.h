@@ -1,0 +1,34 @@
+#pragma once
+#include <cstdint>
+
+#include "traces/scene/scene.h"
+#include "traces/scenes/detail.h"
+
+namespace traces::conference {
+
+// The room in metres: 9.2 x 6.4 x 2.9, the middle of its floor at the origin; the windows at +z, the screen at +x, the
+// door at -x.
+inline constexpr float kHalfLength = 4.6F, kHalfWidth = 3.2F, kHeight = 2.9F;
+inline constexpr float kTableHeight = 0.74F;
+
+/// Order of Scene::textures.
+enum Picture : std::uint32_t { kCarpet, kWood, kTableWood, kFabric, kChart, kHills, kSea, kShapes, kKeys, kPictures };
+void paint_pictures(Scene& scene);
+
+/// Indices of materials.
+struct Materials {
+  std::uint32_t carpet, wall, ceiling, ceiling_grid, lamp, wood, table_wood, white, dark, steel, fabric, chart, screen,
+      hills, sea, shapes, slats, leaf, terracotta, soil, paper, red, blue, china, keys, glow, brass;
+};
+Materials add_materials(Scene& scene);
+
+void add_room(Scene& scene, const Materials& is, const Detail& detail);
+void add_ceiling(Scene& scene, const Materials& is, const Detail& detail);
+void add_windows(Scene& scene, const Materials& is, const Detail& detail);
+void add_table(Scene& scene, const Materials& is, const Detail& detail);
+void add_chairs(Scene& scene, const Materials& is, const Detail& detail);
+void add_wall_things(Scene& scene, const Materials& is, const Detail& detail);
+void add_table_things(Scene& scene, const Materials& is, const Detail& detail);
+void add_plant(Scene& scene, const Materials& is, const Detail& detail);
+
+}  // namespace traces::conference

@@ -1,0 +1,13 @@
+#pragma once
+#include "traces/scenes/laboratory/looks.h"
+
+namespace traces::laboratory {
+
+/// Bench (its top at y = 0), tiled wall behind it with a chart and shelves, cupboards, window on the left, lamp above.
+void add_room(Scene& scene, const Looks& looks, double detail);
+
+inline constexpr float kShelf = 0.375F, kUpperShelf = 0.60F;  ///< heights
+inline constexpr float kShelfFrom = 0.02F, kShelfTo = 0.98F;  ///< in x
+inline constexpr float kShelfDepth = -0.43F;                  ///< z of its middle
+
+}  // namespace traces::laboratory

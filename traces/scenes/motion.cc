@@ -1,0 +1,104 @@
+#include "traces/scenes/motion.h"
+
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include <glm/gtc/quaternion.hpp>
+
+#include "traces/scene/cameras.h"
+#include "traces/scene/lights.h"
+#include "traces/scenes/shapes.h"
+#include "traces/scenes/sweeps.h"
+
+namespace traces {
+namespace {
+
+/// Quaternion of a rotation matrix, by square roots alone.
+glm::quat turn_of(const glm::mat3& m) {
+  glm::quat q;
+  const float trace = m[0][0] + m[1][1] + m[2][2];
+  if (trace > 0) {
+    const float s = std::sqrt(trace + 1) * 2;
+    q = {s / 4, (m[1][2] - m[2][1]) / s, (m[2][0] - m[0][2]) / s, (m[0][1] - m[1][0]) / s};
+  } else {
+    const int i = m[0][0] > m[1][1] ? (m[0][0] > m[2][2] ? 0 : 2) : (m[1][1] > m[2][2] ? 1 : 2);
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    const float s = std::sqrt(1 + m[i][i] - m[j][j] - m[k][k]) * 2;
+    glm::vec3 v;
+    v[i] = s / 4;
+    v[j] = (m[i][j] + m[j][i]) / s;
+    v[k] = (m[i][k] + m[k][i]) / s;
+    q = {(m[j][k] - m[k][j]) / s, v.x, v.y, v.z};
+  }
+  return glm::normalize(q);
+}
+
+}  // namespace
+
+std::uint32_t add_node(Scene& scene, std::string name, const Transform& rest, std::uint32_t parent) {
+  Node node;
+  node.name = std::move(name);
+  node.parent = parent;
+  node.rest = rest;
+  scene.nodes.push_back(std::move(node));
+  return static_cast<std::uint32_t>(scene.nodes.size() - 1);
+}
+
+void hang(Scene& scene, std::uint32_t instance, std::uint32_t node) { scene.instances[instance].node = node; }
+
+void move_node(Scene& scene, std::uint32_t node, std::span<const Key> keys, Track::Interpolation interpolation) {
+  Track track{
+      .node = node, .path = Track::Path::kTranslation, .interpolation = interpolation, .times = {}, .values = {}};
+  for (const Key& key : keys) {
+    track.times.push_back(key.seconds);
+    track.values.insert(track.values.end(), {key.value.x, key.value.y, key.value.z});
+  }
+  scene.tracks.push_back(std::move(track));
+}
+
+void turn_node(Scene& scene, std::uint32_t node, std::span<const TurnKey> keys) {
+  Track track{.node = node, .path = Track::Path::kRotation, .times = {}, .values = {}};
+  for (const TurnKey& key : keys) {
+    track.times.push_back(key.seconds);
+    track.values.insert(track.values.end(), {key.value.x, key.value.y, key.value.z, key.value.w});
+  }
+  scene.tracks.push_back(std::move(track));
+}
+
+void add_camera_path(Scene& scene, std::string name, std::span<const ViewKey> keys, float vertical_fov,
+                     std::uint32_t samples) {
+  std::vector<glm::vec3> eyes, targets;
+  for (const ViewKey& key : keys) {
+    eyes.push_back(key.eye);
+    targets.push_back(key.target);
+  }
+  eyes = smoothed(std::span<const glm::vec3>(eyes), samples);
+  targets = smoothed(std::span<const glm::vec3>(targets), samples);
+  std::vector<Key> places;
+  std::vector<TurnKey> turns;
+  for (std::size_t i = 0; i < eyes.size(); ++i) {
+    const std::size_t k = i / samples;
+    const float share = static_cast<float>(i % samples) / static_cast<float>(samples);
+    const float after = keys[std::min(k + 1, keys.size() - 1)].seconds;
+    const float seconds = keys[k].seconds + share * (after - keys[k].seconds);
+    places.push_back({seconds, eyes[i]});
+    glm::quat turn = turn_of(glm::mat3(look_at("", eyes[i], targets[i], vertical_fov).to_world));
+    if (!turns.empty() && glm::dot(turns.back().value, turn) < 0) turn = -turn;
+    turns.push_back({seconds, turn});
+  }
+  Camera camera = look_at(name, eyes.front(), targets.front(), vertical_fov);
+  camera.node = add_node(scene, std::move(name), {.translation = eyes.front(), .rotation = turns.front().value});
+  scene.cameras.push_back(std::move(camera));
+  move_node(scene, scene.cameras.back().node, places);
+  turn_node(scene, scene.cameras.back().node, turns);
+}
+
+void finish_scene(Scene& scene, const glm::vec3& ambient) {
+  pose(scene, 0);
+  finish_lights(scene);
+  scene.ambient = ambient;
+  scene.sha256 = scene_digest(scene);
+}
+
+}  // namespace traces

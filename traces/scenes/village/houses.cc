@@ -1,0 +1,235 @@
+#include "traces/scenes/village/houses.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+
+#include "traces/scenes/shapes.h"
+#include "traces/scenes/sweeps.h"
+#include "traces/scenes/trigonometry.h"
+
+namespace traces::village {
+namespace {
+
+constexpr float kBelow = 1;     // foundations
+constexpr float kEave = 0.55F;  // overhang
+constexpr float kThick = 0.16F;
+
+void add_window(Parts& parts, const Paints& p, const glm::mat4& at, float width, float height, bool shutters) {
+  const float w = width / 2, h = height;
+  parts.panel(p.glass, at, {-w, 0, 0.015F}, {width, 0, 0}, {0, h, 0});
+  for (const float s : {-1.0F, 1.0F}) {
+    parts.box(p.timber, at, {std::min(s * w, s * (w + 0.09F)), -0.02F, -0.02F},
+              {std::max(s * w, s * (w + 0.09F)), h + 0.09F, 0.07F});
+  }
+  parts.box(p.timber, at, {-w, h, -0.02F}, {w, h + 0.09F, 0.07F});
+  parts.box(p.timber, at, {-0.025F, 0, 0}, {0.025F, h, 0.045F});
+  parts.box(p.timber, at, {-w, 0.62F * h, 0}, {w, 0.62F * h + 0.05F, 0.045F});
+  parts.box(p.stone, at, {-w - 0.16F, -0.1F, -0.02F}, {w + 0.16F, -0.02F, 0.16F});
+  if (!shutters) return;
+  for (const float s : {-1.0F, 1.0F}) {
+    const float a = s * (w + 0.1F), b = s * (2 * w + 0.06F);
+    parts.box(p.shutter, at, {std::min(a, b), -0.02F, 0.01F}, {std::max(a, b), h + 0.06F, 0.05F});
+    for (const float y : {0.12F, 0.8F}) {
+      parts.box(p.shutter, at, {std::min(a, b) + 0.02F, y * h, 0.05F}, {std::max(a, b) - 0.02F, y * h + 0.07F, 0.075F});
+    }
+  }
+}
+
+void add_door(Parts& parts, const Paints& p, const glm::mat4& at, float width, float height) {
+  const float w = width / 2;
+  for (int k = 0; k < 5; ++k) {
+    const float x = -w + width * static_cast<float>(k) / 5;
+    parts.box(p.door, at, {x + 0.008F, 0, 0.0F}, {x + width / 5 - 0.008F, height, 0.05F});
+  }
+  for (const float s : {-1.0F, 1.0F}) {
+    parts.box(p.timber, at, {s * (w + 0.07F) - 0.07F, -0.1F, -0.02F}, {s * (w + 0.07F) + 0.07F, height + 0.14F, 0.1F});
+  }
+  parts.box(p.timber, at, {-w, height, -0.02F}, {w, height + 0.14F, 0.1F});
+  parts.box(p.stone, at, {-w - 0.3F, -kBelow, 0}, {w + 0.3F, -0.02F, 0.75F});
+  parts.box(p.stone, at, {-w - 0.5F, -kBelow, 0.75F}, {w + 0.5F, -0.2F, 1.15F});
+  parts.add(p.shutter, make_sphere("", {0.36F * width, 0.48F * height, 0.09F}, 0.05F, 3), at);
+}
+
+/// Posts, rails and braces on a wall from y = 0 to `height`.
+void add_timber(Parts& parts, std::uint32_t timber, const glm::mat4& at, float length, float height,
+                std::uint32_t storeys) {
+  const float w = length / 2, storey = height / static_cast<float>(storeys);
+  for (std::uint32_t k = 0; k <= storeys; ++k) {
+    const float y = storey * static_cast<float>(k);
+    parts.box(timber, at, {-w, y - 0.09F, -0.02F}, {w, y + 0.09F, 0.06F});
+  }
+  const auto bays = static_cast<std::uint32_t>(length / 2.1F) + 1;
+  for (std::uint32_t k = 0; k <= bays; ++k) {
+    const float x = -w + 0.09F + (length - 0.18F) * static_cast<float>(k) / static_cast<float>(bays);
+    parts.box(timber, at, {x - 0.09F, 0, -0.02F}, {x + 0.09F, height, 0.05F});
+  }
+  const float bay = (length - 0.18F) / static_cast<float>(bays);
+  for (std::uint32_t k = 0; k < storeys; ++k) {
+    for (const float s : {-1.0F, 1.0F}) {
+      // A brace from the corner's foot to the next post's head.
+      const glm::vec3 foot(s * (w - 0.1F), storey * static_cast<float>(k) + 0.1F, 0);
+      const glm::vec3 way(-s * bay * 0.92F, storey - 0.2F, 0);
+      const glm::vec3 side = glm::normalize(glm::vec3(-way.y, way.x, 0)) * 0.075F;
+      const glm::mat4 along(glm::vec4(side, 0), glm::vec4(way, 0), glm::vec4(0, 0, s * glm::length(side), 0),
+                            glm::vec4(foot, 1));
+      parts.add(timber, transformed(make_box("", {-1, 0, -0.2F}, {1, 1, 0.6F}), along), at);
+    }
+  }
+}
+
+void add_chimney(Parts& parts, const Paints& p, const HouseShape& s) {
+  const glm::mat4 at = placed({s.width * 0.12F, 0, s.chimney * s.length});
+  const float top = s.ridge + 1.15F;
+  parts.box(p.stone, at, {-0.42F, s.eaves, -0.35F}, {0.42F, top, 0.35F});
+  parts.box(p.stone, at, {-0.5F, top - 0.25F, -0.43F}, {0.5F, top - 0.1F, 0.43F});
+  for (const float x : {-0.2F, 0.2F}) {
+    parts.add(p.roof, transformed(make_cone("", 0.13F, 0.1F, 0.45F, 10), placed({x, top, 0})), at);
+  }
+}
+
+void add_dormer(Parts& parts, const Paints& p, const HouseShape& s, double turns, float aside) {
+  const float slope = (s.ridge - s.eaves) / (s.width / 2);
+  const float floor = s.eaves + 0.25F * (s.ridge - s.eaves);
+  const float out = s.width / 2 - (floor - s.eaves) / slope;
+  const glm::mat4 at = wall_frame(turns, out, aside, floor);
+  const float w = 0.75F, h = 1.05F, deep = h / slope + 0.6F, peak = 0.65F;
+  parts.box(p.wall, at, {-w, -0.1F, -deep}, {w, h, 0});
+  add_window(parts, p, at * placed({0, 0.2F, 0}), 0.8F, 0.75F, false);
+  const glm::vec2 gable[] = {{-w - 0.2F, h - 0.13F}, {w + 0.2F, h - 0.13F}, {0, h + peak}};
+  parts.add(p.roof, transformed(make_extrusion("", gable, deep + 0.9F), placed({0, 0, -deep - 0.7F})), at);
+}
+
+}  // namespace
+
+glm::mat4 wall_frame(double turns, float out, float aside, float up) {
+  return placed({0, up, 0}, turns) * placed({out, 0, 0}, 0.25) * placed({aside, 0, 0});
+}
+
+void Parts::add(std::uint32_t material, const Mesh& piece, const glm::mat4& at) {
+  auto found = std::ranges::find(meshes_, material, &std::pair<std::uint32_t, Mesh>::first);
+  if (found == meshes_.end()) found = meshes_.insert(meshes_.end(), {material, Mesh{}});
+  append(found->second, transformed(piece, at));
+}
+
+void Parts::box(std::uint32_t material, const glm::mat4& at, const glm::vec3& lower, const glm::vec3& upper) {
+  Mesh mesh = make_box("", lower, upper);
+  // Whichever way a face looks, v is height where there is one.
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    const glm::vec3 p = mesh.positions[i], n = glm::abs(mesh.normals[i]);
+    mesh.uvs[i] = n.y > 0.5F ? glm::vec2(p.x, p.z) : glm::vec2(n.x > 0.5F ? p.z : p.x, -p.y);
+  }
+  add(material, mesh, at);
+}
+
+void Parts::panel(std::uint32_t material, const glm::mat4& at, const glm::vec3& corner, const glm::vec3& u,
+                  const glm::vec3& v) {
+  Mesh mesh = make_quad("", corner, u, v, 1);
+  scale_uvs(mesh, {glm::length(u), -glm::length(v)});
+  add(material, mesh, at);
+}
+
+Building Parts::take(Scene& scene, const std::string& name) const {
+  Building building;
+  for (const auto& [material, mesh] : meshes_) {
+    Mesh named = mesh;
+    named.name = name + ": " + scene.materials[material].name;
+    building.push_back(add_mesh(scene, std::move(named), material));
+  }
+  return building;
+}
+
+void add_walls(Parts& parts, std::uint32_t wall, const HouseShape& s) {
+  const float w = s.width / 2, l = s.length / 2;
+  for (const double turns : {0.0, 0.5}) {
+    parts.panel(wall, wall_frame(turns, w), {-l, -kBelow, 0}, {s.length, 0, 0}, {0, s.eaves + kBelow, 0});
+    const glm::mat4 gable = wall_frame(turns + 0.25, l);
+    parts.panel(wall, gable, {-w, -kBelow, 0}, {s.width, 0, 0}, {0, s.eaves + kBelow, 0});
+    Mesh top;
+    top.positions = {{-w, s.eaves, 0}, {w, s.eaves, 0}, {0, s.ridge, 0}};
+    top.normals.assign(3, {0, 0, 1});
+    top.uvs = {{-w, -s.eaves}, {w, -s.eaves}, {0, -s.ridge}};
+    top.triangles = {{0, 1, 2}};
+    parts.add(wall, top, gable);
+  }
+}
+
+void add_roof(Parts& parts, std::uint32_t roof, std::uint32_t timber, const HouseShape& s, float detail) {
+  const float slope = (s.ridge - s.eaves) / (s.width / 2);
+  const float run = s.width / 2 + kEave, rise = run * slope, reach = s.length + 2 * 0.45F;
+  const float pitch = std::sqrt(run * run + rise * rise);
+  const auto tiles = std::max(static_cast<std::uint32_t>(detail * reach / 0.42F), 6U);
+  const auto courses = std::max(static_cast<std::uint32_t>(detail * pitch / 0.52F), 4U);
+  const glm::vec3 normal = glm::normalize(glm::vec3(0, run, rise));
+  for (const double turns : {0.0, 0.5}) {
+    const glm::mat4 at = wall_frame(turns, 0);
+    Mesh top = make_surface("", 2 * tiles, 2 * courses, [&](float u, float v) {
+      const auto row = static_cast<std::uint32_t>(v * static_cast<float>(2 * courses) + 0.5F);
+      const auto column = static_cast<std::uint32_t>(u * static_cast<float>(2 * tiles) + 0.5F);
+      const float up = static_cast<float>((row + 1) / 2) / static_cast<float>(courses) - (row % 2 == 1 ? 0.003F : 0);
+      const float lift = (row % 2 == 0 ? 0.07F : 0.0F) + (column % 2 == 0 ? 0.0F : 0.05F);
+      return glm::vec3((u - 0.5F) * reach, s.ridge - rise + rise * up, run * (1 - up)) + normal * (kThick + lift);
+    });
+    scale_uvs(top, {reach, -pitch});
+    parts.add(roof, top, at);
+    const glm::vec3 along(0, rise, -run);
+    parts.panel(timber, at, {reach / 2, s.ridge - rise, run}, {-reach, 0, 0}, along);
+    parts.panel(timber, at, glm::vec3(-reach / 2, s.ridge - rise, run), {reach, 0, 0}, normal * (kThick + 0.07F));
+    for (const float side : {-1.0F, 1.0F}) {
+      const glm::vec3 foot(side * reach / 2, s.ridge - rise, run);
+      const glm::mat4 board(glm::vec4(1, 0, 0, 0), glm::vec4(normal, 0), glm::vec4(-along, 0), glm::vec4(foot, 1));
+      parts.add(timber, transformed(make_box("", {-0.05F, -0.06F, -1}, {0.05F, kThick + 0.13F, 0.01F}), board), at);
+    }
+  }
+  const glm::vec3 ends[] = {{0, s.ridge + kThick * 1.2F, -reach / 2}, {0, s.ridge + kThick * 1.2F, reach / 2}};
+  const float radius[] = {0.15F};
+  Mesh ridge = make_tube("", ends, radius, 8);
+  scale_uvs(ridge, {0.5F, reach});
+  parts.add(roof, ridge);
+}
+
+Mesh make_arch(float width, float height, float depth, std::uint32_t steps) {
+  std::vector<glm::vec2> outline{{-width / 2, 0}, {width / 2, 0}};
+  for (std::uint32_t k = 0; k <= steps; ++k) {
+    const glm::vec2 round = on_circle(0.5 * k / steps);
+    outline.emplace_back(width / 2 * round.x, height - width / 2 + width / 2 * round.y * 1.25F);
+  }
+  return make_extrusion("", outline, depth);
+}
+
+Building add_house(Scene& scene, const std::string& name, const HouseShape& s, const Paints& p, float detail) {
+  Parts parts;
+  add_walls(parts, p.wall, s);
+  add_roof(parts, p.roof, p.timber, s, detail);
+  parts.box(p.stone, glm::mat4(1), {-s.width / 2 - 0.06F, -kBelow, -s.length / 2 - 0.06F},
+            {s.width / 2 + 0.06F, 0.35F, s.length / 2 + 0.06F});
+  const float storey = s.eaves / static_cast<float>(s.storeys);
+  for (std::uint32_t side = 0; side < 4; ++side) {
+    const bool gable = side % 2 == 1;
+    const float length = gable ? s.width : s.length, out = gable ? s.length / 2 : s.width / 2;
+    const double turns = side / 4.0;
+    if (s.timbered) add_timber(parts, p.timber, wall_frame(turns, out), length, s.eaves, s.storeys);
+    const auto count = s.barn ? 1U : static_cast<std::uint32_t>(length / 2.6F);
+    for (std::uint32_t level = 0; level < s.storeys + (gable && !s.barn ? 1U : 0U); ++level) {
+      const std::uint32_t here = level == s.storeys ? 1 : count;
+      for (std::uint32_t k = 0; k < here; ++k) {
+        const float x = length * ((static_cast<float>(k) + 0.5F) / static_cast<float>(here) - 0.5F);
+        if (side == 0 && level == 0 && k == here / 2) {
+          add_door(parts, p, wall_frame(turns, out, x, 0.1F), s.barn ? 3.2F : 1.05F, s.barn ? 3 : 2.1F);
+          continue;
+        }
+        const float y = storey * static_cast<float>(level) + (level == s.storeys ? 0.35F : 0.36F * storey);
+        add_window(parts, p, wall_frame(turns, out, x, y), 0.95F, std::min(1.25F, 0.5F * storey), s.shutters);
+      }
+    }
+  }
+  for (std::uint32_t k = 0; k < s.dormers; ++k) {
+    const float x = s.length * ((static_cast<float>(k) + 0.5F) / static_cast<float>(s.dormers) - 0.5F);
+    for (const double turns : {0.0, 0.5}) add_dormer(parts, p, s, turns, x);
+  }
+  if (!s.barn) add_chimney(parts, p, s);
+  return parts.take(scene, name);
+}
+
+}  // namespace traces::village

@@ -1,0 +1,108 @@
+#include "traces/scenes/workload.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include <fmt/format.h>
+#include <glm/geometric.hpp>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "sim/error.h"
+#include "sim/io/printable.h"
+#include "traces/scene/bounds.h"
+#include "traces/scene/did_you_mean.h"
+#include "traces/scene/lights.h"
+#include "traces/scenes/library.h"
+
+namespace traces {
+namespace {
+
+glm::vec3 vec3(const sim::Triple& t) {
+  return {static_cast<float>(t.x), static_cast<float>(t.y), static_cast<float>(t.z)};
+}
+
+std::size_t find_camera(const Scene& scene, const std::string& wanted) {
+  if (wanted.empty()) return 0;
+  std::vector<std::string> names;
+  for (const Camera& camera : scene.cameras) {
+    if (camera.name == wanted) return names.size();
+    names.push_back(camera.name);
+  }
+  std::size_t index = 0;
+  const char* end = wanted.data() + wanted.size();
+  const auto [rest, error] = std::from_chars(wanted.data(), end, index);
+  if (error == std::errc{} && rest == end && index < scene.cameras.size()) return index;
+  std::string known;
+  for (std::size_t i = 0; i < names.size(); ++i) known += fmt::format("{}{} '{}'", i == 0 ? "" : ", ", i, names[i]);
+  throw sim::InputError(fmt::format("scene {} has no camera '{}'{}; it has: {}", scene.name, sim::printable(wanted),
+                                    did_you_mean(wanted, names), known));
+}
+
+void choose_lights(Scene& scene, const LightsConfig& config) {
+  if (config.rig == LightRig::kScene) return;
+  if (config.rig == LightRig::kStrongest) {
+    const glm::vec3 ambient = scene.ambient;
+    keep_strongest_light(scene);
+    expose_lights(scene);
+    scene.ambient = ambient;
+    return;
+  }
+  Light own;
+  own.kind = config.rig == LightRig::kPoint ? Light::Kind::kPoint : Light::Kind::kDirectional;
+  own.position = vec3(config.position);
+  own.direction = glm::vec3(glm::normalize(glm::dvec3(config.direction.x, config.direction.y, config.direction.z)));
+  own.intensity = vec3(config.intensity);
+  scene.lights = {own};
+}
+
+/// A camera that never moves gets a node to stand on, so that posing the scene brings it back to its place.
+void hold_camera(Scene& scene) {
+  Camera& camera = scene.cameras.front();
+  if (camera.node != kNone) return;
+  camera.node = static_cast<std::uint32_t>(scene.nodes.size());
+  Node node;
+  node.name = camera.name;
+  node.matrix = camera.to_world;
+  scene.nodes.push_back(std::move(node));
+}
+
+/// Round the vertical axis through the middle of the scene as it stands.
+void orbit(Scene& scene, double degrees) {
+  const glm::dvec3 centre(world_bounds(scene).centre());
+  const glm::dmat4 turn = glm::translate(glm::dmat4(1), centre) *
+                          glm::rotate(glm::dmat4(1), degrees * std::numbers::pi / 180, glm::dvec3(0, 1, 0)) *
+                          glm::translate(glm::dmat4(1), -centre);
+  Camera& camera = scene.cameras.front();
+  camera.to_world = glm::mat4(turn * glm::dmat4(camera.to_world));
+}
+
+}  // namespace
+
+Scene open_workload(const WorkloadConfig& workload, const SceneLimits& limits) {
+  Scene scene = open_scene(workload.name, {.triangles = workload.triangles}, limits);
+  const std::size_t camera = find_camera(scene, workload.camera);
+  choose_lights(scene, workload.lights);
+  scene.cameras = {scene.cameras[camera]};
+  if (workload.camera_path == CameraPath::kOrbit) hold_camera(scene);
+  if (workload.sky.source == Sky::kOwn) {
+    scene.background = vec3(workload.sky.background);
+    scene.ambient = vec3(workload.sky.ambient);
+  }
+  pose_workload(scene, workload, workload.first_frame);
+  return scene;
+}
+
+Moved pose_workload(Scene& scene, const WorkloadConfig& workload, std::uint32_t frame) {
+  const double seconds = workload.seconds_of(frame);
+  Moved moved = pose(scene, seconds);
+  if (workload.camera_path == CameraPath::kOrbit) {
+    orbit(scene, workload.orbit * seconds);
+    moved.view = true;
+  }
+  return moved;
+}
+
+}  // namespace traces

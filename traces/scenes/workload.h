@@ -1,0 +1,117 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "sim/config/field.h"
+#include "sim/named.h"
+#include "traces/scene/limits.h"
+#include "traces/scene/scene.h"
+
+namespace traces {
+
+/// Which lights shine.
+enum class LightRig : std::uint8_t {
+  kScene,      ///< all that the scene has
+  kStrongest,  ///< only the one that gives the first camera's view most light
+  kPoint,      ///< a point light of one's own instead
+  kSun,        ///< a directional light of one's own instead
+};
+constexpr std::array<std::string_view, 4> names_of(LightRig) { return {"scene", "strongest", "point", "sun"}; }
+
+enum class Sky : std::uint8_t { kScene, kOwn };
+constexpr std::array<std::string_view, 2> names_of(Sky) { return {"scene", "own"}; }
+
+enum class CameraPath : std::uint8_t {
+  kScene,  ///< as the scene moves it
+  kOrbit,  ///< round the middle of the scene, at its distance and height
+};
+constexpr std::array<std::string_view, 2> names_of(CameraPath) { return {"scene", "orbit"}; }
+
+struct LightsConfig {
+  LightRig rig = LightRig::kScene;
+  sim::Triple position{0, 10, 0};
+  sim::Triple direction{-1, -2, -1};
+  sim::Triple intensity{1, 1, 1};
+
+  static void describe(auto& c, auto&& field) {
+    using sim::Affects;
+    field(NAMED(c.rig), "",
+          "which lights shine: the scene's, the one that lights its first camera's view best, or one of one's own",
+          sim::any(), Affects::kFunction);
+    field(NAMED(c.position), "", "of one's own point light", sim::any(), Affects::kFunction);
+    field(NAMED(c.direction), "", "in which the light of one's own sun travels", sim::any(), Affects::kFunction);
+    field(NAMED(c.intensity), "", "linear RGB; point: per steradian, sun: irradiance (1 makes white shine white)",
+          sim::at_least(0), Affects::kFunction);
+  }
+  void check(auto&& complain) const {
+    if (direction == sim::Triple{}) complain("direction", "0 0 0 points nowhere; allowed: any other direction");
+  }
+};
+
+struct SkyConfig {
+  Sky source = Sky::kScene;
+  sim::Triple background{0.6, 0.7, 0.85};
+  sim::Triple ambient{0.15, 0.15, 0.15};
+
+  static void describe(auto& c, auto&& field) {
+    using sim::Affects;
+    field(NAMED(c.source), "", "the scene's sky, or one's own", sim::any(), Affects::kFunction);
+    field(NAMED(c.background), "", "linear RGB of rays that leave the scene, if own", sim::at_least(0),
+          Affects::kFunction);
+    field(NAMED(c.ambient), "", "linear RGB of constant irradiance on every surface, if own", sim::at_least(0),
+          Affects::kFunction);
+  }
+};
+
+/// What is looked at, from where, and when: the group `scene` of a run's configuration, and what a workload file is
+/// about.
+struct WorkloadConfig {
+  std::string name = "cornell";
+  std::uint32_t triangles = 0;
+  std::string camera;
+  CameraPath camera_path = CameraPath::kScene;
+  double orbit = 30;
+  std::uint32_t first_frame = 0, last_frame = 0;
+  double frame_rate = 30;
+  LightsConfig lights;
+  SkyConfig sky;
+
+  static void describe(auto& c, auto&& field) {
+    using sim::Affects;
+    field(NAMED(c.name), "", "built-in scene, or a .gltf or .glb file (seen from the workload file)", sim::any(),
+          Affects::kFunction);
+    field(NAMED(c.triangles), "triangles",
+          "about how many a built-in scene is made of; 0: as its class in the literature", sim::between(0, 67108864),
+          Affects::kFunction);
+    field(NAMED(c.camera), "", "camera of the scene, by name or index; empty: its first", sim::any(),
+          Affects::kFunction);
+    field(NAMED(c.camera_path), "", "who moves the camera: the scene, or we, round the scene", sim::any(),
+          Affects::kFunction);
+    field(NAMED(c.orbit), "degrees/s", "speed of a camera that goes round the scene", sim::between(-3600, 3600),
+          Affects::kFunction);
+    field(NAMED(c.first_frame), "", "first frame rendered; frame 0 is time 0", sim::between(0, 1000000),
+          Affects::kFunction);
+    field(NAMED(c.last_frame), "", "last frame rendered", sim::between(0, 1000000), Affects::kFunction);
+    field(NAMED(c.frame_rate), "frames/s", "of the animation's time, not of the machine", sim::between(0.01, 10000),
+          Affects::kFunction);
+    field.group(NAMED(c.lights), "lights instead of the scene's");
+    field.group(NAMED(c.sky), "sky instead of the scene's");
+  }
+  void check(auto&& complain) const {
+    if (last_frame < first_frame) complain("last_frame", "is before first_frame; allowed: first_frame and later");
+  }
+
+  double seconds_of(std::uint32_t frame) const { return frame / frame_rate; }
+};
+
+/// The scene with the workload's lights and sky, at the time of its first frame, and its camera moved to the front of
+/// Scene::cameras, where it is the only one. InputError, naming what there is, for a scene or camera that does not
+/// exist.
+Scene open_workload(const WorkloadConfig& workload, const SceneLimits& limits = {});
+
+/// Puts things where they are in that frame.
+Moved pose_workload(Scene& scene, const WorkloadConfig& workload, std::uint32_t frame);
+
+}  // namespace traces
