@@ -152,7 +152,7 @@ std::uint64_t Outcome::sum(std::string_view at, std::string_view kind, std::stri
 }
 
 Outcome play(const Frame& frame, const GpuConfig& config, Engine engine, std::uint64_t seed, std::uint32_t workers) {
-  FrontEnd front_end(frame.program(), frame.tracer(), workers);
+  tools::FrontEnd front_end(frame.program(), frame.tracer(), workers);
   const auto gpu = std::make_unique<Gpu>(config, frame.workload(), front_end);
   Outcome outcome = run(*gpu, engine, seed);
   outcome.function = front_end.result();
@@ -161,7 +161,7 @@ Outcome play(const Frame& frame, const GpuConfig& config, Engine engine, std::ui
 
 Outcome play(const Method& method, const GpuConfig& config, Engine engine, std::uint64_t seed, std::uint32_t workers) {
   const std::unique_ptr<kernels::FrameProgram> program = method.make();
-  FrontEnd front_end(*program, method.tracer(), workers);
+  tools::FrontEnd front_end(*program, method.tracer(), workers);
   const auto gpu = std::make_unique<Gpu>(config, method.workload(), front_end);
   Outcome outcome = run(*gpu, engine, seed);
   outcome.function = front_end.result();
@@ -205,7 +205,7 @@ std::string difference(const Outcome& a, const Outcome& b) {
   return found;
 }
 
-std::string difference(const FrontEnd::Result& a, const FrontEnd::Result& b) {
+std::string difference(const tools::FrontEnd::Result& a, const tools::FrontEnd::Result& b) {
   if (a.rgb != b.rgb) return "picture";
   if (!std::ranges::equal(a.rays, b.rays) || a.continued != b.continued) return "rays by kind";
   if (a.traversal_steps != b.traversal_steps) return "traversal steps";

@@ -78,7 +78,7 @@ const Frame& teapot_64x32();
 struct Outcome {
   std::vector<sim::UnitReport> units;
   std::vector<KernelUse> kernels;
-  FrontEnd::Result function;
+  tools::FrontEnd::Result function;
   sim::Time elapsed = 0;
   std::uint64_t cycles = 0;
 
@@ -108,6 +108,6 @@ Outcome play(const Frame& frame, std::span<const traces::TileWork> tiles, const 
 /// The first figure in which two runs differ ("core0.srp.rays: 12, 13"); empty if they are equal to the last counter.
 std::string difference(const Outcome& a, const Outcome& b);
 /// The same for what the frame program found: picture, rays by kind, traversal steps.
-std::string difference(const FrontEnd::Result& a, const FrontEnd::Result& b);
+std::string difference(const tools::FrontEnd::Result& a, const tools::FrontEnd::Result& b);
 
 }  // namespace hw::testing

@@ -11,10 +11,10 @@
 
 // Blocks of a frame on the machine, and caches warmed by the tiles before them.
 
-namespace hw {
+namespace tools {
 namespace {
 
-using testing::Frame;
+using hw::testing::Frame;
 
 const Frame& frame() {
   static const Frame f("cornell", 128, 64, 1, 8);  // 128 tiles
@@ -29,11 +29,11 @@ struct BlockRun {
 };
 
 BlockRun run(const std::vector<TimedBlock>& blocks, const std::vector<std::uint32_t>& places = {}) {
-  GpuConfig config;
+  hw::GpuConfig config;
   config.cores = 2;
   FrontEnd front_end(frame().program(), frame().tracer(), 0, true, places);
   SampledTiles tiles(front_end, blocks);
-  Gpu gpu(config, frame().workload(), tiles);
+  hw::Gpu gpu(config, frame().workload(), tiles);
   tiles.connect(gpu);
   gpu.finish(sim::run(gpu));
   tiles.finish();
@@ -46,10 +46,10 @@ BlockRun run(const std::vector<TimedBlock>& blocks, const std::vector<std::uint3
 }
 
 TEST(SampledTiles, OneBlockOfAllTilesIsThePlainRun) {
-  const testing::Outcome plain = [] {
-    GpuConfig config;
+  const hw::testing::Outcome plain = [] {
+    hw::GpuConfig config;
     config.cores = 2;
-    return testing::play(frame(), config);
+    return hw::testing::play(frame(), config);
   }();
   const BlockRun all = run({{0, 0, 128, 0}});
   ASSERT_EQ(all.units.size(), plain.units.size());
@@ -102,20 +102,20 @@ TEST(SampledTiles, WarmedCachesAskLessOfMemory) {
 TEST(SampledTiles, ATileThatWasJustWarmedMissesNothingInTheL2) {
   const BlockRun cold = run({{0, 0, 1, 0}});
   // The machine gives up the list behind its last block: of two equal tiles the first warms for the second.
-  GpuConfig config;
+  hw::GpuConfig config;
   config.cores = 1;
   config.l2.cache.size.bytes = 1 << 20;
   const std::vector<traces::TileWork> work = frame().record();
-  struct Same final : TileSource {
+  struct Same final : hw::TileSource {
     const std::vector<traces::TileWork>& work;
     bool given = false;
-    Gpu* gpu = nullptr;
+    hw::Gpu* gpu = nullptr;
     explicit Same(const std::vector<traces::TileWork>& w) : work(w) {}
     const traces::TileWork* next() override { return std::exchange(given, true) ? nullptr : &work[60]; }
     void give_back(const traces::TileWork*) override {}
     void dispatched(sim::Time) override { gpu->warm(work[60], 0); }
   } same(work);
-  Gpu gpu(config, frame().workload(), same);
+  hw::Gpu gpu(config, frame().workload(), same);
   same.gpu = &gpu;
   gpu.finish(sim::run(gpu));
   std::uint64_t fills = 0;
@@ -128,4 +128,4 @@ TEST(SampledTiles, ATileThatWasJustWarmedMissesNothingInTheL2) {
 }
 
 }  // namespace
-}  // namespace hw
+}  // namespace tools
