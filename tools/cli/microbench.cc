@@ -1,8 +1,13 @@
 #include "tools/studies/microbench/microbench.h"
 
+#include <algorithm>
+#include <memory>
+#include <utility>
+
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "tools/cli/job_options.h"
 #include "tools/cli/verbs.h"
 
 namespace tools {
@@ -15,6 +20,41 @@ void list(CLI::App& verb) {
   }
 }
 
+CLI::Option* add(CLI::App& app, const BenchmarkOption& option, bool& value) {
+  return app.add_flag(option.name, value, option.meaning);
+}
+
+CLI::Option* add(CLI::App& app, const BenchmarkOption& option, auto& value) {
+  return app.add_option(option.name, value, option.meaning)->allow_extra_args(false);
+}
+
+void add_option(CLI::App& app, const BenchmarkOption& option, BenchmarkJob& job) {
+  CLI::Option* made = std::visit([&](auto member) { return add(app, option, job.*member); }, option.member);
+  if (!option.words.empty()) made->check(CLI::IsMember(option.words));
+  if (option.most != 0) made->check(CLI::Range(1, option.most));
+  if (option.default_shown) made->capture_default_str();
+}
+
+/// Prints them. Says so, and makes `exit` kCheckFailed, if figures leave their closed forms.
+void show(const Findings& findings, const char* name, bool json, int& exit) {
+  const bool ready = !findings.printed.empty();
+  fmt::print("{}", ready ? findings.printed : json ? json_of(name, findings) : table_of(findings));
+  const auto missed = std::ranges::count_if(findings.figures, [](const Figure& f) { return !f.good(); });
+  if (missed == 0) return;
+  exit = kCheckFailed;
+  fmt::print(stderr, "raywatt: {} of {} figures leave their closed forms\n", missed, findings.figures.size());
+}
+
+void add_benchmark(CLI::App& verb, const Benchmark& benchmark, int& exit) {
+  CLI::App* app = verb.add_subcommand(benchmark.name, benchmark.meaning);
+  const auto job = std::make_shared<BenchmarkJob>();
+  add_config_options(*app, job->machine.config, job->machine.sets);
+  for (const BenchmarkOption& option : benchmark.options) add_option(*app, option, *job);
+  app->footer(benchmark.footer);
+  app->callback(
+      [name = benchmark.name, measure = benchmark.measure, job, &exit] { show(measure(*job), name, job->json, exit); });
+}
+
 }  // namespace
 
 void add_microbench(CLI::App& app, int& exit) {
@@ -24,10 +64,9 @@ void add_microbench(CLI::App& app, int& exit) {
       "A figure that leaves its closed form by more than it may ends the verb with exit code 1.\n\n"
       "Example: raywatt microbench dram --set dram.extends=dram/lpddr5-6400");
   verb->add_subcommand("list", "What each of them measures")->callback([verb] { list(*verb); });
-  for (const auto& add :
-       {add_microbench_chase, add_microbench_bandwidth, add_microbench_mshr, add_microbench_dram, add_microbench_rays,
-        add_microbench_early_exit, add_microbench_tile_buffer, add_microbench_kernels}) {
-    add(*verb, exit);
+  for (const auto& benchmark : {chase_benchmark, bandwidth_benchmark, mshr_benchmark, dram_benchmark, rays_benchmark,
+                                early_exit_benchmark, tile_buffer_benchmark, kernels_benchmark}) {
+    add_benchmark(*verb, benchmark(), exit);
   }
 }
 

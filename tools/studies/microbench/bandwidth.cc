@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <filesystem>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "tools/host/paths.h"
@@ -87,19 +86,17 @@ Findings measure(const JobOptions& job, bool all_grades) {
 
 }  // namespace
 
-void add_microbench_bandwidth(CLI::App& verb, int& exit) {
-  const auto job = std::make_shared<JobOptions>();
-  const auto all_grades = std::make_shared<bool>(false);
-  CLI::App* app = add_benchmark(
-      verb,
-      {"bandwidth", "Lines a second that all cores together get from DRAM through the L2, streamed and at random",
-       "Every first-level cache of every core asks for lines that no cache has, as fast as its miss registers allow.\n"
-       "The bound is the tightest of what ports, caches, their miss registers and the DRAM let through; what queues,\n"
-       "banks that wait, and refreshes cost comes off it.\n"
-       "\n"
-       "Example: raywatt microbench bandwidth --all-grades --set cores=8"},
-      job, exit, [job, all_grades] { return measure(*job, *all_grades); });
-  app->add_flag("--all-grades", *all_grades, "with each speed grade in configs/dram in turn");
+Benchmark bandwidth_benchmark() {
+  return {
+      "bandwidth",
+      "Lines a second that all cores together get from DRAM through the L2, streamed and at random",
+      "Every first-level cache of every core asks for lines that no cache has, as fast as its miss registers allow.\n"
+      "The bound is the tightest of what ports, caches, their miss registers and the DRAM let through; what queues,\n"
+      "banks that wait, and refreshes cost comes off it.\n"
+      "\n"
+      "Example: raywatt microbench bandwidth --all-grades --set cores=8",
+      {json_option(), {"--all-grades", "with each speed grade in configs/dram in turn", &BenchmarkJob::all_grades}},
+      [](const BenchmarkJob& job) { return measure(job.machine, job.all_grades); }};
 }
 
 }  // namespace tools

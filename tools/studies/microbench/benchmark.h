@@ -1,33 +1,50 @@
 #pragma once
-#include <cstddef>
-#include <functional>
-#include <memory>
+#include <cstdint>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "tools/simulation/load_config.h"
 #include "tools/studies/microbench/figure.h"
 
-namespace CLI {
-class App;
-}
-
 namespace tools {
 
-/// A benchmark of `raywatt microbench` as it stands on the command line.
-struct Benchmark {
-  std::string name;
-  std::string meaning;
-  std::string footer;
+/// The machine that is measured, and what else a benchmark may be told.
+struct BenchmarkJob {
+  JobOptions machine;
+  bool json = false;
+  std::string scene;
+  std::string resolution = "64x32";
+  bool all_grades = false;
+  std::vector<std::string> kernels;
+  std::string stream;
+  std::uint32_t outstanding = 0;  ///< 0: as many as the read queue holds
+  std::string refresh = "on";
 };
 
-/// Adds it with CONFIG, --set and --json. `measure` runs as its callback; a figure that leaves its closed form makes
-/// `exit` kCheckFailed. What it measures may have further options: the result is for them.
-CLI::App* add_benchmark(CLI::App& verb, const Benchmark& benchmark, const std::shared_ptr<JobOptions>& job, int& exit,
-                        std::function<Findings()> measure);
+/// An option of a benchmark on the command line.
+struct BenchmarkOption {
+  using Member = std::variant<bool BenchmarkJob::*, std::uint32_t BenchmarkJob::*, std::string BenchmarkJob::*,
+                              std::vector<std::string> BenchmarkJob::*>;
+  const char* name;
+  const char* meaning;
+  Member member;
+  bool default_shown = false;
+  std::vector<std::string> words{};  ///< that are allowed; none: any
+  int most = 0;                      ///< a number is from 1 to this
+};
 
-/// Prints them. Says so, and makes `exit` kCheckFailed, if figures leave their closed forms.
-void show(const Findings& findings, const std::string& name, bool json, int& exit);
+/// A benchmark of `raywatt microbench`. All have --json among their options.
+struct Benchmark {
+  const char* name;
+  const char* meaning;
+  const char* footer;
+  std::vector<BenchmarkOption> options;
+  Findings (*measure)(const BenchmarkJob& job);
+};
+
+/// --json, as most benchmarks have it.
+BenchmarkOption json_option();
 
 /// The configured machine without ideal resources: what costs no time has no figure.
 RunConfig real_machine(const JobOptions& job);

@@ -1,7 +1,5 @@
 #include <optional>
 
-#include <CLI/CLI.hpp>
-
 #include "hw_models/memory/dram_map.h"
 #include "tools/studies/microbench/benchmark.h"
 #include "tools/studies/microbench/memory_forms.h"
@@ -93,15 +91,15 @@ class Chase {
 
 }  // namespace
 
-void add_microbench_chase(CLI::App& verb, int& exit) {
-  const auto job = std::make_shared<JobOptions>();
-  add_benchmark(verb,
-                {"chase", "Latency of a lone read that hits L1, L2 or DRAM, as a traversal unit sees it",
-                 "A figure is the mean over starts that meet the clocks in different ways. Rows stay open, and there\n"
-                 "are no refreshes and no power-down.\n"
-                 "\n"
-                 "Example: raywatt microbench chase --set clocks.l2='800 MHz' --set interconnect.latency=8"},
-                job, exit, [job] { return Chase(real_machine(*job).gpu).measure(); });
+Benchmark chase_benchmark() {
+  return {"chase",
+          "Latency of a lone read that hits L1, L2 or DRAM, as a traversal unit sees it",
+          "A figure is the mean over starts that meet the clocks in different ways. Rows stay open, and there\n"
+          "are no refreshes and no power-down.\n"
+          "\n"
+          "Example: raywatt microbench chase --set clocks.l2='800 MHz' --set interconnect.latency=8",
+          {json_option()},
+          [](const BenchmarkJob& job) { return Chase(real_machine(job.machine).gpu).measure(); }};
 }
 
 }  // namespace tools

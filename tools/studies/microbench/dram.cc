@@ -1,16 +1,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <memory>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "hw_models/memory/dram_energy.h"
 #include "hw_models/memory/dram_measurements.h"
 #include "sim/report/report_json.h"
 #include "sim/report/table.h"
-#include "tools/cli/job_options.h"
 #include "tools/simulation/load_config.h"
 #include "tools/studies/microbench/benchmark.h"
 #include "tools/studies/microbench/dram_stream.h"
@@ -22,14 +19,6 @@ namespace tools {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-struct Options {
-  JobOptions job;
-  std::string stream;
-  std::string refresh = "on";
-  std::uint32_t outstanding = 0;  ///< 0: as many as the read queue holds
-  bool json = false;
-};
 
 constexpr double kFemtosecondsPerNs = 1e6;
 double ns_of(sim::Time time) { return static_cast<double>(time) / kFemtosecondsPerNs; }
@@ -123,9 +112,10 @@ Json stream_json(const Result& r) {
           {"completion_ns", std::move(done)}};
 }
 
-void print_stream(const Result& r) {
+std::string stream_text(const Result& r) {
+  std::string all;
   const hw::DramChannel::Stats& s = r.play.stats;
-  const auto line = [](const char* name, const std::string& text) { fmt::print("{:<14}{}\n", name, text); };
+  const auto line = [&](const char* name, const std::string& text) { all += fmt::format("{:<14}{}\n", name, text); };
   line("memory", fmt::format("one channel of {}, lines of {} B, up to {} outstanding", r.config.grade,
                              r.config.line.bytes, r.outstanding));
   line("requests", fmt::format("{} ({} reads, {} writes)", r.all.count, s.reads, s.writes));
@@ -154,7 +144,7 @@ void print_stream(const Result& r) {
   row("all", r.all);
   row("reads", r.reads);
   row("writes", r.writes);
-  fmt::print("\n{}", table.text());
+  return all + "\n" + table.text();
 }
 
 Figure::Holds same(hw::DramFigure::Holds holds) {
@@ -180,44 +170,41 @@ Findings figures_of(const hw::DramConfig& config) {
   return findings;
 }
 
-void run(const Options& options, int& exit) {
-  hw::DramConfig config = load_run_config(options.job).gpu.dram;
-  if (options.refresh == "off") config.timing.refi_pb = config.timing.refi_ab = 0;
-  if (options.stream.empty()) return show(figures_of(config), "dram", options.json, exit);
-  const std::vector<hw::DramRequest> requests = load_dram_stream(options.stream);
-  const Result result(config, requests, options.outstanding == 0 ? config.controller.read_queue : options.outstanding);
-  if (options.json) {
-    fmt::print("{}", sim::json_text(stream_json(result)));
-  } else {
-    print_stream(result);
-  }
+Findings measure(const BenchmarkJob& job) {
+  hw::DramConfig config = load_run_config(job.machine).gpu.dram;
+  if (job.refresh == "off") config.timing.refi_pb = config.timing.refi_ab = 0;
+  if (job.stream.empty()) return figures_of(config);
+  const std::vector<hw::DramRequest> requests = load_dram_stream(job.stream);
+  const Result result(config, requests, job.outstanding == 0 ? config.controller.read_queue : job.outstanding);
+  return {.title = {}, .figures = {}, .printed = job.json ? sim::json_text(stream_json(result)) : stream_text(result)};
 }
 
 }  // namespace
 
-void add_microbench_dram(CLI::App& verb, int& exit) {
-  CLI::App* dram = verb.add_subcommand("dram", "A memory channel alone: what its grade allows, or a file of requests");
-  const auto options = std::make_shared<Options>();
-  add_config_options(*dram, options->job.config, options->job.sets);
-  dram->add_option("--stream", options->stream,
-                   "play this file, or standard input if it is -. A line is a hexadecimal address, R or W, and if\n"
-                   "wanted the earliest time in ns. Without it: a table of figures beside their closed forms");
-  dram->add_option("--outstanding", options->outstanding,
-                   "requests sent and not done, at most (default: dram.controller.read_queue)")
-      ->check(CLI::Range(1, 65536));
-  dram->add_option("--refresh", options->refresh, "off: no refreshes")
-      ->check(CLI::IsMember({"on", "off"}))
-      ->capture_default_str();
-  dram->add_flag("--json", options->json, "as JSON, with every request's completion time");
-  dram->footer(
+Benchmark dram_benchmark() {
+  return {
+      "dram",
+      "A memory channel alone: what its grade allows, or a file of requests",
       "All requests go to one channel, in the order of the file. Addresses are the channel's own: bits that would\n"
       "choose among channels are not there, bits beyond its capacity do not count. A request for any byte is one for\n"
       "its line (dram.line). Read or written, it is done when the last of its data has passed the bus; dram.fabric is\n"
       "left out. Time 0 is when the first request may reach the channel. Percentiles are by nearest rank.\n"
       "\n"
       "Example: raywatt microbench dram --stream requests.txt --outstanding 16 --refresh off\n"
-      "Example: raywatt microbench dram --set dram.extends=dram/lpddr5-6400");
-  dram->callback([options, &exit] { run(*options, exit); });
+      "Example: raywatt microbench dram --set dram.extends=dram/lpddr5-6400",
+      {{"--stream",
+        "play this file, or standard input if it is -. A line is a hexadecimal address, R or W, and if\n"
+        "wanted the earliest time in ns. Without it: a table of figures beside their closed forms",
+        &BenchmarkJob::stream},
+       {"--outstanding",
+        "requests sent and not done, at most (default: dram.controller.read_queue)",
+        &BenchmarkJob::outstanding,
+        false,
+        {},
+        65536},
+       {"--refresh", "off: no refreshes", &BenchmarkJob::refresh, true, {"on", "off"}},
+       {"--json", "as JSON, with every request's completion time", &BenchmarkJob::json}},
+      measure};
 }
 
 }  // namespace tools

@@ -1,6 +1,5 @@
 #include <array>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "hw_models/tni/ist.h"
@@ -208,25 +207,26 @@ void add_scene(const JobOptions& job, Findings& found) {
 
 }  // namespace
 
-void add_microbench_early_exit(CLI::App& verb, int& exit) {
-  const auto job = std::make_shared<JobOptions>();
-  job->resolution = "64x32";
-  CLI::App* app = add_benchmark(
-      verb,
-      {"early_exit",
-       "Cycles and energy of a triangle test by the phase that ends it, and how often rays of a scene end there",
-       "Tests are measured on an intersection unit alone, with every line in its cache. Energies are nominal, without\n"
-       "leakage and clock. Of the scene, what the machine counts beside a count of the recorded rays.\n"
-       "\n"
-       "Example: raywatt microbench early_exit --scene teapot"},
-      job, exit, [job] {
+Benchmark early_exit_benchmark() {
+  return {
+      "early_exit",
+      "Cycles and energy of a triangle test by the phase that ends it, and how often rays of a scene end there",
+      "Tests are measured on an intersection unit alone, with every line in its cache. Energies are nominal, without\n"
+      "leakage and clock. Of the scene, what the machine counts beside a count of the recorded rays.\n"
+      "\n"
+      "Example: raywatt microbench early_exit --scene teapot",
+      {json_option(),
+       {"--scene", "built-in scene, workload (.yaml), or .gltf or .glb file (default: cornell)", &BenchmarkJob::scene},
+       {"--resolution", "WIDTHxHEIGHT of its picture", &BenchmarkJob::resolution, true}},
+      [](const BenchmarkJob& told) {
+        JobOptions job = told.machine;
+        job.scene = told.scene;
+        job.resolution = told.resolution;
         Findings found{"intersection unit", {}};
-        add_exits(real_machine(*job), found);
-        add_scene(*job, found);
+        add_exits(real_machine(job), found);
+        add_scene(job, found);
         return found;
-      });
-  app->add_option("--scene", job->scene, "built-in scene, workload (.yaml), or .gltf or .glb file (default: cornell)");
-  app->add_option("--resolution", job->resolution, "WIDTHxHEIGHT of its picture")->capture_default_str();
+      }};
 }
 
 }  // namespace tools

@@ -34,6 +34,7 @@ struct Findings {
   std::vector<Figure> figures;
   std::vector<std::string> notes{};  ///< lines below the table
   std::string sheet{};               ///< a shorter table in place of the one of all figures
+  std::string printed{};             ///< text in place of all others, as asked for
 
   bool good() const;
 };

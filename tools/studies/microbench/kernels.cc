@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <array>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "hw_models/srp/schedule.h"
@@ -74,19 +73,16 @@ Findings measure(const hw::SrpConfig& srp, const std::vector<std::string>& names
 
 }  // namespace
 
-void add_microbench_kernels(CLI::App& verb, int& exit) {
-  const auto job = std::make_shared<JobOptions>();
-  const auto names = std::make_shared<std::vector<std::string>>();
-  CLI::App* app = add_benchmark(
-      verb,
-      {"kernels", "Initiation interval of kernels on arrays of several sizes, beside what units and recurrences allow",
-       "Arrays of 2x2 to 8x8 units, of which as large a part multiplies and divides as in the configuration; the "
-       "ports\n"
-       "to memory stay. More units than the ports can feed bring nothing.\n"
-       "\n"
-       "Example: raywatt microbench kernels --kernel shade_diffuse --set srp.array.local_ports=8"},
-      job, exit, [job, names] { return measure(real_machine(*job).gpu.srp, *names); });
-  app->add_option("--kernel", *names, "this kernel alone (repeatable)")->allow_extra_args(false);
+Benchmark kernels_benchmark() {
+  return {"kernels",
+          "Initiation interval of kernels on arrays of several sizes, beside what units and recurrences allow",
+          "Arrays of 2x2 to 8x8 units, of which as large a part multiplies and divides as in the configuration; the "
+          "ports\n"
+          "to memory stay. More units than the ports can feed bring nothing.\n"
+          "\n"
+          "Example: raywatt microbench kernels --kernel shade_diffuse --set srp.array.local_ports=8",
+          {json_option(), {"--kernel", "this kernel alone (repeatable)", &BenchmarkJob::kernels}},
+          [](const BenchmarkJob& job) { return measure(real_machine(job.machine).gpu.srp, job.kernels); }};
 }
 
 }  // namespace tools

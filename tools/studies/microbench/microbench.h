@@ -1,20 +1,16 @@
 #pragma once
-
-namespace CLI {
-class App;
-}
+#include "tools/studies/microbench/benchmark.h"
 
 namespace tools {
 
-// One function per benchmark: adds it to `raywatt microbench`, and runs it as its callback. Each prints what it has
-// measured beside a closed form, and makes `exit` kCheckFailed if the two are further apart than they may be.
-void add_microbench_chase(CLI::App& verb, int& exit);
-void add_microbench_bandwidth(CLI::App& verb, int& exit);
-void add_microbench_mshr(CLI::App& verb, int& exit);
-void add_microbench_dram(CLI::App& verb, int& exit);
-void add_microbench_rays(CLI::App& verb, int& exit);
-void add_microbench_early_exit(CLI::App& verb, int& exit);
-void add_microbench_tile_buffer(CLI::App& verb, int& exit);
-void add_microbench_kernels(CLI::App& verb, int& exit);
+// Each benchmark measures a piece of the machine alone beside its closed form.
+Benchmark chase_benchmark();
+Benchmark bandwidth_benchmark();
+Benchmark mshr_benchmark();
+Benchmark dram_benchmark();
+Benchmark rays_benchmark();
+Benchmark early_exit_benchmark();
+Benchmark tile_buffer_benchmark();
+Benchmark kernels_benchmark();
 
 }  // namespace tools

@@ -1,4 +1,3 @@
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "tools/studies/microbench/benchmark.h"
@@ -57,17 +56,16 @@ Findings measure(hw::GpuConfig config) {
 
 }  // namespace
 
-void add_microbench_mshr(CLI::App& verb, int& exit) {
-  const auto job = std::make_shared<JobOptions>();
-  add_benchmark(
-      verb,
-      {"mshr", "Misses a second of one first-level cache, by its number of miss registers",
-       "One traversal unit's cache misses as fast as it can; all else rests. Lines that the L2 has come after\n"
-       "the same time each, so the closed form holds; lines in DRAM now and then open a row, which the form\n"
-       "leaves out. There are no refreshes and no power-down, and the L2 is large enough.\n"
-       "\n"
-       "Example: raywatt microbench mshr --set l2.hit_cycles=40"},
-      job, exit, [job] { return measure(real_machine(*job).gpu); });
+Benchmark mshr_benchmark() {
+  return {"mshr",
+          "Misses a second of one first-level cache, by its number of miss registers",
+          "One traversal unit's cache misses as fast as it can; all else rests. Lines that the L2 has come after\n"
+          "the same time each, so the closed form holds; lines in DRAM now and then open a row, which the form\n"
+          "leaves out. There are no refreshes and no power-down, and the L2 is large enough.\n"
+          "\n"
+          "Example: raywatt microbench mshr --set l2.hit_cycles=40",
+          {json_option()},
+          [](const BenchmarkJob& job) { return measure(real_machine(job.machine).gpu); }};
 }
 
 }  // namespace tools

@@ -1,6 +1,5 @@
 #include <deque>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "hw_models/machines/ray_source.h"
@@ -110,15 +109,15 @@ Findings measure(const RunConfig& machine) {
 
 }  // namespace
 
-void add_microbench_rays(CLI::App& verb, int& exit) {
-  const auto job = std::make_shared<JobOptions>();
-  add_benchmark(verb,
-                {"rays", "Rays a cycle of one T&I unit with 1, 2, 4 and 8 traversal units, all lines in its caches",
-                 "Equal rays, which go straight down a tree. What sets the bound: traversal pipes, how many rays or\n"
-                 "leaves are inside at once, the intersection unit's triangle lines, or the direct interface.\n"
-                 "\n"
-                 "Example: raywatt microbench rays --set tni.trv.rays=16"},
-                job, exit, [job] { return measure(real_machine(*job)); });
+Benchmark rays_benchmark() {
+  return {"rays",
+          "Rays a cycle of one T&I unit with 1, 2, 4 and 8 traversal units, all lines in its caches",
+          "Equal rays, which go straight down a tree. What sets the bound: traversal pipes, how many rays or\n"
+          "leaves are inside at once, the intersection unit's triangle lines, or the direct interface.\n"
+          "\n"
+          "Example: raywatt microbench rays --set tni.trv.rays=16",
+          {json_option()},
+          [](const BenchmarkJob& job) { return measure(real_machine(job.machine)); }};
 }
 
 }  // namespace tools

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <map>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "hw_models/srp/bank_conflicts.h"
@@ -117,16 +116,15 @@ Findings measure(const hw::SrpConfig& srp) {
 
 }  // namespace
 
-void add_microbench_tile_buffer(CLI::App& verb, int& exit) {
-  const auto job = std::make_shared<JobOptions>();
-  add_benchmark(
-      verb,
-      {"tile_buffer", "Cycles lost to bank conflicts in local memory, by the length of records and number of banks",
-       "What the machine charges a kernel beside a count of every access of 1024 items. The first kernel reads\n"
-       "a record of each of two arrays and writes one of a third; then all kernels of the catalogue, added up.\n"
-       "\n"
-       "Example: raywatt microbench tile_buffer --set srp.array.local_ports=8"},
-      job, exit, [job] { return measure(real_machine(*job).gpu.srp); });
+Benchmark tile_buffer_benchmark() {
+  return {"tile_buffer",
+          "Cycles lost to bank conflicts in local memory, by the length of records and number of banks",
+          "What the machine charges a kernel beside a count of every access of 1024 items. The first kernel reads\n"
+          "a record of each of two arrays and writes one of a third; then all kernels of the catalogue, added up.\n"
+          "\n"
+          "Example: raywatt microbench tile_buffer --set srp.array.local_ports=8",
+          {json_option()},
+          [](const BenchmarkJob& job) { return measure(real_machine(job.machine).gpu.srp); }};
 }
 
 }  // namespace tools
