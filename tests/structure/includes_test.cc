@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/structure/repository.h"
+#include "tests/structure/sources.h"
 
 // The folders are floors of one house: includes point down only.
 
@@ -55,31 +56,6 @@ std::optional<int> floor_of(const fs::path& file) {
   return std::nullopt;
 }
 
-struct Include {
-  fs::path from, to;  ///< relative to the root
-  std::string where;  ///< "file:line"
-};
-
-/// Every #include "..." that names a file of the repository; a generated header is not one.
-std::vector<Include> includes() {
-  static const std::regex kInclude("^\\s*#\\s*include\\s*\"([^\"]+)\".*");
-  std::vector<Include> found;
-  for (const fs::path& file : source_files()) {
-    int number = 0;
-    for (const std::string& line : lines_of(file)) {
-      ++number;
-      std::smatch match;
-      if (!std::regex_match(line, match, kInclude)) continue;
-      for (const fs::path& to : {(file.parent_path() / match[1].str()).lexically_normal(), fs::path(match[1].str())}) {
-        if (!fs::exists(repository() / to)) continue;
-        found.push_back({file, to, file.string() + ":" + std::to_string(number)});
-        break;
-      }
-    }
-  }
-  return found;
-}
-
 TEST(Includes, PointDownOnly) {
   const std::vector<Include> all = includes();
   EXPECT_GT(all.size(), 300U) << "the scan sees the sources";
@@ -94,6 +70,13 @@ TEST(Includes, NeverNameATestOutsideTheTests) {
   for (const Include& include : includes()) {
     const bool outside = !include.from.string().starts_with("tests/");
     EXPECT_FALSE(outside && include.to.string().starts_with("tests/")) << include.where;
+  }
+}
+
+TEST(Includes, OfTheCommandLineLibraryAreInItsFolderAlone) {
+  for (const fs::path& file : source_files()) {
+    if (file.generic_string().starts_with("tools/cli/")) continue;
+    for (const std::string& line : lines_of(file)) EXPECT_FALSE(line.starts_with("#include <CLI/")) << file.string();
   }
 }
 

@@ -1,0 +1,122 @@
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <fstream>
+#include <functional>
+#include <map>
+#include <set>
+#include <sstream>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "tests/structure/repository.h"
+#include "tests/structure/sources.h"
+
+// Folders include each other without a circle, and docs/includes.md shows how. After a change of the graph:
+//   RAYWATT_UPDATE=1 build/release/tests/test_structure --gtest_filter='IncludeGraph.*'
+
+namespace test {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Folder, and what it includes.
+using Graph = std::map<std::string, std::set<std::string>>;
+
+/// Folders whose own folders are parts of them.
+constexpr std::array kWhole = {"shader_kernels/kernels", "traces/scene/", "traces/scenes/", "tools/studies/optimise/"};
+
+std::string folder_of(const fs::path& file) {
+  const std::string folder = file.parent_path().generic_string();
+  if (folder == kWhole[0]) return "shader_kernels";
+  for (const std::string whole : kWhole) {
+    if (folder.starts_with(whole)) return whole.substr(0, whole.size() - 1);
+  }
+  return folder;
+}
+
+Graph include_graph() {
+  Graph graph;
+  for (const fs::path& file : source_files()) {
+    if (!file.generic_string().starts_with("tests/")) graph[folder_of(file)];
+  }
+  for (const Include& include : includes()) {
+    const std::string from = folder_of(include.from), to = folder_of(include.to);
+    if (graph.contains(from) && graph.contains(to) && from != to) graph[from].insert(to);
+  }
+  return graph;
+}
+
+/// Folders from the bottom up; fewer than there are if some include each other in a circle.
+std::vector<std::string> bottom_up(const Graph& graph) {
+  std::vector<std::string> order;
+  const auto placed = [&](const std::string& folder) { return std::ranges::count(order, folder) != 0; };
+  for (std::size_t before = 1; before != 0;) {
+    before = 0;
+    for (const auto& [folder, below] : graph) {
+      if (placed(folder) || !std::ranges::all_of(below, placed)) continue;
+      order.push_back(folder);
+      ++before;
+    }
+  }
+  return order;
+}
+
+/// Of the folders below one, those that it does not reach through another: the arrows of the drawing.
+std::set<std::string> arrows(const Graph& graph, const std::string& folder) {
+  std::set<std::string> indirect;
+  const std::function<void(const std::string&)> add = [&](const std::string& at) {
+    for (const std::string& below : graph.at(at)) {
+      if (indirect.insert(below).second) add(below);
+    }
+  };
+  for (const std::string& below : graph.at(folder)) add(below);
+  std::set<std::string> direct;
+  std::ranges::set_difference(graph.at(folder), indirect, std::inserter(direct, direct.end()));
+  return direct;
+}
+
+std::string page_of(const Graph& graph) {
+  std::ostringstream page;
+  page << "# Which folder includes which\n\n"
+          "Made from the sources by `tests/structure/include_graph_test.cc`, which also says how to make it anew. No\n"
+          "arrow points up, and there is no circle. The drawing leaves out arrows that others imply; the table has "
+          "all.\n"
+          "\n```mermaid\ngraph TD\n";
+  std::vector<std::string> order = bottom_up(graph);
+  std::ranges::reverse(order);
+  for (const std::string& folder : order) {
+    for (const std::string& below : arrows(graph, folder)) page << "  " << folder << " --> " << below << '\n';
+  }
+  page << "```\n\n| folder | includes |\n|---|---|\n";
+  for (const std::string& folder : order) {
+    page << "| `" << folder << "` |";
+    for (const std::string& below : graph.at(folder)) {
+      page << (below == *graph.at(folder).begin() ? " `" : ", `") << below << '`';
+    }
+    page << " |\n";
+  }
+  return page.str();
+}
+
+TEST(IncludeGraph, HasNoCircle) {
+  const Graph graph = include_graph();
+  EXPECT_GT(graph.size(), 20U) << "the scan sees the folders";
+  const std::vector<std::string> order = bottom_up(graph);
+  for (const auto& [folder, below] : graph) {
+    EXPECT_NE(std::ranges::count(order, folder), 0) << folder << " is in a circle, or above one";
+  }
+}
+
+TEST(IncludeGraph, IsDrawnInTheDocumentation) {
+  const fs::path file = repository() / "docs/includes.md";
+  const std::string page = page_of(include_graph());
+  if (std::getenv("RAYWATT_UPDATE") != nullptr) std::ofstream(file) << page;
+  std::ostringstream drawn;
+  drawn << std::ifstream(file).rdbuf();
+  EXPECT_EQ(drawn.str(), page) << "RAYWATT_UPDATE=1 in the environment of this test writes the page anew";
+}
+
+}  // namespace
+}  // namespace test
