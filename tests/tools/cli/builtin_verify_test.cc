@@ -1,14 +1,41 @@
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <span>
 #include <string>
 
 #include <gtest/gtest.h>
 
+#include "sim/io/file.h"
 #include "tests/tools/program.h"
+#include "traces/scene/images.h"
 #include "traces/scenes/builtin.h"
 
 namespace test {
 namespace {
 
 class BuiltIn : public testing::TestWithParam<std::string> {};
+
+traces::Texture read_png(const std::filesystem::path& file) {
+  const std::string bytes = sim::read_file(file, 1 << 20);
+  return traces::read_image(std::as_bytes(std::span(bytes)), file.string());
+}
+
+/// Pixels of which some channel is more than one step of 8 bits apart. Behind glass a distance's last bits become
+/// visible, and Embree's depend on how the host's processor estimates reciprocals.
+std::size_t pixels_that_differ(const std::filesystem::path& a, const std::filesystem::path& b) {
+  const traces::Texture one = read_png(a), other = read_png(b);
+  std::size_t differ = 0;
+  for (std::size_t i = 0; i < one.texels.size(); ++i) {
+    int most = 0;
+    for (int shift = 0; shift < 24; shift += 8) {
+      const auto channel = [&](std::uint32_t texel) { return static_cast<int>(texel >> shift & 0xffU); };
+      most = std::max(most, std::abs(channel(one.texels[i]) - channel(other.texels[i])));
+    }
+    differ += most > 1;
+  }
+  return differ;
+}
 
 /// Small pictures; of the hairball, an eighth of its strands.
 TEST_P(BuiltIn, AgreesWithEmbreeRayForRayAndInItsPicture) {
@@ -21,7 +48,8 @@ TEST_P(BuiltIn, AgreesWithEmbreeRayForRayAndInItsPicture) {
   EXPECT_EQ(verdict["missing_hits"], 0);
   EXPECT_EQ(verdict["extra_hits"], 0);
   EXPECT_EQ(verdict["distance_errors"], 0);
-  EXPECT_TRUE(verdict["identical"] || verdict["psnr_db"] >= 55) << verdict["psnr_db"];
+  EXPECT_LE(pixels_that_differ(folder.path() / "image.png", folder.path() / "embree.png"), 200 * 100 / 1000)
+      << verdict["psnr_db"];
 }
 
 std::vector<std::string> names() {
