@@ -6,8 +6,6 @@
 #include <string_view>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "sim/config/config_tree.h"
 #include "sim/config/describe.h"
 #include "sim/config/field.h"
@@ -56,20 +54,6 @@ template <class Config>
 std::string config_hash(const Config& config, std::optional<Affects> only = {}) {
   Config copy = config;
   return hash_tree(config_tree(copy), only);
-}
-
-/// A JSON Schema (draft 2020-12) of the configuration files of this type.
-template <class Config>
-nlohmann::json config_schema() {
-  Config defaults;
-  return schema_of(config_tree(defaults));
-}
-
-/// The configuration as nested objects: numbers as numbers, quantities as the texts that a file has ("500 MHz").
-template <class Config>
-nlohmann::json config_json(const Config& config) {
-  Config copy = config;
-  return json_of(config_tree(copy));
 }
 
 /// A Markdown table for each group: key, value in `config`, unit, range, what it affects, meaning.

@@ -2,7 +2,7 @@
 #include <span>
 #include <string>
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "sim/report/energy.h"
 #include "sim/report/unit_report.h"

@@ -18,7 +18,7 @@
 #include "sim/engine.h"
 #include "tests/allocations/count.h"
 #include "tests/hw_models/machines/bench.h"
-#include "tests/traces/scene/tiny_gltf_file.h"
+#include "tests/temp_folder.h"
 #include "tools/simulation/front_end.h"
 #include "tools/simulation/replay_program.h"
 #include "traces/trace_file/trace_reader.h"

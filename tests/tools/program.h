@@ -7,10 +7,10 @@
 #include <utility>
 #include <vector>
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <sys/types.h>
 
-#include "tests/traces/scene/tiny_gltf_file.h"
+#include "tests/temp_folder.h"
 
 namespace test {
 

@@ -1,5 +1,7 @@
 #include "tools/analysis/flat_config.h"
 
+#include <nlohmann/json.hpp>
+
 #include "sim/io/printable.h"
 
 namespace tools {

@@ -5,11 +5,13 @@
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 #include <sys/resource.h>
 #include <unistd.h>
 
 #include "shader_kernels/catalogue.h"
 #include "sim/config/config.h"
+#include "sim/config/config_json.h"
 #include "sim/report/report_json.h"
 #include "tools/analysis/limiter.h"
 #include "tools/analysis/picture.h"

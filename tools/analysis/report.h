@@ -2,7 +2,7 @@
 #include <optional>
 #include <string>
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "tools/simulation/run_job.h"
 
@@ -22,9 +22,9 @@ struct Report {
   const Inputs& inputs;
   const JobOptions& options;
   const Result& totals;
-  nlohmann::ordered_json frames;  ///< one entry per frame
-  bool partial = false;           ///< interrupted before the last frame
-  double wall_seconds = 0;        ///< of the whole job
+  const nlohmann::ordered_json& frames;  ///< one entry per frame
+  bool partial = false;                  ///< interrupted before the last frame
+  double wall_seconds = 0;               ///< of the whole job
 };
 
 /// report.json, schema raywatt-report/1: everything but `host` and `provenance.argv` depends on the inputs alone.

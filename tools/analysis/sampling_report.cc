@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include <nlohmann/json.hpp>
+
 #include "tools/analysis/kernel_shares.h"
 
 namespace tools {

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "sim/report/table.h"
 #include "traces/accel/bvh_info.h"

@@ -2,7 +2,7 @@
 #include <cstdint>
 #include <string>
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "traces/accel/memory_image.h"
 #include "traces/scene/scene.h"

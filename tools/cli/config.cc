@@ -1,4 +1,5 @@
 #include "sim/config/config.h"
+#include "sim/config/config_json.h"
 
 #include <memory>
 

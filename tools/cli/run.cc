@@ -18,6 +18,7 @@
 #include "tools/simulation/recorded.h"
 #include "tools/simulation/run_job.h"
 #include "traces/scene/images.h"
+#include "traces/trace_file/trace_writer.h"
 
 namespace tools {
 

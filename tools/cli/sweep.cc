@@ -24,6 +24,7 @@
 #include "tools/studies/sweep/folder.h"
 #include "tools/studies/sweep/local_launcher.h"
 #include "tools/studies/sweep/plan.h"
+#include "tools/studies/sweep/point_keys.h"
 #include "tools/studies/sweep/results/collect.h"
 
 namespace tools {

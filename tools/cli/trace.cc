@@ -18,6 +18,7 @@
 #include "tools/jobs/replay.h"
 #include "tools/simulation/recorded.h"
 #include "traces/accel/bvh_tracer.h"
+#include "traces/trace_file/trace_writer.h"
 
 namespace tools {
 

@@ -3,10 +3,12 @@
 #include <optional>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "hw_models/machines/ray_machine.h"
 #include "hw_models/memory/dram_energy.h"
 #include "sim/config/config.h"
+#include "sim/config/config_json.h"
 #include "sim/host_clock.h"
 #include "sim/io/file.h"
 #include "sim/report/report_json.h"

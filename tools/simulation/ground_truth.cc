@@ -5,8 +5,10 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "sim/config/config.h"
+#include "sim/config/config_json.h"
 #include "sim/error.h"
 #include "sim/io/file.h"
 #include "sim/sha256.h"

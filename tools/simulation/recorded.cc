@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "shader_kernels/catalogue.h"
 #include "sim/config/config.h"

@@ -2,7 +2,6 @@
 #include <cstdint>
 #include <string>
 
-#include "tools/simulation/front_end.h"
 #include "tools/simulation/run_job.h"
 #include "traces/trace_file/format.h"
 

@@ -20,6 +20,7 @@
 #include "traces/accel/refit.h"
 #include "traces/scene/bounds.h"
 #include "traces/scenes/workload.h"
+#include "traces/trace_file/trace_writer.h"
 
 namespace tools {
 

@@ -18,7 +18,10 @@
 #include "traces/accel/memory_image.h"
 #include "traces/scene/info.h"
 #include "traces/scene/scene.h"
-#include "traces/trace_file/trace_writer.h"
+
+namespace traces {
+class TraceWriter;
+}
 
 namespace tools {
 

@@ -1,5 +1,7 @@
 #include "traces/trace_file/format.h"
 
+#include <nlohmann/json.hpp>
+
 #include "traces/trace_file/bytes.h"
 #include "traces/walk.h"
 
@@ -16,6 +18,10 @@ constexpr std::uint32_t kMaxTextureSide = 1U << 16;
 std::uint64_t number_of(const Json& json, std::uint64_t most, const char* what) {
   if (!json.is_number_unsigned() || json.get<std::uint64_t>() > most) ByteReader::out_of_range(what);
   return json.get<std::uint64_t>();
+}
+
+std::uint64_t number_at(const Json& json, const char* key, std::uint64_t most) {
+  return number_of(json.at(key), most, key);
 }
 
 Json to_json(const ImageCounts& c) {

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "traces/trace_file/tile_code.h"
 
@@ -46,9 +46,7 @@ constexpr std::uint64_t most_tile_bytes(const TraceRequirements& requirements) {
 
 /// A whole number of the contents, at most `most`; InputError, without the file's name, otherwise.
 std::uint64_t number_of(const Json& json, std::uint64_t most, const char* what);
-inline std::uint64_t number_at(const Json& json, const char* key, std::uint64_t most) {
-  return number_of(json.at(key), most, key);
-}
+std::uint64_t number_at(const Json& json, const char* key, std::uint64_t most);
 
 Json to_json(const ImageCounts& counts);
 Json to_json(const TraceRequirements& requirements);

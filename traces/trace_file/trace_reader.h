@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 #include "traces/trace_file/format.h"
 #include "traces/trace_file/packing.h"
 

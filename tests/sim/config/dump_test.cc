@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "bench.h"
+#include "sim/config/config_json.h"
 #include "sim/config/quantity.h"
 
 namespace sim::test {

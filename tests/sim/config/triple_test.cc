@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "sim/config/config.h"
+#include "sim/config/config_json.h"
 #include "sim/error.h"
 #include "sim/named.h"
 

@@ -5,9 +5,10 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "sim/error.h"
-#include "tests/traces/scene/tiny_gltf_file.h"
+#include "tests/temp_folder.h"
 
 // Every number of a report has a path, and any end of it that is clear names it.
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 // What totals say only of runs that have it to say: samples and rates beside the picture, items that idled.
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/tools/program.h"
+#include "tests/traces/scene/tiny_gltf_file.h"
 
 // A scene that cannot be used: one line on stderr that names the file, exit 2, and nothing made.
 

@@ -5,8 +5,10 @@
 #include <thread>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "tests/tools/program.h"
+#include "tests/traces/scene/tiny_gltf_file.h"
 
 // Runs over several frames of a scene that moves, and the workload files that ask for them.
 

@@ -1,9 +1,11 @@
 #include <cstdlib>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "tests/tools/program.h"
 #include "tests/traces/scene/feature_scene.h"
+#include "tests/traces/scene/tiny_gltf_file.h"
 #include "tools/analysis/picture.h"
 #include "traces/scene/export.h"
 #include "traces/scene/images.h"

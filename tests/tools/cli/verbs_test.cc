@@ -2,8 +2,10 @@
 #include <chrono>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "tests/tools/program.h"
+#include "tests/traces/scene/tiny_gltf_file.h"
 
 // What is printed where, and what the verbs without results say.
 

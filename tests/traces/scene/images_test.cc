@@ -9,7 +9,7 @@
 
 #include "sim/error.h"
 #include "sim/hash.h"
-#include "tests/traces/scene/tiny_gltf_file.h"
+#include "tests/temp_folder.h"
 
 namespace test {
 namespace {

@@ -1,8 +1,6 @@
 #include "tests/traces/scene/tiny_gltf_file.h"
 
-#include <cstdlib>
-#include <fstream>
-#include <iterator>
+#include <algorithm>
 
 #include <gtest/gtest.h>
 
@@ -42,27 +40,6 @@ nlohmann::json* first_buffer(nlohmann::json& file) {
 }
 
 }  // namespace
-
-TempFolder::TempFolder() {
-  std::string pattern = (std::filesystem::temp_directory_path() / "raywatt-test-XXXXXX").string();
-  path_ = mkdtemp(pattern.data());
-}
-
-TempFolder::~TempFolder() {
-  std::error_code ignored;
-  std::filesystem::remove_all(path_, ignored);
-}
-
-std::filesystem::path TempFolder::write(const std::string& name, const std::string& bytes) const {
-  const std::filesystem::path path = path_ / name;
-  std::ofstream(path, std::ios::binary) << bytes;
-  return path;
-}
-
-std::string read_bytes(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 TinyGltf::TinyGltf() {
   json = nlohmann::json::parse(R"({

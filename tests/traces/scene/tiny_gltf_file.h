@@ -8,25 +8,10 @@
 
 #include <nlohmann/json.hpp>
 
+#include "tests/temp_folder.h"
 #include "traces/scene/gltf.h"
 
 namespace test {
-
-/// A folder that lives as long as the test.
-class TempFolder {
- public:
-  TempFolder();
-  ~TempFolder();
-  TempFolder(const TempFolder&) = delete;
-  TempFolder& operator=(const TempFolder&) = delete;
-  std::filesystem::path write(const std::string& name, const std::string& bytes) const;
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
-
-std::string read_bytes(const std::filesystem::path& path);
 
 /// A glTF document to be changed by the test: one triangle (0,0,0), (1,0,0), (0,1,0) in one mesh on one node, with
 /// indices and without normals. Accessor 0 holds the positions, 1 the indices.
@@ -63,5 +48,3 @@ traces::Scene load(const TinyGltf& file, const traces::SceneLimits& limits = {})
 std::string refusal(const std::string& bytes, const traces::SceneLimits& limits = {});
 
 }  // namespace test
-
-#define EXPECT_SAYS(text, part) EXPECT_NE((text).find(part), std::string::npos) << (text)

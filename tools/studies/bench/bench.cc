@@ -28,6 +28,7 @@
 #include "tools/simulation/run_job.h"
 #include "tools/studies/bench/median.h"
 #include "traces/accel/bvh_tracer.h"
+#include "traces/trace_file/trace_writer.h"
 
 namespace tools {
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "hw_models/memory/dram_energy.h"
 #include "hw_models/memory/dram_measurements.h"

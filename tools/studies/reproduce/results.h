@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "tools/studies/reproduce/metrics.h"
 #include "tools/studies/reproduce/published.h"

@@ -19,6 +19,7 @@
 #include "tools/simulation/recorded.h"
 #include "tools/studies/sweep/durable.h"
 #include "traces/scene/images.h"
+#include "traces/trace_file/trace_writer.h"
 
 namespace tools::sweep {
 

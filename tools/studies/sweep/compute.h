@@ -6,10 +6,8 @@
 #include <string>
 #include <string_view>
 
-#include <nlohmann/json.hpp>
-
 #include "tools/simulation/run_job.h"
-#include "tools/studies/sweep/point.h"
+#include "tools/studies/sweep/point_keys.h"
 #include "tools/studies/sweep/store.h"
 
 namespace tools::sweep {

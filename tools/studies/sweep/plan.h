@@ -2,7 +2,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "tools/studies/sweep/point.h"
+#include "tools/studies/sweep/point_keys.h"
 #include "tools/studies/sweep/spec.h"
 #include "tools/studies/sweep/subset.h"
 

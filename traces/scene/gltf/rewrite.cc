@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <utility>
 
+#include <nlohmann/json.hpp>
+
 namespace traces::gltf {
 namespace {
 

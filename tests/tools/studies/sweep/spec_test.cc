@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/tools/studies/sweep/small_sweep.h"
+#include "tests/traces/scene/tiny_gltf_file.h"
 
 // What a sweep's file may say, and which points it means.
 

@@ -3,6 +3,7 @@
 #include <sstream>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "tests/tools/program.h"
 #include "tests/tools/studies/sweep/results/made_sweep.h"

@@ -3,6 +3,8 @@
 #include <fstream>
 #include <sstream>
 
+#include <nlohmann/json.hpp>
+
 #include "sim/sha256.h"
 
 namespace test {
@@ -70,6 +72,10 @@ void MadeSweep::finish(std::size_t n, const std::string& report) const {
     write_bytes(folder / "report.json", report);
   });
 }
+
+void MadeSweep::finish(std::size_t n, const Json& report) const { finish(n, report.dump(2) + "\n"); }
+
+void MadeSweep::finish(std::size_t n, double cycles) const { finish(n, made_report(cycles)); }
 
 void MadeSweep::fail(std::size_t n, const std::string& error) const {
   store().put_failure({id(n), 3, error, "one\ntwo", "a", 2});

@@ -5,9 +5,9 @@
 #include <utility>
 #include <vector>
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
-#include "tests/traces/scene/tiny_gltf_file.h"
+#include "tests/temp_folder.h"
 #include "tools/studies/sweep/results/collect.h"
 #include "tools/studies/sweep/results/results.h"
 
@@ -30,8 +30,8 @@ class MadeSweep {
 
   /// In the place of what was there.
   void finish(std::size_t n, const std::string& report) const;
-  void finish(std::size_t n, const nlohmann::ordered_json& report) const { finish(n, report.dump(2) + "\n"); }
-  void finish(std::size_t n, double cycles) const { finish(n, made_report(cycles)); }
+  void finish(std::size_t n, const nlohmann::ordered_json& report) const;
+  void finish(std::size_t n, double cycles) const;
   void fail(std::size_t n, const std::string& error) const;
   /// Replaces the bytes of a point's report behind the store's back.
   void damage(std::size_t n, const std::string& report) const;

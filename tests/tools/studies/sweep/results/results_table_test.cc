@@ -1,6 +1,7 @@
 #include "tools/studies/sweep/results/results_table.h"
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "sim/error.h"
 #include "tests/tools/program.h"

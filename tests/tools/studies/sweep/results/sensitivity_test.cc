@@ -1,5 +1,7 @@
 #include "tools/studies/sweep/results/sensitivity.h"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include "sim/error.h"
