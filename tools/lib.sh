@@ -5,6 +5,7 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)
 script=tools/$(basename "$0")
 logs=$root/build/logs
 install=yes
+packages=()  # besides those of tools/packages.txt
 
 fail() {
   echo "$script: $*" >&2
@@ -21,9 +22,30 @@ step() {
   "$@" >"$log" 2>&1 </dev/null || fail "failed to $name; details in $log"
 }
 
+exec 3>&2
+
+# with_progress COMMAND...: runs a build of ninja and shows how far it is: in place on a terminal, else every ten seconds.
+with_progress() {
+  "$@" 2>&1 | {
+    local line next=0 of='^\[([0-9]+)/([0-9]+)\]'
+    while IFS= read -r line; do
+      printf '%s\n' "$line"
+      [[ $line =~ $of ]] || continue
+      if [ -t 3 ]; then
+        printf '\r%s: %d%% (%d of %d files)' "$script" $((100 * BASH_REMATCH[1] / BASH_REMATCH[2])) \
+          "${BASH_REMATCH[1]}" "${BASH_REMATCH[2]}" >&3
+      elif [ "$SECONDS" -ge "$next" ]; then
+        echo "$script: $((100 * BASH_REMATCH[1] / BASH_REMATCH[2]))%" >&3
+        next=$((SECONDS + 10))
+      fi
+    done
+    [ ! -t 3 ] || printf '\r\033[K' >&3
+  }
+}
+
 missing_packages() {
   local package status
-  sed 's/#.*//' "$root/tools/packages.txt" | while read -r package; do
+  { sed 's/#.*//' "$root/tools/packages.txt"; printf '%s\n' "${packages[@]}"; } | while read -r package; do
     package=${package%% *}
     [ -n "$package" ] || continue
     case $package in  # a newer node from elsewhere conflicts with Debian's npm, and will do
@@ -46,7 +68,7 @@ apt_install() {
   "${become_root[@]}" env RUNLEVEL=1 DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends "$@"
 }
 
-# Installs what tools/packages.txt lists and is not there; says nothing if all is.
+# Installs what tools/packages.txt and `packages` list and is not there; says nothing if all is.
 install_packages() {
   local missing
   [ "$install" = yes ] || return 0
@@ -73,7 +95,7 @@ build() {
   [ $# -eq 0 ] || shift
   cd "$root" || fail "cannot enter $root"
   step "configure $preset" cmake --preset "$preset" "${options[@]}"
-  step "build $preset" cmake --build --preset "$preset" "$@"
+  step "build $preset" with_progress cmake --build --preset "$preset" "$@"
 }
 
 # Puts the glTF validator that tests/tools/gltf_validator pins into the build tree of PRESET, unless it is there.
