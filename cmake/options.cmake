@@ -31,15 +31,21 @@ function(raywatt_library name)
   target_link_libraries(${name} PUBLIC raywatt_options ${ARGN})
 endfunction()
 
-# raywatt_test(FOLDER libraries...): one GoogleTest program of every .cc below tests/FOLDER.
+# raywatt_test(FOLDER [FAST] libraries...): one GoogleTest program of every .cc below tests/FOLDER. FAST: its tests are
+# chosen by `ctest -L fast`, which must end within 30 seconds.
 function(raywatt_test folder)
+  cmake_parse_arguments(PARSE_ARGV 1 test "FAST" "" "")
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${folder}/*.cc)
   if(NOT sources)
     return()
   endif()
   string(REPLACE "/" "_" name ${folder})
   add_executable(test_${name} ${sources})
-  target_link_libraries(test_${name} PRIVATE raywatt_options GTest::gtest_main ${ARGN})
+  target_link_libraries(test_${name} PRIVATE raywatt_options GTest::gtest_main ${test_UNPARSED_ARGUMENTS})
+  set(labels)
+  if(test_FAST)
+    set(labels LABELS fast)
+  endif()
   gtest_discover_tests(test_${name} TEST_PREFIX "${folder}/" DISCOVERY_MODE PRE_TEST
-    WORKING_DIRECTORY ${PROJECT_SOURCE_DIR} PROPERTIES TIMEOUT 600)
+    WORKING_DIRECTORY ${PROJECT_SOURCE_DIR} PROPERTIES TIMEOUT 600 ${labels})
 endfunction()
