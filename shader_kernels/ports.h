@@ -13,6 +13,8 @@ namespace kernels {
 
 // What a kernel is wired to. In the float reading a port is a pointer or a number; ports_recorded.h holds the other
 // reading. A kernel's Ports struct names its ports with describe(ports, port).
+// A port of the float reading is bound to an array by its name (programs/port_sources.h) with attach(), or by hand with
+// bind() where its array has another name.
 
 /// Records in the tile buffer.
 template <class V, template <class> class R>
@@ -44,12 +46,15 @@ R<float> load_record(const std::byte* base, std::uint32_t index) {
 
 template <template <class> class R>
 struct Local<float, R> {
+  using Record = R<float>;
   std::byte* base = nullptr;
   template <class T>
   void bind(T* records) {
     static_assert(sizeof(T) == sizeof(R<float>) && std::is_trivially_copyable_v<T>);
     base = reinterpret_cast<std::byte*>(records);
   }
+  bool is_bound() const { return base != nullptr; }
+  void attach(void* records, std::vector<traces::Access>* /*log*/) { base = static_cast<std::byte*>(records); }
   R<float> load(std::uint32_t index) const { return load_record<R>(base, index); }
   void store(std::uint32_t index, const R<float>& record) const {
     std::memcpy(base + std::size_t{index} * sizeof(record), &record, sizeof(record));
@@ -58,11 +63,16 @@ struct Local<float, R> {
 
 template <template <class> class R>
 struct Table<float, R> {
+  using Record = R<float>;
   const std::byte* base = nullptr;
   template <class T>
   void bind(const T* records) {
     static_assert(sizeof(T) == sizeof(R<float>) && std::is_trivially_copyable_v<T>);
     base = reinterpret_cast<const std::byte*>(records);
+  }
+  bool is_bound() const { return base != nullptr; }
+  void attach(const void* records, std::vector<traces::Access>* /*log*/) {
+    base = static_cast<const std::byte*>(records);
   }
   R<float> load(std::uint32_t index) const { return load_record<R>(base, index); }
 };
@@ -70,12 +80,12 @@ struct Table<float, R> {
 /// Cached ports note their accesses in `log` unless it is null.
 template <template <class> class R, traces::Access::Kind kKind>
 struct Cached<float, R, kKind> {
+  using Record = R<float>;
   const std::byte* base = nullptr;
   std::vector<traces::Access>* log = nullptr;
-  template <class T>
-  void bind(const T* records, std::vector<traces::Access>* accesses) {
-    static_assert(sizeof(T) == sizeof(R<float>) && std::is_trivially_copyable_v<T>);
-    base = reinterpret_cast<const std::byte*>(records);
+  bool is_bound() const { return base != nullptr; }
+  void attach(const void* records, std::vector<traces::Access>* accesses) {
+    base = static_cast<const std::byte*>(records);
     log = accesses;
   }
   R<float> load(std::uint32_t index) const {
@@ -86,10 +96,12 @@ struct Cached<float, R, kKind> {
 
 template <>
 struct Texels<float> {
+  using Record = traces::Texture;
   const traces::Texture* textures = nullptr;
   std::vector<traces::Access>* log = nullptr;
-  void bind(const traces::Texture* all, std::vector<traces::Access>* accesses) {
-    textures = all;
+  bool is_bound() const { return textures != nullptr; }
+  void attach(const void* all, std::vector<traces::Access>* accesses) {
+    textures = static_cast<const traces::Texture*>(all);
     log = accesses;
   }
   /// Corners are y << 16 | x.

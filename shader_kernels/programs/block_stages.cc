@@ -35,8 +35,6 @@ void BlockProgram::trace_lattice(Tile& tile, std::uint32_t first, std::uint32_t 
                                  std::uint32_t row_step, std::uint32_t items, bool is_own) const {
   if (items == 0) return;
   ListSamples::Ports<float> ports;
-  ports.samples.bind(tile.buffer.samples.data());
-  ports.verdicts.bind(tile.buffer.verdicts.data());
   ports.lattice = {.first = static_cast<float>(first),
                    .across = static_cast<float>(across),
                    .inverse_across = inverse(across),
@@ -60,9 +58,6 @@ void BlockProgram::trace_listed(Tile& tile, std::vector<std::uint32_t>& list, Wa
   tile.buffer.hold_wave(items);
   GenerateListedRays::Ports<float> generate;
   generate.samples.bind(list.data());
-  generate.rays.bind(tile.buffer.wave.rays.data());
-  generate.paths.bind(tile.buffer.wave.paths.data());
-  generate.colours.bind(tile.buffer.colours.data());
   generate.camera = camera_;
   generate.grid = grid_uniforms(static_cast<float>(tile.at.x) - 1.0F, static_cast<float>(tile.at.y) - 1.0F, pitch());
   const Wavefront::Node generated = wave.launch<GenerateListedRays>(generate, items, lanes);
@@ -141,8 +136,6 @@ void BlockProgram::average(Tile& tile) const {
   TileResult& out = tile.out;
   const std::uint32_t per_pixel = setup_.grid * setup_.grid;
   AverageSamples::Ports<float> ports;
-  ports.colours.bind(tile.buffer.colours.data());
-  ports.pixels.bind(out.linear.data());
   ports.samples = static_cast<float>(per_pixel);
   ports.inverse_samples = inverse(per_pixel);
   ports.width = static_cast<float>(out.width);

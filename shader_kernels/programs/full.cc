@@ -50,9 +50,6 @@ void FullProgram::run_tile(std::uint32_t tile, const traces::Tracer& tracer, boo
 
   Wavefront wave(scene_, tracer, record, out);
   GeneratePorts<float> generate;
-  generate.rays.bind(out.buffer.wave.rays.data());
-  generate.paths.bind(out.buffer.wave.paths.data());
-  generate.colours.bind(out.buffer.colours.data());
   generate.camera = camera_;
   generate.tile = {.x0 = static_cast<float>(out.x),
                    .y0 = static_cast<float>(out.y),
@@ -70,8 +67,6 @@ void FullProgram::run_tile(std::uint32_t tile, const traces::Tracer& tracer, boo
   wave.run(generated, samples);
 
   AverageColour::Ports<float> average;
-  average.colours.bind(out.buffer.colours.data());
-  average.pixels.bind(out.linear.data());
   average.samples = static_cast<float>(samples_);
   average.inverse_samples = inverse(samples_);
   const Wavefront::Node averaged = wave.launch<AverageColour>(average, samples);

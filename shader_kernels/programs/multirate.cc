@@ -36,7 +36,6 @@ Wavefront::RetainedRecords MultirateProgram::clear(Tile& tile, std::vector<std::
   if (keep.geometry) {
     ClearGeometry::Ports<float> ports;
     ports.samples.bind(list.data());
-    ports.geometry.bind(tile.buffer.geometry.data());
     cleared.cleared = tile.wave.launch<ClearGeometry>(ports, items, lanes);
     tile.wave.wait_all(cleared.cleared, lister);
     tile.wave.adds_records(cleared.cleared);
@@ -44,7 +43,6 @@ Wavefront::RetainedRecords MultirateProgram::clear(Tile& tile, std::vector<std::
   if (keep.secondary) {
     ClearSecondary::Ports<float> ports;
     ports.samples.bind(list.data());
-    ports.secondary.bind(tile.buffer.secondary.data());
     cleared.cleared_secondary = tile.wave.launch<ClearSecondary>(ports, items, lanes);
     tile.wave.wait_all(cleared.cleared_secondary, lister);
     tile.wave.adds_records(cleared.cleared_secondary);
@@ -67,11 +65,6 @@ BlockProgram::Verdict MultirateProgram::check_with(Tile& tile, const LineUniform
                                                    std::uint32_t items) const {
   typename K::template Ports<float> ports;
   ports.line = line;
-  ports.verdicts.bind(tile.buffer.verdicts.data());
-  ports.passed.bind(tile.buffer.passed.data());
-  ports.failed.bind(tile.buffer.failed.data());
-  ports.geometry.bind(tile.buffer.geometry.data());
-  ports.secondary.bind(tile.buffer.secondary.data());
   ports.least_dot = static_cast<float>(multirate_.normal);
   const Wavefront::Node node = tile.wave.launch<K>(ports, items);
   return {node, ports.passed_count.value, ports.failed_count.value};
@@ -87,11 +80,7 @@ void MultirateProgram::interpolate(Tile& tile, bool along_y, const LineUniforms<
 template <class K>
 void MultirateProgram::interpolate_with(Tile& tile, const LineUniforms<float>& line, const Verdict& verdict) const {
   typename K::template Ports<float> ports;
-  ports.passed.bind(tile.buffer.passed.data());
   ports.line = line;
-  ports.colours.bind(tile.buffer.colours.data());
-  ports.geometry.bind(tile.buffer.geometry.data());
-  ports.secondary.bind(tile.buffer.secondary.data());
   const Wavefront::Node node = tile.wave.launch<K>(ports, verdict.passed, verdict.passed + verdict.failed);
   tile.wave.wait_all(node, verdict.node);
   tile.wave.wait_for_colours(node);

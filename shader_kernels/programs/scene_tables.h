@@ -5,6 +5,7 @@
 #include "shader_kernels/kernels/uniforms.h"
 #include "shader_kernels/programs/render_config.h"
 #include "shader_kernels/records.h"
+#include "sim/named.h"
 #include "traces/accel/memory_image.h"
 #include "traces/scene/scene.h"
 
@@ -33,6 +34,12 @@ struct SceneTables {
   bool diverges;               ///< RenderConfig::streams
   bool has_alpha, has_shades;  ///< some hit may have to be tested: of rays that want the nearest, of shadow rays
   std::uint32_t solid_shadow;  ///< largest triangle word of a shadow ray's hit that needs no test
+  /// Names the arrays as the kernels' ports do.
+  static void describe(const SceneTables& s, auto&& array) {
+    array(NAMED(s.image.attributes)), array(NAMED(s.image.triangles)), array(NAMED(s.image.instances));
+    array(NAMED(s.image.materials)), array(NAMED(s.image.vertices)), array(NAMED(s.image.details));
+    array(s.image.textures, "texels"), array(NAMED(s.axes));
+  }
 };
 
 }  // namespace kernels

@@ -46,9 +46,6 @@ SupersampleProgram::Node SupersampleProgram::pack_by_block(Tile& tile, Node test
   ports.width = static_cast<float>(tile.out.width);
   ports.height = static_cast<float>(tile.out.height);
   ports.verdicts.bind(buffer.subpixels.data());
-  ports.active.bind(buffer.active.data());
-  ports.masters.bind(buffer.masters.data());
-  ports.fills.bind(buffer.fills.data());
   const Node node = tile.wave.launch<PackSubpixels>(ports, across * down * kBlockWidth * kBlockHeight);
   tile.wave.wait_all(node, tested);
 
@@ -74,7 +71,6 @@ SupersampleProgram::Node SupersampleProgram::pack_by_atomics(Tile& tile, Node te
   buffer.fills[0] = 0;
   PackSubpixelsAtomic::Ports<float> ports;
   ports.verdicts.bind(buffer.subpixels.data());
-  ports.active.bind(buffer.active.data());
   ports.length.bind(buffer.fills.data());
   ports.subpixel.value = static_cast<float>(sim::hash(frame_, tile.at.index) % subpixels);
   ports.stride = static_cast<float>(stride % subpixels);
@@ -121,9 +117,6 @@ void SupersampleProgram::trace_chunk(Tile& tile, const Chunk& chunk, Node packed
   buffer.hold_wave(items);
   GenerateExtraRays::Ports<float> generate;
   generate.active.bind(buffer.active.data() + chunk.first);
-  generate.rays.bind(buffer.wave.rays.data());
-  generate.paths.bind(buffer.wave.paths.data());
-  generate.colours.bind(buffer.colours.data());
   generate.camera = camera_;
   generate.x0 = static_cast<float>(tile.out.x);
   generate.y0 = static_cast<float>(tile.out.y);
@@ -160,7 +153,6 @@ SupersampleProgram::Node SupersampleProgram::sum_from_memory(Tile& tile, std::ui
   tile.wave.colours_are_in(in);
   ListSamples::Ports<float> list;
   list.samples.bind(tile.buffer.masters.data());
-  list.verdicts.bind(tile.buffer.verdicts.data());
   list.lattice = {.first = 0,
                   .across = static_cast<float>(tile.pixels),
                   .inverse_across = 1.0F / static_cast<float>(tile.pixels),
@@ -177,8 +169,6 @@ SupersampleProgram::Node SupersampleProgram::sum(Tile& tile, std::uint32_t* list
   SumSubpixels::Ports<float> ports;
   ports.listed.bind(listed);
   ports.verdicts.bind(tile.buffer.subpixels.data());
-  ports.colours.bind(tile.buffer.colours.data());
-  ports.pixels.bind(tile.out.linear.data());
   ports.first_sample = static_cast<float>(centres()) - static_cast<float>(kExtra * first_place);
   const Node node = tile.wave.launch<SumSubpixels>(ports, kWhole * pixels, 0, kWhole * padding);
   tile.wave.wait_all(node, weighed);

@@ -17,17 +17,11 @@ void SupersampleProgram::trace_centres(Tile& tile, std::uint32_t x, std::uint32_
   TileBuffer& buffer = tile.buffer;
   const std::uint32_t items = across * down;
   ListSamples::Ports<float> list;
-  list.samples.bind(buffer.samples.data());
-  list.verdicts.bind(buffer.verdicts.data());
   list.lattice = lattice(x, y, across);
   const Node listed = wave.launch<ListSamples>(list, items);
 
   buffer.hold_wave(items);
   GenerateListedRays::Ports<float> generate;
-  generate.samples.bind(buffer.samples.data());
-  generate.rays.bind(buffer.wave.rays.data());
-  generate.paths.bind(buffer.wave.paths.data());
-  generate.colours.bind(buffer.colours.data());
   generate.camera = camera_;
   generate.grid = {.x0 = static_cast<float>(tile.at.x) - 2.0F,
                    .y0 = static_cast<float>(tile.at.y) - 2.0F,
@@ -39,10 +33,7 @@ void SupersampleProgram::trace_centres(Tile& tile, std::uint32_t x, std::uint32_
   wave.wait_all(generated, listed);
 
   ClearTraits::Ports<float> clear;
-  clear.samples.bind(buffer.samples.data());
-  clear.traits.bind(buffer.traits.data());
   clear.secondary.bind(buffer.secondary_traits.data());
-  clear.branches.bind(buffer.branches.data());
   const Wavefront::RetainedRecords keep{.traits = true, .cleared = wave.launch<ClearTraits>(clear, items)};
   wave.wait_all(keep.cleared, listed);
   wave.adds_records(keep.cleared);
@@ -59,9 +50,7 @@ SupersampleProgram::Node SupersampleProgram::test(Tile& tile) const {
                                                    c.secondary_normal, c.secondary_shadow, c.secondary_texture};
   TestSubpixels::Ports<float> ports;
   ports.finished = tile.finished;
-  ports.traits.bind(tile.buffer.traits.data());
   ports.secondary.bind(tile.buffer.secondary_traits.data());
-  ports.colours.bind(tile.buffer.colours.data());
   ports.verdicts.bind(tile.buffer.subpixels.data());
   ports.compared = 0;
   for (std::size_t i = 0; i < kAttributes; ++i) {
@@ -87,8 +76,6 @@ SupersampleProgram::Node SupersampleProgram::weigh_with(Tile& tile, Node tested)
   typename WeighCentres<kBilinear>::template Ports<float> ports;
   ports.finished = tile.finished;
   ports.verdicts.bind(tile.buffer.subpixels.data());
-  ports.colours.bind(tile.buffer.colours.data());
-  ports.pixels.bind(tile.out.linear.data());
   const Node node = tile.wave.launch<WeighCentres<kBilinear>>(ports, tile.pixels);
   tile.wave.wait_all(node, tested);
   return node;

@@ -8,6 +8,7 @@
 
 #include "shader_kernels/programs/sampling.h"
 #include "shader_kernels/records.h"
+#include "sim/named.h"
 #include "traces/ray.h"
 #include "traces/stream.h"
 
@@ -51,6 +52,23 @@ struct TileBuffer {
   std::vector<std::uint32_t> record_nodes;  ///< of the work: launches that have added to what samples keep
   std::vector<std::uint32_t> colour_nodes;  ///< of the work: launches that have added to colours
   std::vector<traces::WorkNode> spare_nodes;
+  /// Names the arrays as the kernels' ports do.
+  static void describe(auto& b, auto&& array) {
+    array(NAMED(b.wave.rays)), array(NAMED(b.wave.paths)), array(NAMED(b.wave.hits));
+    array(b.shadow.rays, "shadow_rays"), array(b.shadow.paths, "shadow_paths"), array(b.shadow.hits, "shadow_hits");
+    array(b.layer.hits, "layer_hits"), array(NAMED(b.layers)), array(NAMED(b.targets));
+    array(NAMED(b.misses)), array(NAMED(b.surfaces)), array(NAMED(b.textured)), array(NAMED(b.diffuse));
+    array(NAMED(b.mirror)), array(NAMED(b.glass)), array(NAMED(b.emissive));
+    array(NAMED(b.absorbing)), array(NAMED(b.vertexed)), array(NAMED(b.based)), array(NAMED(b.physical));
+    array(NAMED(b.bumped)), array(NAMED(b.blended)), array(NAMED(b.glowing)), array(NAMED(b.occluded));
+    array(NAMED(b.places)), array(NAMED(b.mattes)), array(NAMED(b.texcoords)), array(NAMED(b.optics));
+    array(NAMED(b.tangents)), array(NAMED(b.colours));
+    array(NAMED(b.geometry)), array(NAMED(b.secondary)), array(NAMED(b.kept)), array(NAMED(b.globals));
+    array(NAMED(b.verdicts)), array(NAMED(b.identities)), array(NAMED(b.samples));
+    array(NAMED(b.passed)), array(NAMED(b.failed));
+    array(NAMED(b.traits)), array(NAMED(b.branches));
+    array(NAMED(b.active)), array(NAMED(b.masters)), array(NAMED(b.fills));
+  }
   void hold_wave(std::size_t slots);
   void hold_details(std::size_t slots);
   void hold_layers(std::size_t slots);

@@ -41,14 +41,10 @@ Wavefront::RetainedRecords UndersampleProgram::clear(Tile& tile, std::vector<std
   if (keep.surfaces) {
     ClearSurface::Ports<float> ports;
     ports.samples.bind(list.data());
-    ports.geometry.bind(tile.buffer.geometry.data());
-    ports.kept.bind(tile.buffer.kept.data());
-    ports.globals.bind(tile.buffer.globals.data());
     cleared.cleared = tile.wave.launch<ClearSurface>(ports, items, lanes);
   } else if (keep.geometry) {
     ClearGeometry::Ports<float> ports;
     ports.samples.bind(list.data());
-    ports.geometry.bind(tile.buffer.geometry.data());
     cleared.cleared = tile.wave.launch<ClearGeometry>(ports, items, lanes);
   } else {
     return keep;
@@ -63,8 +59,6 @@ void UndersampleProgram::traced(Tile& tile, std::vector<std::uint32_t>& list, st
   if (!keep.surfaces) return;
   RecordGlobal::Ports<float> ports;
   ports.samples.bind(list.data());
-  ports.colours.bind(tile.buffer.colours.data());
-  ports.globals.bind(tile.buffer.globals.data());
   const Wavefront::Node node = tile.wave.launch<RecordGlobal>(ports, items, lanes);
   tile.wave.wait_for_colours(node);
   tile.wave.adds_records(node);
@@ -82,12 +76,6 @@ BlockProgram::Verdict UndersampleProgram::check_with(Tile& tile, const LineUnifo
   const auto colour = static_cast<float>(undersample_.colour);
   typename K::template Ports<float> ports;
   ports.line = line;
-  ports.verdicts.bind(tile.buffer.verdicts.data());
-  ports.passed.bind(tile.buffer.passed.data());
-  ports.failed.bind(tile.buffer.failed.data());
-  ports.geometry.bind(tile.buffer.geometry.data());
-  ports.kept.bind(tile.buffer.kept.data());
-  ports.globals.bind(tile.buffer.globals.data());
   ports.apart_squared = apart_ * apart_;
   ports.least_dot = static_cast<float>(undersample_.normal);
   ports.texture = static_cast<float>(undersample_.texture);
@@ -107,17 +95,7 @@ void UndersampleProgram::interpolate_with(Tile& tile, const LineUniforms<float>&
   TileBuffer& buffer = tile.buffer;
   buffer.hold_wave(verdict.passed);
   typename K::template Ports<float> ports;
-  ports.passed.bind(buffer.passed.data());
   ports.line = line;
-  ports.geometry.bind(buffer.geometry.data());
-  ports.kept.bind(buffer.kept.data());
-  ports.globals.bind(buffer.globals.data());
-  ports.colours.bind(buffer.colours.data());
-  ports.surfaces.bind(buffer.surfaces.data());
-  ports.places.bind(buffer.places.data());
-  ports.paths.bind(buffer.wave.paths.data());
-  ports.mattes.bind(buffer.mattes.data());
-  ports.texcoords.bind(buffer.texcoords.data());
   const std::uint32_t lanes = verdict.passed + verdict.failed;
   const Wavefront::Node node = tile.wave.launch<K>(ports, verdict.passed, lanes);
   tile.wave.wait_all(node, verdict.node);
@@ -135,9 +113,6 @@ void UndersampleProgram::settled(Tile& tile) const {
 template <class K>
 void UndersampleProgram::store_identities(Tile& tile) const {
   typename K::template Ports<float> ports;
-  ports.geometry.bind(tile.buffer.geometry.data());
-  ports.verdicts.bind(tile.buffer.verdicts.data());
-  ports.identities.bind(tile.buffer.identities.data());
   ports.lattice = {.first = static_cast<float>(pitch() + 1),
                    .across = static_cast<float>(tile.at.width),
                    .inverse_across = 1.0F / static_cast<float>(tile.at.width),

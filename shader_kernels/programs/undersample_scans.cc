@@ -94,17 +94,11 @@ void UndersampleProgram::trace_suspects(Wavefront& wave, TileResult& out, const 
                                         std::uint32_t items, Wavefront::Node lister) const {
   out.buffer.hold_wave(items);
   GenerateListedRays::Ports<float> generate;
-  generate.samples.bind(out.buffer.samples.data());
-  generate.rays.bind(out.buffer.wave.rays.data());
-  generate.paths.bind(out.buffer.wave.paths.data());
-  generate.colours.bind(out.buffer.colours.data());
   generate.camera = camera();
   generate.grid = grid;
   const Wavefront::Node generated = wave.launch<GenerateListedRays>(generate, items);
   wave.wait_all(generated, lister);
   ClearGeometry::Ports<float> clear;
-  clear.samples.bind(out.buffer.samples.data());
-  clear.geometry.bind(out.buffer.geometry.data());
   Wavefront::RetainedRecords keep;
   keep.geometry = true;
   keep.cleared = wave.launch<ClearGeometry>(clear, items);

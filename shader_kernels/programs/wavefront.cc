@@ -15,6 +15,7 @@ Wavefront::Wavefront(const SceneTables& scene, const traces::Tracer& tracer, boo
       tracer_(tracer),
       out_(out),
       buffer_(out.buffer),
+      sources_(scene, out),
       stream_(out.work, out.buffer.spare_nodes, record) {
   out.rays = {};
   out.continued = 0;
@@ -95,9 +96,6 @@ void Wavefront::wait_for_batch(Node node, const Batch& batch) {
 
 std::uint32_t Wavefront::classify(Bounce& bounce) {
   ClassifyHits::Ports<float> ports;
-  ports.hits.bind(buffer_.wave.hits.data());
-  ports.misses.bind(buffer_.misses.data());
-  ports.surfaces.bind(buffer_.surfaces.data());
   bounce.inspector = launch<ClassifyHits>(ports, bounce.rays, bounce.lanes, bounce.padding);
   bounce.colours = StreamBuilder::kNone;
   if (bounce.batch_count == 1 && bounce.batches[0].settled == StreamBuilder::kNone) {
@@ -123,10 +121,6 @@ void Wavefront::send(const Bounce& bounce, RayKind kind, std::vector<std::uint32
   RaySlots& slots = buffer_.next_wave;
   typename K::template Ports<float> ports;
   ports.stream.bind(stream.data());
-  ports.places.bind(buffer_.places.data());
-  ports.rays.bind(buffer_.wave.rays.data());
-  ports.paths.bind(buffer_.wave.paths.data());
-  ports.optics.bind(buffer_.optics.data());
   ports.next_rays.bind(slots.rays.data() + next.rays);
   ports.next_paths.bind(slots.paths.data() + next.rays);
   ports.epsilon = scene_.epsilon;
@@ -167,10 +161,7 @@ void Wavefront::wait_for_records(Node node) {
 
 void Wavefront::put_out(Node averaged, std::uint64_t offset) {
   const auto pixels = static_cast<std::uint32_t>(out_.linear.size());
-  PackColour::Ports<float> pack;
-  pack.pixels.bind(out_.linear.data());
-  pack.packed.bind(out_.packed.data());
-  const Node packed = launch<PackColour>(pack, pixels);
+  const Node packed = launch<PackColour>(pixels);
   wait_all(packed, averaged);
   wait_all(transfer(traces::Region::kPicture, true, offset, pixels * kPixelBytes), packed);
 }

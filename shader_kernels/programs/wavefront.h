@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "shader_kernels/catalogue.h"
+#include "shader_kernels/programs/port_sources.h"
 #include "shader_kernels/programs/scene_tables.h"
 #include "shader_kernels/programs/stream_builder.h"
 #include "shader_kernels/programs/tile_result.h"
@@ -59,12 +60,17 @@ class Wavefront {
   void unmute() { stream_.mute(false); }
   bool is_muted() const { return stream_.is_muted(); }
 
-  /// Runs kernel K over `items` items and notes the launch. `lanes`: items of the stream that the inspector split;
-  /// where kernels diverge (RenderConfig::streams) all of them go through K. `padding`: places of K's stream that hold
-  /// no item; they always go through K.
+  /// Runs kernel K over `items` items and notes the launch. Ports that are not bound are bound by name. `lanes`: items
+  /// of the stream that the inspector split; where kernels diverge (RenderConfig::streams) all of them go through K.
+  /// `padding`: places of K's stream that hold no item; they always go through K.
   template <class K>
   Node launch(typename K::template Ports<float>& ports, std::uint32_t items, std::uint32_t lanes = 0,
               std::uint32_t padding = 0);
+  template <class K>
+  Node launch(std::uint32_t items, std::uint32_t lanes = 0) {
+    typename K::template Ports<float> ports;
+    return launch<K>(ports, items, lanes);
+  }
   /// Notes a launch of a kernel without accesses whose work has been done elsewhere.
   template <class K>
   Node note(std::uint32_t items) {
@@ -130,26 +136,11 @@ class Wavefront {
                             std::uint32_t lanes, Node& tested);
   std::uint32_t classify(Bounce& bounce);
   Streams shade_surfaces(Bounce& bounce, std::uint32_t surfaces);
-  template <bool kInstanced>
-  Node fetch_surfaces(const Bounce& bounce, std::uint32_t surfaces);
   void shade_details(Bounce& bounce, std::uint32_t surfaces, Streams& streams);
-  void absorb(Bounce& bounce, std::uint32_t items);
-  template <bool kInstanced>
-  void fetch_vertices(Bounce& bounce, std::uint32_t items);
-  void shade_base(Bounce& bounce, std::uint32_t items);
-  void shade_physical(Bounce& bounce, std::uint32_t items);
-  void shade_bump(Bounce& bounce, std::uint32_t items);
-  void shade_blend(Bounce& bounce, std::uint32_t items);
+  template <class K>
+  void step(Bounce& bounce, std::uint32_t items, std::vector<std::uint32_t>* stream = nullptr);
   void shade_glow(const Bounce& bounce, std::uint32_t items);
   void shade_occluded(const Bounce& bounce, std::uint32_t items);
-  void bind_details(DetailPorts<float>& ports, std::vector<std::uint32_t>& stream);
-  /// Launches the next step of shade_details: it waits for the one before.
-  template <class K>
-  void step(Bounce& bounce, typename K::template Ports<float>& ports, std::uint32_t items) {
-    const Node node = launch<K>(ports, items, bounce.lanes);
-    wait_for_bounce(node, bounce);
-    bounce.inspector = node;
-  }
   /// Launches what adds to the samples' colours.
   template <class K>
   void add_colours(const Bounce& bounce, typename K::template Ports<float>& ports, std::uint32_t items) {
@@ -162,12 +153,10 @@ class Wavefront {
   void shade_emission(const Bounce& bounce, std::uint32_t items);
   void shade_ambient(const Bounce& bounce, std::uint32_t items);
   void shade_light(const Bounce& bounce, std::uint32_t light, std::uint32_t items);
-  Streams classify_surfaces(Bounce& bounce, std::uint32_t surfaces);
+  void classify_surfaces(Bounce& bounce, std::uint32_t surfaces, Streams& streams);
   void record_hits(Bounce& bounce, std::uint32_t surfaces);
   template <bool kAfter>
   Node record_local(const Bounce& bounce, std::uint32_t items);
-  template <class K>
-  Node record_surfaces(typename K::template Ports<float>& ports, std::uint32_t surfaces, std::uint32_t lanes);
   void record_shadows(const Bounce& bounce, std::uint32_t light, const Batch& batch, std::uint32_t rays);
   template <bool kInstanced>
   Node keep_hits(const Bounce& bounce, std::uint32_t surfaces);
@@ -189,6 +178,7 @@ class Wavefront {
   const traces::Tracer& tracer_;
   TileResult& out_;
   TileBuffer& buffer_;
+  const PortSources sources_;
   StreamBuilder stream_;
   RetainedRecords keep_;
   std::uint32_t rays_traced_ = 0;
@@ -205,6 +195,7 @@ Wavefront::Node Wavefront::launch(typename K::template Ports<float>& ports, std:
   constexpr bool kEmits = requires { ports.emitted; };
   const std::uint32_t idle = scene_.diverges && lanes > items ? lanes - items : padding;
   const Node node = stream_.launch(kKernelId<K>, items, kReads, idle);
+  sources_.bind<K>(ports, accesses());
   typename K::template Ports<float> at = ports;  // a copy whose address nobody has stays in registers
   if (!stream_.is_on()) {
     for (std::uint32_t i = 0; i < items; ++i) K::template body<float>(i, at);

@@ -22,7 +22,6 @@ Wavefront::Node Wavefront::settle(RayKind kind, RaySlots& slots, std::uint32_t f
   buffer_.hold_layers(count);
   ClassifyLayers::Ports<float> classify;
   classify.hits.bind(slots.hits.data() + first);
-  classify.layers.bind(buffer_.layers.data());
   classify.solid = solid;
   Node before = launch<ClassifyLayers>(classify, count);
   wait_each(before, batch);
@@ -41,10 +40,7 @@ Wavefront::Node Wavefront::settle(RayKind kind, RaySlots& slots, std::uint32_t f
     if (!stream_.is_muted()) out_.continued += rays;
 
     ScatterLayers::Ports<float> scatter;
-    scatter.targets.bind(buffer_.targets.data());
-    scatter.layer_hits.bind(buffer_.layer.hits.data());
     scatter.hits.bind(slots.hits.data() + first);
-    scatter.layers.bind(buffer_.layers.data());
     scatter.solid = solid;
     settled = before = launch<ScatterLayers>(scatter, rays, count);
     wait_each(settled, onwards);
@@ -58,16 +54,9 @@ template <bool kColoured, bool kInstanced>
 std::uint32_t Wavefront::test_layers(RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t items,
                                      std::uint32_t lanes, Node& tested) {
   const auto bind = [&](LayerPorts<float, kColoured, kInstanced>& ports) {
-    ports.layers.bind(buffer_.layers.data());
     ports.rays.bind(slots.rays.data() + first);
     ports.hits.bind(slots.hits.data() + first);
-    ports.attributes.bind(scene_.image.attributes.data(), accesses());
-    ports.materials.bind(scene_.image.materials.data(), accesses());
-    ports.vertices.bind(scene_.image.vertices.data(), accesses());
-    ports.axes.bind(scene_.axes.data());
-    ports.texels.bind(scene_.image.textures.data(), accesses());
     ports.next_rays.bind(buffer_.layer.rays.data());
-    ports.targets.bind(buffer_.targets.data());
     ports.epsilon = scene_.epsilon;
     ports.min_weight = scene_.min_weight;
     ports.white = scene_.image.white;

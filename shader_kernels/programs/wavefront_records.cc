@@ -12,40 +12,16 @@ std::uint32_t way_of(std::uint32_t depth) { return depth * 0x9e3779b9U; }
 /// A light's bit; lights beyond 32 share them.
 std::uint32_t bit_of(std::uint32_t light) { return 1U << (light % 32); }
 
-void bind(Triangles<float>& objects, const traces::MemoryImage& image, std::vector<traces::Access>* accesses) {
-  objects.bind(image.triangles.data(), accesses);
-}
-void bind(Instances<float>& objects, const traces::MemoryImage& image, std::vector<traces::Access>* accesses) {
-  objects.bind(image.instances.data(), accesses);
-}
-
 }  // namespace
-
-template <class K>
-Wavefront::Node Wavefront::record_surfaces(typename K::template Ports<float>& ports, std::uint32_t surfaces,
-                                           std::uint32_t lanes) {
-  ports.surfaces.bind(buffer_.surfaces.data());
-  ports.hits.bind(buffer_.wave.hits.data());
-  ports.places.bind(buffer_.places.data());
-  ports.paths.bind(buffer_.wave.paths.data());
-  if constexpr (requires { ports.corners; }) ports.corners.bind(scene_.image.triangles.data(), accesses());
-  bind(ports.objects, scene_.image, accesses());
-  return launch<K>(ports, surfaces, lanes);
-}
 
 template <bool kInstanced>
 Wavefront::Node Wavefront::record_branches(const Bounce& bounce, std::uint32_t surfaces) {
-  WeighBranch::Ports<float> weigh;
-  weigh.paths.bind(buffer_.wave.paths.data());
-  weigh.branches.bind(buffer_.branches.data());
-  const Node weighed = launch<WeighBranch>(weigh, bounce.rays);
+  const Node weighed = launch<WeighBranch>(bounce.rays);
   wait_all(weighed, bounce.inspector);
   wait_all(weighed, keep_.cleared);
   typename RecordBranch<kInstanced>::template Ports<float> ports;
-  ports.mattes.bind(buffer_.mattes.data());
   ports.traits.bind(buffer_.secondary_traits.data());
-  ports.branches.bind(buffer_.branches.data());
-  const Node recorded = record_surfaces<RecordBranch<kInstanced>>(ports, surfaces, bounce.lanes);
+  const Node recorded = launch<RecordBranch<kInstanced>>(ports, surfaces, bounce.lanes);
   wait_all(recorded, weighed);
   return recorded;
 }
@@ -61,37 +37,17 @@ void Wavefront::record_hits(Bounce& bounce, std::uint32_t surfaces) {
 /// The launch that keeps what samples hit, if any is wanted.
 template <bool kInstanced>
 Wavefront::Node Wavefront::keep_hits(const Bounce& bounce, std::uint32_t surfaces) {
-  if (bounce.depth == 1 && keep_.geometry) {
-    typename RecordGeometry<kInstanced>::template Ports<float> ports;
-    ports.mattes.bind(buffer_.mattes.data());
-    ports.geometry.bind(buffer_.geometry.data());
-    return record_surfaces<RecordGeometry<kInstanced>>(ports, surfaces, bounce.lanes);
-  }
-  if (bounce.depth == 1 && keep_.surfaces) {
-    typename RecordSurface<kInstanced>::template Ports<float> ports;
-    ports.mattes.bind(buffer_.mattes.data());
-    ports.geometry.bind(buffer_.geometry.data());
-    ports.texcoords.bind(buffer_.texcoords.data());
-    ports.kept.bind(buffer_.kept.data());
-    return record_surfaces<RecordSurface<kInstanced>>(ports, surfaces, bounce.lanes);
-  }
-  if (bounce.depth == 1 && keep_.traits) {
-    typename RecordTraits<kInstanced>::template Ports<float> ports;
-    ports.mattes.bind(buffer_.mattes.data());
-    ports.traits.bind(buffer_.traits.data());
-    return record_surfaces<RecordTraits<kInstanced>>(ports, surfaces, bounce.lanes);
-  }
-  if (bounce.depth == 2 && keep_.traits) {
-    return record_branches<kInstanced>(bounce, surfaces);
-  }
+  if (bounce.depth == 1 && keep_.geometry) return launch<RecordGeometry<kInstanced>>(surfaces, bounce.lanes);
+  if (bounce.depth == 1 && keep_.surfaces) return launch<RecordSurface<kInstanced>>(surfaces, bounce.lanes);
+  if (bounce.depth == 1 && keep_.traits) return launch<RecordTraits<kInstanced>>(surfaces, bounce.lanes);
+  if (bounce.depth == 2 && keep_.traits) return record_branches<kInstanced>(bounce, surfaces);
   if (bounce.depth > 1 && keep_.secondary) {
     typename RecordSecondary<kInstanced>::template Ports<float> ports;
-    ports.secondary.bind(buffer_.secondary.data());
     ports.way = way_of(bounce.depth);
     ports.mirrored = bounce.mirrored;
     ports.refracted = bounce.refracted;
     ports.first = bounce.depth == 2 ? 1.0F : 0.0F;
-    return record_surfaces<RecordSecondary<kInstanced>>(ports, surfaces, bounce.lanes);
+    return launch<RecordSecondary<kInstanced>>(ports, surfaces, bounce.lanes);
   }
   return StreamBuilder::kNone;
 }
@@ -99,8 +55,6 @@ Wavefront::Node Wavefront::keep_hits(const Bounce& bounce, std::uint32_t surface
 template <class K>
 Wavefront::Node Wavefront::record_shadows(auto* records, std::uint32_t mark, std::uint32_t rays, std::uint32_t lanes) {
   typename K::template Ports<float> ports;
-  ports.shadow_hits.bind(buffer_.shadow.hits.data());
-  ports.shadow_paths.bind(buffer_.shadow.paths.data());
   ports.records.bind(records);
   ports.mark = mark;
   return launch<K>(ports, rays, lanes);
@@ -108,11 +62,7 @@ Wavefront::Node Wavefront::record_shadows(auto* records, std::uint32_t mark, std
 
 Wavefront::Node Wavefront::record_branch_shadows(std::uint32_t rays, std::uint32_t lanes) {
   RecordBranchShadow::Ports<float> ports;
-  ports.shadow_rays.bind(buffer_.shadow.rays.data());
-  ports.shadow_hits.bind(buffer_.shadow.hits.data());
-  ports.shadow_paths.bind(buffer_.shadow.paths.data());
   ports.traits.bind(buffer_.secondary_traits.data());
-  ports.branches.bind(buffer_.branches.data());
   return launch<RecordBranchShadow>(ports, rays, lanes);
 }
 
@@ -138,12 +88,7 @@ void Wavefront::record_shadows(const Bounce& bounce, std::uint32_t light, const 
 /// Either side of local shading. Later bounces must not add to a sample before its second side is kept.
 template <bool kAfter>
 Wavefront::Node Wavefront::record_local(const Bounce& bounce, std::uint32_t items) {
-  typename RecordLocal<kAfter>::template Ports<float> ports;
-  ports.diffuse.bind(buffer_.diffuse.data());
-  ports.paths.bind(buffer_.wave.paths.data());
-  ports.colours.bind(buffer_.colours.data());
-  ports.globals.bind(buffer_.globals.data());
-  const Node node = launch<RecordLocal<kAfter>>(ports, items, bounce.lanes);
+  const Node node = launch<RecordLocal<kAfter>>(items, bounce.lanes);
   wait_for_bounce(node, bounce);
   wait_for_colours(node);
   if (!kAfter) wait_all(node, keep_.cleared);
@@ -155,18 +100,13 @@ template Wavefront::Node Wavefront::record_local<true>(const Bounce& bounce, std
 void Wavefront::shade_interpolated(Node maker, std::uint32_t items, std::uint32_t lanes) {
   Bounce bounce;
   bounce.lanes = std::max(items, lanes);
-  const Streams streams = classify_surfaces(bounce, items);
+  Streams streams;
+  classify_surfaces(bounce, items, streams);
   wait_all(bounce.inspector, maker);
   if (streams.textured != 0) shade_textured(bounce, streams.textured);
   if (streams.diffuse == 0) return;
   shade_ambient(bounce, streams.diffuse);
   ShadeVisible::Ports<float> ports;
-  ports.diffuse.bind(buffer_.diffuse.data());
-  ports.places.bind(buffer_.places.data());
-  ports.paths.bind(buffer_.wave.paths.data());
-  ports.mattes.bind(buffer_.mattes.data());
-  ports.geometry.bind(buffer_.geometry.data());
-  ports.colours.bind(buffer_.colours.data());
   for (std::uint32_t light = 0; light < scene_.lights.size(); ++light) {
     ports.light = scene_.lights[light];
     ports.mark = bit_of(light);

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "block_bench.h"
+#include "block_harness.h"
 #include "showcase.h"
 
 // What must not change a picture made of blocks, bit for bit.

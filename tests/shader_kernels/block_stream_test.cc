@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "block_bench.h"
+#include "block_harness.h"
 #include "shader_kernels/catalogue.h"
 #include "shader_kernels/programs/programs.h"
 #include "showcase.h"

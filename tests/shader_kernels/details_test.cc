@@ -4,7 +4,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <gtest/gtest.h>
 
-#include "bench.h"
+#include "harness.h"
 #include "shader_kernels/catalogue.h"
 #include "showcase.h"
 

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "bench.h"
+#include "harness.h"
 #include "shader_kernels/programs/program_spec.h"
 #include "sim/error.h"
 #include "traces/accel/embree_tracer.h"

@@ -5,7 +5,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <gtest/gtest.h>
 
-#include "bench.h"
+#include "harness.h"
 #include "shader_kernels/catalogue.h"
 #include "shader_kernels/programs/programs.h"
 #include "showcase.h"

@@ -4,7 +4,7 @@
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
-#include "block_bench.h"
+#include "block_harness.h"
 #include "showcase.h"
 
 // How near what lies between samples comes to what would have been traced there.

@@ -1,7 +1,7 @@
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
-#include "bench.h"
+#include "harness.h"
 #include "shader_kernels/catalogue.h"
 #include "showcase.h"
 #include "traces/accel/embree_tracer.h"

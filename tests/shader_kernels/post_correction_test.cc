@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "block_bench.h"
+#include "block_harness.h"
 #include "sim/hash.h"
 
 // Scans that follow thin things which samples have met by chance.

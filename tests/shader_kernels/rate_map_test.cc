@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "block_bench.h"
+#include "block_harness.h"
 
 // Rates of tiles from frame to frame.
 

@@ -4,7 +4,7 @@
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
-#include "block_bench.h"
+#include "block_harness.h"
 #include "showcase.h"
 
 // What is counted of samples: each check fails where its attribute differs, and only there.

@@ -4,7 +4,7 @@
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
-#include "bench.h"
+#include "harness.h"
 
 namespace kernels {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "bench.h"
+#include "harness.h"
 #include "shader_kernels/catalogue.h"
 #include "showcase.h"
 #include "traces/walk.h"

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "bench.h"
+#include "harness.h"
 #include "shader_kernels/kernels/pack_subpixels.h"
 #include "shader_kernels/kernels/test_subpixels.h"
 #include "showcase.h"

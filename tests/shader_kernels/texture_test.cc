@@ -26,7 +26,7 @@ float fetch_red(const traces::Texture& texture, float u, float v, std::vector<tr
   ports.texcoords.bind(texcoords);
   ports.mattes.bind(mattes);
   ports.axes.bind(axes);
-  ports.texels.bind(&texture, log);
+  ports.texels.attach(&texture, log);
   ShadeTextured::body<float>(0, ports);
   EXPECT_EQ(mattes[0].classes, 7U);
   return mattes[0].diffuse.x;

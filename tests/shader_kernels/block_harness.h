@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "bench.h"
+#include "harness.h"
 #include "shader_kernels/programs/multirate.h"
 #include "shader_kernels/programs/undersample.h"
 
