@@ -60,7 +60,7 @@
 
 namespace kernels {
 
-/// Every kernel; its place in this list is its KernelId.
+/// Every kernel; its index in this list is its KernelId.
 using AllKernels =
     std::tuple<GenerateRays, GenerateJitteredRays, ClassifyLayers, TestAlpha<false, false>, TestAlpha<true, false>,
                TestShadow<false, false>, TestShadow<true, false>, ScatterLayers, ClassifyHits, ShadeBackground,
@@ -86,13 +86,13 @@ using AllKernels =
                RecordSecondary<true>, RecordTraits<true>, RecordBranch<true>>;
 
 template <class K, class... Ks>
-constexpr traces::KernelId place_in(std::type_identity<std::tuple<Ks...>>) {
-  traces::KernelId place = 0;
-  (void)((std::is_same_v<K, Ks> || (++place, false)) || ...);
-  return place;
+constexpr traces::KernelId index_in(std::type_identity<std::tuple<Ks...>>) {
+  traces::KernelId index = 0;
+  (void)((std::is_same_v<K, Ks> || (++index, false)) || ...);
+  return index;
 }
 template <class K>
-inline constexpr traces::KernelId kKernelId = place_in<K>(std::type_identity<AllKernels>{});
+inline constexpr traces::KernelId kKernelId = index_in<K>(std::type_identity<AllKernels>{});
 
 struct KernelInfo {
   traces::KernelId id = 0;

@@ -26,7 +26,7 @@ namespace {
 
 class Sorter {
  public:
-  explicit Sorter(const std::vector<GraphNode>& nodes) : from_(nodes), place_(nodes.size(), GraphNode::kNone) {}
+  explicit Sorter(const std::vector<GraphNode>& nodes) : from_(nodes), index_(nodes.size(), GraphNode::kNone) {}
 
   std::vector<GraphNode> sorted() {
     for (std::uint32_t i = 0; i < from_.size(); ++i) {
@@ -37,24 +37,24 @@ class Sorter {
     }
     for (GraphNode& node : to_) {
       for (std::uint32_t& id : node.inputs) {
-        if (id != GraphNode::kNone) id = place_[id];
+        if (id != GraphNode::kNone) id = index_[id];
       }
-      for (std::uint32_t& id : node.stored) id = place_[id];
+      for (std::uint32_t& id : node.stored) id = index_[id];
     }
     return std::move(to_);
   }
 
  private:
   void visit(std::uint32_t i) {
-    if (place_[i] != GraphNode::kNone) return;
+    if (index_[i] != GraphNode::kNone) return;
     if (from_[i].distance == 0) for_each_input(from_[i], [this](std::uint32_t id) { visit(id); });
-    place_[i] = static_cast<std::uint32_t>(to_.size());
+    index_[i] = static_cast<std::uint32_t>(to_.size());
     to_.push_back(from_[i]);
   }
 
   const std::vector<GraphNode>& from_;
   std::vector<GraphNode> to_;
-  std::vector<std::uint32_t> place_;
+  std::vector<std::uint32_t> index_;
 };
 
 }  // namespace

@@ -6,8 +6,8 @@
 namespace kernels {
 
 // What kernels load and store. fields() names every member in memory order; with V = float a record is the bytes
-// themselves. A ray slot of the tile buffer is Ray + Path + Hit, 64 bytes; a surface is Place + Matte + Texcoord +
-// Optics, and Tangent where it has vertex detail.
+// themselves. A ray slot of the tile buffer is Ray + Path + Hit, 64 bytes; a surface is SurfacePoint + Diffuse +
+// Texcoord + Specular, and Tangent where it has vertex detail.
 
 template <class V>
 struct RayRecord {
@@ -61,7 +61,7 @@ struct InstanceHitRecord {
 };
 
 template <class V>
-struct PlaceRecord {
+struct SurfacePointRecord {
   Vec3<V> position;
   I<V> material;
   Vec3<V> normal;  ///< unit, on the side that the ray came from
@@ -157,13 +157,13 @@ struct TraitsRecord {
 };
 
 /// Tells a sample's secondary hits apart while they are shaded: the largest share of its colour that a ray carries,
-/// and a sum that stands for the place where that one hit.
+/// and a sum that stands for the point that it hit.
 template <class V>
 struct BranchRecord {
-  F<V> weight, place;
+  F<V> weight, position_sum;
   static void fields(auto& r, auto&& field) {
     field(NAMED(r.weight));
-    field(NAMED(r.place));
+    field(r.position_sum, "place");
   }
 };
 

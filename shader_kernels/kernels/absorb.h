@@ -14,7 +14,7 @@ struct Absorb {
   template <class V>
   struct Ports {
     Local<V, WordRecord> absorbing;
-    Local<V, PlaceRecord> places;
+    Local<V, SurfacePointRecord> places;
     Local<V, HitRecord> hits;
     Local<V, PathRecord> paths;
     Details<V> details;
@@ -29,10 +29,10 @@ struct Absorb {
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
     const I<V> slot = at.absorbing.load(item).word;
-    const PlaceRecord<V> place = at.places.load(slot);
+    const SurfacePointRecord<V> point = at.places.load(slot);
     const PathRecord<V> path = at.paths.load(slot);
-    const F<V> inside = at.hits.load(slot).t * max(-place.side, F<V>(0.0F));
-    const Vec3<V> depth = at.details.load(place.material).absorption * inside;
+    const F<V> inside = at.hits.load(slot).t * max(-point.side, F<V>(0.0F));
+    const Vec3<V> depth = at.details.load(point.material).absorption * inside;
     const Vec3<V> left{decay<V>(depth.x), decay<V>(depth.y), decay<V>(depth.z)};
     at.paths.store(slot, {path.throughput * left, path.sample});
   }

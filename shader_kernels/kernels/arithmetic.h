@@ -5,12 +5,12 @@
 namespace kernels {
 
 template <class V>
-struct Split {
+struct DivMod {
   F<V> quotient, remainder;
 };
 /// Whole-number division of small counts (below 2^20); `inverse` is 1 / divisor.
 template <class V>
-Split<V> divmod(const F<V>& count, const F<V>& divisor, const F<V>& inverse) {
+DivMod<V> divmod(const F<V>& count, const F<V>& divisor, const F<V>& inverse) {
   const F<V> quotient = floor((count + 0.5F) * inverse);
   return {quotient, count - quotient * divisor};
 }
@@ -79,10 +79,14 @@ template <class V>
 struct Weights {
   F<V> first, second, third;
   explicit Weights(const auto& hit) : first(1.0F - hit.u - hit.v), second(hit.u), third(hit.v) {}
-  F<V> mix(const F<V>& a, const F<V>& b, const F<V>& c) const { return a * first + b * second + c * third; }
-  Vec3<V> mix(const Vec3<V>& a, const Vec3<V>& b, const Vec3<V>& c) const { return a * first + b * second + c * third; }
+  F<V> interpolate(const F<V>& a, const F<V>& b, const F<V>& c) const { return a * first + b * second + c * third; }
+  Vec3<V> interpolate(const Vec3<V>& a, const Vec3<V>& b, const Vec3<V>& c) const {
+    return a * first + b * second + c * third;
+  }
   /// Of whole numbers.
-  F<V> mix_int(const I<V>& a, const I<V>& b, const I<V>& c) const { return mix(to_float(a), to_float(b), to_float(c)); }
+  F<V> interpolate_int(const I<V>& a, const I<V>& b, const I<V>& c) const {
+    return interpolate(to_float(a), to_float(b), to_float(c));
+  }
 };
 
 /// What happens to light that meets a surface between two media.

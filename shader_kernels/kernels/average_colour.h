@@ -28,12 +28,12 @@ struct AverageColour {
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
-    const Split<V> pixel = divmod<V>(to_float(item), at.samples, at.inverse_samples);
+    const DivMod<V> pixel = divmod<V>(to_float(item), at.samples, at.inverse_samples);
     add<V>(at, pixel, at.colours.load(item).rgb);
   }
   /// A pixel's sample, by its number within the pixel; samples come in order.
   template <class V>
-  static void add(Ports<V>& at, const Split<V>& pixel, const Vec3<V>& colour) {
+  static void add(Ports<V>& at, const DivMod<V>& pixel, const Vec3<V>& colour) {
     const M<V> first = pixel.remainder <= 0.0F;
     const auto sum = [&](Carried<V>& so_far, const F<V>& sample) {
       const F<V> next = select(first, F<V>(0.0F), so_far.get()) + clamped<V>(sample);

@@ -28,9 +28,9 @@ struct AverageSamples {
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
-    const Split<V> pixel = divmod<V>(to_float(item), at.samples, at.inverse_samples);
-    const Split<V> row = divmod<V>(pixel.quotient, at.width, at.inverse_width);
-    const Split<V> cell = divmod<V>(pixel.remainder, at.grid, at.inverse_grid);
+    const DivMod<V> pixel = divmod<V>(to_float(item), at.samples, at.inverse_samples);
+    const DivMod<V> row = divmod<V>(pixel.quotient, at.width, at.inverse_width);
+    const DivMod<V> cell = divmod<V>(pixel.remainder, at.grid, at.inverse_grid);
     const F<V> sample =
         at.first + (row.quotient * at.grid + cell.quotient) * at.pitch + row.remainder * at.grid + cell.remainder;
     AverageColour::add<V>(at, pixel, at.colours.load(to_int(sample)).rgb);

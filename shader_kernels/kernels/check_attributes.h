@@ -1,7 +1,7 @@
 #pragma once
 #include <string_view>
 
-#include "shader_kernels/kernels/between.h"
+#include "shader_kernels/kernels/sample_neighbours.h"
 #include "sim/named.h"
 #include "traces/accel/memory_image.h"
 
@@ -48,7 +48,7 @@ struct CheckAttributes {
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
-    const SampleNeighbours<V> b = sample_between<kAlongY, V>(item, at.line);
+    const SampleNeighbours<V> b = sample_neighbours<kAlongY, V>(item, at.line);
     const GeometryRecord<V> g0 = at.geometry.load(b.before);
     const GeometryRecord<V> g1 = at.geometry.load(b.after);
     const SurfaceRecord<V> s0 = at.kept.load(b.before);

@@ -1,7 +1,7 @@
 #pragma once
 #include <string_view>
 
-#include "shader_kernels/kernels/between.h"
+#include "shader_kernels/kernels/sample_neighbours.h"
 #include "sim/named.h"
 
 namespace kernels {
@@ -28,7 +28,7 @@ struct CheckSimilarity {
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
-    const SampleNeighbours<V> b = sample_between<kAlongY, V>(item, at.line);
+    const SampleNeighbours<V> b = sample_neighbours<kAlongY, V>(item, at.line);
     const GeometryRecord<V> before = at.geometry.load(b.before);
     const GeometryRecord<V> after = at.geometry.load(b.after);
     I<V> failed = select(before.object == after.object, I<V>(0U), I<V>(bit(Check::kObject))) |

@@ -13,12 +13,12 @@ struct DiffuseLight {
   Vec3<V> light;  ///< that the path brings; none of its channels is above 0 if the surface is turned away
 };
 template <class V>
-DiffuseLight<V> diffuse_light(const PlaceRecord<V>& place, const PathRecord<V>& path, const Vec3<V>& diffuse,
+DiffuseLight<V> diffuse_light(const SurfacePointRecord<V>& point, const PathRecord<V>& path, const Vec3<V>& diffuse,
                               const LightUniforms<V>& light) {
-  const Vec3<V> to_light = light.place - place.position * light.local;
+  const Vec3<V> to_light = light.position - point.position * light.local;
   const F<V> squared = dot(to_light, to_light);
   const F<V> inverse_distance = 1.0F / sqrt(squared);
-  const F<V> cosine = dot(place.normal, to_light) * inverse_distance;
+  const F<V> cosine = dot(point.normal, to_light) * inverse_distance;
   const F<V> off_axis = -dot(light.direction, to_light) * inverse_distance;
   const F<V> cone = min(max(off_axis * light.cone_scale + light.cone_offset, F<V>(0.0F)), F<V>(1.0F));
   const F<V> of_range = squared * light.inverse_range_squared;

@@ -49,7 +49,7 @@ struct FetchVertices {
     at.optics.store(slot, optics);
     const auto signed_byte = [&](std::uint32_t byte) {
       const auto part = [&](const I<V>& word) { return byte_of<V>(word, byte); };
-      return (corners.mix_int(part(vertex.tangent0), part(vertex.tangent1), part(vertex.tangent2)) - 128.0F) *
+      return (corners.interpolate_int(part(vertex.tangent0), part(vertex.tangent1), part(vertex.tangent2)) - 128.0F) *
              (1.0F / 127.0F);
     };
     Vec3<V> tangent{signed_byte(0), signed_byte(1), signed_byte(2)};
@@ -59,8 +59,8 @@ struct FetchVertices {
       tangent = tangent_to_world<V>(instance, tangent);
       handedness = handedness * instance.handedness;
     }
-    at.tangents.store(slot, {tangent, handedness, corners.mix(vertex.u0, vertex.u1, vertex.u2),
-                             corners.mix(vertex.v0, vertex.v1, vertex.v2)});
+    at.tangents.store(slot, {tangent, handedness, corners.interpolate(vertex.u0, vertex.u1, vertex.u2),
+                             corners.interpolate(vertex.v0, vertex.v1, vertex.v2)});
   }
 };
 

@@ -40,7 +40,7 @@ struct GenerateExtraRays {
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
     const I<V> subpixel = at.active.load(item >> 2U).word;
-    const Split<V> row = divmod<V>(to_float(subpixel >> 2U), at.width, at.inverse_width);
+    const DivMod<V> row = divmod<V>(to_float(subpixel >> 2U), at.width, at.inverse_width);
     const F<V> x = at.x0 + row.remainder;
     const F<V> y = at.y0 + row.quotient;
     // A cell of the pixel's 4 x 4: two bits of column and row each from the sub-pixel and from the sample.

@@ -31,9 +31,9 @@ struct GenerateListedRays {
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
     const I<V> sample = at.samples.load(item).word;
-    const Split<V> row = divmod<V>(to_float(sample), at.grid.pitch, at.grid.inverse_pitch);
-    const Split<V> x = divmod<V>(at.grid.x0 + row.remainder, at.grid.grid, at.grid.inverse_grid);
-    const Split<V> y = divmod<V>(at.grid.y0 + row.quotient, at.grid.grid, at.grid.inverse_grid);
+    const DivMod<V> row = divmod<V>(to_float(sample), at.grid.pitch, at.grid.inverse_pitch);
+    const DivMod<V> x = divmod<V>(at.grid.x0 + row.remainder, at.grid.grid, at.grid.inverse_grid);
+    const DivMod<V> y = divmod<V>(at.grid.y0 + row.quotient, at.grid.grid, at.grid.inverse_grid);
     emit_primary<V>(item, sample, x.quotient + (x.remainder + 0.5F) * at.grid.inverse_grid,
                     y.quotient + (y.remainder + 0.5F) * at.grid.inverse_grid, at);
   }

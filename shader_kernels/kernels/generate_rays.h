@@ -28,18 +28,18 @@ struct GeneratePorts {
   }
 };
 
-/// Where in its pixel a sample lies, and what pixel that is.
+/// The pixel of a sample, and its cell there.
 template <class V>
-struct SamplePlace {
+struct SamplePosition {
   F<V> x, y;         ///< pixel
   F<V> column, row;  ///< cell of the pixel's grid
   F<V> number;       ///< the same as one number
 };
 template <class V>
-SamplePlace<V> sample_place(const I<V>& item, const TileUniforms<V>& tile) {
-  const Split<V> pixel = divmod<V>(to_float(item), tile.samples, tile.inverse_samples);
-  const Split<V> row = divmod<V>(pixel.quotient, tile.width, tile.inverse_width);
-  const Split<V> cell = divmod<V>(pixel.remainder, tile.grid, tile.inverse_grid);
+SamplePosition<V> sample_position(const I<V>& item, const TileUniforms<V>& tile) {
+  const DivMod<V> pixel = divmod<V>(to_float(item), tile.samples, tile.inverse_samples);
+  const DivMod<V> row = divmod<V>(pixel.quotient, tile.width, tile.inverse_width);
+  const DivMod<V> cell = divmod<V>(pixel.remainder, tile.grid, tile.inverse_grid);
   return {tile.x0 + row.remainder, tile.y0 + row.quotient, cell.remainder, cell.quotient, pixel.remainder};
 }
 
@@ -59,13 +59,13 @@ struct GenerateRays {
   using Ports = GeneratePorts<V>;
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
-    const SamplePlace<V> s = sample_place<V>(item, at.tile);
+    const SamplePosition<V> s = sample_position<V>(item, at.tile);
     emit_primary<V>(item, item, s.x + (s.column + 0.5F) * at.tile.inverse_grid,
                     s.y + (s.row + 0.5F) * at.tile.inverse_grid, at);
   }
 };
 
-/// A random place within a cell, which depends on frame (seed), pixel and cell alone.
+/// A random point within a cell, which depends on frame (seed), pixel and cell alone.
 template <class V>
 struct Jitter {
   F<V> x, y;
@@ -84,7 +84,7 @@ struct GenerateJitteredRays {
   using Ports = GeneratePorts<V>;
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
-    const SamplePlace<V> s = sample_place<V>(item, at.tile);
+    const SamplePosition<V> s = sample_position<V>(item, at.tile);
     const I<V> pixel = to_int(s.y) * at.image_width + to_int(s.x);
     const Jitter<V> in_cell = jitter<V>(pixel, to_int(s.number), at.seed);
     emit_primary<V>(item, item, s.x + (s.column + in_cell.x) * at.tile.inverse_grid,

@@ -20,7 +20,7 @@ struct InterpolateAttributes {
     Local<V, SurfaceRecord> kept;
     Local<V, ColourRecord> globals, colours;
     Local<V, WordRecord> surfaces;
-    Local<V, PlaceRecord> places;
+    Local<V, SurfacePointRecord> places;
     Local<V, PathRecord> paths;
     Local<V, DiffuseRecord> mattes;
     Local<V, TexcoordRecord> texcoords;
@@ -41,7 +41,7 @@ struct InterpolateAttributes {
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
     const Passed<V> p = passed<V>(at.passed.load(item).word, at.line);
-    const GeometryRecord<V> g = mixed_geometry<V>(at.geometry.load(p.before), at.geometry.load(p.after), p.weight);
+    const GeometryRecord<V> g = lerp_geometry<V>(at.geometry.load(p.before), at.geometry.load(p.after), p.weight);
     const SurfaceRecord<V> a = at.kept.load(p.before);
     const SurfaceRecord<V> b = at.kept.load(p.after);
     const Vec3<V> diffuse = lerp<V>(a.diffuse, b.diffuse, p.weight);

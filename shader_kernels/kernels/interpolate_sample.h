@@ -1,7 +1,7 @@
 #pragma once
 #include <string_view>
 
-#include "shader_kernels/kernels/between.h"
+#include "shader_kernels/kernels/sample_neighbours.h"
 #include "sim/named.h"
 
 namespace kernels {
@@ -9,7 +9,7 @@ namespace kernels {
 /// What an interpolated sample keeps, for checks along the other axis that it is a reference of. What had to be equal
 /// is taken over.
 template <class V>
-GeometryRecord<V> mixed_geometry(const GeometryRecord<V>& a, const GeometryRecord<V>& b, const F<V>& weight) {
+GeometryRecord<V> lerp_geometry(const GeometryRecord<V>& a, const GeometryRecord<V>& b, const F<V>& weight) {
   return {normalised(lerp<V>(a.normal, b.normal, weight)), a.object, lerp<V>(a.position, b.position, weight),
           a.shadows};
 }
@@ -40,9 +40,9 @@ struct InterpolateSample {
   static void body(const I<V>& item, Ports<V>& at) {
     const Passed<V> p = passed<V>(at.passed.load(item).word, at.line);
     at.colours.store(p.sample,
-                     {mixed_colours<V>(at.colours.load(p.before).rgb, at.colours.load(p.after).rgb, p.weight)});
+                     {lerp_colours<V>(at.colours.load(p.before).rgb, at.colours.load(p.after).rgb, p.weight)});
     if constexpr (!kAlongY) {
-      at.geometry.store(p.sample, mixed_geometry<V>(at.geometry.load(p.before), at.geometry.load(p.after), p.weight));
+      at.geometry.store(p.sample, lerp_geometry<V>(at.geometry.load(p.before), at.geometry.load(p.after), p.weight));
     }
     if constexpr (kSecondary) {
       const SecondaryRecord<V> a = at.secondary.load(p.before);

@@ -57,15 +57,15 @@ Layer<V> fetch_layer(const LayerPorts<V, kColoured, kInstanced>& at, const HitRe
   const AttributeFields<V> a = at.attributes.load(triangle);
   const MaterialFields<V> m = at.materials.load(a.material);
   const Weights<V> corners(hit);
-  F<V> u = corners.mix(a.u0, a.u1, a.u2);
-  F<V> v = corners.mix(a.v0, a.v1, a.v2);
+  F<V> u = corners.interpolate(a.u0, a.u1, a.u2);
+  F<V> v = corners.interpolate(a.v0, a.v1, a.v2);
   F<V> alpha = m.opacity;
   VertexColour<V> colour{};
   if constexpr (kColoured) {
     const VertexFields<V> vertex = at.vertices.load(triangle);
     const M<V> second = has<V>(m.flags, traces::kBaseSecond);
-    u = select(second, corners.mix(vertex.u0, vertex.u1, vertex.u2), u);
-    v = select(second, corners.mix(vertex.v0, vertex.v1, vertex.v2), v);
+    u = select(second, corners.interpolate(vertex.u0, vertex.u1, vertex.u2), u);
+    v = select(second, corners.interpolate(vertex.v0, vertex.v1, vertex.v2), v);
     colour = vertex_colour<V>(corners, vertex);
     alpha = alpha * colour.alpha;
   }

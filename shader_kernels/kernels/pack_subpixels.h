@@ -11,7 +11,7 @@ namespace kernels {
 inline constexpr std::uint32_t kBlockWidth = 8, kBlockHeight = 4;
 
 /// Lists the active sub-pixels in chunks of 64, block by block, as Jin et al. (2009) do: one after the other looks at
-/// every pixel. Sub-pixels of a pixel do not straddle chunks; places at the end of one are left empty for that. Pixels
+/// every pixel. Sub-pixels of a pixel do not straddle chunks; entries at the end of one are left empty for that. Pixels
 /// that have any are listed as masters, in the same order: they collect the samples of a chunk.
 struct PackSubpixels {
   static constexpr std::string_view kName = "pack_subpixels";
@@ -21,8 +21,8 @@ struct PackSubpixels {
     F<V> across, inverse_across;  ///< blocks in a row
     F<V> width, height;           ///< in pixels
     Local<V, WordRecord> verdicts, active, masters;
-    Local<V, WordRecord> fills;  ///< per chunk: places taken; above kFillBits, masters up to there
-    Carried<V> places;
+    Local<V, WordRecord> fills;  ///< per chunk: entries taken; above kFillBits, masters up to there
+    Carried<V> list_end;
     Counter<V> masters_count;
     static void describe(auto& p, auto&& port) {
       port(NAMED(p.across));
@@ -33,7 +33,7 @@ struct PackSubpixels {
       port(NAMED(p.active));
       port(NAMED(p.masters));
       port(NAMED(p.fills));
-      port(NAMED(p.places));
+      port(p.list_end, "places");
       port(NAMED(p.masters_count));
     }
   };
@@ -43,7 +43,7 @@ struct PackSubpixels {
   static void body(const I<V>& item, Ports<V>& at) {
     constexpr std::uint32_t kColumnBits = 3, kItemBits = 5;
     static_assert(1U << kColumnBits == kBlockWidth && 1U << kItemBits == kBlockWidth * kBlockHeight);
-    const Split<V> block = divmod<V>(to_float(item >> kItemBits), at.across, at.inverse_across);
+    const DivMod<V> block = divmod<V>(to_float(item >> kItemBits), at.across, at.inverse_across);
     const F<V> column = block.remainder * static_cast<float>(kBlockWidth) + to_float(item & (kBlockWidth - 1));
     const F<V> row =
         block.quotient * static_cast<float>(kBlockHeight) + to_float((item >> kColumnBits) & (kBlockHeight - 1));
@@ -60,20 +60,20 @@ struct PackSubpixels {
       count = i == 0 ? active[i] : count + active[i];
     }
     const F<V> taken = to_float(count);
-    const F<V> behind = at.places.get();
+    const F<V> behind = at.list_end.get();
     const F<V> chunk_so_far = floor(behind * (1.0F / kChunk));
     const F<V> chunk =
         chunk_so_far + select(static_cast<float>(kChunk) < behind - chunk_so_far * static_cast<float>(kChunk) + taken,
                               F<V>(1.0F), F<V>(0.0F));
     const F<V> begin = max(behind, chunk * static_cast<float>(kChunk));
     const F<V> end = begin + taken;
-    at.places.set(end);
-    const I<V> place = to_int(begin);
+    at.list_end.set(end);
+    const I<V> begin_index = to_int(begin);
     for (std::uint32_t i = 0; i < 4; ++i) {
-      const I<V> at_place = i == 0 ? place : place + before[i];
+      const I<V> index = i == 0 ? begin_index : begin_index + before[i];
       const M<V> is_active = active[i] == 1U;
-      at.active.store(at_place, {first + i});
-      at.verdicts.store(first + i, {select(is_active, verdicts[i] | (at_place << kPlaceShift), verdicts[i])});
+      at.active.store(index, {first + i});
+      at.verdicts.store(first + i, {select(is_active, verdicts[i] | (index << kIndexShift), verdicts[i])});
     }
     const M<V> has_any = I<V>(0U) < count;
     const I<V> master = at.masters_count.next(has_any);
@@ -83,7 +83,7 @@ struct PackSubpixels {
   }
 };
 
-/// Lists the active sub-pixels as if each had asked for its place by itself, with an atomic addition to the list's
+/// Lists the active sub-pixels as if each had asked for its index by itself, with an atomic addition to the list's
 /// length: one a word of the tile buffer is read, added to and written back. Who asks when is anybody's guess; here it
 /// is every `stride`-th sub-pixel, round and round.
 struct PackSubpixelsAtomic {
@@ -111,10 +111,10 @@ struct PackSubpixelsAtomic {
     const I<V> subpixel = to_int(number);
     const I<V> verdict = at.verdicts.load(subpixel).word;
     const I<V> active = active_bit<V>(verdict);
-    const I<V> place = at.length.load(I<V>(0U)).word;
-    at.length.store(I<V>(0U), {place + active});
-    at.active.store(place, {subpixel});
-    at.verdicts.store(subpixel, {select(active == 1U, verdict | (place << kPlaceShift), verdict)});
+    const I<V> index = at.length.load(I<V>(0U)).word;
+    at.length.store(I<V>(0U), {index + active});
+    at.active.store(index, {subpixel});
+    at.verdicts.store(subpixel, {select(active == 1U, verdict | (index << kIndexShift), verdict)});
   }
 };
 

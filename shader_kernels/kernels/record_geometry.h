@@ -33,6 +33,39 @@ I<V> marked(const I<V>& object, const I<V>& classes) {
   return object | select(I<V>(0U) < (classes & kAnyTexture), I<V>(kTexturedObject), I<V>(0U));
 }
 
+/// Ports of the kernels that keep a surface of a sample.
+template <class V, bool kInstanced>
+struct SurfaceHitPorts {
+  Local<V, WordRecord> surfaces;
+  Hits<V, kInstanced> hits;
+  Local<V, SurfacePointRecord> places;
+  Local<V, DiffuseRecord> mattes;
+  Local<V, PathRecord> paths;
+  Objects<V, kInstanced> objects;
+  static void describe(auto& p, auto&& port) {
+    port(NAMED(p.surfaces));
+    port(NAMED(p.hits));
+    port(NAMED(p.places));
+    port(NAMED(p.mattes));
+    port(NAMED(p.paths));
+    port(p.objects, kInstanced ? "instances" : "triangles");
+  }
+};
+
+template <class V>
+struct SurfaceHit {
+  SurfacePointRecord<V> point;
+  I<V> object;  ///< with the flag of a textured one
+  PathRecord<V> path;
+};
+template <class V, bool kInstanced>
+SurfaceHit<V> surface_hit(const I<V>& item, const SurfaceHitPorts<V, kInstanced>& at) {
+  const I<V> slot = at.surfaces.load(item).word;
+  const SurfacePointRecord<V> point = at.places.load(slot);
+  const I<V> object = at.objects.load(index_of<V>(at.hits.load(slot))).object;
+  return {point, marked<V>(object, at.mattes.load(slot).classes), at.paths.load(slot)};
+}
+
 template <bool kInstanced>
 struct RecordGeometry {
   static constexpr std::string_view kName = kInstanced ? "record_geometry_instanced" : "record_geometry";
@@ -40,31 +73,17 @@ struct RecordGeometry {
                                                    ? "as record_geometry, with the object of the instance"
                                                    : "first hit -> its sample's geometry: object, normal, position";
   template <class V>
-  struct Ports {
-    Local<V, WordRecord> surfaces;
-    Hits<V, kInstanced> hits;
-    Local<V, PlaceRecord> places;
-    Local<V, DiffuseRecord> mattes;
-    Local<V, PathRecord> paths;
-    Objects<V, kInstanced> objects;
+  struct Ports : SurfaceHitPorts<V, kInstanced> {
     Local<V, GeometryRecord> geometry;
     static void describe(auto& p, auto&& port) {
-      port(NAMED(p.surfaces));
-      port(NAMED(p.hits));
-      port(NAMED(p.places));
-      port(NAMED(p.mattes));
-      port(NAMED(p.paths));
-      port(p.objects, kInstanced ? "instances" : "triangles");
+      SurfaceHitPorts<V, kInstanced>::describe(p, port);
       port(NAMED(p.geometry));
     }
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
-    const I<V> slot = at.surfaces.load(item).word;
-    const PlaceRecord<V> place = at.places.load(slot);
-    const I<V> object = at.objects.load(index_of<V>(at.hits.load(slot))).object;
-    at.geometry.store(at.paths.load(slot).sample,
-                      {place.normal, marked<V>(object, at.mattes.load(slot).classes), place.position, 0U});
+    const SurfaceHit<V> hit = surface_hit<V, kInstanced>(item, at);
+    at.geometry.store(hit.path.sample, {hit.point.normal, hit.object, hit.point.position, 0U});
   }
 };
 

@@ -17,7 +17,7 @@ struct RecordSecondary {
   struct Ports {
     Local<V, WordRecord> surfaces;
     Hits<V, kInstanced> hits;
-    Local<V, PlaceRecord> places;
+    Local<V, SurfacePointRecord> places;
     Local<V, PathRecord> paths;
     Objects<V, kInstanced> objects;
     Local<V, SecondaryRecord> secondary;

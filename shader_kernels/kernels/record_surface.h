@@ -34,7 +34,7 @@ struct RecordSurface {
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
     const I<V> slot = at.surfaces.load(item).word;
-    const PlaceRecord<V> place = at.places.load(slot);
+    const SurfacePointRecord<V> point = at.places.load(slot);
     const DiffuseRecord<V> matte = at.mattes.load(slot);
     const TexcoordRecord<V> texcoord = at.texcoords.load(slot);
     const auto hit = at.hits.load(slot);
@@ -45,9 +45,9 @@ struct RecordSurface {
     } else {
       across = across_of<V>(found);
     }
-    const F<V> side = select(dot(across, place.normal) <= 0.0F, F<V>(-1.0F), F<V>(1.0F));
+    const F<V> side = select(dot(across, point.normal) <= 0.0F, F<V>(-1.0F), F<V>(1.0F));
     const I<V> sample = at.paths.load(slot).sample;
-    at.geometry.store(sample, {place.normal, marked<V>(found.object, matte.classes), place.position, 0U});
+    at.geometry.store(sample, {point.normal, marked<V>(found.object, matte.classes), point.position, 0U});
     at.kept.store(sample,
                   {matte.diffuse, matte.classes, normalised(across) * side, texcoord.u, texcoord.v, texcoord.texture});
   }

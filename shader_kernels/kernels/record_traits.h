@@ -10,9 +10,9 @@ namespace kernels {
 // What supersample compares. Of a sample's secondary hits only one is kept: that of the branch, mirrored or refracted,
 // that carries most, one bounce behind the first hit.
 
-/// A place as one number, which two hits of a sample hardly ever share.
+/// A position as one number, which two hits of a sample hardly ever share.
 template <class V>
-F<V> place_sum(const Vec3<V>& position) {
+F<V> position_sum(const Vec3<V>& position) {
   return dot(position, Vec3<V>{1.0F, 1.7320508F, 2.2360680F});
 }
 
@@ -47,31 +47,17 @@ struct RecordTraits {
                                                    ? "as record_traits, with the object of the instance"
                                                    : "first hit -> its sample's traits: object, normal, no shadow yet";
   template <class V>
-  struct Ports {
-    Local<V, WordRecord> surfaces;
-    Hits<V, kInstanced> hits;
-    Local<V, PlaceRecord> places;
-    Local<V, DiffuseRecord> mattes;
-    Local<V, PathRecord> paths;
-    Objects<V, kInstanced> objects;
+  struct Ports : SurfaceHitPorts<V, kInstanced> {
     Local<V, TraitsRecord> traits;
     static void describe(auto& p, auto&& port) {
-      port(NAMED(p.surfaces));
-      port(NAMED(p.hits));
-      port(NAMED(p.places));
-      port(NAMED(p.mattes));
-      port(NAMED(p.paths));
-      port(p.objects, kInstanced ? "instances" : "triangles");
+      SurfaceHitPorts<V, kInstanced>::describe(p, port);
       port(NAMED(p.traits));
     }
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
-    const I<V> slot = at.surfaces.load(item).word;
-    const PlaceRecord<V> place = at.places.load(slot);
-    const I<V> found = at.objects.load(index_of<V>(at.hits.load(slot))).object;
-    const I<V> object = marked<V>(found, at.mattes.load(slot).classes);
-    at.traits.store(at.paths.load(slot).sample, {place.normal, object, 0U});
+    const SurfaceHit<V> hit = surface_hit<V, kInstanced>(item, at);
+    at.traits.store(hit.path.sample, {hit.point.normal, hit.object, 0U});
   }
 };
 
@@ -97,7 +83,7 @@ struct WeighBranch {
   static void body(const I<V>& item, Ports<V>& at) {
     const PathRecord<V> path = at.paths.load(item);
     const BranchRecord<V> so_far = at.branches.load(path.sample);
-    at.branches.store(path.sample, {max(so_far.weight, largest(path.throughput)), so_far.place});
+    at.branches.store(path.sample, {max(so_far.weight, largest(path.throughput)), so_far.position_sum});
   }
 };
 
@@ -116,17 +102,13 @@ struct RecordBranch {
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
-    const I<V> slot = at.surfaces.load(item).word;
-    const PlaceRecord<V> place = at.places.load(slot);
-    const I<V> found = at.objects.load(index_of<V>(at.hits.load(slot))).object;
-    const I<V> object = marked<V>(found, at.mattes.load(slot).classes);
-    const PathRecord<V> path = at.paths.load(slot);
+    const auto [point, object, path] = surface_hit<V, kInstanced>(item, at);
     const TraitsRecord<V> so_far = at.traits.load(path.sample);
     const BranchRecord<V> branch = at.branches.load(path.sample);
     const M<V> most = branch.weight <= largest(path.throughput);
     at.traits.store(path.sample,
-                    {select(most, place.normal, so_far.normal), select(most, object, so_far.object), so_far.shadows});
-    at.branches.store(path.sample, {branch.weight, select(most, place_sum<V>(place.position), branch.place)});
+                    {select(most, point.normal, so_far.normal), select(most, object, so_far.object), so_far.shadows});
+    at.branches.store(path.sample, {branch.weight, select(most, position_sum<V>(point.position), branch.position_sum)});
   }
 };
 
@@ -154,7 +136,7 @@ struct RecordBranchShadow {
     const Vec3<V> origin = at.shadow_rays.load(item).origin;
     const M<V> lit = at.shadow_hits.load(item).triangle == traces::kNoHit;
     const I<V> sample = at.shadow_paths.load(item).sample;
-    const M<V> same = place_sum<V>(origin) == at.branches.load(sample).place;
+    const M<V> same = position_sum<V>(origin) == at.branches.load(sample).position_sum;
     TraitsRecord<V> record = at.traits.load(sample);
     record.shadows = record.shadows + select(same, select(lit, I<V>(0U), I<V>(1U)), I<V>(0U));
     at.traits.store(sample, record);

@@ -8,7 +8,7 @@ namespace kernels {
 /// around its own. The picture's samples form one grid, `grid` x `grid` to a pixel.
 template <class V>
 struct GridUniforms {
-  F<V> x0, y0;  ///< place of the first sample in the picture's grid
+  F<V> x0, y0;  ///< position of the first sample in the picture's grid
   F<V> pitch, inverse_pitch;
   F<V> grid, inverse_grid;
   static void describe(auto& g, auto&& port) {
@@ -35,11 +35,11 @@ struct LatticeUniforms {
 };
 template <class V>
 I<V> lattice_sample(const I<V>& number, const LatticeUniforms<V>& lattice) {
-  const Split<V> row = divmod<V>(to_float(number), lattice.across, lattice.inverse_across);
+  const DivMod<V> row = divmod<V>(to_float(number), lattice.across, lattice.inverse_across);
   return to_int(lattice.first + row.remainder * lattice.step + row.quotient * lattice.row_step);
 }
 
-/// In place of failed checks: a reference sample, which is not checked.
+/// Stands for failed checks at a reference sample, which is not checked.
 inline constexpr std::uint32_t kReferenceVerdict = 1U << 31;
 
 }  // namespace kernels

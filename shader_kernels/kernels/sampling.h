@@ -5,7 +5,7 @@
 
 namespace kernels {
 
-/// Four texels around a place and how much of each.
+/// Four texels around a point and how much of each.
 template <class V>
 struct Sample {
   FootprintRecord<V> texels;

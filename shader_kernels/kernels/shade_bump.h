@@ -14,7 +14,7 @@ struct ShadeBump {
   template <class V>
   struct Ports : DetailPorts<V> {
     Local<V, RayRecord> rays;
-    Local<V, PlaceRecord> places;
+    Local<V, SurfacePointRecord> places;
     Details<V> details;
     static void describe(auto& p, auto&& port) {
       DetailPorts<V>::describe(p, port);
@@ -30,20 +30,20 @@ struct ShadeBump {
     const TexcoordRecord<V> uv = at.texcoords.load(slot);
     const TangentRecord<V> frame = at.tangents.load(slot);
     const Vec3<V> direction = at.rays.load(slot).direction;
-    PlaceRecord<V> place = at.places.load(slot);
-    const DetailFields<V> m = at.details.load(place.material);
+    SurfacePointRecord<V> point = at.places.load(slot);
+    const DetailFields<V> m = at.details.load(point.material);
     const Sample<V> texel = at.look_up(m.normal_texture, classes, traces::kNormalSecond, uv.u, uv.v, frame);
 
     const F<V> x = (texel.linear(0) * 2.0F - 1.0F) * m.normal_scale;
     const F<V> y = (texel.linear(1) * 2.0F - 1.0F) * m.normal_scale;
     const F<V> z = max(texel.linear(2) * 2.0F - 1.0F, F<V>(0.01F));
-    const Vec3<V> normal = place.normal * place.side;  // the outside's
+    const Vec3<V> normal = point.normal * point.side;  // the outside's
     const Vec3<V> bitangent = cross(normal, frame.tangent);
     const Vec3<V> mapped = frame.tangent * x + bitangent * (y * frame.handedness) + normal * z;
-    const Vec3<V> facing = normalised(mapped) * place.side;
+    const Vec3<V> facing = normalised(mapped) * point.side;
     const F<V> away = max(dot(facing, direction) + 0.01F, F<V>(0.0F));
-    place.normal = normalised(facing - direction * away);
-    at.places.store(slot, place);
+    point.normal = normalised(facing - direction * away);
+    at.places.store(slot, point);
   }
 };
 

@@ -14,7 +14,7 @@ struct ShadeDiffuse {
   template <class V>
   struct Ports {
     Local<V, WordRecord> diffuse;
-    Local<V, PlaceRecord> places;
+    Local<V, SurfacePointRecord> places;
     Local<V, PathRecord> paths;
     Local<V, DiffuseRecord> mattes;
     Local<V, RayRecord> shadow_rays;
@@ -37,14 +37,14 @@ struct ShadeDiffuse {
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
     const I<V> slot = at.diffuse.load(item).word;
-    const PlaceRecord<V> place = at.places.load(slot);
+    const SurfacePointRecord<V> point = at.places.load(slot);
     const PathRecord<V> path = at.paths.load(slot);
     const auto [to_light, inverse_distance, light] =
-        diffuse_light<V>(place, path, at.mattes.load(slot).diffuse, at.light);
+        diffuse_light<V>(point, path, at.mattes.load(slot).diffuse, at.light);
 
     const I<V> out = at.emitted.next(F<V>(0.0F) < largest(light));
     const F<V> t_min = at.epsilon * inverse_distance;
-    at.shadow_rays.store(out, {place.position, t_min, to_light, at.light.reach - t_min});
+    at.shadow_rays.store(out, {point.position, t_min, to_light, at.light.reach - t_min});
     at.shadow_paths.store(out, {light, path.sample});
   }
 };

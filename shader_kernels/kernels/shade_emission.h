@@ -12,7 +12,7 @@ struct ShadeEmission {
   template <class V>
   struct Ports {
     Local<V, WordRecord> emissive;
-    Local<V, PlaceRecord> places;
+    Local<V, SurfacePointRecord> places;
     Local<V, PathRecord> paths;
     Local<V, SpecularRecord> optics;
     Materials<V> materials;

@@ -12,7 +12,7 @@ struct ShadeGlow {
   static constexpr std::string_view kMeaning = "surface with an emission texture -> its own light into its sample";
   template <class V>
   struct Ports : DetailPorts<V> {
-    Local<V, PlaceRecord> places;
+    Local<V, SurfacePointRecord> places;
     Local<V, PathRecord> paths;
     Local<V, SpecularRecord> optics;
     Details<V> details;

@@ -13,16 +13,11 @@ struct ShadeMirror {
   using Ports = SecondaryPorts<V>;
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
-    const I<V> slot = at.stream.load(item).word;
-    const PlaceRecord<V> place = at.places.load(slot);
-    const Vec3<V> direction = at.rays.load(slot).direction;
-    const PathRecord<V> path = at.paths.load(slot);
-    const SpecularRecord<V> optics = at.optics.load(slot);
-    const Interface<V> glass = interface<V>(direction, place.normal, place.side, optics.ior);
+    const auto [point, direction, path, optics, glass] = specular_hit<V>(item, at);
     const F<V> share = optics.entering * glass.reflectance;
     const Vec3<V> tint = optics.mirrored + Vec3<V>{share, share, share};
-    const Vec3<V> reflected = direction + place.normal * (2.0F * glass.cosine);
-    emit_secondary<V>(at, place.position, reflected, {path.throughput * tint, path.sample});
+    const Vec3<V> reflected = direction + point.normal * (2.0F * glass.cosine);
+    emit_secondary<V>(at, point.position, reflected, {path.throughput * tint, path.sample});
   }
 };
 

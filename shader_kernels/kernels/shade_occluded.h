@@ -13,7 +13,7 @@ struct ShadeOccluded {
   static constexpr std::string_view kMeaning = "surface with an occlusion texture -> ambient light taken back";
   template <class V>
   struct Ports : DetailPorts<V> {
-    Local<V, PlaceRecord> places;
+    Local<V, SurfacePointRecord> places;
     Local<V, PathRecord> paths;
     Details<V> details;
     Local<V, ColourRecord> colours;

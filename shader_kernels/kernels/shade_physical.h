@@ -13,7 +13,7 @@ struct ShadePhysical {
   static constexpr std::string_view kMeaning = "surface with a metallic-roughness texture -> mirror and diffuse shares";
   template <class V>
   struct Ports : DetailPorts<V> {
-    Local<V, PlaceRecord> places;
+    Local<V, SurfacePointRecord> places;
     Local<V, SpecularRecord> optics;
     Details<V> details;
     static void describe(auto& p, auto&& port) {

@@ -24,7 +24,7 @@ struct ShadeSurface {
     Attributes<V> attributes;
     Instances<V> instances;  ///< wired if kInstanced
     Materials<V> materials;
-    Local<V, PlaceRecord> places;
+    Local<V, SurfacePointRecord> places;
     Local<V, DiffuseRecord> mattes;
     Local<V, TexcoordRecord> texcoords;
     Local<V, SpecularRecord> optics;
@@ -52,13 +52,14 @@ struct ShadeSurface {
     const MaterialFields<V> m = at.materials.load(a.material);
 
     const Weights<V> corners(hit);
-    Vec3<V> lerp = corners.mix(a.normal0, a.normal1, a.normal2);
-    if constexpr (kInstanced) lerp = normal_to_world<V>(at.instances.load(instance_of<V>(found)), lerp);
-    const Vec3<V> normal = normalised(lerp);
+    Vec3<V> interpolated = corners.interpolate(a.normal0, a.normal1, a.normal2);
+    if constexpr (kInstanced) interpolated = normal_to_world<V>(at.instances.load(instance_of<V>(found)), interpolated);
+    const Vec3<V> normal = normalised(interpolated);
     const F<V> side = select(dot(normal, ray.direction) <= 0.0F, F<V>(1.0F), F<V>(-1.0F));
     at.places.store(slot, {ray.origin + ray.direction * hit.t, a.material, normal * side, side});
     at.mattes.store(slot, {m.base_colour * m.diffuse_share, m.flags});
-    at.texcoords.store(slot, {corners.mix(a.u0, a.u1, a.u2), corners.mix(a.v0, a.v1, a.v2), m.base_texture});
+    at.texcoords.store(slot,
+                       {corners.interpolate(a.u0, a.u1, a.u2), corners.interpolate(a.v0, a.v1, a.v2), m.base_texture});
     at.optics.store(slot, {m.mirrored, m.entering, m.ior, m.opacity, 1.0F});
   }
 };

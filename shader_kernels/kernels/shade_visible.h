@@ -15,7 +15,7 @@ struct ShadeVisible {
   template <class V>
   struct Ports {
     Local<V, WordRecord> diffuse;
-    Local<V, PlaceRecord> places;
+    Local<V, SurfacePointRecord> places;
     Local<V, PathRecord> paths;
     Local<V, DiffuseRecord> mattes;
     Local<V, GeometryRecord> geometry;

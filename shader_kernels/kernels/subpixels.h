@@ -30,10 +30,10 @@ constexpr std::array<std::string_view, kAttributes> names_of(Attribute) {
 constexpr std::uint32_t bit(Attribute attribute) { return 1U << static_cast<std::uint32_t>(attribute); }
 
 // The verdict on a sub-pixel, four to a pixel, row by row within it: bits of the attributes that disagreed (kColour if
-// none did), whether it is active, and above that its place in the list of active ones, whose items are pixel * 4 +
+// none did), whether it is active, and above that its index in the list of active ones, whose items are pixel * 4 +
 // sub-pixel.
 inline constexpr std::uint32_t kActiveShift = kAttributes;
-inline constexpr std::uint32_t kPlaceShift = 12;
+inline constexpr std::uint32_t kIndexShift = 12;
 
 /// A threshold that no contrast reaches.
 inline constexpr float kNever = 4.0F;
@@ -70,7 +70,7 @@ struct CornerSteps {
 };
 /// `right`, `below`: 1 for the corners there, -1 for those left or above.
 template <class V>
-CornerSteps<V> corner_steps(const Split<V>& pixel, const F<V>& right, const F<V>& below,
+CornerSteps<V> corner_steps(const DivMod<V>& pixel, const F<V>& right, const F<V>& below,
                             const FinishedUniforms<V>& of) {
   const F<V> x = pixel.remainder + right;
   const F<V> y = pixel.quotient + below;
@@ -81,11 +81,11 @@ CornerSteps<V> corner_steps(const Split<V>& pixel, const F<V>& right, const F<V>
 
 /// The pixel's row (quotient) and column.
 template <class V>
-Split<V> finished_pixel(const F<V>& pixel, const FinishedUniforms<V>& of) {
+DivMod<V> finished_pixel(const F<V>& pixel, const FinishedUniforms<V>& of) {
   return divmod<V>(pixel, of.width, of.inverse_width);
 }
 template <class V>
-F<V> centre_sample(const Split<V>& pixel, const FinishedUniforms<V>& of) {
+F<V> centre_sample(const DivMod<V>& pixel, const FinishedUniforms<V>& of) {
   return of.first + pixel.quotient * of.pitch + pixel.remainder;
 }
 

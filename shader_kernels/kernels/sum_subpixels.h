@@ -17,7 +17,7 @@ struct SumSubpixels {
     Local<V, WordRecord> listed, verdicts;
     Local<V, ColourRecord> colours, pixels;
     Carried<V> red, green, blue, base_red, base_green, base_blue;
-    F<V> first_sample;  ///< where the colours of the sub-pixel at place 0 lie
+    F<V> first_sample;  ///< where the colours of the first sub-pixel in the list lie
     static void describe(auto& p, auto&& port) {
       port(NAMED(p.listed));
       port(NAMED(p.verdicts));
@@ -39,8 +39,8 @@ struct SumSubpixels {
     const I<V> sample = ((item >> 1U) & 2U) | (item & 1U);
     const I<V> verdict = at.verdicts.load((pixel << 2U) | subpixel).word;
     const M<V> is_active = active_bit<V>(verdict) == 1U;
-    const I<V> place = ((verdict >> kPlaceShift) << 2U) | sample;
-    const Vec3<V> colour = at.colours.load(to_int(at.first_sample + to_float(place))).rgb;
+    const I<V> index = ((verdict >> kIndexShift) << 2U) | sample;
+    const Vec3<V> colour = at.colours.load(to_int(at.first_sample + to_float(index))).rgb;
     const Vec3<V> centre = at.pixels.load(pixel).rgb;
     const M<V> first = (item & 15U) == 0U;
     const auto sum = [&](Carried<V>& so_far, Carried<V>& base, const F<V>& more, const F<V>& begin) {

@@ -59,18 +59,18 @@ struct TestSubpixels {
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
-    const Split<V> pixel = finished_pixel<V>(to_float(item >> 2U), at.finished);
+    const DivMod<V> pixel = finished_pixel<V>(to_float(item >> 2U), at.finished);
     const CornerSteps<V> step =
         corner_steps<V>(pixel, to_float((item << 1U) & 2U) - 1.0F, to_float(item & 2U) - 1.0F, at.finished);
     const F<V> own = centre_sample<V>(pixel, at.finished);
     // One that is not there is the pixel itself, which differs from itself in nothing.
-    const I<V> place = to_int(own);
+    const I<V> centre = to_int(own);
     const I<V> beside = to_int(own + step.x);
     const I<V> above = to_int(own + step.y);
     const I<V> corner = to_int(select(step.has_both, own + step.x + step.y, own));
 
-    const I<V> primary = differing<V>(at.traits, place, beside, above, corner, at);
-    const I<V> secondary = differing<V>(at.secondary, place, beside, above, corner, at);
+    const I<V> primary = differing<V>(at.traits, centre, beside, above, corner, at);
+    const I<V> secondary = differing<V>(at.secondary, centre, beside, above, corner, at);
     const I<V> counting = ((primary << 1U) | (secondary << 5U)) & at.compared;
     F<V> threshold = kNever;
     for (std::uint32_t i = 1; i < kAttributes; ++i) {
@@ -79,7 +79,7 @@ struct TestSubpixels {
     const M<V> none = counting == 0U;
     threshold = select(none, at.thresholds[0], threshold);
 
-    const Vec3<V> a = at.colours.load(place).rgb;
+    const Vec3<V> a = at.colours.load(centre).rgb;
     const Vec3<V> b = at.colours.load(beside).rgb;
     const Vec3<V> c = at.colours.load(above).rgb;
     const Vec3<V> d = at.colours.load(corner).rgb;
@@ -93,10 +93,10 @@ struct TestSubpixels {
  private:
   /// Bits of one attribute set; its texture disagrees wherever the pixel itself has one.
   template <class V>
-  static I<V> differing(const Local<V, TraitsRecord>& set, const I<V>& place, const I<V>& beside, const I<V>& above,
+  static I<V> differing(const Local<V, TraitsRecord>& set, const I<V>& centre, const I<V>& beside, const I<V>& above,
                         const I<V>& corner, const Ports<V>& at) {
     constexpr std::uint32_t kTexture = 8;
-    const TraitsRecord<V> own = set.load(place);
+    const TraitsRecord<V> own = set.load(centre);
     const TraitsRecord<V> one = set.load(beside);
     const TraitsRecord<V> two = set.load(above);
     const TraitsRecord<V> three = set.load(corner);

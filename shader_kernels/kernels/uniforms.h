@@ -36,15 +36,15 @@ struct TileUniforms {
   }
 };
 
-/// A light of any kind. Point and spot: `local` 1, `place` the position, `reach` 1. Directional: `local` 0, `place` a
-/// unit vector towards the light, `reach` infinite. Without a cone `cone_scale` is 0 and `cone_offset` 1; without a
-/// range `inverse_range_squared` is 0.
+/// A light of any kind. Point and spot: `local` 1, `position` where it is, `reach` 1. Directional: `local` 0,
+/// `position` a unit vector towards the light, `reach` infinite. Without a cone `cone_scale` is 0 and `cone_offset` 1;
+/// without a range `inverse_range_squared` is 0.
 template <class V>
 struct LightUniforms {
-  Vec3<V> place, direction, intensity;
+  Vec3<V> position, direction, intensity;
   F<V> local, reach, cone_scale, cone_offset, inverse_range_squared;
   static void describe(auto& c, auto&& port) {
-    port(c.place, "light.place");
+    port(c.position, "light.place");
     port(c.direction, "light.direction");
     port(c.intensity, "light.intensity");
     port(c.local, "light.local");

@@ -26,7 +26,7 @@ struct WeighCentres {
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
-    const Split<V> pixel = finished_pixel<V>(to_float(item), at.finished);
+    const DivMod<V> pixel = finished_pixel<V>(to_float(item), at.finished);
     const F<V> own = centre_sample<V>(pixel, at.finished);
     const Vec3<V> centre = clamped_colour<V>(at.colours.load(to_int(own)).rgb);
     const I<V> first = item << 2U;

@@ -13,13 +13,13 @@ enum class Halo : std::uint8_t { kReload, kRetrace };
 constexpr std::array<std::string_view, 2> names_of(Halo) { return {"reload", "retrace"}; }
 
 /// Where samples' attributes are between the kernel that writes them and the one that compares them.
-enum class AttributePlace : std::uint8_t { kTile, kDram };
-constexpr std::array<std::string_view, 2> names_of(AttributePlace) { return {"tile", "dram"}; }
+enum class AttributeStorage : std::uint8_t { kTile, kDram };
+constexpr std::array<std::string_view, 2> names_of(AttributeStorage) { return {"tile", "dram"}; }
 
 /// Keys that every adaptive method has.
 struct AdaptiveConfig {
   Halo halo = Halo::kReload;
-  AttributePlace attributes = AttributePlace::kTile;
+  AttributeStorage attributes = AttributeStorage::kTile;
 
   static void describe(auto& c, auto&& field) {
     field(NAMED(c.halo), "",

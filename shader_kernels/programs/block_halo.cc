@@ -71,7 +71,7 @@ void BlockProgram::export_borders(Tile& tile) const {
 
 /// Writes attributes of samples to memory and reads those back that the next check looks at, if that is where they are.
 void BlockProgram::park_attributes(Tile& tile, std::uint32_t written, std::uint32_t read) const {
-  if (adaptive_.attributes == AttributePlace::kTile || written == 0) return;
+  if (adaptive_.attributes == AttributeStorage::kTile || written == 0) return;
   const std::uint64_t store = store_bytes() * tile.at.index + 2 * std::uint64_t{tiles_.side()} * exchanged_bytes();
   const Wavefront::Node out = tile.wave.transfer(Region::kSamples, true, store, written * setup_.record_bytes);
   tile.wave.wait_for_records(out);

@@ -22,7 +22,7 @@ std::uint64_t BlockProgram::store_bytes() const {
   // Its last row, its last column, and all attributes if they do not stay.
   const std::uint64_t side = tiles_.side();
   return 2 * side * exchanged_bytes() +
-         (adaptive_.attributes == AttributePlace::kDram ? side * side * setup_.record_bytes : 0);
+         (adaptive_.attributes == AttributeStorage::kDram ? side * side * setup_.record_bytes : 0);
 }
 
 std::uint32_t BlockProgram::exchanged_bytes() const {
@@ -33,17 +33,18 @@ FrameRequirements BlockProgram::requirements() const {
   const std::uint32_t side = tiles_.side();
   const std::uint32_t kept = side * (side / setup_.block);  // rows of references; others are never compared
   const std::uint32_t pixels = side / setup_.grid * (side / setup_.grid);
-  FrameRequirements d;
-  d.tile_samples = side * side;
-  d.attribute_bytes = adaptive_.attributes == AttributePlace::kTile ? kept * setup_.record_bytes : 0;
-  d.region_bytes = {std::uint64_t{tiles_.count()} * pixels * kPixelBytes, tiles_.count() * store_bytes(),
-                    carries_rates() ? tiles_.count() : 0};
-  return d;
+  FrameRequirements needs;
+  needs.tile_samples = side * side;
+  needs.attribute_bytes = adaptive_.attributes == AttributeStorage::kTile ? kept * setup_.record_bytes : 0;
+  needs.region_bytes = {std::uint64_t{tiles_.count()} * pixels * kPixelBytes, tiles_.count() * store_bytes(),
+                        carries_rates() ? tiles_.count() : 0};
+  return needs;
 }
 
-void BlockProgram::run_tile(std::uint32_t place, const traces::Tracer& tracer, bool record, TileResult& out) const {
+void BlockProgram::run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record,
+                            TileResult& out) const {
   const std::uint32_t grid = setup_.grid;
-  const SampleTile at = tiles_.tile(order_[place]);
+  const SampleTile at = tiles_.tile(order_[tile_index]);
   out.tile = at.index;
   out.x = at.x / grid;
   out.y = at.y / grid;
@@ -53,7 +54,7 @@ void BlockProgram::run_tile(std::uint32_t place, const traces::Tracer& tracer, b
   out.packed.resize(out.linear.size());
   out.sampling = {};
   out.marks.assign(std::size_t{at.width} * at.height, 0);
-  // Places behind the last row may be read, for a reference that is not there; nothing comes of it.
+  // Samples behind the last row may be read, for a reference that is not there; nothing comes of it.
   out.buffer.hold_samples(std::size_t{pitch()} * (pitch() + setup_.whole));
 
   Wavefront wave(scene_, tracer, record, out);

@@ -25,7 +25,7 @@ class BlockProgram : public FrameProgram {
  public:
   std::uint32_t tiles() const override { return tiles_.count(); }
   FrameRequirements requirements() const override;
-  void run_tile(std::uint32_t place, const traces::Tracer& tracer, bool record, TileResult& out) const override;
+  void run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record, TileResult& out) const override;
   void keep(const TileResult& tile) override;
 
  protected:
@@ -57,15 +57,15 @@ class BlockProgram : public FrameProgram {
   virtual std::uint32_t block_of([[maybe_unused]] std::uint32_t tile) const { return setup_.block; }
   /// Whether that is read from memory, and what the tile has found out is written there.
   virtual bool carries_rates() const { return false; }
-  /// What traced samples keep, before their last check or behind it.
-  virtual Wavefront::RetainedRecords keeps(bool is_last) const = 0;
+  /// Records that traced samples keep, before their last check or behind it.
+  virtual Wavefront::RetainedRecords records_to_retain(bool is_last) const = 0;
   virtual Verdict check(Tile& tile, bool along_y, const LineUniforms<float>& line, std::uint32_t items) const = 0;
   /// Makes the samples that have passed.
   virtual void interpolate(Tile& tile, bool along_y, const LineUniforms<float>& line, const Verdict& verdict) const = 0;
-  /// Makes what samples keep that of a miss; returns `keep` with the launches that did.
+  /// Makes what samples keep that of a miss; returns `retained` with the launches that did.
   virtual Wavefront::RetainedRecords clear(Tile& tile, std::vector<std::uint32_t>& list, Wavefront::Node lister,
                                            std::uint32_t items, std::uint32_t lanes,
-                                           const Wavefront::RetainedRecords& keep) const = 0;
+                                           const Wavefront::RetainedRecords& retained) const = 0;
   /// Called when listed samples have been traced and shaded.
   virtual void traced(Tile&, std::vector<std::uint32_t>& /*list*/, std::uint32_t /*items*/, std::uint32_t /*lanes*/,
                       const Wavefront::RetainedRecords&) const {}
@@ -73,7 +73,7 @@ class BlockProgram : public FrameProgram {
   /// Called when all samples of a tile are there.
   virtual void settled(Tile&) const {}
 
-  /// SampleNeighbours rows in the tile buffer.
+  /// Samples to a row of the tile buffer.
   std::uint32_t pitch() const { return tiles_.side() + 1; }
   const CameraUniforms<float>& camera() const { return camera_; }
   GridUniforms<float> grid_uniforms(float x0, float y0, std::uint32_t pitch) const;

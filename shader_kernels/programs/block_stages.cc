@@ -62,9 +62,9 @@ void BlockProgram::trace_listed(Tile& tile, std::vector<std::uint32_t>& list, Wa
   generate.grid = grid_uniforms(static_cast<float>(tile.at.x) - 1.0F, static_cast<float>(tile.at.y) - 1.0F, pitch());
   const Wavefront::Node generated = wave.launch<GenerateListedRays>(generate, items, lanes);
   wave.wait_all(generated, lister);
-  const Wavefront::RetainedRecords keep = clear(tile, list, lister, items, lanes, keeps(is_last));
-  wave.run(generated, items, keep, lanes);
-  traced(tile, list, items, lanes, keep);
+  const Wavefront::RetainedRecords retained = clear(tile, list, lister, items, lanes, records_to_retain(is_last));
+  wave.run(generated, items, retained, lanes);
+  traced(tile, list, items, lanes, retained);
   if (wave.is_muted()) return;
   tile.out.sampling.traced += items;
   if (!is_own) tile.out.sampling.halo += items;

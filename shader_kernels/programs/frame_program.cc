@@ -17,10 +17,10 @@ void FrameProgram::keep(const TileResult& tile) {
     }
   }
   sampling_.add(tile.sampling);
-  if (keeps_marks_ && !tile.marks.empty()) place_marks(tile);
+  if (keeps_marks_ && !tile.marks.empty()) copy_marks(tile);
 }
 
-void FrameProgram::place_marks(const TileResult& tile) {
+void FrameProgram::copy_marks(const TileResult& tile) {
   const std::size_t pixels = std::size_t{tile.width} * tile.height;
   const auto grid = static_cast<std::size_t>(std::lround(std::sqrt(tile.marks.size() / pixels)));
   marks_.resize(std::size_t{width_} * height_ * grid * grid);

@@ -32,15 +32,15 @@ class FrameProgram {
   std::uint32_t height() const { return height_; }
   /// Entries of the list, of all passes.
   virtual std::uint32_t tiles() const = 0;
-  /// First entry behind the pass that entry `place` belongs to.
-  virtual std::uint32_t pass_end([[maybe_unused]] std::uint32_t place) const { return tiles(); }
+  /// First entry behind the pass that entry `tile_index` belongs to.
+  virtual std::uint32_t pass_end([[maybe_unused]] std::uint32_t tile_index) const { return tiles(); }
   virtual FrameRequirements requirements() const = 0;
 
-  /// Called once before the pass that begins with entry `place`, when all earlier entries have been kept.
-  virtual void begin_pass([[maybe_unused]] std::uint32_t place, [[maybe_unused]] const traces::Tracer& tracer) {}
+  /// Called once before the pass that begins with entry `tile_index`, when all earlier entries have been kept.
+  virtual void begin_pass([[maybe_unused]] std::uint32_t tile_index, [[maybe_unused]] const traces::Tracer& tracer) {}
   /// Renders an entry of the list; with `record` also writes down its work. Any number of threads may run entries of a
   /// pass at once, each into its own `out`, whose storage is used again.
-  virtual void run_tile(std::uint32_t place, const traces::Tracer& tracer, bool record, TileResult& out) const = 0;
+  virtual void run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record, TileResult& out) const = 0;
   /// Takes what an entry has found out. Called once for each, in the order of the list.
   virtual void keep(const TileResult& tile);
 
@@ -61,7 +61,7 @@ class FrameProgram {
   std::vector<SampleMark>& kept_marks() { return marks_; }
 
  private:
-  void place_marks(const TileResult& tile);
+  void copy_marks(const TileResult& tile);
 
   const std::uint32_t width_, height_;
   std::vector<float> picture_;

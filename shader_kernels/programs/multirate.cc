@@ -22,25 +22,25 @@ MultirateProgram::MultirateProgram(const traces::MemoryImage& image, const trace
       multirate_(multirate),
       rates_(rates) {}
 
-Wavefront::RetainedRecords MultirateProgram::keeps(bool is_last) const {
-  Wavefront::RetainedRecords keep;
-  keep.geometry = !is_last;
-  keep.secondary = !is_last && multirate_.secondary_checks;
-  return keep;
+Wavefront::RetainedRecords MultirateProgram::records_to_retain(bool is_last) const {
+  Wavefront::RetainedRecords retained;
+  retained.geometry = !is_last;
+  retained.secondary = !is_last && multirate_.secondary_checks;
+  return retained;
 }
 
 Wavefront::RetainedRecords MultirateProgram::clear(Tile& tile, std::vector<std::uint32_t>& list, Wavefront::Node lister,
                                                    std::uint32_t items, std::uint32_t lanes,
-                                                   const Wavefront::RetainedRecords& keep) const {
-  Wavefront::RetainedRecords cleared = keep;
-  if (keep.geometry) {
+                                                   const Wavefront::RetainedRecords& retained) const {
+  Wavefront::RetainedRecords cleared = retained;
+  if (retained.geometry) {
     ClearGeometry::Ports<float> ports;
     ports.samples.bind(list.data());
     cleared.cleared = tile.wave.launch<ClearGeometry>(ports, items, lanes);
     tile.wave.wait_all(cleared.cleared, lister);
     tile.wave.adds_records(cleared.cleared);
   }
-  if (keep.secondary) {
+  if (retained.secondary) {
     ClearSecondary::Ports<float> ports;
     ports.samples.bind(list.data());
     cleared.cleared_secondary = tile.wave.launch<ClearSecondary>(ports, items, lanes);

@@ -21,12 +21,12 @@ class MultirateProgram final : public BlockProgram {
  private:
   std::uint32_t block_of(std::uint32_t tile) const override { return rates_.block(tile); }
   bool carries_rates() const override { return multirate_.rate_control != RateControl::kOff; }
-  Wavefront::RetainedRecords keeps(bool is_last) const override;
+  Wavefront::RetainedRecords records_to_retain(bool is_last) const override;
   Verdict check(Tile& tile, bool along_y, const LineUniforms<float>& line, std::uint32_t items) const override;
   void interpolate(Tile& tile, bool along_y, const LineUniforms<float>& line, const Verdict& verdict) const override;
   Wavefront::RetainedRecords clear(Tile& tile, std::vector<std::uint32_t>& list, Wavefront::Node lister,
                                    std::uint32_t items, std::uint32_t lanes,
-                                   const Wavefront::RetainedRecords& keep) const override;
+                                   const Wavefront::RetainedRecords& retained) const override;
 
   template <class K>
   Verdict check_with(Tile& tile, const LineUniforms<float>& line, std::uint32_t items) const;

@@ -27,7 +27,7 @@ void PostCorrection::keep(const TileResult& tile, const SampleTile& at) {
   for (std::uint32_t row = 0; row < at.height; ++row) {
     for (std::uint32_t column = 0; column < at.width; ++column) {
       const ShownSample& sample = tile.shown[std::size_t{row} * at.width + column];
-      identities_[place(at.x + column, at.y + row)] = sample.identity;
+      identities_[index_of(at.x + column, at.y + row)] = sample.identity;
       colours_[std::size_t{at.y + row} * width_ + at.x + column] = sample.colour;
     }
   }
@@ -38,7 +38,7 @@ void PostCorrection::begin() {
   std::ranges::fill(rounds_, std::uint16_t{0});
 }
 
-/// Suspects at place `step` of all lines.
+/// Finds suspects at position `step` of all lines.
 void PostCorrection::find(const Scan& scan, std::uint32_t step) {
   const std::uint32_t lines = scan.is_along_y ? width_ : height_;
   const std::uint32_t length = scan.is_along_y ? height_ : width_;
@@ -48,7 +48,7 @@ void PostCorrection::find(const Scan& scan, std::uint32_t step) {
   const std::uint32_t ahead = scan.is_backward ? 0 - along : along;
   line_.resize(lines);
   found_.resize(lines + 1);
-  const std::uint32_t first = scan.is_along_y ? place(0, at) : place(at, 0);
+  const std::uint32_t first = scan.is_along_y ? index_of(0, at) : index_of(at, 0);
   for (std::uint32_t line = 0; line < lines; ++line) line_[line] = first + line * across;
 
   const bool eight = config_.neighbours == Neighbourhood::kEight;
@@ -82,7 +82,7 @@ void PostCorrection::find(const Scan& scan, std::uint32_t step) {
 void PostCorrection::settle(const Found& found) {
   for (std::size_t i = 0; i < fresh_.size(); ++i) {
     const Suspect& s = fresh_[i];
-    identities_[place(s.x, s.y)] = found.identities[i];
+    identities_[index_of(s.x, s.y)] = found.identities[i];
     colours_[std::size_t{s.y} * width_ + s.x] = found.colours[i];
   }
   all_.insert(all_.end(), fresh_.begin(), fresh_.end());

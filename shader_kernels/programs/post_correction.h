@@ -59,7 +59,7 @@ class PostCorrection {
   glm::vec3 colour(std::uint32_t x, std::uint32_t y) const { return colours_[std::size_t{y} * width_ + x]; }
 
  private:
-  std::uint32_t place(std::uint32_t x, std::uint32_t y) const { return (y + 1) * (width_ + 2) + x + 1; }
+  std::uint32_t index_of(std::uint32_t x, std::uint32_t y) const { return (y + 1) * (width_ + 2) + x + 1; }
   void begin();
   void find(const Scan& scan, std::uint32_t step);
   void settle(const Found& found);

@@ -21,7 +21,7 @@ struct Sampling {
   std::array<std::uint64_t, static_cast<std::size_t>(Check::kCount)> failed{};  ///< a sample may fail several checks
 
   // supersample: pixels by how many of their sub-pixels are active, active sub-pixels by what disagreed (one may have
-  // several reasons), and places that listing them left empty.
+  // several reasons), and entries that listing them left empty.
   std::array<std::uint64_t, 5> active{};
   std::array<std::uint64_t, kAttributes> reasons{};
   std::uint64_t padding = 0;

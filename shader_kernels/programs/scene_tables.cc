@@ -32,7 +32,7 @@ CameraUniforms<float> camera_uniforms(const traces::Camera& camera, std::uint32_
 LightUniforms<float> light_uniforms(const traces::Light& light) {
   using Kind = traces::Light::Kind;
   const bool local = light.kind != Kind::kDirectional;
-  LightUniforms<float> u{.place = vec3(local ? light.position : -light.direction),
+  LightUniforms<float> u{.position = vec3(local ? light.position : -light.direction),
                          .direction = vec3(light.direction),
                          .intensity = vec3(light.intensity),
                          .local = local ? 1.0F : 0.0F,

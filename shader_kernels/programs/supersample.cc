@@ -26,16 +26,16 @@ SupersampleProgram::SupersampleProgram(const traces::MemoryImage& image, const t
 
 FrameRequirements SupersampleProgram::requirements() const {
   const std::uint32_t samples = tiles_.side() * tiles_.side();
-  FrameRequirements d;
-  d.tile_samples = std::max(samples, kChunk * kExtra);
-  d.attribute_bytes = supersample_.attributes == AttributePlace::kTile ? samples * kAttributeBytes : 0;
-  d.region_bytes = {std::uint64_t{tiles_.count()} * tile_pixels() * kPixelBytes, tiles_.count() * store_bytes(), 0};
-  return d;
+  FrameRequirements needs;
+  needs.tile_samples = std::max(samples, kChunk * kExtra);
+  needs.attribute_bytes = supersample_.attributes == AttributeStorage::kTile ? samples * kAttributeBytes : 0;
+  needs.region_bytes = {std::uint64_t{tiles_.count()} * tile_pixels() * kPixelBytes, tiles_.count() * store_bytes(), 0};
+  return needs;
 }
 
-void SupersampleProgram::run_tile(std::uint32_t place, const traces::Tracer& tracer, bool record,
+void SupersampleProgram::run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record,
                                   TileResult& out) const {
-  const SampleTile at = tiles_.tile(order_[place]);
+  const SampleTile at = tiles_.tile(order_[tile_index]);
   const std::uint32_t left = at.has_left ? 1 : 0;
   const std::uint32_t above = at.has_above ? 1 : 0;
   out.tile = at.index;

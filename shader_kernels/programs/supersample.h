@@ -28,7 +28,7 @@ namespace kernels {
 ///   h .|. . . .
 ///
 /// Active sub-pixels are sampled in chunks of 64, which share the slots of 256 rays, so a chunk begins when the one
-/// before has been summed up. Packing: `block` lists them so that no pixel is cut by a chunk; places left empty for
+/// before has been summed up. Packing: `block` lists them so that no pixel is cut by a chunk; entries left empty for
 /// that idle through the loops up to the first inspector's. `none` has no list: a chunk is 16 pixels, and their
 /// inactive sub-pixels idle likewise. `atomic` cuts pixels and mixes them up, so sums must wait until all chunks are
 /// done: the chunks' samples go to memory, and all are read back at once. Not modelled: contention for the list's
@@ -40,7 +40,7 @@ class SupersampleProgram final : public FrameProgram {
 
   std::uint32_t tiles() const override { return tiles_.count(); }
   FrameRequirements requirements() const override;
-  void run_tile(std::uint32_t place, const traces::Tracer& tracer, bool record, TileResult& out) const override;
+  void run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record, TileResult& out) const override;
 
  private:
   using Node = Wavefront::Node;
@@ -94,7 +94,7 @@ class SupersampleProgram final : public FrameProgram {
   void trace_chunk(Tile& tile, const Chunk& chunk, Node packed) const;
   Node sum_up(Tile& tile, const Chunk& chunk, Node weighed) const;
   Node sum_from_memory(Tile& tile, std::uint32_t subpixels, Node weighed) const;
-  Node sum(Tile& tile, std::uint32_t* listed, std::uint32_t pixels, std::uint32_t padding, std::uint32_t first_place,
+  Node sum(Tile& tile, std::uint32_t* listed, std::uint32_t pixels, std::uint32_t padding, std::uint32_t first_index,
            Node weighed) const;
 
   const RenderConfig config_;

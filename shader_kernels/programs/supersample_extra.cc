@@ -49,12 +49,12 @@ SupersampleProgram::Node SupersampleProgram::pack_by_block(Tile& tile, Node test
   const Node node = tile.wave.launch<PackSubpixels>(ports, across * down * kBlockWidth * kBlockHeight);
   tile.wave.wait_all(node, tested);
 
-  const auto places = static_cast<std::uint32_t>(ports.places.value);
-  for (std::uint32_t first = 0, masters = 0; first < places; first += kChunk) {
+  const auto length = static_cast<std::uint32_t>(ports.list_end.value);
+  for (std::uint32_t first = 0, masters = 0; first < length; first += kChunk) {
     const std::uint32_t fill = buffer.fills[first / kChunk];
     const std::uint32_t taken = fill & ((1U << PackSubpixels::kFillBits) - 1);
     const std::uint32_t masters_end = fill >> PackSubpixels::kFillBits;
-    const std::uint32_t padding = first + kChunk < places ? kChunk - taken : 0;
+    const std::uint32_t padding = first + kChunk < length ? kChunk - taken : 0;
     chunks.push_back({first, taken, padding, masters, masters_end - masters});
     masters = masters_end;
   }
@@ -95,9 +95,9 @@ void SupersampleProgram::take_all(Tile& tile, std::vector<Chunk>& chunks) const 
     for (std::uint32_t subpixel = first; subpixel < 4 * end; ++subpixel) {
       std::uint32_t& verdict = buffer.subpixels[subpixel];
       if (active_bit<float>(verdict) == 0) continue;
-      const std::uint32_t place = first + chunk.subpixels++;
-      verdict |= place << kPlaceShift;
-      buffer.active[place] = subpixel;
+      const std::uint32_t index = first + chunk.subpixels++;
+      verdict |= index << kIndexShift;
+      buffer.active[index] = subpixel;
       if (chunk.masters == 0 || buffer.masters[masters - 1] != subpixel / 4) {
         buffer.masters[masters++] = subpixel / 4;
         ++chunk.masters;
@@ -163,13 +163,13 @@ SupersampleProgram::Node SupersampleProgram::sum_from_memory(Tile& tile, std::ui
   return sum(tile, tile.buffer.masters.data(), tile.pixels, 0, 0, weighed);
 }
 
-/// Completes listed pixels. The sub-pixel at `first_place` has the first of the samples' colours.
+/// Completes listed pixels. The active sub-pixel at `first_index` has the first of the samples' colours.
 SupersampleProgram::Node SupersampleProgram::sum(Tile& tile, std::uint32_t* listed, std::uint32_t pixels,
-                                                 std::uint32_t padding, std::uint32_t first_place, Node weighed) const {
+                                                 std::uint32_t padding, std::uint32_t first_index, Node weighed) const {
   SumSubpixels::Ports<float> ports;
   ports.listed.bind(listed);
   ports.verdicts.bind(tile.buffer.subpixels.data());
-  ports.first_sample = static_cast<float>(centres()) - static_cast<float>(kExtra * first_place);
+  ports.first_sample = static_cast<float>(centres()) - static_cast<float>(kExtra * first_index);
   const Node node = tile.wave.launch<SumSubpixels>(ports, kWhole * pixels, 0, kWhole * padding);
   tile.wave.wait_all(node, weighed);
   tile.wave.wait_for_colours(node);

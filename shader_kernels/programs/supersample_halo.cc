@@ -14,7 +14,7 @@ constexpr std::uint32_t kExchangedBytes = 2 * sizeof(TraitsRecord<float>) + size
 // attributes if they do not stay; samples of active sub-pixels if they wait there for each other.
 std::uint64_t SupersampleProgram::store_bytes() const {
   const std::uint64_t side = tiles_.side();
-  const bool is_parked = supersample_.attributes == AttributePlace::kDram;
+  const bool is_parked = supersample_.attributes == AttributeStorage::kDram;
   const bool is_spilt = supersample_.packing == Packing::kAtomic;
   return 4 * side * kExchangedBytes + (is_parked ? std::uint64_t{centres()} * kAttributeBytes : 0) +
          (is_spilt ? std::uint64_t{tile_pixels()} * kWhole * sizeof(ColourRecord<float>) : 0);
@@ -62,7 +62,7 @@ void SupersampleProgram::export_borders(Tile& tile) const {
 
 /// Writes all attributes to memory and reads them back, if that is where they are.
 void SupersampleProgram::park_attributes(Tile& tile) const {
-  if (supersample_.attributes == AttributePlace::kTile) return;
+  if (supersample_.attributes == AttributeStorage::kTile) return;
   const std::uint32_t across = tile.at.width + (tile.at.has_left ? 2 : 0);
   const std::uint32_t bytes = across * (tile.at.height + (tile.at.has_above ? 2 : 0)) * kAttributeBytes;
   const std::uint64_t store = store_bytes() * tile.at.index + 4 * std::uint64_t{tiles_.side()} * kExchangedBytes;

@@ -10,7 +10,7 @@ LatticeUniforms<float> SupersampleProgram::lattice(std::uint32_t x, std::uint32_
           .row_step = static_cast<float>(pitch())};
 }
 
-/// Samples at pixels' centres; `x`, `y` are the first one's place in the tile buffer.
+/// Samples at pixels' centres; `x`, `y` are the first one's position in the tile buffer.
 void SupersampleProgram::trace_centres(Tile& tile, std::uint32_t x, std::uint32_t y, std::uint32_t across,
                                        std::uint32_t down, bool is_own) const {
   Wavefront& wave = tile.wave;
@@ -34,10 +34,10 @@ void SupersampleProgram::trace_centres(Tile& tile, std::uint32_t x, std::uint32_
 
   ClearTraits::Ports<float> clear;
   clear.secondary.bind(buffer.secondary_traits.data());
-  const Wavefront::RetainedRecords keep{.traits = true, .cleared = wave.launch<ClearTraits>(clear, items)};
-  wave.wait_all(keep.cleared, listed);
-  wave.adds_records(keep.cleared);
-  wave.run(generated, items, keep);
+  const Wavefront::RetainedRecords retained{.traits = true, .cleared = wave.launch<ClearTraits>(clear, items)};
+  wave.wait_all(retained.cleared, listed);
+  wave.adds_records(retained.cleared);
+  wave.run(generated, items, retained);
   if (wave.is_muted()) return;
   tile.out.sampling.traced += items;
   if (!is_own) tile.out.sampling.halo += items;
@@ -98,7 +98,7 @@ void SupersampleProgram::count(Tile& tile) const {
     }
     out.marks[pixel] = static_cast<SampleMark>(reasons | active << kActiveCountShift);
     sampling.active[active] += 1;
-    const Split<float> row = finished_pixel<float>(static_cast<float>(pixel), tile.finished);
+    const DivMod<float> row = finished_pixel<float>(static_cast<float>(pixel), tile.finished);
     const auto centre = static_cast<std::size_t>(centre_sample<float>(row, tile.finished));
     if (tile.buffer.traits[centre].object == kNoObject) sampling.background += kExtra * (4 - active);
   }

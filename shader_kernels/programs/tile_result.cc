@@ -21,7 +21,7 @@ void RaySlots::hold(std::size_t slots) {
 
 void TileBuffer::hold_wave(std::size_t slots) {
   wave.hold(slots);
-  // A stream has one more place than items: what is not kept is written behind its end.
+  // A stream has one more slot than items: what is not kept is written behind its end.
   for (auto* stream : {&misses, &surfaces, &textured, &diffuse, &mirror, &glass, &emissive}) grow(*stream, slots + 1);
   grow(places, slots);
   grow(mattes, slots);
@@ -58,7 +58,7 @@ void TileBuffer::hold_subpixels(std::size_t centres, std::size_t pixels) {
   grow(secondary_traits, centres);
   grow(branches, centres);
   grow(subpixels, 4 * pixels);
-  // Lists have places to spare: what is not kept is written behind their end, and chunks may stay three short.
+  // Lists have entries to spare: what is not kept is written behind their end, and chunks may stay three short.
   const std::size_t chunks = (4 * pixels + kChunk - 4) / (kChunk - 3) + 1;
   grow(active, chunks * kChunk + 4);
   grow(masters, pixels + 1);

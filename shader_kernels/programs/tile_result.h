@@ -33,7 +33,7 @@ struct TileBuffer {
   std::vector<std::uint32_t> misses, surfaces, textured, diffuse, mirror, glass, emissive;
   std::vector<std::uint32_t> absorbing, vertexed, based, physical, bumped, blended, glowing, occluded;
   std::vector<std::uint32_t> layers, targets;  ///< hits to test; slots whose rays go on
-  std::vector<PlaceRecord<float>> places;
+  std::vector<SurfacePointRecord<float>> places;
   std::vector<DiffuseRecord<float>> mattes;
   std::vector<TexcoordRecord<float>> texcoords;
   std::vector<SpecularRecord<float>> optics;

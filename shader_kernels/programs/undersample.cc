@@ -27,27 +27,27 @@ UndersampleProgram::UndersampleProgram(const traces::MemoryImage& image, const t
       correction_(undersample, config.width * undersample.grid(), config.height * undersample.grid(),
                   sample_tiles().side()) {}
 
-Wavefront::RetainedRecords UndersampleProgram::keeps(bool is_last) const {
-  Wavefront::RetainedRecords keep;
-  keep.surfaces = !is_last;
-  keep.geometry = is_last && correction_.scans() > 0;
-  return keep;
+Wavefront::RetainedRecords UndersampleProgram::records_to_retain(bool is_last) const {
+  Wavefront::RetainedRecords retained;
+  retained.surfaces = !is_last;
+  retained.geometry = is_last && correction_.scans() > 0;
+  return retained;
 }
 
 Wavefront::RetainedRecords UndersampleProgram::clear(Tile& tile, std::vector<std::uint32_t>& list,
                                                      Wavefront::Node lister, std::uint32_t items, std::uint32_t lanes,
-                                                     const Wavefront::RetainedRecords& keep) const {
-  Wavefront::RetainedRecords cleared = keep;
-  if (keep.surfaces) {
+                                                     const Wavefront::RetainedRecords& retained) const {
+  Wavefront::RetainedRecords cleared = retained;
+  if (retained.surfaces) {
     ClearSurface::Ports<float> ports;
     ports.samples.bind(list.data());
     cleared.cleared = tile.wave.launch<ClearSurface>(ports, items, lanes);
-  } else if (keep.geometry) {
+  } else if (retained.geometry) {
     ClearGeometry::Ports<float> ports;
     ports.samples.bind(list.data());
     cleared.cleared = tile.wave.launch<ClearGeometry>(ports, items, lanes);
   } else {
-    return keep;
+    return retained;
   }
   tile.wave.wait_all(cleared.cleared, lister);
   tile.wave.adds_records(cleared.cleared);
@@ -55,8 +55,8 @@ Wavefront::RetainedRecords UndersampleProgram::clear(Tile& tile, std::vector<std
 }
 
 void UndersampleProgram::traced(Tile& tile, std::vector<std::uint32_t>& list, std::uint32_t items, std::uint32_t lanes,
-                                const Wavefront::RetainedRecords& keep) const {
-  if (!keep.surfaces) return;
+                                const Wavefront::RetainedRecords& retained) const {
+  if (!retained.surfaces) return;
   RecordGlobal::Ports<float> ports;
   ports.samples.bind(list.data());
   const Wavefront::Node node = tile.wave.launch<RecordGlobal>(ports, items, lanes);

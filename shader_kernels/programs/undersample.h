@@ -22,21 +22,21 @@ class UndersampleProgram final : public BlockProgram {
                      const UndersampleConfig& undersample, float scene_size, std::uint32_t frame);
 
   std::uint32_t tiles() const override;
-  std::uint32_t pass_end(std::uint32_t place) const override;
+  std::uint32_t pass_end(std::uint32_t tile_index) const override;
   FrameRequirements requirements() const override;
-  void begin_pass(std::uint32_t place, const traces::Tracer& tracer) override;
-  void run_tile(std::uint32_t place, const traces::Tracer& tracer, bool record, TileResult& out) const override;
+  void begin_pass(std::uint32_t tile_index, const traces::Tracer& tracer) override;
+  void run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record, TileResult& out) const override;
   void keep(const TileResult& tile) override;
 
  private:
-  Wavefront::RetainedRecords keeps(bool is_last) const override;
+  Wavefront::RetainedRecords records_to_retain(bool is_last) const override;
   Verdict check(Tile& tile, bool along_y, const LineUniforms<float>& line, std::uint32_t items) const override;
   void interpolate(Tile& tile, bool along_y, const LineUniforms<float>& line, const Verdict& verdict) const override;
   Wavefront::RetainedRecords clear(Tile& tile, std::vector<std::uint32_t>& list, Wavefront::Node lister,
                                    std::uint32_t items, std::uint32_t lanes,
-                                   const Wavefront::RetainedRecords& keep) const override;
+                                   const Wavefront::RetainedRecords& retained) const override;
   void traced(Tile& tile, std::vector<std::uint32_t>& list, std::uint32_t items, std::uint32_t lanes,
-              const Wavefront::RetainedRecords& keep) const override;
+              const Wavefront::RetainedRecords& retained) const override;
   void settled(Tile& tile) const override;
 
   template <class K>
@@ -45,11 +45,11 @@ class UndersampleProgram final : public BlockProgram {
   void interpolate_with(Tile& tile, const LineUniforms<float>& line, const Verdict& verdict) const;
   template <class K>
   void store_identities(Tile& tile) const;
-  std::uint32_t scan_of(std::uint32_t place) const { return place / sample_tiles().count() - 1; }
+  std::uint32_t scan_of(std::uint32_t tile_index) const { return tile_index / sample_tiles().count() - 1; }
   // undersample_scans.cc
   std::uint32_t scanned_bytes() const;
   std::uint64_t scan_store(std::uint32_t tile) const;
-  void run_scan(std::uint32_t place, const traces::Tracer& tracer, bool record, TileResult& out) const;
+  void run_scan(std::uint32_t tile_index, const traces::Tracer& tracer, bool record, TileResult& out) const;
   template <class Sample>
   void list_suspects(std::span<const PostCorrection::Suspect> suspects, TileResult& out, Sample&& sample) const;
   void trace_suspects(Wavefront& wave, TileResult& out, const GridUniforms<float>& grid, std::uint32_t items,

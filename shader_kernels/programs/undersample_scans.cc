@@ -25,9 +25,9 @@ std::uint32_t pixels_of(std::span<const PostCorrection::Suspect> suspects, std::
 
 std::uint32_t UndersampleProgram::tiles() const { return sample_tiles().count() * (1 + correction_.scans()); }
 
-std::uint32_t UndersampleProgram::pass_end(std::uint32_t place) const {
+std::uint32_t UndersampleProgram::pass_end(std::uint32_t tile_index) const {
   const std::uint32_t count = sample_tiles().count();
-  return (place / count + 1) * count;
+  return (tile_index / count + 1) * count;
 }
 
 /// A sample's word for the scans; where pixels have several samples, their colours too, to average them again.
@@ -41,15 +41,15 @@ std::uint64_t UndersampleProgram::scan_store(std::uint32_t tile) const {
 }
 
 FrameRequirements UndersampleProgram::requirements() const {
-  FrameRequirements d = BlockProgram::requirements();
-  if (correction_.scans() > 0) d.region_bytes[kSamples] = scan_store(sample_tiles().count());
-  return d;
+  FrameRequirements needs = BlockProgram::requirements();
+  if (correction_.scans() > 0) needs.region_bytes[kSamples] = scan_store(sample_tiles().count());
+  return needs;
 }
 
-void UndersampleProgram::begin_pass(std::uint32_t place, const traces::Tracer& tracer) {
+void UndersampleProgram::begin_pass(std::uint32_t tile_index, const traces::Tracer& tracer) {
   const std::uint32_t count = sample_tiles().count();
-  if (place < count) return;
-  const PostCorrection::Scan scan = PostCorrection::scan(scan_of(place));
+  if (tile_index < count) return;
+  const PostCorrection::Scan scan = PostCorrection::scan(scan_of(tile_index));
   TileResult scratch;
   const auto trace = [&](std::span<const PostCorrection::Suspect> suspects) {
     // All suspects of a step lie in one column, or in one row.
@@ -99,12 +99,12 @@ void UndersampleProgram::trace_suspects(Wavefront& wave, TileResult& out, const 
   const Wavefront::Node generated = wave.launch<GenerateListedRays>(generate, items);
   wave.wait_all(generated, lister);
   ClearGeometry::Ports<float> clear;
-  Wavefront::RetainedRecords keep;
-  keep.geometry = true;
-  keep.cleared = wave.launch<ClearGeometry>(clear, items);
-  wave.wait_all(keep.cleared, lister);
-  wave.adds_records(keep.cleared);
-  wave.run(generated, items, keep);
+  Wavefront::RetainedRecords retained;
+  retained.geometry = true;
+  retained.cleared = wave.launch<ClearGeometry>(clear, items);
+  wave.wait_all(retained.cleared, lister);
+  wave.adds_records(retained.cleared);
+  wave.run(generated, items, retained);
 }
 
 void UndersampleProgram::average_again(std::uint32_t x, std::uint32_t y) {
@@ -120,21 +120,21 @@ void UndersampleProgram::average_again(std::uint32_t x, std::uint32_t y) {
   for (int channel = 0; channel < 3; ++channel) to[channel] = sum[channel];
 }
 
-void UndersampleProgram::run_tile(std::uint32_t place, const traces::Tracer& tracer, bool record,
+void UndersampleProgram::run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record,
                                   TileResult& out) const {
-  if (place < sample_tiles().count()) {
-    BlockProgram::run_tile(place, tracer, record, out);
+  if (tile_index < sample_tiles().count()) {
+    BlockProgram::run_tile(tile_index, tracer, record, out);
   } else {
-    run_scan(place, tracer, record, out);
+    run_scan(tile_index, tracer, record, out);
   }
 }
 
-void UndersampleProgram::run_scan(std::uint32_t place, const traces::Tracer& tracer, bool record,
+void UndersampleProgram::run_scan(std::uint32_t tile_index, const traces::Tracer& tracer, bool record,
                                   TileResult& out) const {
   const std::uint32_t count = sample_tiles().count();
-  const std::uint32_t number = scan_of(place);
+  const std::uint32_t number = scan_of(tile_index);
   const PostCorrection::Scan scan = PostCorrection::scan(number);
-  const std::uint32_t in_pass = place % count;
+  const std::uint32_t in_pass = tile_index % count;
   const SampleTile at = sample_tiles().tile(order()[scan.is_backward ? count - 1 - in_pass : in_pass]);
   const std::uint32_t samples = at.width * at.height;
   out.tile = (number + 1) * count + at.index;

@@ -25,9 +25,9 @@ Wavefront::Wavefront(const SceneTables& scene, const traces::Tracer& tracer, boo
   buffer_.record_nodes.clear();
 }
 
-void Wavefront::run(Node maker, std::uint32_t rays, const RetainedRecords& keep, std::uint32_t lanes,
+void Wavefront::run(Node maker, std::uint32_t rays, const RetainedRecords& retained, std::uint32_t lanes,
                     std::uint32_t padding) {
-  keep_ = keep;
+  retained_ = retained;
   Bounce bounce;
   bounce.rays = rays;
   bounce.lanes = std::max(rays, lanes);
@@ -43,7 +43,7 @@ void Wavefront::run(Node maker, std::uint32_t rays, const RetainedRecords& keep,
     if (streams.textured != 0) shade_textured(bounce, streams.textured);
     if (streams.emissive != 0) shade_emission(bounce, streams.emissive);
     if (streams.glowing != 0) shade_glow(bounce, streams.glowing);
-    const bool keeps_local = keep_.surfaces && bounce.depth == 1 && streams.diffuse != 0;
+    const bool keeps_local = retained_.surfaces && bounce.depth == 1 && streams.diffuse != 0;
     if (keeps_local) bounce.colours = record_local<false>(bounce, streams.diffuse);
     if (streams.diffuse != 0) {
       shade_ambient(bounce, streams.diffuse);

@@ -62,7 +62,7 @@ class Wavefront {
 
   /// Runs kernel K over `items` items and notes the launch. Ports that are not bound are bound by name. `lanes`: items
   /// of the stream that the inspector split; where kernels diverge (RenderConfig::streams) all of them go through K.
-  /// `padding`: places of K's stream that hold no item; they always go through K.
+  /// `padding`: slots of K's stream that hold no item; they always go through K.
   template <class K>
   Node launch(typename K::template Ports<float>& ports, std::uint32_t items, std::uint32_t lanes = 0,
               std::uint32_t padding = 0);
@@ -81,7 +81,7 @@ class Wavefront {
 
   /// Traces and shades the primary rays that `maker` has put into the first wave, one per item, and all that follows.
   /// `lanes` and `padding` as for launch().
-  void run(Node maker, std::uint32_t rays, const RetainedRecords& keep, std::uint32_t lanes = 0,
+  void run(Node maker, std::uint32_t rays, const RetainedRecords& retained, std::uint32_t lanes = 0,
            std::uint32_t padding = 0);
   void run(Node maker, std::uint32_t rays) { run(maker, rays, {}); }
   /// Shades interpolated surfaces, which `maker` has put into the wave's first slots: local light alone, with shadows
@@ -105,7 +105,7 @@ class Wavefront {
   /// Rays that have been traced.
   struct Batch {
     Node rays = StreamBuilder::kNone;
-    Node settled = StreamBuilder::kNone;  ///< the launch that has put the last hit in its place, if any ray went on
+    Node settled = StreamBuilder::kNone;  ///< the launch that has put the last hit into its slot, if any ray went on
   };
   /// Nodes that the launches of a bounce wait for.
   struct Bounce {
@@ -159,7 +159,7 @@ class Wavefront {
   Node record_local(const Bounce& bounce, std::uint32_t items);
   void record_shadows(const Bounce& bounce, std::uint32_t light, const Batch& batch, std::uint32_t rays);
   template <bool kInstanced>
-  Node keep_hits(const Bounce& bounce, std::uint32_t surfaces);
+  Node retain_hits(const Bounce& bounce, std::uint32_t surfaces);
   template <bool kInstanced>
   Node record_branches(const Bounce& bounce, std::uint32_t surfaces);
   Node record_branch_shadows(std::uint32_t rays, std::uint32_t lanes);
@@ -180,7 +180,7 @@ class Wavefront {
   TileBuffer& buffer_;
   const PortSources sources_;
   StreamBuilder stream_;
-  RetainedRecords keep_;
+  RetainedRecords retained_;
   std::uint32_t rays_traced_ = 0;
 };
 

@@ -15,7 +15,7 @@ constexpr float kLeastLight = 0x1p-5F;
 }  // namespace
 
 /// Rays whose hit turns out to be a hole, or to let light pass, go on as rays of their own, made from the original ray
-/// and the hit; their hits take the place of the original's. Returns the last launch that did that, or kNone if there
+/// and the hit; their hits replace the original's. Returns the last launch that did that, or kNone if there
 /// was nothing to test.
 Wavefront::Node Wavefront::settle(RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t count, Node batch) {
   const std::uint32_t solid = kind == RayKind::kShadow ? scene_.solid_shadow : kSolidNearest;

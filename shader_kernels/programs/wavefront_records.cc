@@ -18,7 +18,7 @@ template <bool kInstanced>
 Wavefront::Node Wavefront::record_branches(const Bounce& bounce, std::uint32_t surfaces) {
   const Node weighed = launch<WeighBranch>(bounce.rays);
   wait_all(weighed, bounce.inspector);
-  wait_all(weighed, keep_.cleared);
+  wait_all(weighed, retained_.cleared);
   typename RecordBranch<kInstanced>::template Ports<float> ports;
   ports.traits.bind(buffer_.secondary_traits.data());
   const Node recorded = launch<RecordBranch<kInstanced>>(ports, surfaces, bounce.lanes);
@@ -27,21 +27,22 @@ Wavefront::Node Wavefront::record_branches(const Bounce& bounce, std::uint32_t s
 }
 
 void Wavefront::record_hits(Bounce& bounce, std::uint32_t surfaces) {
-  bounce.recorded = scene_.image.has_levels() ? keep_hits<true>(bounce, surfaces) : keep_hits<false>(bounce, surfaces);
+  bounce.recorded =
+      scene_.image.has_levels() ? retain_hits<true>(bounce, surfaces) : retain_hits<false>(bounce, surfaces);
   if (bounce.recorded == StreamBuilder::kNone) return;
   wait_for_bounce(bounce.recorded, bounce);
-  wait_all(bounce.recorded, bounce.depth == 1 ? keep_.cleared : keep_.cleared_secondary);
+  wait_all(bounce.recorded, bounce.depth == 1 ? retained_.cleared : retained_.cleared_secondary);
   buffer_.record_nodes.push_back(bounce.recorded);
 }
 
 /// The launch that keeps what samples hit, if any is wanted.
 template <bool kInstanced>
-Wavefront::Node Wavefront::keep_hits(const Bounce& bounce, std::uint32_t surfaces) {
-  if (bounce.depth == 1 && keep_.geometry) return launch<RecordGeometry<kInstanced>>(surfaces, bounce.lanes);
-  if (bounce.depth == 1 && keep_.surfaces) return launch<RecordSurface<kInstanced>>(surfaces, bounce.lanes);
-  if (bounce.depth == 1 && keep_.traits) return launch<RecordTraits<kInstanced>>(surfaces, bounce.lanes);
-  if (bounce.depth == 2 && keep_.traits) return record_branches<kInstanced>(bounce, surfaces);
-  if (bounce.depth > 1 && keep_.secondary) {
+Wavefront::Node Wavefront::retain_hits(const Bounce& bounce, std::uint32_t surfaces) {
+  if (bounce.depth == 1 && retained_.geometry) return launch<RecordGeometry<kInstanced>>(surfaces, bounce.lanes);
+  if (bounce.depth == 1 && retained_.surfaces) return launch<RecordSurface<kInstanced>>(surfaces, bounce.lanes);
+  if (bounce.depth == 1 && retained_.traits) return launch<RecordTraits<kInstanced>>(surfaces, bounce.lanes);
+  if (bounce.depth == 2 && retained_.traits) return record_branches<kInstanced>(bounce, surfaces);
+  if (bounce.depth > 1 && retained_.secondary) {
     typename RecordSecondary<kInstanced>::template Ports<float> ports;
     ports.way = way_of(bounce.depth);
     ports.mirrored = bounce.mirrored;
@@ -68,13 +69,13 @@ Wavefront::Node Wavefront::record_branch_shadows(std::uint32_t rays, std::uint32
 
 void Wavefront::record_shadows(const Bounce& bounce, std::uint32_t light, const Batch& batch, std::uint32_t rays) {
   Node node = StreamBuilder::kNone;
-  if (bounce.depth == 1 && (keep_.geometry || keep_.surfaces)) {
+  if (bounce.depth == 1 && (retained_.geometry || retained_.surfaces)) {
     node = record_shadows<RecordShadow>(buffer_.geometry.data(), bit_of(light), rays, bounce.lanes);
-  } else if (bounce.depth == 1 && keep_.traits) {
+  } else if (bounce.depth == 1 && retained_.traits) {
     node = record_shadows<RecordTraitsShadow>(buffer_.traits.data(), 1, rays, bounce.lanes);
-  } else if (bounce.depth == 2 && keep_.traits) {
+  } else if (bounce.depth == 2 && retained_.traits) {
     node = record_branch_shadows(rays, bounce.lanes);
-  } else if (bounce.depth > 1 && keep_.secondary) {
+  } else if (bounce.depth > 1 && retained_.secondary) {
     const std::uint32_t mark = scrambled<float>(way_of(bounce.depth) ^ light);
     node = record_shadows<RecordSecondaryShadow>(buffer_.secondary.data(), mark, rays, bounce.lanes);
   } else {
@@ -91,7 +92,7 @@ Wavefront::Node Wavefront::record_local(const Bounce& bounce, std::uint32_t item
   const Node node = launch<RecordLocal<kAfter>>(items, bounce.lanes);
   wait_for_bounce(node, bounce);
   wait_for_colours(node);
-  if (!kAfter) wait_all(node, keep_.cleared);
+  if (!kAfter) wait_all(node, retained_.cleared);
   return node;
 }
 template Wavefront::Node Wavefront::record_local<false>(const Bounce& bounce, std::uint32_t items);

@@ -27,12 +27,12 @@ inline Sampled run_program(FrameProgram& program, const traces::Tracer& tracer, 
   out.marks.resize(std::size_t{out.samples_across} * program.height() * grid);
   TileResult tile;
   std::uint32_t pass_end = 0;
-  for (std::uint32_t place = 0; place < program.tiles(); ++place) {
-    if (place == pass_end) {
-      program.begin_pass(place, tracer);
-      pass_end = program.pass_end(place);
+  for (std::uint32_t tile_index = 0; tile_index < program.tiles(); ++tile_index) {
+    if (tile_index == pass_end) {
+      program.begin_pass(tile_index, tracer);
+      pass_end = program.pass_end(tile_index);
     }
-    program.run_tile(place, tracer, record, tile);
+    program.run_tile(tile_index, tracer, record, tile);
     program.keep(tile);
     for (std::size_t k = 0; k < out.rays.size(); ++k) out.rays[k] += tile.rays[k];
     for (std::size_t i = 0; i < tile.marks.size(); ++i) {

@@ -38,11 +38,11 @@ class Blocks : public testing::TestWithParam<const char*> {
         SCOPED_TRACE(testing::Message() << "tile " << tile << ", halo " << names_of(halo)[static_cast<int>(halo)]);
         RenderConfig render = base;
         render.tile = tile;
-        expect_same(run(render, AdaptiveConfig{halo, AttributePlace::kTile}), reference);
+        expect_same(run(render, AdaptiveConfig{halo, AttributeStorage::kTile}), reference);
       }
     }
     SCOPED_TRACE("attributes in memory, divergent kernels");
-    expect_same(run(base, AdaptiveConfig{Halo::kReload, AttributePlace::kDram}), reference);
+    expect_same(run(base, AdaptiveConfig{Halo::kReload, AttributeStorage::kDram}), reference);
     RenderConfig divergent = base;
     divergent.streams = Streams::kDivergent;
     expect_same(run(divergent, AdaptiveConfig{}), reference);

@@ -104,9 +104,9 @@ TEST_P(BlockStream, TilesComeBehindThoseThatTheyWaitFor) {
   for_each_scene([&](const traces::Scene& scene) {
     const Recorded r = record(scene);
     std::set<std::uint32_t> before;
-    for (std::size_t place = 0; place < r.works.size(); ++place) {
-      const traces::TileWork& work = r.works[place];
-      EXPECT_EQ(work.after_all, place != 0 && place % r.count == 0);
+    for (std::size_t tile_index = 0; tile_index < r.works.size(); ++tile_index) {
+      const traces::TileWork& work = r.works[tile_index];
+      EXPECT_EQ(work.after_all, tile_index != 0 && tile_index % r.count == 0);
       for (const std::uint32_t tile : work.after) EXPECT_TRUE(before.contains(tile)) << work.tile << " for " << tile;
       EXPECT_TRUE(before.insert(work.tile).second) << "each once";
       if (work.tile >= r.count) continue;
@@ -175,11 +175,11 @@ TEST_P(BlockStream, WhatIsReadOfOtherTilesTheyHaveWritten) {
 
 TEST_P(BlockStream, WhoRetracesTheHaloNeitherWaitsNorReads) {
   programs_.undersample.correction = Correction::kOff;
-  set({Halo::kRetrace, AttributePlace::kTile});
+  set({Halo::kRetrace, AttributeStorage::kTile});
   for_each_scene([&](const traces::Scene& scene) {
-    std::uint32_t place = 0;
+    std::uint32_t tile_index = 0;
     for (const traces::TileWork& work : record(scene).works) {
-      EXPECT_EQ(work.tile, place++) << "row by row";
+      EXPECT_EQ(work.tile, tile_index++) << "row by row";
       EXPECT_TRUE(work.after.empty());
       EXPECT_FALSE(work.after_all);
       for (const WorkNode& node : work.nodes) EXPECT_FALSE(moves(node, Region::kSamples));
@@ -188,8 +188,8 @@ TEST_P(BlockStream, WhoRetracesTheHaloNeitherWaitsNorReads) {
 }
 
 TEST_P(BlockStream, TransfersStayWithinTheirRegions) {
-  for (const AttributePlace place : {AttributePlace::kTile, AttributePlace::kDram}) {
-    set({Halo::kReload, place});
+  for (const AttributeStorage storage : {AttributeStorage::kTile, AttributeStorage::kDram}) {
+    set({Halo::kReload, storage});
     for_each_scene([&](const traces::Scene& scene) {
       const Recorded r = record(scene);
       for (const traces::TileWork& work : r.works) {
@@ -213,7 +213,7 @@ TEST_P(BlockStream, AttributesInMemoryAreWrittenAndReadBackOnceForEachCheck) {
   };
   const traces::Scene scene = traces::open_scene("cornell");
   const Recorded tile = record(scene);
-  set({Halo::kReload, AttributePlace::kDram});
+  set({Halo::kReload, AttributeStorage::kDram});
   const Recorded dram = record(scene);
   EXPECT_GT(tile.requirements.attribute_bytes, 0U);
   EXPECT_EQ(dram.requirements.attribute_bytes, 0U);

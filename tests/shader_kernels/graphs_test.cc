@@ -68,15 +68,15 @@ std::ostream& operator<<(std::ostream& out, const Count& c) {
 //   encoded         3 sqrt, 3 mul add sub, compare, mul, select            2 add  4 mul 3 div_sqrt 1 compare 1 select
 //   clamped         max, min                                               2 other
 //   lattice_sample  to_float, divmod; 2 (mul, add); to_int                  4 add  4 mul 1 other 2 convert
-//   sample_between  to_float, 2 divmod; mul; 2 (mul, add); add, mul, add, to_int; to_int; mul, add, to_int; to_int;
+//   sample_neighbours  to_float, 2 divmod; mul; 2 (mul, add); add, mul, add, to_int; to_int; mul, add, to_int; to_int;
 //                   compare, add, compare, or                              10 add 9 mul 2 other 2 compare 1 integer
 //                                                                           5 convert
 //   write_verdict       select; 2 (compare, next); shift, or; 3 store          3 select 2 compare 4 integer
 //   passed          and; shift, to_float, add; to_float; mul, sub, to_int; mul, add, to_int; mul
 //                                                                           3 add  3 mul 2 integer 4 convert
 //   lerp           sub, mul, add; of vectors three times that
-//   mixed_colours   6 clamped, lerp                                       6 add  3 mul 12 other
-//   mixed_geometry  2 lerp, normalised                                    14 add 12 mul 2 div_sqrt 1 other
+//   lerp_colours   6 clamped, lerp                                       6 add  3 mul 12 other
+//   lerp_geometry  2 lerp, normalised                                    14 add 12 mul 2 div_sqrt 1 other
 //   fails           compare, select; where flags decide, and before it
 //   wraps           2 (floor, sub); min, compare, sub, max, compare, and   3 add  4 other 2 compare 1 integer
 //   object_of       and, compare, select, or                               1 compare 1 select 2 integer
@@ -131,17 +131,17 @@ std::ostream& operator<<(std::ostream& out, const Count& c) {
 //   record_surface            and; 2 vector sub, cross 6 mul 3 sub; dot, compare, select; object_of; normalised, scale
 //   record_secondary          and; 5 compare, 2 and, 2 select; 2 vectors of select; xor, shift, xor, scrambled, add
 //   record_shadow             compare, select, add
-//   check_similarity          sample_between; 3 fails, dot; 2 or; write_verdict
+//   check_similarity          sample_neighbours; 3 fails, dot; 2 or; write_verdict
 //     with secondary hits     3 fails, 2 dot, min; 3 or more
-//   interpolate_x             passed, mixed_colours, mixed_geometry
+//   interpolate_x             passed, lerp_colours, lerp_geometry
 //     with secondary hits     2 (lerp, normalised) more
-//   interpolate_y             passed, mixed_colours
+//   interpolate_y             passed, lerp_colours
 //   average_samples           to_float, 3 divmod; 3 mul, 4 add, to_int; add_samples
 //   record_local_after, record_global   vector add or sub
-//   check_attributes          sample_between; vector sub, dot; 2 dot, neg, mul; 2 wraps, or;
+//   check_attributes          sample_neighbours; vector sub, dot; 2 dot, neg, mul; 2 wraps, or;
 //                             6 (clamped, encoded), vector sub, dot; 8 fails with dot, mul, 2 and for flags, 1 and; 7
 //                             or; write_verdict
-//   interpolate_attributes_y  passed, mixed_geometry; lerp of 2 vectors and 2 numbers
+//   interpolate_attributes_y  passed, lerp_geometry; lerp of 2 vectors and 2 numbers
 //   interpolate_attributes_x  the same, and one more vector, normalised
 //   shade_visible             diffuse_light; and, compare; 2 max, compare; 2 vectors of select; add_light
 //   store_identities          lattice_sample; and; 2 (compare, select); or
@@ -152,15 +152,15 @@ std::ostream& operator<<(std::ostream& out, const Count& c) {
 // supersample:
 //
 //   corner_steps    2 add, 4 compare, 2 and, 2 select, mul; a third and if has_both is used
-//   active_bit      shift, and; place_sum: dot; object_of: and, compare, select, or
+//   active_bit      shift, and; position_sum: dot; object_of: and, compare, select, or
 //   contrast        3 max, 3 min, 2 clamped (max min), 2 encoded (as in pack_colour); sub, add, max, div
 //
 //   clear_traits              nothing
 //   record_traits             and; object_of
 //   record_traits_shadow      compare, select, add
 //   weigh_branch              largest, max
-//   record_branch             and; object_of; largest, compare; 4 select; place_sum, select
-//   record_branch_shadow      compare; place_sum, compare; 2 select, add
+//   record_branch             and; object_of; largest, compare; 4 select; position_sum, select
+//   record_branch_shadow      compare; position_sum, compare; 2 select, add
 //   test_subpixels            shift, to_float, divmod; (shift, and), and, 2 (to_float, sub); corner_steps; 2 add, mul;
 //                             2 add, 2 add, select, 4 to_int; 2 sets of 3 (2 compare, 2 select; dot, compare, select;
 //                             2 or; or, and, compare, select), 3 or, and, compare, select; 2 shift, or, and; 8 (and,

@@ -59,12 +59,12 @@ Shown show(const traces::Scene& scene, const std::string& program, const traces:
       make_program(parse_program(program), {image, scene.cameras.front(), render, programs, rates, 0, 6});
   TileResult tile;
   std::uint32_t pass_end = 0;
-  for (std::uint32_t place = 0; place < frame->tiles(); ++place) {
-    if (place == pass_end) {
-      frame->begin_pass(place, tracer);
-      pass_end = frame->pass_end(place);
+  for (std::uint32_t tile_index = 0; tile_index < frame->tiles(); ++tile_index) {
+    if (tile_index == pass_end) {
+      frame->begin_pass(tile_index, tracer);
+      pass_end = frame->pass_end(tile_index);
     }
-    frame->run_tile(place, tracer, true, tile);
+    frame->run_tile(tile_index, tracer, true, tile);
     frame->keep(tile);
   }
   return {frame->picture(), frame->sampling()};

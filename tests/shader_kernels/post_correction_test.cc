@@ -17,7 +17,7 @@ namespace {
 constexpr std::uint32_t kSide = 48;  // pixels
 constexpr std::uint32_t kRods = 60;
 
-/// A rod that is red before a blue wall, of random place and angle.
+/// A rod that is red before a blue wall, of random position and angle.
 Stage rod_of(std::uint32_t seed, float pixels_thick) {
   constexpr float kFov = 0.5F;
   const float pixel = 2 * 4 * std::tan(0.5F * kFov) / kSide;

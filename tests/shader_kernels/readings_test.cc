@@ -12,7 +12,7 @@ namespace kernels {
 namespace {
 
 constexpr std::uint32_t kItems = 200;
-constexpr std::uint32_t kPlaces = 16 * kItems;  ///< of a memory: numbers drawn at random lead beyond the items
+constexpr std::uint32_t kRecords = 16 * kItems;  ///< of a memory: numbers drawn at random lead beyond the items
 constexpr std::uint32_t kTextureSize = 16;
 constexpr std::uint32_t kLeast = 32;  // samples from here on have neighbours on all sides
 
@@ -109,7 +109,7 @@ class RandomPorts {
 
   template <template <class> class R>
   std::byte* memory() {
-    std::vector<R<float>> records(kPlaces);
+    std::vector<R<float>> records(kRecords);
     for (R<float>& record : records) {
       if constexpr (std::is_same_v<R<float>, AxisRecord<float>>) {
         record = axis_record(kTextureSize, static_cast<traces::Texture::Wrap>(random() % 3),
@@ -127,11 +127,11 @@ class RandomPorts {
   }
   void fill(float& field, std::string_view name) {
     field = signed_number();
-    if (name == "place" && (random() & 3U) != 0) field = place_sum<float>({1.5F, 0.5F, 2.5F});
+    if (name == "place" && (random() & 3U) != 0) field = position_sum<float>({1.5F, 0.5F, 2.5F});
   }
   void fill(Vec3<float>& field, std::string_view name) {
     field = vector();
-    // Places sometimes meet.
+    // Positions sometimes meet.
     if ((name == "origin" || name == "position") && (random() & 3U) != 0) field = {1.5F, 0.5F, 2.5F};
   }
   void fill(std::uint32_t& field, std::string_view name) {

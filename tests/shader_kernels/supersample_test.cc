@@ -99,7 +99,7 @@ TEST_P(Supersample, WithAllThresholdsOneThePictureIsThatOfOneSample) {
   EXPECT_EQ(result.sampling.traced, 37U * 29U);
 }
 
-TEST_P(Supersample, ThePictureIsTheSameForEveryTileHaloAttributePlaceAndPacking) {
+TEST_P(Supersample, ThePictureIsTheSameForEveryTileHaloAttributeStorageAndPacking) {
   for (const SubpixelFilter filter : {SubpixelFilter::kNearest, SubpixelFilter::kBilinear}) {
     SupersampleConfig c;
     c.filter = filter;
@@ -110,7 +110,7 @@ TEST_P(Supersample, ThePictureIsTheSameForEveryTileHaloAttributePlaceAndPacking)
         for (const Packing packing : {Packing::kBlock, Packing::kAtomic, Packing::kNone}) {
           c.halo = halo;
           c.packing = packing;
-          c.attributes = packing == Packing::kNone ? AttributePlace::kDram : AttributePlace::kTile;
+          c.attributes = packing == Packing::kNone ? AttributeStorage::kDram : AttributeStorage::kTile;
           render.tile = tile;
           const Result result = world_.supersample(render, c, true);
           EXPECT_EQ(result.rgb, reference.rgb) << "tile " << tile;
@@ -385,15 +385,15 @@ TEST(Packing, AChunkNeverSplitsAPixelAndNothingIsLost) {
     std::set<std::uint32_t> listed;
     std::set<std::uint32_t> finished;
     std::uint32_t masters_so_far = 0;
-    for (std::uint32_t chunk = 0; chunk * kChunk < static_cast<std::uint32_t>(ports.places.value); ++chunk) {
+    for (std::uint32_t chunk = 0; chunk * kChunk < static_cast<std::uint32_t>(ports.list_end.value); ++chunk) {
       const std::uint32_t fill = fills[chunk] & 255U;
       ASSERT_LE(fill, kChunk);
       std::set<std::uint32_t> pixels;
       for (std::uint32_t i = 0; i < fill; ++i) {
-        const std::uint32_t place = chunk * kChunk + i;
-        EXPECT_TRUE(listed.insert(list[place]).second);
-        EXPECT_EQ(verdicts[list[place]] >> kPlaceShift, place);
-        pixels.insert(list[place] / 4);
+        const std::uint32_t index = chunk * kChunk + i;
+        EXPECT_TRUE(listed.insert(list[index]).second);
+        EXPECT_EQ(verdicts[list[index]] >> kIndexShift, index);
+        pixels.insert(list[index] / 4);
       }
       for (const std::uint32_t pixel : pixels) EXPECT_TRUE(finished.insert(pixel).second) << "cut by a chunk";
       const std::uint32_t end = fills[chunk] >> PackSubpixels::kFillBits;

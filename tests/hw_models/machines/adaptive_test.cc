@@ -15,7 +15,7 @@
 namespace hw {
 namespace {
 
-using kernels::AttributePlace;
+using kernels::AttributeStorage;
 using kernels::Halo;
 using testing::difference;
 using testing::Engine;
@@ -23,7 +23,7 @@ using testing::Method;
 using testing::Outcome;
 using testing::play;
 
-kernels::ProgramConfig config_of(Halo halo, AttributePlace attributes) {
+kernels::ProgramConfig config_of(Halo halo, AttributeStorage attributes) {
   kernels::ProgramConfig config;
   config.multirate.rate_control = kernels::RateControl::kHysteresis;
   config.undersample.correction = kernels::Correction::kFour;
@@ -59,7 +59,7 @@ void expect_same_function(const tools::FrontEnd::Result& a, const tools::FrontEn
   EXPECT_EQ(a.sampling.similar, b.sampling.similar);
 }
 
-class Adaptive : public ::testing::TestWithParam<std::tuple<const char*, Halo, AttributePlace>> {
+class Adaptive : public ::testing::TestWithParam<std::tuple<const char*, Halo, AttributeStorage>> {
  protected:
   const Method method_{
       "cornell", std::get<0>(GetParam()), config_of(std::get<1>(GetParam()), std::get<2>(GetParam())), 10, 7, 4};
@@ -67,11 +67,11 @@ class Adaptive : public ::testing::TestWithParam<std::tuple<const char*, Halo, A
 INSTANTIATE_TEST_SUITE_P(Programs, Adaptive,
                          ::testing::Combine(::testing::Values("multirate:under", "multirate:super", "undersample"),
                                             ::testing::Values(Halo::kReload, Halo::kRetrace),
-                                            ::testing::Values(AttributePlace::kTile, AttributePlace::kDram)),
+                                            ::testing::Values(AttributeStorage::kTile, AttributeStorage::kDram)),
                          [](const auto& i) {
                            std::string name = std::get<0>(i.param);
                            name += std::get<1>(i.param) == Halo::kReload ? "_reload" : "_retrace";
-                           name += std::get<2>(i.param) == AttributePlace::kTile ? "_tile" : "_dram";
+                           name += std::get<2>(i.param) == AttributeStorage::kTile ? "_tile" : "_dram";
                            std::ranges::replace(name, ':', '_');
                            return name;
                          });
@@ -118,7 +118,7 @@ TEST_P(Adaptive, EveryTileIsPlayedAndWhatItMovesIsCounted) {
   const bool scans = std::string_view(name) == "undersample";
   EXPECT_EQ(run.sum("tile_dispatcher", "finished"), program->tiles());
   EXPECT_EQ(run.sum("srp", "tiles"), program->tiles());
-  const bool moves_samples = halo == Halo::kReload || place == AttributePlace::kDram || scans;
+  const bool moves_samples = halo == Halo::kReload || place == AttributeStorage::kDram || scans;
   EXPECT_EQ(run.sum("dma", "samples_lines_read") != 0, moves_samples);
   EXPECT_EQ(run.sum("dma", "samples_lines_written") != 0, moves_samples);
   const std::uint64_t rated = scans ? 0 : program->tiles();

@@ -6,12 +6,12 @@
 namespace kernels {
 
 /// The samples between the reference samples of parallel lines. Along a line every `block`-th sample is a reference,
-/// from place 0 on; places below `low` or above `high` are outside the picture. `gaps` is block - 1.
+/// from position 0 on; positions below `low` or above `high` are outside the picture. `gaps` is block - 1.
 template <class V>
 struct LineUniforms {
   F<V> inner, inverse_inner;  ///< along x: samples between references in a line; along y: lines
   F<V> gaps, inverse_gaps, block, inverse_block;
-  F<V> first, step, line_step;  ///< place 0 of line 0; from place to place, from line to line
+  F<V> first, step, line_step;  ///< position 0 of line 0; from position to position, from line to line
   F<V> low, high;
   static void describe(auto& l, auto&& port) {
     port(l.inner, "line.inner");
@@ -32,21 +32,21 @@ struct LineUniforms {
 template <class V>
 struct SampleNeighbours {
   I<V> sample, before, after;
-  I<V> gap;      ///< places from `before` to the sample, less one
+  I<V> gap;      ///< samples between `before` and it
   M<V> outside;  ///< one of the two is not there
 };
 
 /// Sample number `item`; lines are worked off one after the other along x, side by side along y.
 template <bool kAlongY, class V>
-SampleNeighbours<V> sample_between(const I<V>& item, const LineUniforms<V>& line) {
-  const Split<V> outer = divmod<V>(to_float(item), line.inner, line.inverse_inner);
+SampleNeighbours<V> sample_neighbours(const I<V>& item, const LineUniforms<V>& line) {
+  const DivMod<V> outer = divmod<V>(to_float(item), line.inner, line.inverse_inner);
   const F<V> number = kAlongY ? outer.quotient : outer.remainder;
   const F<V> of_line = kAlongY ? outer.remainder : outer.quotient;
-  const Split<V> gap = divmod<V>(number, line.gaps, line.inverse_gaps);
-  const F<V> place = gap.quotient * line.block;
-  const F<V> before = line.first + of_line * line.line_step + place * line.step;
+  const DivMod<V> gap = divmod<V>(number, line.gaps, line.inverse_gaps);
+  const F<V> position = gap.quotient * line.block;
+  const F<V> before = line.first + of_line * line.line_step + position * line.step;
   return {to_int(before + (gap.remainder + 1.0F) * line.step), to_int(before), to_int(before + line.block * line.step),
-          to_int(gap.remainder), logical_or(place < line.low, line.high < place + line.block)};
+          to_int(gap.remainder), logical_or(position < line.low, line.high < position + line.block)};
 }
 
 // An item of the stream of samples that have passed: the sample, and above it the gap.
@@ -61,10 +61,10 @@ struct Passed {
 template <class V>
 Passed<V> passed(const I<V>& word, const LineUniforms<V>& line) {
   const I<V> sample = word & kSampleMask;
-  const F<V> places = to_float(word >> kGapShift) + 1.0F;
+  const F<V> steps = to_float(word >> kGapShift) + 1.0F;
   const F<V> at = to_float(sample);
-  const F<V> before = at - places * line.step;
-  return {sample, to_int(before), to_int(before + line.block * line.step), places * line.inverse_block};
+  const F<V> before = at - steps * line.step;
+  return {sample, to_int(before), to_int(before + line.block * line.step), steps * line.inverse_block};
 }
 
 /// What the check kernels leave: the failed checks of a sample in the tile buffer, and it in one of two streams.
@@ -106,7 +106,7 @@ Vec3<V> lerp(const Vec3<V>& a, const Vec3<V>& b, const F<V>& weight) {
 
 /// Colour of a sample between two: samples are what is averaged, so they are clamped first.
 template <class V>
-Vec3<V> mixed_colours(const Vec3<V>& a, const Vec3<V>& b, const F<V>& weight) {
+Vec3<V> lerp_colours(const Vec3<V>& a, const Vec3<V>& b, const F<V>& weight) {
   return lerp<V>({clamped<V>(a.x), clamped<V>(a.y), clamped<V>(a.z)},
                  {clamped<V>(b.x), clamped<V>(b.y), clamped<V>(b.z)}, weight);
 }
