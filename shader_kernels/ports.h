@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "shader_kernels/records.h"
+#include "shader_kernels/scene_records.h"
 #include "traces/scene/scene.h"
 #include "traces/stream.h"
 

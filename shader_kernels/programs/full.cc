@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "shader_kernels/programs/wavefront.h"
+#include "shader_kernels/programs/wavefront/wavefront.h"
 
 namespace kernels {
 namespace {

@@ -1,9 +1,9 @@
 #pragma once
 #include <cstdint>
 
-#include "shader_kernels/programs/frame_program.h"
-#include "shader_kernels/programs/render_config.h"
-#include "shader_kernels/programs/scene_tables.h"
+#include "shader_kernels/programs/wavefront/frame_program.h"
+#include "shader_kernels/programs/wavefront/render_config.h"
+#include "shader_kernels/programs/wavefront/scene_tables.h"
 
 namespace kernels {
 

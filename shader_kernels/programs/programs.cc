@@ -2,10 +2,10 @@
 
 #include <cmath>
 
+#include "shader_kernels/programs/adaptive/multirate.h"
+#include "shader_kernels/programs/adaptive/supersample.h"
+#include "shader_kernels/programs/adaptive/undersample.h"
 #include "shader_kernels/programs/full.h"
-#include "shader_kernels/programs/multirate.h"
-#include "shader_kernels/programs/supersample.h"
-#include "shader_kernels/programs/undersample.h"
 
 namespace kernels {
 

@@ -2,13 +2,13 @@
 #include <cstdint>
 #include <memory>
 
-#include "shader_kernels/programs/frame_program.h"
-#include "shader_kernels/programs/multirate_config.h"
+#include "shader_kernels/programs/adaptive/multirate_config.h"
+#include "shader_kernels/programs/adaptive/rate_map.h"
+#include "shader_kernels/programs/adaptive/supersample_config.h"
+#include "shader_kernels/programs/adaptive/undersample_config.h"
 #include "shader_kernels/programs/program_spec.h"
-#include "shader_kernels/programs/rate_map.h"
-#include "shader_kernels/programs/render_config.h"
-#include "shader_kernels/programs/supersample_config.h"
-#include "shader_kernels/programs/undersample_config.h"
+#include "shader_kernels/programs/wavefront/frame_program.h"
+#include "shader_kernels/programs/wavefront/render_config.h"
 #include "sim/named.h"
 #include "traces/accel/memory_image.h"
 #include "traces/scene/scene.h"

@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "harness.h"
-#include "shader_kernels/programs/multirate.h"
-#include "shader_kernels/programs/undersample.h"
+#include "shader_kernels/programs/adaptive/multirate.h"
+#include "shader_kernels/programs/adaptive/undersample.h"
 
 namespace kernels {
 

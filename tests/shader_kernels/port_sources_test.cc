@@ -1,4 +1,4 @@
-#include "shader_kernels/programs/port_sources.h"
+#include "shader_kernels/programs/wavefront/port_sources.h"
 
 #include <stdexcept>
 #include <string>

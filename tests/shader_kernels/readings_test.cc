@@ -5,7 +5,7 @@
 
 #include "shader_kernels/catalogue.h"
 #include "shader_kernels/interpret.h"
-#include "shader_kernels/programs/scene_tables.h"
+#include "shader_kernels/programs/wavefront/scene_tables.h"
 #include "sim/hash.h"
 
 namespace kernels {

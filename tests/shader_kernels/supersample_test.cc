@@ -1,4 +1,4 @@
-#include "shader_kernels/programs/supersample.h"
+#include "shader_kernels/programs/adaptive/supersample.h"
 
 #include <algorithm>
 #include <cmath>

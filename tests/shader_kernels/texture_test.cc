@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "shader_kernels/catalogue.h"
-#include "shader_kernels/programs/scene_tables.h"
+#include "shader_kernels/programs/wavefront/scene_tables.h"
 
 namespace kernels {
 namespace {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "hw_models/frame/tile_dispatcher.h"
-#include "shader_kernels/programs/frame_program.h"
+#include "shader_kernels/programs/wavefront/frame_program.h"
 #include "traces/tracer.h"
 
 namespace tools {

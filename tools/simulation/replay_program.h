@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "shader_kernels/programs/frame_program.h"
+#include "shader_kernels/programs/wavefront/frame_program.h"
 #include "traces/trace_file/trace_reader.h"
 
 namespace tools {

@@ -8,8 +8,8 @@
 
 #include "hw_models/srp/schedule.h"
 #include "hw_models/srp/srp_stats.h"
+#include "shader_kernels/programs/adaptive/rate_map.h"
 #include "shader_kernels/programs/program_spec.h"
-#include "shader_kernels/programs/rate_map.h"
 #include "sim/report/energy.h"
 #include "sim/report/unit_report.h"
 #include "tools/host/progress.h"

@@ -1,0 +1,40 @@
+#pragma once
+#include <cstdint>
+
+#include "shader_kernels/programs/adaptive/block_program.h"
+#include "shader_kernels/programs/adaptive/multirate_config.h"
+#include "shader_kernels/programs/adaptive/rate_map.h"
+
+namespace kernels {
+
+/// Frame programs multirate:under and multirate:super (Lee et al. 2016): samples between similar ones take the colour
+/// in their middle. A sample is a pixel, or one of four of a pixel.
+///
+///   per tile: references -> check_similarity_x -> interpolate | trace -> check_similarity_y -> interpolate | trace
+///             -> average_samples -> pack_colour -> transfer to the frame buffer
+class MultirateProgram final : public BlockProgram {
+ public:
+  /// `grid`: samples along a pixel, 1 or 2. `rates` must stay as they are while the program is in use.
+  MultirateProgram(const traces::MemoryImage& image, const traces::Camera& camera, const RenderConfig& config,
+                   const MultirateConfig& multirate, std::uint32_t grid, const RateMap& rates, std::uint32_t frame);
+
+ private:
+  std::uint32_t block_of(std::uint32_t tile) const override { return rates_.block(tile); }
+  bool carries_rates() const override { return multirate_.rate_control != RateControl::kOff; }
+  Wavefront::RetainedRecords records_to_retain(bool is_last) const override;
+  Verdict check(Tile& tile, bool along_y, const LineUniforms<float>& line, std::uint32_t items) const override;
+  void interpolate(Tile& tile, bool along_y, const LineUniforms<float>& line, const Verdict& verdict) const override;
+  Wavefront::RetainedRecords clear(Tile& tile, std::vector<std::uint32_t>& list, Wavefront::Node lister,
+                                   std::uint32_t items, std::uint32_t lanes,
+                                   const Wavefront::RetainedRecords& retained) const override;
+
+  template <class K>
+  Verdict check_with(Tile& tile, const LineUniforms<float>& line, std::uint32_t items) const;
+  template <class K>
+  void interpolate_with(Tile& tile, const LineUniforms<float>& line, const Verdict& verdict) const;
+
+  const MultirateConfig multirate_;
+  const RateMap& rates_;
+};
+
+}  // namespace kernels

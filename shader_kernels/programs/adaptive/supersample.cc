@@ -1,0 +1,82 @@
+#include "shader_kernels/programs/adaptive/supersample.h"
+
+#include <algorithm>
+
+#include "shader_kernels/kernels/pack_subpixels.h"
+
+namespace kernels {
+namespace {
+
+/// A halo is two samples wide, so no tile may be narrower, but the last.
+constexpr std::uint32_t kHalo = 2;
+
+}  // namespace
+
+SupersampleProgram::SupersampleProgram(const traces::MemoryImage& image, const traces::Camera& camera,
+                                       const RenderConfig& config, const SupersampleConfig& supersample,
+                                       std::uint32_t frame)
+    : FrameProgram(config.width, config.height),
+      config_(config),
+      supersample_(supersample),
+      scene_(image, config),
+      camera_(camera_uniforms(camera, config.width, config.height)),
+      tiles_(config.width, config.height, 1, config.tile / 2, kHalo),  // of sub-pixels, two along a pixel
+      order_(tiles_.order(supersample.halo)),
+      frame_(frame) {}
+
+FrameRequirements SupersampleProgram::requirements() const {
+  const std::uint32_t samples = tiles_.side() * tiles_.side();
+  FrameRequirements needs;
+  needs.tile_samples = std::max(samples, kChunk * kExtra);
+  needs.attribute_bytes = supersample_.attributes == AttributeStorage::kTile ? samples * kAttributeBytes : 0;
+  needs.region_bytes = {std::uint64_t{tiles_.count()} * tile_pixels() * kPixelBytes, tiles_.count() * store_bytes(), 0};
+  return needs;
+}
+
+void SupersampleProgram::run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record,
+                                  TileResult& out) const {
+  const SampleTile at = tiles_.tile(order_[tile_index]);
+  const std::uint32_t left = at.has_left ? 1 : 0;
+  const std::uint32_t above = at.has_above ? 1 : 0;
+  out.tile = at.index;
+  out.x = at.x - left;
+  out.y = at.y - above;
+  out.width = at.width + left - (at.has_right ? 1 : 0);
+  out.height = at.height + above - (at.has_below ? 1 : 0);
+  const std::uint32_t pixels = out.width * out.height;
+  out.linear.resize(pixels);
+  out.packed.resize(pixels);
+  out.sampling = {};
+  out.marks.assign(pixels, 0);
+  out.buffer.hold_samples(centres() + std::size_t{kWhole} * tile_pixels());
+  // Blocks that stand out look at verdicts behind the last.
+  out.buffer.hold_subpixels(centres(), tile_pixels() + kBlockHeight * pitch() + kBlockWidth);
+  out.work.frame = frame_;
+  out.work.tile = at.index;
+  out.work.samples = at.width * at.height;
+
+  Wavefront wave(scene_, tracer, record, out);
+  const auto width = static_cast<float>(out.width), height = static_cast<float>(out.height);
+  const FinishedUniforms<float> finished{.width = width,
+                                         .inverse_width = 1.0F / width,
+                                         .first = static_cast<float>((kHalo - above) * pitch() + kHalo - left),
+                                         .pitch = static_cast<float>(pitch()),
+                                         .low_x = at.has_left ? -1.0F : 0.0F,
+                                         .high_x = at.has_right ? width : width - 1.0F,
+                                         .low_y = at.has_above ? -1.0F : 0.0F,
+                                         .high_y = at.has_below ? height : height - 1.0F};
+  Tile tile{at, finished, pixels, wave, out, out.buffer};
+
+  trace_centres(tile, kHalo, kHalo, at.width, at.height, true);
+  make_halo(tile);
+  export_borders(tile);
+  park_attributes(tile);
+  const Node tested = test(tile);
+  const Node weighed = weigh(tile, tested);
+  const Node averaged = sample_active(tile, tested, weighed);
+  wave.put_out(averaged, std::uint64_t{at.index} * tile_pixels() * kPixelBytes);
+  wave.finish();
+  count(tile);
+}
+
+}  // namespace kernels

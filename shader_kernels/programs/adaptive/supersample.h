@@ -1,0 +1,109 @@
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "shader_kernels/kernels/subpixels.h"
+#include "shader_kernels/programs/adaptive/sample_tiles.h"
+#include "shader_kernels/programs/adaptive/supersample_config.h"
+#include "shader_kernels/programs/wavefront/frame_program.h"
+#include "shader_kernels/programs/wavefront/render_config.h"
+#include "shader_kernels/programs/wavefront/scene_tables.h"
+#include "shader_kernels/programs/wavefront/wavefront.h"
+
+namespace kernels {
+
+/// Frame program supersample (Jin et al. 2009): every pixel has one sample at its centre; each of its four sub-pixels
+/// is compared with the three pixels around its corner and, if need be, gets four samples more, those of full:16.
+///
+///   per tile: centres -> test_subpixels -> weigh_centres -> pack_colour -> transfer to the frame buffer
+///                                                         -> pack_subpixels -> generate_extra_rays -> sum_subpixels
+///
+/// Pixels look to all sides, but tiles only to the left and above: what a tile finishes lies one pixel further left and
+/// further up than what it takes centre samples of. It needs two columns and rows of its neighbours' (its halo):
+///
+///   h h|h h h h    h  halo: samples of the tiles left, above, and above to the left
+///   h F|F F F .    F  pixels finished here
+///   ---+-------    .  the neighbours to the right and below finish these; at the picture's edge, this tile
+///   h F|F F F .
+///   h .|. . . .
+///
+/// Active sub-pixels are sampled in chunks of 64, which share the slots of 256 rays, so a chunk begins when the one
+/// before has been summed up. Packing: `block` lists them so that no pixel is cut by a chunk; entries left empty for
+/// that idle through the loops up to the first inspector's. `none` has no list: a chunk is 16 pixels, and their
+/// inactive sub-pixels idle likewise. `atomic` cuts pixels and mixes them up, so sums must wait until all chunks are
+/// done: the chunks' samples go to memory, and all are read back at once. Not modelled: contention for the list's
+/// length, which costs its own kernel a load and a store per sub-pixel here.
+class SupersampleProgram final : public FrameProgram {
+ public:
+  SupersampleProgram(const traces::MemoryImage& image, const traces::Camera& camera, const RenderConfig& config,
+                     const SupersampleConfig& supersample, std::uint32_t frame);
+
+  std::uint32_t tiles() const override { return tiles_.count(); }
+  FrameRequirements requirements() const override;
+  void run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record, TileResult& out) const override;
+
+ private:
+  using Node = Wavefront::Node;
+  /// A tile being worked on.
+  struct Tile {
+    SampleTile at;
+    FinishedUniforms<float> finished;
+    std::uint32_t pixels;  ///< finished
+    Wavefront& wave;
+    TileResult& out;
+    TileBuffer& buffer;
+  };
+  /// Sub-pixels that are sampled at once, and pixels that are then complete.
+  struct Chunk {
+    std::uint32_t first = 0, subpixels = 0;
+    std::uint32_t padding = 0;  ///< sub-pixels that idle beside them
+    std::uint32_t first_master = 0, masters = 0;
+  };
+
+  /// What a sample keeps beside its colour: of two hits.
+  static constexpr std::uint32_t kAttributeBytes = 2 * sizeof(TraitsRecord<float>);
+
+  /// Samples to a row of the tile buffer: two of the halo, then the tile's own.
+  std::uint32_t pitch() const { return tiles_.side() + 2; }
+  std::uint32_t centres() const { return pitch() * pitch(); }
+  std::uint32_t tile_pixels() const { return (tiles_.side() + 1) * (tiles_.side() + 1); }
+  std::uint64_t store_bytes() const;
+  LatticeUniforms<float> lattice(std::uint32_t x, std::uint32_t y, std::uint32_t across) const;
+
+  // supersample_tests.cc
+  void trace_centres(Tile& tile, std::uint32_t x, std::uint32_t y, std::uint32_t across, std::uint32_t down,
+                     bool is_own) const;
+  Node test(Tile& tile) const;
+  Node weigh(Tile& tile, Node tested) const;
+  template <bool kBilinear>
+  Node weigh_with(Tile& tile, Node tested) const;
+  void count(Tile& tile) const;
+
+  // supersample_halo.cc
+  void make_halo(Tile& tile) const;
+  void import_samples(Tile& tile, std::uint64_t offset, std::uint32_t samples) const;
+  void export_borders(Tile& tile) const;
+  void park_attributes(Tile& tile) const;
+
+  // supersample_extra.cc
+  Node sample_active(Tile& tile, Node tested, Node weighed) const;
+  Node pack(Tile& tile, Node tested, std::vector<Chunk>& chunks) const;
+  Node pack_by_block(Tile& tile, Node tested, std::vector<Chunk>& chunks) const;
+  Node pack_by_atomics(Tile& tile, Node tested, std::vector<Chunk>& chunks) const;
+  void take_all(Tile& tile, std::vector<Chunk>& chunks) const;
+  void trace_chunk(Tile& tile, const Chunk& chunk, Node packed) const;
+  Node sum_up(Tile& tile, const Chunk& chunk, Node weighed) const;
+  Node sum_from_memory(Tile& tile, std::uint32_t subpixels, Node weighed) const;
+  Node sum(Tile& tile, std::uint32_t* listed, std::uint32_t pixels, std::uint32_t padding, std::uint32_t first_index,
+           Node weighed) const;
+
+  const RenderConfig config_;
+  const SupersampleConfig supersample_;
+  const SceneTables scene_;
+  const CameraUniforms<float> camera_;
+  const SampleTiles tiles_;
+  const std::vector<std::uint32_t> order_;
+  const std::uint32_t frame_;
+};
+
+}  // namespace kernels

@@ -1,0 +1,107 @@
+#include "shader_kernels/programs/adaptive/supersample.h"
+
+namespace kernels {
+
+LatticeUniforms<float> SupersampleProgram::lattice(std::uint32_t x, std::uint32_t y, std::uint32_t across) const {
+  return {.first = static_cast<float>(y * pitch() + x),
+          .across = static_cast<float>(across),
+          .inverse_across = 1.0F / static_cast<float>(across),
+          .step = 1,
+          .row_step = static_cast<float>(pitch())};
+}
+
+/// Samples at pixels' centres; `x`, `y` are the first one's position in the tile buffer.
+void SupersampleProgram::trace_centres(Tile& tile, std::uint32_t x, std::uint32_t y, std::uint32_t across,
+                                       std::uint32_t down, bool is_own) const {
+  Wavefront& wave = tile.wave;
+  TileBuffer& buffer = tile.buffer;
+  const std::uint32_t items = across * down;
+  ListSamples::Ports<float> list;
+  list.lattice = lattice(x, y, across);
+  const Node listed = wave.launch<ListSamples>(list, items);
+
+  buffer.hold_wave(items);
+  GenerateListedRays::Ports<float> generate;
+  generate.camera = camera_;
+  generate.grid = {.x0 = static_cast<float>(tile.at.x) - 2.0F,
+                   .y0 = static_cast<float>(tile.at.y) - 2.0F,
+                   .pitch = static_cast<float>(pitch()),
+                   .inverse_pitch = 1.0F / static_cast<float>(pitch()),
+                   .grid = 1,
+                   .inverse_grid = 1};
+  const Node generated = wave.launch<GenerateListedRays>(generate, items);
+  wave.wait_all(generated, listed);
+
+  ClearTraits::Ports<float> clear;
+  clear.secondary.bind(buffer.secondary_traits.data());
+  const Wavefront::RetainedRecords retained{.traits = true, .cleared = wave.launch<ClearTraits>(clear, items)};
+  wave.wait_all(retained.cleared, listed);
+  wave.adds_records(retained.cleared);
+  wave.run(generated, items, retained);
+  if (wave.is_muted()) return;
+  tile.out.sampling.traced += items;
+  if (!is_own) tile.out.sampling.halo += items;
+}
+
+SupersampleProgram::Node SupersampleProgram::test(Tile& tile) const {
+  const SupersampleConfig& c = supersample_;
+  const std::array<double, kAttributes> thresholds{c.colour,           c.object,           c.normal,
+                                                   c.shadow,           c.texture,          c.secondary_object,
+                                                   c.secondary_normal, c.secondary_shadow, c.secondary_texture};
+  TestSubpixels::Ports<float> ports;
+  ports.finished = tile.finished;
+  ports.secondary.bind(tile.buffer.secondary_traits.data());
+  ports.verdicts.bind(tile.buffer.subpixels.data());
+  ports.compared = 0;
+  for (std::size_t i = 0; i < kAttributes; ++i) {
+    const bool is_off = thresholds[i] < 0;
+    ports.thresholds[i] = is_off ? kNever : static_cast<float>(thresholds[i]);
+    if (!is_off) ports.compared |= 1U << i;
+  }
+  ports.focus = c.focus ? traces::kFocusObject : 0;
+  ports.textured = ports.focus | kTexturedObject;
+  const Node node = tile.wave.launch<TestSubpixels>(ports, 4 * tile.pixels);
+  tile.wave.wait_for_records(node);
+  tile.wave.wait_for_colours(node);
+  return node;
+}
+
+SupersampleProgram::Node SupersampleProgram::weigh(Tile& tile, Node tested) const {
+  return supersample_.filter == SubpixelFilter::kBilinear ? weigh_with<true>(tile, tested)
+                                                          : weigh_with<false>(tile, tested);
+}
+
+template <bool kBilinear>
+SupersampleProgram::Node SupersampleProgram::weigh_with(Tile& tile, Node tested) const {
+  typename WeighCentres<kBilinear>::template Ports<float> ports;
+  ports.finished = tile.finished;
+  ports.verdicts.bind(tile.buffer.subpixels.data());
+  const Node node = tile.wave.launch<WeighCentres<kBilinear>>(ports, tile.pixels);
+  tile.wave.wait_all(node, tested);
+  return node;
+}
+
+void SupersampleProgram::count(Tile& tile) const {
+  TileResult& out = tile.out;
+  Sampling& sampling = out.sampling;
+  sampling.wanted = std::uint64_t{kWhole} * tile.pixels;
+  sampling.traced_background = out.background.size();
+  for (const std::uint32_t sample : out.background) sampling.background += sample >= centres() ? 1 : 0;
+  for (std::uint32_t pixel = 0; pixel < tile.pixels; ++pixel) {
+    std::uint32_t active = 0, reasons = 0;
+    for (std::uint32_t i = 0; i < 4; ++i) {
+      const std::uint32_t verdict = tile.buffer.subpixels[4 * pixel + i];
+      if (active_bit<float>(verdict) == 0) continue;
+      active += 1;
+      reasons |= verdict & ((1U << kAttributes) - 1);
+      for (std::size_t a = 0; a < kAttributes; ++a) sampling.reasons[a] += verdict >> a & 1U;
+    }
+    out.marks[pixel] = static_cast<SampleMark>(reasons | active << kActiveCountShift);
+    sampling.active[active] += 1;
+    const DivMod<float> row = finished_pixel<float>(static_cast<float>(pixel), tile.finished);
+    const auto centre = static_cast<std::size_t>(centre_sample<float>(row, tile.finished));
+    if (tile.buffer.traits[centre].object == kNoObject) sampling.background += kExtra * (4 - active);
+  }
+}
+
+}  // namespace kernels

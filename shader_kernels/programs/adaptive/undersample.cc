@@ -1,0 +1,135 @@
+#include "shader_kernels/programs/adaptive/undersample.h"
+
+#include <algorithm>
+
+#include <glm/common.hpp>
+
+namespace kernels {
+
+namespace {
+
+constexpr std::uint32_t kRecordBytes =
+    sizeof(GeometryRecord<float>) + sizeof(SurfaceRecord<float>) + sizeof(ColourRecord<float>);
+
+}  // namespace
+
+UndersampleProgram::UndersampleProgram(const traces::MemoryImage& image, const traces::Camera& camera,
+                                       const RenderConfig& config, const UndersampleConfig& undersample,
+                                       float scene_size, std::uint32_t frame)
+    : BlockProgram(image, camera, config, undersample,
+                   {.grid = undersample.grid(),
+                    .block = undersample.block,
+                    .whole = undersample.block,
+                    .record_bytes = kRecordBytes},
+                   frame),
+      undersample_(undersample),
+      apart_(static_cast<float>(undersample.position) * scene_size),
+      correction_(undersample, config.width * undersample.grid(), config.height * undersample.grid(),
+                  sample_tiles().side()) {}
+
+Wavefront::RetainedRecords UndersampleProgram::records_to_retain(bool is_last) const {
+  Wavefront::RetainedRecords retained;
+  retained.surfaces = !is_last;
+  retained.geometry = is_last && correction_.scans() > 0;
+  return retained;
+}
+
+Wavefront::RetainedRecords UndersampleProgram::clear(Tile& tile, std::vector<std::uint32_t>& list,
+                                                     Wavefront::Node lister, std::uint32_t items, std::uint32_t lanes,
+                                                     const Wavefront::RetainedRecords& retained) const {
+  Wavefront::RetainedRecords cleared = retained;
+  if (retained.surfaces) {
+    ClearSurface::Ports<float> ports;
+    ports.samples.bind(list.data());
+    cleared.cleared = tile.wave.launch<ClearSurface>(ports, items, lanes);
+  } else if (retained.geometry) {
+    ClearGeometry::Ports<float> ports;
+    ports.samples.bind(list.data());
+    cleared.cleared = tile.wave.launch<ClearGeometry>(ports, items, lanes);
+  } else {
+    return retained;
+  }
+  tile.wave.wait_all(cleared.cleared, lister);
+  tile.wave.adds_records(cleared.cleared);
+  return cleared;
+}
+
+void UndersampleProgram::traced(Tile& tile, std::vector<std::uint32_t>& list, std::uint32_t items, std::uint32_t lanes,
+                                const Wavefront::RetainedRecords& retained) const {
+  if (!retained.surfaces) return;
+  RecordGlobal::Ports<float> ports;
+  ports.samples.bind(list.data());
+  const Wavefront::Node node = tile.wave.launch<RecordGlobal>(ports, items, lanes);
+  tile.wave.wait_for_colours(node);
+  tile.wave.adds_records(node);
+}
+
+BlockProgram::Verdict UndersampleProgram::check(Tile& tile, bool along_y, const LineUniforms<float>& line,
+                                                std::uint32_t items) const {
+  return along_y ? check_with<CheckAttributes<true>>(tile, line, items)
+                 : check_with<CheckAttributes<false>>(tile, line, items);
+}
+
+template <class K>
+BlockProgram::Verdict UndersampleProgram::check_with(Tile& tile, const LineUniforms<float>& line,
+                                                     std::uint32_t items) const {
+  const auto colour = static_cast<float>(undersample_.colour);
+  typename K::template Ports<float> ports;
+  ports.line = line;
+  ports.apart_squared = apart_ * apart_;
+  ports.least_dot = static_cast<float>(undersample_.normal);
+  ports.texture = static_cast<float>(undersample_.texture);
+  ports.colour_squared = colour * colour;
+  const Wavefront::Node node = tile.wave.launch<K>(ports, items);
+  return {node, ports.passed_count.value, ports.failed_count.value};
+}
+
+void UndersampleProgram::interpolate(Tile& tile, bool along_y, const LineUniforms<float>& line,
+                                     const Verdict& verdict) const {
+  if (along_y) return interpolate_with<InterpolateAttributes<true>>(tile, line, verdict);
+  interpolate_with<InterpolateAttributes<false>>(tile, line, verdict);
+}
+
+template <class K>
+void UndersampleProgram::interpolate_with(Tile& tile, const LineUniforms<float>& line, const Verdict& verdict) const {
+  TileBuffer& buffer = tile.buffer;
+  buffer.hold_wave(verdict.passed);
+  typename K::template Ports<float> ports;
+  ports.line = line;
+  const std::uint32_t lanes = verdict.passed + verdict.failed;
+  const Wavefront::Node node = tile.wave.launch<K>(ports, verdict.passed, lanes);
+  tile.wave.wait_all(node, verdict.node);
+  tile.wave.adds_records(node);
+  tile.wave.adds_colours(node);
+  tile.wave.shade_interpolated(node, verdict.passed, lanes);
+}
+
+void UndersampleProgram::settled(Tile& tile) const {
+  if (correction_.scans() == 0) return;
+  undersample_.correct_shadows ? store_identities<StoreIdentities<true>>(tile)
+                               : store_identities<StoreIdentities<false>>(tile);
+}
+
+template <class K>
+void UndersampleProgram::store_identities(Tile& tile) const {
+  typename K::template Ports<float> ports;
+  ports.lattice = {.first = static_cast<float>(pitch() + 1),
+                   .across = static_cast<float>(tile.at.width),
+                   .inverse_across = 1.0F / static_cast<float>(tile.at.width),
+                   .step = 1,
+                   .row_step = static_cast<float>(pitch())};
+  const std::uint32_t samples = tile.at.width * tile.at.height;
+  const Wavefront::Node node = tile.wave.launch<K>(ports, samples);
+  tile.wave.wait_for_records(node);
+  const Wavefront::Node out =
+      tile.wave.transfer(traces::Region::kSamples, true, scan_store(tile.at.index), samples * scanned_bytes());
+  tile.wave.wait_all(out, node);
+  tile.wave.wait_for_colours(out);
+  tile.out.shown.clear();
+  for (std::uint32_t i = 0; i < samples; ++i) {
+    const std::uint32_t sample = (i / tile.at.width + 1) * pitch() + i % tile.at.width + 1;
+    tile.out.shown.push_back({tile.buffer.identities[i], tile.out.colour(sample)});
+  }
+}
+
+}  // namespace kernels

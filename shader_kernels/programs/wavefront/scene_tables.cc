@@ -1,0 +1,103 @@
+#include "shader_kernels/programs/wavefront/scene_tables.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <glm/geometric.hpp>
+
+#include "sim/hash.h"
+#include "traces/accel/material_tables.h"
+
+namespace kernels {
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+Vec3<float> vec3(const glm::vec3& v) { return {v.x, v.y, v.z}; }
+
+}  // namespace
+
+CameraUniforms<float> camera_uniforms(const traces::Camera& camera, std::uint32_t width, std::uint32_t height) {
+  const glm::vec3 right = glm::normalize(glm::vec3(camera.to_world[0]));
+  const glm::vec3 up = glm::normalize(glm::vec3(camera.to_world[1]));
+  const glm::vec3 back = glm::normalize(glm::vec3(camera.to_world[2]));
+  const float half_height = std::tan(0.5F * camera.vertical_fov);
+  const float pixel = 2.0F * half_height / static_cast<float>(height);
+  const float half_width = 0.5F * pixel * static_cast<float>(width);
+  return {vec3(glm::vec3(camera.to_world[3])), vec3(up * half_height - right * half_width - back), vec3(right * pixel),
+          vec3(-up * pixel)};
+}
+
+LightUniforms<float> light_uniforms(const traces::Light& light) {
+  using Kind = traces::Light::Kind;
+  const bool local = light.kind != Kind::kDirectional;
+  LightUniforms<float> u{.position = vec3(local ? light.position : -light.direction),
+                         .direction = vec3(light.direction),
+                         .intensity = vec3(light.intensity),
+                         .local = local ? 1.0F : 0.0F,
+                         .reach = local ? 1.0F : kInfinity,
+                         .cone_scale = 0,
+                         .cone_offset = 1,
+                         .inverse_range_squared = 0};
+  if (local && light.range > 0) u.inverse_range_squared = 1.0F / (light.range * light.range);
+  if (light.kind == Kind::kSpot) {
+    u.cone_scale = 1.0F / std::max(0.001F, light.cos_inner - light.cos_outer);
+    u.cone_offset = -light.cos_outer * u.cone_scale;
+  }
+  return u;
+}
+
+std::uint32_t jitter_seed(std::uint32_t frame) { return static_cast<std::uint32_t>(sim::hash(frame)); }
+
+AxisRecord<float> axis_record(std::uint32_t size, traces::Texture::Wrap wrap, traces::Texture::Filter filter) {
+  using Wrap = traces::Texture::Wrap;
+  const auto texels = static_cast<float>(size);
+  const float last = texels - 1.0F;
+  AxisRecord<float> axis{texels, last, -kInfinity, kInfinity, 2.0F, 0.5F, 0.0F, 0.5F};
+  switch (wrap) {
+    case Wrap::kRepeat:
+      axis.period = axis.inverse_period = 1.0F;
+      axis.below = last;
+      break;
+    case Wrap::kMirror:
+      break;
+    case Wrap::kClamp:
+      axis.low = 0.0F;
+      axis.high = 1.0F;
+      break;
+  }
+  if (filter == traces::Texture::Filter::kNearest) {
+    axis.size = std::nextafter(texels, 0.0F);
+    axis.offset = 0.0F;
+  }
+  return axis;
+}
+
+SceneTables::SceneTables(const traces::MemoryImage& memory_image, const RenderConfig& config)
+    : image(memory_image),
+      background(vec3(memory_image.background)),
+      ambient(vec3(memory_image.ambient)),
+      epsilon(static_cast<float>(config.ray_epsilon) * memory_image.diagonal()),
+      min_weight(static_cast<float>(config.min_weight)),
+      depth(config.depth),
+      layers(config.layers) {
+  std::uint32_t flags = 0, shades = 0;
+  for (const traces::MaterialRecord& material : image.materials) {
+    flags |= material.flags;
+    shades |= traces::triangle_flags(material);
+  }
+  has_details = (flags & traces::kDetailStreams) != 0;
+  diverges = config.streams == Streams::kDivergent;
+  has_alpha = (shades & traces::kAlphaFlag) != 0;
+  const bool is_tinted = config.glass_shadows == GlassShadows::kTinted;
+  has_shades = has_alpha || (is_tinted && shades != 0);
+  solid_shadow = is_tinted ? traces::kTriangleMask : kSolidNearest;
+  for (const traces::Light& light : image.lights) lights.push_back(light_uniforms(light));
+  for (const traces::Texture& texture : image.textures) {
+    axes.push_back(axis_record(texture.width, texture.wrap_u, texture.filter));
+    axes.push_back(axis_record(texture.height, texture.wrap_v, texture.filter));
+  }
+}
+
+}  // namespace kernels

@@ -1,0 +1,45 @@
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "shader_kernels/kernels/uniforms.h"
+#include "shader_kernels/programs/wavefront/render_config.h"
+#include "shader_kernels/scene_records.h"
+#include "sim/named.h"
+#include "traces/accel/memory_image.h"
+#include "traces/scene/scene.h"
+
+namespace kernels {
+
+CameraUniforms<float> camera_uniforms(const traces::Camera& camera, std::uint32_t width, std::uint32_t height);
+LightUniforms<float> light_uniforms(const traces::Light& light);
+/// Of a frame's jittered samples.
+std::uint32_t jitter_seed(std::uint32_t frame);
+AxisRecord<float> axis_record(std::uint32_t size, traces::Texture::Wrap wrap, traces::Texture::Filter filter);
+
+/// The largest triangle word of a hit that needs no test, where only alpha asks for one.
+inline constexpr std::uint32_t kSolidNearest = traces::kAlphaFlag - 1;
+
+/// What the kernels know of a scene besides memory: uniforms, and tables that lie in the SRP's own memory.
+struct SceneTables {
+  SceneTables(const traces::MemoryImage& memory_image, const RenderConfig& config);
+
+  const traces::MemoryImage& image;
+  std::vector<LightUniforms<float>> lights;
+  std::vector<AxisRecord<float>> axes;  ///< two per texture
+  Vec3<float> background, ambient;
+  float epsilon, min_weight;
+  std::uint32_t depth, layers;
+  bool has_details;            ///< some surface goes into a stream of classify_details
+  bool diverges;               ///< RenderConfig::streams
+  bool has_alpha, has_shades;  ///< some hit may have to be tested: of rays that want the nearest, of shadow rays
+  std::uint32_t solid_shadow;  ///< largest triangle word of a shadow ray's hit that needs no test
+  /// Names the arrays as the kernels' ports do.
+  static void describe(const SceneTables& s, auto&& array) {
+    array(NAMED(s.image.attributes)), array(NAMED(s.image.triangles)), array(NAMED(s.image.instances));
+    array(NAMED(s.image.materials)), array(NAMED(s.image.vertices)), array(NAMED(s.image.details));
+    array(s.image.textures, "texels"), array(NAMED(s.axes));
+  }
+};
+
+}  // namespace kernels

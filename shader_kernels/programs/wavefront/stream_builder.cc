@@ -1,0 +1,85 @@
+#include "shader_kernels/programs/wavefront/stream_builder.h"
+
+#include <utility>
+
+namespace kernels {
+
+using traces::Edge;
+using traces::WorkNode;
+
+StreamBuilder::StreamBuilder(traces::TileWork& work, std::vector<WorkNode>& spare, bool on)
+    : work_(work), spare_(spare), on_(on) {
+  work.walk.clear();
+  work.ray_begin.clear();
+  work.accesses.clear();
+  work.access_begin.clear();
+  work.sources.clear();
+  work.after.clear();
+  work.after_all = false;
+}
+
+namespace {
+
+constexpr std::size_t kUsualInputs = 32;
+
+}  // namespace
+
+WorkNode& StreamBuilder::add(WorkNode::Kind kind, std::uint32_t items) {
+  if (count_ == work_.nodes.size()) {
+    if (spare_.empty()) spare_.emplace_back().inputs.reserve(kUsualInputs);
+    work_.nodes.push_back(std::move(spare_.back()));
+    spare_.pop_back();
+  }
+  WorkNode& node = work_.nodes[count_++];
+  std::vector<Edge> inputs = std::move(node.inputs);
+  inputs.clear();
+  node = {.kind = kind, .items = items, .inputs = std::move(inputs)};
+  return node;
+}
+
+StreamBuilder::Node StreamBuilder::launch(traces::KernelId kernel, std::uint32_t items, bool has_accesses,
+                                          std::uint32_t idle) {
+  if (!is_on()) return kNone;
+  launch_sources_ = static_cast<std::uint32_t>(work_.sources.size());
+  WorkNode& node = add(WorkNode::Kind::kLaunch, items);
+  node.kernel = kernel;
+  node.has_accesses = has_accesses;
+  node.idle = idle;
+  if (has_accesses) node.first = static_cast<std::uint32_t>(work_.access_begin.size());
+  return count_ - 1;
+}
+
+StreamBuilder::Node StreamBuilder::rays(traces::RayKind kind, std::uint32_t count, std::uint32_t first, Node launch,
+                                        bool is_mapped) {
+  if (!is_on()) return kNone;
+  WorkNode& node = add(WorkNode::Kind::kRays, count);
+  node.ray_kind = kind;
+  node.first = first;
+  if (is_mapped) node.sources = launch_sources_;
+  node.inputs.push_back({launch, Edge::Kind::kEach});
+  return count_ - 1;
+}
+
+StreamBuilder::Node StreamBuilder::transfer(traces::Region region, bool to_memory, std::uint64_t offset,
+                                            std::uint32_t bytes) {
+  if (!is_on()) return kNone;
+  WorkNode& node = add(WorkNode::Kind::kTransfer, bytes);
+  node.region = region;
+  node.to_memory = to_memory;
+  node.offset = offset;
+  return count_ - 1;
+}
+
+void StreamBuilder::wait(Node node, Node for_node, Edge::Kind kind) {
+  if (node != kNone && for_node != kNone) work_.nodes[node].inputs.push_back({for_node, kind});
+}
+
+void StreamBuilder::finish() {
+  if (on_) begin_item();
+  while (work_.nodes.size() > count_) {
+    spare_.push_back(std::move(work_.nodes.back()));
+    work_.nodes.pop_back();
+  }
+}
+
+}  // namespace kernels

@@ -1,0 +1,105 @@
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "shader_kernels/programs/wavefront/sampling.h"
+#include "shader_kernels/records.h"
+#include "sim/named.h"
+#include "traces/ray.h"
+#include "traces/stream.h"
+
+namespace kernels {
+
+/// Bytes of a pixel in the frame buffer: three channels in a packed format.
+inline constexpr std::uint32_t kPixelBytes = 4;
+
+/// A wave: rays on their way, what they carry, where they hit. The three arrays are the ray slots of the tile buffer.
+struct RaySlots {
+  std::vector<traces::Ray> rays;
+  std::vector<PathRecord<float>> paths;
+  std::vector<traces::Hit> hits;
+  void hold(std::size_t slots);
+};
+
+/// What a tile keeps in the tile buffer, while it is made; afterwards nobody looks at it, and another tile may have it.
+/// Arrays only grow, so that a used one allocates no more.
+struct TileBuffer {
+  RaySlots wave, next_wave, shadow, layer;
+  // Streams of slots.
+  std::vector<std::uint32_t> misses, surfaces, textured, diffuse, mirror, glass, emissive;
+  std::vector<std::uint32_t> absorbing, vertexed, based, physical, bumped, blended, glowing, occluded;
+  std::vector<std::uint32_t> layers, targets;  ///< hits to test; slots whose rays go on
+  std::vector<SurfacePointRecord<float>> places;
+  std::vector<DiffuseRecord<float>> mattes;
+  std::vector<TexcoordRecord<float>> texcoords;
+  std::vector<SpecularRecord<float>> optics;
+  std::vector<TangentRecord<float>> tangents;
+  std::vector<ColourRecord<float>> colours;  ///< per sample
+  // Of adaptive sampling: what samples keep, what checks said of them, streams of them.
+  std::vector<GeometryRecord<float>> geometry;
+  std::vector<SecondaryRecord<float>> secondary;
+  std::vector<SurfaceRecord<float>> kept;
+  std::vector<ColourRecord<float>> globals;  ///< of kept surfaces
+  std::vector<std::uint32_t> verdicts, identities, samples, passed, failed;
+  // Of supersampling: what samples keep; verdicts on sub-pixels, lists.
+  std::vector<TraitsRecord<float>> traits, secondary_traits;
+  std::vector<BranchRecord<float>> branches;
+  std::vector<std::uint32_t> subpixels, active, masters, fills;
+  std::vector<std::uint32_t> record_nodes;  ///< of the work: launches that have added to what samples keep
+  std::vector<std::uint32_t> colour_nodes;  ///< of the work: launches that have added to colours
+  std::vector<traces::WorkNode> spare_nodes;
+  /// Names the arrays as the kernels' ports do.
+  static void describe(auto& b, auto&& array) {
+    array(NAMED(b.wave.rays)), array(NAMED(b.wave.paths)), array(NAMED(b.wave.hits));
+    array(b.shadow.rays, "shadow_rays"), array(b.shadow.paths, "shadow_paths"), array(b.shadow.hits, "shadow_hits");
+    array(b.layer.hits, "layer_hits"), array(NAMED(b.layers)), array(NAMED(b.targets));
+    array(NAMED(b.misses)), array(NAMED(b.surfaces)), array(NAMED(b.textured)), array(NAMED(b.diffuse));
+    array(NAMED(b.mirror)), array(NAMED(b.glass)), array(NAMED(b.emissive));
+    array(NAMED(b.absorbing)), array(NAMED(b.vertexed)), array(NAMED(b.based)), array(NAMED(b.physical));
+    array(NAMED(b.bumped)), array(NAMED(b.blended)), array(NAMED(b.glowing)), array(NAMED(b.occluded));
+    array(NAMED(b.places)), array(NAMED(b.mattes)), array(NAMED(b.texcoords)), array(NAMED(b.optics));
+    array(NAMED(b.tangents)), array(NAMED(b.colours));
+    array(NAMED(b.geometry)), array(NAMED(b.secondary)), array(NAMED(b.kept)), array(NAMED(b.globals));
+    array(NAMED(b.verdicts)), array(NAMED(b.identities)), array(NAMED(b.samples));
+    array(NAMED(b.passed)), array(NAMED(b.failed));
+    array(NAMED(b.traits)), array(NAMED(b.branches));
+    array(NAMED(b.active)), array(NAMED(b.masters)), array(NAMED(b.fills));
+  }
+  void hold_wave(std::size_t slots);
+  void hold_details(std::size_t slots);
+  void hold_layers(std::size_t slots);
+  void hold_samples(std::size_t count);
+  /// Of `pixels` pixels whose centres are among `centres` samples.
+  void hold_subpixels(std::size_t centres, std::size_t pixels);
+};
+
+/// What post-correction looks at.
+struct ShownSample {
+  std::uint32_t identity = 0;
+  glm::vec3 colour{};
+};
+
+/// What comes of one tile.
+struct TileResult {
+  std::uint32_t tile = 0;
+  std::uint32_t x = 0, y = 0, width = 0, height = 0;  ///< in pixels
+  std::vector<glm::vec3> linear;                      ///< per pixel, row by row: linear RGB in [0, 1]
+  std::vector<std::uint32_t> packed;                  ///< per pixel: as the frame buffer holds it, R in the lowest byte
+  std::array<std::uint64_t, static_cast<std::size_t>(traces::RayKind::kCount)> rays{};
+  std::uint64_t continued = 0;  ///< of those, rays that went on behind what was no solid surface
+  Sampling sampling;
+  std::vector<SampleMark> marks;          ///< of adaptive sampling: per sample (or pixel) of the tile, row by row
+  std::vector<ShownSample> shown;         ///< its own samples, row by row, if a later pass looks at them
+  std::vector<std::uint32_t> background;  ///< samples whose primary ray hit nothing, in the order traced
+  std::uint64_t traversal_steps = 0;  ///< node visits and triangle tests; counted from the walks, so 0 if not recorded
+  traces::TileWork work;              ///< filled if recorded
+  TileBuffer buffer;
+  /// Of a sample, as it is averaged.
+  glm::vec3 colour(std::uint32_t sample) const;
+};
+
+}  // namespace kernels

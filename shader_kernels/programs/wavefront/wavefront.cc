@@ -1,0 +1,173 @@
+#include "shader_kernels/programs/wavefront/wavefront.h"
+
+#include <algorithm>
+#include <span>
+#include <utility>
+
+#include "traces/walk_steps.h"
+
+namespace kernels {
+
+using traces::RayKind;
+
+Wavefront::Wavefront(const SceneTables& scene, const traces::Tracer& tracer, bool record, TileResult& out)
+    : scene_(scene),
+      tracer_(tracer),
+      out_(out),
+      buffer_(out.buffer),
+      sources_(scene, out),
+      stream_(out.work, out.buffer.spare_nodes, record) {
+  out.rays = {};
+  out.continued = 0;
+  out.traversal_steps = 0;
+  out.background.clear();
+  buffer_.colour_nodes.clear();
+  buffer_.record_nodes.clear();
+}
+
+void Wavefront::run(Node maker, std::uint32_t rays, const RetainedRecords& retained, std::uint32_t lanes,
+                    std::uint32_t padding) {
+  retained_ = retained;
+  Bounce bounce;
+  bounce.rays = rays;
+  bounce.lanes = std::max(rays, lanes);
+  bounce.padding = padding;
+  buffer_.hold_wave(rays);
+  bounce.batches[bounce.batch_count++] = trace(RayKind::kPrimary, buffer_.wave, 0, rays, maker, false);
+  while (bounce.rays != 0) {
+    const std::uint32_t surfaces = classify(bounce);
+    if (surfaces < bounce.rays) shade_background(bounce, bounce.rays - surfaces);
+    if (surfaces == 0) return;
+    const Streams streams = shade_surfaces(bounce, surfaces);
+    record_hits(bounce, surfaces);
+    if (streams.textured != 0) shade_textured(bounce, streams.textured);
+    if (streams.emissive != 0) shade_emission(bounce, streams.emissive);
+    if (streams.glowing != 0) shade_glow(bounce, streams.glowing);
+    const bool keeps_local = retained_.surfaces && bounce.depth == 1 && streams.diffuse != 0;
+    if (keeps_local) bounce.colours = record_local<false>(bounce, streams.diffuse);
+    if (streams.diffuse != 0) {
+      shade_ambient(bounce, streams.diffuse);
+      if (streams.occluded != 0) shade_occluded(bounce, streams.occluded);
+      for (std::uint32_t light = 0; light < scene_.lights.size(); ++light) shade_light(bounce, light, streams.diffuse);
+    }
+    if (keeps_local) bounce.after = record_local<true>(bounce, streams.diffuse);
+    if (bounce.depth == scene_.depth) return;
+    bounce = send_on(bounce, streams);
+  }
+}
+
+Wavefront::Batch Wavefront::trace(RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t count, Node maker,
+                                  bool is_mapped) {
+  Batch batch{trace_once(kind, slots.rays.data() + first, slots.hits.data() + first, count, maker, is_mapped)};
+  if (kind == RayKind::kShadow ? scene_.has_shades : scene_.has_alpha) {
+    batch.settled = settle(kind, slots, first, count, batch.rays);
+  }
+  return batch;
+}
+
+Wavefront::Node Wavefront::trace_once(RayKind kind, const traces::Ray* rays, traces::Hit* hits, std::uint32_t count,
+                                      Node maker, bool is_mapped) {
+  const std::size_t from_word = out_.work.walk.size();
+  traces::WalkSink sink{out_.work.walk, out_.work.ray_begin};
+  tracer_.trace({rays, count}, kind, {hits, count}, stream_.is_on() ? &sink : nullptr);
+  if (stream_.is_muted()) return StreamBuilder::kNone;
+  out_.traversal_steps += traces::count_steps(std::span(out_.work.walk).subspan(from_word));
+  const Node node = stream_.rays(kind, count, rays_traced_, maker, is_mapped);
+  rays_traced_ += count;
+  out_.rays[static_cast<std::size_t>(kind)] += count;
+  return node;
+}
+
+void Wavefront::wait_for_bounce(Node node, const Bounce& bounce) {
+  wait_all(node, bounce.colours != StreamBuilder::kNone ? bounce.colours : bounce.inspector);
+  // The rays are back long since; the edges say that their slots are still read.
+  for (const Batch& batch : bounce.batches) wait_all(node, batch.rays);
+  if (bounce.depth > 1) wait_all(node, bounce.after);
+}
+
+void Wavefront::wait_for_batch(Node node, const Batch& batch) {
+  if (batch.settled == StreamBuilder::kNone) {
+    wait_each(node, batch.rays);
+  } else {
+    wait_all(node, batch.rays);
+    wait_all(node, batch.settled);
+  }
+}
+
+std::uint32_t Wavefront::classify(Bounce& bounce) {
+  ClassifyHits::Ports<float> ports;
+  bounce.inspector = launch<ClassifyHits>(ports, bounce.rays, bounce.lanes, bounce.padding);
+  bounce.colours = StreamBuilder::kNone;
+  if (bounce.batch_count == 1 && bounce.batches[0].settled == StreamBuilder::kNone) {
+    wait_each(bounce.inspector, bounce.batches[0].rays);
+  } else {
+    for (const Batch& batch : bounce.batches) {
+      wait_all(bounce.inspector, batch.rays);
+      wait_all(bounce.inspector, batch.settled);
+    }
+  }
+  if (bounce.depth == 1 && !stream_.is_muted()) {
+    for (std::uint32_t i = 0; i < ports.miss_count.value; ++i) {
+      out_.background.push_back(buffer_.wave.paths[buffer_.misses[i]].sample);
+    }
+  }
+  return ports.surface_count.value;
+}
+
+template <class K>
+void Wavefront::send(const Bounce& bounce, RayKind kind, std::vector<std::uint32_t>& stream, std::uint32_t items,
+                     Bounce& next) {
+  if (items == 0) return;
+  RaySlots& slots = buffer_.next_wave;
+  typename K::template Ports<float> ports;
+  ports.stream.bind(stream.data());
+  ports.next_rays.bind(slots.rays.data() + next.rays);
+  ports.next_paths.bind(slots.paths.data() + next.rays);
+  ports.epsilon = scene_.epsilon;
+  ports.min_weight = scene_.min_weight;
+  const Node maker = launch<K>(ports, items, bounce.lanes);
+  wait_for_bounce(maker, bounce);
+  const std::uint32_t rays = ports.emitted.value;
+  if (rays == 0) return;
+  next.batches[next.batch_count++] = trace(kind, slots, next.rays, rays, maker, true);
+  next.rays += rays;
+  next.lanes += bounce.lanes;
+}
+
+Wavefront::Bounce Wavefront::send_on(const Bounce& bounce, const Streams& streams) {
+  buffer_.next_wave.hold(std::size_t{streams.blended} + streams.mirror + streams.glass + 1);
+  Bounce from = bounce;
+  from.colours = StreamBuilder::kNone;  // what is sent on does not look at base colours
+  Bounce next;
+  next.depth = bounce.depth + 1;
+  next.after = bounce.after;
+  send<ShadeStraight>(from, RayKind::kRefraction, buffer_.blended, streams.blended, next);
+  next.mirrored = next.rays;
+  send<ShadeMirror>(from, RayKind::kReflection, buffer_.mirror, streams.mirror, next);
+  next.refracted = next.rays;
+  send<ShadeGlass>(from, RayKind::kRefraction, buffer_.glass, streams.glass, next);
+  std::swap(buffer_.wave, buffer_.next_wave);
+  buffer_.hold_wave(next.rays);
+  return next;
+}
+
+void Wavefront::wait_for_colours(Node node) {
+  for (const Node adder : buffer_.colour_nodes) wait_all(node, adder);
+}
+
+void Wavefront::wait_for_records(Node node) {
+  for (const Node adder : buffer_.record_nodes) wait_all(node, adder);
+}
+
+void Wavefront::put_out(Node averaged, std::uint64_t offset) {
+  const auto pixels = static_cast<std::uint32_t>(out_.linear.size());
+  const Node packed = launch<PackColour>(pixels);
+  wait_all(packed, averaged);
+  wait_all(transfer(traces::Region::kPicture, true, offset, pixels * kPixelBytes), packed);
+}
+
+Wavefront::Node Wavefront::transfer(traces::Region region, bool to_memory, std::uint64_t offset, std::uint32_t bytes) {
+  return stream_.transfer(region, to_memory, offset, bytes);
+}
+
+}  // namespace kernels

@@ -1,0 +1,218 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "shader_kernels/catalogue.h"
+#include "shader_kernels/programs/wavefront/port_sources.h"
+#include "shader_kernels/programs/wavefront/scene_tables.h"
+#include "shader_kernels/programs/wavefront/stream_builder.h"
+#include "shader_kernels/programs/wavefront/tile_result.h"
+#include "traces/tracer.h"
+
+namespace kernels {
+
+/// Carries one tile's rays through tracing and shading, a wave per bounce, and writes down the work as it is done:
+///
+///   rays -> classify_hits -> shade_background
+///                         -> shade_surface -> classify_surfaces -> shade_textured -> shade_ambient
+///                                                                                 -> shade_diffuse (per light)
+///                                          -> shade_emission                          -> shadow rays -> combine_shadow
+///                                          -> shade_mirror, shade_glass -> rays of the next wave
+///
+/// Where the scene has more to it (wavefront_details.cc), between shade_surface and classify_surfaces, each step over a
+/// stream of its own and only where that stream has items:
+///
+///   classify_details -> absorb -> fetch_vertices -> shade_base -> shade_physical -> shade_bump -> shade_blend
+///
+/// and shade_glow beside shade_emission, shade_occluded behind shade_ambient, shade_straight before shade_mirror.
+///
+/// Where it has triangles that are not solid, a batch of rays is followed by rounds (wavefront_layers.cc) until no ray
+/// goes on:
+///
+///   classify_layers -> [ test_alpha or test_shadow -> rays -> scatter_layers ] ...
+///
+/// For adaptive sampling it also keeps what samples hit (wavefront_records.cc):
+///
+///   surfaces of the first wave -> record_geometry or record_surface, of later ones -> record_secondary
+///   shadow rays -> record_shadow, record_secondary_shadow
+///   or: surfaces of the first wave -> record_traits, shadow rays -> record_traits_shadow
+///       rays of the second -> weigh_branch, their surfaces -> record_branch, shadow rays -> record_branch_shadow
+///
+/// All orders (of rays, of additions to a sample) follow from the tile alone.
+class Wavefront {
+ public:
+  using Node = StreamBuilder::Node;
+  static constexpr Node kNone = StreamBuilder::kNone;
+
+  /// What samples keep of their hits, beside their colour.
+  struct RetainedRecords {
+    bool geometry = false, surfaces = false;  ///< of the first hit: geometry alone, or all that shading needs
+    bool secondary = false;
+    bool traits = false;  ///< of the first hit and of the secondary one that carries most
+    Node cleared = StreamBuilder::kNone, cleared_secondary = StreamBuilder::kNone;  ///< launches that began them
+  };
+
+  Wavefront(const SceneTables& scene, const traces::Tracer& tracer, bool record, TileResult& out);
+
+  /// From here on work is done but not written down, nor are its rays counted: another tile's.
+  void mute() { stream_.mute(true); }
+  void unmute() { stream_.mute(false); }
+  bool is_muted() const { return stream_.is_muted(); }
+
+  /// Runs kernel K over `items` items and notes the launch. Ports that are not bound are bound by name. `lanes`: items
+  /// of the stream that the inspector split; where kernels diverge (RenderConfig::streams) all of them go through K.
+  /// `padding`: slots of K's stream that hold no item; they always go through K.
+  template <class K>
+  Node launch(typename K::template Ports<float>& ports, std::uint32_t items, std::uint32_t lanes = 0,
+              std::uint32_t padding = 0);
+  template <class K>
+  Node launch(std::uint32_t items, std::uint32_t lanes = 0) {
+    typename K::template Ports<float> ports;
+    return launch<K>(ports, items, lanes);
+  }
+  /// Notes a launch of a kernel without accesses whose work has been done elsewhere.
+  template <class K>
+  Node note(std::uint32_t items) {
+    return stream_.launch(kKernelId<K>, items, false);
+  }
+  void wait_all(Node node, Node for_node) { stream_.wait(node, for_node, traces::Edge::Kind::kAll); }
+  void wait_each(Node node, Node for_node) { stream_.wait(node, for_node, traces::Edge::Kind::kEach); }
+
+  /// Traces and shades the primary rays that `maker` has put into the first wave, one per item, and all that follows.
+  /// `lanes` and `padding` as for launch().
+  void run(Node maker, std::uint32_t rays, const RetainedRecords& retained, std::uint32_t lanes = 0,
+           std::uint32_t padding = 0);
+  void run(Node maker, std::uint32_t rays) { run(maker, rays, {}); }
+  /// Shades interpolated surfaces, which `maker` has put into the wave's first slots: local light alone, with shadows
+  /// that are known. Their colours so far are global ones.
+  void shade_interpolated(Node maker, std::uint32_t items, std::uint32_t lanes);
+  /// Makes `node` wait for all launches that add to the samples' colours.
+  void wait_for_colours(Node node);
+  /// Makes `node` wait for all that adds to what samples keep.
+  void wait_for_records(Node node);
+  /// Has all later wait_for_colours(), wait_for_records() wait for `node` too.
+  void adds_colours(Node node) { buffer_.colour_nodes.push_back(node); }
+  void adds_records(Node node) { buffer_.record_nodes.push_back(node); }
+  /// `node` has waited for all launches so far: later wait_for_colours() wait for it instead.
+  void colours_are_in(Node node) { buffer_.colour_nodes.assign(1, node); }
+  Node transfer(traces::Region region, bool to_memory, std::uint64_t offset, std::uint32_t bytes);
+  /// Encodes the tile's pixels, once `averaged` is done, and moves them to byte `offset` of the picture.
+  void put_out(Node averaged, std::uint64_t offset);
+  void finish() { stream_.finish(); }
+
+ private:
+  /// Rays that have been traced.
+  struct Batch {
+    Node rays = StreamBuilder::kNone;
+    Node settled = StreamBuilder::kNone;  ///< the launch that has put the last hit into its slot, if any ray went on
+  };
+  /// Nodes that the launches of a bounce wait for.
+  struct Bounce {
+    std::uint32_t rays = 0;
+    std::uint32_t depth = 1;
+    std::uint32_t lanes = 0, padding = 0;       ///< as for launch()
+    std::uint32_t mirrored = 0, refracted = 0;  ///< first slots of rays that were; those before went straight on
+    Node recorded = StreamBuilder::kNone;       ///< the launch that keeps its geometry
+    Node after = StreamBuilder::kNone;          ///< what the last bounce still had to do with colours
+    std::array<Batch, 3> batches{};
+    std::uint32_t batch_count = 0;
+    Node inspector = StreamBuilder::kNone;  ///< fills the streams
+    Node colours = StreamBuilder::kNone;    ///< makes the base colours, if nothing before the inspector did
+  };
+  struct Streams {
+    std::uint32_t textured = 0, diffuse = 0, mirror = 0, glass = 0, emissive = 0;
+    std::uint32_t blended = 0, glowing = 0, occluded = 0;  ///< of classify_details
+  };
+
+  /// Traces rays and those that go on behind what turns out not to be solid.
+  Batch trace(traces::RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t count, Node maker,
+              bool is_mapped);
+  Node trace_once(traces::RayKind kind, const traces::Ray* rays, traces::Hit* hits, std::uint32_t count, Node maker,
+                  bool is_mapped);
+  Node settle(traces::RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t count, Node batch);
+  template <bool kColoured, bool kInstanced>
+  std::uint32_t test_layers(traces::RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t items,
+                            std::uint32_t lanes, Node& tested);
+  std::uint32_t classify(Bounce& bounce);
+  Streams shade_surfaces(Bounce& bounce, std::uint32_t surfaces);
+  void shade_details(Bounce& bounce, std::uint32_t surfaces, Streams& streams);
+  template <class K>
+  void step(Bounce& bounce, std::uint32_t items, std::vector<std::uint32_t>* stream = nullptr);
+  void shade_glow(const Bounce& bounce, std::uint32_t items);
+  void shade_occluded(const Bounce& bounce, std::uint32_t items);
+  /// Launches what adds to the samples' colours.
+  template <class K>
+  void add_colours(const Bounce& bounce, typename K::template Ports<float>& ports, std::uint32_t items) {
+    const Node node = launch<K>(ports, items, bounce.lanes);
+    wait_for_bounce(node, bounce);
+    buffer_.colour_nodes.push_back(node);
+  }
+  void shade_background(const Bounce& bounce, std::uint32_t misses);
+  void shade_textured(Bounce& bounce, std::uint32_t items);
+  void shade_emission(const Bounce& bounce, std::uint32_t items);
+  void shade_ambient(const Bounce& bounce, std::uint32_t items);
+  void shade_light(const Bounce& bounce, std::uint32_t light, std::uint32_t items);
+  void classify_surfaces(Bounce& bounce, std::uint32_t surfaces, Streams& streams);
+  void record_hits(Bounce& bounce, std::uint32_t surfaces);
+  template <bool kAfter>
+  Node record_local(const Bounce& bounce, std::uint32_t items);
+  void record_shadows(const Bounce& bounce, std::uint32_t light, const Batch& batch, std::uint32_t rays);
+  template <bool kInstanced>
+  Node retain_hits(const Bounce& bounce, std::uint32_t surfaces);
+  template <bool kInstanced>
+  Node record_branches(const Bounce& bounce, std::uint32_t surfaces);
+  Node record_branch_shadows(std::uint32_t rays, std::uint32_t lanes);
+  template <class K>
+  Node record_shadows(auto* records, std::uint32_t mark, std::uint32_t rays, std::uint32_t lanes);
+  Bounce send_on(const Bounce& bounce, const Streams& streams);
+  template <class K>
+  void send(const Bounce& bounce, traces::RayKind kind, std::vector<std::uint32_t>& stream, std::uint32_t items,
+            Bounce& next);
+  void wait_for_bounce(Node node, const Bounce& bounce);
+  /// Item by item, unless rays went on.
+  void wait_for_batch(Node node, const Batch& batch);
+  std::vector<traces::Access>* accesses() { return stream_.is_on() ? &out_.work.accesses : nullptr; }
+
+  const SceneTables& scene_;
+  const traces::Tracer& tracer_;
+  TileResult& out_;
+  TileBuffer& buffer_;
+  const PortSources sources_;
+  StreamBuilder stream_;
+  RetainedRecords retained_;
+  std::uint32_t rays_traced_ = 0;
+};
+
+template <class K>
+Wavefront::Node Wavefront::launch(typename K::template Ports<float>& ports, std::uint32_t items, std::uint32_t lanes,
+                                  std::uint32_t padding) {
+  constexpr bool kReads = requires { ports.materials; }
+  || requires { ports.objects; }
+  || requires { ports.texels; }
+  || requires { ports.vertices; }
+  || requires { ports.details; };
+  constexpr bool kEmits = requires { ports.emitted; };
+  const std::uint32_t idle = scene_.diverges && lanes > items ? lanes - items : padding;
+  const Node node = stream_.launch(kKernelId<K>, items, kReads, idle);
+  sources_.bind<K>(ports, accesses());
+  typename K::template Ports<float> at = ports;  // a copy whose address nobody has stays in registers
+  if (!stream_.is_on()) {
+    for (std::uint32_t i = 0; i < items; ++i) K::template body<float>(i, at);
+  } else {
+    for (std::uint32_t i = 0; i < items; ++i) {
+      if constexpr (kReads) stream_.begin_item();
+      if constexpr (kEmits) {
+        const std::uint32_t before = at.emitted.value;
+        K::template body<float>(i, at);
+        if (at.emitted.value != before) stream_.add_source(i);
+      } else {
+        K::template body<float>(i, at);
+      }
+    }
+  }
+  ports = at;
+  return node;
+}
+
+}  // namespace kernels

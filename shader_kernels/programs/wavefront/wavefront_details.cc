@@ -1,0 +1,49 @@
+#include "shader_kernels/programs/wavefront/wavefront.h"
+
+namespace kernels {
+
+/// What only some scenes have, before surfaces are sorted: the steps change points, base colours, optics and classes of
+/// the surfaces in their streams. Each waits for the one before; `bounce.inspector` is the last.
+void Wavefront::shade_details(Bounce& bounce, std::uint32_t surfaces, Streams& streams) {
+  buffer_.hold_details(bounce.rays);
+  ClassifyDetails::Ports<float> ports;
+  const Node fetched = bounce.inspector;
+  bounce.inspector = launch<ClassifyDetails>(ports, surfaces);
+  wait_each(bounce.inspector, fetched);
+  step<Absorb>(bounce, ports.absorbing_count.value);
+  scene_.image.has_levels() ? step<FetchVertices<true>>(bounce, ports.vertexed_count.value)
+                            : step<FetchVertices<false>>(bounce, ports.vertexed_count.value);
+  step<ShadeBase>(bounce, ports.based_count.value, &buffer_.based);
+  step<ShadePhysical>(bounce, ports.physical_count.value, &buffer_.physical);
+  step<ShadeBump>(bounce, ports.bumped_count.value, &buffer_.bumped);
+  step<ShadeBlend>(bounce, ports.blended_count.value);
+  streams.blended = ports.blended_count.value;
+  streams.glowing = ports.glowing_count.value;
+  streams.occluded = ports.occluded_count.value;
+}
+
+/// Launches the next step of shade_details, if its stream has items: it waits for the one before.
+template <class K>
+void Wavefront::step(Bounce& bounce, std::uint32_t items, std::vector<std::uint32_t>* stream) {
+  if (items == 0) return;
+  typename K::template Ports<float> ports;
+  if constexpr (requires { ports.stream; }) ports.stream.bind(stream->data());
+  const Node node = launch<K>(ports, items, bounce.lanes);
+  wait_for_bounce(node, bounce);
+  bounce.inspector = node;
+}
+
+void Wavefront::shade_glow(const Bounce& bounce, std::uint32_t items) {
+  ShadeGlow::Ports<float> ports;
+  ports.stream.bind(buffer_.glowing.data());
+  add_colours<ShadeGlow>(bounce, ports, items);
+}
+
+void Wavefront::shade_occluded(const Bounce& bounce, std::uint32_t items) {
+  ShadeOccluded::Ports<float> ports;
+  ports.stream.bind(buffer_.occluded.data());
+  ports.ambient = scene_.ambient;
+  add_colours<ShadeOccluded>(bounce, ports, items);
+}
+
+}  // namespace kernels

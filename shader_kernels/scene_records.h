@@ -1,0 +1,178 @@
+#pragma once
+#include "shader_kernels/vec3.h"
+#include "sim/named.h"
+
+namespace kernels {
+
+// Records of the scene that kernels load: those of memory as traces/accel/memory_image.h lays them out, and axes of
+// textures in the SRP's own memory. fields() names every member in memory order.
+
+/// traces::AttributeRecord
+template <class V>
+struct AttributeFields {
+  Vec3<V> normal0, normal1, normal2;
+  F<V> u0, v0, u1, v1, u2, v2;
+  I<V> material;
+  static void fields(auto& r, auto&& field) {
+    field(NAMED(r.normal0));
+    field(NAMED(r.normal1));
+    field(NAMED(r.normal2));
+    field(NAMED(r.u0));
+    field(NAMED(r.v0));
+    field(NAMED(r.u1));
+    field(NAMED(r.v1));
+    field(NAMED(r.u2));
+    field(NAMED(r.v2));
+    field(NAMED(r.material));
+  }
+};
+
+/// traces::TriangleRecord
+template <class V>
+struct TriangleFields {
+  Vec3<V> v0, v1, v2;
+  I<V> object, material, source;
+  static void fields(auto& r, auto&& field) {
+    field(NAMED(r.v0));
+    field(NAMED(r.v1));
+    field(NAMED(r.v2));
+    field(NAMED(r.object));
+    field(NAMED(r.material));
+    field(NAMED(r.source));
+  }
+};
+
+/// traces::InstanceRecord
+template <class V>
+struct InstanceFields {
+  Vec3<V> row0;
+  F<V> offset0;
+  Vec3<V> row1;
+  F<V> offset1;
+  Vec3<V> row2;
+  F<V> offset2;
+  I<V> root, object;
+  F<V> handedness;
+  I<V> spare;
+  static void fields(auto& r, auto&& field) {
+    field(NAMED(r.row0));
+    field(NAMED(r.offset0));
+    field(NAMED(r.row1));
+    field(NAMED(r.offset1));
+    field(NAMED(r.row2));
+    field(NAMED(r.offset2));
+    field(NAMED(r.root));
+    field(NAMED(r.object));
+    field(NAMED(r.handedness));
+    field(NAMED(r.spare));
+  }
+};
+
+/// traces::MaterialRecord
+template <class V>
+struct MaterialFields {
+  Vec3<V> base_colour;
+  F<V> diffuse_share;
+  Vec3<V> mirrored;
+  F<V> entering;
+  Vec3<V> emission;
+  F<V> ior;
+  I<V> base_texture, flags;
+  F<V> opacity, alpha_cutoff;
+  static void fields(auto& r, auto&& field) {
+    field(NAMED(r.base_colour));
+    field(NAMED(r.diffuse_share));
+    field(NAMED(r.mirrored));
+    field(NAMED(r.entering));
+    field(NAMED(r.emission));
+    field(NAMED(r.ior));
+    field(NAMED(r.base_texture));
+    field(NAMED(r.flags));
+    field(NAMED(r.opacity));
+    field(NAMED(r.alpha_cutoff));
+  }
+};
+
+/// traces::VertexRecord
+template <class V>
+struct VertexFields {
+  F<V> u0, v0, u1, v1, u2, v2;
+  I<V> red_green0, blue_alpha0, red_green1, blue_alpha1, red_green2, blue_alpha2;
+  I<V> tangent0, tangent1, tangent2, spare;
+  static void fields(auto& r, auto&& field) {
+    field(NAMED(r.u0));
+    field(NAMED(r.v0));
+    field(NAMED(r.u1));
+    field(NAMED(r.v1));
+    field(NAMED(r.u2));
+    field(NAMED(r.v2));
+    field(NAMED(r.red_green0));
+    field(NAMED(r.blue_alpha0));
+    field(NAMED(r.red_green1));
+    field(NAMED(r.blue_alpha1));
+    field(NAMED(r.red_green2));
+    field(NAMED(r.blue_alpha2));
+    field(NAMED(r.tangent0));
+    field(NAMED(r.tangent1));
+    field(NAMED(r.tangent2));
+    field(NAMED(r.spare));
+  }
+};
+
+/// traces::MaterialDetailRecord
+template <class V>
+struct DetailFields {
+  Vec3<V> emission;
+  I<V> normal_texture;
+  Vec3<V> absorption;
+  I<V> occlusion_texture, metal_rough_texture, emission_texture;
+  F<V> normal_scale, occlusion_strength, metallic, roughness, dielectric, coat;
+  static void fields(auto& r, auto&& field) {
+    field(NAMED(r.emission));
+    field(NAMED(r.normal_texture));
+    field(NAMED(r.absorption));
+    field(NAMED(r.occlusion_texture));
+    field(NAMED(r.metal_rough_texture));
+    field(NAMED(r.emission_texture));
+    field(NAMED(r.normal_scale));
+    field(NAMED(r.occlusion_strength));
+    field(NAMED(r.metallic));
+    field(NAMED(r.roughness));
+    field(NAMED(r.dielectric));
+    field(NAMED(r.coat));
+  }
+};
+
+/// How one axis of a texture is addressed, in a form that needs no branch: a coordinate is clamped to [low, high],
+/// folded into [0, period), mirrored above 1 and scaled by `size`. A neighbour that falls off the lower end is `below`,
+/// off the other `last` - `below`. A clamped axis has the period 2, which its [0, 1] never leaves.
+/// `offset` is half the way from a texel to its neighbour: 0.5. For the nearest texel alone it is 0, and `size` a
+/// little less, so that 1 is still within the last texel.
+template <class V>
+struct AxisRecord {
+  F<V> size, last, low, high, period, inverse_period, below, offset;
+  static void fields(auto& r, auto&& field) {
+    field(NAMED(r.size));
+    field(NAMED(r.last));
+    field(NAMED(r.low));
+    field(NAMED(r.high));
+    field(NAMED(r.period));
+    field(NAMED(r.inverse_period));
+    field(NAMED(r.below));
+    field(NAMED(r.offset));
+  }
+};
+
+/// A bilinear footprint: RGBA8 texels at (x0, y0), (x1, y0), (x0, y1), (x1, y1).
+template <class V>
+struct FootprintRecord {
+  I<V> at00, at10, at01, at11;
+  static void fields(auto& r, auto&& field) {
+    field(NAMED(r.at00));
+    field(NAMED(r.at10));
+    field(NAMED(r.at01));
+    field(NAMED(r.at11));
+  }
+};
+
+}  // namespace kernels
