@@ -6,7 +6,7 @@
 namespace kernels {
 
 // clang-format off
-/// What a functional unit of the SRP can do, and where a kernel touches memory.
+/// Operations of the SRP's functional units, and accesses to memory.
 enum class Op : std::uint8_t {
   kInput,     ///< a field of a loaded record (free: the load is counted) or a value of the loop (item index)
   kConstant,  ///< a literal or a uniform, held in a register for the whole loop

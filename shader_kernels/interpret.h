@@ -12,7 +12,7 @@
 
 namespace kernels {
 
-/// What a graph is run against: memories, uniforms and loop-carried values by the names that its ports have.
+/// Memories, uniforms and loop-carried values that a graph is run against, by the names that its ports have.
 struct Environment {
   std::map<std::string, std::byte*, std::less<>> memories;
   std::map<std::string, std::uint32_t, std::less<>> uniforms;

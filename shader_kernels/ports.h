@@ -12,7 +12,7 @@
 
 namespace kernels {
 
-// What a kernel is wired to. In the float reading a port is a pointer or a number; ports_recorded.h holds the other
+// Ports of kernels. In the float reading a port is a pointer or a number; ports_recorded.h holds the other
 // reading. A kernel's Ports struct names its ports with describe(ports, port).
 // A port of the float reading is bound to an array by its name (programs/port_sources.h) with attach(), or by hand with
 // bind() where its array has another name.
@@ -30,7 +30,7 @@ struct Cached;
 /// the one to four lines.
 template <class V>
 struct Texels;
-/// Where the next record of a compacted stream goes. What is stored there counts only if next() was told true.
+/// Index of the next record of a compacted stream. A record stored there counts only if next() was told true.
 template <class V>
 struct Counter;
 /// A value handed from item to item.

@@ -38,7 +38,7 @@ R<Recorded> record_load(Recorder& recorder, Op op, const std::string& memory, st
   return record;
 }
 
-/// Where a port of the recording reading leads.
+/// Recorder and name of a port of the recording reading.
 struct RecordedPort {
   Recorder* recorder = nullptr;
   std::string name;

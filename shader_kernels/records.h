@@ -5,8 +5,8 @@
 
 namespace kernels {
 
-// What kernels load and store. fields() names every member in memory order; with V = float a record is the bytes
-// themselves. A ray slot of the tile buffer is Ray + Path + Hit, 64 bytes; a surface is SurfacePoint + Diffuse +
+// Records that kernels load and store. fields() names every member in memory order; with V = float a record is the
+// bytes themselves. A ray slot of the tile buffer is Ray + Path + Hit, 64 bytes; a surface is SurfacePoint + Diffuse +
 // Texcoord + Specular, and Tangent where it has vertex detail.
 
 template <class V>
@@ -23,7 +23,7 @@ struct RayRecord {
   }
 };
 
-/// What a ray carries for its sample: `throughput` is its share of the sample's colour (a shadow ray: the light it
+/// Path that a ray belongs to: `throughput` is its share of the sample's colour (a shadow ray: the light it
 /// brings if nothing is in its way).
 template <class V>
 struct PathRecord {
@@ -95,13 +95,13 @@ struct TexcoordRecord {
   }
 };
 
-/// Where light goes that is not scattered.
+/// Shares of light that are not scattered.
 template <class V>
 struct SpecularRecord {
   Vec3<V> mirrored;  ///< share, by channel
   F<V> entering;     ///< share, to be split by Fresnel's law
   F<V> ior;
-  F<V> alpha;  ///< of blended surfaces: what does not pass straight on
+  F<V> alpha;  ///< of blended surfaces: the share that does not pass straight on
   F<V> kept;   ///< factor of what the surface itself sends out
   static void fields(auto& r, auto&& field) {
     field(NAMED(r.mirrored));
@@ -112,7 +112,7 @@ struct SpecularRecord {
   }
 };
 
-/// What a surface with vertex detail knows besides.
+/// Further attributes of a surface with vertex detail.
 template <class V>
 struct TangentRecord {
   Vec3<V> tangent;  ///< about unit; zero where there is none
@@ -126,8 +126,8 @@ struct TangentRecord {
   }
 };
 
-/// What a sample keeps of its first hit, to be compared with its neighbours'. A miss has kNoObject and the normal
-/// (0, 0, 1), so that two misses are alike.
+/// Geometry that a sample keeps of its first hit, to be compared with its neighbours'. A miss has kNoObject and the
+/// normal (0, 0, 1), so that two misses are alike.
 template <class V>
 struct GeometryRecord {
   Vec3<V> normal;  ///< as shaded
@@ -144,7 +144,7 @@ struct GeometryRecord {
 inline constexpr std::uint32_t kTexturedObject = 1U << 31;
 inline constexpr std::uint32_t kNoObject = traces::kFocusObject - 1;
 
-/// What supersample keeps of a hit: as GeometryRecord, without the position, shadows counted.
+/// Traits of a hit that supersample keeps: as GeometryRecord, without the position, shadows counted.
 template <class V>
 struct TraitsRecord {
   Vec3<V> normal;
@@ -167,9 +167,9 @@ struct BranchRecord {
   }
 };
 
-/// What a sample keeps of its secondary hits: normals of the next hit behind a mirror and behind glass ((0, 0, 1) where
-/// there is none), and of all of them a sum of hashes of their objects and one of their shadows, which is the same for
-/// the same hits whatever their order.
+/// Geometry that a sample keeps of its secondary hits: normals of the next hit behind a mirror and behind glass ((0, 0,
+/// 1) where there is none), and of all of them a sum of hashes of their objects and one of their shadows, which is the
+/// same for the same hits whatever their order.
 template <class V>
 struct SecondaryRecord {
   Vec3<V> mirror_normal;
@@ -184,7 +184,7 @@ struct SecondaryRecord {
   }
 };
 
-/// What else a sample keeps of its first hit if it is to be interpolated and then shaded.
+/// Surface that a sample keeps of its first hit if it is to be interpolated and then shaded.
 template <class V>
 struct SurfaceRecord {
   Vec3<V> diffuse;  ///< before a texture that is kTextured; others are in it

@@ -143,7 +143,7 @@ struct DetailFields {
   }
 };
 
-/// How one axis of a texture is addressed, in a form that needs no branch: a coordinate is clamped to [low, high],
+/// Addressing of one axis of a texture, in a form that needs no branch: a coordinate is clamped to [low, high],
 /// folded into [0, period), mirrored above 1 and scaled by `size`. A neighbour that falls off the lower end is `below`,
 /// off the other `last` - `below`. A clamped axis has the period 2, which its [0, 1] never leaves.
 /// `offset` is half the way from a texel to its neighbour: 0.5. For the nearest texel alone it is 0, and `size` a

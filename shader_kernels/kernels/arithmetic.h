@@ -83,13 +83,13 @@ struct Weights {
   Vec3<V> interpolate(const Vec3<V>& a, const Vec3<V>& b, const Vec3<V>& c) const {
     return a * first + b * second + c * third;
   }
-  /// Of whole numbers.
+  /// The same of whole numbers.
   F<V> interpolate_int(const I<V>& a, const I<V>& b, const I<V>& c) const {
     return interpolate(to_float(a), to_float(b), to_float(c));
   }
 };
 
-/// What happens to light that meets a surface between two media.
+/// Reflection and refraction of light that meets a surface between two media.
 template <class V>
 struct Interface {
   F<V> cosine;       ///< of the incoming ray's angle

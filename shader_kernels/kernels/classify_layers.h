@@ -7,7 +7,7 @@
 
 namespace kernels {
 
-/// Whether a hit carries a flag that asks for a test: `solid` is the largest triangle word that does not.
+/// True if a hit carries a flag that asks for a test: `solid` is the largest triangle word that does not.
 template <class V>
 M<V> needs_test(const I<V>& triangle, const I<V>& solid) {
   return both(solid < triangle, triangle < traces::kNoHit);

@@ -4,8 +4,8 @@
 
 namespace kernels {
 
-/// What a light does to a surface that it reaches. A spot's edge falls off as in glTF's KHR_lights_punctual, and so
-/// does a light with a range.
+/// Light that a surface scatters if nothing is in the way. A spot's edge falls off as in glTF's KHR_lights_punctual,
+/// and so does a light with a range.
 template <class V>
 struct DiffuseLight {
   Vec3<V> to_light;  ///< not of unit length: t = 1 is the light

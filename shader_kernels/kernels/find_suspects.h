@@ -6,7 +6,7 @@
 
 namespace kernels {
 
-// What post-correction knows of a sample: a hash of what it shows, and how it came about. Reference samples have
+// A sample's word for post-correction: a hash of what it shows, and how it came about. Reference samples have
 // neither bit.
 inline constexpr std::uint32_t kTracedSample = 1U << 31;
 inline constexpr std::uint32_t kInterpolatedSample = 1U << 30;

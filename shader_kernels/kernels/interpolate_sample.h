@@ -6,8 +6,8 @@
 
 namespace kernels {
 
-/// What an interpolated sample keeps, for checks along the other axis that it is a reference of. What had to be equal
-/// is taken over.
+/// Geometry that an interpolated sample keeps, for checks along the other axis that it is a reference of. Attributes
+/// that had to be equal are taken over.
 template <class V>
 GeometryRecord<V> lerp_geometry(const GeometryRecord<V>& a, const GeometryRecord<V>& b, const F<V>& weight) {
   return {normalised(lerp<V>(a.normal, b.normal, weight)), a.object, lerp<V>(a.position, b.position, weight),

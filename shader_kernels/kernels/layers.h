@@ -7,7 +7,7 @@
 
 namespace kernels {
 
-/// What tests of flagged hits are wired to. A ray that goes on is the ray of its slot, seen from just behind the hit.
+/// Ports of tests of flagged hits. A ray that goes on is the ray of its slot, seen from just behind the hit.
 /// `kColoured`: the scene has vertex records, whose colours and second texture coordinates have a say.
 template <class V, bool kColoured, bool kInstanced>
 struct LayerPorts {
@@ -22,7 +22,7 @@ struct LayerPorts {
   Local<V, RayRecord> next_rays;
   Local<V, WordRecord> targets;  ///< slots of the rays that go on
   Counter<V> emitted;
-  F<V> epsilon, min_weight;  ///< what is not above it is not seen
+  F<V> epsilon, min_weight;  ///< lower ones are not seen
   I<V> white;                ///< the texture of materials without one
   static void describe(auto& p, auto&& port) {
     port(NAMED(p.layers));
@@ -42,7 +42,7 @@ struct LayerPorts {
   }
 };
 
-/// What there is at a flagged hit.
+/// Surface at a flagged hit.
 template <class V>
 struct Layer {
   MaterialFields<V> material;

@@ -8,7 +8,7 @@
 
 namespace kernels {
 
-/// What says of a surface that its colour comes from a texture.
+/// Classes of a surface whose colour comes from a texture.
 inline constexpr std::uint32_t kAnyTexture =
     traces::kTextured | traces::kBased | traces::kPhysical | traces::kBumped | traces::kGlowing;
 
@@ -17,7 +17,7 @@ inline constexpr std::uint32_t kAnyTexture =
 template <class V, bool kInstanced>
 using Objects = std::conditional_t<kInstanced, Instances<V>, Triangles<V>>;
 
-/// Which record that is.
+/// Index of that record.
 template <class V>
 I<V> index_of(const HitRecord<V>& hit) {
   return triangle_of<V>(hit);

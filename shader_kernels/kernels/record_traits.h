@@ -7,8 +7,8 @@
 
 namespace kernels {
 
-// What supersample compares. Of a sample's secondary hits only one is kept: that of the branch, mirrored or refracted,
-// that carries most, one bounce behind the first hit.
+// Traits are what supersample compares. A sample keeps one of its secondary hits: that of the branch, mirrored or
+// refracted, that carries most, one bounce behind the first hit.
 
 /// A position as one number, which two hits of a sample hardly ever share.
 template <class V>

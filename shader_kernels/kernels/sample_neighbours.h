@@ -56,7 +56,7 @@ inline constexpr std::uint32_t kSampleMask = (1U << kGapShift) - 1;
 template <class V>
 struct Passed {
   I<V> sample, before, after;
-  F<V> weight;  ///< of `after`; that of `before` is the rest
+  F<V> weight;  ///< weight of `after`; that of `before` is the rest
 };
 template <class V>
 Passed<V> passed(const I<V>& word, const LineUniforms<V>& line) {
@@ -67,7 +67,7 @@ Passed<V> passed(const I<V>& word, const LineUniforms<V>& line) {
   return {sample, to_int(before), to_int(before + line.block * line.step), steps * line.inverse_block};
 }
 
-/// What the check kernels leave: the failed checks of a sample in the tile buffer, and it in one of two streams.
+/// Ports of check kernels, which leave the failed checks of a sample in the tile buffer, and it in one of two streams.
 template <class V>
 struct VerdictPorts {
   LineUniforms<V> line;

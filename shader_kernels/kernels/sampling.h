@@ -57,7 +57,7 @@ Sample<V> sample(const Table<V, AxisRecord>& axes, const Texels<V>& texels, cons
   return {texels.load(texture, (y.first << 16U) | x.first, (y.second << 16U) | x.second), x.weight, y.weight};
 }
 
-/// What executors that look up textures of detailed surfaces are wired to; `stream` is the one that they work on.
+/// Ports of executors that look up textures of detailed surfaces; `stream` is the one that they work on.
 template <class V>
 struct DetailPorts {
   Local<V, WordRecord> stream;

@@ -7,7 +7,7 @@
 
 namespace kernels {
 
-/// What the executors that send a path on are wired to; `stream` is the one that they work on.
+/// Ports of the executors that send a path on; `stream` is the one that they work on.
 template <class V>
 struct SecondaryPorts {
   Local<V, WordRecord> stream;

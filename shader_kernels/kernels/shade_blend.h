@@ -6,7 +6,7 @@
 
 namespace kernels {
 
-/// What passes straight on is shade_straight's part.
+/// Light that passes straight on is shade_straight's part.
 struct ShadeBlend {
   static constexpr std::string_view kName = "shade_blend";
   static constexpr std::string_view kMeaning = "blended surface -> all that it sends out, times its alpha";

@@ -5,7 +5,7 @@
 
 namespace kernels {
 
-/// Where reflection is total there is no weight left, hence no ray.
+/// Total reflection leaves no weight, hence no ray.
 struct ShadeGlass {
   static constexpr std::string_view kName = "shade_glass";
   static constexpr std::string_view kMeaning = "glass surface -> refraction ray";

@@ -7,7 +7,7 @@
 
 namespace kernels {
 
-/// So shade_ambient need not know of occlusion.
+/// Corrects shade_ambient, which knows nothing of occlusion.
 struct ShadeOccluded {
   static constexpr std::string_view kName = "shade_occluded";
   static constexpr std::string_view kMeaning = "surface with an occlusion texture -> ambient light taken back";

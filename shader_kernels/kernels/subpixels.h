@@ -8,8 +8,8 @@
 
 namespace kernels {
 
-/// What is compared between pixels to find out which of their four sub-pixels need more samples; a threshold each. The
-/// colour's counts where nothing else disagrees.
+/// Attributes compared between pixels to find out which of their four sub-pixels need more samples; a threshold each.
+/// The colour's counts where nothing else disagrees.
 enum class Attribute : std::uint8_t {
   kColour,
   kObject,

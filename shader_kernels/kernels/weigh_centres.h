@@ -6,7 +6,7 @@
 
 namespace kernels {
 
-/// What a pixel's inactive sub-pixels are worth, a quarter each: the colour at the pixel's centre or, with kBilinear,
+/// Share of a pixel's inactive sub-pixels, a quarter each: the colour at the pixel's centre or, with kBilinear,
 /// that between the centres around the sub-pixel's own.
 template <bool kBilinear>
 struct WeighCentres {

@@ -20,7 +20,7 @@ class FullProgram final : public FrameProgram {
 
   std::uint32_t tiles() const override { return tiles_across_ * tiles_down_; }  ///< row by row
   FrameRequirements requirements() const override;
-  /// Of a tile that no edge cuts.
+  /// Pixels of a tile that no edge cuts.
   std::uint32_t tile_pixels() const { return side_ * side_; }
   std::uint32_t tile_samples() const { return tile_pixels() * samples_; }
 

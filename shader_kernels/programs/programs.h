@@ -28,7 +28,7 @@ struct ProgramConfig {
   }
 };
 
-/// What a frame program works on. The image and the rates must outlive it.
+/// Inputs of a frame program. The image and the rates must outlive it.
 struct Frame {
   const traces::MemoryImage& image;
   const traces::Camera& camera;

@@ -8,7 +8,7 @@
 
 namespace kernels {
 
-/// What a frame program has found out and written down.
+/// Findings of a frame program, and the work it has written down.
 struct Sampled {
   std::vector<float> rgb;
   Sampling sampling;

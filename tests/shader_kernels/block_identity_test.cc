@@ -5,7 +5,7 @@
 #include "block_harness.h"
 #include "showcase.h"
 
-// What must not change a picture made of blocks, bit for bit.
+// Tile size, halo and threads must not change a picture made of blocks, bit for bit.
 
 namespace kernels {
 namespace {

@@ -24,7 +24,7 @@ void add_quad(traces::Scene& scene, traces::Mesh mesh, const Material& material)
   traces::add_object(scene, std::move(mesh), traces::add_material(scene, material));
 }
 
-/// What a camera straight in front of the origin sees there.
+/// Colour that a camera straight in front of the origin sees there.
 glm::vec3 seen(const traces::Scene& scene, RenderConfig config = small(1, 1)) {
   return View(scene, {0, 0, 4}, {0, 0, 0}, config).centre();
 }

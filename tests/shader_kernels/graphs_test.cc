@@ -49,7 +49,7 @@ std::ostream& operator<<(std::ostream& out, const Count& c) {
 //   scrambled       3 xor, 3 shift, 2 mul                                 8 integer
 //   next            select, int_add                                       1 select 1 integer
 //   add_light       load, 3 add, store                                    3 add
-//   mix             3 mul 2 add (and 2 sub, once, for the weights)
+//   interpolate     3 mul 2 add (and 2 sub, once, for the weights)
 //   has             and, compare; look_up: has, 2 select, sample
 //   sample          2 neighbours (max min, mul floor mul sub, sub min, mul sub, floor, add, add, 2 compare, 2 select,
 //                   sub, 2 to_int, sub); shift, add; 2 shift, 2 or          14 add  6 mul 10 other 4 compare 4 select
@@ -57,11 +57,11 @@ std::ostream& operator<<(std::ostream& out, const Count& c) {
 //   linear          3 (sub, mul, add), 4 (to_float, mul); 4 integer (red, alpha) or 8: 6 add 7 mul 4 convert
 //   colour          3 of (3 (sub, mul, add), 4 (to_float, mul, 3 mul 2 add)); 4 + 8 + 8 integer
 //                                                                           42 add 57 mul 20 integer 12 convert
-//   vertex_colour   4 of (3 (integer, to_float), mix, mul)                  8 add 16 mul 12 integer 12 convert
+//   vertex_colour   4 of (3 (integer, to_float), interpolate, mul)                  8 add 16 mul 12 integer 12 convert
 //   decay           mul, 4 (mul, add), div, 4 mul                           4 add  9 mul 1 div_sqrt
-//   fetch_layer     and; weights, 2 mix; compare, select; sample, linear; mul
+//   fetch_layer     and; weights, 2 interpolate; compare, select; sample, linear; mul
 //                                            26 add 20 mul 10 other 5 compare 5 select 11 integer 8 convert
-//     with colours  has; 2 mix, 2 select; vertex_colour; mul
+//     with colours  has; 2 interpolate, 2 select; vertex_colour; mul
 //   emit_primary    2 scale, 2 vector add, normalised; 3 store             8 add 12 mul 2 div_sqrt 1 other
 //   diffuse_light   scale, vector sub; dot, sqrt, div; dot, mul; dot, neg, mul; mul add max min; mul mul sub max;
 //                   4 mul; 7 mul                                           11 add 31 mul 2 div_sqrt 4 other
@@ -96,12 +96,12 @@ std::ostream& operator<<(std::ostream& out, const Count& c) {
 //   mul;
 //                             2 max, compare; go_on; with colours 3 mul more
 //   scatter_layers            2 compare, and, next
-//   shade_surface             and; weights; mix of vectors, normalised; dot, compare, select; scale, vector add; scale;
-//                             scale; 2 mix
+//   shade_surface             and; weights; interpolate of vectors, normalised; dot, compare, select; scale, vector add; scale;
+//                             scale; 2 interpolate
 //   classify_details          8 (has, next)
 //   absorb                    neg, max, mul; scale; 3 decay; 3 mul
-//   fetch_vertices            and; weights; vertex_colour; 4 mul; 4 (mix, 3 to_float, sub, mul) with 3 (1 + 2 + 2 + 1)
-//                             integer; 2 mix
+//   fetch_vertices            and; weights; vertex_colour; 4 mul; 4 (interpolate, 3 to_float, sub, mul) with 3 (1 + 2 + 2 + 1)
+//                             integer; 2 interpolate
 //   shade_base                look_up, colour, 3 mul, linear, mul
 //   shade_physical            look_up, 2 linear; mul sub mul max min; mul; mul; sub mul add; add; compare, max, div,
 //                             select; 2 scale, vector add; mul sub; sub mul, scale; mul; 2 (2 max, compare, select), 2

@@ -7,7 +7,7 @@
 #include "block_harness.h"
 #include "showcase.h"
 
-// How near what lies between samples comes to what would have been traced there.
+// Distance of interpolated samples from what would have been traced there.
 
 namespace kernels {
 namespace {

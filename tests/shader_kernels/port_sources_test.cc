@@ -10,7 +10,7 @@
 namespace kernels {
 namespace {
 
-/// A kernel with one port of records R; what it is called is up to the name.
+/// A kernel with one port of records R, whose name is that of an array or not.
 template <template <class> class R, bool kKnown>
 struct OnePort {
   static constexpr std::string_view kName = "one_port";
@@ -33,7 +33,7 @@ struct PortSourcesTest : testing::Test {
     tile.buffer.hold_wave(4);
     tile.buffer.hold_samples(4);
   }
-  /// What binding the ports of K says, if it fails.
+  /// Message of binding the ports of K, if that fails.
   template <class K>
   std::string failure() const {
     typename K::template Ports<float> ports;

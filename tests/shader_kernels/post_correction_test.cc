@@ -63,14 +63,14 @@ struct Rod {
   const Stage stage;
   const Sampled truth, without;
 
-  /// Whether any sample has met it. Nothing can be followed where none has.
+  /// True if any sample has met it. Nothing can be followed where none has.
   bool met() const {
     for (std::size_t pixel = 0; pixel < kSide * kSide; ++pixel) {
       if (shows_rod(without, pixel)) return true;
     }
     return false;
   }
-  /// Of pixels that show it when all are traced and do not without correction, those that do with it.
+  /// Share of the pixels that show it when all are traced and not without correction, that show it with correction.
   Recovered recovered(const UndersampleConfig& config) const {
     const Sampled with = stage.undersample(render, config);
     Recovered out;

@@ -7,7 +7,7 @@
 #include "block_harness.h"
 #include "showcase.h"
 
-// What is counted of samples: each check fails where its attribute differs, and only there.
+// Counts of samples: each check fails where its attribute differs, and only there.
 
 namespace kernels {
 namespace {

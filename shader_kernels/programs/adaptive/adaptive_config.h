@@ -8,11 +8,11 @@
 
 namespace kernels {
 
-/// How a tile comes by the samples of its neighbours.
+/// Source of the samples of a tile's neighbours.
 enum class Halo : std::uint8_t { kReload, kRetrace };
 constexpr std::array<std::string_view, 2> names_of(Halo) { return {"reload", "retrace"}; }
 
-/// Where samples' attributes are between the kernel that writes them and the one that compares them.
+/// Memory that holds samples' attributes between the kernel that writes them and the one that compares them.
 enum class AttributeStorage : std::uint8_t { kTile, kDram };
 constexpr std::array<std::string_view, 2> names_of(AttributeStorage) { return {"tile", "dram"}; }
 

@@ -15,7 +15,7 @@ void BlockProgram::make_halo(Tile& tile) const {
     if (at.has_above) tile.out.work.after.push_back(at.above);
   }
   if (at.has_left) {
-    // Of a coarser neighbour only some rows have references.
+    // A coarser neighbour has references in some rows only.
     const std::uint32_t stride = block_of(at.left) / tile.block > 1 ? block_of(at.left) / tile.block : 1;
     const std::uint32_t step = tile.block * pitch();
     if (reloads) {

@@ -11,7 +11,7 @@
 
 namespace kernels {
 
-/// What multirate and undersample have in common. The picture's samples are cut into blocks; the last sample of a block
+/// Common part of multirate and undersample. The picture's samples are cut into blocks; the last sample of a block
 /// is the reference sample and always traced. Those between two of a row are checked along x, then all others along y:
 ///
 ///   I I I I        references R;  samples I of their rows lie between two of them;  those of other rows between
@@ -36,7 +36,7 @@ class BlockProgram : public FrameProgram {
     Wavefront& wave;
     TileResult& out;
     TileBuffer& buffer;
-    Wavefront::Node start = Wavefront::kNone;  ///< what its first launch waits for
+    Wavefront::Node start = Wavefront::kNone;  ///< its first launch waits for this
   };
   /// A launch of a check kernel.
   struct Verdict {
@@ -46,7 +46,7 @@ class BlockProgram : public FrameProgram {
   struct Setup {
     std::uint32_t grid = 1;          ///< samples along a pixel
     std::uint32_t block = 2;         ///< samples along a block
-    std::uint32_t whole = 2;         ///< what a tile's side must be a multiple of: every block that it may have
+    std::uint32_t whole = 2;         ///< a tile's side is a multiple of it: every block that it may have
     std::uint32_t record_bytes = 0;  ///< that a sample keeps beside its colour
   };
 
@@ -55,7 +55,7 @@ class BlockProgram : public FrameProgram {
 
   /// Side of a tile's blocks in this frame.
   virtual std::uint32_t block_of([[maybe_unused]] std::uint32_t tile) const { return setup_.block; }
-  /// Whether that is read from memory, and what the tile has found out is written there.
+  /// True if that is read from memory, and the tile's findings are written there.
   virtual bool carries_rates() const { return false; }
   /// Records that traced samples keep, before their last check or behind it.
   virtual Wavefront::RetainedRecords records_to_retain(bool is_last) const = 0;

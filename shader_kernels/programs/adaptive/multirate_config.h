@@ -8,7 +8,7 @@
 
 namespace kernels {
 
-/// What decides over a tile's rate.
+/// Decides over a tile's rate.
 enum class RateControl : std::uint8_t { kOff, kHysteresis, kAlternate };
 constexpr std::array<std::string_view, 3> names_of(RateControl) { return {"off", "hysteresis", "alternate"}; }
 

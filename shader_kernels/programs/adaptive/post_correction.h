@@ -29,7 +29,7 @@ class PostCorrection {
     std::uint32_t round = 0;  ///< length of the chain of suspects that led to it
     std::uint32_t x = 0, y = 0;
   };
-  /// What tracing has found at suspects, in their order.
+  /// Findings of tracing at suspects, in their order.
   struct Found {
     std::vector<std::uint32_t> identities;
     std::vector<glm::vec3> colours;  ///< clamped

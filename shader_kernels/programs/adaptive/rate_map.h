@@ -14,7 +14,7 @@ class RateMap {
 
   explicit RateMap(const MultirateConfig& config) : config_(config) {}
 
-  /// Of a tile, in this frame.
+  /// Rate of a tile in this frame.
   std::uint32_t block(std::uint32_t tile) const { return tiles_.empty() ? config_.block : tiles_[tile].block; }
   /// Goes on to the next frame, given what this one has found out.
   void advance(const Sampling& frame);

@@ -60,7 +60,7 @@ class SupersampleProgram final : public FrameProgram {
     std::uint32_t first_master = 0, masters = 0;
   };
 
-  /// What a sample keeps beside its colour: of two hits.
+  /// Bytes that a sample keeps beside its colour: two hits.
   static constexpr std::uint32_t kAttributeBytes = 2 * sizeof(TraitsRecord<float>);
 
   /// Samples to a row of the tile buffer: two of the halo, then the tile's own.

@@ -8,7 +8,7 @@
 
 namespace kernels {
 
-/// How active sub-pixels are listed for those who sample them.
+/// Way in which active sub-pixels are listed for the kernels that sample them.
 enum class Packing : std::uint8_t { kBlock, kAtomic, kNone };
 constexpr std::array<std::string_view, 3> names_of(Packing) { return {"block", "atomic", "none"}; }
 

@@ -83,7 +83,8 @@ SupersampleProgram::Node SupersampleProgram::pack_by_atomics(Tile& tile, Node te
   return node;
 }
 
-/// What the machine does not list: each item of a chunk looks for itself whether there is something to do.
+/// Takes all sub-pixels, which the machine does not list: each item of a chunk looks for itself whether there is
+/// something to do.
 void SupersampleProgram::take_all(Tile& tile, std::vector<Chunk>& chunks) const {
   TileBuffer& buffer = tile.buffer;
   constexpr std::uint32_t kChunkPixels = kChunk / 4;

@@ -5,7 +5,7 @@ namespace {
 
 using traces::Region;
 
-/// What goes to neighbours of a sample.
+/// Bytes of a sample that go to neighbours.
 constexpr std::uint32_t kExchangedBytes = 2 * sizeof(TraitsRecord<float>) + sizeof(ColourRecord<float>);
 
 }  // namespace

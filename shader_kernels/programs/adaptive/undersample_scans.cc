@@ -14,7 +14,7 @@ constexpr std::uint32_t kLine = 64;  // what a sample alone costs of memory
 constexpr auto kPicture = static_cast<std::size_t>(Region::kPicture);
 constexpr auto kSamples = static_cast<std::size_t>(Region::kSamples);
 
-/// How many pixels samples belong to.
+/// Number of pixels that samples belong to.
 std::uint32_t pixels_of(std::span<const PostCorrection::Suspect> suspects, std::uint32_t grid) {
   std::set<std::pair<std::uint32_t, std::uint32_t>> pixels;
   for (const PostCorrection::Suspect& s : suspects) pixels.emplace(s.x / grid, s.y / grid);

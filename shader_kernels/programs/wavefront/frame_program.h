@@ -11,10 +11,10 @@
 
 namespace kernels {
 
-/// What a machine must set aside for a frame.
+/// Storage that a machine must set aside for a frame.
 struct FrameRequirements {
   std::uint32_t tile_samples = 0;     ///< of a full tile
-  std::uint32_t attribute_bytes = 0;  ///< of a full tile: what its samples keep beside their colour, in the tile buffer
+  std::uint32_t attribute_bytes = 0;  ///< of a full tile: kept by its samples beside their colour, in the tile buffer
   std::array<std::uint64_t, static_cast<std::size_t>(traces::Region::kCount)> region_bytes{};
 };
 
@@ -51,7 +51,7 @@ class FrameProgram {
   const Sampling& sampling() const { return sampling_; }
   /// Has keep() keep marks too.
   void keep_marks() { keeps_marks_ = true; }
-  /// How all samples came about, row by row, as many to a pixel as the program marks; empty if it marks none or they
+  /// Marks of all samples, row by row, as many to a pixel as the program marks; empty if it marks none or they
   /// are not kept.
   const std::vector<SampleMark>& marks() const { return marks_; }
 

@@ -17,7 +17,7 @@ constexpr std::array<std::string_view, 2> names_of(GlassShadows) { return {"opaq
 enum class Streams : std::uint8_t { kCompacted, kDivergent };
 constexpr std::array<std::string_view, 2> names_of(Streams) { return {"compacted", "divergent"}; }
 
-/// What is rendered, and how finely. Everything here changes the recorded work.
+/// The picture that is rendered, and how finely. Everything here changes the recorded work.
 struct RenderConfig {
   std::uint32_t width = 1024, height = 512;
   std::uint32_t tile = 16;

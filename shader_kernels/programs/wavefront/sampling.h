@@ -9,7 +9,7 @@
 
 namespace kernels {
 
-/// What a frame program was to find out, and how much of that it traced; counts of samples. A sample is background if
+/// Counts of the samples that a frame program was to find out, and of those that it traced. A sample is background if
 /// its primary ray hits nothing, or if it lies between two that are.
 struct Sampling {
   std::uint64_t wanted = 0;
@@ -36,13 +36,13 @@ struct Sampling {
   void add(const Sampling& other);
 };
 
-/// Of a sample: bits of failed checks (Check), and above them how it came about.
+/// Mark of a sample: bits of failed checks (Check), and above them how it came about.
 using SampleMark = std::uint16_t;
 inline constexpr SampleMark kTracedMark = 1U << 12, kReferenceMark = 1U << 13, kCorrectedMark = 1U << 14;
 static_assert(static_cast<std::size_t>(Check::kCount) <= 12);
 
-// Of a pixel of supersample: attributes that disagreed at its active sub-pixels (Attribute, a bit each), and above them
-// how many of those there are.
+// Mark of a pixel of supersample: attributes that disagreed at its active sub-pixels (Attribute, a bit each), and above
+// them how many of those there are.
 inline constexpr std::uint32_t kActiveCountShift = kAttributes;
 inline constexpr std::uint32_t active_of(SampleMark mark) { return (mark >> kActiveCountShift) & 7U; }
 static_assert(kActiveCountShift + 3 <= 12);

@@ -13,14 +13,14 @@ namespace kernels {
 
 CameraUniforms<float> camera_uniforms(const traces::Camera& camera, std::uint32_t width, std::uint32_t height);
 LightUniforms<float> light_uniforms(const traces::Light& light);
-/// Of a frame's jittered samples.
+/// Seed of a frame's jittered samples.
 std::uint32_t jitter_seed(std::uint32_t frame);
 AxisRecord<float> axis_record(std::uint32_t size, traces::Texture::Wrap wrap, traces::Texture::Filter filter);
 
 /// The largest triangle word of a hit that needs no test, where only alpha asks for one.
 inline constexpr std::uint32_t kSolidNearest = traces::kAlphaFlag - 1;
 
-/// What the kernels know of a scene besides memory: uniforms, and tables that lie in the SRP's own memory.
+/// Data of a scene that kernels read besides memory: uniforms, and tables that lie in the SRP's own memory.
 struct SceneTables {
   SceneTables(const traces::MemoryImage& memory_image, const RenderConfig& config);
 

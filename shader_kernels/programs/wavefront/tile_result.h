@@ -25,7 +25,7 @@ struct RaySlots {
   void hold(std::size_t slots);
 };
 
-/// What a tile keeps in the tile buffer, while it is made; afterwards nobody looks at it, and another tile may have it.
+/// Contents of the tile buffer while a tile is made; afterwards nobody looks at them, and another tile may have it.
 /// Arrays only grow, so that a used one allocates no more.
 struct TileBuffer {
   RaySlots wave, next_wave, shadow, layer;
@@ -39,18 +39,18 @@ struct TileBuffer {
   std::vector<SpecularRecord<float>> optics;
   std::vector<TangentRecord<float>> tangents;
   std::vector<ColourRecord<float>> colours;  ///< per sample
-  // Of adaptive sampling: what samples keep, what checks said of them, streams of them.
+  // Adaptive sampling: records that samples keep, verdicts on them, streams of them.
   std::vector<GeometryRecord<float>> geometry;
   std::vector<SecondaryRecord<float>> secondary;
   std::vector<SurfaceRecord<float>> kept;
   std::vector<ColourRecord<float>> globals;  ///< of kept surfaces
   std::vector<std::uint32_t> verdicts, identities, samples, passed, failed;
-  // Of supersampling: what samples keep; verdicts on sub-pixels, lists.
+  // Supersampling: records that samples keep; verdicts on sub-pixels, lists.
   std::vector<TraitsRecord<float>> traits, secondary_traits;
   std::vector<BranchRecord<float>> branches;
   std::vector<std::uint32_t> subpixels, active, masters, fills;
-  std::vector<std::uint32_t> record_nodes;  ///< of the work: launches that have added to what samples keep
-  std::vector<std::uint32_t> colour_nodes;  ///< of the work: launches that have added to colours
+  std::vector<std::uint32_t> record_nodes;  ///< launches of the work that have added to what samples keep
+  std::vector<std::uint32_t> colour_nodes;  ///< launches of the work that have added to colours
   std::vector<traces::WorkNode> spare_nodes;
   /// Names the arrays as the kernels' ports do.
   static void describe(auto& b, auto&& array) {
@@ -73,17 +73,17 @@ struct TileBuffer {
   void hold_details(std::size_t slots);
   void hold_layers(std::size_t slots);
   void hold_samples(std::size_t count);
-  /// Of `pixels` pixels whose centres are among `centres` samples.
+  /// For `pixels` pixels whose centres are among `centres` samples.
   void hold_subpixels(std::size_t centres, std::size_t pixels);
 };
 
-/// What post-correction looks at.
+/// A sample as post-correction sees it.
 struct ShownSample {
   std::uint32_t identity = 0;
   glm::vec3 colour{};
 };
 
-/// What comes of one tile.
+/// Result of one tile.
 struct TileResult {
   std::uint32_t tile = 0;
   std::uint32_t x = 0, y = 0, width = 0, height = 0;  ///< in pixels
@@ -98,7 +98,7 @@ struct TileResult {
   std::uint64_t traversal_steps = 0;  ///< node visits and triangle tests; counted from the walks, so 0 if not recorded
   traces::TileWork work;              ///< filled if recorded
   TileBuffer buffer;
-  /// Of a sample, as it is averaged.
+  /// Colour of a sample as it is averaged.
   glm::vec3 colour(std::uint32_t sample) const;
 };
 

@@ -20,15 +20,14 @@ namespace kernels {
 ///                                          -> shade_emission                          -> shadow rays -> combine_shadow
 ///                                          -> shade_mirror, shade_glass -> rays of the next wave
 ///
-/// Where the scene has more to it (wavefront_details.cc), between shade_surface and classify_surfaces, each step over a
-/// stream of its own and only where that stream has items:
+/// Scenes with more to them (wavefront_details.cc) have, between shade_surface and classify_surfaces, steps each over a
+/// stream of its own, and only if that stream has items:
 ///
 ///   classify_details -> absorb -> fetch_vertices -> shade_base -> shade_physical -> shade_bump -> shade_blend
 ///
 /// and shade_glow beside shade_emission, shade_occluded behind shade_ambient, shade_straight before shade_mirror.
 ///
-/// Where it has triangles that are not solid, a batch of rays is followed by rounds (wavefront_layers.cc) until no ray
-/// goes on:
+/// Triangles that are not solid add rounds behind a batch of rays (wavefront_layers.cc), until no ray goes on:
 ///
 ///   classify_layers -> [ test_alpha or test_shadow -> rays -> scatter_layers ] ...
 ///
@@ -45,7 +44,7 @@ class Wavefront {
   using Node = StreamBuilder::Node;
   static constexpr Node kNone = StreamBuilder::kNone;
 
-  /// What samples keep of their hits, beside their colour.
+  /// Records of their hits that samples keep, beside their colour.
   struct RetainedRecords {
     bool geometry = false, surfaces = false;  ///< of the first hit: geometry alone, or all that shading needs
     bool secondary = false;
@@ -114,7 +113,7 @@ class Wavefront {
     std::uint32_t lanes = 0, padding = 0;       ///< as for launch()
     std::uint32_t mirrored = 0, refracted = 0;  ///< first slots of rays that were; those before went straight on
     Node recorded = StreamBuilder::kNone;       ///< the launch that keeps its geometry
-    Node after = StreamBuilder::kNone;          ///< what the last bounce still had to do with colours
+    Node after = StreamBuilder::kNone;          ///< the last launch of the bounce before that changes colours
     std::array<Batch, 3> batches{};
     std::uint32_t batch_count = 0;
     Node inspector = StreamBuilder::kNone;  ///< fills the streams

@@ -2,8 +2,8 @@
 
 namespace kernels {
 
-/// What only some scenes have, before surfaces are sorted: the steps change points, base colours, optics and classes of
-/// the surfaces in their streams. Each waits for the one before; `bounce.inspector` is the last.
+/// Steps that only some scenes have, before surfaces are sorted: they change points, base colours, optics and classes
+/// of the surfaces in their streams. Each waits for the one before; `bounce.inspector` is the last.
 void Wavefront::shade_details(Bounce& bounce, std::uint32_t surfaces, Streams& streams) {
   buffer_.hold_details(bounce.rays);
   ClassifyDetails::Ports<float> ports;
