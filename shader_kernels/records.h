@@ -167,9 +167,9 @@ struct BranchRecord {
   }
 };
 
-/// Geometry that a sample keeps of its secondary hits: normals of the next hit behind a mirror and behind glass ((0, 0,
-/// 1) where there is none), and of all of them a sum of hashes of their objects and one of their shadows, which is the
-/// same for the same hits whatever their order.
+/// Geometry that a sample keeps of its secondary hits: normals of the next hit behind a mirror and behind glass (unit z
+/// where there is none), and of all of them a sum of hashes of their objects and one of their shadows, which is the same
+/// for the same hits whatever their order.
 template <class V>
 struct SecondaryRecord {
   Vec3<V> mirror_normal;

@@ -70,7 +70,7 @@ struct Rod {
     }
     return false;
   }
-  /// Share of the pixels that show it when all are traced and not without correction, that show it with correction.
+  /// Counts the pixels that are lost without correction, and those of them that it recovers.
   Recovered recovered(const UndersampleConfig& config) const {
     const Sampled with = stage.undersample(render, config);
     Recovered out;
