@@ -4,11 +4,8 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <vector>
-
-#if defined(__AVX2__)
-#include <immintrin.h>
-#endif
 
 #include "sim/time.h"
 
@@ -120,13 +117,15 @@ class Wakes {
     const Time b = std::min(std::min(one(eight[4]), one(eight[5])), std::min(one(eight[6]), one(eight[7])));
     return std::min(a, b);
   }
-#if defined(__AVX2__)
+#if defined(__AVX2__)  // by the compiler's own vectors: <immintrin.h> is longer than most files that would get it from here
   static unsigned equal(const Time* eight, Time time) {
-    const __m256i wanted = _mm256_set1_epi64x(static_cast<std::int64_t>(time));
+    using Times [[gnu::vector_size(32)]] = Time;
+    using Doubles [[gnu::vector_size(32)]] = double;
     unsigned mask = 0;
     for (std::size_t i = 0; i < kGroup; i += 4) {
-      const __m256i same = _mm256_cmpeq_epi64(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(eight + i)), wanted);
-      mask |= static_cast<unsigned>(_mm256_movemask_pd(_mm256_castsi256_pd(same))) << i;
+      Times four;
+      std::memcpy(&four, eight + i, sizeof four);
+      mask |= static_cast<unsigned>(__builtin_ia32_movmskpd256(reinterpret_cast<Doubles>(four == time))) << i;
     }
     return mask;
   }
