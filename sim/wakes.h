@@ -117,7 +117,7 @@ class Wakes {
     const Time b = std::min(std::min(one(eight[4]), one(eight[5])), std::min(one(eight[6]), one(eight[7])));
     return std::min(a, b);
   }
-#if defined(__AVX2__)  // by the compiler's own vectors: <immintrin.h> is longer than most files that would get it from here
+#if defined(__AVX2__)  // by vectors of the compiler: <immintrin.h> is longer than most files that would get it here
   static unsigned equal(const Time* eight, Time time) {
     using Times [[gnu::vector_size(32)]] = Time;
     using Doubles [[gnu::vector_size(32)]] = double;

@@ -47,8 +47,7 @@ std::vector<std::string> yaml_names(const std::vector<fs::path>& folders) {
     }
   }
   std::ranges::sort(names);
-  const auto twice = std::ranges::unique(names);
-  names.erase(twice.begin(), twice.end());
+  names.erase(std::unique(names.begin(), names.end()), names.end());
   return names;
 }
 

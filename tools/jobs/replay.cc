@@ -50,7 +50,7 @@ void place_tree(const traces::TileScope& scope, const traces::BvhConfig& config,
   for (const std::uint32_t root : scope.links.roots) image.instances.emplace_back().root = root;
   std::vector<std::uint32_t> roots = scope.links.roots;
   std::ranges::sort(roots);
-  const auto end = std::ranges::unique(roots).begin();
+  const auto end = std::unique(roots.begin(), roots.end());
   for (auto root = roots.begin(); root != end && *root != traces::kNone; ++root) {
     image.trees.push_back({.first_node = *root});
   }
@@ -132,11 +132,13 @@ Outcome Replay::run(std::uint32_t threads, Progress* progress, bool keep_part) {
   Outcome out;
   try {
     for (const traces::Json& frame : trace_.frames()) {
-      const auto [number, error] = trace_.naming_file([&] {
+      const auto checked = trace_.naming_file([&] {
         const double difference = frame.at("squared_error").get<double>();
         if (!(difference >= 0 && difference < 4)) throw sim::InputError("squared_error is out of range");
         return std::pair{static_cast<std::uint32_t>(traces::number_at(frame, "frame", traces::kMaxFrame)), difference};
       });
+      const std::uint32_t number = checked.first;
+      const double error = checked.second;
       const Part& work = trace_.naming_file([&]() -> const Part& { return part(number, false); });
       const bool may_be_part = keep_part && out.frames.empty();
       Simulation played = play(work, program_, threads, progress, may_be_part);

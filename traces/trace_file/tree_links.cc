@@ -140,7 +140,7 @@ std::string encode_links(const Links& links) {
   // Trees have the order of their roots.
   std::vector<std::uint32_t> trees = links.roots;
   std::ranges::sort(trees);
-  trees.erase(std::ranges::unique(trees).begin(), trees.end());
+  trees.erase(std::unique(trees.begin(), trees.end()), trees.end());
   for (const std::uint32_t root : links.roots) {
     const auto place = std::ranges::lower_bound(trees, root) - trees.begin();
     to.number(root == kNone ? kNothing : static_cast<std::uint64_t>(place) + 1);

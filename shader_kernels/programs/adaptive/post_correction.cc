@@ -93,8 +93,8 @@ void PostCorrection::end() {
 }
 
 std::span<const PostCorrection::Suspect> PostCorrection::suspects_of(std::uint32_t tile) const {
-  const auto range = std::ranges::equal_range(all_, tile, {}, &Suspect::tile);
-  return {range.begin(), range.end()};
+  const auto first = std::ranges::lower_bound(all_, tile, {}, &Suspect::tile);
+  return {first, std::ranges::upper_bound(first, all_.end(), tile, {}, &Suspect::tile)};
 }
 
 }  // namespace kernels

@@ -58,7 +58,7 @@ TEST(Frames, CountAsRaysPerSecondOfTheHostWithoutLoading) {
   for (const char* threads : {"1", "2"}) {
     const fs::path out = folder.path() / threads;
     Words words = chess({"run", "--frames", "0:2", "--resolution", "64x32", "--threads", threads, "-o", out.string()});
-    std::ranges::rotate(words, std::ranges::find(words, "run"));
+    std::rotate(words.begin(), std::ranges::find(words, "run"), words.end());
     ASSERT_EQ(raywatt(words).exit, 0);
     const nlohmann::json report = read_json(out / "report.json");
     const nlohmann::json &host = report["host"], &totals = report["totals"];
