@@ -15,9 +15,10 @@ struct BuiltinInfo {
   std::uint32_t triangles = 0;  ///< of its class in the literature
 };
 
-/// What a generator can be told.
+/// Options of a generator.
 struct BuiltinOptions {
   std::uint32_t triangles = 0;  ///< about how many; 0: as many as its class has
+  std::uint32_t triangles_or(std::uint32_t of_class) const { return triangles == 0 ? of_class : triangles; }
 };
 
 std::vector<BuiltinInfo> builtin_scenes();

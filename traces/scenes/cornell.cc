@@ -1,18 +1,16 @@
-#include <cmath>
-
 #include "traces/scene/cameras.h"
 #include "traces/scenes/builtin.h"
+#include "traces/scenes/detail.h"
 #include "traces/scenes/motion.h"
 #include "traces/scenes/shapes.h"
-#include "traces/scenes/turned.h"
 
 namespace traces {
 
 /// The box is twice as wide as high, and the camera stands where its open front just fills a 2:1 picture.
 Scene build_cornell(const BuiltinOptions& options) {
-  constexpr double kTriangles = 10'338;  // with 16 and 18 cells
-  const double detail = options.triangles == 0 ? 1 : std::sqrt(options.triangles / kTriangles);
-  const std::uint32_t wall_cells = parts(detail, 16, 2), sphere_cells = parts(detail, 18, 4);
+  constexpr std::uint32_t kTriangles = 10'338;  // with 16 and 18 cells
+  const Detail detail = detail_for(options.triangles_or(kTriangles), kTriangles);
+  const std::uint32_t wall_cells = detail.cells(16, 2), sphere_cells = detail.cells(18, 4);
   Scene scene;
   scene.name = "cornell";
   scene.background = glm::vec3(0.02F);

@@ -2,46 +2,57 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
+#include <limits>
 
 #include "traces/scenes/shapes.h"
 
 namespace traces {
 
-std::uint32_t Detail::cells(std::uint32_t at_one, std::uint32_t least) const {
-  return std::max(static_cast<std::uint32_t>(share * static_cast<float>(at_one) + 0.5F), least);
+std::uint32_t Detail::cells(double at_one, std::uint32_t least) const {
+  return std::max(static_cast<std::uint32_t>(share * at_one + 0.5), least);
 }
 
-std::uint32_t Detail::pieces(std::uint32_t at_one, std::uint32_t least) const {
-  return std::max(static_cast<std::uint32_t>(share * share * static_cast<float>(at_one) + 0.5F), least);
+std::uint32_t Detail::pieces(double at_one, std::uint32_t least) const {
+  return std::max(static_cast<std::uint32_t>(share * share * at_one + 0.5), least);
 }
 
 std::vector<glm::vec2> Detail::profile(std::span<const glm::vec2> points) const {
-  const std::size_t stride = share < 0.34F ? 3 : share < 0.5F ? 2 : 1;
+  const std::size_t stride = share < 0.34 ? 3 : share < 0.5 ? 2 : 1;
   std::vector<glm::vec2> kept;
   for (std::size_t k = 0; k + 1 < points.size(); k += stride) kept.push_back(points[k]);
   kept.push_back(points.back());
   return kept;
 }
 
-Scene build_to_size(std::uint32_t triangles, const std::function<Scene(const Detail& detail)>& make) {
-  constexpr int kTries = 8;
-  constexpr double kNear = 0.03;
-  Detail detail;
-  Scene best;
-  double best_miss = 0;
-  for (int k = 0; k < kTries; ++k) {
-    Scene scene = make(detail);
-    const double ratio = static_cast<double>(triangles) / static_cast<double>(triangles_of(scene));
-    const double miss = std::max(ratio, 1 / ratio) - 1;
-    if (k == 0 || miss < best_miss) {
-      best = std::move(scene);
-      best_miss = miss;
-    }
-    if (best_miss < kNear) break;
-    detail.share *= static_cast<float>(std::sqrt(ratio));
+Detail detail_for(double triangles, double at_one) { return {std::sqrt(triangles / at_one)}; }
+
+Detail fit_detail(std::uint64_t wanted, const std::function<std::uint64_t(const Detail& detail)>& triangles_at,
+                  const DetailSearch& search) {
+  Detail detail, best;
+  double least_error = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < search.tries; ++k) {
+    const double ratio =
+        static_cast<double>(std::max<std::uint64_t>(wanted, 1)) / static_cast<double>(triangles_at(detail));
+    const double error = std::max(ratio, 1 / ratio) - 1;
+    if (error < least_error) least_error = error, best = detail;
+    if (error < search.near_enough) break;
+    detail.share = std::clamp(detail.share * std::sqrt(ratio), search.least, search.most);
   }
   return best;
+}
+
+Scene build_to_size(std::uint32_t triangles, const std::function<Scene(const Detail& detail)>& make) {
+  Scene scene;
+  Detail made;
+  const auto triangles_at = [&](const Detail& detail) {
+    made = detail;
+    scene = make(detail);
+    return triangles_of(scene);
+  };
+  const Detail best =
+      fit_detail(triangles, triangles_at,
+                 {.tries = 8, .near_enough = 0.03, .least = 0, .most = std::numeric_limits<double>::max()});
+  return made.share == best.share ? scene : make(best);
 }
 
 }  // namespace traces

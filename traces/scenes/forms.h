@@ -7,7 +7,7 @@
 
 namespace traces {
 
-// What rooms and buildings are made of, on top of shapes.h and sweeps.h.
+// Parts of rooms and buildings, on top of shapes.h and sweeps.h.
 
 /// Axes of things that stand at a wall: x to the right and y up as seen from the room, z = `outward` (horizontal, of
 /// unit length) out of the wall.

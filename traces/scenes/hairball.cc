@@ -116,7 +116,7 @@ void add_lights(Scene& scene) {
 
 /// Twelve bundles of strands in three colours, each bundle turned another way.
 Scene build_hairball(const BuiltinOptions& options) {
-  const std::uint32_t triangles = options.triangles == 0 ? kTriangles : options.triangles;
+  const std::uint32_t triangles = options.triangles_or(kTriangles);
   Scene scene;
   scene.name = "hairball";
   scene.background = {0.10F, 0.12F, 0.16F};

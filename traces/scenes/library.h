@@ -11,7 +11,7 @@ namespace traces {
 /// Is this a file, not a name? It is if it has a '/' or the extension .glb or .gltf.
 bool is_scene_file(const std::string& text);
 
-/// What a user may call a scene. A file, or else the name of a
+/// Name that a user may give a scene. A file, or else the name of a
 /// built-in scene, or of a file NAME.glb or NAME.gltf in one of the folders of $RAYWATT_PATH (or its `scenes` folder).
 /// InputError with the nearest name if there is none.
 Scene open_scene(const std::string& name_or_path, const BuiltinOptions& options = {}, const SceneLimits& limits = {});

@@ -8,6 +8,7 @@
 
 #include "traces/scene/cameras.h"
 #include "traces/scene/lights.h"
+#include "traces/scenes/scene_digest.h"
 #include "traces/scenes/shapes.h"
 #include "traces/scenes/sweeps.h"
 
@@ -75,14 +76,14 @@ void add_camera_path(Scene& scene, std::string name, std::span<const ViewKey> ke
   }
   eyes = smoothed(std::span<const glm::vec3>(eyes), samples);
   targets = smoothed(std::span<const glm::vec3>(targets), samples);
-  std::vector<Key> places;
+  std::vector<Key> keys_of_eye;
   std::vector<TurnKey> turns;
   for (std::size_t i = 0; i < eyes.size(); ++i) {
     const std::size_t k = i / samples;
     const float share = static_cast<float>(i % samples) / static_cast<float>(samples);
     const float after = keys[std::min(k + 1, keys.size() - 1)].seconds;
     const float seconds = keys[k].seconds + share * (after - keys[k].seconds);
-    places.push_back({seconds, eyes[i]});
+    keys_of_eye.push_back({seconds, eyes[i]});
     glm::quat turn = turn_of(glm::mat3(look_at("", eyes[i], targets[i], vertical_fov).to_world));
     if (!turns.empty() && glm::dot(turns.back().value, turn) < 0) turn = -turn;
     turns.push_back({seconds, turn});
@@ -90,7 +91,7 @@ void add_camera_path(Scene& scene, std::string name, std::span<const ViewKey> ke
   Camera camera = look_at(name, eyes.front(), targets.front(), vertical_fov);
   camera.node = add_node(scene, std::move(name), {.translation = eyes.front(), .rotation = turns.front().value});
   scene.cameras.push_back(std::move(camera));
-  move_node(scene, scene.cameras.back().node, places);
+  move_node(scene, scene.cameras.back().node, keys_of_eye);
   turn_node(scene, scene.cameras.back().node, turns);
 }
 

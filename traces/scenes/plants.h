@@ -13,7 +13,7 @@ struct Twig {
   glm::vec3 foot, tip;
 };
 
-/// What a tree looks like; lengths in metres, its foot at the origin.
+/// Shape of a tree; lengths in metres, its foot at the origin.
 struct TreeShape {
   float height = 9;
   float girth = 0.3F;     ///< radius of the trunk at the ground

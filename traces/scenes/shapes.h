@@ -62,7 +62,4 @@ Material textured(std::string name, std::uint32_t texture, const glm::vec3& colo
 /// Triangles as instanced.
 std::uint64_t triangles_of(const Scene& scene);
 
-/// SHA-256 of everything in the scene that can change a picture.
-std::string scene_digest(const Scene& scene);
-
 }  // namespace traces

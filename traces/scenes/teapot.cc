@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 #include <span>
 #include <utility>
 #include <vector>
@@ -9,11 +8,11 @@
 #include "sim/hash.h"
 #include "traces/scene/cameras.h"
 #include "traces/scenes/builtin.h"
+#include "traces/scenes/detail.h"
 #include "traces/scenes/motion.h"
 #include "traces/scenes/shapes.h"
 #include "traces/scenes/teapot_patches.h"
 #include "traces/scenes/trigonometry.h"
-#include "traces/scenes/turned.h"
 
 namespace traces {
 namespace {
@@ -66,8 +65,8 @@ Texture make_checker() {
 }  // namespace
 
 Scene build_teapot(const BuiltinOptions& options) {
-  constexpr double kTriangles = 14'792;  // with 15 and 16 cells
-  const double detail = options.triangles == 0 ? 1 : std::sqrt(options.triangles / kTriangles);
+  constexpr std::uint32_t kTriangles = 14'792;  // with 15 and 16 cells
+  const Detail detail = detail_for(options.triangles_or(kTriangles), kTriangles);
   Scene scene;
   scene.name = "teapot";
   scene.textures.push_back(make_checker());
@@ -83,8 +82,8 @@ Scene build_teapot(const BuiltinOptions& options) {
   const std::uint32_t floor_id = add_material(scene, floor);
 
   const std::vector<BezierPatch> patches = teapot_patches();
-  add_object(scene, make_pot("teapot", patches, parts(detail, 15, 3)), porcelain_id);
-  add_object(scene, make_quad("floor", {-12, 0, -12}, {0, 0, 24}, {24, 0, 0}, parts(detail, 16, 2), 12), floor_id);
+  add_object(scene, make_pot("teapot", patches, detail.cells(15, 3)), porcelain_id);
+  add_object(scene, make_quad("floor", {-12, 0, -12}, {0, 0, 24}, {24, 0, 0}, detail.cells(16, 2), 12), floor_id);
 
   Light lamp;
   lamp.position = {-5, 9, 7};

@@ -66,23 +66,4 @@ Mesh make_turned(std::string name, const std::vector<glm::vec2>& profile, std::u
       true);
 }
 
-double fit_detail(std::uint64_t wanted, const std::function<std::uint64_t(double detail)>& triangles) {
-  constexpr double kLeast = 0.1, kMost = 10;
-  constexpr int kTries = 6;
-  double detail = 1, best = 1, error = -1;
-  for (int k = 0; k < kTries; ++k) {
-    const double ratio =
-        static_cast<double>(std::max<std::uint64_t>(wanted, 1)) / static_cast<double>(triangles(detail));
-    const double off = std::max(ratio, 1 / ratio) - 1;
-    if (error < 0 || off < error) error = off, best = detail;
-    if (off < 0.01) break;
-    detail = std::clamp(detail * std::sqrt(ratio), kLeast, kMost);  // surfaces: triangles grow with its square
-  }
-  return best;
-}
-
-std::uint32_t parts(double detail, double at_one, std::uint32_t least) {
-  return std::max(least, static_cast<std::uint32_t>(detail * at_one + 0.5));
-}
-
 }  // namespace traces

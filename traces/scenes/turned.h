@@ -31,11 +31,4 @@ std::vector<glm::vec2> simplified(std::vector<glm::vec2> points, std::size_t cou
 Mesh make_turned(std::string name, const std::vector<glm::vec2>& profile, std::uint32_t segments,
                  const std::function<glm::vec3(float around, std::size_t k, const glm::vec3& point)>& shape);
 
-/// A detail at which `triangles`, which grows about with its square, comes near to what is wanted; 1 if it already
-/// does.
-double fit_detail(std::uint64_t wanted, const std::function<std::uint64_t(double detail)>& triangles);
-
-/// `at_one` parts at detail 1, never less than `least`.
-std::uint32_t parts(double detail, double at_one, std::uint32_t least);
-
 }  // namespace traces

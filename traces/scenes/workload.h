@@ -65,7 +65,7 @@ struct SkyConfig {
   }
 };
 
-/// What is looked at, from where, and when: the group `scene` of a run's configuration, and what a workload file is
+/// Scene, camera and frames of a run: the group `scene` of a run's configuration, and what a workload file is
 /// about.
 struct WorkloadConfig {
   std::string name = "cornell";

@@ -127,8 +127,8 @@ TEST_P(Rooms, FillTheFirstCamerasPicture) {
   int hits = 0;
   for (int y = 0; y < kRays; ++y) {
     for (int x = 0; x < kRays; ++x) {
-      const auto place = [](int k) { return 2 * (static_cast<float>(k) + 0.5F) / kRays - 1; };
-      const glm::vec4 way(2 * slope * place(x), slope * place(y), -1, 0);
+      const auto offset = [](int k) { return 2 * (static_cast<float>(k) + 0.5F) / kRays - 1; };
+      const glm::vec4 way(2 * slope * offset(x), slope * offset(y), -1, 0);
       if (is_blocked(scene_, glm::vec3(camera.to_world[3]), 100.0F * glm::vec3(camera.to_world * way))) ++hits;
     }
   }

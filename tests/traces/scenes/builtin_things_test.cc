@@ -180,14 +180,14 @@ TEST(CornellAndTeapot, have_as_many_triangles_as_asked_for) {
 
 TEST(ChessPieces, look_outwards_and_stand_on_the_board) {
   for (std::size_t k = 0; k < traces::chess::kPieces; ++k) {
-    const Mesh piece = traces::chess::make_piece(static_cast<traces::chess::Piece>(k), 1);
+    const Mesh piece = traces::chess::make_piece(static_cast<traces::chess::Piece>(k), {});
     EXPECT_GT(volume(piece), 0.05) << piece.name;
     traces::Bounds bounds;
     for (const glm::vec3& p : piece.positions) bounds.add(p);
     EXPECT_EQ(bounds.lower.y, 0) << piece.name;
     EXPECT_LT(std::max(bounds.upper.x, -bounds.lower.x), 0.5F) << piece.name << " keeps to its square";
   }
-  EXPECT_GT(volume(traces::chess::make_horse(1)), 0.02);
+  EXPECT_GT(volume(traces::chess::make_horse({})), 0.02);
 }
 
 TEST(ChessGame, knight_and_bishop_take) {
@@ -200,8 +200,8 @@ TEST(ChessGame, knight_and_bishop_take) {
   EXPECT_LT(glm::length(place_of(hanging_on(scene, knight).to_world) - glm::vec3(0.5F, 0, -0.5F)), 1e-4F) << "e5";
   EXPECT_LT(glm::length(place_of(hanging_on(scene, bishop).to_world) - glm::vec3(-0.5F, 0, 3.5F)), 1e-4F) << "d1";
   for (const char* const taken : {"e5", "d1"}) {
-    const glm::vec3 place = place_of(hanging_on(scene, node_called(scene, taken)).to_world);
-    EXPECT_GT(std::abs(place.x), 5) << taken << " is beside the board";
+    const glm::vec3 position = place_of(hanging_on(scene, node_called(scene, taken)).to_world);
+    EXPECT_GT(std::abs(position.x), 5) << taken << " is beside the board";
   }
 }
 
@@ -225,8 +225,8 @@ TEST(Car, wheels_roll_without_slipping) {
 TEST(Laboratory, glass_has_an_inside_and_liquid_keeps_off_it) {
   using traces::laboratory::Vessel;
   for (const Vessel vessel : {Vessel::kBeaker, Vessel::kErlenmeyer, Vessel::kRound, Vessel::kVolumetric}) {
-    const Mesh glass = traces::laboratory::make_vessel(vessel, 2),
-               liquid = traces::laboratory::make_filling(vessel, 0.05F, 2);
+    const Mesh glass = traces::laboratory::make_vessel(vessel, {2}),
+               liquid = traces::laboratory::make_filling(vessel, 0.05F, {2});
     traces::Bounds outside, inside;
     for (const glm::vec3& p : glass.positions) outside.add(p);
     for (const glm::vec3& p : liquid.positions) inside.add(p);
@@ -243,9 +243,11 @@ TEST(Turned, simplified_keeps_ends_and_corners) {
   EXPECT_EQ(traces::simplified(line, 3), (std::vector<glm::vec2>{{0, 0}, {1, 0}, {1, 1}}));
 }
 
-TEST(Turned, fit_detail_meets_the_wanted_count) {
-  const auto triangles = [](double detail) { return 100 + static_cast<std::uint64_t>(1000 * detail * detail); };
-  EXPECT_EQ(traces::fit_detail(1100, triangles), 1);
+TEST(Detail, fit_detail_meets_the_wanted_count) {
+  const auto triangles = [](const traces::Detail& detail) {
+    return 100 + static_cast<std::uint64_t>(1000 * detail.share * detail.share);
+  };
+  EXPECT_EQ(traces::fit_detail(1100, triangles).share, 1);
   for (const std::uint64_t wanted : {400U, 9000U}) {
     EXPECT_NEAR(static_cast<double>(triangles(traces::fit_detail(wanted, triangles))) / static_cast<double>(wanted), 1,
                 0.02);

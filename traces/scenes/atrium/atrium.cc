@@ -42,7 +42,7 @@ void add_cameras(Scene& scene) {
 /// different parts take at least a quarter of its triangles.
 Scene build_atrium(const BuiltinOptions& options) {
   constexpr std::uint32_t kClass = 66'000;
-  Scene scene = build_to_size(options.triangles == 0 ? kClass : options.triangles, furnish);
+  Scene scene = build_to_size(options.triangles_or(kClass), furnish);
   paint_pictures(scene);
   add_cameras(scene);
   Light sun;
@@ -50,7 +50,7 @@ Scene build_atrium(const BuiltinOptions& options) {
   sun.direction = glm::normalize(glm::vec3(0.34F, -1, -0.36F));
   sun.intensity = {1.0F, 0.93F, 0.80F};
   scene.lights.push_back(sun);
-  // What the sunlit wall and floor throw back into the galleries.
+  // Light that the sunlit wall and floor throw back into the galleries.
   for (const float x : {-4.6F, 5.2F}) {
     Light bounce;
     bounce.position = {x, 3.2F, -0.6F};

@@ -38,10 +38,10 @@ void add_cloth(Scene& scene, const Materials& is, const Detail& detail) {
                                                  turned({0, 0, -0.42F}, {1, 0, 0}, 0.25)),
                                      is.iron);
   const auto add_banner = [&](const glm::vec3& at, const glm::vec3& inward, std::uint32_t which) {
-    const glm::mat4 place = standing(at, inward);
-    add_instance(scene, which, place);
-    add_instance(scene, rod, place);
-    add_instance(scene, arm, place);
+    const glm::mat4 to_world = standing(at, inward);
+    add_instance(scene, which, to_world);
+    add_instance(scene, rod, to_world);
+    add_instance(scene, arm, to_world);
   };
   for (int k = 1; k < kLongBays; k += 2) {
     const float x = kLongBay * static_cast<float>(k) - kHalfLength;
@@ -106,10 +106,10 @@ void add_plants(Scene& scene, const Materials& is, const Detail& detail) {
   const std::uint32_t round = detail.cells(22, 8);
   const std::uint32_t pot_mesh = add_mesh(scene, make_lathe("pot", detail.profile(pot), round), is.clay);
   const std::uint32_t soil_mesh = add_mesh(scene, make_lathe("soil", detail.profile(ground), round), is.soil);
-  const glm::vec3 places[] = {{-5.9F, 0, 2.75F}, {-6.1F, 0, -2.75F}, {-0.2F, 0, -2.75F},
-                              {0.1F, 0, 2.75F},  {5.9F, 0, -2.75F},  {6.1F, 0, 2.75F}};
+  const glm::vec3 positions[] = {{-5.9F, 0, 2.75F}, {-6.1F, 0, -2.75F}, {-0.2F, 0, -2.75F},
+                                 {0.1F, 0, 2.75F},  {5.9F, 0, -2.75F},  {6.1F, 0, 2.75F}};
   std::uint32_t seed = 90;
-  for (const glm::vec3& at : places) {
+  for (const glm::vec3& at : positions) {
     ++seed;
     add_instance(scene, pot_mesh, placed(at));
     add_instance(scene, soil_mesh, placed(at));

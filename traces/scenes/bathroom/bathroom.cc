@@ -16,6 +16,8 @@ Scene furnish(const Detail& detail) {
   add_walls(scene, is, detail);
   add_tub(scene, is, detail);
   add_vanity(scene, is, detail);
+  add_basin(scene, is, detail);
+  add_mirror(scene, is, detail);
   add_toilet(scene, is, detail);
   add_shower(scene, is, detail);
   add_towels(scene, is, detail);
@@ -49,7 +51,7 @@ void add_light(Scene& scene, const glm::vec3& position, const glm::vec3& intensi
 /// Mirrors and chrome, a glass screen, and much that is thinner than a pixel: hose, rails, wires, bristles, tufts.
 Scene build_bathroom(const BuiltinOptions& options) {
   constexpr std::uint32_t kClass = 270'000;
-  Scene scene = build_to_size(options.triangles == 0 ? kClass : options.triangles, furnish);
+  Scene scene = build_to_size(options.triangles_or(kClass), furnish);
   paint_pictures(scene);
   add_cameras(scene);
   add_light(scene, {-0.3F, kHeight - 0.3F, 0.25F}, {1, 0.96F, 0.9F});

@@ -28,7 +28,7 @@ Mesh make_head(const Detail& detail) {
   const glm::vec2 body[] = {{0, 0},          {0.05F, 0},      {0.055F, 0.005F}, {0.055F, 0.014F},
                             {0.035F, 0.03F}, {0.016F, 0.04F}, {0, 0.042F}};
   Mesh mesh = make_lathe("shower head", detail.profile(body), detail.cells(32, 10));
-  for (int ring = 1; ring <= (detail.share < 0.5F ? 2 : 4); ++ring) {
+  for (int ring = 1; ring <= (detail.share < 0.5 ? 2 : 4); ++ring) {
     for (int k = 0; k < 6 * ring; ++k) {
       const glm::vec2 at = on_circle(k / (6.0 * ring)) * 0.0115F * static_cast<float>(ring);
       append(mesh, transformed(make_cylinder("", 0.002F, 0.004F, detail.cells(6, 3)), placed({at.x, -0.004F, at.y})));

@@ -33,6 +33,8 @@ Mesh make_vessel(std::string name, std::span<const glm::vec3> rings, bool square
 void add_walls(Scene& scene, const Materials& is, const Detail& detail);
 void add_tub(Scene& scene, const Materials& is, const Detail& detail);
 void add_vanity(Scene& scene, const Materials& is, const Detail& detail);
+void add_basin(Scene& scene, const Materials& is, const Detail& detail);
+void add_mirror(Scene& scene, const Materials& is, const Detail& detail);
 void add_toilet(Scene& scene, const Materials& is, const Detail& detail);
 void add_shower(Scene& scene, const Materials& is, const Detail& detail);
 void add_towels(Scene& scene, const Materials& is, const Detail& detail);

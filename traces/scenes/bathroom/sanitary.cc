@@ -116,7 +116,9 @@ void add_vanity(Scene& scene, const Materials& is, const Detail& detail) {
                               {kRight + 0.03F, kCounter, kFront + 0.04F}, 0.008F, detail.cells(3));
   project_uvs(top, 0.9F);
   add_object(scene, std::move(top), is.stone);
+}
 
+void add_basin(Scene& scene, const Materials& is, const Detail& detail) {
   const glm::vec3 rings[] = {
       {0.15F, 0.11F, 0},        {0.19F, 0.14F, 0.03F},   {0.245F, 0.178F, 0.11F}, {0.255F, 0.187F, 0.135F},
       {0.252F, 0.184F, 0.142F}, {0.242F, 0.175F, 0.14F}, {0.23F, 0.163F, 0.115F}, {0.18F, 0.125F, 0.04F},
@@ -128,8 +130,10 @@ void add_vanity(Scene& scene, const Materials& is, const Detail& detail) {
   add_object(scene, transformed(make_drain(detail), placed(at + glm::vec3(0, 0.013F, 0))), is.chrome);
   add_object(scene, transformed(make_tap(detail, 0.28F, 0.17F), placed({1.02F, kCounter, -kHalfWidth + 0.075F})),
              is.chrome);
+}
 
-  // The mirror, a glass shelf below it and a row of bulbs above.
+/// The mirror above the basin, and a row of bulbs above it.
+void add_mirror(Scene& scene, const Materials& is, const Detail& detail) {
   const glm::mat4 wall = standing({-kHalfLength, 0, -kHalfWidth}, {0, 0, 1});
   const glm::vec2 rim[] = {{0, 0}, {0, 0.03F}, {0.02F, 0.035F}, {0.03F, 0.02F}, {0.03F, 0.018F}};
   Mesh frame = make_panel("mirror frame", 1.4F, 0.9F, rim);

@@ -78,12 +78,12 @@ glm::vec2 arch_edge(float share) {
 }
 
 /// Where the cross sections lie: closer in the arches' ends, at nose and tail.
-std::vector<float> stations(double detail) {
+std::vector<float> stations(const Detail& detail) {
   constexpr float kReach = kArch - 1e-4F;  // at the very end the edge drops to the sill
   std::vector<float> xs{kTail};
   const auto add = [&](float to, double at_one, bool slow_start, bool slow_end) {
     const float from = xs.back();
-    const std::uint32_t steps = parts(detail, at_one, 4);
+    const std::uint32_t steps = detail.cells(at_one, 4);
     for (std::uint32_t k = 1; k <= steps; ++k) {
       const float t = static_cast<float>(k) / static_cast<float>(steps);
       float s = t;
@@ -118,9 +118,9 @@ float side_at(float x, float y) {
   return z * rounding(x);
 }
 
-Mesh make_shell(double detail) {
+Mesh make_shell(const Detail& detail) {
   const std::vector<float> xs = stations(detail);
-  const std::uint32_t side = parts(detail, 20, 5), top = parts(detail, 18, 6), columns = 2 * (side + top);
+  const std::uint32_t side = detail.cells(20, 5), top = detail.cells(18, 6), columns = 2 * (side + top);
   return make_surface("shell", columns, static_cast<std::uint32_t>(xs.size() - 1), [&](float s, float t) {
     const auto row = static_cast<std::size_t>(t * static_cast<float>(xs.size() - 1) + 0.5F);
     const auto column = static_cast<std::uint32_t>(s * static_cast<float>(columns) + 0.5F);
@@ -150,7 +150,7 @@ Mesh make_shell(double detail) {
   });
 }
 
-Mesh make_cabin(double detail) {
+Mesh make_cabin(const Detail& detail) {
   static constexpr glm::vec2 kRoof[] = {{-2.02F, 0.88F}, {-1.75F, 0.985F}, {-1.3F, 1.135F},
                                         {-0.8F, 1.245F}, {-0.3F, 1.285F},  {0.10F, 1.260F},
                                         {0.45F, 1.150F}, {0.85F, 0.970F},  {1.10F, 0.85F}};
@@ -158,7 +158,7 @@ Mesh make_cabin(double detail) {
                                         {-0.2F, 0.79F},  {0.35F, 0.77F},  {0.80F, 0.70F}, {1.10F, 0.60F}};
   constexpr float kFoot = 0.78F, kFrom = -2.02F, kTo = 1.10F;
   const auto power = [](float c) { return std::sqrt(c * std::sqrt(c)); };  // c to the 3/4: a fuller ellipse
-  return make_surface("cabin", 2 * parts(detail, 20, 6), parts(detail, 50, 12), [&](float s, float t) {
+  return make_surface("cabin", 2 * detail.cells(20, 6), detail.cells(50, 12), [&](float s, float t) {
     const float x = kFrom + (kTo - kFrom) * t;
     const glm::vec2 q = on_circle(0.5 - 0.5 * static_cast<double>(s));
     const float height = std::max(along(kRoof, x) - kFoot, 0.01F), up = power(std::max(q.y, 0.0F));
@@ -167,11 +167,11 @@ Mesh make_cabin(double detail) {
   });
 }
 
-Mesh make_underbody(double detail) {
+Mesh make_underbody(const Detail& detail) {
   Mesh dark;
   for (const float axle : {kFrontAxle, kRearAxle}) {
     for (const float sign : {-1.0F, 1.0F}) {
-      const Mesh liner = make_surface("", parts(detail, 20, 6), 2, [&](float s, float t) {
+      const Mesh liner = make_surface("", detail.cells(20, 6), 2, [&](float s, float t) {
         const glm::vec2 edge = arch_edge(1 - s);
         const float x = axle + edge.x, y = kWheel + edge.y;
         const float outer = side_at(x, y) - 0.015F;
@@ -186,19 +186,19 @@ Mesh make_underbody(double detail) {
   return dark;
 }
 
-Mesh make_arch_lips(double detail) {
+Mesh make_arch_lips(const Detail& detail) {
   Mesh lips;
   for (const float axle : {kFrontAxle, kRearAxle}) {
     for (const float sign : {-1.0F, 1.0F}) {
       std::vector<glm::vec3> path;
-      const std::uint32_t steps = parts(detail, 28, 8);
+      const std::uint32_t steps = detail.cells(28, 8);
       for (std::uint32_t k = 0; k <= steps; ++k) {
         const glm::vec2 edge = arch_edge(static_cast<float>(k) / static_cast<float>(steps));
         const float x = axle + edge.x, y = kWheel + edge.y;
         path.emplace_back(x, y, sign * (side_at(x, y) - 0.004F));
       }
       const float radius[] = {0.011F};
-      append(lips, make_tube("", path, radius, parts(detail, 6, 4)));
+      append(lips, make_tube("", path, radius, detail.cells(6, 4)));
     }
   }
   lips.name = "arch lips";

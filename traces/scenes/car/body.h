@@ -1,5 +1,6 @@
 #pragma once
 #include "traces/scene/scene.h"
+#include "traces/scenes/detail.h"
 
 namespace traces::car {
 
@@ -10,16 +11,16 @@ inline constexpr float kArch = 0.385F;   ///< radius of the wheel arches
 inline constexpr float kTrack = 0.795F;  ///< from the middle to the middle of a wheel
 
 /// The shell up to the belt line: fenders, bonnet, doors, tail; open below, with wheel arches.
-Mesh make_shell(double detail);
+Mesh make_shell(const Detail& detail);
 
 /// Roof and pillars, without glass; its foot is inside the shell.
-Mesh make_cabin(double detail);
+Mesh make_cabin(const Detail& detail);
 
 /// Liners of the wheel arches and the floor.
-Mesh make_underbody(double detail);
+Mesh make_underbody(const Detail& detail);
 
 /// Rims of the wheel arches.
-Mesh make_arch_lips(double detail);
+Mesh make_arch_lips(const Detail& detail);
 
 /// Half the width of the shell on that place of its side.
 float side_at(float x, float y);

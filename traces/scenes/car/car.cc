@@ -1,4 +1,3 @@
-#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
@@ -32,7 +31,7 @@ void add_part(Scene& scene, Mesh mesh, std::uint32_t material, std::uint32_t nod
   hang(scene, add_instance(scene, add_mesh(scene, std::move(mesh), material)), node);
 }
 
-void add_wheels(Scene& scene, std::uint32_t body, double detail) {
+void add_wheels(Scene& scene, std::uint32_t body, const Detail& detail) {
   const std::uint32_t rubber = add_material(scene, paint("rubber", {0.035F, 0.035F, 0.038F}));
   const std::uint32_t alloy = add_material(scene, metal("alloy", {0.86F, 0.87F, 0.90F}, 0.45F));
   const std::uint32_t steel = add_material(scene, metal("steel", {0.42F, 0.42F, 0.44F}, 0.35F));
@@ -44,9 +43,9 @@ void add_wheels(Scene& scene, std::uint32_t body, double detail) {
   constexpr int kKeys = 96;
   for (const float x : {car::kFrontAxle, car::kRearAxle}) {
     for (const float side : {-1.0F, 1.0F}) {
-      const glm::vec3 place(x, car::kWheel, side * car::kTrack);
+      const glm::vec3 centre(x, car::kWheel, side * car::kTrack);
       const glm::quat out = rotation({0, 1, 0}, side > 0 ? 0 : 0.5);
-      const std::uint32_t hub = add_node(scene, "hub", {.translation = place}, body);
+      const std::uint32_t hub = add_node(scene, "hub", {.translation = centre}, body);
       const std::uint32_t still = add_node(scene, "brake", {.rotation = out}, hub);
       const std::uint32_t axle = add_node(scene, "axle", {}, hub);
       std::vector<TurnKey> turns;
@@ -63,7 +62,7 @@ void add_wheels(Scene& scene, std::uint32_t body, double detail) {
   }
 }
 
-std::uint64_t triangles_of_car(double detail) {
+std::uint64_t triangles_of_car(const Detail& detail) {
   std::uint64_t sum = 0;
   for (const Mesh& mesh :
        {car::make_shell(detail), car::make_cabin(detail), car::make_underbody(detail), car::make_arch_lips(detail)}) {
@@ -80,15 +79,15 @@ std::uint64_t triangles_of_car(double detail) {
 
 /// A coupe that drives through a hall: one large glossy thing full of smooth curves.
 Scene build_car(const BuiltinOptions& options) {
-  constexpr double kClass = 55'000;
+  constexpr std::uint32_t kClass = 55'000;
   Scene scene;
   scene.name = "car";
   scene.background = glm::vec3(0.05F);
-  const std::uint64_t wanted = options.triangles != 0 ? options.triangles : static_cast<std::uint64_t>(kClass);
-  const double rough = std::sqrt(static_cast<double>(wanted) / kClass);
+  const std::uint64_t wanted = options.triangles_or(kClass);
+  const Detail rough = detail_for(static_cast<double>(wanted), kClass);
   car::add_hall(scene, rough);
   const std::uint64_t rest = triangles_of(scene) + car::triangles_of_trim(rough);
-  const double detail = fit_detail(wanted > rest ? wanted - rest : 0, triangles_of_car);
+  const Detail detail = fit_detail(wanted > rest ? wanted - rest : 0, triangles_of_car);
 
   const std::uint32_t node = add_node(scene, "car", {.translation = {-0.4F, 0, 0}});
   std::vector<Key> keys;

@@ -49,7 +49,7 @@ Texture floor_texture() {
 
 }  // namespace
 
-void add_hall(Scene& scene, double detail) {
+void add_hall(Scene& scene, const Detail& detail) {
   const std::uint32_t concrete = add_material(scene, textured("concrete", add_texture(scene, concrete_texture())));
   const std::uint32_t floor =
       add_material(scene, textured("painted floor", add_texture(scene, floor_texture()), glm::vec3(1), 0.14F));
@@ -61,11 +61,11 @@ void add_hall(Scene& scene, double detail) {
   const glm::vec3 low(-kEnd, 0, -kSide), high(kEnd, kHeight, kSide);
   const auto wall = [&](const char* name, const glm::vec3& corner, const glm::vec3& u, const glm::vec3& v,
                         const glm::vec2& repeats, std::uint32_t material) {
-    Mesh quad = make_quad(name, corner, u, v, parts(detail, 8, 1));
+    Mesh quad = make_quad(name, corner, u, v, detail.cells(8));
     scale_uvs(quad, repeats);
     add_object(scene, std::move(quad), material);
   };
-  Mesh ground = make_quad("floor", {-kEnd, 0, kSide}, x, -z, parts(detail, 12, 1));
+  Mesh ground = make_quad("floor", {-kEnd, 0, kSide}, x, -z, detail.cells(12));
   add_object(scene, std::move(ground), floor);
   wall("back wall", low, x, y, {12, 2}, concrete);
   wall("front wall", high, -x, -y, {12, 2}, concrete);
@@ -76,8 +76,8 @@ void add_hall(Scene& scene, double detail) {
   // Columns of light between ribs of steel.
   const std::uint32_t column =
       add_mesh(scene, make_box("light column", {-0.09F, 0.25F, 0}, {0.09F, 4.3F, 0.08F}), glow);
-  const std::uint32_t rib = add_mesh(
-      scene, make_rounded_box("rib", {-0.25F, 0, 0}, {0.25F, kHeight, 0.45F}, 0.06F, parts(detail, 2, 1)), dark);
+  const std::uint32_t rib =
+      add_mesh(scene, make_rounded_box("rib", {-0.25F, 0, 0}, {0.25F, kHeight, 0.45F}, 0.06F, detail.cells(2)), dark);
   const std::uint32_t beam =
       add_mesh(scene, make_box("beam", {-0.2F, kHeight - 0.5F, -kSide}, {0.2F, kHeight, kSide}), dark);
   for (int k = 0; k < 8; ++k) {

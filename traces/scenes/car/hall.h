@@ -1,9 +1,10 @@
 #pragma once
 #include "traces/scene/scene.h"
+#include "traces/scenes/detail.h"
 
 namespace traces::car {
 
 /// A long hall of concrete with a painted floor, lights in the ceiling and glowing columns along the walls.
-void add_hall(Scene& scene, double detail);
+void add_hall(Scene& scene, const Detail& detail);
 
 }  // namespace traces::car

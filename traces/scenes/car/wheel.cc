@@ -18,11 +18,11 @@ Mesh laid(Mesh mesh) {
                                                 glm::vec4(0, 0, 0, 1)));
 }
 
-std::uint32_t segments(double detail) { return parts(detail, 48, 12); }
+std::uint32_t segments(const Detail& detail) { return detail.cells(48, 12); }
 
 }  // namespace
 
-Mesh make_tyre(double detail) {
+Mesh make_tyre(const Detail& detail) {
   Outline o({0.232F, -0.095F});
   o.line(0.240F, -0.108F).arc(0.318F, -0.112F, 0.012F).arc(kWheel, -0.088F, 0.006F);
   for (const float groove : {-0.05F, 0.0F, 0.05F}) {
@@ -30,20 +30,20 @@ Mesh make_tyre(double detail) {
     o.line(kWheel - 0.009F, groove + 0.005F).line(kWheel, groove + 0.008F);
   }
   o.line(kWheel, 0.088F).arc(0.318F, 0.112F, 0.006F).arc(0.240F, 0.108F, 0.012F).line(0.232F, 0.095F);
-  Mesh tyre = laid(make_lathe("tyre", simplified(o.points(), parts(detail, 26, 10)), segments(detail)));
+  Mesh tyre = laid(make_lathe("tyre", simplified(o.points(), detail.cells(26, 10)), segments(detail)));
   return tyre;
 }
 
-Mesh make_rim(double detail) {
+Mesh make_rim(const Detail& detail) {
   // The lip, then back into the barrel: normals towards the axis.
   Outline lip({0.242F, 0.080F});
   lip.arc(0.240F, 0.113F, 0.002F).line(0.234F, 0.116F).line(0.226F, 0.108F).arc(0.212F, 0.075F, -0.004F);
   lip.line(0.205F, -0.02F).line(0.212F, -0.10F);
-  Mesh rim = laid(make_lathe("rim", simplified(lip.points(), parts(detail, 12, 7)), segments(detail)));
+  Mesh rim = laid(make_lathe("rim", simplified(lip.points(), detail.cells(12, 7)), segments(detail)));
   Outline hub({0.070F, 0.02F});
   hub.line(0.066F, 0.070F).arc(0.040F, 0.086F, 0.004F).line(0.034F, 0.082F).line(0.032F, 0.090F).line(0, 0.092F);
-  append(rim, laid(make_lathe("", simplified(hub.points(), parts(detail, 9, 6)), parts(detail, 24, 8))));
-  const std::uint32_t sides = parts(detail, 8, 4), steps = parts(detail, 5, 2);
+  append(rim, laid(make_lathe("", simplified(hub.points(), detail.cells(9, 6)), detail.cells(24, 8))));
+  const std::uint32_t sides = detail.cells(8, 4), steps = detail.cells(5, 2);
   for (int k = 0; k < 5; ++k) {
     for (const double side : {-1.0, 1.0}) {
       const Mesh spoke = make_surface(
@@ -65,18 +65,18 @@ Mesh make_rim(double detail) {
   return rim;
 }
 
-Mesh make_brake_disc(double detail) {
+Mesh make_brake_disc(const Detail& detail) {
   const Outline o = Outline({0, -0.012F})
                         .line(0.17F, -0.012F)
                         .line(0.17F, 0.012F)
                         .line(0.09F, 0.012F)
                         .line(0.085F, 0.045F)
                         .line(0, 0.045F);
-  return laid(make_lathe("brake disc", o.points(), parts(detail, 32, 10)));
+  return laid(make_lathe("brake disc", o.points(), detail.cells(32, 10)));
 }
 
-Mesh make_caliper(double detail) {
-  const std::uint32_t steps = parts(detail, 8, 3);
+Mesh make_caliper(const Detail& detail) {
+  const std::uint32_t steps = detail.cells(8, 3);
   std::vector<glm::vec2> outline;
   for (const float radius : {0.19F, 0.12F}) {
     for (std::uint32_t i = 0; i <= steps; ++i) {

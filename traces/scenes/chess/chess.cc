@@ -1,5 +1,4 @@
 #include <array>
-#include <cmath>
 #include <string_view>
 #include <vector>
 
@@ -55,7 +54,7 @@ struct Move {
   float height;  ///< of the arc
 };
 
-/// What moves: the pawn on e5 leaves, a knight takes its place, the queen on d1 leaves, a bishop takes hers.
+/// Moves: the pawn on e5 leaves, a knight takes its place, the queen on d1 leaves, a bishop takes hers.
 std::array<Move, 4> moves() {
   const float table = chess::kTableTop;
   return {{{"e5", {5.75F, table, -1.2F}, 0.4F, 1.9F, 2.2F},
@@ -80,7 +79,7 @@ void animate(Scene& scene, std::uint32_t node, const Move& move) {
   move_node(scene, node, keys);
 }
 
-void add_pieces(Scene& scene, double detail) {
+void add_pieces(Scene& scene, const Detail& detail) {
   scene.textures.push_back(wood_texture("boxwood", {0.93F, 0.76F, 0.50F}, {0.82F, 0.60F, 0.34F}, 21, 256));
   const auto boxwood = static_cast<std::uint32_t>(scene.textures.size() - 1);
   scene.textures.push_back(wood_texture("rosewood", {0.23F, 0.10F, 0.07F}, {0.12F, 0.05F, 0.04F}, 22, 256));
@@ -103,7 +102,7 @@ void add_pieces(Scene& scene, double detail) {
   }
 }
 
-std::uint64_t triangles_of_set(double detail) {
+std::uint64_t triangles_of_set(const Detail& detail) {
   std::uint64_t sum = 0;
   for (std::size_t k = 0; k < chess::kPieces; ++k) {
     sum += 2 * chess::kInSet[k] * chess::make_piece(static_cast<Piece>(k), detail).triangles.size();
@@ -118,9 +117,9 @@ Scene build_chess(const BuiltinOptions& options) {
   Scene scene;
   scene.name = "chess";
   scene.background = glm::vec3(0.05F);
-  constexpr double kClass = 42'000;
-  const std::uint64_t wanted = options.triangles != 0 ? options.triangles : static_cast<std::uint64_t>(kClass);
-  chess::add_surroundings(scene, std::sqrt(static_cast<double>(wanted) / kClass));
+  constexpr std::uint32_t kClass = 42'000;
+  const std::uint64_t wanted = options.triangles_or(kClass);
+  chess::add_surroundings(scene, detail_for(static_cast<double>(wanted), kClass));
   const std::uint64_t rest = triangles_of(scene);
   add_pieces(scene, fit_detail(wanted > rest ? wanted - rest : 0, triangles_of_set));
 

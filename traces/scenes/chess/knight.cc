@@ -30,7 +30,7 @@ constexpr Cut kCuts[] = {
     {{0.390F, 0.565F}, {0.390F, 0.565F}, 0.000F},
 };
 
-Mesh make_head(double detail) {
+Mesh make_head(const Detail& detail) {
   std::vector<glm::vec3> backs, fronts;  // z holds half the width
   for (const Cut& cut : kCuts) {
     backs.emplace_back(cut.back, cut.half_width);
@@ -41,7 +41,7 @@ Mesh make_head(double detail) {
   fronts = smoothed(std::span<const glm::vec3>(fronts), kFine);
   const auto last = static_cast<float>(backs.size() - 1);
   return make_surface(
-      "", parts(detail, 20, 8), parts(detail, 34, 9),
+      "", detail.cells(20, 8), detail.cells(34, 9),
       [&](float s, float t) {
         const auto k = static_cast<std::size_t>(t * last + 0.5F);
         const glm::vec2 round = on_circle(static_cast<double>(s));
@@ -76,17 +76,17 @@ Mesh make_mane() {
 
 }  // namespace
 
-Mesh make_horse(double detail) {
+Mesh make_horse(const Detail& detail) {
   Mesh horse = make_head(detail);
-  if (detail >= 0.5) append(horse, make_mane());
-  const std::uint32_t sides = parts(detail, 8, 4);
+  if (detail.share >= 0.5) append(horse, make_mane());
+  const std::uint32_t sides = detail.cells(8, 4);
   for (const float side : {-1.0F, 1.0F}) {
     const glm::vec2 ear[] = {{0.020F, 0}, {0.042F, 0.045F}, {0.036F, 0.09F}, {0, 0.165F}};
     append(horse, transformed(make_lathe("", ear, sides), placed({side * 0.062F, 1.0F, 0.02F})));
     const Outline eye = Outline({0, -0.028F}).round({0, 0}, 0.028F, -0.25, 0.25);
-    append(horse, transformed(make_lathe("", simplified(eye.points(), parts(detail, 6, 4)), sides),
+    append(horse, transformed(make_lathe("", simplified(eye.points(), detail.cells(6, 4)), sides),
                               placed({side * 0.105F, 0.90F, -0.135F})));
-    append(horse, transformed(make_lathe("", simplified(eye.points(), parts(detail, 6, 4)), sides),
+    append(horse, transformed(make_lathe("", simplified(eye.points(), detail.cells(6, 4)), sides),
                               placed({side * 0.06F, 0.625F, -0.35F}, 0, glm::vec3(0.8F))));
   }
   return horse;

@@ -30,11 +30,11 @@ Outline& collar(Outline& outline, float radius, float height, float thickness) {
       .line(radius - 0.07F, height + 1.3F * thickness);
 }
 
-Mesh turned(const Outline& outline, double detail, double points) {
-  return make_lathe("", simplified(outline.points(), parts(detail, points, 10)), parts(detail, 26, 8));
+Mesh turned(const Outline& outline, const Detail& detail, double points) {
+  return make_lathe("", simplified(outline.points(), detail.cells(points, 10)), detail.cells(26, 8));
 }
 
-Mesh make_pawn(double detail) {
+Mesh make_pawn(const Detail& detail) {
   Outline o = foot(0.30F);
   o.arc(0.095F, 0.50F, -0.05F);
   collar(o, 0.19F, 0.52F, 0.04F);
@@ -43,8 +43,8 @@ Mesh make_pawn(double detail) {
 }
 
 /// Six battlements: sectors of a ring.
-void add_battlements(Mesh& rook, double detail) {
-  const std::uint32_t steps = parts(detail, 4, 2);
+void add_battlements(Mesh& rook, const Detail& detail) {
+  const std::uint32_t steps = detail.cells(4, 2);
   for (int k = 0; k < 6; ++k) {
     std::vector<glm::vec2> outline;
     for (const float radius : {0.265F, 0.185F}) {
@@ -60,7 +60,7 @@ void add_battlements(Mesh& rook, double detail) {
   }
 }
 
-Mesh make_rook(double detail) {
+Mesh make_rook(const Detail& detail) {
   Outline o = foot(0.33F);
   o.arc(0.165F, 0.64F, -0.04F)
       .line(0.20F, 0.66F)
@@ -74,7 +74,7 @@ Mesh make_rook(double detail) {
 }
 
 /// A mitre with its slit: the rows lean forward round the slit, which fades out at the back.
-Mesh make_mitre(double detail) {
+Mesh make_mitre(const Detail& detail) {
   constexpr float kLow = 0.86F, kHeight = 0.36F;
   const auto radius = [](float share) {  // 0 at the neck, 1 at the tip
     const float full = 1 - share;
@@ -86,12 +86,12 @@ Mesh make_mitre(double detail) {
     profile.emplace_back(radius(share), kLow + kHeight * share);
     depth.push_back(cut);
   };
-  const std::uint32_t below = parts(detail, 6, 3), above = parts(detail, 5, 3);
+  const std::uint32_t below = detail.cells(6, 3), above = detail.cells(5, 3);
   for (std::uint32_t k = 0; k <= below; ++k) row(0.50F * static_cast<float>(k) / static_cast<float>(below), 0);
   row(0.50F, 0), row(0.51F, 0.09F), row(0.51F, 0.09F), row(0.59F, 0.09F), row(0.59F, 0.09F), row(0.60F, 0),
       row(0.60F, 0);
   for (std::uint32_t k = 1; k <= above; ++k) row(0.60F + 0.40F * static_cast<float>(k) / static_cast<float>(above), 0);
-  return make_turned("", profile, parts(detail, 26, 10), [&](float around, std::size_t k, const glm::vec3& p) {
+  return make_turned("", profile, detail.cells(26, 10), [&](float around, std::size_t k, const glm::vec3& p) {
     const float forward = 0.5F - 0.5F * cos_turns(static_cast<double>(around));  // 1 at the front, -x
     const float open = glm::smoothstep(0.25F, 0.6F, forward);
     const float r = profile[k].x;
@@ -102,7 +102,7 @@ Mesh make_mitre(double detail) {
   });
 }
 
-Mesh make_bishop(double detail) {
+Mesh make_bishop(const Detail& detail) {
   Outline o = foot(0.32F);
   o.arc(0.10F, 0.68F, -0.06F);
   collar(o, 0.21F, 0.70F, 0.045F);
@@ -110,7 +110,7 @@ Mesh make_bishop(double detail) {
   Mesh bishop = turned(o, detail, 24);
   append(bishop, transformed(make_mitre(detail), placed({0, 0, 0}, -0.17)));
   const Outline ball = Outline({0, 1.19F}).round({0, 1.24F}, 0.05F, -0.25, 0.25);
-  append(bishop, make_lathe("", simplified(ball.points(), parts(detail, 8, 4)), parts(detail, 14, 5)));
+  append(bishop, make_lathe("", simplified(ball.points(), detail.cells(8, 4)), detail.cells(14, 5)));
   return bishop;
 }
 
@@ -124,7 +124,7 @@ Outline royal_body(float radius, float neck) {
   return o;
 }
 
-Mesh make_queen(double detail) {
+Mesh make_queen(const Detail& detail) {
   constexpr float kNeck = 0.98F;
   Outline o = royal_body(0.36F, kNeck);
   o.line(0, kNeck + 0.16F);
@@ -133,13 +133,13 @@ Mesh make_queen(double detail) {
   constexpr int kPoints = 9;
   Outline cup({0.13F, kNeck + 0.15F});
   cup.arc(0.235F, kNeck + 0.38F, -0.02F);
-  std::vector<glm::vec2> profile = simplified(cup.points(), parts(detail, 6, 4));
+  std::vector<glm::vec2> profile = simplified(cup.points(), detail.cells(6, 4));
   const std::size_t rim = profile.size() - 1;
   profile.push_back(profile.back());
   profile.emplace_back(0.20F, kNeck + 0.385F);
   profile.push_back(profile.back());
   profile.emplace_back(0.165F, kNeck + 0.33F);
-  const std::uint32_t segments = kPoints * parts(detail, 4, 2);
+  const std::uint32_t segments = kPoints * detail.cells(4, 2);
   append(queen, make_turned("", profile, segments, [&](float around, std::size_t k, const glm::vec3& p) {
            if (k < rim || k > rim + 3) return p;
            const float wave = 0.5F + 0.5F * cos_turns(static_cast<double>(around) * kPoints);
@@ -151,7 +151,7 @@ Mesh make_queen(double detail) {
   return queen;
 }
 
-Mesh make_king(double detail) {
+Mesh make_king(const Detail& detail) {
   constexpr float kNeck = 1.06F;
   Outline o = royal_body(0.37F, kNeck);
   o.arc(0.215F, kNeck + 0.40F, -0.015F).line(0.225F, kNeck + 0.41F).arc(0.215F, kNeck + 0.44F, 0.01F);
@@ -170,7 +170,7 @@ Mesh make_king(double detail) {
   return king;
 }
 
-Mesh make_knight(double detail) {
+Mesh make_knight(const Detail& detail) {
   Outline o = foot(0.33F);
   o.line(0.24F, 0.24F).arc(0.25F, 0.275F, 0.012F).line(0.20F, 0.285F).line(0, 0.285F);
   Mesh knight = turned(o, detail, 14);
@@ -180,9 +180,10 @@ Mesh make_knight(double detail) {
 
 }  // namespace
 
-Mesh make_piece(Piece piece, double detail) {
+Mesh make_piece(Piece piece, const Detail& detail) {
   const char* const names[kPieces] = {"pawn", "rook", "knight", "bishop", "queen", "king"};
-  Mesh (*const makers[kPieces])(double) = {make_pawn, make_rook, make_knight, make_bishop, make_queen, make_king};
+  Mesh (*const makers[kPieces])(const Detail&) = {make_pawn,   make_rook,  make_knight,
+                                                  make_bishop, make_queen, make_king};
   Mesh mesh = makers[static_cast<std::size_t>(piece)](detail);
   mesh.name = names[static_cast<std::size_t>(piece)];
   // The grain of turned wood runs up the piece.

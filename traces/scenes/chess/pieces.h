@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "traces/scene/scene.h"
+#include "traces/scenes/detail.h"
 
 namespace traces::chess {
 
@@ -12,9 +13,9 @@ inline constexpr std::array<std::uint32_t, kPieces> kInSet = {8, 2, 2, 2, 1, 1};
 
 /// A piece in the Staunton pattern, standing on y = 0 about the y axis; a square of the board is 1 wide. Knights look
 /// along -z. `detail` scales how finely curves are cut.
-Mesh make_piece(Piece piece, double detail);
+Mesh make_piece(Piece piece, const Detail& detail);
 
 /// A knight without its foot.
-Mesh make_horse(double detail);
+Mesh make_horse(const Detail& detail);
 
 }  // namespace traces::chess

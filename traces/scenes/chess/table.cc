@@ -66,16 +66,16 @@ Mesh make_frame() {
   return frame;
 }
 
-void add_clock(Scene& scene, double detail, std::uint32_t wood, std::uint32_t brass, std::uint32_t ivory,
+void add_clock(Scene& scene, const Detail& detail, std::uint32_t wood, std::uint32_t brass, std::uint32_t ivory,
                std::uint32_t black) {
   // In its own space it looks along +z.
   const glm::mat4 at = placed({-6.9F, kTableTop, -0.6F}, 0.19);
   const auto part = [&](Mesh mesh, std::uint32_t material) {
     add_instance(scene, add_mesh(scene, std::move(mesh), material), at);
   };
-  part(make_rounded_box("clock", {-1.35F, 0.06F, -0.36F}, {1.35F, 1.35F, 0.36F}, 0.1F, parts(detail, 3, 1)), wood);
+  part(make_rounded_box("clock", {-1.35F, 0.06F, -0.36F}, {1.35F, 1.35F, 0.36F}, 0.1F, detail.cells(3)), wood);
   const glm::mat4 upright(glm::vec4(1, 0, 0, 0), glm::vec4(0, 0, 1, 0), glm::vec4(0, -1, 0, 0), glm::vec4(0, 0, 0, 1));
-  const std::uint32_t sides = parts(detail, 32, 10);
+  const std::uint32_t sides = detail.cells(32, 10);
   Mesh dials, rings, hands, buttons;
   for (const float x : {-0.62F, 0.62F}) {
     glm::mat4 place = upright;
@@ -97,7 +97,7 @@ void add_clock(Scene& scene, double detail, std::uint32_t wood, std::uint32_t br
     }
     const glm::vec2 knob[] = {
         {0.11F, 0}, {0.11F, x < 0 ? 0.10F : 0.2F}, {0.09F, x < 0 ? 0.13F : 0.23F}, {0, x < 0 ? 0.14F : 0.24F}};
-    append(buttons, transformed(make_lathe("", knob, parts(detail, 20, 8)), placed({x, 1.34F, 0})));
+    append(buttons, transformed(make_lathe("", knob, detail.cells(20, 8)), placed({x, 1.34F, 0})));
   }
   dials.name = "dials", rings.name = "bezels", hands.name = "hands", buttons.name = "buttons";
   part(std::move(dials), ivory);
@@ -123,7 +123,7 @@ void add_window(Scene& scene, std::uint32_t frame_paint) {
 
 }  // namespace
 
-void add_surroundings(Scene& scene, double detail) {
+void add_surroundings(Scene& scene, const Detail& detail) {
   const std::uint32_t maple =
       add_texture(scene, wood_texture("maple", {0.93F, 0.80F, 0.60F}, {0.80F, 0.61F, 0.38F}, 11));
   const std::uint32_t walnut =
@@ -140,8 +140,7 @@ void add_surroundings(Scene& scene, double detail) {
   add_object(scene, make_squares(false), dark);
   add_object(scene, make_frame(), dark);
   const std::uint32_t table = add_material(scene, textured("mahogany", mahogany, glm::vec3(1), 0.15F));
-  Mesh top =
-      make_rounded_box("table", {-11, kTableTop - 0.7F, -7.5F}, {11, kTableTop, 7.5F}, 0.25F, parts(detail, 4, 1));
+  Mesh top = make_rounded_box("table", {-11, kTableTop - 0.7F, -7.5F}, {11, kTableTop, 7.5F}, 0.25F, detail.cells(4));
   for (std::size_t k = 0; k < top.uvs.size(); ++k) {
     const glm::vec3 p = top.positions[k];
     top.uvs[k] = {0.04F * p.x + 0.3F, 0.06F * p.z + 0.06F * p.y + 0.5F};
@@ -149,7 +148,7 @@ void add_surroundings(Scene& scene, double detail) {
   add_object(scene, std::move(top), table);
   const glm::vec2 leg[] = {{0.35F, kFloor}, {0.45F, kFloor + 0.6F}, {0.3F, kFloor + 1}, {0.55F, -3},
                            {0.4F, -2},      {0.6F, -1.1F}};
-  const std::uint32_t leg_mesh = add_mesh(scene, make_lathe("leg", leg, parts(detail, 12, 6)), table);
+  const std::uint32_t leg_mesh = add_mesh(scene, make_lathe("leg", leg, detail.cells(12, 6)), table);
   for (const float x : {-9.8F, 9.8F}) {
     for (const float z : {-6.3F, 6.3F}) add_instance(scene, leg_mesh, placed({x, 0, z}));
   }
@@ -172,7 +171,7 @@ void add_surroundings(Scene& scene, double detail) {
   add_window(scene, plaster);
   // Panelling along the back wall.
   const std::uint32_t panel = add_mesh(
-      scene, make_rounded_box("panel", {-1.9F, -4.4F, 0}, {1.9F, 4.4F, 0.3F}, 0.14F, parts(detail, 1.4, 1)), table);
+      scene, make_rounded_box("panel", {-1.9F, -4.4F, 0}, {1.9F, 4.4F, 0.3F}, 0.14F, detail.cells(1.4)), table);
   for (int k = 0; k < 8; ++k) {
     add_instance(scene, panel, placed({kLeft + 2.2F + 4.2F * static_cast<float>(k), kFloor + 4.8F, kBack + 0.1F}));
   }

@@ -1,5 +1,6 @@
 #pragma once
 #include "traces/scene/scene.h"
+#include "traces/scenes/detail.h"
 
 namespace traces::chess {
 
@@ -8,6 +9,6 @@ inline constexpr float kTableTop = -0.42F;
 
 /// Board (64 squares of 1 x 1 about the origin, their tops at y = 0), table, clock and the room with its window.
 /// `detail` scales how finely curves are cut.
-void add_surroundings(Scene& scene, double detail);
+void add_surroundings(Scene& scene, const Detail& detail);
 
 }  // namespace traces::chess

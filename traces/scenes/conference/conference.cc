@@ -42,7 +42,7 @@ void add_cameras(Scene& scene) {
 /// In the spirit of Anat Grynberg's and Greg Ward's conference room: much diffuse furniture under a lit ceiling.
 Scene build_conference(const BuiltinOptions& options) {
   constexpr std::uint32_t kClass = 190'000;
-  Scene scene = build_to_size(options.triangles == 0 ? kClass : options.triangles, furnish);
+  Scene scene = build_to_size(options.triangles_or(kClass), furnish);
   paint_pictures(scene);
   add_cameras(scene);
   for (const float x : {-2.4F, 0.0F, 2.4F}) {

@@ -95,6 +95,23 @@ void add_room(Scene& scene, const Materials& is, const Detail& detail) {
   add_door(scene, is, detail);
 }
 
+/// A cornice all round.
+void add_cornice(Scene& scene, const Materials& is) {
+  const glm::vec2 outline[] = {{0, 0}, {0.02F, 0}, {0.03F, 0.03F}, {0.06F, 0.045F}, {0.09F, 0.09F}, {0, 0.09F}};
+  Mesh cornice;
+  cornice.name = "cornice";
+  const auto add_side = [&](const glm::vec3& origin, const glm::vec3& outward, float width) {
+    const glm::mat4 along{{0, 0, 1, 0}, {0, 1, 0, 0}, {-1, 0, 0, 0}, {width, 0, 0, 1}};
+    append(cornice, transformed(transformed(make_extrusion("", outline, width), along), standing(origin, outward)));
+  };
+  constexpr float y = kHeight - 0.12F;
+  add_side({-kHalfLength, y, -kHalfWidth}, {0, 0, 1}, 2 * kHalfLength);
+  add_side({kHalfLength, y, kHalfWidth}, {0, 0, -1}, 2 * kHalfLength);
+  add_side({kHalfLength, y, -kHalfWidth}, {-1, 0, 0}, 2 * kHalfWidth);
+  add_side({-kHalfLength, y, kHalfWidth}, {1, 0, 0}, 2 * kHalfWidth);
+  add_object(scene, std::move(cornice), is.white);
+}
+
 void add_ceiling(Scene& scene, const Materials& is, const Detail& detail) {
   constexpr int kColumns = 14, kRows = 10;
   constexpr float kStepX = 2 * kHalfLength / kColumns, kStepZ = 2 * kHalfWidth / kRows;
@@ -141,20 +158,7 @@ void add_ceiling(Scene& scene, const Materials& is, const Detail& detail) {
              make_quad("ceiling back", {-kHalfLength, kHeight + 0.04F, -kHalfWidth}, {2 * kHalfLength, 0, 0},
                        {0, 0, 2 * kHalfWidth}, 1),
              is.dark);
-  // A cornice all round.
-  const glm::vec2 outline[] = {{0, 0}, {0.02F, 0}, {0.03F, 0.03F}, {0.06F, 0.045F}, {0.09F, 0.09F}, {0, 0.09F}};
-  Mesh cornice;
-  cornice.name = "cornice";
-  const auto add_side = [&](const glm::vec3& origin, const glm::vec3& outward, float width) {
-    const glm::mat4 along{{0, 0, 1, 0}, {0, 1, 0, 0}, {-1, 0, 0, 0}, {width, 0, 0, 1}};
-    append(cornice, transformed(transformed(make_extrusion("", outline, width), along), standing(origin, outward)));
-  };
-  constexpr float y = kHeight - 0.12F;
-  add_side({-kHalfLength, y, -kHalfWidth}, {0, 0, 1}, 2 * kHalfLength);
-  add_side({kHalfLength, y, kHalfWidth}, {0, 0, -1}, 2 * kHalfLength);
-  add_side({kHalfLength, y, -kHalfWidth}, {-1, 0, 0}, 2 * kHalfWidth);
-  add_side({-kHalfLength, y, kHalfWidth}, {1, 0, 0}, 2 * kHalfWidth);
-  add_object(scene, std::move(cornice), is.white);
+  add_cornice(scene, is);
 }
 
 /// Three windows in the wall at +z, with curved slats before them.

@@ -16,25 +16,25 @@ void add(Scene& scene, Mesh mesh, std::uint32_t material, const glm::mat4& at) {
   add_instance(scene, add_mesh(scene, std::move(mesh), material), at);
 }
 
-Mesh rod(const glm::vec3& from, const glm::vec3& to, float radius, double detail) {
+Mesh rod(const glm::vec3& from, const glm::vec3& to, float radius, const Detail& detail) {
   const std::array path{from, to};
   const std::array radii{radius};
-  return make_tube("rod", path, radii, parts(detail, 12, 5));
+  return make_tube("rod", path, radii, detail.cells(12, 5));
 }
 
 }  // namespace
 
-void add_stand(Scene& scene, const Looks& looks, const glm::vec3& place, double turns, float clamp, float reach,
-               double detail) {
-  const glm::mat4 at = placed(place, turns);
-  add(scene, make_rounded_box("foot", {-0.05F, 0, -0.075F}, {0.16F, 0.016F, 0.075F}, 0.005F, parts(detail, 3, 1)),
+void add_stand(Scene& scene, const Looks& looks, const glm::vec3& position, double turns, float clamp, float reach,
+               const Detail& detail) {
+  const glm::mat4 at = placed(position, turns);
+  add(scene, make_rounded_box("foot", {-0.05F, 0, -0.075F}, {0.16F, 0.016F, 0.075F}, 0.005F, detail.cells(3)),
       looks.iron, at);
   Mesh steel = rod({0, 0.015F, 0}, {0, 0.56F, 0}, 0.006F, detail);
   append(steel, rod({0.01F, clamp, 0}, {reach - 0.035F, clamp, 0}, 0.004F, detail));
   steel.name = "rod";
   add(scene, std::move(steel), looks.steel, at);
   Mesh holder = make_rounded_box("clamp", {-0.014F, clamp - 0.014F, -0.014F}, {0.016F, clamp + 0.014F, 0.014F}, 0.003F,
-                                 parts(detail, 2, 1));
+                                 detail.cells(2));
   append(holder, rod({-0.014F, clamp, 0}, {-0.035F, clamp, 0}, 0.005F, detail));
   // Two fingers round the neck.
   for (const float side : {-1.0F, 1.0F}) {
@@ -44,19 +44,19 @@ void add_stand(Scene& scene, const Looks& looks, const glm::vec3& place, double 
       finger.emplace_back(reach + 0.0205F * way.x - 0.004F * (k == 0 ? 1.0F : 0.0F), clamp, side * 0.0205F * way.y);
     }
     const std::array radii{0.0035F};
-    append(holder, make_tube("", finger, radii, parts(detail, 8, 4)));
+    append(holder, make_tube("", finger, radii, detail.cells(8, 4)));
   }
   append(holder, make_rounded_box("", {reach - 0.04F, clamp - 0.009F, -0.009F},
-                                  {reach - 0.019F, clamp + 0.009F, 0.009F}, 0.003F, parts(detail, 2, 1)));
+                                  {reach - 0.019F, clamp + 0.009F, 0.009F}, 0.003F, detail.cells(2)));
   add(scene, std::move(holder), looks.iron, at);
 }
 
-void add_burner(Scene& scene, const Looks& looks, const glm::vec3& place, double detail) {
-  const glm::mat4 at = placed(place);
-  const std::uint32_t sides = parts(detail, 28, 8);
+void add_burner(Scene& scene, const Looks& looks, const glm::vec3& position, const Detail& detail) {
+  const glm::mat4 at = placed(position);
+  const std::uint32_t sides = detail.cells(28, 8);
   Outline foot({0, 0});
   foot.line(0.040F, 0).arc(0.036F, 0.012F, 0.003F).arc(0.012F, 0.022F, -0.002F).line(0.010F, 0.026F).line(0, 0.026F);
-  add(scene, make_lathe("burner foot", simplified(foot.points(), parts(detail, 12, 7)), sides), looks.iron, at);
+  add(scene, make_lathe("burner foot", simplified(foot.points(), detail.cells(12, 7)), sides), looks.iron, at);
   Outline pipe({0.008F, 0.026F});
   pipe.line(0.012F, 0.028F).line(0.012F, 0.045F).line(0.008F, 0.047F).line(0.008F, 0.115F).line(0.010F, 0.117F);
   pipe.line(0.010F, 0.128F).line(0.0075F, 0.128F).line(0.0075F, 0.110F);
@@ -69,11 +69,11 @@ void add_burner(Scene& scene, const Looks& looks, const glm::vec3& place, double
                                       {0.0F, 0.085F, -0.335F}};
   const std::array hose{0.0065F};
   add(scene,
-      make_tube("hose", smoothed(std::span<const glm::vec3>(course), parts(detail, 7, 3)), hose, parts(detail, 12, 5)),
+      make_tube("hose", smoothed(std::span<const glm::vec3>(course), detail.cells(7, 3)), hose, detail.cells(12, 5)),
       looks.rubber, at);
   Mesh tap = rod({0, 0.08F, -0.335F}, {0, 0.13F, -0.335F}, 0.007F, detail);
   append(tap, rod({0, 0.12F, -0.40F}, {0, 0.12F, -0.32F}, 0.010F, detail));
-  append(tap, make_rounded_box("", {-0.022F, 0.133F, -0.341F}, {0.022F, 0.141F, -0.329F}, 0.003F, parts(detail, 2, 1)));
+  append(tap, make_rounded_box("", {-0.022F, 0.133F, -0.341F}, {0.022F, 0.141F, -0.329F}, 0.003F, detail.cells(2)));
   tap.name = "gas tap";
   add(scene, std::move(tap), looks.brass, at);
 
@@ -81,11 +81,11 @@ void add_burner(Scene& scene, const Looks& looks, const glm::vec3& place, double
   outer.arc(0.0115F, 0.148F, 0.001F).arc(0, 0.196F, 0.004F);
   Outline inner({0.0055F, 0.126F});
   inner.arc(0, 0.158F, 0.002F);
-  add(scene, make_lathe("flame", simplified(outer.points(), parts(detail, 12, 5)), sides), looks.flame, at);
-  add(scene, make_lathe("inner flame", simplified(inner.points(), parts(detail, 7, 4)), sides), looks.inner_flame, at);
+  add(scene, make_lathe("flame", simplified(outer.points(), detail.cells(12, 5)), sides), looks.flame, at);
+  add(scene, make_lathe("inner flame", simplified(inner.points(), detail.cells(7, 4)), sides), looks.inner_flame, at);
 
   constexpr float kTop = 0.198F;
-  Mesh tripod = transformed(make_torus("", 0.06F, 0.004F, sides, parts(detail, 8, 4)), placed({0, kTop - 0.004F, 0}));
+  Mesh tripod = transformed(make_torus("", 0.06F, 0.004F, sides, detail.cells(8, 4)), placed({0, kTop - 0.004F, 0}));
   for (int leg = 0; leg < 3; ++leg) {
     const glm::vec2 way = on_circle(leg / 3.0 + 0.08);
     append(tripod,
@@ -95,7 +95,7 @@ void add_burner(Scene& scene, const Looks& looks, const glm::vec3& place, double
   add(scene, std::move(tripod), looks.iron, at);
   // The gauze is woven: two layers of wire.
   Mesh gauze;
-  const std::uint32_t wires = parts(detail, 16, 6);
+  const std::uint32_t wires = detail.cells(16, 6);
   for (std::uint32_t k = 0; k <= wires; ++k) {
     const float across = 0.128F * (static_cast<float>(k) / static_cast<float>(wires) - 0.5F);
     const std::array thin{0.0011F};
@@ -108,9 +108,9 @@ void add_burner(Scene& scene, const Looks& looks, const glm::vec3& place, double
   add(scene, std::move(gauze), looks.steel, at);
 }
 
-void add_rack(Scene& scene, const Looks& looks, const glm::vec3& place, double detail) {
-  const glm::mat4 at = placed(place);
-  const std::uint32_t steps = parts(detail, 2, 1);
+void add_rack(Scene& scene, const Looks& looks, const glm::vec3& position, const Detail& detail) {
+  const glm::mat4 at = placed(position);
+  const std::uint32_t steps = detail.cells(2);
   Mesh rack = make_rounded_box("", {-0.135F, 0, -0.03F}, {0.135F, 0.018F, 0.03F}, 0.003F, steps);
   for (const float x : {-0.135F, 0.123F}) {
     append(rack, make_rounded_box("", {x, 0.018F, -0.028F}, {x + 0.012F, 0.115F, 0.028F}, 0.003F, steps));
@@ -130,23 +130,22 @@ void add_rack(Scene& scene, const Looks& looks, const glm::vec3& place, double d
   add(scene, std::move(rack), looks.wood, at);
 }
 
-void add_stirrer(Scene& scene, const Looks& looks, const glm::vec3& place, double detail) {
-  const glm::mat4 at = placed(place);
-  add(scene,
-      make_rounded_box("stirrer", {-0.075F, 0.004F, -0.08F}, {0.075F, 0.046F, 0.095F}, 0.008F, parts(detail, 3, 1)),
+void add_stirrer(Scene& scene, const Looks& looks, const glm::vec3& position, const Detail& detail) {
+  const glm::mat4 at = placed(position);
+  add(scene, make_rounded_box("stirrer", {-0.075F, 0.004F, -0.08F}, {0.075F, 0.046F, 0.095F}, 0.008F, detail.cells(3)),
       looks.plastic, at);
   const Outline plate =
       Outline({0, 0.046F}).line(0.062F, 0.046F).line(0.062F, 0.052F).line(0.059F, 0.055F).line(0, 0.055F);
-  add(scene, make_lathe("plate", plate.points(), parts(detail, 36, 10)), looks.steel, at);
+  add(scene, make_lathe("plate", plate.points(), detail.cells(36, 10)), looks.steel, at);
   const Outline knob = Outline({0, 0}).line(0.014F, 0).line(0.012F, 0.012F).line(0, 0.013F);
   for (const float x : {-0.035F, 0.035F}) {
     const glm::mat4 front(glm::vec4(1, 0, 0, 0), glm::vec4(0, 0, 1, 0), glm::vec4(0, -1, 0, 0),
                           glm::vec4(x, 0.026F, 0.095F, 1));
-    add(scene, make_lathe("knob", knob.points(), parts(detail, 18, 6)), looks.iron, at * front);
+    add(scene, make_lathe("knob", knob.points(), detail.cells(18, 6)), looks.iron, at * front);
   }
 }
 
-void add_mortar(Scene& scene, const Looks& looks, const glm::vec3& place, double detail) {
+void add_mortar(Scene& scene, const Looks& looks, const glm::vec3& position, const Detail& detail) {
   Outline bowl({0, 0});
   bowl.line(0.026F, 0)
       .arc(0.022F, 0.010F, -0.001F)
@@ -154,22 +153,22 @@ void add_mortar(Scene& scene, const Looks& looks, const glm::vec3& place, double
       .line(0.048F, 0.060F)
       .line(0.044F, 0.058F);
   bowl.arc(0, 0.016F, -0.017F);
-  add(scene, make_lathe("mortar", simplified(bowl.points(), parts(detail, 20, 9)), parts(detail, 36, 10)),
-      looks.porcelain, placed(place));
+  add(scene, make_lathe("mortar", simplified(bowl.points(), detail.cells(20, 9)), detail.cells(36, 10)),
+      looks.porcelain, placed(position));
   const std::vector<glm::vec3> path{
       {0.008F, 0.026F, 0}, {0.0F, 0.034F, 0}, {-0.014F, 0.048F, 0}, {-0.05F, 0.085F, 0.005F}, {-0.075F, 0.11F, 0.008F}};
   const std::array radii{0.0F, 0.012F, 0.010F, 0.007F, 0.008F};
-  add(scene, make_tube("pestle", path, radii, parts(detail, 16, 6)), looks.porcelain, placed(place));
+  add(scene, make_tube("pestle", path, radii, detail.cells(16, 6)), looks.porcelain, placed(position));
 }
 
-void add_notebook(Scene& scene, const Looks& looks, const glm::vec3& place, double turns, double detail) {
-  const glm::mat4 at = placed(place, turns);
-  add(scene, make_rounded_box("cover", {-0.155F, 0, -0.105F}, {0.155F, 0.006F, 0.105F}, 0.002F, parts(detail, 2, 1)),
+void add_notebook(Scene& scene, const Looks& looks, const glm::vec3& position, double turns, const Detail& detail) {
+  const glm::mat4 at = placed(position, turns);
+  add(scene, make_rounded_box("cover", {-0.155F, 0, -0.105F}, {0.155F, 0.006F, 0.105F}, 0.002F, detail.cells(2)),
       looks.iron, at);
   for (const float side : {-1.0F, 1.0F}) {
     // A page that rises towards the fold.
     add(scene,
-        make_surface("page", parts(detail, 10, 3), 2,
+        make_surface("page", detail.cells(10, 3), 2,
                      [side](float s, float t) {
                        const float out = side > 0 ? s : 1 - s;
                        return glm::vec3(side * (0.001F + 0.148F * out),
@@ -184,7 +183,7 @@ void add_notebook(Scene& scene, const Looks& looks, const glm::vec3& place, doub
                                    {0.12F, 0.0185F, -0.035F},
                                    {0.125F, 0.018F, -0.04F}};
   const std::array radii{0.0005F, 0.003F, 0.0042F, 0.0042F, 0.003F};
-  add(scene, make_tube("pen", pen, radii, parts(detail, 12, 5)), looks.rubber, at);
+  add(scene, make_tube("pen", pen, radii, detail.cells(12, 5)), looks.rubber, at);
 }
 
 }  // namespace traces::laboratory

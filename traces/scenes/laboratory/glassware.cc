@@ -47,8 +47,8 @@ Outline outside(Vessel vessel) {
   }
 }
 
-std::vector<glm::vec2> line_of(Vessel vessel, double detail) {
-  return simplified(outside(vessel).points(), parts(detail, 16, 7));
+std::vector<glm::vec2> line_of(Vessel vessel, const Detail& detail) {
+  return simplified(outside(vessel).points(), detail.cells(16, 7));
 }
 
 /// The line moved inwards; its first point stays on the axis.
@@ -68,11 +68,11 @@ std::vector<glm::vec2> inset(const std::vector<glm::vec2>& line, float by) {
   return out;
 }
 
-std::uint32_t segments(double detail) { return parts(detail, 36, 10); }
+std::uint32_t segments(const Detail& detail) { return detail.cells(36, 10); }
 
 }  // namespace
 
-Mesh make_vessel(Vessel vessel, double detail) {
+Mesh make_vessel(Vessel vessel, const Detail& detail) {
   std::vector<glm::vec2> profile = line_of(vessel, detail);
   const std::vector<glm::vec2> inner = inset(profile, kWall);
   profile.insert(profile.end(), inner.rbegin(), inner.rend());
@@ -86,7 +86,7 @@ Mesh make_vessel(Vessel vessel, double detail) {
   return mesh;
 }
 
-Mesh make_filling(Vessel vessel, float height, double detail) {
+Mesh make_filling(Vessel vessel, float height, const Detail& detail) {
   const std::vector<glm::vec2> wall = inset(line_of(vessel, detail), kWall + kGap);
   std::vector<glm::vec2> profile{wall.front()};
   for (std::size_t k = 1; k < wall.size(); ++k) {

@@ -2,6 +2,7 @@
 #include <cstdint>
 
 #include "traces/scene/scene.h"
+#include "traces/scenes/detail.h"
 
 namespace traces::laboratory {
 
@@ -20,9 +21,9 @@ enum class Vessel : std::uint8_t {
 // In metres, standing on y = 0 about the y axis.
 
 /// Glass with an outer and an inner surface.
-Mesh make_vessel(Vessel vessel, double detail);
+Mesh make_vessel(Vessel vessel, const Detail& detail);
 
-/// What fills it up to that height, a little away from the glass.
-Mesh make_filling(Vessel vessel, float height, double detail);
+/// Liquid up to that height, a little away from the glass.
+Mesh make_filling(Vessel vessel, float height, const Detail& detail);
 
 }  // namespace traces::laboratory

@@ -28,7 +28,7 @@ constexpr float kSeconds = 8;
 /// Places vessels with what is in them; equal vessels share a mesh.
 class Glassware {
  public:
-  Glassware(Scene& scene, std::uint32_t glass, double detail) : scene_(scene), glass_(glass), detail_(detail) {}
+  Glassware(Scene& scene, std::uint32_t glass, const Detail& detail) : scene_(scene), glass_(glass), detail_(detail) {}
 
   void place(Vessel vessel, const glm::vec3& at, float height, std::uint32_t filling, double turns = 0) {
     std::uint32_t& mesh = meshes_[static_cast<std::size_t>(vessel)];
@@ -45,19 +45,20 @@ class Glassware {
  private:
   Scene& scene_;
   std::uint32_t glass_;
-  double detail_;
+  Detail detail_;
   std::array<std::uint32_t, 9> meshes_{kNone, kNone, kNone, kNone, kNone, kNone, kNone, kNone, kNone};
 };
 
 /// Two rows of bottles with labels and stoppers.
-void add_bottles(Scene& scene, const Looks& looks, double detail) {
+void add_bottles(Scene& scene, const Looks& looks, const Detail& detail) {
   std::array<std::uint32_t, 4> bottles{};
   for (std::size_t k = 0; k < bottles.size(); ++k) {
-    bottles[k] = add_mesh(scene, laboratory::make_filling(Vessel::kBottle, 0.125F, 0.8 * detail), looks.bottles[k]);
+    bottles[k] = add_mesh(scene, laboratory::make_filling(Vessel::kBottle, 0.125F, Detail{0.8 * detail.share}),
+                          looks.bottles[k]);
   }
   const std::uint32_t label =
       add_mesh(scene,
-               make_surface("label", parts(detail, 10, 4), 1,
+               make_surface("label", detail.cells(10, 4), 1,
                             [](float s, float t) {
                               const glm::vec2 way = on_circle(0.25 - 0.17 + 0.34 * static_cast<double>(1 - s));
                               return glm::vec3(0.0335F * way.x, 0.03F + 0.04F * t, 0.0335F * way.y);
@@ -67,7 +68,7 @@ void add_bottles(Scene& scene, const Looks& looks, double detail) {
   Outline stopper({0, 0.118F});
   stopper.line(0.013F, 0.118F).line(0.014F, 0.128F).line(0.019F, 0.131F).arc(0.016F, 0.146F, 0.003F).line(0, 0.148F);
   const std::uint32_t top =
-      add_mesh(scene, make_lathe("stopper", simplified(stopper.points(), parts(detail, 9, 6)), parts(detail, 20, 7)),
+      add_mesh(scene, make_lathe("stopper", simplified(stopper.points(), detail.cells(9, 6)), detail.cells(20, 7)),
                looks.stopper);
   for (const float height : {laboratory::kShelf, laboratory::kUpperShelf}) {
     const bool is_upper = height > laboratory::kShelf;
@@ -77,27 +78,27 @@ void add_bottles(Scene& scene, const Looks& looks, double detail) {
       const float x = laboratory::kShelfFrom + 0.055F + 0.094F * static_cast<float>(k) +
                       random_between(-0.006F, 0.006F, k, row, 83);
       const glm::vec3 at(x, height, laboratory::kShelfDepth + random_between(-0.015F, 0.02F, k, row, 84));
-      const glm::mat4 place = placed(at, static_cast<double>(random_between(-0.06F, 0.06F, k, row, 85)),
-                                     glm::vec3(random_between(0.92F, 1.1F, k, row, 86)));
-      add_instance(scene, bottles[static_cast<std::size_t>(4 * random(k, row, 87))], place);
-      add_instance(scene, label, place);
-      add_instance(scene, top, place);
+      const glm::mat4 to_world = placed(at, static_cast<double>(random_between(-0.06F, 0.06F, k, row, 85)),
+                                        glm::vec3(random_between(0.92F, 1.1F, k, row, 86)));
+      add_instance(scene, bottles[static_cast<std::size_t>(4 * random(k, row, 87))], to_world);
+      add_instance(scene, label, to_world);
+      add_instance(scene, top, to_world);
     }
   }
 }
 
 /// The burette's tap, drops that fall from it, and the bar that stirs what they fall into.
 void add_titration(Scene& scene, const Looks& looks, const glm::vec3& flask, float tip, std::uint32_t drop_stuff,
-                   double detail) {
-  Mesh tap = make_cylinder("burette tap", 0.008F, 0.03F, parts(detail, 16, 6));
+                   const Detail& detail) {
+  Mesh tap = make_cylinder("burette tap", 0.008F, 0.03F, detail.cells(16, 6));
   for (glm::vec3& p : tap.positions) p = {p.y - 0.015F, -p.x, p.z};
   for (glm::vec3& n : tap.normals) n = {n.y, -n.x, n.z};
-  append(tap, make_rounded_box("", {0.015F, -0.014F, -0.003F}, {0.021F, 0.014F, 0.003F}, 0.002F, parts(detail, 2, 1)));
+  append(tap, make_rounded_box("", {0.015F, -0.014F, -0.003F}, {0.021F, 0.014F, 0.003F}, 0.002F, detail.cells(2)));
   add_instance(scene, add_mesh(scene, std::move(tap), looks.plastic), placed({flask.x, tip + 0.038F, flask.z}));
 
   const Outline drop = Outline({0, -0.003F}).round({0, 0}, 0.003F, -0.25, 0.12).line(0, 0.0065F);
   const std::uint32_t drop_mesh = add_mesh(
-      scene, make_lathe("drop", simplified(drop.points(), parts(detail, 10, 5)), parts(detail, 14, 6)), drop_stuff);
+      scene, make_lathe("drop", simplified(drop.points(), detail.cells(10, 5)), detail.cells(14, 6)), drop_stuff);
   const std::uint32_t node = add_node(scene, "drop", {.translation = {flask.x, tip, flask.z}});
   hang(scene, add_instance(scene, drop_mesh), node);
   std::vector<Key> keys;
@@ -116,7 +117,7 @@ void add_titration(Scene& scene, const Looks& looks, const glm::vec3& flask, flo
                         glm::vec3(0.014F, 0, 0)};
   const std::array radii{0.001F, 0.003F, 0.003F, 0.001F};
   const std::uint32_t bar =
-      add_mesh(scene, make_tube("stirring bar", path, radii, parts(detail, 12, 5)), looks.porcelain);
+      add_mesh(scene, make_tube("stirring bar", path, radii, detail.cells(12, 5)), looks.porcelain);
   const std::uint32_t spin = add_node(scene, "stirring bar", {.translation = flask + glm::vec3(0, 0.009F, 0)});
   hang(scene, add_instance(scene, bar), spin);
   std::vector<TurnKey> turns;
@@ -124,7 +125,7 @@ void add_titration(Scene& scene, const Looks& looks, const glm::vec3& flask, flo
   turn_node(scene, spin, turns);
 }
 
-void add_all(Scene& scene, const Looks& looks, double detail) {
+void add_all(Scene& scene, const Looks& looks, const Detail& detail) {
   laboratory::add_room(scene, looks, detail);
   Glassware ware(scene, looks.glass, detail);
 
@@ -161,12 +162,12 @@ void add_all(Scene& scene, const Looks& looks, double detail) {
   ware.place(Vessel::kCylinder, {0.34F, 0.008F, -0.20F}, 0.13F, looks.red);
   ware.place(Vessel::kCylinder, {0.44F, 0.008F, -0.26F}, 0.16F, looks.blue);
   const Outline foot = Outline({0, 0}).line(0.032F, 0).line(0.032F, 0.004F).line(0.018F, 0.0065F).line(0, 0.0065F);
-  ware.add(make_lathe("cylinder foot", foot.points(), parts(detail, 30, 8)), {0.34F, 0, -0.20F});
-  ware.add(make_lathe("cylinder foot", foot.points(), parts(detail, 30, 8)), {0.44F, 0, -0.26F});
+  ware.add(make_lathe("cylinder foot", foot.points(), detail.cells(30, 8)), {0.34F, 0, -0.20F});
+  ware.add(make_lathe("cylinder foot", foot.points(), detail.cells(30, 8)), {0.44F, 0, -0.26F});
   const glm::vec3 ring(0.62F, 0, 0.09F);
   add_instance(
       scene,
-      add_mesh(scene, make_torus("cork ring", 0.034F, 0.011F, parts(detail, 30, 8), parts(detail, 12, 5)), looks.cork),
+      add_mesh(scene, make_torus("cork ring", 0.034F, 0.011F, detail.cells(30, 8), detail.cells(12, 5)), looks.cork),
       placed(ring + glm::vec3(0, 0.011F, 0)));
   ware.place(Vessel::kRound, ring + glm::vec3(0, 0.0105F, 0), 0.060F, looks.red);
   ware.place(Vessel::kDish, {0.20F, 0, 0.17F}, 0.007F, looks.green);
@@ -183,7 +184,7 @@ void add_all(Scene& scene, const Looks& looks, double detail) {
 /// A chemist's bench: glass in glass, most rays are refracted.
 Scene build_laboratory(const BuiltinOptions& options) {
   constexpr std::uint32_t kClass = 98'000;
-  const double detail = fit_detail(options.triangles != 0 ? options.triangles : kClass, [](double at) {
+  const Detail detail = fit_detail(options.triangles_or(kClass), [](const Detail& at) {
     Scene shapes;
     add_all(shapes, {}, at);
     return triangles_of(shapes);

@@ -6,7 +6,7 @@
 
 namespace traces::laboratory {
 
-/// What things are made of, as indices of materials.
+/// Materials of the laboratory, by index.
 struct Looks {
   std::uint32_t steel, iron, brass, wood, porcelain, plastic, cork, rubber;
   std::uint32_t tiles, floor, plaster, bench, lacquer, shelf, chart, rail, daylight, lamp;

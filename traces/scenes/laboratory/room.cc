@@ -10,9 +10,9 @@ namespace {
 
 constexpr float kFloor = -0.9F, kCeiling = 1.6F, kLeft = -1.35F, kRight = 1.45F, kBack = -0.52F, kFront = 1.9F;
 
-void add_cupboards(Scene& scene, const Looks& looks, double detail) {
+void add_cupboards(Scene& scene, const Looks& looks, const Detail& detail) {
   const std::uint32_t white = looks.lacquer, steel = looks.steel;
-  const std::uint32_t steps = parts(detail, 2, 1);
+  const std::uint32_t steps = detail.cells(2);
   const std::uint32_t door =
       add_mesh(scene, make_rounded_box("door", {-0.205F, -0.78F, 0}, {0.205F, -0.23F, 0.025F}, 0.008F, steps), white);
   const std::uint32_t drawer = add_mesh(
@@ -26,8 +26,8 @@ void add_cupboards(Scene& scene, const Looks& looks, double detail) {
   add_object(scene, make_box("cupboards", {kLeft, -0.8F, kBack}, {1.2F, -0.045F, 0.27F}), white);
 }
 
-void add_shelves(Scene& scene, std::uint32_t board, double detail) {
-  const std::uint32_t steps = parts(detail, 3, 1);
+void add_shelves(Scene& scene, std::uint32_t board, const Detail& detail) {
+  const std::uint32_t steps = detail.cells(3);
   for (const float height : {kShelf, kUpperShelf}) {
     add_object(
         scene,
@@ -44,10 +44,10 @@ void add_shelves(Scene& scene, std::uint32_t board, double detail) {
 
 }  // namespace
 
-void add_room(Scene& scene, const Looks& looks, double detail) {
+void add_room(Scene& scene, const Looks& looks, const Detail& detail) {
   const glm::vec3 x(kRight - kLeft, 0, 0), y(0, kCeiling - kFloor, 0), z(0, 0, kFront - kBack);
   const glm::vec3 low(kLeft, kFloor, kBack), high(kRight, kCeiling, kFront);
-  Mesh back = make_quad("back wall", low, x, y, parts(detail, 12, 2));
+  Mesh back = make_quad("back wall", low, x, y, detail.cells(12, 2));
   scale_uvs(back, {2.24F, 2});
   add_object(scene, std::move(back), looks.tiles);
   add_object(scene, make_quad("floor", low, z, x, 2, 1.6F), looks.floor);
@@ -56,7 +56,7 @@ void add_room(Scene& scene, const Looks& looks, double detail) {
   add_object(scene, make_quad("front wall", high, -x, -y, 2), looks.plaster);
   add_object(scene, make_quad("ceiling", high, -z, -x, 2), looks.plaster);
 
-  Mesh top = make_rounded_box("bench top", {kLeft, -0.04F, kBack}, {1.22F, 0, 0.32F}, 0.008F, parts(detail, 3, 1));
+  Mesh top = make_rounded_box("bench top", {kLeft, -0.04F, kBack}, {1.22F, 0, 0.32F}, 0.008F, detail.cells(3));
   for (std::size_t k = 0; k < top.uvs.size(); ++k)
     top.uvs[k] = {1.1F * top.positions[k].x, 1.1F * (top.positions[k].z + top.positions[k].y)};
   add_object(scene, std::move(top), looks.bench);

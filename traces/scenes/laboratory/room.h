@@ -1,10 +1,11 @@
 #pragma once
+#include "traces/scenes/detail.h"
 #include "traces/scenes/laboratory/looks.h"
 
 namespace traces::laboratory {
 
 /// Bench (its top at y = 0), tiled wall behind it with a chart and shelves, cupboards, window on the left, lamp above.
-void add_room(Scene& scene, const Looks& looks, double detail);
+void add_room(Scene& scene, const Looks& looks, const Detail& detail);
 
 inline constexpr float kShelf = 0.375F, kUpperShelf = 0.60F;  ///< heights
 inline constexpr float kShelfFrom = 0.02F, kShelfTo = 0.98F;  ///< in x

@@ -130,7 +130,7 @@ struct Planted {
   glm::mat4 at;
 };
 
-/// Places of all plants.
+/// All plants and where they stand.
 std::vector<Planted> plant() {
   std::vector<Planted> all;
   const auto put = [&all](Kind kind, float x, float z, float size = 1) {
@@ -201,6 +201,43 @@ void add_far_trees(Scene& scene, std::uint32_t leaves, std::uint32_t bark, float
   }
 }
 
+void add_blossoms(Scene& scene, const std::vector<Planted>& plants) {
+  const std::uint32_t petals = add_material(scene, paint("rose petals", {0.75F, 0.08F, 0.12F}));
+  const std::vector<Twig> stems = dome_twigs({0.82F, 1.04F, 0.82F}, 26, 7);
+  const LeafShape petal{.length = 0.15F, .width = 0.15F, .scatter = 0.1F};
+  const std::uint32_t blossom =
+      add_mesh(scene, make_leaves("rose blossoms", stems, 60, petal, glm::vec3(0), 5), petals);
+  for (const Planted& plant : plants) {
+    if (plant.kind == kRoses) add_instance(scene, blossom, plant.at);
+  }
+}
+
+/// Leaves of all plants, as many as triangles are left for them.
+void add_leaves(Scene& scene, std::uint32_t triangles, float detail, const std::vector<Planted>& plants,
+                const std::vector<std::vector<Twig>>& twigs, const std::vector<std::uint32_t>& materials) {
+  float weight = 0;
+  for (std::uint32_t k = 0; k < kKinds; ++k) {
+    for (const Planted& plant : plants) weight += plant.kind == k ? kSpecies[k].weight : 0;
+  }
+  const auto used = static_cast<float>(triangles_of(scene));
+  const float left = std::max(static_cast<float>(triangles) - used, 0.02F * static_cast<float>(triangles));
+  for (std::uint32_t k = 0; k < kKinds; ++k) {
+    const Species& kind = kSpecies[k];
+    const auto count = std::max(static_cast<std::uint32_t>(left / 2 * kind.weight / weight), 24U);
+    LeafShape leaf = kind.leaf;
+    // Fewer leaves are larger, so that the crown stays as dense.
+    const float grown = std::min(1 / std::min(detail, 2.0F), 2.6F);
+    leaf.length *= grown;
+    leaf.width *= grown;
+    const glm::vec3 centre(0, 0.55F * kind.shape.height, 0);
+    const std::uint32_t mesh = add_mesh(
+        scene, make_leaves(std::string(kind.name) + " leaves", twigs[k], count, leaf, centre, 200 + k), materials[k]);
+    for (const Planted& plant : plants) {
+      if (plant.kind == k) add_instance(scene, mesh, plant.at);
+    }
+  }
+}
+
 }  // namespace
 
 void add_garden(Scene& scene, std::uint32_t triangles, float detail) {
@@ -216,7 +253,6 @@ void add_garden(Scene& scene, std::uint32_t triangles, float detail) {
   const std::vector<Planted> plants = plant();
   std::vector<std::vector<Twig>> twigs;
   std::vector<std::uint32_t> leaf_material;
-  float weight = 0;
   for (std::uint32_t k = 0; k < kKinds; ++k) {
     const Species& kind = kSpecies[k];
     leaf_material.push_back(
@@ -236,35 +272,10 @@ void add_garden(Scene& scene, std::uint32_t triangles, float detail) {
     } else {
       twigs.push_back(dome_twigs(k == kBush ? glm::vec3(1.05F, 1.25F, 1.05F) : glm::vec3(0.8F, 1, 0.8F), 60, k));
     }
-    for (const Planted& plant : plants) weight += plant.kind == k ? kind.weight : 0;
   }
   add_far_trees(scene, leaf_material[kOak], bark, detail);
-  const std::uint32_t petals = add_material(scene, paint("rose petals", {0.75F, 0.08F, 0.12F}));
-  const std::vector<Twig> stems = dome_twigs({0.82F, 1.04F, 0.82F}, 26, 7);
-  const LeafShape petal{.length = 0.15F, .width = 0.15F, .scatter = 0.1F};
-  const std::uint32_t blossom =
-      add_mesh(scene, make_leaves("rose blossoms", stems, 60, petal, glm::vec3(0), 5), petals);
-  for (const Planted& plant : plants) {
-    if (plant.kind == kRoses) add_instance(scene, blossom, plant.at);
-  }
-  const auto used = static_cast<float>(triangles_of(scene));
-  const float left = std::max(static_cast<float>(triangles) - used, 0.02F * static_cast<float>(triangles));
-  for (std::uint32_t k = 0; k < kKinds; ++k) {
-    const Species& kind = kSpecies[k];
-    const auto count = std::max(static_cast<std::uint32_t>(left / 2 * kind.weight / weight), 24U);
-    LeafShape leaf = kind.leaf;
-    // Fewer leaves are larger, so that the crown stays as dense.
-    const float grown = std::min(1 / std::min(detail, 2.0F), 2.6F);
-    leaf.length *= grown;
-    leaf.width *= grown;
-    const glm::vec3 centre(0, 0.55F * kind.shape.height, 0);
-    const std::uint32_t mesh =
-        add_mesh(scene, make_leaves(std::string(kind.name) + " leaves", twigs[k], count, leaf, centre, 200 + k),
-                 leaf_material[k]);
-    for (const Planted& plant : plants) {
-      if (plant.kind == k) add_instance(scene, mesh, plant.at);
-    }
-  }
+  add_blossoms(scene, plants);
+  add_leaves(scene, triangles, detail, plants, twigs, leaf_material);
 }
 
 }  // namespace traces::village

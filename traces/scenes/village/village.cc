@@ -101,14 +101,14 @@ void add_landscape(Scene& s, float detail) {
   add_object(s, make_field("second wheat field", {-62, -18}, {36, 40}, 0.05, 0.12F, cell, 12), wheat);
 }
 
-/// Houses along both sides of the street and round the square, each kind shown several times.
-void add_houses(Scene& s, const Palette& c, float detail) {
-  struct Kind {
-    const char* name;
-    HouseShape shape;
-    Paints paints;
-  };
-  const Kind kinds[] = {
+struct HouseKind {
+  const char* name;
+  HouseShape shape;
+  Paints paints;
+};
+
+std::vector<HouseKind> house_kinds(const Palette& c) {
+  return {
       {"cottage",
        {.width = 6.4F, .length = 8.6F, .eaves = 2.9F, .ridge = 6.1F},
        {c.white_wall, c.red_tiles, c.white, c.green, c.glass, c.green, c.stone}},
@@ -149,20 +149,24 @@ void add_houses(Scene& s, const Palette& c, float detail) {
         .chimney = 0.36F},
        {c.ochre_wall, c.red_tiles, c.dark_wood, c.green, c.glass, c.green, c.stone}},
   };
+}
+
+/// Houses along both sides of the street and round the square, each kind shown several times.
+void add_houses(Scene& s, const Palette& c, float detail) {
   std::vector<Building> buildings;
-  for (const Kind& k : kinds) buildings.push_back(add_house(s, k.name, k.shape, k.paints, detail));
-  struct Place {
+  for (const HouseKind& k : house_kinds(c)) buildings.push_back(add_house(s, k.name, k.shape, k.paints, detail));
+  struct Plot {
     std::uint32_t kind;
     float z, aside;  ///< to the right (east) of the street
   };
-  constexpr Place kPlaces[] = {{0, 71, -10.5F}, {2, 57, -10},      {1, 43, -9.8F},    {4, 29, -10},   {0, 15.5F, -11},
-                               {4, 73, 11},     {1, 57, 10},       {0, 43.5F, 10.4F}, {2, 30, 10.2F}, {4, 16, 10.6F},
-                               {5, -5, -16.5F}, {1, -6.5F, 16.8F}, {4, -24, -10.2F},  {0, -37, -11},  {2, -27, 11},
-                               {3, 36, -28},    {3, 2, 31}};
-  for (const Place& place : kPlaces) {
-    const float x = street_x(place.z) + place.aside;
-    const double along = static_cast<double>(street_x(place.z + 4) - street_x(place.z - 4)) / 8 / 6.2832;
-    show(s, buildings[place.kind], placed(on_ground(x, place.z), along + (place.aside > 0 ? 0.5 : 0.0)));
+  constexpr Plot kPlots[] = {{0, 71, -10.5F}, {2, 57, -10},      {1, 43, -9.8F},    {4, 29, -10},   {0, 15.5F, -11},
+                             {4, 73, 11},     {1, 57, 10},       {0, 43.5F, 10.4F}, {2, 30, 10.2F}, {4, 16, 10.6F},
+                             {5, -5, -16.5F}, {1, -6.5F, 16.8F}, {4, -24, -10.2F},  {0, -37, -11},  {2, -27, 11},
+                             {3, 36, -28},    {3, 2, 31}};
+  for (const Plot& plot : kPlots) {
+    const float x = street_x(plot.z) + plot.aside;
+    const double along = static_cast<double>(street_x(plot.z + 4) - street_x(plot.z - 4)) / 8 / 6.2832;
+    show(s, buildings[plot.kind], placed(on_ground(x, plot.z), along + (plot.aside > 0 ? 0.5 : 0.0)));
   }
   const Paints holy{c.white_wall, c.slate, c.dark_wood, c.iron, c.glass, c.dark_wood, c.stone};
   show(s, add_church(s, holy, c.white, c.gold, detail), placed(on_ground(kChurch.x, kChurch.y, -0.1F), 0.015));
@@ -255,7 +259,7 @@ void add_cameras(Scene& s) {
 }  // namespace
 
 Scene build_village(const BuiltinOptions& options) {
-  const std::uint32_t triangles = options.triangles == 0 ? kTriangles : options.triangles;
+  const std::uint32_t triangles = options.triangles_or(kTriangles);
   const float detail = std::sqrt(static_cast<float>(triangles) / static_cast<float>(kTriangles));
   Scene scene;
   scene.name = "village";
