@@ -57,7 +57,7 @@ inline Hit with_instance(const Hit& hit, std::uint32_t instance) {
   return {hit.t, std::bit_cast<float>(u << kHalfBits | (instance & kHalfMask)),
           std::bit_cast<float>(v << kHalfBits | instance >> kHalfBits), hit.triangle};
 }
-/// Of a hit made by with_instance().
+/// Instance of a hit made by with_instance().
 inline std::uint32_t instance_of(const Hit& hit) {
   return (std::bit_cast<std::uint32_t>(hit.u) & kHalfMask) | (std::bit_cast<std::uint32_t>(hit.v) & kHalfMask)
                                                                  << kHalfBits;

@@ -39,7 +39,7 @@ struct Edge {
   Kind kind = Kind::kAll;
 };
 
-/// What a transfer moves between a core's tile buffer and memory.
+/// Data that a transfer moves between a core's tile buffer and memory.
 enum class Region : std::uint8_t {
   kPicture,  ///< finished pixels, a block per tile
   kSamples,  ///< attributes and colours of samples: halos, or all of them where the tile buffer does not hold them

@@ -6,8 +6,9 @@
 
 namespace kernels {
 
-/// The rule of traces/scene/gltf/materials.h for each texel: how much is mirrored in which colour, and what is left.
-/// The surface comes with its whole base colour as the diffuse one, and with what would enter if nothing were mirrored.
+/// The rule of traces/scene/gltf/materials/materials.h for each texel: how much is mirrored in which colour, and what
+/// is left. The surface comes with its whole base colour as the diffuse one, and with what would enter if nothing were
+/// mirrored.
 struct ShadePhysical {
   static constexpr std::string_view kName = "shade_physical";
   static constexpr std::string_view kMeaning = "surface with a metallic-roughness texture -> mirror and diffuse shares";

@@ -48,7 +48,7 @@ constexpr std::array<std::string_view, 12> names_of(FieldKind) {
 
 static_assert(std::variant_size_v<Target> == names_of(FieldKind{}).size());
 
-/// What a struct's check() calls for a rule that is broken.
+/// Receives a rule that a struct's check() finds broken.
 using Complain = std::function<void(std::string_view key, std::string_view problem)>;
 
 /// One field or group of a configuration, bound to one instance of its struct, which must outlive it.

@@ -23,7 +23,7 @@ struct FieldInfo {
 
 enum class Comments : std::uint8_t { kOff, kOn };
 
-// What the declared fields of a bound configuration yield; config.h has these for the structs themselves.
+// Views of the declared fields of a bound configuration; config.h has these for the structs themselves.
 std::string dump_tree(const ConfigNode& root, Comments comments, std::optional<Affects> only = {});
 std::string hash_tree(const ConfigNode& root, std::optional<Affects> only);
 std::vector<FieldInfo> fields_of(const ConfigNode& root);

@@ -9,7 +9,7 @@
 
 namespace sim {
 
-/// What changes when a configuration field changes.
+/// Part of the results that a configuration field changes.
 enum class Affects : std::uint8_t {
   kFunction,  ///< the recorded work itself: scene, program, thresholds, tile size, BVH build
   kLayout,    ///< addresses: node, triangle and texture formats, placement
@@ -49,7 +49,7 @@ struct Triple {
   friend bool operator==(const Triple&, const Triple&) = default;
 };
 
-/// What values a number may take. `power_of_two` and the bounds are checked together, bounds inclusive, in the
+/// Values that a number may take. `power_of_two` and the bounds are checked together, bounds inclusive, in the
 /// field's own unit (bytes, hertz, femtoseconds for the quantities above).
 struct Limits {
   double min = 0;

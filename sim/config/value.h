@@ -18,7 +18,7 @@ void assign(const ConfigNode& field, std::string_view text);
 /// A number with the field's unit or none. Throws BadValue.
 double number_of(const ConfigNode& field, std::string_view text);
 
-/// What is wrong with the value a field holds now (limits, the order of a Spread); empty if nothing.
+/// The fault of the value a field holds now (limits, the order of a Spread); empty if nothing.
 std::string value_problem(const ConfigNode& field);
 
 /// The value as in a configuration file, on one line; `assign` and the YAML reader turn it back into the same value.

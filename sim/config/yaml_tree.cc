@@ -32,7 +32,7 @@ class Builder final : public YAML::EventHandler {
   void OnDocumentEnd() override {}
   void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override {
     const Node node = make(YamlNode::Kind::kEmpty);
-    place(mark, node);
+    attach(mark, node);
     remember(anchor, node);
   }
   void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
@@ -40,13 +40,13 @@ class Builder final : public YAML::EventHandler {
     refuse_tag(mark, tag);
     const Node node = make(YamlNode::Kind::kScalar);
     node->scalar = value;
-    place(mark, node);
+    attach(mark, node);
     remember(anchor, node);
   }
   void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
     const auto found = anchors_.find(anchor);
     if (found == anchors_.end()) refuse_at(mark, "an alias stands inside the value it repeats");
-    place(mark, found->second);
+    attach(mark, found->second);
   }
   void OnSequenceStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
                        YAML::EmitterStyle::value) override {
@@ -88,7 +88,7 @@ class Builder final : public YAML::EventHandler {
   void open(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor, YamlNode::Kind kind) {
     refuse_tag(mark, tag);
     const Node node = make(kind);
-    place(mark, node);
+    attach(mark, node);
     open_.push_back({node, anchor, std::nullopt, {}});
   }
   void close() {
@@ -96,16 +96,16 @@ class Builder final : public YAML::EventHandler {
     open_.pop_back();
   }
   /// Puts a mapping's key, or a value, where the text has it.
-  void place(const YAML::Mark& mark, const Node& node) {
+  void attach(const YAML::Mark& mark, const Node& node) {
     if (open_.empty()) {
       root_ = node;
     } else if (open_.back().node->kind == YamlNode::Kind::kMapping) {
-      open_.back().entry ? place_value(mark, node) : place_key(mark, node);
+      open_.back().entry ? attach_value(mark, node) : attach_key(mark, node);
     } else {
       open_.back().node->entries.push_back({{}, position(mark), position(mark), node});
     }
   }
-  void place_key(const YAML::Mark& mark, const Node& node) {
+  void attach_key(const YAML::Mark& mark, const Node& node) {
     Open& mapping = open_.back();
     if (node->kind != YamlNode::Kind::kScalar) refuse_at(mark, "a key must be plain text");
     if (!mapping.keys.insert(node->scalar).second) {
@@ -113,7 +113,7 @@ class Builder final : public YAML::EventHandler {
     }
     mapping.entry = {node->scalar, position(mark), position(mark), nullptr};
   }
-  void place_value(const YAML::Mark& mark, const Node& node) {
+  void attach_value(const YAML::Mark& mark, const Node& node) {
     Open& mapping = open_.back();
     if (node->kind != YamlNode::Kind::kEmpty) mapping.entry->value_at = position(mark);
     mapping.entry->value = node;

@@ -5,7 +5,7 @@
 
 namespace sim {
 
-/// A place in a text, both counted from 1.
+/// Line and column of a text, counted from 1.
 struct TextPosition {
   int line = 1;
   int column = 1;

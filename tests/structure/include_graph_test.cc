@@ -25,7 +25,8 @@ namespace fs = std::filesystem;
 using Graph = std::map<std::string, std::set<std::string>>;
 
 /// Folders whose own folders are parts of them.
-constexpr std::array kWhole = {"shader_kernels/kernels", "traces/scene/", "traces/scenes/", "tools/studies/optimise/"};
+constexpr std::array kWhole = {"shader_kernels/kernels", "traces/accel/", "traces/scene/", "traces/scenes/",
+                               "tools/studies/optimise/"};
 
 std::string folder_of(const fs::path& file) {
   const std::string folder = file.parent_path().generic_string();

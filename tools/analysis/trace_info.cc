@@ -26,7 +26,7 @@ Json trace_info(const traces::TraceReader& trace) {
       tiles += part.tiles;
       for (const Json& kind : part.result.at("rays")) rays += traces::number_of(kind, kMost, "rays");
       steps += traces::number_at(part.result, "traversal_steps", kMost);
-      for (const traces::TraceReader::Place& tile : trace.tiles(part)) bytes += tile.bytes;
+      for (const traces::TraceReader::FileRange& tile : trace.tiles(part)) bytes += tile.bytes;
     }
     const Json& scene = header.at("scene");
     const auto side = [&](std::size_t i) {

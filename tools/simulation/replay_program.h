@@ -31,7 +31,7 @@ class ReplayProgram final : public kernels::FrameProgram {
   const traces::TraceReader::Part& part_;
   const traces::TileScope& scope_;
   const std::span<const traces::KernelId> kernels_;
-  const std::vector<traces::TraceReader::Place> places_;
+  const std::vector<traces::TraceReader::FileRange> places_;
   std::uint64_t continued_ = 0;
   kernels::Sampling sampling_;
   std::uint32_t kept_ = 0;

@@ -8,7 +8,7 @@
 
 namespace traces {
 
-/// What a ray brings along for testing the two boxes of a node at once.
+/// Ray prepared for testing the two boxes of a node at once.
 ///
 /// Conservative: a box is never missed whose triangles the triangle test would hit. The near planes are seen from an
 /// origin moved ahead and the far planes from one moved back by the rounding errors that either test can make (Woop,
@@ -18,7 +18,7 @@ namespace traces {
 /// Hybrid numbers (US patent 9,830,733): planes and both origins are whole steps of the image's grid, so that their
 /// difference is exact, and only the reciprocal, of the direction in steps, is a float. This is conservative too.
 /// Planes lie outside of those of floats, and the origins, moved as much as there, are rounded outward to a whole step.
-/// What is rounded besides: an origin's way to the grid, twice, and the reciprocal once more, each by half an epsilon
+/// Roundings besides: an origin's way to the grid, twice, and the reciprocal once more, each by half an epsilon
 /// of the reach at most; so two epsilons are added to what origins are moved by. Over 2^24 steps away floats count no
 /// longer every step; there the difference is rounded as that of floats is, which what origins are moved by covers
 /// already.

@@ -11,7 +11,7 @@
 
 namespace traces {
 
-/// What is done with the tree when the scene has moved: made anew, or its boxes drawn around where things are now
+/// Update of the tree when the scene has moved: made anew, or its boxes drawn around where things are now
 /// (traces/accel/refit.h).
 enum class BvhUpdate : std::uint8_t { kRebuild, kRefit };
 constexpr std::array<std::string_view, 2> names_of(BvhUpdate) { return {"rebuild", "refit"}; }
@@ -19,7 +19,7 @@ constexpr std::array<std::string_view, 2> names_of(BvhUpdate) { return {"rebuild
 /// How a mesh that stands in several places lies in memory.
 enum class InstanceLevels : std::uint8_t {
   kFlatten,   ///< as often as it stands somewhere, in world space; one tree over all triangles
-  kTwoLevel,  ///< once, with a tree of its own; a tree over all instances above them (traces/accel/two_level.h)
+  kTwoLevel,  ///< once, with a tree of its own; a tree over all instances above them (traces/accel/build/two_level.h)
 };
 constexpr std::array<std::string_view, 2> names_of(InstanceLevels) { return {"flatten", "two_level"}; }
 

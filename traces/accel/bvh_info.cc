@@ -31,7 +31,8 @@ struct Tree {
   std::uint32_t depth = 0;
 };
 
-/// Of the tree at nodes `begin` to before `end`, whose bounds have `area`. `below`: trees that its leaves may name.
+/// Figures of the tree at nodes `begin` to before `end`, whose bounds have `area`. `below`: trees that its leaves may
+/// name.
 Tree look_at(const MemoryImage& image, std::size_t begin, std::size_t end, double area, const BvhConfig& config,
              const std::vector<Tree>& below, BvhInfo& info) {
   const glm::vec3 step = image.grid ? image.grid->step() : glm::vec3(1);

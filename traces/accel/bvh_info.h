@@ -7,7 +7,7 @@
 
 namespace traces {
 
-/// What a tree is like.
+/// Statistics of a tree.
 struct BvhInfo {
   std::uint64_t nodes = 0;  ///< inner nodes, of all trees
   std::uint64_t leaves = 0;

@@ -7,10 +7,10 @@
 #include <type_traits>
 
 #include "traces/accel/box_test.h"
+#include "traces/accel/build/two_level.h"
 #include "traces/accel/lanes.h"
 #include "traces/accel/recorder.h"
 #include "traces/accel/triangle_test.h"
-#include "traces/accel/two_level.h"
 #include "traces/walk.h"
 
 namespace traces {
@@ -185,7 +185,7 @@ class Walk {
     if constexpr (kLevels) hit_instance_ = instance_;
   }
 
-  /// Of two triangles at the same distance, does this one stand behind the hit in the scene?
+  /// Whether of two triangles at the same distance this one stands behind the hit in the scene.
   bool comes_later(std::uint32_t triangle) const {
     if (kLevels && instance_ != hit_instance_) return instance_ > hit_instance_;
     return image_.triangles[triangle].source > image_.triangles[hit_.triangle].source;

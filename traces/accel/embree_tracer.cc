@@ -11,10 +11,10 @@
 #include <glm/mat4x4.hpp>
 #include <glm/matrix.hpp>
 
+#include "traces/accel/build/two_level.h"
 #include "traces/accel/embree_api.h"
 #include "traces/accel/lanes.h"
 #include "traces/accel/triangle_test.h"
-#include "traces/accel/two_level.h"
 
 #if RTC_VERSION_MAJOR < 4
 using RTCRayQueryContext = RTCIntersectContext;

@@ -15,11 +15,11 @@ struct ExactHit {
   double t = std::numeric_limits<double>::infinity();
 };
 
-/// Of the triangle and, in two levels, the instance that `hit` names, which are there.
+/// Test of the triangle and, in two levels, the instance that `hit` names, which are there.
 ExactHit exact_hit(const Ray& ray, const MemoryImage& image, const Hit& hit);
 
-/// What must and what may be hit, from testing all triangles of the scene. In two levels instances that the ray passes
-/// at some distance are left out.
+/// Triangles that must and that may be hit, from testing all triangles of the scene. In two levels instances that the
+/// ray passes at some distance are left out.
 struct ExactTrace {
   double nearest = std::numeric_limits<double>::infinity();  ///< of the sure hits
   bool any_possible = false;                                 ///< some hit is sure or uncertain

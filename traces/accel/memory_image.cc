@@ -5,11 +5,11 @@
 #include <glm/geometric.hpp>
 
 #include "traces/accel/build.h"
-#include "traces/accel/bvh_build.h"
-#include "traces/accel/flatten.h"
-#include "traces/accel/material_tables.h"
-#include "traces/accel/reorder.h"
-#include "traces/accel/two_level.h"
+#include "traces/accel/build/bvh_build.h"
+#include "traces/accel/build/flatten.h"
+#include "traces/accel/build/material_tables.h"
+#include "traces/accel/build/reorder.h"
+#include "traces/accel/build/two_level.h"
 #include "traces/scene/bounds.h"
 
 namespace traces {
@@ -61,7 +61,7 @@ ImageCounts counts_of(const MemoryImage& image) {
   return counts;
 }
 
-// What the scene does not need takes no memory.
+// Records that the scene does not need take no memory.
 Layout layout_of(const ImageCounts& counts, const std::vector<NodeRecord>& nodes, const BvhConfig& config) {
   Layout at;
   at.node_bytes = node_bytes(config.numbers, config.boxes);
@@ -103,7 +103,7 @@ MemoryImage one_level(const Scene& scene, const MaterialTables& materials, const
   const std::vector<PlacedMesh> placed = placed_instances(scene);
   MemoryImage image;
   image.triangles = triangles_of(placed, materials);
-  PlacedBvh bvh = BvhBuilder(config, threads, stop).over(image.triangles);
+  FlatBvh bvh = BvhBuilder(config, threads, stop).over(image.triangles);
   image.nodes = std::move(bvh.nodes);
   ShadingRecords shading = shading_of(placed, materials);
   image.attributes = std::move(shading.attributes);

@@ -58,7 +58,7 @@ struct alignas(64) InstanceRecord {
 };
 static_assert(sizeof(InstanceRecord) == 64);
 
-/// What the intersection unit reads: 48 bytes, three vertices and what a hit must say without another fetch.
+/// Triangle for the intersection unit: 48 bytes, three vertices and what a hit must say without another fetch.
 struct TriangleRecord {
   glm::vec3 v0, v1, v2;
   std::uint32_t object;    ///< object id: index of the instance, with kFocusObject above it; 0 if that is for
@@ -69,7 +69,7 @@ struct TriangleRecord {
 };
 static_assert(sizeof(TriangleRecord) == 48);
 
-/// What shading reads through the SRP's data cache: 64 bytes per triangle, same index as the triangle record.
+/// Attributes for shading, through the SRP's data cache: 64 bytes per triangle, same index as the triangle record.
 struct AttributeRecord {
   glm::vec3 normal[3];  ///< unit shading normals in world space (in two levels: the mesh's)
   glm::vec2 uv[3];
@@ -77,8 +77,8 @@ struct AttributeRecord {
 };
 static_assert(sizeof(AttributeRecord) == 64);
 
-/// What some materials need besides, 64 bytes per triangle, same index again; there only if the scene has such a
-/// material (kVertexed).
+/// Vertices that some materials need besides, 64 bytes per triangle, same index again; there only if the scene has such
+/// a material (kVertexed).
 struct VertexRecord {
   glm::vec2 uv[3];             ///< Mesh::second_uvs
   std::uint32_t colour[3][2];  ///< RGBA, 16 bits a channel, linear, R lowest
@@ -113,7 +113,7 @@ enum MaterialFlag : std::uint32_t {
 inline constexpr std::uint32_t kSurfaceStreams = 0x1fU;   ///< those every scene may have
 inline constexpr std::uint32_t kDetailStreams = 0x1fe0U;  ///< those that cost nothing where no material has them
 
-/// What every hit needs to know of its material: 64 bytes, all colours linear. With a metal_rough texture, mirrored is
+/// Material as every hit needs it: 64 bytes, all colours linear. With a metal_rough texture, mirrored is
 /// 0 and the other shares are as if nothing were.
 struct MaterialRecord {
   glm::vec3 base_colour;
@@ -146,7 +146,7 @@ static_assert(sizeof(MaterialDetailRecord) == 64);
 struct Layout {
   std::uint64_t nodes = 0, instances = 0, triangles = 0, attributes = 0, vertices = 0, materials = 0, details = 0;
   std::uint32_t node_bytes = sizeof(NodeRecord);
-  /// Of each inner node, the records of its children, where records hold single boxes; otherwise empty, and a node's
+  /// Records of each inner node's children, where records hold single boxes; otherwise empty, and a node's
   /// record has its index.
   std::vector<std::array<std::uint32_t, 2>> single_boxes;
   std::uint32_t triangle_bytes = sizeof(TriangleRecord);

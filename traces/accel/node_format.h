@@ -7,11 +7,11 @@
 
 namespace traces {
 
-/// What box planes are given in.
+/// Number format of box planes.
 enum class BoxNumbers : std::uint8_t { kFp32, kHybrid };
 constexpr std::array<std::string_view, 2> names_of(BoxNumbers) { return {"fp32", "hybrid"}; }
 
-/// What a record of the tree holds: both child boxes of an inner node, or one box with what is below it.
+/// Contents of a record of the tree: both child boxes of an inner node, or one box with what is below it.
 enum class BoxRecords : std::uint8_t { kPair, kSingle };
 constexpr std::array<std::string_view, 2> names_of(BoxRecords) { return {"pair", "single"}; }
 

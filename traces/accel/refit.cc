@@ -5,9 +5,9 @@
 #include <utility>
 
 #include "traces/accel/build.h"
-#include "traces/accel/flatten.h"
-#include "traces/accel/material_tables.h"
-#include "traces/accel/two_level.h"
+#include "traces/accel/build/flatten.h"
+#include "traces/accel/build/material_tables.h"
+#include "traces/accel/build/two_level.h"
 #include "traces/scene/bounds.h"
 
 namespace traces {

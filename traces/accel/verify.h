@@ -7,7 +7,7 @@
 
 namespace traces {
 
-/// What came of tracing rays twice. The first three are faults of the tested tracer; all is well when they are 0.
+/// Result of tracing rays twice. The first three are faults of the tested tracer; all is well when they are 0.
 struct VerifyCounts {
   std::uint64_t rays = 0;
   std::uint64_t missing_hits = 0;      ///< the reference hits, the tested tracer does not
@@ -37,7 +37,7 @@ class VerifyingTracer : public Tracer {
  private:
   enum class Verdict { kTie, kReferenceWrong, kTestedWrong };
 
-  /// What a hit has to stand for: "something is there" or "this is the nearest".
+  /// Kind of query that a hit answers: "something is there" or "this is the nearest".
   static bool is_any(RayKind kind, const Hit& tested) { return kind == RayKind::kShadow && !tested.is_flagged(); }
   bool alike(const Ray& ray, bool any, const Hit& tested, const Hit& reference) const;
   /// Does it name what the scene has?

@@ -11,8 +11,8 @@
 #include "sim/error.h"
 #include "traces/scene/cameras.h"
 #include "traces/scene/limits.h"
-#include "traces/scene/pose_mesh.h"
-#include "traces/scene/pose_nodes.h"
+#include "traces/scene/pose/pose_mesh.h"
+#include "traces/scene/pose/pose_nodes.h"
 #include "traces/scene/scene.h"
 
 namespace traces {
@@ -50,7 +50,7 @@ bool place_instance(Scene& scene, Instance& instance, const NodePoses& nodes) {
   return instance.node != kNone && replace(instance.to_world, glm::mat4(nodes.to_world[instance.node]));
 }
 
-/// What has moved must still be where the arithmetic of rays works.
+/// Checks that moved things are still where the arithmetic of rays works.
 void check_reach(const Scene& scene, const Instance& instance, double seconds) {
   const Mesh& mesh = scene.meshes[instance.mesh];
   float reach = 0;
@@ -66,16 +66,16 @@ void check_reach(const Scene& scene, const Instance& instance, double seconds) {
 
 bool place_camera(Camera& camera, const NodePoses& nodes) {
   if (camera.node == kNone) return false;
-  const glm::dmat4& place = nodes.to_world[camera.node];
+  const glm::dmat4& to_world = nodes.to_world[camera.node];
   return replace(camera.to_world,
-                 camera_place(place).value_or(glm::mat4(glm::translate(glm::dmat4(1), glm::dvec3(place[3])))));
+                 camera_to_world(to_world).value_or(glm::mat4(glm::translate(glm::dmat4(1), glm::dvec3(to_world[3])))));
 }
 
 bool place_light(Light& light, const NodePoses& nodes) {
   if (light.node == kNone) return false;
-  const glm::dmat4 place = nodes.to_world[light.node] * glm::dmat4(light.in_node);
-  const bool moved = replace(light.position, glm::vec3(place[3]));
-  const glm::dvec3 ahead = -glm::dvec3(place[2]);
+  const glm::dmat4 to_world = nodes.to_world[light.node] * glm::dmat4(light.in_node);
+  const bool moved = replace(light.position, glm::vec3(to_world[3]));
+  const glm::dvec3 ahead = -glm::dvec3(to_world[2]);
   const double length = glm::length(ahead);
   return replace(light.direction, length > 0 ? glm::vec3(ahead / length) : glm::vec3(0, -1, 0)) || moved;
 }

@@ -49,7 +49,7 @@ struct Skin {
   std::vector<glm::mat4> inverse_bind;
 };
 
-/// What a change of pose() touched.
+/// Parts of the scene that pose() changed.
 struct Moved {
   bool geometry = false;  ///< an instance or the vertices of a mesh
   bool view = false;      ///< a camera

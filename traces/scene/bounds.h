@@ -23,7 +23,7 @@ struct Bounds {
   float diagonal() const { return glm::length(upper - lower); }
 };
 
-/// Of all instances, in world space.
+/// Bounds of all instances, in world space.
 Bounds world_bounds(const Scene& scene);
 
 }  // namespace traces

@@ -19,7 +19,7 @@ Camera look_at(std::string name, const glm::vec3& eye, const glm::vec3& target, 
   return camera;
 }
 
-std::optional<glm::mat4> camera_place(const glm::dmat4& node_to_world) {
+std::optional<glm::mat4> camera_to_world(const glm::dmat4& node_to_world) {
   glm::dvec3 back(node_to_world[2]);
   glm::dvec3 right = glm::cross(glm::dvec3(node_to_world[1]), back);
   if (!(glm::length(right) > 0)) return std::nullopt;

@@ -88,7 +88,7 @@ struct Sample {
   float irradiance, weight;
 };
 
-/// What falls on the points that the camera has in view (2:1), each weighted by the picture area it stands for.
+/// Irradiance on the points that the camera has in view (2:1), each weighted by the picture area it stands for.
 std::vector<Sample> seen_by(const Camera& camera, const Scene& scene, const std::vector<Point>& points, float nearest) {
   std::vector<Sample> samples;
   const glm::mat4 to_camera = glm::inverse(camera.to_world);

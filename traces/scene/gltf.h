@@ -11,8 +11,8 @@ namespace traces {
 /// cannot be shown as the file says is told in Scene::warnings; what cannot be read is an InputError of one line.
 ///
 /// Files named by the .gltf must lie in its folder or below; nothing is read over a network. Rules of their own have:
-/// surfaces (gltf/materials.h), lights and exposure (lights.h), a file without cameras (framing_camera), a file without
-/// lights (add_default_light).
+/// surfaces (gltf/materials/materials.h), lights and exposure (lights.h), a file without cameras (framing_camera), a
+/// file without lights (add_default_light).
 Scene load_gltf(const std::filesystem::path& path, const SceneLimits& limits = {});
 
 }  // namespace traces

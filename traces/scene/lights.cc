@@ -14,7 +14,7 @@ namespace {
 
 float strongest_channel(const glm::vec3& c) { return std::max({c.x, c.y, c.z}); }
 
-/// What there is to know of an emissive instance's surface in world space.
+/// Surface of an emissive instance in world space.
 struct Emitter {
   double area = 0;
   glm::dvec3 moment{0};  ///< sum of area x centroid
@@ -61,7 +61,7 @@ glm::mat4 frame(const glm::vec3& position, const glm::vec3& direction) {
           glm::vec4(position, 1)};
 }
 
-/// Of each material, as a lamp; null if it is none.
+/// Mean emission of each material; null if it is no lamp.
 std::vector<glm::vec3> mean_emissions(const Scene& scene) {
   std::vector<glm::vec3> means;
   for (const Material& material : scene.materials) {

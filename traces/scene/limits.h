@@ -9,7 +9,7 @@ namespace traces {
 /// No vertex is further from the origin: in single precision, squares and products of two such coordinates are finite.
 inline constexpr double kFarthest = 1e15;
 
-/// What a scene may cost at most. A file that asks for more is refused before the memory is taken.
+/// Most that a scene may cost. A file that asks for more is refused before the memory is taken.
 struct SceneLimits {
   sim::ByteSize memory{std::uint64_t{1} << 33};
   std::uint64_t pixels = std::uint64_t{1} << 27;

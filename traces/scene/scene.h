@@ -88,7 +88,7 @@ struct Material {
   TextureUse emission_texture{};  ///< sRGB, times `emission`
 
   /// Linear: green x `roughness`, blue x `metallic`. With it `mirror` and `mirror_tint` are not used but made per texel
-  /// by the rule of traces/scene/gltf/materials.h from these and the two below.
+  /// by the rule of traces/scene/gltf/materials/materials.h from these and the two below.
   TextureUse metal_rough_texture{};
   float metallic = 0, roughness = 1;
   float dielectric = 0.08F;  ///< mirror share of what is no metal, at gloss 1

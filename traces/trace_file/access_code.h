@@ -19,7 +19,7 @@ inline constexpr std::uint32_t kMaxShapes = 4096, kMaxItemAccesses = 64;
 inline constexpr std::size_t kAccessKinds = 7;
 static_assert(static_cast<std::size_t>(Access::Kind::kInstance) + 1 == kAccessKinds);
 
-/// What was accessed last, by kind and rank.
+/// Last access, by kind and rank.
 struct LastAccesses {
   std::array<std::array<Access, kMaxItemAccesses>, kAccessKinds> of{};
 };

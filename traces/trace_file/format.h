@@ -32,7 +32,7 @@ inline constexpr std::uint64_t kMaxHeaderBytes = 1U << 24, kMaxContentsBytes = 1
                                kMaxTreeBytes = std::uint64_t{1} << 31;
 inline constexpr std::uint32_t kMaxPartTiles = 1U << 26, kMaxFrame = 1'000'000;
 
-/// What a machine must set aside for a frame.
+/// Memory that a machine must set aside for a frame.
 struct TraceRequirements {
   std::uint32_t tile_samples = 0;     ///< of a full tile
   std::uint32_t attribute_bytes = 0;  ///< of a full tile, in the tile buffer

@@ -30,7 +30,7 @@ class Packer {
 class Unpacker {
  public:
   Unpacker();
-  /// What a block holds, followed by kBitsPadding bytes more; valid until the next one. InputError, without the file's
+  /// Contents of a block, followed by kBitsPadding bytes more; valid until the next one. InputError, without the file's
   /// name, if it is damaged or holds more than `most` bytes.
   std::string_view unpack(std::string_view block, std::uint64_t most);
 

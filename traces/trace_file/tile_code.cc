@@ -76,6 +76,40 @@ std::uint32_t flag(ByteReader& from, const char* what) {
   return value;
 }
 
+void read_transfer(ByteReader& from, const TileScope& scope, WorkNode& node) {
+  const std::uint32_t region = from.byte();
+  if (region >= kRegionCount) ByteReader::out_of_range("region of a transfer");
+  node.region = static_cast<Region>(region);
+  node.to_memory = flag(from, "direction of a transfer") != 0;
+  const std::uint64_t size = scope.region_bytes[region];
+  node.offset = from.number(size, "offset of a transfer");
+  if (node.items > size - node.offset) ByteReader::out_of_range("bytes of a transfer");
+}
+
+/// The inputs of node `n`, which come before it.
+void read_inputs(ByteReader& from, std::uint32_t n, TileWork& work) {
+  WorkNode& node = work.nodes[n];
+  for (std::uint32_t left = from.number32(from.left(), "inputs of a node"); left > 0; --left) {
+    const std::uint64_t code = from.number(2 * std::uint64_t{n} + 1, "input of a node");
+    if (code < 2) ByteReader::out_of_range("input of a node");
+    const Edge edge{n - static_cast<std::uint32_t>(code >> 1), static_cast<Edge::Kind>(code & 1)};
+    // Item i of a node without sources waits for item i: there must be one.
+    const bool each = edge.kind == Edge::Kind::kEach && node.sources == WorkNode::kNone;
+    if (each && node.items > work.nodes[edge.node].items) ByteReader::out_of_range("input of a node");
+    node.inputs.push_back(edge);
+  }
+}
+
+void check_rays(const WorkNode& rays, const TileWork& work) {
+  if (rays.inputs.size() != 1 || rays.inputs[0].kind != Edge::Kind::kEach ||
+      work.nodes[rays.inputs[0].node].kind != WorkNode::Kind::kLaunch) {
+    throw sim::InputError("rays must have one input, an `each` edge from a launch");
+  }
+  if (rays.sources == WorkNode::kNone && rays.items != work.nodes[rays.inputs[0].node].items) {
+    throw sim::InputError("rays without sources must be as many as the items that make them");
+  }
+}
+
 }  // namespace
 
 void TileEncoder::encode(const TileWork& work, const Links& links, std::string& out) {
@@ -92,7 +126,7 @@ void TileEncoder::encode(const TileWork& work, const Links& links, std::string& 
   for (const std::uint32_t tile : work.after) to.number(tile);
   to.number(work.nodes.size());
   for (std::uint32_t n = 0; n < work.nodes.size(); ++n) write_node(work, n, to);
-  // What nodes have besides, in their order; each array's parts lie in that order, too.
+  // Further data of nodes, in their order; each array's parts lie in that order, too.
   accesses_.begin_tile();
   std::uint32_t rays = 0, items = 0;
   for (const WorkNode& node : work.nodes) {
@@ -122,6 +156,28 @@ WorkNode& TileDecoder::next_node(TileWork& work) {
   return node;
 }
 
+void TileDecoder::read_launch(ByteReader& from, const TileScope& scope, WorkNode& node) {
+  node.kernel = static_cast<KernelId>(from.number(scope.kernels - 1, "kernel of a launch"));
+  node.idle = from.number32(kMaxItems, "idle items of a launch");
+  node.has_accesses = flag(from, "accesses of a launch") != 0;
+  if (!node.has_accesses) return;
+  node.first = items_;
+  items_ += node.items;
+  if (items_ > kMaxItems) ByteReader::out_of_range("items with accesses");
+}
+
+void TileDecoder::read_rays(ByteReader& from, WorkNode& node) {
+  const std::uint32_t ray_kind = from.byte();
+  if (ray_kind >= kRayKinds) ByteReader::out_of_range("kind of rays");
+  node.ray_kind = static_cast<RayKind>(ray_kind);
+  // Where its sources begin is known once they are read; until then, that there are any.
+  node.sources = flag(from, "sources of rays") != 0 ? 0 : WorkNode::kNone;
+  node.first = rays_;
+  rays_ += node.items;
+  if (rays_ > kMaxRaysOfTile) ByteReader::out_of_range("rays of a tile");
+  found_.by_kind[ray_kind] += node.items;
+}
+
 void TileDecoder::read_nodes(ByteReader& from, const TileScope& scope, TileWork& work) {
   nodes_ = rays_ = items_ = 0;
   const std::uint32_t nodes = from.number32(std::min<std::uint64_t>(from.left() / 3, kMaxTileNodes), "number of nodes");
@@ -135,54 +191,17 @@ void TileDecoder::read_nodes(ByteReader& from, const TileScope& scope, TileWork&
     if (node.items == 0) ByteReader::out_of_range("items of a node");
     switch (node.kind) {
       case WorkNode::Kind::kLaunch:
-        node.kernel = static_cast<KernelId>(from.number(scope.kernels - 1, "kernel of a launch"));
-        node.idle = from.number32(kMaxItems, "idle items of a launch");
-        node.has_accesses = flag(from, "accesses of a launch") != 0;
-        if (!node.has_accesses) break;
-        node.first = items_;
-        items_ += node.items;
-        if (items_ > kMaxItems) ByteReader::out_of_range("items with accesses");
+        read_launch(from, scope, node);
         break;
-      case WorkNode::Kind::kRays: {
-        const std::uint32_t ray_kind = from.byte();
-        if (ray_kind >= kRayKinds) ByteReader::out_of_range("kind of rays");
-        node.ray_kind = static_cast<RayKind>(ray_kind);
-        // Where its sources begin is known once they are read; until then, that there are any.
-        node.sources = flag(from, "sources of rays") != 0 ? 0 : WorkNode::kNone;
-        node.first = rays_;
-        rays_ += node.items;
-        if (rays_ > kMaxRaysOfTile) ByteReader::out_of_range("rays of a tile");
-        found_.by_kind[ray_kind] += node.items;
+      case WorkNode::Kind::kRays:
+        read_rays(from, node);
         break;
-      }
-      case WorkNode::Kind::kTransfer: {
-        const std::uint32_t region = from.byte();
-        if (region >= kRegionCount) ByteReader::out_of_range("region of a transfer");
-        node.region = static_cast<Region>(region);
-        node.to_memory = flag(from, "direction of a transfer") != 0;
-        const std::uint64_t size = scope.region_bytes[region];
-        node.offset = from.number(size, "offset of a transfer");
-        if (node.items > size - node.offset) ByteReader::out_of_range("bytes of a transfer");
+      case WorkNode::Kind::kTransfer:
+        read_transfer(from, scope, node);
         break;
-      }
     }
-    for (std::uint32_t left = from.number32(from.left(), "inputs of a node"); left > 0; --left) {
-      const std::uint64_t code = from.number(2 * std::uint64_t{n} + 1, "input of a node");
-      if (code < 2) ByteReader::out_of_range("input of a node");
-      const Edge edge{n - static_cast<std::uint32_t>(code >> 1), static_cast<Edge::Kind>(code & 1)};
-      // Item i of a node without sources waits for item i: there must be one.
-      const bool each = edge.kind == Edge::Kind::kEach && node.sources == WorkNode::kNone;
-      if (each && node.items > work.nodes[edge.node].items) ByteReader::out_of_range("input of a node");
-      node.inputs.push_back(edge);
-    }
-    if (node.kind != WorkNode::Kind::kRays) continue;
-    if (node.inputs.size() != 1 || node.inputs[0].kind != Edge::Kind::kEach ||
-        work.nodes[node.inputs[0].node].kind != WorkNode::Kind::kLaunch) {
-      throw sim::InputError("rays must have one input, an `each` edge from a launch");
-    }
-    if (node.sources == WorkNode::kNone && node.items != work.nodes[node.inputs[0].node].items) {
-      throw sim::InputError("rays without sources must be as many as the items that make them");
-    }
+    read_inputs(from, n, work);
+    if (node.kind == WorkNode::Kind::kRays) check_rays(node, work);
   }
   while (work.nodes.size() > nodes_) {
     spare_.push_back(std::move(work.nodes.back()));
@@ -223,7 +242,7 @@ TileRays TileDecoder::decode(std::string_view bytes, const TileScope& scope, Til
   work.access_begin.push_back(static_cast<std::uint32_t>(work.accesses.size()));
 
   const std::uint32_t rays = from.number32(kMaxRaysOfTile, "rays of a tile");
-  // What follows takes at least a bit for each.
+  // The following takes at least a bit for each.
   if (rays != rays_ || rays > 8 * from.left()) throw sim::InputError("has not as many walks as rays");
   const std::uint32_t words = from.number32(std::numeric_limits<std::uint32_t>::max(), "words of walks");
   const std::uint32_t form = flag(from, "form of walks");

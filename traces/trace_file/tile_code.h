@@ -21,7 +21,7 @@ inline constexpr std::size_t kRayKinds = static_cast<std::size_t>(RayKind::kCoun
 inline constexpr std::uint64_t kMaxTileBytes = 1U << 26;
 inline constexpr std::uint32_t kMaxTileNodes = 1U << 20;
 
-/// What the work of a tile may refer to.
+/// Bounds of what the work of a tile may refer to.
 struct TileScope {
   Links links;
   ImageCounts counts;
@@ -30,7 +30,7 @@ struct TileScope {
   std::uint64_t tile_bytes = kMaxTileBytes;  ///< that it may take
 };
 
-/// What a tile's rays are, beside its work.
+/// Numbers of a tile's rays, beside its work.
 struct TileRays {
   std::array<std::uint64_t, kRayKinds> by_kind{};
   std::uint64_t steps = 0;  ///< node visits and triangle tests
@@ -54,6 +54,8 @@ class TileDecoder {
   TileRays decode(std::string_view bytes, const TileScope& scope, TileWork& work);
 
  private:
+  void read_launch(ByteReader& from, const TileScope& scope, WorkNode& node);
+  void read_rays(ByteReader& from, WorkNode& node);
   void read_nodes(ByteReader& from, const TileScope& scope, TileWork& work);
   WorkNode& next_node(TileWork& work);
 

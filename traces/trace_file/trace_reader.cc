@@ -53,11 +53,11 @@ void TraceReader::complain(const std::string& what) const {
   throw sim::InputError(fmt::format("{}: {}", sim::printable(path_.string()), sim::printable(what)));
 }
 
-void TraceReader::read_at(const Place& place, std::string& out) const {
-  out.resize(place.bytes);
+void TraceReader::read_at(const FileRange& range, std::string& out) const {
+  out.resize(range.bytes);
   std::size_t done = 0;
-  while (done < place.bytes) {
-    const ssize_t got = ::pread(file_, out.data() + done, place.bytes - done, static_cast<off_t>(place.offset + done));
+  while (done < range.bytes) {
+    const ssize_t got = ::pread(file_, out.data() + done, range.bytes - done, static_cast<off_t>(range.offset + done));
     if (got < 0 && errno == EINTR) continue;
     if (got < 0) {
       throw sim::IoError(fmt::format("{}: cannot be read: {}", sim::printable(path_.string()),
@@ -68,13 +68,13 @@ void TraceReader::read_at(const Place& place, std::string& out) const {
   }
 }
 
-std::string TraceReader::block(const Place& place, std::uint64_t most) const {
+std::string TraceReader::block(const FileRange& range, std::uint64_t most) const {
   std::string packed;
-  read_at(place, packed);
+  read_at(range, packed);
   return std::string(Unpacker().unpack(packed, most));
 }
 
-TraceReader::Place TraceReader::place_of(const Json& json) const {
+TraceReader::FileRange TraceReader::range_of(const Json& json) const {
   const std::uint64_t offset = number_at(json, "offset", size_);
   return {offset, number_at(json, "bytes", size_ - offset)};
 }
@@ -90,9 +90,9 @@ void TraceReader::read_header() {
                     "raywatt trace record makes one",
                     sim::printable(start.substr(0, start.find('\n'))), kTraceMagic.substr(0, kTraceMagic.size() - 1)));
   }
-  const Place place{start.size(), load<std::uint32_t>(start.data() + kTraceMagic.size())};
-  if (place.bytes > size_ - place.offset) throw sim::InputError("ends early");
-  header_ = sim::parse_json<Json>(block(place, kMaxHeaderBytes));
+  const FileRange range{start.size(), load<std::uint32_t>(start.data() + kTraceMagic.size())};
+  if (range.bytes > size_ - range.offset) throw sim::InputError("ends early");
+  header_ = sim::parse_json<Json>(block(range, kMaxHeaderBytes));
 }
 
 void TraceReader::read_contents() {
@@ -100,11 +100,11 @@ void TraceReader::read_contents() {
   std::string footer;
   read_at({size_ - kFooterBytes, kFooterBytes}, footer);
   if (!footer.ends_with(kTraceEnd)) throw sim::InputError("ends early, or with something other than a footer");
-  const Place place{load<std::uint64_t>(footer.data()), load<std::uint32_t>(footer.data() + 8)};
-  if (place.offset > size_ || place.bytes > size_ - place.offset) throw sim::InputError("footer is damaged");
-  Json contents = sim::parse_json<Json>(block(place, kMaxContentsBytes));
+  const FileRange range{load<std::uint64_t>(footer.data()), load<std::uint32_t>(footer.data() + 8)};
+  if (range.offset > size_ || range.bytes > size_ - range.offset) throw sim::InputError("footer is damaged");
+  Json contents = sim::parse_json<Json>(block(range, kMaxContentsBytes));
   for (const Json& tree : contents.at("trees")) {
-    trees_.push_back({place_of(tree), number_at(tree, "nodes", kMaxNodes), counts_of_json(tree.at("counts"))});
+    trees_.push_back({range_of(tree), number_at(tree, "nodes", kMaxNodes), counts_of_json(tree.at("counts"))});
   }
   for (Json& json : contents.at("parts")) {
     Part part;
@@ -115,7 +115,7 @@ void TraceReader::read_contents() {
     part.requirements = requirements_of_json(json.at("demands"));
     part.tiles = static_cast<std::uint32_t>(
         number_at(json, "tiles", std::min<std::uint64_t>(kMaxPartTiles, size_ / kLeastPacked)));
-    part.sizes = place_of(json.at("sizes"));
+    part.sizes = range_of(json.at("sizes"));
     part.tiles_at = number_at(json, "offset", size_);
     part.result = std::move(json.at("result"));
     parts_.push_back(std::move(part));
@@ -126,27 +126,27 @@ void TraceReader::read_contents() {
 TileScope TraceReader::scope(const Part& part, std::uint32_t kernels) const {
   const Tree& tree = trees_[part.tree];
   return naming_file([&]() -> TileScope {
-    return {decode_links(block(tree.place, kMaxTreeBytes), tree.nodes, tree.counts), tree.counts, kernels,
+    return {decode_links(block(tree.range, kMaxTreeBytes), tree.nodes, tree.counts), tree.counts, kernels,
             part.requirements.region_bytes, most_tile_bytes(part.requirements)};
   });
 }
 
-std::vector<TraceReader::Place> TraceReader::tiles(const Part& part) const {
+std::vector<TraceReader::FileRange> TraceReader::tiles(const Part& part) const {
   return naming_file([&] {
     const std::string sizes = block(part.sizes, std::uint64_t{4} * part.tiles);
     if (sizes.size() != std::uint64_t{4} * part.tiles) throw sim::InputError("sizes of tiles are damaged");
-    std::vector<Place> places(part.tiles);
+    std::vector<FileRange> ranges(part.tiles);
     std::uint64_t at = part.tiles_at;
-    for (std::size_t i = 0; i < places.size(); ++i) {
-      places[i] = {at, load<std::uint32_t>(sizes.data() + 4 * i)};
-      if (at > size_ || places[i].bytes > size_ - at) throw sim::InputError("ends early");
-      at += places[i].bytes;
+    for (std::size_t i = 0; i < ranges.size(); ++i) {
+      ranges[i] = {at, load<std::uint32_t>(sizes.data() + 4 * i)};
+      if (at > size_ || ranges[i].bytes > size_ - at) throw sim::InputError("ends early");
+      at += ranges[i].bytes;
     }
-    return places;
+    return ranges;
   });
 }
 
-TileRays TraceReader::Cursor::read(const Place& tile, const TileScope& scope, TileWork& work) {
+TileRays TraceReader::Cursor::read(const FileRange& tile, const TileScope& scope, TileWork& work) {
   trace_.read_at(tile, block_);
   return decoder_.decode(unpacker_.unpack(block_, scope.tile_bytes), scope, work);
 }

@@ -15,7 +15,7 @@ namespace traces {
 /// InputError of one line that names it; IoError if reading fails.
 class TraceReader {
  public:
-  struct Place {
+  struct FileRange {
     std::uint64_t offset = 0, bytes = 0;
   };
   /// A frame as one program renders it.
@@ -26,7 +26,7 @@ class TraceReader {
     TraceRequirements requirements;
     std::uint32_t tiles = 0;
     std::uint64_t tiles_at = 0;  ///< where the first lies; the others follow
-    Place sizes;
+    FileRange sizes;
     Json result;
   };
 
@@ -42,16 +42,16 @@ class TraceReader {
   std::size_t trees() const { return trees_.size(); }
   std::uint64_t tree_nodes(std::size_t tree) const { return trees_[tree].nodes; }
 
-  /// What tiles of the part may refer to; `kernels`: how many there are.
+  /// Bounds of what tiles of the part may refer to; `kernels`: how many there are.
   TileScope scope(const Part& part, std::uint32_t kernels) const;
   /// Where each tile of the part lies.
-  std::vector<Place> tiles(const Part& part) const;
+  std::vector<FileRange> tiles(const Part& part) const;
 
   /// Reads tiles, one at a time; any number of cursors at once.
   class Cursor {
    public:
     explicit Cursor(const TraceReader& trace) : trace_(trace) {}
-    TileRays read(const Place& tile, const TileScope& scope, TileWork& work);
+    TileRays read(const FileRange& tile, const TileScope& scope, TileWork& work);
 
    private:
     const TraceReader& trace_;
@@ -74,16 +74,16 @@ class TraceReader {
 
  private:
   struct Tree {
-    Place place;
+    FileRange range;
     std::uint64_t nodes = 0;
     ImageCounts counts;
   };
   static std::string damage_of(const Json::exception& error);
   [[noreturn]] void complain(const std::string& what) const;
-  void read_at(const Place& place, std::string& out) const;
+  void read_at(const FileRange& range, std::string& out) const;
   /// A block, unpacked.
-  std::string block(const Place& place, std::uint64_t most) const;
-  Place place_of(const Json& json) const;
+  std::string block(const FileRange& range, std::uint64_t most) const;
+  FileRange range_of(const Json& json) const;
   void read_header();
   void read_contents();
 

@@ -13,7 +13,7 @@
 namespace traces {
 namespace {
 
-/// What a slip of the keyboard must not destroy.
+/// The path, if writing there destroys no file of another kind by a slip of the keyboard.
 const std::filesystem::path& may_replace(const std::filesystem::path& path) {
   std::error_code failed;
   const std::filesystem::file_status status = std::filesystem::status(path, failed);
@@ -56,9 +56,9 @@ TraceWriter::TraceWriter(const std::filesystem::path& path, const Json& header) 
 
 Json TraceWriter::put(std::string_view bytes) {
   const std::string_view packed = packer_.pack(bytes);
-  const Json place = {{"offset", file_.size()}, {"bytes", packed.size()}};
+  const Json range = {{"offset", file_.size()}, {"bytes", packed.size()}};
   file_.write(packed);
-  return place;
+  return range;
 }
 
 void TraceWriter::begin_part(PartId id, Links links, const ImageCounts& counts, const TraceRequirements& requirements) {
@@ -111,10 +111,10 @@ void TraceWriter::end_part(Json result) {
 }
 
 void TraceWriter::commit() {
-  const Json place = put(text_of(contents_));
+  const Json range = put(text_of(contents_));
   std::string footer;
-  append(place["offset"].get<std::uint64_t>(), footer);
-  append(place["bytes"].get<std::uint32_t>(), footer);
+  append(range["offset"].get<std::uint64_t>(), footer);
+  append(range["bytes"].get<std::uint32_t>(), footer);
   file_.write(footer.append(kTraceEnd));
   file_.commit();
 }

@@ -33,7 +33,7 @@ class TraceWriter {
   void add(const TileWork& work);
   /// `result`: what else a report tells of this part.
   void end_part(Json result);
-  /// What a report tells of the frame beside its parts.
+  /// Adds what a report tells of the frame beside its parts.
   void end_frame(Json frame) { contents_["frames"].push_back(std::move(frame)); }
   void commit();
 
@@ -46,7 +46,7 @@ class TraceWriter {
   TileEncoder encoder_;
   Json contents_;
   std::uint64_t contents_bytes_ = 0;  ///< of its parts, as text
-  // Of the present part.
+  // The present part's.
   Links links_;
   ImageCounts counts_;
   Json part_;

@@ -142,8 +142,8 @@ std::string encode_links(const Links& links) {
   std::ranges::sort(trees);
   trees.erase(std::unique(trees.begin(), trees.end()), trees.end());
   for (const std::uint32_t root : links.roots) {
-    const auto place = std::ranges::lower_bound(trees, root) - trees.begin();
-    to.number(root == kNone ? kNothing : static_cast<std::uint64_t>(place) + 1);
+    const auto index = std::ranges::lower_bound(trees, root) - trees.begin();
+    to.number(root == kNone ? kNothing : static_cast<std::uint64_t>(index) + 1);
   }
   return out;
 }

@@ -164,7 +164,7 @@ std::uint64_t decode(std::string_view bits, const Links& links, std::uint32_t ra
   const auto nodes = static_cast<std::uint32_t>(links.nodes.size());
   std::uint64_t at = 0, steps = 0;
   std::array<std::uint32_t, kStackSize> stack;
-  // Of each code of a visit: the child entered first.
+  // Child entered first, for each code of a visit.
   constexpr std::array<std::uint8_t, 8> kNear = {0, 0, 1, 0, 0, 0, 0, 1};
   for (std::uint32_t ray = 0; ray < rays; ++ray) {
     work.ray_begin[ray] = static_cast<std::uint32_t>(out - begin);

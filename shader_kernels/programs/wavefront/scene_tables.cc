@@ -7,7 +7,7 @@
 #include <glm/geometric.hpp>
 
 #include "sim/hash.h"
-#include "traces/accel/material_tables.h"
+#include "traces/accel/build/material_tables.h"
 
 namespace kernels {
 namespace {

@@ -11,10 +11,10 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 
+#include "traces/accel/build/two_level.h"
 #include "traces/accel/bvh_tracer.h"
 #include "traces/accel/lanes.h"
 #include "traces/accel/triangle_test.h"
-#include "traces/accel/two_level.h"
 
 namespace traces {
 
@@ -197,10 +197,10 @@ Hit test_all(const MemoryImage& image, const Ray& ray) {
       const auto result = triangles.test(&image.triangles[i], 1);
       const float t = result.t.v[0];
       if ((result.inside() & 1U) == 0 || !(t >= ray.t_min && t <= best.t)) continue;
-      const auto place = [&](std::uint32_t of, std::uint32_t triangle) {
+      const auto rank = [&](std::uint32_t of, std::uint32_t triangle) {
         return std::pair(of, image.triangles[triangle].source);
       };
-      if (best.is_hit() && t == best.t && place(instance, i) > place(best_instance, best.triangle)) continue;
+      if (best.is_hit() && t == best.t && rank(instance, i) > rank(best_instance, best.triangle)) continue;
       const float u = std::clamp(result.u.v[0] / result.sum.v[0], 0.0F, 1.0F);
       best = {t, u, std::clamp(result.v.v[0] / result.sum.v[0], 0.0F, 1 - u), i};
       best_instance = instance;

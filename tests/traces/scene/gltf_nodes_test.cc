@@ -94,9 +94,9 @@ TEST(GltfNodes, FocusIsMarkedOnNodesOrMeshes) {
 
 TEST(GltfNodes, InstancesOnTheGpuAreNodesOfTheirOwn) {
   TinyGltf file;
-  const int places = file.add<float>({1, 0, 0, 0, 3, 0}, kFloat, "VEC3", 2);
+  const int translations = file.add<float>({1, 0, 0, 0, 3, 0}, kFloat, "VEC3", 2);
   file.node()["translation"] = {0, 0, 9};
-  file.node()["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {{"TRANSLATION", places}};
+  file.node()["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {{"TRANSLATION", translations}};
   const Scene scene = load(file);
   ASSERT_EQ(scene.instances.size(), 2U);
   EXPECT_EQ(scene.instances[0].to_world[3], glm::vec4(1, 0, 9, 1));

@@ -119,8 +119,8 @@ TinyGltf lights_and_cameras() {
   file.json["cameras"] = {{{"type", "perspective"}, {"perspective", {{"yfov", 0.5}, {"znear", 0.1}}}}};
   file.json["extensions"]["KHR_lights_punctual"]["lights"] = {
       {{"type", "spot"}, {"range", 9}, {"spot", {{"outerConeAngle", 0.5}}}}};
-  const int places = file.add<float>({1, 0, 0, 0, 3, 0}, kFloat, "VEC3", 2);
-  file.node()["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {{"TRANSLATION", places}};
+  const int translations = file.add<float>({1, 0, 0, 0, 3, 0}, kFloat, "VEC3", 2);
+  file.node()["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {{"TRANSLATION", translations}};
   file.node()["children"] = {1};
   file.node()["rotation"] = {0, 0, 0, 1};
   file.json["nodes"].push_back(

@@ -60,8 +60,8 @@ void read_all(const std::filesystem::path& path) {
   TileWork work;
   for (const TraceReader::Part& part : trace.parts()) {
     const TileScope scope = trace.scope(part, 5);
-    for (const TraceReader::Place& place : trace.tiles(part)) {
-      trace.naming_file([&] { cursor.read(place, scope, work); });
+    for (const TraceReader::FileRange& range : trace.tiles(part)) {
+      trace.naming_file([&] { cursor.read(range, scope, work); });
     }
   }
 }
@@ -84,12 +84,12 @@ TEST(TraceFile, GivesBackItsPartsTreesAndTilesInAnyOrder) {
   const TileScope scope = trace.scope(part, 5);
   EXPECT_EQ(scope.links, tiny_scope().links);
   EXPECT_EQ(scope.counts, tiny_scope().counts);
-  const auto places = trace.tiles(part);
-  ASSERT_EQ(places.size(), kTiles);
+  const auto ranges = trace.tiles(part);
+  ASSERT_EQ(ranges.size(), kTiles);
   TraceReader::Cursor cursor(trace);
   TileWork work;
   for (const std::uint32_t t : {kTiles - 1, 0U, 2U, 2U}) {
-    cursor.read(places[t], scope, work);
+    cursor.read(ranges[t], scope, work);
     EXPECT_TRUE(same(work, tile(800 + t)));
   }
 }

@@ -2,7 +2,7 @@
 #include <string>
 
 #include "traces/scene/gltf/context.h"
-#include "traces/scene/gltf/placements.h"
+#include "traces/scene/gltf/materials/placements.h"
 
 namespace traces::gltf {
 

@@ -11,14 +11,14 @@
 
 namespace traces::gltf {
 
-/// What every part of the reader works on: the parsed file on one side, the scene being filled on the other.
+/// Data that every part of the reader works on: the parsed file on one side, the scene being filled on the other.
 struct Context {
   std::string file;  ///< as shown in messages
   const tinygltf::Model& model;
   const SceneLimits& limits;
   Budget& budget;
   Scene& scene;
-  std::vector<std::uint32_t> node_places{};  ///< of the file's nodes in Scene::nodes; kNone: not shown
+  std::vector<std::uint32_t> scene_nodes{};  ///< of the file's nodes in Scene::nodes; kNone: not shown
 
   /// Throws InputError.
   [[noreturn]] void refuse(const std::string& why) const;

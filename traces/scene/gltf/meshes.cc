@@ -9,7 +9,7 @@
 #include "sim/io/printable.h"
 #include "traces/scene/gltf/accessors.h"
 #include "traces/scene/gltf/attributes.h"
-#include "traces/scene/gltf/skins.h"
+#include "traces/scene/gltf/nodes/skins.h"
 #include "traces/scene/normals.h"
 #include "traces/scene/tangents.h"
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "traces/scene/gltf/context.h"
-#include "traces/scene/gltf/materials.h"
+#include "traces/scene/gltf/materials/materials.h"
 
 namespace traces::gltf {
 

@@ -12,8 +12,8 @@
 #include "sim/io/file.h"
 #include "sim/io/printable.h"
 #include "sim/sha256.h"
+#include "traces/scene/gltf/compressed/rewrite.h"
 #include "traces/scene/gltf/extensions.h"
-#include "traces/scene/gltf/rewrite.h"
 #include "traces/scene/gltf/uri.h"
 
 namespace traces::gltf {

@@ -54,7 +54,7 @@ void write_animation(const Scene& scene, const NodeMap& map, Document& out) {
   std::map<std::vector<float>, int> inputs;
   for (const Track& track : scene.tracks) {
     const bool morphs = track.path == Track::Path::kMorphWeights;
-    const std::vector<int> targets = morphs ? map.morphing[track.node] : std::vector<int>{map.places[track.node]};
+    const std::vector<int> targets = morphs ? map.morphing[track.node] : std::vector<int>{map.gltf_nodes[track.node]};
     if (track.times.empty() || targets.empty() || !moved.emplace(track.node, track.path).second) continue;
     const auto [input, is_new] = inputs.try_emplace(track.times, 0);
     if (is_new) input->second = out.add(track.times, true);

@@ -21,7 +21,7 @@ class Document {
  public:
   tinygltf::Model model;
 
-  /// What a buffer view is for; the validator wants to know.
+  /// Use of a buffer view; the validator wants to know.
   enum class Use { kVertices, kIndices, kOther };
 
   // Each appends a buffer view and an accessor; returns the accessor's index. Smallest and largest value are written

@@ -17,7 +17,7 @@ struct Group {
 
 std::vector<Group> group_instances(const Scene& scene) {
   std::vector<Group> groups;
-  std::map<std::tuple<std::uint32_t, std::uint32_t, std::size_t, bool>, std::size_t> places;
+  std::map<std::tuple<std::uint32_t, std::uint32_t, std::size_t, bool>, std::size_t> indices;
   for (const Instance& instance : scene.instances) {
     const Mesh& mesh = scene.meshes[instance.mesh];
     if (mesh.triangles.empty()) continue;
@@ -27,23 +27,23 @@ std::vector<Group> group_instances(const Scene& scene) {
       group.skin = mesh.deformation->skin;
       group.targets = mesh.deformation->target_positions.size();
     }
-    const auto [place, is_new] =
-        places.try_emplace({instance.node, group.skin, group.targets, instance.focus}, groups.size());
+    const auto [found, is_new] =
+        indices.try_emplace({instance.node, group.skin, group.targets, instance.focus}, groups.size());
     if (is_new || instance.node == kNone) {
-      place->second = groups.size();
+      found->second = groups.size();
       groups.push_back(group);
     }
-    groups[place->second].parts.push_back(instance.mesh);
+    groups[found->second].parts.push_back(instance.mesh);
   }
   return groups;
 }
 
-int place_of(const Group& group, const NodeMap& map, Document& out) {
+int gltf_node_of(const Group& group, const NodeMap& map, Document& out) {
   const Instance& instance = *group.first;
   if (group.skin != kNone) return add_node(out, -1, {});
   if (instance.node == kNone) return add_placed(out, -1, instance.to_world);
-  const int place = map.places[instance.node];
-  return out.model.nodes[static_cast<std::size_t>(place)].mesh < 0 ? place : add_node(out, place, {});
+  const int gltf_node = map.gltf_nodes[instance.node];
+  return out.model.nodes[static_cast<std::size_t>(gltf_node)].mesh < 0 ? gltf_node : add_node(out, gltf_node, {});
 }
 
 }  // namespace
@@ -51,14 +51,14 @@ int place_of(const Group& group, const NodeMap& map, Document& out) {
 void write_instances(const Scene& scene, Meshes& meshes, NodeMap& map, Document& out) {
   for (const Group& group : group_instances(scene)) {
     const int mesh = meshes.mesh_of(group.parts);
-    const int place = place_of(group, map, out);
-    tinygltf::Node& node = out.model.nodes[static_cast<std::size_t>(place)];
+    const int gltf_node = gltf_node_of(group, map, out);
+    tinygltf::Node& node = out.model.nodes[static_cast<std::size_t>(gltf_node)];
     node.mesh = mesh;
     if (node.name.empty()) node.name = scene.meshes[group.parts.front()].name;
     if (group.first->focus) node.extras = tinygltf::Value(tinygltf::Value::Object{{"focus", tinygltf::Value(true)}});
     if (group.skin != kNone) node.skin = static_cast<int>(group.skin);
     if (group.targets == 0 || group.first->node == kNone) continue;
-    map.morphing[group.first->node].push_back(place);
+    map.morphing[group.first->node].push_back(gltf_node);
     for (const float weight : scene.nodes[group.first->node].morph_weights) node.weights.push_back(double{weight});
   }
 }

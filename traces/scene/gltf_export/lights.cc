@@ -46,15 +46,16 @@ void write_lights(const Scene& scene, const NodeMap& map, Document& out) {
   for (const Light& light : scene.lights) {
     const float strongest = std::max({light.intensity.x, light.intensity.y, light.intensity.z});
     if (!(strongest > 0)) continue;
-    int place = -1;
+    int gltf_node = -1;
     if (light.node == kNone) {
-      place = add_placed(out, -1, frame_of(light));
+      gltf_node = add_placed(out, -1, frame_of(light));
     } else {
-      place = map.places[light.node];
-      const bool taken = out.model.nodes[static_cast<std::size_t>(place)].extensions.contains("KHR_lights_punctual");
-      if (taken || light.in_node != glm::mat4(1)) place = add_placed(out, place, light.in_node);
+      gltf_node = map.gltf_nodes[light.node];
+      const bool taken =
+          out.model.nodes[static_cast<std::size_t>(gltf_node)].extensions.contains("KHR_lights_punctual");
+      if (taken || light.in_node != glm::mat4(1)) gltf_node = add_placed(out, gltf_node, light.in_node);
     }
-    tinygltf::Node& node = out.model.nodes[static_cast<std::size_t>(place)];
+    tinygltf::Node& node = out.model.nodes[static_cast<std::size_t>(gltf_node)];
     const int index = static_cast<int>(out.model.lights.size());
     out.extend(node.extensions, "KHR_lights_punctual", {{"light", tinygltf::Value(index)}});
     if (node.name.empty()) node.name = "light";

@@ -19,7 +19,7 @@ float index_for(float share) {
 
 float strongest_channel(const glm::vec3& c) { return std::max({c.x, c.y, c.z}); }
 
-/// What the loader's rule starts from.
+/// Values that the loader's rule starts from.
 struct Surface {
   glm::vec3 base{1};
   float metallic = 0, roughness = 1;

@@ -4,7 +4,7 @@
 namespace traces::gltf_export {
 
 /// Writes Scene::materials as metallic-roughness with extensions, one to one and such that the loader's rule
-/// (gltf/materials.h) makes the same Whitted values of them:
+/// (gltf/materials/materials.h) makes the same Whitted values of them:
 ///
 ///   mirror   a share a of it is metal (metallic a, roughness 0) and mirrors in the base colour; the rest w is what a
 ///            dielectric mirrors, white (KHR_materials_ior, 2 F0 = w / (1 - a)), or in glass, whose index is taken, a
@@ -17,8 +17,8 @@ namespace traces::gltf_export {
 ///            volume of thickness 0 and the index that mirrors so much
 ///   emission KHR_materials_emissive_strength above 1; a black surface that only shines and lights nothing is unlit
 ///
-/// What glTF cannot say comes as near as it goes: a tint darker than any mixture of base colour and white, more than
-/// 8 % white mirror on glass, a mirror of less than 2 %.
+/// Properties that glTF cannot say come as near as they go: a tint darker than any mixture of base colour and white,
+/// more than 8 % white mirror on glass, a mirror of less than 2 %.
 void write_materials(const Scene& scene, Document& out);
 
 }  // namespace traces::gltf_export

@@ -79,13 +79,13 @@ const tinygltf::Primitive& Meshes::primitive_of(std::uint32_t mesh) {
 }
 
 int Meshes::mesh_of(const std::vector<std::uint32_t>& parts) {
-  const auto [place, is_new] = meshes_.try_emplace(parts, static_cast<int>(out_.model.meshes.size()));
-  if (!is_new) return place->second;
+  const auto [entry, is_new] = meshes_.try_emplace(parts, static_cast<int>(out_.model.meshes.size()));
+  if (!is_new) return entry->second;
   tinygltf::Mesh to;
   to.name = scene_.meshes[parts.front()].name;
   for (const std::uint32_t part : parts) to.primitives.push_back(primitive_of(part));
   out_.model.meshes.push_back(to);
-  return place->second;
+  return entry->second;
 }
 
 }  // namespace traces::gltf_export

@@ -49,16 +49,16 @@ NodeMap write_nodes(const Scene& scene, Document& out) {
   map.morphing.resize(scene.nodes.size());
   for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
     const Node& node = scene.nodes[i];
-    int place = node.parent == kNone ? -1 : map.places[node.parent];
+    int gltf_node = node.parent == kNone ? -1 : map.gltf_nodes[node.parent];
     const bool has_matrix = node.matrix != glm::mat4(1);
-    if (has_matrix) place = add_placed(out, place, node.matrix);
+    if (has_matrix) gltf_node = add_placed(out, gltf_node, node.matrix);
     if (!has_matrix || animated[i] || !is_identity(node.rest)) {
       tinygltf::Node inner;
       set_transform(inner, node.rest);
-      place = add_node(out, place, inner);
+      gltf_node = add_node(out, gltf_node, inner);
     }
-    out.model.nodes[static_cast<std::size_t>(place)].name = node.name;
-    map.places.push_back(place);
+    out.model.nodes[static_cast<std::size_t>(gltf_node)].name = node.name;
+    map.gltf_nodes.push_back(gltf_node);
   }
   return map;
 }
@@ -66,7 +66,7 @@ NodeMap write_nodes(const Scene& scene, Document& out) {
 void write_skins(const Scene& scene, const NodeMap& map, Document& out) {
   for (const Skin& skin : scene.skins) {
     tinygltf::Skin to;
-    for (const std::uint32_t joint : skin.joints) to.joints.push_back(map.places[joint]);
+    for (const std::uint32_t joint : skin.joints) to.joints.push_back(map.gltf_nodes[joint]);
     if (!skin.inverse_bind.empty()) to.inverseBindMatrices = out.add(skin.inverse_bind);
     out.model.skins.push_back(to);
   }
@@ -81,14 +81,14 @@ void write_cameras(const Scene& scene, const NodeMap& map, Document& out) {
     to.perspective.yfov = double{camera.vertical_fov};
     to.perspective.znear = 1e-4 * size;
     to.perspective.zfar = 100 * size;
-    int place = camera.node == kNone ? add_placed(out, -1, camera.to_world) : map.places[camera.node];
-    if (out.model.nodes[static_cast<std::size_t>(place)].camera >= 0) place = add_node(out, place, {});
-    tinygltf::Node& node = out.model.nodes[static_cast<std::size_t>(place)];
+    int gltf_node = camera.node == kNone ? add_placed(out, -1, camera.to_world) : map.gltf_nodes[camera.node];
+    if (out.model.nodes[static_cast<std::size_t>(gltf_node)].camera >= 0) gltf_node = add_node(out, gltf_node, {});
+    tinygltf::Node& node = out.model.nodes[static_cast<std::size_t>(gltf_node)];
     node.camera = static_cast<int>(out.model.cameras.size());
     if (node.name.empty()) node.name = camera.name;
     out.model.cameras.push_back(to);
   }
-  // Who has the first camera comes first.
+  // The node with the first camera comes first.
   const auto rank = [&](int root) {
     int least = std::numeric_limits<int>::max();
     std::vector<int> open{root};

@@ -15,7 +15,7 @@ int add_placed(Document& out, int parent, const glm::mat4& matrix);
 
 /// Where the scene's nodes went.
 struct NodeMap {
-  std::vector<int> places;                 ///< glTF node of each of Scene::nodes
+  std::vector<int> gltf_nodes;             ///< glTF node of each of Scene::nodes
   std::vector<std::vector<int>> morphing;  ///< glTF nodes that show the morphing meshes of each of Scene::nodes
 };
 

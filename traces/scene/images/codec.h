@@ -7,7 +7,7 @@
 
 namespace traces {
 
-/// What the images module offers: between pixels and the bytes of a file. No files, no exceptions: each call returns
+/// Interface of the images module: between pixels and the bytes of a file. No files, no exceptions: each call returns
 /// what went wrong, or an empty string.
 class ImageCodec {
  public:

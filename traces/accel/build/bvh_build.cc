@@ -1,0 +1,206 @@
+#include "traces/accel/build/bvh_build.h"
+
+#include <algorithm>
+#include <cassert>
+#include <limits>
+#include <new>
+#include <string>
+#include <utility>
+
+#include "sim/error.h"
+#include "traces/accel/embree_api.h"
+#include "traces/scene/bounds.h"
+
+namespace traces {
+namespace {
+
+// Nodes that Embree's builder makes through the callbacks; they live in Embree's own memory, and no larger than it must
+// be, for a tree has about as many nodes as triangles.
+
+struct TreeNode {
+  std::uint32_t count = 0;  ///< triangles of a leaf, 0 for an inner node
+};
+
+struct InnerNode : TreeNode {
+  TreeNode* child[2] = {nullptr, nullptr};
+  Bounds bounds[2];  ///< of the children
+};
+
+/// With `count` indices of triangles behind it.
+struct LeafNode : TreeNode {
+  std::uint32_t* triangles() { return reinterpret_cast<std::uint32_t*>(this + 1); }
+  const std::uint32_t* triangles() const { return reinterpret_cast<const std::uint32_t*>(this + 1); }
+};
+
+Bounds bounds_of(const TriangleRecord& t) {
+  Bounds b;
+  for (const glm::vec3& v : {t.v0, t.v1, t.v2}) b.add(v);
+  return b;
+}
+
+float half_area(const Bounds& b) {
+  const glm::vec3 d = b.upper - b.lower;
+  return d.x * d.y + d.y * d.z + d.z * d.x;
+}
+
+void* create_node(RTCThreadLocalAllocator allocator, unsigned, void*) {
+  return new (rtcThreadLocalAlloc(allocator, sizeof(InnerNode), alignof(InnerNode))) InnerNode;
+}
+
+void set_children(void* node, void** children, unsigned count, void*) {
+  assert(count == 2);
+  std::copy_n(reinterpret_cast<TreeNode**>(children), count, static_cast<InnerNode*>(node)->child);
+}
+
+void set_bounds(void* node, const RTCBounds** bounds, unsigned count, void*) {
+  for (unsigned i = 0; i < count; ++i) {
+    const RTCBounds& b = *bounds[i];
+    static_cast<InnerNode*>(node)->bounds[i] = {{b.lower_x, b.lower_y, b.lower_z}, {b.upper_x, b.upper_y, b.upper_z}};
+  }
+}
+
+void* create_leaf(RTCThreadLocalAllocator allocator, const RTCBuildPrimitive* primitives, std::size_t count, void*) {
+  assert(count >= 1 && count <= kMaxLeafTriangles);
+  const std::size_t bytes = sizeof(LeafNode) + count * sizeof(std::uint32_t);
+  auto* leaf = new (rtcThreadLocalAlloc(allocator, bytes, alignof(InnerNode))) LeafNode;
+  leaf->count = static_cast<std::uint32_t>(count);
+  std::transform(primitives, primitives + count, leaf->triangles(),
+                 [](const RTCBuildPrimitive& p) { return p.primID; });
+  std::sort(leaf->triangles(), leaf->triangles() + count);
+  return leaf;
+}
+
+void set_box(NodeRecord& node, int child, const Bounds& b) {
+  for (auto [lanes, axis] : {std::pair{node.x, 0}, {node.y, 1}, {node.z, 2}}) {
+    lanes[child] = b.lower[axis];
+    lanes[2 + child] = b.upper[axis];
+  }
+}
+
+/// Copies the tree below `root` behind what is already there; returns its link word.
+std::uint32_t append_subtree(const TreeNode& root, FlatBvh& out) {
+  if (root.count != 0) {
+    const std::uint32_t* triangles = static_cast<const LeafNode&>(root).triangles();
+    const auto first = static_cast<std::uint32_t>(out.order.size());
+    out.order.insert(out.order.end(), triangles, triangles + root.count);
+    return leaf_link(first, root.count);
+  }
+  const auto& node = static_cast<const InnerNode&>(root);
+  const auto index = static_cast<std::uint32_t>(out.nodes.size());
+  out.nodes.emplace_back();
+  const int larger = half_area(node.bounds[1]) > half_area(node.bounds[0]) ? 1 : 0;
+  for (int i = 0; i < 2; ++i) {
+    const int child = i ^ larger;
+    const std::uint32_t link = append_subtree(*node.child[child], out);
+    out.nodes[index].child[i] = link;
+    set_box(out.nodes[index], i, node.bounds[child]);
+  }
+  return index;
+}
+
+/// The root is always an inner node: a lone leaf, or nothing at all, is put below one. `bounds` are those of all.
+void append_root(const TreeNode* root, const Bounds& bounds, FlatBvh& out) {
+  if (root != nullptr && root->count == 0) {
+    append_subtree(*root, out);
+    return;
+  }
+  NodeRecord& node = out.nodes.emplace_back();
+  for (int i = 0; i < 2; ++i) {
+    set_box(node, i, Bounds{});
+    node.child[i] = kNoChild;
+  }
+  if (root != nullptr) {
+    set_box(node, 0, bounds);
+    node.child[0] = append_subtree(*root, out);
+  }
+}
+
+/// Asked by Embree from its threads. Embree 3 does not look at the answer, but what is thrown ends the build.
+bool may_go_on(void* stop, double) {
+  if ((*static_cast<const sim::Stop*>(stop))()) throw sim::Cancelled{};
+  return true;
+}
+
+Bounds bounds_of(const Bounds& box) { return box; }
+
+template <class Item>
+std::vector<RTCBuildPrimitive> primitives_of(std::span<const Item> items, Bounds& all) {
+  std::vector<RTCBuildPrimitive> primitives(items.size());
+  for (std::uint32_t i = 0; i < items.size(); ++i) {
+    const Bounds b = bounds_of(items[i]);
+    primitives[i] = {b.lower.x, b.lower.y, b.lower.z, 0, b.upper.x, b.upper.y, b.upper.z, i};
+    all.add(b.lower);
+    all.add(b.upper);
+  }
+  return primitives;
+}
+
+FlatBvh build(RTCDevice device, std::vector<RTCBuildPrimitive> primitives, const Bounds& all, const BvhConfig& config,
+              sim::Stop stop) {
+  FlatBvh out;
+  if (primitives.empty()) {
+    append_root(nullptr, {}, out);
+    return out;
+  }
+  const EmbreeBvh bvh(rtcNewBVH(device));
+  const std::size_t count = primitives.size();
+  RTCBuildArguments arguments = rtcDefaultBuildArguments();
+  arguments.buildQuality = RTC_BUILD_QUALITY_MEDIUM;
+  arguments.maxBranchingFactor = 2;
+  arguments.maxDepth = config.max_depth;
+  arguments.minLeafSize = 1;
+  arguments.maxLeafSize = config.leaf_size;
+  arguments.traversalCost = static_cast<float>(config.traversal_cost);
+  arguments.intersectionCost = static_cast<float>(config.intersection_cost);
+  arguments.bvh = bvh.get();
+  arguments.primitives = primitives.data();
+  arguments.primitiveCount = arguments.primitiveArrayCapacity = count;
+  arguments.createNode = create_node;
+  arguments.setNodeChildren = set_children;
+  arguments.setNodeBounds = set_bounds;
+  arguments.createLeaf = create_leaf;
+  if (stop != nullptr) {
+    arguments.buildProgress = may_go_on;
+    arguments.userPtr = &stop;
+  }
+  const auto* root = static_cast<const TreeNode*>(rtcBuildBVH(&arguments));
+  const RTCError error = rtcGetDeviceError(device);
+  if (root == nullptr && stop != nullptr && stop()) throw sim::Cancelled{};
+  if (error == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
+  if (error != RTC_ERROR_NONE || root == nullptr) {  // what Embree says when the depth does not suffice
+    throw sim::InputError("bvh.max_depth: " + std::to_string(config.max_depth) + " levels are not enough for " +
+                          std::to_string(count) + " triangles in leaves of " + std::to_string(config.leaf_size));
+  }
+
+  primitives = {};  // the leaves know their triangles
+  out.nodes.reserve(count);
+  out.order.reserve(count);
+  append_root(root, all, out);
+  return out;
+}
+
+}  // namespace
+
+struct BvhBuilder::Device {
+  EmbreeDevice embree;
+};
+
+BvhBuilder::BvhBuilder(const BvhConfig& config, unsigned threads, sim::Stop stop)
+    : config_(config), stop_(stop), device_(new Device{open_embree("threads=" + std::to_string(threads))}) {}
+BvhBuilder::~BvhBuilder() = default;
+
+FlatBvh BvhBuilder::over(std::span<const TriangleRecord> triangles) const {
+  Bounds all;
+  std::vector<RTCBuildPrimitive> primitives = primitives_of(triangles, all);
+  return build(device_->embree.get(), std::move(primitives), all, config_, stop_);
+}
+
+FlatBvh BvhBuilder::over(std::span<const Bounds> boxes) const {
+  Bounds all;
+  std::vector<RTCBuildPrimitive> primitives = primitives_of(boxes, all);
+  BvhConfig config = config_;
+  config.leaf_size = 1;
+  return build(device_->embree.get(), std::move(primitives), all, config, stop_);
+}
+
+}  // namespace traces

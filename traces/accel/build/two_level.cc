@@ -1,0 +1,282 @@
+#include "traces/accel/build/two_level.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
+
+#include "sim/error.h"
+#include "traces/accel/build/bvh_build.h"
+#include "traces/accel/build/flatten.h"
+#include "traces/accel/build/reorder.h"
+#include "traces/accel/refit.h"
+#include "traces/scene/bounds.h"
+
+namespace traces {
+namespace {
+
+/// Matrices beyond these are not inverted: see Placement::growth, and so that in kernels squares of products of two
+/// entries stay within single precision.
+constexpr double kMostGrowth = 256, kLargestEntry = 0x1p16, kSmallestEntry = 0x1p-16;
+/// Margin of the boxes around instances, in epsilons; see padded().
+constexpr float kPadding = 64;
+
+/// How an instance stands in the world.
+struct Placement {
+  InstanceRecord record{};
+  /// How much larger rounding errors become on the way to the mesh's space and back: the largest sum of a row of
+  /// |to_world| |to_object|. 1 for what is scaled along axes, 3 at most for what is turned.
+  float growth = 1;
+};
+
+/// False if there is no inverse that is good enough.
+bool invert(const glm::mat4& to_world, Placement& out) {
+  const glm::dmat3 linear{glm::dmat4(to_world)};
+  const double determinant = glm::determinant(linear);
+  if (determinant == 0 || !std::isfinite(determinant)) return false;
+  const glm::dmat3 inverse = glm::inverse(linear);
+  const glm::dvec3 translation = -(inverse * glm::dvec3(to_world[3]));
+  double growth = 0, largest = 0;
+  for (int row = 0; row < 3; ++row) {
+    double sum = 0;
+    for (int k = 0; k < 3; ++k) {
+      largest = std::max(largest, std::abs(inverse[k][row]));
+      for (int column = 0; column < 3; ++column) sum += std::abs(linear[k][row]) * std::abs(inverse[column][k]);
+    }
+    growth = std::max(growth, sum);
+  }
+  if (!(growth <= kMostGrowth && largest <= kLargestEntry && largest >= kSmallestEntry)) return false;
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 4; ++column) {
+      const double entry = column < 3 ? inverse[column][row] : translation[row];
+      out.record.to_object[row][column] = static_cast<float>(entry);
+    }
+  }
+  out.record.handedness = determinant < 0 ? -1.0F : 1.0F;
+  out.growth = static_cast<float>(growth);
+  return true;
+}
+
+Placement identity() {
+  Placement p;
+  for (int i = 0; i < 3; ++i) p.record.to_object[i][i] = 1;
+  p.record.handedness = 1;
+  return p;
+}
+
+/// Which trees there are and whose they are; the instances' roots are left open.
+struct Plan {
+  explicit Plan(const Scene& scene);
+  bool same_shape(const MemoryImage& image) const;
+
+  std::vector<ObjectTree> trees;
+  std::vector<std::uint32_t> tree_of;
+  std::vector<Placement> placements;
+  std::size_t triangles = 0;
+};
+
+Plan::Plan(const Scene& scene) : tree_of(scene.instances.size(), kNone) {
+  if (scene.instances.size() > kMaxInstances) {
+    throw sim::InputError("the scene has " + std::to_string(scene.instances.size()) + " instances; at most " +
+                          std::to_string(kMaxInstances) + " are allowed with bvh.instances: two_level");
+  }
+  std::vector<std::uint32_t> shared(scene.meshes.size(), kNone);
+  std::vector<std::pair<std::uint32_t, ObjectTree>> own;
+  for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
+    const Instance& instance = scene.instances[i];
+    const Mesh& mesh = scene.meshes[instance.mesh];
+    Placement& placement = placements.emplace_back(identity());
+    const bool invertible = invert(instance.to_world, placement);
+    if (!invertible) placement = identity();
+    placement.record.object = object_of(instance, i);
+    if (mesh.triangles.empty()) continue;
+    const auto count = static_cast<std::uint32_t>(mesh.triangles.size());
+    if (invertible && mesh.deformation == nullptr) {
+      if (shared[instance.mesh] == kNone) {
+        shared[instance.mesh] = static_cast<std::uint32_t>(trees.size());
+        trees.push_back({.mesh = instance.mesh, .triangles = count});
+      }
+      tree_of[i] = shared[instance.mesh];
+    } else {
+      own.emplace_back(i, ObjectTree{.mesh = instance.mesh, .only = i, .in_world = !invertible, .triangles = count});
+    }
+  }
+  for (const auto& [instance, tree] : own) {
+    tree_of[instance] = static_cast<std::uint32_t>(trees.size());
+    trees.push_back(tree);
+  }
+  for (ObjectTree& tree : trees) {
+    tree.first_triangle = static_cast<std::uint32_t>(triangles);
+    triangles += tree.triangles;
+  }
+}
+
+bool Plan::same_shape(const MemoryImage& image) const {
+  const auto alike = [](const ObjectTree& a, const ObjectTree& b) {
+    return a.mesh == b.mesh && a.only == b.only && a.in_world == b.in_world && a.triangles == b.triangles;
+  };
+  return tree_of == image.tree_of && std::ranges::equal(trees, image.trees, alike);
+}
+
+PlacedMesh placed_in(const Scene& scene, const ObjectTree& tree) {
+  return {&scene.meshes[tree.mesh], tree.in_world ? scene.instances[tree.only].to_world : glm::mat4(1)};
+}
+
+/// The part of an array that belongs to a tree.
+template <class Record>
+std::span<Record> part_of(std::vector<Record>& records, const ObjectTree& tree) {
+  return std::span(records).subspan(tree.first_triangle, tree.triangles);
+}
+
+/// Stores the shading records of a tree, given in the mesh's order, in leaf order.
+void store_shading(const ShadingRecords& shading, const ObjectTree& tree, MemoryImage& image) {
+  for (std::uint32_t i = tree.first_triangle; i < tree.first_triangle + tree.triangles; ++i) {
+    const std::uint32_t source = image.triangles[i].source;
+    image.attributes[i] = shading.attributes[source];
+    if (!shading.vertices.empty()) image.vertices[i] = shading.vertices[source];
+  }
+}
+
+/// Builds a tree over its triangles, which come into leaf order, behind all nodes so far.
+void add_tree(const BvhBuilder& builder, ObjectTree& tree, MemoryImage& image) {
+  const std::span<TriangleRecord> triangles = part_of(image.triangles, tree);
+  const FlatBvh bvh = builder.over(std::span<const TriangleRecord>(triangles));
+  reorder(triangles, bvh.order);
+  tree.first_node = static_cast<std::uint32_t>(image.nodes.size());
+  for (NodeRecord node : bvh.nodes) {
+    for (std::uint32_t& link : node.child) {
+      if (link != kNoChild) link += is_leaf(link) ? tree.first_triangle : tree.first_node;
+    }
+    image.nodes.push_back(node);
+  }
+}
+
+/// Rays are tested against the triangles in the mesh's space, carried there with rounding errors that do not follow
+/// from the box in world space. With o where the ray begins, c where the mesh's origin lies, and g the growth of
+/// errors, they come to some 4 g (2 |o| + |c| + size) epsilons, which this holds for rays from within eight sizes of
+/// the scene. What begins further away has errors of the same order in its triangle tests, and RayBoxes grows with
+/// that.
+Bounds padded(Bounds box, const Placement& placement, const glm::mat4& to_world, const Bounds& scene) {
+  float far = scene.diagonal();
+  float centre = 0;
+  for (int a = 0; a < 3; ++a) {
+    far = std::max({far, std::abs(scene.lower[a]), std::abs(scene.upper[a])});
+    centre = std::max(centre, std::abs(to_world[3][a]));
+  }
+  const float pad = kPadding * std::numeric_limits<float>::epsilon() * placement.growth * (far + centre);
+  box.lower -= pad;
+  box.upper += pad;
+  return box;
+}
+
+/// Instances, the tree over them, which takes the first nodes (an entry for each is there), and the scene's bounds.
+void place_instances(const Scene& scene, const Plan& plan, const BvhBuilder& builder, MemoryImage& image) {
+  std::vector<Bounds> boxes;
+  std::vector<std::uint32_t> shown;
+  Bounds all;
+  image.instances.clear();
+  for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
+    InstanceRecord& record = image.instances.emplace_back(plan.placements[i].record);
+    if (plan.tree_of[i] == kNone) continue;
+    const ObjectTree& tree = image.trees[plan.tree_of[i]];
+    record.root = tree.first_node;
+    const glm::mat4 to_world = tree.in_world ? glm::mat4(1) : scene.instances[i].to_world;
+    Bounds box;
+    for (const TriangleRecord& t : std::span(image.triangles).subspan(tree.first_triangle, tree.triangles)) {
+      for (const glm::vec3& v : {t.v0, t.v1, t.v2}) box.add(glm::vec3(to_world * glm::vec4(v, 1)) + 0.0F);
+    }
+    shown.push_back(i);
+    boxes.push_back(box);
+    all.add(box.lower);
+    all.add(box.upper);
+  }
+  if (!all.empty()) {
+    image.lower = all.lower;
+    image.upper = all.upper;
+  }
+  for (std::size_t k = 0; k < shown.size(); ++k) {
+    boxes[k] = padded(boxes[k], plan.placements[shown[k]], scene.instances[shown[k]].to_world, all);
+  }
+  const FlatBvh top = builder.over(std::span<const Bounds>(boxes));
+  std::ranges::copy(top.nodes, image.nodes.begin());
+  for (NodeRecord& node : std::span(image.nodes).first(top.nodes.size())) {
+    for (std::uint32_t& link : node.child) {
+      if (is_leaf(link)) link = instance_link(shown[top.order[leaf_first(link)]]);
+    }
+  }
+}
+
+/// Inner nodes of a tree with so many leaves of one each.
+std::size_t nodes_over(std::size_t leaves) { return std::max<std::size_t>(leaves, 2) - 1; }
+
+}  // namespace
+
+MemoryImage two_levels(const Scene& scene, const MaterialTables& materials, const BvhConfig& config, unsigned threads,
+                       sim::Stop stop) {
+  check_meshes(scene);
+  Plan plan(scene);
+  check_count(plan.triangles);
+  MemoryImage image;
+  image.trees = plan.trees;
+  image.tree_of = plan.tree_of;
+  image.triangles.reserve(plan.triangles);
+  for (const ObjectTree& tree : image.trees) {
+    append_triangles(placed_in(scene, tree), materials, tree.first_triangle, image.triangles);
+  }
+  const BvhBuilder builder(config, threads, stop);
+  const auto shown = std::ranges::count_if(plan.tree_of, [](std::uint32_t tree) { return tree != kNone; });
+  image.nodes.resize(nodes_over(static_cast<std::size_t>(shown)));
+  for (ObjectTree& tree : image.trees) add_tree(builder, tree, image);
+  image.attributes.resize(plan.triangles);
+  if (materials.needs_vertices) image.vertices.resize(plan.triangles);
+  for (const ObjectTree& tree : image.trees) {
+    const PlacedMesh placed = placed_in(scene, tree);
+    store_shading(shading_of({&placed, 1}, materials), tree, image);
+  }
+  place_instances(scene, plan, builder, image);
+  return image;
+}
+
+bool update_levels(const Scene& posed, const BvhConfig& config, unsigned threads, MemoryImage& image, sim::Stop stop) {
+  const Plan plan(posed);
+  if (!plan.same_shape(image)) return false;
+  const MaterialTables materials = material_tables(posed);
+  const BvhBuilder builder(config, threads, stop);
+  const bool refits = config.update == BvhUpdate::kRefit;
+  const auto own = std::ranges::find_if(image.trees, [](const ObjectTree& tree) { return tree.only != kNone; });
+  if (!refits && own != image.trees.end()) image.nodes.resize(own->first_node);
+  for (auto tree = own; tree != image.trees.end(); ++tree) {
+    const PlacedMesh placed = placed_in(posed, *tree);
+    std::vector<TriangleRecord> moved;
+    append_triangles(placed, materials, 0, moved);
+    if (refits) {
+      for (TriangleRecord& t : part_of(image.triangles, *tree)) t = moved[t.source];
+      fit_boxes(image, tree->first_node, tree + 1 == image.trees.end() ? image.nodes.size() : (tree + 1)->first_node);
+    } else {
+      std::ranges::copy(moved, part_of(image.triangles, *tree).begin());
+      add_tree(builder, *tree, image);
+    }
+    store_shading(shading_of({&placed, 1}, materials), *tree, image);
+  }
+  place_instances(posed, plan, builder, image);
+  image.lights = posed.lights;
+  image.layout = layout_of(counts_of(image), image.nodes, config);
+  return true;
+}
+
+Ray into_object(const InstanceRecord& instance, const Ray& ray) {
+  Ray out = ray;
+  for (int row = 0; row < 3; ++row) {
+    const auto& m = instance.to_object[row];
+    out.origin[row] = m[0] * ray.origin.x + m[1] * ray.origin.y + m[2] * ray.origin.z + m[3];
+    out.direction[row] = m[0] * ray.direction.x + m[1] * ray.direction.y + m[2] * ray.direction.z;
+  }
+  return out;
+}
+
+}  // namespace traces

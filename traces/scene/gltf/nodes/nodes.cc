@@ -1,0 +1,146 @@
+#include "traces/scene/gltf/nodes/nodes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <glm/matrix.hpp>
+
+#include "sim/io/printable.h"
+#include "traces/scene/gltf/nodes/cameras.h"
+#include "traces/scene/gltf/nodes/instancing.h"
+#include "traces/scene/gltf/nodes/punctual_lights.h"
+#include "traces/scene/gltf/values.h"
+#include "traces/scene/pose/pose_nodes.h"
+
+namespace traces::gltf {
+namespace {
+
+/// The node as the file places it in its parent, without parent.
+Node read_node(const Context& context, const tinygltf::Node& node, const std::string& what) {
+  Node out;
+  out.name = sim::printable(node.name);
+  if (!node.matrix.empty()) {
+    if (node.matrix.size() != 16) context.refuse(what + ": a matrix has 16 numbers");
+    for (int i = 0; i < 16; ++i) {
+      out.matrix[i / 4][i % 4] = to_float(context, node.matrix[static_cast<std::size_t>(i)], what + " matrix");
+    }
+  }
+  out.rest.translation = to_vec3(context, node.translation, glm::vec3(0), what + " translation");
+  out.rest.scale = to_vec3(context, node.scale, glm::vec3(1), what + " scale");
+  out.rest.rotation = to_rotation(context, node.rotation, what + " rotation");
+  const std::vector<double>& weights = node.weights.empty() && node.mesh >= 0
+                                           ? context.at(context.model.meshes, node.mesh, "meshes").weights
+                                           : node.weights;
+  for (const double weight : weights) out.morph_weights.push_back(to_float(context, weight, what + " weights"));
+  return out;
+}
+
+glm::dmat4 local_matrix(const Node& node) {
+  return glm::dmat4(node.matrix) * matrix_of(node.rest.translation, node.rest.rotation, node.rest.scale);
+}
+
+bool has_focus(const tinygltf::Value& extras) {
+  if (!extras.IsObject() || !extras.Has("focus")) return false;
+  const tinygltf::Value& focus = extras.Get("focus");
+  return focus.IsBool() && focus.Get<bool>();
+}
+
+/// Shows the primitives of the node's mesh at `to_world`, which hangs on Scene::nodes[index].
+void add_instances(Context& context, Meshes& meshes, const tinygltf::Node& node, const glm::dmat4& to_world,
+                   std::uint32_t index, const std::string& what) {
+  constexpr std::uint64_t kTriangleBytes = 240;  // laid out for the GPU: triangle, attributes and its share of nodes
+  const bool may_move = node.skin >= 0 || !context.model.animations.empty();
+  if (!may_move && !(std::abs(glm::determinant(glm::dmat3(to_world))) > 0)) {
+    context.warn(what + " is scaled to nothing and left out");
+    return;
+  }
+  const bool focus = has_focus(node.extras) || has_focus(context.at(context.model.meshes, node.mesh, "meshes").extras);
+  for (const std::uint32_t mesh : meshes.primitives_of(node.mesh, node.skin)) {
+    const std::size_t triangles = context.scene.meshes[mesh].triangles.size();
+    if (!(largest_entry(to_world) * (3.0 * static_cast<double>(meshes.reach_of(mesh)) + 1) <= kFarthest)) {
+      context.refuse(fmt::format("{} reaches further than {} from the origin", what, kFarthest));
+    }
+    context.budget.take(triangles, kTriangleBytes, fmt::format("the triangles of {}", what));
+    context.scene.instances.push_back({mesh, glm::mat4(to_world), index, focus});
+  }
+}
+
+/// Appends to Scene::nodes.
+std::uint32_t add_node(Context& context, Node node, std::uint32_t parent) {
+  std::vector<Node>& nodes = context.scene.nodes;
+  if (nodes.size() >= context.limits.nodes) {
+    context.refuse(fmt::format("shows more nodes than the {} allowed", context.limits.nodes));
+  }
+  node.parent = parent;
+  nodes.push_back(std::move(node));
+  return static_cast<std::uint32_t>(nodes.size() - 1);
+}
+
+/// The node's mesh once, or for each transform of EXT_mesh_gpu_instancing: those become nodes of their own.
+void show_mesh(Context& context, Meshes& meshes, const tinygltf::Node& node, const glm::dmat4& to_world,
+               std::uint32_t index, const std::string& what) {
+  const std::vector<Transform> copies = read_instancing(context, node, what);
+  if (copies.empty()) add_instances(context, meshes, node, to_world, index, what);
+  for (std::size_t i = 0; i < copies.size(); ++i) {
+    Node copy;
+    copy.name = fmt::format("{}[{}]", sim::printable(node.name), i);
+    copy.rest = copies[i];
+    copy.morph_weights = context.scene.nodes[index].morph_weights;
+    const glm::dmat4 there = to_world * local_matrix(copy);
+    add_instances(context, meshes, node, there, add_node(context, std::move(copy), index), what);
+  }
+}
+
+std::vector<int> find_roots(const Context& context) {
+  const tinygltf::Model& model = context.model;
+  if (!model.scenes.empty()) {
+    return context.at(model.scenes, model.defaultScene < 0 ? 0 : model.defaultScene, "scenes").nodes;
+  }
+  std::vector<bool> has_parent(model.nodes.size(), false);
+  for (const tinygltf::Node& node : model.nodes) {
+    for (const int child : node.children) {
+      context.at(model.nodes, child, "nodes");
+      has_parent[static_cast<std::size_t>(child)] = true;
+    }
+  }
+  std::vector<int> roots;
+  for (std::size_t i = 0; i < has_parent.size(); ++i) {
+    if (!has_parent[i]) roots.push_back(static_cast<int>(i));
+  }
+  return roots;
+}
+
+}  // namespace
+
+void read_nodes(Context& context, Meshes& meshes) {
+  struct Visit {
+    int node;
+    std::uint32_t parent;
+    glm::dmat4 parent_to_world;
+  };
+  std::vector<Visit> open;
+  const std::vector<int> roots = find_roots(context);
+  for (auto root = roots.rbegin(); root != roots.rend(); ++root) open.push_back({*root, kNone, glm::dmat4(1)});
+  context.scene_nodes.assign(context.model.nodes.size(), kNone);
+  while (!open.empty()) {
+    const Visit visit = open.back();
+    open.pop_back();
+    const tinygltf::Node& node = context.at(context.model.nodes, visit.node, "nodes");
+    const std::string what =
+        fmt::format("nodes[{}]{}{}", visit.node, node.name.empty() ? "" : " ", sim::printable(node.name));
+    std::uint32_t& index = context.scene_nodes[static_cast<std::size_t>(visit.node)];
+    if (index != kNone) context.refuse(what + " is reached twice; the hierarchy must be a tree");
+    Node read = read_node(context, node, what);
+    const glm::dmat4 to_world = visit.parent_to_world * local_matrix(read);
+    if (!(largest_entry(to_world) <= kFarthest)) context.refuse(what + ": the transform is not finite or too large");
+    index = add_node(context, std::move(read), visit.parent);
+    if (node.mesh >= 0) show_mesh(context, meshes, node, to_world, index, what);
+    add_camera(context, node, to_world, index);
+    add_punctual_light(context, node, to_world, index);
+    for (auto child = node.children.rbegin(); child != node.children.rend(); ++child)
+      open.push_back({*child, index, to_world});
+  }
+}
+
+}  // namespace traces::gltf
