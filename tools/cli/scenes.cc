@@ -121,7 +121,7 @@ void add_scenes(CLI::App& app) {
 
   CLI::App* all = verb->add_subcommand("list", "Built-in scenes and workloads");
   all->footer("Example: raywatt scenes list");
-  all->callback(list);
+  all->callback([] { list(); });
 
   const auto asked = std::make_shared<InfoOptions>();
   CLI::App* info =
