@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <string>
+#include <typeindex>
 #include <utility>
 #include <vector>
 
@@ -31,6 +32,7 @@ struct UnitReport {
   std::uint64_t sram_bytes = 0;   ///< storage that leaks
   std::uint64_t cache_bytes = 0;  ///< the array whose accesses are counted: selects size-dependent energies
   std::uint32_t clock_mhz = 0;
+  std::type_index type = typeid(void);  ///< of the unit
 };
 
 /// Adds what the same units did at another time.
@@ -42,6 +44,7 @@ template <class Unit>
 UnitReport report_of(const Unit& unit, std::string path, std::string block, std::uint64_t sram_bytes = 0,
                      std::uint64_t cache_bytes = 0) {
   UnitReport r;
+  r.type = typeid(Unit);
   r.path = std::move(path);
   r.block = std::move(block);
   r.sram_bytes = sram_bytes;

@@ -47,6 +47,15 @@ void redirect(const std::string& path, int stream) {
 
 }  // namespace
 
+bool wait_until(const std::function<bool()>& is_so) {
+  const auto begin = std::chrono::steady_clock::now();
+  while (!is_so()) {
+    if (std::chrono::steady_clock::now() - begin > kPatience) return false;
+    std::this_thread::sleep_for(kGlance);
+  }
+  return true;
+}
+
 Program::Program(Words arguments, const Surroundings& around) {
   arguments.insert(arguments.begin(), RAYWATT_PROGRAM);
   const std::string out = around.out.empty() ? streams_.write("out", "").string() : around.out;
@@ -71,21 +80,31 @@ bool Program::ended() {
 }
 
 bool Program::wait_until(const std::function<bool(const std::string& err)>& is_as_wanted) {
-  while (!is_as_wanted(read_bytes(streams_.path() / "err"))) {
-    if (ended()) return false;
-    std::this_thread::sleep_for(kGlance);
-  }
-  return true;
+  bool is_there = false;
+  test::wait_until([&] {
+    const bool was_last = ended();
+    is_there = is_as_wanted(read_bytes(streams_.path() / "err"));
+    return is_there || was_last;
+  });
+  return is_there;
+}
+
+bool Program::wait_for_file(const std::filesystem::path& folder, const std::string& name) {
+  return wait_until([&](const std::string&) {
+    std::error_code vanished;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder, vanished)) {
+      if (entry.path().filename() == name) return true;
+    }
+    return false;
+  });
 }
 
 Ending Program::wait() {
-  const auto begin = std::chrono::steady_clock::now();
-  while (!ended()) {
-    if (std::chrono::steady_clock::now() - begin > kPatience) {
-      ADD_FAILURE() << "the program does not end";
-      send(SIGKILL);
-    }
-    std::this_thread::sleep_for(kGlance);
+  if (!test::wait_until([&] { return ended(); })) {
+    ADD_FAILURE() << "the program does not end";
+    send(SIGKILL);
+    ::waitpid(process_, &status_, 0);
+    process_ = -1;
   }
   return {WIFEXITED(status_) ? WEXITSTATUS(status_) : 128 + WTERMSIG(status_), read_bytes(streams_.path() / "out"),
           read_bytes(streams_.path() / "err")};

@@ -16,7 +16,10 @@ namespace test {
 
 using Words = std::vector<std::string>;
 
-/// What a process left behind.
+/// Waits until `is_so`; false if that takes more than two minutes.
+bool wait_until(const std::function<bool()>& is_so);
+
+/// Output and exit code of a process.
 struct Ending {
   int exit = -1;    ///< exit code; 128 + signal if one killed it
   std::string out;  ///< on stdout
@@ -47,11 +50,12 @@ class Program {
   }
   /// Waits until what is on stderr is as wanted; false if it ended before.
   bool wait_until(const std::function<bool(const std::string& err)>& is_as_wanted);
+  /// Waits until a file of this name is in the folder, or in one inside; false if the program ended before.
+  bool wait_for_file(const std::filesystem::path& folder, const std::string& name);
+  bool ended();
   Ending wait();
 
  private:
-  bool ended();
-
   TempFolder streams_;
   pid_t process_ = -1;
   int status_ = 0;

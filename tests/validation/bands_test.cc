@@ -7,7 +7,7 @@
 #include "tests/real_scenes.h"
 #include "tools/simulation/run_job.h"
 
-// What a believable machine of this class shows. What lies outside is written in DEVIATIONS.md with its cause, and held
+// Bands of a believable machine of this class. A figure outside is in DEVIATIONS.md with its cause, and held
 // here at its measured range, outside the band, so that closing a gap is noticed.
 
 namespace tools {
@@ -47,7 +47,7 @@ void expect_between(const char* what, double value, double low, double high) {
   EXPECT_LE(value, high) << what;
 }
 
-/// What holds for every scene: power and ray rate inside their bands; energy per node visit above its band (D1).
+/// Rules that hold for every scene: power and ray rate inside their bands; energy per node visit above its band (D1).
 void expect_believable(const Figures& f) {
   expect_between("W", f.watts, 0.5, 3);
   expect_between("Mrays/s", f.mrays_per_s, 100, 320);

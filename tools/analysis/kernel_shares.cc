@@ -2,6 +2,9 @@
 
 #include <string_view>
 
+#include "hw_models/srp/srp.h"
+#include "tools/analysis/units.h"
+
 namespace tools {
 
 namespace {
@@ -39,13 +42,13 @@ std::optional<double> kernel_share(const Simulation& simulation, KernelGroup gro
 }
 
 std::optional<double> starved_share(const Simulation& simulation) {
-  std::uint64_t starved = 0, elapsed = 0;
+  const std::uint64_t elapsed = Units<hw::Srp>(simulation.units).elapsed();
+  std::uint64_t starved = 0;
   for (std::size_t k = 0; k < simulation.kernels.size(); ++k) {
     const KernelGroup group = group_of(simulation.kernels[k].kernel);
     if (group == KernelGroup::kCheck || group == KernelGroup::kInterpolation)
       starved += simulation.kernel_use[k].starved;
   }
-  for (const sim::UnitReport& unit : simulation.units) elapsed += unit.path.ends_with(".srp") ? unit.elapsed : 0;
   if (elapsed == 0) return {};
   return static_cast<double>(starved) / static_cast<double>(elapsed);
 }

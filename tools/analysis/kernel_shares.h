@@ -5,7 +5,7 @@
 
 namespace tools {
 
-/// What kernels are for, where papers count the time of some of them apart.
+/// Purposes of kernels, where papers count the time of some of them apart.
 /// Checks pack what passed and what failed into streams.
 enum class KernelGroup : std::uint8_t { kTracing, kCheck, kInterpolation, kCorrection };
 

@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 
 #include "hw_models/machines/ideal_config.h"
+#include "hw_models/srp/srp.h"
+#include "hw_models/tni/trv.h"
 #include "tools/analysis/units.h"
 
 namespace tools {
@@ -16,11 +18,11 @@ namespace {
 // Chosen: fitted to the measured bounds of sixty frames (fifteen scenes, twelve machines), of which they name the right
 // resource for fifty-eight (tests/validation/DEVIATIONS.md).
 
-/// Of a cache's miss registers so many are in use on average when there is nothing but misses to wait for.
+/// Share of a cache's MSHRs in use on average when there is nothing but misses to wait for.
 constexpr double kRegistersInUse = 2.0 / 3;
-/// What a frame's accesses reach of the data bus.
+/// Share of the data bus that a frame's accesses reach.
 constexpr double kBusAtBest = 0.9;
-/// Of what more ray slots could hide at most, this much is hidden.
+/// Share that is hidden of what more ray slots could hide at most.
 constexpr double kSlotsGain = 0.6;
 constexpr double kEndsOfTiles = 0.35, kSlotsWeight = 5;  // see never_full()
 
@@ -41,14 +43,14 @@ double overlap(double a, double b, double time) {
   return low;
 }
 
-/// Perfect shader cores would not keep the T&I unit full: of the time in which it is not full, this part stays. The
+/// Ideal shader cores would not keep the T&I unit full: of the time in which it is not full, this part stays. The
 /// ends of tiles always do; all of it does where launches wait for ray slots although the unit has room.
 double never_full(const CoreTime::Demands& d) {
   if (d.fed <= 0) return 1;
   return std::min(1.0, kEndsOfTiles + kSlotsWeight * d.no_slots * (1 - d.tracing / d.fed));
 }
 
-/// What is left of `misses` if a part of their latency goes.
+/// The rest of `misses` if a part of their latency goes.
 double without(double misses, double part) { return misses * (1 - part); }
 
 std::string_view words_of(std::string_view resource) {
@@ -58,9 +60,10 @@ std::string_view words_of(std::string_view resource) {
 }  // namespace
 
 Utilisation utilisation(std::span<const sim::UnitReport> units) {
-  const Units trvs(units, "", ".trv"), srps(units, "", ".srp"), channels(units, "dram.");
-  return {trvs.share("visiting"), srps.share("running") + srps.share("switching"),
-          channels.share("reading") + channels.share("writing")};
+  using Reason = hw::Srp::CycleReason;
+  const Units<hw::Srp> srps(units);
+  return {Units<hw::Trv>(units).share(hw::Trv::CycleReason::kVisiting),
+          srps.share(Reason::kRunning) + srps.share(Reason::kSwitching), data_bus_share(units)};
 }
 
 std::vector<Estimate> estimate(const CoreTime& t) {
@@ -77,7 +80,7 @@ std::vector<Estimate> estimate(const CoreTime& t) {
     return together(kernels + without(data, data_part), d.fed - tree + without(tree, tree_part), p);
   };
   const MissLevels &of_data = t.data_levels, &of_tree = t.tree_levels;
-  // What is left of the two stages together, and of the time spent on transfers: they wait for memory, and ray slots
+  // The rest of the two stages together, and of the time spent on transfers: they wait for memory, and ray slots
   // that fit make none.
   struct Rest {
     const char* resource;

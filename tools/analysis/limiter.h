@@ -16,7 +16,7 @@ struct Utilisation {
 };
 Utilisation utilisation(std::span<const sim::UnitReport> units);
 
-/// What making a resource perfect would be worth, as far as one run's counters tell.
+/// Speed-up that making a resource ideal would bring, as far as one run's counters tell.
 struct Estimate {
   std::string resource;  ///< as in hw::IdealConfig
   double speedup = 1;
@@ -27,14 +27,14 @@ struct Estimate {
 /// A core is two stages that work side by side: the shader core (kernels, and stalls for its data cache) and the T&I
 /// unit (rays inside). How well they overlap is taken from the run itself: with S and F the time of each alone and T
 /// the time they took together, p solves S^p + F^p = T^p (1: one after the other; large: the longer one hides the
-/// shorter). A perfect resource shortens S or F by what it was charged with, p stays, and memory that is still needed
-/// sets a floor: the data buses, and the miss registers, which are never all in use all the time.
+/// shorter). An ideal resource shortens S or F by what it was charged with, p stays, and memory that is still needed
+/// sets a floor: the data buses, and the MSHRs, which are never all in use all the time.
 std::vector<Estimate> estimate(const CoreTime& time);
 
-/// The resource whose perfection would be worth most.
+/// The resource that would be worth most if it were ideal.
 const Estimate& most(const std::vector<Estimate>& estimates);
 
-/// What limits the frame, in a line of words.
+/// The resource that limits the frame, in a line of words.
 std::string limiter(std::vector<Estimate> estimates);
 
 }  // namespace tools

@@ -9,13 +9,15 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "hw_models/frame/dma.h"
+#include "hw_models/memory/dram_channel.h"
+#include "hw_models/memory/l2_bank.h"
 #include "shader_kernels/catalogue.h"
 #include "sim/config/config.h"
 #include "sim/config/config_json.h"
 #include "sim/report/report_json.h"
 #include "tools/analysis/limiter.h"
 #include "tools/analysis/picture.h"
-#include "tools/analysis/sampling_report.h"
 #include "tools/analysis/top_down.h"
 #include "tools/analysis/units.h"
 #include "tools/host/build_info.h"
@@ -45,20 +47,26 @@ Json rays_json(const Simulation& s) {
           {"continued", s.function.continued}};
 }
 
-/// What the bytes were for: lines between L2 and memory, the picture, ray slots that did not fit into the tile buffers,
+/// Purposes of the bytes: lines between L2 and memory, the picture, ray slots that did not fit into the tile buffers,
 /// and where a method has them samples and rates; out and in.
 Json dram_clients_json(const Simulation& s) {
   constexpr std::uint64_t kLine = 64;
-  const auto moved = [&](const std::string& area) {
-    return kLine * (sum_of(s.units, "dma", area + "_lines_written") + sum_of(s.units, "dma", area + "_lines_read"));
+  using Dma = hw::Dma::Stats;
+  using L2 = hw::L2Bank::Stats;
+  using hw::Area;
+  const Units<hw::Dma> dmas(s.units);
+  const Units<hw::L2Bank> banks(s.units);
+  const auto moved = [&](Area area) {
+    const auto written = [=](const Dma& d) -> auto& { return d.lines[static_cast<std::size_t>(area)].written; };
+    const auto read = [=](const Dma& d) -> auto& { return d.lines[static_cast<std::size_t>(area)].read; };
+    return kLine * (dmas.counted(written) + dmas.counted(read));
   };
-  Json clients = {{"caches", kLine * (sum_of(s.units, "l2", "fills") + sum_of(s.units, "l2", "passed_on") +
-                                      sum_of(s.units, "l2", "written_back"))},
-                  {"frame_buffer", moved("picture")},
-                  {"spills", moved("spill")}};
-  for (const char* area : {"samples", "rates"}) {
-    if (const std::uint64_t bytes = moved(area); bytes != 0) clients[area] = bytes;
-  }
+  Json clients = {{"caches", kLine * (banks.counted(&L2::fills) + banks.counted(&L2::passed_on) +
+                                      banks.counted(&L2::written_back))},
+                  {"frame_buffer", moved(Area::kPicture)},
+                  {"spills", moved(Area::kSpill)}};
+  if (const std::uint64_t bytes = moved(Area::kSamples); bytes != 0) clients["samples"] = bytes;
+  if (const std::uint64_t bytes = moved(Area::kRates); bytes != 0) clients["rates"] = bytes;
   return clients;
 }
 
@@ -68,7 +76,7 @@ Json interval_json(const Interval& i, double scale = 1) {
           {"high", (i.estimate + i.half_width()) * scale}};
 }
 
-/// Of a frame of which some tiles were timed: how many, and 95 % intervals.
+/// Numbers of tiles that were timed, and 95 % intervals.
 Json sampled_json(const Simulation& s) {
   const SampledFrame& f = *s.sampled;
   const double ms_per_cycle = time_ms(s) / static_cast<double>(s.cycles);
@@ -168,7 +176,7 @@ Json totals_json(const Result& result) {
                  {"traced_ratio", ratio(s.function.sampling.traced, s.function.sampling.wanted)},
                  {"sampling", sampling_json(s)},
                  {"traversal_steps", s.function.traversal_steps},
-                 {"dram_bytes", sum_of(s.units, "dram", "bytes")},
+                 {"dram_bytes", Units<hw::DramChannel>(s.units).counted(&hw::DramChannel::Stats::bytes)},
                  {"dram_bytes_by_client", dram_clients_json(s)}};
   totals.update(sim::energy_json(s.energy));
   totals["power_w"] = sim::spread_json(power);

@@ -15,7 +15,7 @@ struct Result {
   double squared_error = 0;  ///< mean over the pictures' channels, with a reference
 };
 
-/// What report.json has of a frame (`frames[]`) or of all (`totals`).
+/// A frame (`frames[]`) or all of them (`totals`) in report.json.
 nlohmann::ordered_json totals_json(const Result& result);
 
 struct Report {
@@ -30,7 +30,7 @@ struct Report {
 /// report.json, schema raywatt-report/1: everything but `host` and `provenance.argv` depends on the inputs alone.
 nlohmann::ordered_json report_json(const Report& report);
 
-/// What the result was made from and by.
+/// Origin of the result: program, configuration, scene, command line.
 nlohmann::ordered_json provenance_json(const Inputs& inputs, const JobOptions& options);
 
 /// The table for a terminal, from the JSON.
@@ -38,5 +38,11 @@ std::string report_table(const nlohmann::ordered_json& report);
 
 /// Peak resident memory of this process, in MiB.
 double peak_rss_mib();
+
+/// Samples that a frame program traced of those wanted, why, and the cost of deciding: totals.sampling of a report.
+nlohmann::ordered_json sampling_json(const Simulation& simulation);
+
+/// The share of similar samples among those checked, and the blocks' side, of each tile, row by row.
+nlohmann::ordered_json tiles_json(const kernels::Sampling& sampling);
 
 }  // namespace tools

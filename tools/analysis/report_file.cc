@@ -23,6 +23,21 @@ std::string schema_of(const Json& json) {
   return schema.is_string() ? fmt::format("schema '{}'", sim::printable(schema.get<std::string>())) : "a broken schema";
 }
 
+constexpr int kDeepest = 32;
+
+/// Figures with a band stay together.
+void flatten(const Json& node, const std::string& key, int depth, FlatConfig& out) {
+  if (node.is_object() && node.size() == 3 && node.contains("nominal")) {
+    out[sim::printable(key)] = sim::printable(node.dump());
+  } else if (node.is_object() && depth < kDeepest) {
+    for (const auto& [name, value] : node.items()) {
+      flatten(value, key.empty() ? name : key + "." + name, depth + 1, out);
+    }
+  } else if (!node.is_structured()) {
+    out[sim::printable(key)] = sim::printable(node.is_string() ? node.get<std::string>() : node.dump());
+  }
+}
+
 }  // namespace
 
 double ReportFile::number(const std::string& path) const {
@@ -64,6 +79,12 @@ ReportFile load_report(const std::filesystem::path& file_or_folder) {
   }
   if (!report.has("totals.cycles")) throw refuse("has no totals.cycles");
   return report;
+}
+
+FlatConfig flat_config(const Json& config) {
+  FlatConfig out;
+  flatten(config, "", 0, out);
+  return out;
 }
 
 }  // namespace tools

@@ -24,4 +24,8 @@ struct ReportFile {
 /// or if its schema is another than raywatt-report/1.
 ReportFile load_report(const std::filesystem::path& file_or_folder);
 
+/// A configuration, as report.json has it, key by key: "tni.trv.l1.size" -> "16 KiB".
+using FlatConfig = std::map<std::string, std::string>;
+FlatConfig flat_config(const nlohmann::ordered_json& config);
+
 }  // namespace tools

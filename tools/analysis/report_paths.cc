@@ -91,7 +91,7 @@ std::string end_of(std::string_view path, std::string_view text) {
                   shown < candidates.size() ? fmt::format(" and {} more", candidates.size() - shown) : ""));
 }
 
-/// What a text may mean among paths: one path, a group of them, several, or none of these.
+/// Meaning of a text among paths: one path, a group of them, several, or none of these.
 struct Meanings {
   Meanings(std::string_view text, std::span<const std::string> paths) {
     if (text.empty()) return;

@@ -1,10 +1,9 @@
-#include "tools/analysis/sampling_report.h"
-
 #include <cmath>
 
 #include <nlohmann/json.hpp>
 
 #include "tools/analysis/kernel_shares.h"
+#include "tools/analysis/report.h"
 
 namespace tools {
 

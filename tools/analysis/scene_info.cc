@@ -93,7 +93,7 @@ std::string place_text(const Json& camera) {
 
 }  // namespace
 
-Json scene_sheet(const traces::Scene& scene, const traces::MemoryImage& image, const SceneCost& cost) {
+Json scene_info_json(const traces::Scene& scene, const traces::MemoryImage& image, const SceneCost& cost) {
   const traces::SceneInfo info = traces::scene_info(scene);
   const traces::BvhInfo tree = traces::bvh_info(image);
   const auto triangles = static_cast<double>(std::max<std::size_t>(info.triangles, 1));
@@ -126,40 +126,40 @@ Json scene_sheet(const traces::Scene& scene, const traces::MemoryImage& image, c
             {"bytes_per_triangle", static_cast<double>(beyond) / triangles}}}};
 }
 
-std::string scene_sheet_text(const Json& sheet, bool cameras) {
+std::string scene_info_text(const Json& info, bool cameras) {
   std::string text;
   const auto line = [&](std::string_view what, const std::string& value) {
     text += fmt::format("{:<18}{}\n", what, value);
   };
-  const std::uint64_t triangles = sheet["triangles"], stored = sheet["stored_triangles"];
-  line("scene", sheet["name"]);
+  const std::uint64_t triangles = info["triangles"], stored = info["stored_triangles"];
+  line("scene", info["name"]);
   line("triangles", triangles == stored ? std::to_string(triangles) : fmt::format("{} ({} stored)", triangles, stored));
-  const std::uint64_t meshes = sheet["meshes"];
+  const std::uint64_t meshes = info["meshes"];
   line("instances",
-       fmt::format("{} of {} {}", sheet["instances"].get<std::uint64_t>(), meshes, meshes == 1 ? "mesh" : "meshes"));
-  line("materials", std::to_string(sheet["materials"].get<std::uint64_t>()));
-  const Json& textures = sheet["textures"];
+       fmt::format("{} of {} {}", info["instances"].get<std::uint64_t>(), meshes, meshes == 1 ? "mesh" : "meshes"));
+  line("materials", std::to_string(info["materials"].get<std::uint64_t>()));
+  const Json& textures = info["textures"];
   line("textures", textures["count"] == 0 ? "0"
                                           : fmt::format("{}, {:.1f} MiB", textures["count"].get<std::uint64_t>(),
                                                         textures["bytes"].get<double>() / (1 << 20)));
-  line("lights", std::to_string(sheet["lights"].get<std::uint64_t>()));
+  line("lights", std::to_string(info["lights"].get<std::uint64_t>()));
   std::string names;
-  for (const Json& camera : sheet["cameras"]) {
+  for (const Json& camera : info["cameras"]) {
     names += fmt::format("{}'{}'", names.empty() ? "" : ", ", camera["name"].get<std::string>());
   }
   line("cameras", names);
-  for (const Json& camera : sheet["cameras"]) {
+  for (const Json& camera : info["cameras"]) {
     if (cameras) line("", fmt::format("'{}' {}", camera["name"].get<std::string>(), place_text(camera)));
   }
-  line("animation", animation_text(sheet["animation"]));
-  const Json& memory = sheet["memory_image"];
+  line("animation", animation_text(info["animation"]));
+  const Json& memory = info["memory_image"];
   line("memory image", fmt::format("{} ({})", bytes_text(memory["bytes"]), sizes_text(memory["parts"])));
   line("nodes by format", sizes_text(memory["nodes_by_format"]));
-  const Json& tree = sheet["bvh"];
+  const Json& tree = info["bvh"];
   line("BVH", fmt::format("{} nodes, {} leaves, depth {}, SAH cost {:.1f}", tree["nodes"].get<std::uint64_t>(),
                           tree["leaves"].get<std::uint64_t>(), tree["depth"].get<std::uint64_t>(),
                           tree["sah_cost"].get<double>()));
-  const Json& host = sheet["host"];
+  const Json& host = info["host"];
   line("host", fmt::format("loaded in {:.2f} s, tree in {:.2f} s, peak memory {}, {:.0f} bytes per triangle beyond the "
                            "file",
                            host["load_s"].get<double>(), host["build_s"].get<double>(), bytes_text(host["peak_bytes"]),

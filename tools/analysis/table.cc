@@ -22,7 +22,7 @@ std::string spread(const Json& s, double scale, const char* unit) {
                      s["high"].get<double>() * scale, unit);
 }
 
-/// What an adaptive program did.
+/// Samples of an adaptive program.
 std::string samples(const Json& totals) {
   const Json& s = totals["sampling"];
   std::string out = fmt::format("{} of {} traced ({})", si_text(s["traced"].get<double>()),
@@ -43,24 +43,30 @@ std::string give_or_take(const Json& totals, const char* figure) {
   return fmt::format("  ± {:.1f} %", 100 * half / i["estimate"].get<double>());
 }
 
+/// Scene, size and program, and whether the run is complete.
+std::string heading(const Json& report) {
+  const Json& frames = report["frames"];
+  std::string out;
+  if (!frames.empty() && frames.front().contains("finished_tiles")) {
+    out = fmt::format("PARTIAL: interrupted after {} of {} tiles\n", frames.front()["finished_tiles"].get<int>(),
+                      frames.front()["tiles"].get<int>());
+  } else if (report["partial"].get<bool>()) {
+    out = "PARTIAL: interrupted before the last frame or the reference\n";
+  }
+  return out + fmt::format("{}  {}x{}  {}  ({} triangles)\n\n", report["scene"]["name"].get<std::string>(),
+                           report["resolution"][0].get<int>(), report["resolution"][1].get<int>(),
+                           report["program"].get<std::string>(), si_text(report["scene"]["triangles"].get<double>()));
+}
+
 std::string overview(const Json& report) {
   const Json& t = report["totals"];
   const Json& rays = t["rays"];
   const auto count = [](const Json& n) { return si_text(n.get<double>()); };
-  std::string out;
+  const Json& frames = report["frames"];
+  std::string out = heading(report);
   const auto line = [&](const char* name, const std::string& value) {
     out += fmt::format("  {:<22}{}\n", name, value);
   };
-  const Json& frames = report["frames"];
-  if (!frames.empty() && frames.front().contains("finished_tiles")) {
-    out += fmt::format("PARTIAL: interrupted after {} of {} tiles\n", frames.front()["finished_tiles"].get<int>(),
-                       frames.front()["tiles"].get<int>());
-  } else if (report["partial"].get<bool>()) {
-    out += "PARTIAL: interrupted before the last frame or the reference\n";
-  }
-  out += fmt::format("{}  {}x{}  {}  ({} triangles)\n\n", report["scene"]["name"].get<std::string>(),
-                     report["resolution"][0].get<int>(), report["resolution"][1].get<int>(),
-                     report["program"].get<std::string>(), count(report["scene"]["triangles"]));
   if (frames.size() > 1) {
     const auto by_cycles = [](const Json& a, const Json& b) { return a["cycles"] < b["cycles"]; };
     const auto [least, most] = std::minmax_element(frames.begin(), frames.end(), by_cycles);

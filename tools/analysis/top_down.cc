@@ -9,6 +9,12 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "hw_models/frame/memory_interface.h"
+#include "hw_models/memory/dram_channel.h"
+#include "hw_models/memory/l2_bank.h"
+#include "hw_models/srp/srp.h"
+#include "hw_models/tni/ist.h"
+#include "hw_models/tni/trv.h"
 #include "tools/analysis/units.h"
 
 namespace tools {
@@ -16,8 +22,16 @@ namespace tools {
 namespace {
 
 using sim::UnitReport;
+using Trvs = Units<hw::Trv>;
+using Ists = Units<hw::Ist>;
+using L2Stats = hw::L2Bank::Stats;
+using TrvStats = hw::Trv::Stats;
+using SrpStats = hw::Srp::Stats;
+using OfTrv = hw::Trv::CycleReason;
+using OfIst = hw::Ist::CycleReason;
+using OfSrp = hw::Srp::CycleReason;
 
-double ratio(double a, double b) { return b == 0 ? 0 : a / b; }
+double ratio(auto a, auto b) { return b == 0 ? 0 : static_cast<double>(a) / static_cast<double>(b); }
 
 /// Average latency of the machine's L2 seen from its ports, and the part of it for which DRAM is waited for, in ns.
 struct Beyond {
@@ -25,10 +39,11 @@ struct Beyond {
 };
 
 Beyond beyond(std::span<const UnitReport> units) {
-  const Units banks(units, "l2.");
+  const Units<hw::L2Bank> banks(units);
   const double ns = 1000 / banks.clock_mhz();
-  const double requests = banks.counted("reads");
-  return {ns * ratio(banks.counted("latency"), requests), ns * ratio(banks.counted("memory_cycles"), requests)};
+  const std::uint64_t requests = banks.counted(&L2Stats::reads);
+  return {ns * ratio(banks.counted(&L2Stats::latency), requests),
+          ns * ratio(banks.counted(&L2Stats::memory_cycles), requests)};
 }
 
 /// `latency`: of a miss, in ns.
@@ -38,21 +53,22 @@ MissLevels levels(double latency, const Beyond& b) {
   return {(latency - dram - l2) / latency, l2 / latency, dram / latency};
 }
 
-/// What the rays inside a T&I unit do, as shares of the time in which traversal units have any.
+/// Work of the rays inside a T&I unit, as shares of the time in which traversal units have any.
 struct Inside {
   double boxes = 0, triangles = 0, misses = 0;
 };
 
-double misses_of(const Units& units) {
-  double share = 0;
-  for (const char* reason : {"l1_miss", "mshr_full", "rau_full"}) share += units.share(reason);
-  return share;
+template <class Unit>
+double misses_of(const Units<Unit>& units) {
+  using Reason = typename Unit::CycleReason;
+  return units.share(Reason::kL1Miss) + units.share(Reason::kMshrFull) + units.share(Reason::kRauFull);
 }
 
-Inside inside(const Units& trvs, const Units& ist) {
-  const double there = 1 - trvs.share("starved"), leaves = 1 - ist.share("starved");
-  const double at_ist = ratio(trvs.share("ist"), there);
-  return {ratio(trvs.share("visiting") + trvs.share("serial"), there), at_ist * ratio(ist.share("testing"), leaves),
+Inside inside(const Trvs& trvs, const Ists& ist) {
+  const double there = 1 - trvs.share(OfTrv::kStarved), leaves = 1 - ist.share(OfIst::kStarved);
+  const double at_ist = ratio(trvs.share(OfTrv::kIst), there);
+  return {ratio(trvs.share(OfTrv::kVisiting) + trvs.share(OfTrv::kSerial), there),
+          at_ist * ratio(ist.share(OfIst::kTesting), leaves),
           ratio(misses_of(trvs), there) + at_ist * ratio(misses_of(ist), leaves)};
 }
 
@@ -61,53 +77,61 @@ double registers(const hw::TniConfig& config, const hw::CacheConfig& cache) {
   return config.miss_handling == hw::MissHandling::kBlocking ? 1 : cache.mshrs;
 }
 
-double record_share(std::span<const UnitReport> units, const Units& banks) {
-  const Units records(units, "core", ".memory_interface");
-  double requests = 0;
-  for (const char* kind : {"ray_reads", "ray_writes", "hit_reads", "hit_writes"}) requests += records.counted(kind);
-  return ratio(requests, banks.counted("reads") + banks.counted("writes"));
+double record_share(std::span<const UnitReport> units, const Units<hw::L2Bank>& banks) {
+  using Stats = hw::MemoryInterface::Stats;
+  const Units<hw::MemoryInterface> records(units);
+  std::uint64_t requests = 0;
+  for (const auto kind : {&Stats::ray_reads, &Stats::ray_writes, &Stats::hit_reads, &Stats::hit_writes})
+    requests += records.counted(kind);
+  return ratio(requests, banks.counted(&L2Stats::reads) + banks.counted(&L2Stats::writes));
 }
 
 /// Time for all visits at the pace of times when every ray slot was taken; that of all times where there were too few.
-double tracing_demand(const Units& trvs) {
-  const double occupied = 1 - trvs.share("starved"), full = ratio(trvs.counted("full"), trvs.elapsed());
+double tracing_demand(const Trvs& trvs) {
+  const double occupied = 1 - trvs.share(OfTrv::kStarved), full = ratio(trvs.counted(&TrvStats::full), trvs.elapsed());
   if (full < 0.02) return occupied;
-  return std::min(occupied, full * ratio(trvs.counted("visits"), trvs.counted("full_visits")));
+  return std::min(occupied, full * ratio(trvs.counted(&TrvStats::visits), trvs.counted(&TrvStats::full_visits)));
 }
 
 CoreTime core_time(std::span<const UnitReport> units, const std::string& core, const Beyond& memory,
                    const hw::GpuConfig& config) {
-  const Units srp(units, core + ".srp"), trvs(units, core + ".tni.", ".trv"), ist(units, core + ".tni.", ".ist");
-  const Units banks(units, "l2.");
+  const Units<hw::Srp> srp(units, core);
+  const Trvs trvs(units, core);
+  const Ists ist(units, core);
+  const Units<hw::L2Bank> banks(units);
   CoreTime t;
-  t.kernels = srp.share("running");
-  t.switches = srp.share("switching");
-  t.banks = srp.share("banks");
-  t.data_misses = srp.share("cache_miss");
-  t.no_tile = srp.share("starved");
-  t.demands = {.no_slots = srp.share("no_slots"),
-               .fed = ratio(srp.counted("fed"), srp.elapsed()),
-               .occupied = 1 - trvs.share("starved"),
-               .tree_lines = std::max(
-                   ratio(trvs.counted("l1_miss_cycles"), trvs.elapsed()) / registers(config.tni, config.tni.trv.l1),
-                   ratio(ist.counted("l1_miss_cycles"), ist.elapsed()) / registers(config.tni, config.tni.ist.l1)),
-               .data_lines = ratio(srp.counted("cache_miss_cycles"), srp.elapsed()) / config.srp.data_cache.mshrs,
-               .l2_lines = ratio(banks.counted("line_cycles"), banks.elapsed()) / config.l2.mshrs_per_bank(),
-               .dram_bus = Units(units, "dram.").share("reading") + Units(units, "dram.").share("writing"),
-               .tracing = tracing_demand(trvs),
-               .records = record_share(units, banks)};
-  const double tracing = ratio(srp.counted("awaited"), srp.elapsed());
-  t.transfers = std::max(0.0, srp.share("waiting") + t.demands.no_slots - tracing);
+  t.kernels = srp.share(OfSrp::kRunning);
+  t.switches = srp.share(OfSrp::kSwitching);
+  t.banks = srp.share(OfSrp::kBanks);
+  t.data_misses = srp.share(OfSrp::kCacheMiss);
+  t.no_tile = srp.share(OfSrp::kStarved);
+  t.demands = {
+      .no_slots = srp.share(OfSrp::kNoSlots),
+      .fed = ratio(srp.counted(&SrpStats::fed), srp.elapsed()),
+      .occupied = 1 - trvs.share(OfTrv::kStarved),
+      .tree_lines = std::max(
+          ratio(trvs.counted(&TrvStats::l1_miss_cycles), trvs.elapsed()) / registers(config.tni, config.tni.trv.l1),
+          ratio(ist.counted(&hw::Ist::Stats::l1_miss_cycles), ist.elapsed()) /
+              registers(config.tni, config.tni.ist.l1)),
+      .data_lines = ratio(srp.counted(&SrpStats::cache_miss_cycles), srp.elapsed()) / config.srp.data_cache.mshrs,
+      .l2_lines = ratio(banks.counted(&L2Stats::line_cycles), banks.elapsed()) / config.l2.mshrs_per_bank(),
+      .dram_bus = data_bus_share(units),
+      .tracing = tracing_demand(trvs),
+      .records = record_share(units, banks)};
+  const double tracing = ratio(srp.counted(&SrpStats::awaited), srp.elapsed());
+  t.transfers = std::max(0.0, srp.share(OfSrp::kWaiting) + t.demands.no_slots - tracing);
   const Inside in = inside(trvs, ist);
   t.boxes = tracing * in.boxes;
   t.triangles = tracing * in.triangles;
   t.tree_misses = tracing * in.misses;
   t.pipes = tracing - t.boxes - t.triangles - t.tree_misses;
   const double srp_ns = 1000 / srp.clock_mhz(), tni_ns = 1000 / trvs.clock_mhz();
-  t.data_levels = levels(srp_ns * ratio(srp.counted("cache_miss_cycles"), srp.counted("cache_fills")), memory);
-  t.tree_levels = levels(tni_ns * ratio(trvs.counted("l1_miss_cycles") + ist.counted("l1_miss_cycles"),
-                                        trvs.counted("l1_fills") + ist.counted("l1_fills")),
-                         memory);
+  t.data_levels =
+      levels(srp_ns * ratio(srp.counted(&SrpStats::cache_miss_cycles), srp.counted(&SrpStats::cache_fills)), memory);
+  t.tree_levels =
+      levels(tni_ns * ratio(trvs.counted(&TrvStats::l1_miss_cycles) + ist.counted(&hw::Ist::Stats::l1_miss_cycles),
+                            trvs.counted(&TrvStats::l1_fills) + ist.counted(&hw::Ist::Stats::l1_fills)),
+             memory);
   return t;
 }
 
@@ -140,11 +164,16 @@ nlohmann::ordered_json levels_json(const MissLevels& l, double share) {
 
 }  // namespace
 
+double data_bus_share(std::span<const UnitReport> units) {
+  const Units<hw::DramChannel> channels(units);
+  return channels.share(hw::DramWhy::kReading) + channels.share(hw::DramWhy::kWriting);
+}
+
 TopDown top_down(std::span<const UnitReport> units, const hw::GpuConfig& config) {
   const Beyond memory = beyond(units);
   TopDown view;
-  for (std::size_t c = 0; !Units(units, fmt::format("core{}.", c)).empty(); ++c) {
-    view.cores.push_back(core_time(units, fmt::format("core{}", c), memory, config));
+  for (std::size_t c = 0; !Units<hw::Srp>(units, fmt::format("core{}.", c)).empty(); ++c) {
+    view.cores.push_back(core_time(units, fmt::format("core{}.", c), memory, config));
   }
   const auto cores = static_cast<double>(view.cores.size());
   CoreTime& gpu = view.gpu;

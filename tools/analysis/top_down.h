@@ -31,12 +31,12 @@ struct CoreTime {
   double pipes = 0;        ///< too few rays to fill pipelines, and what holds rays up inside the unit
   double tree_misses = 0;  ///< rays wait for node or triangle lines
   double transfers = 0, no_tile = 0;
-  /// What parts of the core would need alone, as shares of the same time; they overlap with each other.
+  /// Time that parts of the core would need alone, as shares of the same time; they overlap with each other.
   struct Demands {
     double no_slots = 0;    ///< launches waited for ray slots of the tile buffer
     double fed = 0;         ///< rays were in the T&I unit
     double occupied = 0;    ///< of an average traversal unit: rays were inside
-    double tree_lines = 0;  ///< least time for the T&I unit's misses, all miss registers of a cache always in use
+    double tree_lines = 0;  ///< least time for the T&I unit's misses, all MSHRs of a cache always in use
     double data_lines = 0;  ///< likewise for the data cache
     double l2_lines = 0;    ///< likewise for the L2
     double dram_bus = 0;    ///< data were on the channels' buses
@@ -44,7 +44,7 @@ struct CoreTime {
     double records = 0;     ///< of the L2's requests, those for rays and hits that travel through memory
   };
   Demands demands{};
-  /// What the misses of its three kinds of cache were spent on.
+  /// Levels on which the misses of its three kinds of cache spent their time.
   MissLevels data_levels{}, tree_levels{};
 
   double busy() const { return kernels + switches + banks; }
@@ -56,6 +56,9 @@ struct TopDown {
   std::vector<CoreTime> cores;
   CoreTime gpu;
 };
+/// The part of their time in which data were on the channels' buses.
+double data_bus_share(std::span<const sim::UnitReport> units);
+
 TopDown top_down(std::span<const sim::UnitReport> units, const hw::GpuConfig& config);
 
 nlohmann::ordered_json time_json(const CoreTime& time);

@@ -1,33 +1,75 @@
 #pragma once
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <string_view>
+#include <typeindex>
 #include <vector>
 
 #include "sim/report/unit_report.h"
 
 namespace tools {
 
-/// A counter, summed over the units of an energy block.
-std::uint64_t sum_of(std::span<const sim::UnitReport> units, std::string_view block, std::string_view counter);
+/// The name under which a counter of `Stats` is reported: a member, or a function from Stats to one of its counters.
+template <class Stats>
+std::string_view counter_name(auto&& counter) {
+  const Stats stats{};
+  std::string_view found;
+  Stats::describe(stats, [&](const std::uint64_t& value, const char* name, auto&&...) {
+    if (&value == &std::invoke(counter, stats)) found = name;
+  });
+  if (found.empty()) throw std::logic_error("a counter that its unit does not declare");
+  return found;
+}
 
-/// Those of a machine's units whose path begins with `prefix` and has `kind` in it, and sums over them.
+/// The units of one type among a machine's, and sums over them; 0 if there are none.
+template <class Unit>
 class Units {
  public:
-  Units(std::span<const sim::UnitReport> units, std::string_view prefix, std::string_view kind = {});
+  using Stats = typename Unit::Stats;
+  using CycleReason = typename Unit::CycleReason;
+
+  /// Those whose path begins with `prefix`.
+  explicit Units(std::span<const sim::UnitReport> units, std::string_view prefix = {}) {
+    for (const sim::UnitReport& unit : units) {
+      if (unit.type == typeid(Unit) && unit.path.starts_with(prefix)) units_.push_back(&unit);
+    }
+  }
 
   bool empty() const { return units_.empty(); }
-  double elapsed() const;
-  /// Cycles given to a reason, all units together.
-  double spent(std::string_view reason) const;
-  double counted(std::string_view counter) const;
-  /// Of all their time, that given to a reason; 0 without any.
-  double share(std::string_view reason) const { return elapsed() == 0 ? 0 : spent(reason) / elapsed(); }
+  std::uint64_t elapsed() const {
+    return sum([](const sim::UnitReport& unit) { return unit.elapsed; });
+  }
+  /// Cycles given to a reason.
+  std::uint64_t spent(CycleReason reason) const {
+    return sum([&](const sim::UnitReport& unit) { return unit.why.at(static_cast<std::size_t>(reason)).second; });
+  }
+  /// A counter, as for counter_name().
+  std::uint64_t counted(auto&& counter) const {
+    const std::string_view name = counter_name<Stats>(counter);
+    return sum([&](const sim::UnitReport& unit) {
+      const auto found = std::ranges::find(unit.counters, name, &sim::CounterReport::name);
+      if (found == unit.counters.end()) throw std::logic_error(unit.path + " reports no " + std::string(name));
+      return found->value;
+    });
+  }
+  /// The part of all their time that is given to a reason.
+  double share(CycleReason reason) const {
+    return elapsed() == 0 ? 0 : static_cast<double>(spent(reason)) / static_cast<double>(elapsed());
+  }
   double clock_mhz() const { return units_.empty() ? 1 : units_.front()->clock_mhz; }
 
  private:
+  std::uint64_t sum(auto&& of) const {
+    std::uint64_t total = 0;
+    for (const sim::UnitReport* unit : units_) total += of(*unit);
+    return total;
+  }
+
   std::vector<const sim::UnitReport*> units_;
 };
 

@@ -82,4 +82,19 @@ void add_reference_option(CLI::App& verb, JobOptions& options) {
   verb.add_option("--reference", options.reference, "also run this program; add PSNR and relative figures");
 }
 
+void add_launcher_options(CLI::App& verb, LauncherOptions& options) {
+  verb.add_option("--launcher", options.launcher, "who computes: local, processes on this host; slurm, a job array")
+      ->check(CLI::IsMember({"local", "slurm"}))
+      ->capture_default_str();
+  verb.add_option("-j,--jobs", options.jobs,
+                  "points at a time (default: all cores); slurm: tasks of an array at a time")
+      ->check(CLI::Range(1, 1024));
+  verb.add_option("--slurm-args", options.slurm_arguments,
+                  "slurm: options for sbatch, as it knows them: --slurm-args \"--partition=short --time=1:00:00\"")
+      ->allow_extra_args(false);
+  verb.add_option("--chunk", options.chunk, "slurm: points of a task (default: as many as make a hundred tasks)")
+      ->check(CLI::Range(1, 1'000'000));
+  verb.add_flag("--retry-failed", options.retry_failed, "points that failed are computed again");
+}
+
 }  // namespace tools

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "tools/simulation/job_options.h"
+#include "tools/studies/sweep/launch/launcher_options.h"
 
 namespace CLI {
 class App;
@@ -17,7 +18,7 @@ void add_work_options(CLI::App& verb, JobOptions& options, bool positional = tru
 void add_rays_option(CLI::App& verb, JobOptions& options);
 /// Adds the program that others are compared with.
 void add_reference_option(CLI::App& verb, JobOptions& options);
-/// Adds perfect resources.
+/// Adds ideal resources.
 void add_ideal_option(CLI::App& verb, JobOptions& options);
 /// Adds what becomes of the results.
 void add_output_options(CLI::App& verb, JobOptions& options);
@@ -27,6 +28,9 @@ void add_frames_option(CLI::App& verb, JobOptions& options);
 void add_job_options(CLI::App& verb, JobOptions& options);
 void add_config_options(CLI::App& verb, std::string& config, std::vector<std::string>& sets);
 void add_set_option(CLI::App& verb, std::vector<std::string>& sets);
+
+/// Adds who computes points, and how many at a time.
+void add_launcher_options(CLI::App& verb, LauncherOptions& options);
 
 /// Adds the form of the progress that goes to standard error.
 void add_progress_option(CLI::App& verb, std::string& progress);

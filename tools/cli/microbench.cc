@@ -1,5 +1,3 @@
-#include "tools/studies/microbench/microbench.h"
-
 #include <algorithm>
 #include <memory>
 #include <utility>
@@ -9,6 +7,7 @@
 
 #include "tools/cli/job_options.h"
 #include "tools/cli/verbs.h"
+#include "tools/studies/microbench/benchmark.h"
 
 namespace tools {
 

@@ -79,8 +79,8 @@ void show(const InfoOptions& options) {
   cost.peak_bytes = std::max(memory_in_use("VmHWM"), before) - before;
   std::error_code ignored;
   if (!file.empty()) cost.file_bytes = std::filesystem::file_size(file, ignored);
-  const nlohmann::ordered_json sheet = scene_sheet(scene, image, cost);
-  fmt::print("{}", options.json ? sim::json_text(sheet) : scene_sheet_text(sheet, options.cameras));
+  const nlohmann::ordered_json info = scene_info_json(scene, image, cost);
+  fmt::print("{}", options.json ? sim::json_text(info) : scene_info_text(info, options.cameras));
   print_warnings(scene);
 }
 

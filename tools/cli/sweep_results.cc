@@ -9,13 +9,13 @@
 
 #include "sim/error.h"
 #include "tools/cli/verbs.h"
-#include "tools/studies/sweep/folder.h"
 #include "tools/studies/sweep/results/best.h"
-#include "tools/studies/sweep/results/collect.h"
+#include "tools/studies/sweep/results/index/collect.h"
+#include "tools/studies/sweep/results/index/sqlite.h"
 #include "tools/studies/sweep/results/pareto.h"
 #include "tools/studies/sweep/results/results_table.h"
 #include "tools/studies/sweep/results/sensitivity.h"
-#include "tools/studies/sweep/results/sqlite.h"
+#include "tools/studies/sweep/store/folder.h"
 
 namespace tools {
 
@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Of the terminal; 80 characters if there is none.
+/// Width of the terminal; 80 characters if there is none.
 std::size_t terminal_width() {
   winsize size{};
   return ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col != 0 ? size.ws_col : 80;

@@ -1,160 +1,12 @@
-#include "traces/accel/verify.h"
-
 #include <memory>
 
 #include <CLI/CLI.hpp>
-#include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
-#include "sim/io/file.h"
-#include "sim/report/report_json.h"
-#include "tools/analysis/picture.h"
-#include "tools/analysis/report.h"
 #include "tools/cli/job_options.h"
 #include "tools/cli/verbs.h"
-#include "tools/host/interrupt.h"
-#include "tools/host/run_folder.h"
-#include "tools/simulation/ray_list.h"
-#include "tools/simulation/run_job.h"
-#include "traces/accel/bvh_tracer.h"
-#include "traces/accel/embree_tracer.h"
-#include "traces/scene/images.h"
+#include "tools/jobs/jobs.h"
 
 namespace tools {
-
-namespace {
-
-nlohmann::ordered_json counts_json(const traces::VerifyCounts& counts) {
-  return {{"rays", counts.rays},
-          {"missing_hits", counts.missing_hits},
-          {"extra_hits", counts.extra_hits},
-          {"distance_errors", counts.distance_errors},
-          {"edge_ties", counts.edge_ties},
-          {"reference_errors", counts.reference_errors}};
-}
-
-std::string counts_text(const traces::VerifyCounts& counts) {
-  return fmt::format("{} rays against Embree {}: {} missing hits, {} extra hits, {} distance errors, {} edge ties",
-                     counts.rays, traces::embree_version(), counts.missing_hits, counts.extra_hits,
-                     counts.distance_errors, counts.edge_ties);
-}
-
-/// How a frame, or all of them, compares with Embree.
-struct Verdict {
-  traces::VerifyCounts counts;
-  double squared_error = 0;
-
-  nlohmann::ordered_json json() const {
-    const std::optional<double> psnr = psnr_db(squared_error);
-    nlohmann::ordered_json json = counts_json(counts);
-    json["psnr_db"] = psnr ? nlohmann::ordered_json(*psnr) : nlohmann::ordered_json(nullptr);
-    json["identical"] = !psnr.has_value();
-    return json;
-  }
-};
-
-/// Compares the frame that `inputs` stand at; writes both pictures if `open` is given.
-Verdict verify_frame(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
-                     Progress& progress, const RunFolder::Open* open) {
-  const traces::BvhTracer tested(inputs.image);
-  progress.phase("building Embree's tree");
-  const traces::EmbreeTracer embree(inputs.image, host_threads(threads), interrupted);
-  const traces::VerifyingTracer verifying(inputs.image, tested, embree);
-  const Extras extras{.progress = &progress};
-  const std::vector<float> ours = render(inputs, program, verifying, threads, extras).rgb;
-  const std::vector<float> truth = render(inputs, program, embree, threads, extras).rgb;
-  if (open != nullptr) {
-    const std::filesystem::path& folder = (*open)();
-    const std::uint32_t width = inputs.config.render.width, height = inputs.config.render.height;
-    traces::write_png(folder / "image.png", width, height, to_rgb8(ours));
-    traces::write_png(folder / "embree.png", width, height, to_rgb8(truth));
-  }
-  return {verifying.counts(), mean_squared_error(ours, truth)};
-}
-
-/// Compares a list of rays; there are no pictures.
-int verify_rays(const JobOptions& options) {
-  RunFolder folder(options.out, options.force, {.mark = "verify.json"});
-  const RayList list = read_ray_list(options.rays);
-  const Inputs inputs = load_inputs(options);
-  const traces::BvhTracer tested(inputs.image);
-  const traces::EmbreeTracer embree(inputs.image, host_threads(options.threads));
-  const traces::VerifyingTracer verifying(inputs.image, tested, embree);
-  std::vector<traces::Hit> hits(list.rays.size());
-  verifying.trace(list.rays, traces::RayKind::kPrimary, hits, nullptr);
-  const traces::VerifyCounts counts = verifying.counts();
-  folder.fill([&](const RunFolder::Open& open) {
-    nlohmann::ordered_json json = {{"schema", "raywatt-verify/1"}};
-    json.update(counts_json(counts));
-    json["provenance"] = provenance_json(inputs, options);
-    json["provenance"]["rays_sha256"] = list.sha256;
-    sim::write_file_atomically(open() / "verify.json", sim::json_text(json));
-    return std::string("all rays");
-  });
-  if (!options.quiet) {
-    fmt::print("{}\ndetails: {}\n", counts_text(counts), (folder.target() / "verify.json").string());
-  }
-  return counts.faults() == 0 ? kGood : kCheckFailed;
-}
-
-/// Frame after frame; how all of them compare so far, after each.
-struct Verification {
-  Verdict total;  ///< its squared error is a sum
-  nlohmann::ordered_json frames = nlohmann::ordered_json::array();
-
-  Verdict mean() const { return {total.counts, total.squared_error / static_cast<double>(frames.size())}; }
-
-  void add(std::uint32_t frame, const Verdict& verdict) {
-    nlohmann::ordered_json entry = {{"frame", frame}};
-    entry.update(verdict.json());
-    frames.push_back(std::move(entry));
-    total.counts += verdict.counts;
-    total.squared_error += verdict.squared_error;
-  }
-
-  /// All frames, or those that an interrupt has left time for; Interrupted if that is none.
-  void run(Inputs& inputs, const JobOptions& options, Progress& progress, const RunFolder::Open& open) {
-    const kernels::ProgramSpec program = kernels::parse_program(options.program);
-    try {
-      add(inputs.frame, verify_frame(inputs, program, options.threads, progress, &open));
-      while (inputs.frame < inputs.config.scene.last_frame) {
-        advance(inputs, inputs.frame + 1, options.threads, &progress);
-        add(inputs.frame, verify_frame(inputs, program, options.threads, progress, nullptr));
-      }
-    } catch (const Interrupted&) {
-      if (frames.empty()) throw;
-    }
-  }
-};
-
-int verify(const JobOptions& options) {
-  kernels::parse_program(options.program);
-  RunFolder folder(options.out, options.force, {.mark = "verify.json"});
-  Progress progress(options.progress, options.quiet);
-  Inputs inputs = load_inputs(options, &progress);
-  progress.expect(2 * inputs.frames());
-  Verification done;
-  folder.fill([&](const RunFolder::Open& open) {
-    done.run(inputs, options, progress, open);
-    const bool partial = done.frames.size() < inputs.frames();
-    progress.end(partial ? "interrupted" : "done");
-    nlohmann::ordered_json json = {{"schema", "raywatt-verify/1"}, {"partial", partial}};
-    json.update(done.mean().json());
-    json["frames"] = done.frames;
-    json["provenance"] = provenance_json(inputs, options);
-    sim::write_file_atomically(open() / "verify.json", sim::json_text(json));
-    return fmt::format("{} of {} frames", done.frames.size(), inputs.frames());
-  });
-  const traces::VerifyCounts& counts = done.total.counts;
-  if (!options.quiet) {
-    const std::optional<double> psnr = psnr_db(done.mean().squared_error);
-    fmt::print("{}, picture {}\n", counts_text(counts), psnr ? fmt::format("{:.2f} dB", *psnr) : "identical");
-    fmt::print("details: {}\n", (folder.target() / "verify.json").string());
-  }
-  return counts.faults() == 0 ? kGood : kCheckFailed;
-}
-
-}  // namespace
 
 void add_verify(CLI::App& app, const std::vector<std::string>& argv, int& exit) {
   CLI::App* verb = app.add_subcommand("verify", "Compare every ray, primary and secondary, with Embree");
@@ -164,7 +16,7 @@ void add_verify(CLI::App& app, const std::vector<std::string>& argv, int& exit) 
   add_rays_option(*verb, *options);
   verb->footer(
       "Example: raywatt verify --scene teapot --resolution 512x256\nEnds with 1 if a ray differs that is no edge tie.");
-  verb->callback([options, &exit] { exit = options->rays.empty() ? verify(*options) : verify_rays(*options); });
+  verb->callback([options, &exit] { exit = options->rays.empty() ? verify_frames(*options) : verify_rays(*options); });
 }
 
 }  // namespace tools

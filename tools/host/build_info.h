@@ -3,7 +3,7 @@
 
 namespace tools {
 
-/// What this program was built from.
+/// Sources and options that this program was built from.
 struct BuildInfo {
   std::string_view version;
   std::string_view git;  ///< commit, or "unknown" outside a repository

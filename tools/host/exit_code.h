@@ -2,7 +2,7 @@
 
 namespace tools {
 
-/// What the process ends with.
+/// Exit codes of the process.
 enum ExitCode : int {
   kGood = 0,
   kCheckFailed = 1,

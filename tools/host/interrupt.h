@@ -19,7 +19,7 @@ class HoldInterrupts {
   HoldInterrupts& operator=(const HoldInterrupts&) = delete;
 };
 
-/// What the line on stderr adds when an interrupt has waited: "kept 3 of 10 frames in out".
+/// Text that the line on stderr adds when an interrupt has waited: "kept 3 of 10 frames in out".
 void tell_if_interrupted(std::string kept);
 
 /// The terminal's last line is a bar, or no longer: an interrupt erases it before it says its own.

@@ -48,7 +48,7 @@ std::string start_of_results(const fs::path& folder, std::string_view name) {
   return std::string_view(start).substr(0, 128).find("\"schema\": \"raywatt-") != std::string_view::npos ? start : "";
 }
 
-/// Of the verbs that write a report.json, the one that has written this.
+/// The verb that has written this report.json.
 std::string_view verb_of(const std::string& report) {
   constexpr std::string_view kWords = "\"argv\": ";
   const std::size_t words = report.find(kWords);

@@ -7,7 +7,7 @@
 #include "sim/config/config.h"
 #include "sim/io/file.h"
 #include "sim/report/report_json.h"
-#include "tools/analysis/sampling_report.h"
+#include "tools/analysis/report.h"
 
 namespace tools {
 

@@ -10,7 +10,7 @@
 
 namespace tools {
 
-/// What has become of the frames so far.
+/// Results of the frames so far.
 struct Outcome {
   std::optional<Simulation> total, reference;
   double squared_error = 0;  ///< sum over frames
@@ -20,7 +20,7 @@ struct Outcome {
   /// Adds a frame, and what it is compared with, if anything: `error` is their pictures' mean squared difference.
   void add(std::uint32_t number, Simulation frame, std::optional<Simulation> compared, double error);
   Result result() const;
-  /// What an interrupted run has kept, in words; `all` frames were wanted.
+  /// Part that an interrupted run has kept, in words; `all` frames were wanted.
   std::string kept(std::size_t all) const;
 };
 

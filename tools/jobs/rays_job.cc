@@ -1,5 +1,3 @@
-#include "tools/jobs/rays_job.h"
-
 #include <optional>
 
 #include <fmt/format.h>
@@ -14,9 +12,11 @@
 #include "sim/report/report_json.h"
 #include "sim/report/table.h"
 #include "tools/analysis/report.h"
+#include "tools/analysis/top_down.h"
 #include "tools/analysis/units.h"
 #include "tools/host/interrupt.h"
 #include "tools/host/run_folder.h"
+#include "tools/jobs/jobs.h"
 #include "tools/simulation/ray_list.h"
 #include "tools/simulation/run_job.h"
 
@@ -37,14 +37,13 @@ Json totals_of(const hw::RayMachine& machine, std::uint64_t listed, const std::v
                  {"time_ms", ms},
                  {"rays", {{"total", rays}, {"hits", machine.hits()}, {"listed", listed}}},
                  {"traversal_steps", machine.steps()},
-                 {"dram_bytes", sum_of(units, "dram", "bytes")}};
+                 {"dram_bytes", Units<hw::DramChannel>(units).counted(&hw::DramChannel::Stats::bytes)}};
   totals.update(sim::energy_json(energy));
   totals["power_w"] = sim::spread_json(energy.total_pj, 1 / (kPicojoulesPerMillijoule * ms));
   totals["perf"] = {{"mrays_per_s", static_cast<double>(rays) / (1e3 * ms)},
                     {"nj_per_ray", energy.total_pj.nominal / (1e3 * static_cast<double>(rays))}};
-  const Units channels(units, "dram.channel");
-  totals["utilisation"] = {{"tni", Units(units, "core", ".trv").share("visiting")},
-                           {"dram", channels.share("reading") + channels.share("writing")}};
+  totals["utilisation"] = {{"tni", Units<hw::Trv>(units).share(hw::Trv::CycleReason::kVisiting)},
+                           {"dram", data_bus_share(units)}};
   return totals;
 }
 

@@ -39,7 +39,7 @@ std::vector<traces::KernelId> kernels_of(const traces::Json& names) {
   return ids;
 }
 
-/// What a machine needs to know of a tree.
+/// Puts the parts of a tree that a machine needs into an image.
 void place_tree(const traces::TileScope& scope, const traces::BvhConfig& config, traces::MemoryImage& image) {
   const bool has_levels = !scope.links.roots.empty();
   if (has_levels && config.instances == traces::InstanceLevels::kFlatten) {

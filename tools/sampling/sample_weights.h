@@ -13,7 +13,7 @@ struct SamplePart {
 
 /// Estimates totals of a whole from parts that were chosen with chances in proportion to their size.
 ///
-/// What a part takes per size is a straight line in its traits per size; the line is fitted by ridge regression and
+/// Cost of a part per size is a straight line in its traits per size; the line is fitted by ridge regression and
 /// read where the whole lies (a calibration estimator: Deville and Särndal, JASA 1992). It is linear in what was
 /// observed, so one weight per part serves every quantity, and what adds up in each part adds up in the estimates.
 class SampleWeights {
@@ -22,7 +22,7 @@ class SampleWeights {
   SampleWeights(std::span<const SamplePart> parts, const SamplePart& whole, double ridge);
 
   const std::vector<double>& weights() const { return weights_; }
-  /// Of a quantity observed in each part.
+  /// The whole's sum of a quantity observed in each part.
   double total(std::span<const double> observed) const;
   /// Half of the 95 % interval around total(), from what the fit leaves.
   double half_width(std::span<const double> observed) const;

@@ -16,7 +16,7 @@ namespace tools {
 
 namespace {
 
-/// What happened from one mark to another.
+/// Difference of two marks.
 MeasuredPart between(const SampledTiles::Mark& a, const SampledTiles::Mark& b) {
   MeasuredPart part{b.time - a.time, b.units, b.kernels, {}};
   for (std::size_t u = 0; u < part.units.size(); ++u) {
@@ -46,9 +46,10 @@ TileTraits traits_of(const MeasuredPart& part, sim::Time begin, sim::Time end, c
     if (from < to)
       sum.add(traits[tile.tile], static_cast<double>(to - from) / static_cast<double>(tile.end - tile.begin));
   }
-  const auto counted = [&](const char* counter) { return static_cast<double>(sum_of(part.units, "tni", counter)); };
-  sum.visits = counted("visits") - counted("restarted_visits");
-  sum.tests = counted("tests");
+  const Units<hw::Trv> trvs(part.units);
+  sum.visits =
+      static_cast<double>(trvs.counted(&hw::Trv::Stats::visits) - trvs.counted(&hw::Trv::Stats::restarted_visits));
+  sum.tests = static_cast<double>(Units<hw::Ist>(part.units).counted(&hw::Ist::Stats::tests));
   sum.array = 0;
   for (std::size_t k = 0; k < kernels.size(); ++k)
     sum.array += static_cast<double>(part.kernels[k].items) * kernels[k].ii;

@@ -11,7 +11,7 @@
 
 namespace tools {
 
-/// What the machine did in a measured part of a block.
+/// Work of the machine in a measured part of a block.
 struct MeasuredPart {
   sim::Time time = 0;
   std::vector<sim::UnitReport> units;

@@ -8,7 +8,7 @@ namespace tools {
 
 namespace {
 
-// What a tile that is alone might wait for: a chunk to be started, a ray to cross to the T&I unit and back, and a step
+// Waits of a tile that is alone: a chunk to be started, a ray to cross to the T&I unit and back, and a step
 // of the longest ray, whose fetches hit.
 constexpr double kLaunchCycles = 10, kRayCycles = 20, kStepCycles = 12;
 

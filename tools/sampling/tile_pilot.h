@@ -11,7 +11,7 @@
 
 namespace tools {
 
-/// What can be said of a tile's cost without playing it on the machine.
+/// Traits of a tile that tell its cost without playing it on the machine.
 struct TileTraits {
   double tiles = 0;
   double array = 0;        ///< cycles of the shader core's array, without prologues

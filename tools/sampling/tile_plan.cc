@@ -23,8 +23,8 @@ TilePlan plan_tiles(std::span<const double> costs, double share, const PlanShape
   if (edges + sampled + sampled / 2 >= tiles) return {{{0, 0, tiles, 0}}, true, 0, tiles};
 
   TilePlan plan{{{0, 0, shape.edge, 0}}, false, shape.edge, tiles - shape.edge};
-  const std::uint32_t last = plan.end - shape.lead - length;  // place for a block
-  // What the measured parts of blocks cost that begin before a place.
+  const std::uint32_t last = plan.end - shape.lead - length;  // where a block begins at the latest
+  // Cost of the measured parts of all blocks that begin before a tile.
   std::vector<double> before(1);
   for (std::uint32_t first = plan.begin; first <= last; ++first) {
     const auto measured = costs.subspan(first + shape.lead, shape.measured);

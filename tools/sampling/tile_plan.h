@@ -24,7 +24,7 @@ struct PlanShape {
 };
 
 /// Blocks whose measured parts come to `share` of the frame's cost, where each tile costs `costs`. The list of tiles is
-/// cut into as many strata of equal cost, and a block begins at a place of each, drawn by hash from `seed` with
+/// cut into as many strata of equal cost, and a block begins at a tile of each, drawn by hash from `seed` with
 /// chances in proportion to cost.
 TilePlan plan_tiles(std::span<const double> costs, double share, const PlanShape& shape, std::uint64_t seed);
 

@@ -7,15 +7,12 @@
 #include <fmt/format.h>
 
 #include "hw_models/memory/dram_energy.h"
-#include "hw_models/srp/schedule.h"
-#include "hw_models/srp/tile_buffer.h"
-#include "shader_kernels/catalogue.h"
 #include "shader_kernels/programs/full.h"
 #include "sim/error.h"
 #include "sim/hash.h"
 #include "sim/host_clock.h"
 #include "sim/io/printable.h"
-#include "tools/host/interrupt.h"
+#include "tools/sampling/pilot.h"
 #include "tools/sampling/sample_weights.h"
 #include "tools/sampling/sampled_run.h"
 #include "tools/sampling/tile_plan.h"
@@ -26,101 +23,22 @@ namespace tools {
 namespace {
 
 constexpr double kRidge = 0.2;
-/// What blocks cannot tell, as half of a 95 % interval: neighbours that are others than the frame's, caches that are
-/// nearly warm, the pilot's totals (docs/sampling.md).
+/// Error that blocks cannot tell, as half of a 95 % interval: neighbours that are others than the frame's, caches that
+/// are nearly warm, the pilot's totals (docs/sampling.md).
 constexpr double kModelError = 0.01;
-/// Of the frame's work; a frame of which more would have to be measured is timed whole.
+/// Share of the frame's work that is measured at most; a frame that would need more is timed whole.
 constexpr double kMostShare = 0.4;
 /// Bytes of caches for each sample of the tiles that warm them before a block: of the L2, and of all first-level
 /// caches. The usual machine comes to eight of its tiles by either.
 constexpr std::uint64_t kSecondLevelBytes = 128, kFirstLevelBytes = 224;
 
-std::uint64_t rounded(double x) { return static_cast<std::uint64_t>(std::llround(x)); }
-
-/// A thin picture, all of whose tiles are looked at: one of `thinning` samples of each of the frame's.
-struct Pilot {
-  std::vector<TileTraits> traits;  ///< of the frame's tiles
-  std::vector<double> costs;
-  double thinning = 1;
-  FrontEnd::Result function;
-};
-
-/// Side of the squares of samples of which one is traced: a divisor of the tile's.
-std::uint32_t thinning_side(std::uint32_t tile_side) {
-  for (const std::uint32_t side : {4U, 5U, 3U, 2U}) {
-    if (tile_side % side == 0) return side;
-  }
-  return 1;
-}
-
-/// In samples.
-std::uint32_t tile_side(const kernels::RenderConfig& render, const kernels::ProgramSpec& spec) {
-  const auto grid = static_cast<std::uint32_t>(std::lround(std::sqrt(spec.samples)));
-  return std::max(1U, render.tile / grid) * grid;
-}
-
-/// The frame with one sample of each square, as a program of as many tiles.
-kernels::FullProgram thin_program(const Inputs& inputs, const kernels::ProgramSpec& spec, double& thinning) {
-  kernels::RenderConfig render = inputs.config.render;
-  const auto grid = static_cast<std::uint32_t>(std::lround(std::sqrt(spec.samples)));
-  const std::uint32_t side = tile_side(render, spec);
-  const std::uint32_t square = thinning_side(side);
-  const auto thinned = [&](std::uint32_t pixels) { return (pixels * grid + square - 1) / square; };
-  thinning = static_cast<double>(render.width) * render.height * spec.samples;
-  render.width = thinned(render.width);
-  render.height = thinned(render.height);
-  render.tile = side / square;
-  thinning /= static_cast<double>(render.width) * render.height;
-  return {inputs.image, inputs.camera, render, 1, inputs.frame};
-}
-
-Pilot look_at_all(const Inputs& inputs, const kernels::ProgramSpec& spec, const traces::Tracer& tracer,
-                  std::uint32_t threads, Progress* progress) {
-  if (progress != nullptr) progress->phase("looking at all tiles");
-  Pilot pilot;
-  kernels::FullProgram program = thin_program(inputs, spec, pilot.thinning);
-  std::vector<hw::KernelSchedule> kernels;
-  for (const kernels::KernelInfo& kernel : kernels::catalogue()) {
-    kernels.push_back(hw::schedule(kernel.graph, inputs.config.gpu.srp));
-  }
-  const hw::GpuConfig& gpu = inputs.config.gpu;
-  const kernels::FrameRequirements requirements =
-      kernels::FullProgram(inputs.image, inputs.camera, inputs.config.render, spec.samples, inputs.frame)
-          .requirements();
-  const hw::TileBuffer buffer(gpu.tile_buffer, requirements.tile_samples, requirements.attribute_bytes,
-                              gpu.clocks.srp.clock(), gpu.ideal.tile_buffer);
-  TilePilot look(gpu, inputs.image.layout, kernels, pilot.thinning, static_cast<double>(buffer.slots()));
-  FrontEnd front_end(program, tracer, host_threads(threads) - 1);
-  while (const traces::TileWork* work = front_end.next()) {
-    if (interrupted()) throw Interrupted{};
-    pilot.traits.push_back(look.look(*work));
-    pilot.costs.push_back(look.cost(pilot.traits.back()));
-    front_end.give_back(work);
-  }
-  pilot.function = front_end.result();
-  return pilot;
-}
-
-/// What the frame's function would have come to, from the pilot's.
-FrontEnd::Result scaled(const Pilot& pilot, const Inputs& inputs, const kernels::ProgramSpec& spec) {
-  const auto whole = [&](std::uint64_t count) { return rounded(pilot.thinning * static_cast<double>(count)); };
-  FrontEnd::Result f;
-  for (std::size_t k = 0; k < std::size(f.rays); ++k) f.rays[k] = whole(pilot.function.rays[k]);
-  f.continued = whole(pilot.function.continued);
-  f.traversal_steps = whole(pilot.function.traversal_steps);
-  f.sampling.wanted = std::uint64_t{inputs.config.render.width} * inputs.config.render.height * spec.samples;
-  f.sampling.traced = f.sampling.wanted;
-  f.sampling.background = f.sampling.traced_background = whole(pilot.function.sampling.background);
-  return f;
-}
-
 /// Entries of the frame's list that blocks need.
-std::vector<std::uint32_t> places_of(std::span<const TimedBlock> blocks) {
-  std::vector<std::uint32_t> places;
+std::vector<std::uint32_t> tile_indices_of(std::span<const TimedBlock> blocks) {
+  std::vector<std::uint32_t> tile_indices;
   for (const TimedBlock& block : blocks) {
-    for (std::uint32_t tile = block.first - block.warming; tile < block.end; ++tile) places.push_back(tile);
+    for (std::uint32_t tile = block.first - block.warming; tile < block.end; ++tile) tile_indices.push_back(tile);
   }
-  return places;
+  return tile_indices;
 }
 
 SamplePart as_sample(const TileTraits& traits, double cost) {
@@ -133,7 +51,7 @@ sim::EnergyReport energy_of(const Inputs& inputs, std::span<const sim::UnitRepor
   return sim::compute_energy(units, inputs.config.energy, hw::dram_energy_events(inputs.config.gpu.dram), time);
 }
 
-/// What a frame comes to, by the runs of its blocks.
+/// Estimates of a frame from the runs of its blocks.
 struct Estimates {
   MeasuredPart whole;
   Interval time, energy;
@@ -144,10 +62,10 @@ struct Estimates {
   }
 };
 
-/// Of a run of all tiles.
+/// Figures of a run of all tiles, which are known.
 Estimates known(const SampledRun& run) { return {{run.elapsed, run.units, run.begin.kernels, {}}, {}, {}, {}}; }
 
-/// Of what parts of a frame were seen to take, one by one.
+/// The interval around an estimate, from what parts of a frame were `seen` to take.
 Interval interval(double estimate, const SampleWeights& weights, std::span<const double> seen) {
   return {estimate, weights.half_width(seen), kModelError * estimate};
 }
@@ -209,6 +127,20 @@ PlanShape shape_of(const hw::GpuConfig& gpu, std::uint32_t tile_samples) {
   return shape;
 }
 
+/// Has the result say what the frame is estimated to come to.
+void take(Estimates&& estimates, const Inputs& inputs, const SampledRun& run, SampledFrame& sampled, Simulation& s) {
+  const auto cycles = [&](double time) { return time / static_cast<double>(run.cycle); };
+  s.cycles = rounded(cycles(static_cast<double>(estimates.whole.time)));
+  s.elapsed = s.cycles * run.cycle;
+  s.units = std::move(estimates.whole.units);
+  s.kernel_use = std::move(estimates.whole.kernels);
+  s.kernels = run.kernels;
+  s.energy = energy_of(inputs, s.units, s.elapsed);
+  sampled.cycles = {static_cast<double>(s.cycles), cycles(estimates.time.chance), cycles(estimates.time.method)};
+  sampled.energy_pj = {s.energy.total_pj.nominal, estimates.energy.chance, estimates.energy.method};
+  sampled.counters = std::move(estimates.counters);
+}
+
 }  // namespace
 
 TileSampling parse_tile_sampling(const std::string& sampling, const std::string& image) {
@@ -262,10 +194,11 @@ Simulation simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& pr
     const TilePlan plan = plan_tiles(pilot.costs, share, shape, sim::hash(inputs.frame, runs.size()));
     const bool picture = sampling.full_image && runs.empty();
     kernels::FullProgram frame(inputs.image, inputs.camera, inputs.config.render, program.samples, inputs.frame);
-    const std::vector<std::uint32_t> places = picture ? std::vector<std::uint32_t>{} : places_of(plan.blocks);
-    FrontEnd front_end(frame, tracer, host_threads(threads) - 1, true, places);
-    ProgressTileSource source(front_end, picture ? frame.tiles() : static_cast<std::uint32_t>(places.size()), progress,
-                              false, &told);
+    const std::vector<std::uint32_t> tile_indices =
+        picture ? std::vector<std::uint32_t>{} : tile_indices_of(plan.blocks);
+    FrontEnd front_end(frame, tracer, host_threads(threads) - 1, true, tile_indices);
+    ProgressTileSource source(front_end, picture ? frame.tiles() : static_cast<std::uint32_t>(tile_indices.size()),
+                              progress, false, &told);
     source.begin("simulating", inputs.frame);
     runs.push_back(run_blocks(inputs, source, frame.requirements(), plan.blocks, pilot.traits));
     const SampledRun& run = runs.back();
@@ -295,19 +228,9 @@ Simulation simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& pr
     if (spent + share > kMostShare) share = 1;
   }
   told.end(progress);
-  const sim::Time cycle = runs.front().cycle;
-  const auto cycles = [&](double time) { return time / static_cast<double>(cycle); };
-  s.cycles = rounded(cycles(static_cast<double>(estimates.whole.time)));
-  s.elapsed = s.cycles * cycle;
-  s.units = std::move(estimates.whole.units);
-  s.kernel_use = std::move(estimates.whole.kernels);
-  s.kernels = runs.front().kernels;
-  s.energy = energy_of(inputs, s.units, s.elapsed);
   s.function.waited = waited;
   s.function.seconds = functional;
-  sampled.cycles = {static_cast<double>(s.cycles), cycles(estimates.time.chance), cycles(estimates.time.method)};
-  sampled.energy_pj = {s.energy.total_pj.nominal, estimates.energy.chance, estimates.energy.method};
-  sampled.counters = std::move(estimates.counters);
+  take(std::move(estimates), inputs, runs.front(), sampled, s);
   s.sampled = sampled;
   s.wall_seconds = sim::seconds_since(begin);
   return s;

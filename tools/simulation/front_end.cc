@@ -11,7 +11,7 @@ namespace tools {
 
 namespace {
 
-/// What a tile leaves that is not as long for every tile.
+/// Visits the arrays of a tile, whose lengths differ from tile to tile.
 void each_array(auto& tile, auto&& f) {
   auto& work = tile.work;
   f(work.nodes), f(work.walk), f(work.ray_begin), f(work.accesses), f(work.access_begin), f(work.sources);
@@ -21,11 +21,11 @@ void each_array(auto& tile, auto&& f) {
 }  // namespace
 
 FrontEnd::FrontEnd(kernels::FrameProgram& program, const traces::Tracer& tracer, std::uint32_t workers, bool record,
-                   std::vector<std::uint32_t> places)
+                   std::vector<std::uint32_t> tile_indices)
     : program_(program),
       tracer_(tracer),
       record_(record),
-      places_(std::move(places)),
+      tile_indices_(std::move(tile_indices)),
       max_ahead_(std::max<std::size_t>(1, 8 * std::size_t{workers})) {
   for (std::uint32_t i = 0; i < workers; ++i) threads_.emplace_back([this] { run_ahead(); });
 }
@@ -75,7 +75,7 @@ void FrontEnd::run_ahead() {
     }
     Slot& slot = *ahead_.back();
     slot.ready = false;
-    const std::uint32_t tile = place(next_tile_++);
+    const std::uint32_t tile = tile_index(next_tile_++);
     lock.unlock();
     try {
       make(slot, tile, buffer);
@@ -105,7 +105,7 @@ const traces::TileWork* FrontEnd::take() {
   }
   if (threads_.empty()) {
     ahead_.push_back(take_slot());
-    make(*ahead_.back(), place(next_tile_++), buffer_);
+    make(*ahead_.back(), tile_index(next_tile_++), buffer_);
   } else {
     // Tiles fail in their order, whichever thread is the first to see it.
     news_.wait(lock, [&] { return ahead_.empty() ? failure_ != nullptr : ahead_.front()->ready; });

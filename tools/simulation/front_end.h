@@ -18,7 +18,7 @@ namespace tools {
 /// threads it runs ahead of the machine by a bounded number of tiles; what it delivers does not depend on them.
 class FrontEnd final : public hw::TileSource {
  public:
-  /// What the frame program found out, independent of any machine.
+  /// Results of the frame program, independent of any machine.
   struct Result {
     std::vector<float> rgb;      ///< linear, row by row; there when the last tile has been taken or by keep_picture()
     kernels::Sampling sampling;  ///< likewise
@@ -34,10 +34,10 @@ class FrontEnd final : public hw::TileSource {
   };
 
   /// `workers` threads beside the caller's; 0: tiles are made when they are asked for. Without `record` there is only
-  /// the picture, no work for a machine. `places` of a program of one pass: the entries to make, in order, all others
-  /// are left out; empty: all.
+  /// the picture, no work for a machine. `tile_indices` of a program of one pass: the entries to make, in order, all
+  /// others are left out; empty: all.
   FrontEnd(kernels::FrameProgram& program, const traces::Tracer& tracer, std::uint32_t workers, bool record = true,
-           std::vector<std::uint32_t> places = {});
+           std::vector<std::uint32_t> tile_indices = {});
   ~FrontEnd() override;
   FrontEnd(const FrontEnd&) = delete;
   FrontEnd& operator=(const FrontEnd&) = delete;
@@ -65,14 +65,14 @@ class FrontEnd final : public hw::TileSource {
   void make(Slot& slot, std::uint32_t tile, kernels::TileBuffer& buffer) const;
   void keep(const Slot& slot);
   std::uint32_t count() const {
-    return places_.empty() ? program_.tiles() : static_cast<std::uint32_t>(places_.size());
+    return tile_indices_.empty() ? program_.tiles() : static_cast<std::uint32_t>(tile_indices_.size());
   }
-  std::uint32_t place(std::uint32_t i) const { return places_.empty() ? i : places_[i]; }
+  std::uint32_t tile_index(std::uint32_t i) const { return tile_indices_.empty() ? i : tile_indices_[i]; }
 
   kernels::FrameProgram& program_;
   const traces::Tracer& tracer_;
   const bool record_;
-  const std::vector<std::uint32_t> places_;
+  const std::vector<std::uint32_t> tile_indices_;
   Result result_;
   std::mutex mutex_;
   std::condition_variable room_, news_;

@@ -6,7 +6,7 @@
 
 namespace tools {
 
-/// What `raywatt run` and `raywatt verify` can be told.
+/// Options of `raywatt run` and `raywatt verify`.
 struct JobOptions {
   std::string config = "sgrt-2016";
   std::string scene;   ///< built-in scene, workload or file; empty: the configuration's
@@ -16,7 +16,7 @@ struct JobOptions {
   std::string reference;   ///< program to compare with; empty: none
   std::string resolution;  ///< "1024x512"; empty: the configuration's
   std::vector<std::string> sets;
-  std::vector<std::string> ideal;  ///< resources made perfect
+  std::vector<std::string> ideal;  ///< resources made ideal
   std::uint32_t threads = 0;       ///< 0: all cores
   std::filesystem::path rays;      ///< list of rays in place of a camera; empty: none
   std::filesystem::path record;    ///< trace to be written; empty: none

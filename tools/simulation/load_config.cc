@@ -15,7 +15,7 @@ namespace tools {
 
 namespace {
 
-/// What a workload file may say: all that describes the work, nothing of the machine.
+/// Keys of a workload file: all that describes the work, nothing of the machine.
 constexpr std::array<std::string_view, 3> kWorkloadKeys = {"scene", "render", "bvh"};
 
 void apply_workload(sim::ConfigLoader& loader, RunConfig& config, const std::filesystem::path& file) {

@@ -1,17 +1,48 @@
 #pragma once
+#include <cstdint>
+
+#include "hw_models/machines/gpu_config.h"
+#include "shader_kernels/programs/programs.h"
+#include "shader_kernels/programs/render_config.h"
+#include "sim/config/field.h"
+#include "sim/named.h"
+#include "sim/report/energy.h"
 #include "tools/simulation/job_options.h"
-#include "tools/simulation/run_config.h"
+#include "traces/accel/bvh_config.h"
+#include "traces/scenes/workload.h"
 
 namespace tools {
+
+/// Everything a run depends on but the frame program: one YAML file. The machine's keys stand at the top level.
+struct RunConfig {
+  hw::GpuConfig gpu;
+  kernels::RenderConfig render;
+  kernels::ProgramConfig programs;
+  traces::BvhConfig bvh;
+  sim::EnergyConfig energy;
+  traces::WorkloadConfig scene;
+  traces::SceneLimits limits;
+
+  static void describe(auto& c, auto&& field) {
+    hw::GpuConfig::describe(c.gpu, field);
+    field.group(NAMED(c.render), "what is rendered, and how finely");
+    kernels::ProgramConfig::describe(c.programs, field);
+    field.group(NAMED(c.bvh), "how the tree is built on the host, and how it lies in memory");
+    field.group(NAMED(c.energy), "energy per event, leakage and clock");
+    field.group(NAMED(c.scene), "what is looked at, from where, and when");
+    field.group(NAMED(c.limits), "what a scene file may cost at most");
+  }
+  void check(auto&& complain) const { gpu.check(complain); }
+};
 
 /// The configuration that a run works with: the file, then the workload if --scene names one, then --set, then --scene,
 /// --camera, --frames and --resolution. InputError.
 RunConfig load_run_config(const JobOptions& options);
 
-// Its steps, for who loads many that differ little.
+// Its steps, for callers that load many configurations that differ little.
 /// The file, then the workload, if `scene` names one. Not checked yet.
 RunConfig load_base_config(const std::string& config, const std::string& scene);
-/// What else the options say, upon that, and the checks.
+/// Applies the other options to that, and checks the result.
 RunConfig apply_options(RunConfig base, const JobOptions& options);
 
 // Its last steps, for configurations that come from elsewhere.

@@ -7,19 +7,18 @@
 
 namespace tools {
 
-/// Of a frame whose tiles are made by one front end after the other: what former ones came to.
+/// Sums over the front ends that have made tiles of a frame so far, one after the other.
 struct FormerTiles {
   std::uint32_t tiles = 0;
   std::uint64_t rays = 0, cycles = 0;
-  /// There are no more.
+  /// Reports the sums when there are no more front ends.
   void end(Progress* progress) const {
     if (progress != nullptr) progress->tiles_done(tiles, rays, cycles);
   }
 };
 
-/// The tiles of a frame on their way to whoever plays them: tells of progress, and when the user has interrupted it
-/// throws Interrupted, or ends the list if the part that is finished is to be kept. A machine then finishes the tiles
-/// that it has.
+/// The tiles of a frame on their way to the machine that plays them. Reports progress. After an interrupt by the user
+/// it throws Interrupted or, if the finished part is to be kept, ends the list: the machine finishes the tiles it has.
 class ProgressTileSource final : public hw::TileSource {
  public:
   /// `tiles`: how many there are. With `former` they follow those, and are added to them; the part that `progress` is

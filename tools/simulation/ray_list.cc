@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::uint64_t kRayBytes = 32, kMostRays = 1U << 26;
 
-/// What is wrong with a ray; empty if nothing.
+/// The fault of a ray; empty if there is none.
 std::string_view problem(const traces::Ray& ray) {
   const auto finite = [](const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); };
   if (!finite(ray.origin)) return "origin is not finite";

@@ -29,7 +29,7 @@ std::map<std::string, sim::FieldInfo> fields(const RunConfig& config) {
   return all;
 }
 
-/// What the command line said of the work beside the configuration: with --scene, --camera, --frames, --resolution.
+/// Words of the command line on the work beside the configuration: with --scene, --camera, --frames, --resolution.
 Json given(const RunConfig& effective, const JobOptions& options) {
   JobOptions plain;
   plain.config = options.config;
@@ -70,7 +70,7 @@ bool is_pair(const Json& json) { return json.is_array() && json.size() == 2 && s
 
 /// A key that a header must have.
 struct HeaderKey {
-  const char* place;
+  const char* pointer;  ///< JSON pointer
   bool (*fits)(const Json&);
   const char* kind;
 };
@@ -100,7 +100,7 @@ void check_resolution(const Json& header, const std::string& file, const RunConf
                   file, sides[0], sides[1], config.render.width, config.render.height));
 }
 
-// What is left out is 0.
+// Keys that are left out are 0.
 template <class Number>
 void read(const Json& json, const char* key, Number& number) {
   if (!json.contains(key)) return;
@@ -214,11 +214,11 @@ FrontEnd::Result result_of(const Json& json) {
 
 void check_header(const Json& header) {
   for (const HeaderKey& key : kHeaderKeys) {
-    const Json::json_pointer place(key.place);
-    std::string name = key.place + 1;
+    const Json::json_pointer pointer(key.pointer);
+    std::string name = key.pointer + 1;
     std::ranges::replace(name, '/', '.');
-    if (!header.contains(place)) throw sim::InputError(fmt::format("the header has no '{}'", name));
-    if (!key.fits(header.at(place))) {
+    if (!header.contains(pointer)) throw sim::InputError(fmt::format("the header has no '{}'", name));
+    if (!key.fits(header.at(pointer))) {
       throw sim::InputError(fmt::format("'{}' of the header is wrong; allowed: {}", name, key.kind));
     }
   }

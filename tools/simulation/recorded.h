@@ -7,7 +7,7 @@
 
 namespace tools {
 
-// What a trace says beside the work itself (docs/trace-format.md).
+// Header of a trace, beside the work itself (docs/trace-format.md).
 
 /// The header of a trace of these inputs.
 traces::Json trace_header(const Inputs& inputs, const JobOptions& options);

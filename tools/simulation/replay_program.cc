@@ -12,7 +12,7 @@ namespace tools {
 
 ReplayProgram::ReplayProgram(const traces::TraceReader& trace, const traces::TraceReader::Part& part,
                              const traces::TileScope& scope, std::span<const traces::KernelId> kernels)
-    : FrameProgram(0, 0), trace_(trace), part_(part), scope_(scope), kernels_(kernels), places_(trace.tiles(part)) {
+    : FrameProgram(0, 0), trace_(trace), part_(part), scope_(scope), kernels_(kernels), tiles_(trace.tiles(part)) {
   FrontEnd::Result result = trace.naming_file([&] { return result_of(part.result); });
   continued_ = result.continued;
   sampling_ = std::move(result.sampling);
@@ -30,13 +30,13 @@ std::unique_ptr<ReplayProgram::Cursor> ReplayProgram::take_cursor() const {
   return cursor;
 }
 
-void ReplayProgram::run_tile(std::uint32_t place, const traces::Tracer&, bool, kernels::TileResult& out) const {
+void ReplayProgram::run_tile(std::uint32_t tile_index, const traces::Tracer&, bool, kernels::TileResult& out) const {
   std::unique_ptr<Cursor> cursor = take_cursor();
   const traces::TileRays rays = trace_.naming_file([&] {
     try {
-      return cursor->read(places_[place], scope_, out.work);
+      return cursor->read(tiles_[tile_index], scope_, out.work);
     } catch (const sim::InputError& error) {
-      throw sim::InputError(fmt::format("frame {}, tile {} of the list: {}", part_.frame, place, error.what()));
+      throw sim::InputError(fmt::format("frame {}, tile {} of the list: {}", part_.frame, tile_index, error.what()));
     }
   });
   for (traces::WorkNode& node : out.work.nodes) {
@@ -45,7 +45,7 @@ void ReplayProgram::run_tile(std::uint32_t place, const traces::Tracer&, bool, k
   out.tile = out.work.tile;
   std::ranges::copy(rays.by_kind, out.rays.begin());
   out.traversal_steps = rays.steps;
-  out.continued = place == 0 ? continued_ : 0;
+  out.continued = tile_index == 0 ? continued_ : 0;
   const std::lock_guard lock(mutex_);
   cursors_.push_back(std::move(cursor));
 }

@@ -10,7 +10,7 @@
 
 namespace tools {
 
-/// A part of a trace in the place of a frame program: its tiles are read, not rendered, so there is no picture.
+/// A part of a trace instead of a frame program: its tiles are read, not rendered, so there is no picture.
 class ReplayProgram final : public kernels::FrameProgram {
  public:
   /// `kernels`: this program's, by their number in the trace. All arguments must outlive it.
@@ -19,7 +19,7 @@ class ReplayProgram final : public kernels::FrameProgram {
 
   std::uint32_t tiles() const override { return part_.tiles; }
   kernels::FrameRequirements requirements() const override;
-  void run_tile(std::uint32_t place, const traces::Tracer& tracer, bool record,
+  void run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record,
                 kernels::TileResult& out) const override;
   void keep(const kernels::TileResult& tile) override;
 
@@ -31,7 +31,7 @@ class ReplayProgram final : public kernels::FrameProgram {
   const traces::TraceReader::Part& part_;
   const traces::TileScope& scope_;
   const std::span<const traces::KernelId> kernels_;
-  const std::vector<traces::TraceReader::FileRange> places_;
+  const std::vector<traces::TraceReader::FileRange> tiles_;
   std::uint64_t continued_ = 0;
   kernels::Sampling sampling_;
   std::uint32_t kept_ = 0;

@@ -56,11 +56,11 @@ struct Interval {
   double chance = 0;  ///< half of what the interval would be if only chance were at work
   double method = 0;  ///< likewise what the method is off, whichever parts are drawn
   double half_width() const { return std::hypot(chance, method); }
-  /// Of something beside: what is chance evens out, what the method is off does not.
+  /// Adds another interval: chance evens out, the method's error does not.
   void add(const Interval& other);
 };
 
-/// Of a frame of which some tiles were timed (tile_sampling.h), or several.
+/// Tile sampling of a frame, or of several (tile_sampling.h).
 struct SampledFrame {
   std::uint64_t tiles = 0, timed = 0, measured = 0, warmed = 0, blocks = 0, rounds = 0;
   Interval cycles, energy_pj;
@@ -90,7 +90,7 @@ struct Simulation {
   void add(const Simulation& frame);
 };
 
-/// What goes with a frame program.
+/// Options that go with a frame program.
 struct Extras {
   kernels::RateMap* rates = nullptr;  ///< of its tiles, if they go on from frame to frame
   bool marks = false;                 ///< how all samples came about is kept, for pictures

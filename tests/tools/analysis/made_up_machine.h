@@ -1,36 +1,49 @@
 #pragma once
+#include <cstddef>
 #include <cstdint>
+#include <map>
 #include <string>
-#include <utility>
 #include <vector>
 
+#include "hw_models/memory/dram_channel.h"
+#include "hw_models/memory/l2_bank.h"
+#include "hw_models/srp/srp.h"
+#include "hw_models/tni/ist.h"
+#include "hw_models/tni/trv.h"
 #include "sim/report/unit_report.h"
 
 namespace test {
 
 /// Reports of a machine of one core whose units say what they are told to, each over 100 cycles of 1 GHz.
 struct MadeUpMachine {
-  using CycleReason = std::vector<std::pair<std::string, std::uint64_t>>;
-  using Counters = std::vector<std::pair<std::string, std::uint64_t>>;
-  CycleReason trv = {{"starved", 100}};
-  CycleReason ist = {{"starved", 100}};
-  CycleReason srp = {{"starved", 100}};
-  CycleReason dram = {{"idle", 100}};
+  using Reasons = std::map<std::string, std::uint64_t>;
+  using Counters = std::map<std::string, std::uint64_t>;
+  Reasons trv = {{"starved", 100}};
+  Reasons ist = {{"starved", 100}};
+  Reasons srp = {{"starved", 100}};
+  Reasons dram = {{"idle", 100}};
   Counters of_trv{}, of_srp{}, of_l2{};
 
   std::vector<sim::UnitReport> units() const {
-    return {unit("core0.tni.trv0", trv, of_trv), unit("core0.tni.ist", ist, {}), unit("core0.srp", srp, of_srp),
-            unit("l2.bank0", {{"idle", 100}}, of_l2), unit("dram.channel0", dram, {})};
+    return {unit<hw::Trv>("core0.tni.trv0", trv, of_trv), unit<hw::Ist>("core0.tni.ist", ist, {}),
+            unit<hw::Srp>("core0.srp", srp, of_srp), unit<hw::L2Bank>("l2.bank0", {{"idle", 100}}, of_l2),
+            unit<hw::DramChannel>("dram.channel0", dram, {})};
   }
 
  private:
-  static sim::UnitReport unit(std::string path, const CycleReason& why, const Counters& counters) {
+  /// Reasons and counters that are not given are 0.
+  template <class Unit>
+  static sim::UnitReport unit(std::string path, Reasons why, Counters counters) {
     sim::UnitReport report;
     report.path = std::move(path);
     report.elapsed = 100;
-    report.why = why;
     report.clock_mhz = 1000;
-    for (const auto& [name, value] : counters) report.counters.push_back({name, "", value, ""});
+    report.type = typeid(Unit);
+    for (const std::string_view name : names_of(typename Unit::CycleReason{}))
+      report.why.emplace_back(name, why[std::string(name)]);
+    Unit::Stats::describe(typename Unit::Stats{}, [&](std::uint64_t, const char* name, auto&&...) {
+      report.counters.push_back({name, "", counters[name], ""});
+    });
     return report;
   }
 };

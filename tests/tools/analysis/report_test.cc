@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-// What totals say only of runs that have it to say: samples and rates beside the picture, items that idled.
+// Parts of totals that not every run has: samples and rates beside the picture, items that idled.
 
 namespace tools {
 namespace {

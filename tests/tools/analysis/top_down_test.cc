@@ -14,7 +14,7 @@ namespace {
 double sum(const CoreTime& t) { return t.busy() + t.data_misses + t.tracing() + t.transfers + t.no_tile; }
 
 TEST(TopDown, TimeInWhichTheArrayIdlesGoesToWhatTheRaysDoMeanwhile) {
-  // Of 100 cycles the array ran 30 and idled 70, 60 of them with rays in the unit. Of the time in which the traversal
+  // The array ran 30 of 100 cycles and idled 70, 60 of them with rays in the unit. Of the time in which the traversal
   // unit had rays (80), a quarter went to visits, a quarter to misses, half to the IST, which tested half its time.
   const test::MadeUpMachine machine{.trv = {{"starved", 20}, {"visiting", 20}, {"l1_miss", 20}, {"ist", 40}},
                                     .ist = {{"starved", 60}, {"testing", 20}, {"l1_miss", 10}, {"mshr_full", 10}},

@@ -87,7 +87,7 @@ TEST_P(AdaptiveRun, ItsConfigurationLoadsAgainAndGivesTheSameRun) {
   EXPECT_EQ(repeatable(read_json(out / "report.json")), repeatable(first));
 }
 
-/// Of a frame.
+/// Figures of a frame.
 std::uint64_t references(const Json& frame) {
   const Json& s = frame["sampling"];
   return s["wanted"].get<std::uint64_t>() - s["checked"].get<std::uint64_t>() -

@@ -18,11 +18,11 @@ void expect_config_refused(const TempFolder& folder, const std::string& config, 
   EXPECT_EQ(names_in(folder.path()), before);
 }
 
-/// A file with this text, which extends the default machine, is refused at this place.
-void expect_yaml_refused(const std::string& text, const std::string& place, Words parts) {
+/// A file with this text, which extends the default machine, is refused at this position.
+void expect_yaml_refused(const std::string& text, const std::string& position, Words parts) {
   const TempFolder folder;
   const std::string file = folder.write("mine.yaml", "extends: sgrt-2016\n" + text).string();
-  parts.push_back(file + place);
+  parts.push_back(file + position);
   expect_config_refused(folder, file, parts);
 }
 

@@ -1,8 +1,6 @@
 #include <algorithm>
-#include <chrono>
 #include <csignal>
 #include <filesystem>
-#include <thread>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -105,16 +103,7 @@ TEST(Frames, FinishedBeforeAnInterruptAreKept) {
   const TempFolder folder;
   const fs::path out = folder.path() / "out";
   Program program(small_run(out, chess({"--frames", "0:100000"})));
-  const auto has_a_frame = [&] {
-    std::error_code vanished;
-    for (const auto& entry : fs::recursive_directory_iterator(folder.path(), vanished)) {
-      if (entry.path().filename() == "frame-0001.png") return true;
-    }
-    return false;
-  };
-  for (int tries = 0; tries < 3000 && !has_a_frame(); ++tries) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
+  EXPECT_TRUE(program.wait_for_file(folder.path(), "frame-0001.png"));
   program.send(SIGINT);
   const Ending ending = program.wait();
   EXPECT_EQ(ending.exit, 128 + SIGINT);

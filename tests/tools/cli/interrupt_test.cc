@@ -140,7 +140,7 @@ TEST(Interrupt, WithSampledTilesKeepsFinishedFramesAndNothingOfOthers) {
   EXPECT_SAYS(later.err, "kept " + std::to_string(report["frames"].size()) + " of 100001 frames in");
 }
 
-/// What `run --rays` says of such a list, but for how long it was.
+/// The report of `run --rays` on such a list, but for how long it was.
 nlohmann::json figures_of_rays(const fs::path& out) {
   const nlohmann::json report = read_json(out / "report.json");
   nlohmann::json figures = {{"totals", report["totals"]}, {"units", report["units"]}};

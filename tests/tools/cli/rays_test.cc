@@ -8,7 +8,7 @@
 
 #include "tests/tools/program.h"
 
-// A list of rays in the place of a camera: T&I units, caches and memory alone.
+// A list of rays instead of a camera: T&I units, caches and memory alone.
 
 namespace test {
 namespace {
@@ -102,10 +102,10 @@ TEST_F(Rays, AgreeWithEmbree) {
 TEST_F(Rays, ThatAreNoneAreRefusedByTheirNumber) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN(), kInf = std::numeric_limits<float>::infinity();
   const Floats good = {0, 1, 0, 0, 0, 0, 1, 1};
-  const auto refused = [&](std::size_t place, float value, const std::string& says) {
+  const auto refused = [&](std::size_t offset, float value, const std::string& says) {
     Floats bad = good;
     bad.insert(bad.end(), good.begin(), good.end());
-    bad[8 + place] = value;
+    bad[8 + offset] = value;
     expect_refusal(raywatt({"run", "--rays", list(bad), "-o", out().string()}), {"a.rays: ray 1: ", says, "allowed"});
   };
   refused(1, kNan, "origin is not finite");

@@ -3,7 +3,7 @@
 
 #include "tests/tools/program.h"
 
-// What a run leaves behind: the files, the fields of report.json, sums that must hold, and that it can be repeated.
+// Results of a run: the files, the fields of report.json, sums that must hold, and that it can be repeated.
 
 namespace test {
 namespace {

@@ -16,7 +16,7 @@
 namespace test {
 namespace {
 
-/// What the Khronos validator says of a file; empty if there is neither error nor warning.
+/// Words of the Khronos validator on a file; empty if there is neither error nor warning.
 std::string complaints_about(const std::filesystem::path& file) {
   if (std::system("command -v node >/dev/null") != 0) return "node is not installed; tools/test installs it";
   if (!std::filesystem::exists(GLTF_VALIDATOR_MODULES)) {
@@ -104,25 +104,25 @@ TEST(ScenesExport, NeedsAnOutputThatEndsWithGlb) {
 TEST(ScenesInfo, JsonCountsWhatIsThere) {
   const Ending ending = raywatt({"scenes", "info", "cornell", "--json"});
   ASSERT_EQ(ending.exit, 0) << ending.err;
-  const nlohmann::json sheet = nlohmann::json::parse(ending.out);
-  EXPECT_EQ(sheet["schema"], "raywatt-scene/1");
-  EXPECT_EQ(sheet["cameras"][0]["name"], "front");
-  EXPECT_EQ(sheet["animation"]["tracks"], 2) << "the camera's path and turns";
+  const nlohmann::json info = nlohmann::json::parse(ending.out);
+  EXPECT_EQ(info["schema"], "raywatt-scene/1");
+  EXPECT_EQ(info["cameras"][0]["name"], "front");
+  EXPECT_EQ(info["animation"]["tracks"], 2) << "the camera's path and turns";
   std::uint64_t parts = 0;
-  for (const auto& part : sheet["memory_image"]["parts"].items()) parts += part.value().get<std::uint64_t>();
-  EXPECT_EQ(sheet["memory_image"]["bytes"], parts);
-  EXPECT_EQ(sheet["bvh"]["leaves"].get<int>(), sheet["bvh"]["nodes"].get<int>() + 1);
-  EXPECT_GT(sheet["host"]["peak_bytes"], 0);
-  EXPECT_EQ(sheet["host"]["file_bytes"], 0);
+  for (const auto& part : info["memory_image"]["parts"].items()) parts += part.value().get<std::uint64_t>();
+  EXPECT_EQ(info["memory_image"]["bytes"], parts);
+  EXPECT_EQ(info["bvh"]["leaves"].get<int>(), info["bvh"]["nodes"].get<int>() + 1);
+  EXPECT_GT(info["host"]["peak_bytes"], 0);
+  EXPECT_EQ(info["host"]["file_bytes"], 0);
 }
 
 TEST(ScenesInfo, GivesTheBytesOfNodesInEachFormatAndInTheChosenOne) {
-  const auto sheet = [](const Words& more) {
+  const auto info = [](const Words& more) {
     Words words = {"scenes", "info", "teapot", "--json"};
     words.insert(words.end(), more.begin(), more.end());
     return nlohmann::json::parse(raywatt(words).out);
   };
-  const nlohmann::json standard = sheet({});
+  const nlohmann::json standard = info({});
   const std::uint64_t nodes = standard["bvh"]["nodes"];
   const nlohmann::json formats = {{"fp32 pair", 64 * nodes},
                                   {"fp32 single", 32 * (2 * nodes + 1)},
@@ -130,7 +130,7 @@ TEST(ScenesInfo, GivesTheBytesOfNodesInEachFormatAndInTheChosenOne) {
                                   {"hybrid single", 20 * (2 * nodes + 1)}};
   EXPECT_EQ(standard["memory_image"]["nodes_by_format"], formats);
   EXPECT_EQ(standard["memory_image"]["parts"]["nodes"], formats["fp32 pair"]);
-  EXPECT_EQ(sheet({"--set", "bvh.numbers=hybrid"})["memory_image"]["parts"]["nodes"], formats["hybrid pair"]);
+  EXPECT_EQ(info({"--set", "bvh.numbers=hybrid"})["memory_image"]["parts"]["nodes"], formats["hybrid pair"]);
 }
 
 TEST(ScenesInfo, CountsMotionTexturesAndTheFile) {
@@ -138,15 +138,15 @@ TEST(ScenesInfo, CountsMotionTexturesAndTheFile) {
   const std::string file = folder.write("features.glb", traces::export_glb(feature_scene())).string();
   const Ending ending = raywatt({"scenes", "info", file, "--json"});
   ASSERT_EQ(ending.exit, 0) << ending.err;
-  const nlohmann::json sheet = nlohmann::json::parse(ending.out);
-  EXPECT_EQ(sheet["host"]["file_bytes"], std::filesystem::file_size(file));
-  EXPECT_EQ(sheet["triangles"], 14);
-  EXPECT_GT(sheet["textures"]["bytes"], 0);
-  EXPECT_EQ(sheet["animation"]["duration_s"], 2);
-  EXPECT_EQ(sheet["animation"]["tracks"], 5);
-  EXPECT_EQ(sheet["animation"]["skins"], 1);
-  EXPECT_EQ(sheet["animation"]["morph_targets"], 2);
-  EXPECT_EQ(sheet["animation"]["moving_instances"], 5) << "all but the two boards";
+  const nlohmann::json info = nlohmann::json::parse(ending.out);
+  EXPECT_EQ(info["host"]["file_bytes"], std::filesystem::file_size(file));
+  EXPECT_EQ(info["triangles"], 14);
+  EXPECT_GT(info["textures"]["bytes"], 0);
+  EXPECT_EQ(info["animation"]["duration_s"], 2);
+  EXPECT_EQ(info["animation"]["tracks"], 5);
+  EXPECT_EQ(info["animation"]["skins"], 1);
+  EXPECT_EQ(info["animation"]["morph_targets"], 2);
+  EXPECT_EQ(info["animation"]["moving_instances"], 5) << "all but the two boards";
 }
 
 TEST(ScenesInfo, ShowsWhereCamerasStandOnRequest) {

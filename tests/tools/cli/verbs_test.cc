@@ -7,7 +7,7 @@
 #include "tests/tools/program.h"
 #include "tests/traces/scene/tiny_gltf_file.h"
 
-// What is printed where, and what the verbs without results say.
+// Where output goes, and the verbs that have no results.
 
 namespace test {
 namespace {

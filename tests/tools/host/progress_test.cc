@@ -4,7 +4,6 @@
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
-#include <thread>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -14,7 +13,7 @@
 
 #include "tests/tools/program.h"
 
-// What a run tells of itself while it goes on.
+// Progress that a run reports while it goes on.
 
 namespace test {
 namespace {
@@ -243,20 +242,22 @@ TEST(ProgressBar, IsGoneWhenTheTableComes) {
 }
 
 TEST(ProgressBar, IsNotThereInAPipeNorIfNobodyWantsIt) {
-  const TempFolder folder;
-  Program piped(long_run(folder));
-  std::this_thread::sleep_for(std::chrono::milliseconds(2600));
+  const TempFolder folders[4];
+  const auto words = [&](int run, const Words& unwanted) {
+    Words all = long_run(folders[run]);
+    all.insert(all.end(), unwanted.begin(), unwanted.end());
+    return all;
+  };
+  Program piped(words(0, {}));
+  OnTerminal quiet(words(1, {"--quiet"})), unwanted(words(2, {"--progress", "none"}));
+  OnTerminal last(words(3, {}));
+  ASSERT_TRUE(last.wait_for("rays/s")) << "a run that began later has its bar";
   piped.send(SIGINT);
   EXPECT_TRUE(piped.wait().err.starts_with("raywatt: interrupted"));
-  for (const Words& unwanted : {Words{"--quiet"}, Words{"--progress", "none"}}) {
-    const TempFolder other;
-    Words words = long_run(other);
-    words.insert(words.end(), unwanted.begin(), unwanted.end());
-    OnTerminal run(words);
-    std::this_thread::sleep_for(std::chrono::milliseconds(2600));
-    run.type(kControlC);
-    EXPECT_EQ(run.wait(), 130);
-    EXPECT_TRUE(run.screen().starts_with("^Craywatt: interrupted")) << run.screen();
+  for (OnTerminal* run : {&quiet, &unwanted}) {
+    run->type(kControlC);
+    EXPECT_EQ(run->wait(), 130);
+    EXPECT_TRUE(run->screen().starts_with("^Craywatt: interrupted")) << run->screen();
   }
 }
 

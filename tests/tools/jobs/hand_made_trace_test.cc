@@ -72,7 +72,7 @@ std::string tile(int index, const std::string& walks) {
          walks;
 }
 
-// Of the four rays three go to the first leaf and hit there; the last goes to the second leaf, first to hit of two
+// Three of the four rays go to the first leaf and hit there; the last goes to the second leaf, first to hit of two
 // boxes, misses a triangle by its distance, hits the next, and what is on its stack lies behind that.
 const std::string kWords = bytes({17, /*words*/ 1}) + [] {
   std::string out;
@@ -111,10 +111,10 @@ std::string bits_of_levels() {
   return as_walks(all, 4 * 6);
 }
 
-/// What a test does to what is in a file.
+/// A test's change to the contents of a file.
 using Change = std::function<void(Json& header, Json& contents)>;
 
-/// A file of one tree and one frame. `tree` and `part` are entries of the contents, without the places of blocks.
+/// A file of one tree and one frame. `tree` and `part` are entries of the contents, without the offsets of blocks.
 std::string file_of(Json header, const std::string& links, Json tree, const std::vector<std::string>& tiles, Json part,
                     const Change& change = {}, const Form& form = {}) {
   Json contents;
@@ -124,9 +124,9 @@ std::string file_of(Json header, const std::string& links, Json tree, const std:
   file += number(packed.size(), 4) + packed;
   const auto put = [&](const std::string& content) {
     const std::string all = block(content, form);
-    const Json place = {{"offset", file.size()}, {"bytes", all.size()}};
+    const Json block = {{"offset", file.size()}, {"bytes", all.size()}};
     file += all;
-    return place;
+    return block;
   };
   tree.update(put(links));
   contents["trees"].push_back(tree);
@@ -138,8 +138,8 @@ std::string file_of(Json header, const std::string& links, Json tree, const std:
   contents["parts"].push_back(part);
   contents["frames"].push_back({{"frame", 0}, {"squared_error", 0.0}});
   if (change) change(header, contents);
-  const Json place = put(contents.dump());
-  return file + number(place["offset"], 8) + number(place["bytes"], 4) + "end\n";
+  const Json block = put(contents.dump());
+  return file + number(block["offset"], 8) + number(block["bytes"], 4) + "end\n";
 }
 
 std::string trace(const std::string& walks, bool levels = false, const Change& change = {}, const Form& form = {}) {
@@ -278,9 +278,9 @@ class BadHandMadeTrace : public ::testing::Test {
     return raywatt(words);
   }
   /// With a header of which a key is another, or none.
-  static std::string with(const std::string& place, const Json& value) {
+  static std::string with(const std::string& pointer, const Json& value) {
     return trace(kWords, false, [&](Json& header, Json&) {
-      const Json::json_pointer key(place);
+      const Json::json_pointer key(pointer);
       if (value.is_null()) {
         header.at(key.parent_pointer()).erase(key.back());
       } else {
@@ -305,15 +305,15 @@ TEST_F(BadHandMadeTrace, WithoutAKeyOfTheHeaderIsRefusedAndTheKeyNamed) {
 }
 
 TEST_F(BadHandMadeTrace, WithoutAKeyOfTheContentsIsRefusedAndTheKeyNamed) {
-  const auto without = [](const std::string& place) {
+  const auto without = [](const std::string& pointer) {
     return trace(kWords, false, [&](Json&, Json& contents) {
-      const Json::json_pointer key(place);
+      const Json::json_pointer key(pointer);
       if (contents.contains(key)) contents.at(key.parent_pointer()).erase(key.back());
     });
   };
-  for (const std::string place : {"/trees", "/trees/0/counts", "/parts/0/demands", "/parts/0/result", "/frames"}) {
-    const std::string key = place.substr(place.rfind('/') + 1);
-    expect_refusal(replay(without(place)), {"a.trace: has no key '" + key + "'"});
+  for (const std::string pointer : {"/trees", "/trees/0/counts", "/parts/0/demands", "/parts/0/result", "/frames"}) {
+    const std::string key = pointer.substr(pointer.rfind('/') + 1);
+    expect_refusal(replay(without(pointer)), {"a.trace: has no key '" + key + "'"});
   }
 }
 

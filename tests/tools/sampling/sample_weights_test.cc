@@ -13,14 +13,14 @@
 namespace tools {
 namespace {
 
-double uniform(std::uint64_t trial, std::uint64_t place, std::uint64_t of) {
-  return static_cast<double>(sim::unit_float(sim::hash(trial, place, of)));
+double uniform(std::uint64_t trial, std::uint64_t index, std::uint64_t of) {
+  return static_cast<double>(sim::unit_float(sim::hash(trial, index, of)));
 }
 
 /// Nearly normal, with variance 1.
-double noise(std::uint64_t trial, std::uint64_t place) {
+double noise(std::uint64_t trial, std::uint64_t index) {
   double sum = -6;
-  for (std::uint64_t i = 0; i < 12; ++i) sum += uniform(trial, place, 100 + i);
+  for (std::uint64_t i = 0; i < 12; ++i) sum += uniform(trial, index, 100 + i);
   return sum;
 }
 

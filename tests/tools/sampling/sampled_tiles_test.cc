@@ -28,10 +28,10 @@ struct BlockRun {
   std::vector<sim::UnitReport> units;
 };
 
-BlockRun run(const std::vector<TimedBlock>& blocks, const std::vector<std::uint32_t>& places = {}) {
+BlockRun run(const std::vector<TimedBlock>& blocks, const std::vector<std::uint32_t>& tile_indices = {}) {
   hw::GpuConfig config;
   config.cores = 2;
-  FrontEnd front_end(frame().program(), frame().tracer(), 0, true, places);
+  FrontEnd front_end(frame().program(), frame().tracer(), 0, true, tile_indices);
   SampledTiles tiles(front_end, blocks);
   hw::Gpu gpu(config, frame().workload(), tiles);
   tiles.connect(gpu);
@@ -83,11 +83,11 @@ TEST(SampledTiles, MarksBoundTheMeasuredParts) {
 
 TEST(SampledTiles, TilesThatNobodyNeedsNeedNotBeMade) {
   const std::vector<TimedBlock> blocks = {{0, 0, 4, 0}, {40, 42, 48, 2}, {120, 124, 128, 0}};
-  std::vector<std::uint32_t> places;
+  std::vector<std::uint32_t> tile_indices;
   for (std::uint32_t tile = 0; tile < 128; ++tile) {
-    if (tile < 4 || (tile >= 38 && tile < 48) || tile >= 120) places.push_back(tile);
+    if (tile < 4 || (tile >= 38 && tile < 48) || tile >= 120) tile_indices.push_back(tile);
   }
-  const BlockRun all = run(blocks), few = run(blocks, places);
+  const BlockRun all = run(blocks), few = run(blocks, tile_indices);
   ASSERT_EQ(all.marks.size(), few.marks.size());
   for (std::size_t i = 0; i < all.marks.size(); ++i) EXPECT_EQ(all.marks[i].time, few.marks[i].time);
   EXPECT_EQ(all.fills, few.fills);

@@ -89,13 +89,13 @@ TEST(FrontEnd, AFailureInAThreadComesOutWhereTheTileIsAskedFor) {
 /// A list of tiles, each of which is made as the test says.
 class MadeUp final : public kernels::FrameProgram {
  public:
-  using Run = std::function<void(std::uint32_t place, kernels::TileResult& out)>;
+  using Run = std::function<void(std::uint32_t tile_index, kernels::TileResult& out)>;
   MadeUp(std::uint32_t tiles, Run run, std::function<void()> keep = {})
       : FrameProgram(0, 0), tiles_(tiles), run_(std::move(run)), keep_(std::move(keep)) {}
   std::uint32_t tiles() const override { return tiles_; }
   kernels::FrameRequirements requirements() const override { return {}; }
-  void run_tile(std::uint32_t place, const traces::Tracer&, bool, kernels::TileResult& out) const override {
-    run_(place, out);
+  void run_tile(std::uint32_t tile_index, const traces::Tracer&, bool, kernels::TileResult& out) const override {
+    run_(tile_index, out);
   }
   void keep(const kernels::TileResult&) override {
     if (keep_) keep_();
@@ -112,14 +112,14 @@ TEST(FrontEnd, OfSeveralTilesThatFailTheFirstIsToldHoweverManyThreadsMakeThem) {
   std::mutex mutex;
   std::condition_variable news;
   bool later_has_failed = false;
-  MadeUp program(8, [&](std::uint32_t place, kernels::TileResult&) {
-    if (place < 2) return;
+  MadeUp program(8, [&](std::uint32_t tile_index, kernels::TileResult&) {
+    if (tile_index < 2) return;
     std::unique_lock lock(mutex);
-    // Of two threads the one with the earlier tile is the later one.
-    if (place == 2) news.wait_for(lock, std::chrono::milliseconds(500), [&] { return later_has_failed; });
-    later_has_failed = place > 2;
+    // The thread with the earlier tile is the later of the two.
+    if (tile_index == 2) news.wait_for(lock, std::chrono::milliseconds(500), [&] { return later_has_failed; });
+    later_has_failed = tile_index > 2;
     news.notify_all();
-    throw std::runtime_error("tile " + std::to_string(place));
+    throw std::runtime_error("tile " + std::to_string(tile_index));
   });
   for (const std::uint32_t workers : {0U, 1U, 2U, 5U}) {
     FrontEnd front_end(program, tracer, workers);
@@ -146,7 +146,8 @@ TEST(FrontEnd, MemoryThatAThreadIsRefusedComesOutWhereTheTileIsAskedFor) {
   };
   // All slots get room for the longest tile so far.
   MadeUp program(
-      100, [](std::uint32_t place, kernels::TileResult& out) { out.work.walk.resize(place == 0 ? 16U << 20 : 0); },
+      100,
+      [](std::uint32_t tile_index, kernels::TileResult& out) { out.work.walk.resize(tile_index == 0 ? 16U << 20 : 0); },
       allow_no_more);
   for (const std::uint32_t workers : {1U, 2U}) {
     bool refused = false;

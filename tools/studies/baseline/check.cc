@@ -11,7 +11,7 @@
 #include "sim/config/config.h"
 #include "sim/error.h"
 #include "tools/analysis/report_paths.h"
-#include "tools/simulation/run_config.h"
+#include "tools/simulation/load_config.h"
 #include "traces/accel/embree_tracer.h"
 
 namespace tools {
@@ -27,16 +27,16 @@ class Choice {
     std::string path;
     double percent = 0;
   };
-  /// In the order of `keep`; what is named twice stands at its first place, with its last tolerance.
+  /// In the order of `keep`; what is named twice stands where it is first, with its last tolerance.
   std::vector<Chosen> of(const Values& all) {
     std::vector<std::string> paths;
     for (const auto& [path, value] : all) paths.push_back(path);
     std::vector<Chosen> out;
-    std::map<std::string, std::size_t> places;
+    std::map<std::string, std::size_t> index_of;
     for (const Kept& kept : suite_.kept) {
       for (std::string& path : group(kept, paths)) {
         found_.insert(kept.text);
-        const auto [at, is_new] = places.emplace(path, out.size());
+        const auto [at, is_new] = index_of.emplace(path, out.size());
         if (is_new) out.push_back({std::move(path), 0});
         out[at->second].percent = kept.percent;
       }
@@ -93,7 +93,7 @@ std::vector<KeyPair> difference(const FlatConfig& was, const FlatConfig& is) {
   return out;
 }
 
-/// Why values made from `was` say nothing of values made from `is`; what else differs goes to `config`.
+/// The reason that values made from `was` say nothing of values made from `is`; what else differs goes to `config`.
 std::vector<std::string> refusals(const Facts& was, const Facts& is, std::vector<KeyPair>& config) {
   std::vector<std::string> out;
   if (was.program != is.program) out.push_back(fmt::format("stored of program {}, now {}", was.program, is.program));
@@ -143,7 +143,7 @@ const Moved* find_moved(const RunCheck& run, std::string_view path) {
   return found == run.moved.end() ? nullptr : &*found;
 }
 
-bool is_clear(const RunCheck& run) { return run.suspect && run.suspect->is_clear(); }
+bool is_clear(const RunCheck& run) { return run.located && run.located->is_clear(); }
 
 std::string details(const RunCheck& run) {
   constexpr std::size_t kMost = 6;
@@ -161,11 +161,11 @@ std::string details(const RunCheck& run) {
   };
   show(false, "");
   const std::size_t figures = std::exchange(shown, 0);
-  show(true, is_clear(run) ? fmt::format("units.{}.", run.suspect->unit) : "units.");
+  show(true, is_clear(run) ? fmt::format("units.{}.", run.located->unit) : "units.");
   if (figures + shown < run.moved.size()) {
     out += fmt::format("  and {} more values\n", run.moved.size() - figures - shown);
   }
-  if (is_clear(run)) out += fmt::format("  most likely in {}: {}\n", run.suspect->unit, run.suspect->moved);
+  if (is_clear(run)) out += fmt::format("  most likely in {}: {}\n", run.located->unit, run.located->moved);
   return out;
 }
 
@@ -200,7 +200,8 @@ Checked check_suite(const Suite& suite, const Baseline* stored, std::uint32_t jo
       } else if (stored != nullptr) {
         run.refused = refusals(was->second.facts, measured.facts, run.config);
         find_moved(was->second, chosen, measured.all, run);
-        if (run.refused.empty() && !run.moved.empty()) run.suspect = find_suspect(was->second.values, measured.all);
+        if (run.refused.empty() && !run.moved.empty())
+          run.located = locate_regression(was->second.values, measured.all);
       }
       one_of_them = std::move(measured.all);
     }
@@ -214,7 +215,7 @@ Checked check_suite(const Suite& suite, const Baseline* stored, std::uint32_t jo
 const RunCheck* clearest(const Checked& checked) {
   const RunCheck* best = nullptr;
   for (const RunCheck& run : checked.runs) {
-    if (run.suspect && (best == nullptr || run.suspect->clarity > best->suspect->clarity)) best = &run;
+    if (run.located && (best == nullptr || run.located->clarity > best->located->clarity)) best = &run;
   }
   return best;
 }
@@ -245,15 +246,15 @@ std::string check_details(const Checked& checked) {
     if (!run.good()) bad.push_back(&run);
   }
   std::ranges::stable_sort(bad, std::greater<>(), [](const RunCheck* run) {
-    return !run->error.empty() || !run->refused.empty() ? 2 : run->suspect ? run->suspect->clarity : 0;
+    return !run->error.empty() || !run->refused.empty() ? 2 : run->located ? run->located->clarity : 0;
   });
   std::string out;
   for (std::size_t i = 0; i < std::min(bad.size(), kMost); ++i) out += details(*bad[i]);
   if (bad.size() > kMost) out += fmt::format("\nand {} more runs; --junit writes all\n", bad.size() - kMost);
   if (const RunCheck* run = clearest(checked); run != nullptr) {
     out +=
-        fmt::format("\n{} in {}, told most clearly by {}: {}\n", run->suspect->is_clear() ? "Most likely" : "Perhaps",
-                    run->suspect->unit, run->name, run->suspect->moved);
+        fmt::format("\n{} in {}, told most clearly by {}: {}\n", run->located->is_clear() ? "Most likely" : "Perhaps",
+                    run->located->unit, run->name, run->located->moved);
   }
   std::vector<KeyPair> keys;
   for (const RunCheck* run : bad) {

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
@@ -17,7 +18,7 @@ struct Moved {
   std::optional<double> was, is;
 };
 
-/// What has become of a run since its values were stored.
+/// A run now against its stored values.
 struct RunCheck {
   std::string name;
   std::string error;                 ///< it could not be computed
@@ -25,7 +26,7 @@ struct RunCheck {
   std::vector<Moved> moved;          ///< in the order of the suite's `keep`, and of paths
   std::size_t values = 0;            ///< kept
   std::vector<KeyPair> config;       ///< keys that differ and may explain it
-  std::optional<Suspect> suspect;
+  std::optional<LocatedRegression> located;
   double seconds = 0;
   bool good() const { return error.empty() && refused.empty() && moved.empty(); }
 };
@@ -42,14 +43,17 @@ struct Checked {
 Checked check_suite(const Suite& suite, const Baseline* stored, std::uint32_t jobs,
                     const std::function<void(const RunCheck&)>& tell);
 
-/// Of the runs that moved, the one that names a unit most clearly; null if none does.
+/// The run that moved and names a unit most clearly; null if none does.
 const RunCheck* clearest(const Checked& checked);
 
 /// "ok  teapot", "MOVED  teapot: 12 of 300 values, cycles 100 -> 104 (+4.0 %)": a line.
 std::string check_line(const RunCheck& run);
-/// What moved, and in which unit: lines for the runs that are not good.
+/// Lines on the runs that are not good: figures that moved, and the unit.
 std::string check_details(const Checked& checked);
 /// "100 -> 104 (+4, +4.0 %)"
 std::string moved_text(const Moved& moved);
+
+/// Writes a check as JUnit XML, which continuous integration systems show: a test case for each run. IoError.
+void write_junit(const std::filesystem::path& file, const Suite& suite, const Checked& checked);
 
 }  // namespace tools

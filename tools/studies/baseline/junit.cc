@@ -1,5 +1,3 @@
-#include "tools/studies/baseline/junit.h"
-
 #include <sstream>
 
 #include <fmt/format.h>
@@ -7,6 +5,7 @@
 
 #include "sim/io/file.h"
 #include "sim/io/printable.h"
+#include "tools/studies/baseline/check.h"
 
 namespace tools {
 
@@ -23,8 +22,8 @@ std::string body(const RunCheck& run) {
   std::istringstream error(run.error);
   for (std::string line; std::getline(error, line);) out += clean(line) + "\n";
   for (const std::string& why : run.refused) out += clean(why) + "\n";
-  if (run.suspect && run.suspect->is_clear())
-    out += clean(fmt::format("most likely in {}: {}", run.suspect->unit, run.suspect->moved)) + "\n";
+  if (run.located && run.located->is_clear())
+    out += clean(fmt::format("most likely in {}: {}", run.located->unit, run.located->moved)) + "\n";
   for (const KeyPair& key : run.config) out += clean(fmt::format("{} was {}, is {}", key.key, key.a, key.b)) + "\n";
   for (const Moved& moved : run.moved) out += clean(fmt::format("{}: {}", moved.path, moved_text(moved))) + "\n";
   return out;

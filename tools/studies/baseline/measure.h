@@ -7,7 +7,7 @@
 
 namespace tools {
 
-/// What has become of a run of a suite.
+/// The result of a run of a suite.
 struct Measured {
   Facts facts;
   Values all;          ///< every number of its report

@@ -126,7 +126,7 @@ std::optional<Reason> kind_of_reason(std::string_view name) {
   return {};
 }
 
-std::optional<Suspect> find_suspect(const Values& was, const Values& is) {
+std::optional<LocatedRegression> locate_regression(const Values& was, const Values& is) {
   const std::vector<Move> moves = all_moves(was, is);
   const std::vector<Own> owns = own_work(moves);
   constexpr double kNoticeable = 0.1;  // of what else moved
@@ -141,10 +141,10 @@ std::optional<Suspect> find_suspect(const Values& was, const Values& is) {
   const Way& way = *std::ranges::max_element(ways, {}, [](const Way& w) { return std::abs(w.is - w.was); });
   const double on_way = std::abs(way.is - way.was);
   if (own > 0 && own >= kNoticeable * std::max(cycles, on_way)) {
-    return Suspect{std::string(most->unit), moved_text(was, is, most->unit, most->most->reason), own / all};
+    return LocatedRegression{std::string(most->unit), moved_text(was, is, most->unit, most->most->reason), own / all};
   }
   if (on_way >= kNoticeable * cycles && on_way > 0) {
-    return Suspect{
+    return LocatedRegression{
         way.name,
         fmt::format("misses spent {:.0f} -> {:.0f} T&I cycles there ({:+.0f})", way.was, way.is, way.is - way.was),
         on_way / (on_way + all + std::abs(queued(is) - queued(was)))};
@@ -155,7 +155,8 @@ std::optional<Suspect> find_suspect(const Values& was, const Values& is) {
   }
   for (const Move& move : moves) {
     if (move.kind != Reason::kWaiting || waited == 0 || std::abs(move.difference()) < waited / 2) continue;
-    return Suspect{std::string(move.unit), moved_text(was, is, move.unit, move.reason), waited / (waited + all)};
+    return LocatedRegression{std::string(move.unit), moved_text(was, is, move.unit, move.reason),
+                             waited / (waited + all)};
   }
   return {};
 }

@@ -3,12 +3,12 @@
 #include <map>
 #include <string>
 
-#include "tools/analysis/flat_config.h"
+#include "tools/analysis/report_file.h"
 #include "tools/studies/baseline/suite.h"
 
 namespace tools {
 
-/// What a run's values were made from.
+/// Origin of a run's values.
 struct Facts {
   std::string program, scene_sha256, bvh_hash;
   FlatConfig config;  ///< without the name of the scene: files move

@@ -118,11 +118,11 @@ class Reader {
     return percent;
   }
 
-  /// A file that lies beside the suite, by its place; all else as it is.
+  /// The path of a file that lies beside the suite; all else as it is.
   std::string beside(const std::string& name) const {
-    const std::filesystem::path place = file_.parent_path() / name;
+    const std::filesystem::path beside = file_.parent_path() / name;
     std::error_code ignored;
-    return !name.empty() && std::filesystem::is_regular_file(place, ignored) ? place.string() : name;
+    return !name.empty() && std::filesystem::is_regular_file(beside, ignored) ? beside.string() : name;
   }
 
   void fill(const Entry& run, JobOptions& options) const {

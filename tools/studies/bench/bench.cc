@@ -26,7 +26,6 @@
 #include "tools/sampling/tile_sampling.h"
 #include "tools/simulation/recorded.h"
 #include "tools/simulation/run_job.h"
-#include "tools/studies/bench/median.h"
 #include "traces/accel/bvh_tracer.h"
 #include "traces/trace_file/trace_writer.h"
 
@@ -56,7 +55,7 @@ class ScratchFolder {
   std::filesystem::path path_;
 };
 
-/// What a scene's figures are of.
+/// The subject of a scene's figures.
 Json conditions_of(const Inputs& inputs) {
   return {{"scene", inputs.scene.name},
           {"resolution", {inputs.config.render.width, inputs.config.render.height}},

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -10,7 +11,7 @@
 
 namespace tools {
 
-/// What `raywatt bench` is told.
+/// Options of `raywatt bench`.
 struct BenchOptions {
   JobOptions job;  ///< its threads are those of the whole run
   std::vector<std::string> scenes = {"cornell", "teapot"};
@@ -54,5 +55,11 @@ void compare_bench(nlohmann::ordered_json& bench, const nlohmann::ordered_json& 
 
 /// Tables for a terminal: whole runs, then replays and samples; as many again if there is something to compare.
 std::string bench_table(const nlohmann::ordered_json& bench);
+
+/// The median of at least one value; for an even number the mean of the two in the middle.
+inline double median(std::vector<double> values) {
+  std::ranges::sort(values);
+  return (values[(values.size() - 1) / 2] + values[values.size() / 2]) / 2;
+}
 
 }  // namespace tools

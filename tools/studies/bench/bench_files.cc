@@ -10,7 +10,6 @@
 #include "sim/io/printable.h"
 #include "sim/report/table.h"
 #include "tools/studies/bench/bench.h"
-#include "tools/studies/bench/median.h"
 
 namespace tools {
 
@@ -20,7 +19,7 @@ namespace {
 
 constexpr std::uint64_t kLargestFile = 16 << 20;
 
-/// Of the scene of that name, or null.
+/// The entry of the scene of that name, or null.
 const Json* find_scene(const Json& bench, const Json& name) {
   const auto found = std::ranges::find(bench["scenes"], name, [](const Json& scene) { return scene["scene"]; });
   return found != bench["scenes"].end() ? &*found : nullptr;
@@ -28,7 +27,7 @@ const Json* find_scene(const Json& bench, const Json& name) {
 
 std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
-/// Of a build of before there was a figure for all threads.
+/// Renames the figures of a build from before there was one for all threads.
 void read_as_version_2(Json& bench) {
   for (Json& scene : bench["scenes"]) {
     for (const auto& [was, is] : {std::pair{"functional_rays_per_s", "recording_rays_per_s"},
@@ -42,7 +41,7 @@ void read_as_version_2(Json& bench) {
   bench["schema"] = "raywatt-bench/2";
 }
 
-/// What is wrong with it; empty: nothing.
+/// Its fault; empty if there is none.
 std::string fault(const Json& bench) {
   if (!bench.is_object() || !bench.contains("schema") || !bench["schema"].is_string()) return "has no 'schema'";
   const std::string schema = bench["schema"].get<std::string>();
@@ -63,7 +62,7 @@ std::string fault(const Json& bench) {
   return {};
 }
 
-/// Of a scene that two results have, in what they differ: "resolution [64,32] instead of [32,32]".
+/// Differences of a scene that two results have: "resolution [64,32] instead of [32,32]".
 std::vector<std::string> differences(const Json& a, const Json& b, const Json& scene_a, const Json& scene_b) {
   std::vector<std::string> found;
   const auto differs = [](const Json& x, const Json& y, const char* key) {
@@ -80,7 +79,7 @@ std::vector<std::string> differences(const Json& a, const Json& b, const Json& s
   if (!found.empty() || !differs(scene_a, scene_b, "config_hash")) return found;
   compare(a, b, "config");
   compare(a, b, "set");
-  // Of another build it may be that of other keys.
+  // Another build may have made it from other keys.
   if (found.empty() && !differs(a, b, "git")) compare(scene_a, scene_b, "config_hash");
   return found;
 }

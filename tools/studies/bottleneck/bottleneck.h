@@ -8,14 +8,14 @@
 
 namespace tools {
 
-/// What a frame takes with one resource made perfect.
+/// Cycles of a frame with one resource made ideal.
 struct Bound {
   std::string resource;
   std::uint64_t cycles = 0;  ///< of the T&I clock
   double estimated = 1;      ///< the speed-up that the counters of the run as configured promise
 };
 
-/// What limits a frame, as one run's counters say, and what each resource could bring at most, as further runs show.
+/// The limit of a frame by one run's counters, and the most that each resource could bring, by further runs.
 struct Bottleneck {
   std::uint64_t cycles = 0;
   std::string limiter;  ///< in words
@@ -25,7 +25,7 @@ struct Bottleneck {
   double speedup(const Bound& bound) const { return static_cast<double>(cycles) / static_cast<double>(bound.cycles); }
 };
 
-/// Simulates the first frame once as configured and once with each resource made perfect. InputError, sim::Deadlock.
+/// Simulates the first frame once as configured and once with each resource made ideal. InputError, sim::Deadlock.
 Bottleneck find_bottleneck(const JobOptions& options);
 
 }  // namespace tools

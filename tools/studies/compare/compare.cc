@@ -10,8 +10,7 @@
 
 #include <fmt/format.h>
 
-#include "tools/analysis/flat_config.h"
-#include "tools/studies/compare/pictures.h"
+#include "tools/analysis/report_file.h"
 
 namespace tools {
 
@@ -19,7 +18,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// What people look at first: a name, and where a report has it.
+/// Figures that people look at first: a name, and where a report has it.
 constexpr std::array<std::pair<const char*, const char*>, 14> kFigures = {{
     {"cycles", "totals.cycles"},
     {"time_ms", "totals.time_ms"},
@@ -35,30 +34,6 @@ constexpr std::array<std::pair<const char*, const char*>, 14> kFigures = {{
     {"frames_per_joule_tni", "totals.perf.frames_per_joule_tni"},
     {"nj_per_ray", "totals.perf.nj_per_ray"},
     {"traced_ratio", "totals.traced_ratio"},
-}};
-
-/// A quotient of counters: sums over the unit's kind.
-struct Ratio {
-  const char* name;
-  const char* unit;
-  const char* part;
-  const char* whole;
-  const char* more = nullptr;  ///< the whole is this and `whole`
-  bool rest = false;           ///< what is left of one
-};
-constexpr std::array<Ratio, 12> kRatios = {{
-    {"node L1 hit rate", "core.tni.trv", "l1_hits", "l1_accesses"},
-    {"node L1 cycles a miss", "core.tni.trv", "l1_miss_cycles", "l1_fills"},
-    {"triangle L1 hit rate", "core.tni.ist", "l1_hits", "l1_accesses"},
-    {"triangle L1 cycles a miss", "core.tni.ist", "l1_miss_cycles", "l1_fills"},
-    {"data cache hit rate", "core.srp", "cache_hits", "cache_accesses"},
-    {"data cache cycles a miss", "core.srp", "cache_miss_cycles", "cache_fills"},
-    {"L2 hit rate", "l2.bank", "hits", "reads"},
-    {"L2 cycles a read", "l2.bank", "latency", "reads"},
-    {"DRAM row hit rate", "dram.channel", "row_hits", "reads", "writes"},
-    {"DRAM clocks a read", "dram.channel", "read_latency", "reads"},
-    {"IST early exit rate", "core.tni.ist", "edge_tests", "tests", nullptr, true},
-    {"node visits a ray", "core.tni.trv", "visits", "rays_in"},
 }};
 
 bool differ(const Pair& pair) { return pair.a != pair.b; }
@@ -99,10 +74,10 @@ std::vector<KeyPair> config_difference(const ReportFile& a, const ReportFile& b)
 std::vector<Pair> times(const ReportFile& a, const ReportFile& b) {
   const std::string prefix = "totals.top_down.gpu.";
   std::vector<Pair> out;
-  for (const std::string& place : paths_below(prefix, a, b)) {
-    if (place.starts_with("demands.")) continue;
-    out.push_back({place, a.number(prefix + place) * a.number("totals.cycles"),
-                   b.number(prefix + place) * b.number("totals.cycles")});
+  for (const std::string& part : paths_below(prefix, a, b)) {
+    if (part.starts_with("demands.")) continue;
+    out.push_back({part, a.number(prefix + part) * a.number("totals.cycles"),
+                   b.number(prefix + part) * b.number("totals.cycles")});
   }
   sort_by_difference(out);
   return out;
@@ -184,22 +159,6 @@ std::vector<Pair> counters(const ReportFile& a, const ReportFile& b) {
   sort_by_difference(out);
   std::erase_if(out, [&](const Pair& pair) { return std::abs(pair.difference()) <= least; });
   std::ranges::stable_sort(out, std::greater<>(), factor);
-  return out;
-}
-
-std::vector<Pair> ratios(const ReportFile& a, const ReportFile& b) {
-  std::vector<Pair> out;
-  for (const Ratio& ratio : kRatios) {
-    const auto of = [&](const ReportFile& report) {
-      const std::string counters = fmt::format("units.{}.counters.", ratio.unit);
-      double whole = report.number(counters + ratio.whole);
-      if (ratio.more != nullptr) whole += report.number(counters + ratio.more);
-      const double share = whole == 0 ? 0 : report.number(counters + ratio.part) / whole;
-      return ratio.rest && whole != 0 ? 1 - share : share;
-    };
-    const Pair pair{ratio.name, of(a), of(b)};
-    if (differ(pair)) out.push_back(pair);
-  }
   return out;
 }
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,8 +25,8 @@ struct Comparison {
   std::vector<std::string> other_work;  ///< why the two did not have the same work to do; empty: they had
   std::vector<KeyPair> config;
   std::vector<Pair> figures;  ///< what people look at first, in this order
-  // What explains them, largest difference first; equal figures are left out.
-  std::vector<Pair> time;      ///< T&I cycles by place, of an average core
+  // Explanations, largest difference first; equal figures are left out.
+  std::vector<Pair> time;      ///< T&I cycles of an average core, by the parts of totals.top_down
   std::vector<Pair> reasons;   ///< T&I cycles by unit and reason, of an average unit of its kind; without idle ones
   std::vector<Pair> blocks;    ///< nominal mJ by block
   std::vector<Pair> events;    ///< nominal mJ by block and event, and of clock and leakage
@@ -46,8 +47,15 @@ nlohmann::ordered_json comparison_json(const std::vector<ReportFile>& reports, c
 /// The same for a terminal.
 std::string comparison_text(const std::vector<ReportFile>& reports, const std::vector<Comparison>& against);
 
-/// Of what should be read with care: one line each.
+/// Warnings on what should be read with care: one line each.
 std::vector<std::string> comparison_warnings(const std::vector<ReportFile>& reports,
                                              const std::vector<Comparison>& against);
+
+/// Compares the first frame's pictures of two run folders, linear floats if both have them and else 8 bits, and writes
+/// down the mean squared difference of their sRGB values, or why there is none.
+void compare_pictures(const std::filesystem::path& a, const std::filesystem::path& b, Comparison& out);
+
+/// Quotients of counters, such as hit rates, that differ between two reports.
+std::vector<Pair> ratios(const ReportFile& a, const ReportFile& b);
 
 }  // namespace tools

@@ -1,5 +1,3 @@
-#include "tools/studies/compare/pictures.h"
-
 #include <span>
 
 #include <fmt/format.h>
@@ -7,6 +5,7 @@
 #include "sim/error.h"
 #include "sim/io/file.h"
 #include "tools/analysis/picture.h"
+#include "tools/studies/compare/compare.h"
 #include "traces/scene/images.h"
 
 namespace tools {

@@ -17,7 +17,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kShown = 8;  ///< lines of a list; --json has all
 
-/// What a change is worth: "+1.4 %", "x2.08", "new".
+/// A change in words: "+1.4 %", "x2.08", "new".
 std::string change_text(const Pair& pair) {
   if (pair.a == pair.b) return "=";
   if (pair.a == 0) return "new";
@@ -121,8 +121,8 @@ double difference_of(const Comparison& c, const char* figure) {
   return found == c.figures.end() ? 0 : found->difference();
 }
 
-/// Words for the places of totals.top_down.
-std::vector<Pair> in_words(std::vector<Pair> places) {
+/// Words for the parts of totals.top_down.
+std::vector<Pair> in_words(std::vector<Pair> times) {
   static const std::map<std::string, const char*> kWords = {
       {"kernels", "kernels run"},
       {"switches", "kernel switches"},
@@ -138,10 +138,10 @@ std::vector<Pair> in_words(std::vector<Pair> places) {
       {"tree_misses.dram", "tree misses: DRAM"},
       {"tree_misses.l2", "tree misses: L2"},
       {"tree_misses.interconnect", "tree misses: interconnect"}};
-  for (Pair& place : places) {
-    if (const auto word = kWords.find(place.name); word != kWords.end()) place.name = word->second;
+  for (Pair& time : times) {
+    if (const auto word = kWords.find(time.name); word != kWords.end()) time.name = word->second;
   }
-  return places;
+  return times;
 }
 
 std::string config_text(const Comparison& c) {

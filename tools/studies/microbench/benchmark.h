@@ -53,4 +53,14 @@ RunConfig real_machine(const JobOptions& job);
 /// moments (in fs, in any order).
 double steady_rate(std::vector<std::uint64_t> moments);
 
+// Each benchmark measures a piece of the machine alone beside its closed form.
+Benchmark chase_benchmark();
+Benchmark bandwidth_benchmark();
+Benchmark mshr_benchmark();
+Benchmark dram_benchmark();
+Benchmark rays_benchmark();
+Benchmark early_exit_benchmark();
+Benchmark tile_buffer_benchmark();
+Benchmark kernels_benchmark();
+
 }  // namespace tools

@@ -4,7 +4,6 @@
 #include "tools/studies/microbench/benchmark.h"
 #include "tools/studies/microbench/memory_forms.h"
 #include "tools/studies/microbench/memory_side.h"
-#include "tools/studies/microbench/microbench.h"
 
 namespace tools {
 
@@ -20,8 +19,8 @@ std::optional<hw::Addr> find_line(const hw::DramConfig& dram, bool same_row) {
   const hw::Addr end =
       4 * dram.channels * dram.organisation.page.bytes * dram.organisation.all_banks() * dram.organisation.all_banks();
   for (hw::Addr line = dram.line.bytes; line < end; line += dram.line.bytes) {
-    const hw::DramPlace place = map.place(line);
-    if (dram.interleave().owner(line) == 0 && place.bank == first.bank && (place.row == first.row) == same_row)
+    const hw::DramPlace address = map.place(line);
+    if (dram.interleave().owner(line) == 0 && address.bank == first.bank && (address.row == first.row) == same_row)
       return line;
   }
   return std::nullopt;

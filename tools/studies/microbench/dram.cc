@@ -13,7 +13,6 @@
 #include "tools/studies/microbench/benchmark.h"
 #include "tools/studies/microbench/dram_stream.h"
 #include "tools/studies/microbench/figure.h"
-#include "tools/studies/microbench/microbench.h"
 
 namespace tools {
 

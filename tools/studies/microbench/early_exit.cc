@@ -5,9 +5,9 @@
 #include "hw_models/tni/ist.h"
 #include "sim/engine.h"
 #include "sim/report/energy_table.h"
+#include "tools/analysis/units.h"
 #include "tools/simulation/run_job.h"
 #include "tools/studies/microbench/benchmark.h"
-#include "tools/studies/microbench/microbench.h"
 #include "tools/studies/microbench/tni_forms.h"
 #include "traces/accel/bvh_tracer.h"
 
@@ -145,16 +145,10 @@ using Exits = std::array<std::uint64_t, 3>;
 
 /// By the counters of all intersection units.
 Exits exits_of(const std::vector<sim::UnitReport>& units) {
-  std::uint64_t tests = 0, edge_tests = 0, hits = 0;
-  for (const sim::UnitReport& unit : units) {
-    if (!unit.path.ends_with(".tni.ist")) continue;
-    for (const sim::CounterReport& counter : unit.counters) {
-      if (counter.name == "tests") tests += counter.value;
-      if (counter.name == "edge_tests") edge_tests += counter.value;
-      if (counter.name == "hits") hits += counter.value;
-    }
-  }
-  return {tests - edge_tests, edge_tests - hits, hits};
+  using Stats = hw::Ist::Stats;
+  const Units<hw::Ist> ists(units);
+  const std::uint64_t edge_tests = ists.counted(&Stats::edge_tests), hits = ists.counted(&Stats::hits);
+  return {ists.counted(&Stats::tests) - edge_tests, edge_tests - hits, hits};
 }
 
 /// By what is recorded of each ray.

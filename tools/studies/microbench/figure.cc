@@ -75,7 +75,7 @@ UpperBound least(const std::vector<UpperBound>& bounds) {
 }
 
 std::string table_of(const Findings& findings) {
-  std::string text = findings.sheet.empty() ? table_of_figures(findings) : findings.sheet;
+  std::string text = findings.table.empty() ? table_of_figures(findings) : findings.table;
   for (const std::string& note : findings.notes) text += "\n" + note + "\n";
   return text;
 }

@@ -28,12 +28,12 @@ struct Figure {
   double relative_error() const;
 };
 
-/// What a benchmark has found out.
+/// Results of a benchmark.
 struct Findings {
   std::string title;
   std::vector<Figure> figures;
   std::vector<std::string> notes{};  ///< lines below the table
-  std::string sheet{};               ///< a shorter table in place of the one of all figures
+  std::string table{};               ///< a shorter table in place of the one of all figures
   std::string printed{};             ///< text in place of all others, as asked for
 
   bool good() const;

@@ -9,7 +9,6 @@
 #include "sim/io/printable.h"
 #include "sim/report/table.h"
 #include "tools/studies/microbench/benchmark.h"
-#include "tools/studies/microbench/microbench.h"
 #include "traces/scene/did_you_mean.h"
 
 namespace tools {
@@ -64,7 +63,7 @@ Findings measure(const hw::SrpConfig& srp, const std::vector<std::string>& names
     }
     table.row(cells);
   }
-  found.sheet = table.text();
+  found.table = table.text();
   found.notes.push_back(fmt::format(
       "r: values handed from item to item set the bound, not units and ports.\n{} of {} schedules exceed their bound.",
       above, found.figures.size()));

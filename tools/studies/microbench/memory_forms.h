@@ -13,7 +13,7 @@ namespace tools {
 /// Where a line is found, as a traversal unit sees it.
 enum class Level : std::uint8_t { kL2, kRowOpen, kBankClosed, kOtherRow };
 
-/// What the memory side must take by its configuration, if nothing is in the way.
+/// Time that the memory side must take by its configuration, if nothing is in the way.
 class MemoryForms {
  public:
   explicit MemoryForms(const hw::GpuConfig& config)
@@ -60,16 +60,16 @@ class MemoryForms {
     }
     return {rate * count / starts, "L1 miss registers", tni_ == l2_};
   }
-  /// A client's requests on their way into the port's clock, one a cycle; a place on the wire is free again when the
+  /// A client's requests on their way into the port's clock, one a cycle; a slot on the wire is free again when the
   /// client sees that the port has taken the request.
   UpperBound request_wire() const {
     std::array<sim::Time, hw::kRequestDepth> free{};
     sim::Time pushed = 0, taken = 0;
     for (std::uint32_t i = 0; i < kRounds; ++i) {
-      sim::Time& place = free[i % free.size()];
-      pushed = std::max(pushed + tni_.period(), place);
+      sim::Time& slot = free[i % free.size()];
+      pushed = std::max(pushed + tni_.period(), slot);
       taken = std::max(taken + l2_.period(), cross(pushed, tni_, 1, l2_));
-      place = tni_.edge_at_or_after(taken + l2_.period());
+      slot = tni_.edge_at_or_after(taken + l2_.period());
     }
     return {kRounds * kPerSecond / static_cast<double>(pushed), "request wire"};
   }

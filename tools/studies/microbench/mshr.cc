@@ -3,7 +3,6 @@
 #include "tools/studies/microbench/benchmark.h"
 #include "tools/studies/microbench/memory_forms.h"
 #include "tools/studies/microbench/memory_side.h"
-#include "tools/studies/microbench/microbench.h"
 
 namespace tools {
 

@@ -6,7 +6,6 @@
 #include "hw_models/tni/tni.h"
 #include "sim/engine.h"
 #include "tools/studies/microbench/benchmark.h"
-#include "tools/studies/microbench/microbench.h"
 #include "tools/studies/microbench/tni_forms.h"
 
 namespace tools {

@@ -9,9 +9,9 @@
 
 namespace tools {
 
-/// Who asks for lines through a first-level cache: one probe a cycle, as long as a miss register is free.
+/// A client that reads lines through a first-level cache: one probe a cycle, as long as an MSHR is free.
 ///
-///   reads, in order --> [L1: tags, miss registers] --> request link;  response link --> fill
+///   reads, in order --> [L1: tags, MSHRs] --> request link;  response link --> fill
 ///
 /// Its lines must all differ unless the former read of a line is over: who waits for a line is not kept.
 class Reader {
@@ -51,7 +51,7 @@ class Reader {
   void read_next(sim::Time now) {
     Read& read = reads_[next_];
     read.asked = now;
-    // In place of the cycle of its miss the cache keeps the number of the read.
+    // The cache keeps the number of the read instead of the cycle of its miss.
     if (l1_.access(read.line, 0, next_) == hw::L1Cache::Result::kHit) {
       read.there = now;
       finished_ += 1;

@@ -7,7 +7,6 @@
 #include "hw_models/srp/schedule_graph.h"
 #include "shader_kernels/catalogue.h"
 #include "tools/studies/microbench/benchmark.h"
-#include "tools/studies/microbench/microbench.h"
 
 namespace tools {
 

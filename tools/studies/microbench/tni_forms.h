@@ -38,7 +38,7 @@ struct StraightRay {
   }
 };
 
-/// What a T&I unit must take by its configuration, in cycles, if every line is in its L1s.
+/// Cycles that a T&I unit must take by its configuration, if every line is in its L1s.
 class TniForms {
  public:
   TniForms(const hw::GpuConfig& config, std::uint32_t triangle_bytes)

@@ -45,7 +45,7 @@ std::vector<Observation> thinned(std::span<const Observation> all) {
 
 }  // namespace
 
-/// Of the linear equations that the model is.
+/// Solution of the linear equations that the model is.
 struct GaussianProcess::Solution {
   double likelihood = 0;  ///< its logarithm, with that of the lengths
   double nugget = 0, mean = 0, variance = 0;

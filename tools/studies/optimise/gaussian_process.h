@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "tools/studies/sweep/subset.h"
+#include "tools/studies/sweep/spec/subset.h"
 
 namespace tools::optimise {
 
@@ -16,7 +16,7 @@ struct AxisShape {
   bool ordered = true;  ///< neighbours in the list are alike; otherwise all values are equally far from each other
 };
 
-/// What is known of a value that has not been computed: a normal distribution.
+/// Estimate of a value that has not been computed: a normal distribution.
 struct Estimate {
   double mean = 0, deviation = 0;
 };

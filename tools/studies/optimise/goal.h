@@ -6,7 +6,7 @@
 
 namespace tools::optimise {
 
-/// What a figure of a point shall be.
+/// A demand on a figure of a point.
 struct Goal {
   enum class Kind : std::uint8_t { kMax, kMin, kBelow, kAtMost, kAbove, kAtLeast };
   Kind kind = Kind::kMax;

@@ -4,14 +4,14 @@
 #include <span>
 #include <vector>
 
-#include "tools/studies/sweep/subset.h"
+#include "tools/studies/sweep/spec/subset.h"
 
 namespace tools::optimise {
 
-/// What NSGA-II searches: integers, one for each gene, with two objectives that shall be low.
+/// The task of NSGA-II: integers, one for each gene, with two objectives that shall be low.
 struct GeneticTask {
   std::vector<std::uint32_t> values;  ///< of each gene, at least 2
-  /// Of each of a generation its objectives, one after the other; penalties included.
+  /// Objectives of each of a generation, one after the other; penalties included.
   std::function<std::vector<double>(std::span<const sweep::Choice>)> fitness;
   std::vector<sweep::Choice> begin;  ///< the first generation; a multiple of 4, at least 8
   std::uint32_t generations = 1;

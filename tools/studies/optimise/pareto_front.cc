@@ -5,7 +5,7 @@
 
 namespace tools::optimise {
 
-std::vector<std::size_t> front_of(std::span<const Score> scores) {
+std::vector<std::size_t> pareto_front_of(std::span<const Score> scores) {
   std::vector<std::size_t> order(scores.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return scores[a] > scores[b]; });
@@ -30,10 +30,11 @@ double Gain::of(const Score& score) const {
   for (std::size_t o = 0; o < score.size(); ++o) {
     if (!(score[o] > corner_[o])) return 0;
   }
-  if (score.size() == 1) return front_.empty() ? score[0] - corner_[0] : std::max(0.0, score[0] - front_.front()[0]);
+  if (score.size() == 1)
+    return pareto_front_.empty() ? score[0] - corner_[0] : std::max(0.0, score[0] - pareto_front_.front()[0]);
   // From the right: behind where a step of the front ends, the front is as high as that step.
   double area = 0, floor = corner_[1], right = score[0];
-  for (const Score& step : front_) {
+  for (const Score& step : pareto_front_) {
     const double end = std::max(step[0], corner_[0]);
     if (end < right) {
       area += (right - end) * (score[1] - floor);
@@ -47,10 +48,10 @@ double Gain::of(const Score& score) const {
 
 void Gain::add(const Score& score) {
   if (of(score) == 0) return;
-  front_.push_back(score);
+  pareto_front_.push_back(score);
   std::vector<Score> kept;
-  for (const std::size_t i : front_of(front_)) kept.push_back(front_[i]);
-  front_ = std::move(kept);
+  for (const std::size_t i : pareto_front_of(pareto_front_)) kept.push_back(pareto_front_[i]);
+  pareto_front_ = std::move(kept);
 }
 
 }  // namespace tools::optimise

@@ -6,15 +6,15 @@
 
 namespace tools::optimise {
 
-/// What a point is worth: one number an objective, one or two of them, more is better in each.
+/// The worth of a point: one number an objective, one or two of them, more is better in each.
 using Score = std::vector<double>;
 
 /// Those that no other is at least as good as in all and better in one, the best in the first objective first. Of equal
 /// ones the first.
-std::vector<std::size_t> front_of(std::span<const Score> scores);
+std::vector<std::size_t> pareto_front_of(std::span<const Score> scores);
 
-/// What is between `corner` and the front of `scores`: an area, or a length for one objective. A score that is not
-/// better than the corner adds nothing.
+/// The space between `corner` and the Pareto front of `scores`: an area, or a length for one objective. A score that is
+/// not better than the corner adds nothing.
 double hypervolume(std::span<const Score> scores, const Score& corner);
 
 /// How much a score would add to the hypervolume of a front, which grows.
@@ -25,7 +25,7 @@ class Gain {
   void add(const Score& score);
 
  private:
-  std::vector<Score> front_;  ///< the best in the first objective first
+  std::vector<Score> pareto_front_;  ///< the best in the first objective first
   Score corner_;
 };
 

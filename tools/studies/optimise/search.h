@@ -12,7 +12,7 @@
 
 namespace tools::optimise {
 
-/// What is searched.
+/// The space that is searched.
 struct Space {
   std::vector<AxisShape> axes;
   std::function<bool(const Choice&)> is_wanted;
@@ -22,7 +22,7 @@ struct Space {
 ///
 /// The first points are spread over the space. Then each figure is estimated everywhere from what is known (Surrogate),
 /// NSGA-II searches these estimates, and of all that it brings those points are proposed from which most hypervolume is
-/// expected. The same seed and the same answers lead to the same course.
+/// expected. The same seed and the same answers lead to the same choices.
 class Search {
  public:
   struct Options {
@@ -40,9 +40,9 @@ class Search {
   /// The same, roughly: the point may still be proposed.
   void tell_look(const Choice& point, const std::vector<double>& figures);
 
-  /// Of the points told so far that meet all constraints.
+  /// Scores of the points told so far that meet all constraints.
   const std::map<Choice, Score>& scores() const { return scores_; }
-  /// Of any figures.
+  /// The score of any figures.
   Score score_of(const std::vector<double>& figures) const;
 
  private:

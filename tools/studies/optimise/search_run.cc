@@ -11,7 +11,7 @@
 #include "sim/io/printable.h"
 #include "tools/analysis/report_paths.h"
 #include "tools/sampling/tile_sampling.h"
-#include "tools/studies/sweep/magnitude.h"
+#include "tools/studies/sweep/spec/magnitude.h"
 
 namespace tools::optimise {
 
@@ -76,7 +76,7 @@ std::vector<ReportNumber> figures_of(const std::string& report) {
 
 }  // namespace
 
-Course::Course(const Task& task, const std::filesystem::path& folder)
+SearchRun::SearchRun(const Task& task, const std::filesystem::path& folder)
     : task_(task),
       planner_(task_.space, folder),
       search_(space_of(task_, planner_), task_.goals, {.seed = task_.seed, .population = task_.population}) {
@@ -88,7 +88,7 @@ Course::Course(const Task& task, const std::filesystem::path& folder)
   }
 }
 
-void Course::find_figures(const std::vector<std::string>& paths) {
+void SearchRun::find_figures(const std::vector<std::string>& paths) {
   for (Goal& goal : task_.goals) {
     try {
       goal.figure = resolve_report_path(goal.figure, paths);
@@ -99,7 +99,7 @@ void Course::find_figures(const std::vector<std::string>& paths) {
   has_paths_ = true;
 }
 
-void Course::read_figures(Trial& trial, const sweep::Store& store) {
+void SearchRun::read_figures(Trial& trial, const sweep::Store& store) {
   const std::optional<std::string> report = store.report(trial.point.id);
   if (!report) throw sim::IoError(fmt::format("{}: the result is gone", store.folder(trial.point.id).string()));
   const std::vector<ReportNumber> numbers = figures_of(*report);
@@ -123,10 +123,45 @@ void Course::read_figures(Trial& trial, const sweep::Store& store) {
   }
 }
 
-bool Course::compute(const std::vector<Choice>& choices, bool looks, sweep::Launcher& launcher,
-                     const sweep::Store& store, const Hooks& hooks) {
+bool SearchRun::simulate(std::vector<Trial>& fresh, sweep::Launcher& launcher, const sweep::Store& store,
+                         const Hooks& hooks) {
+  std::vector<Point> points, all;
+  std::vector<std::size_t> owners;
+  for (std::size_t f = 0; f < fresh.size(); ++f) {
+    if (fresh[f].state == Trial::State::kImpossible) continue;
+    points.push_back(fresh[f].point);
+    owners.push_back(f);
+  }
+  if (points.empty()) return true;
+  for (const Trial& trial : trials_) {
+    if (trial.state != Trial::State::kImpossible) all.push_back(trial.point);
+  }
+  all.insert(all.end(), points.begin(), points.end());
+  hooks.announce(all);
+  const sweep::BatchEnd end = launcher.run(points, hooks.watch);
+  if (end.interrupted) return false;
+  computed_ += end.count(Fate::kComputed);
+  found_ += end.count(Fate::kFound);
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    Trial& trial = fresh[owners[p]];
+    if (end.fates[p] == Fate::kComputed || end.fates[p] == Fate::kFound) {
+      read_figures(trial, store);
+      continue;
+    }
+    if (end.fates[p] != Fate::kFailed) {
+      throw sim::IoError("points were not computed, as somebody stopped who should; the same command goes on");
+    }
+    trial.state = Trial::State::kFailed;
+    const std::optional<sweep::Failure> failure = store.failure(trial.point.id);
+    trial.error = failure ? failure->error : "it failed";
+  }
+  return true;
+}
+
+bool SearchRun::compute(const std::vector<Choice>& choices, bool looks, sweep::Launcher& launcher,
+                        const sweep::Store& store, const Hooks& hooks) {
   std::vector<Trial> fresh;
-  std::map<std::string, std::size_t> places;  // of fresh ones
+  std::map<std::string, std::size_t> indices;  // of fresh ones
   std::vector<std::string> ids;
   for (const Choice& choice : choices) {
     Trial trial;
@@ -139,43 +174,13 @@ bool Course::compute(const std::vector<Choice>& choices, bool looks, sweep::Laun
       trial.state = Trial::State::kImpossible;
       trial.error = trial.point.error;
     }
-    const bool is_known = by_id_.contains(ids.back()) || places.contains(ids.back());
+    const bool is_known = by_id_.contains(ids.back()) || indices.contains(ids.back());
     if (is_known) continue;  // values of other names that make the same machine
-    places.emplace(ids.back(), fresh.size());
+    indices.emplace(ids.back(), fresh.size());
     fresh.push_back(std::move(trial));
   }
 
-  std::vector<Point> points, all;
-  std::vector<std::size_t> owners;
-  for (std::size_t f = 0; f < fresh.size(); ++f) {
-    if (fresh[f].state == Trial::State::kImpossible) continue;
-    points.push_back(fresh[f].point);
-    owners.push_back(f);
-  }
-  if (!points.empty()) {
-    for (const Trial& trial : trials_) {
-      if (trial.state != Trial::State::kImpossible) all.push_back(trial.point);
-    }
-    all.insert(all.end(), points.begin(), points.end());
-    hooks.announce(all);
-    const sweep::BatchEnd end = launcher.run(points, hooks.watch);
-    if (end.interrupted) return false;
-    computed_ += end.count(Fate::kComputed);
-    found_ += end.count(Fate::kFound);
-    for (std::size_t p = 0; p < points.size(); ++p) {
-      Trial& trial = fresh[owners[p]];
-      if (end.fates[p] == Fate::kComputed || end.fates[p] == Fate::kFound) {
-        read_figures(trial, store);
-        continue;
-      }
-      if (end.fates[p] != Fate::kFailed) {
-        throw sim::IoError("points were not computed, as somebody stopped who should; the same command goes on");
-      }
-      trial.state = Trial::State::kFailed;
-      const std::optional<sweep::Failure> failure = store.failure(trial.point.id);
-      trial.error = failure ? failure->error : "it failed";
-    }
-  }
+  if (!simulate(fresh, launcher, store, hooks)) return false;
   for (Trial& trial : fresh) {
     if (!trial.is_look && trial.state != Trial::State::kImpossible) simulated_ += 1;
     by_id_.emplace(trial.point.id, trials_.size());
@@ -195,7 +200,7 @@ bool Course::compute(const std::vector<Choice>& choices, bool looks, sweep::Laun
   return true;
 }
 
-bool Course::run(sweep::Launcher& launcher, const sweep::Store& store, const Hooks& hooks) {
+bool SearchRun::run(sweep::Launcher& launcher, const sweep::Store& store, const Hooks& hooks) {
   const std::uint64_t axes = task_.space.axes.size();
   const std::uint64_t first = std::min(std::max(task_.budget / kFirstShare, 2 * (axes + 1)), (task_.budget + 1) / 2);
   std::uint64_t asked = 0;
@@ -214,19 +219,19 @@ bool Course::run(sweep::Launcher& launcher, const sweep::Store& store, const Hoo
   return true;
 }
 
-std::vector<const Trial*> Course::front() const {
-  std::vector<const Trial*> feasible, front;
+std::vector<const Trial*> SearchRun::pareto_front() const {
+  std::vector<const Trial*> feasible, pareto_front;
   std::vector<Score> scores;
   for (const Trial& trial : trials_) {
     if (!trial.is_feasible || trial.is_look) continue;
     feasible.push_back(&trial);
     scores.push_back(search_.score_of(trial.figures));
   }
-  for (const std::size_t i : front_of(scores)) front.push_back(feasible[i]);
-  return front;
+  for (const std::size_t i : pareto_front_of(scores)) pareto_front.push_back(feasible[i]);
+  return pareto_front;
 }
 
-const Trial* Course::nearest() const {
+const Trial* SearchRun::nearest() const {
   const Trial* nearest = nullptr;
   double least = 0;
   for (const Trial& trial : trials_) {

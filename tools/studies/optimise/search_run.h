@@ -10,9 +10,9 @@
 
 #include "tools/studies/optimise/search.h"
 #include "tools/studies/optimise/task.h"
-#include "tools/studies/sweep/launcher.h"
-#include "tools/studies/sweep/plan.h"
-#include "tools/studies/sweep/store.h"
+#include "tools/studies/sweep/launch/launcher.h"
+#include "tools/studies/sweep/spec/plan.h"
+#include "tools/studies/sweep/store/store.h"
 
 namespace tools::optimise {
 
@@ -31,12 +31,12 @@ constexpr std::array<std::string_view, 3> names_of(Trial::State) { return {"done
 
 /// A search and the simulations that it asks for. What it does follows from the task, the seed and the results alone:
 /// begun again after an interrupt it finds its simulations in the store and goes on.
-class Course {
+class SearchRun {
  public:
   /// InputError for a task that cannot be done. Files that it names are seen from `folder`.
-  Course(const Task& task, const std::filesystem::path& folder);
-  Course(const Course&) = delete;
-  Course& operator=(const Course&) = delete;
+  SearchRun(const Task& task, const std::filesystem::path& folder);
+  SearchRun(const SearchRun&) = delete;
+  SearchRun& operator=(const SearchRun&) = delete;
 
   struct Hooks {
     /// Told all points so far before those that are new are computed.
@@ -47,9 +47,9 @@ class Course {
   bool run(sweep::Launcher& launcher, const sweep::Store& store, const Hooks& hooks);
 
   const std::vector<Trial>& trials() const { return trials_; }
-  /// Those on the front: the best in the first objective first.
-  std::vector<const Trial*> front() const;
-  /// Of those simulated that which misses the constraints least; none if nothing could be simulated.
+  /// Those on the Pareto pareto_front: the best in the first objective first.
+  std::vector<const Trial*> pareto_front() const;
+  /// The simulated point that misses the constraints least; none if nothing could be simulated.
   const Trial* nearest() const;
   const std::vector<Goal>& goals() const { return task_.goals; }  ///< their figures in full, once there is a report
   std::uint64_t simulated() const { return simulated_; }          ///< without first looks
@@ -60,6 +60,8 @@ class Course {
   /// Has points computed and tells the search; false if interrupted.
   bool compute(const std::vector<Choice>& choices, bool looks, sweep::Launcher& launcher, const sweep::Store& store,
                const Hooks& hooks);
+  /// Has those computed that are possible, and reads their figures; false if interrupted.
+  bool simulate(std::vector<Trial>& fresh, sweep::Launcher& launcher, const sweep::Store& store, const Hooks& hooks);
   /// Reads a report. Nothing, and why, if it lacks a figure.
   void read_figures(Trial& trial, const sweep::Store& store);
   void find_figures(const std::vector<std::string>& paths);

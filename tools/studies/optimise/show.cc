@@ -36,18 +36,18 @@ std::string command_of(const Trial& trial) {
 }
 
 /// Objectives and constraints; a figure that has several goals once.
-std::vector<std::size_t> shown_goals(const Course& course) {
+std::vector<std::size_t> shown_goals(const SearchRun& search) {
   std::vector<std::size_t> shown;
-  for (std::size_t g = 0; g < course.goals().size(); ++g) {
-    const auto is_same = [&](std::size_t s) { return course.goals()[s].figure == course.goals()[g].figure; };
+  for (std::size_t g = 0; g < search.goals().size(); ++g) {
+    const auto is_same = [&](std::size_t s) { return search.goals()[s].figure == search.goals()[g].figure; };
     if (std::ranges::none_of(shown, is_same)) shown.push_back(g);
   }
   return shown;
 }
 
-std::string goals_text(const Course& course) {
+std::string goals_text(const SearchRun& search) {
   std::vector<std::string> objectives, constraints;
-  for (const Goal& goal : course.goals()) (goal.is_objective() ? objectives : constraints).push_back(goal.text());
+  for (const Goal& goal : search.goals()) (goal.is_objective() ? objectives : constraints).push_back(goal.text());
   return fmt::format("{}{}{}", fmt::join(objectives, ", "), constraints.empty() ? "" : " with ",
                      fmt::join(constraints, ", "));
 }
@@ -57,57 +57,57 @@ std::string short_name(const std::string& path) {
 }
 
 /// Where it stands in history.jsonl.
-std::size_t number_of(const Course& course, const Trial& trial) {
-  return static_cast<std::size_t>(&trial - course.trials().data());
+std::size_t number_of(const SearchRun& search, const Trial& trial) {
+  return static_cast<std::size_t>(&trial - search.trials().data());
 }
 
 }  // namespace
 
-std::string front_text(const Course& course) {
-  const std::vector<const Trial*> front = course.front();
+std::string pareto_front_text(const SearchRun& search) {
+  const std::vector<const Trial*> front = search.pareto_front();
   std::vector<std::string> header = {"n"};
   for (const auto& [name, value] : front.front()->point.axes) header.push_back(sim::printable(name));
-  for (const std::size_t g : shown_goals(course)) header.push_back(short_name(course.goals()[g].figure));
+  for (const std::size_t g : shown_goals(search)) header.push_back(short_name(search.goals()[g].figure));
   sim::Table table(header);
   for (const Trial* trial : front) {
-    std::vector<std::string> cells = {std::to_string(number_of(course, *trial))};
+    std::vector<std::string> cells = {std::to_string(number_of(search, *trial))};
     for (const auto& [name, value] : trial->point.axes) cells.push_back(sim::printable(value));
-    for (const std::size_t g : shown_goals(course)) cells.push_back(fmt::format("{:.6g}", trial->figures[g]));
+    for (const std::size_t g : shown_goals(search)) cells.push_back(fmt::format("{:.6g}", trial->figures[g]));
     table.row(std::move(cells));
   }
   std::string text = fmt::format("{}{}\n\n{}\nto run them again:\n", front.size() == 1 ? "best: " : "front of ",
-                                 goals_text(course), table.text());
+                                 goals_text(search), table.text());
   for (std::size_t i = 0; i < std::min(front.size(), kMostCommands); ++i) {
-    text += fmt::format("  {:<4} {}\n", number_of(course, *front[i]), sim::printable(command_of(*front[i]), 4096));
+    text += fmt::format("  {:<4} {}\n", number_of(search, *front[i]), sim::printable(command_of(*front[i]), 4096));
   }
   if (front.size() > kMostCommands) text += fmt::format("  and {} more in front.csv\n", front.size() - kMostCommands);
   return text;
 }
 
-std::string front_csv(const Course& course) {
+std::string pareto_front_csv(const SearchRun& search) {
   std::vector<std::string> names = {"n", "id"};
-  const std::vector<const Trial*> front = course.front();
+  const std::vector<const Trial*> front = search.pareto_front();
   for (const Trial* trial : {front.empty() ? nullptr : front.front()}) {
     if (trial == nullptr) continue;
     for (const auto& [name, value] : trial->point.axes) names.push_back(name);
   }
-  for (const std::size_t g : shown_goals(course)) names.push_back(course.goals()[g].figure);
+  for (const std::size_t g : shown_goals(search)) names.push_back(search.goals()[g].figure);
   names.emplace_back("command");
   std::string text = results::csv_line(names);
   for (const Trial* trial : front) {
-    std::vector<std::string> cells = {std::to_string(number_of(course, *trial)), trial->point.id};
+    std::vector<std::string> cells = {std::to_string(number_of(search, *trial)), trial->point.id};
     for (const auto& [name, value] : trial->point.axes) cells.push_back(value);
-    for (const std::size_t g : shown_goals(course)) cells.push_back(fmt::format("{}", trial->figures[g]));
+    for (const std::size_t g : shown_goals(search)) cells.push_back(fmt::format("{}", trial->figures[g]));
     cells.push_back(command_of(*trial));
     text += results::csv_line(cells);
   }
   return text;
 }
 
-std::string history_jsonl(const Course& course) {
+std::string history_jsonl(const SearchRun& search) {
   std::string text;
-  for (const Trial& trial : course.trials()) {
-    Json line = {{"n", number_of(course, trial)},
+  for (const Trial& trial : search.trials()) {
+    Json line = {{"n", number_of(search, trial)},
                  {"batch", trial.batch},
                  {"id", trial.point.id},
                  {"state", names_of(trial.state).at(static_cast<std::size_t>(trial.state))}};
@@ -116,7 +116,7 @@ std::string history_jsonl(const Course& course) {
     for (const auto& [name, value] : trial.point.axes) line["axes"][name] = value;
     if (!trial.figures.empty()) {
       line["feasible"] = trial.is_feasible;
-      for (const std::size_t g : shown_goals(course)) line["figures"][course.goals()[g].figure] = trial.figures[g];
+      for (const std::size_t g : shown_goals(search)) line["figures"][search.goals()[g].figure] = trial.figures[g];
     }
     if (!trial.error.empty()) line["error"] = trial.error;
     text += line.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
@@ -124,20 +124,20 @@ std::string history_jsonl(const Course& course) {
   return text;
 }
 
-std::string infeasible_text(const Course& course) {
-  const Trial* nearest = course.nearest();
+std::string infeasible_text(const SearchRun& search) {
+  const Trial* nearest = search.nearest();
   if (nearest == nullptr) return "no point could be simulated; history.jsonl says why\n";
   std::vector<std::string> missed;
-  for (std::size_t g = 0; g < course.goals().size(); ++g) {
-    const Goal& goal = course.goals()[g];
+  for (std::size_t g = 0; g < search.goals().size(); ++g) {
+    const Goal& goal = search.goals()[g];
     if (!goal.is_met(nearest->figures[g])) {
       missed.push_back(fmt::format("{:.6g} where {} is asked for", nearest->figures[g], goal.text()));
     }
   }
   std::vector<std::string> axes;
   for (const auto& [name, value] : nearest->point.axes) axes.push_back(sim::printable(name + "=" + value));
-  return fmt::format("none of {} points meets the constraints; the nearest is {} ({}), with {}\n", course.simulated(),
-                     number_of(course, *nearest), fmt::join(axes, ", "), fmt::join(missed, ", "));
+  return fmt::format("none of {} points meets the constraints; the nearest is {} ({}), with {}\n", search.simulated(),
+                     number_of(search, *nearest), fmt::join(axes, ", "), fmt::join(missed, ", "));
 }
 
 }  // namespace tools::optimise

@@ -6,12 +6,12 @@
 namespace tools::optimise {
 
 /// The front, or the best point, as a table, and the commands that run its points again.
-std::string front_text(const Course& course);
+std::string pareto_front_text(const SearchRun& search);
 /// The front with all digits: axes, figures, command.
-std::string front_csv(const Course& course);
+std::string pareto_front_csv(const SearchRun& search);
 /// A line of JSON for each point in the order of the search.
-std::string history_jsonl(const Course& course);
-/// Why there is no front.
-std::string infeasible_text(const Course& course);
+std::string history_jsonl(const SearchRun& search);
+/// The reason that there is no Pareto front.
+std::string infeasible_text(const SearchRun& search);
 
 }  // namespace tools::optimise

@@ -18,7 +18,7 @@ class Surrogate {
   /// Values by point. Exact ones: at least one.
   using Values = std::map<Choice, double>;
   void fit(const Values& exact, const Values& looks);
-  /// Of the figure as it is estimated: inverse() makes it a figure again.
+  /// The figure as it is estimated: inverse() makes it a figure again.
   Estimate at(const Choice& point) const { return process().at(point); }
   double inverse(double value) const;
   double forward(double value) const;

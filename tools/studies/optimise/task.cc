@@ -10,7 +10,7 @@
 #include "sim/error.h"
 #include "sim/io/file.h"
 #include "sim/io/printable.h"
-#include "tools/studies/sweep/yaml_value.h"
+#include "tools/studies/sweep/spec/yaml_value.h"
 
 namespace tools::optimise {
 

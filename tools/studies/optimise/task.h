@@ -5,11 +5,11 @@
 #include <vector>
 
 #include "tools/studies/optimise/goal.h"
-#include "tools/studies/sweep/spec.h"
+#include "tools/studies/sweep/spec/spec.h"
 
 namespace tools::optimise {
 
-/// What `raywatt optimise` is asked for (docs/optimise.md): a sweep's axes, conditions and workloads, and what of them
+/// The task of `raywatt optimise` (docs/optimise.md): a sweep's axes, conditions and workloads, and what of them
 /// is best.
 struct Task {
   std::string file;  ///< its name, for messages

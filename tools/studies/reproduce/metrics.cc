@@ -6,6 +6,9 @@
 
 #include <fmt/format.h>
 
+#include "hw_models/memory/dram_channel.h"
+#include "hw_models/tni/ist.h"
+#include "hw_models/tni/trv.h"
 #include "tools/analysis/kernel_shares.h"
 #include "tools/analysis/picture.h"
 #include "tools/analysis/units.h"
@@ -26,20 +29,22 @@ Value ratio(std::uint64_t a, std::uint64_t b) { return ratio(static_cast<double>
 double tni_pj(const Outcome& o) { return o.simulation.energy.blocks.at("tni").total().nominal; }
 double all_pj(const Outcome& o) { return o.simulation.energy.total_pj.nominal; }
 
-/// Of all units of a block.
-std::uint64_t counted(const Outcome& o, std::string_view block, std::string_view name) {
-  return sum_of(o.simulation.units, block, name);
+/// A counter of the caches of all T&I units.
+std::uint64_t counted(const Outcome& o, std::uint64_t hw::FetchStats::*counter) {
+  return Units<hw::Trv>(o.simulation.units).counted(counter) + Units<hw::Ist>(o.simulation.units).counted(counter);
 }
 
-std::uint64_t dram_bytes(const Outcome& o) { return counted(o, "dram", "bytes"); }
-std::uint64_t lines_filled(const Outcome& o) { return counted(o, "tni", "l1_fills"); }
-/// Of the T&I units' caches, in the first probe for a line and in all of them.
+std::uint64_t dram_bytes(const Outcome& o) {
+  return Units<hw::DramChannel>(o.simulation.units).counted(&hw::DramChannel::Stats::bytes);
+}
+std::uint64_t lines_filled(const Outcome& o) { return counted(o, &hw::FetchStats::l1_fills); }
+/// Hits in the first probe for a line, and in all of them.
 double first_hits(const Outcome& o) {
-  const std::uint64_t lines = counted(o, "tni", "l1_hits") + counted(o, "tni", "rau_reads");
-  return 1 - ratio(counted(o, "tni", "l1_late"), lines).value_or(0);
+  const std::uint64_t lines = counted(o, &hw::FetchStats::l1_hits) + counted(o, &hw::FetchStats::rau_reads);
+  return 1 - ratio(counted(o, &hw::FetchStats::l1_late), lines).value_or(0);
 }
 double all_hits(const Outcome& o) {
-  return ratio(counted(o, "tni", "l1_hits"), counted(o, "tni", "l1_accesses")).value_or(0);
+  return ratio(counted(o, &hw::FetchStats::l1_hits), counted(o, &hw::FetchStats::l1_accesses)).value_or(0);
 }
 
 Value speedup(const Comparison& c) { return ratio(c.reference.simulation.cycles, c.run.simulation.cycles); }

@@ -61,7 +61,8 @@ std::vector<Case> sgrt_units(bool quick);
 /// All of them.
 const std::vector<Paper>& papers();
 
-/// What makes any scene one of these experiments', as traces/workloads/reproduction.yaml does for the built-in ones.
+/// Keys that make any scene one of these experiments', as traces/workloads/reproduction.yaml does for the built-in
+/// ones.
 Sets reproduction_rules();
 
 /// Pixels of one side when a plan is quick.

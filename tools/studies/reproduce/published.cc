@@ -30,7 +30,7 @@ class Reader {
       for (const Entry& scene : mapping(experiment, "scenes")) {
         for (const Entry& setting : mapping(scene, "settings")) {
           for (const Entry& metric : mapping(setting, "figures")) {
-            out_.emplace(Place{experiment.key, scene.key, setting.key, metric.key}, range(metric));
+            out_.emplace(FigureKey{experiment.key, scene.key, setting.key, metric.key}, range(metric));
           }
         }
       }

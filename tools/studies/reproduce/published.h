@@ -13,13 +13,13 @@ struct Range {
   friend bool operator==(const Range&, const Range&) = default;
 };
 
-/// The place of a figure: "table 1", "teapot", "super", "psnr_db".
-struct Place {
+/// Identification of a figure: "table 1", "teapot", "super", "psnr_db".
+struct FigureKey {
   std::string experiment, scene, setting, metric;
-  friend auto operator<=>(const Place&, const Place&) = default;
+  friend auto operator<=>(const FigureKey&, const FigureKey&) = default;
 };
 
-using Published = std::map<Place, Range>;
+using Published = std::map<FigureKey, Range>;
 
 /// The published figures of a paper: tests/validation/published/PAPER.yaml, or published/PAPER.yaml below one of
 /// search_folders(). InputError, with line and column, if it is no such file.

@@ -89,7 +89,7 @@ class Job {
       figures.assign(c.figures.size(), {{}, std::string("skipped: ") + error.what()});
     }
     for (std::size_t i = 0; i < figures.size(); ++i) {
-      Row row{.place = {c.figures[i].experiment, c.view.scene, c.setting, c.figures[i].metric},
+      Row row{.figure = {c.figures[i].experiment, c.view.scene, c.setting, c.figures[i].metric},
               .stand_in = stand_in,
               .width = c.width,
               .height = c.height,
@@ -98,7 +98,7 @@ class Job {
               .measured = figures[i].value,
               .why_not = figures[i].why_not,
               .published = {}};
-      const auto found = published_.find(row.place);
+      const auto found = published_.find(row.figure);
       if (found != published_.end()) row.published = found->second;
       results_.rows.push_back(std::move(row));
     }

@@ -16,12 +16,12 @@ namespace {
 
 std::string measured_text(const Row& row) {
   if (!row.measured) return row.why_not;
-  return metric_text(find_metric(row.place.metric), *row.measured);
+  return metric_text(find_metric(row.figure.metric), *row.measured);
 }
 
 std::string published_text(const Row& row) {
   if (!row.published) return "";
-  const Metric& metric = find_metric(row.place.metric);
+  const Metric& metric = find_metric(row.figure.metric);
   const std::string low = metric_text(metric, row.published->low);
   return row.published->low == row.published->high ? low : low + " to " + metric_text(metric, row.published->high);
 }
@@ -32,7 +32,8 @@ std::string difference_text(const Row& row) {
   const double value = *row.measured;
   const double nearest = std::clamp(value, row.published->low, row.published->high);
   if (row.published->low != row.published->high && value == nearest) return "within";
-  if (find_metric(row.place.metric).shown == Metric::Shown::kDecibel) return fmt::format("{:+.1f} dB", value - nearest);
+  if (find_metric(row.figure.metric).shown == Metric::Shown::kDecibel)
+    return fmt::format("{:+.1f} dB", value - nearest);
   return fmt::format("{:+.0f} %", 100 * (value / nearest - 1));
 }
 
@@ -50,23 +51,23 @@ std::string heading(const Results& results) {
 std::vector<Row> by_experiment(std::vector<Row> rows) {
   std::vector<std::string> order;
   for (const Row& row : rows) {
-    if (std::ranges::find(order, row.place.experiment) == order.end()) order.push_back(row.place.experiment);
+    if (std::ranges::find(order, row.figure.experiment) == order.end()) order.push_back(row.figure.experiment);
   }
-  std::ranges::stable_sort(rows, {}, [&](const Row& r) { return std::ranges::find(order, r.place.experiment); });
+  std::ranges::stable_sort(rows, {}, [&](const Row& r) { return std::ranges::find(order, r.figure.experiment); });
   return rows;
 }
 
 nlohmann::ordered_json rows_json(const Results& results) {
   nlohmann::ordered_json out = nlohmann::ordered_json::array();
   for (const Row& row : results.rows) {
-    nlohmann::ordered_json entry = {{"experiment", row.place.experiment},
-                                    {"scene", row.place.scene},
+    nlohmann::ordered_json entry = {{"experiment", row.figure.experiment},
+                                    {"scene", row.figure.scene},
                                     {"stand_in", sim::printable(row.stand_in, 4096)},
                                     {"resolution", {row.width, row.height}},
-                                    {"setting", row.place.setting},
+                                    {"setting", row.figure.setting},
                                     {"program", row.program},
                                     {"reference", row.reference},
-                                    {"figure", row.place.metric}};
+                                    {"figure", row.figure.metric}};
     entry["measured"] = row.measured ? nlohmann::ordered_json(*row.measured) : nlohmann::ordered_json(nullptr);
     if (!row.measured) entry["why_not"] = sim::printable(row.why_not, 4096);
     if (row.published && row.published->low == row.published->high) {
@@ -84,13 +85,13 @@ nlohmann::ordered_json rows_json(const Results& results) {
 std::string results_text(const Results& results) {
   sim::Table table({"experiment", "scene", "setting", "figure", "measured", "published", "difference"});
   for (const Row& row : by_experiment(results.rows)) {
-    table.row({row.place.experiment, row.place.scene, row.place.setting, row.place.metric,
+    table.row({row.figure.experiment, row.figure.scene, row.figure.setting, row.figure.metric,
                row.measured ? measured_text(row) : "-", published_text(row), difference_text(row)});
   }
   std::string out = heading(results) + "\n\n" + table.text();
   std::string before;
   for (const Row& row : results.rows) {
-    const std::string line = fmt::format("{}, {}: {}\n", row.place.scene, row.place.setting, row.why_not);
+    const std::string line = fmt::format("{}, {}: {}\n", row.figure.scene, row.figure.setting, row.why_not);
     if (row.measured || line == before) continue;
     out += (before.empty() ? "\nnot measured\n" : "") + line;
     before = line;
@@ -100,12 +101,12 @@ std::string results_text(const Results& results) {
 
 namespace {
 
-/// What was run for each setting of an experiment, and what that is held against.
+/// Programs that were run for each setting of an experiment, and their references.
 std::string programs_markdown(std::span<const Row> rows) {
   std::string out = "\n| setting | run | held against |\n|---|---|---|\n";
   std::vector<std::string> listed;
   for (const Row& row : rows) {
-    std::string line = fmt::format("| {} | `{}` | `{}` |\n", row.place.setting, row.program, row.reference);
+    std::string line = fmt::format("| {} | `{}` | `{}` |\n", row.figure.setting, row.program, row.reference);
     if (std::ranges::find(listed, line) != listed.end()) continue;
     out += line;
     listed.push_back(std::move(line));
@@ -118,12 +119,12 @@ std::string scenes_markdown(std::span<const Row> rows) {
   std::string out;
   std::vector<std::pair<std::string, std::string>> listed;
   for (const Row& row : rows) {
-    const std::pair figure{row.place.setting, row.place.metric};
+    const std::pair figure{row.figure.setting, row.figure.metric};
     if (std::ranges::find(listed, figure) != listed.end()) continue;
     listed.push_back(figure);
     std::vector<double> values;
     for (const Row& other : rows) {
-      const bool same = other.place.setting == figure.first && other.place.metric == figure.second;
+      const bool same = other.figure.setting == figure.first && other.figure.metric == figure.second;
       if (same && other.measured) values.push_back(*other.measured);
     }
     if (values.size() < 2) continue;
@@ -138,16 +139,16 @@ std::string scenes_markdown(std::span<const Row> rows) {
 }
 
 std::string experiment_markdown(std::span<const Row> rows) {
-  std::string out = fmt::format("\n## {}\n", rows.front().place.experiment);
+  std::string out = fmt::format("\n## {}\n", rows.front().figure.experiment);
   out += programs_markdown(rows) + scenes_markdown(rows);
   out +=
       "\n| scene | stand-in | pixels | setting | figure | measured | published | difference |\n"
       "|---|---|---|---|---|---|---|---|\n";
   for (const Row& row : rows) {
     const std::string stand_in = std::filesystem::path(row.stand_in).filename().string();
-    out +=
-        fmt::format("| {} | {} | {} | {} | {} | {} | {} | {} |\n", row.place.scene, stand_in, size_text(row),
-                    row.place.setting, row.place.metric, measured_text(row), published_text(row), difference_text(row));
+    out += fmt::format("| {} | {} | {} | {} | {} | {} | {} | {} |\n", row.figure.scene, stand_in, size_text(row),
+                       row.figure.setting, row.figure.metric, measured_text(row), published_text(row),
+                       difference_text(row));
   }
   return out;
 }
@@ -159,7 +160,7 @@ std::string results_markdown(const Results& results, const std::vector<std::stri
   const std::vector<Row> rows = by_experiment(results.rows);
   for (auto first = rows.begin(); first != rows.end();) {
     const auto last = std::find_if(first, rows.end(),
-                                   [&](const Row& row) { return row.place.experiment != first->place.experiment; });
+                                   [&](const Row& row) { return row.figure.experiment != first->figure.experiment; });
     out += experiment_markdown({first, last});
     first = last;
   }

@@ -12,7 +12,7 @@ namespace tools::reproduce {
 
 /// One figure, measured beside published.
 struct Row {
-  Place place;
+  FigureKey figure;
   std::string stand_in;
   std::uint32_t width = 0, height = 0;
   std::string program, reference;

@@ -6,12 +6,11 @@
 #include <vector>
 
 #include "tools/studies/reproduce/metrics.h"
-#include "tools/studies/reproduce/outcome.h"
 #include "tools/studies/reproduce/plan.h"
 
 namespace tools::reproduce {
 
-/// What `raywatt reproduce` is told.
+/// Options of `raywatt reproduce`.
 struct Options {
   std::string paper;
   std::string config = "sgrt-2016";

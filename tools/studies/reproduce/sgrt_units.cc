@@ -90,7 +90,7 @@ void add_reorder(Plan& plan, const Machine& m) {
   }
 }
 
-/// What the paper does not say: how many rays a unit holds, and how large its caches are.
+/// Sizes that the paper does not give: rays that a unit holds, and its caches.
 void add_sizes(Plan& plan, const Machine& m) {
   const auto add = [&](const std::string& size, const Sets& sets) {
     for (const char* other : {"bypass", "blocking"}) {

@@ -19,42 +19,42 @@ Values machine() {
   return v;
 }
 
-TEST(Suspect, IsTheUnitWhoseOwnTimeMovedNotTheOnesThatWaitForIt) {
+TEST(RegressionLocator, IsTheUnitWhoseOwnTimeMovedNotTheOnesThatWaitForIt) {
   Values was = machine(), is = machine();
   is["units.core.tni.trv.why.l1_miss"] = 100;
   is["units.core.srp.why.waiting"] = 100;
   is["units.l2.bank.why.lookup"] = 30;
-  const auto suspect = find_suspect(was, is);
-  ASSERT_TRUE(suspect);
-  EXPECT_EQ(suspect->unit, "l2.bank");
-  EXPECT_EQ(suspect->moved, "why.lookup 0 -> 30 cycles (+30)");
-  EXPECT_EQ(suspect->clarity, 1);
+  const auto located = locate_regression(was, is);
+  ASSERT_TRUE(located);
+  EXPECT_EQ(located->unit, "l2.bank");
+  EXPECT_EQ(located->moved, "why.lookup 0 -> 30 cycles (+30)");
+  EXPECT_EQ(located->clarity, 1);
 }
 
-TEST(Suspect, IsLessClearTheMoreUnitsMove) {
+TEST(RegressionLocator, IsLessClearTheMoreUnitsMove) {
   Values was = machine(), is = machine();
   is["units.l2.bank.why.lookup"] = 30;
   is["units.core.srp.why.running"] = 10;
-  EXPECT_DOUBLE_EQ(find_suspect(was, is)->clarity, 0.75);
+  EXPECT_DOUBLE_EQ(locate_regression(was, is)->clarity, 0.75);
 }
 
-TEST(Suspect, WithoutAnyIsTheUnitNearestToMemoryThatWaitedLonger) {
+TEST(RegressionLocator, WithoutAnyIsTheUnitNearestToMemoryThatWaitedLonger) {
   Values was = machine(), is = machine();
   is["units.core.tni.trv.why.ist"] = 79;
   is["units.core.srp.why.waiting"] = 79;
-  EXPECT_EQ(find_suspect(was, is)->unit, "core.tni.trv");
+  EXPECT_EQ(locate_regression(was, is)->unit, "core.tni.trv");
 }
 
-TEST(Suspect, NothingToDoMeansNothing) {
+TEST(RegressionLocator, NothingToDoMeansNothing) {
   Values was = machine(), is = machine();
   is["units.core.tni.trv.why.starved"] = 79;
   is["units.dram.channel.why.idle"] = 79;
   is["units.dram.channel.why.refresh"] = 79;
-  EXPECT_FALSE(find_suspect(was, is));
-  EXPECT_FALSE(find_suspect({}, {})) << "no unit is kept";
+  EXPECT_FALSE(locate_regression(was, is));
+  EXPECT_FALSE(locate_regression({}, {})) << "no unit is kept";
 }
 
-TEST(Suspect, EveryReasonOfEveryUnitIsOneKindOfReason) {
+TEST(RegressionLocator, EveryReasonOfEveryUnitIsOneKindOfReason) {
   for (const char* direct : {"true", "false"}) {
     JobOptions options;
     options.resolution = "4x4";

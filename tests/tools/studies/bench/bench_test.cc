@@ -18,7 +18,7 @@ Words bench(const Words& more) {
   return words;
 }
 
-/// What a bench of these words prints as JSON.
+/// JSON that a bench of these words prints.
 nlohmann::json json_of(Words words) {
   words.emplace_back("--json");
   const Ending ending = raywatt(words);
@@ -68,7 +68,7 @@ TEST(Bench, RefusesASceneThatIsNotThereWithOneLine) {
   expect_refusal(raywatt(bench({"--scene", "teapott"})), {"teapott", "did you mean 'teapot'"});
 }
 
-/// What a build has saved: one scene, each figure `value`.
+/// Saved figures of a build: one scene, each figure `value`.
 nlohmann::ordered_json saved(double value, const std::string& scene = "teapot") {
   nlohmann::ordered_json figures = {{"scene", scene}};
   for (const tools::BenchFigure& figure : tools::bench_figures()) figures[figure.name] = value;

@@ -35,9 +35,9 @@ class Runs : public testing::Test {
     ASSERT_EQ(ending.exit, 0) << ending.err;
   }
   std::string path(const std::string& name) const {
-    const std::filesystem::path place = folder.path() / name;
-    if (!std::filesystem::exists(place)) run(name);
-    return place.string();
+    const std::filesystem::path path = folder.path() / name;
+    if (!std::filesystem::exists(path)) run(name);
+    return path.string();
   }
   Json compared(const std::string& a, const std::string& b) const {
     const Ending ending = raywatt({"compare", path(a), path(b), "--json"});
@@ -115,7 +115,7 @@ TEST_F(Runs, RatesAreShares) {
 TEST_F(Runs, PlacesOfTimeAddUpToTheDifferenceInCycles) {
   const Json c = compared("base", "slow-l2");
   double sum = 0;
-  for (const Json& place : c["time"]) sum += place["difference"].get<double>();
+  for (const Json& part : c["time"]) sum += part["difference"].get<double>();
   const Json& cycles = c["figures"]["cycles"];
   EXPECT_NEAR(sum, cycles["b"].get<double>() - cycles["a"].get<double>(), 1e-6 * cycles["a"].get<double>());
 }

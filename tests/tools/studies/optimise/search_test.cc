@@ -9,7 +9,7 @@
 
 #include "sim/hash.h"
 
-// What a search finds in spaces of 1,024 points with a tenth of their evaluations, against the true front.
+// Points that a search finds in spaces of 1,024 points with a tenth of their evaluations, against the true front.
 
 namespace test {
 namespace {
@@ -49,7 +49,7 @@ struct MadeUp {
 };
 
 /// The points that a search looks at, in order.
-std::vector<Choice> course(const MadeUp& space, std::uint64_t seed, std::size_t budget = kBudget) {
+std::vector<Choice> search_run(const MadeUp& space, std::uint64_t seed, std::size_t budget = kBudget) {
   Search search = space.search(seed);
   std::vector<Choice> all;
   while (all.size() < budget) {
@@ -75,7 +75,7 @@ double share(const MadeUp& space, const std::vector<Choice>& choices) {
 double found(const MadeUp& space) {
   std::vector<double> shares;
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-    const std::vector<Choice> points = course(space, seed);
+    const std::vector<Choice> points = search_run(space, seed);
     EXPECT_LE(points.size(), kBudget);
     EXPECT_EQ(std::set<Choice>(points.begin(), points.end()).size(), points.size()) << "no point twice";
     shares.push_back(share(space, points));
@@ -172,18 +172,18 @@ TEST(Search, IsBetterThanChance) {
   }
   std::ranges::sort(shares);
   EXPECT_LT(shares[2], 0.97) << "the bar of these tests says something";
-  EXPECT_GE(share(kMachine, course(kMachine, 1, 60)), 0.98) << "and sixty points do";
+  EXPECT_GE(share(kMachine, search_run(kMachine, 1, 60)), 0.98) << "and sixty points do";
 }
 
 TEST(Search, TakesTheSameCourseForTheSameSeed) {
-  EXPECT_EQ(course(kMachine, 7, 44), course(kMachine, 7, 44));
-  EXPECT_NE(course(kMachine, 7, 44), course(kMachine, 8, 44));
+  EXPECT_EQ(search_run(kMachine, 7, 44), search_run(kMachine, 7, 44));
+  EXPECT_NE(search_run(kMachine, 7, 44), search_run(kMachine, 8, 44));
 }
 
 TEST(Search, StaysWithinWhatIsWanted) {
   MadeUp part = kMachine;
   part.is_wanted = [](const Choice& c) { return (c[0] + c[1]) % 2 == 0; };
-  for (const Choice& point : course(part, 1, 60)) EXPECT_TRUE(part.is_wanted(point));
+  for (const Choice& point : search_run(part, 1, 60)) EXPECT_TRUE(part.is_wanted(point));
 }
 
 TEST(Search, LooksAtEveryPointOfASpaceThatIsSmallerThanItsBudget) {
@@ -191,7 +191,7 @@ TEST(Search, LooksAtEveryPointOfASpaceThatIsSmallerThanItsBudget) {
                  return std::vector<double>{x[0] - x[1], x[1]};
                }};
   small.is_wanted = [](const Choice& c) { return c != Choice{1, 1, 0}; };
-  EXPECT_EQ(course(small, 1).size(), 14U);
+  EXPECT_EQ(search_run(small, 1).size(), 14U);
 }
 
 TEST(Search, ComesToTheLastPointOfAHugeSpaceWithFewWantedOnes) {
@@ -199,7 +199,7 @@ TEST(Search, ComesToTheLastPointOfAHugeSpaceWithFewWantedOnes) {
                 return std::vector<double>{x[0], -x[0]};
               }};
   rare.is_wanted = [](const Choice& c) { return std::ranges::all_of(c, [&](std::uint32_t v) { return v == c[0]; }); };
-  EXPECT_GE(course(rare, 1).size(), 7U) << "of eight in 262,144";
+  EXPECT_GE(search_run(rare, 1).size(), 7U) << "of eight in 262,144";
 }
 
 TEST(Search, LearnsWhereNothingCanBeComputed) {

@@ -1,8 +1,6 @@
 #include <algorithm>
-#include <chrono>
 #include <csignal>
 #include <set>
-#include <thread>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -24,9 +22,9 @@ namespace {
 namespace fs = std::filesystem;
 using namespace tools::reproduce;
 
-/// The places that a plan measures.
-std::set<Place> places(const Paper& paper, bool quick) {
-  std::set<Place> out;
+/// The figures that a plan measures.
+std::set<FigureKey> figures(const Paper& paper, bool quick) {
+  std::set<FigureKey> out;
   for (const Case& c : paper.cases(quick)) {
     for (const Figure& figure : c.figures) {
       out.insert({figure.experiment, c.view.scene, c.setting, figure.metric});
@@ -35,7 +33,7 @@ std::set<Place> places(const Paper& paper, bool quick) {
   return out;
 }
 
-std::string name_of(const Place& p) { return p.experiment + ", " + p.scene + ", " + p.setting + ", " + p.metric; }
+std::string name_of(const FigureKey& p) { return p.experiment + ", " + p.scene + ", " + p.setting + ", " + p.metric; }
 
 /// Pictures of a plan's own tests go where nothing else is.
 Surroundings with_cache(const TempFolder& folder) {
@@ -76,7 +74,7 @@ TEST_P(EachPaper, QuicklyGetsANumberForEveryRow) {
   EXPECT_EQ(results["schema"], "raywatt-reproduce/1");
   EXPECT_EQ(results["paper"], paper);
   EXPECT_EQ(results["partial"], false);
-  EXPECT_EQ(results["rows"].size(), places(GetParam(), true).size());
+  EXPECT_EQ(results["rows"].size(), figures(GetParam(), true).size());
   for (const nlohmann::json& row : results["rows"]) EXPECT_TRUE(row["measured"].is_number()) << row;
   EXPECT_SAYS(ending.out, std::string(GetParam().title));
   EXPECT_SAYS(read_bytes(out / "reproduce.md"), "| scene | stand-in |");
@@ -86,17 +84,17 @@ TEST_P(EachPaper, QuicklyGetsANumberForEveryRow) {
 }
 
 TEST_P(EachPaper, HasAPlaceForEveryPublishedFigure) {
-  const std::set<Place> measured = places(GetParam(), false);
-  for (const auto& [place, range] : load_published(std::string(GetParam().name))) {
-    EXPECT_TRUE(measured.contains(place)) << name_of(place);
-    EXPECT_LE(range.low, range.high) << name_of(place);
+  const std::set<FigureKey> measured = figures(GetParam(), false);
+  for (const auto& [figure, range] : load_published(std::string(GetParam().name))) {
+    EXPECT_TRUE(measured.contains(figure)) << name_of(figure);
+    EXPECT_LE(range.low, range.high) << name_of(figure);
   }
 }
 
 TEST_P(EachPaper, QuicklyMeasuresSomeOfWhatItMeasuresAtLength) {
-  const std::set<Place> all = places(GetParam(), false), quick = places(GetParam(), true);
+  const std::set<FigureKey> all = figures(GetParam(), false), quick = figures(GetParam(), true);
   EXPECT_LT(quick.size(), all.size());
-  for (const Place& place : quick) EXPECT_TRUE(all.contains(place)) << name_of(place);
+  for (const FigureKey& figure : quick) EXPECT_TRUE(all.contains(figure)) << name_of(figure);
 }
 
 TEST_P(EachPaper, NamesFiguresThatExistAndEachPictureOnce) {
@@ -182,7 +180,7 @@ TEST(Reproduce, MeasuresARunAgainstAReferenceWithATreeOfItsOwn) {
 TEST(Reproduce, WritesWhatIsHeldAgainstWhatAndEachFigureOverItsScenes) {
   Results results;
   for (const double speedup : {1.0, 3.0, 2.0}) {
-    results.rows.push_back({.place = {"caches", fmt::format("scene {}", speedup), "large", "speedup"},
+    results.rows.push_back({.figure = {"caches", fmt::format("scene {}", speedup), "large", "speedup"},
                             .stand_in = "",
                             .width = 8,
                             .height = 4,
@@ -211,14 +209,7 @@ TEST(Reproduce, KeepsFinishedRowsWhenInterruptedMarkedPartial) {
   const TempFolder folder;
   const fs::path out = folder.path() / "out";
   Program program({"reproduce", "jin2009", "--threads", "1", "--quick", "-o", out.string()}, with_cache(folder));
-  const auto has_a_row = [&] {
-    std::error_code vanished;
-    for (const auto& entry : fs::recursive_directory_iterator(folder.path(), vanished)) {
-      if (entry.path().filename() == "reproduce.json") return true;
-    }
-    return false;
-  };
-  for (int tries = 0; tries < 3000 && !has_a_row(); ++tries) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_TRUE(program.wait_for_file(folder.path(), "reproduce.json"));
   program.send(SIGINT);
   EXPECT_EQ(program.wait().exit, 128 + SIGINT);
   const nlohmann::json results = read_json(out / "reproduce.json");

@@ -2,7 +2,7 @@
 
 #include "tests/tools/studies/sweep/small_sweep.h"
 #include "tools/host/build_info.h"
-#include "tools/studies/sweep/compute.h"
+#include "tools/studies/sweep/launch/compute.h"
 
 // The experiments that come with the program.
 

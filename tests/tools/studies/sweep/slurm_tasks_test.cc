@@ -1,6 +1,6 @@
-#include "tools/studies/sweep/slurm_tasks.h"
-
 #include <gtest/gtest.h>
+
+#include "tools/studies/sweep/launch/slurm_queue.h"
 
 // How points are shared out among the tasks of a job array.
 

@@ -4,7 +4,7 @@
 
 #include "tests/tools/studies/sweep/small_sweep.h"
 
-// What is said to Slurm's commands, and what comes of what they say. The commands here are made up; tests/slurm has the
+// Conversation with Slurm's commands. The commands here are made up; tests/slurm has the
 // real ones.
 
 namespace test {

@@ -1,5 +1,9 @@
 #include "tests/tools/studies/sweep/small_sweep.h"
 
+#include <sstream>
+
+#include <nlohmann/json.hpp>
+
 #include "sim/error.h"
 
 namespace test {
@@ -63,6 +67,14 @@ nlohmann::json comparable(nlohmann::json report) {
   report.erase("host");
   report["provenance"].erase("argv");
   return report;
+}
+
+Tally last_run(const fs::path& out) {
+  std::istringstream runs(read_bytes(out / "log" / "runs.jsonl"));
+  std::string last;
+  for (std::string line; std::getline(runs, line);) last = line;
+  const auto run = nlohmann::json::parse(last);
+  return {run["points"], run["computed"], run["found"], run["failed"]};
 }
 
 }  // namespace test

@@ -1,10 +1,11 @@
 #pragma once
+#include <array>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 #include "tests/tools/program.h"
-#include "tools/studies/sweep/plan.h"
+#include "tools/studies/sweep/spec/plan.h"
 
 namespace test {
 
@@ -14,13 +15,13 @@ std::filesystem::path write_sweep(const TempFolder& folder, const std::string& l
 
 /// The points of such a sweep.
 std::vector<tools::sweep::Point> points_of(const std::string& lines);
-/// What is wrong with such a sweep; empty if nothing is.
+/// Faults of such a sweep; empty if nothing is.
 std::string complaint_of(const std::string& lines);
 
 /// `raywatt sweep run` of that file into folder/out with the store folder/store.
 Words sweep_run(const TempFolder& folder, const std::filesystem::path& file, const Words& more = {});
 
-/// What points have as values of their axes: "cores=1 tni.trvs=2".
+/// Values of the points' axes: "cores=1 tni.trvs=2".
 Words labels_of(const std::vector<tools::sweep::Point>& points);
 
 /// Number of finished points in a store.
@@ -28,5 +29,10 @@ std::size_t points_in(const std::filesystem::path& store);
 
 /// report.json without what differs from run to run.
 nlohmann::json comparable(nlohmann::json report);
+
+/// Numbers of points of a run: all, computed, found, failed.
+using Tally = std::array<int, 4>;
+/// That of the last run in a sweep's folder, by its log.
+Tally last_run(const std::filesystem::path& out);
 
 }  // namespace test

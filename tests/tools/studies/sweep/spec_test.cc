@@ -1,4 +1,4 @@
-#include "tools/studies/sweep/spec.h"
+#include "tools/studies/sweep/spec/spec.h"
 
 #include <chrono>
 
@@ -7,7 +7,7 @@
 #include "tests/tools/studies/sweep/small_sweep.h"
 #include "tests/traces/scene/tiny_gltf_file.h"
 
-// What a sweep's file may say, and which points it means.
+// Contents of a sweep's file, and the points that follow from it.
 
 namespace test {
 namespace {

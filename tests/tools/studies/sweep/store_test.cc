@@ -1,4 +1,4 @@
-#include "tools/studies/sweep/store.h"
+#include "tools/studies/sweep/store/store.h"
 
 #include <fstream>
 
@@ -6,7 +6,7 @@
 
 #include "sim/sha256.h"
 #include "tests/tools/studies/sweep/small_sweep.h"
-#include "tools/studies/sweep/durable.h"
+#include "tools/studies/sweep/store/durable.h"
 
 // Results by what they were made of: whole, or not there.
 

@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
 #include "tests/tools/studies/sweep/small_sweep.h"
-#include "tools/studies/sweep/compute.h"
-#include "tools/studies/sweep/local_launcher.h"
+#include "tools/studies/sweep/launch/compute.h"
+#include "tools/studies/sweep/launch/local_launcher.h"
 
 // Points that differ in the machine alone share their recorded work.
 

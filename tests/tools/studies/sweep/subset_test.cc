@@ -1,4 +1,4 @@
-#include "tools/studies/sweep/subset.h"
+#include "tools/studies/sweep/spec/subset.h"
 
 #include <algorithm>
 #include <set>

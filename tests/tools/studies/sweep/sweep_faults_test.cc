@@ -1,23 +1,19 @@
 #include <algorithm>
-#include <chrono>
 #include <csignal>
 #include <fstream>
 #include <sstream>
-#include <thread>
 
 #include <gtest/gtest.h>
 #include <sys/mount.h>
 
-#include "sim/hash.h"
 #include "tests/tools/studies/sweep/small_sweep.h"
 
-// What a sweep survives.
+// Faults that a sweep survives.
 
 namespace test {
 namespace {
 
 namespace fs = std::filesystem;
-using std::chrono::milliseconds;
 
 constexpr const char* kTwelve = "axes: {cores: [1, 2], tni.trvs: [1, 2, 4], tni.trv.rays: [8, 16]}\n";
 constexpr std::size_t kTwelvePoints = 12;
@@ -28,14 +24,6 @@ std::vector<pid_t> children_of(pid_t process) {
   std::vector<pid_t> children;
   for (pid_t child = 0; file >> child;) children.push_back(child);
   return children;
-}
-
-/// A number in what the program said, behind `before`: "computed" of "12 computed".
-int number_before(const std::string& text, const std::string& word) {
-  const std::size_t end = text.find(" " + word);
-  if (end == std::string::npos) return -1;
-  const std::size_t begin = text.find_last_not_of("0123456789", end - 1) + 1;
-  return std::stoi(text.substr(begin, end - begin));
 }
 
 struct SweepFaults : testing::Test {
@@ -62,7 +50,9 @@ TEST_F(SweepFaults, KilledAgainAndAgainItEndsWithTheSameTable) {
   int kills = 0;
   for (std::uint64_t round = 0; kills < 5 && before < kTwelvePoints; ++round) {
     Program program(sweep_run(folder, file, {"-j", "2"}));
-    std::this_thread::sleep_for(milliseconds(40 + sim::hash(round) % 60));
+    const std::size_t wanted = before + round % 3;
+    EXPECT_TRUE(wait_until(
+        [&] { return program.ended() || (points_in(store) >= wanted && !children_of(program.process()).empty()); }));
     const std::vector<pid_t> workers = children_of(program.process());
     program.send(SIGKILL);
     for (const pid_t worker : workers) ::kill(worker, SIGKILL);
@@ -73,7 +63,7 @@ TEST_F(SweepFaults, KilledAgainAndAgainItEndsWithTheSameTable) {
   EXPECT_GE(kills, 2) << "the sweep is too small to be killed";
   const Ending last = raywatt(sweep_run(folder, file, {"-j", "2"}));
   EXPECT_EQ(last.exit, 0) << last.err << last.out;
-  EXPECT_GE(number_before(last.out, "found"), static_cast<int>(before));
+  EXPECT_GE(last_run(out)[2], static_cast<int>(before));
   EXPECT_EQ(points_in(store), kTwelvePoints);
   EXPECT_EQ(read_bytes(out / "results.csv"), undisturbed(kTwelve));
   expect_nothing_left_over();
@@ -87,8 +77,7 @@ TEST_F(SweepFaults, TwoSweepsOnOneStoreComputeEachPointOnce) {
   const Ending end_a = a.wait(), end_b = b.wait();
   EXPECT_EQ(end_a.exit, 0) << end_a.err;
   EXPECT_EQ(end_b.exit, 0) << end_b.err;
-  EXPECT_EQ(number_before(end_a.out, "computed") + number_before(end_b.out, "computed"),
-            static_cast<int>(kTwelvePoints));
+  EXPECT_EQ(last_run(out)[1] + last_run(folder.path() / "second")[1], static_cast<int>(kTwelvePoints));
   EXPECT_EQ(read_bytes(out / "results.csv"), read_bytes(folder.path() / "second" / "results.csv"));
   EXPECT_EQ(read_bytes(out / "results.csv"), undisturbed(kTwelve));
   expect_nothing_left_over();
@@ -97,8 +86,7 @@ TEST_F(SweepFaults, TwoSweepsOnOneStoreComputeEachPointOnce) {
 TEST_F(SweepFaults, TwoRunsOfOneFolderAreRefused) {
   const fs::path file = write_sweep(folder, "program: full:256\naxes: {resolution: [256x256]}\n");
   Program first(sweep_run(folder, file));
-  while (!fs::exists(out / "lock")) std::this_thread::sleep_for(milliseconds(2));
-  while (!fs::exists(out / "points.jsonl")) std::this_thread::sleep_for(milliseconds(2));
+  EXPECT_TRUE(wait_until([&] { return fs::exists(out / "lock") && fs::exists(out / "points.jsonl"); }));
   const std::string points = read_bytes(out / "points.jsonl");
   const Ending second = raywatt(sweep_run(folder, write_sweep(folder, kTwelve)));
   expect_refusal(second, {"somebody is running this sweep"});
@@ -134,12 +122,12 @@ TEST_F(SweepFaults, CancelStopsWhoRunsIt) {
 TEST_F(SweepFaults, AWorkerThatCrashesTakesOnlyItsPoint) {
   const fs::path file = write_sweep(folder, "axes:\n  resolution: [256x256, 16x16, 16x32]\n  program: [full:64]\n");
   Program program(sweep_run(folder, file, {"-j", "1"}));
-  while (!fs::exists(store / "tmp") || names_in(store / "tmp").empty()) std::this_thread::sleep_for(milliseconds(2));
+  EXPECT_TRUE(wait_until([&] { return fs::exists(store / "tmp") && !names_in(store / "tmp").empty(); }));
   ASSERT_EQ(children_of(program.process()).size(), 1U);
   ::kill(children_of(program.process())[0], SIGSEGV);
   const Ending ending = program.wait();
   EXPECT_EQ(ending.exit, 1) << ending.err;
-  EXPECT_SAYS(ending.out, "3 points: 2 computed, 0 found, 1 failed");
+  EXPECT_EQ(last_run(out), (Tally{3, 2, 0, 1}));
   EXPECT_SAYS(ending.out, "the worker crashed: Segmentation fault");
   const Ending status = raywatt({"sweep", "status", "--json", out});
   EXPECT_EQ(nlohmann::json::parse(status.out)["failures"][0]["exit"], 128 + SIGSEGV);
@@ -148,12 +136,12 @@ TEST_F(SweepFaults, AWorkerThatCrashesTakesOnlyItsPoint) {
 TEST_F(SweepFaults, AWorkerThatSomebodyKillsIsTriedAgain) {
   const fs::path file = write_sweep(folder, "axes:\n  resolution: [128x128, 16x16]\n  program: [full:16]\n");
   Program program(sweep_run(folder, file, {"-j", "1"}));
-  while (!fs::exists(store / "tmp") || names_in(store / "tmp").empty()) std::this_thread::sleep_for(milliseconds(2));
+  EXPECT_TRUE(wait_until([&] { return fs::exists(store / "tmp") && !names_in(store / "tmp").empty(); }));
   ASSERT_EQ(children_of(program.process()).size(), 1U);
   ::kill(children_of(program.process())[0], SIGKILL);
   const Ending ending = program.wait();
   EXPECT_EQ(ending.exit, 0) << ending.err;
-  EXPECT_SAYS(ending.out, "2 points: 2 computed, 0 found, 0 failed");
+  EXPECT_EQ(last_run(out), (Tally{2, 2, 0, 0}));
   expect_nothing_left_over();
 }
 
@@ -191,7 +179,7 @@ TEST_F(SweepFaults, AFullDiskStopsItAndItGoesOnOnceThereIsRoom) {
   disk.grow();
   const Ending more = raywatt(sweep_run(folder, file, {"-j", "2"}));
   EXPECT_EQ(more.exit, 0) << more.err << more.out;
-  EXPECT_GT(number_before(more.out, "found"), 0);
+  EXPECT_GT(last_run(out)[2], 0);
   EXPECT_EQ(read_bytes(out / "results.csv"), undisturbed(kTwelve));
   expect_nothing_left_over();
 }

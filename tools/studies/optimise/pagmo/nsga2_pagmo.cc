@@ -19,7 +19,7 @@ using sweep::Choice;
 
 constexpr double kCrossover = 0.9, kCrossoverSpread = 10, kMutationSpread = 20;
 
-/// What pagmo asks of a problem. A copy asks the same task.
+/// A problem as pagmo has them. A copy asks the same task.
 struct Problem {
   const GeneticTask* task = nullptr;
 

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "tools/studies/sweep/point.h"
 #include "tools/studies/sweep/results/results.h"
+#include "tools/studies/sweep/spec/point.h"
 
 namespace tools::results {
 

@@ -70,9 +70,9 @@ bool is_grid(const std::vector<Factor>& factors, std::size_t points) {
   }
   std::set<std::vector<std::size_t>> there;
   for (std::size_t i = 0; i < points; ++i) {
-    std::vector<std::size_t> place;
-    for (const Factor& factor : factors) place.push_back(factor.at[i]);
-    there.insert(std::move(place));
+    std::vector<std::size_t> levels;
+    for (const Factor& factor : factors) levels.push_back(factor.at[i]);
+    there.insert(std::move(levels));
   }
   return combinations == points && there.size() == points;
 }

@@ -29,8 +29,8 @@ std::string path_of(std::string_view text) {
   return std::string(text.starts_with("min:") || text.starts_with("max:") ? text.substr(4) : text);
 }
 
-/// What points of the front are marked with.
-Column letters_of(const Front& front, std::size_t rows) {
+/// Marks of the points on the Pareto front.
+Column letters_of(const ParetoFront& front, std::size_t rows) {
   Column letters{"", std::vector<Value>(rows)};
   for (std::size_t i = 0; i < front.rows.size(); ++i) letters.values[front.rows[i]] = std::string(1, front.mark(i));
   return letters;
@@ -49,38 +49,38 @@ std::optional<double> Objective::of(std::size_t row) const {
 
 std::string Objective::text() const { return fmt::format("{} ({} is better)", column.name, most ? "more" : "less"); }
 
-char Front::mark(std::size_t i) const {
+char ParetoFront::mark(std::size_t i) const {
   constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ";
   return rows.size() <= kLetters.size() ? kLetters[i] : '#';
 }
 
-Front pareto_front(const Objective& x, const Objective& y, const std::vector<bool>& may) {
-  struct Place {
+ParetoFront pareto_front(const Objective& x, const Objective& y, const std::vector<bool>& may) {
+  struct Point {
     std::size_t row;
     double x, y;
   };
-  std::vector<Place> places;
+  std::vector<Point> points;
   for (std::size_t row = 0; row < may.size(); ++row) {
     const auto at_x = x.of(row), at_y = y.of(row);
-    if (may[row] && at_x && at_y) places.push_back({row, *at_x, *at_y});
+    if (may[row] && at_x && at_y) points.push_back({row, *at_x, *at_y});
   }
-  std::ranges::stable_sort(places, [&](const Place& a, const Place& b) {
+  std::ranges::stable_sort(points, [&](const Point& a, const Point& b) {
     return a.x != b.x ? x.is_better(a.x, b.x) : y.is_better(a.y, b.y);
   });
-  Front front;
-  const Place* last = nullptr;  // the best in y so far
-  for (const Place& place : places) {
-    const bool is_equal = last != nullptr && place.x == last->x && place.y == last->y;
-    const bool is_on_it = last == nullptr || is_equal || y.is_better(place.y, last->y);
-    (is_on_it ? front.rows : front.other).push_back(place.row);
-    if (is_on_it) last = &place;
+  ParetoFront front;
+  const Point* last = nullptr;  // the best in y so far
+  for (const Point& point : points) {
+    const bool is_equal = last != nullptr && point.x == last->x && point.y == last->y;
+    const bool is_on_it = last == nullptr || is_equal || y.is_better(point.y, last->y);
+    (is_on_it ? front.rows : front.other).push_back(point.row);
+    if (is_on_it) last = &point;
   }
   return front;
 }
 
 std::string pareto_text(const Results& results, const ParetoOptions& options, std::size_t width) {
   const Objective x(results, options.x), y(results, options.y);
-  const Front front = pareto_front(x, y, meeting(results, options.where));
+  const ParetoFront front = pareto_front(x, y, meeting(results, options.where));
   if (front.rows.empty()) {
     const std::string missing = results.what_is_missing();
     throw sim::InputError(fmt::format("no point has both {} and {}{}{}", x.column.name, y.column.name,

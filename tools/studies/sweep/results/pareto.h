@@ -20,18 +20,18 @@ struct Objective {
   std::string text() const;
 };
 
-struct Front {
+struct ParetoFront {
   std::vector<std::size_t> rows;   ///< of all that are on it, from the best x on
   std::vector<std::size_t> other;  ///< that have both figures and are not on it
-  /// Of a row of the front: letters in their order, or '#' if there are not enough.
+  /// The mark of a row of the front: letters in their order, or '#' if there are not enough.
   char mark(std::size_t i) const;
 };
 
 /// Points than which no other is as good in both figures and better in one, of those that `may` be.
-Front pareto_front(const Objective& x, const Objective& y, const std::vector<bool>& may);
+ParetoFront pareto_front(const Objective& x, const Objective& y, const std::vector<bool>& may);
 
 /// All points as dots, those of the front by their marks.
-std::string pareto_plot(const Objective& x, const Objective& y, const Front& front, std::size_t width);
+std::string pareto_plot(const Objective& x, const Objective& y, const ParetoFront& front, std::size_t width);
 
 struct ParetoOptions {
   std::string x, y;

@@ -37,7 +37,7 @@ struct Range {
 
 }  // namespace
 
-std::string pareto_plot(const Objective& x, const Objective& y, const Front& front, std::size_t width) {
+std::string pareto_plot(const Objective& x, const Objective& y, const ParetoFront& front, std::size_t width) {
   std::vector<std::size_t> all = front.other;
   all.insert(all.end(), front.rows.begin(), front.rows.end());
   const Range xs(x, all), ys(y, all);

@@ -10,7 +10,7 @@
 #include "sim/io/file.h"
 #include "sim/io/json.h"
 #include "tools/analysis/report_paths.h"
-#include "tools/studies/sweep/results/point_state.h"
+#include "tools/studies/sweep/results/index/point_state.h"
 
 namespace tools::results {
 

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "tools/studies/sweep/results/index_file.h"
+#include "tools/studies/sweep/results/index/index_file.h"
 
 namespace tools::results {
 

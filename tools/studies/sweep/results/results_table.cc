@@ -29,7 +29,7 @@ std::vector<std::string> usual_columns(const Results& results) {
   return names;
 }
 
-/// What is absent comes last in both directions.
+/// Absent values come last in both directions.
 void sort_rows(std::vector<std::size_t>& rows, const Results& results, const std::string& text) {
   const std::size_t colon = text.rfind(':');
   const std::string order = colon == std::string::npos ? "asc" : text.substr(colon + 1);

@@ -6,7 +6,7 @@
 
 namespace tools::results {
 
-/// What an axis does to a metric: its main effect, all other axes averaged.
+/// Influence of an axis on a metric: its main effect, all other axes averaged.
 struct Effect {
   std::string axis;                 ///< axes that always move together are one: "a + b"
   std::vector<std::string> levels;  ///< its values, or groups of neighbours among them
@@ -22,7 +22,7 @@ struct Sensitivity {
   bool varies = false;
   bool is_grid = true;          ///< every combination of values is there: shares are exact
   std::vector<Effect> effects;  ///< the largest share first
-  /// Of the variance: what axes do together only.
+  /// Share of the variance that axes cause only together.
   double rest() const;
 };
 

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <variant>
 
-#include "tools/studies/sweep/magnitude.h"
+#include "tools/studies/sweep/spec/magnitude.h"
 
 namespace tools::results {
 
@@ -17,7 +17,7 @@ inline bool is_absent(const Value& value) { return std::holds_alternative<std::m
 /// The shortest decimals that read back exactly, the text, or "".
 std::string exact_text(const Value& value);
 
-/// Of a number, or of a text that is one; nothing for all else.
+/// The value of a number, or of a text that is one; nothing for all else.
 std::optional<sweep::Magnitude> amount_of(const Value& value);
 
 /// Order of a column: numbers by their amount, then texts, then what is absent.

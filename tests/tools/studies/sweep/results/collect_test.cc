@@ -1,4 +1,4 @@
-#include "tools/studies/sweep/results/collect.h"
+#include "tools/studies/sweep/results/index/collect.h"
 
 #include <algorithm>
 #include <fstream>
@@ -49,9 +49,9 @@ std::string refusal(const SweepFolder& folder) {
   return {};
 }
 
-std::vector<std::string> column(const MadeSweep& sweep, std::size_t place) {
+std::vector<std::string> column(const MadeSweep& sweep, std::size_t index) {
   std::vector<std::string> out;
-  for (const auto& row : cells_of(sweep.csv())) out.push_back(row.at(place));
+  for (const auto& row : cells_of(sweep.csv())) out.push_back(row.at(index));
   return out;
 }
 

@@ -8,7 +8,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "tests/temp_folder.h"
-#include "tools/studies/sweep/results/collect.h"
+#include "tools/studies/sweep/results/index/collect.h"
 #include "tools/studies/sweep/results/results.h"
 
 namespace test {

@@ -14,14 +14,14 @@
 namespace test {
 namespace {
 
-using tools::results::Front;
 using tools::results::Objective;
+using tools::results::ParetoFront;
 using tools::results::Results;
 
 /// Points with power and frames per second as given.
 struct Plane : MadeSweep {
-  explicit Plane(const std::vector<std::pair<double, double>>& places) {
-    for (const auto& [watts, fps] : places) {
+  explicit Plane(const std::vector<std::pair<double, double>>& points) {
+    for (const auto& [watts, fps] : points) {
       auto report = made_report(100);
       report["totals"]["power_w"]["nominal"] = watts;
       report["totals"]["perf"]["fps"] = fps;
@@ -31,7 +31,7 @@ struct Plane : MadeSweep {
   int lines = 0;
 };
 
-Front front_of(const Results& results, const std::string& x, const std::string& y) {
+ParetoFront front_of(const Results& results, const std::string& x, const std::string& y) {
   return tools::results::pareto_front({results, x}, {results, y}, std::vector<bool>(results.rows().size(), true));
 }
 
@@ -40,7 +40,7 @@ using Rows = std::vector<std::size_t>;
 TEST(Pareto, HoldsWhatNoOtherPointBeats) {
   const Plane sweep({{1, 10}, {2, 20}, {3, 15}, {3, 30}, {1.5, 5}});
   const Results results = sweep.results();
-  const Front front = front_of(results, "power_w.nominal", "fps");
+  const ParetoFront front = front_of(results, "power_w.nominal", "fps");
   EXPECT_EQ(front.rows, (Rows{0, 1, 3}));
   EXPECT_EQ(front.other.size(), 2U);
 }
@@ -64,18 +64,18 @@ TEST(Pareto, OfEqualPointsAllAreOnIt) {
 }
 
 TEST(Pareto, IsWhatComparingAllPairsGives) {
-  std::vector<std::pair<double, double>> places;
+  std::vector<std::pair<double, double>> points;
   for (int i = 0; i < 200; ++i) {
-    places.emplace_back(static_cast<double>(sim::hash(i, 1) % 20), static_cast<double>(sim::hash(i, 2) % 20));
+    points.emplace_back(static_cast<double>(sim::hash(i, 1) % 20), static_cast<double>(sim::hash(i, 2) % 20));
   }
   Rows wanted;
-  for (std::size_t i = 0; i < places.size(); ++i) {
+  for (std::size_t i = 0; i < points.size(); ++i) {
     const auto beats = [&](const auto& other) {
-      return other != places[i] && other.first <= places[i].first && other.second >= places[i].second;
+      return other != points[i] && other.first <= points[i].first && other.second >= points[i].second;
     };
-    if (std::ranges::none_of(places, beats)) wanted.push_back(i);
+    if (std::ranges::none_of(points, beats)) wanted.push_back(i);
   }
-  const Plane sweep(places);
+  const Plane sweep(points);
   const Results results = sweep.results();
   Rows rows = front_of(results, "power_w.nominal", "fps").rows;
   std::ranges::sort(rows);

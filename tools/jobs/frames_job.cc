@@ -1,0 +1,161 @@
+#include <optional>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "sim/error.h"
+#include "sim/host_clock.h"
+#include "tools/analysis/debug_pictures.h"
+#include "tools/analysis/picture.h"
+#include "tools/analysis/report.h"
+#include "tools/host/interrupt.h"
+#include "tools/host/run_folder.h"
+#include "tools/jobs/jobs.h"
+#include "tools/jobs/outcome.h"
+#include "tools/sampling/tile_sampling.h"
+#include "tools/simulation/recorded.h"
+#include "tools/simulation/run_job.h"
+#include "traces/scene/images.h"
+#include "traces/trace_file/trace_writer.h"
+
+namespace tools {
+
+namespace {
+
+/// A frame program and what it carries from frame to frame.
+struct Program {
+  kernels::ProgramSpec spec;
+  kernels::RateMap rates;
+};
+
+struct Job {
+  const JobOptions& options;
+  Progress& progress;
+  Program program;
+  std::optional<Program> reference;
+  bool keep_part = false;  ///< of the first frame, if that is as far as the run comes
+  std::optional<TileSampling> sampling;
+  traces::TraceWriter* trace = nullptr;
+  bool has_picture() const { return !sampling || sampling->full_image; }
+
+  /// Simulates the frame that `inputs` stand at and writes its picture. An interrupt leaves the finished part of the
+  /// first frame, not compared.
+  void run_frame(const Inputs& inputs, const RunFolder::Open& open, Outcome& out) {
+    const std::uint32_t width = inputs.config.render.width, height = inputs.config.render.height;
+    const bool may_be_part = keep_part && out.frames.empty() && !sampling;
+    Simulation frame = sampling ? simulate_sampled(inputs, program.spec, options.threads, *sampling, &progress)
+                                : simulate(inputs, program.spec, options.threads,
+                                           {.rates = &program.rates,
+                                            .marks = options.debug_images,
+                                            .keep_part = may_be_part,
+                                            .progress = &progress,
+                                            .trace = trace});
+    std::optional<Simulation> compared;
+    if (reference && !frame.is_part()) {
+      try {
+        compared = simulate(inputs, reference->spec, options.threads,
+                            {.rates = &reference->rates, .progress = &progress, .trace = trace, .reference = true});
+      } catch (const Interrupted&) {
+        if (!may_be_part) throw;
+      }
+    }
+    out.partial = frame.is_part() || (reference && !compared);
+    const double error = compared ? mean_squared_error(frame.function.rgb, compared->function.rgb) : 0;
+    if (trace != nullptr && !out.partial) trace->end_frame(recorded_frame(inputs.frame, error));
+    progress.phase("writing the picture");
+    const std::filesystem::path& folder = open();
+    if (inputs.frames() > 1 && has_picture()) {
+      const std::vector<std::uint8_t> picture = to_rgb8(frame.function.rgb);
+      traces::write_png(folder / fmt::format("frame-{:04}.png", inputs.frame), width, height, picture);
+    }
+    if (out.frames.empty() && has_picture()) {
+      traces::write_png(folder / "image.png", width, height, to_rgb8(frame.function.rgb));
+      if (!frame.is_part()) traces::write_exr(folder / "image.exr", width, height, frame.function.rgb);
+      if (compared) traces::write_exr(folder / "reference.exr", width, height, compared->function.rgb);
+    }
+    for (const DebugPicture& p : debug_pictures(program.spec, frame.function, width, height)) {
+      const std::string frame_name = inputs.frames() > 1 ? fmt::format("frame-{:04}-", inputs.frame) : "";
+      traces::write_png(folder / fmt::format("{}debug-{}.png", frame_name, p.name), p.width, p.height, p.rgb);
+    }
+    out.add(inputs.frame, std::move(frame), std::move(compared), error);
+  }
+
+  /// All frames, or what an interrupt has left time for; Interrupted if that is nothing.
+  Outcome run_all(Inputs& inputs, const RunFolder::Open& folder) {
+    const HoldInterrupts hold;  // there is something to lose before there is a folder
+    Outcome out;
+    try {
+      run_frame(inputs, folder, out);
+      while (!out.partial && inputs.frame < inputs.config.scene.last_frame) {
+        advance(inputs, inputs.frame + 1, options.threads, &progress);
+        run_frame(inputs, folder, out);
+      }
+    } catch (const Interrupted&) {
+      if (out.frames.empty()) {
+        progress.end("interrupted");
+        throw;
+      }
+      out.partial = true;
+    }
+    return out;
+  }
+};
+
+/// How frames are sampled, if they are; InputError for what does not go with it.
+std::optional<TileSampling> sampling_of(const JobOptions& options, const kernels::ProgramSpec& program) {
+  if (options.tile_sampling.empty()) {
+    if (options.image != "full") throw sim::InputError("--image none goes with --tile-sampling only");
+    return std::nullopt;
+  }
+  check_tile_sampling(program);
+  if (!options.reference.empty())
+    throw sim::InputError("--tile-sampling does not go with --reference: compare two runs of all tiles");
+  if (!options.record.empty())
+    throw sim::InputError("--tile-sampling does not go with --record: a trace has all tiles");
+  return parse_tile_sampling(options.tile_sampling, options.image);
+}
+
+}  // namespace
+
+void run_frames(const JobOptions& options) {
+  const auto begin = sim::HostClock::now();
+  const kernels::ProgramSpec program = kernels::parse_program(options.program);
+  std::optional<kernels::ProgramSpec> reference;
+  if (!options.reference.empty()) reference = kernels::parse_program(options.reference);
+  const std::optional<TileSampling> sampling = sampling_of(options, program);
+  RunFolder folder(options.out, options.force);
+  Progress progress(options.progress, options.quiet);
+  Inputs inputs = load_inputs(options, &progress);
+  const kernels::RateMap rates(inputs.config.programs.multirate);
+  Job job{options, progress, {program, rates}, {}, !folder.holds_former_run(), sampling, nullptr};
+  if (reference) job.reference = Program{*reference, rates};
+  for (const std::string& warning : inputs.warnings) progress.say("raywatt: warning: " + warning);
+  progress.expect(inputs.frames() * (reference ? 2 : 1));
+
+  nlohmann::ordered_json json;
+  folder.fill([&](const RunFolder::Open& open) {
+    std::optional<traces::TraceWriter> trace;
+    if (!options.record.empty()) {
+      // Into a folder that is not there yet it comes with the report.
+      const std::filesystem::path file = std::filesystem::weakly_canonical(std::filesystem::absolute(options.record));
+      const bool comes_along = file.parent_path() == folder.target() && !std::filesystem::exists(folder.target());
+      job.trace = &trace.emplace(comes_along ? open() / file.filename() : std::filesystem::path(options.record),
+                                 trace_header(inputs, options));
+    }
+    const Outcome out = job.run_all(inputs, open);
+    progress.end(out.partial ? "interrupted" : "done");
+    const std::filesystem::path& staging = open();
+    const double wall = sim::seconds_since(begin);
+    const Result result = out.result();
+    json = report_json({inputs, options, result, out.frames, out.partial, wall});
+    write_report(staging, json, inputs.config);
+    if (trace && !out.partial) trace->commit();
+    return out.kept(inputs.frames());
+  });
+  if (options.quiet) return;
+  fmt::print("{}\n", report_table(json));
+  if (job.has_picture()) fmt::print("picture: {}\n", (folder.target() / "image.png").string());
+  fmt::print("report:  {}\n", (folder.target() / "report.json").string());
+}
+
+}  // namespace tools

@@ -1,0 +1,105 @@
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "sim/host_clock.h"
+#include "tools/analysis/picture.h"
+#include "tools/analysis/report.h"
+#include "tools/analysis/trace_info.h"
+#include "tools/host/interrupt.h"
+#include "tools/host/run_folder.h"
+#include "tools/jobs/jobs.h"
+#include "tools/jobs/replay.h"
+#include "tools/simulation/recorded.h"
+#include "traces/accel/bvh_tracer.h"
+#include "traces/trace_file/trace_reader.h"
+#include "traces/trace_file/trace_writer.h"
+
+namespace tools {
+
+namespace {
+
+/// A frame program and what it carries from frame to frame, without a machine.
+struct Recorder {
+  kernels::ProgramSpec spec;
+  kernels::RateMap rates;
+
+  std::vector<float> record(const Inputs& inputs, std::uint32_t threads, Progress& progress, traces::TraceWriter& trace,
+                            bool reference) {
+    const traces::BvhTracer tracer(inputs.image);
+    return render(inputs, spec, tracer, threads,
+                  {.rates = &rates, .progress = &progress, .trace = &trace, .reference = reference})
+        .rgb;
+  }
+};
+
+/// A trace says of whole frames only what was sampled, and how many rays went on.
+void leave_out_sampling(nlohmann::ordered_json& report) {
+  for (nlohmann::ordered_json* figures : {&report["totals"], &report["frames"].front()}) {
+    figures->erase("traced_ratio");
+    (*figures)["rays"].erase("continued");
+    (*figures)["sampling"] = nlohmann::ordered_json::object();
+  }
+}
+
+}  // namespace
+
+void record_trace(const JobOptions& options, const std::filesystem::path& file) {
+  const kernels::ProgramSpec spec = kernels::parse_program(options.program);
+  std::optional<kernels::ProgramSpec> compared;
+  if (!options.reference.empty()) compared = kernels::parse_program(options.reference);
+  Progress progress(options.progress, options.quiet);
+  Inputs inputs = load_inputs(options, &progress);
+  for (const std::string& warning : inputs.warnings) progress.say("raywatt: warning: " + warning);
+  progress.expect(inputs.frames() * (compared ? 2 : 1));
+  const kernels::RateMap rates(inputs.config.programs.multirate);
+  Recorder program{spec, rates};
+  std::optional<Recorder> reference;
+  if (compared) reference = Recorder{*compared, rates};
+
+  auto opened = std::make_unique<traces::TraceWriter>(file, trace_header(inputs, options));
+  const HoldInterrupts hold;  // from the first tile on; what is half written is removed before it is let go
+  const std::unique_ptr<traces::TraceWriter> trace = std::move(opened);
+  for (;;) {
+    const std::vector<float> picture = program.record(inputs, options.threads, progress, *trace, false);
+    double error = 0;
+    if (reference) {
+      error = mean_squared_error(picture, reference->record(inputs, options.threads, progress, *trace, true));
+    }
+    trace->end_frame(recorded_frame(inputs.frame, error));
+    if (inputs.frame == inputs.config.scene.last_frame) break;
+    advance(inputs, inputs.frame + 1, options.threads, &progress);
+  }
+  trace->commit();
+  progress.end("done");
+  if (!options.quiet) fmt::print("{}", trace_info_text(trace_info(traces::TraceReader(file))));
+}
+
+void replay_trace(const JobOptions& options, const std::filesystem::path& file) {
+  const auto begin = sim::HostClock::now();
+  RunFolder folder(options.out, options.force, kResultsOfReplay);
+  std::optional<HoldInterrupts> hold;  // ends the process after the progress has told its last
+  Progress progress(options.progress, options.quiet);
+  Replay job(file, options);
+  progress.expect(job.parts());
+  hold.emplace();
+  nlohmann::ordered_json json;
+  folder.fill([&](const RunFolder::Open& open) {
+    const Outcome out = job.run(options.threads, &progress, !folder.holds_former_run());
+    progress.end(out.partial ? "interrupted" : "done");
+    const double wall = sim::seconds_since(begin);
+    const Result result = out.result();
+    json = report_json({job.inputs(), options, result, out.frames, out.partial, wall});
+    if (out.total->is_part()) leave_out_sampling(json);
+    write_report(open(), json, job.inputs().config);
+    return out.kept(job.frames());
+  });
+  hold.reset();
+  if (options.quiet) return;
+  fmt::print("{}\nreport:  {}\n", report_table(json), (folder.target() / "report.json").string());
+}
+
+}  // namespace tools

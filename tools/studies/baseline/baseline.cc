@@ -1,0 +1,123 @@
+#include "tools/studies/baseline/baseline.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "sim/error.h"
+#include "sim/io/file.h"
+#include "sim/io/printable.h"
+#include "tools/host/exit_code.h"
+#include "tools/simulation/run_job.h"
+#include "tools/studies/baseline/check.h"
+#include "traces/accel/embree_tracer.h"
+
+namespace tools {
+
+namespace {
+
+constexpr std::size_t kLongestLine = 400;
+
+/// Lines for the terminal: names of runs are the user's, and may hold anything.
+void print(const std::string& text) { fmt::print("{}", text); }
+void tell(const RunCheck& run) {
+  print(sim::printable(check_line(run), kLongestLine) + "\n");
+  std::fflush(stdout);
+}
+
+bool has_failed(const RunCheck& run) { return !run.error.empty(); }
+bool is_refused(const RunCheck& run) { return !run.refused.empty(); }
+bool has_moved(const RunCheck& run) { return !has_failed(run) && !is_refused(run) && !run.moved.empty(); }
+
+/// Runs that are stored, but no longer in the suite.
+std::vector<std::string> gone(const Suite& suite, const Baseline& stored) {
+  std::vector<std::string> out;
+  for (const auto& [name, run] : stored.runs) {
+    if (std::ranges::find(suite.runs, name, &SuiteRun::name) == suite.runs.end()) out.push_back(name);
+  }
+  return out;
+}
+
+Checked measured(const Suite& suite, const Baseline* stored, const BaselineOptions& options) {
+  return check_suite(suite, stored, host_threads(options.jobs), tell);
+}
+
+/// Stores what has been measured; a suite of which a run has failed is not stored.
+int store(const Suite& suite, const Checked& checked) {
+  if (const std::size_t failed = checked.count(has_failed); failed != 0) {
+    print(fmt::format("\n{} of {} runs failed; nothing is stored\n", failed, checked.runs.size()));
+    return kCheckFailed;
+  }
+  std::size_t values = 0;
+  for (const auto& [name, run] : checked.now.runs) values += run.values.size();
+  sim::write_file_atomically(suite.values, baseline_text(checked.now, suite));
+  print(fmt::format("\n{} values of {} runs: {}\n", values, checked.runs.size(), suite.values.string()));
+  return kGood;
+}
+
+Baseline stored_values(const Suite& suite) {
+  if (!std::filesystem::exists(suite.values)) {
+    throw sim::InputError(fmt::format("{}: no stored values; make them with 'raywatt baseline record {}'",
+                                      suite.values.string(), suite.file.string()));
+  }
+  return load_baseline(suite.values);
+}
+
+}  // namespace
+
+int record_baseline(const BaselineOptions& options) {
+  const Suite suite = load_suite(options.suite);
+  if (!options.force && std::filesystem::exists(suite.values)) {
+    throw sim::InputError(
+        fmt::format("{}: there are values already; 'raywatt baseline accept' shows what has moved and "
+                    "takes the new ones, --force replaces them unseen",
+                    suite.values.string()));
+  }
+  return store(suite, measured(suite, nullptr, options));
+}
+
+int check_baseline(const BaselineOptions& options) {
+  const Suite suite = load_suite(options.suite);
+  const Baseline stored = stored_values(suite);
+  const std::string again = "take new values with 'raywatt baseline accept'";
+  if (stored.embree != traces::embree_version()) {
+    throw sim::InputError(fmt::format("{}: stored with Embree {}, this program has {}, which may build other trees; {}",
+                                      suite.values.string(), stored.embree, traces::embree_version(), again));
+  }
+  if (const std::vector<std::string> names = gone(suite, stored); !names.empty()) {
+    throw sim::InputError(fmt::format("{}: has the run '{}', which is no longer in the suite; {}",
+                                      suite.values.string(), names.front(), again));
+  }
+  const Checked checked = measured(suite, &stored, options);
+  print(check_details(checked));
+  if (!options.junit.empty()) write_junit(options.junit, suite, checked);
+  const std::size_t refused = checked.count(is_refused), failed = checked.count(has_failed),
+                    moved = checked.count(has_moved);
+  if (moved + failed != 0) {
+    print(fmt::format("\n{} of {} runs moved{}\n", moved, checked.runs.size(),
+                      failed != 0 ? fmt::format(", {} failed", failed) : ""));
+  }
+  if (refused != 0) {
+    std::fflush(stdout);
+    const auto first = std::ranges::find_if(checked.runs, is_refused);
+    throw sim::InputError(fmt::format("{}: {} of {} runs cannot be checked, first '{}': {}; {}", suite.values.string(),
+                                      refused, checked.runs.size(), first->name, first->refused.front(), again));
+  }
+  return moved + failed == 0 ? kGood : kCheckFailed;
+}
+
+int accept_baseline(const BaselineOptions& options) {
+  const Suite suite = load_suite(options.suite);
+  const Baseline stored = stored_values(suite);
+  if (stored.embree != traces::embree_version()) {
+    print(fmt::format("stored with Embree {}, this program has {}\n", stored.embree, traces::embree_version()));
+  }
+  for (const std::string& name : gone(suite, stored)) {
+    print(sim::printable(fmt::format("GONE     {}", name), kLongestLine) + "\n");
+  }
+  const Checked checked = measured(suite, &stored, options);
+  print(check_details(checked));
+  return store(suite, checked);
+}
+
+}  // namespace tools

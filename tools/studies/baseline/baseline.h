@@ -1,0 +1,20 @@
+#pragma once
+#include <cstdint>
+#include <string>
+
+namespace tools {
+
+struct BaselineOptions {
+  std::string suite;
+  std::uint32_t jobs = 0;
+  std::string junit;
+  bool force = false;
+};
+
+// Each computes the suite: kGood, or kCheckFailed if a run failed or moved. InputError for stored values of other
+// inputs.
+int record_baseline(const BaselineOptions& options);
+int check_baseline(const BaselineOptions& options);
+int accept_baseline(const BaselineOptions& options);
+
+}  // namespace tools

@@ -1,0 +1,135 @@
+#include "tools/studies/sweep/spec/conditions.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "sim/config/config_tree.h"
+#include "sim/io/printable.h"
+#include "tools/studies/sweep/spec/magnitude.h"
+#include "traces/scene/did_you_mean.h"
+
+namespace tools::sweep {
+
+namespace {
+
+using Side = Condition::Side;
+
+constexpr std::size_t kMostValues = 100'000;  // a hostile file can name one list in many places
+
+std::optional<Side> find_side(std::span<const Axis> axes, const std::string& name) {
+  for (std::size_t a = 0; a < axes.size(); ++a) {
+    if (axes[a].name == name) return Side{a, axes[a].keys.size() == 1 ? std::optional<std::size_t>(0) : std::nullopt};
+    const auto key = std::ranges::find(axes[a].keys, name);
+    if (key != axes[a].keys.end()) return Side{a, static_cast<std::size_t>(key - axes[a].keys.begin())};
+  }
+  return std::nullopt;
+}
+
+const std::string& value_of(const Side& side, std::span<const Axis> axes, std::span<const std::uint32_t> choice) {
+  const Axis::Value& value = axes[side.axis].values[choice[side.axis]];
+  return side.key ? value.settings[*side.key] : value.label;
+}
+
+/// "<= 8 KiB" as the comparison and what is behind it; no sign means equal.
+std::pair<Comparison, std::string> split(const std::string& text) {
+  constexpr std::array<std::pair<std::string_view, Comparison>, 6> kSigns = {{{"<=", Comparison::kLessEqual},
+                                                                              {">=", Comparison::kGreaterEqual},
+                                                                              {"!=", Comparison::kUnequal},
+                                                                              {"<", Comparison::kLess},
+                                                                              {">", Comparison::kGreater},
+                                                                              {"=", Comparison::kEqual}}};
+  for (const auto& [sign, comparison] : kSigns) {
+    if (!text.starts_with(sign)) continue;
+    const std::size_t begin = text.find_first_not_of(" =", sign.size());
+    return {comparison, begin == std::string::npos ? "" : text.substr(begin)};
+  }
+  return {Comparison::kEqual, text};
+}
+
+bool is_equal(const std::string& a, const std::string& b) {
+  const std::optional<Magnitude> x = magnitude_of(a), y = magnitude_of(b);
+  return x && y ? x->kind == y->kind && x->value == y->value : a == b;
+}
+
+bool compare(const std::string& a, Comparison comparison, const std::string& b, const std::string& at) {
+  if (comparison == Comparison::kEqual) return is_equal(a, b);
+  if (comparison == Comparison::kUnequal) return !is_equal(a, b);
+  const std::optional<Magnitude> x = magnitude_of(a), y = magnitude_of(b);
+  if (!x || !y || x->kind != y->kind) {
+    sim::refuse(at, {},
+                fmt::format("'{}' and '{}' cannot be put in order; allowed: numbers, of one unit if they have units",
+                            sim::printable(a), sim::printable(b)));
+  }
+  switch (comparison) {
+    case Comparison::kLess:
+      return x->value < y->value;
+    case Comparison::kLessEqual:
+      return x->value <= y->value;
+    case Comparison::kGreater:
+      return x->value > y->value;
+    default:
+      return x->value >= y->value;
+  }
+}
+
+std::vector<std::string> names_of(std::span<const Axis> axes) {
+  std::vector<std::string> names;
+  for (const Axis& axis : axes) {
+    names.push_back(axis.name);
+    for (const std::string& key : axis.keys) {
+      if (key != axis.name) names.push_back(key);
+    }
+  }
+  return names;
+}
+
+Condition::Term read_term(const YamlValue& value, std::span<const Axis> axes) {
+  const std::optional<Side> left = find_side(axes, value.key());
+  if (!left) {
+    value.refuse(fmt::format("'{}' is no axis{}", sim::printable(value.key()),
+                             traces::did_you_mean(value.key(), names_of(axes))));
+  }
+  Condition::Term term{*left, Comparison::kEqual, {}, {}, value.where()};
+  if (value.is_list()) {
+    term.values = value.texts();
+    return term;
+  }
+  auto [comparison, right] = split(value.text());
+  if (right.empty()) value.refuse("has nothing to compare with");
+  term.comparison = comparison;
+  term.right = find_side(axes, right);
+  if (!term.right) term.values = {std::move(right)};
+  return term;
+}
+
+}  // namespace
+
+std::vector<Condition> read_conditions(const YamlValue& value, std::span<const Axis> axes) {
+  std::vector<Condition> all;
+  std::size_t values = 0;
+  for (const YamlValue& item : value.items()) {
+    Condition condition;
+    for (const YamlValue& entry : item.entries()) {
+      condition.terms.push_back(read_term(entry, axes));
+      values += condition.terms.back().values.size() + 1;
+      if (values > kMostValues) entry.refuse(fmt::format("there are more than {} values in conditions", kMostValues));
+    }
+    if (condition.terms.empty()) item.refuse("is empty");
+    all.push_back(std::move(condition));
+  }
+  return all;
+}
+
+bool holds(const Condition& condition, std::span<const Axis> axes, std::span<const std::uint32_t> choice) {
+  return std::ranges::all_of(condition.terms, [&](const Condition::Term& term) {
+    const std::string& left = value_of(term.left, axes, choice);
+    if (term.right) return compare(left, term.comparison, value_of(*term.right, axes, choice), term.at);
+    return std::ranges::any_of(
+        term.values, [&](const std::string& value) { return compare(left, term.comparison, value, term.at); });
+  });
+}
+
+}  // namespace tools::sweep

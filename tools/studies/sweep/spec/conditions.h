@@ -1,0 +1,16 @@
+#pragma once
+#include <span>
+#include <vector>
+
+#include "tools/studies/sweep/spec/spec.h"
+#include "tools/studies/sweep/spec/yaml_value.h"
+
+namespace tools::sweep {
+
+/// [{AXIS: VALUE, AXIS: [VALUES], AXIS: "< VALUE", AXIS: ">= AXIS"}, ...]. InputError.
+std::vector<Condition> read_conditions(const YamlValue& value, std::span<const Axis> axes);
+
+/// `choice`: for each axis which of its values.
+bool holds(const Condition& condition, std::span<const Axis> axes, std::span<const std::uint32_t> choice);
+
+}  // namespace tools::sweep

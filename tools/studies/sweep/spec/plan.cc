@@ -1,0 +1,172 @@
+#include "tools/studies/sweep/spec/plan.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "shader_kernels/programs/program_spec.h"
+#include "sim/config/config.h"
+#include "sim/error.h"
+#include "sim/io/printable.h"
+#include "tools/sampling/tile_sampling.h"
+#include "tools/simulation/load_config.h"
+#include "tools/studies/sweep/spec/conditions.h"
+#include "tools/studies/sweep/spec/subset.h"
+#include "traces/scenes/library.h"
+
+namespace tools::sweep {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kLongestLine = 100'000;  // of points.jsonl
+
+/// A file is seen from the spec; a name is looked up later.
+std::string from_folder(const std::string& text, const fs::path& folder) {
+  const bool is_file = traces::is_scene_file(text) || text.ends_with(".yaml");
+  return is_file && fs::path(text).is_relative() ? (fs::absolute(folder) / text).lexically_normal().string() : text;
+}
+
+void set_work(Point& point, const std::string& key, const std::string& value, const fs::path& folder) {
+  if (value.empty()) return;
+  if (key == "scene") point.scene = from_folder(value, folder);
+  if (key == "camera") point.camera = value;
+  if (key == "frames") point.frames = value;
+  if (key == "resolution") point.resolution = value;
+  if (key == "program") point.program = value;
+}
+
+/// Throws the complaint of a run about "key=value" alone.
+void check_setting(RunConfig base, const std::string& argument) {
+  sim::ConfigNode tree = sim::config_tree(base);
+  try {
+    sim::ConfigLoader(tree).apply_set(argument);
+  } catch (const sim::InputError& error) {
+    std::string text = error.what();  // without "--set key=value: ", which nobody has typed
+    const std::string origin = "--set " + sim::printable(argument);
+    if (text.starts_with(origin)) text.erase(0, std::min(text.size(), origin.size() + 2));
+    throw sim::InputError(text);
+  }
+}
+
+/// Throws the complaint of a run about this value alone.
+void check_value(const RunConfig& base, const std::string& key, const std::string& value) {
+  if (key == "program") kernels::parse_program(value);
+  if (key == "resolution" && !value.empty()) parse_resolution(value);
+  if (key == "frames" && !value.empty()) parse_frames(value);
+  if (!is_work_key(key)) check_setting(base, fmt::format("{}={}", key, value));
+}
+
+/// Calls; what is refused then says where the file gives the key: in an axis, or by itself.
+void at_key(const Spec& spec, const std::string& key, auto&& call) {
+  try {
+    call();
+  } catch (const sim::InputError& error) {
+    for (const Axis& axis : spec.axes) {
+      if (std::ranges::find(axis.keys, key) != axis.keys.end()) {
+        sim::refuse(axis.at, "axes." + sim::printable(axis.name), error.what());
+      }
+    }
+    const auto position = spec.key_positions.find(key);
+    if (position == spec.key_positions.end()) throw;
+    sim::refuse(position->second, key, error.what());
+  }
+}
+
+void check_values(const Spec& spec, const RunConfig& base) {
+  at_key(spec, "sets", [&] {
+    for (const std::string& set : spec.sets) check_setting(base, set);
+  });
+  for (const Axis& axis : spec.axes) {
+    for (const Axis::Value& value : axis.values) {
+      for (std::size_t k = 0; k < axis.keys.size(); ++k) {
+        try {
+          check_value(base, axis.keys[k], value.settings[k]);
+        } catch (const sim::InputError& error) {
+          sim::refuse(axis.at, "axes." + sim::printable(axis.name), error.what());
+        }
+      }
+    }
+  }
+}
+
+Point make_point(const Spec& spec, const fs::path& folder, const Choice& choice) {
+  Point point;
+  point.config = from_folder(spec.config, folder);
+  point.reference = spec.reference;
+  point.image = spec.image;
+  point.sets = spec.sets;
+  for (const auto& [key, value] : {std::pair{"scene", &spec.scene},
+                                   {"camera", &spec.camera},
+                                   {"frames", &spec.frames},
+                                   {"resolution", &spec.resolution},
+                                   {"program", &spec.program}}) {
+    set_work(point, key, *value, folder);
+  }
+  for (std::size_t a = 0; a < spec.axes.size(); ++a) {
+    const Axis& axis = spec.axes[a];
+    const Axis::Value& value = axis.values[choice[a]];
+    point.axes.emplace_back(axis.name, value.label);
+    for (std::size_t k = 0; k < axis.keys.size(); ++k) {
+      if (is_work_key(axis.keys[k])) {
+        set_work(point, axis.keys[k], value.settings[k], folder);
+      } else {
+        point.sets.push_back(axis.keys[k] + "=" + value.settings[k]);
+      }
+    }
+  }
+  return point;
+}
+
+}  // namespace
+
+Planner::Planner(Spec spec, const fs::path& folder)
+    : spec_(std::move(spec)), folder_(folder.empty() ? fs::path(".") : folder) {
+  const std::string config = from_folder(spec_.config, folder_);
+  at_key(spec_, "config", [&] { load_base_config(config, ""); });
+  RunConfig base;
+  at_key(spec_, "scene", [&] { base = load_base_config(config, from_folder(spec_.scene, folder_)); });
+  check_values(spec_, base);
+  if (!spec_.tile_sampling.empty() && !spec_.reference.empty()) {
+    throw sim::InputError("reference and tile_sampling do not go together: sweep over programs, with all tiles");
+  }
+}
+
+std::vector<std::uint32_t> Planner::sizes() const {
+  std::vector<std::uint32_t> sizes;
+  for (const Axis& axis : spec_.axes) sizes.push_back(static_cast<std::uint32_t>(axis.values.size()));
+  return sizes;
+}
+
+bool Planner::is_wanted(const Choice& choice) const {
+  const auto here = [&](const Condition& condition) { return holds(condition, spec_.axes, choice); };
+  return std::ranges::all_of(spec_.where, here) && std::ranges::none_of(spec_.exclude, here);
+}
+
+Point Planner::point(const Choice& choice) { return point(choice, spec_.tile_sampling); }
+
+Point Planner::point(const Choice& choice, const std::string& tile_sampling) {
+  Point point = make_point(spec_, folder_, choice);
+  point.tile_sampling = tile_sampling;
+  at_key(spec_, "scene", [&] { keys_.set_key(point); });
+  if (to_line(point).size() > kLongestLine) {
+    throw sim::InputError(fmt::format("a point takes more than {} bytes to say", kLongestLine));
+  }
+  return point;
+}
+
+std::vector<Point> plan(const Spec& spec, const fs::path& folder) {
+  Planner planner(spec, folder);
+  std::vector<Point> points;
+  const auto is_wanted = [&](const Choice& choice) { return planner.is_wanted(choice); };
+  for (const Choice& choice : choose(spec.subset, planner.sizes(), is_wanted)) {
+    points.push_back(planner.point(choice));
+    points.back().n = points.size() - 1;
+  }
+  if (points.empty()) throw sim::InputError("no points: the conditions leave none");
+  return points;
+}
+
+}  // namespace tools::sweep

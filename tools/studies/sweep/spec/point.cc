@@ -1,0 +1,98 @@
+#include "tools/studies/sweep/spec/point.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "sim/error.h"
+#include "sim/io/json.h"
+#include "sim/io/printable.h"
+
+namespace tools::sweep {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// The members that are plain texts, with their names in a line and as options of a run.
+struct Text {
+  const char* name;
+  const char* option;
+  std::string Point::*member;
+};
+constexpr Text kTexts[] = {{"scene", "--scene", &Point::scene},
+                           {"camera", "--camera", &Point::camera},
+                           {"frames", "--frames", &Point::frames},
+                           {"resolution", "--resolution", &Point::resolution},
+                           {"program", "--program", &Point::program},
+                           {"reference", "--reference", &Point::reference},
+                           {"tile_sampling", "--tile-sampling", &Point::tile_sampling}};
+
+std::string text(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+}  // namespace
+
+JobOptions Point::options() const {
+  JobOptions o;
+  o.config = config;
+  o.scene = scene;
+  o.camera = camera;
+  o.frames = frames;
+  o.resolution = resolution;
+  o.program = program;
+  o.reference = reference;
+  o.tile_sampling = tile_sampling;
+  o.image = tile_sampling.empty() || image ? "full" : "none";
+  o.sets = sets;
+  o.argv = {"raywatt", "run", config};
+  for (const Text& t : kTexts) {
+    if (!(this->*t.member).empty()) o.argv.insert(o.argv.end(), {t.option, this->*t.member});
+  }
+  if (o.image == "none") o.argv.insert(o.argv.end(), {"--image", "none"});
+  for (const std::string& set : sets) o.argv.insert(o.argv.end(), {"--set", set});
+  return o;
+}
+
+std::string to_line(const Point& point) {
+  Json json = {{"n", point.n}, {"id", point.id}, {"axes", Json::object()}, {"config", point.config}};
+  for (const auto& [name, value] : point.axes) json["axes"][name] = value;
+  for (const Text& t : kTexts) {
+    if (!(point.*t.member).empty()) json[t.name] = point.*t.member;
+  }
+  if (point.image) json["image"] = true;
+  json["sets"] = point.sets;
+  if (!point.stream.empty()) json["stream"] = point.stream;
+  if (!point.error.empty()) json["error"] = point.error;
+  return text(json);
+}
+
+namespace {
+
+bool is_key(const std::string& text) {
+  return text.size() == 64 && text.find_first_not_of("0123456789abcdef") == std::string::npos;
+}
+
+}  // namespace
+
+Point read_line(const std::string& line, const std::string& where) {
+  try {
+    const Json json = sim::parse_json<Json>(line);
+    Point point;
+    point.n = json.at("n").get<std::uint64_t>();
+    point.id = json.at("id").get<std::string>();
+    point.stream = json.value("stream", "");
+    if (!is_key(point.id) || !(point.stream.empty() || is_key(point.stream))) {
+      throw sim::InputError(fmt::format("{}: the id or the stream is not 64 hexadecimal digits", where));
+    }
+    for (const auto& [name, value] : json.at("axes").items()) point.axes.emplace_back(name, value.get<std::string>());
+    point.config = json.at("config").get<std::string>();
+    for (const Text& t : kTexts) point.*t.member = json.value(t.name, "");
+    point.image = json.value("image", false);
+    point.sets = json.at("sets").get<std::vector<std::string>>();
+    point.error = json.value("error", "");
+    return point;
+  } catch (const Json::exception& error) {
+    throw sim::InputError(fmt::format("{}: is no point of a sweep: {}", where, sim::printable(error.what())));
+  }
+}
+
+}  // namespace tools::sweep

@@ -1,0 +1,108 @@
+#include "tools/studies/sweep/spec/point_keys.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "shader_kernels/programs/program_spec.h"
+#include "sim/config/config.h"
+#include "sim/error.h"
+#include "sim/io/printable.h"
+#include "sim/sha256.h"
+#include "tools/host/build_info.h"
+#include "tools/simulation/load_config.h"
+#include "traces/scene/did_you_mean.h"
+#include "traces/scene/gltf/budget.h"
+#include "traces/scene/gltf/source.h"
+#include "traces/scenes/library.h"
+
+namespace tools::sweep {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string text(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+void check_builtin(const std::string& name) {
+  std::vector<std::string> known;
+  for (const traces::BuiltinInfo& scene : traces::builtin_scenes()) known.push_back(scene.name);
+  if (std::ranges::find(known, name) != known.end()) return;
+  throw sim::InputError(fmt::format("no scene or workload is called '{}'{}; known: {}; or give a .glb or .gltf file",
+                                    sim::printable(name), traces::did_you_mean(name, known), fmt::join(known, ", ")));
+}
+
+/// Pictures and estimates are no streams.
+bool can_share(const Point& point) { return point.tile_sampling.empty() && !point.image; }
+
+}  // namespace
+
+RunConfig PointKeys::config_of(const Point& point) {
+  auto base = bases_.find({point.config, point.scene});
+  if (base == bases_.end()) {
+    base = bases_.emplace(std::pair{point.config, point.scene}, load_base_config(point.config, point.scene)).first;
+  }
+  return apply_options(base->second, point.options());
+}
+
+std::string PointKeys::scene_digest(const RunConfig& config) {
+  const std::filesystem::path file = traces::scene_file(config.scene.name);
+  if (file.empty()) {
+    check_builtin(config.scene.name);
+    return std::string(kBuiltIn);  // made of the model's sources and of keys
+  }
+  auto digest = digests_.find(file.string());
+  if (digest == digests_.end()) {
+    traces::gltf::Budget budget(sim::printable(file.string()), config.limits.memory.bytes);
+    digest = digests_.emplace(file.string(), traces::gltf::read_source(file, config.limits, budget).sha256).first;
+  }
+  return digest->second;
+}
+
+PointKeys::Key PointKeys::key_of(const Point& point, const RunConfig& config) {
+  const BuildInfo build = build_info();
+  const std::string program = kernels::parse_program(point.program).name();
+  const std::string reference = point.reference.empty() ? "" : kernels::parse_program(point.reference).name();
+  Json work = {{"model_id", build.model_id},
+               {"scene_sha256", scene_digest(config)},
+               {"program", program},
+               {"reference", reference}};
+  Key key;
+  key.made_of = {{"schema", "raywatt-point/1"},
+                 {"report_id", build.report_id},
+                 {"config_hash", sim::config_hash(config)},
+                 {"tile_sampling", point.tile_sampling},
+                 {"image", point.image}};
+  key.made_of.update(work);
+  key.id = sim::sha256_hex(text(key.made_of));
+  if (can_share(point)) {
+    work["function_hash"] = sim::config_hash(config, sim::Affects::kFunction);
+    key.stream = sim::sha256_hex(text(work));
+  }
+  return key;
+}
+
+void PointKeys::set_key(Point& point) {
+  point.stream.clear();
+  point.error.clear();
+  std::optional<RunConfig> config;
+  try {
+    config = config_of(point);
+  } catch (const sim::InputError& error) {
+    point.error = error.what();
+    point.id.clear();
+    const std::uint64_t n = std::exchange(point.n, 0);
+    point.id = sim::sha256_hex(to_line(point) + std::string(build_info().model_id));
+    point.n = n;
+    return;
+  }
+  Key key = key_of(point, *config);
+  point.id = std::move(key.id);
+  point.stream = std::move(key.stream);
+}
+
+}  // namespace tools::sweep

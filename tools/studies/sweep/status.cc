@@ -1,0 +1,102 @@
+#include <chrono>
+#include <csignal>
+#include <optional>
+#include <thread>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "sim/error.h"
+#include "sim/io/printable.h"
+#include "sim/report/report_json.h"
+#include "tools/studies/sweep/launch/slurm_words.h"
+#include "tools/studies/sweep/store/folder.h"
+#include "tools/studies/sweep/sweep.h"
+
+namespace tools {
+
+namespace {
+
+namespace fs = std::filesystem;
+using sweep::Point;
+using sweep::Store;
+using sweep::SweepFolder;
+
+/// How far a sweep is, from its folder and the store alone.
+nlohmann::ordered_json status_of(const SweepFolder& folder) {
+  const Store store = folder.store();
+  std::uint64_t done = 0, failed = 0, running = 0, damaged = 0;
+  const std::vector<Point> points = folder.points();
+  nlohmann::ordered_json failures = nlohmann::ordered_json::array();
+  for (const Point& point : points) {
+    const Store::State state = store.state(point.id);
+    if (state == Store::State::kGood) {
+      done += 1;
+    } else if (const std::optional<sweep::Failure> failure = store.failure(point.id)) {
+      failed += 1;
+      failures.push_back({{"n", point.n}, {"id", point.id}, {"exit", failure->exit}, {"error", failure->error}});
+    } else {
+      running += store.is_locked(point.id) ? 1 : 0;
+      damaged += state == Store::State::kDamaged ? 1 : 0;
+    }
+  }
+  const std::optional<SweepFolder::Runner> runner = folder.runner();
+  return {{"points", points.size()},
+          {"done", done},
+          {"failed", failed},
+          {"missing", points.size() - done - failed},
+          {"running", running},
+          {"damaged", damaged},
+          {"runner", runner ? nlohmann::ordered_json{{"host", runner->host}, {"process", runner->process}}
+                            : nlohmann::ordered_json(nullptr)},
+          {"store", store.root().string()},
+          {"failures", failures}};
+}
+
+}  // namespace
+
+void print_sweep_status(const fs::path& path, bool json) {
+  const SweepFolder folder = SweepFolder::open(path);
+  nlohmann::ordered_json status = status_of(folder);
+  const std::optional<nlohmann::ordered_json> slurm = slurm_status(folder);
+  if (slurm) status["slurm"] = *slurm;
+  if (json) {
+    fmt::print("{}", sim::json_text(status));
+    return;
+  }
+  const auto number = [&](const char* key) { return status[key].get<std::uint64_t>(); };
+  fmt::print("{} points: {} done, {} failed, {} missing ({} of them being computed, {} damaged)\n", number("points"),
+             number("done"), number("failed"), number("missing"), number("running"), number("damaged"));
+  if (const std::optional<SweepFolder::Runner> runner = folder.runner()) {
+    fmt::print("run by process {} on {}\n", runner->process, runner->host);
+  }
+  if (slurm) print_slurm_status(*slurm);
+  fmt::print("store: {}\n", folder.store().root().string());
+  print_failures(folder.store(), folder.points());
+}
+
+void cancel_sweep(const fs::path& path) {
+  constexpr auto kGlance = std::chrono::milliseconds(20);
+  constexpr int kGlances = 1000;
+  const SweepFolder folder = SweepFolder::open(path);
+  const std::optional<SweepFolder::Runner> runner = folder.runner();
+  const bool is_here = runner && runner->host == sweep::host_name() && runner->process > 1;
+  if (is_here) {
+    ::kill(runner->process, SIGTERM);
+    for (int k = 0; k < kGlances && folder.runner(); ++k) std::this_thread::sleep_for(kGlance);
+    if (folder.runner()) throw sim::IoError(fmt::format("process {} does not end", runner->process));
+  }
+  const bool had_jobs =
+      cancel_on_slurm(folder);  // without them, a process elsewhere that waits for them ends by itself
+  if (runner && !is_here && !had_jobs) {
+    throw sim::InputError(fmt::format("{}: is run by process {} on {}; cancel it there", sim::printable(path.string()),
+                                      runner->process, sim::printable(runner->host)));
+  }
+  if (!runner && !had_jobs) {
+    fmt::print("nobody is running this sweep\n");
+    return;
+  }
+  fmt::print("cancelled; what is finished is kept. Go on with: raywatt sweep run --resume -o {}\n", path.string());
+}
+
+}  // namespace tools

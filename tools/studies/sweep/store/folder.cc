@@ -1,0 +1,145 @@
+#include "tools/studies/sweep/store/folder.h"
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <sstream>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "sim/error.h"
+#include "sim/io/file.h"
+#include "sim/io/json.h"
+#include "sim/io/printable.h"
+#include "sim/report/report_json.h"
+#include "tools/studies/sweep/store/durable.h"
+
+namespace tools::sweep {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::string_view kSchema = "raywatt-sweep-folder/1";
+constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 32;
+constexpr std::array<std::string_view, 3> kFiles = {"sweep.json", "sweep.yaml", "points.jsonl"};
+
+/// Remains of the folder's files after a run was killed while it wrote them.
+bool is_left_over(const fs::directory_entry& entry) {
+  const std::string name = entry.path().filename();
+  return std::ranges::any_of(kFiles, [&](std::string_view file) { return sim::is_left_of(name, file); });
+}
+
+/// Files that a run that was killed at once may leave in a new folder.
+bool is_beginning(const fs::directory_entry& entry) {
+  const fs::path name = entry.path().filename();
+  return name == "lock" || name == "log" || is_left_over(entry);
+}
+
+bool is_sweep(const fs::path& path) {
+  std::error_code failed;
+  return fs::is_regular_file(path / "sweep.json", failed);
+}
+
+constexpr std::array<std::string_view, 2> kOf = {"sweep", "search"};
+
+void check_free(const fs::path& path, std::string_view of) {
+  const std::string shown = sim::printable(path.string());
+  std::error_code failed;
+  if (!fs::exists(path, failed)) return;
+  if (is_sweep(path)) {
+    const Json json = Json::parse(sim::read_file(path / "sweep.json", kMostBytes), nullptr, false);
+    if (!json.is_object() || !json.contains("of") || json["of"] == of) return;
+    throw sim::InputError(
+        fmt::format("{}: holds a {}, not a {}; choose another folder", shown, sim::printable(json["of"].dump()), of));
+  }
+  if (!fs::is_directory(path, failed)) throw sim::InputError(shown + ": is a file, not a folder");
+  for (const fs::directory_entry& entry : fs::directory_iterator(path)) {
+    if (!is_beginning(entry)) {
+      throw sim::InputError(shown + ": holds files but no sweep; choose another folder");
+    }
+  }
+}
+
+}  // namespace
+
+SweepFolder SweepFolder::open(const fs::path& path) {
+  const std::string shown = sim::printable(path.string());
+  if (!is_sweep(path)) throw sim::InputError(shown + ": holds no sweep; begin one with raywatt sweep run FILE -o DIR");
+  SweepFolder folder(fs::absolute(path).lexically_normal());
+  try {
+    const Json json = sim::parse_json<Json>(sim::read_file(path / "sweep.json", kMostBytes));
+    if (json.at("schema") != kSchema) throw sim::InputError(shown + ": is a sweep of another version");
+    folder.store_ = json.at("store").get<std::string>();
+    folder.slurm_ = json.at("slurm").get<std::vector<std::string>>();
+  } catch (const Json::exception& error) {
+    throw sim::InputError(fmt::format("{}/sweep.json: is damaged: {}", shown, sim::printable(error.what())));
+  }
+  return folder;
+}
+
+std::optional<Lock> SweepFolder::claim(const fs::path& path, Of of) {
+  check_free(path, kOf[static_cast<std::size_t>(of)]);
+  make_folders(path);
+  return Lock::attempt(path / "lock", fmt::format("{} {}\n", host_name(), ::getpid()));
+}
+
+SweepFolder SweepFolder::create(const fs::path& path, Of of, const std::string& spec, const std::vector<Point>& points,
+                                const fs::path& store, const std::vector<std::string>& slurm) {
+  const std::string_view what = kOf[static_cast<std::size_t>(of)];
+  SweepFolder folder(fs::absolute(path).lexically_normal());
+  folder.store_ = fs::absolute(store).lexically_normal();
+  folder.slurm_ = slurm;
+  make_folders(folder.log());
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder.path_)) {
+    if (is_left_over(entry)) fs::remove(entry.path(), ignored);
+  }
+  const auto replace = [&](const char* name, const std::string& text) {
+    const fs::path file = folder.path_ / name;
+    std::error_code failed;
+    if (fs::exists(file, failed) && sim::read_file(file, kMostBytes) == text) return;
+    sim::write_file_atomically(file, text);
+  };
+  replace("sweep.json", sim::json_text({{"schema", kSchema},
+                                        {"of", what},
+                                        {"store", folder.store_.string()},
+                                        {"points", points.size()},
+                                        {"slurm", slurm}}));
+  replace("sweep.yaml", spec);
+  std::string lines;
+  for (const Point& point : points) lines += to_line(point) + "\n";
+  replace("points.jsonl", lines);
+  return folder;
+}
+
+std::vector<Point> SweepFolder::points() const {
+  const fs::path file = path_ / "points.jsonl";
+  std::istringstream lines(sim::read_file(file, kMostBytes));
+  std::vector<Point> points;
+  for (std::string line; std::getline(lines, line);) {
+    points.push_back(read_line(line, fmt::format("{}:{}", sim::printable(file.string()), points.size() + 1)));
+    if (points.back().n != points.size() - 1) {
+      throw sim::InputError(fmt::format("{}:{}: is point {}, not {}", sim::printable(file.string()), points.size(),
+                                        points.back().n, points.size() - 1));
+    }
+  }
+  return points;
+}
+
+std::optional<SweepFolder::Runner> SweepFolder::runner() const {
+  const std::optional<std::string> note = Lock::holder(path_ / "lock");
+  if (!note) return std::nullopt;
+  Runner runner;
+  std::istringstream(*note) >> runner.host >> runner.process;
+  return runner;
+}
+
+void SweepFolder::note_run(const Json& run) const {
+  std::ofstream(log() / "runs.jsonl", std::ios::app) << run.dump() + "\n";
+}
+
+}  // namespace tools::sweep

@@ -1,0 +1,86 @@
+#include "tools/studies/sweep/store/lock.h"
+
+#include <array>
+#include <cerrno>
+#include <system_error>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "sim/error.h"
+#include "sim/io/printable.h"
+
+namespace tools::sweep {
+
+namespace {
+
+[[noreturn]] void give_up(const std::filesystem::path& path, int error) {
+  throw sim::IoError(
+      fmt::format("{}: cannot be locked: {}", sim::printable(path.string()), std::generic_category().message(error)));
+}
+
+struct flock whole_file(short type) {
+  struct flock range {};
+  range.l_type = type;
+  range.l_whence = SEEK_SET;
+  return range;
+}
+
+/// Is this open file still the one of that name? Whoever lets go of a lock removes its file.
+bool is_still_there(int file, const std::filesystem::path& path) {
+  struct stat open {
+  }, named{};
+  return ::fstat(file, &open) == 0 && ::stat(path.c_str(), &named) == 0 && open.st_ino == named.st_ino &&
+         open.st_dev == named.st_dev;
+}
+
+}  // namespace
+
+std::optional<Lock> Lock::attempt(const std::filesystem::path& path, const std::string& note) {
+  for (;;) {
+    const int file = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    if (file < 0) give_up(path, errno);
+    struct flock range = whole_file(F_WRLCK);
+    if (::fcntl(file, F_OFD_SETLK, &range) != 0) {
+      const int error = errno;
+      ::close(file);
+      if (error == EAGAIN || error == EACCES) return std::nullopt;
+      give_up(path, error);
+    }
+    if (is_still_there(file, path)) {
+      if (!note.empty() && (::ftruncate(file, 0) != 0 ||
+                            ::pwrite(file, note.data(), note.size(), 0) != static_cast<ssize_t>(note.size()))) {
+        const int error = errno;
+        ::unlink(path.c_str());
+        ::close(file);
+        give_up(path, error);
+      }
+      return Lock(path, file);
+    }
+    ::close(file);
+  }
+}
+
+std::optional<std::string> Lock::holder(const std::filesystem::path& path) {
+  const int file = ::open(path.c_str(), O_RDWR | O_CLOEXEC);
+  if (file < 0) return std::nullopt;
+  struct flock range = whole_file(F_WRLCK);
+  std::optional<std::string> note;
+  if (::fcntl(file, F_OFD_GETLK, &range) == 0 && range.l_type != F_UNLCK) {
+    std::array<char, 256> text{};
+    const ssize_t size = ::pread(file, text.data(), text.size(), 0);
+    note.emplace(text.data(), static_cast<std::size_t>(size < 0 ? 0 : size));
+  }
+  ::close(file);
+  return note;
+}
+
+Lock::~Lock() {
+  if (file_ < 0) return;
+  ::unlink(path_.c_str());
+  ::close(file_);
+}
+
+}  // namespace tools::sweep

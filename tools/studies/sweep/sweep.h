@@ -1,0 +1,41 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "tools/studies/sweep/launch/launcher_options.h"
+#include "tools/studies/sweep/spec/point.h"
+#include "tools/studies/sweep/store/store.h"
+
+namespace tools {
+
+/// A sweep by its file, or with `resume` by its folder `out`.
+struct SweepOptions : LauncherOptions {
+  std::filesystem::path file, out, store;
+  bool wait = false, resume = false, dry_run = false, quiet = false;
+  std::string progress = "auto";
+};
+
+/// Computes all points that have no result, and makes the table: kGood, or kCheckFailed if points failed.
+int run_sweep(const SweepOptions& options);
+
+/// A chunk of the points of the sweep in `folder`, or of those in a list of ids.
+struct PointOptions {
+  std::filesystem::path folder, list;
+  std::uint64_t index = 0, chunk = 1;
+  std::uint32_t jobs = 1;
+  bool retry_failed = false;
+};
+
+int compute_points(const PointOptions& options);
+
+/// Prints how far the sweep in a folder is.
+void print_sweep_status(const std::filesystem::path& path, bool json);
+/// Prints the first of those points that failed, with their errors.
+void print_failures(const sweep::Store& store, const std::vector<sweep::Point>& points);
+
+/// Ends the process that runs the sweep in a folder, and its jobs.
+void cancel_sweep(const std::filesystem::path& path);
+
+}  // namespace tools
