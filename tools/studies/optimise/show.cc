@@ -7,7 +7,7 @@
 
 #include "sim/io/printable.h"
 #include "sim/report/table.h"
-#include "tools/studies/sweep/results/csv.h"
+#include "tools/studies/sweep/results/index/csv.h"
 
 namespace tools::optimise {
 

@@ -2,7 +2,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/studies/sweep/results/value.h"
+#include "tools/studies/sweep/results/index/value.h"
 
 namespace tools::results {
 

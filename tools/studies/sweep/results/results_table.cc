@@ -10,7 +10,7 @@
 #include "sim/report/table.h"
 #include "tools/studies/sweep/results/cells.h"
 #include "tools/studies/sweep/results/condition.h"
-#include "tools/studies/sweep/results/csv.h"
+#include "tools/studies/sweep/results/index/csv.h"
 
 namespace tools::results {
 

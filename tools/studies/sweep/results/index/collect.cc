@@ -11,7 +11,7 @@
 #include "sim/io/file.h"
 #include "sim/io/printable.h"
 #include "sim/sha256.h"
-#include "tools/studies/sweep/results/csv.h"
+#include "tools/studies/sweep/results/index/csv.h"
 #include "tools/studies/sweep/results/index/index_file.h"
 
 namespace tools::results {

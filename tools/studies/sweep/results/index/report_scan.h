@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "tools/studies/sweep/results/value.h"
+#include "tools/studies/sweep/results/index/value.h"
 
 namespace tools::results {
 

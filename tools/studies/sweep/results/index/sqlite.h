@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "tools/studies/sweep/results/value.h"
+#include "tools/studies/sweep/results/index/value.h"
 
 struct sqlite3;
 struct sqlite3_stmt;

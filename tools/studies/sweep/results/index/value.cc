@@ -1,4 +1,4 @@
-#include "tools/studies/sweep/results/value.h"
+#include "tools/studies/sweep/results/index/value.h"
 
 #include <cmath>
 #include <tuple>

@@ -1,4 +1,4 @@
-#include "tools/studies/sweep/results/csv.h"
+#include "tools/studies/sweep/results/index/csv.h"
 
 namespace tools::results {
 
