@@ -71,7 +71,7 @@ class RecordStream {
 
  private:
   static constexpr Addr kLine = 64;
-  static constexpr Addr kPiece = kLine / 8;
+  static constexpr Addr kSector = kLine / 8;
   /// What one request reads, up to this byte of the stream.
   struct Chunk {
     Addr end = 0;
@@ -112,8 +112,8 @@ class RecordStream {
     if ((!read && !may_write()) || !links_.memory_out.can_push(now)) return false;
     Addr& at = read ? asked_ : written_;
     const Addr end = std::min(end_of_line(at), read ? written_ : accepted_ * shape_.record_bytes);
-    const auto first = static_cast<std::uint32_t>(at % kLine / kPiece);
-    const auto past = static_cast<std::uint32_t>((end - 1) % kLine / kPiece + 1);
+    const auto first = static_cast<std::uint32_t>(at % kLine / kSector);
+    const auto past = static_cast<std::uint32_t>((end - 1) % kLine / kSector + 1);
     MemRequest request{shape_.base + at / kLine * kLine % bytes_of(shape_), shape_.port, 0, !read,
                        static_cast<SectorMask>((1U << past) - (1U << first))};
     if (read) {

@@ -19,16 +19,16 @@ namespace hw {
 
 /// The tags of a set-associative cache (or of one of its banks).
 ///
-///   line --> [ set: `ways` tags, `ways` times of last use or a tree of bits ] --> place of the line, or miss
+///   line --> [ set: `ways` tags, `ways` times of last use or a tree of bits ] --> slot of the line, or miss
 ///
-/// Lines interleave over `banks` first; a bank holds its share of the sets. A place names a line of the array from its
-/// fill until another fill takes the place.
+/// Lines interleave over `banks` first; a bank holds its share of the sets. A slot is a way of a set; it
+/// keeps its line from one fill until the next.
 class CacheTags {
  public:
-  static constexpr std::size_t kNowhere = std::numeric_limits<std::size_t>::max();
+  static constexpr std::size_t kNoSlot = std::numeric_limits<std::size_t>::max();
   /// Where a line was put, and what had to go for it.
   struct Filled {
-    std::size_t place = 0;
+    std::size_t slot = 0;
     bool evicts = false;
     Addr evicted = 0;
   };
@@ -49,8 +49,8 @@ class CacheTags {
     for (std::size_t set = 0; set < sets_.size(); set += 2 * stride_) std::fill_n(&sets_[set], stride_, kInvalid);
   }
 
-  /// Places are numbered from 0 to this; some may never be taken.
-  std::size_t places() const { return sets_.size() / 2; }
+  /// Slots are numbered from 0 to this; some may never be taken.
+  std::size_t slots() const { return sets_.size() / 2; }
 
   /// Is the line here? If so it counts as used now.
   bool probe(Addr line) {
@@ -61,13 +61,13 @@ class CacheTags {
     return true;
   }
 
-  /// The same, and says where; kNowhere if it is not here.
+  /// The slot of the line, which counts as used now; kNoSlot if it is not here.
   std::size_t look_up(Addr line) {
     const std::size_t set = set_of(line);
     const std::uint32_t way = find(set, tag_of(line));
-    if (way == kNoWay) return kNowhere;
+    if (way == kNoWay) return kNoSlot;
     use(set, way);
-    return place_of(set, way);
+    return slot_of(set, way);
   }
 
   /// Is the line here? Its use is not noted.
@@ -76,7 +76,7 @@ class CacheTags {
   /// Has the host bring the tags that a probe for the line will look at.
   void look_ahead(Addr line) const { __builtin_prefetch(tags(set_of(line))); }
 
-  /// Puts the line in place of an empty way or of the one whose turn it is to go.
+  /// Puts the line into an empty way of its set, or replaces the one whose turn it is to go.
   Filled fill(Addr line) {
     const std::size_t set = set_of(line);
     const std::uint32_t found = find(set, tag_of(line));
@@ -85,16 +85,16 @@ class CacheTags {
     fills_ += 1;
     tags(set)[way] = tag_of(line);
     use(set, way);
-    return {place_of(set, way), before != kInvalid && found == kNoWay, Addr{before} << line_shift_};
+    return {slot_of(set, way), before != kInvalid && found == kNoWay, Addr{before} << line_shift_};
   }
 
-  /// Empties the place.
-  void remove(std::size_t place) {
-    tags(place / stride_)[place % stride_] = kInvalid;
-    used(place / stride_)[place % stride_] = 0;
+  /// Empties the slot.
+  void remove(std::size_t slot) {
+    tags(slot / stride_)[slot % stride_] = kInvalid;
+    used(slot / stride_)[slot % stride_] = 0;
   }
-  /// The line at a place that is not empty.
-  Addr line_at(std::size_t place) const { return Addr{tags(place / stride_)[place % stride_]} << line_shift_; }
+  /// The line in a slot that is not empty.
+  Addr line_at(std::size_t slot) const { return Addr{tags(slot / stride_)[slot % stride_]} << line_shift_; }
 
  private:
   static constexpr std::uint32_t kInvalid = std::numeric_limits<std::uint32_t>::max();
@@ -106,7 +106,7 @@ class CacheTags {
   std::size_t set_of(Addr line) const {
     return static_cast<std::size_t>((line >> (line_shift_ + bank_shift_)) & set_mask_);
   }
-  std::size_t place_of(std::size_t set, std::uint32_t way) const { return set * stride_ + way; }
+  std::size_t slot_of(std::size_t set, std::uint32_t way) const { return set * stride_ + way; }
   std::uint32_t* tags(std::size_t set) { return &sets_[set * words_]; }
   const std::uint32_t* tags(std::size_t set) const { return &sets_[set * words_]; }
   std::uint32_t* used(std::size_t set) { return tags(set) + stride_; }
@@ -166,7 +166,7 @@ class CacheTags {
 
   std::uint32_t line_shift_;
   std::uint32_t bank_shift_;
-  std::uint32_t ways_, stride_;  ///< a set's ways, and its places: ways are compared four at once
+  std::uint32_t ways_, stride_;  ///< ways of a set, and the same rounded up: four are compared at once
   std::size_t words_;            ///< of a set in `sets_`
   Replacement replacement_;
   Addr set_mask_;

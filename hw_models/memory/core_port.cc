@@ -79,7 +79,7 @@ void CorePort::send(std::uint32_t client, sim::Time now) {
   target_of(request).push(now, request);
   up_free_ = now + clock_.period();
   if (request.write) {
-    up_free_ = now + carry_time_[static_cast<std::size_t>(std::popcount(request.pieces))];
+    up_free_ = now + carry_time_[static_cast<std::size_t>(std::popcount(request.sectors))];
     line_until_ = std::max(line_until_, up_free_);
   }
   stats_.requests += 1;

@@ -44,10 +44,10 @@ struct InterconnectConfig {
 ///   clients_in  --> arbiter, one request per cycle -------> targets_out (the owner of the line)
 ///   clients_out <-- arbiter, line / width cycles a line <-- targets_in
 ///
-/// A client is named by its index in clients_out, which it writes into `source`. A write carries its pieces of the line
-/// up and holds the way up as long as these would hold the way down; who reads pieces gets the line. The distance is
-/// the links' latency. An ideal port carries whatever there is and room for, both ways, in a cycle.
-/// Not modelled: the topology between port and targets; every target is equally far and has its own wires.
+/// A client is named by its index in clients_out, which it writes into `source`. A write carries its sectors of the
+/// line up and holds the way up as long as these would hold the way down; who reads sectors gets the line. The distance
+/// is the links' latency. An ideal port carries whatever there is and room for, both ways, in a cycle. Not modelled:
+/// the topology between port and targets; every target is equally far and has its own wires.
 class CorePort {
  public:
   enum class CycleReason : std::uint8_t {

@@ -50,11 +50,12 @@ sim::Time DramChannel::tick(sim::Time now) {
   if (refresh_at_ <= cycle) refresh(cycle);
   if (ports_in_.holding() != 0) take_request(now, cycle);
   if (returns_.size != 0) respond(now, cycle);
-  if (plan_is_stale_ || cycle >= replan_at_) replan(cycle);
-  if (plan_.at() <= cycle) {
-    assert(plan_ == best_plan(writing_ ? writes_ : reads_, cycle) && "a plan that survives is the plan made afresh");
+  if (next_is_stale_ || cycle >= reschedule_at_) reschedule(cycle);
+  if (next_.at() <= cycle) {
+    assert(next_ == best_command(writing_ ? writes_ : reads_, cycle) &&
+           "a command that survives is the one chosen afresh");
     issue(cycle);
-    replan(cycle);
+    reschedule(cycle);
   }
   return next_wake(now);
 }
@@ -84,18 +85,18 @@ void DramChannel::take_request(sim::Time now, Cycle cycle) {
   if (port == ports_.count()) return;
   ports_.served(port);
   const MemRequest request = ports_in_[port].pop(now);
-  const DramPlace place = map_.place(request.line);
+  const DramAddress address = map_.address(request.line);
   power_down(cycle);
   wake(cycle);
-  page_policy_.requested(place.bank, place.row);
-  const bool row_is_open = device_.is_open(place.bank, place.row);
-  plan_is_stale_ |= !plan_survives(request.write, place.bank, row_is_open);
-  (request.write ? writes_ : reads_).push({request, place, cycle, static_cast<std::uint16_t>(port)}, row_is_open);
+  page_policy_.requested(address.bank, address.row);
+  const bool row_is_open = device_.is_open(address.bank, address.row);
+  next_is_stale_ |= !next_survives(request.write, address.bank, row_is_open);
+  (request.write ? writes_ : reads_).push({request, address, cycle, static_cast<std::uint16_t>(port)}, row_is_open);
 }
 
 /// Does a new request leave its bank's next command as it is? The common case under load: older requests of its bank
 /// come first anyway.
-bool DramChannel::plan_survives(bool write, std::uint32_t bank, bool row_is_open) const {
+bool DramChannel::next_survives(bool write, std::uint32_t bank, bool row_is_open) const {
   if (write != writing_) return false;
   const DramQueue& queue = write ? writes_ : reads_;
   return queue.hits(bank) != 0 || (queue.waiting(bank) != 0 && !row_is_open);
@@ -106,7 +107,7 @@ void DramChannel::respond(sim::Time now, Cycle cycle) {
   sim::Link<MemResponse>& out = *ports_out_[first.port];
   if (first.due > cycle || !out.can_push(now)) return;
   out.push(now, first.response);
-  plan_is_stale_ |= returns_.full();
+  next_is_stale_ |= returns_.full();
   returns_.head = (returns_.head + 1) % returns_.slots.size();
   returns_.size -= 1;
 }
@@ -114,9 +115,9 @@ void DramChannel::respond(sim::Time now, Cycle cycle) {
 sim::Time DramChannel::next_wake(sim::Time now) const {
   const sim::Time next = now + clock_.period();
   const auto time_of = [&](Cycle cycle) { return cycle == sim::kNever ? sim::kNever : cycle * clock_.period(); };
-  sim::Time wake = std::min(time_of(plan_.at()), time_of(replan_at_));
+  sim::Time wake = std::min(time_of(next_.at()), time_of(reschedule_at_));
   // While no command can come, refreshes are caught up with later: they change nothing that anyone could see.
-  if (!plan_.none()) wake = std::min(wake, time_of(refresh_at_));
+  if (!next_.none()) wake = std::min(wake, time_of(refresh_at_));
   if (returns_.size > 0) {
     const Return& first = returns_.slots[returns_.head];
     wake = std::min(wake, std::max({next, time_of(first.due), ports_out_[first.port]->push_at()}));
@@ -129,20 +130,20 @@ sim::Time DramChannel::next_wake(sim::Time now) const {
   return wake;
 }
 
-void DramChannel::replan(Cycle now) {
-  plan_is_stale_ = false;
-  replan_at_ = sim::kNever;
+void DramChannel::reschedule(Cycle now) {
+  next_is_stale_ = false;
+  reschedule_at_ = sim::kNever;
   for (const DramQueue* queue : {&reads_, &writes_}) {
     if (!queue->empty() && !overdue(*queue, now))
-      replan_at_ = std::min(replan_at_, queue->oldest().arrived + controller_.age_limit);
+      reschedule_at_ = std::min(reschedule_at_, queue->oldest().arrived + controller_.age_limit);
   }
   writing_ = writes_first(now);
   const DramQueue& queue = writing_ ? writes_ : reads_;
   const bool blocked = !writing_ && returns_.full();
-  plan_ = queue.empty() || blocked ? ScheduledCommand{} : best_plan(queue, now);
+  next_ = queue.empty() || blocked ? ScheduledCommand{} : best_command(queue, now);
   waiting_ = queue.empty() ? CycleReason::kIdle
              : blocked     ? CycleReason::kReturnsFull
-                           : device_.reason(plan_.command(), plan_.bank(), writing_, plan_.at());
+                           : device_.reason(next_.command(), next_.bank(), writing_, next_.at());
 }
 
 bool DramChannel::writes_first(Cycle now) {
@@ -155,12 +156,12 @@ bool DramChannel::writes_first(Cycle now) {
   return old_read == old_write ? draining_ : old_write;
 }
 
-DramChannel::ScheduledCommand DramChannel::best_plan(const DramQueue& queue, Cycle now) const {
+ScheduledCommand DramChannel::best_command(const DramQueue& queue, Cycle now) const {
   const bool in_turn = controller_.scheduler == DramScheduler::kFcfs;
   std::uint32_t banks = queue.banks(), columns = queue.hit_banks();
   if (in_turn || overdue(queue, now)) {
-    const std::uint32_t first = 1U << queue.oldest().place.bank;
-    if ((queue.hits(queue.oldest().place.bank) & 1) == 0) columns &= ~first;
+    const std::uint32_t first = 1U << queue.oldest().address.bank;
+    if ((queue.hits(queue.oldest().address.bank) & 1) == 0) columns &= ~first;
     if (in_turn) banks = first;
   }
   const std::uint32_t open = device_.open_mask();
@@ -175,9 +176,9 @@ DramChannel::ScheduledCommand DramChannel::best_plan(const DramQueue& queue, Cyc
         const auto bank = static_cast<std::uint32_t>(std::countr_zero(left));
         const Cycle ready = device_.ready(command, bank, writing_, rank_ready);
         if (best < ScheduledCommand(ready, command, 0, 0)) continue;
-        const std::uint64_t places = command == DramCommand::kColumn ? queue.hits(bank) : queue.waiting(bank);
-        const auto place = static_cast<std::uint32_t>(std::countr_zero(places));
-        best = std::min(best, ScheduledCommand(device_.earliest(command, ready), command, place, bank));
+        const std::uint64_t positions = command == DramCommand::kColumn ? queue.hits(bank) : queue.waiting(bank);
+        const auto position = static_cast<std::uint32_t>(std::countr_zero(positions));
+        best = std::min(best, ScheduledCommand(device_.earliest(command, ready), command, position, bank));
       }
     };
     consider.template operator()<DramCommand::kColumn>(here & columns);
@@ -189,40 +190,40 @@ DramChannel::ScheduledCommand DramChannel::best_plan(const DramQueue& queue, Cyc
 
 void DramChannel::issue(Cycle now) {
   DramQueue& queue = writing_ ? writes_ : reads_;
-  DramQueue::Entry& entry = queue.at(plan_.place());
-  const DramPlace place = entry.place;
-  switch (plan_.command()) {
+  DramQueue::Entry& entry = queue.at(next_.position());
+  const DramAddress address = entry.address;
+  switch (next_.command()) {
     case DramCommand::kColumn:
       transfer(entry, now);
-      queue.remove(plan_.place());
-      if ((reads_.hits(place.bank) | writes_.hits(place.bank)) == 0) row_done(place);
+      queue.remove(next_.position());
+      if ((reads_.hits(address.bank) | writes_.hits(address.bank)) == 0) row_done(address);
       break;
     case DramCommand::kActivate:
       entry.activated = true;
       stats_.activates += 1;
-      device_.activate(place.bank, place.row, now);
-      reads_.row_opened(place.bank, place.row);
-      writes_.row_opened(place.bank, place.row);
+      device_.activate(address.bank, address.row, now);
+      reads_.row_opened(address.bank, address.row);
+      writes_.row_opened(address.bank, address.row);
       break;
     case DramCommand::kPrecharge:
       entry.precharged = true;
-      device_.precharge(place.bank, now);
-      reads_.row_closed(place.bank);
-      writes_.row_closed(place.bank);
+      device_.precharge(address.bank, now);
+      reads_.row_closed(address.bank);
+      writes_.row_closed(address.bank);
       break;
   }
 }
 
 /// The last queued hit of the row is on its way.
-void DramChannel::row_done(const DramPlace& place) {
-  const bool others = (reads_.waiting(place.bank) | writes_.waiting(place.bank)) != 0;
-  if (page_policy_.closes(place.bank, place.row, others)) device_.auto_precharge(place.bank);
+void DramChannel::row_done(const DramAddress& address) {
+  const bool others = (reads_.waiting(address.bank) | writes_.waiting(address.bank)) != 0;
+  if (page_policy_.closes(address.bank, address.row, others)) device_.auto_precharge(address.bank);
 }
 
 /// Moves the request's line over the data bus.
 void DramChannel::transfer(const DramQueue::Entry& entry, Cycle now) {
   const MemRequest& r = entry.request;
-  const Cycle data = r.write ? device_.write(entry.place.bank, now) : device_.read(entry.place.bank, now);
+  const Cycle data = r.write ? device_.write(entry.address.bank, now) : device_.read(entry.address.bank, now);
   const Cycle end = data + device_.data_cycles();
   data_end_ = std::max(data_end_, end);
   if (watcher_ != nullptr) watcher_->served(r, end * clock_.period());
@@ -241,86 +242,6 @@ void DramChannel::transfer(const DramQueue::Entry& entry, Cycle now) {
   }
   stats_.bytes += line_bytes_;
   (entry.precharged ? stats_.row_conflicts : entry.activated ? stats_.row_misses : stats_.row_hits) += 1;
-}
-
-/// Runs every refresh due by now, each at its own time: the outcome is the same whenever this is called.
-void DramChannel::refresh(Cycle now) {
-  while (refresh_at_ <= now) {
-    Cycle due = refresh_at_;
-    power_down(due);
-    if (is_down_) {
-      if (due > down_since_) {
-        stats_.power_down += ranks_ * (due - down_since_);
-        due += exit_cycles_;
-        device_.wake(due);
-      }
-      down_since_ = std::max(due, down_since_) + refresh_cycles_;
-    }
-    refresh_banks(static_cast<std::uint32_t>(refresh_turn_ % ranks_), due);
-    refresh_turn_ += 1;
-    refresh_at_ =
-        refresh_interval_ * (refresh_turn_ / ranks_ + 1) + refresh_interval_ * (refresh_turn_ % ranks_) / ranks_;
-    plan_is_stale_ = true;
-  }
-}
-
-void DramChannel::refresh_banks(std::uint32_t rank, Cycle due) {
-  if (controller_.refresh == RefreshKind::kAllBank) {
-    device_.refresh_rank(rank, due);
-    close_rows(device_.banks_of(rank));
-    stats_.refreshes_all += 1;
-    return;
-  }
-  const std::uint32_t leader = next_refresh(rank);
-  const std::uint32_t banks = device_.refreshed_with(leader);
-  device_.refresh(banks, due);
-  close_rows(banks);
-  stats_.refreshes += 1;
-  to_refresh_ &= ~(1U << leader);
-  const std::uint32_t of_rank = device_.banks_of(rank);
-  if ((to_refresh_ & of_rank) == 0) to_refresh_ |= device_.refresh_leaders() & of_rank;
-}
-
-std::uint32_t DramChannel::next_refresh(std::uint32_t rank) const {
-  const std::uint32_t candidates = to_refresh_ & device_.banks_of(rank);
-  if (controller_.refresh_order == RefreshOrder::kIdleFirst) {
-    const std::uint32_t wanted = reads_.banks() | writes_.banks();
-    for (std::uint32_t left = candidates; left != 0; left &= left - 1) {
-      const auto leader = static_cast<std::uint32_t>(std::countr_zero(left));
-      if ((wanted & device_.refreshed_with(leader)) == 0) return leader;
-    }
-  }
-  return static_cast<std::uint32_t>(std::countr_zero(candidates));
-}
-
-/// The device has closed these banks.
-void DramChannel::close_rows(std::uint32_t banks) {
-  for (std::uint32_t left = banks; left != 0; left &= left - 1) {
-    const auto bank = static_cast<std::uint32_t>(std::countr_zero(left));
-    reads_.row_closed(bank);
-    writes_.row_closed(bank);
-  }
-}
-
-/// Powers down if the channel has been idle for long enough before `now`: as with refreshes, it does not matter when
-/// this is called, as long as it is before something changes.
-void DramChannel::power_down(Cycle now) {
-  const Cycle due = data_end_ + controller_.power_down_after;
-  if (!controller_.power_down || is_down_ || due >= now || !reads_.empty() || !writes_.empty()) return;
-  is_down_ = true;
-  down_since_ = due;
-  for (std::uint32_t rank = 0; rank < ranks_; ++rank)
-    down_since_ = std::max(down_since_, device_.precharge_all(device_.banks_of(rank), due));
-}
-
-/// A request has arrived.
-void DramChannel::wake(Cycle now) {
-  if (!is_down_) return;
-  is_down_ = false;
-  if (now <= down_since_) return;
-  stats_.power_down += ranks_ * (now - down_since_);
-  stats_.power_downs += 1;
-  device_.wake(now + exit_cycles_);
 }
 
 /// Charges the cycles before `until`: to the data bus while it moves data, else to what the next command waits for.

@@ -1,5 +1,4 @@
 #pragma once
-#include <compare>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -11,6 +10,7 @@
 #include "hw_models/memory/dram_page_policy.h"
 #include "hw_models/memory/dram_queue.h"
 #include "hw_models/memory/messages.h"
+#include "hw_models/memory/scheduled_command.h"
 #include "sim/activity.h"
 #include "sim/counter_kind.h"
 #include "sim/inputs.h"
@@ -101,24 +101,6 @@ class DramChannel {
  private:
   using Cycle = DramDevice::Cycle;
 
-  /// The command that comes next if nothing new arrives, in one number that sorts by preference: the earliest, then
-  /// the kind of command, then the oldest request; the bank comes along in the low bits.
-  class ScheduledCommand {
-   public:
-    ScheduledCommand() = default;
-    ScheduledCommand(Cycle at, DramCommand command, std::uint32_t place, std::uint32_t bank)
-        : key_(at << 13 | std::uint64_t{static_cast<std::uint8_t>(command)} << 11 | place << 5 | bank) {}
-    bool none() const { return key_ == kNone; }
-    Cycle at() const { return none() ? sim::kNever : key_ >> 13; }
-    DramCommand command() const { return static_cast<DramCommand>(key_ >> 11 & 3); }
-    std::uint32_t place() const { return static_cast<std::uint32_t>(key_ >> 5 & 63); }
-    std::uint32_t bank() const { return static_cast<std::uint32_t>(key_ & 31); }
-    friend auto operator<=>(const ScheduledCommand&, const ScheduledCommand&) = default;
-
-   private:
-    static constexpr std::uint64_t kNone = ~std::uint64_t{0};
-    std::uint64_t key_ = kNone;
-  };
   struct Return {
     MemResponse response;
     std::uint16_t port = 0;
@@ -142,12 +124,12 @@ class DramChannel {
   sim::Time next_wake(sim::Time now) const;
   sim::Time tick_ideal(sim::Time now);
 
-  void replan(Cycle now);
+  void reschedule(Cycle now);
   bool writes_first(Cycle now);
-  bool plan_survives(bool write, std::uint32_t bank, bool row_is_open) const;
-  ScheduledCommand best_plan(const DramQueue& queue, Cycle now) const;
+  bool next_survives(bool write, std::uint32_t bank, bool row_is_open) const;
+  ScheduledCommand best_command(const DramQueue& queue, Cycle now) const;
   void issue(Cycle now);
-  void row_done(const DramPlace& place);
+  void row_done(const DramAddress& address);
   void transfer(const DramQueue::Entry& entry, Cycle now);
   bool overdue(const DramQueue& queue, Cycle now) const {
     return !queue.empty() && now >= queue.oldest().arrived + controller_.age_limit;
@@ -183,10 +165,10 @@ class DramChannel {
   Returns returns_;
   Arbiter ports_;
   bool draining_ = false;  ///< writes go first, down to the low mark
-  bool writing_ = false;   ///< the plan serves the write queue
-  ScheduledCommand plan_;
-  bool plan_is_stale_ = true;
-  Cycle replan_at_ = sim::kNever;  ///< when a request becomes overdue
+  bool writing_ = false;   ///< `next_` serves the write queue
+  ScheduledCommand next_;
+  bool next_is_stale_ = true;
+  Cycle reschedule_at_ = sim::kNever;  ///< when a request becomes overdue
 
   Cycle settled_ = 0;
   CycleReason waiting_ = CycleReason::kIdle;  ///< for what, while the data bus is idle

@@ -7,8 +7,8 @@
 
 namespace hw {
 
-/// Where a line lies inside its channel.
-struct DramPlace {
+/// A line's address inside its channel; its column plays no part in timing.
+struct DramAddress {
   std::uint32_t bank = 0;  ///< of all ranks: those of a rank stand together
   std::uint32_t row = 0;
 };
@@ -24,15 +24,15 @@ class DramMap {
         xor_mask_(c.controller.bank_xor ? c.organisation.banks - 1 : 0),
         row_mask_(c.organisation.rows - 1) {}
 
-  DramPlace place(Addr line) const {
+  DramAddress address(Addr line) const {
     // Whatever the order of channel and column, both lie below bank and row, so one shift serves both mappings.
     const Addr in_channel = line >> skip_;
     const std::uint32_t bank_mask = (1U << bank_bits_) - 1;
-    DramPlace p;
-    p.bank = static_cast<std::uint32_t>(in_channel >> (bank_first_ ? 0 : column_bits_)) & bank_mask;
-    p.row = static_cast<std::uint32_t>(in_channel >> (column_bits_ + bank_bits_)) & row_mask_;
-    p.bank ^= p.row & xor_mask_;
-    return p;
+    DramAddress a;
+    a.bank = static_cast<std::uint32_t>(in_channel >> (bank_first_ ? 0 : column_bits_)) & bank_mask;
+    a.row = static_cast<std::uint32_t>(in_channel >> (column_bits_ + bank_bits_)) & row_mask_;
+    a.bank ^= a.row & xor_mask_;
+    return a;
   }
 
  private:

@@ -11,15 +11,15 @@ namespace hw {
 
 namespace {
 
-using Holds = DramFigure::Holds;
+using Holds = DramMeasurement::Holds;
 
 constexpr std::uint32_t kOutstanding = 48;
 constexpr std::uint64_t kPause = 4096;  ///< cycles between requests that must not feel each other
 constexpr std::uint64_t kLines = 10'000;
 
-class Measurement {
+class Experiment {
  public:
-  explicit Measurement(const DramConfig& grade) : config(grade) {
+  explicit Experiment(const DramConfig& grade) : config(grade) {
     config.organisation.ranks = 1;
     config.timing.refi_pb = config.timing.refi_ab = 0;
     DramController& c = config.controller;
@@ -59,27 +59,27 @@ class Measurement {
   DramPlay play_;
 };
 
-void lone_reads(const DramConfig& grade, std::vector<DramFigure>& figures) {
-  Measurement m(grade);
+void lone_reads(const DramConfig& grade, std::vector<DramMeasurement>& measured) {
+  Experiment m(grade);
   const DramClosedForms form(m.config);
   m.send(m.row(0, 1));
   m.send(m.row(0, 1), kPause);
   m.send(m.row(0, 2), 2 * kPause);
   m.go();
-  figures.push_back({"read, row open", "ns", m.latency(1), m.ns(form.row_hit())});
-  figures.push_back({"read, bank closed", "ns", m.latency(0), m.ns(form.closed_bank())});
-  figures.push_back({"read, other row open", "ns", m.latency(2), m.ns(form.row_conflict())});
+  measured.push_back({"read, row open", "ns", m.latency(1), m.ns(form.row_hit())});
+  measured.push_back({"read, bank closed", "ns", m.latency(0), m.ns(form.closed_bank())});
+  measured.push_back({"read, other row open", "ns", m.latency(2), m.ns(form.row_conflict())});
 
-  Measurement sleeper(grade);
+  Experiment sleeper(grade);
   sleeper.config.controller.power_down = true;
   sleeper.send(sleeper.row(0, 1));
   sleeper.send(sleeper.row(0, 1), kPause);
   sleeper.go();
-  figures.push_back({"read, powered down", "ns", sleeper.latency(1), sleeper.ns(form.after_power_down())});
+  measured.push_back({"read, powered down", "ns", sleeper.latency(1), sleeper.ns(form.after_power_down())});
 }
 
 /// Two hits that arrive in cycles that follow each other; rows are opened before.
-double pair(Measurement& m, std::uint32_t second_bank, bool first_writes, bool second_writes) {
+double pair(Experiment& m, std::uint32_t second_bank, bool first_writes, bool second_writes) {
   m.send(m.row(0, 0));
   m.send(m.row(second_bank, 0), kPause);
   m.send(m.row(0, 0), 2 * kPause, first_writes);
@@ -88,40 +88,41 @@ double pair(Measurement& m, std::uint32_t second_bank, bool first_writes, bool s
   return m.distance(2, 3);
 }
 
-void turnarounds(const DramConfig& grade, std::vector<DramFigure>& figures) {
+void turnarounds(const DramConfig& grade, std::vector<DramMeasurement>& measured) {
   const DramClosedForms form(grade);
-  Measurement write(grade), read(grade), group(grade), rank(grade);
-  figures.push_back({"read to write", "ns", pair(write, 0, false, true), write.ns(form.write_after_read())});
-  figures.push_back({"write to read", "ns", pair(read, 0, true, false), read.ns(form.read_after_write())});
+  Experiment write(grade), read(grade), group(grade), rank(grade);
+  measured.push_back({"read to write", "ns", pair(write, 0, false, true), write.ns(form.write_after_read())});
+  measured.push_back({"write to read", "ns", pair(read, 0, true, false), read.ns(form.read_after_write())});
   if (grade.organisation.bank_groups > 1) {
     const double expected = group.ns(form.read_after_write_of_other_group());
-    figures.push_back({"write to read, other bank group", "ns", pair(group, 1, true, false), expected});
+    measured.push_back({"write to read, other bank group", "ns", pair(group, 1, true, false), expected});
   }
   if (2 * grade.organisation.banks <= 32) {
     rank.config.organisation.ranks = 2;
     const double expected = rank.ns(form.read_after_read_of_other_rank());
-    figures.push_back({"read to read, other rank", "ns", pair(rank, grade.organisation.banks, false, false), expected});
+    measured.push_back(
+        {"read to read, other rank", "ns", pair(rank, grade.organisation.banks, false, false), expected});
   }
 }
 
-void sequential(const DramConfig& grade, std::vector<DramFigure>& figures) {
+void sequential(const DramConfig& grade, std::vector<DramMeasurement>& measured) {
   for (const bool write : {false, true}) {
     for (const bool refresh : {false, true}) {
-      Measurement m(grade);
+      Experiment m(grade);
       m.config.controller.mapping = grade.controller.mapping;
       if (refresh) m.config.timing = grade.timing;
       if (refresh) m.config.controller = grade.controller;
       for (Addr i = 0; i < kLines; ++i) m.send(i * m.config.line.bytes, 0, write);
       m.go();
-      figures.push_back({std::string(write ? "sequential writes" : "sequential reads") + (refresh ? ", as set" : ""),
-                         "GB/s", m.steady_gbps(), m.gbps(DramClosedForms(m.config).streamed_line()),
-                         refresh ? Holds::kNearly : Holds::kClosely});
+      measured.push_back({std::string(write ? "sequential writes" : "sequential reads") + (refresh ? ", as set" : ""),
+                          "GB/s", m.steady_gbps(), m.gbps(DramClosedForms(m.config).streamed_line()),
+                          refresh ? Holds::kNearly : Holds::kClosely});
     }
   }
 }
 
 /// Rows of all banks in turn, so many lines of each.
-DramFigure rows_in_turn(Measurement& m, const char* name, std::uint32_t lines, Holds holds) {
+DramMeasurement rows_in_turn(Experiment& m, const char* name, std::uint32_t lines, Holds holds) {
   const std::uint32_t banks = m.config.organisation.banks;
   for (std::uint32_t i = 0; i < kLines; ++i) {
     const std::uint32_t row = i / lines;
@@ -131,39 +132,40 @@ DramFigure rows_in_turn(Measurement& m, const char* name, std::uint32_t lines, H
   return {name, "GB/s", m.steady_gbps(), m.gbps(DramClosedForms(m.config).line_of_own_row(lines)), holds};
 }
 
-void rows(const DramConfig& grade, std::vector<DramFigure>& figures) {
-  Measurement activates(grade), lines(grade), long_rows(grade), random(grade);
+void rows(const DramConfig& grade, std::vector<DramMeasurement>& measured) {
+  Experiment activates(grade), lines(grade), long_rows(grade), random(grade);
   activates.config.line = grade.organisation.burst;
   DramTiming& t = activates.config.timing;
   t.ca_activate = t.ca_column = t.ca_precharge = 1;
-  figures.push_back(rows_in_turn(activates, "a burst of every row, tRRD and tFAW alone", 1, Holds::kClosely));
+  measured.push_back(rows_in_turn(activates, "a burst of every row, tRRD and tFAW alone", 1, Holds::kClosely));
   const auto most = static_cast<std::uint32_t>(grade.organisation.page.bytes / grade.line.bytes);
   const std::uint32_t lines_of_row = std::min<std::uint32_t>(16, most);
-  figures.push_back(rows_in_turn(long_rows, "sixteen lines of every row", lines_of_row, Holds::kClosely));
-  figures.push_back(rows_in_turn(lines, "a line of every row", 1, Holds::kAtMost));
+  measured.push_back(rows_in_turn(long_rows, "sixteen lines of every row", lines_of_row, Holds::kClosely));
+  measured.push_back(rows_in_turn(lines, "a line of every row", 1, Holds::kAtMost));
   for (Addr i = 0; i < kLines; ++i) random.send(sim::hash(i) % (1 << 22) * random.config.line.bytes);
   random.go();
   const double expected = random.gbps(DramClosedForms(random.config).line_of_own_row(1));
-  figures.push_back({"random reads", "GB/s", random.steady_gbps(), expected, Holds::kAtMost});
+  measured.push_back({"random reads", "GB/s", random.steady_gbps(), expected, Holds::kAtMost});
 }
 
-void refreshes(const DramConfig& grade, std::vector<DramFigure>& figures) {
+void refreshes(const DramConfig& grade, std::vector<DramMeasurement>& measured) {
   for (const RefreshKind kind : {RefreshKind::kPerBank, RefreshKind::kAllBank}) {
-    Measurement m(grade);
+    Experiment m(grade);
     m.config.timing = grade.timing;
     m.config.controller.refresh = kind;
     if (m.config.refresh_interval() == 0) continue;
     for (Addr i = 0; i < kLines; ++i) m.send(m.row(0, 0));
     m.go();
     const double expected = m.gbps(DramClosedForms(m.config).line_between_refreshes());
-    figures.push_back({kind == RefreshKind::kPerBank ? "a row's hits, refresh by bank" : "a row's hits, refresh of all",
-                       "GB/s", m.steady_gbps(), expected, Holds::kClosely});
+    measured.push_back(
+        {kind == RefreshKind::kPerBank ? "a row's hits, refresh by bank" : "a row's hits, refresh of all", "GB/s",
+         m.steady_gbps(), expected, Holds::kClosely});
   }
 }
 
 }  // namespace
 
-bool DramFigure::good() const {
+bool DramMeasurement::good() const {
   switch (holds) {
     case Holds::kExactly:
       return std::abs(measured - expected) < 1e-9 * expected;
@@ -177,14 +179,14 @@ bool DramFigure::good() const {
   return false;
 }
 
-std::vector<DramFigure> dram_figures(const DramConfig& grade) {
-  std::vector<DramFigure> figures;
-  lone_reads(grade, figures);
-  turnarounds(grade, figures);
-  sequential(grade, figures);
-  rows(grade, figures);
-  refreshes(grade, figures);
-  return figures;
+std::vector<DramMeasurement> dram_measurements(const DramConfig& grade) {
+  std::vector<DramMeasurement> measured;
+  lone_reads(grade, measured);
+  turnarounds(grade, measured);
+  sequential(grade, measured);
+  rows(grade, measured);
+  refreshes(grade, measured);
+  return measured;
 }
 
 }  // namespace hw

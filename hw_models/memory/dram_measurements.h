@@ -8,7 +8,7 @@
 namespace hw {
 
 /// A figure of a channel, measured on requests made for it, beside its closed form.
-struct DramFigure {
+struct DramMeasurement {
   /// How the two compare.
   enum class Holds : std::uint8_t {
     kExactly,
@@ -25,8 +25,8 @@ struct DramFigure {
   bool good() const;
 };
 
-/// The figures of a speed grade: its organisation and timing, under a controller that leaves rows open, neither
+/// The measured of a speed grade: its organisation and timing, under a controller that leaves rows open, neither
 /// refreshes nor powers down and maps addresses as each figure needs it.
-std::vector<DramFigure> dram_figures(const DramConfig& grade);
+std::vector<DramMeasurement> dram_measurements(const DramConfig& grade);
 
 }  // namespace hw

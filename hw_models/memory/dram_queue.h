@@ -11,13 +11,14 @@
 
 namespace hw {
 
-/// Requests that wait in a channel, oldest first. For every bank, bit masks over their places say which requests want
-/// it and which of these want its open row, so that choosing a command looks at banks, not at requests.
+/// Requests that wait in a channel, oldest first. For every bank, bit masks over their positions in that order say
+/// which requests want it and which of these want its open row, so that choosing a command looks at banks, not at
+/// requests.
 class DramQueue {
  public:
   struct Entry {
     MemRequest request;
-    DramPlace place;
+    DramAddress address;
     std::uint64_t arrived = 0;
     std::uint16_t port = 0;
     bool precharged = false;  ///< a precharge was needed for it
@@ -33,20 +34,20 @@ class DramQueue {
   bool full() const { return size_ == capacity_; }
   std::uint32_t size() const { return size_; }
   const Entry& oldest() const { return entries_[order_[0]]; }
-  Entry& at(std::uint32_t place) { return entries_[order_[place]]; }
+  Entry& at(std::uint32_t position) { return entries_[order_[position]]; }
 
   /// Banks that somebody wants, as a mask.
   std::uint32_t banks() const { return banks_; }
   /// Banks whose open row somebody wants, as a mask.
   std::uint32_t hit_banks() const { return hit_banks_; }
-  /// Places of those who want the bank.
+  /// Positions of those who want the bank.
   std::uint64_t waiting(std::uint32_t bank) const { return waiting_[bank]; }
-  /// Places of those who want the row that is open in the bank.
+  /// Positions of those who want the row that is open in the bank.
   std::uint64_t hits(std::uint32_t bank) const { return hits_[bank]; }
 
   void push(const Entry& entry, bool row_is_open) {
     assert(!full());
-    const std::uint32_t bank = entry.place.bank;
+    const std::uint32_t bank = entry.address.bank;
     const std::uint64_t bit = std::uint64_t{1} << size_;
     entries_[order_[size_]] = entry;
     size_ += 1;
@@ -55,17 +56,17 @@ class DramQueue {
     banks_ |= 1U << bank;
   }
 
-  void remove(std::uint32_t place) {
-    assert(place < size_);
-    const std::uint8_t slot = order_[place];
-    const std::uint32_t bank = entries_[slot].place.bank;
-    for (std::uint32_t i = place; i + 1 < size_; ++i) order_[i] = order_[i + 1];
+  void remove(std::uint32_t position) {
+    assert(position < size_);
+    const std::uint8_t slot = order_[position];
+    const std::uint32_t bank = entries_[slot].address.bank;
+    for (std::uint32_t i = position; i + 1 < size_; ++i) order_[i] = order_[i + 1];
     size_ -= 1;
     order_[size_] = slot;
     for (std::uint32_t left = banks_; left != 0; left &= left - 1) {
       const auto b = static_cast<std::size_t>(std::countr_zero(left));
-      waiting_[b] = without(waiting_[b], place);
-      hits_[b] = without(hits_[b], place);
+      waiting_[b] = without(waiting_[b], position);
+      hits_[b] = without(hits_[b], position);
     }
     set_hits(bank, hits_[bank]);
     if (waiting_[bank] == 0) banks_ &= ~(1U << bank);
@@ -74,22 +75,22 @@ class DramQueue {
   void row_opened(std::uint32_t bank, std::uint32_t row) {
     std::uint64_t hits = 0;
     for (std::uint64_t left = waiting_[bank]; left != 0; left &= left - 1) {
-      const auto place = static_cast<std::size_t>(std::countr_zero(left));
-      if (entries_[order_[place]].place.row == row) hits |= std::uint64_t{1} << place;
+      const auto position = static_cast<std::size_t>(std::countr_zero(left));
+      if (entries_[order_[position]].address.row == row) hits |= std::uint64_t{1} << position;
     }
     set_hits(bank, hits);
   }
   void row_closed(std::uint32_t bank) { set_hits(bank, 0); }
 
  private:
-  void set_hits(std::uint32_t bank, std::uint64_t places) {
-    hits_[bank] = places;
-    hit_banks_ = (hit_banks_ & ~(1U << bank)) | std::uint32_t{places != 0} << bank;
+  void set_hits(std::uint32_t bank, std::uint64_t positions) {
+    hits_[bank] = positions;
+    hit_banks_ = (hit_banks_ & ~(1U << bank)) | std::uint32_t{positions != 0} << bank;
   }
 
-  /// The mask after the place has gone and all behind it moved up.
-  static std::uint64_t without(std::uint64_t mask, std::uint32_t place) {
-    const std::uint64_t before = (std::uint64_t{1} << place) - 1;
+  /// The mask after the request at `position` has gone and all behind it have moved up.
+  static std::uint64_t without(std::uint64_t mask, std::uint32_t position) {
+    const std::uint64_t before = (std::uint64_t{1} << position) - 1;
     return (mask & before) | ((mask >> 1) & ~before);
   }
 

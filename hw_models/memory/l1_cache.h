@@ -10,14 +10,14 @@
 
 namespace hw {
 
-/// A read-only first-level cache of one unit: tags, miss status registers that merge, and requests waiting for the
+/// A read-only first-level cache of one unit: tags, MSHRs that merge, and requests waiting for the
 /// way to memory. Who waits for a line is a bit mask of the unit's slots. A ideal one holds every line.
 class L1Cache {
  public:
   enum class Result : std::uint8_t {
     kHit,
     kMiss,  ///< the slot now waits: fill() will name it
-    kFull,  ///< no free miss register: nothing was noted, try again after a fill
+    kFull,  ///< no free MSHR: nothing was noted, try again after a fill
   };
 
   /// A line on its way.
@@ -27,12 +27,12 @@ class L1Cache {
   };
 
   L1Cache(const CacheConfig& config, std::uint16_t source, bool ideal = false)
-      : tags_(config), misses_(config.mshrs), source_(source), perfect_(ideal) {
+      : tags_(config), misses_(config.mshrs), source_(source), ideal_(ideal) {
     unsent_.reserve(config.mshrs);
   }
 
   Result access(Addr line, std::uint32_t slot, std::uint64_t cycle = 0) {
-    if (perfect_ || tags_.probe(line)) return Result::kHit;
+    if (ideal_ || tags_.probe(line)) return Result::kHit;
     const std::uint64_t bit = std::uint64_t{1} << slot;
     if (Miss* miss = misses_.find(line)) {
       miss->slots |= bit;
@@ -45,9 +45,9 @@ class L1Cache {
 
   /// access() to a line that is here, of a cache that is not ideal. False, and nothing done, if it is not here.
   bool hit(Addr line) { return tags_.probe(line); }
-  bool ideal() const { return perfect_; }
+  bool ideal() const { return ideal_; }
 
-  /// Asks for a line that nobody needs yet, if it is neither here nor on its way. Needs a free miss register.
+  /// Asks for a line that nobody needs yet, if it is neither here nor on its way. Needs a free MSHR.
   bool prefetch(Addr line, std::uint64_t cycle) {
     if (holds(line) || on_its_way(line) != nullptr) return false;
     ask(line, {0, cycle});
@@ -62,13 +62,13 @@ class L1Cache {
 
   /// Takes the line as read, in no time (hw_models/frame/warming.h). False if it was not here.
   bool warm(Addr line) {
-    if (perfect_ || tags_.probe(line)) return true;
+    if (ideal_ || tags_.probe(line)) return true;
     tags_.fill(line);
     return false;
   }
 
   /// Is the line here? Unlike access() this leaves no trace.
-  bool holds(Addr line) const { return perfect_ || tags_.holds(line); }
+  bool holds(Addr line) const { return ideal_ || tags_.holds(line); }
   /// Has the host bring the tags that a probe for the line will look at.
   void look_ahead(Addr line) const { tags_.look_ahead(line); }
   /// nullptr if the line is not on its way.
@@ -87,7 +87,7 @@ class L1Cache {
   }
 
   std::uint32_t outstanding() const { return misses_.size(); }
-  std::uint32_t free_registers() const { return misses_.capacity() - misses_.size(); }
+  std::uint32_t free_mshrs() const { return misses_.capacity() - misses_.size(); }
   bool full() const { return misses_.full(); }
 
  private:
@@ -100,7 +100,7 @@ class L1Cache {
   MshrFile<Miss> misses_;
   std::vector<Addr> unsent_;
   std::uint16_t source_;
-  bool perfect_;
+  bool ideal_;
 };
 
 }  // namespace hw

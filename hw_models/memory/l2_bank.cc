@@ -104,12 +104,12 @@ void L2Bank::send_to_memory(sim::Time now) {
 void L2Bank::to_memory(sim::Time now, const MemRequest& request) {
   unsent_.push(now, request);
   queued_ += 1;
-  if (request.write) stats_.bytes_to_memory += eighth_ * static_cast<std::uint32_t>(std::popcount(request.pieces));
+  if (request.write) stats_.bytes_to_memory += eighth_ * static_cast<std::uint32_t>(std::popcount(request.sectors));
 }
 
 void L2Bank::write_back(sim::Time now, const L2Store::Victim& victim) {
-  if (victim.pieces == 0) return;
-  to_memory(now, MemRequest{victim.line, index_, 0, true, victim.pieces});
+  if (victim.sectors == 0) return;
+  to_memory(now, MemRequest{victim.line, index_, 0, true, victim.sectors});
   stats_.written_back += 1;
 }
 
@@ -136,7 +136,7 @@ bool L2Bank::look_up(sim::Time now) {
 bool L2Bank::read(sim::Time now) {
   if (!hits_.can_push(now)) return false;
   const MemRequest& r = head_.request;
-  const L2Store::Found found = store_.find(r.line, r.pieces);
+  const L2Store::Found found = store_.find(r.line, r.sectors);
   if (found == L2Store::Found::kAll) {
     hits_.push(now, Reply{{r.line, r.source, r.tag}, head_.core});
     stats_.hits += 1;

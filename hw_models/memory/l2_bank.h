@@ -27,15 +27,15 @@ namespace hw {
 ///                              +--miss--> [MSHRs] --> [to memory: lookup_cycles] --> channels_out
 ///                              +--write-> lines         channels_in --> fill, waiters of the line
 ///
-/// A request that finds neither its line nor a free miss register (or no free place among the line's targets) stays
+/// A request that finds neither its line nor a free MSHR (or no free place among the line's targets) stays
 /// in the head and holds up all behind it. `source` and `tag` are returned unchanged to the core the request came from;
 /// towards memory, `source` is the bank's index.
 ///
-/// A write that is kept (L2Writes::kBack) takes a place without a fetch; a read that wants more than the pieces that
-/// are there gives the place up: the dirty pieces wait in the miss register, and the fill comes in around them. Of a
-/// line that is replaced, what is dirty goes to memory; memory is told which pieces (a masked write) and takes as long
+/// A write that is kept (L2Writes::kBack) takes a place without a fetch; a read that wants more than the sectors that
+/// are there gives the place up: the dirty sectors wait in the MSHR, and the fill comes in around them. Of a
+/// line that is replaced, what is dirty goes to memory; memory is told which sectors (a masked write) and takes as long
 /// as for a line. At the end of a frame a Flush has all that is dirty written. The queue to memory has room for a miss
-/// and a dirty victim of every miss register, so a fill never waits for it.
+/// and a dirty victim of every MSHR, so a fill never waits for it.
 ///
 /// An ideal bank has every line: it takes whatever comes, answers a cycle later, and keeps what is written.
 /// Not modelled: contention of fills, writes and reads for the data array.
@@ -46,7 +46,7 @@ class L2Bank {
     kServing,     ///< a request or a line came in, or a line went out
     kLookup,      ///< requests are inside the pipeline
     kMemory,      ///< every request inside waits for DRAM
-    kMshrFull,    ///< the head found no miss register, or no place among its line's targets
+    kMshrFull,    ///< the head found no MSHR, or no place among its line's targets
     kMemoryFull,  ///< memory does not take what is written to it
     kOutputFull,  ///< a line cannot leave towards its core
     kCount
@@ -115,7 +115,7 @@ class L2Bank {
   };
   struct Waiters {
     std::uint32_t count = 0;
-    SectorMask dirty = 0;  ///< pieces of the line that came by writes
+    SectorMask dirty = 0;  ///< sectors of the line that came by writes
     std::array<Waiter, L2Config::kMaxTargets> list;
   };
   struct Head {
@@ -167,7 +167,7 @@ class L2Bank {
   std::uint16_t index_;
   std::uint32_t targets_;
   L2Writes writes_;
-  std::uint64_t eighth_;  ///< bytes of a piece
+  std::uint64_t eighth_;  ///< bytes of a sector
   L2Store store_;
   MshrFile<Waiters> misses_;
   sim::Link<Reply> hits_;

@@ -11,16 +11,16 @@ bool L2Bank::write(sim::Time now) {
   if (writes_ == L2Writes::kBack) {
     write_here(now);
   } else {
-    const bool here = store_.find(r.line, r.pieces) != L2Store::Found::kNot;
+    const bool here = store_.find(r.line, r.sectors) != L2Store::Found::kNot;
     const bool stored = here && writes_ == L2Writes::kThrough;
     if (here && !stored) store_.take_out(r.line);
     stats_.write_hits += here;
     (stored ? stats_.stored : stats_.not_stored) += 1;
-    to_memory(now, MemRequest{r.line, index_, 0, true, r.pieces});
+    to_memory(now, MemRequest{r.line, index_, 0, true, r.sectors});
     stats_.passed_on += 1;
   }
   stats_.writes += 1;
-  stats_.bytes_written += eighth_ * static_cast<std::uint32_t>(std::popcount(r.pieces));
+  stats_.bytes_written += eighth_ * static_cast<std::uint32_t>(std::popcount(r.sectors));
   return true;
 }
 
@@ -30,13 +30,13 @@ void L2Bank::write_here(sim::Time now) {
   SectorMask overwritten = 0;
   bool hit = true;
   if (Waiters* waiters = misses_.find(r.line)) {
-    overwritten = waiters->dirty & r.pieces;
-    waiters->dirty |= r.pieces;
-  } else if (store_.find(r.line, r.pieces) != L2Store::Found::kNot) {
-    overwritten = store_.write(r.line, r.pieces);
+    overwritten = waiters->dirty & r.sectors;
+    waiters->dirty |= r.sectors;
+  } else if (store_.find(r.line, r.sectors) != L2Store::Found::kNot) {
+    overwritten = store_.write(r.line, r.sectors);
   } else {
     hit = false;
-    write_back(now, store_.put_in(r.line, r.pieces, r.pieces));
+    write_back(now, store_.put_in(r.line, r.sectors, r.sectors));
   }
   stats_.write_hits += hit;
   stats_.stored += 1;

@@ -20,7 +20,7 @@ enum class L2Writes : std::uint8_t {
 };
 constexpr std::array<std::string_view, 3> names_of(L2Writes) { return {"back", "through", "around"}; }
 
-/// The second-level cache, shared by all cores. Size and miss registers are those of all banks together.
+/// The second-level cache, shared by all cores. Size and MSHRs are those of all banks together.
 struct L2Config {
   CacheConfig cache{.size = {256 * 1024}, .line = {64}, .ways = 8, .mshrs = 32, .hit_cycles = 12};
   std::uint32_t banks = 4;

@@ -16,7 +16,7 @@ struct MemRequest {
   std::uint16_t source = 0;  ///< who asked: index of the requester's port, for the way back
   std::uint16_t tag = 0;     ///< the requester's own mark, returned unchanged
   bool write = false;
-  SectorMask pieces = kWholeLine;  ///< what is written, or what is wanted
+  SectorMask sectors = kWholeLine;  ///< what is written, or what is wanted
 };
 
 /// A line that came back. Writes are posted and have no response.

@@ -183,7 +183,7 @@ void Srp::issue_ready_hits() {
   }
 }
 
-/// An item of the present chunk asks for its lines, those it has not asked for yet. False if there is no miss register
+/// An item of the present chunk asks for its lines, those it has not asked for yet. False if there is no MSHR
 /// left.
 bool Srp::ask(sim::Time now, std::uint32_t item) {
   const std::uint32_t slot = item % 64;
@@ -208,7 +208,7 @@ bool Srp::ask(sim::Time now, std::uint32_t item) {
   return true;
 }
 
-/// All items of an ideal shader core ask at once, as far as there are miss registers. True when every line has come.
+/// All items of an ideal shader core ask at once, as far as there are MSHRs. True when every line has come.
 bool Srp::load_all(sim::Time now) {
   while (!full_ && run_.next_item < run_.loading && ask(now, run_.next_item)) run_.next_item += 1;
   if (full_ || cache_.outstanding() > 0) {

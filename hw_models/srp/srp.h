@@ -166,7 +166,7 @@ class Srp {
   std::uint64_t missing_ = 0;                 ///< slots of items that wait for lines
   std::vector<std::uint32_t> lines_missing_;  ///< per slot
   std::vector<Addr> item_lines_;
-  bool full_ = false;                       ///< frozen for want of a miss register
+  bool full_ = false;                       ///< frozen for want of an MSHR
   bool look_ = false;                       ///< something happened that may let a launch start
   bool blocked_ = false;                    ///< a launch found no ray slots
   std::uint32_t configured_ = 0xffffffffU;  ///< kernel on the array

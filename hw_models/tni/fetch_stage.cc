@@ -15,7 +15,7 @@ void FetchStage::missed(Addr line, std::uint64_t slot) {
 }
 
 void FetchStage::go_on(Addr line, std::uint64_t slots) {
-  resume(no_register_);
+  resume(no_mshr_);
   if (handling_ == MissHandling::kBlocking) {
     if (slots != 0) stalled_ = false;
     return;

@@ -45,15 +45,15 @@ struct FetchStats {
 /// its place in the input buffer.
 class FetchStage {
  public:
-  enum class Result : std::uint8_t { kRead, kMiss, kNoRegister, kTableFull };
-  enum class Wait : std::uint8_t { kNothing, kLine, kRegister, kTable };
+  enum class Result : std::uint8_t { kRead, kMiss, kNoMshr, kTableFull };
+  enum class Wait : std::uint8_t { kNothing, kLine, kMshr, kTable };
   /// A unit's reason for a cycle in which its slots wait for that; `otherwise` if for nothing.
   template <class CycleReason>
   static constexpr CycleReason reason(Wait wait, CycleReason otherwise) {
     switch (wait) {
       case Wait::kTable:
         return CycleReason::kRauFull;
-      case Wait::kRegister:
+      case Wait::kMshr:
         return CycleReason::kMshrFull;
       case Wait::kLine:
         return CycleReason::kL1Miss;
@@ -64,7 +64,7 @@ class FetchStage {
   }
 
   FetchStage(const CacheConfig& cache, const TniMode& mode, std::uint16_t port, FetchStats& stats)
-      : l1_(cache, port, mode.perfect_l1), handling_(mode.handling), rau_(mode.rau), stats_(stats) {
+      : l1_(cache, port, mode.ideal_l1), handling_(mode.handling), rau_(mode.rau), stats_(stats) {
     rows_read_.reserve(rau_.rows);
   }
   FetchStage(const FetchStage&) = delete;
@@ -86,7 +86,7 @@ class FetchStage {
   /// What slots wait for, the scarcest thing first.
   Wait waits_for() const {
     if (table_full_ != 0) return Wait::kTable;
-    if (no_register_ != 0) return Wait::kRegister;
+    if (no_mshr_ != 0) return Wait::kMshr;
     return missing_ != 0 ? Wait::kLine : Wait::kNothing;
   }
 
@@ -132,9 +132,9 @@ class FetchStage {
     late_ |= bit;
     stats_.l1_misses += 1;
     stats_.mshr_full += 1;
-    no_register_ |= bit;
+    no_mshr_ |= bit;
     stalled_ = handling_ >= MissHandling::kRau;
-    return Result::kNoRegister;
+    return Result::kNoMshr;
   }
 
   /// read() where reorders(): what is mostly so takes the least.
@@ -156,17 +156,17 @@ class FetchStage {
     served_ |= miss.slots;
     if (bypasses()) return;
     missing_ &= ~miss.slots;
-    ready_ |= miss.slots | no_register_;  // a miss register is free again: those that found none try again
+    ready_ |= miss.slots | no_mshr_;  // an MSHR is free again: those that found none try again
     if (handling_ != MissHandling::kReorder) go_on(line, miss.slots);
-    no_register_ = 0;
+    no_mshr_ = 0;
   }
 
   /// Has the host bring the tags that a probe for the line will look at.
   void look_ahead(Addr line) const { l1_.look_ahead(line); }
   bool warm(Addr line) { return l1_.warm(line); }
 
-  /// May a line be asked for ahead of need and leave a miss register to those in need?
-  bool can_prefetch() const { return l1_.free_registers() >= 2; }
+  /// May a line be asked for ahead of need and leave an MSHR to those in need?
+  bool can_prefetch() const { return l1_.free_mshrs() >= 2; }
   /// Asks for the line unless it is there or on its way.
   bool prefetch(Addr line, std::uint64_t cycle) { return l1_.prefetch(line, cycle); }
 
@@ -177,7 +177,7 @@ class FetchStage {
 
   std::uint64_t ready() const { return ready_; }
   std::uint64_t missing() const { return missing_; }
-  std::uint64_t no_register() const { return no_register_; }
+  std::uint64_t no_mshr() const { return no_mshr_; }
 
  private:
   static constexpr Addr kAnyRow = ~Addr{0};
@@ -190,7 +190,7 @@ class FetchStage {
   /// What a slot that tries again no longer waits for.
   void forget(std::uint64_t slot) {
     missing_ &= ~slot;
-    no_register_ &= ~slot;
+    no_mshr_ &= ~slot;
     resumed_ &= ~slot;
   }
   /// A slot now waits for the line: under `rau` in a row, under `blocking` where it stands.
@@ -205,15 +205,15 @@ class FetchStage {
   const MissHandling handling_;
   const RauConfig rau_;
   FetchStats& stats_;
-  std::uint64_t ready_ = 0;        ///< want to read a line
-  std::uint64_t missing_ = 0;      ///< wait for a line
-  std::uint64_t no_register_ = 0;  ///< wait for a miss register
-  std::uint64_t late_ = 0;         ///< have probed for the line they want and not found it
-  std::uint64_t served_ = 0;       ///< their line has come and is kept for them
-  std::uint64_t resumed_ = 0;      ///< stood in the fetch stage and may probe again, before all others
-  bool stalled_ = false;           ///< a slot stands in the fetch stage
-  std::uint64_t table_full_ = 0;   ///< the slot that stands there for lack of room in the table
-  Addr wanted_row_ = kAnyRow;      ///< it needs the room of this line's row, or a row
+  std::uint64_t ready_ = 0;       ///< want to read a line
+  std::uint64_t missing_ = 0;     ///< wait for a line
+  std::uint64_t no_mshr_ = 0;     ///< wait for an MSHR
+  std::uint64_t late_ = 0;        ///< have probed for the line they want and not found it
+  std::uint64_t served_ = 0;      ///< their line has come and is kept for them
+  std::uint64_t resumed_ = 0;     ///< stood in the fetch stage and may probe again, before all others
+  bool stalled_ = false;          ///< a slot stands in the fetch stage
+  std::uint64_t table_full_ = 0;  ///< the slot that stands there for lack of room in the table
+  Addr wanted_row_ = kAnyRow;     ///< it needs the room of this line's row, or a row
   std::uint32_t rows_used_ = 0;
   std::vector<std::uint64_t> rows_read_;  ///< rows whose line has come: slots that have not gone on yet
 };

@@ -24,7 +24,7 @@ Ist::Ist(const IstConfig& config, const TniMode& mode, const TrianglesInMemory& 
     : config_(config),
       clock_(clock),
       triangles_(triangles),
-      unbounded_(mode.ideal),
+      ideal_(mode.ideal),
       leaves_out_(std::move(links.leaves_out)),
       leaves_in_(std::move(links.leaves_in)),
       memory_out_(links.memory_out),
@@ -63,7 +63,7 @@ bool Ist::take_leaf(sim::Time now) {
 template <bool kReorder>
 Ist::CycleReason Ist::issue() {
   CycleReason why = issue_one<kReorder>();
-  while (unbounded_ && fetch_.able() != 0) {
+  while (ideal_ && fetch_.able() != 0) {
     if (issue_one<kReorder>() == CycleReason::kTesting) why = CycleReason::kTesting;
   }
   return why;
@@ -88,7 +88,7 @@ template <bool kReorder>
     pipe_.put(kToFetch, index, config_.l1.hit_cycles + config_.latency);
   }
   switch (result) {
-    case FetchStage::Result::kNoRegister:
+    case FetchStage::Result::kNoMshr:
       return CycleReason::kMshrFull;
     case FetchStage::Result::kTableFull:
       return CycleReason::kRauFull;
@@ -157,7 +157,7 @@ sim::Time Ist::next_wake(sim::Time now) const {
 template <bool kReorder>
 sim::Time Ist::tick_as(sim::Time now) {
   const auto as_often_as_may_be = [&](auto&& step) {
-    while (step() && unbounded_) {
+    while (step() && ideal_) {
     }
   };
   pipe_.advance(now);
@@ -183,8 +183,8 @@ template sim::Time Ist::tick_as<false>(sim::Time);
 
 std::string Ist::state() const {
   return fmt::format("leaves {}: ready {}, missing {}, no mshr {}, answering {}", std::popcount(occupied_),
-                     std::popcount(fetch_.ready()), std::popcount(fetch_.missing()),
-                     std::popcount(fetch_.no_register()), std::popcount(answering_));
+                     std::popcount(fetch_.ready()), std::popcount(fetch_.missing()), std::popcount(fetch_.no_mshr()),
+                     std::popcount(answering_));
 }
 
 }  // namespace hw

@@ -101,7 +101,7 @@ class Ist {
   const IstConfig config_;
   const sim::Clock clock_;
   const TrianglesInMemory triangles_;
-  const bool unbounded_;             ///< any number of operations a cycle
+  const bool ideal_;                 ///< any number of operations a cycle
   sim::Time line_at_ = sim::kNever;  ///< when the next line may be taken
   const std::vector<sim::Link<LeafDone>*> leaves_out_;
   const sim::Inputs<LeafJob> leaves_in_;

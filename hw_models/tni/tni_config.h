@@ -148,8 +148,8 @@ struct IstConfig {
 struct TniMode {
   MissHandling handling = MissHandling::kReorder;
   RauConfig rau;
-  bool ideal = false;       ///< any number of operations of each kind a cycle (ideal.tni)
-  bool perfect_l1 = false;  ///< every probe hits (ideal.l1)
+  bool ideal = false;     ///< any number of operations of each kind a cycle (ideal.tni)
+  bool ideal_l1 = false;  ///< every probe hits (ideal.l1)
 };
 
 /// A traversal & intersection unit: one ray dispatcher, several traversal units, one intersection unit.

@@ -30,9 +30,9 @@ Trv::Trv(const TrvConfig& config, const TniMode& mode, const TreeInMemory& tree,
       stack_room_(config.stack == StackScheme::kFull ? ~std::uint32_t{0} : config.stack_entries),
       levels_(!tree.placed.empty()),
       plain_(tree.one_line() && !tree.hybrid && config.box_testers == 2),
-      unbounded_(mode.ideal),
+      ideal_(mode.ideal),
       one_pipe_(config.box_testers == 1 && !mode.ideal),
-      common_(plain_ && !levels_ && !unbounded_ && mode.handling == MissHandling::kReorder && !mode.perfect_l1 &&
+      common_(plain_ && !levels_ && !ideal_ && mode.handling == MissHandling::kReorder && !mode.ideal_l1 &&
               config.prefetch == Prefetch::kNone && config.stack_entries != 0),
       links_(links),
       free_(all(config.rays)),
@@ -185,7 +185,7 @@ Trv::CycleReason Trv::missed(FetchStage::Result result, std::uint32_t index) {
     pipes_.put(kToInner, index, visit_latency_);
   }
   switch (result) {
-    case FetchStage::Result::kNoRegister:
+    case FetchStage::Result::kNoMshr:
       return CycleReason::kMshrFull;
     case FetchStage::Result::kTableFull:
       return CycleReason::kRauFull;
@@ -287,7 +287,7 @@ void Trv::send_leaf(sim::Time now, std::uint32_t index) {
                                       static_cast<std::uint8_t>(index)});
   slot.go(slot.next + 2);
   at_ist_ |= bit(index);
-  if (!unbounded_) leaf_free_at_ = clock_.after(now, std::max(count, 1U));
+  if (!ideal_) leaf_free_at_ = clock_.after(now, std::max(count, 1U));
   stats_.leaves += 1;
 }
 
@@ -351,7 +351,7 @@ sim::Time Trv::next_wake(sim::Time next) const {
 template <bool kCommon>
 sim::Time Trv::tick_as(sim::Time now) {
   const auto as_often_as_may_be = [&](auto&& step) {
-    while (step() && !kCommon && unbounded_) {
+    while (step() && !kCommon && ideal_) {
     }
   };
   pipes_.advance(now);
@@ -367,7 +367,7 @@ sim::Time Trv::tick_as(sim::Time now) {
     const std::uint64_t able = kCommon ? fetch_.ready() : fetch_.able();
     tried = able != 0;
     if (tried) why = issue_visit<kCommon>(next_of(able));
-    while (!kCommon && unbounded_ && fetch_.able() != 0) {
+    while (!kCommon && ideal_ && fetch_.able() != 0) {
       if (issue_visit<kCommon>(next_of(fetch_.able())) == CycleReason::kVisiting) why = CycleReason::kVisiting;
     }
     if (popping_ != 0) as_often_as_may_be([&] { return issue_pop(); });
@@ -399,7 +399,7 @@ std::string Trv::state() const {
   return fmt::format("rays {}: ready {}, stack {}, leaf {}, retiring {}, missing {}, no mshr {}, at ist {}",
                      std::popcount(occupied_), std::popcount(fetch_.ready()), std::popcount(popping_),
                      std::popcount(leaving_), std::popcount(retiring_), std::popcount(fetch_.missing()),
-                     std::popcount(fetch_.no_register()), std::popcount(at_ist_));
+                     std::popcount(fetch_.no_mshr()), std::popcount(at_ist_));
 }
 
 }  // namespace hw

@@ -41,7 +41,7 @@ class Trv {
     kStarved,     ///< no ray inside
     kVisiting,    ///< a node, one line of several, or a ray on its way into an instance went into the box pipe
     kL1Miss,      ///< rays wait for node lines, or this cycle's probe missed
-    kMshrFull,    ///< rays wait for a free miss register
+    kMshrFull,    ///< rays wait for a free MSHR
     kIst,         ///< rays wait for the intersection unit
     kPipe,        ///< rays are all inside the pipelines: too few of them to fill the latency
     kOutputFull,  ///< finished rays cannot leave
@@ -190,7 +190,7 @@ class Trv {
   const std::uint32_t stack_room_;  ///< entries that a ray's stack keeps
   const bool levels_;               ///< there are instances
   const bool plain_;                ///< a visit is one pass that reads one line and tests two boxes in floating point
-  const bool unbounded_;            ///< any number of operations a cycle
+  const bool ideal_;                ///< any number of operations a cycle
   const bool one_pipe_;             ///< passes, pops and leaves share a pipe
   const bool common_;  ///< plain, one operation a cycle in each of three pipes, misses reordered, no prefetches
   bool full_ = false;  ///< since a tick at `full_since_` there is a ray in every slot

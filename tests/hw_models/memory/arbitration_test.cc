@@ -94,12 +94,12 @@ TEST(Arbiter, RandomTrafficDoesNotDependOnHowTheEngineVisitsIt) {
 }
 
 TEST(CorePort, PiecesHoldTheWayUpForTheirLength) {
-  for (const SectorMask pieces : {SectorMask{0x01}, SectorMask{0x0f}, kWholeLine}) {
+  for (const SectorMask sectors : {SectorMask{0x01}, SectorMask{0x0f}, kWholeLine}) {
     PortBench b(1, 1, 64, 1, 8);
-    for (Addr i = 0; i < 20; ++i) b.client(0).send(64 * i, 0, true, pieces);
+    for (Addr i = 0; i < 20; ++i) b.client(0).send(64 * i, 0, true, sectors);
     b.client(0).send(0);
     b.bench.run();
-    const auto cycles = static_cast<std::uint64_t>(std::popcount(pieces));
+    const auto cycles = static_cast<std::uint64_t>(std::popcount(sectors));
     EXPECT_EQ(b.client(0).script[20].answered, 1 + 20 * cycles + 1 + 1 + 1);
   }
 }

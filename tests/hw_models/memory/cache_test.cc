@@ -131,7 +131,7 @@ TEST(CacheTags, ForgetNothingWhenTheirClockStartsAfresh) {
     ASSERT_EQ(late.probe(line), here) << "probe " << n;
     if (here) continue;
     const CacheTags::Filled a = fresh.fill(line), b = late.fill(line);
-    ASSERT_EQ(a.place, b.place);
+    ASSERT_EQ(a.slot, b.slot);
     ASSERT_EQ(a.evicted, b.evicted);
   }
 }

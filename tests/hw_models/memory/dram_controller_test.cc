@@ -222,11 +222,11 @@ TEST(Ranks, LieAboveTheirBanksInTheAddress) {
   });
   const DramMap map(c);
   const Addr pages = c.organisation.page.bytes;
-  EXPECT_EQ(map.place(7 * pages).bank, 7U);
-  EXPECT_EQ(map.place(8 * pages).bank, 8U);
-  EXPECT_EQ(map.place(16 * pages).row, 1U);
-  EXPECT_EQ(map.place(16 * pages).bank, 1U) << "row 1 changes the bank";
-  EXPECT_EQ(map.place((8 * 16 + 8) * pages).bank, 8U) << "row 8 does not change the rank";
+  EXPECT_EQ(map.address(7 * pages).bank, 7U);
+  EXPECT_EQ(map.address(8 * pages).bank, 8U);
+  EXPECT_EQ(map.address(16 * pages).row, 1U);
+  EXPECT_EQ(map.address(16 * pages).bank, 1U) << "row 1 changes the bank";
+  EXPECT_EQ(map.address((8 * 16 + 8) * pages).bank, 8U) << "row 8 does not change the rank";
 }
 
 TEST(IdealChannel, AnswersAnyNumberACycleLater) {

@@ -143,7 +143,7 @@ TEST(DramMap, EveryLineOfAChannelHasItsOwnPlace) {
       std::vector<std::uint32_t> lines(c.channels);
       const Addr size = c.organisation.page.bytes * c.organisation.banks * c.organisation.rows * c.channels;
       for (Addr line = 0; line < size; line += 64) {
-        const DramPlace p = map.place(line);
+        const DramAddress p = map.address(line);
         const std::uint32_t channel = c.interleave().owner(line);
         lines[channel] += 1;
         rows.emplace(channel, p.bank, p.row);
@@ -160,13 +160,13 @@ TEST(DramMap, AStreamGoesWhereTheMappingSays) {
   c.controller.bank_xor = false;
   DramMap map(c);
   const Addr stripe = 4 * 2048;  // a row of every channel
-  EXPECT_EQ(map.place(stripe - 64).bank, 0U);
-  EXPECT_EQ(map.place(stripe).bank, 1U);
-  EXPECT_EQ(map.place(8 * stripe).row, 1U);
+  EXPECT_EQ(map.address(stripe - 64).bank, 0U);
+  EXPECT_EQ(map.address(stripe).bank, 1U);
+  EXPECT_EQ(map.address(8 * stripe).row, 1U);
   c.controller.mapping = DramMapping::kRowColumnBankChannel;
   map = DramMap(c);
-  EXPECT_EQ(map.place(0).bank, 0U);
-  EXPECT_EQ(map.place(256).bank, 1U);
+  EXPECT_EQ(map.address(0).bank, 0U);
+  EXPECT_EQ(map.address(256).bank, 1U);
 }
 
 }  // namespace

@@ -34,9 +34,9 @@ class Requester {
   Requester(sim::Clock clock, sim::Link<MemRequest>& out, sim::Link<MemResponse>& in)
       : clock_(clock), out_(out), in_(in) {}
 
-  void send(Addr line, std::uint64_t not_before = 0, bool write = false, SectorMask pieces = kWholeLine) {
+  void send(Addr line, std::uint64_t not_before = 0, bool write = false, SectorMask sectors = kWholeLine) {
     const auto tag = static_cast<std::uint16_t>(script.size());
-    script.push_back({{line, source, tag, write, pieces}, not_before, 0});
+    script.push_back({{line, source, tag, write, sectors}, not_before, 0});
   }
 
   sim::Time tick(sim::Time now) {
@@ -94,7 +94,7 @@ class Echo {
     if (in_.can_pop(now) && out_.can_push(now)) {
       const MemRequest r = in_.pop(now);
       if (!r.write) out_.push(now, {r.line, r.source, r.tag});
-      if (r.write) written += 8 * static_cast<std::uint32_t>(std::popcount(r.pieces));
+      if (r.write) written += 8 * static_cast<std::uint32_t>(std::popcount(r.sectors));
       requests += 1;
     }
     return sim::opens(now, clock_.period(), in_.pop_at(), out_.push_at());

@@ -41,8 +41,8 @@ TEST(L2Bank, FullMissRegistersHoldUpTheHeadAndAllBehindIt) {
   for (Addr i = 0; i < 5; ++i) b.core(0).send(64 * i, 200);
   b.core(0).send(6400, 200);
   b.bench.run();
-  EXPECT_EQ(b.core(0).script[4].answered - 200, kMiss + 3) << "the fourth miss register";
-  const std::uint64_t fill = kMiss - 2;  // a reply and a wire before the first answer: a miss register is free again
+  EXPECT_EQ(b.core(0).script[4].answered - 200, kMiss + 3) << "the fourth MSHR";
+  const std::uint64_t fill = kMiss - 2;  // a reply and a wire before the first answer: an MSHR is free again
   EXPECT_EQ(b.core(0).script[5].answered - 200, fill + kMiss - 1) << "from there as any miss, but for the first wire";
   EXPECT_GT(b.core(0).script[6].latency(), kHit + 40) << "a hit, but behind it";
   EXPECT_GT(b.why(L2Bank::CycleReason::kMshrFull), 40U);

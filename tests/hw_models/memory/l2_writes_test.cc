@@ -4,7 +4,7 @@
 
 #include "tests/hw_models/memory/bank_bench.h"
 
-// Lines are 64 bytes in eight pieces. The bench asks for a flush at the end, so that nothing dirty is left.
+// Lines are 64 bytes in eight sectors. The bench asks for a flush at the end, so that nothing dirty is left.
 
 namespace hw::test {
 namespace {
@@ -135,8 +135,8 @@ TEST(L2Writes, WhatIsWrittenReachesMemoryOnceOrIsOverwrittenHoweverTheEngineVisi
       b.core(1).pop_every = seed == 3 ? 20 : 1;
       for (std::uint64_t i = 0; i < 1200; ++i) {
         const bool write = sim::hash(i, seed, 1) % 2 == 0;
-        const auto pieces = static_cast<SectorMask>(sim::hash(i, seed, 2) % 255 + 1);
-        b.core(i % 3).send(sim::hash(i, seed) % 100 * 64, i / 400 * 20000 + i % 400 * (seed % 4), write, pieces);
+        const auto sectors = static_cast<SectorMask>(sim::hash(i, seed, 2) % 255 + 1);
+        b.core(i % 3).send(sim::hash(i, seed) % 100 * 64, i / 400 * 20000 + i % 400 * (seed % 4), write, sectors);
       }
       const sim::Time end = b.bench.run(mode);
       const std::string all = b.bench.everything(end);

@@ -54,7 +54,7 @@ TEST(Replacement, OfAllKindsTakesEmptyWaysFirst) {
     for (Addr n = 0; n < 8; ++n) EXPECT_TRUE(tags.probe(64 * n));
     tags.remove(tags.look_up(64 * 5));
     EXPECT_FALSE(tags.probe(64 * 5));
-    EXPECT_FALSE(tags.fill(64 * 9).evicts) << "the place of what was removed";
+    EXPECT_FALSE(tags.fill(64 * 9).evicts) << "the way of what was removed";
   }
 }
 
@@ -95,7 +95,7 @@ TEST(Replacement, PlruEqualsTheDrawnTree) {
     Tree tree(ways);
     std::vector<Addr> lines(ways);
     for (std::uint32_t way = 0; way < ways; ++way) {
-      lines[way] = tags.fill(64 * way).place == way ? 64 * way : 1;
+      lines[way] = tags.fill(64 * way).slot == way ? 64 * way : 1;
       tree.touch(way);
     }
     for (std::uint64_t i = 0; i < 5000; ++i) {
@@ -118,7 +118,7 @@ TEST(Replacement, RandomSpreadsOverAllWays) {
   CacheTags tags(cache(Replacement::kRandom, kWays));
   for (Addr n = 0; n < kWays; ++n) tags.fill(64 * n);
   std::array<std::uint32_t, kWays> count{};
-  for (Addr n = 0; n < kFills; ++n) count[tags.fill(64 * (kWays + n)).place] += 1;
+  for (Addr n = 0; n < kFills; ++n) count[tags.fill(64 * (kWays + n)).slot] += 1;
   for (const std::uint32_t c : count) EXPECT_NEAR(c, kFills / kWays, 150) << "five deviations of a fair draw";
 }
 
@@ -126,7 +126,7 @@ TEST(Replacement, RandomDependsOnFillsAlone) {
   CacheTags looked(cache(Replacement::kRandom, 4)), quiet(cache(Replacement::kRandom, 4));
   for (Addr n = 0; n < 200; ++n) {
     for (Addr i = 0; i < n % 3; ++i) looked.probe(64 * i);
-    ASSERT_EQ(looked.fill(64 * n).place, quiet.fill(64 * n).place);
+    ASSERT_EQ(looked.fill(64 * n).slot, quiet.fill(64 * n).slot);
   }
 }
 

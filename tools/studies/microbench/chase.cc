@@ -15,11 +15,11 @@ constexpr double kFemtosecondsPerNs = 1e6;
 /// The first line behind line 0 of its channel and bank, of the same row or not.
 std::optional<hw::Addr> find_line(const hw::DramConfig& dram, bool same_row) {
   const hw::DramMap map(dram);
-  const hw::DramPlace first = map.place(0);
+  const hw::DramAddress first = map.address(0);
   const hw::Addr end =
       4 * dram.channels * dram.organisation.page.bytes * dram.organisation.all_banks() * dram.organisation.all_banks();
   for (hw::Addr line = dram.line.bytes; line < end; line += dram.line.bytes) {
-    const hw::DramPlace address = map.place(line);
+    const hw::DramAddress address = map.address(line);
     if (dram.interleave().owner(line) == 0 && address.bank == first.bank && (address.row == first.row) == same_row)
       return line;
   }

@@ -147,8 +147,8 @@ std::string stream_text(const Result& r) {
   return all + "\n" + table.text();
 }
 
-Figure::Holds same(hw::DramFigure::Holds holds) {
-  using Holds = hw::DramFigure::Holds;
+Figure::Holds same(hw::DramMeasurement::Holds holds) {
+  using Holds = hw::DramMeasurement::Holds;
   switch (holds) {
     case Holds::kExactly:
       return Figure::Holds::kExactly;
@@ -164,7 +164,7 @@ Figure::Holds same(hw::DramFigure::Holds holds) {
 
 Findings figures_of(const hw::DramConfig& config) {
   Findings findings{config.grade + ", a channel", {}};
-  for (const hw::DramFigure& f : hw::dram_figures(config)) {
+  for (const hw::DramMeasurement& f : hw::dram_measurements(config)) {
     findings.figures.push_back({f.name, f.unit, f.measured, f.expected, same(f.holds)});
   }
   return findings;

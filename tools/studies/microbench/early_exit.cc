@@ -31,7 +31,7 @@ class IstStand {
         requests_(1, 1, clock_),
         lines_(1, 1, clock_),
         source_(*this, leaf, leaves),
-        ist_(config.gpu.tni.ist, {.rau = {}, .perfect_l1 = true}, {0, config.bvh.triangle_bytes},
+        ist_(config.gpu.tni.ist, {.rau = {}, .ideal_l1 = true}, {0, config.bvh.triangle_bytes},
              {{&jobs_}, {&answers_}, requests_, lines_}, 0, clock_) {
     wakes_.reset(2);
     jobs_.wakes(wakes_.of(0), wakes_.of(1));

@@ -1,6 +1,7 @@
+#include "hw_models/memory/dram_measurements.h"
+
 #include <gtest/gtest.h>
 
-#include "hw_models/memory/dram_measurements.h"
 #include "sim/config/config.h"
 
 namespace hw::test {
@@ -17,7 +18,7 @@ INSTANTIATE_TEST_SUITE_P(Grades, DramMeasurements,
 
 TEST_P(DramMeasurements, AllHoldToTheirClosedForms) {
   const auto grade = sim::load_config<DramConfig>(std::string("configs/dram/") + GetParam() + ".yaml");
-  for (const DramFigure& f : dram_figures(grade)) {
+  for (const DramMeasurement& f : dram_measurements(grade)) {
     EXPECT_TRUE(f.good()) << f.name << ": " << f.measured << " " << f.unit << ", expected " << f.expected;
   }
 }
