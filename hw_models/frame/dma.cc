@@ -6,10 +6,6 @@
 
 namespace hw {
 
-namespace {
-constexpr Addr kLine = 64;
-}
-
 sim::Time Dma::tick(sim::Time now) {
   if (links_.memory_in.can_pop(now)) {
     links_.memory_in.pop(now);
@@ -18,8 +14,8 @@ sim::Time Dma::tick(sim::Time now) {
   if (!active_ && links_.jobs_in.can_pop(now)) {
     job_ = links_.jobs_in.pop(now);
     active_ = true;
-    next_line_ = job_.base / kLine * kLine;
-    lines_left_ = static_cast<std::uint32_t>((job_.base + job_.bytes + kLine - 1 - next_line_) / kLine);
+    next_line_ = line_of(job_.base);
+    lines_left_ = static_cast<std::uint32_t>((whole_lines(job_.base + job_.bytes) - next_line_) / kLineBytes);
     replies_left_ = job_.write ? 0 : lines_left_;
   }
   const bool moved = active_ && move_line(now);
@@ -36,7 +32,7 @@ sim::Time Dma::tick(sim::Time now) {
 bool Dma::move_line(sim::Time now) {
   if (lines_left_ == 0 || !links_.memory_out.can_push(now)) return false;
   links_.memory_out.push(now, MemRequest{next_line_, port_, 0, job_.write});
-  next_line_ += kLine;
+  next_line_ += kLineBytes;
   lines_left_ -= 1;
   Stats::Lines& lines = stats_.lines[static_cast<std::size_t>(job_.area)];
   (job_.write ? stats_.lines_written : stats_.lines_read) += 1;

@@ -70,17 +70,15 @@ class RecordStream {
   std::uint64_t inside() const { return accepted_ - delivered_; }
 
  private:
-  static constexpr Addr kLine = 64;
-  static constexpr Addr kSector = kLine / 8;
   /// What one request reads, up to this byte of the stream.
   struct Chunk {
     Addr end = 0;
     bool come = false;
   };
 
-  static Addr end_of_line(Addr byte) { return (byte / kLine + 1) * kLine; }
+  static Addr end_of_line(Addr byte) { return line_of(byte) + kLineBytes; }
   /// Requests that begin within the records that may be asked for, each up to a record's or a line's end.
-  static std::size_t most_chunks(const Shape& s) { return s.depth * (std::size_t{s.record_bytes} / kLine + 2); }
+  static std::size_t most_chunks(const Shape& s) { return s.depth * (std::size_t{s.record_bytes} / kLineBytes + 2); }
 
   bool has_room() const { return accepted_ - delivered_ < shape_.ring; }
   bool has_record() const { return come_ >= (delivered_ + 1) * shape_.record_bytes; }
@@ -112,9 +110,9 @@ class RecordStream {
     if ((!read && !may_write()) || !links_.memory_out.can_push(now)) return false;
     Addr& at = read ? asked_ : written_;
     const Addr end = std::min(end_of_line(at), read ? written_ : accepted_ * shape_.record_bytes);
-    const auto first = static_cast<std::uint32_t>(at % kLine / kSector);
-    const auto past = static_cast<std::uint32_t>((end - 1) % kLine / kSector + 1);
-    MemRequest request{shape_.base + at / kLine * kLine % bytes_of(shape_), shape_.port, 0, !read,
+    const auto first = static_cast<std::uint32_t>(at % kLineBytes / kSectorBytes);
+    const auto past = static_cast<std::uint32_t>((end - 1) % kLineBytes / kSectorBytes + 1);
+    MemRequest request{shape_.base + line_of(at) % bytes_of(shape_), shape_.port, 0, !read,
                        static_cast<SectorMask>((1U << past) - (1U << first))};
     if (read) {
       request.tag = static_cast<std::uint16_t>(last_ % chunks_.size());

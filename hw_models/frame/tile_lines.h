@@ -42,7 +42,7 @@ void for_each_line(const traces::TileWork& work, const traces::Layout& layout, N
       } else if (kind == traces::StepKind::kLeaf) {
         const std::uint32_t first = traces::first_of(*step), count = traces::count_of(*step);
         const Addr end = layout.triangle_at(first) + Addr{count} * layout.triangle_bytes;
-        for (Addr line = layout.triangle_at(first) & ~Addr{63}; line < end; line += 64) triangle(line);
+        for (Addr line = line_of(layout.triangle_at(first)); line < end; line += kLineBytes) triangle(line);
         ++step;
       } else if (kind == traces::StepKind::kEnd) {
         break;

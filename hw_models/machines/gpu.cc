@@ -13,8 +13,6 @@ namespace {
 
 constexpr std::uint32_t kIdealDepth = 256;  // of the links of an ideal interconnect: more than is under way at once
 
-constexpr Addr whole_lines(Addr bytes) { return (bytes + 63) & ~Addr{63}; }
-
 /// Bytes set aside for a core's largest spill: a chunk's rays and hits, two batches of them.
 Addr spill_bytes(const GpuConfig& config) { return Addr{4} * config.srp.chunk * config.tile_buffer.slot_bytes; }
 

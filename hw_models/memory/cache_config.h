@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "hw_models/memory/messages.h"
 #include "sim/config/field.h"
 #include "sim/named.h"
 
@@ -21,7 +22,7 @@ constexpr std::array<std::string_view, 3> names_of(Replacement) { return {"lru",
 /// The shape of a cache: size = sets x ways x line.
 struct CacheConfig {
   sim::ByteSize size{16 * 1024};
-  sim::ByteSize line{64};
+  sim::ByteSize line{kLineBytes};
   std::uint32_t ways = 4;
   std::uint32_t mshrs = 8;
   std::uint32_t hit_cycles = 2;

@@ -199,7 +199,7 @@ struct DramEnergy {
 struct DramConfig {
   std::string grade = "LPDDR4-3200";
   std::uint32_t channels = 4;
-  sim::ByteSize line{64};
+  sim::ByteSize line{kLineBytes};
   sim::Duration fabric{50'000'000};
   DramOrganisation organisation;
   DramTiming timing;

@@ -11,7 +11,7 @@
 namespace hw {
 
 /// A read-only first-level cache of one unit: tags, MSHRs that merge, and requests waiting for the
-/// way to memory. Who waits for a line is a bit mask of the unit's slots. A ideal one holds every line.
+/// way to memory. Who waits for a line is a bit mask of the unit's slots. An ideal one holds every line.
 class L1Cache {
  public:
   enum class Result : std::uint8_t {
@@ -43,9 +43,8 @@ class L1Cache {
     return Result::kMiss;
   }
 
-  /// access() to a line that is here, of a cache that is not ideal. False, and nothing done, if it is not here.
+  /// access() to a line of a cache that is not ideal. False, and nothing done, if it is not here.
   bool hit(Addr line) { return tags_.probe(line); }
-  bool ideal() const { return ideal_; }
 
   /// Asks for a line that nobody needs yet, if it is neither here nor on its way. Needs a free MSHR.
   bool prefetch(Addr line, std::uint64_t cycle) {

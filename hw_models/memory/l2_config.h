@@ -22,7 +22,7 @@ constexpr std::array<std::string_view, 3> names_of(L2Writes) { return {"back", "
 
 /// The second-level cache, shared by all cores. Size and MSHRs are those of all banks together.
 struct L2Config {
-  CacheConfig cache{.size = {256 * 1024}, .line = {64}, .ways = 8, .mshrs = 32, .hit_cycles = 12};
+  CacheConfig cache{.size = {256 * 1024}, .ways = 8, .mshrs = 32, .hit_cycles = 12};
   std::uint32_t banks = 4;
   std::uint32_t lookup_cycles = 4;
   std::uint32_t targets = 16;

@@ -6,9 +6,18 @@ namespace hw {
 /// A byte address in the GPU's memory image.
 using Addr = std::uint64_t;
 
-/// Which eighths of a line: a bit each, the lowest for its first bytes.
+/// Bytes of a line: what caches keep, what a request asks for, and what the memory image is laid out in. GpuConfig
+/// holds every cache to it.
+inline constexpr Addr kLineBytes = 64;
+/// The line that holds the byte, by the address of its first.
+constexpr Addr line_of(Addr byte) { return byte & ~(kLineBytes - 1); }
+/// Bytes, rounded up to whole lines.
+constexpr Addr whole_lines(Addr bytes) { return line_of(bytes + kLineBytes - 1); }
+
+/// Sectors, the eighths of a line: a bit each, the lowest for its first bytes.
 using SectorMask = std::uint8_t;
 inline constexpr SectorMask kWholeLine = 0xff;
+inline constexpr Addr kSectorBytes = kLineBytes / 8;
 
 /// A request for one cache line (or part of one) on its way to memory.
 struct MemRequest {

@@ -13,7 +13,7 @@ struct LineSet {
   std::uint32_t count = 0;
 
   void add(Addr address) {
-    const Addr wanted = address & ~Addr{63};
+    const Addr wanted = line_of(address);
     for (std::uint32_t i = 0; i < count; ++i) {
       if (line[i] == wanted) return;
     }

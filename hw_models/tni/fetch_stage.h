@@ -81,8 +81,6 @@ class FetchStage {
   /// Does a slot stand in the fetch stage, or go on from where it stood, before all others?
   bool stands() const { return handling_ >= MissHandling::kRau && (stalled_ || (ready_ & (served_ | resumed_)) != 0); }
   bool bypasses() const { return handling_ == MissHandling::kBypass; }
-  /// Misses are reordered, and there are some.
-  bool reorders() const { return handling_ == MissHandling::kReorder && !l1_.ideal(); }
   /// What slots wait for, the scarcest thing first.
   Wait waits_for() const {
     if (table_full_ != 0) return Wait::kTable;
@@ -137,7 +135,7 @@ class FetchStage {
     return Result::kNoMshr;
   }
 
-  /// read() where reorders(): what is mostly so takes the least.
+  /// read() where misses are reordered, of a cache that is not ideal: the common case takes the least.
   Result read_reordered(std::uint32_t slot, Addr line, std::uint64_t cycle) {
     const std::uint64_t bit = std::uint64_t{1} << slot;
     if (((served_ | late_) & bit) != 0 || !l1_.hit(line)) [[unlikely]]

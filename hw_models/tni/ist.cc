@@ -15,7 +15,6 @@ using traces::ExitPhase;
 namespace {
 
 constexpr std::uint64_t bit(std::uint32_t slot) { return std::uint64_t{1} << slot; }
-constexpr Addr line_of(Addr a) { return a & ~Addr{63}; }
 
 }  // namespace
 
@@ -60,25 +59,22 @@ bool Ist::take_leaf(sim::Time now) {
   return true;
 }
 
-template <bool kReorder>
 Ist::CycleReason Ist::issue() {
-  CycleReason why = issue_one<kReorder>();
+  CycleReason why = issue_one();
   while (ideal_ && fetch_.able() != 0) {
-    if (issue_one<kReorder>() == CycleReason::kTesting) why = CycleReason::kTesting;
+    if (issue_one() == CycleReason::kTesting) why = CycleReason::kTesting;
   }
   return why;
 }
 
-template <bool kReorder>
-[[gnu::always_inline]] inline Ist::CycleReason Ist::issue_one() {
-  const std::uint32_t index = round_robin(kReorder ? fetch_.ready() : fetch_.able(), turn_);
+Ist::CycleReason Ist::issue_one() {
+  const std::uint32_t index = round_robin(fetch_.able(), turn_);
   turn_ = (index + 1) % 64;
   Slot& slot = slots_[index];
   const Addr begin = triangles_.base + Addr{slot.job.first + slot.tested} * triangles_.bytes;
   const Addr last_line = line_of(begin + triangles_.bytes - 1);
   const Addr line = slot.second_line ? last_line : line_of(begin);
-  const FetchStage::Result result =
-      kReorder ? fetch_.read_reordered(index, line, pipe_.cycle()) : fetch_.read(index, line, pipe_.cycle());
+  const FetchStage::Result result = fetch_.read(index, line, pipe_.cycle());
   if (result == FetchStage::Result::kRead) {
     read(slot, index, line == last_line);
     return CycleReason::kTesting;
@@ -154,8 +150,7 @@ sim::Time Ist::next_wake(sim::Time now) const {
   return std::min(at, fetch_.send_at(next, memory_out_));
 }
 
-template <bool kReorder>
-sim::Time Ist::tick_as(sim::Time now) {
+sim::Time Ist::tick(sim::Time now) {
   const auto as_often_as_may_be = [&](auto&& step) {
     while (step() && ideal_) {
     }
@@ -168,8 +163,8 @@ sim::Time Ist::tick_as(sim::Time now) {
   }
   if (line_at_ <= now) as_often_as_may_be([&] { return fill(now); });
   as_often_as_may_be([&] { return take_leaf(now); });
-  const bool tried = (kReorder ? fetch_.ready() : fetch_.able()) != 0;
-  const CycleReason tested = tried ? issue<kReorder>() : CycleReason::kStarved;
+  const bool tried = fetch_.able() != 0;
+  const CycleReason tested = tried ? issue() : CycleReason::kStarved;
   if (answering_ != 0) as_often_as_may_be([&] { return answer(now); });
   fetch_.send(now, memory_out_);
   const sim::Time wake = next_wake(now);
@@ -177,9 +172,6 @@ sim::Time Ist::tick_as(sim::Time now) {
   activity_.spend(now, clock_.period(), tried ? tested : then, then);
   return wake;
 }
-
-template sim::Time Ist::tick_as<true>(sim::Time);
-template sim::Time Ist::tick_as<false>(sim::Time);
 
 std::string Ist::state() const {
   return fmt::format("leaves {}: ready {}, missing {}, no mshr {}, answering {}", std::popcount(occupied_),

@@ -64,7 +64,7 @@ class Ist {
   Ist(const Ist&) = delete;
   Ist& operator=(const Ist&) = delete;
 
-  sim::Time tick(sim::Time now) { return fetch_.reorders() ? tick_as<true>(now) : tick_as<false>(now); }
+  sim::Time tick(sim::Time now);
   const sim::Clock& clock() const { return clock_; }
   const Stats& stats() const { return stats_; }
   const sim::Activity<CycleReason>& activity() const { return activity_; }
@@ -84,14 +84,9 @@ class Ist {
 
   enum Pipe : std::size_t { kToAnswer, kToFetch, kPipes };
 
-  /// `kReorder`: misses are reordered, and what other ways to handle them need costs nothing.
-  template <bool kReorder>
-  sim::Time tick_as(sim::Time now);
   bool fill(sim::Time now);
   bool take_leaf(sim::Time now);
-  template <bool kReorder>
   CycleReason issue();
-  template <bool kReorder>
   CycleReason issue_one();
   void read(Slot& slot, std::uint32_t index, bool last_line);
   bool answer(sim::Time now);

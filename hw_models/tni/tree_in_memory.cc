@@ -10,7 +10,7 @@ TreeInMemory::Line TreeInMemory::line_of_visit(std::uint32_t node, std::uint32_t
   std::array<Addr, 4> lines{};
   std::uint32_t count = 0;
   const auto add = [&](Addr byte) {
-    const Addr line = byte & ~Addr{63};
+    const Addr line = hw::line_of(byte);
     if (std::find(lines.begin(), lines.begin() + count, line) == lines.begin() + count) lines[count++] = line;
   };
   const auto add_record = [&](std::uint32_t record) {

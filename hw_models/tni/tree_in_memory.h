@@ -25,9 +25,9 @@ struct TreeInMemory {
   std::span<const traces::InstanceRecord> placed{};
 
   /// Does a visit read one line, whatever the node?
-  bool one_line() const { return single_boxes.empty() && 64 % node_bytes == 0 && nodes % node_bytes == 0; }
+  bool one_line() const { return single_boxes.empty() && kLineBytes % node_bytes == 0 && nodes % node_bytes == 0; }
   Addr line_of_instance(std::uint32_t i) const { return instances + Addr{i} * sizeof(traces::InstanceRecord); }
-  Addr line_of(std::uint32_t record) const { return (nodes + Addr{record} * node_bytes) & ~Addr{63}; }
+  Addr line_of(std::uint32_t record) const { return hw::line_of(nodes + Addr{record} * node_bytes); }
 
   /// A line that a visit reads.
   struct Line {

@@ -28,12 +28,14 @@ Trv::Trv(const TrvConfig& config, const TniMode& mode, const TreeInMemory& tree,
       clock_(clock),
       visit_latency_(config.l1.hit_cycles + config.box_latency),
       stack_room_(config.stack == StackScheme::kFull ? ~std::uint32_t{0} : config.stack_entries),
-      levels_(!tree.placed.empty()),
-      plain_(tree.one_line() && !tree.hybrid && config.box_testers == 2),
-      ideal_(mode.ideal),
-      one_pipe_(config.box_testers == 1 && !mode.ideal),
-      common_(plain_ && !levels_ && !ideal_ && mode.handling == MissHandling::kReorder && !mode.ideal_l1 &&
-              config.prefetch == Prefetch::kNone && config.stack_entries != 0),
+      features_{.instances = !tree.placed.empty(),
+                .plain = tree.one_line() && !tree.hybrid && config.box_testers == 2,
+                .one_pipe = config.box_testers == 1 && !mode.ideal,
+                .ideal = mode.ideal,
+                .prefetches = config.prefetch == Prefetch::kSibling,
+                .reorders = mode.handling == MissHandling::kReorder && !mode.ideal_l1,
+                .stack = stack_room_ != 0},
+      is_default_(features_ == kDefaultTrvFeatures),
       links_(links),
       free_(all(config.rays)),
       fetch_(config.l1, mode, port, stats_),
@@ -78,13 +80,14 @@ void Trv::finish(sim::Time end) {
   stats_.full = clock_.cycles(full_time_);
 }
 
-template <bool kCommon>
+template <bool kDefault>
 [[gnu::always_inline]] inline void Trv::release(const TimingWheel<kPipes>::Masks& out) {
   fetch_.enter(out[kToInner]);
   popping_ |= out[kToStack];
   leaving_ |= out[kToLeaf];
   retiring_ |= out[kToRetire];
-  if (!kCommon && both_children_hit_ != 0) note_far_nodes(both_children_hit_ & (out[kToInner] | out[kToLeaf]));
+  if (features<kDefault>().prefetches && both_children_hit_ != 0)
+    note_far_nodes(both_children_hit_ & (out[kToInner] | out[kToLeaf]));
 }
 
 void Trv::note_far_nodes(std::uint64_t visited) {
@@ -156,19 +159,19 @@ bool Trv::take_ray(sim::Time now) {
   return true;
 }
 
-template <bool kCommon>
+template <bool kDefault>
 [[gnu::always_inline]] inline Trv::CycleReason Trv::issue_visit(std::uint32_t index) {
   Slot& slot = slots_[index];
-  if (!kCommon && levels_ && enters_instance(slot, index)) return issue_transform(slot, index);
+  const TrvFeatures has = features<kDefault>();
+  if (has.instances && enters_instance(slot, index)) return issue_transform(slot, index);
   const std::uint32_t node = slot.restarting ? paths_[index].back() : traces::node_of(slot.step);
-  const TreeInMemory::Line read = kCommon || plain_
-                                      ? TreeInMemory::Line{tree_.line_of(node), true}
-                                      : tree_.line_of_visit(node, config_.box_testers, slot.child, slot.fetched);
-  const FetchStage::Result result =
-      kCommon ? fetch_.read_reordered(index, read.line, pipes_.cycle()) : fetch_.read(index, read.line, pipes_.cycle());
+  const TreeInMemory::Line read = has.plain ? TreeInMemory::Line{tree_.line_of(node), true}
+                                            : tree_.line_of_visit(node, config_.box_testers, slot.child, slot.fetched);
+  const FetchStage::Result result = has.reorders ? fetch_.read_reordered(index, read.line, pipes_.cycle())
+                                                 : fetch_.read(index, read.line, pipes_.cycle());
   if (result == FetchStage::Result::kRead) {
     if (read.last) {
-      visited<kCommon>(slot, index);
+      visited<kDefault>(slot, index);
     } else {
       slot.fetched += 1;
       fetch_.enter(bit(index));
@@ -206,9 +209,9 @@ bool Trv::test_boxes(Slot& slot, std::uint32_t index) {
   return false;
 }
 
-template <bool kCommon>
+template <bool kDefault>
 [[gnu::always_inline]] inline void Trv::visited(Slot& slot, std::uint32_t index) {
-  if (kCommon || plain_) {
+  if (features<kDefault>().plain) {
     stats_.box_tests += 2;
   } else if (!test_boxes(slot, index)) {
     return;
@@ -217,21 +220,21 @@ template <bool kCommon>
   stats_.full_visits += full_;
   if (slot.restarting) [[unlikely]] {
     visited_again(slot, index);
-  } else if (step_on<kCommon>(slot) && !kCommon && config_.prefetch == Prefetch::kSibling) {
+  } else if (step_on<kDefault>(slot) && features<kDefault>().prefetches) {
     both_children_hit_ |= bit(index);
   }
   pipes_.put(next_pipe(slot), index, visit_latency_);
 }
 
 /// Nearly as many rays hit both children as do not: without a branch.
-template <bool kCommon>
+template <bool kDefault>
 inline bool Trv::step_on(Slot& slot) {
   const std::uint32_t hits = traces::hits_of(slot.step);
   slot.go(slot.next + 1);
   look_further(slot.next);
   slot.must_pop = hits == 0;
   const std::uint16_t both = hits == 3;
-  const std::uint16_t written = both & std::uint16_t{kCommon || stack_room_ != 0};
+  const std::uint16_t written = both & std::uint16_t{features<kDefault>().stack};
   const std::uint16_t kept = written & std::uint16_t{slot.short_stack_size != stack_room_};
   slot.stack_depth += both;
   slot.short_stack_size += kept;
@@ -287,7 +290,7 @@ void Trv::send_leaf(sim::Time now, std::uint32_t index) {
                                       static_cast<std::uint8_t>(index)});
   slot.go(slot.next + 2);
   at_ist_ |= bit(index);
-  if (!ideal_) leaf_free_at_ = clock_.after(now, std::max(count, 1U));
+  if (!features_.ideal) leaf_free_at_ = clock_.after(now, std::max(count, 1U));
   stats_.leaves += 1;
 }
 
@@ -327,14 +330,14 @@ bool Trv::retire(sim::Time now) {
 
 Trv::CycleReason Trv::waiting(sim::Time next) const {
   if (occupied_ == 0) return CycleReason::kStarved;
-  if (one_pipe_ && next < leaf_free_at_) return CycleReason::kSerial;
+  if (features_.one_pipe && next < leaf_free_at_) return CycleReason::kSerial;
   if (retiring_ != 0) return CycleReason::kOutputFull;
   return FetchStage::reason(fetch_.waits_for(), (at_ist_ | leaving_) != 0 ? CycleReason::kIst : CycleReason::kPipe);
 }
 
 sim::Time Trv::next_wake(sim::Time next) const {
   sim::Time at = pipes_.next();
-  if (one_pipe_) {
+  if (features_.one_pipe) {
     const sim::Time free_at = std::max(next, leaf_free_at_);
     if (free_at > next || shared_work(false) != 0) at = std::min(at, free_at);
     if (leaving_ != 0 && !fetch_.stands()) at = std::min(at, std::max(free_at, links_.leaves_out.push_at()));
@@ -348,33 +351,34 @@ sim::Time Trv::next_wake(sim::Time next) const {
   return std::min(at, fetch_.send_at(next, links_.memory_out));
 }
 
-template <bool kCommon>
+template <bool kDefault>
 sim::Time Trv::tick_as(sim::Time now) {
+  const TrvFeatures has = features<kDefault>();
   const auto as_often_as_may_be = [&](auto&& step) {
-    while (step() && !kCommon && ideal_) {
+    while (step() && has.ideal) {
     }
   };
   pipes_.advance(now);
-  if (pipes_.due()) release<kCommon>(pipes_.take());
+  if (pipes_.due()) release<kDefault>(pipes_.take());
   if (arrivals_.lines <= now) as_often_as_may_be([&] { return fill(now); });
   if (arrivals_.answers <= now) as_often_as_may_be([&] { return take_answer(now); });
   if (arrivals_.rays <= now && free_ != 0) as_often_as_may_be([&] { return take_ray(now); });
   bool tried = false;
   CycleReason why = CycleReason::kStarved;
-  if (!kCommon && one_pipe_) {
+  if (has.one_pipe) {
     tried = issue_any(now, why);
   } else {
-    const std::uint64_t able = kCommon ? fetch_.ready() : fetch_.able();
+    const std::uint64_t able = has.reorders ? fetch_.ready() : fetch_.able();
     tried = able != 0;
-    if (tried) why = issue_visit<kCommon>(next_of(able));
-    while (!kCommon && ideal_ && fetch_.able() != 0) {
-      if (issue_visit<kCommon>(next_of(fetch_.able())) == CycleReason::kVisiting) why = CycleReason::kVisiting;
+    if (tried) why = issue_visit<kDefault>(next_of(able));
+    while (has.ideal && fetch_.able() != 0) {
+      if (issue_visit<kDefault>(next_of(fetch_.able())) == CycleReason::kVisiting) why = CycleReason::kVisiting;
     }
     if (popping_ != 0) as_often_as_may_be([&] { return issue_pop(); });
     if (leaving_ != 0) as_often_as_may_be([&] { return issue_leaf(now); });
   }
   if (retiring_ != 0) as_often_as_may_be([&] { return retire(now); });
-  if (!kCommon && !far_nodes_.empty()) prefetch_far_nodes();  // behind what rays need now
+  if (has.prefetches && !far_nodes_.empty()) prefetch_far_nodes();  // behind what rays need now
   fetch_.send(now, links_.memory_out);
   if (full_ != (free_ == 0)) {
     full_ = !full_;
@@ -385,7 +389,7 @@ sim::Time Trv::tick_as(sim::Time now) {
     }
   }
   const sim::Time next = clock_.after(now, 1);
-  const bool go_on = kCommon ? (fetch_.ready() | popping_) != 0 : !one_pipe_ && (fetch_.able() | popping_) != 0;
+  const bool go_on = !has.one_pipe && ((has.reorders ? fetch_.ready() : fetch_.able()) | popping_) != 0;
   const sim::Time wake = go_on ? next : next_wake(next);
   const CycleReason then = tried && wake == next ? why : waiting(next);
   activity_.spend(now, clock_.period(), tried ? why : then, then);

@@ -10,6 +10,7 @@
 #include "hw_models/tni/timing_wheel.h"
 #include "hw_models/tni/tni_config.h"
 #include "hw_models/tni/tree_in_memory.h"
+#include "hw_models/tni/trv_features.h"
 #include "sim/activity.h"
 #include "sim/counter_kind.h"
 #include "sim/link.h"
@@ -94,7 +95,7 @@ class Trv {
   Trv(const Trv&) = delete;
   Trv& operator=(const Trv&) = delete;
 
-  sim::Time tick(sim::Time now) { return common_ ? tick_as<true>(now) : tick_as<false>(now); }
+  sim::Time tick(sim::Time now) { return is_default_ ? tick_as<true>(now) : tick_as<false>(now); }
   const sim::Clock& clock() const { return clock_; }
   const Stats& stats() const { return stats_; }
   const sim::Activity<CycleReason>& activity() const { return activity_; }
@@ -133,9 +134,13 @@ class Trv {
   static constexpr std::uint32_t kEnter = 1U << 31;
   static_assert(sizeof(Slot) == 32, "two slots a cache line of the host: a tick touches little else");
 
-  /// `kCommon`: the unit is common_, and what it does not have costs nothing.
-  template <bool kCommon>
+  /// `kDefault`: the unit is_default_, and asks nothing whose answer is known.
+  template <bool kDefault>
   sim::Time tick_as(sim::Time now);
+  template <bool kDefault>
+  TrvFeatures features() const {
+    return kDefault ? kDefaultTrvFeatures : features_;
+  }
 
   // Each does one thing, if there is one to do.
   bool take_ray(sim::Time now);
@@ -151,7 +156,7 @@ class Trv {
     inner_turn_ = (index + 1) % 64;
     return index;
   }
-  template <bool kCommon>
+  template <bool kDefault>
   CycleReason issue_visit(std::uint32_t index);
   CycleReason missed(FetchStage::Result result, std::uint32_t index);
   bool enters_instance(const Slot& slot, std::uint32_t index) const;
@@ -161,10 +166,10 @@ class Trv {
   void pop(std::uint32_t index);
   void send_leaf(sim::Time now, std::uint32_t index);
   bool test_boxes(Slot& slot, std::uint32_t index);
-  template <bool kCommon>
+  template <bool kDefault>
   void visited(Slot& slot, std::uint32_t index);
   /// The step has been taken: to the next, with a push if both children were hit. True if they were.
-  template <bool kCommon>
+  template <bool kDefault>
   bool step_on(Slot& slot);
   void visited_again(Slot& slot, std::uint32_t index);
   /// The youngest entry of the stack is dropped, being behind the hit, or is where the ray goes on.
@@ -174,7 +179,7 @@ class Trv {
   static Pipe next_pipe_of_few(Slot& slot);
   void restart(Slot& slot, std::uint32_t index);
   void find_pushes(const Slot& slot, std::uint32_t index);
-  template <bool kCommon>
+  template <bool kDefault>
   void release(const TimingWheel<kPipes>::Masks& out);
   /// These visits have hit both children: their far ones may be asked for ahead of need.
   void note_far_nodes(std::uint64_t visited);
@@ -188,12 +193,9 @@ class Trv {
   const sim::Clock clock_;
   const std::uint32_t visit_latency_;
   const std::uint32_t stack_room_;  ///< entries that a ray's stack keeps
-  const bool levels_;               ///< there are instances
-  const bool plain_;                ///< a visit is one pass that reads one line and tests two boxes in floating point
-  const bool ideal_;                ///< any number of operations a cycle
-  const bool one_pipe_;             ///< passes, pops and leaves share a pipe
-  const bool common_;  ///< plain, one operation a cycle in each of three pipes, misses reordered, no prefetches
-  bool full_ = false;  ///< since a tick at `full_since_` there is a ray in every slot
+  const TrvFeatures features_;
+  const bool is_default_;  ///< the features are the default machine's
+  bool full_ = false;      ///< since a tick at `full_since_` there is a ray in every slot
   Links links_;
   /// When the next ray, answer and line may be taken.
   struct Arrivals {

@@ -17,7 +17,7 @@
 #include "shader_kernels/catalogue.h"
 #include "sim/engine.h"
 #include "tests/allocations/count.h"
-#include "tests/hw_models/machines/bench.h"
+#include "tests/hw_models/machines/gpu_harness.h"
 #include "tests/temp_folder.h"
 #include "tools/simulation/front_end.h"
 #include "tools/simulation/replay_program.h"
@@ -136,7 +136,7 @@ class Counting final : public hw::TileSource {
 /// A frame that is written into a trace, and read from it.
 class Trace {
  public:
-  explicit Trace(const hw::testing::Method& frame) : workload_(frame.workload()) {}
+  explicit Trace(const hw::test::Method& frame) : workload_(frame.workload()) {}
 
   /// One to be written, which stands at the tiles of its only part.
   std::unique_ptr<traces::TraceWriter> begin(const kernels::FrameProgram& program) const {
@@ -208,7 +208,7 @@ class Allocations : public testing::TestWithParam<Case> {};
 TEST_P(Allocations, StopWhenAFrameIsWellUnderWay) {
   if (!can_count_allocations()) GTEST_SKIP() << "the sanitizer has the heap";
   const Case& c = GetParam();
-  const hw::testing::Method frame(c.scene, c.program, {}, kWidth, kHeight, kTile, c.bvh);
+  const hw::test::Method frame(c.scene, c.program, {}, kWidth, kHeight, kTile, c.bvh);
   const std::unique_ptr<kernels::FrameProgram> program = frame.make();
   Trace trace(frame);
   if (c.trace == File::kRead) trace.record(*frame.make(), frame.tracer());

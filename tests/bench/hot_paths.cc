@@ -8,7 +8,7 @@
 #include "hw_models/memory/dram_player.h"
 #include "sim/hash.h"
 #include "sim/link.h"
-#include "tests/hw_models/tni/bench.h"
+#include "tests/hw_models/tni/harness.h"
 #include "traces/walk.h"
 
 namespace {
@@ -43,7 +43,7 @@ void traversal_unit_visit(benchmark::State& state) {
   walk.push_back(traces::end_step(false));
   constexpr std::uint32_t kRays = 2000;
   for (auto _ : state) {
-    hw::testing::TniBench bench(hw::testing::TniBench::Setup{});
+    hw::test::TniHarness bench(hw::test::TniHarness::Setup{});
     bench.add(walk, kRays).run();
     benchmark::DoNotOptimize(bench.end_time());
   }

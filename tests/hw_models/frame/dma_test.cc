@@ -11,7 +11,7 @@ namespace hw {
 namespace {
 
 /// A DMA between a core that hands it jobs and a memory.
-class DmaBench {
+class DmaHarness {
  public:
   struct Setup {
     std::uint32_t memory_latency = 20;  ///< cycles from request to line
@@ -19,7 +19,7 @@ class DmaBench {
     std::uint32_t depth = 8;
   };
 
-  explicit DmaBench(const Setup& setup)
+  explicit DmaHarness(const Setup& setup)
       : setup_(setup),
         to_memory_(setup.depth, 1, clock_),
         from_memory_(64, setup.memory_latency, clock_),
@@ -32,12 +32,12 @@ class DmaBench {
     from_memory_.wakes(wakes_.of(2), wakes_.of(1));
   }
 
-  DmaBench& add(std::uint32_t bytes, bool write, Addr base = 0, Area area = Area::kPicture) {
+  DmaHarness& add(std::uint32_t bytes, bool write, Addr base = 0, Area area = Area::kPicture) {
     to_send_.push_back({base, bytes, write, static_cast<std::uint32_t>(to_send_.size()), area});
     return *this;
   }
   template <sim::Skip kSkip = sim::Skip::kOn>
-  DmaBench& run() {
+  DmaHarness& run() {
     end_ = clock_.after(sim::run<kSkip>(*this), 1);
     dma_.finish(end_);
     return *this;
@@ -63,32 +63,33 @@ class DmaBench {
 
  private:
   struct Core {
-    explicit Core(DmaBench& b) : bench(b) {}
-    const sim::Clock& clock() const { return bench.clock_; }
+    explicit Core(DmaHarness& b) : harness(b) {}
+    const sim::Clock& clock() const { return harness.clock_; }
     sim::Time tick(sim::Time now) {
-      if (sent < bench.to_send_.size() && bench.jobs_.can_push(now)) bench.jobs_.push(now, bench.to_send_[sent++]);
-      if (bench.dones_.can_pop(now)) {
-        bench.tags_.push_back(bench.dones_.pop(now).tag);
-        bench.done_at_.push_back(now);
+      if (sent < harness.to_send_.size() && harness.jobs_.can_push(now))
+        harness.jobs_.push(now, harness.to_send_[sent++]);
+      if (harness.dones_.can_pop(now)) {
+        harness.tags_.push_back(harness.dones_.pop(now).tag);
+        harness.done_at_.push_back(now);
       }
-      return bench.clock_.after(now, 1);
+      return harness.clock_.after(now, 1);
     }
-    DmaBench& bench;
+    DmaHarness& harness;
     std::size_t sent = 0;
   };
   struct Memory {
-    explicit Memory(DmaBench& b) : bench(b) {}
-    const sim::Clock& clock() const { return bench.clock_; }
+    explicit Memory(DmaHarness& b) : harness(b) {}
+    const sim::Clock& clock() const { return harness.clock_; }
     sim::Time tick(sim::Time now) {
-      if (now >= free_at && bench.to_memory_.can_pop(now) && bench.from_memory_.can_push(now)) {
-        const MemRequest r = bench.to_memory_.pop(now);
-        bench.lines_.push_back(r.line);
-        if (!r.write) bench.from_memory_.push(now, {r.line, r.source, r.tag});
-        free_at = bench.clock_.after(now, bench.setup_.memory_interval);
+      if (now >= free_at && harness.to_memory_.can_pop(now) && harness.from_memory_.can_push(now)) {
+        const MemRequest r = harness.to_memory_.pop(now);
+        harness.lines_.push_back(r.line);
+        if (!r.write) harness.from_memory_.push(now, {r.line, r.source, r.tag});
+        free_at = harness.clock_.after(now, harness.setup_.memory_interval);
       }
-      return bench.clock_.after(now, 1);
+      return harness.clock_.after(now, 1);
     }
-    DmaBench& bench;
+    DmaHarness& harness;
     sim::Time free_at = 0;
   };
 
@@ -113,7 +114,7 @@ constexpr std::uint32_t kLine = 64;
 
 TEST(Dma, AWriteOfNLinesTakesNCyclesAndTheWireBack) {
   for (const std::uint32_t n : {1U, 2U, 16U, 100U}) {
-    EXPECT_EQ(DmaBench({}).add(n * kLine, true).run().cycles(0), n);
+    EXPECT_EQ(DmaHarness({}).add(n * kLine, true).run().cycles(0), n);
   }
 }
 
@@ -121,67 +122,68 @@ TEST(Dma, AReadOfNLinesTakesNCyclesAndMemorysLatency) {
   for (const std::uint32_t latency : {1U, 20U, 150U}) {
     for (const std::uint32_t n : {1U, 2U, 16U}) {
       const std::uint64_t wires = 2;  // to memory, and back to the core
-      EXPECT_EQ(DmaBench({.memory_latency = latency}).add(n * kLine, false).run().cycles(0), n - 1 + latency + wires);
+      EXPECT_EQ(DmaHarness({.memory_latency = latency}).add(n * kLine, false).run().cycles(0), n - 1 + latency + wires);
     }
   }
 }
 
 TEST(Dma, ASlowMemorySetsThePace) {
-  DmaBench bench({.memory_interval = 5, .depth = 2});
-  bench.add(20 * kLine, true).run();
-  EXPECT_EQ(bench.cycles(0), 1 + (20 - 2 - 1) * 5 + 1 + 1U) << "two of the lines are on the wire when the last leaves";
-  EXPECT_EQ(bench.spent(Dma::CycleReason::kMoving), 20U);
+  DmaHarness harness({.memory_interval = 5, .depth = 2});
+  harness.add(20 * kLine, true).run();
+  EXPECT_EQ(harness.cycles(0), 1 + (20 - 2 - 1) * 5 + 1 + 1U)
+      << "two of the lines are on the wire when the last leaves";
+  EXPECT_EQ(harness.spent(Dma::CycleReason::kMoving), 20U);
 }
 
 TEST(Dma, TransfersGoOneAfterTheOtherInOrder) {
-  DmaBench bench({});
-  bench.add(10 * kLine, true, 0).add(5 * kLine, false, 6400).add(3 * kLine, true, 12800).run();
-  EXPECT_EQ(bench.tags(), (std::vector<std::uint32_t>{0, 1, 2}));
+  DmaHarness harness({});
+  harness.add(10 * kLine, true, 0).add(5 * kLine, false, 6400).add(3 * kLine, true, 12800).run();
+  EXPECT_EQ(harness.tags(), (std::vector<std::uint32_t>{0, 1, 2}));
   std::vector<Addr> expected;
   for (Addr i = 0; i < 10; ++i) expected.push_back(i * kLine);
   for (Addr i = 0; i < 5; ++i) expected.push_back(6400 + i * kLine);
   for (Addr i = 0; i < 3; ++i) expected.push_back(12800 + i * kLine);
-  EXPECT_EQ(bench.lines(), expected);
-  EXPECT_EQ(bench.dma().stats().jobs, 3U);
-  EXPECT_EQ(bench.dma().stats().lines_written, 13U);
-  EXPECT_EQ(bench.dma().stats().lines_read, 5U);
+  EXPECT_EQ(harness.lines(), expected);
+  EXPECT_EQ(harness.dma().stats().jobs, 3U);
+  EXPECT_EQ(harness.dma().stats().lines_written, 13U);
+  EXPECT_EQ(harness.dma().stats().lines_read, 5U);
 }
 
 TEST(Dma, ThePartOfALineCostsAWholeOne) {
-  DmaBench bench({});
-  bench.add(65, true).run();
-  EXPECT_EQ(bench.dma().stats().lines_written, 2U);
+  DmaHarness harness({});
+  harness.add(65, true).run();
+  EXPECT_EQ(harness.dma().stats().lines_written, 2U);
 }
 
 TEST(Dma, ABlockThatBeginsWithinALineMovesEveryLineItTouches) {
-  DmaBench bench({});
-  bench.add(64, true, 640 + 32).add(8, false, 640 + 60).add(16, false, 640 + 16).run();
-  EXPECT_EQ(bench.lines(), (std::vector<Addr>{640, 704, 640, 704, 640}));
+  DmaHarness harness({});
+  harness.add(64, true, 640 + 32).add(8, false, 640 + 60).add(16, false, 640 + 16).run();
+  EXPECT_EQ(harness.lines(), (std::vector<Addr>{640, 704, 640, 704, 640}));
 }
 
 TEST(Dma, LinesAreCountedByWhatTheyAreForAndDirection) {
-  DmaBench bench({});
+  DmaHarness harness({});
   std::uint32_t lines = 1;
   for (std::size_t area = 0; area < kAreas; ++area) {
-    for (const bool write : {true, false}) bench.add(lines++ * kLine, write, 0, static_cast<Area>(area));
+    for (const bool write : {true, false}) harness.add(lines++ * kLine, write, 0, static_cast<Area>(area));
   }
-  bench.run();
+  harness.run();
   std::uint64_t written = 0, read = 0, expected = 1;
-  for (const Dma::Stats::Lines& moved : bench.dma().stats().lines) {
+  for (const Dma::Stats::Lines& moved : harness.dma().stats().lines) {
     EXPECT_EQ(moved.written, expected++);
     EXPECT_EQ(moved.read, expected++);
     written += moved.written;
     read += moved.read;
   }
-  EXPECT_EQ(bench.dma().stats().lines_written, written);
-  EXPECT_EQ(bench.dma().stats().lines_read, read);
+  EXPECT_EQ(harness.dma().stats().lines_written, written);
+  EXPECT_EQ(harness.dma().stats().lines_read, read);
 }
 
 TEST(Dma, EveryCycleHasAReasonAndTheOracleAgrees) {
-  const auto fill = [](DmaBench& b) -> DmaBench& { return b.add(1000, true).add(300, false).add(64, true); };
-  for (const DmaBench::Setup& setup :
-       {DmaBench::Setup{}, DmaBench::Setup{.memory_latency = 3, .memory_interval = 7, .depth = 1}}) {
-    DmaBench fast(setup), oracle(setup);
+  const auto fill = [](DmaHarness& b) -> DmaHarness& { return b.add(1000, true).add(300, false).add(64, true); };
+  for (const DmaHarness::Setup& setup :
+       {DmaHarness::Setup{}, DmaHarness::Setup{.memory_latency = 3, .memory_interval = 7, .depth = 1}}) {
+    DmaHarness fast(setup), oracle(setup);
     fill(fast).run();
     fill(oracle).run<sim::Skip::kOff>();
     std::uint64_t sum = 0;

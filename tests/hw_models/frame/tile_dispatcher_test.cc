@@ -33,14 +33,14 @@ class Tiles final : public TileSource {
 };
 
 /// A dispatcher with cores that keep each tile for a while.
-class DispatcherBench {
+class DispatcherHarness {
  public:
   struct Setup {
     std::uint32_t tiles = 12;
     std::vector<std::uint32_t> hold = {50, 50};  ///< cycles a tile stays, per core
     std::uint32_t tiles_per_core = 3;
   };
-  explicit DispatcherBench(const Setup& setup) : source(setup.tiles), wakes_(1 + setup.hold.size()) {
+  explicit DispatcherHarness(const Setup& setup) : source(setup.tiles), wakes_(1 + setup.hold.size()) {
     TileDispatcher::Links links;
     for (std::size_t c = 0; c < setup.hold.size(); ++c) {
       auto& in = jobs_.emplace_back(setup.tiles_per_core, 1, clock_);
@@ -55,7 +55,7 @@ class DispatcherBench {
   }
 
   template <sim::Skip kSkip = sim::Skip::kOn>
-  DispatcherBench& run() {
+  DispatcherHarness& run() {
     end_ = clock_.after(sim::run<kSkip>(*this), 1);
     dispatcher_->finish(end_);
     return *this;
@@ -93,18 +93,18 @@ class DispatcherBench {
 
  private:
   struct Core {
-    Core(DispatcherBench& b, std::size_t c) : bench(b), index(c) {}
-    const sim::Clock& clock() const { return bench.clock_; }
+    Core(DispatcherHarness& b, std::size_t c) : harness(b), index(c) {}
+    const sim::Clock& clock() const { return harness.clock_; }
     sim::Time tick(sim::Time now) {
-      auto& in = bench.jobs_[index];
-      if (in.can_pop(now) && bench.dones_[index].can_push(now)) {
+      auto& in = harness.jobs_[index];
+      if (in.can_pop(now) && harness.dones_[index].can_push(now)) {
         const TileJob job = in.pop(now);
-        bench.arrivals.push_back({index, job.work->tile, bench.clock_.cycles(now)});
-        bench.dones_[index].push(now, {job.work});
+        harness.arrivals.push_back({index, job.work->tile, harness.clock_.cycles(now)});
+        harness.dones_[index].push(now, {job.work});
       }
-      return bench.clock_.after(now, 1);
+      return harness.clock_.after(now, 1);
     }
-    DispatcherBench& bench;
+    DispatcherHarness& harness;
     std::size_t index;
   };
 
@@ -118,84 +118,84 @@ class DispatcherBench {
 };
 
 TEST(TileDispatcher, HandsOutATileACycleEachCoreInTurnUntilAllAreFull) {
-  DispatcherBench bench({.tiles = 12, .hold = {50, 50, 50}, .tiles_per_core = 2});
-  bench.run();
+  DispatcherHarness harness({.tiles = 12, .hold = {50, 50, 50}, .tiles_per_core = 2});
+  harness.run();
   for (std::uint32_t i = 0; i < 6; ++i) {
-    EXPECT_EQ(bench.arrivals[i], (DispatcherBench::Arrival{i % 3, i, 1 + i}));
+    EXPECT_EQ(harness.arrivals[i], (DispatcherHarness::Arrival{i % 3, i, 1 + i}));
   }
   // The first tile is back after its stay; the seventh leaves in the cycle in which its place is known to be free.
-  EXPECT_EQ(bench.arrivals[6].cycle, 1 + 50 + 1U);
+  EXPECT_EQ(harness.arrivals[6].cycle, 1 + 50 + 1U);
 }
 
 TEST(TileDispatcher, NTilesOnOneCoreTakeNStaysOverTilesInFlight) {
-  DispatcherBench bench({.tiles = 30, .hold = {100}, .tiles_per_core = 3});
-  bench.run();
+  DispatcherHarness harness({.tiles = 30, .hold = {100}, .tiles_per_core = 3});
+  harness.run();
   const std::uint64_t round = 100 + 1;  // a stay and the wire in
-  EXPECT_EQ(bench.end() - 1, 10 * round + 2) << "the third tile of a round comes two cycles after the first";
+  EXPECT_EQ(harness.end() - 1, 10 * round + 2) << "the third tile of a round comes two cycles after the first";
 }
 
 TEST(TileDispatcher, ASlowCoreGetsFewerTiles) {
-  DispatcherBench bench({.tiles = 60, .hold = {40, 400}, .tiles_per_core = 2});
-  bench.run();
-  EXPECT_GT(bench.tiles_of(0).size(), 5 * bench.tiles_of(1).size());
+  DispatcherHarness harness({.tiles = 60, .hold = {40, 400}, .tiles_per_core = 2});
+  harness.run();
+  EXPECT_GT(harness.tiles_of(0).size(), 5 * harness.tiles_of(1).size());
 }
 
 TEST(TileDispatcher, EveryTileGoesOutOnceInOrderAndComesBack) {
-  DispatcherBench bench({.tiles = 40, .hold = {7, 13, 29}});
-  bench.run();
-  ASSERT_EQ(bench.arrivals.size(), 40U);
-  for (std::uint32_t i = 0; i < 40; ++i) EXPECT_EQ(bench.arrivals[i].tile, i);
+  DispatcherHarness harness({.tiles = 40, .hold = {7, 13, 29}});
+  harness.run();
+  ASSERT_EQ(harness.arrivals.size(), 40U);
+  for (std::uint32_t i = 0; i < 40; ++i) EXPECT_EQ(harness.arrivals[i].tile, i);
   std::vector<std::uint32_t> all(40);
   std::iota(all.begin(), all.end(), 0U);
-  std::ranges::sort(bench.source.back);
-  EXPECT_EQ(bench.source.back, all);
-  EXPECT_EQ(bench.dispatcher().stats().dispatched, 40U);
-  EXPECT_EQ(bench.dispatcher().stats().finished, 40U);
+  std::ranges::sort(harness.source.back);
+  EXPECT_EQ(harness.source.back, all);
+  EXPECT_EQ(harness.dispatcher().stats().dispatched, 40U);
+  EXPECT_EQ(harness.dispatcher().stats().finished, 40U);
 }
 
 TEST(TileDispatcher, AnEmptyListIsDoneAtOnce) {
-  DispatcherBench bench({.tiles = 0});
-  bench.run();
-  EXPECT_EQ(bench.end(), 1U);
+  DispatcherHarness harness({.tiles = 0});
+  harness.run();
+  EXPECT_EQ(harness.end(), 1U);
 }
 
 TEST(TileDispatcher, ATileWaitsForThoseItNeedsAndHoldsUpThoseBehindIt) {
-  DispatcherBench bench({.tiles = 6, .hold = {50, 80}, .tiles_per_core = 3});
-  bench.source.work(3).after = {0, 1};
-  bench.run();
-  ASSERT_EQ(bench.arrivals.size(), 6U);
-  for (std::uint32_t i = 0; i < 3; ++i) EXPECT_EQ(bench.arrivals[i].cycle, 1 + i) << "these need nothing";
+  DispatcherHarness harness({.tiles = 6, .hold = {50, 80}, .tiles_per_core = 3});
+  harness.source.work(3).after = {0, 1};
+  harness.run();
+  ASSERT_EQ(harness.arrivals.size(), 6U);
+  for (std::uint32_t i = 0; i < 3; ++i) EXPECT_EQ(harness.arrivals[i].cycle, 1 + i) << "these need nothing";
   // Tile 1 came to the slow core in cycle 2; the next goes out in the cycle in which it is known to be back.
-  EXPECT_EQ(bench.arrivals[3], (DispatcherBench::Arrival{1, 3, 2 + 80 + 1}));
-  EXPECT_EQ(bench.arrivals[4].tile, 4U);
-  EXPECT_EQ(bench.arrivals[4].cycle, 2 + 80 + 2U);
-  EXPECT_EQ(bench.spent(TileDispatcher::CycleReason::kWaiting), 2 + 80 - 3U);
-  EXPECT_EQ(bench.spent(TileDispatcher::CycleReason::kCoresFull), 0U);
+  EXPECT_EQ(harness.arrivals[3], (DispatcherHarness::Arrival{1, 3, 2 + 80 + 1}));
+  EXPECT_EQ(harness.arrivals[4].tile, 4U);
+  EXPECT_EQ(harness.arrivals[4].cycle, 2 + 80 + 2U);
+  EXPECT_EQ(harness.spent(TileDispatcher::CycleReason::kWaiting), 2 + 80 - 3U);
+  EXPECT_EQ(harness.spent(TileDispatcher::CycleReason::kCoresFull), 0U);
 }
 
 TEST(TileDispatcher, ATileAfterAllWaitsForEveryTileBeforeIt) {
-  DispatcherBench bench({.tiles = 8, .hold = {20, 90}, .tiles_per_core = 2});
-  bench.source.work(4).after_all = true;
-  bench.run();
-  ASSERT_EQ(bench.arrivals.size(), 8U);
-  EXPECT_EQ(bench.arrivals[3].cycle, 4U);
-  EXPECT_EQ(bench.arrivals[4].cycle, 4 + 90 + 1U) << "the fourth is the last to be back";
+  DispatcherHarness harness({.tiles = 8, .hold = {20, 90}, .tiles_per_core = 2});
+  harness.source.work(4).after_all = true;
+  harness.run();
+  ASSERT_EQ(harness.arrivals.size(), 8U);
+  EXPECT_EQ(harness.arrivals[3].cycle, 4U);
+  EXPECT_EQ(harness.arrivals[4].cycle, 4 + 90 + 1U) << "the fourth is the last to be back";
 }
 
 TEST(TileDispatcher, ATileThatNeedsOnlyFinishedTilesDoesNotWait) {
-  const DispatcherBench::Setup setup{.tiles = 9, .hold = {30}, .tiles_per_core = 1};
-  DispatcherBench plain(setup), needing(setup);
+  const DispatcherHarness::Setup setup{.tiles = 9, .hold = {30}, .tiles_per_core = 1};
+  DispatcherHarness plain(setup), needing(setup);
   for (std::uint32_t t = 1; t < 9; ++t) needing.source.work(t).after = {t - 1};
   EXPECT_EQ(needing.run().end(), plain.run().end()) << "one at a time they end in order anyhow";
 }
 
 TEST(TileDispatcher, EveryCycleHasAReasonAndTheOracleAgrees) {
   for (const bool some_wait : {false, true}) {
-    const DispatcherBench::Setup setup{.tiles = 20, .hold = {9, 31}, .tiles_per_core = 2};
-    DispatcherBench fast(setup), oracle(setup);
-    for (DispatcherBench* bench : {&fast, &oracle}) {
-      for (std::uint32_t t = 3; some_wait && t < 20; t += 3) bench->source.work(t).after = {t - 1, t - 3};
-      bench->source.work(10).after_all = some_wait;
+    const DispatcherHarness::Setup setup{.tiles = 20, .hold = {9, 31}, .tiles_per_core = 2};
+    DispatcherHarness fast(setup), oracle(setup);
+    for (DispatcherHarness* harness : {&fast, &oracle}) {
+      for (std::uint32_t t = 3; some_wait && t < 20; t += 3) harness->source.work(t).after = {t - 1, t - 3};
+      harness->source.work(10).after_all = some_wait;
     }
     fast.run();
     oracle.run<sim::Skip::kOff>();

@@ -7,7 +7,7 @@
 
 #include "sim/config/config.h"
 #include "sim/hash.h"
-#include "tests/hw_models/machines/bench.h"
+#include "tests/hw_models/machines/gpu_harness.h"
 #include "tests/hw_models/machines/random_config.h"
 
 // Adaptive sampling on the machine: tiles that wait for tiles, several passes, transfers both ways.
@@ -17,11 +17,11 @@ namespace {
 
 using kernels::AttributeStorage;
 using kernels::Halo;
-using testing::difference;
-using testing::Engine;
-using testing::Method;
-using testing::Outcome;
-using testing::play;
+using test::difference;
+using test::Engine;
+using test::Method;
+using test::Outcome;
+using test::play;
 
 kernels::ProgramConfig config_of(Halo halo, AttributeStorage attributes) {
   kernels::ProgramConfig config;
@@ -86,7 +86,7 @@ TEST_P(Adaptive, TheOracleAndEveryOrderOfUnitsGiveTheFastEnginesCounters) {
 TEST_P(Adaptive, RandomMachinesPlayItAlikeWithAllEngines) {
   const auto [program, halo, place] = GetParam();
   const std::uint64_t seed = 300 + sim::hash(program[10], static_cast<int>(halo), static_cast<int>(place)) % 100;
-  const GpuConfig config = testing::random_config(seed);
+  const GpuConfig config = test::random_config(seed);
   const Outcome fast = play(method_, config);
   EXPECT_EQ(difference(fast, play(method_, config, Engine::kOracle)), "") << "seed " << seed;
   EXPECT_EQ(difference(fast, play(method_, config, Engine::kShuffled, seed)), "") << "seed " << seed;

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-namespace hw::testing {
+namespace hw::test {
 
 namespace {
 
@@ -160,4 +160,4 @@ void expect_conserved(const Outcome& run, const Frame& frame, const GpuConfig& c
   expect_tiles_conserved(run, frame, config);
 }
 
-}  // namespace hw::testing
+}  // namespace hw::test

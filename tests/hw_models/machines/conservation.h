@@ -1,7 +1,7 @@
 #pragma once
-#include "tests/hw_models/machines/bench.h"
+#include "tests/hw_models/machines/gpu_harness.h"
 
-namespace hw::testing {
+namespace hw::test {
 
 /// What expect_conserved() expects of the machine alone, whatever it played.
 void expect_machine_conserved(const Outcome& run, const GpuConfig& config);
@@ -10,4 +10,4 @@ void expect_machine_conserved(const Outcome& run, const GpuConfig& config);
 /// every cycle of every unit has a reason.
 void expect_conserved(const Outcome& run, const Frame& frame, const GpuConfig& config);
 
-}  // namespace hw::testing
+}  // namespace hw::test

@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
 #include "hw_models/srp/data_cache.h"
-#include "tests/hw_models/machines/bench.h"
 #include "tests/hw_models/machines/conservation.h"
+#include "tests/hw_models/machines/gpu_harness.h"
 #include "tests/hw_models/machines/random_config.h"
 #include "tests/shader_kernels/showcase.h"
 
@@ -11,17 +11,17 @@
 namespace hw {
 namespace {
 
-using testing::difference;
-using testing::Engine;
-using testing::Frame;
-using testing::Outcome;
-using testing::play;
+using test::difference;
+using test::Engine;
+using test::Frame;
+using test::Outcome;
+using test::play;
 
 TEST(GpuDetails, EveryRayThatGoesOnIsPlayed) {
   static const Frame frame(kernels::showcase_scene(), 64, 32);
   const GpuConfig config;
   const Outcome run = play(frame, config);
-  testing::expect_conserved(run, frame, config);
+  test::expect_conserved(run, frame, config);
   EXPECT_GT(run.function.continued, 500U);
   EXPECT_GT(run.function.rays[0], 64U * 32U);
 }
@@ -40,15 +40,15 @@ TEST(GpuDetails, OracleOrderAndThreadsChangeNothing) {
 TEST(GpuDetails, SmallAndOddMachinesEndAndAgreeWithTheOracle) {
   static const Frame frame(kernels::showcase_scene(), 32, 16);
   for (std::uint64_t seed = 100; seed < 106; ++seed) {
-    const GpuConfig config = testing::random_config(seed);
+    const GpuConfig config = test::random_config(seed);
     const Outcome run = play(frame, config);
-    testing::expect_conserved(run, frame, config);
+    test::expect_conserved(run, frame, config);
     EXPECT_EQ(difference(run, play(frame, config, Engine::kOracle)), "") << "seed " << seed;
   }
   GpuConfig tiny;
   tiny.tile_buffer.size.bytes = 1024;
   tiny.tile_buffer.tiles_in_flight = 1;
-  testing::expect_conserved(play(frame, tiny), frame, tiny);
+  test::expect_conserved(play(frame, tiny), frame, tiny);
 }
 
 TEST(GpuDetails, RecordsOfAllKindsAreReadWhereTheyLie) {

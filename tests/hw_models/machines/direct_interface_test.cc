@@ -1,18 +1,18 @@
 #include <gtest/gtest.h>
 
-#include "tests/hw_models/machines/bench.h"
 #include "tests/hw_models/machines/conservation.h"
+#include "tests/hw_models/machines/gpu_harness.h"
 
 // The machine whose rays and hits go through memory, and the machine with a ideal L2 or interconnect.
 
 namespace hw {
 namespace {
 
-using testing::difference;
-using testing::Engine;
-using testing::Frame;
-using testing::Outcome;
-using testing::play;
+using test::difference;
+using test::Engine;
+using test::Frame;
+using test::Outcome;
+using test::play;
 
 GpuConfig through_memory(L2Writes writes) {
   GpuConfig c;
@@ -22,7 +22,7 @@ GpuConfig through_memory(L2Writes writes) {
 }
 
 TEST(DirectInterface, OffChangesTimeAndTrafficAndNothingElse) {
-  const Frame& frame = testing::cornell_64x32();
+  const Frame& frame = test::cornell_64x32();
   const Outcome on = play(frame, GpuConfig{});
   for (const L2Writes writes : {L2Writes::kBack, L2Writes::kThrough, L2Writes::kAround}) {
     const GpuConfig config = through_memory(writes);
@@ -67,7 +67,7 @@ TEST(DirectInterface, OffEndsWithQueuesOfOneAndARingOfOne) {
 }
 
 TEST(DirectInterface, ASmallRingStaysInTheL2) {
-  const Frame& frame = testing::cornell_64x32();
+  const Frame& frame = test::cornell_64x32();
   GpuConfig config = through_memory(L2Writes::kBack);
   const std::uint64_t large = play(frame, config).sum("bank", "bytes_to_memory");
   config.direct_interface.ring = 128;
@@ -77,7 +77,7 @@ TEST(DirectInterface, ASmallRingStaysInTheL2) {
 }
 
 TEST(IdealMachine, APerfectL2OrInterconnectNeverCostsTime) {
-  const Frame& frame = testing::teapot_64x32();
+  const Frame& frame = test::teapot_64x32();
   for (const bool direct : {true, false}) {
     GpuConfig config;
     config.direct_interface.enabled = direct;

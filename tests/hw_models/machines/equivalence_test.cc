@@ -1,35 +1,35 @@
 #include <gtest/gtest.h>
 
-#include "tests/hw_models/machines/bench.h"
+#include "tests/hw_models/machines/gpu_harness.h"
 #include "tests/hw_models/machines/random_config.h"
 
 namespace hw {
 namespace {
 
-using testing::difference;
-using testing::Engine;
-using testing::Frame;
-using testing::Outcome;
-using testing::play;
+using test::difference;
+using test::Engine;
+using test::Frame;
+using test::Outcome;
+using test::play;
 
 TEST(Gpu, SkippingIdleTimeGivesTheOraclesEveryCounter) {
   const GpuConfig config;
-  const Outcome fast = play(testing::cornell_64x32(), config);
-  EXPECT_EQ(difference(fast, play(testing::cornell_64x32(), config, Engine::kOracle)), "");
+  const Outcome fast = play(test::cornell_64x32(), config);
+  EXPECT_EQ(difference(fast, play(test::cornell_64x32(), config, Engine::kOracle)), "");
 }
 
 TEST(Gpu, TheOrderOfUnitsWithinAStepIsInvisible) {
   const GpuConfig config;
-  const Outcome fast = play(testing::cornell_64x32(), config);
+  const Outcome fast = play(test::cornell_64x32(), config);
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
-    EXPECT_EQ(difference(fast, play(testing::cornell_64x32(), config, Engine::kShuffled, seed)), "") << seed;
+    EXPECT_EQ(difference(fast, play(test::cornell_64x32(), config, Engine::kShuffled, seed)), "") << seed;
   }
 }
 
 TEST(Gpu, TheOracleAgreesOnRandomMachinesToo) {
   static const Frame frame("cornell", 16, 16);
   for (std::uint64_t seed = 0; seed < 16; ++seed) {
-    const GpuConfig config = testing::random_config(seed);
+    const GpuConfig config = test::random_config(seed);
     EXPECT_EQ(difference(play(frame, config), play(frame, config, Engine::kOracle)), "") << "seed " << seed;
   }
 }
@@ -37,7 +37,7 @@ TEST(Gpu, TheOracleAgreesOnRandomMachinesToo) {
 TEST(Gpu, TheOrderOfUnitsIsInvisibleOnRandomMachinesToo) {
   static const Frame frame("cornell", 32, 16);
   for (std::uint64_t seed = 16; seed < 40; ++seed) {
-    const GpuConfig config = testing::random_config(seed);
+    const GpuConfig config = test::random_config(seed);
     EXPECT_EQ(difference(play(frame, config), play(frame, config, Engine::kShuffled, seed)), "") << "seed " << seed;
   }
 }
@@ -46,7 +46,7 @@ TEST(Gpu, TheOracleAgreesOnScenesOfInstancesInAnyOrderOfUnits) {
   const traces::BvhConfig levels{.instances = traces::InstanceLevels::kTwoLevel};
   static const Frame frame("chess", 16, 16, 1, 16, levels);
   for (std::uint64_t seed = 40; seed < 45; ++seed) {
-    const GpuConfig config = testing::random_config(seed);
+    const GpuConfig config = test::random_config(seed);
     const Outcome fast = play(frame, config);
     EXPECT_GT(fast.sum("trv", "transforms"), 0U);
     EXPECT_EQ(difference(fast, play(frame, config, Engine::kOracle)), "") << "seed " << seed;
@@ -56,9 +56,9 @@ TEST(Gpu, TheOracleAgreesOnScenesOfInstancesInAnyOrderOfUnits) {
 
 TEST(Gpu, ThreadsThatRunAheadOfTheMachineChangeNothing) {
   const GpuConfig config;
-  const Outcome alone = play(testing::teapot_64x32(), config);
+  const Outcome alone = play(test::teapot_64x32(), config);
   for (const std::uint32_t workers : {1U, 2U}) {
-    const Outcome run = play(testing::teapot_64x32(), config, Engine::kFast, 0, workers);
+    const Outcome run = play(test::teapot_64x32(), config, Engine::kFast, 0, workers);
     EXPECT_EQ(difference(alone, run), "") << workers;
     EXPECT_EQ(difference(alone.function, run.function), "") << workers;
   }

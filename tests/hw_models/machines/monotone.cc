@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <iterator>
 
-namespace hw::testing {
+namespace hw::test {
 
 const std::array<Improvement, 9> kImprovements = {{
     {"tni.trv.l1.mshrs", [](GpuConfig& c) { c.tni.trv.l1.mshrs *= 2; }},
@@ -60,4 +60,4 @@ const KnownSlower* known_slower(std::string_view scene, std::uint64_t seed) {
   return found == std::end(kKnownSlower) ? nullptr : found;
 }
 
-}  // namespace hw::testing
+}  // namespace hw::test

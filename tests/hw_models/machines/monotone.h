@@ -5,7 +5,7 @@
 
 #include "hw_models/machines/gpu_config.h"
 
-namespace hw::testing {
+namespace hw::test {
 
 /// Twice as much of something that should not hurt, at the same latencies.
 struct Improvement {
@@ -26,4 +26,4 @@ struct KnownSlower {
 /// Null if it is none of these.
 const KnownSlower* known_slower(std::string_view scene, std::uint64_t seed);
 
-}  // namespace hw::testing
+}  // namespace hw::test

@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/config/config.h"
-#include "tests/hw_models/machines/bench.h"
+#include "tests/hw_models/machines/gpu_harness.h"
 #include "tests/hw_models/machines/random_config.h"
 
 // More of something never makes a frame slower by over 1 %: on machines near the default, and ideal parts on the
@@ -21,8 +21,8 @@
 namespace hw {
 namespace {
 
-using testing::Frame;
-using testing::play;
+using test::Frame;
+using test::play;
 
 constexpr double kSlower = 1;  ///< percent
 
@@ -45,13 +45,13 @@ TEST_P(Monotone, MoreRegistersBiggerCachesOrMoreChannelsNeverMakeAFrameSlowerByO
   std::uint64_t exceptions = 0;
   double worst = 0;
   for (std::uint64_t seed = 0; seed < machines; ++seed) {
-    const GpuConfig base = testing::sane_config(seed);
-    const testing::Improvement& improvement = testing::improvement_of(seed);
+    const GpuConfig base = test::sane_config(seed);
+    const test::Improvement& improvement = test::improvement_of(seed);
     GpuConfig improved = base;
     improvement.apply(improved);
     sim::check_config(improved);
     const double percent = slower(play(frame, works, base).elapsed, play(frame, works, improved).elapsed);
-    const testing::KnownSlower* known = testing::known_slower(GetParam().scene, seed);
+    const test::KnownSlower* known = test::known_slower(GetParam().scene, seed);
     const std::string pair =
         fmt::format("{{\"{}\", {}, {:.2f}}},  // {}", GetParam().scene, seed, percent, improvement.name);
     if (known != nullptr) {

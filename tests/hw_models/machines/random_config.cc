@@ -9,7 +9,7 @@
 #include "sim/error.h"
 #include "sim/hash.h"
 
-namespace hw::testing {
+namespace hw::test {
 
 namespace {
 
@@ -119,4 +119,4 @@ GpuConfig drawn(std::uint64_t seed, Range range) {
 GpuConfig random_config(std::uint64_t seed) { return drawn(seed, Range::kWild); }
 GpuConfig sane_config(std::uint64_t seed) { return drawn(seed, Range::kSane); }
 
-}  // namespace hw::testing
+}  // namespace hw::test

@@ -3,7 +3,7 @@
 
 #include "hw_models/machines/gpu_config.h"
 
-namespace hw::testing {
+namespace hw::test {
 
 /// A machine drawn by hash from `seed`: every field that affects timing or walk, each within its limits and not far
 /// above its default, a quarter of them at their least. Memory is one of the four grades, with its ranks and controller
@@ -13,4 +13,4 @@ GpuConfig random_config(std::uint64_t seed);
 /// The same, near the default machine: each figure a half to double, nothing ideal.
 GpuConfig sane_config(std::uint64_t seed);
 
-}  // namespace hw::testing
+}  // namespace hw::test

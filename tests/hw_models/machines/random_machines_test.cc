@@ -6,17 +6,17 @@
 #include <gtest/gtest.h>
 
 #include "sim/config/config_tree.h"
-#include "tests/hw_models/machines/bench.h"
 #include "tests/hw_models/machines/conservation.h"
+#include "tests/hw_models/machines/gpu_harness.h"
 #include "tests/hw_models/machines/random_config.h"
 
 namespace hw {
 namespace {
 
-using testing::difference;
-using testing::Frame;
-using testing::Outcome;
-using testing::play;
+using test::difference;
+using test::Frame;
+using test::Outcome;
+using test::play;
 
 /// Seeds of the 200 machines, in parts of 25 that run side by side.
 constexpr std::uint64_t kFirstSeed = 100, kSeeds = 200, kPart = 25;
@@ -41,7 +41,7 @@ TEST_P(RandomMachines, MakeTheSamePictureRaysAndStepsAndLoseNothing) {
   const std::uint64_t first = kFirstSeed + GetParam() * kPart;
   for (std::uint64_t seed = first; seed < first + kPart; ++seed) {
     SCOPED_TRACE(seed);
-    const GpuConfig config = testing::random_config(seed);
+    const GpuConfig config = test::random_config(seed);
     const Outcome run = play(frame, config);
     EXPECT_EQ(difference(expected.function, run.function), "");
     EXPECT_EQ(run.sum("ist", "tests"), expected.sum("ist", "tests"));
@@ -74,7 +74,7 @@ void count_choices(const sim::ConfigNode& node, Draws& draws) {
 TEST(RandomMachinesDrawn, HaveEveryMechanismMoreThanAFewTimes) {
   Draws draws;
   for (std::uint64_t seed = kFirstSeed; seed < kFirstSeed + kSeeds; ++seed) {
-    GpuConfig config = testing::random_config(seed);
+    GpuConfig config = test::random_config(seed);
     count_choices(sim::config_tree(config), draws);
   }
   EXPECT_GE(draws.size(), 20U);
@@ -123,7 +123,7 @@ TEST(Gpu, QueuesOfOneOneTileInFlightOneItemAChunkAndATileBufferTooSmallForATileS
 }
 
 TEST(Gpu, ATileBufferOfHalfATileSpillsSomeAndEnds) {
-  const Frame& frame = testing::cornell_64x32();
+  const Frame& frame = test::cornell_64x32();
   for (const std::uint32_t tiles : {1U, 3U}) {
     GpuConfig config;
     config.tile_buffer.tiles_in_flight = tiles;

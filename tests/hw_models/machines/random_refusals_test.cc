@@ -32,32 +32,42 @@ void reset(CacheConfig& cache) {
   cache.replacement = Replacement::kLru;
 }
 
-void three_ways(CacheConfig& cache) {
-  reset(cache);
-  cache.ways = 3;
-}
+/// A cache of the machine, by the key of its group.
+struct Cache {
+  std::string_view key;
+  CacheConfig& (*of)(GpuConfig& c);
+};
 
-void three_quarters(CacheConfig& cache) {
-  reset(cache);
-  cache.size.bytes = 12 * 1024;
-}
+constexpr Cache kCaches[] = {
+    {"tni.trv.l1", [](GpuConfig& c) -> CacheConfig& { return c.tni.trv.l1; }},
+    {"tni.ist.l1", [](GpuConfig& c) -> CacheConfig& { return c.tni.ist.l1; }},
+    {"srp.data_cache", [](GpuConfig& c) -> CacheConfig& { return c.srp.data_cache; }},
+    {"l2",
+     [](GpuConfig& c) -> CacheConfig& {
+       c.l2.banks = 1;
+       return c.l2.cache;
+     }},
+};
 
-void tree_of_three(CacheConfig& cache) {
-  reset(cache);
-  cache.size.bytes = 12 * 1024;
-  cache.ways = 3;
-  cache.replacement = Replacement::kPlru;
-}
+/// A rule of CacheConfig or about it, and a way to break it after reset().
+struct CacheBreak {
+  std::string_view key;  ///< below the cache's
+  std::string_view problem;
+  void (*apply)(CacheConfig& cache);
+};
 
-void long_lines(CacheConfig& cache) {
-  reset(cache);
-  cache.line.bytes = 128;
-}
-
-constexpr const char* kUndivided = "cannot be divided into sets of 3 ways of 64 bytes";
-constexpr const char* kSets = "make 48 sets; the number of sets must be a power of two";
-constexpr const char* kPlru = "3 ways are no power of two; allowed: lru, random";
-constexpr const char* kLines = "must be 64 B";
+constexpr CacheBreak kCacheBreaks[] = {
+    {"size", "cannot be divided into sets of 3 ways of 64 bytes", [](CacheConfig& cache) { cache.ways = 3; }},
+    {"size", "make 48 sets; the number of sets must be a power of two",
+     [](CacheConfig& cache) { cache.size.bytes = 12 * 1024; }},
+    {"replacement", "3 ways are no power of two; allowed: lru, random",
+     [](CacheConfig& cache) {
+       cache.size.bytes = 12 * 1024;
+       cache.ways = 3;
+       cache.replacement = Replacement::kPlru;
+     }},
+    {"line", "must be 64 B", [](CacheConfig& cache) { cache.line.bytes = 128; }},
+};
 
 constexpr Break kBreaks[] = {
     {"tni.trv.stack_entries", "must be at least 1; 0 is allowed with stack: restart_trail only",
@@ -86,27 +96,7 @@ constexpr Break kBreaks[] = {
        c.tni.ist.latency = c.tni.ist.barycentric_stage = c.tni.ist.distance_stage = 20;
        c.tni.ist.latency -= 1;
      }},
-    {"tni.trv.l1.size", kUndivided, [](GpuConfig& c) { three_ways(c.tni.trv.l1); }},
-    {"tni.ist.l1.size", kUndivided, [](GpuConfig& c) { three_ways(c.tni.ist.l1); }},
-    {"srp.data_cache.size", kUndivided, [](GpuConfig& c) { three_ways(c.srp.data_cache); }},
-    {"l2.size", kUndivided, [](GpuConfig& c) { three_ways(c.l2.cache); }},
-    {"tni.trv.l1.size", kSets, [](GpuConfig& c) { three_quarters(c.tni.trv.l1); }},
-    {"tni.ist.l1.size", kSets, [](GpuConfig& c) { three_quarters(c.tni.ist.l1); }},
-    {"srp.data_cache.size", kSets, [](GpuConfig& c) { three_quarters(c.srp.data_cache); }},
-    {"l2.size", kSets, [](GpuConfig& c) { three_quarters(c.l2.cache); }},
-    {"tni.trv.l1.replacement", kPlru, [](GpuConfig& c) { tree_of_three(c.tni.trv.l1); }},
-    {"tni.ist.l1.replacement", kPlru, [](GpuConfig& c) { tree_of_three(c.tni.ist.l1); }},
-    {"srp.data_cache.replacement", kPlru, [](GpuConfig& c) { tree_of_three(c.srp.data_cache); }},
-    {"l2.replacement", kPlru, [](GpuConfig& c) { tree_of_three(c.l2.cache); }},
-    {"tni.trv.l1.line", kLines, [](GpuConfig& c) { long_lines(c.tni.trv.l1); }},
-    {"tni.ist.l1.line", kLines, [](GpuConfig& c) { long_lines(c.tni.ist.l1); }},
-    {"srp.data_cache.line", kLines, [](GpuConfig& c) { long_lines(c.srp.data_cache); }},
-    {"l2.line", kLines,
-     [](GpuConfig& c) {
-       long_lines(c.l2.cache);
-       c.l2.banks = 1;
-     }},
-    {"dram.line", kLines, [](GpuConfig& c) { c.dram.line.bytes = 128; }},
+    {"dram.line", "must be 64 B", [](GpuConfig& c) { c.dram.line.bytes = 128; }},
     {"l2.mshrs", "9 miss registers cannot be divided over 2 banks",
      [](GpuConfig& c) {
        reset(c.l2.cache);
@@ -204,13 +194,23 @@ std::string complaint_of(GpuConfig& config, const std::string& set) {
 
 TEST(RandomRefusals, EveryRuleThatJoinsKeysRefusesEachOfTwoHundredMachinesThatBreaksIt) {
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
-    const GpuConfig valid = testing::random_config(seed);
+    const GpuConfig valid = test::random_config(seed);
     ASSERT_EQ(complaint_of(valid), "") << seed;
     for (const Break& broken : kBreaks) {
       GpuConfig config = valid;
       broken.apply(config);
       SCOPED_TRACE(seed);
       expect_refused(complaint_of(config), broken.key, broken.problem);
+    }
+    for (const Cache& cache : kCaches) {
+      for (const CacheBreak& broken : kCacheBreaks) {
+        GpuConfig config = valid;
+        CacheConfig& changed = cache.of(config);
+        reset(changed);
+        broken.apply(changed);
+        SCOPED_TRACE(seed);
+        expect_refused(complaint_of(config), fmt::format("{}.{}", cache.key, broken.key), broken.problem);
+      }
     }
   }
 }
@@ -222,7 +222,7 @@ void collect(const sim::ConfigNode& node, std::vector<const sim::ConfigNode*>& f
 
 TEST(RandomRefusals, AValueThatIsNoneOfItsFieldIsRefusedForEveryFieldWithWhatIsAllowed) {
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
-    GpuConfig config = testing::random_config(seed);
+    GpuConfig config = test::random_config(seed);
     const sim::ConfigNode root = sim::config_tree(config);
     std::vector<const sim::ConfigNode*> fields;
     collect(root, fields);
@@ -240,7 +240,7 @@ TEST(RandomRefusals, AValueThatIsNoneOfItsFieldIsRefusedForEveryFieldWithWhatIsA
 
 TEST(RandomRefusals, AFigureBeyondItsLimitsIsRefusedWithTheLimits) {
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
-    GpuConfig config = testing::random_config(seed);
+    GpuConfig config = test::random_config(seed);
     const sim::ConfigNode root = sim::config_tree(config);
     std::vector<const sim::ConfigNode*> fields;
     collect(root, fields);
@@ -262,7 +262,7 @@ TEST(RandomRefusals, AFigureBeyondItsLimitsIsRefusedWithTheLimits) {
 
 TEST(RandomRefusals, AKeyWithALetterTooMuchIsRefusedWithAKeyOfItsGroup) {
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
-    GpuConfig config = testing::random_config(seed);
+    GpuConfig config = test::random_config(seed);
     const std::vector<sim::FieldInfo> fields = sim::list_fields(config);
     const sim::FieldInfo& field = fields[sim::hash(seed) % fields.size()];
     const std::string message = complaint_of(config, field.path + "q=1");

@@ -4,7 +4,7 @@
 
 #include "sim/hash.h"
 
-namespace hw::testing {
+namespace hw::test {
 
 namespace {
 
@@ -72,4 +72,4 @@ std::vector<traces::TileWork> random_work(const Frame& frame, std::uint64_t seed
   return works;
 }
 
-}  // namespace hw::testing
+}  // namespace hw::test

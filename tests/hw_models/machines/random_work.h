@@ -2,12 +2,12 @@
 #include <cstdint>
 #include <vector>
 
-#include "tests/hw_models/machines/bench.h"
+#include "tests/hw_models/machines/gpu_harness.h"
 
-namespace hw::testing {
+namespace hw::test {
 
 /// The tiles of a frame, to which things are added drawn by hash from `seed`: transfers to and from all regions,
 /// between launches, rays and each other; launches that wait for them; items that idle; tiles that wait for tiles.
 std::vector<traces::TileWork> random_work(const Frame& frame, std::uint64_t seed);
 
-}  // namespace hw::testing
+}  // namespace hw::test

@@ -13,18 +13,18 @@
 namespace hw {
 namespace {
 
-using testing::difference;
-using testing::Engine;
-using testing::Frame;
-using testing::Outcome;
-using testing::play;
+using test::difference;
+using test::Engine;
+using test::Frame;
+using test::Outcome;
+using test::play;
 
 const Frame& frame_of_six_tiles() {
   static const Frame frame("cornell", 24, 16, 1, 8);
   return frame;
 }
 
-GpuConfig machine(std::uint64_t seed) { return seed == 0 ? GpuConfig{} : testing::random_config(seed); }
+GpuConfig machine(std::uint64_t seed) { return seed == 0 ? GpuConfig{} : test::random_config(seed); }
 
 /// Lines, rays and items that the machine counted are those that the stream asks for.
 void expect_all_played(const std::vector<traces::TileWork>& works, const Outcome& run) {
@@ -59,10 +59,10 @@ TEST(GpuRandomWork, AllOfItIsPlayedAndTheOracleAgrees) {
   for (std::uint64_t seed = 0; seed < 4; ++seed) {
     SCOPED_TRACE(seed);
     const GpuConfig config = machine(seed);
-    const std::vector<traces::TileWork> works = testing::random_work(frame_of_six_tiles(), seed);
+    const std::vector<traces::TileWork> works = test::random_work(frame_of_six_tiles(), seed);
     const Outcome fast = play(frame_of_six_tiles(), works, config);
     expect_all_played(works, fast);
-    testing::expect_machine_conserved(fast, config);
+    test::expect_machine_conserved(fast, config);
     EXPECT_EQ(difference(fast, play(frame_of_six_tiles(), works, config, Engine::kOracle)), "");
   }
 }
@@ -70,7 +70,7 @@ TEST(GpuRandomWork, AllOfItIsPlayedAndTheOracleAgrees) {
 TEST(GpuRandomWork, TheOrderOfUnitsWithinAStepIsInvisible) {
   for (std::uint64_t seed = 8; seed < 16; ++seed) {
     const GpuConfig config = machine(seed % 4 == 0 ? 0 : seed);
-    const std::vector<traces::TileWork> works = testing::random_work(frame_of_six_tiles(), seed);
+    const std::vector<traces::TileWork> works = test::random_work(frame_of_six_tiles(), seed);
     const Outcome fast = play(frame_of_six_tiles(), works, config);
     EXPECT_EQ(difference(fast, play(frame_of_six_tiles(), works, config, Engine::kShuffled, seed)), "") << seed;
   }
@@ -83,16 +83,16 @@ TEST(GpuRandomWork, WithFewRaySlotsItStillEnds) {
     config.tile_buffer.size.bytes = seed % 2 == 0 ? 1024 : 4 * 1024;
     config.tile_buffer.tiles_in_flight = 1 + static_cast<std::uint32_t>(seed % 4);
     config.srp.chunk = seed % 3 == 0 ? 7 : 64;
-    const std::vector<traces::TileWork> works = testing::random_work(frame_of_six_tiles(), seed);
+    const std::vector<traces::TileWork> works = test::random_work(frame_of_six_tiles(), seed);
     const Outcome run = play(frame_of_six_tiles(), works, config);
     expect_all_played(works, run);
-    testing::expect_machine_conserved(run, config);
+    test::expect_machine_conserved(run, config);
     EXPECT_GT(run.sum("tile_buffer", "spilled_slots"), 0U);
   }
 }
 
 TEST(GpuRandomWork, TilesThatWaitForTilesTakeTurns) {
-  std::vector<traces::TileWork> works = testing::random_work(frame_of_six_tiles(), 1);
+  std::vector<traces::TileWork> works = test::random_work(frame_of_six_tiles(), 1);
   for (traces::TileWork& work : works) work.after_all = true;
   const Outcome run = play(frame_of_six_tiles(), works, {});
   std::uint64_t in_use = 0;

@@ -5,7 +5,7 @@
 
 #include "shader_kernels/catalogue.h"
 #include "sim/engine.h"
-#include "tests/hw_models/machines/bench.h"
+#include "tests/hw_models/machines/gpu_harness.h"
 
 namespace hw {
 namespace {
@@ -34,7 +34,7 @@ void expect_stuck(Run&& run) {
   TileThatNeverEnds tile;
   GpuConfig config;
   config.cores = 2;
-  const auto gpu = std::make_unique<Gpu>(config, testing::cornell_64x32().workload(), tile);
+  const auto gpu = std::make_unique<Gpu>(config, test::cornell_64x32().workload(), tile);
   try {
     run(*gpu);
     FAIL() << "the machine ended";

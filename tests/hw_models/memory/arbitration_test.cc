@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/hw_models/memory/bank_bench.h"
-#include "tests/hw_models/memory/port_bench.h"
+#include "tests/hw_models/memory/bank_harness.h"
+#include "tests/hw_models/memory/port_harness.h"
 
 namespace hw::test {
 namespace {
@@ -43,30 +43,30 @@ TEST(Arbiter, FixedTakesTheFirstThatIsReady) {
 }
 
 TEST(Arbiter, FixedLetsTheLastClientOfAPortWait) {
-  PortBench b(2, 1, 64, 1, 64, Arbitration::kFixed);
+  PortHarness b(2, 1, 64, 1, 64, Arbitration::kFixed);
   for (std::size_t c : {0U, 1U})
     for (Addr i = 0; i < 40; ++i) b.client(c).send(64 * i);
-  b.bench.run();
+  b.harness.run();
   EXPECT_GT(b.client(1).script[0].answered, b.client(0).script[38].answered);
 }
 
 TEST(Arbiter, OldestFirstLetsALateClientOfAPortWaitBehindAllThatCameBefore) {
-  PortBench b(2, 1, 64, 1, 64, Arbitration::kOldestFirst);
+  PortHarness b(2, 1, 64, 1, 64, Arbitration::kOldestFirst);
   for (Addr i = 0; i < 20; ++i) b.client(0).send(64 * i, 0, true);
   b.client(1).send(0, 10);
   b.client(0).send(0, 30);
-  b.bench.run();
+  b.harness.run();
   // Client 0's writes arrive one a cycle and go up one a cycle: the request of cycle 10 meets the write of cycle 10.
   EXPECT_EQ(b.client(1).script[0].latency(), 1U + 1 + 1 + 1 + 1) << "one write of the same age goes first";
 }
 
 TEST(Arbiter, HoldsForTheCoresOfABankToo) {
   for (const Arbitration how : {Arbitration::kFixed, Arbitration::kRoundRobin}) {
-    BankBench b(BankBench::small(), 2, 64, 50, how);
+    BankHarness b(BankHarness::small(), 2, 64, 50, how);
     b.core(0).send(0);
     for (std::size_t core : {0U, 1U})
       for (int i = 0; i < 30; ++i) b.core(core).send(0, 200);
-    b.bench.run();
+    b.harness.run();
     const bool last = b.core(1).script[0].answered > b.core(0).script[29].answered;
     EXPECT_EQ(last, how == Arbitration::kFixed);
   }
@@ -77,14 +77,14 @@ TEST(Arbiter, RandomTrafficDoesNotDependOnHowTheEngineVisitsIt) {
     for (const bool ideal : {false, true}) {
       std::string expected;
       for (const Mode mode : {Mode::kSkip, Mode::kEveryEdge, Mode::kShuffled}) {
-        PortBench b(3, 2, 4, 3, 8, how, ideal);
+        PortHarness b(3, 2, 4, 3, 8, how, ideal);
         b.client(1).pop_every = 7;
         for (std::uint64_t i = 0; i < 900; ++i) {
           b.client(i % 3).send(sim::hash(i) % 64 * 64, i * (i % 7) / 4, sim::hash(i, 1) % 4 == 0,
                                static_cast<SectorMask>(sim::hash(i, 3) % 255 + 1));
         }
-        const sim::Time end = b.bench.run(mode);
-        const std::string all = b.bench.everything(end);
+        const sim::Time end = b.harness.run(mode);
+        const std::string all = b.harness.everything(end);
         if (mode == Mode::kSkip) expected = all;
         ASSERT_EQ(all, expected) << static_cast<int>(how) << ideal;
         EXPECT_EQ(b.port().stats().requests, 900U);
@@ -95,19 +95,19 @@ TEST(Arbiter, RandomTrafficDoesNotDependOnHowTheEngineVisitsIt) {
 
 TEST(CorePort, PiecesHoldTheWayUpForTheirLength) {
   for (const SectorMask sectors : {SectorMask{0x01}, SectorMask{0x0f}, kWholeLine}) {
-    PortBench b(1, 1, 64, 1, 8);
+    PortHarness b(1, 1, 64, 1, 8);
     for (Addr i = 0; i < 20; ++i) b.client(0).send(64 * i, 0, true, sectors);
     b.client(0).send(0);
-    b.bench.run();
+    b.harness.run();
     const auto cycles = static_cast<std::uint64_t>(std::popcount(sectors));
     EXPECT_EQ(b.client(0).script[20].answered, 1 + 20 * cycles + 1 + 1 + 1);
   }
 }
 
 TEST(CorePort, CountsHowLongRequestsAndLinesWait) {
-  PortBench b(1, 1, 64, 1, 16);
+  PortHarness b(1, 1, 64, 1, 16);
   for (Addr i = 0; i < 4; ++i) b.client(0).send(64 * i);
-  b.bench.run();
+  b.harness.run();
   EXPECT_EQ(b.port().stats().request_wait, 0U) << "one a cycle, as they come";
   EXPECT_EQ(b.port().stats().line_wait, 3U + 6 + 9) << "a line takes four cycles and comes each cycle";
 }

@@ -2,19 +2,19 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/hw_models/memory/dram_bench.h"
+#include "tests/hw_models/memory/dram_harness.h"
 
 namespace hw::test {
 namespace {
 
 // The closed forms below are sums of JEDEC parameters in cycles of the command clock.
 const DramTiming kT;
-constexpr std::uint64_t kWires = DramBench::kWires;
+constexpr std::uint64_t kWires = DramHarness::kWires;
 const std::uint64_t kLine = 2 * kT.burst;
 const std::uint64_t kHit = kT.rl + kT.dqsck + kLine;
 
 TEST(DramChannel, ALoneReadOfAClosedBankTakesActivateReadAndTwoBursts) {
-  DramBench b;
+  DramHarness b;
   b.requester().send(b.row(3, 5));
   b.run();
   EXPECT_EQ(b.latency(0), kT.rcd + kHit + kWires);
@@ -25,7 +25,7 @@ TEST(DramChannel, ALoneReadOfAClosedBankTakesActivateReadAndTwoBursts) {
 }
 
 TEST(DramChannel, ARowHitTakesOnlyTheRead) {
-  DramBench b;
+  DramHarness b;
   b.requester().send(b.row(0, 1));
   b.requester().send(b.row(0, 1) + 64, 500);
   b.run();
@@ -34,7 +34,7 @@ TEST(DramChannel, ARowHitTakesOnlyTheRead) {
 }
 
 TEST(DramChannel, ARowConflictTakesPrechargeActivateAndRead) {
-  DramBench b;
+  DramHarness b;
   b.requester().send(b.row(0, 1));
   b.requester().send(b.row(0, 2), 500);
   b.run();
@@ -43,7 +43,7 @@ TEST(DramChannel, ARowConflictTakesPrechargeActivateAndRead) {
 }
 
 TEST(DramChannel, AnEarlyRowConflictWaitsForTheRowsMinimumTime) {
-  DramBench b;
+  DramHarness b;
   b.requester().send(b.row(0, 1));
   b.requester().send(b.row(0, 2));
   b.run();
@@ -54,7 +54,7 @@ TEST(DramChannel, AnEarlyRowConflictWaitsForTheRowsMinimumTime) {
 }
 
 TEST(DramChannel, RowHitsFollowEachOtherWithoutAGapOnTheDataBus) {
-  DramBench b;
+  DramHarness b;
   for (Addr i = 0; i < 32; ++i) b.requester().send(b.row(0, 0) + 64 * i);
   b.run();
   EXPECT_EQ(b.requester().script[31].answered, kWires + kT.rcd + kHit + 31 * kLine);
@@ -62,19 +62,19 @@ TEST(DramChannel, RowHitsFollowEachOtherWithoutAGapOnTheDataBus) {
 }
 
 TEST(DramChannel, TheFabricIsPartOfEveryReadsLatency) {
-  DramConfig c = DramBench::quiet();
+  DramConfig c = DramHarness::quiet();
   c.fabric = {50'000'000};
-  DramBench b(c);
+  DramHarness b(c);
   b.requester().send(0);
   b.run();
   EXPECT_EQ(b.latency(0), kT.rcd + kHit + kWires + 80) << "50 ns are 80 cycles of 0.625 ns";
 }
 
 TEST(DramChannel, FourActivatesFillTheWindow) {
-  DramConfig c = DramBench::quiet();
+  DramConfig c = DramHarness::quiet();
   c.timing.faw = 120;
   c.timing.ca_activate = c.timing.ca_column = 1;
-  DramBench b(c);
+  DramHarness b(c);
   for (std::uint32_t bank = 0; bank < 8; ++bank) b.requester().send(b.row(bank, 0));
   b.run();
   for (std::uint64_t i = 0; i < 8; ++i) {
@@ -84,7 +84,7 @@ TEST(DramChannel, FourActivatesFillTheWindow) {
 }
 
 TEST(DramChannel, AReadAfterAWriteWaitsForTheTurnaround) {
-  DramBench b;
+  DramHarness b;
   b.requester().send(b.row(0, 0), 0, true);
   b.requester().send(b.row(0, 0) + 64, kT.rcd + 1);
   b.run();
@@ -96,9 +96,9 @@ TEST(DramChannel, AReadAfterAWriteWaitsForTheTurnaround) {
 }
 
 TEST(DramChannel, ARequestToARefreshingBankWaitsForTheRefresh) {
-  DramConfig c = DramBench::quiet();
+  DramConfig c = DramHarness::quiet();
   c.timing.refi_pb = 780;
-  DramBench b(c);
+  DramHarness b(c);
   b.requester().send(b.row(0, 0), 780);
   b.run();
   EXPECT_EQ(b.requester().script[0].answered, 780 + kT.rfc_pb + kT.rcd + kHit + 1);
@@ -106,9 +106,9 @@ TEST(DramChannel, ARequestToARefreshingBankWaitsForTheRefresh) {
 }
 
 TEST(DramChannel, RefreshesGoOnWhileNothingElseHappens) {
-  DramConfig c = DramBench::quiet();
+  DramConfig c = DramHarness::quiet();
   c.timing.refi_pb = 780;
-  DramBench b(c);
+  DramHarness b(c);
   b.requester().send(b.row(7, 0));
   b.requester().send(b.row(7, 0), 1'000'000);
   const std::uint64_t cycles = b.run();
@@ -121,9 +121,9 @@ TEST(DramChannel, RefreshesGoOnWhileNothingElseHappens) {
 TEST(DramChannel, RefreshCostsAStreamLessThanItsShareOfTime) {
   std::uint64_t cycles[2];
   for (const int with : {0, 1}) {
-    DramConfig c = DramBench::quiet();
+    DramConfig c = DramHarness::quiet();
     c.timing.refi_pb = with ? 780 : 0;
-    DramBench b(c);
+    DramHarness b(c);
     for (Addr i = 0; i < 20000; ++i) b.requester().send(64 * i);
     cycles[with] = b.run();
   }
@@ -134,10 +134,10 @@ TEST(DramChannel, RefreshCostsAStreamLessThanItsShareOfTime) {
 TEST(DramChannel, AStreamOfRowHitsCannotStarveAnotherRow) {
   std::uint64_t worst[2];
   for (const int limited : {0, 1}) {
-    DramConfig c = DramBench::quiet();
+    DramConfig c = DramHarness::quiet();
     c.organisation.page = {1 << 16};
     c.controller.age_limit = limited ? 500 : 1'000'000;
-    DramBench b(c, 2);
+    DramHarness b(c, 2);
     for (Addr i = 0; i < 900; ++i) b.requester(0).send(b.row(0, 0) + 64 * i);
     b.requester(1).send(b.row(0, 1), 200);
     b.run();
@@ -149,9 +149,9 @@ TEST(DramChannel, AStreamOfRowHitsCannotStarveAnotherRow) {
 
 TEST(DramChannel, SaturatingReadsCannotStarveAWriteNorWritesARead) {
   for (const bool writes : {false, true}) {
-    DramConfig c = DramBench::quiet();
+    DramConfig c = DramHarness::quiet();
     c.controller.age_limit = 800;
-    DramBench b(c, 2);
+    DramHarness b(c, 2);
     for (Addr i = 0; i < 3000; ++i) b.requester(0).send(sim::hash(i) % 4096 * 64, 0, writes);
     b.requester(1).send(b.row(2, 9), 2000, !writes);
     b.requester(1).send(b.row(3, 9), 2001, false);
@@ -161,9 +161,9 @@ TEST(DramChannel, SaturatingReadsCannotStarveAWriteNorWritesARead) {
 }
 
 TEST(DramChannel, WritesWaitForTheirMarkWhileReadsGo) {
-  DramConfig c = DramBench::quiet();
+  DramConfig c = DramHarness::quiet();
   c.controller.age_limit = 100'000;
-  DramBench b(c, 2);
+  DramHarness b(c, 2);
   for (Addr i = 0; i < 400; ++i) b.requester(0).send(64 * i);
   for (Addr i = 0; i < 20; ++i) b.requester(1).send((1 << 20) + 64 * i, 100, true);
   b.run();
@@ -172,9 +172,9 @@ TEST(DramChannel, WritesWaitForTheirMarkWhileReadsGo) {
 }
 
 TEST(DramChannel, OnceTheirHighMarkIsReachedWritesGoDownToTheLowMark) {
-  DramConfig c = DramBench::quiet();
+  DramConfig c = DramHarness::quiet();
   c.controller.write_queue = c.controller.write_high = 24;
-  DramBench b(c, 2);
+  DramHarness b(c, 2);
   for (Addr i = 0; i < 30; ++i) b.requester(0).send(64 * i, 0, true);
   b.requester(1).send(b.row(0, 0) + 30 * 64, 100);
   b.run();
@@ -184,9 +184,9 @@ TEST(DramChannel, OnceTheirHighMarkIsReachedWritesGoDownToTheLowMark) {
 }
 
 TEST(DramChannel, EverythingThatEntersLeavesAndIsCounted) {
-  DramConfig c = DramBench::quiet();
+  DramConfig c = DramHarness::quiet();
   c.timing.refi_pb = 780;
-  DramBench b(c, 3);
+  DramHarness b(c, 3);
   for (std::uint64_t i = 0; i < 3000; ++i)
     b.requester(i % 3).send(sim::hash(i) % 65536 * 64, 4 * i, sim::hash(i, 1) % 3 == 0);
   const std::uint64_t cycles = b.run();
@@ -208,7 +208,7 @@ TEST(DramChannel, EverythingThatEntersLeavesAndIsCounted) {
 }
 
 TEST(DramChannel, ASlowClientIsChargedToReturnsFullAndStillServed) {
-  DramBench b(DramBench::quiet(), 1, 1);
+  DramHarness b(DramHarness::quiet(), 1, 1);
   b.requester().pop_every = 100;
   for (Addr i = 0; i < 200; ++i) b.requester().send(64 * i);
   b.run();
@@ -220,7 +220,7 @@ TEST(DramChannel, RandomTrafficDoesNotDependOnHowTheEngineVisitsIt) {
   for (const std::uint64_t seed : {1U, 2U, 3U, 4U, 5U, 6U}) {
     std::string expected;
     for (const Mode mode : {Mode::kSkip, Mode::kEveryEdge, Mode::kShuffled}) {
-      DramConfig c = DramBench::quiet();
+      DramConfig c = DramHarness::quiet();
       c.timing.refi_pb = seed % 2 == 0 ? 780 : 97;
       c.timing.rfc_pb = seed % 2 == 0 ? 224 : 40;
       c.controller.age_limit = seed % 3 == 0 ? 60 : 1600;
@@ -231,7 +231,7 @@ TEST(DramChannel, RandomTrafficDoesNotDependOnHowTheEngineVisitsIt) {
       c.fabric = {sim::Time{10'000'000} * (seed % 4)};
       if (seed == 2) c.controller.refresh_order = RefreshOrder::kRoundRobin;
       if (seed == 3) c.organisation.bank_groups = 4, c.timing.ccd_s = c.timing.burst = 2, c.timing.ccd_l = 4;
-      DramBench b(c, 3, seed % 2 == 0 ? 1 : 8);
+      DramHarness b(c, 3, seed % 2 == 0 ? 1 : 8);
       b.requester(0).pop_every = seed == 5 ? 50 : 1;
       b.requester(2).most_outstanding = 2;
       for (std::uint64_t i = 0; i < 1500; ++i) {
@@ -240,7 +240,7 @@ TEST(DramChannel, RandomTrafficDoesNotDependOnHowTheEngineVisitsIt) {
                                 sim::hash(i, seed, 1) % 3 == 0);
       }
       b.run(mode);
-      const std::string all = b.bench.everything(b.end);
+      const std::string all = b.harness.everything(b.end);
       if (mode == Mode::kSkip) expected = all;
       ASSERT_EQ(all, expected) << "seed " << seed;
     }

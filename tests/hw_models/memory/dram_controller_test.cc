@@ -2,7 +2,7 @@
 
 #include "hw_models/memory/dram_closed_forms.h"
 #include "hw_models/memory/dram_player.h"
-#include "tests/hw_models/memory/dram_bench.h"
+#include "tests/hw_models/memory/dram_harness.h"
 
 // What the controller may be told: page policies, schedulers, refreshes, power-down; and a device of two ranks.
 
@@ -10,11 +10,11 @@ namespace hw::test {
 namespace {
 
 const DramTiming kT;
-const DramClosedForms kForm{DramBench::quiet()};
+const DramClosedForms kForm{DramHarness::quiet()};
 
 /// Requests for rows of one channel, played alone. Times in cycles.
 struct Script {
-  explicit Script(DramConfig c = DramBench::quiet()) : config(std::move(c)) {}
+  explicit Script(DramConfig c = DramHarness::quiet()) : config(std::move(c)) {}
 
   void read(std::uint32_t bank, Addr row, std::uint64_t cycle = 0, Addr line = 0) {
     const Addr page = row * config.organisation.all_banks() + bank;
@@ -33,7 +33,7 @@ struct Script {
 };
 
 DramConfig with(auto&& change) {
-  DramConfig c = DramBench::quiet();
+  DramConfig c = DramHarness::quiet();
   change(c);
   return c;
 }
@@ -88,7 +88,7 @@ TEST(AdaptivePages, AreLeftOpenAgainWhereTheNextRequestWantsTheSameRow) {
 }
 
 TEST(Scheduler, FirstComeFirstServedLetsNobodyOvertakeNorPrepare) {
-  std::array<Script, 2> scripts{Script(DramBench::quiet()),
+  std::array<Script, 2> scripts{Script(DramHarness::quiet()),
                                 Script(with([](DramConfig& c) { c.controller.scheduler = DramScheduler::kFcfs; }))};
   for (Script& s : scripts) {
     s.read(0, 1);
@@ -154,7 +154,7 @@ TEST(PowerDown, IsLeftForEveryRefresh) {
     d.controller.power_down = true;
     d.timing.refi_pb = 780;
   });
-  DramBench b(c);
+  DramHarness b(c);
   b.requester().send(b.row(7, 0));
   b.requester().send(b.row(7, 0), 100'000);
   const std::uint64_t cycles = b.run();
@@ -172,7 +172,7 @@ TEST(PowerDown, WaitsForAPrechargeThatIsBookedAhead) {
     d.controller.page_policy = PagePolicy::kClosed;
     d.timing.refi_pb = 0;
   });
-  DramBench b(c);
+  DramHarness b(c);
   for (const std::uint32_t i : {0U, 1U, 2U}) b.requester().send(b.row(i, 0), 2000 * i, true);
   const std::uint64_t cycles = b.run();
   const DramChannel::Stats& s = b.stats();
@@ -230,13 +230,13 @@ TEST(Ranks, LieAboveTheirBanksInTheAddress) {
 }
 
 TEST(IdealChannel, AnswersAnyNumberACycleLater) {
-  DramBench b(DramBench::quiet(), 3, 64, true);
+  DramHarness b(DramHarness::quiet(), 3, 64, true);
   for (std::uint64_t i = 0; i < 300; ++i) b.requester(i % 3).send(sim::hash(i) % 65536 * 64, 0, i % 5 == 4);
   b.run();
   for (std::size_t r = 0; r < 3; ++r) {
     for (const auto& sent : b.requester(r).script) {
       if (!sent.request.write) {
-        EXPECT_EQ(sent.latency(), DramBench::kWires);
+        EXPECT_EQ(sent.latency(), DramHarness::kWires);
       }
     }
     EXPECT_EQ(b.requester(r).script[99].cycle, 99U) << "nobody waits";
@@ -273,7 +273,7 @@ TEST(Controllers, OfEveryKindDoNotDependOnHowTheEngineVisitsThem) {
   for (std::uint64_t seed = 0; seed < 24; ++seed) {
     std::string expected;
     for (const Mode mode : {Mode::kSkip, Mode::kEveryEdge, Mode::kShuffled}) {
-      DramConfig c = DramBench::quiet();
+      DramConfig c = DramHarness::quiet();
       c.controller.page_policy = static_cast<PagePolicy>(seed % 3);
       c.controller.refresh = static_cast<RefreshKind>(seed / 3 % 2);
       c.controller.power_down = seed / 6 % 2 == 1;
@@ -285,7 +285,7 @@ TEST(Controllers, OfEveryKindDoNotDependOnHowTheEngineVisitsThem) {
       c.timing.refi_pb = 780;
       c.timing.refi_ab = 1600;
       const bool ideal = seed == 23;
-      DramBench b(c, 3, seed % 4 == 0 ? 1 : 8, ideal);
+      DramHarness b(c, 3, seed % 4 == 0 ? 1 : 8, ideal);
       b.requester(0).pop_every = seed % 7 == 0 ? 50 : 1;
       for (std::uint64_t i = 0; i < 900; ++i) {
         const std::uint64_t pause = i / 150 * 4321;
@@ -305,7 +305,7 @@ TEST(Controllers, OfEveryKindDoNotDependOnHowTheEngineVisitsThem) {
         EXPECT_LE(part, c.organisation.ranks * cycles) << "seed " << seed;
       }
       EXPECT_EQ(s.reads + s.writes, 900U);
-      const std::string all = b.bench.everything(b.end);
+      const std::string all = b.harness.everything(b.end);
       if (mode == Mode::kSkip) expected = all;
       ASSERT_EQ(all, expected) << "seed " << seed;
     }

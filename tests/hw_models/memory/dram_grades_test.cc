@@ -5,7 +5,7 @@
 
 #include "hw_models/memory/dram_energy.h"
 #include "sim/config/config.h"
-#include "tests/hw_models/memory/dram_bench.h"
+#include "tests/hw_models/memory/dram_harness.h"
 
 namespace hw::test {
 namespace {
@@ -31,7 +31,7 @@ INSTANTIATE_TEST_SUITE_P(All, DramGrades,
                            return name;
                          });
 
-double gbps(DramBench& b, std::uint64_t lines) {
+double gbps(DramHarness& b, std::uint64_t lines) {
   b.run();
   return static_cast<double>(64 * lines) / static_cast<double>(b.end) * 1e6;
 }
@@ -40,7 +40,7 @@ TEST_P(DramGrades, ASequentialStreamReachesNineTenthsOfThePeak) {
   for (const bool write : {false, true}) {
     DramConfig c = load();
     c.channels = 1;
-    DramBench b(c);
+    DramHarness b(c);
     for (Addr i = 0; i < 40000; ++i) b.requester().send(64 * i, 0, write);
     const double reached = gbps(b, 40000);
     EXPECT_GT(reached, 0.9 * GetParam().channel_gbps) << (write ? "writes" : "reads");
@@ -52,7 +52,7 @@ TEST_P(DramGrades, ASequentialStreamReachesNineTenthsOfThePeak) {
 TEST_P(DramGrades, RandomReadsAreBoundByActivatesOrTheBus) {
   DramConfig c = load();
   c.channels = 1;
-  DramBench b(c);
+  DramHarness b(c);
   for (std::uint64_t i = 0; i < 20000; ++i) b.requester().send(sim::hash(i) % (1 << 24) * 64);
   const double reached = gbps(b, 20000);
   const double window = 64.0 * 4 / (static_cast<double>(c.timing.faw) * static_cast<double>(c.timing.ck.time)) * 1e6;

@@ -112,7 +112,7 @@ class Echo {
 enum class Mode { kSkip, kEveryEdge, kShuffled };
 
 /// Any number of units of each kind and the links between them.
-class Bench {
+class Harness {
  public:
   std::list<Requester> requesters;
   std::list<CorePort> ports;

@@ -1,15 +1,15 @@
 #include <gtest/gtest.h>
 
-#include "tests/hw_models/memory/bank_bench.h"
+#include "tests/hw_models/memory/bank_harness.h"
 
 namespace hw::test {
 namespace {
 
 TEST(L2Bank, AMissTakesLookUpMemoryAndFillAHitItsPipe) {
-  BankBench b;
+  BankHarness b;
   b.core(0).send(640);
   b.core(0).send(640, 200);
-  b.bench.run();
+  b.harness.run();
   EXPECT_EQ(b.core(0).script[0].latency(), kMiss);
   EXPECT_EQ(b.core(0).script[1].latency(), kHit);
   EXPECT_EQ(b.stats().hits, 1U);
@@ -17,18 +17,18 @@ TEST(L2Bank, AMissTakesLookUpMemoryAndFillAHitItsPipe) {
 }
 
 TEST(L2Bank, HitsLeaveOnePerCycle) {
-  BankBench b;
+  BankHarness b;
   b.core(0).send(0);
   for (std::uint64_t i = 0; i < 30; ++i) b.core(0).send(0, 200);
-  b.bench.run();
+  b.harness.run();
   EXPECT_EQ(b.core(0).script[30].answered, 200 + 29 + kHit);
 }
 
 TEST(L2Bank, ALineOnItsWayIsFetchedOnceForAllWhoWant) {
-  BankBench b;
+  BankHarness b;
   for (std::size_t core : {0U, 1U})
     for (int i = 0; i < 3; ++i) b.core(core).send(640);
-  b.bench.run();
+  b.harness.run();
   EXPECT_EQ(b.fetched(), 1U);
   EXPECT_EQ(b.stats().merges, 5U);
   EXPECT_EQ(b.stats().misses, 6U);
@@ -36,11 +36,11 @@ TEST(L2Bank, ALineOnItsWayIsFetchedOnceForAllWhoWant) {
 }
 
 TEST(L2Bank, FullMissRegistersHoldUpTheHeadAndAllBehindIt) {
-  BankBench b;
+  BankHarness b;
   b.core(0).send(6400);
   for (Addr i = 0; i < 5; ++i) b.core(0).send(64 * i, 200);
   b.core(0).send(6400, 200);
-  b.bench.run();
+  b.harness.run();
   EXPECT_EQ(b.core(0).script[4].answered - 200, kMiss + 3) << "the fourth MSHR";
   const std::uint64_t fill = kMiss - 2;  // a reply and a wire before the first answer: an MSHR is free again
   EXPECT_EQ(b.core(0).script[5].answered - 200, fill + kMiss - 1) << "from there as any miss, but for the first wire";
@@ -49,11 +49,11 @@ TEST(L2Bank, FullMissRegistersHoldUpTheHeadAndAllBehindIt) {
 }
 
 TEST(L2Bank, ALinesTargetsAreLimited) {
-  L2Config c = BankBench::small();
+  L2Config c = BankHarness::small();
   c.targets = 2;
-  BankBench b(c);
+  BankHarness b(c);
   for (int i = 0; i < 5; ++i) b.core(0).send(640);
-  b.bench.run();
+  b.harness.run();
   EXPECT_EQ(b.stats().merges, 1U);
   EXPECT_EQ(b.stats().hits, 3U) << "those that waited in the head find the line filled";
   EXPECT_EQ(b.fetched(), 1U);
@@ -63,15 +63,15 @@ TEST(L2Bank, RandomTrafficDoesNotDependOnHowTheEngineVisitsIt) {
   for (const std::uint64_t seed : {1U, 2U, 3U, 4U}) {
     std::string expected;
     for (const Mode mode : {Mode::kSkip, Mode::kEveryEdge, Mode::kShuffled}) {
-      L2Config c = BankBench::small();
+      L2Config c = BankHarness::small();
       c.cache.mshrs = seed < 3 ? 4 : 1;
       c.targets = seed % 2 == 0 ? 16 : 2;
-      BankBench b(c, 3, seed == 1 ? 1 : seed == 2 ? 16 : 4, seed == 4 ? 1 : 50);
+      BankHarness b(c, 3, seed == 1 ? 1 : seed == 2 ? 16 : 4, seed == 4 ? 1 : 50);
       b.core(1).pop_every = seed == 3 ? 20 : 1;
       for (std::uint64_t i = 0; i < 1500; ++i)
         b.core(i % 3).send(sim::hash(i, seed) % (128 * seed) * 64, i / 500 * 20000 + i % 500 * (seed - 1));
-      const sim::Time end = b.bench.run(mode);
-      const std::string all = b.bench.everything(end);
+      const sim::Time end = b.harness.run(mode);
+      const std::string all = b.harness.everything(end);
       if (mode == Mode::kSkip) expected = all;
       ASSERT_EQ(all, expected) << "seed " << seed;
       const L2Bank::Stats& s = b.stats();

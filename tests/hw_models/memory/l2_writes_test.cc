@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/hw_models/memory/bank_bench.h"
+#include "tests/hw_models/memory/bank_harness.h"
 
-// Lines are 64 bytes in eight sectors. The bench asks for a flush at the end, so that nothing dirty is left.
+// Lines are 64 bytes in eight sectors. The harness asks for a flush at the end, so that nothing dirty is left.
 
 namespace hw::test {
 namespace {
@@ -12,16 +12,16 @@ namespace {
 constexpr SectorMask kFirstHalf = 0x0f, kSecondHalf = 0xf0;
 
 L2Config policy(L2Writes writes) {
-  L2Config c = BankBench::small();
+  L2Config c = BankHarness::small();
   c.writes = writes;
   return c;
 }
 
 TEST(L2Writes, WhatWasWrittenIsReadAsAHitAndNothingIsFetched) {
-  BankBench b;
+  BankHarness b;
   b.core(0).send(640, 0, true);
   b.core(0).send(640);
-  b.bench.run();
+  b.harness.run();
   EXPECT_EQ(b.core(0).script[1].latency(), kHit);
   EXPECT_EQ(b.stats().fills, 0U);
   EXPECT_EQ(b.stats().stored, 1U);
@@ -29,22 +29,22 @@ TEST(L2Writes, WhatWasWrittenIsReadAsAHitAndNothingIsFetched) {
 }
 
 TEST(L2Writes, APartIsReadAsAHitIfNoMoreIsWanted) {
-  BankBench b;
+  BankHarness b;
   b.core(0).send(640, 0, true, kFirstHalf);
   b.core(0).send(640, 0, false, 0x06);
-  b.bench.run();
+  b.harness.run();
   EXPECT_EQ(b.core(0).script[1].latency(), kHit);
   EXPECT_EQ(b.stats().fills, 0U);
   EXPECT_EQ(b.written(), 32U);
 }
 
 TEST(L2Writes, AReadOfMoreThanIsThereFetchesTheLineAroundIt) {
-  BankBench b;
+  BankHarness b;
   b.core(0).send(640, 0, true, kFirstHalf);
   b.core(0).send(640, 10, false, 0x1f);
   b.core(0).send(640, 12, true, kSecondHalf);  // while it is fetched
   b.core(0).send(640, 100);
-  b.bench.run();
+  b.harness.run();
   EXPECT_EQ(b.core(0).script[1].latency(), kMiss);
   EXPECT_EQ(b.core(0).script[3].latency(), kHit);
   EXPECT_EQ(b.stats().fills, 1U);
@@ -54,43 +54,43 @@ TEST(L2Writes, AReadOfMoreThanIsThereFetchesTheLineAroundIt) {
 }
 
 TEST(L2Writes, ADirtyVictimGoesToMemoryWithItsPiecesOnly) {
-  L2Config c = BankBench::small();
-  BankBench b(c);
+  L2Config c = BankHarness::small();
+  BankHarness b(c);
   const Addr stride = 64 * c.cache.sets();
   b.core(0).send(0, 0, true, 0x01);
   for (Addr i = 1; i <= c.cache.ways; ++i) b.core(0).send(i * stride, 100 * i);
   b.core(0).send(0, 2000);
-  b.bench.run();
+  b.harness.run();
   EXPECT_EQ(b.written(), 8U);
   EXPECT_EQ(b.stats().written_back, 1U);
   EXPECT_EQ(b.stats().fills, c.cache.ways + 1U) << "the line itself had to be fetched again";
 }
 
 TEST(L2Writes, APieceWrittenTwiceReachesMemoryOnce) {
-  BankBench b;
+  BankHarness b;
   for (int i = 0; i < 5; ++i) b.core(0).send(640, 0, true, kFirstHalf);
-  b.bench.run();
+  b.harness.run();
   EXPECT_EQ(b.written(), 32U);
   EXPECT_EQ(b.stats().bytes_overwritten, 4 * 32U);
   EXPECT_EQ(b.stats().write_hits, 4U);
 }
 
 TEST(L2Writes, AWriteIsTakenEachCycle) {
-  BankBench b;
+  BankHarness b;
   for (Addr i = 0; i < 50; ++i) b.core(0).send(64 * (i % 16), 0, true);
   b.core(0).send(0);
-  b.bench.run();
+  b.harness.run();
   EXPECT_EQ(b.core(0).script[50].answered, 50 + kHit);
 }
 
 TEST(L2Writes, ThroughBringsTheLineUpToDateAndGoesOn) {
-  BankBench b(policy(L2Writes::kThrough));
+  BankHarness b(policy(L2Writes::kThrough));
   b.core(0).send(640);
   b.core(0).send(640, 100, true, kFirstHalf);
   b.core(0).send(640, 101);
   b.core(0).send(1280, 200, true);
   b.core(0).send(1280, 201);
-  b.bench.run();
+  b.harness.run();
   EXPECT_EQ(b.core(0).script[2].latency(), kHit);
   EXPECT_EQ(b.core(0).script[4].latency(), kMiss) << "a write brings no line in";
   EXPECT_EQ(b.stats().stored, 1U);
@@ -100,11 +100,11 @@ TEST(L2Writes, ThroughBringsTheLineUpToDateAndGoesOn) {
 }
 
 TEST(L2Writes, AroundForgetsTheLineAndGoesOn) {
-  BankBench b(policy(L2Writes::kAround));
+  BankHarness b(policy(L2Writes::kAround));
   b.core(0).send(640);
   b.core(0).send(640, 100, true, kFirstHalf);
   b.core(0).send(640, 101);
-  b.bench.run();
+  b.harness.run();
   EXPECT_EQ(b.core(0).script[2].latency(), kMiss);
   EXPECT_EQ(b.stats().write_hits, 1U);
   EXPECT_EQ(b.stats().stored, 0U);
@@ -112,11 +112,11 @@ TEST(L2Writes, AroundForgetsTheLineAndGoesOn) {
 }
 
 TEST(L2Writes, LatencyIsCountedFromArrivalToLeavingAndTheWaitForMemoryIsPartOfIt) {
-  BankBench b;
+  BankHarness b;
   b.core(0).send(640);
   b.core(0).send(640, 200);
   b.core(0).send(640, 200, true);
-  b.bench.run();
+  b.harness.run();
   EXPECT_EQ(b.stats().latency, (kMiss - 2) + (kHit - 2)) << "without the wires to the bank and from it";
   EXPECT_EQ(b.stats().memory_cycles, kMiss - 3) << "the line leaves in the cycle after its fill";
 }
@@ -131,15 +131,15 @@ TEST(L2Writes, WhatIsWrittenReachesMemoryOnceOrIsOverwrittenHoweverTheEngineVisi
       c.cache.size = {seed % 2 == 0 ? 512U : 4096U};
       c.targets = seed % 5 == 0 ? 1 : 16;
       const std::size_t capacity = seed % 4 == 1 ? 1 : 8;
-      BankBench b(c, 3, capacity, seed % 4 == 2 ? 1 : 30, static_cast<Arbitration>(seed % 3));
+      BankHarness b(c, 3, capacity, seed % 4 == 2 ? 1 : 30, static_cast<Arbitration>(seed % 3));
       b.core(1).pop_every = seed == 3 ? 20 : 1;
       for (std::uint64_t i = 0; i < 1200; ++i) {
         const bool write = sim::hash(i, seed, 1) % 2 == 0;
         const auto sectors = static_cast<SectorMask>(sim::hash(i, seed, 2) % 255 + 1);
         b.core(i % 3).send(sim::hash(i, seed) % 100 * 64, i / 400 * 20000 + i % 400 * (seed % 4), write, sectors);
       }
-      const sim::Time end = b.bench.run(mode);
-      const std::string all = b.bench.everything(end);
+      const sim::Time end = b.harness.run(mode);
+      const std::string all = b.harness.everything(end);
       if (mode == Mode::kSkip) expected = all;
       ASSERT_EQ(all, expected) << "seed " << seed;
       const L2Bank::Stats& s = b.stats();

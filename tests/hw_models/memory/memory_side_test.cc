@@ -26,7 +26,7 @@ struct MemorySide {
         const std::size_t port = cache_port(core) + is_dma;
         auto& up = request(kClock, kClock, 1, requester, port);
         auto& down = response(kClock, kClock, net.latency, port, requester);
-        bench.requesters.emplace_back(kClock, up, down).source = static_cast<std::uint16_t>(is_dma ? 0 : i);
+        harness.requesters.emplace_back(kClock, up, down).source = static_cast<std::uint16_t>(is_dma ? 0 : i);
         (is_dma ? dma : cache).clients_in.push_back(&up);
         (is_dma ? dma : cache).clients_out.push_back(&down);
       }
@@ -42,8 +42,8 @@ struct MemorySide {
         channels[c].ports_in.push_back(dma.targets_out.back());
         channels[c].ports_out.push_back(dma.targets_in.back());
       }
-      bench.ports.emplace_back(net, cache, l2.interleave(), kClock);
-      bench.ports.emplace_back(net, dma, dram.interleave(), kClock);
+      harness.ports.emplace_back(net, cache, l2.interleave(), kClock);
+      harness.ports.emplace_back(net, dma, dram.interleave(), kClock);
     }
     for (std::size_t b = 0; b < l2.banks; ++b) {
       for (std::size_t c = 0; c < dram.channels; ++c) {
@@ -52,28 +52,28 @@ struct MemorySide {
         channels[c].ports_in.push_back(banks[b].channels_out.back());
         channels[c].ports_out.push_back(banks[b].channels_in.back());
       }
-      bench.banks.emplace_back(l2, static_cast<std::uint16_t>(b), banks[b], dram.interleave(), kClock);
+      harness.banks.emplace_back(l2, static_cast<std::uint16_t>(b), banks[b], dram.interleave(), kClock);
     }
-    for (const auto& links : channels) bench.channels.emplace_back(dram, links);
+    for (const auto& links : channels) harness.channels.emplace_back(dram, links);
   }
 
   Requester& client(std::size_t core, std::size_t i) {
-    return *std::next(bench.requesters.begin(), static_cast<long>(core * (kClients + 1) + i));
+    return *std::next(harness.requesters.begin(), static_cast<long>(core * (kClients + 1) + i));
   }
   Requester& dma(std::size_t core) { return client(core, kClients); }
 
-  Bench bench;
+  Harness harness;
 
  private:
   sim::Link<MemRequest>& request(sim::Clock from, sim::Clock to, std::uint64_t latency, std::size_t a, std::size_t b) {
-    auto& link = bench.link<MemRequest>(depth_, latency, from, to);
-    bench.connect(link, a, b);
+    auto& link = harness.link<MemRequest>(depth_, latency, from, to);
+    harness.connect(link, a, b);
     return link;
   }
   sim::Link<MemResponse>& response(sim::Clock from, sim::Clock to, std::uint64_t latency, std::size_t a,
                                    std::size_t b) {
-    auto& link = bench.link<MemResponse>(depth_, latency, from, to);
-    bench.connect(link, a, b);
+    auto& link = harness.link<MemResponse>(depth_, latency, from, to);
+    harness.connect(link, a, b);
     return link;
   }
 
@@ -98,7 +98,7 @@ TEST(MemorySide, AnUncontendedL2MissCosts80To150Nanoseconds) {
   MemorySide m(1, L2Config{}, DramConfig{}, InterconnectConfig{});
   m.client(0, 0).send(64 * 5);
   m.client(0, 0).send(64 * 5, 1000);
-  m.bench.run();
+  m.harness.run();
   const std::uint64_t miss = m.client(0, 0).script[0].latency() * 2;
   const std::uint64_t hit = m.client(0, 0).script[1].latency() * 2;
   RecordProperty("miss_ns", static_cast<int>(miss));
@@ -110,19 +110,19 @@ TEST(MemorySide, AnUncontendedL2MissCosts80To150Nanoseconds) {
 TEST(MemorySide, WhatIsAskedForIsAnsweredAndCountedOnceAtEachLevel) {
   MemorySide m(2, L2Config{}, DramConfig{}, InterconnectConfig{});
   random_traffic(m, 8000, 20000, 2);
-  m.bench.run();
+  m.harness.run();
   std::uint64_t requests = 0, lookups = 0, fills = 0, l2_misses = 0, bytes = 0, dma = 0;
-  for (const Requester& r : m.bench.requesters) {
+  for (const Requester& r : m.harness.requesters) {
     EXPECT_TRUE(r.done());
     EXPECT_EQ(r.mistakes, 0);
   }
-  for (const CorePort& p : m.bench.ports) requests += p.stats().requests;
-  for (const L2Bank& b : m.bench.banks) {
+  for (const CorePort& p : m.harness.ports) requests += p.stats().requests;
+  for (const L2Bank& b : m.harness.banks) {
     lookups += b.stats().reads;
     fills += b.stats().fills;
     l2_misses += b.stats().misses - b.stats().merges;
   }
-  for (const DramChannel& c : m.bench.channels) bytes += c.stats().bytes;
+  for (const DramChannel& c : m.harness.channels) bytes += c.stats().bytes;
   for (std::size_t core : {0U, 1U}) dma += m.dma(core).script.size();
   EXPECT_EQ(requests, 8000U);
   EXPECT_EQ(lookups + dma, 8000U);
@@ -144,11 +144,11 @@ TEST(MemorySide, RandomTrafficDoesNotDependOnHowTheEngineVisitsIt) {
         MemorySide m(cores, l2, dram, net);
         random_traffic(m, 3000, cores == 1 ? 1000 : 50000, cores);
         m.client(0, 1).pop_every = 9;
-        const sim::Time end = m.bench.run(mode);
-        const std::string all = m.bench.everything(end);
+        const sim::Time end = m.harness.run(mode);
+        const std::string all = m.harness.everything(end);
         if (mode == Mode::kSkip) expected = all;
         ASSERT_EQ(all, expected) << "depth " << depth << ", cores " << cores;
-        for (const sim::UnitReport& r : m.bench.reports()) {
+        for (const sim::UnitReport& r : m.harness.reports()) {
           const std::uint64_t period = r.path == "dram" ? dram.timing.ck.time : kClock.period();
           EXPECT_EQ(r.elapsed, end / period + 1) << r.path;
         }

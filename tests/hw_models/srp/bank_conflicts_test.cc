@@ -5,15 +5,15 @@
 #include "hw_models/srp/schedule.h"
 #include "shader_kernels/catalogue.h"
 #include "tests/hw_models/srp/graph_builder.h"
-#include "tests/hw_models/srp/srp_bench.h"
+#include "tests/hw_models/srp/srp_harness.h"
 
 namespace hw {
 namespace {
 
 using kernels::Op;
 using test::GraphBuilder;
-using testing::SrpBench;
-using testing::TileBuilder;
+using test::SrpHarness;
+using test::TileBuilder;
 
 /// Cycles lost per item, times 16, with four ports.
 std::uint64_t per_16_items(const GraphBuilder& g, std::uint32_t banks) {
@@ -82,13 +82,13 @@ TEST(BankConflicts, MoreBanksNeverMakeAKernelOfTheCatalogueSlower) {
 }
 
 TEST(Srp, StandsStillForBanksAndSaysSo) {
-  SrpBench bench({}, {{.ii = 4, .depth = 50, .conflicts = {3, 4}}});
+  SrpHarness harness({}, {{.ii = 4, .depth = 50, .conflicts = {3, 4}}});
   TileBuilder work;
   work.launch(0, 9);
-  bench.add(work.build()).run();
-  EXPECT_EQ(bench.spent(Srp::CycleReason::kBanks), 6U) << "three cycles in every four items";
-  EXPECT_EQ(bench.cycles(0), 100U + 6 + 50 + 8 * 4);
-  EXPECT_EQ(bench.srp().tile_buffer().stats().bank_conflicts, 6U);
+  harness.add(work.build()).run();
+  EXPECT_EQ(harness.spent(Srp::CycleReason::kBanks), 6U) << "three cycles in every four items";
+  EXPECT_EQ(harness.cycles(0), 100U + 6 + 50 + 8 * 4);
+  EXPECT_EQ(harness.srp().tile_buffer().stats().bank_conflicts, 6U);
 }
 
 }  // namespace

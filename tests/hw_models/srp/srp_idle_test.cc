@@ -1,28 +1,28 @@
 #include <gtest/gtest.h>
 
-#include "tests/hw_models/srp/srp_bench.h"
+#include "tests/hw_models/srp/srp_harness.h"
 
 // Items that pass through a loop and do nothing.
 
 namespace hw {
 namespace {
 
-using testing::SrpBench;
-using testing::TileBuilder;
+using test::SrpHarness;
+using test::TileBuilder;
 using traces::Access;
 
 constexpr std::uint32_t kSwitch = 100;
 constexpr traces::KernelId kA = 0, kB = 1;
 
-SrpBench::Setup with_chunk(std::uint32_t chunk) {
-  SrpBench::Setup setup;
+SrpHarness::Setup with_chunk(std::uint32_t chunk) {
+  SrpHarness::Setup setup;
   setup.config.chunk = chunk;
   return setup;
 }
 
 TEST(SrpIdle, IdleItemsTakeTheLoopsTimeAndCountLikeOthers) {
   for (const std::uint32_t chunk : {256U, 16U, 5U}) {
-    SrpBench idle(with_chunk(chunk), {{3, 20}}), busy(with_chunk(chunk), {{3, 20}});
+    SrpHarness idle(with_chunk(chunk), {{3, 20}}), busy(with_chunk(chunk), {{3, 20}});
     TileBuilder some, all;
     some.idle(some.launch(kA, 10), 6);
     all.launch(kA, 16);
@@ -41,38 +41,38 @@ TEST(SrpIdle, IdleItemsTakeTheLoopsTimeAndCountLikeOthers) {
 
 TEST(SrpIdle, IdleItemsTouchNoCache) {
   for (const std::uint32_t chunk : {256U, 2U}) {
-    SrpBench bench(with_chunk(chunk), {{4, 50}});
+    SrpHarness harness(with_chunk(chunk), {{4, 50}});
     TileBuilder work;
     const auto launch = work.launch(kA, {{Access::attributes(0)}, {Access::attributes(1)}, {Access::attributes(2)}});
     work.idle(launch, 5);
     work.launch(kA, {{Access::attributes(3)}}, {TileBuilder::all(launch)});
-    bench.add(work.build()).run();
-    EXPECT_EQ(bench.srp().stats().cache_accesses, 4U) << "the next launch's access is not theirs";
-    EXPECT_EQ(bench.srp().stats().items, 9U);
+    harness.add(work.build()).run();
+    EXPECT_EQ(harness.srp().stats().cache_accesses, 4U) << "the next launch's access is not theirs";
+    EXPECT_EQ(harness.srp().stats().items, 9U);
   }
 }
 
 TEST(SrpIdle, IdleItemsMakeNoRaysAndTakeNoSlots) {
-  SrpBench bench(with_chunk(4), {{2, 30}, {1, 10}});
+  SrpHarness harness(with_chunk(4), {{2, 30}, {1, 10}});
   TileBuilder work;
   const auto launch = work.launch(kA, 6);
   work.idle(launch, 10);
   work.launch(kB, 6, {TileBuilder::each(work.rays(launch, 6))});
-  bench.add(work.build()).run();
-  EXPECT_EQ(bench.rays().size(), 6U);
-  EXPECT_EQ(bench.srp().tile_buffer().stats().slots_taken, 6U);
-  EXPECT_EQ(bench.srp().tile_buffer().used(), 0U);
+  harness.add(work.build()).run();
+  EXPECT_EQ(harness.rays().size(), 6U);
+  EXPECT_EQ(harness.srp().tile_buffer().stats().slots_taken, 6U);
+  EXPECT_EQ(harness.srp().tile_buffer().used(), 0U);
 }
 
 TEST(SrpIdle, ALaunchThatWaitsGoesBeforeTheChunksThatOnlyIdle) {
-  SrpBench bench(with_chunk(8), {{1, 10}, {1, 10}});
+  SrpHarness harness(with_chunk(8), {{1, 10}, {1, 10}});
   TileBuilder work;
   const auto launch = work.launch(kA, 8);
   work.idle(launch, 8);
   work.picture(64, work.launch(kB, 8, {TileBuilder::all(launch)}));
-  bench.add(work.build()).run();
+  harness.add(work.build()).run();
   const std::uint64_t loop = 10 + 7;
-  EXPECT_EQ(bench.done_at(0), 3 * (kSwitch + loop)) << "A, B, then what is left of A while the transfer goes out";
+  EXPECT_EQ(harness.done_at(0), 3 * (kSwitch + loop)) << "A, B, then what is left of A while the transfer goes out";
 }
 
 }  // namespace

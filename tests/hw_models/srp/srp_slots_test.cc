@@ -2,15 +2,15 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/hw_models/srp/srp_bench.h"
+#include "tests/hw_models/srp/srp_harness.h"
 
 // What the shader core does when the tile buffer has few ray slots.
 
 namespace hw {
 namespace {
 
-using testing::SrpBench;
-using testing::TileBuilder;
+using test::SrpHarness;
+using test::TileBuilder;
 
 constexpr std::uint32_t kSwitch = 100, kSamples = 16;
 constexpr traces::KernelId kA = 0, kB = 1;
@@ -25,8 +25,8 @@ traces::TileWork trace_and_shade(std::uint32_t items, std::uint32_t tile = 0, bo
 }
 
 /// A tile buffer with `slots` ray slots for tiles of 16 samples.
-SrpBench::Setup with_slots(std::uint32_t slots) {
-  SrpBench::Setup setup;
+SrpHarness::Setup with_slots(std::uint32_t slots) {
+  SrpHarness::Setup setup;
   setup.tile_samples = kSamples;
   const TileBufferConfig& b = setup.buffer;
   setup.buffer.size.bytes = std::uint64_t{b.tiles_in_flight} * kSamples * b.colour_bytes + slots * b.slot_bytes;
@@ -37,48 +37,48 @@ TEST(Srp, AYoungerTilesFirstRaysLeaveRoomForATileOfTheOldest) {
   for (const auto& [slots, together] :
        {std::pair{2 * kSamples + kSamples, true}, {2 * kSamples + kSamples - 1, false}}) {
     for (const bool reads_first : {false, true}) {
-      SrpBench::Setup setup = with_slots(slots);
+      SrpHarness::Setup setup = with_slots(slots);
       setup.tni_latency = 900;
-      SrpBench bench(setup, {{1, 50}, {1, 50}});
-      bench.add(trace_and_shade(kSamples, 0, reads_first)).add(trace_and_shade(kSamples, 1, reads_first)).run();
+      SrpHarness harness(setup, {{1, 50}, {1, 50}});
+      harness.add(trace_and_shade(kSamples, 0, reads_first)).add(trace_and_shade(kSamples, 1, reads_first)).run();
       const std::uint64_t both = 2 * kSamples;
-      EXPECT_EQ(bench.srp().tile_buffer().stats().slots_peak, together ? both : kSamples) << slots;
-      EXPECT_EQ(bench.srp().tile_buffer().stats().spilled_slots, 0U) << "it waits, it does not spill";
-      EXPECT_EQ(bench.spent(Srp::CycleReason::kNoSlots) > 0, !together);
+      EXPECT_EQ(harness.srp().tile_buffer().stats().slots_peak, together ? both : kSamples) << slots;
+      EXPECT_EQ(harness.srp().tile_buffer().stats().spilled_slots, 0U) << "it waits, it does not spill";
+      EXPECT_EQ(harness.spent(Srp::CycleReason::kNoSlots) > 0, !together);
     }
   }
 }
 
 TEST(Srp, WhatDoesNotFitGoesOutAndInAgainBeforeItsRaysLeave) {
-  SrpBench bench(with_slots(10), {{1, 50}, {1, 50}});
-  bench.add(trace_and_shade(kSamples)).run();
-  EXPECT_EQ(bench.srp().tile_buffer().stats().spilled_slots, kSamples - 10);
-  ASSERT_EQ(bench.transfers().size(), 2U);
-  for (const DmaJob& job : bench.transfers()) EXPECT_EQ(job.bytes, 2 * (kSamples - 10) * 64);
-  EXPECT_TRUE(bench.transfers()[0].write);
-  EXPECT_FALSE(bench.transfers()[1].write);
-  EXPECT_EQ(bench.rays().size(), kSamples);
+  SrpHarness harness(with_slots(10), {{1, 50}, {1, 50}});
+  harness.add(trace_and_shade(kSamples)).run();
+  EXPECT_EQ(harness.srp().tile_buffer().stats().spilled_slots, kSamples - 10);
+  ASSERT_EQ(harness.transfers().size(), 2U);
+  for (const DmaJob& job : harness.transfers()) EXPECT_EQ(job.bytes, 2 * (kSamples - 10) * 64);
+  EXPECT_TRUE(harness.transfers()[0].write);
+  EXPECT_FALSE(harness.transfers()[1].write);
+  EXPECT_EQ(harness.rays().size(), kSamples);
 }
 
 TEST(Srp, WithoutASingleSlotEveryTileStillEnds) {
-  SrpBench::Setup setup = with_slots(0);
+  SrpHarness::Setup setup = with_slots(0);
   setup.config.chunk = 3;
-  SrpBench bench(setup, {{1, 50}, {1, 50}});
-  for (std::uint32_t t = 0; t < 5; ++t) bench.add(trace_and_shade(kSamples, t));
-  bench.run();
-  EXPECT_EQ(bench.tiles_done().size(), 5U);
-  EXPECT_EQ(bench.srp().tile_buffer().stats().spilled_slots, 5 * kSamples);
-  EXPECT_EQ(bench.srp().tile_buffer().used(), 0U);
+  SrpHarness harness(setup, {{1, 50}, {1, 50}});
+  for (std::uint32_t t = 0; t < 5; ++t) harness.add(trace_and_shade(kSamples, t));
+  harness.run();
+  EXPECT_EQ(harness.tiles_done().size(), 5U);
+  EXPECT_EQ(harness.srp().tile_buffer().stats().spilled_slots, 5 * kSamples);
+  EXPECT_EQ(harness.srp().tile_buffer().used(), 0U);
 }
 
 TEST(Srp, EveryCycleHasAReasonAndTheOracleAgreesHoweverFewSlotsThereAre) {
   for (const std::uint32_t slots : {0U, 5U, 16U, 33U, 1000U}) {
     for (const std::uint32_t chunk : {1U, 5U, 256U}) {
-      SrpBench::Setup setup = with_slots(slots);
+      SrpHarness::Setup setup = with_slots(slots);
       setup.config.chunk = chunk;
       setup.ray_interval = 3;
-      const std::vector<SrpBench::Kernel> kernels = {{2, 33}, {5, 71}};
-      SrpBench fast(setup, kernels), oracle(setup, kernels);
+      const std::vector<SrpHarness::Kernel> kernels = {{2, 33}, {5, 71}};
+      SrpHarness fast(setup, kernels), oracle(setup, kernels);
       for (std::uint32_t t = 0; t < 6; ++t) {
         fast.add(trace_and_shade(kSamples, t));
         oracle.add(trace_and_shade(kSamples, t));

@@ -1,64 +1,64 @@
 #include <gtest/gtest.h>
 
-#include "tests/hw_models/srp/srp_bench.h"
+#include "tests/hw_models/srp/srp_harness.h"
 
 // How long the T&I unit has no rays while a kernel is on the array.
 
 namespace hw {
 namespace {
 
-using testing::SrpBench;
-using testing::TileBuilder;
+using test::SrpHarness;
+using test::TileBuilder;
 using traces::Access;
 
 constexpr std::uint32_t kSwitch = 100;
 constexpr traces::KernelId kA = 0, kB = 1;
 
-std::uint64_t starved(const SrpBench& bench, traces::KernelId kernel) {
-  return bench.srp().kernel_use()[kernel].starved;
+std::uint64_t starved(const SrpHarness& harness, traces::KernelId kernel) {
+  return harness.srp().kernel_use()[kernel].starved;
 }
 
 TEST(SrpStarved, ALoneLaunchWithoutRaysStarvesTheUnitSwitchAndStallsIncluded) {
-  SrpBench bench({}, {{4, 50}});
+  SrpHarness harness({}, {{4, 50}});
   TileBuilder work;
   work.launch(kA, {{Access::attributes(0)}, {Access::attributes(1)}});
-  bench.add(work.build()).run();
-  EXPECT_EQ(starved(bench, kA), kSwitch + 50 + 4 + (41 - 16));
-  EXPECT_EQ(starved(bench, kA), bench.cycles(kA));
+  harness.add(work.build()).run();
+  EXPECT_EQ(starved(harness, kA), kSwitch + 50 + 4 + (41 - 16));
+  EXPECT_EQ(starved(harness, kA), harness.cycles(kA));
 }
 
 TEST(SrpStarved, RaysEndItAsTheyLeaveAndTheLastHitBeginsItAgain) {
   constexpr std::uint32_t kItems = 8;
-  SrpBench bench({}, {{5, 30}, {2, 20}});
+  SrpHarness harness({}, {{5, 30}, {2, 20}});
   TileBuilder work;
   work.launch(kB, kItems, {TileBuilder::each(work.rays(work.launch(kA, kItems), kItems))});
-  bench.add(work.build()).run();
-  EXPECT_EQ(starved(bench, kA), kSwitch + 30) << "until the first item leaves the array";
-  EXPECT_EQ(starved(bench, kB), kSwitch + 20 + (kItems - 1) * 2) << "every hit is back when it begins";
+  harness.add(work.build()).run();
+  EXPECT_EQ(starved(harness, kA), kSwitch + 30) << "until the first item leaves the array";
+  EXPECT_EQ(starved(harness, kB), kSwitch + 20 + (kItems - 1) * 2) << "every hit is back when it begins";
 }
 
 TEST(SrpStarved, NotWhileTheUnitIsBusyThroughout) {
-  SrpBench::Setup setup;
+  SrpHarness::Setup setup;
   setup.tni_latency = 5000;
-  SrpBench bench(setup, {{1, 10}, {3, 40}});
+  SrpHarness harness(setup, {{1, 10}, {3, 40}});
   TileBuilder tracing(0), other(1);
   tracing.launch(kA, 4, {TileBuilder::each(tracing.rays(tracing.launch(kA, 4), 4))});
   other.launch(kB, 200);
-  bench.add(tracing.build()).add(other.build()).run();
-  EXPECT_EQ(starved(bench, kB), 0U);
-  EXPECT_EQ(bench.cycles(kB), kSwitch + 40 + 199 * 3);
+  harness.add(tracing.build()).add(other.build()).run();
+  EXPECT_EQ(starved(harness, kB), 0U);
+  EXPECT_EQ(harness.cycles(kB), kSwitch + 40 + 199 * 3);
 }
 
 TEST(SrpStarved, OfAKernelThatHitsComeBackUnderOnlyTheRestCounts) {
-  SrpBench::Setup setup;
+  SrpHarness::Setup setup;
   setup.tni_latency = 300;
-  SrpBench bench(setup, {{1, 10}, {3, 40}});
+  SrpHarness harness(setup, {{1, 10}, {3, 40}});
   TileBuilder tracing(0), other(1);
   tracing.launch(kA, 4, {TileBuilder::each(tracing.rays(tracing.launch(kA, 4), 4))});
   other.launch(kB, 200);
-  bench.add(tracing.build()).add(other.build()).run();
+  harness.add(tracing.build()).add(other.build()).run();
   // The last ray leaves as the other tile's kernel is switched in; its hit is back a wire and the unit's time later.
-  EXPECT_EQ(starved(bench, kB), bench.cycles(kB) - (1 + 300));
+  EXPECT_EQ(starved(harness, kB), harness.cycles(kB) - (1 + 300));
 }
 
 }  // namespace

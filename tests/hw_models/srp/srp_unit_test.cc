@@ -3,13 +3,13 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/hw_models/srp/srp_bench.h"
+#include "tests/hw_models/srp/srp_harness.h"
 
 namespace hw {
 namespace {
 
-using testing::SrpBench;
-using testing::TileBuilder;
+using test::SrpHarness;
+using test::TileBuilder;
 using traces::Access;
 
 constexpr std::uint32_t kSwitch = 100;  // cycles, as configured by default
@@ -29,146 +29,146 @@ traces::TileWork trace_and_shade(std::uint32_t items, std::uint32_t tile = 0) {
 }
 
 TEST(Srp, ALaunchOfNItemsTakesSwitchDepthAndAnIntervalForEachFurtherItem) {
-  for (const SrpBench::Kernel kernel : {SrpBench::Kernel{1, 10}, {3, 20}, {17, 230}}) {
+  for (const SrpHarness::Kernel kernel : {SrpHarness::Kernel{1, 10}, {3, 20}, {17, 230}}) {
     for (const std::uint32_t n : {1U, 2U, 16U, 256U}) {
-      SrpBench bench({}, {kernel});
-      bench.add(one_launch(n)).run();
+      SrpHarness harness({}, {kernel});
+      harness.add(one_launch(n)).run();
       const std::uint64_t expected = kSwitch + kernel.depth + (n - 1) * kernel.ii;
-      EXPECT_EQ(bench.cycles(kA), expected);
-      EXPECT_EQ(bench.done_at(0), expected) << "the tile leaves with its last item";
-      EXPECT_EQ(bench.spent(Srp::CycleReason::kSwitching), kSwitch);
+      EXPECT_EQ(harness.cycles(kA), expected);
+      EXPECT_EQ(harness.done_at(0), expected) << "the tile leaves with its last item";
+      EXPECT_EQ(harness.spent(Srp::CycleReason::kSwitching), kSwitch);
     }
   }
 }
 
 TEST(Srp, ASecondChunkOfTheSameKernelPaysPrologueAndDrainButNoSwitch) {
-  SrpBench::Setup setup;
+  SrpHarness::Setup setup;
   setup.config.chunk = 10;
-  SrpBench bench(setup, {{3, 20}});
-  bench.add(one_launch(25)).run();
-  EXPECT_EQ(bench.cycles(kA), kSwitch + (20 + 9 * 3) + (20 + 9 * 3) + (20 + 4 * 3));
-  EXPECT_EQ(bench.done_at(0), bench.cycles(kA)) << "one chunk begins as the other ends";
-  EXPECT_EQ(bench.srp().stats().switches, 1U);
-  EXPECT_EQ(bench.srp().stats().chunks, 3U);
+  SrpHarness harness(setup, {{3, 20}});
+  harness.add(one_launch(25)).run();
+  EXPECT_EQ(harness.cycles(kA), kSwitch + (20 + 9 * 3) + (20 + 9 * 3) + (20 + 4 * 3));
+  EXPECT_EQ(harness.done_at(0), harness.cycles(kA)) << "one chunk begins as the other ends";
+  EXPECT_EQ(harness.srp().stats().switches, 1U);
+  EXPECT_EQ(harness.srp().stats().chunks, 3U);
 }
 
 TEST(Srp, AnotherKernelPaysItsSwitch) {
-  SrpBench bench({}, {{1, 10}, {2, 30}});
+  SrpHarness harness({}, {{1, 10}, {2, 30}});
   TileBuilder work;
   const auto a = work.launch(kA, 16);
   work.launch(kA, 16, {TileBuilder::all(work.launch(kB, 16, {TileBuilder::all(a)}))});
-  bench.add(work.build()).run();
-  EXPECT_EQ(bench.srp().stats().switches, 3U);
-  EXPECT_EQ(bench.done_at(0), 3 * kSwitch + 2 * (10 + 15) + 30 + 15 * 2);
+  harness.add(work.build()).run();
+  EXPECT_EQ(harness.srp().stats().switches, 3U);
+  EXPECT_EQ(harness.done_at(0), 3 * kSwitch + 2 * (10 + 15) + 30 + 15 * 2);
 }
 
 TEST(Srp, AMissStallsByExactlyWhatArrivesLaterThanTheLoadsLatency) {
   for (const std::uint32_t latency : {1U, 10U, 15U, 16U, 40U, 200U}) {
-    SrpBench::Setup setup;
+    SrpHarness::Setup setup;
     setup.memory_latency = latency;
-    SrpBench bench(setup, {{4, 50}});
+    SrpHarness harness(setup, {{4, 50}});
     TileBuilder work;
     work.launch(kA, {{Access::attributes(0)}, {Access::attributes(0)}, {Access::attributes(0)}});
-    bench.add(work.build()).run();
+    harness.add(work.build()).run();
     const std::uint64_t arrives = 1 + latency;  // the wire to memory, then memory
     const std::uint64_t stall = arrives - std::min<std::uint64_t>(arrives, setup.config.latency.cached_load);
-    EXPECT_EQ(bench.cycles(kA), kSwitch + 50 + 2 * 4 + stall) << latency;
-    EXPECT_EQ(bench.spent(Srp::CycleReason::kCacheMiss), stall) << latency;
-    EXPECT_EQ(bench.srp().stats().cache_fills, 1U);
+    EXPECT_EQ(harness.cycles(kA), kSwitch + 50 + 2 * 4 + stall) << latency;
+    EXPECT_EQ(harness.spent(Srp::CycleReason::kCacheMiss), stall) << latency;
+    EXPECT_EQ(harness.srp().stats().cache_fills, 1U);
   }
 }
 
 TEST(Srp, MissesOfItemsThatFollowEachOtherOverlap) {
-  SrpBench bench({}, {{1, 60}});
+  SrpHarness harness({}, {{1, 60}});
   TileBuilder work;
   work.launch(kA, {{Access::attributes(0)}, {Access::attributes(1)}, {Access::attributes(2)}, {Access::attributes(3)}});
-  bench.add(work.build()).run();
+  harness.add(work.build()).run();
   // All four are asked for, one a cycle, before the first is needed; each comes a cycle after the other.
-  EXPECT_EQ(bench.spent(Srp::CycleReason::kCacheMiss), 41U - 16U);
+  EXPECT_EQ(harness.spent(Srp::CycleReason::kCacheMiss), 41U - 16U);
 }
 
 TEST(Srp, ALineThatIsThereStallsNothing) {
-  SrpBench bench({}, {{4, 50}});
+  SrpHarness harness({}, {{4, 50}});
   TileBuilder work;
   const auto first = work.launch(kA, {{Access::attributes(7)}, {Access::material(2)}});
   work.launch(kA, {{Access::material(2)}, {Access::attributes(7)}}, {TileBuilder::all(first)});
-  bench.add(work.build()).run();
-  EXPECT_EQ(bench.srp().stats().cache_accesses, 4U);
-  EXPECT_EQ(bench.srp().stats().cache_hits, 2U);
+  harness.add(work.build()).run();
+  EXPECT_EQ(harness.srp().stats().cache_accesses, 4U);
+  EXPECT_EQ(harness.srp().stats().cache_hits, 2U);
   const std::uint64_t first_launch = kSwitch + 50 + 4 + (41 - 16);
-  EXPECT_EQ(bench.cycles(kA), first_launch + 50 + 4);
+  EXPECT_EQ(harness.cycles(kA), first_launch + 50 + 4);
 }
 
 TEST(Srp, WithoutAFreeMissRegisterTheArrayStandsStillAtOnce) {
-  SrpBench::Setup setup;
+  SrpHarness::Setup setup;
   setup.config.data_cache.mshrs = 1;
-  SrpBench bench(setup, {{4, 50}});
+  SrpHarness harness(setup, {{4, 50}});
   TileBuilder work;
   work.launch(kA, {{Access::attributes(0), Access::attributes(1)}});
-  bench.add(work.build()).run();
+  harness.add(work.build()).run();
   // Until the first line is here the second cannot be asked for; then it comes later than its use by the rest.
-  EXPECT_EQ(bench.spent(Srp::CycleReason::kCacheMiss), 41U + (41 - 16));
-  EXPECT_EQ(bench.srp().stats().mshr_full, 1U);
+  EXPECT_EQ(harness.spent(Srp::CycleReason::kCacheMiss), 41U + (41 - 16));
+  EXPECT_EQ(harness.srp().stats().mshr_full, 1U);
 }
 
 TEST(Srp, RaysLeaveAsTheirItemsLeaveTheArray) {
-  SrpBench bench({}, {{5, 30}, {1, 10}});
-  bench.add(trace_and_shade(8)).run();
-  ASSERT_EQ(bench.rays().size(), 8U);
+  SrpHarness harness({}, {{5, 30}, {1, 10}});
+  harness.add(trace_and_shade(8)).run();
+  ASSERT_EQ(harness.rays().size(), 8U);
   for (std::uint32_t i = 0; i < 8; ++i) {
     const std::uint64_t wires = 2;  // the tile's way in, the ray's way out
-    EXPECT_EQ(bench.rays()[i].cycle, wires + kSwitch + 30 + 5 * i);
-    EXPECT_EQ(bench.rays()[i].ray, i);
+    EXPECT_EQ(harness.rays()[i].cycle, wires + kSwitch + 30 + 5 * i);
+    EXPECT_EQ(harness.rays()[i].ray, i);
   }
 }
 
 TEST(Srp, RaysLeaveNoFasterThanTheDirectInterfaceTakesThem) {
-  SrpBench::Setup setup;
+  SrpHarness::Setup setup;
   setup.ray_interval = 4;
-  SrpBench bench(setup, {{1, 30}, {1, 10}});
-  bench.add(trace_and_shade(8)).run();
-  ASSERT_EQ(bench.rays().size(), 8U);
-  for (std::uint32_t i = 1; i < 8; ++i) EXPECT_EQ(bench.rays()[i].cycle, bench.rays()[i - 1].cycle + 4);
+  SrpHarness harness(setup, {{1, 30}, {1, 10}});
+  harness.add(trace_and_shade(8)).run();
+  ASSERT_EQ(harness.rays().size(), 8U);
+  for (std::uint32_t i = 1; i < 8; ++i) EXPECT_EQ(harness.rays()[i].cycle, harness.rays()[i - 1].cycle + 4);
 }
 
 TEST(Srp, ShadingBeginsWhenTheLastHitOfItsChunkIsBack) {
-  SrpBench bench({}, {{5, 30}, {2, 20}});
-  bench.add(trace_and_shade(8)).run();
+  SrpHarness harness({}, {{5, 30}, {2, 20}});
+  harness.add(trace_and_shade(8)).run();
   const std::uint64_t rays = kSwitch + 30 + 7 * 5, tni = 1 + 10, shading = kSwitch + 20 + 7 * 2;
-  EXPECT_EQ(bench.done_at(0), rays + tni + shading);
-  EXPECT_EQ(bench.spent(Srp::CycleReason::kWaiting), tni);
-  EXPECT_EQ(bench.srp().tile_buffer().used(), 0U) << "every slot has been given back";
+  EXPECT_EQ(harness.done_at(0), rays + tni + shading);
+  EXPECT_EQ(harness.spent(Srp::CycleReason::kWaiting), tni);
+  EXPECT_EQ(harness.srp().tile_buffer().used(), 0U) << "every slot has been given back";
 }
 
 TEST(Srp, ConsumersGoBeforeProducers) {
-  SrpBench::Setup setup;
+  SrpHarness::Setup setup;
   setup.config.chunk = 4;
-  SrpBench bench(setup, {{1, 10}, {1, 40}});
-  bench.add(trace_and_shade(16)).run();
+  SrpHarness harness(setup, {{1, 10}, {1, 40}});
+  harness.add(trace_and_shade(16)).run();
   // Chunks: A1 A2, then B1 B2 as soon as hits are back, then A3 A4 B3 B4. Producers first would switch twice.
-  EXPECT_EQ(bench.srp().stats().switches, 4U);
+  EXPECT_EQ(harness.srp().stats().switches, 4U);
 }
 
 TEST(Srp, TheOldestTileGoesFirst) {
-  SrpBench::Setup setup;
+  SrpHarness::Setup setup;
   setup.config.chunk = 4;
-  SrpBench bench(setup, {{1, 10}, {1, 10}});
-  bench.add(one_launch(40, 0)).add(one_launch(40, 1)).add(one_launch(40, 2)).run();
+  SrpHarness harness(setup, {{1, 10}, {1, 10}});
+  harness.add(one_launch(40, 0)).add(one_launch(40, 1)).add(one_launch(40, 2)).run();
   const std::uint64_t tile = 10 * (10 + 3);
   for (std::uint32_t t = 0; t < 3; ++t) {
-    EXPECT_EQ(bench.tiles_done()[t], t);
-    EXPECT_EQ(bench.done_at(t), kSwitch + (t + 1) * tile);
+    EXPECT_EQ(harness.tiles_done()[t], t);
+    EXPECT_EQ(harness.done_at(t), kSwitch + (t + 1) * tile);
   }
 }
 
 TEST(Srp, WhileATilesRaysAreOutTheNextTileRuns) {
-  SrpBench::Setup setup;
+  SrpHarness::Setup setup;
   setup.tni_latency = 900;
-  SrpBench bench(setup, {{1, 50}, {1, 50}});
-  bench.add(trace_and_shade(16, 0)).add(trace_and_shade(16, 1)).run();
+  SrpHarness harness(setup, {{1, 50}, {1, 50}});
+  harness.add(trace_and_shade(16, 0)).add(trace_and_shade(16, 1)).run();
   const std::uint64_t loop = 50 + 15;
-  EXPECT_EQ(bench.done_at(0), kSwitch + loop + 901 + kSwitch + loop);
-  EXPECT_EQ(bench.done_at(1), bench.done_at(0) + loop) << "its hits were back while the first was shaded";
+  EXPECT_EQ(harness.done_at(0), kSwitch + loop + 901 + kSwitch + loop);
+  EXPECT_EQ(harness.done_at(1), harness.done_at(0) + loop) << "its hits were back while the first was shaded";
 }
 
 }  // namespace

@@ -5,12 +5,12 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/hw_models/srp/srp_bench.h"
+#include "tests/hw_models/srp/srp_harness.h"
 
 namespace hw {
 namespace {
 
-using testing::TileBuilder;
+using test::TileBuilder;
 
 constexpr std::uint32_t kNone = TileRun::kNone;
 constexpr traces::KernelId kKernel = 0;

@@ -7,12 +7,12 @@
 namespace hw {
 namespace {
 
-using testing::alone;
-using testing::kWires;
-using testing::RandomLoad;
-using testing::TniBench;
-using testing::trv;
-using testing::Walk;
+using test::alone;
+using test::kWires;
+using test::RandomLoad;
+using test::TniHarness;
+using test::trv;
+using test::Walk;
 using traces::end_step;
 using traces::enter_step;
 using traces::visit_step;
@@ -20,8 +20,8 @@ using traces::visit_step;
 constexpr std::uint64_t kVisit = 14, kTransform = 14, kMiss = 51, kPop = 2;
 
 /// Nodes 0, 1, 2 over two instances of a tree of nodes 3, 4, 5: instance 0 is below node 1, instance 1 below node 2.
-TniBench::Setup two_instances() {
-  TniBench::Setup s = testing::one_trv();
+TniHarness::Setup two_instances() {
+  TniHarness::Setup s = test::one_trv();
   s.placed.resize(2);
   s.placed[0].root = s.placed[1].root = 3;
   s.links.resize(6);
@@ -36,16 +36,16 @@ const Walk kBoth = {visit_step(0, 3, 0), visit_step(1, 1, 0), enter_step(0),    
 
 TEST(Instances, EnteringReadsTheRecordAndTakesTheTransformsLatencyInsteadOfAVisits) {
   EXPECT_EQ(alone(two_instances(), kIn), 2 * kVisit + kTransform);
-  TniBench::Setup slow = two_instances();
+  TniHarness::Setup slow = two_instances();
   slow.config.trv.transform_latency = 20;
   EXPECT_EQ(alone(slow, kIn), 2 * kVisit + kTransform + 8);
-  TniBench bench(two_instances());
-  bench.add(kIn).run();
-  EXPECT_EQ(bench.latency(0), kWires + 2 * (kMiss + kVisit) + kMiss + kTransform);
-  EXPECT_EQ(bench.lines_asked(), 3U);
-  EXPECT_EQ(trv(bench).stats().transforms, 1U);
-  EXPECT_EQ(trv(bench).stats().visits, 2U);
-  EXPECT_EQ(trv(bench).stats().leaves, 0U);
+  TniHarness harness(two_instances());
+  harness.add(kIn).run();
+  EXPECT_EQ(harness.latency(0), kWires + 2 * (kMiss + kVisit) + kMiss + kTransform);
+  EXPECT_EQ(harness.lines_asked(), 3U);
+  EXPECT_EQ(trv(harness).stats().transforms, 1U);
+  EXPECT_EQ(trv(harness).stats().visits, 2U);
+  EXPECT_EQ(trv(harness).stats().leaves, 0U);
 }
 
 TEST(Instances, LeavingCostsThePopAlone) {
@@ -53,13 +53,13 @@ TEST(Instances, LeavingCostsThePopAlone) {
 }
 
 TEST(Instances, OneOperationACycleGoesThroughTheBoxPipe) {
-  TniBench::Setup setup = two_instances();
+  TniHarness::Setup setup = two_instances();
   setup.config.trv.rays = 64;
   setup.ideal.l1 = true;
-  TniBench bench(setup);
-  bench.add(kIn, 1000).run();
-  EXPECT_NEAR(static_cast<double>(bench.span()), 3000, 100);
-  EXPECT_EQ(trv(bench).activity().spent(Trv::CycleReason::kVisiting), std::uint64_t{3000} * 2'000'000);
+  TniHarness harness(setup);
+  harness.add(kIn, 1000).run();
+  EXPECT_NEAR(static_cast<double>(harness.span()), 3000, 100);
+  EXPECT_EQ(trv(harness).activity().spent(Trv::CycleReason::kVisiting), std::uint64_t{3000} * 2'000'000);
 }
 
 /// Pushes at nodes 0, 1 (both over instances), 3 and 4 (in instance 0), which all come off again.
@@ -68,11 +68,11 @@ const Walk kDeep = {visit_step(0, 3, 0), visit_step(1, 3, 0), enter_step(0),    
                     visit_step(2, 0, 0), visit_step(2, 0, 0), end_step(false)};
 
 TEST(Instances, ARestartFromALinkOutsideEntersTheInstanceAgain) {
-  TniBench::Setup setup = two_instances();
+  TniHarness::Setup setup = two_instances();
   setup.config.trv.stack_entries = 1;
-  TniBench bench(setup);
-  bench.add(kDeep).run();
-  const Trv::Stats& s = trv(bench).stats();
+  TniHarness harness(setup);
+  harness.add(kDeep).run();
+  const Trv::Stats& s = trv(harness).stats();
   // The entry of 4 is held. That of 3 was dropped: from the link, node 0, over 1, the instance and 3. Then that of 1,
   // over 0 and 1, and that of 0, over 0; none of these within the instance.
   EXPECT_EQ(s.restarts, 3U);
@@ -86,22 +86,22 @@ TEST(Instances, ARestartFromALinkWithinTheInstanceStaysThere) {
   const Walk inside = {visit_step(0, 1, 0), visit_step(1, 1, 0), enter_step(0),
                        visit_step(3, 3, 0), visit_step(4, 3, 0), visit_step(5, 0, 0),
                        visit_step(5, 0, 0), visit_step(5, 0, 0), end_step(false)};
-  TniBench::Setup setup = two_instances();
+  TniHarness::Setup setup = two_instances();
   setup.config.trv.stack_entries = 1;
-  TniBench bench(setup);
-  bench.add(inside).run();
-  EXPECT_EQ(trv(bench).stats().restarts, 1U);
-  EXPECT_EQ(trv(bench).stats().restarted_visits, 1U);
-  EXPECT_EQ(trv(bench).stats().transforms, 1U);
+  TniHarness harness(setup);
+  harness.add(inside).run();
+  EXPECT_EQ(trv(harness).stats().restarts, 1U);
+  EXPECT_EQ(trv(harness).stats().restarted_visits, 1U);
+  EXPECT_EQ(trv(harness).stats().transforms, 1U);
 }
 
 TEST(Instances, ARestartTrailGoesDownFromTheRootOfAllThroughTheInstance) {
-  TniBench::Setup setup = two_instances();
+  TniHarness::Setup setup = two_instances();
   setup.config.trv.stack = StackScheme::kRestartTrail;
   setup.config.trv.stack_entries = 0;
-  TniBench bench(setup);
-  bench.add(kDeep).run();
-  const Trv::Stats& s = trv(bench).stats();
+  TniHarness harness(setup);
+  harness.add(kDeep).run();
+  const Trv::Stats& s = trv(harness).stats();
   // To the entries of 4 and 3 through the instance, to those of 1 and 0 not.
   EXPECT_EQ(s.restarts, 4U);
   EXPECT_EQ(s.restarted_visits, (2U + 2U) + (2U + 1U) + 2U + 1U);
@@ -114,14 +114,14 @@ TEST(Instances, EveryStackDoesTheSameWork) {
     std::vector<std::uint64_t> entered;
     for (const StackScheme stack : {StackScheme::kFull, StackScheme::kRestartLink, StackScheme::kRestartTrail}) {
       for (const std::uint32_t entries : {1U, 3U}) {
-        TniBench::Setup setup;
+        TniHarness::Setup setup;
         setup.config.trvs = 1;
         setup.config.trv.stack = stack;
         setup.config.trv.stack_entries = entries;
         load.give(setup);
-        TniBench bench(setup);
-        load.send(bench).run();
-        const Trv::Stats& s = trv(bench).stats();
+        TniHarness harness(setup);
+        load.send(harness).run();
+        const Trv::Stats& s = trv(harness).stats();
         EXPECT_EQ(s.rays_out, load.walks.size());
         entered.push_back(s.visits - s.restarted_visits);
       }

@@ -7,11 +7,11 @@
 namespace hw {
 namespace {
 
-using testing::kWires;
-using testing::RandomLoad;
-using testing::TniBench;
-using testing::trv;
-using testing::Walk;
+using test::kWires;
+using test::RandomLoad;
+using test::TniHarness;
+using test::trv;
+using test::Walk;
 using traces::end_step;
 using traces::visit_step;
 
@@ -21,8 +21,8 @@ constexpr std::uint64_t kVisit = 14;  // fetch 2, box 12
 constexpr std::uint64_t kMiss = 51;   // to memory 1, back 50; the next probe is in the cycle of the fill
 constexpr std::uint64_t kPeriod = 2'000'000;
 
-TniBench::Setup one_trv(MissHandling handling) {
-  TniBench::Setup s = testing::one_trv();
+TniHarness::Setup one_trv(MissHandling handling) {
+  TniHarness::Setup s = test::one_trv();
   s.config.miss_handling = handling;
   return s;
 }
@@ -31,13 +31,13 @@ Walk one_node(std::uint32_t node) { return {visit_step(node, 0, 0), end_step(fal
 
 TEST(MissHandling, ALoneRayWaitsForEachLineAlikeUnlessItLoops) {
   for (const MissHandling handling : kAll) {
-    TniBench bench(one_trv(handling));
-    bench.add({visit_step(0, 1, 0), visit_step(1, 1, 0), visit_step(2, 0, 0), end_step(false)}).run();
+    TniHarness harness(one_trv(handling));
+    harness.add({visit_step(0, 1, 0), visit_step(1, 1, 0), visit_step(2, 0, 0), end_step(false)}).run();
     const bool loops = handling == MissHandling::kBypass;
     const std::uint64_t wait = loops ? 4 * kVisit : kMiss;  // passes of 14 cycles until the line is there
-    EXPECT_EQ(bench.latency(0), kWires + 3 * (kVisit + wait)) << static_cast<int>(handling);
-    EXPECT_EQ(trv(bench).stats().bypass_passes, loops ? 3U * 4U : 0U);
-    EXPECT_EQ(trv(bench).stats().l1_miss_cycles, 3 * kMiss);
+    EXPECT_EQ(harness.latency(0), kWires + 3 * (kVisit + wait)) << static_cast<int>(handling);
+    EXPECT_EQ(trv(harness).stats().bypass_passes, loops ? 3U * 4U : 0U);
+    EXPECT_EQ(trv(harness).stats().l1_miss_cycles, 3 * kMiss);
   }
 }
 
@@ -45,43 +45,44 @@ TEST(MissHandling, WithoutMissesAllTakeTheSameCycles) {
   const RandomLoad load(1);
   std::vector<sim::Time> ends;
   for (const MissHandling handling : kAll) {
-    TniBench::Setup setup = testing::random_setup(7);
+    TniHarness::Setup setup = test::random_setup(7);
     load.give(setup);
     setup.config.miss_handling = handling;
     setup.ideal = {false, true};
-    TniBench bench(setup);
-    ends.push_back(load.send(bench).run().end_time());
-    EXPECT_EQ(bench.lines_asked(), 0U);
+    TniHarness harness(setup);
+    ends.push_back(load.send(harness).run().end_time());
+    EXPECT_EQ(harness.lines_asked(), 0U);
   }
   EXPECT_EQ(std::ranges::count(ends, ends.front()), 4);
 }
 
 TEST(MissHandling, BlockingHasOneLineOnItsWayAndTheNextRayProbesBehindIt) {
-  TniBench bench(one_trv(MissHandling::kBlocking));
-  for (std::uint32_t i = 0; i < 10; ++i) bench.add(one_node(i));
-  bench.run();
-  for (std::uint32_t i = 0; i < 10; ++i) EXPECT_EQ(bench.latency(i), kWires + kVisit + kMiss + i * kMiss) << i;
+  TniHarness harness(one_trv(MissHandling::kBlocking));
+  for (std::uint32_t i = 0; i < 10; ++i) harness.add(one_node(i));
+  harness.run();
+  for (std::uint32_t i = 0; i < 10; ++i) EXPECT_EQ(harness.latency(i), kWires + kVisit + kMiss + i * kMiss) << i;
 }
 
 TEST(MissHandling, ReorderOverlapsTheMissesOfIndependentRays) {
-  TniBench bench(one_trv(MissHandling::kReorder));
-  for (std::uint32_t i = 0; i < 8; ++i) bench.add(one_node(i));
-  bench.run();
-  for (std::uint32_t i = 0; i < 8; ++i) EXPECT_EQ(bench.latency(i), kWires + kVisit + kMiss) << i;
+  TniHarness harness(one_trv(MissHandling::kReorder));
+  for (std::uint32_t i = 0; i < 8; ++i) harness.add(one_node(i));
+  harness.run();
+  for (std::uint32_t i = 0; i < 8; ++i) EXPECT_EQ(harness.latency(i), kWires + kVisit + kMiss) << i;
 }
 
 TEST(MissHandling, RaysLoopUntilTheirLineHasComeAndThenReadItWithTheNextProbe) {
   // 14 rays on one line loop behind each other and fill the pipe until it comes at cycle 51.
-  TniBench bench(one_trv(MissHandling::kBypass));
-  bench.add(one_node(0), 14).run();
-  EXPECT_EQ(trv(bench).stats().bypass_passes, 14U * 4U - 5U);  // rays 9 to 13 start late enough to miss but three times
-  EXPECT_EQ(trv(bench).stats().l1_accesses, trv(bench).stats().bypass_passes + 14);
+  TniHarness harness(one_trv(MissHandling::kBypass));
+  harness.add(one_node(0), 14).run();
+  EXPECT_EQ(trv(harness).stats().bypass_passes,
+            14U * 4U - 5U);  // rays 9 to 13 start late enough to miss but three times
+  EXPECT_EQ(trv(harness).stats().l1_accesses, trv(harness).stats().bypass_passes + 14);
 }
 
 TEST(MissHandling, AFullTableStopsTheFetchStageUntilARowIsFree) {
-  TniBench::Setup setup = one_trv(MissHandling::kRau);
+  TniHarness::Setup setup = one_trv(MissHandling::kRau);
   setup.config.rau = {1, 4};
-  TniBench one(setup);
+  TniHarness one(setup);
   one.add(one_node(0)).add(one_node(1)).run();
   EXPECT_EQ(one.latency(0), kWires + kVisit + kMiss);
   EXPECT_EQ(one.latency(1), kWires + kVisit + kMiss + kMiss);
@@ -89,41 +90,42 @@ TEST(MissHandling, AFullTableStopsTheFetchStageUntilARowIsFree) {
   EXPECT_EQ(trv(one).activity().spent(Trv::CycleReason::kRauFull), (kMiss - 1) * kPeriod);
 
   setup.config.rau = {2, 4};
-  TniBench two(setup);
+  TniHarness two(setup);
   two.add(one_node(0)).add(one_node(1)).run();
   EXPECT_EQ(two.latency(1), kWires + kVisit + kMiss);
   EXPECT_EQ(trv(two).activity().spent(Trv::CycleReason::kRauFull), 0U);
 }
 
 TEST(MissHandling, AFullRowStopsTheFetchStageUntilItsLineHasCome) {
-  TniBench::Setup setup = one_trv(MissHandling::kRau);
+  TniHarness::Setup setup = one_trv(MissHandling::kRau);
   setup.config.rau = {16, 1};
-  TniBench bench(setup);
-  bench.add(one_node(0), 2).add(one_node(1)).run();
-  EXPECT_EQ(bench.latency(0), kWires + kVisit + kMiss);
-  EXPECT_EQ(bench.latency(1), kWires + kVisit + kMiss);  // its second probe follows the row's ray into the pipe
-  EXPECT_EQ(bench.latency(2), kWires + kVisit + kMiss + kMiss);
-  EXPECT_EQ(trv(bench).stats().rau_full, 1U);
-  EXPECT_EQ(trv(bench).stats().l1_hits, 1U);
-  EXPECT_EQ(trv(bench).stats().rau_reads, 2U);
+  TniHarness harness(setup);
+  harness.add(one_node(0), 2).add(one_node(1)).run();
+  EXPECT_EQ(harness.latency(0), kWires + kVisit + kMiss);
+  EXPECT_EQ(harness.latency(1), kWires + kVisit + kMiss);  // its second probe follows the row's ray into the pipe
+  EXPECT_EQ(harness.latency(2), kWires + kVisit + kMiss + kMiss);
+  EXPECT_EQ(trv(harness).stats().rau_full, 1U);
+  EXPECT_EQ(trv(harness).stats().l1_hits, 1U);
+  EXPECT_EQ(trv(harness).stats().rau_reads, 2U);
 }
 
 TEST(MissHandling, RaysOfARowGoOnWithoutAnotherProbe) {
-  TniBench bench(one_trv(MissHandling::kRau));
-  bench.add(one_node(0), 4).run();
-  EXPECT_EQ(trv(bench).stats().l1_accesses, 4U);
-  EXPECT_EQ(trv(bench).stats().rau_writes, 4U);
-  EXPECT_EQ(trv(bench).stats().rau_reads, 4U);
-  EXPECT_EQ(trv(bench).stats().rau_fills, 1U);
+  TniHarness harness(one_trv(MissHandling::kRau));
+  harness.add(one_node(0), 4).run();
+  EXPECT_EQ(trv(harness).stats().l1_accesses, 4U);
+  EXPECT_EQ(trv(harness).stats().rau_writes, 4U);
+  EXPECT_EQ(trv(harness).stats().rau_reads, 4U);
+  EXPECT_EQ(trv(harness).stats().rau_fills, 1U);
 }
 
 TEST(MissHandling, ALineIsLateIfTheFirstProbeForItMissedHoweverManyFollow) {
   for (const MissHandling handling : kAll) {
-    TniBench bench(one_trv(handling));
-    bench.add(one_node(0), 4).run();
+    TniHarness harness(one_trv(handling));
+    harness.add(one_node(0), 4).run();
     // Where a ray that missed blocks the fetch stage, those behind it probe when the line is there.
-    EXPECT_EQ(trv(bench).stats().l1_late, handling == MissHandling::kBlocking ? 1U : 4U) << static_cast<int>(handling);
-    EXPECT_EQ(trv(bench).stats().l1_hits + trv(bench).stats().rau_reads, 4U);
+    EXPECT_EQ(trv(harness).stats().l1_late, handling == MissHandling::kBlocking ? 1U : 4U)
+        << static_cast<int>(handling);
+    EXPECT_EQ(trv(harness).stats().l1_hits + trv(harness).stats().rau_reads, 4U);
   }
 }
 
@@ -131,12 +133,12 @@ TEST(MissHandling, BlockingIsNeverFasterThanReorderWhereLinesAreScarce) {
   for (std::uint64_t seed = 0; seed < 12; ++seed) {
     const RandomLoad load(seed);
     const auto cycles = [&](MissHandling handling) {
-      TniBench::Setup setup;
+      TniHarness::Setup setup;
       load.give(setup);
       setup.config.miss_handling = handling;
       setup.config.trv.l1.size.bytes = setup.config.ist.l1.size.bytes = 1024;
-      TniBench bench(setup);
-      return load.send(bench).run().span();
+      TniHarness harness(setup);
+      return load.send(harness).run().span();
     };
     EXPECT_GT(cycles(MissHandling::kBlocking), cycles(MissHandling::kReorder)) << seed;
   }
@@ -146,7 +148,7 @@ TEST(MissHandling, CachesOfOneLineEndUnderEachOfThem) {
   const RandomLoad load(3);
   for (const MissHandling handling : kAll) {
     for (const std::uint32_t registers : {1U, 2U, 3U}) {
-      TniBench::Setup setup;
+      TniHarness::Setup setup;
       load.give(setup);
       setup.config.miss_handling = handling;
       setup.config.rau = {1, 1};
@@ -156,9 +158,9 @@ TEST(MissHandling, CachesOfOneLineEndUnderEachOfThem) {
         l1->ways = 1;
         l1->mshrs = registers;
       }
-      TniBench bench(setup);
-      load.send(bench).run();
-      EXPECT_EQ(bench.arrived().size(), load.walks.size());
+      TniHarness harness(setup);
+      load.send(harness).run();
+      EXPECT_EQ(harness.arrived().size(), load.walks.size());
     }
   }
 }

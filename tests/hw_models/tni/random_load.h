@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "sim/hash.h"
-#include "tests/hw_models/tni/bench.h"
+#include "tests/hw_models/tni/harness.h"
 #include "traces/walk.h"
 
-namespace hw::testing {
+namespace hw::test {
 
 using Walk = std::vector<std::uint32_t>;
 
@@ -35,15 +35,15 @@ struct RandomLoad {
     for (std::uint32_t r = 0; r < rays; ++r) walks.push_back(walk(seed, r, levels ? kTop : nodes, nodes / 4));
   }
   static bool is_leaf(std::uint32_t node, std::uint32_t nodes) { return 2 * node + 2 >= nodes; }
-  /// The tree and the rays, for a bench.
-  void give(TniBench::Setup& setup) const {
+  /// The tree and the rays, for a harness.
+  void give(TniHarness::Setup& setup) const {
     setup.parents = parents;
     setup.links = links;
     setup.placed = placed;
   }
-  TniBench& send(TniBench& bench) const {
-    for (const Walk& w : walks) bench.add(w);
-    return bench;
+  TniHarness& send(TniHarness& harness) const {
+    for (const Walk& w : walks) harness.add(w);
+    return harness;
   }
 
  private:
@@ -119,11 +119,11 @@ struct RandomLoad {
 };
 
 /// Any T&I unit and any memory.
-inline TniBench::Setup random_setup(std::uint64_t seed) {
+inline TniHarness::Setup random_setup(std::uint64_t seed) {
   const auto draw = [&](std::uint32_t dimension, std::uint32_t low, std::uint32_t high) {
     return low + static_cast<std::uint32_t>(sim::hash(seed, dimension) % (high - low + 1));
   };
-  TniBench::Setup s;
+  TniHarness::Setup s;
   s.config.trvs = draw(0, 1, 4);
   s.config.link_depth = draw(1, 1, 3);
   s.config.trv.rays = draw(2, 1, 64);
@@ -154,4 +154,4 @@ inline TniBench::Setup random_setup(std::uint64_t seed) {
   return s;
 }
 
-}  // namespace hw::testing
+}  // namespace hw::test

@@ -8,12 +8,12 @@
 namespace hw {
 namespace {
 
-using testing::kWires;
-using testing::one_trv;
-using testing::random_setup;
-using testing::RandomLoad;
-using testing::TniBench;
-using testing::Walk;
+using test::kWires;
+using test::one_trv;
+using test::random_setup;
+using test::RandomLoad;
+using test::TniHarness;
+using test::Walk;
 using traces::cull_step;
 using traces::end_step;
 using traces::leaf_step;
@@ -32,50 +32,50 @@ Walk straight(std::uint32_t n) {
 
 TEST(Tni, ALoneRayOfNVisitsThatAllHitTakesWiresPlusNTimesFetchAndBox) {
   for (const std::uint32_t n : {1U, 2U, 7U, 40U}) {
-    TniBench bench(one_trv());
-    bench.add(straight(n)).add(straight(n));  // the first one brings the lines
-    bench.run();
+    TniHarness harness(one_trv());
+    harness.add(straight(n)).add(straight(n));  // the first one brings the lines
+    harness.run();
     // The first ray's n misses each cost the way to memory and back and a second probe.
     const std::uint64_t visit = 2 + 12;
     const std::uint64_t miss = 1 + 50;
-    EXPECT_EQ(bench.latency(0), kWires + n * (visit + miss)) << n;
+    EXPECT_EQ(harness.latency(0), kWires + n * (visit + miss)) << n;
   }
   // Alone and warm: the same ray once more, after the others have left.
-  TniBench::Setup setup = one_trv();
+  TniHarness::Setup setup = one_trv();
   setup.config.trv.rays = 1;
-  TniBench bench(setup);
-  bench.add(straight(10), 2).run();
-  EXPECT_EQ(bench.gap(), kWires - 1 + 10 * 14);
+  TniHarness harness(setup);
+  harness.add(straight(10), 2).run();
+  EXPECT_EQ(harness.gap(), kWires - 1 + 10 * 14);
 }
 
 TEST(Tni, AFullPipeTakesOneVisitACycle) {
-  TniBench::Setup setup = one_trv();
+  TniHarness::Setup setup = one_trv();
   setup.config.trv.rays = 64;
   setup.memory_latency = 1;
-  TniBench bench(setup);
-  bench.add(straight(20), 2000).run();
-  const Trv& trv = bench.tni().trvs().front();
+  TniHarness harness(setup);
+  harness.add(straight(20), 2000).run();
+  const Trv& trv = harness.tni().trvs().front();
   EXPECT_EQ(trv.stats().visits, 40000U);
-  EXPECT_GE(bench.span(), 40000U);
-  EXPECT_LE(bench.span(), 40000U + 400);
+  EXPECT_GE(harness.span(), 40000U);
+  EXPECT_LE(harness.span(), 40000U + 400);
 }
 
 TEST(Tni, TooFewRaysBoundVisitsToRaysPerLatency) {
-  TniBench::Setup setup = one_trv();
+  TniHarness::Setup setup = one_trv();
   setup.config.trv.rays = 7;
   setup.memory_latency = 1;
-  TniBench bench(setup);
-  bench.add(straight(200), 70).run();
-  EXPECT_NEAR(static_cast<double>(bench.span()), 70.0 * 200 * 14 / 7, 0.02 * 70 * 200 * 14 / 7);
+  TniHarness harness(setup);
+  harness.add(straight(200), 70).run();
+  EXPECT_NEAR(static_cast<double>(harness.span()), 70.0 * 200 * 14 / 7, 0.02 * 70 * 200 * 14 / 7);
 }
 
 TEST(Tni, APopCostsTheStackLatencyAndEachCulledEntryOnceMore) {
   const auto cycles = [](const Walk& walk) {
-    TniBench::Setup setup = one_trv();
+    TniHarness::Setup setup = one_trv();
     setup.config.trv.rays = 1;
-    TniBench bench(setup);
-    bench.add(walk, 2).run();
-    return bench.gap();
+    TniHarness harness(setup);
+    harness.add(walk, 2).run();
+    return harness.gap();
   };
   const Walk down = {visit_step(0, 1, 0), visit_step(1, 1, 0), visit_step(2, 0, 0), end_step(false)};
   const Walk popped = {visit_step(0, 3, 0), visit_step(1, 0, 0), visit_step(2, 0, 0), end_step(false)};
@@ -86,11 +86,11 @@ TEST(Tni, APopCostsTheStackLatencyAndEachCulledEntryOnceMore) {
 
 TEST(Tni, ATriangleTestEndsAtThePhaseThatFails) {
   const auto cycles = [](std::uint32_t phases, std::uint32_t count) {
-    TniBench::Setup setup = one_trv();
+    TniHarness::Setup setup = one_trv();
     setup.config.trv.rays = 1;
-    TniBench bench(setup);
-    bench.add(Walk{visit_step(0, 1, 0), leaf_step(0, count), phases, end_step(false)}, 2).run();
-    return bench.gap();
+    TniHarness harness(setup);
+    harness.add(Walk{visit_step(0, 1, 0), leaf_step(0, count), phases, end_step(false)}, 2).run();
+    return harness.gap();
   };
   const std::uint64_t distance = cycles(kDistance, 1);
   EXPECT_EQ(distance, kWires - 1 + 14 + 4 + 2 + 8 + 1);  // visit, leaf pipe, fetch, stage 8, wire back
@@ -102,10 +102,10 @@ TEST(Tni, ATriangleTestEndsAtThePhaseThatFails) {
 }
 
 TEST(Tni, RaysToOneLineMergeIntoOneRequest) {
-  TniBench::Setup setup = one_trv();
-  TniBench bench(setup);
-  bench.add(Walk{visit_step(5, 0, 0), end_step(false)}, 20).run();
-  EXPECT_EQ(bench.lines_asked(), 1U);
+  TniHarness::Setup setup = one_trv();
+  TniHarness harness(setup);
+  harness.add(Walk{visit_step(5, 0, 0), end_step(false)}, 20).run();
+  EXPECT_EQ(harness.lines_asked(), 1U);
 }
 
 TEST(Tni, AShortStackRestartsFromItsLinkAndVisitsThePathAgain) {
@@ -113,12 +113,12 @@ TEST(Tni, AShortStackRestartsFromItsLinkAndVisitsThePathAgain) {
   const Walk walk = {visit_step(0, 3, 0), visit_step(1, 3, 0), visit_step(2, 3, 0), visit_step(3, 3, 0),
                      visit_step(4, 0, 0), visit_step(5, 0, 0), visit_step(6, 0, 0), visit_step(7, 0, 0),
                      visit_step(8, 0, 0), end_step(false)};
-  TniBench::Setup setup = one_trv();
+  TniHarness::Setup setup = one_trv();
   setup.parents = {0, 0, 1, 2, 3, 3, 2, 1, 0};
   setup.config.trv.stack_entries = 2;
-  TniBench bench(setup);
-  bench.add(walk).run();
-  const Trv::Stats& s = bench.tni().trvs().front().stats();
+  TniHarness harness(setup);
+  harness.add(walk).run();
+  const Trv::Stats& s = harness.tni().trvs().front().stats();
   // Pops of nodes 3 and 2 are served; entries of 0 and 1 were dropped: from 0 down to 1 again, both held then.
   EXPECT_EQ(s.restarts, 1U);
   EXPECT_EQ(s.restarted_visits, 2U);
@@ -126,7 +126,7 @@ TEST(Tni, AShortStackRestartsFromItsLinkAndVisitsThePathAgain) {
   EXPECT_EQ(s.pops, 4U);
 
   setup.config.trv.stack = StackScheme::kFull;
-  TniBench full(setup);
+  TniHarness full(setup);
   full.add(walk).run();
   EXPECT_EQ(full.tni().trvs().front().stats().visits, 9U);
   EXPECT_EQ(full.tni().trvs().front().stats().restarts, 0U);
@@ -152,25 +152,25 @@ void append(Fingerprint& f, const Unit& unit) {
   }
 }
 
-Fingerprint fingerprint(const TniBench& bench) {
+Fingerprint fingerprint(const TniHarness& harness) {
   Fingerprint f;
-  f.values.push_back(bench.end_time());
-  append(f, bench.tni().dispatcher());
-  append(f, bench.tni().ist());
-  for (const Trv& trv : bench.tni().trvs()) append(f, trv);
+  f.values.push_back(harness.end_time());
+  append(f, harness.tni().dispatcher());
+  append(f, harness.tni().ist());
+  for (const Trv& trv : harness.tni().trvs()) append(f, trv);
   return f;
 }
 
 TEST(Tni, SkippingIdleTimeAndAnyUnitOrderGiveTheOraclesEveryCounter) {
   for (std::uint64_t seed = 0; seed < 80; ++seed) {
     const RandomLoad load(seed, 400, 300, seed % 4 >= 2);
-    TniBench::Setup setup = random_setup(seed);
+    TniHarness::Setup setup = random_setup(seed);
     load.give(setup);
     setup.single_boxes = seed % 2 == 0 ? single_boxes(load) : decltype(setup.single_boxes){};
     const auto fresh = [&] {
-      auto bench = std::make_unique<TniBench>(setup);
-      load.send(*bench);
-      return bench;
+      auto harness = std::make_unique<TniHarness>(setup);
+      load.send(*harness);
+      return harness;
     };
     const Fingerprint fast = fingerprint(fresh()->run());
     EXPECT_EQ(fast, fingerprint(fresh()->run<sim::Skip::kOff>())) << "seed " << seed;
@@ -182,23 +182,23 @@ TEST(Tni, WhatEntersLeavesAndEveryCycleHasAReason) {
   for (std::uint64_t seed = 100; seed < 180; ++seed) {
     SCOPED_TRACE(seed);
     const RandomLoad load(seed, 400, 300, seed % 4 >= 2);
-    TniBench::Setup setup = random_setup(seed);
+    TniHarness::Setup setup = random_setup(seed);
     load.give(setup);
     setup.single_boxes = seed % 2 == 0 ? single_boxes(load) : decltype(setup.single_boxes){};
-    TniBench bench(setup);
-    load.send(bench).run();
-    std::vector<std::uint32_t> ids = bench.arrived();
+    TniHarness harness(setup);
+    load.send(harness).run();
+    std::vector<std::uint32_t> ids = harness.arrived();
     std::ranges::sort(ids);
     std::vector<std::uint32_t> all(load.walks.size());
     std::iota(all.begin(), all.end(), 0U);
     EXPECT_EQ(ids, all);
 
-    const Ist::Stats& ist = bench.tni().ist().stats();
+    const Ist::Stats& ist = harness.tni().ist().stats();
     EXPECT_EQ(ist.leaves_in, ist.leaves_out);
     EXPECT_EQ(ist.l1_hits + ist.l1_misses, ist.l1_accesses);
-    EXPECT_EQ(bench.tni().ist().activity().accounted(), bench.end_time());
+    EXPECT_EQ(harness.tni().ist().activity().accounted(), harness.end_time());
     std::uint64_t leaves = 0, fills = ist.l1_fills;
-    for (const Trv& trv : bench.tni().trvs()) {
+    for (const Trv& trv : harness.tni().trvs()) {
       const Trv::Stats& s = trv.stats();
       EXPECT_EQ(s.rays_in, s.rays_out);
       EXPECT_EQ(s.l1_hits + s.l1_misses, s.l1_accesses);
@@ -210,17 +210,17 @@ TEST(Tni, WhatEntersLeavesAndEveryCycleHasAReason) {
       EXPECT_EQ(setup.hybrid ? s.box_tests : s.hybrid_box_tests, 0U);
       EXPECT_EQ(s.pushes, s.pops + s.dropped);
       EXPECT_EQ(s.rau_writes, s.rau_reads);
-      EXPECT_EQ(trv.activity().accounted(), bench.end_time());
+      EXPECT_EQ(trv.activity().accounted(), harness.end_time());
       sim::Time sum = 0;
       for (std::size_t w = 0; w < static_cast<std::size_t>(Trv::CycleReason::kCount); ++w) {
         sum += trv.activity().spent(static_cast<Trv::CycleReason>(w));
       }
-      EXPECT_EQ(sum, bench.end_time());
+      EXPECT_EQ(sum, harness.end_time());
       leaves += s.leaves;
       fills += s.l1_fills;
     }
     EXPECT_EQ(leaves, ist.leaves_in);
-    EXPECT_EQ(fills, bench.lines_asked());
+    EXPECT_EQ(fills, harness.lines_asked());
   }
 }
 

@@ -7,13 +7,13 @@
 namespace hw {
 namespace {
 
-using testing::alone;
-using testing::kWires;
-using testing::one_trv;
-using testing::RandomLoad;
-using testing::TniBench;
-using testing::trv;
-using testing::Walk;
+using test::alone;
+using test::kWires;
+using test::one_trv;
+using test::RandomLoad;
+using test::TniHarness;
+using test::trv;
+using test::Walk;
 using traces::end_step;
 using traces::leaf_step;
 using traces::visit_step;
@@ -25,7 +25,7 @@ const Walk kTwoDown = {visit_step(0, 1, 0), visit_step(1, 0, 0), end_step(false)
 const Walk kPopped = {visit_step(0, 3, 0), visit_step(1, 0, 0), visit_step(2, 0, 0), end_step(false)};
 
 TEST(BoxTesters, OneTakesTwoPassesAVisit) {
-  TniBench::Setup setup = one_trv();
+  TniHarness::Setup setup = one_trv();
   EXPECT_EQ(alone(setup, kPopped), 3 * kVisit + kPop);
   setup.config.trv.box_testers = 1;
   EXPECT_EQ(alone(setup, kTwoDown), 2 * 2 * kVisit);
@@ -35,44 +35,44 @@ TEST(BoxTesters, OneTakesTwoPassesAVisit) {
 TEST(BoxTesters, WithOnePassesPopsAndLeavesShareTheIssueOfOnePipe) {
   constexpr std::uint32_t kRays = 1000;
   const auto run = [&](std::uint32_t testers, const Walk& walk, auto&& check) {
-    TniBench::Setup setup = one_trv();
+    TniHarness::Setup setup = one_trv();
     setup.config.trv.rays = 64;
     setup.config.trv.box_testers = testers;
     setup.ideal.l1 = true;
-    TniBench bench(setup);
-    bench.add(walk, kRays).run();
-    check(bench);
+    TniHarness harness(setup);
+    harness.add(walk, kRays).run();
+    check(harness);
   };
   const Walk leaf = {visit_step(0, 1, 0), leaf_step(0, 2), 0x11, end_step(false)};
   // Three visits and a pop.
-  run(1, kPopped, [&](const TniBench& bench) {
-    EXPECT_NEAR(static_cast<double>(bench.span()), 7.0 * kRays, 200);
-    EXPECT_EQ(trv(bench).activity().spent(Trv::CycleReason::kSerial), kRays * kPeriod);
-    EXPECT_EQ(trv(bench).activity().spent(Trv::CycleReason::kVisiting), 6 * kRays * kPeriod);
+  run(1, kPopped, [&](const TniHarness& harness) {
+    EXPECT_NEAR(static_cast<double>(harness.span()), 7.0 * kRays, 200);
+    EXPECT_EQ(trv(harness).activity().spent(Trv::CycleReason::kSerial), kRays * kPeriod);
+    EXPECT_EQ(trv(harness).activity().spent(Trv::CycleReason::kVisiting), 6 * kRays * kPeriod);
   });
-  run(2, kPopped, [&](const TniBench& bench) {
-    EXPECT_NEAR(static_cast<double>(bench.span()), 3.0 * kRays, 200);
-    EXPECT_EQ(trv(bench).activity().spent(Trv::CycleReason::kSerial), 0U);
+  run(2, kPopped, [&](const TniHarness& harness) {
+    EXPECT_NEAR(static_cast<double>(harness.span()), 3.0 * kRays, 200);
+    EXPECT_EQ(trv(harness).activity().spent(Trv::CycleReason::kSerial), 0U);
   });
   // One visit, a leaf of two triangles, of which the second lies across two lines.
-  run(1, leaf, [&](const TniBench& bench) {
-    EXPECT_NEAR(static_cast<double>(bench.span()), 4.0 * kRays, 200);
-    EXPECT_EQ(trv(bench).activity().spent(Trv::CycleReason::kSerial), 2 * kRays * kPeriod);
+  run(1, leaf, [&](const TniHarness& harness) {
+    EXPECT_NEAR(static_cast<double>(harness.span()), 4.0 * kRays, 200);
+    EXPECT_EQ(trv(harness).activity().spent(Trv::CycleReason::kSerial), 2 * kRays * kPeriod);
   });
-  run(2, leaf, [&](const TniBench& bench) { EXPECT_NEAR(static_cast<double>(bench.span()), 3.0 * kRays, 200); });
+  run(2, leaf, [&](const TniHarness& harness) { EXPECT_NEAR(static_cast<double>(harness.span()), 3.0 * kRays, 200); });
 }
 
 TEST(BoxTesters, InOnePipeAMissThatBlocksHoldsUpPopsToo) {
   // Ray 1 comes to its pop when ray 0 has begun to stand in the fetch stage.
   const auto latency = [](std::uint32_t testers) {
-    TniBench::Setup setup = one_trv();
+    TniHarness::Setup setup = one_trv();
     setup.config.trv.box_testers = testers;
     setup.config.miss_handling = MissHandling::kBlocking;
     setup.memory_latency = 500;
-    TniBench bench(setup);
-    bench.add({visit_step(0, 1, 0), visit_step(0, 1, 0), visit_step(100, 0, 0), end_step(false)});
-    bench.add({visit_step(0, 3, 0), visit_step(0, 0, 0), visit_step(0, 0, 0), end_step(false)});
-    return bench.run().latency(1);
+    TniHarness harness(setup);
+    harness.add({visit_step(0, 1, 0), visit_step(0, 1, 0), visit_step(100, 0, 0), end_step(false)});
+    harness.add({visit_step(0, 3, 0), visit_step(0, 0, 0), visit_step(0, 0, 0), end_step(false)});
+    return harness.run().latency(1);
   };
   constexpr std::uint64_t kMemory = 501;
   EXPECT_EQ(latency(1), kWires + kMemory + 4 * kVisit + kMemory + kPop + 2 * kVisit);
@@ -105,7 +105,7 @@ TEST(TreeRecords, AVisitReadsEachLineOfItsRecordsOnce) {
 }
 
 TEST(TreeRecords, EachFurtherLineTakesACycleOfTheFetchStage) {
-  TniBench::Setup setup = one_trv();
+  TniHarness::Setup setup = one_trv();
   setup.node_bytes = 48;
   EXPECT_EQ(alone(setup, kTwoDown), 2 * kVisit + 1);  // node 0 at 0..47, node 1 at 48..95
   setup.node_bytes = 32;
@@ -117,24 +117,24 @@ TEST(TreeRecords, EachFurtherLineTakesACycleOfTheFetchStage) {
 
 TEST(TreeRecords, TrianglesOf36BytesTakeTheLinesTheyLieIn) {
   const auto accesses = [](std::uint32_t bytes) {
-    TniBench::Setup setup = one_trv();
+    TniHarness::Setup setup = one_trv();
     setup.triangle_bytes = bytes;
     setup.ideal.l1 = true;
-    TniBench bench(setup);
-    bench.add({visit_step(0, 1, 0), leaf_step(0, 3), 0x111, end_step(false)}).run();
-    return bench.tni().ist().stats().l1_accesses;
+    TniHarness harness(setup);
+    harness.add({visit_step(0, 1, 0), leaf_step(0, 3), 0x111, end_step(false)}).run();
+    return harness.tni().ist().stats().l1_accesses;
   };
   EXPECT_EQ(accesses(36), 1U + 2U + 1U);  // from 0, 36 (across 64) and 72 on
   EXPECT_EQ(accesses(48), 1U + 2U + 2U);  // from 0, 48 (across 64) and 96 (across 128) on
 }
 
 TEST(TreeRecords, HybridBoxesAreCountedApart) {
-  TniBench::Setup setup = one_trv();
+  TniHarness::Setup setup = one_trv();
   setup.hybrid = true;
-  TniBench bench(setup);
-  bench.add(kTwoDown).run();
-  EXPECT_EQ(trv(bench).stats().hybrid_box_tests, 4U);
-  EXPECT_EQ(trv(bench).stats().box_tests, 0U);
+  TniHarness harness(setup);
+  harness.add(kTwoDown).run();
+  EXPECT_EQ(trv(harness).stats().hybrid_box_tests, 4U);
+  EXPECT_EQ(trv(harness).stats().box_tests, 0U);
 }
 
 /// A chain 0 -> 1 -> 2 -> 3 that pushes at each node; nothing is culled, so all four far children are popped.
@@ -142,8 +142,8 @@ const Walk kChain = {visit_step(0, 3, 0), visit_step(1, 3, 0), visit_step(2, 3, 
                      visit_step(4, 0, 0), visit_step(5, 0, 0), visit_step(6, 0, 0), visit_step(7, 0, 0),
                      visit_step(8, 0, 0), end_step(false)};
 
-TniBench::Setup trail(std::uint32_t entries) {
-  TniBench::Setup setup = one_trv();
+TniHarness::Setup trail(std::uint32_t entries) {
+  TniHarness::Setup setup = one_trv();
   setup.parents = {0, 0, 1, 2, 3, 3, 2, 1, 0};
   setup.config.trv.stack = StackScheme::kRestartTrail;
   setup.config.trv.stack_entries = entries;
@@ -151,9 +151,9 @@ TniBench::Setup trail(std::uint32_t entries) {
 }
 
 TEST(RestartTrail, APopFromTheEmptyShortStackGoesDownFromTheRootToTheEntryWanted) {
-  TniBench bench(trail(2));
-  bench.add(kChain).run();
-  const Trv::Stats& s = trv(bench).stats();
+  TniHarness harness(trail(2));
+  harness.add(kChain).run();
+  const Trv::Stats& s = trv(harness).stats();
   // Entries of nodes 3 and 2 are popped. That of 1 was dropped: from 0 to 1, where the trail says to go on; the visit
   // of 0 pushes its entry again.
   EXPECT_EQ(s.restarts, 1U);
@@ -164,9 +164,9 @@ TEST(RestartTrail, APopFromTheEmptyShortStackGoesDownFromTheRootToTheEntryWanted
 }
 
 TEST(RestartTrail, WithoutAStackEachPopGoesDownFromTheRoot) {
-  TniBench bench(trail(0));
-  bench.add(kChain).run();
-  const Trv::Stats& s = trv(bench).stats();
+  TniHarness harness(trail(0));
+  harness.add(kChain).run();
+  const Trv::Stats& s = trv(harness).stats();
   EXPECT_EQ(s.restarts, 4U);
   EXPECT_EQ(s.restarted_visits, 4U + 3U + 2U + 1U);
   EXPECT_EQ(s.pushes, 0U);
@@ -175,17 +175,17 @@ TEST(RestartTrail, WithoutAStackEachPopGoesDownFromTheRoot) {
 }
 
 TEST(Prefetch, TheFarChildComesWhileTheNearOneIsWaitedFor) {
-  TniBench::Setup setup = one_trv();
+  TniHarness::Setup setup = one_trv();
   setup.links.resize(3);
   setup.links[0].child[0] = 1;
   setup.links[0].child[1] = 2;
   const auto latency = [&](Prefetch prefetch, std::uint32_t registers) {
     setup.config.trv.prefetch = prefetch;
     setup.config.trv.l1.mshrs = registers;
-    TniBench bench(setup);
-    bench.add(kPopped).run();
-    EXPECT_EQ(bench.lines_asked(), 3U);
-    return bench.latency(0);
+    TniHarness harness(setup);
+    harness.add(kPopped).run();
+    EXPECT_EQ(harness.lines_asked(), 3U);
+    return harness.latency(0);
   };
   const std::uint64_t none = kWires + 3 * (kMiss + kVisit) + kPop;
   EXPECT_EQ(latency(Prefetch::kNone, 8), none);
@@ -198,17 +198,17 @@ TEST(Prefetch, TheFarChildComesWhileTheNearOneIsWaitedFor) {
 }
 
 TEST(Dispatch, RoundRobinGivesEachTraversalUnitItsTurnAndPassesOverFullOnes) {
-  TniBench::Setup setup = one_trv();
+  TniHarness::Setup setup = one_trv();
   setup.config.trvs = 3;
   setup.config.dispatch = Dispatch::kRoundRobin;
   setup.config.trv.rays = 64;
   Walk long_walk(200, visit_step(0, 1, 0));
   long_walk.push_back(end_step(false));
   const auto shares = [&] {
-    TniBench bench(setup);
-    bench.add(long_walk).add(kTwoDown, 8).run();
+    TniHarness harness(setup);
+    harness.add(long_walk).add(kTwoDown, 8).run();
     std::vector<std::uint64_t> rays;
-    for (const Trv& unit : bench.tni().trvs()) rays.push_back(unit.stats().rays_in);
+    for (const Trv& unit : harness.tni().trvs()) rays.push_back(unit.stats().rays_in);
     return rays;
   };
   EXPECT_EQ(shares(), (std::vector<std::uint64_t>{3, 3, 3}));
@@ -217,34 +217,34 @@ TEST(Dispatch, RoundRobinGivesEachTraversalUnitItsTurnAndPassesOverFullOnes) {
 }
 
 TEST(Ideal, EveryOperationOfAPerfectUnitTakesOneCycleAndAnyNumberGoAtOnce) {
-  TniBench::Setup setup = one_trv();
+  TniHarness::Setup setup = one_trv();
   setup.ideal = {true, true};
-  TniBench bench(setup);
-  bench.add(kPopped, 40).run();
-  for (std::size_t ray = 0; ray < 40; ++ray) EXPECT_EQ(bench.latency(ray), kWires + 3 + 1) << ray;
+  TniHarness harness(setup);
+  harness.add(kPopped, 40).run();
+  for (std::size_t ray = 0; ray < 40; ++ray) EXPECT_EQ(harness.latency(ray), kWires + 3 + 1) << ray;
 
-  TniBench leaf(setup);
+  TniHarness leaf(setup);
   leaf.add({visit_step(0, 1, 0), leaf_step(0, 8), 0x33333333, end_step(false)}, 40).run();
   for (std::size_t ray = 0; ray < 40; ++ray) EXPECT_EQ(leaf.latency(ray), kWires + 1 + 1 + 1 + 1) << ray;
 }
 
 TEST(Ideal, APerfectUnitStillWaitsForItsLines) {
-  TniBench::Setup setup = one_trv();
+  TniHarness::Setup setup = one_trv();
   setup.ideal = {true, false};
-  TniBench bench(setup);
-  bench.add(kTwoDown).run();
-  EXPECT_EQ(bench.latency(0), kWires + 2 * (kMiss + 1));
+  TniHarness harness(setup);
+  harness.add(kTwoDown).run();
+  EXPECT_EQ(harness.latency(0), kWires + 2 * (kMiss + 1));
 }
 
 TEST(Ideal, APerfectUnitIsNeverSlower) {
   for (std::uint64_t seed = 0; seed < 30; ++seed) {
     const RandomLoad load(seed);
-    TniBench::Setup setup = testing::random_setup(seed);
+    TniHarness::Setup setup = test::random_setup(seed);
     load.give(setup);
     const auto span = [&](bool ideal) {
       setup.ideal = {ideal, true};
-      TniBench bench(setup);
-      return load.send(bench).run().span();
+      TniHarness harness(setup);
+      return load.send(harness).run().span();
     };
     EXPECT_LE(span(true), span(false)) << seed;
   }

@@ -7,14 +7,14 @@
 #include <gtest/gtest.h>
 
 #include "sim/engine.h"
-#include "tests/hw_models/machines/bench.h"
+#include "tests/hw_models/machines/gpu_harness.h"
 
 // Blocks of a frame on the machine, and caches warmed by the tiles before them.
 
 namespace tools {
 namespace {
 
-using hw::testing::Frame;
+using hw::test::Frame;
 
 const Frame& frame() {
   static const Frame f("cornell", 128, 64, 1, 8);  // 128 tiles
@@ -46,10 +46,10 @@ BlockRun run(const std::vector<TimedBlock>& blocks, const std::vector<std::uint3
 }
 
 TEST(SampledTiles, OneBlockOfAllTilesIsThePlainRun) {
-  const hw::testing::Outcome plain = [] {
+  const hw::test::Outcome plain = [] {
     hw::GpuConfig config;
     config.cores = 2;
-    return hw::testing::play(frame(), config);
+    return hw::test::play(frame(), config);
   }();
   const BlockRun all = run({{0, 0, 128, 0}});
   ASSERT_EQ(all.units.size(), plain.units.size());

@@ -13,13 +13,13 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include "tests/hw_models/machines/bench.h"
+#include "tests/hw_models/machines/gpu_harness.h"
 
 namespace tools {
 namespace {
 
-using hw::testing::difference;
-using hw::testing::Frame;
+using hw::test::difference;
+using hw::test::Frame;
 
 FrontEnd::Result take_all(FrontEnd& front_end) {
   while (const traces::TileWork* work = front_end.next()) front_end.give_back(work);
@@ -27,7 +27,7 @@ FrontEnd::Result take_all(FrontEnd& front_end) {
 }
 
 TEST(FrontEnd, DeliversEveryTileOnceInOrderHoweverManyThreadsMakeThem) {
-  const Frame& frame = hw::testing::cornell_64x32();
+  const Frame& frame = hw::test::cornell_64x32();
   for (const std::uint32_t workers : {0U, 1U, 2U, 5U}) {
     FrontEnd front_end(frame.program(), frame.tracer(), workers);
     std::vector<const traces::TileWork*> held;
@@ -41,7 +41,7 @@ TEST(FrontEnd, DeliversEveryTileOnceInOrderHoweverManyThreadsMakeThem) {
 }
 
 TEST(FrontEnd, APictureWithoutRecordingIsTheSamePicture) {
-  const Frame& frame = hw::testing::teapot_64x32();
+  const Frame& frame = hw::test::teapot_64x32();
   FrontEnd recorded(frame.program(), frame.tracer(), 0);
   FrontEnd silent(frame.program(), frame.tracer(), 2, false);
   const FrontEnd::Result with_work = take_all(recorded);
@@ -52,7 +52,7 @@ TEST(FrontEnd, APictureWithoutRecordingIsTheSamePicture) {
 }
 
 TEST(FrontEnd, MayBeLeftBeforeTheEnd) {
-  const Frame& frame = hw::testing::cornell_64x32();
+  const Frame& frame = hw::test::cornell_64x32();
   for (const std::uint32_t workers : {0U, 1U, 3U}) {
     FrontEnd front_end(frame.program(), frame.tracer(), workers);
     EXPECT_NE(front_end.next(), nullptr);
@@ -60,7 +60,7 @@ TEST(FrontEnd, MayBeLeftBeforeTheEnd) {
 }
 
 TEST(FrontEnd, WorkThatIsHeldStaysValidWhileOthersComeAndGo) {
-  const Frame& frame = hw::testing::cornell_64x32();
+  const Frame& frame = hw::test::cornell_64x32();
   FrontEnd front_end(frame.program(), frame.tracer(), 1);
   const traces::TileWork* held = front_end.next();
   const traces::TileWork copy = *held;
@@ -78,7 +78,7 @@ class FailingTracer final : public traces::Tracer {
 };
 
 TEST(FrontEnd, AFailureInAThreadComesOutWhereTheTileIsAskedFor) {
-  const Frame& frame = hw::testing::cornell_64x32();
+  const Frame& frame = hw::test::cornell_64x32();
   const FailingTracer tracer;
   for (const std::uint32_t workers : {0U, 1U, 2U}) {
     FrontEnd front_end(frame.program(), tracer, workers);

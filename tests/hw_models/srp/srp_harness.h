@@ -9,11 +9,11 @@
 #include "hw_models/srp/srp.h"
 #include "sim/engine.h"
 
-namespace hw::testing {
+namespace hw::test {
 
-/// A shader core on a bench: tiles in as fast as it takes them, a T&I unit, a memory and a DMA that each answer after a
-/// fixed time. Kernels are given by initiation interval and depth.
-class SrpBench {
+/// A shader core on a harness: tiles in as fast as it takes them, a T&I unit, a memory and a DMA that each answer after
+/// a fixed time. Kernels are given by initiation interval and depth.
+class SrpHarness {
  public:
   struct Setup {
     SrpConfig config;
@@ -36,11 +36,11 @@ class SrpBench {
     std::uint32_t tile = 0, ray = 0;  ///< place of the tile among those in flight, ray of the tile
   };
 
-  SrpBench(const Setup& setup, const std::vector<Kernel>& kernels);
+  SrpHarness(const Setup& setup, const std::vector<Kernel>& kernels);
 
-  SrpBench& add(traces::TileWork work);
+  SrpHarness& add(traces::TileWork work);
   template <sim::Skip kSkip = sim::Skip::kOn>
-  SrpBench& run() {
+  SrpHarness& run() {
     end_ = clock_.after(sim::run<kSkip>(*this), 1);
     srp_->finish(end_);
     return *this;
@@ -70,10 +70,10 @@ class SrpBench {
  private:
   /// Everything around the shader core.
   struct World {
-    explicit World(SrpBench& b) : bench(b) {}
-    const sim::Clock& clock() const { return bench.clock_; }
+    explicit World(SrpHarness& b) : harness(b) {}
+    const sim::Clock& clock() const { return harness.clock_; }
     sim::Time tick(sim::Time now);
-    SrpBench& bench;
+    SrpHarness& harness;
     std::size_t tiles_sent = 0;
   };
 
@@ -133,4 +133,4 @@ class TileBuilder {
   traces::TileWork work_;
 };
 
-}  // namespace hw::testing
+}  // namespace hw::test

@@ -1,12 +1,12 @@
-#include "tests/hw_models/srp/srp_bench.h"
+#include "tests/hw_models/srp/srp_harness.h"
 
 #include <algorithm>
 
-namespace hw::testing {
+namespace hw::test {
 
 using traces::WorkNode;
 
-SrpBench::SrpBench(const Setup& setup, const std::vector<Kernel>& kernels)
+SrpHarness::SrpHarness(const Setup& setup, const std::vector<Kernel>& kernels)
     : tiles_in_(setup.buffer.tiles_in_flight, 1, clock_),
       tiles_out_(setup.buffer.tiles_in_flight, 1, clock_),
       hits_in_(1024, setup.tni_latency, clock_),
@@ -44,13 +44,13 @@ SrpBench::SrpBench(const Setup& setup, const std::vector<Kernel>& kernels)
   dma_in_.wakes(world, srp);
 }
 
-SrpBench& SrpBench::add(traces::TileWork work) {
+SrpHarness& SrpHarness::add(traces::TileWork work) {
   works_.push_back(std::move(work));
   return *this;
 }
 
-sim::Time SrpBench::World::tick(sim::Time now) {
-  SrpBench& b = bench;
+sim::Time SrpHarness::World::tick(sim::Time now) {
+  SrpHarness& b = harness;
   const std::uint64_t cycle = b.clock_.cycles(now);
   if (tiles_sent < b.works_.size() && b.tiles_in_.can_push(now)) b.tiles_in_.push(now, {&b.works_[tiles_sent++]});
   if (b.tiles_out_.can_pop(now)) {
@@ -130,4 +130,4 @@ traces::TileWork TileBuilder::build() {
   return work_;
 }
 
-}  // namespace hw::testing
+}  // namespace hw::test

@@ -1,4 +1,4 @@
-#include "tests/hw_models/machines/bench.h"
+#include "tests/hw_models/machines/gpu_harness.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@
 #include "traces/accel/build.h"
 #include "traces/scenes/library.h"
 
-namespace hw::testing {
+namespace hw::test {
 
 namespace {
 
@@ -212,4 +212,4 @@ std::string difference(const tools::FrontEnd::Result& a, const tools::FrontEnd::
   return {};
 }
 
-}  // namespace hw::testing
+}  // namespace hw::test

@@ -4,7 +4,7 @@
 namespace hw::test {
 
 /// One channel without fabric latency; requesters of its own clock, one cycle of wire each way.
-struct DramBench {
+struct DramHarness {
   /// Request wire and response wire.
   static constexpr std::uint64_t kWires = 2;
 
@@ -17,30 +17,31 @@ struct DramBench {
     return c;
   }
 
-  explicit DramBench(DramConfig c = quiet(), std::size_t requesters = 1, std::size_t capacity = 64, bool ideal = false)
+  explicit DramHarness(DramConfig c = quiet(), std::size_t requesters = 1, std::size_t capacity = 64,
+                       bool ideal = false)
       : config(c) {
     const sim::Clock clock(c.timing.ck.time);
     DramChannel::Links links;
     for (std::size_t i = 0; i < requesters; ++i) {
-      auto& up = bench.link<MemRequest>(capacity, 1, clock, clock);
-      auto& down = bench.link<MemResponse>(capacity, 1, clock, clock);
-      bench.requesters.emplace_back(clock, up, down);
-      bench.connect(up, i, requesters);
-      bench.connect(down, requesters, i);
+      auto& up = harness.link<MemRequest>(capacity, 1, clock, clock);
+      auto& down = harness.link<MemResponse>(capacity, 1, clock, clock);
+      harness.requesters.emplace_back(clock, up, down);
+      harness.connect(up, i, requesters);
+      harness.connect(down, requesters, i);
       links.ports_in.push_back(&up);
       links.ports_out.push_back(&down);
     }
-    bench.channels.emplace_back(c, links, ideal);
+    harness.channels.emplace_back(c, links, ideal);
   }
 
-  Requester& requester(std::size_t i = 0) { return *std::next(bench.requesters.begin(), static_cast<long>(i)); }
+  Requester& requester(std::size_t i = 0) { return *std::next(harness.requesters.begin(), static_cast<long>(i)); }
   std::uint64_t latency(std::size_t request) { return requester().script[request].latency(); }
-  DramChannel& channel() { return bench.channels.front(); }
+  DramChannel& channel() { return harness.channels.front(); }
   const DramChannel::Stats& stats() { return channel().stats(); }
   std::uint64_t why(DramWhy reason) { return channel().clock().cycles(channel().activity().spent(reason)); }
   /// Returns the cycles elapsed, the last visited one included.
   std::uint64_t run(Mode mode = Mode::kSkip) {
-    end = bench.run(mode);
+    end = harness.run(mode);
     return channel().clock().cycles(end) + 1;
   }
 
@@ -51,7 +52,7 @@ struct DramBench {
   }
 
   DramConfig config;
-  Bench bench;
+  Harness harness;
   sim::Time end = 0;
 };
 

@@ -14,7 +14,7 @@
 #include "traces/accel/bvh_tracer.h"
 #include "traces/accel/memory_image.h"
 
-namespace hw::testing {
+namespace hw::test {
 
 /// A scene, a camera and a frame program: everything but the machine. Pinned, because the program refers to the image.
 class Frame {
@@ -110,4 +110,4 @@ std::string difference(const Outcome& a, const Outcome& b);
 /// The same for what the frame program found: picture, rays by kind, traversal steps.
 std::string difference(const tools::FrontEnd::Result& a, const tools::FrontEnd::Result& b);
 
-}  // namespace hw::testing
+}  // namespace hw::test

@@ -11,10 +11,10 @@
 #include "sim/link.h"
 #include "traces/walk.h"
 
-namespace hw::testing {
+namespace hw::test {
 
-/// A T&I unit on a bench: rays in as fast as it takes them, memory that answers after a fixed time, hits out.
-class TniBench {
+/// A T&I unit on a harness: rays in as fast as it takes them, memory that answers after a fixed time, hits out.
+class TniHarness {
  public:
   struct Setup {
     TniConfig config;
@@ -32,7 +32,7 @@ class TniBench {
     std::uint32_t drain_every = 1;  ///< cycles from one hit taken to the next
   };
 
-  explicit TniBench(const Setup& setup)
+  explicit TniHarness(const Setup& setup)
       : setup_(setup),
         rays_in_(setup.fifo, 1, clock_),
         hits_out_(setup.fifo, 1, clock_),
@@ -62,7 +62,7 @@ class TniBench {
     }
   }
 
-  TniBench& add(std::vector<std::uint32_t> walk, std::uint32_t times = 1) {
+  TniHarness& add(std::vector<std::uint32_t> walk, std::uint32_t times = 1) {
     walks_.push_back(std::move(walk));
     for (std::uint32_t i = 0; i < times; ++i) {
       to_send_.push_back(RayJob{walks_.back().data(), static_cast<std::uint32_t>(to_send_.size())});
@@ -85,13 +85,13 @@ class TniBench {
     return arrived_.size() == to_send_.size() &&
            std::ranges::all_of(tni_->trvs(), [](const Trv& trv) { return trv.idle(); });
   }
-  std::string state() const { return "bench"; }
+  std::string state() const { return "harness"; }
 
   template <sim::Skip kSkip = sim::Skip::kOn>
-  TniBench& run() {
+  TniHarness& run() {
     return end(sim::run<kSkip>(*this));
   }
-  TniBench& run_shuffled(std::uint64_t seed) { return end(sim::run_shuffled(*this, seed)); }
+  TniHarness& run_shuffled(std::uint64_t seed) { return end(sim::run_shuffled(*this, seed)); }
 
   /// Cycles between the moment a ray could enter the unit and the moment its hit could leave.
   std::uint64_t latency(std::size_t ray) const { return clock_.cycles(arrived_at_[ray] - sent_at_[ray]); }
@@ -106,28 +106,28 @@ class TniBench {
 
  private:
   struct Memory {
-    explicit Memory(TniBench& b) : bench(b) {}
-    const sim::Clock& clock() const { return bench.clock_; }
+    explicit Memory(TniHarness& b) : harness(b) {}
+    const sim::Clock& clock() const { return harness.clock_; }
     sim::Time tick(sim::Time now) {
-      const sim::Time next = bench.clock_.after(now, 1);
+      const sim::Time next = harness.clock_.after(now, 1);
       sim::Time at = sim::kNever;
-      for (std::size_t p = 0; p < bench.requests_.size(); ++p) {
-        if (bench.requests_[p].can_pop(now) && bench.replies_[p].can_push(now)) {
-          const MemRequest r = bench.requests_[p].pop(now);
-          bench.replies_[p].push(now, MemResponse{r.line, r.source, r.tag});
-          bench.lines_asked_ += 1;
+      for (std::size_t p = 0; p < harness.requests_.size(); ++p) {
+        if (harness.requests_[p].can_pop(now) && harness.replies_[p].can_push(now)) {
+          const MemRequest r = harness.requests_[p].pop(now);
+          harness.replies_[p].push(now, MemResponse{r.line, r.source, r.tag});
+          harness.lines_asked_ += 1;
         }
-        at = std::min(at, std::max({next, bench.requests_[p].pop_at(), bench.replies_[p].push_at()}));
+        at = std::min(at, std::max({next, harness.requests_[p].pop_at(), harness.replies_[p].push_at()}));
       }
       return at;
     }
-    TniBench& bench;
+    TniHarness& harness;
   };
   struct Source {
-    explicit Source(TniBench& b) : bench(b) {}
-    const sim::Clock& clock() const { return bench.clock_; }
+    explicit Source(TniHarness& b) : harness(b) {}
+    const sim::Clock& clock() const { return harness.clock_; }
     sim::Time tick(sim::Time now) {
-      TniBench& b = bench;
+      TniHarness& b = harness;
       if (b.sent_ < b.to_send_.size() && b.rays_in_.can_push(now)) {
         b.rays_in_.push(now, b.to_send_[b.sent_++]);
         b.sent_at_.push_back(b.clock_.after(now, 1));
@@ -145,10 +145,10 @@ class TniBench {
       if (b.sent_ < b.to_send_.size()) at = std::min(at, std::max(next, b.rays_in_.push_at()));
       return at;
     }
-    TniBench& bench;
+    TniHarness& harness;
   };
 
-  TniBench& end(sim::Time last) {
+  TniHarness& end(sim::Time last) {
     end_ = clock_.after(last, 1);
     tni_->dispatcher().finish(end_);
     tni_->ist().finish(end_);
@@ -176,22 +176,22 @@ class TniBench {
 };
 
 /// A unit of one traversal unit.
-inline TniBench::Setup one_trv() {
-  TniBench::Setup s;
+inline TniHarness::Setup one_trv() {
+  TniHarness::Setup s;
   s.config.trvs = 1;
   return s;
 }
 
-inline const Trv& trv(const TniBench& bench) { return bench.tni().trvs().front(); }
+inline const Trv& trv(const TniHarness& harness) { return harness.tni().trvs().front(); }
 
 /// Cycles from the FIFO to the FIFO: one wire to the TRV, one back to the dispatcher, one into the hit FIFO.
 inline constexpr std::uint64_t kWires = 3;
 
 /// Cycles of a ray alone and with warm caches.
-inline std::uint64_t alone(TniBench::Setup setup, const std::vector<std::uint32_t>& walk) {
+inline std::uint64_t alone(TniHarness::Setup setup, const std::vector<std::uint32_t>& walk) {
   setup.config.trv.rays = 1;
-  TniBench bench(setup);
-  return bench.add(walk, 2).run().gap() - (kWires - 1);
+  TniHarness harness(setup);
+  return harness.add(walk, 2).run().gap() - (kWires - 1);
 }
 
-}  // namespace hw::testing
+}  // namespace hw::test

@@ -1,0 +1,57 @@
+#pragma once
+#include "tests/hw_models/memory/harness.h"
+
+namespace hw::test {
+
+/// Cores, one bank, and a memory whose answers take `memory` cycles.
+struct BankHarness {
+  explicit BankHarness(L2Config config = small(), std::size_t cores = 2, std::size_t capacity = 64,
+                       std::uint64_t memory = 50, Arbitration arbitration = Arbitration::kRoundRobin,
+                       bool ideal = false)
+      : flush(1, kFlushAt, kClock) {
+    L2Bank::Links links;
+    for (std::size_t i = 0; i < cores; ++i) {
+      auto& up = harness.link<MemRequest>(capacity, 1, kClock, kClock);
+      auto& down = harness.link<MemResponse>(capacity, 1, kClock, kClock);
+      harness.requesters.emplace_back(kClock, up, down);
+      harness.connect(up, i, cores);
+      harness.connect(down, cores, i);
+      links.cores_in.push_back(&up);
+      links.cores_out.push_back(&down);
+    }
+    auto& up = harness.link<MemRequest>(capacity, 1, kClock, kClock);
+    auto& down = harness.link<MemResponse>(capacity, memory, kClock, kClock);
+    harness.echoes.emplace_back(kClock, up, down);
+    harness.connect(up, cores, cores + 1);
+    harness.connect(down, cores + 1, cores);
+    links.channels_out.push_back(&up);
+    links.channels_in.push_back(&down);
+    links.flush_in = &flush;
+    flush.push(0, Flush{});
+    harness.banks.emplace_back(config, std::uint16_t{0}, links, Interleave(64, 1), kClock, arbitration, ideal);
+  }
+
+  static L2Config small() {
+    L2Config c;
+    c.cache.size = {8192};
+    c.banks = 1;
+    c.cache.mshrs = 4;
+    return c;
+  }
+
+  Requester& core(std::size_t i) { return *std::next(harness.requesters.begin(), static_cast<long>(i)); }
+  const L2Bank::Stats& stats() { return harness.banks.front().stats(); }
+  std::uint64_t fetched() { return harness.echoes.front().requests; }
+  std::uint64_t written() { return harness.echoes.front().written; }
+  std::uint64_t why(L2Bank::CycleReason w) { return kClock.cycles(harness.banks.front().activity().spent(w)); }
+
+  static constexpr std::uint64_t kFlushAt =
+      100'000;  ///< the cycle in which the frame is over, as far as dirty lines go
+  Harness harness;
+  sim::Link<Flush> flush;
+};
+
+inline constexpr std::uint64_t kHit = 1 + 12 + 1;               // wire, hit_cycles, wire
+inline constexpr std::uint64_t kMiss = 1 + 4 + 1 + 50 + 1 + 1;  // wire, lookup, wire, memory, fill, wire
+
+}  // namespace hw::test
