@@ -14,7 +14,7 @@
 
 namespace hw {
 
-/// What stands in for the direct interface when it is off: rays and hits of a core travel through memory.
+/// Replacement of the direct interface when that is off: rays and hits of a core travel through memory.
 ///
 ///   SRP --> rays --> [ring of rays in memory] --> T&I unit
 ///   SRP <-- hits <-- [ring of hits in memory] <-- T&I unit

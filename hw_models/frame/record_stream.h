@@ -33,7 +33,7 @@ class RecordStream {
   };
   struct Counts {
     std::uint64_t records = 0, written = 0, read = 0;  ///< the latter two in lines, or parts of them
-    sim::Time inside = 0;                              ///< of all records that have left
+    sim::Time inside = 0;                              ///< summed over records that have left
   };
   enum class Waits : std::uint8_t { kNothing, kMemory, kPort, kOutput };
 
@@ -70,7 +70,7 @@ class RecordStream {
   std::uint64_t inside() const { return accepted_ - delivered_; }
 
  private:
-  /// What one request reads, up to this byte of the stream.
+  /// The part of the stream that one request reads, up to byte `end`.
   struct Chunk {
     Addr end = 0;
     bool come = false;
@@ -138,7 +138,7 @@ class RecordStream {
   Links links_;
   std::vector<Record> records_;                 ///< what the ring holds, for the simulator alone
   std::vector<Chunk> chunks_;                   ///< asked for, in order
-  std::uint64_t first_ = 0, last_ = 0;          ///< of them
+  std::uint64_t first_ = 0, last_ = 0;          ///< chunks under way: [first_, last_)
   std::uint64_t accepted_ = 0, delivered_ = 0;  ///< records so far
   Addr written_ = 0, asked_ = 0, come_ = 0;     ///< bytes of the stream so far
   Counts counts_;

@@ -13,14 +13,14 @@
 
 namespace hw {
 
-/// Where the work of a frame comes from, tile by tile, in the order of the tile list.
+/// Source of a frame's work, tile by tile, in the order of the tile list.
 class TileSource {
  public:
   virtual ~TileSource() = default;
   /// The next tile's work, or null when the frame has no more. It stays valid until given back.
   virtual const traces::TileWork* next() = 0;
   virtual void give_back(const traces::TileWork* work) = 0;
-  /// What next() gave last goes to a core at `now`.
+  /// The work that next() gave last goes to a core at `now`.
   virtual void dispatched([[maybe_unused]] sim::Time now) {}
 };
 

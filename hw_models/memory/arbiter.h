@@ -10,7 +10,7 @@
 
 namespace hw {
 
-/// Who goes first where several want the same way.
+/// Order in which an arbiter serves several requesters of one resource.
 enum class Arbitration : std::uint8_t {
   kRoundRobin,   ///< each in turn
   kOldestFirst,  ///< who has been there longest, of equals the first
@@ -27,8 +27,8 @@ class Arbiter {
 
   std::uint32_t count() const { return count_; }
 
-  /// Of those with a bit in `asking` one for whom `ready(i)`; they have been there since `since(i)`. count() if there is
-  /// none.
+  /// The asker to serve: one with a bit in `asking` for whom `ready(i)`, where `since(i)` is when it began to wait.
+  /// count() if there is none.
   template <class Ready, class Since>
   std::uint32_t choose(std::uint64_t asking, Ready&& ready, Since&& since) const {
     if (how_ == Arbitration::kOldestFirst) return oldest(asking, ready, since);

@@ -11,7 +11,7 @@
 
 namespace hw {
 
-/// Which line of a full set goes when another comes.
+/// Replacement policy: which line of a full set goes when another comes.
 enum class Replacement : std::uint8_t {
   kLru,     ///< the least recently used
   kPlru,    ///< nearly that: a tree of bits, each of which points away from the half that was used last

@@ -167,11 +167,11 @@ class CacheTags {
   std::uint32_t line_shift_;
   std::uint32_t bank_shift_;
   std::uint32_t ways_, stride_;  ///< ways of a set, and the same rounded up: four are compared at once
-  std::size_t words_;            ///< of a set in `sets_`
+  std::size_t words_;            ///< words of a set in `sets_`
   Replacement replacement_;
   Addr set_mask_;
-  std::vector<std::uint32_t> sets_;   ///< of each set its tags, then when each was last used, side by side for the host
-  std::vector<std::uint64_t> trees_;  ///< of each set
+  std::vector<std::uint32_t> sets_;   ///< set by set: its tags, then when each was last used
+  std::vector<std::uint64_t> trees_;  ///< one for each set
   std::uint32_t clock_;
   std::uint64_t fills_ = 0;
 };

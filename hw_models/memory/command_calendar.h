@@ -11,9 +11,9 @@ namespace hw {
 /// Commands in the order of preference. kColumn stands for all read (or write) commands of one line: a train.
 enum class DramCommand : std::uint8_t { kColumn, kActivate, kPrecharge };
 
-/// When the command bus and the data bus have room for a command: for each kind a bit mask over the next 64 cycles in
-/// which it cannot start, because it would meet something booked. What a booked command forbids to each kind is known
-/// beforehand, so that booking and asking take no loops; other commands fit between those of a train.
+/// Reservation table of the command bus and the data bus: for each kind of command a bit mask over the next 64 cycles
+/// in which it cannot start, because it would meet something booked. What a booked command forbids to each kind is
+/// known beforehand, so that booking and asking take no loops; other commands fit between those of a train.
 class CommandCalendar {
  public:
   using Cycle = std::uint64_t;

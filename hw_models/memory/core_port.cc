@@ -112,12 +112,12 @@ void CorePort::carry(std::uint32_t target, sim::Time now) {
   stats_.lines_down += 1;
 }
 
-/// When there may be something to do next, and what it waits for until then.
+/// Returns when there may be something to do next, and notes what the port waits for until then.
 sim::Time CorePort::look_ahead(sim::Time now) {
   const sim::Time next = now + clock_.period();
   sim::Time wake = sim::kNever;
   waiting_ = CycleReason::kIdle;
-  // What is not visible yet must not be looked at: wake up for it and decide then.
+  // A message that is not visible yet must not be looked at: wake up for it and decide then.
   const auto consider = [&](const auto& in, sim::Time free_at, auto&& out_of, CycleReason full) {
     sim::Time at = in.pop_at();
     if (at <= now) {

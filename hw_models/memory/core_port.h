@@ -118,7 +118,7 @@ class CorePort {
   Interleave targets_;
   sim::Clock clock_;
   const bool ideal_;
-  std::array<sim::Time, 9> carry_time_;  ///< of so many eighths of a line
+  std::array<sim::Time, 9> carry_time_;  ///< time on the wires, by sectors carried
 
   Arbiter up_, down_;
   sim::Time request_wait_ = 0, line_wait_ = 0;

@@ -8,11 +8,9 @@
 
 namespace hw {
 
-namespace {
-
-std::size_t most_bursts(const DramTiming& t) { return (std::max(t.rl + t.dqsck, t.wl + t.dqss) + 64) / t.burst + 4; }
-
-}  // namespace
+static std::size_t most_bursts(const DramTiming& t) {
+  return (std::max(t.rl + t.dqsck, t.wl + t.dqss) + 64) / t.burst + 4;
+}
 
 DramChannel::DramChannel(const DramConfig& c, Links links, bool ideal)
     : controller_(c.controller),

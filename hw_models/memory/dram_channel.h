@@ -19,7 +19,7 @@
 
 namespace hw {
 
-/// One LPDDR channel with its controller. State is "the first cycle at which this command may run", never a countdown.
+/// One LPDDR channel with its controller. Its state holds first allowed cycles, never countdowns.
 ///
 ///   ports_in --> one request per cycle --> [read queue ] --> ACT / RD / WR / PRE on the command bus --> banks
 ///                                          [write queue]                                               |
@@ -142,9 +142,9 @@ class DramChannel {
   const std::uint32_t bursts_;
   const std::uint64_t line_bytes_;
   const Cycle fabric_;
-  const Cycle refresh_interval_;  ///< of a rank; 0: never
+  const Cycle refresh_interval_;  ///< cycles between refreshes of a rank; 0: never
   const std::uint32_t refresh_cycles_;
-  const std::uint32_t exit_cycles_;  ///< of power-down
+  const std::uint32_t exit_cycles_;  ///< cycles from power-down to the first command
   const sim::Clock clock_;
   const sim::Inputs<MemRequest> ports_in_;
   const std::vector<sim::Link<MemResponse>*> ports_out_;
@@ -157,7 +157,7 @@ class DramChannel {
   std::uint64_t refresh_turn_ = 0;  ///< refreshes so far: ranks take turns
   std::uint32_t to_refresh_;        ///< banks that have not had their turn in this round, as a mask
 
-  Cycle data_end_ = 0;  ///< of the last line
+  Cycle data_end_ = 0;  ///< the end of the last line's data
   bool is_down_ = false;
   Cycle down_since_ = 0;  ///< power-down begins or began, if is_down_
 

@@ -5,7 +5,7 @@
 
 namespace hw {
 
-/// What a channel must take by the rules of its grade, in cycles of the command clock. A line is a train of bursts of
+/// Times that the rules of a grade imply for a channel, in cycles of the command clock. A line is a train of bursts of
 /// one bank; times end with the last of its data.
 class DramClosedForms {
  public:
@@ -34,7 +34,7 @@ class DramClosedForms {
   // Line after line, for ever.
   /// Bursts fill the bus, those of one bank group by leaving gaps that another group fills.
   double streamed_line() const { return bursts_ * std::max(t_.burst, groups_ > 1 ? t_.ccd_s : t_.ccd_l); }
-  /// So many lines of a row, then as many of the next bank: what is tightest of activates, buses and banks.
+  /// `lines` of a row, then as many of the next bank: the tightest of activates, buses and banks.
   double line_of_own_row(std::uint32_t lines) const {
     const double activate = std::max<double>(t_.rrd, t_.faw / 4.0);
     const std::uint32_t hits = (lines - 1) * bursts_ * t_.ccd_l + train();
@@ -42,7 +42,7 @@ class DramClosedForms {
     const double commands = t_.ca_activate + lines * bursts_ * t_.ca_column + t_.ca_precharge;
     return std::max({activate, row / banks_, commands, lines * streamed_line()}) / lines;
   }
-  /// From one row that refreshes close: one of the bank or of all banks, as the configuration says.
+  /// Hits of one row that refreshes close, bank by bank or all banks at once, as the configuration says.
   double line_between_refreshes() const {
     const double line = bursts_ * t_.ccd_l;
     const double lost = train() + t_.rtp + refresh_ + t_.rcd - line;

@@ -11,7 +11,8 @@
 
 namespace hw {
 
-/// Which address bits choose what, highest first. Lines that follow each other differ in the last word.
+/// Address mapping: which bits choose row, bank, column and channel, highest first. Lines that follow each other differ
+/// in the last word.
 enum class DramMapping : std::uint8_t {
   kRowBankColumnChannel,  ///< a stream fills a row of every channel, then goes to the next bank
   kRowColumnBankChannel,  ///< a stream goes round the banks: what bank groups need
@@ -21,22 +22,22 @@ constexpr std::array<std::string_view, 3> names_of(DramMapping) {
   return {"row_bank_column_channel", "row_column_bank_channel", "row_bank_channel_column"};
 }
 
-/// Which bank a refresh takes.
+/// Order in which refreshes take the banks.
 enum class RefreshOrder : std::uint8_t {
   kRoundRobin,  ///< the next one (LPDDR3 leaves no choice). A stream that goes round the banks may run into step with
                 ///< it
-  kIdleFirst,   ///< of those that have not had their turn yet, one that no request wants
+  kIdleFirst,   ///< a bank that no request wants, among those that have not had their turn yet
 };
 constexpr std::array<std::string_view, 2> names_of(RefreshOrder) { return {"round_robin", "idle_first"}; }
 
-/// How much of a rank a refresh takes at a time.
+/// Part of a rank that a refresh takes at a time.
 enum class RefreshKind : std::uint8_t {
   kPerBank,  ///< a bank, or the banks that the device refreshes together; the others go on
   kAllBank,  ///< all banks of a rank, less often
 };
 constexpr std::array<std::string_view, 2> names_of(RefreshKind) { return {"per_bank", "all_bank"}; }
 
-/// What becomes of a row when no queued request wants it any more.
+/// Page policy: whether a row stays open when no queued request wants it any more.
 enum class PagePolicy : std::uint8_t {
   kOpen,      ///< it stays open until its bank is wanted for another row
   kClosed,    ///< its last queued hit closes it (auto-precharge)
@@ -44,14 +45,14 @@ enum class PagePolicy : std::uint8_t {
 };
 constexpr std::array<std::string_view, 3> names_of(PagePolicy) { return {"open", "closed", "adaptive"}; }
 
-/// Who goes next, within the reads or within the writes.
+/// Scheduler: which request goes next, within the reads or within the writes.
 enum class DramScheduler : std::uint8_t {
   kFrFcfs,  ///< whoever is ready, the oldest first among equals
   kFcfs,    ///< the oldest, and nobody prepares a bank before his turn
 };
 constexpr std::array<std::string_view, 2> names_of(DramScheduler) { return {"fr_fcfs", "fcfs"}; }
 
-/// What one channel consists of.
+/// Parts of a channel: ranks, banks, rows.
 struct DramOrganisation {
   std::uint32_t ranks = 1;
   std::uint32_t banks = 8;
@@ -123,7 +124,7 @@ struct DramTiming {
   }
 };
 
-/// How the memory controller orders the requests of a channel.
+/// The memory controller of a channel: how it orders requests.
 struct DramController {
   DramMapping mapping = DramMapping::kRowBankColumnChannel;
   bool bank_xor = true;

@@ -10,7 +10,7 @@
 
 namespace hw {
 
-/// What a channel's time goes to.
+/// Reasons for a channel's cycles.
 enum class DramWhy : std::uint8_t {
   kIdle,         ///< nothing queued, no data expected
   kReading,      ///< read data on the bus
@@ -32,12 +32,12 @@ constexpr std::array<std::string_view, 13> names_of(DramWhy) {
           "turnaround", "column",  "command_bus", "returns_full", "rank_switch",  "power_down_exit"};
 }
 
-/// The banks and busses of one channel: which command may run when. State is "the first cycle at which this may
-/// happen", never a countdown. Cycles are those of the command clock.
+/// The banks and buses of one channel: which command may run when. Its state holds first allowed cycles, never
+/// countdowns. Cycles are those of the command clock.
 class DramDevice {
  public:
   using Cycle = std::uint64_t;
-  static constexpr std::uint32_t kMaxBanks = 32;  ///< of all ranks, those of a rank together
+  static constexpr std::uint32_t kMaxBanks = 32;  ///< of all ranks together
   static constexpr std::uint32_t kMaxRanks = 2;
 
   explicit DramDevice(const DramConfig& config);
@@ -48,7 +48,7 @@ class DramDevice {
   /// Banks with an open row, as a mask.
   std::uint32_t open_mask() const { return open_; }
 
-  /// What binds every bank of a rank, by command.
+  /// First cycles that the rank and the clock allow any of its banks, by command.
   using Floors = std::array<Cycle, 3>;
   Floors rank_ready(std::uint32_t rank, bool write, Cycle now) const {
     const Rank& r = rank_[rank];
@@ -64,7 +64,7 @@ class DramDevice {
   }
   /// The first cycle, `ready` or later, at which the buses are free for the command.
   Cycle earliest(DramCommand command, Cycle ready) const { return calendar_.first_free(command, ready); }
-  /// What keeps the command from running one cycle before `at`, its earliest cycle; true of every cycle until then.
+  /// Reason why the command cannot run one cycle before `at`, its earliest cycle; it holds for every cycle until then.
   DramWhy reason(DramCommand command, std::uint32_t bank, bool write, Cycle at) const;
 
   void activate(std::uint32_t bank, std::uint32_t row, Cycle now);
@@ -134,7 +134,7 @@ class DramDevice {
   const DramTiming t_;
   const std::uint32_t ranks_, rank_shift_;
   const std::uint32_t group_mask_;  ///< low bits of the bank, and its rank
-  const std::uint32_t rank_banks_;  ///< of the first rank, as a mask
+  const std::uint32_t rank_banks_;  ///< banks of the first rank, as a mask
   const std::uint32_t refresh_set_;
   const std::uint32_t refresh_leaders_;
   const Cycle train_length_;  ///< first to last column command of a line

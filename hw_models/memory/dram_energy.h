@@ -8,11 +8,11 @@
 
 namespace hw {
 
-/// What the events that DramChannel counts cost. A burst includes the device's core, the pins and the GPU's PHY; a
+/// Energy of each event that DramChannel counts. A burst includes the device's core, the pins and the GPU's PHY; a
 /// standby cycle is the background power of one rank for one cycle of its command clock.
 std::map<std::string, sim::DeviceEvent> dram_energy_events(const DramConfig& config);
 
-/// What a channel has taken for all that it counted, in pJ.
+/// Energy of a channel for all that it counted, in pJ.
 sim::Spread dram_energy(const DramConfig& config, const DramChannel::Stats& stats);
 
 }  // namespace hw

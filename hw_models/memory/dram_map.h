@@ -9,7 +9,7 @@ namespace hw {
 
 /// A line's address inside its channel; its column plays no part in timing.
 struct DramAddress {
-  std::uint32_t bank = 0;  ///< of all ranks: those of a rank stand together
+  std::uint32_t bank = 0;  ///< among the banks of all ranks, rank by rank
   std::uint32_t row = 0;
 };
 

@@ -46,7 +46,7 @@ class Experiment {
   double distance(std::size_t first, std::size_t second) const {
     return static_cast<double>(play_.done[second] - play_.done[first]) * 1e-6;
   }
-  /// Of the later nine tenths of the lines.
+  /// Bandwidth over the later nine tenths of the lines.
   double steady_gbps() const {
     const std::size_t first = requests_.size() / 10, last = requests_.size() - 1;
     return static_cast<double>((last - first) * config.line.bytes) / distance(first, last);

@@ -14,7 +14,7 @@ struct DramMeasurement {
     kExactly,
     kClosely,  ///< within 2 %
     kNearly,   ///< between nine tenths of the form and all of it
-    kAtMost,   ///< the form is a bound, and what is lost to command slots and waiting banks is left out (2 % for ends)
+    kAtMost,   ///< the form is a bound that leaves out command slots and waiting banks (2 % for ends)
   };
   std::string name;
   std::string unit;  ///< "ns" or "GB/s"

@@ -6,10 +6,10 @@
 
 namespace hw {
 
-/// Whether a row is closed with its last queued hit. The adaptive policy closes it if a request for another row of the
-/// bank waits already. Else it goes by two bits for each bank that count how often, of late, the next request wanted
-/// another row: it closes in the upper half of the count. Only that next request is evidence, whatever was decided and
-/// whatever a refresh did in between.
+/// Decides whether a row is closed with its last queued hit. The adaptive policy closes it if a request for another row
+/// of the bank waits already. Else it goes by two bits for each bank that count how often, of late, the next request
+/// wanted another row: it closes in the upper half of the count. Only that next request is evidence, whatever was
+/// decided and whatever a refresh did in between.
 class DramPagePolicy {
  public:
   explicit DramPagePolicy(PagePolicy policy) : policy_(policy) {}

@@ -16,11 +16,12 @@ struct DramRequest {
   sim::Time earliest = 0;  ///< the channel does not see it before
 };
 
-/// What became of a stream. Times count from the moment at which a request without `earliest` reaches the channel.
+/// Outcome of a stream of requests. Times count from the moment at which a request without `earliest` reaches the
+/// channel.
 struct DramPlay {
   std::vector<sim::Time> arrived;  ///< by request: when the channel saw it
   std::vector<sim::Time> done;     ///< by request: when the last of its data had passed the bus
-  sim::Time end = 0;               ///< of the last data
+  sim::Time end = 0;               ///< when the last data had passed the bus
   DramChannel::Stats stats;
   std::vector<std::pair<std::string, std::uint64_t>> why;  ///< cycles by DramWhy, `end` in all
 

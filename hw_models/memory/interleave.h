@@ -7,7 +7,8 @@
 
 namespace hw {
 
-/// Which of `count` equal neighbours (L2 banks, DRAM channels) owns a line: a field of address bits.
+/// Interleaving of lines over `count` equal neighbours (L2 banks, DRAM channels): a field of address bits names the
+/// owner.
 class Interleave {
  public:
   constexpr Interleave(std::uint64_t granule_bytes, std::uint32_t count)

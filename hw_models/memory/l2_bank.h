@@ -27,12 +27,12 @@ namespace hw {
 ///                              +--miss--> [MSHRs] --> [to memory: lookup_cycles] --> channels_out
 ///                              +--write-> lines         channels_in --> fill, waiters of the line
 ///
-/// A request that finds neither its line nor a free MSHR (or no free place among the line's targets) stays
-/// in the head and holds up all behind it. `source` and `tag` are returned unchanged to the core the request came from;
-/// towards memory, `source` is the bank's index.
+/// A request that finds neither its line nor a free MSHR (or no room among the targets of its line's MSHR)
+/// stays in the head and holds up all behind it. `source` and `tag` are returned unchanged to the core the request came
+/// from; towards memory, `source` is the bank's index.
 ///
-/// A write that is kept (L2Writes::kBack) takes a place without a fetch; a read that wants more than the sectors that
-/// are there gives the place up: the dirty sectors wait in the MSHR, and the fill comes in around them. Of a
+/// A write that is kept (L2Writes::kBack) takes a way without a fetch; a read that wants more than the sectors that are
+/// there gives the way up: the dirty sectors wait in the MSHR, and the fill comes in around them. Of a
 /// line that is replaced, what is dirty goes to memory; memory is told which sectors (a masked write) and takes as long
 /// as for a line. At the end of a frame a Flush has all that is dirty written. The queue to memory has room for a miss
 /// and a dirty victim of every MSHR, so a fill never waits for it.
@@ -46,7 +46,7 @@ class L2Bank {
     kServing,     ///< a request or a line came in, or a line went out
     kLookup,      ///< requests are inside the pipeline
     kMemory,      ///< every request inside waits for DRAM
-    kMshrFull,    ///< the head found no MSHR, or no place among its line's targets
+    kMshrFull,    ///< the head found no MSHR, or no room among its line's targets
     kMemoryFull,  ///< memory does not take what is written to it
     kOutputFull,  ///< a line cannot leave towards its core
     kCount
@@ -100,7 +100,7 @@ class L2Bank {
   const Stats& stats() const { return stats_; }
   const sim::Activity<CycleReason>& activity() const { return activity_; }
   std::string state() const;
-  /// Takes the line as read, in no time. What is dirty of a line that goes for it is dropped.
+  /// Takes the line as read, in no time. Dirty sectors of a line that goes for it are dropped.
   void warm(Addr line) {
     if (store_.find(line, 0) == L2Store::Found::kNot) store_.put_in(line, kWholeLine, 0);
   }

@@ -12,7 +12,7 @@
 
 namespace hw {
 
-/// What the L2 does with a write.
+/// Write policy of the L2.
 enum class L2Writes : std::uint8_t {
   kBack,     ///< keeps it; memory gets it when the line is replaced
   kThrough,  ///< passes it on to memory, and brings the line up to date if it is here

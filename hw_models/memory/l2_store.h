@@ -14,7 +14,7 @@ namespace hw {
 class L2Store {
  public:
   enum class Found : std::uint8_t { kNot, kPart, kAll };
-  /// What must go to memory because its slot was taken; no sectors if nothing must.
+  /// Dirty sectors that must go to memory because their slot was taken; none if nothing must.
   struct Victim {
     Addr line = 0;
     SectorMask sectors = 0;

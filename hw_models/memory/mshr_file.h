@@ -9,8 +9,8 @@
 
 namespace hw {
 
-/// Miss status holding registers: the lines on their way, and for each what waits for it.
-/// Few and dense: a search compares them all.
+/// Miss status holding registers (MSHRs, Kroft 1981): the lines on their way, and for each what waits for it. They are
+/// few and dense, so a search compares them all.
 template <class Payload>
 class MshrFile {
  public:
@@ -21,13 +21,13 @@ class MshrFile {
   bool empty() const { return size_ == 0; }
   bool full() const { return size_ == lines_.size(); }
 
-  /// What waits for `line`, or nullptr if it is not on its way.
+  /// The payload of the line's MSHR, or nullptr if the line is not on its way.
   Payload* find(Addr line) {
     const std::uint32_t i = index_of(line);
     return i == size_ ? nullptr : &payloads_[i];
   }
 
-  /// A register for a line that has none yet; its payload starts afresh.
+  /// Allocates an MSHR for a line that has none yet; its payload starts afresh.
   Payload& allocate(Addr line) {
     assert(!full() && find(line) == nullptr);
     lines_[size_] = line;
@@ -35,7 +35,7 @@ class MshrFile {
     return payloads_[size_++];
   }
 
-  /// Frees the line's register and returns what waited.
+  /// Frees the line's MSHR and returns its payload.
   Payload release(Addr line) {
     const std::uint32_t i = index_of(line);
     assert(i < size_ && "a line came back that nobody asked for");

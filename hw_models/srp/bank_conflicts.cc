@@ -27,7 +27,7 @@ bool is_local(const GraphNode& node) { return node.op == Op::kLoadLocal || node.
 std::uint32_t words_of(const GraphNode& node) { return std::max(1U, (node.bytes + kPortBytes - 1) / kPortBytes); }
 
 std::vector<LocalAccess> accesses_of(const KernelSchedule& schedule, const kernels::Graph& graph) {
-  std::map<std::string, std::uint32_t> begins;  // of each array, in the order of the graph
+  std::map<std::string, std::uint32_t> begins;  // first bank of each array, in the order of the graph
   std::uint32_t end = 0;
   for (const GraphNode& node : graph.nodes) {
     if (!is_local(node) || !begins.emplace(node.label, end).second) continue;

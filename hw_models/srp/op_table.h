@@ -9,7 +9,7 @@
 
 namespace hw {
 
-/// What an operation of a kernel takes on the array, and so what it costs.
+/// Class of an operation: the unit or port of the array that it takes, and so what it costs.
 enum class OpClass : std::uint8_t {
   kFree,  ///< nothing: a value of the loop, a field of a loaded record, reinterpreted bits
   kFpAdd,

@@ -17,7 +17,7 @@ constexpr std::uint32_t kNone = GraphNode::kNone;
 /// Placements tried per operation before the interval is given up.
 constexpr std::size_t kPatience = 32;
 
-/// Iterative modulo scheduling at one interval. An operation that finds no place pushes others out of theirs.
+/// Iterative modulo scheduling at one interval. An operation that finds no free slot pushes others out of theirs.
 class Placer {
  public:
   Placer(const ScheduleGraph& graph, const SrpConfig& config, std::uint32_t ii)
@@ -39,7 +39,7 @@ class Placer {
     }
   }
 
-  /// True if every operation has found its place.
+  /// True if every operation has found a slot.
   bool place_all() {
     if (height_.size() != starts_.size()) return false;
     for (std::size_t budget = kPatience * starts_.size(); budget > 0; --budget) {
@@ -113,7 +113,7 @@ class Placer {
     return best;
   }
 
-  /// Takes the place and pushes out whoever holds it or would now use a result too early.
+  /// Takes the slot and pushes out every operation that holds it or would now use a result too early.
   void settle(std::uint32_t op, std::uint32_t unit, std::int64_t start) {
     const Operation& operation = graph_.operations()[op];
     for (std::uint32_t c = 0; c < operation.occupancy; ++c) {
@@ -144,7 +144,7 @@ class Placer {
   std::vector<std::uint32_t> units_;
   std::vector<std::int64_t> last_;  ///< start when last placed
   std::vector<std::vector<Dependence>> incoming_, outgoing_;
-  std::array<std::vector<std::uint32_t>, kPools> table_;  ///< who holds unit * ii + row
+  std::array<std::vector<std::uint32_t>, kPools> table_;  ///< reservation table: the operation at unit * ii + row
 };
 
 void count(const kernels::Graph& graph, const ScheduleGraph& parts, KernelSchedule& s) {

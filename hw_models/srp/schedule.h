@@ -9,10 +9,10 @@
 
 namespace hw {
 
-/// One operation, or one 16-byte access of a load or store, in its place.
+/// The slot of one operation, or of one 16-byte access of a load or store.
 struct Placement {
-  std::uint32_t node = 0;   ///< of the kernel's graph
-  std::uint32_t part = 0;   ///< of a record: its bytes from 16 * part on
+  std::uint32_t node = 0;   ///< node of the kernel's graph
+  std::uint32_t part = 0;   ///< part of a record: its bytes from 16 * part on
   std::uint32_t start = 0;  ///< cycle of issue, counted from the item's first
   std::uint32_t unit = 0;   ///< functional unit, row by row; local port; or cache port
 };

@@ -9,7 +9,7 @@
 
 namespace hw {
 
-/// What the scheduler places: an operation of a kernel, or a 16-byte access of one of its loads or stores.
+/// Unit of scheduling: an operation of a kernel, or a 16-byte access of one of its loads or stores.
 struct Operation {
   OpClass kind = OpClass::kFree;
   std::uint32_t node = 0;
@@ -25,7 +25,7 @@ struct Dependence {
   std::uint32_t distance = 0;
 };
 
-/// A kernel's graph without what costs nothing: operations, accesses and who waits for whom.
+/// Dependence graph of a kernel: operations and accesses, without what costs nothing.
 class ScheduleGraph {
  public:
   ScheduleGraph(const kernels::Graph& graph, const OpLatencyConfig& latency);

@@ -33,7 +33,7 @@ namespace hw {
 /// starts only when its rays fit into free ray slots, and a younger tile's first rays leave room for the oldest tile's.
 /// If nothing can move any more, the oldest tile's launch starts anyhow and what does not fit goes out to memory and
 /// back. The array is scheduled statically: a data-cache line that is not there when its turn comes stalls all of it.
-/// What it loses to bank conflicts it pays before the loop begins.
+/// Cycles lost to bank conflicts are paid before the loop begins.
 /// Not modelled: VLIW mode between loops beyond the switch cost.
 class Srp {
  public:
@@ -58,13 +58,13 @@ class Srp {
     sim::Link<DmaJob>& dma_out;
     sim::Link<DmaDone>& dma_in;
   };
-  /// What the SRP knows of the frame.
+  /// The frame as the SRP knows it.
   struct Frame {
     const traces::Layout* layout = nullptr;
     std::span<const KernelSchedule> kernels;   ///< by KernelId
     std::span<const BankConflicts> conflicts;  ///< likewise
-    std::uint32_t tile_samples = 0;            ///< of a full tile
-    std::uint64_t attribute_bytes = 0;         ///< of a full tile in the tile buffer
+    std::uint32_t tile_samples = 0;            ///< samples of a full tile
+    std::uint64_t attribute_bytes = 0;         ///< kept in the tile buffer for a full tile
     sim::Time ray_interval = 0;                ///< the direct interface takes a ray this often
     std::array<Addr, kAreas> areas{};          ///< where each begins; slots of this core spill to kSpill
     bool ideal = false;                        ///< kernels cost no time
@@ -88,20 +88,22 @@ class Srp {
   bool warm(Addr line) { return cache_.warm(line); }
 
  private:
-  /// The chunk on the array. Array time stands still while the array is frozen.
+  static constexpr std::uint64_t kAccess = 16;             ///< bytes of an access to the tile buffer
+  static constexpr std::uint32_t kSpillTag = 0xffffffffU;  ///< the tag of DMA jobs for spilled ray slots
+  /// The chunk on the array. Array time stands still while the array is stalled.
   struct Run {
     bool active = false;
     std::uint32_t tile = 0, node = 0;
     std::uint32_t first = 0, items = 0;
-    std::uint32_t loading = 0;       ///< leading items that touch the data cache
-    sim::Time begin = 0;             ///< switch begins
-    sim::Time without_rays = 0;      ///< time without rays before
-    sim::Time configured = 0;        ///< switch is over
-    sim::Time start = 0;             ///< loop begins
-    sim::Time stalled = 0;           ///< time frozen so far
-    sim::Time frozen = sim::kNever;  ///< frozen since
-    std::uint32_t next_item = 0;     ///< next of them
-    std::uint32_t next_line = 0;     ///< of that item
+    std::uint32_t loading = 0;              ///< leading items that touch the data cache
+    sim::Time begin = 0;                    ///< switch begins
+    sim::Time without_rays = 0;             ///< time without rays before
+    sim::Time configured = 0;               ///< switch is over
+    sim::Time start = 0;                    ///< loop begins
+    sim::Time stall_time = 0;               ///< stall time so far
+    sim::Time stalled_since = sim::kNever;  ///< since when the array is stalled
+    std::uint32_t next_item = 0;            ///< the next item to issue its loads
+    std::uint32_t next_line = 0;            ///< the next line of that item
     std::uint32_t ii = 1, depth = 0;
   };
   /// An item whose lines have not all come yet.
@@ -135,17 +137,17 @@ class Srp {
   bool feed_ray(sim::Time now);
   /// All time up to `now` in which the T&I unit had no rays of this core.
   sim::Time time_without_rays(sim::Time now) const { return without_rays_ + (rays_out_ == 0 ? now - empty_since_ : 0); }
-  void stall(sim::Time now) { run_.frozen = now; }
+  void stall(sim::Time now) { run_.stalled_since = now; }
   void resume(sim::Time now) {
-    run_.stalled += now - run_.frozen;
-    run_.frozen = sim::kNever;
+    run_.stall_time += now - run_.stalled_since;
+    run_.stalled_since = sim::kNever;
   }
   sim::Time array_time(sim::Time now) const {
-    return (run_.frozen != sim::kNever ? run_.frozen : now) - run_.start - run_.stalled;
+    return (run_.stalled_since != sim::kNever ? run_.stalled_since : now) - run_.start - run_.stall_time;
   }
   /// When item `item` of the present chunk has left the array, if nothing more stalls.
   sim::Time leaves_at(std::uint32_t item) const {
-    return run_.start + run_.stalled + (run_.depth + sim::Time{item} * run_.ii) * clock_.period();
+    return run_.start + run_.stall_time + (run_.depth + sim::Time{item} * run_.ii) * clock_.period();
   }
   /// When the ray at the head of a feed can go; kNever if nothing is known.
   sim::Time feed_at(const Feed& feed) const;
@@ -166,7 +168,7 @@ class Srp {
   std::uint64_t missing_ = 0;                 ///< slots of items that wait for lines
   std::vector<std::uint32_t> lines_missing_;  ///< per slot
   std::vector<Addr> item_lines_;
-  bool full_ = false;                       ///< frozen for want of an MSHR
+  bool full_ = false;                       ///< stalled for want of an MSHR
   bool look_ = false;                       ///< something happened that may let a launch start
   bool blocked_ = false;                    ///< a launch found no ray slots
   std::uint32_t configured_ = 0xffffffffU;  ///< kernel on the array

@@ -6,7 +6,7 @@
 
 namespace hw {
 
-/// What one kernel cost on one core.
+/// Cost of one kernel on one core.
 struct KernelUse {
   std::uint64_t launches = 0;  ///< chunks, each with prologue and drain
   std::uint64_t items = 0;

@@ -53,8 +53,8 @@ class TileBuffer {
     }
   };
 
-  /// Of a full tile: `samples`, whose colours are set aside for every tile in flight, and `attribute_bytes`, set aside
-  /// likewise. An ideal one has room for everything.
+  /// Sets aside the colours of a full tile's `samples` and its `attribute_bytes` for every tile in flight. An ideal
+  /// buffer has room for everything.
   TileBuffer(const TileBufferConfig& config, std::uint32_t samples, std::uint64_t attribute_bytes, sim::Clock clock,
              bool ideal = false)
       : clock_(clock), slot_bytes_(config.slot_bytes) {

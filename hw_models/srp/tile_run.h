@@ -27,7 +27,7 @@ class TileRun {
   std::uint32_t total(std::uint32_t n) const { return node(n).items + node(n).idle; }
   /// How many of them are finished.
   std::uint32_t done(std::uint32_t n) const { return progress_[n].done; }
-  /// What waits for node `n` need wait no longer; idle items may be left.
+  /// Nodes that wait for node `n` need wait no longer; idle items may be left.
   bool settled(std::uint32_t n) const { return progress_[n].done >= node(n).items; }
   bool complete(std::uint32_t n) const { return progress_[n].done == total(n); }
   bool all_complete() const { return nodes_left_ == 0; }
@@ -71,7 +71,7 @@ class TileRun {
   std::span<const std::uint32_t> batches_of(std::uint32_t n) const {
     return std::span(batches_).subspan(progress_[n].first_batch, progress_[n].batches);
   }
-  /// Of items [first, first + items) of launch `n`, how many do not idle.
+  /// Items that do not idle among [first, first + items) of launch `n`.
   std::uint32_t working(std::uint32_t n, std::uint32_t first, std::uint32_t items) const {
     return std::min(first + items, node(n).items) - std::min(first, node(n).items);
   }
@@ -106,7 +106,7 @@ class TileRun {
   std::vector<Progress> progress_;
   std::vector<std::uint32_t> transfers_;   ///< not yet started
   std::vector<std::uint32_t> batches_;     ///< by the launch that makes them
-  std::vector<std::uint32_t> chunk_left_;  ///< of each chunk of each batch: rays still out
+  std::vector<std::uint32_t> chunk_left_;  ///< rays still out, by chunk of each batch
   std::vector<std::uint32_t> batch_of_ray_;
 };
 

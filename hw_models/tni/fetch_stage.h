@@ -10,7 +10,7 @@
 
 namespace hw {
 
-/// What a fetch stage and its cache count, a part of their unit's Stats.
+/// Counters of a fetch stage and its cache, a part of their unit's Stats.
 struct FetchStats {
   std::uint64_t l1_accesses = 0, l1_hits = 0, l1_misses = 0, l1_late = 0, l1_fills = 0, mshr_full = 0;
   std::uint64_t l1_miss_cycles = 0;
@@ -30,7 +30,8 @@ struct FetchStats {
   }
 };
 
-/// Where the slots of a unit read lines through its L1, and what becomes of those that miss (tni.miss_handling).
+/// The fetch stage of a unit: its slots read lines through the L1 here, and those that miss are handled as
+/// tni.miss_handling says.
 ///
 ///   slots that want a line --> [one probe at a time] --> hit: on with the line
 ///            ^                        | miss
@@ -42,12 +43,12 @@ struct FetchStats {
 /// Under `bypass` the unit puts a slot that missed through its pipe and enter()s it again behind.
 /// Under `rau` a slot goes on from its row without another probe, ahead of slots that have not probed yet; one that
 /// finds its row full, or needs a row and there is none, stands in the fetch stage until that has changed. It keeps
-/// its place in the input buffer.
+/// its slot in the input buffer.
 class FetchStage {
  public:
   enum class Result : std::uint8_t { kRead, kMiss, kNoMshr, kTableFull };
   enum class Wait : std::uint8_t { kNothing, kLine, kMshr, kTable };
-  /// A unit's reason for a cycle in which its slots wait for that; `otherwise` if for nothing.
+  /// The unit's reason for a cycle in which its slots wait for `wait`; `otherwise` if they wait for nothing.
   template <class CycleReason>
   static constexpr CycleReason reason(Wait wait, CycleReason otherwise) {
     switch (wait) {
@@ -72,23 +73,23 @@ class FetchStage {
 
   /// The slots of the mask want to read a line.
   void enter(std::uint64_t slots) { ready_ |= slots; }
-  /// Of the slots that want to, those that may.
+  /// Slots that may read now, among those that want to.
   std::uint64_t able() const {
     if (handling_ <= MissHandling::kBypass) return ready_;
     const std::uint64_t first = ready_ & (served_ | resumed_);
     return (first != 0 || stalled_) ? first : ready_;
   }
-  /// Does a slot stand in the fetch stage, or go on from where it stood, before all others?
+  /// True if a slot stands in the fetch stage, or goes on from where it stood, before all others.
   bool stands() const { return handling_ >= MissHandling::kRau && (stalled_ || (ready_ & (served_ | resumed_)) != 0); }
   bool bypasses() const { return handling_ == MissHandling::kBypass; }
-  /// What slots wait for, the scarcest thing first.
+  /// The resource that slots wait for, the scarcest first.
   Wait waits_for() const {
     if (table_full_ != 0) return Wait::kTable;
     if (no_mshr_ != 0) return Wait::kMshr;
     return missing_ != 0 ? Wait::kLine : Wait::kNothing;
   }
 
-  /// One of able() tries to read the line. If it cannot, it wants to again by itself, except under `bypass`.
+  /// A slot of able() probes for its line. If it misses, it tries again by itself, except under `bypass`.
   Result read(std::uint32_t slot, Addr line, std::uint64_t cycle) {
     const std::uint64_t bit = std::uint64_t{1} << slot;
     ready_ &= ~bit;
@@ -135,7 +136,7 @@ class FetchStage {
     return Result::kNoMshr;
   }
 
-  /// read() where misses are reordered, of a cache that is not ideal: the common case takes the least.
+  /// read() for misses that are reordered, in a cache that is not ideal: the common hit takes the fewest instructions.
   Result read_reordered(std::uint32_t slot, Addr line, std::uint64_t cycle) {
     const std::uint64_t bit = std::uint64_t{1} << slot;
     if (((served_ | late_) & bit) != 0 || !l1_.hit(line)) [[unlikely]]
@@ -163,9 +164,9 @@ class FetchStage {
   void look_ahead(Addr line) const { l1_.look_ahead(line); }
   bool warm(Addr line) { return l1_.warm(line); }
 
-  /// May a line be asked for ahead of need and leave an MSHR to those in need?
+  /// True if a prefetch would leave an MSHR to slots in need.
   bool can_prefetch() const { return l1_.free_mshrs() >= 2; }
-  /// Asks for the line unless it is there or on its way.
+  /// Prefetches the line unless it is here or on its way.
   bool prefetch(Addr line, std::uint64_t cycle) { return l1_.prefetch(line, cycle); }
 
   void send(sim::Time now, sim::Link<MemRequest>& out) { l1_.send(now, out); }
@@ -185,7 +186,7 @@ class FetchStage {
     stats_.l1_late += (late_ & slot) != 0;
     late_ &= ~slot;
   }
-  /// What a slot that tries again no longer waits for.
+  /// A slot that tries again no longer waits for what it missed.
   void forget(std::uint64_t slot) {
     missing_ &= ~slot;
     no_mshr_ &= ~slot;

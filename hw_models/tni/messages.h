@@ -20,7 +20,7 @@ struct LeafJob {
   std::uint32_t first = 0;   ///< first triangle
   std::uint32_t phases = 0;  ///< exit phase of each test, as in walk.h
   std::uint8_t count = 0;
-  std::uint8_t slot = 0;  ///< the ray's slot in its traversal unit: also its reserved place for the answer
+  std::uint8_t slot = 0;  ///< the ray's slot in its traversal unit: also the slot reserved for the answer
 };
 
 /// All triangles of a leaf are tested.

@@ -20,7 +20,7 @@ namespace hw {
 ///   ray FIFO --> [one ray a cycle] --> TRV with the emptiest input buffer, or the next in turn that has room
 ///   hit FIFO <-- [one hit every `hit_interval` cycles] <-- TRVs, round robin
 ///
-/// How full a TRV is, it knows from its own count of rays sent and returned.
+/// It knows how full a TRV is from its own count of rays sent and returned.
 class RayDispatcher {
  public:
   enum class CycleReason : std::uint8_t { kStarved, kDispatching, kTrvsFull, kCount };
@@ -61,7 +61,7 @@ class RayDispatcher {
   bool dispatch(sim::Time now);
   bool collect(sim::Time now);
   std::size_t emptiest() const;
-  /// Of the TRVs that can take a ray soonest, from `at` on, the first in turn.
+  /// The TRV that can take a ray soonest, from `at` on; the first in turn of several.
   std::size_t next_in_turn(sim::Time at) const;
   std::size_t chosen(sim::Time at) const;
   sim::Time next_wake(sim::Time now) const;

@@ -7,7 +7,7 @@
 
 namespace hw {
 
-/// What a T&I unit knows of an image; `parents` as of traces::parents_of(). Both must outlive it.
+/// The scene of an image as a T&I unit knows it; `parents` comes from traces::parents_of(). Both must outlive it.
 inline Tni::Scene scene_in_memory(const traces::MemoryImage& image, std::span<const std::uint32_t> parents) {
   const traces::Layout& layout = image.layout;
   return {{.nodes = layout.nodes,

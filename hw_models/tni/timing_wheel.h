@@ -9,7 +9,7 @@
 
 namespace hw {
 
-/// Fixed-latency pipelines of one unit, all at once: "slot s comes out of pipe p at cycle c", kept as one bit mask per
+/// Timing wheel (Varghese and Lauck 1987) for the fixed-latency pipelines of one unit: a bit mask of slots for each
 /// pipe and cycle. A unit that holds up to 64 slots needs no queue per pipe.
 template <std::size_t kPipes>
 class TimingWheel {
@@ -17,7 +17,7 @@ class TimingWheel {
   static constexpr std::uint64_t kMostSpan = 64;  ///< latencies must be shorter than this
   using Masks = std::array<std::uint64_t, kPipes>;
 
-  /// `longest` latency that will be put. What lies ahead is kept in as few bins as hold it: they are touched in turn.
+  /// `longest`: the longest latency that put() will be given. The wheel has as few bins as hold it.
   TimingWheel(sim::Clock clock, std::uint64_t longest) : clock_(clock), last_(std::bit_ceil(longest + 1) - 1) {
     assert(last_ < kMostSpan);
   }
@@ -28,9 +28,9 @@ class TimingWheel {
     cycle_ += gap == clock_.period() ? 1 : clock_.cycles(gap);
     now_ = now;
   }
-  /// Does anything come out at the present cycle?
+  /// True if a slot comes out at the present cycle.
   bool due() const { return ((occupied_ >> (cycle_ & last_)) & 1U) != 0; }
-  /// What comes out at the present cycle, if something is due(); empties it.
+  /// Takes the slots that come out at the present cycle, if any are due().
   Masks take() {
     assert(due());
     const std::uint64_t bin = cycle_ & last_;

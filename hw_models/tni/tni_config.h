@@ -19,14 +19,14 @@ enum class StackScheme : std::uint8_t {
 };
 constexpr std::array<std::string_view, 3> names_of(StackScheme) { return {"full", "restart_link", "restart_trail"}; }
 
-/// What a traversal unit asks memory for ahead of need.
+/// Prefetching of a traversal unit.
 enum class Prefetch : std::uint8_t {
   kNone,
-  kSibling,  ///< of two children hit, the node of the far one
+  kSibling,  ///< the node of the far child, if both are hit
 };
 constexpr std::array<std::string_view, 2> names_of(Prefetch) { return {"none", "sibling"}; }
 
-/// What becomes of a ray or leaf whose line is not in the first-level cache (fetch_stage.h).
+/// Handling of a ray or leaf whose line is not in the first-level cache (fetch_stage.h).
 enum class MissHandling : std::uint8_t {
   kReorder,   ///< it stays in the input buffer and tries again when its line has come (Lee et al. 2015)
   kBypass,    ///< it passes the pipe without work and tries again, as often as it takes (US patent 9,754,403)
@@ -51,14 +51,14 @@ struct RauConfig {
   }
 };
 
-/// Who gets the next ray.
+/// Dispatch policy: which traversal unit gets the next ray.
 enum class Dispatch : std::uint8_t {
   kEmptiest,    ///< the traversal unit with the fewest rays inside
   kRoundRobin,  ///< each in turn that has room
 };
 constexpr std::array<std::string_view, 2> names_of(Dispatch) { return {"emptiest", "round_robin"}; }
 
-/// A unit's pipelines are kept in a calendar of this many cycles (wheel.h).
+/// Cycles of the longest pipeline, which a TimingWheel must hold.
 inline constexpr std::uint32_t kLongestPipe = 63;
 
 /// One traversal unit.
@@ -144,7 +144,7 @@ struct IstConfig {
   std::uint64_t sram_bytes() const { return l1.size.bytes + std::uint64_t{leaves} * leaf_bytes; }
 };
 
-/// How all parts of a T&I unit work, beside what the configuration of each says.
+/// Mode of all parts of a T&I unit, beside what the configuration of each says.
 struct TniMode {
   MissHandling handling = MissHandling::kReorder;
   RauConfig rau;

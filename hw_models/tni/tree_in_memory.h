@@ -8,19 +8,19 @@
 
 namespace hw {
 
-/// What a traversal unit knows of the tree in memory: where records lie, and how nodes hang together.
+/// The tree in memory as a traversal unit knows it: where records lie, and how nodes hang together.
 struct TreeInMemory {
   Addr nodes = 0;
-  std::uint32_t node_bytes = 64;  ///< of a record; it may lie across two lines
-  /// Of each inner node the one above it, for restarts; behind them, of two levels, the node above each instance.
+  std::uint32_t node_bytes = 64;  ///< bytes of a record; it may lie across two lines
+  /// The parent of each inner node, for restarts; behind them, in a tree of two levels, the node above each instance.
   std::span<const std::uint32_t> parents{};
-  /// Of each inner node, the records of its two children, where a record holds a single box; empty where it holds both
+  /// The records of the two children of each inner node, where a record holds a single box; empty where it holds both
   /// boxes of a node.
   std::span<const std::array<std::uint32_t, 2>> single_boxes{};
   bool hybrid = false;  ///< fixed-point boxes
   /// Links from node to node, for prefetching.
   std::span<const traces::NodeRecord> links{};
-  /// Of two levels: where the records of instances lie, and what they hold.
+  /// Records of instances in a tree of two levels: where they lie, and what they hold.
   Addr instances = 0;
   std::span<const traces::InstanceRecord> placed{};
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cassert>
 
 #include <fmt/format.h>
 
@@ -10,14 +9,11 @@
 
 namespace hw {
 
-using traces::StepKind;
-
 namespace {
 
-constexpr std::uint64_t bit(std::uint32_t slot) { return std::uint64_t{1} << slot; }
-/// Has the host bring steps that a ray will take some visits from now.
-void look_further(const std::uint32_t* step) { __builtin_prefetch(step + 8); }
-constexpr std::uint64_t all(std::uint32_t slots) { return slots == 64 ? ~std::uint64_t{0} : bit(slots) - 1; }
+constexpr std::uint64_t all(std::uint32_t slots) {
+  return slots == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << slots) - 1;
+}
 
 }  // namespace
 
@@ -51,43 +47,10 @@ Trv::Trv(const TrvConfig& config, const TniMode& mode, const TreeInMemory& tree,
   pushed_.reserve(kMostDepth);
 }
 
-/// Of steps that need more than a look at what they are.
-Trv::Pipe Trv::next_pipe_of_few(Slot& slot) {
-  if (slot.restarting) return kToInner;
-  if (traces::kind_of(slot.step) == StepKind::kCull) {
-    slot.culls = traces::culled_of(slot.step);
-    slot.go(slot.next + 1);
-  }
-  if (slot.culls > 0) return kToStack;
-  return next_pipe(slot);
-}
-
-[[gnu::always_inline]] inline Trv::Pipe Trv::next_pipe(Slot& slot) {
-  // By kind of step; then the same behind a pop.
-  static constexpr std::array<Pipe, 8> kPipeOf{kToInner, kToLeaf,  kToStack, kToRetire,
-                                               kToStack, kToStack, kToStack, kToRetire};
-  const StepKind kind = traces::kind_of(slot.step);
-  if (slot.restarting || slot.culls > 0 || kind == StepKind::kCull) [[unlikely]]
-    return next_pipe_of_few(slot);
-  if (!slot.must_pop && traces::is_enter(slot.step)) [[unlikely]]
-    return kToInner;
-  return kPipeOf[static_cast<std::size_t>(kind) + (slot.must_pop ? 4U : 0U)];
-}
-
 void Trv::finish(sim::Time end) {
   activity_.finish(end);
   if (full_) full_time_ += end - full_since_;
   stats_.full = clock_.cycles(full_time_);
-}
-
-template <bool kDefault>
-[[gnu::always_inline]] inline void Trv::release(const TimingWheel<kPipes>::Masks& out) {
-  fetch_.enter(out[kToInner]);
-  popping_ |= out[kToStack];
-  leaving_ |= out[kToLeaf];
-  retiring_ |= out[kToRetire];
-  if (features<kDefault>().prefetches && both_children_hit_ != 0)
-    note_far_nodes(both_children_hit_ & (out[kToInner] | out[kToLeaf]));
 }
 
 void Trv::note_far_nodes(std::uint64_t visited) {
@@ -109,78 +72,6 @@ void Trv::prefetch_far_nodes() {
   far_nodes_.clear();
 }
 
-bool Trv::fill(sim::Time now) {
-  if (arrivals_.lines > now) return false;
-  fetch_.fill(links_.memory_in.pop(now).line, pipes_.cycle());
-  return true;
-}
-
-bool Trv::take_answer(sim::Time now) {
-  if (arrivals_.answers > now) return false;
-  const std::uint32_t index = links_.leaves_in.pop(now).slot;
-  at_ist_ &= ~bit(index);
-  Slot& slot = slots_[index];
-  slot.must_pop = true;
-  switch (next_pipe(slot)) {
-    case kToStack:
-      popping_ |= bit(index);
-      break;
-    case kToRetire:
-      retiring_ |= bit(index);
-      break;
-    default:
-      assert(false && "a leaf is followed by a pop or the end");
-  }
-  return true;
-}
-
-bool Trv::take_ray(sim::Time now) {
-  if (free_ == 0 || arrivals_.rays > now) return false;
-  const RayJob job = links_.rays_in.pop(now);
-  const auto index = static_cast<std::uint32_t>(std::countr_zero(free_));
-  free_ &= ~bit(index);
-  occupied_ |= bit(index);
-  Slot& slot = slots_[index];
-  slot = Slot{};
-  slot.id = job.id;
-  slot.go(job.walk);
-  begins_[index] = job.walk;
-  stats_.rays_in += 1;
-  switch (next_pipe(slot)) {
-    case kToInner:
-      fetch_.enter(bit(index));
-      break;
-    case kToRetire:
-      retiring_ |= bit(index);
-      break;
-    default:
-      assert(false && "a walk begins with the root");
-  }
-  return true;
-}
-
-template <bool kDefault>
-[[gnu::always_inline]] inline Trv::CycleReason Trv::issue_visit(std::uint32_t index) {
-  Slot& slot = slots_[index];
-  const TrvFeatures has = features<kDefault>();
-  if (has.instances && enters_instance(slot, index)) return issue_transform(slot, index);
-  const std::uint32_t node = slot.restarting ? paths_[index].back() : traces::node_of(slot.step);
-  const TreeInMemory::Line read = has.plain ? TreeInMemory::Line{tree_.line_of(node), true}
-                                            : tree_.line_of_visit(node, config_.box_testers, slot.child, slot.fetched);
-  const FetchStage::Result result = has.reorders ? fetch_.read_reordered(index, read.line, pipes_.cycle())
-                                                 : fetch_.read(index, read.line, pipes_.cycle());
-  if (result == FetchStage::Result::kRead) {
-    if (read.last) {
-      visited<kDefault>(slot, index);
-    } else {
-      slot.fetched += 1;
-      fetch_.enter(bit(index));
-    }
-    return CycleReason::kVisiting;
-  }
-  return missed(result, index);
-}
-
 /// The line was not there.
 Trv::CycleReason Trv::missed(FetchStage::Result result, std::uint32_t index) {
   if (fetch_.bypasses()) {
@@ -197,135 +88,10 @@ Trv::CycleReason Trv::missed(FetchStage::Result result, std::uint32_t index) {
   }
 }
 
-/// Counts the boxes of a pass. False if the visit needs another pass, which the slot now makes.
-bool Trv::test_boxes(Slot& slot, std::uint32_t index) {
-  slot.fetched = 0;
-  (tree_.hybrid ? stats_.hybrid_box_tests : stats_.box_tests) += config_.box_testers;
-  if (config_.box_testers == 2) return true;
-  slot.child ^= 1U;
-  if (slot.child == 0) return true;
-  stats_.first_passes += 1;
-  pipes_.put(kToInner, index, visit_latency_);
-  return false;
-}
-
-template <bool kDefault>
-[[gnu::always_inline]] inline void Trv::visited(Slot& slot, std::uint32_t index) {
-  if (features<kDefault>().plain) {
-    stats_.box_tests += 2;
-  } else if (!test_boxes(slot, index)) {
-    return;
-  }
-  stats_.visits += 1;
-  stats_.full_visits += full_;
-  if (slot.restarting) [[unlikely]] {
-    visited_again(slot, index);
-  } else if (step_on<kDefault>(slot) && features<kDefault>().prefetches) {
-    both_children_hit_ |= bit(index);
-  }
-  pipes_.put(next_pipe(slot), index, visit_latency_);
-}
-
-/// Nearly as many rays hit both children as do not: without a branch.
-template <bool kDefault>
-inline bool Trv::step_on(Slot& slot) {
-  const std::uint32_t hits = traces::hits_of(slot.step);
-  slot.go(slot.next + 1);
-  look_further(slot.next);
-  slot.must_pop = hits == 0;
-  const std::uint16_t both = hits == 3;
-  const std::uint16_t written = both & std::uint16_t{features<kDefault>().stack};
-  const std::uint16_t kept = written & std::uint16_t{slot.short_stack_size != stack_room_};
-  slot.stack_depth += both;
-  slot.short_stack_size += kept;
-  stats_.pushes += written;
-  stats_.dropped += written ^ kept;
-  return both != 0;
-}
-
-void Trv::pop(std::uint32_t index) {
-  popping_ &= ~bit(index);
-  Slot& slot = slots_[index];
-  if (slot.short_stack_size == 0) {
-    restart(slot, index);
-  } else {
-    stats_.pops += 1;
-    slot.short_stack_size -= 1;
-    take_entry(slot);
-  }
-  pipes_.put(next_pipe(slot), index, config_.stack_latency);
-}
-
-void Trv::take_entry(Slot& slot) {
-  slot.stack_depth -= 1;
-  if (slot.culls > 0) {
-    slot.culls -= 1;
-  } else {
-    slot.must_pop = false;
-  }
-}
-
-bool Trv::issue_pop() {
-  if (popping_ == 0) return false;
-  const std::uint32_t index = round_robin(popping_, stack_turn_);
-  stack_turn_ = (index + 1) % 64;
-  pop(index);
-  return true;
-}
-
-bool Trv::issue_leaf(sim::Time now) {
-  if (leaving_ == 0 || now < leaf_free_at_ || !links_.leaves_out.can_push(now)) return false;
-  const std::uint32_t index = round_robin(leaving_, leaf_turn_);
-  leaf_turn_ = (index + 1) % 64;
-  send_leaf(now, index);
-  return true;
-}
-
-void Trv::send_leaf(sim::Time now, std::uint32_t index) {
-  leaving_ &= ~bit(index);
-  Slot& slot = slots_[index];
-  const std::uint32_t step = slot.step;
-  const std::uint32_t count = traces::count_of(step);
-  links_.leaves_out.push(now, LeafJob{traces::first_of(step), slot.next[1], static_cast<std::uint8_t>(count),
-                                      static_cast<std::uint8_t>(index)});
-  slot.go(slot.next + 2);
-  at_ist_ |= bit(index);
-  if (!features_.ideal) leaf_free_at_ = clock_.after(now, std::max(count, 1U));
-  stats_.leaves += 1;
-}
-
-/// Slots of which one may enter the one pipe; of leaves only if there is room for them.
+/// Slots that may enter the one pipe; those with leaves only if there is room for a leaf.
 std::uint64_t Trv::shared_work(bool room_for_leaves) const {
   if (fetch_.stands()) return fetch_.able();
   return fetch_.able() | popping_ | (room_for_leaves ? leaving_ : 0);
-}
-
-bool Trv::issue_any(sim::Time now, CycleReason& why) {
-  why = CycleReason::kSerial;
-  if (now < leaf_free_at_) return true;
-  const std::uint64_t work = shared_work(links_.leaves_out.can_push(now));
-  if (work == 0) return false;
-  const std::uint32_t index = next_of(work);
-  if ((popping_ & bit(index)) != 0) {
-    pop(index);
-  } else if ((leaving_ & bit(index)) != 0) {
-    send_leaf(now, index);
-  } else {
-    why = issue_visit<false>(index);
-  }
-  return true;
-}
-
-bool Trv::retire(sim::Time now) {
-  if (retiring_ == 0 || !links_.rays_out.can_push(now)) return false;
-  const std::uint32_t index = round_robin(retiring_, retire_turn_);
-  retire_turn_ = (index + 1) % 64;
-  retiring_ &= ~bit(index);
-  occupied_ &= ~bit(index);
-  free_ |= bit(index);
-  links_.rays_out.push(now, RayDone{slots_[index].id});
-  stats_.rays_out += 1;
-  return true;
 }
 
 Trv::CycleReason Trv::waiting(sim::Time next) const {
@@ -350,54 +116,6 @@ sim::Time Trv::next_wake(sim::Time next) const {
   at = std::min(at, std::max(next, arrivals_.lines));
   return std::min(at, fetch_.send_at(next, links_.memory_out));
 }
-
-template <bool kDefault>
-sim::Time Trv::tick_as(sim::Time now) {
-  const TrvFeatures has = features<kDefault>();
-  const auto as_often_as_may_be = [&](auto&& step) {
-    while (step() && has.ideal) {
-    }
-  };
-  pipes_.advance(now);
-  if (pipes_.due()) release<kDefault>(pipes_.take());
-  if (arrivals_.lines <= now) as_often_as_may_be([&] { return fill(now); });
-  if (arrivals_.answers <= now) as_often_as_may_be([&] { return take_answer(now); });
-  if (arrivals_.rays <= now && free_ != 0) as_often_as_may_be([&] { return take_ray(now); });
-  bool tried = false;
-  CycleReason why = CycleReason::kStarved;
-  if (has.one_pipe) {
-    tried = issue_any(now, why);
-  } else {
-    const std::uint64_t able = has.reorders ? fetch_.ready() : fetch_.able();
-    tried = able != 0;
-    if (tried) why = issue_visit<kDefault>(next_of(able));
-    while (has.ideal && fetch_.able() != 0) {
-      if (issue_visit<kDefault>(next_of(fetch_.able())) == CycleReason::kVisiting) why = CycleReason::kVisiting;
-    }
-    if (popping_ != 0) as_often_as_may_be([&] { return issue_pop(); });
-    if (leaving_ != 0) as_often_as_may_be([&] { return issue_leaf(now); });
-  }
-  if (retiring_ != 0) as_often_as_may_be([&] { return retire(now); });
-  if (has.prefetches && !far_nodes_.empty()) prefetch_far_nodes();  // behind what rays need now
-  fetch_.send(now, links_.memory_out);
-  if (full_ != (free_ == 0)) {
-    full_ = !full_;
-    if (full_) {
-      full_since_ = now;
-    } else {
-      full_time_ += now - full_since_;
-    }
-  }
-  const sim::Time next = clock_.after(now, 1);
-  const bool go_on = !has.one_pipe && ((has.reorders ? fetch_.ready() : fetch_.able()) | popping_) != 0;
-  const sim::Time wake = go_on ? next : next_wake(next);
-  const CycleReason then = tried && wake == next ? why : waiting(next);
-  activity_.spend(now, clock_.period(), tried ? why : then, then);
-  return wake;
-}
-
-template sim::Time Trv::tick_as<true>(sim::Time);
-template sim::Time Trv::tick_as<false>(sim::Time);
 
 std::string Trv::state() const {
   return fmt::format("rays {}: ready {}, stack {}, leaf {}, retiring {}, missing {}, no mshr {}, at ist {}",

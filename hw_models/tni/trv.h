@@ -26,15 +26,15 @@ namespace hw {
 ///                   |                       --> leaf: to the IST, `count` cycles -----> ... answer
 ///                   +---- finished rays leave in any order
 ///
-/// A ray keeps its slot until it retires. What becomes of a ray whose node is not in the L1 is the fetch stage's
-/// (fetch_stage.h). Which of several ready rays goes first is round robin by slot. A visit whose records lie in several
+/// A ray keeps its slot until it retires. The fetch stage handles a ray whose node is not in the L1 (fetch_stage.h).
+/// Ready rays go round robin by slot. A visit whose records lie in several
 /// lines fetches one line a cycle. A push shares the cycle of the visit that causes it (the stack RAM has one read and
 /// one write port).
 /// With one box tester (the unit of before 2014) a visit is two passes, child 0 then child 1, and passes, pops and
 /// leaves share one pipe: one of them enters a cycle, a leaf for `count` cycles. Each keeps its own latency.
 /// In a scene of instances a ray that comes to one reads its record, a line through the L1, and is carried into its
-/// space in place of a visit (trv_instances.cc). Its slot keeps the ray as it was, so that leaving, which goes with the
-/// pop of an entry from outside, costs nothing more. Not modelled: under `rau` a ray could give its place in the input
+/// space instead of a visit (trv_instances.cc). Its slot keeps the ray as it was, so that leaving, which goes with the
+/// pop of an entry from outside, costs nothing more. Not modelled: under `rau` a ray could give its slot of the input
 /// buffer to another while it waits in the table.
 class Trv {
  public:
@@ -113,7 +113,7 @@ class Trv {
     std::uint32_t id = 0;
     std::uint32_t culls = 0;             ///< stack entries still to pop and drop before `next`
     std::uint16_t stack_depth = 0;       ///< entries not popped yet, dropped ones included
-    std::uint16_t short_stack_size = 0;  ///< of these, entries in the short stack
+    std::uint16_t short_stack_size = 0;  ///< those of them that are in the short stack
     bool must_pop = false;               ///< `next` is reached through the stack
     bool restarting = false;             ///< on the way back down: its nodes are in paths_
     std::uint8_t child = 0;              ///< the box to test (one tester)
@@ -124,13 +124,14 @@ class Trv {
       step = *to;
     }
   };
-  /// Where an entry of the stack was pushed: at a node, in the tree over instances (kNone) or in that of an instance.
+  /// Origin of a stack entry: the node at which it was pushed, in the tree over instances (kNone) or in an instance's.
   struct Push {
     std::uint32_t node = 0;
     std::uint32_t instance = traces::kNone;
   };
-  static constexpr std::size_t kMostDepth = 128;  ///< of a tree, as a rule: deeper ones take more room when they come
-  /// In a path: not a node but an instance.
+  static constexpr std::size_t kMostDepth =
+      128;  ///< reserved depth of a path; deeper trees take more room when they come
+  /// Marks an entry of a path that is an instance, not a node.
   static constexpr std::uint32_t kEnter = 1U << 31;
   static_assert(sizeof(Slot) == 32, "two slots a cache line of the host: a tick touches little else");
 
@@ -142,7 +143,7 @@ class Trv {
     return kDefault ? kDefaultTrvFeatures : features_;
   }
 
-  // Each does one thing, if there is one to do.
+  // Each does at most one operation; true if it did.
   bool take_ray(sim::Time now);
   bool take_answer(sim::Time now);
   bool fill(sim::Time now);
@@ -150,7 +151,7 @@ class Trv {
   bool issue_leaf(sim::Time now);
   bool retire(sim::Time now);
 
-  /// Of the slots of a mask the one whose turn it is.
+  /// The slot of a mask whose turn it is (round robin).
   std::uint32_t next_of(std::uint64_t slots) {
     const std::uint32_t index = round_robin(slots, inner_turn_);
     inner_turn_ = (index + 1) % 64;
@@ -168,13 +169,13 @@ class Trv {
   bool test_boxes(Slot& slot, std::uint32_t index);
   template <bool kDefault>
   void visited(Slot& slot, std::uint32_t index);
-  /// The step has been taken: to the next, with a push if both children were hit. True if they were.
+  /// Goes on to the next step, with a push if both children were hit. True if they were.
   template <bool kDefault>
   bool step_on(Slot& slot);
   void visited_again(Slot& slot, std::uint32_t index);
   /// The youngest entry of the stack is dropped, being behind the hit, or is where the ray goes on.
   static void take_entry(Slot& slot);
-  /// Which sub-pipe the slot needs for its next step.
+  /// The sub-pipe that the slot needs for its next step.
   static Pipe next_pipe(Slot& slot);
   static Pipe next_pipe_of_few(Slot& slot);
   void restart(Slot& slot, std::uint32_t index);
@@ -184,7 +185,7 @@ class Trv {
   /// These visits have hit both children: their far ones may be asked for ahead of need.
   void note_far_nodes(std::uint64_t visited);
   void prefetch_far_nodes();
-  /// What a cycle goes to in which no node enters the box pipe, from `next` on.
+  /// Reason for a cycle, from `next` on, in which no node enters the box pipe.
   CycleReason waiting(sim::Time next) const;
   sim::Time next_wake(sim::Time next) const;
 
@@ -214,11 +215,11 @@ class Trv {
   Stats stats_;
   std::vector<Slot> slots_;
   TimingWheel<kPipes> pipes_;
-  std::vector<const std::uint32_t*> begins_;  ///< of each slot's ray, its first step
+  std::vector<const std::uint32_t*> begins_;  ///< the first step of each slot's ray
   /// Per slot: nodes to test again after a restart, and the instance to enter again (kEnter), last one first.
   std::vector<std::vector<std::uint32_t>> paths_;
   std::vector<Push> pushed_;              ///< for restart()
-  std::vector<std::uint32_t> far_nodes_;  ///< of this cycle's
+  std::vector<std::uint32_t> far_nodes_;  ///< to be prefetched in this cycle
   sim::Time full_since_ = 0, full_time_ = 0;
 };
 

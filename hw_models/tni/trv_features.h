@@ -2,7 +2,7 @@
 
 namespace hw {
 
-/// What of its configuration a traversal unit asks about in every cycle.
+/// Features of a traversal unit that it asks about in every cycle.
 struct TrvFeatures {
   bool instances = false;   ///< a visit may carry the ray into an instance instead
   bool plain = true;        ///< a visit is one pass that reads one line and tests two boxes in floating point

@@ -22,7 +22,7 @@ void Trv::find_pushes(const Slot& slot, std::uint32_t index) {
       continue;
     }
     if (must_pop) {
-      instance = pushed_.back().instance;  // of the entry, so of where the ray goes on
+      instance = pushed_.back().instance;  // the ray goes on in the instance of the entry
       pushed_.pop_back();
     }
     if (traces::is_enter(*step)) {

@@ -173,7 +173,7 @@ void expect_refused(const std::string& message, std::string_view key, std::strin
   EXPECT_EQ(message.find('\n'), std::string::npos) << message;
 }
 
-/// What is said of a machine; empty if it is taken.
+/// The message about a machine; empty if it is taken.
 std::string complaint_of(const GpuConfig& config) {
   try {
     sim::check_config(config);

@@ -1,4 +1,5 @@
 #pragma once
+#include "hw_models/memory/dram_player.h"
 #include "tests/hw_models/memory/harness.h"
 
 namespace hw::test {
@@ -55,5 +56,31 @@ struct DramHarness {
   Harness harness;
   sim::Time end = 0;
 };
+
+/// Requests for rows of one channel, played alone. Times in cycles.
+struct Script {
+  explicit Script(DramConfig c = DramHarness::quiet()) : config(std::move(c)) {}
+
+  void read(std::uint32_t bank, Addr row, std::uint64_t cycle = 0, Addr line = 0) {
+    const Addr page = row * config.organisation.all_banks() + bank;
+    requests.push_back({page * config.organisation.page.bytes + 64 * line, false, cycle * config.timing.ck.time});
+  }
+  void go() { result = play(config, requests, 32); }
+  double latency(std::size_t i) const {
+    return static_cast<double>(result.latency(i)) / static_cast<double>(config.timing.ck.time);
+  }
+  std::uint64_t done(std::size_t i) const { return result.done[i] / config.timing.ck.time; }
+  std::uint64_t why(DramWhy reason) const { return result.why[static_cast<std::size_t>(reason)].second; }
+
+  DramConfig config;
+  std::vector<DramRequest> requests;
+  DramPlay result;
+};
+
+inline DramConfig with(auto&& change) {
+  DramConfig c = DramHarness::quiet();
+  change(c);
+  return c;
+}
 
 }  // namespace hw::test

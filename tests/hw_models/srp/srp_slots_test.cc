@@ -4,7 +4,7 @@
 
 #include "tests/hw_models/srp/srp_harness.h"
 
-// What the shader core does when the tile buffer has few ray slots.
+// The shader core when the tile buffer has few ray slots.
 
 namespace hw {
 namespace {
