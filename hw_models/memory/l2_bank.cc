@@ -21,7 +21,7 @@ L2Bank::L2Bank(const L2Config& config, std::uint16_t index, Links links, Interle
       index_(index),
       targets_(config.targets),
       writes_(config.writes),
-      eighth_(config.cache.line.bytes / 8),
+      sector_bytes_(config.cache.line.bytes / 8),
       store_(config),
       misses_(config.mshrs_per_bank()),
       hits_(config.cache.hit_cycles + 1, config.cache.hit_cycles, clock),
@@ -104,7 +104,8 @@ void L2Bank::send_to_memory(sim::Time now) {
 void L2Bank::to_memory(sim::Time now, const MemRequest& request) {
   unsent_.push(now, request);
   queued_ += 1;
-  if (request.write) stats_.bytes_to_memory += eighth_ * static_cast<std::uint32_t>(std::popcount(request.sectors));
+  if (request.write)
+    stats_.bytes_to_memory += sector_bytes_ * static_cast<std::uint32_t>(std::popcount(request.sectors));
 }
 
 void L2Bank::write_back(sim::Time now, const L2Store::Victim& victim) {

@@ -167,7 +167,7 @@ class L2Bank {
   std::uint16_t index_;
   std::uint32_t targets_;
   L2Writes writes_;
-  std::uint64_t eighth_;  ///< bytes of a sector
+  std::uint64_t sector_bytes_;
   L2Store store_;
   MshrFile<Waiters> misses_;
   sim::Link<Reply> hits_;

@@ -24,7 +24,7 @@ sim::Time L2Bank::tick_ideal(sim::Time now) {
         stats_.writes += 1;
         stats_.write_hits += 1;
         stats_.stored += 1;
-        stats_.bytes_written += eighth_ * static_cast<std::uint32_t>(std::popcount(r.sectors));
+        stats_.bytes_written += sector_bytes_ * static_cast<std::uint32_t>(std::popcount(r.sectors));
       } else {
         pipe.push(now, {r.line, r.source, r.tag});
         stats_.reads += 1;

@@ -20,7 +20,7 @@ bool L2Bank::write(sim::Time now) {
     stats_.passed_on += 1;
   }
   stats_.writes += 1;
-  stats_.bytes_written += eighth_ * static_cast<std::uint32_t>(std::popcount(r.sectors));
+  stats_.bytes_written += sector_bytes_ * static_cast<std::uint32_t>(std::popcount(r.sectors));
   return true;
 }
 
@@ -40,7 +40,7 @@ void L2Bank::write_here(sim::Time now) {
   }
   stats_.write_hits += hit;
   stats_.stored += 1;
-  stats_.bytes_overwritten += eighth_ * static_cast<std::uint32_t>(std::popcount(overwritten));
+  stats_.bytes_overwritten += sector_bytes_ * static_cast<std::uint32_t>(std::popcount(overwritten));
 }
 
 /// After the end of the frame a dirty line goes each cycle.

@@ -129,8 +129,7 @@ class Trv {
     std::uint32_t node = 0;
     std::uint32_t instance = traces::kNone;
   };
-  static constexpr std::size_t kMostDepth =
-      128;  ///< reserved depth of a path; deeper trees take more room when they come
+  static constexpr std::size_t kMostDepth = 128;  ///< room reserved for a path; deeper trees take more
   /// Marks an entry of a path that is an instance, not a node.
   static constexpr std::uint32_t kEnter = 1U << 31;
   static_assert(sizeof(Slot) == 32, "two slots a cache line of the host: a tick touches little else");
@@ -206,8 +205,7 @@ class Trv {
   std::uint64_t occupied_ = 0;
   std::uint64_t popping_ = 0, leaving_ = 0, retiring_ = 0;  ///< waiting for the sub-pipe of that name
   std::uint64_t at_ist_ = 0;                                ///< waiting for the intersection unit's answer
-  std::uint64_t both_children_hit_ =
-      0;  ///< in the box pipe, where it will be seen that both children are hit (prefetching)
+  std::uint64_t both_children_hit_ = 0;  ///< in the box pipe, about to hit both children (prefetching)
   std::uint32_t inner_turn_ = 0, stack_turn_ = 0, leaf_turn_ = 0, retire_turn_ = 0;
   sim::Time leaf_free_at_ = 0;  ///< when the pipe of leaves, or the one pipe for all, takes the next operation
   sim::Activity<CycleReason> activity_;
