@@ -55,71 +55,46 @@ OpClass class_of(kernels::Op op) {
   return OpClass::kFree;
 }
 
+namespace {
+
+/// The key that holds a class's latency, none if it has no such key; the energy event of one operation.
+struct Row {
+  std::uint32_t OpLatencyConfig::*latency = nullptr;
+  const char* event = "";
+};
+
+constexpr std::array<Row, kOpClasses + 1> kRows = [] {
+  std::array<Row, kOpClasses + 1> rows{};
+  const auto row = [&](OpClass c, std::uint32_t OpLatencyConfig::*latency, const char* event) {
+    rows[static_cast<std::size_t>(c)] = {latency, event};
+  };
+  row(OpClass::kFpAdd, &OpLatencyConfig::fp_add, "srp.fp_add");
+  row(OpClass::kFpMul, &OpLatencyConfig::fp_mul, "srp.fp_mul");
+  row(OpClass::kFpDivSqrt, &OpLatencyConfig::div_sqrt, "srp.fp_div_sqrt");
+  row(OpClass::kFpCompare, &OpLatencyConfig::fp_compare, "srp.fp_compare");
+  row(OpClass::kIntAdd, &OpLatencyConfig::integer, "srp.int_add");
+  row(OpClass::kIntMul, &OpLatencyConfig::int_mul, "srp.int_mul");
+  row(OpClass::kIntLogic, &OpLatencyConfig::integer, "srp.int_logic");
+  row(OpClass::kIntShift, &OpLatencyConfig::integer, "srp.int_shift");
+  row(OpClass::kConvert, &OpLatencyConfig::convert, "srp.convert");
+  row(OpClass::kLocalRead, &OpLatencyConfig::local_load, "tile.read");
+  row(OpClass::kLocalWrite, nullptr, "tile.write");
+  row(OpClass::kCachedRead, &OpLatencyConfig::cached_load, "");
+  return rows;
+}();
+
+}  // namespace
+
 std::uint32_t latency_of(OpClass c, const OpLatencyConfig& latency) {
-  switch (c) {
-    case OpClass::kFree:
-    case OpClass::kCount:
-      return 0;
-    case OpClass::kFpAdd:
-      return latency.fp_add;
-    case OpClass::kFpMul:
-      return latency.fp_mul;
-    case OpClass::kFpDivSqrt:
-      return latency.div_sqrt;
-    case OpClass::kFpCompare:
-      return latency.fp_compare;
-    case OpClass::kIntAdd:
-    case OpClass::kIntLogic:
-    case OpClass::kIntShift:
-      return latency.integer;
-    case OpClass::kIntMul:
-      return latency.int_mul;
-    case OpClass::kConvert:
-      return latency.convert;
-    case OpClass::kLocalRead:
-      return latency.local_load;
-    case OpClass::kLocalWrite:
-      return 1;
-    case OpClass::kCachedRead:
-      return latency.cached_load;
-  }
-  return 0;
+  if (c == OpClass::kLocalWrite) return 1;
+  const auto key = kRows[static_cast<std::size_t>(c)].latency;
+  return key == nullptr ? 0 : latency.*key;
 }
 
 std::uint32_t occupancy_of(OpClass c, const OpLatencyConfig& latency) {
   return c == OpClass::kFpDivSqrt ? latency.div_sqrt_interval : 1;
 }
 
-const char* energy_event(OpClass c) {
-  switch (c) {
-    case OpClass::kFpAdd:
-      return "srp.fp_add";
-    case OpClass::kFpMul:
-      return "srp.fp_mul";
-    case OpClass::kFpDivSqrt:
-      return "srp.fp_div_sqrt";
-    case OpClass::kFpCompare:
-      return "srp.fp_compare";
-    case OpClass::kIntAdd:
-      return "srp.int_add";
-    case OpClass::kIntMul:
-      return "srp.int_mul";
-    case OpClass::kIntLogic:
-      return "srp.int_logic";
-    case OpClass::kIntShift:
-      return "srp.int_shift";
-    case OpClass::kConvert:
-      return "srp.convert";
-    case OpClass::kLocalRead:
-      return "tile.read";
-    case OpClass::kLocalWrite:
-      return "tile.write";
-    case OpClass::kFree:
-    case OpClass::kCachedRead:
-    case OpClass::kCount:
-      return "";
-  }
-  return "";
-}
+const char* energy_event(OpClass c) { return kRows[static_cast<std::size_t>(c)].event; }
 
 }  // namespace hw

@@ -46,7 +46,7 @@ struct FetchStats {
 /// its slot in the input buffer.
 class FetchStage {
  public:
-  enum class Result : std::uint8_t { kRead, kMiss, kNoMshr, kTableFull };
+  /// The resource that a slot waits for; kNothing if it has read its line.
   enum class Wait : std::uint8_t { kNothing, kLine, kMshr, kTable };
   /// The unit's reason for a cycle in which its slots wait for `wait`; `otherwise` if they wait for nothing.
   template <class CycleReason>
@@ -90,7 +90,7 @@ class FetchStage {
   }
 
   /// A slot of able() probes for its line. If it misses, it tries again by itself, except under `bypass`.
-  Result read(std::uint32_t slot, Addr line, std::uint64_t cycle) {
+  Wait read(std::uint32_t slot, Addr line, std::uint64_t cycle) {
     const std::uint64_t bit = std::uint64_t{1} << slot;
     ready_ &= ~bit;
     if (handling_ != MissHandling::kReorder) forget(bit);
@@ -99,11 +99,11 @@ class FetchStage {
       note_read(bit);
       if (handling_ == MissHandling::kRau) {
         leave_table(bit);
-        return Result::kRead;
+        return Wait::kNothing;
       }
       stats_.l1_accesses += 1;
       stats_.l1_hits += 1;
-      return Result::kRead;
+      return Wait::kNothing;
     }
     stats_.l1_accesses += 1;
     if (handling_ == MissHandling::kRau && !room_in_table(line)) {
@@ -112,19 +112,19 @@ class FetchStage {
       stats_.rau_full += 1;
       table_full_ = bit;
       stalled_ = true;
-      return Result::kTableFull;
+      return Wait::kTable;
     }
     switch (l1_.access(line, slot, cycle)) {
       case L1Cache::Result::kHit:
         stats_.l1_hits += 1;
         note_read(bit);
-        return Result::kRead;
+        return Wait::kNothing;
       case L1Cache::Result::kMiss:
         late_ |= bit;
         stats_.l1_misses += 1;
         missing_ |= bit;
         if (handling_ >= MissHandling::kRau) missed(line, bit);
-        return Result::kMiss;
+        return Wait::kLine;
       case L1Cache::Result::kFull:
         break;
     }
@@ -133,18 +133,18 @@ class FetchStage {
     stats_.mshr_full += 1;
     no_mshr_ |= bit;
     stalled_ = handling_ >= MissHandling::kRau;
-    return Result::kNoMshr;
+    return Wait::kMshr;
   }
 
   /// read() for misses that are reordered, in a cache that is not ideal: the common hit takes the fewest instructions.
-  Result read_reordered(std::uint32_t slot, Addr line, std::uint64_t cycle) {
+  Wait read_reordered(std::uint32_t slot, Addr line, std::uint64_t cycle) {
     const std::uint64_t bit = std::uint64_t{1} << slot;
     if (((served_ | late_) & bit) != 0 || !l1_.hit(line)) [[unlikely]]
       return read(slot, line, cycle);
     ready_ &= ~bit;
     stats_.l1_accesses += 1;
     stats_.l1_hits += 1;
-    return Result::kRead;
+    return Wait::kNothing;
   }
 
   /// A line has come.

@@ -12,12 +12,6 @@ namespace hw {
 
 using traces::ExitPhase;
 
-namespace {
-
-constexpr std::uint64_t bit(std::uint32_t slot) { return std::uint64_t{1} << slot; }
-
-}  // namespace
-
 Ist::Ist(const IstConfig& config, const TniMode& mode, const TrianglesInMemory& triangles, Links links,
          std::uint16_t port, sim::Clock clock)
     : config_(config),
@@ -32,7 +26,7 @@ Ist::Ist(const IstConfig& config, const TniMode& mode, const TrianglesInMemory& 
       fetch_(config.l1, mode, port, stats_),
       slots_(config.leaves),
       pipe_(clock, config.l1.hit_cycles + config.latency),
-      free_(config.leaves == 64 ? ~std::uint64_t{0} : bit(config.leaves) - 1) {
+      free_(all_slots(config.leaves)) {
   memory_in_.shows(&line_at_);
 }
 
@@ -74,8 +68,8 @@ Ist::CycleReason Ist::issue_one() {
   const Addr begin = triangles_.base + Addr{slot.job.first + slot.tested} * triangles_.bytes;
   const Addr last_line = line_of(begin + triangles_.bytes - 1);
   const Addr line = slot.second_line ? last_line : line_of(begin);
-  const FetchStage::Result result = fetch_.read(index, line, pipe_.cycle());
-  if (result == FetchStage::Result::kRead) {
+  const FetchStage::Wait wait = fetch_.read(index, line, pipe_.cycle());
+  if (wait == FetchStage::Wait::kNothing) {
     read(slot, index, line == last_line);
     return CycleReason::kTesting;
   }
@@ -83,14 +77,7 @@ Ist::CycleReason Ist::issue_one() {
     stats_.bypass_passes += 1;
     pipe_.put(kToFetch, index, config_.l1.hit_cycles + config_.latency);
   }
-  switch (result) {
-    case FetchStage::Result::kNoMshr:
-      return CycleReason::kMshrFull;
-    case FetchStage::Result::kTableFull:
-      return CycleReason::kRauFull;
-    default:
-      return CycleReason::kL1Miss;
-  }
+  return FetchStage::reason(wait, CycleReason::kL1Miss);
 }
 
 void Ist::read(Slot& slot, std::uint32_t index, bool last_line) {

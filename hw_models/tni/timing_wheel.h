@@ -66,6 +66,10 @@ class TimingWheel {
   std::array<Masks, kMostSpan> bins_{};
 };
 
+/// Masks of up to 64 slots: of one, and of the first `slots`.
+constexpr std::uint64_t bit(std::uint32_t slot) { return std::uint64_t{1} << slot; }
+constexpr std::uint64_t all_slots(std::uint32_t slots) { return slots == 64 ? ~std::uint64_t{0} : bit(slots) - 1; }
+
 /// Round robin over a mask: the first set bit at or after `from`, wrapping. `mask` must not be 0.
 inline std::uint32_t round_robin(std::uint64_t mask, std::uint32_t from) {
   return (from + static_cast<std::uint32_t>(std::countr_zero(std::rotr(mask, static_cast<int>(from))))) % 64;

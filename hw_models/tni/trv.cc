@@ -9,14 +9,6 @@
 
 namespace hw {
 
-namespace {
-
-constexpr std::uint64_t all(std::uint32_t slots) {
-  return slots == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << slots) - 1;
-}
-
-}  // namespace
-
 Trv::Trv(const TrvConfig& config, const TniMode& mode, const TreeInMemory& tree, Links links, std::uint16_t port,
          sim::Clock clock)
     : config_(config),
@@ -33,7 +25,7 @@ Trv::Trv(const TrvConfig& config, const TniMode& mode, const TreeInMemory& tree,
                 .stack = stack_room_ != 0},
       is_default_(features_ == kDefaultTrvFeatures),
       links_(links),
-      free_(all(config.rays)),
+      free_(all_slots(config.rays)),
       fetch_(config.l1, mode, port, stats_),
       slots_(config.rays),
       pipes_(clock, std::max({visit_latency_, config.l1.hit_cycles + config.transform_latency, config.stack_latency})),
@@ -73,19 +65,12 @@ void Trv::prefetch_far_nodes() {
 }
 
 /// The line was not there.
-Trv::CycleReason Trv::missed(FetchStage::Result result, std::uint32_t index) {
+Trv::CycleReason Trv::missed(FetchStage::Wait wait, std::uint32_t index) {
   if (fetch_.bypasses()) {
     stats_.bypass_passes += 1;
     pipes_.put(kToInner, index, visit_latency_);
   }
-  switch (result) {
-    case FetchStage::Result::kNoMshr:
-      return CycleReason::kMshrFull;
-    case FetchStage::Result::kTableFull:
-      return CycleReason::kRauFull;
-    default:
-      return CycleReason::kL1Miss;
-  }
+  return FetchStage::reason(wait, CycleReason::kL1Miss);
 }
 
 /// Slots that may enter the one pipe; those with leaves only if there is room for a leaf.

@@ -158,7 +158,7 @@ class Trv {
   }
   template <bool kDefault>
   CycleReason issue_visit(std::uint32_t index);
-  CycleReason missed(FetchStage::Result result, std::uint32_t index);
+  CycleReason missed(FetchStage::Wait wait, std::uint32_t index);
   bool enters_instance(const Slot& slot, std::uint32_t index) const;
   CycleReason issue_transform(Slot& slot, std::uint32_t index);
   bool issue_any(sim::Time now, CycleReason& why);

@@ -11,8 +11,8 @@ bool Trv::enters_instance(const Slot& slot, std::uint32_t index) const {
 /// and its reciprocal.
 Trv::CycleReason Trv::issue_transform(Slot& slot, std::uint32_t index) {
   const std::uint32_t instance = slot.restarting ? paths_[index].back() & ~kEnter : traces::instance_of(slot.step);
-  const FetchStage::Result result = fetch_.read(index, tree_.line_of_instance(instance), pipes_.cycle());
-  if (result != FetchStage::Result::kRead) return missed(result, index);
+  const FetchStage::Wait wait = fetch_.read(index, tree_.line_of_instance(instance), pipes_.cycle());
+  if (wait != FetchStage::Wait::kNothing) return missed(wait, index);
   stats_.transforms += 1;
   if (slot.restarting) {
     paths_[index].pop_back();  // never the last: the way goes on to a node of the instance's tree

@@ -9,14 +9,6 @@ namespace hw {
 
 using traces::StepKind;
 
-namespace {
-
-constexpr std::uint64_t bit(std::uint32_t slot) { return std::uint64_t{1} << slot; }
-/// Has the host bring steps that a ray will take some visits from now.
-void look_further(const std::uint32_t* step) { __builtin_prefetch(step + 8); }
-
-}  // namespace
-
 /// next_pipe() for the rare steps that the table of kinds does not cover.
 Trv::Pipe Trv::next_pipe_of_few(Slot& slot) {
   if (slot.restarting) return kToInner;
@@ -108,9 +100,9 @@ template <bool kDefault>
   const std::uint32_t node = slot.restarting ? paths_[index].back() : traces::node_of(slot.step);
   const TreeInMemory::Line read = has.plain ? TreeInMemory::Line{tree_.line_of(node), true}
                                             : tree_.line_of_visit(node, config_.box_testers, slot.child, slot.fetched);
-  const FetchStage::Result result = has.reorders ? fetch_.read_reordered(index, read.line, pipes_.cycle())
-                                                 : fetch_.read(index, read.line, pipes_.cycle());
-  if (result == FetchStage::Result::kRead) {
+  const FetchStage::Wait wait = has.reorders ? fetch_.read_reordered(index, read.line, pipes_.cycle())
+                                             : fetch_.read(index, read.line, pipes_.cycle());
+  if (wait == FetchStage::Wait::kNothing) {
     if (read.last) {
       visited<kDefault>(slot, index);
     } else {
@@ -119,7 +111,7 @@ template <bool kDefault>
     }
     return CycleReason::kVisiting;
   }
-  return missed(result, index);
+  return missed(wait, index);
 }
 
 /// Counts the boxes of a pass. False if the visit needs another pass, which the slot now makes.
@@ -156,7 +148,7 @@ template <bool kDefault>
 inline bool Trv::step_on(Slot& slot) {
   const std::uint32_t hits = traces::hits_of(slot.step);
   slot.go(slot.next + 1);
-  look_further(slot.next);
+  __builtin_prefetch(slot.next + 8);  // for the host: steps that the ray will take some visits from now
   slot.must_pop = hits == 0;
   const std::uint16_t both = hits == 3;
   const std::uint16_t written = both & std::uint16_t{features<kDefault>().stack};
