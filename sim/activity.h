@@ -8,6 +8,46 @@
 
 namespace sim {
 
+/// How a cycle is to be read that went to a reason.
+enum class ReasonKind : std::uint8_t {
+  kWorking,     ///< own doing: work, or the time that own pipelines take
+  kWaiting,     ///< for another unit
+  kIdle,        ///< nothing to do: the clock is gated
+  kBackground,  ///< what time alone brings
+};
+
+/// What a unit declares of a reason.
+struct Reason {
+  const char* name;
+  ReasonKind kind;
+  const char* meaning;
+};
+constexpr Reason working(const char* name, const char* meaning) { return {name, ReasonKind::kWorking, meaning}; }
+constexpr Reason waiting(const char* name, const char* meaning) { return {name, ReasonKind::kWaiting, meaning}; }
+constexpr Reason idle(const char* name, const char* meaning) { return {name, ReasonKind::kIdle, meaning}; }
+constexpr Reason background(const char* name, const char* meaning) { return {name, ReasonKind::kBackground, meaning}; }
+
+/// A reason with its value, as sim::reasons() takes it.
+template <class CycleReason>
+struct ReasonLine {
+  CycleReason reason;
+  Reason declared;
+};
+
+/// A unit's reasons by their values: static constexpr auto kReasons = sim::reasons<CycleReason>({{kIdle, {"idle",
+/// ...}},
+/// ...}). All of them, in the order of the enumeration, or it does not compile.
+template <class CycleReason, std::size_t kLines>
+consteval std::array<Reason, kLines> reasons(const ReasonLine<CycleReason> (&lines)[kLines]) {
+  static_assert(kLines == static_cast<std::size_t>(CycleReason::kCount));
+  std::array<Reason, kLines> all{};
+  for (std::size_t i = 0; i < kLines; ++i) {
+    if (static_cast<std::size_t>(lines[i].reason) != i) throw "not in the order of the values";
+    all[i] = lines[i].declared;
+  }
+  return all;
+}
+
 /// What a unit's time goes to. Every cycle is charged to exactly one reason of `CycleReason`, whose last value is
 /// kCount.
 template <class CycleReason>

@@ -7,6 +7,7 @@
 
 #include "sim/error.h"
 #include "sim/hash.h"
+#include "sim/machine.h"
 #include "sim/partitions.h"
 #include "sim/time.h"
 #include "sim/wakes.h"
@@ -18,55 +19,30 @@ enum class Skip : std::uint8_t {
   kOff,  ///< visit every clock edge of every unit: slow, and the oracle that kOn must equal to the last counter
 };
 
-/// The units of a machine by their places, each to be ticked through a plain function of its own kind.
-class Ticks {
- public:
-  template <class Machine>
-  Ticks(Machine& machine, std::size_t units) : units_(units) {
-    machine.each_unit([&]<class U>(U& unit, std::size_t i) {
-      units_[i] = {&unit, [](void* of, Time now) { return static_cast<U*>(of)->tick(now); }};
-    });
-  }
-  Time operator()(std::size_t i, Time now) const { return units_[i].tick(units_[i].unit, now); }
-
- private:
-  struct Unit {
-    void* unit = nullptr;
-    Time (*tick)(void*, Time) = nullptr;
-  };
-  std::vector<Unit> units_;
-};
-
-/// A machine, as the engine sees it:
-///   each_unit(f)   calls f(unit, index) for every unit; unit.tick(now) returns its next own wake-up time,
-///                  unit.clock() its clock domain
-///   wakes()        the units' wake-up times, which links lower
-///   done()         all work has left the machine
-///   state()        a line per unit, for a stuck machine
-/// and, if it has any:
-///   partitions()      its partitions
-///   lookahead_end(t)     when all partitions have come to t, how far each may be run by itself; not beyond a time at
-///   which the
-///                  machine may be done
-template <class Machine>
-concept HasPartitions = requires(Machine& machine, Time now) {
-  machine.partitions();
-  machine.lookahead_end(now);
+/// A machine's owner, as the engine sees it:
+///   machine()            its units and links
+///   done()               all work has left the machine
+/// and, if its partitions may be run by themselves:
+///   lookahead_end(t)     when all partitions have come to t, how far each may be run; not beyond a time at which the
+///                        machine may be done
+template <class Owner>
+concept HasPartitions = requires(Owner& owner, Time now) {
+  owner.lookahead_end(now);
 };
 
 /// Runs the partitions of a machine by themselves as far as they may, and returns when they are to be run together
 /// again: the time of what comes next, or kNever.
-template <class Machine, class TickAt>
-Time run_partitions(Machine& machine, TickAt&& tick_at) {
-  Wakes& wakes = machine.wakes();
-  Partitions& partitions = machine.partitions();
+template <class Owner, class TickAt>
+Time run_partitions(Owner& owner, TickAt&& tick_at) {
+  Wakes& wakes = owner.machine().wakes();
+  Partitions& partitions = owner.machine().partitions();
   const auto next_of = [&](const Partition& partition) { return wakes.earliest(partition.units); };
   const std::size_t count = partitions.outer.size();
   // There and back: what has been run last is still at the host's hand.
   for (bool back = false;; back = !back) {
     Time now = next_of(partitions.inner);
     for (const Partition& partition : partitions.outer) now = std::min(now, next_of(partition));
-    const Time lookahead_end = now == kNever ? now : machine.lookahead_end(now);
+    const Time lookahead_end = now == kNever ? now : owner.lookahead_end(now);
     if (lookahead_end <= now) return now;
     Time reached = lookahead_end;  // by all outer partitions
     for (std::size_t i = 0; i < count; ++i) {
@@ -84,28 +60,30 @@ Time run_partitions(Machine& machine, TickAt&& tick_at) {
 }
 
 /// Runs until done and returns the time of the last visited edge.
-template <Skip kSkip = Skip::kOn, class Machine>
-Time run(Machine& machine) {
+template <Skip kSkip = Skip::kOn, class Owner>
+Time run(Owner& owner) {
+  Machine& machine = owner.machine();
+  machine.start();
   Wakes& wakes = machine.wakes();
-  const Ticks ticks(machine, wakes.size());
-  const auto tick_at = [&](Time now) { return [&ticks, now](std::size_t i) { return ticks(i, now); }; };
+  const auto tick_at = [units = machine.ticked().data()](Time now) {
+    return [units, now](std::size_t i) { return units[i](now); };
+  };
   Time now = 0;
   for (;;) {
     if constexpr (kSkip == Skip::kOff) {
-      machine.each_unit([&](auto& unit, std::size_t i) {
-        if (unit.clock().is_edge(now)) wakes.tick_one(i, tick_at(now));
+      machine.each_clock([&](std::size_t i, Clock clock) {
+        if (clock.is_edge(now)) wakes.tick_one(i, tick_at(now));
       });
     } else {
-      if constexpr (HasPartitions<Machine>) now = run_partitions(machine, tick_at);
+      if constexpr (HasPartitions<Owner>) now = run_partitions(owner, tick_at);
       if (now != kNever) wakes.tick_due(now, tick_at(now));
     }
-    if (machine.done()) return now;
+    if (owner.done()) return now;
     const Time next = wakes.earliest();
     if (next == kNever) throw Deadlock("the machine is stuck", machine.state());
     if constexpr (kSkip == Skip::kOff) {
       Time edge = kNever;
-      machine.each_unit(
-          [&](auto& unit, std::size_t) { edge = std::min(edge, unit.clock().edge_at_or_after(now + 1)); });
+      machine.each_clock([&](std::size_t, Clock clock) { edge = std::min(edge, clock.edge_at_or_after(now + 1)); });
       now = edge;
     } else {
       now = next;
@@ -115,18 +93,19 @@ Time run(Machine& machine) {
 
 /// As run(), with the units of each step visited in an order drawn by hash from `seed`. For tests: links make the
 /// order invisible, and this shows it.
-template <class Machine>
-Time run_shuffled(Machine& machine, std::uint64_t seed) {
+template <class Owner>
+Time run_shuffled(Owner& owner, std::uint64_t seed) {
+  Machine& machine = owner.machine();
+  machine.start();
   Wakes& wakes = machine.wakes();
-  const Ticks ticks(machine, wakes.size());
   std::vector<std::size_t> order(wakes.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   for (Time now = 0;;) {
     std::ranges::sort(order, {}, [&](std::size_t i) { return hash(seed, now, i); });
     for (const std::size_t i : order) {
-      if (wakes[i] == now) wakes.tick_one(i, [&](std::size_t) { return ticks(i, now); });
+      if (wakes[i] == now) wakes.tick_one(i, [&](std::size_t) { return machine.ticked()[i](now); });
     }
-    if (machine.done()) return now;
+    if (owner.done()) return now;
     now = wakes.earliest();
     if (now == kNever) throw Deadlock("the machine is stuck", machine.state());
   }

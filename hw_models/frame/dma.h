@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 
+#include "hw_models/memory/unit_names.h"
 #include "hw_models/srp/messages.h"
 #include "sim/activity.h"
 #include "sim/link.h"
@@ -19,7 +20,14 @@ namespace hw {
 /// Part of a line costs as much as all of it. Not modelled: reads of partial lines before writing them.
 class Dma {
  public:
+  static constexpr const char* kName = "core.dma";
+  static constexpr Block kBlock = Block::kDma;
   enum class CycleReason : std::uint8_t { kIdle, kMoving, kWaiting, kCount };
+  static constexpr auto kReasons = sim::reasons<CycleReason>({
+      {CycleReason::kIdle, sim::idle("idle", "no transfer")},
+      {CycleReason::kMoving, sim::working("moving", "a request left or a line came")},
+      {CycleReason::kWaiting, sim::waiting("waiting", "lines are on their way, or there is no room for a request")},
+  });
   struct Stats {
     struct Lines {
       std::uint64_t written = 0, read = 0;
@@ -76,7 +84,5 @@ class Dma {
   Stats stats_;
   sim::Activity<CycleReason> activity_;
 };
-
-constexpr std::array<std::string_view, 3> names_of(Dma::CycleReason) { return {"idle", "moving", "waiting"}; }
 
 }  // namespace hw

@@ -29,10 +29,10 @@ Addr MemoryInterface::bytes_of(const DirectInterfaceConfig& config) {
 sim::Time MemoryInterface::tick(sim::Time now) {
   bool moved = hits_.tick(now);
   moved |= rays_.tick(now);
-  constexpr std::array kReasons{CycleReason::kIdle, CycleReason::kMemory, CycleReason::kPortFull,
-                                CycleReason::kOutputFull};
+  constexpr std::array kWaits{CycleReason::kIdle, CycleReason::kMemory, CycleReason::kPortFull,
+                              CycleReason::kOutputFull};
   const auto waits = std::max(static_cast<std::size_t>(hits_.waits(now)), static_cast<std::size_t>(rays_.waits(now)));
-  const CycleReason then = kReasons[waits];
+  const CycleReason then = kWaits[waits];
   activity_.spend(now, clock_.period(), moved ? CycleReason::kMoving : then, then);
   const sim::Time next = clock_.after(now, 1);
   return std::min(hits_.next_wake(next), rays_.next_wake(next));

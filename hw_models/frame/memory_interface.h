@@ -6,6 +6,7 @@
 
 #include "hw_models/frame/direct_interface_config.h"
 #include "hw_models/frame/record_stream.h"
+#include "hw_models/memory/unit_names.h"
 #include "hw_models/tni/messages.h"
 #include "sim/activity.h"
 #include "sim/counter_kind.h"
@@ -24,14 +25,16 @@ namespace hw {
 /// Not modelled: the energy of its own buffers, which are those of the direct interface.
 class MemoryInterface {
  public:
-  enum class CycleReason : std::uint8_t {
-    kIdle,        ///< nothing inside
-    kMoving,      ///< a record came or went, or a request left
-    kMemory,      ///< records are on their way through memory
-    kPortFull,    ///< a request waits for the port
-    kOutputFull,  ///< a record waits for its reader
-    kCount
-  };
+  static constexpr const char* kName = "core.memory_interface";
+  static constexpr Block kBlock = Block::kInterconnect;
+  enum class CycleReason : std::uint8_t { kIdle, kMoving, kMemory, kPortFull, kOutputFull, kCount };
+  static constexpr auto kReasons = sim::reasons<CycleReason>({
+      {CycleReason::kIdle, sim::idle("idle", "nothing inside")},
+      {CycleReason::kMoving, sim::working("moving", "a record came or went, or a request left")},
+      {CycleReason::kMemory, sim::waiting("memory", "records are on their way through memory")},
+      {CycleReason::kPortFull, sim::waiting("port_full", "a request waits for the port")},
+      {CycleReason::kOutputFull, sim::waiting("output_full", "a record waits for its reader")},
+  });
   struct Stats {
     std::uint64_t rays = 0, hits = 0;
     std::uint64_t ray_writes = 0, ray_reads = 0, hit_writes = 0, hit_reads = 0;
@@ -74,9 +77,5 @@ class MemoryInterface {
   Stats stats_;
   sim::Activity<CycleReason> activity_;
 };
-
-constexpr std::array<std::string_view, 5> names_of(MemoryInterface::CycleReason) {
-  return {"idle", "moving", "memory", "port_full", "output_full"};
-}
 
 }  // namespace hw

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "hw_models/memory/messages.h"
+#include "hw_models/memory/unit_names.h"
 #include "hw_models/srp/messages.h"
 #include "sim/activity.h"
 #include "sim/link.h"
@@ -30,13 +31,15 @@ class TileSource {
 ///   tile list --> [one tile a cycle, round robin over cores with room] --> cores
 class TileDispatcher {
  public:
-  enum class CycleReason : std::uint8_t {
-    kIdle,
-    kDispatching,
-    kCoresFull,
-    kWaiting,  ///< for tiles that the next one needs
-    kCount
-  };
+  static constexpr const char* kName = "tile_dispatcher";
+  static constexpr Block kBlock = Block::kInterconnect;
+  enum class CycleReason : std::uint8_t { kIdle, kDispatching, kCoresFull, kWaiting, kCount };
+  static constexpr auto kReasons = sim::reasons<CycleReason>({
+      {CycleReason::kIdle, sim::idle("idle", "every tile is out")},
+      {CycleReason::kDispatching, sim::working("dispatching", "a tile went to a core")},
+      {CycleReason::kCoresFull, sim::waiting("cores_full", "no core has room for a tile")},
+      {CycleReason::kWaiting, sim::waiting("waiting", "tiles that the next one needs are not finished")},
+  });
   struct Stats {
     std::uint64_t dispatched = 0, finished = 0;
     static void describe(auto& s, auto&& counter) {
@@ -84,9 +87,5 @@ class TileDispatcher {
   Stats stats_;
   sim::Activity<CycleReason> activity_;
 };
-
-constexpr std::array<std::string_view, 4> names_of(TileDispatcher::CycleReason) {
-  return {"idle", "dispatching", "cores_full", "waiting"};
-}
 
 }  // namespace hw

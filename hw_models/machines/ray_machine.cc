@@ -3,34 +3,11 @@
 #include <algorithm>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "hw_models/tni/scene_in_memory.h"
 #include "sim/engine.h"
 #include "traces/walk_steps.h"
 
 namespace hw {
-
-namespace {
-
-/// Of each core's T&I unit: the TRVs, then the IST.
-std::vector<MemoryNet::Client> clients(const GpuConfig& config) {
-  std::vector<MemoryNet::Client> all(config.tni.trvs, {config.clocks.tni.clock(), config.tni.trv.l1.mshrs});
-  all.push_back({config.clocks.tni.clock(), config.tni.ist.l1.mshrs});
-  return all;
-}
-
-Tni::Links links_of(MemoryNet& net, std::uint32_t core, std::uint32_t ports, sim::Link<RayJob>& jobs,
-                    sim::Link<RayDone>& dones) {
-  Tni::Links links{jobs, dones, {}, {}};
-  for (std::uint32_t p = 0; p < ports; ++p) {
-    links.memory_out.push_back(&net.requests(core, p));
-    links.memory_in.push_back(&net.responses(core, p));
-  }
-  return links;
-}
-
-}  // namespace
 
 CoreRays::CoreRays(std::span<const traces::Ray> rays, const traces::Tracer& tracer, std::uint32_t core,
                    std::uint32_t cores, Finished finished)
@@ -78,70 +55,46 @@ void CoreRays::returned(std::uint32_t ray, sim::Time now) {
   }
 }
 
-RayMachine::Core::Core(RayMachine& m, std::span<const traces::Ray> list, const traces::MemoryImage& image,
-                       std::span<const std::uint32_t> parents, std::uint32_t core)
-    : rays(list, m.tracer_, core, m.config_.cores,
-           [&m](std::uint32_t finished, sim::Time now) {
-             m.done_.blocks += 1;
-             m.done_.rays += finished;
-             m.done_.cycles = m.clock_.cycles(now);
-             return m.watch_(m.done_);
-           }),
-      jobs(m.config_.direct_interface.depth, 1, m.clock_),
-      dones(m.config_.direct_interface.depth, 1, m.clock_),
-      source(m.clock_, m.config_.direct_interface.interval, rays, jobs, dones),
-      tni(m.config_.tni, {m.config_.ideal.tni, m.config_.ideal.l1}, scene_in_memory(image, parents),
-          m.config_.direct_interface.interval, links_of(m.net_, core, m.config_.tni.trvs + 1, jobs, dones), m.clock_) {
-  const auto wake = [&](std::size_t place) { return m.wakes_.of(core * m.units_per_core() + place); };
-  jobs.wakes(wake(0), wake(1));
-  dones.wakes(wake(1), wake(0));
-  std::vector<sim::Waker> trvs;
-  for (std::uint32_t t = 0; t < m.config_.tni.trvs; ++t) trvs.push_back(wake(3 + t));
-  tni.wakes(wake(1), wake(2), trvs);
-}
-
 RayMachine::RayMachine(const GpuConfig& config, const traces::MemoryImage& image,
                        std::span<const std::uint32_t> parents, std::span<const traces::Ray> rays, Watch watch)
     : config_(config),
       clock_(config.clocks.tni.clock()),
       tracer_(image),
       watch_(std::move(watch)),
-      wakes_(config.cores * units_per_core() + MemoryNet::units(config)),
-      net_(config_, clients(config_), wakes_, config.cores * units_per_core(),
-           [this](std::uint32_t core, std::uint32_t client) {
-             const std::size_t place = client == config_.tni.trvs ? 2 : 3 + std::size_t{client};
-             return wakes_.of(core * units_per_core() + place);
-           }) {
-  for (std::uint32_t core = 0; core < config.cores; ++core) cores_.emplace_back(*this, rays, image, parents, core);
+      machine_(config.clocks.synchroniser),
+      memory_(machine_, config_, MemorySystem::Dma::kNo) {
+  for (std::uint32_t core = 0; core < config.cores; ++core) add_core(core, image, parents, rays);
+  memory_.build_banks_and_channels();
+}
+
+void RayMachine::add_core(std::uint32_t c, const traces::MemoryImage& image, std::span<const std::uint32_t> parents,
+                          std::span<const traces::Ray> rays) {
+  const auto finished = [this](std::uint32_t back, sim::Time now) {
+    done_.blocks += 1;
+    done_.rays += back;
+    done_.cycles = clock_.cycles(now);
+    return watch_(done_);
+  };
+  Core& core = cores_.emplace_back(Core{CoreRays(rays, tracer_, c, config_.cores, finished)});
+  const DirectInterfaceConfig& direct = config_.direct_interface;
+  const sim::UnitId source = machine_.unit({name_in_core("core.rays", c), clock_, c + 1});
+  memory_.declare_ports();
+  TniCore tni(machine_, config_.tni, {config_.ideal.tni, config_.ideal.l1}, c, clock_);
+  auto& jobs = machine_.link<RayJob>(direct.depth, 1, source, tni.dispatcher_id());
+  auto& dones = machine_.link<RayDone>(direct.depth, 1, tni.dispatcher_id(), source);
+  core.source = &machine_.build<RaySource<CoreRays>>(source, clock_, direct.interval, core.rays, jobs, dones);
+  const std::vector<MemoryPort> ports = memory_.cache_clients(c, tni.memory_clients());
+  tni.build(machine_, scene_in_memory(image, parents), direct.interval, {jobs, dones, ports});
+  memory_.build_ports(c);
 }
 
 void RayMachine::run() {
   elapsed_ = clock_.edge_at_or_after(sim::run(*this) + 1);
-  const auto finish = [&](auto& unit, std::size_t) { unit.finish(unit.clock().edge_at_or_after(elapsed_)); };
-  for (Core& core : cores_) {
-    finish(core.tni.dispatcher(), 0);
-    finish(core.tni.ist(), 0);
-    for (Trv& trv : core.tni.trvs()) finish(trv, 0);
-  }
-  net_.each_unit(finish, 0);
+  machine_.finish(elapsed_);
 }
 
 bool RayMachine::done() const {
-  return std::ranges::all_of(cores_,
-                             [](const Core& core) {
-                               return core.source.done() &&
-                                      std::ranges::all_of(core.tni.trvs(), [](const Trv& trv) { return trv.idle(); });
-                             }) &&
-         net_.quiet();
-}
-
-std::string RayMachine::state() const {
-  std::string text;
-  for (const Core& core : cores_) {
-    text += core.tni.dispatcher().state() + "\n" + core.tni.ist().state() + "\n";
-    for (const Trv& trv : core.tni.trvs()) text += trv.state() + "\n";
-  }
-  return text + net_.state();
+  return std::ranges::all_of(cores_, [](const Core& core) { return core.source->done(); }) && machine_.quiet();
 }
 
 std::uint64_t RayMachine::hits() const {
@@ -154,31 +107,6 @@ std::uint64_t RayMachine::steps() const {
   std::uint64_t sum = 0;
   for (const Core& core : cores_) sum += core.rays.steps();
   return sum;
-}
-
-std::vector<sim::UnitReport> RayMachine::report() const {
-  using sim::report_of;
-  std::vector<sim::UnitReport> units;
-  for (std::size_t c = 0; c < cores_.size(); ++c) {
-    const std::string at = fmt::format("core{}", c);
-    const Tni& tni = cores_[c].tni;
-    units.push_back(report_of(tni.dispatcher(), at + ".tni.dispatcher", "tni"));
-    for (std::size_t t = 0; t < tni.trvs().size(); ++t) {
-      units.push_back(report_of(tni.trvs()[t], fmt::format("{}.tni.trv{}", at, t), "tni", config_.tni.trv_sram_bytes(),
-                                config_.tni.trv.l1.size.bytes));
-    }
-    units.push_back(
-        report_of(tni.ist(), at + ".tni.ist", "tni", config_.tni.ist_sram_bytes(), config_.tni.ist.l1.size.bytes));
-    units.push_back(report_of(net_.ports()[c], at + ".cache_port", "interconnect"));
-  }
-  for (std::size_t b = 0; b < net_.banks().size(); ++b) {
-    units.push_back(report_of(net_.banks()[b], fmt::format("l2.bank{}", b), "l2",
-                              config_.l2.cache.size.bytes / config_.l2.banks, config_.l2.cache.size.bytes));
-  }
-  for (std::size_t k = 0; k < net_.channels().size(); ++k) {
-    units.push_back(report_of(net_.channels()[k], fmt::format("dram.channel{}", k), "dram"));
-  }
-  return units;
 }
 
 }  // namespace hw

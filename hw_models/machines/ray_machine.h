@@ -2,15 +2,15 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
-#include <memory>
 #include <span>
-#include <string>
 #include <vector>
 
-#include "hw_models/machines/memory_net.h"
+#include "hw_models/machines/gpu_config.h"
+#include "hw_models/machines/memory_system.h"
 #include "hw_models/machines/ray_source.h"
-#include "hw_models/tni/tni.h"
-#include "sim/report/unit_report.h"
+#include "hw_models/tni/tni_core.h"
+#include "sim/machine.h"
+#include "sim/unit_report.h"
 #include "traces/accel/bvh_tracer.h"
 #include "traces/accel/memory_image.h"
 
@@ -83,42 +83,27 @@ class RayMachine {
   std::uint64_t cycles() const { return clock_.cycles(elapsed_); }
   std::uint64_t hits() const;
   std::uint64_t steps() const;
-  std::vector<sim::UnitReport> report() const;
+  std::vector<sim::UnitReport> report() const { return machine_.report(); }
 
-  // The machine, as the engine sees it.
-  void each_unit(auto&& f) {
-    std::size_t i = 0;
-    for (Core& core : cores_) {
-      f(core.source, i++);
-      f(core.tni.dispatcher(), i++);
-      f(core.tni.ist(), i++);
-      for (Trv& trv : core.tni.trvs()) f(trv, i++);
-    }
-    net_.each_unit(f, i);
-  }
-  sim::Wakes& wakes() { return wakes_; }
+  // As the engine sees it.
+  sim::Machine& machine() { return machine_; }
   bool done() const;
-  std::string state() const;
 
  private:
   struct Core {
-    Core(RayMachine& machine, std::span<const traces::Ray> list, const traces::MemoryImage& image,
-         std::span<const std::uint32_t> parents, std::uint32_t core);
     CoreRays rays;
-    sim::Link<RayJob> jobs;
-    sim::Link<RayDone> dones;
-    RaySource<CoreRays> source;
-    Tni tni;
+    RaySource<CoreRays>* source = nullptr;
   };
-  std::size_t units_per_core() const { return 3 + std::size_t{config_.tni.trvs}; }
+  void add_core(std::uint32_t core, const traces::MemoryImage& image, std::span<const std::uint32_t> parents,
+                std::span<const traces::Ray> rays);
 
   const GpuConfig config_;
   const sim::Clock clock_;
   const traces::BvhTracer tracer_;
   const Watch watch_;
   RaysDone done_;
-  sim::Wakes wakes_;
-  MemoryNet net_;
+  sim::Machine machine_;
+  MemorySystem memory_;
   std::deque<Core> cores_;
   sim::Time elapsed_ = 0;
 };

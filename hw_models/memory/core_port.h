@@ -8,6 +8,7 @@
 #include "hw_models/memory/arbiter.h"
 #include "hw_models/memory/interleave.h"
 #include "hw_models/memory/messages.h"
+#include "hw_models/memory/unit_names.h"
 #include "sim/activity.h"
 #include "sim/config/field.h"
 #include "sim/counter_kind.h"
@@ -50,14 +51,16 @@ struct InterconnectConfig {
 /// the topology between port and targets; every target is equally far and has its own wires.
 class CorePort {
  public:
-  enum class CycleReason : std::uint8_t {
-    kIdle,        ///< nothing to carry
-    kRequest,     ///< a request went up
-    kLine,        ///< a line was under way, up or down
-    kTargetFull,  ///< requests wait for a target's queue
-    kClientFull,  ///< a line waits for its client
-    kCount
-  };
+  static constexpr const char *kCachePort = "core.cache_port", *kDmaPort = "core.dma_port";  ///< its two uses
+  static constexpr Block kBlock = Block::kInterconnect;
+  enum class CycleReason : std::uint8_t { kIdle, kRequest, kLine, kTargetFull, kClientFull, kCount };
+  static constexpr auto kReasons = sim::reasons<CycleReason>({
+      {CycleReason::kIdle, sim::idle("idle", "nothing to carry")},
+      {CycleReason::kRequest, sim::working("request", "a request went up")},
+      {CycleReason::kLine, sim::working("line", "a line was under way, up or down")},
+      {CycleReason::kTargetFull, sim::waiting("target_full", "requests wait for a target's queue")},
+      {CycleReason::kClientFull, sim::waiting("client_full", "a line waits for its client")},
+  });
   struct Stats {
     std::uint64_t requests = 0, lines_down = 0, lines_up = 0;
     std::uint64_t request_wait = 0, line_wait = 0;
@@ -129,9 +132,5 @@ class CorePort {
   Stats stats_;
   sim::Activity<CycleReason> activity_;
 };
-
-constexpr std::array<std::string_view, 5> names_of(CorePort::CycleReason) {
-  return {"idle", "request", "line", "target_full", "client_full"};
-}
 
 }  // namespace hw

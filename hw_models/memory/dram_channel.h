@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "hw_models/memory/arbiter.h"
@@ -11,6 +12,7 @@
 #include "hw_models/memory/dram_queue.h"
 #include "hw_models/memory/messages.h"
 #include "hw_models/memory/scheduled_command.h"
+#include "hw_models/memory/unit_names.h"
 #include "sim/activity.h"
 #include "sim/counter_kind.h"
 #include "sim/inputs.h"
@@ -40,7 +42,10 @@ namespace hw {
 /// synchronisation.
 class DramChannel {
  public:
+  static constexpr const char* kName = "dram.channel";
+  static constexpr Block kBlock = Block::kDram;
   using CycleReason = DramWhy;
+  static constexpr auto kReasons = kDramReasons;
   struct Stats {
     std::uint64_t reads = 0, writes = 0, bytes = 0;
     std::uint64_t row_hits = 0, row_misses = 0, row_conflicts = 0;

@@ -3,34 +3,46 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <string_view>
 
 #include "hw_models/memory/command_calendar.h"
 #include "hw_models/memory/dram_config.h"
+#include "sim/activity.h"
 
 namespace hw {
 
 /// Reasons for a channel's cycles.
 enum class DramWhy : std::uint8_t {
-  kIdle,         ///< nothing queued, no data expected
-  kReading,      ///< read data on the bus
-  kWriting,      ///< write data on the bus
-  kLatency,      ///< nothing queued, data on their way
-  kRowConflict,  ///< another row must be closed first (tRAS, tRTP, tWR, tRP)
-  kActivate,     ///< a row is being opened, or activates follow too closely (tRCD, tRC, tRRD, tFAW)
-  kRefresh,      ///< the bank is refreshing
-  kTurnaround,   ///< the data bus changes direction
-  kColumn,       ///< column commands follow too closely (tCCD)
-  kCommandBus,   ///< the command bus is taken
-  kReturnsFull,  ///< reads cannot start because responses do not leave
-  kRankSwitch,   ///< the data bus changes from one rank to another
-  kPowerDown,    ///< the device leaves power-down (tXP)
+  kIdle,
+  kReading,
+  kWriting,
+  kLatency,
+  kRowConflict,
+  kActivate,
+  kRefresh,
+  kTurnaround,
+  kColumn,
+  kCommandBus,
+  kReturnsFull,
+  kRankSwitch,
+  kPowerDown,
   kCount
 };
-constexpr std::array<std::string_view, 13> names_of(DramWhy) {
-  return {"idle",       "reading", "writing",     "latency",      "row_conflict", "activate",       "refresh",
-          "turnaround", "column",  "command_bus", "returns_full", "rank_switch",  "power_down_exit"};
-}
+inline constexpr auto kDramReasons = sim::reasons<DramWhy>({
+    {DramWhy::kIdle, sim::idle("idle", "nothing queued, no data expected")},
+    {DramWhy::kReading, sim::working("reading", "read data on the bus")},
+    {DramWhy::kWriting, sim::working("writing", "write data on the bus")},
+    {DramWhy::kLatency, sim::working("latency", "nothing queued, data on their way")},
+    {DramWhy::kRowConflict, sim::working("row_conflict", "another row must be closed first (tRAS, tRTP, tWR, tRP)")},
+    {DramWhy::kActivate,
+     sim::working("activate", "a row is being opened, or activates follow too closely (tRCD, tRC, tRRD, tFAW)")},
+    {DramWhy::kRefresh, sim::background("refresh", "the bank is refreshing")},
+    {DramWhy::kTurnaround, sim::working("turnaround", "the data bus changes direction")},
+    {DramWhy::kColumn, sim::working("column", "column commands follow too closely (tCCD)")},
+    {DramWhy::kCommandBus, sim::working("command_bus", "the command bus is taken")},
+    {DramWhy::kReturnsFull, sim::waiting("returns_full", "reads cannot start because responses do not leave")},
+    {DramWhy::kRankSwitch, sim::working("rank_switch", "the data bus changes from one rank to another")},
+    {DramWhy::kPowerDown, sim::working("power_down_exit", "the device leaves power-down (tXP)")},
+});
 
 /// The banks and buses of one channel: which command may run when. Its state holds first allowed cycles, never
 /// countdowns. Cycles are those of the command clock.

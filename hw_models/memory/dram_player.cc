@@ -5,7 +5,7 @@
 #include <functional>
 #include <queue>
 
-#include "sim/report/unit_report.h"
+#include "sim/unit_report.h"
 
 namespace hw {
 
@@ -73,7 +73,7 @@ class Player : DramChannel::Watcher {
     channel_.finish(play_.end + clock_.period());
     play_.stats = channel_.stats();
     play_.stats.precharge_standby -= ranks_;
-    const sim::UnitReport report = sim::report_of(channel_, "", "");
+    const sim::UnitReport report = sim::report_of(channel_, "");
     play_.why = report.why;
     play_.why.front().second -= 1;
     return std::move(play_);

@@ -12,6 +12,7 @@
 #include "hw_models/memory/l2_store.h"
 #include "hw_models/memory/messages.h"
 #include "hw_models/memory/mshr_file.h"
+#include "hw_models/memory/unit_names.h"
 #include "sim/activity.h"
 #include "sim/counter_kind.h"
 #include "sim/inputs.h"
@@ -41,16 +42,28 @@ namespace hw {
 /// Not modelled: contention of fills, writes and reads for the data array.
 class L2Bank {
  public:
+  static constexpr const char* kName = "l2.bank";
+  static constexpr Block kBlock = Block::kL2;
   enum class CycleReason : std::uint8_t {
-    kIdle,        ///< nothing inside
-    kServing,     ///< a request or a line came in, or a line went out
-    kLookup,      ///< requests are inside the pipeline
-    kMemory,      ///< every request inside waits for DRAM
-    kMshrFull,    ///< the head found no MSHR, or no room among its line's targets
-    kMemoryFull,  ///< memory does not take what is written to it
-    kOutputFull,  ///< a line cannot leave towards its core
+    kIdle,
+    kServing,
+    kLookup,
+    kMemory,
+    kMshrFull,
+    kMemoryFull,
+    kOutputFull,
     kCount
   };
+  static constexpr auto kReasons = sim::reasons<CycleReason>({
+      {CycleReason::kIdle, sim::idle("idle", "nothing inside")},
+      {CycleReason::kServing, sim::working("serving", "a request or a line came in, or a line went out")},
+      {CycleReason::kLookup, sim::working("lookup", "requests are inside the pipeline")},
+      {CycleReason::kMemory, sim::waiting("memory", "every request inside waits for DRAM")},
+      {CycleReason::kMshrFull,
+       sim::waiting("mshr_full", "the head found no MSHR, or no room among its line's targets")},
+      {CycleReason::kMemoryFull, sim::waiting("memory_full", "memory does not take what is written to it")},
+      {CycleReason::kOutputFull, sim::waiting("output_full", "a line cannot leave towards its core")},
+  });
   struct Stats {
     std::uint64_t reads = 0, hits = 0, misses = 0, merges = 0, fills = 0;
     std::uint64_t writes = 0, write_hits = 0, stored = 0, not_stored = 0, passed_on = 0, written_back = 0;
@@ -185,9 +198,5 @@ class L2Bank {
   Stats stats_;
   sim::Activity<CycleReason> activity_;
 };
-
-constexpr std::array<std::string_view, 7> names_of(L2Bank::CycleReason) {
-  return {"idle", "serving", "lookup", "memory", "mshr_full", "memory_full", "output_full"};
-}
 
 }  // namespace hw

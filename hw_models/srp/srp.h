@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "hw_models/memory/l1_cache.h"
+#include "hw_models/memory/unit_names.h"
 #include "hw_models/srp/bank_conflicts.h"
 #include "hw_models/srp/messages.h"
 #include "hw_models/srp/schedule.h"
@@ -37,16 +38,28 @@ namespace hw {
 /// Not modelled: VLIW mode between loops beyond the switch cost.
 class Srp {
  public:
+  static constexpr const char* kName = "core.srp";
+  static constexpr Block kBlock = Block::kSrp;
   enum class CycleReason : std::uint8_t {
-    kStarved,    ///< no tile
-    kRunning,    ///< a kernel's loop is on the array
-    kSwitching,  ///< the array is being configured for another kernel
-    kCacheMiss,  ///< the array stands still for a line of the data cache
-    kBanks,      ///< the array stands still because accesses meet in a bank of the tile buffer
-    kWaiting,    ///< launches wait for rays in the T&I unit, or for the DMA
-    kNoSlots,    ///< a launch waits for free ray slots in the tile buffer
+    kStarved,
+    kRunning,
+    kSwitching,
+    kCacheMiss,
+    kBanks,
+    kWaiting,
+    kNoSlots,
     kCount
   };
+  static constexpr auto kReasons = sim::reasons<CycleReason>({
+      {CycleReason::kStarved, sim::idle("starved", "no tile")},
+      {CycleReason::kRunning, sim::working("running", "a kernel's loop is on the array")},
+      {CycleReason::kSwitching, sim::working("switching", "the array is being configured for another kernel")},
+      {CycleReason::kCacheMiss, sim::waiting("cache_miss", "the array stands still for a line of the data cache")},
+      {CycleReason::kBanks,
+       sim::working("banks", "the array stands still because accesses meet in a bank of the tile buffer")},
+      {CycleReason::kWaiting, sim::waiting("waiting", "launches wait for rays in the T&I unit, or for the DMA")},
+      {CycleReason::kNoSlots, sim::waiting("no_slots", "a launch waits for free ray slots in the tile buffer")},
+  });
   using Stats = SrpStats;
   struct Links {
     sim::Link<TileJob>& tiles_in;
@@ -186,9 +199,5 @@ class Srp {
   Stats stats_;
   sim::Activity<CycleReason> activity_;
 };
-
-constexpr std::array<std::string_view, 7> names_of(Srp::CycleReason) {
-  return {"starved", "running", "switching", "cache_miss", "banks", "waiting", "no_slots"};
-}
 
 }  // namespace hw

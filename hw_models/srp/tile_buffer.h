@@ -5,6 +5,7 @@
 #include <limits>
 #include <string_view>
 
+#include "hw_models/memory/unit_names.h"
 #include "sim/activity.h"
 #include "sim/config/field.h"
 #include "sim/counter_kind.h"
@@ -39,7 +40,13 @@ struct TileBufferConfig {
 /// the T&I unit's and the DMA's accesses.
 class TileBuffer {
  public:
+  static constexpr const char* kName = "core.tile_buffer";
+  static constexpr Block kBlock = Block::kTileBuffer;
   enum class CycleReason : std::uint8_t { kIdle, kInUse, kCount };
+  static constexpr auto kReasons = sim::reasons<CycleReason>({
+      {CycleReason::kIdle, sim::idle("idle", "no ray slot is taken")},
+      {CycleReason::kInUse, sim::background("in_use", "ray slots are taken")},
+  });
   struct Stats {
     std::uint64_t reads = 0, writes = 0, bank_conflicts = 0;
     std::uint64_t slots_taken = 0, slots_peak = 0, spilled_slots = 0;
@@ -103,7 +110,5 @@ class TileBuffer {
   Stats stats_;
   sim::Activity<CycleReason> activity_;
 };
-
-constexpr std::array<std::string_view, 2> names_of(TileBuffer::CycleReason) { return {"idle", "in_use"}; }
 
 }  // namespace hw

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "hw_models/memory/arbiter.h"
+#include "hw_models/memory/unit_names.h"
 #include "hw_models/tni/fetch_stage.h"
 #include "hw_models/tni/messages.h"
 #include "hw_models/tni/timing_wheel.h"
@@ -28,6 +29,8 @@ namespace hw {
 /// Not modelled: a hit found by one triangle of a leaf does not shorten the next one's test.
 class Ist {
  public:
+  static constexpr const char* kName = "core.tni.ist";
+  static constexpr Block kBlock = Block::kTni;
   enum class CycleReason : std::uint8_t {
     kStarved,
     kTesting,
@@ -38,6 +41,16 @@ class Ist {
     kRauFull,
     kCount
   };
+  static constexpr auto kReasons = sim::reasons<CycleReason>({
+      {CycleReason::kStarved, sim::idle("starved", "no leaf inside")},
+      {CycleReason::kTesting, sim::working("testing", "a triangle test began")},
+      {CycleReason::kL1Miss, sim::waiting("l1_miss", "leaves wait for triangle lines")},
+      {CycleReason::kMshrFull, sim::waiting("mshr_full", "leaves wait for a free MSHR")},
+      {CycleReason::kPipe, sim::working("pipe", "leaves are all inside the pipeline")},
+      {CycleReason::kOutputFull, sim::waiting("output_full", "answers cannot leave")},
+      {CycleReason::kRauFull,
+       sim::waiting("rau_full", "a leaf stands in the fetch stage for lack of room in the table (rau)")},
+  });
   struct Stats : FetchStats {
     std::uint64_t leaves_in = 0, leaves_out = 0;
     std::uint64_t tests = 0, edge_tests = 0, hits = 0, bypass_passes = 0;
@@ -112,9 +125,5 @@ class Ist {
   std::uint32_t turn_ = 0, answer_turn_ = 0;
   sim::Activity<CycleReason> activity_;
 };
-
-constexpr std::array<std::string_view, 7> names_of(Ist::CycleReason) {
-  return {"starved", "testing", "l1_miss", "mshr_full", "pipe", "output_full", "rau_full"};
-}
 
 }  // namespace hw

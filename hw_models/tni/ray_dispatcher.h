@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "hw_models/memory/arbiter.h"
+#include "hw_models/memory/unit_names.h"
 #include "hw_models/tni/messages.h"
 #include "hw_models/tni/tni_config.h"
 #include "sim/activity.h"
@@ -23,7 +24,14 @@ namespace hw {
 /// It knows how full a TRV is from its own count of rays sent and returned.
 class RayDispatcher {
  public:
+  static constexpr const char* kName = "core.tni.dispatcher";
+  static constexpr Block kBlock = Block::kTni;
   enum class CycleReason : std::uint8_t { kStarved, kDispatching, kTrvsFull, kCount };
+  static constexpr auto kReasons = sim::reasons<CycleReason>({
+      {CycleReason::kStarved, sim::idle("starved", "no ray comes or returns")},
+      {CycleReason::kDispatching, sim::working("dispatching", "a ray went to a TRV, or a hit left")},
+      {CycleReason::kTrvsFull, sim::waiting("trvs_full", "no TRV has room for the next ray")},
+  });
   struct Stats {
     std::uint64_t rays_in = 0, hits_out = 0;
     static void describe(auto& s, auto&& counter) {
@@ -79,9 +87,5 @@ class RayDispatcher {
   Stats stats_;
   sim::Activity<CycleReason> activity_;
 };
-
-constexpr std::array<std::string_view, 3> names_of(RayDispatcher::CycleReason) {
-  return {"starved", "dispatching", "trvs_full"};
-}
 
 }  // namespace hw

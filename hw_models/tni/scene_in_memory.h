@@ -2,13 +2,13 @@
 #include <cstdint>
 #include <span>
 
-#include "hw_models/tni/tni.h"
+#include "hw_models/tni/tni_core.h"
 #include "traces/accel/memory_image.h"
 
 namespace hw {
 
 /// The scene of an image as a T&I unit knows it; `parents` comes from traces::parents_of(). Both must outlive it.
-inline Tni::Scene scene_in_memory(const traces::MemoryImage& image, std::span<const std::uint32_t> parents) {
+inline TniCore::Scene scene_in_memory(const traces::MemoryImage& image, std::span<const std::uint32_t> parents) {
   const traces::Layout& layout = image.layout;
   return {{.nodes = layout.nodes,
            .node_bytes = layout.node_bytes,

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "hw_models/memory/unit_names.h"
 #include "hw_models/tni/fetch_stage.h"
 #include "hw_models/tni/messages.h"
 #include "hw_models/tni/timing_wheel.h"
@@ -38,18 +39,34 @@ namespace hw {
 /// buffer to another while it waits in the table.
 class Trv {
  public:
+  static constexpr const char* kName = "core.tni.trv";
+  static constexpr Block kBlock = Block::kTni;
   enum class CycleReason : std::uint8_t {
-    kStarved,     ///< no ray inside
-    kVisiting,    ///< a node, one line of several, or a ray on its way into an instance went into the box pipe
-    kL1Miss,      ///< rays wait for node lines, or this cycle's probe missed
-    kMshrFull,    ///< rays wait for a free MSHR
-    kIst,         ///< rays wait for the intersection unit
-    kPipe,        ///< rays are all inside the pipelines: too few of them to fill the latency
-    kOutputFull,  ///< finished rays cannot leave
-    kSerial,      ///< a pop or a leaf was in the one pipe (box_testers 1)
-    kRauFull,     ///< a ray stands in the fetch stage for lack of room in the table (miss_handling rau)
+    kStarved,
+    kVisiting,
+    kL1Miss,
+    kMshrFull,
+    kIst,
+    kPipe,
+    kOutputFull,
+    kSerial,
+    kRauFull,
     kCount
   };
+  static constexpr auto kReasons = sim::reasons<CycleReason>({
+      {CycleReason::kStarved, sim::idle("starved", "no ray inside")},
+      {CycleReason::kVisiting,
+       sim::working("visiting", "a node, a line of it or a ray for an instance entered the box pipe")},
+      {CycleReason::kL1Miss, sim::waiting("l1_miss", "rays wait for node lines, or this cycle's probe missed")},
+      {CycleReason::kMshrFull, sim::waiting("mshr_full", "rays wait for a free MSHR")},
+      {CycleReason::kIst, sim::waiting("ist", "rays wait for the intersection unit")},
+      {CycleReason::kPipe,
+       sim::working("pipe", "rays are all inside the pipelines: too few of them to fill the latency")},
+      {CycleReason::kOutputFull, sim::waiting("output_full", "finished rays cannot leave")},
+      {CycleReason::kSerial, sim::working("serial", "a pop or a leaf was in the one pipe (box_testers 1)")},
+      {CycleReason::kRauFull,
+       sim::waiting("rau_full", "a ray stands in the fetch stage for lack of room in the table (rau)")},
+  });
   struct Stats : FetchStats {
     std::uint64_t rays_in = 0, rays_out = 0;
     std::uint64_t visits = 0, restarted_visits = 0, first_passes = 0, box_tests = 0, hybrid_box_tests = 0;
@@ -220,9 +237,5 @@ class Trv {
   std::vector<std::uint32_t> far_nodes_;  ///< to be prefetched in this cycle
   sim::Time full_since_ = 0, full_time_ = 0;
 };
-
-constexpr std::array<std::string_view, 9> names_of(Trv::CycleReason) {
-  return {"starved", "visiting", "l1_miss", "mshr_full", "ist", "pipe", "output_full", "serial", "rau_full"};
-}
 
 }  // namespace hw

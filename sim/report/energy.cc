@@ -1,7 +1,5 @@
 #include "sim/report/energy.h"
 
-#include <algorithm>
-#include <array>
 #include <set>
 
 #include <fmt/format.h>
@@ -13,7 +11,6 @@
 namespace sim {
 namespace {
 
-constexpr std::array<std::string_view, 2> kIdleReasons = {"idle", "starved"};
 constexpr double kPicojoulesPerMilliwattFemtosecond = 1e-6;
 
 /// "core0.tni.trv2" -> "trv"
@@ -35,8 +32,8 @@ Spread entry_of(const std::map<std::string, Spread>& entries, const UnitReport& 
 
 std::uint64_t idle_cycles(const UnitReport& unit) {
   std::uint64_t cycles = 0;
-  for (const auto& [reason, spent] : unit.why) {
-    if (std::ranges::find(kIdleReasons, reason) != kIdleReasons.end()) cycles += spent;
+  for (std::size_t i = 0; i < unit.reasons.size(); ++i) {
+    if (unit.reasons[i].kind == ReasonKind::kIdle) cycles += unit.why[i].second;
   }
   return cycles;
 }

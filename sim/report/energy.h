@@ -6,8 +6,8 @@
 
 #include "sim/config/field.h"
 #include "sim/named.h"
-#include "sim/report/unit_report.h"
 #include "sim/time.h"
+#include "sim/unit_report.h"
 
 namespace sim {
 
@@ -86,7 +86,7 @@ struct EnergyReport {
 };
 
 /// E_block = sum(count x pJ) / (1 - clock share) + leakage x time + idle clock, where the clock of idle units runs in
-/// the cycles they have charged to the reasons "idle" and "starved". Device events are taken as they are.
+/// the cycles they have charged to reasons of the kind kIdle. Device events are taken as they are.
 /// Throws InputError for a counter whose event nobody has a figure for, or a unit without `logic` or `flops`.
 EnergyReport compute_energy(std::span<const UnitReport> units, const EnergyConfig& config,
                             const std::map<std::string, DeviceEvent>& device_events, Time elapsed);

@@ -5,7 +5,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "sim/report/energy.h"
-#include "sim/report/unit_report.h"
+#include "sim/unit_report.h"
 
 namespace sim {
 

@@ -86,7 +86,7 @@ TEST(Engine, TheOrderOfUnitsChangesNothing) {
   }
 }
 
-TEST(Engine, RunningIslandsApartChangesNothing) {
+TEST(Engine, RunningPartitionsApartChangesNothing) {
   for (const PipelineConfig& c : machines()) {
     const Outcome together = outcome(c, [](Pipeline& m) { return run(m); });
     const Outcome apart = outcome<ApartPipeline>(c, [](ApartPipeline& m) { return run(m); });
@@ -128,13 +128,13 @@ TEST(Engine, AStuckMachineIsFoundWithItsState) {
     }
     return std::string("not stuck");
   };
-  const std::string stuck = "first link: 2\nsecond link: 2";
+  const std::string stuck = "source: 2 in its link\nstage: 2 in its link\n";
   EXPECT_EQ(state_of([](Pipeline& m) { run(m); }), stuck);
   EXPECT_EQ(state_of([](Pipeline& m) { run<Skip::kOff>(m); }), stuck);
   EXPECT_EQ(state_of([](Pipeline& m) { run_shuffled(m, 1); }), stuck);
 }
 
-TEST(Engine, IslandsThatAreStuckAreFoundToo) {
+TEST(Engine, PartitionsThatAreStuckAreFoundToo) {
   PipelineConfig c;
   c.appetite = 10;
   ApartPipeline machine(c);

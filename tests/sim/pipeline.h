@@ -1,12 +1,11 @@
 #pragma once
 #include <cstdint>
 #include <string>
-#include <type_traits>
 #include <vector>
 
 #include "sim/activity.h"
 #include "sim/link.h"
-#include "sim/partitions.h"
+#include "sim/machine.h"
 
 namespace sim::test {
 
@@ -35,6 +34,8 @@ class Source {
     return left_ > 0 ? std::max(now + clock_.period(), out_.push_at()) : kNever;
   }
   Clock clock() const { return clock_; }
+  void finish(Time end) { activity.finish(end); }
+  std::string state() const { return std::to_string(out_.size()) + " in its link"; }
 
   Activity<CycleReason> activity;
 
@@ -67,6 +68,8 @@ class Stage {
                     opens(now, period, in_.pop_at(), pipe_.push_at()));
   }
   Clock clock() const { return clock_; }
+  void finish(Time end) { activity.finish(end); }
+  std::string state() const { return std::to_string(out_.size()) + " in its link"; }
 
   Activity<CycleReason> activity;
 
@@ -102,6 +105,7 @@ class Sink {
     return taken.size() < appetite_ ? in_.pop_at() : kNever;
   }
   Clock clock() const { return clock_; }
+  void finish(Time end) { activity.finish(end); }
 
   Activity<CycleReason> activity;
   std::vector<std::uint64_t> taken;
@@ -117,79 +121,58 @@ class Sink {
   Link<std::uint64_t>& in_;
 };
 
-///   source --> stage --> sink, each with a group of wake-up times to itself
+///   source --> stage --> sink, each in a partition of its own
 class Pipeline {
  public:
   explicit Pipeline(const PipelineConfig& c)
       : config_(c),
-        first_(c.capacity, c.latency, c.source, c.stage, 1),
-        second_(c.capacity, c.latency, c.stage, c.sink, 1),
-        source(c, first_),
-        stage(c, first_, second_),
-        sink(c, second_) {
-    wakes_.reset(place(3), kNever);
-    each_unit([&](auto&, std::size_t unit) { wakes_.lower(unit, 0); });
-    first_.wakes(wakes_.of(place(0)), wakes_.of(place(1)));
-    second_.wakes(wakes_.of(place(1)), wakes_.of(place(2)));
-  }
+        source_id_(machine_.unit({.name = "source", .clock = c.source, .partition = 1})),
+        stage_id_(machine_.unit({.name = "stage", .clock = c.stage})),
+        sink_id_(machine_.unit({.name = "sink", .clock = c.sink, .partition = 2})),
+        first_(machine_.link<std::uint64_t>(c.capacity, c.latency, source_id_, stage_id_)),
+        second_(machine_.link<std::uint64_t>(c.capacity, c.latency, stage_id_, sink_id_)),
+        source(machine_.build<Source>(source_id_, c, first_)),
+        stage(machine_.build<Stage>(stage_id_, c, first_, second_)),
+        sink(machine_.build<Sink>(sink_id_, c, second_)) {}
 
-  void each_unit(auto&& f) {
-    f(source, place(0));
-    f(stage, place(1));
-    f(sink, place(2));
-  }
-  Wakes& wakes() { return wakes_; }
+  Machine& machine() { return machine_; }
   bool done() const { return sink.taken.size() == config_.items; }
-  std::string state() const {
-    return "first link: " + std::to_string(first_.size()) + "\nsecond link: " + std::to_string(second_.size());
-  }
   /// Where each unit's time went, in the order of units and reasons.
   std::vector<Time> spent(Time end) {
+    machine_.finish(end + 1);
     std::vector<Time> all;
-    each_unit([&](auto& unit, std::size_t) {
-      using CycleReason = typename std::remove_reference_t<decltype(unit)>::CycleReason;
-      unit.activity.finish(unit.clock().edge_at_or_after(end + 1));
-      for (std::size_t i = 0; i < unit.activity.kReasons; ++i)
-        all.push_back(unit.activity.spent(static_cast<CycleReason>(i)));
-    });
+    const auto add = [&]<class CycleReason>(const Activity<CycleReason>& activity) {
+      for (std::size_t i = 0; i < activity.kReasons; ++i) all.push_back(activity.spent(static_cast<CycleReason>(i)));
+    };
+    add(source.activity);
+    add(stage.activity);
+    add(sink.activity);
     return all;
   }
 
- private:
-  static std::size_t place(std::size_t unit) { return unit * Wakes::kGroup; }
-
  protected:
   const PipelineConfig config_;
+  Machine machine_{1};
 
  private:
-  Wakes wakes_;
-
- protected:
-  Link<std::uint64_t> first_, second_;
+  UnitId source_id_, stage_id_, sink_id_;
+  Link<std::uint64_t>&first_, &second_;
 
  public:
-  Source source;
-  Stage stage;
-  Sink sink;
+  Source& source;
+  Stage& stage;
+  Sink& sink;
 };
 
-/// The same as three partitions.
+/// The same with its partitions run by themselves.
 class ApartPipeline : public Pipeline {
  public:
-  explicit ApartPipeline(const PipelineConfig& c) : Pipeline(c) {
-    partitions_.outer = {{{0, 1}}, {{2, 3}}};
-    partitions_.inner = {{1, 2}};
-    first_.count_if_nearly_full(&partitions_.outer[0].nearly_full);
-  }
-  Partitions& partitions() { return partitions_; }
+  using Pipeline::Pipeline;
   /// The last items are taken with all partitions at the same time.
   Time lookahead_end(Time now) const {
-    const bool ends_soon = config_.items - sink.taken.size() <= second_.capacity();
-    return ends_soon ? now : now + std::min(first_.latency(), second_.latency());
+    const bool ends_soon = config_.items - sink.taken.size() <= config_.capacity;
+    return ends_soon ? now : now + machine_.lookahead();
   }
-
- private:
-  Partitions partitions_;
 };
 
 }  // namespace sim::test

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/report/unit_report.h"
+#include "sim/unit_report.h"
 #include "tools/analysis/top_down.h"
 
 namespace tools {

@@ -7,7 +7,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "hw_models/machines/gpu_config.h"
-#include "sim/report/unit_report.h"
+#include "sim/unit_report.h"
 
 namespace tools {
 

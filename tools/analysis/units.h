@@ -10,7 +10,7 @@
 #include <typeindex>
 #include <vector>
 
-#include "sim/report/unit_report.h"
+#include "sim/unit_report.h"
 
 namespace tools {
 

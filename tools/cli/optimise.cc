@@ -1,4 +1,5 @@
 #include "tools/studies/optimise/optimise.h"
+#include "tools/studies/optimise/task.h"
 
 #include <memory>
 

@@ -3,7 +3,7 @@
 
 #include "hw_models/machines/gpu_config.h"
 #include "shader_kernels/programs/programs.h"
-#include "shader_kernels/programs/render_config.h"
+#include "shader_kernels/programs/wavefront/render_config.h"
 #include "sim/config/field.h"
 #include "sim/named.h"
 #include "sim/report/energy.h"

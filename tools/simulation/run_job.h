@@ -11,7 +11,7 @@
 #include "shader_kernels/programs/adaptive/rate_map.h"
 #include "shader_kernels/programs/program_spec.h"
 #include "sim/report/energy.h"
-#include "sim/report/unit_report.h"
+#include "sim/unit_report.h"
 #include "tools/host/progress.h"
 #include "tools/simulation/front_end.h"
 #include "tools/simulation/load_config.h"

@@ -21,15 +21,12 @@ class DmaHarness {
 
   explicit DmaHarness(const Setup& setup)
       : setup_(setup),
-        to_memory_(setup.depth, 1, clock_),
-        from_memory_(64, setup.memory_latency, clock_),
-        dma_({jobs_, dones_, to_memory_, from_memory_}, 0, clock_),
-        core_(*this),
-        memory_(*this) {
-    jobs_.wakes(wakes_.of(0), wakes_.of(1));
-    dones_.wakes(wakes_.of(1), wakes_.of(0));
-    to_memory_.wakes(wakes_.of(1), wakes_.of(2));
-    from_memory_.wakes(wakes_.of(2), wakes_.of(1));
+        to_memory_(machine_.link<MemRequest>(setup.depth, 1, dma_id_, memory_id_)),
+        from_memory_(machine_.link<MemResponse>(64, setup.memory_latency, memory_id_, dma_id_)),
+        dma_(machine_.build<Dma>(dma_id_, Dma::Links{jobs_, dones_, to_memory_, from_memory_}, std::uint16_t{0},
+                                 clock_)) {
+    machine_.build<Core>(core_id_, *this);
+    machine_.build<Memory>(memory_id_, *this);
   }
 
   DmaHarness& add(std::uint32_t bytes, bool write, Addr base = 0, Area area = Area::kPicture) {
@@ -39,19 +36,12 @@ class DmaHarness {
   template <sim::Skip kSkip = sim::Skip::kOn>
   DmaHarness& run() {
     end_ = clock_.after(sim::run<kSkip>(*this), 1);
-    dma_.finish(end_);
+    machine_.finish(end_);
     return *this;
   }
 
-  template <class F>
-  void each_unit(F&& f) {
-    f(core_, 0);
-    f(dma_, 1);
-    f(memory_, 2);
-  }
-  sim::Wakes& wakes() { return wakes_; }
+  sim::Machine& machine() { return machine_; }
   bool done() const { return done_at_.size() == to_send_.size(); }
-  std::string state() const { return dma_.state(); }
 
   /// Cycles from the moment the DMA could see the first job to the moment the core could see that job `i` is done.
   std::uint64_t cycles(std::size_t i) const { return clock_.cycles(done_at_[i]) - 1; }
@@ -64,7 +54,6 @@ class DmaHarness {
  private:
   struct Core {
     explicit Core(DmaHarness& b) : harness(b) {}
-    const sim::Clock& clock() const { return harness.clock_; }
     sim::Time tick(sim::Time now) {
       if (sent < harness.to_send_.size() && harness.jobs_.can_push(now))
         harness.jobs_.push(now, harness.to_send_[sent++]);
@@ -79,7 +68,6 @@ class DmaHarness {
   };
   struct Memory {
     explicit Memory(DmaHarness& b) : harness(b) {}
-    const sim::Clock& clock() const { return harness.clock_; }
     sim::Time tick(sim::Time now) {
       if (now >= free_at && harness.to_memory_.can_pop(now) && harness.from_memory_.can_push(now)) {
         const MemRequest r = harness.to_memory_.pop(now);
@@ -95,14 +83,15 @@ class DmaHarness {
 
   Setup setup_;
   sim::Clock clock_{1'000'000};
-  sim::Link<DmaJob> jobs_{4, 1, clock_};
-  sim::Link<DmaDone> dones_{4, 1, clock_};
-  sim::Link<MemRequest> to_memory_;
-  sim::Link<MemResponse> from_memory_;
-  Dma dma_;
-  Core core_;
-  Memory memory_;
-  sim::Wakes wakes_{3};
+  sim::Machine machine_;
+  const sim::UnitId core_id_ = machine_.unit({"core", clock_});
+  const sim::UnitId dma_id_ = machine_.unit({"dma", clock_});
+  const sim::UnitId memory_id_ = machine_.unit({"memory", clock_});
+  sim::Link<DmaJob>& jobs_ = machine_.link<DmaJob>(4, 1, core_id_, dma_id_);
+  sim::Link<DmaDone>& dones_ = machine_.link<DmaDone>(4, 1, dma_id_, core_id_);
+  sim::Link<MemRequest>& to_memory_;
+  sim::Link<MemResponse>& from_memory_;
+  Dma& dma_;
   std::vector<DmaJob> to_send_;
   std::vector<sim::Time> done_at_;
   std::vector<std::uint32_t> tags_;

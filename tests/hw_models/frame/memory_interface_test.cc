@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/engine.h"
-#include "sim/report/unit_report.h"
+#include "sim/unit_report.h"
 #include "tests/hw_models/memory/harness.h"
 
 // The memory interface between hands that give and take records, and memories that answer in order of asking.
@@ -21,6 +21,7 @@ constexpr std::uint64_t kMemory = 40;  ///< cycles of a memory's answer on its w
 /// Gives records with ids 0, 1, 2..., one every `interval` cycles from `begin` on.
 template <class Record>
 struct Giver {
+  Giver(sim::Link<Record>& to, std::uint32_t records) : out(to), count(records) {}
   sim::Time tick(sim::Time now) {
     if (given < count && now >= next && out.can_push(now)) {
       Record record;
@@ -30,7 +31,6 @@ struct Giver {
     }
     return given == count ? sim::kNever : std::max({now + kClock.period(), next, out.push_at()});
   }
-  const sim::Clock& clock() const { return kClock; }
 
   sim::Link<Record>& out;
   std::uint32_t count = 0;
@@ -42,6 +42,7 @@ struct Giver {
 /// Takes records, one every `interval` cycles, and notes when each came.
 template <class Record>
 struct Taker {
+  explicit Taker(sim::Link<Record>& from) : in(from) {}
   sim::Time tick(sim::Time now) {
     if (now >= next && in.can_pop(now)) {
       in_order &= in.pop(now).id == taken.size();
@@ -50,7 +51,6 @@ struct Taker {
     }
     return in.pop_at() == sim::kNever ? sim::kNever : std::max({now + kClock.period(), next, in.pop_at()});
   }
-  const sim::Clock& clock() const { return kClock; }
 
   sim::Link<Record>& in;
   std::uint64_t interval = 1;
@@ -61,49 +61,27 @@ struct Taker {
 
 struct Machine {
   explicit Machine(DirectInterfaceConfig config, std::uint32_t rays, std::uint32_t hits = 0)
-      : rays_in(4, 1, kClock),
-        rays_out(4, 1, kClock),
-        hits_in(4, 1, kClock),
-        hits_out(4, 1, kClock),
-        up{sim::Link<MemRequest>(2, 1, kClock), sim::Link<MemRequest>(2, 1, kClock)},
-        down{sim::Link<MemResponse>(64, kMemory, kClock), sim::Link<MemResponse>(64, kMemory, kClock)},
-        memories{test::Echo(kClock, up[0], down[0]), test::Echo(kClock, up[1], down[1])},
-        ray_giver{rays_in, rays},
-        hit_giver{hits_in, hits},
-        ray_taker{rays_out},
-        hit_taker{hits_out},
-        unit(config, 4096, 0, {rays_in, rays_out, up[0], down[0]}, {hits_in, hits_out, up[1], down[1]}, kClock) {
-    rays_in.wakes(all.of(0), all.of(4));
-    hits_in.wakes(all.of(1), all.of(4));
-    rays_out.wakes(all.of(4), all.of(2));
-    hits_out.wakes(all.of(4), all.of(3));
-    for (std::size_t i : {0U, 1U}) {
-      up[i].wakes(all.of(4), all.of(5 + i));
-      down[i].wakes(all.of(5 + i), all.of(4));
-    }
+      : ray_giver(units.build<Giver<RayJob>>(ray_giver_id, rays_in, rays)),
+        hit_giver(units.build<Giver<RayDone>>(hit_giver_id, hits_in, hits)),
+        ray_taker(units.build<Taker<RayJob>>(ray_taker_id, rays_out)),
+        hit_taker(units.build<Taker<RayDone>>(hit_taker_id, hits_out)),
+        unit(units.build<MemoryInterface>(unit_id, config, Addr{4096}, std::uint16_t{0},
+                                          MemoryInterface::Rays::Links{rays_in, rays_out, *up[0], *down[0]},
+                                          MemoryInterface::Hits::Links{hits_in, hits_out, *up[1], *down[1]}, kClock)) {
+    for (std::size_t i : {0U, 1U}) memories[i] = &units.build<test::Echo>(memory_id[i], kClock, *up[i], *down[i]);
   }
 
-  void each_unit(auto&& f) {
-    f(ray_giver, 0);
-    f(hit_giver, 1);
-    f(ray_taker, 2);
-    f(hit_taker, 3);
-    f(unit, 4);
-    f(memories[0], 5);
-    f(memories[1], 6);
-  }
-  sim::Wakes& wakes() { return all; }
+  sim::Machine& machine() { return units; }
   bool done() const { return ray_taker.taken.size() == ray_giver.count && hit_taker.taken.size() == hit_giver.count; }
-  std::string state() const { return unit.state(); }
 
   /// Runs it in one of three ways, and says everything that must not depend on which.
   std::string run(int engine = 0) {
     const sim::Time end = engine == 0   ? sim::run<sim::Skip::kOn>(*this)
                           : engine == 1 ? sim::run<sim::Skip::kOff>(*this)
                                         : sim::run_shuffled(*this, 3);
-    unit.finish(kClock.edge_at_or_after(end + 1));
+    units.finish(end + 1);
     std::string all_of_it = std::to_string(end);
-    const sim::UnitReport report = sim::report_of(unit, "unit", "interconnect");
+    const sim::UnitReport report = sim::report_of(unit, "unit");
     EXPECT_EQ(report.elapsed, kClock.cycles(end) + 1);
     for (const auto& [why, cycles] : report.why) all_of_it += " " + why + " " + std::to_string(cycles);
     for (const sim::CounterReport& c : report.counters) all_of_it += " " + c.name + " " + std::to_string(c.value);
@@ -113,17 +91,26 @@ struct Machine {
   }
   std::uint64_t why(MemoryInterface::CycleReason w) const { return kClock.cycles(unit.activity().spent(w)); }
 
-  sim::Wakes all{7};
-  sim::Link<RayJob> rays_in, rays_out;
-  sim::Link<RayDone> hits_in, hits_out;
-  sim::Link<MemRequest> up[2];
-  sim::Link<MemResponse> down[2];
-  test::Echo memories[2];
-  Giver<RayJob> ray_giver;
-  Giver<RayDone> hit_giver;
-  Taker<RayJob> ray_taker;
-  Taker<RayDone> hit_taker;
-  MemoryInterface unit;
+  sim::UnitId declare(const char* name) { return units.unit({name, kClock}); }
+
+  sim::Machine units;
+  const sim::UnitId ray_giver_id = declare("rays"), hit_giver_id = declare("hits");
+  const sim::UnitId ray_taker_id = declare("ray taker"), hit_taker_id = declare("hit taker");
+  const sim::UnitId unit_id = declare("unit"), memory_id[2] = {declare("memory0"), declare("memory1")};
+  sim::Link<RayJob>& rays_in = units.link<RayJob>(4, 1, ray_giver_id, unit_id);
+  sim::Link<RayJob>& rays_out = units.link<RayJob>(4, 1, unit_id, ray_taker_id);
+  sim::Link<RayDone>& hits_in = units.link<RayDone>(4, 1, hit_giver_id, unit_id);
+  sim::Link<RayDone>& hits_out = units.link<RayDone>(4, 1, unit_id, hit_taker_id);
+  sim::Link<MemRequest>* up[2] = {&units.link<MemRequest>(2, 1, unit_id, memory_id[0]),
+                                  &units.link<MemRequest>(2, 1, unit_id, memory_id[1])};
+  sim::Link<MemResponse>* down[2] = {&units.link<MemResponse>(64, kMemory, memory_id[0], unit_id),
+                                     &units.link<MemResponse>(64, kMemory, memory_id[1], unit_id)};
+  Giver<RayJob>& ray_giver;
+  Giver<RayDone>& hit_giver;
+  Taker<RayJob>& ray_taker;
+  Taker<RayDone>& hit_taker;
+  MemoryInterface& unit;
+  test::Echo* memories[2] = {};
 };
 
 DirectInterfaceConfig off() {
@@ -141,21 +128,21 @@ TEST(MemoryInterface, ALoneRayIsWrittenReadBackAndHandedOn) {
   EXPECT_EQ(m.ray_taker.taken[0], 1 + kLone + 1) << "and a wire at each end";
   EXPECT_EQ(m.unit.stats().ray_writes, 1U);
   EXPECT_EQ(m.unit.stats().ray_reads, 1U);
-  EXPECT_EQ(m.memories[0].written, 64U);
+  EXPECT_EQ(m.memories[0]->written, 64U);
 }
 
 TEST(MemoryInterface, ALoneHitDoesNotWaitForAnotherToFillItsLine) {
   Machine m(off(), 0, 1);
   m.run();
   EXPECT_EQ(m.unit.stats().hit_latency, kLone);
-  EXPECT_EQ(m.memories[1].written, 32U);
+  EXPECT_EQ(m.memories[1]->written, 32U);
 }
 
 TEST(MemoryInterface, HitsThatComeTogetherShareALine) {
   Machine m(off(), 0, 400);
   m.run();
   EXPECT_LE(m.unit.stats().hit_writes, 202U) << "the first goes alone, and may the last";
-  EXPECT_EQ(m.memories[1].written, 400U * 32);
+  EXPECT_EQ(m.memories[1]->written, 400U * 32);
 }
 
 TEST(MemoryInterface, ALineOfRecordsCostsTwoRequestsAndARequestLeavesEachCycle) {
@@ -167,7 +154,7 @@ TEST(MemoryInterface, ALineOfRecordsCostsTwoRequestsAndARequestLeavesEachCycle) 
     m.run();
     const double cycles = static_cast<double>(m.ray_taker.taken[1100] - m.ray_taker.taken[100]) / 1000;
     EXPECT_NEAR(cycles, std::max(1.0, 2.0 * bytes / 64), 0.02) << bytes;
-    EXPECT_EQ(m.memories[0].written, std::uint64_t{1200} * bytes);
+    EXPECT_EQ(m.memories[0]->written, std::uint64_t{1200} * bytes);
   }
 }
 
@@ -191,7 +178,7 @@ TEST(MemoryInterface, ARingOfOneRecordIsWrittenAgainAndAgain) {
     Machine m(c, 50, 50);
     m.run();
     EXPECT_EQ(m.ray_taker.taken.size(), 50U);
-    EXPECT_EQ(m.memories[1].written, std::uint64_t{50} * bytes);
+    EXPECT_EQ(m.memories[1]->written, std::uint64_t{50} * bytes);
   }
 }
 

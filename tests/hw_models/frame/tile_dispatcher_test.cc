@@ -1,8 +1,6 @@
 #include "hw_models/frame/tile_dispatcher.h"
 
 #include <algorithm>
-#include <deque>
-#include <memory>
 #include <numeric>
 #include <vector>
 
@@ -40,34 +38,28 @@ class DispatcherHarness {
     std::vector<std::uint32_t> hold = {50, 50};  ///< cycles a tile stays, per core
     std::uint32_t tiles_per_core = 3;
   };
-  explicit DispatcherHarness(const Setup& setup) : source(setup.tiles), wakes_(1 + setup.hold.size()) {
+  explicit DispatcherHarness(const Setup& setup) : source(setup.tiles) {
+    const sim::UnitId dispatcher = machine_.unit({"dispatcher", clock_});
     TileDispatcher::Links links;
     for (std::size_t c = 0; c < setup.hold.size(); ++c) {
-      auto& in = jobs_.emplace_back(setup.tiles_per_core, 1, clock_);
-      auto& out = dones_.emplace_back(setup.tiles_per_core, setup.hold[c], clock_);
-      in.wakes(wakes_.of(0), wakes_.of(1 + c));
-      out.wakes(wakes_.of(1 + c), wakes_.of(0));
+      const sim::UnitId core = machine_.unit({"core", clock_});
+      auto& in = machine_.link<TileJob>(setup.tiles_per_core, 1, dispatcher, core);
+      auto& out = machine_.link<TileDone>(setup.tiles_per_core, setup.hold[c], core, dispatcher);
       links.to_core.push_back(&in);
       links.from_core.push_back(&out);
-      cores_.emplace_back(*this, c);
+      machine_.build<Core>(core, *this, c, in, out);
     }
-    dispatcher_ = std::make_unique<TileDispatcher>(source, setup.tiles_per_core, links, clock_);
+    dispatcher_ = &machine_.build<TileDispatcher>(dispatcher, source, setup.tiles_per_core, links, clock_);
   }
 
   template <sim::Skip kSkip = sim::Skip::kOn>
   DispatcherHarness& run() {
     end_ = clock_.after(sim::run<kSkip>(*this), 1);
-    dispatcher_->finish(end_);
+    machine_.finish(end_);
     return *this;
   }
-  template <class F>
-  void each_unit(F&& f) {
-    f(*dispatcher_, 0);
-    for (std::size_t c = 0; c < cores_.size(); ++c) f(cores_[c], 1 + c);
-  }
-  sim::Wakes& wakes() { return wakes_; }
+  sim::Machine& machine() { return machine_; }
   bool done() const { return dispatcher_->done(); }
-  std::string state() const { return dispatcher_->state(); }
 
   struct Arrival {
     std::size_t core;
@@ -93,27 +85,25 @@ class DispatcherHarness {
 
  private:
   struct Core {
-    Core(DispatcherHarness& b, std::size_t c) : harness(b), index(c) {}
-    const sim::Clock& clock() const { return harness.clock_; }
+    Core(DispatcherHarness& b, std::size_t c, sim::Link<TileJob>& jobs, sim::Link<TileDone>& dones)
+        : harness(b), index(c), in(jobs), out(dones) {}
     sim::Time tick(sim::Time now) {
-      auto& in = harness.jobs_[index];
-      if (in.can_pop(now) && harness.dones_[index].can_push(now)) {
+      if (in.can_pop(now) && out.can_push(now)) {
         const TileJob job = in.pop(now);
         harness.arrivals.push_back({index, job.work->tile, harness.clock_.cycles(now)});
-        harness.dones_[index].push(now, {job.work});
+        out.push(now, {job.work});
       }
       return harness.clock_.after(now, 1);
     }
     DispatcherHarness& harness;
     std::size_t index;
+    sim::Link<TileJob>& in;
+    sim::Link<TileDone>& out;
   };
 
   sim::Clock clock_{2'000'000};
-  std::deque<sim::Link<TileJob>> jobs_;
-  std::deque<sim::Link<TileDone>> dones_;
-  std::deque<Core> cores_;
-  std::unique_ptr<TileDispatcher> dispatcher_;
-  sim::Wakes wakes_;
+  sim::Machine machine_;
+  TileDispatcher* dispatcher_ = nullptr;
   sim::Time end_ = 0;
 };
 

@@ -9,26 +9,25 @@ struct BankHarness {
                        std::uint64_t memory = 50, Arbitration arbitration = Arbitration::kRoundRobin,
                        bool ideal = false)
       : flush(1, kFlushAt, kClock) {
+    const sim::UnitId bank = harness.unit("l2");
     L2Bank::Links links;
     for (std::size_t i = 0; i < cores; ++i) {
-      auto& up = harness.link<MemRequest>(capacity, 1, kClock, kClock);
-      auto& down = harness.link<MemResponse>(capacity, 1, kClock, kClock);
-      harness.requesters.emplace_back(kClock, up, down);
-      harness.connect(up, i, cores);
-      harness.connect(down, cores, i);
+      const sim::UnitId requester = harness.unit("requester");
+      auto& up = harness.link<MemRequest>(capacity, 1, requester, bank);
+      auto& down = harness.link<MemResponse>(capacity, 1, bank, requester);
+      harness.add_requester(requester, up, down);
       links.cores_in.push_back(&up);
       links.cores_out.push_back(&down);
     }
-    auto& up = harness.link<MemRequest>(capacity, 1, kClock, kClock);
-    auto& down = harness.link<MemResponse>(capacity, memory, kClock, kClock);
-    harness.echoes.emplace_back(kClock, up, down);
-    harness.connect(up, cores, cores + 1);
-    harness.connect(down, cores + 1, cores);
+    const sim::UnitId echo = harness.unit("memory");
+    auto& up = harness.link<MemRequest>(capacity, 1, bank, echo);
+    auto& down = harness.link<MemResponse>(capacity, memory, echo, bank);
+    harness.add_echo(echo, up, down);
     links.channels_out.push_back(&up);
     links.channels_in.push_back(&down);
     links.flush_in = &flush;
     flush.push(0, Flush{});
-    harness.banks.emplace_back(config, std::uint16_t{0}, links, Interleave(64, 1), kClock, arbitration, ideal);
+    harness.add_bank(bank, config, std::uint16_t{0}, links, Interleave(64, 1), kClock, arbitration, ideal);
   }
 
   static L2Config small() {
@@ -39,11 +38,11 @@ struct BankHarness {
     return c;
   }
 
-  Requester& core(std::size_t i) { return *std::next(harness.requesters.begin(), static_cast<long>(i)); }
-  const L2Bank::Stats& stats() { return harness.banks.front().stats(); }
-  std::uint64_t fetched() { return harness.echoes.front().requests; }
-  std::uint64_t written() { return harness.echoes.front().written; }
-  std::uint64_t why(L2Bank::CycleReason w) { return kClock.cycles(harness.banks.front().activity().spent(w)); }
+  Requester& core(std::size_t i) { return *harness.requesters[i]; }
+  const L2Bank::Stats& stats() { return harness.banks.front()->stats(); }
+  std::uint64_t fetched() { return harness.echoes.front()->requests; }
+  std::uint64_t written() { return harness.echoes.front()->written; }
+  std::uint64_t why(L2Bank::CycleReason w) { return kClock.cycles(harness.banks.front()->activity().spent(w)); }
 
   static constexpr std::uint64_t kFlushAt =
       100'000;  ///< the cycle in which the frame is over, as far as dirty lines go

@@ -22,22 +22,22 @@ struct DramHarness {
                        bool ideal = false)
       : config(c) {
     const sim::Clock clock(c.timing.ck.time);
+    const sim::UnitId unit = harness.unit("dram", clock);
     DramChannel::Links links;
     for (std::size_t i = 0; i < requesters; ++i) {
-      auto& up = harness.link<MemRequest>(capacity, 1, clock, clock);
-      auto& down = harness.link<MemResponse>(capacity, 1, clock, clock);
-      harness.requesters.emplace_back(clock, up, down);
-      harness.connect(up, i, requesters);
-      harness.connect(down, requesters, i);
+      const sim::UnitId requester = harness.unit("requester", clock);
+      auto& up = harness.link<MemRequest>(capacity, 1, requester, unit);
+      auto& down = harness.link<MemResponse>(capacity, 1, unit, requester);
+      harness.add_requester(requester, up, down);
       links.ports_in.push_back(&up);
       links.ports_out.push_back(&down);
     }
-    harness.channels.emplace_back(c, links, ideal);
+    harness.add_channel(unit, c, links, ideal);
   }
 
-  Requester& requester(std::size_t i = 0) { return *std::next(harness.requesters.begin(), static_cast<long>(i)); }
+  Requester& requester(std::size_t i = 0) { return *harness.requesters[i]; }
   std::uint64_t latency(std::size_t request) { return requester().script[request].latency(); }
-  DramChannel& channel() { return harness.channels.front(); }
+  DramChannel& channel() { return *harness.channels.front(); }
   const DramChannel::Stats& stats() { return channel().stats(); }
   std::uint64_t why(DramWhy reason) { return channel().clock().cycles(channel().activity().spent(reason)); }
   /// Returns the cycles elapsed, the last visited one included.

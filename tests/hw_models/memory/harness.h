@@ -3,10 +3,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
-#include <list>
 #include <string>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -15,7 +12,8 @@
 #include "hw_models/memory/l2_bank.h"
 #include "sim/engine.h"
 #include "sim/hash.h"
-#include "sim/report/unit_report.h"
+#include "sim/machine.h"
+#include "sim/unit_report.h"
 
 namespace hw::test {
 
@@ -114,70 +112,47 @@ enum class Mode { kSkip, kEveryEdge, kShuffled };
 /// Any number of units of each kind and the links between them.
 class Harness {
  public:
-  std::list<Requester> requesters;
-  std::list<CorePort> ports;
-  std::list<L2Bank> banks;
-  std::list<DramChannel> channels;
-  std::list<Echo> echoes;
+  std::vector<Requester*> requesters;
+  std::vector<CorePort*> ports;
+  std::vector<L2Bank*> banks;
+  std::vector<DramChannel*> channels;
+  std::vector<Echo*> echoes;
 
+  explicit Harness(std::uint64_t synchroniser = 1) : machine_(synchroniser) {}
+
+  sim::UnitId unit(std::string name, sim::Clock clock = kClock) { return machine_.unit({std::move(name), clock}); }
   template <class T>
-  sim::Link<T>& link(std::size_t capacity, std::uint64_t latency, sim::Clock from, sim::Clock to) {
-    auto& links = links_of<T>();
-    const std::uint64_t synchroniser = from == to ? 0 : 1;
-    return links.emplace_back(capacity, latency, from, to, synchroniser);
+  sim::Link<T>& link(std::size_t capacity, std::uint64_t latency, sim::UnitId from, sim::UnitId to) {
+    return machine_.link<T>(capacity, latency, from, to);
+  }
+  Requester& add_requester(sim::UnitId id, sim::Link<MemRequest>& out, sim::Link<MemResponse>& in,
+                           std::uint16_t source = 0) {
+    requesters.push_back(&machine_.build<Requester>(id, id.clock, out, in));
+    requesters.back()->source = source;
+    return *requesters.back();
+  }
+  void add_port(sim::UnitId id, auto&&... args) { ports.push_back(&machine_.build<CorePort>(id, args...)); }
+  void add_bank(sim::UnitId id, auto&&... args) { banks.push_back(&machine_.build<L2Bank>(id, args...)); }
+  void add_channel(sim::UnitId id, auto&&... args) { channels.push_back(&machine_.build<DramChannel>(id, args...)); }
+  void add_echo(sim::UnitId id, sim::Link<MemRequest>& in, sim::Link<MemResponse>& out) {
+    echoes.push_back(&machine_.build<Echo>(id, id.clock, in, out));
   }
 
-  /// Tells the links who wakes whom: indices count units in the order of each_unit.
-  template <class T>
-  void connect(sim::Link<T>& link, std::size_t producer, std::size_t consumer) {
-    hookups_.push_back([&link, producer, consumer, this] { link.wakes(wakes_.of(producer), wakes_.of(consumer)); });
-  }
-
-  void each_unit(auto&& f) {
-    std::size_t i = 0;
-    for (auto& u : requesters) f(u, i++);
-    for (auto& u : ports) f(u, i++);
-    for (auto& u : banks) f(u, i++);
-    for (auto& u : channels) f(u, i++);
-    for (auto& u : echoes) f(u, i++);
-  }
-  sim::Wakes& wakes() { return wakes_; }
+  // As the engine sees it.
+  sim::Machine& machine() { return machine_; }
   bool done() const {
-    for (const Requester& r : requesters)
-      if (!r.done()) return false;
-    for (const L2Bank& b : banks)
-      if (!b.idle()) return false;
-    for (const DramChannel& c : channels)
-      if (!c.idle()) return false;
-    return std::ranges::all_of(request_links_, [](const auto& link) { return link.empty(); });
-  }
-  std::string state() const {
-    std::string all;
-    for (const auto& u : ports) all += u.state() + "\n";
-    for (const auto& u : banks) all += u.state() + "\n";
-    for (const auto& u : channels) all += u.state() + "\n";
-    return all;
+    return std::ranges::all_of(requesters, [](const Requester* r) { return r->done(); }) && machine_.quiet();
   }
 
   sim::Time run(Mode mode = Mode::kSkip) {
-    std::size_t units = 0;
-    each_unit([&](auto&, std::size_t) { units += 1; });
-    wakes_.reset(units);
-    for (const auto& hookup : hookups_) hookup();
     const sim::Time end = mode == Mode::kSkip        ? sim::run<sim::Skip::kOn>(*this)
                           : mode == Mode::kEveryEdge ? sim::run<sim::Skip::kOff>(*this)
                                                      : sim::run_shuffled(*this, 7);
-    finish(end);
+    machine_.finish(end + 1);
     return end;
   }
 
-  std::vector<sim::UnitReport> reports() const {
-    std::vector<sim::UnitReport> all;
-    for (const auto& u : ports) all.push_back(sim::report_of(u, "port", "interconnect"));
-    for (const auto& u : banks) all.push_back(sim::report_of(u, "l2", "l2"));
-    for (const auto& u : channels) all.push_back(sim::report_of(u, "dram", "dram"));
-    return all;
-  }
+  std::vector<sim::UnitReport> reports() const { return machine_.report(); }
 
   /// Everything that must not depend on the way the engine visits the units.
   std::string everything(sim::Time end) const {
@@ -188,32 +163,13 @@ class Harness {
       for (const auto& c : r.counters) all += " " + c.name + " " + std::to_string(c.value);
       all += "\n";
     }
-    for (const Requester& r : requesters)
-      for (const auto& s : r.script) all += std::to_string(s.cycle) + "+" + std::to_string(s.latency()) + " ";
+    for (const Requester* r : requesters)
+      for (const auto& s : r->script) all += std::to_string(s.cycle) + "+" + std::to_string(s.latency()) + " ";
     return all;
   }
 
  private:
-  /// The cycle of the last visited edge belongs to every unit, whether or not the unit was visited in it.
-  void finish(sim::Time last) {
-    const auto end = [&](auto& unit) { unit.finish(unit.clock().edge_at_or_after(last + 1)); };
-    std::ranges::for_each(ports, end);
-    std::ranges::for_each(banks, end);
-    std::ranges::for_each(channels, end);
-  }
-  template <class T>
-  auto& links_of() {
-    if constexpr (std::is_same_v<T, MemRequest>) {
-      return request_links_;
-    } else {
-      return response_links_;
-    }
-  }
-
-  sim::Wakes wakes_;
-  std::vector<std::function<void()>> hookups_;
-  std::list<sim::Link<MemRequest>> request_links_;
-  std::list<sim::Link<MemResponse>> response_links_;
+  sim::Machine machine_;
 };
 
 }  // namespace hw::test

@@ -10,31 +10,30 @@ struct PortHarness {
     InterconnectConfig config;
     config.width_bytes = width;
     config.arbitration = arbitration;
+    const sim::UnitId port = harness.unit("port");
     CorePort::Links links;
     for (std::size_t i = 0; i < clients; ++i) {
-      auto& up = harness.link<MemRequest>(capacity, 1, kClock, kClock);
-      auto& down = harness.link<MemResponse>(capacity, latency, kClock, kClock);
-      harness.requesters.emplace_back(kClock, up, down).source = static_cast<std::uint16_t>(i);
-      harness.connect(up, i, clients);
-      harness.connect(down, clients, i);
+      const sim::UnitId requester = harness.unit("requester");
+      auto& up = harness.link<MemRequest>(capacity, 1, requester, port);
+      auto& down = harness.link<MemResponse>(capacity, latency, port, requester);
+      harness.add_requester(requester, up, down, static_cast<std::uint16_t>(i));
       links.clients_in.push_back(&up);
       links.clients_out.push_back(&down);
     }
     for (std::size_t i = 0; i < targets; ++i) {
-      auto& up = harness.link<MemRequest>(capacity, latency, kClock, kClock);
-      auto& down = harness.link<MemResponse>(capacity, 1, kClock, kClock);
-      harness.echoes.emplace_back(kClock, up, down);
-      harness.connect(up, clients, clients + 1 + i);
-      harness.connect(down, clients + 1 + i, clients);
+      const sim::UnitId memory = harness.unit("memory");
+      auto& up = harness.link<MemRequest>(capacity, latency, port, memory);
+      auto& down = harness.link<MemResponse>(capacity, 1, memory, port);
+      harness.add_echo(memory, up, down);
       links.targets_out.push_back(&up);
       links.targets_in.push_back(&down);
     }
-    harness.ports.emplace_back(config, links, Interleave(64, static_cast<std::uint32_t>(targets)), kClock, 64, ideal);
+    harness.add_port(port, config, links, Interleave(64, static_cast<std::uint32_t>(targets)), kClock, 64, ideal);
   }
 
-  Requester& client(std::size_t i) { return *std::next(harness.requesters.begin(), static_cast<long>(i)); }
-  const Echo& target(std::size_t i) { return *std::next(harness.echoes.begin(), static_cast<long>(i)); }
-  const CorePort& port() { return harness.ports.front(); }
+  Requester& client(std::size_t i) { return *harness.requesters[i]; }
+  const Echo& target(std::size_t i) { return *harness.echoes[i]; }
+  const CorePort& port() { return *harness.ports.front(); }
   std::uint64_t why(CorePort::CycleReason w) { return kClock.cycles(port().activity().spent(w)); }
   std::uint64_t elapsed() { return kClock.cycles(port().activity().accounted()); }
 

@@ -7,12 +7,16 @@ namespace hw::test {
 using traces::WorkNode;
 
 SrpHarness::SrpHarness(const Setup& setup, const std::vector<Kernel>& kernels)
-    : tiles_in_(setup.buffer.tiles_in_flight, 1, clock_),
-      tiles_out_(setup.buffer.tiles_in_flight, 1, clock_),
-      hits_in_(1024, setup.tni_latency, clock_),
-      memory_in_(64, setup.memory_latency, clock_),
-      dma_in_(8, setup.dma_latency, clock_),
-      world_(*this) {
+    : world_id_(machine_.unit({"world", clock_})),
+      srp_id_(machine_.unit({"srp", clock_})),
+      tiles_in_(machine_.link<TileJob>(setup.buffer.tiles_in_flight, 1, world_id_, srp_id_)),
+      tiles_out_(machine_.link<TileDone>(setup.buffer.tiles_in_flight, 1, srp_id_, world_id_)),
+      rays_out_(machine_.link<RayJob>(64, 1, srp_id_, world_id_)),
+      hits_in_(machine_.link<RayDone>(1024, setup.tni_latency, world_id_, srp_id_)),
+      memory_out_(machine_.link<MemRequest>(2, 1, srp_id_, world_id_)),
+      memory_in_(machine_.link<MemResponse>(64, setup.memory_latency, world_id_, srp_id_)),
+      dma_out_(machine_.link<DmaJob>(4, 1, srp_id_, world_id_)),
+      dma_in_(machine_.link<DmaDone>(8, setup.dma_latency, world_id_, srp_id_)) {
   layout_.attributes = 0;
   layout_.materials = 1 << 20;
   for (const Kernel& kernel : kernels) {
@@ -29,19 +33,11 @@ SrpHarness::SrpHarness(const Setup& setup, const std::vector<Kernel>& kernels)
                          .ray_interval = setup.ray_interval * clock_.period(),
                          .areas = kBases,
                          .ideal = setup.ideal};
-  srp_ = std::make_unique<Srp>(
-      setup.config, setup.buffer, frame,
+  machine_.build<World>(world_id_, *this);
+  srp_ = &machine_.build<Srp>(
+      srp_id_, setup.config, setup.buffer, frame,
       Srp::Links{tiles_in_, tiles_out_, rays_out_, hits_in_, memory_out_, memory_in_, dma_out_, dma_in_},
       std::uint16_t{0}, clock_);
-  const sim::Waker world = wakes_.of(0), srp = wakes_.of(1);
-  tiles_in_.wakes(world, srp);
-  tiles_out_.wakes(srp, world);
-  rays_out_.wakes(srp, world);
-  hits_in_.wakes(world, srp);
-  memory_out_.wakes(srp, world);
-  memory_in_.wakes(world, srp);
-  dma_out_.wakes(srp, world);
-  dma_in_.wakes(world, srp);
 }
 
 SrpHarness& SrpHarness::add(traces::TileWork work) {

@@ -2,7 +2,6 @@
 #include <array>
 #include <cstdint>
 #include <deque>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -42,19 +41,13 @@ class SrpHarness {
   template <sim::Skip kSkip = sim::Skip::kOn>
   SrpHarness& run() {
     end_ = clock_.after(sim::run<kSkip>(*this), 1);
-    srp_->finish(end_);
+    machine_.finish(end_);
     return *this;
   }
 
-  // The machine, as the engine sees it.
-  template <class F>
-  void each_unit(F&& f) {
-    f(world_, 0);
-    f(*srp_, 1);
-  }
-  sim::Wakes& wakes() { return wakes_; }
+  // As the engine sees it.
+  sim::Machine& machine() { return machine_; }
   bool done() const { return tiles_done_.size() == works_.size(); }
-  std::string state() const { return srp_->state(); }
 
   const Srp& srp() const { return *srp_; }
   /// Cycles that kernel `k` kept the array, switch and stalls included.
@@ -71,7 +64,6 @@ class SrpHarness {
   /// Everything around the shader core.
   struct World {
     explicit World(SrpHarness& b) : harness(b) {}
-    const sim::Clock& clock() const { return harness.clock_; }
     sim::Time tick(sim::Time now);
     SrpHarness& harness;
     std::size_t tiles_sent = 0;
@@ -81,17 +73,17 @@ class SrpHarness {
   traces::Layout layout_;
   std::vector<KernelSchedule> kernels_;
   std::vector<BankConflicts> conflicts_;
-  sim::Link<TileJob> tiles_in_;
-  sim::Link<TileDone> tiles_out_;
-  sim::Link<RayJob> rays_out_{64, 1, clock_};
-  sim::Link<RayDone> hits_in_;
-  sim::Link<MemRequest> memory_out_{2, 1, clock_};
-  sim::Link<MemResponse> memory_in_;
-  sim::Link<DmaJob> dma_out_{4, 1, clock_};
-  sim::Link<DmaDone> dma_in_;
-  std::unique_ptr<Srp> srp_;
-  World world_;
-  sim::Wakes wakes_{2};
+  sim::Machine machine_;
+  const sim::UnitId world_id_, srp_id_;
+  sim::Link<TileJob>& tiles_in_;
+  sim::Link<TileDone>& tiles_out_;
+  sim::Link<RayJob>& rays_out_;
+  sim::Link<RayDone>& hits_in_;
+  sim::Link<MemRequest>& memory_out_;
+  sim::Link<MemResponse>& memory_in_;
+  sim::Link<DmaJob>& dma_out_;
+  sim::Link<DmaDone>& dma_in_;
+  Srp* srp_ = nullptr;
   std::deque<traces::TileWork> works_;
   std::vector<RaySent> rays_;
   std::vector<DmaJob> transfers_;

@@ -89,7 +89,8 @@ TEST(Srp, EveryCycleHasAReasonAndTheOracleAgreesHoweverFewSlotsThereAre) {
       std::uint64_t sum = 0;
       for (std::size_t w = 0; w < static_cast<std::size_t>(Srp::CycleReason::kCount); ++w) {
         const auto why = static_cast<Srp::CycleReason>(w);
-        EXPECT_EQ(fast.spent(why), oracle.spent(why)) << names_of(why)[w] << ", slots " << slots << ", chunk " << chunk;
+        EXPECT_EQ(fast.spent(why), oracle.spent(why))
+            << Srp::kReasons[w].name << ", slots " << slots << ", chunk " << chunk;
         sum += fast.spent(why);
       }
       EXPECT_EQ(sum, fast.elapsed());

@@ -2,11 +2,9 @@
 #include <algorithm>
 #include <array>
 #include <deque>
-#include <memory>
-#include <string>
 #include <vector>
 
-#include "hw_models/tni/tni.h"
+#include "hw_models/tni/tni_core.h"
 #include "sim/engine.h"
 #include "sim/link.h"
 #include "traces/walk.h"
@@ -26,7 +24,7 @@ class TniHarness {
     std::uint32_t node_bytes = 64;
     std::uint32_t triangle_bytes = 48;
     bool hybrid = false;
-    Tni::Ideal ideal;
+    TniCore::Ideal ideal;
     std::uint32_t fifo = 64;
     std::uint32_t hit_interval = 1;
     std::uint32_t drain_every = 1;  ///< cycles from one hit taken to the next
@@ -34,32 +32,21 @@ class TniHarness {
 
   explicit TniHarness(const Setup& setup)
       : setup_(setup),
-        rays_in_(setup.fifo, 1, clock_),
-        hits_out_(setup.fifo, 1, clock_),
-        memory_(*this),
-        source_(*this) {
-    const std::uint32_t ports = setup.config.trvs + 1;
-    Tni::Links links{rays_in_, hits_out_, {}, {}};
-    for (std::uint32_t p = 0; p < ports; ++p) {
-      links.memory_out.push_back(&requests_.emplace_back(4, 1, clock_));
-      links.memory_in.push_back(&replies_.emplace_back(64, setup.memory_latency, clock_));
+        source_id_(machine_.unit({"source", clock_})),
+        memory_id_(machine_.unit({"memory", clock_})),
+        tni_(machine_, setup.config, setup.ideal, 0, clock_),
+        rays_in_(machine_.link<RayJob>(setup.fifo, 1, source_id_, tni_.dispatcher_id())),
+        hits_out_(machine_.link<RayDone>(setup.fifo, 1, tni_.dispatcher_id(), source_id_)) {
+    for (const auto& [unit, lines] : tni_.memory_clients()) {
+      ports_.push_back({machine_.link<MemRequest>(4, 1, unit, memory_id_),
+                        machine_.link<MemResponse>(64, setup.memory_latency, memory_id_, unit),
+                        static_cast<std::uint16_t>(ports_.size())});
     }
-    tni_ = std::make_unique<Tni>(setup.config, setup.ideal,
-                                 Tni::Scene{{0, setup.node_bytes, setup_.parents, setup_.single_boxes, setup.hybrid,
-                                             setup_.links, 1 << 19, setup_.placed},
-                                            {1 << 20, setup.triangle_bytes}},
-                                 setup.hit_interval, links, clock_);
-    wakes_.reset(4 + setup.config.trvs);
-    std::vector<sim::Waker> trvs;
-    for (std::uint32_t i = 0; i < setup.config.trvs; ++i) trvs.push_back(wakes_.of(4 + i));
-    tni_->wakes(wakes_.of(2), wakes_.of(3), trvs);
-    rays_in_.wakes(wakes_.of(0), wakes_.of(2));
-    hits_out_.wakes(wakes_.of(2), wakes_.of(0));
-    for (std::uint32_t p = 0; p < ports; ++p) {
-      const sim::Waker user = p < setup.config.trvs ? trvs[p] : wakes_.of(3);
-      requests_[p].wakes(user, wakes_.of(1));
-      replies_[p].wakes(wakes_.of(1), user);
-    }
+    machine_.build<Source>(source_id_, *this);
+    machine_.build<Memory>(memory_id_, *this);
+    const TreeInMemory tree{0,       setup.node_bytes, setup_.parents, setup_.single_boxes, setup.hybrid, setup_.links,
+                            1 << 19, setup_.placed};
+    tni_.build(machine_, {tree, {1 << 20, setup.triangle_bytes}}, setup.hit_interval, {rays_in_, hits_out_, ports_});
   }
 
   TniHarness& add(std::vector<std::uint32_t> walk, std::uint32_t times = 1) {
@@ -70,22 +57,12 @@ class TniHarness {
     return *this;
   }
 
-  // The machine, as the engine sees it.
-  template <class F>
-  void each_unit(F&& f) {
-    f(source_, 0);
-    f(memory_, 1);
-    f(tni_->dispatcher(), 2);
-    f(tni_->ist(), 3);
-    std::size_t i = 4;
-    for (Trv& trv : tni_->trvs()) f(trv, i++);
-  }
-  sim::Wakes& wakes() { return wakes_; }
+  // As the engine sees it.
+  sim::Machine& machine() { return machine_; }
   bool done() const {
     return arrived_.size() == to_send_.size() &&
-           std::ranges::all_of(tni_->trvs(), [](const Trv& trv) { return trv.idle(); });
+           std::ranges::all_of(tni_.trvs(), [](const Trv* trv) { return trv->idle(); });
   }
-  std::string state() const { return "harness"; }
 
   template <sim::Skip kSkip = sim::Skip::kOn>
   TniHarness& run() {
@@ -98,7 +75,7 @@ class TniHarness {
   /// Cycles from the first hit to the second.
   std::uint64_t gap() const { return clock_.cycles(arrived_at_[1] - arrived_at_[0]); }
   std::uint64_t span() const { return clock_.cycles(last_ - sent_at_.front()); }
-  const Tni& tni() const { return *tni_; }
+  const TniCore& tni() const { return tni_; }
   const std::vector<std::uint32_t>& arrived() const { return arrived_; }
   std::uint64_t lines_asked() const { return lines_asked_; }
   const sim::Clock& clock() const { return clock_; }
@@ -107,17 +84,16 @@ class TniHarness {
  private:
   struct Memory {
     explicit Memory(TniHarness& b) : harness(b) {}
-    const sim::Clock& clock() const { return harness.clock_; }
     sim::Time tick(sim::Time now) {
       const sim::Time next = harness.clock_.after(now, 1);
       sim::Time at = sim::kNever;
-      for (std::size_t p = 0; p < harness.requests_.size(); ++p) {
-        if (harness.requests_[p].can_pop(now) && harness.replies_[p].can_push(now)) {
-          const MemRequest r = harness.requests_[p].pop(now);
-          harness.replies_[p].push(now, MemResponse{r.line, r.source, r.tag});
+      for (const MemoryPort& port : harness.ports_) {
+        if (port.requests.can_pop(now) && port.responses.can_push(now)) {
+          const MemRequest r = port.requests.pop(now);
+          port.responses.push(now, MemResponse{r.line, r.source, r.tag});
           harness.lines_asked_ += 1;
         }
-        at = std::min(at, std::max({next, harness.requests_[p].pop_at(), harness.replies_[p].push_at()}));
+        at = std::min(at, std::max({next, port.requests.pop_at(), port.responses.push_at()}));
       }
       return at;
     }
@@ -125,7 +101,6 @@ class TniHarness {
   };
   struct Source {
     explicit Source(TniHarness& b) : harness(b) {}
-    const sim::Clock& clock() const { return harness.clock_; }
     sim::Time tick(sim::Time now) {
       TniHarness& b = harness;
       if (b.sent_ < b.to_send_.size() && b.rays_in_.can_push(now)) {
@@ -150,22 +125,18 @@ class TniHarness {
 
   TniHarness& end(sim::Time last) {
     end_ = clock_.after(last, 1);
-    tni_->dispatcher().finish(end_);
-    tni_->ist().finish(end_);
-    for (Trv& trv : tni_->trvs()) trv.finish(end_);
+    machine_.finish(end_);
     return *this;
   }
 
   Setup setup_;
   sim::Clock clock_{2'000'000};
-  sim::Link<RayJob> rays_in_;
-  sim::Link<RayDone> hits_out_;
-  std::deque<sim::Link<MemRequest>> requests_;
-  std::deque<sim::Link<MemResponse>> replies_;
-  std::unique_ptr<Tni> tni_;
-  Memory memory_;
-  Source source_;
-  sim::Wakes wakes_;
+  sim::Machine machine_;
+  const sim::UnitId source_id_, memory_id_;
+  TniCore tni_;
+  sim::Link<RayJob>& rays_in_;
+  sim::Link<RayDone>& hits_out_;
+  std::vector<MemoryPort> ports_;
   std::deque<std::vector<std::uint32_t>> walks_;
   std::vector<RayJob> to_send_;
   std::size_t sent_ = 0;
@@ -182,7 +153,7 @@ inline TniHarness::Setup one_trv() {
   return s;
 }
 
-inline const Trv& trv(const TniHarness& harness) { return harness.tni().trvs().front(); }
+inline const Trv& trv(const TniHarness& harness) { return *harness.tni().trvs().front(); }
 
 /// Cycles from the FIFO to the FIFO: one wire to the TRV, one back to the dispatcher, one into the hit FIFO.
 inline constexpr std::uint64_t kWires = 3;

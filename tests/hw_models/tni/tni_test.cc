@@ -54,7 +54,7 @@ TEST(Tni, AFullPipeTakesOneVisitACycle) {
   setup.memory_latency = 1;
   TniHarness harness(setup);
   harness.add(straight(20), 2000).run();
-  const Trv& trv = harness.tni().trvs().front();
+  const Trv& trv = *harness.tni().trvs().front();
   EXPECT_EQ(trv.stats().visits, 40000U);
   EXPECT_GE(harness.span(), 40000U);
   EXPECT_LE(harness.span(), 40000U + 400);
@@ -118,7 +118,7 @@ TEST(Tni, AShortStackRestartsFromItsLinkAndVisitsThePathAgain) {
   setup.config.trv.stack_entries = 2;
   TniHarness harness(setup);
   harness.add(walk).run();
-  const Trv::Stats& s = harness.tni().trvs().front().stats();
+  const Trv::Stats& s = harness.tni().trvs().front()->stats();
   // Pops of nodes 3 and 2 are served; entries of 0 and 1 were dropped: from 0 down to 1 again, both held then.
   EXPECT_EQ(s.restarts, 1U);
   EXPECT_EQ(s.restarted_visits, 2U);
@@ -128,8 +128,8 @@ TEST(Tni, AShortStackRestartsFromItsLinkAndVisitsThePathAgain) {
   setup.config.trv.stack = StackScheme::kFull;
   TniHarness full(setup);
   full.add(walk).run();
-  EXPECT_EQ(full.tni().trvs().front().stats().visits, 9U);
-  EXPECT_EQ(full.tni().trvs().front().stats().restarts, 0U);
+  EXPECT_EQ(full.tni().trvs().front()->stats().visits, 9U);
+  EXPECT_EQ(full.tni().trvs().front()->stats().restarts, 0U);
 }
 
 /// A record for each box, those of a node's children side by side here and there.
@@ -157,7 +157,7 @@ Fingerprint fingerprint(const TniHarness& harness) {
   f.values.push_back(harness.end_time());
   append(f, harness.tni().dispatcher());
   append(f, harness.tni().ist());
-  for (const Trv& trv : harness.tni().trvs()) append(f, trv);
+  for (const Trv* trv : harness.tni().trvs()) append(f, *trv);
   return f;
 }
 
@@ -198,8 +198,8 @@ TEST(Tni, WhatEntersLeavesAndEveryCycleHasAReason) {
     EXPECT_EQ(ist.l1_hits + ist.l1_misses, ist.l1_accesses);
     EXPECT_EQ(harness.tni().ist().activity().accounted(), harness.end_time());
     std::uint64_t leaves = 0, fills = ist.l1_fills;
-    for (const Trv& trv : harness.tni().trvs()) {
-      const Trv::Stats& s = trv.stats();
+    for (const Trv* trv : harness.tni().trvs()) {
+      const Trv::Stats& s = trv->stats();
       EXPECT_EQ(s.rays_in, s.rays_out);
       EXPECT_EQ(s.l1_hits + s.l1_misses, s.l1_accesses);
       const bool one = setup.config.trv.box_testers == 1;
@@ -210,10 +210,10 @@ TEST(Tni, WhatEntersLeavesAndEveryCycleHasAReason) {
       EXPECT_EQ(setup.hybrid ? s.box_tests : s.hybrid_box_tests, 0U);
       EXPECT_EQ(s.pushes, s.pops + s.dropped);
       EXPECT_EQ(s.rau_writes, s.rau_reads);
-      EXPECT_EQ(trv.activity().accounted(), harness.end_time());
+      EXPECT_EQ(trv->activity().accounted(), harness.end_time());
       sim::Time sum = 0;
       for (std::size_t w = 0; w < static_cast<std::size_t>(Trv::CycleReason::kCount); ++w) {
-        sum += trv.activity().spent(static_cast<Trv::CycleReason>(w));
+        sum += trv->activity().spent(static_cast<Trv::CycleReason>(w));
       }
       EXPECT_EQ(sum, harness.end_time());
       leaves += s.leaves;

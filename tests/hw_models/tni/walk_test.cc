@@ -208,7 +208,7 @@ TEST(Dispatch, RoundRobinGivesEachTraversalUnitItsTurnAndPassesOverFullOnes) {
     TniHarness harness(setup);
     harness.add(long_walk).add(kTwoDown, 8).run();
     std::vector<std::uint64_t> rays;
-    for (const Trv& unit : harness.tni().trvs()) rays.push_back(unit.stats().rays_in);
+    for (const Trv* unit : harness.tni().trvs()) rays.push_back(unit->stats().rays_in);
     return rays;
   };
   EXPECT_EQ(shares(), (std::vector<std::uint64_t>{3, 3, 3}));

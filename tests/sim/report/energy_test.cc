@@ -78,7 +78,10 @@ TEST(Energy, LogicIsLookedUpByKindOfUnitThenByBlock) {
 }
 
 TEST(Energy, TheClockOfIdleAndStarvedCyclesRunsOn) {
+  constexpr std::array reasons = {idle("idle", ""), working("testing", ""), idle("starved", ""),
+                                  waiting("output_full", "")};
   UnitReport u = unit("core0.tni", "tni", {});
+  u.reasons = reasons;
   u.why = {{"idle", 100}, {"testing", 1000}, {"starved", 50}, {"output_full", 7}};
   expect_near(compute_energy(std::vector{u}, config(), {}, 0).kinds.clock, {15, 30, 75});
 }

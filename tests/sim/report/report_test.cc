@@ -7,14 +7,21 @@
 #include "sim/named.h"
 #include "sim/report/report_json.h"
 #include "sim/report/table.h"
-#include "sim/report/unit_report.h"
+#include "sim/unit_report.h"
 
 namespace sim::test {
 namespace {
 
+enum class Block : std::uint8_t { kL2, kTni };
+constexpr std::array<std::string_view, 2> names_of(Block) { return {"l2", "tni"}; }
+
 /// A unit that has worked for three cycles and waited for seven.
 struct Worker {
+  static constexpr Block kBlock = Block::kTni;
   enum class CycleReason : std::uint8_t { kIdle, kWorking, kCount };
+  static constexpr auto kReasons =
+      reasons<CycleReason>({{CycleReason::kIdle, idle("idle", "nothing to do")},
+                            {CycleReason::kWorking, working("working", "a job is under way")}});
   struct Stats {
     std::uint64_t jobs = 3;
     static void describe(auto& s, auto&& counter) {
@@ -34,10 +41,10 @@ struct Worker {
   Stats counted;
   Activity<CycleReason> work;
 };
-constexpr std::array<std::string_view, 2> names_of(Worker::CycleReason) { return {"idle", "working"}; }
 
 TEST(UnitReport, HoldsWhatTheUnitDeclares) {
-  const UnitReport r = report_of(Worker(), "core0.worker1", "tni", 4096, 1024);
+  const UnitReport r = report_of(Worker(), "core0.worker1", 4096, 1024);
+  EXPECT_EQ(r.block, "tni");
   EXPECT_EQ(r.elapsed, 10U);
   EXPECT_EQ(r.why, (std::vector<std::pair<std::string, std::uint64_t>>{{"idle", 7}, {"working", 3}}));
   ASSERT_EQ(r.counters.size(), 2U);
@@ -45,12 +52,12 @@ TEST(UnitReport, HoldsWhatTheUnitDeclares) {
   EXPECT_EQ(r.counters[1].event, "");
   EXPECT_EQ(r.clock_mhz, 500U);
   EXPECT_EQ(r.cache_bytes, 1024U);
-  EXPECT_EQ(report_of(Worker(), "w", "tni", 4096).cache_bytes, 4096U);
+  EXPECT_EQ(report_of(Worker(), "w", 4096).cache_bytes, 4096U);
 }
 
 TEST(ReportJson, FollowsThePathsOfTheUnits) {
-  const std::vector<UnitReport> units = {report_of(Worker(), "core0.tni.trv0", "tni"),
-                                         report_of(Worker(), "core0.tni", "tni"), report_of(Worker(), "l2", "l2")};
+  const std::vector<UnitReport> units = {report_of(Worker(), "core0.tni.trv0"), report_of(Worker(), "core0.tni"),
+                                         report_of(Worker(), "l2")};
   const auto json = units_json(units);
   EXPECT_EQ(json.at("core0").at("tni").at("trv0").at("why").at("working"), 3);
   EXPECT_EQ(json.at("core0").at("tni").at("elapsed"), 10);

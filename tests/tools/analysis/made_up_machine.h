@@ -10,7 +10,7 @@
 #include "hw_models/srp/srp.h"
 #include "hw_models/tni/ist.h"
 #include "hw_models/tni/trv.h"
-#include "sim/report/unit_report.h"
+#include "sim/unit_report.h"
 
 namespace test {
 
@@ -39,9 +39,11 @@ struct MadeUpMachine {
     report.elapsed = 100;
     report.clock_mhz = 1000;
     report.type = typeid(Unit);
-    for (const std::string_view name : names_of(typename Unit::CycleReason{}))
-      report.why.emplace_back(name, why[std::string(name)]);
-    Unit::Stats::describe(typename Unit::Stats{}, [&](std::uint64_t, const char* name, auto&&...) {
+    report.reasons = Unit::kReasons;
+    for (const sim::Reason& reason : report.reasons)
+      report.why.emplace_back(reason.name, why[std::string(reason.name)]);
+    const typename Unit::Stats stats{};
+    Unit::Stats::describe(stats, [&](std::uint64_t, const char* name, auto&&...) {
       report.counters.push_back({name, "", counters[name], ""});
     });
     return report;

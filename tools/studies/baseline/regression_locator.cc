@@ -1,32 +1,17 @@
 #include "tools/studies/baseline/regression_locator.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <set>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "hw_models/machines/unit_kinds.h"
+
 namespace tools {
 
 namespace {
-
-constexpr std::array<std::string_view, 18> kWork = {
-    "visiting", "pipe", "serial",  "testing", "dispatching", "running", "switching",  "banks",       "moving",
-    "request",  "line", "serving", "lookup",  "reading",     "writing", "turnaround", "command_bus", "activate"};
-constexpr std::array<std::string_view, 5> kDramWork = {"latency", "row_conflict", "column", "rank_switch",
-                                                       "power_down_exit"};
-constexpr std::array<std::string_view, 15> kWaiting = {
-    "l1_miss",  "mshr_full",  "ist",         "output_full", "rau_full", "trvs_full",   "cores_full",  "waiting",
-    "no_slots", "cache_miss", "target_full", "client_full", "memory",   "memory_full", "returns_full"};
-constexpr std::string_view kPortFull = "port_full";  // of memory_interface
-constexpr std::array<std::string_view, 4> kBackground = {"idle", "starved", "in_use", "refresh"};
-
-/// From the memory up: what waits for it comes behind.
-constexpr std::array<std::string_view, 12> kUnits = {
-    "dram.channel", "l2.bank",      "core.cache_port",     "core.dma_port",    "core.dma", "core.memory_interface",
-    "core.tni.ist", "core.tni.trv", "core.tni.dispatcher", "core.tile_buffer", "core.srp", "tile_dispatcher"};
 
 double value(const Values& values, const std::string& path) {
   const auto found = values.find(path);
@@ -43,14 +28,14 @@ double scale(const Values& values, std::string_view unit) {
 struct Move {
   std::string_view unit;
   std::string reason;
-  Reason kind;
+  sim::ReasonKind kind;
   double was = 0, is = 0;  ///< T&I cycles of an average unit
   double difference() const { return is - was; }
 };
 
 std::vector<Move> all_moves(const Values& was, const Values& is) {
   std::vector<Move> out;
-  for (const std::string_view unit : kUnits) {
+  for (const auto& [unit, declared] : hw::kUnitKinds) {
     const std::string prefix = fmt::format("units.{}.why.", unit);
     std::set<std::string> reasons;
     for (const Values* values : {&was, &is}) {
@@ -59,7 +44,7 @@ std::vector<Move> all_moves(const Values& was, const Values& is) {
       }
     }
     for (const std::string& reason : reasons) {
-      out.push_back({unit, reason, kind_of_reason(reason).value_or(Reason::kWaiting),
+      out.push_back({unit, reason, kind_of_reason(unit, reason).value_or(sim::ReasonKind::kWaiting),
                      value(was, prefix + reason) * scale(was, unit), value(is, prefix + reason) * scale(is, unit)});
     }
   }
@@ -107,7 +92,7 @@ struct Own {
 std::vector<Own> own_work(const std::vector<Move>& moves) {
   std::vector<Own> out;
   for (const Move& move : moves) {
-    if (move.kind != Reason::kWork || move.difference() == 0) continue;
+    if (move.kind != sim::ReasonKind::kWorking || move.difference() == 0) continue;
     if (out.empty() || out.back().unit != move.unit) out.push_back({move.unit, 0, &move});
     Own& own = out.back();
     own.difference += move.difference();
@@ -118,12 +103,12 @@ std::vector<Own> own_work(const std::vector<Move>& moves) {
 
 }  // namespace
 
-std::optional<Reason> kind_of_reason(std::string_view name) {
-  const auto in = [&](const auto& names) { return std::ranges::find(names, name) != names.end(); };
-  if (in(kWork) || in(kDramWork)) return Reason::kWork;
-  if (in(kWaiting) || name == kPortFull) return Reason::kWaiting;
-  if (in(kBackground)) return Reason::kBackground;
-  return {};
+std::optional<sim::ReasonKind> kind_of_reason(std::string_view unit, std::string_view reason) {
+  const auto kind = std::ranges::find(hw::kUnitKinds, unit, &hw::UnitKind::name);
+  if (kind == hw::kUnitKinds.end()) return {};
+  const auto declared = std::ranges::find(kind->reasons, reason, &sim::Reason::name);
+  if (declared == kind->reasons.end()) return {};
+  return declared->kind;
 }
 
 std::optional<LocatedRegression> locate_regression(const Values& was, const Values& is) {
@@ -151,10 +136,10 @@ std::optional<LocatedRegression> locate_regression(const Values& was, const Valu
   }
   double waited = 0;
   for (const Move& move : moves) {
-    if (move.kind == Reason::kWaiting) waited = std::max(waited, std::abs(move.difference()));
+    if (move.kind == sim::ReasonKind::kWaiting) waited = std::max(waited, std::abs(move.difference()));
   }
   for (const Move& move : moves) {
-    if (move.kind != Reason::kWaiting || waited == 0 || std::abs(move.difference()) < waited / 2) continue;
+    if (move.kind != sim::ReasonKind::kWaiting || waited == 0 || std::abs(move.difference()) < waited / 2) continue;
     return LocatedRegression{std::string(move.unit), moved_text(was, is, move.unit, move.reason),
                              waited / (waited + all)};
   }

@@ -3,18 +3,13 @@
 #include <string>
 #include <string_view>
 
+#include "sim/activity.h"
 #include "tools/studies/baseline/stored.h"
 
 namespace tools {
 
-/// What a unit's cycle went to, as far as blame goes.
-enum class Reason : std::uint8_t {
-  kWork,        ///< its own doing: work, or the time that its own pipelines take
-  kWaiting,     ///< for another unit
-  kBackground,  ///< nothing to do, or what time alone brings
-};
-/// Nothing for a reason that no unit has.
-std::optional<Reason> kind_of_reason(std::string_view name);
+/// What a kind of units ("core.tni.trv") declares of a reason; nothing for one that it has not.
+std::optional<sim::ReasonKind> kind_of_reason(std::string_view unit, std::string_view reason);
 
 /// The unit that is most likely to have changed, by what two runs of equal work say.
 struct LocatedRegression {

@@ -30,11 +30,11 @@ double measured_gbps(const hw::GpuConfig& config, bool random) {
   MemorySide side(config);
   const auto readers = static_cast<std::uint32_t>(side.readers().size());
   for (std::uint32_t i = 0; i < kLines / readers * readers; ++i)
-    side.readers()[i % readers].read((random ? scattered(i) : i) * config.l2.cache.line.bytes);
+    side.readers()[i % readers]->read((random ? scattered(i) : i) * config.l2.cache.line.bytes);
   side.run();
   std::vector<sim::Time> moments;
-  for (const Reader& reader : side.readers()) {
-    for (const Reader::Read& read : reader.reads()) moments.push_back(read.there);
+  for (const Reader* reader : side.readers()) {
+    for (const Reader::Read& read : reader->reads()) moments.push_back(read.there);
   }
   return steady_rate(moments) * static_cast<double>(config.l2.cache.line.bytes) / 1e9;
 }

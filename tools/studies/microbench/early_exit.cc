@@ -26,34 +26,30 @@ class IstStand {
  public:
   IstStand(const RunConfig& config, const Leaf& leaf, std::uint32_t leaves)
       : clock_(config.gpu.clocks.tni.clock()),
-        jobs_(2, 1, clock_),
-        answers_(64, 1, clock_),
-        requests_(1, 1, clock_),
-        lines_(1, 1, clock_),
-        source_(*this, leaf, leaves),
-        ist_(config.gpu.tni.ist, {.rau = {}, .ideal_l1 = true}, {0, config.bvh.triangle_bytes},
-             {{&jobs_}, {&answers_}, requests_, lines_}, 0, clock_) {
-    wakes_.reset(2);
-    jobs_.wakes(wakes_.of(0), wakes_.of(1));
-    answers_.wakes(wakes_.of(1), wakes_.of(0));
-    const sim::Time last = sim::run(*this);
-    ist_.finish(clock_.after(last, 1));
+        source_id_(machine_.unit({"leaves", clock_})),
+        ist_id_(machine_.unit({.name = hw::name_in_core(hw::Ist::kName, 0),
+                               .clock = clock_,
+                               .sram_bytes = config.gpu.tni.ist_sram_bytes(),
+                               .cache_bytes = config.gpu.tni.ist.l1.size.bytes})),
+        jobs_(machine_.link<hw::LeafJob>(2, 1, source_id_, ist_id_)),
+        answers_(machine_.link<hw::LeafDone>(64, 1, ist_id_, source_id_)),
+        source_(machine_.build<Source>(source_id_, *this, leaf, leaves)) {
+    const hw::Ist::Links links{{&jobs_},
+                               {&answers_},
+                               machine_.link<hw::MemRequest>(1, 1, ist_id_, ist_id_),
+                               machine_.link<hw::MemResponse>(1, 1, ist_id_, ist_id_)};
+    machine_.build<hw::Ist>(ist_id_, config.gpu.tni.ist, hw::TniMode{.rau = {}, .ideal_l1 = true},
+                            hw::TrianglesInMemory{0, config.bvh.triangle_bytes}, links, std::uint16_t{0}, clock_);
+    machine_.finish(clock_.after(sim::run(*this), 1));
   }
 
   const std::vector<sim::Time>& answered() const { return source_.answered; }
   const sim::Clock& clock() const { return clock_; }
-  sim::UnitReport report(const hw::TniConfig& tni) const {
-    return sim::report_of(ist_, "core0.tni.ist", "tni", tni.ist_sram_bytes(), tni.ist.l1.size.bytes);
-  }
+  sim::UnitReport report() const { return machine_.report().front(); }
 
-  // The machine, as the engine sees it.
-  void each_unit(auto&& f) {
-    f(source_, 0);
-    f(ist_, 1);
-  }
-  sim::Wakes& wakes() { return wakes_; }
+  // As the engine sees it.
+  sim::Machine& machine() { return machine_; }
   bool done() const { return source_.answered.size() == source_.leaves; }
-  std::string state() const { return ist_.state() + "\n"; }
 
  private:
   struct Source {
@@ -85,13 +81,11 @@ class IstStand {
   };
 
   const sim::Clock clock_;
-  sim::Link<hw::LeafJob> jobs_;
-  sim::Link<hw::LeafDone> answers_;
-  sim::Link<hw::MemRequest> requests_;
-  sim::Link<hw::MemResponse> lines_;
-  Source source_;
-  hw::Ist ist_;
-  sim::Wakes wakes_;
+  sim::Machine machine_;
+  const sim::UnitId source_id_, ist_id_;
+  sim::Link<hw::LeafJob>& jobs_;
+  sim::Link<hw::LeafDone>& answers_;
+  Source& source_;
 };
 
 /// pJ of all that a unit has counted.
@@ -134,7 +128,7 @@ void add_exits(const RunConfig& config, Findings& found) {
     found.figures.push_back(
         {name("leaves of 4 tests"), "tests/cycle", 4 * leaves, 4 * bound.value, bound.holds(), std::string(bound.by)});
 
-    const sim::UnitReport unit = IstStand(config, one, kLeaves).report(config.gpu.tni);
+    const sim::UnitReport unit = IstStand(config, one, kLeaves).report();
     found.figures.push_back({name("energy of a test"), "pJ", counted_pj(unit, table) / kLeaves,
                              leaf_pj(kExits[i], unit.cache_bytes, table)});
   }

@@ -22,32 +22,28 @@ std::vector<Place> caches(const hw::GpuConfig& config) {
   return all;
 }
 
-std::vector<hw::MemoryNet::Client> clients(const hw::GpuConfig& config) {
-  std::vector<hw::MemoryNet::Client> all;
-  for (const auto& [clock, cache] : caches(config)) all.push_back({clock, cache.mshrs});
-  return all;
-}
-
 }  // namespace
 
 MemorySide::MemorySide(const hw::GpuConfig& config)
     : clients_(config.tni.trvs + 2),
-      wakes_(std::size_t{config.cores} * clients_ + hw::MemoryNet::units(config)),
-      net_(config, clients(config), wakes_, std::size_t{config.cores} * clients_,
-           [this](std::uint32_t core, std::uint32_t client) { return wakes_.of(core * clients_ + client); }) {
-  const std::vector<Place> places = caches(config);
+      machine_(config.clocks.synchroniser),
+      memory_(machine_, config, hw::MemorySystem::Dma::kNo) {
   for (std::uint32_t core = 0; core < config.cores; ++core) {
-    for (std::uint32_t c = 0; c < clients_; ++c) {
-      readers_.emplace_back(places[c].clock, places[c].cache, static_cast<std::uint16_t>(c), net_.requests(core, c),
-                            net_.responses(core, c));
+    memory_.declare_ports();
+    for (const auto& [clock, cache] : caches(config)) {
+      const sim::UnitId unit = machine_.unit({hw::name_in_core("core.reader", core), clock, core + 1});
+      const hw::MemoryPort port = memory_.cache_client(core, {unit, cache.mshrs});
+      readers_.push_back(&machine_.build<Reader>(unit, clock, cache, port.client, port.requests, port.responses));
     }
+    memory_.build_ports(core);
   }
+  memory_.build_banks_and_channels();
 }
 
 void MemorySide::run() { sim::run(*this); }
 
 bool MemorySide::done() const {
-  return std::ranges::all_of(readers_, [](const Reader& reader) { return reader.done(); });
+  return std::ranges::all_of(readers_, [](const Reader* reader) { return reader->done(); });
 }
 
 }  // namespace tools

@@ -1,9 +1,9 @@
-#include <deque>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "hw_models/machines/ray_source.h"
-#include "hw_models/tni/tni.h"
+#include "hw_models/tni/tni_core.h"
 #include "sim/engine.h"
 #include "tools/studies/microbench/benchmark.h"
 #include "tools/studies/microbench/tni_forms.h"
@@ -27,19 +27,19 @@ struct EqualRays {
 class TniStand {
  public:
   TniStand(const hw::GpuConfig& config, std::uint32_t triangle_bytes, const StraightRay& ray)
-      : clock_(config.clocks.tni.clock()),
-        equal_{ray.walk()},
-        rays_(config.direct_interface.depth, 1, clock_),
-        hits_(config.direct_interface.depth, 1, clock_),
-        source_(clock_, config.direct_interface.interval, equal_, rays_, hits_),
-        tni_(config.tni, {.l1 = true}, {{}, {0, triangle_bytes}}, config.direct_interface.interval,
-             memory_links(config.tni.trvs + 1), clock_) {
-    wakes_.reset(3 + config.tni.trvs);
-    std::vector<sim::Waker> trvs;
-    for (std::uint32_t t = 0; t < config.tni.trvs; ++t) trvs.push_back(wakes_.of(3 + t));
-    tni_.wakes(wakes_.of(1), wakes_.of(2), trvs);
-    rays_.wakes(wakes_.of(0), wakes_.of(1));
-    hits_.wakes(wakes_.of(1), wakes_.of(0));
+      : clock_(config.clocks.tni.clock()), equal_{ray.walk()} {
+    const hw::DirectInterfaceConfig& direct = config.direct_interface;
+    const sim::UnitId source = machine_.unit({"rays", clock_});
+    hw::TniCore tni(machine_, config.tni, {.l1 = true}, 0, clock_);
+    auto& rays = machine_.link<hw::RayJob>(direct.depth, 1, source, tni.dispatcher_id());
+    auto& hits = machine_.link<hw::RayDone>(direct.depth, 1, tni.dispatcher_id(), source);
+    std::vector<hw::MemoryPort> memory;  // nothing ever goes there
+    for (const auto& [unit, lines] : tni.memory_clients()) {
+      memory.push_back(
+          {machine_.link<hw::MemRequest>(1, 1, unit, unit), machine_.link<hw::MemResponse>(1, 1, unit, unit)});
+    }
+    source_ = &machine_.build<hw::RaySource<EqualRays>>(source, clock_, direct.interval, equal_, rays, hits);
+    tni.build(machine_, {{}, {0, triangle_bytes}}, direct.interval, {rays, hits, memory});
   }
 
   /// Rays a cycle once the unit is full.
@@ -49,38 +49,15 @@ class TniStand {
            static_cast<double>(sim::kFemtosecondsPerSecond);
   }
 
-  // The machine, as the engine sees it.
-  void each_unit(auto&& f) {
-    f(source_, 0);
-    f(tni_.dispatcher(), 1);
-    f(tni_.ist(), 2);
-    std::size_t i = 3;
-    for (hw::Trv& trv : tni_.trvs()) f(trv, i++);
-  }
-  sim::Wakes& wakes() { return wakes_; }
-  bool done() const { return source_.done(); }
-  std::string state() const { return tni_.dispatcher().state() + "\n"; }
+  // As the engine sees it.
+  sim::Machine& machine() { return machine_; }
+  bool done() const { return source_->done(); }
 
  private:
-  /// Nothing ever goes over these.
-  hw::Tni::Links memory_links(std::uint32_t ports) {
-    hw::Tni::Links links{rays_, hits_, {}, {}};
-    for (std::uint32_t p = 0; p < ports; ++p) {
-      links.memory_out.push_back(&requests_.emplace_back(1, 1, clock_));
-      links.memory_in.push_back(&lines_.emplace_back(1, 1, clock_));
-    }
-    return links;
-  }
-
   const sim::Clock clock_;
   EqualRays equal_;
-  sim::Link<hw::RayJob> rays_;
-  sim::Link<hw::RayDone> hits_;
-  std::deque<sim::Link<hw::MemRequest>> requests_;
-  std::deque<sim::Link<hw::MemResponse>> lines_;
-  hw::RaySource<EqualRays> source_;
-  hw::Tni tni_;
-  sim::Wakes wakes_;
+  sim::Machine machine_;
+  hw::RaySource<EqualRays>* source_ = nullptr;
 };
 
 Findings measure(const RunConfig& machine) {

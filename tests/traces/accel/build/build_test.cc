@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/error.h"
-#include "support.h"
+#include "tests/traces/accel/support.h"
 #include "traces/accel/bvh_info.h"
 #include "traces/walk.h"
 

@@ -12,7 +12,7 @@
 
 #include "sim/config/config.h"
 #include "sim/error.h"
-#include "support.h"
+#include "tests/traces/accel/support.h"
 #include "traces/accel/build.h"
 #include "traces/accel/bvh_info.h"
 #include "traces/accel/bvh_tracer.h"

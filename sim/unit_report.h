@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <span>
 #include <string>
 #include <typeindex>
 #include <utility>
@@ -24,10 +25,11 @@ struct CounterReport {
 
 /// What one unit did: the leaf of every report. Plain data, so that reports, energy and comparisons need no unit types.
 struct UnitReport {
-  std::string path;           ///< "core0.tni.trv2"
-  std::string block;          ///< energy block: tni, srp, l2, tile_buffer, dma, interconnect, dram
-  std::uint64_t elapsed = 0;  ///< cycles of the unit's own clock
+  std::string path;                                        ///< "core0.tni.trv2"
+  std::string block;                                       ///< energy block
+  std::uint64_t elapsed = 0;                               ///< cycles of the unit's own clock
   std::vector<std::pair<std::string, std::uint64_t>> why;  ///< sums to `elapsed`
+  std::span<const Reason> reasons;                         ///< as declared, one for each of `why`
   std::vector<CounterReport> counters;
   std::uint64_t sram_bytes = 0;   ///< storage that leaks
   std::uint64_t cache_bytes = 0;  ///< the array whose accesses are counted: selects size-dependent energies
@@ -38,24 +40,22 @@ struct UnitReport {
 /// Adds what the same units did at another time.
 void add_reports(std::vector<UnitReport>& sum, const std::vector<UnitReport>& more);
 
-/// Builds the report of a unit from its declarations: Stats::describe and names_of(CycleReason). Without `cache_bytes`,
-/// all of the unit's storage is taken for the array that its counters access.
+/// Builds the report of a unit from its declarations: kBlock, kReasons, Stats::describe. Without `cache_bytes`, all of
+/// the unit's storage is taken for the array that its counters access.
 template <class Unit>
-UnitReport report_of(const Unit& unit, std::string path, std::string block, std::uint64_t sram_bytes = 0,
-                     std::uint64_t cache_bytes = 0) {
+UnitReport report_of(const Unit& unit, std::string path, std::uint64_t sram_bytes = 0, std::uint64_t cache_bytes = 0) {
   UnitReport r;
   r.type = typeid(Unit);
   r.path = std::move(path);
-  r.block = std::move(block);
+  r.block = names_of(Unit::kBlock)[static_cast<std::size_t>(Unit::kBlock)];
+  r.reasons = Unit::kReasons;
   r.sram_bytes = sram_bytes;
   r.cache_bytes = cache_bytes != 0 ? cache_bytes : sram_bytes;
   const Clock clock = unit.clock();
   r.clock_mhz = static_cast<std::uint32_t>(kFemtosecondsPerSecond / clock.period() / 1'000'000);
-  using CycleReason = typename Unit::CycleReason;
-  const auto names = names_of(CycleReason{});
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    const std::uint64_t cycles = clock.cycles(unit.activity().spent(static_cast<CycleReason>(i)));
-    r.why.emplace_back(std::string(names[i]), cycles);
+  for (std::size_t i = 0; i < r.reasons.size(); ++i) {
+    const std::uint64_t cycles = clock.cycles(unit.activity().spent(static_cast<typename Unit::CycleReason>(i)));
+    r.why.emplace_back(r.reasons[i].name, cycles);
     r.elapsed += cycles;
   }
   using Stats = typename Unit::Stats;

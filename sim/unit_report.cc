@@ -1,4 +1,4 @@
-#include "sim/report/unit_report.h"
+#include "sim/unit_report.h"
 
 #include <algorithm>
 #include <cassert>

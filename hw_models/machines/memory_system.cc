@@ -1,0 +1,128 @@
+#include "hw_models/machines/memory_system.h"
+
+#include <string>
+
+namespace hw {
+
+namespace {
+
+constexpr std::uint32_t kIdealDepth = 256;  // of the links of an ideal interconnect: more than is under way at once
+
+}  // namespace
+
+MemorySystem::MemorySystem(sim::Machine& machine, const GpuConfig& config, Dma dma)
+    : machine_(machine),
+      config_(config),
+      dma_(dma),
+      clock_(config.clocks.l2.clock()),
+      distance_(config.ideal.interconnect ? 1 : config.interconnect.latency),
+      link_depth_(config.ideal.interconnect ? kIdealDepth : config.interconnect.link_depth) {
+  const std::uint64_t bytes = config.l2.cache.size.bytes;
+  for (std::uint32_t b = 0; b < config.l2.banks; ++b) {
+    declared_banks_.push_back(
+        {machine.unit({L2Bank::kName + std::to_string(b), clock_, 0, bytes / config.l2.banks, bytes})});
+  }
+  const sim::Clock dram(config.dram.timing.ck.time);
+  for (std::uint32_t k = 0; k < config.dram.channels; ++k) {
+    declared_channels_.push_back({machine.unit({DramChannel::kName + std::to_string(k), dram})});
+  }
+  link_banks_to_channels();
+}
+
+void MemorySystem::declare_ports() {
+  const auto core = static_cast<std::uint32_t>(cache_ports_.size());
+  cache_ports_.push_back({machine_.unit({name_in_core(CorePort::kCachePort, core), clock_, core + 1})});
+  link_to_banks(cache_ports_.back());
+  if (dma_ == Dma::kNo) return;
+  dma_ports_.push_back({machine_.unit({name_in_core(CorePort::kDmaPort, core), clock_, core + 1})});
+  link_to_channels(dma_ports_.back());
+}
+
+void MemorySystem::link_banks_to_channels() {
+  for (Bank& bank : declared_banks_) {
+    for (Channel& channel : declared_channels_) {
+      auto& up = machine_.link<MemRequest>(link_depth_ + 1, 1, bank.unit, channel.unit);
+      auto& down = machine_.link<MemResponse>(link_depth_ + 1, 1, channel.unit, bank.unit);
+      bank.links.channels_out.push_back(&up);
+      bank.links.channels_in.push_back(&down);
+      channel.links.ports_in.push_back(&up);
+      channel.links.ports_out.push_back(&down);
+    }
+  }
+}
+
+void MemorySystem::link_to_banks(Port& cache) {
+  const std::uint32_t depth = link_depth_ + distance_;
+  for (Bank& bank : declared_banks_) {
+    auto& up = machine_.link<MemRequest>(depth, distance_, cache.unit, bank.unit);
+    auto& down = machine_.link<MemResponse>(depth, distance_, bank.unit, cache.unit);
+    cache.links.targets_out.push_back(&up);
+    cache.links.targets_in.push_back(&down);
+    bank.links.cores_in.push_back(&up);
+    bank.links.cores_out.push_back(&down);
+  }
+}
+
+void MemorySystem::link_to_channels(Port& dma) {
+  const std::uint32_t depth = link_depth_ + distance_;
+  for (Channel& channel : declared_channels_) {
+    auto& up = machine_.link<MemRequest>(depth, distance_, dma.unit, channel.unit);
+    // Lines come for a DMA that awaits some, which is known.
+    auto& down = machine_.link<MemResponse>(depth, distance_, channel.unit, dma.unit, sim::Lookahead::kByOwner);
+    dma.links.targets_out.push_back(&up);
+    dma.links.targets_in.push_back(&down);
+    channel.links.ports_in.push_back(&up);
+    channel.links.ports_out.push_back(&down);
+    dma_latency_ = down.latency();
+  }
+}
+
+MemoryPort MemorySystem::client(Port& port, const MemoryClient& client, std::uint32_t request_depth) {
+  auto& up = machine_.link<MemRequest>(request_depth, 1, client.unit, port.unit);
+  auto& down = machine_.link<MemResponse>(client.lines, 1, port.unit, client.unit);
+  port.links.clients_in.push_back(&up);
+  port.links.clients_out.push_back(&down);
+  return {up, down, static_cast<std::uint16_t>(port.links.clients_in.size() - 1)};
+}
+
+MemoryPort MemorySystem::cache_client(std::uint32_t core, const MemoryClient& one) {
+  return client(cache_ports_[core], one, config_.ideal.interconnect ? kIdealDepth : kRequestDepth);
+}
+
+std::vector<MemoryPort> MemorySystem::cache_clients(std::uint32_t core, std::span<const MemoryClient> clients) {
+  std::vector<MemoryPort> all;
+  for (const MemoryClient& one : clients) all.push_back(cache_client(core, one));
+  return all;
+}
+
+MemoryPort MemorySystem::dma_client(std::uint32_t core, sim::UnitId dma) {
+  return client(dma_ports_[core], {dma, config_.dma.depth}, config_.dma.depth);
+}
+
+std::vector<sim::Link<Flush>*> MemorySystem::flushes(sim::UnitId from) {
+  std::vector<sim::Link<Flush>*> all;
+  for (Bank& bank : declared_banks_) all.push_back(bank.links.flush_in = &machine_.link<Flush>(1, 1, from, bank.unit));
+  return all;
+}
+
+void MemorySystem::build_ports(std::uint32_t core) {
+  const auto build = [&](const Port& port, Interleave targets) {
+    built_ports_.push_back(&machine_.build<CorePort>(port.unit, config_.interconnect, port.links, targets, clock_,
+                                                     config_.l2.cache.line.bytes, config_.ideal.interconnect));
+  };
+  build(cache_ports_[core], config_.l2.interleave());
+  if (dma_ == Dma::kYes) build(dma_ports_[core], config_.dram.interleave());
+}
+
+void MemorySystem::build_banks_and_channels() {
+  for (const Bank& bank : declared_banks_) {
+    banks_.push_back(&machine_.build<L2Bank>(bank.unit, config_.l2, static_cast<std::uint16_t>(banks_.size()),
+                                             bank.links, config_.dram.interleave(), clock_,
+                                             config_.interconnect.arbitration, config_.ideal.l2));
+  }
+  for (const Channel& channel : declared_channels_) {
+    channels_.push_back(&machine_.build<DramChannel>(channel.unit, config_.dram, channel.links, config_.ideal.dram));
+  }
+}
+
+}  // namespace hw

@@ -1,0 +1,84 @@
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "hw_models/machines/gpu_config.h"
+#include "hw_models/memory/core_port.h"
+#include "hw_models/memory/dram_channel.h"
+#include "hw_models/memory/l2_bank.h"
+#include "hw_models/memory/memory_port.h"
+#include "sim/machine.h"
+
+namespace hw {
+
+/// Slots for a unit's requests on the wire to its core's port.
+inline constexpr std::uint32_t kRequestDepth = 2;
+
+/// The memory side of a machine: each core's ports, L2 banks, channels, and the links between them.
+///
+///   clients x n of each core --> cache port --> L2 banks --> channels
+///   DMA of each core ----------> DMA port -----------------> channels
+///
+/// It is declared first, core by core, so that links can lead to it; ports are built once their clients are there.
+class MemorySystem {
+ public:
+  enum class Dma : bool { kNo, kYes };  ///< whether there are DMA ports
+
+  /// `config` must outlive it.
+  MemorySystem(sim::Machine& machine, const GpuConfig& config, Dma dma);
+
+  /// The ports of the next core.
+  void declare_ports();
+  /// A further client of a core's cache port.
+  MemoryPort cache_client(std::uint32_t core, const MemoryClient& client);
+  std::vector<MemoryPort> cache_clients(std::uint32_t core, std::span<const MemoryClient> clients);
+  /// The DMA's wires to its port, of its depth.
+  MemoryPort dma_client(std::uint32_t core, sim::UnitId dma);
+  /// What tells each bank that the frame is over.
+  std::vector<sim::Link<Flush>*> flushes(sim::UnitId from);
+
+  void build_ports(std::uint32_t core);
+  void build_banks_and_channels();
+
+  const std::vector<CorePort*>& ports() const { return built_ports_; }
+  const std::vector<L2Bank*>& banks() const { return banks_; }
+  const std::vector<DramChannel*>& channels() const { return channels_; }
+  /// What a channel sends to a DMA at t is not there before t + dma_latency().
+  sim::Time dma_latency() const { return dma_latency_; }
+
+ private:
+  struct Port {
+    sim::UnitId unit;
+    CorePort::Links links{};
+  };
+  struct Bank {
+    sim::UnitId unit;
+    L2Bank::Links links{};
+  };
+  struct Channel {
+    sim::UnitId unit;
+    DramChannel::Links links{};
+  };
+
+  void link_banks_to_channels();
+  void link_to_banks(Port& cache);
+  void link_to_channels(Port& dma);
+  MemoryPort client(Port& port, const MemoryClient& client, std::uint32_t request_depth);
+
+  sim::Machine& machine_;
+  const GpuConfig& config_;
+  const Dma dma_;
+  const sim::Clock clock_;
+  const std::uint32_t distance_, link_depth_;  ///< between ports and what they lead to
+  std::vector<Port> cache_ports_, dma_ports_;  ///< of each core; there may be no DMA
+  std::vector<Bank> declared_banks_;
+  std::vector<Channel> declared_channels_;
+  std::vector<CorePort*> built_ports_;
+  std::vector<L2Bank*> banks_;
+  std::vector<DramChannel*> channels_;
+  sim::Time dma_latency_ = sim::kNever;
+};
+
+}  // namespace hw

@@ -1,0 +1,39 @@
+#pragma once
+#include <array>
+#include <span>
+#include <string_view>
+
+#include "hw_models/frame/dma.h"
+#include "hw_models/frame/memory_interface.h"
+#include "hw_models/frame/tile_dispatcher.h"
+#include "hw_models/memory/core_port.h"
+#include "hw_models/memory/dram_channel.h"
+#include "hw_models/memory/l2_bank.h"
+#include "hw_models/srp/srp.h"
+#include "hw_models/tni/ist.h"
+#include "hw_models/tni/ray_dispatcher.h"
+#include "hw_models/tni/trv.h"
+
+namespace hw {
+
+/// What units of a kind declare, for those who know them by their reports alone.
+struct UnitKind {
+  std::string_view name;  ///< "core.tni.trv" of "core0.tni.trv2"
+  std::span<const sim::Reason> reasons;
+};
+
+/// From the memory up: what waits for a unit comes behind it.
+inline constexpr std::array<UnitKind, 12> kUnitKinds = {{{DramChannel::kName, DramChannel::kReasons},
+                                                         {L2Bank::kName, L2Bank::kReasons},
+                                                         {CorePort::kCachePort, CorePort::kReasons},
+                                                         {CorePort::kDmaPort, CorePort::kReasons},
+                                                         {Dma::kName, Dma::kReasons},
+                                                         {MemoryInterface::kName, MemoryInterface::kReasons},
+                                                         {Ist::kName, Ist::kReasons},
+                                                         {Trv::kName, Trv::kReasons},
+                                                         {RayDispatcher::kName, RayDispatcher::kReasons},
+                                                         {TileBuffer::kName, TileBuffer::kReasons},
+                                                         {Srp::kName, Srp::kReasons},
+                                                         {TileDispatcher::kName, TileDispatcher::kReasons}}};
+
+}  // namespace hw

@@ -1,0 +1,23 @@
+#pragma once
+#include <cstdint>
+
+#include "hw_models/memory/messages.h"
+#include "sim/link.h"
+#include "sim/machine.h"
+
+namespace hw {
+
+/// A unit that asks for lines, and how many of them may be on their way to it.
+struct MemoryClient {
+  sim::UnitId unit;
+  std::uint32_t lines = 1;
+};
+
+/// A client's wires to its port.
+struct MemoryPort {
+  sim::Link<MemRequest>& requests;
+  sim::Link<MemResponse>& responses;
+  std::uint16_t client = 0;  ///< its index at the port, which it writes into MemRequest::source
+};
+
+}  // namespace hw

@@ -1,0 +1,21 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace hw {
+
+/// What energy is summed by. Each unit names its own: kBlock.
+enum class Block : std::uint8_t { kTni, kSrp, kL2, kTileBuffer, kDma, kInterconnect, kDram };
+constexpr std::array<std::string_view, 7> names_of(Block) {
+  return {"tni", "srp", "l2", "tile_buffer", "dma", "interconnect", "dram"};
+}
+
+/// A core's unit from the name of its kind: ("core.tni.trv", 1) -> "core1.tni.trv".
+inline std::string name_in_core(std::string_view kind, std::uint32_t core) {
+  constexpr std::string_view kCore = "core";
+  return std::string(kCore).append(std::to_string(core)).append(kind.substr(kCore.size()));
+}
+
+}  // namespace hw

@@ -1,0 +1,67 @@
+#include "hw_models/tni/tni_core.h"
+
+namespace hw {
+
+namespace {
+
+/// Misses wait as they do under `reorder`, which lets all other rays go on.
+TniConfig with_ideal_pipes(TniConfig config) {
+  constexpr std::uint32_t kMost = 64;
+  config.link_depth = kMost;
+  config.miss_handling = MissHandling::kReorder;
+  config.trv.rays = config.ist.leaves = kMost;
+  config.trv.box_latency = config.trv.leaf_latency = config.trv.stack_latency = 1;
+  config.trv.transform_latency = 1;
+  config.ist.distance_stage = config.ist.barycentric_stage = config.ist.latency = 1;
+  config.trv.l1.hit_cycles = config.ist.l1.hit_cycles = 0;
+  return config;
+}
+
+}  // namespace
+
+TniCore::TniCore(sim::Machine& machine, const TniConfig& config, const Ideal& ideal, std::uint32_t core,
+                 sim::Clock clock)
+    : config_(ideal.tni ? with_ideal_pipes(config) : config),
+      ideal_(ideal),
+      dispatcher_id_(machine.unit({name_in_core(RayDispatcher::kName, core), clock, core + 1})),
+      ist_id_(machine.unit(
+          {name_in_core(Ist::kName, core), clock, core + 1, config.ist_sram_bytes(), config.ist.l1.size.bytes})) {
+  for (std::uint32_t t = 0; t < config.trvs; ++t) {
+    trv_ids_.push_back(machine.unit({name_in_core(Trv::kName, core) + std::to_string(t), clock, core + 1,
+                                     config.trv_sram_bytes(), config.trv.l1.size.bytes}));
+  }
+}
+
+std::vector<MemoryClient> TniCore::memory_clients() const {
+  std::vector<MemoryClient> all;
+  for (const sim::UnitId trv : trv_ids_) all.push_back({trv, config_.trv.l1.mshrs});
+  all.push_back({ist_id_, config_.ist.l1.mshrs});
+  return all;
+}
+
+void TniCore::build(sim::Machine& machine, const Scene& scene, std::uint32_t hit_interval, const Links& links) {
+  const TniMode mode{config_.miss_handling, config_.rau, ideal_.tni, ideal_.l1};
+  const sim::Clock clock = dispatcher_id_.clock;
+  const std::uint32_t depth = config_.link_depth, leaf_latency = config_.trv.leaf_latency;
+  RayDispatcher::Links dispatcher{links.rays_in, links.hits_out, {}, {}};
+  Ist::Links ist{{}, {}, links.memory.back().requests, links.memory.back().responses};
+  for (const sim::UnitId trv : trv_ids_) {
+    dispatcher.to_trv.push_back(&machine.link<RayJob>(depth, 1, dispatcher_id_, trv));
+    dispatcher.from_trv.push_back(&machine.link<RayDone>(depth, 1, trv, dispatcher_id_));
+    ist.leaves_in.push_back(&machine.link<LeafJob>(leaf_latency + depth, leaf_latency, trv, ist_id_));
+    ist.leaves_out.push_back(&machine.link<LeafDone>(config_.trv.rays, 1, ist_id_, trv));
+  }
+  dispatcher_ = &machine.build<RayDispatcher>(
+      dispatcher_id_, RayDispatcher::Policy{config_.dispatch, config_.trv.rays, hit_interval, ideal_.tni}, dispatcher,
+      clock);
+  for (std::size_t t = 0; t < trv_ids_.size(); ++t) {
+    const MemoryPort& memory = links.memory[t];
+    trvs_.push_back(&machine.build<Trv>(trv_ids_[t], config_.trv, mode, scene.tree,
+                                        Trv::Links{*dispatcher.to_trv[t], *dispatcher.from_trv[t], *ist.leaves_in[t],
+                                                   *ist.leaves_out[t], memory.requests, memory.responses},
+                                        memory.client, clock));
+  }
+  ist_ = &machine.build<Ist>(ist_id_, config_.ist, mode, scene.triangles, ist, links.memory.back().client, clock);
+}
+
+}  // namespace hw

@@ -1,0 +1,60 @@
+#pragma once
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "hw_models/memory/memory_port.h"
+#include "hw_models/tni/ist.h"
+#include "hw_models/tni/ray_dispatcher.h"
+#include "hw_models/tni/trv.h"
+#include "sim/machine.h"
+
+namespace hw {
+
+/// A core's whole traversal & intersection unit: dispatcher, TRVs, IST and the links between them.
+///
+///   rays --> dispatcher --> TRV x n <--> IST
+///   hits <-- dispatcher <-- TRV x n
+///
+/// It is declared first, so that links can lead to it, then built with these.
+class TniCore {
+ public:
+  struct Scene {
+    TreeInMemory tree;
+    TrianglesInMemory triangles;
+  };
+  /// Made ideal, for bounds (ideal.*).
+  struct Ideal {
+    bool tni = false;  ///< 64 rays a TRV, 64 leaves, any number of operations a cycle, each in one cycle
+    bool l1 = false;   ///< every probe hits
+  };
+  struct Links {
+    sim::Link<RayJob>& rays_in;
+    sim::Link<RayDone>& hits_out;
+    std::span<const MemoryPort> memory;  ///< of each of memory_clients()
+  };
+
+  TniCore(sim::Machine& machine, const TniConfig& config, const Ideal& ideal, std::uint32_t core, sim::Clock clock);
+  /// `hit_interval`: cycles from a hit sent back to the next. Called once; `machine` is the one it is declared in.
+  void build(sim::Machine& machine, const Scene& scene, std::uint32_t hit_interval, const Links& links);
+
+  /// Takes rays and sends hits.
+  sim::UnitId dispatcher_id() const { return dispatcher_id_; }
+  /// The L1s: one for each TRV, then one for the IST.
+  std::vector<MemoryClient> memory_clients() const;
+
+  const RayDispatcher& dispatcher() const { return *dispatcher_; }
+  const std::vector<Trv*>& trvs() const { return trvs_; }
+  Ist& ist() const { return *ist_; }
+
+ private:
+  TniConfig config_;
+  Ideal ideal_;
+  sim::UnitId dispatcher_id_, ist_id_;
+  std::vector<sim::UnitId> trv_ids_;
+  RayDispatcher* dispatcher_ = nullptr;
+  std::vector<Trv*> trvs_;
+  Ist* ist_ = nullptr;
+};
+
+}  // namespace hw

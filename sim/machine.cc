@@ -1,0 +1,80 @@
+#include "sim/machine.h"
+
+#include <algorithm>
+#include <cassert>
+
+namespace sim {
+
+UnitId Machine::unit(Declaration declared) {
+  declared_.push_back(std::move(declared));
+  return {declared_.size() - 1, declared_.back().clock};
+}
+
+bool Machine::quiet() const {
+  return std::ranges::all_of(units_, [](const auto& unit) { return unit->idle(); }) &&
+         std::ranges::all_of(wires_, [](const auto& wire) { return wire->empty(); });
+}
+
+void Machine::finish(Time end) {
+  for (const auto& unit : units_) unit->finish(declared_[unit->declared].clock.edge_at_or_after(end));
+}
+
+std::string Machine::state() const {
+  std::string all;
+  for (const auto& unit : units_) {
+    const std::string state = unit->state();
+    if (!state.empty()) all += declared_[unit->declared].name + ": " + state + "\n";
+  }
+  return all;
+}
+
+std::vector<UnitReport> Machine::report() const {
+  std::vector<UnitReport> all;
+  all.reserve(reports_.size());
+  for (const auto& report : reports_) all.push_back(report());
+  return all;
+}
+
+void Machine::start() {
+  if (wakes_.size() != 0) return;
+  assert(units_.size() == declared_.size() && "each declared unit is built, once");
+  place_units();
+  connect_links();
+}
+
+/// Each partition has whole groups of wake-up times, the inner one the last.
+void Machine::place_units() {
+  std::size_t partitions = 1;
+  for (const Declaration& declared : declared_) partitions = std::max(partitions, declared.partition + 1);
+  partitions_.outer.resize(partitions - 1);
+  slots_.resize(declared_.size());
+  std::size_t slot = 0;
+  for (std::size_t i = 1; i <= partitions; ++i) {
+    const std::size_t number = i % partitions, first = slot;
+    for (std::size_t unit = 0; unit < declared_.size(); ++unit) {
+      if (declared_[unit].partition == number) slots_[unit] = slot++;
+    }
+    slot = Wakes::whole_groups(slot);
+    (number == 0 ? partitions_.inner : partitions_.outer[number - 1]).units = {first / Wakes::kGroup,
+                                                                               slot / Wakes::kGroup};
+  }
+  wakes_.reset(slot, kNever);
+  ticked_.resize(slot);
+  for (const auto& unit : units_) {
+    ticked_[slots_[unit->declared]] = unit->ticked;
+    wakes_.lower(slots_[unit->declared], 0);
+  }
+}
+
+void Machine::connect_links() {
+  for (const auto& wire : wires_) {
+    const std::size_t from = declared_[wire->from].partition, to = declared_[wire->to].partition;
+    assert((from == to || from == 0 || to == 0) && "outer partitions meet the inner one alone");
+    const bool inward = from != to && to == 0;
+    wire->connect(wakes_.of(slots_[wire->from]), wakes_.of(slots_[wire->to]),
+                  inward ? &partitions_.outer[from - 1].nearly_full : nullptr);
+    if (from != to && wire->lookahead == Lookahead::kByLatency) lookahead_ = std::min(lookahead_, wire->latency());
+  }
+}
+
+}  // namespace sim

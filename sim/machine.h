@@ -1,0 +1,182 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "sim/link.h"
+#include "sim/partitions.h"
+#include "sim/time.h"
+#include "sim/unit_report.h"
+#include "sim/wakes.h"
+
+namespace sim {
+
+/// A declared unit: what links are made between.
+struct UnitId {
+  std::size_t index;
+  Clock clock;
+};
+
+/// What a link between two partitions says of how far each may be run by itself.
+enum class Lookahead : std::uint8_t {
+  kByLatency,  ///< what comes over it matters at any time
+  kByOwner,    ///< the machine's owner knows when something comes over it, and has it in its lookahead_end()
+};
+
+/// Units and the links between them, each said once. All else follows from that: the units' wake-up times and who
+/// lowers them, the order of visits, partitions, synchronisers between clock domains, state, reports and the end of a
+/// run.
+///
+///   unit(), unit(), ... --> link<T>(), ... --> build<U>(), ... --> sim::run
+///
+/// First units are declared, then the links between them, then units are built with their links. The order of building
+/// is that of reports and states. Units of a partition that are declared one after the other have their wake-up times
+/// side by side, which costs least if those that are seldom awake come last.
+class Machine {
+ public:
+  struct Declaration {
+    std::string name;  ///< "core0.tni.trv2"
+    Clock clock;
+    std::size_t partition = 0;      ///< 0: the inner one; from 1 on the outer ones (sim/partitions.h)
+    std::uint64_t sram_bytes = 0;   ///< storage that leaks
+    std::uint64_t cache_bytes = 0;  ///< of it, the array whose accesses are counted; 0: all
+  };
+
+  /// What crosses from one clock to another waits that many cycles of the latter (Link).
+  explicit Machine(std::uint64_t synchroniser_cycles = 0) : synchroniser_cycles_(synchroniser_cycles) {}
+  Machine(const Machine&) = delete;
+  Machine& operator=(const Machine&) = delete;
+
+  UnitId unit(Declaration declared);
+
+  /// A link of `capacity` items, each of which takes `latency_cycles` of the clock of `from`.
+  template <class T>
+  Link<T>& link(std::size_t capacity, std::uint64_t latency_cycles, UnitId from, UnitId to,
+                Lookahead lookahead = Lookahead::kByLatency) {
+    auto wire = std::make_unique<Wire<T>>(capacity, latency_cycles, from.clock, to.clock, synchroniser_cycles_);
+    wire->from = from.index;
+    wire->to = to.index;
+    wire->lookahead = lookahead;
+    Link<T>& link = wire->link;
+    wires_.push_back(std::move(wire));
+    return link;
+  }
+
+  /// Builds a declared unit. It has tick(now) and clock(); if it has them, finish(end), state(), idle() and what a
+  /// report needs (sim::report_of) are used, too.
+  template <class U, class... Args>
+  U& build(UnitId id, Args&&... args) {
+    auto built = std::make_unique<Built<U>>(std::forward<Args>(args)...);
+    U& unit = built->unit;
+    const Declaration& declared = declared_[id.index];
+    built->ticked = {&unit, [](void* of, Time now) { return static_cast<U*>(of)->tick(now); }};
+    built->declared = id.index;
+    if constexpr (requires { U::kReasons; }) {
+      reports_.push_back([&unit, name = declared.name, sram = declared.sram_bytes, cache = declared.cache_bytes] {
+        return report_of(unit, name, sram, cache);
+      });
+    }
+    units_.push_back(std::move(built));
+    return unit;
+  }
+  /// Has a part of the unit built last reported as if it were one itself.
+  template <class Part>
+  void report_part(std::string name, const Part& part, std::uint64_t sram_bytes) {
+    reports_.push_back([&part, name = std::move(name), sram_bytes] { return report_of(part, name, sram_bytes); });
+  }
+
+  /// Nothing is under way: all links are empty, and units that can be idle are.
+  bool quiet() const;
+  /// Charges every unit's time up to the end, rounded up to its clock. Call once, when the run is over.
+  void finish(Time end);
+  /// A line for each unit that has a state.
+  std::string state() const;
+  std::vector<UnitReport> report() const;
+
+  // What the engine works on.
+  /// Gives the units their wake-up times, unless they have them, and wakes them all at time 0.
+  void start();
+  Wakes& wakes() { return wakes_; }
+  Partitions& partitions() { return partitions_; }
+  /// What a partition does at t cannot matter to another before t + lookahead(), but for links kByOwner.
+  Time lookahead() const { return lookahead_; }
+  Time wake_time(UnitId unit) const { return wakes_[slots_[unit.index]]; }
+  /// A unit by its wake-up time, to be ticked through a plain function of its own kind.
+  struct Ticked {
+    void* unit = nullptr;
+    Time (*tick)(void*, Time) = nullptr;
+    Time operator()(Time now) const { return tick(unit, now); }
+  };
+  const std::vector<Ticked>& ticked() const { return ticked_; }
+  /// Calls f(wake-up time's index, clock) for every unit.
+  void each_clock(auto&& f) const {
+    for (const auto& unit : units_) f(slots_[unit->declared], declared_[unit->declared].clock);
+  }
+
+ private:
+  struct AnyUnit {
+    virtual ~AnyUnit() = default;
+    virtual bool idle() const = 0;
+    virtual void finish(Time end) = 0;
+    virtual std::string state() const = 0;  ///< empty: none
+    Ticked ticked;
+    std::size_t declared = 0;
+  };
+  template <class U>
+  struct Built final : AnyUnit {
+    template <class... Args>
+    explicit Built(Args&&... args) : unit(std::forward<Args>(args)...) {}
+    bool idle() const override {
+      if constexpr (requires { unit.idle(); }) return unit.idle();
+      return true;
+    }
+    void finish(Time end) override {
+      if constexpr (requires { unit.finish(end); }) unit.finish(end);
+    }
+    std::string state() const override {
+      if constexpr (requires { unit.state(); }) return unit.state();
+      return {};
+    }
+    U unit;
+  };
+  struct AnyWire {
+    virtual ~AnyWire() = default;
+    virtual bool empty() const = 0;
+    virtual Time latency() const = 0;
+    virtual void connect(Waker producer, Waker consumer, std::uint32_t* nearly_full) = 0;
+    std::size_t from = 0, to = 0;
+    Lookahead lookahead = Lookahead::kByLatency;
+  };
+  template <class T>
+  struct Wire final : AnyWire {
+    Wire(std::size_t capacity, std::uint64_t latency, Clock producer, Clock consumer, std::uint64_t synchroniser)
+        : link(capacity, latency, producer, consumer, synchroniser) {}
+    bool empty() const override { return link.empty(); }
+    Time latency() const override { return link.latency(); }
+    void connect(Waker producer, Waker consumer, std::uint32_t* nearly_full) override {
+      link.wakes(producer, consumer);
+      if (nearly_full != nullptr) link.count_if_nearly_full(nearly_full);
+    }
+    Link<T> link;
+  };
+
+  void place_units();
+  void connect_links();
+
+  const std::uint64_t synchroniser_cycles_;
+  std::vector<Declaration> declared_;
+  std::vector<std::unique_ptr<AnyWire>> wires_;
+  std::vector<std::unique_ptr<AnyUnit>> units_;
+  std::vector<std::function<UnitReport()>> reports_;
+  std::vector<std::size_t> slots_;  ///< of each declared unit among the wake-up times
+  std::vector<Ticked> ticked_;      ///< by slot
+  Wakes wakes_;
+  Partitions partitions_;
+  Time lookahead_ = kNever;
+};
+
+}  // namespace sim

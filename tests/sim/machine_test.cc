@@ -1,0 +1,157 @@
+#include "sim/machine.h"
+
+#include <array>
+#include <string_view>
+
+#include <gtest/gtest.h>
+
+#include "sim/engine.h"
+
+// What follows from units and links that are said once.
+
+namespace sim::test {
+namespace {
+
+enum class Block : std::uint8_t { kNear, kFar };
+constexpr std::array<std::string_view, 2> names_of(Block) { return {"near", "far"}; }
+
+/// Takes what comes and hands it on, a number at a time.
+class Relay {
+ public:
+  static constexpr Block kBlock = Block::kFar;
+  enum class CycleReason : std::uint8_t { kIdle, kCount };
+  static constexpr auto kReasons = reasons<CycleReason>({{CycleReason::kIdle, sim::idle("idle", "nothing comes")}});
+  struct Stats {
+    std::uint64_t taken = 0;
+    static void describe(auto& s, auto&& counter) { counter(NAMED(s.taken), "numbers handed on"); }
+  };
+
+  Relay(Clock clock, Link<int>* in, Link<int>* out, int numbers = 0)
+      : clock_(clock), in_(in), out_(out), numbers_(numbers) {}
+
+  Time tick(Time now) {
+    if (numbers_ > 0 && out_->can_push(now)) out_->push(now, numbers_--);
+    if (in_ != nullptr && in_->can_pop(now) && (out_ == nullptr || out_->can_push(now))) {
+      const int number = in_->pop(now);
+      if (out_ != nullptr) out_->push(now, number);
+      stats_.taken += 1;
+      last = now;
+    }
+    const Time next = clock_.after(now, 1);
+    const Time give = numbers_ > 0 ? std::max(next, out_->push_at()) : kNever;
+    return in_ == nullptr ? give : std::min(give, std::max(next, in_->pop_at()));
+  }
+  Clock clock() const { return clock_; }
+  void finish(Time end) { activity_.finish(end); }
+  std::string state() const { return numbers_ > 0 ? "has numbers" : ""; }
+  bool idle() const { return numbers_ == 0; }
+  const Stats& stats() const { return stats_; }
+  const Activity<CycleReason>& activity() const { return activity_; }
+
+  Time last = 0;
+
+ private:
+  Clock clock_;
+  Link<int>*in_, *out_;
+  int numbers_;
+  Stats stats_;
+  Activity<CycleReason> activity_;
+};
+
+/// fast giver --> slow taker
+struct Pair {
+  explicit Pair(std::uint64_t synchroniser = 0, std::size_t giver_partition = 0, int numbers = 1)
+      : machine_(synchroniser),
+        giver(machine_.unit({.name = "giver", .clock = Clock(2), .partition = giver_partition, .sram_bytes = 64})),
+        taker(machine_.unit({.name = "taker", .clock = Clock(10), .sram_bytes = 1024, .cache_bytes = 256})),
+        link(machine_.link<int>(4, 3, giver, taker)),
+        expected(static_cast<std::uint64_t>(numbers)) {
+    taking = &machine_.build<Relay>(taker, Clock(10), &link, nullptr);
+    machine_.build<Relay>(giver, Clock(2), nullptr, &link, numbers);
+  }
+  Machine& machine() { return machine_; }
+  bool done() const { return taking->stats().taken == expected; }
+
+  Machine machine_;
+  UnitId giver, taker;
+  Link<int>& link;
+  std::uint64_t expected;
+  Relay* taking = nullptr;
+};
+
+TEST(Machine, ALinkBetweenTwoClocksHasASynchroniserOfTheConsumers) {
+  EXPECT_EQ(Pair(0).link.latency(), 3U * 2);
+  EXPECT_EQ(Pair(2).link.latency(), 3U * 2 + 2 * 10);
+  Pair pair(2);
+  run(pair);
+  EXPECT_EQ(pair.taking->last, 30U) << "26, at the consumer's next edge";
+}
+
+TEST(Machine, ALinkWithinAClockHasNone) {
+  Machine machine(2);
+  const UnitId a = machine.unit({.name = "a", .clock = Clock(2)}), b = machine.unit({.name = "b", .clock = Clock(2)});
+  EXPECT_EQ(machine.link<int>(1, 3, a, b).latency(), 3U * 2);
+}
+
+TEST(Machine, UnitsAreReportedInTheOrderInWhichTheyAreBuilt) {
+  Pair pair;
+  const Time end = run(pair);
+  pair.machine().finish(end + 1);
+  const std::vector<UnitReport> report = pair.machine().report();
+  ASSERT_EQ(report.size(), 2U);
+  EXPECT_EQ(report[0].path, "taker");
+  EXPECT_EQ(report[0].block, "far");
+  EXPECT_EQ(report[0].sram_bytes, 1024U);
+  EXPECT_EQ(report[0].cache_bytes, 256U);
+  EXPECT_EQ(report[0].counters.front().value, 1U);
+  EXPECT_EQ(report[0].elapsed, 2U) << "11 femtoseconds, at its next edge";
+  EXPECT_EQ(report[1].path, "giver");
+  EXPECT_EQ(report[1].cache_bytes, 64U) << "all of its storage";
+  EXPECT_EQ(report[1].elapsed, 6U);
+}
+
+TEST(Machine, IsQuietWhenUnitsAreIdleAndLinksEmpty) {
+  Pair pair;
+  EXPECT_FALSE(pair.machine().quiet()) << "a number has not left yet";
+  run(pair);
+  EXPECT_TRUE(pair.machine().quiet());
+  pair.link.push(1000, 7);
+  EXPECT_FALSE(pair.machine().quiet());
+}
+
+TEST(Machine, StateHasALineForEachUnitThatHasOne) { EXPECT_EQ(Pair().machine().state(), "giver: has numbers\n"); }
+
+TEST(Machine, WhatLeadsInwardBoundsTheLookaheadAndIsCountedWhenNearlyFull) {
+  Pair pair(2, 1, 100);
+  pair.machine().start();
+  EXPECT_EQ(pair.machine().lookahead(), 26U);
+  ASSERT_EQ(pair.machine().partitions().outer.size(), 1U);
+  const Partition& outer = pair.machine().partitions().outer.front();
+  EXPECT_EQ(outer.nearly_full, 0U);
+  for (int i = 0; i < 3; ++i) pair.link.push(0, i);
+  EXPECT_EQ(outer.nearly_full, 1U);
+}
+
+TEST(Machine, WhatItsOwnerKnowsOfDoesNotBoundTheLookahead) {
+  Machine machine;
+  const UnitId inner = machine.unit({.name = "inner", .clock = Clock(2)});
+  const UnitId outer = machine.unit({.name = "outer", .clock = Clock(2), .partition = 1});
+  auto& known = machine.link<int>(4, 1, inner, outer, Lookahead::kByOwner);
+  auto& other = machine.link<int>(4, 9, outer, inner);
+  machine.build<Relay>(inner, Clock(2), &other, &known);
+  machine.build<Relay>(outer, Clock(2), &known, &other);
+  machine.start();
+  EXPECT_EQ(machine.lookahead(), 18U);
+}
+
+TEST(Machine, PartitionsShareNoGroupOfWakeUpTimes) {
+  Pair pair(0, 1);
+  pair.machine().start();
+  const Partitions& partitions = pair.machine().partitions();
+  EXPECT_LE(partitions.outer.front().units.end, partitions.inner.units.first);
+  EXPECT_EQ(pair.machine().wake_time(pair.giver), 0U);
+  EXPECT_EQ(pair.machine().wake_time(pair.taker), 0U);
+}
+
+}  // namespace
+}  // namespace sim::test
