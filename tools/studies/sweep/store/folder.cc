@@ -118,6 +118,8 @@ SweepFolder SweepFolder::create(const fs::path& path, Of of, const std::string& 
 
 std::vector<Point> SweepFolder::points() const {
   const fs::path file = path_ / "points.jsonl";
+  std::error_code failed;
+  if (!fs::exists(file, failed)) return {};  // killed between the folder's first file and this one
   std::istringstream lines(sim::read_file(file, kMostBytes));
   std::vector<Point> points;
   for (std::string line; std::getline(lines, line);) {
