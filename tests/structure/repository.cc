@@ -12,7 +12,8 @@ namespace {
 bool is_skipped(const fs::path& folder) {
   const std::string name = folder.filename().string();
   const bool hidden = name.starts_with('.') && name != ".ci";
-  return hidden || name.starts_with("build") || name == "raywatt-out" || fs::exists(folder / "CMakeCache.txt");
+  const bool made = folder.parent_path() == repository() && (name.starts_with("build") || name == "raywatt-out");
+  return hidden || made || fs::exists(folder / "CMakeCache.txt");
 }
 
 }  // namespace

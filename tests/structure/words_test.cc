@@ -1,0 +1,165 @@
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <map>
+#include <regex>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "tests/structure/repository.h"
+#include "tests/structure/sources.h"
+
+// The words of the field (docs/glossary.md), not our own: what the code once called things stays out of it. Names that
+// users see (strings) are no business of this test.
+
+namespace test {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A retired word and what stands for it now.
+struct Retired {
+  std::string_view word, now;
+  std::string_view below = "";  ///< the folder in which it is retired; elsewhere it means something else
+};
+
+/// In code and in comments.
+constexpr std::array kWords = {
+    Retired{"islands", "partitions"},
+    Retired{"Islands", "Partitions"},
+    Retired{"freeze", "stall", "hw_models"},
+    Retired{"thaw", "resume"},
+    Retired{"take_line", "fill"},
+    Retired{"touch_cache", "issue_loads"},
+    Retired{"pass_hits", "issue_ready_hits"},
+    Retired{"forked_", "both_children_hit_"},
+    Retired{"DramForms", "DramClosedForms"},
+    Retired{"DramFigures", "DramMeasurements"},
+    Retired{"MatteRecord", "DiffuseRecord"},
+    Retired{"OpticsRecord", "SpecularRecord"},
+    Retired{"OfferedTiles", "ProgressTileSource"},
+    Retired{"scene_sheet", "scene_info"},
+    Retired{"pronounce", "write_verdict"},
+    Retired{"miss register", "MSHR"},
+    Retired{"miss registers", "MSHRs"},
+    Retired{"test bench", "harness"},
+};
+
+/// In code, as whole identifiers: in comments they are plain words.
+constexpr std::array kIdentifiers = {
+    Retired{"horizon", "lookahead", "sim"},
+    Retired{"horizon", "lookahead", "hw_models"},
+    Retired{"Wheel", "TimingWheel", "hw_models"},
+    Retired{"Pieces", "SectorMask", "hw_models"},
+    Retired{"Why", "CycleReason"},
+    Retired{"pick", "round_robin", "hw_models"},
+    Retired{"held", "short_stack_size", "hw_models"},
+    Retired{"stacked", "stack_depth", "hw_models"},
+    Retired{"Plan", "ScheduledCommand", "hw_models"},
+    Retired{"floors", "rank_ready", "hw_models"},
+    Retired{"mixed", "lerp", "shader_kernels"},
+    Retired{"either", "logical_or"},
+    Retired{"split", "divmod", "shader_kernels"},
+    Retired{"Between", "SampleNeighbours"},
+    Retired{"Demands", "FrameRequirements", "shader_kernels"},
+    Retired{"Keep", "RetainedRecords"},
+};
+
+bool is_word(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
+
+/// Index of the word in the text, as a whole word, or npos.
+std::size_t find_word(const std::string& text, std::string_view word) {
+  for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) {
+    const std::size_t end = at + word.size();
+    if ((at == 0 || !is_word(text[at - 1])) && (end == text.size() || !is_word(text[end]))) return at;
+  }
+  return std::string::npos;
+}
+
+bool is_below(const fs::path& file, std::string_view folder) {
+  return folder.empty() || file.generic_string().starts_with(std::string(folder) + "/");
+}
+
+/// This folder has the words in its lists.
+std::vector<fs::path> sources_with_words() {
+  std::vector<fs::path> files = source_files();
+  std::erase_if(files, [](const fs::path& file) { return is_below(file, "tests/structure"); });
+  return files;
+}
+
+TEST(Words, ThatAreRetiredAreInNoSource) {
+  for (const fs::path& file : sources_with_words()) {
+    const SourceText text = take_apart(file);
+    for (const Retired& retired : kWords) {
+      if (!is_below(file, retired.below)) continue;
+      EXPECT_EQ(find_word(text.code, retired.word), std::string::npos)
+          << file.string() << ": " << retired.word << " is " << retired.now << " now";
+      for (const std::string& comment : text.comments) {
+        EXPECT_EQ(find_word(comment, retired.word), std::string::npos)
+            << file.string() << ": " << retired.word << " is " << retired.now << " now: " << comment;
+      }
+    }
+    for (const Retired& retired : kIdentifiers) {
+      if (!is_below(file, retired.below)) continue;
+      EXPECT_EQ(find_word(text.code, retired.word), std::string::npos)
+          << file.string() << ": " << retired.word << " is " << retired.now << " now";
+    }
+  }
+}
+
+/// The folder by which exceptions are counted: "hw_models/tni", or "tests".
+std::string house_of(const fs::path& file) {
+  const std::string top = file.begin()->string();
+  const fs::path folder = file.parent_path();
+  return top == "tests" || folder == top ? top : top + "/" + std::next(folder.begin())->string();
+}
+
+/// Folder, and how often at most its sources still do what a rule forbids. The list gets shorter: an entry that is not
+/// needed any more fails.
+using Exceptions = std::map<std::string, std::size_t>;
+
+void hold(const std::map<std::string, std::size_t>& counts, const Exceptions& exceptions) {
+  for (const auto& [folder, count] : counts) {
+    const auto exception = exceptions.find(folder);
+    EXPECT_LE(count, exception == exceptions.end() ? 0 : exception->second) << folder;
+  }
+  for (const auto& [folder, most] : exceptions) {
+    EXPECT_TRUE(counts.contains(folder)) << folder << " needs no exception any more";
+  }
+}
+
+TEST(Words, PlaceIsSlotWayTileIndexSurfacePointOrIndex) {
+  // A call is the verb.
+  static const std::regex kPlace("\\b[Pp]laces?_?\\b(?!\\s*[(<])");
+  const Exceptions exceptions = {
+      {"shader_kernels/kernels", 42}, {"shader_kernels/programs", 3}, {"sim/config", 3},     {"tests", 14},
+      {"tools/analysis", 2},          {"tools/studies", 5},           {"traces/scenes", 10},
+  };
+  std::map<std::string, std::size_t> counts;
+  for (const fs::path& file : sources_with_words()) {
+    const std::string code = take_apart(file).code;
+    const auto count = std::distance(std::sregex_iterator(code.begin(), code.end(), kPlace), std::sregex_iterator());
+    if (count != 0) counts[house_of(file)] += static_cast<std::size_t>(count);
+  }
+  hold(counts, exceptions);
+}
+
+TEST(Comments, BeginWithANounOrAVerb) {
+  static constexpr std::array<std::string_view, 3> kFirst = {"Of", "What", "Who"};
+  const Exceptions exceptions = {
+      {"hw_models/machines", 4}, {"hw_models/memory", 1}, {"sim", 10},
+      {"sim/report", 4},         {"tests", 10},           {"tools/studies", 3},
+  };
+  std::map<std::string, std::size_t> counts;
+  for (const fs::path& file : sources_with_words()) {
+    for (const std::string& comment : take_apart(file).comments) {
+      if (std::ranges::count(kFirst, std::string_view(comment).substr(0, comment.find(' '))) == 0) continue;
+      ++counts[house_of(file)];
+    }
+  }
+  hold(counts, exceptions);
+}
+
+}  // namespace
+}  // namespace test
