@@ -12,7 +12,6 @@
 #include "traces/scenes/library.h"
 
 namespace tools {
-
 namespace {
 
 /// Keys of a workload file: all that describes the work, nothing of the machine.
@@ -100,3 +99,5 @@ void check_run_config(RunConfig& config, const std::string& origin) {
 }
 
 }  // namespace tools
+
+template sim::ConfigNode sim::config_tree(tools::RunConfig& config);

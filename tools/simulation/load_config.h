@@ -1,9 +1,9 @@
 #pragma once
-#include <cstdint>
 
 #include "hw_models/machines/gpu_config.h"
 #include "shader_kernels/programs/programs.h"
 #include "shader_kernels/programs/wavefront/render_config.h"
+#include "sim/config/config_tree.h"
 #include "sim/config/field.h"
 #include "sim/named.h"
 #include "sim/report/energy.h"
@@ -51,3 +51,6 @@ void apply_ideal(RunConfig& config, const std::vector<std::string>& resources);
 void check_run_config(RunConfig& config, const std::string& origin);
 
 }  // namespace tools
+
+/// Compiled once, in load_config.cc: the machine has many keys.
+extern template sim::ConfigNode sim::config_tree(tools::RunConfig& config);
