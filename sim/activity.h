@@ -16,7 +16,7 @@ enum class ReasonKind : std::uint8_t {
   kBackground,  ///< what time alone brings
 };
 
-/// What a unit declares of a reason.
+/// Declaration of a reason by a unit.
 struct Reason {
   const char* name;
   ReasonKind kind;
@@ -48,7 +48,7 @@ consteval std::array<Reason, kLines> reasons(const ReasonLine<CycleReason> (&lin
   return all;
 }
 
-/// What a unit's time goes to. Every cycle is charged to exactly one reason of `CycleReason`, whose last value is
+/// Account of a unit's time. Every cycle is charged to exactly one reason of `CycleReason`, whose last value is
 /// kCount.
 template <class CycleReason>
 class Activity {

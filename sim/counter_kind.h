@@ -3,7 +3,7 @@
 
 namespace sim {
 
-/// What a counter becomes when another stretch of time is added to it.
+/// Rule for what a counter becomes when another stretch of time is added to it.
 enum class CounterKind : std::uint8_t {
   kSum,    ///< adds up
   kPeak,   ///< the most so far: the larger of two

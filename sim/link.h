@@ -11,7 +11,7 @@
 
 namespace sim {
 
-/// What carries items from one unit to another: a wire, a queue or a fixed-latency pipe.
+/// Connection that carries items from one unit to another: a wire, a queue or a fixed-latency pipe.
 ///
 ///   producer --push--> [ `capacity` slots, visible `latency` later ] --pop--> consumer
 ///
@@ -67,7 +67,7 @@ class Link {
     nearly_full_ = count;
     *nearly_full_ += capacity_ == 1;
   }
-  /// What is pushed at t cannot be seen before t + latency().
+  /// Time from a push to the first moment at which the item can be seen.
   Time latency() const { return latency_; }
 
   /// When the producer may push next as far as is known now; kNever while the slot waits for a pop.

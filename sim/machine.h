@@ -21,7 +21,7 @@ struct UnitId {
   Clock clock;
 };
 
-/// What a link between two partitions says of how far each may be run by itself.
+/// Lookahead that a link between two partitions gives: how far each may be run by itself.
 enum class Lookahead : std::uint8_t {
   kByLatency,  ///< what comes over it matters at any time
   kByOwner,    ///< the machine's owner knows when something comes over it, and has it in its lookahead_end()
@@ -46,7 +46,7 @@ class Machine {
     std::uint64_t cache_bytes = 0;  ///< of it, the array whose accesses are counted; 0: all
   };
 
-  /// What crosses from one clock to another waits that many cycles of the latter (Link).
+  /// Items that cross from one clock to another wait that many cycles of the latter (Link).
   explicit Machine(std::uint64_t synchroniser_cycles = 0) : synchroniser_cycles_(synchroniser_cycles) {}
   Machine(const Machine&) = delete;
   Machine& operator=(const Machine&) = delete;
@@ -97,12 +97,12 @@ class Machine {
   std::string state() const;
   std::vector<UnitReport> report() const;
 
-  // What the engine works on.
+  // The engine works on these.
   /// Gives the units their wake-up times, unless they have them, and wakes them all at time 0.
   void start();
   Wakes& wakes() { return wakes_; }
   Partitions& partitions() { return partitions_; }
-  /// What a partition does at t cannot matter to another before t + lookahead(), but for links kByOwner.
+  /// Time before which nothing that a partition does at 0 can matter to another, but for links kByOwner.
   Time lookahead() const { return lookahead_; }
   Time wake_time(UnitId unit) const { return wakes_[slots_[unit.index]]; }
   /// A unit by its wake-up time, to be ticked through a plain function of its own kind.

@@ -23,7 +23,8 @@ struct CounterReport {
   CounterKind kind = CounterKind::kSum;
 };
 
-/// What one unit did: the leaf of every report. Plain data, so that reports, energy and comparisons need no unit types.
+/// Record of what one unit did: the leaf of every report. Plain data, so that reports, energy and comparisons need no
+/// unit types.
 struct UnitReport {
   std::string path;                                        ///< "core0.tni.trv2"
   std::string block;                                       ///< energy block

@@ -2,7 +2,6 @@
 #include <array>
 #include <cstdint>
 #include <string>
-#include <string_view>
 
 #include "hw_models/memory/unit_names.h"
 #include "hw_models/srp/messages.h"

@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 namespace hw {
-
 namespace {
 
 MemoryInterface::Rays::Shape rays_of(const DirectInterfaceConfig& c, Addr base, std::uint16_t port) {

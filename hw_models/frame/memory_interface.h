@@ -1,8 +1,6 @@
 #pragma once
-#include <array>
 #include <cstdint>
 #include <string>
-#include <string_view>
 
 #include "hw_models/frame/direct_interface_config.h"
 #include "hw_models/frame/record_stream.h"

@@ -8,7 +8,6 @@
 #include "shader_kernels/catalogue.h"
 
 namespace hw {
-
 namespace {
 
 /// Bytes set aside for a core's largest spill: a chunk's rays and hits, two batches of them.

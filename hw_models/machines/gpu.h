@@ -27,7 +27,7 @@ namespace hw {
 /// Without the direct interface, rays and hits pass a memory interface, which is a client of the core's port, too.
 class Gpu {
  public:
-  /// What the machine must know of the workload beside the stream itself.
+  /// Facts of the workload that the machine needs beside the stream itself.
   struct Workload {
     const traces::MemoryImage& image;
     std::span<const std::uint32_t> parents;              ///< of each node of the tree

@@ -3,7 +3,6 @@
 #include <string>
 
 namespace hw {
-
 namespace {
 
 constexpr std::uint32_t kIdealDepth = 256;  // of the links of an ideal interconnect: more than is under way at once

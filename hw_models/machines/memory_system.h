@@ -1,6 +1,5 @@
 #pragma once
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -36,7 +35,7 @@ class MemorySystem {
   std::vector<MemoryPort> cache_clients(std::uint32_t core, std::span<const MemoryClient> clients);
   /// The DMA's wires to its port, of its depth.
   MemoryPort dma_client(std::uint32_t core, sim::UnitId dma);
-  /// What tells each bank that the frame is over.
+  /// Links that tell each bank that the frame is over.
   std::vector<sim::Link<Flush>*> flushes(sim::UnitId from);
 
   void build_ports(std::uint32_t core);
@@ -45,7 +44,7 @@ class MemorySystem {
   const std::vector<CorePort*>& ports() const { return built_ports_; }
   const std::vector<L2Bank*>& banks() const { return banks_; }
   const std::vector<DramChannel*>& channels() const { return channels_; }
-  /// What a channel sends to a DMA at t is not there before t + dma_latency().
+  /// Time that a line takes from a channel to a DMA, at least.
   sim::Time dma_latency() const { return dma_latency_; }
 
  private:

@@ -16,7 +16,7 @@
 
 namespace hw {
 
-/// What units of a kind declare, for those who know them by their reports alone.
+/// Declarations of a kind of units, for readers who know units by their reports alone.
 struct UnitKind {
   std::string_view name;  ///< "core.tni.trv" of "core0.tni.trv2"
   std::span<const sim::Reason> reasons;

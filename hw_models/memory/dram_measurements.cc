@@ -8,7 +8,6 @@
 #include "sim/hash.h"
 
 namespace hw {
-
 namespace {
 
 using Holds = DramMeasurement::Holds;

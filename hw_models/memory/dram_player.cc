@@ -8,7 +8,6 @@
 #include "sim/unit_report.h"
 
 namespace hw {
-
 namespace {
 
 constexpr std::size_t kAnswers = 64;

@@ -4,7 +4,6 @@
 #include <cassert>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 #include "hw_models/memory/dram_map.h"
 #include "hw_models/memory/messages.h"

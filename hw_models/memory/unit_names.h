@@ -6,7 +6,7 @@
 
 namespace hw {
 
-/// What energy is summed by. Each unit names its own: kBlock.
+/// Blocks that energy is summed by. Each unit names its own: kBlock.
 enum class Block : std::uint8_t { kTni, kSrp, kL2, kTileBuffer, kDma, kInterconnect, kDram };
 constexpr std::array<std::string_view, 7> names_of(Block) {
   return {"tni", "srp", "l2", "tile_buffer", "dma", "interconnect", "dram"};

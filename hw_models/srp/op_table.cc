@@ -3,7 +3,6 @@
 #include <initializer_list>
 
 namespace hw {
-
 namespace {
 
 using kernels::Op;

@@ -1,9 +1,7 @@
 #pragma once
 #include <algorithm>
-#include <array>
 #include <cstdint>
 #include <limits>
-#include <string_view>
 
 #include "hw_models/memory/unit_names.h"
 #include "sim/activity.h"

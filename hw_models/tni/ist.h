@@ -1,8 +1,6 @@
 #pragma once
-#include <array>
 #include <cstdint>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "hw_models/memory/arbiter.h"

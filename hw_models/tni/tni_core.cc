@@ -1,7 +1,6 @@
 #include "hw_models/tni/tni_core.h"
 
 namespace hw {
-
 namespace {
 
 /// Misses wait as they do under `reorder`, which lets all other rays go on.

@@ -38,7 +38,7 @@ std::uint64_t idle_cycles(const UnitReport& unit) {
   return cycles;
 }
 
-/// What the clock tree adds to a dynamic energy of 1, if it is `share` of the sum.
+/// Energy of the clock tree for a dynamic energy of 1, if it is `share` of the sum.
 Spread clock_factor(const Spread& share) {
   const auto factor = [](double s) { return s / (1 - s); };
   return {factor(share.low), factor(share.nominal), factor(share.high)};
@@ -53,7 +53,7 @@ class Accountant {
         clock_factor_(clock_factor(config.clock_share)),
         leakage_pj_per_mw_(static_cast<double>(elapsed) * kPicojoulesPerMilliwattFemtosecond) {}
 
-  /// Of a unit; what each event takes of it is added to `events`.
+  /// Sums the energy of a unit; the part of each event is added to `events`.
   EnergyByKind of(const UnitReport& unit, std::map<std::string, Spread>& events) const {
     EnergyByKind sum;
     Spread on_chip;

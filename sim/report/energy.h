@@ -11,7 +11,7 @@
 
 namespace sim {
 
-/// What a technology costs: one file of configs/energy.
+/// Figures of a technology: one file of configs/energy.
 ///
 /// An event may depend on the size of the array it accesses: "cache.l1_read@16KiB", "cache.l1_read@32KiB" are points
 /// of "cache.l1_read", between and beyond which energy is a power of the size (a straight line on log-log paper).
@@ -77,7 +77,7 @@ struct EnergyByKind {
 /// Where the energy went, in pJ. Both views, by block and by kind, sum to `total_pj`.
 struct EnergyReport {
   std::map<std::string, EnergyByKind> blocks;
-  /// Of each block, of each event that its counters name: counts times figures. Standby of devices is leakage; all
+  /// Energy by block, then by event that its counters name: counts times figures. Standby of devices is leakage; all
   /// others sum to the dynamic energy.
   std::map<std::string, std::map<std::string, Spread>> events;
   EnergyByKind kinds;

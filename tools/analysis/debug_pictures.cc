@@ -8,7 +8,6 @@
 #include "tools/analysis/picture.h"
 
 namespace tools {
-
 namespace {
 
 using Colour = std::array<std::uint8_t, 3>;

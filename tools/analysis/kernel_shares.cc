@@ -6,7 +6,6 @@
 #include "tools/analysis/units.h"
 
 namespace tools {
-
 namespace {
 
 struct Named {

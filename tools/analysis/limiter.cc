@@ -12,7 +12,6 @@
 #include "tools/analysis/units.h"
 
 namespace tools {
-
 namespace {
 
 // Chosen: fitted to the measured bounds of sixty frames (fifteen scenes, twelve machines), of which they name the right

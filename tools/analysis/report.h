@@ -1,5 +1,4 @@
 #pragma once
-#include <optional>
 #include <string>
 
 #include <nlohmann/json_fwd.hpp>

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <map>
 #include <set>
 
@@ -15,7 +14,6 @@
 #include "traces/scene/did_you_mean.h"
 
 namespace tools {
-
 namespace {
 
 using Json = nlohmann::ordered_json;

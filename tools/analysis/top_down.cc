@@ -18,7 +18,6 @@
 #include "tools/analysis/units.h"
 
 namespace tools {
-
 namespace {
 
 using sim::UnitReport;

@@ -1,14 +1,12 @@
 #include "tools/studies/baseline/baseline.h"
 
 #include <memory>
-#include <string>
 
 #include <CLI/CLI.hpp>
 
 #include "tools/cli/verbs.h"
 
 namespace tools {
-
 namespace {
 
 using Options = BaselineOptions;

@@ -12,7 +12,6 @@
 #include "tools/host/progress.h"
 
 namespace tools {
-
 namespace {
 
 void bench(const BenchOptions& options, bool json) {

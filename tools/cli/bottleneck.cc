@@ -12,7 +12,6 @@
 #include "tools/cli/verbs.h"
 
 namespace tools {
-
 namespace {
 
 using Json = nlohmann::ordered_json;

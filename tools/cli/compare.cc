@@ -11,7 +11,6 @@
 #include "tools/cli/verbs.h"
 
 namespace tools {
-
 namespace {
 
 void run(const std::vector<std::string>& paths, bool json) {

@@ -15,7 +15,6 @@
 #include "traces/scene/did_you_mean.h"
 
 namespace tools {
-
 namespace {
 
 void list(const JobOptions& options) {

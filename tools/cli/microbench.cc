@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <memory>
-#include <utility>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -10,7 +9,6 @@
 #include "tools/studies/microbench/benchmark.h"
 
 namespace tools {
-
 namespace {
 
 void list(CLI::App& verb) {

@@ -24,7 +24,6 @@
 #include "traces/scenes/library.h"
 
 namespace tools {
-
 namespace {
 
 /// "VmRSS" (memory in use) or "VmHWM" (its peak) of this process, in bytes. getrusage() would count the program that

@@ -8,7 +8,6 @@
 #include "tools/cli/verbs.h"
 
 namespace tools {
-
 namespace {
 
 namespace fs = std::filesystem;

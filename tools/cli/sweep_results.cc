@@ -1,6 +1,5 @@
 #include <filesystem>
 #include <memory>
-#include <optional>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -18,7 +17,6 @@
 #include "tools/studies/sweep/store/folder.h"
 
 namespace tools {
-
 namespace {
 
 namespace fs = std::filesystem;

@@ -11,7 +11,6 @@
 #include "traces/trace_file/trace_reader.h"
 
 namespace tools {
-
 namespace {
 
 /// "[CONFIG] FILE"

@@ -8,7 +8,6 @@
 #include <unistd.h>
 
 namespace tools {
-
 namespace {
 
 std::atomic<int> held = 0, waiting = 0;

@@ -15,7 +15,6 @@
 #include "tools/host/interrupt.h"
 
 namespace tools {
-
 namespace {
 
 constexpr std::chrono::milliseconds kBetween(200), kPatience(2000);

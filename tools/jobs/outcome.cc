@@ -10,7 +10,6 @@
 #include "tools/analysis/report.h"
 
 namespace tools {
-
 namespace {
 
 void keep(Simulation frame, std::optional<Simulation>& total) {

@@ -21,7 +21,6 @@
 #include "tools/simulation/run_job.h"
 
 namespace tools {
-
 namespace {
 
 using Json = nlohmann::ordered_json;

@@ -14,7 +14,6 @@
 #include "traces/accel/bvh_config.h"
 
 namespace tools {
-
 namespace {
 
 using Part = traces::TraceReader::Part;

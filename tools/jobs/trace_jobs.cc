@@ -19,7 +19,6 @@
 #include "traces/trace_file/trace_writer.h"
 
 namespace tools {
-
 namespace {
 
 /// A frame program and what it carries from frame to frame, without a machine.

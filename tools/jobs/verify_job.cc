@@ -19,7 +19,6 @@
 #include "traces/scene/images.h"
 
 namespace tools {
-
 namespace {
 
 nlohmann::ordered_json counts_json(const traces::VerifyCounts& counts) {

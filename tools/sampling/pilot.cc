@@ -10,7 +10,6 @@
 #include "tools/host/interrupt.h"
 
 namespace tools {
-
 namespace {
 
 /// Side of the squares of samples of which one is traced: a divisor of the tile's.

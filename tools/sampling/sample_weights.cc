@@ -4,7 +4,6 @@
 #include <cmath>
 
 namespace tools {
-
 namespace {
 
 using Matrix = std::vector<std::vector<double>>;

@@ -13,7 +13,6 @@
 #include "tools/simulation/progress_tile_source.h"
 
 namespace tools {
-
 namespace {
 
 /// Difference of two marks.

@@ -5,7 +5,6 @@
 #include "hw_models/frame/tile_lines.h"
 
 namespace tools {
-
 namespace {
 
 // Waits of a tile that is alone: a chunk to be started, a ray to cross to the T&I unit and back, and a step

@@ -19,7 +19,6 @@
 #include "traces/accel/bvh_tracer.h"
 
 namespace tools {
-
 namespace {
 
 constexpr double kRidge = 0.2;

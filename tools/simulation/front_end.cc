@@ -8,7 +8,6 @@
 #include "sim/host_clock.h"
 
 namespace tools {
-
 namespace {
 
 /// Visits the arrays of a tile, whose lengths differ from tile to tile.

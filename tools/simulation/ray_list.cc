@@ -12,7 +12,6 @@
 #include "sim/sha256.h"
 
 namespace tools {
-
 namespace {
 
 constexpr std::uint64_t kRayBytes = 32, kMostRays = 1U << 26;

@@ -17,7 +17,6 @@
 #include "tools/host/paths.h"
 
 namespace tools {
-
 namespace {
 
 using traces::Json;

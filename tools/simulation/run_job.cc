@@ -4,8 +4,6 @@
 #include <memory>
 #include <thread>
 
-#include <fmt/format.h>
-
 #include "hw_models/machines/gpu.h"
 #include "hw_models/memory/dram_energy.h"
 #include "shader_kernels/programs/programs.h"
@@ -23,7 +21,6 @@
 #include "traces/trace_file/trace_writer.h"
 
 namespace tools {
-
 namespace {
 
 /// Writes the work of a frame into a trace while it goes by; with no trace it just goes by.

@@ -13,7 +13,6 @@
 #include "traces/accel/embree_tracer.h"
 
 namespace tools {
-
 namespace {
 
 constexpr std::size_t kLongestLine = 400;

@@ -15,7 +15,6 @@
 #include "traces/accel/embree_tracer.h"
 
 namespace tools {
-
 namespace {
 
 /// The suite's choice of the numbers of reports.

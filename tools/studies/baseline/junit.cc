@@ -8,7 +8,6 @@
 #include "tools/studies/baseline/check.h"
 
 namespace tools {
-
 namespace {
 
 constexpr std::size_t kLongest = 1000;

@@ -1,6 +1,5 @@
 #include "tools/studies/baseline/measure.h"
 
-#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
@@ -22,7 +21,6 @@
 #include "tools/jobs/outcome.h"
 
 namespace tools {
-
 namespace {
 
 using Json = nlohmann::ordered_json;

@@ -10,7 +10,6 @@
 #include "hw_models/machines/unit_kinds.h"
 
 namespace tools {
-
 namespace {
 
 double value(const Values& values, const std::string& path) {
@@ -70,12 +69,12 @@ double below_l2(const Values& values) {
   return time_of(values, "l2.bank", "line_cycles") - time_of(values, "dram.channel", "read_latency");
 }
 
-/// What misses waited in queues on their way, which says nothing of the way.
+/// Time that misses waited in queues on their way, which says nothing of the way.
 double queued(const Values& values) {
   return time_of(values, "core.cache_port", "request_wait") + time_of(values, "core.cache_port", "line_wait");
 }
 
-/// What a reason took, in the unit's own cycles, all units of the kind together.
+/// Text of a reason's time in both runs, in the unit's own cycles, all units of the kind together.
 std::string moved_text(const Values& was, const Values& is, std::string_view unit, const std::string& reason) {
   const std::string path = fmt::format("units.{}.why.{}", unit, reason);
   const double before = value(was, path), after = value(is, path);

@@ -8,7 +8,7 @@
 
 namespace tools {
 
-/// What a kind of units ("core.tni.trv") declares of a reason; nothing for one that it has not.
+/// Kind that a kind of units ("core.tni.trv") declares for a reason; nothing for one that it has not.
 std::optional<sim::ReasonKind> kind_of_reason(std::string_view unit, std::string_view reason);
 
 /// The unit that is most likely to have changed, by what two runs of equal work say.

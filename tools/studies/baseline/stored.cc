@@ -13,7 +13,6 @@
 #include "sim/io/file.h"
 
 namespace tools {
-
 namespace {
 
 using Entry = sim::YamlNode::Entry;

@@ -2,8 +2,6 @@
 
 #include <array>
 #include <charconv>
-#include <cmath>
-#include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -18,7 +16,6 @@
 #include "traces/scene/did_you_mean.h"
 
 namespace tools {
-
 namespace {
 
 using Entry = sim::YamlNode::Entry;

@@ -13,7 +13,6 @@
 #include "tools/analysis/report_file.h"
 
 namespace tools {
-
 namespace {
 
 using Json = nlohmann::ordered_json;

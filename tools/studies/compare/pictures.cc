@@ -9,7 +9,6 @@
 #include "traces/scene/images.h"
 
 namespace tools {
-
 namespace {
 
 constexpr std::uint64_t kLargestPicture = 1ULL << 30;

@@ -9,7 +9,6 @@
 #include "tools/studies/compare/compare.h"
 
 namespace tools {
-
 namespace {
 
 /// A quotient of counters of all units of a kind.

@@ -10,7 +10,6 @@
 #include "tools/studies/compare/compare.h"
 
 namespace tools {
-
 namespace {
 
 using Json = nlohmann::ordered_json;

@@ -6,7 +6,6 @@
 #include "tools/studies/microbench/memory_side.h"
 
 namespace tools {
-
 namespace {
 
 constexpr std::uint32_t kPhases = 20;  // starts, a cycle further each time, so that clocks meet in every way

@@ -15,7 +15,6 @@
 #include "tools/studies/microbench/figure.h"
 
 namespace tools {
-
 namespace {
 
 using Json = nlohmann::ordered_json;

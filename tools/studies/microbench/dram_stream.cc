@@ -13,7 +13,6 @@
 #include "sim/io/printable.h"
 
 namespace tools {
-
 namespace {
 
 constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 30;

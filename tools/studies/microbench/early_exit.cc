@@ -12,7 +12,6 @@
 #include "traces/accel/bvh_tracer.h"
 
 namespace tools {
-
 namespace {
 
 using traces::ExitPhase;

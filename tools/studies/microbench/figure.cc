@@ -10,7 +10,6 @@
 #include "sim/report/table.h"
 
 namespace tools {
-
 namespace {
 
 using Holds = Figure::Holds;

@@ -12,7 +12,6 @@
 #include "traces/scene/did_you_mean.h"
 
 namespace tools {
-
 namespace {
 
 constexpr std::array<std::array<std::uint32_t, 2>, 5> kSizes = {{{2, 2}, {4, 2}, {4, 4}, {8, 4}, {8, 8}}};

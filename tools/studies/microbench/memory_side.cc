@@ -5,7 +5,6 @@
 #include "sim/engine.h"
 
 namespace tools {
-
 namespace {
 
 struct Place {

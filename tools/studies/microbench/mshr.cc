@@ -5,7 +5,6 @@
 #include "tools/studies/microbench/memory_side.h"
 
 namespace tools {
-
 namespace {
 
 constexpr std::uint32_t kLines = 8000;

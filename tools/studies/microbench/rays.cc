@@ -9,7 +9,6 @@
 #include "tools/studies/microbench/tni_forms.h"
 
 namespace tools {
-
 namespace {
 
 constexpr std::uint32_t kRays = 12'000;

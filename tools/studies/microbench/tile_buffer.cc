@@ -9,7 +9,6 @@
 #include "tools/studies/microbench/benchmark.h"
 
 namespace tools {
-
 namespace {
 
 using kernels::GraphNode;

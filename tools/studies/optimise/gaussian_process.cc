@@ -8,7 +8,6 @@
 #include <Eigen/Cholesky>
 
 namespace tools::optimise {
-
 namespace {
 
 using Eigen::Index;

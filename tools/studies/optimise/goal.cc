@@ -9,7 +9,6 @@
 #include "sim/io/printable.h"
 
 namespace tools::optimise {
-
 namespace {
 
 std::string trimmed(const std::string& text) {

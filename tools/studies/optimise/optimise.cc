@@ -18,7 +18,6 @@
 #include "tools/studies/sweep/store/folder.h"
 
 namespace tools::optimise {
-
 namespace {
 
 namespace fs = std::filesystem;

@@ -1,7 +1,6 @@
 #include "tools/studies/optimise/search.h"
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 #include <numeric>
 
@@ -10,7 +9,6 @@
 #include "tools/studies/optimise/search_models.h"
 
 namespace tools::optimise {
-
 namespace {
 
 constexpr std::uint64_t kSmallSpace = 1U << 16;  // points that are listed, so that the last ones are found too

@@ -14,7 +14,6 @@
 #include "tools/studies/sweep/spec/magnitude.h"
 
 namespace tools::optimise {
-
 namespace {
 
 using sweep::Fate;

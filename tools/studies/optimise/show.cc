@@ -10,7 +10,6 @@
 #include "tools/studies/sweep/results/index/csv.h"
 
 namespace tools::optimise {
-
 namespace {
 
 using Json = nlohmann::ordered_json;

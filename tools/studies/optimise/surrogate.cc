@@ -4,7 +4,6 @@
 #include <cmath>
 
 namespace tools::optimise {
-
 namespace {
 
 constexpr double kLookDeviation = 0.1;  // of a look's error, in deviations of the values, as long as nothing is known

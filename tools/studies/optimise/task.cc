@@ -1,6 +1,5 @@
 #include "tools/studies/optimise/task.h"
 
-#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -13,7 +12,6 @@
 #include "tools/studies/sweep/spec/yaml_value.h"
 
 namespace tools::optimise {
-
 namespace {
 
 using sweep::YamlValue;

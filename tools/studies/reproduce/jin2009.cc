@@ -5,7 +5,6 @@
 // Jin 2009: supersampling at 1024x1024, pictures compared with 256 samples per pixel.
 
 namespace tools::reproduce {
-
 namespace {
 
 constexpr std::uint32_t kSide = 1024;

@@ -5,7 +5,6 @@
 // Kim 2016: undersampling with 2x2 base blocks and post-correction by two scans, the defaults.
 
 namespace tools::reproduce {
-
 namespace {
 
 View view_of(const std::string& scene, bool quick) {

@@ -3,7 +3,6 @@
 // Lee 2016: multi-rate sampling at 2048x1024, rate control off (the paper's section 5 says it was to come).
 
 namespace tools::reproduce {
-
 namespace {
 
 constexpr std::uint32_t kWidth = 2048, kHeight = 1024;

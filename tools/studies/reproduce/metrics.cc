@@ -14,7 +14,6 @@
 #include "tools/analysis/units.h"
 
 namespace tools::reproduce {
-
 namespace {
 
 using Value = std::optional<double>;

@@ -8,7 +8,6 @@
 #include "traces/accel/bvh_tracer.h"
 
 namespace tools::reproduce {
-
 namespace {
 
 using traces::MaterialRecord;

@@ -12,7 +12,6 @@
 #include "tools/host/paths.h"
 
 namespace tools::reproduce {
-
 namespace {
 
 constexpr std::uint64_t kMostBytes = 1 << 20;

@@ -1,9 +1,6 @@
 #pragma once
-#include <filesystem>
 #include <map>
-#include <optional>
 #include <string>
-#include <tuple>
 
 namespace tools::reproduce {
 

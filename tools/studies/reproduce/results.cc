@@ -11,7 +11,6 @@
 #include "sim/report/table.h"
 
 namespace tools::reproduce {
-
 namespace {
 
 std::string measured_text(const Row& row) {

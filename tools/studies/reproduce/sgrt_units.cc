@@ -6,7 +6,6 @@
 // different units set the pace. Baseline and what stands against it differ in one mechanism alone.
 
 namespace tools::reproduce {
-
 namespace {
 
 constexpr std::uint32_t kWidth = 512, kHeight = 256;

@@ -15,7 +15,6 @@
 #include "tools/studies/sweep/sweep.h"
 
 namespace tools {
-
 namespace {
 
 namespace fs = std::filesystem;

@@ -4,7 +4,6 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
 #include "sim/error.h"
 #include "sim/io/file.h"
@@ -20,7 +19,6 @@
 #include "tools/studies/sweep/sweep.h"
 
 namespace tools {
-
 namespace {
 
 namespace fs = std::filesystem;

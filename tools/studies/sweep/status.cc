@@ -14,7 +14,6 @@
 #include "tools/studies/sweep/sweep.h"
 
 namespace tools {
-
 namespace {
 
 namespace fs = std::filesystem;

@@ -1,5 +1,4 @@
 #include <cmath>
-#include <stdexcept>
 #include <utility>
 
 #include <pagmo/algorithm.hpp>

@@ -22,7 +22,6 @@
 #include "traces/trace_file/trace_writer.h"
 
 namespace tools::sweep {
-
 namespace {
 
 namespace fs = std::filesystem;

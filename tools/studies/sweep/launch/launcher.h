@@ -2,7 +2,6 @@
 #include <cstdint>
 #include <functional>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "tools/studies/sweep/launch/compute.h"

@@ -17,7 +17,6 @@
 #include "tools/studies/sweep/store/durable.h"
 
 namespace tools::sweep {
-
 namespace {
 
 using Json = nlohmann::ordered_json;

@@ -22,7 +22,6 @@
 #include "tools/studies/sweep/launch/worker_channel.h"
 
 namespace tools::sweep {
-
 namespace {
 
 using Json = nlohmann::ordered_json;

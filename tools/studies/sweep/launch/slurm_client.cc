@@ -22,7 +22,6 @@
 extern char** environ;
 
 namespace tools::sweep::slurm {
-
 namespace {
 
 using Words = std::vector<std::string>;

@@ -16,7 +16,6 @@
 #include "tools/studies/sweep/launch/slurm_queue.h"
 
 namespace tools::sweep {
-
 namespace {
 
 namespace fs = std::filesystem;

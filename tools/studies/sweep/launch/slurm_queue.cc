@@ -15,7 +15,6 @@
 #include "tools/studies/sweep/launch/slurm_client.h"
 
 namespace tools::sweep {
-
 namespace {
 
 namespace fs = std::filesystem;

@@ -10,7 +10,6 @@
 #include "tools/studies/sweep/launch/slurm_queue.h"
 
 namespace tools {
-
 namespace {
 
 namespace fs = std::filesystem;

@@ -12,7 +12,6 @@
 #include "tools/studies/sweep/results/condition.h"
 
 namespace tools::results {
-
 namespace {
 
 /// A word as a shell takes it.

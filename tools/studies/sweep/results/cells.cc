@@ -10,7 +10,6 @@
 #include "sim/io/printable.h"
 
 namespace tools::results {
-
 namespace {
 
 constexpr int kDigits = 4, kMostDecimals = 6;

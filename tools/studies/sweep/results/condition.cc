@@ -12,7 +12,6 @@
 #include "sim/io/printable.h"
 
 namespace tools::results {
-
 namespace {
 
 using Op = Condition::Op;

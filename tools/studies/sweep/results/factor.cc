@@ -10,7 +10,6 @@
 #include "sim/io/printable.h"
 
 namespace tools::results {
-
 namespace {
 
 constexpr std::size_t kMostGroups = 6;

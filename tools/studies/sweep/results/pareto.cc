@@ -11,7 +11,6 @@
 #include "tools/studies/sweep/results/results_table.h"
 
 namespace tools::results {
-
 namespace {
 
 /// Better high, but for some below them.

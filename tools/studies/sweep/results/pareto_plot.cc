@@ -7,7 +7,6 @@
 #include "tools/studies/sweep/results/pareto.h"
 
 namespace tools::results {
-
 namespace {
 
 constexpr std::size_t kHeight = 20, kLeastWidth = 40, kMostWidth = 160;

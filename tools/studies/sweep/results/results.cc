@@ -13,7 +13,6 @@
 #include "tools/studies/sweep/results/index/point_state.h"
 
 namespace tools::results {
-
 namespace {
 
 constexpr std::uint64_t kMostReportBytes = 256 << 20;

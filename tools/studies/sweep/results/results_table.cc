@@ -1,7 +1,6 @@
 #include "tools/studies/sweep/results/results_table.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include <fmt/format.h>
 
@@ -13,7 +12,6 @@
 #include "tools/studies/sweep/results/index/csv.h"
 
 namespace tools::results {
-
 namespace {
 
 /// Shown where nobody says what to show.

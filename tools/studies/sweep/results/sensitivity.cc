@@ -13,7 +13,6 @@
 #include "tools/studies/sweep/results/factor.h"
 
 namespace tools::results {
-
 namespace {
 
 constexpr const char* kUsual[] = {"totals.cycles", "totals.energy_mj.nominal", "totals.power_w.nominal",

@@ -15,7 +15,6 @@
 #include "tools/simulation/load_config.h"
 
 namespace tools::sweep {
-
 namespace {
 
 constexpr std::size_t kMostAxes = 64, kMostValues = 10'000, kMostKeys = 64, kMostSettings = 1'000'000;

@@ -12,7 +12,6 @@
 #include "traces/scene/did_you_mean.h"
 
 namespace tools::sweep {
-
 namespace {
 
 using Side = Condition::Side;

@@ -16,7 +16,6 @@
 #include "traces/scenes/library.h"
 
 namespace tools::sweep {
-
 namespace {
 
 namespace fs = std::filesystem;

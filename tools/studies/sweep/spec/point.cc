@@ -8,7 +8,6 @@
 #include "sim/io/printable.h"
 
 namespace tools::sweep {
-
 namespace {
 
 using Json = nlohmann::ordered_json;

@@ -21,7 +21,6 @@
 #include "traces/scenes/library.h"
 
 namespace tools::sweep {
-
 namespace {
 
 using Json = nlohmann::ordered_json;

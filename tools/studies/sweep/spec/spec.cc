@@ -16,7 +16,6 @@
 #include "tools/studies/sweep/spec/yaml_value.h"
 
 namespace tools::sweep {
-
 namespace {
 
 constexpr std::uint64_t kMostBytes = 1 << 20;

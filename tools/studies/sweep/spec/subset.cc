@@ -11,7 +11,6 @@
 #include "sim/hash.h"
 
 namespace tools::sweep {
-
 namespace {
 
 constexpr std::uint64_t kMostPoints = 1'000'000;

@@ -11,7 +11,6 @@
 #include "traces/scene/did_you_mean.h"
 
 namespace tools::sweep {
-
 namespace {
 
 /// A hostile file can name one list in many places.

@@ -13,7 +13,6 @@
 #include "sim/io/printable.h"
 
 namespace tools::sweep {
-
 namespace {
 
 [[noreturn]] void give_up(const std::filesystem::path& path, int error) {

@@ -15,7 +15,6 @@
 #include "tools/studies/sweep/results/index/index_file.h"
 
 namespace tools::results {
-
 namespace {
 
 namespace fs = std::filesystem;

@@ -6,7 +6,6 @@
 #include <thread>
 
 namespace tools::results {
-
 namespace {
 
 constexpr std::uint32_t kUnknown = std::numeric_limits<std::uint32_t>::max();

@@ -6,7 +6,6 @@
 #include "sim/io/printable.h"
 
 namespace tools::results {
-
 namespace {
 
 // Values of metrics and axes lie column by column: queries ask for few columns of all points.

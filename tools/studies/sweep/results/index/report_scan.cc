@@ -10,7 +10,6 @@
 #include "sim/io/printable.h"
 
 namespace tools::results {
-
 namespace {
 
 using Json = nlohmann::ordered_json;

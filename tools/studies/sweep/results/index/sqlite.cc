@@ -1,12 +1,10 @@
 #include "tools/studies/sweep/results/index/sqlite.h"
 
 #include <new>
-#include <stdexcept>
 
 #include <sqlite3.h>
 
 namespace tools::results {
-
 namespace {
 
 void check(sqlite3* database, int result) {
