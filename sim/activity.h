@@ -34,9 +34,8 @@ struct ReasonLine {
   Reason declared;
 };
 
-/// A unit's reasons by their values: static constexpr auto kReasons = sim::reasons<CycleReason>({{kIdle, {"idle",
-/// ...}},
-/// ...}). All of them, in the order of the enumeration, or it does not compile.
+/// A unit's reasons by their values, all of them in the order of the enumeration, or it does not compile:
+///   static constexpr auto kReasons = sim::reasons<CycleReason>({{kIdle, sim::idle("idle", "nothing inside")}, ...});
 template <class CycleReason, std::size_t kLines>
 consteval std::array<Reason, kLines> reasons(const ReasonLine<CycleReason> (&lines)[kLines]) {
   static_assert(kLines == static_cast<std::size_t>(CycleReason::kCount));

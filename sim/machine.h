@@ -27,7 +27,7 @@ enum class Lookahead : std::uint8_t {
   kByOwner,    ///< the machine's owner knows when something comes over it, and has it in its lookahead_end()
 };
 
-/// Units and the links between them, each said once. All else follows from that: the units' wake-up times and who
+/// Units and the links between them, each declared once. All else follows from that: the units' wake-up times and who
 /// lowers them, the order of visits, partitions, synchronisers between clock domains, state, reports and the end of a
 /// run.
 ///

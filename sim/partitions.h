@@ -6,8 +6,8 @@
 
 namespace sim {
 
-/// Parts of a machine that meet others at links alone which take a while. So what one of them does at t cannot matter
-/// to another before t + that while, and until then each can be run by itself: the host keeps what it works on at hand.
+/// A partition: units whose links to other partitions all have a latency. An event at t can affect another partition
+/// only after that latency, so each runs by itself up to that lookahead, and the host keeps its state at hand.
 ///
 ///   outer partitions --links--> [ the inner partition ] --links--> outer partitions
 ///
