@@ -1,13 +1,26 @@
 #include "sim/machine.h"
 
 #include <algorithm>
-#include <cassert>
+#include <stdexcept>
+#include <string_view>
 
 namespace sim {
 
 UnitId Machine::unit(Declaration declared) {
+  expect(!started(), "a unit is declared before the start");
   declared_.push_back(std::move(declared));
   return {declared_.size() - 1, declared_.back().clock};
+}
+
+void Machine::expect(bool kept, std::string_view rule) {
+  if (!kept) throw std::logic_error("sim::Machine: " + std::string(rule));
+}
+
+void Machine::expect_to_be_built(UnitId id) const {
+  expect(!started(), "a unit is built before the start");
+  expect(id.index < declared_.size(), "a unit is declared before it is built");
+  expect(std::ranges::none_of(units_, [&](const auto& unit) { return unit->declared == id.index; }),
+         declared_[id.index].name + " is built once");
 }
 
 bool Machine::quiet() const {
@@ -36,8 +49,8 @@ std::vector<UnitReport> Machine::report() const {
 }
 
 void Machine::start() {
-  if (wakes_.size() != 0) return;
-  assert(units_.size() == declared_.size() && "each declared unit is built, once");
+  if (started()) return;
+  expect(units_.size() == declared_.size(), "each declared unit is built");
   place_units();
   connect_links();
 }
@@ -69,7 +82,7 @@ void Machine::place_units() {
 void Machine::connect_links() {
   for (const auto& wire : wires_) {
     const std::size_t from = declared_[wire->from].partition, to = declared_[wire->to].partition;
-    assert((from == to || from == 0 || to == 0) && "outer partitions meet the inner one alone");
+    expect(from == to || from == 0 || to == 0, "outer partitions meet the inner one alone");
     const bool inward = from != to && to == 0;
     wire->connect(wakes_.of(slots_[wire->from]), wakes_.of(slots_[wire->to]),
                   inward ? &partitions_.outer[from - 1].nearly_full : nullptr);

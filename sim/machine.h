@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -35,7 +36,8 @@ enum class Lookahead : std::uint8_t {
 ///
 /// First units are declared, then the links between them, then units are built with their links. The order of building
 /// is that of reports and states. Units of a partition that are declared one after the other have their wake-up times
-/// side by side, which costs least if those that are seldom awake come last.
+/// side by side, which costs least if those that are seldom awake come last. A machine declared otherwise (a unit built
+/// twice or not at all, a link of a unit that it has not, anything after the start) throws std::logic_error.
 class Machine {
  public:
   struct Declaration {
@@ -58,6 +60,8 @@ class Machine {
   Link<T>& link(std::size_t capacity, std::uint64_t latency_cycles, UnitId from, UnitId to,
                 Lookahead lookahead = Lookahead::kByLatency) {
     auto wire = std::make_unique<Wire<T>>(capacity, latency_cycles, from.clock, to.clock, synchroniser_cycles_);
+    expect(from.index < declared_.size() && to.index < declared_.size(), "a link is between declared units");
+    expect(!started(), "a link is declared before the start");
     wire->from = from.index;
     wire->to = to.index;
     wire->lookahead = lookahead;
@@ -70,6 +74,7 @@ class Machine {
   /// report needs (sim::report_of) are used, too.
   template <class U, class... Args>
   U& build(UnitId id, Args&&... args) {
+    expect_to_be_built(id);
     auto built = std::make_unique<Built<U>>(std::forward<Args>(args)...);
     U& unit = built->unit;
     const Declaration& declared = declared_[id.index];
@@ -164,6 +169,10 @@ class Machine {
     Link<T> link;
   };
 
+  /// Throws std::logic_error unless the rule is kept.
+  static void expect(bool kept, std::string_view rule);
+  void expect_to_be_built(UnitId id) const;
+  bool started() const { return wakes_.size() != 0; }
   void place_units();
   void connect_links();
 

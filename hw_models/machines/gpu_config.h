@@ -2,10 +2,10 @@
 #include <cstdint>
 #include <string>
 
+#include "hw_models/dram/dram_config.h"
 #include "hw_models/frame/direct_interface_config.h"
 #include "hw_models/machines/ideal_config.h"
 #include "hw_models/memory/core_port.h"
-#include "hw_models/memory/dram_config.h"
 #include "hw_models/memory/l2_config.h"
 #include "hw_models/srp/srp_config.h"
 #include "hw_models/srp/tile_buffer.h"
@@ -70,7 +70,7 @@ struct GpuConfig {
   }
   void check(auto&& complain) const {
     const auto line = [&](const char* key, const sim::ByteSize& size) {
-      if (size.bytes != 64)
+      if (size.bytes != kLineBytes)
         complain(key, "must be 64 B: nodes, attributes and texture tiles are laid out in such lines");
     };
     line("tni.trv.l1.line", tni.trv.l1.line);

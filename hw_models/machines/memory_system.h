@@ -3,9 +3,9 @@
 #include <span>
 #include <vector>
 
+#include "hw_models/dram/dram_channel.h"
 #include "hw_models/machines/gpu_config.h"
 #include "hw_models/memory/core_port.h"
-#include "hw_models/memory/dram_channel.h"
 #include "hw_models/memory/l2_bank.h"
 #include "hw_models/memory/memory_port.h"
 #include "sim/machine.h"

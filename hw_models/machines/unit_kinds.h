@@ -3,11 +3,11 @@
 #include <span>
 #include <string_view>
 
+#include "hw_models/dram/dram_channel.h"
 #include "hw_models/frame/dma.h"
 #include "hw_models/frame/memory_interface.h"
 #include "hw_models/frame/tile_dispatcher.h"
 #include "hw_models/memory/core_port.h"
-#include "hw_models/memory/dram_channel.h"
 #include "hw_models/memory/l2_bank.h"
 #include "hw_models/srp/srp.h"
 #include "hw_models/tni/ist.h"

@@ -81,7 +81,7 @@ class CorePort {
   };
 
   CorePort(const InterconnectConfig& config, Links links, Interleave targets, sim::Clock clock,
-           std::uint64_t line_bytes = 64, bool ideal = false);
+           std::uint64_t line_bytes = kLineBytes, bool ideal = false);
   CorePort(const CorePort&) = delete;
   CorePort& operator=(const CorePort&) = delete;
 

@@ -229,8 +229,8 @@ std::string Srp::state() const {
     }
   }
   return fmt::format("{}, rays in T&I {}, ray slots {}/{}, feeds {}, DMA jobs {}{}",
-                     run_.active ? (run_.stalled_since == sim::kNever ? "running" : "frozen") : "array idle", rays_out_,
-                     buffer_.used(), buffer_.slots(), feeds_.size(), dma_.size(), tiles);
+                     run_.active ? (run_.stalled_since == sim::kNever ? "running" : "stalled") : "array idle",
+                     rays_out_, buffer_.used(), buffer_.slots(), feeds_.size(), dma_.size(), tiles);
 }
 
 }  // namespace hw

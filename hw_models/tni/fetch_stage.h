@@ -193,7 +193,7 @@ class FetchStage {
   }
   /// A slot now waits for the line: under `rau` in a row, under `blocking` where it stands.
   void missed(Addr line, std::uint64_t slot);
-  /// A line has come, or a register is free: slots that stand in the fetch stage go on.
+  /// A line has come, or an MSHR is free: slots that stand in the fetch stage go on.
   void go_on(Addr line, std::uint64_t slots);
   bool room_in_table(Addr line);
   void leave_table(std::uint64_t slot);

@@ -3,9 +3,9 @@
 
 #include <benchmark/benchmark.h>
 
+#include "hw_models/dram/dram_channel.h"
+#include "hw_models/dram/dram_player.h"
 #include "hw_models/memory/cache_tags.h"
-#include "hw_models/memory/dram_channel.h"
-#include "hw_models/memory/dram_player.h"
 #include "sim/hash.h"
 #include "sim/link.h"
 #include "tests/hw_models/tni/harness.h"

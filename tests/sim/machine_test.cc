@@ -1,6 +1,7 @@
 #include "sim/machine.h"
 
 #include <array>
+#include <stdexcept>
 #include <string_view>
 
 #include <gtest/gtest.h>
@@ -151,6 +152,43 @@ TEST(Machine, PartitionsShareNoGroupOfWakeUpTimes) {
   EXPECT_LE(partitions.outer.front().units.end, partitions.inner.units.first);
   EXPECT_EQ(pair.machine().wake_time(pair.giver), 0U);
   EXPECT_EQ(pair.machine().wake_time(pair.taker), 0U);
+}
+
+TEST(Machine, ThrowsForAUnitThatIsNotBuilt) {
+  Machine machine;
+  machine.unit({.name = "forgotten", .clock = Clock(2)});
+  EXPECT_THROW(machine.start(), std::logic_error);
+}
+
+TEST(Machine, ThrowsForAUnitThatIsBuiltTwiceOrNotDeclared) {
+  Machine machine;
+  const UnitId unit = machine.unit({.name = "unit", .clock = Clock(2)});
+  machine.build<Relay>(unit, Clock(2), nullptr, nullptr);
+  EXPECT_THROW(machine.build<Relay>(unit, Clock(2), nullptr, nullptr), std::logic_error);
+  EXPECT_THROW(machine.build<Relay>(UnitId{1, Clock(2)}, Clock(2), nullptr, nullptr), std::logic_error);
+}
+
+TEST(Machine, ThrowsForALinkOfAUnitThatIsNotDeclared) {
+  Machine machine;
+  const UnitId unit = machine.unit({.name = "unit", .clock = Clock(2)});
+  EXPECT_THROW(machine.link<int>(1, 1, unit, UnitId{1, Clock(2)}), std::logic_error);
+}
+
+TEST(Machine, ThrowsForWhatComesAfterTheStart) {
+  Pair pair;
+  pair.machine().start();
+  EXPECT_THROW(pair.machine().unit({.name = "late", .clock = Clock(2)}), std::logic_error);
+  EXPECT_THROW(pair.machine().link<int>(1, 1, pair.giver, pair.taker), std::logic_error);
+}
+
+TEST(Machine, ThrowsForALinkBetweenTwoOuterPartitions) {
+  Machine machine;
+  const UnitId first = machine.unit({.name = "first", .clock = Clock(2), .partition = 1});
+  const UnitId second = machine.unit({.name = "second", .clock = Clock(2), .partition = 2});
+  auto& link = machine.link<int>(4, 1, first, second);
+  machine.build<Relay>(first, Clock(2), nullptr, &link);
+  machine.build<Relay>(second, Clock(2), &link, nullptr);
+  EXPECT_THROW(machine.start(), std::logic_error);
 }
 
 }  // namespace

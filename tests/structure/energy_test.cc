@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "hw_models/memory/dram_energy.h"
+#include "hw_models/dram/dram_energy.h"
 #include "tools/simulation/run_job.h"
 
 // What counters name as their energy events, and what the energy files have figures for, is the same set.

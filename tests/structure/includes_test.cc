@@ -36,6 +36,7 @@ constexpr std::array kFloors = {
     Floor{"hw_models/frame", 9},
     Floor{"hw_models/srp", 8},
     Floor{"hw_models/tni", 8},
+    Floor{"hw_models/dram", 8},
     Floor{"hw_models/memory", 7},
     Floor{"shader_kernels/programs", 6},
     Floor{"shader_kernels", 5},

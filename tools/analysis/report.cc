@@ -9,8 +9,8 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "hw_models/dram/dram_channel.h"
 #include "hw_models/frame/dma.h"
-#include "hw_models/memory/dram_channel.h"
 #include "hw_models/memory/l2_bank.h"
 #include "shader_kernels/catalogue.h"
 #include "sim/config/config.h"

@@ -9,8 +9,8 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "hw_models/dram/dram_channel.h"
 #include "hw_models/frame/memory_interface.h"
-#include "hw_models/memory/dram_channel.h"
 #include "hw_models/memory/l2_bank.h"
 #include "hw_models/srp/srp.h"
 #include "hw_models/tni/ist.h"
@@ -165,7 +165,7 @@ nlohmann::ordered_json levels_json(const MissLevels& l, double share) {
 
 double data_bus_share(std::span<const UnitReport> units) {
   const Units<hw::DramChannel> channels(units);
-  return channels.share(hw::DramWhy::kReading) + channels.share(hw::DramWhy::kWriting);
+  return channels.share(hw::DramCycleReason::kReading) + channels.share(hw::DramCycleReason::kWriting);
 }
 
 TopDown top_down(std::span<const UnitReport> units, const hw::GpuConfig& config) {

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "hw_models/dram/dram_energy.h"
 #include "hw_models/machines/ray_machine.h"
-#include "hw_models/memory/dram_energy.h"
 #include "sim/config/config.h"
 #include "sim/config/config_json.h"
 #include "sim/host_clock.h"

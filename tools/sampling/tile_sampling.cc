@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "hw_models/memory/dram_energy.h"
+#include "hw_models/dram/dram_energy.h"
 #include "shader_kernels/programs/full.h"
 #include "sim/error.h"
 #include "sim/hash.h"

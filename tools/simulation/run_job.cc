@@ -4,8 +4,8 @@
 #include <memory>
 #include <thread>
 
+#include "hw_models/dram/dram_energy.h"
 #include "hw_models/machines/gpu.h"
-#include "hw_models/memory/dram_energy.h"
 #include "shader_kernels/programs/programs.h"
 #include "sim/engine.h"
 #include "sim/host_clock.h"

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "hw_models/dram/dram_channel.h"
 #include "hw_models/memory/core_port.h"
-#include "hw_models/memory/dram_channel.h"
 #include "hw_models/memory/l2_bank.h"
 #include "sim/engine.h"
 #include "sim/hash.h"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "hw_models/memory/dram_channel.h"
+#include "hw_models/dram/dram_channel.h"
 #include "hw_models/memory/l2_bank.h"
 #include "hw_models/srp/srp.h"
 #include "hw_models/tni/ist.h"

@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 
-#include "hw_models/memory/dram_channel.h"
+#include "hw_models/dram/dram_channel.h"
 #include "hw_models/memory/l2_bank.h"
 #include "hw_models/srp/srp.h"
 #include "hw_models/tni/ist.h"

@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "hw_models/memory/dram_energy.h"
-#include "hw_models/memory/dram_measurements.h"
+#include "hw_models/dram/dram_energy.h"
+#include "hw_models/dram/dram_measurements.h"
 #include "sim/report/report_json.h"
 #include "sim/report/table.h"
 #include "tools/simulation/load_config.h"

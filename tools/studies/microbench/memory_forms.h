@@ -3,8 +3,8 @@
 #include <array>
 #include <cstdint>
 
+#include "hw_models/dram/dram_closed_forms.h"
 #include "hw_models/machines/gpu.h"
-#include "hw_models/memory/dram_closed_forms.h"
 #include "sim/time.h"
 #include "tools/studies/microbench/figure.h"
 

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "hw_models/memory/dram_channel.h"
+#include "hw_models/dram/dram_channel.h"
 #include "hw_models/tni/ist.h"
 #include "hw_models/tni/trv.h"
 #include "tools/analysis/kernel_shares.h"

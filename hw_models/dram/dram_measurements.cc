@@ -1,10 +1,10 @@
-#include "hw_models/memory/dram_measurements.h"
+#include "hw_models/dram/dram_measurements.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "hw_models/memory/dram_closed_forms.h"
-#include "hw_models/memory/dram_player.h"
+#include "hw_models/dram/dram_closed_forms.h"
+#include "hw_models/dram/dram_player.h"
 #include "sim/hash.h"
 
 namespace hw {

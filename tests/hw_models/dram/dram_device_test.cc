@@ -1,11 +1,11 @@
-#include "hw_models/memory/dram_device.h"
+#include "hw_models/dram/dram_device.h"
 
 #include <bit>
 #include <set>
 
 #include <gtest/gtest.h>
 
-#include "hw_models/memory/dram_map.h"
+#include "hw_models/dram/dram_map.h"
 
 namespace hw {
 namespace {

@@ -1,4 +1,4 @@
-#include "hw_models/memory/dram_energy.h"
+#include "hw_models/dram/dram_energy.h"
 
 namespace hw {
 

@@ -1,4 +1,4 @@
-#include "hw_models/memory/dram_device.h"
+#include "hw_models/dram/dram_device.h"
 
 #include <algorithm>
 #include <bit>
@@ -39,24 +39,24 @@ DramDevice::DramDevice(const DramConfig& c)
   assert(c.organisation.all_banks() <= kMaxBanks && c.organisation.ranks <= kMaxRanks);
 }
 
-DramWhy DramDevice::reason(DramCommand command, std::uint32_t bank, bool write, Cycle at) const {
+DramCycleReason DramDevice::reason(DramCommand command, std::uint32_t bank, bool write, Cycle at) const {
   const bool by_bank = at == this->at(command, bank);
   const Rank& rank = rank_[rank_of(bank)];
-  if (at == awake_at_ && at != 0) return DramWhy::kPowerDown;
+  if (at == awake_at_ && at != 0) return DramCycleReason::kPowerDown;
   switch (command) {
     case kColumn:
-      if (by_bank) return DramWhy::kActivate;
-      if (at == rank.column_at[write]) return rank.column_why[write];
+      if (by_bank) return DramCycleReason::kActivate;
+      if (at == rank.column_at[write]) return rank.column_reason[write];
       if (at == group_at_[write ? kWriteTrain : kReadTrain][group_of(bank)])
-        return last_was_write_ && !write ? DramWhy::kTurnaround : DramWhy::kColumn;
-      return calendar_.data_free(at - 1) ? DramWhy::kCommandBus : DramWhy::kColumn;
+        return last_was_write_ && !write ? DramCycleReason::kTurnaround : DramCycleReason::kColumn;
+      return calendar_.data_free(at - 1) ? DramCycleReason::kCommandBus : DramCycleReason::kColumn;
     case kActivate:
-      if (by_bank) return closed_why_[bank];
-      return at == rank.next_activate() ? DramWhy::kActivate : DramWhy::kCommandBus;
+      if (by_bank) return closed_reason_[bank];
+      return at == rank.next_activate() ? DramCycleReason::kActivate : DramCycleReason::kCommandBus;
     case kPrecharge:
-      return by_bank ? DramWhy::kRowConflict : DramWhy::kCommandBus;
+      return by_bank ? DramCycleReason::kRowConflict : DramCycleReason::kCommandBus;
   }
-  return DramWhy::kIdle;
+  return DramCycleReason::kIdle;
 }
 
 void DramDevice::activate(std::uint32_t bank, std::uint32_t row, Cycle now) {
@@ -84,7 +84,7 @@ void DramDevice::precharge(std::uint32_t bank, Cycle now) {
 void DramDevice::close(std::uint32_t bank, Cycle now) {
   open_ &= ~(1U << bank);
   at(kActivate, bank) = std::max(at(kActivate, bank), now + t_.rp);
-  closed_why_[bank] = DramWhy::kRowConflict;
+  closed_reason_[bank] = DramCycleReason::kRowConflict;
   Rank& rank = rank_[rank_of(bank)];
   rank.active_until = std::max(rank.active_until, now);
 }
@@ -97,11 +97,11 @@ DramDevice::Cycle DramDevice::read(std::uint32_t bank, Cycle now) {
   const Cycle end = last + t_.rl + t_.dqsck + t_.burst;
   for (std::uint32_t r = 0; r < ranks_; ++r) {
     if (r == rank_of(bank)) {
-      rank_[r].raise(true, end + t_.rtw - t_.wl, DramWhy::kTurnaround);
+      rank_[r].raise(true, end + t_.rtw - t_.wl, DramCycleReason::kTurnaround);
     } else {
-      rank_[r].raise(false, last + t_.burst + t_.rtrs, DramWhy::kRankSwitch);
+      rank_[r].raise(false, last + t_.burst + t_.rtrs, DramCycleReason::kRankSwitch);
       rank_[r].raise(true, end + std::max(t_.rtw, t_.rtrs) - t_.wl,
-                     t_.rtrs > t_.rtw ? DramWhy::kRankSwitch : DramWhy::kTurnaround);
+                     t_.rtrs > t_.rtw ? DramCycleReason::kRankSwitch : DramCycleReason::kTurnaround);
     }
   }
   book_train(false, now);
@@ -118,11 +118,11 @@ DramDevice::Cycle DramDevice::write(std::uint32_t bank, Cycle now) {
   const Cycle end = last_data + t_.burst;
   for (std::uint32_t r = 0; r < ranks_; ++r) {
     if (r == rank_of(bank)) {
-      rank_[r].raise(false, end + t_.wtr_s, DramWhy::kTurnaround);
+      rank_[r].raise(false, end + t_.wtr_s, DramCycleReason::kTurnaround);
     } else {
       const Cycle read_delay = Cycle{t_.rl} + t_.dqsck;
-      rank_[r].raise(false, std::max(end + t_.rtrs, read_delay) - read_delay, DramWhy::kRankSwitch);
-      rank_[r].raise(true, last + t_.burst + t_.rtrs, DramWhy::kRankSwitch);
+      rank_[r].raise(false, std::max(end + t_.rtrs, read_delay) - read_delay, DramCycleReason::kRankSwitch);
+      rank_[r].raise(true, last + t_.burst + t_.rtrs, DramCycleReason::kRankSwitch);
     }
   }
   book_train(true, now);
@@ -152,7 +152,7 @@ void DramDevice::keep_busy(std::uint32_t banks, Cycle from, std::uint32_t cycles
   for (std::uint32_t left = banks; left != 0; left &= left - 1) begin = std::max(begin, at(kActivate, log2(left)));
   for (std::uint32_t left = banks; left != 0; left &= left - 1) {
     at(kActivate, log2(left)) = begin + cycles;
-    closed_why_[log2(left)] = DramWhy::kRefresh;
+    closed_reason_[log2(left)] = DramCycleReason::kRefresh;
   }
 }
 

@@ -1,4 +1,4 @@
-#include "hw_models/memory/dram_measurements.h"
+#include "hw_models/dram/dram_measurements.h"
 
 #include <gtest/gtest.h>
 

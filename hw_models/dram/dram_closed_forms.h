@@ -1,7 +1,7 @@
 #pragma once
 #include <algorithm>
 
-#include "hw_models/memory/dram_config.h"
+#include "hw_models/dram/dram_config.h"
 
 namespace hw {
 

@@ -2,7 +2,7 @@
 #include <array>
 #include <cstdint>
 
-#include "hw_models/memory/dram_config.h"
+#include "hw_models/dram/dram_config.h"
 
 namespace hw {
 

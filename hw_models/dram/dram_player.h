@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "hw_models/memory/dram_channel.h"
+#include "hw_models/dram/dram_channel.h"
 
 namespace hw {
 
@@ -23,7 +23,7 @@ struct DramPlay {
   std::vector<sim::Time> done;     ///< by request: when the last of its data had passed the bus
   sim::Time end = 0;               ///< when the last data had passed the bus
   DramChannel::Stats stats;
-  std::vector<std::pair<std::string, std::uint64_t>> why;  ///< cycles by DramWhy, `end` in all
+  std::vector<std::pair<std::string, std::uint64_t>> why;  ///< cycles by DramCycleReason, `end` in all
 
   sim::Time latency(std::size_t request) const { return done[request] - arrived[request]; }
 };

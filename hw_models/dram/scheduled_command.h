@@ -2,7 +2,7 @@
 #include <compare>
 #include <cstdint>
 
-#include "hw_models/memory/command_calendar.h"
+#include "hw_models/dram/command_calendar.h"
 #include "sim/time.h"
 
 namespace hw {

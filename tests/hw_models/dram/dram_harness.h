@@ -1,5 +1,5 @@
 #pragma once
-#include "hw_models/memory/dram_player.h"
+#include "hw_models/dram/dram_player.h"
 #include "tests/hw_models/memory/harness.h"
 
 namespace hw::test {
@@ -39,7 +39,7 @@ struct DramHarness {
   std::uint64_t latency(std::size_t request) { return requester().script[request].latency(); }
   DramChannel& channel() { return *harness.channels.front(); }
   const DramChannel::Stats& stats() { return channel().stats(); }
-  std::uint64_t why(DramWhy reason) { return channel().clock().cycles(channel().activity().spent(reason)); }
+  std::uint64_t why(DramCycleReason reason) { return channel().clock().cycles(channel().activity().spent(reason)); }
   /// Returns the cycles elapsed, the last visited one included.
   std::uint64_t run(Mode mode = Mode::kSkip) {
     end = harness.run(mode);
@@ -70,7 +70,7 @@ struct Script {
     return static_cast<double>(result.latency(i)) / static_cast<double>(config.timing.ck.time);
   }
   std::uint64_t done(std::size_t i) const { return result.done[i] / config.timing.ck.time; }
-  std::uint64_t why(DramWhy reason) const { return result.why[static_cast<std::size_t>(reason)].second; }
+  std::uint64_t why(DramCycleReason reason) const { return result.why[static_cast<std::size_t>(reason)].second; }
 
   DramConfig config;
   std::vector<DramRequest> requests;

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "hw_models/memory/dram_channel.h"
+#include "hw_models/dram/dram_channel.h"
 
 namespace hw {
 

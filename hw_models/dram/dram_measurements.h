@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "hw_models/memory/dram_config.h"
+#include "hw_models/dram/dram_config.h"
 
 namespace hw {
 

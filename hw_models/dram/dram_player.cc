@@ -1,4 +1,4 @@
-#include "hw_models/memory/dram_player.h"
+#include "hw_models/dram/dram_player.h"
 
 #include <algorithm>
 #include <cassert>

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "hw_models/memory/dram_config.h"
+#include "hw_models/dram/dram_config.h"
 
 namespace hw {
 

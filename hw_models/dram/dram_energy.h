@@ -2,8 +2,8 @@
 #include <map>
 #include <string>
 
-#include "hw_models/memory/dram_channel.h"
-#include "hw_models/memory/dram_config.h"
+#include "hw_models/dram/dram_channel.h"
+#include "hw_models/dram/dram_config.h"
 #include "sim/report/energy.h"
 
 namespace hw {

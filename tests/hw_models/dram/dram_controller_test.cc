@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
-#include "hw_models/memory/dram_closed_forms.h"
-#include "hw_models/memory/dram_player.h"
-#include "tests/hw_models/memory/dram_harness.h"
+#include "hw_models/dram/dram_closed_forms.h"
+#include "hw_models/dram/dram_player.h"
+#include "tests/hw_models/dram/dram_harness.h"
 
 // Page policies, schedulers, a device of two ranks; every kind of controller on every engine.
 
@@ -91,7 +91,7 @@ TEST(Ranks, HaveActivateWindowsOfTheirOwn) {
   s.go();
   EXPECT_EQ(s.done(1) - s.done(0), 2 * kT.burst + kT.rtrs) << "only the data bus keeps them apart";
   EXPECT_EQ(s.done(3) - s.done(2), std::max(kT.rrd, 2 * kT.burst)) << "tRRD, within a rank";
-  EXPECT_GT(s.why(DramWhy::kRankSwitch), 0U);
+  EXPECT_GT(s.why(DramCycleReason::kRankSwitch), 0U);
 }
 
 TEST(Ranks, AreRefreshedInTurn) {
@@ -167,8 +167,8 @@ TEST(Controllers, OfEveryKindDoNotDependOnHowTheEngineVisitsThem) {
       }
       const std::uint64_t cycles = b.run(mode);
       std::uint64_t spent = 0;
-      for (std::size_t i = 0; i < static_cast<std::size_t>(DramWhy::kCount); ++i) {
-        spent += b.why(static_cast<DramWhy>(i));
+      for (std::size_t i = 0; i < static_cast<std::size_t>(DramCycleReason::kCount); ++i) {
+        spent += b.why(static_cast<DramCycleReason>(i));
       }
       EXPECT_EQ(spent, cycles);
       const DramChannel::Stats& s = b.stats();

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/hw_models/memory/dram_harness.h"
+#include "tests/hw_models/dram/dram_harness.h"
 
 namespace hw::test {
 namespace {
@@ -50,7 +50,7 @@ TEST(DramChannel, AnEarlyRowConflictWaitsForTheRowsMinimumTime) {
   const std::uint64_t precharge = std::max(kT.ras, kT.rcd + kT.ccd_l + kT.rtp);
   EXPECT_EQ(b.requester().script[1].answered,
             kWires + std::max<std::uint64_t>(precharge + kT.rp, kT.rc) + kT.rcd + kHit);
-  EXPECT_GT(b.why(DramWhy::kRowConflict), 0U);
+  EXPECT_GT(b.why(DramCycleReason::kRowConflict), 0U);
 }
 
 TEST(DramChannel, RowHitsFollowEachOtherWithoutAGapOnTheDataBus) {
@@ -58,7 +58,7 @@ TEST(DramChannel, RowHitsFollowEachOtherWithoutAGapOnTheDataBus) {
   for (Addr i = 0; i < 32; ++i) b.requester().send(b.row(0, 0) + 64 * i);
   b.run();
   EXPECT_EQ(b.requester().script[31].answered, kWires + kT.rcd + kHit + 31 * kLine);
-  EXPECT_EQ(b.why(DramWhy::kReading), 32 * kLine);
+  EXPECT_EQ(b.why(DramCycleReason::kReading), 32 * kLine);
 }
 
 TEST(DramChannel, TheFabricIsPartOfEveryReadsLatency) {
@@ -91,7 +91,7 @@ TEST(DramChannel, AReadAfterAWriteWaitsForTheTurnaround) {
   const std::uint64_t write = 1 + kT.rcd;  // arrival, activate
   const std::uint64_t read = write + kT.ccd_l + kT.wl + kT.dqss + kT.burst + kT.wtr_s;
   EXPECT_EQ(b.requester().script[1].answered, read + kHit + 1);
-  EXPECT_GT(b.why(DramWhy::kTurnaround), 0U);
+  EXPECT_GT(b.why(DramCycleReason::kTurnaround), 0U);
   EXPECT_EQ(b.stats().turnarounds, 2U) << "to the write and back";
 }
 
@@ -102,7 +102,7 @@ TEST(DramChannel, ARequestToARefreshingBankWaitsForTheRefresh) {
   b.requester().send(b.row(0, 0), 780);
   b.run();
   EXPECT_EQ(b.requester().script[0].answered, 780 + kT.rfc_pb + kT.rcd + kHit + 1);
-  EXPECT_GT(b.why(DramWhy::kRefresh), 0U);
+  EXPECT_GT(b.why(DramCycleReason::kRefresh), 0U);
 }
 
 TEST(DramChannel, RefreshesGoOnWhileNothingElseHappens) {
@@ -203,7 +203,8 @@ TEST(DramChannel, EverythingThatEntersLeavesAndIsCounted) {
   EXPECT_GE(s.activates, s.row_misses + s.row_conflicts);
   EXPECT_EQ(s.active_standby + s.precharge_standby, cycles);
   std::uint64_t sum = 0;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(DramWhy::kCount); ++i) sum += b.why(static_cast<DramWhy>(i));
+  for (std::size_t i = 0; i < static_cast<std::size_t>(DramCycleReason::kCount); ++i)
+    sum += b.why(static_cast<DramCycleReason>(i));
   EXPECT_EQ(sum, cycles);
 }
 
@@ -213,7 +214,7 @@ TEST(DramChannel, ASlowClientIsChargedToReturnsFullAndStillServed) {
   for (Addr i = 0; i < 200; ++i) b.requester().send(64 * i);
   b.run();
   EXPECT_TRUE(b.requester().done());
-  EXPECT_GT(b.why(DramWhy::kReturnsFull), 10'000U);
+  EXPECT_GT(b.why(DramCycleReason::kReturnsFull), 10'000U);
 }
 
 TEST(DramChannel, RandomTrafficDoesNotDependOnHowTheEngineVisitsIt) {

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "hw_models/memory/dram_closed_forms.h"
-#include "tests/hw_models/memory/dram_harness.h"
+#include "hw_models/dram/dram_closed_forms.h"
+#include "tests/hw_models/dram/dram_harness.h"
 
 // Refreshes bank by bank, in pairs and of whole ranks; power-down.
 
@@ -26,7 +26,7 @@ TEST(AllBankRefresh, KeepsEveryBankBusy) {
   EXPECT_EQ(s.done(2), 2 * 6246 - 1 + kT.rp_ab + kT.rfc_ab + closed);
   EXPECT_EQ(s.result.stats.refreshes_all, 2U);
   EXPECT_EQ(s.result.stats.refreshes, 0U);
-  EXPECT_GT(s.why(DramWhy::kRefresh), std::uint64_t{2} * kT.rfc_ab - 20);
+  EXPECT_GT(s.why(DramCycleReason::kRefresh), std::uint64_t{2} * kT.rfc_ab - 20);
 }
 
 TEST(PairRefresh, TakesBanksOfTwoGroupsTogether) {
@@ -49,7 +49,7 @@ TEST(PowerDown, BeginsAfterTheIdleTimeAndThePrechargeAndEndsWithARequest) {
   s.read(0, 1, 5000);
   s.go();
   EXPECT_EQ(s.latency(1), kForm.after_power_down());
-  EXPECT_EQ(s.why(DramWhy::kPowerDown), kT.xp);
+  EXPECT_EQ(s.why(DramCycleReason::kPowerDown), kT.xp);
   EXPECT_EQ(s.result.stats.power_downs, 1U);
   EXPECT_EQ(s.result.stats.power_down, 5000 - s.done(0) - s.config.controller.power_down_after - kT.rp_ab);
 }

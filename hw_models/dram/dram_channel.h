@@ -3,14 +3,14 @@
 #include <string>
 #include <vector>
 
+#include "hw_models/dram/data_bus.h"
+#include "hw_models/dram/dram_config.h"
+#include "hw_models/dram/dram_device.h"
+#include "hw_models/dram/dram_page_policy.h"
+#include "hw_models/dram/dram_queue.h"
+#include "hw_models/dram/scheduled_command.h"
 #include "hw_models/memory/arbiter.h"
-#include "hw_models/memory/data_bus.h"
-#include "hw_models/memory/dram_config.h"
-#include "hw_models/memory/dram_device.h"
-#include "hw_models/memory/dram_page_policy.h"
-#include "hw_models/memory/dram_queue.h"
 #include "hw_models/memory/messages.h"
-#include "hw_models/memory/scheduled_command.h"
 #include "hw_models/memory/unit_names.h"
 #include "sim/activity.h"
 #include "sim/counter_kind.h"
@@ -43,7 +43,7 @@ class DramChannel {
  public:
   static constexpr const char* kName = "dram.channel";
   static constexpr Block kBlock = Block::kDram;
-  using CycleReason = DramWhy;
+  using CycleReason = DramCycleReason;
   static constexpr auto kReasons = kDramReasons;
   struct Stats {
     std::uint64_t reads = 0, writes = 0, bytes = 0;

@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include "hw_models/memory/dram_energy.h"
+#include "hw_models/dram/dram_energy.h"
 #include "sim/config/config.h"
-#include "tests/hw_models/memory/dram_harness.h"
+#include "tests/hw_models/dram/dram_harness.h"
 
 namespace hw::test {
 namespace {

@@ -4,14 +4,14 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "hw_models/memory/command_calendar.h"
-#include "hw_models/memory/dram_config.h"
+#include "hw_models/dram/command_calendar.h"
+#include "hw_models/dram/dram_config.h"
 #include "sim/activity.h"
 
 namespace hw {
 
 /// Reasons for a channel's cycles.
-enum class DramWhy : std::uint8_t {
+enum class DramCycleReason : std::uint8_t {
   kIdle,
   kReading,
   kWriting,
@@ -27,21 +27,22 @@ enum class DramWhy : std::uint8_t {
   kPowerDown,
   kCount
 };
-inline constexpr auto kDramReasons = sim::reasons<DramWhy>({
-    {DramWhy::kIdle, sim::idle("idle", "nothing queued, no data expected")},
-    {DramWhy::kReading, sim::working("reading", "read data on the bus")},
-    {DramWhy::kWriting, sim::working("writing", "write data on the bus")},
-    {DramWhy::kLatency, sim::working("latency", "nothing queued, data on their way")},
-    {DramWhy::kRowConflict, sim::working("row_conflict", "another row must be closed first (tRAS, tRTP, tWR, tRP)")},
-    {DramWhy::kActivate,
+inline constexpr auto kDramReasons = sim::reasons<DramCycleReason>({
+    {DramCycleReason::kIdle, sim::idle("idle", "nothing queued, no data expected")},
+    {DramCycleReason::kReading, sim::working("reading", "read data on the bus")},
+    {DramCycleReason::kWriting, sim::working("writing", "write data on the bus")},
+    {DramCycleReason::kLatency, sim::working("latency", "nothing queued, data on their way")},
+    {DramCycleReason::kRowConflict,
+     sim::working("row_conflict", "another row must be closed first (tRAS, tRTP, tWR, tRP)")},
+    {DramCycleReason::kActivate,
      sim::working("activate", "a row is being opened, or activates follow too closely (tRCD, tRC, tRRD, tFAW)")},
-    {DramWhy::kRefresh, sim::background("refresh", "the bank is refreshing")},
-    {DramWhy::kTurnaround, sim::working("turnaround", "the data bus changes direction")},
-    {DramWhy::kColumn, sim::working("column", "column commands follow too closely (tCCD)")},
-    {DramWhy::kCommandBus, sim::working("command_bus", "the command bus is taken")},
-    {DramWhy::kReturnsFull, sim::waiting("returns_full", "reads cannot start because responses do not leave")},
-    {DramWhy::kRankSwitch, sim::working("rank_switch", "the data bus changes from one rank to another")},
-    {DramWhy::kPowerDown, sim::working("power_down_exit", "the device leaves power-down (tXP)")},
+    {DramCycleReason::kRefresh, sim::background("refresh", "the bank is refreshing")},
+    {DramCycleReason::kTurnaround, sim::working("turnaround", "the data bus changes direction")},
+    {DramCycleReason::kColumn, sim::working("column", "column commands follow too closely (tCCD)")},
+    {DramCycleReason::kCommandBus, sim::working("command_bus", "the command bus is taken")},
+    {DramCycleReason::kReturnsFull, sim::waiting("returns_full", "reads cannot start because responses do not leave")},
+    {DramCycleReason::kRankSwitch, sim::working("rank_switch", "the data bus changes from one rank to another")},
+    {DramCycleReason::kPowerDown, sim::working("power_down_exit", "the device leaves power-down (tXP)")},
 });
 
 /// The banks and buses of one channel: which command may run when. Its state holds first allowed cycles, never
@@ -61,14 +62,14 @@ class DramDevice {
   std::uint32_t open_mask() const { return open_; }
 
   /// First cycles that the rank and the clock allow any of its banks, by command.
-  using Floors = std::array<Cycle, 3>;
-  Floors rank_ready(std::uint32_t rank, bool write, Cycle now) const {
+  using ReadyCycles = std::array<Cycle, 3>;
+  ReadyCycles rank_ready(std::uint32_t rank, bool write, Cycle now) const {
     const Rank& r = rank_[rank];
     const Cycle from = std::max(now, awake_at_);
     return {std::max(from, r.column_at[write]), std::max(from, r.next_activate()), from};
   }
   /// The first cycle at which the command may run in the bank, as far as the buses are free for it.
-  Cycle ready(DramCommand command, std::uint32_t bank, bool write, const Floors& rank_ready) const {
+  Cycle ready(DramCommand command, std::uint32_t bank, bool write, const ReadyCycles& rank_ready) const {
     const auto c = static_cast<std::size_t>(command);
     const Cycle at = std::max(rank_ready[c], bank_at_[c][bank]);
     if (command != DramCommand::kColumn) return at;
@@ -77,7 +78,7 @@ class DramDevice {
   /// The first cycle, `ready` or later, at which the buses are free for the command.
   Cycle earliest(DramCommand command, Cycle ready) const { return calendar_.first_free(command, ready); }
   /// Reason why the command cannot run one cycle before `at`, its earliest cycle; it holds for every cycle until then.
-  DramWhy reason(DramCommand command, std::uint32_t bank, bool write, Cycle at) const;
+  DramCycleReason reason(DramCommand command, std::uint32_t bank, bool write, Cycle at) const;
 
   void activate(std::uint32_t bank, std::uint32_t row, Cycle now);
   void precharge(std::uint32_t bank, Cycle now);
@@ -127,19 +128,19 @@ class DramDevice {
   void keep_busy(std::uint32_t banks, Cycle from, std::uint32_t cycles);
 
   struct Rank {
-    std::array<Cycle, 2> column_at{};       ///< reads, writes: after data in the other direction
-    std::array<DramWhy, 2> column_why{};    ///< or of another rank
-    Cycle activate_at = 0;                  ///< tRRD
-    std::array<Cycle, 4> four_activates{};  ///< tFAW: when each of the last four leaves the window
+    std::array<Cycle, 2> column_at{};                ///< reads, writes: after data in the other direction
+    std::array<DramCycleReason, 2> column_reason{};  ///< or of another rank
+    Cycle activate_at = 0;                           ///< tRRD
+    std::array<Cycle, 4> four_activates{};           ///< tFAW: when each of the last four leaves the window
     std::uint32_t oldest_activate = 0;
     Cycle active = 0;  ///< counted up to active_since
     Cycle active_since = 0, active_until = 0;
 
     Cycle next_activate() const { return std::max(activate_at, four_activates[oldest_activate]); }
-    void raise(bool write, Cycle at, DramWhy why) {
+    void raise(bool write, Cycle at, DramCycleReason why) {
       if (at <= column_at[write]) return;
       column_at[write] = at;
-      column_why[write] = why;
+      column_reason[write] = why;
     }
   };
 
@@ -154,7 +155,7 @@ class DramDevice {
   std::uint32_t open_ = 0;  ///< a bit per bank
   std::array<std::uint32_t, kMaxBanks> rows_{};
   std::array<std::array<Cycle, kMaxBanks>, 3> bank_at_{};
-  std::array<DramWhy, kMaxBanks> closed_why_{};  ///< what an activate of the closed bank waits for
+  std::array<DramCycleReason, kMaxBanks> closed_reason_{};  ///< what an activate of the closed bank waits for
   std::array<std::array<Cycle, kMaxBanks>, 2> group_at_{};
   std::array<Rank, kMaxRanks> rank_{};
   Cycle awake_at_ = 0;

@@ -1,4 +1,4 @@
-#include "hw_models/memory/dram_channel.h"
+#include "hw_models/dram/dram_channel.h"
 
 #include <algorithm>
 #include <bit>
@@ -165,7 +165,7 @@ ScheduledCommand DramChannel::best_command(const DramQueue& queue, Cycle now) co
   const std::uint32_t open = device_.open_mask();
   ScheduledCommand best;
   for (std::uint32_t rank = 0; rank < ranks_; ++rank) {
-    const DramDevice::Floors rank_ready = device_.rank_ready(rank, writing_, now);
+    const DramDevice::ReadyCycles rank_ready = device_.rank_ready(rank, writing_, now);
     const std::uint32_t here = banks & device_.banks_of(rank);
     const auto consider = [&]<DramCommand command>(std::uint32_t of) {
       if (best < ScheduledCommand(rank_ready[static_cast<std::size_t>(command)], command, 0, 0))

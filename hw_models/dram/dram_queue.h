@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "hw_models/memory/dram_map.h"
+#include "hw_models/dram/dram_map.h"
 #include "hw_models/memory/messages.h"
 
 namespace hw {
