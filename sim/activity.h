@@ -13,7 +13,7 @@ enum class ReasonKind : std::uint8_t {
   kWorking,     ///< own doing: work, or the time that own pipelines take
   kWaiting,     ///< for another unit
   kIdle,        ///< nothing to do: the clock is gated
-  kBackground,  ///< what time alone brings
+  kBackground,  ///< time alone brings it
 };
 
 /// Declaration of a reason by a unit.

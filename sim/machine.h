@@ -24,7 +24,7 @@ struct UnitId {
 
 /// Lookahead that a link between two partitions gives: how far each may be run by itself.
 enum class Lookahead : std::uint8_t {
-  kByLatency,  ///< what comes over it matters at any time
+  kByLatency,  ///< items that come over it matter at any time
   kByOwner,    ///< the machine's owner knows when something comes over it, and has it in its lookahead_end()
 };
 
@@ -45,7 +45,7 @@ class Machine {
     Clock clock;
     std::size_t partition = 0;      ///< 0: the inner one; from 1 on the outer ones (sim/partitions.h)
     std::uint64_t sram_bytes = 0;   ///< storage that leaks
-    std::uint64_t cache_bytes = 0;  ///< of it, the array whose accesses are counted; 0: all
+    std::uint64_t cache_bytes = 0;  ///< the array of it whose accesses are counted; 0: all
   };
 
   /// Items that cross from one clock to another wait that many cycles of the latter (Link).
@@ -181,7 +181,7 @@ class Machine {
   std::vector<std::unique_ptr<AnyWire>> wires_;
   std::vector<std::unique_ptr<AnyUnit>> units_;
   std::vector<std::function<UnitReport()>> reports_;
-  std::vector<std::size_t> slots_;  ///< of each declared unit among the wake-up times
+  std::vector<std::size_t> slots_;  ///< index of each declared unit among the wake-up times
   std::vector<Ticked> ticked_;      ///< by slot
   Wakes wakes_;
   Partitions partitions_;

@@ -35,7 +35,7 @@ struct UnitReport {
   std::uint64_t sram_bytes = 0;   ///< storage that leaks
   std::uint64_t cache_bytes = 0;  ///< the array whose accesses are counted: selects size-dependent energies
   std::uint32_t clock_mhz = 0;
-  std::type_index type = typeid(void);  ///< of the unit
+  std::type_index type = typeid(void);  ///< the unit's
 };
 
 /// Adds what the same units did at another time.

@@ -15,7 +15,7 @@ namespace sim {
 /// earliest of its group's.
 struct Waker {
   Waker() = default;
-  Waker(Time* wake) : unit(wake), group(wake) {}  ///< of a unit alone; nobody's if nullptr
+  Waker(Time* wake) : unit(wake), group(wake) {}  ///< lowers the time of one unit; nobody's if nullptr
   Waker(Time* wake, Time* earliest) : unit(wake), group(earliest) {}
 
   void lower(Time at) const {
@@ -138,7 +138,7 @@ class Wakes {
 #endif
 
   std::vector<Eight> groups_;
-  std::vector<Time> earliest_;  ///< of each group
+  std::vector<Time> earliest_;  ///< the earliest time of each group
   std::size_t size_ = 0;
 };
 

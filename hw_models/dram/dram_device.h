@@ -50,7 +50,7 @@ inline constexpr auto kDramReasons = sim::reasons<DramCycleReason>({
 class DramDevice {
  public:
   using Cycle = std::uint64_t;
-  static constexpr std::uint32_t kMaxBanks = 32;  ///< of all ranks together
+  static constexpr std::uint32_t kMaxBanks = 32;  ///< all ranks together
   static constexpr std::uint32_t kMaxRanks = 2;
 
   explicit DramDevice(const DramConfig& config);
@@ -129,7 +129,7 @@ class DramDevice {
 
   struct Rank {
     std::array<Cycle, 2> column_at{};                ///< reads, writes: after data in the other direction
-    std::array<DramCycleReason, 2> column_reason{};  ///< or of another rank
+    std::array<DramCycleReason, 2> column_reason{};  ///< reasons of the same; or another rank's data
     Cycle activate_at = 0;                           ///< tRRD
     std::array<Cycle, 4> four_activates{};           ///< tFAW: when each of the last four leaves the window
     std::uint32_t oldest_activate = 0;
@@ -155,7 +155,7 @@ class DramDevice {
   std::uint32_t open_ = 0;  ///< a bit per bank
   std::array<std::uint32_t, kMaxBanks> rows_{};
   std::array<std::array<Cycle, kMaxBanks>, 3> bank_at_{};
-  std::array<DramCycleReason, kMaxBanks> closed_reason_{};  ///< what an activate of the closed bank waits for
+  std::array<DramCycleReason, kMaxBanks> closed_reason_{};  ///< reason why an activate of the closed bank waits
   std::array<std::array<Cycle, kMaxBanks>, 2> group_at_{};
   std::array<Rank, kMaxRanks> rank_{};
   Cycle awake_at_ = 0;

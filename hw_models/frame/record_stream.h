@@ -136,7 +136,7 @@ class RecordStream {
 
   const Shape shape_;
   Links links_;
-  std::vector<Record> records_;                 ///< what the ring holds, for the simulator alone
+  std::vector<Record> records_;                 ///< the ring's contents, for the simulator alone
   std::vector<Chunk> chunks_;                   ///< asked for, in order
   std::uint64_t first_ = 0, last_ = 0;          ///< chunks under way: [first_, last_)
   std::uint64_t accepted_ = 0, delivered_ = 0;  ///< records so far

@@ -30,10 +30,10 @@ class Gpu {
   /// Facts of the workload that the machine needs beside the stream itself.
   struct Workload {
     const traces::MemoryImage& image;
-    std::span<const std::uint32_t> parents;              ///< of each node of the tree
-    std::uint32_t tile_samples = 256;                    ///< of a full tile
-    std::array<std::uint64_t, kRegions> region_bytes{};  ///< of all tiles together, by traces::Region
-    std::uint64_t attribute_bytes = 0;                   ///< of a full tile, set aside in the tile buffer
+    std::span<const std::uint32_t> parents;              ///< the parent of each node of the tree
+    std::uint32_t tile_samples = 256;                    ///< samples of a full tile
+    std::array<std::uint64_t, kRegions> region_bytes{};  ///< bytes of all tiles together, by traces::Region
+    std::uint64_t attribute_bytes = 0;                   ///< set aside in the tile buffer for a full tile
   };
 
   Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles);
@@ -89,7 +89,7 @@ class Gpu {
   const traces::Layout& layout_;
   const sim::Clock tni_clock_, srp_clock_, l2_clock_;
   std::vector<KernelSchedule> kernels_;
-  std::vector<BankConflicts> conflicts_;  ///< of each kernel
+  std::vector<BankConflicts> conflicts_;  ///< one of each kernel
 
   sim::Machine machine_;
   MemorySystem memory_;

@@ -71,7 +71,7 @@ class MemorySystem {
   const Dma dma_;
   const sim::Clock clock_;
   const std::uint32_t distance_, link_depth_;  ///< between ports and what they lead to
-  std::vector<Port> cache_ports_, dma_ports_;  ///< of each core; there may be no DMA
+  std::vector<Port> cache_ports_, dma_ports_;  ///< one of each core; there may be no DMA
   std::vector<Bank> declared_banks_;
   std::vector<Channel> declared_channels_;
   std::vector<CorePort*> built_ports_;

@@ -47,7 +47,7 @@ class CoreRays {
   const std::uint32_t core_, cores_;
   const Finished finished_;
   std::uint32_t count_ = 0;
-  std::uint32_t first_ = 0;  ///< of the blocks kept
+  std::uint32_t first_ = 0;  ///< the first of the blocks kept
   std::deque<Block> blocks_;
   std::vector<Block> spare_;
   std::vector<traces::Hit> hit_;
@@ -56,7 +56,7 @@ class CoreRays {
 
 /// How far a list of rays is.
 struct RaysDone {
-  std::uint32_t blocks = 0;  ///< of CoreRays::kBlock rays
+  std::uint32_t blocks = 0;  ///< each has CoreRays::kBlock rays
   std::uint64_t rays = 0, cycles = 0;
 };
 

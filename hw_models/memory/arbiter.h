@@ -13,7 +13,7 @@ namespace hw {
 /// Order in which an arbiter serves several requesters of one resource.
 enum class Arbitration : std::uint8_t {
   kRoundRobin,   ///< each in turn
-  kOldestFirst,  ///< who has been there longest, of equals the first
+  kOldestFirst,  ///< the one that has been there longest, of equals the first
   kFixed,        ///< the first that can; the last may wait as long as the others have work
 };
 constexpr std::array<std::string_view, 3> names_of(Arbitration) { return {"round_robin", "oldest_first", "fixed"}; }

@@ -21,7 +21,7 @@ class L1Cache {
 
   /// A line on its way.
   struct Miss {
-    std::uint64_t slots = 0;     ///< who waits for it
+    std::uint64_t slots = 0;     ///< slots that wait for it
     std::uint64_t asked_at = 0;  ///< the user's cycle of the miss
   };
 

@@ -22,10 +22,10 @@ inline constexpr Addr kSectorBytes = kLineBytes / 8;
 /// A request for one cache line (or part of one) on its way to memory.
 struct MemRequest {
   Addr line = 0;             ///< address of the line's first byte
-  std::uint16_t source = 0;  ///< who asked: index of the requester's port, for the way back
+  std::uint16_t source = 0;  ///< index of the requester's port, for the way back
   std::uint16_t tag = 0;     ///< the requester's own mark, returned unchanged
   bool write = false;
-  SectorMask sectors = kWholeLine;  ///< what is written, or what is wanted
+  SectorMask sectors = kWholeLine;  ///< sectors that are written, or wanted
 };
 
 /// A line that came back. Writes are posted and have no response.

@@ -18,7 +18,7 @@ namespace {
 struct LocalAccess {
   std::uint32_t slot = 0, behind = 0;
   std::uint32_t words = 1;  ///< 16-byte pieces of a record
-  std::uint32_t part = 0;   ///< of them, counted from the array's first bank
+  std::uint32_t part = 0;   ///< the first piece, counted from the array's first bank
   bool constant = false;
   std::uint32_t index = 0;  ///< if constant
 };

@@ -10,9 +10,9 @@ namespace hw {
 struct KernelUse {
   std::uint64_t launches = 0;  ///< chunks, each with prologue and drain
   std::uint64_t items = 0;
-  std::uint64_t idle = 0;     ///< of these, items that idle through the loop
+  std::uint64_t idle = 0;     ///< items of these that idle through the loop
   std::uint64_t cycles = 0;   ///< switch and stalls included
-  std::uint64_t starved = 0;  ///< of these, cycles in which the T&I unit had no ray of the core
+  std::uint64_t starved = 0;  ///< cycles of these in which the T&I unit had no ray of the core
 
   KernelUse& operator+=(const KernelUse& other) {
     launches += other.launches;

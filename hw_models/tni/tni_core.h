@@ -31,7 +31,7 @@ class TniCore {
   struct Links {
     sim::Link<RayJob>& rays_in;
     sim::Link<RayDone>& hits_out;
-    std::span<const MemoryPort> memory;  ///< of each of memory_clients()
+    std::span<const MemoryPort> memory;  ///< a port of each of memory_clients()
   };
 
   TniCore(sim::Machine& machine, const TniConfig& config, const Ideal& ideal, std::uint32_t core, sim::Clock clock);

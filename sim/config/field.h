@@ -16,7 +16,7 @@ enum class Affects : std::uint8_t {
   kWalk,      ///< how the canonical walk is expanded: stack scheme and depth, boxes per visit
   kTiming,    ///< all else in the machine: clocks, queues, caches, arrays, memory
   kEnergy,    ///< energy and power only, computed at report time
-  kReport,    ///< what is written and where
+  kReport,    ///< says what is written, and where
 };
 constexpr std::array<std::string_view, 6> names_of(Affects) {
   return {"function", "layout", "walk", "timing", "energy", "report"};

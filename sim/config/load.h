@@ -50,7 +50,7 @@ class ConfigLoader {
   void apply_spread(const ConfigNode& field, const YamlNode& mapping, const Source& source, const std::string& at);
 
   ConfigNode& root_;
-  std::span<const std::string_view> top_keys_;     ///< of the files being read; empty: all
+  std::span<const std::string_view> top_keys_;     ///< keys of the files being read; empty: all
   std::vector<std::filesystem::path> open_files_;  ///< each extended by the one before it
   std::size_t files_read_ = 0;
 };

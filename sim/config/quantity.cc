@@ -23,10 +23,10 @@ constexpr std::array<Unit, 6> kDurationUnits{{{"fs", 1},
 
 constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-/// digits / 10^places
+/// digits / 10^fraction_digits
 struct Decimal {
   std::uint64_t digits = 0;
-  unsigned places = 0;
+  unsigned fraction_digits = 0;
 };
 
 /// Nothing if it is no plain decimal number, or has more digits than 64 bits hold.
@@ -79,7 +79,7 @@ std::uint64_t read_quantity(std::string_view text, std::span<const Unit> units) 
     throw BadValue{fmt::format("'{}' has the unknown unit '{}' (not one of {})", text, name, names_of_units(units))};
   }
   std::uint64_t factor = unit->factor;
-  for (; decimal->places > 0; --decimal->places) {
+  for (; decimal->fraction_digits > 0; --decimal->fraction_digits) {
     if (!divide(decimal->digits, factor, 2) || !divide(decimal->digits, factor, 5)) {
       throw BadValue{fmt::format("'{}' is not a whole number of {}", text, units.front().name)};
     }

@@ -23,7 +23,7 @@ struct YamlNode {
 
   Kind kind = Kind::kEmpty;
   std::string scalar;
-  std::vector<Entry> entries;  ///< of a mapping, or items of a sequence, which have no key; in the order of the text
+  std::vector<Entry> entries;  ///< in the order of the text; items of a sequence have no key
 
   const Entry* find(std::string_view key) const;
 };
