@@ -90,7 +90,7 @@ struct TileResult {
   std::vector<glm::vec3> linear;                      ///< per pixel, row by row: linear RGB in [0, 1]
   std::vector<std::uint32_t> packed;                  ///< per pixel: as the frame buffer holds it, R in the lowest byte
   std::array<std::uint64_t, static_cast<std::size_t>(traces::RayKind::kCount)> rays{};
-  std::uint64_t continued = 0;  ///< rays among those that went on behind what was no solid surface
+  std::uint64_t continued = 0;  ///< rays that went on behind what was no solid surface, counted above, too
   Sampling sampling;
   std::vector<SampleMark> marks;          ///< adaptive sampling's, per sample (or pixel) of the tile, row by row
   std::vector<ShownSample> shown;         ///< its own samples, row by row, if a later pass looks at them
