@@ -101,7 +101,7 @@ struct SpecularRecord {
   Vec3<V> mirrored;  ///< share, by channel
   F<V> entering;     ///< share, to be split by Fresnel's law
   F<V> ior;
-  F<V> alpha;  ///< of blended surfaces: the share that does not pass straight on
+  F<V> alpha;  ///< share of a blended surface that does not pass straight on
   F<V> kept;   ///< factor of what the surface itself sends out
   static void fields(auto& r, auto&& field) {
     field(NAMED(r.mirrored));
@@ -168,8 +168,8 @@ struct BranchRecord {
 };
 
 /// Geometry that a sample keeps of its secondary hits: normals of the next hit behind a mirror and behind glass (unit z
-/// where there is none), and of all of them a sum of hashes of their objects and one of their shadows, which is the same
-/// for the same hits whatever their order.
+/// where there is none), and of all of them a sum of hashes of their objects and one of their shadows, which is the
+/// same for the same hits whatever their order.
 template <class V>
 struct SecondaryRecord {
   Vec3<V> mirror_normal;

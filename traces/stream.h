@@ -75,7 +75,7 @@ struct TileWork {
   std::vector<WorkNode> nodes;
   std::vector<std::uint32_t> walk;          ///< canonical walks of all rays, back to back (walk.h)
   std::vector<std::uint32_t> ray_begin;     ///< per ray, where its walk begins
-  std::vector<Access> accesses;             ///< of all items of all launches that have any, in item order
+  std::vector<Access> accesses;             ///< those of all items of all launches that have any, in item order
   std::vector<std::uint32_t> access_begin;  ///< per such item, plus one past the end of the last
   std::vector<std::uint32_t> sources;       ///< see WorkNode::sources; non-decreasing within a node
 };

@@ -5,7 +5,7 @@
 namespace hw {
 namespace {
 
-constexpr std::uint32_t kIdealDepth = 256;  // of the links of an ideal interconnect: more than is under way at once
+constexpr std::uint32_t kIdealDepth = 256;  // links of an ideal interconnect: more than is under way at once
 
 }  // namespace
 

@@ -14,13 +14,13 @@ struct Absorb {
   template <class V>
   struct Ports {
     Local<V, WordRecord> absorbing;
-    Local<V, SurfacePointRecord> places;
+    Local<V, SurfacePointRecord> points;
     Local<V, HitRecord> hits;
     Local<V, PathRecord> paths;
     Details<V> details;
     static void describe(auto& p, auto&& port) {
       port(NAMED(p.absorbing));
-      port(NAMED(p.places));
+      port(p.points, "places");
       port(NAMED(p.hits));
       port(NAMED(p.paths));
       port(NAMED(p.details));
@@ -29,7 +29,7 @@ struct Absorb {
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
     const I<V> slot = at.absorbing.load(item).word;
-    const SurfacePointRecord<V> point = at.places.load(slot);
+    const SurfacePointRecord<V> point = at.points.load(slot);
     const PathRecord<V> path = at.paths.load(slot);
     const F<V> inside = at.hits.load(slot).t * max(-point.side, F<V>(0.0F));
     const Vec3<V> depth = at.details.load(point.material).absorption * inside;

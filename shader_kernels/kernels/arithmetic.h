@@ -92,7 +92,7 @@ struct Weights {
 /// Reflection and refraction of light that meets a surface between two media.
 template <class V>
 struct Interface {
-  F<V> cosine;       ///< of the incoming ray's angle
+  F<V> cosine;       ///< cosine of the incoming ray's angle
   F<V> eta;          ///< refractive index on the ray's side over that behind the surface
   F<V> inside;       ///< squared cosine of the refracted angle; negative: total internal reflection
   F<V> reflectance;  ///< Schlick's approximation of Fresnel's share; 1 if reflection is total

@@ -43,4 +43,28 @@ struct ClearSecondary {
   }
 };
 
+struct ClearTraits {
+  static constexpr std::string_view kName = "clear_traits";
+  static constexpr std::string_view kMeaning = "sample -> its traits are those of a miss, without a secondary hit";
+  template <class V>
+  struct Ports {
+    Local<V, WordRecord> samples;
+    Local<V, TraitsRecord> traits, secondary;
+    Local<V, BranchRecord> branches;
+    static void describe(auto& p, auto&& port) {
+      port(NAMED(p.samples));
+      port(NAMED(p.traits));
+      port(NAMED(p.secondary));
+      port(NAMED(p.branches));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const I<V> sample = at.samples.load(item).word;
+    at.traits.store(sample, {{0.0F, 0.0F, 1.0F}, kNoObject, 0U});
+    at.secondary.store(sample, {{0.0F, 0.0F, 1.0F}, kNoObject, 0U});
+    at.branches.store(sample, {0.0F, 0.0F});
+  }
+};
+
 }  // namespace kernels

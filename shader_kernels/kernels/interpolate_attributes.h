@@ -20,7 +20,7 @@ struct InterpolateAttributes {
     Local<V, SurfaceRecord> kept;
     Local<V, ColourRecord> globals, colours;
     Local<V, WordRecord> surfaces;
-    Local<V, SurfacePointRecord> places;
+    Local<V, SurfacePointRecord> points;
     Local<V, PathRecord> paths;
     Local<V, DiffuseRecord> mattes;
     Local<V, TexcoordRecord> texcoords;
@@ -32,7 +32,7 @@ struct InterpolateAttributes {
       port(NAMED(p.globals));
       port(NAMED(p.colours));
       port(NAMED(p.surfaces));
-      port(NAMED(p.places));
+      port(p.points, "places");
       port(NAMED(p.paths));
       port(NAMED(p.mattes));
       port(NAMED(p.texcoords));
@@ -55,7 +55,7 @@ struct InterpolateAttributes {
     }
     at.colours.store(p.sample, {global});
     at.surfaces.store(item, {item});
-    at.places.store(item, {g.position, 0U, g.normal, 1.0F});
+    at.points.store(item, {g.position, 0U, g.normal, 1.0F});
     at.paths.store(item, {{1.0F, 1.0F, 1.0F}, p.sample});
     at.mattes.store(item, {diffuse, a.classes});
     at.texcoords.store(item, {u, v, a.texture});

@@ -1,7 +1,7 @@
 #pragma once
 #include <string_view>
 
-#include "shader_kernels/kernels/record_geometry.h"
+#include "shader_kernels/kernels/record_first_hit.h"
 #include "sim/named.h"
 
 namespace kernels {
@@ -17,7 +17,7 @@ struct RecordSecondary {
   struct Ports {
     Local<V, WordRecord> surfaces;
     Hits<V, kInstanced> hits;
-    Local<V, SurfacePointRecord> places;
+    Local<V, SurfacePointRecord> points;
     Local<V, PathRecord> paths;
     Objects<V, kInstanced> objects;
     Local<V, SecondaryRecord> secondary;
@@ -27,7 +27,7 @@ struct RecordSecondary {
     static void describe(auto& p, auto&& port) {
       port(NAMED(p.surfaces));
       port(NAMED(p.hits));
-      port(NAMED(p.places));
+      port(p.points, "places");
       port(NAMED(p.paths));
       port(p.objects, kInstanced ? "instances" : "triangles");
       port(NAMED(p.secondary));
@@ -40,7 +40,7 @@ struct RecordSecondary {
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
     const I<V> slot = at.surfaces.load(item).word;
-    const Vec3<V> normal = at.places.load(slot).normal;
+    const Vec3<V> normal = at.points.load(slot).normal;
     const I<V> object = at.objects.load(index_of<V>(at.hits.load(slot))).object;
     const I<V> sample = at.paths.load(slot).sample;
     const SecondaryRecord<V> so_far = at.secondary.load(sample);

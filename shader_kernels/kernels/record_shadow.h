@@ -51,4 +51,9 @@ struct RecordSecondaryShadow : RecordShadowPorts<SecondaryRecord> {
   static constexpr std::string_view kMeaning = "shadow ray of a secondary hit -> mark in its sample if it was stopped";
 };
 
+struct RecordTraitsShadow : RecordShadowPorts<TraitsRecord> {
+  static constexpr std::string_view kName = "record_traits_shadow";
+  static constexpr std::string_view kMeaning = "shadow ray of a first hit -> counted in its sample if it was stopped";
+};
+
 }  // namespace kernels

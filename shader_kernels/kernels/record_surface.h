@@ -1,7 +1,7 @@
 #pragma once
 #include <string_view>
 
-#include "shader_kernels/kernels/record_geometry.h"
+#include "shader_kernels/kernels/record_first_hit.h"
 #include "sim/named.h"
 
 namespace kernels {
@@ -34,7 +34,7 @@ struct RecordSurface {
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
     const I<V> slot = at.surfaces.load(item).word;
-    const SurfacePointRecord<V> point = at.places.load(slot);
+    const SurfacePointRecord<V> point = at.points.load(slot);
     const DiffuseRecord<V> matte = at.mattes.load(slot);
     const TexcoordRecord<V> texcoord = at.texcoords.load(slot);
     const auto hit = at.hits.load(slot);

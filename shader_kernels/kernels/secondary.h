@@ -11,7 +11,7 @@ namespace kernels {
 template <class V>
 struct SecondaryPorts {
   Local<V, WordRecord> stream;
-  Local<V, SurfacePointRecord> places;
+  Local<V, SurfacePointRecord> points;
   Local<V, RayRecord> rays;
   Local<V, PathRecord> paths;
   Local<V, SpecularRecord> optics;
@@ -21,7 +21,7 @@ struct SecondaryPorts {
   F<V> epsilon, min_weight;
   static void describe(auto& p, auto&& port) {
     port(NAMED(p.stream));
-    port(NAMED(p.places));
+    port(p.points, "places");
     port(NAMED(p.rays));
     port(NAMED(p.paths));
     port(NAMED(p.optics));
@@ -32,25 +32,6 @@ struct SecondaryPorts {
     port(NAMED(p.min_weight));
   }
 };
-
-/// A path at a surface that mirrors it or lets it in.
-template <class V>
-struct SpecularHit {
-  SurfacePointRecord<V> point;
-  Vec3<V> direction;
-  PathRecord<V> path;
-  SpecularRecord<V> optics;
-  Interface<V> glass;
-};
-template <class V>
-SpecularHit<V> specular_hit(const I<V>& item, const SecondaryPorts<V>& at) {
-  const I<V> slot = at.stream.load(item).word;
-  const SurfacePointRecord<V> point = at.places.load(slot);
-  const Vec3<V> direction = at.rays.load(slot).direction;
-  const PathRecord<V> path = at.paths.load(slot);
-  const SpecularRecord<V> optics = at.optics.load(slot);
-  return {point, direction, path, optics, interface<V>(direction, point.normal, point.side, optics.ior)};
-}
 
 /// Sends a path on if it still carries enough to be seen.
 template <class V>

@@ -14,12 +14,12 @@ struct ShadeBump {
   template <class V>
   struct Ports : DetailPorts<V> {
     Local<V, RayRecord> rays;
-    Local<V, SurfacePointRecord> places;
+    Local<V, SurfacePointRecord> points;
     Details<V> details;
     static void describe(auto& p, auto&& port) {
       DetailPorts<V>::describe(p, port);
       port(NAMED(p.rays));
-      port(NAMED(p.places));
+      port(p.points, "places");
       port(NAMED(p.details));
     }
   };
@@ -30,7 +30,7 @@ struct ShadeBump {
     const TexcoordRecord<V> uv = at.texcoords.load(slot);
     const TangentRecord<V> frame = at.tangents.load(slot);
     const Vec3<V> direction = at.rays.load(slot).direction;
-    SurfacePointRecord<V> point = at.places.load(slot);
+    SurfacePointRecord<V> point = at.points.load(slot);
     const DetailFields<V> m = at.details.load(point.material);
     const Sample<V> texel = at.look_up(m.normal_texture, classes, traces::kNormalSecond, uv.u, uv.v, frame);
 
@@ -43,7 +43,7 @@ struct ShadeBump {
     const Vec3<V> facing = normalised(mapped) * point.side;
     const F<V> away = max(dot(facing, direction) + 0.01F, F<V>(0.0F));
     point.normal = normalised(facing - direction * away);
-    at.places.store(slot, point);
+    at.points.store(slot, point);
   }
 };
 

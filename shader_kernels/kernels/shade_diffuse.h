@@ -14,7 +14,7 @@ struct ShadeDiffuse {
   template <class V>
   struct Ports {
     Local<V, WordRecord> diffuse;
-    Local<V, SurfacePointRecord> places;
+    Local<V, SurfacePointRecord> points;
     Local<V, PathRecord> paths;
     Local<V, DiffuseRecord> mattes;
     Local<V, RayRecord> shadow_rays;
@@ -24,7 +24,7 @@ struct ShadeDiffuse {
     F<V> epsilon;
     static void describe(auto& p, auto&& port) {
       port(NAMED(p.diffuse));
-      port(NAMED(p.places));
+      port(p.points, "places");
       port(NAMED(p.paths));
       port(NAMED(p.mattes));
       port(NAMED(p.shadow_rays));
@@ -37,7 +37,7 @@ struct ShadeDiffuse {
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
     const I<V> slot = at.diffuse.load(item).word;
-    const SurfacePointRecord<V> point = at.places.load(slot);
+    const SurfacePointRecord<V> point = at.points.load(slot);
     const PathRecord<V> path = at.paths.load(slot);
     const auto [to_light, inverse_distance, light] =
         diffuse_light<V>(point, path, at.mattes.load(slot).diffuse, at.light);

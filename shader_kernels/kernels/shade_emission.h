@@ -12,14 +12,14 @@ struct ShadeEmission {
   template <class V>
   struct Ports {
     Local<V, WordRecord> emissive;
-    Local<V, SurfacePointRecord> places;
+    Local<V, SurfacePointRecord> points;
     Local<V, PathRecord> paths;
     Local<V, SpecularRecord> optics;
     Materials<V> materials;
     Local<V, ColourRecord> colours;
     static void describe(auto& p, auto&& port) {
       port(NAMED(p.emissive));
-      port(NAMED(p.places));
+      port(p.points, "places");
       port(NAMED(p.paths));
       port(NAMED(p.optics));
       port(NAMED(p.materials));
@@ -30,7 +30,7 @@ struct ShadeEmission {
   static void body(const I<V>& item, Ports<V>& at) {
     const I<V> slot = at.emissive.load(item).word;
     const PathRecord<V> path = at.paths.load(slot);
-    const MaterialFields<V> material = at.materials.load(at.places.load(slot).material);
+    const MaterialFields<V> material = at.materials.load(at.points.load(slot).material);
     add_light<V>(at.colours, path.sample, path.throughput * material.emission * at.optics.load(slot).kept);
   }
 };

@@ -12,14 +12,14 @@ struct ShadeGlow {
   static constexpr std::string_view kMeaning = "surface with an emission texture -> its own light into its sample";
   template <class V>
   struct Ports : DetailPorts<V> {
-    Local<V, SurfacePointRecord> places;
+    Local<V, SurfacePointRecord> points;
     Local<V, PathRecord> paths;
     Local<V, SpecularRecord> optics;
     Details<V> details;
     Local<V, ColourRecord> colours;
     static void describe(auto& p, auto&& port) {
       DetailPorts<V>::describe(p, port);
-      port(NAMED(p.places));
+      port(p.points, "places");
       port(NAMED(p.paths));
       port(NAMED(p.optics));
       port(NAMED(p.details));
@@ -34,7 +34,7 @@ struct ShadeGlow {
     const TangentRecord<V> other = at.tangents.load(slot);
     const PathRecord<V> path = at.paths.load(slot);
     const F<V> kept = at.optics.load(slot).kept;
-    const DetailFields<V> m = at.details.load(at.places.load(slot).material);
+    const DetailFields<V> m = at.details.load(at.points.load(slot).material);
     const Sample<V> texel = at.look_up(m.emission_texture, classes, traces::kEmissionSecond, uv.u, uv.v, other);
     add_light<V>(at.colours, path.sample, path.throughput * (m.emission * texel.colour()) * kept);
   }

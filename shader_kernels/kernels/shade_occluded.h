@@ -13,14 +13,14 @@ struct ShadeOccluded {
   static constexpr std::string_view kMeaning = "surface with an occlusion texture -> ambient light taken back";
   template <class V>
   struct Ports : DetailPorts<V> {
-    Local<V, SurfacePointRecord> places;
+    Local<V, SurfacePointRecord> points;
     Local<V, PathRecord> paths;
     Details<V> details;
     Local<V, ColourRecord> colours;
     Vec3<V> ambient;
     static void describe(auto& p, auto&& port) {
       DetailPorts<V>::describe(p, port);
-      port(NAMED(p.places));
+      port(p.points, "places");
       port(NAMED(p.paths));
       port(NAMED(p.details));
       port(NAMED(p.colours));
@@ -34,7 +34,7 @@ struct ShadeOccluded {
     const TexcoordRecord<V> uv = at.texcoords.load(slot);
     const TangentRecord<V> other = at.tangents.load(slot);
     const PathRecord<V> path = at.paths.load(slot);
-    const DetailFields<V> m = at.details.load(at.places.load(slot).material);
+    const DetailFields<V> m = at.details.load(at.points.load(slot).material);
     const Sample<V> texel = at.look_up(m.occlusion_texture, matte.classes, traces::kOcclusionSecond, uv.u, uv.v, other);
     const F<V> taken = (texel.linear(0) - 1.0F) * m.occlusion_strength;
     add_light<V>(at.colours, path.sample, path.throughput * matte.diffuse * at.ambient * taken);

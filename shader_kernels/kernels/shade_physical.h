@@ -14,12 +14,12 @@ struct ShadePhysical {
   static constexpr std::string_view kMeaning = "surface with a metallic-roughness texture -> mirror and diffuse shares";
   template <class V>
   struct Ports : DetailPorts<V> {
-    Local<V, SurfacePointRecord> places;
+    Local<V, SurfacePointRecord> points;
     Local<V, SpecularRecord> optics;
     Details<V> details;
     static void describe(auto& p, auto&& port) {
       DetailPorts<V>::describe(p, port);
-      port(NAMED(p.places));
+      port(p.points, "places");
       port(NAMED(p.optics));
       port(NAMED(p.details));
     }
@@ -30,7 +30,7 @@ struct ShadePhysical {
     const DiffuseRecord<V> matte = at.mattes.load(slot);
     const TexcoordRecord<V> uv = at.texcoords.load(slot);
     const TangentRecord<V> other = at.tangents.load(slot);
-    const DetailFields<V> m = at.details.load(at.places.load(slot).material);
+    const DetailFields<V> m = at.details.load(at.points.load(slot).material);
     SpecularRecord<V> optics = at.optics.load(slot);
     const Sample<V> texel =
         at.look_up(m.metal_rough_texture, matte.classes, traces::kMetalRoughSecond, uv.u, uv.v, other);

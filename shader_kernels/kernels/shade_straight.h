@@ -13,7 +13,7 @@ struct ShadeStraight {
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
     const I<V> slot = at.stream.load(item).word;
-    const Vec3<V> position = at.places.load(slot).position;
+    const Vec3<V> position = at.points.load(slot).position;
     const Vec3<V> direction = at.rays.load(slot).direction;
     const PathRecord<V> path = at.paths.load(slot);
     const F<V> share = 1.0F - at.optics.load(slot).alpha;

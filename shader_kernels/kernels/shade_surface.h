@@ -24,7 +24,7 @@ struct ShadeSurface {
     Attributes<V> attributes;
     Instances<V> instances;  ///< wired if kInstanced
     Materials<V> materials;
-    Local<V, SurfacePointRecord> places;
+    Local<V, SurfacePointRecord> points;
     Local<V, DiffuseRecord> mattes;
     Local<V, TexcoordRecord> texcoords;
     Local<V, SpecularRecord> optics;
@@ -35,7 +35,7 @@ struct ShadeSurface {
       port(NAMED(p.attributes));
       if constexpr (kInstanced) port(NAMED(p.instances));
       port(NAMED(p.materials));
-      port(NAMED(p.places));
+      port(p.points, "places");
       port(NAMED(p.mattes));
       port(NAMED(p.texcoords));
       port(NAMED(p.optics));
@@ -56,7 +56,7 @@ struct ShadeSurface {
     if constexpr (kInstanced) interpolated = normal_to_world<V>(at.instances.load(instance_of<V>(found)), interpolated);
     const Vec3<V> normal = normalised(interpolated);
     const F<V> side = select(dot(normal, ray.direction) <= 0.0F, F<V>(1.0F), F<V>(-1.0F));
-    at.places.store(slot, {ray.origin + ray.direction * hit.t, a.material, normal * side, side});
+    at.points.store(slot, {ray.origin + ray.direction * hit.t, a.material, normal * side, side});
     at.mattes.store(slot, {m.base_colour * m.diffuse_share, m.flags});
     at.texcoords.store(slot,
                        {corners.interpolate(a.u0, a.u1, a.u2), corners.interpolate(a.v0, a.v1, a.v2), m.base_texture});

@@ -15,7 +15,7 @@ struct ShadeVisible {
   template <class V>
   struct Ports {
     Local<V, WordRecord> diffuse;
-    Local<V, SurfacePointRecord> places;
+    Local<V, SurfacePointRecord> points;
     Local<V, PathRecord> paths;
     Local<V, DiffuseRecord> mattes;
     Local<V, GeometryRecord> geometry;
@@ -24,7 +24,7 @@ struct ShadeVisible {
     LightUniforms<V> light;
     static void describe(auto& p, auto&& port) {
       port(NAMED(p.diffuse));
-      port(NAMED(p.places));
+      port(p.points, "places");
       port(NAMED(p.paths));
       port(NAMED(p.mattes));
       port(NAMED(p.geometry));
@@ -37,7 +37,7 @@ struct ShadeVisible {
   static void body(const I<V>& item, Ports<V>& at) {
     const I<V> slot = at.diffuse.load(item).word;
     const PathRecord<V> path = at.paths.load(slot);
-    const Vec3<V> light = diffuse_light<V>(at.places.load(slot), path, at.mattes.load(slot).diffuse, at.light).light;
+    const Vec3<V> light = diffuse_light<V>(at.points.load(slot), path, at.mattes.load(slot).diffuse, at.light).light;
     const M<V> dark = I<V>(0U) < (at.geometry.load(path.sample).shadows & at.mark);
     const Vec3<V> none{0.0F, 0.0F, 0.0F};
     const Vec3<V> seen = select(F<V>(0.0F) < largest(light), light, none);

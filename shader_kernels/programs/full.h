@@ -31,7 +31,7 @@ class FullProgram final : public FrameProgram {
   const SceneTables scene_;
   const CameraUniforms<float> camera_;
   const std::uint32_t samples_, grid_, frame_;
-  const std::uint32_t side_;  ///< of a tile, in pixels
+  const std::uint32_t side_;  ///< a tile's, in pixels
   const std::uint32_t tiles_across_, tiles_down_;
   const std::uint32_t seed_;
 };

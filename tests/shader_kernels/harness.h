@@ -10,7 +10,7 @@
 #include "traces/accel/bvh_tracer.h"
 #include "traces/scene/cameras.h"
 #include "traces/scenes/library.h"
-#include "traces/scenes/shapes.h"
+#include "traces/scenes/modelling/shapes.h"
 
 namespace kernels {
 

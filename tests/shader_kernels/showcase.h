@@ -5,7 +5,7 @@
 
 #include "traces/scene/cameras.h"
 #include "traces/scene/scene.h"
-#include "traces/scenes/shapes.h"
+#include "traces/scenes/modelling/shapes.h"
 
 namespace kernels {
 

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <map>
 #include <regex>
 #include <set>
 #include <string>
@@ -103,7 +104,9 @@ TEST(Documents, NameSourceFilesThatAreThere) {
   }
 }
 
-/// Folders that a newcomer opens. Of the tests and of what lies deeper one page says enough.
+constexpr std::size_t kScreen = 60;
+
+/// Folders that a newcomer opens: their pages also say how to add something.
 std::set<fs::path> folders_with_a_page() {
   static constexpr std::array<std::string_view, 5> kTops = {"sim", "hw_models", "shader_kernels", "traces", "tools"};
   std::set<fs::path> folders = {"configs", "tests"};
@@ -118,7 +121,6 @@ std::set<fs::path> folders_with_a_page() {
 }
 
 TEST(Folders, HaveAPageOfAScreen) {
-  constexpr std::size_t kScreen = 60;
   EXPECT_GT(folders_with_a_page().size(), 35U);
   for (const fs::path& folder : folders_with_a_page()) {
     const std::vector<std::string> lines = lines_of(folder / "README.md");
@@ -130,6 +132,38 @@ TEST(Folders, HaveAPageOfAScreen) {
     EXPECT_TRUE(lines[0].starts_with("# " + folder.generic_string())) << folder.string() << ": " << lines[0];
     EXPECT_TRUE(says("```")) << folder.string() << ": no drawing";
     EXPECT_TRUE(says("**To ") || says("**to ")) << folder.string() << ": does not say how to add something";
+  }
+}
+
+/// Patterns of the sources that a page names: "plan" of `spec/plan.h`, "supersample_[a-z0-9_]*" of `supersample_*.cc`.
+std::vector<std::regex> sources_named_by(const fs::path& page) {
+  static const std::regex kSource("`([A-Za-z0-9_./*-]+)\\.(?:h|cc)`"), kStar("\\*");
+  std::vector<std::regex> named;
+  for (const std::string& line : lines_of(page)) {
+    for (const std::string& path : matches(line, kSource)) {
+      named.emplace_back(std::regex_replace(fs::path(path).filename().string(), kStar, "[a-z0-9_]*"));
+    }
+  }
+  return named;
+}
+
+TEST(Folders, HaveAPageThatNamesEverySource) {
+  // Of the tests, which mirror the others, one page says enough.
+  std::map<fs::path, std::set<std::string>> sources;
+  for (const fs::path& file : source_files()) {
+    if (*file.begin() != "tests") sources[file.parent_path()].insert(file.stem().string());
+  }
+  EXPECT_GT(sources.size(), 50U);
+  for (const auto& [folder, stems] : sources) {
+    const std::vector<std::string> lines = lines_of(folder / "README.md");
+    ASSERT_FALSE(lines.empty()) << folder.string() << " has no README.md";
+    EXPECT_LE(lines.size(), kScreen) << folder.string();
+    EXPECT_TRUE(lines[0].starts_with("# " + folder.generic_string() + ": ")) << folder.string() << ": " << lines[0];
+    const std::vector<std::regex> named = sources_named_by(folder / "README.md");
+    for (const std::string& stem : stems) {
+      const auto names = [&](const std::regex& pattern) { return std::regex_match(stem, pattern); };
+      EXPECT_TRUE(std::ranges::any_of(named, names)) << folder.string() << "/README.md does not name " << stem;
+    }
   }
 }
 

@@ -115,7 +115,7 @@ struct EmbreeTracer::Impl {
   bool has_flags_;
   float diagonal_;
   EmbreeDevice device_;
-  std::vector<EmbreeScene> objects_;  ///< of the image's trees
+  std::vector<EmbreeScene> objects_;  ///< a scene for each of the image's trees
   EmbreeScene scene_;
 };
 

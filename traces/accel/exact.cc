@@ -29,7 +29,7 @@ Standing standing_of(double value, double margin) {
 /// From the mesh's space to the world.
 struct ToWorld {
   glm::dmat3 linear{1};
-  glm::dvec3 origin{0};  ///< of the mesh's space
+  glm::dvec3 origin{0};  ///< that of the mesh's space
   glm::dvec3 operator()(const glm::vec3& p) const { return linear * (glm::dvec3(p) - origin); }
 };
 

@@ -21,7 +21,7 @@ ExactHit exact_hit(const Ray& ray, const MemoryImage& image, const Hit& hit);
 /// Triangles that must and that may be hit, from testing all triangles of the scene. In two levels instances that the
 /// ray passes at some distance are left out.
 struct ExactTrace {
-  double nearest = std::numeric_limits<double>::infinity();  ///< of the sure hits
+  double nearest = std::numeric_limits<double>::infinity();  ///< distance of the nearest sure hit
   bool any_possible = false;                                 ///< some hit is sure or uncertain
 };
 

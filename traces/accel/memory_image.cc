@@ -22,7 +22,7 @@ constexpr std::uint64_t aligned(std::uint64_t at) { return (at + 63) & ~std::uin
 std::vector<std::array<std::uint32_t, 2>> place_single_boxes(const std::vector<NodeRecord>& nodes) {
   const auto has_records = [](std::uint32_t link) { return !is_leaf(link) && link != kNoChild; };
   // Inner nodes lie depth first already: from the back, every child is known before its parent.
-  std::vector<std::uint32_t> records(nodes.size());  // of a node and all below it
+  std::vector<std::uint32_t> records(nodes.size());  // those of a node and all below it
   for (std::size_t i = nodes.size(); i-- > 0;) {
     records[i] = 1;
     for (const std::uint32_t link : nodes[i].child) records[i] += has_records(link) ? records[link] : 1;

@@ -51,7 +51,7 @@ inline constexpr std::uint32_t kFocusObject = 1U << 30;
 /// normals the other way.
 struct alignas(64) InstanceRecord {
   float to_object[3][4];
-  std::uint32_t root;    ///< of the mesh's tree, a node
+  std::uint32_t root;    ///< a node: root of the mesh's tree
   std::uint32_t object;  ///< as in TriangleRecord
   float handedness;      ///< -1 if it is mirrored, else 1
   std::uint32_t spare;   ///< keeps the record one line
@@ -185,7 +185,7 @@ struct Layout {
 struct ImageCounts {
   std::uint64_t triangles = 0, attributes = 0, vertices = 0, materials = 0, details = 0;
   std::vector<std::array<std::uint32_t, 2>> textures;  ///< width and height
-  std::uint64_t instances = 0, trees = 0;              ///< of two levels: trees below the one over instances
+  std::uint64_t instances = 0, trees = 0;              ///< two levels: trees below the one over instances
   friend bool operator==(const ImageCounts&, const ImageCounts&) = default;
 };
 
@@ -202,9 +202,9 @@ struct ObjectTree {
 /// there are two levels (two_level.h): a tree over instances first, then one for each mesh in its own space.
 struct MemoryImage {
   std::vector<NodeRecord> nodes;          ///< node 0 is the root
-  std::vector<InstanceRecord> instances;  ///< of two levels: as in Scene::instances; otherwise empty
-  std::vector<ObjectTree> trees;          ///< of two levels, for the host; those that are shared first
-  std::vector<std::uint32_t> tree_of;     ///< of each instance; kNone where there is nothing to see
+  std::vector<InstanceRecord> instances;  ///< two levels: as in Scene::instances; otherwise empty
+  std::vector<ObjectTree> trees;          ///< two levels, for the host; those that are shared first
+  std::vector<std::uint32_t> tree_of;     ///< tree of each instance; kNone where there is nothing to see
   std::vector<TriangleRecord> triangles;  ///< in leaf order
   std::vector<AttributeRecord> attributes;
   std::vector<VertexRecord> vertices;  ///< or empty

@@ -28,7 +28,7 @@ struct Node {
   std::uint32_t parent = kNone;
   glm::mat4 matrix{1};
   Transform rest;
-  std::vector<float> morph_weights;  ///< of the mesh shown by this node, at rest
+  std::vector<float> morph_weights;  ///< weights of the mesh shown by this node, at rest
 };
 
 /// How one property of a node changes with time: key frames as in glTF. Before the first and after the last key the

@@ -22,7 +22,7 @@ struct Deformation {
   std::vector<glm::vec3> positions, normals;             ///< at rest; `normals` may be empty
   std::vector<glm::vec4> tangents;                       ///< at rest, or empty
   std::vector<std::array<std::uint16_t, 4>> joints;      ///< per vertex, into Skin::joints; empty: no skin
-  std::vector<glm::vec4> weights;                        ///< of those joints, summing to 1
+  std::vector<glm::vec4> weights;                        ///< weights of those joints, summing to 1
   std::vector<std::vector<glm::vec3>> target_positions;  ///< per morph target: displacements
   std::vector<std::vector<glm::vec3>> target_normals;    ///< the same, each may be empty
   std::uint32_t skin = kNone;                            ///< index in Scene::skins
@@ -140,8 +140,8 @@ struct Scene {
   std::vector<Track> tracks;                ///< all animations; the first for a node and path counts
   glm::vec3 background{0.6F, 0.7F, 0.85F};  ///< radiance of rays that leave the scene
   glm::vec3 ambient{0.1F};                  ///< constant irradiance on every surface
-  std::string sha256;                       ///< of the file (and the files it names), or of what the generator made
-  std::vector<std::string> warnings;        ///< what of the file is not shown as it says, one sentence each
+  std::string sha256;                 ///< hash of the file (and the files it names), or of what the generator made
+  std::vector<std::string> warnings;  ///< what of the file is not shown as it says, one sentence each
 };
 
 }  // namespace traces

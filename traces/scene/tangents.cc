@@ -14,7 +14,7 @@ glm::dvec3 perpendicular(const glm::dvec3& normal) {
 
 /// Unit length and perpendicular to the normal, or null.
 glm::dvec3 orthogonalised(const glm::dvec3& tangent, const glm::dvec3& normal) {
-  constexpr double kLeast = 1e-6;  // of its length, what must be left beside the normal
+  constexpr double kLeast = 1e-6;  // share of its length that must be left beside the normal
   const double whole = glm::length(tangent);
   const glm::dvec3 rest = tangent - normal * glm::dot(normal, tangent);
   const double length = glm::length(rest);

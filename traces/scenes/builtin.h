@@ -12,7 +12,7 @@ namespace traces {
 struct BuiltinInfo {
   std::string name;
   std::string description;      ///< one line
-  std::uint32_t triangles = 0;  ///< of its class in the literature
+  std::uint32_t triangles = 0;  ///< number of its class in the literature
 };
 
 /// Options of a generator.

@@ -1,8 +1,8 @@
 #include "traces/scene/cameras.h"
 #include "traces/scenes/builtin.h"
-#include "traces/scenes/detail.h"
-#include "traces/scenes/motion.h"
-#include "traces/scenes/shapes.h"
+#include "traces/scenes/modelling/detail.h"
+#include "traces/scenes/modelling/motion.h"
+#include "traces/scenes/modelling/shapes.h"
 
 namespace traces {
 

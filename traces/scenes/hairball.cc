@@ -7,18 +7,18 @@
 
 #include "traces/scene/cameras.h"
 #include "traces/scenes/builtin.h"
-#include "traces/scenes/motion.h"
-#include "traces/scenes/patterns.h"
-#include "traces/scenes/shapes.h"
-#include "traces/scenes/sweeps.h"
-#include "traces/scenes/trigonometry.h"
+#include "traces/scenes/modelling/motion.h"
+#include "traces/scenes/modelling/patterns.h"
+#include "traces/scenes/modelling/shapes.h"
+#include "traces/scenes/modelling/sweeps.h"
+#include "traces/scenes/modelling/trigonometry.h"
 
 namespace traces {
 namespace {
 
 constexpr std::uint32_t kTriangles = 2'880'000;
 constexpr std::uint32_t kBundles = 12, kColours = 3;
-constexpr std::uint32_t kSegments = 40;  // of a strand
+constexpr std::uint32_t kSegments = 40;  // segments of a strand
 constexpr std::uint32_t kSides = 3;
 constexpr std::uint32_t kLock = 14;  // strands that run side by side
 constexpr float kFov = 0.62F;

@@ -8,11 +8,11 @@
 #include "sim/hash.h"
 #include "traces/scene/cameras.h"
 #include "traces/scenes/builtin.h"
-#include "traces/scenes/detail.h"
-#include "traces/scenes/motion.h"
-#include "traces/scenes/shapes.h"
+#include "traces/scenes/modelling/detail.h"
+#include "traces/scenes/modelling/motion.h"
+#include "traces/scenes/modelling/shapes.h"
+#include "traces/scenes/modelling/trigonometry.h"
 #include "traces/scenes/teapot_patches.h"
-#include "traces/scenes/trigonometry.h"
 
 namespace traces {
 namespace {

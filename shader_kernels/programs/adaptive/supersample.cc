@@ -20,7 +20,7 @@ SupersampleProgram::SupersampleProgram(const traces::MemoryImage& image, const t
       supersample_(supersample),
       scene_(image, config),
       camera_(camera_uniforms(camera, config.width, config.height)),
-      tiles_(config.width, config.height, 1, config.tile / 2, kHalo),  // of sub-pixels, two along a pixel
+      tiles_(config.width, config.height, 1, config.tile / 2, kHalo),  // sub-pixels, two along a pixel
       order_(tiles_.order(supersample.halo)),
       frame_(frame) {}
 

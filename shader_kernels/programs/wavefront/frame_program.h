@@ -13,8 +13,8 @@ namespace kernels {
 
 /// Storage that a machine must set aside for a frame.
 struct FrameRequirements {
-  std::uint32_t tile_samples = 0;     ///< of a full tile
-  std::uint32_t attribute_bytes = 0;  ///< of a full tile: kept by its samples beside their colour, in the tile buffer
+  std::uint32_t tile_samples = 0;     ///< those of a full tile
+  std::uint32_t attribute_bytes = 0;  ///< what samples of a full tile keep beside their colour, in the tile buffer
   std::array<std::uint64_t, static_cast<std::size_t>(traces::Region::kCount)> region_bytes{};
 };
 

@@ -13,11 +13,11 @@ namespace kernels {
 /// its primary ray hits nothing, or if it lies between two that are.
 struct Sampling {
   std::uint64_t wanted = 0;
-  std::uint64_t traced = 0;      ///< halo and correction included
-  std::uint64_t halo = 0;        ///< of those, samples of neighbouring tiles, traced again
-  std::uint64_t correction = 0;  ///< of those, samples first taken for similar and traced after all
-  std::uint64_t background = 0, traced_background = 0;                          ///< of the wanted, of the traced
-  std::uint64_t checked = 0, passed = 0;                                        ///< samples between references
+  std::uint64_t traced = 0;                             ///< halo and correction included
+  std::uint64_t halo = 0;                               ///< traced samples of neighbouring tiles, once more
+  std::uint64_t correction = 0;                         ///< traced samples that were first taken for similar
+  std::uint64_t background = 0, traced_background = 0;  ///< samples of the wanted, of the traced
+  std::uint64_t checked = 0, passed = 0;                ///< samples between references
   std::array<std::uint64_t, static_cast<std::size_t>(Check::kCount)> failed{};  ///< a sample may fail several checks
 
   // supersample: pixels by how many of their sub-pixels are active, active sub-pixels by what disagreed (one may have

@@ -23,7 +23,7 @@ void TileBuffer::hold_wave(std::size_t slots) {
   wave.hold(slots);
   // A stream has one more slot than items: what is not kept is written behind its end.
   for (auto* stream : {&misses, &surfaces, &textured, &diffuse, &mirror, &glass, &emissive}) grow(*stream, slots + 1);
-  grow(places, slots);
+  grow(points, slots);
   grow(mattes, slots);
   grow(texcoords, slots);
   grow(optics, slots);

@@ -33,7 +33,7 @@ struct TileBuffer {
   std::vector<std::uint32_t> misses, surfaces, textured, diffuse, mirror, glass, emissive;
   std::vector<std::uint32_t> absorbing, vertexed, based, physical, bumped, blended, glowing, occluded;
   std::vector<std::uint32_t> layers, targets;  ///< hits to test; slots whose rays go on
-  std::vector<SurfacePointRecord<float>> places;
+  std::vector<SurfacePointRecord<float>> points;
   std::vector<DiffuseRecord<float>> mattes;
   std::vector<TexcoordRecord<float>> texcoords;
   std::vector<SpecularRecord<float>> optics;
@@ -43,7 +43,7 @@ struct TileBuffer {
   std::vector<GeometryRecord<float>> geometry;
   std::vector<SecondaryRecord<float>> secondary;
   std::vector<SurfaceRecord<float>> kept;
-  std::vector<ColourRecord<float>> globals;  ///< of kept surfaces
+  std::vector<ColourRecord<float>> globals;  ///< light of kept surfaces
   std::vector<std::uint32_t> verdicts, identities, samples, passed, failed;
   // Supersampling: records that samples keep; verdicts on sub-pixels, lists.
   std::vector<TraitsRecord<float>> traits, secondary_traits;
@@ -61,7 +61,7 @@ struct TileBuffer {
     array(NAMED(b.mirror)), array(NAMED(b.glass)), array(NAMED(b.emissive));
     array(NAMED(b.absorbing)), array(NAMED(b.vertexed)), array(NAMED(b.based)), array(NAMED(b.physical));
     array(NAMED(b.bumped)), array(NAMED(b.blended)), array(NAMED(b.glowing)), array(NAMED(b.occluded));
-    array(NAMED(b.places)), array(NAMED(b.mattes)), array(NAMED(b.texcoords)), array(NAMED(b.optics));
+    array(b.points, "places"), array(NAMED(b.mattes)), array(NAMED(b.texcoords)), array(NAMED(b.optics));
     array(NAMED(b.tangents)), array(NAMED(b.colours));
     array(NAMED(b.geometry)), array(NAMED(b.secondary)), array(NAMED(b.kept)), array(NAMED(b.globals));
     array(NAMED(b.verdicts)), array(NAMED(b.identities)), array(NAMED(b.samples));
@@ -90,9 +90,9 @@ struct TileResult {
   std::vector<glm::vec3> linear;                      ///< per pixel, row by row: linear RGB in [0, 1]
   std::vector<std::uint32_t> packed;                  ///< per pixel: as the frame buffer holds it, R in the lowest byte
   std::array<std::uint64_t, static_cast<std::size_t>(traces::RayKind::kCount)> rays{};
-  std::uint64_t continued = 0;  ///< of those, rays that went on behind what was no solid surface
+  std::uint64_t continued = 0;  ///< rays that went on behind what was no solid surface, counted above, too
   Sampling sampling;
-  std::vector<SampleMark> marks;          ///< of adaptive sampling: per sample (or pixel) of the tile, row by row
+  std::vector<SampleMark> marks;          ///< adaptive sampling's, per sample (or pixel) of the tile, row by row
   std::vector<ShownSample> shown;         ///< its own samples, row by row, if a later pass looks at them
   std::vector<std::uint32_t> background;  ///< samples whose primary ray hit nothing, in the order traced
   std::uint64_t traversal_steps = 0;  ///< node visits and triangle tests; counted from the walks, so 0 if not recorded

@@ -46,9 +46,9 @@ class Wavefront {
 
   /// Records of their hits that samples keep, beside their colour.
   struct RetainedRecords {
-    bool geometry = false, surfaces = false;  ///< of the first hit: geometry alone, or all that shading needs
+    bool geometry = false, surfaces = false;  ///< the first hit's: geometry alone, or all that shading needs
     bool secondary = false;
-    bool traits = false;  ///< of the first hit and of the secondary one that carries most
+    bool traits = false;  ///< those of the first hit and of the secondary one that carries most
     Node cleared = StreamBuilder::kNone, cleared_secondary = StreamBuilder::kNone;  ///< launches that began them
   };
 
@@ -121,7 +121,7 @@ class Wavefront {
   };
   struct Streams {
     std::uint32_t textured = 0, diffuse = 0, mirror = 0, glass = 0, emissive = 0;
-    std::uint32_t blended = 0, glowing = 0, occluded = 0;  ///< of classify_details
+    std::uint32_t blended = 0, glowing = 0, occluded = 0;  ///< streams of classify_details
   };
 
   /// Traces rays and those that go on behind what turns out not to be solid.

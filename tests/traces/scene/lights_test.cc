@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "traces/scene/cameras.h"
-#include "traces/scenes/shapes.h"
+#include "traces/scenes/modelling/shapes.h"
 
 namespace test {
 namespace {

@@ -9,8 +9,8 @@
 #include "traces/scene/animation.h"
 #include "traces/scene/bounds.h"
 #include "traces/scenes/builtin.h"
-#include "traces/scenes/plants.h"
-#include "traces/scenes/shapes.h"
+#include "traces/scenes/modelling/plants.h"
+#include "traces/scenes/modelling/shapes.h"
 
 namespace test {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "traces/scene/bounds.h"
 #include "traces/scenes/builtin.h"
-#include "traces/scenes/shapes.h"
+#include "traces/scenes/modelling/shapes.h"
 
 namespace test {
 namespace {

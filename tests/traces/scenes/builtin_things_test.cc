@@ -10,8 +10,8 @@
 #include "traces/scenes/builtin.h"
 #include "traces/scenes/chess/pieces.h"
 #include "traces/scenes/laboratory/glassware.h"
-#include "traces/scenes/shapes.h"
-#include "traces/scenes/turned.h"
+#include "traces/scenes/modelling/shapes.h"
+#include "traces/scenes/modelling/turned.h"
 
 namespace test {
 namespace {

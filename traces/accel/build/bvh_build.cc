@@ -23,7 +23,7 @@ struct TreeNode {
 
 struct InnerNode : TreeNode {
   TreeNode* child[2] = {nullptr, nullptr};
-  Bounds bounds[2];  ///< of the children
+  Bounds bounds[2];  ///< boxes of the children
 };
 
 /// With `count` indices of triangles behind it.

@@ -18,7 +18,7 @@ struct Context {
   const SceneLimits& limits;
   Budget& budget;
   Scene& scene;
-  std::vector<std::uint32_t> scene_nodes{};  ///< of the file's nodes in Scene::nodes; kNone: not shown
+  std::vector<std::uint32_t> scene_nodes{};  ///< index of each of the file's nodes in Scene::nodes; kNone: not shown
 
   /// Throws InputError.
   [[noreturn]] void refuse(const std::string& why) const;

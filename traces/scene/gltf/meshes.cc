@@ -80,7 +80,7 @@ void Meshes::fold_colours(Mesh& mesh) {
 }
 
 Mesh Meshes::read(const tinygltf::Primitive& primitive, const std::string& name, int skin) {
-  constexpr std::uint64_t kCornerBytes = 96;  // of a triangle's corner with everything a vertex may have
+  constexpr std::uint64_t kCornerBytes = 96;  // size of a triangle's corner with everything a vertex may have
   static const Placements kNowhere;
   Mesh mesh;
   mesh.name = name;

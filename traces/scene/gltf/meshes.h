@@ -29,7 +29,7 @@ class Meshes {
   void fold_colours(Mesh& mesh);
 
   Context& context_;
-  std::vector<Placements> placements_;  ///< of the file's materials
+  std::vector<Placements> placements_;  ///< those of the file's materials
   std::uint32_t default_material_ = kNone;
   std::map<std::pair<int, std::size_t>, std::uint32_t> read_;  ///< rigid ones, by mesh and primitive
   std::vector<float> reaches_;                                 ///< parallel to Scene::meshes

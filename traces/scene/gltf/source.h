@@ -17,7 +17,7 @@ struct Source {
   bool binary = false;                          ///< GLB
   std::size_t json_begin = 0, json_size = 0;    ///< in `bytes`
   std::map<std::string, std::string> external;  ///< by decoded relative URI
-  std::string sha256;                           ///< of the file; where it names others, of all their digests
+  std::string sha256;                           ///< hash of the file; where it names others, of all their digests
 };
 
 Source read_source(const std::filesystem::path& path, const SceneLimits& limits, Budget& budget);

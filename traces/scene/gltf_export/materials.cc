@@ -9,7 +9,7 @@
 namespace traces::gltf_export {
 namespace {
 
-constexpr float kCoatShare = 0.08F;  // of a clear coat whose factor is 1: twice the reflectance of index 1.5
+constexpr float kCoatShare = 0.08F;  // a clear coat's whose factor is 1: twice the reflectance of index 1.5
 
 /// The index of refraction at which twice the reflectance at normal incidence is `share`.
 float index_for(float share) {

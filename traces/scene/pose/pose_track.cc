@@ -13,7 +13,7 @@ using Interpolation = Track::Interpolation;
 /// The keys on both sides of a time; the same one twice before the first and after the last.
 struct Span {
   std::size_t from = 0, to = 0;
-  double share = 0;    ///< of the way from one to the other, 0..1
+  double share = 0;    ///< part of the way from one to the other, 0..1
   double seconds = 0;  ///< between them
 };
 

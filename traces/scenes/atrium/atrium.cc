@@ -3,7 +3,7 @@
 #include "traces/scene/cameras.h"
 #include "traces/scenes/atrium/parts.h"
 #include "traces/scenes/builtin.h"
-#include "traces/scenes/motion.h"
+#include "traces/scenes/modelling/motion.h"
 
 namespace traces {
 namespace {

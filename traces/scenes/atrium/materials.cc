@@ -4,9 +4,9 @@
 #include <glm/geometric.hpp>
 
 #include "traces/scenes/atrium/parts.h"
-#include "traces/scenes/patterns.h"
-#include "traces/scenes/shapes.h"
-#include "traces/scenes/trigonometry.h"
+#include "traces/scenes/modelling/patterns.h"
+#include "traces/scenes/modelling/shapes.h"
+#include "traces/scenes/modelling/trigonometry.h"
 
 namespace traces::atrium {
 namespace {

@@ -2,7 +2,7 @@
 #include <cstdint>
 
 #include "traces/scene/scene.h"
-#include "traces/scenes/detail.h"
+#include "traces/scenes/modelling/detail.h"
 
 namespace traces::atrium {
 

@@ -2,11 +2,11 @@
 #include <vector>
 
 #include "traces/scenes/atrium/parts.h"
-#include "traces/scenes/forms.h"
-#include "traces/scenes/patterns.h"
-#include "traces/scenes/shapes.h"
-#include "traces/scenes/sweeps.h"
-#include "traces/scenes/trigonometry.h"
+#include "traces/scenes/modelling/forms.h"
+#include "traces/scenes/modelling/patterns.h"
+#include "traces/scenes/modelling/shapes.h"
+#include "traces/scenes/modelling/sweeps.h"
+#include "traces/scenes/modelling/trigonometry.h"
 
 namespace traces::atrium {
 namespace {

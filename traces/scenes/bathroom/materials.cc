@@ -3,9 +3,9 @@
 #include <glm/common.hpp>
 
 #include "traces/scenes/bathroom/parts.h"
-#include "traces/scenes/patterns.h"
-#include "traces/scenes/shapes.h"
-#include "traces/scenes/trigonometry.h"
+#include "traces/scenes/modelling/patterns.h"
+#include "traces/scenes/modelling/shapes.h"
+#include "traces/scenes/modelling/trigonometry.h"
 
 namespace traces::bathroom {
 namespace {

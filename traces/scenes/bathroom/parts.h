@@ -4,7 +4,7 @@
 #include <string>
 
 #include "traces/scene/scene.h"
-#include "traces/scenes/detail.h"
+#include "traces/scenes/modelling/detail.h"
 
 namespace traces::bathroom {
 

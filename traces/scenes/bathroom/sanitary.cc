@@ -3,10 +3,10 @@
 #include <vector>
 
 #include "traces/scenes/bathroom/parts.h"
-#include "traces/scenes/forms.h"
-#include "traces/scenes/shapes.h"
-#include "traces/scenes/sweeps.h"
-#include "traces/scenes/trigonometry.h"
+#include "traces/scenes/modelling/forms.h"
+#include "traces/scenes/modelling/shapes.h"
+#include "traces/scenes/modelling/sweeps.h"
+#include "traces/scenes/modelling/trigonometry.h"
 
 namespace traces::bathroom {
 namespace {

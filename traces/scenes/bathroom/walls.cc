@@ -1,9 +1,9 @@
 #include <array>
 
 #include "traces/scenes/bathroom/parts.h"
-#include "traces/scenes/forms.h"
-#include "traces/scenes/shapes.h"
-#include "traces/scenes/sweeps.h"
+#include "traces/scenes/modelling/forms.h"
+#include "traces/scenes/modelling/shapes.h"
+#include "traces/scenes/modelling/sweeps.h"
 
 namespace traces::bathroom {
 namespace {

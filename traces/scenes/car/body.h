@@ -1,6 +1,6 @@
 #pragma once
 #include "traces/scene/scene.h"
-#include "traces/scenes/detail.h"
+#include "traces/scenes/modelling/detail.h"
 
 namespace traces::car {
 

@@ -10,10 +10,10 @@
 #include "traces/scenes/car/hall.h"
 #include "traces/scenes/car/trim.h"
 #include "traces/scenes/car/wheel.h"
-#include "traces/scenes/motion.h"
-#include "traces/scenes/shapes.h"
-#include "traces/scenes/trigonometry.h"
-#include "traces/scenes/turned.h"
+#include "traces/scenes/modelling/motion.h"
+#include "traces/scenes/modelling/shapes.h"
+#include "traces/scenes/modelling/trigonometry.h"
+#include "traces/scenes/modelling/turned.h"
 
 namespace traces {
 namespace {
@@ -86,8 +86,8 @@ Scene build_car(const BuiltinOptions& options) {
   const std::uint64_t wanted = options.triangles_or(kClass);
   const Detail rough = detail_for(static_cast<double>(wanted), kClass);
   car::add_hall(scene, rough);
-  const std::uint64_t rest = triangles_of(scene) + car::triangles_of_trim(rough);
-  const Detail detail = fit_detail(wanted > rest ? wanted - rest : 0, triangles_of_car);
+  const Detail detail =
+      fit_detail(wanted, triangles_of_car, {.made = triangles_of(scene) + car::triangles_of_trim(rough)});
 
   const std::uint32_t node = add_node(scene, "car", {.translation = {-0.4F, 0, 0}});
   std::vector<Key> keys;

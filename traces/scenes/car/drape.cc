@@ -9,8 +9,8 @@
 #include <glm/geometric.hpp>
 #include <glm/vector_relational.hpp>
 
-#include "traces/scenes/shapes.h"
-#include "traces/scenes/sweeps.h"
+#include "traces/scenes/modelling/shapes.h"
+#include "traces/scenes/modelling/sweeps.h"
 
 namespace traces::car {
 namespace {

@@ -4,9 +4,9 @@
 
 #include <glm/common.hpp>
 
-#include "traces/scenes/patterns.h"
-#include "traces/scenes/shapes.h"
-#include "traces/scenes/turned.h"
+#include "traces/scenes/modelling/patterns.h"
+#include "traces/scenes/modelling/shapes.h"
+#include "traces/scenes/modelling/turned.h"
 
 namespace traces::car {
 namespace {

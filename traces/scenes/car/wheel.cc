@@ -4,10 +4,10 @@
 #include <vector>
 
 #include "traces/scenes/car/body.h"
-#include "traces/scenes/shapes.h"
-#include "traces/scenes/sweeps.h"
-#include "traces/scenes/trigonometry.h"
-#include "traces/scenes/turned.h"
+#include "traces/scenes/modelling/shapes.h"
+#include "traces/scenes/modelling/sweeps.h"
+#include "traces/scenes/modelling/trigonometry.h"
+#include "traces/scenes/modelling/turned.h"
 
 namespace traces::car {
 namespace {

@@ -8,11 +8,11 @@
 #include "traces/scenes/builtin.h"
 #include "traces/scenes/chess/pieces.h"
 #include "traces/scenes/chess/table.h"
-#include "traces/scenes/motion.h"
-#include "traces/scenes/patterns.h"
-#include "traces/scenes/shapes.h"
-#include "traces/scenes/trigonometry.h"
-#include "traces/scenes/turned.h"
+#include "traces/scenes/modelling/motion.h"
+#include "traces/scenes/modelling/patterns.h"
+#include "traces/scenes/modelling/shapes.h"
+#include "traces/scenes/modelling/trigonometry.h"
+#include "traces/scenes/modelling/turned.h"
 
 namespace traces {
 namespace {
@@ -51,7 +51,7 @@ struct Move {
   std::string_view from;
   glm::vec3 to;
   float start, end;
-  float height;  ///< of the arc
+  float height;  ///< height of the arc
 };
 
 /// Moves: the pawn on e5 leaves, a knight takes its place, the queen on d1 leaves, a bishop takes hers.
@@ -120,8 +120,7 @@ Scene build_chess(const BuiltinOptions& options) {
   constexpr std::uint32_t kClass = 42'000;
   const std::uint64_t wanted = options.triangles_or(kClass);
   chess::add_surroundings(scene, detail_for(static_cast<double>(wanted), kClass));
-  const std::uint64_t rest = triangles_of(scene);
-  add_pieces(scene, fit_detail(wanted > rest ? wanted - rest : 0, triangles_of_set));
+  add_pieces(scene, fit_detail(wanted, triangles_of_set, {.made = triangles_of(scene)}));
 
   scene.cameras.push_back(look_at("front", {4.6F, 4.7F, 8.9F}, {0.12F, -0.15F, 0.35F}, 0.55F));
   scene.cameras.push_back(look_at("player", {0, 6.5F, 9.5F}, {0, 0, 0.2F}, 0.62F));

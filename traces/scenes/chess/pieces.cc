@@ -5,10 +5,10 @@
 
 #include <glm/common.hpp>
 
-#include "traces/scenes/shapes.h"
-#include "traces/scenes/sweeps.h"
-#include "traces/scenes/trigonometry.h"
-#include "traces/scenes/turned.h"
+#include "traces/scenes/modelling/shapes.h"
+#include "traces/scenes/modelling/sweeps.h"
+#include "traces/scenes/modelling/trigonometry.h"
+#include "traces/scenes/modelling/turned.h"
 
 namespace traces::chess {
 namespace {

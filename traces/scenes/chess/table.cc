@@ -2,11 +2,11 @@
 
 #include <vector>
 
-#include "traces/scenes/patterns.h"
-#include "traces/scenes/shapes.h"
-#include "traces/scenes/sweeps.h"
-#include "traces/scenes/trigonometry.h"
-#include "traces/scenes/turned.h"
+#include "traces/scenes/modelling/patterns.h"
+#include "traces/scenes/modelling/shapes.h"
+#include "traces/scenes/modelling/sweeps.h"
+#include "traces/scenes/modelling/trigonometry.h"
+#include "traces/scenes/modelling/turned.h"
 
 namespace traces::chess {
 namespace {
@@ -78,11 +78,11 @@ void add_clock(Scene& scene, const Detail& detail, std::uint32_t wood, std::uint
   const std::uint32_t sides = detail.cells(32, 10);
   Mesh dials, rings, hands, buttons;
   for (const float x : {-0.62F, 0.62F}) {
-    glm::mat4 place = upright;
-    place[3] = glm::vec4(x, 0.71F, 0.36F, 1);
-    append(dials, transformed(make_cylinder("", 0.47F, 0.012F, sides), place));
+    glm::mat4 dial_to_clock = upright;
+    dial_to_clock[3] = glm::vec4(x, 0.71F, 0.36F, 1);
+    append(dials, transformed(make_cylinder("", 0.47F, 0.012F, sides), dial_to_clock));
     const glm::vec2 bezel[] = {{0.53F, 0}, {0.53F, 0.05F}, {0.50F, 0.07F}, {0.46F, 0.04F}, {0.46F, 0}};
-    append(rings, transformed(make_lathe("", bezel, sides), place));
+    append(rings, transformed(make_lathe("", bezel, sides), dial_to_clock));
     for (int hour = 0; hour < 12; ++hour) {
       const glm::vec2 way = on_circle(hour / 12.0);
       const glm::mat4 turn(glm::vec4(way.y, -way.x, 0, 0), glm::vec4(way, 0, 0), glm::vec4(0, 0, 1, 0),

@@ -1,7 +1,7 @@
 #include "traces/scene/cameras.h"
 #include "traces/scenes/builtin.h"
 #include "traces/scenes/conference/parts.h"
-#include "traces/scenes/motion.h"
+#include "traces/scenes/modelling/motion.h"
 
 namespace traces {
 namespace {

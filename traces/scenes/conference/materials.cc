@@ -5,9 +5,9 @@
 #include <glm/geometric.hpp>
 
 #include "traces/scenes/conference/parts.h"
-#include "traces/scenes/patterns.h"
-#include "traces/scenes/shapes.h"
-#include "traces/scenes/trigonometry.h"
+#include "traces/scenes/modelling/patterns.h"
+#include "traces/scenes/modelling/shapes.h"
+#include "traces/scenes/modelling/trigonometry.h"
 
 namespace traces::conference {
 namespace {

@@ -8,10 +8,10 @@
 #include "traces/scenes/builtin.h"
 #include "traces/scenes/forest/generator.h"
 #include "traces/scenes/forest/textures.h"
-#include "traces/scenes/motion.h"
-#include "traces/scenes/patterns.h"
-#include "traces/scenes/shapes.h"
-#include "traces/scenes/trigonometry.h"
+#include "traces/scenes/modelling/motion.h"
+#include "traces/scenes/modelling/patterns.h"
+#include "traces/scenes/modelling/shapes.h"
+#include "traces/scenes/modelling/trigonometry.h"
 
 namespace traces {
 namespace forest {

@@ -6,7 +6,7 @@
 
 #include "traces/scene/scene.h"
 #include "traces/scenes/forest/things.h"
-#include "traces/scenes/plants.h"
+#include "traces/scenes/modelling/plants.h"
 
 namespace traces::forest {
 

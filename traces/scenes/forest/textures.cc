@@ -7,8 +7,8 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "traces/scenes/patterns.h"
-#include "traces/scenes/trigonometry.h"
+#include "traces/scenes/modelling/patterns.h"
+#include "traces/scenes/modelling/trigonometry.h"
 
 namespace traces::forest {
 namespace {

@@ -7,11 +7,11 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "traces/scenes/patterns.h"
-#include "traces/scenes/plants.h"
-#include "traces/scenes/shapes.h"
-#include "traces/scenes/sweeps.h"
-#include "traces/scenes/trigonometry.h"
+#include "traces/scenes/modelling/patterns.h"
+#include "traces/scenes/modelling/plants.h"
+#include "traces/scenes/modelling/shapes.h"
+#include "traces/scenes/modelling/sweeps.h"
+#include "traces/scenes/modelling/trigonometry.h"
 
 namespace traces::forest {
 namespace {
@@ -245,13 +245,13 @@ Mesh make_litter(float radius, std::uint32_t leaves, std::uint64_t seed) {
   Mesh mesh;
   mesh.name = "fallen leaves";
   for (std::uint32_t k = 0; k < leaves; ++k) {
-    const glm::vec2 place =
+    const glm::vec2 position =
         on_circle(static_cast<double>(random(seed, k, 1))) * (radius * std::sqrt(random(seed, k, 2)));
     const glm::vec2 way = on_circle(static_cast<double>(random(seed, k, 3)));
     const float size = random_between(0.07F, 0.13F, seed, k, 4), tilt = 0.5F * (random(seed, k, 5) - 0.35F);
     const glm::vec3 length = glm::vec3(way.x, tilt, way.y) * size;
     const glm::vec3 wide = glm::vec3(-way.y, 0.7F * (random(seed, k, 6) - 0.5F), way.x) * (0.3F * size);
-    add_leaf(mesh, {place.x, 0.025F + 0.02F * random(seed, k, 7), place.y}, length, wide, {0, 1, 0},
+    add_leaf(mesh, {position.x, 0.025F + 0.02F * random(seed, k, 7), position.y}, length, wide, {0, 1, 0},
              {random(seed, k, 8), random(seed, k, 9)}, 0.05F);
   }
   return mesh;

@@ -6,9 +6,9 @@
 
 #include "traces/scenes/forest/generator.h"
 #include "traces/scenes/forest/textures.h"
-#include "traces/scenes/patterns.h"
-#include "traces/scenes/shapes.h"
-#include "traces/scenes/trigonometry.h"
+#include "traces/scenes/modelling/patterns.h"
+#include "traces/scenes/modelling/shapes.h"
+#include "traces/scenes/modelling/trigonometry.h"
 
 namespace traces::forest {
 

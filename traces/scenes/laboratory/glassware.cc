@@ -6,14 +6,14 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "traces/scenes/shapes.h"
-#include "traces/scenes/sweeps.h"
-#include "traces/scenes/turned.h"
+#include "traces/scenes/modelling/shapes.h"
+#include "traces/scenes/modelling/sweeps.h"
+#include "traces/scenes/modelling/turned.h"
 
 namespace traces::laboratory {
 namespace {
 
-constexpr float kWall = 0.002F;  ///< of the glass
+constexpr float kWall = 0.002F;  ///< thickness of the glass
 constexpr float kGap = 0.0015F;  ///< from glass to filling: more than secondary rays begin away from a surface
 
 /// The outside, from the middle of the bottom to the rim.

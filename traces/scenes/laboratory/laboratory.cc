@@ -10,12 +10,12 @@
 #include "traces/scenes/laboratory/apparatus.h"
 #include "traces/scenes/laboratory/glassware.h"
 #include "traces/scenes/laboratory/room.h"
-#include "traces/scenes/motion.h"
-#include "traces/scenes/patterns.h"
-#include "traces/scenes/shapes.h"
-#include "traces/scenes/sweeps.h"
-#include "traces/scenes/trigonometry.h"
-#include "traces/scenes/turned.h"
+#include "traces/scenes/modelling/motion.h"
+#include "traces/scenes/modelling/patterns.h"
+#include "traces/scenes/modelling/shapes.h"
+#include "traces/scenes/modelling/sweeps.h"
+#include "traces/scenes/modelling/trigonometry.h"
+#include "traces/scenes/modelling/turned.h"
 
 namespace traces {
 namespace {

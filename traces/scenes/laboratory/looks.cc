@@ -4,8 +4,8 @@
 #include <string>
 #include <utility>
 
-#include "traces/scenes/patterns.h"
-#include "traces/scenes/shapes.h"
+#include "traces/scenes/modelling/patterns.h"
+#include "traces/scenes/modelling/shapes.h"
 
 namespace traces::laboratory {
 namespace {

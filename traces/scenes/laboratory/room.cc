@@ -2,8 +2,8 @@
 
 #include <utility>
 
-#include "traces/scenes/shapes.h"
-#include "traces/scenes/turned.h"
+#include "traces/scenes/modelling/shapes.h"
+#include "traces/scenes/modelling/turned.h"
 
 namespace traces::laboratory {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
-#include "traces/scenes/detail.h"
 #include "traces/scenes/laboratory/looks.h"
+#include "traces/scenes/modelling/detail.h"
 
 namespace traces::laboratory {
 

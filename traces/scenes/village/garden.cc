@@ -6,10 +6,10 @@
 
 #include <glm/geometric.hpp>
 
-#include "traces/scenes/patterns.h"
-#include "traces/scenes/plants.h"
-#include "traces/scenes/shapes.h"
-#include "traces/scenes/sweeps.h"
+#include "traces/scenes/modelling/patterns.h"
+#include "traces/scenes/modelling/plants.h"
+#include "traces/scenes/modelling/shapes.h"
+#include "traces/scenes/modelling/sweeps.h"
 #include "traces/scenes/village/landscape.h"
 
 namespace traces::village {
@@ -19,7 +19,7 @@ enum Kind : std::uint32_t { kOak, kPoplar, kApple, kSpruce, kBirch, kMaple, kBus
 
 struct Species {
   const char* name;
-  TreeShape shape;  ///< of no height: a bush
+  TreeShape shape;  ///< no height: a bush
   LeafShape leaf;
   glm::vec3 dark, light;
   float weight;  ///< its share of leaves

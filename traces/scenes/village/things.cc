@@ -5,11 +5,11 @@
 
 #include <glm/geometric.hpp>
 
-#include "traces/scenes/patterns.h"
-#include "traces/scenes/plants.h"
-#include "traces/scenes/shapes.h"
-#include "traces/scenes/sweeps.h"
-#include "traces/scenes/trigonometry.h"
+#include "traces/scenes/modelling/patterns.h"
+#include "traces/scenes/modelling/plants.h"
+#include "traces/scenes/modelling/shapes.h"
+#include "traces/scenes/modelling/sweeps.h"
+#include "traces/scenes/modelling/trigonometry.h"
 
 namespace traces::village {
 

@@ -26,13 +26,14 @@ Detail detail_for(double triangles, double at_one);
 
 /// When a search for the detail of a number of triangles ends, and where it looks.
 struct DetailSearch {
+  std::uint64_t made = 0;  ///< triangles of the scene's other parts, which are among the wanted ones
   int tries = 6;
   double near_enough = 0.01;  ///< relative error of the number
   double least = 0.1, most = 10;
 };
 
-/// The detail at which `triangles_at`, which grows about with its square, comes near to `wanted`: the best one tried,
-/// from detail 1 on.
+/// The detail at which `triangles_at`, which grows about with its square, comes near to what is `made` short of
+/// `wanted`: the best one tried, from detail 1 on.
 Detail fit_detail(std::uint64_t wanted, const std::function<std::uint64_t(const Detail& detail)>& triangles_at,
                   const DetailSearch& search = {});
 

@@ -1,13 +1,12 @@
 #pragma once
 #include <string_view>
 
-#include "shader_kernels/kernels/record_geometry.h"
-#include "shader_kernels/kernels/record_shadow.h"
+#include "shader_kernels/kernels/record_first_hit.h"
 #include "sim/named.h"
 
 namespace kernels {
 
-// Traits are what supersample compares. A sample keeps one of its secondary hits: that of the branch, mirrored or
+// Traits are what supersample compares. Of its secondary hits a sample keeps one: that of the branch, mirrored or
 // refracted, that carries most, one bounce behind the first hit.
 
 /// A position as one number, which two hits of a sample hardly ever share.
@@ -15,56 +14,6 @@ template <class V>
 F<V> position_sum(const Vec3<V>& position) {
   return dot(position, Vec3<V>{1.0F, 1.7320508F, 2.2360680F});
 }
-
-struct ClearTraits {
-  static constexpr std::string_view kName = "clear_traits";
-  static constexpr std::string_view kMeaning = "sample -> its traits are those of a miss, without a secondary hit";
-  template <class V>
-  struct Ports {
-    Local<V, WordRecord> samples;
-    Local<V, TraitsRecord> traits, secondary;
-    Local<V, BranchRecord> branches;
-    static void describe(auto& p, auto&& port) {
-      port(NAMED(p.samples));
-      port(NAMED(p.traits));
-      port(NAMED(p.secondary));
-      port(NAMED(p.branches));
-    }
-  };
-  template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const I<V> sample = at.samples.load(item).word;
-    at.traits.store(sample, {{0.0F, 0.0F, 1.0F}, kNoObject, 0U});
-    at.secondary.store(sample, {{0.0F, 0.0F, 1.0F}, kNoObject, 0U});
-    at.branches.store(sample, {0.0F, 0.0F});
-  }
-};
-
-template <bool kInstanced>
-struct RecordTraits {
-  static constexpr std::string_view kName = kInstanced ? "record_traits_instanced" : "record_traits";
-  static constexpr std::string_view kMeaning = kInstanced
-                                                   ? "as record_traits, with the object of the instance"
-                                                   : "first hit -> its sample's traits: object, normal, no shadow yet";
-  template <class V>
-  struct Ports : SurfaceHitPorts<V, kInstanced> {
-    Local<V, TraitsRecord> traits;
-    static void describe(auto& p, auto&& port) {
-      SurfaceHitPorts<V, kInstanced>::describe(p, port);
-      port(NAMED(p.traits));
-    }
-  };
-  template <class V>
-  static void body(const I<V>& item, Ports<V>& at) {
-    const SurfaceHit<V> hit = surface_hit<V, kInstanced>(item, at);
-    at.traits.store(hit.path.sample, {hit.point.normal, hit.object, 0U});
-  }
-};
-
-struct RecordTraitsShadow : RecordShadowPorts<TraitsRecord> {
-  static constexpr std::string_view kName = "record_traits_shadow";
-  static constexpr std::string_view kMeaning = "shadow ray of a first hit -> counted in its sample if it was stopped";
-};
 
 /// Over all rays of the first bounce, for the branch that carries most may hit nothing.
 struct WeighBranch {

@@ -1,4 +1,4 @@
-#include "traces/scenes/trigonometry.h"
+#include "traces/scenes/modelling/trigonometry.h"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "traces/scenes/forms.h"
+#include "traces/scenes/modelling/forms.h"
 
 #include <algorithm>
 #include <array>
@@ -8,9 +8,9 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 
-#include "traces/scenes/patterns.h"
-#include "traces/scenes/shapes.h"
-#include "traces/scenes/trigonometry.h"
+#include "traces/scenes/modelling/patterns.h"
+#include "traces/scenes/modelling/shapes.h"
+#include "traces/scenes/modelling/trigonometry.h"
 
 namespace traces {
 namespace {

@@ -38,14 +38,14 @@ template <class V, bool kInstanced>
 struct SurfaceHitPorts {
   Local<V, WordRecord> surfaces;
   Hits<V, kInstanced> hits;
-  Local<V, SurfacePointRecord> places;
+  Local<V, SurfacePointRecord> points;
   Local<V, DiffuseRecord> mattes;
   Local<V, PathRecord> paths;
   Objects<V, kInstanced> objects;
   static void describe(auto& p, auto&& port) {
     port(NAMED(p.surfaces));
     port(NAMED(p.hits));
-    port(NAMED(p.places));
+    port(p.points, "places");
     port(NAMED(p.mattes));
     port(NAMED(p.paths));
     port(p.objects, kInstanced ? "instances" : "triangles");
@@ -61,7 +61,7 @@ struct SurfaceHit {
 template <class V, bool kInstanced>
 SurfaceHit<V> surface_hit(const I<V>& item, const SurfaceHitPorts<V, kInstanced>& at) {
   const I<V> slot = at.surfaces.load(item).word;
-  const SurfacePointRecord<V> point = at.places.load(slot);
+  const SurfacePointRecord<V> point = at.points.load(slot);
   const I<V> object = at.objects.load(index_of<V>(at.hits.load(slot))).object;
   return {point, marked<V>(object, at.mattes.load(slot).classes), at.paths.load(slot)};
 }
@@ -84,6 +84,27 @@ struct RecordGeometry {
   static void body(const I<V>& item, Ports<V>& at) {
     const SurfaceHit<V> hit = surface_hit<V, kInstanced>(item, at);
     at.geometry.store(hit.path.sample, {hit.point.normal, hit.object, hit.point.position, 0U});
+  }
+};
+
+template <bool kInstanced>
+struct RecordTraits {
+  static constexpr std::string_view kName = kInstanced ? "record_traits_instanced" : "record_traits";
+  static constexpr std::string_view kMeaning = kInstanced
+                                                   ? "as record_traits, with the object of the instance"
+                                                   : "first hit -> its sample's traits: object, normal, no shadow yet";
+  template <class V>
+  struct Ports : SurfaceHitPorts<V, kInstanced> {
+    Local<V, TraitsRecord> traits;
+    static void describe(auto& p, auto&& port) {
+      SurfaceHitPorts<V, kInstanced>::describe(p, port);
+      port(NAMED(p.traits));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const SurfaceHit<V> hit = surface_hit<V, kInstanced>(item, at);
+    at.traits.store(hit.path.sample, {hit.point.normal, hit.object, 0U});
   }
 };
 

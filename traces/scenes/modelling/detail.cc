@@ -1,10 +1,10 @@
-#include "traces/scenes/detail.h"
+#include "traces/scenes/modelling/detail.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "traces/scenes/shapes.h"
+#include "traces/scenes/modelling/shapes.h"
 
 namespace traces {
 
@@ -28,11 +28,11 @@ Detail detail_for(double triangles, double at_one) { return {std::sqrt(triangles
 
 Detail fit_detail(std::uint64_t wanted, const std::function<std::uint64_t(const Detail& detail)>& triangles_at,
                   const DetailSearch& search) {
+  const std::uint64_t missing = std::max<std::uint64_t>(wanted - std::min(search.made, wanted), 1);
   Detail detail, best;
   double least_error = std::numeric_limits<double>::infinity();
   for (int k = 0; k < search.tries; ++k) {
-    const double ratio =
-        static_cast<double>(std::max<std::uint64_t>(wanted, 1)) / static_cast<double>(triangles_at(detail));
+    const double ratio = static_cast<double>(missing) / static_cast<double>(triangles_at(detail));
     const double error = std::max(ratio, 1 / ratio) - 1;
     if (error < least_error) least_error = error, best = detail;
     if (error < search.near_enough) break;

@@ -24,7 +24,7 @@ struct TreeShape {
   float crooked = 0.15F;  ///< how far the wood strays from straight
   std::uint32_t branches = 11;
   std::uint32_t twigs = 6;  ///< on each branch
-  std::uint32_t sides = 8;  ///< of the trunk's tube; branches have fewer
+  std::uint32_t sides = 8;  ///< sides of the trunk's tube; branches have fewer
   std::uint64_t seed = 1;
 };
 

@@ -1,11 +1,11 @@
-#include "traces/scenes/shapes.h"
+#include "traces/scenes/modelling/shapes.h"
 
 #include <cmath>
 #include <utility>
 
 #include <glm/geometric.hpp>
 
-#include "traces/scenes/trigonometry.h"
+#include "traces/scenes/modelling/trigonometry.h"
 
 namespace traces {
 

@@ -1,4 +1,4 @@
-#include "traces/scenes/plants.h"
+#include "traces/scenes/modelling/plants.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,10 +7,10 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "traces/scenes/patterns.h"
-#include "traces/scenes/shapes.h"
-#include "traces/scenes/sweeps.h"
-#include "traces/scenes/trigonometry.h"
+#include "traces/scenes/modelling/patterns.h"
+#include "traces/scenes/modelling/shapes.h"
+#include "traces/scenes/modelling/sweeps.h"
+#include "traces/scenes/modelling/trigonometry.h"
 
 namespace traces {
 namespace {
@@ -163,7 +163,7 @@ Mesh make_grass(std::string name, std::uint32_t blades, std::uint32_t segments, 
   Mesh mesh;
   mesh.name = std::move(name);
   for (std::uint32_t i = 0; i < blades; ++i) {
-    const glm::vec2 place =
+    const glm::vec2 root =
         on_circle(static_cast<double>(random(seed, i, 1))) * (radius * std::sqrt(random(seed, i, 2)));
     const glm::vec2 lean = on_circle(static_cast<double>(random(seed, i, 3))) * random_between(0.1F, 0.6F, seed, i, 4);
     const float tall = height * random_between(0.5F, 1, seed, i, 5);
@@ -173,8 +173,8 @@ Mesh make_grass(std::string name, std::uint32_t blades, std::uint32_t segments, 
     const glm::vec2 uv(random(seed, i, 7), random(seed, i, 8));
     for (std::uint32_t k = 0; k <= segments; ++k) {
       const float t = static_cast<float>(k) / static_cast<float>(segments);
-      const glm::vec3 spine(place.x + lean.x * tall * t * t, tall * t * (1 - 0.25F * t) - 0.02F,
-                            place.y + lean.y * tall * t * t);
+      const glm::vec3 spine(root.x + lean.x * tall * t * t, tall * t * (1 - 0.25F * t) - 0.02F,
+                            root.y + lean.y * tall * t * t);
       const glm::vec3 normal =
           glm::normalize(glm::cross(side, glm::vec3(2 * lean.x * t, 1 - 0.5F * t, 2 * lean.y * t)));
       for (const float s : {-1.0F, 1.0F}) {

@@ -1,4 +1,4 @@
-#include "traces/scenes/sweeps.h"
+#include "traces/scenes/modelling/sweeps.h"
 
 #include <algorithm>
 #include <array>
@@ -7,8 +7,8 @@
 
 #include <glm/geometric.hpp>
 
-#include "traces/scenes/shapes.h"
-#include "traces/scenes/trigonometry.h"
+#include "traces/scenes/modelling/shapes.h"
+#include "traces/scenes/modelling/trigonometry.h"
 
 namespace traces {
 namespace {

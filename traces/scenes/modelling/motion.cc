@@ -1,4 +1,4 @@
-#include "traces/scenes/motion.h"
+#include "traces/scenes/modelling/motion.h"
 
 #include <cmath>
 #include <utility>
@@ -8,9 +8,9 @@
 
 #include "traces/scene/cameras.h"
 #include "traces/scene/lights.h"
+#include "traces/scenes/modelling/shapes.h"
+#include "traces/scenes/modelling/sweeps.h"
 #include "traces/scenes/scene_digest.h"
-#include "traces/scenes/shapes.h"
-#include "traces/scenes/sweeps.h"
 
 namespace traces {
 namespace {

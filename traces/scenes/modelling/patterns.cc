@@ -1,4 +1,4 @@
-#include "traces/scenes/patterns.h"
+#include "traces/scenes/modelling/patterns.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <glm/geometric.hpp>
 
 #include "sim/hash.h"
-#include "traces/scenes/trigonometry.h"
+#include "traces/scenes/modelling/trigonometry.h"
 
 namespace traces {
 namespace {

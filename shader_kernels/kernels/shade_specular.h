@@ -1,0 +1,60 @@
+#pragma once
+#include <string_view>
+
+#include "shader_kernels/kernels/arithmetic.h"
+#include "shader_kernels/kernels/secondary.h"
+
+namespace kernels {
+
+/// A path at a surface that mirrors it or lets it in.
+template <class V>
+struct SpecularHit {
+  SurfacePointRecord<V> point;
+  Vec3<V> direction;
+  PathRecord<V> path;
+  SpecularRecord<V> optics;
+  Interface<V> glass;
+};
+template <class V>
+SpecularHit<V> specular_hit(const I<V>& item, const SecondaryPorts<V>& at) {
+  const I<V> slot = at.stream.load(item).word;
+  const SurfacePointRecord<V> point = at.points.load(slot);
+  const Vec3<V> direction = at.rays.load(slot).direction;
+  const PathRecord<V> path = at.paths.load(slot);
+  const SpecularRecord<V> optics = at.optics.load(slot);
+  return {point, direction, path, optics, interface<V>(direction, point.normal, point.side, optics.ior)};
+}
+
+/// Mirrors and the mirrored share of glass: one ray carries both.
+struct ShadeMirror {
+  static constexpr std::string_view kName = "shade_mirror";
+  static constexpr std::string_view kMeaning = "mirror or glass surface -> reflection ray";
+  template <class V>
+  using Ports = SecondaryPorts<V>;
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const auto [point, direction, path, optics, glass] = specular_hit<V>(item, at);
+    const F<V> share = optics.entering * glass.reflectance;
+    const Vec3<V> tint = optics.mirrored + Vec3<V>{share, share, share};
+    const Vec3<V> reflected = direction + point.normal * (2.0F * glass.cosine);
+    emit_secondary<V>(at, point.position, reflected, {path.throughput * tint, path.sample});
+  }
+};
+
+/// Total reflection leaves no weight, hence no ray.
+struct ShadeGlass {
+  static constexpr std::string_view kName = "shade_glass";
+  static constexpr std::string_view kMeaning = "glass surface -> refraction ray";
+  template <class V>
+  using Ports = SecondaryPorts<V>;
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const auto [point, direction, path, optics, glass] = specular_hit<V>(item, at);
+    const F<V> bend = glass.eta * glass.cosine - sqrt(max(glass.inside, F<V>(0.0F)));
+    const Vec3<V> refracted = direction * glass.eta + point.normal * bend;
+    const F<V> share = optics.entering * (1.0F - glass.reflectance);
+    emit_secondary<V>(at, point.position, refracted, {path.throughput * share, path.sample});
+  }
+};
+
+}  // namespace kernels
