@@ -45,7 +45,7 @@ class Again final : public kernels::FrameProgram {
       : FrameProgram(frame.width(), frame.height()), frame_(frame), workers_(workers), all_threads_(workers) {}
   std::uint32_t tiles() const override { return kTimes * frame_.tiles(); }
   kernels::FrameRequirements requirements() const override { return frame_.requirements(); }
-  void run_tile(std::uint32_t place, const traces::Tracer& tracer, bool record,
+  void run_tile(std::uint32_t index, const traces::Tracer& tracer, bool record,
                 kernels::TileResult& out) const override {
     if (workers_ != 0) {
       const bool thread_comes = comes(std::this_thread::get_id(), threads_),
@@ -55,7 +55,7 @@ class Again final : public kernels::FrameProgram {
       }
       if (thread_comes) all_threads_.arrive_and_wait();
     }
-    frame_.run_tile(place % frame_.tiles(), tracer, record, out);
+    frame_.run_tile(index % frame_.tiles(), tracer, record, out);
   }
 
  private:

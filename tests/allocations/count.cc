@@ -34,9 +34,9 @@ thread_local bool inside = false;  // backtrace() may allocate
   if (!counting || inside) return;
   inside = true;
   const auto group = static_cast<std::size_t>(current.load());
-  const std::uint64_t place = counts[group]++;
-  if (place < kSites) {
-    Site& site = sites_of[group][place];
+  const std::uint64_t slot = counts[group]++;
+  if (slot < kSites) {
+    Site& site = sites_of[group][slot];
     site.depth = ::backtrace(site.frames.data(), kFrames);
   }
   inside = false;

@@ -1,4 +1,4 @@
-// What the simulator does most, one piece at a time: ninja bench_units && tests/bench_units
+// Pieces that the simulator runs most, one at a time: ninja bench_units && tests/bench_units
 #include <vector>
 
 #include <benchmark/benchmark.h>

@@ -12,7 +12,7 @@
 namespace kernels {
 namespace {
 
-constexpr float kStep = 1.0F / 255;  // of the frame buffer
+constexpr float kStep = 1.0F / 255;  // a step of the frame buffer
 
 Stage stage_of(const traces::Scene& scene) { return Stage(scene, traces::look_at("c", {0, 0, 4}, {0, 0, 0}, 0.5F)); }
 

@@ -12,7 +12,7 @@ namespace kernels {
 namespace {
 
 constexpr std::uint32_t kItems = 200;
-constexpr std::uint32_t kRecords = 16 * kItems;  ///< of a memory: numbers drawn at random lead beyond the items
+constexpr std::uint32_t kRecords = 16 * kItems;  ///< size of a memory: numbers drawn at random lead beyond the items
 constexpr std::uint32_t kTextureSize = 16;
 constexpr std::uint32_t kLeast = 32;  // samples from here on have neighbours on all sides
 

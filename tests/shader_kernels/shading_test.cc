@@ -47,7 +47,7 @@ TEST(Shading, DirectionalLightHasNoFalloffAndAmbientAndEmissionAreAddedOnce) {
 TEST(Shading, SpotFallsOffBetweenItsCones) {
   traces::Scene scene = empty_scene();
   add_wall(scene, 0, 10, {.name = "matte", .base_colour = glm::vec3(1)});
-  const float angle = std::atan2(1.0F, 2.0F);  // of the picture's centre, seen from the light
+  const float angle = std::atan2(1.0F, 2.0F);  // direction of the picture's centre, seen from the light
   const auto with_cone = [&](float inner, float outer) {
     scene.lights = {{.kind = traces::Light::Kind::kSpot,
                      .position = {1, 0, 2},
@@ -123,7 +123,7 @@ TEST(Shading, GlassSlabObeysSnellAndShiftsTheRayAside) {
   const auto& refracted = view.spy.seen(RayKind::kRefraction);
   ASSERT_GE(refracted.size(), 2U);
   expect_near(refracted[0].direction, {-std::sin(inside), 0, -std::cos(inside)}, 1e-5F);
-  const traces::Ray& out = refracted[1];  // of the second wave: reflections go first, so it left through the back
+  const traces::Ray& out = refracted[1];  // the second wave's: reflections go first, so it left through the back
   expect_near(out.origin, {-kThickness * std::tan(inside), 0, -kThickness}, 1e-4F);
   expect_near(out.direction, view.spy.seen(RayKind::kPrimary)[0].direction, 1e-5F);
 }

@@ -42,7 +42,7 @@ traces::Texture ramp(Wrap wrap) {
 }
 float texel(std::uint32_t x, std::uint32_t y) { return exactly_decoded(static_cast<float>(16 * (4 * y + x)) / 255); }
 
-constexpr float kTolerance = 0.0015F;  // of the sRGB polynomial
+constexpr float kTolerance = 0.0015F;  // error of the sRGB polynomial
 
 TEST(Textures, ATexelsCentreIsThatTexelAndTheTopRowIsFirst) {
   for (const Wrap wrap : {Wrap::kRepeat, Wrap::kMirror, Wrap::kClamp}) {

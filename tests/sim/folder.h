@@ -37,7 +37,7 @@ class Folder {
   std::filesystem::path path_;
 };
 
-/// What the call complains of, without the folder's name; "no error" if it does not.
+/// The complaint of a call, without the folder's name; "no error" if it does not.
 template <class Error, class Call>
 std::string complaint(const Folder& folder, Call&& call) {
   try {

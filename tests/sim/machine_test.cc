@@ -8,7 +8,7 @@
 
 #include "sim/engine.h"
 
-// What follows from units and links that are said once.
+// Consequences of units and links that are declared once.
 
 namespace sim::test {
 namespace {

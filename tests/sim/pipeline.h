@@ -12,9 +12,9 @@ namespace sim::test {
 struct PipelineConfig {
   Clock source{2}, stage{2}, sink{2};
   std::uint64_t items = 50;
-  std::size_t capacity = 2;     ///< of each link
-  std::uint64_t latency = 1;    ///< of each link
-  std::uint64_t depth = 3;      ///< of the stage's pipe
+  std::size_t capacity = 2;     ///< items of each link
+  std::uint64_t latency = 1;    ///< cycles of each link
+  std::uint64_t depth = 3;      ///< cycles of the stage's pipe
   std::size_t in_flight = 2;    ///< inside the stage's pipe
   std::uint64_t interval = 1;   ///< cycles the sink rests after each item
   std::uint64_t appetite = 50;  ///< items the sink takes at all

@@ -133,7 +133,6 @@ TEST(Words, PlaceIsSlotWayTileIndexSurfacePointOrIndex) {
   // A call is the verb.
   static const std::regex kPlace("\\b[Pp]laces?_?\\b(?!\\s*[(<])");
   const Exceptions exceptions = {
-      {"tests", 14},
       {"tools/analysis", 2},
       {"tools/studies", 5},
   };
@@ -149,8 +148,8 @@ TEST(Words, PlaceIsSlotWayTileIndexSurfacePointOrIndex) {
 TEST(Comments, BeginWithANounOrAVerb) {
   static constexpr std::array<std::string_view, 4> kFirst = {"Of", "of", "What", "Who"};
   const Exceptions exceptions = {
-      {"tests", 21},          {"tools/analysis", 6},   {"tools/host", 5},     {"tools/jobs", 2},
-      {"tools/sampling", 17}, {"tools/simulation", 8}, {"tools/studies", 52}, {"traces/trace_file", 12},
+      {"tools/analysis", 6},   {"tools/host", 5},     {"tools/jobs", 2},         {"tools/sampling", 17},
+      {"tools/simulation", 8}, {"tools/studies", 52}, {"traces/trace_file", 12},
   };
   std::map<std::string, std::size_t> counts;
   for (const fs::path& file : sources_with_words()) {

@@ -32,7 +32,7 @@ struct Gain {
   double traced_ratio = 0;
   double work = 0;  ///< traversal steps, against the reference's
   double speed_up = 0;
-  double power = 0, perf_per_watt = 0;  ///< of the T&I units
+  double power = 0, perf_per_watt = 0;  ///< the T&I units' alone
   double check = 0, interpolation = 0;  ///< shares of the shader cores' cycles
   double starved = 0;
 

@@ -15,7 +15,7 @@ namespace {
 
 struct Figures {
   double pj_per_visit = 0;  ///< T&I units with their caches
-  double dram_share = 0;    ///< of all energy
+  double dram_share = 0;    ///< share of all energy
   double watts = 0;
   double mrays_per_s = 0;
   std::uint64_t spilled = 0;  ///< ray slots that did not fit into the tile buffers

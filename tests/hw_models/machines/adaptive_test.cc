@@ -84,8 +84,8 @@ TEST_P(Adaptive, TheOracleAndEveryOrderOfUnitsGiveTheFastEnginesCounters) {
 }
 
 TEST_P(Adaptive, RandomMachinesPlayItAlikeWithAllEngines) {
-  const auto [program, halo, place] = GetParam();
-  const std::uint64_t seed = 300 + sim::hash(program[10], static_cast<int>(halo), static_cast<int>(place)) % 100;
+  const auto [program, halo, storage] = GetParam();
+  const std::uint64_t seed = 300 + sim::hash(program[10], static_cast<int>(halo), static_cast<int>(storage)) % 100;
   const GpuConfig config = test::random_config(seed);
   const Outcome fast = play(method_, config);
   EXPECT_EQ(difference(fast, play(method_, config, Engine::kOracle)), "") << "seed " << seed;
@@ -112,13 +112,13 @@ TEST_P(Adaptive, TheSmallestMachineEndsAndFindsTheSame) {
 }
 
 TEST_P(Adaptive, EveryTileIsPlayedAndWhatItMovesIsCounted) {
-  const auto [name, halo, place] = GetParam();
+  const auto [name, halo, storage] = GetParam();
   const Outcome run = play(method_, {});
   const std::unique_ptr<kernels::FrameProgram> program = method_.make();
   const bool scans = std::string_view(name) == "undersample";
   EXPECT_EQ(run.sum("tile_dispatcher", "finished"), program->tiles());
   EXPECT_EQ(run.sum("srp", "tiles"), program->tiles());
-  const bool moves_samples = halo == Halo::kReload || place == AttributeStorage::kDram || scans;
+  const bool moves_samples = halo == Halo::kReload || storage == AttributeStorage::kDram || scans;
   EXPECT_EQ(run.sum("dma", "samples_lines_read") != 0, moves_samples);
   EXPECT_EQ(run.sum("dma", "samples_lines_written") != 0, moves_samples);
   const std::uint64_t rated = scans ? 0 : program->tiles();

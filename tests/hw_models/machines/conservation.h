@@ -3,7 +3,7 @@
 
 namespace hw::test {
 
-/// What expect_conserved() expects of the machine alone, whatever it played.
+/// The part of expect_conserved() that holds of the machine alone, whatever it played.
 void expect_machine_conserved(const Outcome& run, const GpuConfig& config);
 
 /// Expects that whatever went into a unit came out of it, that what one unit says it sent another says it got, and that

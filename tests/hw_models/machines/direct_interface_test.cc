@@ -76,7 +76,7 @@ TEST(DirectInterface, ASmallRingStaysInTheL2) {
   EXPECT_GT(run.sum("bank", "bytes_overwritten"), 48 * run.rays());
 }
 
-TEST(IdealMachine, APerfectL2OrInterconnectNeverCostsTime) {
+TEST(IdealMachine, AnIdealL2OrInterconnectNeverCostsTime) {
   const Frame& frame = test::teapot_64x32();
   for (const bool direct : {true, false}) {
     GpuConfig config;

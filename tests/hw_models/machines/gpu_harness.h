@@ -74,7 +74,7 @@ class Method {
 const Frame& cornell_64x32();
 const Frame& teapot_64x32();
 
-/// What a run leaves behind.
+/// Results of a run.
 struct Outcome {
   std::vector<sim::UnitReport> units;
   std::vector<KernelUse> kernels;

@@ -67,9 +67,9 @@ TEST_P(Monotone, MoreRegistersBiggerCachesOrMoreChannelsNeverMakeAFrameSlowerByO
   RecordProperty("worst_percent", fmt::format("{:.2f}", worst));
 }
 
-class PerfectPart : public ::testing::TestWithParam<const char*> {};
+class IdealPart : public ::testing::TestWithParam<const char*> {};
 
-TEST_P(PerfectPart, OfTheDefaultMachineNeverMakesAFrameSlowerByOverOnePercent) {
+TEST_P(IdealPart, OfTheDefaultMachineNeverMakesAFrameSlowerByOverOnePercent) {
   const Frame frame(GetParam(), 256, 128);
   const std::vector<traces::TileWork> works = frame.record();
   const sim::Time base = play(frame, works, {}).elapsed;
@@ -82,7 +82,7 @@ TEST_P(PerfectPart, OfTheDefaultMachineNeverMakesAFrameSlowerByOverOnePercent) {
 
 INSTANTIATE_TEST_SUITE_P(Scenes, Monotone, ::testing::Values(Sample{"cornell", 9}, Sample{"chess", 3}),
                          [](const auto& part) { return std::string(part.param.scene); });
-INSTANTIATE_TEST_SUITE_P(Scenes, PerfectPart, ::testing::Values("cornell", "chess", "conference"),
+INSTANTIATE_TEST_SUITE_P(Scenes, IdealPart, ::testing::Values("cornell", "chess", "conference"),
                          [](const auto& part) { return std::string(part.param); });
 
 }  // namespace

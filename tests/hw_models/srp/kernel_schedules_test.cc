@@ -20,7 +20,7 @@ SrpConfig array_of(std::uint32_t rows, std::uint32_t columns) {
   return config;
 }
 
-TEST(KernelSchedules, each_runs_at_its_lower_bound_and_keeps_every_dependence) {
+TEST(KernelSchedules, EachRunsAtItsLowerBoundAndKeepsEveryDependence) {
   fmt::print("{:<24}{:>5}{:>5}{:>5}{:>7}{:>6}{:>5}{:>7}{:>8}{:>8}\n", "kernel", "ii", "res", "rec", "depth", "ops",
              "div", "reads", "writes", "cached");
   for (const kernels::KernelInfo& kernel : kernels::catalogue()) {
@@ -33,7 +33,7 @@ TEST(KernelSchedules, each_runs_at_its_lower_bound_and_keeps_every_dependence) {
   }
 }
 
-TEST(KernelSchedules, a_bigger_array_never_takes_longer_for_an_item) {
+TEST(KernelSchedules, ABiggerArrayNeverTakesLongerForAnItem) {
   for (const kernels::KernelInfo& kernel : kernels::catalogue()) {
     std::uint32_t before = ~0U;
     for (const auto& [rows, columns] : {std::pair{1U, 4U}, {4U, 2U}, {4U, 4U}, {8U, 4U}, {8U, 8U}}) {
@@ -46,7 +46,7 @@ TEST(KernelSchedules, a_bigger_array_never_takes_longer_for_an_item) {
   }
 }
 
-TEST(KernelSchedules, odd_machines_keep_every_dependence_too) {
+TEST(KernelSchedules, OddMachinesKeepEveryDependenceToo) {
   for (const kernels::KernelInfo& kernel : kernels::catalogue()) {
     for (const std::uint32_t interval : {1U, 3U, 16U}) {
       SrpConfig config = array_of(3, 5);
@@ -61,7 +61,7 @@ TEST(KernelSchedules, odd_machines_keep_every_dependence_too) {
   }
 }
 
-TEST(KernelSchedules, the_same_graph_gives_the_same_schedule) {
+TEST(KernelSchedules, TheSameGraphGivesTheSameSchedule) {
   for (const kernels::KernelInfo& kernel : kernels::catalogue()) {
     const KernelSchedule a = schedule(kernel.graph, SrpConfig{}), b = schedule(kernel.graph, SrpConfig{});
     ASSERT_EQ(a.placements.size(), b.placements.size());

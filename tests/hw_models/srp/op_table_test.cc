@@ -9,7 +9,7 @@ namespace {
 
 using kernels::Op;
 
-TEST(OpTable, every_operation_has_a_class_and_every_class_with_work_a_latency) {
+TEST(OpTable, EveryOperationHasAClassAndEveryClassWithWorkALatency) {
   for (int i = 0; i < static_cast<int>(Op::kCount); ++i) {
     const OpClass kind = class_of(static_cast<Op>(i));
     EXPECT_LT(static_cast<std::size_t>(kind), kOpClasses);
@@ -17,7 +17,7 @@ TEST(OpTable, every_operation_has_a_class_and_every_class_with_work_a_latency) {
   }
 }
 
-TEST(OpTable, every_operation_costs_energy_except_what_is_free_or_counted_by_the_cache) {
+TEST(OpTable, EveryOperationCostsEnergyExceptWhatIsFreeOrCountedByTheCache) {
   for (int i = 0; i < static_cast<int>(Op::kCount); ++i) {
     const auto op = static_cast<Op>(i);
     const bool without = op == Op::kInput || op == Op::kConstant || op == Op::kBits || op == Op::kLoadCached;

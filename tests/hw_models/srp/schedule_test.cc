@@ -16,7 +16,7 @@ KernelSchedule checked(const GraphBuilder& g, const SrpConfig& config = {}) {
   return s;
 }
 
-TEST(Schedule, a_kernel_without_operations_takes_a_cycle_an_item) {
+TEST(Schedule, AKernelWithoutOperationsTakesACycleAnItem) {
   GraphBuilder g;
   g.item();
   const KernelSchedule s = checked(g);
@@ -24,7 +24,7 @@ TEST(Schedule, a_kernel_without_operations_takes_a_cycle_an_item) {
   EXPECT_EQ(s.depth, 0U);
 }
 
-TEST(Schedule, thirty_two_independent_additions_share_sixteen_units_in_two_cycles) {
+TEST(Schedule, ThirtyTwoIndependentAdditionsShareSixteenUnitsInTwoCycles) {
   GraphBuilder g;
   const auto x = g.item();
   for (int i = 0; i < 32; ++i) g.op(Op::kAdd, {x, x});
@@ -35,7 +35,7 @@ TEST(Schedule, thirty_two_independent_additions_share_sixteen_units_in_two_cycle
   EXPECT_EQ(s.depth, 1U + 2U);  // the second sixteen start a cycle later
 }
 
-TEST(Schedule, a_chain_is_as_deep_as_its_latencies_and_still_takes_an_item_every_cycle) {
+TEST(Schedule, AChainIsAsDeepAsItsLatenciesAndStillTakesAnItemEveryCycle) {
   GraphBuilder g;
   auto x = g.item();
   for (int i = 0; i < 9; ++i) x = g.op(Op::kAdd, {x, x});
@@ -44,7 +44,7 @@ TEST(Schedule, a_chain_is_as_deep_as_its_latencies_and_still_takes_an_item_every
   EXPECT_EQ(s.depth, 9U * 2U);
 }
 
-TEST(Schedule, the_local_ports_bound_the_interval) {
+TEST(Schedule, TheLocalPortsBoundTheInterval) {
   GraphBuilder g;
   const auto item = g.item();
   const auto record = g.load(64, item);
@@ -56,7 +56,7 @@ TEST(Schedule, the_local_ports_bound_the_interval) {
   EXPECT_EQ(s.depth, 6U + 1U + 1U);  // the loads have the even cycles
 }
 
-TEST(Schedule, a_record_of_odd_size_takes_whole_accesses) {
+TEST(Schedule, ARecordOfOddSizeTakesWholeAccesses) {
   GraphBuilder g;
   const auto item = g.item();
   g.store(item, {g.field(g.load(20, item), 16), item, item});
@@ -65,7 +65,7 @@ TEST(Schedule, a_record_of_odd_size_takes_whole_accesses) {
   EXPECT_EQ(s.local_writes, 1U);
 }
 
-TEST(Schedule, a_field_waits_for_its_own_access_only) {
+TEST(Schedule, AFieldWaitsForItsOwnAccessOnly) {
   SrpConfig one_port;
   one_port.array.local_ports = 1;
   GraphBuilder g;
@@ -76,7 +76,7 @@ TEST(Schedule, a_field_waits_for_its_own_access_only) {
   EXPECT_EQ(s.depth, 3U + 6U);  // the addition is through before the fourth access
 }
 
-TEST(Schedule, the_cache_port_bounds_the_interval) {
+TEST(Schedule, TheCachePortBoundsTheInterval) {
   GraphBuilder g;
   g.load(64, g.item(), Op::kLoadCached);
   g.load(16, g.item(), Op::kLoadCached);
@@ -87,7 +87,7 @@ TEST(Schedule, the_cache_port_bounds_the_interval) {
   EXPECT_EQ(checked(g, config).ii, 3U);
 }
 
-TEST(Schedule, a_sum_over_items_waits_for_its_own_addition) {
+TEST(Schedule, ASumOverItemsWaitsForItsOwnAddition) {
   SrpConfig config;
   config.latency.fp_add = 4;
   GraphBuilder g;
@@ -99,7 +99,7 @@ TEST(Schedule, a_sum_over_items_waits_for_its_own_addition) {
   EXPECT_EQ(s.depth, 4U);
 }
 
-TEST(Schedule, a_longer_distance_shares_the_latency_among_items) {
+TEST(Schedule, ALongerDistanceSharesTheLatencyAmongItems) {
   SrpConfig config;
   config.latency.fp_add = 4;
   config.latency.fp_mul = 3;
@@ -111,7 +111,7 @@ TEST(Schedule, a_longer_distance_shares_the_latency_among_items) {
   EXPECT_EQ(s.ii, 3U);
 }
 
-TEST(Schedule, two_values_that_feed_each_other_form_one_recurrence) {
+TEST(Schedule, TwoValuesThatFeedEachOtherFormOneRecurrence) {
   GraphBuilder g;
   const auto a = g.carried(), b = g.carried();
   g.close(a, g.op(Op::kAdd, {b, g.item()}));  // 2 cycles
@@ -119,7 +119,7 @@ TEST(Schedule, two_values_that_feed_each_other_form_one_recurrence) {
   EXPECT_EQ(checked(g).rec_mii, 9U);
 }
 
-TEST(Schedule, reinterpreted_bits_cost_nothing_even_inside_a_recurrence) {
+TEST(Schedule, ReinterpretedBitsCostNothingEvenInsideARecurrence) {
   GraphBuilder g;
   const auto hash = g.carried();
   g.close(hash, g.op(Op::kBits, {g.op(Op::kXor, {g.op(Op::kBits, {hash}), g.item()})}));
@@ -128,7 +128,7 @@ TEST(Schedule, reinterpreted_bits_cost_nothing_even_inside_a_recurrence) {
   EXPECT_EQ(s.fu_ops, 1U);
 }
 
-TEST(Schedule, dividers_bound_the_interval) {
+TEST(Schedule, DividersBoundTheInterval) {
   GraphBuilder g;
   const auto x = g.item();
   for (int i = 0; i < 9; ++i) g.op(i % 2 == 0 ? Op::kDiv : Op::kSqrt, {x, x});
@@ -140,7 +140,7 @@ TEST(Schedule, dividers_bound_the_interval) {
   EXPECT_EQ(checked(g, config).ii, 5U);
 }
 
-TEST(Schedule, multipliers_and_dividers_count_against_the_units_they_share) {
+TEST(Schedule, MultipliersAndDividersCountAgainstTheUnitsTheyShare) {
   SrpConfig config;
   config.array.mul_units = 4;
   GraphBuilder g;
@@ -151,7 +151,7 @@ TEST(Schedule, multipliers_and_dividers_count_against_the_units_they_share) {
   EXPECT_EQ(checked(g, config).ii, 3U);  // 12 on the first 4; all 32 on 16 would take 2
 }
 
-TEST(Schedule, a_pushed_out_operation_finds_another_place) {
+TEST(Schedule, APushedOutOperationFindsAnotherPlace) {
   SrpConfig config;
   config.array = {.rows = 1, .columns = 2, .mul_units = 1, .div_sqrt_units = 1};
   config.latency.div_sqrt = 4;
@@ -167,7 +167,7 @@ TEST(Schedule, a_pushed_out_operation_finds_another_place) {
   EXPECT_EQ(s.ii, 10U);
 }
 
-TEST(Schedule, counts_what_costs_energy) {
+TEST(Schedule, CountsWhatCostsEnergy) {
   GraphBuilder g;
   const auto item = g.item();
   const auto record = g.load(16, item);  // 1 operand, 4 words
@@ -186,7 +186,7 @@ TEST(Schedule, counts_what_costs_energy) {
   EXPECT_EQ(s.ops[static_cast<std::size_t>(OpClass::kIntLogic)], 1U);
 }
 
-TEST(Schedule, a_value_that_depends_on_itself_within_an_item_is_refused) {
+TEST(Schedule, AValueThatDependsOnItselfWithinAnItemIsRefused) {
   GraphBuilder g;
   const auto circle = g.carried(0);
   g.close(circle, g.op(Op::kAdd, {circle, g.item()}));

@@ -13,14 +13,14 @@ std::string complaints(const ArrayConfig& array) {
   return keys;
 }
 
-TEST(SrpConfig, a_unit_cannot_have_two_multipliers_or_dividers) {
+TEST(SrpConfig, AUnitCannotHaveTwoMultipliersOrDividers) {
   EXPECT_EQ(complaints({}), "");
   EXPECT_EQ(complaints({.rows = 4, .columns = 2}), "mul_units ");
   EXPECT_EQ(complaints({.rows = 1, .columns = 2, .mul_units = 2, .div_sqrt_units = 3}), "div_sqrt_units ");
   EXPECT_EQ(complaints({.rows = 1, .columns = 2, .mul_units = 2, .div_sqrt_units = 2}), "");
 }
 
-TEST(SrpConfig, its_storage_is_what_leaks_beside_the_tile_buffer) {
+TEST(SrpConfig, ItsStorageIsWhatLeaksBesideTheTileBuffer) {
   EXPECT_EQ(SrpConfig{}.sram_bytes(), (16U + 64U + 36U) * 1024U);
 }
 

@@ -216,7 +216,7 @@ TEST(Dispatch, RoundRobinGivesEachTraversalUnitItsTurnAndPassesOverFullOnes) {
   EXPECT_EQ(shares(), (std::vector<std::uint64_t>{1, 4, 4}));
 }
 
-TEST(Ideal, EveryOperationOfAPerfectUnitTakesOneCycleAndAnyNumberGoAtOnce) {
+TEST(Ideal, EveryOperationOfAnIdealUnitTakesOneCycleAndAnyNumberGoAtOnce) {
   TniHarness::Setup setup = one_trv();
   setup.ideal = {true, true};
   TniHarness harness(setup);
@@ -228,7 +228,7 @@ TEST(Ideal, EveryOperationOfAPerfectUnitTakesOneCycleAndAnyNumberGoAtOnce) {
   for (std::size_t ray = 0; ray < 40; ++ray) EXPECT_EQ(leaf.latency(ray), kWires + 1 + 1 + 1 + 1) << ray;
 }
 
-TEST(Ideal, APerfectUnitStillWaitsForItsLines) {
+TEST(Ideal, AnIdealUnitStillWaitsForItsLines) {
   TniHarness::Setup setup = one_trv();
   setup.ideal = {true, false};
   TniHarness harness(setup);
@@ -236,7 +236,7 @@ TEST(Ideal, APerfectUnitStillWaitsForItsLines) {
   EXPECT_EQ(harness.latency(0), kWires + 2 * (kMiss + 1));
 }
 
-TEST(Ideal, APerfectUnitIsNeverSlower) {
+TEST(Ideal, AnIdealUnitIsNeverSlower) {
   for (std::uint64_t seed = 0; seed < 30; ++seed) {
     const RandomLoad load(seed);
     TniHarness::Setup setup = test::random_setup(seed);

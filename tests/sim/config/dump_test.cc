@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "bench.h"
+#include "harness.h"
 #include "sim/config/config_json.h"
 #include "sim/config/quantity.h"
 
@@ -25,7 +25,7 @@ MachineConfig unusual() {
 
 TEST(DumpConfig, LoadsBackToTheSameConfigurationAndTheSameDump) {
   for (const MachineConfig& c : {MachineConfig{}, unusual()}) {
-    Bench b;
+    ConfigHarness b;
     const std::string dump = dump_config(c);
     const MachineConfig back = b.load(dump);
     EXPECT_EQ(back, c) << dump;
@@ -76,7 +76,7 @@ TEST(ListFields, GivesEveryFieldAsASetArgument) {
   const std::vector<FieldInfo> fields = list_fields(c);
   std::vector<std::string> sets;
   for (const FieldInfo& field : fields) sets.push_back(field.path + "=" + field.value);
-  EXPECT_EQ(Bench().load("seed: 1\n", sets), c);
+  EXPECT_EQ(ConfigHarness().load("seed: 1\n", sets), c);
   ASSERT_EQ(fields.size(), 16U);
   const FieldInfo& stack = fields.at(9);
   EXPECT_EQ(stack.path, "unit.stack");

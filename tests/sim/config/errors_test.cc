@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
-#include "bench.h"
+#include "harness.h"
 
 namespace sim::test {
 namespace {
@@ -15,7 +15,7 @@ void PrintTo(const Case& c, std::ostream* out) { *out << c.text; }
 class ConfigError : public ::testing::TestWithParam<Case> {};
 
 TEST_P(ConfigError, NamesFileLineColumnKeyAndWhatIsAllowed) {
-  EXPECT_EQ(Bench().error(GetParam().text), GetParam().complaint);
+  EXPECT_EQ(ConfigHarness().error(GetParam().text), GetParam().complaint);
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -94,16 +94,16 @@ TEST(ConfigFile, AliasBombsAreRefusedAtOnce) {
     const std::string last = "*a" + std::to_string(i - 1);
     bomb += "a" + std::to_string(i) + ": &a" + std::to_string(i) + " [" + last + ", " + last + "]\n";
   }
-  EXPECT_EQ(Bench().error(bomb + "unit: *a63\n").substr(0, 28), "a.yaml:1:1: a0: unknown key ");
+  EXPECT_EQ(ConfigHarness().error(bomb + "unit: *a63\n").substr(0, 28), "a.yaml:1:1: a0: unknown key ");
 }
 
 TEST(ConfigFile, DeepNestingIsRefused) {
   const std::string deep = "unit: " + std::string(100'000, '[') + std::string(100'000, ']');
-  EXPECT_NE(Bench().error(deep).find(": is nested too deeply"), std::string::npos);
+  EXPECT_NE(ConfigHarness().error(deep).find(": is nested too deeply"), std::string::npos);
 }
 
 TEST(ConfigFile, MustBeAReadableFileOfSensibleSize) {
-  const Bench b;
+  const ConfigHarness b;
   const auto load = [&](const char* name) {
     return complaint<InputError>(b.folder(), [&] { load_config<MachineConfig>(b.folder().path() / name); });
   };
@@ -123,7 +123,7 @@ TEST(ConfigFile, MustBeAReadableFileOfSensibleSize) {
 }
 
 TEST(ConfigFile, MessagesAreOneLineOfPrintableText) {
-  const std::string message = Bench().error("unit: {\"ra\\nys\\e[31m\": 1}");
+  const std::string message = ConfigHarness().error("unit: {\"ra\\nys\\e[31m\": 1}");
   EXPECT_EQ(message, "a.yaml:1:8: unit.ra?ys?[31m: unknown key 'ra?ys?[31m'; allowed: rays, stack, l1");
 }
 

@@ -1,12 +1,12 @@
 #include <gtest/gtest.h>
 
-#include "bench.h"
+#include "harness.h"
 
 namespace sim::test {
 namespace {
 
 TEST(LoadConfig, TakesEveryKindOfValue) {
-  const MachineConfig c = Bench().load(R"(
+  const MachineConfig c = ConfigHarness().load(R"(
 direct: false
 seed: 18446744073709551615
 threshold: -2.5e-1
@@ -36,15 +36,17 @@ unit:
   EXPECT_EQ(c.unit.l1.size.bytes, 8192U);
 }
 
-TEST(LoadConfig, LeavesDefaultsWhereTheFileSaysNothing) { EXPECT_EQ(Bench().load("seed: 7\n"), MachineConfig{}); }
+TEST(LoadConfig, LeavesDefaultsWhereTheFileSaysNothing) {
+  EXPECT_EQ(ConfigHarness().load("seed: 7\n"), MachineConfig{});
+}
 
 TEST(LoadConfig, AnAliasRepeatsItsAnchor) {
-  const MachineConfig c = Bench().load("unit:\n  l1: &small {size: 1 KiB}\nl2: *small\n");
+  const MachineConfig c = ConfigHarness().load("unit:\n  l1: &small {size: 1 KiB}\nl2: *small\n");
   EXPECT_EQ(c.l2.size.bytes, 1024U);
 }
 
 TEST(Extends, ReadsTheBaseFirstWhereverTheKeyStands) {
-  Bench b;
+  ConfigHarness b;
   b.file("base.yaml", "seed: 1\nunit: {rays: 8, stack: short}\n");
   const MachineConfig c = b.load("unit: {rays: 9}\nextends: base.yaml\n");
   EXPECT_EQ(c.seed, 1U);
@@ -53,7 +55,7 @@ TEST(Extends, ReadsTheBaseFirstWhereverTheKeyStands) {
 }
 
 TEST(Extends, WorksInsideAnyGroupAndMergesMaps) {
-  Bench b;
+  ConfigHarness b;
   b.file("caches/small.yaml", "extends: tiny.yaml\nways: 2\n").file("caches/tiny.yaml", "size: 256 B\nways: 1\n");
   b.file("base.yaml", "events: {a: 1, b: 2}\n");
   const MachineConfig c = b.load("extends: base\nl2: {extends: caches/small.yaml, line: 32 B}\nevents: {b: 3, c: 4}\n");
@@ -62,7 +64,7 @@ TEST(Extends, WorksInsideAnyGroupAndMergesMaps) {
 }
 
 TEST(Extends, LooksBesideTheFileThenAlongTheSearchPath) {
-  Bench b;
+  ConfigHarness b;
   b.file("share/base.yaml", "seed: 2\nl2: {extends: caches/big}\n").file("share/caches/big.yaml", "size: 1 MiB\n");
   EXPECT_EQ(b.error("extends: base\n"),
             "a.yaml:1:10: extends: no configuration file 'base' in " + b.folder().path().string());
@@ -73,7 +75,7 @@ TEST(Extends, LooksBesideTheFileThenAlongTheSearchPath) {
 }
 
 TEST(Extends, RefusesCirclesAndLongChains) {
-  Bench b;
+  ConfigHarness b;
   b.file("b.yaml", "extends: a.yaml\n");
   EXPECT_EQ(b.error("extends: b.yaml\n"), "b.yaml:1:10: extends: 'a.yaml' extends itself");
   EXPECT_EQ(b.error("unit: {extends: a.yaml}\n"), "a.yaml:1:17: unit.extends: 'a.yaml' extends itself");
@@ -85,7 +87,7 @@ TEST(Extends, RefusesCirclesAndLongChains) {
 }
 
 TEST(Sets, AreAppliedLastAndInOrder) {
-  Bench b;
+  ConfigHarness b;
   b.file("small.yaml", "size: 1 KiB\nways: 2\n");
   set_config_search_path({b.folder().path()});
   const MachineConfig c =
@@ -102,7 +104,7 @@ TEST(Sets, AreAppliedLastAndInOrder) {
 }
 
 TEST(Sets, ErrorsNameTheArgument) {
-  Bench b;
+  ConfigHarness b;
   EXPECT_EQ(b.error("seed: 1\n", {"unit.rays=l33t"}),
             "--set unit.rays=l33t: unit.rays: 'l33t' is not a whole number; allowed: 1 to 64 rays");
   EXPECT_EQ(b.error("seed: 1\n", {"rays=1"}), "--set rays=1: rays: unknown key 'rays'; did you mean 'unit.rays'?");

@@ -39,11 +39,11 @@ TEST(Limiter, IsTheFirstLevelWhereTheArrayStandsStillForItsLines) {
                       .data_levels = {.interconnect = 0.2, .l2 = 0.3, .dram = 0.5}};
   EXPECT_EQ(most(estimate(t)).resource, "l1");
   EXPECT_GT(worth(t, "l1"), worth(t, "l2"));
-  EXPECT_GT(worth(t, "l2"), worth(t, "dram")) << "a perfect L2 asks nothing of memory";
+  EXPECT_GT(worth(t, "l2"), worth(t, "dram")) << "an ideal L2 asks nothing of memory";
   EXPECT_NEAR(worth(t, "dram"), 1 / (0.3 + 0.35), 0.02);
 }
 
-TEST(Limiter, NoPerfectUnitHelpsWhereTheMissRegistersOfTheL2AreAllInUse) {
+TEST(Limiter, NoIdealUnitHelpsWhereTheMshrsOfTheL2AreAllInUse) {
   const CoreTime t = {.kernels = 0.1,
                       .boxes = 0.2,
                       .tree_misses = 0.7,

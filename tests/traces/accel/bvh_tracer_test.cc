@@ -16,7 +16,7 @@
 namespace traces {
 namespace {
 
-/// What a ray meets, computed in double precision from the equations of the triangle and nothing else. A ray is
+/// The hit of a ray, computed in double precision from the equations of the triangle and nothing else. A ray is
 /// clear if no triangle's edge comes near it.
 struct Exact {
   double t = std::numeric_limits<double>::infinity();

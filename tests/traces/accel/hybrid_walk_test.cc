@@ -27,7 +27,7 @@ std::size_t walk_words(const MemoryImage& image, const std::vector<Ray>& rays) {
 
 bool same_bits(const Hit& a, const Hit& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
 
-/// What hits in one image hits in the other, at the same point of the same triangle; returns how many do.
+/// Holds two images to the same hits, at the same points of the same triangles; returns how many there are.
 std::size_t expect_same_hits(const Scene& scene, const std::vector<Ray>& rays) {
   const MemoryImage hybrid = build_memory_image(scene, kHybrid), floats = build_memory_image(scene);
   const std::vector<Hit> expected = trace(BvhTracer(floats), rays), found = trace(BvhTracer(hybrid), rays);

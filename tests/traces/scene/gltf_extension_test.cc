@@ -6,7 +6,7 @@
 #include "traces/scene/images.h"
 #include "traces/scene/lights.h"
 
-// What the KHR_materials_* extensions and alphaMode make of a material.
+// Materials as the KHR_materials_* extensions and alphaMode make them.
 
 namespace test {
 namespace {

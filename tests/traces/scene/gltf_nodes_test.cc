@@ -2,7 +2,7 @@
 
 #include "tests/traces/scene/tiny_gltf_file.h"
 
-// What hangs on which node: the hierarchy that animations move.
+// Hierarchy of nodes, which animations move.
 
 namespace test {
 namespace {

@@ -44,7 +44,7 @@ inline constexpr int kByte = 5120, kUByte = 5121, kShort = 5122, kUShort = 5123,
 
 traces::Scene load(const TinyGltf& file, const traces::SceneLimits& limits = {});
 
-/// What the loader says of a file that it must refuse: one line that begins with the file's name.
+/// The complaint of the loader about a file that it must refuse: one line that begins with the file's name.
 std::string refusal(const std::string& bytes, const traces::SceneLimits& limits = {});
 
 }  // namespace test

@@ -79,9 +79,9 @@ class Things : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Scenes, Things, testing::Values("chess", "car", "laboratory"),
                          [](const auto& test) { return std::string(test.param); });
 
-TEST_P(Things, have_the_triangles_of_their_class) { EXPECT_NEAR(share_of(GetParam(), class_of(GetParam())), 1, 0.05); }
+TEST_P(Things, HaveTheTrianglesOfTheirClass) { EXPECT_NEAR(share_of(GetParam(), class_of(GetParam())), 1, 0.05); }
 
-TEST_P(Things, have_as_many_triangles_as_asked_for) {
+TEST_P(Things, HaveAsManyTrianglesAsAskedFor) {
   const std::uint32_t normal = class_of(GetParam());
   for (const std::uint32_t wanted : {normal / 4, normal / 2, 2 * normal, 4 * normal}) {
     EXPECT_NEAR(share_of(GetParam(), wanted), 1, 0.25) << wanted;
@@ -89,11 +89,11 @@ TEST_P(Things, have_as_many_triangles_as_asked_for) {
   EXPECT_LT(share_of(GetParam(), normal / 8), 2) << "shapes keep what makes them recognisable";
 }
 
-TEST_P(Things, are_the_same_each_time) {
+TEST_P(Things, AreTheSameEachTime) {
   EXPECT_EQ(traces::build_scene(GetParam()).sha256, traces::build_scene(GetParam()).sha256);
 }
 
-TEST_P(Things, are_whole) {
+TEST_P(Things, AreWhole) {
   for (const std::uint32_t triangles : {0U, class_of(GetParam()) / 8, 4 * class_of(GetParam())}) {
     const Scene scene = traces::build_scene(GetParam(), {.triangles = triangles});
     EXPECT_EQ(scene.name, GetParam());
@@ -121,7 +121,7 @@ TEST_P(Things, are_whole) {
   }
 }
 
-TEST_P(Things, stay_in_their_room_all_the_time) {
+TEST_P(Things, StayInTheirRoomAllTheTime) {
   Scene scene = traces::build_scene(GetParam());
   const traces::Bounds at_rest = traces::world_bounds(scene);
   EXPECT_LT(at_rest.diagonal(), 70);
@@ -138,7 +138,7 @@ TEST_P(Things, stay_in_their_room_all_the_time) {
   }
 }
 
-TEST_P(Things, fill_the_picture) {
+TEST_P(Things, FillThePicture) {
   const Scene scene = traces::build_scene(GetParam(), {.triangles = class_of(GetParam()) / 4});
   const traces::Camera& camera = scene.cameras.front();
   const float slope = std::tan(0.5F * camera.vertical_fov);
@@ -155,7 +155,7 @@ class Paths : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Scenes, Paths, testing::Values("chess", "car", "laboratory", "cornell", "teapot"),
                          [](const auto& test) { return std::string(test.param); });
 
-TEST_P(Paths, lead_a_camera_for_some_seconds) {
+TEST_P(Paths, LeadACameraForSomeSeconds) {
   Scene scene = traces::build_scene(GetParam());
   EXPECT_GE(traces::duration(scene), 4);
   EXPECT_LE(traces::duration(scene), 30);
@@ -168,7 +168,7 @@ TEST_P(Paths, lead_a_camera_for_some_seconds) {
   EXPECT_GT(glm::length(place_of(path->to_world) - start), 0.3F);
 }
 
-TEST(CornellAndTeapot, have_as_many_triangles_as_asked_for) {
+TEST(CornellAndTeapot, HaveAsManyTrianglesAsAskedFor) {
   for (const char* name : {"cornell", "teapot"}) {
     EXPECT_EQ(traces::triangles_of(traces::build_scene(name, {.triangles = class_of(name)})),
               traces::triangles_of(traces::build_scene(name)));
@@ -178,7 +178,7 @@ TEST(CornellAndTeapot, have_as_many_triangles_as_asked_for) {
   }
 }
 
-TEST(ChessPieces, look_outwards_and_stand_on_the_board) {
+TEST(ChessPieces, LookOutwardsAndStandOnTheBoard) {
   for (std::size_t k = 0; k < traces::chess::kPieces; ++k) {
     const Mesh piece = traces::chess::make_piece(static_cast<traces::chess::Piece>(k), {});
     EXPECT_GT(volume(piece), 0.05) << piece.name;
@@ -190,7 +190,7 @@ TEST(ChessPieces, look_outwards_and_stand_on_the_board) {
   EXPECT_GT(volume(traces::chess::make_horse({})), 0.02);
 }
 
-TEST(ChessGame, knight_and_bishop_take) {
+TEST(ChessGame, KnightAndBishopTake) {
   Scene scene = traces::build_scene("chess");
   const std::uint32_t knight = node_called(scene, "f3"), bishop = node_called(scene, "g4");
   EXPECT_EQ(place_of(hanging_on(scene, knight).to_world), glm::vec3(1.5F, 0, 1.5F));
@@ -205,7 +205,7 @@ TEST(ChessGame, knight_and_bishop_take) {
   }
 }
 
-TEST(Car, wheels_roll_without_slipping) {
+TEST(Car, WheelsRollWithoutSlipping) {
   Scene scene = traces::build_scene("car");
   const std::uint32_t wheel = node_called(scene, "wheel");
   constexpr double kStep = 1e-3;
@@ -222,7 +222,7 @@ TEST(Car, wheels_roll_without_slipping) {
   }
 }
 
-TEST(Laboratory, glass_has_an_inside_and_liquid_keeps_off_it) {
+TEST(Laboratory, GlassHasAnInsideAndLiquidKeepsOffIt) {
   using traces::laboratory::Vessel;
   for (const Vessel vessel : {Vessel::kBeaker, Vessel::kErlenmeyer, Vessel::kRound, Vessel::kVolumetric}) {
     const Mesh glass = traces::laboratory::make_vessel(vessel, {2}),
@@ -238,12 +238,12 @@ TEST(Laboratory, glass_has_an_inside_and_liquid_keeps_off_it) {
   }
 }
 
-TEST(Turned, simplified_keeps_ends_and_corners) {
+TEST(Turned, SimplifiedKeepsEndsAndCorners) {
   const std::vector<glm::vec2> line{{0, 0}, {0.5F, 0}, {1, 0}, {1, 0.4F}, {1, 1}};
   EXPECT_EQ(traces::simplified(line, 3), (std::vector<glm::vec2>{{0, 0}, {1, 0}, {1, 1}}));
 }
 
-TEST(Detail, fit_detail_meets_the_wanted_count) {
+TEST(Detail, FitDetailMeetsTheWantedCount) {
   const auto triangles = [](const traces::Detail& detail) {
     return 100 + static_cast<std::uint64_t>(1000 * detail.share * detail.share);
   };

@@ -16,12 +16,12 @@
 namespace traces {
 namespace {
 
-using testing::decode;
-using testing::same;
-using testing::tile_of_levels;
-using testing::tiny_levels;
-using testing::tiny_scope;
-using testing::tiny_tile;
+using test::decode;
+using test::same;
+using test::tile_of_levels;
+using test::tiny_levels;
+using test::tiny_scope;
+using test::tiny_tile;
 
 std::string encode(const TileWork& work, const Links& links) {
   std::string bytes;
@@ -57,8 +57,8 @@ TEST(TileCode, ADecoderUsesStorageOfFormerTilesAgain) {
   TileWork small;
   small.nodes = {{.items = 1, .inputs = {}}};
   small.access_begin = {0};
-  const std::string large_bytes = testing::padded(encode(tile, scope.links));
-  const std::string small_bytes = testing::padded(encode(small, scope.links));
+  const std::string large_bytes = test::padded(encode(tile, scope.links));
+  const std::string small_bytes = test::padded(encode(small, scope.links));
   const auto inside = [](const std::string& bytes) { return std::string_view(bytes).substr(0, bytes.size() - 16); };
   TileDecoder decoder;
   TileWork work;

@@ -7,7 +7,7 @@
 #include "traces/trace_file/tile_code.h"
 #include "traces/walk.h"
 
-namespace traces::testing {
+namespace traces::test {
 
 // A tree of three inner nodes and four leaves, and a tile that has everything a tile may have.
 //
@@ -146,4 +146,4 @@ inline TileRays decode(const std::string& bytes, const TileScope& scope, TileWor
   return TileDecoder().decode(std::string_view(with_padding).substr(0, bytes.size()), scope, work);
 }
 
-}  // namespace traces::testing
+}  // namespace traces::test

@@ -18,9 +18,9 @@ namespace {
 
 using sim::test::complaint;
 using sim::test::Folder;
-using testing::same;
-using testing::tiny_scope;
-using testing::tiny_tile;
+using test::same;
+using test::tiny_scope;
+using test::tiny_tile;
 
 constexpr std::uint32_t kTiles = 5;
 constexpr TraceRequirements kDemands{.tile_samples = 4, .attribute_bytes = 64, .region_bytes = {4096, 512, 16}};

@@ -14,7 +14,7 @@
 namespace traces {
 namespace {
 
-using testing::tiny_levels;
+using test::tiny_levels;
 
 TEST(TreeLinks, ComeBackAndMustBeATree) {
   const MemoryImage image = build_memory_image(triangle_soup(3000, 0.2F), {}, 1);

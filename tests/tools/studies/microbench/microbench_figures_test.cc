@@ -197,7 +197,7 @@ TEST(MicrobenchVerb, EndsWithOneIfAFigureLeavesItsClosedForm) {
   EXPECT_SAYS(ending.err, "leave their closed forms");
 }
 
-TEST(MicrobenchVerb, MeasuresRealResourcesEvenIfTheConfigurationMakesThemPerfect) {
+TEST(MicrobenchVerb, MeasuresRealResourcesEvenIfTheConfigurationMakesThemIdeal) {
   EXPECT_EQ(measured("chase", {"--set", "ideal.dram=true"}), measured("chase"));
 }
 

@@ -143,7 +143,7 @@ TEST(TwoLevels, AWrongInstanceIsADistanceError) {
       bvh.trace(rays, kind, hits, walk);
       for (Hit& hit : hits) {
         if (!hit.is_hit()) continue;
-        const std::uint32_t other = (instance_of(hit) + 4) % 80;  // of the same mesh
+        const std::uint32_t other = (instance_of(hit) + 4) % 80;  // another of the same mesh
         hit.u = std::bit_cast<float>((std::bit_cast<std::uint32_t>(hit.u) & ~kHalfMask) | other);
       }
     }

@@ -9,14 +9,14 @@
 namespace sim::test {
 
 /// A folder of configuration files for the machine of these tests.
-class Bench {
+class ConfigHarness {
  public:
-  ~Bench() { set_config_search_path({}); }
-  Bench() = default;
-  Bench(const Bench&) = delete;
-  Bench& operator=(const Bench&) = delete;
+  ~ConfigHarness() { set_config_search_path({}); }
+  ConfigHarness() = default;
+  ConfigHarness(const ConfigHarness&) = delete;
+  ConfigHarness& operator=(const ConfigHarness&) = delete;
 
-  Bench& file(const std::string& name, const std::string& text) {
+  ConfigHarness& file(const std::string& name, const std::string& text) {
     folder_.write(name, text);
     return *this;
   }

@@ -1,0 +1,47 @@
+#include "tools/host/interrupt.h"
+
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+#include "tests/tools/program.h"
+#include "tools/host/run_folder.h"
+
+// Signals, as the process that gets them handles them.
+
+namespace test {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST(Interrupt, WaitsUntilResultsThatAreBeingWrittenAreThere) {
+  const TempFolder folder;
+  const auto interrupted = [&] {
+    tools::end_on_interrupts();
+    tools::RunFolder results(folder.path() / "out", false);
+    results.fill([](const tools::RunFolder::Open& open) {
+      const fs::path& staging = open();
+      std::raise(SIGTERM);
+      std::ofstream(staging / "report.json") << "{}";
+      return "it";
+    });
+  };
+  EXPECT_EXIT(interrupted(), testing::ExitedWithCode(128 + SIGTERM), "raywatt: interrupted");
+  EXPECT_EQ(names_in(folder.path()), Words{"out"});
+  EXPECT_EQ(read_bytes(folder.path() / "out" / "report.json"), "{}");
+}
+
+TEST(Interrupt, StaysIgnoredWhereTheCallerIgnoresIt) {
+  const auto ignored = [] {
+    std::signal(SIGINT, SIG_IGN);
+    tools::end_on_interrupts();
+    std::raise(SIGINT);
+    std::_Exit(0);
+  };
+  EXPECT_EXIT(ignored(), testing::ExitedWithCode(0), "");
+}
+
+}  // namespace
+}  // namespace test
