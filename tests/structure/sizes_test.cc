@@ -32,7 +32,6 @@ const Exceptions kLongFiles = {
 const Exceptions kLongFunctions = {
     {"shader_kernels/interpret.cc", 66},
     {"tests/shader_kernels/showcase.h", 64},
-    {"tools/sampling/tile_sampling.cc", 65},
     {"traces/trace_file/walk_code.cc", 80},
 };
 
