@@ -25,7 +25,6 @@ using Exceptions = std::map<std::string, std::size_t>;
 const Exceptions kLongFunctions = {
     {"shader_kernels/interpret.cc", 66},
     {"tests/shader_kernels/showcase.h", 64},
-    {"tools/sampling/tile_sampling.cc", 65},
     {"traces/trace_file/walk_code.cc", 80},
 };
 

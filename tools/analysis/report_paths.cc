@@ -53,12 +53,12 @@ class Sums {
 
  private:
   void add(std::string path, double value) {
-    const auto [at, is_new] = places_.emplace(path, numbers_.size());
+    const auto [at, is_new] = indices_.emplace(path, numbers_.size());
     if (is_new) numbers_.push_back({std::move(path), 0});
     numbers_[at->second].value += value;
   }
   Numbers numbers_;
-  std::map<std::string, std::size_t> places_;
+  std::map<std::string, std::size_t> indices_;
 };
 
 bool ends_in(std::string_view path, std::string_view text) {

@@ -12,6 +12,7 @@
 #include "hw_models/dram/dram_channel.h"
 #include "hw_models/frame/memory_interface.h"
 #include "hw_models/memory/l2_bank.h"
+#include "hw_models/memory/unit_names.h"
 #include "hw_models/srp/srp.h"
 #include "hw_models/tni/ist.h"
 #include "hw_models/tni/trv.h"
@@ -72,7 +73,7 @@ Inside inside(const Trvs& trvs, const Ists& ist) {
 }
 
 /// Lines that a first-level cache can have on their way at once.
-double registers(const hw::TniConfig& config, const hw::CacheConfig& cache) {
+double mshrs(const hw::TniConfig& config, const hw::CacheConfig& cache) {
   return config.miss_handling == hw::MissHandling::kBlocking ? 1 : cache.mshrs;
 }
 
@@ -109,9 +110,8 @@ CoreTime core_time(std::span<const UnitReport> units, const std::string& core, c
       .fed = ratio(srp.counted(&SrpStats::fed), srp.elapsed()),
       .occupied = 1 - trvs.share(OfTrv::kStarved),
       .tree_lines = std::max(
-          ratio(trvs.counted(&TrvStats::l1_miss_cycles), trvs.elapsed()) / registers(config.tni, config.tni.trv.l1),
-          ratio(ist.counted(&hw::Ist::Stats::l1_miss_cycles), ist.elapsed()) /
-              registers(config.tni, config.tni.ist.l1)),
+          ratio(trvs.counted(&TrvStats::l1_miss_cycles), trvs.elapsed()) / mshrs(config.tni, config.tni.trv.l1),
+          ratio(ist.counted(&hw::Ist::Stats::l1_miss_cycles), ist.elapsed()) / mshrs(config.tni, config.tni.ist.l1)),
       .data_lines = ratio(srp.counted(&SrpStats::cache_miss_cycles), srp.elapsed()) / config.srp.data_cache.mshrs,
       .l2_lines = ratio(banks.counted(&L2Stats::line_cycles), banks.elapsed()) / config.l2.mshrs_per_bank(),
       .dram_bus = data_bus_share(units),
@@ -171,8 +171,8 @@ double data_bus_share(std::span<const UnitReport> units) {
 TopDown top_down(std::span<const UnitReport> units, const hw::GpuConfig& config) {
   const Beyond memory = beyond(units);
   TopDown view;
-  for (std::size_t c = 0; !Units<hw::Srp>(units, fmt::format("core{}.", c)).empty(); ++c) {
-    view.cores.push_back(core_time(units, fmt::format("core{}.", c), memory, config));
+  for (std::uint32_t c = 0; !Units<hw::Srp>(units, hw::name_in_core(hw::Srp::kName, c)).empty(); ++c) {
+    view.cores.push_back(core_time(units, hw::name_in_core("core.", c), memory, config));
   }
   const auto cores = static_cast<double>(view.cores.size());
   CoreTime& gpu = view.gpu;

@@ -10,6 +10,8 @@
 #include <typeindex>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "sim/unit_report.h"
 
 namespace tools {
@@ -24,6 +26,12 @@ std::string_view counter_name(auto&& counter) {
   });
   if (found.empty()) throw std::logic_error("a counter that its unit does not declare");
   return found;
+}
+
+/// The path in a report of a counter's sum over all units of a kind.
+template <class Unit>
+std::string counter_path(std::uint64_t Unit::Stats::*counter, std::string_view kind = Unit::kName) {
+  return fmt::format("units.{}.counters.{}", kind, counter_name<typename Unit::Stats>(counter));
 }
 
 /// The units of one type among a machine's, and sums over them; 0 if there are none.

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "hw_models/machines/unit_kinds.h"
+#include "tools/analysis/units.h"
 
 namespace tools {
 namespace {
@@ -56,22 +57,28 @@ struct Way {
   double was = 0, is = 0;
 };
 
-double time_of(const Values& values, const std::string& unit, const char* counter) {
-  const double units = value(values, fmt::format("units.{}.units", unit));
-  return value(values, fmt::format("units.{}.counters.{}", unit, counter)) * scale(values, unit) * units;
+template <class Unit>
+double time_of(const Values& values, std::uint64_t Unit::Stats::*counter, std::string_view kind = Unit::kName) {
+  const double units = value(values, fmt::format("units.{}.units", kind));
+  return value(values, counter_path<Unit>(counter, kind)) * scale(values, kind) * units;
 }
 
 double above_l2(const Values& values) {
-  return time_of(values, "core.tni.trv", "l1_miss_cycles") + time_of(values, "core.tni.ist", "l1_miss_cycles") +
-         time_of(values, "core.srp", "cache_miss_cycles") - time_of(values, "l2.bank", "latency");
+  return time_of<hw::Trv>(values, &hw::Trv::Stats::l1_miss_cycles) +
+         time_of<hw::Ist>(values, &hw::Ist::Stats::l1_miss_cycles) +
+         time_of<hw::Srp>(values, &hw::Srp::Stats::cache_miss_cycles) -
+         time_of<hw::L2Bank>(values, &hw::L2Bank::Stats::latency);
 }
 double below_l2(const Values& values) {
-  return time_of(values, "l2.bank", "line_cycles") - time_of(values, "dram.channel", "read_latency");
+  return time_of<hw::L2Bank>(values, &hw::L2Bank::Stats::line_cycles) -
+         time_of<hw::DramChannel>(values, &hw::DramChannel::Stats::read_latency);
 }
 
 /// Time that misses waited in queues on their way, which says nothing of the way.
 double queued(const Values& values) {
-  return time_of(values, "core.cache_port", "request_wait") + time_of(values, "core.cache_port", "line_wait");
+  using Port = hw::CorePort;
+  return time_of<Port>(values, &Port::Stats::request_wait, Port::kCachePort) +
+         time_of<Port>(values, &Port::Stats::line_wait, Port::kCachePort);
 }
 
 /// Text of a reason's time in both runs, in the unit's own cycles, all units of the kind together.

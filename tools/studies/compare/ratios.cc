@@ -1,5 +1,3 @@
-#include <fmt/format.h>
-
 #include "hw_models/dram/dram_channel.h"
 #include "hw_models/memory/l2_bank.h"
 #include "hw_models/srp/srp.h"
@@ -20,25 +18,17 @@ struct Ratio {
   bool rest = false;   ///< what is left of one
 };
 
-/// The path of a counter's sum over all units of a kind.
-template <class Unit>
-auto paths_of(const char* kind) {
-  return [kind](std::uint64_t Unit::Stats::*counter) {
-    return fmt::format("units.{}.counters.{}", kind, counter_name<typename Unit::Stats>(counter));
-  };
-}
-
 std::vector<Ratio> ratios_of_counters() {
   using Trv = hw::Trv::Stats;
   using Ist = hw::Ist::Stats;
   using Srp = hw::Srp::Stats;
   using L2 = hw::L2Bank::Stats;
   using Dram = hw::DramChannel::Stats;
-  const auto trv = paths_of<hw::Trv>("core.tni.trv");
-  const auto ist = paths_of<hw::Ist>("core.tni.ist");
-  const auto srp = paths_of<hw::Srp>("core.srp");
-  const auto l2 = paths_of<hw::L2Bank>("l2.bank");
-  const auto dram = paths_of<hw::DramChannel>("dram.channel");
+  const auto trv = [](auto counter) { return counter_path<hw::Trv>(counter); };
+  const auto ist = [](auto counter) { return counter_path<hw::Ist>(counter); };
+  const auto srp = [](auto counter) { return counter_path<hw::Srp>(counter); };
+  const auto l2 = [](auto counter) { return counter_path<hw::L2Bank>(counter); };
+  const auto dram = [](auto counter) { return counter_path<hw::DramChannel>(counter); };
   return {{"node L1 hit rate", trv(&Trv::l1_hits), trv(&Trv::l1_accesses)},
           {"node L1 cycles a miss", trv(&Trv::l1_miss_cycles), trv(&Trv::l1_fills)},
           {"triangle L1 hit rate", ist(&Ist::l1_hits), ist(&Ist::l1_accesses)},
