@@ -1,5 +1,7 @@
 #pragma once
+#include <algorithm>
 #include <array>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -35,5 +37,14 @@ inline constexpr std::array<UnitKind, 12> kUnitKinds = {{{DramChannel::kName, Dr
                                                          {TileBuffer::kName, TileBuffer::kReasons},
                                                          {Srp::kName, Srp::kReasons},
                                                          {TileDispatcher::kName, TileDispatcher::kReasons}}};
+
+/// Kind that a kind of units ("core.tni.trv") declares for a reason; nothing for one that it has not.
+inline std::optional<sim::ReasonKind> kind_of_reason(std::string_view unit, std::string_view reason) {
+  const auto kind = std::ranges::find(kUnitKinds, unit, &UnitKind::name);
+  if (kind == kUnitKinds.end()) return {};
+  const auto declared = std::ranges::find(kind->reasons, reason, &sim::Reason::name);
+  if (declared == kind->reasons.end()) return {};
+  return declared->kind;
+}
 
 }  // namespace hw

@@ -70,7 +70,7 @@ std::vector<Estimate> estimate(const CoreTime& t) {
   const double time = 1 - (t.transfers + t.no_tile);
   const double kernels = t.busy(), data = t.data_misses, shading = kernels + data;
   const double p = overlap(shading, d.fed, time);
-  const double tree = t.tracing() > 0 ? d.fed * t.tree_misses / t.tracing() : 0;  // of the T&I unit's time
+  const double tree = t.tracing() > 0 ? d.fed * t.tree_misses / t.tracing() : 0;  // share of the T&I unit's time
   const double tracing = d.tracing + (d.fed - d.tracing) * never_full(d);
   const double memory = std::max(d.dram_bus / kBusAtBest, d.l2_lines / kRegistersInUse);
   const auto least = [](double lines, double measured) { return std::min(measured, lines / kRegistersInUse); };

@@ -23,7 +23,7 @@ struct Report {
   const Result& totals;
   const nlohmann::ordered_json& frames;  ///< one entry per frame
   bool partial = false;                  ///< interrupted before the last frame
-  double wall_seconds = 0;               ///< of the whole job
+  double wall_seconds = 0;               ///< time of the whole job
 };
 
 /// report.json, schema raywatt-report/1: everything but `host` and `provenance.argv` depends on the inputs alone.

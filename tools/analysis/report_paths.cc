@@ -94,7 +94,7 @@ struct Meanings {
   Meanings(std::string_view text, std::span<const std::string> paths) {
     if (text.empty()) return;
     const std::string in_totals = fmt::format("totals.{}", text), inside = fmt::format(".{}.", text);
-    std::array<std::vector<std::string>, 3> ends;  // of totals, of all else, of frames: first come, first served
+    std::array<std::vector<std::string>, 3> ends;  // paths in totals, in all else, in frames: first come, first served
     std::vector<std::string> below;
     for (const std::string& path : paths) {
       if (path == text || (path == in_totals && one.empty())) one = path;

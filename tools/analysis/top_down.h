@@ -34,13 +34,13 @@ struct CoreTime {
   struct Demands {
     double no_slots = 0;    ///< launches waited for ray slots of the tile buffer
     double fed = 0;         ///< rays were in the T&I unit
-    double occupied = 0;    ///< of an average traversal unit: rays were inside
+    double occupied = 0;    ///< time in which an average traversal unit had rays inside
     double tree_lines = 0;  ///< least time for the T&I unit's misses, all MSHRs of a cache always in use
     double data_lines = 0;  ///< likewise for the data cache
     double l2_lines = 0;    ///< likewise for the L2
     double dram_bus = 0;    ///< data were on the channels' buses
-    double tracing = 0;     ///< of the T&I unit, at the pace it has with a ray in every slot
-    double records = 0;     ///< of the L2's requests, those for rays and hits that travel through memory
+    double tracing = 0;     ///< time of the T&I unit, at the pace it has with a ray in every slot
+    double records = 0;     ///< share of the L2's requests that carry rays and hits through memory
   };
   Demands demands{};
   /// Levels on which the misses of its three kinds of cache spent their time.

@@ -12,11 +12,11 @@ namespace tools {
 /// How far a job is.
 struct ProgressState {
   std::string phase = "loading";       ///< what is being done: "loading", "building the tree", "simulating", ...
-  std::string label;                   ///< of the part under way, if parts have names
+  std::string label;                   ///< name of the part under way, if parts have names
   std::uint32_t frame = 0;             ///< its number
   std::uint32_t part = 0, parts = 1;   ///< parts are runs of a frame program over one frame; those finished, and all
-  std::uint32_t tile = 0, tiles = 0;   ///< of the part under way: finished, and all
-  std::uint64_t rays = 0, cycles = 0;  ///< of all parts so far; cycles of the T&I clock
+  std::uint32_t tile = 0, tiles = 0;   ///< tiles of the part under way: finished, and all
+  std::uint64_t rays = 0, cycles = 0;  ///< sums over all parts so far; cycles of the T&I clock
   double seconds = 0;                  ///< since the job began
   double busy_seconds = 0;             ///< since the first part began
 
@@ -66,7 +66,7 @@ class Progress {
   std::mutex mutex_;
   std::condition_variable news_;
   ProgressState state_;
-  std::uint64_t rays_before_ = 0, cycles_before_ = 0;  ///< of finished parts
+  std::uint64_t rays_before_ = 0, cycles_before_ = 0;  ///< sums over finished parts
   bool bar_is_there_ = false, ended_ = false;
   std::thread thread_;
 };

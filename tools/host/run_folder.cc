@@ -35,7 +35,7 @@ fs::path dated_folder() {
   return folder;
 }
 
-constexpr std::streamsize kLongestStart = 1 << 20;  ///< of a report, the part with what it was made by is in that
+constexpr std::streamsize kLongestStart = 1 << 20;  ///< bytes of a report that hold what it was made by
 
 /// The start of the file of this name if it is one of ours, else nothing. Others have a report.json too.
 std::string start_of_results(const fs::path& folder, std::string_view name) {

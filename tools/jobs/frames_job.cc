@@ -32,7 +32,7 @@ struct Job {
   Progress& progress;
   Program program;
   std::optional<Program> reference;
-  bool keep_part = false;  ///< of the first frame, if that is as far as the run comes
+  bool keep_part = false;  ///< keeps that of the first frame, if the run comes no further
   std::optional<TileSampling> sampling;
   traces::TraceWriter* trace = nullptr;
   bool has_picture() const { return !sampling || sampling->full_image; }

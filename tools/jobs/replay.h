@@ -39,7 +39,7 @@ class Replay {
   Inputs inputs_;
   kernels::ProgramSpec program_;
   std::optional<kernels::ProgramSpec> reference_;
-  std::vector<traces::KernelId> kernels_;  ///< of this program, by number in the trace
+  std::vector<traces::KernelId> kernels_;  ///< this program's, by number in the trace
   std::optional<std::size_t> tree_;        ///< the one that is loaded
   traces::TileScope scope_;
 };

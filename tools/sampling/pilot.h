@@ -10,7 +10,7 @@ namespace tools {
 
 /// A thin picture, all of whose tiles are looked at: one of `thinning` samples of each of the frame's.
 struct Pilot {
-  std::vector<TileTraits> traits;  ///< of the frame's tiles
+  std::vector<TileTraits> traits;  ///< one of each of the frame's tiles
   std::vector<double> costs;
   double thinning = 1;
   FrontEnd::Result function;

@@ -16,17 +16,17 @@ struct MeasuredPart {
   sim::Time time = 0;
   std::vector<sim::UnitReport> units;
   std::vector<hw::KernelUse> kernels;
-  TileTraits traits;  ///< of what it worked on
+  TileTraits traits;  ///< traits of what it worked on
 };
 
 /// One run of blocks on a machine of its own.
 struct SampledRun {
-  MeasuredPart begin, end;  ///< of the frame, or of what stood there
+  MeasuredPart begin, end;  ///< counters of the frame, or of what stood there
   std::vector<MeasuredPart> parts;
-  std::vector<sim::UnitReport> units;  ///< of the whole run
+  std::vector<sim::UnitReport> units;  ///< reports of the whole run
   std::vector<hw::KernelSchedule> kernels;
   sim::Time elapsed = 0;
-  sim::Time cycle = 0;  ///< of the T&I clock
+  sim::Time cycle = 0;  ///< cycle of the T&I clock
   std::uint64_t timed = 0, warmed = 0;
   double warming_seconds = 0;
 };

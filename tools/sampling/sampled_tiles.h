@@ -60,9 +60,9 @@ class SampledTiles final : public hw::TileSource {
   const std::span<const TimedBlock> blocks_;
   hw::Gpu* gpu_ = nullptr;
   std::size_t block_ = 0;                             ///< that next() is at
-  std::vector<const traces::TileWork*> for_warming_;  ///< of the block that comes
+  std::vector<const traces::TileWork*> for_warming_;  ///< tiles before the block that comes
   std::vector<std::uint32_t> waiting_;                ///< tiles handed out by next() and not dispatched: one
-  std::size_t dispatched_block_ = 0;                  ///< of the tile dispatched last
+  std::size_t dispatched_block_ = 0;                  ///< block of the tile dispatched last
   std::vector<std::uint32_t> back_;                   ///< given back since the last dispatch
   std::vector<Mark> marks_;
   std::vector<Played> played_;

@@ -15,10 +15,10 @@ namespace tools {
 struct TileTraits {
   double tiles = 0;
   double array = 0;        ///< cycles of the shader core's array, without prologues
-  double visits = 0;       ///< of nodes
-  double tests = 0;        ///< of triangles
-  double l1_misses = 0;    ///< of the traversal and intersection units' caches
-  double data_misses = 0;  ///< of the data cache
+  double visits = 0;       ///< visits of nodes
+  double tests = 0;        ///< tests of triangles
+  double l1_misses = 0;    ///< misses of the traversal and intersection units' caches
+  double data_misses = 0;  ///< misses of the data cache
   double l2_misses = 0;
   double spills = 0;  ///< ray slots beyond a tile's share of the tile buffer, launch by launch
   double path = 0;    ///< T&I cycles of the longest chain of launches and rays, if the tile were alone
@@ -56,12 +56,12 @@ class TilePilot {
   const traces::Layout& layout_;
   const std::span<const hw::KernelSchedule> kernels_;
   const double thinning_;
-  const double share_;      ///< of a tile, in the ray slots
+  const double share_;      ///< a tile's share of the ray slots
   const double srp_cycle_;  ///< in T&I cycles
   std::vector<Core> cores_;
   hw::CacheTags l2_;
-  std::vector<std::uint32_t> steps_;  ///< of each ray of the tile
-  std::vector<double> done_;          ///< of each node of its work, when it is
+  std::vector<std::uint32_t> steps_;  ///< steps of each ray of the tile
+  std::vector<double> done_;          ///< time at which each node of its work is done
   std::vector<double> made_;          ///< likewise, rays that a launch makes
 };
 

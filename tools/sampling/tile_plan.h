@@ -17,8 +17,8 @@ struct TilePlan {
 
 struct PlanShape {
   std::uint32_t edge = 24;      ///< tiles at the frame's begin and at its end
-  std::uint32_t lead = 4;       ///< of a block, tiles before its measured part
-  std::uint32_t measured = 12;  ///< of a block
+  std::uint32_t lead = 4;       ///< tiles of a block before its measured part
+  std::uint32_t measured = 12;  ///< tiles of its measured part
   std::uint32_t warming = 8;    ///< tiles before a block that warm the caches
   std::uint32_t least = 28;     ///< blocks
 };

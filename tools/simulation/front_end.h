@@ -24,10 +24,10 @@ class FrontEnd final : public hw::TileSource {
     kernels::Sampling sampling;  ///< likewise
     std::vector<kernels::SampleMark> marks;  ///< likewise, if the program keeps them
     std::uint64_t rays[static_cast<std::size_t>(traces::RayKind::kCount)] = {};
-    std::uint64_t continued = 0;  ///< of the rays, those that went on behind what was no solid surface
+    std::uint64_t continued = 0;  ///< rays that went on behind what was no solid surface
     std::uint64_t traversal_steps = 0;
     double seconds = 0;  ///< host time of the functional half, summed over its threads
-    double waited = 0;   ///< of that, time for which the caller of next() stood still
+    double waited = 0;   ///< time of that for which the caller of next() stood still
     std::uint64_t all_rays() const;
     /// Adds another frame's figures; the picture, and what is per tile, stay.
     void add(const Result& other);
@@ -81,7 +81,7 @@ class FrontEnd final : public hw::TileSource {
   std::vector<std::unique_ptr<Slot>> spare_;
   std::size_t slots_ = 0;                 ///< in all of these
   std::array<std::size_t, 9> longest_{};  ///< arrays of any tile so far
-  kernels::TileBuffer buffer_;            ///< of the thread that calls next()
+  kernels::TileBuffer buffer_;            ///< for the thread that calls next()
   std::uint32_t next_tile_ = 0;
   std::uint32_t taken_ = 0;
   std::uint32_t pass_end_ = 0;  ///< tiles before it may be made

@@ -10,7 +10,7 @@ namespace tools {
 /// Rays as a file lists them.
 struct RayList {
   std::vector<traces::Ray> rays;
-  std::string sha256;  ///< of the file
+  std::string sha256;  ///< digest of the file
 };
 
 /// Reads a file of 8 little-endian floats a ray: origin, t_min, direction, t_max. Numbers are finite but for t_max,

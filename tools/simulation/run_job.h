@@ -36,7 +36,7 @@ struct Inputs {
   traces::Camera camera;
   traces::MemoryImage image;
   std::uint64_t stored_triangles = 0;  ///< in the image: each that is shared once
-  std::vector<std::uint32_t> parents;  ///< of each node of the tree
+  std::vector<std::uint32_t> parents;  ///< the parent of each node of the tree
   double load_seconds = 0;
   double update_seconds = 0;  ///< host: posing the scene and bringing the image up to date, later frames
   traces::Scene moving;       ///< what later frames are posed from; empty if there are none
@@ -79,11 +79,12 @@ struct Simulation {
   std::vector<hw::KernelUse> kernel_use;
   std::vector<hw::KernelSchedule> kernels;
   sim::EnergyReport energy;
-  std::uint64_t cycles = 0;  ///< of the T&I clock
+  std::uint64_t cycles = 0;  ///< cycles of the T&I clock
   sim::Time elapsed = 0;
-  double wall_seconds = 0;                      ///< host, functional and timing together
-  std::uint32_t tiles = 0, finished_tiles = 0;  ///< of the last frame; all are finished, but for Extras::keep_part
-  std::optional<SampledFrame> sampled;          ///< if most of this is estimated
+  double wall_seconds = 0;  ///< host, functional and timing together
+  std::uint32_t tiles = 0,
+                finished_tiles = 0;     ///< tiles of the last frame; all are finished, but for Extras::keep_part
+  std::optional<SampledFrame> sampled;  ///< if most of this is estimated
   std::uint64_t rays() const;
   bool is_part() const { return finished_tiles < tiles; }
   /// Adds a later frame's figures; the picture stays.
@@ -92,7 +93,7 @@ struct Simulation {
 
 /// Options that go with a frame program.
 struct Extras {
-  kernels::RateMap* rates = nullptr;  ///< of its tiles, if they go on from frame to frame
+  kernels::RateMap* rates = nullptr;  ///< rates of its tiles, if they go on from frame to frame
   bool marks = false;                 ///< how all samples came about is kept, for pictures
   bool keep_part = false;             ///< an interrupt leaves the finished tiles, if there are any
   Progress* progress = nullptr;

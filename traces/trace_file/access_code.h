@@ -36,7 +36,7 @@ class AccessWriter {
 
   LastAccesses last_;
   std::vector<std::vector<std::uint8_t>> shapes_;
-  std::vector<std::uint32_t> shape_of_;  ///< of each item
+  std::vector<std::uint32_t> shape_of_;  ///< shape of each item
 };
 
 /// Reads them back.
@@ -51,7 +51,7 @@ class AccessReader {
   Access read_access(ByteReader& from, const ImageCounts& counts, std::uint32_t kind, std::uint32_t rank);
 
   LastAccesses last_;
-  std::vector<std::uint8_t> kinds_, ranks_;  ///< of all shapes, one behind the other
+  std::vector<std::uint8_t> kinds_, ranks_;  ///< all shapes', one behind the other
   std::vector<std::uint32_t> shape_begin_;   ///< and one past the last
   std::vector<std::uint32_t> shape_of_;
 };

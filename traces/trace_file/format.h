@@ -21,7 +21,7 @@ namespace traces {
 using Json = nlohmann::ordered_json;
 
 inline constexpr std::string_view kTraceMagic = "raywatt-trace/2\n";
-inline constexpr std::string_view kTraceKind = "raywatt-trace/";  ///< of any version
+inline constexpr std::string_view kTraceKind = "raywatt-trace/";  ///< begins files of any version
 inline constexpr int kTraceVersion = 2;
 inline constexpr std::string_view kTraceEnd = "end\n";
 inline constexpr std::size_t kFooterBytes = 16;  ///< offset of the contents (8), their bytes (4), kTraceEnd
@@ -34,8 +34,8 @@ inline constexpr std::uint32_t kMaxPartTiles = 1U << 26, kMaxFrame = 1'000'000;
 
 /// Memory that a machine must set aside for a frame.
 struct TraceRequirements {
-  std::uint32_t tile_samples = 0;     ///< of a full tile
-  std::uint32_t attribute_bytes = 0;  ///< of a full tile, in the tile buffer
+  std::uint32_t tile_samples = 0;     ///< samples of a full tile
+  std::uint32_t attribute_bytes = 0;  ///< bytes of a full tile in the tile buffer
   std::array<std::uint64_t, kRegionCount> region_bytes{};
 };
 

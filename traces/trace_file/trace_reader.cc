@@ -40,7 +40,8 @@ TraceReader::TraceReader(std::filesystem::path path) : path_(std::move(path)) {
 TraceReader::~TraceReader() { ::close(file_); }
 
 std::string TraceReader::damage_of(const Json::exception& error) {
-  constexpr int kNoKey = 403, kParsing = 100, kWrongType = 300;  // of nlohmann's exceptions; the latter, hundreds
+  constexpr int kNoKey = 403, kParsing = 100,
+                kWrongType = 300;  // numbers of nlohmann's exceptions; the latter, hundreds
   const std::string what = error.what();
   const std::size_t begin = what.find('\''), end = what.rfind('\'');
   if (error.id == kNoKey && begin < end) return "has no key " + what.substr(begin, end - begin + 1);

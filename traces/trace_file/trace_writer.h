@@ -22,7 +22,7 @@ class TraceWriter {
  public:
   struct PartId {
     std::uint32_t frame = 0;
-    bool reference = false;  ///< of the program that others are compared with
+    bool reference = false;  ///< made by the program that others are compared with
   };
 
   /// InputError if there is something at `path` that is no trace, or if it cannot be written.
@@ -45,13 +45,13 @@ class TraceWriter {
   Packer packer_;
   TileEncoder encoder_;
   Json contents_;
-  std::uint64_t contents_bytes_ = 0;  ///< of its parts, as text
+  std::uint64_t contents_bytes_ = 0;  ///< bytes of its parts, as text
   // The present part's.
   Links links_;
   ImageCounts counts_;
   Json part_;
   std::uint64_t most_of_tile_ = 0;    ///< bytes
-  std::vector<std::uint32_t> sizes_;  ///< of its tiles
+  std::vector<std::uint32_t> sizes_;  ///< sizes of its tiles
   std::string bytes_;
 };
 

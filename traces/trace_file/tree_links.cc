@@ -111,7 +111,7 @@ class Decoder {
   const std::uint64_t triangles_;
   const bool has_levels_;
   Links links_;
-  std::vector<std::uint8_t> depth_;    ///< of each node; 0: nobody's child yet
+  std::vector<std::uint8_t> depth_;    ///< depth of each node; 0: nobody's child yet
   std::vector<bool> is_upper_, seen_;  ///< nodes of the tree over instances; instances that it holds
   std::vector<std::uint32_t> trees_;   ///< roots of those below
   std::uint64_t triangles_end_ = 0, instances_end_ = 0;

@@ -11,9 +11,8 @@ namespace traces {
 
 /// All of a tree that walks depend on.
 struct Links {
-  std::vector<std::array<std::uint32_t, 2>> nodes;  ///< of each inner node the link words of its children
-  std::vector<std::uint32_t>
-      roots;  ///< of two levels: of each instance the root of its tree, or kNone; otherwise empty
+  std::vector<std::array<std::uint32_t, 2>> nodes;  ///< link words of the children of each inner node
+  std::vector<std::uint32_t> roots;  ///< the root of each instance's tree, or kNone; empty in trees of one level
   friend bool operator==(const Links&, const Links&) = default;
 };
 

@@ -12,7 +12,7 @@ struct Measured {
   Facts facts;
   Values all;          ///< every number of its report
   std::string error;   ///< why there is no report; empty if there is
-  double seconds = 0;  ///< of the host
+  double seconds = 0;  ///< host time
 };
 
 /// Computes every run of a suite, `jobs` at once, each in a process of its own, and hands them over in their order.

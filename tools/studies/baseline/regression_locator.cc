@@ -44,7 +44,7 @@ std::vector<Move> all_moves(const Values& was, const Values& is) {
       }
     }
     for (const std::string& reason : reasons) {
-      out.push_back({unit, reason, kind_of_reason(unit, reason).value_or(sim::ReasonKind::kWaiting),
+      out.push_back({unit, reason, hw::kind_of_reason(unit, reason).value_or(sim::ReasonKind::kWaiting),
                      value(was, prefix + reason) * scale(was, unit), value(is, prefix + reason) * scale(is, unit)});
     }
   }
@@ -109,18 +109,10 @@ std::vector<Own> own_work(const std::vector<Move>& moves) {
 
 }  // namespace
 
-std::optional<sim::ReasonKind> kind_of_reason(std::string_view unit, std::string_view reason) {
-  const auto kind = std::ranges::find(hw::kUnitKinds, unit, &hw::UnitKind::name);
-  if (kind == hw::kUnitKinds.end()) return {};
-  const auto declared = std::ranges::find(kind->reasons, reason, &sim::Reason::name);
-  if (declared == kind->reasons.end()) return {};
-  return declared->kind;
-}
-
 std::optional<LocatedRegression> locate_regression(const Values& was, const Values& is) {
   const std::vector<Move> moves = all_moves(was, is);
   const std::vector<Own> owns = own_work(moves);
-  constexpr double kNoticeable = 0.1;  // of what else moved
+  constexpr double kNoticeable = 0.1;  // share of what else moved
   const double cycles = std::abs(value(is, "totals.cycles") - value(was, "totals.cycles"));
   double all = 0;
   for (const Own& own : owns) all += std::abs(own.difference);

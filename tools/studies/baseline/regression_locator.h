@@ -1,15 +1,10 @@
 #pragma once
 #include <optional>
 #include <string>
-#include <string_view>
 
-#include "sim/activity.h"
 #include "tools/studies/baseline/stored.h"
 
 namespace tools {
-
-/// Kind that a kind of units ("core.tni.trv") declares for a reason; nothing for one that it has not.
-std::optional<sim::ReasonKind> kind_of_reason(std::string_view unit, std::string_view reason);
 
 /// The unit that is most likely to have changed, by what two runs of equal work say.
 struct LocatedRegression {

@@ -10,7 +10,7 @@ namespace tools {
 /// A value that a suite keeps of its runs.
 struct Kept {
   std::string text;    ///< report path, any clear end of one, or a group
-  double percent = 0;  ///< of the stored value, by which it may be off; 0: not at all
+  double percent = 0;  ///< tolerance in percent of the stored value; 0: none
   std::string at;      ///< where the suite says so
 };
 

@@ -143,7 +143,7 @@ class Rounds {
   Progress& progress_;
   double peak_mib_ = 0;
   std::unique_ptr<Replay> replay_;
-  std::optional<TileSampling> sampling_;  ///< of programs whose tiles can be sampled
+  std::optional<TileSampling> sampling_;  ///< for programs whose tiles can be sampled
   std::uint64_t rays_ = 0, steps_ = 0;
   std::vector<std::pair<std::string, std::vector<double>>> values_;
 };

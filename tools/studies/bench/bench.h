@@ -30,7 +30,7 @@ struct BenchFigure {
   };
   std::string name, header;
   Kind kind = Kind::kRate;
-  bool of_part = false;  ///< of what need not play the whole frame: a trace replayed, tiles sampled
+  bool of_part = false;  ///< need not play the whole frame: a trace replayed, tiles sampled
 };
 const std::vector<BenchFigure>& bench_figures();
 

@@ -36,7 +36,7 @@ void read_as_version_2(Json& bench) {
       scene[is] = scene[was];
       scene.erase(was);
     }
-    scene.erase("peak_rss_mb");  // of all scenes before it, too
+    scene.erase("peak_rss_mb");  // the peak of all scenes before it, too
   }
   bench["schema"] = "raywatt-bench/2";
 }

@@ -11,7 +11,7 @@ namespace tools {
 /// Cycles of a frame with one resource made ideal.
 struct Bound {
   std::string resource;
-  std::uint64_t cycles = 0;  ///< of the T&I clock
+  std::uint64_t cycles = 0;  ///< cycles of the T&I clock
   double estimated = 1;      ///< the speed-up that the counters of the run as configured promise
 };
 

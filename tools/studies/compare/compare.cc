@@ -4,12 +4,14 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <set>
 #include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "hw_models/machines/unit_kinds.h"
 #include "tools/analysis/report_file.h"
 
 namespace tools {
@@ -85,6 +87,12 @@ std::vector<Pair> times(const ReportFile& a, const ReportFile& b) {
 /// Is this a path of unit_sums()? No part of it but "l2" ends in a number.
 bool is_sum(const ReportFile& report, const std::string& unit) { return report.has("units." + unit + ".units"); }
 
+/// Time in which a unit does nothing, or the tile buffer just keeps: what the other reasons leave.
+bool is_rest(std::string_view unit, std::string_view reason) {
+  const std::optional<sim::ReasonKind> kind = hw::kind_of_reason(unit, reason);
+  return kind == sim::ReasonKind::kIdle || (unit == hw::TileBuffer::kName && kind == sim::ReasonKind::kBackground);
+}
+
 /// T&I cycles that an average unit of a kind gave to a reason.
 double mean_cycles(const ReportFile& report, const std::string& unit, const std::string& reason) {
   const double elapsed = report.number("units." + unit + ".elapsed");
@@ -99,7 +107,7 @@ std::vector<Pair> reasons(const ReportFile& a, const ReportFile& b) {
     if (why == std::string::npos) continue;
     const std::string unit = path.substr(0, why), reason = path.substr(why + 5);
     if (!is_sum(a, unit) && !is_sum(b, unit)) continue;
-    if (reason == "idle" || reason == "starved" || reason == "in_use") continue;  // the others' rest
+    if (is_rest(unit, reason)) continue;
     out.push_back({unit + " " + reason, mean_cycles(a, unit, reason), mean_cycles(b, unit, reason)});
   }
   sort_by_difference(out);

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::uint64_t kSmallSpace = 1U << 16;  // points that are listed, so that the last ones are found too
 constexpr std::uint64_t kMostDraws = 1U << 20;   // for points of a larger space that are wanted
-constexpr std::uint32_t kGenerations = 30;       // of NSGA-II
+constexpr std::uint32_t kGenerations = 30;       // generations of NSGA-II
 constexpr std::size_t kRandom = 32;              // points that are looked at beside what NSGA-II brings
 constexpr double kForbidden = 1000, kKnown = 10, kInfeasible = 3;  // penalties; scores are about 0 to 1
 

@@ -19,7 +19,7 @@ namespace {
 using sweep::Fate;
 using sweep::Point;
 
-constexpr std::uint64_t kFirstShare = 5;       // of the budget, for points that are spread: a fifth
+constexpr std::uint64_t kFirstShare = 5;       // a fifth of the budget, for points that are spread
 constexpr std::size_t kLooks = 4;              // first looks for each point that is simulated
 constexpr std::uint64_t kMostImpossible = 10;  // for each point of the budget
 constexpr double kIdentical = 100;             // dB, of a picture that equals its reference: nobody sees a better one
@@ -160,7 +160,7 @@ bool SearchRun::simulate(std::vector<Trial>& fresh, sweep::Launcher& launcher, c
 bool SearchRun::compute(const std::vector<Choice>& choices, bool looks, sweep::Launcher& launcher,
                         const sweep::Store& store, const Hooks& hooks) {
   std::vector<Trial> fresh;
-  std::map<std::string, std::size_t> indices;  // of fresh ones
+  std::map<std::string, std::size_t> indices;  // indices of fresh ones
   std::vector<std::string> ids;
   for (const Choice& choice : choices) {
     Trial trial;

@@ -51,8 +51,8 @@ class SearchRun {
   const Trial* nearest() const;
   const std::vector<Goal>& goals() const { return task_.goals; }  ///< their figures in full, once there is a report
   std::uint64_t simulated() const { return simulated_; }          ///< without first looks
-  std::uint64_t computed() const { return computed_; }            ///< of all, those that were not in the store
-  std::uint64_t found() const { return found_; }                  ///< of all, those that were
+  std::uint64_t computed() const { return computed_; }            ///< points that were not in the store
+  std::uint64_t found() const { return found_; }                  ///< points that were
 
  private:
   /// Has points computed and tells the search; false if interrupted.

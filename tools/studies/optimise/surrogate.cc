@@ -6,7 +6,8 @@
 namespace tools::optimise {
 namespace {
 
-constexpr double kLookDeviation = 0.1;  // of a look's error, in deviations of the values, as long as nothing is known
+constexpr double kLookDeviation =
+    0.1;  // deviation of a look's error, in those of the values, as long as nothing is known
 
 double mean_of(std::span<const double> values) {
   double sum = 0;
@@ -56,7 +57,8 @@ void Surrogate::fit(const Values& exact, const Values& looks) {
   is_log_ = true;
   const std::vector<Observation> logs = observations(exact, looks);
   double jacobian = 0;
-  for (const Observation& o : logs) jacobian += o.value;  // of the logarithm: a value's density is over the value
+  for (const Observation& o : logs)
+    jacobian += o.value;  // Jacobian of the logarithm: a value's density is over the value
   jacobian /= static_cast<double>(logs.size());
   is_log_ = log_.fit(logs) - jacobian > plain;
 }

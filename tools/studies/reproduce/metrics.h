@@ -13,7 +13,7 @@ namespace tools::reproduce {
 struct Outcome {
   Simulation simulation;
   std::uint64_t pixels = 0;
-  std::uint64_t box_bytes = 0, node_bytes = 0;  ///< of the tree in the GPU's memory: boxes alone, and whole nodes
+  std::uint64_t box_bytes = 0, node_bytes = 0;  ///< the tree in the GPU's memory: boxes alone, and whole nodes
   bool machine = true;                          ///< else `simulation` has nothing but what the frame program found out
   const kernels::Sampling& sampling() const { return simulation.function.sampling; }
 };
@@ -22,8 +22,8 @@ struct Outcome {
 struct Comparison {
   const Outcome& run;
   const Outcome& reference;
-  double squared_error = 0;                  ///< of the run's picture
-  std::optional<double> reflective_share{};  ///< of the view's pixels
+  double squared_error = 0;                  ///< error of the run's picture
+  std::optional<double> reflective_share{};  ///< share of the view's pixels
 };
 
 /// A figure that can be measured.

@@ -12,7 +12,7 @@ namespace {
 
 using traces::MaterialRecord;
 
-constexpr float kMirrored = 0.3F;  ///< of the light, by what is made a mirror
+constexpr float kMirrored = 0.3F;  ///< share of the light that what is made a mirror reflects
 constexpr double kTolerance = 0.01;
 constexpr std::uint32_t kProbePixels = 96;  ///< width of the picture that shares are counted in
 

@@ -61,7 +61,7 @@ class Runner {
   std::string tree_;  ///< hash of the keys that the tree is made by
   std::uint32_t width_ = 0, height_ = 0;
   std::optional<double> reflective_share_;
-  std::map<std::string, Outcome> outcomes_;  ///< of this view and resolution
+  std::map<std::string, Outcome> outcomes_;  ///< outcomes for this view and resolution
   std::vector<float> truth_;
 };
 

@@ -37,7 +37,7 @@ std::string name_of(const Point& point) {
 }
 
 struct Planned {
-  std::string text;  ///< of the file
+  std::string text;  ///< text of the file
   std::vector<Point> points;
   std::vector<std::string> slurm;
 };

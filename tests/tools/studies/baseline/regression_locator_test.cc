@@ -64,12 +64,12 @@ TEST(RegressionLocator, EveryReasonOfEveryUnitIsOneKindOfReason) {
     for (const sim::UnitReport& unit : simulate(load_inputs(options), kernels::parse_program("full:1"), 1).units) {
       for (const auto& [reason, cycles] : unit.why) {
         const std::string kind = std::regex_replace(unit.path, std::regex("(core|trv|bank|channel)[0-9]+"), "$1");
-        EXPECT_TRUE(kind_of_reason(kind, reason)) << unit.path << " " << reason << ": add it to kUnitKinds";
+        EXPECT_TRUE(hw::kind_of_reason(kind, reason)) << unit.path << " " << reason << ": add it to kUnitKinds";
       }
     }
   }
-  EXPECT_FALSE(kind_of_reason("core.tni.trv", "reorder"));
-  EXPECT_FALSE(kind_of_reason("core.trv", "l1_miss"));
+  EXPECT_FALSE(hw::kind_of_reason("core.tni.trv", "reorder"));
+  EXPECT_FALSE(hw::kind_of_reason("core.trv", "l1_miss"));
 }
 
 }  // namespace

@@ -43,7 +43,7 @@ struct Frames {
   Inputs& inputs;
   std::uint32_t threads;
   traces::TraceWriter* trace;
-  fs::path picture;  ///< of the first frame; empty: none
+  fs::path picture;  ///< picture of the first frame; empty: none
   Outcome out{};
 
   void run() {

@@ -10,7 +10,7 @@ namespace tools::sweep {
 
 /// How a batch of points ended.
 struct BatchEnd {
-  std::vector<Fate> fates;  ///< of the points, in their order
+  std::vector<Fate> fates;  ///< fates of the points, in their order
   double seconds = 0;       ///< host: from the first point begun to the last one finished
   double busy = 0;          ///< share of that time in which workers had a point in hand; 0 if none was begun
   std::uint32_t workers = 0;

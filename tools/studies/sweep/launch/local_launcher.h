@@ -15,7 +15,7 @@ class LocalLauncher final : public Launcher {
  public:
   struct Options {
     std::uint32_t jobs = 0;     ///< workers; 0: one for each core of the host
-    std::uint32_t threads = 0;  ///< of each; 0: the host's cores, shared out
+    std::uint32_t threads = 0;  ///< threads of each; 0: the host's cores, shared out
     bool retry_failed = false;
     bool keep_streams = false;    ///< recorded streams stay for other launchers when the last point here has used them
     std::filesystem::path log{};  ///< folder for what workers say; empty: nowhere
@@ -35,7 +35,7 @@ class LocalLauncher final : public Launcher {
     std::filesystem::path log;
     std::uint64_t log_begin = 0;       ///< where in it the point under way begins
     std::optional<std::size_t> point;  ///< under way
-    std::string id;                    ///< of that
+    std::string id;                    ///< its id
   };
   class Batch;
 

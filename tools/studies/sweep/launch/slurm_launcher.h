@@ -19,7 +19,7 @@ class SlurmLauncher final : public Launcher {
  public:
   struct Options {
     std::uint64_t chunk = 0;  ///< points of a task; 0: as many as make a hundred tasks
-    std::uint32_t tasks = 0;  ///< of an array at a time; 0: as many as Slurm likes
+    std::uint32_t tasks = 0;  ///< tasks of an array at a time; 0: as many as Slurm likes
     bool retry_failed = false;
     std::vector<std::string> arguments;  ///< for sbatch, which sees them as they are
   };

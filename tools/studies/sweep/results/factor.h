@@ -10,7 +10,7 @@ namespace tools::results {
 struct Factor {
   std::string name;
   std::vector<std::string> levels;
-  std::vector<std::size_t> at;  ///< of every point
+  std::vector<std::size_t> at;  ///< level of every point
 };
 
 /// Axes of which some of the points at `rows` differ. Those that always move together are one.

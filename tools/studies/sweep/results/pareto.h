@@ -21,7 +21,7 @@ struct Objective {
 };
 
 struct ParetoFront {
-  std::vector<std::size_t> rows;   ///< of all that are on it, from the best x on
+  std::vector<std::size_t> rows;   ///< rows of all points on it, from the best x on
   std::vector<std::size_t> other;  ///< that have both figures and are not on it
   /// The mark of a row of the front: letters in their order, or '#' if there are not enough.
   char mark(std::size_t i) const;

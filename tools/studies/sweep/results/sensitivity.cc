@@ -71,7 +71,7 @@ class AdditiveModel {
 
   const std::vector<Factor>& factors_;
   std::vector<double> left_;
-  std::vector<std::vector<double>> effects_;  ///< of a factor, of a level
+  std::vector<std::vector<double>> effects_;  ///< by factor, then by level
 };
 
 std::string percent(double share) { return fmt::format("{:.1f} %", 100 * share); }

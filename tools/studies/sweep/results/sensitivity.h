@@ -10,9 +10,9 @@ namespace tools::results {
 struct Effect {
   std::string axis;                 ///< axes that always move together are one: "a + b"
   std::vector<std::string> levels;  ///< its values, or groups of neighbours among them
-  std::vector<double> means;        ///< of the metric at each level
+  std::vector<double> means;        ///< mean of the metric at each level
   double range = 0;                 ///< from the lowest mean to the highest, over the mean of all
-  double share = 0;                 ///< of the variance, 0 to 1
+  double share = 0;                 ///< share of the variance, 0 to 1
 };
 
 struct Sensitivity {

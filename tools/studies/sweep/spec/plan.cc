@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kLongestLine = 100'000;  // of points.jsonl
+constexpr std::size_t kLongestLine = 100'000;  // bytes of a line of points.jsonl
 
 /// A file is seen from the spec; a name is looked up later.
 std::string from_folder(const std::string& text, const fs::path& folder) {

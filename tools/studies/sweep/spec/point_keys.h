@@ -33,7 +33,7 @@ class PointKeys {
   std::string scene_digest(const RunConfig& config);
 
   std::map<std::pair<std::string, std::string>, RunConfig> bases_;  ///< by configuration and scene
-  std::map<std::string, std::string> digests_;                      ///< of scene files
+  std::map<std::string, std::string> digests_;                      ///< digests of scene files
 };
 
 }  // namespace tools::sweep

@@ -60,7 +60,7 @@ struct Spec {
   std::vector<Condition> exclude, where;
   Subset subset;
   std::vector<std::string> slurm;                    ///< arguments for sbatch
-  std::map<std::string, std::string> key_positions;  ///< of its keys, "file:line:column", for messages
+  std::map<std::string, std::string> key_positions;  ///< where its keys stand, "file:line:column", for messages
 };
 
 class YamlValue;

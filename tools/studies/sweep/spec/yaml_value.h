@@ -24,7 +24,7 @@ class YamlValue {
   std::uint64_t whole_number(std::uint64_t least, std::uint64_t most) const;
   bool yes_or_no() const;
   std::vector<std::string> texts() const;  ///< a list of texts
-  std::vector<YamlValue> items() const;    ///< of a list
+  std::vector<YamlValue> items() const;    ///< elements of a list
   /// An entry of a mapping, by key.
   std::vector<YamlValue> entries() const;
   /// The same; InputError, with what is nearest, for a key that is none of these.

@@ -20,8 +20,8 @@ struct PointError {
 
 struct PointState {
   Status status = Status::kMissing;
-  ReportScan report;  ///< of a point that is done
-  PointError error;   ///< of one that failed or is damaged
+  ReportScan report;  ///< if the point is done
+  PointError error;   ///< if it failed or is damaged
 };
 
 /// Looks a point up in a store. A result wins over the record of an earlier failure. What is not as it was written, or

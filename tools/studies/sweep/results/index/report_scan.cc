@@ -52,7 +52,7 @@ class Scanner : public nlohmann::json_sax<Json> {
   }
   bool parse_error(std::size_t /*at*/, const std::string& /*token*/, const Json::exception& error) override {
     const std::string_view text = error.what();
-    const std::size_t head = text.find("] ");  // of "[json.exception.parse_error.101] "
+    const std::size_t head = text.find("] ");  // the end of "[json.exception.parse_error.101] "
     return fail(sim::printable(text.substr(head == std::string_view::npos ? 0 : head + 2)));
   }
 
