@@ -21,7 +21,8 @@ TEST(Limiter, IsTheShaderCoreWhereKernelsKeepTheArrayBusyAndTheUnitWaits) {
   const CoreTime t = {.kernels = 1, .demands = {.fed = 0.25, .occupied = 0.25, .tracing = 0.25}};
   EXPECT_EQ(most(estimate(t)).resource, "srp");
   EXPECT_NEAR(worth(t, "srp"), 4, 1e-6) << "the T&I unit alone needs a quarter";
-  EXPECT_EQ(limiter(estimate(t)).substr(0, 31), "shader cores (perfect, they wou");
+  EXPECT_TRUE(limiter(estimate(t)).starts_with("shader cores")) << limiter(estimate(t));
+  EXPECT_NE(limiter(estimate(t)).find("x4.00"), std::string::npos) << limiter(estimate(t));
 }
 
 TEST(Limiter, IsTheUnitWhereTheArrayWaitsForRays) {
@@ -61,7 +62,9 @@ TEST(Limiter, MoreRaySlotsCannotHideMoreThanTheShorterStage) {
 }
 
 TEST(Limiter, NamesNothingThatIsWorthNothing) {
-  EXPECT_EQ(limiter(estimate({.no_tile = 1})), "nothing alone: no resource made perfect would be worth 1 %");
+  const std::vector<Estimate> estimates = estimate({.no_tile = 1});
+  EXPECT_LT(most(estimates).speedup, 1.01);
+  EXPECT_TRUE(limiter(estimates).starts_with("nothing")) << limiter(estimates);
 }
 
 TEST(Limiter, UtilisationCountsSwitchesAsWorkOfTheShaderCores) {

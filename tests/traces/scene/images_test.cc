@@ -1,11 +1,12 @@
 #include "traces/scene/images.h"
 
 #include <array>
+#include <chrono>
 #include <csignal>
+#include <thread>
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
-#include <unistd.h>
 
 #include "sim/error.h"
 #include "sim/hash.h"
@@ -59,7 +60,8 @@ TEST(Images, EqualPixelsGiveEqualBytesASecondLater) {
     traces::write_exr(folder.path() / (name + ".exr"), 64, 64, floats);
   };
   write("a");
-  sleep(1);
+  const auto now = std::chrono::system_clock::now();
+  std::this_thread::sleep_until(std::chrono::floor<std::chrono::seconds>(now) + std::chrono::seconds(1));
   write("b");
   EXPECT_EQ(read_bytes(folder.path() / "a.png"), read_bytes(folder.path() / "b.png"));
   EXPECT_EQ(read_bytes(folder.path() / "a.exr"), read_bytes(folder.path() / "b.exr"));
