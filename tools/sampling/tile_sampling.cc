@@ -126,6 +126,22 @@ PlanShape shape_of(const hw::GpuConfig& gpu, std::uint32_t tile_samples) {
   return shape;
 }
 
+void count_round(const SampledRun& run, SampledFrame& sampled) {
+  sampled.rounds += 1;
+  sampled.timed += run.timed;
+  sampled.warmed += run.warmed;
+  sampled.warming_seconds += run.warming_seconds;
+  sampled.blocks += run.parts.size();
+  for (const MeasuredPart& part : run.parts) sampled.measured += rounded(part.traits.tiles);
+}
+
+/// Share of the frame for the next round, where intervals are `off` times as wide as they may be: as many blocks more
+/// as should do, but not so many that they rest on a bad guess.
+double next_share(double spent, double off) {
+  const double share = std::clamp(spent * (off * off - 1), spent / 2, 2 * spent);
+  return spent + share > kMostShare ? 1 : share;
+}
+
 /// Has the result say what the frame is estimated to come to.
 void take(Estimates&& estimates, const Inputs& inputs, const SampledRun& run, SampledFrame& sampled, Simulation& s) {
   const auto cycles = [&](double time) { return time / static_cast<double>(run.cycle); };
@@ -204,10 +220,7 @@ Simulation simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& pr
     const FrontEnd::Result& function = front_end.result();
     waited += function.waited;
     functional += function.seconds;
-    sampled.rounds += 1;
-    sampled.timed += run.timed;
-    sampled.warmed += run.warmed;
-    sampled.warming_seconds += run.warming_seconds;
+    count_round(run, sampled);
     if (picture) s.function = function;
     if (plan.all) {
       if (!sampling.full_image) copy_counts(function, s.function);
@@ -216,15 +229,11 @@ Simulation simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& pr
       estimates = known(run);
       break;
     }
-    sampled.blocks += run.parts.size();
-    for (const MeasuredPart& part : run.parts) sampled.measured += rounded(part.traits.tiles);
     estimates = estimate(inputs, pilot, plan, runs);
     spent += share;
     const double off = estimates.relative_width() / sampling.target;
     if (sampling.target == 0 || off <= 1) break;
-    // As many blocks more as should do, but not so many that they rest on a bad guess.
-    share = std::clamp(spent * (off * off - 1), spent / 2, 2 * spent);
-    if (spent + share > kMostShare) share = 1;
+    share = next_share(spent, off);
   }
   told.end(progress);
   s.function.waited = waited;
