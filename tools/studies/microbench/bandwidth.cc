@@ -41,10 +41,10 @@ double measured_gbps(const hw::GpuConfig& config, bool random) {
 Figure figure_of(const hw::GpuConfig& config, bool random) {
   const MemoryForms forms(config);
   const Level level = random ? Level::kBankClosed : Level::kRowOpen;
-  const std::uint32_t registers = config.cores * (config.tni.trvs * config.tni.trv.l1.mshrs + config.tni.ist.l1.mshrs +
-                                                  config.srp.data_cache.mshrs);
-  const UpperBound bound = least({forms.ports(config.cores), forms.l2_lines(), forms.registers(registers, level),
-                                  forms.l2_registers(level), random ? forms.lines_of_own_row() : forms.streamed()});
+  const std::uint32_t mshrs = config.cores * (config.tni.trvs * config.tni.trv.l1.mshrs + config.tni.ist.l1.mshrs +
+                                              config.srp.data_cache.mshrs);
+  const UpperBound bound = least({forms.ports(config.cores), forms.l2_lines(), forms.l1_mshrs(mshrs, level),
+                                  forms.l2_mshrs(level), random ? forms.lines_of_own_row() : forms.streamed()});
   return {fmt::format("{}, {}", config.dram.grade, random ? "random" : "stream"),
           "GB/s",
           measured_gbps(config, random),

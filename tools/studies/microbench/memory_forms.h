@@ -31,8 +31,8 @@ class MemoryForms {
         level == Level::kL2 ? at_bank + c_.l2.cache.hit_cycles * l2_.period() : filled(at_bank, level) + l2_.period();
     return cross(answered + c_.interconnect.latency * l2_.period(), l2_, 1, tni_);
   }
-  /// Mean time for which a miss keeps a register of the L2, in fs, over all ways in which the clocks can meet.
-  double l2_register(Level level) const {
+  /// Mean time for which a miss keeps an MSHR of the L2, in fs, over all ways in which the clocks can meet.
+  double l2_mshr_time(Level level) const {
     sim::Time sum = 0;
     for (std::uint32_t i = 0; i < kRounds; ++i) sum += filled(i * l2_.period(), level) - i * l2_.period();
     return static_cast<double>(sum) / kRounds;
@@ -44,12 +44,12 @@ class MemoryForms {
     return {cores * per_second(l2_) / cycles, "core ports"};
   }
   UpperBound l2_lines() const { return {c_.l2.banks * per_second(l2_), "L2 lines"}; }
-  UpperBound l2_registers(Level level) const {
-    return {c_.l2.cache.mshrs / l2_register(level) * kPerSecond, "L2 miss registers"};
+  UpperBound l2_mshrs(Level level) const {
+    return {c_.l2.cache.mshrs / l2_mshr_time(level) * kPerSecond, "L2 miss registers"};
   }
-  /// Each register's misses follow each other; the first of them begin cycle by cycle, and so may meet the clocks in
+  /// Each MSHR's misses follow each other; the first of them begin cycle by cycle, and so may meet the clocks in
   /// different ways for ever. Between two clocks they may also hinder each other.
-  UpperBound registers(std::uint32_t count, Level level) const {
+  UpperBound l1_mshrs(std::uint32_t count, Level level) const {
     const std::uint32_t starts = std::min(count, 64U);
     double rate = 0;
     for (std::uint32_t i = 0; i < starts; ++i) {

@@ -33,20 +33,20 @@ Findings measure(hw::GpuConfig config) {
   const MemoryForms forms(config);
   Findings found{"misses of one L1", {}};
   for (const bool in_l2 : {true, false}) {
-    for (std::uint32_t registers = 1; registers <= 64; registers *= 2) {
-      config.tni.trv.l1.mshrs = registers;
+    for (std::uint32_t mshrs = 1; mshrs <= 64; mshrs *= 2) {
+      config.tni.trv.l1.mshrs = mshrs;
       const Level level = in_l2 ? Level::kL2 : Level::kRowOpen;
-      std::vector<UpperBound> bounds = {forms.registers(registers, level), forms.ports(1), forms.l2_lines(),
+      std::vector<UpperBound> bounds = {forms.l1_mshrs(mshrs, level), forms.ports(1), forms.l2_lines(),
                                         forms.request_wire()};
       if (!in_l2) {
-        bounds.push_back(forms.l2_registers(level));
+        bounds.push_back(forms.l2_mshrs(level));
         bounds.push_back(forms.streamed());
       }
       const UpperBound bound = least(bounds);
-      found.figures.push_back({fmt::format("{} miss register{}, lines in {}", registers, registers == 1 ? "" : "s",
-                                           in_l2 ? "the L2" : "DRAM"),
-                               "M/s", measured_rate(config, in_l2), bound.value / 1e6,
-                               in_l2 ? bound.holds() : Figure::Holds::kAtMost, std::string(bound.by)});
+      found.figures.push_back(
+          {fmt::format("{} miss register{}, lines in {}", mshrs, mshrs == 1 ? "" : "s", in_l2 ? "the L2" : "DRAM"),
+           "M/s", measured_rate(config, in_l2), bound.value / 1e6, in_l2 ? bound.holds() : Figure::Holds::kAtMost,
+           std::string(bound.by)});
     }
   }
   return found;

@@ -48,7 +48,7 @@ std::vector<Observation> thinned(std::span<const Observation> all) {
 struct GaussianProcess::Solution {
   double likelihood = 0;  ///< its logarithm, with that of the lengths
   double nugget = 0, mean = 0, variance = 0;
-  Eigen::MatrixXd factor;  ///< of the covariances, lower triangle
+  Eigen::MatrixXd factor;  ///< lower triangle of the covariances' Cholesky factorisation
   Eigen::VectorXd values, weights;
 };
 

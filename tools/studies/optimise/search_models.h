@@ -51,7 +51,7 @@ class Search::Models {
   }
 
   struct Estimated {
-    std::vector<Estimate> figures;  ///< of the objectives, as the surrogates have them
+    std::vector<Estimate> figures;  ///< objectives, as the surrogates have them
     double feasible = 1;            ///< how probable it is that the point can be computed and meets all constraints
   };
 
