@@ -18,28 +18,35 @@ float real(Word bits) { return std::bit_cast<float>(bits); }
 Word word(float x) { return std::bit_cast<Word>(x); }
 Word word(bool mask) { return mask ? 1U : 0U; }
 
-Word compute(Op op, Word a, Word b, Word c) {
+float compute_float(Op op, float a, float b) {
   switch (op) {
     case Op::kAdd:
-      return word(real(a) + real(b));
+      return a + b;
     case Op::kSub:
-      return word(real(a) - real(b));
+      return a - b;
     case Op::kMul:
-      return word(real(a) * real(b));
+      return a * b;
     case Op::kDiv:
-      return word(real(a) / real(b));
+      return a / b;
     case Op::kSqrt:
-      return word(sqrt(real(a)));
+      return sqrt(a);
     case Op::kMin:
-      return word(min(real(a), real(b)));
+      return min(a, b);
     case Op::kMax:
-      return word(max(real(a), real(b)));
+      return max(a, b);
     case Op::kAbs:
-      return word(abs(real(a)));
+      return abs(a);
     case Op::kNeg:
-      return word(-real(a));
+      return -a;
     case Op::kFloor:
-      return word(floor(real(a)));
+      return floor(a);
+    default:
+      throw std::logic_error("not an arithmetic operation");
+  }
+}
+
+Word compute(Op op, Word a, Word b, Word c) {
+  switch (op) {
     case Op::kIntAdd:
       return a + b;
     case Op::kIntSub:
@@ -74,15 +81,9 @@ Word compute(Op op, Word a, Word b, Word c) {
       return to_int(real(a));
     case Op::kBits:
       return a;
-    case Op::kInput:
-    case Op::kConstant:
-    case Op::kLoadLocal:
-    case Op::kStoreLocal:
-    case Op::kLoadCached:
-    case Op::kCount:
-      break;
+    default:
+      return word(compute_float(op, real(a), real(b)));
   }
-  throw std::logic_error("not an arithmetic operation");
 }
 
 template <class T>

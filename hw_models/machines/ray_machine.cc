@@ -76,15 +76,12 @@ void RayMachine::add_core(std::uint32_t c, const traces::MemoryImage& image, std
     return watch_(done_);
   };
   Core& core = cores_.emplace_back(Core{CoreRays(rays, tracer_, c, config_.cores, finished)});
-  const DirectInterfaceConfig& direct = config_.direct_interface;
   const sim::UnitId source = machine_.unit({name_in_core("core.rays", c), clock_, c + 1});
   memory_.declare_ports();
   TniCore tni(machine_, config_.tni, {config_.ideal.tni, config_.ideal.l1}, c, clock_);
-  auto& jobs = machine_.link<RayJob>(direct.depth, 1, source, tni.dispatcher_id());
-  auto& dones = machine_.link<RayDone>(direct.depth, 1, tni.dispatcher_id(), source);
-  core.source = &machine_.build<RaySource<CoreRays>>(source, clock_, direct.interval, core.rays, jobs, dones);
   const std::vector<MemoryPort> ports = memory_.cache_clients(c, tni.memory_clients());
-  tni.build(machine_, scene_in_memory(image, parents), direct.interval, {jobs, dones, ports});
+  core.source = &build_source_and_tni(machine_, config_.direct_interface, source, core.rays, tni,
+                                      scene_in_memory(image, parents), ports);
   memory_.build_ports(c);
 }
 

@@ -1,9 +1,11 @@
 #pragma once
 #include <algorithm>
 #include <cstdint>
+#include <span>
 
-#include "hw_models/tni/messages.h"
-#include "sim/link.h"
+#include "hw_models/frame/direct_interface_config.h"
+#include "hw_models/tni/tni_core.h"
+#include "sim/machine.h"
 
 namespace hw {
 
@@ -42,5 +44,19 @@ class RaySource {
   std::uint32_t sent_ = 0, returned_ = 0;
   sim::Time send_at_ = 0;
 };
+
+/// Builds a core's T&I unit with a source of rays in the place of the shader core.
+///
+///   source --> direct interface --> T&I unit --> memory
+template <class Rays>
+RaySource<Rays>& build_source_and_tni(sim::Machine& machine, const DirectInterfaceConfig& direct, sim::UnitId source,
+                                      Rays& rays, TniCore& tni, const TniCore::Scene& scene,
+                                      std::span<const MemoryPort> memory) {
+  auto& jobs = machine.link<RayJob>(direct.depth, 1, source, tni.dispatcher_id());
+  auto& dones = machine.link<RayDone>(direct.depth, 1, tni.dispatcher_id(), source);
+  auto& built = machine.build<RaySource<Rays>>(source, source.clock, direct.interval, rays, jobs, dones);
+  tni.build(machine, scene, direct.interval, {jobs, dones, memory});
+  return built;
+}
 
 }  // namespace hw

@@ -11,6 +11,9 @@
 
 namespace hw {
 
+/// Declares a core's IST, to be built with its links.
+sim::UnitId declare_ist(sim::Machine& machine, const TniConfig& config, std::uint32_t core, sim::Clock clock);
+
 /// A core's whole traversal & intersection unit: dispatcher, TRVs, IST and the links between them.
 ///
 ///   rays --> dispatcher --> TRV x n <--> IST

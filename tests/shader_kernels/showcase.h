@@ -28,12 +28,13 @@ inline traces::Mesh tangent_quad(const glm::vec3& corner, const glm::vec3& u, co
   return mesh;
 }
 
-/// Everything that a material can say, in one small room: leaves with holes in front of a tiled floor with normal,
-/// metal and occlusion maps, a blended curtain, coloured glass, a glowing sign, painted vertices.
-inline traces::Scene showcase_scene() {
+/// Indices of materials.
+struct ShowcaseMaterials {
+  std::uint32_t floor, leaves, cloth, glass, sign, paint;
+};
+
+inline ShowcaseMaterials add_showcase_materials(traces::Scene& scene) {
   using Alpha = traces::Material::Alpha;
-  traces::Scene scene;
-  scene.name = "showcase";
   const std::uint32_t tiles = add_texture(
       scene, 8, true, [](std::uint32_t x, std::uint32_t y) { return (x ^ y) & 1U ? 0xff8090d0U : 0xff304060U; });
   scene.textures[tiles].filter = traces::Texture::Filter::kNearest;
@@ -52,39 +53,52 @@ inline traces::Scene showcase_scene() {
   const std::uint32_t sign = add_texture(
       scene, 4, true, [](std::uint32_t x, std::uint32_t y) { return (x + y) % 2 ? 0xff20f0ffU : 0xff000000U; });
 
-  const std::uint32_t floor = traces::add_material(scene, {.name = "floor",
-                                                           .base_texture = {tiles},
-                                                           .metal_rough_texture = {metal},
-                                                           .metallic = 1,
-                                                           .roughness = 0.5F,
-                                                           .normal_texture = {bumps},
-                                                           .occlusion_texture = {dirt}});
-  const std::uint32_t leaves = traces::add_material(
+  ShowcaseMaterials materials{};
+  materials.floor = traces::add_material(scene, {.name = "floor",
+                                                 .base_texture = {tiles},
+                                                 .metal_rough_texture = {metal},
+                                                 .metallic = 1,
+                                                 .roughness = 0.5F,
+                                                 .normal_texture = {bumps},
+                                                 .occlusion_texture = {dirt}});
+  materials.leaves = traces::add_material(
       scene, {.name = "leaves", .base_texture = {leaf}, .alpha = Alpha::kMask, .alpha_cutoff = 0.5F});
-  const std::uint32_t cloth = traces::add_material(
+  materials.cloth = traces::add_material(
       scene, {.name = "cloth", .base_texture = {curtain, true}, .alpha = Alpha::kBlend, .opacity = 0.9F});
-  const std::uint32_t glass = traces::add_material(
+  materials.glass = traces::add_material(
       scene, {.name = "glass", .base_colour = {0.9F, 0.95F, 1}, .transmission = 1, .absorption = {1.5F, 0.5F, 0.1F}});
-  const std::uint32_t lamp = traces::add_material(
+  materials.sign = traces::add_material(
       scene, {.name = "sign", .base_colour = glm::vec3(0), .emission = glm::vec3(0.9F), .emission_texture = {sign}});
-  const std::uint32_t paint = traces::add_material(scene, {.name = "paint", .base_colour = glm::vec3(1)});
+  materials.paint = traces::add_material(scene, {.name = "paint", .base_colour = glm::vec3(1)});
+  return materials;
+}
 
-  traces::add_object(scene, tangent_quad({-3, -1, 2}, {6, 0, 0}, {0, 0, -5}, 3), floor);
+inline void add_showcase_objects(traces::Scene& scene, const ShowcaseMaterials& materials) {
+  traces::add_object(scene, tangent_quad({-3, -1, 2}, {6, 0, 0}, {0, 0, -5}, 3), materials.floor);
   traces::Mesh wall = traces::make_quad("wall", {-3, -1, -2.5F}, {6, 0, 0}, {0, 3, 0}, 1);
   wall.colours = {{1, 0.2F, 0.2F, 1}, {0.2F, 1, 0.2F, 1}, {0.2F, 0.2F, 1, 1}, {1, 1, 0.3F, 1}};
-  traces::add_object(scene, std::move(wall), paint);
+  traces::add_object(scene, std::move(wall), materials.paint);
   for (int i = 0; i < 6; ++i) {
     const auto f = static_cast<float>(i);
     traces::add_object(
         scene, traces::make_quad("leaf", {-2.4F + 0.25F * f, -1, -1 + 0.35F * f}, {1.2F, 0, 0.2F}, {0, 1.8F, 0}, 1, 2),
-        leaves);
+        materials.leaves);
   }
   traces::Mesh hanging = traces::make_quad("curtain", {0.3F, -0.8F, -1.2F}, {1.6F, 0, 0}, {0, 2, 0}, 1);
   hanging.second_uvs = hanging.uvs;
   hanging.uvs.assign(hanging.uvs.size(), glm::vec2(0));
-  traces::add_object(scene, std::move(hanging), cloth);
-  traces::add_object(scene, traces::make_sphere("ball", {0.7F, -0.4F, 0.4F}, 0.55F, 6), glass);
-  traces::add_object(scene, traces::make_quad("sign", {1.6F, 0.2F, -1}, {0.8F, 0, 0.5F}, {0, 0.8F, 0}, 1), lamp);
+  traces::add_object(scene, std::move(hanging), materials.cloth);
+  traces::add_object(scene, traces::make_sphere("ball", {0.7F, -0.4F, 0.4F}, 0.55F, 6), materials.glass);
+  traces::add_object(scene, traces::make_quad("sign", {1.6F, 0.2F, -1}, {0.8F, 0, 0.5F}, {0, 0.8F, 0}, 1),
+                     materials.sign);
+}
+
+/// Everything that a material can say, in one small room: leaves with holes in front of a tiled floor with normal,
+/// metal and occlusion maps, a blended curtain, coloured glass, a glowing sign, painted vertices.
+inline traces::Scene showcase_scene() {
+  traces::Scene scene;
+  scene.name = "showcase";
+  add_showcase_objects(scene, add_showcase_materials(scene));
 
   scene.lights.push_back({.kind = traces::Light::Kind::kDirectional,
                           .direction = glm::normalize(glm::vec3(0.3F, -1, -0.6F)),

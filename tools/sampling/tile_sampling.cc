@@ -126,8 +126,7 @@ PlanShape shape_of(const hw::GpuConfig& gpu, std::uint32_t tile_samples) {
   return shape;
 }
 
-/// Adds what a round of blocks simulated.
-void add_round(const SampledRun& run, SampledFrame& sampled) {
+void count_round(const SampledRun& run, SampledFrame& sampled) {
   sampled.rounds += 1;
   sampled.timed += run.timed;
   sampled.warmed += run.warmed;
@@ -136,8 +135,8 @@ void add_round(const SampledRun& run, SampledFrame& sampled) {
   for (const MeasuredPart& part : run.parts) sampled.measured += rounded(part.traits.tiles);
 }
 
-/// As many blocks more as should do, but not so many that they rest on a bad guess. `off`: how many times too wide the
-/// interval is.
+/// Share of the frame for the next round, where intervals are `off` times as wide as they may be: as many blocks more
+/// as should do, but not so many that they rest on a bad guess.
 double next_share(double spent, double off) {
   const double share = std::clamp(spent * (off * off - 1), spent / 2, 2 * spent);
   return spent + share > kMostShare ? 1 : share;
@@ -221,7 +220,7 @@ Simulation simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& pr
     const FrontEnd::Result& function = front_end.result();
     waited += function.waited;
     functional += function.seconds;
-    add_round(run, sampled);
+    count_round(run, sampled);
     if (picture) s.function = function;
     if (plan.all) {
       if (!sampling.full_image) copy_counts(function, s.function);

@@ -8,7 +8,7 @@ namespace tools {
 
 /// How a frame is sampled (--tile-sampling, --image).
 struct TileSampling {
-  double share = 0.05;     ///< share of the frame's work that is measured
+  double share = 0.05;     ///< part of the frame's work that is measured
   double target = 0;       ///< --tile-sampling auto: blocks are added until both intervals are within this; 0: no
   bool full_image = true;  ///< all tiles are rendered, if not timed
 };

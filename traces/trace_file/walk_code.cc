@@ -59,6 +59,11 @@ constexpr std::uint32_t nonzero(std::uint32_t phases) {
   return (phases | phases >> 2) & 0x11111111U;
 }
 
+/// Whether just the first `tested` triangles of a leaf have an exit phase, and there are any.
+constexpr bool are_tested(std::uint32_t phases, std::uint32_t tested) {
+  return tested != 0 && nonzero(phases) == (0x11111111U & (0xffffffffU >> (32 - 4 * tested)));
+}
+
 /// Bits that say how many entries are culled; stacks hold kMaxTreeDepth entries of each level.
 constexpr std::uint32_t kCullBits = 7;
 static_assert(kMaxTreeDepth == 1U << kCullBits);
@@ -131,8 +136,7 @@ class Follower {
   bool leave_leaf(Bits& out, std::uint32_t link, std::uint32_t word) {
     if (kind_of(word) != StepKind::kLeaf || first_of(word) != leaf_first(link) || at_ == end_) return false;
     const std::uint32_t phases = *at_++, tested = count_of(word);
-    if (tested == 0 || tested > leaf_count(link) || (phases & 0xccccccccU) != 0) return false;
-    if (nonzero(phases) != (0x11111111U & (0xffffffffU >> (32 - 4 * tested)))) return false;
+    if (tested > leaf_count(link) || (phases & 0xccccccccU) != 0 || !are_tested(phases, tested)) return false;
     steps_ += tested;
     out.put(squeeze(phases), 2 * leaf_count(link));
     return true;
@@ -148,6 +152,89 @@ class Follower {
 
 [[noreturn]] void no_walk() { throw sim::InputError("a ray's walk is none on this tree"); }
 
+/// Where the bits of a tile are read and the words of its walks are written.
+struct Cursor {
+  const char* bits;
+  std::uint64_t end;  ///< the number of bits
+  std::uint32_t* out;
+  std::uint32_t* last;  ///< the end of the words
+  std::uint64_t at = 0;
+  std::uint64_t steps = 0;
+};
+
+/// Decodes a leaf's tests from the bits that come next; returns how many of these they take.
+inline std::uint32_t decode_leaf(std::uint64_t window, std::uint32_t link, Cursor& c) {
+  const std::uint32_t size = 2 * leaf_count(link);
+  const std::uint32_t phases = spread(static_cast<std::uint32_t>(window) & ((1U << size) - 1));
+  const std::uint32_t tested = static_cast<std::uint32_t>(std::bit_width(phases) + 3) / 4;
+  if (!are_tested(phases, tested)) no_walk();
+  *c.out++ = leaf_step(leaf_first(link), tested);
+  *c.out++ = phases;
+  c.steps += tested;
+  return size;
+}
+
+/// Decodes one ray's walk.
+template <bool kLevels>
+inline void decode_walk(const Links& links, Cursor& c) {
+  const std::array<std::uint32_t, 2>* const tree = links.nodes.data();
+  const auto nodes = static_cast<std::uint32_t>(links.nodes.size());
+  // Child entered first, for each code of a visit.
+  constexpr std::array<std::uint8_t, 8> kNear = {0, 0, 1, 0, 0, 0, 0, 1};
+  std::array<std::uint32_t, kStackSize> stack;
+  std::uint32_t link = 0, depth = 0;
+  for (;;) {
+    if (c.at >= c.end || c.out >= c.last) no_walk();
+    std::uint64_t window = load<std::uint64_t>(c.bits + (c.at >> 3)) >> (c.at & 7);
+    if (!is_leaf(link)) {
+      const std::uint32_t code = window & 7;
+      if (link >= nodes || ((1U << code) & 0x70U) != 0) no_walk();
+      *c.out++ = code << 27 | link;
+      c.steps += 1;
+      c.at += 3;
+      const std::uint32_t hits = code & 3;
+      if (hits != 0) {
+        const std::uint32_t near = kNear[code];
+        stack[depth] = tree[link][1 - near];
+        if (hits == 3 && stack[depth++] == kNoChild) no_walk();
+        link = tree[link][near];
+        continue;
+      }
+      window >>= 3;
+    } else if (kLevels && is_instance(link)) {
+      *c.out++ = enter_step(link_instance(link));
+      link = links.roots[link_instance(link)];
+      continue;
+    } else {
+      const std::uint32_t size = decode_leaf(window, link, c);
+      c.at += size;
+      window >>= size;
+    }
+    if (depth != 0) {
+      const std::uint32_t pop = window & 3;
+      c.at += 2;
+      if (pop == kNext) {
+        link = stack[--depth];
+        continue;
+      }
+      window >>= 2;
+      if (pop == kCullSome) {
+        const std::uint32_t culled = window & ((1U << cull_bits(kLevels)) - 1);
+        c.at += cull_bits(kLevels);
+        if (culled == 0 || culled >= depth) no_walk();
+        *c.out++ = cull_step(culled);
+        depth -= culled;
+        link = stack[--depth];
+        continue;
+      }
+      if (pop == kCullAll) *c.out++ = cull_step(depth);
+    }
+    *c.out++ = end_step((window & 1) != 0);
+    c.at += 1;
+    return;
+  }
+}
+
 /// decode_walks() where the tree has levels, or has not.
 template <bool kLevels>
 std::uint64_t decode(std::string_view bits, const Links& links, std::uint32_t rays, std::uint32_t words,
@@ -156,79 +243,14 @@ std::uint64_t decode(std::string_view bits, const Links& links, std::uint32_t ra
   work.walk.resize(std::size_t{words} + kMostWords);
   work.ray_begin.resize(rays);
   std::uint32_t* const begin = work.walk.data();
-  std::uint32_t* const last = begin + words;
-  std::uint32_t* out = begin;
-  const char* const from = bits.data();
-  const std::uint64_t end = 8 * bits.size();
-  const std::array<std::uint32_t, 2>* const tree = links.nodes.data();
-  const auto nodes = static_cast<std::uint32_t>(links.nodes.size());
-  std::uint64_t at = 0, steps = 0;
-  std::array<std::uint32_t, kStackSize> stack;
-  // Child entered first, for each code of a visit.
-  constexpr std::array<std::uint8_t, 8> kNear = {0, 0, 1, 0, 0, 0, 0, 1};
-  for (std::uint32_t ray = 0; ray < rays; ++ray) {
-    work.ray_begin[ray] = static_cast<std::uint32_t>(out - begin);
-    std::uint32_t link = 0, depth = 0;
-    for (;;) {
-      if (at >= end || out >= last) no_walk();
-      std::uint64_t window = load<std::uint64_t>(from + (at >> 3)) >> (at & 7);
-      if (!is_leaf(link)) {
-        const std::uint32_t code = window & 7;
-        if (link >= nodes || ((1U << code) & 0x70U) != 0) no_walk();
-        *out++ = code << 27 | link;
-        steps += 1;
-        at += 3;
-        const std::uint32_t hits = code & 3;
-        if (hits != 0) {
-          const std::uint32_t near = kNear[code];
-          stack[depth] = tree[link][1 - near];
-          if (hits == 3 && stack[depth++] == kNoChild) no_walk();
-          link = tree[link][near];
-          continue;
-        }
-        window >>= 3;
-      } else if (kLevels && is_instance(link)) {
-        *out++ = enter_step(link_instance(link));
-        link = links.roots[link_instance(link)];
-        continue;
-      } else {
-        const std::uint32_t size = 2 * leaf_count(link);
-        const std::uint32_t phases = spread(static_cast<std::uint32_t>(window) & ((1U << size) - 1));
-        const std::uint32_t tested = static_cast<std::uint32_t>(std::bit_width(phases) + 3) / 4;
-        if (tested == 0 || nonzero(phases) != (0x11111111U & (0xffffffffU >> (32 - 4 * tested)))) no_walk();
-        *out++ = leaf_step(leaf_first(link), tested);
-        *out++ = phases;
-        steps += tested;
-        at += size;
-        window >>= size;
-      }
-      if (depth != 0) {
-        const std::uint32_t pop = window & 3;
-        at += 2;
-        if (pop == kNext) {
-          link = stack[--depth];
-          continue;
-        }
-        window >>= 2;
-        if (pop == kCullSome) {
-          const std::uint32_t culled = window & ((1U << cull_bits(kLevels)) - 1);
-          at += cull_bits(kLevels);
-          if (culled == 0 || culled >= depth) no_walk();
-          *out++ = cull_step(culled);
-          depth -= culled;
-          link = stack[--depth];
-          continue;
-        }
-        if (pop == kCullAll) *out++ = cull_step(depth);
-      }
-      *out++ = end_step((window & 1) != 0);
-      at += 1;
-      break;
-    }
+  Cursor c{.bits = bits.data(), .end = 8 * bits.size(), .out = begin, .last = begin + words};
+  for (std::uint32_t& ray : work.ray_begin) {
+    ray = static_cast<std::uint32_t>(c.out - begin);
+    decode_walk<kLevels>(links, c);
   }
-  if (out != last || (at + 7) / 8 != bits.size()) no_walk();
+  if (c.out != c.last || (c.at + 7) / 8 != bits.size()) no_walk();
   work.walk.resize(words);
-  return steps;
+  return c.steps;
 }
 
 }  // namespace

@@ -23,8 +23,8 @@ class Additions {
     const std::vector<WorkNode> nodes = std::exchange(work_.nodes, {});
     for (const WorkNode& node : nodes) {
       if (below(4) == 0) transfer();
-      for (Edge& edge : work_.nodes.emplace_back(node).inputs) edge.node = places_[edge.node];
-      places_.push_back(static_cast<std::uint32_t>(work_.nodes.size() - 1));
+      for (Edge& edge : work_.nodes.emplace_back(node).inputs) edge.node = new_indices_[edge.node];
+      new_indices_.push_back(static_cast<std::uint32_t>(work_.nodes.size() - 1));
       if (node.kind == WorkNode::Kind::kLaunch) change(work_.nodes.back());
     }
     for (std::uint64_t more = below(3); more > 0; --more) transfer();
@@ -60,8 +60,8 @@ class Additions {
   const std::uint64_t seed_;
   traces::TileWork& work_;
   std::uint64_t draws_ = 0;
-  std::vector<std::uint32_t> places_;     ///< where the tile's own nodes are now
-  std::vector<std::uint32_t> transfers_;  ///< those added
+  std::vector<std::uint32_t> new_indices_;  ///< where the tile's own nodes are now
+  std::vector<std::uint32_t> transfers_;    ///< those added
 };
 
 }  // namespace

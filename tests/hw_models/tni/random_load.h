@@ -51,7 +51,7 @@ struct RandomLoad {
   static constexpr std::uint32_t kNowhere = 0xffffffffU;
 
   /// Somewhere on the way: a node, counted from the root of the tree that it is in, and which tree that is.
-  struct Place {
+  struct NodeInTree {
     std::uint32_t node = 0;
     std::uint32_t instance = kNowhere;
   };
@@ -77,8 +77,8 @@ struct RandomLoad {
 
   Walk walk(std::uint64_t seed, std::uint32_t ray, std::uint32_t nodes, std::uint32_t object_nodes) const {
     Walk out;
-    std::vector<Place> stack;
-    Place at;
+    std::vector<NodeInTree> stack;
+    NodeInTree at;
     for (std::uint32_t step = 0;; ++step) {
       const std::uint64_t h = sim::hash(seed, ray, step);
       bool pop = false;

@@ -12,7 +12,7 @@ namespace tools {
 namespace {
 
 constexpr std::uint32_t kLines = 40'000;
-constexpr std::uint32_t kLineBits = 22;  // bits of the addresses that random lines come from
+constexpr std::uint32_t kLineBits = 22;  // of the space that random lines come from
 
 /// A different number below 2^kLineBits for each one: its bits folded and multiplied, twice.
 std::uint32_t scattered(std::uint32_t i) {
@@ -43,7 +43,7 @@ Figure figure_of(const hw::GpuConfig& config, bool random) {
   const Level level = random ? Level::kBankClosed : Level::kRowOpen;
   const std::uint32_t mshrs = config.cores * (config.tni.trvs * config.tni.trv.l1.mshrs + config.tni.ist.l1.mshrs +
                                               config.srp.data_cache.mshrs);
-  const UpperBound bound = least({forms.ports(config.cores), forms.l2_lines(), forms.mshrs(mshrs, level),
+  const UpperBound bound = least({forms.ports(config.cores), forms.l2_lines(), forms.l1_mshrs(mshrs, level),
                                   forms.l2_mshrs(level), random ? forms.lines_of_own_row() : forms.streamed()});
   return {fmt::format("{}, {}", config.dram.grade, random ? "random" : "stream"),
           "GB/s",

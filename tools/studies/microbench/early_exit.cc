@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "hw_models/tni/ist.h"
+#include "hw_models/tni/tni_core.h"
 #include "sim/engine.h"
 #include "sim/report/energy_table.h"
 #include "tools/analysis/units.h"
@@ -26,10 +26,7 @@ class IstStand {
   IstStand(const RunConfig& config, const Leaf& leaf, std::uint32_t leaves)
       : clock_(config.gpu.clocks.tni.clock()),
         source_id_(machine_.unit({"leaves", clock_})),
-        ist_id_(machine_.unit({.name = hw::name_in_core(hw::Ist::kName, 0),
-                               .clock = clock_,
-                               .sram_bytes = config.gpu.tni.ist_sram_bytes(),
-                               .cache_bytes = config.gpu.tni.ist.l1.size.bytes})),
+        ist_id_(hw::declare_ist(machine_, config.gpu.tni, 0, clock_)),
         jobs_(machine_.link<hw::LeafJob>(2, 1, source_id_, ist_id_)),
         answers_(machine_.link<hw::LeafDone>(64, 1, ist_id_, source_id_)),
         source_(machine_.build<Source>(source_id_, *this, leaf, leaves)) {

@@ -32,7 +32,7 @@ class MemoryForms {
     return cross(answered + c_.interconnect.latency * l2_.period(), l2_, 1, tni_);
   }
   /// Mean time for which a miss keeps an MSHR of the L2, in fs, over all ways in which the clocks can meet.
-  double l2_mshr(Level level) const {
+  double l2_mshr_time(Level level) const {
     sim::Time sum = 0;
     for (std::uint32_t i = 0; i < kRounds; ++i) sum += filled(i * l2_.period(), level) - i * l2_.period();
     return static_cast<double>(sum) / kRounds;
@@ -45,11 +45,11 @@ class MemoryForms {
   }
   UpperBound l2_lines() const { return {c_.l2.banks * per_second(l2_), "L2 lines"}; }
   UpperBound l2_mshrs(Level level) const {
-    return {c_.l2.cache.mshrs / l2_mshr(level) * kPerSecond, "L2 miss registers"};
+    return {c_.l2.cache.mshrs / l2_mshr_time(level) * kPerSecond, "L2 miss registers"};
   }
   /// Each MSHR's misses follow each other; the first of them begin cycle by cycle, and so may meet the clocks in
   /// different ways for ever. Between two clocks they may also hinder each other.
-  UpperBound mshrs(std::uint32_t count, Level level) const {
+  UpperBound l1_mshrs(std::uint32_t count, Level level) const {
     const std::uint32_t starts = std::min(count, 64U);
     double rate = 0;
     for (std::uint32_t i = 0; i < starts; ++i) {

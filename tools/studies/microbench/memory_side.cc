@@ -7,15 +7,15 @@
 namespace tools {
 namespace {
 
-struct FirstLevelCache {
+struct CacheInClock {
   sim::Clock clock;
   const hw::CacheConfig& cache;
 };
 
-/// Those of a core.
-std::vector<FirstLevelCache> caches(const hw::GpuConfig& config) {
+/// First-level caches of a core.
+std::vector<CacheInClock> caches(const hw::GpuConfig& config) {
   const sim::Clock tni = config.clocks.tni.clock();
-  std::vector<FirstLevelCache> all(config.tni.trvs, {tni, config.tni.trv.l1});
+  std::vector<CacheInClock> all(config.tni.trvs, {tni, config.tni.trv.l1});
   all.push_back({tni, config.tni.ist.l1});
   all.push_back({config.clocks.srp.clock(), config.srp.data_cache});
   return all;

@@ -36,7 +36,7 @@ Findings measure(hw::GpuConfig config) {
     for (std::uint32_t mshrs = 1; mshrs <= 64; mshrs *= 2) {
       config.tni.trv.l1.mshrs = mshrs;
       const Level level = in_l2 ? Level::kL2 : Level::kRowOpen;
-      std::vector<UpperBound> bounds = {forms.mshrs(mshrs, level), forms.ports(1), forms.l2_lines(),
+      std::vector<UpperBound> bounds = {forms.l1_mshrs(mshrs, level), forms.ports(1), forms.l2_lines(),
                                         forms.request_wire()};
       if (!in_l2) {
         bounds.push_back(forms.l2_mshrs(level));

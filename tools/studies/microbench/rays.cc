@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "hw_models/machines/ray_source.h"
-#include "hw_models/tni/tni_core.h"
 #include "sim/engine.h"
 #include "tools/studies/microbench/benchmark.h"
 #include "tools/studies/microbench/tni_forms.h"
@@ -27,18 +26,15 @@ class TniStand {
  public:
   TniStand(const hw::GpuConfig& config, std::uint32_t triangle_bytes, const StraightRay& ray)
       : clock_(config.clocks.tni.clock()), equal_{ray.walk()} {
-    const hw::DirectInterfaceConfig& direct = config.direct_interface;
     const sim::UnitId source = machine_.unit({"rays", clock_});
     hw::TniCore tni(machine_, config.tni, {.l1 = true}, 0, clock_);
-    auto& rays = machine_.link<hw::RayJob>(direct.depth, 1, source, tni.dispatcher_id());
-    auto& hits = machine_.link<hw::RayDone>(direct.depth, 1, tni.dispatcher_id(), source);
     std::vector<hw::MemoryPort> memory;  // nothing ever goes there
     for (const auto& [unit, lines] : tni.memory_clients()) {
       memory.push_back(
           {machine_.link<hw::MemRequest>(1, 1, unit, unit), machine_.link<hw::MemResponse>(1, 1, unit, unit)});
     }
-    source_ = &machine_.build<hw::RaySource<EqualRays>>(source, clock_, direct.interval, equal_, rays, hits);
-    tni.build(machine_, {{}, {0, triangle_bytes}}, direct.interval, {rays, hits, memory});
+    source_ = &hw::build_source_and_tni(machine_, config.direct_interface, source, equal_, tni,
+                                        {{}, {0, triangle_bytes}}, memory);
   }
 
   /// Rays a cycle once the unit is full.

@@ -25,7 +25,7 @@ struct Estimate {
 struct Observation {
   Choice at;
   double value = 0;
-  double variance = 0;  ///< variance of its error; 0: exact
+  double variance = 0;  ///< the error's; 0: exact
 };
 
 /// A function of the axes, estimated from some of its values: Kriging with a constant mean and a Matern 5/2 covariance
@@ -51,10 +51,10 @@ class GaussianProcess {
   Solution solve(std::span<const Observation> observations);
 
   std::vector<AxisShape> axes_;
-  std::vector<int> lengths_;  ///< lengths of the axes, as powers of a step
+  std::vector<int> lengths_;  ///< one for each axis, as powers of a step
   int roughness_ = 0;         ///< which of some
   std::vector<Observation> seen_;
-  double shift_ = 0, scale_ = 1;  ///< values are modelled as (value - shift) / scale
+  double shift_ = 0, scale_ = 1;  ///< the model knows (value - shift) / scale
   std::vector<double> inverse_lengths_;
   std::unique_ptr<Solution> solution_;
 };

@@ -11,7 +11,7 @@ struct Goal {
   enum class Kind : std::uint8_t { kMax, kMin, kBelow, kAtMost, kAbove, kAtLeast };
   Kind kind = Kind::kMax;
   std::string figure;  ///< a report path, or a clear end of one
-  double limit = 0;    ///< bound of a constraint
+  double limit = 0;    ///< for a constraint only
   std::string at;      ///< "file:line:column", for messages
 
   bool is_objective() const { return kind == Kind::kMax || kind == Kind::kMin; }

@@ -10,7 +10,7 @@ namespace tools::optimise {
 
 /// The task of NSGA-II: integers, one for each gene, with two objectives that shall be low.
 struct GeneticTask {
-  std::vector<std::uint32_t> values;  ///< number of values of each gene, at least 2
+  std::vector<std::uint32_t> values;  ///< the number that each gene may take, at least 2
   /// Objectives of each of a generation, one after the other; penalties included.
   std::function<std::vector<double>(std::span<const sweep::Choice>)> fitness;
   std::vector<sweep::Choice> begin;  ///< the first generation; a multiple of 4, at least 8

@@ -9,7 +9,7 @@
 
 namespace tools::optimise {
 
-constexpr double kCorner = -0.1;     // reference point of the hypervolume: a little worse than the worst, which is at 0
+constexpr double kCorner = -0.1;     // of the hypervolume: a little worse than the worst, which is at 0
 constexpr double kCuriosity = 1e-6;  // for what is uncertain, if nothing promises a gain
 
 /// Nodes and weights of a Gauss-Hermite quadrature over a normal distribution.
@@ -51,7 +51,7 @@ class Search::Models {
   }
 
   struct Estimated {
-    std::vector<Estimate> figures;  ///< the objectives, as the surrogates have them
+    std::vector<Estimate> figures;  ///< objectives, as the surrogates have them
     double feasible = 1;            ///< how probable it is that the point can be computed and meets all constraints
   };
 

@@ -45,14 +45,14 @@ class SearchRun {
   bool run(sweep::Launcher& launcher, const sweep::Store& store, const Hooks& hooks);
 
   const std::vector<Trial>& trials() const { return trials_; }
-  /// Those on the Pareto pareto_front: the best in the first objective first.
+  /// Those on the Pareto front: the best in the first objective first.
   std::vector<const Trial*> pareto_front() const;
   /// The simulated point that misses the constraints least; none if nothing could be simulated.
   const Trial* nearest() const;
   const std::vector<Goal>& goals() const { return task_.goals; }  ///< their figures in full, once there is a report
   std::uint64_t simulated() const { return simulated_; }          ///< without first looks
-  std::uint64_t computed() const { return computed_; }            ///< points that were not in the store
-  std::uint64_t found() const { return found_; }                  ///< points that were
+  std::uint64_t computed() const { return computed_; }            ///< trials that were not in the store
+  std::uint64_t found() const { return found_; }                  ///< trials that were in the store
 
  private:
   /// Has points computed and tells the search; false if interrupted.

@@ -16,8 +16,8 @@ struct Task {
   sweep::Spec space;
   std::vector<Goal> goals;        ///< one or two objectives, then constraints
   std::uint64_t budget = 100;     ///< different points that are simulated
-  std::uint64_t seed = 1;         ///< seed of all draws
-  std::uint32_t population = 40;  ///< population of NSGA-II
+  std::uint64_t seed = 1;         ///< starts all that is drawn
+  std::uint32_t population = 40;  ///< NSGA-II's
   std::uint32_t batch = 8;        ///< points that are simulated at a time
   bool sampled = false;           ///< first looks by tile sampling
   std::string looks_sampling;     ///< how, as --tile-sampling says it
