@@ -12,7 +12,7 @@ namespace tools {
 namespace {
 
 constexpr std::uint32_t kLines = 40'000;
-constexpr std::uint32_t kLineBits = 22;  // of the space that random lines come from
+constexpr std::uint32_t kLineBits = 22;  // address bits of the space that random lines come from
 
 /// A different number below 2^kLineBits for each one: its bits folded and multiplied, twice.
 std::uint32_t scattered(std::uint32_t i) {

@@ -18,7 +18,7 @@ constexpr std::array<int, 4> kStrides = {1, -1, 3, -3};  // long ones lead out o
 constexpr int kShortest = -4, kLongest = 6;  // lengths: powers of kStep; at 1 an axis changes much from end to end
 constexpr double kStep = 1.7;
 constexpr std::array<double, 4> kNuggets = {1e-6, 1e-4, 1e-2, 1e-1};  // roughness, of the variance
-constexpr double kPriorDeviation = 3;                                 // of a length, in steps, about 1
+constexpr double kPriorDeviation = 3;                                 // deviation of a length, in steps, about 1
 constexpr double kPriorOfRoughness = 1;  // how much likelier, as a logarithm, is the next lower one
 
 Index index(std::size_t i) { return static_cast<Index>(i); }

@@ -9,7 +9,7 @@
 
 namespace tools::optimise {
 
-constexpr double kCorner = -0.1;     // of the hypervolume: a little worse than the worst, which is at 0
+constexpr double kCorner = -0.1;     // reference point of the hypervolume: a little worse than the worst, which is at 0
 constexpr double kCuriosity = 1e-6;  // for what is uncertain, if nothing promises a gain
 
 /// Nodes and weights of a Gauss-Hermite quadrature over a normal distribution.
