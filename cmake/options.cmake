@@ -14,7 +14,9 @@ if(RAYWATT_WERROR)
   target_compile_options(raywatt_options INTERFACE -Werror)
 endif()
 if(RAYWATT_SANITIZE)
-  target_compile_options(raywatt_options INTERFACE -fsanitize=${RAYWATT_SANITIZE} -fno-omit-frame-pointer)
+  target_compile_options(raywatt_options INTERFACE -fsanitize=${RAYWATT_SANITIZE} -fno-omit-frame-pointer
+    # GCC 12 takes checks that the sanitizers put into <regex> for uses before initialisation.
+    $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
   target_link_options(raywatt_options INTERFACE -fsanitize=${RAYWATT_SANITIZE})
 endif()
 
