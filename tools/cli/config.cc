@@ -1,11 +1,11 @@
 #include "sim/config/config.h"
-#include "sim/config/config_json.h"
 
 #include <memory>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "sim/config/config_json.h"
 #include "sim/report/report_json.h"
 #include "tools/cli/job_options.h"
 #include "tools/cli/verbs.h"

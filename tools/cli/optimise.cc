@@ -1,5 +1,4 @@
 #include "tools/studies/optimise/optimise.h"
-#include "tools/studies/optimise/task.h"
 
 #include <memory>
 
@@ -7,6 +6,7 @@
 
 #include "tools/cli/job_options.h"
 #include "tools/cli/verbs.h"
+#include "tools/studies/optimise/task.h"
 
 namespace tools {
 
