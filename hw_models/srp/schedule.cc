@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <memory>
+#include <numeric>
 #include <optional>
 
 #include "hw_models/srp/schedule_graph.h"
+#include "hw_models/srp/schedule_rows.h"
 #include "hw_models/srp/schedule_units.h"
 
 namespace hw {
@@ -16,11 +19,19 @@ using kernels::Op;
 constexpr std::uint32_t kNone = GraphNode::kNone;
 /// Placements tried per operation before the interval is given up.
 constexpr std::size_t kPatience = 32;
+/// Placements after which intervals are no longer tried one by one.
+constexpr std::size_t kQuick = 30'000;
+
+/// Which operation gets its slot next.
+enum class Order : std::uint8_t {
+  kByHeight,   ///< the one with the longest way to the end
+  kLongFirst,  ///< one that keeps its unit for several cycles, while there are gaps of that length; then by height
+};
 
 /// Iterative modulo scheduling at one interval. An operation that finds no free slot pushes others out of theirs.
 class Placer {
  public:
-  Placer(const ScheduleGraph& graph, const SrpConfig& config, std::uint32_t ii)
+  Placer(const ScheduleGraph& graph, const SrpConfig& config, std::uint32_t ii, Order order)
       : graph_(graph),
         config_(config),
         ii_(ii),
@@ -28,10 +39,26 @@ class Placer {
         starts_(graph.operations().size()),
         units_(starts_.size(), 0),
         last_(starts_.size(), -1),
+        by_urgency_(starts_.size()),
+        rank_(starts_.size()),
+        waiting_(static_cast<std::uint32_t>(starts_.size())),
         incoming_(starts_.size()),
         outgoing_(starts_.size()) {
+    if (height_.size() != starts_.size()) return;
+    std::iota(by_urgency_.begin(), by_urgency_.end(), 0U);
+    std::ranges::stable_sort(by_urgency_, [&](std::uint32_t a, std::uint32_t b) {
+      const bool long_a = order == Order::kLongFirst && graph.operations()[a].occupancy > 1;
+      const bool long_b = order == Order::kLongFirst && graph.operations()[b].occupancy > 1;
+      return long_a != long_b ? long_a : height_[a] > height_[b];
+    });
+    for (std::uint32_t rank = 0; rank < rank_.size(); ++rank) {
+      rank_[by_urgency_[rank]] = rank;
+      waiting_.set(rank, true);
+    }
     for (std::size_t p = 0; p < kPools; ++p) {
-      table_[p].assign(std::size_t{pool_size(static_cast<Pool>(p), config.array)} * ii, kNone);
+      const std::uint32_t units = pool_size(static_cast<Pool>(p), config.array);
+      table_[p].assign(std::size_t{units} * ii, kNone);
+      busy_[p].assign(units, Bits(ii));
     }
     for (const Dependence& d : graph.dependences()) {
       incoming_[d.to].push_back(d);
@@ -42,46 +69,46 @@ class Placer {
   /// True if every operation has found a slot.
   bool place_all() {
     if (height_.size() != starts_.size()) return false;
-    for (std::size_t budget = kPatience * starts_.size(); budget > 0; --budget) {
+    for (; tried_ < kPatience * starts_.size(); ++tried_) {
       const std::uint32_t op = most_urgent();
       if (op == kNone) return true;
       place(op);
     }
     return most_urgent() == kNone;
   }
+  std::size_t tried() const { return tried_; }
+  std::uint32_t interval() const { return ii_; }
   std::int64_t start(std::uint32_t op) const { return *starts_[op]; }
   std::uint32_t unit(std::uint32_t op) const { return units_[op]; }
 
  private:
   std::uint32_t most_urgent() const {
-    std::uint32_t best = kNone;
-    for (std::uint32_t op = 0; op < starts_.size(); ++op) {
-      if (!starts_[op] && (best == kNone || height_[op] > height_[best])) best = op;
-    }
-    return best;
+    const std::uint32_t rank = waiting_.first(0, waiting_.size(), true);
+    return rank < waiting_.size() ? by_urgency_[rank] : kNone;
   }
 
   std::uint32_t& slot(std::uint32_t op, std::uint32_t unit, std::int64_t cycle) {
     const Pool pool = pool_of(graph_.operations()[op].kind);
-    return table_[static_cast<std::size_t>(pool)][std::size_t{unit} * ii_ + static_cast<std::size_t>(cycle) % ii_];
+    return table_[static_cast<std::size_t>(pool)][std::size_t{unit} * ii_ + row_of(cycle)];
+  }
+  std::uint32_t row_of(std::int64_t cycle) const { return static_cast<std::uint32_t>(cycle % ii_); }
+
+  std::vector<Bits>& busy(std::uint32_t op) {
+    return busy_[static_cast<std::size_t>(pool_of(graph_.operations()[op].kind))];
   }
 
-  bool free(std::uint32_t op, std::uint32_t unit, std::int64_t start) {
-    for (std::uint32_t c = 0; c < graph_.operations()[op].occupancy; ++c) {
-      if (slot(op, unit, start + c) != kNone) return false;
-    }
-    return true;
-  }
-
+  /// At the first start at which a unit is free; of several units the one that can do least.
   void place(std::uint32_t op) {
     const std::int64_t earliest = earliest_start(op);
-    // The units that can do least are asked first.
     const std::uint32_t units = capable_units(graph_.operations()[op].kind, config_.array);
-    for (std::int64_t start = earliest; start < earliest + ii_; ++start) {
-      for (std::uint32_t unit = units; unit-- > 0;) {
-        if (free(op, unit, start)) return settle(op, unit, start);
-      }
+    std::uint32_t wait = ii_, best = 0;
+    for (std::uint32_t unit = units; unit-- > 0 && wait > 0;) {
+      const std::uint32_t here =
+          rows_until_gap(busy(op)[unit], row_of(earliest), graph_.operations()[op].occupancy, wait);
+      if (here < wait) best = unit;
+      wait = here;
     }
+    if (wait < ii_) return settle(op, best, earliest + wait);
     const std::int64_t start = std::max(earliest, last_[op] + 1);
     settle(op, least_urgent_unit(op, units, start), start);
   }
@@ -120,8 +147,10 @@ class Placer {
       const std::uint32_t other = slot(op, unit, start + c);
       if (other != kNone) push_out(other);
       slot(op, unit, start + c) = op;
+      busy(op)[unit].set(row_of(start + c), true);
     }
     starts_[op] = start;
+    waiting_.set(rank_[op], false);
     units_[op] = unit;
     last_[op] = start;
     for (const Dependence& d : outgoing_[op]) {
@@ -132,8 +161,10 @@ class Placer {
   void push_out(std::uint32_t op) {
     for (std::uint32_t c = 0; c < graph_.operations()[op].occupancy; ++c) {
       slot(op, units_[op], *starts_[op] + c) = kNone;
+      busy(op)[units_[op]].set(row_of(*starts_[op] + c), false);
     }
     starts_[op].reset();
+    waiting_.set(rank_[op], true);
   }
 
   const ScheduleGraph& graph_;
@@ -142,10 +173,33 @@ class Placer {
   std::vector<std::int64_t> height_;
   std::vector<std::optional<std::int64_t>> starts_;
   std::vector<std::uint32_t> units_;
-  std::vector<std::int64_t> last_;  ///< start when last placed
+  std::vector<std::int64_t> last_;               ///< start when last placed
+  std::vector<std::uint32_t> by_urgency_, rank_;  ///< operations, the most urgent first; the index of each there
+  Bits waiting_;                                 ///< operations without a slot, by rank
+  std::size_t tried_ = 0;                        ///< placements tried
   std::vector<std::vector<Dependence>> incoming_, outgoing_;
   std::array<std::vector<std::uint32_t>, kPools> table_;  ///< reservation table: the operation at unit * ii + row
+  std::array<std::vector<Bits>, kPools> busy_;            ///< rows of the table that are taken, by unit
 };
+
+/// The kernel at the least interval that is found. Each is tried in both orders; the intervals one by one from the
+/// bound on as long as that is quick, then in growing steps.
+std::unique_ptr<Placer> place_at_least_interval(const ScheduleGraph& graph, const SrpConfig& config,
+                                                std::uint32_t bound) {
+  std::size_t tried = 0;
+  std::uint32_t step = 1;
+  for (std::uint32_t ii = bound;; ii += step) {
+    for (const Order order : {Order::kByHeight, Order::kLongFirst}) {
+      if (order == Order::kLongFirst &&
+          !std::ranges::any_of(graph.operations(), [](const Operation& op) { return op.occupancy > 1; }))
+        continue;
+      auto placer = std::make_unique<Placer>(graph, config, ii, order);
+      if (placer->place_all()) return placer;
+      tried += placer->tried();
+    }
+    if (tried > kQuick) ++step;
+  }
+}
 
 void count(const kernels::Graph& graph, const ScheduleGraph& parts, KernelSchedule& s) {
   for (const Operation& op : parts.operations()) s.ops[static_cast<std::size_t>(op.kind)] += 1;
@@ -178,19 +232,16 @@ KernelSchedule schedule(const kernels::Graph& graph, const SrpConfig& config) {
   count(graph, parts, s);
   s.res_mii = resource_interval(parts.operations(), config.array);
   s.rec_mii = parts.recurrence_interval();
-  for (s.ii = std::max({1U, s.res_mii, s.rec_mii});; ++s.ii) {
-    Placer placer(parts, config, s.ii);
-    if (!placer.place_all()) continue;
-    const auto operations = static_cast<std::uint32_t>(parts.operations().size());
-    std::int64_t first = operations == 0 ? 0 : placer.start(0);
-    for (std::uint32_t op = 0; op < operations; ++op) first = std::min(first, placer.start(op));
-    for (std::uint32_t op = 0; op < operations; ++op) {
-      const Operation& operation = parts.operations()[op];
-      const auto start = static_cast<std::uint32_t>(placer.start(op) - first);
-      s.placements.push_back({operation.node, operation.part, start, placer.unit(op)});
-      s.depth = std::max(s.depth, start + operation.latency);
-    }
-    break;
+  const auto placed = place_at_least_interval(parts, config, std::max({1U, s.res_mii, s.rec_mii}));
+  s.ii = placed->interval();
+  const auto operations = static_cast<std::uint32_t>(parts.operations().size());
+  std::int64_t first = operations == 0 ? 0 : placed->start(0);
+  for (std::uint32_t op = 0; op < operations; ++op) first = std::min(first, placed->start(op));
+  for (std::uint32_t op = 0; op < operations; ++op) {
+    const Operation& operation = parts.operations()[op];
+    const auto start = static_cast<std::uint32_t>(placed->start(op) - first);
+    s.placements.push_back({operation.node, operation.part, start, placed->unit(op)});
+    s.depth = std::max(s.depth, start + operation.latency);
   }
   s.config_reads = s.ii * config.array.units();
   return s;
