@@ -38,6 +38,7 @@ void redirect(const std::string& path, int stream) {
     const rlimit limit{around.longest_file, around.longest_file};
     ::setrlimit(RLIMIT_FSIZE, &limit);
   }
+  for (const int stream : around.closed) ::close(stream);
   std::vector<char*> arguments;
   for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
   arguments.push_back(nullptr);
@@ -59,7 +60,7 @@ bool wait_until(const std::function<bool()>& is_so) {
 Program::Program(Words arguments, const Surroundings& around) {
   arguments.insert(arguments.begin(), RAYWATT_PROGRAM);
   const std::string out = around.out.empty() ? streams_.write("out", "").string() : around.out;
-  const std::string err = streams_.write("err", "").string();
+  const std::string err = around.err.empty() ? streams_.write("err", "").string() : around.err;
   process_ = ::fork();
   if (process_ == 0) become_program(arguments, around, out, err);
 }

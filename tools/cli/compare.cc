@@ -9,6 +9,7 @@
 #include "sim/io/printable.h"
 #include "sim/report/report_json.h"
 #include "tools/cli/verbs.h"
+#include "tools/host/standard_streams.h"
 
 namespace tools {
 namespace {
@@ -19,7 +20,7 @@ void run(const std::vector<std::string>& paths, bool json) {
   std::vector<Comparison> against;
   for (std::size_t i = 1; i < reports.size(); ++i) against.push_back(compare(reports.front(), reports[i]));
   for (const std::string& warning : comparison_warnings(reports, against)) {
-    fmt::print(stderr, "raywatt: warning: {}\n", sim::printable(warning, 1000));
+    tell("warning: {}", sim::printable(warning, 1000));
   }
   fmt::print("{}", json ? sim::json_text(comparison_json(reports, against)) : comparison_text(reports, against));
 }

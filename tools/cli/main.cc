@@ -17,6 +17,7 @@
 #include "tools/cli/verbs.h"
 #include "tools/host/build_info.h"
 #include "tools/host/interrupt.h"
+#include "tools/host/standard_streams.h"
 #include "traces/scene/did_you_mean.h"
 
 namespace {
@@ -25,7 +26,7 @@ constexpr std::size_t kLongestComplaint = 4096;
 
 /// One line, whatever file names and arguments it quotes.
 int complain(std::string_view what, int exit) {
-  fmt::print(stderr, "raywatt: {}\n", sim::printable(what, kLongestComplaint));
+  tools::tell(sim::printable(what, kLongestComplaint));
   return exit;
 }
 
@@ -92,6 +93,7 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  tools::open_closed_streams();
   tools::end_on_interrupts();
   try {
     return run(argc, argv);
@@ -102,7 +104,8 @@ int main(int argc, char** argv) {
   } catch (const sim::IoError& error) {
     return complain(error.what(), tools::kIoFailed);
   } catch (const sim::Deadlock& error) {
-    fmt::print(stderr, "raywatt: {}\n{}", error.what(), error.state);
+    tools::tell(error.what());
+    std::fputs(error.state.c_str(), stderr);
     return tools::kStuckMachine;
   } catch (const std::system_error& error) {
     return complain(error.what(), tools::kIoFailed);

@@ -6,6 +6,7 @@
 
 #include "tools/cli/job_options.h"
 #include "tools/cli/verbs.h"
+#include "tools/host/standard_streams.h"
 #include "tools/studies/microbench/benchmark.h"
 
 namespace tools {
@@ -39,7 +40,7 @@ void show(const Findings& findings, const char* name, bool json, int& exit) {
   const auto missed = std::ranges::count_if(findings.figures, [](const Figure& f) { return !f.good(); });
   if (missed == 0) return;
   exit = kCheckFailed;
-  fmt::print(stderr, "raywatt: {} of {} figures leave their closed forms\n", missed, findings.figures.size());
+  tell("{} of {} figures leave their closed forms", missed, findings.figures.size());
 }
 
 void add_benchmark(CLI::App& verb, const Benchmark& benchmark, int& exit) {

@@ -17,6 +17,7 @@
 #include "tools/analysis/scene_info.h"
 #include "tools/cli/verbs.h"
 #include "tools/host/paths.h"
+#include "tools/host/standard_streams.h"
 #include "tools/simulation/load_config.h"
 #include "traces/accel/build.h"
 #include "traces/scene/export.h"
@@ -38,7 +39,7 @@ std::uint64_t memory_in_use(const std::string& key) {
 }
 
 void print_warnings(const traces::Scene& scene) {
-  for (const std::string& warning : scene.warnings) fmt::print(stderr, "raywatt: warning: {}\n", warning);
+  for (const std::string& warning : scene.warnings) tell("warning: {}", warning);
 }
 
 void list() {

@@ -8,6 +8,7 @@
 
 #include "sim/error.h"
 #include "tools/cli/verbs.h"
+#include "tools/host/standard_streams.h"
 #include "tools/studies/sweep/results/best.h"
 #include "tools/studies/sweep/results/index/collect.h"
 #include "tools/studies/sweep/results/index/sqlite.h"
@@ -34,7 +35,7 @@ void collect_if_possible(const fs::path& sweep) {
     results::collect(sweep::SweepFolder::open(sweep));
   } catch (const sim::IoError& error) {
     if (!fs::exists(sweep / "index.sqlite")) throw;
-    fmt::print(stderr, "raywatt: warning: {}; what follows is what was last collected\n", error.what());
+    tell("warning: {}; what follows is what was last collected", error.what());
   }
 }
 

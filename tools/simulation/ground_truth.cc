@@ -14,6 +14,7 @@
 #include "sim/sha256.h"
 #include "tools/host/build_info.h"
 #include "tools/host/interrupt.h"
+#include "tools/host/standard_streams.h"
 #include "traces/accel/embree_tracer.h"
 #include "traces/scene/images.h"
 
@@ -77,7 +78,7 @@ void keep(const fs::path& picture, const fs::path& digest, const RunConfig& conf
     traces::write_exr(picture, config.render.width, config.render.height, rgb);
     sim::write_file_atomically(digest, digest_of(rgb));
   } catch (const sim::IoError& error) {
-    fmt::print(stderr, "raywatt: warning: the ground truth is not kept: {}\n", error.what());
+    tell("warning: the ground truth is not kept: {}", error.what());
   }
 }
 

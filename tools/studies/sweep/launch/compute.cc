@@ -13,6 +13,7 @@
 #include "tools/analysis/picture.h"
 #include "tools/host/exit_code.h"
 #include "tools/host/interrupt.h"
+#include "tools/host/standard_streams.h"
 #include "tools/jobs/outcome.h"
 #include "tools/jobs/replay.h"
 #include "tools/sampling/tile_sampling.h"
@@ -152,7 +153,7 @@ void PointComputer::compute_now(const Point& point, const PointKeys::Key& key, c
     try {
       return replay(point, key, config);
     } catch (const sim::InputError& error) {  // cut short, or of another hand
-      fmt::print(stderr, "raywatt: warning: {}; computed without it\n", error.what());
+      tell("warning: {}; computed without it", error.what());
       store_.remove_stream(key.stream);
     }
   }
@@ -196,7 +197,7 @@ std::optional<PointComputer::Recording> PointComputer::begin_recording(const std
     auto trace = std::make_unique<traces::TraceWriter>(store_.stream(stream), trace_header(inputs, options));
     return Recording{*std::move(lock), std::move(trace)};
   } catch (const sim::InputError& error) {  // not every kind of work can be recorded
-    fmt::print(stderr, "raywatt: warning: {}; points compute it each for itself\n", error.what());
+    tell("warning: {}; points compute it each for itself", error.what());
     return std::nullopt;
   }
 }

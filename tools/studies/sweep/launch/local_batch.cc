@@ -11,6 +11,7 @@
 #include "sim/error.h"
 #include "sim/host_clock.h"
 #include "sim/io/printable.h"
+#include "tools/host/exit_code.h"
 #include "tools/host/interrupt.h"
 #include "tools/studies/sweep/launch/local_launcher.h"
 #include "tools/studies/sweep/launch/worker_channel.h"
@@ -222,6 +223,8 @@ class LocalLauncher::Batch {
       waiting_.push_back({p, attempts_[p] + 1, false});
       return;
     }
+    if (exit == kGood)
+      throw sim::IoError(fmt::format("a worker ended before it had told the result of {}", points_[p].id));
     const std::string error = signal != 0 ? fmt::format("the worker crashed: {}", ::strsignal(signal))
                                           : fmt::format("the worker ended with {}", exit);
     if (const std::optional<Lock> lock = launcher_.store_.lock(points_[p].id)) {

@@ -19,6 +19,7 @@
 #include "sim/io/printable.h"
 #include "tools/host/exit_code.h"
 #include "tools/host/interrupt.h"
+#include "tools/host/standard_streams.h"
 #include "tools/studies/sweep/launch/worker_channel.h"
 
 namespace tools::sweep {
@@ -135,7 +136,7 @@ void LocalLauncher::work(int socket, const std::filesystem::path& log) {
   } catch (const Interrupted&) {
     exit = 128 + SIGTERM;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "raywatt: internal error: {}\n", error.what());
+    tell("internal error: {}", error.what());
     std::fflush(stderr);
     exit = kOurBug;
   }

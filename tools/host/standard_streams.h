@@ -1,0 +1,20 @@
+#pragma once
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace tools {
+
+/// Opens those of the descriptors 0 to 2 that the caller has closed, so that no file or socket of the program gets one
+/// of them. Reading and writing standard input and output still fail; standard error takes everything.
+void open_closed_streams();
+
+/// Writes "raywatt: TEXT" and the end of the line to standard error. Text that cannot be written is lost.
+void tell(std::string_view text);
+template <class... Args>
+void tell(fmt::format_string<Args...> format, Args&&... args) {
+  tell(std::string_view(fmt::format(format, std::forward<Args>(args)...)));
+}
+
+}  // namespace tools
