@@ -7,6 +7,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "sim/error.h"
@@ -50,6 +51,11 @@ std::string read_file(const std::filesystem::path& path, std::uint64_t most_byte
   if (!std::filesystem::is_regular_file(status)) throw InputError(shown + ": is not a regular file");
   const Descriptor file(path, O_RDONLY);
   if (!file.valid()) throw InputError(fmt::format("{}: cannot be opened: {}", shown, reason(errno)));
+  const auto refuse_size = [&] {
+    throw InputError(fmt::format("{}: is too large; allowed: {} bytes", shown, most_bytes));
+  };
+  struct stat about {};
+  if (::fstat(file.get(), &about) == 0 && static_cast<std::uint64_t>(about.st_size) > most_bytes) refuse_size();
   std::string bytes;
   for (;;) {
     constexpr std::size_t kPiece = 1 << 17;
@@ -58,9 +64,7 @@ std::string read_file(const std::filesystem::path& path, std::uint64_t most_byte
     const ssize_t got = ::read(file.get(), bytes.data() + size, kPiece);
     if (got < 0 && errno != EINTR) throw IoError(fmt::format("{}: cannot be read: {}", shown, reason(errno)));
     bytes.resize(size + static_cast<std::size_t>(std::max<ssize_t>(got, 0)));
-    if (bytes.size() > most_bytes) {
-      throw InputError(fmt::format("{}: is too large; allowed: {} bytes", shown, most_bytes));
-    }
+    if (bytes.size() > most_bytes) refuse_size();
     if (got == 0) return bytes;
   }
 }

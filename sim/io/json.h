@@ -1,21 +1,27 @@
 #pragma once
+#include <cstddef>
 #include <string>
+#include <string_view>
 
 #include <nlohmann/json.hpp>
 
-#include "sim/error.h"
-
 namespace sim {
 
-/// JSON from outside. InputError for what is nested deeper than any file of ours, and would exhaust the stack of
-/// whoever walks through it; nlohmann's exceptions for what is no JSON.
+/// Levels of any JSON file of ours.
+inline constexpr std::size_t kDeepestJson = 64;
+
+/// Does the JSON nest objects and lists deeper than that? Whoever walks through it, the parser's own values too, takes
+/// a frame of the stack for each level. Text that is no JSON may give either answer.
+bool is_nested_deeper(std::string_view json, std::size_t levels);
+
+/// InputError for JSON that is nested deeper than kDeepestJson.
+void check_json_depth(std::string_view json);
+
+/// JSON from outside. InputError as check_json_depth(); nlohmann's exceptions for text that is no JSON.
 template <class Json>
 Json parse_json(const std::string& text) {
-  constexpr int kDeepest = 64;
-  return Json::parse(text, [](int depth, typename Json::parse_event_t, Json&) {
-    if (depth > kDeepest) throw InputError("is nested too deeply; allowed: 64 levels");
-    return true;
-  });
+  check_json_depth(text);
+  return Json::parse(text);
 }
 
 }  // namespace sim

@@ -1,6 +1,8 @@
 #include "sim/io/file.h"
 
 #include <csignal>
+#include <cstdint>
+#include <filesystem>
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -119,6 +121,14 @@ TEST(ReadFile, RefusesWhatIsMissingTooLargeOrNoFile) {
   EXPECT_EQ(read("large"), "large: is too large; allowed: 3 bytes");
   EXPECT_EQ(read("none"), "none: no such file");
   EXPECT_EQ(read("."), ".: is a folder, not a file");
+}
+
+TEST(ReadFile, LooksAtTheSizeBeforeItReads) {
+  const Folder folder;
+  folder.write("sparse", "");
+  std::filesystem::resize_file(folder.path() / "sparse", std::uintmax_t{1} << 40);
+  EXPECT_EQ(complaint<InputError>(folder, [&] { read_file(folder.path() / "sparse", std::uint64_t{1} << 39); }),
+            "sparse: is too large; allowed: 549755813888 bytes");
 }
 
 TEST(Printable, KeepsTextAndReplacesTheRest) {

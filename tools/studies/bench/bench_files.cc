@@ -7,6 +7,7 @@
 
 #include "sim/error.h"
 #include "sim/io/file.h"
+#include "sim/io/json.h"
 #include "sim/io/printable.h"
 #include "sim/report/table.h"
 #include "tools/studies/bench/bench.h"
@@ -142,7 +143,10 @@ Json load_bench(const std::filesystem::path& file) {
     return sim::InputError(
         fmt::format("{}: {}; wanted is what 'raywatt bench --json' prints, once or more often", name, why));
   };
-  std::istringstream text(sim::read_file(file, kLargestFile));
+  std::string bytes = sim::read_file(file, kLargestFile);
+  if (sim::is_nested_deeper(bytes, sim::kDeepestJson))
+    throw refuse(fmt::format("is nested too deeply, allowed are {} levels", sim::kDeepestJson));
+  std::istringstream text(std::move(bytes));
   std::vector<Json> results;
   try {
     while (text >> std::ws && text.peek() != std::char_traits<char>::eof()) {

@@ -10,6 +10,7 @@
 
 #include "sim/error.h"
 #include "sim/io/file.h"
+#include "sim/io/json.h"
 #include "sim/io/printable.h"
 #include "sim/sha256.h"
 #include "traces/scene/gltf/compressed/rewrite.h"
@@ -53,28 +54,12 @@ void check_container(Source& source) {
   if (word_at(source.bytes, json_end + 4) != kBin) refuse(source, "the second chunk of a GLB file must be BIN");
 }
 
-void check_depth(const Source& source, std::uint32_t deepest) {
-  std::uint32_t depth = 0;
-  bool in_string = false;
-  const std::string_view json = std::string_view(source.bytes).substr(source.json_begin, source.json_size);
-  for (std::size_t i = 0; i < json.size(); ++i) {
-    const char c = json[i];
-    if (in_string) {
-      if (c == '\\') ++i;
-      if (c == '"') in_string = false;
-    } else if (c == '"') {
-      in_string = true;
-    } else if (c == '[' || c == '{') {
-      if (++depth > deepest)
-        refuse(source, fmt::format("the JSON is nested deeper than the {} levels allowed", deepest));
-    } else if ((c == ']' || c == '}') && depth > 0) {
-      --depth;
-    }
-  }
+std::string_view json_of(const Source& source) {
+  return std::string_view(source.bytes).substr(source.json_begin, source.json_size);
 }
 
 nlohmann::json parse(const Source& source) {
-  const std::string_view text = std::string_view(source.bytes).substr(source.json_begin, source.json_size);
+  const std::string_view text = json_of(source);
   try {
     nlohmann::json json = nlohmann::json::parse(text);
     if (!json.is_object()) refuse(source, "the JSON must be an object");
@@ -179,7 +164,9 @@ Source read_source(const std::filesystem::path& path, const SceneLimits& limits,
   if (source.binary) check_container(source);
   if (source.json_size == 0) refuse(source, "the file is empty");
   budget.take(source.json_size, kJsonExpansion, "the JSON");
-  check_depth(source, limits.json_depth);
+  if (sim::is_nested_deeper(json_of(source), limits.json_depth)) {
+    refuse(source, fmt::format("the JSON is nested deeper than the {} levels allowed", limits.json_depth));
+  }
   nlohmann::json json = parse(source);
   check_lists(source, json, limits);
   read_external(source, json, path.parent_path(), budget, limits);

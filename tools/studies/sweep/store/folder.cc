@@ -44,6 +44,22 @@ bool is_sweep(const fs::path& path) {
   return fs::is_regular_file(path / "sweep.json", failed);
 }
 
+/// Calls f with the contents of sweep.json. InputError where it is not what it should be.
+void read_description(const fs::path& path, auto&& f) {
+  const std::string bytes = sim::read_file(path / "sweep.json", kMostBytes);
+  const auto damaged = [&](const std::exception& error) {
+    return sim::InputError(
+        fmt::format("{}/sweep.json: is damaged: {}", sim::printable(path.string()), sim::printable(error.what())));
+  };
+  try {
+    f(sim::parse_json<Json>(bytes));
+  } catch (const Json::exception& error) {
+    throw damaged(error);
+  } catch (const sim::InputError& error) {
+    throw damaged(error);
+  }
+}
+
 constexpr std::array<std::string_view, 2> kOf = {"sweep", "search"};
 
 void check_free(const fs::path& path, std::string_view of) {
@@ -51,10 +67,11 @@ void check_free(const fs::path& path, std::string_view of) {
   std::error_code failed;
   if (!fs::exists(path, failed)) return;
   if (is_sweep(path)) {
-    const Json json = Json::parse(sim::read_file(path / "sweep.json", kMostBytes), nullptr, false);
-    if (!json.is_object() || !json.contains("of") || json["of"] == of) return;
+    Json is;
+    read_description(path, [&](const Json& json) { is = json.value("of", Json()); });
+    if (is.is_null() || is == of) return;
     throw sim::InputError(
-        fmt::format("{}: holds a {}, not a {}; choose another folder", shown, sim::printable(json["of"].dump()), of));
+        fmt::format("{}: holds a {}, not a {}; choose another folder", shown, sim::printable(is.dump()), of));
   }
   if (!fs::is_directory(path, failed)) throw sim::InputError(shown + ": is a file, not a folder");
   for (const fs::directory_entry& entry : fs::directory_iterator(path)) {
@@ -70,14 +87,11 @@ SweepFolder SweepFolder::open(const fs::path& path) {
   const std::string shown = sim::printable(path.string());
   if (!is_sweep(path)) throw sim::InputError(shown + ": holds no sweep; begin one with raywatt sweep run FILE -o DIR");
   SweepFolder folder(fs::absolute(path).lexically_normal());
-  try {
-    const Json json = sim::parse_json<Json>(sim::read_file(path / "sweep.json", kMostBytes));
-    if (json.at("schema") != kSchema) throw sim::InputError(shown + ": is a sweep of another version");
+  read_description(path, [&](const Json& json) {
+    if (json.at("schema") != kSchema) throw sim::InputError("it is a sweep of another version");
     folder.store_ = json.at("store").get<std::string>();
     folder.slurm_ = json.at("slurm").get<std::vector<std::string>>();
-  } catch (const Json::exception& error) {
-    throw sim::InputError(fmt::format("{}/sweep.json: is damaged: {}", shown, sim::printable(error.what())));
-  }
+  });
   return folder;
 }
 
