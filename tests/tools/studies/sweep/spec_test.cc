@@ -50,6 +50,19 @@ TEST(SweepSpec, RangesByStepFactorAndCount) {
   EXPECT_EQ(values_of("clocks.tni: {from: 300 MHz, to: 700 MHz, count: 3}"), (Words{"300 MHz", "500 MHz", "700 MHz"}));
 }
 
+TEST(SweepSpec, ARangeEndsWhereNumbersDo) {
+  const std::string complaint = complaint_of("axes:\n  cores: {from: 1, to: 1.7976931348623157e308, factor: 1e300}\n");
+  EXPECT_NE(complaint.find("axes.cores: "), std::string::npos) << complaint;
+}
+
+TEST(SweepSpec, ConditionsOfManyValuesHoldForManyCombinations) {
+  std::string lines =
+      "axes:\n  cores: {from: 1, to: 64, step: 1}\n  tni.trv.rays: {from: 1, to: 64, step: 1}\nexclude:\n";
+  for (int i = 0; i < 9000; ++i) lines += "  - {cores: ['" + std::to_string(1000 + i) + "', x]}\n";
+  lines += "  - {cores: '> 2'}\n  - {tni.trv.rays: ['1', '2', '3', 'x']}\n";
+  EXPECT_EQ(points_of(lines).size(), 2U * 61U);
+}
+
 TEST(SweepSpec, RangesOnALogScaleAreRoundedForWholeNumbers) {
   EXPECT_EQ(values_of("tni.trv.rays: {from: 4, to: 64, count: 5, scale: log}"), (Words{"4", "8", "16", "32", "64"}));
   EXPECT_EQ(values_of("tni.trv.rays: {from: 10, to: 20, count: 3, scale: log}"), (Words{"10", "14", "20"}));

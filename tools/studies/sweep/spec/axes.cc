@@ -102,7 +102,7 @@ class Range {
       if (!(from > 0 && to >= from && factor >= 1.0001)) {
         value_.refuse("allowed: a factor above 1, and 'from' above 0 and not above 'to'");
       }
-      for (double number = from; number <= to * slack; number *= factor) add(number);
+      for (double number = from; number <= to * slack && std::isfinite(number); number *= factor) add(number);
     } else {
       if (log_ && !(from > 0 && to > 0)) value_.refuse("allowed: 'from' and 'to' above 0 on a log scale");
       const auto last = static_cast<double>(*count_ - 1);

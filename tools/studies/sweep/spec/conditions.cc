@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "sim/config/config_tree.h"
+#include "sim/error.h"
 #include "sim/io/printable.h"
 #include "tools/studies/sweep/spec/magnitude.h"
 #include "traces/scene/did_you_mean.h"
@@ -27,8 +28,8 @@ std::optional<Side> find_side(std::span<const Axis> axes, const std::string& nam
   return std::nullopt;
 }
 
-const std::string& value_of(const Side& side, std::span<const Axis> axes, std::span<const std::uint32_t> choice) {
-  const Axis::Value& value = axes[side.axis].values[choice[side.axis]];
+const std::string& value_of(const Side& side, std::span<const Axis> axes, std::uint32_t choice) {
+  const Axis::Value& value = axes[side.axis].values[choice];
   return side.key ? value.settings[*side.key] : value.label;
 }
 
@@ -104,6 +105,24 @@ Condition::Term read_term(const YamlValue& value, std::span<const Axis> axes) {
   return term;
 }
 
+/// Does one of the term's own values compare as wanted? InputError if they cannot be compared.
+bool holds_for(const Condition::Term& term, const std::string& left) {
+  return std::ranges::any_of(term.values,
+                             [&](const std::string& value) { return compare(left, term.comparison, value, term.at); });
+}
+
+/// Compares each value of the axis once, however many combinations there are.
+void note_outcomes(Condition::Term& term, std::span<const Axis> axes) {
+  if (term.right) return;
+  term.outcomes.resize(axes[term.left.axis].values.size());
+  for (std::uint32_t value = 0; value < term.outcomes.size(); ++value) {
+    try {
+      term.outcomes[value] = holds_for(term, value_of(term.left, axes, value));
+    } catch (const sim::InputError&) {  // said where a combination needs it
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<Condition> read_conditions(const YamlValue& value, std::span<const Axis> axes) {
@@ -113,6 +132,7 @@ std::vector<Condition> read_conditions(const YamlValue& value, std::span<const A
     Condition condition;
     for (const YamlValue& entry : item.entries()) {
       condition.terms.push_back(read_term(entry, axes));
+      note_outcomes(condition.terms.back(), axes);
       values += condition.terms.back().values.size() + 1;
       if (values > kMostValues) entry.refuse(fmt::format("there are more than {} values in conditions", kMostValues));
     }
@@ -124,10 +144,11 @@ std::vector<Condition> read_conditions(const YamlValue& value, std::span<const A
 
 bool holds(const Condition& condition, std::span<const Axis> axes, std::span<const std::uint32_t> choice) {
   return std::ranges::all_of(condition.terms, [&](const Condition::Term& term) {
-    const std::string& left = value_of(term.left, axes, choice);
-    if (term.right) return compare(left, term.comparison, value_of(*term.right, axes, choice), term.at);
-    return std::ranges::any_of(
-        term.values, [&](const std::string& value) { return compare(left, term.comparison, value, term.at); });
+    const std::uint32_t value = choice[term.left.axis];
+    if (!term.right && term.outcomes[value]) return *term.outcomes[value];
+    const std::string& left = value_of(term.left, axes, value);
+    if (!term.right) return holds_for(term, left);
+    return compare(left, term.comparison, value_of(*term.right, axes, choice[term.right->axis]), term.at);
   });
 }
 

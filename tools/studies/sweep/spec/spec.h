@@ -39,6 +39,7 @@ struct Condition {
     std::vector<std::string> values;  ///< one of which, or
     std::optional<Side> right;        ///< another axis in this combination
     std::string at;
+    std::vector<std::optional<bool>> outcomes{};  ///< outcome for each value of the left axis, if it compares
   };
   std::vector<Term> terms;
 };
