@@ -60,13 +60,12 @@ void print_plan(const std::vector<Point>& points, const Store& store) {
   for (const auto& [name, value] : points.front().axes) header.push_back(name);
   header.emplace_back("state");
   sim::Table table(header);
-  std::uint64_t there = 0, impossible = 0;
+  std::uint64_t there = 0;
   for (const Point& point : points) {
     std::vector<std::string> cells = {std::to_string(point.n)};
     for (const auto& [name, value] : point.axes) cells.push_back(value);
     const bool is_there = store.state(point.id) == Store::State::kGood;
     there += is_there ? 1 : 0;
-    impossible += point.error.empty() ? 0 : 1;
     cells.emplace_back(is_there ? "in the store" : point.error.empty() ? "to compute" : "impossible");
     table.row(std::move(cells));
   }
