@@ -35,7 +35,8 @@ class Blocks : public testing::TestWithParam<const char*> {
     const Sampled reference = run(base, AdaptiveConfig{});
     for (const std::uint32_t tile : {8U, 16U, 32U, 33U, 128U}) {
       for (const Halo halo : {Halo::kReload, Halo::kRetrace}) {
-        SCOPED_TRACE(testing::Message() << "tile " << tile << ", halo " << names_of(halo)[static_cast<int>(halo)]);
+        SCOPED_TRACE(testing::Message() << "tile " << tile << ", halo "
+                                        << names_of(halo)[static_cast<std::size_t>(halo)]);
         RenderConfig render = base;
         render.tile = tile;
         expect_same(run(render, AdaptiveConfig{halo, AttributeStorage::kTile}), reference);

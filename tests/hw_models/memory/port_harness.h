@@ -28,7 +28,8 @@ struct PortHarness {
       links.targets_out.push_back(&up);
       links.targets_in.push_back(&down);
     }
-    harness.add_port(port, config, links, Interleave(64, static_cast<std::uint32_t>(targets)), kClock, 64, ideal);
+    harness.add_port(port, config, links, Interleave(kLineBytes, static_cast<std::uint32_t>(targets)), kClock,
+                     kLineBytes, ideal);
   }
 
   Requester& client(std::size_t i) { return *harness.requesters[i]; }

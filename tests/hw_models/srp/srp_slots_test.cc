@@ -12,7 +12,7 @@ namespace {
 using test::SrpHarness;
 using test::TileBuilder;
 
-constexpr std::uint32_t kSwitch = 100, kSamples = 16;
+constexpr std::uint32_t kSamples = 16;
 constexpr traces::KernelId kA = 0, kB = 1;
 
 /// `reads_first`: not before data from memory are there.
