@@ -78,7 +78,7 @@ class Wakes {
   void tick_due(Time now, Tick&& tick) {
     tick_due({0, groups_.size()}, now, tick);
   }
-  /// The same for those; `now` is the earliest of theirs. Returns what is the earliest then.
+  /// Ticks the due units of these groups; `now` is their earliest time. Returns their earliest time afterwards.
   template <class Tick>
   Time tick_due(Groups of, Time now, Tick&& tick) {
     for (std::size_t g = of.first; g < of.end; ++g) {
@@ -95,7 +95,7 @@ class Wakes {
     return earliest(of);
   }
 
-  /// The same for one unit, at any time.
+  /// Ticks one unit, due or not.
   template <class Tick>
   void tick_one(std::size_t unit, Tick&& tick) {
     at(unit) = kNever;

@@ -5,7 +5,7 @@
 
 namespace hw {
 
-/// Each core has a way of its own through an ideal bank.
+/// An ideal bank takes any number of requests a cycle, each core's apart from the others'.
 sim::Time L2Bank::tick_ideal(sim::Time now) {
   bool served = false;
   CycleReason then = CycleReason::kIdle;

@@ -14,7 +14,7 @@ using kernels::Op;
 
 namespace {
 
-/// An access of every item: at `slot` of the interval, `behind` items behind the youngest in the loop.
+/// An access that every item makes: in cycle `slot` of the initiation interval, `behind` items after the youngest.
 struct LocalAccess {
   std::uint32_t slot = 0, behind = 0;
   std::uint32_t words = 1;  ///< 16-byte pieces of a record

@@ -173,17 +173,17 @@ class Placer {
   std::vector<std::int64_t> height_;
   std::vector<std::optional<std::int64_t>> starts_;
   std::vector<std::uint32_t> units_;
-  std::vector<std::int64_t> last_;               ///< start when last placed
+  std::vector<std::int64_t> last_;                ///< start when last placed
   std::vector<std::uint32_t> by_urgency_, rank_;  ///< operations, the most urgent first; the index of each there
-  Bits waiting_;                                 ///< operations without a slot, by rank
-  std::size_t tried_ = 0;                        ///< placements tried
+  Bits waiting_;                                  ///< operations without a slot, by rank
+  std::size_t tried_ = 0;                         ///< placements tried
   std::vector<std::vector<Dependence>> incoming_, outgoing_;
   std::array<std::vector<std::uint32_t>, kPools> table_;  ///< reservation table: the operation at unit * ii + row
   std::array<std::vector<Bits>, kPools> busy_;            ///< rows of the table that are taken, by unit
 };
 
-/// The kernel at the least interval that is found. Each is tried in both orders; the intervals one by one from the
-/// bound on as long as that is quick, then in growing steps.
+/// Tries initiation intervals from the lower bound upwards, each in both orders: one by one as long as that is quick,
+/// then in growing steps.
 std::unique_ptr<Placer> place_at_least_interval(const ScheduleGraph& graph, const SrpConfig& config,
                                                 std::uint32_t bound) {
   std::size_t tried = 0;

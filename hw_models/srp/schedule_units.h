@@ -9,7 +9,7 @@
 
 namespace hw {
 
-/// Units that do the same work, though not all of them all of it.
+/// Functional units of one kind; not every unit of a pool can take every operation.
 enum class Pool : std::uint8_t { kArray, kLocal, kCache, kCount };
 inline constexpr std::size_t kPools = static_cast<std::size_t>(Pool::kCount);
 

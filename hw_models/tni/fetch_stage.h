@@ -159,7 +159,7 @@ class FetchStage {
     no_mshr_ = 0;
   }
 
-  /// Has the host bring the tags that a probe for the line will look at.
+  /// Prefetches, on the host, the tags that a probe for the line will read; the model is not changed.
   void look_ahead(Addr line) const { l1_.look_ahead(line); }
   bool warm(Addr line) { return l1_.warm(line); }
 

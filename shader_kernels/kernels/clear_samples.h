@@ -6,7 +6,7 @@
 
 namespace kernels {
 
-/// Samples about to be traced: what they keep is that of a miss until a hit says otherwise.
+/// Sets records of samples about to be traced to those of a miss.
 struct ClearGeometry {
   static constexpr std::string_view kName = "clear_geometry";
   static constexpr std::string_view kMeaning = "sample -> its geometry is that of a miss";

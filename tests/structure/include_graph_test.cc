@@ -83,7 +83,10 @@ std::string page_of(const Graph& graph) {
   page << "# Which folder includes which\n\n"
           "Made from the sources by `tests/structure/include_graph_test.cc`, which also says how to make it anew. No\n"
           "arrow points up, and there is no circle. The drawing leaves out arrows that others imply; the table has "
-          "all.\n"
+          "all.\n\nFolders that are parts of one are drawn as one, whatever they include of each other: "
+          "`shader_kernels` with its\n"
+          "kernels, `traces/accel`, `traces/scene`, `traces/scenes` and `tools/studies/optimise` with the folders "
+          "below.\n"
           "\n```mermaid\ngraph TD\n";
   std::vector<std::string> order = bottom_up(graph);
   std::ranges::reverse(order);

@@ -35,7 +35,7 @@ struct Canvas {
     return picture;
   }
 
-  /// Where `bit` is set, over the darkened picture.
+  /// Marks samples that have `bit`, over the darkened picture.
   DebugPicture marked(std::string name, SampleMark bit) const {
     const std::vector<std::uint8_t> picture = to_rgb8(frame.rgb);
     return paint(std::move(name), [&](SampleMark mark, std::uint32_t x, std::uint32_t y) -> Colour {

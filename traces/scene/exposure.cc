@@ -17,7 +17,7 @@ struct Point {
   glm::vec3 position, normal;
 };
 
-/// A lamp or an unlit surface: what falls on it does not matter.
+/// Whether it is a lamp or an unlit surface, whose colour does not depend on the light that falls on it.
 bool shines(const Material& material) {
   return material.emission != glm::vec3(0) && !(material.casts_light && material.emission_texture.used());
 }

@@ -235,7 +235,7 @@ inline void decode_walk(const Links& links, Cursor& c) {
   }
 }
 
-/// decode_walks() where the tree has levels, or has not.
+/// decode_walks() for trees of two levels, or of one.
 template <bool kLevels>
 std::uint64_t decode(std::string_view bits, const Links& links, std::uint32_t rays, std::uint32_t words,
                      TileWork& work) {

@@ -41,7 +41,7 @@ class GaussianProcess {
   /// At least one observation. Returns the logarithm of the likelihood, for one of them.
   double fit(std::vector<Observation> observations);
   Estimate at(const Choice& point) const;
-  /// From now on as if this value had been seen.
+  /// Adds an imagined observation (Kriging believer).
   void believe(const Choice& point, double value);
 
  private:

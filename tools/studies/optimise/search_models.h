@@ -110,7 +110,7 @@ class Search::Models {
     return e.feasible * (gain + kCuriosity * uncertainty(e));
   }
 
-  /// From now on as if the point had been computed, with what is expected of it.
+  /// Adds the point with the figures that are expected of it (Kriging believer).
   void believe(const Choice& point) {
     const Estimated e = at(point);
     if (e.feasible >= 0.5) {

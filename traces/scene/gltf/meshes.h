@@ -25,7 +25,7 @@ class Meshes {
   std::uint32_t add(const tinygltf::Primitive& primitive, const std::string& name, int skin);
   Mesh read(const tinygltf::Primitive& primitive, const std::string& name, int skin);
   std::uint32_t material_of(const tinygltf::Primitive& primitive);
-  /// Unlit surfaces have no diffuse light for vertex colours to tint: a copy of the material shines in their mean.
+  /// Gives an unlit mesh a copy of its material whose emission is tinted by the mean of its vertex colours.
   void fold_colours(Mesh& mesh);
 
   Context& context_;

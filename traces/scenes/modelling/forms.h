@@ -15,7 +15,7 @@ glm::mat4 standing(const glm::vec3& origin, const glm::vec3& outward);
 /// The same for what lies on a floor (x, y = -z of the world) or hangs under a ceiling (x, y = z of the world).
 glm::mat4 lying(const glm::vec3& origin);
 glm::mat4 hanging(const glm::vec3& origin);
-/// Turned about an axis of unit length through `origin`.
+/// Rotation about an axis of unit length through `origin`.
 glm::mat4 turned(const glm::vec3& origin, const glm::vec3& axis, double turns);
 
 /// A plate in relief, z outwards, its lower left corner at the origin: rectangles inside each other, each given by its

@@ -26,7 +26,7 @@ std::vector<SlurmTask> tasks_of(const std::filesystem::path& folder);
 std::uint64_t most_tasks();
 /// Hands in a job; its id. InputError if Slurm refuses it.
 std::string submit(const std::vector<std::string>& arguments);
-/// IoError.
+/// Cancels the jobs. IoError if Slurm refuses.
 void cancel(const std::set<std::string>& jobs);
 
 }  // namespace slurm

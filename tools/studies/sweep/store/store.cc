@@ -38,7 +38,7 @@ std::optional<std::string> sound_file(const fs::path& folder, const std::string&
   return bytes;
 }
 
-/// Runs `read`, for which a file that is not there or makes no sense is the same as nothing.
+/// Runs `read`; nothing where a file is missing or malformed.
 template <class F>
 auto if_sound(F&& read) -> decltype(read()) {
   try {

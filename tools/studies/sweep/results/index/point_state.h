@@ -28,7 +28,7 @@ struct PointState {
 /// is no finished report, is damaged.
 PointState read_point_state(const sweep::Store& store, const std::string& id, MetricNames& names);
 
-/// Changes whenever what a store holds of a point does: sizes and times of its files.
+/// Sizes and times of a point's files in the store, which change whenever these do.
 std::string state_mark(const sweep::Store& store, const std::string& id);
 /// The same of one file; "-" if there is none.
 std::string file_mark(const std::filesystem::path& file);

@@ -39,7 +39,7 @@ inline constexpr std::array kFrameFigures = {"frame",           "cycles",     "t
                                              "traced_ratio",    "psnr_db"};
 using FrameFigures = std::array<Value, kFrameFigures.size()>;
 
-/// And of the host.
+/// Members of its `host`.
 inline constexpr std::array kHostFacts = {"name", "date", "threads", "wall_s", "timing_s", "rays_per_s", "peak_rss_mb"};
 using HostFacts = std::array<Value, kHostFacts.size()>;
 
