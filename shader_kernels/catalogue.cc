@@ -8,9 +8,16 @@
 namespace kernels {
 namespace {
 
+template <class K>
+KernelInfo record_one() {
+  KernelInfo info{kKernelId<K>, K::kName, K::kMeaning, record_graph<K>()};
+  if constexpr (requires { K::parts(); }) info.parts = K::parts();
+  return info;
+}
+
 template <class... Ks>
 std::vector<KernelInfo> record_all(std::type_identity<std::tuple<Ks...>>) {
-  return {KernelInfo{kKernelId<Ks>, Ks::kName, Ks::kMeaning, record_graph<Ks>()}...};
+  return {record_one<Ks>()...};
 }
 
 }  // namespace

@@ -20,6 +20,7 @@
 #include "shader_kernels/kernels/combine_shadow.h"
 #include "shader_kernels/kernels/fetch_vertices.h"
 #include "shader_kernels/kernels/find_suspects.h"
+#include "shader_kernels/kernels/fused.h"
 #include "shader_kernels/kernels/generate_extra_rays.h"
 #include "shader_kernels/kernels/generate_listed_rays.h"
 #include "shader_kernels/kernels/generate_rays.h"
@@ -60,29 +61,37 @@
 namespace kernels {
 
 /// Every kernel; its index in this list is its KernelId.
-using AllKernels =
-    std::tuple<GenerateRays, GenerateJitteredRays, ClassifyLayers, TestAlpha<false, false>, TestAlpha<true, false>,
-               TestShadow<false, false>, TestShadow<true, false>, ScatterLayers, ClassifyHits, ShadeBackground,
-               ShadeSurface<false>, ClassifyDetails, Absorb, FetchVertices<false>, ShadeBase, ShadePhysical, ShadeBump,
-               ShadeBlend, ClassifySurfaces, ShadeTextured, ShadeEmission, ShadeGlow, ShadeAmbient, ShadeOccluded,
-               ShadeDiffuse, CombineShadow, ShadeStraight, ShadeMirror, ShadeGlass, AverageColour, PackColour,
-               // Adaptive sampling.
-               ListSamples, GenerateListedRays, ClearGeometry, ClearSecondary, RecordGeometry<false>,
-               RecordSurface<false>, RecordSecondary<false>, RecordShadow, RecordSecondaryShadow,
-               CheckSimilarity<false, false>, CheckSimilarity<false, true>, CheckSimilarity<true, false>,
-               CheckSimilarity<true, true>, InterpolateSample<false, false>, InterpolateSample<false, true>,
-               InterpolateSample<true, false>, AverageSamples, ClearSurface, RecordLocal<false>, RecordLocal<true>,
-               RecordGlobal, CheckAttributes<false>, CheckAttributes<true>, InterpolateAttributes<false>,
-               InterpolateAttributes<true>, ShadeVisible, StoreIdentities<false>, StoreIdentities<true>,
-               FindSuspects<false>, FindSuspects<true>,
-               // supersample.
-               ClearTraits, RecordTraits<false>, RecordTraitsShadow, WeighBranch, RecordBranch<false>,
-               RecordBranchShadow, TestSubpixels, WeighCentres<false>, WeighCentres<true>, PackSubpixels,
-               PackSubpixelsAtomic, GenerateExtraRays, SumSubpixels,
-               // Scenes of instances.
-               ShadeSurface<true>, FetchVertices<true>, TestAlpha<false, true>, TestAlpha<true, true>,
-               TestShadow<false, true>, TestShadow<true, true>, RecordGeometry<true>, RecordSurface<true>,
-               RecordSecondary<true>, RecordTraits<true>, RecordBranch<true>>;
+using AllKernels = std::tuple<
+    GenerateRays, GenerateJitteredRays, ClassifyLayers, TestAlpha<false, false>, TestAlpha<true, false>,
+    TestShadow<false, false>, TestShadow<true, false>, ScatterLayers, ClassifyHits, ShadeBackground,
+    ShadeSurface<false>, ClassifyDetails, Absorb, FetchVertices<false>, ShadeBase, ShadePhysical, ShadeBump, ShadeBlend,
+    ClassifySurfaces, ShadeTextured, ShadeEmission, ShadeGlow, ShadeAmbient, ShadeOccluded, ShadeDiffuse, CombineShadow,
+    ShadeStraight, ShadeMirror, ShadeGlass, AverageColour, PackColour,
+    // Adaptive sampling.
+    ListSamples, GenerateListedRays, ClearGeometry, ClearSecondary, RecordGeometry<false>, RecordSurface<false>,
+    RecordSecondary<false>, RecordShadow, RecordSecondaryShadow, CheckSimilarity<false, false>,
+    CheckSimilarity<false, true>, CheckSimilarity<true, false>, CheckSimilarity<true, true>,
+    InterpolateSample<false, false>, InterpolateSample<false, true>, InterpolateSample<true, false>, AverageSamples,
+    ClearSurface, RecordLocal<false>, RecordLocal<true>, RecordGlobal, CheckAttributes<false, true>,
+    CheckAttributes<true, true>, InterpolateAttributes<false>, InterpolateAttributes<true>, ShadeVisible,
+    StoreIdentities<false>, StoreIdentities<true>, FindSuspects<false>, FindSuspects<true>,
+    // supersample.
+    ClearTraits, RecordTraits<false>, RecordTraitsShadow, WeighBranch, RecordBranch<false>, RecordBranchShadow,
+    TestSubpixels, WeighCentres<false>, WeighCentres<true>, PackSubpixels, PackSubpixelsAtomic, GenerateExtraRays,
+    SumSubpixels,
+    // Scenes of instances.
+    ShadeSurface<true>, FetchVertices<true>, TestAlpha<false, true>, TestAlpha<true, true>, TestShadow<false, true>,
+    TestShadow<true, true>, RecordGeometry<true>, RecordSurface<true>, RecordSecondary<true>, RecordTraits<true>,
+    RecordBranch<true>,
+    // Fused.
+    FetchSurface<false>, FetchSurface<true>, LightSurface, LightSurfaceGeometry<false>, LightSurfaceGeometry<true>,
+    LightSurfaceKept<false>, LightSurfaceKept<true>, LightSurfaceSecondary<false>, LightSurfaceSecondary<true>,
+    FetchLit<false>, FetchLit<true>, FetchLitGeometry<false>, FetchLitGeometry<true>, FetchLitKept<false>,
+    FetchLitKept<true>, FetchLitSecondary<false>, FetchLitSecondary<true>, LightLater, GenerateGeometry,
+    GenerateSecondary, GenerateSurface, GenerateTraits, CombineRecordShadow, CombineRecordSecondaryShadow,
+    CombineRecordTraitsShadow, CombineRecordBranchShadow, CheckInterpolate<false, false>, CheckInterpolate<false, true>,
+    CheckInterpolate<true, false>, CheckInterpolate<true, true>, InterpolateLit<false>, InterpolateLit<true>,
+    CheckAttributes<false, false>, CheckAttributes<true, false>, PackSample, PackGridSample>;
 
 template <class K, class... Ks>
 constexpr traces::KernelId index_in(std::type_identity<std::tuple<Ks...>>) {
@@ -98,6 +107,7 @@ struct KernelInfo {
   std::string_view name;
   std::string_view meaning;
   Graph graph;
+  std::vector<std::string_view> parts{};  ///< kernels whose work a fused one does
 };
 
 /// All kernels by id; their graphs are recorded when first asked for.

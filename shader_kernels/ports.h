@@ -133,6 +133,16 @@ struct Carried<float> {
   void set(float x) { value = x; }
 };
 
+/// Whether a launch of a kernel with these ports lists its accesses to memory.
+template <class Ports>
+inline constexpr bool kListsAccesses = requires(Ports& p) {
+  p.materials;
+}
+|| requires(Ports& p) { p.objects; }
+|| requires(Ports& p) { p.texels; }
+|| requires(Ports& p) { p.vertices; }
+|| requires(Ports& p) { p.details; };
+
 template <class V>
 using Attributes = Cached<V, AttributeFields, traces::Access::Kind::kAttributes>;
 template <class V>

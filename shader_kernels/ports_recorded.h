@@ -4,6 +4,7 @@
 #include <string_view>
 #include <utility>
 
+#include "shader_kernels/fusion.h"
 #include "shader_kernels/ports.h"
 #include "shader_kernels/recorder.h"
 
@@ -131,6 +132,7 @@ Graph record_graph() {
   typename K::template Ports<Recorded> ports;
   K::template Ports<Recorded>::describe(ports, PortBinder(recorder));
   K::template body<Recorded>(IntNode{recorder, recorder.add({.op = Op::kInput, .label = "item"})}, ports);
+  if constexpr (requires { K::kRegisters; }) keep_in_registers(graph, K::kRegisters);
   sort_canonically(graph);
   return graph;
 }

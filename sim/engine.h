@@ -25,15 +25,50 @@ enum class Skip : std::uint8_t {
 /// and, if its partitions may be run by themselves:
 ///   lookahead_end(t)     when all partitions have come to t, how far each may be run; not beyond a time at which the
 ///                        machine may be done
+/// and, if units of its machine retire items:
+///   patience()           the longest time for which it may run without retiring any
 template <class Owner>
 concept HasPartitions = requires(Owner& owner, Time now) {
   owner.lookahead_end(now);
 };
 
+template <class Owner>
+concept HasPatience = requires(const Owner& owner) {
+  owner.patience();
+};
+
+/// Ends a livelock: a machine whose units always have something to do, and retire nothing.
+template <class Owner>
+class Watchdog {
+ public:
+  explicit Watchdog(Owner& owner) : owner_(owner) {
+    if constexpr (HasPatience<Owner>) look_at_ = patience_ = owner.patience();
+  }
+  /// Asks, once in so long a time, what has been retired since it asked last. Deadlock if that is nothing.
+  void watch(Time now) {
+    if (now < look_at_ || now == kNever) return;
+    Machine& machine = owner_.machine();
+    const std::uint64_t retired = machine.retired();
+    if (retired == retired_) {
+      throw Deadlock("the machine is in a livelock: its units go on, and none has retired anything for " +
+                         std::to_string(patience_ / kFemtosecondsPerNanosecond) +
+                         " ns, the time that its watchdog gives it",
+                     machine.state());
+    }
+    retired_ = retired;
+    look_at_ = now + std::min(patience_, kNever - now);
+  }
+
+ private:
+  Owner& owner_;
+  Time patience_ = kNever, look_at_ = kNever;
+  std::uint64_t retired_ = 0;
+};
+
 /// Runs the partitions of a machine by themselves as far as they may, and returns when they are to be run together
 /// again: the time of what comes next, or kNever.
 template <class Owner, class TickAt>
-Time run_partitions(Owner& owner, TickAt&& tick_at) {
+Time run_partitions(Owner& owner, Watchdog<Owner>& watchdog, TickAt&& tick_at) {
   Wakes& wakes = owner.machine().wakes();
   Partitions& partitions = owner.machine().partitions();
   const auto next_of = [&](const Partition& partition) { return wakes.earliest(partition.units); };
@@ -44,6 +79,7 @@ Time run_partitions(Owner& owner, TickAt&& tick_at) {
     for (const Partition& partition : partitions.outer) now = std::min(now, next_of(partition));
     const Time lookahead_end = now == kNever ? now : owner.lookahead_end(now);
     if (lookahead_end <= now) return now;
+    watchdog.watch(now);
     Time reached = lookahead_end;  // by all outer partitions
     for (std::size_t i = 0; i < count; ++i) {
       const Partition& partition = partitions.outer[back ? count - 1 - i : i];
@@ -68,6 +104,7 @@ Time run(Owner& owner) {
   const auto tick_at = [units = machine.ticked().data()](Time now) {
     return [units, now](std::size_t i) { return units[i](now); };
   };
+  Watchdog<Owner> watchdog(owner);
   Time now = 0;
   for (;;) {
     if constexpr (kSkip == Skip::kOff) {
@@ -75,10 +112,11 @@ Time run(Owner& owner) {
         if (clock.is_edge(now)) wakes.tick_one(i, tick_at(now));
       });
     } else {
-      if constexpr (HasPartitions<Owner>) now = run_partitions(owner, tick_at);
+      if constexpr (HasPartitions<Owner>) now = run_partitions(owner, watchdog, tick_at);
       if (now != kNever) wakes.tick_due(now, tick_at(now));
     }
     if (owner.done()) return now;
+    watchdog.watch(now);
     const Time next = wakes.earliest();
     if (next == kNever) throw Deadlock("the machine is stuck", machine.state());
     if constexpr (kSkip == Skip::kOff) {
@@ -100,12 +138,14 @@ Time run_shuffled(Owner& owner, std::uint64_t seed) {
   Wakes& wakes = machine.wakes();
   std::vector<std::size_t> order(wakes.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
+  Watchdog<Owner> watchdog(owner);
   for (Time now = 0;;) {
     std::ranges::sort(order, {}, [&](std::size_t i) { return hash(seed, now, i); });
     for (const std::size_t i : order) {
       if (wakes[i] == now) wakes.tick_one(i, [&](std::size_t) { return machine.ticked()[i](now); });
     }
     if (owner.done()) return now;
+    watchdog.watch(now);
     now = wakes.earliest();
     if (now == kNever) throw Deadlock("the machine is stuck", machine.state());
   }

@@ -14,7 +14,8 @@ struct IoError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// The machine is stuck: no unit will ever have something to do again, and work is left. Exit 3.
+/// The machine is stuck: no unit will ever have something to do again, or units go on and retire nothing, and work is
+/// left. Exit 3.
 struct Deadlock : std::runtime_error {
   Deadlock(const std::string& what, std::string machine_state)
       : std::runtime_error(what), state(std::move(machine_state)) {}

@@ -48,6 +48,12 @@ std::vector<UnitReport> Machine::report() const {
   return all;
 }
 
+std::uint64_t Machine::retired() const {
+  std::uint64_t all = 0;
+  for (const auto& unit : units_) all += unit->retired();
+  return all;
+}
+
 void Machine::start() {
   if (started()) return;
   expect(units_.size() == declared_.size(), "each declared unit is built");

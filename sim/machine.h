@@ -70,8 +70,8 @@ class Machine {
     return link;
   }
 
-  /// Builds a declared unit. It has tick(now) and clock(); if it has them, finish(end), state(), idle() and what a
-  /// report needs (sim::report_of) are used, too.
+  /// Builds a declared unit. It has tick(now) and clock(); if it has them, finish(end), state(), idle(), retired()
+  /// and what a report needs (sim::report_of) are used, too.
   template <class U, class... Args>
   U& build(UnitId id, Args&&... args) {
     expect_to_be_built(id);
@@ -101,6 +101,8 @@ class Machine {
   /// A line for each unit that has a state.
   std::string state() const;
   std::vector<UnitReport> report() const;
+  /// Sum of what units have retired, each in items of its own kind: grows as long as the machine gets anywhere.
+  std::uint64_t retired() const;
 
   // The engine works on these.
   /// Gives the units their wake-up times, unless they have them, and wakes them all at time 0.
@@ -128,6 +130,7 @@ class Machine {
     virtual bool idle() const = 0;
     virtual void finish(Time end) = 0;
     virtual std::string state() const = 0;  ///< empty: none
+    virtual std::uint64_t retired() const = 0;
     Ticked ticked;
     std::size_t declared = 0;
   };
@@ -145,6 +148,10 @@ class Machine {
     std::string state() const override {
       if constexpr (requires { unit.state(); }) return unit.state();
       return {};
+    }
+    std::uint64_t retired() const override {
+      if constexpr (requires { unit.retired(); }) return unit.retired();
+      return 0;
     }
     U unit;
   };

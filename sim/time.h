@@ -11,6 +11,7 @@ using Time = std::uint64_t;
 
 /// Later than any moment; as a signed number still the greatest.
 inline constexpr Time kNever = std::numeric_limits<std::int64_t>::max();
+inline constexpr Time kFemtosecondsPerNanosecond = 1'000'000;
 inline constexpr Time kFemtosecondsPerSecond = 1'000'000'000'000'000;
 
 /// A clock domain: edges at every multiple of the period, starting at time 0.

@@ -47,6 +47,15 @@ enum class Region : std::uint8_t {
   kCount
 };
 
+/// Samples that a tile leaves in memory for others: its borders have numbers of their own.
+struct Border {
+  std::uint32_t tile = 0;
+  std::uint32_t number = 0;
+  friend bool operator==(const Border&, const Border&) = default;
+};
+inline constexpr std::uint32_t kMostBorders = 8;   ///< that a tile may have
+inline constexpr std::uint32_t kMostImports = 32;  ///< borders that a tile may read
+
 /// A kernel launch, a batch of rays, or a transfer between the tile buffer and memory.
 struct WorkNode {
   enum class Kind : std::uint8_t { kLaunch, kRays, kTransfer };
@@ -60,6 +69,9 @@ struct WorkNode {
   Region region = Region::kPicture;  ///< kTransfer
   bool to_memory = true;             ///< kTransfer
   std::uint64_t offset = 0;          ///< kTransfer: first byte within its region
+  /// kTransfer: to memory, number of the tile's border that it completes; from memory, index in TileWork::imports of
+  /// the border that it reads; or kNone.
+  std::uint32_t border = kNone;
   std::uint32_t sources = kNone;  ///< first entry in TileWork::sources for mapped `each` edges (one per item), or kNone
   std::vector<Edge> inputs;
   static constexpr std::uint32_t kNone = 0xffffffffU;
@@ -70,8 +82,8 @@ struct TileWork {
   std::uint32_t frame = 0;
   std::uint32_t tile = 0;
   std::uint32_t samples = 0;
-  std::vector<std::uint32_t> after;  ///< tiles of the frame that must be finished before this one begins
-  bool after_all = false;            ///< all earlier tiles of the list must be finished before
+  std::vector<Border> imports;  ///< borders of earlier tiles; transfers that read one wait for it
+  bool after_all = false;       ///< all earlier tiles of the list must be finished before this one begins
   std::vector<WorkNode> nodes;
   std::vector<std::uint32_t> walk;          ///< canonical walks of all rays, back to back (walk.h)
   std::vector<std::uint32_t> ray_begin;     ///< per ray, where its walk begins

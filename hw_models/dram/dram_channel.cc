@@ -35,7 +35,6 @@ DramChannel::DramChannel(const DramConfig& c, Links links, bool ideal)
       reads_(c.controller.read_queue),
       writes_(c.controller.write_queue),
       ports_(Arbitration::kRoundRobin, ports_in_.size()) {
-  assert(ports_in_.size() == ports_out_.size());
   // Room for what a full data bus brings in while the device and the fabric delay it, and as much again.
   const Cycle in_flight = fabric_ + c.timing.rl + c.timing.dqsck + device_.data_cycles();
   returns_.slots.resize(2 * (in_flight / (Cycle{bursts_} * c.timing.burst) + 4));
@@ -148,8 +147,7 @@ bool DramChannel::writes_first(Cycle now) {
   if (writes_.size() >= controller_.write_high) draining_ = true;
   if (writes_.size() <= controller_.write_low) draining_ = false;
   if (reads_.empty() || writes_.empty()) return reads_.empty();
-  const bool old_read = overdue(reads_, now);
-  const bool old_write = overdue(writes_, now);
+  const bool old_read = overdue(reads_, now), old_write = overdue(writes_, now);
   if (old_read && old_write) return writes_.oldest().arrived < reads_.oldest().arrived;
   return old_read == old_write ? draining_ : old_write;
 }
@@ -168,15 +166,18 @@ ScheduledCommand DramChannel::best_command(const DramQueue& queue, Cycle now) co
     const DramDevice::ReadyCycles rank_ready = device_.rank_ready(rank, writing_, now);
     const std::uint32_t here = banks & device_.banks_of(rank);
     const auto consider = [&]<DramCommand command>(std::uint32_t of) {
-      if (best < ScheduledCommand(rank_ready[static_cast<std::size_t>(command)], command, 0, 0))
-        return;  // none can come before it
+      const Cycle from = rank_ready.back(), lead = device_.lead(command);
+      const auto bound = [&](Cycle ready) {
+        return ScheduledCommand(std::max(from + lead, ready) - lead, command, 0, 0);
+      };
+      if (best < bound(rank_ready[static_cast<std::size_t>(command)])) return;  // none can come before it
       for (std::uint32_t left = of; left != 0; left &= left - 1) {
         const auto bank = static_cast<std::uint32_t>(std::countr_zero(left));
         const Cycle ready = device_.ready(command, bank, writing_, rank_ready);
-        if (best < ScheduledCommand(ready, command, 0, 0)) continue;
+        if (best < bound(ready)) continue;
         const std::uint64_t positions = command == DramCommand::kColumn ? queue.hits(bank) : queue.waiting(bank);
         const auto position = static_cast<std::uint32_t>(std::countr_zero(positions));
-        best = std::min(best, ScheduledCommand(device_.earliest(command, ready), command, position, bank));
+        best = std::min(best, ScheduledCommand(device_.earliest(command, bank, ready, from), command, position, bank));
       }
     };
     consider.template operator()<DramCommand::kColumn>(here & columns);
@@ -270,8 +271,7 @@ sim::Time DramChannel::tick_ideal(sim::Time now) {
   for (std::size_t port = 0; port < ports_in_.size(); ++port) {
     sim::Link<MemRequest>& in = ports_in_[port];
     sim::Link<MemResponse>& out = *ports_out_[port];
-    const auto open = [&] { return in.front().write || out.can_push(now); };
-    while (in.can_pop(now) && open()) {
+    while (in.can_pop(now) && (in.front().write || out.can_push(now))) {
       const MemRequest r = in.pop(now);
       (r.write ? stats_.writes : stats_.reads) += 1;
       (r.write ? stats_.write_bursts : stats_.read_bursts) += bursts_;

@@ -37,8 +37,7 @@ namespace hw {
 /// An ideal channel takes whatever has arrived and answers it in the same cycle, so that the wire is all of the delay;
 /// its lines still cost their bursts.
 /// Not modelled: forwarding from the write queue, postponed refresh, command slots of refreshes and their distance to
-/// activates of other banks, power-down of single ranks or with open rows, self refresh, masked writes, WCK
-/// synchronisation.
+/// activates of other banks but for pbr2act, power-down of single ranks or with open rows, self refresh, masked writes.
 class DramChannel {
  public:
   static constexpr const char* kName = "dram.channel";

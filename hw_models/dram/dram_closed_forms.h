@@ -12,14 +12,15 @@ class DramClosedForms {
   explicit DramClosedForms(const DramConfig& c)
       : t_(c.timing),
         bursts_(c.bursts_per_line()),
+        commands_(c.commands_per_line()),
         banks_(c.organisation.banks),
         groups_(c.organisation.bank_groups),
         bank_refresh_interval_(static_cast<double>(c.bank_refresh_interval())),
         refresh_((c.controller.refresh == RefreshKind::kAllBank ? t_.rp_ab + t_.rfc_ab : t_.rp + t_.rfc_pb)) {}
 
   // A lone read, by the state of its bank.
-  double row_hit() const { return t_.rl + t_.dqsck + train() + t_.burst; }
-  double closed_bank() const { return t_.rcd + row_hit(); }
+  double row_hit() const { return t_.wck_sync + t_.rl + t_.dqsck + train() + t_.burst; }
+  double closed_bank() const { return t_.rcd + row_hit() - t_.wck_sync; }
   double row_conflict() const { return t_.rp + closed_bank(); }
   double after_power_down() const { return t_.xp + closed_bank(); }
 
@@ -39,7 +40,7 @@ class DramClosedForms {
     const double activate = std::max<double>(t_.rrd, t_.faw / 4.0);
     const std::uint32_t hits = (lines - 1) * bursts_ * t_.ccd_l + train();
     const double row = std::max(t_.rc, std::max(t_.ras, t_.rcd + hits + t_.rtp) + t_.rp);
-    const double commands = t_.ca_activate + lines * bursts_ * t_.ca_column + t_.ca_precharge;
+    const double commands = t_.ca_activate + lines * commands_ * t_.ca_column + t_.ca_precharge;
     return std::max({activate, row / banks_, commands, lines * streamed_line()}) / lines;
   }
   /// Hits of one row that refreshes close, bank by bank or all banks at once, as the configuration says.
@@ -53,7 +54,7 @@ class DramClosedForms {
   std::uint32_t train() const { return (bursts_ - 1) * t_.ccd_l; }  ///< first to last column command of a line
 
   const DramTiming t_;
-  const std::uint32_t bursts_, banks_, groups_;
+  const std::uint32_t bursts_, commands_, banks_, groups_;
   const double bank_refresh_interval_;
   const double refresh_;
 };

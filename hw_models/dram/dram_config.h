@@ -60,6 +60,7 @@ struct DramOrganisation {
   std::uint32_t rows = 65536;
   sim::ByteSize page{2048};
   sim::ByteSize burst{32};
+  bool bl32 = false;
 
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
@@ -72,6 +73,7 @@ struct DramOrganisation {
     field(NAMED(c.rows), "rows", "rows of a bank", sim::power_of_two(1, 1 << 20), Affects::kTiming);
     field(NAMED(c.page), "bytes", "data of one row", sim::power_of_two(64, 1 << 16), Affects::kTiming);
     field(NAMED(c.burst), "bytes", "data of one read or write command", sim::power_of_two(8, 256), Affects::kTiming);
+    field(NAMED(c.bl32), "", "a command moves two bursts, tCCD_L apart (BL32 of LPDDR5)", sim::any(), Affects::kTiming);
   }
   std::uint32_t all_banks() const { return ranks * banks; }
 };
@@ -84,7 +86,10 @@ struct DramTiming {
   std::uint32_t ccd_s = 8, ccd_l = 8, rtp = 12, wr = 29, wtr_s = 16, wtr_l = 16, dqss = 1, rtw = 1;
   std::uint32_t rtrs = 1, xp = 12;
   std::uint32_t rfc_pb = 224, refi_pb = 780, rfc_ab = 448, refi_ab = 6246;
+  std::uint32_t pbr2act = 16;
+  bool pbr_in_faw = true;
   std::uint32_t ca_activate = 4, ca_column = 4, ca_precharge = 2;
+  std::uint32_t aad = 0, wck_sync = 0, wck_post = 0;
 
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
@@ -117,9 +122,15 @@ struct DramTiming {
     cycles(NAMED(c.refi_pb), "between refreshes of single banks of a rank; 0 switches refresh off", 0, 100'000);
     cycles(NAMED(c.rfc_ab), "a refresh of all banks", 1, 8192);
     cycles(NAMED(c.refi_ab), "between refreshes of all banks of a rank; 0 switches refresh off", 0, 1'000'000);
+    cycles(NAMED(c.pbr2act), "between a refresh of single banks and an activate of another bank, both ways", 0, 256);
+    field(NAMED(c.pbr_in_faw), "", "a refresh of single banks counts as an activate in the window", sim::any(),
+          Affects::kTiming);
     cycles(NAMED(c.ca_activate), "command bus time of an activate", 1, 8);
     cycles(NAMED(c.ca_column), "command bus time of a read or write", 1, 8);
     cycles(NAMED(c.ca_precharge), "command bus time of a precharge", 1, 8);
+    cycles(NAMED(c.aad), "ACT-1 to ACT-2 at most, each half of ca_activate; 0: one follows the other at once", 0, 16);
+    cycles(NAMED(c.wck_sync), "CAS that starts the data clock (WCK) before a read or write; 0: it is always on", 0, 8);
+    cycles(NAMED(c.wck_post), "end of data to the end of the data clock", 0, 64);
   }
 };
 
@@ -235,6 +246,14 @@ struct DramConfig {
     if (organisation.all_banks() > 32)
       complain("organisation.banks",
                "are " + std::to_string(organisation.all_banks()) + "; allowed: at most 32, all ranks together");
+    if (organisation.bl32 && bursts_per_line() % 2 != 0) {
+      complain("organisation.bl32",
+               "goes with lines of an even number of bursts, not of " + std::to_string(bursts_per_line()));
+    }
+    if (timing.aad != 0 && (timing.ca_activate % 2 != 0 || timing.aad < timing.ca_activate / 2)) {
+      complain("timing.aad", "must not be less than half of ca_activate (" + std::to_string(timing.ca_activate) +
+                                 "), which must be even");
+    }
     if (timing.wl > timing.rl) complain("timing.wl", at_most("rl", timing.rl));
     if (timing.burst > timing.ccd_s || timing.ccd_s > timing.ccd_l)
       complain("timing.ccd_s", "allowed: burst <= ccd_s <= ccd_l");
@@ -242,6 +261,7 @@ struct DramConfig {
   }
 
   std::uint32_t bursts_per_line() const { return static_cast<std::uint32_t>(line.bytes / organisation.burst.bytes); }
+  std::uint32_t commands_per_line() const { return bursts_per_line() / (organisation.bl32 ? 2 : 1); }
   /// Between refreshes of a rank, in nCK; 0: never.
   std::uint32_t refresh_interval() const {
     return controller.refresh == RefreshKind::kAllBank ? timing.refi_ab : timing.refi_pb;

@@ -35,11 +35,12 @@ DramDevice::DramDevice(const DramConfig& c)
       refresh_set_(c.organisation.refresh_banks == 1 ? 1 : 1 | 1U << pair_distance(c.organisation)),
       refresh_leaders_(leaders(c.organisation)),
       train_length_(Cycle{c.bursts_per_line() - 1} * c.timing.ccd_l),
-      calendar_(c.timing, c.bursts_per_line()) {
+      calendar_(c.timing, c.bursts_per_line(), c.commands_per_line()) {
   assert(c.organisation.all_banks() <= kMaxBanks && c.organisation.ranks <= kMaxRanks);
 }
 
 DramCycleReason DramDevice::reason(DramCommand command, std::uint32_t bank, bool write, Cycle at) const {
+  if (command == kColumn && begins_with_cas(bank, write, at)) at += t_.wck_sync;
   const bool by_bank = at == this->at(command, bank);
   const Rank& rank = rank_[rank_of(bank)];
   if (at == awake_at_ && at != 0) return DramCycleReason::kPowerDown;
@@ -52,7 +53,7 @@ DramCycleReason DramDevice::reason(DramCommand command, std::uint32_t bank, bool
       return calendar_.data_free(at - 1) ? DramCycleReason::kCommandBus : DramCycleReason::kColumn;
     case kActivate:
       if (by_bank) return closed_reason_[bank];
-      return at == rank.next_activate() ? DramCycleReason::kActivate : DramCycleReason::kCommandBus;
+      return at == rank.next_activate(at - 1, t_) ? DramCycleReason::kActivate : DramCycleReason::kCommandBus;
     case kPrecharge:
       return by_bank ? DramCycleReason::kRowConflict : DramCycleReason::kCommandBus;
   }
@@ -90,11 +91,13 @@ void DramDevice::close(std::uint32_t bank, Cycle now) {
 }
 
 DramDevice::Cycle DramDevice::read(std::uint32_t bank, Cycle now) {
+  now = book_train(bank, false, now);
   const Cycle last = now + train_length_;
   const std::uint32_t group = group_of(bank);
   at(kPrecharge, bank) = std::max(at(kPrecharge, bank), last + t_.rtp);
   group_at_[kReadTrain][group] = group_at_[kWriteTrain][group] = last + t_.ccd_l;
   const Cycle end = last + t_.rl + t_.dqsck + t_.burst;
+  rank_[rank_of(bank)].synchronised_until = end + t_.wck_post;
   for (std::uint32_t r = 0; r < ranks_; ++r) {
     if (r == rank_of(bank)) {
       rank_[r].raise(true, end + t_.rtw - t_.wl, DramCycleReason::kTurnaround);
@@ -104,11 +107,11 @@ DramDevice::Cycle DramDevice::read(std::uint32_t bank, Cycle now) {
                      t_.rtrs > t_.rtw ? DramCycleReason::kRankSwitch : DramCycleReason::kTurnaround);
     }
   }
-  book_train(false, now);
   return now + t_.rl + t_.dqsck;
 }
 
 DramDevice::Cycle DramDevice::write(std::uint32_t bank, Cycle now) {
+  now = book_train(bank, true, now);
   const Cycle last = now + train_length_;
   const Cycle last_data = last + t_.wl + t_.dqss;
   const std::uint32_t group = group_of(bank);
@@ -116,6 +119,7 @@ DramDevice::Cycle DramDevice::write(std::uint32_t bank, Cycle now) {
   group_at_[kReadTrain][group] = last_data + t_.ccd_l + t_.wtr_l;
   group_at_[kWriteTrain][group] = last + t_.ccd_l;
   const Cycle end = last_data + t_.burst;
+  rank_[rank_of(bank)].synchronised_until = end + t_.wck_post;
   for (std::uint32_t r = 0; r < ranks_; ++r) {
     if (r == rank_of(bank)) {
       rank_[r].raise(false, end + t_.wtr_s, DramCycleReason::kTurnaround);
@@ -125,14 +129,19 @@ DramDevice::Cycle DramDevice::write(std::uint32_t bank, Cycle now) {
       rank_[r].raise(true, last + t_.burst + t_.rtrs, DramCycleReason::kRankSwitch);
     }
   }
-  book_train(true, now);
   return now + t_.wl + t_.dqss;
 }
 
-void DramDevice::book_train(bool write, Cycle now) {
-  calendar_.book(kColumn, now);
+/// The cycle of the first column command of a line that begins at `now`, perhaps with a CAS.
+DramDevice::Cycle DramDevice::book_train(std::uint32_t bank, bool write, Cycle now) {
   turnarounds_ += write != last_was_write_;
   last_was_write_ = write;
+  if (begins_with_cas(bank, write, now)) {
+    calendar_.book_with_sync(now);
+    return now + t_.wck_sync;
+  }
+  calendar_.book(kColumn, now);
+  return now;
 }
 
 void DramDevice::refresh(std::uint32_t banks, Cycle due) {
@@ -140,16 +149,25 @@ void DramDevice::refresh(std::uint32_t banks, Cycle due) {
     const std::uint32_t bank = log2(left);
     close(bank, std::max(due, at(kPrecharge, bank)));
   }
-  keep_busy(banks, due, t_.rfc_pb);
+  Rank& rank = rank_[rank_of(log2(banks))];
+  const Cycle begin = begin_of_refresh(banks, due);
+  rank.refreshed_at =
+      t_.pbr2act == 0 ? begin : std::max({begin, rank.activate_at, rank.four_activates[rank.oldest_activate]});
+  keep_busy(banks, rank.refreshed_at, t_.rfc_pb);
 }
 
 void DramDevice::refresh_rank(std::uint32_t rank, Cycle due) {
-  keep_busy(banks_of(rank), precharge_all(banks_of(rank), due), t_.rfc_ab);
+  const std::uint32_t banks = banks_of(rank);
+  keep_busy(banks, begin_of_refresh(banks, precharge_all(banks, due)), t_.rfc_ab);
 }
 
-void DramDevice::keep_busy(std::uint32_t banks, Cycle from, std::uint32_t cycles) {
-  Cycle begin = from;
-  for (std::uint32_t left = banks; left != 0; left &= left - 1) begin = std::max(begin, at(kActivate, log2(left)));
+/// The first cycle, `from` or later, at which all of the banks are precharged.
+DramDevice::Cycle DramDevice::begin_of_refresh(std::uint32_t banks, Cycle from) const {
+  for (std::uint32_t left = banks; left != 0; left &= left - 1) from = std::max(from, at(kActivate, log2(left)));
+  return from;
+}
+
+void DramDevice::keep_busy(std::uint32_t banks, Cycle begin, std::uint32_t cycles) {
   for (std::uint32_t left = banks; left != 0; left &= left - 1) {
     at(kActivate, log2(left)) = begin + cycles;
     closed_reason_[log2(left)] = DramCycleReason::kRefresh;

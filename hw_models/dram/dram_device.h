@@ -66,7 +66,7 @@ class DramDevice {
   ReadyCycles rank_ready(std::uint32_t rank, bool write, Cycle now) const {
     const Rank& r = rank_[rank];
     const Cycle from = std::max(now, awake_at_);
-    return {std::max(from, r.column_at[write]), std::max(from, r.next_activate()), from};
+    return {std::max(from, r.column_at[write]), r.next_activate(from, t_), from};
   }
   /// The first cycle at which the command may run in the bank, as far as the buses are free for it.
   Cycle ready(DramCommand command, std::uint32_t bank, bool write, const ReadyCycles& rank_ready) const {
@@ -75,8 +75,29 @@ class DramDevice {
     if (command != DramCommand::kColumn) return at;
     return std::max(at, group_at_[write ? kWriteTrain : kReadTrain][group_of(bank)]);
   }
-  /// The first cycle, `ready` or later, at which the buses are free for the command.
-  Cycle earliest(DramCommand command, Cycle ready) const { return calendar_.first_free(command, ready); }
+  /// The first cycle, `ready` or later, at which the buses are free for the command; while WCK stands still and it is a
+  /// read or write, that of the CAS before it, `from` or later.
+  Cycle earliest(DramCommand command, std::uint32_t bank, Cycle ready, Cycle from) const {
+    const Rank& rank = rank_[rank_of(bank)];
+    Cycle free = calendar_.first_free(command, ready);
+    if (command == DramCommand::kColumn && t_.wck_sync != 0 && free > rank.synchronised_until) {
+      const Cycle column = std::max(ready, rank.synchronised_until + 1);
+      return calendar_.first_free_with_sync(std::max(from + t_.wck_sync, column) - t_.wck_sync);
+    }
+    if (command != DramCommand::kActivate || t_.pbr2act == 0) return free;
+    for (Cycle allowed = rank.next_activate(free, t_); allowed != free; allowed = rank.next_activate(free, t_)) {
+      free = calendar_.first_free(command, allowed);
+    }
+    return free;
+  }
+  /// Cycles by which a read or write may begin, with its CAS, before it is ready.
+  Cycle lead(DramCommand command) const { return command == DramCommand::kColumn ? t_.wck_sync : 0; }
+  /// True if a read or write that begins at `at` begins with a CAS.
+  bool begins_with_cas(std::uint32_t bank, bool write, Cycle at) const {
+    const Rank& rank = rank_[rank_of(bank)];
+    if (t_.wck_sync == 0) return false;
+    return at > rank.synchronised_until || at < ready(DramCommand::kColumn, bank, write, {rank.column_at[write], 0, 0});
+  }
   /// Reason why the command cannot run one cycle before `at`, its earliest cycle; it holds for every cycle until then.
   DramCycleReason reason(DramCommand command, std::uint32_t bank, bool write, Cycle at) const;
 
@@ -84,7 +105,7 @@ class DramDevice {
   void precharge(std::uint32_t bank, Cycle now);
   /// The last read or write of the bank's open row brings its precharge along, which takes no command slot.
   void auto_precharge(std::uint32_t bank) { close(bank, at(DramCommand::kPrecharge, bank)); }
-  /// The bursts of one line; returns the cycle of the first data.
+  /// The bursts of one line, behind a CAS if WCK stands still; returns the cycle of the first data.
   Cycle read(std::uint32_t bank, Cycle now);
   Cycle write(std::uint32_t bank, Cycle now);
   /// First data to the end of the last burst of a line.
@@ -124,8 +145,9 @@ class DramDevice {
   /// A number of the bank's group that no other group of the channel has.
   std::uint32_t group_of(std::uint32_t bank) const { return bank & group_mask_; }
   void close(std::uint32_t bank, Cycle now);
-  void book_train(bool write, Cycle now);
-  void keep_busy(std::uint32_t banks, Cycle from, std::uint32_t cycles);
+  Cycle book_train(std::uint32_t bank, bool write, Cycle now);
+  Cycle begin_of_refresh(std::uint32_t banks, Cycle from) const;
+  void keep_busy(std::uint32_t banks, Cycle begin, std::uint32_t cycles);
 
   struct Rank {
     std::array<Cycle, 2> column_at{};                ///< reads, writes: after data in the other direction
@@ -136,7 +158,17 @@ class DramDevice {
     Cycle active = 0;  ///< counted up to active_since
     Cycle active_since = 0, active_until = 0;
 
-    Cycle next_activate() const { return std::max(activate_at, four_activates[oldest_activate]); }
+    Cycle refreshed_at = 0;        ///< begin of the last refresh of single banks; 0: none yet
+    Cycle synchronised_until = 0;  ///< WCK runs
+
+    Cycle next_activate(Cycle from, const DramTiming& t) const {
+      Cycle at = std::max({from, activate_at, four_activates[oldest_activate]});
+      if (t.pbr2act == 0 || refreshed_at == 0) return at;
+      if (at + t.pbr2act > refreshed_at) at = std::max(at, refreshed_at + t.pbr2act);
+      const Cycle window = refreshed_at + t.faw;
+      if (!t.pbr_in_faw || at < refreshed_at || at >= window) return at;
+      return std::max(at, std::min(window, four_activates[(oldest_activate + 1) % 4]));
+    }
     void raise(bool write, Cycle at, DramCycleReason why) {
       if (at <= column_at[write]) return;
       column_at[write] = at;

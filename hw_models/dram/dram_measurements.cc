@@ -140,11 +140,13 @@ void rows(const DramConfig& grade, std::vector<DramMeasurement>& measured) {
   const auto most = static_cast<std::uint32_t>(grade.organisation.page.bytes / grade.line.bytes);
   const std::uint32_t lines_of_row = std::min<std::uint32_t>(16, most);
   measured.push_back(rows_in_turn(long_rows, "sixteen lines of every row", lines_of_row, Holds::kClosely));
-  measured.push_back(rows_in_turn(lines, "a line of every row", 1, Holds::kAtMost));
+  // ACT-2 fits between the commands of other lines; an activate of one block does not always.
+  const Holds holds = grade.timing.aad != 0 ? Holds::kClosely : Holds::kAtMost;
+  measured.push_back(rows_in_turn(lines, "a line of every row", 1, holds));
   for (Addr i = 0; i < kLines; ++i) random.send(sim::hash(i) % (1 << 22) * random.config.line.bytes);
   random.go();
   const double expected = random.gbps(DramClosedForms(random.config).line_of_own_row(1));
-  measured.push_back({"random reads", "GB/s", random.steady_gbps(), expected, Holds::kAtMost});
+  measured.push_back({"random reads", "GB/s", random.steady_gbps(), expected, holds});
 }
 
 void refreshes(const DramConfig& grade, std::vector<DramMeasurement>& measured) {

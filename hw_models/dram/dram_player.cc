@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <deque>
 #include <functional>
 #include <queue>
 
@@ -38,6 +39,7 @@ class Player : DramChannel::Watcher {
       if (wake_ > now) continue;
       wake_ = sim::kNever;
       wake_ = std::min(wake_, channel_.tick(now));
+      take_posted();
     }
     return finish();
   }
@@ -49,15 +51,21 @@ class Player : DramChannel::Watcher {
     const DramRequest& r = requests_[next_];
     play_.arrived[next_] = now;
     waiting_ += 1;
+    on_the_wire_.push_back(r.write);
     in_.push(now, {r.address / line_ * line_, static_cast<std::uint16_t>(next_ >> 16),
                    static_cast<std::uint16_t>(next_), r.write});
+  }
+
+  /// A write is posted: it is over for who sends it when the channel has taken it.
+  void take_posted() {
+    for (; on_the_wire_.size() > in_.size(); on_the_wire_.pop_front()) waiting_ -= on_the_wire_.front() ? 1 : 0;
   }
 
   void served(const MemRequest& r, sim::Time end) override {
     const std::size_t i = std::size_t{r.source} << 16 | r.tag;
     play_.done[i] = end - clock_.period();
     play_.end = std::max(play_.end, play_.done[i]);
-    busy_.push(end - clock_.period());
+    if (!r.write) busy_.push(end - clock_.period());
     served_ += 1;
   }
 
@@ -89,8 +97,9 @@ class Player : DramChannel::Watcher {
   sim::Time wake_ = 0;
 
   std::size_t next_ = 0;
-  std::uint32_t waiting_ = 0;                                                    ///< arrived and not done
-  std::size_t served_ = 0;                                                       ///< their data are booked
+  std::uint32_t waiting_ = 0;     ///< sent and not done
+  std::deque<bool> on_the_wire_;  ///< requests in the link: whether each writes
+  std::size_t served_ = 0;        ///< their data are booked
   std::priority_queue<sim::Time, std::vector<sim::Time>, std::greater<>> busy_;  ///< when those will be done
   DramPlay play_;
 };

@@ -12,11 +12,14 @@ TileDispatcher::TileDispatcher(TileSource& source, std::uint32_t tiles_per_core,
       links_(std::move(links)),
       clock_(clock),
       next_(source.next()),
-      in_flight_(links_.to_core.size()) {}
+      in_flight_(links_.to_core.size()) {
+  importers_.reserve(tiles_per_core * links_.to_core.size());
+}
 
 sim::Time TileDispatcher::tick(sim::Time now) {
   collect(now);
   flush(now);
+  tell(now);
   const bool dispatched = next_ != nullptr && !must_wait() && dispatch(now);
   const bool waits = next_ != nullptr && must_wait();
   const CycleReason then = next_ == nullptr ? CycleReason::kIdle
@@ -32,21 +35,25 @@ sim::Time TileDispatcher::tick(sim::Time now) {
       at = std::min(at, std::max(next, links_.to_core[core]->push_at()));
     }
   }
+  for (const Importer& i : importers_) {
+    if (i.has_news) at = std::min(at, std::max(next, links_.to_core[i.core]->push_at()));
+  }
   return at;
 }
 
-bool TileDispatcher::must_wait() const {
-  if (next_->after_all && stats_.finished < stats_.dispatched) return true;
-  return std::ranges::any_of(next_->after,
-                             [&](std::uint32_t tile) { return tile >= finished_.size() || !finished_[tile]; });
-}
+bool TileDispatcher::must_wait() const { return next_->after_all && stats_.finished < stats_.dispatched; }
 
 bool TileDispatcher::dispatch(sim::Time now) {
   const std::size_t cores = in_flight_.size();
   for (std::size_t k = 0; k < cores; ++k) {
     const std::size_t core = (turn_ + k) % cores;
     if (in_flight_[core] == tiles_per_core_ || !links_.to_core[core]->can_push(now)) continue;
-    links_.to_core[core]->push(now, TileJob{next_});
+    const TileJob job{next_, missing(*next_)};
+    links_.to_core[core]->push(now, job);
+    if (job.missing != 0) {
+      importers_.push_back({core, job});
+      stats_.early += 1;
+    }
     in_flight_[core] += 1;
     stats_.dispatched += 1;
     turn_ = (core + 1) % cores;
@@ -60,13 +67,46 @@ bool TileDispatcher::dispatch(sim::Time now) {
 void TileDispatcher::collect(sim::Time now) {
   for (std::size_t core = 0; core < in_flight_.size(); ++core) {
     if (!links_.from_core[core]->can_pop(now)) continue;
-    const traces::TileWork* work = links_.from_core[core]->pop(now).work;
-    if (finished_.size() <= work->tile) finished_.resize(std::size_t{work->tile} + 1);
-    finished_[work->tile] = true;
-    source_.give_back(work);
+    const TileDone done = links_.from_core[core]->pop(now);
+    if (done.border != traces::WorkNode::kNone) {
+      written(done.work->tile, 1U << done.border);
+      stats_.borders += 1;
+      continue;
+    }
+    written(done.work->tile, (1U << traces::kMostBorders) - 1);  // those that it has not written will not change
+    source_.give_back(done.work);
     in_flight_[core] -= 1;
     stats_.finished += 1;
   }
+}
+
+void TileDispatcher::written(std::uint32_t tile, std::uint32_t borders) {
+  if (written_.size() <= tile) written_.resize(std::size_t{tile} + 1);
+  written_[tile] = static_cast<std::uint8_t>(written_[tile] | borders);
+  for (Importer& i : importers_) {
+    const std::uint32_t left = i.job.missing & missing(*i.job.work);
+    i.has_news |= left != i.job.missing;
+    i.job.missing = left;
+  }
+}
+
+std::uint32_t TileDispatcher::missing(const traces::TileWork& work) const {
+  std::uint32_t bits = 0;
+  for (std::size_t i = 0; i < work.imports.size(); ++i) {
+    const auto [tile, number] = work.imports[i];
+    if (tile >= written_.size() || (written_[tile] >> number & 1U) == 0) bits |= 1U << i;
+  }
+  return bits;
+}
+
+/// Sends news to cores that have room for them.
+void TileDispatcher::tell(sim::Time now) {
+  for (Importer& i : importers_) {
+    if (!i.has_news || !links_.to_core[i.core]->can_push(now)) continue;
+    links_.to_core[i.core]->push(now, i.job);
+    i.has_news = false;
+  }
+  std::erase_if(importers_, [](const Importer& i) { return !i.has_news && i.job.missing == 0; });
 }
 
 void TileDispatcher::flush(sim::Time now) {
@@ -77,9 +117,10 @@ void TileDispatcher::flush(sim::Time now) {
 
 std::string TileDispatcher::state() const {
   const std::string next = next_ == nullptr ? "none left"
-                           : must_wait()    ? fmt::format("tile {} waits for others", next_->tile)
+                           : must_wait()    ? fmt::format("tile {} waits for all before it", next_->tile)
                                             : "some left";
-  return fmt::format("tiles dispatched {}, finished {}, {}", stats_.dispatched, stats_.finished, next);
+  return fmt::format("tiles dispatched {}, finished {}, of these without all borders {}, {}", stats_.dispatched,
+                     stats_.finished, importers_.size(), next);
 }
 
 }  // namespace hw

@@ -23,10 +23,16 @@ class TileSource {
   virtual void dispatched([[maybe_unused]] sim::Time now) {}
 };
 
-/// Hands the tiles of the list to the cores, each in turn as it has room for one, in the order of the list: a tile that
-/// needs others (TileWork::after, after_all) holds up those behind it until they are finished.
+/// Hands the tiles of the list to the cores, each in turn as it has room for one, in the order of the list, and keeps
+/// account of the borders that are in memory. A tile is handed out whether the borders that it imports are there or
+/// not: only its transfers that read them wait for news. A tile after all others (TileWork::after_all) holds up those
+/// behind it until all before it are finished.
 ///
 ///   tile list --> [one tile a cycle, round robin over cores with room] --> cores
+///   borders written, tiles finished --> [those who import them] ---------> news for cores
+///
+/// Nobody waits for ever: a border is of an earlier tile, which has been handed out before, and the oldest tile of all
+/// imports borders of finished tiles alone (docs/design/machine.md).
 class TileDispatcher {
  public:
   static constexpr const char* kName = "tile_dispatcher";
@@ -36,13 +42,15 @@ class TileDispatcher {
       {CycleReason::kIdle, sim::idle("idle", "every tile is out")},
       {CycleReason::kDispatching, sim::working("dispatching", "a tile went to a core")},
       {CycleReason::kCoresFull, sim::waiting("cores_full", "no core has room for a tile")},
-      {CycleReason::kWaiting, sim::waiting("waiting", "tiles that the next one needs are not finished")},
+      {CycleReason::kWaiting, sim::waiting("waiting", "the next tile needs all before it to be finished")},
   });
   struct Stats {
-    std::uint64_t dispatched = 0, finished = 0;
+    std::uint64_t dispatched = 0, finished = 0, borders = 0, early = 0;
     static void describe(auto& s, auto&& counter) {
       counter(NAMED(s.dispatched), "tiles handed to cores");
       counter(NAMED(s.finished), "tiles the cores are through with");
+      counter(NAMED(s.borders), "borders of tiles that the cores have written to memory");
+      counter(NAMED(s.early), "tiles handed out before all borders that they import were there");
     }
   };
   struct Links {
@@ -66,11 +74,24 @@ class TileDispatcher {
   bool done() const { return next_ == nullptr && stats_.dispatched == stats_.finished; }
   std::string state() const;
 
+  /// Most messages under way from a core with so many tiles: their borders and ends.
+  static constexpr std::size_t most_done(std::size_t tiles) { return tiles * (traces::kMostBorders + 1); }
+
  private:
+  /// A tile in flight that lacks borders.
+  struct Importer {
+    std::size_t core = 0;
+    TileJob job;
+    bool has_news = false;
+  };
+
   bool dispatch(sim::Time now);
-  /// A tile that the next one needs is not finished.
+  /// The next tile must be alone with those behind it.
   bool must_wait() const;
   void collect(sim::Time now);
+  void written(std::uint32_t tile, std::uint32_t borders);
+  std::uint32_t missing(const traces::TileWork& work) const;
+  void tell(sim::Time now);
   void flush(sim::Time now);
 
   TileSource& source_;
@@ -79,7 +100,8 @@ class TileDispatcher {
   const sim::Clock clock_;
   const traces::TileWork* next_;
   std::vector<std::uint32_t> in_flight_;
-  std::vector<bool> finished_;  ///< by number of tile
+  std::vector<std::uint8_t> written_;  ///< borders in memory by number of tile, a bit each
+  std::vector<Importer> importers_;    ///< in the order of the list
   std::size_t turn_ = 0;
   bool flushed_ = false;
   Stats stats_;

@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "hw_models/machines/patience.h"
 #include "hw_models/tni/scene_in_memory.h"
 #include "shader_kernels/catalogue.h"
 
@@ -48,6 +49,7 @@ Gpu::Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles)
     kernels_.push_back(schedule(kernel.graph, srp));
     conflicts_.push_back(bank_conflicts(kernels_.back(), kernel.graph, config.tile_buffer.banks));
   }
+  patience_ = hw::patience(config, kernels_, conflicts_);
 
   TileDispatcher::Links links;
   for (std::uint32_t c = 0; c < config.cores; ++c) {
@@ -73,7 +75,7 @@ Gpu::Core& Gpu::declare_core(std::uint32_t c) {
   memory_.declare_ports();
   return cores_.emplace_back(
       Core{srp, std::move(tni), machine_.link<TileJob>(in_flight, 1, dispatcher_id_, srp, known),
-           machine_.link<TileDone>(in_flight + 1, 1, srp, dispatcher_id_, known)});  // never full
+           machine_.link<TileDone>(TileDispatcher::most_done(in_flight + 1), 1, srp, dispatcher_id_, known)});
 }
 
 Gpu::Interface Gpu::link_interface(const Core& core, sim::UnitId between) {

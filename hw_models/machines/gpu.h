@@ -44,6 +44,7 @@ class Gpu {
   sim::Machine& machine() { return machine_; }
   bool done() const { return dispatcher_->done() && machine_.quiet(); }
   sim::Time lookahead_end(sim::Time now) const;
+  sim::Time patience() const { return patience_; }
 
   /// Charges every unit's time up to the end of the run. Call once, with what the engine returned.
   void finish(sim::Time last_edge);
@@ -90,6 +91,7 @@ class Gpu {
   const sim::Clock tni_clock_, srp_clock_, l2_clock_;
   std::vector<KernelSchedule> kernels_;
   std::vector<BankConflicts> conflicts_;  ///< one of each kernel
+  sim::Time patience_ = sim::kNever;
 
   sim::Machine machine_;
   MemorySystem memory_;

@@ -54,6 +54,7 @@ struct GpuConfig {
   InterconnectConfig interconnect;
   DramConfig dram;
   IdealConfig ideal;
+  std::uint64_t watchdog = 0;
 
   static void describe(auto& c, auto&& field) {
     field(NAMED(c.cores), "cores", "pairs of an SRP and a T&I unit", sim::between(1, 64), sim::Affects::kTiming);
@@ -67,6 +68,11 @@ struct GpuConfig {
     field.group(NAMED(c.interconnect), "between cores, L2 and memory");
     field.group(NAMED(c.dram), "memory channels");
     field.group(NAMED(c.ideal), "resources made perfect, for bounds (--ideal)");
+    field(
+        NAMED(c.watchdog), "cycles",
+        "T&I cycles after which a machine that retires nothing ends as stuck; 0: eight times the longest latency that "
+        "an item can meet on it",
+        sim::between(0, 1e9), sim::Affects::kTiming);
   }
   void check(auto&& complain) const {
     const auto line = [&](const char* key, const sim::ByteSize& size) {

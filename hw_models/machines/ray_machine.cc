@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "hw_models/machines/patience.h"
 #include "hw_models/tni/scene_in_memory.h"
 #include "sim/engine.h"
 #include "traces/walk_steps.h"
@@ -93,6 +94,8 @@ void RayMachine::run() {
 bool RayMachine::done() const {
   return std::ranges::all_of(cores_, [](const Core& core) { return core.source->done(); }) && machine_.quiet();
 }
+
+sim::Time RayMachine::patience() const { return hw::patience(config_, {}, {}); }
 
 std::uint64_t RayMachine::hits() const {
   std::uint64_t sum = 0;

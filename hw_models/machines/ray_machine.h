@@ -88,6 +88,7 @@ class RayMachine {
   // As the engine sees it.
   sim::Machine& machine() { return machine_; }
   bool done() const;
+  sim::Time patience() const;
 
  private:
   struct Core {

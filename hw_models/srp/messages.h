@@ -7,14 +7,17 @@
 
 namespace hw {
 
-/// A tile handed to a core.
+/// A tile handed to a core; or news for a tile that the core has, once another border that it imports is there.
 struct TileJob {
   const traces::TileWork* work = nullptr;
+  std::uint32_t missing = 0;  ///< borders that are not in memory yet: a bit for each of TileWork::imports
 };
+static_assert(traces::kMostImports <= 32 && traces::kMostBorders <= 8);
 
-/// The core is through with a tile: all its rays, launches and transfers.
+/// A border of a tile is in memory; or the core is through with the tile: all its rays, launches and transfers.
 struct TileDone {
   const traces::TileWork* work = nullptr;
+  std::uint32_t border = traces::WorkNode::kNone;  ///< kNone: all of the tile
 };
 
 /// Parts of memory that only the DMA reads and writes: the regions of the frame, and room for ray slots.

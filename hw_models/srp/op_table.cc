@@ -28,6 +28,7 @@ constexpr Table kTable = [] {
   t.row(kFree, {Op::kInput, Op::kConstant, Op::kBits}, nullptr, "");
   t.row(kFpAdd, {Op::kAdd, Op::kSub}, &Key::fp_add, "srp.fp_add");
   t.row(kFpMul, {Op::kMul}, &Key::fp_mul, "srp.fp_mul");
+  t.row(kFpMulAdd, {}, nullptr, "srp.fp_mul_add");
   t.row(kFpDivSqrt, {Op::kDiv, Op::kSqrt}, &Key::div_sqrt, "srp.fp_div_sqrt");
   t.row(kFpCompare, {Op::kMin, Op::kMax, Op::kLess, Op::kLessEqual, Op::kEqual}, &Key::fp_compare, "srp.fp_compare");
   t.row(kIntAdd, {Op::kIntAdd, Op::kIntSub, Op::kIntLess, Op::kIntEqual}, &Key::integer, "srp.int_add");
@@ -37,7 +38,7 @@ constexpr Table kTable = [] {
   t.row(kConvert, {Op::kFloor, Op::kToFloat, Op::kToInt}, &Key::convert, "srp.convert");
   t.row(kLocalRead, {Op::kLoadLocal}, &Key::local_load, "tile.read");
   t.row(kLocalWrite, {Op::kStoreLocal}, nullptr, "tile.write");
-  t.row(kCachedRead, {Op::kLoadCached}, &Key::cached_load, "");
+  t.row(kCachedRead, {Op::kLoadCached}, nullptr, "");
   return t;
 }();
 static_assert(kTable.ops == static_cast<std::size_t>(Op::kCount), "every operation has one class");
@@ -48,6 +49,8 @@ OpClass class_of(Op op) { return kTable.class_of[static_cast<std::size_t>(op)]; 
 
 std::uint32_t latency_of(OpClass c, const OpLatencyConfig& latency) {
   if (c == OpClass::kLocalWrite) return 1;
+  if (c == OpClass::kCachedRead) return latency.cached();
+  if (c == OpClass::kFpMulAdd) return latency.fp_mul + latency.fp_add;
   const auto key = kTable.latency[static_cast<std::size_t>(c)];
   return key == nullptr ? 0 : latency.*key;
 }

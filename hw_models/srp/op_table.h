@@ -14,6 +14,7 @@ enum class OpClass : std::uint8_t {
   kFree,  ///< nothing: a value of the loop, a field of a loaded record, reinterpreted bits
   kFpAdd,
   kFpMul,
+  kFpMulAdd,  ///< a product and its addition, of arrays that have such units
   kFpDivSqrt,
   kFpCompare,  ///< minimum and maximum too
   kIntAdd,     ///< a comparison of integers is a subtraction
@@ -31,8 +32,8 @@ inline constexpr std::size_t kOpClasses = static_cast<std::size_t>(OpClass::kCou
 using OpMix = std::array<std::uint32_t, kOpClasses>;
 
 constexpr std::array<std::string_view, kOpClasses> names_of(OpClass) {
-  return {"free",      "fp_add",    "fp_mul",  "fp_div_sqrt", "fp_compare",  "int_add",    "int_mul",
-          "int_logic", "int_shift", "convert", "local_read",  "local_write", "cached_read"};
+  return {"free",    "fp_add",    "fp_mul",    "fp_mul_add", "fp_div_sqrt", "fp_compare",  "int_add",
+          "int_mul", "int_logic", "int_shift", "convert",    "local_read",  "local_write", "cached_read"};
 }
 
 OpClass class_of(kernels::Op op);

@@ -18,9 +18,9 @@ using kernels::Op;
 
 constexpr std::uint32_t kNone = GraphNode::kNone;
 /// Placements tried per operation before the interval is given up.
-constexpr std::size_t kPatience = 32;
+constexpr std::size_t kPatience = 16;
 /// Placements after which intervals are no longer tried one by one.
-constexpr std::size_t kQuick = 30'000;
+constexpr std::size_t kQuick = 10'000;
 
 /// Which operation gets its slot next.
 enum class Order : std::uint8_t {
@@ -121,7 +121,8 @@ class Placer {
     return earliest;
   }
   std::int64_t ready(const Dependence& d) const {
-    return *starts_[d.from] + graph_.operations()[d.from].latency - std::int64_t{d.distance} * ii_;
+    return *starts_[d.from] + graph_.operations()[d.from].latency - std::int64_t{d.after} -
+           std::int64_t{d.distance} * ii_;
   }
 
   std::uint32_t least_urgent_unit(std::uint32_t op, std::uint32_t units, std::int64_t start) {
@@ -209,13 +210,16 @@ void count(const kernels::Graph& graph, const ScheduleGraph& parts, KernelSchedu
     const GraphNode& node = graph.nodes[id];
     return node.op != Op::kConstant && (node.op != Op::kInput || node.inputs[0] != kNone);
   };
-  for (const GraphNode& node : graph.nodes) {
+  for (std::uint32_t id = 0; id < graph.nodes.size(); ++id) {
+    const GraphNode& node = graph.nodes[id];
     const OpClass kind = class_of(node.op);
     if (kind == OpClass::kFree) continue;
     kernels::for_each_input(node, [&](std::uint32_t input) {
+      if (parts.is_fused(input)) return;
       s.rf_reads += 1;
       s.route_hops += made(input) ? 1 : 0;
     });
+    if (parts.is_fused(id)) continue;
     const bool store = kind == OpClass::kLocalWrite;
     if (!is_memory(kind)) s.fu_ops += 1;
     if (kind == OpClass::kCachedRead) s.cached_loads += 1;
@@ -226,7 +230,7 @@ void count(const kernels::Graph& graph, const ScheduleGraph& parts, KernelSchedu
 }  // namespace
 
 KernelSchedule schedule(const kernels::Graph& graph, const SrpConfig& config) {
-  const ScheduleGraph parts(graph, config.latency);
+  const ScheduleGraph parts(graph, config);
   KernelSchedule s;
   s.kernel = graph.kernel;
   count(graph, parts, s);
@@ -244,6 +248,7 @@ KernelSchedule schedule(const kernels::Graph& graph, const SrpConfig& config) {
     s.depth = std::max(s.depth, start + operation.latency);
   }
   s.config_reads = s.ii * config.array.units();
+  if (config.latency.load_queue > 0) s.queued_loads = s.ops[static_cast<std::size_t>(OpClass::kCachedRead)];
   return s;
 }
 

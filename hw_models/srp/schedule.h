@@ -9,10 +9,10 @@
 
 namespace hw {
 
-/// The slot of one operation, or of one 16-byte access of a load or store.
+/// The slot of one operation, or of one access of a load or store.
 struct Placement {
   std::uint32_t node = 0;   ///< node of the kernel's graph
-  std::uint32_t part = 0;   ///< part of a record: its bytes from 16 * part on
+  std::uint32_t part = 0;   ///< part of a record, each as wide as the port
   std::uint32_t start = 0;  ///< cycle of issue, counted from the item's first
   std::uint32_t unit = 0;   ///< functional unit, row by row; local port; or cache port
 };
@@ -30,6 +30,7 @@ struct KernelSchedule {
   std::uint32_t local_reads = 0;   ///< 16-byte accesses
   std::uint32_t local_writes = 0;  ///< 16-byte accesses
   std::uint32_t cached_loads = 0;  ///< records
+  std::uint32_t queued_loads = 0;  ///< accesses to the data cache that wait in the load queue
   std::uint32_t rf_reads = 0;      ///< one per operand
   std::uint32_t rf_writes = 0;     ///< one per result and per loaded word
   std::uint32_t route_hops = 0;    ///< one per operand that another unit or port made

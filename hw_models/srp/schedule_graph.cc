@@ -1,6 +1,7 @@
 #include "hw_models/srp/schedule_graph.h"
 
 #include <algorithm>
+#include <iterator>
 #include <stdexcept>
 
 namespace hw {
@@ -9,17 +10,39 @@ using kernels::Graph;
 using kernels::GraphNode;
 using kernels::Op;
 
-ScheduleGraph::ScheduleGraph(const Graph& graph, const OpLatencyConfig& latency) {
+ScheduleGraph::ScheduleGraph(const Graph& graph, const SrpConfig& config)
+    : cache_width_(static_cast<std::uint32_t>(config.array.cache_port_width.bytes)),
+      product_latency_(config.latency.fp_mul),
+      fused_(graph.nodes.size(), false) {
+  if (config.array.mul_add) fuse_products(graph);
   const auto nodes = static_cast<std::uint32_t>(graph.nodes.size());
-  for (std::uint32_t id = 0; id < nodes; ++id) add_operations(graph.nodes[id], id, latency);
+  for (std::uint32_t id = 0; id < nodes; ++id) add_operations(graph.nodes[id], id, config.latency);
   for (std::uint32_t id = 0; id < nodes; ++id) add_dependences(graph, id);
 }
 
+/// Fuses, with each addition, the first of its products that nothing else uses.
+void ScheduleGraph::fuse_products(const Graph& graph) {
+  std::vector<std::uint32_t> uses(graph.nodes.size());
+  for (const GraphNode& node : graph.nodes) kernels::for_each_input(node, [&](std::uint32_t id) { ++uses[id]; });
+  for (const GraphNode& node : graph.nodes) {
+    if (class_of(node.op) != OpClass::kFpAdd) continue;
+    const auto product = std::ranges::find_if(node.inputs, [&](std::uint32_t id) {
+      return id != GraphNode::kNone && graph.nodes[id].op == Op::kMul && uses[id] == 1;
+    });
+    if (product != std::end(node.inputs)) fused_[*product] = true;
+  }
+}
+
+bool ScheduleGraph::adds_product(const GraphNode& node) const {
+  return class_of(node.op) == OpClass::kFpAdd &&
+         std::ranges::any_of(node.inputs, [&](std::uint32_t id) { return id != GraphNode::kNone && fused_[id]; });
+}
+
 void ScheduleGraph::add_operations(const GraphNode& node, std::uint32_t id, const OpLatencyConfig& latency) {
-  const OpClass kind = class_of(node.op);
+  const OpClass kind = adds_product(node) ? OpClass::kFpMulAdd : class_of(node.op);
   first_.push_back(static_cast<std::uint32_t>(operations_.size()));
-  if (kind == OpClass::kFree) return;
-  const std::uint32_t parts = is_memory(kind) ? std::max(1U, (node.bytes + kPortBytes - 1) / kPortBytes) : 1;
+  if (kind == OpClass::kFree || fused_[id]) return;
+  const std::uint32_t parts = is_memory(kind) ? std::max(1U, (node.bytes + width(kind) - 1) / width(kind)) : 1;
   for (std::uint32_t part = 0; part < parts; ++part) {
     operations_.push_back({kind, id, part, latency_of(kind, latency), occupancy_of(kind, latency)});
   }
@@ -28,19 +51,26 @@ void ScheduleGraph::add_operations(const GraphNode& node, std::uint32_t id, cons
 void ScheduleGraph::add_dependences(const Graph& graph, std::uint32_t id) {
   const GraphNode& node = graph.nodes[id];
   for (std::uint32_t op = first_[id]; op < operations_.size() && operations_[op].node == id; ++op) {
+    const bool multiplies = operations_[op].kind == OpClass::kFpMulAdd;
     for (const std::uint32_t input : node.inputs) {
-      if (input != GraphNode::kNone) depend(graph, op, input);
+      if (input == GraphNode::kNone) continue;
+      if (!fused_[input]) {
+        depend(graph, op, input, multiplies ? product_latency_ : 0);
+        continue;
+      }
+      kernels::for_each_input(graph.nodes[input], [&](std::uint32_t factor) { depend(graph, op, factor, 0); });
     }
     const std::size_t word = std::size_t{operations_[op].part} * kPortBytes / 4;
     for (std::size_t w = word; w < std::min(word + kPortBytes / 4, node.stored.size()); ++w) {
-      depend(graph, op, node.stored[w]);
+      depend(graph, op, node.stored[w], 0);
     }
   }
 }
 
-void ScheduleGraph::depend(const Graph& graph, std::uint32_t operation, std::uint32_t on_node) {
+void ScheduleGraph::depend(const Graph& graph, std::uint32_t operation, std::uint32_t on_node, std::uint32_t after) {
   const Source source = source_of(graph, on_node);
-  if (source.operation != GraphNode::kNone) dependences_.push_back({source.operation, operation, source.distance});
+  if (source.operation != GraphNode::kNone)
+    dependences_.push_back({source.operation, operation, source.distance, after});
 }
 
 ScheduleGraph::Source ScheduleGraph::source_of(const Graph& graph, std::uint32_t id) const {
@@ -50,8 +80,9 @@ ScheduleGraph::Source ScheduleGraph::source_of(const Graph& graph, std::uint32_t
     if (class_of(node.op) != OpClass::kFree) return {first_[id], distance};
     const std::uint32_t from = node.inputs[0];
     if (from == GraphNode::kNone) return {};
-    const bool field = node.op == Op::kInput && node.distance == 0;
-    if (field && is_memory(class_of(graph.nodes[from].op))) return {first_[from] + node.value / kPortBytes, distance};
+    const OpClass maker = class_of(graph.nodes[from].op);
+    const bool field = node.op == Op::kInput && node.distance == 0 && is_memory(maker);
+    if (field) return {first_[from] + node.value / width(maker), distance};
     distance += node.distance;
     id = from;
   }
@@ -65,8 +96,8 @@ std::vector<std::int64_t> ScheduleGraph::heights(std::uint32_t ii) const {
   for (std::size_t round = 0; round <= operations_.size(); ++round) {
     bool grew = false;
     for (auto d = dependences_.rbegin(); d != dependences_.rend(); ++d) {
-      const std::int64_t through =
-          height[d->to] + operations_[d->from].latency - std::int64_t{ii} * std::int64_t{d->distance};
+      const std::int64_t through = height[d->to] + operations_[d->from].latency - std::int64_t{d->after} -
+                                   std::int64_t{ii} * std::int64_t{d->distance};
       if (through <= height[d->from]) continue;
       height[d->from] = through;
       grew = true;

@@ -27,7 +27,7 @@ std::uint32_t pool_size(Pool pool, const ArrayConfig& array) {
 
 std::uint32_t capable_units(OpClass c, const ArrayConfig& array) {
   if (c == OpClass::kFpDivSqrt) return array.div_sqrt_units;
-  if (c == OpClass::kFpMul || c == OpClass::kIntMul) return array.mul_units;
+  if (c == OpClass::kFpMul || c == OpClass::kFpMulAdd || c == OpClass::kIntMul) return array.mul_units;
   return pool_size(pool_of(c), array);
 }
 

@@ -26,9 +26,11 @@ Srp::Srp(const SrpConfig& config, const TileBufferConfig& buffer, const Frame& f
       buffer_(buffer, frame.tile_samples, frame.attribute_bytes, clock, frame.ideal_buffer),
       cache_(config.data_cache, port, frame.ideal_cache),
       tiles_(buffer.tiles_in_flight),
-      lines_missing_(64),
+      lines_missing_(kMostLoadCycles),
+      config_memory_(config.config_memory.bytes, frame.kernels.size()),
       kernel_use_(frame.kernels.size()) {
   feeds_.reserve(64);
+  run_.parts.reserve(64);
   item_lines_.reserve(64);
 }
 
@@ -68,14 +70,25 @@ void Srp::finish(sim::Time end) {
 }
 
 void Srp::take_tile(sim::Time now) {
-  if (by_age_.size() == tiles_.size() || !links_.tiles_in.can_pop(now)) return;
-  const auto free = std::ranges::find_if(tiles_, [](const TileRun& t) { return !t.active(); });
-  free->begin(*links_.tiles_in.pop(now).work, config_.chunk);
-  if (by_age_.empty()) buffer_.in_use(now, true);
-  by_age_.push_back(static_cast<std::uint32_t>(free - tiles_.begin()));
-  stats_.tiles += 1;
+  if (!links_.tiles_in.can_pop(now) || !has_room(links_.tiles_in.front())) return;
+  const TileJob job = links_.tiles_in.pop(now);
+  std::uint32_t tile = tile_of(job);
   look_ = true;
-  start_transfers(by_age_.back());
+  if (tile != tiles_.size()) {
+    tiles_[tile].borders_missing(job.missing);
+    return start_transfers(tile);
+  }
+  tile = static_cast<std::uint32_t>(std::ranges::find_if_not(tiles_, &TileRun::active) - tiles_.begin());
+  tiles_[tile].begin(*job.work, config_.chunk, job.missing);
+  if (by_age_.empty()) buffer_.in_use(now, true);
+  by_age_.push_back(tile);
+  stats_.tiles += 1;
+  start_transfers(tile);
+}
+
+std::uint32_t Srp::tile_of(const TileJob& job) const {
+  const auto tile = std::ranges::find_if(by_age_, [&](std::uint32_t t) { return &tiles_[t].work() == job.work; });
+  return tile == by_age_.end() ? static_cast<std::uint32_t>(tiles_.size()) : *tile;
 }
 
 void Srp::take_hit(sim::Time now) {
@@ -100,13 +113,17 @@ void Srp::take_dma(sim::Time now) {
   }
   const std::uint32_t tile = tag >> kTileShift, node = tag & kIndexMask;
   if (tiles_[tile].is_awaited(node)) transfers_awaited_ -= 1;
+  const WorkNode& moved = tiles_[tile].node(node);
+  if (moved.to_memory && moved.border != WorkNode::kNone) {
+    links_.tiles_out.push(now, TileDone{&tiles_[tile].work(), moved.border});
+  }
   finish_items(now, tile, node, tiles_[tile].node(node).items);
 }
 
 void Srp::run_array(sim::Time now) {
   if (run_.active && now >= run_.start) {
     const bool flowing = frame_.ideal ? load_all(now) : loads_in_time(now) && issue_loads(now);
-    if (flowing && run_.next_item == run_.loading && loads_.empty() && now >= leaves_at(run_.items - 1)) {
+    if (flowing && run_.next_item == run_.loading && loads_.empty() && now >= leaves_at(run_.parts.items() - 1)) {
       finish_chunk(now);
     }
   }
@@ -114,11 +131,11 @@ void Srp::run_array(sim::Time now) {
 }
 
 void Srp::finish_chunk(sim::Time now) {
-  KernelUse& use = kernel_use_[tiles_[run_.tile].node(run_.node).kernel];
+  KernelUse& use = kernel_use_[run_.kernel];
   use.cycles += clock_.cycles(now - run_.begin);
   use.starved += clock_.cycles(time_without_rays(now) - run_.without_rays);
   run_.active = false;
-  finish_items(now, run_.tile, run_.node, run_.items);
+  for (const LoopPart& part : run_.parts) finish_items(now, part.tile, part.node, part.items);
 }
 
 void Srp::finish_items(sim::Time now, std::uint32_t tile, std::uint32_t node, std::uint32_t items) {
@@ -146,7 +163,7 @@ void Srp::start_transfers(std::uint32_t tile) {
 
 void Srp::end_tile(sim::Time now, std::uint32_t tile) {
   if (!tiles_[tile].active() || !tiles_[tile].all_complete()) return;
-  assert(links_.tiles_out.can_push(now) && "as many places as tiles in flight");
+  assert(links_.tiles_out.can_push(now) && "room for all that tiles in flight have to say");
   links_.tiles_out.push(now, TileDone{&tiles_[tile].work()});
   tiles_[tile].end();
   std::erase(by_age_, tile);
@@ -160,10 +177,10 @@ sim::Time Srp::feed_at(const Feed& feed) const {
   const std::uint32_t launch = run.producer(feed.batch);
   const std::uint32_t item = run.source(feed.batch, feed.next);
   if (item < run.done(launch)) return 0;
-  const bool running = run_.active && run_.tile == feed.tile && run_.node == launch && item < run_.first + run_.items;
-  if (!running) return sim::kNever;
+  const LoopPart* part = run_.active ? run_.parts.find(feed.tile, launch) : nullptr;
+  if (part == nullptr || item >= part->first + part->working) return sim::kNever;
   if (frame_.ideal && run_.stalled_since != sim::kNever) return sim::kNever;
-  const sim::Time leaves = leaves_at(item - run_.first);
+  const sim::Time leaves = leaves_at(part->begin + item - part->first);
   return leaves <= run_.stalled_since ? leaves : sim::kNever;
 }
 
@@ -191,7 +208,11 @@ Srp::CycleReason Srp::why(sim::Time now) const {
     return run_.stalled_since == sim::kNever ? CycleReason::kRunning : CycleReason::kCacheMiss;
   }
   if (by_age_.empty()) return CycleReason::kStarved;
-  return blocked_ ? CycleReason::kNoSlots : CycleReason::kWaiting;
+  if (blocked_) return CycleReason::kNoSlots;
+  const bool moves = rays_out_ > 0 || !feeds_.empty() || transfers_awaited_ > 0;
+  const bool borders =
+      !moves && std::ranges::any_of(by_age_, [&](std::uint32_t t) { return tiles_[t].awaits_border(); });
+  return borders ? CycleReason::kBorders : CycleReason::kWaiting;
 }
 
 sim::Time Srp::next_wake(sim::Time now) const {
@@ -202,7 +223,7 @@ sim::Time Srp::next_wake(sim::Time now) const {
     at = now < run_.configured ? run_.configured : run_.start;
   } else if (run_.active && run_.stalled_since == sim::kNever) {
     const sim::Time origin = run_.start + run_.stall_time;
-    at = leaves_at(run_.items - 1);
+    at = leaves_at(run_.parts.items() - 1);
     if (run_.next_item < run_.loading) at = origin + sim::Time{run_.next_item} * run_.ii * clock_.period();
     if (!loads_.empty()) at = std::min(at, origin + loads_.front().needed);
     at = std::max(at, next);
@@ -212,7 +233,9 @@ sim::Time Srp::next_wake(sim::Time now) const {
     for (auto f = feeds_.begin(); f != feeds_.end() && open < at; ++f) at = std::min(at, std::max(open, feed_at(*f)));
   }
   if (!dma_.empty()) at = std::min(at, std::max(next, links_.dma_out.push_at()));
-  if (by_age_.size() < tiles_.size()) at = std::min(at, std::max(next, links_.tiles_in.pop_at()));
+  if (!links_.tiles_in.empty() && has_room(links_.tiles_in.front())) {
+    at = std::min(at, std::max(next, links_.tiles_in.pop_at()));
+  }
   at = std::min(at, std::max(next, links_.hits_in.pop_at()));
   at = std::min(at, std::max(next, links_.memory_in.pop_at()));
   at = std::min(at, std::max(next, links_.dma_in.pop_at()));

@@ -8,6 +8,8 @@
 #include "hw_models/memory/l1_cache.h"
 #include "hw_models/memory/unit_names.h"
 #include "hw_models/srp/bank_conflicts.h"
+#include "hw_models/srp/config_memory.h"
+#include "hw_models/srp/loop_parts.h"
 #include "hw_models/srp/messages.h"
 #include "hw_models/srp/schedule.h"
 #include "hw_models/srp/srp_config.h"
@@ -29,12 +31,14 @@ namespace hw {
 ///   rays  <-- [ tile buffer: a slot for each ray and its hit ] <-- hits
 ///                        [ transfers whose inputs are there ] --> DMA
 ///
-/// A launch runs in chunks; each pays kernel switch (if the array holds another kernel), prologue and drain. A chunk
-/// starts only when its rays fit into free ray slots, and a younger tile's first rays leave room for the oldest tile's.
-/// If nothing can move any more, the oldest tile's launch starts anyhow and what does not fit goes out to memory and
-/// back. The array is scheduled statically: a data-cache line that is not there when its turn comes stalls all of it.
-/// Cycles lost to bank conflicts are paid before the loop begins.
-/// Not modelled: VLIW mode between loops beyond the switch cost.
+/// A launch runs in chunks, and chunks of one kernel that wait together as one loop; each loop pays kernel switch (if
+/// the array runs another kernel), prologue and drain. A switch to a kernel in configuration memory takes
+/// `switch_cycles`; another's rows are loaded first. A chunk starts only when its rays fit into free ray slots, and a
+/// younger tile's first rays leave room for the oldest tile's. If nothing can move any more, the oldest tile's launch
+/// starts anyhow and what does not fit goes out to memory and back. The array is scheduled statically: a data-cache
+/// line that is not there when its turn comes stalls all of it. Cycles lost to bank conflicts are paid before the loop
+/// begins. Not modelled: VLIW mode between loops beyond the switch cost, the way of configurations from memory to the
+/// core, what it takes to give each launch of a merged loop its own base addresses and constants.
 class Srp {
  public:
   static constexpr const char* kName = "core.srp";
@@ -46,6 +50,7 @@ class Srp {
     kCacheMiss,
     kBanks,
     kWaiting,
+    kBorders,
     kNoSlots,
     kCount
   };
@@ -57,6 +62,8 @@ class Srp {
       {CycleReason::kBanks,
        sim::working("banks", "the array stands still because accesses meet in a bank of the tile buffer")},
       {CycleReason::kWaiting, sim::waiting("waiting", "launches wait for rays in the T&I unit, or for the DMA")},
+      {CycleReason::kBorders,
+       sim::waiting("borders", "transfers wait for borders of other tiles, and nothing else moves")},
       {CycleReason::kNoSlots, sim::waiting("no_slots", "a launch waits for free ray slots in the tile buffer")},
   });
   using Stats = SrpStats;
@@ -92,6 +99,7 @@ class Srp {
   sim::Time tick(sim::Time now);
   const sim::Clock& clock() const { return clock_; }
   const Stats& stats() const { return stats_; }
+  std::uint64_t retired() const { return stats_.tiles + stats_.items + stats_.rays + stats_.hits + stats_.cache_fills; }
   const sim::Activity<CycleReason>& activity() const { return activity_; }
   const TileBuffer& tile_buffer() const { return buffer_; }
   std::span<const KernelUse> kernel_use() const { return kernel_use_; }
@@ -102,11 +110,11 @@ class Srp {
  private:
   static constexpr std::uint64_t kAccess = 16;             ///< bytes of an access to the tile buffer
   static constexpr std::uint32_t kSpillTag = 0xffffffffU;  ///< the tag of DMA jobs for spilled ray slots
-  /// The chunk on the array. Array time stands still while the array is stalled.
+  /// The loop on the array. Array time stands still while the array is stalled.
   struct Run {
     bool active = false;
-    std::uint32_t tile = 0, node = 0;
-    std::uint32_t first = 0, items = 0;
+    traces::KernelId kernel = 0;
+    LoopParts parts;
     std::uint32_t loading = 0;              ///< leading items that touch the data cache
     sim::Time begin = 0;                    ///< switch begins
     sim::Time without_rays = 0;             ///< time without rays before
@@ -129,6 +137,9 @@ class Srp {
   };
 
   void take_tile(sim::Time now);
+  /// The tile in flight that news are for; tiles_.size() if it is a new one.
+  std::uint32_t tile_of(const TileJob& job) const;
+  bool has_room(const TileJob& job) const { return by_age_.size() < tiles_.size() || tile_of(job) != tiles_.size(); }
   void take_hit(sim::Time now);
   void fill(sim::Time now);
   void take_dma(sim::Time now);
@@ -138,11 +149,15 @@ class Srp {
   void issue_ready_hits();
   bool ask(sim::Time now, std::uint32_t item);
   bool loads_in_time(sim::Time now);
-  void collect_lines(const traces::WorkNode& node, std::uint32_t item);
+  std::span<const traces::Access> accesses_of(std::uint32_t item) const;
+  void collect_lines(std::uint32_t item);
   void finish_chunk(sim::Time now);
   void start_chunk(sim::Time now);
   bool fits(std::uint32_t tile, std::uint32_t node) const;
   void begin_chunk(sim::Time now, std::uint32_t tile, std::uint32_t node);
+  std::uint64_t switch_to(traces::KernelId kernel);
+  void add_part(std::uint32_t tile, std::uint32_t node);
+  void join_launches(const traces::WorkNode& work);
   void finish_items(sim::Time now, std::uint32_t tile, std::uint32_t node, std::uint32_t items);
   void start_transfers(std::uint32_t tile);
   void end_tile(sim::Time now, std::uint32_t tile);
@@ -157,7 +172,7 @@ class Srp {
   sim::Time array_time(sim::Time now) const {
     return (run_.stalled_since != sim::kNever ? run_.stalled_since : now) - run_.start - run_.stall_time;
   }
-  /// When item `item` of the present chunk has left the array, if nothing more stalls.
+  /// When item `item` of the present loop has left the array, if nothing more stalls.
   sim::Time leaves_at(std::uint32_t item) const {
     return run_.start + run_.stall_time + (run_.depth + sim::Time{item} * run_.ii) * clock_.period();
   }
@@ -184,6 +199,7 @@ class Srp {
   bool look_ = false;                       ///< something happened that may let a launch start
   bool blocked_ = false;                    ///< a launch found no ray slots
   std::uint32_t configured_ = 0xffffffffU;  ///< kernel on the array
+  ConfigMemory config_memory_;
   std::vector<Feed> feeds_;
   sim::Time feed_free_at_ = 0;
   std::uint64_t rays_out_ = 0;       ///< in the T&I unit

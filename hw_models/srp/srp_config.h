@@ -14,20 +14,26 @@ struct ArrayConfig {
   std::uint32_t rows = 4;
   std::uint32_t columns = 4;
   std::uint32_t mul_units = 16;
+  bool mul_add = false;
   std::uint32_t div_sqrt_units = 4;
   std::uint32_t local_ports = 4;
   std::uint32_t cache_ports = 1;
+  sim::ByteSize cache_port_width{64};
 
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
     field(NAMED(c.rows), "units", "rows of functional units", sim::between(1, 16), Affects::kTiming);
     field(NAMED(c.columns), "units", "functional units of a row", sim::between(1, 16), Affects::kTiming);
     field(NAMED(c.mul_units), "units", "functional units with a multiplier", sim::between(1, 256), Affects::kTiming);
+    field(NAMED(c.mul_add), "",
+          "units with a multiplier also add to the product or subtract, rounding in between, as one operation",
+          sim::any(), Affects::kTiming);
     field(NAMED(c.div_sqrt_units), "units", "functional units with a divider and square root", sim::between(1, 256),
           Affects::kTiming);
     field(NAMED(c.local_ports), "ports", "16-byte loads or stores of local memory a cycle", sim::between(1, 16),
           Affects::kTiming);
-    field(NAMED(c.cache_ports), "ports", "16-byte loads through the data cache a cycle", sim::between(1, 16),
+    field(NAMED(c.cache_ports), "ports", "loads through the data cache a cycle", sim::between(1, 16), Affects::kTiming);
+    field(NAMED(c.cache_port_width), "bytes", "of a record that such a load brings", sim::power_of_two(16, 64),
           Affects::kTiming);
   }
   void check(auto&& complain) const {
@@ -41,6 +47,9 @@ struct ArrayConfig {
   std::uint32_t units() const { return rows * columns; }
 };
 
+/// Cycles for which a load of the data cache may be under way: items that wait for lines are bits of a word.
+inline constexpr std::uint32_t kMostLoadCycles = 64;
+
 /// Cycles from an operation's issue to its result's use.
 struct OpLatencyConfig {
   std::uint32_t fp_add = 2;
@@ -52,7 +61,8 @@ struct OpLatencyConfig {
   std::uint32_t int_mul = 2;
   std::uint32_t convert = 1;
   std::uint32_t local_load = 6;
-  std::uint32_t cached_load = 16;
+  std::uint32_t cached_load = 4;
+  std::uint32_t load_queue = 60;
 
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
@@ -68,12 +78,22 @@ struct OpLatencyConfig {
     field(NAMED(c.int_mul), "cycles", "integer multiplication", cycles, Affects::kTiming);
     field(NAMED(c.convert), "cycles", "between float and integer, floor", cycles, Affects::kTiming);
     field(NAMED(c.local_load), "cycles", "load from tile buffer or kernel data", cycles, Affects::kTiming);
-    field(NAMED(c.cached_load), "cycles", "load that hits the data cache, its queue included", cycles,
-          Affects::kTiming);
+    field(NAMED(c.cached_load), "cycles", "load that hits the data cache, without its queue", cycles, Affects::kTiming);
+    field(NAMED(c.load_queue), "cycles",
+          "every load of the data cache also waits in a queue this long, so that a line which comes by then is in time",
+          sim::between(0, kMostLoadCycles - 1), Affects::kTiming);
   }
+  void check(auto&& complain) const {
+    if (cached() <= kMostLoadCycles) return;
+    complain("load_queue", std::to_string(load_queue) + " and cached_load, " + std::to_string(cached_load) +
+                               ", make more than " + std::to_string(kMostLoadCycles) + " cycles");
+  }
+
+  /// From a load of the data cache to the use of what it brings.
+  std::uint32_t cached() const { return cached_load + load_queue; }
 };
 
-/// The shader core's data cache; a hit takes latency.cached_load.
+/// The shader core's data cache; a hit takes latency.cached_load and latency.load_queue.
 struct DataCacheConfig : CacheConfig {
   static void describe(auto& c, auto&& field) { describe_shape(c, field); }
 };
@@ -82,24 +102,41 @@ struct DataCacheConfig : CacheConfig {
 struct SrpConfig {
   ArrayConfig array;
   OpLatencyConfig latency;
-  std::uint32_t switch_cycles = 100;
+  std::uint32_t switch_cycles = 8;
   std::uint32_t chunk = 256;
-  DataCacheConfig data_cache;
+  bool merge = false;
+  DataCacheConfig data_cache{{.mshrs = 32}};
   sim::ByteSize kernel_data{64 * 1024};
   sim::ByteSize config_memory{36 * 1024};
+  sim::ByteSize config_word{8};
+  sim::ByteSize config_load{64};
 
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
     field.group(NAMED(c.array), "functional units and memory ports");
     field.group(NAMED(c.latency), "of operations and loads");
-    field(NAMED(c.switch_cycles), "cycles", "to another kernel on the array", sim::between(0, 100'000),
-          Affects::kTiming);
+    field(NAMED(c.switch_cycles), "cycles",
+          "to another kernel on the array that is resident in configuration memory; another is loaded first",
+          sim::between(0, 100'000), Affects::kTiming);
     field(NAMED(c.chunk), "items", "items of a launch that run as one loop", sim::between(1, 65536), Affects::kTiming);
+    field(NAMED(c.merge), "", "chunks of one kernel that wait at once run as one loop, up to `chunk` items", sim::any(),
+          Affects::kTiming);
     field.group(NAMED(c.data_cache), "attributes, materials and textures");
     field(NAMED(c.kernel_data), "bytes", "local memory for kernel data beside the tile buffer (it leaks)",
           sim::between(0, 16 << 20), Affects::kEnergy);
-    field(NAMED(c.config_memory), "bytes", "configuration memory of the array (it leaks)", sim::between(0, 16 << 20),
-          Affects::kEnergy);
+    field(NAMED(c.config_memory), "bytes",
+          "configuration memory of the array: kernels that fit together are resident (it leaks)",
+          sim::between(0, 16 << 20), Affects::kTiming);
+    field(NAMED(c.config_word), "bytes", "configuration of a functional unit for a cycle of a kernel's interval",
+          sim::between(1, 256), Affects::kTiming);
+    field(NAMED(c.config_load), "bytes", "configuration loaded a cycle", sim::between(1, 65536), Affects::kTiming);
+  }
+
+  /// Bytes of configuration memory that a kernel of such an initiation interval takes.
+  std::uint64_t config_bytes(std::uint32_t ii) const { return std::uint64_t{ii} * array.units() * config_word.bytes; }
+  /// Cycles to load it.
+  std::uint64_t load_cycles(std::uint32_t ii) const {
+    return (config_bytes(ii) + config_load.bytes - 1) / config_load.bytes;
   }
 
   /// Storage that leaks; the tile buffer counts apart.

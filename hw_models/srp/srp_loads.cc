@@ -6,8 +6,6 @@
 
 namespace hw {
 
-using traces::WorkNode;
-
 void Srp::fill(sim::Time now) {
   if (!links_.memory_in.can_pop(now)) return;
   const L1Cache::Miss miss = cache_.fill(links_.memory_in.pop(now).line);
@@ -43,12 +41,12 @@ bool Srp::loads_in_time(sim::Time now) {
 bool Srp::issue_loads(sim::Time now) {
   const sim::Time at = array_time(now);
   if (run_.next_item == run_.loading || at < sim::Time{run_.next_item} * run_.ii * clock_.period()) return true;
-  const std::uint32_t slot = run_.next_item % 64;
+  const std::uint32_t slot = run_.next_item % kMostLoadCycles;
   if (!ask(now, run_.next_item)) {
     stall(now);
     return false;
   }
-  if ((missing_ >> slot & 1U) != 0) loads_.push_back({at + config_.latency.cached_load * clock_.period(), slot});
+  if ((missing_ >> slot & 1U) != 0) loads_.push_back({at + config_.latency.cached() * clock_.period(), slot});
   run_.next_item += 1;
   issue_ready_hits();
   return true;
@@ -57,13 +55,10 @@ bool Srp::issue_loads(sim::Time now) {
 /// Issues items ahead of their time where that changes nothing: those that touch no line, and those whose lines are all
 /// here while none is on its way, so that nothing is filled.
 void Srp::issue_ready_hits() {
-  const traces::TileWork& work = tiles_[run_.tile].work();
-  const WorkNode& node = tiles_[run_.tile].node(run_.node);
-  const std::uint32_t* const begin = &work.access_begin[node.first + run_.first];
   for (; run_.next_item < run_.loading; ++run_.next_item) {
-    if (begin[run_.next_item] == begin[run_.next_item + 1]) continue;
+    if (accesses_of(run_.next_item).empty()) continue;
     if (cache_.outstanding() != 0) return;
-    collect_lines(node, run_.first + run_.next_item);
+    collect_lines(run_.next_item);
     if (!std::ranges::all_of(item_lines_, [&](Addr line) { return cache_.holds(line); })) return;
     for (const Addr line : item_lines_) cache_.access(line, 0);
     stats_.cache_accesses += item_lines_.size();
@@ -74,8 +69,8 @@ void Srp::issue_ready_hits() {
 /// An item of the present chunk asks for its lines, those it has not asked for yet. False if there is no MSHR
 /// left.
 bool Srp::ask(sim::Time now, std::uint32_t item) {
-  const std::uint32_t slot = item % 64;
-  collect_lines(tiles_[run_.tile].node(run_.node), run_.first + item);
+  const std::uint32_t slot = item % kMostLoadCycles;
+  collect_lines(item);
   for (; run_.next_line < item_lines_.size(); ++run_.next_line) {
     stats_.cache_accesses += 1;
     const L1Cache::Result result = cache_.access(item_lines_[run_.next_line], slot, clock_.cycles(now));
@@ -107,11 +102,18 @@ bool Srp::load_all(sim::Time now) {
   return true;
 }
 
-void Srp::collect_lines(const WorkNode& node, std::uint32_t item) {
-  const traces::TileWork& work = tiles_[run_.tile].work();
+/// Accesses of an item of the present loop.
+std::span<const traces::Access> Srp::accesses_of(std::uint32_t item) const {
+  const LoopPart& part = run_.parts.of(item);
+  const traces::TileWork& work = tiles_[part.tile].work();
+  const std::uint32_t* begin = &work.access_begin[work.nodes[part.node].first + part.first + item - part.begin];
+  return std::span(work.accesses).subspan(begin[0], begin[1] - begin[0]);
+}
+
+void Srp::collect_lines(std::uint32_t item) {
   item_lines_.clear();
-  for (std::uint32_t a = work.access_begin[node.first + item]; a < work.access_begin[node.first + item + 1]; ++a) {
-    const LineSet lines = lines_of(work.accesses[a], *frame_.layout);
+  for (const traces::Access& access : accesses_of(item)) {
+    const LineSet lines = lines_of(access, *frame_.layout);
     for (std::uint32_t i = 0; i < lines.count; ++i) {
       if (std::ranges::find(item_lines_, lines.line[i]) == item_lines_.end()) item_lines_.push_back(lines.line[i]);
     }

@@ -8,7 +8,7 @@ namespace hw {
 
 /// Cost of one kernel on one core.
 struct KernelUse {
-  std::uint64_t launches = 0;  ///< chunks, each with prologue and drain
+  std::uint64_t launches = 0;  ///< loops, each with prologue and drain
   std::uint64_t items = 0;
   std::uint64_t idle = 0;     ///< items of these that idle through the loop
   std::uint64_t cycles = 0;   ///< switch and stalls included
@@ -26,26 +26,36 @@ struct KernelUse {
 
 /// Counters of a shader core.
 struct SrpStats {
-  std::uint64_t tiles = 0, chunks = 0, items = 0, switches = 0, config_rows_loaded = 0, rays = 0, hits = 0;
-  std::uint64_t fp_add = 0, fp_mul = 0, fp_div_sqrt = 0, fp_compare = 0;
+  std::uint64_t tiles = 0, chunks = 0, launches = 0, merged = 0, items = 0, rays = 0, hits = 0;
+  std::uint64_t switches = 0, resident_switches = 0, cold_switches = 0;
+  std::uint64_t config_rows_switched = 0, config_rows_loaded = 0;
+  std::uint64_t fp_add = 0, fp_mul = 0, fp_mul_add = 0, fp_div_sqrt = 0, fp_compare = 0;
   std::uint64_t int_add = 0, int_mul = 0, int_logic = 0, int_shift = 0, convert = 0;
   std::uint64_t rf_reads = 0, rf_writes = 0, route_hops = 0, config_reads = 0;
   std::uint64_t fed = 0, awaited = 0;
   std::uint64_t cache_accesses = 0, cache_hits = 0, cache_misses = 0, cache_fills = 0, cache_miss_cycles = 0,
-                mshr_full = 0;
+                mshr_full = 0, queued_loads = 0;
 
   static void describe(auto& s, auto&& counter) {
     counter(NAMED(s.tiles), "tiles taken");
-    counter(NAMED(s.chunks), "chunks of launches run on the array");
+    counter(NAMED(s.chunks), "loops run on the array: a chunk of a launch, or several merged");
+    counter(NAMED(s.launches), "chunks of launches in these");
+    counter(NAMED(s.merged), "loops of more than one chunk");
     counter(NAMED(s.items), "work items run on the array, idle ones included");
     counter(NAMED(s.switches), "kernel switches");
-    counter(NAMED(s.config_rows_loaded), "configuration rows loaded by switches", "srp.config_load");
+    counter(NAMED(s.resident_switches), "of these, to kernels in configuration memory");
+    counter(NAMED(s.cold_switches), "of these, to kernels that were loaded first");
+    counter(NAMED(s.config_rows_switched), "configuration rows that switches brought to the array",
+            "srp.config_switch");
+    counter(NAMED(s.config_rows_loaded), "configuration rows loaded by cold switches", "srp.config_load");
     counter(NAMED(s.rays), "rays sent to the T&I unit", "tni.ray_route");
     counter(NAMED(s.hits), "hits taken back", "tni.hit_route");
     counter(NAMED(s.fed), "cycles with rays in the T&I unit");
     counter(NAMED(s.awaited), "of these, cycles with nothing on the array");
     counter(NAMED(s.fp_add), "additions and subtractions", energy_event(OpClass::kFpAdd));
     counter(NAMED(s.fp_mul), "multiplications", energy_event(OpClass::kFpMul));
+    counter(NAMED(s.fp_mul_add), "multiplications with the addition of their product",
+            energy_event(OpClass::kFpMulAdd));
     counter(NAMED(s.fp_div_sqrt), "divisions and square roots", energy_event(OpClass::kFpDivSqrt));
     counter(NAMED(s.fp_compare), "comparisons, minima and maxima", energy_event(OpClass::kFpCompare));
     counter(NAMED(s.int_add), "integer additions and comparisons", energy_event(OpClass::kIntAdd));
@@ -63,6 +73,16 @@ struct SrpStats {
     counter(NAMED(s.cache_fills), "lines filled", "cache.l1_fill");
     counter(NAMED(s.cache_miss_cycles), "sum over lines of cycles from the miss to the line's arrival");
     counter(NAMED(s.mshr_full), "misses that found no free miss register");
+    counter(NAMED(s.queued_loads), "loads that went through the load queue", "srp.load_queue");
+  }
+
+  /// Charges a switch to a kernel of `rows` configuration rows.
+  void add_switch(std::uint32_t rows, bool resident) {
+    switches += 1;
+    resident_switches += resident ? 1 : 0;
+    cold_switches += resident ? 0 : 1;
+    config_rows_switched += rows;
+    config_rows_loaded += resident ? 0 : rows;
   }
 
   /// Charges a loop of `n` items.
@@ -72,6 +92,7 @@ struct SrpStats {
     items += n;
     fp_add += ops(OpClass::kFpAdd);
     fp_mul += ops(OpClass::kFpMul);
+    fp_mul_add += ops(OpClass::kFpMulAdd);
     fp_div_sqrt += ops(OpClass::kFpDivSqrt);
     fp_compare += ops(OpClass::kFpCompare);
     int_add += ops(OpClass::kIntAdd);
@@ -82,6 +103,7 @@ struct SrpStats {
     rf_reads += n * k.rf_reads;
     rf_writes += n * k.rf_writes;
     route_hops += n * k.route_hops;
+    queued_loads += n * k.queued_loads;
     config_reads += (k.depth + (n - 1) * k.ii) * (k.config_reads / k.ii);  // prologue and drain read them too
   }
 };

@@ -12,24 +12,29 @@ using traces::WorkNode;
 
 namespace {
 
-/// Twice what is needed, if there is not enough: tiles to come may be larger.
+/// Room for a tile of usual size at once, or twice what is needed: tiles to come may be larger.
 template <class T>
 void make_room(std::vector<T>& list, std::size_t needed) {
-  if (list.capacity() < needed) list.reserve(2 * needed);
+  constexpr std::size_t kUsual = 4096;
+  if (list.capacity() < needed) list.reserve(std::max(kUsual, 2 * needed));
 }
 
 }  // namespace
 
-void TileRun::begin(const traces::TileWork& work, std::uint32_t chunk) {
+void TileRun::begin(const traces::TileWork& work, std::uint32_t chunk, std::uint32_t missing) {
   if (work.ray_begin.size() > kMaxRays) {
     throw sim::InputError(
         "render.tile: a tile has more than 16777216 rays; allowed: a smaller tile, depth or number of lights");
   }
   work_ = &work;
   chunk_ = chunk;
+  missing_ = missing;
+  awaits_border_ = false;
   nodes_left_ = static_cast<std::uint32_t>(work.nodes.size());
   make_room(progress_, work.nodes.size());
   make_room(batch_of_ray_, work.ray_begin.size());
+  make_room(transfers_, work.nodes.size());
+  make_room(chunk_left_, work.ray_begin.size() / chunk + work.nodes.size());
   progress_.assign(work.nodes.size(), {});
   batch_of_ray_.resize(work.ray_begin.size());
   transfers_.clear();

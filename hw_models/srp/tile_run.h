@@ -16,7 +16,9 @@ inline constexpr std::uint32_t kMaxRays = 1U << 24;
 class TileRun {
  public:
   /// `chunk`: items of a launch that run together; a launch's next chunk is ready when all inputs of its items are.
-  void begin(const traces::TileWork& work, std::uint32_t chunk);
+  /// `missing`: borders that it imports and that are not in memory yet, a bit each.
+  void begin(const traces::TileWork& work, std::uint32_t chunk, std::uint32_t missing = 0);
+  void borders_missing(std::uint32_t missing) { missing_ = missing; }
   void end() { work_ = nullptr; }
 
   bool active() const { return work_ != nullptr; }
@@ -45,12 +47,15 @@ class TileRun {
     }
     return kNone;
   }
-  /// Calls `start(n)` for every transfer whose inputs are settled, once for each.
+  /// Calls `start(n)` for every transfer whose inputs are settled and whose border is there, once for each.
   template <class Start>
   void start_transfers(Start&& start) {
     std::size_t left = 0;
+    awaits_border_ = false;
     for (const std::uint32_t n : transfers_) {
-      if (inputs_settled(n)) {
+      const bool settled = inputs_settled(n), lacks = settled && lacks_border(n);
+      awaits_border_ |= lacks;
+      if (settled && !lacks) {
         start(n);
       } else {
         transfers_[left++] = n;
@@ -58,6 +63,8 @@ class TileRun {
     }
     transfers_.resize(left);
   }
+  /// A transfer waits for another tile's border and for nothing else.
+  bool awaits_border() const { return awaits_border_; }
   /// Items of launch `n` that its next chunk holds, idle ones included.
   std::uint32_t chunk_items(std::uint32_t n) const;
   /// Item of its producing launch that ray `i` of batch `n` comes from.
@@ -98,10 +105,15 @@ class TileRun {
   void list_batches();
   bool ready(std::uint32_t n) const;
   bool inputs_settled(std::uint32_t n) const;
+  bool lacks_border(std::uint32_t n) const {
+    return node(n).border != kNone && !node(n).to_memory && (missing_ >> node(n).border & 1U) != 0;
+  }
   std::uint32_t available(std::uint32_t n, const traces::Edge& edge) const;
 
   const traces::TileWork* work_ = nullptr;
   std::uint32_t chunk_ = 1;
+  std::uint32_t missing_ = 0;  ///< borders, a bit each
+  bool awaits_border_ = false;
   std::uint32_t nodes_left_ = 0;
   std::vector<Progress> progress_;
   std::vector<std::uint32_t> transfers_;   ///< not yet started

@@ -78,6 +78,7 @@ class Ist {
   sim::Time tick(sim::Time now);
   const sim::Clock& clock() const { return clock_; }
   const Stats& stats() const { return stats_; }
+  std::uint64_t retired() const { return stats_.tests + stats_.leaves_out; }
   const sim::Activity<CycleReason>& activity() const { return activity_; }
   void finish(sim::Time end) { activity_.finish(end); }
   bool idle() const { return occupied_ == 0; }

@@ -113,6 +113,7 @@ class Trv {
   sim::Time tick(sim::Time now) { return is_default_ ? tick_as<true>(now) : tick_as<false>(now); }
   const sim::Clock& clock() const { return clock_; }
   const Stats& stats() const { return stats_; }
+  std::uint64_t retired() const { return stats_.visits - stats_.restarted_visits + stats_.leaves + stats_.rays_out; }
   const sim::Activity<CycleReason>& activity() const { return activity_; }
   void finish(sim::Time end);
   bool idle() const { return occupied_ == 0 && !fetch_.waits_for_memory(); }

@@ -24,10 +24,12 @@ F<V> encoded_distance_squared(const Vec3<V>& a, const Vec3<V>& b) {
 
 /// The inspector of adaptive undersampling: the seven similarity checks of Kim et al. 2016, table 1. Convexity has a
 /// slack of 0.001 distances squared, without which rounding fails coplanar pairs. Occlusion textures are not kept, so
-/// surfaces that have one are traced.
-template <bool kAlongY>
+/// surfaces that have one are traced. Without kTextures the scene has no texture that could fail a check.
+template <bool kAlongY, bool kTextures>
 struct CheckAttributes {
-  static constexpr std::string_view kName = kAlongY ? "check_attributes_y" : "check_attributes_x";
+  static constexpr std::string_view kName = kAlongY
+                                                ? (kTextures ? "check_attributes_y" : "check_attributes_y_untextured")
+                                                : (kTextures ? "check_attributes_x" : "check_attributes_x_untextured");
   static constexpr std::string_view kMeaning = "sample between two others -> stream passed or failed";
   template <class V>
   struct Ports : VerdictPorts<V> {
@@ -56,16 +58,18 @@ struct CheckAttributes {
     const Vec3<V> d = g1.position - g0.position;
     const F<V> squared = dot(d, d);
     const F<V> bend = dot(d, s0.plane) * -dot(d, s1.plane);
-    const M<V> over_edge = logical_or(wraps<V>(s0.u, s1.u, at.texture), wraps<V>(s0.v, s1.v, at.texture));
     const F<V> colours = encoded_distance_squared<V>(at.globals.load(b.before).rgb, at.globals.load(b.after).rgb);
-    const I<V> failed = select(g0.object == g1.object, I<V>(0U), I<V>(bit(Check::kObject))) |
-                        fails_if<V>(at.apart_squared < squared, Check::kPosition) |
-                        fails_if<V>(dot(g0.normal, g1.normal) < at.least_dot, Check::kNormal) |
-                        fails_if<V>(bend < squared * -1e-6F, Check::kConvexity) |
-                        fails_if<V>(both(over_edge, has<V>(s0.classes, traces::kTextured)), Check::kTexture) |
-                        select(g0.shadows == g1.shadows, I<V>(0U), I<V>(bit(Check::kShadow))) |
-                        fails_if<V>(at.colour_squared < colours, Check::kColour) |
-                        fails_if<V>(has<V>(s0.classes, traces::kOccluded), Check::kDetail);
+    I<V> failed = select(g0.object == g1.object, I<V>(0U), I<V>(bit(Check::kObject))) |
+                  fails_if<V>(at.apart_squared < squared, Check::kPosition) |
+                  fails_if<V>(dot(g0.normal, g1.normal) < at.least_dot, Check::kNormal) |
+                  fails_if<V>(bend < squared * -1e-6F, Check::kConvexity) |
+                  select(g0.shadows == g1.shadows, I<V>(0U), I<V>(bit(Check::kShadow))) |
+                  fails_if<V>(at.colour_squared < colours, Check::kColour);
+    if constexpr (kTextures) {
+      const M<V> over_edge = logical_or(wraps<V>(s0.u, s1.u, at.texture), wraps<V>(s0.v, s1.v, at.texture));
+      failed = failed | fails_if<V>(both(over_edge, has<V>(s0.classes, traces::kTextured)), Check::kTexture) |
+               fails_if<V>(has<V>(s0.classes, traces::kOccluded), Check::kDetail);
+    }
     write_verdict<V>(at, b, failed);
   }
 };

@@ -38,7 +38,10 @@ struct InterpolateSample {
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
-    const Passed<V> p = passed<V>(at.passed.load(item).word, at.line);
+    interpolate<V>(passed<V>(at.passed.load(item).word, at.line), at);
+  }
+  template <class V>
+  static void interpolate(const Passed<V>& p, const Ports<V>& at) {
     at.colours.store(p.sample,
                      {lerp_colours<V>(at.colours.load(p.before).rgb, at.colours.load(p.after).rgb, p.weight)});
     if constexpr (!kAlongY) {

@@ -67,6 +67,20 @@ Passed<V> passed(const I<V>& word, const LineUniforms<V>& line) {
   return {sample, to_int(before), to_int(before + line.block * line.step), steps * line.inverse_block};
 }
 
+/// Kernel K, which runs over the samples that have passed, behind their check: it makes all samples, and those that
+/// have failed are traced afterwards.
+template <bool kAlongY, class K>
+struct AllPassed {
+  using Of = K;
+  template <class V>
+  using Ports = typename K::template Ports<V>;
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const SampleNeighbours<V> b = sample_neighbours<kAlongY, V>(item, at.line);
+    K::template interpolate<V>({b.sample, b.before, b.after, (to_float(b.gap) + 1.0F) * at.line.inverse_block}, at);
+  }
+};
+
 /// Ports of check kernels, which leave the failed checks of a sample in the tile buffer, and it in one of two streams.
 template <class V>
 struct VerdictPorts {

@@ -2,6 +2,7 @@
 #include <string_view>
 
 #include "shader_kernels/kernels/add_light.h"
+#include "shader_kernels/kernels/at_once.h"
 #include "sim/named.h"
 
 namespace kernels {
@@ -26,9 +27,14 @@ struct ShadeAmbient {
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
-    const I<V> slot = at.diffuse.load(item).word;
+    shade<V>(at.diffuse.load(item).word, AllItems{}, at);
+  }
+  /// Acts where `mask` holds.
+  template <class V>
+  static void shade(const I<V>& slot, const auto& mask, Ports<V>& at) {
     const PathRecord<V> path = at.paths.load(slot);
-    add_light<V>(at.colours, path.sample, path.throughput * at.mattes.load(slot).diffuse * at.ambient);
+    const Vec3<V> light = path.throughput * at.mattes.load(slot).diffuse * at.ambient;
+    add_light<V>(at.colours, path.sample, where<V>(mask, light));
   }
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 #include <string_view>
 
+#include "shader_kernels/kernels/at_once.h"
 #include "shader_kernels/kernels/diffuse_light.h"
 #include "shader_kernels/ports.h"
 #include "sim/named.h"
@@ -36,13 +37,17 @@ struct ShadeDiffuse {
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
-    const I<V> slot = at.diffuse.load(item).word;
+    shade<V>(at.diffuse.load(item).word, AllItems{}, at);
+  }
+  /// Acts where `mask` holds.
+  template <class V>
+  static void shade(const I<V>& slot, const auto& mask, Ports<V>& at) {
     const SurfacePointRecord<V> point = at.points.load(slot);
     const PathRecord<V> path = at.paths.load(slot);
     const auto [to_light, inverse_distance, light] =
         diffuse_light<V>(point, path, at.mattes.load(slot).diffuse, at.light);
 
-    const I<V> out = at.emitted.next(F<V>(0.0F) < largest(light));
+    const I<V> out = at.emitted.next(both_of<V>(mask, F<V>(0.0F) < largest(light)));
     const F<V> t_min = at.epsilon * inverse_distance;
     at.shadow_rays.store(out, {point.position, t_min, to_light, at.light.reach - t_min});
     at.shadow_paths.store(out, {light, path.sample});

@@ -2,6 +2,7 @@
 #include <string_view>
 
 #include "shader_kernels/kernels/add_light.h"
+#include "shader_kernels/kernels/at_once.h"
 #include "shader_kernels/kernels/diffuse_light.h"
 #include "sim/named.h"
 
@@ -35,12 +36,16 @@ struct ShadeVisible {
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
-    const I<V> slot = at.diffuse.load(item).word;
+    shade<V>(at.diffuse.load(item).word, AllItems{}, at);
+  }
+  /// Acts where `mask` holds.
+  template <class V>
+  static void shade(const I<V>& slot, const auto& mask, Ports<V>& at) {
     const PathRecord<V> path = at.paths.load(slot);
     const Vec3<V> light = diffuse_light<V>(at.points.load(slot), path, at.mattes.load(slot).diffuse, at.light).light;
     const M<V> dark = I<V>(0U) < (at.geometry.load(path.sample).shadows & at.mark);
     const Vec3<V> none{0.0F, 0.0F, 0.0F};
-    const Vec3<V> seen = select(F<V>(0.0F) < largest(light), light, none);
+    const Vec3<V> seen = select(both_of<V>(mask, F<V>(0.0F) < largest(light)), light, none);
     add_light<V>(at.colours, path.sample, select(dark, none, seen));
   }
 };

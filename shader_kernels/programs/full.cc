@@ -61,22 +61,32 @@ void FullProgram::run_tile(std::uint32_t tile, const traces::Tracer& tracer, boo
                    .inverse_grid = inverse(grid_)};
   generate.image_width = config_.width;
   generate.seed = seed_;
-  const Wavefront::Node generated = config_.samples == SamplePattern::kJittered
-                                        ? wave.launch<GenerateJitteredRays>(generate, samples)
-                                        : wave.launch<GenerateRays>(generate, samples);
+  const bool jitters = samples_ > 1 && config_.samples == SamplePattern::kJittered;  // a lone one is the pixel's centre
+  const Wavefront::Node generated =
+      jitters ? wave.launch<GenerateJitteredRays>(generate, samples) : wave.launch<GenerateRays>(generate, samples);
   wave.run(generated, samples);
 
+  put_out(wave, tile, samples);
+  wave.finish();
+  out.sampling = {};
+  out.sampling.wanted = out.sampling.traced = samples;
+  out.sampling.background = out.sampling.traced_background = out.background.size();
+}
+
+void FullProgram::put_out(Wavefront& wave, std::uint32_t tile, std::uint32_t samples) const {
+  const std::uint64_t offset = std::uint64_t{tile} * tile_pixels() * kPixelBytes;
+  if (wave.fuses() && samples_ == 1) {
+    const Wavefront::Node packed = wave.launch<PackSample>(samples);
+    wave.wait_for_colours(packed);
+    wave.put_packed(packed, offset);
+    return;
+  }
   AverageColour::Ports<float> average;
   average.samples = static_cast<float>(samples_);
   average.inverse_samples = inverse(samples_);
   const Wavefront::Node averaged = wave.launch<AverageColour>(average, samples);
   wave.wait_for_colours(averaged);
-
-  wave.put_out(averaged, std::uint64_t{tile} * tile_pixels() * kPixelBytes);
-  wave.finish();
-  out.sampling = {};
-  out.sampling.wanted = out.sampling.traced = samples;
-  out.sampling.background = out.sampling.traced_background = out.background.size();
+  wave.put_out(averaged, offset);
 }
 
 }  // namespace kernels

@@ -4,6 +4,7 @@
 #include "shader_kernels/programs/wavefront/frame_program.h"
 #include "shader_kernels/programs/wavefront/render_config.h"
 #include "shader_kernels/programs/wavefront/scene_tables.h"
+#include "shader_kernels/programs/wavefront/wavefront.h"
 
 namespace kernels {
 
@@ -27,6 +28,9 @@ class FullProgram final : public FrameProgram {
   void run_tile(std::uint32_t tile, const traces::Tracer& tracer, bool record, TileResult& out) const override;
 
  private:
+  /// Averages, encodes and moves the pixels of a tile with so many samples.
+  void put_out(Wavefront& wave, std::uint32_t tile, std::uint32_t samples) const;
+
   const RenderConfig config_;
   const SceneTables scene_;
   const CameraUniforms<float> camera_;

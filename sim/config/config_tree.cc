@@ -46,6 +46,27 @@ void check_limits(const ConfigNode& node, std::string_view origin) {
   if (const std::string problem = value_problem(node); !problem.empty()) refuse(origin, node.path, problem);
 }
 
+/// The --set arguments that gave fields of the group their values.
+void find_sets(const ConfigNode& group, std::vector<std::string>& sets) {
+  for (const ConfigNode& child : group.children) {
+    if (child.is_group()) {
+      find_sets(child, sets);
+    } else if (child.origin.starts_with(kSetOrigin) && std::ranges::find(sets, child.origin) == sets.end()) {
+      sets.push_back(child.origin);
+    }
+  }
+}
+
+/// Refuses a field whose value breaks a rule of the group. A value from a file that goes with the file's others is not
+/// to blame for what --set made of these.
+[[noreturn]] void refuse_rule(const ConfigNode& group, std::string_view at, const std::string& path,
+                              std::string_view problem) {
+  std::vector<std::string> sets;
+  if (!at.starts_with(kSetOrigin)) find_sets(group, sets);
+  if (sets.empty()) refuse(at, path, problem);
+  refuse(fmt::format("{}", fmt::join(sets, ", ")), path, fmt::format("{} ({} has its value)", problem, at));
+}
+
 void check_rules(const ConfigNode& group, std::string_view origin) {
   for (const ConfigNode& child : group.children) check_rules(child, child.origin.empty() ? origin : child.origin);
   if (!group.check) return;
@@ -57,7 +78,8 @@ void check_rules(const ConfigNode& group, std::string_view origin) {
       rest = dot == std::string_view::npos ? std::string_view{} : rest.substr(dot + 1);
     }
     const std::string path = group.path.empty() ? std::string(key) : fmt::format("{}.{}", group.path, key);
-    refuse(named != nullptr && !named->origin.empty() ? std::string_view(named->origin) : origin, path, problem);
+    refuse_rule(group, named != nullptr && !named->origin.empty() ? std::string_view(named->origin) : origin, path,
+                problem);
   });
 }
 

@@ -51,6 +51,8 @@ static_assert(std::variant_size_v<Target> == names_of(FieldKind{}).size());
 /// Receives a rule that a struct's check() finds broken.
 using Complain = std::function<void(std::string_view key, std::string_view problem)>;
 
+inline constexpr std::string_view kSetOrigin = "--set ";
+
 /// One field or group of a configuration, bound to one instance of its struct, which must outlive it.
 struct ConfigNode {
   std::string key;
@@ -62,7 +64,7 @@ struct ConfigNode {
   std::optional<Target> target;                ///< a field's member; none for a group
   std::vector<ConfigNode> children;            ///< a group's fields and groups, as declared
   std::function<void(const Complain&)> check;  ///< a group's own rules; empty if it has none
-  std::string origin;                          ///< where its value was given last; empty for a default
+  std::string origin;                          ///< where its value was given last (kSetOrigin); empty for a default
 
   bool is_group() const { return !target.has_value(); }
   FieldKind kind() const { return static_cast<FieldKind>(target->index()); }

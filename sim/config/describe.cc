@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/config/value.h"
+#include "sim/io/printable.h"
 
 namespace sim {
 namespace {
@@ -37,7 +38,7 @@ nlohmann::json value_json(const ConfigNode& field) {
     case FieldKind::kDouble:
       return *std::get<double*>(*field.target);
     case FieldKind::kString:
-      return *std::get<std::string*>(*field.target);
+      return with_escaped_bytes(*std::get<std::string*>(*field.target));
     case FieldKind::kSpread:
       return spread_json(*std::get<Spread*>(*field.target));
     case FieldKind::kSpreadMap: {

@@ -177,7 +177,7 @@ void ConfigLoader::apply_spread(const ConfigNode& field, const YamlNode& mapping
 }
 
 void ConfigLoader::apply_set(const std::string& argument) {
-  const Source source{"--set " + printable(argument), {}, false};
+  const Source source{std::string(kSetOrigin) + printable(argument), {}, false};
   const std::size_t equals = argument.find('=');
   if (equals == std::string::npos || equals == 0) refuse(source.name, {}, "allowed: key=value");
   const auto value = set_value(argument.substr(equals + 1), source.name);

@@ -9,6 +9,8 @@
 #include "sim/config/overloaded.h"
 #include "sim/config/quantity.h"
 #include "sim/config/value.h"
+#include "sim/io/json.h"
+#include "sim/io/printable.h"
 
 namespace sim {
 namespace {
@@ -76,7 +78,7 @@ std::string spread_text(const Spread& spread) {
 
 std::string double_quoted(std::string_view text) {
   using Json = nlohmann::json;
-  return Json(text).dump(-1, ' ', false, Json::error_handler_t::replace);
+  return json_line(Json(with_escaped_bytes(text)));
 }
 
 std::string key_text(std::string_view key) {

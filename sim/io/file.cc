@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <fstream>
 #include <system_error>
 #include <utility>
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -21,7 +23,8 @@ std::string reason(int error) { return std::generic_category().message(error); }
 /// An open file descriptor.
 class Descriptor {
  public:
-  Descriptor(const std::filesystem::path& path, int flags) : fd_(::open(path.c_str(), flags | O_CLOEXEC)) {}
+  explicit Descriptor(int fd) : fd_(fd) {}
+  Descriptor(const std::filesystem::path& path, int flags) : Descriptor(::open(path.c_str(), flags | O_CLOEXEC)) {}
   ~Descriptor() {
     if (fd_ >= 0) ::close(fd_);
   }
@@ -35,7 +38,7 @@ class Descriptor {
   const int fd_;
 };
 
-constexpr std::string_view kTemporary = ".tmp";
+constexpr std::string_view kTemporary = ".raywatt-tmp";  // nobody else calls a file so
 
 }  // namespace
 
@@ -69,6 +72,48 @@ std::string read_file(const std::filesystem::path& path, std::uint64_t most_byte
   }
 }
 
+void remove_left_of(const std::filesystem::path& path) {
+  std::error_code failed;
+  std::filesystem::directory_iterator entry(path.has_parent_path() ? path.parent_path() : ".", failed);
+  for (; !failed && entry != std::filesystem::directory_iterator(); entry.increment(failed)) {
+    if (!is_left_of(entry->path().filename().string(), path.filename())) continue;
+    const Descriptor left(entry->path(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK);
+    if (left.valid() && ::flock(left.get(), LOCK_EX | LOCK_NB) == 0) ::unlink(entry->path().c_str());
+  }
+}
+
+static void check_replaceable(const std::filesystem::path& path, const Replaceable& what) {
+  using Type = std::filesystem::file_type;
+  const std::string shown = printable(path.string());
+  std::error_code failed;
+  const Type type = std::filesystem::symlink_status(path, failed).type();
+  if (type == Type::not_found || type == Type::none) {
+    const std::filesystem::path folder = path.parent_path();
+    if (folder.empty() || std::filesystem::exists(folder, failed)) return;
+    throw InputError(
+        fmt::format("{}: cannot be written: there is no folder {}; make it first", shown, printable(folder.string())));
+  }
+  if (type == Type::directory) throw InputError(shown + ": is a folder, not a file");
+  if (type != Type::regular) {  // to open a pipe is to wait for who writes into it
+    throw InputError(fmt::format("{}: is there and is {}; allowed: a new file, or a {} to be replaced", shown,
+                                 type == Type::symlink ? "a link" : "not a regular file", what.kind));
+  }
+  if (what.any) return;
+  std::string start(512, '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(start.data(), static_cast<std::streamsize>(start.size()));
+  start.resize(static_cast<std::size_t>(file.gcount()));
+  if (what.mark.empty() || start.find(what.mark) == std::string::npos) {
+    throw InputError(fmt::format("{}: is there and is no {}; allowed: a new file, or a {} to be replaced", shown,
+                                 what.kind, what.kind));
+  }
+}
+
+void check_output(const std::filesystem::path& path, const Replaceable& what) {
+  check_replaceable(path, what);
+  remove_left_of(path);
+}
+
 NewFile::NewFile(std::filesystem::path path) : path_(std::move(path)) {
   const std::string extension = path_.extension().string();
   // Again if the name is taken: by what a killed process has left, by another thread, by a file of the user's.
@@ -76,7 +121,11 @@ NewFile::NewFile(std::filesystem::path path) : path_(std::move(path)) {
     temporary_ = path_;
     temporary_.replace_extension(fmt::format(".{}-{}{}{}", ::getpid(), n, kTemporary, extension));
     file_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
-    if (file_ >= 0) return;
+    if (file_ < 0) continue;
+    struct stat about {};
+    if (::flock(file_, LOCK_EX | LOCK_NB) != 0 || ::fstat(file_, &about) != 0 || about.st_nlink != 0) return;
+    ::close(std::exchange(file_, -1));  // taken for left in the moment before it was locked
+    errno = EEXIST;
   }
   fail();
 }
@@ -91,16 +140,24 @@ void NewFile::fail() const {
   throw IoError(fmt::format("{}: cannot be written: {}", printable(path_.string()), reason(error)));
 }
 
-void NewFile::write(std::string_view bytes) {
+/// Leaves in errno why it is false.
+static bool write_all(int file, std::string_view bytes) {
   while (!bytes.empty()) {
-    const ssize_t written = ::write(file_, bytes.data(), bytes.size());
-    if (written < 0 && errno != EINTR) fail();
+    const ssize_t written = ::write(file, bytes.data(), bytes.size());
+    if (written < 0 && errno != EINTR) return false;
     if (written > 0) bytes.remove_prefix(static_cast<std::size_t>(written));
   }
+  return true;
+}
+
+void NewFile::write(std::string_view bytes) {
+  if (!write_all(file_, bytes)) fail();
 }
 
 void NewFile::commit() {
   if (::fsync(file_) != 0) fail();
+  // Holds the lock until the file has its name: without it another process takes the file for left.
+  const Descriptor locked(::fcntl(file_, F_DUPFD_CLOEXEC, 0));
   if (::close(std::exchange(file_, -1)) != 0) fail();  // some file systems report a full disk only here
   if (::rename(temporary_.c_str(), path_.c_str()) != 0) fail();
   temporary_.clear();
@@ -114,11 +171,24 @@ void write_file_atomically(const std::filesystem::path& path, std::string_view b
   file.commit();
 }
 
+void append_to_file(const std::filesystem::path& path, std::string_view bytes) {
+  const Descriptor file(
+      ::open(path.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, 0666));
+  struct stat about {};
+  const bool regular = file.valid() && ::fstat(file.get(), &about) == 0 && S_ISREG(about.st_mode);
+  if (regular && write_all(file.get(), bytes)) return;
+  throw IoError(fmt::format("{}: cannot be written: {}", printable(path.string()),
+                            file.valid() && !regular ? "it is not a regular file" : reason(errno)));
+}
+
 bool is_left_of(std::string_view left, const std::filesystem::path& name) {
   const std::string begin = name.stem().string() + ".", end = std::string(kTemporary) + name.extension().string();
   if (!left.starts_with(begin) || !left.ends_with(end) || left.size() <= begin.size() + end.size()) return false;
   const std::string_view number = left.substr(begin.size(), left.size() - begin.size() - end.size());
-  return number.find('-') != number.npos && number.find_first_not_of("0123456789-") == number.npos;
+  const std::size_t dash = number.find('-');
+  if (dash == number.npos || dash == 0 || dash + 1 == number.size()) return false;
+  return number.find_first_not_of("0123456789", dash + 1) == number.npos &&
+         number.find_first_not_of("0123456789") == dash;
 }
 
 }  // namespace sim

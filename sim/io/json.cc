@@ -25,9 +25,9 @@ bool is_nested_deeper(std::string_view json, std::size_t levels) {
   return false;
 }
 
-void check_json_depth(std::string_view json) {
-  if (is_nested_deeper(json, kDeepestJson)) {
-    throw InputError(fmt::format("is nested too deeply; allowed: {} levels", kDeepestJson));
+void check_json_depth(std::string_view json, std::size_t levels) {
+  if (is_nested_deeper(json, levels)) {
+    throw InputError(fmt::format("is nested too deeply; allowed: {} levels", levels));
   }
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstdint>
 
+#include <fmt/format.h>
+
 namespace sim {
 namespace {
 
@@ -31,6 +33,21 @@ std::string printable(std::string_view text, std::size_t most) {
     text.remove_prefix(std::max<std::size_t>(size, 1));
   }
   return line;
+}
+
+std::string with_escaped_bytes(std::string_view text) {
+  std::string out;
+  while (!text.empty()) {
+    const auto first = static_cast<std::uint8_t>(text.front());
+    const std::size_t size = first < 0x80 ? 1 : character_size(text);
+    if (size == 0) {
+      out += fmt::format("\\x{:02x}", first);
+    } else {
+      out += text.substr(0, size);
+    }
+    text.remove_prefix(std::max<std::size_t>(size, 1));
+  }
+  return out;
 }
 
 }  // namespace sim

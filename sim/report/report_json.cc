@@ -4,6 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "sim/io/json.h"
+
 namespace sim {
 namespace {
 
@@ -56,6 +58,6 @@ Json energy_json(const EnergyReport& energy) {
   return json;
 }
 
-std::string json_text(const Json& json) { return json.dump(2) + "\n"; }
+std::string json_text(const Json& json) { return json_lines(json); }
 
 }  // namespace sim

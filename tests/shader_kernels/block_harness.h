@@ -25,22 +25,14 @@ inline Sampled run_program(FrameProgram& program, const traces::Tracer& tracer, 
   Sampled out;
   out.samples_across = program.width() * grid;
   out.marks.resize(std::size_t{out.samples_across} * program.height() * grid);
-  TileResult tile;
-  std::uint32_t pass_end = 0;
-  for (std::uint32_t tile_index = 0; tile_index < program.tiles(); ++tile_index) {
-    if (tile_index == pass_end) {
-      program.begin_pass(tile_index, tracer);
-      pass_end = program.pass_end(tile_index);
-    }
-    program.run_tile(tile_index, tracer, record, tile);
-    program.keep(tile);
+  run_tiles(program, tracer, record, [&](const TileResult& tile) {
     for (std::size_t k = 0; k < out.rays.size(); ++k) out.rays[k] += tile.rays[k];
     for (std::size_t i = 0; i < tile.marks.size(); ++i) {
       const std::size_t x = tile.x * grid + i % (tile.width * grid), y = tile.y * grid + i / (tile.width * grid);
       out.marks[y * out.samples_across + x] = tile.marks[i];
     }
     if (record) out.works.push_back(tile.work);
-  }
+  });
   out.rgb = program.picture();
   out.sampling = program.sampling();
   return out;

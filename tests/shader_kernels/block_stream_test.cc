@@ -1,3 +1,5 @@
+#include "block_stream.h"
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -8,7 +10,6 @@
 
 #include <gtest/gtest.h>
 
-#include "block_harness.h"
 #include "shader_kernels/catalogue.h"
 #include "shader_kernels/programs/programs.h"
 #include "showcase.h"
@@ -22,52 +23,6 @@ using traces::Edge;
 using traces::Region;
 using traces::WorkNode;
 
-struct Recorded {
-  FrameRequirements requirements;
-  std::vector<traces::TileWork> works;
-  std::uint32_t count = 0, across = 0;  ///< tiles
-};
-
-class BlockStream : public testing::TestWithParam<const char*> {
- protected:
-  static constexpr std::uint32_t kWidth = 75, kHeight = 41;  // tiles at the edges are cut
-  const ProgramSpec spec_ = parse_program(GetParam());
-  const std::uint32_t grid_ = spec_.samples == 4 ? 2 : 1;
-  ProgramConfig programs_;
-  RenderConfig render_ = small(kWidth, kHeight);
-
-  BlockStream() { programs_.undersample.correction = Correction::kFour; }
-  void set(const AdaptiveConfig& adaptive) {
-    static_cast<AdaptiveConfig&>(programs_.multirate) = adaptive;
-    static_cast<AdaptiveConfig&>(programs_.undersample) = adaptive;
-  }
-  std::uint32_t record_bytes() const {
-    if (spec_.kind == ProgramSpec::Kind::kMultirate) {
-      return sizeof(GeometryRecord<float>) + sizeof(SecondaryRecord<float>);
-    }
-    return sizeof(GeometryRecord<float>) + sizeof(SurfaceRecord<float>) + sizeof(ColourRecord<float>);
-  }
-  Recorded record(const traces::Scene& scene) const {
-    const Stage stage(scene);
-    const RateMap rates(programs_.multirate);
-    const auto program = make_program(spec_, {stage.image, stage.camera, render_, programs_, rates, 0});
-    Recorded out{program->requirements(), run_program(*program, stage.tracer, grid_, true).works, 0, 0};
-    out.count = program->pass_end(0);
-    const auto side = static_cast<std::uint32_t>(std::lround(std::sqrt(out.requirements.tile_samples)));
-    out.across = (kWidth * grid_ + side - 1) / side;
-    return out;
-  }
-  static void for_each_scene(auto&& check) {
-    check(showcase_scene());
-    check(traces::open_scene("cornell"));
-  }
-  static std::string_view kernel(const WorkNode& node) {
-    return node.kind == WorkNode::Kind::kLaunch ? catalogue()[node.kernel].name : "";
-  }
-  static bool moves(const WorkNode& node, Region region) {
-    return node.kind == WorkNode::Kind::kTransfer && node.region == region;
-  }
-};
 INSTANTIATE_TEST_SUITE_P(Programs, BlockStream, testing::Values("multirate:under", "multirate:super", "undersample"),
                          [](const auto& i) {
                            std::string name = i.param;
@@ -100,79 +55,6 @@ TEST_P(BlockStream, NodesHaveItemsEdgesPointDownAndEveryBatchOfRaysIsRead) {
   }
 }
 
-TEST_P(BlockStream, TilesComeBehindThoseThatTheyWaitFor) {
-  for_each_scene([&](const traces::Scene& scene) {
-    const Recorded r = record(scene);
-    std::set<std::uint32_t> before;
-    for (std::size_t tile_index = 0; tile_index < r.works.size(); ++tile_index) {
-      const traces::TileWork& work = r.works[tile_index];
-      EXPECT_EQ(work.after_all, tile_index != 0 && tile_index % r.count == 0);
-      for (const std::uint32_t tile : work.after) EXPECT_TRUE(before.contains(tile)) << work.tile << " for " << tile;
-      EXPECT_TRUE(before.insert(work.tile).second) << "each once";
-      if (work.tile >= r.count) continue;
-      std::set<std::uint32_t> neighbours;
-      if (work.tile % r.across != 0) neighbours.insert(work.tile - 1);
-      if (work.tile >= r.across) neighbours.insert(work.tile - r.across);
-      EXPECT_EQ(std::set(work.after.begin(), work.after.end()), neighbours);
-    }
-    EXPECT_EQ(before.size(), r.works.size());
-    EXPECT_EQ(*before.rbegin(), r.works.size() - 1);
-  });
-}
-
-TEST_P(BlockStream, ScansWaitForTheTileBehindThem) {
-  if (spec_.kind != ProgramSpec::Kind::kUndersample) GTEST_SKIP() << "has none";
-  const Recorded r = record(traces::open_scene("cornell"));
-  ASSERT_EQ(r.works.size(), 5 * r.count);
-  for (const traces::TileWork& work : r.works) {
-    if (work.tile < r.count) continue;
-    const std::uint32_t scan = work.tile / r.count - 1, tile = work.tile % r.count;
-    const std::uint32_t x = tile % r.across, y = tile / r.across;
-    const std::array<std::pair<bool, int>, 4> behind = {{{x > 0, -1},
-                                                         {y > 0, -static_cast<int>(r.across)},
-                                                         {x + 1 < r.across, 1},
-                                                         {tile + r.across < r.count, static_cast<int>(r.across)}}};
-    std::vector<std::uint32_t> expected;
-    if (behind[scan].first) {
-      expected.push_back(static_cast<std::uint32_t>(static_cast<int>(work.tile) + behind[scan].second));
-    }
-    EXPECT_EQ(work.after, expected) << "scan " << scan << ", tile " << tile;
-  }
-}
-
-TEST_P(BlockStream, WhatIsReadOfOtherTilesTheyHaveWritten) {
-  for_each_scene([&](const traces::Scene& scene) {
-    programs_.undersample.correction = Correction::kOff;
-    using Range = std::pair<std::uint64_t, std::uint64_t>;
-    std::map<std::uint32_t, std::vector<Range>> written;
-    std::uint64_t imports = 0;
-    for (const traces::TileWork& work : record(scene).works) {
-      for (const WorkNode& node : work.nodes) {
-        if (!moves(node, Region::kSamples)) continue;
-        const Range range{node.offset, node.offset + node.items};
-        if (node.to_memory) {
-          EXPECT_FALSE(node.inputs.empty()) << "what is written has been made";
-          written[work.tile].push_back(range);
-          continue;
-        }
-        ++imports;
-        EXPECT_TRUE(std::ranges::any_of(work.after,
-                                        [&](std::uint32_t tile) {
-                                          return std::ranges::any_of(written[tile], [&](const Range& w) {
-                                            return w.first <= range.first && range.second <= w.second;
-                                          });
-                                        }))
-            << "tile " << work.tile;
-      }
-    }
-    EXPECT_GT(imports, 0U);
-    std::vector<Range> all;
-    for (const auto& [tile, ranges] : written) all.insert(all.end(), ranges.begin(), ranges.end());
-    std::ranges::sort(all);
-    for (std::size_t i = 1; i < all.size(); ++i) EXPECT_LE(all[i - 1].second, all[i].first) << "no two share bytes";
-  });
-}
-
 TEST_P(BlockStream, WhoRetracesTheHaloNeitherWaitsNorReads) {
   programs_.undersample.correction = Correction::kOff;
   set({Halo::kRetrace, AttributeStorage::kTile});
@@ -180,7 +62,7 @@ TEST_P(BlockStream, WhoRetracesTheHaloNeitherWaitsNorReads) {
     std::uint32_t tile_index = 0;
     for (const traces::TileWork& work : record(scene).works) {
       EXPECT_EQ(work.tile, tile_index++) << "row by row";
-      EXPECT_TRUE(work.after.empty());
+      EXPECT_TRUE(work.imports.empty());
       EXPECT_FALSE(work.after_all);
       for (const WorkNode& node : work.nodes) EXPECT_FALSE(moves(node, Region::kSamples));
     }
@@ -263,6 +145,7 @@ TEST_P(BlockStream, ItemsIdleOnlyWhereKernelsDivergeAndThenAllOfAStreamPassThrou
 }
 
 TEST_P(BlockStream, EverySampleIsGeneratedCheckedAndAveragedOnce) {
+  render_.fusion = Fusion::kOff;  // each step a launch
   for_each_scene([&](const traces::Scene& scene) {
     const Recorded r = record(scene);
     for (const traces::TileWork& work : r.works) {

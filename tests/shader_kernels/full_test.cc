@@ -49,6 +49,14 @@ TEST_P(Full, TileSizeNeverChangesThePicture) {
   }
 }
 
+TEST_P(Full, ALoneSampleIsThePixelsCentreInEveryPattern) {
+  RenderConfig config = small(83, 47);
+  const Picture regular = picture(config), regular_four = picture(config, 4);
+  config.samples = SamplePattern::kJittered;
+  EXPECT_EQ(picture(config).rgb, regular.rgb);
+  EXPECT_NE(picture(config, 4).rgb, regular_four.rgb);
+}
+
 TEST_P(Full, RecordingChangesNothing) {
   const Picture quiet = picture(small(64, 40), 4, false);
   const Picture recorded = picture(small(64, 40), 4, true);
@@ -147,7 +155,7 @@ TEST(RenderConfig, EveryFieldChangesTheWork) {
     EXPECT_FALSE(meaning.empty()) << key;
     ++fields;
   });
-  EXPECT_EQ(fields, 10U);
+  EXPECT_EQ(fields, 11U);
 }
 
 TEST(ProgramSpec, NamesAreParsed) {

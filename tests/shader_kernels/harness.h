@@ -41,16 +41,28 @@ struct Picture {
   }
 };
 
+/// Runs a frame program to its end and shows each tile, once it is kept, to `see`.
+inline void run_tiles(FrameProgram& program, const traces::Tracer& tracer, bool record, auto&& see) {
+  TileResult tile;
+  std::uint32_t pass_end = 0;
+  for (std::uint32_t t = 0; t < program.tiles(); ++t) {
+    if (t == pass_end) {
+      program.begin_pass(t, tracer);
+      pass_end = program.pass_end(t);
+    }
+    program.run_tile(t, tracer, record, tile);
+    program.keep(tile);
+    see(tile);
+  }
+}
+
 inline Picture render(const traces::MemoryImage& image, const traces::Camera& camera, const traces::Tracer& tracer,
                       const RenderConfig& config, std::uint32_t samples = 1, bool record = false) {
   FullProgram program(image, camera, config, samples, 0);
   Picture picture{program.width(), program.height(), {}, {}};
-  TileResult tile;
-  for (std::uint32_t t = 0; t < program.tiles(); ++t) {
-    program.run_tile(t, tracer, record, tile);
-    program.keep(tile);
+  run_tiles(program, tracer, record, [&](const TileResult& tile) {
     for (std::size_t k = 0; k < picture.rays.size(); ++k) picture.rays[k] += tile.rays[k];
-  }
+  });
   picture.rgb = program.picture();
   return picture;
 }

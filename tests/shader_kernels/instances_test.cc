@@ -57,16 +57,7 @@ Shown show(const traces::Scene& scene, const std::string& program, const traces:
   const RenderConfig render = picture_size();
   const auto frame =
       make_program(parse_program(program), {image, scene.cameras.front(), render, programs, rates, 0, 6});
-  TileResult tile;
-  std::uint32_t pass_end = 0;
-  for (std::uint32_t tile_index = 0; tile_index < frame->tiles(); ++tile_index) {
-    if (tile_index == pass_end) {
-      frame->begin_pass(tile_index, tracer);
-      pass_end = frame->pass_end(tile_index);
-    }
-    frame->run_tile(tile_index, tracer, true, tile);
-    frame->keep(tile);
-  }
+  run_tiles(*frame, tracer, true, [](const TileResult&) {});
   return {frame->picture(), frame->sampling()};
 }
 
@@ -101,9 +92,10 @@ TEST(Instanced, AHitReadsTheRecordOfItsInstance) {
         EXPECT_LT(access.element, scene.instances.size());
       }
       for (const traces::WorkNode& node : tile.work.nodes) {
-        const bool fetches =
-            node.kind == traces::WorkNode::Kind::kLaunch &&
-            (node.kernel == kKernelId<ShadeSurface<true>> || node.kernel == kKernelId<FetchVertices<true>>);
+        if (node.kind != traces::WorkNode::Kind::kLaunch) continue;
+        const KernelInfo& kernel = catalogue()[node.kernel];
+        const bool fetches = kernel.name == FetchVertices<true>::kName || kernel.name == ShadeSurface<true>::kName ||
+                             std::ranges::count(kernel.parts, ShadeSurface<true>::kName) != 0;
         surfaces += fetches ? node.items : 0;
       }
     }

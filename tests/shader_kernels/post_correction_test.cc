@@ -83,23 +83,21 @@ struct Rod {
   }
 };
 
-/// Aimed at: 0.95 of sixty rods. A rod that lies along a row without references is met by no sample, so nothing leads
-/// to it, and it is lost with more pixels than ten others lose; sixty rods say little, so ten times as many are drawn
-/// (tests/validation/DEVIATIONS.md, A5).
+/// Aimed at: 0.95 of the lost pixels, 0.98 of those of rods that a sample meets. A rod that lies along a row without
+/// references is met by none, so nothing leads to it, and it is lost with more pixels than ten others lose: sixty rods
+/// say little (tests/validation/DEVIATIONS.md, A5).
 TEST(PostCorrection, FourScansRecoverRodsThickerThanAPixel) {
-  constexpr std::uint32_t kMany = 10 * kRods;
-  Recovered all, sixty, met;
+  constexpr std::uint32_t kMany = 100 * kRods;
+  Recovered all, met;
   for (std::uint32_t seed = 0; seed < kMany; ++seed) {
     const Rod rod(seed, 1.3F + 0.5F * static_cast<float>(seed % kRods) / (kRods - 1));
     const Recovered of = rod.recovered(scanning(Correction::kFour));
     all += of;
-    if (seed < kRods) sixty += of;
     if (rod.met()) met += of;
   }
   EXPECT_GT(all.lost, 5 * kMany) << "blocks of 2 lose a part of such rods";
-  EXPECT_NEAR(all.share(), 0.937, 0.001);
-  EXPECT_GE(met.share(), 0.97);
-  EXPECT_NEAR(sixty.share(), 0.872, 0.001) << "the first sixty, one of which no sample meets";
+  EXPECT_GE(all.share(), 0.95);
+  EXPECT_GE(met.share(), 0.98);
   RecordProperty("lost", std::to_string(all.lost));
   RecordProperty("recovered", fmt::format("{:.4f}", all.share()));
   RecordProperty("recovered_of_rods_met", fmt::format("{:.4f}", met.share()));

@@ -22,11 +22,13 @@ class Stream : public testing::TestWithParam<const char*> {
   static traces::Scene scene() {
     return std::string_view(GetParam()) == "showcase" ? showcase_scene() : traces::open_scene(GetParam());
   }
-  void for_each_tile(std::uint32_t samples, auto&& check) {
+  void for_each_tile(std::uint32_t samples, auto&& check, Fusion fusion = Fusion::kOn) {
     const traces::Scene scene = Stream::scene();
     const traces::MemoryImage image = traces::build_memory_image(scene);
     const traces::BvhTracer tracer(image);
-    const FullProgram program(image, scene.cameras[0], small(75, 41), samples, 0);
+    RenderConfig config = small(75, 41);
+    config.fusion = fusion;
+    const FullProgram program(image, scene.cameras[0], config, samples, 0);
     TileResult tile;
     for (std::uint32_t t = 0; t < program.tiles(); ++t) {
       program.run_tile(t, tracer, true, tile);
@@ -108,7 +110,7 @@ TEST_P(Stream, WhoReadsTheSlotsOfABatchWaitsForItAndForAllThatWentOn) {
 }
 
 TEST_P(Stream, EveryItemIsCountedOnce) {
-  for_each_tile(1, [](const TileResult& tile) {
+  const auto check = [](const TileResult& tile) {
     std::map<std::string_view, std::uint64_t> items;
     std::uint64_t bytes = 0;
     for (const WorkNode& node : tile.work.nodes) {
@@ -128,7 +130,8 @@ TEST_P(Stream, EveryItemIsCountedOnce) {
     EXPECT_EQ(items["pack_colour"], std::uint64_t{tile.width} * tile.height);
     EXPECT_EQ(bytes, std::uint64_t{4} * tile.width * tile.height);
     EXPECT_EQ(tile.work.nodes.back().kind, WorkNode::Kind::kTransfer);
-  });
+  };
+  for_each_tile(1, check, Fusion::kOff);  // each step a launch
 }
 
 TEST_P(Stream, LaunchesThatReadMemoryListTheAccessesOfEachItem) {

@@ -130,15 +130,14 @@ TEST_P(Supersample, FourSamplesAreTracedForEveryActiveSubpixel) {
   EXPECT_GT(active[4], 0U);
 }
 
-TEST_P(Supersample, ATileWaitsForThoseToTheLeftAndAbove) {
+TEST_P(Supersample, ATileImportsBordersOfThoseToTheLeftAndAbove) {
   SupersampleConfig c;
   const Result result = world_.supersample(small(16, 16), c, true);
   EXPECT_EQ(result.last.tile, 3U);
-  std::vector<std::uint32_t> after = result.last.work.after;
-  std::ranges::sort(after);
-  EXPECT_EQ(after, (std::vector<std::uint32_t>{0, 1, 2}));
+  const std::vector<traces::Border> expected = {{2, kRightBorder}, {1, kLowerBorder}, {0, kRightBorder}};
+  EXPECT_EQ(result.last.work.imports, expected) << "of the corner, too";
   c.halo = Halo::kRetrace;
-  EXPECT_TRUE(world_.supersample(small(16, 16), c, true).last.work.after.empty());
+  EXPECT_TRUE(world_.supersample(small(16, 16), c, true).last.work.imports.empty());
 }
 
 /// A mirror wall behind tiles, balls of two materials, a box with sharp edges, shadows everywhere, one ball in focus.

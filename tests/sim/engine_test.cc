@@ -134,6 +134,40 @@ TEST(Engine, AStuckMachineIsFoundWithItsState) {
   EXPECT_EQ(state_of([](Pipeline& m) { run_shuffled(m, 1); }), stuck);
 }
 
+TEST(Engine, AMachineThatGoesOnAndRetiresNothingIsFound) {
+  PipelineConfig c;
+  c.appetite = 10;
+  c.restless = true;
+  c.source = c.stage = c.sink = Clock(kFemtosecondsPerNanosecond);
+  c.patience = 1000 * kFemtosecondsPerNanosecond;
+  const auto complaint = [](auto&& machine, auto&& engine) {
+    try {
+      engine(machine);
+    } catch (const Deadlock& stuck) {
+      EXPECT_EQ(machine.sink.taken.size(), 10U);
+      EXPECT_EQ(stuck.state, "source: 2 in its link\nstage: 2 in its link\n");
+      return std::string(stuck.what());
+    }
+    return std::string("none");
+  };
+  const std::string livelock =
+      "the machine is in a livelock: its units go on, and none has retired anything for 1000 ns, the time that its "
+      "watchdog gives it";
+  EXPECT_EQ(complaint(Pipeline(c), [](Pipeline& m) { run(m); }), livelock);
+  EXPECT_EQ(complaint(Pipeline(c), [](Pipeline& m) { run<Skip::kOff>(m); }), livelock);
+  EXPECT_EQ(complaint(Pipeline(c), [](Pipeline& m) { run_shuffled(m, 1); }), livelock);
+  EXPECT_EQ(complaint(ApartPipeline(c), [](ApartPipeline& m) { run(m); }), livelock);
+}
+
+TEST(Engine, AMachineThatRetiresWithinItsPatienceIsLeftAlone) {
+  PipelineConfig c;
+  c.interval = 100;
+  c.patience = 2 * 100 + 2 * (1 + 3 + 1);  // a rest of the sink, and the way to it
+  Pipeline machine(c);
+  EXPECT_NO_THROW(run(machine));
+  EXPECT_EQ(machine.sink.taken.size(), c.items);
+}
+
 TEST(Engine, PartitionsThatAreStuckAreFoundToo) {
   PipelineConfig c;
   c.appetite = 10;

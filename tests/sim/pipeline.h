@@ -18,6 +18,8 @@ struct PipelineConfig {
   std::size_t in_flight = 2;    ///< inside the stage's pipe
   std::uint64_t interval = 1;   ///< cycles the sink rests after each item
   std::uint64_t appetite = 50;  ///< items the sink takes at all
+  bool restless = false;        ///< a sink that takes no more looks every cycle all the same
+  Time patience = kNever;
 };
 
 /// Sends numbers as fast as there is room.
@@ -90,7 +92,7 @@ class Sink {
  public:
   enum class CycleReason : std::uint8_t { kStarved, kTaking, kResting, kCount };
   Sink(const PipelineConfig& c, Link<std::uint64_t>& in)
-      : clock_(c.sink), rest_(c.interval * c.sink.period()), appetite_(c.appetite), in_(in) {}
+      : clock_(c.sink), rest_(c.interval * c.sink.period()), appetite_(c.appetite), restless_(c.restless), in_(in) {}
 
   Time tick(Time now) {
     const bool worked = now >= free_ && in_.can_pop(now) && taken.size() < appetite_;
@@ -102,9 +104,11 @@ class Sink {
     const Time next = now + clock_.period();
     activity.spend(now, clock_.period(), worked ? CycleReason::kTaking : waiting(now), waiting(next));
     if (free_ > now) return free_;
+    if (restless_ && taken.size() == appetite_) return next;
     return taken.size() < appetite_ ? in_.pop_at() : kNever;
   }
   Clock clock() const { return clock_; }
+  std::uint64_t retired() const { return taken.size(); }
   void finish(Time end) { activity.finish(end); }
 
   Activity<CycleReason> activity;
@@ -118,6 +122,7 @@ class Sink {
   Time rest_;
   Time free_ = 0;
   std::uint64_t appetite_;
+  bool restless_;
   Link<std::uint64_t>& in_;
 };
 
@@ -137,6 +142,7 @@ class Pipeline {
 
   Machine& machine() { return machine_; }
   bool done() const { return sink.taken.size() == config_.items; }
+  Time patience() const { return config_.patience; }
   /// Where each unit's time went, in the order of units and reasons.
   std::vector<Time> spent(Time end) {
     machine_.finish(end + 1);

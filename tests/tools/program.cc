@@ -93,8 +93,10 @@ bool Program::wait_until(const std::function<bool(const std::string& err)>& is_a
 bool Program::wait_for_file(const std::filesystem::path& folder, const std::string& name) {
   return wait_until([&](const std::string&) {
     std::error_code vanished;
-    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder, vanished)) {
-      if (entry.path().filename() == name) return true;
+    auto entry = std::filesystem::recursive_directory_iterator(folder, vanished);
+    for (; !vanished && entry != end(entry); entry.increment(vanished)) {
+      std::error_code gone;
+      if (name.empty() ? entry->is_regular_file(gone) : entry->path().filename() == name) return true;
     }
     return false;
   });

@@ -52,7 +52,8 @@ class Program {
   }
   /// Waits until what is on stderr is as wanted; false if it ended before.
   bool wait_until(const std::function<bool(const std::string& err)>& is_as_wanted);
-  /// Waits until a file of this name is in the folder, or in one inside; false if the program ended before.
+  /// Waits until a file of this name (empty: any) is in the folder, or in one inside; false if the program ended
+  /// before.
   bool wait_for_file(const std::filesystem::path& folder, const std::string& name);
   bool ended();
   Ending wait();

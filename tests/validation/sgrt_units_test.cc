@@ -75,7 +75,7 @@ TEST(SgrtUnits, TheDirectInterfaceSavesThatMuchOfMemoryTrafficAsTheSceneLeaves) 
 
 TEST(SgrtUnits, TheDirectInterfaceIsFasterByWhatWasPublishedOnlyWhereShadersDoNotSetThePace) {  // U4
   expect_between("T&I units, published 1.5", measure("chess", "on against off, T&I alone").at("speedup"), 1.4, 2.0);
-  expect_between("all, published 1.5", measure("chess", "on against off, whole GPU").at("speedup"), 1.05, 1.3);
+  expect_between("all, published 1.5", measure("chess", "on against off, whole GPU").at("speedup"), 1.2, 1.5);
 }
 
 TEST(SgrtUnits, HybridNumbersSaveStorageAndLinesButAVisitOftenReadsTwo) {  // U5
@@ -83,7 +83,7 @@ TEST(SgrtUnits, HybridNumbersSaveStorageAndLinesButAVisitOftenReadsTwo) {  // U5
   expect_between("bytes of boxes, published 0.60", whole.at("box_bytes_ratio"), 0.595, 0.605);
   expect_between("bytes of nodes", whole.at("node_bytes_ratio"), 0.62, 0.63);
   expect_between("lines brought in", whole.at("l1_fills_ratio"), 0.75, 0.95);
-  expect_between("speed", whole.at("speedup"), 0.9, 1.0);
+  expect_between("speed", whole.at("speedup"), 0.95, 1.02);
   expect_between("energy efficiency", whole.at("tni_perf_per_watt"), 1.03, 1.15);
 }
 

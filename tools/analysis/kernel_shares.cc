@@ -3,6 +3,8 @@
 #include <string_view>
 
 #include "hw_models/srp/srp.h"
+#include "shader_kernels/catalogue.h"
+#include "shader_kernels/listing.h"
 #include "tools/analysis/units.h"
 
 namespace tools {
@@ -27,29 +29,43 @@ KernelGroup group_of(std::string_view kernel) {
   return KernelGroup::kTracing;
 }
 
+/// Part of a kernel's cycles that goes to a group: all or nothing, or of a fused kernel as its parts' operations have
+/// it.
+double part_of(std::string_view kernel, KernelGroup group) {
+  const kernels::KernelInfo* info = kernels::find_kernel(kernel);
+  if (info == nullptr || info->parts.empty()) return group_of(kernel) == group ? 1 : 0;
+  double all = 0, those = 0;
+  for (const std::string_view part : info->parts) {
+    const double ops = kernels::executed_ops(kernels::find_kernel(part)->graph);
+    all += ops;
+    if (group_of(part) == group) those += ops;
+  }
+  return those / all;
+}
+
 }  // namespace
 
 std::optional<double> kernel_share(const Simulation& simulation, KernelGroup group) {
-  std::uint64_t all = 0, those = 0;
+  double all = 0, those = 0;
   for (std::size_t k = 0; k < simulation.kernels.size(); ++k) {
-    const std::uint64_t cycles = simulation.kernel_use[k].cycles;
+    const auto cycles = static_cast<double>(simulation.kernel_use[k].cycles);
     all += cycles;
-    if (group_of(simulation.kernels[k].kernel) == group) those += cycles;
+    those += cycles * part_of(simulation.kernels[k].kernel, group);
   }
   if (all == 0) return {};
-  return static_cast<double>(those) / static_cast<double>(all);
+  return those / all;
 }
 
 std::optional<double> starved_share(const Simulation& simulation) {
   const std::uint64_t elapsed = Units<hw::Srp>(simulation.units).elapsed();
-  std::uint64_t starved = 0;
+  double starved = 0;
   for (std::size_t k = 0; k < simulation.kernels.size(); ++k) {
-    const KernelGroup group = group_of(simulation.kernels[k].kernel);
-    if (group == KernelGroup::kCheck || group == KernelGroup::kInterpolation)
-      starved += simulation.kernel_use[k].starved;
+    const std::string_view kernel = simulation.kernels[k].kernel;
+    const double part = part_of(kernel, KernelGroup::kCheck) + part_of(kernel, KernelGroup::kInterpolation);
+    starved += part * static_cast<double>(simulation.kernel_use[k].starved);
   }
   if (elapsed == 0) return {};
-  return static_cast<double>(starved) / static_cast<double>(elapsed);
+  return starved / static_cast<double>(elapsed);
 }
 
 }  // namespace tools

@@ -68,6 +68,8 @@ ReportFile load_report(const std::filesystem::path& file_or_folder) {
     report.json = sim::parse_json<Json>(bytes);
   } catch (const Json::exception& error) {
     throw refuse(fmt::format("is not JSON: {}", error.what()));
+  } catch (const sim::InputError& error) {
+    throw refuse(error.what());
   }
   if (schema_of(report.json) != "schema 'raywatt-report/1'") throw refuse("has " + schema_of(report.json));
   try {

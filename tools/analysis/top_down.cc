@@ -118,7 +118,7 @@ CoreTime core_time(std::span<const UnitReport> units, const std::string& core, c
       .tracing = tracing_demand(trvs),
       .records = record_share(units, banks)};
   const double tracing = ratio(srp.counted(&SrpStats::awaited), srp.elapsed());
-  t.transfers = std::max(0.0, srp.share(OfSrp::kWaiting) + t.demands.no_slots - tracing);
+  t.transfers = std::max(0.0, srp.share(OfSrp::kWaiting) + srp.share(OfSrp::kBorders) + t.demands.no_slots - tracing);
   const Inside in = inside(trvs, ist);
   t.boxes = tracing * in.boxes;
   t.triangles = tracing * in.triangles;

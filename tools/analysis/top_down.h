@@ -21,7 +21,7 @@ struct MissLevels {
 ///
 ///   array busy: kernels | switches | banks          array stands still: data_misses
 ///   array idle, rays in the T&I unit: boxes | triangles | pipes | tree_misses
-///   array idle, none there: transfers (waiting for the DMA or for tiles' turns) | no_tile
+///   array idle, none there: transfers (waiting for the DMA, for other tiles' borders or for tiles' turns) | no_tile
 struct CoreTime {
   double kernels = 0, switches = 0, banks = 0;
   double data_misses = 0;

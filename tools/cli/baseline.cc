@@ -32,7 +32,9 @@ void add_baseline(CLI::App& app, int& exit) {
   step->footer("Example: raywatt baseline record tests/baseline/suite.yaml");
   step = add_step(*verb, "check", "Compute a suite and say what is not as stored, and in which unit", options, exit,
                   check_baseline);
-  step->add_option("--junit", options->junit, "also write the result as JUnit XML into this file");
+  step->add_option("--junit", options->junit,
+                   "also write the result as JUnit XML into this file: a new one, or one of an earlier check");
+  step->add_flag("--force", options->force, "replace whatever file has that name");
   step->footer(
       "Example: raywatt baseline check tests/baseline/suite.yaml --junit baseline.xml\n"
       "Exit 0: nothing moved; 1: something did; 2: stored values are of other inputs, or there are none.");

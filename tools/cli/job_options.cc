@@ -23,6 +23,11 @@ void add_set_option(CLI::App& verb, std::vector<std::string>& sets) {
       ->allow_extra_args(false);
 }
 
+/// Refuses the value of a variable that is not set.
+static CLI::Validator not_empty(const std::string& allowed) {
+  return {[allowed](const std::string& value) { return value.empty() ? allowed : std::string(); }, ""};
+}
+
 void add_work_options(CLI::App& verb, JobOptions& options, bool positional) {
   if (positional) {
     add_config_options(verb, options.config, options.sets);
@@ -30,7 +35,8 @@ void add_work_options(CLI::App& verb, JobOptions& options, bool positional) {
     add_set_option(verb, options.sets);
   }
   verb.add_option("--scene", options.scene,
-                  "built-in scene, workload (.yaml), or .gltf or .glb file (default: cornell)");
+                  "built-in scene, workload (.yaml), or .gltf or .glb file (default: cornell)")
+      ->check(not_empty("allowed: a name"));
   verb.add_option("--camera", options.camera, "camera of the scene, by name or index (default: its first)");
   verb.add_option("--program", options.program,
                   "frame program: full:N traces N samples per pixel, a square; multirate:under, multirate:super,\n"
@@ -55,7 +61,8 @@ void add_ideal_option(CLI::App& verb, JobOptions& options) {
 }
 
 void add_output_options(CLI::App& verb, JobOptions& options) {
-  verb.add_option("-o,--output", options.out, "folder for the results (default: a dated one below raywatt-out/)");
+  verb.add_option("-o,--output", options.out, "folder for the results (default: a dated one below raywatt-out/)")
+      ->check(not_empty("allowed: a folder"));
   verb.add_flag("--force", options.force, "put the results among the files of a folder that is not a former run");
   verb.add_flag("--quiet", options.quiet, "no table, no bar");
   add_progress_option(verb, options.progress);

@@ -1,7 +1,9 @@
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <iterator>
 #include <new>
 #include <string>
 #include <string_view>
@@ -61,7 +63,8 @@ int run(int argc, char** argv) {
   app.set_version_flag(
       "--version", fmt::format("raywatt {} ({}{})", tools::build_info().version, tools::build_info().git.substr(0, 12),
                                tools::build_info().dirty ? ", with changes" : ""));
-  const std::vector<std::string> words(argv, argv + argc);
+  std::vector<std::string> words;  // for reports
+  std::transform(argv, argv + argc, std::back_inserter(words), sim::with_escaped_bytes);
   tools::add_run(app, words, exit);
   tools::add_verify(app, words, exit);
   tools::add_reproduce(app, words);

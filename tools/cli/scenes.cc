@@ -97,6 +97,7 @@ void export_scene(const ExportOptions& options) {
   if (!options.force && std::filesystem::exists(options.out, ignored)) {
     throw sim::InputError(shown + " exists; --force replaces it");
   }
+  sim::check_output(options.out, {.any = true});
   const traces::Scene scene = options.scene.open();
   const std::string bytes = traces::export_glb(scene);
   sim::write_file_atomically(options.out, bytes);

@@ -11,6 +11,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include "sim/io/json.h"
 #include "sim/report/table.h"
 #include "tools/host/interrupt.h"
 
@@ -82,7 +83,7 @@ std::string progress_json(const ProgressState& s) {
                {"rays_per_s", s.rays_per_s()}});
   json["seconds_left"] =
       s.seconds_left() >= 0 ? nlohmann::ordered_json(s.seconds_left()) : nlohmann::ordered_json(nullptr);
-  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  return sim::json_line(json) + "\n";
 }
 
 Progress::Progress(const std::string& form, bool quiet)

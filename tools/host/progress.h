@@ -49,6 +49,10 @@ class Progress {
   void tiles_done(std::uint32_t tiles, std::uint64_t rays, std::uint64_t cycles);
   /// Writes a line on stderr without disturbing the bar.
   void say(const std::string& line);
+  /// The same if there is a bar, for who waits in front of it.
+  void hint(const std::string& line) {
+    if (form_ == Form::kBar) say(line);
+  }
   /// The last line: how it ended, "done", "interrupted" or "failed". Tells nothing more after that.
   void end(const std::string& how);
 

@@ -2,24 +2,26 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cstdio>
 #include <ctime>
 #include <fstream>
 #include <iterator>
 #include <optional>
-#include <sstream>
 #include <string>
 #include <system_error>
+#include <tuple>
 #include <vector>
 
 #include <fcntl.h>
 #include <fmt/chrono.h>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "sim/error.h"
 #include "tools/host/interrupt.h"
+#include "tools/host/staging.h"
 
 namespace tools {
 
@@ -50,17 +52,12 @@ std::string start_of_results(const fs::path& folder, std::string_view name) {
 
 /// The verb that has written this report.json.
 std::string_view verb_of(const std::string& report) {
-  constexpr std::string_view kWords = "\"argv\": ";
-  const std::size_t words = report.find(kWords);
-  if (words == std::string::npos) return "run";
-  std::istringstream text(report.substr(words + kWords.size()));
-  nlohmann::json argv;
-  try {
-    text >> argv;
-  } catch (const nlohmann::json::exception&) {
-    return "run";
-  }
-  return argv.is_array() && argv.size() > 1 && argv[1] == "trace" ? "trace replay" : "run";
+  std::size_t at = report.find("\"argv\": [");
+  if (at != std::string::npos) at = report.find('"', report.find('[', at));  // the first word
+  if (at == std::string::npos) return "run";
+  for (++at; at < report.size() && report[at] != '"'; ++at) at += report[at] == '\\' ? 1 : 0;
+  at = report.find_first_not_of("\", \n", std::min(at, report.size()));
+  return at != std::string::npos && report.compare(at, 6, "trace\"") == 0 ? "trace replay" : "run";
 }
 
 enum class Former : std::uint8_t { kNone, kOfOtherVerb, kOwn };
@@ -94,8 +91,7 @@ bool is_result(const fs::directory_entry& entry, const ResultsOf& verb) {
   const std::string name = entry.path().filename().string();
   const bool is_picture = name.ends_with(".png") || name.ends_with(".exr");
   return entry.symlink_status().type() == fs::file_type::regular && (verb.pictures || !is_picture) &&
-         (std::ranges::find(kResults, name) != kResults.end() || is_frame(name) || is_picture_of("figure-", name) ||
-          is_picture_of("debug-", name));
+         is_result_name(name);
 }
 
 /// Former results of the verb: none in a folder that is not its own.
@@ -106,6 +102,16 @@ std::vector<fs::path> former_files(const fs::path& folder, const ResultsOf& verb
     if (is_result(entry, verb)) files.push_back(entry.path());
   }
   return files;
+}
+
+/// InputError if something that is no file has a result's name: it would stay in its way.
+void check_names(const fs::path& folder) {
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    if (!is_result_name(entry.path().filename().string())) continue;
+    if (entry.symlink_status().type() == fs::file_type::regular) continue;
+    throw sim::InputError(
+        fmt::format("{}: has the name of a result and is not a regular file; move it away", entry.path().string()));
+  }
 }
 
 /// Puts the results of `from` into `to` among the files of others, in place of former results.
@@ -128,41 +134,6 @@ std::string cannot_be_written(const fs::path& folder, const std::error_code& err
   return fmt::format("{}: cannot be written ({})", folder.string(), error.message());
 }
 
-/// A folder beside `target` to write into, with what parents are missing. Whatever it holds in the end is removed.
-class Staging {
- public:
-  explicit Staging(fs::path target) : target_(std::move(target)) {}
-  ~Staging() {
-    std::error_code ignored;
-    if (!folder_.empty()) fs::remove_all(folder_, ignored);
-    for (const fs::path& parent : made_) fs::remove(parent, ignored);  // unless something is in it by now
-  }
-  Staging(const Staging&) = delete;
-  Staging& operator=(const Staging&) = delete;
-
-  std::error_code make() {
-    const fs::path parent = target_.parent_path();
-    std::error_code error;
-    for (fs::path p = parent; !fs::exists(p, error) && p.has_relative_path(); p = p.parent_path()) made_.push_back(p);
-    // Again if the name is taken by what a killed run has left, or if another run has removed the parent it had made.
-    for (int n = 0; n < 100; ++n) {
-      const fs::path folder = parent / fmt::format(".{}.{}.{}.tmp", target_.filename().string(), getpid(), n);
-      fs::create_directories(parent, error);
-      if (!error && fs::create_directory(folder, error)) {
-        folder_ = folder;
-        return {};
-      }
-    }
-    return error ? error : std::make_error_code(std::errc::file_exists);
-  }
-  const fs::path& folder() const { return folder_; }
-
- private:
-  const fs::path target_;
-  fs::path folder_;
-  std::vector<fs::path> made_;  ///< innermost first
-};
-
 /// Two folders take each other's place, in one step where the file system can do that.
 std::error_code exchange(const fs::path& a, const fs::path& b) {
   if (::renameat2(AT_FDCWD, a.c_str(), AT_FDCWD, b.c_str(), RENAME_EXCHANGE) == 0) return {};
@@ -175,11 +146,30 @@ std::error_code exchange(const fs::path& a, const fs::path& b) {
   return error;
 }
 
+/// Gives `folder` the permissions and the group of the one that it is to replace.
+void resemble(const fs::path& folder, const fs::path& former) {
+  struct stat about {};
+  if (::stat(former.c_str(), &about) != 0) return;
+  std::ignore = ::chown(folder.c_str(), static_cast<uid_t>(-1), about.st_gid);  // first: it clears setgid
+  ::chmod(folder.c_str(), about.st_mode & 07777U);
+}
+
+/// Somebody stands in the working directory: a shell would be left in a folder that is gone.
+bool is_working_directory(const fs::path& folder) {
+  std::error_code ignored;
+  return fs::equivalent(folder, fs::current_path(ignored), ignored);
+}
+
 bool is_occupied(const std::error_code& error) {
   return error == std::errc::directory_not_empty || error == std::errc::file_exists;
 }
 
 }  // namespace
+
+bool is_result_name(std::string_view name) {
+  return std::ranges::find(kResults, name) != kResults.end() || is_frame(name) || is_picture_of("figure-", name) ||
+         is_picture_of("debug-", name);
+}
 
 RunFolder::RunFolder(fs::path target, bool force, const ResultsOf& verb)
     : verb_(verb), dated_(target.empty()), target_(dated_ ? dated_folder() : std::move(target)) {
@@ -192,7 +182,11 @@ RunFolder::RunFolder(fs::path target, bool force, const ResultsOf& verb)
     if (!fs::is_directory(target_, error)) {
       throw sim::InputError(fmt::format("{}: is a file, not a folder", target_.string()));
     }
+    if (::access(target_.c_str(), W_OK | X_OK) != 0) {
+      throw sim::InputError(cannot_be_written(target_, {errno, std::generic_category()}));
+    }
     const Former former = former_results(target_, verb_);
+    check_names(target_);
     if (!force && former == Former::kOfOtherVerb) {
       throw sim::InputError(
           fmt::format("{}: holds the results of raywatt {}; choose another folder or give --force to put these among "
@@ -222,16 +216,21 @@ void RunFolder::fill(const std::function<std::string(const Open& folder)>& write
     if (error) throw sim::IoError(cannot_be_written(target_, error));
     return staging.folder();
   });
-  fs::rename(staging.folder(), target_, error);  // a full folder is never replaced by this
-  while (dated_ && is_occupied(error)) {         // by a run of the same second
+  resemble(staging.folder(), target_);
+  if (is_working_directory(target_)) {
+    error = std::make_error_code(std::errc::file_exists);
+  } else {
+    fs::rename(staging.folder(), target_, error);  // a full folder is never replaced by this
+  }
+  while (dated_ && is_occupied(error)) {  // by a run of the same second
     target_ = dated_folder();
     fs::rename(staging.folder(), target_, error);
   }
   if (is_occupied(error)) {
     const std::vector<fs::path> former = former_files(target_, verb_);
     const auto files = static_cast<std::size_t>(std::distance(fs::directory_iterator(target_), {}));
-    error =
-        former.size() == files ? exchange(staging.folder(), target_) : place_among(staging.folder(), target_, former);
+    error = former.size() == files && !is_working_directory(target_) ? exchange(staging.folder(), target_)
+                                                                     : place_among(staging.folder(), target_, former);
   }
   if (error) throw sim::IoError(cannot_be_written(target_, error));
   tell_if_interrupted(fmt::format("kept {} in {}", kept, target_.string()));

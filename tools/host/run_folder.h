@@ -12,6 +12,9 @@ struct ResultsOf {
   std::string_view name = {};             ///< the verb, if others write a file of that name
   bool pictures = true;                   ///< there may be some among them
 };
+/// Is this the name of a file that some verb leaves in its folder?
+bool is_result_name(std::string_view name);
+
 inline constexpr ResultsOf kResultsOfRun{.name = "run"};
 inline constexpr ResultsOf kResultsOfReplay{.name = "trace replay", .pictures = false};
 

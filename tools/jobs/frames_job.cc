@@ -5,6 +5,7 @@
 
 #include "sim/error.h"
 #include "sim/host_clock.h"
+#include "sim/io/printable.h"
 #include "tools/analysis/debug_pictures.h"
 #include "tools/analysis/picture.h"
 #include "tools/analysis/report.h"
@@ -13,6 +14,7 @@
 #include "tools/jobs/jobs.h"
 #include "tools/jobs/outcome.h"
 #include "tools/sampling/tile_sampling.h"
+#include "tools/simulation/host_time.h"
 #include "tools/simulation/recorded.h"
 #include "tools/simulation/run_job.h"
 #include "traces/scene/images.h"
@@ -32,7 +34,8 @@ struct Job {
   Progress& progress;
   Program program;
   std::optional<Program> reference;
-  bool keep_part = false;  ///< keeps that of the first frame, if the run comes no further
+  bool keep_part = false;             ///< keeps that of the first frame, if the run comes no further
+  std::size_t frames_to_replace = 1;  ///< fewer are not kept if the run is interrupted
   std::optional<TileSampling> sampling;
   traces::TraceWriter* trace = nullptr;
   bool has_picture() const { return !sampling || sampling->full_image; }
@@ -90,11 +93,11 @@ struct Job {
         run_frame(inputs, folder, out);
       }
     } catch (const Interrupted&) {
-      if (out.frames.empty()) {
-        progress.end("interrupted");
-        throw;
-      }
       out.partial = true;
+    }
+    if (out.partial && out.frames.size() < frames_to_replace) {
+      progress.end("interrupted");
+      throw Interrupted();
     }
     return out;
   }
@@ -114,6 +117,24 @@ std::optional<TileSampling> sampling_of(const JobOptions& options, const kernels
   return parse_tile_sampling(options.tile_sampling, options.image);
 }
 
+/// A trace does not take the place of one of the run's own results.
+void check_record_name(const JobOptions& options, const std::filesystem::path& file,
+                       const std::filesystem::path& folder) {
+  if (file.parent_path() != folder || !is_result_name(file.filename().string())) return;
+  throw sim::InputError(fmt::format("--record {}: the run's own results have a file of this name; allowed: another",
+                                    sim::printable(options.record.string())));
+}
+
+/// Says so before a run that takes minutes.
+void tell_long_run(const Inputs& inputs, const kernels::ProgramSpec& program, Progress& progress) {
+  const double minutes = estimated_host_seconds(inputs, program) * inputs.frames() / 60;
+  if (minutes < 1) return;
+  progress.hint(
+      fmt::format("raywatt: this may take about {:.0f} min on this host; a smaller --resolution, fewer --frames or "
+                  "--tile-sampling take less",
+                  minutes));
+}
+
 }  // namespace
 
 void run_frames(const JobOptions& options) {
@@ -126,9 +147,11 @@ void run_frames(const JobOptions& options) {
   Progress progress(options.progress, options.quiet);
   Inputs inputs = load_inputs(options, &progress);
   const kernels::RateMap rates(inputs.config.programs.multirate);
-  Job job{options, progress, {program, rates}, {}, !folder.holds_former_run(), sampling, nullptr};
+  Job job{options,  progress, {program, rates}, {}, !folder.holds_former_run(), frames_to_replace(folder.target()),
+          sampling, nullptr};
   if (reference) job.reference = Program{*reference, rates};
   for (const std::string& warning : inputs.warnings) progress.say("raywatt: warning: " + warning);
+  if (!sampling) tell_long_run(inputs, program, progress);
   progress.expect(inputs.frames() * (reference ? 2 : 1));
 
   nlohmann::ordered_json json;
@@ -137,6 +160,7 @@ void run_frames(const JobOptions& options) {
     if (!options.record.empty()) {
       // Into a folder that is not there yet it comes with the report.
       const std::filesystem::path file = std::filesystem::weakly_canonical(std::filesystem::absolute(options.record));
+      check_record_name(options, file, folder.target());
       const bool comes_along = file.parent_path() == folder.target() && !std::filesystem::exists(folder.target());
       job.trace = &trace.emplace(comes_along ? open() / file.filename() : std::filesystem::path(options.record),
                                  trace_header(inputs, options));

@@ -5,9 +5,10 @@
 #include <fmt/format.h>
 
 #include "sim/config/config.h"
+#include "sim/error.h"
 #include "sim/io/file.h"
 #include "sim/report/report_json.h"
-#include "tools/analysis/report.h"
+#include "tools/analysis/report_file.h"
 
 namespace tools {
 namespace {
@@ -44,6 +45,17 @@ std::string Outcome::kept(std::size_t all) const {
   }
   if (all > 1) return fmt::format("{} of {} frames", frames.size(), all);
   return partial ? "the run without its reference" : "the whole run";
+}
+
+std::size_t frames_to_replace(const std::filesystem::path& folder) {
+  try {
+    const ReportFile former = load_report(folder);
+    const bool is_partial = former.json.value("partial", false);
+    return former.json.at("frames").size() + (is_partial ? 0 : 1);
+  } catch (const sim::InputError&) {
+  } catch (const nlohmann::json::exception&) {
+  }
+  return 1;
 }
 
 void write_report(const std::filesystem::path& folder, const nlohmann::ordered_json& json, const RunConfig& config) {

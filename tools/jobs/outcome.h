@@ -24,6 +24,10 @@ struct Outcome {
   std::string kept(std::size_t all) const;
 };
 
+/// Frames that an interrupted run must have to take the place of the one in the folder: no fewer than an unfinished one
+/// has, more than a finished one. 1 if there is none.
+std::size_t frames_to_replace(const std::filesystem::path& folder);
+
 /// Writes report.json, report.txt and config.yaml into a folder.
 void write_report(const std::filesystem::path& folder, const nlohmann::ordered_json& json, const RunConfig& config);
 

@@ -29,13 +29,13 @@ class SampleWeights {
 
  private:
   std::vector<double> sizes_;
-  double whole_;
-  std::vector<std::vector<double>> smoother_;  ///< fitted rates = smoother x observed rates
+  std::vector<double> smoother_;  ///< a matrix: fitted rates = smoother x observed rates
+  std::vector<double> shares_;    ///< weights, of rates instead of sums
   std::vector<double> weights_;
   double degrees_ = 0;
 };
 
-/// Student's t: 97.5 % of its distribution lies below. For 3 degrees of freedom and more to 1.5 %.
+/// Student's t: 97.5 % of its distribution lies below.
 double student_t(double degrees);
 
 }  // namespace tools

@@ -8,6 +8,7 @@
 
 #include "sim/config/config.h"
 #include "sim/error.h"
+#include "sim/io/printable.h"
 #include "tools/host/paths.h"
 #include "traces/scenes/library.h"
 
@@ -22,6 +23,11 @@ void apply_workload(sim::ConfigLoader& loader, RunConfig& config, const std::fil
   const std::filesystem::path scene = config.scene.name;
   if (traces::is_scene_file(config.scene.name) && scene.is_relative()) {
     config.scene.name = (file.parent_path() / scene).lexically_normal().string();
+  }
+  try {
+    if (traces::scene_file(config.scene.name).empty()) traces::check_builtin_name(config.scene.name);
+  } catch (const sim::InputError& error) {
+    sim::refuse(sim::printable(file.string()), "scene.name", error.what());
   }
 }
 

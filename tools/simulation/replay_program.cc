@@ -55,8 +55,8 @@ void ReplayProgram::keep(const kernels::TileResult& tile) {
   const auto is_earlier = [&](std::uint32_t t) { return t < seen_.size() && seen_[t]; };
   trace_.naming_file([&] {
     if (is_earlier(work.tile)) throw sim::InputError(fmt::format("tile {} is there twice", work.tile));
-    if (!std::ranges::all_of(work.after, is_earlier)) {
-      throw sim::InputError(fmt::format("tile {} waits for one that does not come before it", work.tile));
+    if (!std::ranges::all_of(work.imports, is_earlier, &traces::Border::tile)) {
+      throw sim::InputError(fmt::format("tile {} imports from one that does not come before it", work.tile));
     }
   });
   if (seen_.size() <= work.tile) seen_.resize(std::size_t{work.tile} + 1);

@@ -9,6 +9,7 @@
 #include "shader_kernels/programs/programs.h"
 #include "sim/engine.h"
 #include "sim/host_clock.h"
+#include "sim/io/printable.h"
 #include "tools/host/interrupt.h"
 #include "tools/simulation/progress_tile_source.h"
 #include "tools/simulation/recorded.h"
@@ -106,6 +107,7 @@ Inputs load_inputs(const RunConfig& config, std::uint32_t threads, Progress* pro
   in.scene_size = size_in_frame_0(scene, in.config.scene);
   in.camera = scene.cameras.front();
   in.scene = traces::scene_info(scene);
+  in.scene.name = sim::with_escaped_bytes(in.scene.name);
   in.scene_sha256 = scene.sha256;
   in.warnings = scene.warnings;
   phase("building the tree");

@@ -7,6 +7,7 @@
 #endif
 
 #include <memory>
+#include <new>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
@@ -28,6 +29,7 @@ using EmbreeGeometry = EmbreeOwner<RTCGeometry, rtcReleaseGeometry>;
 
 inline EmbreeDevice open_embree(const std::string& options) {
   EmbreeDevice device(rtcNewDevice(options.c_str()));
+  if (!device && rtcGetDeviceError(nullptr) == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
   if (!device) throw std::runtime_error("Embree does not start with options '" + options + "'");
   return device;
 }

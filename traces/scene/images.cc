@@ -10,6 +10,7 @@
 #include "sim/io/file.h"
 #include "sim/io/module.h"
 #include "sim/io/printable.h"
+#include "traces/scene/exr_header.h"
 #include "traces/scene/images/codec.h"
 
 namespace traces {
@@ -26,6 +27,19 @@ const char* format_of(std::span<const std::byte> bytes) {
   if (text.starts_with("\x89PNG\r\n\x1a\n")) return "png";
   if (text.starts_with("\xff\xd8\xff")) return "jpeg";
   return nullptr;
+}
+
+/// Whether a chunk of a PNG file claims more bytes than there are: the library takes the memory first.
+bool has_longer_chunk(std::span<const std::byte> png) {
+  constexpr std::size_t kBegin = 8, kAroundContent = 12;
+  const auto byte = [&](std::size_t at) { return std::to_integer<std::uint64_t>(png[at]); };
+  for (std::size_t at = kBegin; at + kAroundContent <= png.size();) {
+    const std::uint64_t content = byte(at) << 24 | byte(at + 1) << 16 | byte(at + 2) << 8 | byte(at + 3);
+    if (content > png.size() - at - kAroundContent) return true;
+    if (std::memcmp(&png[at + 4], "IEND", 4) == 0) return false;
+    at += kAroundContent + content;
+  }
+  return false;
 }
 
 std::string_view as_text(const std::vector<unsigned char>& bytes) {
@@ -50,6 +64,9 @@ void finish(const std::filesystem::path& path, const std::string& error, const s
 Texture read_image(std::span<const std::byte> bytes, const std::string& name, const SceneLimits& limits) {
   const char* format = format_of(bytes);
   if (format == nullptr) throw sim::InputError(fmt::format("{}: neither PNG nor JPEG", name));
+  if (format == std::string_view("png") && has_longer_chunk(bytes)) {
+    throw sim::InputError(fmt::format("{}: damaged: a chunk is longer than the file", name));
+  }
   Texture texture;
   texture.name = name;
   ImageCodec::Size size;
@@ -94,6 +111,9 @@ FloatImage read_exr(const std::filesystem::path& path, const SceneLimits& limits
   const std::string bytes = sim::read_file(path, limits.memory.bytes);
   const std::string shown = sim::printable(path.string());
   if (!bytes.starts_with("\x76\x2f\x31\x01")) throw sim::InputError(shown + ": not an OpenEXR file");
+  if (const std::string problem = exr_problem(bytes, limits.pixels); !problem.empty()) {
+    throw sim::InputError(fmt::format("{}: {}", shown, problem));
+  }
   FloatImage image;
   ImageCodec::Size size;
   const std::string error =

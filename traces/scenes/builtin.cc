@@ -1,5 +1,7 @@
 #include "traces/scenes/builtin.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "sim/error.h"
@@ -41,15 +43,18 @@ std::vector<BuiltinInfo> builtin_scenes() {
   return list;
 }
 
-Scene build_scene(std::string_view name, const BuiltinOptions& options) {
+void check_builtin_name(std::string_view name) {
   std::vector<std::string> names;
-  for (const Entry& entry : kEntries) {
-    if (name == entry.name) return entry.build(options);
-    names.emplace_back(entry.name);
-  }
+  for (const Entry& entry : kEntries) names.emplace_back(entry.name);
+  if (std::ranges::find(names, name) != names.end()) return;
   throw sim::InputError(
       fmt::format("no scene is called '{}'{}; built in: {}; a file is given with its extension (.glb, .gltf)",
                   sim::printable(name), did_you_mean(name, names), fmt::join(names, ", ")));
+}
+
+Scene build_scene(std::string_view name, const BuiltinOptions& options) {
+  check_builtin_name(name);
+  return std::ranges::find(kEntries, name, &Entry::name)->build(options);
 }
 
 }  // namespace traces

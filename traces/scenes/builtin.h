@@ -22,6 +22,8 @@ struct BuiltinOptions {
 };
 
 std::vector<BuiltinInfo> builtin_scenes();
+/// InputError with the nearest name unless a scene of this name is built in.
+void check_builtin_name(std::string_view name);
 
 /// The scene of that name. InputError, with the nearest name, if there is none.
 Scene build_scene(std::string_view name, const BuiltinOptions& options = {});

@@ -13,6 +13,7 @@
 #include "sim/error.h"
 #include "sim/io/printable.h"
 #include "traces/scene/bounds.h"
+#include "traces/scene/cameras.h"
 #include "traces/scene/did_you_mean.h"
 #include "traces/scene/lights.h"
 #include "traces/scenes/library.h"
@@ -20,9 +21,8 @@
 namespace traces {
 namespace {
 
-glm::vec3 vec3(const sim::Triple& t) {
-  return {static_cast<float>(t.x), static_cast<float>(t.y), static_cast<float>(t.z)};
-}
+glm::dvec3 dvec3(const sim::Triple& t) { return {t.x, t.y, t.z}; }
+glm::vec3 vec3(const sim::Triple& t) { return glm::vec3(dvec3(t)); }
 
 std::size_t find_camera(const Scene& scene, const std::string& wanted) {
   if (wanted.empty()) return 0;
@@ -41,6 +41,17 @@ std::size_t find_camera(const Scene& scene, const std::string& wanted) {
                                     did_you_mean(wanted, names), known));
 }
 
+Camera own_camera(const ViewConfig& view) {
+  const glm::dvec3 eye = dvec3(view.position);
+  Camera camera;
+  camera.name = "own";
+  camera.to_world = camera_to_world(glm::dmat4(glm::dvec4(0), glm::dvec4(dvec3(view.up), 0),
+                                               glm::dvec4(eye - dvec3(view.target), 0), glm::dvec4(eye, 1)))
+                        .value();
+  camera.vertical_fov = static_cast<float>(glm::radians(view.fov));
+  return camera;
+}
+
 void choose_lights(Scene& scene, const LightsConfig& config) {
   if (config.rig == LightRig::kScene) return;
   if (config.rig == LightRig::kStrongest) {
@@ -53,7 +64,7 @@ void choose_lights(Scene& scene, const LightsConfig& config) {
   Light own;
   own.kind = config.rig == LightRig::kPoint ? Light::Kind::kPoint : Light::Kind::kDirectional;
   own.position = vec3(config.position);
-  own.direction = glm::vec3(glm::normalize(glm::dvec3(config.direction.x, config.direction.y, config.direction.z)));
+  own.direction = glm::vec3(glm::normalize(dvec3(config.direction)));
   own.intensity = vec3(config.intensity);
   scene.lights = {own};
 }
@@ -83,9 +94,10 @@ void orbit(Scene& scene, double degrees) {
 
 Scene open_workload(const WorkloadConfig& workload, const SceneLimits& limits) {
   Scene scene = open_scene(workload.name, {.triangles = workload.triangles}, limits);
-  const std::size_t camera = find_camera(scene, workload.camera);
+  const bool own_view = workload.view.source == ViewSource::kOwn;
+  const Camera camera = own_view ? own_camera(workload.view) : scene.cameras[find_camera(scene, workload.camera)];
   choose_lights(scene, workload.lights);
-  scene.cameras = {scene.cameras[camera]};
+  scene.cameras = {camera};
   if (workload.camera_path == CameraPath::kOrbit) hold_camera(scene);
   if (workload.sky.source == Sky::kOwn) {
     scene.background = vec3(workload.sky.background);

@@ -23,6 +23,9 @@ constexpr std::array<std::string_view, 4> names_of(LightRig) { return {"scene", 
 enum class Sky : std::uint8_t { kScene, kOwn };
 constexpr std::array<std::string_view, 2> names_of(Sky) { return {"scene", "own"}; }
 
+enum class ViewSource : std::uint8_t { kScene, kOwn };
+constexpr std::array<std::string_view, 2> names_of(ViewSource) { return {"scene", "own"}; }
+
 enum class CameraPath : std::uint8_t {
   kScene,  ///< as the scene moves it
   kOrbit,  ///< round the middle of the scene, at its distance and height
@@ -65,12 +68,38 @@ struct SkyConfig {
   }
 };
 
+struct ViewConfig {
+  ViewSource source = ViewSource::kScene;
+  sim::Triple position{0, 1, 5};
+  sim::Triple target{0, 1, 0};
+  sim::Triple up{0, 1, 0};
+  double fov = 45;
+
+  static void describe(auto& c, auto&& field) {
+    using sim::Affects;
+    constexpr double kFar = 1e9;  // float holds its square
+    const sim::Limits anywhere = sim::between(-kFar, kFar);
+    field(NAMED(c.source), "", "a camera of the scene, or one's own", sim::any(), Affects::kFunction);
+    field(NAMED(c.position), "", "of one's own camera, in the scene's units", anywhere, Affects::kFunction);
+    field(NAMED(c.target), "", "point in the middle of its picture", anywhere, Affects::kFunction);
+    field(NAMED(c.up), "", "direction that is upwards in its picture", anywhere, Affects::kFunction);
+    field(NAMED(c.fov), "degrees", "its vertical field of view", sim::between(0.01, 179), Affects::kFunction);
+  }
+  void check(auto&& complain) const {
+    const sim::Triple to{target.x - position.x, target.y - position.y, target.z - position.z};
+    if (to == sim::Triple{}) return complain("target", "is the camera's position; allowed: any other point");
+    const sim::Triple right{to.y * up.z - to.z * up.y, to.z * up.x - to.x * up.z, to.x * up.y - to.y * up.x};
+    if (right == sim::Triple{}) complain("up", "lies along the view, or is 0 0 0; allowed: any other direction");
+  }
+};
+
 /// Scene, camera and frames of a run: the group `scene` of a run's configuration, and what a workload file is
 /// about.
 struct WorkloadConfig {
   std::string name = "cornell";
   std::uint32_t triangles = 0;
   std::string camera;
+  ViewConfig view;
   CameraPath camera_path = CameraPath::kScene;
   double orbit = 30;
   std::uint32_t first_frame = 0, last_frame = 0;
@@ -96,10 +125,14 @@ struct WorkloadConfig {
     field(NAMED(c.last_frame), "", "last frame rendered", sim::between(0, 1000000), Affects::kFunction);
     field(NAMED(c.frame_rate), "frames/s", "of the animation's time, not of the machine", sim::between(0.01, 10000),
           Affects::kFunction);
+    field.group(NAMED(c.view), "camera instead of the scene's");
     field.group(NAMED(c.lights), "lights instead of the scene's");
     field.group(NAMED(c.sky), "sky instead of the scene's");
   }
   void check(auto&& complain) const {
+    if (!camera.empty() && view.source == ViewSource::kOwn) {
+      complain("camera", "names one of the scene's, and view.source is own; allowed: one of the two");
+    }
     if (last_frame < first_frame) complain("last_frame", "is before first_frame; allowed: first_frame and later");
   }
 

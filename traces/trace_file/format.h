@@ -20,9 +20,9 @@ namespace traces {
 
 using Json = nlohmann::ordered_json;
 
-inline constexpr std::string_view kTraceMagic = "raywatt-trace/2\n";
+inline constexpr std::string_view kTraceMagic = "raywatt-trace/3\n";
 inline constexpr std::string_view kTraceKind = "raywatt-trace/";  ///< begins files of any version
-inline constexpr int kTraceVersion = 2;
+inline constexpr int kTraceVersion = 3;
 inline constexpr std::string_view kTraceEnd = "end\n";
 inline constexpr std::size_t kFooterBytes = 16;  ///< offset of the contents (8), their bytes (4), kTraceEnd
 

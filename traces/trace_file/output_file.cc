@@ -1,9 +1,6 @@
 #include "traces/trace_file/output_file.h"
 
-#include <fmt/format.h>
-
 #include "sim/error.h"
-#include "sim/io/printable.h"
 
 namespace traces {
 namespace {
@@ -12,13 +9,6 @@ constexpr std::size_t kPiece = 1U << 20;
 
 /// A path that cannot be written is the user's mistake; a disk that is full later is not.
 std::unique_ptr<sim::NewFile> begin(const std::filesystem::path& path) {
-  if (std::filesystem::is_directory(path)) {
-    throw sim::InputError(fmt::format("{}: is a folder, not a file", sim::printable(path.string())));
-  }
-  if (const std::filesystem::path folder = path.parent_path(); !folder.empty() && !std::filesystem::exists(folder)) {
-    throw sim::InputError(fmt::format("{}: cannot be written: there is no folder {}; make it first",
-                                      sim::printable(path.string()), sim::printable(folder.string())));
-  }
   try {
     return std::make_unique<sim::NewFile>(path);
   } catch (const sim::IoError& error) {

@@ -54,6 +54,7 @@ void write_node(const TileWork& work, std::uint32_t n, ByteWriter& to) {
       to.byte(static_cast<std::uint32_t>(node.region));
       to.byte(node.to_memory ? 1 : 0);
       to.number(node.offset);
+      to.number(node.border == WorkNode::kNone ? 0 : std::uint64_t{node.border} + 1);
       break;
   }
   to.number(node.inputs.size());
@@ -76,7 +77,7 @@ std::uint32_t flag(ByteReader& from, const char* what) {
   return value;
 }
 
-void read_transfer(ByteReader& from, const TileScope& scope, WorkNode& node) {
+void read_transfer(ByteReader& from, const TileScope& scope, std::uint32_t imports, WorkNode& node) {
   const std::uint32_t region = from.byte();
   if (region >= kRegionCount) ByteReader::out_of_range("region of a transfer");
   node.region = static_cast<Region>(region);
@@ -84,6 +85,8 @@ void read_transfer(ByteReader& from, const TileScope& scope, WorkNode& node) {
   const std::uint64_t size = scope.region_bytes[region];
   node.offset = from.number(size, "offset of a transfer");
   if (node.items > size - node.offset) ByteReader::out_of_range("bytes of a transfer");
+  const std::uint32_t border = from.number32(node.to_memory ? kMostBorders : imports, "border of a transfer");
+  node.border = border == 0 ? WorkNode::kNone : border - 1;
 }
 
 /// The inputs of node `n`, which come before it.
@@ -110,6 +113,30 @@ void check_rays(const WorkNode& rays, const TileWork& work) {
   }
 }
 
+/// Slots of rays are given back by those who read their hits: unread rays would keep theirs for ever.
+void check_readers(const TileWork& work) {
+  std::vector<bool> read(work.nodes.size());
+  for (const WorkNode& node : work.nodes) {
+    for (const Edge& edge : node.inputs) read[edge.node] = true;
+  }
+  for (std::size_t n = 0; n < work.nodes.size(); ++n) {
+    if (work.nodes[n].kind == WorkNode::Kind::kRays && !read[n])
+      throw sim::InputError(fmt::format("no node reads the hits of node {}", n));
+  }
+}
+
+/// A machine takes a tile's end as a sign that all of its borders have come.
+void check_imports(const TileWork& work) {
+  std::uint32_t read = 0;
+  for (const WorkNode& node : work.nodes) {
+    const bool imports = node.kind == WorkNode::Kind::kTransfer && !node.to_memory && node.border != WorkNode::kNone;
+    if (imports) read |= 1U << node.border;
+  }
+  for (std::size_t i = 0; i < work.imports.size(); ++i) {
+    if ((read >> i & 1U) == 0) throw sim::InputError(fmt::format("no transfer reads border {}", i));
+  }
+}
+
 }  // namespace
 
 void TileEncoder::encode(const TileWork& work, const Links& links, std::string& out) {
@@ -122,8 +149,11 @@ void TileEncoder::encode(const TileWork& work, const Links& links, std::string& 
   to.number(work.tile);
   to.number(work.samples);
   to.byte(work.after_all ? 1 : 0);
-  to.number(work.after.size());
-  for (const std::uint32_t tile : work.after) to.number(tile);
+  to.number(work.imports.size());
+  for (const Border& border : work.imports) {
+    to.number(border.tile);
+    to.number(border.number);
+  }
   to.number(work.nodes.size());
   for (std::uint32_t n = 0; n < work.nodes.size(); ++n) write_node(work, n, to);
   // Further data of nodes, in their order; each array's parts lie in that order, too.
@@ -197,7 +227,7 @@ void TileDecoder::read_nodes(ByteReader& from, const TileScope& scope, TileWork&
         read_rays(from, node);
         break;
       case WorkNode::Kind::kTransfer:
-        read_transfer(from, scope, node);
+        read_transfer(from, scope, static_cast<std::uint32_t>(work.imports.size()), node);
         break;
     }
     read_inputs(from, n, work);
@@ -207,6 +237,8 @@ void TileDecoder::read_nodes(ByteReader& from, const TileScope& scope, TileWork&
     spare_.push_back(std::move(work.nodes.back()));
     work.nodes.pop_back();
   }
+  check_readers(work);
+  check_imports(work);
 }
 
 TileRays TileDecoder::decode(std::string_view bytes, const TileScope& scope, TileWork& work) {
@@ -215,10 +247,11 @@ TileRays TileDecoder::decode(std::string_view bytes, const TileScope& scope, Til
   work.frame = from.number32(std::numeric_limits<std::uint32_t>::max(), "frame");
   work.tile = from.number32(kMaxTiles, "number of a tile");
   work.samples = from.number32(kMaxItems, "samples of a tile");
-  work.after_all = flag(from, "tiles that a tile waits for") != 0;
-  work.after.clear();
-  for (std::uint32_t left = from.number32(from.left(), "tiles that a tile waits for"); left > 0; --left) {
-    work.after.push_back(from.number32(kMaxTiles, "a tile that a tile waits for"));
+  work.after_all = flag(from, "whether a tile waits for all others") != 0;
+  work.imports.clear();
+  for (std::uint32_t left = from.number32(kMostImports, "borders that a tile imports"); left > 0; --left) {
+    const std::uint32_t tile = from.number32(kMaxTiles, "tile of an imported border");
+    work.imports.push_back({tile, from.number32(kMostBorders - 1, "number of an imported border")});
   }
   read_nodes(from, scope, work);
   work.accesses.clear();

@@ -1,12 +1,13 @@
 #include "traces/trace_file/trace_writer.h"
 
 #include <array>
-#include <fstream>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "sim/error.h"
+#include "sim/io/file.h"
+#include "sim/io/json.h"
 #include "sim/io/printable.h"
 #include "traces/trace_file/bytes.h"
 
@@ -15,25 +16,9 @@ namespace {
 
 /// The path, if writing there destroys no file of another kind by a slip of the keyboard.
 const std::filesystem::path& may_replace(const std::filesystem::path& path) {
-  std::error_code failed;
-  const std::filesystem::file_status status = std::filesystem::status(path, failed);
-  if (!std::filesystem::exists(status) || std::filesystem::is_directory(status)) return path;
-  if (!std::filesystem::is_regular_file(status)) {  // to open a pipe is to wait for who writes into it
-    throw sim::InputError(
-        fmt::format("{}: is there and is not a regular file; allowed: a new file, or a trace to be "
-                    "replaced",
-                    sim::printable(path.string())));
-  }
-  std::string start(kTraceKind.size(), '\0');
-  std::ifstream(path, std::ios::binary).read(start.data(), static_cast<std::streamsize>(start.size()));
-  if (start != kTraceKind) {
-    throw sim::InputError(fmt::format("{}: is there and is no trace; allowed: a new file, or a trace to be replaced",
-                                      sim::printable(path.string())));
-  }
+  sim::check_output(path, {.mark = kTraceKind, .kind = "trace"});
   return path;
 }
-
-std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
 template <class T>
 void append(T number, std::string& out) {
@@ -46,7 +31,7 @@ void append(T number, std::string& out) {
 
 TraceWriter::TraceWriter(const std::filesystem::path& path, const Json& header) : file_(may_replace(path)) {
   contents_ = {{"trees", Json::array()}, {"parts", Json::array()}, {"frames", Json::array()}};
-  const std::string_view packed = packer_.pack(text_of(header));
+  const std::string_view packed = packer_.pack(sim::json_line(header));
   std::string size;
   append(static_cast<std::uint32_t>(packed.size()), size);
   file_.write(kTraceMagic);
@@ -100,7 +85,7 @@ void TraceWriter::end_part(Json result) {
   part_["tiles"] = sizes_.size();
   part_["sizes"] = put(sizes);
   part_["result"] = std::move(result);
-  contents_bytes_ += text_of(part_).size();
+  contents_bytes_ += sim::json_line(part_).size();
   if (contents_bytes_ > kMaxContentsBytes) {
     throw sim::InputError(
         fmt::format("what is told of frames beside their work takes more than {} MiB and cannot be recorded; allowed: "
@@ -111,7 +96,7 @@ void TraceWriter::end_part(Json result) {
 }
 
 void TraceWriter::commit() {
-  const Json range = put(text_of(contents_));
+  const Json range = put(sim::json_line(contents_));
   std::string footer;
   append(range["offset"].get<std::uint64_t>(), footer);
   append(range["bytes"].get<std::uint32_t>(), footer);

@@ -1,15 +1,14 @@
 #include "traces/trace_file/walk_code.h"
 
 #include <array>
-#include <bit>
+#include <vector>
 
 #include "traces/trace_file/bytes.h"
+#include "traces/trace_file/walk_bits.h"
 #include "traces/walk.h"
 
 namespace traces {
 namespace {
-
-enum Pop : std::uint32_t { kNext = 0, kCullAll = 1, kEndHere = 2, kCullSome = 3 };
 
 /// Collects bits, lowest first.
 class BitWriter {
@@ -39,36 +38,6 @@ class BitWriter {
 struct NoBits {
   void put(std::uint64_t, std::uint32_t) {}
 };
-
-/// Exit phases of 4 bits each as 2 bits each, and back.
-constexpr std::uint32_t squeeze(std::uint32_t x) {
-  x &= 0x33333333U;
-  x = (x | x >> 2) & 0x0f0f0f0fU;
-  x = (x | x >> 4) & 0x00ff00ffU;
-  return (x | x >> 8) & 0x0000ffffU;
-}
-constexpr std::uint32_t spread(std::uint32_t x) {
-  x = (x | x << 8) & 0x00ff00ffU;
-  x = (x | x << 4) & 0x0f0f0f0fU;
-  return (x | x << 2) & 0x33333333U;
-}
-
-/// The lowest bit of every nibble that is not 0.
-constexpr std::uint32_t nonzero(std::uint32_t phases) {
-  phases |= phases >> 1;
-  return (phases | phases >> 2) & 0x11111111U;
-}
-
-/// Whether just the first `tested` triangles of a leaf have an exit phase, and there are any.
-constexpr bool are_tested(std::uint32_t phases, std::uint32_t tested) {
-  return tested != 0 && nonzero(phases) == (0x11111111U & (0xffffffffU >> (32 - 4 * tested)));
-}
-
-/// Bits that say how many entries are culled; stacks hold kMaxTreeDepth entries of each level.
-constexpr std::uint32_t kCullBits = 7;
-static_assert(kMaxTreeDepth == 1U << kCullBits);
-constexpr std::uint32_t cull_bits(bool levels) { return kCullBits + (levels ? 1 : 0); }
-constexpr std::size_t kStackSize = 2 * std::size_t{kMaxTreeDepth} + 1;
 
 /// Follows walks on a tree, word by word.
 class Follower {
@@ -150,109 +119,6 @@ class Follower {
   std::array<std::uint32_t, kStackSize> stack_;
 };
 
-[[noreturn]] void no_walk() { throw sim::InputError("a ray's walk is none on this tree"); }
-
-/// Where the bits of a tile are read and the words of its walks are written.
-struct Cursor {
-  const char* bits;
-  std::uint64_t end;  ///< the number of bits
-  std::uint32_t* out;
-  std::uint32_t* last;  ///< the end of the words
-  std::uint64_t at = 0;
-  std::uint64_t steps = 0;
-};
-
-/// Decodes a leaf's tests from the bits that come next; returns how many of these they take.
-inline std::uint32_t decode_leaf(std::uint64_t window, std::uint32_t link, Cursor& c) {
-  const std::uint32_t size = 2 * leaf_count(link);
-  const std::uint32_t phases = spread(static_cast<std::uint32_t>(window) & ((1U << size) - 1));
-  const std::uint32_t tested = static_cast<std::uint32_t>(std::bit_width(phases) + 3) / 4;
-  if (!are_tested(phases, tested)) no_walk();
-  *c.out++ = leaf_step(leaf_first(link), tested);
-  *c.out++ = phases;
-  c.steps += tested;
-  return size;
-}
-
-/// Decodes one ray's walk.
-template <bool kLevels>
-inline void decode_walk(const Links& links, Cursor& c) {
-  const std::array<std::uint32_t, 2>* const tree = links.nodes.data();
-  const auto nodes = static_cast<std::uint32_t>(links.nodes.size());
-  // Child entered first, for each code of a visit.
-  constexpr std::array<std::uint8_t, 8> kNear = {0, 0, 1, 0, 0, 0, 0, 1};
-  std::array<std::uint32_t, kStackSize> stack;
-  std::uint32_t link = 0, depth = 0;
-  for (;;) {
-    if (c.at >= c.end || c.out >= c.last) no_walk();
-    std::uint64_t window = load<std::uint64_t>(c.bits + (c.at >> 3)) >> (c.at & 7);
-    if (!is_leaf(link)) {
-      const std::uint32_t code = window & 7;
-      if (link >= nodes || ((1U << code) & 0x70U) != 0) no_walk();
-      *c.out++ = code << 27 | link;
-      c.steps += 1;
-      c.at += 3;
-      const std::uint32_t hits = code & 3;
-      if (hits != 0) {
-        const std::uint32_t near = kNear[code];
-        stack[depth] = tree[link][1 - near];
-        if (hits == 3 && stack[depth++] == kNoChild) no_walk();
-        link = tree[link][near];
-        continue;
-      }
-      window >>= 3;
-    } else if (kLevels && is_instance(link)) {
-      *c.out++ = enter_step(link_instance(link));
-      link = links.roots[link_instance(link)];
-      continue;
-    } else {
-      const std::uint32_t size = decode_leaf(window, link, c);
-      c.at += size;
-      window >>= size;
-    }
-    if (depth != 0) {
-      const std::uint32_t pop = window & 3;
-      c.at += 2;
-      if (pop == kNext) {
-        link = stack[--depth];
-        continue;
-      }
-      window >>= 2;
-      if (pop == kCullSome) {
-        const std::uint32_t culled = window & ((1U << cull_bits(kLevels)) - 1);
-        c.at += cull_bits(kLevels);
-        if (culled == 0 || culled >= depth) no_walk();
-        *c.out++ = cull_step(culled);
-        depth -= culled;
-        link = stack[--depth];
-        continue;
-      }
-      if (pop == kCullAll) *c.out++ = cull_step(depth);
-    }
-    *c.out++ = end_step((window & 1) != 0);
-    c.at += 1;
-    return;
-  }
-}
-
-/// decode_walks() for trees of two levels, or of one.
-template <bool kLevels>
-std::uint64_t decode(std::string_view bits, const Links& links, std::uint32_t rays, std::uint32_t words,
-                     TileWork& work) {
-  constexpr std::uint32_t kMostWords = 4;  // that a step and what follows it make
-  work.walk.resize(std::size_t{words} + kMostWords);
-  work.ray_begin.resize(rays);
-  std::uint32_t* const begin = work.walk.data();
-  Cursor c{.bits = bits.data(), .end = 8 * bits.size(), .out = begin, .last = begin + words};
-  for (std::uint32_t& ray : work.ray_begin) {
-    ray = static_cast<std::uint32_t>(c.out - begin);
-    decode_walk<kLevels>(links, c);
-  }
-  if (c.out != c.last || (c.at + 7) / 8 != bits.size()) no_walk();
-  work.walk.resize(words);
-  return c.steps;
-}
-
 }  // namespace
 
 bool encode_walks(const TileWork& work, const Links& links, std::string& out) {
@@ -268,12 +134,6 @@ bool encode_walks(const TileWork& work, const Links& links, std::string& out) {
   good = good && follower.at() == begin + work.walk.size();
   out.resize(good ? static_cast<std::size_t>(bits.end() - out.data()) : before);
   return good;
-}
-
-std::uint64_t decode_walks(std::string_view bits, const Links& links, std::uint32_t rays, std::uint32_t words,
-                           TileWork& work) {
-  return links.roots.empty() ? decode<false>(bits, links, rays, words, work)
-                             : decode<true>(bits, links, rays, words, work);
 }
 
 std::uint64_t decode_plain_walks(std::string_view bytes, const Links& links, std::uint32_t rays, TileWork& work) {

@@ -23,7 +23,7 @@ struct AdaptiveConfig {
 
   static void describe(auto& c, auto&& field) {
     field(NAMED(c.halo), "",
-          "samples of neighbouring tiles: read back from memory when those tiles are finished, or traced again",
+          "samples of neighbouring tiles: read back from memory when those tiles have written them, or traced again",
           sim::any(), sim::Affects::kFunction);
     field(NAMED(c.attributes), "",
           "where a tile's attributes wait for their check: in the tile buffer, or written to memory and read back",

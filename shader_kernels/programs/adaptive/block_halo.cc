@@ -6,32 +6,31 @@ using traces::Region;
 
 /// The picture must not depend on who traces the halo, so a tile always has it; that of neighbours who keep it for this
 /// tile is read back, not traced, as far as the machine is concerned.
-void BlockProgram::make_halo(Tile& tile) const {
+void BlockProgram::make_halo_left(Tile& tile) const {
   const SampleTile& at = tile.at;
-  const bool reloads = adaptive_.halo == Halo::kReload;
+  if (!at.has_left) return;
   const std::uint32_t rows = at.height / tile.block;
-  if (reloads) {
-    if (at.has_left) tile.out.work.after.push_back(at.left);
-    if (at.has_above) tile.out.work.after.push_back(at.above);
+  const std::uint32_t step = tile.block * pitch();
+  if (adaptive_.halo == Halo::kRetrace) return trace_lattice(tile, step, 1, 0, step, rows, false);
+  // A coarser neighbour has references in some rows only.
+  const std::uint32_t stride = block_of(at.left) / tile.block > 1 ? block_of(at.left) / tile.block : 1;
+  const std::uint32_t kept = rows / stride;
+  if (kept != 0) {
+    tile.wave.import_samples({at.left, kRightBorder},
+                             store_bytes() * at.left + std::uint64_t{tiles_.side()} * exchanged_bytes(),
+                             kept * exchanged_bytes());
   }
-  if (at.has_left) {
-    // A coarser neighbour has references in some rows only.
-    const std::uint32_t stride = block_of(at.left) / tile.block > 1 ? block_of(at.left) / tile.block : 1;
-    const std::uint32_t step = tile.block * pitch();
-    if (reloads) {
-      const std::uint32_t kept = rows / stride;
-      import_samples(tile, store_bytes() * at.left + std::uint64_t{tiles_.side()} * exchanged_bytes(), kept);
-      if (stride > 1) trace_lattice(tile, step, 1, 0, stride * step, rows - kept, false);
-      tile.wave.mute();
-      trace_lattice(tile, stride * step, 1, 0, stride * step, kept, false);
-      tile.wave.unmute();
-    } else {
-      trace_lattice(tile, step, 1, 0, step, rows, false);
-    }
-  }
+  if (stride > 1) trace_lattice(tile, step, 1, 0, stride * step, rows - kept, false);
+  tile.wave.mute();
+  trace_lattice(tile, stride * step, 1, 0, stride * step, kept, false);
+  tile.wave.unmute();
+}
+
+void BlockProgram::make_halo_above(Tile& tile) const {
+  const SampleTile& at = tile.at;
   if (!at.has_above) return;
-  if (reloads) {
-    import_samples(tile, store_bytes() * at.above, at.width);
+  if (adaptive_.halo == Halo::kReload) {
+    tile.wave.import_samples({at.above, kLowerBorder}, store_bytes() * at.above, at.width * exchanged_bytes());
     tile.wave.mute();
   }
   trace_row_above(tile);
@@ -48,25 +47,18 @@ void BlockProgram::trace_row_above(Tile& tile) const {
   resolve(tile, false, line_along_x(tile, block, true), at.width - columns, false);
 }
 
-void BlockProgram::import_samples(Tile& tile, std::uint64_t offset, std::uint32_t samples) const {
-  if (samples == 0) return;
-  const Wavefront::Node node = tile.wave.transfer(Region::kSamples, false, offset, samples * exchanged_bytes());
-  tile.wave.adds_records(node);
-  tile.wave.adds_colours(node);
+/// Leaves the references of the last column for the tile to the right, which asks for them before its first check.
+void BlockProgram::export_right(Tile& tile) const {
+  if (adaptive_.halo == Halo::kRetrace || !tile.at.has_right) return;
+  tile.wave.export_samples(kRightBorder,
+                           store_bytes() * tile.at.index + std::uint64_t{tiles_.side()} * exchanged_bytes(),
+                           tile.at.height / tile.block * exchanged_bytes());
 }
 
-/// Leaves the last row and the references of the last column for the neighbours who ask for them.
-void BlockProgram::export_borders(Tile& tile) const {
-  if (adaptive_.halo == Halo::kRetrace) return;
-  const SampleTile& at = tile.at;
-  const auto put = [&](std::uint64_t offset, std::uint32_t samples) {
-    const Wavefront::Node node = tile.wave.transfer(Region::kSamples, true, offset, samples * exchanged_bytes());
-    tile.wave.wait_for_records(node);
-    tile.wave.wait_for_colours(node);
-  };
-  const std::uint64_t store = store_bytes() * at.index;
-  if (at.has_below) put(store, at.width);
-  if (at.has_right) put(store + std::uint64_t{tiles_.side()} * exchanged_bytes(), at.height / tile.block);
+/// Leaves the last row for the tile below.
+void BlockProgram::export_below(Tile& tile) const {
+  if (adaptive_.halo == Halo::kRetrace || !tile.at.has_below) return;
+  tile.wave.export_samples(kLowerBorder, store_bytes() * tile.at.index, tile.at.width * exchanged_bytes());
 }
 
 /// Writes attributes of samples to memory and reads those back that the next check looks at, if that is where they are.

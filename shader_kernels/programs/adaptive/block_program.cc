@@ -68,10 +68,14 @@ void BlockProgram::run_tile(std::uint32_t tile_index, const traces::Tracer& trac
   const std::uint32_t columns = at.width / tile.block;
   const std::uint32_t beside = rows * (at.width - columns);
   trace_lattice(tile, tile.block * (pitch() + 1), columns, tile.block, tile.block * pitch(), rows * columns, true);
-  make_halo(tile);
+  // A border goes out as soon as it is complete, before anything of a neighbour's that it does not need: so no tile
+  // waits for more than a few others, one behind the other.
+  export_right(tile);
+  make_halo_left(tile);
   park_attributes(tile, rows * columns, rows * columns);
   resolve(tile, false, line_along_x(tile, tile.block, false), beside, true);
-  export_borders(tile);
+  export_below(tile);
+  make_halo_above(tile);
   park_attributes(tile, beside, rows * at.width);
   resolve(tile, true, line_along_y(tile), (at.height - rows) * at.width, true);
   settled(tile);

@@ -62,10 +62,6 @@ class BlockProgram : public FrameProgram {
   virtual Verdict check(Tile& tile, bool along_y, const LineUniforms<float>& line, std::uint32_t items) const = 0;
   /// Makes the samples that have passed.
   virtual void interpolate(Tile& tile, bool along_y, const LineUniforms<float>& line, const Verdict& verdict) const = 0;
-  /// Makes what samples keep that of a miss; returns `retained` with the launches that did.
-  virtual Wavefront::RetainedRecords clear(Tile& tile, std::vector<std::uint32_t>& list, Wavefront::Node lister,
-                                           std::uint32_t items, std::uint32_t lanes,
-                                           const Wavefront::RetainedRecords& retained) const = 0;
   /// Called when listed samples have been traced and shaded.
   virtual void traced(Tile&, std::vector<std::uint32_t>& /*list*/, std::uint32_t /*items*/, std::uint32_t /*lanes*/,
                       const Wavefront::RetainedRecords&) const {}
@@ -101,10 +97,11 @@ class BlockProgram : public FrameProgram {
   void count(Tile& tile) const;
 
   // block_halo.cc
-  void make_halo(Tile& tile) const;
+  void make_halo_left(Tile& tile) const;
+  void make_halo_above(Tile& tile) const;
   void trace_row_above(Tile& tile) const;
-  void import_samples(Tile& tile, std::uint64_t offset, std::uint32_t samples) const;
-  void export_borders(Tile& tile) const;
+  void export_right(Tile& tile) const;
+  void export_below(Tile& tile) const;
   void park_attributes(Tile& tile, std::uint32_t written, std::uint32_t read) const;
 
   const RenderConfig config_;

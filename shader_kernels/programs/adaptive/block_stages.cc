@@ -57,12 +57,10 @@ void BlockProgram::trace_listed(Tile& tile, std::vector<std::uint32_t>& list, Wa
   Wavefront& wave = tile.wave;
   tile.buffer.hold_wave(items);
   GenerateListedRays::Ports<float> generate;
-  generate.samples.bind(list.data());
   generate.camera = camera_;
   generate.grid = grid_uniforms(static_cast<float>(tile.at.x) - 1.0F, static_cast<float>(tile.at.y) - 1.0F, pitch());
-  const Wavefront::Node generated = wave.launch<GenerateListedRays>(generate, items, lanes);
-  wave.wait_all(generated, lister);
-  const Wavefront::RetainedRecords retained = clear(tile, list, lister, items, lanes, records_to_retain(is_last));
+  Wavefront::RetainedRecords retained = records_to_retain(is_last);
+  const Wavefront::Node generated = wave.generate(generate, list, lister, items, retained, lanes);
   wave.run(generated, items, retained, lanes);
   traced(tile, list, items, lanes, retained);
   if (wave.is_muted()) return;
@@ -135,6 +133,18 @@ void BlockProgram::average(Tile& tile) const {
   Wavefront& wave = tile.wave;
   TileResult& out = tile.out;
   const std::uint32_t per_pixel = setup_.grid * setup_.grid;
+  const std::uint64_t offset = requirements().region_bytes[0] / tiles_.count() * tile.at.index;
+  if (wave.fuses() && per_pixel == 1) {
+    PackGridSample::Ports<float> ports;
+    ports.width = static_cast<float>(out.width);
+    ports.inverse_width = inverse(out.width);
+    ports.first = static_cast<float>(pitch() + 1);
+    ports.pitch = static_cast<float>(pitch());
+    const Wavefront::Node packed = wave.launch<PackGridSample>(ports, out.width * out.height);
+    wave.wait_for_colours(packed);
+    wave.put_packed(packed, offset);
+    return;
+  }
   AverageSamples::Ports<float> ports;
   ports.samples = static_cast<float>(per_pixel);
   ports.inverse_samples = inverse(per_pixel);
@@ -146,7 +156,7 @@ void BlockProgram::average(Tile& tile) const {
   ports.pitch = static_cast<float>(pitch());
   const Wavefront::Node averaged = wave.launch<AverageSamples>(ports, out.width * out.height * per_pixel);
   wave.wait_for_colours(averaged);
-  wave.put_out(averaged, requirements().region_bytes[0] / tiles_.count() * tile.at.index);
+  wave.put_out(averaged, offset);
 }
 
 void BlockProgram::count(Tile& tile) const {

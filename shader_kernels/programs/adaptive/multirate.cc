@@ -4,8 +4,13 @@ namespace kernels {
 
 namespace {
 
-std::uint32_t record_bytes(const MultirateConfig& config) {
-  return sizeof(GeometryRecord<float>) + (config.secondary_checks ? sizeof(SecondaryRecord<float>) : 0);
+/// Whether secondary hits are checked. Fusion leaves out checks that nothing in the scene can fail.
+bool checks_secondary(const MultirateConfig& multirate, const SceneTables& scene) {
+  return multirate.secondary_checks && (!scene.fuses || (scene.has_secondary && scene.depth > 1));
+}
+
+std::uint32_t record_bytes(bool has_secondary) {
+  return sizeof(GeometryRecord<float>) + (has_secondary ? sizeof(SecondaryRecord<float>) : 0);
 }
 
 }  // namespace
@@ -17,63 +22,59 @@ MultirateProgram::MultirateProgram(const traces::MemoryImage& image, const trace
                    {.grid = grid,
                     .block = multirate.block,
                     .whole = multirate.rate_control == RateControl::kOff ? multirate.block : RateMap::kCoarse,
-                    .record_bytes = record_bytes(multirate)},
+                    .record_bytes = record_bytes(checks_secondary(multirate, {image, config}))},
                    frame),
       multirate_(multirate),
+      secondary_checks_(checks_secondary(multirate, scene())),
       rates_(rates) {}
 
 Wavefront::RetainedRecords MultirateProgram::records_to_retain(bool is_last) const {
   Wavefront::RetainedRecords retained;
   retained.geometry = !is_last;
-  retained.secondary = !is_last && multirate_.secondary_checks;
+  retained.secondary = !is_last && secondary_checks_;
   return retained;
-}
-
-Wavefront::RetainedRecords MultirateProgram::clear(Tile& tile, std::vector<std::uint32_t>& list, Wavefront::Node lister,
-                                                   std::uint32_t items, std::uint32_t lanes,
-                                                   const Wavefront::RetainedRecords& retained) const {
-  Wavefront::RetainedRecords cleared = retained;
-  if (retained.geometry) {
-    ClearGeometry::Ports<float> ports;
-    ports.samples.bind(list.data());
-    cleared.cleared = tile.wave.launch<ClearGeometry>(ports, items, lanes);
-    tile.wave.wait_all(cleared.cleared, lister);
-    tile.wave.adds_records(cleared.cleared);
-  }
-  if (retained.secondary) {
-    ClearSecondary::Ports<float> ports;
-    ports.samples.bind(list.data());
-    cleared.cleared_secondary = tile.wave.launch<ClearSecondary>(ports, items, lanes);
-    tile.wave.wait_all(cleared.cleared_secondary, lister);
-    tile.wave.adds_records(cleared.cleared_secondary);
-  }
-  return cleared;
 }
 
 BlockProgram::Verdict MultirateProgram::check(Tile& tile, bool along_y, const LineUniforms<float>& line,
                                               std::uint32_t items) const {
-  if (multirate_.secondary_checks) {
-    return along_y ? check_with<CheckSimilarity<true, true>>(tile, line, items)
-                   : check_with<CheckSimilarity<false, true>>(tile, line, items);
+  if (secondary_checks_) {
+    return along_y ? check_with<true, true>(tile, line, items) : check_with<false, true>(tile, line, items);
   }
-  return along_y ? check_with<CheckSimilarity<true, false>>(tile, line, items)
-                 : check_with<CheckSimilarity<false, false>>(tile, line, items);
+  return along_y ? check_with<true, false>(tile, line, items) : check_with<false, false>(tile, line, items);
 }
 
-template <class K>
+template <bool kAlongY, bool kSecondary>
 BlockProgram::Verdict MultirateProgram::check_with(Tile& tile, const LineUniforms<float>& line,
                                                    std::uint32_t items) const {
-  typename K::template Ports<float> ports;
+  using Similarity = CheckSimilarity<kAlongY, kSecondary>;
+  typename Similarity::template Ports<float> ports;
   ports.line = line;
   ports.least_dot = static_cast<float>(multirate_.normal);
-  const Wavefront::Node node = tile.wave.launch<K>(ports, items);
+  Wavefront::Node node = Wavefront::kNone;
+  if (tile.wave.fuses()) {
+    using Interpolate = InterpolateSample<kAlongY, kSecondary && !kAlongY>;
+    using Both = CheckInterpolate<kAlongY, kSecondary>;
+    typename Both::template Ports<float> fused;
+    ports_of<Similarity>(fused) = ports;
+    ports_of<Interpolate>(fused).line = line;
+    node = tile.wave.launch<Both>(fused, items);
+    tile.wave.wait_for_colours(node);
+    ports = ports_of<Similarity>(fused);
+  } else {
+    node = tile.wave.launch<Similarity>(ports, items);
+  }
   return {node, ports.passed_count.value, ports.failed_count.value};
 }
 
 void MultirateProgram::interpolate(Tile& tile, bool along_y, const LineUniforms<float>& line,
                                    const Verdict& verdict) const {
+  if (tile.wave.fuses()) {  // the check has made them
+    tile.wave.adds_colours(verdict.node);
+    tile.wave.adds_records(verdict.node);
+    return;
+  }
   if (along_y) return interpolate_with<InterpolateSample<true, false>>(tile, line, verdict);
-  if (multirate_.secondary_checks) return interpolate_with<InterpolateSample<false, true>>(tile, line, verdict);
+  if (secondary_checks_) return interpolate_with<InterpolateSample<false, true>>(tile, line, verdict);
   interpolate_with<InterpolateSample<false, false>>(tile, line, verdict);
 }
 

@@ -24,16 +24,14 @@ class MultirateProgram final : public BlockProgram {
   Wavefront::RetainedRecords records_to_retain(bool is_last) const override;
   Verdict check(Tile& tile, bool along_y, const LineUniforms<float>& line, std::uint32_t items) const override;
   void interpolate(Tile& tile, bool along_y, const LineUniforms<float>& line, const Verdict& verdict) const override;
-  Wavefront::RetainedRecords clear(Tile& tile, std::vector<std::uint32_t>& list, Wavefront::Node lister,
-                                   std::uint32_t items, std::uint32_t lanes,
-                                   const Wavefront::RetainedRecords& retained) const override;
 
-  template <class K>
+  template <bool kAlongY, bool kSecondary>
   Verdict check_with(Tile& tile, const LineUniforms<float>& line, std::uint32_t items) const;
   template <class K>
   void interpolate_with(Tile& tile, const LineUniforms<float>& line, const Verdict& verdict) const;
 
   const MultirateConfig multirate_;
+  const bool secondary_checks_;  ///< made
   const RateMap& rates_;
 };
 

@@ -38,7 +38,8 @@ class PostCorrection {
   PostCorrection(const UndersampleConfig& config, std::uint32_t width, std::uint32_t height, std::uint32_t tile_side);
 
   std::uint32_t scans() const;
-  static Scan scan(std::uint32_t number) { return {number % 2 == 1, number >= 2}; }
+  /// The paper's order: to the right, to the left, downwards, upwards; of two scans to the right and downwards.
+  Scan scan(std::uint32_t number) const { return {2 * number >= scans(), scans() == 4 && number % 2 == 1}; }
 
   /// Takes a tile's samples.
   void keep(const TileResult& tile, const SampleTile& at);

@@ -6,6 +6,9 @@
 
 namespace kernels {
 
+/// Numbers of a tile's borders that others import: its last columns, its last rows.
+inline constexpr std::uint32_t kRightBorder = 0, kLowerBorder = 1;
+
 /// A tile's part of the picture's grid of samples.
 struct SampleTile {
   std::uint32_t index = 0;     ///< row by row

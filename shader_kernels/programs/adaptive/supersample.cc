@@ -68,8 +68,8 @@ void SupersampleProgram::run_tile(std::uint32_t tile_index, const traces::Tracer
   Tile tile{at, finished, pixels, wave, out, out.buffer};
 
   trace_centres(tile, kHalo, kHalo, at.width, at.height, true);
+  export_borders(tile);  // needs nothing of the halo, so no tile waits for a row of others
   make_halo(tile);
-  export_borders(tile);
   park_attributes(tile);
   const Node tested = test(tile);
   const Node weighed = weigh(tile, tested);

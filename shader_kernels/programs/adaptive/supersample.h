@@ -81,7 +81,6 @@ class SupersampleProgram final : public FrameProgram {
 
   // supersample_halo.cc
   void make_halo(Tile& tile) const;
-  void import_samples(Tile& tile, std::uint64_t offset, std::uint32_t samples) const;
   void export_borders(Tile& tile) const;
   void park_attributes(Tile& tile) const;
 

@@ -25,39 +25,30 @@ void SupersampleProgram::make_halo(Tile& tile) const {
   const SampleTile& at = tile.at;
   const std::uint64_t rows = 2 * std::uint64_t{tiles_.side()} * kExchangedBytes;  // behind a store's columns
   const bool reloads = supersample_.halo == Halo::kReload;
-  const auto make = [&](std::uint32_t neighbour, std::uint64_t offset, std::uint32_t x, std::uint32_t y,
+  const auto make = [&](traces::Border border, std::uint64_t offset, std::uint32_t x, std::uint32_t y,
                         std::uint32_t across, std::uint32_t down) {
     if (reloads) {
-      tile.out.work.after.push_back(neighbour);
-      import_samples(tile, store_bytes() * neighbour + offset, across * down);
+      tile.wave.import_samples(border, store_bytes() * border.tile + offset, across * down * kExchangedBytes);
       tile.wave.mute();
     }
     trace_centres(tile, x, y, across, down, false);
     tile.wave.unmute();
   };
-  if (at.has_left) make(at.left, 0, 0, 2, 2, at.height);
-  if (at.has_above) make(at.above, rows, 2, 0, at.width, 2);
+  if (at.has_left) make({at.left, kRightBorder}, 0, 0, 2, 2, at.height);
+  if (at.has_above) make({at.above, kLowerBorder}, rows, 2, 0, at.width, 2);
   if (at.has_left && at.has_above) {
-    make(at.above_left, 2 * (std::uint64_t{tiles_.side()} - 2) * kExchangedBytes, 0, 0, 2, 2);
+    make({at.above_left, kRightBorder}, 2 * (std::uint64_t{tiles_.side()} - 2) * kExchangedBytes, 0, 0, 2, 2);
   }
-}
-
-void SupersampleProgram::import_samples(Tile& tile, std::uint64_t offset, std::uint32_t samples) const {
-  const Node node = tile.wave.transfer(Region::kSamples, false, offset, samples * kExchangedBytes);
-  tile.wave.adds_records(node);
-  tile.wave.adds_colours(node);
 }
 
 void SupersampleProgram::export_borders(Tile& tile) const {
   if (supersample_.halo == Halo::kRetrace) return;
-  const auto put = [&](std::uint64_t offset, std::uint32_t samples) {
-    const Node node =
-        tile.wave.transfer(Region::kSamples, true, store_bytes() * tile.at.index + offset, samples * kExchangedBytes);
-    tile.wave.wait_for_records(node);
-    tile.wave.wait_for_colours(node);
-  };
-  if (tile.at.has_right) put(0, 2 * tile.at.height);
-  if (tile.at.has_below) put(2 * std::uint64_t{tiles_.side()} * kExchangedBytes, 2 * tile.at.width);
+  const std::uint64_t store = store_bytes() * tile.at.index;
+  if (tile.at.has_right) tile.wave.export_samples(kRightBorder, store, 2 * tile.at.height * kExchangedBytes);
+  if (tile.at.has_below) {
+    tile.wave.export_samples(kLowerBorder, store + 2 * std::uint64_t{tiles_.side()} * kExchangedBytes,
+                             2 * tile.at.width * kExchangedBytes);
+  }
 }
 
 /// Writes all attributes to memory and reads them back, if that is where they are.

@@ -29,14 +29,9 @@ void SupersampleProgram::trace_centres(Tile& tile, std::uint32_t x, std::uint32_
                    .inverse_pitch = 1.0F / static_cast<float>(pitch()),
                    .grid = 1,
                    .inverse_grid = 1};
-  const Node generated = wave.launch<GenerateListedRays>(generate, items);
-  wave.wait_all(generated, listed);
-
-  ClearTraits::Ports<float> clear;
-  clear.secondary.bind(buffer.secondary_traits.data());
-  const Wavefront::RetainedRecords retained{.traits = true, .cleared = wave.launch<ClearTraits>(clear, items)};
-  wave.wait_all(retained.cleared, listed);
-  wave.adds_records(retained.cleared);
+  Wavefront::RetainedRecords retained;
+  retained.traits = true;
+  const Node generated = wave.generate(generate, buffer.samples, listed, items, retained);
   wave.run(generated, items, retained);
   if (wave.is_muted()) return;
   tile.out.sampling.traced += items;

@@ -34,26 +34,6 @@ Wavefront::RetainedRecords UndersampleProgram::records_to_retain(bool is_last) c
   return retained;
 }
 
-Wavefront::RetainedRecords UndersampleProgram::clear(Tile& tile, std::vector<std::uint32_t>& list,
-                                                     Wavefront::Node lister, std::uint32_t items, std::uint32_t lanes,
-                                                     const Wavefront::RetainedRecords& retained) const {
-  Wavefront::RetainedRecords cleared = retained;
-  if (retained.surfaces) {
-    ClearSurface::Ports<float> ports;
-    ports.samples.bind(list.data());
-    cleared.cleared = tile.wave.launch<ClearSurface>(ports, items, lanes);
-  } else if (retained.geometry) {
-    ClearGeometry::Ports<float> ports;
-    ports.samples.bind(list.data());
-    cleared.cleared = tile.wave.launch<ClearGeometry>(ports, items, lanes);
-  } else {
-    return retained;
-  }
-  tile.wave.wait_all(cleared.cleared, lister);
-  tile.wave.adds_records(cleared.cleared);
-  return cleared;
-}
-
 void UndersampleProgram::traced(Tile& tile, std::vector<std::uint32_t>& list, std::uint32_t items, std::uint32_t lanes,
                                 const Wavefront::RetainedRecords& retained) const {
   if (!retained.surfaces) return;
@@ -66,8 +46,12 @@ void UndersampleProgram::traced(Tile& tile, std::vector<std::uint32_t>& list, st
 
 BlockProgram::Verdict UndersampleProgram::check(Tile& tile, bool along_y, const LineUniforms<float>& line,
                                                 std::uint32_t items) const {
-  return along_y ? check_with<CheckAttributes<true>>(tile, line, items)
-                 : check_with<CheckAttributes<false>>(tile, line, items);
+  if (scene().fuses && !scene().has_textures) {
+    return along_y ? check_with<CheckAttributes<true, false>>(tile, line, items)
+                   : check_with<CheckAttributes<false, false>>(tile, line, items);
+  }
+  return along_y ? check_with<CheckAttributes<true, true>>(tile, line, items)
+                 : check_with<CheckAttributes<false, true>>(tile, line, items);
 }
 
 template <class K>
@@ -86,18 +70,24 @@ BlockProgram::Verdict UndersampleProgram::check_with(Tile& tile, const LineUnifo
 
 void UndersampleProgram::interpolate(Tile& tile, bool along_y, const LineUniforms<float>& line,
                                      const Verdict& verdict) const {
-  if (along_y) return interpolate_with<InterpolateAttributes<true>>(tile, line, verdict);
-  interpolate_with<InterpolateAttributes<false>>(tile, line, verdict);
+  along_y ? interpolate_with<true>(tile, line, verdict) : interpolate_with<false>(tile, line, verdict);
 }
 
-template <class K>
+template <bool kAlongY>
 void UndersampleProgram::interpolate_with(Tile& tile, const LineUniforms<float>& line, const Verdict& verdict) const {
   TileBuffer& buffer = tile.buffer;
   buffer.hold_wave(verdict.passed);
-  typename K::template Ports<float> ports;
-  ports.line = line;
+  using Interpolate = InterpolateAttributes<kAlongY>;
   const std::uint32_t lanes = verdict.passed + verdict.failed;
-  const Wavefront::Node node = tile.wave.launch<K>(ports, verdict.passed, lanes);
+  if (tile.wave.fuses() && tile.wave.has_lights()) {
+    typename InterpolateLit<kAlongY>::template Ports<float> fused;
+    ports_of<Interpolate>(fused).line = line;
+    tile.wave.interpolate_lit<InterpolateLit<kAlongY>>(fused, verdict.passed, lanes, verdict.node);
+    return;
+  }
+  typename Interpolate::template Ports<float> ports;
+  ports.line = line;
+  const Wavefront::Node node = tile.wave.launch<Interpolate>(ports, verdict.passed, lanes);
   tile.wave.wait_all(node, verdict.node);
   tile.wave.adds_records(node);
   tile.wave.adds_colours(node);

@@ -32,16 +32,13 @@ class UndersampleProgram final : public BlockProgram {
   Wavefront::RetainedRecords records_to_retain(bool is_last) const override;
   Verdict check(Tile& tile, bool along_y, const LineUniforms<float>& line, std::uint32_t items) const override;
   void interpolate(Tile& tile, bool along_y, const LineUniforms<float>& line, const Verdict& verdict) const override;
-  Wavefront::RetainedRecords clear(Tile& tile, std::vector<std::uint32_t>& list, Wavefront::Node lister,
-                                   std::uint32_t items, std::uint32_t lanes,
-                                   const Wavefront::RetainedRecords& retained) const override;
   void traced(Tile& tile, std::vector<std::uint32_t>& list, std::uint32_t items, std::uint32_t lanes,
               const Wavefront::RetainedRecords& retained) const override;
   void settled(Tile& tile) const override;
 
   template <class K>
   Verdict check_with(Tile& tile, const LineUniforms<float>& line, std::uint32_t items) const;
-  template <class K>
+  template <bool kAlongY>
   void interpolate_with(Tile& tile, const LineUniforms<float>& line, const Verdict& verdict) const;
   template <class K>
   void store_identities(Tile& tile) const;

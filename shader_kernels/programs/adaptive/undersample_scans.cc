@@ -10,7 +10,8 @@ using traces::Region;
 
 namespace {
 
-constexpr std::uint32_t kLine = 64;  // what a sample alone costs of memory
+constexpr std::uint32_t kLine = 64;    // what a sample alone costs of memory
+constexpr std::uint32_t kScanned = 0;  // the border of a tile that others read in a scan: all words that it corrects
 constexpr auto kPicture = static_cast<std::size_t>(Region::kPicture);
 constexpr auto kSamples = static_cast<std::size_t>(Region::kSamples);
 
@@ -49,7 +50,7 @@ FrameRequirements UndersampleProgram::requirements() const {
 void UndersampleProgram::begin_pass(std::uint32_t tile_index, const traces::Tracer& tracer) {
   const std::uint32_t count = sample_tiles().count();
   if (tile_index < count) return;
-  const PostCorrection::Scan scan = PostCorrection::scan(scan_of(tile_index));
+  const PostCorrection::Scan scan = correction_.scan(scan_of(tile_index));
   TileResult scratch;
   const auto trace = [&](std::span<const PostCorrection::Suspect> suspects) {
     // All suspects of a step lie in one column, or in one row.
@@ -96,14 +97,9 @@ void UndersampleProgram::trace_suspects(Wavefront& wave, TileResult& out, const 
   GenerateListedRays::Ports<float> generate;
   generate.camera = camera();
   generate.grid = grid;
-  const Wavefront::Node generated = wave.launch<GenerateListedRays>(generate, items);
-  wave.wait_all(generated, lister);
-  ClearGeometry::Ports<float> clear;
   Wavefront::RetainedRecords retained;
   retained.geometry = true;
-  retained.cleared = wave.launch<ClearGeometry>(clear, items);
-  wave.wait_all(retained.cleared, lister);
-  wave.adds_records(retained.cleared);
+  const Wavefront::Node generated = wave.generate(generate, out.buffer.samples, lister, items, retained);
   wave.run(generated, items, retained);
 }
 
@@ -133,7 +129,7 @@ void UndersampleProgram::run_scan(std::uint32_t tile_index, const traces::Tracer
                                   TileResult& out) const {
   const std::uint32_t count = sample_tiles().count();
   const std::uint32_t number = scan_of(tile_index);
-  const PostCorrection::Scan scan = PostCorrection::scan(number);
+  const PostCorrection::Scan scan = correction_.scan(number);
   const std::uint32_t in_pass = tile_index % count;
   const SampleTile at = sample_tiles().tile(order()[scan.is_backward ? count - 1 - in_pass : in_pass]);
   const std::uint32_t samples = at.width * at.height;
@@ -152,13 +148,12 @@ void UndersampleProgram::run_scan(std::uint32_t tile_index, const traces::Tracer
   const bool has_behind = scan.is_along_y ? (scan.is_backward ? at.has_below : at.has_above)
                                           : (scan.is_backward ? at.has_right : at.has_left);
   const auto behind = [&](std::uint32_t tile) { return scan.is_backward ? tile + step : tile - step; };
-  if (has_behind) out.work.after.push_back(behind(out.tile));
 
   const Wavefront::Node in = wave.transfer(Region::kSamples, false, scan_store(at.index), samples * 4);
   Wavefront::Node border = Wavefront::kNone;
   if (has_behind) {
     const std::uint32_t words = scan.is_along_y ? at.width : at.height;
-    border = wave.transfer(Region::kSamples, false, scan_store(behind(at.index)), words * 4);
+    border = wave.import_border({behind(out.tile), kScanned}, scan_store(behind(at.index)), words * 4);
   }
   const Wavefront::Node found = note_search(wave, samples);
   wave.wait_all(found, in);
@@ -209,18 +204,24 @@ void UndersampleProgram::put_corrected(Wavefront& wave, const SampleTile& at, st
   const auto lines = [](std::uint32_t count, std::uint64_t all) {
     return static_cast<std::uint32_t>(std::min(std::uint64_t{count} * kLine, all));
   };
-  const Wavefront::Node averaged = wave.note<AverageSamples>(corrected_pixels * undersample_.samples);
-  wave.wait_for_colours(averaged);
-  if (undersample_.samples > 1) {
-    const Wavefront::Node in =
-        wave.transfer(Region::kSamples, false, store, lines(corrected_pixels * undersample_.grid(), stored));
-    wave.wait_all(averaged, in);
+  Wavefront::Node packed = Wavefront::kNone;
+  if (wave.fuses() && undersample_.samples == 1) {
+    packed = wave.note<PackGridSample>(corrected_pixels);
+    wave.wait_for_colours(packed);
+  } else {
+    const Wavefront::Node averaged = wave.note<AverageSamples>(corrected_pixels * undersample_.samples);
+    wave.wait_for_colours(averaged);
+    if (undersample_.samples > 1) {
+      const Wavefront::Node in =
+          wave.transfer(Region::kSamples, false, store, lines(corrected_pixels * undersample_.grid(), stored));
+      wave.wait_all(averaged, in);
+    }
+    packed = wave.note<PackColour>(corrected_pixels);
+    wave.wait_all(packed, averaged);
   }
-  const Wavefront::Node packed = wave.note<PackColour>(corrected_pixels);
-  wave.wait_all(packed, averaged);
   const std::uint64_t pixels = requirements().region_bytes[kPicture] / sample_tiles().count();
   wave.wait_all(wave.transfer(Region::kPicture, true, pixels * at.index, lines(corrected_pixels, pixels)), packed);
-  wave.wait_all(wave.transfer(Region::kSamples, true, store, lines(corrected, stored)), last);
+  wave.wait_all(wave.export_border(kScanned, store, lines(corrected, stored)), last);
 }
 
 void UndersampleProgram::keep(const TileResult& tile) {

@@ -50,7 +50,7 @@ class PortSources {
     const void* array;  ///< a std::vector
     const void* (*data)(const void* array);
   };
-  static constexpr std::size_t kMostSources = 80, kMostPorts = 16;
+  static constexpr std::size_t kMostSources = 80, kMostPorts = 48;
   static constexpr std::uint8_t kNone = 0xff;
   using Matches = std::array<std::uint8_t, kMostPorts>;
 

@@ -17,6 +17,9 @@ constexpr std::array<std::string_view, 2> names_of(GlassShadows) { return {"opaq
 enum class Streams : std::uint8_t { kCompacted, kDivergent };
 constexpr std::array<std::string_view, 2> names_of(Streams) { return {"compacted", "divergent"}; }
 
+enum class Fusion : std::uint8_t { kOff, kOn };
+constexpr std::array<std::string_view, 2> names_of(Fusion) { return {"off", "on"}; }
+
 /// The picture that is rendered, and how finely. Everything here changes the recorded work.
 struct RenderConfig {
   std::uint32_t width = 1024, height = 512;
@@ -26,6 +29,7 @@ struct RenderConfig {
   std::uint32_t layers = 32;
   GlassShadows glass_shadows = GlassShadows::kTinted;
   Streams streams = Streams::kCompacted;
+  Fusion fusion = Fusion::kOn;
   double ray_epsilon = 1e-4;
   double min_weight = 0.01;
 
@@ -37,7 +41,8 @@ struct RenderConfig {
           Affects::kFunction);
     field(NAMED(c.depth), "rays", "longest path from the eye: 1 is primary rays (and their shadow rays) alone",
           sim::between(1, 16), Affects::kFunction);
-    field(NAMED(c.samples), "", "where a pixel's samples lie: in the middle of grid cells, or anywhere in them",
+    field(NAMED(c.samples), "",
+          "where a pixel's samples lie: in the middle of grid cells, or anywhere in them; a lone one is in the middle",
           sim::any(), Affects::kFunction);
     field(NAMED(c.layers), "surfaces",
           "how many holes, blended surfaces or panes of glass a ray may pass; the next one counts as solid",
@@ -48,6 +53,11 @@ struct RenderConfig {
     field(NAMED(c.streams), "",
           "executors run over the items of their class, compacted by an inspector, or (as without inspectors) over all",
           sim::any(), Affects::kFunction);
+    field(
+        NAMED(c.fusion), "",
+        "kernels that follow each other on the same items: launched one by one, or as one loop that keeps in registers "
+        "what they leave for each other",
+        sim::any(), Affects::kFunction);
     field(NAMED(c.ray_epsilon), "scene diagonals", "how far from a surface its secondary rays begin",
           sim::between(0, 0.1), Affects::kFunction);
     field(NAMED(c.min_weight), "", "a path goes on while its largest colour weight is above this", sim::between(0, 1),

@@ -6,6 +6,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "shader_kernels/kernels/at_once.h"
 #include "sim/hash.h"
 #include "traces/accel/build/material_tables.h"
 
@@ -88,6 +89,10 @@ SceneTables::SceneTables(const traces::MemoryImage& memory_image, const RenderCo
     shades |= traces::triangle_flags(material);
   }
   has_details = (flags & traces::kDetailStreams) != 0;
+  fuses = config.fusion == Fusion::kOn;
+  has_later = (flags & kLaterClasses) != 0;
+  has_secondary = (flags & (traces::kMirror | traces::kGlass | traces::kBlended | traces::kPhysical)) != 0;
+  has_textures = (flags & (traces::kTextured | traces::kOccluded)) != 0;
   diverges = config.streams == Streams::kDivergent;
   has_alpha = (shades & traces::kAlphaFlag) != 0;
   const bool is_tinted = config.glass_shadows == GlassShadows::kTinted;

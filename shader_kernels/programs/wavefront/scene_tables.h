@@ -32,6 +32,10 @@ struct SceneTables {
   std::uint32_t depth, layers;
   bool has_details;            ///< some surface goes into a stream of classify_details
   bool diverges;               ///< RenderConfig::streams
+  bool fuses;                  ///< RenderConfig::fusion
+  bool has_later;              ///< some surface is not lit at once (kernels/at_once.h)
+  bool has_secondary;          ///< some surface may send a path on
+  bool has_textures;           ///< some surface may fail a check for its textures
   bool has_alpha, has_shades;  ///< some hit may have to be tested: of rays that want the nearest, of shadow rays
   std::uint32_t solid_shadow;  ///< largest triangle word of a shadow ray's hit that needs no test
   /// Names the arrays as the kernels' ports do.

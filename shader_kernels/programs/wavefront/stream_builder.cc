@@ -1,5 +1,7 @@
 #include "shader_kernels/programs/wavefront/stream_builder.h"
 
+#include <algorithm>
+#include <cassert>
 #include <utility>
 
 namespace kernels {
@@ -14,7 +16,7 @@ StreamBuilder::StreamBuilder(traces::TileWork& work, std::vector<WorkNode>& spar
   work.accesses.clear();
   work.access_begin.clear();
   work.sources.clear();
-  work.after.clear();
+  work.imports.clear();
   work.after_all = false;
 }
 
@@ -68,6 +70,24 @@ StreamBuilder::Node StreamBuilder::transfer(traces::Region region, bool to_memor
   node.to_memory = to_memory;
   node.offset = offset;
   return count_ - 1;
+}
+
+StreamBuilder::Node StreamBuilder::export_border(std::uint32_t number, std::uint64_t offset, std::uint32_t bytes) {
+  assert(number < traces::kMostBorders);
+  const Node node = transfer(traces::Region::kSamples, true, offset, bytes);
+  if (node != kNone) work_.nodes[node].border = number;
+  return node;
+}
+
+StreamBuilder::Node StreamBuilder::import_border(traces::Border border, std::uint64_t offset, std::uint32_t bytes) {
+  const Node node = transfer(traces::Region::kSamples, false, offset, bytes);
+  if (node == kNone) return kNone;
+  std::vector<traces::Border>& imports = work_.imports;
+  const auto known = std::ranges::find(imports, border);
+  work_.nodes[node].border = static_cast<std::uint32_t>(known - imports.begin());
+  if (known == imports.end()) imports.push_back(border);
+  assert(imports.size() <= traces::kMostImports);
+  return node;
 }
 
 void StreamBuilder::wait(Node node, Node for_node, Edge::Kind kind) {

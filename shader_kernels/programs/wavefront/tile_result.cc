@@ -22,7 +22,8 @@ void RaySlots::hold(std::size_t slots) {
 void TileBuffer::hold_wave(std::size_t slots) {
   wave.hold(slots);
   // A stream has one more slot than items: what is not kept is written behind its end.
-  for (auto* stream : {&misses, &surfaces, &textured, &diffuse, &mirror, &glass, &emissive}) grow(*stream, slots + 1);
+  for (auto* stream : {&misses, &surfaces, &textured, &diffuse, &later, &mirror, &glass, &emissive})
+    grow(*stream, slots + 1);
   grow(points, slots);
   grow(mattes, slots);
   grow(texcoords, slots);

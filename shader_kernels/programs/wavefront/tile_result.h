@@ -30,7 +30,7 @@ struct RaySlots {
 struct TileBuffer {
   RaySlots wave, next_wave, shadow, layer;
   // Streams of slots.
-  std::vector<std::uint32_t> misses, surfaces, textured, diffuse, mirror, glass, emissive;
+  std::vector<std::uint32_t> misses, surfaces, textured, diffuse, later, mirror, glass, emissive;
   std::vector<std::uint32_t> absorbing, vertexed, based, physical, bumped, blended, glowing, occluded;
   std::vector<std::uint32_t> layers, targets;  ///< hits to test; slots whose rays go on
   std::vector<SurfacePointRecord<float>> points;
@@ -58,6 +58,7 @@ struct TileBuffer {
     array(b.shadow.rays, "shadow_rays"), array(b.shadow.paths, "shadow_paths"), array(b.shadow.hits, "shadow_hits");
     array(b.layer.hits, "layer_hits"), array(NAMED(b.layers)), array(NAMED(b.targets));
     array(NAMED(b.misses)), array(NAMED(b.surfaces)), array(NAMED(b.textured)), array(NAMED(b.diffuse));
+    array(NAMED(b.later));
     array(NAMED(b.mirror)), array(NAMED(b.glass)), array(NAMED(b.emissive));
     array(NAMED(b.absorbing)), array(NAMED(b.vertexed)), array(NAMED(b.based)), array(NAMED(b.physical));
     array(NAMED(b.bumped)), array(NAMED(b.blended)), array(NAMED(b.glowing)), array(NAMED(b.occluded));

@@ -38,19 +38,12 @@ void Wavefront::run(Node maker, std::uint32_t rays, const RetainedRecords& retai
     const std::uint32_t surfaces = classify(bounce);
     if (surfaces < bounce.rays) shade_background(bounce, bounce.rays - surfaces);
     if (surfaces == 0) return;
-    const Streams streams = shade_surfaces(bounce, surfaces);
-    record_hits(bounce, surfaces);
+    const Streams streams =
+        lights_at_once(bounce) ? light_surfaces(bounce, surfaces) : shade_surfaces(bounce, surfaces);
     if (streams.textured != 0) shade_textured(bounce, streams.textured);
     if (streams.emissive != 0) shade_emission(bounce, streams.emissive);
     if (streams.glowing != 0) shade_glow(bounce, streams.glowing);
-    const bool keeps_local = retained_.surfaces && bounce.depth == 1 && streams.diffuse != 0;
-    if (keeps_local) bounce.colours = record_local<false>(bounce, streams.diffuse);
-    if (streams.diffuse != 0) {
-      shade_ambient(bounce, streams.diffuse);
-      if (streams.occluded != 0) shade_occluded(bounce, streams.occluded);
-      for (std::uint32_t light = 0; light < scene_.lights.size(); ++light) shade_light(bounce, light, streams.diffuse);
-    }
-    if (keeps_local) bounce.after = record_local<true>(bounce, streams.diffuse);
+    if (streams.diffuse != 0) shade_local(bounce, streams);
     if (bounce.depth == scene_.depth) return;
     bounce = send_on(bounce, streams);
   }
@@ -146,6 +139,7 @@ Wavefront::Bounce Wavefront::send_on(const Bounce& bounce, const Streams& stream
   send<ShadeMirror>(from, RayKind::kReflection, buffer_.mirror, streams.mirror, next);
   next.refracted = next.rays;
   send<ShadeGlass>(from, RayKind::kRefraction, buffer_.glass, streams.glass, next);
+  next.is_single = bounce.is_single && next.batch_count < 2;
   std::swap(buffer_.wave, buffer_.next_wave);
   buffer_.hold_wave(next.rays);
   return next;
@@ -163,11 +157,28 @@ void Wavefront::put_out(Node averaged, std::uint64_t offset) {
   const auto pixels = static_cast<std::uint32_t>(out_.linear.size());
   const Node packed = launch<PackColour>(pixels);
   wait_all(packed, averaged);
-  wait_all(transfer(traces::Region::kPicture, true, offset, pixels * kPixelBytes), packed);
+  put_packed(packed, offset);
+}
+
+void Wavefront::put_packed(Node packed, std::uint64_t offset) {
+  const auto bytes = static_cast<std::uint32_t>(out_.linear.size()) * kPixelBytes;
+  wait_all(transfer(traces::Region::kPicture, true, offset, bytes), packed);
 }
 
 Wavefront::Node Wavefront::transfer(traces::Region region, bool to_memory, std::uint64_t offset, std::uint32_t bytes) {
   return stream_.transfer(region, to_memory, offset, bytes);
+}
+
+void Wavefront::export_samples(std::uint32_t number, std::uint64_t offset, std::uint32_t bytes) {
+  const Node node = export_border(number, offset, bytes);
+  wait_for_records(node);
+  wait_for_colours(node);
+}
+
+void Wavefront::import_samples(traces::Border border, std::uint64_t offset, std::uint32_t bytes) {
+  const Node node = import_border(border, offset, bytes);
+  adds_records(node);
+  adds_colours(node);
 }
 
 }  // namespace kernels

@@ -38,6 +38,8 @@ namespace kernels {
 ///   or: surfaces of the first wave -> record_traits, shadow rays -> record_traits_shadow
 ///       rays of the second -> weigh_branch, their surfaces -> record_branch, shadow rays -> record_branch_shadow
 ///
+/// With RenderConfig::fusion several of these are one launch (wavefront_fused.cc).
+///
 /// All orders (of rays, of additions to a sample) follow from the tile alone.
 class Wavefront {
  public:
@@ -78,6 +80,10 @@ class Wavefront {
   void wait_all(Node node, Node for_node) { stream_.wait(node, for_node, traces::Edge::Kind::kAll); }
   void wait_each(Node node, Node for_node) { stream_.wait(node, for_node, traces::Edge::Kind::kEach); }
 
+  /// Makes primary rays of the samples in `list`, which `lister` has filled, and what these are to keep that of a miss;
+  /// notes the launches that did in `retained`. `ports` has camera and grid.
+  Node generate(GenerateListedRays::Ports<float>& ports, std::vector<std::uint32_t>& list, Node lister,
+                std::uint32_t items, RetainedRecords& retained, std::uint32_t lanes = 0);
   /// Traces and shades the primary rays that `maker` has put into the first wave, one per item, and all that follows.
   /// `lanes` and `padding` as for launch().
   void run(Node maker, std::uint32_t rays, const RetainedRecords& retained, std::uint32_t lanes = 0,
@@ -86,6 +92,12 @@ class Wavefront {
   /// Shades interpolated surfaces, which `maker` has put into the wave's first slots: local light alone, with shadows
   /// that are known. Their colours so far are global ones.
   void shade_interpolated(Node maker, std::uint32_t items, std::uint32_t lanes);
+  /// The same, with kernel K = InterpolateLit making the surfaces.
+  template <class K>
+  void interpolate_lit(typename K::template Ports<float>& ports, std::uint32_t items, std::uint32_t lanes, Node after);
+  /// Whether fused kernels are launched.
+  bool fuses() const { return scene_.fuses; }
+  bool has_lights() const { return !scene_.lights.empty(); }
   /// Makes `node` wait for all launches that add to the samples' colours.
   void wait_for_colours(Node node);
   /// Makes `node` wait for all that adds to what samples keep.
@@ -96,8 +108,20 @@ class Wavefront {
   /// `node` has waited for all launches so far: later wait_for_colours() wait for it instead.
   void colours_are_in(Node node) { buffer_.colour_nodes.assign(1, node); }
   Node transfer(traces::Region region, bool to_memory, std::uint64_t offset, std::uint32_t bytes);
+  Node export_border(std::uint32_t number, std::uint64_t offset, std::uint32_t bytes) {
+    return stream_.export_border(number, offset, bytes);
+  }
+  Node import_border(traces::Border border, std::uint64_t offset, std::uint32_t bytes) {
+    return stream_.import_border(border, offset, bytes);
+  }
+  /// Exports samples: the transfer waits for all records and colours so far.
+  void export_samples(std::uint32_t number, std::uint64_t offset, std::uint32_t bytes);
+  /// Imports samples: what waits for records or colours from then on waits for the transfer.
+  void import_samples(traces::Border border, std::uint64_t offset, std::uint32_t bytes);
   /// Encodes the tile's pixels, once `averaged` is done, and moves them to byte `offset` of the picture.
   void put_out(Node averaged, std::uint64_t offset);
+  /// Moves them once `packed` has encoded them.
+  void put_packed(Node packed, std::uint64_t offset);
   void finish() { stream_.finish(); }
 
  private:
@@ -116,12 +140,24 @@ class Wavefront {
     Node after = StreamBuilder::kNone;          ///< the last launch of the bounce before that changes colours
     std::array<Batch, 3> batches{};
     std::uint32_t batch_count = 0;
+    bool is_single = true;                  ///< no sample has two of its rays
     Node inspector = StreamBuilder::kNone;  ///< fills the streams
     Node colours = StreamBuilder::kNone;    ///< makes the base colours, if nothing before the inspector did
   };
   struct Streams {
     std::uint32_t textured = 0, diffuse = 0, mirror = 0, glass = 0, emissive = 0;
-    std::uint32_t blended = 0, glowing = 0, occluded = 0;  ///< streams of classify_details
+    bool has_lit = false;  ///< diffuse surfaces have their ambient and first light, but for those listed for later
+    std::uint32_t later = 0;
+    std::uint32_t unlit() const { return has_lit ? later : diffuse; }  ///< diffuse surfaces that have no light yet
+    std::uint32_t blended = 0, glowing = 0, occluded = 0;              ///< streams of classify_details
+    void take(const ClassifySurfaces::Ports<float>& sorted);
+    /// Streams of a kernel that lights surfaces at once.
+    template <class P>
+    void take_lit(P& ports) {
+      take(ports_of<ClassifySurfaces>(ports));
+      has_lit = true;
+      later = ports_of<ListLater>(ports).later_count.value;
+    }
   };
 
   /// Traces rays and those that go on behind what turns out not to be solid.
@@ -135,7 +171,7 @@ class Wavefront {
                             std::uint32_t lanes, Node& tested);
   std::uint32_t classify(Bounce& bounce);
   Streams shade_surfaces(Bounce& bounce, std::uint32_t surfaces);
-  void shade_details(Bounce& bounce, std::uint32_t surfaces, Streams& streams);
+  void shade_details(Bounce& bounce, const ClassifyDetails::Ports<float>& sorted, Streams& streams);
   template <class K>
   void step(Bounce& bounce, std::uint32_t items, std::vector<std::uint32_t>* stream = nullptr);
   void shade_glow(const Bounce& bounce, std::uint32_t items);
@@ -150,20 +186,41 @@ class Wavefront {
   void shade_background(const Bounce& bounce, std::uint32_t misses);
   void shade_textured(Bounce& bounce, std::uint32_t items);
   void shade_emission(const Bounce& bounce, std::uint32_t items);
-  void shade_ambient(const Bounce& bounce, std::uint32_t items);
-  void shade_light(const Bounce& bounce, std::uint32_t light, std::uint32_t items);
+  void shade_local(Bounce& bounce, const Streams& streams);
+  void shade_ambient(const Bounce& bounce, std::vector<std::uint32_t>& stream, std::uint32_t items);
+  void shade_light(const Bounce& bounce, std::uint32_t light, std::vector<std::uint32_t>& stream, std::uint32_t items);
+  void shade_visible(const Bounce& bounce, std::uint32_t light, std::vector<std::uint32_t>& stream,
+                     std::uint32_t items);
+  void combine_shadows(const Bounce& bounce, std::uint32_t light, const Batch& batch, std::uint32_t rays);
   void classify_surfaces(Bounce& bounce, std::uint32_t surfaces, Streams& streams);
   void record_hits(Bounce& bounce, std::uint32_t surfaces);
   template <bool kAfter>
-  Node record_local(const Bounce& bounce, std::uint32_t items);
-  void record_shadows(const Bounce& bounce, std::uint32_t light, const Batch& batch, std::uint32_t rays);
+  Node record_local(const Bounce& bounce, std::vector<std::uint32_t>& stream, std::uint32_t items);
+  // wavefront_fused.cc
+  bool lights_at_once(const Bounce& bounce) const;
+  Streams light_surfaces(Bounce& bounce, std::uint32_t surfaces);
+  template <bool kInstanced>
+  void light_surfaces(Bounce& bounce, std::uint32_t surfaces, Streams& streams);
+  template <class P>
+  ShadeDiffuse::Ports<float>& bind_first_light(P& ports) const;
+  template <class K>
+  void light_with(Bounce& bounce, std::uint32_t surfaces, Streams& streams, bool has_records);
+  std::vector<std::uint32_t>& unlit_of(const Streams& streams) {
+    return streams.has_lit ? buffer_.later : buffer_.diffuse;
+  }
+  void light_later(const Bounce& bounce, std::vector<std::uint32_t>& stream, std::uint32_t items);
+  Node generate_fused(GenerateListedRays::Ports<float>& ports, std::vector<std::uint32_t>& list, std::uint32_t items,
+                      RetainedRecords& retained, std::uint32_t lanes);
+  void shade_sorted(Bounce& bounce, const Streams& streams);
+  static BounceUniforms<float> uniforms_of(const Bounce& bounce);
   template <bool kInstanced>
   Node retain_hits(const Bounce& bounce, std::uint32_t surfaces);
   template <bool kInstanced>
   Node record_branches(const Bounce& bounce, std::uint32_t surfaces);
-  Node record_branch_shadows(std::uint32_t rays, std::uint32_t lanes);
-  template <class K>
-  Node record_shadows(auto* records, std::uint32_t mark, std::uint32_t rays, std::uint32_t lanes);
+  /// Combines shadow rays and keeps what they found with kernel Record, whose ports `bind` binds; or both with kernel
+  /// Both.
+  template <class Record, class Both>
+  void combine_and_record(const Bounce& bounce, const Batch& batch, std::uint32_t rays, auto&& bind);
   Bounce send_on(const Bounce& bounce, const Streams& streams);
   template <class K>
   void send(const Bounce& bounce, traces::RayKind kind, std::vector<std::uint32_t>& stream, std::uint32_t items,
@@ -186,11 +243,7 @@ class Wavefront {
 template <class K>
 Wavefront::Node Wavefront::launch(typename K::template Ports<float>& ports, std::uint32_t items, std::uint32_t lanes,
                                   std::uint32_t padding) {
-  constexpr bool kReads = requires { ports.materials; }
-  || requires { ports.objects; }
-  || requires { ports.texels; }
-  || requires { ports.vertices; }
-  || requires { ports.details; };
+  constexpr bool kReads = kListsAccesses<typename K::template Ports<float>>;
   constexpr bool kEmits = requires { ports.emitted; };
   const std::uint32_t idle = scene_.diverges && lanes > items ? lanes - items : padding;
   const Node node = stream_.launch(kKernelId<K>, items, kReads, idle);

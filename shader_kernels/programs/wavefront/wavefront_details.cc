@@ -4,22 +4,17 @@ namespace kernels {
 
 /// Steps that only some scenes have, before surfaces are sorted: they change points, base colours, optics and classes
 /// of the surfaces in their streams. Each waits for the one before; `bounce.inspector` is the last.
-void Wavefront::shade_details(Bounce& bounce, std::uint32_t surfaces, Streams& streams) {
-  buffer_.hold_details(bounce.rays);
-  ClassifyDetails::Ports<float> ports;
-  const Node fetched = bounce.inspector;
-  bounce.inspector = launch<ClassifyDetails>(ports, surfaces);
-  wait_each(bounce.inspector, fetched);
-  step<Absorb>(bounce, ports.absorbing_count.value);
-  scene_.image.has_levels() ? step<FetchVertices<true>>(bounce, ports.vertexed_count.value)
-                            : step<FetchVertices<false>>(bounce, ports.vertexed_count.value);
-  step<ShadeBase>(bounce, ports.based_count.value, &buffer_.based);
-  step<ShadePhysical>(bounce, ports.physical_count.value, &buffer_.physical);
-  step<ShadeBump>(bounce, ports.bumped_count.value, &buffer_.bumped);
-  step<ShadeBlend>(bounce, ports.blended_count.value);
-  streams.blended = ports.blended_count.value;
-  streams.glowing = ports.glowing_count.value;
-  streams.occluded = ports.occluded_count.value;
+void Wavefront::shade_details(Bounce& bounce, const ClassifyDetails::Ports<float>& sorted, Streams& streams) {
+  step<Absorb>(bounce, sorted.absorbing_count.value);
+  scene_.image.has_levels() ? step<FetchVertices<true>>(bounce, sorted.vertexed_count.value)
+                            : step<FetchVertices<false>>(bounce, sorted.vertexed_count.value);
+  step<ShadeBase>(bounce, sorted.based_count.value, &buffer_.based);
+  step<ShadePhysical>(bounce, sorted.physical_count.value, &buffer_.physical);
+  step<ShadeBump>(bounce, sorted.bumped_count.value, &buffer_.bumped);
+  step<ShadeBlend>(bounce, sorted.blended_count.value);
+  streams.blended = sorted.blended_count.value;
+  streams.glowing = sorted.glowing_count.value;
+  streams.occluded = sorted.occluded_count.value;
 }
 
 /// Launches the next step of shade_details, if its stream has items: it waits for the one before.

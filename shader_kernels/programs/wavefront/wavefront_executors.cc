@@ -17,24 +17,32 @@ Wavefront::Streams Wavefront::shade_surfaces(Bounce& bounce, std::uint32_t surfa
 
   Streams streams;
   if (scene_.has_details) {
-    bounce.inspector = fetched;
-    shade_details(bounce, surfaces, streams);
+    buffer_.hold_details(bounce.rays);
+    ClassifyDetails::Ports<float> ports;
+    bounce.inspector = launch<ClassifyDetails>(ports, surfaces);
+    wait_each(bounce.inspector, fetched);
+    shade_details(bounce, ports, streams);
   }
 
   const Node before = bounce.inspector;
   classify_surfaces(bounce, surfaces, streams);
   scene_.has_details ? wait_all(bounce.inspector, before) : wait_each(bounce.inspector, fetched);
+  record_hits(bounce, surfaces);
   return streams;
 }
 
 void Wavefront::classify_surfaces(Bounce& bounce, std::uint32_t surfaces, Streams& streams) {
   ClassifySurfaces::Ports<float> ports;
   bounce.inspector = launch<ClassifySurfaces>(ports, surfaces, bounce.lanes);
-  streams.textured = ports.textured_count.value;
-  streams.diffuse = ports.diffuse_count.value;
-  streams.mirror = ports.mirror_count.value;
-  streams.glass = ports.glass_count.value;
-  streams.emissive = ports.emissive_count.value;
+  streams.take(ports);
+}
+
+void Wavefront::Streams::take(const ClassifySurfaces::Ports<float>& sorted) {
+  textured = sorted.textured_count.value;
+  diffuse = sorted.diffuse_count.value;
+  mirror = sorted.mirror_count.value;
+  glass = sorted.glass_count.value;
+  emissive = sorted.emissive_count.value;
 }
 
 void Wavefront::shade_textured(Bounce& bounce, std::uint32_t items) {
@@ -47,27 +55,46 @@ void Wavefront::shade_emission(const Bounce& bounce, std::uint32_t items) {
   add_colours<ShadeEmission>(bounce, ports, items);
 }
 
-void Wavefront::shade_ambient(const Bounce& bounce, std::uint32_t items) {
+/// Shades diffuse surfaces, those first that have no light yet.
+void Wavefront::shade_local(Bounce& bounce, const Streams& streams) {
+  std::vector<std::uint32_t>& unlit = unlit_of(streams);
+  const std::uint32_t items = streams.unlit();
+  const bool keeps_local = retained_.surfaces && bounce.depth == 1;
+  const auto lights = static_cast<std::uint32_t>(scene_.lights.size());
+  // Surfaces that are lit at once had no colour before.
+  if (keeps_local && items != 0) bounce.colours = record_local<false>(bounce, unlit, items);
+  if (scene_.fuses && lights != 0 && streams.occluded == 0) {
+    if (items != 0) light_later(bounce, unlit, items);
+  } else {
+    if (items != 0) shade_ambient(bounce, unlit, items);
+    if (streams.occluded != 0) shade_occluded(bounce, streams.occluded);
+    if (items != 0 && lights != 0) shade_light(bounce, 0, unlit, items);
+  }
+  for (std::uint32_t light = 1; light < lights; ++light) {
+    shade_light(bounce, light, buffer_.diffuse, streams.diffuse);
+  }
+  if (keeps_local) bounce.after = record_local<true>(bounce, buffer_.diffuse, streams.diffuse);
+}
+
+void Wavefront::shade_ambient(const Bounce& bounce, std::vector<std::uint32_t>& stream, std::uint32_t items) {
   ShadeAmbient::Ports<float> ports;
+  ports.diffuse.bind(stream.data());
   ports.ambient = scene_.ambient;
   add_colours<ShadeAmbient>(bounce, ports, items);
 }
 
-void Wavefront::shade_light(const Bounce& bounce, std::uint32_t light, std::uint32_t items) {
+void Wavefront::shade_light(const Bounce& bounce, std::uint32_t light, std::vector<std::uint32_t>& stream,
+                            std::uint32_t items) {
   buffer_.shadow.hold(std::size_t{items} + 1);
   ShadeDiffuse::Ports<float> ports;
+  ports.diffuse.bind(stream.data());
   ports.light = scene_.lights[light];
   ports.epsilon = scene_.epsilon;
   const Node shaded = launch<ShadeDiffuse>(ports, items, bounce.lanes);
   wait_for_bounce(shaded, bounce);
   const std::uint32_t rays = ports.emitted.value;
   if (rays == 0) return;
-  const Batch batch = trace(RayKind::kShadow, buffer_.shadow, 0, rays, shaded, true);
-
-  const Node combined = launch<CombineShadow>(rays, bounce.lanes);
-  wait_for_batch(combined, batch);
-  buffer_.colour_nodes.push_back(combined);
-  record_shadows(bounce, light, batch, rays);
+  combine_shadows(bounce, light, trace(RayKind::kShadow, buffer_.shadow, 0, rays, shaded, true), rays);
 }
 
 }  // namespace kernels

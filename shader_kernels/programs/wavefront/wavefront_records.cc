@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <type_traits>
 
 #include "shader_kernels/programs/wavefront/wavefront.h"
 
@@ -13,6 +14,35 @@ std::uint32_t way_of(std::uint32_t depth) { return depth * 0x9e3779b9U; }
 std::uint32_t bit_of(std::uint32_t light) { return 1U << (light % 32); }
 
 }  // namespace
+
+Wavefront::Node Wavefront::generate(GenerateListedRays::Ports<float>& ports, std::vector<std::uint32_t>& list,
+                                    Node lister, std::uint32_t items, RetainedRecords& retained, std::uint32_t lanes) {
+  const bool has_records = retained.geometry || retained.surfaces || retained.traits;
+  ports.samples.bind(list.data());
+  Node generated = kNone;
+  if (scene_.fuses && has_records) {
+    generated = generate_fused(ports, list, items, retained, lanes);
+    wait_all(generated, lister);
+    adds_records(generated);
+    return generated;
+  }
+  generated = launch<GenerateListedRays>(ports, items, lanes);
+  wait_all(generated, lister);
+  const auto clear = [&]<class K>(std::type_identity<K>) {
+    typename K::template Ports<float> cleared;
+    cleared.samples.bind(list.data());
+    if constexpr (std::is_same_v<K, ClearTraits>) cleared.secondary.bind(buffer_.secondary_traits.data());
+    const Node node = launch<K>(cleared, items, lanes);
+    wait_all(node, lister);
+    adds_records(node);
+    return node;
+  };
+  if (retained.surfaces) retained.cleared = clear(std::type_identity<ClearSurface>{});
+  if (retained.geometry) retained.cleared = clear(std::type_identity<ClearGeometry>{});
+  if (retained.traits) retained.cleared = clear(std::type_identity<ClearTraits>{});
+  if (retained.secondary) retained.cleared_secondary = clear(std::type_identity<ClearSecondary>{});
+  return generated;
+}
 
 template <bool kInstanced>
 Wavefront::Node Wavefront::record_branches(const Bounce& bounce, std::uint32_t surfaces) {
@@ -35,6 +65,10 @@ void Wavefront::record_hits(Bounce& bounce, std::uint32_t surfaces) {
   buffer_.record_nodes.push_back(bounce.recorded);
 }
 
+BounceUniforms<float> Wavefront::uniforms_of(const Bounce& bounce) {
+  return {way_of(bounce.depth), bounce.mirrored, bounce.refracted, bounce.depth == 2 ? 1.0F : 0.0F};
+}
+
 /// The launch that keeps what samples hit, if any is wanted.
 template <bool kInstanced>
 Wavefront::Node Wavefront::retain_hits(const Bounce& bounce, std::uint32_t surfaces) {
@@ -44,59 +78,75 @@ Wavefront::Node Wavefront::retain_hits(const Bounce& bounce, std::uint32_t surfa
   if (bounce.depth == 2 && retained_.traits) return record_branches<kInstanced>(bounce, surfaces);
   if (bounce.depth > 1 && retained_.secondary) {
     typename RecordSecondary<kInstanced>::template Ports<float> ports;
-    ports.way = way_of(bounce.depth);
-    ports.mirrored = bounce.mirrored;
-    ports.refracted = bounce.refracted;
-    ports.first = bounce.depth == 2 ? 1.0F : 0.0F;
+    ports.bounce = uniforms_of(bounce);
     return launch<RecordSecondary<kInstanced>>(ports, surfaces, bounce.lanes);
   }
   return StreamBuilder::kNone;
 }
 
-template <class K>
-Wavefront::Node Wavefront::record_shadows(auto* records, std::uint32_t mark, std::uint32_t rays, std::uint32_t lanes) {
-  typename K::template Ports<float> ports;
-  ports.records.bind(records);
-  ports.mark = mark;
-  return launch<K>(ports, rays, lanes);
-}
-
-Wavefront::Node Wavefront::record_branch_shadows(std::uint32_t rays, std::uint32_t lanes) {
-  RecordBranchShadow::Ports<float> ports;
-  ports.traits.bind(buffer_.secondary_traits.data());
-  return launch<RecordBranchShadow>(ports, rays, lanes);
-}
-
-void Wavefront::record_shadows(const Bounce& bounce, std::uint32_t light, const Batch& batch, std::uint32_t rays) {
-  Node node = StreamBuilder::kNone;
-  if (bounce.depth == 1 && (retained_.geometry || retained_.surfaces)) {
-    node = record_shadows<RecordShadow>(buffer_.geometry.data(), bit_of(light), rays, bounce.lanes);
-  } else if (bounce.depth == 1 && retained_.traits) {
-    node = record_shadows<RecordTraitsShadow>(buffer_.traits.data(), 1, rays, bounce.lanes);
-  } else if (bounce.depth == 2 && retained_.traits) {
-    node = record_branch_shadows(rays, bounce.lanes);
-  } else if (bounce.depth > 1 && retained_.secondary) {
-    const std::uint32_t mark = scrambled<float>(way_of(bounce.depth) ^ light);
-    node = record_shadows<RecordSecondaryShadow>(buffer_.secondary.data(), mark, rays, bounce.lanes);
+template <class Record, class Both>
+void Wavefront::combine_and_record(const Bounce& bounce, const Batch& batch, std::uint32_t rays, auto&& bind) {
+  Node recorded = kNone;
+  if (scene_.fuses) {
+    typename Both::template Ports<float> ports;
+    bind(ports_of<Record>(ports));
+    recorded = launch<Both>(ports, rays, bounce.lanes);
+    buffer_.colour_nodes.push_back(recorded);
   } else {
-    return;
+    const Node combined = launch<CombineShadow>(rays, bounce.lanes);
+    wait_for_batch(combined, batch);
+    buffer_.colour_nodes.push_back(combined);
+    typename Record::template Ports<float> ports;
+    bind(ports);
+    recorded = launch<Record>(ports, rays, bounce.lanes);
   }
-  wait_for_batch(node, batch);
-  wait_all(node, bounce.recorded);
-  buffer_.record_nodes.push_back(node);
+  wait_for_batch(recorded, batch);
+  wait_all(recorded, bounce.recorded);
+  buffer_.record_nodes.push_back(recorded);
+}
+
+/// Adds the light of shadow rays to their samples, and to what these keep whether they were stopped.
+void Wavefront::combine_shadows(const Bounce& bounce, std::uint32_t light, const Batch& batch, std::uint32_t rays) {
+  const auto kept_as = [](auto* records, std::uint32_t mark) {
+    return [=](auto& ports) {
+      ports.records.bind(records);
+      ports.mark = mark;
+    };
+  };
+  if (bounce.depth == 1 && (retained_.geometry || retained_.surfaces)) {
+    const auto bind = kept_as(buffer_.geometry.data(), bit_of(light));
+    combine_and_record<RecordShadow, CombineRecordShadow>(bounce, batch, rays, bind);
+  } else if (bounce.depth == 1 && retained_.traits) {
+    const auto bind = kept_as(buffer_.traits.data(), 1);
+    combine_and_record<RecordTraitsShadow, CombineRecordTraitsShadow>(bounce, batch, rays, bind);
+  } else if (bounce.depth == 2 && retained_.traits) {
+    const auto bind = [&](auto& ports) { ports.traits.bind(buffer_.secondary_traits.data()); };
+    combine_and_record<RecordBranchShadow, CombineRecordBranchShadow>(bounce, batch, rays, bind);
+  } else if (bounce.depth > 1 && retained_.secondary) {
+    const auto bind = kept_as(buffer_.secondary.data(), scrambled<float>(way_of(bounce.depth) ^ light));
+    combine_and_record<RecordSecondaryShadow, CombineRecordSecondaryShadow>(bounce, batch, rays, bind);
+  } else {
+    const Node combined = launch<CombineShadow>(rays, bounce.lanes);
+    wait_for_batch(combined, batch);
+    buffer_.colour_nodes.push_back(combined);
+  }
 }
 
 /// Either side of local shading. Later bounces must not add to a sample before its second side is kept.
 template <bool kAfter>
-Wavefront::Node Wavefront::record_local(const Bounce& bounce, std::uint32_t items) {
-  const Node node = launch<RecordLocal<kAfter>>(items, bounce.lanes);
+Wavefront::Node Wavefront::record_local(const Bounce& bounce, std::vector<std::uint32_t>& stream, std::uint32_t items) {
+  typename RecordLocal<kAfter>::template Ports<float> ports;
+  ports.diffuse.bind(stream.data());
+  const Node node = launch<RecordLocal<kAfter>>(ports, items, bounce.lanes);
   wait_for_bounce(node, bounce);
   wait_for_colours(node);
   if (!kAfter) wait_all(node, retained_.cleared);
   return node;
 }
-template Wavefront::Node Wavefront::record_local<false>(const Bounce& bounce, std::uint32_t items);
-template Wavefront::Node Wavefront::record_local<true>(const Bounce& bounce, std::uint32_t items);
+template Wavefront::Node Wavefront::record_local<false>(const Bounce& bounce, std::vector<std::uint32_t>& stream,
+                                                        std::uint32_t items);
+template Wavefront::Node Wavefront::record_local<true>(const Bounce& bounce, std::vector<std::uint32_t>& stream,
+                                                       std::uint32_t items);
 
 void Wavefront::shade_interpolated(Node maker, std::uint32_t items, std::uint32_t lanes) {
   Bounce bounce;
@@ -104,15 +154,28 @@ void Wavefront::shade_interpolated(Node maker, std::uint32_t items, std::uint32_
   Streams streams;
   classify_surfaces(bounce, items, streams);
   wait_all(bounce.inspector, maker);
+  shade_sorted(bounce, streams);
+}
+
+/// Shades interpolated surfaces that have been sorted into streams.
+void Wavefront::shade_sorted(Bounce& bounce, const Streams& streams) {
   if (streams.textured != 0) shade_textured(bounce, streams.textured);
-  if (streams.diffuse == 0) return;
-  shade_ambient(bounce, streams.diffuse);
-  ShadeVisible::Ports<float> ports;
+  const std::uint32_t items = streams.unlit();
+  if (items != 0) shade_ambient(bounce, unlit_of(streams), items);
   for (std::uint32_t light = 0; light < scene_.lights.size(); ++light) {
-    ports.light = scene_.lights[light];
-    ports.mark = bit_of(light);
-    add_colours<ShadeVisible>(bounce, ports, streams.diffuse);
+    std::vector<std::uint32_t>& stream = light == 0 ? unlit_of(streams) : buffer_.diffuse;
+    shade_visible(bounce, light, stream, light == 0 ? items : streams.diffuse);
   }
+}
+
+void Wavefront::shade_visible(const Bounce& bounce, std::uint32_t light, std::vector<std::uint32_t>& stream,
+                              std::uint32_t items) {
+  if (items == 0) return;
+  ShadeVisible::Ports<float> ports;
+  ports.diffuse.bind(stream.data());
+  ports.light = scene_.lights[light];
+  ports.mark = bit_of(light);
+  add_colours<ShadeVisible>(bounce, ports, items);
 }
 
 }  // namespace kernels

@@ -16,7 +16,7 @@ using enum DramCommand;
 const DramTiming kT;
 
 Cycle earliest(const DramDevice& d, DramCommand command, std::uint32_t bank, bool write, Cycle now) {
-  return d.earliest(command, d.ready(command, bank, write, d.rank_ready(0, write, now)));
+  return d.earliest(command, bank, d.ready(command, bank, write, d.rank_ready(0, write, now)), now);
 }
 
 DramConfig with_groups() {

@@ -144,6 +144,10 @@ void expect_machine_conserved(const Outcome& run, const GpuConfig& config) {
     EXPECT_LE(kernel.starved, kernel.cycles);
   }
   EXPECT_EQ(launches, run.sum("srp", "chunks"));
+  EXPECT_GE(run.sum("srp", "launches"), launches + run.sum("srp", "merged")) << "a merged loop has two at least";
+  if (!config.srp.merge) {
+    EXPECT_EQ(run.sum("srp", "launches"), launches);
+  }
   EXPECT_EQ(items, run.sum("srp", "items"));
 }
 

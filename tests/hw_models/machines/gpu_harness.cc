@@ -21,6 +21,7 @@ kernels::RenderConfig render_config(std::uint32_t width, std::uint32_t height, s
   config.width = width;
   config.height = height;
   config.tile = tile;
+  config.fusion = kernels::Fusion::kOff;  // monotone.cc lists frames whose steps are launches of their own
   return config;
 }
 

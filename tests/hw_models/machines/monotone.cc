@@ -22,34 +22,42 @@ const Improvement& improvement_of(std::uint64_t seed) { return kImprovements[see
 namespace {
 
 constexpr KnownSlower kKnownSlower[] = {
-    {"cornell", 0, 24.03},   // tni.trv.l1.mshrs
-    {"cornell", 3, 3.85},    // l2.mshrs
-    {"cornell", 27, 1.34},   // tni.trv.l1.mshrs
-    {"cornell", 49, 1.02},   // tni.trv.l1.size
-    {"cornell", 66, 3.45},   // l2.mshrs
-    {"cornell", 77, 3.27},   // tni.ist.l1.size
-    {"cornell", 78, 8.79},   // srp.data_cache.size
-    {"cornell", 87, 1.70},   // srp.data_cache.size
-    {"cornell", 90, 4.36},   // tni.trv.l1.mshrs
-    {"cornell", 94, 1.02},   // tni.trv.l1.size
-    {"cornell", 118, 2.38},  // tni.ist.l1.mshrs
-    {"cornell", 132, 1.45},  // srp.data_cache.size
-    {"cornell", 139, 1.03},  // tni.trv.l1.size
-    {"cornell", 154, 2.33},  // tni.ist.l1.mshrs
-    {"cornell", 156, 1.66},  // l2.mshrs
-    {"cornell", 162, 2.56},  // tni.trv.l1.mshrs
-    {"cornell", 171, 2.11},  // tni.trv.l1.mshrs
-    {"cornell", 172, 1.92},  // tni.ist.l1.mshrs
-    {"cornell", 173, 1.01},  // srp.data_cache.mshrs
-    {"cornell", 195, 3.39},  // srp.data_cache.size
-    {"chess", 24, 1.76},     // srp.data_cache.size
-    {"chess", 25, 1.76},     // l2.size
-    {"chess", 73, 6.74},     // tni.ist.l1.mshrs
-    {"chess", 75, 1.05},     // l2.mshrs
-    {"chess", 93, 3.77},     // l2.mshrs
-    {"chess", 118, 2.25},    // tni.ist.l1.mshrs
-    {"chess", 150, 1.62},    // srp.data_cache.size
-    {"chess", 162, 1.63},    // tni.trv.l1.mshrs
+    {"cornell", 3, 6.59},     // l2.mshrs
+    {"cornell", 13, 3.45},    // tni.trv.l1.size
+    {"cornell", 24, 7.66},    // srp.data_cache.size
+    {"cornell", 25, 1.64},    // l2.size
+    {"cornell", 30, 1.33},    // l2.mshrs
+    {"cornell", 42, 1.18},    // srp.data_cache.size
+    {"cornell", 63, 1.50},    // tni.trv.l1.mshrs
+    {"cornell", 68, 1.64},    // tni.ist.l1.size
+    {"cornell", 73, 2.17},    // tni.ist.l1.mshrs
+    {"cornell", 75, 1.61},    // l2.mshrs
+    {"cornell", 78, 4.87},    // srp.data_cache.size
+    {"cornell", 87, 1.64},    // srp.data_cache.size
+    {"cornell", 90, 1.51},    // tni.trv.l1.mshrs
+    {"cornell", 102, 1.94},   // l2.mshrs
+    {"cornell", 105, 2.08},   // srp.data_cache.size
+    {"cornell", 107, 6.66},   // dram.channels
+    {"cornell", 117, 1.03},   // tni.trv.l1.mshrs
+    {"cornell", 121, 4.20},   // tni.trv.l1.size
+    {"cornell", 139, 10.83},  // tni.trv.l1.size
+    {"cornell", 169, 1.03},   // l2.size
+    {"cornell", 184, 2.42},   // tni.trv.l1.size
+    {"cornell", 186, 1.41},   // srp.data_cache.size
+    {"cornell", 192, 1.30},   // l2.mshrs
+    {"chess", 0, 1.89},      // tni.trv.l1.mshrs
+    {"chess", 3, 1.63},       // l2.mshrs
+    {"chess", 6, 1.78},       // srp.data_cache.size
+    {"chess", 10, 1.07},      // tni.ist.l1.mshrs
+    {"chess", 58, 1.08},      // tni.trv.l1.size
+    {"chess", 69, 3.45},      // srp.data_cache.size
+    {"chess", 73, 7.85},      // tni.ist.l1.mshrs
+    {"chess", 90, 2.15},      // tni.trv.l1.mshrs
+    {"chess", 139, 2.58},     // tni.trv.l1.size
+    {"chess", 154, 1.88},     // tni.ist.l1.mshrs
+    {"chess", 162, 2.26},     // tni.trv.l1.mshrs
+    {"chess", 167, 2.42},     // tni.ist.l1.size
+    {"chess", 195, 1.16},     // srp.data_cache.size
 };
 
 }  // namespace

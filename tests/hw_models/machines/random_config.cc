@@ -27,7 +27,7 @@ bool is_drawn(const sim::ConfigNode& field, Range range) {
   if (field.affects != sim::Affects::kTiming && field.affects != sim::Affects::kWalk) return false;
   if (range == Range::kSane && within("ideal.")) return false;
   const bool of_grade = within("dram.timing.") || within("dram.organisation.");
-  return !of_grade || field.path == "dram.organisation.ranks";
+  return !of_grade || field.path == "dram.organisation.ranks" || field.path == "dram.organisation.bl32";
 }
 
 class Drawing {

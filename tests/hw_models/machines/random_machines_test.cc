@@ -99,6 +99,8 @@ GpuConfig smallest() {
   c.tni.ist.leaves = c.tni.ist.l1.mshrs = 1;
   c.direct_interface.depth = 1;
   c.srp.chunk = c.srp.data_cache.mshrs = 1;
+  c.srp.latency.load_queue = 0;
+  c.srp.config_memory.bytes = 0;
   c.tile_buffer.size.bytes = 1024;
   c.tile_buffer.tiles_in_flight = 1;
   c.dma.depth = 1;

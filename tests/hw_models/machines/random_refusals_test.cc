@@ -117,6 +117,8 @@ constexpr Break kBreaks[] = {
      [](GpuConfig& c) { c.srp.array.mul_units = c.srp.array.units() + 1; }},
     {"srp.array.div_sqrt_units", "functional units cannot have a divider",
      [](GpuConfig& c) { c.srp.array.div_sqrt_units = c.srp.array.units() + 1; }},
+    {"srp.latency.load_queue", "make more than 64 cycles",
+     [](GpuConfig& c) { c.srp.latency.cached_load = c.srp.latency.load_queue = 33; }},
     {"dram.controller.write_low", "must be less than write_high",
      [](GpuConfig& c) { c.dram.controller.write_low = c.dram.controller.write_high; }},
     {"dram.controller.write_high", "must not be more than write_queue holds",

@@ -17,22 +17,41 @@ class Additions {
 
   void add() {
     for (std::uint32_t tile = 0; tile < work_.tile; ++tile) {
-      if (below(4) == 0) work_.after.push_back(tile);
+      if (below(3) == 0) work_.imports.push_back({tile, below(kBorders + 1)});  // the last one nobody writes
     }
     work_.after_all = below(5) == 0;
     const std::vector<WorkNode> nodes = std::exchange(work_.nodes, {});
     for (const WorkNode& node : nodes) {
       if (below(4) == 0) transfer();
+      if (below(2) == 0) import_next();
+      if (below(8) == 0) export_next();
       for (Edge& edge : work_.nodes.emplace_back(node).inputs) edge.node = new_indices_[edge.node];
       new_indices_.push_back(static_cast<std::uint32_t>(work_.nodes.size() - 1));
       if (node.kind == WorkNode::Kind::kLaunch) change(work_.nodes.back());
     }
     for (std::uint64_t more = below(3); more > 0; --more) transfer();
+    while (imported_ < work_.imports.size()) import_next();
+    while (exported_ < kBorders && below(2) == 0) export_next();
   }
 
  private:
+  static constexpr std::uint32_t kBorders = 3;
+
   std::uint32_t below(std::uint64_t n) {
     return static_cast<std::uint32_t>(sim::hash(seed_, work_.tile, draws_++) % n);
+  }
+
+  void import_next() {
+    if (imported_ == work_.imports.size()) return;
+    transfer();
+    work_.nodes.back().to_memory = false;
+    work_.nodes.back().border = imported_++;
+  }
+  void export_next() {
+    if (exported_ == kBorders) return;
+    transfer();
+    work_.nodes.back().to_memory = true;
+    work_.nodes.back().border = exported_++;
   }
 
   void transfer() {
@@ -60,8 +79,9 @@ class Additions {
   const std::uint64_t seed_;
   traces::TileWork& work_;
   std::uint64_t draws_ = 0;
-  std::vector<std::uint32_t> new_indices_;  ///< where the tile's own nodes are now
-  std::vector<std::uint32_t> transfers_;    ///< those added
+  std::uint32_t imported_ = 0, exported_ = 0;  ///< borders so far
+  std::vector<std::uint32_t> new_indices_;     ///< where the tile's own nodes are now
+  std::vector<std::uint32_t> transfers_;       ///< those added
 };
 
 }  // namespace

@@ -27,9 +27,9 @@ const Frame& frame_of_six_tiles() {
 GpuConfig machine(std::uint64_t seed) { return seed == 0 ? GpuConfig{} : test::random_config(seed); }
 
 /// Lines, rays and items that the machine counted are those that the stream asks for.
-void expect_all_played(const std::vector<traces::TileWork>& works, const Outcome& run) {
+void expect_all_played(const std::vector<traces::TileWork>& works, const GpuConfig& config, const Outcome& run) {
   std::array<std::array<std::uint64_t, 2>, kRegions> lines{};
-  std::uint64_t rays = 0, idle = 0, items = 0;
+  std::uint64_t rays = 0, idle = 0, items = 0, chunks = 0;
   for (const traces::TileWork& work : works) {
     for (const traces::WorkNode& node : work.nodes) {
       if (node.kind == traces::WorkNode::Kind::kTransfer) {
@@ -38,6 +38,8 @@ void expect_all_played(const std::vector<traces::TileWork>& works, const Outcome
       } else {
         (node.kind == traces::WorkNode::Kind::kRays ? rays : items) += node.items + node.idle;
         idle += node.idle;
+        const bool launch = node.kind == traces::WorkNode::Kind::kLaunch;
+        if (launch) chunks += (node.items + node.idle + config.srp.chunk - 1) / config.srp.chunk;
       }
     }
   }
@@ -50,6 +52,7 @@ void expect_all_played(const std::vector<traces::TileWork>& works, const Outcome
   EXPECT_EQ(run.sum("tile_dispatcher", "finished"), works.size());
   EXPECT_EQ(run.sum("srp", "rays"), rays);
   EXPECT_EQ(run.sum("srp", "items"), items);
+  EXPECT_EQ(run.sum("srp", "launches"), chunks) << "whether they run alone or together";
   std::uint64_t idle_run = 0;
   for (const KernelUse& kernel : run.kernels) idle_run += kernel.idle;
   EXPECT_EQ(idle_run, idle);
@@ -61,7 +64,7 @@ TEST(GpuRandomWork, AllOfItIsPlayedAndTheOracleAgrees) {
     const GpuConfig config = machine(seed);
     const std::vector<traces::TileWork> works = test::random_work(frame_of_six_tiles(), seed);
     const Outcome fast = play(frame_of_six_tiles(), works, config);
-    expect_all_played(works, fast);
+    expect_all_played(works, config, fast);
     test::expect_machine_conserved(fast, config);
     EXPECT_EQ(difference(fast, play(frame_of_six_tiles(), works, config, Engine::kOracle)), "");
   }
@@ -85,13 +88,67 @@ TEST(GpuRandomWork, WithFewRaySlotsItStillEnds) {
     config.srp.chunk = seed % 3 == 0 ? 7 : 64;
     const std::vector<traces::TileWork> works = test::random_work(frame_of_six_tiles(), seed);
     const Outcome run = play(frame_of_six_tiles(), works, config);
-    expect_all_played(works, run);
+    expect_all_played(works, config, run);
     test::expect_machine_conserved(run, config);
     EXPECT_GT(run.sum("tile_buffer", "spilled_slots"), 0U);
   }
 }
 
-TEST(GpuRandomWork, TilesThatWaitForTilesTakeTurns) {
+/// Tiles each of which imports from all before it, in its first node, and whose borders need all of the tile.
+std::vector<traces::TileWork> chained_work() {
+  using traces::Edge;
+  using traces::WorkNode;
+  std::vector<traces::TileWork> works = frame_of_six_tiles().record();
+  for (traces::TileWork& work : works) {
+    const auto imports = static_cast<std::uint32_t>(work.tile);
+    for (WorkNode& node : work.nodes) {
+      for (Edge& edge : node.inputs) edge.node += imports;
+      if (node.inputs.empty()) {
+        for (std::uint32_t i = 0; i < imports; ++i) node.inputs.push_back({i, Edge::Kind::kAll});
+      }
+    }
+    for (std::uint32_t t = 0; t < imports; ++t) {
+      work.imports.push_back({t, 0});
+      work.nodes.insert(work.nodes.begin(), {.kind = WorkNode::Kind::kTransfer,
+                                             .items = 100,
+                                             .region = traces::Region::kSamples,
+                                             .to_memory = false,
+                                             .border = imports - 1 - t,
+                                             .inputs = {}});
+    }
+    const auto last = static_cast<std::uint32_t>(work.nodes.size() - 1);
+    work.nodes.push_back({.kind = WorkNode::Kind::kTransfer,
+                          .items = 100,
+                          .region = traces::Region::kSamples,
+                          .border = 0,
+                          .inputs = {{last, Edge::Kind::kAll}}});
+  }
+  return works;
+}
+
+TEST(GpuRandomWork, AChainOfImportsEndsOnEveryMachine) {
+  const std::vector<traces::TileWork> works = chained_work();
+  for (const std::uint32_t cores : {1U, 2U, 4U}) {
+    for (const std::uint32_t in_flight : {1U, 3U}) {
+      for (const std::uint64_t buffer : {1024U, 64U * 1024U}) {
+        SCOPED_TRACE(testing::Message() << cores << " cores, " << in_flight << " tiles, " << buffer << " bytes");
+        GpuConfig config;
+        config.cores = cores;
+        config.tile_buffer.tiles_in_flight = in_flight;
+        config.tile_buffer.size.bytes = buffer;
+        const Outcome fast = play(frame_of_six_tiles(), works, config);
+        EXPECT_EQ(fast.sum("tile_dispatcher", "finished"), works.size());
+        EXPECT_EQ(fast.sum("tile_dispatcher", "borders"), works.size());
+        EXPECT_EQ(fast.sum("tile_dispatcher", "early"), cores * in_flight == 1 ? 0 : works.size() - 1);
+        test::expect_machine_conserved(fast, config);
+        EXPECT_EQ(difference(fast, play(frame_of_six_tiles(), works, config, Engine::kOracle)), "");
+        EXPECT_EQ(difference(fast, play(frame_of_six_tiles(), works, config, Engine::kShuffled, 5)), "");
+      }
+    }
+  }
+}
+
+TEST(GpuRandomWork, TilesThatComeAfterAllOthersTakeTurns) {
   std::vector<traces::TileWork> works = test::random_work(frame_of_six_tiles(), 1);
   for (traces::TileWork& work : works) work.after_all = true;
   const Outcome run = play(frame_of_six_tiles(), works, {});

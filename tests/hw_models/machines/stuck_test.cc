@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "hw_models/machines/patience.h"
 #include "shader_kernels/catalogue.h"
 #include "sim/engine.h"
 #include "tests/hw_models/machines/gpu_harness.h"
@@ -57,6 +58,28 @@ TEST(Gpu, TheShuffledEngineFindsAStuckMachineToo) {
 
 TEST(Gpu, TheOracleFindsAStuckMachineToo) {
   expect_stuck([](Gpu& gpu) { sim::run<sim::Skip::kOff>(gpu); });
+}
+
+TEST(Gpu, AMachineWhoseItemsTakeLongerThanItsWatchdogWaitsEndsWithTheStateOfEveryUnit) {
+  GpuConfig config;
+  config.watchdog = 2;  // shorter than the first kernel's configuration
+  EXPECT_THROW(test::play(test::cornell_64x32(), config), sim::Deadlock);
+}
+
+TEST(Patience, HasRoomForEightChunksOfTheLongestKernel) {
+  GpuConfig config;
+  config.clocks.srp = {1'000'000'000};
+  config.srp.chunk = 1000;
+  config.srp.switch_cycles = 50;
+  KernelSchedule kernel;
+  kernel.ii = 3;  // three rows of 128 bytes, 64 bytes loaded a cycle
+  kernel.depth = 20;
+  const std::vector<KernelSchedule> kernels = {kernel, {}};
+  const std::vector<BankConflicts> conflicts(2);
+  const sim::Time none = patience(config, {}, {});
+  EXPECT_EQ(patience(config, kernels, conflicts) - none, 8U * (1000 * 3 + 20 + 6) * sim::kFemtosecondsPerNanosecond);
+  config.watchdog = 7;
+  EXPECT_EQ(patience(config, kernels, conflicts), 7U * config.clocks.tni.clock().period());
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <set>
 #include <tuple>
 
 #include <fmt/format.h>
@@ -17,6 +18,7 @@ class Player {
   Player(const KernelSchedule& schedule, const kernels::Graph& graph, const SrpConfig& config)
       : schedule_(schedule), graph_(graph), config_(config) {
     for (const Placement& p : schedule.placements) placed_[{p.node, p.part}] = &p;
+    if (config.array.mul_add) fuse();
   }
 
   std::string play() {
@@ -27,7 +29,7 @@ class Player {
       for (const Placement& p : schedule_.placements) {
         reserve(p, item);
         check_inputs(p, item);
-        const std::uint32_t ends = p.start + latency_of(class_of(graph_.nodes[p.node].op), config_.latency);
+        const std::uint32_t ends = p.start + latency(p.node);
         if (ends > schedule_.depth) complain(p, item, "ends after the schedule");
       }
     }
@@ -44,8 +46,8 @@ class Player {
     for (std::uint32_t id = 0; id < graph_.nodes.size(); ++id) {
       const GraphNode& node = graph_.nodes[id];
       const OpClass kind = class_of(node.op);
-      if (kind == OpClass::kFree) continue;
-      const std::uint32_t parts = is_memory(kind) ? (node.bytes + 15) / 16 : 1;
+      if (kind == OpClass::kFree || is_fused(id)) continue;
+      const std::uint32_t parts = is_memory(kind) ? (node.bytes + width(kind) - 1) / width(kind) : 1;
       for (std::uint32_t part = 0; part < parts; ++part) {
         if (!placed_.contains({id, part})) wrong_ += fmt::format("node {} part {} has no place\n", id, part);
       }
@@ -59,7 +61,7 @@ class Player {
     const ArrayConfig& array = config_.array;
     std::uint32_t units = array.units();
     int pool = 0;
-    if (kind == OpClass::kFpMul || kind == OpClass::kIntMul) units = array.mul_units;
+    if (kind == OpClass::kFpMul || kind == OpClass::kIntMul || product_of_.contains(p.node)) units = array.mul_units;
     if (kind == OpClass::kFpDivSqrt) units = array.div_sqrt_units;
     if (kind == OpClass::kLocalRead || kind == OpClass::kLocalWrite) pool = 1, units = array.local_ports;
     if (kind == OpClass::kCachedRead) pool = 2, units = array.cache_ports;
@@ -75,8 +77,16 @@ class Player {
   void check_inputs(const Placement& p, std::uint32_t item) {
     const GraphNode& node = graph_.nodes[p.node];
     const std::uint64_t now = std::uint64_t{item} * schedule_.ii + p.start;
+    const auto product = product_of_.find(p.node);
     for (const std::uint32_t input : node.inputs) {
-      if (input != GraphNode::kNone && there_at(input, item) > now) complain(p, item, "uses an input too early");
+      if (input == GraphNode::kNone || is_fused(input)) continue;
+      const std::uint64_t read = now + (product == product_of_.end() ? 0 : config_.latency.fp_mul);
+      if (there_at(input, item) > read) complain(p, item, "uses an input too early");
+    }
+    if (product != product_of_.end()) {
+      for (const std::uint32_t factor : graph_.nodes[product->second].inputs) {
+        if (factor != GraphNode::kNone && there_at(factor, item) > now) complain(p, item, "uses a factor too early");
+      }
     }
     for (std::size_t word = 0; word < node.stored.size(); ++word) {
       if (word / 4 == p.part && there_at(node.stored[word], item) > now) complain(p, item, "stores a value too early");
@@ -90,14 +100,38 @@ class Player {
     if (node.inputs[0] == GraphNode::kNone) return 0;
     if (node.distance > item) return 0;
     const bool loaded = node.op == Op::kInput && is_memory(class_of(graph_.nodes[node.inputs[0]].op));
-    if (loaded && node.distance == 0) return made_at(node.inputs[0], node.value / 16, item);
+    if (loaded && node.distance == 0) {
+      return made_at(node.inputs[0], node.value / width(class_of(graph_.nodes[node.inputs[0]].op)), item);
+    }
     return there_at(node.inputs[0], item - node.distance);
+  }
+  std::uint32_t width(OpClass kind) const {
+    return kind == OpClass::kCachedRead ? static_cast<std::uint32_t>(config_.array.cache_port_width.bytes) : 16;
   }
   std::uint64_t made_at(std::uint32_t id, std::uint32_t part, std::uint32_t item) const {
     const auto at = placed_.find({id, part});
     if (at == placed_.end()) return 0;
-    const std::uint32_t latency = latency_of(class_of(graph_.nodes[id].op), config_.latency);
-    return std::uint64_t{item} * schedule_.ii + at->second->start + latency;
+    return std::uint64_t{item} * schedule_.ii + at->second->start + latency(id);
+  }
+
+  /// Multiply-adds: an addition or subtraction and the first of its operands that is a product used by nothing else.
+  void fuse() {
+    std::map<std::uint32_t, int> uses;
+    for (const GraphNode& node : graph_.nodes) kernels::for_each_input(node, [&](std::uint32_t id) { ++uses[id]; });
+    for (std::uint32_t id = 0; id < graph_.nodes.size(); ++id) {
+      const GraphNode& node = graph_.nodes[id];
+      if (node.op != Op::kAdd && node.op != Op::kSub) continue;
+      for (const std::uint32_t input : {node.inputs[0], node.inputs[1]}) {
+        if (graph_.nodes[input].op == Op::kMul && uses[input] == 1 && product_of_.emplace(id, input).second) {
+          fused_.insert(input);
+        }
+      }
+    }
+  }
+  bool is_fused(std::uint32_t id) const { return fused_.contains(id); }
+  std::uint32_t latency(std::uint32_t id) const {
+    const std::uint32_t own = latency_of(class_of(graph_.nodes[id].op), config_.latency);
+    return product_of_.contains(id) ? own + config_.latency.fp_mul : own;
   }
 
   const KernelSchedule& schedule_;
@@ -105,6 +139,8 @@ class Player {
   const SrpConfig& config_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, const Placement*> placed_;
   std::map<std::tuple<int, std::uint32_t, std::uint32_t>, int> used_;
+  std::map<std::uint32_t, std::uint32_t> product_of_;  ///< multiply-adds: the addition's node, its product
+  std::set<std::uint32_t> fused_;                      ///< those products
   std::string wrong_;
 };
 

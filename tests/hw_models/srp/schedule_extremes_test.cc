@@ -20,6 +20,7 @@ SrpConfig slow_array(std::uint32_t side, std::uint32_t mul_units, std::uint32_t 
   OpLatencyConfig& l = config.latency;
   l.fp_add = l.fp_mul = l.fp_compare = l.div_sqrt = l.div_sqrt_interval = 64;
   l.integer = l.int_mul = l.convert = l.local_load = l.cached_load = 64;
+  l.load_queue = 0;
   return config;
 }
 

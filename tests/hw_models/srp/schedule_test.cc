@@ -1,5 +1,7 @@
 #include "hw_models/srp/schedule.h"
 
+#include <tuple>
+
 #include <gtest/gtest.h>
 
 #include "tests/hw_models/srp/graph_builder.h"
@@ -80,11 +82,27 @@ TEST(Schedule, TheCachePortBoundsTheInterval) {
   GraphBuilder g;
   g.load(64, g.item(), Op::kLoadCached);
   g.load(16, g.item(), Op::kLoadCached);
-  SrpConfig config;
-  EXPECT_EQ(checked(g, config).ii, 5U);
-  EXPECT_EQ(checked(g, config).cached_loads, 2U);
-  config.array.cache_ports = 2;
-  EXPECT_EQ(checked(g, config).ii, 3U);
+  for (const auto& [ports, width, ii] :
+       {std::tuple{1U, 16U, 5U}, {2U, 16U, 3U}, {1U, 32U, 3U}, {1U, 64U, 2U}, {2U, 64U, 1U}}) {
+    SrpConfig config;
+    config.array.cache_ports = ports;
+    config.array.cache_port_width.bytes = width;
+    EXPECT_EQ(checked(g, config).ii, ii) << ports << " of " << width;
+    EXPECT_EQ(checked(g, config).cached_loads, 2U);
+  }
+}
+
+TEST(Schedule, AFieldOfACachedRecordWaitsForItsOwnAccessOnly) {
+  for (const auto& [width, depth] : {std::tuple{16U, 3U + 4U}, {32U, 4U + 2U}, {64U, 4U + 2U}}) {
+    SrpConfig config;
+    config.array.cache_port_width.bytes = width;
+    config.latency.cached_load = 4;
+    config.latency.load_queue = 0;
+    GraphBuilder g;
+    const auto record = g.load(64, g.item(), Op::kLoadCached);
+    g.op(Op::kAdd, {g.field(record, 60), g.field(record, 60)});
+    EXPECT_EQ(checked(g, config).depth, depth) << width << ": the last access's record, or the addition";
+  }
 }
 
 TEST(Schedule, ASumOverItemsWaitsForItsOwnAddition) {

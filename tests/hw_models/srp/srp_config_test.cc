@@ -20,6 +20,16 @@ TEST(SrpConfig, AUnitCannotHaveTwoMultipliersOrDividers) {
   EXPECT_EQ(complaints({.rows = 1, .columns = 2, .mul_units = 2, .div_sqrt_units = 2}), "");
 }
 
+TEST(SrpConfig, ALoadIsUnderWayForSixtyFourCyclesAtMost) {
+  const auto complaints_of = [](const OpLatencyConfig& latency) {
+    std::string keys;
+    latency.check([&](const std::string& key, const std::string&) { keys += key; });
+    return keys;
+  };
+  EXPECT_EQ(complaints_of({.cached_load = 4, .load_queue = 60}), "");
+  EXPECT_EQ(complaints_of({.cached_load = 5, .load_queue = 60}), "load_queue");
+}
+
 TEST(SrpConfig, ItsStorageIsWhatLeaksBesideTheTileBuffer) {
   EXPECT_EQ(SrpConfig{}.sram_bytes(), (16U + 64U + 36U) * 1024U);
 }

@@ -10,7 +10,8 @@ SrpHarness::SrpHarness(const Setup& setup, const std::vector<Kernel>& kernels)
     : world_id_(machine_.unit({"world", clock_})),
       srp_id_(machine_.unit({"srp", clock_})),
       tiles_in_(machine_.link<TileJob>(setup.buffer.tiles_in_flight, 1, world_id_, srp_id_)),
-      tiles_out_(machine_.link<TileDone>(setup.buffer.tiles_in_flight, 1, srp_id_, world_id_)),
+      tiles_out_(
+          machine_.link<TileDone>(setup.buffer.tiles_in_flight * (traces::kMostBorders + 1), 1, srp_id_, world_id_)),
       rays_out_(machine_.link<RayJob>(64, 1, srp_id_, world_id_)),
       hits_in_(machine_.link<RayDone>(1024, setup.tni_latency, world_id_, srp_id_)),
       memory_out_(machine_.link<MemRequest>(2, 1, srp_id_, world_id_)),
@@ -40,18 +41,35 @@ SrpHarness::SrpHarness(const Setup& setup, const std::vector<Kernel>& kernels)
       std::uint16_t{0}, clock_);
 }
 
-SrpHarness& SrpHarness::add(traces::TileWork work) {
+SrpHarness& SrpHarness::add(traces::TileWork work, std::uint32_t missing) {
   works_.push_back(std::move(work));
+  missing_.push_back(missing);
+  return *this;
+}
+
+SrpHarness& SrpHarness::tell(std::uint64_t cycle, std::size_t tile, std::uint32_t missing) {
+  news_.push_back({cycle, tile, missing});
   return *this;
 }
 
 sim::Time SrpHarness::World::tick(sim::Time now) {
   SrpHarness& b = harness;
   const std::uint64_t cycle = b.clock_.cycles(now);
-  if (tiles_sent < b.works_.size() && b.tiles_in_.can_push(now)) b.tiles_in_.push(now, {&b.works_[tiles_sent++]});
+  if (tiles_sent < b.works_.size() && b.tiles_in_.can_push(now)) {
+    b.tiles_in_.push(now, {&b.works_[tiles_sent], b.missing_[tiles_sent]});
+    tiles_sent += 1;
+  }
+  for (const News& n : b.news_) {
+    if (n.cycle == cycle) b.tiles_in_.push(now, {&b.works_[n.tile], n.missing});
+  }
   if (b.tiles_out_.can_pop(now)) {
-    b.tiles_done_.push_back(b.tiles_out_.pop(now).work->tile);
-    b.done_at_.push_back(cycle);
+    const TileDone done = b.tiles_out_.pop(now);
+    if (done.border != traces::WorkNode::kNone) {
+      b.borders_.push_back({done.work->tile, done.border});
+    } else {
+      b.tiles_done_.push_back(done.work->tile);
+      b.done_at_.push_back(cycle);
+    }
   }
   if (b.rays_out_.can_pop(now)) {
     const std::uint32_t id = b.rays_out_.pop(now).id;
@@ -68,6 +86,9 @@ sim::Time SrpHarness::World::tick(sim::Time now) {
   }
   sim::Time at = std::min({b.tiles_out_.pop_at(), b.rays_out_.pop_at(), b.memory_out_.pop_at(), b.dma_out_.pop_at()});
   if (tiles_sent < b.works_.size()) at = std::min(at, b.tiles_in_.push_at());
+  for (const News& n : b.news_) {
+    if (n.cycle > cycle) at = std::min(at, b.clock_.after(0, n.cycle));
+  }
   return at == sim::kNever ? at : std::max(b.clock_.after(now, 1), at);
 }
 
@@ -117,6 +138,19 @@ TileBuilder::Node TileBuilder::transfer(traces::Region region, bool to_memory, s
   work_.nodes[node].region = region;
   work_.nodes[node].to_memory = to_memory;
   work_.nodes[node].offset = offset;
+  return node;
+}
+
+TileBuilder::Node TileBuilder::import_border(traces::Border border, std::uint32_t bytes) {
+  const Node node = transfer(traces::Region::kSamples, false, bytes);
+  work_.nodes[node].border = static_cast<std::uint32_t>(work_.imports.size());
+  work_.imports.push_back(border);
+  return node;
+}
+
+TileBuilder::Node TileBuilder::export_border(std::uint32_t number, std::uint32_t bytes, std::vector<Edge> inputs) {
+  const Node node = transfer(traces::Region::kSamples, true, bytes, std::move(inputs));
+  work_.nodes[node].border = number;
   return node;
 }
 

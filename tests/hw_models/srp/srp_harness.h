@@ -14,11 +14,17 @@ namespace hw::test {
 /// a fixed time. Kernels are given by initiation interval and depth.
 class SrpHarness {
  public:
-  struct Setup {
+  /// Launches one by one, so that each takes what it takes alone.
+  static SrpConfig without_merging() {
     SrpConfig config;
+    config.merge = false;
+    return config;
+  }
+  struct Setup {
+    SrpConfig config = without_merging();
     TileBufferConfig buffer{.size = {1 << 20}};
-    std::uint32_t tni_latency = 10;     ///< cycles from a ray on its way to its hit on its way
-    std::uint32_t memory_latency = 40;  ///< cycles from a request on its way to its line on its way
+    std::uint32_t tni_latency = 10;      ///< cycles from a ray on its way to its hit on its way
+    std::uint32_t memory_latency = 100;  ///< cycles from a request on its way to its line on its way
     std::uint32_t dma_latency = 5;
     std::uint32_t ray_interval = 1;  ///< cycles from one ray into the direct interface to the next
     std::uint32_t tile_samples = 16;
@@ -30,6 +36,14 @@ class SrpHarness {
   };
   /// Where picture, samples, rates and spilled slots lie.
   static constexpr std::array<Addr, kAreas> kBases{Addr{1} << 24, Addr{1} << 25, Addr{1} << 26, Addr{1} << 28};
+  /// Cycles of a switch to a kernel that is resident, and to one of interval `ii` that is loaded: each of its rows is
+  /// 16 words of 8 bytes, of which 64 bytes come a cycle. As configured by default.
+  static constexpr std::uint64_t kResident = 8;
+  static constexpr std::uint64_t cold(std::uint64_t ii) { return kResident + 2 * ii; }
+
+  /// Cycles from a miss to its line, the wire to memory included, and from a load to the use of what it brings.
+  static constexpr std::uint64_t kLine = 1 + 100, kLoad = 4 + 60;
+
   struct RaySent {
     std::uint64_t cycle = 0;
     std::uint32_t tile = 0, ray = 0;  ///< place of the tile among those in flight, ray of the tile
@@ -37,7 +51,10 @@ class SrpHarness {
 
   SrpHarness(const Setup& setup, const std::vector<Kernel>& kernels);
 
-  SrpHarness& add(traces::TileWork work);
+  /// `missing`: borders that the tile is handed out without, a bit for each of its imports.
+  SrpHarness& add(traces::TileWork work, std::uint32_t missing = 0);
+  /// In that cycle the i-th tile is told that these borders are missing still.
+  SrpHarness& tell(std::uint64_t cycle, std::size_t tile, std::uint32_t missing);
   template <sim::Skip kSkip = sim::Skip::kOn>
   SrpHarness& run() {
     end_ = clock_.after(sim::run<kSkip>(*this), 1);
@@ -57,6 +74,8 @@ class SrpHarness {
   const std::vector<RaySent>& rays() const { return rays_; }
   const std::vector<DmaJob>& transfers() const { return transfers_; }
   const std::vector<std::uint32_t>& tiles_done() const { return tiles_done_; }
+  /// Borders that tiles have written, in order.
+  const std::vector<traces::Border>& borders() const { return borders_; }
   /// When the i-th tile to end had left the shader core, in cycles after the first could be seen by it.
   std::uint64_t done_at(std::size_t i) const { return done_at_[i] - 2; }
 
@@ -67,6 +86,11 @@ class SrpHarness {
     sim::Time tick(sim::Time now);
     SrpHarness& harness;
     std::size_t tiles_sent = 0;
+  };
+  struct News {
+    std::uint64_t cycle = 0;
+    std::size_t tile = 0;
+    std::uint32_t missing = 0;
   };
 
   const sim::Clock clock_{1'000'000};
@@ -85,9 +109,12 @@ class SrpHarness {
   sim::Link<DmaDone>& dma_in_;
   Srp* srp_ = nullptr;
   std::deque<traces::TileWork> works_;
+  std::vector<std::uint32_t> missing_;  ///< borders, by tile
+  std::vector<News> news_;
   std::vector<RaySent> rays_;
   std::vector<DmaJob> transfers_;
   std::vector<std::uint32_t> tiles_done_;
+  std::vector<traces::Border> borders_;
   std::vector<std::uint64_t> done_at_;
   sim::Time end_ = 0;
 };
@@ -112,6 +139,10 @@ class TileBuilder {
   Node picture(std::uint32_t bytes, Node after) {
     return transfer(traces::Region::kPicture, true, bytes, {all(after)});
   }
+  /// A transfer that reads a border of another tile.
+  Node import_border(traces::Border border, std::uint32_t bytes);
+  /// A transfer that completes border `number`.
+  Node export_border(std::uint32_t number, std::uint32_t bytes, std::vector<Edge> inputs);
   traces::TileWork build();
 
   static Edge all(Node node) { return {node, Edge::Kind::kAll}; }

@@ -36,8 +36,8 @@ TEST(SrpIdeal, ItStillWaitsForItsLinesAllAtOnceAsFarAsThereAreMissRegisters) {
   harness.add(work.build()).run();
   // Two rounds of memory_latency + 1, one request a cycle, one line a cycle.
   EXPECT_EQ(harness.srp().stats().cache_fills, 8U);
-  EXPECT_GE(harness.cycles(0), 2 * 41U);
-  EXPECT_LE(harness.cycles(0), 2 * 41U + 8);
+  EXPECT_GE(harness.cycles(0), 2 * SrpHarness::kLine);
+  EXPECT_LE(harness.cycles(0), 2 * SrpHarness::kLine + 8);
   EXPECT_EQ(harness.spent(Srp::CycleReason::kCacheMiss), harness.cycles(0) - 1);
 }
 
@@ -48,7 +48,7 @@ TEST(SrpIdeal, RaysLeaveWhenTheLinesOfTheirLaunchHaveCome) {
   work.launch(1, 2, {TileBuilder::each(rays)});
   harness.add(work.build()).run();
   ASSERT_EQ(harness.rays().size(), 2U);
-  EXPECT_GE(harness.rays()[0].cycle, 41U);
+  EXPECT_GE(harness.rays()[0].cycle, SrpHarness::kLine);
 }
 
 TEST(SrpIdeal, SkippingIdleTimeChangesNothing) {

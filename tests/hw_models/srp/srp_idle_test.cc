@@ -11,7 +11,6 @@ using test::SrpHarness;
 using test::TileBuilder;
 using traces::Access;
 
-constexpr std::uint32_t kSwitch = 100;
 constexpr traces::KernelId kA = 0, kB = 1;
 
 SrpHarness::Setup with_chunk(std::uint32_t chunk) {
@@ -72,7 +71,8 @@ TEST(SrpIdle, ALaunchThatWaitsGoesBeforeTheChunksThatOnlyIdle) {
   work.picture(64, work.launch(kB, 8, {TileBuilder::all(launch)}));
   harness.add(work.build()).run();
   const std::uint64_t loop = 10 + 7;
-  EXPECT_EQ(harness.done_at(0), 3 * (kSwitch + loop)) << "A, B, then what is left of A while the transfer goes out";
+  EXPECT_EQ(harness.done_at(0), 2 * SrpHarness::cold(1) + SrpHarness::kResident + 3 * loop)
+      << "A, B, then what is left of A while the transfer goes out";
 }
 
 }  // namespace

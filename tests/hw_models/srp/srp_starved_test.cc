@@ -11,7 +11,7 @@ using test::SrpHarness;
 using test::TileBuilder;
 using traces::Access;
 
-constexpr std::uint32_t kSwitch = 100;
+constexpr auto cold = SrpHarness::cold;
 constexpr traces::KernelId kA = 0, kB = 1;
 
 std::uint64_t starved(const SrpHarness& harness, traces::KernelId kernel) {
@@ -19,11 +19,11 @@ std::uint64_t starved(const SrpHarness& harness, traces::KernelId kernel) {
 }
 
 TEST(SrpStarved, ALoneLaunchWithoutRaysStarvesTheUnitSwitchAndStallsIncluded) {
-  SrpHarness harness({}, {{4, 50}});
+  SrpHarness harness({}, {{4, 90}});
   TileBuilder work;
   work.launch(kA, {{Access::attributes(0)}, {Access::attributes(1)}});
   harness.add(work.build()).run();
-  EXPECT_EQ(starved(harness, kA), kSwitch + 50 + 4 + (41 - 16));
+  EXPECT_EQ(starved(harness, kA), cold(4) + 90 + 4 + (SrpHarness::kLine - SrpHarness::kLoad));
   EXPECT_EQ(starved(harness, kA), harness.cycles(kA));
 }
 
@@ -33,8 +33,8 @@ TEST(SrpStarved, RaysEndItAsTheyLeaveAndTheLastHitBeginsItAgain) {
   TileBuilder work;
   work.launch(kB, kItems, {TileBuilder::each(work.rays(work.launch(kA, kItems), kItems))});
   harness.add(work.build()).run();
-  EXPECT_EQ(starved(harness, kA), kSwitch + 30) << "until the first item leaves the array";
-  EXPECT_EQ(starved(harness, kB), kSwitch + 20 + (kItems - 1) * 2) << "every hit is back when it begins";
+  EXPECT_EQ(starved(harness, kA), cold(5) + 30) << "until the first item leaves the array";
+  EXPECT_EQ(starved(harness, kB), cold(2) + 20 + (kItems - 1) * 2) << "every hit is back when it begins";
 }
 
 TEST(SrpStarved, NotWhileTheUnitIsBusyThroughout) {
@@ -46,7 +46,7 @@ TEST(SrpStarved, NotWhileTheUnitIsBusyThroughout) {
   other.launch(kB, 200);
   harness.add(tracing.build()).add(other.build()).run();
   EXPECT_EQ(starved(harness, kB), 0U);
-  EXPECT_EQ(harness.cycles(kB), kSwitch + 40 + 199 * 3);
+  EXPECT_EQ(harness.cycles(kB), cold(3) + 40 + 199 * 3);
 }
 
 TEST(SrpStarved, OfAKernelThatHitsComeBackUnderOnlyTheRestCounts) {

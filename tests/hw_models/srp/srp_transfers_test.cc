@@ -13,7 +13,8 @@ using test::SrpHarness;
 using test::TileBuilder;
 using traces::Region;
 
-constexpr std::uint32_t kSwitch = 100, kDma = 1 + 5;  // cycles: kernel switch; the wire to the DMA and its answer
+constexpr std::uint64_t kSwitch = SrpHarness::cold(1),
+                        kDma = 1 + 5;  // cycles: to a kernel of interval 1; to the DMA and back
 constexpr traces::KernelId kA = 0, kB = 1;
 
 Addr base_of(Area area) { return SrpHarness::kBases[static_cast<std::size_t>(area)]; }

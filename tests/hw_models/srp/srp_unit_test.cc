@@ -12,7 +12,8 @@ using test::SrpHarness;
 using test::TileBuilder;
 using traces::Access;
 
-constexpr std::uint32_t kSwitch = 100;  // cycles, as configured by default
+constexpr auto cold = SrpHarness::cold;
+constexpr std::uint64_t kResident = SrpHarness::kResident, kLine = SrpHarness::kLine, kLoad = SrpHarness::kLoad;
 constexpr traces::KernelId kA = 0, kB = 1;
 
 traces::TileWork one_launch(std::uint32_t items, std::uint32_t tile = 0) {
@@ -33,10 +34,10 @@ TEST(Srp, ALaunchOfNItemsTakesSwitchDepthAndAnIntervalForEachFurtherItem) {
     for (const std::uint32_t n : {1U, 2U, 16U, 256U}) {
       SrpHarness harness({}, {kernel});
       harness.add(one_launch(n)).run();
-      const std::uint64_t expected = kSwitch + kernel.depth + (n - 1) * kernel.ii;
+      const std::uint64_t expected = cold(kernel.ii) + kernel.depth + (n - 1) * kernel.ii;
       EXPECT_EQ(harness.cycles(kA), expected);
       EXPECT_EQ(harness.done_at(0), expected) << "the tile leaves with its last item";
-      EXPECT_EQ(harness.spent(Srp::CycleReason::kSwitching), kSwitch);
+      EXPECT_EQ(harness.spent(Srp::CycleReason::kSwitching), cold(kernel.ii));
     }
   }
 }
@@ -46,7 +47,7 @@ TEST(Srp, ASecondChunkOfTheSameKernelPaysPrologueAndDrainButNoSwitch) {
   setup.config.chunk = 10;
   SrpHarness harness(setup, {{3, 20}});
   harness.add(one_launch(25)).run();
-  EXPECT_EQ(harness.cycles(kA), kSwitch + (20 + 9 * 3) + (20 + 9 * 3) + (20 + 4 * 3));
+  EXPECT_EQ(harness.cycles(kA), cold(3) + (20 + 9 * 3) + (20 + 9 * 3) + (20 + 4 * 3));
   EXPECT_EQ(harness.done_at(0), harness.cycles(kA)) << "one chunk begins as the other ends";
   EXPECT_EQ(harness.srp().stats().switches, 1U);
   EXPECT_EQ(harness.srp().stats().chunks, 3U);
@@ -59,55 +60,68 @@ TEST(Srp, AnotherKernelPaysItsSwitch) {
   work.launch(kA, 16, {TileBuilder::all(work.launch(kB, 16, {TileBuilder::all(a)}))});
   harness.add(work.build()).run();
   EXPECT_EQ(harness.srp().stats().switches, 3U);
-  EXPECT_EQ(harness.done_at(0), 3 * kSwitch + 2 * (10 + 15) + 30 + 15 * 2);
+  EXPECT_EQ(harness.done_at(0), cold(1) + cold(2) + kResident + 2 * (10 + 15) + 30 + 15 * 2);
 }
 
 TEST(Srp, AMissStallsByExactlyWhatArrivesLaterThanTheLoadsLatency) {
-  for (const std::uint32_t latency : {1U, 10U, 15U, 16U, 40U, 200U}) {
+  for (const std::uint32_t latency : {1U, 10U, 62U, 63U, 64U, 100U, 500U}) {
     SrpHarness::Setup setup;
     setup.memory_latency = latency;
-    SrpHarness harness(setup, {{4, 50}});
+    SrpHarness harness(setup, {{4, 90}});
     TileBuilder work;
     work.launch(kA, {{Access::attributes(0)}, {Access::attributes(0)}, {Access::attributes(0)}});
     harness.add(work.build()).run();
     const std::uint64_t arrives = 1 + latency;  // the wire to memory, then memory
-    const std::uint64_t stall = arrives - std::min<std::uint64_t>(arrives, setup.config.latency.cached_load);
-    EXPECT_EQ(harness.cycles(kA), kSwitch + 50 + 2 * 4 + stall) << latency;
+    const std::uint64_t stall = arrives - std::min(arrives, kLoad);
+    EXPECT_EQ(harness.cycles(kA), cold(4) + 90 + 2 * 4 + stall) << latency;
     EXPECT_EQ(harness.spent(Srp::CycleReason::kCacheMiss), stall) << latency;
     EXPECT_EQ(harness.srp().stats().cache_fills, 1U);
   }
 }
 
+TEST(Srp, ALongerLoadQueueHidesAsMuchMoreOfAMiss) {
+  for (const std::uint32_t queue : {12U, 36U, 60U}) {
+    SrpHarness::Setup setup;
+    setup.config.latency.load_queue = queue;
+    SrpHarness harness(setup, {{4, 90}});
+    TileBuilder work;
+    work.launch(kA, {{Access::attributes(0)}, {}, {Access::attributes(1)}});
+    harness.add(work.build()).run();
+    // The second item asks before the first needs its line, and has the first's stall for its own to come in.
+    EXPECT_EQ(harness.spent(Srp::CycleReason::kCacheMiss), kLine - (4 + queue)) << queue;
+  }
+}
+
 TEST(Srp, MissesOfItemsThatFollowEachOtherOverlap) {
-  SrpHarness harness({}, {{1, 60}});
+  SrpHarness harness({}, {{1, 90}});
   TileBuilder work;
   work.launch(kA, {{Access::attributes(0)}, {Access::attributes(1)}, {Access::attributes(2)}, {Access::attributes(3)}});
   harness.add(work.build()).run();
   // All four are asked for, one a cycle, before the first is needed; each comes a cycle after the other.
-  EXPECT_EQ(harness.spent(Srp::CycleReason::kCacheMiss), 41U - 16U);
+  EXPECT_EQ(harness.spent(Srp::CycleReason::kCacheMiss), kLine - kLoad);
 }
 
 TEST(Srp, ALineThatIsThereStallsNothing) {
-  SrpHarness harness({}, {{4, 50}});
+  SrpHarness harness({}, {{4, 90}});
   TileBuilder work;
   const auto first = work.launch(kA, {{Access::attributes(7)}, {Access::material(2)}});
   work.launch(kA, {{Access::material(2)}, {Access::attributes(7)}}, {TileBuilder::all(first)});
   harness.add(work.build()).run();
   EXPECT_EQ(harness.srp().stats().cache_accesses, 4U);
   EXPECT_EQ(harness.srp().stats().cache_hits, 2U);
-  const std::uint64_t first_launch = kSwitch + 50 + 4 + (41 - 16);
-  EXPECT_EQ(harness.cycles(kA), first_launch + 50 + 4);
+  const std::uint64_t first_launch = cold(4) + 90 + 4 + (kLine - kLoad);
+  EXPECT_EQ(harness.cycles(kA), first_launch + 90 + 4);
 }
 
 TEST(Srp, WithoutAFreeMissRegisterTheArrayStandsStillAtOnce) {
   SrpHarness::Setup setup;
   setup.config.data_cache.mshrs = 1;
-  SrpHarness harness(setup, {{4, 50}});
+  SrpHarness harness(setup, {{4, 90}});
   TileBuilder work;
   work.launch(kA, {{Access::attributes(0), Access::attributes(1)}});
   harness.add(work.build()).run();
   // Until the first line is here the second cannot be asked for; then it comes later than its use by the rest.
-  EXPECT_EQ(harness.spent(Srp::CycleReason::kCacheMiss), 41U + (41 - 16));
+  EXPECT_EQ(harness.spent(Srp::CycleReason::kCacheMiss), kLine + (kLine - kLoad));
   EXPECT_EQ(harness.srp().stats().mshr_full, 1U);
 }
 
@@ -117,7 +131,7 @@ TEST(Srp, RaysLeaveAsTheirItemsLeaveTheArray) {
   ASSERT_EQ(harness.rays().size(), 8U);
   for (std::uint32_t i = 0; i < 8; ++i) {
     const std::uint64_t wires = 2;  // the tile's way in, the ray's way out
-    EXPECT_EQ(harness.rays()[i].cycle, wires + kSwitch + 30 + 5 * i);
+    EXPECT_EQ(harness.rays()[i].cycle, wires + cold(5) + 30 + 5 * i);
     EXPECT_EQ(harness.rays()[i].ray, i);
   }
 }
@@ -134,7 +148,7 @@ TEST(Srp, RaysLeaveNoFasterThanTheDirectInterfaceTakesThem) {
 TEST(Srp, ShadingBeginsWhenTheLastHitOfItsChunkIsBack) {
   SrpHarness harness({}, {{5, 30}, {2, 20}});
   harness.add(trace_and_shade(8)).run();
-  const std::uint64_t rays = kSwitch + 30 + 7 * 5, tni = 1 + 10, shading = kSwitch + 20 + 7 * 2;
+  const std::uint64_t rays = cold(5) + 30 + 7 * 5, tni = 1 + 10, shading = cold(2) + 20 + 7 * 2;
   EXPECT_EQ(harness.done_at(0), rays + tni + shading);
   EXPECT_EQ(harness.spent(Srp::CycleReason::kWaiting), tni);
   EXPECT_EQ(harness.srp().tile_buffer().used(), 0U) << "every slot has been given back";
@@ -157,7 +171,7 @@ TEST(Srp, TheOldestTileGoesFirst) {
   const std::uint64_t tile = 10 * (10 + 3);
   for (std::uint32_t t = 0; t < 3; ++t) {
     EXPECT_EQ(harness.tiles_done()[t], t);
-    EXPECT_EQ(harness.done_at(t), kSwitch + (t + 1) * tile);
+    EXPECT_EQ(harness.done_at(t), cold(1) + (t + 1) * tile);
   }
 }
 
@@ -167,7 +181,7 @@ TEST(Srp, WhileATilesRaysAreOutTheNextTileRuns) {
   SrpHarness harness(setup, {{1, 50}, {1, 50}});
   harness.add(trace_and_shade(16, 0)).add(trace_and_shade(16, 1)).run();
   const std::uint64_t loop = 50 + 15;
-  EXPECT_EQ(harness.done_at(0), kSwitch + loop + 901 + kSwitch + loop);
+  EXPECT_EQ(harness.done_at(0), cold(1) + loop + 901 + cold(1) + loop);
   EXPECT_EQ(harness.done_at(1), harness.done_at(0) + loop) << "its hits were back while the first was shaded";
 }
 

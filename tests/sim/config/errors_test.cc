@@ -127,6 +127,18 @@ TEST(ConfigFile, MessagesAreOneLineOfPrintableText) {
   EXPECT_EQ(message, "a.yaml:1:8: unit.ra?ys?[31m: unknown key 'ra?ys?[31m'; allowed: rays, stack, l1");
 }
 
+TEST(ConfigRules, BlameTheArgumentThatChangedWhatAFilesValueGoesWith) {
+  const std::string file = "unit:\n  l1: {size: 1 KiB}\nl2: {size: 1 KiB}\n";
+  EXPECT_EQ(ConfigHarness().error(file, {"unit.l1.ways=3", "unit.rays=8"}),
+            "--set unit.l1.ways=3: unit.l1.size: is no whole number of sets (a.yaml:2:8 has its value)");
+  EXPECT_EQ(
+      ConfigHarness().error(file, {"unit.l1.ways=3", "unit.l1.line=128 B"}),
+      "--set unit.l1.line=128 B, --set unit.l1.ways=3: unit.l1.size: is no whole number of sets (a.yaml:2:8 has its "
+      "value)");
+  EXPECT_EQ(ConfigHarness().error(file, {"unit.l1.size=100 B", "unit.l1.ways=4"}),
+            "--set unit.l1.size=100 B: unit.l1.size: is no whole number of sets");
+}
+
 TEST(CheckConfig, NamesTheKeyOfAStructFilledInCode) {
   MachineConfig c;
   EXPECT_NO_THROW(check_config(c));

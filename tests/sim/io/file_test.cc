@@ -35,9 +35,10 @@ TEST(WriteFile, TouchesNoOtherFileAndFollowsNoLink) {
   const Folder folder;
   // Whatever name it takes in between, it is none of these.
   const std::string own = std::to_string(::getpid());
-  const auto mine = folder.write("x.tmp.json", "mine"), first = folder.write("x." + own + "-0.tmp.json", "mine");
+  const auto mine = folder.write("x.raywatt-tmp.json", "mine"),
+             first = folder.write("x." + own + "-0.raywatt-tmp.json", "mine");
   const auto target = folder.write("target", "kept");
-  std::filesystem::create_symlink(target, folder.path() / ("x." + own + "-1.tmp.json"));
+  std::filesystem::create_symlink(target, folder.path() / ("x." + own + "-1.raywatt-tmp.json"));
   write_file_atomically(folder.path() / "x.json", "new");
   EXPECT_EQ(read_file(folder.path() / "x.json", 100), "new");
   EXPECT_EQ(read_file(mine, 100), "mine");
@@ -69,11 +70,37 @@ TEST(WriteFile, HasTheRightsThatTheMaskLeaves) {
   EXPECT_EQ(std::filesystem::status(folder.path() / "x").permissions(), std::filesystem::perms{0640});
 }
 
+TEST(AppendToFile, TakesRegularFilesAlone) {
+  const Folder folder;
+  const auto file = folder.path() / "log", link = folder.path() / "link", pipe = folder.path() / "pipe";
+  append_to_file(file, "one\n");
+  append_to_file(file, "two\n");
+  EXPECT_EQ(read_file(file, 100), "one\ntwo\n");
+  std::filesystem::create_symlink(file, link);
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_THROW(append_to_file(link, "three\n"), IoError);
+  EXPECT_THROW(append_to_file(pipe, "three\n"), IoError) << "nobody reads it, and nobody waits";
+  EXPECT_EQ(read_file(file, 100), "one\ntwo\n");
+}
+
+TEST(CheckOutput, RemovesWhatWasLeftOnlyForAnOutputThatIsTaken) {
+  const Folder folder;
+  const auto out = folder.write("x.json", "of others"), left = folder.write("x.123-0.raywatt-tmp.json", "half"),
+             theirs = folder.write("x.2024-01.tmp.json", "of others");
+  EXPECT_THROW(check_output(out, {.mark = "mine"}), InputError);
+  EXPECT_TRUE(std::filesystem::exists(left));
+  check_output(out, {.any = true});
+  EXPECT_FALSE(std::filesystem::exists(left));
+  EXPECT_TRUE(std::filesystem::exists(theirs));
+  EXPECT_THROW(check_output(folder.path() / "no" / "x.json", {.any = true}), InputError) << "no such folder";
+}
+
 TEST(WriteFile, WhatAKilledWriterLeavesIsKnownByItsName) {
-  EXPECT_TRUE(is_left_of("x.123-0.tmp.json", "x.json"));
-  EXPECT_TRUE(is_left_of("x.123-45.tmp", "x"));
-  for (const char* other : {"x.json", "x.tmp.json", "x.123.tmp.json", "x.a-0.tmp.json", "y.123-0.tmp.json",
-                            "x.123-0.tmp.yaml", "x..tmp.json"}) {
+  EXPECT_TRUE(is_left_of("x.123-0.raywatt-tmp.json", "x.json"));
+  EXPECT_TRUE(is_left_of("x.123-45.raywatt-tmp", "x"));
+  for (const char* other : {"x.json", "x.raywatt-tmp.json", "x.123.raywatt-tmp.json", "x.a-0.raywatt-tmp.json",
+                            "y.123-0.raywatt-tmp.json", "x.-1.raywatt-tmp.json", "x.1-2-3.raywatt-tmp.json",
+                            "x.123-0.tmp.json", "x.123-0.raywatt-tmp.yaml", "x..raywatt-tmp.json"}) {
     EXPECT_FALSE(is_left_of(other, "x.json")) << other;
   }
   const Folder folder;

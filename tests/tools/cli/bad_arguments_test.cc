@@ -38,6 +38,11 @@ TEST(BadArguments, ThreadsThatAreNoneOrTooMany) {
   }
 }
 
+TEST(BadArguments, ASceneWithoutAName) {
+  expect_refusal(raywatt({"run", "--scene", ""}), {"--scene: allowed: a name"});
+  expect_refusal(raywatt({"run", "-o", ""}), {"--output: allowed: a folder"});
+}
+
 TEST(BadArguments, OptionsThatAreUnknownRepeatedOrWithoutAValue) {
   expect_run_refused({"--colour", "red"}, {"--colour"});
   expect_run_refused({"--scene", "cornell", "--scene", "teapot"}, {"--scene"});

@@ -115,6 +115,20 @@ TEST(Frames, FinishedBeforeAnInterruptAreKept) {
   EXPECT_EQ(names_in(folder.path()), Words{"out"});
 }
 
+TEST(Frames, FewerOfAnInterruptedRunDoNotReplaceMore) {
+  const TempFolder folder;
+  const fs::path out = folder.path() / "out";
+  ASSERT_EQ(raywatt(small_run(out, chess({"--frames", "0:5"}))).exit, 0);
+  const std::string former = read_bytes(out / "report.json");
+  Program program(small_run(out, chess({"--frames", "0:100000", "--program", "full:16"})));
+  EXPECT_TRUE(program.wait_for_file(folder.path(), "frame-0001.png"));
+  program.send(SIGINT);
+  EXPECT_EQ(program.wait().exit, 128 + SIGINT);
+  EXPECT_EQ(read_bytes(out / "report.json"), former);
+  EXPECT_TRUE(fs::exists(out / "frame-0005.png"));
+  EXPECT_EQ(names_in(folder.path()), Words{"out"});
+}
+
 TEST(Frames, ThatMakeNoSenseAreRefused) {
   const TempFolder folder;
   for (const char* text : {"3:1", "a", "1:", ":2", "1:2:3", "-1"}) {
@@ -143,6 +157,13 @@ TEST(WorkloadFile, SaysNothingOfTheMachine) {
   const std::string file = folder.write("bad.yaml", "scene: {name: teapot}\ncores: 2\n").string();
   expect_refusal(raywatt({"run", "--scene", file, "-o", (folder.path() / "out").string()}),
                  {"bad.yaml:2:1", "cores", "scene, render, bvh"});
+}
+
+TEST(WorkloadFile, OfASceneThatIsNotThereIsNamed) {
+  const TempFolder folder;
+  const std::string file = folder.write("bad.yaml", "scene: {name: teapott}\n").string();
+  expect_refusal(raywatt({"run", "--scene", file, "-o", (folder.path() / "out").string()}),
+                 {"bad.yaml: scene.name: no scene is called 'teapott'", "did you mean 'teapot'?"});
 }
 
 TEST(WorkloadFile, OfTheProjectIsFoundByItsName) {

@@ -200,18 +200,12 @@ TEST(Interrupt, WhileATraceIsRecordedLeavesNothing) {
 TEST(Interrupt, OfBenchLeavesNoScratchFolder) {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     const TempFolder folder;
-    const auto is_recording = [&] {
-      for (const auto& entry : fs::recursive_directory_iterator(folder.path())) {
-        if (entry.is_regular_file()) return true;
-      }
-      return false;
-    };
     Surroundings around;
     around.variables = {{"TMPDIR", folder.path().string()}};
     Program program({"bench", "--scene", "cornell", "--resolution", "64x64", "--program", "full:16", "--runs", "1",
                      "--threads", "1"},
                     around);
-    EXPECT_TRUE(program.wait_until([&](const std::string&) { return is_recording(); }));
+    EXPECT_TRUE(program.wait_for_file(folder.path(), ""));
     program.send(signal);
     const Ending ending = program.wait();
     EXPECT_EQ(ending.exit, 128 + signal);

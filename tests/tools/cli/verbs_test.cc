@@ -52,7 +52,7 @@ TEST(Streams, TheTableGoesToStdoutAndIntoAFile) {
   const TempFolder folder;
   const std::string table = output_of(small_run(folder.path() / "out"));
   EXPECT_TRUE(table.starts_with(read_bytes(folder.path() / "out" / "report.txt")));
-  for (const char* part : {"cycles", "rays", "limited by", "energy", "dram", "shade_diffuse", "image.png"}) {
+  for (const char* part : {"cycles", "rays", "limited by", "energy", "dram", "combine_shadow", "image.png"}) {
     EXPECT_SAYS(table, part);
   }
 }

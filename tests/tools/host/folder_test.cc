@@ -1,7 +1,10 @@
+#include <algorithm>
+#include <csignal>
 #include <fstream>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "sim/error.h"
@@ -38,6 +41,90 @@ TEST(Folder, OfAFormerRunIsReplacedWhole) {
   expect_run_into(out);
   expect_run_into(out, {"--set", "cores=1"});
   EXPECT_EQ(read_json(out / "report.json")["config"]["cores"], 1);
+}
+
+TEST(Folder, KilledRunsLeaveIsRemovedByTheNextRun) {
+  const TempFolder folder;
+  const fs::path out = folder.path() / "out";
+  Program killed(small_run(out, {"--scene", "cornell", "--frames", "0:100000"}));
+  EXPECT_TRUE(killed.wait_for_file(folder.path(), "frame-0001.png"));
+  killed.send(SIGKILL);
+  EXPECT_EQ(killed.wait().exit, 128 + SIGKILL);
+  ASSERT_EQ(names_in(folder.path()).size(), 1U) << "what it has left";
+  fs::create_directory(folder.path() / ".other.1.0.raywatt-tmp");
+  fs::create_directory(folder.path() / ".out.notes.raywatt-tmp");
+  Program other(small_run(out, {"--scene", "cornell", "--frames", "0:100000"}));
+  EXPECT_TRUE(other.wait_for_file(folder.path(), "frame-0001.png"));
+  EXPECT_EQ(raywatt(small_run(out)).exit, 0);
+  EXPECT_EQ(names_in(folder.path()).size(), 4U) << "what is in use, or of another name, stays";
+  other.send(SIGKILL);
+  other.wait();
+  EXPECT_EQ(raywatt(small_run(out)).exit, 0);
+  EXPECT_EQ(names_in(folder.path()), (Words{".other.1.0.raywatt-tmp", ".out.notes.raywatt-tmp", "out"}));
+}
+
+TEST(Folder, NamesThatAreNoUtf8KeepTheirBytes) {
+  const TempFolder folder;
+  const fs::path out = folder.path() / "o\xff";
+  const Ending ending = raywatt(small_run(out));
+  EXPECT_EQ(ending.exit, 0) << ending.err;
+  const std::vector<std::string> argv = read_json(out / "report.json")["provenance"]["argv"];
+  EXPECT_TRUE(std::ranges::any_of(argv, [](const std::string& word) { return word.ends_with("/o\\xff"); }));
+  ASSERT_EQ(raywatt({"scenes", "export", "cornell", "--set", "scene.triangles=60", "-o",
+                     (folder.path() / "n\xff.glb").string()})
+                .exit,
+            0);
+  const fs::path of_scene = folder.path() / "of-scene";
+  EXPECT_EQ(raywatt(small_run(of_scene, {"--scene", (folder.path() / "n\xff.glb").string()})).exit, 0);
+  const nlohmann::json report = read_json(of_scene / "report.json");
+  EXPECT_TRUE(report["scene"]["name"].get<std::string>().ends_with("n\\xff")) << report["scene"]["name"];
+  EXPECT_TRUE(report["config"]["scene"]["name"].get<std::string>().ends_with("/n\\xff.glb"));
+  EXPECT_NE(read_bytes(of_scene / "config.yaml").find("n\\\\xff.glb"), std::string::npos);
+}
+
+TEST(Folder, KeepsItsPermissionsWhenItIsReplaced) {
+  const TempFolder folder;
+  const fs::path out = folder.path() / "out";
+  const auto kPrivate = fs::perms::owner_all | fs::perms::set_gid;
+  fs::create_directory(out);
+  fs::permissions(out, kPrivate);
+  for (const char* former : {"empty", "a run"}) {
+    expect_run_into(out);
+    EXPECT_EQ(fs::status(out).permissions(), kPrivate) << former;
+  }
+}
+
+TEST(Folder, ThatIsTheWorkingDirectoryStaysTheSame) {
+  const TempFolder folder;
+  struct stat before {
+  }, after{};
+  ASSERT_EQ(::stat(folder.path().c_str(), &before), 0);
+  for (const char* former : {"empty", "a run"}) {
+    const Ending ending = raywatt(small_run("."), {.folder = folder.path()});
+    EXPECT_EQ(ending.exit, 0) << former << ending.err;
+    EXPECT_EQ(names_in(folder.path()), kResults);
+    ASSERT_EQ(::stat(folder.path().c_str(), &after), 0);
+    EXPECT_EQ(after.st_ino, before.st_ino) << former;
+  }
+}
+
+TEST(Folder, ByForceTakesNothingThatWouldStayInTheWay) {
+  const TempFolder folder;
+  const fs::path out = folder.path() / "out";
+  fs::create_directories(out / "image.png");
+  std::ofstream(out / "report.json") << "somebody else's";
+  expect_refusal(raywatt(small_run(out, {"--force"})),
+                 {"image.png: has the name of a result and is not a regular file"});
+  EXPECT_EQ(read_bytes(out / "report.json"), "somebody else's");
+  EXPECT_EQ(names_in(out), (Words{"image.png", "report.json"}));
+}
+
+TEST(Folder, TakesNoTraceOfTheNameOfAResult) {
+  const TempFolder folder;
+  const fs::path out = folder.path() / "new";
+  expect_refusal(raywatt(small_run(out, {"--record", (out / "report.json").string()})),
+                 {"--record", "report.json: the run's own results have a file of this name"});
+  EXPECT_EQ(names_in(folder.path()), Words{});
 }
 
 TEST(Folder, OfSomebodyElseIsRefusedAndLeftAlone) {
@@ -125,7 +212,7 @@ TEST(Folder, IsADatedOneIfNoneIsGivenAndTwoRunsNeverShareIt) {
 
 TEST(Folder, LeftByAKilledRunDoesNotDisturbTheNext) {
   const TempFolder folder;
-  const std::string stale = ".out." + std::to_string(::getpid()) + ".0.tmp";
+  const std::string stale = ".out." + std::to_string(::getpid()) + ".0.raywatt-tmp";
   fs::create_directories(folder.path() / stale / "half");
   tools::RunFolder results(folder.path() / "out", false);
   results.fill([](const tools::RunFolder::Open& open) {
@@ -133,7 +220,7 @@ TEST(Folder, LeftByAKilledRunDoesNotDisturbTheNext) {
     std::ofstream(staging / "report.json") << "{}";
     return "it";
   });
-  EXPECT_EQ(names_in(folder.path()), (Words{stale, "out"}));
+  EXPECT_EQ(names_in(folder.path()), Words{"out"});
   EXPECT_EQ(names_in(folder.path() / "out"), Words{"report.json"});
 }
 

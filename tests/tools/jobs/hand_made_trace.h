@@ -32,7 +32,7 @@ inline std::string tile(int index, const std::string& walks) {
                 index,
                 4,
                 /*after all*/ 0,
-                /*after*/ 0,
+                /*imports*/ 0,
                 /*nodes*/ 4,
                 /*launch*/ 0,
                 4,
@@ -58,6 +58,7 @@ inline std::string tile(int index, const std::string& walks) {
                 /*picture*/ 0,
                 /*to memory*/ 1,
                 16 * index,
+                /*border*/ 0,
                 /*inputs*/ 1,
                 1 << 1,
                 /*shapes: an item reads the attributes of its triangle*/ 1,
@@ -118,7 +119,7 @@ inline std::string file_of(Json header, const std::string& links, Json tree, con
                            Json part, const Change& change = {}, const Form& form = {}) {
   Json contents;
   if (change) change(header, contents);
-  std::string file = "raywatt-trace/2\n";
+  std::string file = "raywatt-trace/3\n";
   const std::string packed = block(header.dump());
   file += number(packed.size(), 4) + packed;
   const auto put = [&](const std::string& content) {

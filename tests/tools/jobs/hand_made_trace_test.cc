@@ -85,7 +85,7 @@ TEST(HandMadeTrace, PlaysTheSmallestFile) {
     "frame": 0, "program": "program", "tree": 0,
     "demands": {"tile_samples": 1, "attribute_bytes": 0, "region_bytes": [0, 0, 0]},
     "result": {"rays": [1, 0, 0, 0], "traversal_steps": 2, "sampling": {"wanted": 1, "traced": 1}}})");
-  const std::string tile = bytes({0, 0, 1, /*after*/ 0, 0, /*nodes*/ 3}) +
+  const std::string tile = bytes({0, 0, 1, /*after all, imports*/ 0, 0, /*nodes*/ 3}) +
                            bytes({/*launch*/ 0, 1, /*kernel, idle, accesses, inputs*/ 0, 0, 0, 0}) +
                            bytes({/*rays*/ 1, 1, /*primary, no sources*/ 0, 0, /*each, one back*/ 1, 3}) +
                            bytes({/*launch*/ 0, 1, /*kernel, idle, accesses*/ 0, 0, 0, /*each, one back*/ 1, 3}) +

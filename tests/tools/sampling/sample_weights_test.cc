@@ -106,11 +106,12 @@ TEST(SampleWeights, ATraitInWhichPartsDoNotDifferChangesNothing) {
 }
 
 TEST(StudentT, IsThatOfTables) {
-  EXPECT_NEAR(student_t(3), 3.182, 0.05);
-  EXPECT_NEAR(student_t(5), 2.571, 0.005);
-  EXPECT_NEAR(student_t(10), 2.228, 0.001);
-  EXPECT_NEAR(student_t(30), 2.042, 0.001);
-  EXPECT_NEAR(student_t(1e9), 1.960, 0.001);
+  EXPECT_NEAR(student_t(1), 12.7062, 0.0001);
+  EXPECT_NEAR(student_t(2), 4.3027, 0.0001);
+  EXPECT_NEAR(student_t(3), 3.1824, 0.0001);
+  EXPECT_NEAR(student_t(10), 2.2281, 0.0001);
+  EXPECT_NEAR(student_t(30), 2.0423, 0.0001);
+  EXPECT_NEAR(student_t(1e9), 1.9600, 0.0001);
 }
 
 }  // namespace

@@ -19,6 +19,38 @@ TEST(GltfBroken, NoTriangles) {
   EXPECT_SAYS(refusal(lines.text()), "no triangles");
 }
 
+TEST(GltfBroken, WhatExtrasHoldIsNobodysBusiness) {
+  TinyGltf file;
+  file.json["nodes"][0]["extras"] = {{"mesh", -3}};
+  EXPECT_NO_THROW(load(file));
+}
+
+TEST(GltfBroken, IndicesThatAreNone) {
+  const auto with = [](const char* pointer, const nlohmann::json& value) {
+    TinyGltf file;
+    file.json[nlohmann::json::json_pointer(pointer)] = value;
+    return refusal(file.text());
+  };
+  EXPECT_SAYS(with("/nodes/0/mesh", -3), "nodes[0].mesh is -3; allowed: 0 1 2");
+  EXPECT_SAYS(with("/nodes/0/camera", 0.5), "nodes[0].camera is 0.5; allowed: 0 1 2");
+  EXPECT_SAYS(with("/meshes/0/primitives/0/material", -1), "meshes[0].primitives[0].material is -1");
+  EXPECT_SAYS(with("/scene", -2), "scene is -2");
+}
+
+TEST(GltfBroken, ValuesThatStandForNothing) {
+  const auto with = [](const char* pointer, const nlohmann::json& value) {
+    TinyGltf file;
+    file.json[nlohmann::json::json_pointer(pointer)] = value;
+    return refusal(file.text());
+  };
+  EXPECT_SAYS(with("/meshes/0/primitives/0/mode", 9), "meshes[0].primitives[0].mode is 9; allowed: 0 1 2 3 4 5 6");
+  EXPECT_SAYS(with("/materials/0/alphaMode", "WEIRD"),
+              "materials[0].alphaMode is \"WEIRD\"; allowed: OPAQUE MASK BLEND");
+  EXPECT_SAYS(with("/materials/0/alphaMode", "OPAQUE MASK"), "allowed: OPAQUE MASK BLEND");
+  EXPECT_SAYS(with("/samplers/0/wrapS", "33071"), "samplers[0].wrapS is \"33071\"; allowed: 33071 33648 10497");
+  EXPECT_SAYS(with("/cameras/0/type", "fisheye"), "cameras[0].type is \"fisheye\"");
+}
+
 TEST(GltfBroken, VerticesThatAreNoNumbersOrTooFar) {
   for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
     TinyGltf file;

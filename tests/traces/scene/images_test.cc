@@ -3,6 +3,7 @@
 #include <array>
 #include <chrono>
 #include <csignal>
+#include <cstdio>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -38,6 +39,17 @@ TEST(Png, ComesBackAsWritten) {
     const std::uint32_t expected = r | (g << 8) | (b << 16) | 0xff000000U;
     EXPECT_EQ(back.texels[i], expected) << i;
   }
+}
+
+TEST(Png, OfDamagedDataIsComplainedOfOnce) {
+  const TempFolder folder;
+  traces::write_png(folder.path() / "a.png", 64, 64, noise(64 * 64 * 3));
+  std::string file = read_bytes(folder.path() / "a.png");
+  file[file.size() / 2] ^= 0x55;
+  testing::internal::CaptureStderr();
+  EXPECT_THROW(traces::read_image(as_bytes(file), "a.png"), sim::InputError);
+  std::fputs("heard again", stderr);
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "heard again");
 }
 
 TEST(Exr, ComesBackAsWritten) {
@@ -118,6 +130,16 @@ TEST(Images, ABombIsSeenInTheHeader) {
     FAIL();
   } catch (const sim::InputError& error) {
     EXPECT_STREQ(error.what(), "bomb.png: 60000 x 60000 pixels, allowed are 134217728");
+  }
+}
+
+TEST(Images, OfAChunkLongerThanTheFileAreRefused) {
+  const std::string png("\x89PNG\r\n\x1a\n\x42\0\0\0tEXt\0\0\0\0", 20);
+  try {
+    traces::read_image(as_bytes(png), "long.png");
+    FAIL() << "taken";
+  } catch (const sim::InputError& error) {
+    EXPECT_STREQ(error.what(), "long.png: damaged: a chunk is longer than the file");
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sim/config/config.h"
 #include "sim/error.h"
 #include "traces/scene/bounds.h"
 #include "traces/scene/lights.h"
@@ -72,6 +73,52 @@ TEST(Workload, HasASkyOfItsOwn) {
   const Scene scene = traces::open_workload(workload);
   EXPECT_EQ(scene.background, glm::vec3(0.1F, 0.2F, 0.3F));
   EXPECT_EQ(scene.ambient, glm::vec3(0.4F, 0.5F, 0.6F));
+}
+
+TEST(Workload, HasAViewOfItsOwn) {
+  WorkloadConfig workload = of("teapot");
+  workload.view = {traces::ViewSource::kOwn, {1, 2, 3}, {1, 2, -5}, {2, 0, 0}, 90};
+  const Scene scene = traces::open_workload(workload);
+  ASSERT_EQ(scene.cameras.size(), 1U);
+  const glm::mat4 wanted(glm::vec4(0, -1, 0, 0), glm::vec4(1, 0, 0, 0), glm::vec4(0, 0, 1, 0), glm::vec4(1, 2, 3, 1));
+  EXPECT_EQ(scene.cameras[0].to_world, wanted) << "+x is up, so +y is to the left";
+  EXPECT_FLOAT_EQ(scene.cameras[0].vertical_fov, 1.5707964F);
+}
+
+TEST(Workload, OwnViewGoesRoundTheSceneToo) {
+  WorkloadConfig workload = of("teapot");
+  workload.view = {traces::ViewSource::kOwn, {1, 2, 3}, {0, 0, 0}, {0, 1, 0}, 45};
+  const glm::mat4 still = traces::open_workload(workload).cameras[0].to_world;
+  workload.camera_path = traces::CameraPath::kOrbit;
+  workload.orbit = 360;
+  workload.frame_rate = 1;
+  Scene scene = traces::open_workload(workload);
+  traces::pose_workload(scene, workload, 1);
+  for (int column = 0; column < 4; ++column) {
+    EXPECT_NEAR(glm::distance(scene.cameras[0].to_world[column], still[column]), 0, 1e-4F);
+  }
+}
+
+TEST(Workload, RefusesAViewWithoutADirection) {
+  const auto complaint = [](const traces::ViewConfig& view, const char* camera = "") {
+    WorkloadConfig workload = of("teapot");
+    workload.view = view;
+    workload.camera = camera;
+    try {
+      sim::check_config(workload);
+    } catch (const sim::InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  const auto own = traces::ViewSource::kOwn;
+  EXPECT_EQ(complaint({own, {1, 2, 3}, {0, 0, 0}, {0, 1, 0}, 45}), "");
+  EXPECT_EQ(complaint({own, {1, 2, 3}, {1, 2, 3}, {0, 1, 0}, 45}),
+            "view.target: is the camera's position; allowed: any other point");
+  EXPECT_EQ(complaint({own, {0, 5, 0}, {0, 0, 0}, {0, 2, 0}, 45}),
+            "view.up: lies along the view, or is 0 0 0; allowed: any other direction");
+  EXPECT_EQ(complaint({own, {1, 2, 3}, {0, 0, 0}, {0, 1, 0}, 45}, "front"),
+            "camera: names one of the scene's, and view.source is own; allowed: one of the two");
 }
 
 TEST(Workload, CameraGoesRoundTheSceneAtItsDistanceAndHeight) {

@@ -16,18 +16,14 @@
 namespace traces {
 namespace {
 
+using test::complaint;
 using test::decode;
+using test::encode;
 using test::same;
 using test::tile_of_levels;
 using test::tiny_levels;
 using test::tiny_scope;
 using test::tiny_tile;
-
-std::string encode(const TileWork& work, const Links& links) {
-  std::string bytes;
-  TileEncoder().encode(work, links, bytes);
-  return bytes;
-}
 
 TEST(TileCode, GivesBackATileThatHasEverything) {
   const TileScope scope = tiny_scope();
@@ -79,17 +75,6 @@ TEST(TileCode, WalksThatAreNoneOnTheTreeAreRefusedWhenRead) {
   tile.walk[1] = visit_step(2, 0, 0);  // in place of the end
   TileWork back;
   EXPECT_THROW(decode(encode(tile, scope.links), scope, back), sim::InputError);
-}
-
-/// `tile` says what is wrong, so nothing else may be.
-std::string complaint(const TileWork& tile, const TileScope& scope) {
-  TileWork back;
-  try {
-    decode(encode(tile, tiny_scope().links), scope, back);
-  } catch (const sim::InputError& error) {
-    return error.what();
-  }
-  return "no error";
 }
 
 TEST(TileCode, WhatATileRefersToMustBeThere) {
@@ -149,10 +134,37 @@ TEST(TileCode, AGraphThatAMachineCouldNotPlayIsRefused) {
             "rays without sources must be as many as the items that make them");
   EXPECT_EQ(changed([](TileWork& t) { t.sources = {0, 3}; }), "source of a ray is out of range");
   EXPECT_EQ(changed([](TileWork& t) { t.sources = {2, 0}; }), "source of a ray is out of range");
+  EXPECT_EQ(changed([](TileWork& t) { t.imports[0].number = kMostBorders; }),
+            "number of an imported border is out of range");
+  EXPECT_EQ(changed([](TileWork& t) { t.imports.resize(kMostImports + 1); }),
+            "borders that a tile imports is out of range");
+  EXPECT_EQ(changed([](TileWork& t) { t.nodes[0].border = 1; }), "border of a transfer is out of range");
+  EXPECT_EQ(changed([](TileWork& t) { t.imports.push_back({5, 0}); }), "no transfer reads border 1");
+  EXPECT_EQ(changed([](TileWork& t) { t.nodes[6].border = kMostBorders; }), "border of a transfer is out of range");
   EXPECT_EQ(changed([](TileWork& t) {
               t.nodes[2].inputs.push_back({0, Edge::Kind::kAll});
             }),
             "rays must have one input, an `each` edge from a launch");
+}
+
+TEST(TileCode, RaysWhoseHitsNobodyReadsAreRefused) {
+  TileWork tile = tiny_tile();
+  tile.nodes[5].inputs = {{2, Edge::Kind::kAll}};
+  EXPECT_EQ(complaint(tile, tiny_scope()), "no node reads the hits of node 4");
+}
+
+TEST(TileCode, WordsThatTheBitsDoNotMakeTakeNoRoom) {
+  std::string bytes;
+  ByteWriter to(bytes);
+  constexpr std::uint32_t kBytes = 4U << 20;
+  for (const std::uint32_t number : {/*frame*/ 0U, /*tile*/ 0U, /*samples*/ 4U, /*after all*/ 0U, /*imports*/ 0U,
+                                     /*nodes*/ 0U, /*rays*/ 0U, /*words*/ 8 * kBytes, /*bits*/ 0U}) {
+    to.number(number);
+  }
+  bytes.resize(bytes.size() + kBytes);
+  TileWork back;
+  EXPECT_THROW(decode(bytes, tiny_scope(), back), sim::InputError);
+  EXPECT_LE(back.walk.capacity(), kBytes / 4) << "words of four bytes: no more than the tile has itself";
 }
 
 TEST(TileCode, ATileHasNoMoreNodesThanAMachineHasRoomFor) {
@@ -223,12 +235,13 @@ TEST(TileCode, NoBytesMakeAnythingButATileOrAComplaintOfTwoLevels) {
   expect_tile_or_complaint(tiny_levels(), tile_of_levels());
 }
 
-/// A tile of nothing but rays through a scene.
+/// A tile of rays through a scene.
 TileWork rays_through(const MemoryImage& image, RayKind kind, const std::vector<Ray>& rays) {
   TileWork tile;
   const auto count = static_cast<std::uint32_t>(rays.size());
   tile.nodes = {{.items = count, .inputs = {}},
-                {.kind = WorkNode::Kind::kRays, .ray_kind = kind, .items = count, .inputs = {{0, Edge::Kind::kEach}}}};
+                {.kind = WorkNode::Kind::kRays, .ray_kind = kind, .items = count, .inputs = {{0, Edge::Kind::kEach}}},
+                {.items = 1, .inputs = {{1, Edge::Kind::kAll}}}};
   tile.access_begin = {0};
   std::vector<Hit> hits(rays.size());
   WalkSink sink{tile.walk, tile.ray_begin};

@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 
+#include "sim/error.h"
 #include "traces/trace_file/tile_code.h"
 #include "traces/walk.h"
 
@@ -29,10 +30,16 @@ inline TileWork tiny_tile() {
   t.frame = 3;
   t.tile = 12;
   t.samples = 4;
-  t.after = {5, 11};
+  t.imports = {{11, 3}};
   t.after_all = true;
   t.nodes = {
-      {.kind = kTransfer, .items = 16, .region = Region::kRates, .to_memory = false, .offset = 0, .inputs = {}},
+      {.kind = kTransfer,
+       .items = 16,
+       .region = Region::kRates,
+       .to_memory = false,
+       .offset = 0,
+       .border = 0,
+       .inputs = {}},
       {.kind = kLaunch, .kernel = 4, .items = 3, .idle = 2, .inputs = {{0, Edge::Kind::kAll}}},
       {.kind = kRays, .ray_kind = RayKind::kPrimary, .items = 3, .first = 0, .inputs = {{1, Edge::Kind::kEach}}},
       {.kind = kLaunch, .kernel = 0, .items = 3, .first = 0, .has_accesses = true, .inputs = {{2, Edge::Kind::kEach}}},
@@ -48,7 +55,7 @@ inline TileWork tiny_tile() {
        .first = 3,
        .has_accesses = true,
        .inputs = {{4, Edge::Kind::kAll}, {2, Edge::Kind::kAll}}},
-      {.kind = kTransfer, .items = 256, .offset = 3840, .inputs = {{5, Edge::Kind::kAll}}},
+      {.kind = kTransfer, .items = 256, .offset = 3840, .border = 7, .inputs = {{5, Edge::Kind::kAll}}},
   };
   t.sources = {0, 2};
   t.accesses = {Access::attributes(6),
@@ -123,7 +130,7 @@ inline bool same(const WorkNode& a, const WorkNode& b) {
   const auto edges = [](const Edge& x, const Edge& y) { return x.node == y.node && x.kind == y.kind; };
   return a.kind == b.kind && a.ray_kind == b.ray_kind && a.kernel == b.kernel && a.items == b.items &&
          a.first == b.first && a.has_accesses == b.has_accesses && a.idle == b.idle && a.region == b.region &&
-         a.to_memory == b.to_memory && a.offset == b.offset && a.sources == b.sources &&
+         a.to_memory == b.to_memory && a.offset == b.offset && a.border == b.border && a.sources == b.sources &&
          std::ranges::equal(a.inputs, b.inputs, edges);
 }
 
@@ -131,7 +138,7 @@ inline bool same(const TileWork& a, const TileWork& b) {
   const auto accesses = [](const Access& x, const Access& y) {
     return x.object == y.object && x.element == y.element && x.element2 == y.element2;
   };
-  return a.frame == b.frame && a.tile == b.tile && a.samples == b.samples && a.after == b.after &&
+  return a.frame == b.frame && a.tile == b.tile && a.samples == b.samples && a.imports == b.imports &&
          a.after_all == b.after_all && a.walk == b.walk && a.ray_begin == b.ray_begin &&
          a.access_begin == b.access_begin && a.sources == b.sources &&
          std::ranges::equal(a.accesses, b.accesses, accesses) &&
@@ -144,6 +151,23 @@ inline std::string padded(std::string bytes) { return bytes.append(16, '\x5a'); 
 inline TileRays decode(const std::string& bytes, const TileScope& scope, TileWork& work) {
   const std::string with_padding = padded(bytes);
   return TileDecoder().decode(std::string_view(with_padding).substr(0, bytes.size()), scope, work);
+}
+
+inline std::string encode(const TileWork& work, const Links& links) {
+  std::string bytes;
+  TileEncoder().encode(work, links, bytes);
+  return bytes;
+}
+
+/// `tile` says what is wrong, so nothing else may be.
+inline std::string complaint(const TileWork& tile, const TileScope& scope) {
+  TileWork back;
+  try {
+    decode(encode(tile, tiny_scope().links), scope, back);
+  } catch (const sim::InputError& error) {
+    return error.what();
+  }
+  return "no error";
 }
 
 }  // namespace traces::test

@@ -130,8 +130,8 @@ TEST(TraceFile, WhatIsNoTraceIsNeitherReplacedNorRead) {
   EXPECT_EQ(complaint_of(folder.write("long", std::string(100, 'x'))),
             "long: is no trace; raywatt trace record makes one");
   EXPECT_EQ(
-      complaint_of(folder.write("former", "raywatt-trace/1\n" + std::string(100, 'x'))),
-      "former: is a trace of another format, 'raywatt-trace/1'; this program reads 'raywatt-trace/2', and raywatt "
+      complaint_of(folder.write("former", "raywatt-trace/2\n" + std::string(100, 'x'))),
+      "former: is a trace of another format, 'raywatt-trace/2'; this program reads 'raywatt-trace/3', and raywatt "
       "trace record makes one");
   EXPECT_EQ(complaint_of(folder.path() / "absent"), "absent: no such file");
   EXPECT_EQ(complaint_of(folder.path() / "."), ".: is a folder, not a file");
@@ -151,8 +151,8 @@ TEST(TraceFile, WhatIsNoRegularFileIsRefusedBeforeItIsOpened) {
 TEST(TraceFile, TwoWritersOfOneFileDoNotMixAndNoOtherFileIsTouched) {
   const Folder folder;
   const auto path = folder.path() / "a.trace", target = folder.write("target", "kept");
-  const auto mine = folder.write("b.tmp.trace", "mine");
-  std::filesystem::create_symlink(target, folder.path() / "a.tmp.trace");
+  const auto mine = folder.write("b.raywatt-tmp.trace", "mine");
+  std::filesystem::create_symlink(target, folder.path() / "a.raywatt-tmp.trace");
   {
     TraceWriter other(path, {{"program", "other"}});
     write(path);
@@ -162,7 +162,7 @@ TEST(TraceFile, TwoWritersOfOneFileDoNotMixAndNoOtherFileIsTouched) {
   write(folder.path() / "b.trace");
   EXPECT_EQ(bytes_of(mine), "mine");
   EXPECT_EQ(bytes_of(target), "kept");
-  EXPECT_TRUE(std::filesystem::is_symlink(folder.path() / "a.tmp.trace"));
+  EXPECT_TRUE(std::filesystem::is_symlink(folder.path() / "a.raywatt-tmp.trace"));
 }
 
 /// A good file with other contents.

@@ -54,6 +54,11 @@ int store(const Suite& suite, const Checked& checked) {
   return kGood;
 }
 
+void check_values_file(const Suite& suite, bool force) {
+  sim::check_output(suite.values,
+                    {.mark = "schema: raywatt-baseline/1", .kind = "file of stored values", .any = force});
+}
+
 Baseline stored_values(const Suite& suite) {
   if (!std::filesystem::exists(suite.values)) {
     throw sim::InputError(fmt::format("{}: no stored values; make them with 'raywatt baseline record {}'",
@@ -66,6 +71,7 @@ Baseline stored_values(const Suite& suite) {
 
 int record_baseline(const BaselineOptions& options) {
   const Suite suite = load_suite(options.suite);
+  check_values_file(suite, options.force);
   if (!options.force && std::filesystem::exists(suite.values)) {
     throw sim::InputError(
         fmt::format("{}: there are values already; 'raywatt baseline accept' shows what has moved and "
@@ -77,6 +83,7 @@ int record_baseline(const BaselineOptions& options) {
 
 int check_baseline(const BaselineOptions& options) {
   const Suite suite = load_suite(options.suite);
+  if (!options.junit.empty()) check_junit(options.junit, options.force);
   const Baseline stored = stored_values(suite);
   const std::string again = "take new values with 'raywatt baseline accept'";
   if (stored.embree != traces::embree_version()) {
@@ -107,6 +114,7 @@ int check_baseline(const BaselineOptions& options) {
 
 int accept_baseline(const BaselineOptions& options) {
   const Suite suite = load_suite(options.suite);
+  check_values_file(suite, true);  // load_baseline() looks at what it holds
   const Baseline stored = stored_values(suite);
   if (stored.embree != traces::embree_version()) {
     print(fmt::format("stored with Embree {}, this program has {}\n", stored.embree, traces::embree_version()));

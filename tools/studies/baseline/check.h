@@ -54,6 +54,8 @@ std::string check_details(const Checked& checked);
 std::string moved_text(const Moved& moved);
 
 /// Writes a check as JUnit XML, which continuous integration systems show: a test case for each run. IoError.
+/// InputError if the file is there and was not made by write_junit(); with `force`, unless it is a regular file.
+void check_junit(const std::filesystem::path& file, bool force);
 void write_junit(const std::filesystem::path& file, const Suite& suite, const Checked& checked);
 
 }  // namespace tools

@@ -28,13 +28,20 @@ std::string body(const RunCheck& run) {
   return out;
 }
 
+constexpr const char* kMadeBy = " made by raywatt baseline check ";
+
 }  // namespace
+
+void check_junit(const std::filesystem::path& file, bool force) {
+  sim::check_output(file, {.mark = kMadeBy, .kind = "JUnit file of this verb", .any = force});
+}
 
 void write_junit(const std::filesystem::path& file, const Suite& suite, const Checked& checked) {
   pugi::xml_document document;
   pugi::xml_node declaration = document.append_child(pugi::node_declaration);
   declaration.append_attribute("version") = "1.0";
   declaration.append_attribute("encoding") = "UTF-8";
+  document.append_child(pugi::node_comment).set_value(kMadeBy);
   pugi::xml_node root = document.append_child("testsuite");
   std::size_t failures = 0, errors = 0;
   double seconds = 0;

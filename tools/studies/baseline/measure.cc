@@ -3,6 +3,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
+#include <new>
 #include <optional>
 #include <system_error>
 #include <vector>
@@ -15,9 +16,11 @@
 
 #include "sim/error.h"
 #include "sim/host_clock.h"
+#include "sim/io/json.h"
 #include "tools/analysis/picture.h"
 #include "tools/analysis/report.h"
 #include "tools/analysis/report_paths.h"
+#include "tools/host/exit_code.h"
 #include "tools/jobs/outcome.h"
 
 namespace tools {
@@ -53,7 +56,7 @@ Json report_of(const JobOptions& options) {
   return report_json({inputs, options, result, out.frames, false, 0});
 }
 
-/// The same, or {"error": why there is none, "is_input": the user can mend it}.
+/// The same, or {"error": why there is none, "is_input": the user can mend it}; std::bad_alloc.
 Json report_or_error(const JobOptions& options) {
   try {
     return report_of(options);
@@ -61,6 +64,8 @@ Json report_or_error(const JobOptions& options) {
     return {{"error", fmt::format("{}\n{}", error.what(), error.state)}, {"is_input", false}};
   } catch (const sim::InputError& error) {
     return {{"error", error.what()}, {"is_input", true}};
+  } catch (const std::bad_alloc&) {  // the host is short of it now, the run is not to blame
+    throw;
   } catch (const std::exception& error) {
     return {{"error", error.what()}, {"is_input", false}};
   }
@@ -73,8 +78,13 @@ Measured measured_from(const SuiteRun& run, const std::string& text, int status,
     out.error = fmt::format("ended by signal {}", WTERMSIG(status));
     return out;
   }
-  const Json report = Json::parse(text, nullptr, false);
-  if (report.is_discarded() || !report.is_object()) {
+  Json report;
+  try {
+    report = sim::parse_json<Json>(text);
+  } catch (const Json::exception&) {  // it did not come to the end of it
+  }
+  if (WEXITSTATUS(status) == kIoFailed) throw std::bad_alloc();
+  if (!report.is_object()) {
     out.error = fmt::format("ended with {} before it was done", WEXITSTATUS(status));
   } else if (report.contains("error")) {
     out.error = report["error"].get<std::string>();
@@ -102,7 +112,7 @@ class Worker {
       ::prctl(PR_SET_PDEATHSIG, SIGKILL);
       for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, SIG_DFL);  // the parent says it
       ::close(ends[0]);
-      std::_Exit(send(ends[1], report_or_error(run.options).dump(-1, ' ', false, Json::error_handler_t::replace)));
+      std::_Exit(work(ends[1]));
     }
     ::close(ends[1]);
     end_ = ends[0];
@@ -127,6 +137,14 @@ class Worker {
   }
 
  private:
+  /// Exit code: 0, kIoFailed if there was no memory, else 1.
+  int work(int file) const {
+    try {
+      return send(file, sim::json_line(report_or_error(run_->options)));
+    } catch (const std::bad_alloc&) {
+      return kIoFailed;
+    }
+  }
   static int send(int file, std::string_view text) {
     while (!text.empty()) {
       const ssize_t written = ::write(file, text.data(), text.size());

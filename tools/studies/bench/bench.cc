@@ -18,6 +18,7 @@
 
 #include "sim/config/config.h"
 #include "sim/error.h"
+#include "sim/io/json.h"
 #include "tools/analysis/report.h"
 #include "tools/host/build_info.h"
 #include "tools/host/interrupt.h"
@@ -204,7 +205,7 @@ class Measuring {
         if (std::signal(signal, SIG_DFL) == SIG_IGN) std::signal(signal, SIG_IGN);
       }
       ::close(ends[0]);
-      write_all(ends[1], measure(scene, options, all, other, scratch).dump());
+      write_all(ends[1], sim::json_line(measure(scene, options, all, other, scratch)));
       std::_Exit(0);
     }
     ::close(ends[1]);
@@ -251,7 +252,7 @@ Json measure_apart(const std::string& scene, const BenchOptions& options, const 
   if (WIFSIGNALED(status))
     throw std::runtime_error(fmt::format("signal {} while measuring {}", WTERMSIG(status), scene));
   if (WEXITSTATUS(status) != 0) std::exit(WEXITSTATUS(status));
-  return Json::parse(text);
+  return sim::parse_json<Json>(text);
 }
 
 }  // namespace

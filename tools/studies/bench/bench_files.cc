@@ -26,8 +26,6 @@ const Json* find_scene(const Json& bench, const Json& name) {
   return found != bench["scenes"].end() ? &*found : nullptr;
 }
 
-std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
-
 /// Renames the figures of a build from before there was one for all threads.
 void read_as_version_2(Json& bench) {
   for (Json& scene : bench["scenes"]) {
@@ -71,8 +69,8 @@ std::vector<std::string> differences(const Json& a, const Json& b, const Json& s
   };
   const auto compare = [&](const Json& x, const Json& y, const char* key) {
     if (!differs(x, y, key)) return;
-    found.push_back(
-        fmt::format("{} {} instead of {}", key, sim::printable(text_of(y[key])), sim::printable(text_of(x[key]))));
+    found.push_back(fmt::format("{} {} instead of {}", key, sim::printable(sim::json_line(y[key])),
+                                sim::printable(sim::json_line(x[key]))));
   };
   compare(scene_a, scene_b, "resolution");
   compare(a, b, "program");

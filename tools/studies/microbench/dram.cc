@@ -196,7 +196,8 @@ Benchmark dram_benchmark() {
         "wanted the earliest time in ns. Without it: a table of figures beside their closed forms",
         &BenchmarkJob::stream},
        {"--outstanding",
-        "requests sent and not done, at most (default: dram.controller.read_queue)",
+        "requests sent and not done, at most; a write is done when the channel has taken it\n(default: "
+        "dram.controller.read_queue)",
         &BenchmarkJob::outstanding,
         false,
         {},

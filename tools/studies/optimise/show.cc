@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "sim/io/json.h"
 #include "sim/io/printable.h"
 #include "sim/report/table.h"
 #include "tools/studies/sweep/results/index/csv.h"
@@ -118,7 +119,7 @@ std::string history_jsonl(const SearchRun& search) {
       for (const std::size_t g : shown_goals(search)) line["figures"][search.goals()[g].figure] = trial.figures[g];
     }
     if (!trial.error.empty()) line["error"] = trial.error;
-    text += line.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+    text += sim::json_line(line) + "\n";
   }
   return text;
 }

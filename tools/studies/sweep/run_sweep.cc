@@ -42,9 +42,16 @@ struct Planned {
   std::vector<std::string> slurm;
 };
 
-Planned plan_from_file(const fs::path& file) {
-  const sweep::Spec spec = sweep::read_spec(file);
-  return {sim::read_file(file, 1 << 20), sweep::plan(spec, file.parent_path()), spec.slurm};
+Planned plan_from_file(const SweepOptions& options) {
+  const sweep::Spec spec = sweep::read_spec(options.file);
+  Progress progress(options.progress == "json" ? "none" : options.progress, options.quiet);
+  progress.expect(1, "sweep");
+  progress.phase("choosing points");
+  const auto tell = [&](std::size_t points, std::size_t of) {
+    if (points == 1) progress.begin_part("planning", 0, static_cast<std::uint32_t>(of));
+    progress.tiles_done(static_cast<std::uint32_t>(points), 0, 0);
+  };
+  return {sim::read_file(options.file, 1 << 20), sweep::plan(spec, options.file.parent_path(), tell), spec.slurm};
 }
 
 /// The points of a folder, with their keys of today.
@@ -138,7 +145,7 @@ int run_sweep(const SweepOptions& options) {
                            : fs::path("raywatt-out") / fmt::format("sweep-{}", options.file.stem().string());
   std::optional<SweepFolder> former;
   if (options.resume) former = SweepFolder::open(out);
-  const Planned planned = from_file ? plan_from_file(options.file) : plan_from_folder(*former);
+  const Planned planned = from_file ? plan_from_file(options) : plan_from_folder(*former);
   const fs::path store_root = !options.store.empty() ? options.store
                               : former               ? former->store().root()
                                                      : Store::default_root();

@@ -15,6 +15,7 @@
 #include "sim/sha256.h"
 #include "traces/scene/gltf/compressed/rewrite.h"
 #include "traces/scene/gltf/extensions.h"
+#include "traces/scene/gltf/properties.h"
 #include "traces/scene/gltf/uri.h"
 
 namespace traces::gltf {
@@ -58,10 +59,10 @@ std::string_view json_of(const Source& source) {
   return std::string_view(source.bytes).substr(source.json_begin, source.json_size);
 }
 
-nlohmann::json parse(const Source& source) {
+nlohmann::json parse(const Source& source, std::size_t levels) {
   const std::string_view text = json_of(source);
   try {
-    nlohmann::json json = nlohmann::json::parse(text);
+    nlohmann::json json = sim::parse_json<nlohmann::json>(text, levels);
     if (!json.is_object()) refuse(source, "the JSON must be an object");
     return json;
   } catch (const nlohmann::json::parse_error& error) {
@@ -71,6 +72,8 @@ nlohmann::json parse(const Source& source) {
     refuse(source, fmt::format("line {}, column {}: not valid JSON", line, before.size() - line_begin + 1));
   } catch (const nlohmann::json::exception&) {
     refuse(source, "a number in the JSON is out of range");
+  } catch (const sim::InputError& error) {
+    refuse(source, fmt::format("the JSON {}", error.what()));
   }
 }
 
@@ -164,11 +167,9 @@ Source read_source(const std::filesystem::path& path, const SceneLimits& limits,
   if (source.binary) check_container(source);
   if (source.json_size == 0) refuse(source, "the file is empty");
   budget.take(source.json_size, kJsonExpansion, "the JSON");
-  if (sim::is_nested_deeper(json_of(source), limits.json_depth)) {
-    refuse(source, fmt::format("the JSON is nested deeper than the {} levels allowed", limits.json_depth));
-  }
-  nlohmann::json json = parse(source);
+  nlohmann::json json = parse(source, limits.json_depth);
   check_lists(source, json, limits);
+  check_properties(json, source.shown_name);
   read_external(source, json, path.parent_path(), budget, limits);
   if (make_parsable(json)) replace_json(source, json.dump());
   return source;

@@ -1,6 +1,8 @@
 // The only source file that knows OpenImageIO; it makes the module raywatt_images.
 #include <algorithm>
+#include <cstdio>
 #include <memory>
+#include <mutex>
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
@@ -9,6 +11,28 @@
 
 namespace traces {
 namespace {
+
+/// Keeps what libpng and libjpeg print on stderr to themselves as long as one of these lives: what is wrong comes back
+/// as an error. The descriptor stays as it is, only the stream is another (glibc lets a program set it).
+class QuietLibraries {
+ public:
+  QuietLibraries() {
+    const std::lock_guard lock(mutex_);
+    static std::FILE* const nowhere = std::fopen("/dev/null", "we");
+    if (users_++ == 0 && nowhere != nullptr) stderr = nowhere;
+  }
+  ~QuietLibraries() {
+    const std::lock_guard lock(mutex_);
+    if (--users_ == 0) stderr = heard_;
+  }
+  QuietLibraries(const QuietLibraries&) = delete;
+  QuietLibraries& operator=(const QuietLibraries&) = delete;
+
+ private:
+  static inline std::mutex mutex_;
+  static inline std::size_t users_ = 0;
+  static inline std::FILE* const heard_ = stderr;
+};
 
 /// A file in memory, opened for reading: only `format` is tried.
 class Input {
@@ -52,6 +76,7 @@ class Input {
   }
 
  private:
+  QuietLibraries quiet_;
   OIIO::Filesystem::IOMemReader memory_;
   OIIO::Filesystem::IOProxy* proxy_ = &memory_;
   std::unique_ptr<OIIO::ImageInput> input_;

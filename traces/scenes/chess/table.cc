@@ -153,9 +153,10 @@ void add_surroundings(Scene& scene, const Detail& detail) {
     for (const float z : {-6.3F, 6.3F}) add_instance(scene, leg_mesh, placed({x, 0, z}));
   }
 
-  add_clock(scene, detail, dark, add_material(scene, metal("brass", {0.95F, 0.72F, 0.35F}, 0.6F)),
-            add_material(scene, paint("ivory", {0.88F, 0.84F, 0.74F}, 0.05F)),
-            add_material(scene, paint("black enamel", {0.02F, 0.02F, 0.02F}, 0.05F)));
+  const std::uint32_t enamel = add_material(scene, paint("black enamel", {0.02F, 0.02F, 0.02F}, 0.05F));
+  const std::uint32_t ivory = add_material(scene, paint("ivory", {0.88F, 0.84F, 0.74F}, 0.05F));
+  const std::uint32_t brass = add_material(scene, metal("brass", {0.95F, 0.72F, 0.35F}, 0.6F));
+  add_clock(scene, detail, dark, brass, ivory, enamel);
 
   const glm::vec3 x(kRight - kLeft, 0, 0), y(0, kCeiling - kFloor, 0), z(0, 0, kFront - kBack);
   const glm::vec3 corner(kLeft, kFloor, kBack), far_corner(kRight, kCeiling, kFront);

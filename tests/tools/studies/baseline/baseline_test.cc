@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <pugixml.hpp>
+#include <sys/stat.h>
 
 #include "tests/tools/studies/baseline/baseline_suite.h"
 
@@ -9,6 +10,8 @@
 
 namespace test {
 namespace {
+
+namespace fs = std::filesystem;
 
 TEST(Baseline, OfAnUnchangedMachineIsAsStored) {
   const BaselineSuite suite;
@@ -165,12 +168,47 @@ runs:
   EXPECT_FALSE(third.first_child()) << "all is well";
 }
 
+TEST(Baseline, AnXmlFileReplacesNothingButAnEarlierOne) {
+  const BaselineSuite suite;
+  ASSERT_EQ(suite.baseline("record").exit, 0);
+  const auto check = [&](const fs::path& file, const Words& more = {}) {
+    Words words = {"--junit", file.string()};
+    words.insert(words.end(), more.begin(), more.end());
+    return suite.baseline("check", words);
+  };
+  const fs::path own = suite.folder().path() / "own.xml", thesis = suite.folder().path() / "thesis.xml",
+                 link = suite.folder().path() / "link.xml", pipe = suite.folder().path() / "pipe.xml";
+  EXPECT_EQ(check(own).exit, 0);
+  EXPECT_EQ(check(own).exit, 0) << "again";
+  suite.folder().write("thesis.xml", "three years");
+  expect_refusal(check(thesis), {"thesis.xml: is there and is no JUnit file of this verb"});
+  EXPECT_EQ(read_bytes(thesis), "three years");
+  fs::create_symlink(own, link);
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  for (const Words& more : {Words{}, Words{"--force"}}) {
+    expect_refusal(check(link, more), {"link.xml: is there and is a link"});
+    expect_refusal(check(pipe, more), {"pipe.xml: is there and is not a regular file"});
+    expect_refusal(check("/dev/null", more), {"/dev/null: is there and is not a regular file"});
+    expect_refusal(check(suite.folder().path(), more), {"is a folder, not a file"});
+  }
+  EXPECT_TRUE(fs::is_symlink(link));
+  EXPECT_EQ(check(thesis, {"--force"}).exit, 0);
+}
+
+TEST(Baseline, StoredValuesReplaceNothingButStoredValues) {
+  BaselineSuite suite;
+  suite.write_values("three years");
+  expect_refusal(suite.baseline("record"), {"is there and is no file of stored values"});
+  EXPECT_EQ(suite.values(), "three years");
+  EXPECT_EQ(suite.baseline("record", {"--force"}).exit, 0);
+}
+
 TEST(Baseline, AnXmlFileThatCannotBeWrittenIsSaid) {
   const BaselineSuite suite;
   ASSERT_EQ(suite.baseline("record").exit, 0);
   const Ending ending = suite.baseline("check", {"--junit", (suite.folder().path() / "none" / "junit.xml").string()});
-  EXPECT_EQ(ending.exit, 74);
-  EXPECT_SAYS(ending.err, "junit");
+  EXPECT_EQ(ending.exit, 2) << "before anything is computed";
+  EXPECT_SAYS(ending.err, "junit.xml: cannot be written: there is no folder");
 }
 
 }  // namespace

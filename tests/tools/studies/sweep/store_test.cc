@@ -1,6 +1,7 @@
 #include "tools/studies/sweep/store/store.h"
 
 #include <fstream>
+#include <limits>
 
 #include <gtest/gtest.h>
 
@@ -97,11 +98,11 @@ TEST_F(SweepStore, WhatAKilledProcessHasLeftIsRemovedAndWhatALivingOneHasIsNot) 
   std::ofstream(store.root() / "locks" / id) << "";
   for (const std::string& name : {id, living}) {
     tools::sweep::make_folders(store.root() / "failed" / name.substr(0, 2));
-    std::ofstream(store.root() / "failed" / name.substr(0, 2) / (name + ".123-0.tmp.json")) << "{";
+    std::ofstream(store.root() / "failed" / name.substr(0, 2) / (name + ".123-0.raywatt-tmp.json")) << "{";
   }
   store.clean();
   EXPECT_EQ(names_in(store.root() / "failed" / id.substr(0, 2)), Words{});
-  EXPECT_EQ(names_in(store.root() / "failed" / living.substr(0, 2)), Words{living + ".123-0.tmp.json"});
+  EXPECT_EQ(names_in(store.root() / "failed" / living.substr(0, 2)), Words{living + ".123-0.raywatt-tmp.json"});
   EXPECT_EQ(names_in(store.root() / "tmp"), Words{living + ".host.1"});
   EXPECT_EQ(names_in(store.root() / "locks"), Words{living});
 }
@@ -122,6 +123,22 @@ TEST_F(SweepStore, RemembersFailures) {
   EXPECT_EQ(failure->attempt, 2);
   store.forget_failure(id);
   EXPECT_FALSE(store.failure(id));
+}
+
+TEST_F(SweepStore, HasNoFailureWhoseNumbersAreNoneOrTooLarge) {
+  const auto with = [&](const std::string& exit, const std::string& attempt) {
+    const std::filesystem::path file = store.failure_file(id);
+    std::filesystem::create_directories(file.parent_path());
+    std::ofstream(file) << R"({"exit": )" << exit << R"(, "error": "", "log": "", "host": "", "attempt": )" << attempt
+                        << "}";
+    return store.failure(id);
+  };
+  ASSERT_TRUE(with("-2147483648", "2147483647"));
+  EXPECT_EQ(with("-2147483648", "1")->exit, std::numeric_limits<int>::min());
+  for (const char* number : {"1e300", "2.0", "2147483648", "-2147483649", "18446744073709551615", "true", "null"}) {
+    EXPECT_FALSE(with(number, "1")) << number;
+    EXPECT_FALSE(with("1", number)) << number;
+  }
 }
 
 }  // namespace

@@ -69,6 +69,22 @@ TEST_F(SweepFaults, KilledAgainAndAgainItEndsWithTheSameTable) {
   expect_nothing_left_over();
 }
 
+TEST_F(SweepFaults, WhatAKilledProcessWasWritingIsRemovedByTheNextRun) {
+  const fs::path file = write_sweep(folder, kTwelve);
+  ASSERT_EQ(raywatt(sweep_run(folder, file)).exit, 0);
+  const auto left = [&](const char* name) { return out / name; };
+  for (const char* name : {"results.4194305-0.raywatt-tmp.csv", "index.4194305-0.raywatt-tmp.sqlite",
+                           "sweep.4194305-0.raywatt-tmp.json"}) {
+    std::ofstream(left(name)) << "half";
+  }
+  std::ofstream(left("notes.4194305-0.raywatt-tmp.csv")) << "another's";
+  EXPECT_EQ(raywatt(sweep_run(folder, file)).exit, 0);
+  EXPECT_FALSE(fs::exists(left("results.4194305-0.raywatt-tmp.csv")));
+  EXPECT_FALSE(fs::exists(left("index.4194305-0.raywatt-tmp.sqlite")));
+  EXPECT_FALSE(fs::exists(left("sweep.4194305-0.raywatt-tmp.json")));
+  EXPECT_TRUE(fs::exists(left("notes.4194305-0.raywatt-tmp.csv")));
+}
+
 TEST_F(SweepFaults, TwoSweepsOnOneStoreComputeEachPointOnce) {
   const fs::path file = write_sweep(folder, kTwelve);
   Words second = sweep_run(folder, file, {"-j", "2"});

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <new>
 #include <thread>
 
 #include <fmt/format.h>
@@ -134,6 +135,8 @@ Fate PointComputer::compute(const Point& point, const Order& order) {
     throw;
   } catch (const std::system_error&) {
     throw;
+  } catch (const std::bad_alloc&) {  // the host is short of it now, the point is not to blame
+    throw sim::IoError(fmt::format("point {}: out of memory; fewer points at a time (-j) need less", point.n));
   } catch (const sim::InputError& e) {
     exit = kBadInput;
     error = e.what();

@@ -6,6 +6,8 @@
 
 #include <sys/socket.h>
 
+#include "sim/io/json.h"
+
 namespace tools::sweep {
 
 using Json = nlohmann::ordered_json;
@@ -27,7 +29,7 @@ std::optional<Json> receive_message(int socket) {
     if (size <= 0) return std::nullopt;
     std::string text(static_cast<std::size_t>(size), '\0');
     if (::recv(socket, text.data(), text.size(), 0) != size) return std::nullopt;
-    return Json::parse(text);
+    return sim::parse_json<Json>(text);
   }
 }
 

@@ -28,9 +28,17 @@ std::string from_folder(const std::string& text, const fs::path& folder) {
   return is_file && fs::path(text).is_relative() ? (fs::absolute(folder) / text).lexically_normal().string() : text;
 }
 
+/// A built-in name stays; a file is seen from the folder. InputError for names that points.jsonl cannot hold.
+std::string scene_from(const std::string& value, const fs::path& folder) {
+  std::string scene = from_folder(value, folder);
+  if (sim::with_escaped_bytes(scene) == scene) return scene;
+  throw sim::InputError(sim::printable(scene) +
+                        ": the name is no UTF-8, which the files of a sweep are; allowed: another");
+}
+
 void set_work(Point& point, const std::string& key, const std::string& value, const fs::path& folder) {
   if (value.empty()) return;
-  if (key == "scene") point.scene = from_folder(value, folder);
+  if (key == "scene") point.scene = scene_from(value, folder);
   if (key == "camera") point.camera = value;
   if (key == "frames") point.frames = value;
   if (key == "resolution") point.resolution = value;
@@ -156,15 +164,20 @@ Point Planner::point(const Choice& choice, const std::string& tile_sampling) {
   return point;
 }
 
-std::vector<Point> plan(const Spec& spec, const fs::path& folder) {
+std::vector<Point> plan(const Spec& spec, const fs::path& folder, const Planned& planned) {
   Planner planner(spec, folder);
   std::vector<Point> points;
   const auto is_wanted = [&](const Choice& choice) { return planner.is_wanted(choice); };
-  for (const Choice& choice : choose(spec.subset, planner.sizes(), is_wanted)) {
+  const std::vector<Choice> choices = choose(spec.subset, planner.sizes(), is_wanted);
+  for (const Choice& choice : choices) {
     points.push_back(planner.point(choice));
     points.back().n = points.size() - 1;
+    if (planned) planned(points.size(), choices.size());
   }
-  if (points.empty()) throw sim::InputError("no points: the conditions leave none");
+  if (points.empty()) {
+    const std::string key = spec.where.empty() ? "exclude" : "where";
+    at_key(spec, key, [] { throw sim::InputError("no points: the conditions leave none"); });
+  }
   return points;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 #include <filesystem>
+#include <functional>
 #include <vector>
 
 #include "tools/studies/sweep/spec/point_keys.h"
@@ -28,9 +29,12 @@ class Planner {
   PointKeys keys_;
 };
 
+/// Told how many points of how many are planned.
+using Planned = std::function<void(std::size_t points, std::size_t of)>;
+
 /// The points of a sweep, in order, with their keys. Files that the spec names are seen from `folder`. InputError, with
 /// its position in the spec, for a value that is not allowed; values that do not go together make a point with an
 /// error.
-std::vector<Point> plan(const Spec& spec, const std::filesystem::path& folder);
+std::vector<Point> plan(const Spec& spec, const std::filesystem::path& folder, const Planned& planned = {});
 
 }  // namespace tools::sweep

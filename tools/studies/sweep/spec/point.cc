@@ -26,8 +26,6 @@ constexpr Text kTexts[] = {{"scene", "--scene", &Point::scene},
                            {"reference", "--reference", &Point::reference},
                            {"tile_sampling", "--tile-sampling", &Point::tile_sampling}};
 
-std::string text(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
-
 }  // namespace
 
 JobOptions Point::options() const {
@@ -61,7 +59,7 @@ std::string to_line(const Point& point) {
   json["sets"] = point.sets;
   if (!point.stream.empty()) json["stream"] = point.stream;
   if (!point.error.empty()) json["error"] = point.error;
-  return text(json);
+  return sim::json_line(json);
 }
 
 namespace {
@@ -74,8 +72,12 @@ bool is_key(const std::string& text) {
 
 Point read_line(const std::string& line, const std::string& where) {
   try {
+    if (sim::is_nested_deeper(line, sim::kDeepestJson)) throw sim::InputError(where + ": is nested too deeply");
     const Json json = sim::parse_json<Json>(line);
     Point point;
+    if (!json.at("n").is_number_unsigned()) {
+      throw sim::InputError(fmt::format("{}: its number 'n' is none; allowed: whole numbers from 0 on", where));
+    }
     point.n = json.at("n").get<std::uint64_t>();
     point.id = json.at("id").get<std::string>();
     point.stream = json.value("stream", "");

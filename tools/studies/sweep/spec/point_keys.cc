@@ -1,21 +1,17 @@
 #include "tools/studies/sweep/spec/point_keys.h"
 
-#include <algorithm>
 #include <optional>
 #include <utility>
 #include <vector>
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include "shader_kernels/programs/program_spec.h"
 #include "sim/config/config.h"
 #include "sim/error.h"
+#include "sim/io/json.h"
 #include "sim/io/printable.h"
 #include "sim/sha256.h"
 #include "tools/host/build_info.h"
 #include "tools/simulation/load_config.h"
-#include "traces/scene/did_you_mean.h"
 #include "traces/scene/gltf/budget.h"
 #include "traces/scene/gltf/source.h"
 #include "traces/scenes/library.h"
@@ -24,16 +20,6 @@ namespace tools::sweep {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-std::string text(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
-
-void check_builtin(const std::string& name) {
-  std::vector<std::string> known;
-  for (const traces::BuiltinInfo& scene : traces::builtin_scenes()) known.push_back(scene.name);
-  if (std::ranges::find(known, name) != known.end()) return;
-  throw sim::InputError(fmt::format("no scene or workload is called '{}'{}; known: {}; or give a .glb or .gltf file",
-                                    sim::printable(name), traces::did_you_mean(name, known), fmt::join(known, ", ")));
-}
 
 /// Pictures and estimates are no streams.
 bool can_share(const Point& point) { return point.tile_sampling.empty() && !point.image; }
@@ -51,7 +37,7 @@ RunConfig PointKeys::config_of(const Point& point) {
 std::string PointKeys::scene_digest(const RunConfig& config) {
   const std::filesystem::path file = traces::scene_file(config.scene.name);
   if (file.empty()) {
-    check_builtin(config.scene.name);
+    traces::check_builtin_name(config.scene.name);
     return std::string(kBuiltIn);  // made of the model's sources and of keys
   }
   auto digest = digests_.find(file.string());
@@ -77,10 +63,10 @@ PointKeys::Key PointKeys::key_of(const Point& point, const RunConfig& config) {
                  {"tile_sampling", point.tile_sampling},
                  {"image", point.image}};
   key.made_of.update(work);
-  key.id = sim::sha256_hex(text(key.made_of));
+  key.id = sim::sha256_hex(sim::json_line(key.made_of));
   if (can_share(point)) {
     work["function_hash"] = sim::config_hash(config, sim::Affects::kFunction);
-    key.stream = sim::sha256_hex(text(work));
+    key.stream = sim::sha256_hex(sim::json_line(work));
   }
   return key;
 }

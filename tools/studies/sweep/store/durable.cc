@@ -45,8 +45,12 @@ void make_durable(const std::filesystem::path& path) {
 }
 
 void make_folders(const std::filesystem::path& path) {
+  namespace fs = std::filesystem;
   std::error_code error;
-  std::filesystem::create_directories(path, error);
+  if (fs::is_directory(path, error)) return;
+  const fs::path parent = fs::absolute(path).lexically_normal().parent_path();
+  if (parent != path) make_folders(parent);
+  if (fs::create_directory(path, error)) make_durable(parent);
   if (error) give_up(path, error.value());
 }
 

@@ -26,6 +26,8 @@ using Json = nlohmann::ordered_json;
 constexpr std::string_view kSchema = "raywatt-sweep-folder/1";
 constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 32;
 constexpr std::array<std::string_view, 3> kFiles = {"sweep.json", "sweep.yaml", "points.jsonl"};
+/// Of what is made from its points.
+constexpr std::array<std::string_view, 4> kResults = {"results.csv", "index.sqlite", "history.jsonl", "front.csv"};
 
 /// Remains of the folder's files after a run was killed while it wrote them.
 bool is_left_over(const fs::directory_entry& entry) {
@@ -58,6 +60,13 @@ void read_description(const fs::path& path, auto&& f) {
   } catch (const sim::InputError& error) {
     throw damaged(error);
   }
+}
+
+/// JSON holds the names of folder and store.
+void check_name(const fs::path& path) {
+  if (sim::with_escaped_bytes(path.string()) == path.string()) return;
+  throw sim::InputError(fmt::format("{}: the name is no UTF-8, which the files of a sweep are; allowed: another",
+                                    sim::printable(path.string())));
 }
 
 constexpr std::array<std::string_view, 2> kOf = {"sweep", "search"};
@@ -97,6 +106,7 @@ SweepFolder SweepFolder::open(const fs::path& path) {
 
 std::optional<Lock> SweepFolder::claim(const fs::path& path, Of of) {
   check_free(path, kOf[static_cast<std::size_t>(of)]);
+  check_name(fs::absolute(path));
   make_folders(path);
   return Lock::attempt(path / "lock", fmt::format("{} {}\n", host_name(), ::getpid()));
 }
@@ -107,11 +117,10 @@ SweepFolder SweepFolder::create(const fs::path& path, Of of, const std::string& 
   SweepFolder folder(fs::absolute(path).lexically_normal());
   folder.store_ = fs::absolute(store).lexically_normal();
   folder.slurm_ = slurm;
+  check_name(folder.store_);
   make_folders(folder.log());
-  std::error_code ignored;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder.path_)) {
-    if (is_left_over(entry)) fs::remove(entry.path(), ignored);
-  }
+  for (const std::string_view file : kFiles) sim::remove_left_of(folder.path_ / file);
+  for (const std::string_view file : kResults) sim::remove_left_of(folder.path_ / file);
   const auto replace = [&](const char* name, const std::string& text) {
     const fs::path file = folder.path_ / name;
     std::error_code failed;
@@ -155,7 +164,8 @@ std::optional<SweepFolder::Runner> SweepFolder::runner() const {
 }
 
 void SweepFolder::note_run(const Json& run) const {
-  std::ofstream(log() / "runs.jsonl", std::ios::app) << run.dump() + "\n";
+  const fs::path file = log() / "runs.jsonl";
+  sim::append_to_file(file, sim::json_line(run) + "\n");
 }
 
 }  // namespace tools::sweep

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <cstdlib>
 #include <set>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -58,6 +60,15 @@ Json digests_of(const fs::path& folder, const std::string& id) {
   return point.at("files");
 }
 
+/// InputError for what is no whole number of this size.
+int whole_number(const Json& json) {
+  const bool fits = json.is_number_unsigned()
+                        ? std::in_range<int>(json.get<std::uint64_t>())
+                        : json.is_number_integer() && std::in_range<int>(json.get<std::int64_t>());
+  if (!fits) throw sim::InputError("a number is not whole, or too large");
+  return json.get<int>();
+}
+
 bool is_id(const std::string& text) {
   return text.size() == 64 && text.find_first_not_of("0123456789abcdef") == std::string::npos;
 }
@@ -97,11 +108,11 @@ std::optional<Failure> Store::failure(const std::string& id) const {
   return if_sound([&]() -> std::optional<Failure> {
     const Json json = sim::parse_json<Json>(sim::read_file(failure_file(id), kMostBytes));
     return Failure{id,
-                   json.at("exit").get<int>(),
+                   whole_number(json.at("exit")),
                    json.at("error").get<std::string>(),
                    json.at("log").get<std::string>(),
                    json.at("host").get<std::string>(),
-                   json.at("attempt").get<int>()};
+                   whole_number(json.at("attempt"))};
   });
 }
 
@@ -122,8 +133,8 @@ bool Store::is_locked(const std::string& id) const { return Lock::holder(lock_fi
 
 void Store::put(const std::string& id, const Json& made_of, const std::function<void(const fs::path&)>& write) const {
   const fs::path staging = root_ / "tmp" / fmt::format("{}.{}.{}", id, host_name(), getpid());
-  make_folders(staging);
   try {
+    make_folders(staging);
     write(staging);
     std::vector<std::string> names;
     for (const fs::directory_entry& entry : fs::directory_iterator(staging)) names.push_back(entry.path().filename());

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <sys/stat.h>
 
 #include "sim/error.h"
 #include "tests/tools/program.h"
@@ -211,6 +212,10 @@ TEST(Collect, ADamagedIndexIsMadeAnew) {
     EXPECT_EQ(ending.exit, 0) << ending.err;
     EXPECT_EQ(read_bytes(index).size(), sound.size());
   }
+  fs::remove(index);
+  ASSERT_EQ(::mkfifo(index.c_str(), 0600), 0);
+  EXPECT_EQ(raywatt({"sweep", "table", sweep.folder().string()}).exit, 0) << "a pipe nobody writes into";
+  EXPECT_EQ(read_bytes(index).size(), sound.size());
 }
 
 TEST(Collect, AListThatIsNoneIsRefusedWithItsLine) {

@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "sim/error.h"
+#include "sim/io/json.h"
 #include "sim/io/printable.h"
 
 namespace tools::results {
@@ -135,7 +137,11 @@ class Scanner : public nlohmann::json_sax<Json> {
 
 std::optional<std::string> scan_report(std::string_view json, MetricNames& names, ReportScan& scan) {
   Scanner scanner(names, scan);
-  Json::sax_parse(json.begin(), json.end(), &scanner);
+  try {
+    sim::scan_json<Json>(json, scanner);
+  } catch (const sim::InputError& error) {
+    return error.what();
+  }
   return scanner.problem();
 }
 

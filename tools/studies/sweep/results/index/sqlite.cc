@@ -90,6 +90,7 @@ Database::Database() {
 }
 
 Database::Database(const std::filesystem::path& file) {
+  if (!std::filesystem::is_regular_file(file)) throw SqliteError("is not a regular file");  // a pipe would wait
   sqlite3* database = nullptr;
   const int result = sqlite3_open_v2(file.c_str(), &database, SQLITE_OPEN_READONLY, "unix-none");
   database_.reset(database);

@@ -1,0 +1,62 @@
+#include "hw_models/machines/patience.h"
+
+#include <algorithm>
+
+namespace hw {
+namespace {
+
+/// Chosen: several times what can be, for what the sum below leaves out.
+constexpr sim::Time kMargin = 8;
+/// Time that no frame comes near and that all arithmetic with it can hold.
+constexpr sim::Time kLongest = 1000 * sim::kFemtosecondsPerSecond;
+/// Lines of memory that an item may need one after the other; no record has more.
+constexpr sim::Time kLines = 16;
+
+sim::Time longest_chunk(const GpuConfig& config, std::span<const KernelSchedule> kernels,
+                        std::span<const BankConflicts> conflicts) {
+  sim::Time cycles = 0;
+  for (std::size_t k = 0; k < kernels.size(); ++k) {
+    const sim::Time items = config.srp.chunk;
+    cycles = std::max(cycles, items * kernels[k].ii + kernels[k].depth + conflicts[k].of(config.srp.chunk) +
+                                  config.srp.load_cycles(kernels[k].ii));
+  }
+  return (cycles + config.srp.switch_cycles) * config.clocks.srp.clock().period();
+}
+
+/// A request's way from a core to a channel and back, every queue empty.
+sim::Time way(const GpuConfig& config) {
+  const sim::Time crossings = 8, synchroniser = config.clocks.synchroniser + 1;
+  const sim::Time l2 = 2 * config.interconnect.latency + config.l2.lookup_cycles + config.l2.cache.hit_cycles +
+                       2 * config.interconnect.cycles_of(kLineBytes) + crossings * synchroniser;
+  const sim::Time tni = config.direct_interface.interval + crossings * synchroniser;
+  return l2 * config.clocks.l2.clock().period() + tni * config.clocks.tni.clock().period() + config.dram.fabric.time;
+}
+
+/// A line in a channel at its worst.
+sim::Time line(const DramConfig& dram) {
+  const DramTiming& t = dram.timing;
+  const sim::Time cycles = std::max(t.rfc_ab, t.rfc_pb) + t.xp + t.rp_ab + t.rc + t.rcd + t.rl + t.dqsck + t.wr +
+                           t.wtr_l + t.faw + dram.bursts_per_line() * t.ccd_l;
+  return cycles * t.ck.time;
+}
+
+/// Requests that may be in the machine at once.
+sim::Time requests(const GpuConfig& config) {
+  const sim::Time core = config.tni.trvs * config.tni.trv.l1.mshrs + config.tni.ist.l1.mshrs +
+                         config.srp.data_cache.mshrs + config.dma.depth +
+                         2 * (config.tni.trvs + 4) * config.interconnect.link_depth;
+  const sim::Time channel = config.dram.controller.read_queue + config.dram.controller.write_queue;
+  return config.cores * core + config.dram.channels * channel + config.l2.cache.mshrs;
+}
+
+}  // namespace
+
+sim::Time patience(const GpuConfig& config, std::span<const KernelSchedule> kernels,
+                   std::span<const BankConflicts> conflicts) {
+  if (config.watchdog != 0) return config.watchdog * config.clocks.tni.clock().period();
+  const sim::Time memory = kLines * (way(config) + requests(config) * line(config.dram));
+  const sim::Time item = longest_chunk(config, kernels, conflicts) + memory;
+  return kMargin * std::min(item, kLongest / kMargin);
+}
+
+}  // namespace hw

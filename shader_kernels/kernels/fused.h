@@ -1,0 +1,182 @@
+#pragma once
+#include <string_view>
+
+#include "shader_kernels/fusion.h"
+#include "shader_kernels/kernels/at_once.h"
+#include "shader_kernels/kernels/check_similarity.h"
+#include "shader_kernels/kernels/classify_details.h"
+#include "shader_kernels/kernels/classify_surfaces.h"
+#include "shader_kernels/kernels/clear_samples.h"
+#include "shader_kernels/kernels/clear_surface.h"
+#include "shader_kernels/kernels/combine_shadow.h"
+#include "shader_kernels/kernels/generate_listed_rays.h"
+#include "shader_kernels/kernels/interpolate_attributes.h"
+#include "shader_kernels/kernels/interpolate_sample.h"
+#include "shader_kernels/kernels/pack_colour.h"
+#include "shader_kernels/kernels/record_branch.h"
+#include "shader_kernels/kernels/record_first_hit.h"
+#include "shader_kernels/kernels/record_secondary.h"
+#include "shader_kernels/kernels/record_shadow.h"
+#include "shader_kernels/kernels/record_surface.h"
+#include "shader_kernels/kernels/shade_ambient.h"
+#include "shader_kernels/kernels/shade_diffuse.h"
+#include "shader_kernels/kernels/shade_surface.h"
+#include "shader_kernels/kernels/shade_visible.h"
+#include "shader_kernels/kernels/take_sample.h"
+
+namespace kernels {
+
+// Kernels made of others (shader_kernels/fusion.h); render.fusion launches them in place of their parts.
+
+// Surfaces: fetched, sorted, and lit by ambient light and the first light as far as that can be done at once.
+
+template <bool kInstanced>
+struct FetchSurface : Fused<ShadeSurface<kInstanced>, ClassifyDetails> {
+  static constexpr std::string_view kName = kInstanced ? "fetch_surface_instanced" : "fetch_surface";
+  static constexpr std::string_view kMeaning = "shade_surface, classify_details";
+};
+
+/// Surfaces as details have left them.
+template <class... Record>
+using Lit = Fused<ClassifySurfaces, ListLater, AtOnce<ShadeAmbient>, AtOnce<ShadeDiffuse>, Record...>;
+
+struct LightSurface : Lit<> {
+  static constexpr std::string_view kName = "light_surface";
+  static constexpr std::string_view kMeaning = "classify_surfaces, shade_ambient, shade_diffuse of the first light";
+};
+
+template <bool kInstanced>
+struct LightSurfaceGeometry : Lit<RecordGeometry<kInstanced>> {
+  static constexpr std::string_view kName = kInstanced ? "light_surface_geometry_instanced" : "light_surface_geometry";
+  static constexpr std::string_view kMeaning = "light_surface, record_geometry";
+};
+
+template <bool kInstanced>
+struct LightSurfaceKept : Lit<RecordSurface<kInstanced>> {
+  static constexpr std::string_view kName = kInstanced ? "light_surface_kept_instanced" : "light_surface_kept";
+  static constexpr std::string_view kMeaning = "light_surface, record_surface";
+};
+
+template <bool kInstanced>
+struct LightSurfaceSecondary : Lit<RecordSecondary<kInstanced>> {
+  static constexpr std::string_view kName =
+      kInstanced ? "light_surface_secondary_instanced" : "light_surface_secondary";
+  static constexpr std::string_view kMeaning = "light_surface, record_secondary";
+};
+
+/// Surfaces that have no details.
+template <bool kInstanced, class... Record>
+using FetchedAndLit =
+    Fused<ShadeSurface<kInstanced>, ClassifySurfaces, ListLater, AtOnce<ShadeAmbient>, AtOnce<ShadeDiffuse>, Record...>;
+
+template <bool kInstanced>
+struct FetchLit : FetchedAndLit<kInstanced> {
+  static constexpr std::string_view kName = kInstanced ? "fetch_lit_instanced" : "fetch_lit";
+  static constexpr std::string_view kMeaning = "shade_surface, light_surface";
+};
+
+template <bool kInstanced>
+struct FetchLitGeometry : FetchedAndLit<kInstanced, RecordGeometry<kInstanced>> {
+  static constexpr std::string_view kName = kInstanced ? "fetch_lit_geometry_instanced" : "fetch_lit_geometry";
+  static constexpr std::string_view kMeaning = "shade_surface, light_surface, record_geometry";
+};
+
+template <bool kInstanced>
+struct FetchLitKept : FetchedAndLit<kInstanced, RecordSurface<kInstanced>> {
+  static constexpr std::string_view kName = kInstanced ? "fetch_lit_kept_instanced" : "fetch_lit_kept";
+  static constexpr std::string_view kMeaning = "shade_surface, light_surface, record_surface";
+};
+
+template <bool kInstanced>
+struct FetchLitSecondary : FetchedAndLit<kInstanced, RecordSecondary<kInstanced>> {
+  static constexpr std::string_view kName = kInstanced ? "fetch_lit_secondary_instanced" : "fetch_lit_secondary";
+  static constexpr std::string_view kMeaning = "shade_surface, light_surface, record_secondary";
+};
+
+/// Surfaces that are listed for later. Textures stay apart: loads hide less of their latency in a loop of a longer
+/// interval, as fewer items are in it at a time.
+struct LightLater : Fused<ShadeAmbient, ShadeDiffuse> {
+  static constexpr std::string_view kName = "light_later";
+  static constexpr std::string_view kMeaning = "shade_ambient, shade_diffuse of the first light";
+};
+
+// Primary rays, and what their samples keep.
+
+struct GenerateGeometry : Fused<GenerateListedRays, ClearGeometry> {
+  static constexpr std::string_view kName = "generate_geometry";
+  static constexpr std::string_view kMeaning = "generate_listed_rays, clear_geometry";
+};
+
+struct GenerateSecondary : Fused<GenerateListedRays, ClearGeometry, ClearSecondary> {
+  static constexpr std::string_view kName = "generate_secondary";
+  static constexpr std::string_view kMeaning = "generate_listed_rays, clear_geometry, clear_secondary";
+};
+
+struct GenerateSurface : Fused<GenerateListedRays, ClearSurface> {
+  static constexpr std::string_view kName = "generate_surface";
+  static constexpr std::string_view kMeaning = "generate_listed_rays, clear_surface";
+};
+
+struct GenerateTraits : Fused<GenerateListedRays, ClearTraits> {
+  static constexpr std::string_view kName = "generate_traits";
+  static constexpr std::string_view kMeaning = "generate_listed_rays, clear_traits";
+};
+
+// Shadow rays: their light, and what their samples keep of them.
+
+struct CombineRecordShadow : Fused<CombineShadow, RecordShadow> {
+  static constexpr std::string_view kName = "combine_record_shadow";
+  static constexpr std::string_view kMeaning = "combine_shadow, record_shadow";
+};
+
+struct CombineRecordSecondaryShadow : Fused<CombineShadow, RecordSecondaryShadow> {
+  static constexpr std::string_view kName = "combine_record_secondary_shadow";
+  static constexpr std::string_view kMeaning = "combine_shadow, record_secondary_shadow";
+};
+
+struct CombineRecordTraitsShadow : Fused<CombineShadow, RecordTraitsShadow> {
+  static constexpr std::string_view kName = "combine_record_traits_shadow";
+  static constexpr std::string_view kMeaning = "combine_shadow, record_traits_shadow";
+};
+
+struct CombineRecordBranchShadow : Fused<CombineShadow, RecordBranchShadow> {
+  static constexpr std::string_view kName = "combine_record_branch_shadow";
+  static constexpr std::string_view kMeaning = "combine_shadow, record_branch_shadow";
+};
+
+// Samples between references.
+
+/// The host alone looks at the samples that have passed.
+template <bool kAlongY, bool kSecondary>
+struct CheckInterpolate : Fused<CheckSimilarity<kAlongY, kSecondary>,
+                                AllPassed<kAlongY, InterpolateSample<kAlongY, kSecondary && !kAlongY>>> {
+  static constexpr std::string_view kName =
+      kAlongY ? (kSecondary ? "check_interpolate_y_secondary" : "check_interpolate_y")
+              : (kSecondary ? "check_interpolate_x_secondary" : "check_interpolate_x");
+  static constexpr std::string_view kMeaning = "check_similarity, interpolate: all samples, as the others are traced";
+  static constexpr std::array<std::string_view, 1> kRegisters{"passed"};
+};
+
+template <bool kAlongY>
+struct InterpolateLit
+    : Fused<InterpolateAttributes<kAlongY>, ClassifySurfaces, ListLater, AtOnce<ShadeAmbient>, AtOnce<ShadeVisible>> {
+  static constexpr std::string_view kName = kAlongY ? "interpolate_lit_y" : "interpolate_lit_x";
+  static constexpr std::string_view kMeaning =
+      "interpolate_attributes, classify_surfaces, shade_ambient, shade_visible of the first light";
+};
+
+// Pixels of one sample.
+
+struct PackSample : Fused<TakeSample, PackClamped> {
+  static constexpr std::string_view kName = "pack_sample";
+  static constexpr std::string_view kMeaning = "average_colour of one sample, pack_colour";
+  static constexpr std::array<std::string_view, 1> kRegisters{"pixels"};
+};
+
+struct PackGridSample : Fused<TakeGridSample, PackClamped> {
+  static constexpr std::string_view kName = "pack_grid_sample";
+  static constexpr std::string_view kMeaning = "average_samples of one sample, pack_colour";
+  static constexpr std::array<std::string_view, 1> kRegisters{"pixels"};
+};
+
+}  // namespace kernels

@@ -1,0 +1,10 @@
+#include "tests/fuzz/common.h"
+#include "tools/simulation/ray_list.h"
+
+// A list of rays, as `raywatt run --rays FILE` reads it.
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::filesystem::path file = fuzz::file_of(fuzz::text_of(data, size), "input.rays");
+  fuzz::refusing([&] { tools::read_ray_list(file); });
+  return 0;
+}

@@ -1,0 +1,56 @@
+#include <filesystem>
+
+#include "tests/fuzz/common.h"
+#include "tools/studies/sweep/results/index/report_scan.h"
+#include "tools/studies/sweep/store/folder.h"
+#include "tools/studies/sweep/store/store.h"
+
+// The files of a sweep's folder and of its store. The input is each of them in turn: sweep.json, points.jsonl, the
+// record of a failure, a point's report.
+
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string kId(64, '0');
+
+void read_folder(const std::string& folder) {
+  fuzz::refusing([&] {
+    const auto sweep = tools::sweep::SweepFolder::open(fuzz::folder() / folder);
+    sweep.points();
+  });
+}
+
+void read_failure(std::string_view bytes) {
+  const fs::path root = fuzz::folder() / "store";
+  const tools::sweep::Store store(root);
+  static const bool made = fs::create_directories(store.failure_file(kId).parent_path());
+  if (made) fuzz::file_of(bytes, fs::relative(store.failure_file(kId), fuzz::folder()).string());
+  fuzz::refusing([&] { store.failure(kId); });
+}
+
+}  // namespace
+
+extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t most, unsigned seed) {
+  return fuzz::mutate_json(data, size, most, seed);
+}
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::string_view bytes = fuzz::text_of(data, size);
+  static const bool made = [] {
+    fs::create_directories(fuzz::folder() / "points");
+    fuzz::file_of(R"({"schema": "raywatt-sweep-folder/1", "of": "sweep", "store": "s", "points": 1, "slurm": []})",
+                  "points/sweep.json");
+    return fs::create_directories(fuzz::folder() / "sweep");
+  }();
+  if (!made) return 0;
+  fuzz::file_of(bytes, "sweep/sweep.json");
+  read_folder("sweep");
+  fuzz::file_of(bytes, "points/points.jsonl");
+  read_folder("points");
+  read_failure(bytes);
+  tools::results::MetricNames names;
+  tools::results::ReportScan scan;
+  tools::results::scan_report(bytes, names, scan);
+  return 0;
+}

@@ -1,0 +1,50 @@
+#include "tests/fuzz/trace_reading.h"
+
+#include <vector>
+
+#include "tests/fuzz/common.h"
+#include "tools/analysis/trace_info.h"
+#include "tools/simulation/recorded.h"
+#include "tools/simulation/replay_program.h"
+
+namespace fuzz {
+namespace {
+
+class NoTracer final : public traces::Tracer {
+ public:
+  void trace(std::span<const traces::Ray>, traces::RayKind, std::span<traces::Hit>, traces::WalkSink*) const override {}
+};
+
+void check_config(const traces::TraceReader& trace) {
+  trace.naming_file([&] {
+    tools::check_header(trace.header());
+    tools::replay_config(trace.header(), "trace", {});
+  });
+}
+
+void read_tiles(const traces::TraceReader& trace) {
+  trace.naming_file([&] { tools::check_header(trace.header()); });
+  const std::vector<traces::KernelId> kernels(trace.header().at("kernels").size());
+  for (const traces::TraceReader::Part& part : trace.parts()) {
+    const traces::TileScope scope = trace.scope(part, static_cast<std::uint32_t>(kernels.size()));
+    tools::ReplayProgram program(trace, part, scope, kernels);
+    kernels::TileResult tile;
+    for (std::uint32_t i = 0; i < part.tiles; ++i) {
+      program.run_tile(i, NoTracer(), false, tile);
+      program.keep(tile);
+    }
+  }
+}
+
+}  // namespace
+
+void read_trace(const std::filesystem::path& file) {
+  refusing([&] {
+    const traces::TraceReader trace(file);
+    refusing([&] { tools::trace_info_text(tools::trace_info(trace)); });
+    refusing([&] { check_config(trace); });
+    read_tiles(trace);
+  });
+}
+
+}  // namespace fuzz

@@ -1,0 +1,12 @@
+#include "tests/fuzz/common.h"
+#include "tools/simulation/load_config.h"
+
+// A workload file, as `raywatt run --scene FILE` loads it.
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::filesystem::path file = fuzz::file_of(fuzz::text_of(data, size), "input.yaml");
+  tools::JobOptions options;
+  options.scene = file.string();
+  fuzz::refusing([&] { tools::load_run_config(options); });
+  return 0;
+}

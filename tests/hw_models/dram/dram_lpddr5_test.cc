@@ -1,0 +1,105 @@
+#include <gtest/gtest.h>
+
+#include "hw_models/dram/dram_device.h"
+#include "hw_models/dram/dram_player.h"
+#include "sim/config/config.h"
+
+// Rules that LPDDR5 adds: ACT-1 and ACT-2, the CAS that starts WCK, bursts of 32, refresh of single banks beside
+// activates.
+
+namespace hw {
+namespace {
+
+using Cycle = DramDevice::Cycle;
+using enum DramCommand;
+
+DramConfig lpddr5() { return sim::load_config<DramConfig>("configs/dram/lpddr5-6400.yaml"); }
+
+Cycle earliest(const DramDevice& d, DramCommand command, std::uint32_t bank, Cycle now) {
+  const DramDevice::ReadyCycles ready = d.rank_ready(0, false, now);
+  return d.earliest(command, bank, d.ready(command, bank, false, ready), now);
+}
+
+TEST(Lpddr5, ACommandFitsBetweenAct1AndAct2) {
+  DramConfig c = lpddr5();
+  c.timing.wck_sync = 0;
+  DramDevice d{c};
+  d.activate(0, 0, 0);    // ACT-1 at 0, ACT-2 at 1
+  d.read(0, 100);         // reads at 100 and 104
+  d.activate(1, 0, 103);  // ACT-1 at 103, ACT-2 behind the read, at 105
+  EXPECT_EQ(earliest(d, kPrecharge, 2, 103), 106U);
+  d.read(0, 108);         // 108 and 112
+  d.activate(2, 0, 120);  // 120 and 121
+  EXPECT_EQ(earliest(d, kPrecharge, 3, 121), 122U);
+}
+
+TEST(Lpddr5, Act2ComesWithinTAadOrAct1Waits) {
+  DramConfig c = lpddr5();
+  c.timing.wck_sync = 0;
+  c.timing.aad = 1;  // the next slot or none
+  DramDevice d{c};
+  d.activate(0, 0, 0);
+  d.read(0, 100);
+  EXPECT_EQ(earliest(d, kActivate, 1, 103), 105U) << "104 holds the line's second read";
+  c.timing.aad = 2;
+  DramDevice wider{c};
+  wider.activate(0, 0, 0);
+  wider.read(0, 100);
+  EXPECT_EQ(earliest(wider, kActivate, 1, 103), 103U);
+}
+
+TEST(Lpddr5, AColumnCommandAfterAPauseBeginsWithCas) {
+  const DramConfig c = lpddr5();
+  DramDevice d{c};
+  d.activate(0, 0, 0);
+  EXPECT_EQ(earliest(d, kColumn, 0, 5), Cycle{c.timing.rcd} - 1) << "CAS waits with the row";
+  EXPECT_EQ(d.read(0, 100), 100 + 1 + Cycle{c.timing.rl}) << "CAS at 100, read at 101";
+  // WCK runs until one clock behind the data of the second read, at 105 + 17 + 2.
+  EXPECT_EQ(d.read(0, 125), 125 + Cycle{c.timing.rl});
+  const Cycle end = 129 + c.timing.rl + c.timing.burst + c.timing.wck_post;
+  EXPECT_EQ(d.read(0, end + 1), end + 2 + Cycle{c.timing.rl});
+}
+
+TEST(Lpddr5, ABurstOf32TakesOneCommand) {
+  DramConfig c = lpddr5();
+  c.timing.wck_sync = 0;
+  DramDevice two{c};
+  c.organisation.bl32 = true;
+  DramDevice one{c};
+  for (DramDevice* d : {&two, &one}) {
+    d->activate(0, 0, 0);
+    d->read(0, 100);
+  }
+  EXPECT_EQ(earliest(two, kPrecharge, 1, 104), 105U);
+  EXPECT_EQ(earliest(one, kPrecharge, 1, 104), 104U);
+  EXPECT_EQ(one.data_cycles(), two.data_cycles()) << "the data are the same";
+}
+
+TEST(Lpddr4, ARefreshOfOneBankIsAnActivateToTheOthers) {
+  const DramConfig c = sim::load_config<DramConfig>("configs/dram/lpddr4-3200.yaml");
+  const DramTiming& t = c.timing;
+  DramDevice d{c};
+  d.refresh(1U << 5, 1000);
+  EXPECT_EQ(earliest(d, kActivate, 0, 900), 900U);
+  EXPECT_EQ(earliest(d, kActivate, 0, 990), 1000U + t.rrd) << "not within tRRD before it either";
+  EXPECT_EQ(earliest(d, kActivate, 0, 1001), 1000U + t.rrd);
+  for (std::uint32_t bank = 0; bank < 3; ++bank) d.activate(bank, 0, 1000 + Cycle{t.rrd} * (bank + 1));
+  EXPECT_EQ(earliest(d, kActivate, 3, 1000 + Cycle{t.rrd} * 4), 1000U + t.faw) << "the fifth in the window";
+}
+
+TEST(DramPlayer, PostedWritesFillTheChannelWhateverTheWindow) {
+  DramConfig c = lpddr5();
+  c.controller.write_high = 32;
+  std::vector<DramRequest> writes;
+  for (std::uint64_t i = 0; i < 4000; ++i) writes.push_back({i * c.line.bytes, true, 0});
+  const auto gbps = [&](std::uint32_t outstanding) {
+    return static_cast<double>(writes.size() * c.line.bytes) /
+           (static_cast<double>(play(c, writes, outstanding).end) * 1e-6);
+  };
+  constexpr double kPeak = 12.8;  // 16 pins at 6.4 Gb/s
+  EXPECT_GT(gbps(32), 0.95 * kPeak);
+  EXPECT_GT(gbps(4), 0.95 * kPeak);
+}
+
+}  // namespace
+}  // namespace hw

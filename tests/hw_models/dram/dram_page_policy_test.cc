@@ -1,0 +1,47 @@
+#include "hw_models/dram/dram_page_policy.h"
+
+#include <gtest/gtest.h>
+
+namespace hw {
+namespace {
+
+constexpr std::uint32_t kBank = 5, kRow = 7;
+
+/// The bank's row closes for want of further requests, and the next one wants a row.
+bool closes_before(DramPagePolicy& policy, std::uint32_t row) {
+  const bool closed = policy.closes(kBank, kRow, false);
+  policy.requested(kBank, row);
+  return closed;
+}
+
+TEST(DramPagePolicy, ForgetsManyOtherRowsAfterTwoOfTheSame) {
+  DramPagePolicy policy(PagePolicy::kAdaptive);
+  for (int i = 0; i < 10; ++i) EXPECT_TRUE(policy.closes(kBank, kRow, true)) << "another row waits";
+  EXPECT_TRUE(closes_before(policy, kRow)) << "the count ends at 3";
+  EXPECT_TRUE(closes_before(policy, kRow)) << "2: the upper half";
+  EXPECT_FALSE(closes_before(policy, kRow)) << "1";
+}
+
+TEST(DramPagePolicy, ForgetsManyOfTheSameAfterTwoOtherRows) {
+  DramPagePolicy policy(PagePolicy::kAdaptive);
+  for (int i = 0; i < 10; ++i) EXPECT_FALSE(closes_before(policy, kRow));
+  EXPECT_FALSE(closes_before(policy, kRow + 1)) << "0";
+  EXPECT_FALSE(closes_before(policy, kRow + 1)) << "1";
+  EXPECT_TRUE(closes_before(policy, kRow + 1)) << "2";
+}
+
+TEST(DramPagePolicy, TakesOnlyTheNextRequestForEvidence) {
+  DramPagePolicy policy(PagePolicy::kAdaptive);
+  EXPECT_FALSE(closes_before(policy, kRow + 1));
+  for (int i = 0; i < 10; ++i) policy.requested(kBank, kRow + 1);
+  EXPECT_FALSE(policy.closes(kBank, kRow, false)) << "1";
+}
+
+TEST(DramPagePolicy, CountsForEachBankAlone) {
+  DramPagePolicy policy(PagePolicy::kAdaptive);
+  for (int i = 0; i < 10; ++i) EXPECT_TRUE(policy.closes(kBank, kRow, true));
+  for (std::uint32_t bank = 0; bank < 32; ++bank) EXPECT_EQ(policy.closes(bank, kRow, false), bank == kBank);
+}
+
+}  // namespace
+}  // namespace hw

@@ -1,0 +1,31 @@
+#include "hw_models/dram/dram_player.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/hw_models/dram/dram_harness.h"
+
+namespace hw::test {
+namespace {
+
+TEST(DramPlayer, LetsARequestArriveWhenAnEarlierOneIsDoneIfNoMoreMayBeOutstanding) {
+  const DramConfig c = DramHarness::quiet();
+  std::vector<DramRequest> requests(12);
+  for (std::size_t i = 0; i < requests.size(); ++i) requests[i].address = 64 * i;
+  for (const std::uint32_t outstanding : {1U, 2U, 3U}) {
+    const DramPlay play = hw::play(c, requests, outstanding);
+    for (std::size_t i = outstanding; i < requests.size(); ++i)
+      EXPECT_EQ(play.arrived[i], play.done[i - outstanding]) << i << " with " << outstanding;
+    EXPECT_EQ(play.end, play.done.back());
+  }
+}
+
+TEST(DramPlayer, LetsNoRequestArriveBeforeItsTime) {
+  const DramConfig c = DramHarness::quiet();
+  const sim::Time late = 777 * c.timing.ck.time;
+  const DramPlay play = hw::play(c, std::vector<DramRequest>{{0, false, 0}, {64, false, late}}, 8);
+  EXPECT_EQ(play.arrived[0], 0U);
+  EXPECT_EQ(play.arrived[1], late);
+}
+
+}  // namespace
+}  // namespace hw::test

@@ -1,0 +1,77 @@
+#include "hw_models/dram/dram_queue.h"
+
+#include <gtest/gtest.h>
+
+namespace hw {
+namespace {
+
+DramQueue::Entry entry(std::uint32_t bank, std::uint32_t row) {
+  DramQueue::Entry e;
+  e.address = {bank, row};
+  return e;
+}
+
+/// Requests for rows 10 and 11 of bank 3, whose row 10 is open, and for bank 31, whose row is not.
+DramQueue four() {
+  DramQueue queue(4);
+  queue.push(entry(3, 10), true);
+  queue.push(entry(31, 20), false);
+  queue.push(entry(3, 11), false);
+  queue.push(entry(3, 10), true);
+  return queue;
+}
+
+TEST(DramQueue, KnowsWhoWantsWhichBankAndWhoItsOpenRow) {
+  DramQueue queue = four();
+  EXPECT_TRUE(queue.full());
+  EXPECT_EQ(queue.banks(), 1U << 3 | 1U << 31);
+  EXPECT_EQ(queue.hit_banks(), 1U << 3);
+  EXPECT_EQ(queue.waiting(3), 0b1101U);
+  EXPECT_EQ(queue.waiting(31), 0b0010U);
+  EXPECT_EQ(queue.hits(3), 0b1001U);
+  EXPECT_EQ(queue.hits(31), 0U);
+}
+
+TEST(DramQueue, ClosesUpBehindOneThatGoes) {
+  DramQueue queue = four();
+  queue.remove(1);
+  EXPECT_EQ(queue.size(), 3U);
+  EXPECT_EQ(queue.banks(), 1U << 3);
+  EXPECT_EQ(queue.waiting(3), 0b111U);
+  EXPECT_EQ(queue.waiting(31), 0U);
+  EXPECT_EQ(queue.hits(3), 0b101U);
+  EXPECT_EQ(queue.at(1).address.row, 11U);
+  queue.remove(0);
+  EXPECT_EQ(queue.oldest().address.row, 11U);
+  EXPECT_EQ(queue.hits(3), 0b10U);
+  queue.remove(1);
+  EXPECT_EQ(queue.hit_banks(), 0U);
+  queue.remove(0);
+  EXPECT_TRUE(queue.empty());
+  EXPECT_EQ(queue.banks(), 0U);
+}
+
+TEST(DramQueue, LooksForItsHitsAnewWhenARowOpensOrCloses) {
+  DramQueue queue = four();
+  queue.row_opened(3, 11);
+  EXPECT_EQ(queue.hits(3), 0b100U);
+  queue.row_opened(31, 20);
+  EXPECT_EQ(queue.hit_banks(), 1U << 3 | 1U << 31);
+  queue.row_closed(3);
+  EXPECT_EQ(queue.hits(3), 0U);
+  EXPECT_EQ(queue.hit_banks(), 1U << 31);
+}
+
+TEST(DramQueue, HoldsSixtyFour) {
+  DramQueue queue(64);
+  for (std::uint32_t i = 0; i < 64; ++i) queue.push(entry(i % 32, i), true);
+  EXPECT_TRUE(queue.full());
+  EXPECT_EQ(queue.waiting(31), std::uint64_t{1} << 31 | std::uint64_t{1} << 63);
+  for (std::uint32_t i = 0; i < 64; ++i) {
+    EXPECT_EQ(queue.oldest().address.row, i);
+    queue.remove(0);
+  }
+}
+
+}  // namespace
+}  // namespace hw

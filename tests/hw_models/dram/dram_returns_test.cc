@@ -1,0 +1,46 @@
+#include <gtest/gtest.h>
+
+#include "tests/hw_models/dram/dram_harness.h"
+
+// Reads whose data wait in the channel because their port does not take them.
+
+namespace hw::test {
+namespace {
+
+constexpr std::uint64_t kLongAfter = 10'000;
+
+/// Hits of one row over a port that holds one answer, which its requester takes once in `kLongAfter` cycles.
+struct SlowPort : DramHarness {
+  explicit SlowPort(std::uint32_t reads, DramConfig c = quiet()) : DramHarness(c, 1, 1) {
+    requester().pop_every = kLongAfter;
+    for (Addr i = 0; i < reads; ++i) requester().send(64 * i);
+    run();
+  }
+};
+
+/// In flight while data are delayed: RL + tDQSCK + a line = 28 + 3 + 16 cycles, 2 lines. For these and 4 more there is
+/// room, twice.
+constexpr std::uint32_t kRoom = 2 * (2 + 4);
+
+TEST(DramReturns, HaveRoomForTwiceWhatIsInFlightAndFourMore) {
+  SlowPort s(1 + kRoom);
+  EXPECT_LT(s.stats().read_latency_max, kLongAfter) << "one in the port, the others in the channel";
+}
+
+TEST(DramReturns, StopReadsThatFindNoRoom) {
+  SlowPort s(1 + kRoom + 1);
+  EXPECT_GT(s.stats().read_latency_max, kLongAfter - 100);
+  EXPECT_GT(s.why(DramCycleReason::kReturnsFull), kLongAfter - 500);
+}
+
+TEST(DramReturns, HaveMoreRoomBehindALongerFabric) {
+  DramConfig c = DramHarness::quiet();
+  c.fabric = {17 * c.timing.ck.time};  // 64 cycles in flight: 4 lines
+  SlowPort enough(1 + 2 * (4 + 4), c);
+  EXPECT_LT(enough.stats().read_latency_max, kLongAfter);
+  SlowPort one_more(1 + 2 * (4 + 4) + 1, c);
+  EXPECT_GT(one_more.stats().read_latency_max, kLongAfter - 100);
+}
+
+}  // namespace
+}  // namespace hw::test

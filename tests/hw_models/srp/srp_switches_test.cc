@@ -1,0 +1,104 @@
+#include <cstdint>
+#include <tuple>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/hw_models/srp/srp_harness.h"
+
+// Switches between kernels that are resident in configuration memory and kernels that are not.
+
+namespace hw {
+namespace {
+
+using test::SrpHarness;
+using test::TileBuilder;
+
+constexpr std::uint64_t kRow = 128;  // bytes: 16 units, 8 bytes each
+
+/// One launch behind the other, of these kernels.
+traces::TileWork launches(const std::vector<traces::KernelId>& kernels) {
+  TileBuilder work;
+  std::vector<TileBuilder::Edge> before;
+  for (const traces::KernelId kernel : kernels) before = {TileBuilder::all(work.launch(kernel, 16, before))};
+  return work.build();
+}
+
+SrpHarness::Setup with_memory(std::uint64_t bytes) {
+  SrpHarness::Setup setup;
+  setup.config.config_memory.bytes = bytes;
+  return setup;
+}
+
+TEST(SrpSwitches, OnlyTheFirstSwitchToAKernelIsColdWhereAllFit) {
+  SrpHarness harness(with_memory(10 * kRow), {{3, 20}, {7, 20}});
+  harness.add(launches({0, 1, 0, 1, 0})).run();
+  const SrpStats& stats = harness.srp().stats();
+  EXPECT_EQ(stats.switches, 5U);
+  EXPECT_EQ(stats.cold_switches, 2U);
+  EXPECT_EQ(stats.resident_switches, 3U);
+  EXPECT_EQ(stats.config_rows_loaded, 3U + 7U);
+  EXPECT_EQ(stats.config_rows_switched, 3 * 3U + 2 * 7U);
+  EXPECT_EQ(harness.spent(Srp::CycleReason::kSwitching),
+            SrpHarness::cold(3) + SrpHarness::cold(7) + 3 * SrpHarness::kResident);
+}
+
+TEST(SrpSwitches, EverySwitchIsColdWhereOneRowIsMissing) {
+  SrpHarness harness(with_memory(10 * kRow - 1), {{3, 20}, {7, 20}});
+  harness.add(launches({0, 1, 0, 1, 0})).run();
+  EXPECT_EQ(harness.srp().stats().resident_switches, 0U);
+  EXPECT_EQ(harness.srp().stats().config_rows_loaded, 3 * 3U + 2 * 7U);
+  EXPECT_EQ(harness.spent(Srp::CycleReason::kSwitching), 3 * SrpHarness::cold(3) + 2 * SrpHarness::cold(7));
+}
+
+TEST(SrpSwitches, OfThreeKernelsInRoomForTwoTheOneThatRanLongAgoGoes) {
+  SrpHarness harness(with_memory(4 * kRow), {{2, 20}, {2, 20}, {2, 20}});
+  harness.add(launches({0, 1, 0, 2, 0, 1})).run();
+  EXPECT_EQ(harness.srp().stats().resident_switches, 2U) << "0, twice";
+  EXPECT_EQ(harness.srp().stats().cold_switches, 4U);
+}
+
+TEST(SrpSwitches, LoadingTakesWholeCyclesOfItsPort) {
+  for (const auto& [word, load, cycles] :
+       {std::tuple{8U, 64U, 6U}, {8U, 128U, 3U}, {8U, 256U, 2U}, {4U, 64U, 3U}, {1U, 64U, 1U}}) {
+    SrpHarness::Setup setup;
+    setup.config.config_word.bytes = word;
+    setup.config.config_load.bytes = load;
+    SrpHarness harness(setup, {{3, 20}});
+    harness.add(launches({0})).run();
+    EXPECT_EQ(harness.spent(Srp::CycleReason::kSwitching), SrpHarness::kResident + cycles) << word << ' ' << load;
+  }
+}
+
+TEST(SrpSwitches, AnIdealShaderCoreMakesNone) {
+  SrpHarness::Setup setup;
+  setup.ideal = true;
+  SrpHarness harness(setup, {{3, 20}, {7, 20}});
+  harness.add(launches({0, 1, 0})).run();
+  EXPECT_EQ(harness.srp().stats().switches, 0U);
+  EXPECT_EQ(harness.srp().stats().config_rows_switched, 0U);
+}
+
+TEST(SrpSwitches, TheOracleAgreesHoweverLittleFits) {
+  for (const std::uint64_t rows : {0U, 5U, 9U, 12U}) {
+    const std::vector<SrpHarness::Kernel> kernels = {{2, 33}, {5, 71}, {4, 12}};
+    SrpHarness fast(with_memory(rows * kRow), kernels), oracle(with_memory(rows * kRow), kernels);
+    for (SrpHarness* harness : {&fast, &oracle}) harness->add(launches({0, 1, 2, 0})).add(launches({2, 0, 1}));
+    fast.run();
+    oracle.run<sim::Skip::kOff>();
+    EXPECT_EQ(fast.elapsed(), oracle.elapsed());
+    const SrpStats& stats = fast.srp().stats();
+    EXPECT_EQ(stats.switches, stats.cold_switches + stats.resident_switches);
+    EXPECT_EQ(stats.cold_switches, oracle.srp().stats().cold_switches);
+    std::uint64_t sum = 0;
+    for (std::size_t w = 0; w < static_cast<std::size_t>(Srp::CycleReason::kCount); ++w) {
+      const auto why = static_cast<Srp::CycleReason>(w);
+      EXPECT_EQ(fast.spent(why), oracle.spent(why)) << Srp::kReasons[w].name << ' ' << rows;
+      sum += fast.spent(why);
+    }
+    EXPECT_EQ(sum, fast.elapsed());
+  }
+}
+
+}  // namespace
+}  // namespace hw

@@ -1,0 +1,65 @@
+#include "hand_counts.h"
+
+namespace kernels {
+namespace {
+
+// Fused kernels are the sum of their parts less what is loaded or computed before. light_surface: classify_surfaces;
+// and, compare, and, next for `later`; and, compare for what is lit; shade_ambient with 3 select; shade_diffuse with
+// and, less 3 mul that shade_ambient has done; once each of surfaces, mattes, paths, colours, places.
+constexpr Hand kByHand[] = {
+    //                         add mul d/s oth cmp sel int cnv  ld  st  $
+    {"fetch_surface", {19, 33, 2, 1, 9, 9, 17, 0, 3, 12, 2}},
+    {"fetch_surface_instanced", {25, 44, 2, 1, 9, 9, 23, 2, 3, 12, 3}},
+    {"light_surface", {15, 35, 2, 6, 8, 10, 16, 0, 5, 9, 0}},
+    // record_*: hits besides, and texcoords.
+    {"light_surface_geometry", {15, 35, 2, 6, 9, 11, 19, 0, 6, 10, 1}},
+    {"light_surface_geometry_instanced", {15, 35, 2, 6, 9, 11, 22, 0, 6, 10, 1}},
+    {"light_surface_kept", {28, 53, 4, 7, 10, 12, 19, 0, 7, 11, 1}},
+    {"light_surface_kept_instanced", {34, 62, 4, 7, 10, 12, 23, 0, 7, 11, 2}},
+    {"light_surface_secondary", {15, 35, 2, 6, 13, 18, 31, 0, 7, 10, 1}},
+    {"light_surface_secondary_instanced", {15, 35, 2, 6, 13, 18, 34, 0, 7, 10, 1}},
+    // shade_surface: rays, hits, paths, colours besides surfaces; record_* without triangle_of (1 integer) and
+    // instance_of (4), which shade_surface has done, as it has loaded the instance.
+    {"fetch_lit", {34, 68, 4, 7, 9, 11, 17, 0, 5, 13, 2}},
+    {"fetch_lit_instanced", {40, 79, 4, 7, 9, 11, 23, 2, 5, 13, 3}},
+    {"fetch_lit_geometry", {34, 68, 4, 7, 10, 12, 19, 0, 5, 14, 3}},
+    {"fetch_lit_geometry_instanced", {40, 79, 4, 7, 10, 12, 25, 2, 5, 14, 3}},
+    {"fetch_lit_kept", {47, 86, 6, 8, 11, 13, 19, 0, 5, 15, 3}},
+    {"fetch_lit_kept_instanced", {59, 106, 6, 8, 11, 13, 25, 2, 5, 15, 4}},
+    {"fetch_lit_secondary", {34, 68, 4, 7, 14, 19, 31, 0, 6, 14, 3}},
+    {"fetch_lit_secondary_instanced", {40, 79, 4, 7, 14, 19, 37, 2, 6, 14, 3}},
+    {"light_later", {15, 35, 2, 6, 1, 1, 1, 0, 5, 3, 0}},
+    {"generate_geometry", {20, 20, 2, 4, 0, 0, 0, 1, 1, 4, 0}},
+    {"generate_secondary", {20, 20, 2, 4, 0, 0, 0, 1, 1, 5, 0}},
+    {"generate_surface", {20, 20, 2, 4, 0, 0, 0, 1, 1, 6, 0}},
+    {"generate_traits", {20, 20, 2, 4, 0, 0, 0, 1, 1, 6, 0}},
+    // One comparison, one load each of shadow_hits and shadow_paths.
+    {"combine_record_shadow", {3, 0, 0, 0, 1, 4, 1, 0, 4, 2, 0}},
+    {"combine_record_secondary_shadow", {3, 0, 0, 0, 1, 4, 1, 0, 4, 2, 0}},
+    {"combine_record_traits_shadow", {3, 0, 0, 0, 1, 4, 1, 0, 4, 2, 0}},
+    {"combine_record_branch_shadow", {5, 3, 0, 0, 2, 5, 1, 0, 6, 2, 0}},
+    // Instead of `passed` to_float, add, mul; the stream `passed` is not stored, which saves shift, or; once each of
+    // geometry and secondary.
+    {"check_interpolate_x", {33, 28, 2, 15, 7, 6, 5, 6, 4, 4, 0}},
+    {"check_interpolate_x_secondary", {53, 52, 6, 18, 10, 9, 8, 6, 6, 5, 0}},
+    {"check_interpolate_y", {19, 16, 0, 14, 7, 6, 5, 6, 4, 3, 0}},
+    {"check_interpolate_y_secondary", {23, 22, 0, 15, 10, 9, 8, 6, 6, 3, 0}},
+    // As light_surface, with shade_visible in place of shade_diffuse; all but the references is in registers, and the
+    // colour is stored once.
+    {"interpolate_lit_x", {58, 66, 6, 8, 9, 15, 18, 4, 7, 15, 0}},
+    {"interpolate_lit_y", {50, 57, 4, 7, 9, 15, 18, 4, 7, 13, 0}},
+    // Without 2 wraps, or; 2 (has, select, or), and.
+    {"check_attributes_x_untextured", {38, 50, 18, 15, 16, 15, 10, 5, 6, 3, 0}},
+    {"check_attributes_y_untextured", {38, 50, 18, 15, 16, 15, 10, 5, 6, 3, 0}},
+    // As pack_colour; along rows to_float, divmod, mul, 2 add, to_int.
+    {"pack_sample", {9, 15, 9, 6, 3, 3, 5, 3, 1, 1, 0}},
+    {"pack_grid_sample", {13, 18, 9, 7, 3, 3, 5, 5, 1, 1, 0}},
+};
+
+TEST(FusedGraphs, OperationsAreThoseOfThePartsLessWhatIsShared) {
+  ASSERT_EQ(kFirstFused + std::size(kByHand), catalogue().size());
+  expect_counts(kByHand);
+}
+
+}  // namespace
+}  // namespace kernels

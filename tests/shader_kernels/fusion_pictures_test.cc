@@ -1,0 +1,105 @@
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "harness.h"
+#include "shader_kernels/programs/program_spec.h"
+#include "shader_kernels/programs/programs.h"
+#include "showcase.h"
+#include "traces/scenes/builtin.h"
+
+// Fused kernels change the stream of work and nothing else: pictures, findings and rays are those of their parts.
+
+namespace kernels {
+namespace {
+
+/// Findings of a frame program.
+struct Frames {
+  std::vector<float> rgb;
+  std::vector<std::vector<std::uint32_t>> packed;  ///< per tile of the list
+  std::vector<std::vector<SampleMark>> marks;
+  std::array<std::uint64_t, static_cast<std::size_t>(traces::RayKind::kCount)> rays{};
+  Sampling sampling;
+  std::uint64_t launches = 0, fused = 0;
+};
+
+Frames run(FrameProgram& program, const traces::Tracer& tracer) {
+  Frames out;
+  run_tiles(program, tracer, true, [&](const TileResult& tile) {
+    out.packed.push_back(tile.packed);
+    out.marks.push_back(tile.marks);
+    for (std::size_t k = 0; k < out.rays.size(); ++k) out.rays[k] += tile.rays[k];
+    for (const traces::WorkNode& node : tile.work.nodes) {
+      if (node.kind != traces::WorkNode::Kind::kLaunch) continue;
+      ++out.launches;
+      out.fused += catalogue()[node.kernel].parts.empty() ? 0U : 1U;
+    }
+  });
+  out.rgb = program.picture();
+  out.sampling = program.sampling();
+  return out;
+}
+
+void expect_same(const Frames& fused, const Frames& apart) {
+  EXPECT_EQ(fused.rgb, apart.rgb);
+  EXPECT_EQ(fused.packed, apart.packed);
+  EXPECT_EQ(fused.marks, apart.marks);
+  EXPECT_EQ(fused.rays, apart.rays);
+  EXPECT_EQ(fused.sampling.traced, apart.sampling.traced);
+  EXPECT_EQ(fused.sampling.correction, apart.sampling.correction);
+  EXPECT_EQ(fused.sampling.passed, apart.sampling.passed);
+  EXPECT_EQ(fused.sampling.failed, apart.sampling.failed);
+  EXPECT_EQ(fused.sampling.background, apart.sampling.background);
+  EXPECT_LT(fused.launches, apart.launches);
+  EXPECT_GT(fused.fused, 0U);
+  EXPECT_EQ(apart.fused, 0U);
+}
+
+/// All programs, with fusion and without, on a scene.
+void expect_fusion_to_change_nothing(const traces::Scene& scene, const traces::BvhConfig& bvh = {}) {
+  const traces::MemoryImage image = traces::build_memory_image(scene, bvh);
+  const traces::BvhTracer tracer(image);
+  const glm::vec3 sides = image.upper - image.lower;
+  const float size = std::max({sides.x, sides.y, sides.z});
+  ProgramConfig programs;
+  programs.undersample.correct_shadows = true;
+  const RateMap rates(programs.multirate);
+  for (const char* name : {"full:1", "full:4", "multirate:under", "multirate:super", "undersample", "supersample"}) {
+    for (const Streams streams : {Streams::kCompacted, Streams::kDivergent}) {
+      SCOPED_TRACE(testing::Message() << name << (streams == Streams::kDivergent ? ", divergent" : ""));
+      RenderConfig render = small(64, 32);
+      render.streams = streams;
+      const auto frames = [&](Fusion fusion) {
+        render.fusion = fusion;
+        const Frame frame{image, scene.cameras.front(), render, programs, rates, 0, size};
+        return run(*make_program(parse_program(name), frame), tracer);
+      };
+      expect_same(frames(Fusion::kOn), frames(Fusion::kOff));
+    }
+  }
+}
+
+class FusedKernelsOf : public testing::TestWithParam<std::string> {};
+std::vector<std::string> all_scenes() {
+  std::vector<std::string> names;
+  for (const traces::BuiltinInfo& scene : traces::builtin_scenes()) names.emplace_back(scene.name);
+  return names;
+}
+INSTANTIATE_TEST_SUITE_P(BuiltIn, FusedKernelsOf, testing::ValuesIn(all_scenes()),
+                         [](const auto& i) { return i.param; });
+
+TEST_P(FusedKernelsOf, MakeThePictureThatTheirPartsMake) {
+  expect_fusion_to_change_nothing(traces::open_scene(GetParam()));
+}
+
+TEST(FusedKernels, MakeTheShowcaseThatTheirPartsMake) { expect_fusion_to_change_nothing(showcase_scene()); }
+
+TEST(FusedKernels, MakeAPictureOfInstancesThatTheirPartsMake) {
+  traces::BvhConfig bvh;
+  bvh.instances = traces::InstanceLevels::kTwoLevel;
+  expect_fusion_to_change_nothing(showcase_scene(), bvh);
+  expect_fusion_to_change_nothing(traces::open_scene("cornell"), bvh);
+}
+
+}  // namespace
+}  // namespace kernels

@@ -1,0 +1,69 @@
+#include "tools/host/staging.h"
+
+#include <string_view>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+namespace tools {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::string_view kEnd = ".raywatt-tmp";  // as of files that are being written (sim/io/file.h)
+
+}  // namespace
+
+bool FolderLock::take(const fs::path& folder) {
+  release();
+  folder_ = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+  return folder_ >= 0 && ::flock(folder_, LOCK_EX | LOCK_NB) == 0 && fs::exists(folder);
+}
+
+void FolderLock::release() {
+  if (folder_ >= 0) ::close(folder_);
+  folder_ = -1;
+}
+
+Staging::~Staging() {
+  std::error_code ignored;
+  if (!folder_.empty()) fs::remove_all(folder_, ignored);
+  for (const fs::path& parent : made_) fs::remove(parent, ignored);  // unless something is in it by now
+}
+
+std::error_code Staging::make() {
+  const fs::path parent = target_.parent_path();
+  std::error_code error;
+  for (fs::path p = parent; !fs::exists(p, error) && p.has_relative_path(); p = p.parent_path()) made_.push_back(p);
+  remove_left();
+  // Again if the name is taken by what a killed run has left, if another run has removed the parent it had made, or
+  // took the folder for left in the moment before it was locked.
+  for (int n = 0; n < 100; ++n) {
+    const fs::path folder = parent / fmt::format("{}{}.{}{}", begin(), ::getpid(), n, kEnd);
+    fs::create_directories(parent, error);
+    if (error || !fs::create_directory(folder, error)) continue;
+    lock_.take(folder);
+    if (!fs::exists(folder, error)) continue;
+    folder_ = folder;
+    return {};
+  }
+  return error ? error : std::make_error_code(std::errc::file_exists);
+}
+
+void Staging::remove_left() const {
+  std::error_code failed, ignored;
+  fs::directory_iterator entry(target_.parent_path(), failed);
+  for (; !failed && entry != fs::directory_iterator(); entry.increment(failed)) {
+    const std::string name = entry->path().filename().string();
+    if (!name.starts_with(begin()) || !name.ends_with(kEnd)) continue;
+    const std::string_view number = std::string_view(name).substr(begin().size(), name.size() - begin().size());
+    if (number.find_first_not_of("0123456789.") != number.size() - kEnd.size() + 1) continue;
+    FolderLock lock;
+    if (lock.take(entry->path())) fs::remove_all(entry->path(), ignored);
+  }
+}
+
+}  // namespace tools
