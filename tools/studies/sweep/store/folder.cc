@@ -26,7 +26,7 @@ using Json = nlohmann::ordered_json;
 constexpr std::string_view kSchema = "raywatt-sweep-folder/1";
 constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 32;
 constexpr std::array<std::string_view, 3> kFiles = {"sweep.json", "sweep.yaml", "points.jsonl"};
-/// Of what is made from its points.
+/// Files that are made from the results of its points.
 constexpr std::array<std::string_view, 4> kResults = {"results.csv", "index.sqlite", "history.jsonl", "front.csv"};
 
 /// Remains of the folder's files after a run was killed while it wrote them.
