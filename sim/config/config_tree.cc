@@ -98,7 +98,8 @@ ConfigNode& TreeBuilder::add(std::string_view key, std::string_view meaning) {
   assert(group_.child(key) == nullptr && "a key declared twice");
   ConfigNode& node = group_.children.emplace_back();
   node.key = key;
-  node.path = group_.path.empty() ? node.key : fmt::format("{}.{}", group_.path, key);
+  if (!group_.path.empty()) node.path.append(group_.path).append(1, '.');
+  node.path.append(key);
   node.meaning = meaning;
   return node;
 }

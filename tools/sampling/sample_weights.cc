@@ -67,6 +67,10 @@ double SampleWeights::half_width(std::span<const double> observed) const {
   return student_t(degrees_) * std::sqrt(left / degrees_ * as_vector(shares_).squaredNorm());
 }
 
-double student_t(double degrees) { return boost::math::quantile(boost::math::students_t(degrees), 0.975); }
+double student_t(double degrees) {
+  // Wider floating point would start with the program, and fail where a profiler's processor has 64 bits only.
+  using Policy = boost::math::policies::policy<boost::math::policies::promote_double<false>>;
+  return boost::math::quantile(boost::math::students_t_distribution<double, Policy>(degrees), 0.975);
+}
 
 }  // namespace tools

@@ -48,7 +48,8 @@ std::string PointKeys::scene_digest(const RunConfig& config) {
   return digest->second;
 }
 
-PointKeys::Key PointKeys::key_of(const Point& point, const RunConfig& config) {
+PointKeys::Key PointKeys::key_of(const Point& point, RunConfig config) {
+  const sim::ConfigNode tree = sim::config_tree(config);  // once for both hashes: sweeps have thousands of points
   const BuildInfo build = build_info();
   const std::string program = kernels::parse_program(point.program).name();
   const std::string reference = point.reference.empty() ? "" : kernels::parse_program(point.reference).name();
@@ -59,13 +60,13 @@ PointKeys::Key PointKeys::key_of(const Point& point, const RunConfig& config) {
   Key key;
   key.made_of = {{"schema", "raywatt-point/1"},
                  {"report_id", build.report_id},
-                 {"config_hash", sim::config_hash(config)},
+                 {"config_hash", sim::hash_tree(tree, {})},
                  {"tile_sampling", point.tile_sampling},
                  {"image", point.image}};
   key.made_of.update(work);
   key.id = sim::sha256_hex(sim::json_line(key.made_of));
   if (can_share(point)) {
-    work["function_hash"] = sim::config_hash(config, sim::Affects::kFunction);
+    work["function_hash"] = sim::hash_tree(tree, sim::Affects::kFunction);
     key.stream = sim::sha256_hex(sim::json_line(work));
   }
   return key;
@@ -85,7 +86,7 @@ void PointKeys::set_key(Point& point) {
     point.n = n;
     return;
   }
-  Key key = key_of(point, *config);
+  Key key = key_of(point, std::move(*config));
   point.id = std::move(key.id);
   point.stream = std::move(key.stream);
 }

@@ -25,7 +25,7 @@ class PointKeys {
 
   /// The effective configuration. InputError if its values do not go together.
   RunConfig config_of(const Point& point);
-  Key key_of(const Point& point, const RunConfig& config);
+  Key key_of(const Point& point, RunConfig config);
   /// Sets id and stream; or error, and an id of what was asked for. InputError for a scene file that cannot be read.
   void set_key(Point& point);
 
