@@ -58,7 +58,7 @@ bool wait_until(const std::function<bool()>& is_so) {
 }
 
 Program::Program(Words arguments, const Surroundings& around) {
-  arguments.insert(arguments.begin(), RAYWATT_PROGRAM);
+  arguments.insert(arguments.begin(), around.program.empty() ? RAYWATT_PROGRAM : around.program.string());
   const std::string out = around.out.empty() ? streams_.write("out", "").string() : around.out;
   const std::string err = around.err.empty() ? streams_.write("err", "").string() : around.err;
   process_ = ::fork();

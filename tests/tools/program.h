@@ -30,10 +30,11 @@ struct Ending {
 struct Surroundings {
   std::filesystem::path folder{};                                ///< working directory; empty: the test's own
   std::vector<std::pair<std::string, std::string>> variables{};  ///< added to the environment
-  std::uint64_t longest_file = 0;  ///< bytes after which writing a file fails; 0: no limit
-  std::string out{};               ///< file that stdout goes to; empty: into Ending::out
-  std::string err{};               ///< likewise for stderr
-  std::vector<int> closed{};       ///< standard streams that are closed, by descriptor
+  std::uint64_t longest_file = 0;   ///< bytes after which writing a file fails; 0: no limit
+  std::string out{};                ///< file that stdout goes to; empty: into Ending::out
+  std::string err{};                ///< likewise for stderr
+  std::vector<int> closed{};        ///< standard streams that are closed, by descriptor
+  std::filesystem::path program{};  ///< empty: the one that was built
 };
 
 /// The real raywatt program, running.

@@ -79,6 +79,8 @@ int run(int argc, char** argv) {
   tools::add_microbench(app, exit);
   tools::add_sweep(app, exit);
   tools::add_optimise(app, exit);
+  tools::add_completion(app);
+  tools::add_man(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -27,5 +27,7 @@ void add_sweep(CLI::App& app, int& exit);
 /// Those verbs of `raywatt sweep` that look at results.
 void add_sweep_results(CLI::App& sweep);
 void add_optimise(CLI::App& app, int& exit);
+void add_completion(CLI::App& app);
+void add_man(CLI::App& app);
 
 }  // namespace tools

@@ -13,6 +13,7 @@ struct BuildInfo {
   std::string_view model_id;   ///< hash of the model's sources and library versions: equal ids, equal results
   std::string_view report_id;  ///< hash of the sources that make reports and samples of a model's figures
   std::string_view source_dir;
+  std::string_view binary_dir;
 };
 BuildInfo build_info();
 

@@ -24,9 +24,11 @@ std::vector<fs::path> search_folders() {
       if (!part.empty()) folders.emplace_back(part);
     }
   }
-  folders.emplace_back(build_info().source_dir);
   std::error_code ignored;
-  folders.push_back(fs::read_symlink("/proc/self/exe", ignored).parent_path().parent_path() / "share" / "raywatt");
+  const fs::path program = fs::read_symlink("/proc/self/exe", ignored);
+  folders.push_back(program.parent_path().parent_path() / "share" / "raywatt");
+  const bool is_where_built = program.string().starts_with(fmt::format("{}/", build_info().binary_dir));
+  if (is_where_built) folders.emplace_back(build_info().source_dir);
   return folders;
 }
 

@@ -6,8 +6,8 @@
 
 namespace tools {
 
-/// Folders in which a bare name is looked up: $RAYWATT_PATH (colon-separated), the source tree this program was built
-/// from, the share folder it is installed with.
+/// Folders in which a bare name is looked up: those of $RAYWATT_PATH (separated by colons), the share folder beside the
+/// program, and for a program in its build folder the sources that it was built from.
 std::vector<std::filesystem::path> search_folders();
 
 /// The same folders, each followed by its `configs`: where configurations are.

@@ -1,0 +1,57 @@
+# What an installation holds, and the Debian package that is made of it: ninja -C build/release package
+if(RAYWATT_SANITIZE)
+  return()
+endif()
+include(GNUInstallDirs)
+
+# Scripts of shells and the manual page come from the options that the program declares.
+set(described ${CMAKE_BINARY_DIR}/described)
+set(descriptions)
+foreach(file "bash;completion;bash" "_raywatt;completion;zsh" "fish;completion;fish" "raywatt.1;man")
+  list(POP_FRONT file name)
+  add_custom_command(OUTPUT ${described}/${name}
+    COMMAND ${CMAKE_COMMAND} -E make_directory ${described}
+    COMMAND raywatt ${file} > ${described}/${name} DEPENDS raywatt VERBATIM)
+  list(APPEND descriptions ${described}/${name})
+endforeach()
+# Packages want texts packed, without the time of packing.
+foreach(file "raywatt.1;${described}/raywatt.1" "changelog;${CMAKE_CURRENT_LIST_DIR}/changelog")
+  list(GET file 0 name)
+  list(GET file 1 text)
+  add_custom_command(OUTPUT ${described}/${name}.gz COMMAND gzip -9nc ${text} > ${described}/${name}.gz
+    DEPENDS ${text} VERBATIM)
+  list(APPEND descriptions ${described}/${name}.gz)
+endforeach()
+add_custom_target(descriptions ALL DEPENDS ${descriptions})
+
+set(share ${CMAKE_INSTALL_DATADIR})
+install(TARGETS raywatt)
+install(TARGETS raywatt_search raywatt_images LIBRARY DESTINATION lib/raywatt)  # where the program looks
+install(DIRECTORY configs traces/workloads tests/validation/published DESTINATION ${share}/raywatt)
+install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(FILES README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright)
+install(FILES ${described}/changelog.gz DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(FILES ${described}/raywatt.1.gz DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
+install(FILES ${described}/bash DESTINATION ${share}/bash-completion/completions RENAME raywatt)
+install(FILES ${described}/_raywatt DESTINATION ${share}/zsh/vendor-completions)
+install(FILES ${described}/fish DESTINATION ${share}/fish/vendor_completions.d RENAME raywatt.fish)
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME raywatt)
+set(CPACK_PACKAGE_CONTACT "Raywatt maintainers <raywatt@example.org>")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "simulator of a mobile ray-tracing GPU")
+set(CPACK_PACKAGE_DESCRIPTION
+"Raywatt reports cycles, rays, energy and performance per watt of a ray-tracing
+ GPU of the SGRT class: fixed-function traversal and intersection units,
+ programmable shader cores, tile buffers, caches and LPDDR memory, each described
+ by keys of a YAML file. It renders glTF scenes by full or adaptive sampling.")
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
+set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS
+  OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+include(CPack)

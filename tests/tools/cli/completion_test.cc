@@ -1,0 +1,91 @@
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "tests/temp_folder.h"
+#include "tests/tools/program.h"
+
+// Scripts of shells and the manual page: both made from the options that the verbs declare.
+
+namespace test {
+namespace {
+
+std::string printed(const Words& arguments) {
+  const Ending ending = raywatt(arguments);
+  EXPECT_EQ(ending.exit, 0) << ending.err;
+  return ending.out;
+}
+
+struct Bash : testing::Test {
+  TempFolder folder;
+  std::filesystem::path script = folder.write("completion", printed({"completion", "bash"}));
+
+  /// What bash offers for a command line whose last word is begun.
+  Words offered(const std::string& line) const {
+    const std::string command = "cd '" + folder.path().string() +
+                                "' && mkdir -p empty && cd empty && bash -c 'source " + script.string() +
+                                "; read -ra COMP_WORDS <<<\"" + line + "\"; [[ \"" + line +
+                                "\" != *\" \" ]] || COMP_WORDS+=(\"\"); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); " +
+                                "_raywatt; printf \"%s\\n\" \"${COMPREPLY[@]}\"'";
+    const std::unique_ptr<FILE, int (*)(FILE*)> shell(::popen(command.c_str(), "r"), ::pclose);
+    Words words(1);
+    for (int c = std::fgetc(shell.get()); c != EOF; c = std::fgetc(shell.get())) {
+      if (c == '\n') {
+        words.emplace_back();
+      } else {
+        words.back() += static_cast<char>(c);
+      }
+    }
+    words.pop_back();
+    return words;
+  }
+};
+
+TEST_F(Bash, CompletesVerbsAndThoseBelowThem) {
+  EXPECT_EQ(offered("raywatt opt"), Words{"optimise"});
+  EXPECT_EQ(offered("raywatt sweep ca"), Words{"cancel"});
+  EXPECT_EQ(offered("raywatt trace rep"), Words{"replay"});
+}
+
+TEST_F(Bash, CompletesOptionsOfTheVerbAlone) {
+  EXPECT_EQ(offered("raywatt run --tile-"), Words{"--tile-sampling"});
+  EXPECT_EQ(offered("raywatt run sgrt-2016 --scene chess --tile-"), Words{"--tile-sampling"});
+  EXPECT_EQ(offered("raywatt config show --tile-"), Words{""});
+}
+
+TEST_F(Bash, CompletesChoices) {
+  const Words launchers = {"local", "slurm"};
+  EXPECT_EQ(offered("raywatt sweep run --launcher "), launchers);
+  EXPECT_EQ(offered("raywatt optimise --launcher s"), Words{"slurm"});
+}
+
+TEST_F(Bash, OffersEveryOptionThatHelpShows) {
+  const std::string help = printed({"sweep", "run", "--help"});
+  const Words words = offered("raywatt sweep run --");
+  EXPECT_GT(words.size(), 8U);
+  for (const std::string& word : words) EXPECT_NE(help.find(word), std::string::npos) << word;
+  for (std::size_t at = help.find(" --"); at != std::string::npos; at = help.find(" --", at + 1)) {
+    const std::string name = help.substr(at + 1, help.find_first_of(" ,\n", at + 1) - at - 1);
+    EXPECT_TRUE(std::ranges::count(words, name) == 1 || name.size() < 4) << name;
+  }
+}
+
+TEST(Completion, ShellsAreChecked) { expect_refusal(raywatt({"completion", "csh"}), {"csh", "bash", "zsh", "fish"}); }
+
+TEST(ManualPage, HasEveryVerbAndIsNoRequestByAccident) {
+  const std::string page = printed({"man"});
+  for (const char* part : {".TH RAYWATT 1", ".SS raywatt run\n", ".SS raywatt trace replay\n",
+                           ".SS raywatt sweep best\n", "\\fB\\-o, \\-\\-output\\fR", ".SH EXIT STATUS"}) {
+    EXPECT_NE(page.find(part), std::string::npos) << part;
+  }
+  const Words requests = {"TH", "SH", "SS", "TP", "PP", "nf", "fi", "B "};
+  for (std::size_t at = page.find("\n."); at != std::string::npos; at = page.find("\n.", at + 1)) {
+    EXPECT_TRUE(std::ranges::count(requests, page.substr(at + 2, 2)) == 1) << page.substr(at, 40);
+  }
+}
+
+}  // namespace
+}  // namespace test

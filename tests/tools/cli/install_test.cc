@@ -1,0 +1,67 @@
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "tests/temp_folder.h"
+#include "tests/tools/program.h"
+#include "tools/host/build_info.h"
+
+// An installation in a folder of its own.
+
+namespace test {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Installation : testing::Test {
+  static void SetUpTestSuite() {
+    folder = new TempFolder;
+    const std::string command = "cmake --install '" + std::string(tools::build_info().binary_dir) + "' --prefix '" +
+                                root().string() + "' >/dev/null";
+    ASSERT_EQ(std::system(command.c_str()), 0);
+  }
+  static void TearDownTestSuite() {
+    delete folder;
+    folder = nullptr;
+  }
+  static fs::path root() { return folder->path() / "usr"; }
+  static Ending installed(const Words& arguments) {
+    return raywatt(arguments, {.folder = folder->path(), .program = root() / "bin" / "raywatt"});
+  }
+  static TempFolder* folder;
+};
+TempFolder* Installation::folder = nullptr;
+
+TEST_F(Installation, HasWhatTheProgramAndItsUsersNeed) {
+  for (const char* file : {"bin/raywatt", "lib/raywatt/raywatt_images.so", "lib/raywatt/raywatt_search.so",
+                           "share/raywatt/configs/sgrt-2016.yaml", "share/raywatt/workloads/lee2016-car.yaml",
+                           "share/doc/raywatt/README.md", "share/doc/raywatt/copyright", "share/man/man1/raywatt.1.gz",
+                           "share/bash-completion/completions/raywatt", "share/zsh/vendor-completions/_raywatt",
+                           "share/fish/vendor_completions.d/raywatt.fish"}) {
+    EXPECT_TRUE(fs::is_regular_file(root() / file)) << file;
+  }
+}
+
+TEST_F(Installation, RendersAndWritesPictures) {
+  const Ending ending = installed(small_run(folder->path() / "out"));
+  EXPECT_EQ(ending.exit, 0) << ending.err;
+  EXPECT_TRUE(fs::exists(folder->path() / "out" / "image.png"));
+}
+
+TEST_F(Installation, ReadsThePresetsBesideItAndNotThoseOfTheSources) {
+  const fs::path presets = root() / "share/raywatt/configs";
+  std::ofstream(presets / "mine.yaml") << "extends: sgrt-2016\ncores: 3\n";
+  fs::rename(presets / "sgrt-2016.yaml", presets / "other.yaml");
+  const Ending missing = installed({"config", "show", "sgrt-2016"});
+  fs::rename(presets / "other.yaml", presets / "sgrt-2016.yaml");
+  expect_refusal(missing, {"no configuration is called 'sgrt-2016'"});
+  const Ending shown = installed({"config", "show", "mine"});
+  EXPECT_EQ(shown.exit, 0) << shown.err;
+  EXPECT_NE(shown.out.find("cores: 3"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace test

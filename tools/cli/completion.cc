@@ -1,0 +1,162 @@
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "tools/cli/declared.h"
+#include "tools/cli/verbs.h"
+
+namespace tools {
+namespace {
+
+std::string joined(const std::vector<std::string>& words) { return fmt::format("{}", fmt::join(words, " ")); }
+
+std::vector<std::string> option_names(const DeclaredVerb& verb) {
+  std::vector<std::string> names;
+  for (const DeclaredOption& option : verb.options) {
+    if (!option.is_positional) names.insert(names.end(), option.names.begin(), option.names.end());
+  }
+  return names;
+}
+
+/// Calls f(patterns, choices) for each option that has choices.
+template <class F>
+void for_choices(const DeclaredVerb& verb, const F& f) {
+  for (const DeclaredOption& option : verb.options) {
+    if (!option.choices.empty() && !option.is_positional) f(option.names, option.choices);
+  }
+}
+
+/// Words of a shell between single quotes.
+std::string shell_word(std::string_view text) {
+  std::string out = "'";
+  for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return out + "'";
+}
+
+/// Cases of a `case` over the verb, each of them lines of `body`.
+template <class F>
+std::string cases(const std::vector<DeclaredVerb>& verbs, const F& body) {
+  std::string out;
+  for (const DeclaredVerb& verb : verbs)
+    out += fmt::format("    {})\n{}      ;;\n", shell_word(joined(verb.words)), body(verb));
+  return out;
+}
+
+/// A loop that finds the verb in the words before the one that is completed.
+constexpr std::string_view kFindVerb = R"(  verb=raywatt
+  for word in "${before[@]}"; do
+    case " $verb $word" in
+)";
+
+std::string find_verb(const std::vector<DeclaredVerb>& verbs) {
+  std::string known;
+  for (const DeclaredVerb& verb : verbs) {
+    if (verb.words.size() > 1) known += fmt::format("{}' {}'", known.empty() ? "" : " | ", joined(verb.words));
+  }
+  return fmt::format("{}      {}) verb=\"$verb $word\" ;;\n    esac\n  done\n", kFindVerb, known);
+}
+
+/// What may come next, in the variables `next` and `choices`.
+std::string what_comes(const std::vector<DeclaredVerb>& verbs) {
+  return "  case $verb in\n" +
+         cases(verbs,
+               [](const DeclaredVerb& verb) {
+                 std::string lines =
+                     fmt::format("      next='{} {}'\n", joined(verb.verbs), joined(option_names(verb)));
+                 std::string choices;
+                 for_choices(verb, [&](const auto& names, const auto& values) {
+                   choices += fmt::format("        {}) choices='{}' ;;\n", fmt::join(names, " | "), joined(values));
+                 });
+                 if (!choices.empty()) lines += "      case $previous in\n" + choices + "      esac\n";
+                 return lines;
+               }) +
+         "  esac\n";
+}
+
+std::string for_bash(const std::vector<DeclaredVerb>& verbs) {
+  return R"(_raywatt() {
+  local verb word next= choices= previous=${COMP_WORDS[COMP_CWORD - 1]} current=${COMP_WORDS[COMP_CWORD]}
+  local before=("${COMP_WORDS[@]:1:COMP_CWORD - 1}")
+)" + find_verb(verbs) +
+         what_comes(verbs) + R"(  if [ -n "$choices" ]; then
+    mapfile -t COMPREPLY < <(compgen -W "$choices" -- "$current")
+  else
+    mapfile -t COMPREPLY < <(compgen -W "$next" -- "$current"; [[ $current == -* ]] || compgen -f -- "$current")
+  fi
+}
+complete -o filenames -F _raywatt raywatt
+)";
+}
+
+std::string for_zsh(const std::vector<DeclaredVerb>& verbs) {
+  return R"(#compdef raywatt
+_raywatt() {
+  local verb word next= choices= previous=${words[CURRENT-1]}
+  local before=("${(@)words[2,CURRENT-1]}")
+)" + find_verb(verbs) +
+         what_comes(verbs) + R"(  if [ -n "$choices" ]; then
+    compadd -- ${=choices}
+  else
+    compadd -- ${=next}
+    _files
+  fi
+}
+_raywatt "$@"
+)";
+}
+
+std::string for_fish(const std::vector<DeclaredVerb>& verbs) {
+  std::string out = R"(function __raywatt_verb
+  set -l verb raywatt
+  for word in (commandline -opc)[2..-1]
+    switch "$verb $word"
+)";
+  std::vector<std::string> known;
+  for (const DeclaredVerb& verb : verbs) {
+    if (verb.words.size() > 1) known.push_back(shell_word(joined(verb.words)));
+  }
+  out += fmt::format(
+      "      case {}\n        set verb \"$verb $word\"\n    end\n  end\n  test \"$verb\" = \"$argv\"\nend\n",
+      joined(known));
+  for (const DeclaredVerb& verb : verbs) {
+    const std::string here =
+        fmt::format("complete -c raywatt -n {}", shell_word("__raywatt_verb " + joined(verb.words)));
+    for (const DeclaredVerb& below : verbs) {
+      const bool is_next = below.words.size() == verb.words.size() + 1 &&
+                           std::equal(verb.words.begin(), verb.words.end(), below.words.begin());
+      if (is_next) out += fmt::format("{} -a {} -d {}\n", here, below.words.back(), shell_word(below.help));
+    }
+    for (const DeclaredOption& option : verb.options) {
+      if (option.is_positional) continue;
+      out += here;
+      for (const std::string& name : option.names) {
+        out += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
+      }
+      if (!option.choices.empty()) out += " -x -a " + shell_word(joined(option.choices));
+      if (!option.takes.empty() && option.choices.empty()) out += " -r";
+      out += fmt::format(" -d {}\n", shell_word(option.help));
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+void add_completion(CLI::App& app) {
+  CLI::App* verb = app.add_subcommand("completion", "A script that completes command lines of raywatt in a shell");
+  const auto shell = std::make_shared<std::string>();
+  verb->add_option("shell", *shell, "whose script")->required()->check(CLI::IsMember({"bash", "zsh", "fish"}));
+  verb->footer(
+      "Example: source <(raywatt completion bash)\nAn installed raywatt has all three where the shells look for them.");
+  verb->callback([&app, shell] {
+    const std::vector<DeclaredVerb> verbs = declared_verbs(app);
+    fmt::print("{}", *shell == "bash" ? for_bash(verbs) : *shell == "zsh" ? for_zsh(verbs) : for_fish(verbs));
+  });
+}
+
+}  // namespace tools

@@ -1,0 +1,78 @@
+#include <array>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "tools/cli/declared.h"
+#include "tools/cli/verbs.h"
+#include "tools/host/build_info.h"
+
+namespace tools {
+namespace {
+
+constexpr std::array<std::pair<int, std::string_view>, 6> kEndings = {{
+    {kGood, "good"},
+    {kCheckFailed, "it ran, but a check failed"},
+    {kBadInput, "bad input, or a processor without AVX2; one line says what was wrong and what is allowed"},
+    {kStuckMachine, "the simulated machine is stuck"},
+    {kOurBug, "a bug of Raywatt"},
+    {kIoFailed, "reading or writing failed, or the memory of the host ran out"},
+}};
+
+/// Text that roff takes as it is: no line of it is a request.
+std::string plain(std::string_view text) {
+  std::string out;
+  bool begins = true;
+  for (const char c : text) {
+    if (begins && (c == '.' || c == '\'')) out += "\\&";
+    if (c == '\\') {
+      out += "\\e";
+    } else if (c == '-') {
+      out += "\\-";
+    } else {
+      out += c;
+    }
+    begins = c == '\n';
+  }
+  return out;
+}
+
+std::string section(const DeclaredVerb& verb) {
+  std::string out;
+  if (verb.words.size() > 1) out += fmt::format(".SS {}\n", plain(fmt::format("{}", fmt::join(verb.words, " "))));
+  out += plain(verb.help) + "\n";
+  for (const DeclaredOption& option : verb.options) {
+    out += fmt::format(".TP\n\\fB{}\\fR {}\n{}\n", plain(fmt::format("{}", fmt::join(option.names, ", "))),
+                       plain(option.takes), plain(option.help));
+  }
+  if (!verb.footer.empty()) out += fmt::format(".PP\n.nf\n{}\n.fi\n", plain(verb.footer));
+  return out;
+}
+
+std::string manual_page(const std::vector<DeclaredVerb>& verbs) {
+  std::string out = fmt::format(".TH RAYWATT 1 \"\" \"raywatt {}\" \"User Commands\"\n", build_info().version);
+  out += ".SH NAME\nraywatt \\- simulator of a mobile ray\\-tracing GPU\n.SH SYNOPSIS\n";
+  out += ".B raywatt\nVERB [OPTIONS]\n.SH DESCRIPTION\n" + section(verbs.front()) + ".SH VERBS\n";
+  for (std::size_t v = 1; v < verbs.size(); ++v) out += section(verbs[v]);
+  out +=
+      ".SH ENVIRONMENT\n.TP\n\\fBRAYWATT_PATH\\fR\nfolders of configurations, workloads and scenes, separated by "
+      "colons, that are looked through first\n.TP\n\\fBRAYWATT_STORE\\fR\nfolder of the results of sweeps\n"
+      ".SH EXIT STATUS\n";
+  for (const auto& [exit, meaning] : kEndings)
+    out += fmt::format(".TP\n{}\n{}\n", static_cast<int>(exit), plain(meaning));
+  return out;
+}
+
+}  // namespace
+
+void add_man(CLI::App& app) {
+  CLI::App* verb = app.add_subcommand("man", "The manual page: every verb with its options");
+  verb->footer("Example: raywatt man | man -l -");
+  verb->callback([&app] { fmt::print("{}", manual_page(declared_verbs(app))); });
+}
+
+}  // namespace tools
