@@ -14,6 +14,7 @@
 #include "shader_kernels/kernels/classify_details.h"
 #include "shader_kernels/kernels/classify_hits.h"
 #include "shader_kernels/kernels/classify_layers.h"
+#include "shader_kernels/kernels/classify_occluded.h"
 #include "shader_kernels/kernels/classify_surfaces.h"
 #include "shader_kernels/kernels/clear_samples.h"
 #include "shader_kernels/kernels/clear_surface.h"
@@ -29,6 +30,7 @@
 #include "shader_kernels/kernels/list_samples.h"
 #include "shader_kernels/kernels/pack_colour.h"
 #include "shader_kernels/kernels/pack_subpixels.h"
+#include "shader_kernels/kernels/propagate_subpixels.h"
 #include "shader_kernels/kernels/record_branch.h"
 #include "shader_kernels/kernels/record_first_hit.h"
 #include "shader_kernels/kernels/record_global.h"
@@ -36,6 +38,7 @@
 #include "shader_kernels/kernels/record_shadow.h"
 #include "shader_kernels/kernels/record_surface.h"
 #include "shader_kernels/kernels/scatter_layers.h"
+#include "shader_kernels/kernels/settle_subpixels.h"
 #include "shader_kernels/kernels/shade_ambient.h"
 #include "shader_kernels/kernels/shade_background.h"
 #include "shader_kernels/kernels/shade_base.h"
@@ -69,16 +72,18 @@ using AllKernels = std::tuple<
     ShadeStraight, ShadeMirror, ShadeGlass, AverageColour, PackColour,
     // Adaptive sampling.
     ListSamples, GenerateListedRays, ClearGeometry, ClearSecondary, RecordGeometry<false>, RecordSurface<false>,
-    RecordSecondary<false>, RecordShadow, RecordSecondaryShadow, CheckSimilarity<false, false>,
-    CheckSimilarity<false, true>, CheckSimilarity<true, false>, CheckSimilarity<true, true>,
-    InterpolateSample<false, false>, InterpolateSample<false, true>, InterpolateSample<true, false>, AverageSamples,
-    ClearSurface, RecordLocal<false>, RecordLocal<true>, RecordGlobal, CheckAttributes<false, true>,
-    CheckAttributes<true, true>, InterpolateAttributes<false>, InterpolateAttributes<true>, ShadeVisible,
-    StoreIdentities<false>, StoreIdentities<true>, FindSuspects<false>, FindSuspects<true>,
+    RecordSecondary<false>, RecordShadow, RecordSecondaryShadow, CheckSimilarity<false, false, false>,
+    CheckSimilarity<false, true, false>, CheckSimilarity<true, false, false>, CheckSimilarity<true, true, false>,
+    CheckSimilarity<false, false, true>, CheckSimilarity<false, true, true>, CheckSimilarity<true, false, true>,
+    CheckSimilarity<true, true, true>, InterpolateSample<false, false>, InterpolateSample<false, true>,
+    InterpolateSample<true, false>, AverageSamples, ClearSurface, RecordLocal<false>, RecordLocal<true>, RecordGlobal,
+    CheckAttributes<false, true>, CheckAttributes<true, true>, InterpolateAttributes<false>,
+    InterpolateAttributes<true>, ShadeVisible, ClassifyOccluded, StoreIdentities<false>, StoreIdentities<true>,
+    FindSuspects<false>, FindSuspects<true>,
     // supersample.
     ClearTraits, RecordTraits<false>, RecordTraitsShadow, WeighBranch, RecordBranch<false>, RecordBranchShadow,
     TestSubpixels, WeighCentres<false>, WeighCentres<true>, PackSubpixels, PackSubpixelsAtomic, GenerateExtraRays,
-    SumSubpixels,
+    SumSubpixels, ShowSubpixels<false>, ShowSubpixels<true>, SettleSubpixels, PropagateSubpixels, AverageSubpixels,
     // Scenes of instances.
     ShadeSurface<true>, FetchVertices<true>, TestAlpha<false, true>, TestAlpha<true, true>, TestShadow<false, true>,
     TestShadow<true, true>, RecordGeometry<true>, RecordSurface<true>, RecordSecondary<true>, RecordTraits<true>,
@@ -89,9 +94,11 @@ using AllKernels = std::tuple<
     FetchLit<false>, FetchLit<true>, FetchLitGeometry<false>, FetchLitGeometry<true>, FetchLitKept<false>,
     FetchLitKept<true>, FetchLitSecondary<false>, FetchLitSecondary<true>, LightLater, GenerateGeometry,
     GenerateSecondary, GenerateSurface, GenerateTraits, CombineRecordShadow, CombineRecordSecondaryShadow,
-    CombineRecordTraitsShadow, CombineRecordBranchShadow, CheckInterpolate<false, false>, CheckInterpolate<false, true>,
-    CheckInterpolate<true, false>, CheckInterpolate<true, true>, InterpolateLit<false>, InterpolateLit<true>,
-    CheckAttributes<false, false>, CheckAttributes<true, false>, PackSample, PackGridSample>;
+    CombineRecordTraitsShadow, CombineRecordBranchShadow, CheckInterpolate<false, false, false>,
+    CheckInterpolate<false, true, false>, CheckInterpolate<true, false, false>, CheckInterpolate<true, true, false>,
+    CheckInterpolate<false, false, true>, CheckInterpolate<false, true, true>, CheckInterpolate<true, false, true>,
+    CheckInterpolate<true, true, true>, InterpolateLit<false>, InterpolateLit<true>, CheckAttributes<false, false>,
+    CheckAttributes<true, false>, PackSample, PackGridSample>;
 
 template <class K, class... Ks>
 constexpr traces::KernelId index_in(std::type_identity<std::tuple<Ks...>>) {

@@ -191,7 +191,7 @@ struct SurfaceRecord {
   I<V> classes;
   Vec3<V> plane;  ///< the triangle's own normal, on the side that the ray came from
   F<V> u, v;
-  I<V> texture;
+  I<V> texture, material;
   static void fields(auto& r, auto&& field) {
     field(NAMED(r.diffuse));
     field(NAMED(r.classes));
@@ -199,6 +199,17 @@ struct SurfaceRecord {
     field(NAMED(r.u));
     field(NAMED(r.v));
     field(NAMED(r.texture));
+    field(NAMED(r.material));
+  }
+};
+
+/// State of a sub-pixel of supersample between rounds of propagation (kernels/settle_subpixels.h).
+template <class V>
+struct SubpixelRecord {
+  I<V> red_green, blue_why;
+  static void fields(auto& r, auto&& field) {
+    field(NAMED(r.red_green));
+    field(NAMED(r.blue_why));
   }
 };
 

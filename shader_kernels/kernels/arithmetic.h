@@ -62,6 +62,14 @@ F<V> encoded(const F<V>& x) {
   return select(x <= 0.0031308F, x * 12.92F, curve);
 }
 
+/// Squared distance of two linear colours, clamped and sRGB-encoded.
+template <class V>
+F<V> encoded_distance_squared(const Vec3<V>& a, const Vec3<V>& b) {
+  const auto code = [](const F<V>& x) { return encoded<V>(clamped<V>(x)); };
+  const Vec3<V> apart{code(a.x) - code(b.x), code(a.y) - code(b.y), code(a.z) - code(b.z)};
+  return dot(apart, apart);
+}
+
 /// exp(-x) for x >= 0, within 4e-6: the fourth-order series of exp(x / 16), inverted and squared four times.
 template <class V>
 F<V> decay(const F<V>& x) {

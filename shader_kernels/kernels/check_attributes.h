@@ -15,16 +15,10 @@ M<V> wraps(const F<V>& a, const F<V>& b, const F<V>& threshold) {
   return both(min(x, y) < threshold, 1.0F - threshold < max(x, y));
 }
 
-template <class V>
-F<V> encoded_distance_squared(const Vec3<V>& a, const Vec3<V>& b) {
-  const auto code = [](const F<V>& x) { return encoded<V>(clamped<V>(x)); };
-  const Vec3<V> apart{code(a.x) - code(b.x), code(a.y) - code(b.y), code(a.z) - code(b.z)};
-  return dot(apart, apart);
-}
-
 /// The inspector of adaptive undersampling: the seven similarity checks of Kim et al. 2016, table 1. Convexity has a
-/// slack of 0.001 distances squared, without which rounding fails coplanar pairs. Occlusion textures are not kept, so
-/// surfaces that have one are traced. Without kTextures the scene has no texture that could fail a check.
+/// slack of 0.001 distances squared, without which rounding fails coplanar pairs. Base and occlusion textures are
+/// sampled at the interpolated coordinates; second ones are not kept, so surfaces whose occlusion texture has those are
+/// traced. Without kTextures the scene has no texture that could fail a check.
 template <bool kAlongY, bool kTextures>
 struct CheckAttributes {
   static constexpr std::string_view kName = kAlongY
@@ -67,8 +61,10 @@ struct CheckAttributes {
                   fails_if<V>(at.colour_squared < colours, Check::kColour);
     if constexpr (kTextures) {
       const M<V> over_edge = logical_or(wraps<V>(s0.u, s1.u, at.texture), wraps<V>(s0.v, s1.v, at.texture));
-      failed = failed | fails_if<V>(both(over_edge, has<V>(s0.classes, traces::kTextured)), Check::kTexture) |
-               fails_if<V>(has<V>(s0.classes, traces::kOccluded), Check::kDetail);
+      const M<V> has_any = I<V>(0U) < (s0.classes & (traces::kTextured | traces::kOccluded));
+      constexpr std::uint32_t kUnkept = traces::kOccluded | traces::kOcclusionSecond;
+      failed = failed | fails_if<V>(both(over_edge, has_any), Check::kTexture) |
+               select((s0.classes & kUnkept) == kUnkept, I<V>(bit(Check::kDetail)), I<V>(0U));
     }
     write_verdict<V>(at, b, failed);
   }

@@ -6,14 +6,15 @@
 namespace kernels {
 
 /// Similarity checks between the two samples that a third lies between; a bit each in what a check kernel leaves in the
-/// tile buffer, where 0 means that all have passed.
+/// tile buffer, where 0 means that all have passed. Their order is that of the papers; the first to fail is what a
+/// sample is said to be traced for.
 enum class Check : std::uint8_t {
   kObject,
-  kNormal,
-  kShadow,
   kPosition,
+  kNormal,
   kConvexity,
   kTexture,
+  kShadow,
   kColour,
   kSecondaryObject,
   kSecondaryNormal,
@@ -23,8 +24,8 @@ enum class Check : std::uint8_t {
   kCount
 };
 constexpr std::array<std::string_view, 12> names_of(Check) {
-  return {"object", "normal",           "shadow",           "position",         "convexity", "texture",
-          "colour", "secondary_object", "secondary_normal", "secondary_shadow", "detail",    "border"};
+  return {"object", "position",         "normal",           "convexity",        "texture", "shadow",
+          "colour", "secondary_object", "secondary_normal", "secondary_shadow", "detail",  "border"};
 }
 constexpr std::uint32_t bit(Check check) { return 1U << static_cast<std::uint32_t>(check); }
 

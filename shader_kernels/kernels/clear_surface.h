@@ -28,7 +28,7 @@ struct ClearSurface {
     const I<V> sample = at.samples.load(item).word;
     const Vec3<V> none{0.0F, 0.0F, 0.0F};
     at.geometry.store(sample, {{0.0F, 0.0F, 1.0F}, kNoObject, none, 0U});
-    at.kept.store(sample, {none, 0U, {0.0F, 0.0F, 1.0F}, 0.0F, 0.0F, 0U});
+    at.kept.store(sample, {none, 0U, {0.0F, 0.0F, 1.0F}, 0.0F, 0.0F, 0U, 0U});
     at.globals.store(sample, {none});
   }
 };

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <string_view>
 
 #include "shader_kernels/fusion.h"
@@ -147,12 +148,18 @@ struct CombineRecordBranchShadow : Fused<CombineShadow, RecordBranchShadow> {
 // Samples between references.
 
 /// The host alone looks at the samples that have passed.
-template <bool kAlongY, bool kSecondary>
-struct CheckInterpolate : Fused<CheckSimilarity<kAlongY, kSecondary>,
+template <bool kAlongY, bool kSecondary, bool kTexture>
+struct CheckInterpolate : Fused<CheckSimilarity<kAlongY, kSecondary, kTexture>,
                                 AllPassed<kAlongY, InterpolateSample<kAlongY, kSecondary && !kAlongY>>> {
-  static constexpr std::string_view kName =
-      kAlongY ? (kSecondary ? "check_interpolate_y_secondary" : "check_interpolate_y")
-              : (kSecondary ? "check_interpolate_x_secondary" : "check_interpolate_x");
+  static constexpr std::array<std::string_view, 8> kNames{"check_interpolate_x",
+                                                          "check_interpolate_y",
+                                                          "check_interpolate_x_secondary",
+                                                          "check_interpolate_y_secondary",
+                                                          "check_interpolate_x_texture",
+                                                          "check_interpolate_y_texture",
+                                                          "check_interpolate_x_secondary_texture",
+                                                          "check_interpolate_y_secondary_texture"};
+  static constexpr std::string_view kName = kNames[(kAlongY ? 1 : 0) + (kSecondary ? 2 : 0) + (kTexture ? 4 : 0)];
   static constexpr std::string_view kMeaning = "check_similarity, interpolate: all samples, as the others are traced";
   static constexpr std::array<std::string_view, 1> kRegisters{"passed"};
 };

@@ -50,12 +50,13 @@ struct InterpolateAttributes {
     const Vec3<V> global = lerp<V>(at.globals.load(p.before).rgb, at.globals.load(p.after).rgb, p.weight);
     at.geometry.store(p.sample, g);
     if constexpr (!kAlongY) {
-      at.kept.store(p.sample, {diffuse, a.classes, normalised(lerp<V>(a.plane, b.plane, p.weight)), u, v, a.texture});
+      at.kept.store(p.sample,
+                    {diffuse, a.classes, normalised(lerp<V>(a.plane, b.plane, p.weight)), u, v, a.texture, a.material});
       at.globals.store(p.sample, {global});
     }
     at.colours.store(p.sample, {global});
     at.surfaces.store(item, {item});
-    at.points.store(item, {g.position, 0U, g.normal, 1.0F});
+    at.points.store(item, {g.position, a.material, g.normal, 1.0F});
     at.paths.store(item, {{1.0F, 1.0F, 1.0F}, p.sample});
     at.mattes.store(item, {diffuse, a.classes});
     at.texcoords.store(item, {u, v, a.texture});

@@ -48,8 +48,8 @@ struct RecordSurface {
     const F<V> side = select(dot(across, point.normal) <= 0.0F, F<V>(-1.0F), F<V>(1.0F));
     const I<V> sample = at.paths.load(slot).sample;
     at.geometry.store(sample, {point.normal, marked<V>(found.object, matte.classes), point.position, 0U});
-    at.kept.store(sample,
-                  {matte.diffuse, matte.classes, normalised(across) * side, texcoord.u, texcoord.v, texcoord.texture});
+    at.kept.store(sample, {matte.diffuse, matte.classes, normalised(across) * side, texcoord.u, texcoord.v,
+                           texcoord.texture, point.material});
   }
 };
 

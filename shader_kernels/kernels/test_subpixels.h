@@ -6,16 +6,14 @@
 
 namespace kernels {
 
-/// Normals are taken for the same if their dot product is at least this.
-inline constexpr float kSameNormal = 0.9F;
-
 /// Bits of an attribute set, counted from its first, that differ between two pixels; all of them only if one of the two
-/// objects has the flag `focus` (0: any has).
+/// objects has the flag `focus` (0: any has). Normals are the same if their dot product is at least `same_normal`.
 template <class V>
-I<V> disagreements(const TraitsRecord<V>& own, const TraitsRecord<V>& other, const I<V>& focus) {
+I<V> disagreements(const TraitsRecord<V>& own, const TraitsRecord<V>& other, const F<V>& same_normal,
+                   const I<V>& focus) {
   constexpr std::uint32_t kObject = 1, kNormal = 2, kShadow = 4;
   const I<V> differ = select(own.object == other.object, I<V>(0U), I<V>(kObject)) |
-                      select(dot(own.normal, other.normal) < kSameNormal, I<V>(kNormal), I<V>(0U)) |
+                      select(dot(own.normal, other.normal) < same_normal, I<V>(kNormal), I<V>(0U)) |
                       select(own.shadows == other.shadows, I<V>(0U), I<V>(kShadow));
   return select(((own.object | other.object) & focus) == focus, differ, I<V>(0U));
 }
@@ -43,8 +41,9 @@ struct TestSubpixels {
     Local<V, ColourRecord> colours;
     Local<V, WordRecord> verdicts;
     std::array<F<V>, kAttributes> thresholds;  ///< above 1: no contrast is enough
-    I<V> compared;                             ///< attributes that count, a bit each
-    I<V> focus, textured;                      ///< flags that objects need: one of a pair; with a texture
+    F<V> same_normal;
+    I<V> compared;         ///< attributes that count, a bit each
+    I<V> focus, textured;  ///< flags that objects need: one of a pair; with a texture
     static void describe(auto& p, auto&& port) {
       FinishedUniforms<V>::describe(p.finished, port);
       port(NAMED(p.traits));
@@ -52,6 +51,7 @@ struct TestSubpixels {
       port(NAMED(p.colours));
       port(NAMED(p.verdicts));
       for (std::size_t i = 0; i < kAttributes; ++i) port(p.thresholds[i], names_of(Attribute{})[i]);
+      port(NAMED(p.same_normal));
       port(NAMED(p.compared));
       port(NAMED(p.focus));
       port(NAMED(p.textured));
@@ -100,8 +100,8 @@ struct TestSubpixels {
     const TraitsRecord<V> one = set.load(beside);
     const TraitsRecord<V> two = set.load(above);
     const TraitsRecord<V> three = set.load(corner);
-    return disagreements<V>(own, one, at.focus) | disagreements<V>(own, two, at.focus) |
-           disagreements<V>(own, three, at.focus) |
+    return disagreements<V>(own, one, at.same_normal, at.focus) | disagreements<V>(own, two, at.same_normal, at.focus) |
+           disagreements<V>(own, three, at.same_normal, at.focus) |
            select((own.object & at.textured) == at.textured, I<V>(kTexture), I<V>(0U));
   }
 };

@@ -44,6 +44,11 @@ constexpr Hand kByHand[] = {
     {"check_interpolate_x_secondary", {53, 52, 6, 18, 10, 9, 8, 6, 6, 5, 0}},
     {"check_interpolate_y", {19, 16, 0, 14, 7, 6, 5, 6, 4, 3, 0}},
     {"check_interpolate_y_secondary", {23, 22, 0, 15, 10, 9, 8, 6, 6, 3, 0}},
+    // With textures: 6 encoded, vector sub, dot, and what the check counts; colours are loaded and clamped already.
+    {"check_interpolate_x_texture", {50, 55, 20, 15, 17, 15, 11, 6, 4, 4, 0}},
+    {"check_interpolate_x_secondary_texture", {70, 79, 24, 18, 20, 18, 14, 6, 6, 5, 0}},
+    {"check_interpolate_y_texture", {36, 43, 18, 14, 17, 15, 11, 6, 4, 3, 0}},
+    {"check_interpolate_y_secondary_texture", {40, 49, 18, 15, 20, 18, 14, 6, 6, 3, 0}},
     // As light_surface, with shade_visible in place of shade_diffuse; all but the references is in registers, and the
     // colour is stored once.
     {"interpolate_lit_x", {58, 66, 6, 8, 9, 15, 18, 4, 7, 15, 0}},

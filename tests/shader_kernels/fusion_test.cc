@@ -142,7 +142,7 @@ TEST(Fusion, RefusesALoadOfARegisterThatNoPartHasStored) {
 
 TEST(Fusion, NamesTheKernelsWhoseWorkItDoes) {
   using Names = std::vector<std::string_view>;
-  EXPECT_EQ((CheckInterpolate<false, true>::parts()),
+  EXPECT_EQ((CheckInterpolate<false, true, false>::parts()),
             (Names{"check_similarity_x_secondary", "interpolate_x_secondary"}));
   EXPECT_EQ(PackSample::parts(), Names{"pack_colour"});
   for (const KernelInfo& kernel : catalogue()) {

@@ -96,6 +96,9 @@ namespace {
 //   record_shadow             compare, select, add
 //   check_similarity          sample_neighbours; 3 fails, dot; 2 or; write_verdict
 //     with secondary hits     3 fails, 2 dot, min; 3 or more
+//     with textures           6 (clamped, encoded), vector sub, dot; and, 3 compare, 3 and; select, or; select,
+//     compare,
+//                             next more
 //   interpolate_x             passed, lerp_colours, lerp_geometry
 //     with secondary hits     2 (lerp, normalised) more
 //   interpolate_y             passed, lerp_colours
@@ -106,6 +109,7 @@ namespace {
 //                             or; write_verdict
 //   interpolate_attributes_y  passed, lerp_geometry; lerp of 2 vectors and 2 numbers
 //   interpolate_attributes_x  the same, and one more vector, normalised
+//   classify_occluded         has, next
 //   shade_visible             diffuse_light; and, compare; 2 max, compare; 2 vectors of select; add_light
 //   store_identities          lattice_sample; and; 2 (compare, select); or
 //     with shadows            2 scrambled, xor more
@@ -142,6 +146,24 @@ namespace {
 //   generate_extra_rays       shift, shift, to_float, divmod; 2 add; 2 (and, and, or) with 2 shift; 2 to_int, mul, add;
 //                             shift, or; hashes as generate_jittered_rays; add, to_float, to_int; 2 (to_float, add,
 //                             mul, add), 2 scale, 2 vector add, normalised
+//   state_of        shift, to_float, divmod; 3 and, shift; 2 (add, to_float, add); add, mul, add
+//                                                                           8 add  3 mul 1 other 4 integer 3 convert
+//   state_with      3 (encoded, mul, add, to_int); shift, 2 or              9 add 15 mul 9 div_sqrt 3 compare 3 select
+//                                                                           3 integer 3 convert
+//   channels_of     2 and, shift, 3 to_float
+//
+//   show_subpixels            shift, to_float, divmod; 2 add, mul, to_int; clamped; state_of, to_int; state_with
+//   show_subpixels_bilinear   shift, 2 and, 2 (to_float, sub); corner_steps; 4 add, 3 to_int; 3 clamped; 3 scale, 3
+//                             vector add more
+//   settle_subpixels          shift, to_float, add, to_int; 4 add, clamped; 3 vector add, scale; and, shift, or;
+//   state_of,
+//                             to_int; state_with
+//   propagate_subpixels       state_of, to_int; channels_of; 4 (add, to_int; 2 shift, compare; channels_of; 2 vectors
+//   of
+//                             select, 3 min, 3 max; shift, and, select, or); 9 (and, compare, select, min); 3 (2 mul, 2
+//                             add, max, compare), 2 or; shift, compare, and; next; shift, to_float, compare, and,
+//                             select; next
+//   average_subpixels         to_float, divmod; to_int; shift, and, or; add_samples
 //   sum_subpixels             shift; 2 (and, and, or) with 3 shift; shift, or; active_bit, compare; shift, shift, or;
 //                             to_float, add, to_int; and, compare; 3 (max, min, 3 select, add, mul, add)
 constexpr Hand kByHand[] = {
@@ -190,6 +212,10 @@ constexpr Hand kByHand[] = {
     {"check_similarity_x_secondary", {16, 18, 0, 3, 10, 9, 10, 5, 4, 3, 0}},
     {"check_similarity_y", {12, 12, 0, 2, 7, 6, 7, 5, 2, 3, 0}},
     {"check_similarity_y_secondary", {16, 18, 0, 3, 10, 9, 10, 5, 4, 3, 0}},
+    {"check_similarity_x_texture", {29, 39, 18, 14, 17, 15, 13, 5, 4, 3, 0}},
+    {"check_similarity_x_secondary_texture", {33, 45, 18, 15, 20, 18, 16, 5, 6, 3, 0}},
+    {"check_similarity_y_texture", {29, 39, 18, 14, 17, 15, 13, 5, 4, 3, 0}},
+    {"check_similarity_y_secondary_texture", {33, 45, 18, 15, 20, 18, 16, 5, 6, 3, 0}},
     {"interpolate_x", {23, 18, 2, 13, 0, 0, 2, 4, 5, 2, 0}},
     {"interpolate_x_secondary", {39, 36, 6, 15, 0, 0, 2, 4, 7, 3, 0}},
     {"interpolate_y", {9, 6, 0, 12, 0, 0, 2, 4, 3, 1, 0}},
@@ -203,6 +229,7 @@ constexpr Hand kByHand[] = {
     {"interpolate_attributes_x", {41, 32, 4, 2, 0, 0, 2, 4, 7, 9, 0}},
     {"interpolate_attributes_y", {33, 23, 2, 1, 0, 0, 2, 4, 7, 7, 0}},
     {"shade_visible", {14, 31, 2, 6, 2, 6, 1, 0, 6, 1, 0}},
+    {"classify_occluded", {0, 0, 0, 0, 1, 1, 2, 0, 2, 1, 0}},
     {"store_identities", {4, 4, 0, 1, 2, 2, 2, 2, 2, 1, 0}},
     {"store_identities_shadows", {4, 4, 0, 1, 2, 2, 19, 2, 2, 1, 0}},
     {"find_suspects_4", {0, 0, 0, 0, 3, 2, 7, 0, 3, 1, 0}},
@@ -221,6 +248,11 @@ constexpr Hand kByHand[] = {
     {"pack_subpixels_atomic", {2, 0, 0, 0, 2, 2, 5, 1, 2, 3, 0}},
     {"generate_extra_rays", {17, 18, 2, 2, 0, 0, 43, 9, 1, 3, 0}},
     {"sum_subpixels", {7, 3, 0, 6, 2, 9, 18, 2, 4, 1, 0}},
+    {"show_subpixels", {21, 21, 9, 8, 3, 3, 8, 9, 1, 2, 0}},
+    {"show_subpixels_bilinear", {38, 31, 9, 26, 7, 5, 13, 14, 4, 2, 0}},
+    {"settle_subpixels", {27, 21, 9, 25, 3, 3, 15, 9, 6, 2, 0}},
+    {"propagate_subpixels", {18, 9, 0, 37, 18, 40, 56, 24, 5, 3, 0}},
+    {"average_subpixels", {5, 5, 0, 7, 1, 3, 3, 3, 2, 1, 0}},
     // Scenes of instances: 2 (shift, to_float, mul) for the weights, 4 integer for the instance, and for normals 3
     // vector *
     // scalar, 2 vector + vector; for tangents 3 cross (6 mul 3 sub) besides, normalised, vector * scalar, mul.

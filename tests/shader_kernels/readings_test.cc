@@ -59,6 +59,8 @@ class RandomPorts {
   void operator()(std::uint32_t& uniform, std::string_view name) {
     if (name == "step" || name == "line_step") {
       uniform = random() % 2 == 0 ? 1 : 15;
+    } else if (name == "round") {
+      uniform = random() % 2 << kRoundShift;
     } else if (name == "mirrored" || name == "refracted") {
       uniform = random() % kItems;
     } else {
@@ -157,6 +159,7 @@ class RandomPorts {
   void fill(std::uint32_t& field, std::string_view name) {
     field = random() % (name.ends_with("texture") ? kItems / 2 : kItems);
     if (name == "word" && (random() & 1U) != 0) field |= 1U << kActiveShift;
+    if (name == "blue_why") field = random() & ((2U << kRoundShift) - 1);
     if (name == "shadows" || name == "objects") field %= 4;
     if (name == "triangle" && with_misses_ && (random() & 1U) != 0) field = traces::kNoHit;
   }

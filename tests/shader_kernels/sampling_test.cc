@@ -1,77 +1,13 @@
-#include <set>
-#include <string_view>
-
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
-#include "block_harness.h"
+#include "sampled_room.h"
 #include "showcase.h"
 
 // Counts of samples: each check fails where its attribute differs, and only there.
 
 namespace kernels {
 namespace {
-
-using traces::Material;
-using Names = std::set<std::string_view>;
-
-/// Checks that have failed, but for those at the picture's edge.
-Names failing(const Sampling& sampling) {
-  Names names;
-  for (std::size_t check = 0; check < sampling.failed.size(); ++check) {
-    if (sampling.failed[check] != 0) names.insert(names_of(Check{})[check]);
-  }
-  names.erase("border");
-  return names;
-}
-
-std::uint64_t failed(const Sampling& sampling, Check check) { return sampling.failed[static_cast<std::size_t>(check)]; }
-
-/// Seen from z = 4; the scene's longest side is 20.
-struct Room {
-  traces::Scene scene = empty_scene();
-  Room() { scene.ambient = glm::vec3(1); }
-  /// `part` with `material`, of one object.
-  Room& add(const traces::Mesh& part, const Material& material = {}) {
-    traces::add_object(scene, part, traces::add_material(scene, material));
-    return *this;
-  }
-  Stage stage() const { return Stage(scene, traces::look_at("c", {0, 0, 4}, {0, 0, 0}, 0.5F)); }
-  Sampling under(const UndersampleConfig& config = {}) const {
-    return stage().undersample(small(16, 16), config).sampling;
-  }
-  Sampling multi(const MultirateConfig& config = {}) const { return stage().multirate(small(16, 16), config).sampling; }
-};
-
-/// Part of the plane z = `z` from x = `left` to `right`, facing +z.
-traces::Mesh sheet(float left, float right, float z = 0) {
-  return traces::make_quad("sheet", {left, -10, z}, {right - left, 0, 0}, {0, 20, 0}, 1);
-}
-
-/// The two sides of x = 0 as one object; `left` must not be smooth there.
-traces::Mesh both_sides(traces::Mesh left, const traces::Mesh& right) {
-  traces::append(left, right);
-  return left;
-}
-
-/// An edge at x = 0 towards the viewer (`rise` < 0: away).
-traces::Mesh fold(float rise) {
-  return both_sides(traces::make_quad("left", {-10, -10, -10 * rise}, {10, 0, 10 * rise}, {0, 20, 0}, 1),
-                    traces::make_quad("right", {0, -10, 0}, {10, 0, -10 * rise}, {0, 20, 0}, 1));
-}
-
-/// A mirror in the plane z = 0, in which the viewer sees what is behind.
-Room mirror() {
-  Room room;
-  room.add(traces::make_quad("mirror", {-1.5F, -1.5F, 0}, {3, 0, 0}, {0, 3, 0}, 1),
-           {.base_colour = glm::vec3(0), .mirror = 1});
-  return room;
-}
-
-/// Part of the plane z = 8, facing -z.
-traces::Mesh behind(float left, float right) {
-  return traces::make_quad("behind", {right, -10, 8}, {left - right, 0, 0}, {0, 20, 0}, 1);
-}
 
 TEST(Sampling, AFlatWallIsTracedAtReferencesAndThePicturesEdgeAlone) {
   const Stage stage = Room().add(sheet(-10, 10)).stage();
@@ -198,15 +134,6 @@ TEST(Sampling, TextureCoordinatesFailWhereTheyWrapAlone) {
     loose.texture = 0;
     EXPECT_EQ(failing(room.under(loose)), Names{}) << "not compared";
   }
-}
-
-TEST(Sampling, AnOcclusionMapFailsByDetail) {
-  Room room;
-  const std::uint32_t dirt = add_texture(room.scene, 2, false, [](auto, auto) { return 0xff808080U; });
-  room.add(sheet(-10, 10), {.occlusion_texture = {dirt}});
-  EXPECT_EQ(failing(room.under()), Names{"detail"});
-  EXPECT_EQ(room.under().passed, 0U);
-  EXPECT_EQ(failing(room.multi()), Names{});
 }
 
 TEST(Sampling, AColourInAMirrorFailsByColour) {

@@ -45,6 +45,7 @@ std::uint32_t verdict_between(const Vec3<float>& colour, std::uint32_t object, d
   ports.thresholds.fill(kNever);
   ports.thresholds[1] = static_cast<float>(object_threshold);
   ports.thresholds[0] = 0.5F;
+  ports.same_normal = 0.9F;
   ports.compared = 0x1ff;
   ports.focus = 0;
   ports.textured = kTexturedObject;

@@ -13,7 +13,7 @@ namespace {
 using Colour = std::array<std::uint8_t, 3>;
 using kernels::SampleMark;
 
-constexpr Colour kYellow{255, 221, 0}, kBlue{20, 40, 200}, kGreen{0, 200, 60}, kWhite{255, 255, 255};
+constexpr Colour kYellow{255, 221, 0}, kBlue{20, 40, 200}, kGreen{0, 200, 60}, kGrey{96, 96, 96}, kWhite{255, 255, 255};
 constexpr int kDarkened = 4;  // a picture's brightness is divided by this under what is marked
 
 struct Canvas {
@@ -35,26 +35,39 @@ struct Canvas {
     return picture;
   }
 
+  /// The pixel that a sample belongs to.
+  const std::uint8_t* pixel(const std::vector<std::uint8_t>& picture, std::uint32_t x, std::uint32_t y) const {
+    return &picture[3 * (std::size_t{y / grid} * (width / grid) + x / grid)];
+  }
+
   /// Marks samples that have `bit`, over the darkened picture.
   DebugPicture marked(std::string name, SampleMark bit) const {
     const std::vector<std::uint8_t> picture = to_rgb8(frame.rgb);
     return paint(std::move(name), [&](SampleMark mark, std::uint32_t x, std::uint32_t y) -> Colour {
       if ((mark & bit) != 0) return kWhite;
-      const std::uint8_t* at = &picture[3 * (std::size_t{y / grid} * (width / grid) + x / grid)];
+      const std::uint8_t* at = pixel(picture, x, y);
       const auto grey = static_cast<std::uint8_t>((at[0] + 2 * at[1] + at[2]) / 4 / kDarkened);
       return {grey, grey, grey};
     });
   }
 };
 
-/// A reference sample shows what the sample before it is, so that blocks are of one colour where they can be.
+/// Samples by how they came about.
 DebugPicture similar_picture(const Canvas& canvas) {
-  Colour last = kYellow;
-  return canvas.paint("similar", [&](SampleMark mark, std::uint32_t x, std::uint32_t) {
-    if (x == 0) last = kYellow;
-    if ((mark & kernels::kReferenceMark) != 0) return last;
-    last = (mark & kernels::kCorrectedMark) != 0 ? kGreen : (mark & kernels::kTracedMark) != 0 ? kBlue : kYellow;
-    return last;
+  return canvas.paint("similar", [](SampleMark mark, std::uint32_t, std::uint32_t) {
+    if ((mark & kernels::kReferenceMark) != 0) return kGrey;
+    if ((mark & kernels::kCorrectedMark) != 0) return kGreen;
+    return (mark & kernels::kTracedMark) != 0 ? kBlue : kYellow;
+  });
+}
+
+/// The picture where it is interpolated; elsewhere black.
+DebugPicture interpolated_picture(const Canvas& canvas) {
+  const std::vector<std::uint8_t> picture = to_rgb8(canvas.frame.rgb);
+  return canvas.paint("interpolated", [&](SampleMark mark, std::uint32_t x, std::uint32_t y) -> Colour {
+    if ((mark & kernels::kTracedMark) != 0) return {0, 0, 0};
+    const std::uint8_t* at = canvas.pixel(picture, x, y);
+    return {at[0], at[1], at[2]};
   });
 }
 
@@ -93,10 +106,12 @@ std::vector<DebugPicture> debug_pictures(const kernels::ProgramSpec& program, co
     constexpr std::array<Colour, 5> kCounts{{{0, 0, 0}, {255, 0, 0}, {0, 255, 0}, {0, 0, 255}, kWhite}};
     pictures.push_back(canvas.paint(
         "active", [&](SampleMark mark, std::uint32_t, std::uint32_t) { return kCounts.at(kernels::active_of(mark)); }));
+    if (frame.sampling.propagated != 0) pictures.push_back(canvas.marked("propagated", kernels::kCorrectedMark));
     add_marked(pictures, canvas, "differs-", frame.sampling.reasons, names_of(kernels::Attribute{}));
     return pictures;
   }
   pictures.push_back(similar_picture(canvas));
+  pictures.push_back(interpolated_picture(canvas));
   add_marked(pictures, canvas, "check-", frame.sampling.failed, names_of(kernels::Check{}));
   if (frame.sampling.has_rates) pictures.push_back(rates_picture(canvas));
   return pictures;

@@ -17,11 +17,12 @@ struct DebugPicture {
 
 /// Pictures of a frame whose marks have been kept; none for programs that mark nothing. Failed checks lie in white over
 /// the darkened picture.
-///   multirate, undersample: `similar` (yellow: interpolated, blue: traced; green: by post-correction), `check-NAME`
-///     (samples that failed it), and with rate control `rates` (a tile's blocks: dark 2, bright 4; the more green, the
-///     more similar it was)
+///   multirate, undersample: `similar` (yellow: interpolated, blue: traced; green: by post-correction; grey:
+///     references), `interpolated` (the picture where it is interpolated, black elsewhere), `check-NAME` (samples that
+///     failed it), and with rate control `rates` (a tile's blocks: dark 2, bright 4; the more green, the more similar it
+///     was)
 ///   supersample: `active` (active sub-pixels of a pixel: black, red, green, blue, white for 0 to 4), `differs-NAME`
-///     (pixels with an active sub-pixel where that attribute disagreed)
+///     (pixels with an active sub-pixel where that attribute disagreed), `propagated` (pixels that rounds have corrected)
 std::vector<DebugPicture> debug_pictures(const kernels::ProgramSpec& program, const FrontEnd::Result& frame,
                                          std::uint32_t width, std::uint32_t height);
 

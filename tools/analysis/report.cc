@@ -129,6 +129,8 @@ void add_relative(Json& totals, const Result& result) {
   const std::optional<double> psnr = psnr_db(result.squared_error);
   totals["psnr_db"] = psnr ? Json(*psnr) : Json(nullptr);
   totals["identical"] = !psnr.has_value();
+  totals["reference"] = {{"cycles", reference.cycles},
+                         {"top_down", time_json(top_down(reference.units, reference.machine).gpu)}};
   totals["relative"] = {{"speedup", per(reference.cycles, run.cycles)},
                         {"traversal_steps", per(run.function.traversal_steps, reference.function.traversal_steps)},
                         {"tni_power", power(run, tni_mj(run)) / power(reference, tni_mj(reference))},

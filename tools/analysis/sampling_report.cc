@@ -32,13 +32,17 @@ Json sampling_json(const Simulation& simulation) {
   if (is_subdivided) {
     out["active"] = s.active;
     out["reasons"] = named_counts(names_of(kernels::Attribute{}), s.reasons);
+    out["first_reasons"] = named_counts(names_of(kernels::Attribute{}), s.first_reasons);
     out["padding"] = s.padding;
+    if (s.propagated != 0) out["propagated"] = s.propagated;
   }
   if (s.checked != 0) {
     out["checked"] = s.checked;
     out["passed"] = s.passed;
     out["similar_ratio"] = ratio(s.passed, s.checked);
+    if (s.rough != 0) out["rough"] = s.rough;
     out["failed"] = named_counts(names_of(kernels::Check{}), s.failed);
+    out["first_failed"] = named_counts(names_of(kernels::Check{}), s.first_failed);
   }
   if (!is_subdivided && s.checked == 0) return out;
   const auto add = [&](const char* key, const std::optional<double>& share) {

@@ -1,6 +1,11 @@
 #include "sim/report/table.h"
 
 #include <algorithm>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -32,6 +37,32 @@ std::string samples(const Json& totals) {
   }
   if (s.contains("similar_ratio"))
     out += fmt::format("; {} of those between were similar", percent(s["similar_ratio"]));
+  return out;
+}
+
+/// First reasons for which samples of an adaptive program were traced, as shares of the traced ones, largest first.
+std::string tracing_reasons(const Json& s) {
+  constexpr std::uint64_t kOfSubpixel = 4;  // samples
+  std::vector<std::pair<std::uint64_t, std::string>> reasons;
+  const std::uint64_t traced = s["traced"].get<std::uint64_t>();
+  std::uint64_t explained = 0;
+  const auto add = [&](const std::string& name, std::uint64_t samples) {
+    explained += samples;
+    if (samples != 0) reasons.emplace_back(samples, name);
+  };
+  if (s.contains("first_failed")) {
+    for (const auto& [check, samples] : s["first_failed"].items()) add(check, samples.get<std::uint64_t>());
+  } else {
+    for (const auto& [name, active] : s["first_reasons"].items()) add(name, kOfSubpixel * active.get<std::uint64_t>());
+  }
+  for (const char* of_them : {"halo", "correction"}) add(of_them, s[of_them].get<std::uint64_t>());
+  add(s.contains("first_failed") ? "references" : "centres", traced - explained);
+  std::ranges::stable_sort(reasons, std::ranges::greater{}, &std::pair<std::uint64_t, std::string>::first);
+  std::string out;
+  for (const auto& [samples, name] : reasons) {
+    if (!out.empty()) out += ", ";
+    out += fmt::format("{} {}", name, percent(static_cast<double>(samples) / static_cast<double>(traced)));
+  }
   return out;
 }
 
@@ -84,7 +115,10 @@ std::string overview(const Json& report) {
   line("rays", fmt::format("{}  ({} primary, {} shadow, {} reflection, {} refraction)", count(rays["total"]),
                            count(rays["primary"]), count(rays["shadow"]), count(rays["reflection"]),
                            count(rays["refraction"])));
-  if (t["sampling"].contains("checked") || t["sampling"].contains("active")) line("samples", samples(t));
+  if (t["sampling"].contains("checked") || t["sampling"].contains("active")) {
+    line("samples", samples(t));
+    line("traced because of", tracing_reasons(t["sampling"]));
+  }
   line("ray rate", si_text(1e6 * t["perf"]["mrays_per_s"].get<double>(), "rays/s"));
   line("traversal steps", fmt::format("{}  = {:.1f} per ray", count(t["traversal_steps"]),
                                       t["traversal_steps"].get<double>() / rays["total"].get<double>()));
@@ -113,6 +147,7 @@ std::string overview(const Json& report) {
                      r["speedup"].get<double>(), r["rays"].get<double>(), r["tni_perf_per_watt"].get<double>(),
                      r["gpu_perf_per_watt"].get<double>(),
                      t["psnr_db"].is_null() ? "identical" : fmt::format("{:.2f} dB", t["psnr_db"].get<double>())));
+    line("reference's time", top_down_text(t["reference"]["top_down"]));
   }
   return out;
 }

@@ -100,7 +100,7 @@ void BlockProgram::keep(const TileResult& tile) {
   kept_sampling().has_rates = carries_rates();
   const Sampling& of = tile.sampling;
   kept_sampling().similar[tile.tile] =
-      of.checked == 0 ? 1.0F : static_cast<float>(of.passed) / static_cast<float>(of.checked);
+      of.checked == 0 ? 1.0F : static_cast<float>(of.passed - of.rough) / static_cast<float>(of.checked);
   kept_sampling().blocks[tile.tile] = static_cast<std::uint8_t>(block_of(tile.tile));
 }
 

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <bit>
 
 #include "shader_kernels/programs/adaptive/block_program.h"
 
@@ -124,9 +125,11 @@ void BlockProgram::mark(Tile& tile, const Verdict& verdict, const LineUniforms<f
     if (failed == bit(Check::kBorder)) unchecked += 1;
     own(sample) = static_cast<SampleMark>(failed | kTracedMark);
     for (std::size_t check = 0; check < sampling.failed.size(); ++check) sampling.failed[check] += failed >> check & 1U;
+    sampling.first_failed[static_cast<std::size_t>(std::countr_zero(failed))] += 1;
   }
   sampling.checked += verdict.passed + verdict.failed - unchecked;
   sampling.passed += verdict.passed;
+  sampling.rough += verdict.rough;
 }
 
 void BlockProgram::average(Tile& tile) const {

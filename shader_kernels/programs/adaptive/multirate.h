@@ -25,13 +25,16 @@ class MultirateProgram final : public BlockProgram {
   Verdict check(Tile& tile, bool along_y, const LineUniforms<float>& line, std::uint32_t items) const override;
   void interpolate(Tile& tile, bool along_y, const LineUniforms<float>& line, const Verdict& verdict) const override;
 
-  template <bool kAlongY, bool kSecondary>
+  template <bool kTexture>
+  Verdict check_colours(Tile& tile, bool along_y, const LineUniforms<float>& line, std::uint32_t items) const;
+  template <bool kAlongY, bool kSecondary, bool kTexture>
   Verdict check_with(Tile& tile, const LineUniforms<float>& line, std::uint32_t items) const;
   template <class K>
   void interpolate_with(Tile& tile, const LineUniforms<float>& line, const Verdict& verdict) const;
 
   const MultirateConfig multirate_;
   const bool secondary_checks_;  ///< made
+  const bool compares_colours_;  ///< of textured surfaces
   const RateMap& rates_;
 };
 

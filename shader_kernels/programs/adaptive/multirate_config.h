@@ -16,10 +16,12 @@ constexpr std::array<std::string_view, 3> names_of(RateControl) { return {"off",
 struct MultirateConfig : AdaptiveConfig {
   std::uint32_t block = 2;
   double normal = 0.9;
+  double texture = 2;
   bool secondary_checks = true;
   RateControl rate_control = RateControl::kOff;
   double rate_up = 0.95, rate_down = 0.90;
   std::uint32_t rate_hold = 8;
+  double rate_texture = 0.1;
 
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
@@ -27,6 +29,9 @@ struct MultirateConfig : AdaptiveConfig {
           Affects::kFunction);
     field(NAMED(c.normal), "", "normals are similar if their dot product is at least this; 2: never",
           sim::between(-1, 2), Affects::kFunction);
+    field(NAMED(c.texture), "",
+          "colours of textured samples are similar up to this distance, sRGB-encoded; 2: not compared",
+          sim::between(0, 2), Affects::kFunction);
     field(NAMED(c.secondary_checks), "", "secondary hits are compared too", sim::any(), Affects::kFunction);
     field(NAMED(c.rate_control), "",
           "blocks of 4 where a tile's last frame was similar: both thresholds at once, or one each frame in turn",
@@ -36,6 +41,9 @@ struct MultirateConfig : AdaptiveConfig {
     field(NAMED(c.rate_down), "", "share of similar samples below which it goes back", sim::between(0, 1),
           Affects::kFunction);
     field(NAMED(c.rate_hold), "frames", "how long it then stays there", sim::between(0, 1000), Affects::kFunction);
+    field(NAMED(c.rate_texture), "",
+          "for the rate alone, textured samples are similar up to this distance of colours; 2: not compared",
+          sim::between(0, 2), Affects::kFunction);
     AdaptiveConfig::describe(c, field);
   }
   void check(auto&& complain) const {

@@ -22,20 +22,24 @@ SupersampleProgram::SupersampleProgram(const traces::MemoryImage& image, const t
       camera_(camera_uniforms(camera, config.width, config.height)),
       tiles_(config.width, config.height, 1, config.tile / 2, kHalo),  // sub-pixels, two along a pixel
       order_(tiles_.order(supersample.halo)),
-      frame_(frame) {}
+      frame_(frame),
+      shown_(supersample.propagate == 0 ? 0 : config.width, supersample.propagate == 0 ? 0 : config.height,
+             tiles_.count()) {}
 
 FrameRequirements SupersampleProgram::requirements() const {
   const std::uint32_t samples = tiles_.side() * tiles_.side();
   FrameRequirements needs;
   needs.tile_samples = std::max(samples, kChunk * kExtra);
   needs.attribute_bytes = supersample_.attributes == AttributeStorage::kTile ? samples * kAttributeBytes : 0;
-  needs.region_bytes = {std::uint64_t{tiles_.count()} * tile_pixels() * kPixelBytes, tiles_.count() * store_bytes(), 0};
+  if (supersample_.propagate != 0) needs.attribute_bytes += shown_bytes();
+  needs.region_bytes = {std::uint64_t{tiles_.count()} * tile_pixels() * kPixelBytes,
+                        supersample_.propagate == 0 ? tiles_.count() * store_bytes() : fresh_store(tiles_.count(), 1),
+                        0};
   return needs;
 }
 
-void SupersampleProgram::run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record,
-                                  TileResult& out) const {
-  const SampleTile at = tiles_.tile(order_[tile_index]);
+/// Tells `out` which part of the picture a tile finishes.
+void SupersampleProgram::begin_tile(const SampleTile& at, TileResult& out) const {
   const std::uint32_t left = at.has_left ? 1 : 0;
   const std::uint32_t above = at.has_above ? 1 : 0;
   out.tile = at.index;
@@ -43,19 +47,21 @@ void SupersampleProgram::run_tile(std::uint32_t tile_index, const traces::Tracer
   out.y = at.y - above;
   out.width = at.width + left - (at.has_right ? 1 : 0);
   out.height = at.height + above - (at.has_below ? 1 : 0);
-  const std::uint32_t pixels = out.width * out.height;
-  out.linear.resize(pixels);
-  out.packed.resize(pixels);
   out.sampling = {};
-  out.marks.assign(pixels, 0);
+  out.marks.clear();
+  out.subpixels.clear();
+  out.corrected.clear();
   out.buffer.hold_samples(centres() + std::size_t{kWhole} * tile_pixels());
   // Blocks that stand out look at verdicts behind the last.
   out.buffer.hold_subpixels(centres(), tile_pixels() + kBlockHeight * pitch() + kBlockWidth);
   out.work.frame = frame_;
   out.work.tile = at.index;
   out.work.samples = at.width * at.height;
+}
 
-  Wavefront wave(scene_, tracer, record, out);
+SupersampleProgram::Tile SupersampleProgram::tile_of(const SampleTile& at, Wavefront& wave, TileResult& out) const {
+  const std::uint32_t left = at.has_left ? 1 : 0;
+  const std::uint32_t above = at.has_above ? 1 : 0;
   const auto width = static_cast<float>(out.width), height = static_cast<float>(out.height);
   const FinishedUniforms<float> finished{.width = width,
                                          .inverse_width = 1.0F / width,
@@ -65,7 +71,19 @@ void SupersampleProgram::run_tile(std::uint32_t tile_index, const traces::Tracer
                                          .high_x = at.has_right ? width : width - 1.0F,
                                          .low_y = at.has_above ? -1.0F : 0.0F,
                                          .high_y = at.has_below ? height : height - 1.0F};
-  Tile tile{at, finished, pixels, wave, out, out.buffer};
+  return {at, finished, out.width * out.height, wave, out, out.buffer};
+}
+
+void SupersampleProgram::run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record,
+                                  TileResult& out) const {
+  if (tile_index >= tiles_.count()) return run_round(tile_index, tracer, record, out);
+  const SampleTile at = tiles_.tile(order_[tile_index]);
+  begin_tile(at, out);
+  Wavefront wave(scene_, tracer, record, out);
+  Tile tile = tile_of(at, wave, out);
+  out.linear.resize(tile.pixels);
+  out.packed.resize(tile.pixels);
+  out.marks.assign(tile.pixels, 0);
 
   trace_centres(tile, kHalo, kHalo, at.width, at.height, true);
   export_borders(tile);  // needs nothing of the halo, so no tile waits for a row of others
@@ -73,8 +91,10 @@ void SupersampleProgram::run_tile(std::uint32_t tile_index, const traces::Tracer
   park_attributes(tile);
   const Node tested = test(tile);
   const Node weighed = weigh(tile, tested);
+  if (supersample_.propagate != 0) show(tile);
   const Node averaged = sample_active(tile, tested, weighed);
   wave.put_out(averaged, std::uint64_t{at.index} * tile_pixels() * kPixelBytes);
+  if (supersample_.propagate != 0) put_shown(tile);
   wave.finish();
   count(tile);
 }

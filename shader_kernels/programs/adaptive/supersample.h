@@ -1,9 +1,13 @@
 #pragma once
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
+#include "shader_kernels/kernels/settle_subpixels.h"
 #include "shader_kernels/kernels/subpixels.h"
 #include "shader_kernels/programs/adaptive/sample_tiles.h"
+#include "shader_kernels/programs/adaptive/shown_subpixels.h"
 #include "shader_kernels/programs/adaptive/supersample_config.h"
 #include "shader_kernels/programs/wavefront/frame_program.h"
 #include "shader_kernels/programs/wavefront/render_config.h"
@@ -33,14 +37,22 @@ namespace kernels {
 /// inactive sub-pixels idle likewise. `atomic` cuts pixels and mixes them up, so sums must wait until all chunks are
 /// done: the chunks' samples go to memory, and all are read back at once. Not modelled: contention for the list's
 /// length, which costs its own kernel a load and a store per sub-pixel here.
+///
+/// Rounds of propagation are passes over the whole frame. What sub-pixels show lies in memory between them; a tile that
+/// sub-pixels made active by the round before lie in, or beside, reads it:
+///
+///   propagate_subpixels -> chunks: generate_extra_rays -> settle_subpixels -> average_subpixels -> pack_colour
 class SupersampleProgram final : public FrameProgram {
  public:
   SupersampleProgram(const traces::MemoryImage& image, const traces::Camera& camera, const RenderConfig& config,
                      const SupersampleConfig& supersample, std::uint32_t frame);
 
-  std::uint32_t tiles() const override { return tiles_.count(); }
+  std::uint32_t tiles() const override { return tiles_.count() * (1 + supersample_.propagate); }
+  std::uint32_t pass_end(std::uint32_t tile_index) const override;
   FrameRequirements requirements() const override;
+  void begin_pass(std::uint32_t tile_index, const traces::Tracer& tracer) override;
   void run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record, TileResult& out) const override;
+  void keep(const TileResult& tile) override;
 
  private:
   using Node = Wavefront::Node;
@@ -68,11 +80,15 @@ class SupersampleProgram final : public FrameProgram {
   std::uint32_t centres() const { return pitch() * pitch(); }
   std::uint32_t tile_pixels() const { return (tiles_.side() + 1) * (tiles_.side() + 1); }
   std::uint64_t store_bytes() const;
+  void begin_tile(const SampleTile& at, TileResult& out) const;
+  Tile tile_of(const SampleTile& at, Wavefront& wave, TileResult& out) const;
   LatticeUniforms<float> lattice(std::uint32_t x, std::uint32_t y, std::uint32_t across) const;
 
   // supersample_tests.cc
   void trace_centres(Tile& tile, std::uint32_t x, std::uint32_t y, std::uint32_t across, std::uint32_t down,
                      bool is_own) const;
+  std::array<float, kAttributes> thresholds() const;
+  static std::size_t centre_of(const Tile& tile, std::uint32_t pixel);
   Node test(Tile& tile) const;
   Node weigh(Tile& tile, Node tested) const;
   template <bool kBilinear>
@@ -90,11 +106,29 @@ class SupersampleProgram final : public FrameProgram {
   Node pack_by_block(Tile& tile, Node tested, std::vector<Chunk>& chunks) const;
   Node pack_by_atomics(Tile& tile, Node tested, std::vector<Chunk>& chunks) const;
   void take_all(Tile& tile, std::vector<Chunk>& chunks) const;
-  void trace_chunk(Tile& tile, const Chunk& chunk, Node packed) const;
+  void trace_extra(Tile& tile, const Chunk& chunk, std::uint32_t first_sample, Node after) const;
+  void spill_chunk(Tile& tile, const Chunk& chunk) const;
   Node sum_up(Tile& tile, const Chunk& chunk, Node weighed) const;
   Node sum_from_memory(Tile& tile, std::uint32_t subpixels, Node weighed) const;
   Node sum(Tile& tile, std::uint32_t* listed, std::uint32_t pixels, std::uint32_t padding, std::uint32_t first_index,
            Node weighed) const;
+
+  // supersample_rounds.cc
+  std::uint32_t shown_bytes() const;
+  std::uint64_t shown_store(std::uint32_t tile) const;
+  std::uint64_t fresh_store(std::uint32_t tile, std::uint32_t round) const;
+  static StateUniforms<float> state_uniforms(const Tile& tile);
+  static ShownSubpixel shown_subpixel(const Tile& tile, std::uint32_t subpixel);
+  Node show(Tile& tile) const;
+  void settle(Tile& tile, const Chunk& chunk, std::uint32_t first_sample, std::uint32_t round) const;
+  void put_shown(Tile& tile) const;
+  bool is_reached(const SampleTile& at, auto&& read) const;
+  void run_round(std::uint32_t tile_index, const traces::Tracer& tracer, bool record, TileResult& out) const;
+  Node read_states(Tile& tile, Node before) const;
+  void propagate(Tile& tile, std::uint32_t round, Node before) const;
+  void put_corrected(Tile& tile, std::uint32_t pixels, std::uint32_t subpixels, std::uint32_t round) const;
+  void take_others(Tile& tile, std::uint32_t pixel) const;
+  void count_again(std::uint32_t pixel, const TileResult& tile);
 
   const RenderConfig config_;
   const SupersampleConfig supersample_;
@@ -103,6 +137,7 @@ class SupersampleProgram final : public FrameProgram {
   const SampleTiles tiles_;
   const std::vector<std::uint32_t> order_;
   const std::uint32_t frame_;
+  ShownSubpixels shown_;  ///< empty without rounds
 };
 
 }  // namespace kernels

@@ -16,6 +16,9 @@ constexpr std::array<std::string_view, 3> names_of(Packing) { return {"block", "
 enum class SubpixelFilter : std::uint8_t { kNearest, kBilinear };
 constexpr std::array<std::string_view, 2> names_of(SubpixelFilter) { return {"nearest", "bilinear"}; }
 
+/// A sub-pixel's state has so many numbers for rounds.
+inline constexpr std::uint32_t kMostRounds = 14;
+
 /// Selective and adaptive supersampling (Jin et al. 2009). A threshold applies where its attribute disagrees: 0 always
 /// asks for more samples, 1 never does, -1 leaves the attribute out of the comparison. All of it changes the recorded
 /// work.
@@ -23,6 +26,8 @@ struct SupersampleConfig : AdaptiveConfig {
   double colour = 0.6;
   double object = 0.05, normal = 0.06, shadow = 0.06, texture = 0.6;
   double secondary_object = 0.05, secondary_normal = 0.06, secondary_shadow = 0.06, secondary_texture = 0.6;
+  double same_normal = 0.9;
+  std::uint32_t propagate = 0;
   Packing packing = Packing::kBlock;
   SubpixelFilter filter = SubpixelFilter::kNearest;
   bool focus = false;
@@ -41,6 +46,11 @@ struct SupersampleConfig : AdaptiveConfig {
     threshold(NAMED(c.secondary_normal), "as normal, of that hit");
     threshold(NAMED(c.secondary_shadow), "as shadow, of that hit");
     threshold(NAMED(c.secondary_texture), "as texture, of that hit");
+    field(NAMED(c.same_normal), "", "normals differ if their dot product is below this", sim::between(-1, 2),
+          Affects::kFunction);
+    field(NAMED(c.propagate), "rounds",
+          "in each, sub-pixels beside those that the one before made active, and unlike them, are sampled too",
+          sim::between(0, kMostRounds), Affects::kFunction);
     field(NAMED(c.packing), "",
           "how sub-pixels are listed for sampling: pixels kept together, each by itself, or not listed at all",
           sim::any(), Affects::kFunction);

@@ -12,14 +12,17 @@ SupersampleProgram::Node SupersampleProgram::sample_active(Tile& tile, Node test
   const Node packed = pack(tile, tested, chunks);
   Node summed = weighed;
   std::uint32_t subpixels = 0;
+  const bool is_spilt = supersample_.packing == Packing::kAtomic;
   for (const Chunk& chunk : chunks) {
-    trace_chunk(tile, chunk, packed);
-    if (supersample_.packing != Packing::kAtomic) summed = sum_up(tile, chunk, weighed);
+    const std::uint32_t first_sample = centres() + (is_spilt ? kExtra * chunk.first : 0);
+    trace_extra(tile, chunk, first_sample, packed);
+    if (supersample_.propagate != 0) settle(tile, chunk, first_sample, 0);
+    is_spilt ? spill_chunk(tile, chunk) : void(summed = sum_up(tile, chunk, weighed));
     tile.out.sampling.padding += chunk.padding;
     subpixels += chunk.subpixels;
   }
   tile.out.sampling.traced += kExtra * std::uint64_t{subpixels};
-  if (supersample_.packing == Packing::kAtomic && subpixels != 0) summed = sum_from_memory(tile, subpixels, weighed);
+  if (is_spilt && subpixels != 0) summed = sum_from_memory(tile, subpixels, weighed);
   return summed;
 }
 
@@ -109,10 +112,10 @@ void SupersampleProgram::take_all(Tile& tile, std::vector<Chunk>& chunks) const 
   }
 }
 
-void SupersampleProgram::trace_chunk(Tile& tile, const Chunk& chunk, Node packed) const {
+/// Takes the samples of a chunk's sub-pixels, whose colours lie from `first_sample` on.
+void SupersampleProgram::trace_extra(Tile& tile, const Chunk& chunk, std::uint32_t first_sample, Node after) const {
   Wavefront& wave = tile.wave;
   TileBuffer& buffer = tile.buffer;
-  const bool is_spilt = supersample_.packing == Packing::kAtomic;
   const std::uint32_t items = kExtra * chunk.subpixels;
   const std::uint32_t padding = kExtra * chunk.padding;
   buffer.hold_wave(items);
@@ -123,14 +126,19 @@ void SupersampleProgram::trace_chunk(Tile& tile, const Chunk& chunk, Node packed
   generate.y0 = static_cast<float>(tile.out.y);
   generate.width = tile.finished.width;
   generate.inverse_width = tile.finished.inverse_width;
-  generate.first_sample = static_cast<float>(centres() + (is_spilt ? kExtra * chunk.first : 0));
+  generate.first_sample = static_cast<float>(first_sample);
   generate.image_width = config_.width;
   generate.seed = jitter_seed(frame_);
   const Node generated = wave.launch<GenerateExtraRays>(generate, items, items + padding, padding);
-  wave.wait_all(generated, packed);
+  wave.wait_all(generated, after);
   wave.wait_for_colours(generated);  // the slots are free
   if (items != 0) wave.run(generated, items, {}, items + padding, padding);
-  if (!is_spilt) return;
+}
+
+/// Has the samples of a chunk wait in memory.
+void SupersampleProgram::spill_chunk(Tile& tile, const Chunk& chunk) const {
+  Wavefront& wave = tile.wave;
+  const std::uint32_t items = kExtra * chunk.subpixels;
   const std::uint64_t offset =
       store_bytes() * (tile.at.index + 1) -
       (std::uint64_t{tile_pixels()} * kWhole - std::uint64_t{kExtra} * chunk.first) * sizeof(ColourRecord<float>);

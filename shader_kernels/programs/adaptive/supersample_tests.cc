@@ -1,3 +1,6 @@
+#include <algorithm>
+#include <bit>
+
 #include "shader_kernels/programs/adaptive/supersample.h"
 
 namespace kernels {
@@ -38,22 +41,35 @@ void SupersampleProgram::trace_centres(Tile& tile, std::uint32_t x, std::uint32_
   if (!is_own) tile.out.sampling.halo += items;
 }
 
-SupersampleProgram::Node SupersampleProgram::test(Tile& tile) const {
+/// Thresholds of the attributes; no contrast reaches that of one that is not compared.
+std::array<float, kAttributes> SupersampleProgram::thresholds() const {
   const SupersampleConfig& c = supersample_;
-  const std::array<double, kAttributes> thresholds{c.colour,           c.object,           c.normal,
-                                                   c.shadow,           c.texture,          c.secondary_object,
-                                                   c.secondary_normal, c.secondary_shadow, c.secondary_texture};
+  const std::array<double, kAttributes> all{c.colour,           c.object,           c.normal,
+                                            c.shadow,           c.texture,          c.secondary_object,
+                                            c.secondary_normal, c.secondary_shadow, c.secondary_texture};
+  std::array<float, kAttributes> reached{};
+  std::ranges::transform(all, reached.begin(), [](double t) { return t < 0 ? kNever : static_cast<float>(t); });
+  return reached;
+}
+
+/// The sample at a finished pixel's centre.
+std::size_t SupersampleProgram::centre_of(const Tile& tile, std::uint32_t pixel) {
+  const DivMod<float> row = finished_pixel<float>(static_cast<float>(pixel), tile.finished);
+  return static_cast<std::size_t>(centre_sample<float>(row, tile.finished));
+}
+
+SupersampleProgram::Node SupersampleProgram::test(Tile& tile) const {
   TestSubpixels::Ports<float> ports;
   ports.finished = tile.finished;
   ports.secondary.bind(tile.buffer.secondary_traits.data());
   ports.verdicts.bind(tile.buffer.subpixels.data());
+  ports.thresholds = thresholds();
   ports.compared = 0;
   for (std::size_t i = 0; i < kAttributes; ++i) {
-    const bool is_off = thresholds[i] < 0;
-    ports.thresholds[i] = is_off ? kNever : static_cast<float>(thresholds[i]);
-    if (!is_off) ports.compared |= 1U << i;
+    if (ports.thresholds[i] < kNever) ports.compared |= 1U << i;
   }
-  ports.focus = c.focus ? traces::kFocusObject : 0;
+  ports.same_normal = static_cast<float>(supersample_.same_normal);
+  ports.focus = supersample_.focus ? traces::kFocusObject : 0;
   ports.textured = ports.focus | kTexturedObject;
   const Node node = tile.wave.launch<TestSubpixels>(ports, 4 * tile.pixels);
   tile.wave.wait_for_records(node);
@@ -90,12 +106,11 @@ void SupersampleProgram::count(Tile& tile) const {
       active += 1;
       reasons |= verdict & ((1U << kAttributes) - 1);
       for (std::size_t a = 0; a < kAttributes; ++a) sampling.reasons[a] += verdict >> a & 1U;
+      sampling.first_reasons[static_cast<std::size_t>(std::countr_zero(verdict))] += 1;
     }
     out.marks[pixel] = static_cast<SampleMark>(reasons | active << kActiveCountShift);
     sampling.active[active] += 1;
-    const DivMod<float> row = finished_pixel<float>(static_cast<float>(pixel), tile.finished);
-    const auto centre = static_cast<std::size_t>(centre_sample<float>(row, tile.finished));
-    if (tile.buffer.traits[centre].object == kNoObject) sampling.background += kExtra * (4 - active);
+    if (tile.buffer.traits[centre_of(tile, pixel)].object == kNoObject) sampling.background += kExtra * (4 - active);
   }
 }
 

@@ -19,12 +19,15 @@ struct Sampling {
   std::uint64_t background = 0, traced_background = 0;  ///< samples of the wanted, of the traced
   std::uint64_t checked = 0, passed = 0;                ///< samples between references
   std::array<std::uint64_t, static_cast<std::size_t>(Check::kCount)> failed{};  ///< a sample may fail several checks
+  std::array<std::uint64_t, static_cast<std::size_t>(Check::kCount)> first_failed{};  ///< by the first that it fails
+  std::uint64_t rough = 0;  ///< of the passed, those that a tile's rate does not count
 
   // supersample: pixels by how many of their sub-pixels are active, active sub-pixels by what disagreed (one may have
-  // several reasons), and entries that listing them left empty.
+  // several reasons; by the first one, too), and entries that listing them left empty.
   std::array<std::uint64_t, 5> active{};
-  std::array<std::uint64_t, kAttributes> reasons{};
+  std::array<std::uint64_t, kAttributes> reasons{}, first_reasons{};
   std::uint64_t padding = 0;
+  std::uint64_t propagated = 0;  ///< sub-pixels made active by rounds of propagation
 
   /// Per tile of the grid, row by row, where tiles have them: share of checked samples that passed, and block side.
   std::vector<float> similar;

@@ -93,6 +93,7 @@ SceneTables::SceneTables(const traces::MemoryImage& memory_image, const RenderCo
   has_later = (flags & kLaterClasses) != 0;
   has_secondary = (flags & (traces::kMirror | traces::kGlass | traces::kBlended | traces::kPhysical)) != 0;
   has_textures = (flags & (traces::kTextured | traces::kOccluded)) != 0;
+  has_occlusion = (flags & traces::kOccluded) != 0;
   diverges = config.streams == Streams::kDivergent;
   has_alpha = (shades & traces::kAlphaFlag) != 0;
   const bool is_tinted = config.glass_shadows == GlassShadows::kTinted;

@@ -36,6 +36,7 @@ struct SceneTables {
   bool has_later;              ///< some surface is not lit at once (kernels/at_once.h)
   bool has_secondary;          ///< some surface may send a path on
   bool has_textures;           ///< some surface may fail a check for its textures
+  bool has_occlusion;          ///< some surface has an occlusion texture
   bool has_alpha, has_shades;  ///< some hit may have to be tested: of rays that want the nearest, of shadow rays
   std::uint32_t solid_shadow;  ///< largest triangle word of a shadow ray's hit that needs no test
   /// Names the arrays as the kernels' ports do.

@@ -64,6 +64,8 @@ void TileBuffer::hold_subpixels(std::size_t centres, std::size_t pixels) {
   grow(active, chunks * kChunk + 4);
   grow(masters, pixels + 1);
   grow(fills, chunks + 1);
+  grow(shown, 4 * pixels);
+  grow(states, 12 * pixels + 4);  // a line more on each side, whatever the pixels' shape
 }
 
 glm::vec3 TileResult::colour(std::uint32_t sample) const {

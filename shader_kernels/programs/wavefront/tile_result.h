@@ -49,8 +49,10 @@ struct TileBuffer {
   std::vector<TraitsRecord<float>> traits, secondary_traits;
   std::vector<BranchRecord<float>> branches;
   std::vector<std::uint32_t> subpixels, active, masters, fills;
-  std::vector<std::uint32_t> record_nodes;  ///< launches of the work that have added to what samples keep
-  std::vector<std::uint32_t> colour_nodes;  ///< launches of the work that have added to colours
+  std::vector<SubpixelRecord<float>> states;  ///< of sub-pixels, between rounds of propagation
+  std::vector<ColourRecord<float>> shown;     ///< by them
+  std::vector<std::uint32_t> record_nodes;    ///< launches of the work that have added to what samples keep
+  std::vector<std::uint32_t> colour_nodes;    ///< launches of the work that have added to colours
   std::vector<traces::WorkNode> spare_nodes;
   /// Names the arrays as the kernels' ports do.
   static void describe(auto& b, auto&& array) {
@@ -69,6 +71,7 @@ struct TileBuffer {
     array(NAMED(b.passed)), array(NAMED(b.failed));
     array(NAMED(b.traits)), array(NAMED(b.branches));
     array(NAMED(b.active)), array(NAMED(b.masters)), array(NAMED(b.fills));
+    array(NAMED(b.states)), array(NAMED(b.shown));
   }
   void hold_wave(std::size_t slots);
   void hold_details(std::size_t slots);
@@ -84,6 +87,14 @@ struct ShownSample {
   glm::vec3 colour{};
 };
 
+/// A sub-pixel as later rounds of propagation see it.
+struct ShownSubpixel {
+  std::uint32_t x = 0, y = 0;  ///< in the picture's grid of sub-pixels
+  SubpixelRecord<float> state{};
+  glm::vec3 colour{};
+  bool is_background = false;  ///< by the sample at its pixel's centre
+};
+
 /// Result of one tile.
 struct TileResult {
   std::uint32_t tile = 0;
@@ -95,6 +106,8 @@ struct TileResult {
   Sampling sampling;
   std::vector<SampleMark> marks;          ///< adaptive sampling's, per sample (or pixel) of the tile, row by row
   std::vector<ShownSample> shown;         ///< its own samples, row by row, if a later pass looks at them
+  std::vector<ShownSubpixel> subpixels;   ///< its own, or those that a round has made active
+  std::vector<std::uint32_t> corrected;   ///< pixels of the picture whose new colours a round has put into `linear`
   std::vector<std::uint32_t> background;  ///< samples whose primary ray hit nothing, in the order traced
   std::uint64_t traversal_steps = 0;  ///< node visits and triangle tests; counted from the walks, so 0 if not recorded
   traces::TileWork work;              ///< filled if recorded

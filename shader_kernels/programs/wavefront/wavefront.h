@@ -211,6 +211,7 @@ class Wavefront {
   void light_later(const Bounce& bounce, std::vector<std::uint32_t>& stream, std::uint32_t items);
   Node generate_fused(GenerateListedRays::Ports<float>& ports, std::vector<std::uint32_t>& list, std::uint32_t items,
                       RetainedRecords& retained, std::uint32_t lanes);
+  void classify_occluded(Bounce& bounce, std::uint32_t surfaces, Streams& streams);
   void shade_sorted(Bounce& bounce, const Streams& streams);
   static BounceUniforms<float> uniforms_of(const Bounce& bounce);
   template <bool kInstanced>

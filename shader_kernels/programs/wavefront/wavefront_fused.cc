@@ -134,6 +134,7 @@ void Wavefront::interpolate_lit(typename K::template Ports<float>& ports, std::u
   adds_colours(bounce.inspector);
   Streams streams;
   streams.take_lit(ports);
+  classify_occluded(bounce, items, streams);
   shade_sorted(bounce, streams);
 }
 template void Wavefront::interpolate_lit<InterpolateLit<false>>(InterpolateLit<false>::Ports<float>& ports,

@@ -154,7 +154,19 @@ void Wavefront::shade_interpolated(Node maker, std::uint32_t items, std::uint32_
   Streams streams;
   classify_surfaces(bounce, items, streams);
   wait_all(bounce.inspector, maker);
+  classify_occluded(bounce, items, streams);
   shade_sorted(bounce, streams);
+}
+
+/// Lists interpolated surfaces with occlusion textures, if the scene has any.
+void Wavefront::classify_occluded(Bounce& bounce, std::uint32_t surfaces, Streams& streams) {
+  if (!scene_.has_occlusion) return;
+  buffer_.hold_details(surfaces);
+  ClassifyOccluded::Ports<float> ports;
+  const Node node = launch<ClassifyOccluded>(ports, surfaces, bounce.lanes);
+  wait_all(node, bounce.inspector);
+  bounce.inspector = node;
+  streams.occluded = ports.occluded_count.value;
 }
 
 /// Shades interpolated surfaces that have been sorted into streams.
@@ -162,6 +174,7 @@ void Wavefront::shade_sorted(Bounce& bounce, const Streams& streams) {
   if (streams.textured != 0) shade_textured(bounce, streams.textured);
   const std::uint32_t items = streams.unlit();
   if (items != 0) shade_ambient(bounce, unlit_of(streams), items);
+  if (streams.occluded != 0) shade_occluded(bounce, streams.occluded);
   for (std::uint32_t light = 0; light < scene_.lights.size(); ++light) {
     std::vector<std::uint32_t>& stream = light == 0 ? unlit_of(streams) : buffer_.diffuse;
     shade_visible(bounce, light, stream, light == 0 ? items : streams.diffuse);

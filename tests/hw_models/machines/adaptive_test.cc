@@ -127,5 +127,35 @@ TEST_P(Adaptive, EveryTileIsPlayedAndWhatItMovesIsCounted) {
   EXPECT_EQ(run.function.sampling.halo != 0, halo == Halo::kRetrace);
 }
 
+/// Rounds of propagation, and colours compared for a tile's rate.
+class AdaptiveKeys : public ::testing::TestWithParam<const char*> {
+ protected:
+  static kernels::ProgramConfig keys() {
+    kernels::ProgramConfig config = config_of(Halo::kReload, AttributeStorage::kTile);
+    config.multirate.texture = 0.3;
+    config.multirate.rate_texture = 0.1;
+    config.supersample.propagate = 2;
+    return config;
+  }
+  const Method method_{"chess", GetParam(), keys(), 20, 12, 8};
+};
+INSTANTIATE_TEST_SUITE_P(Programs, AdaptiveKeys, ::testing::Values("multirate:under", "supersample"),
+                         [](const auto& i) {
+                           std::string name = i.param;
+                           std::ranges::replace(name, ':', '_');
+                           return name;
+                         });
+
+TEST_P(AdaptiveKeys, AreWorkThatAllEnginesPlayAlikeFromTheDefaultToTheSmallestMachine) {
+  for (const GpuConfig& config : {GpuConfig(), smallest_machine(), test::random_config(341)}) {
+    const Outcome fast = play(method_, config);
+    EXPECT_EQ(difference(fast, play(method_, config, Engine::kOracle)), "");
+    EXPECT_EQ(difference(fast, play(method_, config, Engine::kShuffled, 1)), "");
+    EXPECT_EQ(difference(fast, play(method_, config, Engine::kFast, 0, 2)), "") << "threads";
+    const kernels::Sampling& found = fast.function.sampling;
+    EXPECT_GT(found.propagated + found.rough, 0U);
+  }
+}
+
 }  // namespace
 }  // namespace hw

@@ -1,5 +1,8 @@
 #include <cstdint>
+#include <map>
+#include <sstream>
 #include <string>
+#include <string_view>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -55,6 +58,13 @@ TEST_P(AdaptiveRun, ReportsItsSamples) {
   for (const auto& [check, failed] : s["failed"].items()) failures += failed.get<std::uint64_t>();
   EXPECT_GE(failures, count("checked") - count("passed")) << "who fails does so by one check or more";
   EXPECT_GT(s["failed"]["object"], 0);
+  std::uint64_t first = 0;
+  for (const auto& [check, failed] : s["first_failed"].items()) {
+    first += failed.get<std::uint64_t>();
+    EXPECT_LE(failed, s["failed"][check]) << check;
+  }
+  EXPECT_EQ(first, count("checked") - count("passed") + s["failed"]["border"].get<std::uint64_t>());
+  EXPECT_EQ(s["first_failed"]["object"], s["failed"]["object"]) << "it is the first check";
   EXPECT_GE(totals["rays"]["primary"].get<std::uint64_t>(), count("traced"));
   EXPECT_GT(totals["dram_bytes_by_client"]["samples"], 0) << "halos";
 }
@@ -85,6 +95,33 @@ TEST_P(AdaptiveRun, ItsConfigurationLoadsAgainAndGivesTheSameRun) {
       {"run", (folder_.path() / "first" / "config.yaml").string(), "--program", GetParam(), "-o", out.string()});
   ASSERT_EQ(ending.exit, 0) << ending.err;
   EXPECT_EQ(repeatable(read_json(out / "report.json")), repeatable(first));
+}
+
+/// Shares that the printed table gives as reasons for tracing, by name.
+std::map<std::string, double> reasons_of(const std::filesystem::path& out) {
+  const std::string table = read_bytes(out / "report.txt");
+  const std::string title = "traced because of";
+  std::size_t at = table.find(title);
+  EXPECT_NE(at, std::string::npos);
+  std::istringstream line(table.substr(at + title.size(), table.find('\n', at) - at - title.size()));
+  std::map<std::string, double> shares;
+  for (std::string name, percent; line >> name; line >> percent) line >> shares[name];
+  return shares;
+}
+
+TEST(TracingReasons, AreSharesOfAllTracedSamples) {
+  const TempFolder folder;
+  for (const char* program : {"multirate:under", "undersample", "supersample"}) {
+    const Json report = report_of(folder.path() / "out", program, {"--set", "supersample.propagate=2", "--force"});
+    const std::map<std::string, double> shares = reasons_of(folder.path() / "out");
+    double sum = 0;
+    for (const auto& [name, share] : shares) sum += share;
+    EXPECT_NEAR(sum, 100, 0.1 * static_cast<double>(shares.size())) << program;
+    EXPECT_GT(shares.at("object"), 0) << program;
+    EXPECT_GT(shares.at(std::string_view(program) == "supersample" ? "centres" : "references"), 0) << program;
+    const Json& s = report["totals"]["sampling"];
+    EXPECT_EQ(shares.contains("correction"), s["correction"] != 0) << program;
+  }
 }
 
 /// Figures of a frame.

@@ -24,6 +24,9 @@ TEST(Reference, AgainstItselfEveryRatioIsOneAndThePicturesAreIdentical) {
   EXPECT_EQ(read_bytes(out / "reference.exr"), read_bytes(out / "image.exr"));
   EXPECT_SAYS(ending.out, "against reference");
   EXPECT_SAYS(ending.out, "identical");
+  EXPECT_EQ(totals["reference"]["cycles"], totals["cycles"]);
+  EXPECT_EQ(totals["reference"]["top_down"], totals["top_down"]["gpu"]);
+  EXPECT_SAYS(ending.out, "reference's time");
 }
 
 TEST(Reference, OfFourTimesTheSamplesCostsMoreAndLooksAlmostTheSame) {
@@ -47,7 +50,8 @@ TEST(Reference, WithoutOneThereIsNothingRelative) {
   const TempFolder folder;
   ASSERT_EQ(raywatt(small_run(folder.path() / "out")).exit, 0);
   const Json totals = read_json(folder.path() / "out" / "report.json")["totals"];
-  for (const char* name : {"psnr_db", "identical", "relative"}) EXPECT_FALSE(totals.contains(name)) << name;
+  for (const char* name : {"psnr_db", "identical", "relative", "reference"})
+    EXPECT_FALSE(totals.contains(name)) << name;
 }
 
 TEST(Verify, CornellHasNoRayThatEmbreeSeesOtherwise) {

@@ -1,0 +1,269 @@
+#include <algorithm>
+#include <array>
+#include <span>
+#include <utility>
+
+#include "shader_kernels/programs/adaptive/supersample.h"
+
+namespace kernels {
+
+using traces::Region;
+
+namespace {
+
+static_assert((std::uint64_t{kMostRounds} + 1) << kRoundShift <= 0xffffffffU);
+
+constexpr std::uint32_t kLine = 64;  // what a sub-pixel alone costs of memory
+constexpr std::uint32_t kStateBytes = sizeof(SubpixelRecord<float>);
+constexpr std::uint32_t kShownBytes = kStateBytes + sizeof(ColourRecord<float>);
+
+/// Bytes of scattered records: a line each, as long as those are not more than all.
+std::uint32_t lines(std::uint32_t count, std::uint64_t all) {
+  return static_cast<std::uint32_t>(std::min(std::uint64_t{count} * kLine, all));
+}
+
+}  // namespace
+
+std::uint32_t SupersampleProgram::pass_end(std::uint32_t tile_index) const {
+  return (tile_index / tiles_.count() + 1) * tiles_.count();
+}
+
+/// Bytes of what a tile's sub-pixels show.
+std::uint32_t SupersampleProgram::shown_bytes() const { return 4 * tile_pixels() * kShownBytes; }
+
+/// A tile's states, then its colours; behind those of all tiles a byte each, in which a round notes whether it has made
+/// any sub-pixel active, for odd rounds and for even ones.
+std::uint64_t SupersampleProgram::shown_store(std::uint32_t tile) const {
+  return tiles_.count() * store_bytes() + std::uint64_t{tile} * shown_bytes();
+}
+std::uint64_t SupersampleProgram::fresh_store(std::uint32_t tile, std::uint32_t round) const {
+  return shown_store(tiles_.count()) + std::uint64_t{round % 2} * tiles_.count() + tile;
+}
+
+StateUniforms<float> SupersampleProgram::state_uniforms(const Tile& tile) {
+  const float pitch = 2 * tile.finished.width + 2;  // one more on each side
+  return {tile.finished.width, tile.finished.inverse_width, pitch + 1, pitch};
+}
+
+/// Leaves what all sub-pixels show if they are not active, for settle() to write over.
+SupersampleProgram::Node SupersampleProgram::show(Tile& tile) const {
+  const auto launch = [&]<class K>(K) {
+    typename K::template Ports<float> ports;
+    ports.finished = tile.finished;
+    ports.grid = state_uniforms(tile);
+    const Node node = tile.wave.launch<K>(ports, 4 * tile.pixels);
+    tile.wave.wait_for_colours(node);
+    tile.wave.adds_colours(node);
+    return node;
+  };
+  return supersample_.filter == SubpixelFilter::kBilinear ? launch(ShowSubpixels<true>{})
+                                                          : launch(ShowSubpixels<false>{});
+}
+
+/// Leaves what the sub-pixels of a chunk show, whose samples begin at `first_sample`.
+void SupersampleProgram::settle(Tile& tile, const Chunk& chunk, std::uint32_t first_sample, std::uint32_t round) const {
+  if (chunk.subpixels == 0) return;
+  SettleSubpixels::Ports<float> ports;
+  ports.grid = state_uniforms(tile);
+  ports.active.bind(tile.buffer.active.data() + chunk.first);
+  ports.verdicts.bind(tile.buffer.subpixels.data());
+  ports.first_sample = static_cast<float>(first_sample);
+  ports.round = (round + 1) << kRoundShift;
+  const Node node = tile.wave.launch<SettleSubpixels>(ports, chunk.subpixels);
+  tile.wave.wait_for_colours(node);
+  tile.wave.adds_colours(node);
+}
+
+/// A sub-pixel of a tile, as it is left in the tile buffer.
+ShownSubpixel SupersampleProgram::shown_subpixel(const Tile& tile, std::uint32_t subpixel) {
+  const std::uint32_t x = 2 * (subpixel / 4 % tile.out.width) + subpixel % 2;
+  const std::uint32_t y = 2 * (subpixel / 4 / tile.out.width) + subpixel / 2 % 2;
+  const std::uint32_t pitch = 2 * tile.out.width + 2;
+  const Vec3<float>& rgb = tile.buffer.shown[subpixel].rgb;
+  return {2 * tile.out.x + x, 2 * tile.out.y + y, tile.buffer.states[(y + 1) * pitch + x + 1], {rgb.x, rgb.y, rgb.z}};
+}
+
+/// Writes what all sub-pixels show to memory.
+void SupersampleProgram::put_shown(Tile& tile) const {
+  const Node out =
+      tile.wave.transfer(Region::kSamples, true, shown_store(tile.at.index), 4 * tile.pixels * kShownBytes);
+  tile.wave.wait_for_colours(out);
+  const Node noted = tile.wave.transfer(Region::kSamples, true, fresh_store(tile.at.index, 0), 1);
+  tile.wave.wait_all(noted, out);
+  for (std::uint32_t i = 0; i < 4 * tile.pixels; ++i) {
+    ShownSubpixel shown = shown_subpixel(tile, i);
+    shown.is_background = tile.buffer.traits[centre_of(tile, i / 4)].object == kNoObject;
+    tile.out.subpixels.push_back(shown);
+  }
+}
+
+void SupersampleProgram::begin_pass(std::uint32_t tile_index, const traces::Tracer& /*tracer*/) {
+  if (tile_index >= tiles_.count()) shown_.settle();
+}
+
+/// Whether the round before has made sub-pixels active in a tile or in those beside it. `read`: is told where that
+/// stands.
+bool SupersampleProgram::is_reached(const SampleTile& at, auto&& read) const {
+  const std::uint32_t first = at.has_left ? at.index - 1 : at.index;
+  const std::uint32_t across = 1U + (at.has_left ? 1 : 0) + (at.has_right ? 1 : 0);
+  read(first, across);
+  bool reached = false;
+  for (std::uint32_t i = 0; i < across; ++i) reached |= shown_.is_fresh(first + i);
+  for (const auto& [has, tile] :
+       {std::pair{at.has_above, at.index - tiles_.across()}, std::pair{at.has_below, at.index + tiles_.across()}}) {
+    if (!has) continue;
+    read(tile, 1U);
+    reached |= shown_.is_fresh(tile);
+  }
+  return reached;
+}
+
+void SupersampleProgram::run_round(std::uint32_t tile_index, const traces::Tracer& tracer, bool record,
+                                   TileResult& out) const {
+  const std::uint32_t count = tiles_.count();
+  const std::uint32_t round = tile_index / count;
+  const SampleTile at = tiles_.tile(order_[tile_index % count]);
+  begin_tile(at, out);
+  out.tile = out.work.tile = round * count + at.index;
+  Wavefront wave(scene_, tracer, record, out);
+  out.work.after_all = tile_index % count == 0;
+  Node before = Wavefront::kNone;
+  const bool reached = is_reached(at, [&](std::uint32_t tile, std::uint32_t bytes) {
+    const Node read = wave.transfer(Region::kSamples, false, fresh_store(tile, round - 1), bytes);
+    wave.wait_all(read, before);
+    before = read;
+  });
+  out.linear.clear();
+  out.packed.clear();
+  if (reached) {
+    Tile tile = tile_of(at, wave, out);
+    propagate(tile, round, before);
+  }
+  wave.finish();
+  out.sampling.traced_background = out.background.size();
+  out.width = out.height = 0;  // no pixels but the corrected ones
+}
+
+/// Reads states of a tile and of the sub-pixels around it.
+SupersampleProgram::Node SupersampleProgram::read_states(Tile& tile, Node before) const {
+  const TileResult& out = tile.out;
+  shown_.copy_states(2 * out.x, 2 * out.y, 2 * out.width, 2 * out.height, tile.buffer.states.data());
+  const std::uint32_t index = tile.at.index;
+  const auto read = [&](bool has, std::uint32_t from, std::uint32_t subpixels) {
+    if (!has) return;
+    const Node in = tile.wave.transfer(Region::kSamples, false, shown_store(from), subpixels * kStateBytes);
+    tile.wave.wait_all(in, before);
+    before = in;
+  };
+  read(true, index, 4 * tile.pixels);
+  read(tile.at.has_left, index - 1, 2 * out.height);
+  read(tile.at.has_right, index + 1, 2 * out.height);
+  read(tile.at.has_above, index - tiles_.across(), 2 * out.width);
+  read(tile.at.has_below, index + tiles_.across(), 2 * out.width);
+  return before;
+}
+
+/// A round of propagation in a tile that it reaches.
+void SupersampleProgram::propagate(Tile& tile, std::uint32_t round, Node before) const {
+  TileBuffer& buffer = tile.buffer;
+  PropagateSubpixels::Ports<float> ports;
+  ports.grid = state_uniforms(tile);
+  ports.verdicts.bind(buffer.subpixels.data());
+  ports.last_master.value = -1;
+  ports.thresholds = thresholds();
+  ports.round = round << kRoundShift;
+  const Node in = read_states(tile, before);
+  const Node found = tile.wave.launch<PropagateSubpixels>(ports, 4 * tile.pixels);
+  tile.wave.wait_all(found, in);
+  const std::uint32_t subpixels = ports.active_count.value;
+  if (subpixels == 0) return;
+
+  for (std::uint32_t first = 0; first < subpixels; first += kChunk) {
+    const Chunk chunk{.first = first, .subpixels = std::min(kChunk, subpixels - first)};
+    trace_extra(tile, chunk, 0, found);
+    settle(tile, chunk, 0, round);
+  }
+  tile.out.sampling.propagated = subpixels;
+  tile.out.sampling.traced = tile.out.sampling.correction = std::uint64_t{kExtra} * subpixels;
+  for (std::uint32_t i = 0; i < subpixels; ++i) tile.out.subpixels.push_back(shown_subpixel(tile, buffer.active[i]));
+  put_corrected(tile, ports.masters_count.value, subpixels, round);
+}
+
+/// Averages the listed pixels again and writes them, and what the sub-pixels that were sampled show.
+void SupersampleProgram::put_corrected(Tile& tile, std::uint32_t pixels, std::uint32_t subpixels,
+                                       std::uint32_t round) const {
+  Wavefront& wave = tile.wave;
+  TileResult& out = tile.out;
+  const std::uint64_t states = 4 * std::uint64_t{tile_pixels()} * kStateBytes;
+  const std::uint64_t colours = 4 * std::uint64_t{tile_pixels()} * sizeof(ColourRecord<float>);
+  const std::uint64_t store = shown_store(tile.at.index);
+  const Node in = wave.transfer(Region::kSamples, false, store + states, lines(pixels, colours));
+  wave.wait_for_colours(in);
+  out.linear.resize(pixels);
+  out.packed.resize(pixels);
+  for (std::uint32_t i = 0; i < pixels; ++i) take_others(tile, tile.buffer.masters[i]);
+
+  AverageSubpixels::Ports<float> ports;
+  ports.samples = 4;
+  ports.inverse_samples = 0.25F;
+  const Node averaged = wave.launch<AverageSubpixels>(ports, 4 * pixels);
+  wave.wait_all(averaged, in);
+  const Node packed = wave.launch<PackColour>(pixels);
+  wave.wait_all(packed, averaged);
+  const std::uint64_t picture = std::uint64_t{tile_pixels()} * kPixelBytes;
+  wave.wait_all(wave.transfer(Region::kPicture, true, tile.at.index * picture, lines(pixels, picture)), packed);
+  Node last = averaged;
+  const auto put = [&](std::uint64_t offset, std::uint32_t bytes) {
+    const Node node = wave.transfer(Region::kSamples, true, offset, bytes);
+    wave.wait_all(node, last);
+    last = node;
+  };
+  put(store, lines(subpixels, states));
+  put(store + states, lines(subpixels, colours));
+  put(fresh_store(tile.at.index, round), 1);
+}
+
+/// Has the tile buffer hold the colours of a pixel's other sub-pixels, as they are in memory.
+void SupersampleProgram::take_others(Tile& tile, std::uint32_t pixel) const {
+  TileResult& out = tile.out;
+  const std::uint32_t x = out.x + pixel % out.width, y = out.y + pixel / out.width;
+  out.corrected.push_back(y * width() + x);
+  const std::span found(tile.buffer.active.data(), out.subpixels.size());
+  for (std::uint32_t i = 0; i < 4; ++i) {
+    if (std::ranges::binary_search(found, 4 * pixel + i)) continue;
+    const glm::vec3& colour = shown_.colour(2 * x + i % 2, 2 * y + i / 2);
+    tile.buffer.shown[4 * pixel + i] = {{colour.x, colour.y, colour.z}};
+  }
+}
+
+void SupersampleProgram::keep(const TileResult& tile) {
+  FrameProgram::keep(tile);
+  if (supersample_.propagate == 0) return;
+  if (tile.tile < tiles_.count()) return shown_.begin(tile.tile, tile.subpixels);
+  shown_.keep(tile.tile % tiles_.count(), tile.subpixels);
+  Sampling& sampling = kept_sampling();
+  sampling.background += tile.background.size();
+  for (const ShownSubpixel& s : tile.subpixels) {
+    if (shown_.is_background(s.x, s.y)) sampling.background -= kExtra;
+  }
+  for (std::size_t i = 0; i < tile.corrected.size(); ++i) {
+    const std::uint32_t pixel = tile.corrected[i];
+    const glm::vec3& colour = tile.linear[i];
+    std::copy_n(&colour.x, 3, kept_picture().data() + std::size_t{3} * pixel);
+    count_again(pixel, tile);
+  }
+}
+
+/// Counts a pixel's sub-pixels that are active now.
+void SupersampleProgram::count_again(std::uint32_t pixel, const TileResult& tile) {
+  const std::uint32_t x = pixel % width(), y = pixel / width();
+  const auto more = static_cast<std::uint32_t>(
+      std::ranges::count_if(tile.subpixels, [&](const auto& s) { return s.x / 2 == x && s.y / 2 == y; }));
+  const std::uint32_t before = shown_.active_of(x, y);
+  kept_sampling().active[before] -= 1;
+  kept_sampling().active[before + more] += 1;
+  if (kept_marks().empty()) return;
+  kept_marks()[pixel] = static_cast<SampleMark>(kept_marks()[pixel] + (more << kActiveCountShift)) | kCorrectedMark;
+}
+
+}  // namespace kernels

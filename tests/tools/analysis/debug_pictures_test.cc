@@ -1,0 +1,60 @@
+#include "tools/analysis/debug_pictures.h"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include <gtest/gtest.h>
+
+#include "shader_kernels/programs/program_spec.h"
+#include "tools/analysis/picture.h"
+
+namespace tools {
+namespace {
+
+using Colour = std::array<std::uint8_t, 3>;
+
+/// A row of grey pixels that came about as `marks` say.
+FrontEnd::Result row_of(std::vector<kernels::SampleMark> marks) {
+  FrontEnd::Result frame;
+  frame.rgb.assign(3 * marks.size(), 0.5F);
+  frame.marks = std::move(marks);
+  return frame;
+}
+
+std::vector<Colour> picture_of(const std::vector<DebugPicture>& pictures, std::string_view name) {
+  const auto at = std::ranges::find(pictures, name, &DebugPicture::name);
+  if (at == pictures.end()) return {};
+  std::vector<Colour> out;
+  for (std::size_t i = 0; i < at->rgb.size(); i += 3) out.push_back({at->rgb[i], at->rgb[i + 1], at->rgb[i + 2]});
+  return out;
+}
+
+TEST(DebugPictures, ReferencesAreApartFromWhatIsInterpolatedAndWhatIsTraced) {
+  using kernels::kCorrectedMark, kernels::kReferenceMark, kernels::kTracedMark;
+  const FrontEnd::Result frame =
+      row_of({kTracedMark | kReferenceMark, 0, kTracedMark | 1, kTracedMark | kCorrectedMark});
+  const std::vector<DebugPicture> pictures = debug_pictures(kernels::parse_program("multirate:under"), frame, 4, 1);
+  const std::vector<Colour> similar = picture_of(pictures, "similar");
+  ASSERT_EQ(similar.size(), 4U);
+  for (std::size_t i = 0; i < 4; ++i) {
+    for (std::size_t k = 0; k < i; ++k) EXPECT_NE(similar[i], similar[k]) << i << ' ' << k;
+  }
+  const std::uint8_t grey = to_rgb8(frame.rgb)[0];
+  const Colour black{0, 0, 0}, shown{grey, grey, grey};
+  EXPECT_EQ(picture_of(pictures, "interpolated"), (std::vector<Colour>{black, shown, black, black}));
+}
+
+TEST(DebugPictures, RoundsOfPropagationAreShownWhereThereWereAny) {
+  FrontEnd::Result frame = row_of({0, kernels::kCorrectedMark | 1U << kernels::kActiveCountShift});
+  const kernels::ProgramSpec program = kernels::parse_program("supersample");
+  EXPECT_TRUE(picture_of(debug_pictures(program, frame, 2, 1), "propagated").empty());
+  frame.sampling.propagated = 1;
+  const std::vector<Colour> shown = picture_of(debug_pictures(program, frame, 2, 1), "propagated");
+  ASSERT_EQ(shown.size(), 2U);
+  EXPECT_EQ(shown[1], (Colour{255, 255, 255}));
+  EXPECT_LT(shown[0][0], 128);
+}
+
+}  // namespace
+}  // namespace tools
