@@ -55,7 +55,7 @@ void SupersampleProgram::run_tile(std::uint32_t tile_index, const traces::Tracer
   out.work.tile = at.index;
   out.work.samples = at.width * at.height;
 
-  Wavefront wave(scene_, tracer, record, out);
+  Wavefront wave(scene_, tracer, record, cone_uniforms(camera_, 1), out);
   const auto width = static_cast<float>(out.width), height = static_cast<float>(out.height);
   const FinishedUniforms<float> finished{.width = width,
                                          .inverse_width = 1.0F / width,
