@@ -67,9 +67,9 @@ namespace kernels {
 using AllKernels = std::tuple<
     GenerateRays, GenerateJitteredRays, ClassifyLayers, TestAlpha<false, false>, TestAlpha<true, false>,
     TestShadow<false, false>, TestShadow<true, false>, ScatterLayers, ClassifyHits, ShadeBackground,
-    ShadeSurface<false>, ClassifyDetails, Absorb, FetchVertices<false>, ShadeBase, ShadePhysical, ShadeBump, ShadeBlend,
-    ClassifySurfaces, ShadeTextured, ShadeEmission, ShadeGlow, ShadeAmbient, ShadeOccluded, ShadeDiffuse, CombineShadow,
-    ShadeStraight, ShadeMirror, ShadeGlass, AverageColour, PackColour,
+    ShadeSurface<false>, ClassifyDetails, Absorb, FetchVertices<false>, ShadeBase<>, ShadePhysical<>, ShadeBump<>,
+    ShadeBlend, ClassifySurfaces, ShadeTextured<>, ShadeEmission, ShadeGlow<>, ShadeAmbient, ShadeOccluded<>,
+    ShadeDiffuse, CombineShadow, ShadeStraight, ShadeMirror, ShadeGlass, AverageColour, PackColour,
     // Adaptive sampling.
     ListSamples, GenerateListedRays, ClearGeometry, ClearSecondary, RecordGeometry<false>, RecordSurface<false>,
     RecordSecondary<false>, RecordShadow, RecordSecondaryShadow, CheckSimilarity<false, false, false>,
@@ -88,6 +88,12 @@ using AllKernels = std::tuple<
     ShadeSurface<true>, FetchVertices<true>, TestAlpha<false, true>, TestAlpha<true, true>, TestShadow<false, true>,
     TestShadow<true, true>, RecordGeometry<true>, RecordSurface<true>, RecordSecondary<true>, RecordTraits<true>,
     RecordBranch<true>,
+    // Mip maps.
+    ShadeSurface<false, true>, ShadeSurface<true, true>, ShadeTextured<MipFilter::kNearest>,
+    ShadeTextured<MipFilter::kLinear>, ShadeBase<MipFilter::kNearest>, ShadeBase<MipFilter::kLinear>,
+    ShadePhysical<MipFilter::kNearest>, ShadePhysical<MipFilter::kLinear>, ShadeBump<MipFilter::kNearest>,
+    ShadeBump<MipFilter::kLinear>, ShadeGlow<MipFilter::kNearest>, ShadeGlow<MipFilter::kLinear>,
+    ShadeOccluded<MipFilter::kNearest>, ShadeOccluded<MipFilter::kLinear>,
     // Fused.
     FetchSurface<false>, FetchSurface<true>, LightSurface, LightSurfaceGeometry<false>, LightSurfaceGeometry<true>,
     LightSurfaceKept<false>, LightSurfaceKept<true>, LightSurfaceSecondary<false>, LightSurfaceSecondary<true>,
@@ -98,7 +104,9 @@ using AllKernels = std::tuple<
     CheckInterpolate<false, true, false>, CheckInterpolate<true, false, false>, CheckInterpolate<true, true, false>,
     CheckInterpolate<false, false, true>, CheckInterpolate<false, true, true>, CheckInterpolate<true, false, true>,
     CheckInterpolate<true, true, true>, InterpolateLit<false>, InterpolateLit<true>, CheckAttributes<false, false>,
-    CheckAttributes<true, false>, PackSample, PackGridSample>;
+    CheckAttributes<true, false>, PackSample, PackGridSample, FetchSurface<false, true>, FetchSurface<true, true>,
+    FetchLit<false, true>, FetchLit<true, true>, FetchLitGeometry<false, true>, FetchLitGeometry<true, true>,
+    FetchLitKept<false, true>, FetchLitKept<true, true>, FetchLitSecondary<false, true>, FetchLitSecondary<true, true>>;
 
 template <class K, class... Ks>
 constexpr traces::KernelId index_in(std::type_identity<std::tuple<Ks...>>) {

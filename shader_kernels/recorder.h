@@ -107,6 +107,8 @@ inline MaskNode operator==(const IntNode& a, const IntNode& b) { return record<M
 
 inline FloatNode to_float(const IntNode& a) { return record<FloatNode>(Op::kToFloat, a); }
 inline IntNode to_int(const FloatNode& a) { return record<IntNode>(Op::kToInt, a); }
+inline IntNode bits_of(const FloatNode& a) { return record<IntNode>(Op::kBits, a); }
+inline FloatNode from_bits(const IntNode& a) { return record<FloatNode>(Op::kBits, a); }
 
 inline MaskNode both(const MaskNode& a, const MaskNode& b) { return record<MaskNode>(Op::kAnd, a, b); }
 inline MaskNode logical_or(const MaskNode& a, const MaskNode& b) { return record<MaskNode>(Op::kOr, a, b); }

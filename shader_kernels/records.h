@@ -84,6 +84,8 @@ struct DiffuseRecord {
   }
 };
 
+/// With mip maps `texture` has the number of the first level in its lower half, and in its upper half, as a bfloat16,
+/// the footprint of the ray's cone: its extent in texture coordinates.
 template <class V>
 struct TexcoordRecord {
   F<V> u, v;
@@ -191,7 +193,8 @@ struct SurfaceRecord {
   I<V> classes;
   Vec3<V> plane;  ///< the triangle's own normal, on the side that the ray came from
   F<V> u, v;
-  I<V> texture, material;
+  I<V> texture;  ///< as in TexcoordRecord
+  I<V> material;
   static void fields(auto& r, auto&& field) {
     field(NAMED(r.diffuse));
     field(NAMED(r.classes));

@@ -163,6 +163,17 @@ struct AxisRecord {
   }
 };
 
+/// Levels of a mip-mapped texture.
+template <class V>
+struct LevelRecord {
+  F<V> size;     ///< texels along a side of a square of as many; for the nearest level times the root of 2
+  F<V> highest;  ///< size at which the last level is reached: 2 to the power of its number
+  static void fields(auto& r, auto&& field) {
+    field(NAMED(r.size));
+    field(NAMED(r.highest));
+  }
+};
+
 /// A bilinear footprint: RGBA8 texels at (x0, y0), (x1, y0), (x0, y1), (x1, y1).
 template <class V>
 struct FootprintRecord {

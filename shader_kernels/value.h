@@ -1,4 +1,5 @@
 #pragma once
+#include <bit>
 #include <cmath>
 #include <cstdint>
 
@@ -35,6 +36,9 @@ inline float max(float a, float b) { return a > b ? a : b; }
 inline float to_float(std::uint32_t x) { return static_cast<float>(x); }
 /// Towards zero; 0 for what does not fit.
 inline std::uint32_t to_int(float x) { return x >= 0 && x < 0x1p32F ? static_cast<std::uint32_t>(x) : 0; }
+/// The same 32 bits, as the other kind of number.
+inline std::uint32_t bits_of(float x) { return std::bit_cast<std::uint32_t>(x); }
+inline float from_bits(std::uint32_t x) { return std::bit_cast<float>(x); }
 
 inline bool both(bool a, bool b) { return a & b; }
 inline bool logical_or(bool a, bool b) { return a | b; }

@@ -31,9 +31,10 @@ namespace kernels {
 
 // Surfaces: fetched, sorted, and lit by ambient light and the first light as far as that can be done at once.
 
-template <bool kInstanced>
-struct FetchSurface : Fused<ShadeSurface<kInstanced>, ClassifyDetails> {
-  static constexpr std::string_view kName = kInstanced ? "fetch_surface_instanced" : "fetch_surface";
+template <bool kInstanced, bool kCones = false>
+struct FetchSurface : Fused<ShadeSurface<kInstanced, kCones>, ClassifyDetails> {
+  static constexpr std::string_view kName = by_surface<kInstanced, kCones>(
+      "fetch_surface", "fetch_surface_instanced", "fetch_surface_cones", "fetch_surface_cones_instanced");
   static constexpr std::string_view kMeaning = "shade_surface, classify_details";
 };
 
@@ -66,31 +67,37 @@ struct LightSurfaceSecondary : Lit<RecordSecondary<kInstanced>> {
 };
 
 /// Surfaces that have no details.
-template <bool kInstanced, class... Record>
-using FetchedAndLit =
-    Fused<ShadeSurface<kInstanced>, ClassifySurfaces, ListLater, AtOnce<ShadeAmbient>, AtOnce<ShadeDiffuse>, Record...>;
+template <bool kInstanced, bool kCones, class... Record>
+using FetchedAndLit = Fused<ShadeSurface<kInstanced, kCones>, ClassifySurfaces, ListLater, AtOnce<ShadeAmbient>,
+                            AtOnce<ShadeDiffuse>, Record...>;
 
-template <bool kInstanced>
-struct FetchLit : FetchedAndLit<kInstanced> {
-  static constexpr std::string_view kName = kInstanced ? "fetch_lit_instanced" : "fetch_lit";
+template <bool kInstanced, bool kCones = false>
+struct FetchLit : FetchedAndLit<kInstanced, kCones> {
+  static constexpr std::string_view kName = by_surface<kInstanced, kCones>(
+      "fetch_lit", "fetch_lit_instanced", "fetch_lit_cones", "fetch_lit_cones_instanced");
   static constexpr std::string_view kMeaning = "shade_surface, light_surface";
 };
 
-template <bool kInstanced>
-struct FetchLitGeometry : FetchedAndLit<kInstanced, RecordGeometry<kInstanced>> {
-  static constexpr std::string_view kName = kInstanced ? "fetch_lit_geometry_instanced" : "fetch_lit_geometry";
+template <bool kInstanced, bool kCones = false>
+struct FetchLitGeometry : FetchedAndLit<kInstanced, kCones, RecordGeometry<kInstanced>> {
+  static constexpr std::string_view kName =
+      by_surface<kInstanced, kCones>("fetch_lit_geometry", "fetch_lit_geometry_instanced", "fetch_lit_geometry_cones",
+                                     "fetch_lit_geometry_cones_instanced");
   static constexpr std::string_view kMeaning = "shade_surface, light_surface, record_geometry";
 };
 
-template <bool kInstanced>
-struct FetchLitKept : FetchedAndLit<kInstanced, RecordSurface<kInstanced>> {
-  static constexpr std::string_view kName = kInstanced ? "fetch_lit_kept_instanced" : "fetch_lit_kept";
+template <bool kInstanced, bool kCones = false>
+struct FetchLitKept : FetchedAndLit<kInstanced, kCones, RecordSurface<kInstanced>> {
+  static constexpr std::string_view kName = by_surface<kInstanced, kCones>(
+      "fetch_lit_kept", "fetch_lit_kept_instanced", "fetch_lit_kept_cones", "fetch_lit_kept_cones_instanced");
   static constexpr std::string_view kMeaning = "shade_surface, light_surface, record_surface";
 };
 
-template <bool kInstanced>
-struct FetchLitSecondary : FetchedAndLit<kInstanced, RecordSecondary<kInstanced>> {
-  static constexpr std::string_view kName = kInstanced ? "fetch_lit_secondary_instanced" : "fetch_lit_secondary";
+template <bool kInstanced, bool kCones = false>
+struct FetchLitSecondary : FetchedAndLit<kInstanced, kCones, RecordSecondary<kInstanced>> {
+  static constexpr std::string_view kName =
+      by_surface<kInstanced, kCones>("fetch_lit_secondary", "fetch_lit_secondary_instanced",
+                                     "fetch_lit_secondary_cones", "fetch_lit_secondary_cones_instanced");
   static constexpr std::string_view kMeaning = "shade_surface, light_surface, record_secondary";
 };
 

@@ -1,9 +1,26 @@
 #pragma once
+#include <cstdint>
+#include <string_view>
+#include <type_traits>
+
 #include "shader_kernels/kernels/arithmetic.h"
 #include "shader_kernels/ports.h"
 #include "sim/named.h"
 
 namespace kernels {
+
+/// Mip levels that a lookup blends.
+enum class MipFilter : std::uint8_t {
+  kNone,     ///< there are none
+  kNearest,  ///< the level whose texels are nearest to the footprint in size
+  kLinear,   ///< the two about it: trilinear
+};
+
+/// One of the names, by filter.
+template <MipFilter kMips>
+constexpr std::string_view by_filter(std::string_view none, std::string_view nearest, std::string_view linear) {
+  return kMips == MipFilter::kNone ? none : kMips == MipFilter::kNearest ? nearest : linear;
+}
 
 /// Four texels around a point and how much of each.
 template <class V>
@@ -57,28 +74,98 @@ Sample<V> sample(const Table<V, AxisRecord>& axes, const Texels<V>& texels, cons
   return {texels.load(texture, (y.first << 16U) | x.first, (y.second << 16U) | x.second), x.weight, y.weight};
 }
 
-/// Ports of executors that look up textures of detailed surfaces; `stream` is the one that they work on.
+/// Two samples of neighbouring levels, and how much of the second.
 template <class V>
-struct DetailPorts {
+struct TrilinearSample {
+  Sample<V> fine, coarse;
+  F<V> weight;
+  F<V> linear(std::uint32_t channel) const { return between(fine.linear(channel), coarse.linear(channel)); }
+  Vec3<V> colour() const {
+    const Vec3<V> a = fine.colour(), b = coarse.colour();
+    return {between(a.x, b.x), between(a.y, b.y), between(a.z, b.z)};
+  }
+
+ private:
+  F<V> between(const F<V>& a, const F<V>& b) const { return a + (b - a) * weight; }
+};
+
+/// The parts of TexcoordRecord::texture where there are mip levels.
+inline constexpr std::uint32_t kTextureMask = traces::kMostMipLevels - 1;
+template <class V>
+I<V> with_footprint(const I<V>& texture, const F<V>& footprint) {
+  return (texture & kTextureMask) | (bits_of(footprint) & ~kTextureMask);
+}
+template <class V>
+F<V> footprint_of(const I<V>& word) {
+  return from_bits(word & ~kTextureMask);
+}
+
+/// Ports that textures are looked up through.
+template <class V, MipFilter kMips>
+struct TexturePorts {
+  Table<V, AxisRecord> axes;     ///< two per texture
+  Table<V, LevelRecord> levels;  ///< per texture; wired if there are mip levels
+  Texels<V> texels;
+  static void describe(auto& p, auto&& port) {
+    port(NAMED(p.axes));
+    if constexpr (kMips != MipFilter::kNone) port(NAMED(p.levels));
+    port(NAMED(p.texels));
+  }
+  /// Looks up a mip-mapped texture, whose first level is `texture`, for a footprint of that extent in texture
+  /// coordinates. The level is the logarithm of the footprint in texels: a float's exponent, and between two whole
+  /// numbers, for the share of either level, its mantissa.
+  auto sample_level(const I<V>& texture, const F<V>& footprint, const F<V>& u, const F<V>& v) const {
+    const LevelRecord<V> chain = levels.load(texture);
+    const I<V> across = bits_of(min(max(footprint * chain.size, F<V>(1.0F)), chain.highest));
+    const I<V> level = texture + ((across >> 23U) - 127U);
+    const Sample<V> fine = sample<V>(axes, texels, level, u, v);
+    if constexpr (kMips == MipFilter::kNearest) {
+      return fine;
+    } else {
+      const F<V> weight = from_bits((across & 0x7fffffU) | 0x3f800000U) - 1.0F;
+      const I<V> next = level + select(F<V>(0.0F) < weight, I<V>(1U), I<V>(0U));
+      const Sample<V> coarse = sample<V>(axes, texels, next, u, v);
+      return TrilinearSample<V>{fine, coarse, weight};
+    }
+  }
+};
+
+/// The surface's base texture.
+template <class V, MipFilter kMips>
+I<V> texture_of(const TexcoordRecord<V>& uv) {
+  if constexpr (kMips == MipFilter::kNone) {
+    return uv.texture;
+  } else {
+    return uv.texture & kTextureMask;
+  }
+}
+
+/// Ports of executors that look up textures of detailed surfaces; `stream` is the one that they work on.
+template <class V, MipFilter kMips>
+struct DetailPorts : TexturePorts<V, kMips> {
   Local<V, WordRecord> stream;
   Local<V, DiffuseRecord> mattes;
   Local<V, TexcoordRecord> texcoords;
   Local<V, TangentRecord> tangents;
-  Table<V, AxisRecord> axes;
-  Texels<V> texels;
   static void describe(auto& p, auto&& port) {
+    TexturePorts<V, kMips>::describe(p, port);
     port(NAMED(p.stream));
     port(NAMED(p.mattes));
     port(NAMED(p.texcoords));
     port(NAMED(p.tangents));
-    port(NAMED(p.axes));
-    port(NAMED(p.texels));
   }
-  /// Looks up a texture with the first texture coordinates, or the second if the surface's classes have that bit.
-  Sample<V> look_up(const I<V>& texture, const I<V>& classes, traces::MaterialFlag second, const F<V>& u, const F<V>& v,
-                    const TangentRecord<V>& other) const {
+  /// Looks up a texture with the first texture coordinates, or the second if the surface's classes have that bit. With
+  /// the second it is the first level: the footprint is in the first coordinates.
+  auto look_up(const I<V>& texture, const I<V>& classes, traces::MaterialFlag second, const TexcoordRecord<V>& uv,
+               const TangentRecord<V>& other) const {
     const M<V> use_second = has<V>(classes, second);
-    return sample<V>(axes, texels, texture, select(use_second, other.u, u), select(use_second, other.v, v));
+    const F<V> u = select(use_second, other.u, uv.u), v = select(use_second, other.v, uv.v);
+    if constexpr (kMips == MipFilter::kNone) {
+      return sample<V>(this->axes, this->texels, texture, u, v);
+    } else {
+      const F<V> footprint = select(use_second, F<V>(0.0F), footprint_of<V>(uv.texture));
+      return this->sample_level(texture, footprint, u, v);
+    }
   }
 };
 

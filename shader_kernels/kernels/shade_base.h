@@ -8,14 +8,17 @@ namespace kernels {
 
 /// Base textures that shade_textured does not cover: with second texture coordinates, with an alpha that counts, or of
 /// surfaces whose mirror wants to know the colour.
+template <MipFilter kMips = MipFilter::kNone>
 struct ShadeBase {
-  static constexpr std::string_view kName = "shade_base";
-  static constexpr std::string_view kMeaning = "surface -> base colour and alpha times a fetch";
+  static constexpr std::string_view kName = by_filter<kMips>("shade_base", "shade_base_mip", "shade_base_trilinear");
+  static constexpr std::string_view kMeaning =
+      by_filter<kMips>("surface -> base colour and alpha times a fetch", "as shade_base, from the nearest mip level",
+                       "as shade_base, from two mip levels");
   template <class V>
-  struct Ports : DetailPorts<V> {
+  struct Ports : DetailPorts<V, kMips> {
     Local<V, SpecularRecord> optics;
     static void describe(auto& p, auto&& port) {
-      DetailPorts<V>::describe(p, port);
+      DetailPorts<V, kMips>::describe(p, port);
       port(NAMED(p.optics));
     }
   };
@@ -26,7 +29,7 @@ struct ShadeBase {
     const TexcoordRecord<V> uv = at.texcoords.load(slot);
     const TangentRecord<V> other = at.tangents.load(slot);
     SpecularRecord<V> optics = at.optics.load(slot);
-    const Sample<V> base = at.look_up(uv.texture, matte.classes, traces::kBaseSecond, uv.u, uv.v, other);
+    const auto base = at.look_up(texture_of<V, kMips>(uv), matte.classes, traces::kBaseSecond, uv, other);
     at.mattes.store(slot, {matte.diffuse * base.colour(), matte.classes});
     optics.alpha = optics.alpha * base.linear(3);
     at.optics.store(slot, optics);

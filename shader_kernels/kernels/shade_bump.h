@@ -8,16 +8,19 @@ namespace kernels {
 
 /// A normal map in tangent space, as glTF has it. Where there is no tangent the normal stays; where the mapped normal
 /// looks away from the ray it is turned back until the ray just grazes the surface.
+template <MipFilter kMips = MipFilter::kNone>
 struct ShadeBump {
-  static constexpr std::string_view kName = "shade_bump";
-  static constexpr std::string_view kMeaning = "surface with a normal map -> its normal from the map";
+  static constexpr std::string_view kName = by_filter<kMips>("shade_bump", "shade_bump_mip", "shade_bump_trilinear");
+  static constexpr std::string_view kMeaning =
+      by_filter<kMips>("surface with a normal map -> its normal from the map",
+                       "as shade_bump, from the nearest mip level", "as shade_bump, from two mip levels");
   template <class V>
-  struct Ports : DetailPorts<V> {
+  struct Ports : DetailPorts<V, kMips> {
     Local<V, RayRecord> rays;
     Local<V, SurfacePointRecord> points;
     Details<V> details;
     static void describe(auto& p, auto&& port) {
-      DetailPorts<V>::describe(p, port);
+      DetailPorts<V, kMips>::describe(p, port);
       port(NAMED(p.rays));
       port(p.points, "places");
       port(NAMED(p.details));
@@ -32,7 +35,7 @@ struct ShadeBump {
     const Vec3<V> direction = at.rays.load(slot).direction;
     SurfacePointRecord<V> point = at.points.load(slot);
     const DetailFields<V> m = at.details.load(point.material);
-    const Sample<V> texel = at.look_up(m.normal_texture, classes, traces::kNormalSecond, uv.u, uv.v, frame);
+    const auto texel = at.look_up(m.normal_texture, classes, traces::kNormalSecond, uv, frame);
 
     const F<V> x = (texel.linear(0) * 2.0F - 1.0F) * m.normal_scale;
     const F<V> y = (texel.linear(1) * 2.0F - 1.0F) * m.normal_scale;

@@ -7,18 +7,21 @@
 
 namespace kernels {
 
+template <MipFilter kMips = MipFilter::kNone>
 struct ShadeGlow {
-  static constexpr std::string_view kName = "shade_glow";
-  static constexpr std::string_view kMeaning = "surface with an emission texture -> its own light into its sample";
+  static constexpr std::string_view kName = by_filter<kMips>("shade_glow", "shade_glow_mip", "shade_glow_trilinear");
+  static constexpr std::string_view kMeaning =
+      by_filter<kMips>("surface with an emission texture -> its own light into its sample",
+                       "as shade_glow, from the nearest mip level", "as shade_glow, from two mip levels");
   template <class V>
-  struct Ports : DetailPorts<V> {
+  struct Ports : DetailPorts<V, kMips> {
     Local<V, SurfacePointRecord> points;
     Local<V, PathRecord> paths;
     Local<V, SpecularRecord> optics;
     Details<V> details;
     Local<V, ColourRecord> colours;
     static void describe(auto& p, auto&& port) {
-      DetailPorts<V>::describe(p, port);
+      DetailPorts<V, kMips>::describe(p, port);
       port(p.points, "places");
       port(NAMED(p.paths));
       port(NAMED(p.optics));
@@ -35,7 +38,7 @@ struct ShadeGlow {
     const PathRecord<V> path = at.paths.load(slot);
     const F<V> kept = at.optics.load(slot).kept;
     const DetailFields<V> m = at.details.load(at.points.load(slot).material);
-    const Sample<V> texel = at.look_up(m.emission_texture, classes, traces::kEmissionSecond, uv.u, uv.v, other);
+    const auto texel = at.look_up(m.emission_texture, classes, traces::kEmissionSecond, uv, other);
     add_light<V>(at.colours, path.sample, path.throughput * (m.emission * texel.colour()) * kept);
   }
 };

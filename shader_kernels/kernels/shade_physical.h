@@ -9,16 +9,20 @@ namespace kernels {
 /// The rule of traces/scene/gltf/materials/materials.h for each texel: how much is mirrored in which colour, and what
 /// is left. The surface comes with its whole base colour as the diffuse one, and with what would enter if nothing were
 /// mirrored.
+template <MipFilter kMips = MipFilter::kNone>
 struct ShadePhysical {
-  static constexpr std::string_view kName = "shade_physical";
-  static constexpr std::string_view kMeaning = "surface with a metallic-roughness texture -> mirror and diffuse shares";
+  static constexpr std::string_view kName =
+      by_filter<kMips>("shade_physical", "shade_physical_mip", "shade_physical_trilinear");
+  static constexpr std::string_view kMeaning =
+      by_filter<kMips>("surface with a metallic-roughness texture -> mirror and diffuse shares",
+                       "as shade_physical, from the nearest mip level", "as shade_physical, from two mip levels");
   template <class V>
-  struct Ports : DetailPorts<V> {
+  struct Ports : DetailPorts<V, kMips> {
     Local<V, SurfacePointRecord> points;
     Local<V, SpecularRecord> optics;
     Details<V> details;
     static void describe(auto& p, auto&& port) {
-      DetailPorts<V>::describe(p, port);
+      DetailPorts<V, kMips>::describe(p, port);
       port(p.points, "places");
       port(NAMED(p.optics));
       port(NAMED(p.details));
@@ -32,8 +36,7 @@ struct ShadePhysical {
     const TangentRecord<V> other = at.tangents.load(slot);
     const DetailFields<V> m = at.details.load(at.points.load(slot).material);
     SpecularRecord<V> optics = at.optics.load(slot);
-    const Sample<V> texel =
-        at.look_up(m.metal_rough_texture, matte.classes, traces::kMetalRoughSecond, uv.u, uv.v, other);
+    const auto texel = at.look_up(m.metal_rough_texture, matte.classes, traces::kMetalRoughSecond, uv, other);
 
     const F<V> gloss = clamped<V>((0.5F - m.roughness * texel.linear(1)) * 2.5F);
     const F<V> metallic = m.metallic * texel.linear(2);

@@ -41,7 +41,7 @@ inline constexpr float kNever = 4.0F;
 /// Sub-pixels of a chunk, which executors work off at once.
 inline constexpr std::uint32_t kChunk = 64;
 /// Samples of an active sub-pixel; of a pixel whose sub-pixels all are.
-inline constexpr std::uint32_t kExtra = 4, kWhole = 16;
+inline constexpr std::uint32_t kExtra = 4, kWhole = 16, kWholeGrid = 4;
 
 /// The pixels that a tile finishes, row by row, and where their centre samples lie: `pitch` to a row, from `first` on.
 /// Columns and rows of samples that there are, counted as the pixels, go from `low` to `high`.

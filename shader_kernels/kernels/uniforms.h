@@ -16,6 +16,18 @@ struct CameraUniforms {
   }
 };
 
+/// The cones of a picture's rays (Akenine-Moeller et al. 2021): wide as a sample where the picture is, and growing with
+/// the way from the eye.
+template <class V>
+struct ConeUniforms {
+  Vec3<V> eye;
+  F<V> spread;  ///< width per length of the way
+  static void describe(auto& c, auto&& port) {
+    port(c.eye, "cone.eye");
+    port(c.spread, "cone.spread");
+  }
+};
+
 /// The samples of a tile: items count samples within a pixel first, then pixels row by row. Divisions are by these
 /// constants, so their reciprocals come along.
 template <class V>

@@ -48,7 +48,7 @@ void FullProgram::run_tile(std::uint32_t tile, const traces::Tracer& tracer, boo
   out.buffer.hold_wave(samples);
   if (out.buffer.colours.size() < samples) out.buffer.colours.resize(samples);
 
-  Wavefront wave(scene_, tracer, record, out);
+  Wavefront wave(scene_, tracer, record, cone_uniforms(camera_, grid_), out);
   GeneratePorts<float> generate;
   generate.camera = camera_;
   generate.tile = {.x0 = static_cast<float>(out.x),

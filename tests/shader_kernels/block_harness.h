@@ -40,9 +40,10 @@ inline Sampled run_program(FrameProgram& program, const traces::Tracer& tracer, 
 
 /// A scene ready to be sampled by any method.
 struct Stage {
-  Stage(const traces::Scene& scene, const traces::Camera& view)
-      : image(traces::build_memory_image(scene, {}, 1)), tracer(image), camera(view) {}
-  explicit Stage(const traces::Scene& scene) : Stage(scene, scene.cameras.front()) {}
+  Stage(const traces::Scene& scene, const traces::Camera& view, traces::MipMaps mip_maps = traces::MipMaps::kOff)
+      : image(traces::build_memory_image(scene, {}, 1, nullptr, mip_maps)), tracer(image), camera(view) {}
+  explicit Stage(const traces::Scene& scene, traces::MipMaps mip_maps = traces::MipMaps::kOff)
+      : Stage(scene, scene.cameras.front(), mip_maps) {}
 
   Sampled full(const RenderConfig& render, std::uint32_t samples = 1) const {
     FullProgram program(image, camera, render, samples, 0);

@@ -155,7 +155,7 @@ TEST(RenderConfig, EveryFieldChangesTheWork) {
     EXPECT_FALSE(meaning.empty()) << key;
     ++fields;
   });
-  EXPECT_EQ(fields, 11U);
+  EXPECT_EQ(fields, 13U);
 }
 
 TEST(ProgramSpec, NamesAreParsed) {

@@ -59,6 +59,17 @@ constexpr Hand kByHand[] = {
     // As pack_colour; along rows to_float, divmod, mul, 2 add, to_int.
     {"pack_sample", {9, 15, 9, 6, 3, 3, 5, 3, 1, 1, 0}},
     {"pack_grid_sample", {13, 18, 9, 7, 3, 3, 5, 5, 1, 1, 0}},
+    // As without cones, and 6 add, 5 mul, 2 div_sqrt, 2 other, 3 integer for the footprint.
+    {"fetch_surface_cones", {25, 38, 4, 3, 9, 9, 20, 0, 3, 12, 2}},
+    {"fetch_surface_cones_instanced", {31, 49, 4, 3, 9, 9, 26, 2, 3, 12, 3}},
+    {"fetch_lit_cones", {40, 73, 6, 9, 9, 11, 20, 0, 5, 13, 2}},
+    {"fetch_lit_cones_instanced", {46, 84, 6, 9, 9, 11, 26, 2, 5, 13, 3}},
+    {"fetch_lit_geometry_cones", {40, 73, 6, 9, 10, 12, 22, 0, 5, 14, 3}},
+    {"fetch_lit_geometry_cones_instanced", {46, 84, 6, 9, 10, 12, 28, 2, 5, 14, 3}},
+    {"fetch_lit_kept_cones", {53, 91, 8, 10, 11, 13, 22, 0, 5, 15, 3}},
+    {"fetch_lit_kept_cones_instanced", {65, 111, 8, 10, 11, 13, 28, 2, 5, 15, 4}},
+    {"fetch_lit_secondary_cones", {40, 73, 6, 9, 14, 19, 34, 0, 6, 14, 3}},
+    {"fetch_lit_secondary_cones_instanced", {46, 84, 6, 9, 14, 19, 40, 2, 6, 14, 3}},
 };
 
 TEST(FusedGraphs, OperationsAreThoseOfThePartsLessWhatIsShared) {

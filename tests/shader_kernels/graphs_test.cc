@@ -267,6 +267,23 @@ constexpr Hand kByHand[] = {
     {"record_secondary_instanced", {0, 0, 0, 0, 5, 8, 18, 0, 5, 1, 1}},
     {"record_traits_instanced", {0, 0, 0, 0, 1, 1, 6, 0, 5, 1, 1}},
     {"record_branch_instanced", {2, 3, 0, 2, 2, 6, 6, 0, 7, 2, 1}},
+    // Mip maps: vector sub, dot, sqrt, add, 2 mul, abs, max, div, 2 and, or for the footprint.
+    {"shade_surface_cones", {25, 38, 4, 3, 1, 1, 4, 0, 3, 4, 2}},
+    {"shade_surface_cones_instanced", {31, 49, 4, 3, 1, 1, 10, 2, 3, 4, 3}},
+    // And, mul, max, min, shift, sub, add for the level; of the base texture another and, of looked up ones select.
+    // The second level: and, or, sub; compare, select, add; sample; 3 (sub, mul, add) with colour, 1 with linear.
+    {"shade_textured_mip", {56, 67, 0, 12, 4, 4, 31, 16, 6, 1, 1}},
+    {"shade_textured_trilinear", {119, 133, 0, 22, 9, 9, 60, 32, 8, 1, 2}},
+    {"shade_base_mip", {62, 75, 0, 12, 5, 7, 36, 20, 8, 2, 1}},
+    {"shade_base_trilinear", {133, 149, 0, 22, 10, 12, 69, 40, 10, 2, 2}},
+    {"shade_physical_mip", {35, 38, 1, 19, 8, 10, 29, 12, 9, 2, 2}},
+    {"shade_physical_trilinear", {66, 60, 1, 29, 13, 15, 54, 24, 11, 2, 3}},
+    {"shade_bump_mip", {54, 73, 4, 16, 5, 7, 31, 16, 9, 1, 2}},
+    {"shade_bump_trilinear", {93, 103, 4, 26, 10, 12, 60, 32, 11, 1, 3}},
+    {"shade_glow_mip", {59, 73, 0, 12, 5, 7, 31, 16, 11, 1, 2}},
+    {"shade_glow_trilinear", {122, 139, 0, 22, 10, 12, 60, 32, 13, 1, 3}},
+    {"shade_occluded_mip", {24, 24, 0, 12, 5, 7, 15, 8, 10, 1, 2}},
+    {"shade_occluded_trilinear", {47, 38, 0, 22, 10, 12, 28, 16, 12, 1, 3}},
 };
 
 TEST(Graphs, OperationsAreThoseOfTheSource) {

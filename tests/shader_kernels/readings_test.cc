@@ -21,9 +21,10 @@ constexpr std::uint32_t kLeast = 32;  // samples from here on have neighbours on
 /// Gives every port of a kernel memory full of random records, every uniform a random value.
 class RandomPorts {
  public:
-  /// With identities, verdicts are those of block programs, otherwise of sub-pixels.
-  RandomPorts(std::uint32_t seed, bool with_misses, bool with_identities)
-      : seed_(seed), with_misses_(with_misses), with_identities_(with_identities) {
+  /// With identities, verdicts are those of block programs, otherwise of sub-pixels. With footprints, words of textures
+  /// have them.
+  RandomPorts(std::uint32_t seed, bool with_misses, bool with_identities, bool with_footprints)
+      : seed_(seed), with_misses_(with_misses), with_identities_(with_identities), with_footprints_(with_footprints) {
     for (std::uint32_t i = 0; i < kItems; ++i) {
       traces::Texture& t = textures_.emplace_back();
       t.width = t.height = kTextureSize;
@@ -136,6 +137,8 @@ class RandomPorts {
       if constexpr (std::is_same_v<R<float>, AxisRecord<float>>) {
         record = axis_record(kTextureSize, static_cast<traces::Texture::Wrap>(random() % 3),
                              static_cast<traces::Texture::Filter>(random() % 2));
+      } else if constexpr (std::is_same_v<R<float>, LevelRecord<float>>) {
+        record = {8 * number(), static_cast<float>(1U << random() % 5)};
       } else if constexpr (std::is_same_v<R<float>, InstanceHitRecord<float>>) {
         const auto weight = [&] { return random() << traces::kHalfBits; };
         record = {number(), weight() | random() % kItems, weight(), random() % kItems};
@@ -158,6 +161,7 @@ class RandomPorts {
   }
   void fill(std::uint32_t& field, std::string_view name) {
     field = random() % (name.ends_with("texture") ? kItems / 2 : kItems);
+    if (name == "texture" && with_footprints_) field = with_footprint<float>(field, number());
     if (name == "word" && (random() & 1U) != 0) field |= 1U << kActiveShift;
     if (name == "blue_why") field = random() & ((2U << kRoundShift) - 1);
     if (name == "shadows" || name == "objects") field %= 4;
@@ -165,7 +169,7 @@ class RandomPorts {
   }
 
   const std::uint32_t seed_;
-  const bool with_misses_, with_identities_;
+  const bool with_misses_, with_identities_, with_footprints_;
   std::uint32_t drawn_ = 0;
   std::deque<std::vector<std::byte>> memories_;
   std::map<std::string, std::size_t, std::less<>> index_;
@@ -189,7 +193,7 @@ TYPED_TEST(Readings, ComputingAndInterpretingTheGraphGiveEqualBits) {
     Ports ports;
     RandomPorts random(
         seed, !requires { ports.attributes; } && !requires { ports.vertices; } && !requires { ports.objects; },
-        requires { ports.identities; });
+        requires { ports.identities; }, requires { ports.levels; });
     Ports::describe(ports, random);
     const auto before = random.memories();
 

@@ -21,13 +21,13 @@ float fetch_red(const traces::Texture& texture, float u, float v, std::vector<tr
   std::uint32_t slots[] = {stream[0]};
   TexcoordRecord<float> texcoords[] = {{u, v, 0}};
   DiffuseRecord<float> mattes[] = {{{1, 1, 1}, 7}};
-  ShadeTextured::Ports<float> ports;
+  ShadeTextured<>::Ports<float> ports;
   ports.textured.bind(slots);
   ports.texcoords.bind(texcoords);
   ports.mattes.bind(mattes);
   ports.axes.bind(axes);
   ports.texels.attach(&texture, log);
-  ShadeTextured::body<float>(0, ports);
+  ShadeTextured<>::body<float>(0, ports);
   EXPECT_EQ(mattes[0].classes, 7U);
   return mattes[0].diffuse.x;
 }

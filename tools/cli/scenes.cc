@@ -74,7 +74,7 @@ void show(const InfoOptions& options) {
   const traces::Scene scene = Wanted::open(config);
   cost.load_s = sim::seconds_since(begin);
   begin = sim::HostClock::now();
-  const traces::MemoryImage image = traces::build_memory_image(scene, config.bvh);
+  const traces::MemoryImage image = traces::build_memory_image(scene, config.bvh, 0, nullptr, config.render.mip_maps);
   cost.build_s = sim::seconds_since(begin);
   cost.peak_bytes = std::max(memory_in_use("VmHWM"), before) - before;
   std::error_code ignored;

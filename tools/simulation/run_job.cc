@@ -111,7 +111,8 @@ Inputs load_inputs(const RunConfig& config, std::uint32_t threads, Progress* pro
   in.scene_sha256 = scene.sha256;
   in.warnings = scene.warnings;
   phase("building the tree");
-  in.image = traces::build_memory_image(scene, in.config.bvh, host_threads(threads), interrupted);
+  in.image =
+      traces::build_memory_image(scene, in.config.bvh, host_threads(threads), interrupted, in.config.render.mip_maps);
   in.bvh_hash = traces::bvh_hash(in.image);
   in.stored_triangles = in.image.triangles.size();
   in.parents = traces::parents_of(in.image);

@@ -8,6 +8,7 @@
 #include "traces/accel/build/bvh_build.h"
 #include "traces/accel/build/flatten.h"
 #include "traces/accel/build/material_tables.h"
+#include "traces/accel/build/mip_levels.h"
 #include "traces/accel/build/reorder.h"
 #include "traces/accel/build/two_level.h"
 #include "traces/scene/bounds.h"
@@ -125,8 +126,10 @@ MemoryImage one_level(const Scene& scene, const MaterialTables& materials, const
 
 }  // namespace
 
-MemoryImage build_memory_image(const Scene& scene, const BvhConfig& config, unsigned threads, sim::Stop stop) {
-  MaterialTables materials = material_tables(scene);
+MemoryImage build_memory_image(const Scene& scene, const BvhConfig& config, unsigned threads, sim::Stop stop,
+                               MipMaps mip_maps) {
+  const bool has_mip_maps = mip_maps == MipMaps::kOn && !scene.textures.empty();
+  MaterialTables materials = material_tables(scene, has_mip_maps);
   const bool levels = config.instances == InstanceLevels::kTwoLevel;
   MemoryImage image =
       levels ? two_levels(scene, materials, config, threads, stop) : one_level(scene, materials, config, threads, stop);
@@ -135,6 +138,7 @@ MemoryImage build_memory_image(const Scene& scene, const BvhConfig& config, unsi
     image.white = static_cast<std::uint32_t>(image.textures.size());
     image.textures.push_back({.name = "white", .width = 1, .height = 1, .texels = {0xffffffffU}});
   }
+  if (has_mip_maps) add_mip_levels(materials, image);
   image.materials = std::move(materials.records);
   image.details = std::move(materials.details);
   image.lights = scene.lights;

@@ -2,6 +2,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include <glm/vec2.hpp>
@@ -71,11 +72,16 @@ static_assert(sizeof(TriangleRecord) == 48);
 
 /// Attributes for shading, through the SRP's data cache: 64 bytes per triangle, same index as the triangle record.
 struct AttributeRecord {
-  glm::vec3 normal[3];  ///< unit shading normals in world space (in two levels: the mesh's)
+  /// Shading normals in world space (in two levels: the mesh's): unit vectors, or with mip maps as long as the
+  /// triangle's texture is dense: the root of its area in texture coordinates over that in space (kLeastDensity to
+  /// kMostDensity).
+  glm::vec3 normal[3];
   glm::vec2 uv[3];
   std::uint32_t material;
 };
 static_assert(sizeof(AttributeRecord) == 64);
+
+inline constexpr float kLeastDensity = 0x1p-20F, kMostDensity = 0x1p20F;
 
 /// Vertices that some materials need besides, 64 bytes per triangle, same index again; there only if the scene has such
 /// a material (kVertexed).
@@ -180,6 +186,12 @@ struct Layout {
   }
 };
 
+/// Whether textures lie in memory with mip levels.
+enum class MipMaps : std::uint8_t { kOff, kOn };
+constexpr std::array<std::string_view, 2> names_of(MipMaps) { return {"off", "on"}; }
+/// Levels of all textures: their numbers are 16 bits where a footprint stands beside them.
+inline constexpr std::uint32_t kMostMipLevels = 1U << 16;
+
 /// How many records of each kind there are, the tree's aside, and how large textures are: with the tree, all that
 /// the layout depends on.
 struct ImageCounts {
@@ -211,13 +223,17 @@ struct MemoryImage {
   std::vector<MaterialRecord> materials;
   std::vector<MaterialDetailRecord> details;  ///< or empty
   std::vector<Texture> textures;              ///< texels decoded row by row; only their addresses are tiled
-  std::uint32_t white = kNoTexture;           ///< a white texel, for flagged triangles without a base texture
+  /// Mip maps, otherwise empty: each level is a texture of its own, behind the one it is half of, and materials name
+  /// the first. Of a first level, how many there are; of others 0.
+  std::vector<std::uint32_t> mip_levels;
+  std::uint32_t white = kNoTexture;  ///< a white texel, for flagged triangles without a base texture
   std::vector<Light> lights;
   glm::vec3 background{0}, ambient{0};
   glm::vec3 lower{0}, upper{0};  ///< bounds of all triangles
   std::optional<BoxGrid> grid;   ///< that the nodes' boxes lie on, in hybrid numbers
   Layout layout;
   bool has_levels() const { return !instances.empty(); }
+  bool has_mip_maps() const { return !mip_levels.empty(); }
   std::uint64_t node_array_bytes() const;
   float diagonal() const;
 };

@@ -49,7 +49,7 @@ void fit_boxes(MemoryImage& image, std::size_t first, std::size_t end) {
 }
 
 void refit_memory_image(const Scene& posed, MemoryImage& image) {
-  const MaterialTables materials = material_tables(posed);
+  const MaterialTables materials = material_tables(posed, image.has_mip_maps());
   const std::vector<PlacedMesh> placed = placed_instances(posed);
   const std::vector<TriangleRecord> triangles = triangles_of(placed, materials);
   assert(triangles.size() == image.triangles.size() && "a refit moves triangles, it does not add or remove any");
@@ -78,7 +78,8 @@ void update_memory_image(const Scene& posed, const BvhConfig& config, unsigned t
     refit_memory_image(posed, image);
     return;
   }
-  image = build_memory_image(posed, config, threads, stop);
+  const MipMaps mip_maps = image.has_mip_maps() ? MipMaps::kOn : MipMaps::kOff;
+  image = build_memory_image(posed, config, threads, stop, mip_maps);
 }
 
 }  // namespace traces

@@ -1,16 +1,10 @@
 #include "traces/scene/texture_mean.h"
 
 #include <array>
-#include <cmath>
+
+#include "traces/scene/srgb.h"
 
 namespace traces {
-namespace {
-
-double to_linear(double encoded) {
-  return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
-}
-
-}  // namespace
 
 glm::vec4 mean_texel(const Texture& texture) {
   std::array<std::array<std::uint64_t, 256>, 4> counts{};
@@ -22,7 +16,7 @@ glm::vec4 mean_texel(const Texture& texture) {
     double sum = 0;
     for (std::size_t i = 0; i < 256; ++i) {
       const double stored = static_cast<double>(i) / 255;
-      sum += static_cast<double>(counts[k][i]) * (texture.srgb && k < 3 ? to_linear(stored) : stored);
+      sum += static_cast<double>(counts[k][i]) * (texture.srgb && k < 3 ? srgb_to_linear(stored) : stored);
     }
     mean[static_cast<int>(k)] = static_cast<float>(sum / static_cast<double>(texture.texels.size()));
   }

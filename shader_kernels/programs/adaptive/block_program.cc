@@ -57,7 +57,7 @@ void BlockProgram::run_tile(std::uint32_t tile_index, const traces::Tracer& trac
   // Samples behind the last row may be read, for a reference that is not there; nothing comes of it.
   out.buffer.hold_samples(std::size_t{pitch()} * (pitch() + setup_.whole));
 
-  Wavefront wave(scene_, tracer, record, out);
+  Wavefront wave(scene_, tracer, record, cone(), out);
   out.work.frame = frame_;
   out.work.tile = at.index;
   out.work.samples = at.width * at.height;

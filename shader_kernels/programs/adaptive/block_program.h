@@ -73,6 +73,7 @@ class BlockProgram : public FrameProgram {
   /// Samples to a row of the tile buffer.
   std::uint32_t pitch() const { return tiles_.side() + 1; }
   const CameraUniforms<float>& camera() const { return camera_; }
+  ConeUniforms<float> cone() const { return cone_uniforms(camera_, setup_.grid); }
   GridUniforms<float> grid_uniforms(float x0, float y0, std::uint32_t pitch) const;
   const std::vector<std::uint32_t>& order() const { return order_; }
   std::uint32_t frame() const { return frame_; }

@@ -79,7 +79,7 @@ void SupersampleProgram::run_tile(std::uint32_t tile_index, const traces::Tracer
   if (tile_index >= tiles_.count()) return run_round(tile_index, tracer, record, out);
   const SampleTile at = tiles_.tile(order_[tile_index]);
   begin_tile(at, out);
-  Wavefront wave(scene_, tracer, record, out);
+  Wavefront wave(scene_, tracer, record, cone_uniforms(camera_, 1), out);
   Tile tile = tile_of(at, wave, out);
   out.linear.resize(tile.pixels);
   out.packed.resize(tile.pixels);

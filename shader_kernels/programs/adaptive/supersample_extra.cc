@@ -119,6 +119,7 @@ void SupersampleProgram::trace_extra(Tile& tile, const Chunk& chunk, std::uint32
   const std::uint32_t items = kExtra * chunk.subpixels;
   const std::uint32_t padding = kExtra * chunk.padding;
   buffer.hold_wave(items);
+  wave.set_cone(cone_uniforms(camera_, kWholeGrid));
   GenerateExtraRays::Ports<float> generate;
   generate.active.bind(buffer.active.data() + chunk.first);
   generate.camera = camera_;

@@ -125,7 +125,7 @@ void SupersampleProgram::run_round(std::uint32_t tile_index, const traces::Trace
   const SampleTile at = tiles_.tile(order_[tile_index % count]);
   begin_tile(at, out);
   out.tile = out.work.tile = round * count + at.index;
-  Wavefront wave(scene_, tracer, record, out);
+  Wavefront wave(scene_, tracer, record, cone_uniforms(camera_, kWholeGrid), out);
   out.work.after_all = tile_index % count == 0;
   Node before = Wavefront::kNone;
   const bool reached = is_reached(at, [&](std::uint32_t tile, std::uint32_t bytes) {

@@ -58,7 +58,7 @@ void UndersampleProgram::begin_pass(std::uint32_t tile_index, const traces::Trac
     const PostCorrection::Suspect& first = suspects.front();
     const GridUniforms<float> grid = scan.is_along_y ? grid_uniforms(0, static_cast<float>(first.y), pitch)
                                                      : grid_uniforms(static_cast<float>(first.x), 0, pitch);
-    Wavefront wave(scene(), tracer, false, scratch);
+    Wavefront wave(scene(), tracer, false, cone(), scratch);
     const auto sample = [&](const PostCorrection::Suspect& s) { return scan.is_along_y ? s.x : s.y; };
     list_suspects(suspects, scratch, sample);
     trace_suspects(wave, scratch, grid, static_cast<std::uint32_t>(suspects.size()), Wavefront::kNone);
@@ -139,7 +139,7 @@ void UndersampleProgram::run_scan(std::uint32_t tile_index, const traces::Tracer
   out.linear.clear();
   out.packed.clear();
   out.sampling = {};
-  Wavefront wave(scene(), tracer, record, out);
+  Wavefront wave(scene(), tracer, record, cone(), out);
   out.work.frame = frame();
   out.work.tile = out.tile;
   out.work.samples = samples;

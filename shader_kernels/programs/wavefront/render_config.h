@@ -5,6 +5,7 @@
 
 #include "sim/config/field.h"
 #include "sim/named.h"
+#include "traces/accel/memory_image.h"
 
 namespace kernels {
 
@@ -17,6 +18,10 @@ constexpr std::array<std::string_view, 2> names_of(GlassShadows) { return {"opaq
 enum class Streams : std::uint8_t { kCompacted, kDivergent };
 constexpr std::array<std::string_view, 2> names_of(Streams) { return {"compacted", "divergent"}; }
 
+/// Mip levels that a look-up blends, where there are any: the nearest alone, or two.
+enum class MipBlend : std::uint8_t { kNearest, kLinear };
+constexpr std::array<std::string_view, 2> names_of(MipBlend) { return {"nearest", "linear"}; }
+
 enum class Fusion : std::uint8_t { kOff, kOn };
 constexpr std::array<std::string_view, 2> names_of(Fusion) { return {"off", "on"}; }
 
@@ -28,6 +33,8 @@ struct RenderConfig {
   SamplePattern samples = SamplePattern::kRegular;
   std::uint32_t layers = 32;
   GlassShadows glass_shadows = GlassShadows::kTinted;
+  traces::MipMaps mip_maps = traces::MipMaps::kOn;
+  MipBlend mip_filter = MipBlend::kNearest;
   Streams streams = Streams::kCompacted;
   Fusion fusion = Fusion::kOn;
   double ray_epsilon = 1e-4;
@@ -50,6 +57,13 @@ struct RenderConfig {
     field(NAMED(c.glass_shadows), "",
           "shadow rays that meet glass: blocked, or let through unbent with its transmission and colour", sim::any(),
           Affects::kFunction);
+    field(NAMED(c.mip_maps), "",
+          "textures in memory with levels of half the size each, of which a look-up takes what fits the ray's cone, or "
+          "as they come",
+          sim::any(), Affects::kFunction);
+    field(NAMED(c.mip_filter), "",
+          "a look-up takes the mip level nearest to the cone's footprint, or blends the two about it (trilinear)",
+          sim::any(), Affects::kFunction);
     field(NAMED(c.streams), "",
           "executors run over the items of their class, compacted by an inspector, or (as without inspectors) over all",
           sim::any(), Affects::kFunction);

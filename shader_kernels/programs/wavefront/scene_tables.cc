@@ -30,6 +30,10 @@ CameraUniforms<float> camera_uniforms(const traces::Camera& camera, std::uint32_
           vec3(-up * pixel)};
 }
 
+ConeUniforms<float> cone_uniforms(const CameraUniforms<float>& camera, std::uint32_t grid) {
+  return {camera.origin, sqrt(dot(camera.down, camera.down)) / static_cast<float>(grid)};
+}
+
 LightUniforms<float> light_uniforms(const traces::Light& light) {
   using Kind = traces::Light::Kind;
   const bool local = light.kind != Kind::kDirectional;
@@ -75,6 +79,12 @@ AxisRecord<float> axis_record(std::uint32_t size, traces::Texture::Wrap wrap, tr
   return axis;
 }
 
+LevelRecord<float> level_record(const traces::Texture& texture, std::uint32_t levels, MipFilter mips) {
+  const float texels = static_cast<float>(texture.width) * static_cast<float>(texture.height);
+  const auto highest = static_cast<float>(1U << (std::max(levels, 1U) - 1));
+  return {std::sqrt(mips == MipFilter::kNearest ? 2 * texels : texels), highest};
+}
+
 SceneTables::SceneTables(const traces::MemoryImage& memory_image, const RenderConfig& config)
     : image(memory_image),
       background(vec3(memory_image.background)),
@@ -94,6 +104,8 @@ SceneTables::SceneTables(const traces::MemoryImage& memory_image, const RenderCo
   has_secondary = (flags & (traces::kMirror | traces::kGlass | traces::kBlended | traces::kPhysical)) != 0;
   has_textures = (flags & (traces::kTextured | traces::kOccluded)) != 0;
   has_occlusion = (flags & traces::kOccluded) != 0;
+  const bool is_trilinear = config.mip_filter == MipBlend::kLinear;
+  mips = !image.has_mip_maps() ? MipFilter::kNone : is_trilinear ? MipFilter::kLinear : MipFilter::kNearest;
   diverges = config.streams == Streams::kDivergent;
   has_alpha = (shades & traces::kAlphaFlag) != 0;
   const bool is_tinted = config.glass_shadows == GlassShadows::kTinted;
@@ -103,6 +115,9 @@ SceneTables::SceneTables(const traces::MemoryImage& memory_image, const RenderCo
   for (const traces::Texture& texture : image.textures) {
     axes.push_back(axis_record(texture.width, texture.wrap_u, texture.filter));
     axes.push_back(axis_record(texture.height, texture.wrap_v, texture.filter));
+  }
+  for (std::size_t i = 0; i < image.mip_levels.size(); ++i) {
+    levels.push_back(level_record(image.textures[i], image.mip_levels[i], mips));
   }
 }
 

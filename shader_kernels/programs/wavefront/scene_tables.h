@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "shader_kernels/kernels/sampling.h"
 #include "shader_kernels/kernels/uniforms.h"
 #include "shader_kernels/programs/wavefront/render_config.h"
 #include "shader_kernels/scene_records.h"
@@ -12,10 +13,14 @@
 namespace kernels {
 
 CameraUniforms<float> camera_uniforms(const traces::Camera& camera, std::uint32_t width, std::uint32_t height);
+/// Cones of rays, of which a pixel has grid x grid: as wide as a cell of the pixel is in the middle of the picture.
+ConeUniforms<float> cone_uniforms(const CameraUniforms<float>& camera, std::uint32_t grid);
 LightUniforms<float> light_uniforms(const traces::Light& light);
 /// Seed of a frame's jittered samples.
 std::uint32_t jitter_seed(std::uint32_t frame);
 AxisRecord<float> axis_record(std::uint32_t size, traces::Texture::Wrap wrap, traces::Texture::Filter filter);
+/// Levels of a texture that has so many, as a look-up in its first wants them.
+LevelRecord<float> level_record(const traces::Texture& texture, std::uint32_t levels, MipFilter mips);
 
 /// The largest triangle word of a hit that needs no test, where only alpha asks for one.
 inline constexpr std::uint32_t kSolidNearest = traces::kAlphaFlag - 1;
@@ -26,7 +31,9 @@ struct SceneTables {
 
   const traces::MemoryImage& image;
   std::vector<LightUniforms<float>> lights;
-  std::vector<AxisRecord<float>> axes;  ///< two per texture
+  std::vector<AxisRecord<float>> axes;     ///< two per texture
+  std::vector<LevelRecord<float>> levels;  ///< with mip maps, one per texture
+  MipFilter mips;                          ///< as the memory image has mip levels, and RenderConfig::mip_filter
   Vec3<float> background, ambient;
   float epsilon, min_weight;
   std::uint32_t depth, layers;
@@ -43,7 +50,7 @@ struct SceneTables {
   static void describe(const SceneTables& s, auto&& array) {
     array(NAMED(s.image.attributes)), array(NAMED(s.image.triangles)), array(NAMED(s.image.instances));
     array(NAMED(s.image.materials)), array(NAMED(s.image.vertices)), array(NAMED(s.image.details));
-    array(s.image.textures, "texels"), array(NAMED(s.axes));
+    array(s.image.textures, "texels"), array(NAMED(s.axes)), array(NAMED(s.levels));
   }
 };
 

@@ -10,13 +10,15 @@ namespace kernels {
 
 using traces::RayKind;
 
-Wavefront::Wavefront(const SceneTables& scene, const traces::Tracer& tracer, bool record, TileResult& out)
+Wavefront::Wavefront(const SceneTables& scene, const traces::Tracer& tracer, bool record,
+                     const ConeUniforms<float>& cone, TileResult& out)
     : scene_(scene),
       tracer_(tracer),
       out_(out),
       buffer_(out.buffer),
       sources_(scene, out),
-      stream_(out.work, out.buffer.spare_nodes, record) {
+      stream_(out.work, out.buffer.spare_nodes, record),
+      cone_(cone) {
   out.rays = {};
   out.continued = 0;
   out.traversal_steps = 0;

@@ -54,7 +54,11 @@ class Wavefront {
     Node cleared = StreamBuilder::kNone, cleared_secondary = StreamBuilder::kNone;  ///< launches that began them
   };
 
-  Wavefront(const SceneTables& scene, const traces::Tracer& tracer, bool record, TileResult& out);
+  Wavefront(const SceneTables& scene, const traces::Tracer& tracer, bool record, const ConeUniforms<float>& cone,
+            TileResult& out);
+
+  /// From here on rays have that cone.
+  void set_cone(const ConeUniforms<float>& cone) { cone_ = cone; }
 
   /// From here on work is done but not written down, nor are its rays counted: another tile's.
   void mute() { stream_.mute(true); }
@@ -174,6 +178,21 @@ class Wavefront {
   void shade_details(Bounce& bounce, const ClassifyDetails::Ports<float>& sorted, Streams& streams);
   template <class K>
   void step(Bounce& bounce, std::uint32_t items, std::vector<std::uint32_t>* stream = nullptr);
+  /// Calls f<MipFilter>() for textures as they are.
+  template <class Function>
+  auto with_mips(Function&& f) const {
+    if (scene_.mips == MipFilter::kNone) return f.template operator()<MipFilter::kNone>();
+    if (scene_.mips == MipFilter::kNearest) return f.template operator()<MipFilter::kNearest>();
+    return f.template operator()<MipFilter::kLinear>();
+  }
+  /// Calls f<kInstanced, kCones>() for surfaces as they are.
+  template <class Function>
+  auto with_surfaces(Function&& f) const {
+    if (scene_.mips == MipFilter::kNone) {
+      return scene_.image.has_levels() ? f.template operator()<true, false>() : f.template operator()<false, false>();
+    }
+    return scene_.image.has_levels() ? f.template operator()<true, true>() : f.template operator()<false, true>();
+  }
   void shade_glow(const Bounce& bounce, std::uint32_t items);
   void shade_occluded(const Bounce& bounce, std::uint32_t items);
   /// Launches what adds to the samples' colours.
@@ -199,7 +218,7 @@ class Wavefront {
   // wavefront_fused.cc
   bool lights_at_once(const Bounce& bounce) const;
   Streams light_surfaces(Bounce& bounce, std::uint32_t surfaces);
-  template <bool kInstanced>
+  template <bool kInstanced, bool kCones>
   void light_surfaces(Bounce& bounce, std::uint32_t surfaces, Streams& streams);
   template <class P>
   ShadeDiffuse::Ports<float>& bind_first_light(P& ports) const;
@@ -238,6 +257,7 @@ class Wavefront {
   const PortSources sources_;
   StreamBuilder stream_;
   RetainedRecords retained_;
+  ConeUniforms<float> cone_;
   std::uint32_t rays_traced_ = 0;
 };
 

@@ -8,9 +8,11 @@ void Wavefront::shade_details(Bounce& bounce, const ClassifyDetails::Ports<float
   step<Absorb>(bounce, sorted.absorbing_count.value);
   scene_.image.has_levels() ? step<FetchVertices<true>>(bounce, sorted.vertexed_count.value)
                             : step<FetchVertices<false>>(bounce, sorted.vertexed_count.value);
-  step<ShadeBase>(bounce, sorted.based_count.value, &buffer_.based);
-  step<ShadePhysical>(bounce, sorted.physical_count.value, &buffer_.physical);
-  step<ShadeBump>(bounce, sorted.bumped_count.value, &buffer_.bumped);
+  with_mips([&]<MipFilter kMips> {
+    step<ShadeBase<kMips>>(bounce, sorted.based_count.value, &buffer_.based);
+    step<ShadePhysical<kMips>>(bounce, sorted.physical_count.value, &buffer_.physical);
+    step<ShadeBump<kMips>>(bounce, sorted.bumped_count.value, &buffer_.bumped);
+  });
   step<ShadeBlend>(bounce, sorted.blended_count.value);
   streams.blended = sorted.blended_count.value;
   streams.glowing = sorted.glowing_count.value;
@@ -29,16 +31,20 @@ void Wavefront::step(Bounce& bounce, std::uint32_t items, std::vector<std::uint3
 }
 
 void Wavefront::shade_glow(const Bounce& bounce, std::uint32_t items) {
-  ShadeGlow::Ports<float> ports;
-  ports.stream.bind(buffer_.glowing.data());
-  add_colours<ShadeGlow>(bounce, ports, items);
+  with_mips([&]<MipFilter kMips> {
+    typename ShadeGlow<kMips>::template Ports<float> ports;
+    ports.stream.bind(buffer_.glowing.data());
+    add_colours<ShadeGlow<kMips>>(bounce, ports, items);
+  });
 }
 
 void Wavefront::shade_occluded(const Bounce& bounce, std::uint32_t items) {
-  ShadeOccluded::Ports<float> ports;
-  ports.stream.bind(buffer_.occluded.data());
-  ports.ambient = scene_.ambient;
-  add_colours<ShadeOccluded>(bounce, ports, items);
+  with_mips([&]<MipFilter kMips> {
+    typename ShadeOccluded<kMips>::template Ports<float> ports;
+    ports.stream.bind(buffer_.occluded.data());
+    ports.ambient = scene_.ambient;
+    add_colours<ShadeOccluded<kMips>>(bounce, ports, items);
+  });
 }
 
 }  // namespace kernels

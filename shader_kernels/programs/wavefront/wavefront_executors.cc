@@ -11,8 +11,11 @@ void Wavefront::shade_background(const Bounce& bounce, std::uint32_t misses) {
 }
 
 Wavefront::Streams Wavefront::shade_surfaces(Bounce& bounce, std::uint32_t surfaces) {
-  const Node fetched = scene_.image.has_levels() ? launch<ShadeSurface<true>>(surfaces, bounce.lanes)
-                                                 : launch<ShadeSurface<false>>(surfaces, bounce.lanes);
+  const Node fetched = with_surfaces([&]<bool kInstanced, bool kCones> {
+    typename ShadeSurface<kInstanced, kCones>::template Ports<float> ports;
+    ports.cone = cone_;
+    return launch<ShadeSurface<kInstanced, kCones>>(ports, surfaces, bounce.lanes);
+  });
   wait_for_bounce(fetched, bounce);
 
   Streams streams;
@@ -46,7 +49,7 @@ void Wavefront::Streams::take(const ClassifySurfaces::Ports<float>& sorted) {
 }
 
 void Wavefront::shade_textured(Bounce& bounce, std::uint32_t items) {
-  bounce.colours = launch<ShadeTextured>(items, bounce.lanes);
+  bounce.colours = with_mips([&]<MipFilter kMips> { return launch<ShadeTextured<kMips>>(items, bounce.lanes); });
   wait_all(bounce.colours, bounce.inspector);
 }
 

@@ -15,25 +15,25 @@ bool Wavefront::lights_at_once(const Bounce& bounce) const {
 
 Wavefront::Streams Wavefront::light_surfaces(Bounce& bounce, std::uint32_t surfaces) {
   Streams streams;
-  scene_.image.has_levels() ? light_surfaces<true>(bounce, surfaces, streams)
-                            : light_surfaces<false>(bounce, surfaces, streams);
+  with_surfaces([&]<bool kInstanced, bool kCones> { light_surfaces<kInstanced, kCones>(bounce, surfaces, streams); });
   return streams;
 }
 
-template <bool kInstanced>
+template <bool kInstanced, bool kCones>
 void Wavefront::light_surfaces(Bounce& bounce, std::uint32_t surfaces, Streams& streams) {
   const bool keeps_geometry = bounce.depth == 1 && retained_.geometry;
   const bool keeps_surface = bounce.depth == 1 && retained_.surfaces;
   const bool keeps_secondary = bounce.depth > 1 && retained_.secondary;
   if (!scene_.has_details) {
-    if (keeps_geometry) return light_with<FetchLitGeometry<kInstanced>>(bounce, surfaces, streams, true);
-    if (keeps_surface) return light_with<FetchLitKept<kInstanced>>(bounce, surfaces, streams, true);
-    if (keeps_secondary) return light_with<FetchLitSecondary<kInstanced>>(bounce, surfaces, streams, true);
-    return light_with<FetchLit<kInstanced>>(bounce, surfaces, streams, false);
+    if (keeps_geometry) return light_with<FetchLitGeometry<kInstanced, kCones>>(bounce, surfaces, streams, true);
+    if (keeps_surface) return light_with<FetchLitKept<kInstanced, kCones>>(bounce, surfaces, streams, true);
+    if (keeps_secondary) return light_with<FetchLitSecondary<kInstanced, kCones>>(bounce, surfaces, streams, true);
+    return light_with<FetchLit<kInstanced, kCones>>(bounce, surfaces, streams, false);
   }
   buffer_.hold_details(bounce.rays);
-  typename FetchSurface<kInstanced>::template Ports<float> ports;
-  const Node fetched = launch<FetchSurface<kInstanced>>(ports, surfaces, bounce.lanes);
+  typename FetchSurface<kInstanced, kCones>::template Ports<float> ports;
+  ports.cone = cone_;
+  const Node fetched = launch<FetchSurface<kInstanced, kCones>>(ports, surfaces, bounce.lanes);
   wait_for_bounce(fetched, bounce);
   bounce.inspector = fetched;
   shade_details(bounce, ports_of<ClassifyDetails>(ports), streams);
@@ -60,6 +60,7 @@ void Wavefront::light_with(Bounce& bounce, std::uint32_t surfaces, Streams& stre
   typename K::template Ports<float> ports;
   const ShadeDiffuse::Ports<float>& first_light = bind_first_light(ports);
   if constexpr (requires { ports.bounce; }) ports.bounce = uniforms_of(bounce);
+  if constexpr (requires { ports.cone; }) ports.cone = cone_;
   const Node lit = launch<K>(ports, surfaces, bounce.lanes);
   wait_for_bounce(lit, bounce);
   buffer_.colour_nodes.push_back(lit);

@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
+#include <glm/vec2.hpp>
 #include <glm/vec4.hpp>
 
 #include "sim/error.h"
@@ -81,6 +82,18 @@ VertexRecord vertices_of(const Mesh& mesh, const std::array<std::uint32_t, 3>& c
   return record;
 }
 
+/// Side of the triangle's square in texture coordinates over that in space. A texture that a triangle shows one point
+/// or line of is not to be averaged.
+float texture_density(const Mesh& mesh, const std::array<std::uint32_t, 3>& corners, const glm::mat3& to_space) {
+  if (mesh.uvs.empty()) return kLeastDensity;
+  const auto edge = [&](const auto& array, std::size_t i) { return array[corners[i]] - array[corners[0]]; };
+  const glm::dvec2 s(edge(mesh.uvs, 1)), t(edge(mesh.uvs, 2));
+  const glm::dvec3 a(to_space * edge(mesh.positions, 1)), b(to_space * edge(mesh.positions, 2));
+  const double shown = std::abs(s.x * t.y - s.y * t.x), area = glm::length(glm::cross(a, b));
+  if (!(shown > 0 && area > 0)) return kLeastDensity;
+  return std::clamp(static_cast<float>(std::sqrt(shown / area)), kLeastDensity, kMostDensity);
+}
+
 void append_shading(const PlacedMesh& placed, const MaterialTables& materials, ShadingRecords& out) {
   const Mesh& mesh = *placed.mesh;
   const glm::mat3 normals_to_space = normal_matrix(placed.to_space);
@@ -88,10 +101,12 @@ void append_shading(const PlacedMesh& placed, const MaterialTables& materials, S
     const glm::vec3& p0 = mesh.positions[corners[0]];
     const glm::vec3 face = glm::cross(mesh.positions[corners[1]] - p0, mesh.positions[corners[2]] - p0);
     const glm::vec3 flat = unit_or(normals_to_space * unit_or(face, glm::vec3(0, 1, 0)), glm::vec3(0, 1, 0));
+    const float length = materials.needs_density ? texture_density(mesh, corners, glm::mat3(placed.to_space)) : 1.0F;
     AttributeRecord attributes{};
     for (int i = 0; i < 3; ++i) {
       const std::uint32_t vertex = corners[static_cast<std::size_t>(i)];
-      attributes.normal[i] = mesh.normals.empty() ? flat : unit_or(normals_to_space * mesh.normals[vertex], flat);
+      const glm::vec3 unit = mesh.normals.empty() ? flat : unit_or(normals_to_space * mesh.normals[vertex], flat);
+      attributes.normal[i] = unit * length;
       attributes.uv[i] = mesh.uvs.empty() ? glm::vec2(0) : mesh.uvs[vertex];
     }
     attributes.material = mesh.material;

@@ -104,10 +104,11 @@ std::uint32_t triangle_flags(const MaterialRecord& material) {
   return (has_alpha ? kAlphaFlag : 0) | (material.entering > 0 ? kTintFlag : 0);
 }
 
-MaterialTables material_tables(const Scene& scene) {
+MaterialTables material_tables(const Scene& scene, bool has_mip_maps) {
   std::vector<Material> materials = scene.materials;
   if (materials.empty()) materials.emplace_back();
   MaterialTables tables;
+  tables.needs_density = has_mip_maps;
   for (const Material& m : materials) {
     check(m, scene.textures);
     tables.records.push_back(record_of(m));

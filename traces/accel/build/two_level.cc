@@ -245,7 +245,7 @@ MemoryImage two_levels(const Scene& scene, const MaterialTables& materials, cons
 bool update_levels(const Scene& posed, const BvhConfig& config, unsigned threads, MemoryImage& image, sim::Stop stop) {
   const Plan plan(posed);
   if (!plan.same_shape(image)) return false;
-  const MaterialTables materials = material_tables(posed);
+  const MaterialTables materials = material_tables(posed, image.has_mip_maps());
   const BvhBuilder builder(config, threads, stop);
   const bool refits = config.update == BvhUpdate::kRefit;
   const auto own = std::ranges::find_if(image.trees, [](const ObjectTree& tree) { return tree.only != kNone; });

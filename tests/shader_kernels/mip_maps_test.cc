@@ -1,0 +1,252 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <glm/gtc/matrix_transform.hpp>
+#include <gtest/gtest.h>
+
+#include "block_harness.h"
+#include "shader_kernels/programs/adaptive/supersample.h"
+#include "showcase.h"
+#include "traces/accel/build/mip_levels.h"
+
+// Which mip level is looked up, and what comes of it in pictures.
+
+namespace kernels {
+namespace {
+
+using traces::Texture;
+
+/// White and grey values so that level L of the chain is about 16 (L + 1) everywhere.
+std::vector<Texture> numbered_levels(std::uint32_t width, std::uint32_t height) {
+  std::vector<Texture> chain = traces::mip_chain(
+      {.name = "t", .width = width, .height = height, .texels = std::vector<std::uint32_t>(width * height)});
+  for (std::size_t level = 0; level < chain.size(); ++level) {
+    for (std::uint32_t& texel : chain[level].texels) texel = static_cast<std::uint32_t>(16 * (level + 1));
+  }
+  return chain;
+}
+
+/// Looks a texture of `width` x `height` up for a footprint as large in texture coordinates; the sRGB code that it
+/// gets.
+template <MipFilter kMips>
+float look_up(std::uint32_t width, std::uint32_t height, float footprint, std::vector<traces::Access>* log = nullptr) {
+  const std::vector<Texture> chain = numbered_levels(width, height);
+  std::vector<AxisRecord<float>> axes;
+  for (const Texture& level : chain) {
+    axes.push_back(axis_record(level.width, level.wrap_u, level.filter));
+    axes.push_back(axis_record(level.height, level.wrap_v, level.filter));
+  }
+  const LevelRecord<float> levels[] = {level_record(chain[0], static_cast<std::uint32_t>(chain.size()), kMips)};
+  std::uint32_t stream[] = {0};
+  TexcoordRecord<float> texcoords[] = {{0.3F, 0.6F, with_footprint<float>(0, footprint)}};
+  DiffuseRecord<float> mattes[] = {{{1, 1, 1}, 7}};
+  typename ShadeTextured<kMips>::template Ports<float> ports;
+  ports.textured.bind(stream);
+  ports.texcoords.bind(texcoords);
+  ports.mattes.bind(mattes);
+  ports.axes.bind(axes.data());
+  ports.levels.bind(levels);
+  ports.texels.attach(chain.data(), log);
+  ShadeTextured<kMips>::template body<float>(0, ports);
+  return mattes[0].diffuse.x;
+}
+float level(float number) { return decoded<float>(16 * (number + 1) / 255); }
+
+TEST(NearestMipLevel, IsWhoseTexelsAreNearestToTheFootprintInSize) {
+  constexpr auto kNearest = MipFilter::kNearest;
+  for (const float texels : {0.0F, 0.01F, 1.0F, 1.4F}) EXPECT_FLOAT_EQ(look_up<kNearest>(16, 16, texels / 16), level(0));
+  for (const float texels : {1.43F, 2.0F, 2.8F}) EXPECT_FLOAT_EQ(look_up<kNearest>(16, 16, texels / 16), level(1));
+  for (const float texels : {2.86F, 4.0F}) EXPECT_FLOAT_EQ(look_up<kNearest>(16, 16, texels / 16), level(2));
+  for (const float texels : {16.0F, 1e9F}) EXPECT_FLOAT_EQ(look_up<kNearest>(16, 16, texels / 16), level(4));
+  for (const float footprint : {0.0F, 1e-9F, 1.0F, 1e9F}) EXPECT_FLOAT_EQ(look_up<kNearest>(1, 1, footprint), level(0));
+}
+
+TEST(NearestMipLevel, OfALongTextureGoesByItsAreaAndEndsAtItsLongSide) {
+  constexpr auto kNearest = MipFilter::kNearest;
+  EXPECT_FLOAT_EQ(look_up<kNearest>(64, 4, 2.0F / 16), level(1)) << "as 16 x 16";
+  EXPECT_FLOAT_EQ(look_up<kNearest>(64, 4, 1e9F), level(6));
+}
+
+TEST(Trilinear, BlendsTheTwoLevelsAboutTheFootprint) {
+  constexpr auto kLinear = MipFilter::kLinear;
+  for (const float texels : {0.0F, 0.5F, 1.0F}) EXPECT_FLOAT_EQ(look_up<kLinear>(16, 16, texels / 16), level(0));
+  EXPECT_NEAR(look_up<kLinear>(16, 16, 1.25F / 16), 0.75F * level(0) + 0.25F * level(1), 1e-6F);
+  EXPECT_NEAR(look_up<kLinear>(16, 16, 6.0F / 16), 0.5F * level(2) + 0.5F * level(3), 1e-6F);
+  for (const float texels : {16.0F, 1e9F}) EXPECT_FLOAT_EQ(look_up<kLinear>(16, 16, texels / 16), level(4));
+}
+
+TEST(MipAccesses, NameTheLevelAndAWholeOneTwice) {
+  std::vector<traces::Access> log;
+  look_up<MipFilter::kNearest>(16, 16, 4.0F / 16, &log);
+  ASSERT_EQ(log.size(), 1U);
+  EXPECT_EQ(log[0].texture(), 2U);
+  EXPECT_EQ(log[0].element, (1U << 16) | 0U) << "texel (0.7, 1.9) of 4 x 4";
+  log.clear();
+  look_up<MipFilter::kLinear>(16, 16, 6.0F / 16, &log);
+  ASSERT_EQ(log.size(), 2U);
+  EXPECT_EQ(log[0].texture(), 2U);
+  EXPECT_EQ(log[1].texture(), 3U);
+  log.clear();
+  look_up<MipFilter::kLinear>(16, 16, 4.0F / 16, &log);
+  EXPECT_EQ(log[0].texture(), log[1].texture()) << "nothing is fetched of a level that has no weight";
+  EXPECT_EQ(log[0].element, log[1].element);
+}
+
+/// A wall in z = 0 on which a texture of 512 x 512 repeats once a unit, chequered by texel, lit by ambient light.
+traces::Scene chequered_wall() {
+  traces::Scene scene = empty_scene();
+  Texture chequers{.name = "chequers", .width = 512, .height = 512};
+  for (std::uint32_t i = 0; i < 512 * 512; ++i) chequers.texels.push_back((i + i / 512) % 2 == 0 ? ~0U : 0xff000000U);
+  scene.textures.push_back(chequers);
+  scene.ambient = glm::vec3(1);
+  traces::Mesh wall = traces::make_quad("wall", {-50, -50, 0}, {100, 0, 0}, {0, 100, 0}, 1);
+  for (std::size_t i = 0; i < 4; ++i) wall.uvs[i] = {wall.positions[i].x, wall.positions[i].y};
+  traces::add_object(scene, wall,
+                     traces::add_material(scene, {.name = "m", .base_colour = glm::vec3(1), .base_texture = {0}}));
+  return scene;
+}
+
+/// Levels that a picture of `scene` fetches, with a pixel of 1/256 in height at distance 1.
+std::vector<std::uint32_t> levels_seen(const traces::Scene& scene, const glm::vec3& eye, const glm::vec3& target,
+                                       std::uint32_t samples, const traces::BvhConfig& bvh = {}) {
+  const traces::MemoryImage image = traces::build_memory_image(scene, bvh, 1, nullptr, traces::MipMaps::kOn);
+  const traces::BvhTracer tracer(image);
+  const traces::Camera camera = traces::look_at("view", eye, target, 2 * std::atan(1.0F / 256));
+  FullProgram program(image, camera, small(2, 2), samples, 0);
+  TileResult tile;
+  program.run_tile(0, tracer, true, tile);
+  std::vector<std::uint32_t> seen;
+  for (const traces::Access& access : tile.work.accesses) {
+    if (access.kind() == traces::Access::Kind::kTexels) seen.push_back(access.texture());
+  }
+  std::ranges::sort(seen);
+  const auto [first, last] = std::ranges::unique(seen);
+  seen.erase(first, last);
+  return seen;
+}
+
+using Levels = std::vector<std::uint32_t>;
+
+/// 512 texels a unit: a pixel covers 2 texels a unit of distance.
+TEST(RayCones, GrowWithTheDistance) {
+  const traces::Scene scene = chequered_wall();
+  EXPECT_EQ(levels_seen(scene, {0, 0, 0.25F}, {0, 0, 0}, 1), Levels{0});
+  EXPECT_EQ(levels_seen(scene, {0, 0, 1}, {0, 0, 0}, 1), Levels{1});
+  EXPECT_EQ(levels_seen(scene, {0, 0, 8}, {0, 0, 0}, 1), Levels{4});
+  EXPECT_EQ(levels_seen(scene, {0, 0, 10000}, {0, 0, 0}, 1), Levels{9});
+}
+
+TEST(RayCones, AreAsWideAsTheirSamples) {
+  EXPECT_EQ(levels_seen(chequered_wall(), {0, 0, 8}, {0, 0, 0}, 4), Levels{3});
+  EXPECT_EQ(levels_seen(chequered_wall(), {0, 0, 8}, {0, 0, 0}, 16), Levels{2});
+}
+
+TEST(RayCones, CoverMoreOfASurfaceThatTheyMeetAtAnAngle) {
+  const float sine = std::sin(std::numbers::pi_v<float> / 3);
+  EXPECT_EQ(levels_seen(chequered_wall(), {8 * sine, 0, 4}, {0, 0, 0}, 1), Levels{5})
+      << "60 degrees off: twice as long";
+}
+
+TEST(RayCones, GoOnGrowingBehindAMirror) {
+  traces::Scene scene = chequered_wall();
+  const traces::Scene wall = scene;
+  traces::add_object(scene, traces::make_quad("mirror", {-1, -1, 4}, {0, 2, 0}, {2, 0, 0}, 1),
+                     traces::add_material(scene, {.name = "mirror", .mirror = 1}));
+  EXPECT_EQ(levels_seen(scene, {0, 0, 0.001F}, {0, 0, 4}, 1), Levels{4}) << "4 there and 4 back";
+  EXPECT_EQ(levels_seen(wall, {0, 0, 4}, {0, 0, 0}, 1), Levels{3});
+}
+
+/// An instance four times as large shows the texture a quarter as dense.
+TEST(RayCones, KnowAnInstancesScale) {
+  traces::Scene scene = chequered_wall();
+  scene.instances[0].to_world = glm::scale(glm::mat4(1), glm::vec3(4));
+  const Levels flat = levels_seen(scene, {0, 0, 8}, {0, 0, 0}, 1);
+  EXPECT_EQ(flat, Levels{2});
+  EXPECT_EQ(levels_seen(scene, {0, 0, 8}, {0, 0, 0}, 1, {.instances = traces::InstanceLevels::kTwoLevel}), flat);
+}
+
+TEST(MipMapped, PicturesOfFineTexturesAreFreeOfAliases) {
+  const traces::Scene scene = chequered_wall();
+  const traces::Camera camera = traces::look_at("view", {0.1F, 0.2F, 20}, {0.3F, 0, 0}, 0.5F);
+  const auto error = [&](traces::MipMaps mip_maps, MipBlend blend) {
+    const traces::MemoryImage image = traces::build_memory_image(scene, {}, 1, nullptr, mip_maps);
+    const traces::BvhTracer tracer(image);
+    RenderConfig config = small(32, 32);
+    config.mip_filter = blend;
+    double sum = 0;
+    for (const float x : render(image, camera, tracer, config).rgb) sum += std::abs(x - 0.5F);
+    return sum / (3 * 32 * 32);
+  };
+  EXPECT_GT(error(traces::MipMaps::kOff, MipBlend::kNearest), 0.1);
+  EXPECT_LT(error(traces::MipMaps::kOn, MipBlend::kNearest), 0.005);
+  EXPECT_LT(error(traces::MipMaps::kOn, MipBlend::kLinear), 0.005);
+}
+
+/// An image without levels is rendered by kernels that know of none, whatever the configuration says.
+TEST(MipMapped, ImagesWithoutLevelsAreRenderedAsTheyAre) {
+  const Stage stage(showcase_scene());
+  const auto kernels_of = [&](const RenderConfig& config) {
+    std::vector<traces::KernelId> kernels;
+    FullProgram program(stage.image, stage.camera, config, 1, 0);
+    TileResult tile;
+    program.run_tile(0, stage.tracer, true, tile);
+    for (const traces::WorkNode& node : tile.work.nodes) kernels.push_back(node.kernel);
+    return kernels;
+  };
+  RenderConfig on = small(32, 32), off = on;
+  off.mip_maps = traces::MipMaps::kOff;
+  on.mip_filter = MipBlend::kLinear;
+  EXPECT_EQ(kernels_of(on), kernels_of(off));
+  EXPECT_EQ(stage.full(on).rgb, stage.full(off).rgb);
+}
+
+class MipMappedPrograms : public testing::TestWithParam<MipBlend> {
+ protected:
+  MipMappedPrograms() { render_.mip_filter = GetParam(); }
+  Stage stage_{showcase_scene(), traces::MipMaps::kOn};
+  RenderConfig render_ = small(37, 23);
+};
+INSTANTIATE_TEST_SUITE_P(Filters, MipMappedPrograms, testing::Values(MipBlend::kNearest, MipBlend::kLinear),
+                         [](const auto& i) {
+                           return std::string(names_of(i.param)[static_cast<std::size_t>(i.param)]);
+                         });
+
+TEST_P(MipMappedPrograms, LookUpOtherTexelsThanWithoutMipMaps) {
+  EXPECT_NE(stage_.full(render_).rgb, Stage(showcase_scene()).full(render_).rgb);
+}
+
+TEST_P(MipMappedPrograms, FusionChangesNoPicture) {
+  RenderConfig apart = render_;
+  apart.fusion = Fusion::kOff;
+  EXPECT_EQ(stage_.full(render_).rgb, stage_.full(apart).rgb);
+}
+
+TEST_P(MipMappedPrograms, MultirateThatFindsNothingSimilarIsFull) {
+  MultirateConfig config;
+  config.normal = 2;
+  for (const std::uint32_t grid : {1U, 2U}) {
+    EXPECT_EQ(stage_.multirate(render_, config, grid).rgb, stage_.full(render_, grid * grid).rgb);
+  }
+}
+
+TEST_P(MipMappedPrograms, UndersampleThatFindsNothingSimilarIsFull) {
+  UndersampleConfig config;
+  config.normal = 2;
+  for (const std::uint32_t samples : {1U, 4U}) {
+    config.samples = samples;
+    EXPECT_EQ(stage_.undersample(render_, config).rgb, stage_.full(render_, samples).rgb);
+  }
+}
+
+TEST_P(MipMappedPrograms, SupersampleThatTakesEverySubpixelIsFull) {
+  SupersampleConfig config;
+  config.colour = config.object = config.normal = config.shadow = config.texture = 0;
+  RenderConfig jittered = render_;
+  jittered.samples = SamplePattern::kJittered;
+  SupersampleProgram program(stage_.image, stage_.camera, jittered, config, 0);
+  EXPECT_EQ(run_program(program, stage_.tracer).rgb, stage_.full(jittered, 16).rgb);
+}
+
+}  // namespace
+}  // namespace kernels
