@@ -1,7 +1,7 @@
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
-#include "sampled_room.h"
+#include "block_harness.h"
 #include "showcase.h"
 
 // Counts of samples: each check fails where its attribute differs, and only there.

@@ -5,8 +5,10 @@
 
 #include <gtest/gtest.h>
 
+#include "harness.h"
 #include "shader_kernels/kernels/pack_subpixels.h"
 #include "shader_kernels/kernels/test_subpixels.h"
+#include "shader_kernels/programs/adaptive/supersample.h"
 #include "sim/hash.h"
 
 namespace kernels {
@@ -73,6 +75,34 @@ TEST(TestSubpixelsKernel, TheThresholdOfWhatDisagreesApplies) {
   EXPECT_EQ(verdict_between({0.55F, 0.55F, 0.55F}, 2, 0.05), bit(Attribute::kObject));
   EXPECT_EQ(verdict_between({0, 0, 0}, 2, 1), bit(Attribute::kObject));
   EXPECT_EQ(verdict_between({0, 0, 0}, 1, 1), bit(Attribute::kColour) | 1U << kActiveShift);
+}
+
+TEST(SameNormal, IsTheLeastDotProductOfNormalsThatDoNotDiffer) {
+  const TraitsRecord<float> one{{0, 0, 1}, 1, 0}, other{{0.6F, 0, 0.8F}, 1, 0};
+  EXPECT_EQ(disagreements<float>(one, other, 0.9F, 0), 2U);
+  EXPECT_EQ(disagreements<float>(one, other, 0.8F, 0), 0U);
+  EXPECT_EQ(disagreements<float>(one, one, 1, 0), 0U);
+  EXPECT_EQ(disagreements<float>(one, one, 2, 0), 2U) << "nothing reaches it";
+}
+
+TEST(SameNormal, DecidesWhereSupersampleFindsNormalsToDiffer) {
+  const traces::Scene scene = traces::open_scene("teapot");
+  const traces::MemoryImage image = traces::build_memory_image(scene);
+  const traces::BvhTracer tracer(image);
+  SupersampleConfig c;
+  c.colour = c.object = c.shadow = c.texture = 1;
+  c.secondary_object = c.secondary_normal = c.secondary_shadow = c.secondary_texture = 1;
+  c.normal = 0;
+  const auto active = [&](double same_normal) {
+    c.same_normal = same_normal;
+    SupersampleProgram program(image, scene.cameras.front(), small(24, 16), c, 0);
+    run_tiles(program, tracer, false, [](const TileResult&) {});
+    return 24U * 16U - program.sampling().active[0];
+  };
+  EXPECT_EQ(active(-1), 0U);
+  EXPECT_GT(active(0.9), active(0.5));
+  EXPECT_GT(active(0.5), 0U);
+  EXPECT_EQ(active(2), 24U * 16U);
 }
 
 TEST(Packing, AChunkNeverSplitsAPixelAndNothingIsLost) {

@@ -20,7 +20,7 @@ struct Way {
   explicit Way(const kernels::MultirateConfig& wanted) : config(wanted), rates(wanted) {}
   kernels::MultirateConfig config;
   kernels::RateMap rates;
-  double squared_error = 0;  ///< of all frames, added up
+  double squared_error = 0;  ///< sum over all frames
   std::uint64_t coarse = 0, tiles = 0;
 
   void render_frame(Inputs& inputs, const traces::Tracer& tracer, const std::vector<float>& full) {

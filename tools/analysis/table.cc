@@ -89,6 +89,18 @@ std::string heading(const Json& report) {
                            report["program"].get<std::string>(), si_text(report["scene"]["triangles"].get<double>()));
 }
 
+/// DRAM traffic, and whose it is.
+std::string dram_traffic(const Json& totals) {
+  const auto bytes = [](const Json& n) { return si_text(n.get<double>(), "B"); };
+  const Json& clients = totals["dram_bytes_by_client"];
+  std::string out = fmt::format("{}  (caches {}, frame buffer {}, spilled ray slots {}", bytes(totals["dram_bytes"]),
+                                bytes(clients["caches"]), bytes(clients["frame_buffer"]), bytes(clients["spills"]));
+  for (const char* more : {"samples", "rates"}) {
+    if (clients.contains(more)) out += fmt::format(", {} {}", more, bytes(clients[more]));
+  }
+  return out + ")";
+}
+
 std::string overview(const Json& report) {
   const Json& t = report["totals"];
   const Json& rays = t["rays"];
@@ -122,14 +134,7 @@ std::string overview(const Json& report) {
   line("ray rate", si_text(1e6 * t["perf"]["mrays_per_s"].get<double>(), "rays/s"));
   line("traversal steps", fmt::format("{}  = {:.1f} per ray", count(t["traversal_steps"]),
                                       t["traversal_steps"].get<double>() / rays["total"].get<double>()));
-  const auto bytes = [](const Json& n) { return si_text(n.get<double>(), "B"); };
-  const Json& clients = t["dram_bytes_by_client"];
-  std::string traffic = fmt::format("caches {}, frame buffer {}, spilled ray slots {}", bytes(clients["caches"]),
-                                    bytes(clients["frame_buffer"]), bytes(clients["spills"]));
-  for (const char* more : {"samples", "rates"}) {
-    if (clients.contains(more)) traffic += fmt::format(", {} {}", more, bytes(clients[more]));
-  }
-  line("DRAM traffic", fmt::format("{}  ({})", bytes(t["dram_bytes"]), traffic));
+  line("DRAM traffic", dram_traffic(t));
   line("busy", fmt::format("T&I {}, SRP {}, DRAM {}", percent(t["utilisation"]["tni"]),
                            percent(t["utilisation"]["srp"]), percent(t["utilisation"]["dram"])));
   line("time goes to", top_down_text(t["top_down"]["gpu"]));

@@ -42,7 +42,7 @@ class BlockProgram : public FrameProgram {
   struct Verdict {
     Wavefront::Node node = Wavefront::kNone;
     std::uint32_t passed = 0, failed = 0;
-    std::uint32_t rough = 0;  ///< of the passed, those that a tile's rate does not count
+    std::uint32_t rough = 0;  ///< samples that have passed, but that a tile's rate does not count
   };
   struct Setup {
     std::uint32_t grid = 1;          ///< samples along a pixel

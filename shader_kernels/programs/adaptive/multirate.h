@@ -34,7 +34,7 @@ class MultirateProgram final : public BlockProgram {
 
   const MultirateConfig multirate_;
   const bool secondary_checks_;  ///< made
-  const bool compares_colours_;  ///< of textured surfaces
+  const bool compares_colours_;  ///< those of textured surfaces
   const RateMap& rates_;
 };
 

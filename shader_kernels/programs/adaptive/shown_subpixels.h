@@ -12,7 +12,7 @@ namespace kernels {
 /// what tiles of the same round find is taken by settle(), when all of them have been kept.
 class ShownSubpixels {
  public:
-  /// Of a picture cut into `tiles` tiles.
+  /// Begins with nothing shown, in a picture cut into `tiles` tiles.
   ShownSubpixels(std::uint32_t width, std::uint32_t height, std::uint32_t tiles);
 
   /// Takes all sub-pixels of tile `tile`, before the first round.

@@ -20,7 +20,7 @@ struct Sampling {
   std::uint64_t checked = 0, passed = 0;                ///< samples between references
   std::array<std::uint64_t, static_cast<std::size_t>(Check::kCount)> failed{};  ///< a sample may fail several checks
   std::array<std::uint64_t, static_cast<std::size_t>(Check::kCount)> first_failed{};  ///< by the first that it fails
-  std::uint64_t rough = 0;  ///< of the passed, those that a tile's rate does not count
+  std::uint64_t rough = 0;  ///< samples that have passed, but that a tile's rate does not count
 
   // supersample: pixels by how many of their sub-pixels are active, active sub-pixels by what disagreed (one may have
   // several reasons; by the first one, too), and entries that listing them left empty.

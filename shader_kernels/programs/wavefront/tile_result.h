@@ -49,7 +49,7 @@ struct TileBuffer {
   std::vector<TraitsRecord<float>> traits, secondary_traits;
   std::vector<BranchRecord<float>> branches;
   std::vector<std::uint32_t> subpixels, active, masters, fills;
-  std::vector<SubpixelRecord<float>> states;  ///< of sub-pixels, between rounds of propagation
+  std::vector<SubpixelRecord<float>> states;  ///< those of sub-pixels, between rounds of propagation
   std::vector<ColourRecord<float>> shown;     ///< by them
   std::vector<std::uint32_t> record_nodes;    ///< launches of the work that have added to what samples keep
   std::vector<std::uint32_t> colour_nodes;    ///< launches of the work that have added to colours

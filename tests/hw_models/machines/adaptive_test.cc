@@ -132,8 +132,8 @@ class AdaptiveKeys : public ::testing::TestWithParam<const char*> {
  protected:
   static kernels::ProgramConfig keys() {
     kernels::ProgramConfig config = config_of(Halo::kReload, AttributeStorage::kTile);
-    config.multirate.texture = 0.3;
-    config.multirate.rate_texture = 0.1;
+    config.multirate.texture = 0.5;
+    config.multirate.rate_texture = 0.001;
     config.supersample.propagate = 2;
     return config;
   }
