@@ -17,6 +17,8 @@ constexpr std::uint64_t kMostBytes = 4 << 20;
 constexpr std::size_t kMostFilesDeep = 16;
 constexpr std::size_t kMostFiles = 256;
 constexpr std::string_view kExtends = "extends";
+/// Words behind a figure with a band: the first is what one number sets anyway.
+constexpr std::string_view kNominal = "nominal", kLow = "low", kHigh = "high";
 
 std::vector<std::filesystem::path>& search_path() {
   static std::vector<std::filesystem::path> folders;
@@ -39,6 +41,21 @@ ConfigNode figure_of(const ConfigNode& map, std::string_view key) {
   figure.path = path_of(map, key);
   figure.target = &(*std::get<std::map<std::string, Spread>*>(*map.target))[std::string(key)];
   return figure;
+}
+
+/// The rest of a --set path behind a field, without "nominal" at the end of a figure that may have a band: one
+/// number is all of low, nominal and high either way.
+std::string_view path_in_band(const ConfigNode& node, std::string_view path, const std::string& at) {
+  const std::size_t dot = path.rfind('.');
+  const std::string_view last = path.substr(dot == std::string_view::npos ? 0 : dot + 1);
+  const std::string_view entry = dot == std::string_view::npos ? std::string_view() : path.substr(0, dot);
+  const bool is_figure =
+      node.kind() == FieldKind::kSpreadMap ? !entry.empty() : node.kind() == FieldKind::kSpread && entry.empty();
+  if (is_figure && (last == kLow || last == kHigh)) {
+    refuse(at, path_of(node, path),
+           "is a part of a band; allowed: one number, which leaves no band, or all of {low: 1, nominal: 2, high: 3}");
+  }
+  return is_figure && last == kNominal ? entry : path;
 }
 
 /// The text behind the '=': a mapping in braces, a text in double quotes, or the value as it stands.
@@ -193,11 +210,14 @@ void ConfigLoader::apply_set(const std::string& argument) {
     path.remove_prefix(std::min(path.size(), key.size() + 1));
   }
   if (path.empty()) return apply_value(*node, *value, source, source.name);
-  if (node->kind() != FieldKind::kSpreadMap) {
-    refuse(source.name, path_of(*node, path), fmt::format("'{}' is one value, without keys inside", node->path));
+  const bool is_map = node->kind() == FieldKind::kSpreadMap;
+  const std::string_view rest = path_in_band(*node, path, source.name);
+  if (is_map) {
+    ConfigNode figure = figure_of(*node, rest);
+    return apply_value(figure, *value, source, source.name);
   }
-  ConfigNode figure = figure_of(*node, path);
-  apply_value(figure, *value, source, source.name);
+  if (rest.empty()) return apply_value(*node, *value, source, source.name);
+  refuse(source.name, path_of(*node, path), fmt::format("'{}' is one value, without keys inside", node->path));
 }
 
 }  // namespace sim

@@ -13,45 +13,50 @@
 namespace sim {
 namespace {
 
-double size_of(const std::string& name, std::string_view size) {
+double size_of(std::string_view key, const std::string& name, std::string_view size) {
   try {
     const std::uint64_t bytes = read_quantity(size, byte_units());
     if (bytes > 0) return static_cast<double>(bytes);
     throw BadValue{"a size of 0"};
   } catch (const BadValue& bad) {
-    throw InputError(fmt::format("energy.events.{}: {}; allowed: a size such as @16KiB", name, bad.problem));
+    throw InputError(fmt::format("{}.{}: {}; allowed: a size such as @16KiB", key, name, bad.problem));
   }
 }
 
 }  // namespace
 
-EnergyTable::EnergyTable(const std::map<std::string, Spread>& events) {
+EnergyTable::EnergyTable(const std::map<std::string, Spread>& events, std::string_view key) {
   for (const auto& [name, pj] : events) {
     const std::size_t at = name.find('@');
-    const double bytes = at == std::string::npos ? 0 : size_of(name, std::string_view(name).substr(at + 1));
-    std::vector<Point>& curve = curves_[name.substr(0, at)];
+    const double bytes = at == std::string::npos ? 0 : size_of(key, name, std::string_view(name).substr(at + 1));
+    std::vector<EnergyCurve::Point>& curve = curves_[event_of(name)].points_;
     if (!curve.empty() && (bytes == 0 || curve.front().bytes == 0)) {
-      throw InputError(fmt::format("energy.events.{}: given with and without a size; allowed: either", name));
+      throw InputError(fmt::format("{}.{}: given with and without a size; allowed: either", key, name));
     }
-    curve.push_back({bytes, pj});
+    curve.push_back({bytes, &pj});
   }
-  for (auto& [name, curve] : curves_) std::ranges::sort(curve, {}, &Point::bytes);
+  for (auto& [name, curve] : curves_) std::ranges::sort(curve.points_, {}, &EnergyCurve::Point::bytes);
+}
+
+double EnergyPoint::at(Side side) const {
+  const double pj = left->*side;
+  return right == nullptr ? pj : pj * std::pow(right->*side / pj, part);
+}
+
+EnergyPoint EnergyCurve::at(std::uint64_t bytes) const {
+  if (points_.size() == 1) return {.left = points_.front().pj};
+  assert(bytes > 0);
+  const auto size = static_cast<double>(bytes);
+  const auto above = std::ranges::find_if(points_, [&](const Point& p) { return p.bytes >= size; });
+  const auto right = std::clamp(above, points_.begin() + 1, points_.end() - 1);
+  const Point& a = *(right - 1);
+  const Point& b = *right;
+  return {a.pj, b.pj, std::log(size / a.bytes) / std::log(b.bytes / a.bytes)};
 }
 
 Spread EnergyTable::at(std::string_view event, std::uint64_t bytes) const {
-  const std::vector<Point>& curve = curves_.at(std::string(event));
-  if (curve.size() == 1) return curve.front().pj;
-  assert(bytes > 0);
-  const auto size = static_cast<double>(bytes);
-  const auto above = std::ranges::find_if(curve, [&](const Point& p) { return p.bytes >= size; });
-  const auto right = std::clamp(above, curve.begin() + 1, curve.end() - 1);
-  const Point& a = *(right - 1);
-  const Point& b = *right;
-  const double part = std::log(size / a.bytes) / std::log(b.bytes / a.bytes);
-  const auto power_law = [part](double left_pj, double right_pj) {
-    return left_pj * std::pow(right_pj / left_pj, part);
-  };
-  return {power_law(a.pj.low, b.pj.low), power_law(a.pj.nominal, b.pj.nominal), power_law(a.pj.high, b.pj.high)};
+  const EnergyPoint point = curve(event).at(bytes);
+  return {point.at(&Spread::low), point.at(&Spread::nominal), point.at(&Spread::high)};
 }
 
 std::vector<std::string> EnergyTable::names() const {

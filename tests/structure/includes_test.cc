@@ -29,6 +29,7 @@ constexpr std::array kFloors = {
     Floor{"tools/studies", 16},
     Floor{"tools/jobs", 15},
     Floor{"tools/sampling", 14},
+    Floor{"tools/pricing", 14},
     Floor{"tools/analysis", 13},
     Floor{"tools/simulation", 12},
     Floor{"tools/host", 11},

@@ -16,6 +16,7 @@
 #include "sim/config/config.h"
 #include "sim/config/config_json.h"
 #include "sim/report/report_json.h"
+#include "tools/analysis/energy_totals.h"
 #include "tools/analysis/limiter.h"
 #include "tools/analysis/picture.h"
 #include "tools/analysis/top_down.h"
@@ -30,7 +31,6 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-constexpr double kPicojoulesPerMillijoule = 1e9;
 constexpr double kFemtosecondsPerMillisecond = 1e12;
 
 double time_ms(const Simulation& s) { return static_cast<double>(s.elapsed) / kFemtosecondsPerMillisecond; }
@@ -98,11 +98,7 @@ double ratio(std::uint64_t part, std::uint64_t whole) { return static_cast<doubl
 Json perf_json(const Simulation& s) {
   const double ms = time_ms(s);
   const auto rays = static_cast<double>(s.rays());
-  return {{"fps", 1000 * s.frames / ms},
-          {"mrays_per_s", rays / ms / 1000},
-          {"nj_per_ray", energy_mj(s) * 1e6 / rays},
-          {"frames_per_joule_gpu", 1000 * s.frames / energy_mj(s)},
-          {"frames_per_joule_tni", 1000 * s.frames / tni_mj(s)}};
+  return {{"fps", 1000 * s.frames / ms}, {"mrays_per_s", rays / ms / 1000}};
 }
 
 Json kernels_json(const Simulation& s) {
@@ -170,7 +166,11 @@ Json host_json(const Report& report) {
 
 Json totals_json(const Result& result) {
   const Simulation& s = result.run;
-  const sim::Spread power = s.energy.total_pj * (1 / (kPicojoulesPerMillijoule * time_ms(s)));
+  Json energy =
+      energy_totals_json(s.energy, {time_ms(s), static_cast<double>(s.rays()), static_cast<double>(s.frames)});
+  Json perf = perf_json(s);
+  perf.update(energy["perf"]);
+  energy["perf"] = std::move(perf);
   const Utilisation used = utilisation(s.units);
   Json totals = {{"cycles", s.cycles},
                  {"time_ms", time_ms(s)},
@@ -180,9 +180,7 @@ Json totals_json(const Result& result) {
                  {"traversal_steps", s.function.traversal_steps},
                  {"dram_bytes", Units<hw::DramChannel>(s.units).counted(&hw::DramChannel::Stats::bytes)},
                  {"dram_bytes_by_client", dram_clients_json(s)}};
-  totals.update(sim::energy_json(s.energy));
-  totals["power_w"] = sim::spread_json(power);
-  totals["perf"] = perf_json(s);
+  totals.update(energy);
   totals["utilisation"] = {{"tni", used.tni}, {"srp", used.srp}, {"dram", used.dram}};
   const TopDown view = top_down(s.units, s.machine);
   totals["top_down"] = top_down_json(view);

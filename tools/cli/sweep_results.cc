@@ -65,6 +65,15 @@ void add_where(CLI::App& verb, std::vector<std::string>& where) {
       ->type_name("EXPR");
 }
 
+/// `band`: also under draws of the energy tables.
+void add_energy_option(CLI::App& verb, bool& band) {
+  verb.add_option_function<std::string>(
+          "--energy", [&band](const std::string& word) { band = word == "band"; },
+          "nominal: by nominal energy tables; band: how sure that is under 2000 draws of all their entries, too")
+      ->check(CLI::IsMember({"nominal", "band"}))
+      ->default_str("nominal");
+}
+
 void add_collect(CLI::App& group) {
   const auto folder = std::make_shared<fs::path>();
   CLI::App* verb = add_query(group, "collect", "Gather what has come out into index.sqlite and results.csv", *folder);
@@ -105,6 +114,7 @@ void add_pareto(CLI::App& group) {
   verb->add_option("--y", o->y, "the other")->required()->type_name("[max:|min:]PATH");
   add_where(*verb, o->where);
   verb->add_flag("--csv", o->csv, "the front as CSV");
+  add_energy_option(*verb, o->band);
   verb->footer(
       "Without max: or min: more is better of performance, utilisation and PSNR, and less of all else.\n\n"
       "Example: raywatt sweep pareto out/l1 --x power_w.nominal --y fps");
@@ -115,14 +125,17 @@ void add_sensitivity(CLI::App& group) {
   struct Options {
     fs::path folder;
     std::vector<std::string> metrics, where;
+    bool band = false;
   };
   const auto o = std::make_shared<Options>();
   CLI::App* verb = add_query(group, "sensitivity", "How much each axis changes each figure", o->folder);
   verb->add_option("--metric", o->metrics, "a report path (repeatable)")->allow_extra_args(false)->type_name("PATH");
   add_where(*verb, o->where);
+  add_energy_option(*verb, o->band);
   verb->footer("Example: raywatt sweep sensitivity out/l1 --metric cycles --metric dram_bytes");
-  verb->callback(
-      [o] { with_results(o->folder, [&](const auto& r) { return sensitivity_text(r, o->metrics, o->where); }); });
+  verb->callback([o] {
+    with_results(o->folder, [&](const auto& r) { return sensitivity_text(r, o->metrics, o->where, o->band); });
+  });
 }
 
 void add_best(CLI::App& group) {
@@ -130,18 +143,20 @@ void add_best(CLI::App& group) {
     fs::path folder;
     std::string most, least;
     std::vector<std::string> where;
+    bool band = false;
   };
   const auto o = std::make_shared<Options>();
   CLI::App* verb = add_query(group, "best", "The point with the most or least of a figure", o->folder);
   CLI::Option* most = verb->add_option("--max", o->most, "the figure that is to be high")->type_name("PATH");
   verb->add_option("--min", o->least, "the figure that is to be low")->type_name("PATH")->excludes(most);
   add_where(*verb, o->where);
+  add_energy_option(*verb, o->band);
   verb->footer("Example: raywatt sweep best out/l1 --max frames_per_joule_gpu --where 'power_w.nominal<1'");
   verb->callback([o] {
     if (o->most.empty() == o->least.empty()) throw sim::InputError("sweep best needs --max PATH or --min PATH");
     with_results(o->folder, [&](const auto& r) {
       const std::vector<sweep::Point> points = sweep::SweepFolder::open(o->folder).points();
-      return best_text(r, points, {o->most.empty() ? o->least : o->most, !o->most.empty(), o->where});
+      return best_text(r, points, {o->most.empty() ? o->least : o->most, !o->most.empty(), o->where, o->band});
     });
   });
 }

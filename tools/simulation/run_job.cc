@@ -11,6 +11,7 @@
 #include "sim/host_clock.h"
 #include "sim/io/printable.h"
 #include "tools/host/interrupt.h"
+#include "tools/simulation/energy_events.h"
 #include "tools/simulation/progress_tile_source.h"
 #include "tools/simulation/recorded.h"
 #include "traces/accel/build.h"
@@ -70,17 +71,6 @@ float size_in_frame_0(traces::Scene& scene, const traces::WorkloadConfig& worklo
   if (workload.first_frame != 0) traces::pose_workload(scene, workload, workload.first_frame);
   const glm::vec3 sides = bounds.upper - bounds.lower;
   return std::max({sides.x, sides.y, sides.z});
-}
-
-/// Every figure of the table must be one that some counter can use.
-void check_energy(std::span<const sim::UnitReport> units, const sim::EnergyConfig& config) {
-  std::vector<std::string> declared;
-  for (const sim::UnitReport& unit : units) {
-    for (const sim::CounterReport& counter : unit.counters) {
-      if (unit.block != "dram" && !counter.event.empty()) declared.push_back(counter.event);
-    }
-  }
-  sim::check_energy_events(config, declared);
 }
 
 }  // namespace
@@ -174,7 +164,7 @@ Simulation play(const Inputs& inputs, const kernels::ProgramSpec& program, kerne
     return sim::compute_energy(gpu->report(), inputs.config.energy, hw::dram_energy_events(inputs.config.gpu.dram),
                                gpu->elapsed());
   };
-  check_energy(gpu->report(), inputs.config.energy);
+  check_energy_events(gpu->report(), inputs.config.energy);
   energy();  // a figure that is missing is told before the work, not after it
   offered.begin("simulating", inputs.frame);
   offered.played_by(*gpu);

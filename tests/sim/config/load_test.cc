@@ -103,6 +103,28 @@ TEST(Sets, AreAppliedLastAndInOrder) {
   EXPECT_EQ(c.events, (std::map<std::string, Spread>{{"tni.box", {1, 2, 3}}, {"tni.tri", {9, 9, 9}}}));
 }
 
+TEST(Sets, OneNumberForABandLeavesNone) {
+  ConfigHarness b;
+  for (const char* set : {"refresh=2", "refresh.nominal=2"}) {
+    EXPECT_EQ(b.load("refresh: {low: 1, nominal: 3, high: 5}\n", {set}).refresh, (Spread{2, 2, 2})) << set;
+  }
+  for (const char* set : {"events.tni.box=2", "events.tni.box.nominal=2"}) {
+    const MachineConfig c = b.load("events: {tni.box: {low: 1, nominal: 3, high: 5}}\n", {set});
+    EXPECT_EQ(c.events, (std::map<std::string, Spread>{{"tni.box", {2, 2, 2}}})) << set;
+  }
+}
+
+TEST(Sets, ABandIsNotChangedByHalves) {
+  ConfigHarness b;
+  EXPECT_EQ(b.error("seed: 1\n", {"events.tni.box.low=2"}),
+            "--set events.tni.box.low=2: events.tni.box.low: is a part of a band; allowed: one number, which leaves no "
+            "band, or all of {low: 1, nominal: 2, high: 3}");
+  EXPECT_EQ(
+      b.error("seed: 1\n", {"refresh.high=2"}),
+      "--set refresh.high=2: refresh.high: is a part of a band; allowed: one number, which leaves no band, or all "
+      "of {low: 1, nominal: 2, high: 3}");
+}
+
 TEST(Sets, ErrorsNameTheArgument) {
   ConfigHarness b;
   EXPECT_EQ(b.error("seed: 1\n", {"unit.rays=l33t"}),

@@ -217,6 +217,7 @@ Comparison compare(const ReportFile& a, const ReportFile& b) {
   out.events = events(a, b);
   out.counters = counters(a, b);
   out.ratios = ratios(a, b);
+  compare_energy(a, b, out);
   compare_pictures(a.file.parent_path(), b.file.parent_path(), out);
   return out;
 }

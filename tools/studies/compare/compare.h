@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "tools/analysis/report_file.h"
+#include "tools/pricing/energy_study.h"
 
 namespace tools {
 
@@ -20,6 +21,12 @@ struct KeyPair {
   std::string key, a, b;
 };
 
+/// Energy of a run over that of the other as the tables' figures move in their bands.
+struct EnergyBands {
+  EnergyRatio gpu, tni;
+  std::vector<TornadoBar> tornado;  ///< bars of the GPU with memory
+};
+
 /// A run beside another.
 struct Comparison {
   std::vector<std::string> other_work;  ///< why the two did not have the same work to do; empty: they had
@@ -33,6 +40,8 @@ struct Comparison {
   std::vector<Pair> counters;  ///< sums over units of a kind, by relative change; all that moved by more than 1 % of
                                ///< the rays
   std::vector<Pair> ratios;    ///< hit rates and mean times, in the order of the memory hierarchy
+  std::optional<EnergyBands> energy;  ///< none if one of the two cannot be priced
+  std::string no_energy;              ///< why there is no `energy`
   // The first frame's pictures.
   std::optional<double> squared_error;
   std::string no_picture;  ///< why there is no squared_error
@@ -54,6 +63,9 @@ std::vector<std::string> comparison_warnings(const std::vector<ReportFile>& repo
 /// Compares the first frame's pictures of two run folders, linear floats if both have them and else 8 bits, and writes
 /// down the mean squared difference of their sRGB values, or why there is none.
 void compare_pictures(const std::filesystem::path& a, const std::filesystem::path& b, Comparison& out);
+
+/// Prices both runs under all tables, and writes down how their energies compare, or why they cannot be priced.
+void compare_energy(const ReportFile& a, const ReportFile& b, Comparison& out);
 
 /// Quotients of counters, such as hit rates, that differ between two reports.
 std::vector<Pair> ratios(const ReportFile& a, const ReportFile& b);

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "sim/io/printable.h"
+#include "sim/report/report_json.h"
 #include "sim/report/table.h"
 #include "tools/analysis/picture.h"
 #include "tools/studies/compare/compare.h"
@@ -154,6 +155,29 @@ std::string config_text(const Comparison& c) {
   return out;
 }
 
+/// Energy over the other run's under all tables, and the entries that move it most.
+std::string energy_text(const Comparison& c, const std::vector<std::string>& names) {
+  if (!c.energy) return "\nno energy bands: " + sim::printable(c.no_energy, 1000) + "\n";
+  sim::Table ratios({fmt::format("energy over {}", names[0]), "low tables", "nominal", "high", "median of draws",
+                     "95 % interval", "less in"});
+  const auto row = [&](const char* name, const EnergyRatio& r) {
+    ratios.row({name, fmt::format("{:.4f}", r.together.low), fmt::format("{:.4f}", r.together.nominal),
+                fmt::format("{:.4f}", r.together.high), fmt::format("{:.4f}", r.drawn.median),
+                fmt::format("{:.4f} .. {:.4f}", r.drawn.from, r.drawn.to), fmt::format("{:.1f} %", 100 * r.b_less)});
+  };
+  row("GPU with memory", c.energy->gpu);
+  row("T&I alone", c.energy->tni);
+  std::string out =
+      fmt::format("\n{}{} draws of all entries of the tables between low and high\n", ratios.text(), kEnergyDraws);
+  const std::vector<TornadoBar>& bars = c.energy->tornado;
+  if (bars.empty()) return out;
+  sim::Table table({"entries that move it most", "at its low", "at its high"});
+  for (std::size_t i = 0; i < std::min(bars.size(), kShown); ++i) {
+    table.row({bars[i].entry, fmt::format("{:.4f}", bars[i].at_low), fmt::format("{:.4f}", bars[i].at_high)});
+  }
+  return out + "\n" + table.text() + (bars.size() > kShown ? fmt::format("and {} more\n", bars.size() - kShown) : "");
+}
+
 std::string explanation(const Comparison& c, const std::vector<std::string>& names) {
   const bool has_places = !c.time.empty();
   std::string out = fmt::format("\n{} against {}: {}", names[1], names[0], config_text(c));
@@ -162,6 +186,7 @@ std::string explanation(const Comparison& c, const std::vector<std::string>& nam
   out += section("rates and mean times", c.ratios, Column::kRatio, names);
   out += section("mJ by block", c.blocks, Column::kEnergy, names, difference_of(c, "energy_mj"));
   out += section("mJ by event", c.events, Column::kEnergy, names, difference_of(c, "energy_mj"));
+  out += energy_text(c, names);
   out += section("counters that changed most", c.counters, Column::kCount, names);
   if (!has_places && c.events.empty() && c.counters.empty()) out += "\nall counters are equal\n";
   return out;
@@ -173,6 +198,26 @@ Json pairs_json(const std::vector<Pair>& pairs) {
     out.push_back({{"name", pair.name}, {"a", pair.a}, {"b", pair.b}, {"difference", pair.difference()}});
   }
   return out;
+}
+
+Json ratio_json(const EnergyRatio& r) {
+  return {{"together", sim::spread_json(r.together)},
+          {"median", r.drawn.median},
+          {"interval", {r.drawn.from, r.drawn.to}},
+          {"less", r.b_less}};
+}
+
+Json energy_json(const Comparison& c) {
+  if (!c.energy) return {{"why_not", sim::printable(c.no_energy, 1000)}};
+  Json bars = Json::array();
+  for (const TornadoBar& bar : c.energy->tornado) {
+    bars.push_back({{"entry", bar.entry}, {"at_low", bar.at_low}, {"at_high", bar.at_high}});
+  }
+  return {{"draws", kEnergyDraws},
+          {"seed", kEnergySeed},
+          {"gpu", ratio_json(c.energy->gpu)},
+          {"tni", ratio_json(c.energy->tni)},
+          {"tornado", std::move(bars)}};
 }
 
 Json against_json(const Comparison& c) {
@@ -196,6 +241,7 @@ Json against_json(const Comparison& c) {
           {"ratios", pairs_json(c.ratios)},
           {"energy_by_block_mj", pairs_json(c.blocks)},
           {"energy_by_event_mj", pairs_json(c.events)},
+          {"energy_ratio", energy_json(c)},
           {"counters", pairs_json(c.counters)},
           {"picture", picture}};
 }

@@ -10,6 +10,7 @@
 #include "sim/io/printable.h"
 #include "tools/studies/sweep/results/cells.h"
 #include "tools/studies/sweep/results/condition.h"
+#include "tools/studies/sweep/results/energy_band.h"
 
 namespace tools::results {
 namespace {
@@ -77,6 +78,10 @@ std::string best_text(const Results& results, std::span<const sweep::Point> poin
   std::size_t widest = 0;
   for (const auto& [name, value] : lines) widest = std::max(widest, name.size());
   for (const auto& [name, value] : lines) out += fmt::format("{:<{}}  {}\n", name, widest, value);
+  if (options.band) {
+    EnergyBand band(results, may);
+    out += "\n" + band.best_text(results, band.metric(metric, options.most));
+  }
   return missing.empty() ? out : out + "\n" + missing + "\n";
 }
 

@@ -12,6 +12,7 @@ struct BestOptions {
   std::string metric;
   bool most = true;
   std::vector<std::string> where;
+  bool band = false;  ///< how sure the place is under draws of the energy tables is said, too
 };
 
 /// The point with the most or least of a metric (of equal ones the first), what it is, where its configuration is and

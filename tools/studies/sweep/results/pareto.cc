@@ -8,6 +8,7 @@
 #include "sim/error.h"
 #include "sim/io/printable.h"
 #include "tools/studies/sweep/results/condition.h"
+#include "tools/studies/sweep/results/energy_band.h"
 #include "tools/studies/sweep/results/results_table.h"
 
 namespace tools::results {
@@ -33,6 +34,35 @@ Column letters_of(const ParetoFront& front, std::size_t rows) {
   Column letters{"", std::vector<Value>(rows)};
   for (std::size_t i = 0; i < front.rows.size(); ++i) letters.values[front.rows[i]] = std::string(1, front.mark(i));
   return letters;
+}
+
+/// Points that are on the front of two figures in at least one draw in twenty, and how often.
+struct UnsureFront {
+  std::vector<std::size_t> rows;
+  Column shares;
+};
+
+UnsureFront unsure_front(const Results& results, const Objective& x, const Objective& y, const ParetoFront& front) {
+  constexpr double kSeldom = 0.05;
+  if (!energy_metric(x.column.name) && !energy_metric(y.column.name)) {
+    throw sim::InputError(
+        fmt::format("--energy band: neither {} nor {} has joules in it", x.column.name, y.column.name));
+  }
+  std::vector<bool> may(results.rows().size());
+  for (const auto* rows : {&front.rows, &front.other}) {
+    for (const std::size_t row : *rows) may[row] = true;
+  }
+  EnergyBand band(results, may);
+  const BandedMetric of_x = band.metric(x.column, x.most), of_y = band.metric(y.column, y.most);
+  const std::vector<double> shares = EnergyBand::shares_on_front(of_x, of_y);
+  UnsureFront out{front.rows, {"on the front in", std::vector<Value>(results.rows().size())}};
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    const std::size_t row = of_x.rows[i];
+    out.shares.values[row] = shares[i];
+    const bool is_nominal = std::ranges::find(front.rows, row) != front.rows.end();
+    if (!is_nominal && shares[i] >= kSeldom) out.rows.push_back(row);
+  }
+  return out;
 }
 
 }  // namespace
@@ -96,9 +126,15 @@ std::string pareto_text(const Results& results, const ParetoOptions& options, st
   }
   columns.push_back(x.column);
   columns.push_back(y.column);
+  std::vector<std::size_t> shown = front.rows;
+  if (options.band) {
+    UnsureFront unsure = unsure_front(results, x, y, front);
+    shown = std::move(unsure.rows);
+    columns.push_back(std::move(unsure.shares));
+  }
   std::vector<std::string> names;
   for (const Column& column : columns) names.push_back(options.csv ? column.name : sim::printable(column.name));
-  const std::string table = table_text(names, columns, front.rows, options.csv);
+  const std::string table = table_text(names, columns, shown, options.csv);
   if (options.csv) return table;
   return pareto_plot(x, y, front, width) + "\n" + table;
 }

@@ -37,6 +37,7 @@ struct ParetoOptions {
   std::string x, y;
   std::vector<std::string> where;
   bool csv = false;
+  bool band = false;  ///< how often each point is on the front under draws of the energy tables is said, too
 };
 
 /// Plot and table, or the front as CSV.

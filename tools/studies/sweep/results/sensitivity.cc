@@ -10,7 +10,9 @@
 #include "sim/report/table.h"
 #include "tools/studies/sweep/results/cells.h"
 #include "tools/studies/sweep/results/condition.h"
+#include "tools/studies/sweep/results/energy_band.h"
 #include "tools/studies/sweep/results/factor.h"
+#include "tools/studies/sweep/results/pareto.h"
 
 namespace tools::results {
 namespace {
@@ -90,6 +92,19 @@ std::string text_of(const Sensitivity& s) {
   return out + table.text();
 }
 
+/// Entries of the energy tables that decide the ranking, for each metric that has joules in it.
+std::string band_text(const Results& results, const std::vector<std::string>& metrics, const std::vector<bool>& may) {
+  EnergyBand band(results, may);
+  std::string out;
+  for (const std::string& metric : metrics) {
+    const Objective objective(results, metric);
+    if (!energy_metric(objective.column.name)) continue;
+    out += "\n" + band.tornado_text(results, band.metric(objective.column, objective.most));
+  }
+  if (out.empty()) throw sim::InputError("--energy band: no metric has joules in it; allowed: e.g. energy_mj.nominal");
+  return out;
+}
+
 }  // namespace
 
 double Sensitivity::rest() const {
@@ -139,7 +154,7 @@ Sensitivity find_sensitivity(const Results& results, const std::string& metric, 
 }
 
 std::string sensitivity_text(const Results& results, std::vector<std::string> metrics,
-                             const std::vector<std::string>& where) {
+                             const std::vector<std::string>& where, bool band) {
   if (metrics.empty()) {
     for (const char* path : kUsual) {
       if (results.has_metric(path)) metrics.emplace_back(path);
@@ -151,6 +166,7 @@ std::string sensitivity_text(const Results& results, std::vector<std::string> me
     if (!out.empty()) out += '\n';
     out += text_of(find_sensitivity(results, metric, may));
   }
+  if (band && !metrics.empty()) out += band_text(results, metrics, may);
   const std::string missing = results.what_is_missing();
   if (metrics.empty()) throw sim::InputError(missing.empty() ? "no point has a metric" : missing);
   return missing.empty() ? out : out + "\n" + missing + "\n";

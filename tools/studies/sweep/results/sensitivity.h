@@ -32,8 +32,9 @@ struct Sensitivity {
 /// alone would explain is taken off the shares. InputError if the metric is no number.
 Sensitivity find_sensitivity(const Results& results, const std::string& metric, const std::vector<bool>& may);
 
-/// `metrics` empty: the usual ones.
+/// `metrics` empty: the usual ones. `band`: for metrics that follow from energy, which entries of the tables decide the
+/// ranking, too.
 std::string sensitivity_text(const Results& results, std::vector<std::string> metrics,
-                             const std::vector<std::string>& where);
+                             const std::vector<std::string>& where, bool band = false);
 
 }  // namespace tools::results

@@ -1,0 +1,150 @@
+#include "sim/report/energy_formula.h"
+
+#include <algorithm>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "sim/error.h"
+#include "sim/report/unit_entry.h"
+
+namespace sim {
+namespace {
+
+constexpr double kPicojoulesPerMilliwattFemtosecond = 1e-6;
+
+/// A unit's own entry, or its block's.
+const Spread& entry_of(const std::map<std::string, Spread>& entries, const UnitReport& unit, std::string_view table) {
+  if (const Spread* const entry = find_entry(entries, unit)) return *entry;
+  throw InputError(fmt::format("energy.{}: no entry for unit '{}'; allowed: '{}' or '{}'", table, unit.path,
+                               entry_name(unit), unit.block));
+}
+
+std::uint64_t idle_cycles(const UnitReport& unit) {
+  std::uint64_t cycles = 0;
+  for (std::size_t i = 0; i < unit.reasons.size(); ++i) {
+    if (unit.reasons[i].kind == ReasonKind::kIdle) cycles += unit.why[i].second;
+  }
+  return cycles;
+}
+
+std::vector<std::string> blocks_of(std::span<const UnitReport> units) {
+  std::set<std::string> blocks;
+  for (const UnitReport& unit : units) blocks.insert(unit.block);
+  return {blocks.begin(), blocks.end()};
+}
+
+}  // namespace
+
+void EnergyFormula::Kinds::add(const Kinds& more) {
+  dynamic += more.dynamic;
+  clock += more.clock;
+  leakage += more.leakage;
+}
+
+EnergyFormula::EnergyFormula(std::span<const UnitReport> units, const EnergyConfig& config,
+                             const std::map<std::string, DeviceEvent>& device_events, Time elapsed)
+    : config_(config),
+      table_(config.events),
+      blocks_(blocks_of(units)),
+      leakage_pj_per_mw_(static_cast<double>(elapsed) * kPicojoulesPerMilliwattFemtosecond) {
+  for (const UnitReport& unit : units) {
+    const auto block = static_cast<std::size_t>(std::ranges::lower_bound(blocks_, unit.block) - blocks_.begin());
+    Unit of{block,
+            {},
+            static_cast<double>(unit.sram_bytes) / 1024,
+            static_cast<double>(idle_cycles(unit)),
+            &entry_of(config.flops, unit, "flops"),
+            &entry_of(config.logic, unit, "logic")};
+    for (const CounterReport& counter : unit.counters) {
+      if (counter.event.empty()) continue;
+      of.terms.push_back(
+          {index_of(figure_of(unit, counter, device_events)), static_cast<double>(counter.value), counter.event});
+    }
+    units_.push_back(std::move(of));
+  }
+}
+
+EnergyFormula::Figure EnergyFormula::figure_of(const UnitReport& unit, const CounterReport& counter,
+                                               const std::map<std::string, DeviceEvent>& device_events) const {
+  if (const auto device = device_events.find(counter.event); device != device_events.end()) {
+    return {.device = &device->second};
+  }
+  if (!table_.contains(counter.event)) {
+    throw InputError(fmt::format("energy.events: no figure for '{}', which counter '{}' of unit '{}' names",
+                                 counter.event, counter.name, unit.path));
+  }
+  const EnergyCurve& curve = table_.curve(counter.event);
+  if (unit.cache_bytes == 0 && curve.depends_on_size()) {
+    throw InputError(fmt::format("energy.events: '{}' depends on the size of an array, and unit '{}' has none",
+                                 counter.event, unit.path));
+  }
+  return {.point = curve.at(unit.cache_bytes)};
+}
+
+std::size_t EnergyFormula::index_of(const Figure& figure) {
+  const auto known = std::ranges::find(figures_, figure);
+  if (known != figures_.end()) return static_cast<std::size_t>(known - figures_.begin());
+  figures_.push_back(figure);
+  return figures_.size() - 1;
+}
+
+std::vector<double> EnergyFormula::figures(Side side) const {
+  std::vector<double> out;
+  out.reserve(figures_.size());
+  for (const Figure& figure : figures_) out.push_back(figure.at(side));
+  return out;
+}
+
+EnergyFormula::Kinds EnergyFormula::of(const Unit& unit, const std::vector<double>& figures, Side side) const {
+  Kinds sum;
+  double on_chip = 0;
+  for (const Term& term : unit.terms) {
+    const DeviceEvent* device = figures_[term.figure].device;
+    (device == nullptr ? on_chip : device->standby ? sum.leakage : sum.dynamic) += figures[term.figure] * term.count;
+  }
+  const double share = config_.clock_share.*side;
+  sum.dynamic += on_chip;
+  sum.clock = on_chip * (share / (1 - share)) +
+              config_.flop_clock.*side * (config_.idle_clocked.*side) * (unit.flops->*side) * unit.idle_cycles;
+  sum.leakage += (config_.sram_leakage.*side * unit.sram_kib + config_.logic_leakage.*side * (unit.logic->*side)) *
+                 leakage_pj_per_mw_;
+  return sum;
+}
+
+std::vector<double> EnergyFormula::of_blocks(Side side) const {
+  const std::vector<double> values = figures(side);
+  std::vector<Kinds> kinds(blocks_.size());
+  for (const Unit& unit : units_) kinds[unit.block].add(of(unit, values, side));
+  std::vector<double> out;
+  for (const Kinds& block : kinds) out.push_back(block.total());
+  return out;
+}
+
+double EnergyFormula::total(Side side) const {
+  const std::vector<double> values = figures(side);
+  Kinds sum;
+  for (const Unit& unit : units_) sum.add(of(unit, values, side));
+  return sum.total();
+}
+
+EnergyReport EnergyFormula::report() const {
+  EnergyReport report;
+  for (const Side side : kSides) {
+    const std::vector<double> values = figures(side);
+    for (const Unit& unit : units_) {
+      const Kinds kinds = of(unit, values, side);
+      std::map<std::string, Spread>& events = report.events[blocks_[unit.block]];
+      for (const Term& term : unit.terms) events[term.event].*side += values[term.figure] * term.count;
+      for (EnergyByKind* sum : {&report.blocks[blocks_[unit.block]], &report.kinds}) {
+        sum->dynamic.*side += kinds.dynamic;
+        sum->clock.*side += kinds.clock;
+        sum->leakage.*side += kinds.leakage;
+      }
+    }
+  }
+  report.total_pj = report.kinds.total();
+  return report;
+}
+
+}  // namespace sim

@@ -1,0 +1,71 @@
+#pragma once
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "sim/report/energy.h"
+#include "sim/report/energy_table.h"
+#include "sim/time.h"
+#include "sim/unit_report.h"
+
+namespace sim {
+
+/// Energy of what units counted, as a formula of the figures: names are looked up once, then figures may change and
+/// the sum be asked for again. `config` and `device_events` must outlive it and keep their entries.
+class EnergyFormula {
+ public:
+  /// Throws InputError for a counter whose event nobody has a figure for, or a unit without `logic` or `flops`.
+  EnergyFormula(std::span<const UnitReport> units, const EnergyConfig& config,
+                const std::map<std::string, DeviceEvent>& device_events, Time elapsed);
+
+  /// Energy by block, kind and event for low, nominal and high.
+  EnergyReport report() const;
+  /// pJ of one side, by block in alphabetical order.
+  std::vector<double> of_blocks(Side side) const;
+  /// pJ of one side: the same bits as that side of report().total_pj.
+  double total(Side side) const;
+  const std::vector<std::string>& blocks() const { return blocks_; }
+
+ private:
+  /// A figure that counts are multiplied by: of the table for arrays of one size, or of a device.
+  struct Figure {
+    EnergyPoint point{};
+    const DeviceEvent* device = nullptr;
+    double at(Side side) const { return device != nullptr ? device->pj.*side : point.at(side); }
+    friend bool operator==(const Figure&, const Figure&) = default;
+  };
+  struct Term {
+    std::size_t figure;
+    double count;
+    std::string event;
+  };
+  struct Unit {
+    std::size_t block;
+    std::vector<Term> terms;
+    double sram_kib, idle_cycles;
+    const Spread *flops, *logic;
+  };
+  /// Energy by kind of one side.
+  struct Kinds {
+    double dynamic = 0, clock = 0, leakage = 0;
+    double total() const { return dynamic + clock + leakage; }
+    void add(const Kinds& more);
+  };
+
+  Figure figure_of(const UnitReport& unit, const CounterReport& counter,
+                   const std::map<std::string, DeviceEvent>& device_events) const;
+  std::size_t index_of(const Figure& figure);
+  std::vector<double> figures(Side side) const;
+  Kinds of(const Unit& unit, const std::vector<double>& figures, Side side) const;
+
+  const EnergyConfig& config_;
+  EnergyTable table_;
+  std::vector<Figure> figures_;
+  std::vector<std::string> blocks_;
+  std::vector<Unit> units_;
+  double leakage_pj_per_mw_;
+};
+
+}  // namespace sim

@@ -1,0 +1,84 @@
+#include <algorithm>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/tools/pricing/two_designs.h"
+#include "tests/tools/studies/sweep/small_sweep.h"
+
+// raywatt energy: tables shown, runs and sweeps priced.
+
+namespace test {
+namespace {
+
+using Json = nlohmann::json;
+
+std::string output_of(const Words& words) {
+  const Ending ending = raywatt(words);
+  EXPECT_EQ(ending.exit, 0) << ending.err;
+  return ending.out;
+}
+
+TEST(EnergyShow, HasBandUnitSourceAndCounters) {
+  const std::string text = output_of({"energy", "show", "tni.box_test"});
+  EXPECT_SAYS(text, "7.9 / 24 / 50 pJ");
+  EXPECT_SAYS(text, "computed, one AABB");
+  EXPECT_SAYS(text, "14nm.yaml:");
+  EXPECT_SAYS(text, "counted by core.tni.trv ");
+  EXPECT_EQ(text.find("box_test_hybrid"), std::string::npos);
+}
+
+TEST(EnergyShow, HasTheCurveOverSize) {
+  const std::string text = output_of({"energy", "show", "cache.l1_read"});
+  EXPECT_SAYS(text, "@16KiB: 5 / 7.8 / 16 pJ");
+  EXPECT_SAYS(text, "to the power 0.30 from 16 KiB to 32 KiB");
+  EXPECT_SAYS(text, "counted by core.srp ");
+}
+
+TEST(EnergyShow, SaysWhatIsGivenOnTheCommandLine) {
+  const std::string text = output_of({"energy", "show", "tni.box_test", "--set", "energy.events.tni.box_test=48"});
+  EXPECT_SAYS(text, "48 pJ  (no band)");
+  EXPECT_SAYS(text, "--set energy.events.tni.box_test=48");
+}
+
+TEST(EnergyShow, KnowsLogicAndMemoryAndAll) {
+  EXPECT_SAYS(output_of({"energy", "show", "logic.tni.trv"}), "16 units core.tni.trv");
+  EXPECT_SAYS(output_of({"energy", "show", "dram.energy.phy"}), "counted by dram");
+  const std::string all = output_of({"energy", "show"});
+  for (const char* entry : {"tni.box_test", "clock_share", "srp.fp_add", "dram.energy.refresh"})
+    EXPECT_SAYS(all, entry);
+  expect_refusal(raywatt({"energy", "show", "tni.bxo_test"}), {"tni.bxo_test", "did you mean", "tni.box_test"});
+}
+
+TEST(EnergyPrice, OfARunSaysWhatBecameOfTheBandAndOfEveryBlock) {
+  const TempFolder folder;
+  const std::string out = run_into(folder.path() / "a").string();
+  const Words words = {"energy", "price", out, "--set", "energy.events.tni.box_test.nominal=48"};
+  const std::string text = output_of(words);
+  EXPECT_SAYS(text, "energy.events.tni.box_test: 7.9 / 24 / 50 -> 48 without a band");
+  Words as_json = words;
+  as_json.emplace_back("--json");
+  const Json run = Json::parse(output_of(as_json))["runs"][0];
+  EXPECT_GT(run["priced"]["energy_by_block_mj"]["tni"]["nominal"], run["own"]["energy_by_block_mj"]["tni"]["nominal"]);
+  EXPECT_EQ(run["priced"]["energy_by_block_mj"]["srp"], run["own"]["energy_by_block_mj"]["srp"]);
+  EXPECT_EQ(run["own"]["energy_mj"], read_json(folder.path() / "a" / "report.json")["totals"]["energy_mj"]);
+}
+
+TEST(EnergyPrice, OfASweepHasALineAPoint) {
+  const TempFolder folder;
+  const auto file = write_sweep(folder, "axes: {cores: [1, 2]}\n");
+  ASSERT_EQ(raywatt(sweep_run(folder, file)).exit, 0);
+  const std::string out = (folder.path() / "out").string();
+  const Json runs = Json::parse(output_of({"energy", "price", out, "--json", "--set", "energy.clock_share=0"}))["runs"];
+  ASSERT_EQ(runs.size(), 2U);
+  EXPECT_EQ(runs[1]["axes"]["cores"], "2");
+  const auto& kinds = runs[1]["priced"]["energy_by_kind_mj"];
+  EXPECT_LT(kinds["clock"]["nominal"].get<double>(),
+            runs[1]["own"]["energy_by_kind_mj"]["clock"]["nominal"].get<double>());
+  const std::string csv = output_of({"energy", "price", out, "--csv"});
+  EXPECT_SAYS(csv, "run,cores,own energy_mj.nominal,energy_mj.low");
+  EXPECT_EQ(std::ranges::count(csv, '\n'), 3);
+}
+
+}  // namespace
+}  // namespace test

@@ -1,0 +1,90 @@
+#include "tools/studies/sweep/results/energy_band.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "tests/tools/studies/sweep/small_sweep.h"
+#include "tools/studies/sweep/results/pareto.h"
+
+// Sweeps under draws of their energy tables.
+
+namespace test {
+namespace {
+
+using namespace tools::results;
+
+/// A sweep of four points, run.
+struct BandOfASweep : testing::Test {
+  BandOfASweep() {
+    const auto file = write_sweep(folder, "axes: {cores: [1, 2], tni.trv.l1.size: [8 KiB, 32 KiB]}\n");
+    const Ending ending = raywatt(sweep_run(folder, file));
+    EXPECT_EQ(ending.exit, 0) << ending.err;
+  }
+  std::string ask(const std::string& verb, const Words& more) const {
+    Words words = {"sweep", verb, (folder.path() / "out").string()};
+    words.insert(words.end(), more.begin(), more.end());
+    const Ending ending = raywatt(words);
+    EXPECT_EQ(ending.exit, 0) << ending.err;
+    return ending.out;
+  }
+  TempFolder folder;
+};
+
+TEST_F(BandOfASweep, HasTheNominalFigureTimesTheDrawsEnergyOverTheNominal) {
+  const Results results(folder.path() / "out");
+  const std::vector<bool> all(results.rows().size(), true);
+  EnergyBand band(results, all);
+  const BandedMetric mj = band.metric(results.column("energy_mj.nominal"), false);
+  const BandedMetric per_joule = band.metric(results.column("perf.frames_per_joule_gpu"), true);
+  const BandedMetric cycles = band.metric(results.column("cycles"), false);
+  ASSERT_EQ(mj.rows.size(), 4U);
+  for (std::size_t i = 0; i < 4; ++i) {
+    tools::PricedRun run(tools::load_report(results.folder_of(results.rows()[mj.rows[i]])));
+    const std::vector<double> pj = tools::drawn_pj(run, "");
+    for (std::size_t d = 0; d < pj.size(); d += 97) {
+      EXPECT_NEAR(mj.drawn[i][d] / (pj[d] * 1e-9), 1, 1e-12);
+      EXPECT_NEAR(per_joule.drawn[i][d] * mj.drawn[i][d] / 1000, 1, 1e-12);
+      EXPECT_EQ(cycles.drawn[i][d], cycles.nominal[i]);
+    }
+  }
+}
+
+TEST_F(BandOfASweep, SharesOnTheFrontAreThoseOfTheDrawsFronts) {
+  const Results results(folder.path() / "out");
+  EnergyBand band(results, std::vector<bool>(results.rows().size(), true));
+  const BandedMetric x = band.metric(results.column("energy_mj.nominal"), false);
+  const BandedMetric y = band.metric(results.column("cycles"), false);
+  const std::vector<double> shares = EnergyBand::shares_on_front(x, y);
+  for (std::size_t i = 0; i < x.rows.size(); ++i) {
+    double wanted = 0;
+    for (std::size_t d = 0; d < tools::kEnergyDraws; ++d) {
+      bool beaten = false;
+      for (std::size_t k = 0; k < x.rows.size(); ++k) {
+        const double dx = x.drawn[k][d] - x.drawn[i][d], dy = y.drawn[k][d] - y.drawn[i][d];
+        beaten = beaten || (dx <= 0 && dy <= 0 && (dx < 0 || dy < 0));
+      }
+      wanted += beaten ? 0 : 1;
+    }
+    EXPECT_NEAR(shares[i], wanted / static_cast<double>(tools::kEnergyDraws), 1e-9) << i;
+  }
+}
+
+TEST_F(BandOfASweep, IsToldByBestParetoAndSensitivity) {
+  const std::string best = ask("best", {"--min", "energy_mj.nominal", "--energy", "band"});
+  EXPECT_SAYS(best, "under 2000 draws of the energy tables, 4 points");
+  EXPECT_SAYS(best, "best in");
+  EXPECT_EQ(ask("best", {"--min", "energy_mj.nominal"}),
+            ask("best", {"--min", "energy_mj.nominal", "--energy", "nominal"}));
+  EXPECT_SAYS(ask("pareto", {"--x", "energy_mj.nominal", "--y", "fps", "--energy", "band"}), "on the front in");
+  const std::string tornado = ask("sensitivity", {"--metric", "energy_mj.nominal", "--energy", "band"});
+  EXPECT_SAYS(tornado, "pairs turned");
+  EXPECT_SAYS(tornado, "energy.");
+  const std::string out = (folder.path() / "out").string();
+  expect_refusal(raywatt({"sweep", "pareto", out, "--x", "cycles", "--y", "fps", "--energy", "band"}), {"joules"});
+  expect_refusal(raywatt({"sweep", "sensitivity", out, "--metric", "cycles", "--energy", "band"}), {"joules"});
+  expect_refusal(raywatt({"sweep", "best", out, "--min", "cycles", "--energy", "all"}), {"--energy"});
+}
+
+}  // namespace
+}  // namespace test

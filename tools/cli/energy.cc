@@ -1,0 +1,67 @@
+#include <filesystem>
+#include <memory>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "tools/cli/job_options.h"
+#include "tools/cli/verbs.h"
+#include "tools/studies/energy/price.h"
+#include "tools/studies/energy/show.h"
+
+namespace tools {
+namespace {
+
+void add_price(CLI::App& group) {
+  struct PriceOptions {
+    std::vector<std::filesystem::path> paths;
+    PriceTable table;
+    bool csv = false, json = false;
+  };
+  const auto o = std::make_shared<PriceOptions>();
+  CLI::App* verb = group.add_subcommand(
+      "price", "Joules of finished runs and sweeps under another table, from their counts, without simulation");
+  verb->add_option("runs", o->paths, "folders of runs or of sweeps, or report.json files")->required();
+  verb->add_option("--energy", o->table.energy, "a whole table, e.g. energy/14nm or a file")->type_name("FILE");
+  verb->add_option("--set", o->table.sets,
+                   "a key that affects energy alone; one number leaves a figure no band (repeatable)")
+      ->allow_extra_args(false)
+      ->type_name("KEY=VALUE");
+  CLI::Option* csv = verb->add_flag("--csv", o->csv, "a line a run, with all digits");
+  verb->add_flag("--json", o->json, "as JSON, with all that follows from energy")->excludes(csv);
+  verb->footer(
+      "Example: raywatt energy price raywatt-out/base out/l1 --set energy.events.tni.box_test=48\n"
+      "Exit 0, or 2 for what cannot be priced.");
+  verb->callback([o] {
+    const PriceFormat format = o->csv ? PriceFormat::kCsv : o->json ? PriceFormat::kJson : PriceFormat::kText;
+    fmt::print("{}", price_text(o->paths, o->table, format));
+  });
+}
+
+void add_show(CLI::App& group) {
+  struct ShowOptions {
+    JobOptions job;
+    std::string name;
+  };
+  const auto o = std::make_shared<ShowOptions>();
+  CLI::App* verb = group.add_subcommand(
+      "show", "Figures of the energy tables: bands, curves over size, sources, and what counts each");
+  verb->add_option("event", o->name,
+                   "an entry, its end or its group, e.g. tni.box_test, cache, clock_share; default: all");
+  verb->add_option("--config", o->job.config, "configuration: file or name")->type_name("CONFIG");
+  add_set_option(*verb, o->job.sets);
+  verb->footer("Example: raywatt energy show cache.l1_read\nExit 0, or 2 if there is no such entry.");
+  verb->callback([o] { fmt::print("{}", energy_show(o->job, o->name)); });
+}
+
+}  // namespace
+
+void add_energy(CLI::App& app) {
+  CLI::App* verb = app.add_subcommand("energy", "What events cost, and finished runs under other tables");
+  verb->require_subcommand(1);
+  verb->footer("Example: raywatt energy show tni.box_test");
+  add_price(*verb);
+  add_show(*verb);
+}
+
+}  // namespace tools

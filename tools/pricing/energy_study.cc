@@ -1,0 +1,109 @@
+#include "tools/pricing/energy_study.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <set>
+
+namespace tools {
+namespace {
+
+constexpr std::string_view kByBlock = "totals.energy_by_block_mj.", kNominal = ".nominal";
+
+double side_pj(const PricedRun& run, const std::string& block, sim::Side side) {
+  return block.empty() ? run.total(side) : run.of_block(block, side);
+}
+
+}  // namespace
+
+std::optional<EnergyMetric> energy_metric(std::string_view path) {
+  if (path == "totals.energy_mj.nominal" || path == "totals.power_w.nominal" || path == "totals.perf.nj_per_ray") {
+    return EnergyMetric{};
+  }
+  if (path == "totals.perf.frames_per_joule_gpu") return EnergyMetric{"", true};
+  if (path == "totals.perf.frames_per_joule_tni") return EnergyMetric{"tni", true};
+  if (!path.starts_with(kByBlock) || !path.ends_with(kNominal)) return std::nullopt;
+  path.remove_prefix(kByBlock.size());
+  path.remove_suffix(kNominal.size());
+  return EnergyMetric{std::string(path), false};
+}
+
+double nominal_pj(const PricedRun& run, const std::string& block) { return side_pj(run, block, &sim::Spread::nominal); }
+
+std::vector<double> drawn_pj(PricedRun& run, const std::string& block, std::uint64_t draws, std::uint64_t seed) {
+  std::vector<double> out;
+  out.reserve(draws);
+  for (std::uint64_t i = 0; i < draws; ++i) {
+    run.draw({seed, i});
+    out.push_back(nominal_pj(run, block));
+  }
+  run.restore();
+  return out;
+}
+
+Interval95 interval_of(std::vector<double> samples) {
+  std::ranges::sort(samples);
+  const auto quantile = [&](double q) {
+    const double at = q * static_cast<double>(samples.size() - 1);
+    const auto below = static_cast<std::size_t>(at);
+    const std::size_t above = std::min(below + 1, samples.size() - 1);
+    return samples[below] + (samples[above] - samples[below]) * (at - static_cast<double>(below));
+  };
+  return {quantile(0.025), quantile(0.5), quantile(0.975)};
+}
+
+EnergyRatio energy_ratio(PricedRun& a, PricedRun& b, const std::string& block) {
+  EnergyRatio out;
+  for (const sim::Side side : sim::kSides) out.together.*side = side_pj(b, block, side) / side_pj(a, block, side);
+  const std::vector<double> of_a = drawn_pj(a, block), of_b = drawn_pj(b, block);
+  std::vector<double> ratios;
+  std::size_t less = 0;
+  for (std::size_t i = 0; i < of_a.size(); ++i) {
+    ratios.push_back(of_b[i] / of_a[i]);
+    less += ratios.back() < 1 ? 1 : 0;
+  }
+  out.b_less = static_cast<double>(less) / static_cast<double>(ratios.size());
+  out.drawn = interval_of(std::move(ratios));
+  return out;
+}
+
+double TornadoBar::swing() const { return std::abs(std::log(at_high / at_low)); }
+
+std::vector<std::string> entries_of(const std::vector<PricedRun*>& runs) {
+  std::vector<std::string> names;
+  std::set<std::string> known;
+  for (PricedRun* run : runs) {
+    for (const EnergyEntry& entry : run->entries()) {
+      if (known.insert(entry.name).second) names.push_back(entry.name);
+    }
+  }
+  return names;
+}
+
+void set_alone(PricedRun& run, const std::string& entry, double quantile) {
+  for (EnergyEntry& e : run.entries()) {
+    e.restore();
+    if (e.name == entry) e.set_quantile(quantile);
+  }
+  run.refresh();
+}
+
+std::vector<TornadoBar> tornado(PricedRun& a, PricedRun& b, const std::string& block) {
+  std::vector<TornadoBar> bars;
+  for (const std::string& entry : entries_of({&a, &b})) {
+    const auto ratio = [&](double quantile) {
+      set_alone(a, entry, quantile);
+      set_alone(b, entry, quantile);
+      return nominal_pj(b, block) / nominal_pj(a, block);
+    };
+    TornadoBar bar{entry, ratio(0), 0};
+    bar.at_high = ratio(1);
+    if (bar.at_low != bar.at_high) bars.push_back(std::move(bar));
+  }
+  a.restore();
+  b.restore();
+  std::ranges::stable_sort(bars, std::greater<>(), &TornadoBar::swing);
+  return bars;
+}
+
+}  // namespace tools

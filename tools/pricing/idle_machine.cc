@@ -1,0 +1,24 @@
+#include "tools/pricing/idle_machine.h"
+
+#include <memory>
+
+#include "hw_models/machines/gpu.h"
+
+namespace tools {
+namespace {
+
+class NoTiles final : public hw::TileSource {
+ public:
+  const traces::TileWork* next() override { return nullptr; }
+  void give_back(const traces::TileWork*) override {}
+};
+
+}  // namespace
+
+std::vector<sim::UnitReport> idle_units(const hw::GpuConfig& config) {
+  const traces::MemoryImage nothing;
+  NoTiles tiles;
+  return std::make_unique<hw::Gpu>(config, hw::Gpu::Workload{.image = nothing, .parents = {}}, tiles)->report();
+}
+
+}  // namespace tools

@@ -1,0 +1,12 @@
+#pragma once
+#include <vector>
+
+#include "hw_models/machines/gpu_config.h"
+#include "sim/unit_report.h"
+
+namespace tools {
+
+/// Every unit of a machine before it has done anything: blocks, storage, reasons, and counters with what they cost.
+std::vector<sim::UnitReport> idle_units(const hw::GpuConfig& config);
+
+}  // namespace tools
