@@ -37,8 +37,10 @@ struct Gain {
   double starved = 0;
 
   Gain(const std::string& scene, const std::string& program, const std::string& reference,
-       const std::vector<std::string>& sets = {}) {
-    const Inputs inputs = load_inputs(reproduction(scene, "512x256", sets));
+       const std::vector<std::string>& sets = {}, const std::string& config = "sgrt-2016") {
+    JobOptions options = reproduction(scene, "512x256", sets);
+    options.config = config;
+    const Inputs inputs = load_inputs(options);
     const Simulation run = simulate(inputs, kernels::parse_program(program), 0);
     const Simulation full = simulate(inputs, kernels::parse_program(reference), 0);
     const auto ratio = [](auto a, auto b) { return static_cast<double>(a) / static_cast<double>(b); };
@@ -87,6 +89,21 @@ TEST(Lee2016, SpeedFollowsTheWorkWhereTheTraversalUnitsSetThePace) {
   const Gain g("car", "multirate:under", "full:1", {"clocks.tni=50 MHz", "multirate.halo=retrace"});
   expect_between("speed-up x work", g.speed_up * g.work, 0.8, 1.15);
   expect_between("starved", g.starved, 0, 0.01);
+}
+
+TEST(SgrtBalanced, SpeedFollowsTheWorkSavedAsItsTraversalUnitsSetThePace) {
+  const auto on_balanced = [](const char* scene) {
+    return Gain(scene, "multirate:under", "full:1", {}, "sgrt-balanced");
+  };
+  const Gain car = on_balanced("car"), chess = on_balanced("chess"), conference = on_balanced("conference");
+  for (const Gain& g : {car, chess, conference}) {
+    expect_between("speed-up, published 1.53 to 3.25", g.speed_up, 1.5, 3);
+    expect_between("speed-up x work, published 1", g.speed_up * g.work, 0.8, 1.1);
+    expect_between("power of the T&I units, published 1 to 1.09", g.power, 0.8, 1.09);
+    expect_between("starved, wanted 0.01", g.starved, 0, 0.02);
+  }
+  EXPECT_GT(conference.speed_up, car.speed_up) << "gains follow what is not traced";
+  EXPECT_GT(car.speed_up, chess.speed_up);
 }
 
 /// Samples of undersample, traced by no machine.

@@ -74,7 +74,7 @@ TEST(ProgressJson, GoesUpAndEndsWithTheWholeRun) {
   const TempFolder folder;
   const fs::path out = folder.path() / "out";
   const Ending ending = raywatt(
-      {"run", "--resolution", "512x256", "--threads", "1", "--quiet", "--progress", "json", "-o", out.string()});
+      {"run", "--resolution", "1024x512", "--threads", "1", "--quiet", "--progress", "json", "-o", out.string()});
   ASSERT_EQ(ending.exit, 0) << ending.err;
   std::vector<nlohmann::json> lines;
   std::istringstream err(ending.err);

@@ -52,6 +52,7 @@ void add_table_5(std::vector<Case>& cases, const std::string& scene, bool quick)
         for (const char* share : {"tracing_share", "adaptive_share", "correction_share"}) {
           c.figures.push_back({"table 3a", share});
         }
+        for (const char* ops : {"ops_of_traced", "ops_of_interpolated"}) c.figures.push_back({"operations", ops});
         if (scene == "kitchen") c.figures.push_back({"figure 1", "traced_ratio"});
         if (scene == "kitchen" || scene == "bathroom") c.picture = "1-" + scene;
       }

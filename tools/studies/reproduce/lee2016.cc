@@ -1,6 +1,7 @@
 #include "tools/studies/reproduce/plan.h"
 
-// Lee 2016: multi-rate sampling at 2048x1024, rate control off (the paper's section 5 says it was to come).
+// Lee 2016: multi-rate sampling at 2048x1024, rate control off (the paper's section 5 says it was to come), in two
+// scopes: T&I units alone, as in figure 7, and the whole frame.
 
 namespace tools::reproduce {
 namespace {
@@ -23,6 +24,37 @@ Case mode_of(const View& view, bool super, bool quick) {
           .reference = {super ? "full:4" : "full:1"}};
 }
 
+Case whole_frame(const View& view, bool super, bool quick) {
+  Case c = mode_of(view, super, quick);
+  c.figures = {{"table 1", "psnr_db"},
+               {"whole frame", "traced_ratio"},
+               {"whole frame", "work_ratio"},
+               {"whole frame", "speedup"},
+               {"whole frame", "speedup_x_work"},
+               {"whole frame", "tni_power"},
+               {"whole frame", "tni_perf_per_watt"},
+               {"whole frame", "gpu_perf_per_watt"},
+               {"kernel shares", "check_share"},
+               {"kernel shares", "interpolation_share"},
+               {"kernel shares", "starved_share"}};
+  return c;
+}
+
+Case units_alone(const View& view, bool super, bool quick) {
+  Case c = mode_of(view, super, quick);
+  c.run.sets = c.reference.sets = tni_alone();
+  c.figures = {{"figure 7", "time_ratio"},
+               {"figure 7", "speedup"},
+               {"figure 7", "speedup_x_work"},
+               {"figure 7", "tni_power"},
+               {"figure 7", "tni_perf_per_watt"}};
+  if (view.scene == "village" && super) {
+    c.figures.insert(c.figures.end(), {{"figure 1", "psnr_db"}, {"figure 1", "tni_perf_per_watt"}});
+    c.picture = "1-village";
+  }
+  return c;
+}
+
 }  // namespace
 
 std::vector<Case> lee2016(bool quick) {
@@ -31,23 +63,8 @@ std::vector<Case> lee2016(bool quick) {
     if (quick && (scene == "car" || scene == "laboratory")) continue;
     const View view = view_of(scene, quick);
     for (const bool super : {true, false}) {
-      Case c = mode_of(view, super, quick);
-      c.figures = {{"table 1", "psnr_db"},
-                   {"figure 7", "traced_ratio"},
-                   {"figure 7", "work_ratio"},
-                   {"figure 7", "speedup"},
-                   {"figure 7", "speedup_x_work"},
-                   {"figure 7", "tni_power"},
-                   {"figure 7", "tni_perf_per_watt"},
-                   {"figure 7", "gpu_perf_per_watt"},
-                   {"kernel shares", "check_share"},
-                   {"kernel shares", "interpolation_share"},
-                   {"kernel shares", "starved_share"}};
-      if (view.scene == "village" && super) {
-        c.figures.insert(c.figures.end(), {{"figure 1", "psnr_db"}, {"figure 1", "tni_perf_per_watt"}});
-        c.picture = "1-village";
-      }
-      cases.push_back(std::move(c));
+      cases.push_back(units_alone(view, super, quick));
+      cases.push_back(whole_frame(view, super, quick));
     }
     for (const bool super : {true, false}) {
       Case c = mode_of(view, super, quick);

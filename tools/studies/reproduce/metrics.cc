@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "hw_models/dram/dram_channel.h"
+#include "hw_models/srp/srp.h"
 #include "hw_models/tni/ist.h"
 #include "hw_models/tni/trv.h"
 #include "tools/analysis/kernel_shares.h"
@@ -46,6 +47,28 @@ double all_hits(const Outcome& o) {
   return ratio(counted(o, &hw::FetchStats::l1_hits), counted(o, &hw::FetchStats::l1_accesses)).value_or(0);
 }
 
+/// Operations of the shader cores' functional units, of all classes.
+double operations(const Outcome& o) {
+  using Stats = hw::Srp::Stats;
+  const Units<hw::Srp> cores(o.simulation.units);
+  double all = 0;
+  for (const auto counter :
+       {&Stats::fp_add, &Stats::fp_mul, &Stats::fp_mul_add, &Stats::fp_div_sqrt, &Stats::fp_compare, &Stats::int_add,
+        &Stats::int_mul, &Stats::int_logic, &Stats::int_shift, &Stats::convert}) {
+    all += static_cast<double>(cores.counted(counter));
+  }
+  return all;
+}
+Value ops_of_traced(const Comparison& c) {
+  return ratio(operations(c.reference), static_cast<double>(c.run.sampling().wanted));
+}
+/// Operations of the run less those that its traced samples take in the reference, shared by all others.
+Value ops_of_interpolated(const Comparison& c) {
+  const auto traced = static_cast<double>(c.run.sampling().traced);
+  return ratio(operations(c.run) - traced * ops_of_traced(c).value_or(0),
+               static_cast<double>(c.run.sampling().wanted) - traced);
+}
+
 Value speedup(const Comparison& c) { return ratio(c.reference.simulation.cycles, c.run.simulation.cycles); }
 Value work_ratio(const Comparison& c) {
   return ratio(c.run.simulation.function.traversal_steps, c.reference.simulation.function.traversal_steps);
@@ -64,7 +87,7 @@ Value sum(Value a, Value b) {
 
 Value share(const Comparison& c, KernelGroup group) { return kernel_share(c.run.simulation, group); }
 
-constexpr std::array<Metric, 31> kMetrics = {{
+constexpr std::array<Metric, 33> kMetrics = {{
     {"psnr_db", "PSNR against the reference picture", Shown::kDecibel, false,
      [](const Comparison& c) { return psnr_db(c.squared_error); }},
     {"traced_ratio", "samples traced of those wanted", Shown::kShare, false,
@@ -128,6 +151,8 @@ constexpr std::array<Metric, 31> kMetrics = {{
      [](const Comparison& c) { return share(c, KernelGroup::kCorrection); }},
     {"tracing_share", "SRP cycles in everything else", Shown::kShare, true,
      [](const Comparison& c) { return share(c, KernelGroup::kTracing); }},
+    {"ops_of_traced", "operations of the SRPs for a sample of the reference", Shown::kCount, true, ops_of_traced},
+    {"ops_of_interpolated", "the same for a sample that is not traced", Shown::kCount, true, ops_of_interpolated},
 }};
 
 }  // namespace
@@ -146,6 +171,8 @@ std::string metric_text(const Metric& metric, double value) {
       return fmt::format("{:.2f} dB", value);
     case Shown::kShare:
       return fmt::format("{:.1f} %", 100 * value);
+    case Shown::kCount:
+      return fmt::format("{:.0f}", value);
     case Shown::kFactor:
       break;
   }

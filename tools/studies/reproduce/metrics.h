@@ -28,7 +28,7 @@ struct Comparison {
 
 /// A figure that can be measured.
 struct Metric {
-  enum class Shown : std::uint8_t { kDecibel, kFactor, kShare };
+  enum class Shown : std::uint8_t { kDecibel, kFactor, kShare, kCount };
   std::string_view name;
   std::string_view meaning;
   Shown shown;
@@ -41,7 +41,7 @@ std::span<const Metric> metrics();
 /// Throws std::logic_error for a name that is none of them.
 const Metric& find_metric(std::string_view name);
 
-/// "42.13 dB", "1.83 x", "5.2 %"
+/// "42.13 dB", "1.83 x", "5.2 %", "200"
 std::string metric_text(const Metric& metric, double value);
 
 }  // namespace tools::reproduce

@@ -51,6 +51,7 @@ struct Case {
 struct Paper {
   std::string_view name;
   std::string_view title;
+  std::string_view note;  ///< how its figures and ours go together; may be empty
   std::vector<Case> (*cases)(bool quick);
 };
 std::vector<Case> lee2016(bool quick);
@@ -64,6 +65,9 @@ const std::vector<Paper>& papers();
 /// Keys that make any scene one of these experiments', as traces/workloads/reproduction.yaml does for the built-in
 /// ones.
 Sets reproduction_rules();
+
+/// Keys of a machine whose T&I units always have rays at hand, as where they are measured by themselves.
+Sets tni_alone();
 
 /// Pixels of one side when a plan is quick.
 std::uint32_t side(std::uint32_t pixels, bool quick);

@@ -54,6 +54,7 @@ class Job {
         published_(load_published(options.paper)) {
     results_.paper = paper.name;
     results_.title = paper.title;
+    results_.note = paper.note;
     results_.quick = options.quick;
     provenance_ = provenance(options, config);
   }

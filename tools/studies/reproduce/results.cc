@@ -95,6 +95,7 @@ std::string results_text(const Results& results) {
     out += (before.empty() ? "\nnot measured\n" : "") + line;
     before = line;
   }
+  if (!results.note.empty()) out += fmt::format("\n{}\n", results.note);
   return out;
 }
 
@@ -156,6 +157,7 @@ std::string experiment_markdown(std::span<const Row> rows) {
 
 std::string results_markdown(const Results& results, const std::vector<std::string>& pictures) {
   std::string out = fmt::format("# {}\n", heading(results));
+  if (!results.note.empty()) out += fmt::format("\n{}\n", results.note);
   const std::vector<Row> rows = by_experiment(results.rows);
   for (auto first = rows.begin(); first != rows.end();) {
     const auto last = std::find_if(first, rows.end(),

@@ -22,7 +22,7 @@ struct Row {
 };
 
 struct Results {
-  std::string paper, title;
+  std::string paper, title, note;
   bool quick = false, partial = false;
   std::vector<Row> rows;  ///< in the order measured
 };

@@ -16,13 +16,11 @@ struct Machine {
 };
 
 Machine whole_gpu() { return {"whole GPU", {}}; }
-/// The papers measured T&I units alone, with rays always at hand.
-Machine tni_alone() {
-  return {"T&I alone", {"ideal.srp=true", "ideal.tile_buffer=true", "tile_buffer.tiles_in_flight=8"}};
-}
+/// The papers measured T&I units alone.
+Machine units_alone() { return {"T&I alone", tni_alone()}; }
 /// A core's intersection unit serves one traversal unit, which hardly ever waits for it.
 Machine one_trv() {
-  Machine machine = tni_alone();
+  Machine machine = units_alone();
   machine.name = "T&I alone, one TRV";
   machine.sets.emplace_back("tni.trvs=1");
   return machine;
@@ -130,13 +128,13 @@ std::vector<Case> sgrt_units(bool quick) {
   std::vector<Case> cases;
   for (const View& view : views(quick)) {
     Plan plan(cases, view, quick);
-    std::vector<Machine> machines = {tni_alone()};
+    std::vector<Machine> machines = {units_alone()};
     if (!quick) machines.push_back(whole_gpu());
     for (const Machine& m : machines) {
       add_reorder(plan, m);
       add_direct_interface(plan, m);
     }
-    if (!quick) add_sizes(plan, tni_alone());
+    if (!quick) add_sizes(plan, units_alone());
     // Other trees come last, so that each is built once.
     for (const Machine& m : machines) add_hybrid(plan, m);
     machines.push_back(one_trv());

@@ -177,6 +177,46 @@ TEST(Reproduce, MeasuresARunAgainstAReferenceWithATreeOfItsOwn) {
   EXPECT_DOUBLE_EQ(runner.measure(c).at(0).value.value(), 48 / 29.0);
 }
 
+TEST(Reproduce, MeasuresFigure7OfLeeOnUnitsAloneAndTheFrameOnTheWholeMachine) {
+  const Sets alone = tni_alone();
+  std::set<std::string> scopes;
+  for (const Case& c : lee2016(false)) {
+    for (const Figure& figure : c.figures) {
+      if (figure.experiment != "figure 7" && figure.experiment != "whole frame") continue;
+      scopes.insert(figure.experiment);
+      const Sets expected = figure.experiment == "figure 7" ? alone : Sets{};
+      EXPECT_EQ(c.run.sets, expected) << figure.experiment << ", " << c.view.scene;
+      EXPECT_EQ(c.reference.sets, expected) << figure.experiment << ", " << c.view.scene;
+    }
+  }
+  EXPECT_EQ(scopes.size(), 2U);
+}
+
+TEST(Reproduce, CountsMoreOperationsForAnInterpolatedSampleThanForATracedOne) {
+  Options options;
+  options.threads = 1;
+  Runner runner(options);
+  Case c{.view = {.scene = "conference", .stand_in = "kim2016-conference", .files = {}},
+         .setting = "1x1",
+         .width = 128,
+         .height = 128,
+         .run = {"undersample"},
+         .reference = {"full:1"}};
+  c.figures = {{"", "ops_of_traced"}, {"", "ops_of_interpolated"}};
+  const std::vector<Measured> figures = runner.measure(c);
+  EXPECT_GT(figures.at(0).value.value(), 100);
+  EXPECT_GT(figures.at(1).value.value(), figures.at(0).value.value());
+  c.run = c.reference;
+  EXPECT_FALSE(runner.measure(c).at(1).value.has_value()) << "all samples are traced";
+}
+
+TEST(Reproduce, SaysHowAPapersFiguresAndOursGoTogether) {
+  Results results;
+  results.note = "a note";
+  EXPECT_SAYS(results_text(results), "\na note\n");
+  EXPECT_SAYS(results_markdown(results, {}), "\na note\n");
+}
+
 TEST(Reproduce, WritesWhatIsHeldAgainstWhatAndEachFigureOverItsScenes) {
   Results results;
   for (const double speedup : {1.0, 3.0, 2.0}) {
