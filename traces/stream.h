@@ -47,6 +47,9 @@ enum class Region : std::uint8_t {
   kCount
 };
 
+/// Bytes of a pixel of the picture: three channels in a packed format.
+inline constexpr std::uint32_t kPixelBytes = 4;
+
 /// Samples that a tile leaves in memory for others: its borders have numbers of their own.
 struct Border {
   std::uint32_t tile = 0;

@@ -17,6 +17,7 @@ sim::Time Dma::tick(sim::Time now) {
     next_line_ = line_of(job_.base);
     lines_left_ = static_cast<std::uint32_t>((whole_lines(job_.base + job_.bytes) - next_line_) / kLineBytes);
     replies_left_ = job_.write ? 0 : lines_left_;
+    encoded_at_ = clock_.after(now, job_.encode_cycles == 0 ? 0 : job_.encode_cycles - 1);
   }
   const bool moved = active_ && move_line(now);
   if (active_ && lines_left_ == 0 && replies_left_ == 0 && links_.done_out.can_push(now)) {
@@ -24,16 +25,21 @@ sim::Time Dma::tick(sim::Time now) {
     active_ = false;
     stats_.jobs += 1;
   }
-  const CycleReason then = active_ ? CycleReason::kWaiting : CycleReason::kIdle;
-  activity_.spend(now, clock_.period(), moved ? CycleReason::kMoving : then, then);
+  const auto reason = [&](sim::Time at) {
+    if (!active_) return CycleReason::kIdle;
+    return encodes(at) ? CycleReason::kEncoding : CycleReason::kWaiting;
+  };
+  activity_.spend(now, clock_.period(), moved ? CycleReason::kMoving : reason(now), reason(clock_.after(now, 1)));
   return next_wake(now);
 }
 
 bool Dma::move_line(sim::Time now) {
-  if (lines_left_ == 0 || !links_.memory_out.can_push(now)) return false;
+  if (lines_left_ == 0 || encodes(now) || !links_.memory_out.can_push(now)) return false;
   links_.memory_out.push(now, MemRequest{next_line_, port_, 0, job_.write});
   next_line_ += kLineBytes;
   lines_left_ -= 1;
+  encoded_at_ = clock_.after(now, job_.encode_cycles);
+  if (job_.encode_cycles != 0) stats_.pixels_encoded += kLineBytes / traces::kPixelBytes;
   Stats::Lines& lines = stats_.lines[static_cast<std::size_t>(job_.area)];
   (job_.write ? stats_.lines_written : stats_.lines_read) += 1;
   (job_.write ? lines.written : lines.read) += 1;
@@ -46,7 +52,7 @@ sim::Time Dma::next_wake(sim::Time now) const {
   if (!active_) {
     at = std::min(at, std::max(next, links_.jobs_in.pop_at()));
   } else if (lines_left_ > 0) {
-    at = std::min(at, std::max(next, links_.memory_out.push_at()));
+    at = std::min(at, encodes(next) ? encoded_at_ : std::max(next, links_.memory_out.push_at()));
   } else if (replies_left_ == 0) {
     at = std::min(at, std::max(next, links_.done_out.push_at()));
   }

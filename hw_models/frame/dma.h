@@ -15,28 +15,32 @@ namespace hw {
 ///
 ///   jobs --> [one at a time, in order] --> line requests --> memory
 ///
-/// A write is done when its last line has left; a read when its last line has come.
-/// Part of a line costs as much as all of it. Not modelled: reads of partial lines before writing them.
+/// Finished pixels may lie in the tile buffer as linear colours: then a line takes as many cycles as it takes to read
+/// its pixels there, at a line a cycle, and each goes through a table that gives what kernel pack_colour would. A write
+/// is done when its last line has left; a read when its last line has come. Part of a line costs as much as all of it.
+/// Not modelled: reads of partial lines before writing them.
 class Dma {
  public:
   static constexpr const char* kName = "core.dma";
   static constexpr Block kBlock = Block::kDma;
-  enum class CycleReason : std::uint8_t { kIdle, kMoving, kWaiting, kCount };
+  enum class CycleReason : std::uint8_t { kIdle, kMoving, kEncoding, kWaiting, kCount };
   static constexpr auto kReasons = sim::reasons<CycleReason>({
       {CycleReason::kIdle, sim::idle("idle", "no transfer")},
       {CycleReason::kMoving, sim::working("moving", "a request left or a line came")},
+      {CycleReason::kEncoding, sim::working("encoding", "a line's pixels are sRGB-encoded")},
       {CycleReason::kWaiting, sim::waiting("waiting", "lines are on their way, or there is no room for a request")},
   });
   struct Stats {
     struct Lines {
       std::uint64_t written = 0, read = 0;
     };
-    std::uint64_t jobs = 0, lines_written = 0, lines_read = 0;
+    std::uint64_t jobs = 0, lines_written = 0, lines_read = 0, pixels_encoded = 0;
     std::array<Lines, kAreas> lines{};  ///< the same by Area
     static void describe(auto& s, auto&& counter) {
       counter(NAMED(s.jobs), "transfers finished");
       counter(NAMED(s.lines_written), "lines written to memory", "dma.line");
       counter(NAMED(s.lines_read), "lines read from memory", "dma.line");
+      counter(NAMED(s.pixels_encoded), "pixels sRGB-encoded on their way to memory", "dma.srgb_encode");
       auto& [picture, samples, rates, spill] = s.lines;
       counter(picture.written, "picture_lines_written", "of these, finished pixels");
       counter(picture.read, "picture_lines_read", "of these, finished pixels");
@@ -72,6 +76,7 @@ class Dma {
  private:
   bool move_line(sim::Time now);
   sim::Time next_wake(sim::Time now) const;
+  bool encodes(sim::Time now) const { return active_ && lines_left_ > 0 && now < encoded_at_; }
 
   const sim::Clock clock_;
   Links links_;
@@ -81,6 +86,7 @@ class Dma {
   Addr next_line_ = 0;
   std::uint32_t lines_left_ = 0;  ///< still to be asked for
   std::uint32_t replies_left_ = 0;
+  sim::Time encoded_at_ = 0;  ///< when the next line has been encoded, if it must be
   Stats stats_;
   sim::Activity<CycleReason> activity_;
 };

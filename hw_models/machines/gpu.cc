@@ -98,6 +98,7 @@ Srp::Frame Gpu::frame_of(const Workload& workload, std::uint32_t core) const {
           .attribute_bytes = workload.attribute_bytes,
           .ray_interval = config_.ideal.tni ? 0 : config_.direct_interface.interval * tni_clock_.period(),
           .areas = areas_of(config_, workload, core),
+          .encode_cycles = workload.dma_encodes ? config_.tile_buffer.colour_bytes / traces::kPixelBytes : 0,
           .ideal = config_.ideal.srp,
           .ideal_buffer = config_.ideal.tile_buffer,
           .ideal_cache = config_.ideal.l1};

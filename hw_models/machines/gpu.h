@@ -34,6 +34,7 @@ class Gpu {
     std::uint32_t tile_samples = 256;                    ///< samples of a full tile
     std::array<std::uint64_t, kRegions> region_bytes{};  ///< bytes of all tiles together, by traces::Region
     std::uint64_t attribute_bytes = 0;                   ///< set aside in the tile buffer for a full tile
+    bool dma_encodes = false;                            ///< the DMA sRGB-encodes finished pixels
   };
 
   Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles);

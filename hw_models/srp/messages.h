@@ -36,6 +36,7 @@ struct DmaJob {
   bool write = true;      ///< to memory
   std::uint32_t tag = 0;  ///< returned when done
   Area area = Area::kPicture;
+  std::uint32_t encode_cycles = 0;  ///< that a line's pixels take to be sRGB-encoded on the way; 0: not at all
 };
 
 struct DmaDone {

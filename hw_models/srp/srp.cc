@@ -150,8 +150,9 @@ void Srp::start_transfers(std::uint32_t tile) {
     const WorkNode& node = tiles_[tile].node(n);
     const Area area = area_of(node.region);
     const Addr base = frame_.areas[static_cast<std::size_t>(area)] + node.offset;
-    dma_.push_back({base, node.items, node.to_memory, (tile << kTileShift) | n, area});
-    const std::uint64_t accesses = (node.items + kAccess - 1) / kAccess;
+    const std::uint32_t cycles = area == Area::kPicture ? frame_.encode_cycles : 0;
+    dma_.push_back({base, node.items, node.to_memory, (tile << kTileShift) | n, area, cycles});
+    const std::uint64_t accesses = (std::uint64_t{node.items} * std::max(cycles, 1U) + kAccess - 1) / kAccess;
     if (node.to_memory) {
       buffer_.read(accesses);
     } else {

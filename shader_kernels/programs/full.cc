@@ -66,15 +66,20 @@ void FullProgram::run_tile(std::uint32_t tile, const traces::Tracer& tracer, boo
       jitters ? wave.launch<GenerateJitteredRays>(generate, samples) : wave.launch<GenerateRays>(generate, samples);
   wave.run(generated, samples);
 
-  put_out(wave, tile, samples);
+  put_out(wave, samples, out);
   wave.finish();
   out.sampling = {};
   out.sampling.wanted = out.sampling.traced = samples;
   out.sampling.background = out.sampling.traced_background = out.background.size();
 }
 
-void FullProgram::put_out(Wavefront& wave, std::uint32_t tile, std::uint32_t samples) const {
-  const std::uint64_t offset = std::uint64_t{tile} * tile_pixels() * kPixelBytes;
+void FullProgram::put_out(Wavefront& wave, std::uint32_t samples, TileResult& out) const {
+  const std::uint64_t offset = std::uint64_t{out.tile} * tile_pixels() * kPixelBytes;
+  if (wave.dma_encodes() && samples_ == 1) {
+    for (std::uint32_t i = 0; i < samples; ++i) out.linear[i] = out.colour(i);
+    wave.wait_for_colours(wave.put_linear(offset));
+    return;
+  }
   if (wave.fuses() && samples_ == 1) {
     const Wavefront::Node packed = wave.launch<PackSample>(samples);
     wave.wait_for_colours(packed);

@@ -29,7 +29,7 @@ class FullProgram final : public FrameProgram {
 
  private:
   /// Averages, encodes and moves the pixels of a tile with so many samples.
-  void put_out(Wavefront& wave, std::uint32_t tile, std::uint32_t samples) const;
+  void put_out(Wavefront& wave, std::uint32_t samples, TileResult& out) const;
 
   const RenderConfig config_;
   const SceneTables scene_;

@@ -155,7 +155,7 @@ TEST(RenderConfig, EveryFieldChangesTheWork) {
     EXPECT_FALSE(meaning.empty()) << key;
     ++fields;
   });
-  EXPECT_EQ(fields, 13U);
+  EXPECT_EQ(fields, 14U);
 }
 
 TEST(ProgramSpec, NamesAreParsed) {

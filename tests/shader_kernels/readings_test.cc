@@ -21,10 +21,9 @@ constexpr std::uint32_t kLeast = 32;  // samples from here on have neighbours on
 /// Gives every port of a kernel memory full of random records, every uniform a random value.
 class RandomPorts {
  public:
-  /// With identities, verdicts are those of block programs, otherwise of sub-pixels. With footprints, words of textures
-  /// have them.
-  RandomPorts(std::uint32_t seed, bool with_misses, bool with_identities, bool with_footprints)
-      : seed_(seed), with_misses_(with_misses), with_identities_(with_identities), with_footprints_(with_footprints) {
+  /// With identities, verdicts are those of block programs, otherwise of sub-pixels.
+  RandomPorts(std::uint32_t seed, bool with_misses, bool with_identities)
+      : seed_(seed), with_misses_(with_misses), with_identities_(with_identities) {
     for (std::uint32_t i = 0; i < kItems; ++i) {
       traces::Texture& t = textures_.emplace_back();
       t.width = t.height = kTextureSize;
@@ -138,6 +137,7 @@ class RandomPorts {
         record = axis_record(kTextureSize, static_cast<traces::Texture::Wrap>(random() % 3),
                              static_cast<traces::Texture::Filter>(random() % 2));
       } else if constexpr (std::is_same_v<R<float>, LevelRecord<float>>) {
+        with_footprints_ = true;
         record = {8 * number(), static_cast<float>(1U << random() % 5)};
       } else if constexpr (std::is_same_v<R<float>, InstanceHitRecord<float>>) {
         const auto weight = [&] { return random() << traces::kHalfBits; };
@@ -169,7 +169,8 @@ class RandomPorts {
   }
 
   const std::uint32_t seed_;
-  const bool with_misses_, with_identities_, with_footprints_;
+  const bool with_misses_, with_identities_;
+  bool with_footprints_ = false;  ///< words of textures have them: mip levels are read (their port is described first)
   std::uint32_t drawn_ = 0;
   std::deque<std::vector<std::byte>> memories_;
   std::map<std::string, std::size_t, std::less<>> index_;
@@ -193,7 +194,7 @@ TYPED_TEST(Readings, ComputingAndInterpretingTheGraphGiveEqualBits) {
     Ports ports;
     RandomPorts random(
         seed, !requires { ports.attributes; } && !requires { ports.vertices; } && !requires { ports.objects; },
-        requires { ports.identities; }, requires { ports.levels; });
+        requires { ports.identities; });
     Ports::describe(ports, random);
     const auto before = random.memories();
 

@@ -156,10 +156,11 @@ Simulation play(const Inputs& inputs, const kernels::ProgramSpec& program, kerne
   ProgressTileSource offered(front_end, frame.tiles(), extras.progress, extras.keep_part);
   const kernels::FrameRequirements requirements = frame.requirements();
   Recording tiles(offered, inputs, requirements, extras);
-  const auto gpu = std::make_unique<hw::Gpu>(inputs.config.gpu,
-                                             hw::Gpu::Workload{inputs.image, inputs.parents, requirements.tile_samples,
-                                                               requirements.region_bytes, requirements.attribute_bytes},
-                                             tiles);
+  const auto gpu = std::make_unique<hw::Gpu>(
+      inputs.config.gpu,
+      hw::Gpu::Workload{inputs.image, inputs.parents, requirements.tile_samples, requirements.region_bytes,
+                        requirements.attribute_bytes, inputs.config.render.srgb == kernels::SrgbEncoder::kDma},
+      tiles);
   const auto energy = [&] {
     return sim::compute_energy(gpu->report(), inputs.config.energy, hw::dram_energy_events(inputs.config.gpu.dram),
                                gpu->elapsed());

@@ -137,7 +137,7 @@ void BlockProgram::average(Tile& tile) const {
   TileResult& out = tile.out;
   const std::uint32_t per_pixel = setup_.grid * setup_.grid;
   const std::uint64_t offset = requirements().region_bytes[0] / tiles_.count() * tile.at.index;
-  if (wave.fuses() && per_pixel == 1) {
+  if (wave.fuses() && per_pixel == 1 && !wave.dma_encodes()) {
     PackGridSample::Ports<float> ports;
     ports.width = static_cast<float>(out.width);
     ports.inverse_width = inverse(out.width);

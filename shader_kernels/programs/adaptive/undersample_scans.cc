@@ -205,7 +205,7 @@ void UndersampleProgram::put_corrected(Wavefront& wave, const SampleTile& at, st
     return static_cast<std::uint32_t>(std::min(std::uint64_t{count} * kLine, all));
   };
   Wavefront::Node packed = Wavefront::kNone;
-  if (wave.fuses() && undersample_.samples == 1) {
+  if (wave.fuses() && undersample_.samples == 1 && !wave.dma_encodes()) {
     packed = wave.note<PackGridSample>(corrected_pixels);
     wave.wait_for_colours(packed);
   } else {
@@ -216,8 +216,8 @@ void UndersampleProgram::put_corrected(Wavefront& wave, const SampleTile& at, st
           wave.transfer(Region::kSamples, false, store, lines(corrected_pixels * undersample_.grid(), stored));
       wave.wait_all(averaged, in);
     }
-    packed = wave.note<PackColour>(corrected_pixels);
-    wave.wait_all(packed, averaged);
+    packed = wave.dma_encodes() ? averaged : wave.note<PackColour>(corrected_pixels);
+    if (packed != averaged) wave.wait_all(packed, averaged);
   }
   const std::uint64_t pixels = requirements().region_bytes[kPicture] / sample_tiles().count();
   wave.wait_all(wave.transfer(Region::kPicture, true, pixels * at.index, lines(corrected_pixels, pixels)), packed);

@@ -22,6 +22,10 @@ constexpr std::array<std::string_view, 2> names_of(Streams) { return {"compacted
 enum class MipBlend : std::uint8_t { kNearest, kLinear };
 constexpr std::array<std::string_view, 2> names_of(MipBlend) { return {"nearest", "linear"}; }
 
+/// Encoders of the frame buffer's sRGB: a kernel, or the DMA on the way there.
+enum class SrgbEncoder : std::uint8_t { kKernel, kDma };
+constexpr std::array<std::string_view, 2> names_of(SrgbEncoder) { return {"kernel", "dma"}; }
+
 enum class Fusion : std::uint8_t { kOff, kOn };
 constexpr std::array<std::string_view, 2> names_of(Fusion) { return {"off", "on"}; }
 
@@ -35,6 +39,7 @@ struct RenderConfig {
   GlassShadows glass_shadows = GlassShadows::kTinted;
   traces::MipMaps mip_maps = traces::MipMaps::kOn;
   MipBlend mip_filter = MipBlend::kNearest;
+  SrgbEncoder srgb = SrgbEncoder::kKernel;
   Streams streams = Streams::kCompacted;
   Fusion fusion = Fusion::kOn;
   double ray_epsilon = 1e-4;
@@ -63,6 +68,10 @@ struct RenderConfig {
           sim::any(), Affects::kFunction);
     field(NAMED(c.mip_filter), "",
           "a look-up takes the mip level nearest to the cone's footprint, or blends the two about it (trilinear)",
+          sim::any(), Affects::kFunction);
+    field(NAMED(c.srgb), "",
+          "finished pixels are sRGB-encoded and packed by a kernel, or by a table in the DMA as they leave the tile "
+          "buffer",
           sim::any(), Affects::kFunction);
     field(NAMED(c.streams), "",
           "executors run over the items of their class, compacted by an inspector, or (as without inspectors) over all",

@@ -106,6 +106,7 @@ SceneTables::SceneTables(const traces::MemoryImage& memory_image, const RenderCo
   has_occlusion = (flags & traces::kOccluded) != 0;
   const bool is_trilinear = config.mip_filter == MipBlend::kLinear;
   mips = !image.has_mip_maps() ? MipFilter::kNone : is_trilinear ? MipFilter::kLinear : MipFilter::kNearest;
+  dma_encodes = config.srgb == SrgbEncoder::kDma;
   diverges = config.streams == Streams::kDivergent;
   has_alpha = (shades & traces::kAlphaFlag) != 0;
   const bool is_tinted = config.glass_shadows == GlassShadows::kTinted;

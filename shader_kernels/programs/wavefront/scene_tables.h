@@ -38,6 +38,7 @@ struct SceneTables {
   float epsilon, min_weight;
   std::uint32_t depth, layers;
   bool has_details;            ///< some surface goes into a stream of classify_details
+  bool dma_encodes;            ///< RenderConfig::srgb
   bool diverges;               ///< RenderConfig::streams
   bool fuses;                  ///< RenderConfig::fusion
   bool has_later;              ///< some surface is not lit at once (kernels/at_once.h)

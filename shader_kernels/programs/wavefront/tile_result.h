@@ -14,8 +14,7 @@
 
 namespace kernels {
 
-/// Bytes of a pixel in the frame buffer: three channels in a packed format.
-inline constexpr std::uint32_t kPixelBytes = 4;
+using traces::kPixelBytes;
 
 /// A wave: rays on their way, what they carry, where they hit. The three arrays are the ray slots of the tile buffer.
 struct RaySlots {

@@ -155,7 +155,16 @@ void Wavefront::wait_for_records(Node node) {
   for (const Node adder : buffer_.record_nodes) wait_all(node, adder);
 }
 
+Wavefront::Node Wavefront::put_linear(std::uint64_t offset) {
+  const auto pixels = static_cast<std::uint32_t>(out_.linear.size());
+  PackColour::Ports<float> ports;
+  sources_.bind<PackColour>(ports, nullptr);
+  for (std::uint32_t i = 0; i < pixels; ++i) PackColour::body<float>(i, ports);
+  return transfer(traces::Region::kPicture, true, offset, pixels * kPixelBytes);
+}
+
 void Wavefront::put_out(Node averaged, std::uint64_t offset) {
+  if (scene_.dma_encodes) return wait_all(put_linear(offset), averaged);
   const auto pixels = static_cast<std::uint32_t>(out_.linear.size());
   const Node packed = launch<PackColour>(pixels);
   wait_all(packed, averaged);

@@ -122,6 +122,10 @@ class Wavefront {
   void export_samples(std::uint32_t number, std::uint64_t offset, std::uint32_t bytes);
   /// Imports samples: what waits for records or colours from then on waits for the transfer.
   void import_samples(traces::Border border, std::uint64_t offset, std::uint32_t bytes);
+  /// Whether it is the DMA that encodes pixels.
+  bool dma_encodes() const { return scene_.dma_encodes; }
+  /// Moves the tile's pixels, which the DMA encodes as pack_colour would, to byte `offset` of the picture.
+  Node put_linear(std::uint64_t offset);
   /// Encodes the tile's pixels, once `averaged` is done, and moves them to byte `offset` of the picture.
   void put_out(Node averaged, std::uint64_t offset);
   /// Moves them once `packed` has encoded them.

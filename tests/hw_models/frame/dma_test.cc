@@ -33,6 +33,12 @@ class DmaHarness {
     to_send_.push_back({base, bytes, write, static_cast<std::uint32_t>(to_send_.size()), area});
     return *this;
   }
+  /// Pixels that take so many cycles a line to be encoded.
+  DmaHarness& add_pixels(std::uint32_t bytes, std::uint32_t encode_cycles) {
+    add(bytes, true);
+    to_send_.back().encode_cycles = encode_cycles;
+    return *this;
+  }
   template <sim::Skip kSkip = sim::Skip::kOn>
   DmaHarness& run() {
     end_ = clock_.after(sim::run<kSkip>(*this), 1);
@@ -116,6 +122,29 @@ TEST(Dma, AReadOfNLinesTakesNCyclesAndMemorysLatency) {
   }
 }
 
+TEST(Dma, PixelsThatItEncodesTakeThatLongALine) {
+  for (const std::uint32_t cycles : {1U, 4U, 5U}) {
+    for (const std::uint32_t n : {1U, 2U, 16U}) {
+      DmaHarness harness({});
+      harness.add_pixels(n * kLine, cycles).run();
+      EXPECT_EQ(harness.cycles(0), n * cycles);
+      EXPECT_EQ(harness.spent(Dma::CycleReason::kMoving), n);
+      EXPECT_EQ(harness.spent(Dma::CycleReason::kEncoding), n * (cycles - 1));
+      EXPECT_EQ(harness.dma().stats().pixels_encoded, 16 * n);
+    }
+  }
+  DmaHarness plain({});
+  plain.add(4 * kLine, true).run();
+  EXPECT_EQ(plain.dma().stats().pixels_encoded, 0U);
+}
+
+TEST(Dma, AMemorySlowerThanTheEncoderSetsThePace) {
+  DmaHarness harness({.memory_interval = 9, .depth = 1});
+  harness.add_pixels(20 * kLine, 4).run();
+  EXPECT_GT(harness.cycles(0), 18U * 9);
+  EXPECT_EQ(harness.spent(Dma::CycleReason::kEncoding), 20U * 3) << "beside the wait for the line before";
+}
+
 TEST(Dma, ASlowMemorySetsThePace) {
   DmaHarness harness({.memory_interval = 5, .depth = 2});
   harness.add(20 * kLine, true).run();
@@ -169,20 +198,22 @@ TEST(Dma, LinesAreCountedByWhatTheyAreForAndDirection) {
 }
 
 TEST(Dma, EveryCycleHasAReasonAndTheOracleAgrees) {
-  const auto fill = [](DmaHarness& b) -> DmaHarness& { return b.add(1000, true).add(300, false).add(64, true); };
+  const auto fill = [](DmaHarness& b) -> DmaHarness& {
+    return b.add(1000, true).add(300, false).add(64, true).add_pixels(300, 4);
+  };
   for (const DmaHarness::Setup& setup :
        {DmaHarness::Setup{}, DmaHarness::Setup{.memory_latency = 3, .memory_interval = 7, .depth = 1}}) {
     DmaHarness fast(setup), oracle(setup);
     fill(fast).run();
     fill(oracle).run<sim::Skip::kOff>();
     std::uint64_t sum = 0;
-    for (const Dma::CycleReason why :
-         {Dma::CycleReason::kIdle, Dma::CycleReason::kMoving, Dma::CycleReason::kWaiting}) {
+    for (const Dma::CycleReason why : {Dma::CycleReason::kIdle, Dma::CycleReason::kMoving, Dma::CycleReason::kEncoding,
+                                       Dma::CycleReason::kWaiting}) {
       EXPECT_EQ(fast.spent(why), oracle.spent(why));
       sum += fast.spent(why);
     }
     EXPECT_EQ(sum, fast.end());
-    EXPECT_EQ(fast.spent(Dma::CycleReason::kMoving), 16U + 5U + 1U);
+    EXPECT_EQ(fast.spent(Dma::CycleReason::kMoving), 16U + 5U + 1U + 5U);
   }
 }
 

@@ -5,6 +5,7 @@
 #include "tests/hw_models/machines/gpu_harness.h"
 #include "tests/hw_models/machines/random_config.h"
 #include "tests/shader_kernels/showcase.h"
+#include "traces/scenes/library.h"
 
 // Scenes with everything that a material can say: rays that go on, records and textures of several kinds.
 
@@ -49,6 +50,34 @@ TEST(GpuDetails, SmallAndOddMachinesEndAndAgreeWithTheOracle) {
   tiny.tile_buffer.size.bytes = 1024;
   tiny.tile_buffer.tiles_in_flight = 1;
   test::expect_conserved(play(frame, tiny), frame, tiny);
+}
+
+TEST(GpuDetails, MipLevelsAndPixelsThatTheDmaEncodesArePlayedAlikeByAllEngines) {
+  kernels::RenderConfig render;
+  render.width = 32;
+  render.height = 16;
+  render.srgb = kernels::SrgbEncoder::kDma;
+  for (const kernels::MipBlend blend : {kernels::MipBlend::kNearest, kernels::MipBlend::kLinear}) {
+    render.mip_filter = blend;
+    const test::Method method(kernels::showcase_scene(), "full:1", {}, render);
+    for (const GpuConfig& config : {GpuConfig{}, test::random_config(107), test::random_config(108)}) {
+      const Outcome fast = play(method, config);
+      EXPECT_EQ(difference(fast, play(method, config, Engine::kOracle)), "");
+      EXPECT_EQ(difference(fast, play(method, config, Engine::kShuffled, 7)), "");
+      EXPECT_EQ(fast.sum("dma", "pixels_encoded"), 32U * 16U);
+    }
+  }
+}
+
+TEST(GpuDetails, MipMapsSpareTheDataCacheMisses) {
+  kernels::RenderConfig render;
+  render.width = 64;
+  render.height = 32;
+  const auto misses = [&](traces::MipMaps mip_maps) {
+    render.mip_maps = mip_maps;
+    return play(test::Method(traces::open_scene("teapot"), "full:1", {}, render), {}).sum("srp", "cache_misses");
+  };
+  EXPECT_LT(2 * misses(traces::MipMaps::kOn), misses(traces::MipMaps::kOff));
 }
 
 TEST(GpuDetails, RecordsOfAllKindsAreReadWhereTheyLie) {

@@ -110,7 +110,7 @@ Method::Method(const traces::Scene& scene, const std::string& program, const ker
       render_(render),
       rates_(programs.multirate),
       camera_(scene.cameras.front()),
-      image_(traces::build_memory_image(scene, bvh, 1)),
+      image_(traces::build_memory_image(scene, bvh, 1, nullptr, render.mip_maps)),
       parents_(traces::parents_of(image_)),
       tracer_(image_) {}
 
@@ -120,7 +120,12 @@ std::unique_ptr<kernels::FrameProgram> Method::make() const {
 
 Gpu::Workload Method::workload() const {
   const kernels::FrameRequirements requirements = make()->requirements();
-  return {image_, parents_, requirements.tile_samples, requirements.region_bytes, requirements.attribute_bytes};
+  return {image_,
+          parents_,
+          requirements.tile_samples,
+          requirements.region_bytes,
+          requirements.attribute_bytes,
+          render_.srgb == kernels::SrgbEncoder::kDma};
 }
 
 const Frame& cornell_64x32() {

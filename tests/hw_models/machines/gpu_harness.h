@@ -49,6 +49,8 @@ class Method {
  public:
   Method(const std::string& scene, const std::string& program, const kernels::ProgramConfig& programs,
          std::uint32_t width, std::uint32_t height, std::uint32_t tile, const traces::BvhConfig& bvh = {});
+  Method(const traces::Scene& scene, const std::string& program, const kernels::ProgramConfig& programs,
+         const kernels::RenderConfig& render, const traces::BvhConfig& bvh = {});
   Method(const Method&) = delete;
   Method& operator=(const Method&) = delete;
 
@@ -57,9 +59,6 @@ class Method {
   Gpu::Workload workload() const;
 
  private:
-  Method(const traces::Scene& scene, const std::string& program, const kernels::ProgramConfig& programs,
-         const kernels::RenderConfig& render, const traces::BvhConfig& bvh);
-
   const kernels::ProgramSpec spec_;
   const kernels::ProgramConfig programs_;
   const kernels::RenderConfig render_;
