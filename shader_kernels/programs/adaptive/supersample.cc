@@ -31,7 +31,7 @@ FrameRequirements SupersampleProgram::requirements() const {
   FrameRequirements needs;
   needs.tile_samples = std::max(samples, kChunk * kExtra);
   needs.attribute_bytes = supersample_.attributes == AttributeStorage::kTile ? samples * kAttributeBytes : 0;
-  if (supersample_.propagate != 0) needs.attribute_bytes += shown_bytes();
+  if (supersample_.propagate != 0) needs.attribute_bytes += waiting_bytes();
   needs.region_bytes = {std::uint64_t{tiles_.count()} * tile_pixels() * kPixelBytes,
                         supersample_.propagate == 0 ? tiles_.count() * store_bytes() : fresh_store(tiles_.count(), 1),
                         0};

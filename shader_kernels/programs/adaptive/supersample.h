@@ -64,6 +64,7 @@ class SupersampleProgram final : public FrameProgram {
     Wavefront& wave;
     TileResult& out;
     TileBuffer& buffer;
+    Node shown = Wavefront::kNone;  ///< the last transfer of what sub-pixels show
   };
   /// Sub-pixels that are sampled at once, and pixels that are then complete.
   struct Chunk {
@@ -115,11 +116,12 @@ class SupersampleProgram final : public FrameProgram {
 
   // supersample_rounds.cc
   std::uint32_t shown_bytes() const;
+  static std::uint32_t waiting_bytes();
   std::uint64_t shown_store(std::uint32_t tile) const;
   std::uint64_t fresh_store(std::uint32_t tile, std::uint32_t round) const;
   static StateUniforms<float> state_uniforms(const Tile& tile);
   static ShownSubpixel shown_subpixel(const Tile& tile, std::uint32_t subpixel);
-  Node show(Tile& tile) const;
+  void show(Tile& tile) const;
   void settle(Tile& tile, const Chunk& chunk, std::uint32_t first_sample, std::uint32_t round) const;
   void put_shown(Tile& tile) const;
   bool is_reached(const SampleTile& at, auto&& read) const;

@@ -45,22 +45,29 @@ StateUniforms<float> SupersampleProgram::state_uniforms(const Tile& tile) {
   return {tile.finished.width, tile.finished.inverse_width, pitch + 1, pitch};
 }
 
-/// Leaves what all sub-pixels show if they are not active, for settle() to write over.
-SupersampleProgram::Node SupersampleProgram::show(Tile& tile) const {
+/// Bytes of the tile buffer that wait for the DMA while rays are traced: what a chunk shows. Before that, what all
+/// sub-pixels show has the slots of rays that are done.
+std::uint32_t SupersampleProgram::waiting_bytes() { return kChunk * kShownBytes; }
+
+/// Writes what all sub-pixels show if they are not active, for settle() to write over.
+void SupersampleProgram::show(Tile& tile) const {
   const auto launch = [&]<class K>(K) {
     typename K::template Ports<float> ports;
     ports.finished = tile.finished;
     ports.grid = state_uniforms(tile);
-    const Node node = tile.wave.launch<K>(ports, 4 * tile.pixels);
-    tile.wave.wait_for_colours(node);
-    tile.wave.adds_colours(node);
-    return node;
+    return tile.wave.launch<K>(ports, 4 * tile.pixels);
   };
-  return supersample_.filter == SubpixelFilter::kBilinear ? launch(ShowSubpixels<true>{})
-                                                          : launch(ShowSubpixels<false>{});
+  const Node node =
+      supersample_.filter == SubpixelFilter::kBilinear ? launch(ShowSubpixels<true>{}) : launch(ShowSubpixels<false>{});
+  tile.wave.wait_for_colours(node);
+  tile.wave.adds_colours(node);
+  tile.shown = tile.wave.transfer(Region::kSamples, true, shown_store(tile.at.index), 4 * tile.pixels * kShownBytes);
+  tile.wave.wait_all(tile.shown, node);
+  tile.wave.adds_colours(tile.shown);
 }
 
-/// Leaves what the sub-pixels of a chunk show, whose samples begin at `first_sample`.
+/// Leaves what the sub-pixels of a chunk show, whose samples begin at `first_sample`; before the first round it is
+/// written at once.
 void SupersampleProgram::settle(Tile& tile, const Chunk& chunk, std::uint32_t first_sample, std::uint32_t round) const {
   if (chunk.subpixels == 0) return;
   SettleSubpixels::Ports<float> ports;
@@ -72,6 +79,12 @@ void SupersampleProgram::settle(Tile& tile, const Chunk& chunk, std::uint32_t fi
   const Node node = tile.wave.launch<SettleSubpixels>(ports, chunk.subpixels);
   tile.wave.wait_for_colours(node);
   tile.wave.adds_colours(node);
+  if (round != 0) return;
+  const std::uint64_t store = shown_store(tile.at.index);
+  const Node out = tile.wave.transfer(Region::kSamples, true, store, chunk.subpixels * kShownBytes);
+  tile.wave.wait_all(out, node);
+  tile.wave.wait_all(out, tile.shown);
+  tile.shown = out;
 }
 
 /// A sub-pixel of a tile, as it is left in the tile buffer.
