@@ -114,6 +114,21 @@ void read_all(const Json& json, const char* key, Array& numbers) {
   }
 }
 
+/// Counts of checks in the order of files, or from that order.
+template <class Counts>
+Counts reordered(const Counts& counts, bool is_from_file) {
+  using enum kernels::Check;
+  constexpr std::array kInFile{kObject, kNormal,          kShadow,          kPosition,        kConvexity, kTexture,
+                               kColour, kSecondaryObject, kSecondaryNormal, kSecondaryShadow, kDetail,    kBorder};
+  static_assert(kInFile.size() == std::tuple_size_v<Counts>);
+  Counts out{};
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const auto check = static_cast<std::size_t>(kInFile[i]);
+    is_from_file ? out[check] = counts[i] : out[i] = counts[check];
+  }
+  return out;
+}
+
 /// Another build may not have had all keys that change the work here: what it did then is what the default does.
 void check_not_recorded(const Json& header, const std::string& file,
                         const std::map<std::string, sim::FieldInfo>& asked) {
@@ -174,10 +189,14 @@ Json recorded_result(const FrontEnd::Result& result) {
             {"traced_background", s.traced_background},
             {"checked", s.checked},
             {"passed", s.passed},
-            {"failed", s.failed},
+            {"failed", reordered(s.failed, false)},
+            {"first_failed", reordered(s.first_failed, false)},
+            {"rough", s.rough},
             {"active", s.active},
             {"reasons", s.reasons},
+            {"first_reasons", s.first_reasons},
             {"padding", s.padding},
+            {"propagated", s.propagated},
             {"similar", s.similar},
             {"blocks", s.blocks},
             {"tile_side", s.tile_side},
@@ -199,9 +218,15 @@ FrontEnd::Result result_of(const Json& json) {
   read(from, "checked", s.checked);
   read(from, "passed", s.passed);
   read_all(from, "failed", s.failed);
+  read_all(from, "first_failed", s.first_failed);
+  s.failed = reordered(s.failed, true);
+  s.first_failed = reordered(s.first_failed, true);
+  read(from, "rough", s.rough);
   read_all(from, "active", s.active);
   read_all(from, "reasons", s.reasons);
+  read_all(from, "first_reasons", s.first_reasons);
   read(from, "padding", s.padding);
+  read(from, "propagated", s.propagated);
   for (const Json& share : from.value("similar", Json::array())) s.similar.push_back(share.get<float>());
   for (const Json& side : from.value("blocks", Json::array())) {
     s.blocks.push_back(static_cast<std::uint8_t>(traces::number_of(side, 255, "blocks")));
