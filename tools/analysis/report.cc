@@ -16,6 +16,7 @@
 #include "sim/config/config.h"
 #include "sim/config/config_json.h"
 #include "sim/report/report_json.h"
+#include "tools/analysis/area_totals.h"
 #include "tools/analysis/energy_totals.h"
 #include "tools/analysis/limiter.h"
 #include "tools/analysis/picture.h"
@@ -218,6 +219,8 @@ Json provenance_json(const Inputs& inputs, const JobOptions& options) {
 Json report_json(const Report& report) {
   const Inputs& in = report.inputs;
   const Simulation& run = report.totals.run;
+  Json totals = totals_json(report.totals);
+  add_area(totals, run.units, in.config);
   Json out = {{"schema", "raywatt-report/1"},
               {"partial", report.partial},
               {"program", run.program.name()},
@@ -231,7 +234,7 @@ Json report_json(const Report& report) {
                 {"instances", in.scene.instances},
                 {"lights", in.scene.lights}}},
               {"provenance", provenance_json(in, report.options)},
-              {"totals", totals_json(report.totals)},
+              {"totals", std::move(totals)},
               {"frames", report.frames},
               {"units", sim::units_json(run.units)}};
   if (run.sampled) {

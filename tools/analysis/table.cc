@@ -101,6 +101,12 @@ std::string dram_traffic(const Json& totals) {
   return out + ")";
 }
 
+std::string area(const Json& totals) {
+  return fmt::format("{}, {:.2f} frames/J and {:.2f} Mrays/s per mm2", spread(totals["area_band_mm2"], 1, "mm2"),
+                     totals["perf"]["frames_per_joule_per_mm2"].get<double>(),
+                     totals["perf"]["mrays_per_s_per_mm2"].get<double>());
+}
+
 std::string overview(const Json& report) {
   const Json& t = report["totals"];
   const Json& rays = t["rays"];
@@ -145,6 +151,7 @@ std::string overview(const Json& report) {
        fmt::format("{:.1f} frames/J GPU with memory, {:.1f} frames/J T&I alone, {:.2f} nJ per ray",
                    t["perf"]["frames_per_joule_gpu"].get<double>(), t["perf"]["frames_per_joule_tni"].get<double>(),
                    t["perf"]["nj_per_ray"].get<double>()));
+  if (t.contains("area_mm2")) line("area", area(t));
   if (t.contains("relative")) {
     const Json& r = t["relative"];
     line("against reference",

@@ -20,7 +20,8 @@ std::optional<EnergyMetric> energy_metric(std::string_view path) {
   if (path == "totals.energy_mj.nominal" || path == "totals.power_w.nominal" || path == "totals.perf.nj_per_ray") {
     return EnergyMetric{};
   }
-  if (path == "totals.perf.frames_per_joule_gpu") return EnergyMetric{"", true};
+  if (path == "totals.perf.frames_per_joule_gpu" || path == "totals.perf.frames_per_joule_per_mm2")
+    return EnergyMetric{"", true};
   if (path == "totals.perf.frames_per_joule_tni") return EnergyMetric{"tni", true};
   if (!path.starts_with(kByBlock) || !path.ends_with(kNominal)) return std::nullopt;
   path.remove_prefix(kByBlock.size());

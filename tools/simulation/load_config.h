@@ -6,6 +6,7 @@
 #include "sim/config/config_tree.h"
 #include "sim/config/field.h"
 #include "sim/named.h"
+#include "sim/report/area.h"
 #include "sim/report/energy.h"
 #include "tools/simulation/job_options.h"
 #include "traces/accel/bvh_config.h"
@@ -20,6 +21,7 @@ struct RunConfig {
   kernels::ProgramConfig programs;
   traces::BvhConfig bvh;
   sim::EnergyConfig energy;
+  sim::AreaConfig area;
   traces::WorkloadConfig scene;
   traces::SceneLimits limits;
 
@@ -29,6 +31,7 @@ struct RunConfig {
     kernels::ProgramConfig::describe(c.programs, field);
     field.group(NAMED(c.bvh), "how the tree is built on the host, and how it lies in memory");
     field.group(NAMED(c.energy), "energy per event, leakage and clock");
+    field.group(NAMED(c.area), "area of storage and pads; that of logic is in energy.logic");
     field.group(NAMED(c.scene), "what is looked at, from where, and when");
     field.group(NAMED(c.limits), "what a scene file may cost at most");
   }

@@ -166,7 +166,11 @@ Simulation play(const Inputs& inputs, const kernels::ProgramSpec& program, kerne
                                gpu->elapsed());
   };
   check_energy_events(gpu->report(), inputs.config.energy);
-  energy();  // a figure that is missing is told before the work, not after it
+  // A figure that is missing is told before the work, not after it.
+  energy();
+  if (!inputs.config.area.arrays.empty()) {
+    sim::compute_area(gpu->report(), inputs.config.energy.logic, inputs.config.area);
+  }
   offered.begin("simulating", inputs.frame);
   offered.played_by(*gpu);
   gpu->finish(sim::run(*gpu));

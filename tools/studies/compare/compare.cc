@@ -20,7 +20,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 /// Figures that people look at first: a name, and where a report has it.
-constexpr std::array<std::pair<const char*, const char*>, 14> kFigures = {{
+constexpr std::array<std::pair<const char*, const char*>, 15> kFigures = {{
     {"cycles", "totals.cycles"},
     {"time_ms", "totals.time_ms"},
     {"fps", "totals.perf.fps"},
@@ -34,6 +34,7 @@ constexpr std::array<std::pair<const char*, const char*>, 14> kFigures = {{
     {"frames_per_joule_gpu", "totals.perf.frames_per_joule_gpu"},
     {"frames_per_joule_tni", "totals.perf.frames_per_joule_tni"},
     {"nj_per_ray", "totals.perf.nj_per_ray"},
+    {"area_mm2", "totals.area_mm2"},
     {"traced_ratio", "totals.traced_ratio"},
 }};
 

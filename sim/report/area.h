@@ -1,0 +1,53 @@
+#pragma once
+#include <map>
+#include <span>
+#include <string>
+
+#include "sim/config/field.h"
+#include "sim/named.h"
+#include "sim/unit_report.h"
+
+namespace sim {
+
+/// Area figures of a process: one file of configs/area. Logic is in EnergyConfig::logic, for leakage and area alike;
+/// here is how large that is in this process.
+///
+/// An array's area depends on its size: "l2@64KiB", "l2@256KiB" are points of "l2", between and beyond which area is a
+/// power of the size. A unit is looked up as "<block>.<kind>", then as "<block>", as for logic.
+struct AreaConfig {
+  std::string process = "unnamed";
+  Spread logic_scale{1, 1, 1};
+  std::map<std::string, Spread> arrays;
+  std::map<std::string, Spread> buffers;
+  std::map<std::string, Spread> pads;
+  Spread placement{1, 1, 1};
+
+  static void describe(auto& c, auto&& field) {
+    const auto area = [&](auto& value, const char* name, const char* unit, const char* meaning) {
+      field(value, name, unit, meaning, at_least(0), Affects::kEnergy);
+    };
+    area(NAMED(c.process), "", "what the figures describe");
+    area(NAMED(c.logic_scale), "", "area of logic in this process over energy.logic");
+    area(NAMED(c.arrays), "mm2", "the array of a unit whose accesses are counted, by size");
+    area(NAMED(c.buffers), "mm2/KiB", "a unit's storage beside that array");
+    area(NAMED(c.pads), "mm2", "drivers, receivers and pads of a unit at the die's edge");
+    area(NAMED(c.placement), "", "die over the sum of its blocks: wires between them and gaps");
+  }
+};
+
+/// Area of a block, in mm2.
+struct AreaOfBlock {
+  Spread logic, arrays, buffers, pads;
+  Spread total() const;
+};
+
+struct AreaReport {
+  std::map<std::string, AreaOfBlock> blocks;
+  Spread total;  ///< with wires between blocks and gaps
+};
+
+/// Throws InputError for a unit whose block or storage the table does not know. `logic`: EnergyConfig::logic.
+AreaReport compute_area(std::span<const UnitReport> units, const std::map<std::string, Spread>& logic,
+                        const AreaConfig& config);
+
+}  // namespace sim

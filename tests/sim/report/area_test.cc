@@ -1,0 +1,99 @@
+#include "sim/report/area.h"
+
+#include <cmath>
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+#include "../folder.h"
+#include "sim/config/config.h"
+#include "sim/error.h"
+
+namespace sim::test {
+namespace {
+
+UnitReport unit(std::string path, std::string block, std::uint64_t sram, std::uint64_t array) {
+  UnitReport u;
+  u.path = std::move(path);
+  u.block = std::move(block);
+  u.sram_bytes = sram;
+  u.cache_bytes = array;
+  return u;
+}
+
+const std::map<std::string, Spread> kLogic = {{"tni", {1, 2, 3}}, {"tni.trv", {0.5, 1, 2}}, {"dram", {0, 0.5, 1}}};
+
+AreaConfig config() {
+  AreaConfig c;
+  c.logic_scale = {0.5, 1, 2};
+  c.arrays = {{"tni@16KiB", {1, 2, 4}}, {"tni@64KiB", {2, 8, 32}}};
+  c.buffers = {{"tni", {0.1, 0.2, 0.4}}};
+  c.pads = {{"dram", {1, 2, 3}}};
+  c.placement = {1, 1.25, 1.5};
+  return c;
+}
+
+TEST(Area, IsLogicArraysBuffersAndPadsOfEveryUnitAndThePlacement) {
+  const std::vector<UnitReport> units = {
+      unit("core0.tni.trv0", "tni", 20 * 1024, 16 * 1024), unit("core0.tni.trv1", "tni", 20 * 1024, 16 * 1024),
+      unit("core0.tni.dispatcher", "tni", 0, 0), unit("dram.channel0", "dram", 0, 0)};
+  const AreaReport area = compute_area(units, kLogic, config());
+  const AreaOfBlock& tni = area.blocks.at("tni");
+  EXPECT_EQ(tni.logic, (Spread{1, 4, 14}));
+  EXPECT_EQ(tni.arrays, (Spread{2, 4, 8}));
+  EXPECT_DOUBLE_EQ(tni.buffers.nominal, 1.6);
+  EXPECT_DOUBLE_EQ(area.blocks.at("dram").total().nominal, 2.5);
+  EXPECT_DOUBLE_EQ(area.total.nominal, (4 + 4 + 1.6 + 2.5) * 1.25);
+}
+
+TEST(Area, OfAnArrayIsAPowerOfItsSizeBetweenPoints) {
+  const AreaReport area =
+      compute_area(std::vector{unit("core0.tni.trv0", "tni", 32 * 1024, 32 * 1024)}, kLogic, config());
+  EXPECT_NEAR(area.blocks.at("tni").arrays.nominal, 4, 1e-12);
+}
+
+TEST(Area, OfABankIsItsShareOfTheArray) {
+  const std::vector<UnitReport> banks(4, unit("core0.tni.trv0", "tni", 16 * 1024, 64 * 1024));
+  EXPECT_DOUBLE_EQ(compute_area(banks, kLogic, config()).blocks.at("tni").arrays.nominal, 8);
+}
+
+TEST(Area, OfWhatTheTableDoesNotKnowIsAnError) {
+  const Folder folder;
+  const auto error = [&](const UnitReport& u) {
+    return complaint<InputError>(folder, [&] { compute_area(std::vector{u}, kLogic, config()); });
+  };
+  EXPECT_EQ(error(unit("core0.srp", "srp", 0, 0)),
+            "energy.logic: no entry for unit 'core0.srp'; allowed: 'srp.srp' or 'srp'");
+  EXPECT_EQ(error(unit("dram.channel0", "dram", 1024, 1024)),
+            "area.arrays: no entry for unit 'dram.channel0'; allowed: 'dram.channel' or 'dram'");
+  EXPECT_EQ(error(unit("dram.channel0", "dram", 1024, 0)),
+            "area.buffers: no entry for unit 'dram.channel0'; allowed: 'dram.channel' or 'dram'");
+  EXPECT_EQ(error(unit("core0.tni.trv0", "tni", 1024, 1024)), "no error");
+}
+
+TEST(AreaTables, NameASourceForEveryFigureAndRiseWithSize) {
+  for (const char* name : {"configs/area/14nm.yaml", "configs/area/7nm.yaml"}) {
+    const AreaConfig c = load_config<AreaConfig>(name);
+    for (const char* block : {"tni", "srp", "l2", "tile_buffer"}) {
+      const auto of = [&](std::uint64_t kib) {
+        const UnitReport u = unit("x", block, kib * 1024, kib * 1024);
+        return compute_area(std::vector{u}, {{block, {0, 0, 0}}}, c).blocks.at(block).arrays;
+      };
+      const Spread at_16 = of(16);
+      EXPECT_LT(at_16.low, at_16.nominal) << block;
+      EXPECT_LT(at_16.nominal, at_16.high) << block;
+      EXPECT_LT(at_16.high, of(256).high) << block;
+    }
+    std::ifstream file(name);
+    int figures = 0;
+    for (std::string line; std::getline(file, line);) {
+      if (line.find(": {low") == std::string::npos) continue;
+      ++figures;
+      EXPECT_NE(line.find("# source: "), std::string::npos) << line;
+    }
+    EXPECT_EQ(figures, 18) << name;
+  }
+}
+
+}  // namespace
+}  // namespace sim::test
