@@ -173,7 +173,9 @@ TEST(Propagation, ARoundIsAPassThatReadsNothingWhereNothingLeadsToIt) {
       launches |= node.kind == traces::WorkNode::Kind::kLaunch;
       if (node.kind != traces::WorkNode::Kind::kTransfer) continue;
       EXPECT_LE(node.offset + node.items, program.requirements().region_bytes[static_cast<std::size_t>(node.region)]);
-      if (entry >= count && !launches) EXPECT_EQ(static_cast<std::size_t>(node.region), samples);
+      if (entry >= count && !launches) {
+        EXPECT_EQ(static_cast<std::size_t>(node.region), samples);
+      }
     }
     if (entry >= count) (launches ? busy : idle) += 1;
   }

@@ -58,7 +58,9 @@ TEST_P(SrgbEncoders, GiveThePictureBitForBitAndTheDmaWithoutAKernel) {
     EXPECT_EQ(dma.picture_bytes, kernel.picture_bytes);
     EXPECT_GE(kernel.packing_items, 37U * 23U);
     EXPECT_EQ(dma.packing_items, 0U);
-    if (fusion == Fusion::kOff) EXPECT_LT(dma.launches, kernel.launches);
+    if (fusion == Fusion::kOff) {
+      EXPECT_LT(dma.launches, kernel.launches);
+    }
   }
 }
 

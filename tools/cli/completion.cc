@@ -61,7 +61,7 @@ std::string find_verb(const std::vector<DeclaredVerb>& verbs) {
   return fmt::format("{}      {}) verb=\"$verb $word\" ;;\n    esac\n  done\n", kFindVerb, known);
 }
 
-/// What may come next, in the variables `next` and `choices`.
+/// Lines that put the words that may come next into `next` and `choices`.
 std::string what_comes(const std::vector<DeclaredVerb>& verbs) {
   return "  case $verb in\n" +
          cases(verbs,

@@ -23,7 +23,7 @@ struct Bash : testing::Test {
   TempFolder folder;
   std::filesystem::path script = folder.write("completion", printed({"completion", "bash"}));
 
-  /// What bash offers for a command line whose last word is begun.
+  /// Offers of bash for a command line whose last word is begun.
   Words offered(const std::string& line) const {
     const std::string command = "cd '" + folder.path().string() +
                                 "' && mkdir -p empty && cd empty && bash -c 'source " + script.string() +

@@ -1,4 +1,4 @@
-#include "hand_counts.h"
+#include "tests/shader_kernels/hand_counts.h"
 
 namespace kernels {
 namespace {

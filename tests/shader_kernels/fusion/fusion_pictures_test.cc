@@ -2,10 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include "harness.h"
 #include "shader_kernels/programs/program_spec.h"
 #include "shader_kernels/programs/programs.h"
-#include "showcase.h"
+#include "tests/shader_kernels/harness.h"
+#include "tests/shader_kernels/showcase.h"
 #include "traces/scenes/builtin.h"
 
 // Fused kernels change the stream of work and nothing else: pictures, findings and rays are those of their parts.
