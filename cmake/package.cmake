@@ -30,7 +30,7 @@ install(TARGETS raywatt_search raywatt_images LIBRARY DESTINATION lib/raywatt)  
 install(DIRECTORY configs traces/workloads tests/validation/published DESTINATION ${share}/raywatt)
 install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(FILES README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
-install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright)
+install(FILES cmake/copyright DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(FILES ${described}/changelog.gz DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(FILES ${described}/raywatt.1.gz DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 install(FILES ${described}/bash DESTINATION ${share}/bash-completion/completions RENAME raywatt)
@@ -42,10 +42,11 @@ set(CPACK_PACKAGE_NAME raywatt)
 set(CPACK_PACKAGE_CONTACT "Raywatt maintainers <raywatt@example.org>")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "simulator of a mobile ray-tracing GPU")
 set(CPACK_PACKAGE_DESCRIPTION
-"Raywatt reports cycles, rays, energy and performance per watt of a ray-tracing
- GPU of the SGRT class: fixed-function traversal and intersection units,
- programmable shader cores, tile buffers, caches and LPDDR memory, each described
- by keys of a YAML file. It renders glTF scenes by full or adaptive sampling.")
+"Raywatt reports cycles, rays, energy and performance per watt of a
+ray-tracing GPU of the SGRT class: fixed-function traversal and intersection
+units, programmable shader cores, tile buffers, caches and LPDDR memory, each
+described by keys of a YAML file. It renders glTF scenes by full or adaptive
+sampling.")
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)

@@ -61,7 +61,10 @@ void expect_a_scene_larger_than_the_l2(const Figures& f) {
 
 TEST(Bands, BuiltInScenesAreSixToTenTimesTheL2) {
   expect_a_scene_larger_than_the_l2(measure("cornell"));
-  expect_a_scene_larger_than_the_l2(measure("teapot"));
+  const Figures teapot = measure("teapot");
+  expect_believable(teapot);
+  expect_between("share of DRAM", teapot.dram_share, 0.08, 0.15);  // below its band: D3
+  expect_a_scene_larger_than_the_l2(measure("teapot", {"render.mip_maps=off"}));
 }
 
 TEST(Bands, ASceneThatFitsTheL2HardlyUsesMemoryUnlessRaySlotsSpill) {

@@ -145,7 +145,8 @@ Json frames_of(const std::filesystem::path& out, const Words& more) {
 
 TEST(Rates, GoOnFromFrameToFrameOfAStaticView) {
   const TempFolder folder;
-  const Json frames = frames_of(folder.path() / "out", {"--set", "multirate.rate_control=hysteresis"});
+  const Json frames = frames_of(folder.path() / "out", {"--set", "multirate.rate_control=hysteresis", "--set",
+                                                        "render.tile=16"});  // some show little
   EXPECT_EQ(references(frames[0]), 128U * 64 / 4) << "blocks of 2";
   EXPECT_LT(references(frames[1]), references(frames[0])) << "some tiles have blocks of 4";
   EXPECT_LT(frames[1]["traced_ratio"], frames[0]["traced_ratio"]);

@@ -98,8 +98,9 @@ TEST(Interrupt, InAFrameKeepsItsFinishedPart) {
                                 frame["tiles"].dump() + " tiles of frame 0 in " + out.string() + "\n");
     EXPECT_SAYS(read_bytes(out / "report.txt"), "PARTIAL");
     const nlohmann::json& totals = report["totals"];
-    EXPECT_EQ(totals["rays"]["primary"], frame["finished_tiles"].get<int>() * 256) << "a tile is one pixel";
-    EXPECT_EQ(totals["kernels"]["pack_colour"]["items"], frame["finished_tiles"]);
+    const int tiles = frame["finished_tiles"].get<int>();
+    EXPECT_EQ(totals["rays"]["primary"], tiles * 1024) << "a tile is four pixels";
+    EXPECT_EQ(totals["kernels"]["pack_colour"]["items"], tiles * 4);
     const auto [elapsed, why] = elapsed_and_why(report["units"]);
     EXPECT_EQ(elapsed, why) << "what is reported of the part adds up";
     EXPECT_TRUE(fs::exists(out / "image.png"));
