@@ -46,7 +46,11 @@ void apply(const PriceTable& table, RunConfig& config) {
   check_run_config(config, table.energy.empty() ? "--set" : table.energy);
   const auto after = sim::list_fields(config);
   for (std::size_t i = 0; i < before.size(); ++i) {
-    if (before[i].affects == sim::Affects::kEnergy || before[i].value == after[i].value) continue;
+    if (before[i].value == after[i].value) continue;
+    if (before[i].path.starts_with("area.")) {
+      throw sim::InputError(before[i].path + ": changes the machine's area, not its energy; give it to a run");
+    }
+    if (before[i].affects == sim::Affects::kEnergy) continue;
     throw sim::InputError(
         fmt::format("{}: changes what the machine does, so it needs another run; allowed: keys that affect energy "
                     "alone, such as energy.events.tni.box_test, dram.energy.phy",

@@ -7,6 +7,7 @@
 #include "hw_models/dram/dram_energy.h"
 #include "hw_models/machines/gpu.h"
 #include "shader_kernels/programs/programs.h"
+#include "sim/config/config.h"
 #include "sim/engine.h"
 #include "sim/host_clock.h"
 #include "sim/io/printable.h"
@@ -109,6 +110,17 @@ Inputs load_inputs(const RunConfig& config, std::uint32_t threads, Progress* pro
   if (in.frames() > 1) in.moving = std::move(scene);
   in.load_seconds = sim::seconds_since(begin);
   return in;
+}
+
+std::string inputs_key(const RunConfig& config) {
+  std::string key;
+  for (const sim::FieldInfo& field : sim::list_fields(config)) {
+    const auto is_of = [&](std::string_view group) { return field.path.starts_with(group); };
+    if (is_of("scene.") || is_of("bvh.") || is_of("limits.") || field.path == "render.mip_maps") {
+      key += field.path + "=" + field.value + "\n";
+    }
+  }
+  return key;
 }
 
 void advance(Inputs& in, std::uint32_t frame, std::uint32_t threads, Progress* progress) {

@@ -46,6 +46,8 @@ struct Inputs {
 /// Reads scene and configuration and builds the tree of the first frame. InputError, or Interrupted.
 Inputs load_inputs(const JobOptions& options, Progress* progress = nullptr);
 Inputs load_inputs(const RunConfig& config, std::uint32_t threads, Progress* progress = nullptr);
+/// Keys on which load_inputs() depends, with their values: equal texts, equal inputs.
+std::string inputs_key(const RunConfig& config);
 /// Goes on to a later frame: poses the scene, then refits or rebuilds the tree if anything in it has moved.
 /// Interrupted if an interrupt waits.
 void advance(Inputs& inputs, std::uint32_t frame, std::uint32_t threads, Progress* progress = nullptr);

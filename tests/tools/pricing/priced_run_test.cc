@@ -88,6 +88,7 @@ TEST(PricedRun, RefusesWhatNeedsAnotherRunAndCountsThatAreNotItsOwn) {
   const TempFolder folder;
   const tools::ReportFile report = load_report(run_into(folder.path() / "a"));
   EXPECT_SAYS(complaint(report, {.sets = {"cores=2"}}), "cores: changes what the machine does");
+  EXPECT_SAYS(complaint(report, {.sets = {"area.placement.nominal=2"}}), "changes the machine's area, not its energy");
   EXPECT_SAYS(complaint(report, {.sets = {"energy.events.tni.bxo=2"}}), "no counter names this event");
   EXPECT_EQ(complaint(report, {.sets = {"energy.events.tni.box_test=2"}}), "no error");
   tools::ReportFile changed = report;

@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "sim/config/config.h"
 #include "sim/error.h"
 #include "tools/analysis/debug_pictures.h"
 #include "tools/analysis/picture.h"
@@ -93,7 +92,7 @@ void Runner::load(const Case& c, const Program& program) {
   reflective_share_.reset();
   view_ = c.view;
   inputs_ = load_inputs(job(c, program), progress_);
-  tree_ = sim::config_hash(inputs_->config.bvh);
+  inputs_key_ = inputs_key(inputs_->config);
   if (c.view.mirrors != 0) {
     set_reflective_share(*inputs_, c.view.mirrors / 100.0, options_.threads);
     reflective_share_ = reflective_share(*inputs_, options_.threads);
@@ -106,7 +105,7 @@ const Outcome& Runner::outcome(const Case& c, const Program& program) {
   if (found != outcomes_.end()) return found->second;
   const kernels::ProgramSpec spec = kernels::parse_program(program.name);
   const RunConfig config = load_run_config(job(c, program));
-  if (sim::config_hash(config.bvh) != tree_) load(c, program);
+  if (inputs_key(config) != inputs_key_) load(c, program);
   inputs_->config = config;
   Outcome out;
   const std::uint64_t records = traces::node_records(inputs_->image.nodes.size(), config.bvh.boxes);

@@ -58,7 +58,7 @@ class Runner {
   Progress* progress_;
   std::optional<Inputs> inputs_;
   View view_;
-  std::string tree_;  ///< hash of the keys that the tree is made by
+  std::string inputs_key_;  ///< keys of what is loaded
   std::uint32_t width_ = 0, height_ = 0;
   std::optional<double> reflective_share_;
   std::map<std::string, Outcome> outcomes_;  ///< outcomes for this view and resolution

@@ -57,6 +57,23 @@ TEST_F(SweepRun, ComputesEveryPointAsARunDoes) {
       << "no picture unless it is asked for";
 }
 
+TEST_F(SweepRun, LoadsASceneAnewWhereItsTexturesAreLaidOutOtherwise) {
+  EXPECT_EQ(run("scene: teapot\naxes: {render.mip_maps: [on, off]}\n", {"-j", "1"}).exit, 0);
+  Words traffic;
+  for (const std::string& line : lines_in(out / "points.jsonl")) {
+    const nlohmann::json point = nlohmann::json::parse(line);
+    const std::string id = point["id"], mip_maps = point["axes"]["render.mip_maps"];
+    const fs::path alone = folder.path() / mip_maps;
+    raywatt({"run", "--scene", "teapot", "--resolution", "16x16", "--set", "render.mip_maps=" + mip_maps, "--threads",
+             "1", "-o", alone});
+    const nlohmann::json report = read_json(alone / "report.json");
+    EXPECT_EQ(comparable(read_json(store / "points" / id.substr(0, 2) / id / "report.json")), comparable(report));
+    traffic.push_back(report["totals"]["dram_bytes"].dump());
+  }
+  ASSERT_EQ(traffic.size(), 2U);
+  EXPECT_NE(traffic[0], traffic[1]) << "or this shows nothing";
+}
+
 TEST_F(SweepRun, AgainComputesNothingAndLeavesEveryByte) {
   ASSERT_EQ(run(kFour).exit, 0);
   const std::string results = read_bytes(out / "results.csv"), points = read_bytes(out / "points.jsonl");

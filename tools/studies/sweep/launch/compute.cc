@@ -28,17 +28,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Keys on which scene and tree depend.
-std::string inputs_key(const RunConfig& config) {
-  std::string key;
-  for (const sim::FieldInfo& field : sim::list_fields(config)) {
-    if (field.path.starts_with("scene.") || field.path.starts_with("bvh.") || field.path.starts_with("limits.")) {
-      key += field.path + "=" + field.value + "\n";
-    }
-  }
-  return key;
-}
-
 /// The frames of a point.
 struct Frames {
   const Point& point;
