@@ -227,6 +227,7 @@ void dispatch(const MemoryImage& image, std::span<const Ray> rays, bool any, std
   const auto with = [&](auto&& record) {
     image.has_levels() ? trace_kind<Lanes, true>(image, rays, any, hits, record)
                        : trace_kind<Lanes, false>(image, rays, any, hits, record);
+    record.finish();
   };
   walk != nullptr ? with(Recorder(*walk)) : with(NoRecorder{});
 }

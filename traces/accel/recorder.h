@@ -12,7 +12,6 @@ class Recorder {
   explicit Recorder(WalkSink& sink) : sink_(sink) {}
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
-  ~Recorder() { flush(); }
 
   void begin_ray() { sink_.begin.push_back(static_cast<std::uint32_t>(sink_.words.size() + used_)); }
   /// To be called before each step, which writes kStepWords words at most.
@@ -20,6 +19,8 @@ class Recorder {
     if (used_ + kStepWords > buffer_.size()) flush();
   }
   void write(std::uint32_t word) { buffer_[used_++] = word; }
+  /// To be called behind the last ray; a destructor could not say that there is no memory left.
+  void finish() { flush(); }
 
   static constexpr std::size_t kStepWords = 4;
 
@@ -39,6 +40,7 @@ struct NoRecorder {
   void begin_ray() {}
   void make_room() {}
   void write(std::uint32_t) {}
+  void finish() {}
 };
 
 }  // namespace traces
