@@ -13,13 +13,6 @@ namespace {
 
 constexpr double kPicojoulesPerMilliwattFemtosecond = 1e-6;
 
-/// A unit's own entry, or its block's.
-const Spread& entry_of(const std::map<std::string, Spread>& entries, const UnitReport& unit, std::string_view table) {
-  if (const Spread* const entry = find_entry(entries, unit)) return *entry;
-  throw InputError(fmt::format("energy.{}: no entry for unit '{}'; allowed: '{}' or '{}'", table, unit.path,
-                               entry_name(unit), unit.block));
-}
-
 std::uint64_t idle_cycles(const UnitReport& unit) {
   std::uint64_t cycles = 0;
   for (std::size_t i = 0; i < unit.reasons.size(); ++i) {
@@ -54,8 +47,8 @@ EnergyFormula::EnergyFormula(std::span<const UnitReport> units, const EnergyConf
             {},
             static_cast<double>(unit.sram_bytes) / 1024,
             static_cast<double>(idle_cycles(unit)),
-            &entry_of(config.flops, unit, "flops"),
-            &entry_of(config.logic, unit, "logic")};
+            &required_entry(config.flops, unit, "energy.flops"),
+            &required_entry(config.logic, unit, "energy.logic")};
     for (const CounterReport& counter : unit.counters) {
       if (counter.event.empty()) continue;
       of.terms.push_back(

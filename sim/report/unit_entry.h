@@ -1,6 +1,9 @@
 #pragma once
+#include <map>
 #include <string>
+#include <string_view>
 
+#include "sim/config/field.h"
 #include "sim/unit_report.h"
 
 namespace sim {
@@ -20,5 +23,10 @@ auto find_entry(const Table& table, const UnitReport& unit) -> const typename Ta
   }
   return nullptr;
 }
+
+/// Entry of a table that must have one. InputError, with the table's key and both names, if there is neither.
+const Spread& required_entry(const std::map<std::string, Spread>& table, const UnitReport& unit, std::string_view key);
+/// The refusal that required_entry() throws.
+[[noreturn]] void refuse_without_entry(const UnitReport& unit, std::string_view key);
 
 }  // namespace sim

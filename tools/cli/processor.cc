@@ -1,13 +1,13 @@
 #include <unistd.h>
 
+#include "tools/host/exit_code.h"
+
 // Built for any x86-64 processor, as nothing else here is: it looks at the one there is before other code begins.
 
 namespace tools {
 namespace {
 
 #if defined(__x86_64__)
-constexpr int kBadInput = 2;  // tools/host/exit_code.h
-
 [[gnu::constructor(101)]] void refuse_old_processors() {
   __builtin_cpu_init();
   if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2")) return;
