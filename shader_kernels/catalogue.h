@@ -94,6 +94,8 @@ using AllKernels = std::tuple<
     ShadePhysical<MipFilter::kNearest>, ShadePhysical<MipFilter::kLinear>, ShadeBump<MipFilter::kNearest>,
     ShadeBump<MipFilter::kLinear>, ShadeGlow<MipFilter::kNearest>, ShadeGlow<MipFilter::kLinear>,
     ShadeOccluded<MipFilter::kNearest>, ShadeOccluded<MipFilter::kLinear>,
+    // Variants by class of a tile.
+    CountColoured,
     // Fused.
     FetchSurface<false>, FetchSurface<true>, LightSurface, LightSurfaceGeometry<false>, LightSurfaceGeometry<true>,
     LightSurfaceKept<false>, LightSurfaceKept<true>, LightSurfaceSecondary<false>, LightSurfaceSecondary<true>,
@@ -106,7 +108,9 @@ using AllKernels = std::tuple<
     CheckInterpolate<true, true, true>, InterpolateLit<false>, InterpolateLit<true>, CheckAttributes<false, false>,
     CheckAttributes<true, false>, PackSample, PackGridSample, FetchSurface<false, true>, FetchSurface<true, true>,
     FetchLit<false, true>, FetchLit<true, true>, FetchLitGeometry<false, true>, FetchLitGeometry<true, true>,
-    FetchLitKept<false, true>, FetchLitKept<true, true>, FetchLitSecondary<false, true>, FetchLitSecondary<true, true>>;
+    FetchLitKept<false, true>, FetchLitKept<true, true>, FetchLitSecondary<false, true>, FetchLitSecondary<true, true>,
+    PackIdentified<false>, PackIdentified<true>, RecordCounted, CheckAttributes<false, true, false>,
+    CheckAttributes<true, true, false>, CheckAttributes<false, false, false>, CheckAttributes<true, false, false>>;
 
 template <class K, class... Ks>
 constexpr traces::KernelId index_in(std::type_identity<std::tuple<Ks...>>) {

@@ -1,4 +1,6 @@
 #pragma once
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -49,6 +51,16 @@ enum class Region : std::uint8_t {
 
 /// Bytes of a pixel of the picture: three channels in a packed format.
 inline constexpr std::uint32_t kPixelBytes = 4;
+
+/// Storage that a machine must set aside for a frame.
+struct FrameRequirements {
+  std::uint32_t tile_samples = 0;     ///< those of a full tile
+  std::uint32_t wave_samples = 0;     ///< samples of a tile traced at once, at most; 0: all
+  std::uint32_t attribute_bytes = 0;  ///< what samples of a full tile keep beside their colour, in the tile buffer
+  /// Bytes of the tile buffer for a full tile of a later pass, colours included; 0: as for one of the first.
+  std::uint32_t pass_tile_bytes = 0;
+  std::array<std::uint64_t, static_cast<std::size_t>(Region::kCount)> region_bytes{};
+};
 
 /// Samples that a tile leaves in memory for others: its borders have numbers of their own.
 struct Border {

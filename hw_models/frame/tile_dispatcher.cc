@@ -6,14 +6,14 @@
 
 namespace hw {
 
-TileDispatcher::TileDispatcher(TileSource& source, std::uint32_t tiles_per_core, Links links, sim::Clock clock)
+TileDispatcher::TileDispatcher(TileSource& source, TilesInFlight tiles_per_core, Links links, sim::Clock clock)
     : source_(source),
       tiles_per_core_(tiles_per_core),
       links_(std::move(links)),
       clock_(clock),
       next_(source.next()),
       in_flight_(links_.to_core.size()) {
-  importers_.reserve(tiles_per_core * links_.to_core.size());
+  importers_.reserve(tiles_per_core.most() * links_.to_core.size());
 }
 
 sim::Time TileDispatcher::tick(sim::Time now) {
@@ -31,7 +31,7 @@ sim::Time TileDispatcher::tick(sim::Time now) {
   sim::Time at = sim::kNever;
   for (std::size_t core = 0; core < in_flight_.size(); ++core) {
     at = std::min(at, std::max(next, links_.from_core[core]->pop_at()));
-    if (next_ != nullptr && !waits && in_flight_[core] < tiles_per_core_) {
+    if (next_ != nullptr && !waits && has_room(core)) {
       at = std::min(at, std::max(next, links_.to_core[core]->push_at()));
     }
   }
@@ -43,17 +43,23 @@ sim::Time TileDispatcher::tick(sim::Time now) {
 
 bool TileDispatcher::must_wait() const { return next_->after_all && stats_.finished < stats_.dispatched; }
 
+bool TileDispatcher::has_room(std::size_t core) const {
+  const bool later = is_later_pass_ || next_->after_all;
+  return in_flight_[core] < (later ? tiles_per_core_.later : tiles_per_core_.first);
+}
+
 bool TileDispatcher::dispatch(sim::Time now) {
   const std::size_t cores = in_flight_.size();
   for (std::size_t k = 0; k < cores; ++k) {
     const std::size_t core = (turn_ + k) % cores;
-    if (in_flight_[core] == tiles_per_core_ || !links_.to_core[core]->can_push(now)) continue;
+    if (!has_room(core) || !links_.to_core[core]->can_push(now)) continue;
     const TileJob job{next_, missing(*next_)};
     links_.to_core[core]->push(now, job);
     if (job.missing != 0) {
       importers_.push_back({core, job});
       stats_.early += 1;
     }
+    is_later_pass_ |= next_->after_all;
     in_flight_[core] += 1;
     stats_.dispatched += 1;
     turn_ = (core + 1) % cores;

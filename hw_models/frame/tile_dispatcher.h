@@ -6,6 +6,7 @@
 #include "hw_models/memory/messages.h"
 #include "hw_models/memory/unit_names.h"
 #include "hw_models/srp/messages.h"
+#include "hw_models/srp/tile_buffer.h"
 #include "sim/activity.h"
 #include "sim/link.h"
 #include "sim/named.h"
@@ -26,7 +27,7 @@ class TileSource {
 /// Hands the tiles of the list to the cores, each in turn as it has room for one, in the order of the list, and keeps
 /// account of the borders that are in memory. A tile is handed out whether the borders that it imports are there or
 /// not: only its transfers that read them wait for news. A tile after all others (TileWork::after_all) holds up those
-/// behind it until all before it are finished.
+/// behind it until all before it are finished; it begins a later pass, of whose tiles a core may have more at once.
 ///
 ///   tile list --> [one tile a cycle, round robin over cores with room] --> cores
 ///   borders written, tiles finished --> [those who import them] ---------> news for cores
@@ -59,7 +60,7 @@ class TileDispatcher {
     std::vector<sim::Link<Flush>*> to_l2;  ///< told when the last tile is finished; may be none
   };
 
-  TileDispatcher(TileSource& source, std::uint32_t tiles_per_core, Links links, sim::Clock clock);
+  TileDispatcher(TileSource& source, TilesInFlight tiles_per_core, Links links, sim::Clock clock);
   TileDispatcher(const TileDispatcher&) = delete;
   TileDispatcher& operator=(const TileDispatcher&) = delete;
 
@@ -88,6 +89,7 @@ class TileDispatcher {
   bool dispatch(sim::Time now);
   /// The next tile must be alone with those behind it.
   bool must_wait() const;
+  bool has_room(std::size_t core) const;
   void collect(sim::Time now);
   void written(std::uint32_t tile, std::uint32_t borders);
   std::uint32_t missing(const traces::TileWork& work) const;
@@ -95,7 +97,7 @@ class TileDispatcher {
   void flush(sim::Time now);
 
   TileSource& source_;
-  const std::uint32_t tiles_per_core_;
+  const TilesInFlight tiles_per_core_;
   Links links_;
   const sim::Clock clock_;
   const traces::TileWork* next_;
@@ -103,6 +105,7 @@ class TileDispatcher {
   std::vector<std::uint8_t> written_;  ///< borders in memory by number of tile, a bit each
   std::vector<Importer> importers_;    ///< in the order of the list
   std::size_t turn_ = 0;
+  bool is_later_pass_ = false;  ///< behind a tile after all others
   bool flushed_ = false;
   Stats stats_;
   sim::Activity<CycleReason> activity_;

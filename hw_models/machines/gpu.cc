@@ -20,7 +20,7 @@ std::array<Addr, kAreas> areas_of(const GpuConfig& config, const Gpu::Workload& 
   Addr next = workload.image.layout.frame_buffer;
   for (std::size_t region = 0; region < kRegions; ++region) {
     areas[region] = next;
-    next = whole_lines(next + workload.region_bytes[region]);
+    next = whole_lines(next + workload.needs.region_bytes[region]);
   }
   areas[static_cast<std::size_t>(Area::kSpill)] = whole_lines(next + core * spill_bytes(config));
   return areas;
@@ -40,6 +40,7 @@ Gpu::Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles)
       tni_clock_(config.clocks.tni.clock()),
       srp_clock_(config.clocks.srp.clock()),
       l2_clock_(config.clocks.l2.clock()),
+      in_flight_(tiles_in_flight(config.tile_buffer, workload.needs, config.ideal.tile_buffer)),
       machine_(config.clocks.synchroniser),
       memory_(machine_, config_, MemorySystem::Dma::kYes),
       dispatcher_id_(machine_.unit({TileDispatcher::kName, l2_clock_})) {
@@ -60,8 +61,7 @@ Gpu::Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles)
   // Only rays and hits are ever written to the L2.
   const bool keeps_writes = !config.direct_interface.enabled && config.l2.writes == L2Writes::kBack && !config.ideal.l2;
   if (keeps_writes) links.to_l2 = memory_.flushes(dispatcher_id_);
-  dispatcher_ =
-      &machine_.build<TileDispatcher>(dispatcher_id_, tiles, config.tile_buffer.tiles_in_flight, links, l2_clock_);
+  dispatcher_ = &machine_.build<TileDispatcher>(dispatcher_id_, tiles, in_flight_, links, l2_clock_);
   for (std::uint32_t c = 0; c < config.cores; ++c) build_core(c, workload);
   memory_.build_banks_and_channels();
 }
@@ -69,7 +69,7 @@ Gpu::Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles)
 Gpu::Core& Gpu::declare_core(std::uint32_t c) {
   const sim::UnitId srp = machine_.unit(
       {name_in_core(Srp::kName, c), srp_clock_, c + 1, config_.srp.sram_bytes(), config_.srp.data_cache.size.bytes});
-  const std::uint32_t in_flight = config_.tile_buffer.tiles_in_flight;
+  const std::uint32_t in_flight = in_flight_.most();
   const auto known = sim::Lookahead::kByOwner;  // lookahead_end() knows when tiles come and go
   TniCore tni(machine_, config_.tni, {config_.ideal.tni, config_.ideal.l1}, c, tni_clock_);
   memory_.declare_ports();
@@ -94,8 +94,7 @@ Srp::Frame Gpu::frame_of(const Workload& workload, std::uint32_t core) const {
   return {.layout = &layout_,
           .kernels = kernels_,
           .conflicts = conflicts_,
-          .tile_samples = workload.tile_samples,
-          .attribute_bytes = workload.attribute_bytes,
+          .needs = workload.needs,
           .ray_interval = config_.ideal.tni ? 0 : config_.direct_interface.interval * tni_clock_.period(),
           .areas = areas_of(config_, workload, core),
           .encode_cycles = workload.dma_encodes ? config_.tile_buffer.colour_bytes / traces::kPixelBytes : 0,
@@ -115,7 +114,7 @@ void Gpu::build_core(std::uint32_t c, const Workload& workload) {
   const std::vector<MemoryPort> tni = memory_.cache_clients(c, core.tni.memory_clients());
   const MemoryPort data = memory_.cache_client(c, {core.srp_id, config_.srp.data_cache.mshrs});
   const MemoryPort transfers = memory_.dma_client(c, dma);
-  const std::uint32_t in_flight = config_.tile_buffer.tiles_in_flight;
+  const std::uint32_t in_flight = in_flight_.most();
   auto& dma_jobs = machine_.link<DmaJob>(in_flight, 1, core.srp_id, dma);
   auto& dma_dones = machine_.link<DmaDone>(in_flight, 1, dma, core.srp_id);
 

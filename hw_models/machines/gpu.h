@@ -30,11 +30,9 @@ class Gpu {
   /// Facts of the workload that the machine needs beside the stream itself.
   struct Workload {
     const traces::MemoryImage& image;
-    std::span<const std::uint32_t> parents;              ///< the parent of each node of the tree
-    std::uint32_t tile_samples = 256;                    ///< samples of a full tile
-    std::array<std::uint64_t, kRegions> region_bytes{};  ///< bytes of all tiles together, by traces::Region
-    std::uint64_t attribute_bytes = 0;                   ///< set aside in the tile buffer for a full tile
-    bool dma_encodes = false;                            ///< the DMA sRGB-encodes finished pixels
+    std::span<const std::uint32_t> parents;  ///< the parent of each node of the tree
+    traces::FrameRequirements needs{.tile_samples = 256};
+    bool dma_encodes = false;  ///< the DMA sRGB-encodes finished pixels
   };
 
   Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles);
@@ -90,6 +88,7 @@ class Gpu {
   const GpuConfig config_;
   const traces::Layout& layout_;
   const sim::Clock tni_clock_, srp_clock_, l2_clock_;
+  const TilesInFlight in_flight_;
   std::vector<KernelSchedule> kernels_;
   std::vector<BankConflicts> conflicts_;  ///< one of each kernel
   sim::Time patience_ = sim::kNever;

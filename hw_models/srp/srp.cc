@@ -23,9 +23,9 @@ Srp::Srp(const SrpConfig& config, const TileBufferConfig& buffer, const Frame& f
       clock_(clock),
       frame_(frame),
       links_(links),
-      buffer_(buffer, frame.tile_samples, frame.attribute_bytes, clock, frame.ideal_buffer),
+      buffer_(buffer, frame.needs, clock, frame.ideal_buffer),
       cache_(config.data_cache, port, frame.ideal_cache),
-      tiles_(buffer.tiles_in_flight),
+      tiles_(tiles_in_flight(buffer, frame.needs, frame.ideal_buffer).most()),
       lines_missing_(kMostLoadCycles),
       config_memory_(config.config_memory.bytes, frame.kernels.size()),
       kernel_use_(frame.kernels.size()) {

@@ -82,14 +82,13 @@ class Srp {
     const traces::Layout* layout = nullptr;
     std::span<const KernelSchedule> kernels;   ///< by KernelId
     std::span<const BankConflicts> conflicts;  ///< likewise
-    std::uint32_t tile_samples = 0;            ///< samples of a full tile
-    std::uint64_t attribute_bytes = 0;         ///< kept in the tile buffer for a full tile
-    sim::Time ray_interval = 0;                ///< the direct interface takes a ray this often
-    std::array<Addr, kAreas> areas{};          ///< where each begins; slots of this core spill to kSpill
-    std::uint32_t encode_cycles = 0;           ///< taken by the DMA for a line of pixels to encode; 0: it does not
-    bool ideal = false;                        ///< kernels cost no time
-    bool ideal_buffer = false;                 ///< the tile buffer has room for everything and no bank conflicts
-    bool ideal_cache = false;                  ///< every probe of the data cache hits
+    traces::FrameRequirements needs;
+    sim::Time ray_interval = 0;        ///< the direct interface takes a ray this often
+    std::array<Addr, kAreas> areas{};  ///< where each begins; slots of this core spill to kSpill
+    std::uint32_t encode_cycles = 0;   ///< taken by the DMA for a line of pixels to encode; 0: it does not
+    bool ideal = false;                ///< kernels cost no time
+    bool ideal_buffer = false;         ///< the tile buffer has room for everything and no bank conflicts
+    bool ideal_cache = false;          ///< every probe of the data cache hits
   };
 
   Srp(const SrpConfig& config, const TileBufferConfig& buffer, const Frame& frame, Links links, std::uint16_t port,

@@ -11,8 +11,9 @@ bool Srp::fits(std::uint32_t tile, std::uint32_t node) const {
   const TileRun& run = tiles_[tile];
   const std::uint64_t rays = run.rays_made(node, run.done(node), run.chunk_items(node));
   if (rays == 0) return true;
+  const std::uint32_t wave = frame_.needs.wave_samples != 0 ? frame_.needs.wave_samples : frame_.needs.tile_samples;
   const bool first_rays_of_younger = tile != by_age_.front() && !run.follows_rays(node);
-  return buffer_.free() >= rays + (first_rays_of_younger ? frame_.tile_samples : 0);
+  return buffer_.free() >= rays + (first_rays_of_younger ? wave : 0);
 }
 
 void Srp::start_chunk(sim::Time now) {

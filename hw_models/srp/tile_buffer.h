@@ -9,6 +9,7 @@
 #include "sim/counter_kind.h"
 #include "sim/named.h"
 #include "sim/time.h"
+#include "traces/stream.h"
 
 namespace hw {
 
@@ -16,6 +17,8 @@ namespace hw {
 struct TileBufferConfig {
   sim::ByteSize size{64 * 1024};
   std::uint32_t tiles_in_flight = 3;
+  double ray_share = 0;
+  std::uint32_t tiles_in_pass = 3;
   std::uint32_t slot_bytes = 64;
   std::uint32_t colour_bytes = 16;
   std::uint32_t banks = 16;
@@ -23,7 +26,14 @@ struct TileBufferConfig {
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
     field(NAMED(c.size), "bytes", "storage of one core's tile buffer", sim::between(1024, 16 << 20), Affects::kTiming);
-    field(NAMED(c.tiles_in_flight), "tiles", "tiles a core works on at once", sim::between(1, 16), Affects::kTiming);
+    field(NAMED(c.tiles_in_flight), "tiles", "tiles a core works on at once, in a frame's first pass",
+          sim::between(1, 16), Affects::kTiming);
+    field(NAMED(c.ray_share), "",
+          "share of the storage that ray slots have at least, if need be with fewer tiles in flight",
+          sim::between(0, 0.95), Affects::kTiming);
+    field(NAMED(c.tiles_in_pass), "tiles",
+          "tiles a core works on at once in later passes, as far as they fit where those of the first have been",
+          sim::between(1, 16), Affects::kTiming);
     field(NAMED(c.slot_bytes), "bytes", "a ray and the place reserved for its hit", sim::between(16, 256),
           Affects::kTiming);
     field(NAMED(c.colour_bytes), "bytes", "colour accumulator of a sample", sim::between(4, 64), Affects::kTiming);
@@ -31,6 +41,36 @@ struct TileBufferConfig {
           Affects::kTiming);
   }
 };
+
+/// Tiles of a frame that a core works on at once.
+struct TilesInFlight {
+  std::uint32_t first = 1;  ///< in the first pass
+  std::uint32_t later = 1;  ///< in each that follows
+  std::uint32_t most() const { return std::max(first, later); }
+};
+
+/// Bytes of the tile buffer that a full tile of the first pass keeps.
+inline std::uint64_t tile_bytes(const TileBufferConfig& config, const traces::FrameRequirements& needs) {
+  return std::uint64_t{needs.tile_samples} * config.colour_bytes + needs.attribute_bytes;
+}
+
+/// In the first pass as many as configured, or as leave ray slots their share, but one at least. What these have set
+/// aside is there for the tiles of later passes. An ideal buffer has room for everything.
+inline TilesInFlight tiles_in_flight(const TileBufferConfig& config, const traces::FrameRequirements& needs,
+                                     bool ideal) {
+  const std::uint64_t tile = tile_bytes(config, needs);
+  TilesInFlight tiles{config.tiles_in_flight, config.tiles_in_flight};
+  if (!ideal && config.ray_share > 0 && tile != 0) {
+    const auto room = static_cast<std::uint64_t>((1 - config.ray_share) * static_cast<double>(config.size.bytes));
+    tiles.first = static_cast<std::uint32_t>(std::clamp<std::uint64_t>(room / tile, 1, tiles.first));
+  }
+  tiles.later = tiles.first;
+  if (needs.pass_tile_bytes != 0) {
+    const std::uint64_t fit = ideal ? config.tiles_in_pass : tiles.first * tile / needs.pass_tile_bytes;
+    tiles.later = static_cast<std::uint32_t>(std::clamp<std::uint64_t>(fit, 1, config.tiles_in_pass));
+  }
+  return tiles;
+}
 
 /// Keeps account of the tile buffer: ray slots taken and given back, and the 16-byte accesses that cost energy.
 /// A ray is made only into a free slot, which is also the place reserved for its hit; so hits never wait.
@@ -58,13 +98,11 @@ class TileBuffer {
     }
   };
 
-  /// Sets aside the colours of a full tile's `samples` and its `attribute_bytes` for every tile in flight. An ideal
-  /// buffer has room for everything.
-  TileBuffer(const TileBufferConfig& config, std::uint32_t samples, std::uint64_t attribute_bytes, sim::Clock clock,
+  /// Sets aside colours and attributes of every tile in flight.
+  TileBuffer(const TileBufferConfig& config, const traces::FrameRequirements& needs, sim::Clock clock,
              bool ideal = false)
       : clock_(clock), slot_bytes_(config.slot_bytes) {
-    const std::uint64_t tile = std::uint64_t{samples} * config.colour_bytes + attribute_bytes;
-    const std::uint64_t set_aside = config.tiles_in_flight * tile;
+    const std::uint64_t set_aside = tiles_in_flight(config, needs, ideal).first * tile_bytes(config, needs);
     slots_ = config.size.bytes > set_aside ? (config.size.bytes - set_aside) / config.slot_bytes : 0;
     if (ideal) slots_ = std::numeric_limits<std::uint64_t>::max();
   }

@@ -10,12 +10,14 @@
 #include "shader_kernels/kernels/clear_samples.h"
 #include "shader_kernels/kernels/clear_surface.h"
 #include "shader_kernels/kernels/combine_shadow.h"
+#include "shader_kernels/kernels/find_suspects.h"
 #include "shader_kernels/kernels/generate_listed_rays.h"
 #include "shader_kernels/kernels/interpolate_attributes.h"
 #include "shader_kernels/kernels/interpolate_sample.h"
 #include "shader_kernels/kernels/pack_colour.h"
 #include "shader_kernels/kernels/record_branch.h"
 #include "shader_kernels/kernels/record_first_hit.h"
+#include "shader_kernels/kernels/record_global.h"
 #include "shader_kernels/kernels/record_secondary.h"
 #include "shader_kernels/kernels/record_shadow.h"
 #include "shader_kernels/kernels/record_surface.h"
@@ -190,6 +192,20 @@ struct PackSample : Fused<TakeSample, PackClamped> {
 struct PackGridSample : Fused<TakeGridSample, PackClamped> {
   static constexpr std::string_view kName = "pack_grid_sample";
   static constexpr std::string_view kMeaning = "average_samples of one sample, pack_colour";
+  static constexpr std::array<std::string_view, 1> kRegisters{"pixels"};
+};
+
+struct RecordCounted : Fused<RecordGlobal, CountColoured> {
+  static constexpr std::string_view kName = "record_counted";
+  static constexpr std::string_view kMeaning = "record_global, count_coloured";
+};
+
+/// For post-correction, which starts from all samples.
+template <bool kShadows>
+struct PackIdentified : Fused<TakeGridSample, PackClamped, StoreIdentities<kShadows>> {
+  using Identities = StoreIdentities<kShadows>;
+  static constexpr std::string_view kName = kShadows ? "pack_identified_shadows" : "pack_identified";
+  static constexpr std::string_view kMeaning = "average_samples of one sample, pack_colour, store_identities";
   static constexpr std::array<std::string_view, 1> kRegisters{"pixels"};
 };
 

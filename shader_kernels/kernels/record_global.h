@@ -58,4 +58,28 @@ struct RecordGlobal {
   }
 };
 
+/// Counts samples whose global colour is not faint. Two faint ones pass the check of colours whatever they are.
+struct CountColoured {
+  static constexpr std::string_view kName = "count_coloured";
+  static constexpr std::string_view kMeaning = "sample -> number of those whose global colour is not faint";
+  template <class V>
+  struct Ports {
+    Local<V, WordRecord> samples;
+    Local<V, ColourRecord> globals;
+    Counter<V> coloured_count;
+    F<V> faint;  ///< largest channel of a faint colour
+    static void describe(auto& p, auto&& port) {
+      port(NAMED(p.samples));
+      port(NAMED(p.globals));
+      port(NAMED(p.coloured_count));
+      port(NAMED(p.faint));
+    }
+  };
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const Vec3<V> global = at.globals.load(at.samples.load(item).word).rgb;
+    at.coloured_count.next(at.faint < max(max(global.x, global.y), global.z));
+  }
+};
+
 }  // namespace kernels

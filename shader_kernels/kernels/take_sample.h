@@ -1,5 +1,6 @@
 #pragma once
 #include "shader_kernels/kernels/arithmetic.h"
+#include "shader_kernels/kernels/sample_grid.h"
 #include "shader_kernels/ports.h"
 #include "sim/named.h"
 
@@ -30,20 +31,15 @@ struct TakeSample {
 struct TakeGridSample {
   template <class V>
   struct Ports : TakeSample::Ports<V> {
-    F<V> width, inverse_width;  ///< pixels in a row of the tile
-    F<V> first, pitch;
+    LatticeUniforms<V> lattice;  ///< samples of the tile's pixels
     static void describe(auto& p, auto&& port) {
       TakeSample::Ports<V>::describe(p, port);
-      port(NAMED(p.width));
-      port(NAMED(p.inverse_width));
-      port(NAMED(p.first));
-      port(NAMED(p.pitch));
+      LatticeUniforms<V>::describe(p.lattice, port);
     }
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
-    const DivMod<V> row = divmod<V>(to_float(item), at.width, at.inverse_width);
-    TakeSample::take<V>(item, to_int(at.first + row.quotient * at.pitch + row.remainder), at);
+    TakeSample::take<V>(item, lattice_sample<V>(item, at.lattice), at);
   }
 };
 

@@ -29,7 +29,7 @@ FullProgram::FullProgram(const traces::MemoryImage& image, const traces::Camera&
       seed_(jitter_seed(frame)) {}
 
 FrameRequirements FullProgram::requirements() const {
-  return {tile_samples(), 0, {std::uint64_t{tiles()} * tile_pixels() * kPixelBytes, 0, 0}};
+  return {tile_samples(), 0, 0, 0, {std::uint64_t{tiles()} * tile_pixels() * kPixelBytes, 0, 0}};
 }
 
 void FullProgram::run_tile(std::uint32_t tile, const traces::Tracer& tracer, bool record, TileResult& out) const {

@@ -142,8 +142,7 @@ class Trace {
   std::unique_ptr<traces::TraceWriter> begin(const kernels::FrameProgram& program) const {
     auto writer = std::make_unique<traces::TraceWriter>(file(), traces::Json{{"version", traces::kTraceVersion}});
     const kernels::FrameRequirements requirements = program.requirements();
-    writer->begin_part({}, traces::links_of(workload_.image), traces::counts_of(workload_.image),
-                       {requirements.tile_samples, requirements.attribute_bytes, requirements.region_bytes});
+    writer->begin_part({}, traces::links_of(workload_.image), traces::counts_of(workload_.image), requirements);
     return writer;
   }
   /// Writes the whole frame; from then on replay() is there.

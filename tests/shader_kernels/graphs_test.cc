@@ -284,6 +284,8 @@ constexpr Hand kByHand[] = {
     {"shade_glow_trilinear", {122, 139, 0, 22, 10, 12, 60, 32, 13, 1, 3}},
     {"shade_occluded_mip", {24, 24, 0, 12, 5, 7, 15, 8, 10, 1, 2}},
     {"shade_occluded_trilinear", {47, 38, 0, 22, 10, 12, 28, 16, 12, 1, 3}},
+    // 2 max, less, select, add.
+    {"count_coloured", {0, 0, 0, 2, 1, 1, 1, 0, 2, 0, 0}},
 };
 
 TEST(Graphs, OperationsAreThoseOfTheSource) {

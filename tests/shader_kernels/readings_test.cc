@@ -200,13 +200,14 @@ TYPED_TEST(Readings, ComputingAndInterpretingTheGraphGiveEqualBits) {
 
     Environment environment;
     Ports::describe(ports, EnvironmentBinder(environment));
+    const auto start = environment.carried;
     interpret(catalogue()[kKernelId<TypeParam>].graph, kItems, environment);
     const auto interpreted = random.stored<TypeParam>();
 
     for (std::size_t m = 0; m < before.size(); ++m) std::ranges::copy(before[m], random.memories()[m].begin());
     for (std::uint32_t i = 0; i < kItems; ++i) TypeParam::template body<float>(i, ports);
 
-    EXPECT_NE(before, interpreted) << "nothing was stored";
+    EXPECT_TRUE(before != interpreted || start != environment.carried) << "nothing was stored or counted";
     EXPECT_EQ(interpreted, random.stored<TypeParam>()) << "seed " << seed;
     Environment after;
     Ports::describe(ports, EnvironmentBinder(after));

@@ -55,9 +55,9 @@ Pilot look_at_all(const Inputs& inputs, const kernels::ProgramSpec& spec, const 
   const kernels::FrameRequirements requirements =
       kernels::FullProgram(inputs.image, inputs.camera, inputs.config.render, spec.samples, inputs.frame)
           .requirements();
-  const hw::TileBuffer buffer(gpu.tile_buffer, requirements.tile_samples, requirements.attribute_bytes,
-                              gpu.clocks.srp.clock(), gpu.ideal.tile_buffer);
-  TilePilot look(gpu, inputs.image.layout, kernels, pilot.thinning, static_cast<double>(buffer.slots()));
+  const hw::TilesInFlight tiles = hw::tiles_in_flight(gpu.tile_buffer, requirements, gpu.ideal.tile_buffer);
+  const hw::TileBuffer buffer(gpu.tile_buffer, requirements, gpu.clocks.srp.clock(), gpu.ideal.tile_buffer);
+  TilePilot look(gpu, inputs.image.layout, kernels, pilot.thinning, static_cast<double>(buffer.slots()) / tiles.first);
   FrontEnd front_end(program, tracer, host_threads(threads) - 1);
   while (const traces::TileWork* work = front_end.next()) {
     if (interrupted()) throw Interrupted{};

@@ -60,11 +60,10 @@ TileTraits traits_of(const MeasuredPart& part, sim::Time begin, sim::Time end, c
 SampledRun run_blocks(const Inputs& inputs, ProgressTileSource& source, const kernels::FrameRequirements& requirements,
                       std::span<const TimedBlock> blocks, std::span<const TileTraits> traits) {
   SampledTiles tiles(source, blocks);
-  const auto gpu = std::make_unique<hw::Gpu>(
-      inputs.config.gpu,
-      hw::Gpu::Workload{inputs.image, inputs.parents, requirements.tile_samples, requirements.region_bytes,
-                        requirements.attribute_bytes, inputs.config.render.srgb == kernels::SrgbEncoder::kDma},
-      tiles);
+  const auto gpu = std::make_unique<hw::Gpu>(inputs.config.gpu,
+                                             hw::Gpu::Workload{inputs.image, inputs.parents, requirements,
+                                                               inputs.config.render.srgb == kernels::SrgbEncoder::kDma},
+                                             tiles);
   tiles.connect(*gpu);
   source.played_by(*gpu);
   gpu->finish(sim::run(*gpu));

@@ -26,7 +26,7 @@ TilePilot::TilePilot(const hw::GpuConfig& config, const traces::Layout& layout,
       layout_(layout),
       kernels_(kernels),
       thinning_(thinning),
-      share_(slots / config.tile_buffer.tiles_in_flight),
+      slots_(slots),
       srp_cycle_(static_cast<double>(config.clocks.srp.clock().period()) /
                  static_cast<double>(config.clocks.tni.clock().period())),
       l2_(config.l2.cache) {
@@ -92,7 +92,7 @@ double TilePilot::spills(const traces::TileWork& work) {
     if (node.kind == traces::WorkNode::Kind::kRays) made_[node.inputs.front().node] += thinning_ * node.items;
   }
   double spilled = 0;
-  for (const double rays : made_) spilled += std::max(0.0, rays - share_);
+  for (const double rays : made_) spilled += std::max(0.0, rays - slots_);
   return spilled;
 }
 

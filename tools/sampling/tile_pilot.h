@@ -36,7 +36,7 @@ struct TileTraits {
 /// would come to. Caches are tags alone, filled at once; tiles go to cores in turn, rays to traversal units in turn.
 class TilePilot {
  public:
-  /// `slots`: for rays, of a core's tile buffer.
+  /// `slots`: a tile's share of the ray slots of a core's tile buffer.
   TilePilot(const hw::GpuConfig& config, const traces::Layout& layout, std::span<const hw::KernelSchedule> kernels,
             double thinning, double slots);
 
@@ -56,7 +56,7 @@ class TilePilot {
   const traces::Layout& layout_;
   const std::span<const hw::KernelSchedule> kernels_;
   const double thinning_;
-  const double share_;      ///< a tile's share of the ray slots
+  const double slots_;      ///< a tile's share of the ray slots
   const double srp_cycle_;  ///< in T&I cycles
   std::vector<Core> cores_;
   hw::CacheTags l2_;

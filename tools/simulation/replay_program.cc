@@ -18,9 +18,7 @@ ReplayProgram::ReplayProgram(const traces::TraceReader& trace, const traces::Tra
   sampling_ = std::move(result.sampling);
 }
 
-kernels::FrameRequirements ReplayProgram::requirements() const {
-  return {part_.requirements.tile_samples, part_.requirements.attribute_bytes, part_.requirements.region_bytes};
-}
+kernels::FrameRequirements ReplayProgram::requirements() const { return part_.requirements; }
 
 std::unique_ptr<ReplayProgram::Cursor> ReplayProgram::take_cursor() const {
   const std::lock_guard lock(mutex_);

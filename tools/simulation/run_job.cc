@@ -34,8 +34,7 @@ class Recording final : public hw::TileSource {
       : source_(source), trace_(extras.trace) {
     if (trace_ == nullptr) return;
     trace_->begin_part({inputs.frame, extras.reference}, traces::links_of(inputs.image),
-                       traces::counts_of(inputs.image),
-                       {requirements.tile_samples, requirements.attribute_bytes, requirements.region_bytes});
+                       traces::counts_of(inputs.image), requirements);
   }
   const traces::TileWork* next() override {
     const traces::TileWork* work = source_.next();
@@ -168,11 +167,10 @@ Simulation play(const Inputs& inputs, const kernels::ProgramSpec& program, kerne
   ProgressTileSource offered(front_end, frame.tiles(), extras.progress, extras.keep_part);
   const kernels::FrameRequirements requirements = frame.requirements();
   Recording tiles(offered, inputs, requirements, extras);
-  const auto gpu = std::make_unique<hw::Gpu>(
-      inputs.config.gpu,
-      hw::Gpu::Workload{inputs.image, inputs.parents, requirements.tile_samples, requirements.region_bytes,
-                        requirements.attribute_bytes, inputs.config.render.srgb == kernels::SrgbEncoder::kDma},
-      tiles);
+  const auto gpu = std::make_unique<hw::Gpu>(inputs.config.gpu,
+                                             hw::Gpu::Workload{inputs.image, inputs.parents, requirements,
+                                                               inputs.config.render.srgb == kernels::SrgbEncoder::kDma},
+                                             tiles);
   const auto energy = [&] {
     return sim::compute_energy(gpu->report(), inputs.config.energy, hw::dram_energy_events(inputs.config.gpu.dram),
                                gpu->elapsed());

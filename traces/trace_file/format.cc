@@ -30,8 +30,11 @@ Json to_json(const ImageCounts& c) {
       {"details", c.details},     {"textures", c.textures},     {"instances", c.instances}, {"trees", c.trees}};
 }
 
-Json to_json(const TraceRequirements& d) {
-  return {{"tile_samples", d.tile_samples}, {"attribute_bytes", d.attribute_bytes}, {"region_bytes", d.region_bytes}};
+Json to_json(const FrameRequirements& d) {
+  Json json{{"tile_samples", d.tile_samples}, {"attribute_bytes", d.attribute_bytes}, {"region_bytes", d.region_bytes}};
+  if (d.wave_samples != 0) json["wave_samples"] = d.wave_samples;
+  if (d.pass_tile_bytes != 0) json["pass_tile_bytes"] = d.pass_tile_bytes;
+  return json;
 }
 
 ImageCounts counts_of_json(const Json& json) {
@@ -50,9 +53,15 @@ ImageCounts counts_of_json(const Json& json) {
   return c;
 }
 
-TraceRequirements requirements_of_json(const Json& json) {
-  TraceRequirements d{static_cast<std::uint32_t>(number_at(json, "tile_samples", 1U << 26)),
+FrameRequirements requirements_of_json(const Json& json) {
+  // Traces of a frame in one pass, of one wave, do not have these.
+  const auto optional_at = [&](const char* key, std::uint64_t most) {
+    return json.contains(key) ? static_cast<std::uint32_t>(number_at(json, key, most)) : 0;
+  };
+  FrameRequirements d{static_cast<std::uint32_t>(number_at(json, "tile_samples", 1U << 26)),
+                      optional_at("wave_samples", 1U << 26),
                       static_cast<std::uint32_t>(number_at(json, "attribute_bytes", kMaxAttributeBytes)),
+                      optional_at("pass_tile_bytes", kMaxAttributeBytes),
                       {}};
   for (std::size_t i = 0; i < kRegionCount; ++i) {
     d.region_bytes[i] = number_of(json.at("region_bytes").at(i), kMaxRegionBytes, "region_bytes");

@@ -32,15 +32,8 @@ inline constexpr std::uint64_t kMaxHeaderBytes = 1U << 24, kMaxContentsBytes = 1
                                kMaxTreeBytes = std::uint64_t{1} << 31;
 inline constexpr std::uint32_t kMaxPartTiles = 1U << 26, kMaxFrame = 1'000'000;
 
-/// Memory that a machine must set aside for a frame.
-struct TraceRequirements {
-  std::uint32_t tile_samples = 0;     ///< samples of a full tile
-  std::uint32_t attribute_bytes = 0;  ///< bytes of a full tile in the tile buffer
-  std::array<std::uint64_t, kRegionCount> region_bytes{};
-};
-
 /// The most bytes that the work of a tile may take: 64 KiB for a sample, of which real ones need 100 to 500.
-constexpr std::uint64_t most_tile_bytes(const TraceRequirements& requirements) {
+constexpr std::uint64_t most_tile_bytes(const FrameRequirements& requirements) {
   return std::min<std::uint64_t>(kMaxTileBytes, (1U << 16) + (std::uint64_t{1} << 16) * requirements.tile_samples);
 }
 
@@ -49,9 +42,9 @@ std::uint64_t number_of(const Json& json, std::uint64_t most, const char* what);
 std::uint64_t number_at(const Json& json, const char* key, std::uint64_t most);
 
 Json to_json(const ImageCounts& counts);
-Json to_json(const TraceRequirements& requirements);
+Json to_json(const FrameRequirements& requirements);
 /// InputError, without the file's name, for what no scene has; nlohmann's exceptions for what is not there.
 ImageCounts counts_of_json(const Json& json);
-TraceRequirements requirements_of_json(const Json& json);
+FrameRequirements requirements_of_json(const Json& json);
 
 }  // namespace traces

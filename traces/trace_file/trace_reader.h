@@ -23,7 +23,7 @@ class TraceReader {
     std::uint32_t frame = 0;
     bool reference = false;
     std::size_t tree = 0;
-    TraceRequirements requirements;
+    FrameRequirements requirements;
     std::uint32_t tiles = 0;
     std::uint64_t tiles_at = 0;  ///< where the first lies; the others follow
     FileRange sizes;

@@ -46,7 +46,7 @@ Json TraceWriter::put(std::string_view bytes) {
   return range;
 }
 
-void TraceWriter::begin_part(PartId id, Links links, const ImageCounts& counts, const TraceRequirements& requirements) {
+void TraceWriter::begin_part(PartId id, Links links, const ImageCounts& counts, const FrameRequirements& requirements) {
   Json& trees = contents_["trees"];
   if (trees.empty() || links != links_ || counts != counts_) {
     links_ = std::move(links);

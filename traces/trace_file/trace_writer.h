@@ -29,7 +29,7 @@ class TraceWriter {
   TraceWriter(const std::filesystem::path& path, const Json& header);
 
   /// A tree that is as the part before had it is not written again.
-  void begin_part(PartId id, Links links, const ImageCounts& counts, const TraceRequirements& requirements);
+  void begin_part(PartId id, Links links, const ImageCounts& counts, const FrameRequirements& requirements);
   void add(const TileWork& work);
   /// `result`: what else a report tells of this part.
   void end_part(Json result);

@@ -19,6 +19,7 @@ void BlockProgram::make_halo_left(Tile& tile) const {
     tile.wave.import_samples({at.left, kRightBorder},
                              store_bytes() * at.left + std::uint64_t{tiles_.side()} * exchanged_bytes(),
                              kept * exchanged_bytes());
+    imported(tile, kept);
   }
   if (stride > 1) trace_lattice(tile, step, 1, 0, stride * step, rows - kept, false);
   tile.wave.mute();
@@ -31,6 +32,7 @@ void BlockProgram::make_halo_above(Tile& tile) const {
   if (!at.has_above) return;
   if (adaptive_.halo == Halo::kReload) {
     tile.wave.import_samples({at.above, kLowerBorder}, store_bytes() * at.above, at.width * exchanged_bytes());
+    imported(tile, at.width);
     tile.wave.mute();
   }
   trace_row_above(tile);

@@ -35,6 +35,7 @@ FrameRequirements BlockProgram::requirements() const {
   const std::uint32_t pixels = side / setup_.grid * (side / setup_.grid);
   FrameRequirements needs;
   needs.tile_samples = side * side;
+  needs.wave_samples = side * side / setup_.whole * (setup_.whole - 1);  // those checked along y
   needs.attribute_bytes = adaptive_.attributes == AttributeStorage::kTile ? kept * setup_.record_bytes : 0;
   needs.region_bytes = {std::uint64_t{tiles_.count()} * pixels * kPixelBytes, tiles_.count() * store_bytes(),
                         carries_rates() ? tiles_.count() : 0};

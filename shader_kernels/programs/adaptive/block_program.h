@@ -37,6 +37,7 @@ class BlockProgram : public FrameProgram {
     TileResult& out;
     TileBuffer& buffer;
     Wavefront::Node start = Wavefront::kNone;  ///< its first launch waits for this
+    std::uint32_t coloured = 0;                ///< samples that CountColoured has counted
   };
   /// A launch of a check kernel.
   struct Verdict {
@@ -66,14 +67,20 @@ class BlockProgram : public FrameProgram {
   /// Called when listed samples have been traced and shaded.
   virtual void traced(Tile&, std::vector<std::uint32_t>& /*list*/, std::uint32_t /*items*/, std::uint32_t /*lanes*/,
                       const Wavefront::RetainedRecords&) const {}
-
+  /// Called when samples of a neighbour have been asked for.
+  virtual void imported(Tile&, std::uint32_t /*samples*/) const {}
   /// Called when all samples of a tile are there.
   virtual void settled(Tile&) const {}
+  /// Encodes a tile's pixels, if they have one sample each and one loop does it.
+  virtual Wavefront::Node pack_samples(Tile& tile) const;
+  bool packs_samples(const Wavefront& wave) const { return wave.fuses() && setup_.grid == 1 && !wave.dma_encodes(); }
 
   /// Samples to a row of the tile buffer.
   std::uint32_t pitch() const { return tiles_.side() + 1; }
   const CameraUniforms<float>& camera() const { return camera_; }
   ConeUniforms<float> cone() const { return cone_uniforms(camera_, setup_.grid); }
+  /// A tile's samples in the tile buffer, without its halo.
+  LatticeUniforms<float> own_samples(const SampleTile& at) const;
   GridUniforms<float> grid_uniforms(float x0, float y0, std::uint32_t pitch) const;
   const std::vector<std::uint32_t>& order() const { return order_; }
   std::uint32_t frame() const { return frame_; }

@@ -132,18 +132,27 @@ void BlockProgram::mark(Tile& tile, const Verdict& verdict, const LineUniforms<f
   sampling.rough += verdict.rough;
 }
 
+LatticeUniforms<float> BlockProgram::own_samples(const SampleTile& at) const {
+  return {.first = static_cast<float>(pitch() + 1),
+          .across = static_cast<float>(at.width),
+          .inverse_across = inverse(at.width),
+          .step = 1,
+          .row_step = static_cast<float>(pitch())};
+}
+
+Wavefront::Node BlockProgram::pack_samples(Tile& tile) const {
+  PackGridSample::Ports<float> ports;
+  ports.lattice = own_samples(tile.at);
+  return tile.wave.launch<PackGridSample>(ports, tile.at.width * tile.at.height);
+}
+
 void BlockProgram::average(Tile& tile) const {
   Wavefront& wave = tile.wave;
   TileResult& out = tile.out;
   const std::uint32_t per_pixel = setup_.grid * setup_.grid;
   const std::uint64_t offset = requirements().region_bytes[0] / tiles_.count() * tile.at.index;
-  if (wave.fuses() && per_pixel == 1 && !wave.dma_encodes()) {
-    PackGridSample::Ports<float> ports;
-    ports.width = static_cast<float>(out.width);
-    ports.inverse_width = inverse(out.width);
-    ports.first = static_cast<float>(pitch() + 1);
-    ports.pitch = static_cast<float>(pitch());
-    const Wavefront::Node packed = wave.launch<PackGridSample>(ports, out.width * out.height);
+  if (packs_samples(wave)) {
+    const Wavefront::Node packed = pack_samples(tile);
     wave.wait_for_colours(packed);
     wave.put_packed(packed, offset);
     return;

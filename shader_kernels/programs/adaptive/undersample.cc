@@ -24,6 +24,7 @@ UndersampleProgram::UndersampleProgram(const traces::MemoryImage& image, const t
                    frame),
       undersample_(undersample),
       apart_(static_cast<float>(undersample.position) * scene_size),
+      faint_(std::min(0.003F, 0.04F * static_cast<float>(undersample.colour))),  // in the toe: 3^(1/2) 12.92 x 0.04 < 1
       correction_(undersample, config.width * undersample.grid(), config.height * undersample.grid(),
                   sample_tiles().side()) {}
 
@@ -37,21 +38,50 @@ Wavefront::RetainedRecords UndersampleProgram::records_to_retain(bool is_last) c
 void UndersampleProgram::traced(Tile& tile, std::vector<std::uint32_t>& list, std::uint32_t items, std::uint32_t lanes,
                                 const Wavefront::RetainedRecords& retained) const {
   if (!retained.surfaces) return;
-  RecordGlobal::Ports<float> ports;
-  ports.samples.bind(list.data());
-  const Wavefront::Node node = tile.wave.launch<RecordGlobal>(ports, items, lanes);
-  tile.wave.wait_for_colours(node);
+  const auto launch = [&]<class K>(typename K::template Ports<float>& ports) {
+    ports_of<RecordGlobal>(ports).samples.bind(list.data());
+    const Wavefront::Node node = tile.wave.launch<K>(ports, items, lanes);
+    tile.wave.wait_for_colours(node);
+    tile.wave.adds_records(node);
+  };
+  if (tile.wave.fuses()) {
+    RecordCounted::Ports<float> ports;
+    ports_of<CountColoured>(ports).samples.bind(list.data());
+    ports_of<CountColoured>(ports).faint = faint_;
+    launch.operator()<RecordCounted>(ports);
+    tile.coloured += ports_of<CountColoured>(ports).coloured_count.value;
+  } else {
+    RecordGlobal::Ports<float> ports;
+    launch.operator()<RecordGlobal>(ports);
+  }
+}
+
+/// Has the machine count what the neighbour's samples add to the tile's colours. Here they have been counted when they
+/// were traced.
+void UndersampleProgram::imported(Tile& tile, std::uint32_t samples) const {
+  if (!tile.wave.fuses()) return;
+  const Wavefront::Node node = tile.wave.note<CountColoured>(samples);
+  tile.wave.wait_for_records(node);
   tile.wave.adds_records(node);
 }
 
 BlockProgram::Verdict UndersampleProgram::check(Tile& tile, bool along_y, const LineUniforms<float>& line,
                                                 std::uint32_t items) const {
-  if (scene().fuses && !scene().has_textures) {
-    return along_y ? check_with<CheckAttributes<true, false>>(tile, line, items)
-                   : check_with<CheckAttributes<false, false>>(tile, line, items);
+  return along_y ? check_along<true>(tile, line, items) : check_along<false>(tile, line, items);
+}
+
+/// Leaves out what nothing in the scene, or in the tile, can fail.
+template <bool kAlongY>
+BlockProgram::Verdict UndersampleProgram::check_along(Tile& tile, const LineUniforms<float>& line,
+                                                      std::uint32_t items) const {
+  const bool has_textures = !scene().fuses || scene().has_textures;
+  const bool has_colours = !scene().fuses || tile.coloured != 0;
+  if (has_colours) {
+    return has_textures ? check_with<CheckAttributes<kAlongY, true, true>>(tile, line, items)
+                        : check_with<CheckAttributes<kAlongY, false, true>>(tile, line, items);
   }
-  return along_y ? check_with<CheckAttributes<true, true>>(tile, line, items)
-                 : check_with<CheckAttributes<false, true>>(tile, line, items);
+  return has_textures ? check_with<CheckAttributes<kAlongY, true, false>>(tile, line, items)
+                      : check_with<CheckAttributes<kAlongY, false, false>>(tile, line, items);
 }
 
 template <class K>
@@ -95,19 +125,27 @@ void UndersampleProgram::interpolate_with(Tile& tile, const LineUniforms<float>&
 }
 
 void UndersampleProgram::settled(Tile& tile) const {
-  if (correction_.scans() == 0) return;
+  if (correction_.scans() == 0 || packs_samples(tile.wave)) return;
   undersample_.correct_shadows ? store_identities<StoreIdentities<true>>(tile)
                                : store_identities<StoreIdentities<false>>(tile);
 }
 
+Wavefront::Node UndersampleProgram::pack_samples(Tile& tile) const {
+  if (correction_.scans() == 0) return BlockProgram::pack_samples(tile);
+  return undersample_.correct_shadows ? store_identities<PackIdentified<true>>(tile)
+                                      : store_identities<PackIdentified<false>>(tile);
+}
+
+/// Launches K, which writes down what samples show, and moves that to memory.
 template <class K>
-void UndersampleProgram::store_identities(Tile& tile) const {
+Wavefront::Node UndersampleProgram::store_identities(Tile& tile) const {
   typename K::template Ports<float> ports;
-  ports.lattice = {.first = static_cast<float>(pitch() + 1),
-                   .across = static_cast<float>(tile.at.width),
-                   .inverse_across = 1.0F / static_cast<float>(tile.at.width),
-                   .step = 1,
-                   .row_step = static_cast<float>(pitch())};
+  if constexpr (requires { ports.lattice; }) {
+    ports.lattice = own_samples(tile.at);
+  } else {
+    ports_of<TakeGridSample>(ports).lattice = own_samples(tile.at);
+    ports_of<typename K::Identities>(ports).lattice = own_samples(tile.at);
+  }
   const std::uint32_t samples = tile.at.width * tile.at.height;
   const Wavefront::Node node = tile.wave.launch<K>(ports, samples);
   tile.wave.wait_for_records(node);
@@ -120,6 +158,7 @@ void UndersampleProgram::store_identities(Tile& tile) const {
     const std::uint32_t sample = (i / tile.at.width + 1) * pitch() + i % tile.at.width + 1;
     tile.out.shown.push_back({tile.buffer.identities[i], tile.out.colour(sample)});
   }
+  return node;
 }
 
 }  // namespace kernels

@@ -34,14 +34,18 @@ class UndersampleProgram final : public BlockProgram {
   void interpolate(Tile& tile, bool along_y, const LineUniforms<float>& line, const Verdict& verdict) const override;
   void traced(Tile& tile, std::vector<std::uint32_t>& list, std::uint32_t items, std::uint32_t lanes,
               const Wavefront::RetainedRecords& retained) const override;
+  void imported(Tile& tile, std::uint32_t samples) const override;
   void settled(Tile& tile) const override;
+  Wavefront::Node pack_samples(Tile& tile) const override;
 
+  template <bool kAlongY>
+  Verdict check_along(Tile& tile, const LineUniforms<float>& line, std::uint32_t items) const;
   template <class K>
   Verdict check_with(Tile& tile, const LineUniforms<float>& line, std::uint32_t items) const;
   template <bool kAlongY>
   void interpolate_with(Tile& tile, const LineUniforms<float>& line, const Verdict& verdict) const;
   template <class K>
-  void store_identities(Tile& tile) const;
+  Wavefront::Node store_identities(Tile& tile) const;
   std::uint32_t scan_of(std::uint32_t tile_index) const { return tile_index / sample_tiles().count() - 1; }
   // undersample_scans.cc
   std::uint32_t scanned_bytes() const;
@@ -59,6 +63,7 @@ class UndersampleProgram final : public BlockProgram {
 
   const UndersampleConfig undersample_;
   const float apart_;  ///< hits are near each other up to this distance
+  const float faint_;  ///< two colours pass their check if no channel of them is above this
   PostCorrection correction_;
 };
 

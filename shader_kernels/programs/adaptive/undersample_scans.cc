@@ -43,7 +43,11 @@ std::uint64_t UndersampleProgram::scan_store(std::uint32_t tile) const {
 
 FrameRequirements UndersampleProgram::requirements() const {
   FrameRequirements needs = BlockProgram::requirements();
-  if (correction_.scans() > 0) needs.region_bytes[kSamples] = scan_store(sample_tiles().count());
+  if (correction_.scans() > 0) {
+    needs.region_bytes[kSamples] = scan_store(sample_tiles().count());
+    // A tile of a scan keeps the words of its samples, and colours of those that it traces.
+    needs.pass_tile_bytes = needs.tile_samples * (4 + static_cast<std::uint32_t>(sizeof(ColourRecord<float>)));
+  }
   return needs;
 }
 

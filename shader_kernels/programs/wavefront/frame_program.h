@@ -1,5 +1,4 @@
 #pragma once
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -11,12 +10,7 @@
 
 namespace kernels {
 
-/// Storage that a machine must set aside for a frame.
-struct FrameRequirements {
-  std::uint32_t tile_samples = 0;     ///< those of a full tile
-  std::uint32_t attribute_bytes = 0;  ///< what samples of a full tile keep beside their colour, in the tile buffer
-  std::array<std::uint64_t, static_cast<std::size_t>(traces::Region::kCount)> region_bytes{};
-};
+using traces::FrameRequirements;
 
 /// A way to render a frame: a list of tiles, in one pass or more, each of which renders a part of the picture and
 /// writes down the work that takes. A pass may look at all that earlier passes have found out.

@@ -57,7 +57,8 @@ class BorderHarness {
       links.from_core.push_back(
           out_[c] = &machine_.link<TileDone>(TileDispatcher::most_done(tiles_per_core), 1, cores, dispatcher));
     }
-    dispatcher_ = &machine_.build<TileDispatcher>(dispatcher, tiles_, tiles_per_core, links, clock_);
+    dispatcher_ = &machine_.build<TileDispatcher>(dispatcher, tiles_, TilesInFlight{tiles_per_core, tiles_per_core},
+                                                  links, clock_);
     machine_.build<Cores>(cores, *this);
   }
   template <sim::Skip kSkip = sim::Skip::kOn>

@@ -37,19 +37,22 @@ class DispatcherHarness {
     std::uint32_t tiles = 12;
     std::vector<std::uint32_t> hold = {50, 50};  ///< cycles a tile stays, per core
     std::uint32_t tiles_per_core = 3;
+    std::uint32_t tiles_in_pass = 3;
   };
   explicit DispatcherHarness(const Setup& setup) : source(setup.tiles) {
     const sim::UnitId dispatcher = machine_.unit({"dispatcher", clock_});
     TileDispatcher::Links links;
     for (std::size_t c = 0; c < setup.hold.size(); ++c) {
       const sim::UnitId core = machine_.unit({"core", clock_});
-      auto& in = machine_.link<TileJob>(setup.tiles_per_core, 1, dispatcher, core);
-      auto& out = machine_.link<TileDone>(setup.tiles_per_core, setup.hold[c], core, dispatcher);
+      auto& in = machine_.link<TileJob>(std::max(setup.tiles_per_core, setup.tiles_in_pass), 1, dispatcher, core);
+      auto& out =
+          machine_.link<TileDone>(std::max(setup.tiles_per_core, setup.tiles_in_pass), setup.hold[c], core, dispatcher);
       links.to_core.push_back(&in);
       links.from_core.push_back(&out);
       machine_.build<Core>(core, *this, c, in, out);
     }
-    dispatcher_ = &machine_.build<TileDispatcher>(dispatcher, source, setup.tiles_per_core, links, clock_);
+    dispatcher_ = &machine_.build<TileDispatcher>(
+        dispatcher, source, TilesInFlight{setup.tiles_per_core, setup.tiles_in_pass}, links, clock_);
   }
 
   template <sim::Skip kSkip = sim::Skip::kOn>
@@ -158,6 +161,16 @@ TEST(TileDispatcher, ATileAfterAllWaitsForEveryTileBeforeIt) {
   // It leaves in the cycle in which the fourth is known to be back.
   EXPECT_EQ(harness.arrivals[4].cycle, 4 + 90 + 1U) << "the fourth is the last to be back";
   EXPECT_EQ(harness.spent(TileDispatcher::CycleReason::kWaiting), 4 + 90 - 4U);
+}
+
+TEST(TileDispatcher, CoresHaveMoreTilesOfALaterPassAtOnce) {
+  DispatcherHarness harness({.tiles = 14, .hold = {200}, .tiles_per_core = 2, .tiles_in_pass = 6});
+  harness.source.work(6).after_all = true;
+  harness.run();
+  ASSERT_EQ(harness.arrivals.size(), 14U);
+  EXPECT_GT(harness.arrivals[2].cycle, harness.arrivals[1].cycle + 100) << "two in the first pass";
+  EXPECT_EQ(harness.arrivals[11].cycle, harness.arrivals[6].cycle + 5) << "six in the later one";
+  EXPECT_GT(harness.arrivals[12].cycle, harness.arrivals[11].cycle + 100);
 }
 
 TEST(TileDispatcher, EveryCycleHasAReasonAndTheOracleAgrees) {

@@ -86,7 +86,7 @@ Frame::Frame(traces::Scene&& scene, std::uint32_t width, std::uint32_t height, s
 
 Gpu::Workload Frame::workload() const {
   const std::uint64_t picture_bytes = std::uint64_t{program_.tiles()} * program_.tile_pixels() * kernels::kPixelBytes;
-  return {image_, parents_, program_.tile_samples(), {picture_bytes}};
+  return {image_, parents_, {.tile_samples = program_.tile_samples(), .region_bytes = {picture_bytes}}};
 }
 
 std::vector<traces::TileWork> Frame::record() const {
@@ -119,13 +119,7 @@ std::unique_ptr<kernels::FrameProgram> Method::make() const {
 }
 
 Gpu::Workload Method::workload() const {
-  const kernels::FrameRequirements requirements = make()->requirements();
-  return {image_,
-          parents_,
-          requirements.tile_samples,
-          requirements.region_bytes,
-          requirements.attribute_bytes,
-          render_.srgb == kernels::SrgbEncoder::kDma};
+  return {image_, parents_, make()->requirements(), render_.srgb == kernels::SrgbEncoder::kDma};
 }
 
 const Frame& cornell_64x32() {

@@ -30,7 +30,7 @@ SrpHarness::SrpHarness(const Setup& setup, const std::vector<Kernel>& kernels)
   const Srp::Frame frame{.layout = &layout_,
                          .kernels = kernels_,
                          .conflicts = conflicts_,
-                         .tile_samples = setup.tile_samples,
+                         .needs = {.tile_samples = setup.tile_samples},
                          .ray_interval = setup.ray_interval * clock_.period(),
                          .areas = kBases,
                          .ideal = setup.ideal};

@@ -10,33 +10,61 @@ constexpr sim::Clock kClock{1'000'000};
 TEST(TileBuffer, WhatColoursOfTheTilesInFlightLeaveIsRaySlots) {
   TileBufferConfig config;
   config.size.bytes = 64 * 1024;
-  EXPECT_EQ(TileBuffer(config, 256, 0, kClock).slots(), (65536U - 3 * 256 * 16) / 64);
+  EXPECT_EQ(TileBuffer(config, {.tile_samples = 256}, kClock).slots(), (65536U - 3 * 256 * 16) / 64);
   config.tiles_in_flight = 1;
   config.colour_bytes = 12;
   config.slot_bytes = 96;
-  EXPECT_EQ(TileBuffer(config, 256, 0, kClock).slots(), (65536U - 256 * 12) / 96);
+  EXPECT_EQ(TileBuffer(config, {.tile_samples = 256}, kClock).slots(), (65536U - 256 * 12) / 96);
 }
 
 TEST(TileBuffer, SmallerThanTheColoursItHasNoSlots) {
   TileBufferConfig config;
   config.size.bytes = 12 * 1024;
-  EXPECT_EQ(TileBuffer(config, 256, 0, kClock).slots(), 0U);
+  EXPECT_EQ(TileBuffer(config, {.tile_samples = 256}, kClock).slots(), 0U);
   config.size.bytes = 1024;
-  EXPECT_EQ(TileBuffer(config, 256, 0, kClock).slots(), 0U);
+  EXPECT_EQ(TileBuffer(config, {.tile_samples = 256}, kClock).slots(), 0U);
 }
 
 TEST(TileBuffer, AttributesOfTheTilesInFlightLeaveFewerRaySlots) {
   TileBufferConfig config;
   config.size.bytes = 64 * 1024;
-  const std::uint64_t without = TileBuffer(config, 256, 0, kClock).slots();
-  EXPECT_EQ(TileBuffer(config, 256, 64 * 25, kClock).slots(), without - 3 * 25);
-  EXPECT_EQ(TileBuffer(config, 256, 256 * 1024, kClock).slots(), 0U);
+  const std::uint64_t without = TileBuffer(config, {.tile_samples = 256}, kClock).slots();
+  EXPECT_EQ(TileBuffer(config, {.tile_samples = 256, .attribute_bytes = 64 * 25}, kClock).slots(), without - 3 * 25);
+  EXPECT_EQ(TileBuffer(config, {.tile_samples = 256, .attribute_bytes = 256 * 1024}, kClock).slots(), 0U);
+}
+
+TEST(TilesInFlight, RaySlotsKeepTheirShareAtTheCostOfTiles) {
+  TileBufferConfig config;
+  config.size.bytes = 64 * 1024;
+  const traces::FrameRequirements light{.tile_samples = 256}, heavy{.tile_samples = 256, .attribute_bytes = 12 * 1024};
+  EXPECT_EQ(tiles_in_flight(config, heavy, false).first, 3U);
+  config.ray_share = 0.5;
+  EXPECT_EQ(tiles_in_flight(config, light, false).first, 3U);
+  EXPECT_EQ(tiles_in_flight(config, heavy, false).first, 2U);
+  EXPECT_EQ(TileBuffer(config, heavy, kClock).slots(), 32U * 1024 / 64);
+  EXPECT_EQ(tiles_in_flight(config, heavy, true).first, 3U) << "an ideal buffer has room for all";
+  config.ray_share = 0.9;
+  EXPECT_EQ(tiles_in_flight(config, heavy, false).first, 1U) << "one there always is";
+}
+
+TEST(TilesInFlight, TilesOfLaterPassesShareTheRoomOfThoseOfTheFirst) {
+  TileBufferConfig config;
+  config.size.bytes = 64 * 1024;
+  config.tiles_in_pass = 16;
+  traces::FrameRequirements needs{.tile_samples = 256, .attribute_bytes = 4 * 1024};
+  EXPECT_EQ(tiles_in_flight(config, needs, false).later, 3U) << "they keep as much";
+  needs.pass_tile_bytes = 2 * 1024;
+  EXPECT_EQ(tiles_in_flight(config, needs, false).later, 3U * 8 / 2);
+  config.tiles_in_pass = 5;
+  EXPECT_EQ(tiles_in_flight(config, needs, false).later, 5U);
+  needs.pass_tile_bytes = 64 * 1024;
+  EXPECT_EQ(tiles_in_flight(config, needs, false).later, 1U);
 }
 
 TEST(TileBuffer, SlotsTakenAreNotFreeUntilGivenBack) {
   TileBufferConfig config;
   config.size.bytes = 3 * 256 * 16 + 64 * 100;
-  TileBuffer buffer(config, 256, 0, kClock);
+  TileBuffer buffer(config, {.tile_samples = 256}, kClock);
   EXPECT_EQ(buffer.take(60), 0U);
   EXPECT_EQ(buffer.free(), 40U);
   EXPECT_EQ(buffer.take(40), 0U);
@@ -52,7 +80,7 @@ TEST(TileBuffer, SlotsTakenAreNotFreeUntilGivenBack) {
 TEST(TileBuffer, WhatDoesNotFitIsSpilledAndOnlyThat) {
   TileBufferConfig config;
   config.size.bytes = 3 * 256 * 16 + 64 * 100;
-  TileBuffer buffer(config, 256, 0, kClock);
+  TileBuffer buffer(config, {.tile_samples = 256}, kClock);
   EXPECT_EQ(buffer.take(130), 30U);
   EXPECT_EQ(buffer.take(10), 10U) << "nothing is free any more";
   buffer.give_back(60);
@@ -61,7 +89,7 @@ TEST(TileBuffer, WhatDoesNotFitIsSpilledAndOnlyThat) {
 }
 
 TEST(TileBuffer, IsIdleOrInUseInEveryCycle) {
-  TileBuffer buffer({}, 256, 0, kClock);
+  TileBuffer buffer({}, {.tile_samples = 256}, kClock);
   buffer.in_use(10 * kClock.period(), true);
   buffer.in_use(50 * kClock.period(), false);
   buffer.in_use(70 * kClock.period(), true);

@@ -56,9 +56,9 @@ constexpr Hand kByHand[] = {
     // Without 2 wraps, or; 2 (has, select, or), and.
     {"check_attributes_x_untextured", {38, 50, 18, 15, 16, 15, 10, 5, 6, 3, 0}},
     {"check_attributes_y_untextured", {38, 50, 18, 15, 16, 15, 10, 5, 6, 3, 0}},
-    // As pack_colour; along rows to_float, divmod, mul, 2 add, to_int.
+    // As pack_colour; along rows to_float, divmod, 2 mul, 2 add, to_int.
     {"pack_sample", {9, 15, 9, 6, 3, 3, 5, 3, 1, 1, 0}},
-    {"pack_grid_sample", {13, 18, 9, 7, 3, 3, 5, 5, 1, 1, 0}},
+    {"pack_grid_sample", {13, 19, 9, 7, 3, 3, 5, 5, 1, 1, 0}},
     // As without cones, and 6 add, 5 mul, 2 div_sqrt, 2 other, 3 integer for the footprint.
     {"fetch_surface_cones", {25, 38, 4, 3, 9, 9, 20, 0, 3, 12, 2}},
     {"fetch_surface_cones_instanced", {31, 49, 4, 3, 9, 9, 26, 2, 3, 12, 3}},
@@ -70,6 +70,16 @@ constexpr Hand kByHand[] = {
     {"fetch_lit_kept_cones_instanced", {65, 111, 8, 10, 11, 13, 28, 2, 5, 15, 4}},
     {"fetch_lit_secondary_cones", {40, 73, 6, 9, 14, 19, 34, 0, 6, 14, 3}},
     {"fetch_lit_secondary_cones_instanced", {46, 84, 6, 9, 14, 19, 40, 2, 6, 14, 3}},
+    // As pack_grid_sample, and store_identities less the sample's index.
+    {"pack_identified", {13, 19, 9, 7, 5, 5, 7, 5, 3, 2, 0}},
+    {"pack_identified_shadows", {13, 19, 9, 7, 5, 5, 24, 5, 3, 2, 0}},
+    // Less one load of samples; the sum of the global colour is in registers.
+    {"record_counted", {3, 0, 0, 2, 1, 1, 1, 0, 3, 1, 0}},
+    // Without 6 encoded, vector sub, dot, less, select, or.
+    {"check_attributes_x_local", {27, 23, 0, 11, 15, 10, 17, 5, 4, 3, 0}},
+    {"check_attributes_y_local", {27, 23, 0, 11, 15, 10, 17, 5, 4, 3, 0}},
+    {"check_attributes_x_local_untextured", {21, 23, 0, 3, 9, 8, 9, 5, 4, 3, 0}},
+    {"check_attributes_y_local_untextured", {21, 23, 0, 3, 9, 8, 9, 5, 4, 3, 0}},
 };
 
 TEST(FusedGraphs, OperationsAreThoseOfThePartsLessWhatIsShared) {

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <set>
 
 #include <gtest/gtest.h>
 
@@ -21,6 +22,7 @@ struct Frames {
   std::array<std::uint64_t, static_cast<std::size_t>(traces::RayKind::kCount)> rays{};
   Sampling sampling;
   std::uint64_t launches = 0, fused = 0;
+  std::set<std::string_view> kernels;  ///< launched
 };
 
 Frames run(FrameProgram& program, const traces::Tracer& tracer) {
@@ -32,6 +34,7 @@ Frames run(FrameProgram& program, const traces::Tracer& tracer) {
     for (const traces::WorkNode& node : tile.work.nodes) {
       if (node.kind != traces::WorkNode::Kind::kLaunch) continue;
       ++out.launches;
+      out.kernels.insert(catalogue()[node.kernel].name);
       out.fused += catalogue()[node.kernel].parts.empty() ? 0U : 1U;
     }
   });
@@ -77,6 +80,23 @@ void expect_fusion_to_change_nothing(const traces::Scene& scene, const traces::B
       expect_same(frames(Fusion::kOn), frames(Fusion::kOff));
     }
   }
+}
+
+TEST(FusedKernels, CheckGlobalColoursInTilesThatHaveSomeAlone) {
+  const traces::Scene scene = traces::open_scene("cornell");  // its lamp glows, most of its tiles are matt
+  const traces::MemoryImage image = traces::build_memory_image(scene, {});
+  const ProgramConfig programs;
+  const RateMap rates(programs.multirate);
+  const auto launched = [&](Fusion fusion) {
+    RenderConfig render = small(64, 32);
+    render.fusion = fusion;
+    const Frame frame{image, scene.cameras.front(), render, programs, rates, 0, 1};
+    return run(*make_program(parse_program("undersample"), frame), traces::BvhTracer(image)).kernels;
+  };
+  EXPECT_TRUE(launched(Fusion::kOn).contains("check_attributes_x_local_untextured"));
+  EXPECT_TRUE(launched(Fusion::kOn).contains("check_attributes_y_untextured"));
+  EXPECT_TRUE(launched(Fusion::kOn).contains("count_coloured")) << "samples of neighbours count, too";
+  EXPECT_FALSE(launched(Fusion::kOff).contains("check_attributes_x_local_untextured"));
 }
 
 class FusedKernelsOf : public testing::TestWithParam<std::string> {};

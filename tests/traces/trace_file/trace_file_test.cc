@@ -23,7 +23,7 @@ using test::tiny_scope;
 using test::tiny_tile;
 
 constexpr std::uint32_t kTiles = 5;
-constexpr TraceRequirements kDemands{.tile_samples = 4, .attribute_bytes = 64, .region_bytes = {4096, 512, 16}};
+constexpr FrameRequirements kDemands{.tile_samples = 4, .attribute_bytes = 64, .region_bytes = {4096, 512, 16}};
 
 TileWork tile(std::uint32_t number) {
   TileWork work = tiny_tile();
