@@ -48,7 +48,7 @@ std::optional<ReplicatedMetric> replicated(const Results& results, const Column&
 
 std::optional<Ties> ties_with(const Results& results, const Column& metric, bool most,
                               const std::vector<std::size_t>& candidates, std::size_t first) {
-  if (!is_noisy(figure_of(metric))) return std::nullopt;
+  if (candidates.size() < 2 || !is_noisy(figure_of(metric))) return std::nullopt;
   const std::optional<ReplicatedMetric> plays = replicated(results, metric, candidates);
   Ties ties{{}, plays.has_value(), plays ? 0 : noise_of(results, first)};
   const auto draws = [&](std::size_t row) {

@@ -24,7 +24,7 @@ struct Ties {
 };
 
 /// Candidates that a one-sided test at 5 % for all of them together does not hold to be worse than `first`, the best.
-/// None for a figure without noise.
+/// None for a figure without noise, or where there is nothing to compare.
 std::optional<Ties> ties_with(const Results& results, const Column& metric, bool most,
                               const std::vector<std::size_t>& candidates, std::size_t first);
 
