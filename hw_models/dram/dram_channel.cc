@@ -12,14 +12,14 @@ static std::size_t most_bursts(const DramTiming& t) {
   return (std::max(t.rl + t.dqsck, t.wl + t.dqss) + 64) / t.burst + 4;
 }
 
-DramChannel::DramChannel(const DramConfig& c, Links links, bool ideal)
+DramChannel::DramChannel(const DramConfig& c, Links links, bool ideal, const DramShift& shift)
     : controller_(c.controller),
       map_(c),
       ranks_(c.organisation.ranks),
       ideal_(ideal),
       bursts_(c.bursts_per_line()),
       line_bytes_(c.line.bytes),
-      fabric_((c.fabric.time + c.timing.ck.time - 1) / c.timing.ck.time),
+      fabric_(shift.moved_fabric((c.fabric.time + c.timing.ck.time - 1) / c.timing.ck.time)),
       refresh_interval_(c.refresh_interval()),
       refresh_cycles_(c.controller.refresh == RefreshKind::kAllBank ? c.timing.rfc_ab : c.timing.rfc_pb),
       exit_cycles_(c.timing.xp),
@@ -30,7 +30,7 @@ DramChannel::DramChannel(const DramConfig& c, Links links, bool ideal)
       device_(c),
       data_bus_(most_bursts(c.timing)),
       page_policy_(c.controller.page_policy),
-      refresh_at_(refresh_interval_ == 0 || ideal ? sim::kNever : refresh_interval_),
+      refresh_at_(refresh_interval_ == 0 || ideal ? sim::kNever : shift.first_refresh(refresh_interval_)),
       to_refresh_(device_.refresh_leaders()),
       reads_(c.controller.read_queue),
       writes_(c.controller.write_queue),

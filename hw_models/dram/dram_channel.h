@@ -8,6 +8,7 @@
 #include "hw_models/dram/dram_device.h"
 #include "hw_models/dram/dram_page_policy.h"
 #include "hw_models/dram/dram_queue.h"
+#include "hw_models/dram/dram_shift.h"
 #include "hw_models/dram/scheduled_command.h"
 #include "hw_models/memory/arbiter.h"
 #include "hw_models/memory/messages.h"
@@ -86,7 +87,7 @@ class DramChannel {
     Watcher* watcher = nullptr;
   };
 
-  DramChannel(const DramConfig& config, Links links, bool ideal = false);
+  DramChannel(const DramConfig& config, Links links, bool ideal = false, const DramShift& shift = {});
   DramChannel(const DramChannel&) = delete;
   DramChannel& operator=(const DramChannel&) = delete;
 

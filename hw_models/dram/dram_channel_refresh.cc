@@ -7,6 +7,9 @@ namespace hw {
 
 /// Runs every refresh due by now, each at its own time: the outcome is the same whenever this is called.
 void DramChannel::refresh(Cycle now) {
+  const auto due_after = [&](std::uint64_t turns) {
+    return refresh_interval_ * (turns / ranks_ + 1) + refresh_interval_ * (turns % ranks_) / ranks_;
+  };
   while (refresh_at_ <= now) {
     Cycle due = refresh_at_;
     power_down(due);
@@ -19,9 +22,8 @@ void DramChannel::refresh(Cycle now) {
       down_since_ = std::max(due, down_since_) + refresh_cycles_;
     }
     refresh_banks(static_cast<std::uint32_t>(refresh_turn_ % ranks_), due);
+    refresh_at_ += due_after(refresh_turn_ + 1) - due_after(refresh_turn_);
     refresh_turn_ += 1;
-    refresh_at_ =
-        refresh_interval_ * (refresh_turn_ / ranks_ + 1) + refresh_interval_ * (refresh_turn_ % ranks_) / ranks_;
     next_is_stale_ = true;
   }
 }

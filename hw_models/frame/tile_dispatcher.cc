@@ -6,13 +6,16 @@
 
 namespace hw {
 
-TileDispatcher::TileDispatcher(TileSource& source, TilesInFlight tiles_per_core, Links links, sim::Clock clock)
+TileDispatcher::TileDispatcher(TileSource& source, TilesInFlight tiles_per_core, Links links, sim::Clock clock,
+                               std::span<const std::uint32_t> starts)
     : source_(source),
       tiles_per_core_(tiles_per_core),
       links_(std::move(links)),
       clock_(clock),
       next_(source.next()),
-      in_flight_(links_.to_core.size()) {
+      in_flight_(links_.to_core.size()),
+      start_at_(links_.to_core.size()) {
+  for (std::size_t core = 0; core < starts.size(); ++core) start_at_[core] = clock.after(0, starts[core]);
   importers_.reserve(tiles_per_core.most() * links_.to_core.size());
 }
 
@@ -32,7 +35,7 @@ sim::Time TileDispatcher::tick(sim::Time now) {
   for (std::size_t core = 0; core < in_flight_.size(); ++core) {
     at = std::min(at, std::max(next, links_.from_core[core]->pop_at()));
     if (next_ != nullptr && !waits && has_room(core)) {
-      at = std::min(at, std::max(next, links_.to_core[core]->push_at()));
+      at = std::min(at, std::max({next, links_.to_core[core]->push_at(), start_at_[core]}));
     }
   }
   for (const Importer& i : importers_) {
@@ -52,7 +55,7 @@ bool TileDispatcher::dispatch(sim::Time now) {
   const std::size_t cores = in_flight_.size();
   for (std::size_t k = 0; k < cores; ++k) {
     const std::size_t core = (turn_ + k) % cores;
-    if (!has_room(core) || !links_.to_core[core]->can_push(now)) continue;
+    if (!has_room(core) || now < start_at_[core] || !links_.to_core[core]->can_push(now)) continue;
     const TileJob job{next_, missing(*next_)};
     links_.to_core[core]->push(now, job);
     if (job.missing != 0) {

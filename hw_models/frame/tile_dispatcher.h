@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -60,7 +61,9 @@ class TileDispatcher {
     std::vector<sim::Link<Flush>*> to_l2;  ///< told when the last tile is finished; may be none
   };
 
-  TileDispatcher(TileSource& source, TilesInFlight tiles_per_core, Links links, sim::Clock clock);
+  /// `starts`: cycles before a core may get its first tile, one of each core; empty: none.
+  TileDispatcher(TileSource& source, TilesInFlight tiles_per_core, Links links, sim::Clock clock,
+                 std::span<const std::uint32_t> starts = {});
   TileDispatcher(const TileDispatcher&) = delete;
   TileDispatcher& operator=(const TileDispatcher&) = delete;
 
@@ -102,6 +105,7 @@ class TileDispatcher {
   const sim::Clock clock_;
   const traces::TileWork* next_;
   std::vector<std::uint32_t> in_flight_;
+  std::vector<sim::Time> start_at_;    ///< before it a core gets no tile
   std::vector<std::uint8_t> written_;  ///< borders in memory by number of tile, a bit each
   std::vector<Importer> importers_;    ///< in the order of the list
   std::size_t turn_ = 0;

@@ -34,7 +34,7 @@ Addr records_of(const GpuConfig& config, const Gpu::Workload& workload, std::uin
 
 }  // namespace
 
-Gpu::Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles)
+Gpu::Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles, const Perturbation& perturbation)
     : config_(config),
       layout_(workload.image.layout),
       tni_clock_(config.clocks.tni.clock()),
@@ -42,7 +42,7 @@ Gpu::Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles)
       l2_clock_(config.clocks.l2.clock()),
       in_flight_(tiles_in_flight(config.tile_buffer, workload.needs, config.ideal.tile_buffer)),
       machine_(config.clocks.synchroniser),
-      memory_(machine_, config_, MemorySystem::Dma::kYes),
+      memory_(machine_, config_, MemorySystem::Dma::kYes, perturbation.dram),
       dispatcher_id_(machine_.unit({TileDispatcher::kName, l2_clock_})) {
   SrpConfig srp = config.srp;
   if (config.ideal.tile_buffer) srp.array.local_ports = 64;  // more than any kernel can use
@@ -61,7 +61,8 @@ Gpu::Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles)
   // Only rays and hits are ever written to the L2.
   const bool keeps_writes = !config.direct_interface.enabled && config.l2.writes == L2Writes::kBack && !config.ideal.l2;
   if (keeps_writes) links.to_l2 = memory_.flushes(dispatcher_id_);
-  dispatcher_ = &machine_.build<TileDispatcher>(dispatcher_id_, tiles, in_flight_, links, l2_clock_);
+  dispatcher_ =
+      &machine_.build<TileDispatcher>(dispatcher_id_, tiles, in_flight_, links, l2_clock_, perturbation.starts);
   for (std::uint32_t c = 0; c < config.cores; ++c) build_core(c, workload);
   memory_.build_banks_and_channels();
 }

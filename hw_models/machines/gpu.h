@@ -10,6 +10,7 @@
 #include "hw_models/frame/tile_dispatcher.h"
 #include "hw_models/machines/gpu_config.h"
 #include "hw_models/machines/memory_system.h"
+#include "hw_models/machines/perturbation.h"
 #include "hw_models/srp/srp.h"
 #include "hw_models/tni/tni_core.h"
 #include "sim/machine.h"
@@ -35,7 +36,7 @@ class Gpu {
     bool dma_encodes = false;  ///< the DMA sRGB-encodes finished pixels
   };
 
-  Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles);
+  Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles, const Perturbation& perturbation = {});
   Gpu(const Gpu&) = delete;
   Gpu& operator=(const Gpu&) = delete;
 

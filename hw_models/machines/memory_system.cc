@@ -9,10 +9,11 @@ constexpr std::uint32_t kIdealDepth = 256;  // links of an ideal interconnect: m
 
 }  // namespace
 
-MemorySystem::MemorySystem(sim::Machine& machine, const GpuConfig& config, Dma dma)
+MemorySystem::MemorySystem(sim::Machine& machine, const GpuConfig& config, Dma dma, const DramShift& shift)
     : machine_(machine),
       config_(config),
       dma_(dma),
+      shift_(shift),
       clock_(config.clocks.l2.clock()),
       distance_(config.ideal.interconnect ? 1 : config.interconnect.latency),
       link_depth_(config.ideal.interconnect ? kIdealDepth : config.interconnect.link_depth) {
@@ -120,7 +121,8 @@ void MemorySystem::build_banks_and_channels() {
                                              config_.interconnect.arbitration, config_.ideal.l2));
   }
   for (const Channel& channel : declared_channels_) {
-    channels_.push_back(&machine_.build<DramChannel>(channel.unit, config_.dram, channel.links, config_.ideal.dram));
+    channels_.push_back(
+        &machine_.build<DramChannel>(channel.unit, config_.dram, channel.links, config_.ideal.dram, shift_));
   }
 }
 

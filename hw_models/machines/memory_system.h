@@ -26,7 +26,7 @@ class MemorySystem {
   enum class Dma : bool { kNo, kYes };  ///< whether there are DMA ports
 
   /// `config` must outlive it.
-  MemorySystem(sim::Machine& machine, const GpuConfig& config, Dma dma);
+  MemorySystem(sim::Machine& machine, const GpuConfig& config, Dma dma, const DramShift& shift = {});
 
   /// The ports of the next core.
   void declare_ports();
@@ -69,6 +69,7 @@ class MemorySystem {
   sim::Machine& machine_;
   const GpuConfig& config_;
   const Dma dma_;
+  const DramShift shift_;
   const sim::Clock clock_;
   const std::uint32_t distance_, link_depth_;  ///< between ports and what they lead to
   std::vector<Port> cache_ports_, dma_ports_;  ///< one of each core; there may be no DMA

@@ -20,6 +20,7 @@
 #include "tools/analysis/energy_totals.h"
 #include "tools/analysis/limiter.h"
 #include "tools/analysis/picture.h"
+#include "tools/analysis/replicated.h"
 #include "tools/analysis/top_down.h"
 #include "tools/analysis/units.h"
 #include "tools/host/build_info.h"
@@ -143,8 +144,10 @@ Json host_json(const Report& report) {
   const FrontEnd::Result& function = totals.run.function;
   const double timing = totals.run.wall_seconds - function.waited;
   const double reference = totals.reference != nullptr ? totals.reference->wall_seconds : 0;
+  const double replicates =
+      totals.run.replicate_seconds + (totals.reference != nullptr ? totals.reference->replicate_seconds : 0);
   const double load = report.inputs.load_seconds + report.inputs.update_seconds;
-  const double wall = report.wall_seconds - load - reference;
+  const double wall = report.wall_seconds - load - reference - replicates;
   Json host = {{"date", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)))},
                {"name", name.data()},
                {"wall_s", report.wall_seconds},
@@ -156,6 +159,7 @@ Json host_json(const Report& report) {
                {"steps_per_s", static_cast<double>(function.traversal_steps) / wall},
                {"peak_rss_mb", peak_rss_mib()},
                {"threads", host_threads(report.options.threads)}};
+  if (replicates != 0) host["replicates_s"] = replicates;
   if (totals.run.sampled) {
     host["pilot_s"] = totals.run.sampled->pilot_seconds;
     host["warming_s"] = totals.run.sampled->warming_seconds;
@@ -192,6 +196,7 @@ Json totals_json(const Result& result) {
   totals["kernels"] = kernels_json(s);
   if (s.sampled) totals["sampled"] = sampled_json(s);
   if (result.reference != nullptr) add_relative(totals, result);
+  if (!s.replicates.empty()) totals["replicates"] = replicates_json(result, totals);
   return totals;
 }
 

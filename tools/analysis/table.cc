@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "tools/analysis/replicated.h"
 #include "tools/analysis/report.h"
 #include "tools/analysis/top_down.h"
 
@@ -152,6 +153,7 @@ std::string overview(const Json& report) {
                    t["perf"]["frames_per_joule_gpu"].get<double>(), t["perf"]["frames_per_joule_tni"].get<double>(),
                    t["perf"]["nj_per_ray"].get<double>()));
   if (t.contains("area_mm2")) line("area", area(t));
+  if (t.contains("replicates")) line("replicates", replicates_text(t["replicates"]));
   if (t.contains("relative")) {
     const Json& r = t["relative"];
     line("against reference",

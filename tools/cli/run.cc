@@ -24,6 +24,11 @@ void add_run(CLI::App& app, const std::vector<std::string>& argv, int&) {
   verb->add_option("--image", options->image, "with --tile-sampling: render all tiles, or none but those needed")
       ->check(CLI::IsMember({"full", "none"}))
       ->capture_default_str();
+  verb->add_option("--replicates", options->replicates,
+                   "play the frame's work so many times, all but the first with displacements that no architect would\n"
+                   "notice, and report mean and 95 % interval of each figure (docs/noise.md)")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
   add_rays_option(*verb, *options);
   verb->footer("Example: raywatt run sgrt-2016 --scene teapot --set cores=2 -o out/two-cores");
   verb->callback([options] { options->rays.empty() ? run_frames(*options) : run_rays(*options); });

@@ -51,17 +51,23 @@ struct Job {
                                             .marks = options.debug_images,
                                             .keep_part = may_be_part,
                                             .progress = &progress,
-                                            .trace = trace});
+                                            .trace = trace,
+                                            .replicates = options.replicates});
     std::optional<Simulation> compared;
     if (reference && !frame.is_part()) {
       try {
         compared = simulate(inputs, reference->spec, options.threads,
-                            {.rates = &reference->rates, .progress = &progress, .trace = trace, .reference = true});
+                            {.rates = &reference->rates,
+                             .progress = &progress,
+                             .trace = trace,
+                             .reference = true,
+                             .replicates = options.replicates});
       } catch (const Interrupted&) {
         if (!may_be_part) throw;
       }
     }
-    out.partial = frame.is_part() || (reference && !compared);
+    const bool lacks_replicates = frame.replicates.size() + 1 < options.replicates;
+    out.partial = frame.is_part() || lacks_replicates || (reference && !compared);
     const double error = compared ? mean_squared_error(frame.function.rgb, compared->function.rgb) : 0;
     if (trace != nullptr && !out.partial) trace->end_frame(recorded_frame(inputs.frame, error));
     progress.phase("writing the picture");
@@ -112,6 +118,8 @@ std::optional<TileSampling> sampling_of(const JobOptions& options, const kernels
   check_tile_sampling(program);
   if (!options.reference.empty())
     throw sim::InputError("--tile-sampling does not go with --reference: compare two runs of all tiles");
+  if (options.replicates > 1)
+    throw sim::InputError("--tile-sampling does not go with --replicates: replicates play all tiles");
   if (!options.record.empty())
     throw sim::InputError("--tile-sampling does not go with --record: a trace has all tiles");
   return parse_tile_sampling(options.tile_sampling, options.image);
@@ -152,7 +160,7 @@ void run_frames(const JobOptions& options) {
   if (reference) job.reference = Program{*reference, rates};
   for (const std::string& warning : inputs.warnings) progress.say("raywatt: warning: " + warning);
   if (!sampling) tell_long_run(inputs, program, progress);
-  progress.expect(inputs.frames() * (reference ? 2 : 1));
+  progress.expect(inputs.frames() * (reference ? 2 : 1) * options.replicates);
 
   nlohmann::ordered_json json;
   folder.fill([&](const RunFolder::Open& open) {

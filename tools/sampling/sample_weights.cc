@@ -4,7 +4,8 @@
 #include <cmath>
 
 #include <Eigen/Cholesky>
-#include <boost/math/distributions/students_t.hpp>
+
+#include "tools/noise/statistics.h"
 
 namespace tools {
 namespace {
@@ -65,12 +66,6 @@ double SampleWeights::half_width(std::span<const double> observed) const {
   const Eigen::Map<const Eigen::MatrixXd> smoother(smoother_.data(), rates.size(), rates.size());
   const double left = (rates - smoother * rates).squaredNorm();
   return student_t(degrees_) * std::sqrt(left / degrees_ * as_vector(shares_).squaredNorm());
-}
-
-double student_t(double degrees) {
-  // Wider floating point would start with the program, and fail where a profiler's processor has 64 bits only.
-  using Policy = boost::math::policies::policy<boost::math::policies::promote_double<false>>;
-  return boost::math::quantile(boost::math::students_t_distribution<double, Policy>(degrees), 0.975);
 }
 
 }  // namespace tools

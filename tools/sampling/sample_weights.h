@@ -35,7 +35,4 @@ class SampleWeights {
   double degrees_ = 0;
 };
 
-/// Student's t: 97.5 % of its distribution lies below.
-double student_t(double degrees);
-
 }  // namespace tools

@@ -4,17 +4,19 @@
 #include <memory>
 #include <thread>
 
-#include "hw_models/dram/dram_energy.h"
 #include "hw_models/machines/gpu.h"
+#include "shader_kernels/catalogue.h"
 #include "shader_kernels/programs/programs.h"
 #include "sim/config/config.h"
-#include "sim/engine.h"
 #include "sim/host_clock.h"
 #include "sim/io/printable.h"
 #include "tools/host/interrupt.h"
 #include "tools/simulation/energy_events.h"
+#include "tools/simulation/kept_work.h"
+#include "tools/simulation/machine_run.h"
 #include "tools/simulation/progress_tile_source.h"
 #include "tools/simulation/recorded.h"
+#include "tools/simulation/replicates.h"
 #include "traces/accel/build.h"
 #include "traces/accel/bvh_info.h"
 #include "traces/accel/bvh_tracer.h"
@@ -26,12 +28,19 @@
 namespace tools {
 namespace {
 
-/// Writes the work of a frame into a trace while it goes by; with no trace it just goes by.
+/// Writes the work of a frame into a trace while it goes by, and keeps it for replicates; with neither it just goes
+/// by.
 class Recording final : public hw::TileSource {
  public:
   Recording(hw::TileSource& source, const Inputs& inputs, const kernels::FrameRequirements& requirements,
             const Extras& extras)
       : source_(source), trace_(extras.trace) {
+    if (extras.replicates > 1) {
+      const auto kernels = static_cast<std::uint32_t>(kernels::catalogue().size());
+      kept_.emplace(traces::TileScope{traces::links_of(inputs.image), traces::counts_of(inputs.image), kernels,
+                                      requirements.region_bytes, traces::most_tile_bytes(requirements)},
+                    inputs.config.limits.memory.bytes);
+    }
     if (trace_ == nullptr) return;
     trace_->begin_part({inputs.frame, extras.reference}, traces::links_of(inputs.image),
                        traces::counts_of(inputs.image), requirements);
@@ -39,6 +48,7 @@ class Recording final : public hw::TileSource {
   const traces::TileWork* next() override {
     const traces::TileWork* work = source_.next();
     if (trace_ != nullptr && work != nullptr) trace_->add(*work);
+    if (kept_ && work != nullptr) kept_->add(*work);
     return work;
   }
   void give_back(const traces::TileWork* work) override { source_.give_back(work); }
@@ -46,10 +56,13 @@ class Recording final : public hw::TileSource {
   void finish(const FrontEnd::Result& result) {
     if (trace_ != nullptr) trace_->end_part(recorded_result(result));
   }
+  /// All work that went by, if there are to be replicates.
+  const KeptWork& kept() const { return *kept_; }
 
  private:
   hw::TileSource& source_;
   traces::TraceWriter* const trace_;
+  std::optional<KeptWork> kept_;
 };
 
 /// A frame program for the frame that `inputs` stand at.
@@ -148,7 +161,9 @@ void Simulation::add(const Simulation& frame) {
   cycles += frame.cycles;
   elapsed += frame.elapsed;
   wall_seconds += frame.wall_seconds;
+  replicate_seconds += frame.replicate_seconds;
   if (sampled) sampled->add(*frame.sampled);
+  for (std::size_t i = 0; i < replicates.size(); ++i) replicates[i].add(frame.replicates[i]);
 }
 
 Simulation simulate(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
@@ -167,38 +182,34 @@ Simulation play(const Inputs& inputs, const kernels::ProgramSpec& program, kerne
   ProgressTileSource offered(front_end, frame.tiles(), extras.progress, extras.keep_part);
   const kernels::FrameRequirements requirements = frame.requirements();
   Recording tiles(offered, inputs, requirements, extras);
-  const auto gpu = std::make_unique<hw::Gpu>(inputs.config.gpu,
-                                             hw::Gpu::Workload{inputs.image, inputs.parents, requirements,
-                                                               inputs.config.render.srgb == kernels::SrgbEncoder::kDma},
-                                             tiles);
-  const auto energy = [&] {
-    return sim::compute_energy(gpu->report(), inputs.config.energy, hw::dram_energy_events(inputs.config.gpu.dram),
-                               gpu->elapsed());
-  };
+  const std::unique_ptr<hw::Gpu> gpu = make_gpu(inputs, requirements, tiles);
   check_energy_events(gpu->report(), inputs.config.energy);
   // A figure that is missing is told before the work, not after it.
-  energy();
+  energy_of(*gpu, inputs);
   if (!inputs.config.area.arrays.empty()) {
     sim::compute_area(gpu->report(), inputs.config.energy.logic, inputs.config.area);
   }
   offered.begin("simulating", inputs.frame);
   offered.played_by(*gpu);
-  gpu->finish(sim::run(*gpu));
+  run_to_end(*gpu);
   if (offered.finished() == frame.tiles()) tiles.finish(front_end.result());
 
   Simulation s;
   s.program = program;
   s.machine = inputs.config.gpu;
   s.function = front_end.result();
-  s.units = gpu->report();
-  s.kernel_use = gpu->kernel_use();
-  s.kernels = gpu->kernels();
-  s.cycles = gpu->cycles();
-  s.elapsed = gpu->elapsed();
-  s.energy = energy();
+  take(*gpu, inputs, s);
   s.wall_seconds = sim::seconds_since(begin);
   s.tiles = frame.tiles();
   s.finished_tiles = offered.finished();
+  if (extras.replicates == 1 || s.is_part()) return s;
+  try {
+    s.replicates = play_replicates(inputs, requirements, tiles.kept(), s, extras.replicates - 1, host_threads(threads),
+                                   extras.progress);
+    s.replicate_seconds = sim::seconds_since(begin) - s.wall_seconds;
+  } catch (const Interrupted&) {
+    if (!extras.keep_part) throw;
+  }
   return s;
 }
 

@@ -87,6 +87,8 @@ struct Simulation {
   std::uint32_t tiles = 0,
                 finished_tiles = 0;     ///< tiles of the last frame; all are finished, but for Extras::keep_part
   std::optional<SampledFrame> sampled;  ///< if most of this is estimated
+  std::vector<Simulation> replicates;   ///< the same work, perturbed; without pictures
+  double replicate_seconds = 0;         ///< host, for these
   std::uint64_t rays() const;
   bool is_part() const { return finished_tiles < tiles; }
   /// Adds a later frame's figures; the picture stays.
@@ -101,11 +103,13 @@ struct Extras {
   Progress* progress = nullptr;
   traces::TraceWriter* trace = nullptr;  ///< gets the frame's work, if somebody wants it
   bool reference = false;                ///< for the trace: this is what others are compared with
+  std::uint32_t replicates = 1;          ///< plays of the work, of which the first is not perturbed
 };
 
 /// Runs a frame program on the machine.
 /// `threads` of the host: one plays the machine, the others run ahead of it. sim::Deadlock if the machine is stuck,
-/// Interrupted if an interrupt waits and nothing is kept. Every frame begins with cold caches.
+/// Interrupted if an interrupt waits and nothing is kept. Every frame begins with cold caches. What is kept of a run
+/// that was interrupted has no replicates.
 Simulation simulate(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
                     const Extras& extras = {});
 

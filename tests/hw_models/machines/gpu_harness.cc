@@ -171,7 +171,12 @@ Outcome play(const Method& method, const GpuConfig& config, Engine engine, std::
 Outcome play(const Frame& frame, std::span<const traces::TileWork> tiles, const GpuConfig& config, Engine engine,
              std::uint64_t seed) {
   Tiles source(tiles);
-  const auto gpu = std::make_unique<Gpu>(config, frame.workload(), source);
+  return play(frame, source, config, {}, engine, seed);
+}
+
+Outcome play(const Frame& frame, TileSource& tiles, const GpuConfig& config, const Perturbation& perturbation,
+             Engine engine, std::uint64_t seed) {
+  const auto gpu = std::make_unique<Gpu>(config, frame.workload(), tiles, perturbation);
   return run(*gpu, engine, seed);
 }
 

@@ -104,6 +104,10 @@ Outcome play(const Method& method, const GpuConfig& config, Engine engine = Engi
 Outcome play(const Frame& frame, std::span<const traces::TileWork> tiles, const GpuConfig& config,
              Engine engine = Engine::kFast, std::uint64_t seed = 0);
 
+/// Plays what a source gives on a perturbed machine.
+Outcome play(const Frame& frame, TileSource& tiles, const GpuConfig& config, const Perturbation& perturbation,
+             Engine engine = Engine::kFast, std::uint64_t seed = 0);
+
 /// The first figure in which two runs differ ("core0.srp.rays: 12, 13"); empty if they are equal to the last counter.
 std::string difference(const Outcome& a, const Outcome& b);
 /// The same for what the frame program found: picture, rays by kind, traversal steps.

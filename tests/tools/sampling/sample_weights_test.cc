@@ -105,14 +105,5 @@ TEST(SampleWeights, ATraitInWhichPartsDoNotDifferChangesNothing) {
   EXPECT_DOUBLE_EQ(before.half_width(d.observed), after.half_width(d.observed));
 }
 
-TEST(StudentT, IsThatOfTables) {
-  EXPECT_NEAR(student_t(1), 12.7062, 0.0001);
-  EXPECT_NEAR(student_t(2), 4.3027, 0.0001);
-  EXPECT_NEAR(student_t(3), 3.1824, 0.0001);
-  EXPECT_NEAR(student_t(10), 2.2281, 0.0001);
-  EXPECT_NEAR(student_t(30), 2.0423, 0.0001);
-  EXPECT_NEAR(student_t(1e9), 1.9600, 0.0001);
-}
-
 }  // namespace
 }  // namespace tools

@@ -210,7 +210,10 @@ Comparison compare(const ReportFile& a, const ReportFile& b) {
   for (const auto& [name, path] : kFigures) {
     const bool says_nothing =
         path == std::string_view("totals.traced_ratio") && a.number(path) == 1 && b.number(path) == 1;
-    if (!says_nothing && (a.has(path) || b.has(path))) out.figures.push_back({name, a.number(path), b.number(path)});
+    if (!says_nothing && (a.has(path) || b.has(path))) {
+      const std::string figure = std::string(path).substr(std::string_view("totals.").size());
+      out.figures.push_back({name, a.number(path), b.number(path), noisy_difference(a, b, figure)});
+    }
   }
   out.time = times(a, b);
   out.reasons = reasons(a, b);

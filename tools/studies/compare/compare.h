@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/analysis/replicated.h"
 #include "tools/analysis/report_file.h"
 #include "tools/pricing/energy_study.h"
 
@@ -13,6 +14,7 @@ namespace tools {
 struct Pair {
   std::string name;
   double a = 0, b = 0;
+  std::optional<NoisyDifference> noise{};  ///< that of figures that have some
   double difference() const { return b - a; }
 };
 

@@ -5,15 +5,12 @@
 #include <fmt/format.h>
 
 #include "sim/io/printable.h"
-#include "sim/report/report_json.h"
 #include "sim/report/table.h"
 #include "tools/analysis/picture.h"
 #include "tools/studies/compare/compare.h"
 
 namespace tools {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kShown = 8;  ///< lines of a list; --json has all
 
@@ -26,6 +23,29 @@ std::string change_text(const Pair& pair) {
   if (times >= 2) return fmt::format("x{:.3g}", times);
   const double percent = 100 * (times - 1);
   return fmt::format("{:+.{}f} %", percent, std::abs(percent) < 1 ? 2 : 1);
+}
+
+/// A difference beside its noise: "within ± 2 %", or with replicates "mean +1.4 ± 0.52 %, outside".
+std::string noise_text(const Pair& pair) {
+  if (!pair.noise || (pair.a == pair.b && !pair.noise->measured)) return "";
+  const NoisyDifference& n = *pair.noise;
+  const char* const verdict = n.outside ? "outside" : "within";
+  if (!n.measured) return fmt::format("{} ± {:.2g} %", verdict, 100 * n.half_width);
+  return fmt::format("mean {:+.2f} ± {:.2g} %, {}", 100 * n.relative, 100 * n.half_width, verdict);
+}
+
+/// Where the noise of the overview comes from.
+std::string noise_note(const std::vector<Comparison>& against) {
+  bool measured = false, assumed = false;
+  for (const Comparison& c : against) {
+    for (const Pair& pair : c.figures) {
+      if (pair.noise) (pair.noise->measured ? measured : assumed) = true;
+    }
+  }
+  std::string out;
+  if (measured) out += "noise: differences of the means of replicates, 95 % intervals\n";
+  if (assumed) out += "noise: assumed for this size of picture; runs with --replicates 5 measure it\n";
+  return out;
 }
 
 /// "raywatt-out/base/report.json" -> "base".
@@ -67,21 +87,22 @@ std::string picture_text(const Comparison& c) {
 
 std::string overview(const std::vector<std::string>& names, const std::vector<Comparison>& against) {
   std::vector<std::string> header = {"", names.front()};
-  for (std::size_t i = 1; i < names.size(); ++i) header.insert(header.end(), {names[i], ""});
+  for (std::size_t i = 1; i < names.size(); ++i) header.insert(header.end(), {names[i], "", "noise"});
   sim::Table table(header);
   for (const Pair& first : against.front().figures) {
     std::vector<std::string> row = {first.name, figure_text(first.name, first.a)};
     for (const Comparison& c : against) {
       const auto pair = std::ranges::find(c.figures, first.name, &Pair::name);
-      if (pair == c.figures.end()) row.insert(row.end(), {"-", ""});
-      if (pair != c.figures.end()) row.insert(row.end(), {figure_text(pair->name, pair->b), change_text(*pair)});
+      if (pair == c.figures.end()) row.insert(row.end(), {"-", "", ""});
+      if (pair == c.figures.end()) continue;
+      row.insert(row.end(), {figure_text(pair->name, pair->b), change_text(*pair), noise_text(*pair)});
     }
     table.row(std::move(row));
   }
   std::vector<std::string> pictures = {"picture", ""};
-  for (const Comparison& c : against) pictures.insert(pictures.end(), {picture_text(c), ""});
+  for (const Comparison& c : against) pictures.insert(pictures.end(), {picture_text(c), "", ""});
   table.row(std::move(pictures));
-  return table.text();
+  return table.text() + noise_note(against);
 }
 
 enum class Column : std::uint8_t { kCount, kEnergy, kRatio };
@@ -192,73 +213,7 @@ std::string explanation(const Comparison& c, const std::vector<std::string>& nam
   return out;
 }
 
-Json pairs_json(const std::vector<Pair>& pairs) {
-  Json out = Json::array();
-  for (const Pair& pair : pairs) {
-    out.push_back({{"name", pair.name}, {"a", pair.a}, {"b", pair.b}, {"difference", pair.difference()}});
-  }
-  return out;
-}
-
-Json ratio_json(const EnergyRatio& r) {
-  return {{"together", sim::spread_json(r.together)},
-          {"median", r.drawn.median},
-          {"interval", {r.drawn.from, r.drawn.to}},
-          {"less", r.b_less}};
-}
-
-Json energy_json(const Comparison& c) {
-  if (!c.energy) return {{"why_not", sim::printable(c.no_energy, 1000)}};
-  Json bars = Json::array();
-  for (const TornadoBar& bar : c.energy->tornado) {
-    bars.push_back({{"entry", bar.entry}, {"at_low", bar.at_low}, {"at_high", bar.at_high}});
-  }
-  return {{"draws", kEnergyDraws},
-          {"seed", kEnergySeed},
-          {"gpu", ratio_json(c.energy->gpu)},
-          {"tni", ratio_json(c.energy->tni)},
-          {"tornado", std::move(bars)}};
-}
-
-Json against_json(const Comparison& c) {
-  Json config = Json::array(), figures = Json::object();
-  for (const KeyPair& key : c.config) config.push_back({{"key", key.key}, {"a", key.a}, {"b", key.b}});
-  for (const Pair& pair : c.figures) {
-    figures[pair.name] = {{"a", pair.a}, {"b", pair.b}, {"relative", pair.a == 0 ? Json() : Json(pair.b / pair.a)}};
-  }
-  Json picture = Json::object();
-  if (c.squared_error) {
-    const std::optional<double> psnr = psnr_db(*c.squared_error);
-    picture = {{"identical", !psnr}, {"psnr_db", psnr ? Json(*psnr) : Json()}};
-  } else {
-    picture = {{"why_not", sim::printable(c.no_picture)}};
-  }
-  return {{"other_work", c.other_work},
-          {"config", config},
-          {"figures", figures},
-          {"time", pairs_json(c.time)},
-          {"reasons", pairs_json(c.reasons)},
-          {"ratios", pairs_json(c.ratios)},
-          {"energy_by_block_mj", pairs_json(c.blocks)},
-          {"energy_by_event_mj", pairs_json(c.events)},
-          {"energy_ratio", energy_json(c)},
-          {"counters", pairs_json(c.counters)},
-          {"picture", picture}};
-}
-
 }  // namespace
-
-Json comparison_json(const std::vector<ReportFile>& reports, const std::vector<Comparison>& against) {
-  Json out = {{"schema", "raywatt-compare/1"},
-              {"a", sim::printable(reports.front().file.string(), 4096)},
-              {"against", Json::array()}};
-  for (std::size_t i = 0; i < against.size(); ++i) {
-    Json entry = {{"b", sim::printable(reports[i + 1].file.string(), 4096)}};
-    entry.update(against_json(against[i]));
-    out["against"].push_back(std::move(entry));
-  }
-  return out;
-}
 
 std::string comparison_text(const std::vector<ReportFile>& reports, const std::vector<Comparison>& against) {
   const std::vector<std::string> names = short_names(reports);

@@ -85,6 +85,35 @@ TEST_F(Runs, TellWhichKeysDifferAndHowMuchFasterOneIs) {
   EXPECT_SAYS(raywatt({"compare", path("base"), path("ports")}).out, "srp.array.cache_ports: 1 -> 2");
 }
 
+TEST_F(Runs, AreHeldAgainstTheAssumedNoiseWithoutReplicates) {
+  const Json c = compared("base", "ports");
+  const Json& noise = c["figures"]["cycles"]["noise"];
+  EXPECT_EQ(noise["from"], "default");
+  EXPECT_NEAR(noise["half_width"].get<double>(), 0.1, 0.01);
+  EXPECT_EQ(noise["outside"], std::abs(noise["difference"].get<double>()) > noise["half_width"].get<double>());
+  EXPECT_FALSE(c["figures"]["rays"].contains("noise")) << "rays are counted, whatever races there are";
+  EXPECT_SAYS(raywatt({"compare", path("base"), path("ports")}).out, "assumed for this size of picture");
+}
+
+TEST_F(Runs, AreHeldAgainstTheirReplicatesWhereBothHaveThem) {
+  const auto replicated = [&](double mean) {
+    return [mean](Json& report) {
+      report["totals"]["replicates"] = {{"count", 5}, {"figures", {{"cycles", {{"mean", mean}, {"deviation", 2.0}}}}}};
+    };
+  };
+  const std::string a = changed("a.json", replicated(1000)), near = changed("near.json", replicated(1001)),
+                    far = changed("far.json", replicated(1010));
+  const auto noise = [&](const std::string& b) {
+    return Json::parse(raywatt({"compare", a, b, "--json"}).out)["against"][0]["figures"]["cycles"]["noise"];
+  };
+  EXPECT_EQ(noise(near)["outside"], false);
+  EXPECT_EQ(noise(far)["outside"], true);
+  EXPECT_EQ(noise(far)["from"], "replicates");
+  EXPECT_NEAR(noise(far)["difference"].get<double>(), 0.01, 1e-12);
+  EXPECT_NEAR(noise(far)["half_width"].get<double>(), 2.306004 * std::sqrt(8.0 / 5) / 1000, 1e-8);  // eight degrees
+  EXPECT_SAYS(raywatt({"compare", a, far}).out, "mean +1.00 ± 0.29 %, outside");
+}
+
 TEST_F(Runs, ExplanationsComeWithTheLargestFirst) {
   const Json c = compared("base", "slow-l2");
   for (const char* list : {"time", "reasons", "energy_by_block_mj", "energy_by_event_mj"}) {

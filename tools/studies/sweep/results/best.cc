@@ -11,6 +11,7 @@
 #include "tools/studies/sweep/results/cells.h"
 #include "tools/studies/sweep/results/condition.h"
 #include "tools/studies/sweep/results/energy_band.h"
+#include "tools/studies/sweep/results/ties.h"
 
 namespace tools::results {
 namespace {
@@ -39,14 +40,16 @@ std::string rerun_command(sweep::Point point, const std::string& config) {
 std::string best_text(const Results& results, std::span<const sweep::Point> points, const BestOptions& options) {
   const Column metric = results.column(options.metric);
   const std::vector<bool> may = meeting(results, options.where);
-  std::optional<std::size_t> best;
-  std::size_t candidates = 0, equal = 0;
-  double figure = 0;
+  std::vector<std::size_t> candidates;
   for (std::size_t row = 0; row < may.size(); ++row) {
-    const std::optional<sweep::Magnitude> number = amount_of(metric.values[row]);
-    if (!may[row] || !results.rows()[row].is_done() || !number) continue;
-    ++candidates;
-    const double value = number->value;
+    if (may[row] && results.rows()[row].is_done() && amount_of(metric.values[row])) candidates.push_back(row);
+  }
+  const std::optional<ReplicatedMetric> plays = replicated(results, metric, candidates);
+  std::optional<std::size_t> best;
+  std::size_t equal = 0;
+  double figure = 0;
+  for (const std::size_t row : candidates) {
+    const double value = amount_of((plays ? plays->mean : metric).values[row])->value;
     if (best && value == figure) ++equal;
     if (best && !(options.most ? value > figure : value < figure)) continue;
     best = row;
@@ -64,10 +67,14 @@ std::string best_text(const Results& results, std::span<const sweep::Point> poin
   }
   const std::string config = (results.folder_of(results.rows()[*best]) / "config.yaml").string();
   std::string out = fmt::format("{} {} of {} points that qualify: point {}{}\n\n", options.most ? "most" : "least",
-                                metric.name, candidates, results.rows()[*best].n,
+                                metric.name, candidates.size(), results.rows()[*best].n,
                                 equal == 0 ? "" : fmt::format(" (and {} more with the same)", equal));
   std::vector<std::pair<std::string, std::string>> lines = {
       {metric.name, sim::printable(exact_text(metric.values[*best]))}};
+  if (plays) {
+    const auto text = [&](const Column& column) { return shown(amount_of(column.values[*best])->value); };
+    lines.emplace_back("mean", fmt::format("{} of {} plays", text(plays->mean), text(plays->count)));
+  }
   for (const std::string& axis : results.axes()) {
     const Value value = results.column(axis).values[*best];
     if (!is_absent(value)) lines.emplace_back(sim::printable(axis), sim::printable(exact_text(value)));
@@ -78,6 +85,9 @@ std::string best_text(const Results& results, std::span<const sweep::Point> poin
   std::size_t widest = 0;
   for (const auto& [name, value] : lines) widest = std::max(widest, name.size());
   for (const auto& [name, value] : lines) out += fmt::format("{:<{}}  {}\n", name, widest, value);
+  if (const std::optional<Ties> ties = ties_with(results, metric, options.most, candidates, *best)) {
+    out += "\n" + ties_text(results, metric, *best, *ties);
+  }
   if (options.band) {
     EnergyBand band(results, may);
     out += "\n" + band.best_text(results, band.metric(metric, options.most));

@@ -32,6 +32,44 @@ TEST(Best, IsTheFirstOfThoseWithTheMostOrLeast) {
   EXPECT_SAYS(best(sweep, {"cycles", true, {"cycles<300", "cores!=3"}}), "of 2 points that qualify: point 1");
 }
 
+/// A report of a picture of 1024x512 with three plays.
+nlohmann::ordered_json replicated_report(double mean, double deviation) {
+  nlohmann::ordered_json report = made_report(mean);
+  report["resolution"] = {1024, 512};
+  if (deviation == 0) return report;
+  report["totals"]["replicates"] = {{"count", 3},
+                                    {"figures", {{"cycles", {{"mean", mean}, {"deviation", deviation}}}}}};
+  return report;
+}
+
+/// Machines of one and two cores, each with caches of two sizes; cores are worth 20 %, caches half a percent.
+struct CoresAndCaches : MadeSweep {
+  explicit CoresAndCaches(double deviation) {
+    const double cycles[] = {1200, 1206, 1000, 1005};
+    for (const int i : {0, 1, 2, 3}) {
+      add({{"cores", i < 2 ? "1" : "2"}, {"l1", i % 2 == 0 ? "8 KiB" : "4 KiB"}});
+      finish(static_cast<std::size_t>(i), replicated_report(cycles[i], deviation));
+    }
+  }
+};
+
+TEST(Best, ListsWhatTiesUnderTheAssumedNoiseAndTheAxesThatDecide) {
+  const std::string text = best(CoresAndCaches(0), {"cycles", false, {}});
+  EXPECT_SAYS(text, "1 points tie with it with a noise of 2 %, assumed");
+  EXPECT_SAYS(text, "all of them have cores=2\n");
+  EXPECT_SAYS(text, "point     l1  totals.cycles");
+  EXPECT_EQ(text.find("1206"), std::string::npos) << text;
+}
+
+TEST(Best, ReplicatesTellApartWhatTheAssumedNoiseDoesNot) {
+  EXPECT_SAYS(best(CoresAndCaches(0.5), {"cycles", false, {}}), "no other point ties with it by replicates");
+  EXPECT_SAYS(best(CoresAndCaches(20), {"cycles", false, {}}), "1 points tie with it by replicates");
+}
+
+TEST(Best, FiguresWithoutNoiseHaveNoTies) {
+  EXPECT_EQ(best(CoresAndCaches(0), {"top_down.cores[0].boxes", true, {}}).find("tie"), std::string::npos);
+}
+
 TEST(Best, CommandLineTakesOneFigure) {
   const Four sweep;
   sweep.collect();

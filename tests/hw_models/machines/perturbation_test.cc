@@ -1,0 +1,85 @@
+#include "hw_models/machines/perturbation.h"
+
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "tests/hw_models/machines/gpu_harness.h"
+#include "tests/hw_models/machines/random_config.h"
+
+// Machines whose cores start apart, and whose memory is a cycle longer or shorter and refreshes at another phase.
+
+namespace hw {
+namespace {
+
+using test::difference;
+using test::Engine;
+using test::Frame;
+using test::Outcome;
+
+Outcome play(const Frame& frame, const GpuConfig& config, const Perturbation& perturbation,
+             Engine engine = Engine::kFast, std::uint64_t seed = 0) {
+  tools::FrontEnd front_end(frame.program(), frame.tracer(), 0);
+  return test::play(frame, front_end, config, perturbation, engine, seed);
+}
+
+TEST(Perturbation, TheFirstReplicateHasNone) {
+  const Perturbation none = draw_perturbation(4, 7, 0);
+  EXPECT_TRUE(none.starts.empty());
+  EXPECT_EQ(none.dram.fabric, 0);
+  EXPECT_EQ(none.dram.refresh, 0U);
+}
+
+TEST(Perturbation, IsSmallAndAnotherOneForEachReplicateAndFrame) {
+  std::set<std::uint32_t> phases;
+  std::set<std::int32_t> fabrics;
+  for (std::uint32_t frame = 0; frame < 4; ++frame) {
+    for (std::uint32_t replicate = 1; replicate <= 10; ++replicate) {
+      const Perturbation drawn = draw_perturbation(6, frame, replicate);
+      ASSERT_EQ(drawn.starts.size(), 6U);
+      for (const std::uint32_t start : drawn.starts) EXPECT_LT(start, 8U);
+      fabrics.insert(drawn.dram.fabric);
+      phases.insert(drawn.dram.refresh);
+    }
+  }
+  EXPECT_EQ(fabrics, (std::set<std::int32_t>{-1, 0, 1}));
+  EXPECT_EQ(phases.size(), 40U);
+}
+
+TEST(Perturbation, SkippingIdleTimeAndTheOrderOfUnitsStayInvisible) {
+  const GpuConfig config;
+  const Outcome plain = play(test::cornell_64x32(), config, {});
+  for (const std::uint32_t replicate : {1U, 2U, 3U}) {
+    const Perturbation drawn = draw_perturbation(config.cores, 0, replicate);
+    const Outcome fast = play(test::cornell_64x32(), config, drawn);
+    EXPECT_NE(difference(plain, fast), "") << replicate;
+    EXPECT_EQ(difference(fast, play(test::cornell_64x32(), config, drawn, Engine::kOracle)), "") << replicate;
+    EXPECT_EQ(difference(fast, play(test::cornell_64x32(), config, drawn, Engine::kShuffled, replicate)), "");
+  }
+}
+
+TEST(Perturbation, TheEnginesAgreeOnRandomMachinesToo) {
+  static const Frame frame("cornell", 16, 16);
+  for (std::uint64_t seed = 50; seed < 60; ++seed) {
+    const GpuConfig config = test::random_config(seed);
+    const Perturbation drawn = draw_perturbation(config.cores, 0, static_cast<std::uint32_t>(seed));
+    const Outcome fast = play(frame, config, drawn);
+    EXPECT_EQ(difference(fast, play(frame, config, drawn, Engine::kOracle)), "") << "seed " << seed;
+    EXPECT_EQ(difference(fast, play(frame, config, drawn, Engine::kShuffled, seed)), "") << "seed " << seed;
+  }
+}
+
+TEST(Perturbation, ALateStartOfAllCoresDelaysThisMuch) {
+  GpuConfig config;
+  config.cores = 1;
+  config.dram.timing.refi_pb = 0;  // nothing else has a phase
+  const Outcome plain = play(test::cornell_64x32(), config, {});
+  const Outcome late = play(test::cornell_64x32(), config, {.starts = {5}, .dram = {}});
+  const sim::Time cycle = config.clocks.l2.clock().period();
+  EXPECT_EQ(late.sum("tile_dispatcher", "dispatched"), plain.sum("tile_dispatcher", "dispatched"));
+  EXPECT_GE(late.elapsed + 2 * cycle, plain.elapsed + 5 * cycle);
+  EXPECT_NE(difference(plain, late), "");
+}
+
+}  // namespace
+}  // namespace hw

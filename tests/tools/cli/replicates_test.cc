@@ -1,0 +1,69 @@
+#include <cmath>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/tools/program.h"
+
+// `raywatt run --replicates`.
+
+namespace test {
+namespace {
+
+using Json = nlohmann::json;
+
+Json report_of(const std::filesystem::path& out, const Words& more) {
+  const Ending ending = raywatt(small_run(out, more));
+  EXPECT_EQ(ending.exit, 0) << ending.err;
+  return read_json(out / "report.json");
+}
+
+TEST(ReplicatesOption, AddsStatisticsAndChangesNothingElse) {
+  const TempFolder folder;
+  Json plain = report_of(folder.path() / "plain", {}), five = report_of(folder.path() / "five", {"--replicates", "5"});
+  const Json statistics = five["totals"]["replicates"];
+  for (Json* totals : {&five["totals"], &five["frames"][0]}) totals->erase("replicates");
+  for (const char* part : {"totals", "frames", "units", "config"}) EXPECT_EQ(plain[part], five[part]) << part;
+
+  EXPECT_EQ(statistics["count"], 5);
+  const Json& cycles = statistics["figures"]["cycles"];
+  EXPECT_EQ(cycles["values"][0], plain["totals"]["cycles"].get<double>());
+  double sum = 0;
+  for (const Json& value : cycles["values"]) sum += value.get<double>();
+  EXPECT_DOUBLE_EQ(cycles["mean"].get<double>(), sum / 5);
+  EXPECT_GT(cycles["deviation"].get<double>(), 0);
+  EXPECT_NEAR(cycles["high"].get<double>() - cycles["low"].get<double>(),
+              2 * 2.776445 * cycles["deviation"].get<double>() / std::sqrt(5.0), 1e-3);
+  for (const char* path : {"/energy_mj/nominal", "/power_w/nominal", "/perf/frames_per_joule_gpu", "/time_ms"}) {
+    EXPECT_EQ(statistics["figures"].at(Json::json_pointer(path))["values"].size(), 5U) << path;
+  }
+}
+
+TEST(ReplicatesOption, OfSeveralFramesAreOfTheirSum) {
+  const TempFolder folder;
+  const Json r = report_of(folder.path() / "out", {"--scene", "car", "--frames", "0:1", "--replicates", "3"});
+  const auto value = [](const Json& totals, int i) {
+    return totals["replicates"]["figures"]["cycles"]["values"][i].get<double>();
+  };
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(value(r["totals"], i), value(r["frames"][0], i) + value(r["frames"][1], i)) << i;
+  }
+}
+
+TEST(ReplicatesOption, WithAReferenceCoverWhatIsRelativeToIt) {
+  const TempFolder folder;
+  const Json r =
+      report_of(folder.path() / "out", {"--program", "full:4", "--reference", "full:1", "--replicates", "2"});
+  const Json& speedup = r["totals"]["replicates"]["figures"]["relative"]["speedup"];
+  EXPECT_EQ(speedup["values"][0], r["totals"]["relative"]["speedup"]);
+  EXPECT_NE(speedup["values"][0], speedup["values"][1]);
+}
+
+TEST(ReplicatesOption, IsRefusedWhereTilesAreSampled) {
+  const TempFolder folder;
+  const Words more = {"--replicates", "3", "--tile-sampling", "5%"};
+  expect_refusal(raywatt(small_run(folder.path() / "out", more)), {"--replicates", "--tile-sampling"});
+}
+
+}  // namespace
+}  // namespace test

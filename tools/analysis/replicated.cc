@@ -1,0 +1,85 @@
+#include "tools/analysis/replicated.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "sim/report/table.h"
+#include "tools/noise/noise.h"
+
+namespace tools {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+Json::json_pointer pointer_to(const std::string& path) {
+  std::string pointer = "/" + path;
+  std::ranges::replace(pointer, '.', '/');
+  return Json::json_pointer(pointer);
+}
+
+/// "6.76 mJ ± 0.12 %"
+std::string give_or_take(const Json& figures, const char* path, const char* unit, double scale = 1) {
+  const Json& f = figures.at(pointer_to(path));
+  const double mean = f["mean"].get<double>();
+  const double half = (f["high"].get<double>() - f["low"].get<double>()) / 2;
+  return fmt::format("{} ± {:.2g} %", sim::si_text(scale * mean, unit), mean == 0 ? 0 : 100 * half / mean);
+}
+
+double pixels_of(const ReportFile& report) { return report.number("resolution[0]") * report.number("resolution[1]"); }
+
+}  // namespace
+
+Json replicates_json(const Result& result, const Json& plain) {
+  std::vector<Json> plays = {plain};
+  for (std::size_t i = 0; i < result.run.replicates.size(); ++i) {
+    const Simulation* reference = result.reference == nullptr ? nullptr : &result.reference->replicates[i];
+    plays.push_back(totals_json({result.run.replicates[i], reference, result.squared_error}));
+  }
+  Json out = {{"count", plays.size()}, {"level", 0.95}, {"figures", Json::object()}};
+  for (const std::string path : kNoisyFigures) {
+    const Json::json_pointer at = pointer_to(path);
+    if (!plain.contains(at)) continue;
+    std::vector<double> values;
+    for (const Json& play : plays) values.push_back(play.at(at).get<double>());
+    const Draws draws = draws_of(values);
+    out["figures"][at] = {{"mean", draws.mean},
+                          {"deviation", draws.deviation},
+                          {"low", draws.mean - draws.half_width()},
+                          {"high", draws.mean + draws.half_width()},
+                          {"values", values}};
+  }
+  return out;
+}
+
+std::string replicates_text(const Json& replicates) {
+  const Json& f = replicates["figures"];
+  return fmt::format("{} plays, mean and 95 %: cycles {}, energy {}, power {}, {}", replicates["count"].get<int>(),
+                     give_or_take(f, "cycles", ""), give_or_take(f, "energy_mj.nominal", "J", 1e-3),
+                     give_or_take(f, "power_w.nominal", "W"), give_or_take(f, "perf.frames_per_joule_gpu", "frames/J"));
+}
+
+std::optional<Draws> draws_in(const ReportFile& report, const std::string& figure) {
+  const std::string at = "totals.replicates.figures." + figure;
+  if (!report.has(at + ".mean")) return std::nullopt;
+  return Draws{static_cast<std::size_t>(report.number("totals.replicates.count")), report.number(at + ".mean"),
+               report.number(at + ".deviation")};
+}
+
+std::optional<NoisyDifference> noisy_difference(const ReportFile& a, const ReportFile& b, const std::string& figure) {
+  const double of_a = a.number("totals." + figure), of_b = b.number("totals." + figure);
+  if (!is_noisy(figure) || of_a == 0 || of_b == 0) return std::nullopt;
+  const std::optional<Draws> draws_a = draws_in(a, figure), draws_b = draws_in(b, figure);
+  const bool measured = draws_a && draws_b;
+  const double noise = default_noise(std::min(pixels_of(a), pixels_of(b)));
+  const MeanDifference d =
+      measured ? difference_of(*draws_a, *draws_b) : difference_of(AssumedDraw{of_a, noise}, AssumedDraw{of_b, noise});
+  const double whole = measured ? draws_a->mean : of_a;
+  return NoisyDifference{d.value / whole, d.half_width() / whole, measured, std::abs(d.value) > d.half_width()};
+}
+
+}  // namespace tools

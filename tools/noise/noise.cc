@@ -1,0 +1,35 @@
+#include "tools/noise/noise.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace tools {
+namespace {
+
+/// Noise of frames of so many pixels or more.
+struct Level {
+  double pixels, noise;
+};
+constexpr std::array kLevels = {
+    Level{1024 * 512, 0.02},  // source: docs/first-run.md, "read a difference of less than 2 % as none"
+    Level{512 * 256, 0.05},   // source: chosen, between the two others; docs/noise.md has what was measured
+    Level{0, 0.10},           // source: docs/first-run.md and DEVIATIONS M1, up to 10 % at 256x128
+};
+
+}  // namespace
+
+double default_noise(double pixels) {
+  return std::ranges::find_if(kLevels, [&](const Level& level) { return pixels >= level.pixels; })->noise;
+}
+
+bool is_noisy(const std::string& figure) { return std::ranges::find(kNoisyFigures, figure) != kNoisyFigures.end(); }
+
+MeanDifference difference_of(const AssumedDraw& a, const AssumedDraw& b) {
+  const double endless = std::numeric_limits<double>::infinity();
+  const double draws = student_t(endless) * std::sqrt(2.0);  // deviations of one run in the noise of a difference
+  return {b.value - a.value, std::hypot(a.noise * a.value, b.noise * b.value) / draws, endless};
+}
+
+}  // namespace tools

@@ -1,0 +1,83 @@
+#include "tools/simulation/replicates.h"
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+#include "tools/simulation/machine_run.h"
+
+namespace tools {
+namespace {
+
+/// Plays of kept work on perturbed machines, as many at once as there are threads.
+class Replicates {
+ public:
+  Replicates(const Inputs& inputs, const kernels::FrameRequirements& requirements, const KeptWork& work,
+             const Simulation& plain, std::uint32_t count, Progress* progress)
+      : inputs_(inputs), requirements_(requirements), work_(work), progress_(progress), all_(count, plain) {
+    for (Simulation& s : all_) s.function.rgb = {}, s.function.marks = {};
+    begin_part();
+  }
+
+  std::vector<Simulation> play(std::uint32_t threads) {
+    std::vector<std::thread> others;
+    for (std::size_t i = 1; i < std::min<std::size_t>(threads, all_.size()); ++i) others.emplace_back([&] { work(); });
+    work();
+    for (std::thread& other : others) other.join();
+    if (failure_) std::rethrow_exception(failure_);
+    return std::move(all_);
+  }
+
+ private:
+  void work() {
+    try {
+      for (std::size_t i = next_++; i < all_.size(); i = next_++) play_one(i);
+    } catch (...) {
+      next_ = all_.size();
+      const std::lock_guard lock(mutex_);
+      if (!failure_) failure_ = std::current_exception();
+    }
+  }
+  void play_one(std::size_t i) {
+    KeptTiles tiles(work_, [&] { tile_done(); });
+    const auto number = static_cast<std::uint32_t>(i + 1);
+    const auto gpu =
+        make_gpu(inputs_, requirements_, tiles, hw::draw_perturbation(inputs_.config.gpu.cores, inputs_.frame, number));
+    run_to_end(*gpu);
+    take(*gpu, inputs_, all_[i]);
+  }
+  void begin_part() {
+    if (progress_ != nullptr) progress_->begin_part("replicating", inputs_.frame, work_.tiles());
+  }
+  void tile_done() {
+    const std::lock_guard lock(mutex_);
+    tiles_done_ += 1;
+    if (progress_ != nullptr) progress_->tiles_done(tiles_done_, 0, 0);
+    if (tiles_done_ < work_.tiles()) return;
+    tiles_done_ = 0;
+    if (++parts_done_ < all_.size()) begin_part();
+  }
+
+  const Inputs& inputs_;
+  const kernels::FrameRequirements& requirements_;
+  const KeptWork& work_;
+  Progress* const progress_;
+  std::vector<Simulation> all_;
+  std::atomic<std::size_t> next_ = 0;
+  std::mutex mutex_;
+  std::exception_ptr failure_;
+  std::uint32_t tiles_done_ = 0, parts_done_ = 0;  ///< finished; parts, each of as many tiles as the frame has
+};
+
+}  // namespace
+
+std::vector<Simulation> play_replicates(const Inputs& inputs, const kernels::FrameRequirements& requirements,
+                                        const KeptWork& work, const Simulation& plain, std::uint32_t count,
+                                        std::uint32_t threads, Progress* progress) {
+  return Replicates(inputs, requirements, work, plain, count, progress).play(threads);
+}
+
+}  // namespace tools
