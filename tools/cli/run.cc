@@ -24,6 +24,7 @@ void add_run(CLI::App& app, const std::vector<std::string>& argv, int&) {
   verb->add_option("--image", options->image, "with --tile-sampling: render all tiles, or none but those needed")
       ->check(CLI::IsMember({"full", "none"}))
       ->capture_default_str();
+  verb->add_flag("--json", options->json, "totals of report.json on standard output, in the table's stead");
   add_rays_option(*verb, *options);
   verb->footer("Example: raywatt run sgrt-2016 --scene teapot --set cores=2 -o out/two-cores");
   verb->callback([options] { options->rays.empty() ? run_frames(*options) : run_rays(*options); });
