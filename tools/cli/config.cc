@@ -1,6 +1,7 @@
 #include "sim/config/config.h"
 
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -32,7 +33,11 @@ std::string line_about(const std::filesystem::path& file) {
     if (!line.starts_with("# ")) break;
     text += (text.empty() ? "" : " ") + line.substr(2);
   }
-  text = text.substr(0, text.find(". "));
+  std::size_t end = text.find(". ");
+  while (end != std::string::npos && std::isupper(static_cast<unsigned char>(text[end + 2])) == 0) {
+    end = text.find(". ", end + 2);
+  }
+  text = text.substr(0, end);
   if (text.ends_with('.')) text.pop_back();
   return text.size() <= kLongest ? text : text.substr(0, text.rfind(' ', kLongest)) + " ...";
 }

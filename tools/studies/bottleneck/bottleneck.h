@@ -21,9 +21,9 @@ struct Bound {
 /// First-level caches of a kind, by the run as configured. `ideal.l1` makes all of them perfect at once.
 struct CacheShare {
   std::string name;          ///< "node", "triangle", "data"
-  double hit_rate = 0;       ///< of the probes
-  double cycles_a_miss = 0;  ///< of the cache's clock
-  double share = 0;          ///< of the cores' time, in which its misses are waited for
+  double hit_rate = 0;       ///< share of the probes
+  double cycles_a_miss = 0;  ///< cycles of the cache's clock
+  double share = 0;          ///< part of the cores' time in which its misses are waited for
 };
 std::vector<CacheShare> cache_shares(std::span<const sim::UnitReport> units, const CoreTime& time);
 
