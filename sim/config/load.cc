@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 
 #include "sim/config/value.h"
+#include "sim/edit_distance.h"
 #include "sim/error.h"
 #include "sim/io/file.h"
 #include "sim/io/printable.h"
@@ -23,6 +24,39 @@ constexpr std::string_view kNominal = "nominal", kLow = "low", kHigh = "high";
 std::vector<std::filesystem::path>& search_path() {
   static std::vector<std::filesystem::path> folders;
   return folders;
+}
+
+/// Configuration files in the search path and one folder below, as `extends` calls them: "dram/lpddr3-1600".
+std::vector<std::filesystem::path> known_files() {
+  std::vector<std::filesystem::path> files;
+  std::error_code missing;
+  const auto add = [&](const std::filesystem::path& folder, const std::filesystem::path& below) {
+    for (const auto& entry : std::filesystem::directory_iterator(folder / below, missing)) {
+      if (entry.path().extension() == ".yaml") files.push_back(below / entry.path().stem());
+    }
+  };
+  for (const std::filesystem::path& folder : search_path()) {
+    add(folder, {});
+    for (const auto& entry : std::filesystem::directory_iterator(folder, missing)) {
+      if (entry.is_directory(missing)) add(folder, entry.path().filename());
+    }
+  }
+  std::ranges::sort(files);
+  return files;
+}
+
+/// "; did you mean 'dram/lpddr3-1600'?" for the nearest file of the group that asks, or nothing if all are far off.
+std::string nearest_file(const std::filesystem::path& name, std::string_view group) {
+  constexpr std::size_t kLongestName = 64;
+  const std::string stem = name.stem().string().substr(0, kLongestName);
+  std::size_t best = stem.size() / 2 + 1;
+  std::string found;
+  for (const std::filesystem::path& file : known_files()) {
+    if (file.parent_path() != std::filesystem::path(group)) continue;
+    const std::size_t distance = edit_distance(stem, file.stem().string());
+    if (distance < best) best = distance, found = file.string();
+  }
+  return found.empty() ? "" : fmt::format("; did you mean '{}'?", found);
 }
 
 std::string_view first_key(std::string_view path) { return path.substr(0, path.find('.')); }
@@ -74,7 +108,7 @@ const std::vector<std::filesystem::path>& config_search_path() { return search_p
 void set_config_search_path(std::vector<std::filesystem::path> folders) { search_path() = std::move(folders); }
 
 std::filesystem::path find_config(const std::filesystem::path& name, const std::filesystem::path& beside,
-                                  std::string_view asked_at) {
+                                  std::string_view asked_at, std::string_view group) {
   std::vector<std::filesystem::path> folders = {beside};
   if (name.is_relative()) folders.insert(folders.end(), search_path().begin(), search_path().end());
   for (const std::filesystem::path& folder : folders) {
@@ -87,7 +121,9 @@ std::filesystem::path find_config(const std::filesystem::path& name, const std::
   }
   std::vector<std::string> shown;
   for (const std::filesystem::path& folder : folders) shown.push_back(folder.empty() ? "." : folder.string());
-  refuse(asked_at, {}, fmt::format("no configuration file '{}' in {}", name.string(), fmt::join(shown, ", ")));
+  refuse(asked_at, {},
+         fmt::format("no configuration file '{}' in {}{}", name.string(), fmt::join(shown, ", "),
+                     nearest_file(name, group)));
 }
 
 std::string ConfigLoader::Source::at(TextPosition position) const {
@@ -146,7 +182,7 @@ void ConfigLoader::apply_extends(ConfigNode& group, const YamlNode& name, const 
     refuse(at, path_of(group, kExtends), "allowed: the name of a configuration file");
   }
   const std::string asked_at = fmt::format("{}: {}", at, path_of(group, kExtends));
-  apply_file(group, find_config(name.scalar, source.folder, asked_at), asked_at);
+  apply_file(group, find_config(name.scalar, source.folder, asked_at, group.key), asked_at);
 }
 
 void ConfigLoader::apply_value(ConfigNode& node, const YamlNode& value, const Source& source, const std::string& at) {

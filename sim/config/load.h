@@ -16,9 +16,10 @@ const std::vector<std::filesystem::path>& config_search_path();
 void set_config_search_path(std::vector<std::filesystem::path> folders);
 
 /// The file a configuration's name means: the name as it is if absolute, else below `beside`, else below a folder of
-/// the search path; ".yaml" may be left out. InputError, with `asked_at` in front, if there is none.
+/// the search path; ".yaml" may be left out. InputError, with `asked_at` in front, if there is none,
+/// and the nearest name in the folder that is called as the `group` of keys that asks.
 std::filesystem::path find_config(const std::filesystem::path& name, const std::filesystem::path& beside = {},
-                                  std::string_view asked_at = {});
+                                  std::string_view asked_at = {}, std::string_view group = {});
 
 /// Reads configuration files and --set arguments into a bound tree, one layer upon the other: what a layer does not
 /// mention stays as it was. Throws InputError.

@@ -30,6 +30,9 @@ class EnergyCurve {
   bool depends_on_size() const { return points_.size() > 1; }
   /// `bytes` of the array, which must be more than 0 if depends_on_size().
   EnergyPoint at(std::uint64_t bytes) const;
+  /// Sizes between which it is measured, if depends_on_size(); beyond them at() extrapolates.
+  std::uint64_t least_bytes() const { return static_cast<std::uint64_t>(points_.front().bytes); }
+  std::uint64_t most_bytes() const { return static_cast<std::uint64_t>(points_.back().bytes); }
 
  private:
   friend class EnergyTable;

@@ -23,6 +23,7 @@ std::string si_text(double value, std::string_view unit) {
   };
   const bool whole = value == std::trunc(value) && std::abs(value) < 1000;
   if (whole || !std::isfinite(value)) return with_unit(fmt::format("{}", value), {});
+  if (unit.empty() && std::abs(value) < 1 && std::abs(value) >= 1e-3) return fmt::format("{:.3g}", value);  // a ratio
   constexpr std::string_view kPrefixes[] = {"f", "p", "n", "u", "m", "", "k", "M", "G", "T", "P"};
   constexpr int kNone = 5;
   const std::string rounded = fmt::format("{:.2e}", value);  // decides the prefix, so that 999.9 becomes 1.00 k

@@ -6,7 +6,7 @@
 namespace sim {
 
 /// "12.3 M", "950", "4.56 mJ": three digits with the metric prefix that leaves one to three of them before the point.
-/// Whole numbers below 1000 stay whole.
+/// Whole numbers below 1000 stay whole, and ratios, which have no unit, are "0.335".
 std::string si_text(double value, std::string_view unit = {});
 
 /// A table for terminals: columns as wide as their widest cell, the first to the left, the others to the right.

@@ -16,13 +16,13 @@
 #include "sim/config/config.h"
 #include "sim/config/config_json.h"
 #include "sim/report/report_json.h"
-#include "tools/analysis/area_totals.h"
-#include "tools/analysis/energy_totals.h"
+#include "tools/analysis/cost_totals.h"
 #include "tools/analysis/limiter.h"
 #include "tools/analysis/picture.h"
 #include "tools/analysis/replicated.h"
 #include "tools/analysis/top_down.h"
 #include "tools/analysis/units.h"
+#include "tools/analysis/warnings.h"
 #include "tools/host/build_info.h"
 #include "traces/accel/bvh_info.h"
 #include "traces/accel/embree_tracer.h"
@@ -84,15 +84,11 @@ Json sampled_json(const Simulation& s) {
   const double ms_per_cycle = time_ms(s) / static_cast<double>(s.cycles);
   Json time = interval_json(f.cycles, ms_per_cycle);
   time["estimate"] = time_ms(s);  // to the last digit
-  return {{"tiles", f.tiles},
-          {"timed", f.timed},
-          {"measured", f.measured},
-          {"warmed", f.warmed},
-          {"blocks", f.blocks},
-          {"rounds", f.rounds},
-          {"cycles", interval_json(f.cycles)},
-          {"time_ms", std::move(time)},
-          {"energy_mj", interval_json(f.energy_pj, 1 / kPicojoulesPerMillijoule)}};
+  return {{"tiles", f.tiles},           {"asked", f.asked == 0 ? Json("auto") : Json(f.asked)},
+          {"timed", f.timed},           {"measured", f.measured},
+          {"warmed", f.warmed},         {"blocks", f.blocks},
+          {"rounds", f.rounds},         {"cycles", interval_json(f.cycles)},
+          {"time_ms", std::move(time)}, {"energy_mj", interval_json(f.energy_pj, 1 / kPicojoulesPerMillijoule)}};
 }
 
 double ratio(std::uint64_t part, std::uint64_t whole) { return static_cast<double>(part) / static_cast<double>(whole); }
@@ -167,6 +163,12 @@ Json host_json(const Report& report) {
   return host;
 }
 
+Json warnings_json(const Inputs& in, const Simulation& run) {
+  Json lines = in.warnings;
+  for (std::string& line : run_warnings(in.config, run.units, run.sampled)) lines.push_back(std::move(line));
+  return lines;
+}
+
 }  // namespace
 
 Json totals_json(const Result& result) {
@@ -226,6 +228,7 @@ Json report_json(const Report& report) {
   const Simulation& run = report.totals.run;
   Json totals = totals_json(report.totals);
   add_area(totals, run.units, in.config);
+  totals["extrapolated"] = run_warnings(in.config, run.units).size();
   Json out = {{"schema", "raywatt-report/1"},
               {"partial", report.partial},
               {"program", run.program.name()},
@@ -238,6 +241,7 @@ Json report_json(const Report& report) {
                 {"memory_bytes", in.image.layout.end},
                 {"instances", in.scene.instances},
                 {"lights", in.scene.lights}}},
+              {"warnings", warnings_json(in, run)},
               {"provenance", provenance_json(in, report.options)},
               {"totals", std::move(totals)},
               {"frames", report.frames},

@@ -62,6 +62,8 @@ Json memory_json(const traces::MemoryImage& image) {
 }
 
 std::string plural(std::uint64_t count, const char* what) {
+  const std::string_view one = what;
+  if (count != 1 && one == "leaf") return fmt::format("{} leaves", count);
   return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }
 
@@ -81,6 +83,17 @@ std::string animation_text(const Json& animation) {
                      plural(animation["tracks"], "track"), plural(animation["skins"], "skin"),
                      plural(animation["morph_targets"], "morph target"),
                      plural(animation["moving_instances"], "instance"));
+}
+
+/// Memory by the triangle only where triangles, not the program itself, are most of it.
+std::string host_text(const Json& host, std::uint64_t triangles) {
+  constexpr std::uint64_t kTrianglesThatTell = 10'000;
+  std::string text = fmt::format("loaded in {:.2f} s, tree in {:.2f} s, peak memory {}", host["load_s"].get<double>(),
+                                 host["build_s"].get<double>(), bytes_text(host["peak_bytes"]));
+  if (triangles >= kTrianglesThatTell) {
+    text += fmt::format(", {:.0f} bytes per triangle beyond the file", host["bytes_per_triangle"].get<double>());
+  }
+  return text;
 }
 
 std::string place_text(const Json& camera) {
@@ -156,14 +169,10 @@ std::string scene_info_text(const Json& info, bool cameras) {
   line("memory image", fmt::format("{} ({})", bytes_text(memory["bytes"]), sizes_text(memory["parts"])));
   line("nodes by format", sizes_text(memory["nodes_by_format"]));
   const Json& tree = info["bvh"];
-  line("BVH", fmt::format("{} nodes, {} leaves, depth {}, SAH cost {:.1f}", tree["nodes"].get<std::uint64_t>(),
-                          tree["leaves"].get<std::uint64_t>(), tree["depth"].get<std::uint64_t>(),
-                          tree["sah_cost"].get<double>()));
-  const Json& host = info["host"];
-  line("host", fmt::format("loaded in {:.2f} s, tree in {:.2f} s, peak memory {}, {:.0f} bytes per triangle beyond the "
-                           "file",
-                           host["load_s"].get<double>(), host["build_s"].get<double>(), bytes_text(host["peak_bytes"]),
-                           host["bytes_per_triangle"].get<double>()));
+  line("BVH",
+       fmt::format("{}, {}, depth {}, SAH cost {:.1f}", plural(tree["nodes"], "node"), plural(tree["leaves"], "leaf"),
+                   tree["depth"].get<std::uint64_t>(), tree["sah_cost"].get<double>()));
+  line("host", host_text(info["host"], triangles));
   return text;
 }
 

@@ -10,6 +10,7 @@
 #include "sim/report/table.h"
 #include "tools/cli/job_options.h"
 #include "tools/cli/verbs.h"
+#include "tools/host/progress.h"
 
 namespace tools {
 namespace {
@@ -25,7 +26,12 @@ std::string text_of(const Bottleneck& b) {
     table.row({bound.resource, sim::si_text(static_cast<double>(bound.cycles)), fmt::format("{:.3f}", b.speedup(bound)),
                fmt::format("{:.2f}", bound.estimated)});
   }
-  return out + table.text();
+  sim::Table caches({"first-level caches", "hits", "cycles a miss", "time waited for"});
+  for (const CacheShare& cache : b.caches) {
+    caches.row({cache.name, fmt::format("{:.1f} %", 100 * cache.hit_rate), fmt::format("{:.1f}", cache.cycles_a_miss),
+                fmt::format("{:.1f} %", 100 * cache.share)});
+  }
+  return out + table.text() + "\n" + caches.text();
 }
 
 Json json_of(const Bottleneck& b) {
@@ -34,8 +40,12 @@ Json json_of(const Bottleneck& b) {
     bounds[bound.resource] = {
         {"cycles", bound.cycles}, {"speedup", b.speedup(bound)}, {"estimated_speedup", bound.estimated}};
   }
+  Json caches = Json::object();
+  for (const CacheShare& cache : b.caches) {
+    caches[cache.name] = {{"hit_rate", cache.hit_rate}, {"cycles_a_miss", cache.cycles_a_miss}, {"share", cache.share}};
+  }
   return {{"schema", "raywatt-bottleneck/1"}, {"cycles", b.cycles}, {"limiter", b.limiter}, {"named", b.named},
-          {"top_down", time_json(b.time)},    {"bounds", bounds}};
+          {"top_down", time_json(b.time)},    {"bounds", bounds},   {"caches", caches}};
 }
 
 }  // namespace
@@ -47,9 +57,12 @@ void add_bottleneck(CLI::App& app) {
   const auto json = std::make_shared<bool>(false);
   add_work_options(*verb, *options);
   verb->add_flag("--json", *json, "as JSON");
+  add_progress_option(*verb, options->progress);
   verb->footer("Example: raywatt bottleneck sgrt-2016 --scene chess --resolution 512x256");
   verb->callback([=] {
-    const Bottleneck b = find_bottleneck(*options);
+    Progress progress(options->progress, options->quiet);
+    const Bottleneck b = find_bottleneck(*options, &progress);
+    progress.end("done");
     fmt::print("{}", *json ? sim::json_text(json_of(b)) : text_of(b));
   });
 }

@@ -1,11 +1,17 @@
 #include "sim/config/config.h"
 
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <fstream>
 #include <memory>
+#include <string_view>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "sim/config/config_json.h"
+#include "sim/io/printable.h"
 #include "sim/report/report_json.h"
 #include "tools/cli/job_options.h"
 #include "tools/cli/verbs.h"
@@ -13,16 +19,61 @@
 #include "tools/simulation/run_job.h"
 
 namespace tools {
+namespace {
+
+/// The question of an experiment, or the first sentence of the comment that a file begins with.
+std::string line_about(const std::filesystem::path& file) {
+  constexpr std::size_t kLongest = 110;
+  constexpr std::string_view kQuestion = "question: ";
+  std::ifstream in(file);
+  std::string text;
+  for (std::string line; std::getline(in, line);) {
+    if (line.starts_with(kQuestion)) return line.substr(kQuestion.size());
+    if (line.starts_with("schema: ")) continue;
+    if (!line.starts_with("# ")) break;
+    text += (text.empty() ? "" : " ") + line.substr(2);
+  }
+  std::size_t end = text.find(". ");
+  while (end != std::string::npos && std::isupper(static_cast<unsigned char>(text[end + 2])) == 0) {
+    end = text.find(". ", end + 2);
+  }
+  text = text.substr(0, end);
+  if (text.ends_with('.')) text.pop_back();
+  return text.size() <= kLongest ? text : text.substr(0, text.rfind(' ', kLongest)) + " ...";
+}
+
+/// Every file that a name finds, by kind, with a line about each.
+std::string config_list() {
+  std::string text;
+  const auto list = [&](const std::string& head, const std::vector<std::string>& names) {
+    if (names.empty()) return;
+    std::size_t width = 0;
+    for (const std::string& name : names) width = std::max(width, name.size());
+    text += fmt::format("{}{}\n", text.empty() ? "" : "\n", head);
+    for (const std::string& name : names) {
+      const std::string about = sim::printable(line_about(find_config_file(name)));
+      text += about.empty() ? fmt::format("  {}\n", name) : fmt::format("  {:<{}}  {}\n", name, width, about);
+    }
+  };
+  list("configurations (raywatt run NAME)", config_names());
+  list("memory grades (--set dram.extends=NAME)", config_names_in("dram"));
+  list("energy tables (--set energy.extends=NAME)", config_names_in("energy"));
+  list("area tables (--set area.extends=NAME)", config_names_in("area"));
+  list("experiments (raywatt sweep run NAME, raywatt optimise NAME; without experiments/)",
+       config_names_in("experiments"));
+  return text;
+}
+
+}  // namespace
 
 void add_config(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("config", "What can be configured");
   verb->require_subcommand(1);
   verb->footer("Example: raywatt config show sgrt-2016 --set cores=2");
-  CLI::App* list = verb->add_subcommand("list", "Configurations known by name");
+  CLI::App* list = verb->add_subcommand(
+      "list", "Configurations, memory grades, energy and area tables, and experiments known by name");
   list->footer("Example: raywatt config list");
-  list->callback([] {
-    for (const std::string& name : config_names()) fmt::print("{}\n", name);
-  });
+  list->callback([] { fmt::print("{}", config_list()); });
   CLI::App* show = verb->add_subcommand("show", "The effective configuration: every field, with its meaning");
   const auto options = std::make_shared<JobOptions>();
   add_config_options(*show, options->config, options->sets);

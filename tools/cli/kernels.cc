@@ -19,12 +19,12 @@ namespace {
 
 void list(const JobOptions& options) {
   const hw::SrpConfig srp = load_run_config(options).gpu.srp;
-  sim::Table table({"kernel", "operations", "II", "depth", "local reads", "writes", "cached loads", ""});
+  sim::Table table({"kernel", "operations", "on units", "II", "depth", "local reads", "writes", "cached loads", ""});
   for (const kernels::KernelInfo& kernel : kernels::catalogue()) {
     const hw::KernelSchedule s = hw::schedule(kernel.graph, srp);
-    table.row({std::string(kernel.name), std::to_string(s.fu_ops), std::to_string(s.ii), std::to_string(s.depth),
-               std::to_string(s.local_reads), std::to_string(s.local_writes), std::to_string(s.cached_loads),
-               std::string(kernel.meaning)});
+    table.row({std::string(kernel.name), std::to_string(kernels::executed_ops(kernel.graph)), std::to_string(s.fu_ops),
+               std::to_string(s.ii), std::to_string(s.depth), std::to_string(s.local_reads),
+               std::to_string(s.local_writes), std::to_string(s.cached_loads), std::string(kernel.meaning)});
   }
   fmt::print("{}", table.text());
 }
@@ -38,8 +38,9 @@ void show(const JobOptions& options, const std::string& name) {
                                       traces::did_you_mean(name, names)));
   }
   const hw::KernelSchedule s = hw::schedule(kernel->graph, load_run_config(options).gpu.srp);
-  fmt::print("{}: {}\n\nII {} (units and ports allow {}), depth {}\n\n{}\n{}", kernel->name, kernel->meaning, s.ii,
-             s.res_mii, s.depth, kernels::summary(kernel->graph), kernels::listing(kernel->graph));
+  fmt::print("{}: {}\n\nII {} (units and ports allow {}), depth {}, {} operations on units\n\n{}\n{}", kernel->name,
+             kernel->meaning, s.ii, s.res_mii, s.depth, s.fu_ops, kernels::summary(kernel->graph),
+             kernels::listing(kernel->graph));
 }
 
 }  // namespace

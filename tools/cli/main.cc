@@ -56,6 +56,20 @@ std::string unknown_verb(const CLI::App& verb) {
                      traces::did_you_mean(rest.front(), known), fmt::join(known, ", "));
 }
 
+/// "unknown option '--scen', did you mean '--scene'?" if that is what is wrong with the command line.
+std::string unknown_option(const CLI::App& verb) {
+  const std::vector<std::string> rest = verb.remaining();
+  const auto option = std::ranges::find_if(rest, [](const std::string& word) { return word.starts_with("--"); });
+  if (option == rest.end()) return {};
+  std::vector<std::string> known;
+  for (const CLI::Option* each : verb.get_options()) {
+    for (const std::string& name : each->get_lnames()) known.push_back("--" + name);
+  }
+  const std::string asked = option->substr(0, option->find('='));
+  return fmt::format("unknown option '{}'{}; see {} --help", sim::printable(asked), traces::did_you_mean(asked, known),
+                     command(verb));
+}
+
 int run(int argc, char** argv) {
   int exit = tools::kGood;
   CLI::App app{"Raywatt simulates a mobile ray-tracing GPU: cycles, rays, energy and performance per watt.", "raywatt"};
@@ -88,7 +102,8 @@ int run(int argc, char** argv) {
     const bool asked = error.get_exit_code() == 0;  // --help, --version
     if (asked) return app.exit(error);
     const CLI::App& verb = reached(app);
-    const std::string unknown = unknown_verb(verb);
+    std::string unknown = unknown_verb(verb);
+    if (unknown.empty()) unknown = unknown_option(verb);
     return complain(unknown.empty() ? fmt::format("{}; see {} --help", error.what(), command(verb)) : unknown,
                     tools::kBadInput);
   }

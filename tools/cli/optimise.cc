@@ -6,6 +6,7 @@
 
 #include "tools/cli/job_options.h"
 #include "tools/cli/verbs.h"
+#include "tools/host/paths.h"
 #include "tools/studies/optimise/task.h"
 
 namespace tools {
@@ -14,7 +15,9 @@ void add_optimise(CLI::App& app, int& exit) {
   CLI::App* verb = app.add_subcommand("optimise", "Search a space for its best points in one or two figures");
   verb->alias("optimize");
   const auto options = std::make_shared<optimise::Options>();
-  verb->add_option("file", options->file, "the space and what is asked of it, a .yaml file (docs/optimise.md)")
+  verb->add_option(
+          "file", options->file,
+          "the space and what is asked of it: a name such as optimise-cores, or a .yaml file (docs/optimise.md)")
       ->required();
   verb->add_option("-o,--output", options->out, "folder (default: raywatt-out/optimise-NAME)");
   verb->add_option("--store", options->store,
@@ -30,8 +33,11 @@ void add_optimise(CLI::App& app, int& exit) {
   verb->footer(
       "The same command again goes on where it was stopped. Ends with 1 if no point meets the constraints, or points "
       "failed.\n\n"
-      "Example: raywatt optimise configs/experiments/optimise-cores.yaml -o out/best -j 4");
-  verb->callback([options, &exit] { exit = optimise::run(*options); });
+      "Example: raywatt optimise optimise-cores -o out/best -j 4");
+  verb->callback([options, &exit] {
+    options->file = find_experiment(options->file);
+    exit = optimise::run(*options);
+  });
 }
 
 }  // namespace tools

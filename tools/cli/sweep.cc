@@ -6,6 +6,7 @@
 
 #include "tools/cli/job_options.h"
 #include "tools/cli/verbs.h"
+#include "tools/host/paths.h"
 
 namespace tools {
 namespace {
@@ -16,7 +17,8 @@ void add_sweep_run(CLI::App& group, int& exit) {
   CLI::App* verb =
       group.add_subcommand("run", "Compute all points of a sweep; those that are there are not computed again");
   const auto options = std::make_shared<SweepOptions>();
-  verb->add_option("file", options->file, "the sweep, a .yaml file (docs/sweeps.md)");
+  verb->add_option("file", options->file,
+                   "the sweep: an experiment's name such as trv-cores, or a .yaml file (docs/sweeps.md)");
   verb->add_option("-o,--output", options->out, "folder of the sweep (default: raywatt-out/sweep-NAME)");
   verb->add_option("--store", options->store,
                    "folder of results, for any number of sweeps (default: $RAYWATT_STORE, else raywatt-out/store)");
@@ -28,8 +30,11 @@ void add_sweep_run(CLI::App& group, int& exit) {
   add_progress_option(*verb, options->progress);
   verb->footer(
       "The same command again goes on where it was stopped. Ends with 1, and a list, if points failed.\n\n"
-      "Example: raywatt sweep run configs/experiments/trv-cores.yaml -o out/trv-cores -j 4");
-  verb->callback([options, &exit] { exit = run_sweep(*options); });
+      "Example: raywatt sweep run trv-cores -o out/trv-cores -j 4");
+  verb->callback([options, &exit] {
+    if (!options->file.empty()) options->file = find_experiment(options->file);
+    exit = run_sweep(*options);
+  });
 }
 
 void add_sweep_point(CLI::App& group, int& exit) {
@@ -73,7 +78,7 @@ void add_sweep_cancel(CLI::App& group) {
 void add_sweep(CLI::App& app, int& exit) {
   CLI::App* verb = app.add_subcommand("sweep", "Many runs: axes, conditions, subsets; nothing is computed twice");
   verb->require_subcommand(1);
-  verb->footer("Example: raywatt sweep run configs/experiments/trv-cores.yaml -o out/trv-cores");
+  verb->footer("Example: raywatt sweep run trv-cores -o out/trv-cores");
   add_sweep_run(*verb, exit);
   add_sweep_point(*verb, exit);
   add_sweep_status(*verb);

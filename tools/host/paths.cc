@@ -11,6 +11,7 @@
 #include "sim/io/printable.h"
 #include "tools/host/build_info.h"
 #include "traces/scene/did_you_mean.h"
+#include "traces/scenes/builtin.h"
 
 namespace tools {
 
@@ -70,6 +71,19 @@ std::optional<fs::path> find_yaml(const std::vector<fs::path>& folders, const st
   return std::nullopt;
 }
 
+/// A configuration comes first on the command line, a scene behind --scene.
+void check_no_scene(const std::string& argument) {
+  const bool is_bare = argument.find('/') == std::string::npos && !argument.ends_with(".yaml");
+  if (is_bare && find_yaml(config_folders(), argument)) return;
+  const bool is_file = argument.ends_with(".gltf") || argument.ends_with(".glb");
+  const bool is_workload = is_bare && find_yaml(workload_folders(), argument);
+  const auto builtin = traces::builtin_scenes();
+  const bool is_builtin = std::ranges::find(builtin, argument, &traces::BuiltinInfo::name) != builtin.end();
+  if (!is_file && !is_workload && !is_builtin) return;
+  throw sim::InputError(fmt::format("'{0}' is a {1}, not a configuration; allowed: --scene {0}",
+                                    sim::printable(argument), is_workload ? "workload" : "scene"));
+}
+
 }  // namespace
 
 std::vector<std::string> config_names() { return yaml_names(config_folders()); }
@@ -82,7 +96,30 @@ std::optional<fs::path> find_workload(const std::string& argument) {
   return find_yaml(workload_folders(), argument);
 }
 
+std::vector<std::string> config_names_in(const std::string& folder) {
+  std::vector<fs::path> folders = config_folders();
+  for (fs::path& each : folders) each /= folder;
+  std::vector<std::string> names = yaml_names(folders);
+  for (std::string& name : names) name.insert(0, folder + "/");
+  return names;
+}
+
+fs::path find_config_file(const std::string& name) { return find_yaml(config_folders(), name).value(); }
+
+fs::path find_experiment(const fs::path& argument) {
+  const std::string name = argument.string();
+  std::error_code too_long;
+  if (name.find('/') != std::string::npos || name.ends_with(".yaml") || fs::exists(argument, too_long)) return argument;
+  const std::string folder = "experiments";
+  if (const std::optional<fs::path> found = find_yaml(config_folders(), folder + "/" + name)) return *found;
+  std::vector<std::string> names = config_names_in(folder);
+  for (std::string& each : names) each.erase(0, folder.size() + 1);
+  throw sim::InputError(fmt::format("no experiment is called '{}'{}; known: {}; or give a path to a .yaml file",
+                                    sim::printable(name), traces::did_you_mean(name, names), fmt::join(names, ", ")));
+}
+
 fs::path find_config(const std::string& argument) {
+  check_no_scene(argument);
   if (argument.find('/') != std::string::npos || argument.ends_with(".yaml")) return argument;
   if (const std::optional<fs::path> found = find_yaml(config_folders(), argument)) return *found;
   const std::vector<std::string> names = config_names();

@@ -2,6 +2,7 @@
 
 #include <cerrno>
 #include <cstdio>
+#include <cstdlib>
 #include <string>
 #include <utility>
 
@@ -16,6 +17,30 @@ void open_closed_streams() {
        {std::pair{STDIN_FILENO, O_WRONLY}, {STDOUT_FILENO, O_RDONLY}, {STDERR_FILENO, O_WRONLY}}) {
     if (::fcntl(stream, F_GETFD) < 0 && errno == EBADF) static_cast<void>(::open("/dev/null", mode));
   }
+}
+
+namespace {
+
+bool locale_has_utf8() {
+  for (const char* variable : {"LC_ALL", "LC_CTYPE", "LANG"}) {
+    const char* const locale = std::getenv(variable);
+    if (locale == nullptr || *locale == '\0') continue;
+    const std::string_view name = locale;
+    for (const char* word : {"UTF-8", "utf-8", "UTF8", "utf8"}) {
+      if (name.find(word) != std::string_view::npos) return true;
+    }
+    return false;
+  }
+  return false;
+}
+
+}  // namespace
+
+std::string for_terminal(std::string text) {
+  constexpr std::string_view kSign = "\u00b1";
+  if (locale_has_utf8()) return text;
+  for (std::size_t at = 0; (at = text.find(kSign, at)) != std::string::npos;) text.replace(at, kSign.size(), "+-");
+  return text;
 }
 
 void tell(std::string_view text) {

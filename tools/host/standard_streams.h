@@ -1,4 +1,5 @@
 #pragma once
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -9,6 +10,10 @@ namespace tools {
 /// Opens those of the descriptors 0 to 2 that the caller has closed, so that no file or socket of the program gets one
 /// of them. Reading and writing standard input and output still fail; standard error takes everything.
 void open_closed_streams();
+
+/// Text as the locale's characters can show it: signs that are not ASCII ("±") become letters ("+-") unless LC_ALL,
+/// LC_CTYPE or LANG, the first that is set, names UTF-8.
+std::string for_terminal(std::string text);
 
 /// Writes "raywatt: TEXT" and the end of the line to standard error. Text that cannot be written is lost.
 void tell(std::string_view text);

@@ -6,11 +6,13 @@
 #include "sim/error.h"
 #include "sim/host_clock.h"
 #include "sim/io/printable.h"
+#include "sim/report/report_json.h"
 #include "tools/analysis/debug_pictures.h"
 #include "tools/analysis/picture.h"
 #include "tools/analysis/report.h"
 #include "tools/host/interrupt.h"
 #include "tools/host/run_folder.h"
+#include "tools/host/standard_streams.h"
 #include "tools/jobs/jobs.h"
 #include "tools/jobs/outcome.h"
 #include "tools/sampling/tile_sampling.h"
@@ -158,6 +160,11 @@ void run_frames(const JobOptions& options) {
   Job job{options,  progress, {program, rates}, {}, !folder.holds_former_run(), frames_to_replace(folder.target()),
           sampling, nullptr};
   if (reference) job.reference = Program{*reference, rates};
+  const bool is_adaptive = program.kind != kernels::ProgramSpec::Kind::kFull;
+  if (options.debug_images && !is_adaptive && (!reference || reference->kind == kernels::ProgramSpec::Kind::kFull)) {
+    inputs.warnings.push_back(
+        fmt::format("--debug-images does nothing with {}, which traces every sample", program.name()));
+  }
   for (const std::string& warning : inputs.warnings) progress.say("raywatt: warning: " + warning);
   if (!sampling) tell_long_run(inputs, program, progress);
   progress.expect(inputs.frames() * (reference ? 2 : 1) * options.replicates);
@@ -183,8 +190,10 @@ void run_frames(const JobOptions& options) {
     if (trace && !out.partial) trace->commit();
     return out.kept(inputs.frames());
   });
+  tell_warnings(json, inputs.warnings.size());
+  if (options.json) return fmt::print("{}", sim::json_text(json["totals"]));
   if (options.quiet) return;
-  fmt::print("{}\n", report_table(json));
+  fmt::print("{}\n", for_terminal(report_table(json)));
   if (job.has_picture()) fmt::print("picture: {}\n", (folder.target() / "image.png").string());
   fmt::print("report:  {}\n", (folder.target() / "report.json").string());
 }

@@ -9,6 +9,7 @@
 #include "sim/io/file.h"
 #include "sim/report/report_json.h"
 #include "tools/analysis/report_file.h"
+#include "tools/host/standard_streams.h"
 
 namespace tools {
 namespace {
@@ -56,6 +57,11 @@ std::size_t frames_to_replace(const std::filesystem::path& folder) {
   } catch (const nlohmann::json::exception&) {
   }
   return 1;
+}
+
+void tell_warnings(const nlohmann::ordered_json& report, std::size_t told) {
+  const nlohmann::ordered_json& lines = report.at("warnings");
+  for (std::size_t i = told; i < lines.size(); ++i) tell("warning: {}", lines[i].get<std::string>());
 }
 
 void write_report(const std::filesystem::path& folder, const nlohmann::ordered_json& json, const RunConfig& config) {

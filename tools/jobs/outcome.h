@@ -28,6 +28,9 @@ struct Outcome {
 /// has, more than a finished one. 1 if there is none.
 std::size_t frames_to_replace(const std::filesystem::path& folder);
 
+/// Says on standard error what stands in `warnings` of a report behind the first `told`.
+void tell_warnings(const nlohmann::ordered_json& report, std::size_t told);
+
 /// Writes report.json, report.txt and config.yaml into a folder.
 void write_report(const std::filesystem::path& folder, const nlohmann::ordered_json& json, const RunConfig& config);
 

@@ -14,9 +14,11 @@
 #include "tools/analysis/report.h"
 #include "tools/analysis/top_down.h"
 #include "tools/analysis/units.h"
+#include "tools/analysis/warnings.h"
 #include "tools/host/interrupt.h"
 #include "tools/host/run_folder.h"
 #include "tools/jobs/jobs.h"
+#include "tools/jobs/outcome.h"
 #include "tools/simulation/ray_list.h"
 #include "tools/simulation/run_job.h"
 
@@ -84,6 +86,8 @@ Json report_of(const JobOptions& options, const Inputs& inputs, const RayList& l
       units, inputs.config.energy, hw::dram_energy_events(inputs.config.gpu.dram), played.elapsed());
   Json provenance = provenance_json(inputs, options);
   provenance["rays_sha256"] = list.sha256;
+  Json warnings = inputs.warnings;
+  for (std::string& line : run_warnings(inputs.config, units)) warnings.push_back(std::move(line));
   return {{"schema", "raywatt-rays/1"},
           {"partial", played.rays() < list.rays.size()},
           {"config", Json(sim::config_json(inputs.config))},
@@ -92,6 +96,7 @@ Json report_of(const JobOptions& options, const Inputs& inputs, const RayList& l
             {"triangles", inputs.scene.triangles},
             {"instances", inputs.scene.instances},
             {"lights", inputs.scene.lights}}},
+          {"warnings", std::move(warnings)},
           {"provenance", std::move(provenance)},
           {"totals", totals_of(played, list.rays.size(), units, energy)},
           {"units", sim::units_json(units)}};
@@ -129,6 +134,8 @@ void run_rays(const JobOptions& options) {
     sim::write_file_atomically(open() / "config.yaml", sim::dump_config(inputs.config));
     return fmt::format("{} of {} rays", machine.rays(), list.rays.size());
   });
+  tell_warnings(json, inputs.warnings.size());
+  if (options.json) return fmt::print("{}", sim::json_text(json["totals"]));
   if (options.quiet) return;
   fmt::print("{}\nreport:  {}\n", table(json), (folder.target() / "report.json").string());
 }

@@ -11,7 +11,9 @@
 #include "tools/analysis/trace_info.h"
 #include "tools/host/interrupt.h"
 #include "tools/host/run_folder.h"
+#include "tools/host/standard_streams.h"
 #include "tools/jobs/jobs.h"
+#include "tools/jobs/outcome.h"
 #include "tools/jobs/replay.h"
 #include "tools/simulation/recorded.h"
 #include "traces/accel/bvh_tracer.h"
@@ -97,8 +99,9 @@ void replay_trace(const JobOptions& options, const std::filesystem::path& file) 
     return out.kept(job.frames());
   });
   hold.reset();
+  tell_warnings(json, job.inputs().warnings.size());
   if (options.quiet) return;
-  fmt::print("{}\nreport:  {}\n", report_table(json), (folder.target() / "report.json").string());
+  fmt::print("{}\nreport:  {}\n", for_terminal(report_table(json)), (folder.target() / "report.json").string());
 }
 
 }  // namespace tools

@@ -4,10 +4,14 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "hw_models/dram/dram_energy.h"
 #include "sim/config/config.h"
+#include "sim/config/load.h"
+#include "sim/config/yaml_tree.h"
 #include "sim/error.h"
+#include "sim/io/file.h"
 #include "sim/io/printable.h"
 #include "tools/host/paths.h"
 #include "tools/pricing/idle_machine.h"
@@ -18,6 +22,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr std::uint64_t kMostTableBytes = 4 << 20;
 constexpr double kRounding = 1e-9;  ///< sums of frames are rounded otherwise than sums of counts
 
 std::string name_of(const ReportFile& report) { return sim::printable(report.file.string()); }
@@ -34,14 +39,46 @@ RunConfig config_of(const ReportFile& report) {
   return config;
 }
 
+/// A whole file has keys of energy alone; a configuration, or a table of something else, is told from it by its keys.
+void check_kind(const std::filesystem::path& file) {
+  const auto mapping = sim::parse_yaml_mapping(sim::read_file(file, kMostTableBytes), sim::printable(file.string()));
+  const auto refuse = [&](const std::string& what) {
+    throw sim::InputError(fmt::format("--energy {}: is {}, not an energy table; allowed: {}, or a file with such keys",
+                                      sim::printable(file.string()), what, fmt::join(config_names_in("energy"), ", ")));
+  };
+  if (const sim::YamlNode::Entry* schema = mapping->find("schema")) {
+    refuse(fmt::format("a file of schema '{}'", sim::printable(schema->value->scalar)));
+  }
+  RunConfig all;
+  const sim::ConfigNode tree = sim::config_tree(all);
+  for (const sim::YamlNode::Entry& entry : mapping->entries) {
+    if (entry.key == "extends" || tree.child("energy")->child(entry.key) != nullptr) continue;
+    if (tree.child(entry.key) != nullptr) refuse("a whole configuration");
+    if (tree.child("dram")->child(entry.key) != nullptr) refuse("a memory grade");
+    if (tree.child("area")->child(entry.key) != nullptr) refuse("an area table");
+  }
+}
+
+/// The table's file: "energy/14nm", "14nm" or a path.
+std::filesystem::path table_file(const std::string& name) {
+  const std::vector<std::string> known = config_names_in("energy");
+  const bool is_bare = std::ranges::find(known, "energy/" + name) != known.end();
+  return sim::find_config(is_bare ? "energy/" + name : name, {}, "--energy", "energy");
+}
+
 /// Applies another table; keys that do more than price are refused.
 void apply(const PriceTable& table, RunConfig& config) {
   sim::set_config_search_path(config_folders());
   const auto before = sim::list_fields(config);
-  if (!table.energy.empty()) config.energy = {};
+  std::filesystem::path file;
+  if (!table.energy.empty()) {
+    file = std::filesystem::absolute(table_file(table.energy));
+    check_kind(file);
+    config.energy = {};
+  }
   sim::ConfigNode tree = sim::config_tree(config);
   sim::ConfigLoader loader(tree);
-  if (!table.energy.empty()) loader.apply_set("energy.extends=" + table.energy);
+  if (!table.energy.empty()) loader.apply_set("energy.extends=" + file.string());
   for (const std::string& set : table.sets) loader.apply_set(set);
   check_run_config(config, table.energy.empty() ? "--set" : table.energy);
   const auto after = sim::list_fields(config);

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "sim/report/energy_formula.h"
-#include "tools/analysis/energy_totals.h"
+#include "tools/analysis/cost_totals.h"
 #include "tools/analysis/report_file.h"
 #include "tools/pricing/energy_entries.h"
 #include "tools/simulation/load_config.h"

@@ -199,6 +199,7 @@ Simulation simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& pr
   s.function = scaled(pilot, inputs, program);
   SampledFrame sampled;
   sampled.tiles = pilot.costs.size();
+  sampled.asked = sampling.target == 0 ? sampling.share : 0;
   sampled.pilot_seconds = sim::seconds_since(begin);
   double waited = pilot.function.waited, functional = pilot.function.seconds;
 

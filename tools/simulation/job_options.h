@@ -27,6 +27,7 @@ struct JobOptions {
   std::string tile_sampling;      ///< "5%" or "auto"; empty: all tiles are timed
   std::uint32_t replicates = 1;   ///< plays of each frame's work (docs/noise.md)
   std::string image = "full";     ///< with tile_sampling: "none" leaves out tiles that nothing is learnt from
+  bool json = false;              ///< totals as JSON on standard output in the table's stead
   bool debug_images = false;      ///< also pictures of how adaptive frames came about
   std::vector<std::string> argv;
 };

@@ -5,11 +5,13 @@
 #include <optional>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "sim/config/config.h"
 #include "sim/error.h"
 #include "sim/io/printable.h"
 #include "tools/host/paths.h"
+#include "traces/scene/did_you_mean.h"
 #include "traces/scenes/library.h"
 
 namespace tools {
@@ -39,6 +41,20 @@ void check_energy_figures(const RunConfig& config, const std::string& origin) {
                   origin));
 }
 
+/// The nearest of scenes and workloads, where traces/, which knows no workloads, could name scenes alone.
+void check_scene_name(const std::string& name) {
+  if (traces::is_scene_file(name) || !traces::scene_file(name).empty()) return;
+  std::vector<std::string> names = workload_names();
+  for (const traces::BuiltinInfo& scene : traces::builtin_scenes()) {
+    if (scene.name == name) return;
+    names.push_back(scene.name);
+  }
+  throw sim::InputError(
+      fmt::format("no scene is called '{}'{}; built in, and workloads: {}; a file is given with its extension (.glb, "
+                  ".gltf)",
+                  sim::printable(name), traces::did_you_mean(name, names), fmt::join(names, ", ")));
+}
+
 void load_base(sim::ConfigLoader& loader, RunConfig& config, const std::string& name, const std::string& scene) {
   sim::set_config_search_path(config_folders());
   loader.apply_file(find_config(name));
@@ -49,7 +65,10 @@ void load_base(sim::ConfigLoader& loader, RunConfig& config, const std::string& 
 
 void apply_rest(sim::ConfigLoader& loader, const sim::ConfigNode& tree, RunConfig& config, const JobOptions& options) {
   for (const std::string& argument : options.sets) loader.apply_set(argument);
-  if (!options.scene.empty() && !find_workload(options.scene)) config.scene.name = options.scene;
+  if (!options.scene.empty() && !find_workload(options.scene)) {
+    check_scene_name(options.scene);
+    config.scene.name = options.scene;
+  }
   if (!options.camera.empty()) config.scene.camera = options.camera;
   if (!options.frames.empty()) {
     const FrameRange range = parse_frames(options.frames);

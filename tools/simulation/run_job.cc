@@ -94,7 +94,14 @@ std::uint32_t host_threads(std::uint32_t wanted) {
 
 Inputs load_inputs(const JobOptions& options, Progress* progress) {
   if (progress != nullptr) progress->phase("loading");
-  return load_inputs(load_run_config(options), options.threads, progress);
+  const RunConfig config = load_run_config(options);
+  Inputs in = load_inputs(config, options.threads, progress);
+  const bool filters =
+      std::ranges::any_of(options.sets, [](const std::string& set) { return set.starts_with("render.mip_filter="); });
+  if (filters && config.render.mip_maps == traces::MipMaps::kOff) {
+    in.warnings.emplace_back("render.mip_filter does nothing with render.mip_maps=off");
+  }
+  return in;
 }
 
 Inputs load_inputs(const RunConfig& config, std::uint32_t threads, Progress* progress) {

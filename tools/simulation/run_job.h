@@ -65,6 +65,7 @@ struct Interval {
 /// Tile sampling of a frame, or of several (tile_sampling.h).
 struct SampledFrame {
   std::uint64_t tiles = 0, timed = 0, measured = 0, warmed = 0, blocks = 0, rounds = 0;
+  double asked = 0;  ///< share of the frame's work that was to be measured; 0: as much as it takes
   Interval cycles, energy_pj;
   std::map<std::string, Interval> counters;       ///< sums over like units, by path; none if all tiles were timed
   double pilot_seconds = 0, warming_seconds = 0;  ///< host

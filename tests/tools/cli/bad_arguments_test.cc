@@ -56,7 +56,8 @@ TEST(BadArguments, AVerbThatIsNotThereGetsTheNearestOneAndTheList) {
   expect_refusal(raywatt({"config", "shwo"}), {"unknown verb 'shwo'", "did you mean 'show'?", "list, show"});
   expect_refusal(raywatt({}), {"raywatt --help"});
   expect_refusal(raywatt({"config"}), {"see raywatt config --help"});
-  expect_refusal(raywatt({"trace", "replay", "a.trace", "--no-such"}), {"--no-such; see raywatt trace replay --help"});
+  expect_refusal(raywatt({"trace", "replay", "a.trace", "--no-such"}),
+                 {"unknown option '--no-such'", "; see raywatt trace replay --help"});
 }
 
 TEST(BadArguments, AKernelThatIsNotThereGetsTheNearestOne) {

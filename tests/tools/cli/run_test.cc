@@ -159,7 +159,8 @@ TEST(Run, TheOneFrameIsTheTotal) {
   EXPECT_EQ(report["frames"][0]["frame"], 0);
   report["frames"][0].erase("frame");
   Json& totals = report["totals"];
-  for (const char* of_the_machine : {"area_mm2", "area_band_mm2", "area_by_block_mm2", "area_by_part_mm2"}) {
+  for (const char* of_the_machine :
+       {"area_mm2", "area_band_mm2", "area_by_block_mm2", "area_by_part_mm2", "extrapolated"}) {
     EXPECT_EQ(totals.erase(of_the_machine), 1U);
   }
   for (const char* by_area : {"frames_per_joule_per_mm2", "mrays_per_s_per_mm2"}) {

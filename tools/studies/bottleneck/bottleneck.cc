@@ -2,28 +2,78 @@
 
 #include <algorithm>
 
+#include "hw_models/srp/srp.h"
+#include "hw_models/tni/ist.h"
+#include "hw_models/tni/trv.h"
 #include "tools/analysis/limiter.h"
+#include "tools/analysis/units.h"
+#include "tools/host/progress.h"
 #include "tools/simulation/run_job.h"
 
 namespace tools {
+namespace {
 
-Bottleneck find_bottleneck(const JobOptions& options) {
-  Inputs inputs = load_inputs(options);
+double ratio(std::uint64_t part, std::uint64_t whole) {
+  return whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole);
+}
+
+/// Time in which a unit of the T&I waits for lines, as a share of the time in which it has rays.
+template <class Unit>
+double missing(const Units<Unit>& units) {
+  using Reason = typename Unit::CycleReason;
+  const double there = 1 - units.share(Reason::kStarved);
+  return there > 0
+             ? (units.share(Reason::kL1Miss) + units.share(Reason::kMshrFull) + units.share(Reason::kRauFull)) / there
+             : 0;
+}
+
+template <class Unit>
+CacheShare tree_cache(const char* name, const Units<Unit>& units, double share) {
+  using Stats = typename Unit::Stats;
+  return {name, ratio(units.counted(&Stats::l1_hits), units.counted(&Stats::l1_accesses)),
+          ratio(units.counted(&Stats::l1_miss_cycles), units.counted(&Stats::l1_fills)), share};
+}
+
+}  // namespace
+
+std::vector<CacheShare> cache_shares(std::span<const sim::UnitReport> units, const CoreTime& time) {
+  const Units<hw::Trv> trvs(units);
+  const Units<hw::Ist> ists(units);
+  const Units<hw::Srp> srps(units);
+  // A ray that is with the triangle unit waits as that unit does.
+  const double there = 1 - trvs.share(hw::Trv::CycleReason::kStarved);
+  const double at_ist = there > 0 ? trvs.share(hw::Trv::CycleReason::kIst) / there : 0;
+  const double nodes = missing(trvs), triangles = at_ist * missing(ists), all = nodes + triangles;
+  const double of_nodes = all > 0 ? time.tree_misses * nodes / all : 0;
+  using Srp = hw::Srp::Stats;
+  return {tree_cache("node", trvs, of_nodes),
+          tree_cache("triangle", ists, time.tree_misses - of_nodes),
+          {"data", ratio(srps.counted(&Srp::cache_hits), srps.counted(&Srp::cache_accesses)),
+           ratio(srps.counted(&Srp::cache_miss_cycles), srps.counted(&Srp::cache_fills)), time.data_misses}};
+}
+
+Bottleneck find_bottleneck(const JobOptions& options, Progress* progress) {
+  Inputs inputs = load_inputs(options, progress);
   const kernels::ProgramSpec program = kernels::parse_program(options.program);
-  const Simulation measured = simulate(inputs, program, options.threads);
+  const auto play = [&](const char* what) {
+    if (progress != nullptr) progress->expect(1, what);
+    return simulate(inputs, program, options.threads, {.progress = progress});
+  };
+  const Simulation measured = play("as configured");
   const CoreTime time = top_down(measured.units, measured.machine).gpu;
   const std::vector<Estimate> estimates = estimate(time);
   Bottleneck found{.cycles = measured.cycles,
                    .limiter = limiter(estimates),
                    .time = time,
                    .named = most(estimates).resource,
-                   .bounds = {}};
+                   .bounds = {},
+                   .caches = cache_shares(measured.units, time)};
   for (const hw::IdealConfig::Resource& resource : hw::IdealConfig::kResources) {
     bool& ideal = inputs.config.gpu.ideal.*resource.member;
     const bool configured = ideal;
     ideal = true;
     const double estimated = std::ranges::find(estimates, resource.name, &Estimate::resource)->speedup;
-    found.bounds.push_back({resource.name, simulate(inputs, program, options.threads).cycles, estimated});
+    found.bounds.push_back({resource.name, play(resource.words).cycles, estimated});
     ideal = configured;
   }
   return found;

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -8,12 +9,23 @@
 
 namespace tools {
 
+class Progress;
+
 /// Cycles of a frame with one resource made ideal.
 struct Bound {
   std::string resource;
   std::uint64_t cycles = 0;  ///< cycles of the T&I clock
   double estimated = 1;      ///< the speed-up that the counters of the run as configured promise
 };
+
+/// First-level caches of a kind, by the run as configured. `ideal.l1` makes all of them perfect at once.
+struct CacheShare {
+  std::string name;          ///< "node", "triangle", "data"
+  double hit_rate = 0;       ///< share of the probes
+  double cycles_a_miss = 0;  ///< cycles of the cache's clock
+  double share = 0;          ///< part of the cores' time in which its misses are waited for
+};
+std::vector<CacheShare> cache_shares(std::span<const sim::UnitReport> units, const CoreTime& time);
 
 /// The limit of a frame by one run's counters, and the most that each resource could bring, by further runs.
 struct Bottleneck {
@@ -22,10 +34,11 @@ struct Bottleneck {
   CoreTime time;
   std::string named;  ///< the resource that the counters name
   std::vector<Bound> bounds;
+  std::vector<CacheShare> caches;
   double speedup(const Bound& bound) const { return static_cast<double>(cycles) / static_cast<double>(bound.cycles); }
 };
 
 /// Simulates the first frame once as configured and once with each resource made ideal. InputError, sim::Deadlock.
-Bottleneck find_bottleneck(const JobOptions& options);
+Bottleneck find_bottleneck(const JobOptions& options, Progress* progress = nullptr);
 
 }  // namespace tools

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <charconv>
 #include <functional>
 #include <utility>
 
@@ -67,12 +68,21 @@ class Reader {
     return word;
   }
 
-  void conjunction() {
-    if (!text_.substr(at_).starts_with("and") || (at_ + 3 < text_.size() && is_of_word(text_[at_ + 3]))) {
-      fail("'and' is missing");
+  /// `value`: the one before.
+  void conjunction(const std::string& value) {
+    const std::size_t begin = at_;
+    while (!at_end() && is_of_word(text_[at_])) ++at_;
+    const std::string_view word = text_.substr(begin, at_ - begin);
+    if (word == "and") return skip_blanks();
+    at_ = begin;
+    if (word == "or") fail("'or' is not known: each --where, and each part joined by and, must hold");
+    if (!word.empty() && sweep::magnitude_of(value)) {
+      fail(
+          fmt::format("'{}' behind '{}' is no unit of frequency, time or bytes; other figures are compared without "
+                      "one, in the unit that their name ends with",
+                      word, value));
     }
-    at_ += 3;
-    skip_blanks();
+    fail("'and' is missing");
   }
 
  private:
@@ -96,7 +106,7 @@ class Reader {
     skip_blanks();
     return std::string(text_.substr(begin, end - begin));
   }
-  [[noreturn]] void fail(const char* what) const {
+  [[noreturn]] void fail(std::string_view what) const {
     throw sim::InputError(fmt::format("--where '{}': column {}: {}; allowed: PATH<NUMBER, PATH='TEXT', joined by and",
                                       sim::printable(text_), at_ + 1, what));
   }
@@ -123,6 +133,13 @@ bool holds(Op op, int order) {
   return false;
 }
 
+/// "mm2" of "12mm2"; empty for what does not begin with a number.
+std::string unknown_unit(std::string_view text) {
+  double number = 0;
+  const auto [end, bad] = std::from_chars(text.data(), text.data() + text.size(), number);
+  return bad == std::errc{} ? sim::printable(text.substr(static_cast<std::size_t>(end - text.data()))) : "";
+}
+
 template <class T>
 int order_of(const T& a, const T& b) {
   return a < b ? -1 : b < a ? 1 : 0;
@@ -133,7 +150,7 @@ int order_of(const T& a, const T& b) {
 Condition::Condition(const std::string& text) : text_(text) {
   Reader reader(text_);
   do {
-    if (!comparisons_.empty()) reader.conjunction();
+    if (!comparisons_.empty()) reader.conjunction(comparisons_.back().wanted);
     Comparison one;
     one.path = reader.path();
     one.op = reader.op();
@@ -155,6 +172,12 @@ std::vector<bool> Condition::met_by(const Results& results, const Comparison& on
   const Column column = results.column(one.path);
   const std::optional<sweep::Magnitude> wanted = sweep::magnitude_of(one.wanted);
   const bool is_order = one.op != Op::kEqual && one.op != Op::kNot;
+  if (const std::string unit = unknown_unit(one.wanted); is_order && !wanted && !unit.empty()) {
+    refuse(
+        fmt::format("'{}' of '{}' is no unit of frequency, time or bytes; other figures are compared without one, in "
+                    "the unit that their name ends with",
+                    unit, sim::printable(one.wanted)));
+  }
   if (is_order && !wanted) refuse(fmt::format("'{}' is no number", sim::printable(one.wanted)));
   std::vector<bool> met(column.values.size(), false);
   bool has_number = false;

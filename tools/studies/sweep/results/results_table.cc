@@ -24,6 +24,11 @@ std::vector<std::string> usual_columns(const Results& results) {
   for (const char* metric : kUsual) {
     if (results.has_metric(fmt::format("totals.{}", metric))) names.emplace_back(metric);
   }
+  constexpr const char* kExtrapolated = "totals.extrapolated";
+  const auto some = [](const Value& value) { return !is_absent(value) && exact_text(value) != "0"; };
+  if (results.has_metric(kExtrapolated) && std::ranges::any_of(results.column(kExtrapolated).values, some)) {
+    names.emplace_back("extrapolated");
+  }
   return names;
 }
 

@@ -101,5 +101,12 @@ TEST(Condition, RefusesWhatCannotBeCompared) {
   EXPECT_SAYS(refusal("power_w<3"), "power_w.nominal");
 }
 
+TEST(Condition, SaysThatAUnitOrOrIsNotKnown) {
+  EXPECT_SAYS(refusal("cycles<=12mm2"), "'mm2' of '12mm2' is no unit of frequency, time or bytes");
+  EXPECT_SAYS(refusal("cycles<=12 mm2"), "'mm2' behind '12' is no unit of frequency, time or bytes");
+  EXPECT_SAYS(refusal("cycles<300 or cycles>400"), "'or' is not known");
+  EXPECT_SAYS(refusal("kind=rau cycles<3"), "'and' is missing");
+}
+
 }  // namespace
 }  // namespace test

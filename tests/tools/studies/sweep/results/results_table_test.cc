@@ -45,6 +45,17 @@ TEST(ResultsTable, ShowsAxesThatVaryAndTheUsualFigures) {
             "3  failed    8 KiB       -         -                -                          -\n");
 }
 
+TEST(ResultsTable, ShowsExtrapolatedFiguresIfThereAreSome) {
+  const Four sweep;
+  auto report = made_report(3000);
+  report["totals"]["extrapolated"] = 0;
+  sweep.finish(0, report);
+  EXPECT_EQ(results_table(sweep.results(), {}).find("extrapolated"), std::string::npos);
+  report["totals"]["extrapolated"] = 2;
+  sweep.finish(0, report);
+  EXPECT_SAYS(results_table(sweep.results(), {}), "  extrapolated\n");
+}
+
 TEST(ResultsTable, AnyClearEndOfAPathIsAColumn) {
   const Four sweep;
   const auto rows = sweep.table({{"size", "fps", "perf.fps", "totals.perf.fps", "error"}, "", {}, {}, false});

@@ -1,0 +1,51 @@
+#include "sim/report/curve_range.h"
+
+#include <gtest/gtest.h>
+
+#include "sim/report/table.h"
+
+// Sizes that the tables' curves do not cover; figures as people read them.
+
+namespace sim {
+namespace {
+
+UnitReport cache(std::string path, std::uint64_t bytes) {
+  UnitReport unit;
+  unit.path = std::move(path);
+  unit.block = "l2";
+  unit.cache_bytes = bytes;
+  unit.counters.resize(1);
+  unit.counters.front().event = "read";
+  return unit;
+}
+
+std::vector<std::string> lines_of(std::uint64_t bytes) {
+  const std::vector<UnitReport> units = {cache("l2.bank0", bytes), cache("l2.bank1", bytes)};
+  const Spread any{1, 1, 1};
+  return sizes_outside_curves(units, {{"read@64KiB", any}, {"read@256KiB", any}},
+                              {{"l2@32KiB", any}, {"l2@512KiB", any}});
+}
+
+TEST(SizesOutsideCurves, AreNamedOnceAKindWithTheRange) {
+  EXPECT_EQ(lines_of(512 << 10), std::vector<std::string>{"energy.events: the array of l2.bank has 512 KiB, outside 64 "
+                                                          "KiB to 256 KiB of read, and is extrapolated"});
+  EXPECT_EQ(lines_of(16 << 10).size(), 2U) << "energy and area";
+}
+
+TEST(SizesOutsideCurves, AreNoneAtTheEndsAndBetweenPoints) {
+  for (const std::uint64_t kib : {64, 100, 256}) EXPECT_TRUE(lines_of(kib << 10).empty()) << kib;
+}
+
+TEST(SizesOutsideCurves, AreNoneOfEventsWithoutSizes) {
+  const std::vector<UnitReport> units = {cache("l2.bank0", 1)};
+  EXPECT_TRUE(sizes_outside_curves(units, {{"read", {1, 1, 1}}}, {}).empty());
+}
+
+TEST(SiText, HasNoPrefixForARatio) {
+  EXPECT_EQ(si_text(0.335), "0.335");
+  EXPECT_EQ(si_text(-0.0042), "-0.0042");
+  EXPECT_EQ(si_text(0.335, "J"), "335 mJ");
+}
+
+}  // namespace
+}  // namespace sim

@@ -1,0 +1,155 @@
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/tools/program.h"
+
+// Names that are not there get the nearest one; what does nothing, or more than was asked for, is said.
+
+namespace test {
+namespace {
+
+Ending ending_well(const Words& arguments, const Surroundings& around = {}) {
+  Ending ending = raywatt(arguments, around);
+  EXPECT_EQ(ending.exit, 0) << ending.err;
+  return ending;
+}
+
+TEST(Names, ASceneInTheConfigurationsStead) {
+  expect_refusal(raywatt({"run", "teapot"}), {"'teapot' is a scene", "--scene teapot"});
+  expect_refusal(raywatt({"run", "card.gltf"}), {"'card.gltf' is a scene", "--scene card.gltf"});
+  expect_refusal(raywatt({"run", "lee2016-teapot"}), {"is a workload", "--scene lee2016-teapot"});
+}
+
+TEST(Names, GetTheNearestOneOfTheirKind) {
+  const auto expect_nearest = [](const Words& arguments, const std::string& nearest) {
+    expect_refusal(raywatt(arguments), {"did you mean '" + nearest + "'?"});
+  };
+  expect_nearest({"rnu"}, "run");
+  expect_nearest({"run", "--scen", "teapot"}, "--scene");
+  expect_nearest({"run", "--scene", "taepot"}, "teapot");
+  expect_nearest({"run", "--scene", "lee2016-taepot"}, "lee2016-teapot");
+  expect_nearest({"config", "show", "sgrt-2061"}, "sgrt-2016");
+  expect_nearest({"config", "show", "--set", "cors=2"}, "cores");
+  expect_nearest({"config", "show", "--set", "dram.extends=dram/lpddr4x-4277"}, "dram/lpddr4x-4266");
+  expect_nearest({"config", "show", "--set", "energy.extends=14mm"}, "energy/14nm");
+  expect_nearest({"kernels", "show", "shade_difuse"}, "shade_diffuse");
+  expect_nearest({"sweep", "run", "trv-croes"}, "trv-cores");
+  expect_nearest({"optimise", "optimise-croes"}, "optimise-cores");
+}
+
+TEST(Names, OfExperimentsAreBareOnes) {
+  const TempFolder folder;
+  const std::string points = ending_well({"sweep", "run", "trv-cores", "--dry-run"}, {folder.path(), {}, 0, {}}).out;
+  EXPECT_SAYS(points, "tni.trvs");
+  EXPECT_EQ(names_in(folder.path()), Words{});
+}
+
+TEST(Names, AreListedWithALineEach) {
+  const std::string list = ending_well({"config", "list"}).out;
+  for (const char* line : {"sgrt-balanced      A machine whose T&I units", "dram/lpddr3-1600   LPDDR3-1600: two x32",
+                           "energy/14nm  Energy, leakage and clock", "area/7nm   Area of a mobile GPU",
+                           "experiments/trv-cores        Where does the next"}) {
+    EXPECT_SAYS(list, line);
+  }
+  EXPECT_SAYS(list, "(Lee et al. ") << "a full stop within a sentence does not end it";
+}
+
+TEST(Kernels, HaveAsManyOperationsInTheListAsShown) {
+  const std::string list = ending_well({"kernels", "list"}).out;
+  const std::size_t row = list.find("\ngenerate_rays ");
+  ASSERT_NE(row, std::string::npos);
+  const std::size_t begin = list.find_first_of("0123456789", row);
+  const std::string count = list.substr(begin, list.find(' ', begin) - begin);
+  EXPECT_SAYS(ending_well({"kernels", "show", "generate_rays"}).out, "generate_rays: " + count + " operations\n");
+}
+
+TEST(Warnings, OfOptionsThatDoNothing) {
+  const TempFolder folder;
+  const auto warned = [&](const Words& more) {
+    Words words = small_run(folder.path() / "out", more);
+    words.emplace_back("--quiet");
+    return ending_well(words).err;
+  };
+  EXPECT_EQ(warned({}), "");
+  EXPECT_SAYS(warned({"--debug-images"}), "--debug-images does nothing with full:1");
+  EXPECT_SAYS(warned({"--set", "render.mip_maps=off", "--set", "render.mip_filter=linear"}),
+              "render.mip_filter does nothing with render.mip_maps=off");
+  EXPECT_EQ(warned({"--set", "render.mip_filter=linear"}), "");
+}
+
+TEST(Warnings, OfSizesOutsideTheCurvesAreInTheReportToo) {
+  const TempFolder folder;
+  const auto report = [&](const Words& more) {
+    Words words = small_run(folder.path() / "out", more);
+    words.emplace_back("--quiet");
+    const std::string err = ending_well(words).err;
+    nlohmann::json json = read_json(folder.path() / "out" / "report.json");
+    for (const auto& line : json["warnings"]) EXPECT_SAYS(err, "raywatt: warning: " + line.get<std::string>() + "\n");
+    return json;
+  };
+  EXPECT_EQ(report({})["warnings"], nlohmann::json::array());
+  const nlohmann::json small = report({"--set", "tni.trv.l1.size=4 KiB"});
+  EXPECT_SAYS(small["warnings"][0].get<std::string>(),
+              "energy.events: the array of tni.trv has 4 KiB, outside 16 KiB to 128 KiB of cache.l1_fill, "
+              "cache.l1_read, and is extrapolated");
+  EXPECT_EQ(small["totals"]["extrapolated"], small["warnings"].size());
+}
+
+TEST(Warnings, OfTileSamplingThatTimesMuchMoreThanAsked) {
+  const TempFolder folder;
+  const Ending run = ending_well(small_run(folder.path() / "out", {"--tile-sampling", "5%"}));
+  EXPECT_SAYS(run.err, "--tile-sampling 5% has timed 100 % of the tiles");
+  EXPECT_EQ(read_json(folder.path() / "out" / "report.json")["totals"]["sampled"]["asked"], 0.05);
+}
+
+TEST(Streams, JsonOfARunIsItsTotalsAlone) {
+  const TempFolder folder;
+  const Ending run = ending_well(small_run(folder.path() / "out", {"--json"}));
+  EXPECT_EQ(nlohmann::json::parse(run.out), read_json(folder.path() / "out" / "report.json")["totals"]);
+}
+
+TEST(Streams, HaveASignThatIsNotAsciiOnlyWhereTheLocaleHasIt) {
+  const TempFolder folder;
+  const auto table = [&](const std::string& locale) {
+    return ending_well(small_run(folder.path() / "out", {"--tile-sampling", "5%"}),
+                       {{}, {{"LC_ALL", locale}, {"LANG", "en_GB.UTF-8"}}, 0, {}})
+        .out;
+  };
+  EXPECT_SAYS(table("C"), "  +- 0.0 %");
+  EXPECT_SAYS(table("de_DE.utf8"), "  \u00b1 0.0 %");
+  EXPECT_SAYS(table(""), "  \u00b1 0.0 %") << "LANG, if LC_ALL is empty";
+}
+
+TEST(Bottleneck, ShowsProgressAndEachFirstLevelCache) {
+  const Ending run = ending_well({"bottleneck", "--resolution", "16x16", "--progress", "json", "--json"});
+  EXPECT_SAYS(run.err, "\"label\":");
+  const nlohmann::json json = nlohmann::json::parse(run.out);
+  const nlohmann::json& time = json["top_down"];
+  const auto sum = [](const nlohmann::json& levels) {
+    double all = 0;
+    for (const auto& level : levels) all += level.get<double>();
+    return all;
+  };
+  const auto share = [&](const char* cache) { return json["caches"][cache]["share"].get<double>(); };
+  EXPECT_NEAR(share("node") + share("triangle"), sum(time["tree_misses"]), 1e-12);
+  EXPECT_GT(share("triangle"), 0);
+  EXPECT_NEAR(share("data"), sum(time["data_misses"]), 1e-12);
+}
+
+TEST(EnergyPrice, SaysThatAFileIsNoEnergyTable) {
+  const TempFolder folder;
+  const std::string out = (folder.path() / "out").string();
+  ending_well(small_run(out));
+  const auto refused = [&](const std::string& file, const std::string& what) {
+    expect_refusal(raywatt({"energy", "price", out, "--energy", file}),
+                   {what + ", not an energy table; allowed: energy/14nm"});
+  };
+  refused("dram/lpddr4-3200", "is a memory grade");
+  refused("sgrt-2016", "is a whole configuration");
+  refused("area/14nm", "is an area table");
+  refused(out + "/report.json", "is a file of schema 'raywatt-report/1'");
+  ending_well({"energy", "price", out, "--energy", "14nm"});
+}
+
+}  // namespace
+}  // namespace test
