@@ -55,6 +55,14 @@ void check_scene_name(const std::string& name) {
                   sim::printable(name), traces::did_you_mean(name, names), fmt::join(names, ", ")));
 }
 
+}  // namespace
+
+void check_scene(const std::string& name) {
+  if (!find_workload(name)) check_scene_name(name);
+}
+
+namespace {
+
 void load_base(sim::ConfigLoader& loader, RunConfig& config, const std::string& name, const std::string& scene) {
   sim::set_config_search_path(config_folders());
   loader.apply_file(find_config(name));

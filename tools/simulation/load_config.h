@@ -42,6 +42,9 @@ struct RunConfig {
 /// --camera, --frames and --resolution. InputError.
 RunConfig load_run_config(const JobOptions& options);
 
+/// InputError for a name that no scene or workload has and that is no file's.
+void check_scene(const std::string& name);
+
 // Its steps, for callers that load many configurations that differ little.
 /// The file, then the workload, if `scene` names one. Not checked yet.
 RunConfig load_base_config(const std::string& config, const std::string& scene);

@@ -1,4 +1,5 @@
 #include <cstdlib>
+#include <sstream>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -24,9 +25,11 @@ Json repeatable(const fs::path& folder) {
   return report;
 }
 
+/// Caches that tables have no figures for are said, and nothing else.
 void expect_good(const Ending& ending) {
   EXPECT_EQ(ending.exit, 0) << ending.err;
-  EXPECT_EQ(ending.err, "");
+  std::istringstream lines(ending.err);
+  for (std::string line; std::getline(lines, line);) EXPECT_TRUE(line.ends_with("is extrapolated")) << line;
 }
 
 class Replay : public ::testing::Test {

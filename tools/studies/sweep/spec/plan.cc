@@ -60,6 +60,7 @@ void check_setting(RunConfig base, const std::string& argument) {
 
 /// Throws the complaint of a run about this value alone.
 void check_value(const RunConfig& base, const std::string& key, const std::string& value) {
+  if (key == "scene" && !value.empty() && !value.ends_with(".yaml")) check_scene(value);
   if (key == "program") kernels::parse_program(value);
   if (key == "resolution" && !value.empty()) parse_resolution(value);
   if (key == "frames" && !value.empty()) parse_frames(value);
@@ -134,7 +135,11 @@ Planner::Planner(Spec spec, const fs::path& folder)
   const std::string config = from_folder(spec_.config, folder_);
   at_key(spec_, "config", [&] { load_base_config(config, ""); });
   RunConfig base;
-  at_key(spec_, "scene", [&] { base = load_base_config(config, from_folder(spec_.scene, folder_)); });
+  at_key(spec_, "scene", [&] {
+    const std::string scene = from_folder(spec_.scene, folder_);
+    if (!scene.empty()) check_scene(scene);
+    base = load_base_config(config, scene);
+  });
   check_values(spec_, base);
   if (!spec_.tile_sampling.empty() && !spec_.reference.empty()) {
     throw sim::InputError("reference and tile_sampling do not go together: sweep over programs, with all tiles");
