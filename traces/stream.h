@@ -54,12 +54,12 @@ inline constexpr std::uint32_t kPixelBytes = 4;
 
 /// Storage that a machine must set aside for a frame.
 struct FrameRequirements {
-  std::uint32_t tile_samples = 0;     ///< those of a full tile
-  std::uint32_t wave_samples = 0;     ///< samples of a tile traced at once, at most; 0: all
-  std::uint32_t attribute_bytes = 0;  ///< what samples of a full tile keep beside their colour, in the tile buffer
-  /// Bytes of the tile buffer for a full tile of a later pass, colours included; 0: as for one of the first.
-  std::uint32_t pass_tile_bytes = 0;
+  std::uint32_t tile_samples = 0;          ///< those of a full tile
+  std::uint32_t wave_samples = 0;          ///< samples of a tile traced at once, at most; 0: all
+  std::uint32_t attribute_bytes = 0;       ///< what samples of a full tile keep beside their colour, in the tile buffer
+  std::uint32_t pass_attribute_bytes = 0;  ///< those of a full tile of a later pass; 0: as in the first
   std::array<std::uint64_t, static_cast<std::size_t>(Region::kCount)> region_bytes{};
+  friend bool operator==(const FrameRequirements&, const FrameRequirements&) = default;
 };
 
 /// Samples that a tile leaves in memory for others: its borders have numbers of their own.

@@ -49,24 +49,26 @@ struct TilesInFlight {
   std::uint32_t most() const { return std::max(first, later); }
 };
 
-/// Bytes of the tile buffer that a full tile of the first pass keeps.
-inline std::uint64_t tile_bytes(const TileBufferConfig& config, const traces::FrameRequirements& needs) {
-  return std::uint64_t{needs.tile_samples} * config.colour_bytes + needs.attribute_bytes;
+/// Bytes that a full tile keeps in the buffer: its colours, and `attribute_bytes` beside them.
+inline std::uint64_t tile_bytes(const TileBufferConfig& config, const traces::FrameRequirements& needs,
+                                std::uint32_t attribute_bytes) {
+  return std::uint64_t{needs.tile_samples} * config.colour_bytes + attribute_bytes;
 }
 
-/// In the first pass as many as configured, or as leave ray slots their share, but one at least. What these have set
-/// aside is there for the tiles of later passes. An ideal buffer has room for everything.
+/// Tiles of the first pass are as many as configured, or as leave ray slots their share, but one at least. What these
+/// have set aside is there for the tiles of later passes. An ideal buffer has room for everything.
 inline TilesInFlight tiles_in_flight(const TileBufferConfig& config, const traces::FrameRequirements& needs,
                                      bool ideal) {
-  const std::uint64_t tile = tile_bytes(config, needs);
+  const std::uint64_t tile = tile_bytes(config, needs, needs.attribute_bytes);
   TilesInFlight tiles{config.tiles_in_flight, config.tiles_in_flight};
   if (!ideal && config.ray_share > 0 && tile != 0) {
     const auto room = static_cast<std::uint64_t>((1 - config.ray_share) * static_cast<double>(config.size.bytes));
     tiles.first = static_cast<std::uint32_t>(std::clamp<std::uint64_t>(room / tile, 1, tiles.first));
   }
   tiles.later = tiles.first;
-  if (needs.pass_tile_bytes != 0) {
-    const std::uint64_t fit = ideal ? config.tiles_in_pass : tiles.first * tile / needs.pass_tile_bytes;
+  if (needs.pass_attribute_bytes != 0) {
+    const std::uint64_t later = tile_bytes(config, needs, needs.pass_attribute_bytes);
+    const std::uint64_t fit = ideal ? config.tiles_in_pass : tiles.first * tile / later;
     tiles.later = static_cast<std::uint32_t>(std::clamp<std::uint64_t>(fit, 1, config.tiles_in_pass));
   }
   return tiles;
@@ -102,7 +104,8 @@ class TileBuffer {
   TileBuffer(const TileBufferConfig& config, const traces::FrameRequirements& needs, sim::Clock clock,
              bool ideal = false)
       : clock_(clock), slot_bytes_(config.slot_bytes) {
-    const std::uint64_t set_aside = tiles_in_flight(config, needs, ideal).first * tile_bytes(config, needs);
+    const std::uint64_t set_aside =
+        tiles_in_flight(config, needs, ideal).first * tile_bytes(config, needs, needs.attribute_bytes);
     slots_ = config.size.bytes > set_aside ? (config.size.bytes - set_aside) / config.slot_bytes : 0;
     if (ideal) slots_ = std::numeric_limits<std::uint64_t>::max();
   }

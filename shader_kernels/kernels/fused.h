@@ -200,7 +200,7 @@ struct RecordCounted : Fused<RecordGlobal, CountColoured> {
   static constexpr std::string_view kMeaning = "record_global, count_coloured";
 };
 
-/// For post-correction, which starts from all samples.
+/// Suits post-correction, which starts from all samples.
 template <bool kShadows>
 struct PackIdentified : Fused<TakeGridSample, PackClamped, StoreIdentities<kShadows>> {
   using Identities = StoreIdentities<kShadows>;

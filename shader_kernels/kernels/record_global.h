@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <string_view>
 
 #include "shader_kernels/ports.h"
@@ -57,6 +58,10 @@ struct RecordGlobal {
     at.globals.store(sample, {at.globals.load(sample).rgb + at.colours.load(sample).rgb});
   }
 };
+
+/// Largest channel of a faint colour. Channels up to 0.0031 are encoded as 12.92 times themselves, so two faint colours
+/// lie at most 3^(1/2) x 12.92 x 0.04 = 0.9 of `threshold` apart.
+inline float faint_channel(float threshold) { return std::min(0.003F, 0.04F * threshold); }
 
 /// Counts samples whose global colour is not faint. Two faint ones pass the check of colours whatever they are.
 struct CountColoured {

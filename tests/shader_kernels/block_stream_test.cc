@@ -55,6 +55,24 @@ TEST_P(BlockStream, NodesHaveItemsEdgesPointDownAndEveryBatchOfRaysIsRead) {
   }
 }
 
+TEST_P(BlockStream, NoWaveHasMoreRaysThanTheProgramAsksRoomFor) {
+  std::uint32_t most = 0;
+  for_each_scene([&](const traces::Scene& scene) {
+    const Recorded recorded = record(scene);
+    const FrameRequirements& needs = recorded.requirements;
+    ASSERT_GT(needs.wave_samples, 0U);
+    ASSERT_LT(needs.wave_samples, needs.tile_samples);
+    EXPECT_EQ(needs.pass_attribute_bytes != 0, recorded.works.size() > recorded.count) << "what scans keep";
+    for (const traces::TileWork& work : recorded.works) {
+      for (const WorkNode& node : work.nodes) {
+        if (node.kind == WorkNode::Kind::kRays) most = std::max(most, node.items);
+      }
+      EXPECT_LE(most, needs.wave_samples);
+    }
+  });
+  EXPECT_GT(most, 0U);
+}
+
 TEST_P(BlockStream, WhoRetracesTheHaloNeitherWaitsNorReads) {
   programs_.undersample.correction = Correction::kOff;
   set({Halo::kRetrace, AttributeStorage::kTile});

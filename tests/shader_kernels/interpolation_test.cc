@@ -6,7 +6,10 @@
 #include <gtest/gtest.h>
 
 #include "block_harness.h"
+#include "shader_kernels/kernels/arithmetic.h"
+#include "shader_kernels/kernels/record_global.h"
 #include "showcase.h"
+#include "sim/hash.h"
 
 // Distance of interpolated samples from what would have been traced there; what textures decide.
 
@@ -39,6 +42,23 @@ traces::Scene ramp() {
   }
   traces::add_object(scene, std::move(wall), traces::add_material(scene, {.base_colour = glm::vec3(1)}));
   return scene;
+}
+
+TEST(FaintColours, PassTheCheckWhateverTheyAreAndBrighterOnesNeedNot) {
+  for (const float threshold : {1e-6F, 0.001F, 0.02F, 0.08F, 0.5F, 2.0F}) {
+    const float faint = faint_channel(threshold);
+    const auto apart = [&](const glm::vec3& a, const glm::vec3& b) {
+      return std::sqrt(encoded_distance_squared<float>({a.x, a.y, a.z}, {b.x, b.y, b.z}));
+    };
+    for (std::uint32_t i = 0; i < 200; ++i) {
+      const auto channel = [&](int k) { return faint * static_cast<float>(sim::hash(i, k) % 5) / 4; };
+      EXPECT_LT(apart({channel(0), channel(1), channel(2)}, {channel(3), channel(4), channel(5)}), threshold);
+    }
+    EXPECT_LT(apart(glm::vec3(faint), glm::vec3(0)), threshold);
+    if (threshold < 0.05F) {
+      EXPECT_GT(apart(glm::vec3(1.2F * faint), glm::vec3(0)), threshold);
+    }
+  }
 }
 
 TEST(Interpolation, AnEvenRampIsMetExactly) {

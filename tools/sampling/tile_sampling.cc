@@ -112,7 +112,7 @@ void copy_counts(const FrontEnd::Result& from, FrontEnd::Result& to) {
   to.rgb.clear();
 }
 
-/// Blocks overlap the neighbours of as many tiles as are in flight, so they are as long.
+/// Blocks overlap the neighbours of as many tiles as may be in flight, so they are as long.
 PlanShape shape_of(const hw::GpuConfig& gpu, std::uint32_t tile_samples) {
   const std::uint32_t in_flight = gpu.cores * gpu.tile_buffer.tiles_in_flight;
   PlanShape shape;

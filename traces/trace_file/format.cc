@@ -33,7 +33,7 @@ Json to_json(const ImageCounts& c) {
 Json to_json(const FrameRequirements& d) {
   Json json{{"tile_samples", d.tile_samples}, {"attribute_bytes", d.attribute_bytes}, {"region_bytes", d.region_bytes}};
   if (d.wave_samples != 0) json["wave_samples"] = d.wave_samples;
-  if (d.pass_tile_bytes != 0) json["pass_tile_bytes"] = d.pass_tile_bytes;
+  if (d.pass_attribute_bytes != 0) json["pass_attribute_bytes"] = d.pass_attribute_bytes;
   return json;
 }
 
@@ -61,7 +61,7 @@ FrameRequirements requirements_of_json(const Json& json) {
   FrameRequirements d{static_cast<std::uint32_t>(number_at(json, "tile_samples", 1U << 26)),
                       optional_at("wave_samples", 1U << 26),
                       static_cast<std::uint32_t>(number_at(json, "attribute_bytes", kMaxAttributeBytes)),
-                      optional_at("pass_tile_bytes", kMaxAttributeBytes),
+                      optional_at("pass_attribute_bytes", kMaxAttributeBytes),
                       {}};
   for (std::size_t i = 0; i < kRegionCount; ++i) {
     d.region_bytes[i] = number_of(json.at("region_bytes").at(i), kMaxRegionBytes, "region_bytes");

@@ -1,7 +1,5 @@
 #include "shader_kernels/programs/adaptive/undersample.h"
 
-#include <algorithm>
-
 #include <glm/common.hpp>
 
 namespace kernels {
@@ -24,7 +22,7 @@ UndersampleProgram::UndersampleProgram(const traces::MemoryImage& image, const t
                    frame),
       undersample_(undersample),
       apart_(static_cast<float>(undersample.position) * scene_size),
-      faint_(std::min(0.003F, 0.04F * static_cast<float>(undersample.colour))),  // in the toe: 3^(1/2) 12.92 x 0.04 < 1
+      faint_(faint_channel(static_cast<float>(undersample.colour))),
       correction_(undersample, config.width * undersample.grid(), config.height * undersample.grid(),
                   sample_tiles().side()) {}
 

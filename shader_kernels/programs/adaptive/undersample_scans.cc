@@ -10,6 +10,7 @@ using traces::Region;
 
 namespace {
 
+constexpr std::uint32_t kWordBytes = sizeof(WordRecord<float>);
 constexpr std::uint32_t kLine = 64;    // what a sample alone costs of memory
 constexpr std::uint32_t kScanned = 0;  // the border of a tile that others read in a scan: all words that it corrects
 constexpr auto kPicture = static_cast<std::size_t>(Region::kPicture);
@@ -33,7 +34,7 @@ std::uint32_t UndersampleProgram::pass_end(std::uint32_t tile_index) const {
 
 /// A sample's word for the scans; where pixels have several samples, their colours too, to average them again.
 std::uint32_t UndersampleProgram::scanned_bytes() const {
-  return 4 + (undersample_.samples > 1 ? static_cast<std::uint32_t>(sizeof(ColourRecord<float>)) : 0);
+  return kWordBytes + (undersample_.samples > 1 ? static_cast<std::uint32_t>(sizeof(ColourRecord<float>)) : 0);
 }
 
 std::uint64_t UndersampleProgram::scan_store(std::uint32_t tile) const {
@@ -45,8 +46,8 @@ FrameRequirements UndersampleProgram::requirements() const {
   FrameRequirements needs = BlockProgram::requirements();
   if (correction_.scans() > 0) {
     needs.region_bytes[kSamples] = scan_store(sample_tiles().count());
-    // A tile of a scan keeps the words of its samples, and colours of those that it traces.
-    needs.pass_tile_bytes = needs.tile_samples * (4 + static_cast<std::uint32_t>(sizeof(ColourRecord<float>)));
+    // A tile of a scan keeps its samples' words.
+    needs.pass_attribute_bytes = needs.tile_samples * kWordBytes;
   }
   return needs;
 }

@@ -127,6 +127,20 @@ TEST_P(Adaptive, EveryTileIsPlayedAndWhatItMovesIsCounted) {
   EXPECT_EQ(run.function.sampling.halo != 0, halo == Halo::kRetrace);
 }
 
+TEST(AdaptiveRoom, RaySlotsThatKeepTheirShareSpillLessAndAllEnginesPlayThemAlike) {
+  const Method method{"cornell", "undersample", config_of(Halo::kReload, AttributeStorage::kTile), 20, 14, 8};
+  GpuConfig config;
+  config.tile_buffer.size.bytes = 6 * 1024;
+  config.tile_buffer.tiles_in_pass = 8;
+  const Outcome crowded = play(method, config);
+  config.tile_buffer.ray_share = 0.5;
+  const Outcome fast = play(method, config);
+  EXPECT_LT(fast.sum("tile_buffer", "spilled_slots"), crowded.sum("tile_buffer", "spilled_slots"));
+  EXPECT_EQ(difference(fast, play(method, config, Engine::kOracle)), "");
+  EXPECT_EQ(difference(fast, play(method, config, Engine::kShuffled, 1)), "");
+  expect_same_function(fast.function, crowded.function);
+}
+
 /// Rounds of propagation, and colours compared for a tile's rate.
 class AdaptiveKeys : public ::testing::TestWithParam<const char*> {
  protected:

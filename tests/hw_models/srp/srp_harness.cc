@@ -30,7 +30,7 @@ SrpHarness::SrpHarness(const Setup& setup, const std::vector<Kernel>& kernels)
   const Srp::Frame frame{.layout = &layout_,
                          .kernels = kernels_,
                          .conflicts = conflicts_,
-                         .needs = {.tile_samples = setup.tile_samples},
+                         .needs = {.tile_samples = setup.tile_samples, .wave_samples = setup.wave_samples},
                          .ray_interval = setup.ray_interval * clock_.period(),
                          .areas = kBases,
                          .ideal = setup.ideal};

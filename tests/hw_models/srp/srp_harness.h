@@ -28,6 +28,7 @@ class SrpHarness {
     std::uint32_t dma_latency = 5;
     std::uint32_t ray_interval = 1;  ///< cycles from one ray into the direct interface to the next
     std::uint32_t tile_samples = 16;
+    std::uint32_t wave_samples = 0;
     bool ideal = false;
   };
   struct Kernel {

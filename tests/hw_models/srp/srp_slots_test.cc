@@ -49,6 +49,19 @@ TEST(Srp, AYoungerTilesFirstRaysLeaveRoomForATileOfTheOldest) {
   }
 }
 
+TEST(Srp, AYoungerTilesFirstRaysLeaveRoomForAWaveWhereTilesAreTracedInWaves) {
+  constexpr std::uint32_t kWave = 4;
+  for (const auto& [slots, together] : {std::pair{2 * kSamples + kWave, true}, {2 * kSamples + kWave - 1, false}}) {
+    SrpHarness::Setup setup = with_slots(slots);
+    setup.tni_latency = 900;
+    setup.wave_samples = kWave;
+    SrpHarness harness(setup, {{1, 50}, {1, 50}});
+    harness.add(trace_and_shade(kSamples, 0)).add(trace_and_shade(kSamples, 1)).run();
+    EXPECT_EQ(harness.srp().tile_buffer().stats().slots_peak, together ? 2 * kSamples : kSamples) << slots;
+    EXPECT_EQ(harness.srp().tile_buffer().stats().spilled_slots, 0U);
+  }
+}
+
 TEST(Srp, WhatDoesNotFitGoesOutAndInAgainBeforeItsRaysLeave) {
   SrpHarness harness(with_slots(10), {{1, 50}, {1, 50}});
   harness.add(trace_and_shade(kSamples)).run();

@@ -53,11 +53,13 @@ TEST(TilesInFlight, TilesOfLaterPassesShareTheRoomOfThoseOfTheFirst) {
   config.tiles_in_pass = 16;
   traces::FrameRequirements needs{.tile_samples = 256, .attribute_bytes = 4 * 1024};
   EXPECT_EQ(tiles_in_flight(config, needs, false).later, 3U) << "they keep as much";
-  needs.pass_tile_bytes = 2 * 1024;
-  EXPECT_EQ(tiles_in_flight(config, needs, false).later, 3U * 8 / 2);
+  needs.pass_attribute_bytes = 1024;
+  EXPECT_EQ(tiles_in_flight(config, needs, false).later, 3U * 8 / 5);
+  config.colour_bytes = 4;
+  EXPECT_EQ(tiles_in_flight(config, needs, false).later, 3U * 5 / 2) << "smaller accumulators leave room for more";
   config.tiles_in_pass = 5;
   EXPECT_EQ(tiles_in_flight(config, needs, false).later, 5U);
-  needs.pass_tile_bytes = 64 * 1024;
+  needs.pass_attribute_bytes = 64 * 1024;
   EXPECT_EQ(tiles_in_flight(config, needs, false).later, 1U);
 }
 

@@ -2,12 +2,14 @@
 #include <fstream>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 #include <sys/stat.h>
 
 #include "sim/error.h"
 #include "tests/sim/folder.h"
 #include "tests/traces/trace_file/tiny_tile.h"
 #include "traces/trace_file/bytes.h"
+#include "traces/trace_file/format.h"
 #include "traces/trace_file/trace_reader.h"
 #include "traces/trace_file/trace_writer.h"
 
@@ -23,7 +25,11 @@ using test::tiny_scope;
 using test::tiny_tile;
 
 constexpr std::uint32_t kTiles = 5;
-constexpr FrameRequirements kDemands{.tile_samples = 4, .attribute_bytes = 64, .region_bytes = {4096, 512, 16}};
+constexpr FrameRequirements kDemands{.tile_samples = 4,
+                                     .wave_samples = 2,
+                                     .attribute_bytes = 64,
+                                     .pass_attribute_bytes = 48,
+                                     .region_bytes = {4096, 512, 16}};
 
 TileWork tile(std::uint32_t number) {
   TileWork work = tiny_tile();
@@ -80,7 +86,7 @@ TEST(TraceFile, GivesBackItsPartsTreesAndTilesInAnyOrder) {
   const TraceReader::Part& part = trace.parts()[1];
   EXPECT_EQ(part.frame, 8U);
   EXPECT_EQ(part.result["rays"], 8);
-  EXPECT_EQ(part.requirements.region_bytes, kDemands.region_bytes);
+  EXPECT_EQ(part.requirements, kDemands);
   const TileScope scope = trace.scope(part, 5);
   EXPECT_EQ(scope.links, tiny_scope().links);
   EXPECT_EQ(scope.counts, tiny_scope().counts);
@@ -92,6 +98,14 @@ TEST(TraceFile, GivesBackItsPartsTreesAndTilesInAnyOrder) {
     cursor.read(ranges[t], scope, work);
     EXPECT_TRUE(same(work, tile(800 + t)));
   }
+}
+
+TEST(TraceFile, DemandsOfOneWaveAndOnePassAreLeftOut) {
+  const FrameRequirements plain{.tile_samples = 4, .attribute_bytes = 64, .region_bytes = {4096, 512, 16}};
+  const nlohmann::ordered_json json = to_json(plain);
+  EXPECT_FALSE(json.contains("wave_samples"));
+  EXPECT_FALSE(json.contains("pass_attribute_bytes"));
+  EXPECT_EQ(requirements_of_json(json), plain);
 }
 
 TEST(TraceFile, EqualWorkMakesEqualBytes) {
