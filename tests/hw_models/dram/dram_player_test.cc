@@ -19,6 +19,14 @@ TEST(DramPlayer, LetsARequestArriveWhenAnEarlierOneIsDoneIfNoMoreMayBeOutstandin
   }
 }
 
+TEST(DramPlayer, TellsRequestsApartHoweverManyThereAre) {
+  const DramConfig c = DramHarness::quiet();
+  std::vector<DramRequest> requests((std::size_t{1} << 16) + 100);
+  for (std::size_t i = 0; i < requests.size(); ++i) requests[i].address = 64 * (i % 16);
+  const DramPlay play = hw::play(c, requests, 1);
+  for (std::size_t i = 1; i < requests.size(); ++i) ASSERT_GT(play.done[i], play.done[i - 1]) << i;
+}
+
 TEST(DramPlayer, LetsNoRequestArriveBeforeItsTime) {
   const DramConfig c = DramHarness::quiet();
   const sim::Time late = 777 * c.timing.ck.time;

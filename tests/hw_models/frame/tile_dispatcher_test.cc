@@ -38,6 +38,7 @@ class DispatcherHarness {
     std::vector<std::uint32_t> hold = {50, 50};  ///< cycles a tile stays, per core
     std::uint32_t tiles_per_core = 3;
     std::uint32_t tiles_in_pass = 3;
+    std::vector<std::uint32_t> starts = {};  ///< cycle before which a core gets no tile, if any
   };
   explicit DispatcherHarness(const Setup& setup) : source(setup.tiles) {
     const sim::UnitId dispatcher = machine_.unit({"dispatcher", clock_});
@@ -52,7 +53,7 @@ class DispatcherHarness {
       machine_.build<Core>(core, *this, c, in, out);
     }
     dispatcher_ = &machine_.build<TileDispatcher>(
-        dispatcher, source, TilesInFlight{setup.tiles_per_core, setup.tiles_in_pass}, links, clock_);
+        dispatcher, source, TilesInFlight{setup.tiles_per_core, setup.tiles_in_pass}, links, clock_, setup.starts);
   }
 
   template <sim::Skip kSkip = sim::Skip::kOn>
@@ -118,6 +119,15 @@ TEST(TileDispatcher, HandsOutATileACycleEachCoreInTurnUntilAllAreFull) {
   }
   // The first tile is back after its stay; the seventh leaves in the cycle in which its place is known to be free.
   EXPECT_EQ(harness.arrivals[6].cycle, 1 + 50 + 1U);
+}
+
+TEST(TileDispatcher, NoCoreGetsATileBeforeItsStart) {
+  DispatcherHarness harness({.tiles = 12, .hold = {50, 50, 50}, .tiles_per_core = 1, .starts = {20, 0, 30}});
+  harness.run();
+  const std::uint64_t wire = 1;
+  EXPECT_EQ(harness.arrivals[0], (DispatcherHarness::Arrival{1, 0, wire}));
+  EXPECT_EQ(harness.arrivals[1], (DispatcherHarness::Arrival{0, 1, 20 + wire}));
+  EXPECT_EQ(harness.arrivals[2], (DispatcherHarness::Arrival{2, 2, 30 + wire}));
 }
 
 TEST(TileDispatcher, NTilesOnOneCoreTakeNStaysOverTilesInFlight) {

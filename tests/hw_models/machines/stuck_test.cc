@@ -66,6 +66,33 @@ TEST(Gpu, AMachineWhoseItemsTakeLongerThanItsWatchdogWaitsEndsWithTheStateOfEver
   EXPECT_THROW(test::play(test::cornell_64x32(), config), sim::Deadlock);
 }
 
+TEST(Patience, GrowsWithEverythingThatARequestMayWaitFor) {
+  const GpuConfig plain;
+  const auto grows = [&](const char* what, auto&& change) {
+    GpuConfig config;
+    change(config);
+    EXPECT_GT(patience(config, {}, {}), patience(plain, {}, {})) << what;
+  };
+  for (auto timing :
+       {&DramTiming::rfc_ab, &DramTiming::xp, &DramTiming::rp_ab, &DramTiming::rc, &DramTiming::rcd, &DramTiming::rl,
+        &DramTiming::dqsck, &DramTiming::wr, &DramTiming::wtr_l, &DramTiming::faw, &DramTiming::ccd_l}) {
+    grows("a timing of memory", [&](GpuConfig& c) { c.dram.timing.*timing += 1000; });
+  }
+  grows("TRVs", [](GpuConfig& c) { c.tni.trvs *= 2; });
+  grows("misses of TRVs", [](GpuConfig& c) { c.tni.trv.l1.mshrs *= 2; });
+  grows("misses of ISTs", [](GpuConfig& c) { c.tni.ist.l1.mshrs *= 2; });
+  grows("misses of shader cores", [](GpuConfig& c) { c.srp.data_cache.mshrs *= 2; });
+  grows("transfers", [](GpuConfig& c) { c.dma.depth *= 2; });
+  grows("links", [](GpuConfig& c) { c.interconnect.link_depth *= 2; });
+  grows("reads of a channel", [](GpuConfig& c) { c.dram.controller.read_queue *= 2; });
+  grows("writes of a channel", [](GpuConfig& c) { c.dram.controller.write_queue *= 2; });
+  grows("misses of the L2", [](GpuConfig& c) { c.l2.cache.mshrs *= 2; });
+  grows("cores", [](GpuConfig& c) { c.cores *= 2; });
+  grows("channels", [](GpuConfig& c) { c.dram.channels *= 2; });
+  grows("wires", [](GpuConfig& c) { c.interconnect.latency += 10; });
+  grows("hits of the L2", [](GpuConfig& c) { c.l2.cache.hit_cycles += 10; });
+}
+
 TEST(Patience, HasRoomForEightChunksOfTheLongestKernel) {
   GpuConfig config;
   config.clocks.srp = {1'000'000'000};
