@@ -3,6 +3,7 @@
 #include "hw_models/dram/dram_device.h"
 #include "hw_models/dram/dram_player.h"
 #include "sim/config/config.h"
+#include "sim/error.h"
 
 // Rules that LPDDR5 adds: ACT-1 and ACT-2, the CAS that starts WCK, bursts of 32, refresh of single banks beside
 // activates.
@@ -73,6 +74,15 @@ TEST(Lpddr5, ABurstOf32TakesOneCommand) {
   EXPECT_EQ(earliest(two, kPrecharge, 1, 104), 105U);
   EXPECT_EQ(earliest(one, kPrecharge, 1, 104), 104U);
   EXPECT_EQ(one.data_cycles(), two.data_cycles()) << "the data are the same";
+}
+
+TEST(Lpddr5, BurstsOf32GoWithLinesOfAnEvenNumberOfBursts) {
+  DramConfig c = lpddr5();
+  c.line = c.organisation.burst;
+  ASSERT_EQ(c.bursts_per_line(), 1U);
+  EXPECT_NO_THROW(sim::check_config(c));
+  c.organisation.bl32 = true;
+  EXPECT_THROW(sim::check_config(c), sim::InputError);
 }
 
 TEST(Lpddr4, ARefreshOfOneBankIsAnActivateToTheOthers) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "hw_models/dram/dram_closed_forms.h"
 #include "tests/hw_models/dram/dram_harness.h"
 
 namespace hw::test {
@@ -17,6 +18,18 @@ TEST(DramPlayer, LetsARequestArriveWhenAnEarlierOneIsDoneIfNoMoreMayBeOutstandin
       EXPECT_EQ(play.arrived[i], play.done[i - outstanding]) << i << " with " << outstanding;
     EXPECT_EQ(play.end, play.done.back());
   }
+}
+
+TEST(DramPlayer, ALoneBankTakesARowAfterTheOtherInTheTimeOfTheClosedForm) {
+  DramConfig c = DramHarness::quiet();
+  c.organisation.banks = c.organisation.bank_groups = c.organisation.refresh_banks = c.organisation.ranks = 1;
+  const auto lines = static_cast<std::uint32_t>(c.organisation.page.bytes / c.line.bytes);
+  std::vector<DramRequest> requests(std::size_t{6} * lines);
+  for (std::size_t i = 0; i < requests.size(); ++i) requests[i].address = 64 * i;
+  const DramPlay play = hw::play(c, requests, 32);
+  const sim::Time row = play.done[5 * lines - 1] - play.done[4 * lines - 1];
+  const double expected = DramClosedForms(c).line_of_own_row(lines) * lines;
+  EXPECT_NEAR(static_cast<double>(row) / static_cast<double>(c.timing.ck.time), expected, 0.01 * expected);
 }
 
 TEST(DramPlayer, TellsRequestsApartHoweverManyThereAre) {
