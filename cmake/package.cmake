@@ -28,6 +28,7 @@ set(share ${CMAKE_INSTALL_DATADIR})
 install(TARGETS raywatt)
 install(TARGETS raywatt_search raywatt_images LIBRARY DESTINATION lib/raywatt)  # where the program looks
 install(DIRECTORY configs traces/workloads tests/validation/published DESTINATION ${share}/raywatt)
+install(DIRECTORY tools/python DESTINATION ${share}/raywatt PATTERN __pycache__ EXCLUDE)
 install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(FILES README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(FILES cmake/copyright DESTINATION ${CMAKE_INSTALL_DOCDIR})
@@ -49,6 +50,7 @@ described by keys of a YAML file. It renders glTF scenes by full or adaptive
 sampling.")
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS "python3-pandas, python3-matplotlib")
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS

@@ -91,6 +91,16 @@ int component_type(draco::DataType type) {
   }
 }
 
+/// An accessor of values that are all stored; tinygltf leaves the numbers of sparse ones unset.
+tinygltf::Accessor dense_accessor(int component_type, int type, std::size_t count) {
+  tinygltf::Accessor accessor;
+  accessor.sparse = {};
+  accessor.componentType = component_type;
+  accessor.type = type;
+  accessor.count = count;
+  return accessor;
+}
+
 /// Appends the bytes to the model as a buffer with a view and an accessor; returns the accessor's index.
 int add_accessor(tinygltf::Model& model, std::vector<unsigned char> bytes, tinygltf::Accessor accessor) {
   tinygltf::BufferView view;
@@ -112,23 +122,19 @@ int add_indices(Context& context, tinygltf::Model& model, const draco::Mesh& mes
     const std::uint32_t corners[3] = {face[0].value(), face[1].value(), face[2].value()};
     std::memcpy(&bytes[i * sizeof corners], corners, sizeof corners);
   }
-  tinygltf::Accessor accessor;
-  accessor.componentType = TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
-  accessor.type = TINYGLTF_TYPE_SCALAR;
-  accessor.count = std::size_t{mesh.num_faces()} * 3;
-  return add_accessor(model, std::move(bytes), std::move(accessor));
+  return add_accessor(
+      model, std::move(bytes),
+      dense_accessor(TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, TINYGLTF_TYPE_SCALAR, std::size_t{mesh.num_faces()} * 3));
 }
 
 int add_attribute(Context& context, tinygltf::Model& model, const draco::PointAttribute& attribute,
                   std::uint32_t points, bool normalised, const std::string& what) {
-  tinygltf::Accessor accessor;
-  accessor.componentType = component_type(attribute.data_type());
-  if (accessor.componentType == 0 || attribute.num_components() < 1 || attribute.num_components() > 4) {
+  const int of_each = component_type(attribute.data_type()), components = attribute.num_components();
+  if (of_each == 0 || components < 1 || components > 4) {
     context.refuse(what + " is of a type that glTF does not have");
   }
-  accessor.type = attribute.num_components() == 1 ? TINYGLTF_TYPE_SCALAR : attribute.num_components();
+  tinygltf::Accessor accessor = dense_accessor(of_each, components == 1 ? TINYGLTF_TYPE_SCALAR : components, points);
   accessor.normalized = normalised;
-  accessor.count = points;
   const auto stride = static_cast<std::size_t>(attribute.byte_stride());
   context.budget.take(points, stride, what);
   std::vector<unsigned char> bytes(points * stride);

@@ -1,0 +1,140 @@
+"""Frames of tools/python/raywatt against the files they were read from; ends with 77 where pandas is missing."""
+import csv
+import importlib.util
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+if importlib.util.find_spec("pandas") is None:
+    print("skipped: no pandas (Debian's python3-pandas)")
+    sys.exit(77)
+import raywatt
+
+PROGRAM = sys.argv.pop(1)
+EXAMPLES = pathlib.Path(raywatt.__file__).parents[1] / "examples"
+WORK = tempfile.TemporaryDirectory()
+SWEEP = """schema: raywatt-sweep/1
+scene: cornell
+resolution: 16x16
+axes:
+  cores: [1, 2]
+  tni.trv.l1.size: [4 KiB, 16 KiB]
+"""
+
+
+def run(*arguments):
+    return subprocess.run(arguments, cwd=WORK.name, check=True, capture_output=True, text=True).stdout
+
+
+def row(figure, measured, published, scene="chess"):
+    return {"experiment": "figure 7", "scene": scene, "setting": "super", "figure": figure, "measured": measured,
+            "published": published}
+
+
+class Loaded(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        run(PROGRAM, "run", "--scene", "cornell", "--resolution", "16x16", "--frames", "0:1", "--program",
+            "multirate:under", "--quiet", "-o", "run")
+        cls.folder = pathlib.Path(WORK.name, "run")
+        cls.report = json.loads((cls.folder / "report.json").read_text())
+        cls.loaded = raywatt.load(cls.folder)
+
+    def test_totals_are_those_of_the_report(self):
+        totals = self.report["totals"]
+        self.assertEqual(self.loaded.totals["cycles"], totals["cycles"])
+        self.assertEqual(self.loaded.totals["energy_by_block_mj.dram.high"], totals["energy_by_block_mj"]["dram"]["high"])
+        self.assertEqual(self.loaded.totals["top_down.cores.1.kernels"], totals["top_down"]["cores"][1]["kernels"])
+        self.assertFalse([path for path in self.loaded.totals.index if path.startswith("kernels")])
+
+    def test_frames_have_a_row_each(self):
+        self.assertEqual(list(self.loaded.frames.index), [0, 1])
+        self.assertEqual(self.loaded.frames["cycles"].sum(), self.report["totals"]["cycles"])
+        self.assertIsInstance(self.loaded.frames["sampling.tiles.similar_ratio"][0], list)
+
+    def test_units_have_every_reason_and_counter(self):
+        units = self.loaded.units
+        self.assertEqual(list(units.columns), ["unit", "kind", "name", "value"])
+        trv = self.report["units"]["core0"]["tni"]["trv0"]
+        of_trv = units[units["unit"] == "core0.tni.trv0"]
+        for kind, names in (("why", trv["why"]), ("counter", trv["counters"])):
+            rows = of_trv[of_trv["kind"] == kind]
+            self.assertEqual(dict(zip(rows["name"], rows["value"])), names)
+        reasons = units[units["kind"] == "why"].groupby("unit")["value"].sum()
+        elapsed = units[units["kind"] == "elapsed"].set_index("unit")["value"]
+        self.assertEqual(reasons.to_dict(), elapsed.to_dict())
+        self.assertGreater(len(elapsed), 10)
+
+    def test_kernels_have_a_row_each(self):
+        kernels = self.report["totals"]["kernels"]
+        self.assertEqual(list(self.loaded.kernels.index), list(kernels))
+        for figure in ("ii", "cycles", "share"):
+            self.assertEqual(list(self.loaded.kernels[figure]), [kernel[figure] for kernel in kernels.values()])
+
+    def test_another_schema_is_refused_by_the_name_of_the_file(self):
+        other = pathlib.Path(WORK.name, "other")
+        other.mkdir()
+        (other / "report.json").write_text('{"schema": "raywatt-rays/1"}')
+        with self.assertRaisesRegex(ValueError, "other/report.json: schema 'raywatt-rays/1'"):
+            raywatt.load(other)
+
+    def test_trace_info_is_what_the_program_says(self):
+        run(PROGRAM, "trace", "record", "--scene", "cornell", "--resolution", "16x16", "a.trace")
+        file = pathlib.Path(WORK.name, "a.trace")
+        info = raywatt.load_trace_info(file, PROGRAM)
+        self.assertEqual(info["bytes"], file.stat().st_size)
+        self.assertEqual(info["function.render.width"], "16")
+        with self.assertRaisesRegex(ValueError, "is no trace"):
+            raywatt.load_trace_info(self.folder / "report.json", PROGRAM)
+
+
+class Sweep(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        pathlib.Path(WORK.name, "s.yaml").write_text(SWEEP)
+        run(PROGRAM, "sweep", "run", "s.yaml", "-o", "sweep", "--store", "store")
+        cls.points = raywatt.load_sweep(pathlib.Path(WORK.name, "sweep"))
+
+    def test_points_are_the_rows_of_the_table(self):
+        with open(pathlib.Path(WORK.name, "sweep", "results.csv"), newline="") as table:
+            rows = list(csv.DictReader(table))
+        self.assertEqual(list(self.points.index), [0, 1, 2, 3])
+        self.assertEqual(list(self.points["totals.cycles"]), [int(row["totals.cycles"]) for row in rows])
+        self.assertEqual(list(self.points["tni.trv.l1.size"]), ["4 KiB", "16 KiB"] * 2)
+
+    def test_the_example_tells_the_fastest_first(self):
+        shown = run(sys.executable, "-B", EXAMPLES / "explore_sweep.py", "sweep").splitlines()
+        fastest = self.points["totals.perf.fps"].idxmax()
+        self.assertEqual(shown[2].split()[0], str(fastest))
+
+
+class Reproduced(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = pathlib.Path(WORK.name, "paper")
+        cls.folder.mkdir()
+        rows = [row("time_ratio", 0.5, None), row("tni_power", 1.02, [1.0, 1.09]), row("tni_perf_per_watt", 2, 1.5),
+                row("time_ratio", None, None, "car"), row("tni_power", None, [1.0, 1.09], "car"),
+                row("tni_perf_per_watt", None, None, "car")]
+        (cls.folder / "reproduce.json").write_text(json.dumps({"schema": "raywatt-reproduce/1", "rows": rows}))
+
+    def test_published_figures_are_ranges(self):
+        rows = raywatt.load_reproduce(self.folder)
+        self.assertEqual(list(rows["published_low"][1:3]), [1.0, 1.5])
+        self.assertEqual(list(rows["published_high"][1:3]), [1.09, 1.5])
+        self.assertTrue(rows["published_low"].isna()[0] and rows["measured"].isna()[3])
+
+    @unittest.skipIf(importlib.util.find_spec("matplotlib") is None, "no matplotlib (Debian's python3-matplotlib)")
+    def test_the_example_draws_figure_7(self):
+        os.environ["MPLCONFIGDIR"] = WORK.name
+        shown = run(sys.executable, "-B", EXAMPLES / "figure_7.py", "paper", "figure.svg")
+        self.assertIn("1.02", shown)
+        self.assertIn("<svg", pathlib.Path(WORK.name, "figure.svg").read_text())
+
+
+if __name__ == "__main__":
+    unittest.main()

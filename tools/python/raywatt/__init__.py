@@ -1,0 +1,105 @@
+"""Results of the Raywatt simulator as pandas frames.
+
+    import raywatt
+    run = raywatt.load("out/demo")
+    run.totals["energy_mj.nominal"]
+    run.units.query("kind == 'why'").groupby("name")["value"].sum()
+
+Names are those of the files (docs/report.md): nested ones are joined by dots, as in results.csv of a sweep.
+"""
+import dataclasses
+import json
+import pathlib
+import subprocess
+
+import pandas
+
+__all__ = ["Run", "load", "load_reproduce", "load_sweep", "load_trace_info"]
+
+
+@dataclasses.dataclass(frozen=True)
+class Run:
+    """Content of a report.json.
+
+    totals   figures of all frames together: a series by path, without kernels
+    frames   the same for each frame: a row a frame
+    units    a row for each cycle reason and counter of each unit: unit, kind (elapsed, why or counter), name, value
+    kernels  a row a kernel, by name
+    report   the whole file as dictionaries and lists
+    """
+
+    totals: pandas.Series
+    frames: pandas.DataFrame
+    units: pandas.DataFrame
+    kernels: pandas.DataFrame
+    report: dict
+
+
+def load(folder):
+    """The run in a folder of `raywatt run` or `raywatt trace replay`."""
+    report = _read(pathlib.Path(folder, "report.json"), "raywatt-report/1")
+    return Run(
+        totals=pandas.Series(_flat(_without_kernels(report["totals"])), dtype=object, name=str(folder)),
+        frames=pandas.DataFrame([_flat(_without_kernels(frame)) for frame in report["frames"]]).set_index("frame"),
+        units=pandas.DataFrame(_unit_rows(report["units"]), columns=["unit", "kind", "name", "value"]),
+        kernels=pandas.DataFrame.from_dict(report["totals"].get("kernels", {}), orient="index"),
+        report=report,
+    )
+
+
+def load_sweep(folder):
+    """Results of a sweep: a row a point, by its number, with id, status, axes and the plain values of its totals.
+
+    Values of axes that carry a unit are text, as in the sweep's file. `raywatt sweep collect` brings them up to date.
+    """
+    return pandas.read_csv(pathlib.Path(folder, "results.csv"), index_col="n")
+
+
+def load_reproduce(folder):
+    """Rows of `raywatt reproduce`; the published figure, or range, as published_low and published_high."""
+    rows = _read(pathlib.Path(folder, "reproduce.json"), "raywatt-reproduce/1")["rows"]
+    frame = pandas.DataFrame(rows)
+    bounds = [row["published"] if isinstance(row["published"], list) else [row["published"]] * 2 for row in rows]
+    frame["published_low"], frame["published_high"] = (
+        pandas.Series([bound[end] for bound in bounds], dtype=float) for end in (0, 1))
+    frame["measured"] = frame["measured"].astype(float)
+    return frame.drop(columns="published")
+
+
+def load_trace_info(file, program="raywatt"):
+    """Summary of a recorded trace as `raywatt trace info` gives it: a series by path. `program` is the one to ask."""
+    asked = subprocess.run([program, "trace", "info", str(file), "--json"], capture_output=True, text=True)
+    if asked.returncode != 0:
+        raise ValueError(asked.stderr.strip())
+    return pandas.Series(_flat(json.loads(asked.stdout)), dtype=object, name=str(file))
+
+
+def _read(file, schema):
+    content = json.loads(file.read_text())
+    if content.get("schema") != schema:
+        raise ValueError(f"{file}: schema {content.get('schema')!r}; this reads {schema!r}")
+    return content
+
+
+def _without_kernels(figures):
+    return {name: value for name, value in figures.items() if name != "kernels"}
+
+
+def _flat(tree, prefix=""):
+    """Leaves by path: plain values and lists of them; groups in a list are numbered."""
+    if not isinstance(tree, dict) and not (isinstance(tree, list) and any(isinstance(part, dict) for part in tree)):
+        return {prefix: tree}
+    leaves = {}
+    for name, value in tree.items() if isinstance(tree, dict) else enumerate(tree):
+        leaves |= _flat(value, f"{prefix}.{name}" if prefix else str(name))
+    return leaves
+
+
+def _unit_rows(tree, path=""):
+    """Rows of all units; a unit is where cycles elapse."""
+    if "elapsed" not in tree:
+        return [row for name, part in tree.items() for row in _unit_rows(part, f"{path}.{name}" if path else name)]
+    rows = [(path, "elapsed", "elapsed", tree["elapsed"])]
+    rows += [(path, "why", name, value) for name, value in tree["why"].items()]
+    rows += [(path, "counter", name, value) for name, value in tree["counters"].items()]
+    return rows
