@@ -17,6 +17,22 @@ nlohmann::ordered_json energy_totals_json(const sim::EnergyReport& energy, const
   return out;
 }
 
+namespace {
+
+/// Statistics of a figure's replicates, all divided by an area.
+nlohmann::ordered_json per_mm2(nlohmann::ordered_json statistics, double mm2) {
+  for (auto& [name, number] : statistics.items()) {
+    if (!number.is_array()) {
+      number = number.get<double>() / mm2;
+      continue;
+    }
+    for (auto& value : number) value = value.get<double>() / mm2;
+  }
+  return statistics;
+}
+
+}  // namespace
+
 void add_area(nlohmann::ordered_json& totals, std::span<const sim::UnitReport> units, const RunConfig& config) {
   if (config.area.arrays.empty()) return;
   const sim::AreaReport area = sim::compute_area(units, config.energy.logic, config.area);
@@ -38,6 +54,10 @@ void add_area(nlohmann::ordered_json& totals, std::span<const sim::UnitReport> u
   auto& perf = totals["perf"];
   perf["frames_per_joule_per_mm2"] = perf["frames_per_joule_gpu"].get<double>() / mm2;
   perf["mrays_per_s_per_mm2"] = perf["mrays_per_s"].get<double>() / mm2;
+  if (!totals.contains("replicates")) return;
+  auto& replicated = totals["replicates"]["figures"]["perf"];
+  replicated["frames_per_joule_per_mm2"] = per_mm2(replicated["frames_per_joule_gpu"], mm2);
+  replicated["mrays_per_s_per_mm2"] = per_mm2(replicated["mrays_per_s"], mm2);
 }
 
 }  // namespace tools

@@ -27,7 +27,7 @@ void add_run(CLI::App& app, const std::vector<std::string>& argv, int&) {
   verb->add_option("--replicates", options->replicates,
                    "play the frame's work so many times, all but the first with displacements that no architect would\n"
                    "notice, and report mean and 95 % interval of each figure (docs/noise.md)")
-      ->check(CLI::Range(1, 1000))
+      ->check(CLI::Range(1U, kMostReplicates))
       ->capture_default_str();
   verb->add_flag("--json", options->json, "totals of report.json on standard output, in the table's stead");
   add_rays_option(*verb, *options);

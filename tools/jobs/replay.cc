@@ -119,15 +119,16 @@ void Replay::load_tree(const Part& part) {
   inputs_.load_seconds += sim::seconds_since(begin);
 }
 
-Simulation Replay::play(const Part& part, const kernels::ProgramSpec& program, std::uint32_t threads,
-                        Progress* progress, bool keep_part) {
+Simulation Replay::play(const Part& part, const kernels::ProgramSpec& program, std::uint32_t threads, const How& how) {
   load_tree(part);
   ReplayProgram frame(trace_, part, scope_, kernels_);
   inputs_.frame = part.frame;
-  return tools::play(inputs_, program, frame, NoTracer(), threads, {.keep_part = keep_part, .progress = progress});
+  return tools::play(
+      inputs_, program, frame, NoTracer(), threads,
+      {.keep_part = how.keep_part, .progress = how.progress, .replicates = how.replicates});
 }
 
-Outcome Replay::run(std::uint32_t threads, Progress* progress, bool keep_part) {
+Outcome Replay::run(std::uint32_t threads, const How& how) {
   Outcome out;
   try {
     for (const traces::Json& frame : trace_.frames()) {
@@ -139,13 +140,15 @@ Outcome Replay::run(std::uint32_t threads, Progress* progress, bool keep_part) {
       const std::uint32_t number = checked.first;
       const double error = checked.second;
       const Part& work = trace_.naming_file([&]() -> const Part& { return part(number, false); });
-      const bool may_be_part = keep_part && out.frames.empty();
-      Simulation played = play(work, program_, threads, progress, may_be_part);
+      How whole = how;
+      whole.keep_part = false;
+      const bool may_be_part = how.keep_part && out.frames.empty();
+      Simulation played = play(work, program_, threads, may_be_part ? how : whole);
       std::optional<Simulation> compared;
       if (reference_ && !played.is_part()) {
         const Part& other = trace_.naming_file([&]() -> const Part& { return part(number, true); });
         try {
-          compared = play(other, *reference_, threads, progress, false);
+          compared = play(other, *reference_, threads, whole);
         } catch (const Interrupted&) {
           if (!may_be_part) throw;
         }

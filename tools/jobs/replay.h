@@ -23,16 +23,20 @@ class Replay {
   std::uint32_t parts() const { return frames() * (reference_ ? 2 : 1); }
   /// As of a run; without a scene.
   const Inputs& inputs() const { return inputs_; }
-  /// Plays all frames, or those that an interrupt has left time for; with `keep_part` at least the finished tiles of
-  /// the first, or that without what it is compared with. Interrupted if that is nothing.
-  Outcome run(std::uint32_t threads, Progress* progress = nullptr, bool keep_part = false);
+  struct How {
+    Progress* progress = nullptr;
+    bool keep_part = false;        ///< at least the finished tiles of the first frame, or that without its reference
+    std::uint32_t replicates = 1;  ///< plays of each frame
+  };
+  /// Plays all frames, or those that an interrupt has left time for. Interrupted if nothing is kept.
+  Outcome run(std::uint32_t threads, const How& how);
 
  private:
   Replay(const std::filesystem::path& file,
          const std::function<RunConfig(const traces::Json& header, const std::string& name)>& config);
   const traces::TraceReader::Part& part(std::uint32_t frame, bool reference) const;
   Simulation play(const traces::TraceReader::Part& part, const kernels::ProgramSpec& program, std::uint32_t threads,
-                  Progress* progress, bool keep_part);
+                  const How& how);
   void load_tree(const traces::TraceReader::Part& part);
 
   traces::TraceReader trace_;

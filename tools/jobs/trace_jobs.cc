@@ -89,7 +89,7 @@ void replay_trace(const JobOptions& options, const std::filesystem::path& file) 
   hold.emplace();
   nlohmann::ordered_json json;
   folder.fill([&](const RunFolder::Open& open) {
-    const Outcome out = job.run(options.threads, &progress, !folder.holds_former_run());
+    const Outcome out = job.run(options.threads, {.progress = &progress, .keep_part = !folder.holds_former_run()});
     progress.end(out.partial ? "interrupted" : "done");
     const double wall = sim::seconds_since(begin);
     const Result result = out.result();

@@ -14,6 +14,8 @@ inline constexpr std::array kNoisyFigures = {
     "perf.mrays_per_s",
     "perf.frames_per_joule_gpu",
     "perf.frames_per_joule_tni",
+    "perf.frames_per_joule_per_mm2",
+    "perf.mrays_per_s_per_mm2",
     "perf.nj_per_ray",
     "energy_mj.nominal",
     "energy_by_block_mj.tni.nominal",

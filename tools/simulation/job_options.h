@@ -6,6 +6,8 @@
 
 namespace tools {
 
+inline constexpr std::uint32_t kMostReplicates = 1000;
+
 /// Options of `raywatt run` and `raywatt verify`.
 struct JobOptions {
   std::string config = "sgrt-2016";

@@ -65,4 +65,9 @@ void ReplayProgram::keep(const kernels::TileResult& tile) {
   kept_sampling() = sampling_;
 }
 
+const traces::TileScope* scope_of(const kernels::FrameProgram& program) {
+  const auto* replay = dynamic_cast<const ReplayProgram*>(&program);
+  return replay == nullptr ? nullptr : &replay->scope();
+}
+
 }  // namespace tools

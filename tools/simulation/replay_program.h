@@ -22,6 +22,7 @@ class ReplayProgram final : public kernels::FrameProgram {
   void run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record,
                 kernels::TileResult& out) const override;
   void keep(const kernels::TileResult& tile) override;
+  const traces::TileScope& scope() const { return scope_; }
 
  private:
   using Cursor = traces::TraceReader::Cursor;
@@ -40,5 +41,8 @@ class ReplayProgram final : public kernels::FrameProgram {
   mutable std::mutex mutex_;
   mutable std::vector<std::unique_ptr<Cursor>> cursors_;  ///< that nobody uses
 };
+
+/// Bounds of what a trace's work may refer to; null for a program that is no trace.
+const traces::TileScope* scope_of(const kernels::FrameProgram& program);
 
 }  // namespace tools

@@ -16,6 +16,7 @@
 #include "tools/simulation/machine_run.h"
 #include "tools/simulation/progress_tile_source.h"
 #include "tools/simulation/recorded.h"
+#include "tools/simulation/replay_program.h"
 #include "tools/simulation/replicates.h"
 #include "traces/accel/build.h"
 #include "traces/accel/bvh_info.h"
@@ -33,13 +34,15 @@ namespace {
 class Recording final : public hw::TileSource {
  public:
   Recording(hw::TileSource& source, const Inputs& inputs, const kernels::FrameRequirements& requirements,
-            const Extras& extras)
+            const Extras& extras, const kernels::FrameProgram& frame)
       : source_(source), trace_(extras.trace) {
     if (extras.replicates > 1) {
-      const auto kernels = static_cast<std::uint32_t>(kernels::catalogue().size());
-      kept_.emplace(traces::TileScope{traces::links_of(inputs.image), traces::counts_of(inputs.image), kernels,
-                                      requirements.region_bytes, traces::most_tile_bytes(requirements)},
-                    inputs.config.limits.memory.bytes);
+      traces::TileScope scope{traces::links_of(inputs.image), traces::counts_of(inputs.image), 0,
+                              requirements.region_bytes};
+      if (const traces::TileScope* recorded = scope_of(frame)) scope = *recorded;
+      scope.kernels = static_cast<std::uint32_t>(kernels::catalogue().size());
+      scope.tile_bytes = traces::most_tile_bytes(requirements);
+      kept_.emplace(std::move(scope), inputs.config.limits.memory.bytes);
     }
     if (trace_ == nullptr) return;
     trace_->begin_part({inputs.frame, extras.reference}, traces::links_of(inputs.image),
@@ -188,7 +191,7 @@ Simulation play(const Inputs& inputs, const kernels::ProgramSpec& program, kerne
   FrontEnd front_end(frame, tracer, host_threads(threads) - 1);
   ProgressTileSource offered(front_end, frame.tiles(), extras.progress, extras.keep_part);
   const kernels::FrameRequirements requirements = frame.requirements();
-  Recording tiles(offered, inputs, requirements, extras);
+  Recording tiles(offered, inputs, requirements, extras, frame);
   const std::unique_ptr<hw::Gpu> gpu = make_gpu(inputs, requirements, tiles);
   check_energy_events(gpu->report(), inputs.config.energy);
   // A figure that is missing is told before the work, not after it.
@@ -225,7 +228,7 @@ FrontEnd::Result render(const Inputs& inputs, const kernels::ProgramSpec& progra
   const Program made(inputs, program, extras);
   FrontEnd front_end(*made.frame, tracer, host_threads(threads), extras.trace != nullptr);
   ProgressTileSource offered(front_end, made.frame->tiles(), extras.progress, extras.keep_part);
-  Recording tiles(offered, inputs, made.frame->requirements(), extras);
+  Recording tiles(offered, inputs, made.frame->requirements(), extras, *made.frame);
   offered.begin("rendering", inputs.frame);
   while (const traces::TileWork* work = tiles.next()) tiles.give_back(work);
   tiles.finish(front_end.result());

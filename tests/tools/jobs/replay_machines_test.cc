@@ -63,7 +63,7 @@ void expect_same_on_machines(std::uint64_t count, traces::InstanceLevels levels)
     const tools::Inputs inputs = tools::load_inputs(options);
     const tools::Simulation run = tools::simulate(inputs, {}, 1);
     tools::Replay job(trace, options);
-    const tools::Outcome replayed = job.run(1);
+    const tools::Outcome replayed = job.run(1, {});
     EXPECT_EQ(sim::config_hash(job.inputs().config), sim::config_hash(inputs.config));
     EXPECT_EQ(tools::totals_json({run}), tools::totals_json(replayed.result()));
     ASSERT_EQ(run.units.size(), replayed.total->units.size());

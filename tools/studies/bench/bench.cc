@@ -110,7 +110,7 @@ class Rounds {
     // Peak memory is that of whole runs.
     if (peak_mib_ == 0) peak_mib_ = peak_rss_mib();
     if (replay_ == nullptr) replay_ = recorded(inputs_, options_, scratch_, progress_);
-    add("replay_s_per_timing_s", replay_->run(1, &progress_).total->wall_seconds / timing);
+    add("replay_s_per_timing_s", replay_->run(1, {.progress = &progress_}).total->wall_seconds / timing);
     if (sampling_) add_sampled(one, timing);
   }
 

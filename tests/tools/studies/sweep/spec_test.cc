@@ -173,6 +173,8 @@ TEST(SweepSpec, ComplaintsNameThePlaceTheKeyAndWhatIsAllowed) {
       {"config: sgrt-2061\n",
        {"sweep.yaml:3:9: config: no configuration is called 'sgrt-2061', did you mean 'sgrt-2016'?"}},
       {"tile_sampling: 5%\nreference: full:4\n", {"do not go together"}},
+      {"tile_sampling: 5%\nreplicates: 3\n", {"replicates and tile_sampling do not go together"}},
+      {"replicates: 0\n", {"sweep.yaml:3:13: replicates: '0' is not allowed"}},
   };
   for (const auto& [lines, parts] : wrong) {
     const std::string complaint = complaint_of(lines);

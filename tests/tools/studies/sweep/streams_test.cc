@@ -37,6 +37,20 @@ TEST_F(SweepStreams, APlayedPointIsTheComputedOne) {
   EXPECT_LT(nlohmann::json::parse(*store.report(points[1].id))["host"]["load_s"], 1e-2) << "without its scene";
 }
 
+TEST_F(SweepStreams, ReplicatesOfAPlayedPointAreThoseOfTheComputedOne) {
+  const std::vector<Point> points = points_of("axes: {cores: [1, 2]}\nreplicates: 3\nreference: full:4\n");
+  PointComputer sharing(store, 1), alone(other, 1);
+  sharing.compute(points[0], {.record = true});
+  sharing.compute(points[1], {});
+  alone.compute(points[1], {});
+  EXPECT_TRUE(fs::exists(store.stream(points[0].stream))) << "it was played";
+  EXPECT_EQ(report_in(store, points[1]), report_in(other, points[1]));
+  const auto replicates = nlohmann::json::parse(report_in(store, points[1]))["totals"]["replicates"];
+  EXPECT_EQ(replicates["count"], 3);
+  EXPECT_EQ(replicates["figures"]["cycles"]["values"].size(), 3U);
+  EXPECT_EQ(replicates["figures"]["relative"]["speedup"]["values"].size(), 3U);
+}
+
 TEST_F(SweepStreams, ADamagedStreamIsThrownAway) {
   const std::vector<Point> points = points_of("axes: {cores: [1, 2]}\n");
   PointComputer computer(store, 1), alone(other, 1);

@@ -47,12 +47,14 @@ struct Frames {
     }
     for (;;) {
       Simulation frame = sampling ? simulate_sampled(inputs, program, threads, *sampling)
-                                  : simulate(inputs, program, threads, {.rates = &rates, .trace = trace});
+                                  : simulate(inputs, program, threads,
+                                             {.rates = &rates, .trace = trace, .replicates = point.replicates});
       std::optional<Simulation> compared;
       double error = 0;
       if (!point.reference.empty()) {
-        compared = simulate(inputs, kernels::parse_program(point.reference), threads,
-                            {.rates = &reference_rates, .trace = trace, .reference = true});
+        compared =
+            simulate(inputs, kernels::parse_program(point.reference), threads,
+                     {.rates = &reference_rates, .trace = trace, .reference = true, .replicates = point.replicates});
         error = mean_squared_error(frame.function.rgb, compared->function.rgb);
       }
       if (trace != nullptr) trace->end_frame(recorded_frame(inputs.frame, error));
@@ -173,7 +175,7 @@ void PointComputer::compute_now(const Point& point, const PointKeys::Key& key, c
 void PointComputer::replay(const Point& point, const PointKeys::Key& key, const RunConfig& config) {
   const auto begin = sim::HostClock::now();
   Replay job(store_.stream(key.stream), config);
-  const Outcome out = job.run(threads_);
+  const Outcome out = job.run(threads_, {.replicates = point.replicates});
   if (out.partial) throw Interrupted{};
   const Result result = out.result();
   const nlohmann::ordered_json report =

@@ -44,12 +44,12 @@ std::string best_text(const Results& results, std::span<const sweep::Point> poin
   for (std::size_t row = 0; row < may.size(); ++row) {
     if (may[row] && results.rows()[row].is_done() && amount_of(metric.values[row])) candidates.push_back(row);
   }
-  const std::optional<ReplicatedMetric> plays = replicated(results, metric, candidates);
+  const FigureNoise noise(results, metric, candidates);
   std::optional<std::size_t> best;
   std::size_t equal = 0;
   double figure = 0;
   for (const std::size_t row : candidates) {
-    const double value = amount_of((plays ? plays->mean : metric).values[row])->value;
+    const double value = amount_of(noise.means().values[row])->value;
     if (best && value == figure) ++equal;
     if (best && !(options.most ? value > figure : value < figure)) continue;
     best = row;
@@ -71,9 +71,9 @@ std::string best_text(const Results& results, std::span<const sweep::Point> poin
                                 equal == 0 ? "" : fmt::format(" (and {} more with the same)", equal));
   std::vector<std::pair<std::string, std::string>> lines = {
       {metric.name, sim::printable(exact_text(metric.values[*best]))}};
-  if (plays) {
-    const auto text = [&](const Column& column) { return shown(amount_of(column.values[*best])->value); };
-    lines.emplace_back("mean", fmt::format("{} of {} plays", text(plays->mean), text(plays->count)));
+  if (noise.is_measured()) {
+    lines.emplace_back("mean",
+                       fmt::format("{} {} of {} plays", shown(figure), give_or_take(noise, *best), noise.plays(*best)));
   }
   for (const std::string& axis : results.axes()) {
     const Value value = results.column(axis).values[*best];
@@ -85,12 +85,13 @@ std::string best_text(const Results& results, std::span<const sweep::Point> poin
   std::size_t widest = 0;
   for (const auto& [name, value] : lines) widest = std::max(widest, name.size());
   for (const auto& [name, value] : lines) out += fmt::format("{:<{}}  {}\n", name, widest, value);
-  if (const std::optional<Ties> ties = ties_with(results, metric, options.most, candidates, *best)) {
-    out += "\n" + ties_text(results, metric, *best, *ties);
+  if (noise.is_noisy() && candidates.size() > 1) {
+    const std::vector<std::size_t> ties = ties_with(noise, options.most, candidates, *best);
+    out += "\n" + ties_text(results, noise, candidates, *best, ties);
   }
   if (options.band) {
     EnergyBand band(results, may);
-    out += "\n" + band.best_text(results, band.metric(metric, options.most));
+    out += "\n" + band.best_text(results, band.metric(noise.means(), options.most));
   }
   return missing.empty() ? out : out + "\n" + missing + "\n";
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -29,21 +30,33 @@ std::string path_of(std::string_view text) {
   return std::string(text.starts_with("min:") || text.starts_with("max:") ? text.substr(4) : text);
 }
 
-/// Marks of the points on the Pareto front.
+/// Marks of the points on the Pareto front and near it.
 Column letters_of(const ParetoFront& front, std::size_t rows) {
   Column letters{"", std::vector<Value>(rows)};
   for (std::size_t i = 0; i < front.rows.size(); ++i) letters.values[front.rows[i]] = std::string(1, front.mark(i));
+  for (const std::size_t row : front.near) letters.values[row] = std::string("~");
   return letters;
 }
 
-/// Points that are on the front of two figures in at least one draw in twenty, and how often.
-struct UnsureFront {
-  std::vector<std::size_t> rows;
-  Column shares;
+/// Two figures of the same points under draws of the energy tables.
+struct Draws2d {
+  BandedMetric x, y;
+  std::vector<std::size_t> at;  ///< by row: where it stands in both
+
+  /// Share of the draws in which one row is as good in both and better in one.
+  double dominates(std::size_t better, std::size_t worse) const {
+    const std::size_t b = at[better], w = at[worse];
+    std::size_t count = 0;
+    for (std::uint64_t draw = 0; draw < kEnergyDraws; ++draw) {
+      const double xb = x.drawn[b][draw], xw = x.drawn[w][draw], yb = y.drawn[b][draw], yw = y.drawn[w][draw];
+      const bool as_good = !x.is_better(xw, xb) && !y.is_better(yw, yb);
+      count += as_good && (xb != xw || yb != yw) ? 1 : 0;
+    }
+    return static_cast<double>(count) / double{kEnergyDraws};
+  }
 };
 
-UnsureFront unsure_front(const Results& results, const Objective& x, const Objective& y, const ParetoFront& front) {
-  constexpr double kSeldom = 0.05;
+Draws2d drawn(const Results& results, const Objective& x, const Objective& y, const ParetoFront& front) {
   if (!energy_metric(x.column.name) && !energy_metric(y.column.name)) {
     throw sim::InputError(
         fmt::format("--energy band: neither {} nor {} has joules in it", x.column.name, y.column.name));
@@ -53,16 +66,22 @@ UnsureFront unsure_front(const Results& results, const Objective& x, const Objec
     for (const std::size_t row : *rows) may[row] = true;
   }
   EnergyBand band(results, may);
-  const BandedMetric of_x = band.metric(x.column, x.most), of_y = band.metric(y.column, y.most);
-  const std::vector<double> shares = EnergyBand::shares_on_front(of_x, of_y);
-  UnsureFront out{front.rows, {"on the front in", std::vector<Value>(results.rows().size())}};
-  for (std::size_t i = 0; i < shares.size(); ++i) {
-    const std::size_t row = of_x.rows[i];
-    out.shares.values[row] = shares[i];
-    const bool is_nominal = std::ranges::find(front.rows, row) != front.rows.end();
-    if (!is_nominal && shares[i] >= kSeldom) out.rows.push_back(row);
-  }
+  Draws2d out{band.metric(x.column, x.most), band.metric(y.column, y.most), std::vector<std::size_t>(may.size())};
+  for (std::size_t i = 0; i < out.x.rows.size(); ++i) out.at[out.x.rows[i]] = i;
   return out;
+}
+
+/// Share of the draws on whose front each row is.
+Column shares_of(const Draws2d& draws, std::size_t rows) {
+  Column shares{"on the front in", std::vector<Value>(rows)};
+  const std::vector<double> found = EnergyBand::shares_on_front(draws.x, draws.y);
+  for (std::size_t i = 0; i < found.size(); ++i) shares.values[draws.x.rows[i]] = found[i];
+  return shares;
+}
+
+/// Noise of a figure, if it has any, in a line.
+std::string noise_line(const Objective& objective, const FigureNoise& noise) {
+  return noise.is_noisy() ? fmt::format("{}: {}\n", objective.column.name, noise.text()) : std::string();
 }
 
 }  // namespace
@@ -107,36 +126,68 @@ ParetoFront pareto_front(const Objective& x, const Objective& y, const std::vect
   return front;
 }
 
+std::vector<std::size_t> near_front(const Objective& x, const Objective& y, const FigureNoise& x_noise,
+                                    const FigureNoise& y_noise, const ParetoFront& front,
+                                    const std::function<bool(std::size_t better, std::size_t worse)>& sure) {
+  std::vector<std::size_t> all = front.rows, near;
+  all.insert(all.end(), front.other.begin(), front.other.end());
+  const double level = kError / (2 * static_cast<double>(all.size()));
+  const auto beats = [&](std::size_t better, std::size_t worse) {
+    const double xb = *x.of(better), xw = *x.of(worse), yb = *y.of(better), yw = *y.of(worse);
+    if (x.is_better(xw, xb) || y.is_better(yw, yb)) return false;
+    const bool outside =
+        x_noise.chance_better(better, worse, x.most) <= level || y_noise.chance_better(better, worse, y.most) <= level;
+    return outside && (!sure || sure(better, worse));
+  };
+  for (const std::size_t row : front.other) {
+    if (std::ranges::none_of(all, [&](std::size_t other) { return beats(other, row); })) near.push_back(row);
+  }
+  return near;
+}
+
 std::string pareto_text(const Results& results, const ParetoOptions& options, std::size_t width) {
-  const Objective x(results, options.x), y(results, options.y);
-  const ParetoFront front = pareto_front(x, y, meeting(results, options.where));
+  Objective x(results, options.x), y(results, options.y);
+  const std::vector<bool> may = meeting(results, options.where);
+  std::vector<std::size_t> rows;
+  for (std::size_t row = 0; row < may.size(); ++row) {
+    if (may[row] && x.of(row) && y.of(row)) rows.push_back(row);
+  }
+  const FigureNoise x_noise(results, x.column, rows), y_noise(results, y.column, rows);
+  x.column = x_noise.means();
+  y.column = y_noise.means();
+  ParetoFront front = pareto_front(x, y, may);
   if (front.rows.empty()) {
     const std::string missing = results.what_is_missing();
     throw sim::InputError(fmt::format("no point has both {} and {}{}{}", x.column.name, y.column.name,
                                       options.where.empty() ? "" : " and meets --where",
                                       missing.empty() ? "" : "; " + missing));
   }
-  std::vector<Column> columns;
-  if (!options.csv) columns.push_back(letters_of(front, results.rows().size()));
-  columns.push_back(results.column("n"));
-  if (options.csv) columns.push_back(results.column("id"));
+  std::optional<Draws2d> draws;
+  std::function<bool(std::size_t, std::size_t)> sure;
+  if (options.band) {
+    draws = drawn(results, x, y, front);
+    sure = [&](std::size_t better, std::size_t worse) { return draws->dominates(better, worse) >= 1 - kError; };
+  }
+  front.near = near_front(x, y, x_noise, y_noise, front, sure);
+  std::vector<Column> columns = {letters_of(front, results.rows().size()), results.column("n")};
+  if (options.csv) {
+    columns.front().name = "front";
+    columns.push_back(results.column("id"));
+  }
   const auto is_objective = [&](const Column& c) { return c.name == x.column.name || c.name == y.column.name; };
   for (Column& column : results.varying()) {
     if (!is_objective(column)) columns.push_back(std::move(column));
   }
   columns.push_back(x.column);
   columns.push_back(y.column);
+  if (draws) columns.push_back(shares_of(*draws, results.rows().size()));
   std::vector<std::size_t> shown = front.rows;
-  if (options.band) {
-    UnsureFront unsure = unsure_front(results, x, y, front);
-    shown = std::move(unsure.rows);
-    columns.push_back(std::move(unsure.shares));
-  }
+  shown.insert(shown.end(), front.near.begin(), front.near.end());
   std::vector<std::string> names;
   for (const Column& column : columns) names.push_back(options.csv ? column.name : sim::printable(column.name));
   const std::string table = table_text(names, columns, shown, options.csv);
   if (options.csv) return table;
-  return pareto_plot(x, y, front, width) + "\n" + table;
+  return pareto_plot(x, y, front, width) + noise_line(x, x_noise) + noise_line(y, y_noise) + "\n" + table;
 }
 
 }  // namespace tools::results

@@ -1,7 +1,9 @@
 #pragma once
+#include <functional>
 #include <string>
 #include <vector>
 
+#include "tools/studies/sweep/results/figure_noise.h"
 #include "tools/studies/sweep/results/results.h"
 
 namespace tools::results {
@@ -23,6 +25,7 @@ struct Objective {
 struct ParetoFront {
   std::vector<std::size_t> rows;   ///< rows of all points on it, from the best x on
   std::vector<std::size_t> other;  ///< that have both figures and are not on it
+  std::vector<std::size_t> near;   ///< those of `other` that nothing holds to be off it
   /// The mark of a row of the front: letters in their order, or '#' if there are not enough.
   char mark(std::size_t i) const;
 };
@@ -30,7 +33,14 @@ struct ParetoFront {
 /// Points than which no other is as good in both figures and better in one, of those that `may` be.
 ParetoFront pareto_front(const Objective& x, const Objective& y, const std::vector<bool>& may);
 
-/// All points as dots, those of the front by their marks.
+/// Points of `front.other` of which no other is as good in both figures and better in one by more than the noise: each
+/// is left out with a chance of 5 % at most, for all its comparisons together, if it is as good as what beats it.
+/// `sure`: where energies are a band, whether a row is as good in both figures and better in one for sure; or empty.
+std::vector<std::size_t> near_front(const Objective& x, const Objective& y, const FigureNoise& x_noise,
+                                    const FigureNoise& y_noise, const ParetoFront& front,
+                                    const std::function<bool(std::size_t better, std::size_t worse)>& sure);
+
+/// All points as dots, those of the front by their marks, those near it as '~'.
 std::string pareto_plot(const Objective& x, const Objective& y, const ParetoFront& front, std::size_t width);
 
 struct ParetoOptions {

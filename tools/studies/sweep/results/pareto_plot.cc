@@ -47,6 +47,7 @@ std::string pareto_plot(const Objective& x, const Objective& y, const ParetoFron
     return lines[kHeight - 1 - ys.cell(*y.of(row), kHeight)][xs.cell(*x.of(row), columns)];
   };
   for (const std::size_t row : front.other) cell(row) = '.';
+  for (const std::size_t row : front.near) cell(row) = '~';
   for (std::size_t i = front.rows.size(); i-- > 0;) cell(front.rows[i]) = front.mark(i);
 
   std::string out = fmt::format("{}\n", y.text());
@@ -63,6 +64,9 @@ std::string pareto_plot(const Objective& x, const Objective& y, const ParetoFron
   out += fmt::format("{:>{}}\n", title, std::max(title.size(), margin + 2 + columns));
   out += fmt::format("{} of {} points are on the front: {}; dots are the others\n", front.rows.size(), all.size(),
                      front.mark(0) == '#' ? "#" : "letters, as in the table");
+  if (!front.near.empty()) {
+    out += fmt::format("{} more may be, marked ~: none beats them by more than the band\n", front.near.size());
+  }
   return out;
 }
 

@@ -9,6 +9,7 @@
 #include "sim/report/table.h"
 #include "tools/studies/sweep/results/cells.h"
 #include "tools/studies/sweep/results/condition.h"
+#include "tools/studies/sweep/results/figure_noise.h"
 #include "tools/studies/sweep/results/index/csv.h"
 
 namespace tools::results {
@@ -18,11 +19,21 @@ namespace {
 constexpr const char* kUsual[] = {"cycles", "perf.fps", "energy_mj.nominal", "power_w.nominal",
                                   "perf.frames_per_joule_gpu"};
 
-std::vector<std::string> usual_columns(const Results& results) {
+/// Statistics that stand for a figure in tables for other programs, if there are any.
+std::vector<std::string> statistics_of(const Results& results, const std::string& figure) {
+  const std::string at = fmt::format("totals.replicates.figures.{}.", figure);
+  if (!results.has_metric(at + "mean")) return {figure};
+  return {at + "mean", at + "low", at + "high"};
+}
+
+std::vector<std::string> usual_columns(const Results& results, bool csv) {
   std::vector<std::string> names = {"n", "status"};
   for (const Column& column : results.varying()) names.push_back(column.name);
   for (const char* metric : kUsual) {
-    if (results.has_metric(fmt::format("totals.{}", metric))) names.emplace_back(metric);
+    if (!results.has_metric(fmt::format("totals.{}", metric))) continue;
+    for (std::string& name : csv ? statistics_of(results, metric) : std::vector<std::string>{metric}) {
+      names.push_back(std::move(name));
+    }
   }
   constexpr const char* kExtrapolated = "totals.extrapolated";
   const auto some = [](const Value& value) { return !is_absent(value) && exact_text(value) != "0"; };
@@ -30,6 +41,22 @@ std::vector<std::string> usual_columns(const Results& results) {
     names.emplace_back("extrapolated");
   }
   return names;
+}
+
+/// A figure as people read it, "771200 ± 0.52 %", where all points that are done have replicates of it; else as it is.
+Column with_interval(const Results& results, Column column) {
+  if (!results.has_metric("totals.replicates.count")) return column;
+  std::vector<std::size_t> done;
+  for (std::size_t row = 0; row < results.rows().size(); ++row) {
+    if (results.rows()[row].is_done() && !is_absent(column.values[row])) done.push_back(row);
+  }
+  const FigureNoise noise(results, column, done);
+  if (!noise.is_measured()) return column;
+  for (const std::size_t row : done) {
+    const double mean = amount_of(noise.means().values[row])->value;
+    column.values[row] = fmt::format("{} {}", shown(mean), give_or_take(noise, row));
+  }
+  return column;
 }
 
 /// Absent values come last in both directions.
@@ -78,11 +105,13 @@ std::string table_text(const std::vector<std::string>& names, const std::vector<
 }
 
 std::string results_table(const Results& results, const TableOptions& options) {
-  const std::vector<std::string> asked = options.columns.empty() ? usual_columns(results) : options.columns;
+  const std::vector<std::string> asked =
+      options.columns.empty() ? usual_columns(results, options.csv) : options.columns;
   std::vector<std::string> names;
   std::vector<Column> columns;
   for (const std::string& name : asked) {
     columns.push_back(results.column(name));
+    if (options.columns.empty() && !options.csv) columns.back() = with_interval(results, std::move(columns.back()));
     names.push_back(options.csv ? columns.back().name : sim::printable(name));
   }
   const std::vector<bool> met = meeting(results, options.where);

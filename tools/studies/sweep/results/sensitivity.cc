@@ -2,16 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 
 #include <fmt/format.h>
 
 #include "sim/error.h"
+#include "sim/hash.h"
 #include "sim/report/table.h"
 #include "tools/studies/sweep/results/cells.h"
 #include "tools/studies/sweep/results/condition.h"
 #include "tools/studies/sweep/results/energy_band.h"
 #include "tools/studies/sweep/results/factor.h"
+#include "tools/studies/sweep/results/figure_noise.h"
 #include "tools/studies/sweep/results/pareto.h"
 
 namespace tools::results {
@@ -79,17 +82,99 @@ class AdditiveModel {
 std::string percent(double share) { return fmt::format("{:.1f} %", 100 * share); }
 
 std::string text_of(const Sensitivity& s) {
-  std::string out = fmt::format("{}: mean {} of {} points{}\n\n", s.metric, shown(s.mean), s.points,
+  std::string out = fmt::format("{}: mean {} of {} points{}\n", s.metric, shown(s.mean), s.points,
                                 s.is_grid ? "" : ", which are no full grid: shares are estimates");
-  sim::Table table({"axis", "levels", "lowest mean", "at", "highest mean", "at", "range", "share of variance"});
+  const bool noisy = !s.noise_text.empty();
+  if (noisy) out += s.noise_text + "\n";
+  std::vector<std::string> header = {"axis",         "levels", "lowest mean", "at",
+                                     "highest mean", "at",     "range",       "share of variance"};
+  if (noisy) header.emplace_back("95 %");
+  sim::Table table(header);
   for (const Effect& e : s.effects) {
     const auto [low, high] = std::ranges::minmax_element(e.means);
     const auto level = [&](auto mean) { return e.levels[static_cast<std::size_t>(mean - e.means.begin())]; };
-    table.row({e.axis, fmt::format("{}", e.levels.size()), shown(*low), level(low), shown(*high), level(high),
-               percent(e.range), percent(e.share)});
+    std::vector<std::string> cells = {e.axis,           fmt::format("{}", e.levels.size()),
+                                      shown(*low),      level(low),
+                                      shown(*high),     level(high),
+                                      percent(e.range), percent(e.share)};
+    if (noisy) cells.push_back(e.interval_text());
+    table.row(std::move(cells));
   }
-  table.row({"only together", "", "", "", "", "", "", percent(s.rest())});
-  return out + table.text();
+  const auto part = [&](const char* name, double share) {
+    std::vector<std::string> cells = {name, "", "", "", "", "", "", percent(share)};
+    cells.resize(header.size());
+    table.row(std::move(cells));
+  };
+  part("only together", s.rest());
+  if (noisy) part("noise", s.noise);
+  return out + "\n" + table.text();
+}
+
+/// Rows that may be and have a number. InputError if there are none.
+std::vector<std::size_t> numbers_in(const Results& results, const Column& column, const std::vector<bool>& may) {
+  std::vector<std::size_t> rows;
+  for (std::size_t row = 0; row < may.size(); ++row) {
+    if (may[row] && results.rows()[row].is_done() && amount_of(column.values[row])) rows.push_back(row);
+  }
+  if (!rows.empty()) return rows;
+  const std::string missing = results.what_is_missing();
+  throw sim::InputError(
+      fmt::format("no point has {} as a number{}", column.name, missing.empty() ? "" : "; " + missing));
+}
+
+/// Shares of the variance of some values about 0.
+struct Shares {
+  std::vector<double> axes;  ///< by factor
+  double noise = 0;
+};
+
+/// `variance`: that of a value by noise. On a grid it is taken off each axis as often as the axis has degrees of
+/// freedom; elsewhere what the model does not explain is, of which noise is a part.
+Shares shares_of(const Factors& factors, const std::vector<double>& values, double variance) {
+  const double total = squares(values);
+  Shares out{std::vector<double>(factors.list.size()), 0};
+  if (total == 0) return out;
+  const AdditiveModel model(factors.list, values);
+  std::size_t parameters = 1;
+  for (const Factor& factor : factors.list) parameters += factor.levels.size() - 1;
+  const bool adjusts = !factors.is_grid && values.size() > parameters;
+  const double by_chance = adjusts ? model.unexplained() / static_cast<double>(values.size() - parameters) : 0;
+  for (std::size_t f = 0; f < factors.list.size(); ++f) {
+    const double taken = std::max(by_chance, variance) * static_cast<double>(factors.list[f].levels.size() - 1);
+    out.axes[f] = std::max(0.0, model.explained_by(f) - taken) / total;
+  }
+  out.noise = variance * static_cast<double>(values.size() - 1) / total;
+  return out;
+}
+
+/// A draw of the normal distribution with mean 0 and deviation 1 (Box and Muller, 1958).
+double normal_draw(std::uint64_t draw, std::uint64_t point) {
+  const auto uniform = [&](std::uint64_t which) {
+    return (static_cast<double>(sim::hash(draw, point, which) >> 11) + 0.5) * 0x1p-53;
+  };
+  return std::sqrt(-2 * std::log(uniform(0))) * std::cos(2 * std::numbers::pi * uniform(1));
+}
+
+/// Intervals of shares: those of sweeps whose values are drawn about the present ones, which have noise already.
+void find_intervals(const Factors& factors, const std::vector<double>& values, const std::vector<double>& variances,
+                    std::vector<Effect>& effects) {
+  constexpr std::uint64_t kSweeps = 400;
+  std::vector<std::vector<double>> shares(effects.size());
+  for (std::uint64_t draw = 0; draw < kSweeps; ++draw) {
+    std::vector<double> drawn = values;
+    for (std::size_t i = 0; i < drawn.size(); ++i) drawn[i] += std::sqrt(variances[i]) * normal_draw(draw, i);
+    const double mean = mean_of(drawn);
+    for (double& value : drawn) value -= mean;
+    const Shares of_draw = shares_of(factors, drawn, 2 * mean_of(variances));
+    // The variance of the drawn values has the noise twice, that of the sweep once.
+    const double scale = 1 / (1 - std::min(0.9, of_draw.noise / 2));
+    for (std::size_t f = 0; f < effects.size(); ++f) shares[f].push_back(std::min(1.0, scale * of_draw.axes[f]));
+  }
+  for (std::size_t f = 0; f < effects.size(); ++f) {
+    const Interval95 interval = interval_of(shares[f]);
+    effects[f].low = std::min(interval.from, effects[f].share);
+    effects[f].high = std::max(interval.to, effects[f].share);
+  }
 }
 
 /// Entries of the energy tables that decide the ranking, for each metric that has joules in it.
@@ -108,47 +193,45 @@ std::string band_text(const Results& results, const std::vector<std::string>& me
 }  // namespace
 
 double Sensitivity::rest() const {
-  double sum = 0;
+  double sum = noise;
   for (const Effect& effect : effects) sum += effect.share;
   return varies ? std::max(0.0, 1 - sum) : 0;
 }
 
+std::string Effect::interval_text() const { return fmt::format("{:.1f} .. {:.1f} %", 100 * low, 100 * high); }
+
 Sensitivity find_sensitivity(const Results& results, const std::string& metric, const std::vector<bool>& may) {
   const Column column = results.column(metric);
-  std::vector<std::size_t> rows;
-  std::vector<double> values;
-  for (std::size_t row = 0; row < may.size(); ++row) {
-    const std::optional<sweep::Magnitude> number = amount_of(column.values[row]);
-    if (!may[row] || !results.rows()[row].is_done() || !number) continue;
-    rows.push_back(row);
-    values.push_back(number->value);
-  }
-  if (rows.empty()) {
-    const std::string missing = results.what_is_missing();
-    throw sim::InputError(
-        fmt::format("no point has {} as a number{}", column.name, missing.empty() ? "" : "; " + missing));
+  const std::vector<std::size_t> rows = numbers_in(results, column, may);
+  const FigureNoise noise(results, column, rows);
+  std::vector<double> values, variances;
+  for (const std::size_t row : rows) {
+    values.push_back(amount_of(noise.means().values[row])->value);
+    variances.push_back(noise.error(row) * noise.error(row));
   }
   const Factors factors = find_factors(results, rows);
-  Sensitivity s{column.name, rows.size(), mean_of(values), false, factors.is_grid, {}};
+  Sensitivity s{column.name, rows.size(), mean_of(values), false, factors.is_grid, {}, 0, {}};
   for (double& value : values) value -= s.mean;
   const double total = squares(values);
   s.varies = total > 0;
+  const Shares shares = shares_of(factors, values, mean_of(variances));
+  if (noise.is_noisy() && s.varies) {
+    s.noise_text = noise.text();
+    double sum = 0;
+    for (const double share : shares.axes) sum += share;
+    s.noise = std::min(shares.noise, std::max(0.0, 1 - sum));
+  }
   const AdditiveModel model(factors.list, values);
-
-  std::size_t parameters = 1;
-  for (const Factor& factor : factors.list) parameters += factor.levels.size() - 1;
-  const bool adjusts = !factors.is_grid && rows.size() > parameters;
-  const double noise = adjusts ? model.unexplained() / static_cast<double>(rows.size() - parameters) : 0;
   for (std::size_t f = 0; f < factors.list.size(); ++f) {
     const Factor& factor = factors.list[f];
-    Effect effect{factor.name, factor.levels, model.effects(f), 0, 0};
+    Effect effect{factor.name,    factor.levels,  model.effects(f), 0,
+                  shares.axes[f], shares.axes[f], shares.axes[f],   factor.at};
     const auto [low, high] = std::ranges::minmax(effect.means);
     if (s.mean != 0) effect.range = (high - low) / std::abs(s.mean);
-    const double by_chance = noise * static_cast<double>(factor.levels.size() - 1);
-    if (s.varies) effect.share = std::max(0.0, model.explained_by(f) - by_chance) / total;
     for (double& mean : effect.means) mean += s.mean;
     s.effects.push_back(std::move(effect));
   }
+  if (!s.noise_text.empty()) find_intervals(factors, values, variances, s.effects);
   std::ranges::stable_sort(s.effects, std::greater(), &Effect::share);
   return s;
 }

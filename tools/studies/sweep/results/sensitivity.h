@@ -12,7 +12,10 @@ struct Effect {
   std::vector<std::string> levels;  ///< its values, or groups of neighbours among them
   std::vector<double> means;        ///< mean of the metric at each level
   double range = 0;                 ///< from the lowest mean to the highest, over the mean of all
-  double share = 0;                 ///< share of the variance, 0 to 1
+  double share = 0;                 ///< share of the variance, 0 to 1, what noise explains taken off
+  double low = 0, high = 0;         ///< 95 % interval of the share, by noise
+  std::vector<std::size_t> at;      ///< level of each point
+  std::string interval_text() const;
 };
 
 struct Sensitivity {
@@ -22,6 +25,8 @@ struct Sensitivity {
   bool varies = false;
   bool is_grid = true;          ///< every combination of values is there: shares are exact
   std::vector<Effect> effects;  ///< the largest share first
+  double noise = 0;             ///< share of the variance that noise explains
+  std::string noise_text;       ///< how that is known; empty for a figure without noise
   /// Share of the variance that axes cause only together.
   double rest() const;
 };
@@ -29,7 +34,8 @@ struct Sensitivity {
 /// Effects of all axes that vary on a metric, over the points that `may` be and have it. On a full grid the shares are
 /// the first-order terms of an analysis of variance. Otherwise (subsets, failed points) an additive model is fitted by
 /// least squares, values of an axis that hardly any two points share are taken together in groups, and what chance
-/// alone would explain is taken off the shares. InputError if the metric is no number.
+/// alone would explain is taken off the shares. Noise of the points (figure_noise.h) is taken off, too; intervals
+/// are those of sweeps drawn about the points' values. InputError if the metric is no number.
 Sensitivity find_sensitivity(const Results& results, const std::string& metric, const std::vector<bool>& may);
 
 /// `metrics` empty: the usual ones. `band`: for metrics that follow from energy, which entries of the tables decide the

@@ -105,6 +105,7 @@ Point make_point(const Spec& spec, const fs::path& folder, const Choice& choice)
   point.config = from_folder(spec.config, folder);
   point.reference = spec.reference;
   point.image = spec.image;
+  point.replicates = spec.replicates;
   point.sets = spec.sets;
   for (const auto& [key, value] : {std::pair{"scene", &spec.scene},
                                    {"camera", &spec.camera},
@@ -143,6 +144,9 @@ Planner::Planner(Spec spec, const fs::path& folder)
   check_values(spec_, base);
   if (!spec_.tile_sampling.empty() && !spec_.reference.empty()) {
     throw sim::InputError("reference and tile_sampling do not go together: sweep over programs, with all tiles");
+  }
+  if (!spec_.tile_sampling.empty() && spec_.replicates != 1) {
+    throw sim::InputError("replicates and tile_sampling do not go together: replicates play all tiles");
   }
 }
 

@@ -39,12 +39,14 @@ JobOptions Point::options() const {
   o.reference = reference;
   o.tile_sampling = tile_sampling;
   o.image = tile_sampling.empty() || image ? "full" : "none";
+  o.replicates = replicates;
   o.sets = sets;
   o.argv = {"raywatt", "run", config};
   for (const Text& t : kTexts) {
     if (!(this->*t.member).empty()) o.argv.insert(o.argv.end(), {t.option, this->*t.member});
   }
   if (o.image == "none") o.argv.insert(o.argv.end(), {"--image", "none"});
+  if (replicates != 1) o.argv.insert(o.argv.end(), {"--replicates", std::to_string(replicates)});
   for (const std::string& set : sets) o.argv.insert(o.argv.end(), {"--set", set});
   return o;
 }
@@ -56,6 +58,7 @@ std::string to_line(const Point& point) {
     if (!(point.*t.member).empty()) json[t.name] = point.*t.member;
   }
   if (point.image) json["image"] = true;
+  if (point.replicates != 1) json["replicates"] = point.replicates;
   json["sets"] = point.sets;
   if (!point.stream.empty()) json["stream"] = point.stream;
   if (!point.error.empty()) json["error"] = point.error;
@@ -88,6 +91,7 @@ Point read_line(const std::string& line, const std::string& where) {
     point.config = json.at("config").get<std::string>();
     for (const Text& t : kTexts) point.*t.member = json.value(t.name, "");
     point.image = json.value("image", false);
+    point.replicates = json.value("replicates", 1U);
     point.sets = json.at("sets").get<std::vector<std::string>>();
     point.error = json.value("error", "");
     return point;

@@ -17,6 +17,7 @@ struct Point {
   std::string scene, camera, frames, resolution;             ///< empty: the configuration's
   std::string program = "full:1", reference, tile_sampling;  ///< the last two may be empty: none
   bool image = false;                                        ///< the picture is kept
+  std::uint32_t replicates = 1;                              ///< plays of its work
   std::vector<std::string> sets;                             ///< "key=value"
   std::string stream;  ///< key of the recorded work that points share which differ in the machine alone; empty: none
   std::string error;   ///< why it cannot be computed at all, if its values do not go together

@@ -58,11 +58,9 @@ PointKeys::Key PointKeys::key_of(const Point& point, RunConfig config) {
                {"program", program},
                {"reference", reference}};
   Key key;
-  key.made_of = {{"schema", "raywatt-point/1"},
-                 {"report_id", build.report_id},
-                 {"config_hash", sim::hash_tree(tree, {})},
-                 {"tile_sampling", point.tile_sampling},
-                 {"image", point.image}};
+  key.made_of = {
+      {"schema", "raywatt-point/1"},          {"report_id", build.report_id}, {"config_hash", sim::hash_tree(tree, {})},
+      {"tile_sampling", point.tile_sampling}, {"image", point.image},         {"replicates", point.replicates}};
   key.made_of.update(work);
   key.id = sim::sha256_hex(sim::json_line(key.made_of));
   if (can_share(point)) {

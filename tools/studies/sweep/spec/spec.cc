@@ -20,9 +20,10 @@ namespace {
 
 constexpr std::uint64_t kMostBytes = 1 << 20;
 constexpr std::string_view kSchema = "raywatt-sweep/1";
-constexpr std::array<std::string_view, 19> kKeys = {
-    "schema",    "question", "config", "sets",    "scene", "camera", "frames", "resolution",    "program", "reference",
-    "workloads", "programs", "axes",   "exclude", "where", "subset", "image",  "tile_sampling", "slurm"};
+constexpr std::array<std::string_view, 20> kKeys = {"schema",    "question", "config",        "sets",       "scene",
+                                                    "camera",    "frames",   "resolution",    "program",    "reference",
+                                                    "workloads", "programs", "axes",          "exclude",    "where",
+                                                    "subset",    "image",    "tile_sampling", "replicates", "slurm"};
 
 Subset read_subset(const YamlValue& value) {
   constexpr std::array<std::string_view, 3> kKinds = {"random", "latin_hypercube", "sobol"};
@@ -113,6 +114,8 @@ Spec read_spec(const YamlValue& root, std::string_view schema, std::span<const s
       spec.reference = checked(entry, kernels::parse_program);
     } else if (key == "tile_sampling") {
       spec.tile_sampling = checked(entry, [](const std::string& text) { parse_tile_sampling(text, "full"); });
+    } else if (key == "replicates") {
+      spec.replicates = static_cast<std::uint32_t>(entry.whole_number(1, kMostReplicates));
     } else if (key == "image") {
       spec.image = entry.yes_or_no();
     } else if (key == "slurm") {

@@ -56,6 +56,7 @@ struct Spec {
   std::string config = "sgrt-2016";
   std::string scene, camera, frames, resolution, program = "full:1", reference, tile_sampling;
   bool image = false;
+  std::uint32_t replicates = 1;  ///< plays of each point (docs/noise.md)
   std::vector<std::string> sets;
   std::vector<Axis> axes;  ///< the last varies fastest
   std::vector<Condition> exclude, where;

@@ -55,15 +55,17 @@ struct CoresAndCaches : MadeSweep {
 
 TEST(Best, ListsWhatTiesUnderTheAssumedNoiseAndTheAxesThatDecide) {
   const std::string text = best(CoresAndCaches(0), {"cycles", false, {}});
-  EXPECT_SAYS(text, "1 points tie with it with a noise of 2 %, assumed");
-  EXPECT_SAYS(text, "all of them have cores=2\n");
+  EXPECT_SAYS(text, "1 point ties with it (95 %, all points together); a noise of 2 %, assumed");
   EXPECT_SAYS(text, "point     l1  totals.cycles");
+  EXPECT_SAYS(text, "matters for the first place: cores\n");
+  EXPECT_SAYS(text, "does not matter there: l1\n");
   EXPECT_EQ(text.find("1206"), std::string::npos) << text;
 }
 
 TEST(Best, ReplicatesTellApartWhatTheAssumedNoiseDoesNot) {
-  EXPECT_SAYS(best(CoresAndCaches(0.5), {"cycles", false, {}}), "no other point ties with it by replicates");
-  EXPECT_SAYS(best(CoresAndCaches(20), {"cycles", false, {}}), "1 points tie with it by replicates");
+  EXPECT_SAYS(best(CoresAndCaches(0.5), {"cycles", false, {}}), "no other point ties with it");
+  EXPECT_SAYS(best(CoresAndCaches(20), {"cycles", false, {}}),
+              "1 point ties with it (95 %, all points together); noise measured by 3 replicates a point\n");
 }
 
 TEST(Best, FiguresWithoutNoiseHaveNoTies) {

@@ -27,6 +27,7 @@ Json made_report(double cycles) {
   ++made;
   const Json totals = {{"cycles", cycles},
                        {"time_ms", cycles / 500},
+                       {"traversal_steps", cycles},
                        {"limiter", "L2, and \"DRAM\""},
                        {"power_w", {{"low", 0.1}, {"nominal", 0.5}, {"high", 0.9}}},
                        {"perf", {{"fps", 1e6 / cycles}, {"frames_per_joule_gpu", 2e6 / cycles}}},

@@ -105,12 +105,47 @@ TEST(Pareto, DrawsPointsThatAreAllAlike) {
   EXPECT_SAYS(pareto_text(sweep.results(), {"power_w.nominal", "fps", {}, false}, 10), "2 of 2 points");
 }
 
+/// Points of a picture of 1024x512: power without noise, as it is called here, and frames per second with it.
+struct NoisyPlane : MadeSweep {
+  NoisyPlane(const std::vector<std::pair<double, double>>& points, double deviation) {
+    for (const auto& [mm2, fps] : points) {
+      auto report = made_report(100);
+      report["resolution"] = {1024, 512};
+      report["totals"]["area_mm2"] = mm2;
+      report["totals"]["perf"]["fps"] = fps;
+      if (deviation != 0) {
+        report["totals"]["replicates"] = {
+            {"count", 5}, {"figures", {{"perf", {{"fps", {{"mean", fps}, {"deviation", deviation}}}}}}}};
+      }
+      finish(add({{"cores", std::to_string(lines++)}}), report);
+    }
+  }
+  int lines = 0;
+};
+
+TEST(Pareto, HasABandOfPointsThatNoneBeatsByMoreThanTheNoise) {
+  const std::vector<std::pair<double, double>> points = {{1, 100}, {1, 99.5}, {1, 90}, {2, 99.9}, {2, 120}};
+  const auto text = [&](double deviation) {
+    return pareto_text(NoisyPlane(points, deviation).results(), {"area_mm2", "fps", {}, false}, 60);
+  };
+  const std::string assumed = text(0);
+  EXPECT_SAYS(assumed, "2 of 5 points are on the front");
+  EXPECT_SAYS(assumed, "1 more may be, marked ~");
+  EXPECT_SAYS(assumed, "totals.perf.fps: a noise of 2 %, assumed");
+  EXPECT_SAYS(assumed, "\n~  1      1 ");
+  const std::string measured = text(0.01);
+  EXPECT_SAYS(measured, "noise measured by 5 replicates a point");
+  EXPECT_EQ(measured.find('~'), std::string::npos) << measured;
+  EXPECT_SAYS(text(40), "2 more may be") << "the areas differ without noise";
+}
+
 TEST(Pareto, CsvIsTheFrontAlone) {
   const Plane sweep({{1, 10}, {2, 20}, {3, 10}});
   const auto rows = cells_of(pareto_text(sweep.results(), {"power_w.nominal", "fps", {"n!=1"}, true}, 80));
-  EXPECT_EQ(rows,
-            (std::vector<std::vector<std::string>>{{"n", "id", "cores", "totals.power_w.nominal", "totals.perf.fps"},
-                                                   {"0", sweep.id(0), "0", "1", "10"}}));
+  const std::vector<std::vector<std::string>> wanted = {
+      {"front", "n", "id", "cores", "totals.power_w.nominal", "totals.perf.fps"},
+      {"a", "0", sweep.id(0), "0", "1", "10"}};
+  EXPECT_EQ(rows, wanted);
 }
 
 TEST(Pareto, SaysIfNoPointHasBothFigures) {

@@ -45,6 +45,21 @@ TEST(ResultsTable, ShowsAxesThatVaryAndTheUsualFigures) {
             "3  failed    8 KiB       -         -                -                          -\n");
 }
 
+TEST(ResultsTable, ShowsMeansAndIntervalsOfReplicates) {
+  const Four sweep;
+  for (std::size_t point = 0; point < 3; ++point) {
+    auto report = made_report(1000);
+    report["totals"]["replicates"] = {
+        {"count", 5}, {"figures", {{"cycles", {{"mean", 1010}, {"deviation", 10}, {"low", 998}, {"high", 1022}}}}}};
+    sweep.finish(point, report);
+  }
+  // 2.776 x 10 / sqrt(5) = 12.4 cycles.
+  EXPECT_SAYS(results_table(sweep.results(), {}), "  1010 ± 1.2 %");
+  EXPECT_SAYS(results_table(sweep.results(), {.csv = true}),
+              "totals.replicates.figures.cycles.mean,totals.replicates.figures.cycles.low,"
+              "totals.replicates.figures.cycles.high,totals.perf.fps");
+}
+
 TEST(ResultsTable, ShowsExtrapolatedFiguresIfThereAreSome) {
   const Four sweep;
   auto report = made_report(3000);

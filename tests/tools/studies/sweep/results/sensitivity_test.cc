@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "sim/error.h"
 #include "sim/hash.h"
@@ -16,9 +17,10 @@ namespace {
 using tools::results::Results;
 using tools::results::Sensitivity;
 
-Sensitivity of_cycles(const MadeSweep& sweep) {
+/// A figure without noise.
+Sensitivity of_steps(const MadeSweep& sweep) {
   const Results results = sweep.results();
-  return find_sensitivity(results, "cycles", std::vector<bool>(results.rows().size(), true));
+  return find_sensitivity(results, "traversal_steps", std::vector<bool>(results.rows().size(), true));
 }
 
 const std::vector<std::string> kSizes = {"4 KiB", "8 KiB", "16 KiB"}, kCores = {"1", "2"};
@@ -29,7 +31,7 @@ double sum(std::size_t s, std::size_t c) { return 100 + 10.0 * static_cast<doubl
 TEST(Sensitivity, OfASumIsThatOfItsTerms) {
   MadeSweep sweep;
   sweep.add_grid("size", kSizes, "cores", kCores, sum);
-  const Sensitivity s = of_cycles(sweep);
+  const Sensitivity s = of_steps(sweep);
   EXPECT_EQ(s.points, 6U);
   EXPECT_TRUE(s.is_grid);
   EXPECT_DOUBLE_EQ(s.mean, 125);
@@ -50,7 +52,7 @@ TEST(Sensitivity, OfASumIsThatOfItsTerms) {
 TEST(Sensitivity, OfAnExclusiveOrIsOnlyTogether) {
   MadeSweep sweep;
   sweep.add_grid("a", {"0", "1"}, "b", {"0", "1"}, [](std::size_t a, std::size_t b) { return a == b ? 10.0 : 20.0; });
-  const Sensitivity s = of_cycles(sweep);
+  const Sensitivity s = of_steps(sweep);
   EXPECT_NEAR(s.effects[0].share, 0, 1e-12);
   EXPECT_NEAR(s.effects[1].share, 0, 1e-12);
   EXPECT_NEAR(s.rest(), 1, 1e-12);
@@ -61,7 +63,7 @@ TEST(Sensitivity, PointsThatFailedDoNotBiasTheOthers) {
   sweep.add_grid("size", kSizes, "cores", kCores, sum);
   sweep.remove(5);  // the slowest: plain means of the others would make both axes look harmless
   sweep.fail(5, "stuck");
-  const Sensitivity s = of_cycles(sweep);
+  const Sensitivity s = of_steps(sweep);
   EXPECT_EQ(s.points, 5U);
   EXPECT_FALSE(s.is_grid);
   ASSERT_EQ(s.effects[0].axis, "cores");
@@ -78,7 +80,7 @@ TEST(Sensitivity, AxesThatMoveTogetherAreOne) {
       sweep.finish(sweep.add({{"size", kSizes[i]}, {"cores", cores}, {"channels", cores}}), sum(i, k));
     }
   }
-  const Sensitivity s = of_cycles(sweep);
+  const Sensitivity s = of_steps(sweep);
   EXPECT_TRUE(s.is_grid);
   ASSERT_EQ(s.effects.size(), 2U);
   EXPECT_EQ(s.effects[0].axis, "cores + channels");
@@ -91,7 +93,7 @@ TEST(Sensitivity, ValuesThatNoTwoPointsShareAreTakenTogether) {
     const std::uint64_t a = sim::hash(i, 1) % 100'000, b = sim::hash(i, 2) % 100'000;
     sweep.finish(sweep.add({{"a", std::to_string(a)}, {"b", std::to_string(b)}}), 1000 + static_cast<double>(a));
   }
-  const Sensitivity s = of_cycles(sweep);
+  const Sensitivity s = of_steps(sweep);
   EXPECT_FALSE(s.is_grid);
   EXPECT_EQ(s.effects[0].axis, "a");
   EXPECT_EQ(s.effects[0].levels.size(), 6U);
@@ -103,7 +105,7 @@ TEST(Sensitivity, ValuesThatNoTwoPointsShareAreTakenTogether) {
 TEST(Sensitivity, OfWhatNeverChangesIsNone) {
   MadeSweep sweep;
   sweep.add_grid("size", kSizes, "cores", kCores, [](std::size_t, std::size_t) { return 5.0; });
-  const Sensitivity s = of_cycles(sweep);
+  const Sensitivity s = of_steps(sweep);
   EXPECT_EQ(s.effects[0].share, 0);
   EXPECT_EQ(s.effects[0].range, 0);
   EXPECT_EQ(s.rest(), 0);
@@ -112,13 +114,60 @@ TEST(Sensitivity, OfWhatNeverChangesIsNone) {
 TEST(Sensitivity, IsShownWithTheLargestFirst) {
   MadeSweep sweep;
   sweep.add_grid("size", kSizes, "cores", kCores, sum);
-  EXPECT_EQ(sensitivity_text(sweep.results(), {"cycles"}, {}),
-            "totals.cycles: mean 125 of 6 points\n\n"
+  EXPECT_EQ(sensitivity_text(sweep.results(), {"traversal_steps"}, {}),
+            "totals.traversal_steps: mean 125 of 6 points\n\n"
             "axis           levels  lowest mean     at  highest mean      at   range  share of variance\n"
             "-------------  ------  -----------  -----  ------------  ------  ------  -----------------\n"
             "cores               2          110      1           140       2  24.0 %             77.1 %\n"
             "size                3          115  4 KiB           135  16 KiB  16.0 %             22.9 %\n"
             "only together                                                                        0.0 %\n");
+}
+
+/// Two axes of which one does nothing; each point has so many plays' mean and deviation.
+struct NoisyGrid : MadeSweep {
+  explicit NoisyGrid(double deviation, double of_noise = 1) {
+    for (std::size_t s = 0; s < 6; ++s) {
+      for (std::size_t c = 0; c < 4; ++c) {
+        const double mean = 1000 + 100.0 * static_cast<double>(c) + of_noise * draw(s, c);
+        auto report = made_report(mean);
+        report["totals"]["replicates"] = {{"count", 4},
+                                          {"figures", {{"cycles", {{"mean", mean}, {"deviation", deviation}}}}}};
+        finish(add({{"size", std::to_string(s)}, {"cores", std::to_string(c)}}), report);
+      }
+    }
+  }
+  /// Between -1 and 1.
+  static double draw(std::size_t s, std::size_t c) { return static_cast<double>(sim::hash(s, c, 5) % 2001) / 1000 - 1; }
+};
+
+TEST(Sensitivity, TakesOffWhatNoiseExplainsAndNamesIt) {
+  const NoisyGrid sweep(100, 87);  // deviation of a mean 50, as of an even distribution of +-87
+  const Results results = sweep.results();
+  const Sensitivity s = find_sensitivity(results, "cycles", std::vector<bool>(results.rows().size(), true));
+  ASSERT_EQ(s.effects[0].axis, "cores");
+  EXPECT_GT(s.effects[0].low, 0.5);
+  EXPECT_LT(s.effects[1].share, 0.1);
+  EXPECT_EQ(s.effects[1].low, 0) << "it may do nothing";
+  EXPECT_GT(s.effects[1].high, 0.01);
+  EXPECT_GT(s.noise, 0.05);
+  double sum = s.noise + s.rest();
+  for (const auto& effect : s.effects) {
+    sum += effect.share;
+    EXPECT_LE(effect.low, effect.share);
+    EXPECT_GE(effect.high, effect.share);
+  }
+  EXPECT_NEAR(sum, 1, 1e-12);
+  const std::string text = sensitivity_text(results, {"cycles"}, {});
+  EXPECT_SAYS(text, "noise measured by 4 replicates a point\n");
+  EXPECT_SAYS(text, "\nnoise ");
+}
+
+TEST(Sensitivity, OfQuietPointsHasNarrowIntervals) {
+  const NoisyGrid sweep(0.2);
+  const Results results = sweep.results();
+  const Sensitivity s = find_sensitivity(results, "cycles", std::vector<bool>(results.rows().size(), true));
+  EXPECT_GT(s.effects[0].low, 0.999);
+  EXPECT_LT(s.noise, 1e-4);
 }
 
 TEST(Sensitivity, SaysWhatHasNoResultAndWhatIsNoNumber) {
