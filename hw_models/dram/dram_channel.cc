@@ -76,7 +76,7 @@ void DramChannel::finish(sim::Time end) {
 
 void DramChannel::take_request(sim::Time now, Cycle cycle) {
   const auto has_room = [&](std::uint32_t i) {
-    return ports_in_[i].can_pop(now) && !(ports_in_[i].front().write ? writes_ : reads_).full();
+    return ports_in_.can_pop(i, now) && !(ports_in_[i].front().write ? writes_ : reads_).full();
   };
   const std::uint32_t port = ports_.choose(ports_in_.holding(), has_room, [](std::uint32_t) { return sim::Time{0}; });
   if (port == ports_.count()) return;

@@ -65,7 +65,7 @@ bool CorePort::send_up(sim::Time now) {
   if (up_free_ > now) return false;
   const std::uint32_t client = up_.choose(
       clients_in_.holding(), [&](std::uint32_t i) { return can_send(i, now); },
-      [&](std::uint32_t i) { return clients_in_[i].pop_at(); });
+      [&](std::uint32_t i) { return clients_in_.pop_at(i); });
   if (client == up_.count()) return false;
   send(client, now);
   up_.served(client);
@@ -96,7 +96,7 @@ void CorePort::carry_down(sim::Time now) {
   if (down_free_ > now) return;
   const std::uint32_t target = down_.choose(
       targets_in_.holding(), [&](std::uint32_t i) { return can_carry(i, now); },
-      [&](std::uint32_t i) { return targets_in_[i].pop_at(); });
+      [&](std::uint32_t i) { return targets_in_.pop_at(i); });
   if (target == down_.count()) return;
   carry(target, now);
   down_.served(target);

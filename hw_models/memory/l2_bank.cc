@@ -67,7 +67,7 @@ bool L2Bank::reply(sim::Time now) {
   const std::uint16_t core = reply_core(now);
   if (core == kNoCore || !cores_out_[core]->can_push(now)) return false;
   if (filled_.pending()) {
-    const Waiter& waiter = filled_.waiters.list[filled_.next];
+    const Waiter& waiter = filled_.first();
     cores_out_[core]->push(now, {filled_.line, waiter.source, waiter.tag});
     filled_.next += 1;
   } else {
@@ -79,16 +79,17 @@ bool L2Bank::reply(sim::Time now) {
 
 bool L2Bank::take_fill(sim::Time now) {
   if (filled_.pending() || channels_in_.holding() == 0) return false;
-  const auto has_come = [&](std::uint32_t i) { return channels_in_[i].can_pop(now); };
+  const auto has_come = [&](std::uint32_t i) { return channels_in_.can_pop(i, now); };
   const std::uint32_t channel =
       channels_turn_.choose(channels_in_.holding(), has_come, [](std::uint32_t) { return sim::Time{0}; });
   if (channel == channels_turn_.count()) return false;
   channels_turn_.served(channel);
   const Addr line = channels_in_[channel].pop(now).line;
-  filled_ = {line, 0, misses_.release(line)};
+  const Waiters& waiters = misses_.release(line);
+  filled_ = {line, 0, waiters.count, &waiters};
   line_time_ += now;
-  memory_time_ += now * filled_.waiters.count;
-  write_back(now, store_.put_in(line, kWholeLine, filled_.waiters.dirty));
+  memory_time_ += now * waiters.count;
+  write_back(now, store_.put_in(line, kWholeLine, waiters.dirty));
   stats_.fills += 1;
   return true;
 }
@@ -117,8 +118,8 @@ void L2Bank::write_back(sim::Time now, const L2Store::Victim& victim) {
 bool L2Bank::take_request(sim::Time now) {
   if (head_.full) return look_up(now);
   const std::uint32_t core = cores_.choose(
-      cores_in_.holding(), [&](std::uint32_t i) { return cores_in_[i].can_pop(now); },
-      [&](std::uint32_t i) { return cores_in_[i].pop_at(); });
+      cores_in_.holding(), [&](std::uint32_t i) { return cores_in_.can_pop(i, now); },
+      [&](std::uint32_t i) { return cores_in_.pop_at(i); });
   if (core == cores_.count()) return false;
   cores_.served(core);
   sim::Link<MemRequest>& in = cores_in_[core];
@@ -204,7 +205,7 @@ std::string L2Bank::state() const {
   return fmt::format(
       "{} lines under way, head {}, {} hits in the pipe, {} requests to memory to send, {} waiters to answer, "
       "{} dirty lines",
-      misses_.size(), head_.full ? "waits" : "empty", hits_.size(), queued_, filled_.waiters.count - filled_.next,
+      misses_.size(), head_.full ? "waits" : "empty", hits_.size(), queued_, filled_.count - filled_.next,
       store_.dirty_lines());
 }
 

@@ -39,7 +39,7 @@ bool Ist::fill(sim::Time now) {
 bool Ist::take_leaf(sim::Time now) {
   if (free_ == 0 || leaves_in_.holding() == 0) return false;
   const std::uint32_t trv = sources_.choose(
-      leaves_in_.holding(), [&](std::uint32_t i) { return leaves_in_[i].can_pop(now); },
+      leaves_in_.holding(), [&](std::uint32_t i) { return leaves_in_.can_pop(i, now); },
       [](std::uint32_t) { return sim::Time{0}; });
   if (trv == sources_.count()) return false;
   sources_.served(trv);

@@ -63,7 +63,7 @@ bool RayDispatcher::dispatch(sim::Time now) {
 bool RayDispatcher::collect(sim::Time now) {
   if (from_trv_.holding() == 0 || now < collect_at_ || !hits_out_.can_push(now)) return false;
   const std::uint32_t trv = collects_.choose(
-      from_trv_.holding(), [&](std::uint32_t i) { return from_trv_[i].can_pop(now); },
+      from_trv_.holding(), [&](std::uint32_t i) { return from_trv_.can_pop(i, now); },
       [](std::uint32_t) { return sim::Time{0}; });
   if (trv == collects_.count()) return false;
   collects_.served(trv);
