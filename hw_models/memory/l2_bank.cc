@@ -63,7 +63,7 @@ bool L2Bank::idle() const {
 }
 
 /// One line per cycle leaves: first those of the last fill, then hits.
-bool L2Bank::reply(sim::Time now) {
+inline bool L2Bank::reply(sim::Time now) {
   const std::uint16_t core = reply_core(now);
   if (core == kNoCore || !cores_out_[core]->can_push(now)) return false;
   if (filled_.pending()) {
@@ -77,7 +77,7 @@ bool L2Bank::reply(sim::Time now) {
   return true;
 }
 
-bool L2Bank::take_fill(sim::Time now) {
+inline bool L2Bank::take_fill(sim::Time now) {
   if (filled_.pending() || channels_in_.holding() == 0) return false;
   const auto has_come = [&](std::uint32_t i) { return channels_in_.can_pop(i, now); };
   const std::uint32_t channel =
@@ -94,7 +94,7 @@ bool L2Bank::take_fill(sim::Time now) {
   return true;
 }
 
-void L2Bank::send_to_memory(sim::Time now) {
+inline void L2Bank::send_to_memory(sim::Time now) {
   if (!unsent_.can_pop(now)) return;
   sim::Link<MemRequest>& channel = channel_of(unsent_.front());
   if (!channel.can_push(now)) return;
@@ -115,7 +115,7 @@ void L2Bank::write_back(sim::Time now, const L2Store::Victim& victim) {
   stats_.written_back += 1;
 }
 
-bool L2Bank::take_request(sim::Time now) {
+inline bool L2Bank::take_request(sim::Time now) {
   if (head_.full) return look_up(now);
   const std::uint32_t core = cores_.choose(
       cores_in_.holding(), [&](std::uint32_t i) { return cores_in_.can_pop(i, now); },
@@ -130,12 +130,12 @@ bool L2Bank::take_request(sim::Time now) {
 }
 
 /// Sends the head on its way; false if it must stay.
-bool L2Bank::look_up(sim::Time now) {
+inline bool L2Bank::look_up(sim::Time now) {
   head_.full = !(head_.request.write ? write(now) : read(now));
   return !head_.full;
 }
 
-bool L2Bank::read(sim::Time now) {
+inline bool L2Bank::read(sim::Time now) {
   if (!hits_.can_push(now)) return false;
   const MemRequest& r = head_.request;
   const L2Store::Found found = store_.find(r.line, r.sectors);
@@ -161,7 +161,7 @@ bool L2Bank::read(sim::Time now) {
   return true;
 }
 
-L2Bank::CycleReason L2Bank::waiting(sim::Time now) const {
+inline L2Bank::CycleReason L2Bank::waiting(sim::Time now) const {
   const std::uint16_t core = reply_core(now);
   if (core != kNoCore && !cores_out_[core]->can_push(now)) return CycleReason::kOutputFull;
   if (head_.full) {
@@ -174,7 +174,7 @@ L2Bank::CycleReason L2Bank::waiting(sim::Time now) const {
   return queued_ != 0 || (flushing_ && store_.dirty_lines() != 0) ? CycleReason::kMemoryFull : CycleReason::kIdle;
 }
 
-sim::Time L2Bank::next_wake(sim::Time now) const {
+inline sim::Time L2Bank::next_wake(sim::Time now) const {
   const sim::Time next = now + clock_.period();
   sim::Time wake = sim::kNever;
   const auto at = [&](sim::Time time) { wake = std::min(wake, time == sim::kNever ? time : std::max(next, time)); };
