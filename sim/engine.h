@@ -65,18 +65,16 @@ class Watchdog {
   std::uint64_t retired_ = 0;
 };
 
-/// Runs the partitions of a machine by themselves as far as they may, and returns when they are to be run together
-/// again: the time of what comes next, or kNever.
+/// Runs the partitions of a machine, whose next wake-up is at `now`, by themselves as far as they may, and returns when
+/// they are to be run together again: the time of what comes next, or kNever.
 template <class Owner, class TickAt>
-Time run_partitions(Owner& owner, Watchdog<Owner>& watchdog, TickAt&& tick_at) {
+Time run_partitions(Owner& owner, Time now, Watchdog<Owner>& watchdog, TickAt&& tick_at) {
   Wakes& wakes = owner.machine().wakes();
   Partitions& partitions = owner.machine().partitions();
   const auto next_of = [&](const Partition& partition) { return wakes.earliest(partition.units); };
   const std::size_t count = partitions.outer.size();
   // There and back: what has been run last is still at the host's hand.
-  for (bool back = false;; back = !back) {
-    Time now = next_of(partitions.inner);
-    for (const Partition& partition : partitions.outer) now = std::min(now, next_of(partition));
+  for (bool back = false;; back = !back, now = wakes.earliest()) {
     const Time lookahead_end = now == kNever ? now : owner.lookahead_end(now);
     if (lookahead_end <= now) return now;
     watchdog.watch(now);
@@ -106,13 +104,14 @@ Time run(Owner& owner) {
   };
   Watchdog<Owner> watchdog(owner);
   Time now = 0;
+  if constexpr (kSkip == Skip::kOn && HasPartitions<Owner>) now = wakes.earliest();
   for (;;) {
     if constexpr (kSkip == Skip::kOff) {
       machine.each_clock([&](std::size_t i, Clock clock) {
         if (clock.is_edge(now)) wakes.tick_one(i, tick_at(now));
       });
     } else {
-      if constexpr (HasPartitions<Owner>) now = run_partitions(owner, watchdog, tick_at);
+      if constexpr (HasPartitions<Owner>) now = run_partitions(owner, now, watchdog, tick_at);
       if (now != kNever) wakes.tick_due(now, tick_at(now));
     }
     if (owner.done()) return now;

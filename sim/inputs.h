@@ -16,9 +16,12 @@ namespace sim {
 template <class T>
 class Inputs {
  public:
-  explicit Inputs(std::vector<Link<T>*> links) : links_(std::move(links)) {
+  explicit Inputs(std::vector<Link<T>*> links) : links_(std::move(links)), pop_at_(links_.size(), kNever) {
     assert(links_.size() <= 64);
-    for (std::size_t i = 0; i < links_.size(); ++i) links_[i]->tell(&holding_, static_cast<unsigned>(i));
+    for (std::size_t i = 0; i < links_.size(); ++i) {
+      links_[i]->tell(&holding_, static_cast<unsigned>(i));
+      links_[i]->shows(&pop_at_[i]);
+    }
   }
   Inputs(const Inputs&) = delete;
   Inputs& operator=(const Inputs&) = delete;
@@ -28,10 +31,15 @@ class Inputs {
 
   /// A bit for each link that holds something, whether it may be popped already or not.
   std::uint64_t holding() const { return holding_; }
+  /// Link::pop_at() and can_pop() of each, kept side by side.
+  Time pop_at(std::size_t i) const { return pop_at_[i]; }
+  bool can_pop(std::size_t i, Time now) const { return pop_at_[i] <= now; }
   /// When the first of all may be popped, as far as is known now.
   Time pop_at() const {
     Time first = kNever;
-    each([&](const Link<T>& link) { first = std::min(first, link.pop_at()); });
+    for (std::uint64_t left = holding_; left != 0; left &= left - 1) {
+      first = std::min(first, pop_at_[static_cast<std::size_t>(std::countr_zero(left))]);
+    }
     return first;
   }
   /// Calls f(link) for each that holds something.
@@ -44,6 +52,7 @@ class Inputs {
 
  private:
   std::vector<Link<T>*> links_;
+  std::vector<Time> pop_at_;
   std::uint64_t holding_ = 0;
 };
 

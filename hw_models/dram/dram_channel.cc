@@ -74,9 +74,9 @@ void DramChannel::finish(sim::Time end) {
   stats_.precharge_standby = ranks_ * cycle - stats_.active_standby - stats_.power_down;
 }
 
-void DramChannel::take_request(sim::Time now, Cycle cycle) {
+inline void DramChannel::take_request(sim::Time now, Cycle cycle) {
   const auto has_room = [&](std::uint32_t i) {
-    return ports_in_[i].can_pop(now) && !(ports_in_[i].front().write ? writes_ : reads_).full();
+    return ports_in_.can_pop(i, now) && !(ports_in_[i].front().write ? writes_ : reads_).full();
   };
   const std::uint32_t port = ports_.choose(ports_in_.holding(), has_room, [](std::uint32_t) { return sim::Time{0}; });
   if (port == ports_.count()) return;
@@ -93,13 +93,13 @@ void DramChannel::take_request(sim::Time now, Cycle cycle) {
 
 /// Does a new request leave its bank's next command as it is? The common case under load: older requests of its bank
 /// come first anyway.
-bool DramChannel::next_survives(bool write, std::uint32_t bank, bool row_is_open) const {
+inline bool DramChannel::next_survives(bool write, std::uint32_t bank, bool row_is_open) const {
   if (write != writing_) return false;
   const DramQueue& queue = write ? writes_ : reads_;
   return queue.hits(bank) != 0 || (queue.waiting(bank) != 0 && !row_is_open);
 }
 
-void DramChannel::respond(sim::Time now, Cycle cycle) {
+inline void DramChannel::respond(sim::Time now, Cycle cycle) {
   const Return& first = returns_.slots[returns_.head];
   sim::Link<MemResponse>& out = *ports_out_[first.port];
   if (first.due > cycle || !out.can_push(now)) return;
@@ -109,7 +109,7 @@ void DramChannel::respond(sim::Time now, Cycle cycle) {
   returns_.size -= 1;
 }
 
-sim::Time DramChannel::next_wake(sim::Time now) const {
+inline sim::Time DramChannel::next_wake(sim::Time now) const {
   const sim::Time next = now + clock_.period();
   const auto time_of = [&](Cycle cycle) { return cycle == sim::kNever ? sim::kNever : cycle * clock_.period(); };
   sim::Time wake = std::min(time_of(next_.at()), time_of(reschedule_at_));
@@ -143,7 +143,7 @@ void DramChannel::reschedule(Cycle now) {
                            : device_.reason(next_.command(), next_.bank(), writing_, next_.at());
 }
 
-bool DramChannel::writes_first(Cycle now) {
+inline bool DramChannel::writes_first(Cycle now) {
   if (writes_.size() >= controller_.write_high) draining_ = true;
   if (writes_.size() <= controller_.write_low) draining_ = false;
   if (reads_.empty() || writes_.empty()) return reads_.empty();
@@ -187,7 +187,7 @@ ScheduledCommand DramChannel::best_command(const DramQueue& queue, Cycle now) co
   return best;
 }
 
-void DramChannel::issue(Cycle now) {
+inline void DramChannel::issue(Cycle now) {
   DramQueue& queue = writing_ ? writes_ : reads_;
   DramQueue::Entry& entry = queue.at(next_.position());
   const DramAddress address = entry.address;
@@ -214,13 +214,13 @@ void DramChannel::issue(Cycle now) {
 }
 
 /// The last queued hit of the row is on its way.
-void DramChannel::row_done(const DramAddress& address) {
+inline void DramChannel::row_done(const DramAddress& address) {
   const bool others = (reads_.waiting(address.bank) | writes_.waiting(address.bank)) != 0;
   if (page_policy_.closes(address.bank, address.row, others)) device_.auto_precharge(address.bank);
 }
 
 /// Moves the request's line over the data bus.
-void DramChannel::transfer(const DramQueue::Entry& entry, Cycle now) {
+inline void DramChannel::transfer(const DramQueue::Entry& entry, Cycle now) {
   const MemRequest& r = entry.request;
   const Cycle data = r.write ? device_.write(entry.address.bank, now) : device_.read(entry.address.bank, now);
   const Cycle end = data + device_.data_cycles();

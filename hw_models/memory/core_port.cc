@@ -49,12 +49,12 @@ void CorePort::finish(sim::Time end) {
 }
 
 /// The line that was under way at the last tick may be over since: no tick was needed to see it go.
-void CorePort::settle(sim::Time until) {
+inline void CorePort::settle(sim::Time until) {
   if (line_until_ > activity_.accounted() && line_until_ < until)
     activity_.spend(line_until_, clock_.period(), waiting_, waiting_);
 }
 
-bool CorePort::send_up(sim::Time now) {
+inline bool CorePort::send_up(sim::Time now) {
   if (ideal_) {
     bool any = false;
     for (std::uint32_t client = 0; client < up_.count(); ++client) {
@@ -65,14 +65,14 @@ bool CorePort::send_up(sim::Time now) {
   if (up_free_ > now) return false;
   const std::uint32_t client = up_.choose(
       clients_in_.holding(), [&](std::uint32_t i) { return can_send(i, now); },
-      [&](std::uint32_t i) { return clients_in_[i].pop_at(); });
+      [&](std::uint32_t i) { return clients_in_.pop_at(i); });
   if (client == up_.count()) return false;
   send(client, now);
   up_.served(client);
   return true;
 }
 
-void CorePort::send(std::uint32_t client, sim::Time now) {
+inline void CorePort::send(std::uint32_t client, sim::Time now) {
   sim::Link<MemRequest>& in = clients_in_[client];
   request_wait_ += now - in.pop_at();
   const MemRequest request = in.pop(now);
@@ -86,7 +86,7 @@ void CorePort::send(std::uint32_t client, sim::Time now) {
   stats_.lines_up += request.write;
 }
 
-void CorePort::carry_down(sim::Time now) {
+inline void CorePort::carry_down(sim::Time now) {
   if (ideal_) {
     for (std::uint32_t target = 0; target < down_.count(); ++target) {
       while (can_carry(target, now)) carry(target, now);
@@ -96,13 +96,13 @@ void CorePort::carry_down(sim::Time now) {
   if (down_free_ > now) return;
   const std::uint32_t target = down_.choose(
       targets_in_.holding(), [&](std::uint32_t i) { return can_carry(i, now); },
-      [&](std::uint32_t i) { return targets_in_[i].pop_at(); });
+      [&](std::uint32_t i) { return targets_in_.pop_at(i); });
   if (target == down_.count()) return;
   carry(target, now);
   down_.served(target);
 }
 
-void CorePort::carry(std::uint32_t target, sim::Time now) {
+inline void CorePort::carry(std::uint32_t target, sim::Time now) {
   sim::Link<MemResponse>& in = targets_in_[target];
   line_wait_ += now - in.pop_at();
   sim::Link<MemResponse>& client = *clients_out_[in.front().source];
@@ -113,7 +113,7 @@ void CorePort::carry(std::uint32_t target, sim::Time now) {
 }
 
 /// Returns when there may be something to do next, and notes what the port waits for until then.
-sim::Time CorePort::look_ahead(sim::Time now) {
+inline sim::Time CorePort::look_ahead(sim::Time now) {
   const sim::Time next = now + clock_.period();
   sim::Time wake = sim::kNever;
   waiting_ = CycleReason::kIdle;

@@ -63,11 +63,11 @@ bool L2Bank::idle() const {
 }
 
 /// One line per cycle leaves: first those of the last fill, then hits.
-bool L2Bank::reply(sim::Time now) {
+inline bool L2Bank::reply(sim::Time now) {
   const std::uint16_t core = reply_core(now);
   if (core == kNoCore || !cores_out_[core]->can_push(now)) return false;
   if (filled_.pending()) {
-    const Waiter& waiter = filled_.waiters.list[filled_.next];
+    const Waiter& waiter = filled_.first();
     cores_out_[core]->push(now, {filled_.line, waiter.source, waiter.tag});
     filled_.next += 1;
   } else {
@@ -77,23 +77,24 @@ bool L2Bank::reply(sim::Time now) {
   return true;
 }
 
-bool L2Bank::take_fill(sim::Time now) {
+inline bool L2Bank::take_fill(sim::Time now) {
   if (filled_.pending() || channels_in_.holding() == 0) return false;
-  const auto has_come = [&](std::uint32_t i) { return channels_in_[i].can_pop(now); };
+  const auto has_come = [&](std::uint32_t i) { return channels_in_.can_pop(i, now); };
   const std::uint32_t channel =
       channels_turn_.choose(channels_in_.holding(), has_come, [](std::uint32_t) { return sim::Time{0}; });
   if (channel == channels_turn_.count()) return false;
   channels_turn_.served(channel);
   const Addr line = channels_in_[channel].pop(now).line;
-  filled_ = {line, 0, misses_.release(line)};
+  const Waiters& waiters = misses_.release(line);
+  filled_ = {line, 0, waiters.count, &waiters};
   line_time_ += now;
-  memory_time_ += now * filled_.waiters.count;
-  write_back(now, store_.put_in(line, kWholeLine, filled_.waiters.dirty));
+  memory_time_ += now * waiters.count;
+  write_back(now, store_.put_in(line, kWholeLine, waiters.dirty));
   stats_.fills += 1;
   return true;
 }
 
-void L2Bank::send_to_memory(sim::Time now) {
+inline void L2Bank::send_to_memory(sim::Time now) {
   if (!unsent_.can_pop(now)) return;
   sim::Link<MemRequest>& channel = channel_of(unsent_.front());
   if (!channel.can_push(now)) return;
@@ -114,11 +115,11 @@ void L2Bank::write_back(sim::Time now, const L2Store::Victim& victim) {
   stats_.written_back += 1;
 }
 
-bool L2Bank::take_request(sim::Time now) {
+inline bool L2Bank::take_request(sim::Time now) {
   if (head_.full) return look_up(now);
   const std::uint32_t core = cores_.choose(
-      cores_in_.holding(), [&](std::uint32_t i) { return cores_in_[i].can_pop(now); },
-      [&](std::uint32_t i) { return cores_in_[i].pop_at(); });
+      cores_in_.holding(), [&](std::uint32_t i) { return cores_in_.can_pop(i, now); },
+      [&](std::uint32_t i) { return cores_in_.pop_at(i); });
   if (core == cores_.count()) return false;
   cores_.served(core);
   sim::Link<MemRequest>& in = cores_in_[core];
@@ -129,12 +130,12 @@ bool L2Bank::take_request(sim::Time now) {
 }
 
 /// Sends the head on its way; false if it must stay.
-bool L2Bank::look_up(sim::Time now) {
+inline bool L2Bank::look_up(sim::Time now) {
   head_.full = !(head_.request.write ? write(now) : read(now));
   return !head_.full;
 }
 
-bool L2Bank::read(sim::Time now) {
+inline bool L2Bank::read(sim::Time now) {
   if (!hits_.can_push(now)) return false;
   const MemRequest& r = head_.request;
   const L2Store::Found found = store_.find(r.line, r.sectors);
@@ -160,7 +161,7 @@ bool L2Bank::read(sim::Time now) {
   return true;
 }
 
-L2Bank::CycleReason L2Bank::waiting(sim::Time now) const {
+inline L2Bank::CycleReason L2Bank::waiting(sim::Time now) const {
   const std::uint16_t core = reply_core(now);
   if (core != kNoCore && !cores_out_[core]->can_push(now)) return CycleReason::kOutputFull;
   if (head_.full) {
@@ -173,7 +174,7 @@ L2Bank::CycleReason L2Bank::waiting(sim::Time now) const {
   return queued_ != 0 || (flushing_ && store_.dirty_lines() != 0) ? CycleReason::kMemoryFull : CycleReason::kIdle;
 }
 
-sim::Time L2Bank::next_wake(sim::Time now) const {
+inline sim::Time L2Bank::next_wake(sim::Time now) const {
   const sim::Time next = now + clock_.period();
   sim::Time wake = sim::kNever;
   const auto at = [&](sim::Time time) { wake = std::min(wake, time == sim::kNever ? time : std::max(next, time)); };
@@ -204,7 +205,7 @@ std::string L2Bank::state() const {
   return fmt::format(
       "{} lines under way, head {}, {} hits in the pipe, {} requests to memory to send, {} waiters to answer, "
       "{} dirty lines",
-      misses_.size(), head_.full ? "waits" : "empty", hits_.size(), queued_, filled_.waiters.count - filled_.next,
+      misses_.size(), head_.full ? "waits" : "empty", hits_.size(), queued_, filled_.count - filled_.next,
       store_.dirty_lines());
 }
 

@@ -138,9 +138,10 @@ class L2Bank {
   /// The line being handed to those who waited for it.
   struct Filled {
     Addr line = 0;
-    std::uint32_t next = 0;
-    Waiters waiters;
-    bool pending() const { return next < waiters.count; }
+    std::uint32_t next = 0, count = 0;  ///< of those who waited
+    const Waiters* waiters = nullptr;
+    bool pending() const { return next < count; }
+    const Waiter& first() const { return waiters->list[next]; }
   };
 
   bool reply(sim::Time now);
@@ -162,7 +163,7 @@ class L2Bank {
   /// The core that the next reply goes to; none if no reply can go before another tick.
   static constexpr std::uint16_t kNoCore = 0xffff;
   std::uint16_t reply_core(sim::Time now) const {
-    if (filled_.pending()) return filled_.waiters.list[filled_.next].core;
+    if (filled_.pending()) return filled_.first().core;
     return hits_.can_pop(now) ? hits_.front().core : kNoCore;
   }
   sim::Link<MemRequest>& channel_of(const MemRequest& request) const {

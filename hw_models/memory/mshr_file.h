@@ -1,7 +1,7 @@
 #pragma once
 #include <cassert>
 #include <cstdint>
-#include <utility>
+#include <numeric>
 #include <vector>
 
 #include "hw_models/memory/messages.h"
@@ -9,11 +9,13 @@
 namespace hw {
 
 /// Miss status holding registers (MSHRs, Kroft 1981): the lines on their way, and for each what waits for it. They are
-/// few and dense, so a search compares them all.
+/// few and dense, so a search compares them all. Payloads stay where they are while their lines move up.
 template <class Payload>
 class MshrFile {
  public:
-  explicit MshrFile(std::uint32_t capacity) : lines_(capacity), payloads_(capacity) {}
+  explicit MshrFile(std::uint32_t capacity) : lines_(capacity), payloads_(capacity + 1), slots_(capacity + 1) {
+    std::iota(slots_.begin(), slots_.end(), 0U);
+  }
 
   std::uint32_t size() const { return size_; }
   std::uint32_t capacity() const { return static_cast<std::uint32_t>(lines_.size()); }
@@ -23,26 +25,27 @@ class MshrFile {
   /// The payload of the line's MSHR, or nullptr if the line is not on its way.
   Payload* find(Addr line) {
     const std::uint32_t i = index_of(line);
-    return i == size_ ? nullptr : &payloads_[i];
+    return i == size_ ? nullptr : &payloads_[slots_[i]];
   }
 
   /// Allocates an MSHR for a line that has none yet; its payload starts afresh.
   Payload& allocate(Addr line) {
     assert(!full() && find(line) == nullptr);
     lines_[size_] = line;
-    payloads_[size_] = Payload{};
-    return payloads_[size_++];
+    return payloads_[slots_[size_++]] = Payload{};
   }
 
-  /// Frees the line's MSHR and returns its payload.
-  Payload release(Addr line) {
+  /// Frees the line's MSHR; its payload stays as it is until the next release.
+  const Payload& release(Addr line) {
     const std::uint32_t i = index_of(line);
     assert(i < size_ && "a line came back that nobody asked for");
-    Payload payload = std::move(payloads_[i]);
+    const std::uint32_t freed = slots_[i];
     size_ -= 1;
     lines_[i] = lines_[size_];
-    payloads_[i] = std::move(payloads_[size_]);
-    return payload;
+    slots_[i] = slots_[size_];
+    slots_[size_] = slots_.back();
+    slots_.back() = freed;
+    return payloads_[freed];
   }
 
  private:
@@ -54,6 +57,7 @@ class MshrFile {
 
   std::vector<Addr> lines_;
   std::vector<Payload> payloads_;
+  std::vector<std::uint32_t> slots_;  ///< by line: its payload; behind all of them that of the last release
   std::uint32_t size_ = 0;
 };
 

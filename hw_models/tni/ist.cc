@@ -30,16 +30,16 @@ Ist::Ist(const IstConfig& config, const TniMode& mode, const TrianglesInMemory& 
   memory_in_.shows(&line_at_);
 }
 
-bool Ist::fill(sim::Time now) {
+inline bool Ist::fill(sim::Time now) {
   if (line_at_ > now) return false;
   fetch_.fill(memory_in_.pop(now).line, pipe_.cycle());
   return true;
 }
 
-bool Ist::take_leaf(sim::Time now) {
+inline bool Ist::take_leaf(sim::Time now) {
   if (free_ == 0 || leaves_in_.holding() == 0) return false;
   const std::uint32_t trv = sources_.choose(
-      leaves_in_.holding(), [&](std::uint32_t i) { return leaves_in_[i].can_pop(now); },
+      leaves_in_.holding(), [&](std::uint32_t i) { return leaves_in_.can_pop(i, now); },
       [](std::uint32_t) { return sim::Time{0}; });
   if (trv == sources_.count()) return false;
   sources_.served(trv);
@@ -53,7 +53,7 @@ bool Ist::take_leaf(sim::Time now) {
   return true;
 }
 
-Ist::CycleReason Ist::issue() {
+inline Ist::CycleReason Ist::issue() {
   CycleReason why = issue_one();
   while (ideal_ && fetch_.able() != 0) {
     if (issue_one() == CycleReason::kTesting) why = CycleReason::kTesting;
@@ -80,7 +80,7 @@ Ist::CycleReason Ist::issue_one() {
   return FetchStage::reason(wait, CycleReason::kL1Miss);
 }
 
-void Ist::read(Slot& slot, std::uint32_t index, bool last_line) {
+inline void Ist::read(Slot& slot, std::uint32_t index, bool last_line) {
   if (!last_line) {
     slot.second_line = true;
     fetch_.enter(bit(index));
@@ -107,7 +107,7 @@ void Ist::read(Slot& slot, std::uint32_t index, bool last_line) {
   }
 }
 
-bool Ist::answer(sim::Time now) {
+inline bool Ist::answer(sim::Time now) {
   if (answering_ == 0) return false;
   const std::uint32_t index = round_robin(answering_, answer_turn_);
   const Slot& slot = slots_[index];
@@ -122,13 +122,13 @@ bool Ist::answer(sim::Time now) {
   return true;
 }
 
-Ist::CycleReason Ist::waiting() const {
+inline Ist::CycleReason Ist::waiting() const {
   if (occupied_ == 0) return CycleReason::kStarved;
   if (answering_ != 0) return CycleReason::kOutputFull;
   return FetchStage::reason(fetch_.waits_for(), CycleReason::kPipe);
 }
 
-sim::Time Ist::next_wake(sim::Time now) const {
+inline sim::Time Ist::next_wake(sim::Time now) const {
   const sim::Time next = clock_.after(now, 1);
   if ((fetch_.able() | answering_) != 0) return next;
   sim::Time at = pipe_.next();

@@ -32,7 +32,7 @@ std::size_t RayDispatcher::emptiest() const {
   return static_cast<std::size_t>(std::ranges::min_element(load_) - load_.begin());
 }
 
-std::size_t RayDispatcher::next_in_turn(sim::Time at) const {
+inline std::size_t RayDispatcher::next_in_turn(sim::Time at) const {
   std::size_t best = turn_;
   sim::Time soonest = sim::kNever;
   for (std::size_t k = 0; k < load_.size(); ++k) {
@@ -45,7 +45,7 @@ std::size_t RayDispatcher::next_in_turn(sim::Time at) const {
   return best;
 }
 
-std::size_t RayDispatcher::chosen(sim::Time at) const {
+inline std::size_t RayDispatcher::chosen(sim::Time at) const {
   return policy_.dispatch == Dispatch::kEmptiest ? emptiest() : next_in_turn(at);
 }
 
@@ -63,7 +63,7 @@ bool RayDispatcher::dispatch(sim::Time now) {
 bool RayDispatcher::collect(sim::Time now) {
   if (from_trv_.holding() == 0 || now < collect_at_ || !hits_out_.can_push(now)) return false;
   const std::uint32_t trv = collects_.choose(
-      from_trv_.holding(), [&](std::uint32_t i) { return from_trv_[i].can_pop(now); },
+      from_trv_.holding(), [&](std::uint32_t i) { return from_trv_.can_pop(i, now); },
       [](std::uint32_t) { return sim::Time{0}; });
   if (trv == collects_.count()) return false;
   collects_.served(trv);
@@ -74,7 +74,7 @@ bool RayDispatcher::collect(sim::Time now) {
   return true;
 }
 
-sim::Time RayDispatcher::next_wake(sim::Time now) const {
+inline sim::Time RayDispatcher::next_wake(sim::Time now) const {
   const sim::Time next = clock_.after(now, 1);
   const sim::Time at = std::max({next, collect_at_, from_trv_.pop_at(), hits_out_.push_at()});
   if (rays_in_.pop_at() == sim::kNever) return at;
