@@ -25,12 +25,13 @@ struct CacheConfig {
   sim::ByteSize line{kLineBytes};
   std::uint32_t ways = 4;
   std::uint32_t mshrs = 8;
-  std::uint32_t hit_cycles = 2;
+  sim::AutoCount hit_cycles = 2;
   Replacement replacement = Replacement::kLru;
 
   static void describe(auto& c, auto&& field) {
     describe_shape(c, field);
-    field(NAMED(c.hit_cycles), "cycles", "from probe to data of a hit", sim::between(1, 64), sim::Affects::kTiming);
+    field(NAMED(c.hit_cycles), "cycles", "from probe to data of a hit; auto: by its size and latency.*",
+          sim::between(1, 64), sim::Affects::kTiming);
   }
   /// All but hit_cycles, for caches whose user keeps the time of a hit elsewhere.
   static void describe_shape(auto& c, auto&& field) {

@@ -26,7 +26,7 @@ struct EnumTarget {
 
 /// The member a field is bound to. FieldKind names the alternatives, in this order.
 using Target = std::variant<bool*, std::uint32_t*, std::uint64_t*, double*, std::string*, Frequency*, ByteSize*,
-                            Duration*, Triple*, Spread*, std::map<std::string, Spread>*, EnumTarget>;
+                            Duration*, AutoCount*, Triple*, Spread*, std::map<std::string, Spread>*, EnumTarget>;
 enum class FieldKind : std::uint8_t {
   kBool,
   kUint32,
@@ -36,14 +36,15 @@ enum class FieldKind : std::uint8_t {
   kFrequency,
   kByteSize,
   kDuration,
+  kAutoCount,
   kTriple,
   kSpread,
   kSpreadMap,
   kEnum,
 };
-constexpr std::array<std::string_view, 12> names_of(FieldKind) {
-  return {"bool",      "uint32",   "uint64", "double", "string",     "frequency",
-          "byte_size", "duration", "triple", "spread", "spread_map", "enum"};
+constexpr std::array<std::string_view, 13> names_of(FieldKind) {
+  return {"bool",     "uint32",     "uint64", "double", "string",     "frequency", "byte_size",
+          "duration", "auto_count", "triple", "spread", "spread_map", "enum"};
 }
 
 static_assert(std::variant_size_v<Target> == names_of(FieldKind{}).size());

@@ -33,6 +33,11 @@ nlohmann::json value_json(const ConfigNode& field) {
       return *std::get<bool*>(*field.target);
     case FieldKind::kUint32:
       return *std::get<std::uint32_t*>(*field.target);
+    case FieldKind::kAutoCount: {
+      const AutoCount& count = *std::get<AutoCount*>(*field.target);
+      if (!count.is_auto) return count.value;
+      break;
+    }
     case FieldKind::kUint64:
       return *std::get<std::uint64_t*>(*field.target);
     case FieldKind::kDouble:

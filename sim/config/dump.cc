@@ -37,6 +37,9 @@ class Dump {
   }
   static std::string comment(const ConfigNode& node) {
     const FieldKind kind = node.kind();
+    if (kind == FieldKind::kAutoCount && std::get<AutoCount*>(*node.target)->is_auto) {
+      return fmt::format("{} here [{}] {}", std::get<AutoCount*>(*node.target)->value, node.unit, node.meaning);
+    }
     const bool shown = kind == FieldKind::kFrequency || kind == FieldKind::kByteSize || kind == FieldKind::kDuration;
     return shown || node.unit.empty() ? node.meaning : fmt::format("[{}] {}", node.unit, node.meaning);
   }

@@ -43,6 +43,14 @@ struct Spread {
   friend bool operator==(const Spread&, const Spread&) = default;
 };
 
+/// A count, or "auto": one that follows from the rest of the configuration, and is worked out once that is read.
+struct AutoCount {
+  std::uint32_t value = 0;
+  bool is_auto = false;
+  AutoCount(std::uint32_t count = 0) : value(count) {}  // NOLINT(google-explicit-constructor): a count
+  operator std::uint32_t() const { return value; }      // NOLINT(google-explicit-constructor): a count
+};
+
 /// Three numbers in one field, "x y z": a point, a direction or a colour.
 struct Triple {
   double x = 0, y = 0, z = 0;
@@ -76,7 +84,7 @@ constexpr Limits power_of_two(double min, double max) { return {min, max, true};
 //   };
 //
 // Members may be bool, std::uint32_t, std::uint64_t, double, std::string, an enum with names (below), Frequency,
-// ByteSize, Duration, Triple, Spread, std::map<std::string, Spread> and groups. A struct may add
+// ByteSize, Duration, AutoCount, Triple, Spread, std::map<std::string, Spread> and groups. A struct may add
 // `void check(auto&& complain) const` for rules that join several fields: complain("key", "what is wrong, what is
 // allowed"). An enum `E` names its values with a function found by argument: `constexpr auto names_of(E) ->
 // std::array<std::string_view, n>`.

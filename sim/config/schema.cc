@@ -62,6 +62,8 @@ Json type_schema(const ConfigNode& field) {
       return quantity_schema(byte_units());
     case FieldKind::kDuration:
       return quantity_schema(duration_units());
+    case FieldKind::kAutoCount:
+      return {{"anyOf", {number_schema(field, "integer"), {{"const", "auto"}}}}};
     case FieldKind::kTriple:
       return {{"type", "string"}, {"pattern", "^ *[-+.0-9eE]+ +[-+.0-9eE]+ +[-+.0-9eE]+ *$"}};
     case FieldKind::kSpread:

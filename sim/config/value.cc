@@ -121,6 +121,10 @@ void assign(const ConfigNode& field, std::string_view raw) {
                  [&](Frequency* member) { member->hz = quantity_of(field, text, frequency_units()); },
                  [&](ByteSize* member) { member->bytes = quantity_of(field, text, byte_units()); },
                  [&](Duration* member) { member->time = quantity_of(field, text, duration_units()); },
+                 [&](AutoCount* member) {
+                   member->is_auto = text == "auto";
+                   if (!member->is_auto) member->value = integer_of<std::uint32_t>(field, text);
+                 },
                  [&](Triple* member) { *member = triple_of(field, text); },
                  [&](Spread* member) {
                    const double value = number_of(field, text);
@@ -149,6 +153,7 @@ std::string value_problem(const ConfigNode& field) {
                         [&](const Frequency* member) { return number(static_cast<double>(member->hz)); },
                         [&](const ByteSize* member) { return number(static_cast<double>(member->bytes)); },
                         [&](const Duration* member) { return number(static_cast<double>(member->time)); },
+                        [&](const AutoCount* member) { return number(member->value); },
                         [&](const Triple* member) { return triple_problem(field, *member); },
                         [&](const Spread* member) { return spread_problem(field, *member); },
                         [&](const std::map<std::string, Spread>* member) {

@@ -43,7 +43,8 @@ Limits effective_limits(const ConfigNode& field) {
       kind != FieldKind::kTriple) {
     limits.min = std::max(limits.min, 0.0);
   }
-  if (kind == FieldKind::kUint32) limits.max = std::min(limits.max, double{std::numeric_limits<std::uint32_t>::max()});
+  if (kind == FieldKind::kUint32 || kind == FieldKind::kAutoCount)
+    limits.max = std::min(limits.max, double{std::numeric_limits<std::uint32_t>::max()});
   return limits;
 }
 
@@ -57,6 +58,9 @@ std::string value_text(const ConfigNode& field) {
                         [](const Frequency* member) { return quantity_text(member->hz, frequency_units()); },
                         [](const ByteSize* member) { return quantity_text(member->bytes, byte_units()); },
                         [](const Duration* member) { return quantity_text(member->time, duration_units()); },
+                        [](const AutoCount* member) {
+                          return member->is_auto ? std::string("auto") : fmt::format("{}", member->value);
+                        },
                         [](const Triple* member) { return fmt::format("{} {} {}", member->x, member->y, member->z); },
                         [](const Spread* member) { return spread_text(*member); },
                         [](const std::map<std::string, Spread>* member) {
@@ -113,7 +117,8 @@ std::string allowed_text(const ConfigNode& field) {
     text = fmt::format("{}at most {}", limits.power_of_two ? "powers of two, " : "", bound_text(field, limits.max));
   }
   text.insert(0, three);
-  return units_of(field).empty() && !field.unit.empty() ? fmt::format("{} {}", text, field.unit) : text;
+  if (units_of(field).empty() && !field.unit.empty()) text += " " + field.unit;
+  return field.kind() == FieldKind::kAutoCount ? text + ", or auto" : text;
 }
 
 }  // namespace sim

@@ -17,8 +17,9 @@ Spread operator*(const Spread& a, double factor) { return a * Spread{factor, fac
 Spread& operator+=(Spread& a, const Spread& b) { return a = a + b; }
 
 EnergyReport compute_energy(std::span<const UnitReport> units, const EnergyConfig& config,
-                            const std::map<std::string, DeviceEvent>& device_events, Time elapsed) {
-  return EnergyFormula(units, config, device_events, elapsed).report();
+                            const std::map<std::string, DeviceEvent>& device_events, Time elapsed,
+                            const PowerScales& scales) {
+  return EnergyFormula(units, config, device_events, elapsed, scales).report();
 }
 
 void check_energy_events(const EnergyConfig& config, std::span<const std::string> declared) {

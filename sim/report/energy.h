@@ -6,6 +6,7 @@
 
 #include "sim/config/field.h"
 #include "sim/named.h"
+#include "sim/report/power.h"
 #include "sim/time.h"
 #include "sim/unit_report.h"
 
@@ -86,10 +87,12 @@ struct EnergyReport {
 };
 
 /// E_block = sum(count x pJ) / (1 - clock share) + leakage x time + idle clock, where the clock of idle units runs in
-/// the cycles they have charged to reasons of the kind kIdle. Device events are taken as they are.
-/// Throws InputError for a counter whose event nobody has a figure for, or a unit without `logic` or `flops`.
+/// the cycles they have charged to reasons of the kind kIdle. Device events are taken as they are; all else is times
+/// the block's `scales`. Throws InputError for a counter whose event nobody has a figure for, or a unit without `logic`
+/// or `flops`.
 EnergyReport compute_energy(std::span<const UnitReport> units, const EnergyConfig& config,
-                            const std::map<std::string, DeviceEvent>& device_events, Time elapsed);
+                            const std::map<std::string, DeviceEvent>& device_events, Time elapsed,
+                            const PowerScales& scales = {});
 
 /// Throws InputError unless the table's events are exactly those of `declared` (all that counters may name, without
 /// the device's): a figure that nobody can use is a misspelling.

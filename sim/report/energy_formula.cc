@@ -36,11 +36,16 @@ void EnergyFormula::Kinds::add(const Kinds& more) {
 }
 
 EnergyFormula::EnergyFormula(std::span<const UnitReport> units, const EnergyConfig& config,
-                             const std::map<std::string, DeviceEvent>& device_events, Time elapsed)
+                             const std::map<std::string, DeviceEvent>& device_events, Time elapsed,
+                             const PowerScales& scales)
     : config_(config),
       table_(config.events),
       blocks_(blocks_of(units)),
       leakage_pj_per_mw_(static_cast<double>(elapsed) * kPicojoulesPerMilliwattFemtosecond) {
+  for (const std::string& block : blocks_) {
+    const auto scale = scales.find(block);
+    scales_.push_back(scale == scales.end() ? PowerScale{} : scale->second);
+  }
   for (const UnitReport& unit : units) {
     const auto block = static_cast<std::size_t>(std::ranges::lower_bound(blocks_, unit.block) - blocks_.begin());
     Unit of{block,
@@ -90,6 +95,7 @@ std::vector<double> EnergyFormula::figures(Side side) const {
 }
 
 EnergyFormula::Kinds EnergyFormula::of(const Unit& unit, const std::vector<double>& figures, Side side) const {
+  const PowerScale& scale = scales_[unit.block];
   Kinds sum;
   double on_chip = 0;
   for (const Term& term : unit.terms) {
@@ -97,11 +103,12 @@ EnergyFormula::Kinds EnergyFormula::of(const Unit& unit, const std::vector<doubl
     (device == nullptr ? on_chip : device->standby ? sum.leakage : sum.dynamic) += figures[term.figure] * term.count;
   }
   const double share = config_.clock_share.*side;
-  sum.dynamic += on_chip;
-  sum.clock = on_chip * (share / (1 - share)) +
-              config_.flop_clock.*side * (config_.idle_clocked.*side) * (unit.flops->*side) * unit.idle_cycles;
+  sum.dynamic += on_chip * scale.dynamic;
+  sum.clock = (on_chip * (share / (1 - share)) +
+               config_.flop_clock.*side * (config_.idle_clocked.*side) * (unit.flops->*side) * unit.idle_cycles) *
+              scale.dynamic;
   sum.leakage += (config_.sram_leakage.*side * unit.sram_kib + config_.logic_leakage.*side * (unit.logic->*side)) *
-                 leakage_pj_per_mw_;
+                 leakage_pj_per_mw_ * scale.leakage;
   return sum;
 }
 
@@ -128,7 +135,10 @@ EnergyReport EnergyFormula::report() const {
     for (const Unit& unit : units_) {
       const Kinds kinds = of(unit, values, side);
       std::map<std::string, Spread>& events = report.events[blocks_[unit.block]];
-      for (const Term& term : unit.terms) events[term.event].*side += values[term.figure] * term.count;
+      for (const Term& term : unit.terms) {
+        const double scale = figures_[term.figure].device == nullptr ? scales_[unit.block].dynamic : 1;
+        events[term.event].*side += values[term.figure] * term.count * scale;
+      }
       for (EnergyByKind* sum : {&report.blocks[blocks_[unit.block]], &report.kinds}) {
         sum->dynamic.*side += kinds.dynamic;
         sum->clock.*side += kinds.clock;

@@ -7,6 +7,7 @@
 
 #include "sim/report/energy.h"
 #include "sim/report/energy_table.h"
+#include "sim/report/power.h"
 #include "sim/time.h"
 #include "sim/unit_report.h"
 
@@ -18,7 +19,7 @@ class EnergyFormula {
  public:
   /// Throws InputError for a counter whose event nobody has a figure for, or a unit without `logic` or `flops`.
   EnergyFormula(std::span<const UnitReport> units, const EnergyConfig& config,
-                const std::map<std::string, DeviceEvent>& device_events, Time elapsed);
+                const std::map<std::string, DeviceEvent>& device_events, Time elapsed, const PowerScales& scales = {});
 
   /// Energy by block, kind and event for low, nominal and high.
   EnergyReport report() const;
@@ -64,6 +65,7 @@ class EnergyFormula {
   EnergyTable table_;
   std::vector<Figure> figures_;
   std::vector<std::string> blocks_;
+  std::vector<PowerScale> scales_;  ///< one a block
   std::vector<Unit> units_;
   double leakage_pj_per_mw_;
 };

@@ -1,8 +1,12 @@
 #include "tools/analysis/warnings.h"
 
+#include <algorithm>
+#include <iterator>
+
 #include <fmt/format.h>
 
 #include "sim/report/curve_range.h"
+#include "tools/simulation/power.h"
 
 namespace tools {
 namespace {
@@ -15,6 +19,8 @@ constexpr double kMuchMore = 1.5;
 std::vector<std::string> run_warnings(const RunConfig& config, std::span<const sim::UnitReport> units,
                                       const std::optional<SampledFrame>& sampled) {
   std::vector<std::string> lines = sim::sizes_outside_curves(units, config.energy.events, config.area.arrays);
+  std::ranges::move(latency_warnings(config), std::back_inserter(lines));
+  std::ranges::move(power_warnings(config), std::back_inserter(lines));
   if (!sampled || sampled->asked == 0) return lines;
   const double timed = static_cast<double>(sampled->timed) / static_cast<double>(sampled->tiles);
   if (timed > kMuchMore * sampled->asked) {

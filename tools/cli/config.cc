@@ -58,6 +58,8 @@ std::string config_list() {
   list("configurations (raywatt run NAME)", config_names());
   list("memory grades (--set dram.extends=NAME)", config_names_in("dram"));
   list("energy tables (--set energy.extends=NAME)", config_names_in("energy"));
+  list("voltages over clocks (--set power.extends=NAME)", config_names_in("power"));
+  list("hits of caches over their size (--set latency.extends=NAME)", config_names_in("latency"));
   list("area tables (--set area.extends=NAME)", config_names_in("area"));
   list("experiments (raywatt sweep run NAME, raywatt optimise NAME; without experiments/)",
        config_names_in("experiments"));
@@ -71,7 +73,7 @@ void add_config(CLI::App& app) {
   verb->require_subcommand(1);
   verb->footer("Example: raywatt config show sgrt-2016 --set cores=2");
   CLI::App* list = verb->add_subcommand(
-      "list", "Configurations, memory grades, energy and area tables, and experiments known by name");
+      "list", "Configurations, memory grades, energy, power, area and latency tables, and experiments known by name");
   list->footer("Example: raywatt config list");
   list->callback([] { fmt::print("{}", config_list()); });
   CLI::App* show = verb->add_subcommand("show", "The effective configuration: every field, with its meaning");

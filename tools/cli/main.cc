@@ -89,6 +89,7 @@ int run(int argc, char** argv) {
   tools::add_bench(app);
   tools::add_compare(app);
   tools::add_energy(app);
+  tools::add_dvfs(app);
   tools::add_baseline(app, exit);
   tools::add_trace(app, words);
   tools::add_microbench(app, exit);

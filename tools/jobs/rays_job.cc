@@ -19,7 +19,8 @@
 #include "tools/host/run_folder.h"
 #include "tools/jobs/jobs.h"
 #include "tools/jobs/outcome.h"
-#include "tools/simulation/ray_list.h"
+#include "tools/jobs/ray_list.h"
+#include "tools/simulation/power.h"
 #include "tools/simulation/run_job.h"
 
 namespace tools {
@@ -82,8 +83,9 @@ std::string table(const Json& report) {
 /// `played` by now.
 Json report_of(const JobOptions& options, const Inputs& inputs, const RayList& list, const hw::RayMachine& played) {
   const std::vector<sim::UnitReport> units = played.report();
-  const sim::EnergyReport energy = sim::compute_energy(
-      units, inputs.config.energy, hw::dram_energy_events(inputs.config.gpu.dram), played.elapsed());
+  const sim::EnergyReport energy =
+      sim::compute_energy(units, inputs.config.energy, hw::dram_energy_events(inputs.config.gpu.dram), played.elapsed(),
+                          power_scales(inputs.config));
   Json provenance = provenance_json(inputs, options);
   provenance["rays_sha256"] = list.sha256;
   Json warnings = inputs.warnings;

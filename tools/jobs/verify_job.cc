@@ -11,7 +11,7 @@
 #include "tools/host/interrupt.h"
 #include "tools/host/run_folder.h"
 #include "tools/jobs/jobs.h"
-#include "tools/simulation/ray_list.h"
+#include "tools/jobs/ray_list.h"
 #include "tools/simulation/run_job.h"
 #include "traces/accel/bvh_tracer.h"
 #include "traces/accel/embree_tracer.h"

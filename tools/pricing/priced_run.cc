@@ -16,6 +16,7 @@
 #include "tools/host/paths.h"
 #include "tools/pricing/idle_machine.h"
 #include "tools/simulation/energy_events.h"
+#include "tools/simulation/power.h"
 
 namespace tools {
 namespace {
@@ -190,7 +191,7 @@ PricedRun::PricedRun(const ReportFile& report, const PriceTable& table)
 void PricedRun::make_formula(const std::vector<sim::UnitReport>& units) {
   device_ = hw::dram_energy_events(config_.gpu.dram);
   check_energy_events(units, config_.energy);
-  formula_ = std::make_unique<sim::EnergyFormula>(units, config_.energy, device_, elapsed_);
+  formula_ = std::make_unique<sim::EnergyFormula>(units, config_.energy, device_, elapsed_, power_scales(config_));
 }
 
 void PricedRun::refresh() {

@@ -16,6 +16,7 @@
 #include "tools/sampling/sample_weights.h"
 #include "tools/sampling/sampled_run.h"
 #include "tools/sampling/tile_plan.h"
+#include "tools/simulation/power.h"
 #include "traces/accel/bvh_tracer.h"
 
 namespace tools {
@@ -47,7 +48,8 @@ SamplePart as_sample(const TileTraits& traits, double cost) {
 }
 
 sim::EnergyReport energy_of(const Inputs& inputs, std::span<const sim::UnitReport> units, sim::Time time) {
-  return sim::compute_energy(units, inputs.config.energy, hw::dram_energy_events(inputs.config.gpu.dram), time);
+  return sim::compute_energy(units, inputs.config.energy, hw::dram_energy_events(inputs.config.gpu.dram), time,
+                             power_scales(inputs.config));
 }
 
 /// Estimates of a frame from the runs of its blocks.

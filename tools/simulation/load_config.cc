@@ -11,6 +11,7 @@
 #include "sim/error.h"
 #include "sim/io/printable.h"
 #include "tools/host/paths.h"
+#include "tools/simulation/power.h"
 #include "traces/scene/did_you_mean.h"
 #include "traces/scenes/library.h"
 
@@ -90,8 +91,10 @@ void apply_rest(sim::ConfigLoader& loader, const sim::ConfigNode& tree, RunConfi
     config.render.height = r.height;
   }
   const std::string origin = find_config(options.config).string();
+  set_hit_cycles(config);
   sim::check_tree(tree, origin);
   check_energy_figures(config, origin);
+  check_power(config);
 }
 
 }  // namespace
@@ -127,8 +130,10 @@ void apply_ideal(RunConfig& config, const std::vector<std::string>& resources) {
 }
 
 void check_run_config(RunConfig& config, const std::string& origin) {
+  set_hit_cycles(config);
   sim::check_tree(sim::config_tree(config), origin);
   check_energy_figures(config, origin);
+  check_power(config);
 }
 
 }  // namespace tools

@@ -8,6 +8,8 @@
 #include "sim/named.h"
 #include "sim/report/area.h"
 #include "sim/report/energy.h"
+#include "sim/report/power.h"
+#include "tools/simulation/cache_latency.h"
 #include "tools/simulation/job_options.h"
 #include "traces/accel/bvh_config.h"
 #include "traces/scenes/workload.h"
@@ -21,7 +23,9 @@ struct RunConfig {
   kernels::ProgramConfig programs;
   traces::BvhConfig bvh;
   sim::EnergyConfig energy;
+  sim::PowerConfig power;
   sim::AreaConfig area;
+  LatencyConfig latency;
   traces::WorkloadConfig scene;
   traces::SceneLimits limits;
 
@@ -31,7 +35,9 @@ struct RunConfig {
     kernels::ProgramConfig::describe(c.programs, field);
     field.group(NAMED(c.bvh), "how the tree is built on the host, and how it lies in memory");
     field.group(NAMED(c.energy), "energy per event, leakage and clock");
+    field.group(NAMED(c.power), "voltage and temperature: what clocks need, and what they do to energy");
     field.group(NAMED(c.area), "area of storage and pads; that of logic is in energy.logic");
+    field.group(NAMED(c.latency), "time of a cache's hit over its size, where hit_cycles is auto");
     field.group(NAMED(c.scene), "what is looked at, from where, and when");
     field.group(NAMED(c.limits), "what a scene file may cost at most");
   }

@@ -2,31 +2,37 @@
 
 #include "hw_models/dram/dram_energy.h"
 #include "sim/engine.h"
+#include "tools/simulation/power.h"
 
 namespace tools {
 
 std::unique_ptr<hw::Gpu> make_gpu(const Inputs& inputs, const kernels::FrameRequirements& requirements,
                                   hw::TileSource& tiles, const hw::Perturbation& perturbation) {
-  const bool dma_encodes = inputs.config.render.srgb == kernels::SrgbEncoder::kDma;
-  return std::make_unique<hw::Gpu>(inputs.config.gpu,
-                                   hw::Gpu::Workload{inputs.image, inputs.parents, requirements, dma_encodes}, tiles,
-                                   perturbation);
+  return make_gpu(inputs, inputs.config, requirements, tiles, perturbation);
 }
 
-sim::EnergyReport energy_of(const hw::Gpu& gpu, const Inputs& inputs) {
-  return sim::compute_energy(gpu.report(), inputs.config.energy, hw::dram_energy_events(inputs.config.gpu.dram),
-                             gpu.elapsed());
+std::unique_ptr<hw::Gpu> make_gpu(const Inputs& inputs, const RunConfig& config,
+                                  const kernels::FrameRequirements& requirements, hw::TileSource& tiles,
+                                  const hw::Perturbation& perturbation) {
+  const bool dma_encodes = config.render.srgb == kernels::SrgbEncoder::kDma;
+  return std::make_unique<hw::Gpu>(
+      config.gpu, hw::Gpu::Workload{inputs.image, inputs.parents, requirements, dma_encodes}, tiles, perturbation);
+}
+
+sim::EnergyReport energy_of(const hw::Gpu& gpu, const RunConfig& config) {
+  return sim::compute_energy(gpu.report(), config.energy, hw::dram_energy_events(config.gpu.dram), gpu.elapsed(),
+                             power_scales(config));
 }
 
 void run_to_end(hw::Gpu& gpu) { gpu.finish(sim::run(gpu)); }
 
-void take(const hw::Gpu& gpu, const Inputs& inputs, Simulation& s) {
+void take(const hw::Gpu& gpu, const RunConfig& config, Simulation& s) {
   s.units = gpu.report();
   s.kernel_use = gpu.kernel_use();
   s.kernels = gpu.kernels();
   s.cycles = gpu.cycles();
   s.elapsed = gpu.elapsed();
-  s.energy = energy_of(gpu, inputs);
+  s.energy = energy_of(gpu, config);
 }
 
 }  // namespace tools

@@ -9,14 +9,18 @@ namespace tools {
 /// The machine that `inputs` name, before its first cycle.
 std::unique_ptr<hw::Gpu> make_gpu(const Inputs& inputs, const kernels::FrameRequirements& requirements,
                                   hw::TileSource& tiles, const hw::Perturbation& perturbation = {});
+/// The machine of another configuration, for the work of `inputs`.
+std::unique_ptr<hw::Gpu> make_gpu(const Inputs& inputs, const RunConfig& config,
+                                  const kernels::FrameRequirements& requirements, hw::TileSource& tiles,
+                                  const hw::Perturbation& perturbation = {});
 
 /// Plays all tiles. sim::Deadlock if the machine is stuck.
 void run_to_end(hw::Gpu& gpu);
 
 /// Energy of what it has done so far.
-sim::EnergyReport energy_of(const hw::Gpu& gpu, const Inputs& inputs);
+sim::EnergyReport energy_of(const hw::Gpu& gpu, const RunConfig& config);
 
 /// Has a result say what a machine that has finished did.
-void take(const hw::Gpu& gpu, const Inputs& inputs, Simulation& s);
+void take(const hw::Gpu& gpu, const RunConfig& config, Simulation& s);
 
 }  // namespace tools

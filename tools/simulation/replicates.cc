@@ -12,12 +12,18 @@
 namespace tools {
 namespace {
 
-/// Plays of kept work on perturbed machines, as many at once as there are threads.
-class Replicates {
+/// Plays of kept work, as many at once as there are threads.
+class Plays {
  public:
-  Replicates(const Inputs& inputs, const kernels::FrameRequirements& requirements, const KeptWork& work,
-             const Simulation& plain, std::uint32_t count, Progress* progress)
-      : inputs_(inputs), requirements_(requirements), work_(work), progress_(progress), all_(count, plain) {
+  Plays(const Inputs& inputs, const kernels::FrameRequirements& requirements, const KeptWork& work,
+        const Simulation& plain, std::span<const Play> plays, const char* what, Progress* progress)
+      : inputs_(inputs),
+        requirements_(requirements),
+        work_(work),
+        plays_(plays),
+        what_(what),
+        progress_(progress),
+        all_(plays.size(), plain) {
     for (Simulation& s : all_) s.function.rgb = {}, s.function.marks = {};
     begin_part();
   }
@@ -43,14 +49,14 @@ class Replicates {
   }
   void play_one(std::size_t i) {
     KeptTiles tiles(work_, [&] { tile_done(); });
-    const auto number = static_cast<std::uint32_t>(i + 1);
-    const auto gpu =
-        make_gpu(inputs_, requirements_, tiles, hw::draw_perturbation(inputs_.config.gpu.cores, inputs_.frame, number));
+    const RunConfig& config = plays_[i].config;
+    const auto gpu = make_gpu(inputs_, config, requirements_, tiles, plays_[i].perturbation);
     run_to_end(*gpu);
-    take(*gpu, inputs_, all_[i]);
+    all_[i].machine = config.gpu;
+    take(*gpu, config, all_[i]);
   }
   void begin_part() {
-    if (progress_ != nullptr) progress_->begin_part("replicating", inputs_.frame, work_.tiles());
+    if (progress_ != nullptr) progress_->begin_part(what_, inputs_.frame, work_.tiles());
   }
   void tile_done() {
     const std::lock_guard lock(mutex_);
@@ -64,6 +70,8 @@ class Replicates {
   const Inputs& inputs_;
   const kernels::FrameRequirements& requirements_;
   const KeptWork& work_;
+  const std::span<const Play> plays_;
+  const char* const what_;
   Progress* const progress_;
   std::vector<Simulation> all_;
   std::atomic<std::size_t> next_ = 0;
@@ -74,10 +82,20 @@ class Replicates {
 
 }  // namespace
 
+std::vector<Simulation> play_kept(const Inputs& inputs, const kernels::FrameRequirements& requirements,
+                                  const KeptWork& work, const Simulation& plain, std::span<const Play> plays,
+                                  const char* what, std::uint32_t threads, Progress* progress) {
+  return Plays(inputs, requirements, work, plain, plays, what, progress).play(host_threads(threads));
+}
+
 std::vector<Simulation> play_replicates(const Inputs& inputs, const kernels::FrameRequirements& requirements,
                                         const KeptWork& work, const Simulation& plain, std::uint32_t count,
                                         std::uint32_t threads, Progress* progress) {
-  return Replicates(inputs, requirements, work, plain, count, progress).play(threads);
+  std::vector<Play> plays;
+  for (std::uint32_t number = 1; number <= count; ++number) {
+    plays.push_back({inputs.config, hw::draw_perturbation(inputs.config.gpu.cores, inputs.frame, number)});
+  }
+  return play_kept(inputs, requirements, work, plain, plays, "replicating", threads, progress);
 }
 
 }  // namespace tools

@@ -1,15 +1,29 @@
 #pragma once
 #include <cstdint>
+#include <span>
 #include <vector>
 
+#include "hw_models/machines/perturbation.h"
 #include "tools/simulation/kept_work.h"
 #include "tools/simulation/run_job.h"
 
 namespace tools {
 
-/// Plays kept work on `count` perturbed machines, as many at once as there are threads, and returns what each did in
-/// the order of their numbers, which begin at 1. `plain`: the run of the same work on a machine that was not perturbed.
-/// Whatever ends one ends all: sim::Deadlock, Interrupted.
+/// A machine that plays kept work.
+struct Play {
+  RunConfig config;
+  hw::Perturbation perturbation;
+};
+
+/// Plays kept work on machines, as many at once as there are threads, and returns what each did in their order.
+/// `plain`: what is known of all of them before. `what`: it is called so in the progress. Whatever ends one ends all:
+/// sim::Deadlock, Interrupted.
+std::vector<Simulation> play_kept(const Inputs& inputs, const kernels::FrameRequirements& requirements,
+                                  const KeptWork& work, const Simulation& plain, std::span<const Play> plays,
+                                  const char* what, std::uint32_t threads, Progress* progress);
+
+/// The same on `count` perturbed machines, in the order of their numbers, which begin at 1. `plain`: the run of the
+/// same work on a machine that was not perturbed.
 std::vector<Simulation> play_replicates(const Inputs& inputs, const kernels::FrameRequirements& requirements,
                                         const KeptWork& work, const Simulation& plain, std::uint32_t count,
                                         std::uint32_t threads, Progress* progress);

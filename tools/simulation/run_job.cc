@@ -195,7 +195,7 @@ Simulation play(const Inputs& inputs, const kernels::ProgramSpec& program, kerne
   const std::unique_ptr<hw::Gpu> gpu = make_gpu(inputs, requirements, tiles);
   check_energy_events(gpu->report(), inputs.config.energy);
   // A figure that is missing is told before the work, not after it.
-  energy_of(*gpu, inputs);
+  energy_of(*gpu, inputs.config);
   if (!inputs.config.area.arrays.empty()) {
     sim::compute_area(gpu->report(), inputs.config.energy.logic, inputs.config.area);
   }
@@ -208,7 +208,7 @@ Simulation play(const Inputs& inputs, const kernels::ProgramSpec& program, kerne
   s.program = program;
   s.machine = inputs.config.gpu;
   s.function = front_end.result();
-  take(*gpu, inputs, s);
+  take(*gpu, inputs.config, s);
   s.wall_seconds = sim::seconds_since(begin);
   s.tiles = frame.tiles();
   s.finished_tiles = offered.finished();
@@ -221,6 +221,26 @@ Simulation play(const Inputs& inputs, const kernels::ProgramSpec& program, kerne
     if (!extras.keep_part) throw;
   }
   return s;
+}
+
+std::vector<Simulation> simulate_on(const Inputs& inputs, const kernels::ProgramSpec& program,
+                                    std::span<const RunConfig> configs, std::uint32_t threads, Progress* progress) {
+  const Program made(inputs, program, {});
+  const traces::BvhTracer tracer(inputs.image);
+  FrontEnd front_end(*made.frame, tracer, host_threads(threads));
+  if (progress != nullptr) progress->expect(static_cast<std::uint32_t>(configs.size()) + 1);
+  ProgressTileSource offered(front_end, made.frame->tiles(), progress, false);
+  const kernels::FrameRequirements requirements = made.frame->requirements();
+  Recording tiles(offered, inputs, requirements, {.replicates = 2});
+  offered.begin("rendering", inputs.frame);
+  while (const traces::TileWork* work = tiles.next()) tiles.give_back(work);
+  Simulation plain;
+  plain.program = program;
+  plain.function = front_end.result();
+  plain.tiles = plain.finished_tiles = made.frame->tiles();
+  std::vector<Play> plays;
+  for (const RunConfig& config : configs) plays.push_back({config, {}});
+  return play_kept(inputs, requirements, tiles.kept(), plain, plays, "simulating", threads, progress);
 }
 
 FrontEnd::Result render(const Inputs& inputs, const kernels::ProgramSpec& program, const traces::Tracer& tracer,

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -113,6 +114,13 @@ struct Extras {
 /// that was interrupted has no replicates.
 Simulation simulate(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
                     const Extras& extras = {});
+
+/// Records a frame once and plays it on the machine of each configuration, as many at once as there are threads. The
+/// configurations may differ from that of `inputs` in what does not change the work. Results in their order, without
+/// pictures. sim::Deadlock, Interrupted.
+std::vector<Simulation> simulate_on(const Inputs& inputs, const kernels::ProgramSpec& program,
+                                    std::span<const RunConfig> configs, std::uint32_t threads,
+                                    Progress* progress = nullptr);
 
 /// Plays what a frame program makes with `tracer` on the machine that `inputs` name; the last half of simulate().
 Simulation play(const Inputs& inputs, const kernels::ProgramSpec& program, kernels::FrameProgram& frame,

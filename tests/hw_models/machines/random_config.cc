@@ -82,6 +82,11 @@ class Drawing {
                      const std::uint64_t drawn = sane ? near(limits, *member) : number(limits, most);
                      change(*member, static_cast<std::uint32_t>(drawn));
                    },
+                   [&](sim::AutoCount* member) {
+                     const std::uint64_t most = 3 * std::uint64_t{member->value} + 2;
+                     const std::uint64_t drawn = sane ? near(limits, member->value) : number(limits, most);
+                     change(*member, sim::AutoCount(static_cast<std::uint32_t>(drawn)));
+                   },
                    [&](sim::Frequency* member) {
                      change(*member, {sane ? near(limits, member->hz) : 100'000'000 + below(1'900'000'000)});
                    },

@@ -85,7 +85,7 @@ TEST(Streams, AnOutputThatCannotBeWrittenEndsWith74) {
 TEST(Set, ChangesOneFieldAndTheLastOneCounts) {
   const TempFolder folder;
   output_of(small_run(folder.path() / "out", {"--set", "cores=3", "--set", "l2.size=128 KiB", "--set", "cores=2",
-                                              "--set", "clocks.tni=250 MHz"}));
+                                              "--set", "clocks.tni=250 MHz", "--set", "power.voltage=dvfs"}));
   const nlohmann::json report = read_json(folder.path() / "out" / "report.json");
   EXPECT_EQ(report["config"]["cores"], 2);
   EXPECT_EQ(report["config"]["l2"]["size"], "128 KiB");

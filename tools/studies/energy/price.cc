@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "sim/config/config.h"
 #include "sim/error.h"
 #include "sim/io/printable.h"
 #include "sim/report/report_json.h"
@@ -178,6 +179,12 @@ std::vector<FigureChange> figure_changes(const RunConfig& from, const RunConfig&
   for (const auto& [name, figure] : all) {
     FigureChange change{name, band_text(a, name), band_text(b, name)};
     if (change.from != change.to) out.push_back(std::move(change));
+  }
+  const auto keys = sim::list_fields(from), others = sim::list_fields(to);
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    if (!keys[i].path.starts_with("power.") || keys[i].value == others[i].value) continue;
+    const bool is_table = keys[i].kind == sim::FieldKind::kSpreadMap;
+    out.push_back({keys[i].path, is_table ? "a table" : keys[i].value, is_table ? "another" : others[i].value});
   }
   return out;
 }

@@ -43,7 +43,9 @@ Number read_number(const YamlValue& value) {
 
 bool is_whole(const std::string& key) {
   for (const sim::FieldInfo& field : sim::list_fields(RunConfig())) {
-    if (field.path == key) return field.kind == sim::FieldKind::kUint32 || field.kind == sim::FieldKind::kUint64;
+    if (field.path != key) continue;
+    return field.kind == sim::FieldKind::kUint32 || field.kind == sim::FieldKind::kUint64 ||
+           field.kind == sim::FieldKind::kAutoCount;
   }
   return false;
 }

@@ -1,4 +1,4 @@
-#include "tools/simulation/ray_list.h"
+#include "tools/jobs/ray_list.h"
 
 #include <array>
 #include <cmath>

@@ -1,0 +1,86 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sim/config/field.h"
+#include "sim/named.h"
+
+namespace sim {
+
+/// Voltage at which energies are told.
+enum class Voltage : std::uint8_t {
+  kNominal,  ///< the energy table's, whatever the clock
+  kDvfs,     ///< what each domain needs for its clock
+};
+constexpr std::array<std::string_view, 2> names_of(Voltage) { return {"nominal", "dvfs"}; }
+
+/// Conditions under which the chip runs: one file of configs/power. With the defaults here nothing is scaled.
+struct PowerConfig {
+  Voltage voltage = Voltage::kNominal;
+  std::map<std::string, Spread> dvfs;
+  double nominal_voltage = 0.8;
+  double temperature = 75, nominal_temperature = 75;
+  double leakage_exponent = 3;
+  double leakage_doubling = 25;
+  double idle_leakage = 0.03;
+
+  static void describe(auto& c, auto&& field) {
+    const auto power = [&](auto& value, const char* name, const char* unit, const char* meaning, Limits limits) {
+      field(value, name, unit, meaning, limits, Affects::kEnergy);
+    };
+    power(NAMED(c.voltage), "",
+          "voltage at which energies are told: the energy table's whatever the clock, or what each clock needs by dvfs",
+          any());
+    power(NAMED(c.dvfs), "V", "voltage that a clock domain needs for a frequency, as tni@500MHz: points of a curve",
+          at_least(0));
+    power(NAMED(c.nominal_voltage), "V", "voltage that the energy table's figures hold at", between(0.1, 5));
+    power(NAMED(c.temperature), "C", "of the chip, for leakage", between(-40, 150));
+    power(NAMED(c.nominal_temperature), "C", "temperature that the energy table's figures hold at", between(-40, 150));
+    power(NAMED(c.leakage_exponent), "", "power of the voltage with which leakage grows", between(0, 20));
+    power(NAMED(c.leakage_doubling), "C", "rise of temperature that doubles leakage", between(1, 1000));
+    power(NAMED(c.idle_leakage), "", "part of the leakage that is left between frames (raywatt dvfs)", between(0, 1));
+  }
+  void check(auto&& complain) const {
+    for (const auto& [name, volt] : dvfs) {
+      if (volt.low != volt.high || volt.low <= 0) {
+        complain("dvfs", "'" + name + "' is no voltage; allowed: one number of volts, more than 0");
+      }
+    }
+  }
+};
+
+/// Factors of a block's energies over those of the energy table; a device's own are not concerned.
+struct PowerScale {
+  double dynamic = 1, leakage = 1;
+};
+/// Scales of blocks; 1 for those that are not there.
+using PowerScales = std::map<std::string, PowerScale>;
+
+/// Voltage over the frequency of a clock domain: straight lines between points, the lowest point's below them, and the
+/// last line's slope above.
+class VoltageCurve {
+ public:
+  double at(std::uint64_t hz) const;
+  std::uint64_t least_hz() const { return points_.front().hz; }
+  std::uint64_t most_hz() const { return points_.back().hz; }
+
+ private:
+  friend std::map<std::string, VoltageCurve> voltage_curves(const PowerConfig& config);
+  struct Point {
+    std::uint64_t hz;
+    double volt;
+  };
+  std::vector<Point> points_;  ///< by rising frequency
+};
+
+/// Curves of `config.dvfs` by domain. InputError for an entry without a frequency, or that falls as the clock rises.
+std::map<std::string, VoltageCurve> voltage_curves(const PowerConfig& config);
+
+/// Dynamic energy goes with the square of the voltage, leakage with a power of it, and doubles every so many degrees.
+PowerScale power_scale(const PowerConfig& config, double volt);
+
+}  // namespace sim

@@ -1,0 +1,113 @@
+#include "tools/studies/dvfs/dvfs.h"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/tools/program.h"
+
+// raywatt dvfs, and runs whose energies follow the voltage.
+
+namespace test {
+namespace {
+
+using Json = nlohmann::json;
+
+Ending ending_well(const Words& words) {
+  Ending ending = raywatt(words);
+  EXPECT_EQ(ending.exit, 0) << ending.err;
+  return ending;
+}
+
+Json report(const std::filesystem::path& folder, const Words& more) {
+  Words words = small_run(folder, more);
+  words.emplace_back("--quiet");
+  ending_well(words);
+  return read_json(folder / "report.json");
+}
+
+TEST(Dvfs, AtTheNominalClocksChangesNothing) {
+  const TempFolder folder;
+  Json plain = report(folder.path() / "a", {}), scaled = report(folder.path() / "b", {"--set", "power.voltage=dvfs"});
+  EXPECT_EQ(scaled["config"]["power"]["voltage"], "dvfs");
+  for (const char* part : {"totals", "units", "frames", "warnings"}) EXPECT_EQ(plain[part], scaled[part]) << part;
+}
+
+TEST(Dvfs, OfAFinishedRunIsPricedAsTheRunWouldHaveBeen) {
+  const TempFolder folder;
+  const Words clocks = {"--set", "clocks.tni=350 MHz", "--set", "clocks.srp=700 MHz"};
+  Words scaled = clocks;
+  scaled.insert(scaled.end(), {"--set", "power.voltage=dvfs", "--set", "power.temperature=50"});
+  const Json run = report(folder.path() / "scaled", scaled), plain = report(folder.path() / "plain", clocks);
+  EXPECT_EQ(plain["warnings"].size(), 2U);
+  EXPECT_EQ(run["warnings"].size(), 0U);
+  const Json priced = Json::parse(ending_well({"energy", "price", (folder.path() / "plain").string(), "--json", "--set",
+                                               "power.voltage=dvfs", "--set", "power.temperature=50"})
+                                      .out);
+  EXPECT_EQ(priced["runs"][0]["priced"]["energy_mj"], run["totals"]["energy_mj"]);
+  EXPECT_LT(run["totals"]["energy_mj"]["nominal"], plain["totals"]["energy_mj"]["nominal"]);
+  EXPECT_EQ(run["totals"]["cycles"], plain["totals"]["cycles"]);
+}
+
+TEST(Dvfs, PointAtTheNominalClocksIsTheRun) {
+  const TempFolder folder;
+  const Json curve =
+      Json::parse(ending_well({"dvfs", "--resolution", "64x64", "--factors", "1,0.5", "--json", "--threads", "2"}).out);
+  ending_well({"run", "--resolution", "64x64", "-o", (folder.path() / "one").string(), "--quiet"});
+  const Json run = read_json(folder.path() / "one" / "report.json");
+  ASSERT_EQ(curve["points"].size(), 2U);
+  EXPECT_EQ(curve["points"][0]["factor"], 0.5);
+  EXPECT_EQ(curve["points"][1]["energy_mj"], run["totals"]["energy_mj"]);
+  EXPECT_EQ(curve["points"][1]["cycles"], run["totals"]["cycles"]);
+  EXPECT_LT(curve["points"][0]["cycles"], run["totals"]["cycles"]) << "memory is nearer to a slower core";
+}
+
+TEST(Dvfs, HasItsLeastEnergyInsideTheRangeForAFrameThatTheUnitsBound) {
+  const Json curve =
+      Json::parse(ending_well({"dvfs", "sgrt-balanced", "--resolution", "128x64", "--json", "--threads", "2"}).out);
+  const std::size_t least = curve["energy_optimal"], last = curve["points"].size() - 1;
+  EXPECT_GT(least, 0U);
+  EXPECT_LT(least, last);
+  EXPECT_EQ(curve["race_to_idle"], last);
+}
+
+TEST(Dvfs, RefusesDomainsThatThereAreNot) {
+  const Ending ending = raywatt({"dvfs", "--clocks", "sarp"});
+  EXPECT_EQ(ending.exit, 2);
+  EXPECT_SAYS(ending.err, "'sarp', did you mean 'srp'");
+}
+
+tools::DvfsCurve two_points(double slow_mj, double fast_mj, double idle_mw) {
+  tools::DvfsCurve curve;
+  for (const auto& [ms, mj] : {std::pair{20.0, slow_mj}, std::pair{10.0, fast_mj}}) {
+    tools::DvfsPoint point;
+    point.ms = ms;
+    point.mj = {mj, mj, mj};
+    point.idle_mw = idle_mw;
+    curve.points.push_back(point);
+  }
+  return curve;
+}
+
+// Leakage of 100 mW alone, at one voltage: 2 mJ in 20 ms, 1 mJ in 10 ms; what is gated leaves 0.03 x 100 mW x 10 ms.
+TEST(DvfsPoints, OfLeakageAloneRaceToIdle) {
+  tools::DvfsCurve curve = two_points(2, 1, 3);
+  tools::choose_points(curve, 20);
+  EXPECT_EQ(curve.energy_optimal, 1U);
+  EXPECT_EQ(curve.race_to_idle, 1U);
+  EXPECT_EQ(curve.least_a_period, 1U);
+  EXPECT_DOUBLE_EQ(curve.points[0].period_mj, 2);
+  EXPECT_DOUBLE_EQ(curve.points[1].period_mj, 1.03);
+}
+
+TEST(DvfsPoints, OfDynamicEnergyAloneAreAsSlowAsThePeriodAllows) {
+  tools::DvfsCurve curve = two_points(1, 2, 0);
+  tools::choose_points(curve, 20);
+  EXPECT_EQ(curve.energy_optimal, 0U);
+  EXPECT_EQ(curve.least_a_period, 0U);
+  tools::choose_points(curve, 15);
+  EXPECT_LT(curve.points[0].period_mj, 0) << "20 ms do not fit into 15";
+  EXPECT_EQ(curve.least_a_period, 1U);
+}
+
+}  // namespace
+}  // namespace test

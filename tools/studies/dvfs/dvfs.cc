@@ -1,0 +1,111 @@
+#include "tools/studies/dvfs/dvfs.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "sim/error.h"
+#include "sim/io/printable.h"
+#include "tools/analysis/cost_totals.h"
+#include "tools/analysis/warnings.h"
+#include "tools/simulation/power.h"
+#include "tools/simulation/run_job.h"
+#include "traces/scene/did_you_mean.h"
+
+namespace tools {
+namespace {
+
+constexpr double kFemtosecondsPerMillisecond = 1e12;
+constexpr double kHzPerMhz = 1e6;
+/// Share of a period by which a frame may be longer and still be taken to meet it: rounding alone.
+constexpr double kRounding = 1e-9;
+
+void check_domains(const std::vector<std::string>& asked) {
+  std::vector<std::string> known;
+  for (const ClockDomain& domain : clock_domains()) known.emplace_back(domain.name);
+  for (const std::string& name : asked) {
+    if (std::ranges::find(known, name) != known.end()) continue;
+    throw sim::InputError(fmt::format("--clocks: no clock domain is called '{}'{}; allowed: {}", sim::printable(name),
+                                      traces::did_you_mean(name, known), fmt::join(known, ", ")));
+  }
+}
+
+/// The configuration with clocks times a factor, each at the voltage that it needs.
+RunConfig at_factor(const RunConfig& base, const std::vector<std::string>& domains, double factor) {
+  RunConfig config = base;
+  config.power.voltage = sim::Voltage::kDvfs;
+  for (const ClockDomain& domain : clock_domains()) {
+    if (std::ranges::find(domains, domain.name) == domains.end()) continue;
+    std::uint64_t& hz = (config.gpu.clocks.*domain.clock).hz;
+    hz = static_cast<std::uint64_t>(std::llround(static_cast<double>(hz) * factor));
+  }
+  check_run_config(config, fmt::format("--factors {}", factor));
+  return config;
+}
+
+/// Power between frames: what gating leaves of the chip's leakage, and the memory powered down.
+double idle_mw(const RunConfig& config, const Simulation& s, double ms) {
+  constexpr double kPicojoulesPerMicrojoule = 1e6;  // uJ / ms = mW
+  double leakage_pj = 0;
+  for (const ClockDomain& domain : clock_domains()) {
+    for (const std::string& block : domain.blocks) leakage_pj += s.energy.blocks.at(block).leakage.nominal;
+  }
+  const double ranks = config.gpu.dram.channels * config.gpu.dram.organisation.ranks;
+  return config.power.idle_leakage * leakage_pj / kPicojoulesPerMicrojoule / ms +
+         ranks * config.gpu.dram.energy.power_down_standby.nominal;
+}
+
+DvfsPoint point_of(double factor, const RunConfig& config, const Simulation& s) {
+  DvfsPoint point{.factor = factor, .mhz = {}, .volt = {}, .mj = s.energy.total_pj * (1 / kPicojoulesPerMillijoule)};
+  for (const ClockDomain& domain : clock_domains()) {
+    point.mhz.push_back(static_cast<double>((config.gpu.clocks.*domain.clock).hz) / kHzPerMhz);
+    point.volt.push_back(voltage_needed(config, domain));
+  }
+  point.cycles = s.cycles;
+  point.ms = static_cast<double>(s.elapsed) / kFemtosecondsPerMillisecond;
+  point.idle_mw = idle_mw(config, s, point.ms);
+  return point;
+}
+
+}  // namespace
+
+void choose_points(DvfsCurve& curve, double period_ms) {
+  curve.period_ms = period_ms;
+  curve.energy_optimal = curve.race_to_idle = curve.least_a_period = 0;
+  for (std::size_t i = 0; i < curve.points.size(); ++i) {
+    DvfsPoint& point = curve.points[i];
+    const bool meets = point.ms <= period_ms * (1 + kRounding);
+    point.period_mj = meets ? point.mj.nominal + point.idle_mw * std::max(0.0, period_ms - point.ms) / 1000 : -1;
+    if (point.mj.nominal < curve.points[curve.energy_optimal].mj.nominal) curve.energy_optimal = i;
+    if (point.ms < curve.points[curve.race_to_idle].ms) curve.race_to_idle = i;
+    const double least = curve.points[curve.least_a_period].period_mj;
+    if (meets && (least < 0 || point.period_mj < least)) curve.least_a_period = i;
+  }
+}
+
+DvfsCurve dvfs_curve(const DvfsOptions& options, Progress* progress) {
+  check_domains(options.domains);
+  std::vector<double> factors = options.factors;
+  std::ranges::sort(factors);
+  factors.erase(std::ranges::unique(factors).begin(), factors.end());
+  const Inputs inputs = load_inputs(options.job, progress);
+  std::vector<RunConfig> configs;
+  for (const double factor : factors) configs.push_back(at_factor(inputs.config, options.domains, factor));
+  const std::vector<Simulation> runs =
+      simulate_on(inputs, kernels::parse_program(options.job.program), configs, options.job.threads, progress);
+  DvfsCurve curve;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    curve.points.push_back(point_of(factors[i], configs[i], runs[i]));
+    for (const std::string& line : run_warnings(configs[i], runs[i].units)) {
+      if (std::ranges::find(curve.warnings, line) == curve.warnings.end()) curve.warnings.push_back(line);
+    }
+  }
+  double slowest = 0;
+  for (const DvfsPoint& point : curve.points) slowest = std::max(slowest, point.ms);
+  choose_points(curve, options.fps > 0 ? 1000 / options.fps : slowest);
+  return curve;
+}
+
+}  // namespace tools

@@ -1,0 +1,76 @@
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "sim/report/report_json.h"
+#include "sim/report/table.h"
+#include "tools/simulation/power.h"
+#include "tools/studies/dvfs/dvfs.h"
+
+namespace tools {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string marks_of(const DvfsCurve& curve, std::size_t i) {
+  std::string marks;
+  const auto mark = [&](bool is, const char* name) {
+    if (is) marks += (marks.empty() ? "" : ", ") + std::string(name);
+  };
+  mark(i == curve.energy_optimal, "energy-optimal");
+  mark(i == curve.race_to_idle, "race to idle");
+  mark(i == curve.least_a_period && curve.points[i].period_mj >= 0, "least a period");
+  return marks;
+}
+
+}  // namespace
+
+std::string dvfs_text(const DvfsCurve& curve) {
+  sim::Table table({"clocks x", "MHz", "V", "ms", "frames/s", "W", "mJ a frame", "frames/J", "mJ a period", ""});
+  for (std::size_t i = 0; i < curve.points.size(); ++i) {
+    const DvfsPoint& p = curve.points[i];
+    std::string mhz, volt;
+    for (std::size_t d = 0; d < p.mhz.size(); ++d) {
+      mhz += fmt::format("{}{:.4g}", d == 0 ? "" : "/", p.mhz[d]);
+      volt += fmt::format("{}{:.3f}", d == 0 ? "" : "/", p.volt[d]);
+    }
+    table.row({fmt::format("{:.4g}", p.factor), mhz, volt, fmt::format("{:.4g}", p.ms), fmt::format("{:.4g}", p.fps()),
+               fmt::format("{:.4g}", p.watt()), fmt::format("{:.4g}", p.mj.nominal),
+               fmt::format("{:.4g}", 1000 / p.mj.nominal),
+               p.period_mj < 0 ? std::string("too slow") : fmt::format("{:.4g}", p.period_mj), marks_of(curve, i)});
+  }
+  return fmt::format(
+      "clocks and voltages of T&I units / shader cores / L2; the memory's clock stays\n\n{}\n"
+      "a period is {:.4g} ms, {:.4g} frames/s: a frame, then idle\n",
+      table.text(), curve.period_ms, 1000 / curve.period_ms);
+}
+
+Json dvfs_json(const DvfsCurve& curve) {
+  Json points = Json::array();
+  for (const DvfsPoint& p : curve.points) {
+    Json mhz = Json::object(), volt = Json::object();
+    for (std::size_t d = 0; d < p.mhz.size(); ++d) {
+      mhz[std::string(clock_domains()[d].name)] = p.mhz[d];
+      volt[std::string(clock_domains()[d].name)] = p.volt[d];
+    }
+    points.push_back({{"factor", p.factor},
+                      {"mhz", mhz},
+                      {"volt", volt},
+                      {"cycles", p.cycles},
+                      {"time_ms", p.ms},
+                      {"fps", p.fps()},
+                      {"energy_mj", sim::spread_json(p.mj)},
+                      {"power_w", p.watt()},
+                      {"idle_mw", p.idle_mw},
+                      {"period_mj", p.period_mj < 0 ? Json(nullptr) : Json(p.period_mj)}});
+  }
+  return {
+      {"schema", "raywatt-dvfs/1"},
+      {"period_ms", curve.period_ms},
+      {"energy_optimal", curve.energy_optimal},
+      {"race_to_idle", curve.race_to_idle},
+      {"least_a_period", curve.points[curve.least_a_period].period_mj < 0 ? Json(nullptr) : Json(curve.least_a_period)},
+      {"warnings", curve.warnings},
+      {"points", points}};
+}
+
+}  // namespace tools
