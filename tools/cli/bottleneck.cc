@@ -21,10 +21,18 @@ std::string text_of(const Bottleneck& b) {
   std::string out =
       fmt::format("{} cycles of the T&I clock\nlimited by    {}\ntime goes to  {}\n\n",
                   sim::si_text(static_cast<double>(b.cycles)), b.limiter, top_down_text(time_json(b.time)));
-  sim::Table table({"made perfect", "cycles", "speed-up", "estimated"});
+  std::vector<std::string> header = {"made perfect", "cycles", "speed-up", "estimated"};
+  const bool replicated = b.plays.count > 1;
+  if (replicated) header.emplace_back(fmt::format("noise, of {} plays", b.plays.count));
+  sim::Table table(header);
   for (const Bound& bound : b.bounds) {
-    table.row({bound.resource, sim::si_text(static_cast<double>(bound.cycles)), fmt::format("{:.3f}", b.speedup(bound)),
-               fmt::format("{:.2f}", bound.estimated)});
+    std::vector<std::string> cells = {bound.resource, sim::si_text(static_cast<double>(bound.cycles)),
+                                      fmt::format("{:.3f}", b.speedup(bound)), fmt::format("{:.2f}", bound.estimated)};
+    if (replicated) {
+      const NoisySpeedup s = noisy_speedup(b.plays, bound.plays);
+      cells.push_back(fmt::format("mean {:.3f} ± {:.2g}, {}", s.value, s.half_width, s.outside ? "outside" : "within"));
+    }
+    table.row(std::move(cells));
   }
   sim::Table caches({"first-level caches", "hits", "cycles a miss", "time waited for"});
   for (const CacheShare& cache : b.caches) {
@@ -39,6 +47,10 @@ Json json_of(const Bottleneck& b) {
   for (const Bound& bound : b.bounds) {
     bounds[bound.resource] = {
         {"cycles", bound.cycles}, {"speedup", b.speedup(bound)}, {"estimated_speedup", bound.estimated}};
+    if (b.plays.count < 2) continue;
+    const NoisySpeedup s = noisy_speedup(b.plays, bound.plays);
+    bounds[bound.resource]["noise"] = {
+        {"plays", b.plays.count}, {"speedup", s.value}, {"half_width", s.half_width}, {"outside", s.outside}};
   }
   Json caches = Json::object();
   for (const CacheShare& cache : b.caches) {
@@ -56,6 +68,11 @@ void add_bottleneck(CLI::App& app) {
   const auto options = std::make_shared<JobOptions>();
   const auto json = std::make_shared<bool>(false);
   add_work_options(*verb, *options);
+  verb->add_option("--replicates", options->replicates,
+                   "play every run so many times, slightly perturbed, and say which speed-ups are outside the noise\n"
+                   "(docs/noise.md)")
+      ->check(CLI::Range(1U, kMostReplicates))
+      ->capture_default_str();
   verb->add_flag("--json", *json, "as JSON");
   add_progress_option(*verb, options->progress);
   verb->footer("Example: raywatt bottleneck sgrt-2016 --scene chess --resolution 512x256");

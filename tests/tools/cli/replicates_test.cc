@@ -65,5 +65,23 @@ TEST(ReplicatesOption, IsRefusedWhereTilesAreSampled) {
   expect_refusal(raywatt(small_run(folder.path() / "out", more)), {"--replicates", "--tile-sampling"});
 }
 
+TEST(ReplicatesOption, OfBottleneckSaysWhichSpeedupsAreOutsideTheNoise) {
+  const Words plain = {"bottleneck", "--resolution", "32x16", "--progress", "none", "--json"};
+  Words replicated = plain;
+  replicated.insert(replicated.end(), {"--replicates", "3"});
+  const Json one = Json::parse(raywatt(plain).out);
+  Json three = Json::parse(raywatt(replicated).out);
+  std::size_t outside = 0;
+  for (auto& [resource, bound] : three["bounds"].items()) {
+    EXPECT_EQ(bound["noise"]["plays"], 3) << resource;
+    const double gain = bound["noise"]["speedup"].get<double>() - 1, half = bound["noise"]["half_width"].get<double>();
+    EXPECT_EQ(bound["noise"]["outside"].get<bool>(), std::abs(gain) > half) << resource;
+    outside += bound["noise"]["outside"].get<bool>() ? 1 : 0;
+    bound.erase("noise");
+  }
+  EXPECT_GT(outside, 0U) << "something limits the frame";
+  EXPECT_EQ(one, three);
+}
+
 }  // namespace
 }  // namespace test

@@ -1,6 +1,7 @@
 #include "tools/studies/bottleneck/bottleneck.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "hw_models/srp/srp.h"
 #include "hw_models/tni/ist.h"
@@ -34,6 +35,13 @@ CacheShare tree_cache(const char* name, const Units<Unit>& units, double share) 
           ratio(units.counted(&Stats::l1_miss_cycles), units.counted(&Stats::l1_fills)), share};
 }
 
+/// Cycles of a run and of its replicates.
+Draws plays_of(const Simulation& run) {
+  std::vector<double> cycles = {static_cast<double>(run.cycles)};
+  for (const Simulation& replicate : run.replicates) cycles.push_back(static_cast<double>(replicate.cycles));
+  return draws_of(cycles);
+}
+
 }  // namespace
 
 std::vector<CacheShare> cache_shares(std::span<const sim::UnitReport> units, const CoreTime& time) {
@@ -52,12 +60,17 @@ std::vector<CacheShare> cache_shares(std::span<const sim::UnitReport> units, con
            ratio(srps.counted(&Srp::cache_miss_cycles), srps.counted(&Srp::cache_fills)), time.data_misses}};
 }
 
+NoisySpeedup noisy_speedup(const Draws& plain, const Draws& ideal) {
+  const MeanDifference saved = difference_of(ideal, plain);
+  return {plain.mean / ideal.mean, saved.half_width() / ideal.mean, std::abs(saved.value) > saved.half_width()};
+}
+
 Bottleneck find_bottleneck(const JobOptions& options, Progress* progress) {
   Inputs inputs = load_inputs(options, progress);
   const kernels::ProgramSpec program = kernels::parse_program(options.program);
   const auto play = [&](const char* what) {
-    if (progress != nullptr) progress->expect(1, what);
-    return simulate(inputs, program, options.threads, {.progress = progress});
+    if (progress != nullptr) progress->expect(options.replicates, what);
+    return simulate(inputs, program, options.threads, {.progress = progress, .replicates = options.replicates});
   };
   const Simulation measured = play("as configured");
   const CoreTime time = top_down(measured.units, measured.machine).gpu;
@@ -67,13 +80,15 @@ Bottleneck find_bottleneck(const JobOptions& options, Progress* progress) {
                    .time = time,
                    .named = most(estimates).resource,
                    .bounds = {},
-                   .caches = cache_shares(measured.units, time)};
+                   .caches = cache_shares(measured.units, time),
+                   .plays = plays_of(measured)};
   for (const hw::IdealConfig::Resource& resource : hw::IdealConfig::kResources) {
     bool& ideal = inputs.config.gpu.ideal.*resource.member;
     const bool configured = ideal;
     ideal = true;
     const double estimated = std::ranges::find(estimates, resource.name, &Estimate::resource)->speedup;
-    found.bounds.push_back({resource.name, play(resource.words).cycles, estimated});
+    const Simulation bound = play(resource.words);
+    found.bounds.push_back({resource.name, bound.cycles, estimated, plays_of(bound)});
     ideal = configured;
   }
   return found;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "tools/analysis/top_down.h"
+#include "tools/noise/statistics.h"
 #include "tools/simulation/job_options.h"
 
 namespace tools {
@@ -16,6 +17,7 @@ struct Bound {
   std::string resource;
   std::uint64_t cycles = 0;  ///< cycles of the T&I clock
   double estimated = 1;      ///< the speed-up that the counters of the run as configured promise
+  Draws plays{};             ///< cycles over all replicates
 };
 
 /// First-level caches of a kind, by the run as configured. `ideal.l1` makes all of them perfect at once.
@@ -35,8 +37,17 @@ struct Bottleneck {
   std::string named;  ///< the resource that the counters name
   std::vector<Bound> bounds;
   std::vector<CacheShare> caches;
+  Draws plays{};  ///< cycles over all replicates, as configured
   double speedup(const Bound& bound) const { return static_cast<double>(cycles) / static_cast<double>(bound.cycles); }
 };
+
+/// Speed-up of mean over mean, by replicates of both.
+struct NoisySpeedup {
+  double value = 1;
+  double half_width = 0;  ///< half of its 95 % interval
+  bool outside = false;   ///< beyond what noise explains
+};
+NoisySpeedup noisy_speedup(const Draws& plain, const Draws& ideal);
 
 /// Simulates the first frame once as configured and once with each resource made ideal. InputError, sim::Deadlock.
 Bottleneck find_bottleneck(const JobOptions& options, Progress* progress = nullptr);

@@ -23,7 +23,7 @@ std::vector<fs::path> experiments() {
 }
 
 TEST(Experiments, AreFiveEachWithAQuestionAndSoundPoints) {
-  ASSERT_EQ(experiments().size(), 5U);
+  ASSERT_EQ(experiments().size(), 6U);
   for (const fs::path& file : experiments()) {
     const Spec spec = read_spec(file);
     EXPECT_TRUE(spec.question.ends_with("?")) << file;
