@@ -120,9 +120,8 @@ inline sim::Time DramChannel::next_wake(sim::Time now) const {
     wake = std::min(wake, std::max({next, time_of(first.due), ports_out_[first.port]->push_at()}));
   }
   ports_in_.each([&](const sim::Link<MemRequest>& in) {
-    const sim::Time at = in.pop_at();
-    const bool room = at > now || !(in.front().write ? writes_ : reads_).full();
-    if (room) wake = std::min(wake, std::max(next, at));
+    const bool room = in.pop_at() > now || !(in.front().write ? writes_ : reads_).full();
+    if (room) wake = std::min(wake, std::max(next, in.pop_at()));
   });
   return wake;
 }

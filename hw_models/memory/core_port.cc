@@ -73,9 +73,8 @@ inline bool CorePort::send_up(sim::Time now) {
 }
 
 inline void CorePort::send(std::uint32_t client, sim::Time now) {
-  sim::Link<MemRequest>& in = clients_in_[client];
-  request_wait_ += now - in.pop_at();
-  const MemRequest request = in.pop(now);
+  request_wait_ += now - clients_in_.pop_at(client);
+  const MemRequest request = clients_in_[client].pop(now);
   target_of(request).push(now, request);
   up_free_ = now + clock_.period();
   if (request.write) {
@@ -104,9 +103,8 @@ inline void CorePort::carry_down(sim::Time now) {
 
 inline void CorePort::carry(std::uint32_t target, sim::Time now) {
   sim::Link<MemResponse>& in = targets_in_[target];
-  line_wait_ += now - in.pop_at();
-  sim::Link<MemResponse>& client = *clients_out_[in.front().source];
-  client.push(now, in.pop(now));
+  line_wait_ += now - targets_in_.pop_at(target);
+  clients_out_[in.front().source]->push(now, in.pop(now));
   down_free_ = now + carry_time_.back();
   line_until_ = std::max(line_until_, down_free_);
   stats_.lines_down += 1;

@@ -168,8 +168,7 @@ inline L2Bank::CycleReason L2Bank::waiting(sim::Time now) const {
     const bool to_memory = head_.request.write || (!misses_.full() && !has_room(2));
     return to_memory ? CycleReason::kMemoryFull : CycleReason::kMshrFull;
   }
-  if (hits_.pop_at() != sim::kNever) return CycleReason::kLookup;
-  if (unsent_.pop_at() != sim::kNever && !unsent_.can_pop(now)) return CycleReason::kLookup;
+  if (!hits_.empty() || (!unsent_.empty() && !unsent_.can_pop(now))) return CycleReason::kLookup;
   if (!misses_.empty()) return CycleReason::kMemory;
   return queued_ != 0 || (flushing_ && store_.dirty_lines() != 0) ? CycleReason::kMemoryFull : CycleReason::kIdle;
 }
@@ -183,9 +182,7 @@ inline sim::Time L2Bank::next_wake(sim::Time now) const {
   } else {
     at(hits_.pop_at());
   }
-  if (!filled_.pending()) {
-    at(channels_in_.pop_at());
-  }
+  if (!filled_.pending()) at(channels_in_.pop_at());
   if (!head_.full) {
     at(cores_in_.pop_at());
   } else if (!hits_.can_push(now) && !head_.request.write) {

@@ -138,7 +138,7 @@ class L2Bank {
   /// The line being handed to those who waited for it.
   struct Filled {
     Addr line = 0;
-    std::uint32_t next = 0, count = 0;  ///< of those who waited
+    std::uint32_t next = 0, count = 0;  ///< waiters: the next one, all
     const Waiters* waiters = nullptr;
     bool pending() const { return next < count; }
     const Waiter& first() const { return waiters->list[next]; }

@@ -54,7 +54,7 @@ sim::Time Srp::tick(sim::Time now) {
 }
 
 /// Charges the time since the last tick to the state in which that left the core.
-void Srp::account(sim::Time now) {
+inline void Srp::account(sim::Time now) {
   const std::uint64_t cycles = clock_.cycles(now - accounted_);
   if (fed_) stats_.fed += cycles;
   if (fed_ && !busy_) stats_.awaited += cycles;
@@ -69,7 +69,7 @@ void Srp::finish(sim::Time end) {
   buffer_.finish(end);
 }
 
-void Srp::take_tile(sim::Time now) {
+inline void Srp::take_tile(sim::Time now) {
   if (!links_.tiles_in.can_pop(now) || !has_room(links_.tiles_in.front())) return;
   const TileJob job = links_.tiles_in.pop(now);
   std::uint32_t tile = tile_of(job);
@@ -91,7 +91,7 @@ std::uint32_t Srp::tile_of(const TileJob& job) const {
   return tile == by_age_.end() ? static_cast<std::uint32_t>(tiles_.size()) : *tile;
 }
 
-void Srp::take_hit(sim::Time now) {
+inline void Srp::take_hit(sim::Time now) {
   if (!links_.hits_in.can_pop(now)) return;
   const std::uint32_t id = links_.hits_in.pop(now).id;
   buffer_.write(sizeof(traces::Hit) / kAccess);
@@ -103,7 +103,7 @@ void Srp::take_hit(sim::Time now) {
   if (news || rays_out_ == 0) look_ = true;
 }
 
-void Srp::take_dma(sim::Time now) {
+inline void Srp::take_dma(sim::Time now) {
   if (!links_.dma_in.can_pop(now)) return;
   const std::uint32_t tag = links_.dma_in.pop(now).tag;
   if (tag == kSpillTag) {
@@ -120,7 +120,7 @@ void Srp::take_dma(sim::Time now) {
   finish_items(now, tile, node, tiles_[tile].node(node).items);
 }
 
-void Srp::run_array(sim::Time now) {
+inline void Srp::run_array(sim::Time now) {
   if (run_.active && now >= run_.start) {
     const bool flowing = frame_.ideal ? load_all(now) : loads_in_time(now) && issue_loads(now);
     if (flowing && run_.next_item == run_.loading && loads_.empty() && now >= leaves_at(run_.parts.items() - 1)) {
@@ -185,7 +185,7 @@ sim::Time Srp::feed_at(const Feed& feed) const {
   return leaves <= run_.stalled_since ? leaves : sim::kNever;
 }
 
-bool Srp::feed_ray(sim::Time now) {
+inline bool Srp::feed_ray(sim::Time now) {
   if (feeds_.empty() || now < feed_free_at_ || !links_.rays_out.can_push(now)) return false;
   const auto feed = std::ranges::find_if(feeds_, [&](const Feed& f) { return feed_at(f) <= now; });
   if (feed == feeds_.end()) return false;
@@ -202,7 +202,7 @@ bool Srp::feed_ray(sim::Time now) {
   return true;
 }
 
-Srp::CycleReason Srp::why(sim::Time now) const {
+inline Srp::CycleReason Srp::why(sim::Time now) const {
   if (run_.active) {
     if (now < run_.configured) return CycleReason::kSwitching;
     if (now < run_.start) return CycleReason::kBanks;
@@ -216,7 +216,7 @@ Srp::CycleReason Srp::why(sim::Time now) const {
   return borders ? CycleReason::kBorders : CycleReason::kWaiting;
 }
 
-sim::Time Srp::next_wake(sim::Time now) const {
+inline sim::Time Srp::next_wake(sim::Time now) const {
   const sim::Time next = clock_.after(now, 1);
   if (!run_.active && look_) return next;
   sim::Time at = sim::kNever;

@@ -54,7 +54,7 @@ bool Srp::issue_loads(sim::Time now) {
 
 /// Issues items ahead of their time where that changes nothing: those that touch no line, and those whose lines are all
 /// here while none is on its way, so that nothing is filled.
-void Srp::issue_ready_hits() {
+inline void Srp::issue_ready_hits() {
   for (; run_.next_item < run_.loading; ++run_.next_item) {
     if (accesses_of(run_.next_item).empty()) continue;
     if (cache_.outstanding() != 0) return;
@@ -68,7 +68,7 @@ void Srp::issue_ready_hits() {
 
 /// An item of the present chunk asks for its lines, those it has not asked for yet. False if there is no MSHR
 /// left.
-bool Srp::ask(sim::Time now, std::uint32_t item) {
+inline bool Srp::ask(sim::Time now, std::uint32_t item) {
   const std::uint32_t slot = item % kMostLoadCycles;
   collect_lines(item);
   for (; run_.next_line < item_lines_.size(); ++run_.next_line) {
@@ -103,7 +103,7 @@ bool Srp::load_all(sim::Time now) {
 }
 
 /// Accesses of an item of the present loop.
-std::span<const traces::Access> Srp::accesses_of(std::uint32_t item) const {
+inline std::span<const traces::Access> Srp::accesses_of(std::uint32_t item) const {
   const LoopPart& part = run_.parts.of(item);
   const traces::TileWork& work = tiles_[part.tile].work();
   const std::uint32_t* begin = &work.access_begin[work.nodes[part.node].first + part.first + item - part.begin];
