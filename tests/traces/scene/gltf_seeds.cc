@@ -199,7 +199,12 @@ TinyGltf meshopt_patch() {
     return out;
   };
   std::vector<std::uint32_t> exponential(patch.positions.size());
+#if MESHOPTIMIZER_VERSION < 190  // it has the one mode
   meshopt_encodeFilterExp(exponential.data(), patch.vertices(), 12, 15, patch.positions.data());
+#else
+  meshopt_encodeFilterExp(exponential.data(), patch.vertices(), 12, 15, patch.positions.data(),
+                          meshopt_EncodeExpSharedVector);
+#endif
   add(vertices(exponential.data(), 12), patch.vertices(), 12, "ATTRIBUTES", "EXPONENTIAL");
   std::string indices(meshopt_encodeIndexBufferBound(patch.indices.size(), patch.vertices()), '\0');
   indices.resize(meshopt_encodeIndexBuffer(reinterpret_cast<unsigned char*>(indices.data()), indices.size(),

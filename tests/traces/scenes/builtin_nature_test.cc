@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <glm/geometric.hpp>
@@ -27,7 +28,7 @@ constexpr Case kCases[] = {
     {"village", 600'000, 1100, 20, 1}, {"forest", 174'000, 60, 14, 2}, {"hairball", 2'880'000, 12, 2, 3}};
 
 /// Each scene is made once for all tests.
-const Scene& scene_of(const std::string& name) {
+const Scene& scene_of(std::string_view name) {
   static std::vector<Scene> made;
   const auto found = std::ranges::find(made, name, &Scene::name);
   return found != made.end() ? *found : made.emplace_back(traces::build_scene(name));

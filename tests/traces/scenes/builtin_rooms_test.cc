@@ -1,6 +1,8 @@
 #include <cmath>
+#include <functional>
 #include <map>
 #include <string>
+#include <string_view>
 
 #include <gtest/gtest.h>
 
@@ -41,8 +43,8 @@ bool is_blocked(const Scene& scene, const glm::vec3& from, const glm::vec3& way)
 }
 
 /// Built once for all tests.
-const Scene& scene_called(const std::string& name) {
-  static std::map<std::string, Scene> scenes;
+const Scene& scene_called(std::string_view name) {
+  static std::map<std::string, Scene, std::less<>> scenes;
   const auto found = scenes.find(name);
   return found != scenes.end() ? found->second : scenes.emplace(name, traces::build_scene(name)).first->second;
 }

@@ -86,10 +86,6 @@ int check_baseline(const BaselineOptions& options) {
   if (!options.junit.empty()) check_junit(options.junit, options.force);
   const Baseline stored = stored_values(suite);
   const std::string again = "take new values with 'raywatt baseline accept'";
-  if (stored.embree != traces::embree_version()) {
-    throw sim::InputError(fmt::format("{}: stored with Embree {}, this program has {}, which may build other trees; {}",
-                                      suite.values.string(), stored.embree, traces::embree_version(), again));
-  }
   if (const std::vector<std::string> names = gone(suite, stored); !names.empty()) {
     throw sim::InputError(fmt::format("{}: has the run '{}', which is no longer in the suite; {}",
                                       suite.values.string(), names.front(), again));

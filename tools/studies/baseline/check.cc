@@ -92,8 +92,10 @@ std::vector<KeyPair> difference(const FlatConfig& was, const FlatConfig& is) {
   return out;
 }
 
-/// The reason that values made from `was` say nothing of values made from `is`; what else differs goes to `config`.
-std::vector<std::string> refusals(const Facts& was, const Facts& is, std::vector<KeyPair>& config) {
+/// The reason that values made from `was` with that Embree say nothing of values made from `is`; what else differs goes
+/// to `config`.
+std::vector<std::string> refusals(const Facts& was, const std::string& embree, const Facts& is,
+                                  std::vector<KeyPair>& config) {
   std::vector<std::string> out;
   if (was.program != is.program) out.push_back(fmt::format("stored of program {}, now {}", was.program, is.program));
   for (KeyPair& key : difference(was.config, is.config)) {
@@ -105,12 +107,15 @@ std::vector<std::string> refusals(const Facts& was, const Facts& is, std::vector
   }
   if (was.scene_sha256 != is.scene_sha256) out.emplace_back("stored of another scene (scene_sha256 differs)");
   if (out.empty() && was.bvh_hash != is.bvh_hash) {
-    std::string keys;
-    for (const KeyPair& key : config) {
-      if (key.key.starts_with("bvh.")) keys += fmt::format("; {} was {}, is {}", key.key, key.a, key.b);
+    std::string causes;
+    if (embree != traces::embree_version()) {
+      causes += fmt::format("; stored with Embree {}, this program has {}", embree, traces::embree_version());
     }
-    out.push_back(
-        fmt::format("stored of another tree: bvh_hash was {:.12}..., is {:.12}...{}", was.bvh_hash, is.bvh_hash, keys));
+    for (const KeyPair& key : config) {
+      if (key.key.starts_with("bvh.")) causes += fmt::format("; {} was {}, is {}", key.key, key.a, key.b);
+    }
+    out.push_back(fmt::format("stored of another tree: bvh_hash was {:.12}..., is {:.12}...{}", was.bvh_hash,
+                              is.bvh_hash, causes));
   }
   return out;
 }
@@ -197,7 +202,7 @@ Checked check_suite(const Suite& suite, const Baseline* stored, std::uint32_t jo
       if (stored != nullptr && was == stored->runs.end()) {
         run.refused.emplace_back("nothing is stored of it");
       } else if (stored != nullptr) {
-        run.refused = refusals(was->second.facts, measured.facts, run.config);
+        run.refused = refusals(was->second.facts, stored->embree, measured.facts, run.config);
         find_moved(was->second, chosen, measured.all, run);
         if (run.refused.empty() && !run.moved.empty())
           run.located = locate_regression(was->second.values, measured.all);

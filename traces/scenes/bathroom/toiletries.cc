@@ -25,12 +25,13 @@ void add_bottle(Scene& scene, const Detail& detail, const glm::vec3& at, float r
   std::vector<glm::vec2> top{{0.45F * radius, 0}};
   for (int k = 0; k < 4; ++k) {
     const float y = 0.012F * static_cast<float>(k);
-    top.insert(top.end(), {{0.5F * radius, y + 0.002F},
-                           {0.5F * radius, y + 0.008F},
-                           {0.47F * radius, y + 0.009F},
-                           {0.47F * radius, y + 0.011F}});
+    top.emplace_back(0.5F * radius, y + 0.002F);
+    top.emplace_back(0.5F * radius, y + 0.008F);
+    top.emplace_back(0.47F * radius, y + 0.009F);
+    top.emplace_back(0.47F * radius, y + 0.011F);
   }
-  top.insert(top.end(), {{0.46F * radius, 0.05F}, {0, 0.051F}});
+  top.emplace_back(0.46F * radius, 0.05F);
+  top.emplace_back(0, 0.051F);
   add_object(scene,
              transformed(make_lathe("cap", detail.profile(top), round), placed(at + glm::vec3(0, 0.95F * height, 0))),
              cap);
