@@ -231,7 +231,7 @@ std::vector<Simulation> simulate_on(const Inputs& inputs, const kernels::Program
   if (progress != nullptr) progress->expect(static_cast<std::uint32_t>(configs.size()) + 1);
   ProgressTileSource offered(front_end, made.frame->tiles(), progress, false);
   const kernels::FrameRequirements requirements = made.frame->requirements();
-  Recording tiles(offered, inputs, requirements, {.replicates = 2});
+  Recording tiles(offered, inputs, requirements, {.replicates = 2}, *made.frame);
   offered.begin("rendering", inputs.frame);
   while (const traces::TileWork* work = tiles.next()) tiles.give_back(work);
   Simulation plain;

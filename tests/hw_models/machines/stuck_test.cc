@@ -90,7 +90,7 @@ TEST(Patience, GrowsWithEverythingThatARequestMayWaitFor) {
   grows("cores", [](GpuConfig& c) { c.cores *= 2; });
   grows("channels", [](GpuConfig& c) { c.dram.channels *= 2; });
   grows("wires", [](GpuConfig& c) { c.interconnect.latency += 10; });
-  grows("hits of the L2", [](GpuConfig& c) { c.l2.cache.hit_cycles += 10; });
+  grows("hits of the L2", [](GpuConfig& c) { c.l2.cache.hit_cycles.value += 10; });
 }
 
 TEST(Patience, HasRoomForEightChunksOfTheLongestKernel) {

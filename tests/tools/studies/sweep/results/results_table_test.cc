@@ -55,7 +55,9 @@ TEST(ResultsTable, ShowsMeansAndIntervalsOfReplicates) {
   }
   // 2.776 x 10 / sqrt(5) = 12.4 cycles.
   EXPECT_SAYS(results_table(sweep.results(), {}), "  1010 ± 1.2 %");
-  EXPECT_SAYS(results_table(sweep.results(), {.csv = true}),
+  TableOptions csv;
+  csv.csv = true;
+  EXPECT_SAYS(results_table(sweep.results(), csv),
               "totals.replicates.figures.cycles.mean,totals.replicates.figures.cycles.low,"
               "totals.replicates.figures.cycles.high,totals.perf.fps");
 }
