@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdlib>
 #include <exception>
+#include <new>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -155,7 +156,13 @@ void Progress::run() {
   std::unique_lock lock(mutex_);
   const auto ended = [this] { return ended_; };
   if (form_ == Form::kBar && news_.wait_for(lock, kPatience, ended)) return;
-  while (!news_.wait_for(lock, kBetween, ended)) show();
+  while (!news_.wait_for(lock, kBetween, ended)) {
+    try {
+      show();
+    } catch (const std::bad_alloc&) {
+      // The work that is shown goes on without this line.
+    }
+  }
 }
 
 void Progress::show() {

@@ -1,6 +1,7 @@
 #include "tools/simulation/front_end.h"
 
 #include <algorithm>
+#include <exception>
 #include <iterator>
 #include <numeric>
 #include <utility>
@@ -26,7 +27,12 @@ FrontEnd::FrontEnd(kernels::FrameProgram& program, const traces::Tracer& tracer,
       record_(record),
       tile_indices_(std::move(tile_indices)),
       max_ahead_(std::max<std::size_t>(1, 8 * std::size_t{workers})) {
-  for (std::uint32_t i = 0; i < workers; ++i) threads_.emplace_back([this] { run_ahead(); });
+  threads_.reserve(workers);
+  try {
+    while (threads_.size() < workers) threads_.emplace_back([this] { run_ahead(); });
+  } catch (const std::exception&) {
+    // Those threads that the host did give make all tiles; without any, next() does.
+  }
 }
 
 FrontEnd::~FrontEnd() {

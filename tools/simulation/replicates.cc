@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <atomic>
-#include <exception>
 #include <mutex>
-#include <thread>
 #include <utility>
 
+#include "tools/host/on_threads.h"
 #include "tools/simulation/machine_run.h"
 
 namespace tools {
@@ -29,11 +28,7 @@ class Plays {
   }
 
   std::vector<Simulation> play(std::uint32_t threads) {
-    std::vector<std::thread> others;
-    for (std::size_t i = 1; i < std::min<std::size_t>(threads, all_.size()); ++i) others.emplace_back([&] { work(); });
-    work();
-    for (std::thread& other : others) other.join();
-    if (failure_) std::rethrow_exception(failure_);
+    on_threads(std::min<std::size_t>(threads, all_.size()), [this](std::size_t) { work(); });
     return std::move(all_);
   }
 
@@ -43,8 +38,7 @@ class Plays {
       for (std::size_t i = next_++; i < all_.size(); i = next_++) play_one(i);
     } catch (...) {
       next_ = all_.size();
-      const std::lock_guard lock(mutex_);
-      if (!failure_) failure_ = std::current_exception();
+      throw;
     }
   }
   void play_one(std::size_t i) {
@@ -76,7 +70,6 @@ class Plays {
   std::vector<Simulation> all_;
   std::atomic<std::size_t> next_ = 0;
   std::mutex mutex_;
-  std::exception_ptr failure_;
   std::uint32_t tiles_done_ = 0, parts_done_ = 0;  ///< finished; parts, each of as many tiles as the frame has
 };
 

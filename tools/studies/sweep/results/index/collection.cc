@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <atomic>
 #include <limits>
-#include <thread>
+
+#include "tools/host/on_threads.h"
 
 namespace tools::results {
 namespace {
@@ -20,16 +21,12 @@ struct Reader {
 std::vector<std::size_t> read_all(const sweep::Store& store, Collection& all, std::vector<Reader>& readers) {
   std::vector<std::size_t> by(all.points.size());
   std::atomic<std::size_t> next = 0;
-  const auto work = [&](std::size_t reader) {
+  on_threads(readers.size(), [&](std::size_t reader) {
     for (std::size_t i = next++; i < all.points.size(); i = next++) {
       all.states[i] = read_point_state(store, all.points[i].id, readers[reader].names);
       by[i] = reader;
     }
-  };
-  std::vector<std::jthread> threads;
-  for (std::size_t t = 1; t < readers.size(); ++t) threads.emplace_back(work, t);
-  work(0);
-  threads.clear();
+  });
   return by;
 }
 

@@ -1,0 +1,36 @@
+#include "tools/host/on_threads.h"
+
+#include <array>
+#include <atomic>
+#include <new>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+namespace {
+
+TEST(OnThreads, EachNumberIsCalledOnceAndAllHaveEnded) {
+  for (const std::size_t count : {0, 1, 2, 7}) {
+    std::array<std::atomic<int>, 8> calls{};
+    tools::on_threads(count, [&](std::size_t i) { ++calls[i]; });
+    for (std::size_t i = 0; i < calls.size(); ++i) EXPECT_EQ(calls[i], i < count ? 1 : 0) << count;
+  }
+}
+
+TEST(OnThreads, FailureOfAnyThreadReachesTheCallerWhenTheOthersHaveEnded) {
+  for (const std::size_t failing : {0, 1, 3}) {
+    std::atomic<int> ended = 0;
+    const auto work = [&](std::size_t i) {
+      if (i == failing) throw std::bad_alloc();
+      ++ended;
+    };
+    EXPECT_THROW(tools::on_threads(4, work), std::bad_alloc);
+    EXPECT_EQ(ended, 3);
+  }
+}
+
+TEST(OnThreads, OfSeveralFailuresOneReachesTheCaller) {
+  EXPECT_THROW(tools::on_threads(3, [](std::size_t) { throw std::runtime_error("all"); }), std::runtime_error);
+}
+
+}  // namespace

@@ -1,0 +1,33 @@
+#pragma once
+#include <cstddef>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace tools {
+
+/// Calls work(0) to work(count - 1), the first on the caller's thread and each other on a thread of its own, and
+/// returns when all have ended. Throws what the first call to fail has thrown, or what the start of a thread has.
+template <typename Work>
+void on_threads(std::size_t count, Work&& work) {
+  std::mutex mutex;
+  std::exception_ptr failure;
+  const auto guarded = [&](std::size_t i) {
+    try {
+      work(i);
+    } catch (...) {
+      const std::lock_guard lock(mutex);
+      if (!failure) failure = std::current_exception();
+    }
+  };
+  {
+    std::vector<std::jthread> others;
+    others.reserve(count);
+    for (std::size_t i = 1; i < count; ++i) others.emplace_back(guarded, i);
+    if (count != 0) guarded(0);
+  }
+  if (failure) std::rethrow_exception(failure);
+}
+
+}  // namespace tools
