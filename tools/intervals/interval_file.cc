@@ -118,6 +118,11 @@ IntervalFrame IntervalFrame::merged(std::size_t most) const {
   return less;
 }
 
+sim::Intervals intervals_of_frame(std::uint32_t frames) {
+  constexpr std::size_t kLeast = 16;
+  return sim::Intervals(sim::Intervals::kFirstLength, std::max(kLeast, sim::Intervals::kMost / frames / 2 * 2));
+}
+
 void IntervalPacker::add(std::uint32_t frame, const sim::Intervals& intervals) {
   std::string bytes(kLongestVarint * (4 + (intervals.size() + 1) * intervals.width()), '\0');
   char* at = bytes.data();

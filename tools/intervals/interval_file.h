@@ -48,6 +48,9 @@ struct IntervalFile {
   std::vector<IntervalFrame> frames;
 };
 
+/// For a frame of a run of so many, which share the most intervals that a run has; each may have a few.
+sim::Intervals intervals_of_frame(std::uint32_t frames);
+
 /// Packs a run's intervals frame by frame, so that no more than one frame is kept as it is.
 class IntervalPacker {
  public:

@@ -7,6 +7,7 @@
 #include "sim/error.h"
 #include "sim/io/file.h"
 #include "sim/io/printable.h"
+#include "sim/unit_values.h"
 #include "tools/pricing/idle_machine.h"
 #include "tools/pricing/reported_units.h"
 
@@ -26,19 +27,6 @@ bool are_named(std::span<const sim::UnitReport> units, std::span<const IntervalU
     return unit.path == named.path && std::ranges::equal(unit.why, named.reasons, same_reason) &&
            std::ranges::equal(unit.counters, named.counters, same_counter);
   });
-}
-
-/// Calls set(value, number, kind) for each of the units' values, in their order.
-void each_value(std::span<sim::UnitReport> units, auto&& set) {
-  std::size_t i = 0;
-  for (sim::UnitReport& unit : units) {
-    unit.elapsed = 0;
-    for (auto& [reason, cycles] : unit.why) {
-      set(cycles, i++, sim::CounterKind::kSum);
-      unit.elapsed += cycles;
-    }
-    for (sim::CounterReport& counter : unit.counters) set(counter.value, i++, counter.kind);
-  }
 }
 
 bool equal_counts(const std::vector<sim::UnitReport>& a, const std::vector<sim::UnitReport>& b) {
@@ -86,13 +74,13 @@ RunIntervals::RunIntervals(const ReportFile& report)
 
 void RunIntervals::set_until(const IntervalFrame& frame, std::size_t interval, std::span<sim::UnitReport> units) {
   const std::span<const std::uint64_t> row = frame.row(interval);
-  each_value(units, [&](std::uint64_t& value, std::size_t i, sim::CounterKind) { value = row[i]; });
+  sim::each_value(units, [&](std::uint64_t& value, std::size_t i, sim::CounterKind) { value = row[i]; });
 }
 
 void RunIntervals::set_within(const IntervalFrame& frame, std::size_t interval, std::span<sim::UnitReport> units) {
   if (interval == 0) return set_until(frame, interval, units);
   const std::span<const std::uint64_t> row = frame.row(interval), before = frame.row(interval - 1);
-  each_value(units, [&](std::uint64_t& value, std::size_t i, sim::CounterKind kind) {
+  sim::each_value(units, [&](std::uint64_t& value, std::size_t i, sim::CounterKind kind) {
     value = kind == sim::CounterKind::kPeak ? row[i] : row[i] - before[i];
   });
 }
