@@ -64,10 +64,12 @@ void tell_warnings(const nlohmann::ordered_json& report, std::size_t told) {
   for (std::size_t i = told; i < lines.size(); ++i) tell("warning: {}", lines[i].get<std::string>());
 }
 
-void write_report(const std::filesystem::path& folder, const nlohmann::ordered_json& json, const RunConfig& config) {
+void write_report(const std::filesystem::path& folder, const nlohmann::ordered_json& json, const RunConfig& config,
+                  const TileTable& tiles) {
   sim::write_file_atomically(folder / "report.json", sim::json_text(json));
   sim::write_file_atomically(folder / "report.txt", report_table(json));
   sim::write_file_atomically(folder / "config.yaml", sim::dump_config(config));
+  if (!tiles.frames.empty()) sim::write_file_atomically(folder / kTilesFile, tiles_text(tiles));
 }
 
 }  // namespace tools

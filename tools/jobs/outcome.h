@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/analysis/report.h"
+#include "tools/tiles/tile_table.h"
 
 namespace tools {
 
@@ -16,6 +17,7 @@ struct Outcome {
   double squared_error = 0;  ///< sum over frames
   nlohmann::ordered_json frames = nlohmann::ordered_json::array();
   bool partial = false;
+  TileTable tiles;  ///< of the frames that were itemised
 
   /// Adds a frame, and what it is compared with, if anything: `error` is their pictures' mean squared difference.
   void add(std::uint32_t number, Simulation frame, std::optional<Simulation> compared, double error);
@@ -31,7 +33,8 @@ std::size_t frames_to_replace(const std::filesystem::path& folder);
 /// Says on standard error what stands in `warnings` of a report behind the first `told`.
 void tell_warnings(const nlohmann::ordered_json& report, std::size_t told);
 
-/// Writes report.json, report.txt and config.yaml into a folder.
-void write_report(const std::filesystem::path& folder, const nlohmann::ordered_json& json, const RunConfig& config);
+/// Writes report.json, report.txt and config.yaml into a folder, and tiles.json if there are any.
+void write_report(const std::filesystem::path& folder, const nlohmann::ordered_json& json, const RunConfig& config,
+                  const TileTable& tiles = {});
 
 }  // namespace tools

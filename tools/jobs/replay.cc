@@ -11,6 +11,7 @@
 #include "tools/host/interrupt.h"
 #include "tools/simulation/recorded.h"
 #include "tools/simulation/replay_program.h"
+#include "tools/tiles/tile_frame.h"
 #include "traces/accel/bvh_config.h"
 
 namespace tools {
@@ -125,7 +126,7 @@ Simulation Replay::play(const Part& part, const kernels::ProgramSpec& program, s
   inputs_.frame = part.frame;
   return tools::play(
       inputs_, program, frame, NoTracer(), threads,
-      {.keep_part = how.keep_part, .progress = how.progress, .replicates = how.replicates});
+      {.keep_part = how.keep_part, .progress = how.progress, .replicates = how.replicates, .itemised = how.itemised});
 }
 
 Outcome Replay::run(std::uint32_t threads, const How& how) {
@@ -142,13 +143,16 @@ Outcome Replay::run(std::uint32_t threads, const How& how) {
       const Part& work = trace_.naming_file([&]() -> const Part& { return part(number, false); });
       How whole = how;
       whole.keep_part = false;
+      How other_program = whole;
+      other_program.itemised = false;
       const bool may_be_part = how.keep_part && out.frames.empty();
       Simulation played = play(work, program_, threads, may_be_part ? how : whole);
+      if (!played.tile_accounts.empty()) out.tiles.frames.push_back(tile_frame(played, inputs_.config, number));
       std::optional<Simulation> compared;
       if (reference_ && !played.is_part()) {
         const Part& other = trace_.naming_file([&]() -> const Part& { return part(number, true); });
         try {
-          compared = play(other, *reference_, threads, whole);
+          compared = play(other, *reference_, threads, other_program);
         } catch (const Interrupted&) {
           if (!may_be_part) throw;
         }

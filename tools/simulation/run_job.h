@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "hw_models/machines/watchers.h"
+#include "hw_models/memory/tile_book.h"
 #include "hw_models/srp/schedule.h"
 #include "hw_models/srp/srp_stats.h"
 #include "shader_kernels/programs/adaptive/rate_map.h"
@@ -87,10 +89,12 @@ struct Simulation {
   sim::Time elapsed = 0;
   double wall_seconds = 0;  ///< host, functional and timing together
   std::uint32_t tiles = 0,
-                finished_tiles = 0;     ///< tiles of the last frame; all are finished, but for Extras::keep_part
-  std::optional<SampledFrame> sampled;  ///< if most of this is estimated
-  std::vector<Simulation> replicates;   ///< the same work, perturbed; without pictures
-  double replicate_seconds = 0;         ///< host, for these
+                finished_tiles = 0;            ///< tiles of the last frame; all are finished, but for Extras::keep_part
+  std::optional<SampledFrame> sampled;         ///< if most of this is estimated
+  std::vector<Simulation> replicates;          ///< the same work, perturbed; without pictures
+  double replicate_seconds = 0;                ///< host, for these
+  std::vector<hw::TileAccount> tile_accounts;  ///< with Extras::itemised: of each entry of the tile list
+  hw::TileAccount rest;                        ///< likewise: what no tile has asked for
   std::uint64_t rays() const;
   bool is_part() const { return finished_tiles < tiles; }
   /// Adds a later frame's figures; the picture stays.
@@ -106,6 +110,8 @@ struct Extras {
   traces::TraceWriter* trace = nullptr;  ///< gets the frame's work, if somebody wants it
   bool reference = false;                ///< for the trace: this is what others are compared with
   std::uint32_t replicates = 1;          ///< plays of the work, of which the first is not perturbed
+  bool itemised = false;                 ///< what each tile and pixel took is kept
+  hw::Watchers watchers = {};            ///< of the machine
 };
 
 /// Runs a frame program on the machine.

@@ -25,6 +25,7 @@ class Run:
     frames   the same for each frame: a row a frame
     units    a row for each cycle reason and counter of each unit: unit, kind (elapsed, why or counter), name, value
     kernels  a row a kernel, by name
+    tiles    a row for each entry of a frame's tile list: frame, then the columns of tiles.json; None without that file
     report   the whole file as dictionaries and lists
     """
 
@@ -33,6 +34,7 @@ class Run:
     units: pandas.DataFrame
     kernels: pandas.DataFrame
     report: dict
+    tiles: pandas.DataFrame = None
 
 
 def load(folder):
@@ -44,6 +46,7 @@ def load(folder):
         units=pandas.DataFrame(_unit_rows(report["units"]), columns=["unit", "kind", "name", "value"]),
         kernels=pandas.DataFrame.from_dict(report["totals"].get("kernels", {}), orient="index"),
         report=report,
+        tiles=_tiles(pathlib.Path(folder, "tiles.json")),
     )
 
 
@@ -72,6 +75,14 @@ def load_trace_info(file, program="raywatt"):
     if asked.returncode != 0:
         raise ValueError(asked.stderr.strip())
     return pandas.Series(_flat(json.loads(asked.stdout)), dtype=object, name=str(file))
+
+
+def _tiles(file):
+    if not file.exists():
+        return None
+    frames = _read(file, "raywatt-tiles/1")["frames"]
+    return pandas.concat([pandas.DataFrame({"frame": frame["frame"], **frame["columns"]}) for frame in frames],
+                         ignore_index=True)
 
 
 def _read(file, schema):
