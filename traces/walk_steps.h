@@ -7,14 +7,25 @@
 
 namespace traces {
 
-/// Canonical traversal steps of whole walks, back to back: nodes visited and triangles tested.
-inline std::uint64_t count_steps(std::span<const std::uint32_t> words) {
-  std::uint64_t steps = 0;
+/// Canonical traversal steps: nodes visited and triangles tested.
+struct WalkSteps {
+  std::uint64_t visits = 0, tests = 0;
+  std::uint64_t all() const { return visits + tests; }
+  WalkSteps& operator+=(const WalkSteps& other) {
+    visits += other.visits;
+    tests += other.tests;
+    return *this;
+  }
+};
+
+/// Those of whole walks, back to back.
+inline WalkSteps count_steps(std::span<const std::uint32_t> words) {
+  WalkSteps steps;
   for (std::size_t i = 0; i < words.size(); ++i) {
     if (kind_of(words[i]) == StepKind::kVisit) {
-      steps += 1;
+      steps.visits += 1;
     } else if (kind_of(words[i]) == StepKind::kLeaf && !is_enter(words[i])) {
-      steps += count_of(words[i++]);  // its exit phases follow
+      steps.tests += count_of(words[i++]);  // its exit phases follow
     }
   }
   return steps;

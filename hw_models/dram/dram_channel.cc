@@ -27,6 +27,7 @@ DramChannel::DramChannel(const DramConfig& c, Links links, bool ideal, const Dra
       ports_in_(std::move(links.ports_in)),
       ports_out_(std::move(links.ports_out)),
       watcher_(links.watcher),
+      book_(links.book),
       device_(c),
       data_bus_(most_bursts(c.timing)),
       page_policy_(c.controller.page_policy),
@@ -196,6 +197,7 @@ inline void DramChannel::issue(Cycle now) {
     case DramCommand::kActivate:
       entry.activated = true;
       stats_.activates += 1;
+      if (book_ != nullptr) book_->of(entry.request.owner).activates += 1;
       device_.activate(address.bank, address.row, now);
       reads_.row_opened(address.bank, address.row);
       writes_.row_opened(address.bank, address.row);
@@ -222,6 +224,7 @@ inline void DramChannel::transfer(const DramQueue::Entry& entry, Cycle now) {
   const Cycle end = data + device_.data_cycles();
   data_end_ = std::max(data_end_, end);
   if (watcher_ != nullptr) watcher_->served(r, end * clock_.period());
+  charge(r);
   device_.each_burst(data, [&](Cycle begin, Cycle burst_end) { data_bus_.book({begin, burst_end, r.write}); });
   if (r.write) {
     stats_.writes += 1;
@@ -258,33 +261,6 @@ void DramChannel::settle(Cycle until) {
     activity_.spend(settled_ * clock_.period(), clock_.period(), why, why);
     settled_ = end;
   }
-}
-
-sim::Time DramChannel::tick_ideal(sim::Time now) {
-  CycleReason why = CycleReason::kIdle;
-  bool blocked = false;
-  sim::Time wake = sim::kNever;
-  for (std::size_t port = 0; port < ports_in_.size(); ++port) {
-    sim::Link<MemRequest>& in = ports_in_[port];
-    sim::Link<MemResponse>& out = *ports_out_[port];
-    while (in.can_pop(now) && (in.front().write || out.can_push(now))) {
-      const MemRequest r = in.pop(now);
-      (r.write ? stats_.writes : stats_.reads) += 1;
-      (r.write ? stats_.write_bursts : stats_.read_bursts) += bursts_;
-      stats_.bytes += line_bytes_;
-      stats_.row_hits += 1;
-      why = r.write ? CycleReason::kWriting : CycleReason::kReading;
-      if (!r.write) out.push(now, {r.line, r.source, r.tag});
-      if (watcher_ != nullptr) watcher_->served(r, now + clock_.period());
-    }
-    const bool stuck = in.can_pop(now);
-    blocked |= stuck;
-    if (stuck) wake = std::min(wake, std::max(now + clock_.period(), out.push_at()));
-    if (!stuck && in.pop_at() != sim::kNever) wake = std::min(wake, in.pop_at());
-  }
-  const CycleReason then = blocked ? CycleReason::kReturnsFull : CycleReason::kIdle;
-  activity_.spend(now, clock_.period(), why == CycleReason::kIdle ? then : why, then);
-  return wake;
 }
 
 std::string DramChannel::state() const {

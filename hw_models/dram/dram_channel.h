@@ -12,6 +12,7 @@
 #include "hw_models/dram/scheduled_command.h"
 #include "hw_models/memory/arbiter.h"
 #include "hw_models/memory/messages.h"
+#include "hw_models/memory/tile_book.h"
 #include "hw_models/memory/unit_names.h"
 #include "sim/activity.h"
 #include "sim/counter_kind.h"
@@ -85,6 +86,7 @@ class DramChannel {
     std::vector<sim::Link<MemRequest>*> ports_in;
     std::vector<sim::Link<MemResponse>*> ports_out;
     Watcher* watcher = nullptr;
+    TileBook* book = nullptr;  ///< told of what is done, if there is one
   };
 
   DramChannel(const DramConfig& config, Links links, bool ideal = false, const DramShift& shift = {});
@@ -136,6 +138,11 @@ class DramChannel {
   void issue(Cycle now);
   void row_done(const DramAddress& address);
   void transfer(const DramQueue::Entry& entry, Cycle now);
+  void charge(const MemRequest& r) {
+    if (book_ == nullptr) return;
+    TileAccount& account = book_->of(r.owner);
+    (r.write ? account.dram_writes : account.dram_reads) += 1;
+  }
   bool overdue(const DramQueue& queue, Cycle now) const {
     return !queue.empty() && now >= queue.oldest().arrived + controller_.age_limit;
   }
@@ -154,6 +161,7 @@ class DramChannel {
   const sim::Inputs<MemRequest> ports_in_;
   const std::vector<sim::Link<MemResponse>*> ports_out_;
   Watcher* const watcher_;
+  TileBook* const book_;
 
   DramDevice device_;
   DataBus data_bus_;

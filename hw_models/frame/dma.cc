@@ -14,6 +14,7 @@ sim::Time Dma::tick(sim::Time now) {
   if (!active_ && links_.jobs_in.can_pop(now)) {
     job_ = links_.jobs_in.pop(now);
     active_ = true;
+    begun_at_ = now;
     next_line_ = line_of(job_.base);
     lines_left_ = static_cast<std::uint32_t>((whole_lines(job_.base + job_.bytes) - next_line_) / kLineBytes);
     replies_left_ = job_.write ? 0 : lines_left_;
@@ -22,6 +23,7 @@ sim::Time Dma::tick(sim::Time now) {
   const bool moved = active_ && move_line(now);
   if (active_ && lines_left_ == 0 && replies_left_ == 0 && links_.done_out.can_push(now)) {
     links_.done_out.push(now, DmaDone{job_.tag});
+    if (links_.observer != nullptr) links_.observer->transfer_ends(links_.core, job_, begun_at_, now);
     active_ = false;
     stats_.jobs += 1;
   }
@@ -35,7 +37,7 @@ sim::Time Dma::tick(sim::Time now) {
 
 bool Dma::move_line(sim::Time now) {
   if (lines_left_ == 0 || encodes(now) || !links_.memory_out.can_push(now)) return false;
-  links_.memory_out.push(now, MemRequest{next_line_, port_, 0, job_.write});
+  links_.memory_out.push(now, MemRequest{next_line_, port_, 0, job_.write, kWholeLine, job_.owner});
   next_line_ += kLineBytes;
   lines_left_ -= 1;
   encoded_at_ = clock_.after(now, job_.encode_cycles);

@@ -5,6 +5,7 @@
 
 #include "hw_models/memory/unit_names.h"
 #include "hw_models/srp/messages.h"
+#include "hw_models/srp/observer.h"
 #include "sim/activity.h"
 #include "sim/link.h"
 #include "sim/named.h"
@@ -57,6 +58,8 @@ class Dma {
     sim::Link<DmaDone>& done_out;
     sim::Link<MemRequest>& memory_out;
     sim::Link<MemResponse>& memory_in;
+    Observer* observer = nullptr;  ///< told of each transfer, if there is one
+    std::uint32_t core = 0;        ///< as whose it knows this one
   };
 
   Dma(Links links, std::uint16_t port, sim::Clock clock) : clock_(clock), links_(links), port_(port) {}
@@ -86,6 +89,7 @@ class Dma {
   Addr next_line_ = 0;
   std::uint32_t lines_left_ = 0;  ///< still to be asked for
   std::uint32_t replies_left_ = 0;
+  sim::Time begun_at_ = 0;    ///< when the job was taken
   sim::Time encoded_at_ = 0;  ///< when the next line has been encoded, if it must be
   Stats stats_;
   sim::Activity<CycleReason> activity_;

@@ -112,8 +112,12 @@ class RecordStream {
     const Addr end = std::min(end_of_line(at), read ? written_ : accepted_ * shape_.record_bytes);
     const auto first = static_cast<std::uint32_t>(at % kLineBytes / kSectorBytes);
     const auto past = static_cast<std::uint32_t>((end - 1) % kLineBytes / kSectorBytes + 1);
-    MemRequest request{shape_.base + line_of(at) % bytes_of(shape_), shape_.port, 0, !read,
-                       static_cast<SectorMask>((1U << past) - (1U << first))};
+    MemRequest request{shape_.base + line_of(at) % bytes_of(shape_),
+                       shape_.port,
+                       0,
+                       !read,
+                       static_cast<SectorMask>((1U << past) - (1U << first)),
+                       records_[at / shape_.record_bytes % shape_.ring].owner};
     if (read) {
       request.tag = static_cast<std::uint16_t>(last_ % chunks_.size());
       chunks_[request.tag] = {end, false};

@@ -56,7 +56,8 @@ bool TileDispatcher::dispatch(sim::Time now) {
   for (std::size_t k = 0; k < cores; ++k) {
     const std::size_t core = (turn_ + k) % cores;
     if (!has_room(core) || now < start_at_[core] || !links_.to_core[core]->can_push(now)) continue;
-    const TileJob job{next_, missing(*next_)};
+    const Owner owner = links_.book != nullptr ? links_.book->open(static_cast<std::uint32_t>(core), now) : kNoOwner;
+    const TileJob job{next_, missing(*next_), owner};
     links_.to_core[core]->push(now, job);
     if (job.missing != 0) {
       importers_.push_back({core, job});
@@ -83,6 +84,7 @@ void TileDispatcher::collect(sim::Time now) {
       continue;
     }
     written(done.work->tile, (1U << traces::kMostBorders) - 1);  // those that it has not written will not change
+    if (links_.book != nullptr) links_.book->close(done.owner, now);
     source_.give_back(done.work);
     in_flight_[core] -= 1;
     stats_.finished += 1;

@@ -42,7 +42,7 @@ Gpu::Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles, c
       l2_clock_(config.clocks.l2.clock()),
       in_flight_(tiles_in_flight(config.tile_buffer, workload.needs, config.ideal.tile_buffer)),
       machine_(config.clocks.synchroniser),
-      memory_(machine_, config_, MemorySystem::Dma::kYes, perturbation.dram),
+      memory_(machine_, config_, MemorySystem::Dma::kYes, perturbation.dram, workload.watchers),
       dispatcher_id_(machine_.unit({TileDispatcher::kName, l2_clock_})) {
   SrpConfig srp = config.srp;
   if (config.ideal.tile_buffer) srp.array.local_ports = 64;  // more than any kernel can use
@@ -53,6 +53,7 @@ Gpu::Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles, c
   patience_ = hw::patience(config, kernels_, conflicts_);
 
   TileDispatcher::Links links;
+  links.book = workload.watchers.book;
   for (std::uint32_t c = 0; c < config.cores; ++c) {
     const Core& core = declare_core(c);
     links.to_core.push_back(&core.tiles_in);
@@ -101,7 +102,10 @@ Srp::Frame Gpu::frame_of(const Workload& workload, std::uint32_t core) const {
           .encode_cycles = workload.dma_encodes ? config_.tile_buffer.colour_bytes / traces::kPixelBytes : 0,
           .ideal = config_.ideal.srp,
           .ideal_buffer = config_.ideal.tile_buffer,
-          .ideal_cache = config_.ideal.l1};
+          .ideal_cache = config_.ideal.l1,
+          .book = workload.watchers.book,
+          .observer = workload.watchers.cores,
+          .core = core};
 }
 
 void Gpu::build_core(std::uint32_t c, const Workload& workload) {
@@ -113,7 +117,7 @@ void Gpu::build_core(std::uint32_t c, const Workload& workload) {
   const Interface wires = link_interface(core, between.value_or(core.srp_id));
 
   const std::vector<MemoryPort> tni = memory_.cache_clients(c, core.tni.memory_clients());
-  const MemoryPort data = memory_.cache_client(c, {core.srp_id, config_.srp.data_cache.mshrs});
+  const MemoryPort data = memory_.cache_client(c, {core.srp_id, config_.srp.data_cache.mshrs, Asker::kShading});
   const MemoryPort transfers = memory_.dma_client(c, dma);
   const std::uint32_t in_flight = in_flight_.most();
   auto& dma_jobs = machine_.link<DmaJob>(in_flight, 1, core.srp_id, dma);
@@ -126,11 +130,13 @@ void Gpu::build_core(std::uint32_t c, const Workload& workload) {
   machine_.report_part(name_in_core(TileBuffer::kName, c), core.srp->tile_buffer(), config_.tile_buffer.size.bytes);
   core.tni.build(machine_, scene_in_memory(workload.image, workload.parents), direct.interval,
                  {wires.rays_to_tni, wires.hits_from_tni, tni});
-  core.dma = &machine_.build<Dma>(dma, Dma::Links{dma_jobs, dma_dones, transfers.requests, transfers.responses},
-                                  transfers.client, srp_clock_);
+  core.dma = &machine_.build<Dma>(
+      dma, Dma::Links{dma_jobs, dma_dones, transfers.requests, transfers.responses, workload.watchers.cores, c},
+      transfers.client, srp_clock_);
   if (!between) return memory_.build_ports(c);
   const std::uint32_t lines = config_.interconnect.link_depth;
-  const MemoryPort rays = memory_.cache_client(c, {*between, lines}), hits = memory_.cache_client(c, {*between, lines});
+  const MemoryClient records{*between, lines, Asker::kRecords};
+  const MemoryPort rays = memory_.cache_client(c, records), hits = memory_.cache_client(c, records);
   memory_.build_ports(c);
   machine_.build<MemoryInterface>(
       *between, direct, records_of(config_, workload, c), rays.client,

@@ -11,6 +11,7 @@
 #include "hw_models/machines/gpu_config.h"
 #include "hw_models/machines/memory_system.h"
 #include "hw_models/machines/perturbation.h"
+#include "hw_models/machines/watchers.h"
 #include "hw_models/srp/srp.h"
 #include "hw_models/tni/tni_core.h"
 #include "sim/machine.h"
@@ -34,6 +35,7 @@ class Gpu {
     std::span<const std::uint32_t> parents;  ///< the parent of each node of the tree
     traces::FrameRequirements needs{.tile_samples = 256};
     bool dma_encodes = false;  ///< the DMA sRGB-encodes finished pixels
+    Watchers watchers = {};    ///< are told what it does
   };
 
   Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles, const Perturbation& perturbation = {});

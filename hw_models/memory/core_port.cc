@@ -15,6 +15,8 @@ CorePort::CorePort(const InterconnectConfig& config, Links links, Interleave tar
       targets_out_(std::move(links.targets_out)),
       clients_in_(std::move(links.clients_in)),
       targets_in_(std::move(links.targets_in)),
+      asks_(std::move(links.asks)),
+      book_(links.book),
       targets_(targets),
       clock_(clock),
       ideal_(ideal),
@@ -81,6 +83,7 @@ inline void CorePort::send(std::uint32_t client, sim::Time now) {
     up_free_ = now + carry_time_[static_cast<std::size_t>(std::popcount(request.sectors))];
     line_until_ = std::max(line_until_, up_free_);
   }
+  if (book_ != nullptr) book_->of(request.owner).lines[static_cast<std::size_t>(asks_[client])] += 1;
   stats_.requests += 1;
   stats_.lines_up += request.write;
 }

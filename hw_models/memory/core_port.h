@@ -7,6 +7,7 @@
 #include "hw_models/memory/arbiter.h"
 #include "hw_models/memory/interleave.h"
 #include "hw_models/memory/messages.h"
+#include "hw_models/memory/tile_book.h"
 #include "hw_models/memory/unit_names.h"
 #include "sim/activity.h"
 #include "sim/config/field.h"
@@ -78,6 +79,8 @@ class CorePort {
     std::vector<sim::Link<MemResponse>*> clients_out;
     std::vector<sim::Link<MemRequest>*> targets_out;
     std::vector<sim::Link<MemResponse>*> targets_in;
+    std::vector<Asker> asks;   ///< what each client's lines are for, if there is a book
+    TileBook* book = nullptr;  ///< told of each request, if there is one
   };
 
   CorePort(const InterconnectConfig& config, Links links, Interleave targets, sim::Clock clock,
@@ -117,6 +120,8 @@ class CorePort {
   const std::vector<sim::Link<MemRequest>*> targets_out_;
   const sim::Inputs<MemRequest> clients_in_;
   const sim::Inputs<MemResponse> targets_in_;
+  const std::vector<Asker> asks_;
+  TileBook* const book_;
   Interleave targets_;
   sim::Clock clock_;
   const bool ideal_;

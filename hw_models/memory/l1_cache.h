@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -38,19 +39,24 @@ class L1Cache {
       return Result::kMiss;
     }
     if (misses_.full()) return Result::kFull;
-    ask(line, {bit, cycle});
+    ask(line, {bit, cycle}, owners_[slot]);
     return Result::kMiss;
   }
 
   /// access() to a line of a cache that is not ideal. False, and nothing done, if it is not here.
   bool hit(Addr line) { return tags_.probe(line); }
 
-  /// Asks for a line that nobody needs yet, if it is neither here nor on its way. Needs a free MSHR.
-  bool prefetch(Addr line, std::uint64_t cycle) {
+  /// Asks, on behalf of a slot, for a line that nobody needs yet, if it is neither here nor on its way. Needs a free
+  /// MSHR.
+  bool prefetch(Addr line, std::uint32_t slot, std::uint64_t cycle) {
     if (holds(line) || on_its_way(line) != nullptr) return false;
-    ask(line, {0, cycle});
+    ask(line, {0, cycle}, owners_[slot]);
     return true;
   }
+
+  /// What a slot asks for from now on is asked for this tile.
+  void belongs(std::uint32_t slot, Owner owner) { owners_[slot] = owner; }
+  Owner owner(std::uint32_t slot) const { return owners_[slot]; }
 
   /// The line has come: who waited for it, since when it was on its way.
   Miss fill(Addr line) {
@@ -76,7 +82,7 @@ class L1Cache {
   void send(sim::Time now, sim::Link<MemRequest>& out) {
     if (unsent_.empty() || !out.can_push(now)) [[likely]]
       return;
-    out.push(now, MemRequest{unsent_.front(), source_, 0, false});
+    out.push(now, MemRequest{unsent_.front().line, source_, 0, false, kWholeLine, unsent_.front().owner});
     unsent_.erase(unsent_.begin());
   }
   /// When send() has something to do.
@@ -89,14 +95,25 @@ class L1Cache {
   bool full() const { return misses_.full(); }
 
  private:
-  void ask(Addr line, Miss miss) {
+  struct Unsent {
+    Addr line = 0;
+    Owner owner = kNoOwner;
+  };
+
+  static std::array<Owner, 64> no_owners() {
+    std::array<Owner, 64> all{};
+    all.fill(kNoOwner);
+    return all;
+  }
+  void ask(Addr line, Miss miss, Owner owner) {
     misses_.allocate(line) = miss;
-    unsent_.push_back(line);
+    unsent_.push_back({line, owner});
   }
 
   CacheTags tags_;
   MshrFile<Miss> misses_;
-  std::vector<Addr> unsent_;
+  std::vector<Unsent> unsent_;
+  std::array<Owner, 64> owners_ = no_owners();
   std::uint16_t source_;
   bool ideal_;
 };

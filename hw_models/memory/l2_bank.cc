@@ -16,6 +16,8 @@ L2Bank::L2Bank(const L2Config& config, std::uint16_t index, Links links, Interle
       cores_in_(std::move(links.cores_in)),
       channels_in_(std::move(links.channels_in)),
       flush_in_(links.flush_in),
+      book_(links.book),
+      watcher_(links.watcher),
       channels_(channels),
       clock_(clock),
       index_(index),
@@ -95,7 +97,8 @@ inline bool L2Bank::take_fill(sim::Time now) {
   filled_ = {line, 0, waiters.count, &waiters};
   line_time_ += now;
   memory_time_ += now * waiters.count;
-  write_back(now, store_.put_in(line, kWholeLine, waiters.dirty));
+  write_back(now, store_.put_in(line, kWholeLine, waiters.dirty), waiters.owner);
+  if (book_ != nullptr) book_->of(waiters.owner).l2_fills += 1;
   stats_.fills += 1;
   return true;
 }
@@ -115,9 +118,9 @@ void L2Bank::to_memory(sim::Time now, const MemRequest& request) {
     stats_.bytes_to_memory += sector_bytes_ * static_cast<std::uint32_t>(std::popcount(request.sectors));
 }
 
-void L2Bank::write_back(sim::Time now, const L2Store::Victim& victim) {
+void L2Bank::write_back(sim::Time now, const L2Store::Victim& victim, Owner owner) {
   if (victim.sectors == 0) return;
-  to_memory(now, MemRequest{victim.line, index_, 0, true, victim.sectors});
+  to_memory(now, MemRequest{victim.line, index_, 0, true, victim.sectors, owner});
   stats_.written_back += 1;
 }
 
@@ -147,6 +150,8 @@ inline bool L2Bank::read(sim::Time now) {
   const L2Store::Found found = store_.find(r.line, r.sectors);
   if (found == L2Store::Found::kAll) {
     hits_.push(now, Reply{{r.line, r.source, r.tag}, head_.core});
+    if (book_ != nullptr) book_->of(r.owner).l2_hits += 1;
+    if (watcher_ != nullptr) watcher_->looked_up(true, now);
     stats_.hits += 1;
   } else {
     Waiters* waiters = misses_.find(r.line);
@@ -154,13 +159,16 @@ inline bool L2Bank::read(sim::Time now) {
     if (waiters == nullptr) {
       waiters = &misses_.allocate(r.line);
       line_time_ -= now;
+      waiters->owner = r.owner;
       if (found == L2Store::Found::kPart) waiters->dirty = store_.take_out(r.line);
-      to_memory(now, MemRequest{r.line, index_, 0, false});
+      to_memory(now, MemRequest{r.line, index_, 0, false, kWholeLine, r.owner});
     } else {
       stats_.merges += 1;
     }
     waiters->list[waiters->count++] = {head_.core, r.source, r.tag};
     memory_time_ -= now;
+    if (book_ != nullptr) book_->of(r.owner).l2_misses += 1;
+    if (watcher_ != nullptr) watcher_->looked_up(false, now);
     stats_.misses += 1;
   }
   stats_.reads += 1;

@@ -11,6 +11,7 @@
 #include "hw_models/memory/l2_store.h"
 #include "hw_models/memory/messages.h"
 #include "hw_models/memory/mshr_file.h"
+#include "hw_models/memory/tile_book.h"
 #include "hw_models/memory/unit_names.h"
 #include "sim/activity.h"
 #include "sim/counter_kind.h"
@@ -90,12 +91,20 @@ class L2Bank {
       counter(NAMED(s.line_cycles), "sum over lines of cycles from the miss to the fill", "", sim::CounterKind::kAtEnd);
     }
   };
+  /// Is told of every line that is to be read, when it has been looked for.
+  class Watcher {
+   public:
+    virtual ~Watcher() = default;
+    virtual void looked_up(bool hit, sim::Time now) = 0;
+  };
   struct Links {
     std::vector<sim::Link<MemRequest>*> cores_in;
     std::vector<sim::Link<MemResponse>*> cores_out;
     std::vector<sim::Link<MemRequest>*> channels_out;
     std::vector<sim::Link<MemResponse>*> channels_in;
     sim::Link<Flush>* flush_in = nullptr;  ///< none: nothing is ever flushed
+    TileBook* book = nullptr;              ///< told of what is done, if there is one
+    Watcher* watcher = nullptr;            ///< likewise
   };
 
   L2Bank(const L2Config& config, std::uint16_t index, Links links, Interleave channels, sim::Clock clock,
@@ -127,7 +136,8 @@ class L2Bank {
   };
   struct Waiters {
     std::uint32_t count = 0;
-    SectorMask dirty = 0;  ///< sectors of the line that came by writes
+    SectorMask dirty = 0;    ///< sectors of the line that came by writes
+    Owner owner = kNoOwner;  ///< of the request that missed
     std::array<Waiter, L2Config::kMaxTargets> list;
   };
   struct Head {
@@ -154,7 +164,7 @@ class L2Bank {
   void write_here(sim::Time now);
   bool flush(sim::Time now);
   void to_memory(sim::Time now, const MemRequest& request);
-  void write_back(sim::Time now, const L2Store::Victim& victim);
+  void write_back(sim::Time now, const L2Store::Victim& victim, Owner owner = kNoOwner);
   /// Is there room towards memory for so many, beside a dirty victim of every miss?
   bool has_room(std::uint32_t requests) const { return queued_ + misses_.size() + requests <= room_; }
   sim::Time tick_ideal(sim::Time now);
@@ -175,6 +185,8 @@ class L2Bank {
   const sim::Inputs<MemRequest> cores_in_;
   const sim::Inputs<MemResponse> channels_in_;
   sim::Link<Flush>* const flush_in_;
+  TileBook* const book_;
+  Watcher* const watcher_;
   Interleave channels_;
   sim::Clock clock_;
   std::uint16_t index_;

@@ -21,12 +21,15 @@ sim::Time L2Bank::tick_ideal(sim::Time now) {
       if (!in.front().write) latency_ -= in.pop_at();
       const MemRequest r = in.pop(now);
       if (r.write) {
+        if (book_ != nullptr) book_->of(r.owner).l2_writes += 1;
         stats_.writes += 1;
         stats_.write_hits += 1;
         stats_.stored += 1;
         stats_.bytes_written += sector_bytes_ * static_cast<std::uint32_t>(std::popcount(r.sectors));
       } else {
         pipe.push(now, {r.line, r.source, r.tag});
+        if (book_ != nullptr) book_->of(r.owner).l2_hits += 1;
+        if (watcher_ != nullptr) watcher_->looked_up(true, now);
         stats_.reads += 1;
         stats_.hits += 1;
       }

@@ -16,9 +16,10 @@ bool L2Bank::write(sim::Time now) {
     if (here && !stored) store_.take_out(r.line);
     stats_.write_hits += here;
     (stored ? stats_.stored : stats_.not_stored) += 1;
-    to_memory(now, MemRequest{r.line, index_, 0, true, r.sectors});
+    to_memory(now, MemRequest{r.line, index_, 0, true, r.sectors, r.owner});
     stats_.passed_on += 1;
   }
+  if (book_ != nullptr) book_->of(r.owner).l2_writes += 1;
   stats_.writes += 1;
   stats_.bytes_written += sector_bytes_ * static_cast<std::uint32_t>(std::popcount(r.sectors));
   return true;
@@ -36,7 +37,7 @@ void L2Bank::write_here(sim::Time now) {
     overwritten = store_.write(r.line, r.sectors);
   } else {
     hit = false;
-    write_back(now, store_.put_in(r.line, r.sectors, r.sectors));
+    write_back(now, store_.put_in(r.line, r.sectors, r.sectors), r.owner);
   }
   stats_.write_hits += hit;
   stats_.stored += 1;

@@ -2,6 +2,7 @@
 #include <cstdint>
 
 #include "hw_models/memory/messages.h"
+#include "hw_models/memory/tile_book.h"
 #include "sim/link.h"
 #include "sim/machine.h"
 
@@ -11,6 +12,7 @@ namespace hw {
 struct MemoryClient {
   sim::UnitId unit;
   std::uint32_t lines = 1;
+  Asker asks = Asker::kNodes;
 };
 
 /// A client's wires to its port.

@@ -19,6 +19,10 @@ using SectorMask = std::uint8_t;
 inline constexpr SectorMask kWholeLine = 0xff;
 inline constexpr Addr kSectorBytes = kLineBytes / 8;
 
+/// A tile that something is done for, as its book names it (tile_book.h).
+using Owner = std::uint16_t;
+inline constexpr Owner kNoOwner = 0xffff;
+
 /// A request for one cache line (or part of one) on its way to memory.
 struct MemRequest {
   Addr line = 0;             ///< address of the line's first byte
@@ -26,6 +30,7 @@ struct MemRequest {
   std::uint16_t tag = 0;     ///< the requester's own mark, returned unchanged
   bool write = false;
   SectorMask sectors = kWholeLine;  ///< sectors that are written, or wanted
+  Owner owner = kNoOwner;
 };
 
 /// A line that came back. Writes are posted and have no response.

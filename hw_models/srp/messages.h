@@ -11,6 +11,7 @@ namespace hw {
 struct TileJob {
   const traces::TileWork* work = nullptr;
   std::uint32_t missing = 0;  ///< borders that are not in memory yet: a bit for each of TileWork::imports
+  Owner owner = kNoOwner;
 };
 static_assert(traces::kMostImports <= 32 && traces::kMostBorders <= 8);
 
@@ -18,6 +19,7 @@ static_assert(traces::kMostImports <= 32 && traces::kMostBorders <= 8);
 struct TileDone {
   const traces::TileWork* work = nullptr;
   std::uint32_t border = traces::WorkNode::kNone;  ///< kNone: all of the tile
+  Owner owner = kNoOwner;
 };
 
 /// Parts of memory that only the DMA reads and writes: the regions of the frame, and room for ray slots.
@@ -37,6 +39,7 @@ struct DmaJob {
   std::uint32_t tag = 0;  ///< returned when done
   Area area = Area::kPicture;
   std::uint32_t encode_cycles = 0;  ///< that a line's pixels take to be sRGB-encoded on the way; 0: not at all
+  Owner owner = kNoOwner;
 };
 
 struct DmaDone {

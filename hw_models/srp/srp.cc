@@ -79,10 +79,11 @@ inline void Srp::take_tile(sim::Time now) {
     return start_transfers(tile);
   }
   tile = static_cast<std::uint32_t>(std::ranges::find_if_not(tiles_, &TileRun::active) - tiles_.begin());
-  tiles_[tile].begin(*job.work, config_.chunk, job.missing);
+  tiles_[tile].begin(*job.work, config_.chunk, job.missing, job.owner);
   if (by_age_.empty()) buffer_.in_use(now, true);
   by_age_.push_back(tile);
   stats_.tiles += 1;
+  if (frame_.observer != nullptr) frame_.observer->tile_begins(frame_.core, tile, job.owner, now);
   start_transfers(tile);
 }
 
@@ -99,6 +100,8 @@ inline void Srp::take_hit(sim::Time now) {
   stats_.hits += 1;
   const std::uint32_t tile = id >> kTileShift;
   const bool news = tiles_[tile].finish_ray(id & kIndexMask);
+  if (frame_.observer != nullptr) [[unlikely]]
+    show_hit(now, tile, id & kIndexMask);
   if (news) start_transfers(tile);
   if (news || rays_out_ == 0) look_ = true;
 }
@@ -115,7 +118,7 @@ inline void Srp::take_dma(sim::Time now) {
   if (tiles_[tile].is_awaited(node)) transfers_awaited_ -= 1;
   const WorkNode& moved = tiles_[tile].node(node);
   if (moved.to_memory && moved.border != WorkNode::kNone) {
-    links_.tiles_out.push(now, TileDone{&tiles_[tile].work(), moved.border});
+    links_.tiles_out.push(now, TileDone{&tiles_[tile].work(), moved.border, tiles_[tile].owner()});
   }
   finish_items(now, tile, node, tiles_[tile].node(node).items);
 }
@@ -132,8 +135,11 @@ inline void Srp::run_array(sim::Time now) {
 
 void Srp::finish_chunk(sim::Time now) {
   KernelUse& use = kernel_use_[run_.kernel];
-  use.cycles += clock_.cycles(now - run_.begin);
+  const std::uint64_t cycles = clock_.cycles(now - run_.begin);
+  use.cycles += cycles;
   use.starved += clock_.cycles(time_without_rays(now) - run_.without_rays);
+  if (frame_.book != nullptr) charge_tiles(cycles);
+  if (frame_.observer != nullptr) show_loop(now, cycles);
   run_.active = false;
   for (const LoopPart& part : run_.parts) finish_items(now, part.tile, part.node, part.items);
 }
@@ -151,7 +157,7 @@ void Srp::start_transfers(std::uint32_t tile) {
     const Area area = area_of(node.region);
     const Addr base = frame_.areas[static_cast<std::size_t>(area)] + node.offset;
     const std::uint32_t cycles = area == Area::kPicture ? frame_.encode_cycles : 0;
-    dma_.push_back({base, node.items, node.to_memory, (tile << kTileShift) | n, area, cycles});
+    dma_.push_back({base, node.items, node.to_memory, (tile << kTileShift) | n, area, cycles, tiles_[tile].owner()});
     const std::uint64_t accesses = (std::uint64_t{node.items} * std::max(cycles, 1U) + kAccess - 1) / kAccess;
     if (node.to_memory) {
       buffer_.read(accesses);
@@ -165,7 +171,8 @@ void Srp::start_transfers(std::uint32_t tile) {
 void Srp::end_tile(sim::Time now, std::uint32_t tile) {
   if (!tiles_[tile].active() || !tiles_[tile].all_complete()) return;
   assert(links_.tiles_out.can_push(now) && "room for all that tiles in flight have to say");
-  links_.tiles_out.push(now, TileDone{&tiles_[tile].work()});
+  links_.tiles_out.push(now, TileDone{&tiles_[tile].work(), WorkNode::kNone, tiles_[tile].owner()});
+  if (frame_.observer != nullptr) frame_.observer->tile_ends(frame_.core, tile, now);
   tiles_[tile].end();
   std::erase(by_age_, tile);
   if (by_age_.empty()) buffer_.in_use(now, false);
@@ -192,11 +199,15 @@ inline bool Srp::feed_ray(sim::Time now) {
   const TileRun& run = tiles_[feed->tile];
   const std::uint32_t ray = run.node(feed->batch).first + feed->next;
   const traces::TileWork& work = run.work();
-  links_.rays_out.push(now, RayJob{work.walk.data() + work.ray_begin[ray], (feed->tile << kTileShift) | ray});
+  links_.rays_out.push(now,
+                       RayJob{work.walk.data() + work.ray_begin[ray], (feed->tile << kTileShift) | ray, run.owner()});
   buffer_.read(sizeof(traces::Ray) / kAccess);
   without_rays_ = time_without_rays(now);
   rays_out_ += 1;
   stats_.rays += 1;
+  if (frame_.observer != nullptr && feed->next == 0) {
+    frame_.observer->batch_begins(frame_.core, feed->tile, feed->batch, now);
+  }
   feed_free_at_ = clock_.edge_at_or_after(now + frame_.ray_interval);
   if (++feed->next == run.node(feed->batch).items) feeds_.erase(feed);
   return true;

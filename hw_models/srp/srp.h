@@ -6,11 +6,13 @@
 #include <vector>
 
 #include "hw_models/memory/l1_cache.h"
+#include "hw_models/memory/tile_book.h"
 #include "hw_models/memory/unit_names.h"
 #include "hw_models/srp/bank_conflicts.h"
 #include "hw_models/srp/config_memory.h"
 #include "hw_models/srp/loop_parts.h"
 #include "hw_models/srp/messages.h"
+#include "hw_models/srp/observer.h"
 #include "hw_models/srp/schedule.h"
 #include "hw_models/srp/srp_config.h"
 #include "hw_models/srp/srp_stats.h"
@@ -89,6 +91,9 @@ class Srp {
     bool ideal = false;                ///< kernels cost no time
     bool ideal_buffer = false;         ///< the tile buffer has room for everything and no bank conflicts
     bool ideal_cache = false;          ///< every probe of the data cache hits
+    TileBook* book = nullptr;          ///< told of each loop, if there is one
+    Observer* observer = nullptr;      ///< likewise, of all that happens
+    std::uint32_t core = 0;            ///< as whose the observer knows this one
   };
 
   Srp(const SrpConfig& config, const TileBufferConfig& buffer, const Frame& frame, Links links, std::uint16_t port,
@@ -152,6 +157,9 @@ class Srp {
   std::span<const traces::Access> accesses_of(std::uint32_t item) const;
   void collect_lines(std::uint32_t item);
   void finish_chunk(sim::Time now);
+  void charge_tiles(std::uint64_t cycles);
+  void show_loop(sim::Time now, std::uint64_t cycles) const;
+  void show_hit(sim::Time now, std::uint32_t tile, std::uint32_t ray) const;
   void start_chunk(sim::Time now);
   bool fits(std::uint32_t tile, std::uint32_t node) const;
   void begin_chunk(sim::Time now, std::uint32_t tile, std::uint32_t node);

@@ -64,8 +64,8 @@ void Srp::add_part(std::uint32_t tile, std::uint32_t node) {
   buffer_.read(bytes / kAccess);
   buffer_.write(bytes / kAccess);
   const Addr spill = frame_.areas[static_cast<std::size_t>(Area::kSpill)];
-  dma_.push_back({spill, bytes, true, kSpillTag, Area::kSpill});
-  dma_.push_back({spill, bytes, false, kSpillTag, Area::kSpill});
+  dma_.push_back({spill, bytes, true, kSpillTag, Area::kSpill, 0, run.owner()});
+  dma_.push_back({spill, bytes, false, kSpillTag, Area::kSpill, 0, run.owner()});
   spills_asked_ += 2;
   for (Feed& f : feeds_) {
     if (f.tile == tile && run.producer(f.batch) == node) f.after_spill = spills_asked_;
@@ -115,6 +115,37 @@ void Srp::begin_chunk(sim::Time now, std::uint32_t tile, std::uint32_t node) {
   kernel_use_[work.kernel].launches += 1;
   kernel_use_[work.kernel].items += items;
   kernel_use_[work.kernel].idle += items - working;
+}
+
+/// Shares out a loop's cycles among its tiles by their items, whole cycles that add up.
+void Srp::charge_tiles(std::uint64_t cycles) {
+  std::uint64_t items = 0, charged = 0;
+  for (const LoopPart& part : run_.parts) {
+    items += part.items;
+    const std::uint64_t until = cycles * items / run_.parts.items();
+    frame_.book->of(tiles_[part.tile].owner()).srp_cycles += until - charged;
+    charged = until;
+  }
+}
+
+void Srp::show_loop(sim::Time now, std::uint64_t cycles) const {
+  frame_.observer->loop_ends(frame_.core, {.kernel = run_.kernel,
+                                           .begin = run_.begin,
+                                           .configured = run_.configured,
+                                           .start = run_.start,
+                                           .end = now,
+                                           .stalled = run_.stall_time,
+                                           .cycles = cycles,
+                                           .items = run_.parts.items(),
+                                           .launches = static_cast<std::uint32_t>(run_.parts.size()),
+                                           .tile = tiles_[run_.parts.begin()->tile].owner()});
+}
+
+/// The hit may have been the last of its batch.
+void Srp::show_hit(sim::Time now, std::uint32_t tile, std::uint32_t ray) const {
+  const TileRun& run = tiles_[tile];
+  const std::uint32_t batch = run.batch_of(ray);
+  if (run.complete(batch)) frame_.observer->batch_ends(frame_.core, tile, batch, run.node(batch), now);
 }
 
 }  // namespace hw

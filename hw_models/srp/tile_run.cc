@@ -21,7 +21,7 @@ void make_room(std::vector<T>& list, std::size_t needed) {
 
 }  // namespace
 
-void TileRun::begin(const traces::TileWork& work, std::uint32_t chunk, std::uint32_t missing) {
+void TileRun::begin(const traces::TileWork& work, std::uint32_t chunk, std::uint32_t missing, Owner owner) {
   if (work.ray_begin.size() > kMaxRays) {
     throw sim::InputError(
         "render.tile: a tile has more than 16777216 rays; allowed: a smaller tile, depth or number of lights");
@@ -29,6 +29,7 @@ void TileRun::begin(const traces::TileWork& work, std::uint32_t chunk, std::uint
   work_ = &work;
   chunk_ = chunk;
   missing_ = missing;
+  owner_ = owner;
   awaits_border_ = false;
   nodes_left_ = static_cast<std::uint32_t>(work.nodes.size());
   make_room(progress_, work.nodes.size());

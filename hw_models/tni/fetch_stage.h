@@ -165,8 +165,11 @@ class FetchStage {
 
   /// True if a prefetch would leave an MSHR to slots in need.
   bool can_prefetch() const { return l1_.free_mshrs() >= 2; }
-  /// Prefetches the line unless it is here or on its way.
-  bool prefetch(Addr line, std::uint64_t cycle) { return l1_.prefetch(line, cycle); }
+  /// Prefetches the line, on behalf of a slot, unless it is here or on its way.
+  bool prefetch(Addr line, std::uint32_t slot, std::uint64_t cycle) { return l1_.prefetch(line, slot, cycle); }
+  /// What a slot asks for from now on is asked for this tile.
+  void belongs(std::uint32_t slot, Owner owner) { l1_.belongs(slot, owner); }
+  Owner owner(std::uint32_t slot) const { return l1_.owner(slot); }
 
   void send(sim::Time now, sim::Link<MemRequest>& out) { l1_.send(now, out); }
   sim::Time send_at(sim::Time next, const sim::Link<MemRequest>& out) const { return l1_.send_at(next, out); }

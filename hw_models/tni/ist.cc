@@ -48,6 +48,7 @@ inline bool Ist::take_leaf(sim::Time now) {
   occupied_ |= bit(index);
   fetch_.enter(bit(index));
   slots_[index] = Slot{leaves_in_[trv].pop(now), trv, 0, false, 0};
+  fetch_.belongs(index, slots_[index].job.owner);
   fetch_.look_ahead(line_of(triangles_.base + Addr{slots_[index].job.first} * triangles_.bytes));
   stats_.leaves_in += 1;
   return true;

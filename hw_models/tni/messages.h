@@ -1,6 +1,8 @@
 #pragma once
 #include <cstdint>
 
+#include "hw_models/memory/messages.h"
+
 namespace hw {
 
 /// A ray on its way into the T&I unit. `id` is the SRP's own handle (its slot in the tile buffer); `walk` the
@@ -8,11 +10,13 @@ namespace hw {
 struct RayJob {
   const std::uint32_t* walk = nullptr;
   std::uint32_t id = 0;
+  Owner owner = kNoOwner;
 };
 
 /// A finished ray on its way back.
 struct RayDone {
   std::uint32_t id = 0;
+  Owner owner = kNoOwner;
 };
 
 /// A leaf that a traversal unit hands to the intersection unit.
@@ -21,6 +25,7 @@ struct LeafJob {
   std::uint32_t phases = 0;  ///< exit phase of each test, as in walk.h
   std::uint8_t count = 0;
   std::uint8_t slot = 0;  ///< the ray's slot in its traversal unit: also the slot reserved for the answer
+  Owner owner = kNoOwner;
 };
 
 /// All triangles of a leaf are tested.

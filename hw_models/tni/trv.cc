@@ -49,18 +49,19 @@ void Trv::finish(sim::Time end) {
 void Trv::note_far_nodes(std::uint64_t visited) {
   both_children_hit_ &= ~visited;
   for (; visited != 0; visited &= visited - 1) {
-    const std::uint32_t step = slots_[static_cast<std::uint32_t>(std::countr_zero(visited))].next[-1];
+    const auto slot = static_cast<std::uint32_t>(std::countr_zero(visited));
+    const std::uint32_t step = slots_[slot].next[-1];
     const std::uint32_t far = tree_.links[traces::node_of(step)].child[1 - traces::near_of(step)];
-    if (!traces::is_leaf(far)) far_nodes_.push_back(far);
+    if (!traces::is_leaf(far)) far_nodes_.push_back({far, slot});
   }
 }
 
 void Trv::prefetch_far_nodes() {
-  for (const std::uint32_t node : far_nodes_) {
+  for (const auto [node, slot] : far_nodes_) {
     if (!fetch_.can_prefetch()) break;
     stats_.prefetch_probes += 1;
     const Addr line = tree_.line_of_visit(node, config_.box_testers, 0, 0).line;
-    if (fetch_.prefetch(line, pipes_.cycle())) stats_.prefetches += 1;
+    if (fetch_.prefetch(line, slot, pipes_.cycle())) stats_.prefetches += 1;
   }
   far_nodes_.clear();
 }

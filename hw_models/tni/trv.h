@@ -145,6 +145,9 @@ class Trv {
     std::uint32_t node = 0;
     std::uint32_t instance = traces::kNone;
   };
+  struct FarNode {
+    std::uint32_t node = 0, slot = 0;
+  };
   static constexpr std::size_t kMostDepth = 128;  ///< room reserved for a path; deeper trees take more
   /// Marks an entry of a path that is an instance, not a node.
   static constexpr std::uint32_t kEnter = 1U << 31;
@@ -232,8 +235,8 @@ class Trv {
   std::vector<const std::uint32_t*> begins_;  ///< the first step of each slot's ray
   /// Per slot: nodes to test again after a restart, and the instance to enter again (kEnter), last one first.
   std::vector<std::vector<std::uint32_t>> paths_;
-  std::vector<Push> pushed_;              ///< for restart()
-  std::vector<std::uint32_t> far_nodes_;  ///< to be prefetched in this cycle
+  std::vector<Push> pushed_;        ///< for restart()
+  std::vector<FarNode> far_nodes_;  ///< to be prefetched in this cycle
   sim::Time full_since_ = 0, full_time_ = 0;
 };
 

@@ -78,6 +78,7 @@ bool Trv::take_ray(sim::Time now) {
   slot.id = job.id;
   slot.go(job.walk);
   begins_[index] = job.walk;
+  fetch_.belongs(index, job.owner);
   stats_.rays_in += 1;
   switch (next_pipe(slot)) {
     case kToInner:
@@ -204,7 +205,7 @@ void Trv::send_leaf(sim::Time now, std::uint32_t index) {
   const std::uint32_t step = slot.step;
   const std::uint32_t count = traces::count_of(step);
   links_.leaves_out.push(now, LeafJob{traces::first_of(step), slot.next[1], static_cast<std::uint8_t>(count),
-                                      static_cast<std::uint8_t>(index)});
+                                      static_cast<std::uint8_t>(index), fetch_.owner(index)});
   slot.go(slot.next + 2);
   at_ist_ |= bit(index);
   if (!features_.ideal) leaf_free_at_ = clock_.after(now, std::max(count, 1U));
@@ -234,7 +235,7 @@ bool Trv::retire(sim::Time now) {
   retiring_ &= ~bit(index);
   occupied_ &= ~bit(index);
   free_ |= bit(index);
-  links_.rays_out.push(now, RayDone{slots_[index].id});
+  links_.rays_out.push(now, RayDone{slots_[index].id, fetch_.owner(index)});
   stats_.rays_out += 1;
   return true;
 }

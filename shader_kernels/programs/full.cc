@@ -64,6 +64,12 @@ void FullProgram::run_tile(std::uint32_t tile, const traces::Tracer& tracer, boo
   const bool jitters = samples_ > 1 && config_.samples == SamplePattern::kJittered;  // a lone one is the pixel's centre
   const Wavefront::Node generated =
       jitters ? wave.launch<GenerateJitteredRays>(generate, samples) : wave.launch<GenerateRays>(generate, samples);
+  if (wave.counts_pixels()) {
+    for (std::uint32_t i = 0; i < samples; ++i) {
+      const std::uint32_t pixel = i / samples_;
+      wave.place_ray(i, out.x + pixel % out.width, out.y + pixel / out.width);
+    }
+  }
   wave.run(generated, samples);
 
   put_out(wave, samples, out);

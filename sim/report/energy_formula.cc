@@ -151,6 +151,28 @@ double EnergyFormula::total(Side side) const {
   return sum.total();
 }
 
+std::vector<EnergyFormula::UnitEnergy> EnergyFormula::of_units() const {
+  std::vector<UnitEnergy> all(units_.size());
+  for (const Side side : kSides) {
+    const std::vector<double> values = figures(side);
+    const double share = config_.clock_share.*side;
+    for (std::size_t u = 0; u < units_.size(); ++u) {
+      const Unit& unit = units_[u];
+      const PowerScale& scale = scales_[unit.block];
+      all[u].events.resize(unit.terms.size());
+      double counted = 0;
+      for (std::size_t t = 0; t < unit.terms.size(); ++t) {
+        const DeviceEvent* device = figures_[unit.terms[t].figure].device;
+        double pj = values[unit.terms[t].figure] * unit.terms[t].count;
+        if (device == nullptr) pj = pj / (1 - share) * scale.dynamic;
+        if (device == nullptr || !device->standby) counted += all[u].events[t].*side = pj;
+      }
+      all[u].standing.*side = of(unit, values, side).total() - counted;
+    }
+  }
+  return all;
+}
+
 EnergyReport EnergyFormula::report() const {
   EnergyReport report;
   for (const Side side : kSides) {

@@ -27,6 +27,13 @@ class EnergyFormula {
 
   /// Energy by block, kind and event for low, nominal and high.
   EnergyReport report() const;
+  /// Energy of a unit by what it is to be charged to.
+  struct UnitEnergy {
+    std::vector<Spread> events;  ///< of each counter that names one, in their order: with its share of the clock tree
+    Spread standing;             ///< what time brings: leakage, standby, the clock of idle cycles
+  };
+  /// In the order of the units; all of it together is report().total_pj, but for the order of additions.
+  std::vector<UnitEnergy> of_units() const;
   /// pJ of one side, by block in alphabetical order.
   std::vector<double> of_blocks(Side side) const;
   /// The same by kind.

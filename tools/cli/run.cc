@@ -16,7 +16,8 @@ void add_run(CLI::App& app, const std::vector<std::string>& argv, int&) {
   add_reference_option(*verb, *options);
   verb->add_option("--record", options->record, "also write the work into this file, for raywatt trace replay");
   verb->add_flag("--debug-images", options->debug_images,
-                 "also pictures of how an adaptive frame came about: debug-similar.png, debug-check-NAME.png, ...");
+                 "also pictures of where work went, debug-cycles.png, debug-steps.png, debug-energy.png, ..., and of\n"
+                 "how an adaptive frame came about, debug-similar.png, debug-check-NAME.png, ...");
   verb->add_option("--tile-sampling", options->tile_sampling,
                    "time a part of the frame's tiles and estimate the rest, with 95 % intervals: a share of the\n"
                    "frame's work, e.g. 5%, or auto, which stops at +-2 % (docs/sampling.md)")

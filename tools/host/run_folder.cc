@@ -69,13 +69,13 @@ Former former_results(const fs::path& folder, const ResultsOf& verb) {
 }
 
 /// Every file that a verb may leave in its folder.
-constexpr std::array<std::string_view, 11> kResults = {
-    "report.json", "report.txt", "config.yaml",    "image.png",    "image.exr",        "reference.exr",
-    "verify.json", "embree.png", "reproduce.json", "reproduce.md", "intervals.bin.zst"};
+constexpr std::array<std::string_view, 14> kResults = {
+    "report.json", "report.txt",    "config.yaml", "tiles.json", "intervals.bin.zst", "timeline.pftrace", "image.png",
+    "image.exr",   "reference.exr", "verify.json", "embree.png", "reproduce.json",    "reproduce.md",     "pixels.exr"};
 
-/// figure-1-village.png, debug-similar.png
+/// figure-1-village.png, debug-similar.png, debug-steps.exr
 bool is_picture_of(std::string_view prefix, std::string_view name) {
-  return name.starts_with(prefix) && name.ends_with(".png");
+  return name.starts_with(prefix) && (name.ends_with(".png") || name.ends_with(".exr"));
 }
 
 /// frame-0000.png, frame-0000-debug-similar.png

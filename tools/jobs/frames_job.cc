@@ -20,6 +20,8 @@
 #include "tools/simulation/host_time.h"
 #include "tools/simulation/recorded.h"
 #include "tools/simulation/run_job.h"
+#include "tools/tiles/place_images.h"
+#include "tools/tiles/tile_frame.h"
 #include "traces/scene/images.h"
 #include "traces/trace_file/trace_writer.h"
 
@@ -60,7 +62,9 @@ struct Job {
                                             .trace = trace,
                                             .intervals = intervals ? &*intervals : nullptr,
                                             .watcher = live,
-                                            .replicates = options.replicates});
+                                            .replicates = options.replicates,
+                                            .itemised = true});
+    if (!frame.tile_accounts.empty()) out.tiles.frames.push_back(tile_frame(frame, inputs.config, inputs.frame));
     std::optional<Simulation> compared;
     if (reference && !frame.is_part()) {
       try {
@@ -89,8 +93,15 @@ struct Job {
       if (!frame.is_part()) traces::write_exr(folder / "image.exr", width, height, frame.function.rgb);
       if (compared) traces::write_exr(folder / "reference.exr", width, height, compared->function.rgb);
     }
+    const std::vector<traces::ImageNote> notes = notes_of(inputs, program.spec);
+    if (out.frames.empty() && !frame.is_part() && !frame.function.pixels.empty()) {
+      write_pixels(folder / kPixelsFile, frame.function.pixels, width, height, notes);
+    }
+    const std::string frame_name = inputs.frames() > 1 ? fmt::format("frame-{:04}-", inputs.frame) : "";
+    if (options.debug_images && !frame.function.pixels.empty()) {
+      write_heat_maps(folder, frame_name, heat_maps(frame, out.tiles.frames.back(), width, height), notes);
+    }
     for (const DebugPicture& p : debug_pictures(program.spec, frame.function, width, height)) {
-      const std::string frame_name = inputs.frames() > 1 ? fmt::format("frame-{:04}-", inputs.frame) : "";
       traces::write_png(folder / fmt::format("{}debug-{}.png", frame_name, p.name), p.width, p.height, p.rgb);
     }
     out.add(inputs.frame, std::move(frame), std::move(compared), error,
@@ -176,11 +187,6 @@ void run_frames(const JobOptions& options) {
           options.watch ? &live : nullptr};
   live.of(inputs.config);
   if (reference) job.reference = Program{*reference, rates};
-  const bool is_adaptive = program.kind != kernels::ProgramSpec::Kind::kFull;
-  if (options.debug_images && !is_adaptive && (!reference || reference->kind == kernels::ProgramSpec::Kind::kFull)) {
-    inputs.warnings.push_back(
-        fmt::format("--debug-images does nothing with {}, which traces every sample", program.name()));
-  }
   for (const std::string& warning : inputs.warnings) progress.say("raywatt: warning: " + warning);
   if (!sampling) tell_long_run(inputs, program, progress);
   progress.expect(inputs.frames() * (reference ? 2 : 1) * options.replicates);

@@ -74,6 +74,7 @@ void write_report(const std::filesystem::path& folder, const nlohmann::ordered_j
   if (!outcome.intervals.empty()) {
     sim::write_file_atomically(folder / kIntervalFile, outcome.intervals.file(outcome.total->units));
   }
+  if (!outcome.tiles.frames.empty()) sim::write_file_atomically(folder / kTilesFile, tiles_text(outcome.tiles));
 }
 
 }  // namespace tools

@@ -8,6 +8,7 @@
 
 #include "tools/analysis/report.h"
 #include "tools/intervals/interval_file.h"
+#include "tools/tiles/tile_table.h"
 
 namespace tools {
 
@@ -18,6 +19,7 @@ struct Outcome {
   nlohmann::ordered_json frames = nlohmann::ordered_json::array();
   IntervalPacker intervals;
   bool partial = false;
+  TileTable tiles;  ///< of the frames that were itemised
 
   /// Adds a frame, and what it is compared with, if anything: `error` is their pictures' mean squared difference.
   void add(std::uint32_t number, Simulation frame, std::optional<Simulation> compared, double error,
@@ -34,7 +36,7 @@ std::size_t frames_to_replace(const std::filesystem::path& folder);
 /// Says on standard error what stands in `warnings` of a report behind the first `told`.
 void tell_warnings(const nlohmann::ordered_json& report, std::size_t told);
 
-/// Writes report.json, report.txt, config.yaml and, if there are any, the intervals into a folder.
+/// Writes report.json, report.txt, config.yaml and, where there are any, intervals and tiles.json into a folder.
 void write_report(const std::filesystem::path& folder, const nlohmann::ordered_json& json, const RunConfig& config,
                   const Outcome& outcome);
 

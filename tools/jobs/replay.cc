@@ -11,6 +11,7 @@
 #include "tools/host/interrupt.h"
 #include "tools/simulation/recorded.h"
 #include "tools/simulation/replay_program.h"
+#include "tools/tiles/tile_frame.h"
 #include "traces/accel/bvh_config.h"
 
 namespace tools {
@@ -126,7 +127,11 @@ Simulation Replay::play(const Part& part, const kernels::ProgramSpec& program, s
   inputs_.frame = part.frame;
   return tools::play(
       inputs_, program, frame, NoTracer(), threads,
-      {.keep_part = how.keep_part, .progress = how.progress, .intervals = intervals, .replicates = how.replicates});
+      {.keep_part = how.keep_part,
+       .progress = how.progress,
+       .intervals = intervals,
+       .replicates = how.replicates,
+       .itemised = how.itemised});
 }
 
 Outcome Replay::run(std::uint32_t threads, const How& how) {
@@ -143,16 +148,19 @@ Outcome Replay::run(std::uint32_t threads, const How& how) {
       const Part& work = trace_.naming_file([&]() -> const Part& { return part(number, false); });
       How whole = how;
       whole.keep_part = false;
+      How other_program = whole;
+      other_program.itemised = false;
       const bool may_be_part = how.keep_part && out.frames.empty();
       std::optional<sim::Intervals> intervals;
       if (how.intervals) intervals = intervals_of_frame(frames());
       sim::Intervals* const over_time = intervals ? &*intervals : nullptr;
       Simulation played = play(work, program_, threads, may_be_part ? how : whole, over_time);
+      if (!played.tile_accounts.empty()) out.tiles.frames.push_back(tile_frame(played, inputs_.config, number));
       std::optional<Simulation> compared;
       if (reference_ && !played.is_part()) {
         const Part& other = trace_.naming_file([&]() -> const Part& { return part(number, true); });
         try {
-          compared = play(other, *reference_, threads, whole);
+          compared = play(other, *reference_, threads, other_program);
         } catch (const Interrupted&) {
           if (!may_be_part) throw;
         }

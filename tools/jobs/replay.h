@@ -28,6 +28,7 @@ class Replay {
     bool keep_part = false;        ///< at least the finished tiles of the first frame, or that without its reference
     bool intervals = false;        ///< what machines did over time is kept, without references
     std::uint32_t replicates = 1;  ///< plays of each frame
+    bool itemised = false;         ///< what each tile took is kept
   };
   /// Plays all frames, or those that an interrupt has left time for. Interrupted if nothing is kept.
   Outcome run(std::uint32_t threads, const How& how);

@@ -90,8 +90,10 @@ void replay_trace(const JobOptions& options, const std::filesystem::path& file) 
   nlohmann::ordered_json json;
   folder.fill([&](const RunFolder::Open& open) {
     const Outcome out =
-        job.run(options.threads,
-                {.progress = &progress, .keep_part = !folder.holds_former_run(), .intervals = options.intervals});
+        job.run(options.threads, {.progress = &progress,
+                                  .keep_part = !folder.holds_former_run(),
+                                  .intervals = options.intervals,
+                                  .itemised = true});
     progress.end(out.partial ? "interrupted" : "done");
     const double wall = sim::seconds_since(begin);
     const Result result = out.result();

@@ -15,18 +15,23 @@ namespace {
 void each_array(auto& tile, auto&& f) {
   auto& work = tile.work;
   f(work.nodes), f(work.walk), f(work.ray_begin), f(work.accesses), f(work.access_begin), f(work.sources);
-  f(tile.background), f(tile.shown), f(tile.marks);
+  f(tile.background), f(tile.shown), f(tile.marks), f(tile.pixel_work);
 }
 
 }  // namespace
 
 FrontEnd::FrontEnd(kernels::FrameProgram& program, const traces::Tracer& tracer, std::uint32_t workers, bool record,
-                   std::vector<std::uint32_t> tile_indices)
+                   std::vector<std::uint32_t> tile_indices, bool itemised)
     : program_(program),
       tracer_(tracer),
       record_(record),
+      itemised_(itemised),
       tile_indices_(std::move(tile_indices)),
       max_ahead_(std::max<std::size_t>(1, 8 * std::size_t{workers})) {
+  if (itemised) {
+    result_.summaries.tiles.reserve(count());
+    result_.pixels.resize(std::size_t{program.width()} * program.height());
+  }
   threads_.reserve(workers);
   try {
     while (threads_.size() < workers) threads_.emplace_back([this] { run_ahead(); });
@@ -59,6 +64,7 @@ std::unique_ptr<FrontEnd::Slot> FrontEnd::take_slot() {
 void FrontEnd::make(Slot& slot, std::uint32_t tile, kernels::TileBuffer& buffer) const {
   const sim::HostClock::time_point begin = sim::HostClock::now();
   std::swap(slot.tile.buffer, buffer);
+  slot.tile.wants_pixel_work = itemised_;
   program_.run_tile(tile, tracer_, record_, slot.tile);
   std::swap(slot.tile.buffer, buffer);
   slot.seconds = sim::seconds_since(begin);
@@ -138,11 +144,22 @@ void FrontEnd::keep(const Slot& slot) {
     ++longest;
   });
   program_.keep(slot.tile);
+  if (itemised_) itemise(slot.tile);
   if (taken_ == count()) keep_picture();
   for (std::size_t k = 0; k < std::size(result_.rays); ++k) result_.rays[k] += slot.tile.rays[k];
   result_.continued += slot.tile.continued;
   result_.traversal_steps += slot.tile.traversal_steps;
   result_.seconds += slot.seconds;
+}
+
+void FrontEnd::itemise(const kernels::TileResult& tile) {
+  result_.summaries.add(tile);
+  for (const kernels::PixelWork& work : tile.pixel_work) {
+    kernels::PixelWork& pixel = result_.pixels[work.pixel];
+    pixel.rays += work.rays;
+    pixel.steps += work.steps;
+    pixel.tests += work.tests;
+  }
 }
 
 void FrontEnd::keep_picture() {

@@ -10,6 +10,7 @@
 
 #include "hw_models/frame/tile_dispatcher.h"
 #include "shader_kernels/programs/wavefront/frame_program.h"
+#include "shader_kernels/programs/wavefront/tile_summary.h"
 #include "traces/tracer.h"
 
 namespace tools {
@@ -23,6 +24,8 @@ class FrontEnd final : public hw::TileSource {
     std::vector<float> rgb;      ///< linear, row by row; there when the last tile has been taken or by keep_picture()
     kernels::Sampling sampling;  ///< likewise
     std::vector<kernels::SampleMark> marks;  ///< likewise, if the program keeps them
+    kernels::TileSummaries summaries;        ///< of tiles taken so far, if wanted
+    std::vector<kernels::PixelWork> pixels;  ///< likewise, row by row; none of a program without a picture
     std::uint64_t rays[static_cast<std::size_t>(traces::RayKind::kCount)] = {};
     std::uint64_t continued = 0;  ///< rays that went on behind what was no solid surface
     std::uint64_t traversal_steps = 0;
@@ -35,9 +38,9 @@ class FrontEnd final : public hw::TileSource {
 
   /// `workers` threads beside the caller's; 0: tiles are made when they are asked for. Without `record` there is only
   /// the picture, no work for a machine. `tile_indices` of a program of one pass: the entries to make, in order, all
-  /// others are left out; empty: all.
+  /// others are left out; empty: all. `itemised`: what each tile and each pixel took is kept.
   FrontEnd(kernels::FrameProgram& program, const traces::Tracer& tracer, std::uint32_t workers, bool record = true,
-           std::vector<std::uint32_t> tile_indices = {});
+           std::vector<std::uint32_t> tile_indices = {}, bool itemised = false);
   ~FrontEnd() override;
   FrontEnd(const FrontEnd&) = delete;
   FrontEnd& operator=(const FrontEnd&) = delete;
@@ -66,6 +69,7 @@ class FrontEnd final : public hw::TileSource {
   /// `buffer` is the thread's: tiles need it while they are made, and one that stays warm serves all of them.
   void make(Slot& slot, std::uint32_t tile, kernels::TileBuffer& buffer) const;
   void keep(const Slot& slot);
+  void itemise(const kernels::TileResult& tile);
   std::uint32_t count() const {
     return tile_indices_.empty() ? program_.tiles() : static_cast<std::uint32_t>(tile_indices_.size());
   }
@@ -73,7 +77,7 @@ class FrontEnd final : public hw::TileSource {
 
   kernels::FrameProgram& program_;
   const traces::Tracer& tracer_;
-  const bool record_;
+  const bool record_, itemised_;
   const std::vector<std::uint32_t> tile_indices_;
   Result result_;
   std::mutex mutex_;
@@ -81,9 +85,9 @@ class FrontEnd final : public hw::TileSource {
   std::vector<std::unique_ptr<Slot>> ahead_;   ///< tiles being made or made, in order
   std::vector<std::unique_ptr<Slot>> handed_;  ///< out in the machine
   std::vector<std::unique_ptr<Slot>> spare_;
-  std::size_t slots_ = 0;                 ///< in all of these
-  std::array<std::size_t, 9> longest_{};  ///< arrays of any tile so far
-  kernels::TileBuffer buffer_;            ///< for the thread that calls next()
+  std::size_t slots_ = 0;                  ///< in all of these
+  std::array<std::size_t, 10> longest_{};  ///< arrays of any tile so far
+  kernels::TileBuffer buffer_;             ///< for the thread that calls next()
   std::uint32_t next_tile_ = 0;
   std::uint32_t taken_ = 0;
   std::uint32_t pass_end_ = 0;  ///< tiles before it may be made

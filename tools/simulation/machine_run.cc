@@ -7,16 +7,18 @@
 namespace tools {
 
 std::unique_ptr<hw::Gpu> make_gpu(const Inputs& inputs, const kernels::FrameRequirements& requirements,
-                                  hw::TileSource& tiles, const hw::Perturbation& perturbation) {
-  return make_gpu(inputs, inputs.config, requirements, tiles, perturbation);
+                                  hw::TileSource& tiles, const hw::Perturbation& perturbation,
+                                  const hw::Watchers& watchers) {
+  return make_gpu(inputs, inputs.config, requirements, tiles, perturbation, watchers);
 }
 
 std::unique_ptr<hw::Gpu> make_gpu(const Inputs& inputs, const RunConfig& config,
                                   const kernels::FrameRequirements& requirements, hw::TileSource& tiles,
-                                  const hw::Perturbation& perturbation) {
+                                  const hw::Perturbation& perturbation, const hw::Watchers& watchers) {
   const bool dma_encodes = config.render.srgb == kernels::SrgbEncoder::kDma;
-  return std::make_unique<hw::Gpu>(
-      config.gpu, hw::Gpu::Workload{inputs.image, inputs.parents, requirements, dma_encodes}, tiles, perturbation);
+  return std::make_unique<hw::Gpu>(config.gpu,
+                                   hw::Gpu::Workload{inputs.image, inputs.parents, requirements, dma_encodes, watchers},
+                                   tiles, perturbation);
 }
 
 sim::EnergyReport energy_of(const hw::Gpu& gpu, const RunConfig& config) {

@@ -8,11 +8,12 @@ namespace tools {
 
 /// The machine that `inputs` name, before its first cycle.
 std::unique_ptr<hw::Gpu> make_gpu(const Inputs& inputs, const kernels::FrameRequirements& requirements,
-                                  hw::TileSource& tiles, const hw::Perturbation& perturbation = {});
+                                  hw::TileSource& tiles, const hw::Perturbation& perturbation = {},
+                                  const hw::Watchers& watchers = {});
 /// The machine of another configuration, for the work of `inputs`.
 std::unique_ptr<hw::Gpu> make_gpu(const Inputs& inputs, const RunConfig& config,
                                   const kernels::FrameRequirements& requirements, hw::TileSource& tiles,
-                                  const hw::Perturbation& perturbation = {});
+                                  const hw::Perturbation& perturbation = {}, const hw::Watchers& watchers = {});
 
 /// Plays all tiles. sim::Deadlock if the machine is stuck.
 void run_to_end(hw::Gpu& gpu);

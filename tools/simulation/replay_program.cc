@@ -42,7 +42,8 @@ void ReplayProgram::run_tile(std::uint32_t tile_index, const traces::Tracer&, bo
   }
   out.tile = out.work.tile;
   std::ranges::copy(rays.by_kind, out.rays.begin());
-  out.traversal_steps = rays.steps;
+  out.traversal_steps = rays.steps.all();
+  out.triangle_tests = rays.steps.tests;
   out.continued = tile_index == 0 ? continued_ : 0;
   const std::lock_guard lock(mutex_);
   cursors_.push_back(std::move(cursor));

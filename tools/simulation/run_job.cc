@@ -188,11 +188,14 @@ Simulation simulate(const Inputs& inputs, const kernels::ProgramSpec& program, s
 Simulation play(const Inputs& inputs, const kernels::ProgramSpec& program, kernels::FrameProgram& frame,
                 const traces::Tracer& tracer, std::uint32_t threads, const Extras& extras) {
   const sim::HostClock::time_point begin = sim::HostClock::now();
-  FrontEnd front_end(frame, tracer, host_threads(threads) - 1);
+  FrontEnd front_end(frame, tracer, host_threads(threads) - 1, true, {}, extras.itemised);
   ProgressTileSource offered(front_end, frame.tiles(), extras.progress, extras.keep_part);
   const kernels::FrameRequirements requirements = frame.requirements();
   Recording tiles(offered, inputs, requirements, extras, frame);
-  const std::unique_ptr<hw::Gpu> gpu = make_gpu(inputs, requirements, tiles);
+  hw::TileBook book(extras.itemised ? frame.tiles() : 0);
+  hw::Watchers watchers = extras.watchers;
+  if (extras.itemised) watchers.book = &book;
+  const std::unique_ptr<hw::Gpu> gpu = make_gpu(inputs, requirements, tiles, {}, watchers);
   check_energy_events(gpu->report(), inputs.config.energy);
   // A figure that is missing is told before the work, not after it.
   energy_of(*gpu, inputs.config);
@@ -212,6 +215,8 @@ Simulation play(const Inputs& inputs, const kernels::ProgramSpec& program, kerne
   s.machine = inputs.config.gpu;
   s.function = front_end.result();
   take(*gpu, inputs.config, s);
+  s.tile_accounts = book.take_tiles();
+  s.rest = book.rest();
   s.wall_seconds = sim::seconds_since(begin);
   s.tiles = frame.tiles();
   s.finished_tiles = offered.finished();

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "hw_models/machines/watchers.h"
+#include "hw_models/memory/tile_book.h"
 #include "hw_models/srp/schedule.h"
 #include "hw_models/srp/srp_stats.h"
 #include "shader_kernels/programs/adaptive/rate_map.h"
@@ -90,10 +92,12 @@ struct Simulation {
   sim::Time elapsed = 0;
   double wall_seconds = 0;  ///< host, functional and timing together
   std::uint32_t tiles = 0,
-                finished_tiles = 0;     ///< tiles of the last frame; all are finished, but for Extras::keep_part
-  std::optional<SampledFrame> sampled;  ///< if most of this is estimated
-  std::vector<Simulation> replicates;   ///< the same work, perturbed; without pictures
-  double replicate_seconds = 0;         ///< host, for these
+                finished_tiles = 0;            ///< tiles of the last frame; all are finished, but for Extras::keep_part
+  std::optional<SampledFrame> sampled;         ///< if most of this is estimated
+  std::vector<Simulation> replicates;          ///< the same work, perturbed; without pictures
+  double replicate_seconds = 0;                ///< host, for these
+  std::vector<hw::TileAccount> tile_accounts;  ///< with Extras::itemised: of each entry of the tile list
+  hw::TileAccount rest;                        ///< likewise: what no tile has asked for
   std::uint64_t rays() const;
   bool is_part() const { return finished_tiles < tiles; }
   /// Adds a later frame's figures; the picture stays.
@@ -111,6 +115,8 @@ struct Extras {
   sim::Intervals* intervals = nullptr;   ///< gets what the machine did over time, if somebody wants it
   RunWatcher* watcher = nullptr;         ///< looks at the frame while it is played
   std::uint32_t replicates = 1;          ///< plays of the work, of which the first is not perturbed
+  bool itemised = false;                 ///< what each tile and pixel took is kept
+  hw::Watchers watchers = {};            ///< of the machine
 };
 
 /// Runs a frame program on the machine.

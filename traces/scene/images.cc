@@ -1,6 +1,7 @@
 #include "traces/scene/images.h"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <string_view>
 
@@ -46,11 +47,18 @@ std::string_view as_text(const std::vector<unsigned char>& bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-void check_size(const std::filesystem::path& path, std::uint32_t width, std::uint32_t height, std::size_t values) {
-  if (width == 0 || height == 0 || values != std::size_t{width} * height * 3) {
+void check_size(const std::filesystem::path& path, std::uint32_t width, std::uint32_t height, std::size_t values,
+                std::size_t channels = 3) {
+  if (width == 0 || height == 0 || values != std::size_t{width} * height * channels) {
     throw std::logic_error(
         fmt::format("{}: {} values do not make {} x {} pixels", path.string(), values, width, height));
   }
+}
+
+std::vector<ImageCodec::Note> codec_notes(std::span<const ImageNote> notes) {
+  std::vector<ImageCodec::Note> out;
+  for (const ImageNote& note : notes) out.push_back({note.name.c_str(), note.text.c_str()});
+  return out;
 }
 
 void finish(const std::filesystem::path& path, const std::string& error, const std::vector<unsigned char>& bytes) {
@@ -86,7 +94,7 @@ std::vector<unsigned char> encode_png(const Texture& texture) {
     for (std::uint32_t k = 0; k < channels; ++k) pixels.push_back(static_cast<std::uint8_t>(texel >> (8 * k)));
   }
   std::vector<unsigned char> bytes;
-  const std::string error = codec().encode_png({texture.width, texture.height}, channels, pixels, bytes);
+  const std::string error = codec().encode_png({texture.width, texture.height}, channels, pixels, {}, bytes);
   if (!error.empty()) {
     throw sim::IoError(fmt::format("texture '{}': {}", sim::printable(texture.name), sim::printable(error)));
   }
@@ -94,17 +102,35 @@ std::vector<unsigned char> encode_png(const Texture& texture) {
 }
 
 void write_png(const std::filesystem::path& path, std::uint32_t width, std::uint32_t height,
-               std::span<const std::uint8_t> rgb8) {
+               std::span<const std::uint8_t> rgb8, std::span<const ImageNote> notes) {
   check_size(path, width, height, rgb8.size());
   std::vector<unsigned char> bytes;
-  finish(path, codec().encode_png({width, height}, 3, rgb8, bytes), bytes);
+  finish(path, codec().encode_png({width, height}, 3, rgb8, codec_notes(notes), bytes), bytes);
 }
 
 void write_exr(const std::filesystem::path& path, std::uint32_t width, std::uint32_t height,
                std::span<const float> rgb) {
   check_size(path, width, height, rgb.size());
+  constexpr std::array<ImageCodec::Channel, 3> kColours = {{{"R"}, {"G"}, {"B"}}};
   std::vector<unsigned char> bytes;
-  finish(path, codec().encode_exr({width, height}, rgb, bytes), bytes);
+  finish(path, codec().encode_exr({width, height}, kColours, rgb, {}, bytes), bytes);
+}
+
+void write_exr(const std::filesystem::path& path, std::uint32_t width, std::uint32_t height,
+               std::span<const ImageChannel> channels, std::span<const float> values,
+               std::span<const ImageNote> notes) {
+  check_size(path, width, height, values.size(), channels.size());
+  std::vector<ImageCodec::Channel> named;
+  for (const ImageChannel& channel : channels) named.push_back({channel.name.c_str(), channel.is_half});
+  std::vector<unsigned char> bytes;
+  finish(path, codec().encode_exr({width, height}, named, values, codec_notes(notes), bytes), bytes);
+}
+
+std::vector<std::uint8_t> map_colours(const std::string& map, std::span<const float> values) {
+  std::vector<std::uint8_t> rgb;
+  const std::string error = codec().map_colours(map.c_str(), values, rgb);
+  if (!error.empty()) throw sim::IoError(fmt::format("colour map '{}': {}", map, sim::printable(error)));
+  return rgb;
 }
 
 FloatImage read_exr(const std::filesystem::path& path, const SceneLimits& limits) {

@@ -28,12 +28,30 @@ struct FloatImage {
 /// The bytes of a PNG file, with alpha if any texel is not opaque. IoError if encoding fails.
 std::vector<unsigned char> encode_png(const Texture& texture);
 
-// Equal pixels give equal bytes. Nobody sees a half-written file. IoError if writing fails.
+/// A line of text that an image file carries beside its pixels.
+struct ImageNote {
+  std::string name, text;
+};
+
+// Equal pixels and notes give equal bytes. Nobody sees a half-written file. IoError if writing fails.
 void write_png(const std::filesystem::path& path, std::uint32_t width, std::uint32_t height,
-               std::span<const std::uint8_t> rgb8);
+               std::span<const std::uint8_t> rgb8, std::span<const ImageNote> notes = {});
 void write_exr(const std::filesystem::path& path, std::uint32_t width, std::uint32_t height,
                std::span<const float> rgb);
 
+/// A channel of numbers that are no colours. `is_half`: in 16 bits, exact for whole numbers up to 2,048.
+struct ImageChannel {
+  std::string name;
+  bool is_half = false;
+};
+/// Values pixel by pixel, one for each channel; channels in the order of their names, as readers find them.
+void write_exr(const std::filesystem::path& path, std::uint32_t width, std::uint32_t height,
+               std::span<const ImageChannel> channels, std::span<const float> values, std::span<const ImageNote> notes);
+
+/// Colours of values from 0 to 1, for the screen: `map` is "turbo", "viridis", or another of OpenImageIO's.
+std::vector<std::uint8_t> map_colours(const std::string& map, std::span<const float> values);
+
+/// Up to four channels, in the order of their names; the first three are told.
 FloatImage read_exr(const std::filesystem::path& path, const SceneLimits& limits = {});
 
 }  // namespace traces

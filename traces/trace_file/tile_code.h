@@ -10,6 +10,7 @@
 #include "traces/stream.h"
 #include "traces/trace_file/access_code.h"
 #include "traces/trace_file/tree_links.h"
+#include "traces/walk_steps.h"
 
 namespace traces {
 
@@ -33,7 +34,7 @@ struct TileScope {
 /// Numbers of a tile's rays, beside its work.
 struct TileRays {
   std::array<std::uint64_t, kRayKinds> by_kind{};
-  std::uint64_t steps = 0;  ///< node visits and triangle tests
+  WalkSteps steps;
 };
 
 /// Appends a tile's work as bytes (docs/trace-format.md says which). Walks that are none on this tree are written as

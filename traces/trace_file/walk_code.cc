@@ -46,7 +46,7 @@ class Follower {
       : links_(links.nodes), roots_(links.roots), cull_bits_(cull_bits(!links.roots.empty())), at_(words), end_(end) {}
 
   const std::uint32_t* at() const { return at_; }
-  std::uint64_t steps() const { return steps_; }
+  const WalkSteps& steps() const { return steps_; }
 
   /// One ray's walk, as bits into `out`. False if it is none on this tree.
   template <class Bits>
@@ -58,7 +58,7 @@ class Follower {
       if (!is_leaf(link)) {
         const std::uint32_t code = word >> 27;
         if (link >= links_.size() || node_of(word) != link || code > 7 || ((1U << code) & 0x70U) != 0) return false;
-        steps_ += 1;
+        steps_.visits += 1;
         out.put(code, 3);
         const std::uint32_t hits = hits_of(word);
         if (hits != 0) {
@@ -106,7 +106,7 @@ class Follower {
     if (kind_of(word) != StepKind::kLeaf || first_of(word) != leaf_first(link) || at_ == end_) return false;
     const std::uint32_t phases = *at_++, tested = count_of(word);
     if (tested > leaf_count(link) || (phases & 0xccccccccU) != 0 || !are_tested(phases, tested)) return false;
-    steps_ += tested;
+    steps_.tests += tested;
     out.put(squeeze(phases), 2 * leaf_count(link));
     return true;
   }
@@ -115,7 +115,7 @@ class Follower {
   const std::vector<std::uint32_t>& roots_;
   const std::uint32_t cull_bits_;
   const std::uint32_t *at_, *end_;
-  std::uint64_t steps_ = 0;
+  WalkSteps steps_;
   std::array<std::uint32_t, kStackSize> stack_;
 };
 
@@ -136,7 +136,7 @@ bool encode_walks(const TileWork& work, const Links& links, std::string& out) {
   return good;
 }
 
-std::uint64_t decode_plain_walks(std::string_view bytes, const Links& links, std::uint32_t rays, TileWork& work) {
+WalkSteps decode_plain_walks(std::string_view bytes, const Links& links, std::uint32_t rays, TileWork& work) {
   work.walk.resize(bytes.size() / 4);
   if (!bytes.empty()) std::memcpy(work.walk.data(), bytes.data(), bytes.size());
   work.ray_begin.resize(rays);

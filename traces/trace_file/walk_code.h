@@ -5,6 +5,7 @@
 
 #include "traces/stream.h"
 #include "traces/trace_file/tree_links.h"
+#include "traces/walk_steps.h"
 
 namespace traces {
 
@@ -28,10 +29,10 @@ bool encode_walks(const TileWork& work, const Links& links, std::string& out);
 
 /// Fills `walk` and `ray_begin` of a tile with the walks of `rays` rays, `words` words together; returns their node
 /// visits and triangle tests. `bits` is followed by kBitsPadding. InputError if they are not what encode_walks makes.
-std::uint64_t decode_walks(std::string_view bits, const Links& links, std::uint32_t rays, std::uint32_t words,
-                           TileWork& work);
+WalkSteps decode_walks(std::string_view bits, const Links& links, std::uint32_t rays, std::uint32_t words,
+                       TileWork& work);
 
 /// Fills them with walks as walk.h has them, four bytes a word; the same checks.
-std::uint64_t decode_plain_walks(std::string_view bytes, const Links& links, std::uint32_t rays, TileWork& work);
+WalkSteps decode_plain_walks(std::string_view bytes, const Links& links, std::uint32_t rays, TileWork& work);
 
 }  // namespace traces

@@ -34,7 +34,7 @@ struct Cursor {
   std::uint32_t* out;
   std::uint32_t* last;  ///< the end of the room, but for what a step may write beyond
   std::uint64_t at = 0;
-  std::uint64_t steps = 0;
+  WalkSteps steps;
 
  private:
   static constexpr std::size_t kFirstRoom = std::size_t{1} << 16;
@@ -53,7 +53,7 @@ inline std::uint32_t decode_leaf(std::uint64_t window, std::uint32_t link, Curso
   if (!are_tested(phases, tested)) no_walk();
   *c.out++ = leaf_step(leaf_first(link), tested);
   *c.out++ = phases;
-  c.steps += tested;
+  c.steps.tests += tested;
   return size;
 }
 
@@ -74,7 +74,7 @@ inline void decode_walk(const Links& links, Cursor& c) {
       const std::uint32_t code = window & 7;
       if (link >= nodes || ((1U << code) & 0x70U) != 0) no_walk();
       *c.out++ = code << 27 | link;
-      c.steps += 1;
+      c.steps.visits += 1;
       c.at += 3;
       const std::uint32_t hits = code & 3;
       if (hits != 0) {
@@ -121,8 +121,7 @@ inline void decode_walk(const Links& links, Cursor& c) {
 
 /// decode_walks() for trees of two levels, or of one.
 template <bool kLevels>
-std::uint64_t decode(std::string_view bits, const Links& links, std::uint32_t rays, std::uint32_t words,
-                     TileWork& work) {
+WalkSteps decode(std::string_view bits, const Links& links, std::uint32_t rays, std::uint32_t words, TileWork& work) {
   Cursor c(bits, words, work.walk);
   work.ray_begin.resize(rays);
   for (std::uint32_t& ray : work.ray_begin) {
@@ -136,8 +135,8 @@ std::uint64_t decode(std::string_view bits, const Links& links, std::uint32_t ra
 
 }  // namespace
 
-std::uint64_t decode_walks(std::string_view bits, const Links& links, std::uint32_t rays, std::uint32_t words,
-                           TileWork& work) {
+WalkSteps decode_walks(std::string_view bits, const Links& links, std::uint32_t rays, std::uint32_t words,
+                       TileWork& work) {
   return links.roots.empty() ? decode<false>(bits, links, rays, words, work)
                              : decode<true>(bits, links, rays, words, work);
 }

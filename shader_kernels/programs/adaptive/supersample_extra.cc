@@ -133,6 +133,10 @@ void SupersampleProgram::trace_extra(Tile& tile, const Chunk& chunk, std::uint32
   const Node generated = wave.launch<GenerateExtraRays>(generate, items, items + padding, padding);
   wave.wait_all(generated, after);
   wave.wait_for_colours(generated);  // the slots are free
+  for (std::uint32_t i = 0; wave.counts_pixels() && i < items; ++i) {
+    const std::uint32_t pixel = buffer.active[chunk.first + i / kExtra] / 4;
+    wave.place_ray(i, tile.out.x + pixel % tile.out.width, tile.out.y + pixel / tile.out.width);
+  }
   if (items != 0) wave.run(generated, items, {}, items + padding, padding);
 }
 

@@ -92,7 +92,8 @@ SceneTables::SceneTables(const traces::MemoryImage& memory_image, const RenderCo
       epsilon(static_cast<float>(config.ray_epsilon) * memory_image.diagonal()),
       min_weight(static_cast<float>(config.min_weight)),
       depth(config.depth),
-      layers(config.layers) {
+      layers(config.layers),
+      width(config.width) {
   std::uint32_t flags = 0, shades = 0;
   for (const traces::MaterialRecord& material : image.materials) {
     flags |= material.flags;

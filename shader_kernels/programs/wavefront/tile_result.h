@@ -24,6 +24,12 @@ struct RaySlots {
   void hold(std::size_t slots);
 };
 
+/// What the rays of a pixel took.
+struct PixelWork {
+  std::uint32_t pixel = 0;  ///< of the picture, row by row
+  std::uint32_t rays = 0, steps = 0, tests = 0;
+};
+
 /// Contents of the tile buffer while a tile is made; afterwards nobody looks at them, and another tile may have it.
 /// Arrays only grow, so that a used one allocates no more.
 struct TileBuffer {
@@ -50,6 +56,7 @@ struct TileBuffer {
   std::vector<std::uint32_t> subpixels, active, masters, fills;
   std::vector<SubpixelRecord<float>> states;  ///< those of sub-pixels, between rounds of propagation
   std::vector<ColourRecord<float>> shown;     ///< by them
+  std::vector<PixelWork> pixel_work;          ///< per sample, if anybody wants to know
   std::vector<std::uint32_t> record_nodes;    ///< launches of the work that have added to what samples keep
   std::vector<std::uint32_t> colour_nodes;    ///< launches of the work that have added to colours
   std::vector<traces::WorkNode> spare_nodes;
@@ -109,6 +116,9 @@ struct TileResult {
   std::vector<std::uint32_t> corrected;   ///< pixels of the picture whose new colours a round has put into `linear`
   std::vector<std::uint32_t> background;  ///< samples whose primary ray hit nothing, in the order traced
   std::uint64_t traversal_steps = 0;  ///< node visits and triangle tests; counted from the walks, so 0 if not recorded
+  std::uint64_t triangle_tests = 0;   ///< of these, triangle tests
+  bool wants_pixel_work = false;      ///< says, before the tile is made, whether `pixel_work` is to be filled
+  std::vector<PixelWork> pixel_work;  ///< a pixel may be there several times, also one of a neighbour's
   traces::TileWork work;              ///< filled if recorded
   TileBuffer buffer;
   /// Colour of a sample as it is averaged.

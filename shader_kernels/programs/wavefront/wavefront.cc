@@ -1,6 +1,7 @@
 #include "shader_kernels/programs/wavefront/wavefront.h"
 
 #include <algorithm>
+#include <iterator>
 #include <span>
 #include <utility>
 
@@ -21,7 +22,9 @@ Wavefront::Wavefront(const SceneTables& scene, const traces::Tracer& tracer, boo
       cone_(cone) {
   out.rays = {};
   out.continued = 0;
-  out.traversal_steps = 0;
+  out.traversal_steps = out.triangle_tests = 0;
+  out.pixel_work.clear();
+  buffer_.pixel_work.clear();
   out.background.clear();
   buffer_.colour_nodes.clear();
   buffer_.record_nodes.clear();
@@ -53,24 +56,63 @@ void Wavefront::run(Node maker, std::uint32_t rays, const RetainedRecords& retai
 
 Wavefront::Batch Wavefront::trace(RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t count, Node maker,
                                   bool is_mapped) {
-  Batch batch{trace_once(kind, slots.rays.data() + first, slots.hits.data() + first, count, maker, is_mapped)};
+  Batch batch{trace_once(kind, slots, first, count, maker, is_mapped)};
   if (kind == RayKind::kShadow ? scene_.has_shades : scene_.has_alpha) {
     batch.settled = settle(kind, slots, first, count, batch.rays);
   }
   return batch;
 }
 
-Wavefront::Node Wavefront::trace_once(RayKind kind, const traces::Ray* rays, traces::Hit* hits, std::uint32_t count,
+Wavefront::Node Wavefront::trace_once(RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t count,
                                       Node maker, bool is_mapped) {
-  const std::size_t from_word = out_.work.walk.size();
+  const std::size_t first_ray = out_.work.ray_begin.size();
   traces::WalkSink sink{out_.work.walk, out_.work.ray_begin};
-  tracer_.trace({rays, count}, kind, {hits, count}, stream_.is_on() ? &sink : nullptr);
+  tracer_.trace(std::span(slots.rays).subspan(first, count), kind, std::span(slots.hits).subspan(first, count),
+                stream_.is_on() ? &sink : nullptr);
   if (stream_.is_muted()) return StreamBuilder::kNone;
-  out_.traversal_steps += traces::count_steps(std::span(out_.work.walk).subspan(from_word));
+  count_walks(first_ray, std::span(slots.paths).subspan(first, count));
   const Node node = stream_.rays(kind, count, rays_traced_, maker, is_mapped);
   rays_traced_ += count;
   out_.rays[static_cast<std::size_t>(kind)] += count;
   return node;
+}
+
+/// Counts the steps of the tile's last rays, for the samples that they belong to, too.
+void Wavefront::count_walks(std::size_t first_ray, std::span<const PathRecord<float>> paths) {
+  const std::span walk(out_.work.walk);
+  const std::vector<std::uint32_t>& begin = out_.work.ray_begin;
+  if (first_ray == begin.size()) return;  // a tracer without walks
+  if (!counts_pixels()) {
+    const traces::WalkSteps steps = traces::count_steps(walk.subspan(begin[first_ray]));
+    out_.traversal_steps += steps.all();
+    out_.triangle_tests += steps.tests;
+    return;
+  }
+  for (std::size_t ray = first_ray; ray < begin.size(); ++ray) {
+    const std::size_t end = ray + 1 == begin.size() ? walk.size() : begin[ray + 1];
+    const traces::WalkSteps steps = traces::count_steps(walk.subspan(begin[ray], end - begin[ray]));
+    PixelWork& work = buffer_.pixel_work[paths[ray - first_ray].sample];
+    work.rays += 1;
+    work.steps += static_cast<std::uint32_t>(steps.all());
+    work.tests += static_cast<std::uint32_t>(steps.tests);
+    out_.traversal_steps += steps.all();
+    out_.triangle_tests += steps.tests;
+  }
+}
+
+/// Numbers of samples are used again by those of other pixels.
+void Wavefront::place_ray(std::uint32_t ray, std::uint32_t x, std::uint32_t y) {
+  const std::uint32_t sample = buffer_.wave.paths[ray].sample;
+  if (buffer_.pixel_work.size() <= sample) buffer_.pixel_work.resize(std::size_t{sample} + 1);
+  PixelWork& work = buffer_.pixel_work[sample];
+  if (work.rays != 0) out_.pixel_work.push_back(work);
+  work = {.pixel = y * scene_.width + x};
+}
+
+void Wavefront::finish() {
+  stream_.finish();
+  std::ranges::copy_if(buffer_.pixel_work, std::back_inserter(out_.pixel_work),
+                       [](const PixelWork& work) { return work.rays != 0; });
 }
 
 void Wavefront::wait_for_bounce(Node node, const Bounce& bounce) {
@@ -178,6 +220,10 @@ void Wavefront::put_packed(Node packed, std::uint64_t offset) {
 
 Wavefront::Node Wavefront::transfer(traces::Region region, bool to_memory, std::uint64_t offset, std::uint32_t bytes) {
   return stream_.transfer(region, to_memory, offset, bytes);
+}
+
+Wavefront::Node Wavefront::export_border(std::uint32_t number, std::uint64_t offset, std::uint32_t bytes) {
+  return stream_.export_border(number, offset, bytes);
 }
 
 void Wavefront::export_samples(std::uint32_t number, std::uint64_t offset, std::uint32_t bytes) {

@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "shader_kernels/catalogue.h"
@@ -106,15 +107,13 @@ class Wavefront {
   void wait_for_colours(Node node);
   /// Makes `node` wait for all that adds to what samples keep.
   void wait_for_records(Node node);
-  /// Has all later wait_for_colours(), wait_for_records() wait for `node` too.
+  /// All later wait_for_colours(), wait_for_records() wait for `node` too.
   void adds_colours(Node node) { buffer_.colour_nodes.push_back(node); }
   void adds_records(Node node) { buffer_.record_nodes.push_back(node); }
   /// `node` has waited for all launches so far: later wait_for_colours() wait for it instead.
   void colours_are_in(Node node) { buffer_.colour_nodes.assign(1, node); }
   Node transfer(traces::Region region, bool to_memory, std::uint64_t offset, std::uint32_t bytes);
-  Node export_border(std::uint32_t number, std::uint64_t offset, std::uint32_t bytes) {
-    return stream_.export_border(number, offset, bytes);
-  }
+  Node export_border(std::uint32_t number, std::uint64_t offset, std::uint32_t bytes);
   Node import_border(traces::Border border, std::uint64_t offset, std::uint32_t bytes) {
     return stream_.import_border(border, offset, bytes);
   }
@@ -130,7 +129,10 @@ class Wavefront {
   void put_out(Node averaged, std::uint64_t offset);
   /// Moves them once `packed` has encoded them.
   void put_packed(Node packed, std::uint64_t offset);
-  void finish() { stream_.finish(); }
+  /// Whether the rays of each pixel are counted; then place_ray() says where each primary ray of the first wave lies.
+  bool counts_pixels() const { return out_.wants_pixel_work && stream_.is_on(); }
+  void place_ray(std::uint32_t ray, std::uint32_t x, std::uint32_t y);
+  void finish();
 
  private:
   /// Rays that have been traced.
@@ -171,8 +173,9 @@ class Wavefront {
   /// Traces rays and those that go on behind what turns out not to be solid.
   Batch trace(traces::RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t count, Node maker,
               bool is_mapped);
-  Node trace_once(traces::RayKind kind, const traces::Ray* rays, traces::Hit* hits, std::uint32_t count, Node maker,
-                  bool is_mapped);
+  Node trace_once(traces::RayKind, RaySlots& slots, std::uint32_t first, std::uint32_t count, Node maker, bool mapped);
+  void count_walks(std::size_t first_ray, std::span<const PathRecord<float>> paths);
+
   Node settle(traces::RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t count, Node batch);
   template <bool kColoured, bool kInstanced>
   std::uint32_t test_layers(traces::RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t items,

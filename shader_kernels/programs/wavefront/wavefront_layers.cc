@@ -36,7 +36,10 @@ Wavefront::Node Wavefront::settle(RayKind kind, RaySlots& slots, std::uint32_t f
     wait_all(settled, before);
     wait_all(settled, batch);
     if (rays == 0) break;
-    const Node onwards = trace_once(kind, buffer_.layer.rays.data(), buffer_.layer.hits.data(), rays, settled, true);
+    for (std::uint32_t i = 0; counts_pixels() && i < rays; ++i) {
+      buffer_.layer.paths[i].sample = slots.paths[first + buffer_.targets[i]].sample;
+    }
+    const Node onwards = trace_once(kind, buffer_.layer, 0, rays, settled, true);
     if (!stream_.is_muted()) out_.continued += rays;
 
     ScatterLayers::Ports<float> scatter;

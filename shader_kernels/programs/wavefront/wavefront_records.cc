@@ -13,6 +13,17 @@ std::uint32_t way_of(std::uint32_t depth) { return depth * 0x9e3779b9U; }
 /// A light's bit; lights beyond 32 share them.
 std::uint32_t bit_of(std::uint32_t light) { return 1U << (light % 32); }
 
+/// Says in which pixels the primary rays of listed samples lie.
+void place_listed(Wavefront& wave, const GridUniforms<float>& grid, std::span<const std::uint32_t> list) {
+  if (!wave.counts_pixels()) return;
+  const auto pitch = static_cast<std::uint32_t>(grid.pitch), side = static_cast<std::uint32_t>(grid.grid);
+  const auto x0 = static_cast<std::int32_t>(grid.x0), y0 = static_cast<std::int32_t>(grid.y0);
+  for (std::uint32_t i = 0; i < list.size(); ++i) {
+    const auto column = static_cast<std::int32_t>(list[i] % pitch), row = static_cast<std::int32_t>(list[i] / pitch);
+    wave.place_ray(i, static_cast<std::uint32_t>(x0 + column) / side, static_cast<std::uint32_t>(y0 + row) / side);
+  }
+}
+
 }  // namespace
 
 Wavefront::Node Wavefront::generate(GenerateListedRays::Ports<float>& ports, std::vector<std::uint32_t>& list,
@@ -22,11 +33,13 @@ Wavefront::Node Wavefront::generate(GenerateListedRays::Ports<float>& ports, std
   Node generated = kNone;
   if (scene_.fuses && has_records) {
     generated = generate_fused(ports, list, items, retained, lanes);
+    place_listed(*this, ports.grid, std::span(list).first(items));
     wait_all(generated, lister);
     adds_records(generated);
     return generated;
   }
   generated = launch<GenerateListedRays>(ports, items, lanes);
+  place_listed(*this, ports.grid, std::span(list).first(items));
   wait_all(generated, lister);
   const auto clear = [&]<class K>(std::type_identity<K>) {
     typename K::template Ports<float> cleared;

@@ -71,7 +71,6 @@ TEST(Warnings, OfOptionsThatDoNothing) {
     return ending_well(words).err;
   };
   EXPECT_EQ(warned({}), "");
-  EXPECT_SAYS(warned({"--debug-images"}), "--debug-images does nothing with full:1");
   EXPECT_SAYS(warned({"--set", "render.mip_maps=off", "--set", "render.mip_filter=linear"}),
               "render.mip_filter does nothing with render.mip_maps=off");
   EXPECT_EQ(warned({"--set", "render.mip_filter=linear"}), "");

@@ -32,7 +32,7 @@ TEST(TileCode, GivesBackATileThatHasEverything) {
   const TileRays rays = decode(encode(tile, scope.links), scope, back);
   EXPECT_TRUE(same(tile, back));
   EXPECT_EQ(rays.by_kind, (std::array<std::uint64_t, kRayKinds>{3, 2, 0, 0}));
-  EXPECT_EQ(rays.steps, 1U + 3 + 3 + 6 + 3 + 1 + 2 + 2) << "visits and tests of the five rays";
+  EXPECT_EQ(rays.steps.all(), 1U + 3 + 3 + 6 + 3 + 1 + 2 + 2) << "visits and tests of the five rays";
 }
 
 TEST(TileCode, GivesBackRaysThatEnterInstances) {
@@ -40,7 +40,7 @@ TEST(TileCode, GivesBackRaysThatEnterInstances) {
   const TileWork tile = tile_of_levels();
   const std::string bytes = encode(tile, scope.links);
   TileWork back;
-  EXPECT_EQ(decode(bytes, scope, back).steps, (5U + 5) + (4 + 1) + 2) << "entering is no step";
+  EXPECT_EQ(decode(bytes, scope, back).steps.all(), (5U + 5) + (4 + 1) + 2) << "entering is no step";
   EXPECT_TRUE(same(tile, back));
   TileWork flat = tile;  // the same without what enters
   flat.walk = {visit_step(0, 1, 0), end_step(false)};

@@ -28,6 +28,7 @@ class Run:
     frames   the same for each frame: a row a frame
     units    a row for each cycle reason and counter of each unit: unit, kind (elapsed, why or counter), name, value
     kernels  a row a kernel, by name
+    tiles    a row for each entry of a frame's tile list: frame, then the columns of tiles.json; None without that file
     report   the whole file as dictionaries and lists
     folder   where it lies
 
@@ -43,6 +44,7 @@ class Run:
     kernels: pandas.DataFrame
     report: dict
     folder: pathlib.Path
+    tiles: pandas.DataFrame = None
 
     @functools.cached_property
     def intervals(self):
@@ -59,6 +61,7 @@ def load(folder):
         kernels=pandas.DataFrame.from_dict(report["totals"].get("kernels", {}), orient="index"),
         report=report,
         folder=pathlib.Path(folder),
+        tiles=_tiles(pathlib.Path(folder, "tiles.json")),
     )
 
 
@@ -87,6 +90,14 @@ def load_trace_info(file, program="raywatt"):
     if asked.returncode != 0:
         raise ValueError(asked.stderr.strip())
     return pandas.Series(_flat(json.loads(asked.stdout)), dtype=object, name=str(file))
+
+
+def _tiles(file):
+    if not file.exists():
+        return None
+    frames = _read(file, "raywatt-tiles/1")["frames"]
+    return pandas.concat([pandas.DataFrame({"frame": frame["frame"], **frame["columns"]}) for frame in frames],
+                         ignore_index=True)
 
 
 def _read(file, schema):

@@ -5,6 +5,8 @@
 #include <mutex>
 
 #include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imagebuf.h>
+#include <OpenImageIO/imagebufalgo.h>
 #include <OpenImageIO/imageio.h>
 
 #include "traces/scene/images/codec.h"
@@ -85,7 +87,8 @@ class Input {
 };
 
 std::string encode(const char* format, OIIO::ImageSpec spec, OIIO::TypeDesc type, const void* pixels,
-                   std::vector<unsigned char>& out) {
+                   std::span<const ImageCodec::Note> notes, std::vector<unsigned char>& out) {
+  for (const ImageCodec::Note& note : notes) spec.attribute(note.name, note.text);
   out.clear();
   OIIO::Filesystem::IOVecOutput memory(out);
   OIIO::Filesystem::IOProxy* proxy = &memory;
@@ -135,26 +138,45 @@ class OiioCodec : public ImageCodec {
   }
 
   std::string encode_png(Size size, std::uint32_t channels, std::span<const std::uint8_t> pixels,
-                         std::vector<unsigned char>& out) const override {
+                         std::span<const Note> notes, std::vector<unsigned char>& out) const override {
     OIIO::ImageSpec spec(static_cast<int>(size.width), static_cast<int>(size.height), static_cast<int>(channels),
                          OIIO::TypeDesc::UINT8);
     spec.attribute("oiio:ColorSpace", "sRGB");
     spec.attribute("oiio:UnassociatedAlpha", 1);
-    return encode("png", spec, OIIO::TypeDesc::UINT8, pixels.data(), out);
+    return encode("png", spec, OIIO::TypeDesc::UINT8, pixels.data(), notes, out);
   }
 
-  std::string encode_exr(Size size, std::span<const float> rgb, std::vector<unsigned char>& out) const override {
-    OIIO::ImageSpec spec(static_cast<int>(size.width), static_cast<int>(size.height), 3, OIIO::TypeDesc::FLOAT);
+  std::string encode_exr(Size size, std::span<const Channel> channels, std::span<const float> values,
+                         std::span<const Note> notes, std::vector<unsigned char>& out) const override {
+    OIIO::ImageSpec spec(static_cast<int>(size.width), static_cast<int>(size.height), static_cast<int>(channels.size()),
+                         OIIO::TypeDesc::FLOAT);
+    spec.channelnames.clear();
+    for (const Channel& channel : channels) {
+      spec.channelnames.emplace_back(channel.name);
+      spec.channelformats.push_back(channel.is_half ? OIIO::TypeDesc::HALF : OIIO::TypeDesc::FLOAT);
+    }
     spec.attribute("oiio:ColorSpace", "Linear");
     spec.attribute("compression", "zip");
-    return encode("exr", spec, OIIO::TypeDesc::FLOAT, rgb.data(), out);
+    return encode("exr", spec, OIIO::TypeDesc::FLOAT, values.data(), notes, out);
+  }
+
+  std::string map_colours(const char* map, std::span<const float> values,
+                          std::vector<std::uint8_t>& rgb) const override {
+    if (values.empty()) return {};
+    const OIIO::ImageSpec line(static_cast<int>(values.size()), 1, 1, OIIO::TypeDesc::FLOAT);
+    const OIIO::ImageBuf from(line, const_cast<float*>(values.data()));
+    const OIIO::ImageBuf colours = OIIO::ImageBufAlgo::color_map(from, 0, map);
+    if (colours.has_error()) return colours.geterror();
+    rgb.resize(3 * values.size());
+    const bool good = colours.get_pixels(OIIO::ROI(0, line.width, 0, 1, 0, 1, 0, 3), OIIO::TypeDesc::UINT8, rgb.data());
+    return good ? "" : colours.geterror();
   }
 };
 
 }  // namespace
 }  // namespace traces
 
-extern "C" __attribute__((visibility("default"))) const traces::ImageCodec* raywatt_image_codec_2() {
+extern "C" __attribute__((visibility("default"))) const traces::ImageCodec* raywatt_image_codec_3() {
   static const traces::OiioCodec codec;
   return &codec;
 }

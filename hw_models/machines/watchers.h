@@ -1,0 +1,17 @@
+#pragma once
+#include "hw_models/dram/dram_channel.h"
+#include "hw_models/memory/l2_bank.h"
+#include "hw_models/memory/tile_book.h"
+#include "hw_models/srp/observer.h"
+
+namespace hw {
+
+/// Who is told what a machine does while it does it, and changes nothing. None of them need be there.
+struct Watchers {
+  TileBook* book = nullptr;  ///< gets an account of each tile
+  Observer* cores = nullptr;
+  L2Bank::Watcher* l2 = nullptr;
+  DramChannel::Watcher* dram = nullptr;
+};
+
+}  // namespace hw

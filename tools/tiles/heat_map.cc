@@ -1,0 +1,102 @@
+#include "tools/tiles/heat_map.h"
+
+#include <algorithm>
+#include <map>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "tools/tiles/lettering.h"
+#include "traces/scene/images.h"
+
+namespace tools {
+namespace {
+
+/// Rectangle of the picture that a tile finishes, and what its entries in all passes come to.
+struct Place {
+  std::uint32_t x = 0, y = 0, width = 0, height = 0;
+  double sum = 0;
+};
+
+/// Sums of a figure by place: entries of later passes have the place of the tile's first.
+std::vector<Place> by_place(const TileFrame& tiles, auto&& value) {
+  const auto whole = [&](const char* column, std::size_t i) { return static_cast<std::uint32_t>(tiles.at(column)[i]); };
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> index;
+  std::vector<Place> places;
+  for (std::size_t i = 0; i < tiles.rows(); ++i) {
+    const auto [known, is_new] = index.try_emplace({whole("x", i), whole("y", i)}, places.size());
+    if (is_new) places.push_back({whole("x", i), whole("y", i), whole("width", i), whole("height", i)});
+    places[known->second].sum += value(i);
+  }
+  return places;
+}
+
+HeatMap of_tiles(HeatMap map, const std::vector<Place>& places, bool shared) {
+  map.values.resize(std::size_t{map.width} * map.height);
+  for (const Place& place : places) {
+    const double pixels = std::max<double>(1, std::uint64_t{place.width} * place.height);
+    const auto value = static_cast<float>(shared ? place.sum / pixels : place.sum);
+    for (std::uint32_t y = place.y; y < place.y + place.height; ++y) {
+      std::fill_n(map.values.begin() + std::ptrdiff_t{y} * map.width + place.x, place.width, value);
+    }
+  }
+  return map;
+}
+
+HeatMap of_pixels(HeatMap map, const std::vector<kernels::PixelWork>& pixels,
+                  std::uint32_t kernels::PixelWork::*figure) {
+  for (const kernels::PixelWork& pixel : pixels) map.values.push_back(static_cast<float>(pixel.*figure));
+  return map;
+}
+
+}  // namespace
+
+std::vector<HeatMap> heat_maps(const Simulation& s, const TileFrame& tiles, std::uint32_t width, std::uint32_t height) {
+  if (tiles.find("x") == nullptr) return {};
+  const std::vector<double>&begin = tiles.at("dispatched"), &end = tiles.at("finished");
+  const auto cycles = [&](std::size_t i) { return end[i] - begin[i]; };
+  const auto srp_cycles = [&](std::size_t i) { return tiles.at("srp_cycles")[i]; };
+  constexpr double kNanojoulesPerMillijoule = 1e6;
+  const auto energy = [&](std::size_t i) { return tiles.at("energy_mj_nominal")[i] * kNanojoulesPerMillijoule; };
+  using kernels::PixelWork;
+  const std::vector<PixelWork>& pixels = s.function.pixels;
+  const auto map = [&](const char* name, const char* title, const char* colours) {
+    return HeatMap{name, title, colours, width, height, {}};
+  };
+  return {of_tiles(map("cycles", "CYCLES OF A TILE", "turbo"), by_place(tiles, cycles), false),
+          of_tiles(map("srp-cycles", "SRP CYCLES OF A TILE", "turbo"), by_place(tiles, srp_cycles), false),
+          of_pixels(map("rays", "RAYS OF A PIXEL", "viridis"), pixels, &PixelWork::rays),
+          of_pixels(map("steps", "STEPS OF A PIXEL", "viridis"), pixels, &PixelWork::steps),
+          of_pixels(map("tests", "TRIANGLE TESTS OF A PIXEL", "viridis"), pixels, &PixelWork::tests),
+          of_tiles(map("energy", "nJ OF A PIXEL", "turbo"), by_place(tiles, energy), true)};
+}
+
+DrawnMap draw(const HeatMap& map) {
+  constexpr std::uint32_t kMargin = 3, kBar = 8;
+  const float most = *std::ranges::max_element(map.values);
+  const std::string most_text = fmt::format("{:.4g}", most);
+  const std::string text = fmt::format("{}  0 - {}", map.title, most > 0 ? most_text : "0");
+  DrawnMap out{std::max(map.width, Lettering::width(text) + 2 * kMargin), 0, {}};
+  out.height = map.height + kBar + Lettering::kHeight + 3 * kMargin;
+  std::vector<float> shares;
+  shares.reserve(map.values.size() + out.width);
+  for (const float value : map.values) shares.push_back(most > 0 ? value / most : 0);
+  const std::uint32_t steps = std::max(1U, out.width - 2 * kMargin - 1);
+  for (std::uint32_t i = 0; i <= steps; ++i) shares.push_back(static_cast<float>(i) / static_cast<float>(steps));
+  const std::vector<std::uint8_t> colours = traces::map_colours(map.map, shares);
+  out.rgb.assign(std::size_t{3} * out.width * out.height, 255);
+  const auto at = [&](std::uint32_t x, std::uint32_t y) {
+    return out.rgb.begin() + 3 * (std::ptrdiff_t{y} * out.width + x);
+  };
+  for (std::uint32_t y = 0; y < map.height; ++y) {
+    std::copy_n(colours.begin() + 3 * std::ptrdiff_t{y} * map.width, std::size_t{3} * map.width, at(0, y));
+  }
+  const auto bar = colours.begin() + 3 * static_cast<std::ptrdiff_t>(map.values.size());
+  for (std::uint32_t y = 0; y < kBar; ++y)
+    std::copy_n(bar, std::size_t{3} * (steps + 1), at(kMargin, map.height + kMargin + y));
+  Lettering::draw(text, out.rgb, out.width, kMargin, map.height + kBar + 2 * kMargin);
+  return out;
+}
+
+}  // namespace tools
