@@ -141,6 +141,7 @@ inline TileWork tile_of_raster() {
              {.kind = kLaunch, .kernel = 0, .items = 4, .inputs = {}},
              {.kind = kRaster, .items = 4, .raster = 1, .inputs = {{1, Edge::Kind::kEach}}},
              {.kind = kLaunch, .kernel = 1, .items = 4, .inputs = {{2, Edge::Kind::kEach}, {0, Edge::Kind::kAll}}}};
+  t.access_begin = {0};
   t.raster = {{0, 3, 0, 2, 1}, {3, 3, 2, 2, 4}};
   t.list_runs = {{0, 1}, {4, 2}, {6, 2}, {1, 1}};
   t.raster_triangles = {{.number = 0, .vertices = {0, 1, 2}, .lists = 2},
