@@ -95,8 +95,9 @@ PricedRun::PricedRun(const ReportFile& report, const PriceTable& table)
   const double cycles = report.number("totals.cycles");
   if (!(cycles >= 0 && cycles < 0x1p53)) ReportedCounts(report).refuse("totals.cycles is no count");
   elapsed_ = static_cast<sim::Time>(cycles) * config_.gpu.clocks.tni.clock().period();
-  std::vector<sim::UnitReport> units = idle_units(config_.gpu);
-  ReportedCounts(report).fill(units);
+  const ReportedCounts counts(report);
+  std::vector<sim::UnitReport> units = idle_units(config_.gpu, counts.has_rasteriser());
+  counts.fill(units);
   make_formula(units);
   const double own = total(&sim::Spread::nominal) / kPicojoulesPerMillijoule;
   const double stated = report.number("totals.energy_mj.nominal");
@@ -106,8 +107,8 @@ PricedRun::PricedRun(const ReportFile& report, const PriceTable& table)
   }
   if (!table.is_own()) {
     apply(table, config_);
-    units = idle_units(config_.gpu);
-    ReportedCounts(report).fill(units);
+    units = idle_units(config_.gpu, counts.has_rasteriser());
+    counts.fill(units);
     make_formula(units);
   }
   for (EnergyEntry& entry : energy_entries(config_)) {

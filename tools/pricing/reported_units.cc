@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "hw_models/memory/unit_names.h"
+#include "hw_models/raster/raster_unit.h"
 #include "sim/config/load.h"
 #include "sim/error.h"
 #include "sim/io/printable.h"
@@ -63,6 +65,10 @@ void ReportedCounts::fill(std::vector<sim::UnitReport>& units) const {
     for (auto& [reason, cycles] : unit.why) cycles = number(*node, "why", reason, unit);
     for (sim::CounterReport& counter : unit.counters) counter.value = number(*node, "counters", counter.name, unit);
   }
+}
+
+bool ReportedCounts::has_rasteriser() const {
+  return node_of(*units_, hw::name_in_core(hw::RasterUnit::kName, 0)) != nullptr;
 }
 
 void ReportedCounts::refuse(const std::string& why) const {

@@ -18,6 +18,7 @@ class ReportedCounts {
   explicit ReportedCounts(const ReportFile& report);
   /// Puts them into the units. InputError if there are others in the report.
   void fill(std::vector<sim::UnitReport>& units) const;
+  bool has_rasteriser() const;
   /// Throws InputError for a report of another model.
   [[noreturn]] void refuse(const std::string& why) const;
 
