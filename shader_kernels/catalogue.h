@@ -25,18 +25,23 @@
 #include "shader_kernels/kernels/generate_extra_rays.h"
 #include "shader_kernels/kernels/generate_listed_rays.h"
 #include "shader_kernels/kernels/generate_rays.h"
+#include "shader_kernels/kernels/generate_visible_rays.h"
 #include "shader_kernels/kernels/interpolate_attributes.h"
 #include "shader_kernels/kernels/interpolate_sample.h"
+#include "shader_kernels/kernels/limit_colours.h"
 #include "shader_kernels/kernels/list_samples.h"
 #include "shader_kernels/kernels/pack_colour.h"
 #include "shader_kernels/kernels/pack_subpixels.h"
 #include "shader_kernels/kernels/propagate_subpixels.h"
+#include "shader_kernels/kernels/reconstruct.h"
 #include "shader_kernels/kernels/record_branch.h"
 #include "shader_kernels/kernels/record_first_hit.h"
 #include "shader_kernels/kernels/record_global.h"
 #include "shader_kernels/kernels/record_secondary.h"
 #include "shader_kernels/kernels/record_shadow.h"
 #include "shader_kernels/kernels/record_surface.h"
+#include "shader_kernels/kernels/record_visible.h"
+#include "shader_kernels/kernels/rotated_grid.h"
 #include "shader_kernels/kernels/scatter_layers.h"
 #include "shader_kernels/kernels/settle_subpixels.h"
 #include "shader_kernels/kernels/shade_ambient.h"
@@ -96,6 +101,10 @@ using AllKernels = std::tuple<
     ShadeOccluded<MipFilter::kNearest>, ShadeOccluded<MipFilter::kLinear>,
     // Variants by class of a tile.
     CountColoured,
+    // reconstruct.
+    GenerateRotatedRays, GenerateShadedRays, GenerateVisibleRays, ClearBranch, BeginBranch, RecordVisible,
+    RecordBranchVisible, RecordVisibleShadow, LimitColours<0>, LimitColours<1>, LimitColours<2>, ListBranches,
+    Reconstruct<1, false>, Reconstruct<2, false>, Reconstruct<1, true>, Reconstruct<2, true>,
     // Fused.
     FetchSurface<false>, FetchSurface<true>, LightSurface, LightSurfaceGeometry<false>, LightSurfaceGeometry<true>,
     LightSurfaceKept<false>, LightSurfaceKept<true>, LightSurfaceSecondary<false>, LightSurfaceSecondary<true>,
@@ -110,7 +119,8 @@ using AllKernels = std::tuple<
     FetchLit<false, true>, FetchLit<true, true>, FetchLitGeometry<false, true>, FetchLitGeometry<true, true>,
     FetchLitKept<false, true>, FetchLitKept<true, true>, FetchLitSecondary<false, true>, FetchLitSecondary<true, true>,
     PackIdentified<false>, PackIdentified<true>, RecordCounted, CheckAttributes<false, true, false>,
-    CheckAttributes<true, true, false>, CheckAttributes<false, false, false>, CheckAttributes<true, false, false>>;
+    CheckAttributes<true, true, false>, CheckAttributes<false, false, false>, CheckAttributes<true, false, false>,
+    CombineRecordVisibleShadow>;
 
 template <class K, class... Ks>
 constexpr traces::KernelId index_in(std::type_identity<std::tuple<Ks...>>) {

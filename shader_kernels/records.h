@@ -186,6 +186,22 @@ struct SecondaryRecord {
   }
 };
 
+/// Geometry that a sample of reconstruct keeps of a hit: of its first one, or of the next one behind a mirror or glass.
+template <class V>
+struct VisibleRecord {
+  Vec3<V> normal;  ///< as shaded; unit z for a miss
+  F<V> depth;      ///< in units of the filter; kMissDepth, kNoBranchDepth
+  I<V> shadows;    ///< as in GeometryRecord
+  static void fields(auto& r, auto&& field) {
+    field(NAMED(r.normal));
+    field(NAMED(r.depth));
+    field(NAMED(r.shadows));
+  }
+};
+// Depths that no hit has, so far from all others and each other that no weight is left: of a ray that hit nothing, of a
+// sample that sends no ray that way, of a pixel outside the picture.
+inline constexpr float kMissDepth = 1e9F, kNoBranchDepth = -1e9F, kOutsideDepth = -3e9F;
+
 /// Surface that a sample keeps of its first hit if it is to be interpolated and then shaded.
 template <class V>
 struct SurfaceRecord {

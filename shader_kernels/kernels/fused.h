@@ -154,6 +154,11 @@ struct CombineRecordBranchShadow : Fused<CombineShadow, RecordBranchShadow> {
   static constexpr std::string_view kMeaning = "combine_shadow, record_branch_shadow";
 };
 
+struct CombineRecordVisibleShadow : Fused<CombineShadow, RecordVisibleShadow> {
+  static constexpr std::string_view kName = "combine_record_visible_shadow";
+  static constexpr std::string_view kMeaning = "combine_shadow, record_visible_shadow";
+};
+
 // Samples between references.
 
 /// The host alone looks at the samples that have passed.

@@ -32,7 +32,7 @@ struct RecordShadowPorts {
     const I<V> sample = at.shadow_paths.load(item).sample;
     R<V> record = at.records.load(sample);
     const I<V> mark = select(lit, I<V>(0U), at.mark);
-    if constexpr (std::is_same_v<R<V>, GeometryRecord<V>>) {
+    if constexpr (std::is_same_v<R<V>, GeometryRecord<V>> || std::is_same_v<R<V>, VisibleRecord<V>>) {
       record.shadows = record.shadows | mark;  // lights beyond 32 share bits
     } else {
       record.shadows = record.shadows + mark;
@@ -54,6 +54,12 @@ struct RecordSecondaryShadow : RecordShadowPorts<SecondaryRecord> {
 struct RecordTraitsShadow : RecordShadowPorts<TraitsRecord> {
   static constexpr std::string_view kName = "record_traits_shadow";
   static constexpr std::string_view kMeaning = "shadow ray of a first hit -> counted in its sample if it was stopped";
+};
+
+struct RecordVisibleShadow : RecordShadowPorts<VisibleRecord> {
+  static constexpr std::string_view kName = "record_visible_shadow";
+  static constexpr std::string_view kMeaning =
+      "shadow ray of a first hit, or of one behind it -> mark if it was stopped";
 };
 
 }  // namespace kernels

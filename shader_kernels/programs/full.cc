@@ -61,9 +61,7 @@ void FullProgram::run_tile(std::uint32_t tile, const traces::Tracer& tracer, boo
                    .inverse_grid = inverse(grid_)};
   generate.image_width = config_.width;
   generate.seed = seed_;
-  const bool jitters = samples_ > 1 && config_.samples == SamplePattern::kJittered;  // a lone one is the pixel's centre
-  const Wavefront::Node generated =
-      jitters ? wave.launch<GenerateJitteredRays>(generate, samples) : wave.launch<GenerateRays>(generate, samples);
+  const Wavefront::Node generated = launch_rays(wave, generate, samples);
   if (wave.counts_pixels()) {
     for (std::uint32_t i = 0; i < samples; ++i) {
       const std::uint32_t pixel = i / samples_;
@@ -77,6 +75,18 @@ void FullProgram::run_tile(std::uint32_t tile, const traces::Tracer& tracer, boo
   out.sampling = {};
   out.sampling.wanted = out.sampling.traced = samples;
   out.sampling.background = out.sampling.traced_background = out.background.size();
+}
+
+Wavefront::Node FullProgram::launch_rays(Wavefront& wave, GeneratePorts<float>& ports, std::uint32_t samples) const {
+  if (samples_ == 1 || config_.samples == SamplePattern::kRegular) {  // a lone one is the pixel's centre
+    return wave.launch<GenerateRays>(ports, samples);
+  }
+  if (config_.samples == SamplePattern::kJittered) return wave.launch<GenerateJitteredRays>(ports, samples);
+  GenerateRotatedRays::Ports<float> rotated;
+  static_cast<GeneratePorts<float>&>(rotated) = ports;
+  rotated.cycle = static_cast<float>(samples_ + 1);
+  rotated.inverse_cycle = inverse(samples_ + 1);
+  return wave.launch<GenerateRotatedRays>(rotated, samples);
 }
 
 void FullProgram::put_out(Wavefront& wave, std::uint32_t samples, TileResult& out) const {

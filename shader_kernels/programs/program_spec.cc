@@ -20,6 +20,8 @@ constexpr auto kNamed = std::to_array<Named>({
     {"full", {ProgramSpec::Kind::kFull, 1}},
     {"multirate:under", {ProgramSpec::Kind::kMultirate, 1}},
     {"multirate:super", {ProgramSpec::Kind::kMultirate, 4}},
+    {"reconstruct", {ProgramSpec::Kind::kReconstruct, 16}},
+    {"reconstruct:sraa", {ProgramSpec::Kind::kSraa, 16}},
     {"supersample", {ProgramSpec::Kind::kSupersample, 16}},
     {"undersample", {ProgramSpec::Kind::kUndersample, 1}},
 });

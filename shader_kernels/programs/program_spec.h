@@ -7,7 +7,7 @@ namespace kernels {
 
 /// A frame program as the user names it.
 struct ProgramSpec {
-  enum class Kind : std::uint8_t { kFull, kMultirate, kUndersample, kSupersample };
+  enum class Kind : std::uint8_t { kFull, kMultirate, kUndersample, kSupersample, kReconstruct, kSraa };
   Kind kind = Kind::kFull;
   std::uint32_t samples = 1;  ///< per pixel, a square; full, multirate
   std::string name() const;

@@ -9,6 +9,7 @@
 #include "shader_kernels/programs/adaptive/undersample.h"
 #include "shader_kernels/programs/full.h"
 #include "shader_kernels/programs/geometry_pass.h"
+#include "shader_kernels/programs/reconstruct/reconstruct.h"
 
 namespace kernels {
 namespace {
@@ -23,6 +24,13 @@ std::unique_ptr<FrameProgram> make_plain(const ProgramSpec& spec, const Frame& f
     case ProgramSpec::Kind::kUndersample:
       return std::make_unique<UndersampleProgram>(f.image, f.camera, f.render, f.programs.undersample, f.scene_size,
                                                   f.number);
+    case ProgramSpec::Kind::kReconstruct:
+    case ProgramSpec::Kind::kSraa: {
+      using Filters = ReconstructProgram::Filters;
+      const Filters filters = spec.kind == ProgramSpec::Kind::kSraa ? Filters::kOne : Filters::kApart;
+      return std::make_unique<ReconstructProgram>(f.image, f.camera, f.render, f.programs.reconstruct, filters,
+                                                  f.scene_size, f.number);
+    }
     case ProgramSpec::Kind::kFull:
       break;
   }

@@ -7,6 +7,7 @@
 #include "shader_kernels/programs/adaptive/supersample_config.h"
 #include "shader_kernels/programs/adaptive/undersample_config.h"
 #include "shader_kernels/programs/program_spec.h"
+#include "shader_kernels/programs/reconstruct/reconstruct_config.h"
 #include "shader_kernels/programs/wavefront/frame_program.h"
 #include "shader_kernels/programs/wavefront/render_config.h"
 #include "sim/named.h"
@@ -18,6 +19,7 @@ namespace kernels {
 /// Keys of the frame programs, a group each.
 struct ProgramConfig {
   MultirateConfig multirate;
+  ReconstructConfig reconstruct;
   SupersampleConfig supersample;
   UndersampleConfig undersample;
 
@@ -25,6 +27,7 @@ struct ProgramConfig {
     field.group(NAMED(c.multirate), "frame programs multirate:under and multirate:super");
     field.group(NAMED(c.undersample), "frame program undersample");
     field.group(NAMED(c.supersample), "frame program supersample");
+    field.group(NAMED(c.reconstruct), "frame programs reconstruct and reconstruct:sraa");
   }
 };
 

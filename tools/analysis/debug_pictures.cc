@@ -84,6 +84,25 @@ DebugPicture rates_picture(const Canvas& canvas) {
   });
 }
 
+/// What is left of the weights of shaded samples: white where all count, black where none but the pixel's own do.
+DebugPicture weights_picture(const Canvas& canvas) {
+  return canvas.paint("weights", [](SampleMark mark, std::uint32_t, std::uint32_t) -> Colour {
+    const auto share = static_cast<std::uint8_t>(mark >> kernels::kWeightShift);
+    return {share, share, share};
+  });
+}
+
+/// Edges that the filters of reconstruct found, a picture for each that there is.
+void add_edges(std::vector<DebugPicture>& pictures, const Canvas& canvas) {
+  constexpr auto kNames = names_of(kernels::FilterEdge{});
+  SampleMark all = 0;
+  for (const SampleMark mark : canvas.frame.marks) all |= mark;
+  for (std::size_t i = 0; i < kNames.size(); ++i) {
+    const auto bit = static_cast<SampleMark>(1U << i);
+    if ((all & bit) != 0) pictures.push_back(canvas.marked("edges-" + std::string(kNames[i]), bit));
+  }
+}
+
 template <class Name>
 void add_marked(std::vector<DebugPicture>& pictures, const Canvas& canvas, std::string_view prefix,
                 std::span<const std::uint64_t> counts, const Name& names) {
@@ -102,12 +121,18 @@ std::vector<DebugPicture> debug_pictures(const kernels::ProgramSpec& program, co
   const auto grid =
       static_cast<std::uint32_t>(std::lround(std::sqrt(frame.marks.size() / (std::size_t{width} * height))));
   const Canvas canvas{frame, width * grid, height * grid, grid};
-  if (program.kind == kernels::ProgramSpec::Kind::kSupersample) {
+  using Kind = kernels::ProgramSpec::Kind;
+  if (program.kind == Kind::kSupersample) {
     constexpr std::array<Colour, 5> kCounts{{{0, 0, 0}, {255, 0, 0}, {0, 255, 0}, {0, 0, 255}, kWhite}};
     pictures.push_back(canvas.paint(
         "active", [&](SampleMark mark, std::uint32_t, std::uint32_t) { return kCounts.at(kernels::active_of(mark)); }));
     if (frame.sampling.propagated != 0) pictures.push_back(canvas.marked("propagated", kernels::kCorrectedMark));
     add_marked(pictures, canvas, "differs-", frame.sampling.reasons, names_of(kernels::Attribute{}));
+    return pictures;
+  }
+  if (program.kind == Kind::kReconstruct || program.kind == Kind::kSraa) {
+    pictures.push_back(weights_picture(canvas));
+    add_edges(pictures, canvas);
     return pictures;
   }
   pictures.push_back(similar_picture(canvas));

@@ -23,6 +23,8 @@ struct DebugPicture {
 ///     was)
 ///   supersample: `active` (active sub-pixels of a pixel: black, red, green, blue, white for 0 to 4), `differs-NAME`
 ///     (pixels with an active sub-pixel where that attribute disagreed), `propagated` (pixels that rounds have corrected)
+///   reconstruct: `weights` (what is left of the weights of the shaded samples around a pixel, from black to white),
+///     `edges-NAME` (pixels some of whose samples that filter parts from a shaded one)
 std::vector<DebugPicture> debug_pictures(const kernels::ProgramSpec& program, const FrontEnd::Result& frame,
                                          std::uint32_t width, std::uint32_t height);
 

@@ -38,9 +38,11 @@ void add_work_options(CLI::App& verb, JobOptions& options, bool positional) {
                   "built-in scene, workload (.yaml), or .gltf or .glb file (default: cornell)")
       ->check(not_empty("allowed: a name"));
   verb.add_option("--camera", options.camera, "camera of the scene, by name or index (default: its first)");
-  verb.add_option("--program", options.program,
-                  "frame program: full:N traces N samples per pixel, a square; multirate:under, multirate:super,\n"
-                  "undersample and supersample trace where neighbours differ (docs/adaptive.md)")
+  verb.add_option(
+          "--program", options.program,
+          "frame program: full:N traces N samples per pixel, a square; multirate:under, multirate:super,\n"
+          "undersample and supersample trace where neighbours differ; reconstruct and reconstruct:sraa shade one\n"
+          "sample per pixel and find out the geometry of four (docs/adaptive.md)")
       ->capture_default_str();
   verb.add_option("--resolution", options.resolution, "WIDTHxHEIGHT (default: the configuration's, 1024x512)");
   verb.add_option("--threads", options.threads, "host threads (default: all cores)")->check(CLI::Range(1, 1024));

@@ -47,7 +47,7 @@ Json given(const RunConfig& effective, const JobOptions& options) {
 bool changes_work(std::string_view key, std::string_view program, std::string_view reference) {
   const std::string_view group = key.substr(0, key.find('.'));
   if (group == "limits") return false;
-  constexpr std::array<std::string_view, 3> kPrograms = {"multirate", "undersample", "supersample"};
+  constexpr std::array<std::string_view, 4> kPrograms = {"multirate", "undersample", "supersample", "reconstruct"};
   if (std::ranges::find(kPrograms, group) == kPrograms.end()) return true;
   return program.starts_with(group) || reference.starts_with(group);
 }

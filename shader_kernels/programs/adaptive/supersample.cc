@@ -5,13 +5,6 @@
 #include "shader_kernels/kernels/pack_subpixels.h"
 
 namespace kernels {
-namespace {
-
-/// A halo is two samples wide, so no tile may be narrower, but the last.
-constexpr std::uint32_t kHalo = 2;
-
-}  // namespace
-
 SupersampleProgram::SupersampleProgram(const traces::MemoryImage& image, const traces::Camera& camera,
                                        const RenderConfig& config, const SupersampleConfig& supersample,
                                        std::uint32_t frame)
@@ -20,8 +13,8 @@ SupersampleProgram::SupersampleProgram(const traces::MemoryImage& image, const t
       supersample_(supersample),
       scene_(image, config),
       camera_(camera_uniforms(camera, config.width, config.height)),
-      tiles_(config.width, config.height, 1, config.tile / 2, kHalo),  // sub-pixels, two along a pixel
-      order_(tiles_.order(supersample.halo)),
+      tiles_(config.width, config.height, config.tile / 2, 1),  // sub-pixels, two along a pixel
+      order_(tiles_.tiles().order(supersample.halo)),
       frame_(frame),
       shown_(supersample.propagate == 0 ? 0 : config.width, supersample.propagate == 0 ? 0 : config.height,
              tiles_.count()) {}
@@ -38,46 +31,28 @@ FrameRequirements SupersampleProgram::requirements() const {
   return needs;
 }
 
-/// Tells `out` which part of the picture a tile finishes.
 void SupersampleProgram::begin_tile(const SampleTile& at, TileResult& out) const {
-  const std::uint32_t left = at.has_left ? 1 : 0;
-  const std::uint32_t above = at.has_above ? 1 : 0;
-  out.tile = at.index;
-  out.x = at.x - left;
-  out.y = at.y - above;
-  out.width = at.width + left - (at.has_right ? 1 : 0);
-  out.height = at.height + above - (at.has_below ? 1 : 0);
+  tiles_.place(at, out);
   out.sampling = {};
   out.marks.clear();
   out.subpixels.clear();
   out.corrected.clear();
   out.buffer.hold_samples(centres() + std::size_t{kWhole} * tile_pixels());
   // Blocks that stand out look at verdicts behind the last.
-  out.buffer.hold_subpixels(centres(), tile_pixels() + kBlockHeight * pitch() + kBlockWidth);
+  out.buffer.hold_subpixels(centres(), tile_pixels() + kBlockHeight * tiles_.pitch() + kBlockWidth);
   out.work.frame = frame_;
   out.work.tile = at.index;
   out.work.samples = at.width * at.height;
 }
 
 SupersampleProgram::Tile SupersampleProgram::tile_of(const SampleTile& at, Wavefront& wave, TileResult& out) const {
-  const std::uint32_t left = at.has_left ? 1 : 0;
-  const std::uint32_t above = at.has_above ? 1 : 0;
-  const auto width = static_cast<float>(out.width), height = static_cast<float>(out.height);
-  const FinishedUniforms<float> finished{.width = width,
-                                         .inverse_width = 1.0F / width,
-                                         .first = static_cast<float>((kHalo - above) * pitch() + kHalo - left),
-                                         .pitch = static_cast<float>(pitch()),
-                                         .low_x = at.has_left ? -1.0F : 0.0F,
-                                         .high_x = at.has_right ? width : width - 1.0F,
-                                         .low_y = at.has_above ? -1.0F : 0.0F,
-                                         .high_y = at.has_below ? height : height - 1.0F};
-  return {at, finished, out.width * out.height, wave, out, out.buffer};
+  return {at, tiles_.finished(at, out), out.width * out.height, wave, out, out.buffer};
 }
 
 void SupersampleProgram::run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record,
                                   TileResult& out) const {
   if (tile_index >= tiles_.count()) return run_round(tile_index, tracer, record, out);
-  const SampleTile at = tiles_.tile(order_[tile_index]);
+  const SampleTile at = tiles_.tiles().tile(order_[tile_index]);
   begin_tile(at, out);
   Wavefront wave(scene_, tracer, record, cone_uniforms(camera_, 1), out);
   Tile tile = tile_of(at, wave, out);
@@ -85,7 +60,7 @@ void SupersampleProgram::run_tile(std::uint32_t tile_index, const traces::Tracer
   out.packed.resize(tile.pixels);
   out.marks.assign(tile.pixels, 0);
 
-  trace_centres(tile, kHalo, kHalo, at.width, at.height, true);
+  trace_centres(tile, tiles_.halo(), tiles_.halo(), at.width, at.height, true);
   export_borders(tile);  // needs nothing of the halo, so no tile waits for a row of others
   make_halo(tile);
   park_attributes(tile);

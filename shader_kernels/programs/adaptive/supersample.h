@@ -6,7 +6,7 @@
 
 #include "shader_kernels/kernels/settle_subpixels.h"
 #include "shader_kernels/kernels/subpixels.h"
-#include "shader_kernels/programs/adaptive/sample_tiles.h"
+#include "shader_kernels/programs/adaptive/finished_tiles.h"
 #include "shader_kernels/programs/adaptive/shown_subpixels.h"
 #include "shader_kernels/programs/adaptive/supersample_config.h"
 #include "shader_kernels/programs/wavefront/frame_program.h"
@@ -22,14 +22,7 @@ namespace kernels {
 ///   per tile: centres -> test_subpixels -> weigh_centres -> pack_colour -> transfer to the frame buffer
 ///                                                         -> pack_subpixels -> generate_extra_rays -> sum_subpixels
 ///
-/// Pixels look to all sides, but tiles only to the left and above: what a tile finishes lies one pixel further left and
-/// further up than what it takes centre samples of. It needs two columns and rows of its neighbours' (its halo):
-///
-///   h h|h h h h    h  halo: samples of the tiles left, above, and above to the left
-///   h F|F F F .    F  pixels finished here
-///   ---+-------    .  the neighbours to the right and below finish these; at the picture's edge, this tile
-///   h F|F F F .
-///   h .|. . . .
+/// Pixels look one pixel far to all sides, tiles as FinishedTiles has it.
 ///
 /// Active sub-pixels are sampled in chunks of 64, which share the slots of 256 rays, so a chunk begins when the one
 /// before has been summed up. Packing: `block` lists them so that no pixel is cut by a chunk; entries left empty for
@@ -76,14 +69,11 @@ class SupersampleProgram final : public FrameProgram {
   /// Bytes that a sample keeps beside its colour: two hits.
   static constexpr std::uint32_t kAttributeBytes = 2 * sizeof(TraitsRecord<float>);
 
-  /// Samples to a row of the tile buffer: two of the halo, then the tile's own.
-  std::uint32_t pitch() const { return tiles_.side() + 2; }
-  std::uint32_t centres() const { return pitch() * pitch(); }
-  std::uint32_t tile_pixels() const { return (tiles_.side() + 1) * (tiles_.side() + 1); }
+  std::uint32_t centres() const { return tiles_.samples(); }
+  std::uint32_t tile_pixels() const { return tiles_.most_pixels(); }
   std::uint64_t store_bytes() const;
   void begin_tile(const SampleTile& at, TileResult& out) const;
   Tile tile_of(const SampleTile& at, Wavefront& wave, TileResult& out) const;
-  LatticeUniforms<float> lattice(std::uint32_t x, std::uint32_t y, std::uint32_t across) const;
 
   // supersample_tests.cc
   void trace_centres(Tile& tile, std::uint32_t x, std::uint32_t y, std::uint32_t across, std::uint32_t down,
@@ -136,7 +126,7 @@ class SupersampleProgram final : public FrameProgram {
   const SupersampleConfig supersample_;
   const SceneTables scene_;
   const CameraUniforms<float> camera_;
-  const SampleTiles tiles_;
+  const FinishedTiles tiles_;
   const std::vector<std::uint32_t> order_;
   const std::uint32_t frame_;
   ShownSubpixels shown_;  ///< empty without rounds

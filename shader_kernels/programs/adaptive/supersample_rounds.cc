@@ -122,8 +122,8 @@ bool SupersampleProgram::is_reached(const SampleTile& at, auto&& read) const {
   read(first, across);
   bool reached = false;
   for (std::uint32_t i = 0; i < across; ++i) reached |= shown_.is_fresh(first + i);
-  for (const auto& [has, tile] :
-       {std::pair{at.has_above, at.index - tiles_.across()}, std::pair{at.has_below, at.index + tiles_.across()}}) {
+  for (const auto& [has, tile] : {std::pair{at.has_above, at.index - tiles_.tiles().across()},
+                                  std::pair{at.has_below, at.index + tiles_.tiles().across()}}) {
     if (!has) continue;
     read(tile, 1U);
     reached |= shown_.is_fresh(tile);
@@ -135,7 +135,7 @@ void SupersampleProgram::run_round(std::uint32_t tile_index, const traces::Trace
                                    TileResult& out) const {
   const std::uint32_t count = tiles_.count();
   const std::uint32_t round = tile_index / count;
-  const SampleTile at = tiles_.tile(order_[tile_index % count]);
+  const SampleTile at = tiles_.tiles().tile(order_[tile_index % count]);
   begin_tile(at, out);
   out.tile = out.work.tile = round * count + at.index;
   Wavefront wave(scene_, tracer, record, cone_uniforms(camera_, kWholeGrid), out);
@@ -171,8 +171,8 @@ SupersampleProgram::Node SupersampleProgram::read_states(Tile& tile, Node before
   read(true, index, 4 * tile.pixels);
   read(tile.at.has_left, index - 1, 2 * out.height);
   read(tile.at.has_right, index + 1, 2 * out.height);
-  read(tile.at.has_above, index - tiles_.across(), 2 * out.width);
-  read(tile.at.has_below, index + tiles_.across(), 2 * out.width);
+  read(tile.at.has_above, index - tiles_.tiles().across(), 2 * out.width);
+  read(tile.at.has_below, index + tiles_.tiles().across(), 2 * out.width);
   return before;
 }
 

@@ -5,14 +5,6 @@
 
 namespace kernels {
 
-LatticeUniforms<float> SupersampleProgram::lattice(std::uint32_t x, std::uint32_t y, std::uint32_t across) const {
-  return {.first = static_cast<float>(y * pitch() + x),
-          .across = static_cast<float>(across),
-          .inverse_across = 1.0F / static_cast<float>(across),
-          .step = 1,
-          .row_step = static_cast<float>(pitch())};
-}
-
 /// Samples at pixels' centres; `x`, `y` are the first one's position in the tile buffer.
 void SupersampleProgram::trace_centres(Tile& tile, std::uint32_t x, std::uint32_t y, std::uint32_t across,
                                        std::uint32_t down, bool is_own) const {
@@ -20,16 +12,16 @@ void SupersampleProgram::trace_centres(Tile& tile, std::uint32_t x, std::uint32_
   TileBuffer& buffer = tile.buffer;
   const std::uint32_t items = across * down;
   ListSamples::Ports<float> list;
-  list.lattice = lattice(x, y, across);
+  list.lattice = tiles_.lattice(x, y, across);
   const Node listed = wave.launch<ListSamples>(list, items);
 
   buffer.hold_wave(items);
   GenerateListedRays::Ports<float> generate;
   generate.camera = camera_;
-  generate.grid = {.x0 = static_cast<float>(tile.at.x) - 2.0F,
-                   .y0 = static_cast<float>(tile.at.y) - 2.0F,
-                   .pitch = static_cast<float>(pitch()),
-                   .inverse_pitch = 1.0F / static_cast<float>(pitch()),
+  generate.grid = {.x0 = static_cast<float>(tile.at.x) - static_cast<float>(tiles_.halo()),
+                   .y0 = static_cast<float>(tile.at.y) - static_cast<float>(tiles_.halo()),
+                   .pitch = static_cast<float>(tiles_.pitch()),
+                   .inverse_pitch = 1.0F / static_cast<float>(tiles_.pitch()),
                    .grid = 1,
                    .inverse_grid = 1};
   Wavefront::RetainedRecords retained;

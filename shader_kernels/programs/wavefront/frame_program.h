@@ -53,6 +53,7 @@ class FrameProgram {
   std::vector<float>& kept_picture() { return picture_; }
   Sampling& kept_sampling() { return sampling_; }
   std::vector<SampleMark>& kept_marks() { return marks_; }
+  bool wants_marks() const { return keeps_marks_; }
 
  private:
   void copy_marks(const TileResult& tile);

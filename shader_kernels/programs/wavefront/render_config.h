@@ -14,8 +14,8 @@ namespace kernels {
 enum class Primary : std::uint8_t { kRays, kRaster };
 constexpr std::array<std::string_view, 2> names_of(Primary) { return {"rays", "raster"}; }
 
-enum class SamplePattern : std::uint8_t { kRegular, kJittered };
-constexpr std::array<std::string_view, 2> names_of(SamplePattern) { return {"regular", "jittered"}; }
+enum class SamplePattern : std::uint8_t { kRegular, kJittered, kRotated };
+constexpr std::array<std::string_view, 3> names_of(SamplePattern) { return {"regular", "jittered", "rotated"}; }
 
 enum class GlassShadows : std::uint8_t { kOpaque, kTinted };
 constexpr std::array<std::string_view, 2> names_of(GlassShadows) { return {"opaque", "tinted"}; }
@@ -61,7 +61,9 @@ struct RenderConfig {
     field(NAMED(c.depth), "rays", "longest path from the eye: 1 is primary rays (and their shadow rays) alone",
           sim::between(1, 16), Affects::kFunction);
     field(NAMED(c.samples), "",
-          "where a pixel's samples lie: in the middle of grid cells, or anywhere in them; a lone one is in the middle",
+          "where a pixel's samples lie: in the middle of grid cells, anywhere in them, or each alone in its row and "
+          "column "
+          "of a rotated grid; a lone one is in the middle",
           sim::any(), Affects::kFunction);
     field(NAMED(c.layers), "surfaces",
           "how many holes, blended surfaces or panes of glass a ray may pass; the next one counts as solid",

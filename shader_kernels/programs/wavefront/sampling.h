@@ -2,6 +2,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <string_view>
 #include <vector>
 
 #include "shader_kernels/kernels/checks.h"
@@ -49,5 +50,26 @@ static_assert(static_cast<std::size_t>(Check::kCount) <= 12);
 inline constexpr std::uint32_t kActiveCountShift = kAttributes;
 inline constexpr std::uint32_t active_of(SampleMark mark) { return (mark >> kActiveCountShift) & 7U; }
 static_assert(kActiveCountShift + 3 <= 12);
+
+/// What parts a sample of reconstruct from a shaded one that is looked at, by the filter that finds it: of what
+/// surfaces show, of what mirrors show, of what is seen through glass.
+enum class FilterEdge : std::uint8_t {
+  kDepth,
+  kNormal,
+  kShadow,
+  kReflection,  ///< depth or normal
+  kReflectedShadow,
+  kRefraction,
+  kRefractedShadow,
+  kCount
+};
+constexpr std::array<std::string_view, static_cast<std::size_t>(FilterEdge::kCount)> names_of(FilterEdge) {
+  return {"depth", "normal", "shadow", "reflection", "reflected-shadow", "refraction", "refracted-shadow"};
+}
+
+// Mark of a pixel of reconstruct: edges that its filters found, a bit each, and above them what is left of the weights
+// of all shaded samples at all of its samples' surfaces, of 255.
+inline constexpr std::uint32_t kWeightShift = 8;
+static_assert(static_cast<std::size_t>(FilterEdge::kCount) <= kWeightShift);
 
 }  // namespace kernels

@@ -68,6 +68,12 @@ void TileBuffer::hold_subpixels(std::size_t centres, std::size_t pixels) {
   grow(states, 12 * pixels + 4);  // a line more on each side, whatever the pixels' shape
 }
 
+void TileBuffer::hold_visible(std::size_t count, std::size_t pixels) {
+  grow(visible, count);
+  grow(colours, count);
+  grow(masters, pixels + 1);
+}
+
 glm::vec3 TileResult::colour(std::uint32_t sample) const {
   const Vec3<float>& rgb = buffer.colours[sample].rgb;
   return glm::clamp(glm::vec3(rgb.x, rgb.y, rgb.z), 0.0F, 1.0F);

@@ -41,17 +41,21 @@ void Wavefront::run(Node maker, std::uint32_t rays, const RetainedRecords& retai
   bounce.batches[bounce.batch_count++] = see(rays, maker);
   while (bounce.rays != 0) {
     const std::uint32_t surfaces = classify(bounce);
-    if (surfaces < bounce.rays) shade_background(bounce, bounce.rays - surfaces);
+    if (surfaces < bounce.rays && is_shaded()) shade_background(bounce, bounce.rays - surfaces);
     if (surfaces == 0) return;
     const Streams streams =
         lights_at_once(bounce) ? light_surfaces(bounce, surfaces) : shade_surfaces(bounce, surfaces);
-    if (streams.textured != 0) shade_textured(bounce, streams.textured);
-    if (streams.emissive != 0) shade_emission(bounce, streams.emissive);
-    if (streams.glowing != 0) shade_glow(bounce, streams.glowing);
-    if (streams.diffuse != 0) shade_local(bounce, streams);
-    if (bounce.depth == scene_.depth) return;
+    is_shaded() ? shade(bounce, streams) : cast_shadows(bounce, streams);
+    if (bounce.depth == std::min(scene_.depth, retained_.visible.depth)) return;
     bounce = send_on(bounce, streams);
   }
+}
+
+void Wavefront::shade(Bounce& bounce, const Streams& streams) {
+  if (streams.textured != 0) shade_textured(bounce, streams.textured);
+  if (streams.emissive != 0) shade_emission(bounce, streams.emissive);
+  if (streams.glowing != 0) shade_glow(bounce, streams.glowing);
+  if (streams.diffuse != 0) shade_local(bounce, streams);
 }
 
 Wavefront::Batch Wavefront::trace(RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t count, Node maker,
@@ -149,6 +153,7 @@ std::uint32_t Wavefront::classify(Bounce& bounce) {
   ClassifyHits::Ports<float> ports;
   bounce.inspector = launch<ClassifyHits>(ports, bounce.rays, bounce.lanes, bounce.padding);
   bounce.colours = StreamBuilder::kNone;
+  wait_all(bounce.inspector, bounce.begun);
   if (bounce.batch_count == 1 && bounce.batches[0].settled == StreamBuilder::kNone) {
     wait_each(bounce.inspector, bounce.batches[0].rays);
   } else {
@@ -180,6 +185,8 @@ void Wavefront::send(const Bounce& bounce, RayKind kind, std::vector<std::uint32
   wait_for_bounce(maker, bounce);
   const std::uint32_t rays = ports.emitted.value;
   if (rays == 0) return;
+  const std::uint32_t apart = bounce.depth == 1 ? retained_.visible.apart(kind) : 0;
+  if (apart != 0) begin_branch(next, rays, apart, maker);
   next.batches[next.batch_count++] = trace(kind, slots, next.rays, rays, maker, true);
   next.rays += rays;
   next.lanes += bounce.lanes;

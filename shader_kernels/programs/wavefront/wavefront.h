@@ -6,6 +6,7 @@
 
 #include "shader_kernels/catalogue.h"
 #include "shader_kernels/programs/wavefront/port_sources.h"
+#include "shader_kernels/programs/wavefront/retained_records.h"
 #include "shader_kernels/programs/wavefront/scene_tables.h"
 #include "shader_kernels/programs/wavefront/stream_builder.h"
 #include "shader_kernels/programs/wavefront/tile_result.h"
@@ -41,6 +42,7 @@ namespace kernels {
 ///   shadow rays -> record_shadow, record_secondary_shadow
 ///   or: surfaces of the first wave -> record_traits, shadow rays -> record_traits_shadow
 ///       rays of the second -> weigh_branch, their surfaces -> record_branch, shadow rays -> record_branch_shadow
+///   or (wavefront_visible.cc): begin_branch, record_visible, record_branch_visible, record_visible_shadow
 ///
 /// With RenderConfig::fusion several of these are one launch (wavefront_fused.cc).
 ///
@@ -50,13 +52,7 @@ class Wavefront {
   using Node = StreamBuilder::Node;
   static constexpr Node kNone = StreamBuilder::kNone;
 
-  /// Records of their hits that samples keep, beside their colour.
-  struct RetainedRecords {
-    bool geometry = false, surfaces = false;  ///< the first hit's: geometry alone, or all that shading needs
-    bool secondary = false;
-    bool traits = false;  ///< those of the first hit and of the secondary one that carries most
-    Node cleared = StreamBuilder::kNone, cleared_secondary = StreamBuilder::kNone;  ///< launches that began them
-  };
+  using RetainedRecords = kernels::RetainedRecords;
 
   Wavefront(const SceneTables& scene, const traces::Tracer& tracer, bool record, const ConeUniforms<float>& cone,
             TileResult& out);
@@ -150,6 +146,7 @@ class Wavefront {
     std::uint32_t lanes = 0, padding = 0;       ///< as for launch()
     std::uint32_t mirrored = 0, refracted = 0;  ///< first slots of rays that were; those before went straight on
     Node recorded = StreamBuilder::kNone;       ///< the launch that keeps its geometry
+    Node begun = StreamBuilder::kNone;          ///< the launch that gave its rays samples of their own
     Node after = StreamBuilder::kNone;          ///< the last launch of the bounce before that changes colours
     std::array<Batch, 3> batches{};
     std::uint32_t batch_count = 0;
@@ -186,6 +183,7 @@ class Wavefront {
   std::uint32_t test_layers(traces::RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t items,
                             std::uint32_t lanes, Node& tested);
   std::uint32_t classify(Bounce& bounce);
+  void shade(Bounce& bounce, const Streams& streams);
   Streams shade_surfaces(Bounce& bounce, std::uint32_t surfaces);
   void shade_details(Bounce& bounce, const ClassifyDetails::Ports<float>& sorted, Streams& streams);
   template <class K>
@@ -249,6 +247,14 @@ class Wavefront {
   Node retain_hits(const Bounce& bounce, std::uint32_t surfaces);
   template <bool kInstanced>
   Node record_branches(const Bounce& bounce, std::uint32_t surfaces);
+  // wavefront_visible.cc
+  bool is_shaded() const { return !retained_.visible.are_kept || retained_.visible.are_shaded; }
+  void begin_branch(Bounce& next, std::uint32_t rays, std::uint32_t apart, Node maker);
+  Node record_visible(const Bounce& bounce, std::uint32_t surfaces);
+  void cast_shadows(const Bounce& bounce, const Streams& streams);
+  void combine(const Bounce& bounce, const Batch& batch, std::uint32_t rays);
+  template <class Record, class K = Record>
+  Node record_shadows(const Bounce& bounce, const Batch& batch, std::uint32_t rays, auto&& bind);
   /// Combines shadow rays and keeps what they found with kernel Record, whose ports `bind` binds; or both with kernel
   /// Both.
   template <class Record, class Both>
@@ -273,31 +279,6 @@ class Wavefront {
   std::uint32_t rays_traced_ = 0;
 };
 
-template <class K>
-Wavefront::Node Wavefront::launch(typename K::template Ports<float>& ports, std::uint32_t items, std::uint32_t lanes,
-                                  std::uint32_t padding) {
-  constexpr bool kReads = kListsAccesses<typename K::template Ports<float>>;
-  constexpr bool kEmits = requires { ports.emitted; };
-  const std::uint32_t idle = scene_.diverges && lanes > items ? lanes - items : padding;
-  const Node node = stream_.launch(kKernelId<K>, items, kReads, idle);
-  sources_.bind<K>(ports, accesses());
-  typename K::template Ports<float> at = ports;  // a copy whose address nobody has stays in registers
-  if (!stream_.is_on()) {
-    for (std::uint32_t i = 0; i < items; ++i) K::template body<float>(i, at);
-  } else {
-    for (std::uint32_t i = 0; i < items; ++i) {
-      if constexpr (kReads) stream_.begin_item();
-      if constexpr (kEmits) {
-        const std::uint32_t before = at.emitted.value;
-        K::template body<float>(i, at);
-        if (at.emitted.value != before) stream_.add_source(i);
-      } else {
-        K::template body<float>(i, at);
-      }
-    }
-  }
-  ports = at;
-  return node;
-}
-
 }  // namespace kernels
+
+#include "shader_kernels/programs/wavefront/wavefront_launch.h"

@@ -10,7 +10,7 @@ using traces::RayKind;
 /// Whether the bounce's surfaces are lit while they are fetched. Where a sample has two rays in one wave and surfaces
 /// that come later, its lights would be added in another order.
 bool Wavefront::lights_at_once(const Bounce& bounce) const {
-  return scene_.fuses && !scene_.lights.empty() && (bounce.is_single || !scene_.has_later);
+  return is_shaded() && scene_.fuses && !scene_.lights.empty() && (bounce.is_single || !scene_.has_later);
 }
 
 Wavefront::Streams Wavefront::light_surfaces(Bounce& bounce, std::uint32_t surfaces) {

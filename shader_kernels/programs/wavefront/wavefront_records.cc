@@ -85,6 +85,7 @@ BounceUniforms<float> Wavefront::uniforms_of(const Bounce& bounce) {
 /// The launch that keeps what samples hit, if any is wanted.
 template <bool kInstanced>
 Wavefront::Node Wavefront::retain_hits(const Bounce& bounce, std::uint32_t surfaces) {
+  if (retained_.visible.are_kept) return record_visible(bounce, surfaces);
   if (bounce.depth == 1 && retained_.geometry) return launch<RecordGeometry<kInstanced>>(surfaces, bounce.lanes);
   if (bounce.depth == 1 && retained_.surfaces) return launch<RecordSurface<kInstanced>>(surfaces, bounce.lanes);
   if (bounce.depth == 1 && retained_.traits) return launch<RecordTraits<kInstanced>>(surfaces, bounce.lanes);
@@ -97,25 +98,33 @@ Wavefront::Node Wavefront::retain_hits(const Bounce& bounce, std::uint32_t surfa
   return StreamBuilder::kNone;
 }
 
-template <class Record, class Both>
-void Wavefront::combine_and_record(const Bounce& bounce, const Batch& batch, std::uint32_t rays, auto&& bind) {
-  Node recorded = kNone;
-  if (scene_.fuses) {
-    typename Both::template Ports<float> ports;
-    bind(ports_of<Record>(ports));
-    recorded = launch<Both>(ports, rays, bounce.lanes);
-    buffer_.colour_nodes.push_back(recorded);
-  } else {
-    const Node combined = launch<CombineShadow>(rays, bounce.lanes);
-    wait_for_batch(combined, batch);
-    buffer_.colour_nodes.push_back(combined);
-    typename Record::template Ports<float> ports;
-    bind(ports);
-    recorded = launch<Record>(ports, rays, bounce.lanes);
-  }
+/// Adds the light of shadow rays to their samples alone.
+void Wavefront::combine(const Bounce& bounce, const Batch& batch, std::uint32_t rays) {
+  const Node combined = launch<CombineShadow>(rays, bounce.lanes);
+  wait_for_batch(combined, batch);
+  buffer_.colour_nodes.push_back(combined);
+}
+
+/// Keeps what shadow rays found with kernel K, of which Record is a part.
+template <class Record, class K>
+Wavefront::Node Wavefront::record_shadows(const Bounce& bounce, const Batch& batch, std::uint32_t rays, auto&& bind) {
+  typename K::template Ports<float> ports;
+  bind(ports_of<Record>(ports));
+  const Node recorded = launch<K>(ports, rays, bounce.lanes);
   wait_for_batch(recorded, batch);
   wait_all(recorded, bounce.recorded);
   buffer_.record_nodes.push_back(recorded);
+  return recorded;
+}
+
+template <class Record, class Both>
+void Wavefront::combine_and_record(const Bounce& bounce, const Batch& batch, std::uint32_t rays, auto&& bind) {
+  if (scene_.fuses) {
+    buffer_.colour_nodes.push_back(record_shadows<Record, Both>(bounce, batch, rays, bind));
+  } else {
+    combine(bounce, batch, rays);
+    record_shadows<Record>(bounce, batch, rays, bind);
+  }
 }
 
 /// Adds the light of shadow rays to their samples, and to what these keep whether they were stopped.
@@ -126,7 +135,12 @@ void Wavefront::combine_shadows(const Bounce& bounce, std::uint32_t light, const
       ports.mark = mark;
     };
   };
-  if (bounce.depth == 1 && (retained_.geometry || retained_.surfaces)) {
+  const VisibleSamples& visible = retained_.visible;
+  if (visible.are_kept && visible.have_shadows && (bounce.depth == 1 || visible.keeps_branch(bounce.depth))) {
+    const auto bind = kept_as(buffer_.visible.data(), bit_of(light));
+    visible.are_shaded ? combine_and_record<RecordVisibleShadow, CombineRecordVisibleShadow>(bounce, batch, rays, bind)
+                       : void(record_shadows<RecordVisibleShadow>(bounce, batch, rays, bind));
+  } else if (bounce.depth == 1 && (retained_.geometry || retained_.surfaces)) {
     const auto bind = kept_as(buffer_.geometry.data(), bit_of(light));
     combine_and_record<RecordShadow, CombineRecordShadow>(bounce, batch, rays, bind);
   } else if (bounce.depth == 1 && retained_.traits) {
@@ -139,9 +153,7 @@ void Wavefront::combine_shadows(const Bounce& bounce, std::uint32_t light, const
     const auto bind = kept_as(buffer_.secondary.data(), scrambled<float>(way_of(bounce.depth) ^ light));
     combine_and_record<RecordSecondaryShadow, CombineRecordSecondaryShadow>(bounce, batch, rays, bind);
   } else {
-    const Node combined = launch<CombineShadow>(rays, bounce.lanes);
-    wait_for_batch(combined, batch);
-    buffer_.colour_nodes.push_back(combined);
+    combine(bounce, batch, rays);
   }
 }
 

@@ -153,7 +153,7 @@ class AdaptiveKeys : public ::testing::TestWithParam<const char*> {
   }
   const Method method_{"chess", GetParam(), keys(), 20, 12, 8};
 };
-INSTANTIATE_TEST_SUITE_P(Programs, AdaptiveKeys, ::testing::Values("multirate:under", "supersample"),
+INSTANTIATE_TEST_SUITE_P(Programs, AdaptiveKeys, ::testing::Values("multirate:under", "supersample", "reconstruct"),
                          [](const auto& i) {
                            std::string name = i.param;
                            std::ranges::replace(name, ':', '_');

@@ -80,6 +80,8 @@ constexpr Hand kByHand[] = {
     {"check_attributes_y_local", {27, 23, 0, 11, 15, 10, 17, 5, 4, 3, 0}},
     {"check_attributes_x_local_untextured", {21, 23, 0, 3, 9, 8, 9, 5, 4, 3, 0}},
     {"check_attributes_y_local_untextured", {21, 23, 0, 3, 9, 8, 9, 5, 4, 3, 0}},
+    // As combine_record_shadow.
+    {"combine_record_visible_shadow", {3, 0, 0, 0, 1, 4, 1, 0, 4, 2, 0}},
 };
 
 TEST(FusedGraphs, OperationsAreThoseOfThePartsLessWhatIsShared) {

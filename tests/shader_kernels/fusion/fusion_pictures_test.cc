@@ -67,7 +67,8 @@ void expect_fusion_to_change_nothing(const traces::Scene& scene, const traces::B
   ProgramConfig programs;
   programs.undersample.correct_shadows = true;
   const RateMap rates(programs.multirate);
-  for (const char* name : {"full:1", "full:4", "multirate:under", "multirate:super", "undersample", "supersample"}) {
+  for (const char* name : {"full:1", "full:4", "multirate:under", "multirate:super", "undersample", "supersample",
+                           "reconstruct", "reconstruct:sraa"}) {
     for (const Streams streams : {Streams::kCompacted, Streams::kDivergent}) {
       SCOPED_TRACE(testing::Message() << name << (streams == Streams::kDivergent ? ", divergent" : ""));
       RenderConfig render = small(64, 32);

@@ -56,5 +56,24 @@ TEST(DebugPictures, RoundsOfPropagationAreShownWhereThereWereAny) {
   EXPECT_LT(shown[0][0], 128);
 }
 
+TEST(DebugPictures, WeightsAndEdgesOfReconstructAreShownWhereThereAreAny) {
+  const auto bit = [](kernels::FilterEdge edge) { return 1U << static_cast<std::uint32_t>(edge); };
+  const std::uint32_t all = 255U << kernels::kWeightShift;
+  const FrontEnd::Result frame =
+      row_of({static_cast<kernels::SampleMark>(all), static_cast<kernels::SampleMark>(bit(kernels::FilterEdge::kShadow)),
+              static_cast<kernels::SampleMark>(51U << kernels::kWeightShift | bit(kernels::FilterEdge::kReflection))});
+  for (const char* program : {"reconstruct", "reconstruct:sraa"}) {
+    const std::vector<DebugPicture> pictures = debug_pictures(kernels::parse_program(program), frame, 3, 1);
+    EXPECT_EQ(picture_of(pictures, "weights"), (std::vector<Colour>{{255, 255, 255}, {0, 0, 0}, {51, 51, 51}}));
+    const std::vector<Colour> shadows = picture_of(pictures, "edges-shadow");
+    ASSERT_EQ(shadows.size(), 3U);
+    EXPECT_EQ(shadows[1], (Colour{255, 255, 255}));
+    EXPECT_LT(shadows[0][0], 128);
+    EXPECT_EQ(picture_of(pictures, "edges-reflection").size(), 3U);
+    EXPECT_TRUE(picture_of(pictures, "edges-depth").empty()) << "there are none";
+    EXPECT_EQ(pictures.size(), 3U);
+  }
+}
+
 }  // namespace
 }  // namespace tools

@@ -92,9 +92,33 @@ Value sum(Value a, Value b) {
 
 Value share(const Comparison& c, KernelGroup group) { return kernel_share(c.run.simulation, group); }
 
-constexpr std::array<Metric, 36> kMetrics = {{
+template <Mask kMask>
+Value masked_psnr(const Comparison& c) {
+  const std::optional<double> error = c.masked[static_cast<std::size_t>(kMask)];
+  return error ? psnr_db(*error) : std::nullopt;
+}
+
+constexpr std::string_view kMaskedPrefix = "psnr_at_";
+
+constexpr std::array<Metric, 43> kMetrics = {{
     {"psnr_db", "PSNR against the reference picture", Shown::kDecibel, false,
      [](const Comparison& c) { return psnr_db(c.squared_error); }},
+    {"psnr_at_object_edges", "the same of pixels in which objects or normals differ", Shown::kDecibel, false,
+     masked_psnr<Mask::kObjectEdge>},
+    {"psnr_at_shadow_edges", "of pixels that are partly in shadow, and nothing else", Shown::kDecibel, false,
+     masked_psnr<Mask::kShadowEdge>},
+    {"psnr_at_reflection_edges", "of pixels in which what mirrors or glass show differs, and nothing else",
+     Shown::kDecibel, false, masked_psnr<Mask::kReflectionEdge>},
+    {"psnr_at_texture_edges", "of pixels in which a texture's colour changes, and nothing else", Shown::kDecibel, false,
+     masked_psnr<Mask::kTextureEdge>},
+    {"psnr_at_elsewhere", "of all other pixels", Shown::kDecibel, false, masked_psnr<Mask::kElsewhere>},
+    {"frame_ms", "time of the frame", Shown::kMilliseconds, true,
+     [](const Comparison& c) { return Value(static_cast<double>(c.run.simulation.elapsed) * 1e-12); }},
+    {"geometry_share", "of that time, what it takes longer than the reference", Shown::kShare, true,
+     [](const Comparison& c) {
+       const Value rest = ratio(c.reference.simulation.cycles, c.run.simulation.cycles);
+       return rest ? Value(1 - *rest) : Value();
+     }},
     {"traced_ratio", "samples traced of those wanted", Shown::kShare, false,
      [](const Comparison& c) { return ratio(c.run.sampling().traced, c.run.sampling().wanted); }},
     {"traced_ratio_lit", "the same without samples of the background", Shown::kShare, false,
@@ -176,6 +200,8 @@ const Metric& find_metric(std::string_view name) {
   return *found;
 }
 
+bool asks_for_masks(std::string_view name) { return name.starts_with(kMaskedPrefix); }
+
 std::string metric_text(const Metric& metric, double value) {
   switch (metric.shown) {
     case Shown::kDecibel:
@@ -184,6 +210,8 @@ std::string metric_text(const Metric& metric, double value) {
       return fmt::format("{:.1f} %", 100 * value);
     case Shown::kCount:
       return fmt::format("{:.0f}", value);
+    case Shown::kMilliseconds:
+      return fmt::format("{:.3f} ms", value);
     case Shown::kFactor:
       break;
   }

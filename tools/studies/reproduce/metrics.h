@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "tools/simulation/run_job.h"
+#include "tools/studies/reproduce/masks.h"
 
 namespace tools::reproduce {
 
@@ -23,12 +24,13 @@ struct Comparison {
   const Outcome& run;
   const Outcome& reference;
   double squared_error = 0;                  ///< error of the run's picture
+  MaskedErrors masked{};                     ///< the same by mask, if a figure asks for it
   std::optional<double> reflective_share{};  ///< share of the view's pixels
 };
 
 /// A figure that can be measured.
 struct Metric {
-  enum class Shown : std::uint8_t { kDecibel, kFactor, kShare, kCount };
+  enum class Shown : std::uint8_t { kDecibel, kFactor, kShare, kCount, kMilliseconds };
   std::string_view name;
   std::string_view meaning;
   Shown shown;
@@ -41,7 +43,10 @@ std::span<const Metric> metrics();
 /// Throws std::logic_error for a name that is none of them.
 const Metric& find_metric(std::string_view name);
 
-/// "42.13 dB", "1.83 x", "5.2 %", "200"
+/// Whether a metric needs errors by mask.
+bool asks_for_masks(std::string_view name);
+
+/// "42.13 dB", "1.83 x", "5.2 %", "200", "1.207 ms"
 std::string metric_text(const Metric& metric, double value);
 
 }  // namespace tools::reproduce

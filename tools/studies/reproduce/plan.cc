@@ -21,6 +21,12 @@ constexpr std::string_view kHybridNote =
     "resolution or what is left for rays. Pictures of both are the same here. What a rasteriser saves are primary rays: "
     "shadow rays and the shader cores' work stay, so gains follow from their share.";
 
+constexpr std::string_view kChiuNote =
+    "Chiu's passes follow each other over the whole frame; here a tile goes through both. Its first pass, geometry, is "
+    "what a frame takes longer than one that shows its shaded samples alone (geometry_share), so the filters are in "
+    "it. "
+    "T&I alone: shader cores and tile buffers are ideal, so that times are the T&I units'.";
+
 }  // namespace
 
 std::string Program::text() const {
@@ -34,6 +40,7 @@ const std::vector<Paper>& papers() {
       {"lee2016", "Lee et al. 2016, adaptive multi-rate ray sampling", kLeeNote, lee2016},
       {"kim2016", "Kim et al. 2016, adaptive undersampling", kKimNote, kim2016},
       {"jin2009", "Jin et al. 2009, selective and adaptive supersampling", "", jin2009},
+      {"chiu", "Chiu et al. 2012, subpixel reconstruction antialiasing for ray tracing", kChiuNote, chiu},
       {"sgrt-units", "Mechanisms of the SGRT line, 2013 to 2015", "", sgrt_units},
       {"hybrid", "A rasteriser beside the T&I units, 2015", kHybridNote, hybrid}};
   return all;

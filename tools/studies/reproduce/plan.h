@@ -33,6 +33,12 @@ struct Figure {
   std::string experiment, metric;
 };
 
+/// A square of a picture, enlarged eight times: its centre, in shares of width and height, and its side, of the height.
+struct Crop {
+  std::string name;
+  double x = 0, y = 0, side = 0;
+};
+
 /// One setting on one scene: what is run, what it is compared with, and the figures that come of it.
 struct Case {
   View view;
@@ -43,7 +49,8 @@ struct Case {
   bool machine = true;  ///< false: the picture and the counts of samples alone
   bool truth = false;   ///< PSNR against 256 samples per pixel instead of the reference
   std::vector<Figure> figures{};
-  std::string picture{};  ///< figure-PICTURE.png and figure-PICTURE-difference.png; empty: none
+  std::string picture{};      ///< figure-PICTURE.png and figure-PICTURE-difference.png; empty: none
+  std::vector<Crop> crops{};  ///< figure-PICTURE-NAME.png, of the reference and the difference, too
 };
 
 /// The experiments of a paper. `quick`: at a fraction of the resolution, some of them, and the built-in scenes made of
@@ -57,6 +64,7 @@ struct Paper {
 std::vector<Case> lee2016(bool quick);
 std::vector<Case> kim2016(bool quick);
 std::vector<Case> jin2009(bool quick);
+std::vector<Case> chiu(bool quick);
 std::vector<Case> sgrt_units(bool quick);
 std::vector<Case> hybrid(bool quick);
 

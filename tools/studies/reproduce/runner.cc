@@ -40,6 +40,29 @@ std::vector<std::uint8_t> difference(std::span<const float> a, std::span<const f
   return out;
 }
 
+/// A crop, every pixel of it eight wide and high.
+std::vector<std::uint8_t> cropped(const std::vector<std::uint8_t>& picture, const Case& c, const Crop& crop,
+                                  std::uint32_t& side) {
+  constexpr std::uint32_t kEnlarged = 8;
+  const std::uint32_t pixels =
+      std::clamp(static_cast<std::uint32_t>(std::lround(crop.side * c.height)), 1U, std::min(c.width, c.height));
+  const auto first = [&](double centre, std::uint32_t extent) {
+    const auto from = std::lround(centre * extent - 0.5 * pixels);
+    return static_cast<std::uint32_t>(std::clamp<std::int64_t>(from, 0, extent - pixels));
+  };
+  const std::uint32_t x0 = first(crop.x, c.width), y0 = first(crop.y, c.height);
+  side = kEnlarged * pixels;
+  std::vector<std::uint8_t> out;
+  out.reserve(std::size_t{3} * side * side);
+  for (std::uint32_t y = 0; y < side; ++y) {
+    for (std::uint32_t x = 0; x < side; ++x) {
+      const std::size_t at = 3 * (std::size_t{y0 + y / kEnlarged} * c.width + x0 + x / kEnlarged);
+      out.insert(out.end(), {picture[at], picture[at + 1], picture[at + 2]});
+    }
+  }
+  return out;
+}
+
 std::string key_of(const Case& c, const Program& program) { return program.text() + (c.machine ? "" : " (picture)"); }
 
 /// A name as a part of a file's name.
@@ -82,6 +105,7 @@ void Runner::look_at(const Case& c) {
   if (inputs_ && c.view == view_ && c.width == width_ && c.height == height_) return;
   outcomes_.clear();
   truth_.clear();
+  masks_.clear();
   width_ = c.width;
   height_ = c.height;
   if (!inputs_ || c.view != view_) load(c, {});
@@ -131,15 +155,26 @@ const std::vector<float>& Runner::truth(const Case& c) {
   return truth_;
 }
 
+const std::vector<Mask>& Runner::masks(const Case& c) {
+  if (masks_.empty()) {
+    inputs_->config = load_run_config(job(c, {}));
+    masks_ = masks_of(*inputs_, host_threads(options_.threads));
+  }
+  return masks_;
+}
+
 std::vector<Measured> Runner::measure(const Case& c) {
   look_at(c);
   const Outcome& run = outcome(c, c.run);
   const Outcome& reference = outcome(c, c.reference);
   const std::vector<float>& other = c.truth ? truth(c) : reference.simulation.function.rgb;
-  const Comparison comparison{.run = run,
-                              .reference = reference,
-                              .squared_error = mean_squared_error(run.simulation.function.rgb, other),
-                              .reflective_share = reflective_share_};
+  Comparison comparison{.run = run,
+                        .reference = reference,
+                        .squared_error = mean_squared_error(run.simulation.function.rgb, other),
+                        .reflective_share = reflective_share_};
+  if (std::ranges::any_of(c.figures, [](const Figure& f) { return asks_for_masks(f.metric); })) {
+    comparison.masked = masked_errors(masks(c), run.simulation.function.rgb, other);
+  }
   std::vector<Measured> figures;
   for (const Figure& figure : c.figures) figures.push_back(measured(find_metric(figure.metric), comparison));
   return figures;
@@ -149,6 +184,12 @@ void Runner::write_pictures(const Case& c, const fs::path& folder) const {
   if (c.picture.empty()) return;
   const auto write = [&](const std::string& name, const std::vector<std::uint8_t>& picture) {
     traces::write_png(folder / fmt::format("figure-{}.png", file_part(name)), c.width, c.height, picture);
+    for (const Crop& crop : c.crops) {
+      std::uint32_t side = 0;
+      const std::vector<std::uint8_t> part = cropped(picture, c, crop, side);
+      const std::string file = file_part(fmt::format("figure-{}-{}.png", name, crop.name));
+      traces::write_png(folder / file, side, side, part);
+    }
   };
   const Simulation& simulation = outcomes_.at(key_of(c, c.run)).simulation;
   const std::vector<float>& run = simulation.function.rgb;

@@ -42,8 +42,8 @@ class Runner {
   std::string stand_in(const View& view) const;
 
   /// Writes the pictures of the case last measured into a folder: the run's and those of how it came about
-  /// (debug_pictures.h), what it is compared with (one file for all that are compared with it), and four times their
-  /// difference.
+  /// (debug_pictures.h), what it is compared with (one file for all that are compared with it), four times their
+  /// difference, and crops of these.
   void write_pictures(const Case& c, const std::filesystem::path& folder) const;
 
  private:
@@ -53,6 +53,8 @@ class Runner {
   JobOptions job(const Case& c, const Program& program) const;
   const Outcome& outcome(const Case& c, const Program& program);
   const std::vector<float>& truth(const Case& c);
+  /// Those of this view and resolution.
+  const std::vector<Mask>& masks(const Case& c);
 
   const Options& options_;
   Progress* progress_;
@@ -63,6 +65,7 @@ class Runner {
   std::optional<double> reflective_share_;
   std::map<std::string, Outcome> outcomes_;  ///< outcomes for this view and resolution
   std::vector<float> truth_;
+  std::vector<Mask> masks_;
 };
 
 }  // namespace tools::reproduce

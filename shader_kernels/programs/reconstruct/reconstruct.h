@@ -1,0 +1,104 @@
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "shader_kernels/kernels/rotated_grid.h"
+#include "shader_kernels/programs/adaptive/finished_tiles.h"
+#include "shader_kernels/programs/reconstruct/reconstruct_config.h"
+#include "shader_kernels/programs/wavefront/frame_program.h"
+#include "shader_kernels/programs/wavefront/render_config.h"
+#include "shader_kernels/programs/wavefront/scene_tables.h"
+#include "shader_kernels/programs/wavefront/wavefront.h"
+
+namespace kernels {
+
+/// Frame program reconstruct (Chiu et al. 2012): a pixel has four samples on a rotated grid. One is shaded; of the
+/// others rays find out geometry and shadows alone. A filter then makes the colour of each from the shaded ones around
+/// that are like it: what surfaces show by their geometry and shadows, what mirrors and glass show by those of what is
+/// seen there.
+///
+///   per tile: generate_shaded_rays  -> shaded -> limit_colours -┐
+///             generate_visible_rays -> geometry, shadows -------┴-> [halo] -> reconstruct -> pack_colour -> frame
+///             buffer
+///                                                              list_branches -> reconstruct_branch
+///
+/// reconstruct:sraa, held against it, has one filter over whole colours, by the geometry that the eye sees; so its
+/// other samples are primary rays alone.
+///
+/// A sample of the tile buffer is a pixel's position there plus a multiple of all positions: sample k of the pixel in
+/// layer b, surfaces (0), mirrors and glass, is position + (4 b + k) x positions. Shaded ones have a colour, too.
+class ReconstructProgram final : public FrameProgram {
+ public:
+  enum class Filters : std::uint8_t { kApart, kOne };
+  /// `scene_size`: the longest side of the scene's bounds, the same in all frames.
+  ReconstructProgram(const traces::MemoryImage& image, const traces::Camera& camera, const RenderConfig& config,
+                     const ReconstructConfig& reconstruct, Filters filters, float scene_size, std::uint32_t frame);
+
+  std::uint32_t tiles() const override { return tiles_.count(); }
+  FrameRequirements requirements() const override;
+  void run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record, TileResult& out) const override;
+
+ private:
+  using Node = Wavefront::Node;
+  /// A tile being worked on.
+  struct Tile {
+    SampleTile at;
+    FinishedUniforms<float> finished;
+    std::uint32_t pixels;  ///< finished
+    Wavefront& wave;
+    TileResult& out;
+    TileBuffer& buffer;
+  };
+  /// A rectangle of pixels of the tile buffer.
+  struct Part {
+    std::uint32_t x, y, across, down;
+    std::uint32_t pixels() const { return across * down; }
+  };
+
+  bool filters_apart() const { return filters_ == Filters::kApart; }
+  bool has_geometry() const { return reconstruct_.radius != 0; }
+  std::uint32_t positions() const { return tiles_.samples(); }
+  /// From a sample to that of the next layer.
+  std::uint32_t layer() const { return kGeometrySamples * positions(); }
+  /// Bytes of a pixel's shaded sample in all layers, colours included; of its other samples; of all records.
+  std::uint32_t shaded_bytes() const;
+  std::uint32_t other_bytes() const;
+  std::uint32_t attribute_bytes() const;
+  std::uint32_t exchanged_bytes() const;
+  std::uint64_t store_bytes() const;
+
+  Tile tile_of(const SampleTile& at, Wavefront& wave, TileResult& out) const;
+  VisibleSamples records(bool are_shaded) const;
+  VisibleRayPorts<float>& bind(VisibleRayPorts<float>& ports, const Tile& tile, const Part& part) const;
+  void trace(Tile& tile, const Part& shaded, const Part& others, bool is_own) const;
+  Node clear_branches(Tile& tile, const Part& part) const;
+  void trace_shaded(Tile& tile, const Part& part, Node cleared) const;
+  void trace_others(Tile& tile, const Part& part, Node cleared) const;
+  void limit(Tile& tile, const Part& part) const;
+  void make_halo(Tile& tile) const;
+  void export_borders(Tile& tile) const;
+  void park_attributes(Tile& tile) const;
+  Node show_shaded(Tile& tile) const;
+  Node reconstruct(Tile& tile) const;
+  template <std::uint32_t kRadius>
+  Node filter(Tile& tile) const;
+  template <class K>
+  void bind_filter(typename K::template Ports<float>& ports, const Tile& tile) const;
+  // reconstruct_marks.cc
+  void count(Tile& tile) const;
+  SampleMark mark(const Tile& tile, std::uint32_t pixel) const;
+
+  const RenderConfig config_;
+  const ReconstructConfig reconstruct_;
+  const Filters filters_;
+  const SceneTables scene_;
+  const CameraUniforms<float> camera_;
+  const FinishedTiles tiles_;
+  const std::vector<std::uint32_t> order_;
+  const std::uint32_t frame_;
+  const float depth_scale_, bend_;
+  std::uint32_t mirrors_ = 0, glass_ = 0;  ///< layers of what these show; 0: nothing does
+  std::uint32_t layers_ = 1;
+};
+
+}  // namespace kernels

@@ -1,0 +1,282 @@
+#include "shader_kernels/programs/reconstruct/reconstruct.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "block_harness.h"
+#include "shader_kernels/kernels/reconstruct.h"
+#include "showcase.h"
+
+// Subpixel reconstruction antialiasing: one shaded sample a pixel, the geometry of four.
+
+namespace kernels {
+namespace {
+
+using traces::RayKind;
+using Filters = ReconstructProgram::Filters;
+
+Sampled reconstruct(const Stage& stage, const RenderConfig& render, const ReconstructConfig& config = {},
+                    Filters filters = Filters::kApart, const traces::Tracer* tracer = nullptr, bool record = false) {
+  ReconstructProgram program(stage.image, stage.camera, render, config, filters, stage.size(), 0);
+  program.keep_marks();
+  return run_program(program, tracer != nullptr ? *tracer : stage.tracer, 1, record);
+}
+
+/// Origins and directions of rays, in an order of their own.
+auto sorted(const std::vector<traces::Ray>& rays) {
+  std::vector<std::tuple<float, float, float, float, float, float>> all;
+  for (const traces::Ray& r : rays) {
+    all.emplace_back(r.origin.x, r.origin.y, r.origin.z, r.direction.x, r.direction.y, r.direction.z);
+  }
+  std::ranges::sort(all);
+  return all;
+}
+
+double squared_error(const std::vector<float>& a, const std::vector<float>& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
+  return sum;
+}
+
+/// A lit floor and a ball above it, no mirror.
+traces::Scene shadowed_floor() {
+  traces::Scene scene = empty_scene();
+  scene.ambient = glm::vec3(0.2F);
+  traces::add_object(scene, traces::make_quad("floor", {-4, -1, 4}, {8, 0, 0}, {0, 0, -8}, 1),
+                     traces::add_material(scene, {.name = "floor"}));
+  traces::add_object(scene, traces::make_quad("plate", {-0.7F, 0.6F, 0.5F}, {1.3F, 0, 0.2F}, {0.1F, 0, -1.1F}, 1),
+                     traces::add_material(scene, {.name = "plate", .base_colour = {0.9F, 0.3F, 0.2F}}));
+  traces::Light light;
+  light.position = {1, 4, 2};
+  light.intensity = glm::vec3(20);
+  scene.lights.push_back(light);
+  scene.cameras.push_back(traces::look_at("c", {0, 2.5F, 5}, {0, -0.6F, 0}, 0.8F));
+  return scene;
+}
+
+TEST(Similarity, FallsWithDepthAndWithTheAngleOfNormalsAndIsNothingAcrossAShadowsEdge) {
+  const VisibleRecord<float> here{{0, 0, 1}, 2, 1};
+  const auto weight = [&](const VisibleRecord<float>& other, float bend) {
+    return Similarity<float>(here, other, bend).weight();
+  };
+  EXPECT_EQ(weight(here, 4), 1.0F);
+  EXPECT_NEAR(weight({{0, 0, 1}, 3.5F, 1}, 4), std::exp(-2.25F), 1e-5F);
+  EXPECT_NEAR(weight({{0, 0.6F, 0.8F}, 2, 1}, 4), std::exp(-0.64F), 1e-5F) << "1 - n.n = 0.2, over 0.25";
+  EXPECT_NEAR(weight({{0, 0.6F, 0.8F}, 2, 1}, 0.25F), std::exp(-0.0025F), 1e-5F) << "as printed";
+  EXPECT_NEAR(weight({{0, 0, -1}, 2, 1}, 0.25F), std::exp(-0.0625F), 1e-5F) << "dot products below 0 count as 0";
+  EXPECT_EQ(weight({{0, 0, 1}, 2, 3}, 4), 0.0F) << "another light is hidden";
+  EXPECT_EQ(weight({{0, 0, 1}, kMissDepth, 1}, 4), 0.0F);
+  EXPECT_EQ(weight({{0, 0, 1}, kNoBranchDepth, 1}, 4), 0.0F);
+}
+
+/// One row of two pixels; `others`: the records of all samples that are not shaded.
+std::vector<ColourRecord<float>> filtered(const VisibleRecord<float>& left, const VisibleRecord<float>& right,
+                                          const VisibleRecord<float>& others) {
+  std::vector<VisibleRecord<float>> visible(8, others);
+  visible[0] = left;
+  visible[1] = right;
+  std::vector<ColourRecord<float>> colours(8), pixels(2);
+  colours[0].rgb = {1, 0, 0};
+  colours[1].rgb = {0, 1, 0};
+  Reconstruct<1, false>::Ports<float> ports;
+  ports.finished = {2, 0.5F, 0, 2, 0, 1, 0, 0};
+  ports.visible.bind(visible.data());
+  ports.colours.bind(colours.data());
+  ports.pixels.bind(pixels.data());
+  ports.bend = 4;
+  ports.apart = 2;
+  for (std::uint32_t i = 0; i < 2; ++i) Reconstruct<1, false>::body<float>(i, ports);
+  return pixels;
+}
+
+TEST(ReconstructKernel, EachSampleTakesTheMeanOfTheShadedOnesThatItIsLike) {
+  const VisibleRecord<float> lit{{0, 0, 1}, 2, 0}, dark{{0, 0, 1}, 2, 1}, far{{0, 0, 1}, 50, 0};
+  EXPECT_NEAR(filtered(lit, lit, lit)[0].rgb.x, 0.5F, 1e-6F) << "none of what lies outside the picture";
+  EXPECT_NEAR(filtered(lit, lit, lit)[1].rgb.y, 0.5F, 1e-6F);
+  const auto edge = filtered(lit, dark, dark);
+  EXPECT_NEAR(edge[0].rgb.x, 0.25F, 1e-6F) << "the shaded one is lit, the other three are dark";
+  EXPECT_NEAR(edge[0].rgb.y, 0.75F, 1e-6F);
+  EXPECT_NEAR(edge[1].rgb.y, 1.0F, 1e-6F);
+  const auto alone = filtered(lit, lit, far);
+  EXPECT_NEAR(alone[0].rgb.x, 0.25F * 0.5F + 0.75F, 1e-6F) << "no shaded one is like three: their pixel's own";
+}
+
+TEST(Reconstruct, SamplesAreThoseOfFourOnARotatedGrid) {
+  const Stage stage(shadowed_floor());
+  RenderConfig render = small(24, 17);
+  const SpyTracer ours(stage.tracer), theirs(stage.tracer);
+  reconstruct(stage, render, {}, Filters::kApart, &ours);
+  render.samples = SamplePattern::kRotated;
+  kernels::render(stage.image, stage.camera, theirs, render, 4);
+  // Tiles make their halo themselves, so some are traced by several: those of one tile are all.
+  render.tile = 128;
+  render.samples = SamplePattern::kRegular;
+  const SpyTracer whole(stage.tracer);
+  reconstruct(stage, render, {}, Filters::kApart, &whole);
+  for (const RayKind kind : {RayKind::kPrimary, RayKind::kShadow}) {
+    EXPECT_EQ(sorted(whole.seen(kind)), sorted(theirs.seen(kind)));
+    EXPECT_GT(ours.seen(kind).size(), whole.seen(kind).size());
+  }
+}
+
+TEST(RotatedGrid, HasASampleInEachRowAndEachColumnOfCells) {
+  for (const std::uint32_t grid : {1U, 2U, 3U, 4U}) {
+    const std::uint32_t samples = grid * grid;
+    const Stage stage(shadowed_floor());
+    RenderConfig render = small(1, 1);
+    render.samples = SamplePattern::kRotated;
+    const SpyTracer spy(stage.tracer);
+    kernels::render(stage.image, stage.camera, spy, render, samples);
+    const CameraUniforms<float> camera = camera_uniforms(stage.camera, 1, 1);
+    std::vector<std::uint32_t> columns(samples), rows(samples);
+    for (const traces::Ray& ray : spy.seen(RayKind::kPrimary)) {
+      const Vec3<float> d{ray.direction.x, ray.direction.y, ray.direction.z};
+      // Along the view a direction is as long as the picture is far away.
+      const Vec3<float> forward = camera.corner + camera.right * 0.5F + camera.down * 0.5F;
+      const Vec3<float> in_picture = d * (dot(forward, forward) / dot(d, forward)) - camera.corner;
+      const float n = static_cast<float>(samples);
+      const float x = dot(in_picture, camera.right) / dot(camera.right, camera.right) * n;
+      const float y = dot(in_picture, camera.down) / dot(camera.down, camera.down) * n;
+      EXPECT_NEAR(x - std::floor(x), 0.5F, 1e-2F);
+      EXPECT_NEAR(y - std::floor(y), 0.5F, 1e-2F);
+      ++columns.at(static_cast<std::size_t>(x));
+      ++rows.at(static_cast<std::size_t>(y));
+    }
+    EXPECT_EQ(columns, std::vector<std::uint32_t>(samples, 1)) << samples;
+    EXPECT_EQ(rows, std::vector<std::uint32_t>(samples, 1)) << samples;
+  }
+}
+
+TEST(Reconstruct, CastsTheRaysOfFourSamplesAndShadesOne) {
+  const Stage stage(traces::open_scene("cornell"));
+  RenderConfig render = small(40, 32);
+  render.depth = 2;
+  const Sampled ours = reconstruct(stage, render);
+  render.samples = SamplePattern::kRotated;
+  const Sampled four = stage.full(render, 4);
+  EXPECT_EQ(ours.rays, four.rays);
+  EXPECT_GT(ours.rays[static_cast<std::size_t>(RayKind::kReflection)], 0U);
+  EXPECT_EQ(ours.sampling.traced, 40U * 32U * 4U);
+  EXPECT_EQ(ours.sampling.wanted, 40U * 32U * 16U);
+  const Sampled one = reconstruct(stage, render, {.radius = 0});
+  EXPECT_EQ(one.sampling.traced, 40U * 32U);
+  render.samples = SamplePattern::kRegular;
+  const Sampled sraa = reconstruct(stage, render, {}, Filters::kOne);
+  for (std::size_t kind = 1; kind < sraa.rays.size(); ++kind) {
+    EXPECT_EQ(sraa.rays[kind], one.rays[kind]) << "by the shaded samples alone";
+  }
+  EXPECT_EQ(sraa.rays[0], four.rays[0]);
+}
+
+class ReconstructIn : public testing::TestWithParam<const char*> {
+ protected:
+  const Stage stage_{traces::open_scene(GetParam())};
+};
+INSTANTIATE_TEST_SUITE_P(BuiltIn, ReconstructIn, testing::Values("cornell", "teapot"),
+                         [](const auto& i) { return std::string(i.param); });
+
+TEST_P(ReconstructIn, ThePictureIsTheSameForEveryTileHaloAttributeStorageAndStream) {
+  for (const Filters filters : {Filters::kApart, Filters::kOne}) {
+    for (const std::uint32_t radius : {0U, 1U, 2U}) {
+      ReconstructConfig c;
+      c.radius = radius;
+      RenderConfig render = small(37, 29);
+      render.tile = 128;
+      const Sampled whole = reconstruct(stage_, render, c, filters);
+      for (const std::uint32_t tile : {1U, 16U, 40U}) {
+        for (const Halo halo : {Halo::kReload, Halo::kRetrace}) {
+          render.tile = tile;
+          render.streams = tile == 16 ? Streams::kDivergent : Streams::kCompacted;
+          c.halo = halo;
+          c.attributes = tile == 16 ? AttributeStorage::kDram : AttributeStorage::kTile;
+          const Sampled cut = reconstruct(stage_, render, c, filters, nullptr, true);
+          EXPECT_EQ(cut.rgb, whole.rgb) << "radius " << radius << ", tile " << tile;
+          EXPECT_EQ(cut.marks, whole.marks);
+          EXPECT_EQ(cut.sampling.background, whole.sampling.background);
+          EXPECT_EQ(cut.sampling.traced - cut.sampling.halo, whole.sampling.traced);
+          EXPECT_EQ(cut.sampling.halo != 0, halo == Halo::kRetrace && radius != 0);
+        }
+      }
+    }
+  }
+}
+
+TEST_P(ReconstructIn, PicturesAreNearerToSixteenSamplesThanThoseOfOne) {
+  const RenderConfig render = small(96, 64);
+  const std::vector<float> truth = stage_.full(render, 16).rgb;
+  const double ours = squared_error(reconstruct(stage_, render).rgb, truth);
+  const double sraa = squared_error(reconstruct(stage_, render, {}, Filters::kOne).rgb, truth);
+  const double none = squared_error(reconstruct(stage_, render, {.radius = 0}).rgb, truth);
+  EXPECT_LT(ours, sraa);
+  EXPECT_LT(ours, 0.4 * none) << "4 dB";
+}
+
+TEST(Reconstruct, KeepsAShadowsEdgeThatOneFilterBlurs) {
+  const Stage stage(shadowed_floor());
+  const RenderConfig render = small(96, 96);
+  const std::vector<float> truth = stage.full(render, 16).rgb;
+  const Sampled ours = reconstruct(stage, render), sraa = reconstruct(stage, render, {}, Filters::kOne);
+  const auto shadow = static_cast<SampleMark>(1U << static_cast<std::uint32_t>(FilterEdge::kShadow));
+  double of_ours = 0, of_sraa = 0;
+  std::size_t pixels = 0;
+  for (std::size_t i = 0; i < ours.marks.size(); ++i) {
+    EXPECT_EQ(sraa.marks[i] & shadow, 0) << "sees no shadows";
+    if ((ours.marks[i] & ((1U << kWeightShift) - 1)) != shadow) continue;
+    ++pixels;
+    for (std::size_t c = 3 * i; c < 3 * i + 3; ++c) {
+      of_ours += std::pow(ours.rgb[c] - truth[c], 2);
+      of_sraa += std::pow(sraa.rgb[c] - truth[c], 2);
+    }
+  }
+  EXPECT_GT(pixels, 100U);
+  EXPECT_LT(of_ours, 0.63 * of_sraa) << "2 dB";
+}
+
+TEST(Reconstruct, FiltersWhatAMirrorShowsByTheGeometryThatIsSeenThere) {
+  // Behind the viewer two sheets, one white, one black and farther away: in the mirror their edge.
+  Room room = mirror();
+  room.add(behind(-20, 0.3F), {.base_colour = glm::vec3(0.9F)});
+  room.add(traces::make_quad("far", {20, -10, 12}, {-40, 0, 0}, {0, 20, 0}, 1), {.base_colour = glm::vec3(0)});
+  const Stage stage = room.stage();
+  const RenderConfig render = small(48, 48);
+  const std::vector<float> truth = stage.full(render, 16).rgb;
+  const Sampled ours = reconstruct(stage, render);
+  const double error = squared_error(ours.rgb, truth);
+  EXPECT_LT(error, 0.5 * squared_error(reconstruct(stage, render, {}, Filters::kOne).rgb, truth));
+  EXPECT_LT(error, 0.5 * squared_error(reconstruct(stage, render, {.radius = 0}).rgb, truth));
+  const auto reflection = static_cast<SampleMark>(1U << static_cast<std::uint32_t>(FilterEdge::kReflection));
+  EXPECT_TRUE(std::ranges::any_of(ours.marks, [&](SampleMark m) { return (m & reflection) != 0; }));
+}
+
+TEST(Reconstruct, TransfersStayWithinTheirRegionsAndNobodyWaitsWhoRetraces) {
+  const Stage stage(showcase_scene());
+  for (const std::uint32_t radius : {0U, 1U, 2U}) {
+    for (const Halo halo : {Halo::kReload, Halo::kRetrace}) {
+      ReconstructConfig c;
+      c.radius = radius;
+      c.halo = halo;
+      c.attributes = radius == 2 ? AttributeStorage::kDram : AttributeStorage::kTile;
+      const RenderConfig render = small(75, 41);
+      ReconstructProgram program(stage.image, stage.camera, render, c, Filters::kApart, stage.size(), 0);
+      const FrameRequirements needs = program.requirements();
+      for (const traces::TileWork& work : run_program(program, stage.tracer, 1, true).works) {
+        EXPECT_EQ(work.imports.empty(), halo == Halo::kRetrace || radius == 0 || work.tile == 0);
+        for (const traces::WorkNode& node : work.nodes) {
+          EXPECT_GT(node.items, 0U);
+          if (node.kind == traces::WorkNode::Kind::kRays) {
+            EXPECT_LE(node.items, needs.wave_samples * 2);
+          }
+          if (node.kind != traces::WorkNode::Kind::kTransfer) continue;
+          EXPECT_LE(node.offset + node.items, needs.region_bytes[static_cast<std::size_t>(node.region)]);
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace kernels

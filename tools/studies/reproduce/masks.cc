@@ -1,0 +1,122 @@
+#include "tools/studies/reproduce/masks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "shader_kernels/programs/wavefront/wavefront.h"
+#include "tools/analysis/picture.h"
+#include "tools/host/on_threads.h"
+#include "traces/accel/bvh_tracer.h"
+
+namespace tools::reproduce {
+namespace {
+
+constexpr std::uint32_t kGrid = 4, kSamples = kGrid * kGrid;
+constexpr float kSameNormal = 0.9F;  ///< as the checks of adaptive sampling have it
+constexpr float kTextureContrast = 0.1F;
+
+/// Traces and shades the samples of rows of pixels.
+class Rows {
+ public:
+  explicit Rows(const Inputs& inputs)
+      : config_(inputs.config.render),
+        scene_(inputs.image, config_),
+        camera_(kernels::camera_uniforms(inputs.camera, config_.width, config_.height)),
+        tracer_(inputs.image) {}
+
+  void find(std::uint32_t y, kernels::TileResult& out, Mask* row) const {
+    const std::uint32_t pitch = kGrid * config_.width, samples = pitch * kGrid;
+    out.buffer.hold_samples(samples);
+    out.buffer.hold_wave(samples);
+    std::iota(out.buffer.samples.begin(), out.buffer.samples.end(), 0U);
+    kernels::Wavefront wave(scene_, tracer_, false, kernels::cone_uniforms(camera_, kGrid), out);
+    kernels::GenerateListedRays::Ports<float> ports;
+    ports.camera = camera_;
+    ports.grid = {.x0 = 0,
+                  .y0 = static_cast<float>(kGrid * y),
+                  .pitch = static_cast<float>(pitch),
+                  .inverse_pitch = 1.0F / static_cast<float>(pitch),
+                  .grid = kGrid,
+                  .inverse_grid = 1.0F / kGrid};
+    kernels::Wavefront::RetainedRecords retained;
+    retained.geometry = retained.secondary = true;
+    const auto made = wave.generate(ports, out.buffer.samples, kernels::Wavefront::kNone, samples, retained);
+    wave.run(made, samples, retained);
+    for (std::uint32_t x = 0; x < config_.width; ++x) row[x] = mask(x, pitch, out);
+  }
+
+ private:
+  static Mask mask(std::uint32_t x, std::uint32_t pitch, const kernels::TileResult& out) {
+    const auto any = [&](auto&& differs) {
+      for (std::uint32_t i = 1; i < kSamples; ++i) {
+        if (differs(kGrid * x, i / kGrid * pitch + kGrid * x + i % kGrid)) return true;
+      }
+      return false;
+    };
+    const kernels::TileBuffer& found = out.buffer;
+    const auto& geometry = found.geometry;
+    const auto& secondary = found.secondary;
+    if (any([&](std::uint32_t a, std::uint32_t b) {
+          return geometry[a].object != geometry[b].object || dot(geometry[a].normal, geometry[b].normal) < kSameNormal;
+        })) {
+      return Mask::kObjectEdge;
+    }
+    if (any([&](std::uint32_t a, std::uint32_t b) { return geometry[a].shadows != geometry[b].shadows; })) {
+      return Mask::kShadowEdge;
+    }
+    if (any([&](std::uint32_t a, std::uint32_t b) {
+          return secondary[a].objects != secondary[b].objects || secondary[a].shadows != secondary[b].shadows;
+        })) {
+      return Mask::kReflectionEdge;
+    }
+    const bool is_textured = (geometry[std::size_t{kGrid} * x].object & kernels::kTexturedObject) != 0;
+    const bool is_edge = is_textured && any([&](std::uint32_t a, std::uint32_t b) {
+                           const glm::vec3 one = out.colour(a), other = out.colour(b);
+                           float most = 0;
+                           for (int c = 0; c < 3; ++c)
+                             most = std::max(most, std::abs(srgb_encoded(one[c]) - srgb_encoded(other[c])));
+                           return most > kTextureContrast;
+                         });
+    return is_edge ? Mask::kTextureEdge : Mask::kElsewhere;
+  }
+
+  const kernels::RenderConfig config_;
+  const kernels::SceneTables scene_;
+  const kernels::CameraUniforms<float> camera_;
+  const traces::BvhTracer tracer_;
+};
+
+}  // namespace
+
+std::vector<Mask> masks_of(const Inputs& inputs, std::uint32_t threads) {
+  const Rows rows(inputs);
+  const std::uint32_t width = inputs.config.render.width, height = inputs.config.render.height;
+  std::vector<Mask> masks(std::size_t{width} * height);
+  const std::uint32_t workers = std::max(1U, threads);
+  on_threads(workers, [&](std::size_t worker) {
+    kernels::TileResult out;
+    for (auto y = static_cast<std::uint32_t>(worker); y < height; y += workers) {
+      rows.find(y, out, masks.data() + std::size_t{y} * width);
+    }
+  });
+  return masks;
+}
+
+MaskedErrors masked_errors(std::span<const Mask> masks, std::span<const float> a, std::span<const float> b) {
+  std::array<std::vector<float>, static_cast<std::size_t>(Mask::kCount)> ours, theirs;
+  for (std::size_t i = 0; i < masks.size(); ++i) {
+    const auto of = static_cast<std::size_t>(masks[i]);
+    ours[of].insert(ours[of].end(), a.begin() + static_cast<std::ptrdiff_t>(3 * i),
+                    a.begin() + static_cast<std::ptrdiff_t>(3 * i + 3));
+    theirs[of].insert(theirs[of].end(), b.begin() + static_cast<std::ptrdiff_t>(3 * i),
+                      b.begin() + static_cast<std::ptrdiff_t>(3 * i + 3));
+  }
+  MaskedErrors errors;
+  for (std::size_t m = 0; m < errors.size(); ++m) {
+    if (!ours[m].empty()) errors[m] = mean_squared_error(ours[m], theirs[m]);
+  }
+  return errors;
+}
+
+}  // namespace tools::reproduce
