@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <iterator>
 #include <optional>
 
 #include <fmt/format.h>
@@ -9,6 +11,7 @@
 #include "sim/report/report_json.h"
 #include "tools/analysis/debug_pictures.h"
 #include "tools/analysis/picture.h"
+#include "tools/analysis/raster_pictures.h"
 #include "tools/analysis/report.h"
 #include "tools/host/interrupt.h"
 #include "tools/host/run_folder.h"
@@ -30,6 +33,8 @@ struct Program {
   kernels::ProgramSpec spec;
   kernels::RateMap rates;
 };
+
+bool rasterises(const Inputs& inputs) { return inputs.config.render.primary == kernels::Primary::kRaster; }
 
 struct Job {
   const JobOptions& options;
@@ -83,7 +88,12 @@ struct Job {
       if (!frame.is_part()) traces::write_exr(folder / "image.exr", width, height, frame.function.rgb);
       if (compared) traces::write_exr(folder / "reference.exr", width, height, compared->function.rgb);
     }
-    for (const DebugPicture& p : debug_pictures(program.spec, frame.function, width, height)) {
+    std::vector<DebugPicture> pictures = debug_pictures(program.spec, frame.function, width, height);
+    if (options.debug_images && rasterises(inputs)) {
+      std::vector<DebugPicture> more = raster_pictures(inputs.image, inputs.camera, inputs.config.render);
+      std::ranges::move(more, std::back_inserter(pictures));
+    }
+    for (const DebugPicture& p : pictures) {
       const std::string frame_name = inputs.frames() > 1 ? fmt::format("frame-{:04}-", inputs.frame) : "";
       traces::write_png(folder / fmt::format("{}debug-{}.png", frame_name, p.name), p.width, p.height, p.rgb);
     }
@@ -161,7 +171,8 @@ void run_frames(const JobOptions& options) {
           sampling, nullptr};
   if (reference) job.reference = Program{*reference, rates};
   const bool is_adaptive = program.kind != kernels::ProgramSpec::Kind::kFull;
-  if (options.debug_images && !is_adaptive && (!reference || reference->kind == kernels::ProgramSpec::Kind::kFull)) {
+  if (options.debug_images && !is_adaptive && !rasterises(inputs) &&
+      (!reference || reference->kind == kernels::ProgramSpec::Kind::kFull)) {
     inputs.warnings.push_back(
         fmt::format("--debug-images does nothing with {}, which traces every sample", program.name()));
   }
