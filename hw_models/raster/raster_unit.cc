@@ -14,7 +14,7 @@ RasterUnit::RasterUnit(const RasterUnitConfig& config, const RasterMemory& memor
       links_(links),
       fetch_(config, memory, port, ideal_l1, stats_),
       writes_(config.write_buffer, port),
-      held_(config.jobs) {}
+      jobs_(config.jobs) {}
 
 sim::Time RasterUnit::tick(sim::Time now) {
   if (links_.memory_in.can_pop(now)) fetch_.fill(links_.memory_in.pop(now).line);
@@ -36,14 +36,14 @@ sim::Time RasterUnit::tick(sim::Time now) {
 }
 
 bool RasterUnit::take_job(sim::Time now) {
-  if (taken_ - ended_ == held_.size() || !links_.jobs_in.can_pop(now)) return false;
-  held_[taken_++ % held_.size()].job = links_.jobs_in.pop(now);
+  if (taken_ - ended_ == jobs_.size() || !links_.jobs_in.can_pop(now)) return false;
+  jobs_[taken_++ % jobs_.size()].job = links_.jobs_in.pop(now);
   return true;
 }
 
-bool RasterUnit::find(Place& place) const {
-  while (place.job < taken_ && place.triangle == job(place.job).triangles()) place = {place.job + 1, 0};
-  return place.job < taken_;
+bool RasterUnit::find(Cursor& at) const {
+  while (at.job < taken_ && at.triangle == job(at.job).triangles()) at = {at.job + 1, 0};
+  return at.job < taken_;
 }
 
 bool RasterUnit::enter() {
@@ -166,8 +166,8 @@ bool RasterUnit::end_job(sim::Time now) {
   end_ = End::kNot;
   finished_ = 0;
   ended_ += 1;
-  for (Place* const place : {&entering_, &setting_}) {
-    if (place->job < ended_) *place = {ended_, 0};
+  for (Cursor* const stage : {&entering_, &setting_}) {
+    if (stage->job < ended_) *stage = {ended_, 0};
   }
   return true;
 }
@@ -224,7 +224,7 @@ sim::Time RasterUnit::next_wake(sim::Time now, bool moved) const {
   const sim::Time next = clock_.after(now, 1);
   if (moved) return next;
   sim::Time at = std::max(next, links_.memory_in.pop_at());
-  if (taken_ - ended_ < held_.size()) at = std::min(at, std::max(next, links_.jobs_in.pop_at()));
+  if (taken_ - ended_ < jobs_.size()) at = std::min(at, std::max(next, links_.jobs_in.pop_at()));
   if (has_front_ && now < front_until_) at = std::min(at, front_until_);
   if (has_back_) at = std::min(at, std::max(next, back_until_));
   if (end_ == End::kWriting && !job(ended_).bins()) at = std::min(at, std::max(next, end_until_));

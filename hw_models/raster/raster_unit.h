@@ -94,8 +94,8 @@ class RasterUnit {
     }
     const traces::ListRun& run(std::uint32_t i) const { return job.work->list_runs[work().first_run + i]; }
   };
-  /// A stage's place: a job, counted, and a triangle of it.
-  struct Place {
+  /// How far a stage is: a job, counted, and a triangle of it.
+  struct Cursor {
     std::uint64_t job = 0;
     std::uint32_t triangle = 0;
   };
@@ -113,10 +113,10 @@ class RasterUnit {
   bool enter();
   bool take_job(sim::Time now);
 
-  const Job& job(std::uint64_t number) const { return held_[number % held_.size()]; }
+  const Job& job(std::uint64_t number) const { return jobs_[number % jobs_.size()]; }
   bool has_jobs() const { return taken_ != ended_; }
-  /// Takes a place to the next triangle; false if there is none.
-  bool find(Place& place) const;
+  /// Takes a stage to the next triangle; false if there is none.
+  bool find(Cursor& at) const;
   std::uint64_t list_cycles(const traces::RasterTriangle& triangle);
   std::uint64_t cover_cycles(const traces::RasterTriangle& triangle, const traces::RasterWork& work);
   void transform();
@@ -131,9 +131,9 @@ class RasterUnit {
   Stats stats_;
   RasterFetch fetch_;
   RasterWrites writes_;
-  std::vector<Job> held_;
+  std::vector<Job> jobs_;
   std::uint64_t taken_ = 0, ended_ = 0;    ///< jobs, counted
-  Place entering_, setting_;               ///< the next to enter the window, to be set up
+  Cursor entering_, setting_;              ///< the next to enter the window, to be set up
   std::uint32_t run_ = 0, run_entry_ = 0;  ///< of the job that enters: the run of its next entry, and which there
   bool has_front_ = false, has_back_ = false;
   sim::Time front_until_ = 0, back_until_ = 0;

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string>
 
-#include "hw_models/memory/cache_config.h"
+#include "hw_models/srp/srp_config.h"
 #include "sim/config/field.h"
 #include "sim/named.h"
 
@@ -11,7 +11,7 @@ namespace hw {
 
 /// A core's rasteriser.
 struct RasterUnitConfig {
-  CacheConfig l1{.size = {16 * 1024}, .mshrs = 16};
+  DataCacheConfig l1{{.size = {16 * 1024}, .mshrs = 16}};
   std::uint32_t lookups = 2;
   std::uint32_t window = 32;
   std::uint32_t jobs = 4;
@@ -72,8 +72,8 @@ struct RasterUnitConfig {
 
   /// Parts of a wave that the depth buffer holds one after the other.
   std::uint64_t parts(std::uint64_t samples) const {
-    const std::uint64_t held = depth_buffer.bytes / depth_bytes;
-    return std::max<std::uint64_t>(1, (samples + held - 1) / held);
+    const std::uint64_t part = depth_buffer.bytes / depth_bytes;
+    return std::max<std::uint64_t>(1, (samples + part - 1) / part);
   }
   /// Bytes of a transformed vertex in the vertex cache.
   static constexpr std::uint32_t kVertexBytes = 16;

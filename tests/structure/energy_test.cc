@@ -28,6 +28,7 @@ const Played& played() {
   static const Played once = [] {
     tools::JobOptions options;
     options.resolution = "16x16";
+    options.sets = {"render.primary=raster"};  // so that there are rasterisers
     const tools::Inputs inputs = tools::load_inputs(options);
     Played p{inputs.config, tools::simulate(inputs, kernels::parse_program("full:1"), 1).units, {}, {}};
     p.device = hw::dram_energy_events(p.config.gpu.dram);

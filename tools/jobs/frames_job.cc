@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <iterator>
 #include <optional>
 
 #include <fmt/format.h>
@@ -9,6 +11,7 @@
 #include "sim/report/report_json.h"
 #include "tools/analysis/debug_pictures.h"
 #include "tools/analysis/picture.h"
+#include "tools/analysis/raster_pictures.h"
 #include "tools/analysis/report.h"
 #include "tools/host/interrupt.h"
 #include "tools/host/run_folder.h"
@@ -33,6 +36,8 @@ struct Program {
   kernels::ProgramSpec spec;
   kernels::RateMap rates;
 };
+
+bool rasterises(const Inputs& inputs) { return inputs.config.render.primary == kernels::Primary::kRaster; }
 
 struct Job {
   const JobOptions& options;
@@ -101,7 +106,12 @@ struct Job {
     if (options.debug_images && !frame.function.pixels.empty()) {
       write_heat_maps(folder, frame_name, heat_maps(frame, out.tiles.frames.back(), width, height), notes);
     }
-    for (const DebugPicture& p : debug_pictures(program.spec, frame.function, width, height)) {
+    std::vector<DebugPicture> pictures = debug_pictures(program.spec, frame.function, width, height);
+    if (options.debug_images && rasterises(inputs)) {
+      std::vector<DebugPicture> more = raster_pictures(inputs.image, inputs.camera, inputs.config.render);
+      std::ranges::move(more, std::back_inserter(pictures));
+    }
+    for (const DebugPicture& p : pictures) {
       traces::write_png(folder / fmt::format("{}debug-{}.png", frame_name, p.name), p.width, p.height, p.rgb);
     }
     out.add(inputs.frame, std::move(frame), std::move(compared), error,

@@ -158,6 +158,12 @@ void take(Estimates&& estimates, const Inputs& inputs, const SampledRun& run, Sa
   sampled.counters = std::move(estimates.counters);
 }
 
+void check_primary(const kernels::RenderConfig& render) {
+  if (render.primary == kernels::Primary::kRays) return;
+  throw sim::InputError(
+      "--tile-sampling: a rasteriser's geometry pass is no part that tiles stand for; allowed: render.primary=rays");
+}
+
 }  // namespace
 
 TileSampling parse_tile_sampling(const std::string& sampling, const std::string& image) {
@@ -189,10 +195,7 @@ void check_tile_sampling(const kernels::ProgramSpec& program) {
 
 Simulation simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
                             const TileSampling& sampling, Progress* progress) {
-  if (inputs.config.render.primary == kernels::Primary::kRaster) {
-    throw sim::InputError(
-        "--tile-sampling: a rasteriser's geometry pass is no part that tiles stand for; allowed: render.primary=rays");
-  }
+  check_primary(inputs.config.render);
   const sim::HostClock::time_point begin = sim::HostClock::now();
   const traces::BvhTracer tracer(inputs.image);
   const Pilot pilot = look_at_all(inputs, program, tracer, threads, progress);

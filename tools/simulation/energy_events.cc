@@ -15,10 +15,10 @@ void check_energy_events(std::span<const sim::UnitReport> units, const sim::Ener
     }
   }
   // Frames without work for a rasteriser have none, but its figures stand in the table all the same.
-  hw::RasterUnit::Stats::describe(hw::RasterUnit::Stats{},
-                                  [&](const std::uint64_t&, const char*, const char*, const char* event = "") {
-                                    if (*event != 0) declared.emplace_back(event);
-                                  });
+  const hw::RasterUnit::Stats none;
+  hw::RasterUnit::Stats::describe(none, [&](const std::uint64_t&, const char*, const char*, const char* event = "") {
+    if (*event != 0) declared.emplace_back(event);
+  });
   sim::check_energy_events(config, declared);
 }
 

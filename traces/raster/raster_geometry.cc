@@ -43,8 +43,9 @@ class Welder {
  public:
   explicit Welder(RasterGeometry& geometry) : geometry_(geometry) {}
 
-  template <class Place>
-  void add(const MemoryImage& image, std::uint32_t first, std::uint32_t count, std::uint32_t instance, Place&& place) {
+  template <class ToSpace>
+  void add(const MemoryImage& image, std::uint32_t first, std::uint32_t count, std::uint32_t instance,
+           ToSpace&& in_world) {
     numbers_.clear();  // instances share none: their vertices are other points of the world
     numbers_.reserve(count);
     for (std::uint32_t t = first; t < first + count; ++t) {
@@ -54,7 +55,7 @@ class Welder {
       for (const glm::vec3* p : {&record.v0, &record.v1, &record.v2}) {
         const auto next = static_cast<std::uint32_t>(geometry_.vertices.size());
         const auto [at, is_new] = numbers_.try_emplace(key_of(*p), next);
-        if (is_new) geometry_.vertices.push_back(place(*p));
+        if (is_new) geometry_.vertices.push_back(in_world(*p));
         triangle.vertices[corner++] = at->second;
       }
       geometry_.triangles.push_back(triangle);

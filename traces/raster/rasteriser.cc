@@ -17,9 +17,9 @@ double near_of(const MemoryImage& image) {
 
 std::uint32_t whole(double pixels) { return pixels <= 0 ? 0 : static_cast<std::uint32_t>(pixels); }
 
-Coverage::Block block_of(std::span<const Coverage::Placed> samples) {
+Coverage::Block block_of(std::span<const Coverage::Sample> samples) {
   Coverage::Block block{samples, {samples[0].at, samples[0].at}, std::numeric_limits<double>::infinity()};
-  for (const Coverage::Placed& s : samples) {
+  for (const Coverage::Sample& s : samples) {
     block.box = {glm::min(block.box.low, s.at), glm::max(block.box.high, s.at)};
   }
   return block;
@@ -27,7 +27,7 @@ Coverage::Block block_of(std::span<const Coverage::Placed> samples) {
 
 double farthest_of(const Coverage::Block& block, const Coverage& found) {
   double depth = 0;
-  for (const Coverage::Placed& s : block.samples) {
+  for (const Coverage::Sample& s : block.samples) {
     const Coverage::Winner& winner = found.winners[s.sample];
     if (winner.triangle == kNone) return std::numeric_limits<double>::infinity();
     depth = std::max(depth, winner.depth);
@@ -40,7 +40,7 @@ bool overlap(const PictureBox& a, const PictureBox& b) {
 }
 
 /// Whether a triangle is the nearest so far at a sample that it covers.
-bool test(const Coverage::Placed& sample, std::uint32_t number, const EdgeFunctions& edges, Coverage& found) {
+bool test(const Coverage::Sample& sample, std::uint32_t number, const EdgeFunctions& edges, Coverage& found) {
   Coverage::Winner& winner = found.winners[sample.sample];
   const double depth = edges.depth(sample.at);
   if (winner.triangle != kNone && !(depth < winner.depth)) return false;
@@ -51,7 +51,7 @@ bool test(const Coverage::Placed& sample, std::uint32_t number, const EdgeFuncti
 /// Covers a block's samples, which lie quad by quad.
 void cover_block(const Coverage::Block& block, bool hidden, const EdgeFunctions& edges, Coverage& found,
                  RasterTriangle& triangle) {
-  const std::span<const Coverage::Placed> samples = block.samples;
+  const std::span<const Coverage::Sample> samples = block.samples;
   for (std::size_t begin = 0, end = 0; begin < samples.size(); begin = end) {
     std::uint32_t covered = 0;
     for (end = begin; end < samples.size() && samples[end].quad == samples[begin].quad; ++end) {
@@ -120,24 +120,24 @@ std::uint32_t Rasteriser::bin(std::uint32_t batch, Coverage& scratch, TileWork& 
 }
 
 /// Finds where samples lie, and puts those of a list together, in it those of a block, in it those of a quad.
-void Rasteriser::place(std::span<const Ray> rays, Coverage& found) const {
+void Rasteriser::sort(std::span<const Ray> rays, Coverage& found) const {
   const std::uint32_t blocks = view_.width() / config_.block + 1, quads = view_.width() / 2 + 1;
-  found.placed.resize(rays.size());
+  found.samples.resize(rays.size());
   for (std::uint32_t i = 0; i < rays.size(); ++i) {
     const Projected seen = view_.of_ray(rays[i].direction);
     const glm::dvec2 at = glm::dvec2(seen) / seen.z;
     const std::uint32_t x = std::min(whole(at.x), view_.width() - 1), y = std::min(whole(at.y), view_.height() - 1);
-    found.placed[i] = {lists_.at(at), y / config_.block * blocks + x / config_.block, y / 2 * quads + x / 2, i, at};
+    found.samples[i] = {lists_.at(at), y / config_.block * blocks + x / config_.block, y / 2 * quads + x / 2, i, at};
   }
-  std::ranges::sort(found.placed, {},
-                    [](const Coverage::Placed& s) { return std::tuple(s.list, s.block, s.quad, s.sample); });
+  std::ranges::sort(found.samples, {},
+                    [](const Coverage::Sample& s) { return std::tuple(s.list, s.block, s.quad, s.sample); });
 }
 
 void Rasteriser::cover(std::span<const Ray> rays, Coverage& found, TileWork* work) const {
   found.winners.assign(rays.size(), {});
   found.layers.assign(rays.size(), 0);
   found.quads.assign(rays.size(), 0);
-  place(rays, found);
+  sort(rays, found);
   RasterWork job;
   if (work != nullptr) {
     job.first_triangle = static_cast<std::uint32_t>(work->raster_triangles.size());
@@ -145,10 +145,10 @@ void Rasteriser::cover(std::span<const Ray> rays, Coverage& found, TileWork* wor
   }
   std::uint32_t most = 1;  // samples of a quad
   for (std::size_t begin = 0, end = 0; begin < rays.size(); begin = end) {
-    const std::uint32_t list = found.placed[begin].list;
+    const std::uint32_t list = found.samples[begin].list;
     std::size_t quad = begin;
-    for (end = begin; end < rays.size() && found.placed[end].list == list; ++end) {
-      if (found.placed[end].quad != found.placed[quad].quad) quad = end;
+    for (end = begin; end < rays.size() && found.samples[end].list == list; ++end) {
+      if (found.samples[end].quad != found.samples[quad].quad) quad = end;
       most = std::max(most, static_cast<std::uint32_t>(end - quad + 1));
     }
     if (lists_.list(list).empty()) continue;
@@ -156,7 +156,7 @@ void Rasteriser::cover(std::span<const Ray> rays, Coverage& found, TileWork* wor
       work->list_runs.push_back({lists_.first(list), static_cast<std::uint32_t>(lists_.list(list).size())});
       job.runs += 1;
     }
-    cover_list(std::span(found.placed).subspan(begin, end - begin), found, work);
+    cover_list(std::span(found.samples).subspan(begin, end - begin), found, work);
   }
   if (work == nullptr) return;
   job.triangles = static_cast<std::uint32_t>(work->raster_triangles.size()) - job.first_triangle;
@@ -164,7 +164,7 @@ void Rasteriser::cover(std::span<const Ray> rays, Coverage& found, TileWork* wor
   work->raster.push_back(job);
 }
 
-void Rasteriser::cover_list(std::span<const Coverage::Placed> samples, Coverage& found, TileWork* work) const {
+void Rasteriser::cover_list(std::span<const Coverage::Sample> samples, Coverage& found, TileWork* work) const {
   found.blocks.clear();
   for (std::size_t begin = 0, end = 0; begin < samples.size(); begin = end) {
     while (end < samples.size() && samples[end].block == samples[begin].block) ++end;

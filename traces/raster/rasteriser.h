@@ -24,16 +24,16 @@ struct Coverage {
   std::vector<std::uint32_t> quads;   ///< quads of triangles that had it in them
 
   // While a wave is made: samples by list, block and quad; blocks of a list; lists that triangles of a batch are in.
-  struct Placed {
+  struct Sample {
     std::uint32_t list = 0, block = 0, quad = 0, sample = 0;
     glm::dvec2 at{0};
   };
   struct Block {
-    std::span<const Placed> samples;
+    std::span<const Sample> samples;
     PictureBox box;
     double farthest = 0;  ///< depth behind which nothing of it can be seen
   };
-  std::vector<Placed> placed;
+  std::vector<Sample> samples;
   std::vector<Block> blocks;
   std::vector<std::uint32_t> touched;
 };
@@ -70,8 +70,8 @@ class Rasteriser {
  private:
   std::uint32_t triangles() const { return static_cast<std::uint32_t>(geometry_.triangles.size()); }
   std::array<Projected, 3> corners(std::uint32_t triangle) const;
-  void place(std::span<const Ray> rays, Coverage& found) const;
-  void cover_list(std::span<const Coverage::Placed> samples, Coverage& found, TileWork* work) const;
+  void sort(std::span<const Ray> rays, Coverage& found) const;
+  void cover_list(std::span<const Coverage::Sample> samples, Coverage& found, TileWork* work) const;
 
   const RasterConfig config_;
   const RasterGeometry geometry_;

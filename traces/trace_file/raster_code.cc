@@ -37,6 +37,25 @@ void read_cover(ByteReader& from, RasterTriangle& t) {
 
 }  // namespace
 
+void write_raster_counts(const TileWork& work, const WorkNode& node, ByteWriter& to) {
+  const RasterWork& job = work.raster[node.raster];
+  to.number(job.runs);
+  if (node.kind == WorkNode::Kind::kBin) return;
+  to.number(job.triangles);
+  to.number(job.pixel_samples);
+}
+
+void read_raster_counts(ByteReader& from, WorkNode& node, TileWork& work) {
+  const bool bins = node.kind == WorkNode::Kind::kBin;
+  node.raster = static_cast<std::uint32_t>(work.raster.size());
+  RasterWork job;
+  job.runs = from.number32(kMost, "runs of lists");
+  job.triangles = bins ? node.items : from.number32(kMost, "triangles of a node");
+  if (!bins) job.pixel_samples = from.number32(kMost, "samples of a pixel");
+  if (job.pixel_samples == 0) ByteReader::out_of_range("samples of a pixel");
+  work.raster.push_back(job);
+}
+
 void write_raster(const TileWork& work, const WorkNode& node, ByteWriter& to) {
   const RasterWork& job = work.raster[node.raster];
   std::uint32_t end = 0;

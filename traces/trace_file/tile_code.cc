@@ -9,6 +9,7 @@
 
 #include "traces/trace_file/bytes.h"
 #include "traces/trace_file/raster_code.h"
+#include "traces/trace_file/tile_checks.h"
 #include "traces/trace_file/walk_code.h"
 #include "traces/walk.h"
 
@@ -58,12 +59,8 @@ void write_node(const TileWork& work, std::uint32_t n, ByteWriter& to) {
       to.number(node.border == WorkNode::kNone ? 0 : std::uint64_t{node.border} + 1);
       break;
     case WorkNode::Kind::kBin:
-      to.number(work.raster[node.raster].runs);
-      break;
     case WorkNode::Kind::kRaster:
-      to.number(work.raster[node.raster].runs);
-      to.number(work.raster[node.raster].triangles);
-      to.number(work.raster[node.raster].pixel_samples);
+      write_raster_counts(work, node, to);
       break;
   }
   to.number(node.inputs.size());
@@ -98,17 +95,6 @@ void read_transfer(ByteReader& from, const TileScope& scope, std::uint32_t impor
   node.border = border == 0 ? WorkNode::kNone : border - 1;
 }
 
-void read_raster_node(ByteReader& from, WorkNode& node, TileWork& work) {
-  const bool bins = node.kind == WorkNode::Kind::kBin;
-  node.raster = static_cast<std::uint32_t>(work.raster.size());
-  RasterWork job;
-  job.runs = from.number32(kMaxItems, "runs of lists");
-  job.triangles = bins ? node.items : from.number32(kMaxItems, "triangles of a node");
-  if (!bins) job.pixel_samples = from.number32(kMaxItems, "samples of a pixel");
-  if (job.pixel_samples == 0) ByteReader::out_of_range("samples of a pixel");
-  work.raster.push_back(job);
-}
-
 /// The inputs of node `n`, which come before it.
 void read_inputs(ByteReader& from, std::uint32_t n, TileWork& work) {
   WorkNode& node = work.nodes[n];
@@ -120,44 +106,6 @@ void read_inputs(ByteReader& from, std::uint32_t n, TileWork& work) {
     const bool each = edge.kind == Edge::Kind::kEach && node.sources == WorkNode::kNone;
     if (each && node.items > work.nodes[edge.node].items) ByteReader::out_of_range("input of a node");
     node.inputs.push_back(edge);
-  }
-}
-
-void check_rays(const WorkNode& rays, const TileWork& work) {
-  if (rays.inputs.size() != 1 || rays.inputs[0].kind != Edge::Kind::kEach ||
-      work.nodes[rays.inputs[0].node].kind != WorkNode::Kind::kLaunch) {
-    throw sim::InputError("rays must have one input, an `each` edge from a launch");
-  }
-  if (rays.sources == WorkNode::kNone && rays.items != work.nodes[rays.inputs[0].node].items) {
-    throw sim::InputError("rays without sources must be as many as the items that make them");
-  }
-}
-
-bool has_slots(const WorkNode& node) {
-  return node.kind == WorkNode::Kind::kRays || node.kind == WorkNode::Kind::kRaster;
-}
-
-/// Slots of rays are given back by those who read their hits: unread rays would keep theirs for ever.
-void check_readers(const TileWork& work) {
-  std::vector<bool> read(work.nodes.size());
-  for (const WorkNode& node : work.nodes) {
-    for (const Edge& edge : node.inputs) read[edge.node] = true;
-  }
-  for (std::size_t n = 0; n < work.nodes.size(); ++n) {
-    if (has_slots(work.nodes[n]) && !read[n])
-      throw sim::InputError(fmt::format("no node reads the hits of node {}", n));
-  }
-}
-
-/// A machine takes a tile's end as a sign that all of its borders have come.
-void check_imports(const TileWork& work) {
-  std::uint32_t read = 0;
-  for (const WorkNode& node : work.nodes) {
-    const bool imports = node.kind == WorkNode::Kind::kTransfer && !node.to_memory && node.border != WorkNode::kNone;
-    if (imports) read |= 1U << node.border;
-  }
-  for (std::size_t i = 0; i < work.imports.size(); ++i) {
-    if ((read >> i & 1U) == 0) throw sim::InputError(fmt::format("no transfer reads border {}", i));
   }
 }
 
@@ -264,7 +212,7 @@ void TileDecoder::read_nodes(ByteReader& from, const TileScope& scope, TileWork&
         break;
       case WorkNode::Kind::kBin:
       case WorkNode::Kind::kRaster:
-        read_raster_node(from, node, work);
+        read_raster_counts(from, node, work);
         break;
     }
     read_inputs(from, n, work);

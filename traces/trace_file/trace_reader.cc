@@ -127,8 +127,12 @@ void TraceReader::read_contents() {
 TileScope TraceReader::scope(const Part& part, std::uint32_t kernels) const {
   const Tree& tree = trees_[part.tree];
   return naming_file([&]() -> TileScope {
-    return {decode_links(block(tree.range, kMaxTreeBytes), tree.nodes, tree.counts), tree.counts, kernels,
-            part.requirements.region_bytes, part.requirements.raster, most_tile_bytes(part.requirements)};
+    return {decode_links(block(tree.range, kMaxTreeBytes), tree.nodes, tree.counts),
+            tree.counts,
+            kernels,
+            part.requirements.region_bytes,
+            part.requirements.raster,
+            most_tile_bytes(part.requirements)};
   });
 }
 

@@ -33,8 +33,7 @@ namespace kernels {
 ///
 ///   classify_layers -> [ test_alpha or test_shadow -> rays -> scatter_layers ] ...
 ///
-/// Where a rasteriser makes primary hits (TileResult::rasteriser), the first batch of rays is a raster node, and rays
-/// that go on behind what is not solid are traced as ever.
+/// Where a rasteriser makes primary hits (TileResult::rasteriser), the first batch of rays is a raster node.
 ///
 /// For adaptive sampling it also keeps what samples hit (wavefront_records.cc):
 ///

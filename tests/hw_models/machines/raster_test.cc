@@ -8,6 +8,7 @@
 
 #include "sim/config/config.h"
 #include "tests/hw_models/machines/gpu_harness.h"
+#include "tests/hw_models/machines/random_config.h"
 #include "traces/scenes/library.h"
 
 // Primary visibility from a rasteriser: the picture of rays, other work.
@@ -71,7 +72,7 @@ TEST_P(Rasterised, PictureIsThatOfRaysToTheLastBit) {
 }
 
 TEST_P(Rasterised, FramesAreTheSameOnAnyEngineAndNumberOfThreads) {
-  const Method raster(method("cornell", GetParam(), kernels::Primary::kRaster));
+  const Method raster(traces::open_scene("cornell"), GetParam(), programs(), small(kernels::Primary::kRaster, 32, 16));
   GpuConfig config;
   config.cores = 2;
   const Outcome fast = play(raster, config);
@@ -124,6 +125,16 @@ TEST(RasterisedFrame, EndsOnTheSmallestMachine) {
   const Outcome run = play(raster, config);
   EXPECT_EQ(difference(run, play(raster, config, Engine::kShuffled, 5)), "");
   EXPECT_EQ(run.function.rgb, play(raster, {}).function.rgb);
+}
+
+TEST(RasterisedFrame, IsTheSameForAllEnginesOnRandomMachines) {
+  const Method raster(traces::open_scene("cornell"), "full:1", programs(), small(kernels::Primary::kRaster, 32, 16));
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    const GpuConfig config = test::random_config(seed);
+    const Outcome fast = play(raster, config);
+    EXPECT_EQ(difference(fast, play(raster, config, Engine::kShuffled, seed)), "") << seed;
+    EXPECT_EQ(fast.sum("raster", "entries_read"), fast.sum("raster", "entries_written")) << seed;
+  }
 }
 
 TEST(RasterisedFrame, TakesLongerWithoutAHierarchicalZBufferAndWithSlowerStages) {

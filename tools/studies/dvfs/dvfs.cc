@@ -50,7 +50,10 @@ double idle_mw(const RunConfig& config, const Simulation& s, double ms) {
   constexpr double kPicojoulesPerMicrojoule = 1e6;  // uJ / ms = mW
   double leakage_pj = 0;
   for (const ClockDomain& domain : clock_domains()) {
-    for (const std::string& block : domain.blocks) leakage_pj += s.energy.blocks.at(block).leakage.nominal;
+    for (const std::string& block : domain.blocks) {
+      const auto of_block = s.energy.blocks.find(block);  // a machine may have no rasteriser
+      if (of_block != s.energy.blocks.end()) leakage_pj += of_block->second.leakage.nominal;
+    }
   }
   const double ranks = config.gpu.dram.channels * config.gpu.dram.organisation.ranks;
   return config.power.idle_leakage * leakage_pj / kPicojoulesPerMicrojoule / ms +

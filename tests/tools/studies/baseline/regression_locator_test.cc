@@ -61,7 +61,7 @@ TEST(RegressionLocator, EveryReasonOfEveryUnitIsOneKindOfReason) {
   for (const char* direct : {"true", "false"}) {
     JobOptions options;
     options.resolution = "4x4";
-    options.sets = {"scene.triangles=500", std::string("direct_interface.enabled=") + direct};
+    options.sets = {"scene.triangles=500", std::string("direct_interface.enabled=") + direct, "render.primary=raster"};
     for (const sim::UnitReport& unit : simulate(load_inputs(options), kernels::parse_program("full:1"), 1).units) {
       for (const auto& [reason, cycles] : unit.why) {
         const std::string kind = std::regex_replace(unit.path, std::regex("(core|trv|bank|channel)[0-9]+"), "$1");
