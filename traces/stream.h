@@ -2,6 +2,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "traces/ray.h"
@@ -52,6 +53,14 @@ enum class Region : std::uint8_t {
 /// Bytes of a pixel of the picture: three channels in a packed format.
 inline constexpr std::uint32_t kPixelBytes = 4;
 
+/// Arrays in memory that a rasteriser reads and writes: vertices as the scene has them and as they come out of the
+/// geometry pass, the numbers of each triangle's vertices, and the lists of triangles by part of the picture.
+struct RasterDemands {
+  std::uint32_t vertices = 0, triangles = 0;
+  std::uint32_t entries = 0;  ///< those of all lists
+  friend bool operator==(const RasterDemands&, const RasterDemands&) = default;
+};
+
 /// Storage that a machine must set aside for a frame.
 struct FrameRequirements {
   std::uint32_t tile_samples = 0;          ///< those of a full tile
@@ -59,6 +68,7 @@ struct FrameRequirements {
   std::uint32_t attribute_bytes = 0;       ///< what samples of a full tile keep beside their colour, in the tile buffer
   std::uint32_t pass_attribute_bytes = 0;  ///< those of a full tile of a later pass; 0: as in the first
   std::array<std::uint64_t, static_cast<std::size_t>(Region::kCount)> region_bytes{};
+  std::optional<RasterDemands> raster{};  ///< the frame needs a rasteriser
   friend bool operator==(const FrameRequirements&, const FrameRequirements&) = default;
 };
 
@@ -71,13 +81,41 @@ struct Border {
 inline constexpr std::uint32_t kMostBorders = 8;   ///< that a tile may have
 inline constexpr std::uint32_t kMostImports = 32;  ///< borders that a tile may read
 
-/// A kernel launch, a batch of rays, or a transfer between the tile buffer and memory.
+/// A triangle on its way through a rasteriser.
+struct RasterTriangle {
+  std::uint32_t number = 0;                 ///< among the frame's
+  std::array<std::uint32_t, 3> vertices{};  ///< among the frame's
+  std::uint32_t lists = 0;                  ///< kBin: those that it goes into; none: it is culled
+  // kRaster: what it covers. "Hidden" is what lies in blocks that it finds filled with nearer surfaces.
+  std::uint32_t blocks = 0, hidden_blocks = 0;    ///< blocks of pixels that it may touch
+  std::uint32_t quads = 0, hidden_quads = 0;      ///< 2 x 2 pixels of which it covers a sample
+  std::uint32_t samples = 0, hidden_samples = 0;  ///< samples that it covers
+  std::uint32_t passed = 0;                       ///< of which it was the nearest so far
+  friend bool operator==(const RasterTriangle&, const RasterTriangle&) = default;
+};
+
+/// Entries of one list of triangles that lie behind each other.
+struct ListRun {
+  std::uint32_t first = 0, entries = 0;
+  friend bool operator==(const ListRun&, const ListRun&) = default;
+};
+
+/// What a node of a rasteriser has beside its items: its parts of TileWork::raster_triangles and list_runs. Of kBin,
+/// runs are written; of kRaster they are read, and have an entry for each triangle.
+struct RasterWork {
+  std::uint32_t first_triangle = 0, triangles = 0;
+  std::uint32_t first_run = 0, runs = 0;
+  std::uint32_t pixel_samples = 1;  ///< kRaster: samples of a pixel, at most
+};
+
+/// A kernel launch, a batch of rays, a transfer between the tile buffer and memory, or work of a rasteriser: triangles
+/// put into lists by where in the picture they lie, or primary hits of a wave found by what triangles cover.
 struct WorkNode {
-  enum class Kind : std::uint8_t { kLaunch, kRays, kTransfer };
+  enum class Kind : std::uint8_t { kLaunch, kRays, kTransfer, kBin, kRaster };
   Kind kind = Kind::kLaunch;
   RayKind ray_kind = RayKind::kPrimary;  ///< kRays
   KernelId kernel = 0;                   ///< kLaunch
-  std::uint32_t items = 0;               ///< work items, rays, or bytes to transfer
+  std::uint32_t items = 0;               ///< work items, rays, bytes to transfer, triangles (kBin), samples (kRaster)
   std::uint32_t first = 0;    ///< kRays: first ray of the tile; kLaunch: first entry of access_begin, if it has any
   bool has_accesses = false;  ///< kLaunch: items read memory through the data cache
   std::uint32_t idle = 0;     ///< kLaunch: items beyond `items` that pass through the loop and do nothing
@@ -88,6 +126,7 @@ struct WorkNode {
   /// the border that it reads; or kNone.
   std::uint32_t border = kNone;
   std::uint32_t sources = kNone;  ///< first entry in TileWork::sources for mapped `each` edges (one per item), or kNone
+  std::uint32_t raster = kNone;   ///< kBin, kRaster: index in TileWork::raster
   std::vector<Edge> inputs;
   static constexpr std::uint32_t kNone = 0xffffffffU;
 };
@@ -105,6 +144,9 @@ struct TileWork {
   std::vector<Access> accesses;             ///< those of all items of all launches that have any, in item order
   std::vector<std::uint32_t> access_begin;  ///< per such item, plus one past the end of the last
   std::vector<std::uint32_t> sources;       ///< see WorkNode::sources; non-decreasing within a node
+  std::vector<RasterWork> raster;           ///< of the nodes that have it, in their order, as the following two
+  std::vector<RasterTriangle> raster_triangles;
+  std::vector<ListRun> list_runs;
 };
 
 }  // namespace traces

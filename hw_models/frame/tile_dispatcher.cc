@@ -47,7 +47,7 @@ sim::Time TileDispatcher::tick(sim::Time now) {
 bool TileDispatcher::must_wait() const { return next_->after_all && stats_.finished < stats_.dispatched; }
 
 bool TileDispatcher::has_room(std::size_t core) const {
-  const bool later = is_later_pass_ || next_->after_all;
+  const bool later = is_later_pass_ || (next_->after_all && has_samples_);
   return in_flight_[core] < (later ? tiles_per_core_.later : tiles_per_core_.first);
 }
 
@@ -62,7 +62,8 @@ bool TileDispatcher::dispatch(sim::Time now) {
       importers_.push_back({core, job});
       stats_.early += 1;
     }
-    is_later_pass_ |= next_->after_all;
+    is_later_pass_ |= next_->after_all && has_samples_;
+    has_samples_ |= next_->samples != 0;
     in_flight_[core] += 1;
     stats_.dispatched += 1;
     turn_ = (core + 1) % cores;

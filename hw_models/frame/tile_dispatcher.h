@@ -109,7 +109,8 @@ class TileDispatcher {
   std::vector<std::uint8_t> written_;  ///< borders in memory by number of tile, a bit each
   std::vector<Importer> importers_;    ///< in the order of the list
   std::size_t turn_ = 0;
-  bool is_later_pass_ = false;  ///< a tile after all others has been handed out
+  bool has_samples_ = false;    ///< a tile with samples has been handed out: a geometry pass has none
+  bool is_later_pass_ = false;  ///< a tile after all others has been handed out, behind such
   bool flushed_ = false;
   Stats stats_;
   sim::Activity<CycleReason> activity_;

@@ -32,6 +32,11 @@ Addr records_of(const GpuConfig& config, const Gpu::Workload& workload, std::uin
   return spills_end + core * MemoryInterface::bytes_of(config.direct_interface);
 }
 
+/// Behind all that lie the arrays of the rasterisers, which all cores share.
+RasterMemory raster_memory_of(const GpuConfig& config, const Gpu::Workload& workload) {
+  return {whole_lines(records_of(config, workload, config.cores)), *workload.needs.raster};
+}
+
 }  // namespace
 
 Gpu::Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles, const Perturbation& perturbation)
@@ -58,8 +63,9 @@ Gpu::Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles, c
     links.to_core.push_back(&core.tiles_in);
     links.from_core.push_back(&core.tiles_out);
   }
-  // Only rays and hits are ever written to the L2.
-  const bool keeps_writes = !config.direct_interface.enabled && config.l2.writes == L2Writes::kBack && !config.ideal.l2;
+  // Only rays and hits, and what a rasteriser's geometry pass makes, are ever written to the L2.
+  const bool writes = !config.direct_interface.enabled || workload.needs.raster;
+  const bool keeps_writes = writes && config.l2.writes == L2Writes::kBack && !config.ideal.l2;
   if (keeps_writes) links.to_l2 = memory_.flushes(dispatcher_id_);
   dispatcher_ =
       &machine_.build<TileDispatcher>(dispatcher_id_, tiles, in_flight_, links, l2_clock_, perturbation.starts);
@@ -91,6 +97,15 @@ Gpu::Interface Gpu::link_interface(const Core& core, sim::UnitId between) {
           machine_.link<RayDone>(depth, 1, tni, between), machine_.link<RayDone>(depth, 1, between, srp)};
 }
 
+Gpu::RasterWires Gpu::link_rasteriser(const Core& core, std::uint32_t c) {
+  const RasterUnitConfig& raster = config_.raster;
+  const sim::UnitId unit =
+      machine_.unit({name_in_core(RasterUnit::kName, c), tni_clock_, c + 1, raster.sram_bytes(), raster.l1.size.bytes});
+  auto& jobs = machine_.link<RasterJob>(raster.jobs, 1, core.srp_id, unit);
+  auto& done = machine_.link<RasterDone>(2 * raster.jobs, 1, unit, core.srp_id);
+  return {unit, jobs, done, memory_.cache_client(c, {unit, raster.l1.mshrs})};
+}
+
 Srp::Frame Gpu::frame_of(const Workload& workload, std::uint32_t core) const {
   return {.layout = &layout_,
           .kernels = kernels_,
@@ -99,6 +114,7 @@ Srp::Frame Gpu::frame_of(const Workload& workload, std::uint32_t core) const {
           .ray_interval = config_.ideal.tni ? 0 : config_.direct_interface.interval * tni_clock_.period(),
           .areas = areas_of(config_, workload, core),
           .encode_cycles = workload.dma_encodes ? config_.tile_buffer.colour_bytes / traces::kPixelBytes : 0,
+          .plane_bytes = config_.raster.plane_bytes,
           .ideal = config_.ideal.srp,
           .ideal_buffer = config_.ideal.tile_buffer,
           .ideal_cache = config_.ideal.l1};
@@ -119,15 +135,24 @@ void Gpu::build_core(std::uint32_t c, const Workload& workload) {
   auto& dma_jobs = machine_.link<DmaJob>(in_flight, 1, core.srp_id, dma);
   auto& dma_dones = machine_.link<DmaDone>(in_flight, 1, dma, core.srp_id);
 
-  core.srp = &machine_.build<Srp>(core.srp_id, config_.srp, config_.tile_buffer, frame_of(workload, c),
-                                  Srp::Links{core.tiles_in, core.tiles_out, wires.rays_from_srp, wires.hits_to_srp,
-                                             data.requests, data.responses, dma_jobs, dma_dones},
-                                  data.client, srp_clock_);
+  std::optional<RasterWires> raster;
+  if (workload.needs.raster) raster.emplace(link_rasteriser(core, c));
+  core.srp = &machine_.build<Srp>(
+      core.srp_id, config_.srp, config_.tile_buffer, frame_of(workload, c),
+      Srp::Links{core.tiles_in, core.tiles_out, wires.rays_from_srp, wires.hits_to_srp, data.requests, data.responses,
+                 dma_jobs, dma_dones, raster ? &raster->jobs : nullptr, raster ? &raster->done : nullptr},
+      data.client, srp_clock_);
   machine_.report_part(name_in_core(TileBuffer::kName, c), core.srp->tile_buffer(), config_.tile_buffer.size.bytes);
   core.tni.build(machine_, scene_in_memory(workload.image, workload.parents), direct.interval,
                  {wires.rays_to_tni, wires.hits_from_tni, tni});
   core.dma = &machine_.build<Dma>(dma, Dma::Links{dma_jobs, dma_dones, transfers.requests, transfers.responses},
                                   transfers.client, srp_clock_);
+  if (raster) {
+    machine_.build<RasterUnit>(
+        raster->unit, config_.raster, raster_memory_of(config_, workload),
+        RasterUnit::Links{raster->jobs, raster->done, raster->memory.requests, raster->memory.responses},
+        raster->memory.client, tni_clock_, config_.ideal.l1);
+  }
   if (!between) return memory_.build_ports(c);
   const std::uint32_t lines = config_.interconnect.link_depth;
   const MemoryPort rays = memory_.cache_client(c, {*between, lines}), hits = memory_.cache_client(c, {*between, lines});

@@ -11,6 +11,7 @@
 #include "hw_models/machines/gpu_config.h"
 #include "hw_models/machines/memory_system.h"
 #include "hw_models/machines/perturbation.h"
+#include "hw_models/raster/raster_unit.h"
 #include "hw_models/srp/srp.h"
 #include "hw_models/tni/tni_core.h"
 #include "sim/machine.h"
@@ -24,6 +25,8 @@ namespace hw {
 ///   tile dispatcher --> core x n: SRP <--direct interface--> T&I unit        core ports       L2 banks    channels
 ///                        |  tile buffer --> DMA -------------------------------------------------------> LPDDR
 ///                        +-- L1s of TRVs and IST, data cache --------------> arbiter -------> L2 -------->
+///
+/// Frames that need it have a rasteriser in each core, beside the T&I unit and another client of the core's port.
 ///
 /// Without the direct interface, rays and hits pass a memory interface, which is a client of the core's port, too.
 class Gpu {
@@ -81,8 +84,17 @@ class Gpu {
     sim::Link<RayDone>&hits_from_tni, &hits_to_srp;
   };
 
+  /// A rasteriser, and its wires to the core and to memory.
+  struct RasterWires {
+    sim::UnitId unit;
+    sim::Link<RasterJob>& jobs;
+    sim::Link<RasterDone>& done;
+    MemoryPort memory;
+  };
+
   Core& declare_core(std::uint32_t core);
   Interface link_interface(const Core& core, sim::UnitId between);
+  RasterWires link_rasteriser(const Core& core, std::uint32_t number);
   void build_core(std::uint32_t core, const Workload& workload);
   Srp::Frame frame_of(const Workload& workload, std::uint32_t core) const;
 

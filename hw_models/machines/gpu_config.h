@@ -7,6 +7,7 @@
 #include "hw_models/machines/ideal_config.h"
 #include "hw_models/memory/core_port.h"
 #include "hw_models/memory/l2_config.h"
+#include "hw_models/raster/raster_unit_config.h"
 #include "hw_models/srp/srp_config.h"
 #include "hw_models/srp/tile_buffer.h"
 #include "hw_models/tni/tni_config.h"
@@ -49,6 +50,7 @@ struct GpuConfig {
   DirectInterfaceConfig direct_interface;
   SrpConfig srp;
   TileBufferConfig tile_buffer;
+  RasterUnitConfig raster;
   DmaConfig dma;
   L2Config l2;
   InterconnectConfig interconnect;
@@ -63,6 +65,7 @@ struct GpuConfig {
     field.group(NAMED(c.direct_interface), "path between SRP and T&I unit");
     field.group(NAMED(c.srp), "shader core, one per core");
     field.group(NAMED(c.tile_buffer), "on-chip memory for the tiles in flight, one per core");
+    field.group(NAMED(c.raster), "rasteriser, one per core, if the frame has work for it (render.primary)");
     field.group(NAMED(c.dma), "block transfers between tile buffer and memory, one per core");
     field.group(NAMED(c.l2), "second-level cache, shared");
     field.group(NAMED(c.interconnect), "between cores, L2 and memory");
@@ -82,6 +85,7 @@ struct GpuConfig {
     line("tni.trv.l1.line", tni.trv.l1.line);
     line("tni.ist.l1.line", tni.ist.l1.line);
     line("srp.data_cache.line", srp.data_cache.line);
+    line("raster.l1.line", raster.l1.line);
     line("l2.line", l2.cache.line);
     line("dram.line", dram.line);
     if (cores + l2.banks > kMostWays) {

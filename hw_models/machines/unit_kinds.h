@@ -11,6 +11,7 @@
 #include "hw_models/frame/tile_dispatcher.h"
 #include "hw_models/memory/core_port.h"
 #include "hw_models/memory/l2_bank.h"
+#include "hw_models/raster/raster_unit.h"
 #include "hw_models/srp/srp.h"
 #include "hw_models/tni/ist.h"
 #include "hw_models/tni/ray_dispatcher.h"
@@ -25,7 +26,7 @@ struct UnitKind {
 };
 
 /// From the memory up: what waits for a unit comes behind it.
-inline constexpr std::array<UnitKind, 12> kUnitKinds = {{{DramChannel::kName, DramChannel::kReasons},
+inline constexpr std::array<UnitKind, 13> kUnitKinds = {{{DramChannel::kName, DramChannel::kReasons},
                                                          {L2Bank::kName, L2Bank::kReasons},
                                                          {CorePort::kCachePort, CorePort::kReasons},
                                                          {CorePort::kDmaPort, CorePort::kReasons},
@@ -34,6 +35,7 @@ inline constexpr std::array<UnitKind, 12> kUnitKinds = {{{DramChannel::kName, Dr
                                                          {Ist::kName, Ist::kReasons},
                                                          {Trv::kName, Trv::kReasons},
                                                          {RayDispatcher::kName, RayDispatcher::kReasons},
+                                                         {RasterUnit::kName, RasterUnit::kReasons},
                                                          {TileBuffer::kName, TileBuffer::kReasons},
                                                          {Srp::kName, Srp::kReasons},
                                                          {TileDispatcher::kName, TileDispatcher::kReasons}}};

@@ -7,9 +7,9 @@
 namespace hw {
 
 /// Blocks that energy is summed by. Each unit names its own: kBlock.
-enum class Block : std::uint8_t { kTni, kSrp, kL2, kTileBuffer, kDma, kInterconnect, kDram };
-constexpr std::array<std::string_view, 7> names_of(Block) {
-  return {"tni", "srp", "l2", "tile_buffer", "dma", "interconnect", "dram"};
+enum class Block : std::uint8_t { kTni, kSrp, kL2, kTileBuffer, kDma, kInterconnect, kDram, kRaster };
+constexpr std::array<std::string_view, 8> names_of(Block) {
+  return {"tni", "srp", "l2", "tile_buffer", "dma", "interconnect", "dram", "raster"};
 }
 
 /// A core's unit from the name of its kind: ("core.tni.trv", 1) -> "core1.tni.trv".

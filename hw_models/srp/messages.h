@@ -43,4 +43,15 @@ struct DmaDone {
   std::uint32_t tag = 0;
 };
 
+/// A node for the core's rasteriser.
+struct RasterJob {
+  const traces::TileWork* work = nullptr;
+  std::uint32_t node = 0;
+  std::uint32_t tag = 0;  ///< returned when done
+};
+
+struct RasterDone {
+  std::uint32_t tag = 0;
+};
+
 }  // namespace hw

@@ -9,14 +9,6 @@ namespace hw {
 
 using traces::WorkNode;
 
-namespace {
-
-constexpr std::uint32_t kTileShift = 24;  // a handle: tile in flight, then the ray's or node's index within the tile
-constexpr std::uint32_t kIndexMask = (1U << kTileShift) - 1;
-static_assert(kMaxRays == 1U << kTileShift);
-
-}  // namespace
-
 Srp::Srp(const SrpConfig& config, const TileBufferConfig& buffer, const Frame& frame, Links links, std::uint16_t port,
          sim::Clock clock)
     : config_(config),
@@ -39,6 +31,7 @@ sim::Time Srp::tick(sim::Time now) {
   take_hit(now);
   fill(now);
   take_dma(now);
+  if (links_.raster_out != nullptr) meet_rasteriser(now);
   run_array(now);
   while (feed_ray(now) && frame_.ray_interval == 0) {
   }
@@ -97,8 +90,8 @@ inline void Srp::take_hit(sim::Time now) {
   buffer_.write(sizeof(traces::Hit) / kAccess);
   if (--rays_out_ == 0) empty_since_ = now;
   stats_.hits += 1;
-  const std::uint32_t tile = id >> kTileShift;
-  const bool news = tiles_[tile].finish_ray(id & kIndexMask);
+  const std::uint32_t tile = tile_of_handle(id);
+  const bool news = tiles_[tile].finish_ray(index_of_handle(id));
   if (news) start_transfers(tile);
   if (news || rays_out_ == 0) look_ = true;
 }
@@ -111,7 +104,7 @@ inline void Srp::take_dma(sim::Time now) {
     look_ = true;
     return;
   }
-  const std::uint32_t tile = tag >> kTileShift, node = tag & kIndexMask;
+  const std::uint32_t tile = tile_of_handle(tag), node = index_of_handle(tag);
   if (tiles_[tile].is_awaited(node)) transfers_awaited_ -= 1;
   const WorkNode& moved = tiles_[tile].node(node);
   if (moved.to_memory && moved.border != WorkNode::kNone) {
@@ -148,10 +141,11 @@ void Srp::finish_items(sim::Time now, std::uint32_t tile, std::uint32_t node, st
 void Srp::start_transfers(std::uint32_t tile) {
   tiles_[tile].start_transfers([&](std::uint32_t n) {
     const WorkNode& node = tiles_[tile].node(n);
+    if (node.kind != WorkNode::Kind::kTransfer) return start_raster(tile, n);
     const Area area = area_of(node.region);
     const Addr base = frame_.areas[static_cast<std::size_t>(area)] + node.offset;
     const std::uint32_t cycles = area == Area::kPicture ? frame_.encode_cycles : 0;
-    dma_.push_back({base, node.items, node.to_memory, (tile << kTileShift) | n, area, cycles});
+    dma_.push_back({base, node.items, node.to_memory, handle_of(tile, n), area, cycles});
     const std::uint64_t accesses = (std::uint64_t{node.items} * std::max(cycles, 1U) + kAccess - 1) / kAccess;
     if (node.to_memory) {
       buffer_.read(accesses);
@@ -192,7 +186,7 @@ inline bool Srp::feed_ray(sim::Time now) {
   const TileRun& run = tiles_[feed->tile];
   const std::uint32_t ray = run.node(feed->batch).first + feed->next;
   const traces::TileWork& work = run.work();
-  links_.rays_out.push(now, RayJob{work.walk.data() + work.ray_begin[ray], (feed->tile << kTileShift) | ray});
+  links_.rays_out.push(now, RayJob{work.walk.data() + work.ray_begin[ray], handle_of(feed->tile, ray)});
   buffer_.read(sizeof(traces::Ray) / kAccess);
   without_rays_ = time_without_rays(now);
   rays_out_ += 1;
@@ -240,6 +234,10 @@ inline sim::Time Srp::next_wake(sim::Time now) const {
   at = std::min(at, std::max(next, links_.hits_in.pop_at()));
   at = std::min(at, std::max(next, links_.memory_in.pop_at()));
   at = std::min(at, std::max(next, links_.dma_in.pop_at()));
+  if (links_.raster_out != nullptr) {
+    at = std::min(at, std::max(next, links_.raster_in->pop_at()));
+    if (!raster_.empty()) at = std::min(at, std::max(next, links_.raster_out->push_at()));
+  }
   return std::min(at, cache_.send_at(next, links_.memory_out));
 }
 

@@ -30,6 +30,7 @@ namespace hw {
 ///   tiles --> [ launches: oldest tile, then consumers, first ] --> array: switch + depth + (n-1) II + stalls
 ///   rays  <-- [ tile buffer: a slot for each ray and its hit ] <-- hits
 ///                        [ transfers whose inputs are there ] --> DMA
+///                  [ waves and batches whose inputs are there ] <--> rasteriser, if there is one
 ///
 /// A launch runs in chunks, and chunks of one kernel that wait together as one loop; each loop pays kernel switch (if
 /// the array runs another kernel), prologue and drain. A switch to a kernel in configuration memory takes
@@ -76,6 +77,8 @@ class Srp {
     sim::Link<MemResponse>& memory_in;
     sim::Link<DmaJob>& dma_out;
     sim::Link<DmaDone>& dma_in;
+    sim::Link<RasterJob>* raster_out = nullptr;  ///< null: there is no rasteriser
+    sim::Link<RasterDone>* raster_in = nullptr;
   };
   /// The frame as the SRP knows it.
   struct Frame {
@@ -86,6 +89,7 @@ class Srp {
     sim::Time ray_interval = 0;        ///< the direct interface takes a ray this often
     std::array<Addr, kAreas> areas{};  ///< where each begins; slots of this core spill to kSpill
     std::uint32_t encode_cycles = 0;   ///< taken by the DMA for a line of pixels to encode; 0: it does not
+    std::uint32_t plane_bytes = 0;     ///< that a rasteriser writes of a sample into the tile buffer
     bool ideal = false;                ///< kernels cost no time
     bool ideal_buffer = false;         ///< the tile buffer has room for everything and no bank conflicts
     bool ideal_cache = false;          ///< every probe of the data cache hits
@@ -110,6 +114,14 @@ class Srp {
  private:
   static constexpr std::uint64_t kAccess = 16;             ///< bytes of an access to the tile buffer
   static constexpr std::uint32_t kSpillTag = 0xffffffffU;  ///< the tag of DMA jobs for spilled ray slots
+  // A handle: tile in flight, then the ray's or node's index within the tile.
+  static constexpr std::uint32_t kTileShift = 24;
+  static_assert(kMaxRays == 1U << kTileShift);
+  static constexpr std::uint32_t handle_of(std::uint32_t tile, std::uint32_t index) {
+    return (tile << kTileShift) | index;
+  }
+  static constexpr std::uint32_t tile_of_handle(std::uint32_t handle) { return handle >> kTileShift; }
+  static constexpr std::uint32_t index_of_handle(std::uint32_t handle) { return handle & ((1U << kTileShift) - 1); }
   /// The loop on the array. Array time stands still while the array is stalled.
   struct Run {
     bool active = false;
@@ -143,6 +155,7 @@ class Srp {
   void take_hit(sim::Time now);
   void fill(sim::Time now);
   void take_dma(sim::Time now);
+  void meet_rasteriser(sim::Time now);
   void run_array(sim::Time now);
   bool issue_loads(sim::Time now);
   bool load_all(sim::Time now);
@@ -160,6 +173,7 @@ class Srp {
   void join_launches(const traces::WorkNode& work);
   void finish_items(sim::Time now, std::uint32_t tile, std::uint32_t node, std::uint32_t items);
   void start_transfers(std::uint32_t tile);
+  void start_raster(std::uint32_t tile, std::uint32_t node);
   void end_tile(sim::Time now, std::uint32_t tile);
   bool feed_ray(sim::Time now);
   /// All time up to `now` in which the T&I unit had no rays of this core.
@@ -208,6 +222,7 @@ class Srp {
   bool fed_ = false, busy_ = false;  ///< since the last tick: rays were in the T&I unit, a chunk was on the array
   sim::Time accounted_ = 0;
   sim::Ring<DmaJob> dma_;
+  sim::Ring<RasterJob> raster_;
   std::uint64_t spills_asked_ = 0, spills_done_ = 0;
   std::uint64_t transfers_awaited_ = 0;  ///< under way, and something waits for them
   std::vector<KernelUse> kernel_use_;

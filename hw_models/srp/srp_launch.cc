@@ -56,7 +56,7 @@ void Srp::add_part(std::uint32_t tile, std::uint32_t node) {
   run_.parts.add({tile, node, first, items, run.working(node, first, items)});
   const std::uint64_t spilled = buffer_.take(run.rays_made(node, first, items));
   for (const std::uint32_t batch : run.batches_of(node)) {
-    if (first == 0) feeds_.push_back({tile, batch, 0, 0});
+    if (first == 0 && run.node(batch).kind == WorkNode::Kind::kRays) feeds_.push_back({tile, batch, 0, 0});
   }
   if (spilled == 0) return;
   // Ray out and in again before it is issued, then its hit out and in again before it is shaded.

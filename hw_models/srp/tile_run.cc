@@ -12,6 +12,11 @@ using traces::WorkNode;
 
 namespace {
 
+/// Its items have ray slots, which the launch that makes its rays takes.
+bool has_slots(const WorkNode& node) {
+  return node.kind == WorkNode::Kind::kRays || node.kind == WorkNode::Kind::kRaster;
+}
+
 /// Room for a tile of usual size at once, or twice what is needed: tiles to come may be larger.
 template <class T>
 void make_room(std::vector<T>& list, std::size_t needed) {
@@ -44,7 +49,7 @@ void TileRun::begin(const traces::TileWork& work, std::uint32_t chunk, std::uint
     const WorkNode& w = node(n);
     assert(w.items > 0);
     p.follows_rays = std::ranges::any_of(w.inputs, [&](const Edge& e) {
-      return node(e.node).kind == WorkNode::Kind::kRays || progress_[e.node].follows_rays;
+      return has_slots(node(e.node)) || progress_[e.node].follows_rays;
     });
     if (w.kind == WorkNode::Kind::kRays) {
       assert(w.inputs.size() == 1 && w.inputs.front().kind == Edge::Kind::kEach && "rays come from one launch each");
@@ -56,7 +61,8 @@ void TileRun::begin(const traces::TileWork& work, std::uint32_t chunk, std::uint
       std::fill_n(batch_of_ray_.begin() + w.first, w.items, n);
     } else {
       for (const Edge& e : w.inputs) progress_[e.node].readers += 1;
-      if (w.kind == WorkNode::Kind::kTransfer) transfers_.push_back(n);
+      if (w.kind != WorkNode::Kind::kLaunch) transfers_.push_back(n);
+      if (w.kind == WorkNode::Kind::kRaster) progress_[producer(n)].batches += 1;
     }
   }
   list_batches();
@@ -73,7 +79,7 @@ void TileRun::list_batches() {
   make_room(batches_, next);
   batches_.resize(next);
   for (std::uint32_t n = 0; n < nodes(); ++n) {
-    if (node(n).kind != WorkNode::Kind::kRays) continue;
+    if (!has_slots(node(n))) continue;
     Progress& p = progress_[producer(n)];
     batches_[p.first_batch + p.batches++] = n;
   }
@@ -123,7 +129,7 @@ std::uint32_t TileRun::finish_items(std::uint32_t n, std::uint32_t items) {
   nodes_left_ -= 1;
   std::uint32_t freed = 0;
   for (const Edge& e : node(n).inputs) {
-    if (--progress_[e.node].readers == 0 && node(e.node).kind == WorkNode::Kind::kRays) freed += node(e.node).items;
+    if (--progress_[e.node].readers == 0 && has_slots(node(e.node))) freed += node(e.node).items;
   }
   return freed;
 }

@@ -47,7 +47,8 @@ class TileRun {
     }
     return kNone;
   }
-  /// Calls `start(n)` for every transfer whose inputs are settled and whose border is there, once for each.
+  /// Calls `start(n)` for every transfer, and node of a rasteriser, whose inputs are settled and whose border is there,
+  /// once for each.
   template <class Start>
   void start_transfers(Start&& start) {
     std::size_t left = 0;
@@ -74,7 +75,7 @@ class TileRun {
   }
   /// The launch that makes the rays of batch `n`.
   std::uint32_t producer(std::uint32_t n) const { return node(n).inputs.front().node; }
-  /// Batches made by launch `n`.
+  /// Batches made by launch `n`: of rays, and of samples that are rasterised.
   std::span<const std::uint32_t> batches_of(std::uint32_t n) const {
     return std::span(batches_).subspan(progress_[n].first_batch, progress_[n].batches);
   }
@@ -116,7 +117,7 @@ class TileRun {
   bool awaits_border_ = false;
   std::uint32_t nodes_left_ = 0;
   std::vector<Progress> progress_;
-  std::vector<std::uint32_t> transfers_;   ///< not yet started
+  std::vector<std::uint32_t> transfers_;   ///< not yet started, a rasteriser's nodes among them
   std::vector<std::uint32_t> batches_;     ///< by the launch that makes them
   std::vector<std::uint32_t> chunk_left_;  ///< rays still out, by chunk of each batch
   std::vector<std::uint32_t> batch_of_ray_;

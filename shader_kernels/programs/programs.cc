@@ -1,16 +1,20 @@
 #include "shader_kernels/programs/programs.h"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "shader_kernels/programs/adaptive/multirate.h"
 #include "shader_kernels/programs/adaptive/supersample.h"
 #include "shader_kernels/programs/adaptive/undersample.h"
 #include "shader_kernels/programs/full.h"
+#include "shader_kernels/programs/geometry_pass.h"
 #include "shader_kernels/programs/reconstruct/reconstruct.h"
 
 namespace kernels {
+namespace {
 
-std::unique_ptr<FrameProgram> make_program(const ProgramSpec& spec, const Frame& f) {
+std::unique_ptr<FrameProgram> make_plain(const ProgramSpec& spec, const Frame& f) {
   switch (spec.kind) {
     case ProgramSpec::Kind::kMultirate:
       return std::make_unique<MultirateProgram>(f.image, f.camera, f.render, f.programs.multirate,
@@ -31,6 +35,26 @@ std::unique_ptr<FrameProgram> make_program(const ProgramSpec& spec, const Frame&
       break;
   }
   return std::make_unique<FullProgram>(f.image, f.camera, f.render, spec.samples, f.number);
+}
+
+/// About the side of a tile in pixels.
+std::uint32_t side_of_tile(const ProgramSpec& spec, const Frame& f) {
+  std::uint32_t grid = static_cast<std::uint32_t>(std::lround(std::sqrt(spec.samples)));
+  using Kind = ProgramSpec::Kind;
+  const bool has_four = spec.kind == Kind::kReconstruct || spec.kind == Kind::kSraa;
+  if (has_four || spec.kind == Kind::kSupersample) grid = 2;  // samples, sub-pixels
+  if (spec.kind == ProgramSpec::Kind::kUndersample) grid = f.programs.undersample.grid();
+  return std::max(1U, f.render.tile / grid);
+}
+
+}  // namespace
+
+std::unique_ptr<FrameProgram> make_program(const ProgramSpec& spec, const Frame& f) {
+  std::unique_ptr<FrameProgram> program = make_plain(spec, f);
+  if (f.render.primary == Primary::kRays) return program;
+  auto rasteriser =
+      make_rasteriser(f.image, f.camera, f.render.width, f.render.height, f.render.raster, side_of_tile(spec, f));
+  return std::make_unique<GeometryPass>(std::move(program), std::move(rasteriser), f.number);
 }
 
 }  // namespace kernels

@@ -15,10 +15,12 @@ class NoTiles final : public hw::TileSource {
 
 }  // namespace
 
-std::vector<sim::UnitReport> idle_units(const hw::GpuConfig& config) {
+std::vector<sim::UnitReport> idle_units(const hw::GpuConfig& config, bool rasterises) {
   const traces::MemoryImage nothing;
   NoTiles tiles;
-  return std::make_unique<hw::Gpu>(config, hw::Gpu::Workload{.image = nothing, .parents = {}}, tiles)->report();
+  hw::Gpu::Workload workload{.image = nothing, .parents = {}};
+  if (rasterises) workload.needs.raster = traces::RasterDemands{};
+  return std::make_unique<hw::Gpu>(config, workload, tiles)->report();
 }
 
 }  // namespace tools

@@ -7,6 +7,7 @@
 namespace tools {
 
 /// Every unit of a machine before it has done anything: blocks, storage, reasons, and counters with what they cost.
-std::vector<sim::UnitReport> idle_units(const hw::GpuConfig& config);
+/// `rasterises`: its frames have work for rasterisers, which it has then.
+std::vector<sim::UnitReport> idle_units(const hw::GpuConfig& config, bool rasterises = false);
 
 }  // namespace tools

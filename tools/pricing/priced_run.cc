@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "hw_models/dram/dram_energy.h"
+#include "hw_models/raster/raster_unit.h"
 #include "sim/config/config.h"
 #include "sim/config/load.h"
 #include "sim/config/yaml_tree.h"
@@ -134,6 +135,9 @@ class Counts {
       for (sim::CounterReport& counter : unit.counters) counter.value = number(*node, "counters", counter.name, unit);
     }
   }
+  bool has_rasteriser() const {
+    return node_of(*units_, hw::name_in_core(hw::RasterUnit::kName, 0)) != nullptr;
+  }
   [[noreturn]] void refuse(const std::string& why) const {
     throw sim::InputError(
         fmt::format("{}: cannot be priced: {}; allowed: reports of this version's model", name_of(report_), why));
@@ -168,7 +172,7 @@ PricedRun::PricedRun(const ReportFile& report, const PriceTable& table)
   const double cycles = report.number("totals.cycles");
   if (!(cycles >= 0 && cycles < 0x1p53)) Counts(report).refuse("totals.cycles is no count");
   elapsed_ = static_cast<sim::Time>(cycles) * config_.gpu.clocks.tni.clock().period();
-  std::vector<sim::UnitReport> units = idle_units(config_.gpu);
+  std::vector<sim::UnitReport> units = idle_units(config_.gpu, Counts(report).has_rasteriser());
   Counts(report).fill(units);
   make_formula(units);
   const double own = total(&sim::Spread::nominal) / kPicojoulesPerMillijoule;
@@ -179,7 +183,7 @@ PricedRun::PricedRun(const ReportFile& report, const PriceTable& table)
   }
   if (!table.is_own()) {
     apply(table, config_);
-    units = idle_units(config_.gpu);
+    units = idle_units(config_.gpu, Counts(report).has_rasteriser());
     Counts(report).fill(units);
     make_formula(units);
   }

@@ -189,6 +189,10 @@ void check_tile_sampling(const kernels::ProgramSpec& program) {
 
 Simulation simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
                             const TileSampling& sampling, Progress* progress) {
+  if (inputs.config.render.primary == kernels::Primary::kRaster) {
+    throw sim::InputError(
+        "--tile-sampling: a rasteriser's geometry pass is no part that tiles stand for; allowed: render.primary=rays");
+  }
   const sim::HostClock::time_point begin = sim::HostClock::now();
   const traces::BvhTracer tracer(inputs.image);
   const Pilot pilot = look_at_all(inputs, program, tracer, threads, progress);

@@ -15,6 +15,7 @@ namespace {
 void each_array(auto& tile, auto&& f) {
   auto& work = tile.work;
   f(work.nodes), f(work.walk), f(work.ray_begin), f(work.accesses), f(work.access_begin), f(work.sources);
+  f(work.raster), f(work.raster_triangles), f(work.list_runs);
   f(tile.background), f(tile.shown), f(tile.marks);
 }
 

@@ -80,7 +80,7 @@ class FrontEnd final : public hw::TileSource {
   std::vector<std::unique_ptr<Slot>> handed_;  ///< out in the machine
   std::vector<std::unique_ptr<Slot>> spare_;
   std::size_t slots_ = 0;                 ///< in all of these
-  std::array<std::size_t, 9> longest_{};  ///< arrays of any tile so far
+  std::array<std::size_t, 12> longest_{};  ///< arrays of any tile so far
   kernels::TileBuffer buffer_;            ///< for the thread that calls next()
   std::uint32_t next_tile_ = 0;
   std::uint32_t taken_ = 0;

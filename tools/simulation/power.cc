@@ -33,7 +33,7 @@ constexpr double kRounding = 1e-9;
 }  // namespace
 
 const std::array<ClockDomain, 3>& clock_domains() {
-  static const std::array<ClockDomain, 3> domains = {{{"tni", &hw::ClockConfig::tni, {"tni"}},
+  static const std::array<ClockDomain, 3> domains = {{{"tni", &hw::ClockConfig::tni, {"tni", "raster"}},
                                                       {"srp", &hw::ClockConfig::srp, {"srp", "tile_buffer", "dma"}},
                                                       {"l2", &hw::ClockConfig::l2, {"l2", "interconnect"}}}};
   return domains;

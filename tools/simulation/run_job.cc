@@ -38,7 +38,7 @@ class Recording final : public hw::TileSource {
       : source_(source), trace_(extras.trace) {
     if (extras.replicates > 1) {
       traces::TileScope scope{traces::links_of(inputs.image), traces::counts_of(inputs.image), 0,
-                              requirements.region_bytes};
+                              requirements.region_bytes, requirements.raster};
       if (const traces::TileScope* recorded = scope_of(frame)) scope = *recorded;
       scope.kernels = static_cast<std::uint32_t>(kernels::catalogue().size());
       scope.tile_bytes = traces::most_tile_bytes(requirements);

@@ -11,6 +11,7 @@ namespace {
 constexpr std::uint64_t kMaxRegionBytes = std::uint64_t{1} << 40;
 constexpr std::uint64_t kMaxAttributeBytes = 0xffffffffU;
 constexpr std::uint64_t kMaxRecords = std::uint64_t{1} << 28;
+constexpr std::uint64_t kMaxRasterRecords = std::uint64_t{1} << 30;
 constexpr std::uint32_t kMaxTextureSide = 1U << 16;
 
 }  // namespace
@@ -34,6 +35,10 @@ Json to_json(const FrameRequirements& d) {
   Json json{{"tile_samples", d.tile_samples}, {"attribute_bytes", d.attribute_bytes}, {"region_bytes", d.region_bytes}};
   if (d.wave_samples != 0) json["wave_samples"] = d.wave_samples;
   if (d.pass_attribute_bytes != 0) json["pass_attribute_bytes"] = d.pass_attribute_bytes;
+  if (d.raster) {
+    json["raster"] = {
+        {"vertices", d.raster->vertices}, {"triangles", d.raster->triangles}, {"entries", d.raster->entries}};
+  }
   return json;
 }
 
@@ -65,6 +70,12 @@ FrameRequirements requirements_of_json(const Json& json) {
                       {}};
   for (std::size_t i = 0; i < kRegionCount; ++i) {
     d.region_bytes[i] = number_of(json.at("region_bytes").at(i), kMaxRegionBytes, "region_bytes");
+  }
+  if (json.contains("raster")) {
+    const auto count = [&](const char* key) {
+      return static_cast<std::uint32_t>(number_at(json.at("raster"), key, kMaxRasterRecords));
+    };
+    d.raster = RasterDemands{count("vertices"), count("triangles"), count("entries")};
   }
   return d;
 }

@@ -20,9 +20,10 @@ namespace traces {
 
 using Json = nlohmann::ordered_json;
 
-inline constexpr std::string_view kTraceMagic = "raywatt-trace/3\n";
-inline constexpr std::string_view kTraceKind = "raywatt-trace/";  ///< begins files of any version
-inline constexpr int kTraceVersion = 3;
+inline constexpr std::string_view kTraceMagic = "raywatt-trace/4\n";
+inline constexpr std::string_view kFormerMagic = "raywatt-trace/3\n";  ///< the same without rasterisers: read, too
+inline constexpr std::string_view kTraceKind = "raywatt-trace/";       ///< begins files of any version
+inline constexpr int kTraceVersion = 4;
 inline constexpr std::string_view kTraceEnd = "end\n";
 inline constexpr std::size_t kFooterBytes = 16;  ///< offset of the contents (8), their bytes (4), kTraceEnd
 

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "traces/trace_file/bytes.h"
+#include "traces/trace_file/raster_code.h"
 #include "traces/trace_file/walk_code.h"
 #include "traces/walk.h"
 
@@ -56,6 +57,14 @@ void write_node(const TileWork& work, std::uint32_t n, ByteWriter& to) {
       to.number(node.offset);
       to.number(node.border == WorkNode::kNone ? 0 : std::uint64_t{node.border} + 1);
       break;
+    case WorkNode::Kind::kBin:
+      to.number(work.raster[node.raster].runs);
+      break;
+    case WorkNode::Kind::kRaster:
+      to.number(work.raster[node.raster].runs);
+      to.number(work.raster[node.raster].triangles);
+      to.number(work.raster[node.raster].pixel_samples);
+      break;
   }
   to.number(node.inputs.size());
   for (const Edge& edge : node.inputs)
@@ -89,6 +98,17 @@ void read_transfer(ByteReader& from, const TileScope& scope, std::uint32_t impor
   node.border = border == 0 ? WorkNode::kNone : border - 1;
 }
 
+void read_raster_node(ByteReader& from, WorkNode& node, TileWork& work) {
+  const bool bins = node.kind == WorkNode::Kind::kBin;
+  node.raster = static_cast<std::uint32_t>(work.raster.size());
+  RasterWork job;
+  job.runs = from.number32(kMaxItems, "runs of lists");
+  job.triangles = bins ? node.items : from.number32(kMaxItems, "triangles of a node");
+  if (!bins) job.pixel_samples = from.number32(kMaxItems, "samples of a pixel");
+  if (job.pixel_samples == 0) ByteReader::out_of_range("samples of a pixel");
+  work.raster.push_back(job);
+}
+
 /// The inputs of node `n`, which come before it.
 void read_inputs(ByteReader& from, std::uint32_t n, TileWork& work) {
   WorkNode& node = work.nodes[n];
@@ -113,6 +133,10 @@ void check_rays(const WorkNode& rays, const TileWork& work) {
   }
 }
 
+bool has_slots(const WorkNode& node) {
+  return node.kind == WorkNode::Kind::kRays || node.kind == WorkNode::Kind::kRaster;
+}
+
 /// Slots of rays are given back by those who read their hits: unread rays would keep theirs for ever.
 void check_readers(const TileWork& work) {
   std::vector<bool> read(work.nodes.size());
@@ -120,7 +144,7 @@ void check_readers(const TileWork& work) {
     for (const Edge& edge : node.inputs) read[edge.node] = true;
   }
   for (std::size_t n = 0; n < work.nodes.size(); ++n) {
-    if (work.nodes[n].kind == WorkNode::Kind::kRays && !read[n])
+    if (has_slots(work.nodes[n]) && !read[n])
       throw sim::InputError(fmt::format("no node reads the hits of node {}", n));
   }
 }
@@ -167,6 +191,7 @@ void TileEncoder::encode(const TileWork& work, const Links& links, std::string& 
     }
     if (mapped) write_sources(work, node, to);
     if (loads) accesses_.write(work, node, out);
+    if (node.raster != WorkNode::kNone) write_raster(work, node, to);
     rays += traces ? node.items : 0;
     items += loads ? node.items : 0;
   }
@@ -208,14 +233,22 @@ void TileDecoder::read_rays(ByteReader& from, WorkNode& node) {
   found_.by_kind[ray_kind] += node.items;
 }
 
+void TileDecoder::read_kind(ByteReader& from, const TileScope& scope, WorkNode& node) {
+  const std::uint32_t kind = from.byte();
+  const WorkNode::Kind last = scope.raster ? WorkNode::Kind::kRaster : WorkNode::Kind::kTransfer;
+  if (kind > static_cast<std::uint32_t>(last)) ByteReader::out_of_range("kind of a node");
+  node.kind = static_cast<WorkNode::Kind>(kind);
+}
+
 void TileDecoder::read_nodes(ByteReader& from, const TileScope& scope, TileWork& work) {
   nodes_ = rays_ = items_ = 0;
+  work.raster.clear();
+  work.raster_triangles.clear();
+  work.list_runs.clear();
   const std::uint32_t nodes = from.number32(std::min<std::uint64_t>(from.left() / 3, kMaxTileNodes), "number of nodes");
   for (std::uint32_t n = 0; n < nodes; ++n) {
     WorkNode& node = next_node(work);
-    const std::uint32_t kind = from.byte();
-    if (kind > static_cast<std::uint32_t>(WorkNode::Kind::kTransfer)) ByteReader::out_of_range("kind of a node");
-    node.kind = static_cast<WorkNode::Kind>(kind);
+    read_kind(from, scope, node);
     const bool moves = node.kind == WorkNode::Kind::kTransfer;
     node.items = from.number32(moves ? std::numeric_limits<std::uint32_t>::max() : kMaxItems, "items of a node");
     if (node.items == 0) ByteReader::out_of_range("items of a node");
@@ -229,9 +262,13 @@ void TileDecoder::read_nodes(ByteReader& from, const TileScope& scope, TileWork&
       case WorkNode::Kind::kTransfer:
         read_transfer(from, scope, static_cast<std::uint32_t>(work.imports.size()), node);
         break;
+      case WorkNode::Kind::kBin:
+      case WorkNode::Kind::kRaster:
+        read_raster_node(from, node, work);
+        break;
     }
     read_inputs(from, n, work);
-    if (node.kind == WorkNode::Kind::kRays) check_rays(node, work);
+    if (has_slots(node)) check_rays(node, work);
   }
   while (work.nodes.size() > nodes_) {
     spare_.push_back(std::move(work.nodes.back()));
@@ -271,6 +308,12 @@ TileRays TileDecoder::decode(std::string_view bytes, const TileScope& scope, Til
       }
     }
     if (node.has_accesses) accesses_.read(from, scope.counts, node.items, work);
+    if (node.raster != WorkNode::kNone) {
+      RasterWork& job = work.raster[node.raster];
+      job.first_triangle = static_cast<std::uint32_t>(work.raster_triangles.size());
+      job.first_run = static_cast<std::uint32_t>(work.list_runs.size());
+      read_raster(from, *scope.raster, node, work);
+    }
   }
   work.access_begin.push_back(static_cast<std::uint32_t>(work.accesses.size()));
 

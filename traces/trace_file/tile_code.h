@@ -2,6 +2,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -27,6 +28,7 @@ struct TileScope {
   ImageCounts counts;
   std::uint32_t kernels = 0;
   std::array<std::uint64_t, kRegionCount> region_bytes{};
+  std::optional<RasterDemands> raster{};     ///< if there is a rasteriser
   std::uint64_t tile_bytes = kMaxTileBytes;  ///< that it may take
 };
 
@@ -56,6 +58,7 @@ class TileDecoder {
  private:
   void read_launch(ByteReader& from, const TileScope& scope, WorkNode& node);
   void read_rays(ByteReader& from, WorkNode& node);
+  void read_kind(ByteReader& from, const TileScope& scope, WorkNode& node);
   void read_nodes(ByteReader& from, const TileScope& scope, TileWork& work);
   WorkNode& next_node(TileWork& work);
 

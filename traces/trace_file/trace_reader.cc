@@ -85,7 +85,7 @@ void TraceReader::read_header() {
   if (size_ < kTraceMagic.size() + 4) throw sim::InputError("is no trace: too short");
   read_at({0, kTraceMagic.size() + 4}, start);
   if (!start.starts_with(kTraceKind)) throw sim::InputError("is no trace; raywatt trace record makes one");
-  if (!start.starts_with(kTraceMagic)) {
+  if (!start.starts_with(kTraceMagic) && !start.starts_with(kFormerMagic)) {
     throw sim::InputError(
         fmt::format("is a trace of another format, '{}'; this program reads '{}', and "
                     "raywatt trace record makes one",
@@ -128,7 +128,7 @@ TileScope TraceReader::scope(const Part& part, std::uint32_t kernels) const {
   const Tree& tree = trees_[part.tree];
   return naming_file([&]() -> TileScope {
     return {decode_links(block(tree.range, kMaxTreeBytes), tree.nodes, tree.counts), tree.counts, kernels,
-            part.requirements.region_bytes, most_tile_bytes(part.requirements)};
+            part.requirements.region_bytes, part.requirements.raster, most_tile_bytes(part.requirements)};
   });
 }
 

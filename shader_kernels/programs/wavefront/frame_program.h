@@ -39,15 +39,15 @@ class FrameProgram {
   virtual void keep(const TileResult& tile);
 
   /// Linear RGB, row by row, as far as tiles have been kept.
-  const std::vector<float>& picture() const { return picture_; }
+  virtual const std::vector<float>& picture() const { return picture_; }
   /// When no more tiles of the frame come; the next tile begins a new picture.
-  std::vector<float> take_picture() { return std::move(picture_); }
-  const Sampling& sampling() const { return sampling_; }
+  virtual std::vector<float> take_picture() { return std::move(picture_); }
+  virtual const Sampling& sampling() const { return sampling_; }
   /// Has keep() keep marks too.
-  void keep_marks() { keeps_marks_ = true; }
+  virtual void keep_marks() { keeps_marks_ = true; }
   /// Marks of all samples, row by row, as many to a pixel as the program marks; empty if it marks none or they
   /// are not kept.
-  const std::vector<SampleMark>& marks() const { return marks_; }
+  virtual const std::vector<SampleMark>& marks() const { return marks_; }
 
  protected:
   std::vector<float>& kept_picture() { return picture_; }

@@ -6,8 +6,13 @@
 #include "sim/config/field.h"
 #include "sim/named.h"
 #include "traces/accel/memory_image.h"
+#include "traces/raster/raster_config.h"
 
 namespace kernels {
+
+/// Whoever finds what a sample sees first: rays, or a rasteriser (docs/design/rasteriser.md).
+enum class Primary : std::uint8_t { kRays, kRaster };
+constexpr std::array<std::string_view, 2> names_of(Primary) { return {"rays", "raster"}; }
 
 enum class SamplePattern : std::uint8_t { kRegular, kJittered, kRotated };
 constexpr std::array<std::string_view, 3> names_of(SamplePattern) { return {"regular", "jittered", "rotated"}; }
@@ -42,6 +47,8 @@ struct RenderConfig {
   SrgbEncoder srgb = SrgbEncoder::kKernel;
   Streams streams = Streams::kCompacted;
   Fusion fusion = Fusion::kOn;
+  Primary primary = Primary::kRays;
+  traces::RasterConfig raster;
   double ray_epsilon = 1e-4;
   double min_weight = 0.01;
 
@@ -83,6 +90,11 @@ struct RenderConfig {
         "kernels that follow each other on the same items: launched one by one, or as one loop that keeps in registers "
         "what they leave for each other",
         sim::any(), Affects::kFunction);
+    field(NAMED(c.primary), "",
+          "what samples see first is found by rays, or by a rasteriser that looks at all triangles before; the picture "
+          "is the same",
+          sim::any(), Affects::kFunction);
+    field.group(NAMED(c.raster), "pieces of a rasteriser's work");
     field(NAMED(c.ray_epsilon), "scene diagonals", "how far from a surface its secondary rays begin",
           sim::between(0, 0.1), Affects::kFunction);
     field(NAMED(c.min_weight), "", "a path goes on while its largest colour weight is above this", sim::between(0, 1),

@@ -17,6 +17,9 @@ StreamBuilder::StreamBuilder(traces::TileWork& work, std::vector<WorkNode>& spar
   work.access_begin.clear();
   work.sources.clear();
   work.imports.clear();
+  work.raster.clear();
+  work.raster_triangles.clear();
+  work.list_runs.clear();
   work.after_all = false;
 }
 
@@ -69,6 +72,20 @@ StreamBuilder::Node StreamBuilder::transfer(traces::Region region, bool to_memor
   node.region = region;
   node.to_memory = to_memory;
   node.offset = offset;
+  return count_ - 1;
+}
+
+StreamBuilder::Node StreamBuilder::raster(std::uint32_t count, Node launch) {
+  if (!is_on()) return kNone;
+  WorkNode& node = add(WorkNode::Kind::kRaster, count);
+  node.raster = static_cast<std::uint32_t>(work_.raster.size() - 1);
+  node.inputs.push_back({launch, Edge::Kind::kEach});
+  return count_ - 1;
+}
+
+StreamBuilder::Node StreamBuilder::bin(std::uint32_t triangles) {
+  if (!is_on()) return kNone;
+  add(WorkNode::Kind::kBin, triangles).raster = static_cast<std::uint32_t>(work_.raster.size() - 1);
   return count_ - 1;
 }
 

@@ -29,6 +29,11 @@ class StreamBuilder {
   /// Rays made by `launch`: one per item, or (`is_mapped`) one per source added since that launch.
   Node rays(traces::RayKind kind, std::uint32_t count, std::uint32_t first, Node launch, bool is_mapped);
   Node transfer(traces::Region region, bool to_memory, std::uint64_t offset, std::uint32_t bytes);
+  /// Primary hits of `count` samples, whose rays `launch` made, found by a rasteriser: what is last in the work's
+  /// raster.
+  Node raster(std::uint32_t count, Node launch);
+  /// Triangles put into lists: likewise.
+  Node bin(std::uint32_t triangles);
   /// A transfer of samples that completes border `number` of the tile.
   Node export_border(std::uint32_t number, std::uint64_t offset, std::uint32_t bytes);
   /// A transfer of samples that waits for another tile's border.

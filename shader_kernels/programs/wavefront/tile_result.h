@@ -9,6 +9,7 @@
 #include "shader_kernels/programs/wavefront/sampling.h"
 #include "shader_kernels/records.h"
 #include "sim/named.h"
+#include "traces/raster/rasteriser.h"
 #include "traces/ray.h"
 #include "traces/stream.h"
 
@@ -54,6 +55,7 @@ struct TileBuffer {
   std::vector<std::uint32_t> record_nodes;    ///< launches of the work that have added to what samples keep
   std::vector<std::uint32_t> colour_nodes;    ///< launches of the work that have added to colours
   std::vector<traces::WorkNode> spare_nodes;
+  traces::Coverage coverage;  ///< of a wave that is rasterised
   /// Names the arrays as the kernels' ports do.
   static void describe(auto& b, auto&& array) {
     array(NAMED(b.wave.rays)), array(NAMED(b.wave.paths)), array(NAMED(b.wave.hits));
@@ -99,6 +101,8 @@ struct ShownSubpixel {
 
 /// Result of one tile.
 struct TileResult {
+  /// Makes the work of primary waves in place of rays, if it is not null (geometry_pass.h).
+  const traces::Rasteriser* rasteriser = nullptr;
   std::uint32_t tile = 0;
   std::uint32_t x = 0, y = 0, width = 0, height = 0;  ///< in pixels
   std::vector<glm::vec3> linear;                      ///< per pixel, row by row: linear RGB in [0, 1]

@@ -35,7 +35,7 @@ void Wavefront::run(Node maker, std::uint32_t rays, const RetainedRecords& retai
   bounce.lanes = std::max(rays, lanes);
   bounce.padding = padding;
   buffer_.hold_wave(rays);
-  bounce.batches[bounce.batch_count++] = trace(RayKind::kPrimary, buffer_.wave, 0, rays, maker, false);
+  bounce.batches[bounce.batch_count++] = see(rays, maker);
   while (bounce.rays != 0) {
     const std::uint32_t surfaces = classify(bounce);
     if (surfaces < bounce.rays && is_shaded()) shade_background(bounce, bounce.rays - surfaces);
@@ -61,6 +61,20 @@ Wavefront::Batch Wavefront::trace(RayKind kind, RaySlots& slots, std::uint32_t f
   if (kind == RayKind::kShadow ? scene_.has_shades : scene_.has_alpha) {
     batch.settled = settle(kind, slots, first, count, batch.rays);
   }
+  return batch;
+}
+
+Wavefront::Batch Wavefront::see(std::uint32_t count, Node maker) {
+  RaySlots& wave = buffer_.wave;
+  if (out_.rasteriser == nullptr) return trace(RayKind::kPrimary, wave, 0, count, maker, false);
+  // Whoever makes the work, hits are the tracer's.
+  tracer_.trace({wave.rays.data(), count}, RayKind::kPrimary, {wave.hits.data(), count}, nullptr);
+  Batch batch;
+  if (stream_.is_on()) {
+    out_.rasteriser->cover({wave.rays.data(), count}, buffer_.coverage, &out_.work);
+    batch.rays = stream_.raster(count, maker);
+  }
+  if (scene_.has_alpha) batch.settled = settle(RayKind::kPrimary, wave, 0, count, batch.rays);
   return batch;
 }
 

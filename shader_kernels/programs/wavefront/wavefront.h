@@ -32,6 +32,9 @@ namespace kernels {
 ///
 ///   classify_layers -> [ test_alpha or test_shadow -> rays -> scatter_layers ] ...
 ///
+/// Where a rasteriser makes primary hits (TileResult::rasteriser), the first batch of rays is a raster node, and rays
+/// that go on behind what is not solid are traced as ever.
+///
 /// For adaptive sampling it also keeps what samples hit (wavefront_records.cc):
 ///
 ///   surfaces of the first wave -> record_geometry or record_surface, of later ones -> record_secondary
@@ -168,6 +171,8 @@ class Wavefront {
   /// Traces rays and those that go on behind what turns out not to be solid.
   Batch trace(traces::RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t count, Node maker,
               bool is_mapped);
+  /// Finds what the first wave's rays meet, as trace() does; but the work of that is a rasteriser's, if there is one.
+  Batch see(std::uint32_t count, Node maker);
   Node trace_once(traces::RayKind kind, const traces::Ray* rays, traces::Hit* hits, std::uint32_t count, Node maker,
                   bool is_mapped);
   Node settle(traces::RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t count, Node batch);

@@ -126,22 +126,62 @@ inline TileWork tile_of_levels() {
   return t;
 }
 
+// A batch of triangles, and a wave of samples, of a frame of 9 vertices, 5 triangles and 8 entries of lists.
+
+inline TileScope tiny_raster() {
+  TileScope scope = tiny_scope();
+  scope.raster = RasterDemands{9, 5, 8};
+  return scope;
+}
+
+inline TileWork tile_of_raster() {
+  using enum WorkNode::Kind;
+  TileWork t;
+  t.nodes = {{.kind = kBin, .items = 3, .raster = 0, .inputs = {}},
+             {.kind = kLaunch, .kernel = 0, .items = 4, .inputs = {}},
+             {.kind = kRaster, .items = 4, .raster = 1, .inputs = {{1, Edge::Kind::kEach}}},
+             {.kind = kLaunch, .kernel = 1, .items = 4, .inputs = {{2, Edge::Kind::kEach}, {0, Edge::Kind::kAll}}}};
+  t.access_begin = {0};
+  t.raster = {{0, 3, 0, 2, 1}, {3, 3, 2, 2, 4}};
+  t.list_runs = {{0, 1}, {4, 2}, {6, 2}, {1, 1}};
+  t.raster_triangles = {{.number = 0, .vertices = {0, 1, 2}, .lists = 2},
+                        {.number = 1, .vertices = {2, 1, 8}},
+                        {.number = 2, .vertices = {8, 3, 0}, .lists = 1},
+                        {.number = 4, .vertices = {8, 7, 6}},
+                        {.number = 0, .vertices = {0, 1, 2}, .blocks = 3, .hidden_blocks = 2},
+                        {.number = 1,
+                         .vertices = {2, 1, 8},
+                         .blocks = 9,
+                         .hidden_blocks = 1,
+                         .quads = 5,
+                         .hidden_quads = 2,
+                         .samples = 17,
+                         .hidden_samples = 3,
+                         .passed = 14}};
+  return t;
+}
+
 inline bool same(const WorkNode& a, const WorkNode& b) {
   const auto edges = [](const Edge& x, const Edge& y) { return x.node == y.node && x.kind == y.kind; };
   return a.kind == b.kind && a.ray_kind == b.ray_kind && a.kernel == b.kernel && a.items == b.items &&
          a.first == b.first && a.has_accesses == b.has_accesses && a.idle == b.idle && a.region == b.region &&
          a.to_memory == b.to_memory && a.offset == b.offset && a.border == b.border && a.sources == b.sources &&
-         std::ranges::equal(a.inputs, b.inputs, edges);
+         a.raster == b.raster && std::ranges::equal(a.inputs, b.inputs, edges);
 }
 
 inline bool same(const TileWork& a, const TileWork& b) {
   const auto accesses = [](const Access& x, const Access& y) {
     return x.object == y.object && x.element == y.element && x.element2 == y.element2;
   };
+  const auto jobs = [](const RasterWork& x, const RasterWork& y) {
+    return x.first_triangle == y.first_triangle && x.triangles == y.triangles && x.first_run == y.first_run &&
+           x.runs == y.runs && x.pixel_samples == y.pixel_samples;
+  };
   return a.frame == b.frame && a.tile == b.tile && a.samples == b.samples && a.imports == b.imports &&
          a.after_all == b.after_all && a.walk == b.walk && a.ray_begin == b.ray_begin &&
          a.access_begin == b.access_begin && a.sources == b.sources &&
-         std::ranges::equal(a.accesses, b.accesses, accesses) &&
+         std::ranges::equal(a.accesses, b.accesses, accesses) && std::ranges::equal(a.raster, b.raster, jobs) &&
+         a.raster_triangles == b.raster_triangles && a.list_runs == b.list_runs &&
          std::ranges::equal(a.nodes, b.nodes, [](const WorkNode& x, const WorkNode& y) { return same(x, y); });
 }
 

@@ -145,7 +145,7 @@ TEST(TraceFile, WhatIsNoTraceIsNeitherReplacedNorRead) {
             "long: is no trace; raywatt trace record makes one");
   EXPECT_EQ(
       complaint_of(folder.write("former", "raywatt-trace/2\n" + std::string(100, 'x'))),
-      "former: is a trace of another format, 'raywatt-trace/2'; this program reads 'raywatt-trace/3', and raywatt "
+      "former: is a trace of another format, 'raywatt-trace/2'; this program reads 'raywatt-trace/4', and raywatt "
       "trace record makes one");
   EXPECT_EQ(complaint_of(folder.path() / "absent"), "absent: no such file");
   EXPECT_EQ(complaint_of(folder.path() / "."), ".: is a folder, not a file");

@@ -54,7 +54,7 @@ std::map<std::string, std::set<std::string>> counted_by(const std::vector<sim::U
 class Users {
  public:
   explicit Users(const RunConfig& config)
-      : config_(config), units_(idle_units(config.gpu)), counters_(counted_by(units_)) {}
+      : config_(config), units_(idle_units(config.gpu, true)), counters_(counted_by(units_)) {}
 
   std::set<std::string> of(const EnergyEntry& entry) const {
     if (entry.name.starts_with(kEvents)) return of_event(entry.name.substr(kEvents.size()));

@@ -27,6 +27,11 @@ Value ratio(double a, double b) {
 Value ratio(std::uint64_t a, std::uint64_t b) { return ratio(static_cast<double>(a), static_cast<double>(b)); }
 
 double tni_pj(const Outcome& o) { return o.simulation.energy.blocks.at("tni").total().nominal; }
+/// Energy of a block; 0 of one that the machine has not.
+double block_pj(const Outcome& o, const std::string& block) {
+  const auto found = o.simulation.energy.blocks.find(block);
+  return found == o.simulation.energy.blocks.end() ? 0 : found->second.total().nominal;
+}
 double all_pj(const Outcome& o) { return o.simulation.energy.total_pj.nominal; }
 
 /// A counter of the caches of all T&I units.
@@ -95,7 +100,7 @@ Value masked_psnr(const Comparison& c) {
 
 constexpr std::string_view kMaskedPrefix = "psnr_at_";
 
-constexpr std::array<Metric, 40> kMetrics = {{
+constexpr std::array<Metric, 43> kMetrics = {{
     {"psnr_db", "PSNR against the reference picture", Shown::kDecibel, false,
      [](const Comparison& c) { return psnr_db(c.squared_error); }},
     {"psnr_at_object_edges", "the same of pixels in which objects or normals differ", Shown::kDecibel, false,
@@ -175,6 +180,12 @@ constexpr std::array<Metric, 40> kMetrics = {{
      [](const Comparison& c) { return share(c, KernelGroup::kCorrection); }},
     {"tracing_share", "SRP cycles in everything else", Shown::kShare, true,
      [](const Comparison& c) { return share(c, KernelGroup::kTracing); }},
+    {"cycles", "cycles of the T&I clock for a frame", Shown::kCount, true,
+     [](const Comparison& c) { return Value(static_cast<double>(c.run.simulation.cycles)); }},
+    {"dram_bytes", "bytes over the memory's buses for a frame", Shown::kCount, true,
+     [](const Comparison& c) { return Value(static_cast<double>(dram_bytes(c.run))); }},
+    {"raster_share", "energy of the rasterisers, of GPU and memory", Shown::kShare, true,
+     [](const Comparison& c) { return ratio(block_pj(c.run, "raster"), all_pj(c.run)); }},
     {"ops_of_traced", "operations of the SRPs for a sample of the reference", Shown::kCount, true, ops_of_traced},
     {"ops_of_interpolated", "the same for a sample that is not traced", Shown::kCount, true, ops_of_interpolated},
 }};

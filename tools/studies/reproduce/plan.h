@@ -66,6 +66,7 @@ std::vector<Case> kim2016(bool quick);
 std::vector<Case> jin2009(bool quick);
 std::vector<Case> chiu(bool quick);
 std::vector<Case> sgrt_units(bool quick);
+std::vector<Case> hybrid(bool quick);
 
 /// All of them.
 const std::vector<Paper>& papers();

@@ -1,0 +1,243 @@
+#include "hw_models/raster/raster_unit.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace hw {
+
+RasterUnit::RasterUnit(const RasterUnitConfig& config, const RasterMemory& memory, Links links, std::uint16_t port,
+                       sim::Clock clock, bool ideal_l1)
+    : config_(config),
+      memory_(memory),
+      clock_(clock),
+      links_(links),
+      fetch_(config, memory, port, ideal_l1, stats_),
+      writes_(config.write_buffer, port),
+      held_(config.jobs) {}
+
+sim::Time RasterUnit::tick(sim::Time now) {
+  if (links_.memory_in.can_pop(now)) fetch_.fill(links_.memory_in.pop(now).line);
+  bool wrote = false;
+  bool moved = end_job(now);
+  if (end_ == End::kWriting && job(ended_).bins()) wrote = write_lists();
+  moved |= end_back(now);
+  moved |= begin_back(now);
+  moved |= end_front(now);
+  moved |= begin_back(now);
+  moved |= begin_front(now);
+  const bool looked = fetch_.look_up();
+  moved |= enter();
+  moved |= take_job(now);
+  wrote |= send(now);
+  moved |= looked || wrote;
+  activity_.spend(now, clock_.period(), why(now, wrote, looked), why(clock_.after(now, 1), false, false));
+  return next_wake(now, moved);
+}
+
+bool RasterUnit::take_job(sim::Time now) {
+  if (taken_ - ended_ == held_.size() || !links_.jobs_in.can_pop(now)) return false;
+  held_[taken_++ % held_.size()].job = links_.jobs_in.pop(now);
+  return true;
+}
+
+bool RasterUnit::find(Place& place) const {
+  while (place.job < taken_ && place.triangle == job(place.job).triangles()) place = {place.job + 1, 0};
+  return place.job < taken_;
+}
+
+bool RasterUnit::enter() {
+  if (!fetch_.has_room() || !find(entering_)) return false;
+  const Job& from = job(entering_.job);
+  if (entering_.triangle == 0) run_ = run_entry_ = 0;
+  std::uint32_t entry = RasterFetch::kBatch;
+  if (!from.bins()) {
+    while (run_entry_ == from.run(run_).entries) {
+      run_ += 1;
+      run_entry_ = 0;
+    }
+    entry = from.run(run_).first + run_entry_++;
+    stats_.entries_read += 1;
+  }
+  fetch_.enter(from.triangle(entering_.triangle++), entry);
+  return true;
+}
+
+bool RasterUnit::begin_front(sim::Time now) {
+  constexpr std::uint32_t kLines = 4;  // that transformed vertices of a triangle may fill
+  if (has_front_ || !fetch_.ready()) return false;
+  find(setting_);
+  const Job& of = job(setting_.job);
+  if (of.bins() && !writes_.has_room(kLines)) return false;
+  std::uint64_t cycles = 0;
+  if (of.bins()) {
+    cycles = std::uint64_t{fetch_.missed()} * config_.vertex_interval;
+    transform();
+  } else {
+    cycles = config_.setup_interval * parts_of(of);
+    stats_.triangles_set_up += parts_of(of);
+  }
+  fetch_.leave();
+  has_front_ = true;
+  front_until_ = clock_.after(now, std::max<std::uint64_t>(1, cycles));
+  return true;
+}
+
+/// What comes of vertices goes to memory.
+void RasterUnit::transform() {
+  for (std::uint32_t i = 0; i < fetch_.missed(); ++i) {
+    writes_.add(memory_.transformed_at(fetch_.missed_vertices()[i]), RasterMemory::kTransformedBytes);
+  }
+  stats_.vertices_transformed += fetch_.missed();
+}
+
+bool RasterUnit::end_front(sim::Time now) {
+  if (!has_front_ || now < front_until_ || queued_ == config_.queue) return false;
+  has_front_ = false;
+  queued_ += 1;
+  setting_.triangle += 1;
+  return true;
+}
+
+bool RasterUnit::begin_back(sim::Time now) {
+  // What waits behind the oldest job's triangles is a later job's.
+  if (has_back_ || queued_ == 0 || finished_ == job(ended_).triangles()) return false;
+  const Job& of = job(ended_);
+  const traces::RasterTriangle& triangle = of.triangle(finished_);
+  const std::uint64_t cycles = of.bins() ? list_cycles(triangle) : cover_cycles(triangle, of.work());
+  queued_ -= 1;
+  has_back_ = true;
+  back_until_ = clock_.after(now, std::max<std::uint64_t>(1, cycles));
+  return true;
+}
+
+std::uint64_t RasterUnit::list_cycles(const traces::RasterTriangle& triangle) {
+  stats_.triangles += 1;
+  stats_.triangles_culled += triangle.lists == 0;
+  return std::uint64_t{triangle.lists} * config_.list_interval;
+}
+
+std::uint64_t RasterUnit::cover_cycles(const traces::RasterTriangle& t, const traces::RasterWork& work) {
+  const bool leaves_out = config_.hierarchical_z;
+  const std::uint32_t quads = t.quads - (leaves_out ? t.hidden_quads : 0);
+  const std::uint32_t hidden = leaves_out ? t.hidden_samples : 0;
+  const std::uint64_t passes = (work.pixel_samples + config_.sub_samples - 1) / config_.sub_samples;
+  stats_.blocks += t.blocks;
+  stats_.blocks_hidden += leaves_out ? t.hidden_blocks : 0;
+  stats_.quads += quads;
+  stats_.quads_hidden += t.quads - quads;
+  stats_.quad_passes += quads * passes;
+  stats_.samples_covered += t.samples;
+  stats_.samples_hidden += hidden;
+  stats_.samples_passed += t.passed;
+  stats_.samples_failed += t.samples - hidden - t.passed;
+  return std::uint64_t{t.blocks} * config_.block_interval + quads * passes * config_.quad_interval;
+}
+
+bool RasterUnit::end_back(sim::Time now) {
+  if (!has_back_ || now < back_until_) return false;
+  has_back_ = false;
+  finished_ += 1;
+  return true;
+}
+
+/// The oldest job's results leave once all its triangles have been through.
+bool RasterUnit::end_job(sim::Time now) {
+  if (!has_jobs() || finished_ < job(ended_).triangles()) return false;
+  const Job& of = job(ended_);
+  if (end_ == End::kNot) {
+    end_ = End::kWriting;
+    out_run_ = out_entry_ = 0;
+    if (of.bins() && of.work().runs == 0) close_writes();
+    const std::uint64_t bytes = std::uint64_t{of.node().items} * config_.plane_bytes;
+    const std::uint64_t cycles = of.bins() ? 0 : (bytes + config_.plane_width.bytes - 1) / config_.plane_width.bytes;
+    end_until_ = clock_.after(now, cycles);
+    return true;
+  }
+  if (end_ == End::kWriting) {
+    const bool done = of.bins() ? out_run_ == of.work().runs && writes_.sent() >= closed_ : now >= end_until_;
+    if (!done) return false;
+    end_ = End::kLeaving;
+  }
+  if (!links_.done_out.can_push(now)) return false;
+  links_.done_out.push(now, RasterDone{of.job.tag});
+  (of.bins() ? stats_.batches : stats_.waves) += 1;
+  if (!of.bins()) stats_.samples_out += of.node().items;
+  end_ = End::kNot;
+  finished_ = 0;
+  ended_ += 1;
+  for (Place* const place : {&entering_, &setting_}) {
+    if (place->job < ended_) *place = {ended_, 0};
+  }
+  return true;
+}
+
+/// A line, or part of one, of a batch's entries.
+bool RasterUnit::write_lists() {
+  const Job& of = job(ended_);
+  if (out_run_ == of.work().runs || !writes_.has_room(2)) return false;
+  const traces::ListRun& run = of.run(out_run_);
+  const Addr first = memory_.entry_at(run.first + out_entry_);
+  const auto in_line = static_cast<std::uint32_t>((line_of(first) + kLineBytes - first) / RasterMemory::kEntryBytes);
+  const std::uint32_t entries = std::min(in_line, run.entries - out_entry_);
+  if (entries != 0) writes_.add(first, entries * RasterMemory::kEntryBytes);
+  stats_.entries_written += entries;
+  out_entry_ += entries;
+  if (out_entry_ == run.entries) {
+    out_run_ += 1;
+    out_entry_ = 0;
+  }
+  if (out_run_ == of.work().runs) close_writes();
+  return true;
+}
+
+void RasterUnit::close_writes() {
+  writes_.close();
+  closed_ = writes_.closed();
+}
+
+bool RasterUnit::send(sim::Time now) {
+  if (fetch_.send_at(now, links_.memory_out) <= now) {
+    fetch_.send(now, links_.memory_out);
+    return false;
+  }
+  if (!writes_.send(now, links_.memory_out)) return false;
+  stats_.writes += 1;
+  return true;
+}
+
+RasterUnit::CycleReason RasterUnit::why(sim::Time at, bool wrote, bool looked) const {
+  if (!has_jobs()) return CycleReason::kIdle;
+  if (end_ != End::kNot) {
+    if (job(ended_).bins()) return wrote ? CycleReason::kListing : CycleReason::kPortFull;
+    return at < end_until_ ? CycleReason::kWriting : CycleReason::kPortFull;
+  }
+  if (has_back_ && at < back_until_) return job(ended_).bins() ? CycleReason::kListing : CycleReason::kCovering;
+  if (has_front_ && at < front_until_) {
+    return job(setting_.job).bins() ? CycleReason::kTransforming : CycleReason::kSettingUp;
+  }
+  if (looked) return CycleReason::kFetching;
+  return fetch_.ready() && !has_front_ ? CycleReason::kPortFull : CycleReason::kMemory;
+}
+
+sim::Time RasterUnit::next_wake(sim::Time now, bool moved) const {
+  const sim::Time next = clock_.after(now, 1);
+  if (moved) return next;
+  sim::Time at = std::max(next, links_.memory_in.pop_at());
+  if (taken_ - ended_ < held_.size()) at = std::min(at, std::max(next, links_.jobs_in.pop_at()));
+  if (has_front_ && now < front_until_) at = std::min(at, front_until_);
+  if (has_back_) at = std::min(at, std::max(next, back_until_));
+  if (end_ == End::kWriting && !job(ended_).bins()) at = std::min(at, std::max(next, end_until_));
+  if (end_ == End::kLeaving) at = std::min(at, std::max(next, links_.done_out.push_at()));
+  if (writes_.waiting()) at = std::min(at, std::max(next, links_.memory_out.push_at()));
+  return std::min(at, fetch_.send_at(next, links_.memory_out));
+}
+
+std::string RasterUnit::state() const {
+  if (!has_jobs()) return "idle";
+  const Job& of = job(ended_);
+  return fmt::format("{} tile {}, triangles {}/{}, set up {}, jobs {}, {}", of.bins() ? "listing" : "covering",
+                     of.job.work->tile, finished_, of.triangles(), queued_, taken_ - ended_, fetch_.state());
+}
+
+}  // namespace hw

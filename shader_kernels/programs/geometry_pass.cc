@@ -1,0 +1,69 @@
+#include "shader_kernels/programs/geometry_pass.h"
+
+#include <utility>
+
+#include "shader_kernels/programs/wavefront/scene_tables.h"
+#include "shader_kernels/programs/wavefront/stream_builder.h"
+
+namespace kernels {
+
+GeometryPass::GeometryPass(std::unique_ptr<FrameProgram> program, std::unique_ptr<traces::Rasteriser> rasteriser,
+                           std::uint32_t frame)
+    : FrameProgram(0, 0), program_(std::move(program)), rasteriser_(std::move(rasteriser)), frame_(frame) {}
+
+std::uint32_t GeometryPass::pass_end(std::uint32_t tile_index) const {
+  return tile_index < batches() ? batches() : batches() + program_->pass_end(tile_index - batches());
+}
+
+FrameRequirements GeometryPass::requirements() const {
+  FrameRequirements needs = program_->requirements();
+  needs.raster = rasteriser_->demands();
+  return needs;
+}
+
+void GeometryPass::begin_pass(std::uint32_t tile_index, const traces::Tracer& tracer) {
+  if (tile_index >= batches()) program_->begin_pass(tile_index - batches(), tracer);
+}
+
+void GeometryPass::run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record,
+                            TileResult& out) const {
+  if (tile_index < batches()) return run_batch(tile_index, record, out);
+  out.rasteriser = rasteriser_.get();
+  program_->run_tile(tile_index - batches(), tracer, record, out);
+  // Lists must be complete before any tile reads them.
+  if (tile_index == batches() && batches() > 0) out.work.after_all = true;
+}
+
+void GeometryPass::run_batch(std::uint32_t batch, bool record, TileResult& out) const {
+  out.tile = program_->tiles() + batch;
+  out.x = out.y = out.width = out.height = 0;
+  out.rays = {};
+  out.continued = out.traversal_steps = 0;
+  out.linear.clear();
+  out.packed.clear();
+  out.marks.clear();
+  out.background.clear();
+  out.sampling = {};
+  out.work.frame = frame_;
+  out.work.tile = out.tile;
+  out.work.samples = 0;
+  StreamBuilder stream(out.work, out.buffer.spare_nodes, record);
+  if (record) stream.bin(rasteriser_->bin(batch, out.buffer.coverage, out.work));
+  stream.finish();
+}
+
+void GeometryPass::keep(const TileResult& tile) {
+  if (tile.tile < program_->tiles()) program_->keep(tile);
+}
+
+std::unique_ptr<traces::Rasteriser> make_rasteriser(const traces::MemoryImage& image, const traces::Camera& camera,
+                                                    std::uint32_t width, std::uint32_t height,
+                                                    const traces::RasterConfig& config, std::uint32_t side) {
+  const CameraUniforms<float> at = camera_uniforms(camera, width, height);
+  const auto vector = [](const Vec3<float>& v) { return glm::vec3(v.x, v.y, v.z); };
+  const traces::PictureCamera picture{
+      vector(at.origin), vector(at.corner), vector(at.right), vector(at.down), width, height};
+  return std::make_unique<traces::Rasteriser>(image, picture, config, side);
+}
+
+}  // namespace kernels

@@ -1,0 +1,47 @@
+#pragma once
+#include <memory>
+
+#include "shader_kernels/programs/wavefront/frame_program.h"
+#include "traces/raster/rasteriser.h"
+
+namespace kernels {
+
+/// A frame program whose primary hits a rasteriser finds: the entries of its list, behind those of a pass that puts all
+/// triangles into lists by where in the picture they lie.
+///
+///   pass 0: batches of triangles --> lists --> all later passes: the program's own, whose first waves are rasterised
+///
+/// Entries of the geometry pass make no picture. Their numbers as tiles follow those of the program's.
+class GeometryPass final : public FrameProgram {
+ public:
+  GeometryPass(std::unique_ptr<FrameProgram> program, std::unique_ptr<traces::Rasteriser> rasteriser,
+               std::uint32_t frame);
+
+  std::uint32_t tiles() const override { return batches() + program_->tiles(); }
+  std::uint32_t pass_end(std::uint32_t tile_index) const override;
+  FrameRequirements requirements() const override;
+  void begin_pass(std::uint32_t tile_index, const traces::Tracer& tracer) override;
+  void run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record, TileResult& out) const override;
+  void keep(const TileResult& tile) override;
+
+  const std::vector<float>& picture() const override { return program_->picture(); }
+  std::vector<float> take_picture() override { return program_->take_picture(); }
+  const Sampling& sampling() const override { return program_->sampling(); }
+  void keep_marks() override { program_->keep_marks(); }
+  const std::vector<SampleMark>& marks() const override { return program_->marks(); }
+
+ private:
+  std::uint32_t batches() const { return rasteriser_->batches(); }
+  void run_batch(std::uint32_t batch, bool record, TileResult& out) const;
+
+  const std::unique_ptr<FrameProgram> program_;
+  const std::unique_ptr<traces::Rasteriser> rasteriser_;
+  const std::uint32_t frame_;
+};
+
+/// A rasteriser for a picture whose tiles are squares of `side` pixels.
+std::unique_ptr<traces::Rasteriser> make_rasteriser(const traces::MemoryImage& image, const traces::Camera& camera,
+                                                    std::uint32_t width, std::uint32_t height,
+                                                    const traces::RasterConfig& config, std::uint32_t side);
+
+}  // namespace kernels

@@ -1,0 +1,304 @@
+#include "hw_models/raster/raster_unit.h"
+
+#include <algorithm>
+#include <functional>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "sim/engine.h"
+
+namespace hw {
+namespace {
+
+using traces::RasterTriangle;
+using traces::TileWork;
+using traces::WorkNode;
+
+/// A tile with one node, whose triangles are in one list.
+TileWork tile_of(WorkNode::Kind kind, std::uint32_t items, const std::vector<RasterTriangle>& triangles,
+                 std::uint32_t pixel_samples = 1) {
+  TileWork work;
+  work.raster_triangles = triangles;
+  const auto count = static_cast<std::uint32_t>(triangles.size());
+  std::uint32_t entries = count;
+  if (kind == WorkNode::Kind::kBin) {
+    entries = 0;
+    for (const RasterTriangle& t : triangles) entries += t.lists;
+  }
+  if (entries != 0) work.list_runs.push_back({0, entries});
+  work.raster.push_back({0, count, 0, entries != 0 ? 1U : 0U, pixel_samples});
+  work.nodes.push_back({.kind = kind, .items = items, .raster = 0, .inputs = {}});
+  return work;
+}
+
+/// `count` triangles that share vertices and lie in one line each.
+std::vector<RasterTriangle> triangles(std::uint32_t count, const RasterTriangle& like) {
+  std::vector<RasterTriangle> all(count, like);
+  for (std::uint32_t i = 0; i < count; ++i) all[i].number = 16 * i;
+  return all;
+}
+
+TileWork wave(std::uint32_t count, std::uint32_t blocks, std::uint32_t quads, std::uint32_t samples = 64,
+              std::uint32_t pixel_samples = 1) {
+  return tile_of(
+      WorkNode::Kind::kRaster, samples,
+      triangles(count,
+                {.vertices = {0, 4, 8}, .blocks = blocks, .quads = quads, .samples = 4 * quads, .passed = quads}),
+      pixel_samples);
+}
+
+TileWork batch(std::uint32_t count, std::uint32_t lists) {
+  return tile_of(WorkNode::Kind::kBin, count, triangles(count, {.vertices = {0, 4, 8}, .lists = lists}));
+}
+
+/// A rasteriser between a core that hands it jobs and a memory that answers after some cycles.
+class RasterHarness {
+ public:
+  explicit RasterHarness(const RasterUnitConfig& config, bool ideal = true, std::uint32_t latency = 20)
+      : from_memory_(machine_.link<MemResponse>(64, latency, memory_id_, unit_id_)),
+        unit_(machine_.build<RasterUnit>(unit_id_, config, RasterMemory(1 << 20, {1 << 16, 1 << 16, 1 << 20}),
+                                         RasterUnit::Links{jobs_, dones_, to_memory_, from_memory_}, std::uint16_t{3},
+                                         clock_, ideal)) {
+    machine_.build<Core>(core_id_, *this);
+    machine_.build<Memory>(memory_id_, *this);
+  }
+
+  RasterHarness& add(const TileWork& work) {
+    work_.push_back(&work);
+    return *this;
+  }
+  template <sim::Skip kSkip = sim::Skip::kOn>
+  RasterHarness& run() {
+    end_ = clock_.after(sim::run<kSkip>(*this), 1);
+    machine_.finish(end_);
+    return *this;
+  }
+
+  sim::Machine& machine() { return machine_; }
+  bool done() const { return done_ == work_.size() && machine_.quiet(); }
+  std::uint64_t cycles() const { return clock_.cycles(done_at_); }
+  std::uint64_t end() const { return clock_.cycles(end_); }
+  const RasterStats& stats() const { return unit_.stats(); }
+  std::uint64_t spent(RasterUnit::CycleReason why) const { return clock_.cycles(unit_.activity().spent(why)); }
+  const std::vector<MemRequest>& written() const { return written_; }
+  const std::vector<Addr>& read() const { return read_; }
+
+ private:
+  struct Core {
+    explicit Core(RasterHarness& b) : harness(b) {}
+    sim::Time tick(sim::Time now) {
+      if (sent < harness.work_.size() && harness.jobs_.can_push(now)) {
+        harness.jobs_.push(now, {harness.work_[sent], 0, static_cast<std::uint32_t>(sent)});
+        sent += 1;
+      }
+      if (harness.dones_.can_pop(now)) {
+        EXPECT_EQ(harness.dones_.pop(now).tag, harness.done_) << "in their order";
+        harness.done_ += 1;
+        harness.done_at_ = now;
+      }
+      return harness.clock_.after(now, 1);
+    }
+    RasterHarness& harness;
+    std::size_t sent = 0;
+  };
+  struct Memory {
+    explicit Memory(RasterHarness& b) : harness(b) {}
+    sim::Time tick(sim::Time now) {
+      if (harness.to_memory_.can_pop(now) && harness.from_memory_.can_push(now)) {
+        const MemRequest r = harness.to_memory_.pop(now);
+        EXPECT_EQ(r.source, 3);
+        if (r.write) {
+          harness.written_.push_back(r);
+        } else {
+          harness.read_.push_back(r.line);
+          harness.from_memory_.push(now, {r.line, r.source, r.tag});
+        }
+      }
+      return harness.clock_.after(now, 1);
+    }
+    RasterHarness& harness;
+  };
+
+  const sim::Clock clock_{2'000'000};
+  sim::Machine machine_;
+  const sim::UnitId unit_id_ = machine_.unit({"raster", clock_}), core_id_ = machine_.unit({"core", clock_}),
+                    memory_id_ = machine_.unit({"memory", clock_});
+  sim::Link<RasterJob>& jobs_ = machine_.link<RasterJob>(4, 1, core_id_, unit_id_);
+  sim::Link<RasterDone>& dones_ = machine_.link<RasterDone>(8, 1, unit_id_, core_id_);
+  sim::Link<MemRequest>& to_memory_ = machine_.link<MemRequest>(2, 1, unit_id_, memory_id_);
+  sim::Link<MemResponse>& from_memory_;
+  RasterUnit& unit_;
+  std::vector<const TileWork*> work_;
+  std::size_t done_ = 0;
+  sim::Time done_at_ = 0, end_ = 0;
+  std::vector<MemRequest> written_;
+  std::vector<Addr> read_;
+};
+
+std::uint64_t cycles(const RasterUnitConfig& config, const TileWork& work) {
+  return RasterHarness(config).add(work).run().cycles();
+}
+
+/// Cycles that a hundred triangles more take.
+std::uint64_t of_hundred(const RasterUnitConfig& config, const std::function<TileWork(std::uint32_t)>& make) {
+  const TileWork few = make(100), many = make(200);
+  return cycles(config, many) - cycles(config, few);
+}
+
+/// Fetching is never what limits.
+RasterUnitConfig quick_fetch() {
+  RasterUnitConfig config;
+  config.lookups = 8;
+  return config;
+}
+
+TEST(RasterUnit, CoversABlockAndAQuadACycle) {
+  EXPECT_EQ(of_hundred(quick_fetch(), [](std::uint32_t n) { return wave(n, 3, 7); }), 100U * (3 + 7));
+  RasterUnitConfig slow = quick_fetch();
+  slow.block_interval = 2;
+  slow.quad_interval = 3;
+  EXPECT_EQ(of_hundred(slow, [](std::uint32_t n) { return wave(n, 3, 7); }), 100U * (3 * 2 + 7 * 3));
+}
+
+TEST(RasterUnit, TakesTurnsAtPixelsOfMoreSamplesThanItTestsAtOnce) {
+  EXPECT_EQ(of_hundred(quick_fetch(), [](std::uint32_t n) { return wave(n, 1, 4, 64, 4); }), 100U * (1 + 4));
+  EXPECT_EQ(of_hundred(quick_fetch(), [](std::uint32_t n) { return wave(n, 1, 4, 64, 16); }), 100U * (1 + 4 * 4));
+}
+
+TEST(RasterUnit, SetsUpATriangleEachInterval) {
+  RasterUnitConfig config = quick_fetch();
+  config.setup_interval = 9;
+  EXPECT_EQ(of_hundred(config, [](std::uint32_t n) { return wave(n, 1, 1); }), 100U * 9);
+}
+
+TEST(RasterUnit, SetsTrianglesUpAgainForEachPartThatItsDepthBufferHolds) {
+  RasterUnitConfig config = quick_fetch();
+  config.setup_interval = 9;
+  config.depth_buffer.bytes = 64 * config.depth_bytes;
+  EXPECT_EQ(of_hundred(config, [](std::uint32_t n) { return wave(n, 1, 1, 129); }), 100U * 9 * 3);
+}
+
+TEST(RasterUnit, PutsAnEntryIntoAListACycle) {
+  EXPECT_EQ(of_hundred(quick_fetch(), [](std::uint32_t n) { return batch(n, 16); }), 100U * 16 + 100)
+      << "and writes a line of 16 entries a cycle";
+  EXPECT_EQ(of_hundred(quick_fetch(), [](std::uint32_t n) { return batch(n, 0); }), 100U) << "culls one a cycle";
+}
+
+TEST(RasterUnit, TransformsAVertexEachInterval) {
+  RasterUnitConfig config = quick_fetch();
+  config.vertex_interval = 4;
+  const auto strangers = [](std::uint32_t n) {
+    std::vector<RasterTriangle> all = triangles(n, {});
+    for (std::uint32_t i = 0; i < n; ++i) all[i].vertices = {48 * i, 48 * i + 16, 48 * i + 32};
+    return tile_of(WorkNode::Kind::kBin, n, all);
+  };
+  EXPECT_EQ(of_hundred(config, strangers), 100U * 3 * 4);
+  const TileWork work = strangers(100);
+  RasterHarness harness(config);
+  harness.add(work).run();
+  EXPECT_EQ(harness.stats().vertices_transformed, 300U);
+  EXPECT_EQ(harness.written().size(), 300U) << "each in a line of its own";
+}
+
+TEST(RasterUnit, LooksUpSoManyLinesACycle) {
+  RasterUnitConfig config;
+  config.lookups = 1;
+  // Of an entry, of a triangle's numbers, of three vertices.
+  EXPECT_EQ(of_hundred(config, [](std::uint32_t n) { return wave(n, 1, 1); }), 100U * 5);
+}
+
+TEST(RasterUnit, WritesHitsOfAWaveAtItsWidth) {
+  const RasterUnitConfig config;
+  EXPECT_EQ(cycles(config, wave(1, 1, 1, 512)) - cycles(config, wave(1, 1, 1, 256)), 256U * 16 / 64);
+  EXPECT_EQ(cycles(config, wave(0, 0, 0, 512)) - cycles(config, wave(0, 0, 0, 256)), 256U * 16 / 64);
+}
+
+TEST(RasterUnit, UsesVerticesAgainThatItHasLatelyTransformed) {
+  const TileWork work = batch(100, 1);
+  RasterHarness harness(RasterUnitConfig{});
+  harness.add(work).run();
+  EXPECT_EQ(harness.stats().vertices_transformed, 3U);
+  EXPECT_EQ(harness.stats().vertices_reused, 297U);
+  EXPECT_EQ(harness.stats().triangles, 100U);
+  EXPECT_EQ(harness.stats().triangles_culled, 0U);
+}
+
+TEST(RasterUnit, WritesEachEntryOnce) {
+  const TileWork work = batch(100, 3);
+  RasterHarness harness(RasterUnitConfig{});
+  harness.add(work).run();
+  EXPECT_EQ(harness.stats().entries_written, 300U);
+  // 3 vertices of 16 bytes in lines 0, 1 and 2 of theirs; 300 entries of 4 bytes in 19 lines.
+  EXPECT_EQ(harness.written().size(), 3U + 19U);
+  EXPECT_EQ(harness.stats().writes, harness.written().size());
+}
+
+TEST(RasterUnit, LeavesHiddenQuadsOutIfItMay) {
+  TileWork work = wave(10, 4, 8);
+  for (RasterTriangle& t : work.raster_triangles) {
+    t.hidden_blocks = 2;
+    t.hidden_quads = 5;
+    t.hidden_samples = 20;
+  }
+  RasterUnitConfig config;
+  RasterHarness with(config);
+  with.add(work).run();
+  config.hierarchical_z = false;
+  RasterHarness without(config);
+  without.add(work).run();
+  EXPECT_EQ(with.stats().quads, 30U);
+  EXPECT_EQ(without.stats().quads, 80U);
+  EXPECT_EQ(with.stats().samples_hidden, 200U);
+  EXPECT_EQ(without.stats().samples_hidden, 0U);
+  EXPECT_EQ(without.cycles() - with.cycles(), 50U);
+  EXPECT_EQ(with.stats().samples_failed + 200, without.stats().samples_failed);
+}
+
+TEST(RasterUnit, FetchesListsOfTheNextWaveWhileItCoversOne) {
+  const TileWork one = wave(50, 10, 10), other = wave(50, 10, 10);
+  RasterHarness alone(RasterUnitConfig{}, false, 100), both(RasterUnitConfig{}, false, 100);
+  alone.add(one).run();
+  both.add(one).add(other).run();
+  // The second has its lines at hand: nothing but its coverage and its hits are added.
+  EXPECT_LE(both.cycles() - alone.cycles(), 50U * 20 + 64 * 16 / 64 + 4);
+}
+
+TEST(RasterUnit, ChargesEveryCycleToAReason) {
+  const TileWork first = batch(40, 20), second = wave(30, 2, 3), third = wave(0, 0, 0);
+  RasterUnitConfig config;
+  config.window = 4;
+  config.l1.mshrs = 2;
+  RasterHarness harness(config, false, 50);
+  harness.add(first).add(second).add(third).run();
+  std::uint64_t all = 0;
+  for (int why = 0; why < static_cast<int>(RasterUnit::CycleReason::kCount); ++why) {
+    all += harness.spent(static_cast<RasterUnit::CycleReason>(why));
+  }
+  EXPECT_EQ(all, harness.end());
+  EXPECT_GT(harness.spent(RasterUnit::CycleReason::kMemory), 50U);
+  EXPECT_GT(harness.spent(RasterUnit::CycleReason::kListing), 40U * 19);
+  EXPECT_GE(harness.spent(RasterUnit::CycleReason::kCovering), 30U * 5);
+}
+
+TEST(RasterUnit, IsTheSameForEngineAndOracle) {
+  const TileWork first = batch(40, 20), second = wave(30, 2, 3), third = wave(0, 0, 0);
+  for (const std::uint32_t small : {1, 3}) {
+    RasterUnitConfig config;
+    config.window = config.l1.mshrs = config.queue = config.jobs = small;
+    config.write_buffer = 4;
+    RasterHarness fast(config, false, 30), oracle(config, false, 30);
+    fast.add(first).add(second).add(third).add(second).run();
+    oracle.add(first).add(second).add(third).add(second).run<sim::Skip::kOff>();
+    EXPECT_EQ(fast.cycles(), oracle.cycles());
+    for (int why = 0; why < static_cast<int>(RasterUnit::CycleReason::kCount); ++why) {
+      EXPECT_EQ(fast.spent(static_cast<RasterUnit::CycleReason>(why)),
+                oracle.spent(static_cast<RasterUnit::CycleReason>(why)))
+          << RasterUnit::kReasons[static_cast<std::size_t>(why)].name;
+    }
+    EXPECT_EQ(fast.read(), oracle.read());
+  }
+}
+
+}  // namespace
+}  // namespace hw

@@ -1,0 +1,24 @@
+#pragma once
+#include <cstdint>
+
+#include "sim/config/field.h"
+#include "sim/named.h"
+
+namespace traces {
+
+/// Shapes that a rasteriser's work is cut into.
+struct RasterConfig {
+  std::uint32_t batch = 1024;
+  std::uint32_t block = 8;
+
+  static void describe(auto& c, auto&& field) {
+    using sim::Affects;
+    field(NAMED(c.batch), "triangles", "triangles that a core puts into lists at a time, in the geometry pass",
+          sim::between(1, 1 << 20), Affects::kFunction);
+    field(NAMED(c.block), "pixels",
+          "side of a block of pixels: coarse coverage is found of it, and the hierarchical z buffer keeps its depth",
+          sim::power_of_two(2, 64), Affects::kFunction);
+  }
+};
+
+}  // namespace traces

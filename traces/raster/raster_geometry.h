@@ -1,0 +1,27 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "traces/accel/memory_image.h"
+
+namespace traces {
+
+/// A scene as a rasteriser draws it: all triangles in world space, in the order of the memory image, instance by
+/// instance, over vertices that those share which have the same position to the last bit. Vertices are numbered as
+/// triangles first use them.
+struct RasterGeometry {
+  struct Triangle {
+    std::array<std::uint32_t, 3> vertices{};
+    std::uint32_t index = 0;         ///< of the memory image
+    std::uint32_t instance = kNone;  ///< two levels
+  };
+  std::vector<glm::dvec3> vertices;
+  std::vector<Triangle> triangles;
+};
+
+RasterGeometry raster_geometry(const MemoryImage& image);
+
+}  // namespace traces

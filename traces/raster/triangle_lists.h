@@ -1,0 +1,69 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "traces/raster/raster_geometry.h"
+#include "traces/raster/raster_view.h"
+
+namespace traces {
+
+/// Lists of the triangles that may show in each part of a picture, squares of so many pixels row by row. A triangle is
+/// in the list of every part that its bounds lie in and none of its edges shuts out; lists are in the order of
+/// triangles, one behind the other.
+class TriangleLists {
+ public:
+  /// `geometry` and `view` must outlive it.
+  TriangleLists(const RasterGeometry& geometry, const RasterView& view, double near, std::uint32_t side);
+
+  std::uint32_t count() const { return across_ * down_; }
+  std::uint32_t side() const { return side_; }
+  std::uint32_t entries() const { return static_cast<std::uint32_t>(entries_.size()); }
+  /// The list of the part that a point of the picture lies in.
+  std::uint32_t at(const glm::dvec2& point) const;
+  std::span<const std::uint32_t> list(std::uint32_t number) const {
+    return std::span(entries_).subspan(begin_[number], begin_[number + 1] - begin_[number]);
+  }
+  /// Index of its first entry among all.
+  std::uint32_t first(std::uint32_t number) const { return begin_[number]; }
+  /// Calls `f(list)` for each list that a triangle is in, in their order.
+  template <class F>
+  void each_of(std::uint32_t triangle, F&& f) const {
+    each_of(corners(triangle), f);
+  }
+
+ private:
+  std::array<Projected, 3> corners(std::uint32_t triangle) const;
+  template <class F>
+  void each_of(const std::array<Projected, 3>& corners, F&& f) const;
+
+  const RasterGeometry& geometry_;
+  const RasterView& view_;
+  const double near_;
+  const std::uint32_t side_, across_, down_;
+  std::vector<std::uint32_t> begin_, entries_;
+};
+
+template <class F>
+void TriangleLists::each_of(const std::array<Projected, 3>& corners, F&& f) const {
+  RasterBounds bounds;
+  EdgeFunctions edges;
+  if (!bounds_of(corners, near_, bounds) || !edges.set(corners)) return;
+  const auto& [low, high] = bounds.box;
+  if (!(high.x >= 0 && high.y >= 0 && low.x <= view_.width() && low.y <= view_.height())) return;
+  const auto part = [&](double pixels, std::uint32_t parts) {
+    const double at = pixels / side_;
+    return at <= 0 ? 0U : at >= parts ? parts - 1 : static_cast<std::uint32_t>(at);
+  };
+  const std::uint32_t x0 = part(low.x, across_), x1 = part(high.x, across_);
+  const std::uint32_t y0 = part(low.y, down_), y1 = part(high.y, down_);
+  for (std::uint32_t y = y0; y <= y1; ++y) {
+    for (std::uint32_t x = x0; x <= x1; ++x) {
+      const glm::dvec2 corner = glm::dvec2(x, y) * static_cast<double>(side_);
+      if (edges.may_touch({corner, corner + static_cast<double>(side_)})) f(y * across_ + x);
+    }
+  }
+}
+
+}  // namespace traces
