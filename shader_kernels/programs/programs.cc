@@ -40,7 +40,9 @@ std::unique_ptr<FrameProgram> make_plain(const ProgramSpec& spec, const Frame& f
 /// About the side of a tile in pixels.
 std::uint32_t side_of_tile(const ProgramSpec& spec, const Frame& f) {
   std::uint32_t grid = static_cast<std::uint32_t>(std::lround(std::sqrt(spec.samples)));
-  if (spec.kind == ProgramSpec::Kind::kSupersample) grid = 2;  // sub-pixels
+  using Kind = ProgramSpec::Kind;
+  const bool has_four = spec.kind == Kind::kReconstruct || spec.kind == Kind::kSraa;
+  if (has_four || spec.kind == Kind::kSupersample) grid = 2;  // samples, sub-pixels
   if (spec.kind == ProgramSpec::Kind::kUndersample) grid = f.programs.undersample.grid();
   return std::max(1U, f.render.tile / grid);
 }

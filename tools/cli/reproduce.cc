@@ -14,7 +14,7 @@ void add_reproduce(CLI::App& app, const std::vector<std::string>& argv) {
   CLI::App* verb = app.add_subcommand("reproduce", "Run a paper's experiments; print measured beside published");
   const auto options = std::make_shared<reproduce::Options>();
   options->argv = argv;
-  verb->add_option("paper", options->paper, "lee2016, kim2016, jin2009, sgrt-units or hybrid")->required();
+  verb->add_option("paper", options->paper, "lee2016, kim2016, jin2009, chiu, sgrt-units or hybrid")->required();
   verb->add_option("--scenes", options->scenes, "folder of .glb files for scenes that no built-in one stands in for");
   verb->add_flag("--quick", options->quick,
                  "some of the experiments at a sixteenth of the resolution, to see that they run");
