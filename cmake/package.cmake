@@ -29,6 +29,9 @@ install(TARGETS raywatt)
 install(TARGETS raywatt_search raywatt_images LIBRARY DESTINATION lib/raywatt)  # where the program looks
 install(DIRECTORY configs traces/workloads tests/validation/published DESTINATION ${share}/raywatt)
 install(DIRECTORY tools/python DESTINATION ${share}/raywatt PATTERN __pycache__ EXCLUDE)
+foreach(file page.js page.css libraries.js licences.txt)  # not there where npm was not
+  install(FILES ${CMAKE_BINARY_DIR}/report_page/${file} DESTINATION ${share}/raywatt/report_page OPTIONAL)
+endforeach()
 install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(FILES README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(FILES cmake/copyright DESTINATION ${CMAKE_INSTALL_DOCDIR})

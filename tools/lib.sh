@@ -98,12 +98,19 @@ build() {
   step "build $preset" with_progress cmake --build --preset "$preset" "$@"
 }
 
-# Puts the glTF validator that tests/tools/gltf_validator pins into the build tree of PRESET, unless it is there.
-install_gltf_validator() {
-  local pinned=$root/tests/tools/gltf_validator folder=$root/build/$1/gltf_validator
+# install_npm_packages NAME PINNED PRESET: puts the packages that the folder PINNED pins into the build tree's folder of
+# that name, unless they are there.
+install_npm_packages() {
+  local pinned=$root/$2 folder=$root/build/$3/$1
   [ "$install" = yes ] || return 0
   ! cmp -s "$pinned/package-lock.json" "$folder/installed.json" || return 0
   mkdir -p "$folder" && cp "$pinned"/package*.json "$folder" || fail "cannot write to $folder"
-  step "install the glTF validator" npm ci --prefix "$folder" --ignore-scripts --no-audit --no-fund
+  step "install ${1//_/ }" npm ci --prefix "$folder" --ignore-scripts --no-audit --no-fund
   cp "$pinned/package-lock.json" "$folder/installed.json"
+}
+
+# Puts the glTF validator and what drives a browser, pinned beside their tests, into the build tree of PRESET.
+install_test_packages() {
+  install_npm_packages gltf_validator tests/tools/gltf_validator "$1"
+  install_npm_packages page_tests tests/page "$1"
 }

@@ -26,6 +26,7 @@ constexpr std::array kFloors = {
     Floor{"tests", 20},
     Floor{"tools/cli", 18},
     Floor{"tools/studies/optimise", 17},
+    Floor{"tools/studies/report", 17},
     Floor{"tools/studies", 16},
     Floor{"tools/jobs", 15},
     Floor{"tools/sampling", 14},

@@ -88,6 +88,7 @@ int run(int argc, char** argv) {
   tools::add_bottleneck(app);
   tools::add_bench(app);
   tools::add_compare(app);
+  tools::add_report(app);
   tools::add_energy(app);
   tools::add_dvfs(app);
   tools::add_baseline(app, exit);

@@ -20,6 +20,7 @@ void add_kernels(CLI::App& app);
 void add_bottleneck(CLI::App& app);
 void add_bench(CLI::App& app);
 void add_compare(CLI::App& app);
+void add_report(CLI::App& app);
 void add_energy(CLI::App& app);
 void add_dvfs(CLI::App& app);
 void add_baseline(CLI::App& app, int& exit);

@@ -13,6 +13,7 @@
 #include "tools/analysis/picture.h"
 #include "tools/analysis/raster_pictures.h"
 #include "tools/analysis/report.h"
+#include "tools/host/command_text.h"
 #include "tools/host/interrupt.h"
 #include "tools/host/run_folder.h"
 #include "tools/host/standard_streams.h"
@@ -228,6 +229,8 @@ void run_frames(const JobOptions& options) {
   fmt::print("{}\n", for_terminal(report_table(json)));
   if (job.has_picture()) fmt::print("picture: {}\n", (folder.target() / "image.png").string());
   fmt::print("report:  {}\n", (folder.target() / "report.json").string());
+  fmt::print("page:    raywatt report {0} -o {1}\n", command_text({folder.target().string()}),
+             command_text({folder.target().string() + ".html"}));
 }
 
 }  // namespace tools

@@ -58,6 +58,14 @@ nlohmann::ordered_json comparison_json(const std::vector<ReportFile>& reports, c
 /// The same for a terminal.
 std::string comparison_text(const std::vector<ReportFile>& reports, const std::vector<Comparison>& against);
 
+// Words of it, for whoever shows a comparison.
+/// A change: "+1.4 %", "x2.08", "new", "gone", "=".
+std::string change_text(const Pair& pair);
+/// Names of the runs, those of their folders; with letters before them where two are alike.
+std::vector<std::string> short_names(const std::vector<ReportFile>& reports);
+/// Names of `Comparison::time` in words: "tree misses: DRAM".
+std::vector<Pair> in_words(std::vector<Pair> times);
+
 /// Warnings on what should be read with care: one line each.
 std::vector<std::string> comparison_warnings(const std::vector<ReportFile>& reports,
                                              const std::vector<Comparison>& against);

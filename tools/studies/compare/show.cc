@@ -14,17 +14,6 @@ namespace {
 
 constexpr std::size_t kShown = 8;  ///< lines of a list; --json has all
 
-/// A change in words: "+1.4 %", "x2.08", "new".
-std::string change_text(const Pair& pair) {
-  if (pair.a == pair.b) return "=";
-  if (pair.a == 0) return "new";
-  if (pair.b == 0) return "gone";
-  const double times = pair.b / pair.a;
-  if (times >= 2) return fmt::format("x{:.3g}", times);
-  const double percent = 100 * (times - 1);
-  return fmt::format("{:+.{}f} %", percent, std::abs(percent) < 1 ? 2 : 1);
-}
-
 /// A difference beside its noise: "within ± 2 %", or with replicates "mean +1.4 ± 0.52 %, outside".
 std::string noise_text(const Pair& pair) {
   if (!pair.noise || (pair.a == pair.b && !pair.noise->measured)) return "";
@@ -54,19 +43,6 @@ std::string short_name(const ReportFile& report) {
   const std::string folder = file.parent_path().filename().string();
   const bool usual = file.filename() == "report.json" && !folder.empty() && folder != "." && folder != "..";
   return sim::printable(usual ? folder : file.stem().string(), 40);
-}
-
-std::vector<std::string> short_names(const std::vector<ReportFile>& reports) {
-  std::vector<std::string> names;
-  for (const ReportFile& report : reports) names.push_back(short_name(report));
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    if (std::ranges::count(names, names[i]) > 1) {
-      for (std::size_t k = 0; k < names.size(); ++k)
-        names[k] = fmt::format("{}:{}", static_cast<char>('A' + k % 26), names[k]);
-      break;
-    }
-  }
-  return names;
 }
 
 std::string figure_text(const std::string& name, double value) {
@@ -142,29 +118,6 @@ double difference_of(const Comparison& c, const char* figure) {
   return found == c.figures.end() ? 0 : found->difference();
 }
 
-/// Words for the parts of totals.top_down.
-std::vector<Pair> in_words(std::vector<Pair> times) {
-  static const std::map<std::string, const char*> kWords = {
-      {"kernels", "kernels run"},
-      {"switches", "kernel switches"},
-      {"banks", "tile-buffer banks"},
-      {"boxes", "box tests"},
-      {"triangles", "triangle tests"},
-      {"pipes", "T&I pipelines"},
-      {"transfers", "transfers"},
-      {"no_tile", "no tile"},
-      {"data_misses.dram", "data-cache misses: DRAM"},
-      {"data_misses.l2", "data-cache misses: L2"},
-      {"data_misses.interconnect", "data-cache misses: interconnect"},
-      {"tree_misses.dram", "tree misses: DRAM"},
-      {"tree_misses.l2", "tree misses: L2"},
-      {"tree_misses.interconnect", "tree misses: interconnect"}};
-  for (Pair& time : times) {
-    if (const auto word = kWords.find(time.name); word != kWords.end()) time.name = word->second;
-  }
-  return times;
-}
-
 std::string config_text(const Comparison& c) {
   if (c.config.empty()) return "configurations are equal\n";
   std::string out = "configuration\n";
@@ -214,6 +167,51 @@ std::string explanation(const Comparison& c, const std::vector<std::string>& nam
 }
 
 }  // namespace
+
+std::string change_text(const Pair& pair) {
+  if (pair.a == pair.b) return "=";
+  if (pair.a == 0) return "new";
+  if (pair.b == 0) return "gone";
+  const double times = pair.b / pair.a;
+  if (times >= 2) return fmt::format("x{:.3g}", times);
+  const double percent = 100 * (times - 1);
+  return fmt::format("{:+.{}f} %", percent, std::abs(percent) < 1 ? 2 : 1);
+}
+
+std::vector<std::string> short_names(const std::vector<ReportFile>& reports) {
+  std::vector<std::string> names;
+  for (const ReportFile& report : reports) names.push_back(short_name(report));
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (std::ranges::count(names, names[i]) > 1) {
+      for (std::size_t k = 0; k < names.size(); ++k)
+        names[k] = fmt::format("{}:{}", static_cast<char>('A' + k % 26), names[k]);
+      break;
+    }
+  }
+  return names;
+}
+
+std::vector<Pair> in_words(std::vector<Pair> times) {
+  static const std::map<std::string, const char*> kWords = {
+      {"kernels", "kernels run"},
+      {"switches", "kernel switches"},
+      {"banks", "tile-buffer banks"},
+      {"boxes", "box tests"},
+      {"triangles", "triangle tests"},
+      {"pipes", "T&I pipelines"},
+      {"transfers", "transfers"},
+      {"no_tile", "no tile"},
+      {"data_misses.dram", "data-cache misses: DRAM"},
+      {"data_misses.l2", "data-cache misses: L2"},
+      {"data_misses.interconnect", "data-cache misses: interconnect"},
+      {"tree_misses.dram", "tree misses: DRAM"},
+      {"tree_misses.l2", "tree misses: L2"},
+      {"tree_misses.interconnect", "tree misses: interconnect"}};
+  for (Pair& time : times) {
+    if (const auto word = kWords.find(time.name); word != kWords.end()) time.name = word->second;
+  }
+  return times;
+}
 
 std::string comparison_text(const std::vector<ReportFile>& reports, const std::vector<Comparison>& against) {
   const std::vector<std::string> names = short_names(reports);

@@ -8,6 +8,7 @@
 #include "sim/io/json.h"
 #include "sim/io/printable.h"
 #include "sim/report/table.h"
+#include "tools/host/command_text.h"
 #include "tools/studies/sweep/results/index/csv.h"
 
 namespace tools::optimise {
@@ -17,23 +18,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMostCommands = 20;  // in the terminal; front.csv has all
 
-/// A word as a shell takes it.
-std::string shell_word(const std::string& word) {
-  const auto is_plain = [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-           std::string_view("-_./=:,%+@").find(c) != std::string_view::npos;
-  };
-  if (!word.empty() && std::ranges::all_of(word, is_plain)) return word;
-  std::string quoted = "'";
-  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return quoted + "'";
-}
-
-std::string command_of(const Trial& trial) {
-  std::vector<std::string> words;
-  for (const std::string& word : trial.point.options().argv) words.push_back(shell_word(word));
-  return fmt::format("{}", fmt::join(words, " "));
-}
+std::string command_of(const Trial& trial) { return command_text(trial.point.options().argv); }
 
 /// Objectives and constraints; a figure that has several goals once.
 std::vector<std::size_t> shown_goals(const SearchRun& search) {

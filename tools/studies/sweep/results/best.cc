@@ -4,10 +4,10 @@
 #include <optional>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "sim/error.h"
 #include "sim/io/printable.h"
+#include "tools/host/command_text.h"
 #include "tools/studies/sweep/results/cells.h"
 #include "tools/studies/sweep/results/condition.h"
 #include "tools/studies/sweep/results/energy_band.h"
@@ -16,23 +16,13 @@
 namespace tools::results {
 namespace {
 
-/// A word as a shell takes it.
-std::string shell_word(const std::string& word) {
-  constexpr std::string_view kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./:,=%+@";
-  if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
-  std::string out = "'";
-  for (const char c : word) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return out + "'";
-}
-
-/// The same with the configuration as it was, whatever has become of the files that the sweep began with.
+/// The command that runs a point again with its configuration as it was, whatever has become of the files that the
+/// sweep began with.
 std::string rerun_command(sweep::Point point, const std::string& config) {
   point.config = config;
   point.sets.clear();
   for (std::string* in_config : {&point.scene, &point.camera, &point.frames, &point.resolution}) in_config->clear();
-  std::vector<std::string> words = point.options().argv;
-  for (std::string& word : words) word = shell_word(word);
-  return fmt::format("{}", fmt::join(words, " "));
+  return command_text(point.options().argv);
 }
 
 }  // namespace

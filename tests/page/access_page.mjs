@@ -1,0 +1,41 @@
+// Pages for everybody: axe finds nothing serious, in light, dark, on a narrow window and on paper.
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { axe, look } from "./surroundings.mjs";
+
+async function check(page) {
+  await page.evaluate(axe);
+  const { violations } = await page.evaluate(() => window.axe.run(document, { resultTypes: ["violations"] }));
+  const grave = violations.filter((v) => ["serious", "critical"].includes(v.impact));
+  assert.deepEqual(grave.map((v) => `${v.id}: ${v.nodes.map((n) => n.html.slice(0, 120)).slice(0, 3).join(" | ")}`), []);
+}
+
+for (const name of ["run.html", "diff.html", "sweep.html"]) {
+  for (const surroundings of [{ theme: "light" }, { theme: "dark" }, { width: 360 }]) {
+    test(`${name} ${JSON.stringify(surroundings)}`, () => look(name, surroundings, async (page) => {
+      const wide = await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
+      assert.ok(wide <= 0, `${wide} pixels stand out of the window`);
+      await check(page);
+    }));
+  }
+  test(`${name} on paper`, () => look(name, {}, async (page) => {
+    await page.emulateMedia({ media: "print" });
+    assert.equal(await page.locator("nav").isVisible(), false);
+    assert.equal(await page.locator(".sentence").isVisible(), true);
+    assert.ok((await page.pdf({ format: "A4" })).length > 20000);
+    await check(page);
+  }));
+}
+
+test("the theme that is asked for stands in the address and recolours the charts", () => look("run.html", {}, async (page) => {
+  const ground = () => page.evaluate(() => getComputedStyle(document.body).backgroundColor);
+  const before = await ground();
+  await page.getByLabel("Theme").selectOption("dark");
+  assert.notEqual(await ground(), before);
+  assert.equal(await page.evaluate(() => location.hash), "#theme=dark");
+}));
+
+test("everything that can be clicked is reached by the keyboard", () => look("sweep.html", {}, async (page) => {
+  const lost = await page.evaluate(() => [...document.querySelectorAll("button, a, select, input, .choosable, .stage")].filter((e) => e.tabIndex < 0).length);
+  assert.equal(lost, 0);
+}));

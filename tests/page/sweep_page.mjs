@@ -1,0 +1,40 @@
+// The page of a sweep.
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { test } from "node:test";
+import { folder, look, program, raywatt } from "./surroundings.mjs";
+
+test("the table sorts, filters, and shows all points", () => look("sweep.html", {}, async (page) => {
+  const table = page.locator('[data-block="points"]');
+  assert.equal(await table.locator("tbody tr").count(), 12);
+  await table.getByRole("button", { name: "frame rate, frames/s" }).click();
+  const titles = await table.locator("thead th").allInnerTexts();
+  const place = titles.findIndex((t) => t.startsWith("frame rate")) + 1;
+  const rates = (await table.locator(`tbody tr td:nth-child(${place})`).allInnerTexts()).map(Number);
+  assert.deepEqual(rates, [...rates].sort((a, b) => a - b));
+  await table.getByRole("searchbox").fill("cores=2 tni.trvs>=2");
+  assert.equal(await table.locator("tbody tr").count(), 4);
+  assert.match(await page.evaluate(() => decodeURIComponent(location.hash)), /filter\.points=cores=2/);
+}));
+
+test("the front is that of sweep pareto, for the first figures and for any others", () => look("sweep.html", {}, async (page) => {
+  for (const [x, y] of [["totals.power_w.nominal", "totals.perf.fps"], ["totals.cycles", "totals.energy_mj.nominal"]]) {
+    const lines = program("sweep", "pareto", "sweep", "--x", x, "--y", y, "--csv").trim().split("\n").slice(1).map((l) => l.split(","));
+    const wanted = lines.filter((l) => l[0] !== "~").map((l) => Number(l[1])).sort((a, b) => a - b);
+    await page.getByLabel("x", { exact: true }).selectOption(x);
+    await page.getByLabel("y", { exact: true }).selectOption(y);
+    const found = await page.locator('[data-block="scatter"]').evaluate((figure) => figure.front());
+    assert.deepEqual([...found].sort((a, b) => a - b), wanted);
+  }
+}));
+
+test("a chosen point shows the command that runs it again, and that command does", () => look("sweep.html", { hash: "#point=7" }, async (page) => {
+  const command = await page.locator(".command code").innerText();
+  assert.match(command, /^raywatt run sgrt-2016 .*--set cores=2/);
+  const rerun = JSON.parse(execFileSync("/bin/sh", ["-c", `${command.replace(/^raywatt/, raywatt)} --json --quiet -o again`], { cwd: folder }));
+  const shown = await page.locator(".details dl > div", { hasText: /^frame rate/ }).locator("dd").innerText();
+  assert.ok(Math.abs(Number.parseFloat(shown) / rerun.perf.fps - 1) < 1e-3, `${shown} ${rerun.perf.fps}`);
+  await page.locator('[data-block="points"] tbody tr').first().click();
+  assert.match(await page.locator(".details h4").innerText(), /Point 0/);
+  assert.match(await page.evaluate(() => location.hash), /point=0/);
+}));

@@ -1,0 +1,189 @@
+#include <cmath>
+#include <filesystem>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/tools/program.h"
+
+// The data of pages and what `raywatt report` refuses; tests/page looks at pages in a browser.
+
+namespace test {
+namespace {
+
+using Json = nlohmann::json;
+namespace fs = std::filesystem;
+
+/// Two small runs and a sweep, made once, and scripts that do nothing.
+class Pages : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder = new TempFolder;
+    for (const char* name : {"page.js", "libraries.js", "page.css"}) {
+      fs::create_directories(folder->path() / "scripts/report_page");
+      folder->write(std::string("scripts/report_page/") + name, std::string("/* ") + name + " */");
+    }
+    const Words small = {"--resolution", "32x16", "--set", "scene.triangles=500"};
+    Words base = {"run", "--quiet", "--threads", "1", "-o", "base"},
+          ports = {"run", "--quiet", "--threads", "1", "-o", "ports"};
+    base.insert(base.end(), small.begin(), small.end());
+    ports.insert(ports.end(), small.begin(), small.end());
+    ports.insert(ports.end(), {"--set", "srp.array.cache_ports=2"});
+    ASSERT_EQ(in_folder(base).exit, 0);
+    ASSERT_EQ(in_folder(ports).exit, 0);
+    folder->write("sweep.yaml",
+                  "schema: raywatt-sweep/1\nresolution: 16x16\nsets: [scene.triangles=500]\naxes: {cores: [1, 2], "
+                  "tni.trvs: [1, 2]}\n");
+    ASSERT_EQ(in_folder({"sweep", "run", "sweep.yaml", "-o", "sweep", "--store", "store", "-j", "1"}).exit, 0);
+  }
+  static void TearDownTestSuite() {
+    delete folder;
+    folder = nullptr;
+  }
+  static Ending in_folder(const Words& words) {
+    return raywatt(words,
+                   {.folder = folder->path(), .variables = {{"RAYWATT_PATH", (folder->path() / "scripts").string()}}});
+  }
+  /// The text of the page of what is given.
+  static std::string page_of(Words what) {
+    what.insert(what.begin(), "report");
+    what.insert(what.end(), {"-o", "page.html", "--force"});
+    const Ending ending = in_folder(what);
+    EXPECT_EQ(ending.exit, 0) << ending.err;
+    return read_bytes(folder->path() / "page.html");
+  }
+  static Json model_of(const std::string& html) {
+    const std::string begin = R"(<script type="application/json" id="data">)";
+    const std::size_t at = html.find(begin) + begin.size();
+    return Json::parse(html.substr(at, html.find("</script>", at) - at));
+  }
+  static Json view_of(const Words& what) { return model_of(page_of(what))["views"][0]; }
+  /// A column of a dataset.
+  static std::vector<Json> column(const Json& view, const char* data, const std::string& field) {
+    std::vector<Json> out;
+    const Json& columns = view["data"][data]["columns"];
+    std::size_t at = 0;
+    while (at < columns.size() && columns[at]["field"] != field) ++at;
+    EXPECT_LT(at, columns.size()) << field;
+    for (const Json& row : view["data"][data]["rows"]) out.push_back(row[at]);
+    return out;
+  }
+  static TempFolder* folder;
+};
+TempFolder* Pages::folder = nullptr;
+
+TEST_F(Pages, OfARunNameTheLargestBoundOfItsReportFirst) {
+  const Json totals = read_json(folder->path() / "base/report.json")["totals"];
+  double most = 0;
+  for (const auto& [name, speedup] : totals["bottleneck"]["estimated_speedup"].items())
+    most = std::max(most, speedup.get<double>());
+  const Json view = view_of({"base"});
+  char bound[16];
+  std::snprintf(bound, sizeof bound, "×%.2f", most);
+  EXPECT_SAYS(view["verdict"]["sentence"].get<std::string>(), bound);
+  EXPECT_EQ(column(view, "bounds", "speedup")[0], most);
+}
+
+TEST_F(Pages, OfARunHaveStacksThatSumToOne) {
+  const Json view = view_of({"base"});
+  double sum = 0;
+  const std::vector<Json> who = column(view, "stacks", "who"), share = column(view, "stacks", "share");
+  for (std::size_t i = 0; i < who.size(); ++i) sum += who[i] == "core 1" ? share[i].get<double>() : 0;
+  EXPECT_NEAR(sum, 1, 1e-9);
+}
+
+TEST_F(Pages, OfARunHaveAFlowOfEnergyThatLosesNothing) {
+  const Json energy = read_json(folder->path() / "base/report.json")["totals"]["energy_mj"];
+  const Json view = view_of({"base"});
+  const std::vector<Json> from = column(view, "flow", "from");
+  for (const char* side : {"low", "nominal", "high"}) {
+    const std::vector<Json> mj = column(view, "flow", side);
+    double blocks = 0, ends = 0;
+    for (std::size_t i = 0; i < from.size(); ++i) (from[i] == "GPU with memory" ? blocks : ends) += mj[i].get<double>();
+    EXPECT_NEAR(blocks / energy[side].get<double>(), 1, 1e-9) << side;
+    EXPECT_NEAR(ends / energy[side].get<double>(), 1, 1e-9) << side;
+  }
+}
+
+TEST_F(Pages, OfARunSayWhatBoundsTheIntervalOfEachKernel) {
+  const Json view = view_of({"base"});
+  for (const Json& bound : column(view, "kernels", "bound")) EXPECT_TRUE(bound.is_string());
+}
+
+TEST_F(Pages, OfTwoRunsGoFromOneToTheOtherWithoutAGap) {
+  const double a = read_json(folder->path() / "base/report.json")["totals"]["cycles"];
+  const double b = read_json(folder->path() / "ports/report.json")["totals"]["cycles"];
+  const Json view = view_of({"base", "ports"});
+  const std::vector<Json> from = column(view, "cycles", "from"), to = column(view, "cycles", "to");
+  ASSERT_GE(to.size(), 3U);
+  EXPECT_EQ(to.front(), a);
+  EXPECT_EQ(to.back(), b);
+  for (std::size_t i = 1; i + 1 < to.size(); ++i) EXPECT_NEAR(from[i].get<double>(), to[i - 1].get<double>(), 1e-6 * a);
+  EXPECT_NEAR(to[to.size() - 2].get<double>(), b, 1e-6 * a);
+  EXPECT_EQ(column(view, "keys", "key"), std::vector<Json>{"srp.array.cache_ports"});
+}
+
+TEST_F(Pages, OfASweepHaveAPointARowAndTheirCommands) {
+  const Json view = view_of({"sweep"});
+  EXPECT_EQ(column(view, "points", "n").size(), 4U);
+  EXPECT_EQ(column(view, "points", "cores"), (std::vector<Json>{"1", "1", "2", "2"}));
+  EXPECT_SAYS(column(view, "points", "command")[3].get<std::string>(), "--set tni.trvs=2");
+}
+
+TEST_F(Pages, AreTheSameBytesForTheSameRun) { EXPECT_EQ(page_of({"base"}), page_of({"base"})); }
+
+TEST_F(Pages, HoldNoNameAsMarkup) {
+  Json report = read_json(folder->path() / "base/report.json");
+  const std::string hostile = "</script><img src=x onerror=alert(1)><!--";
+  report["scene"]["name"] = hostile;
+  report["warnings"] = {hostile};
+  report["config"][hostile] = hostile;
+  fs::create_directories(folder->path() / "hostile");
+  folder->write("hostile/report.json", report.dump());
+  const std::string html = page_of({"hostile"});
+  EXPECT_EQ(html.find("<img"), std::string::npos);
+  EXPECT_EQ(html.find("<!--"), std::string::npos);
+  EXPECT_EQ(model_of(html)["views"][0]["notices"][0], hostile);
+}
+
+TEST_F(Pages, AllowTheirOwnScriptsAlone) {
+  const std::string html = page_of({"base"});
+  EXPECT_SAYS(html, "default-src &#39;none&#39;; script-src &#39;sha256-");
+  EXPECT_EQ(html.find("unsafe"), std::string::npos);
+}
+
+TEST_F(Pages, AreRefusedForWhatIsNoRunAndForMixedKinds) {
+  fs::create_directories(folder->path() / "empty");
+  expect_refusal(in_folder({"report", "empty", "-o", "x.html"}), {"report.json"});
+  expect_refusal(in_folder({"report", "nowhere", "-o", "x.html"}), {"nowhere"});
+  expect_refusal(in_folder({"report", "base", "sweep", "-o", "x.html"}), {"is a sweep", "allowed"});
+  expect_refusal(in_folder({"report", "sweep", "sweep", "-o", "x.html"}), {"is a sweep", "allowed"});
+  EXPECT_FALSE(fs::exists(folder->path() / "x.html"));
+}
+
+TEST_F(Pages, ReplacePagesAloneAndNeverALink) {
+  folder->write("mine.html", "<p>mine</p>");
+  expect_refusal(in_folder({"report", "base", "-o", "mine.html"}), {"mine.html"});
+  EXPECT_EQ(read_bytes(folder->path() / "mine.html"), "<p>mine</p>");
+  EXPECT_EQ(in_folder({"report", "base", "-o", "mine.html", "--force"}).exit, 0);
+  EXPECT_EQ(in_folder({"report", "base", "-o", "mine.html"}).exit, 0) << "a page replaces a page";
+  fs::create_symlink(folder->path() / "mine.html", folder->path() / "link.html");
+  expect_refusal(in_folder({"report", "base", "-o", "link.html", "--force"}), {"link.html"});
+  expect_refusal(in_folder({"report", "base", "-o", "base", "--force"}), {"base"});
+}
+
+TEST_F(Pages, SayWhatTheyLackOfABareReport) {
+  Json report = read_json(folder->path() / "base/report.json");
+  for (const char* part : {"units", "config", "scene", "frames", "program", "resolution"}) report.erase(part);
+  for (const char* part : {"top_down", "bottleneck", "kernels", "energy_by_block_mj", "area_band_mm2"})
+    report["totals"].erase(part);
+  fs::create_directories(folder->path() / "bare");
+  folder->write("bare/report.json", report.dump());
+  const Json view = view_of({"bare"});
+  EXPECT_SAYS(view["verdict"]["sentence"].get<std::string>(), "does not say");
+  EXPECT_SAYS(view["sections"].dump(), "no image.png");
+}
+
+}  // namespace
+}  // namespace test

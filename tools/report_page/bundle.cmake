@@ -1,0 +1,30 @@
+# cmake -DSOURCE=... -DWORK=... -DOUT=... -DNPM=... -DNODE=... -P bundle.cmake: page.js, libraries.js and page.css in OUT. Where the
+# registry is not reached it says so and leaves none: then the next build tries again, and everything but
+# `raywatt report` works.
+file(MAKE_DIRECTORY ${WORK} ${OUT})
+file(REMOVE ${OUT}/page.js ${OUT}/libraries.js ${OUT}/page.css ${OUT}/stamp)
+foreach(part package.json package-lock.json build.mjs src)
+  file(REMOVE_RECURSE ${WORK}/${part})
+  file(COPY ${SOURCE}/${part} DESTINATION ${WORK})
+endforeach()
+file(SHA256 ${WORK}/package-lock.json lock)
+set(installed)
+if(EXISTS ${WORK}/installed)
+  file(READ ${WORK}/installed installed)
+endif()
+set(failed 0)
+if(NOT installed STREQUAL lock)
+  execute_process(COMMAND ${NPM} ci --ignore-scripts --no-audit --no-fund WORKING_DIRECTORY ${WORK}
+    RESULT_VARIABLE failed OUTPUT_VARIABLE said ERROR_VARIABLE said)
+endif()
+if(failed EQUAL 0)
+  file(WRITE ${WORK}/installed ${lock})
+  execute_process(COMMAND ${NODE} build.mjs ${OUT} WORKING_DIRECTORY ${WORK}
+    RESULT_VARIABLE failed OUTPUT_VARIABLE said ERROR_VARIABLE said)
+  if(NOT failed EQUAL 0)
+    message(FATAL_ERROR "The scripts of pages cannot be bundled:\n${said}")
+  endif()
+  file(TOUCH ${OUT}/stamp)
+else()
+  message("No scripts of pages, so `raywatt report` cannot write any: npm ci failed in ${WORK}\n${said}")
+endif()

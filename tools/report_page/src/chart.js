@@ -1,0 +1,65 @@
+// Vega-Lite charts, interpreted: nothing of them is compiled into code, which the page's policy would refuse.
+import { h } from "./dom.js";
+import { frame } from "./block.js";
+import { records, saveSpec } from "./files.js";
+import { libraries } from "./lib.js";
+import * as theme from "./theme.js";
+
+const options = (expressionInterpreter) => ({
+  mode: "vega-lite", actions: false, ast: true, expr: expressionInterpreter, defaultStyle: false, config: theme.config(),
+  tooltip: { disableDefaultStyle: true, theme: "page" }, renderer: "canvas",
+  logLevel: 1,  // errors: a height in steps beside a width of its place is warned of, though it is what is meant
+});
+
+/** Draws a specification into an element, and again when the theme changes. `ready` gets the view. */
+export function drawn(element, spec, data, ready, more = {}) {
+  let view = null;
+  async function draw() {
+    const { embed, expressionInterpreter } = await libraries;
+    if (view && !element.isConnected) return;
+    view?.finalize();
+    const values = typeof data === "function" ? data() : records(data);
+    const colours = theme.coloured({ ...(typeof spec === "function" ? spec() : spec), data: { name: "rows" }, datasets: { rows: values, ...more } });
+    view = (await embed(element, colours, options(expressionInterpreter))).view;
+    const canvas = element.querySelector("canvas");
+    canvas?.setAttribute("role", "img");
+    canvas?.setAttribute("aria-label", element.dataset.about ?? "");
+    element.dataset.drawn = "";
+    ready?.(view);
+  }
+  theme.listen(draw);
+  const done = draw();
+  return { done, draw };
+}
+
+/** A chart of the page's data; drawn when it comes near the window, so that the first screen need not wait. */
+export function chart(block, data) {
+  const body = h("div", { class: "drawing", "data-about": block.about });
+  const spec = h("button", { type: "button", "aria-label": `${block.title}: Vega-Lite specification`,
+    onclick: () => saveSpec(block.id, block.spec, data) }, "Vega-Lite");
+  const figure = frame(block, body, { data, more: [spec] });
+  whenNear(figure, () => drawn(body, block.spec, data).done);
+  return figure;
+}
+
+const waiting = new Map();
+const near = new IntersectionObserver((entries) => {
+  for (const entry of entries) if (entry.isIntersecting) start(entry.target);
+}, { rootMargin: "600px" });
+
+function start(element) {
+  const draw = waiting.get(element);
+  if (!draw) return;
+  waiting.delete(element);
+  near.unobserve(element);
+  draw();
+}
+
+export function whenNear(element, draw) {
+  waiting.set(element, draw);
+  near.observe(element);
+}
+
+// Paper has no window to come near to.
+export const drawAll = () => [...waiting.keys()].forEach(start);
+window.addEventListener("beforeprint", drawAll);

@@ -1,0 +1,49 @@
+// Elements of the page. Text goes in as text alone, so that no name of a report becomes markup.
+
+/** h("a", {href: "#x", onclick: f, class: "y"}, "words", otherElement) */
+export function h(tag, attributes = {}, ...children) {
+  return fill(document.createElement(tag), attributes, children);
+}
+
+/** The same for a drawing. */
+export function s(tag, attributes = {}, ...children) {
+  return fill(document.createElementNS("http://www.w3.org/2000/svg", tag), attributes, children);
+}
+
+function fill(element, attributes, children) {
+  for (const [name, value] of Object.entries(attributes)) {
+    if (value === undefined || value === null || value === false) continue;
+    if (name.startsWith("on")) element.addEventListener(name.slice(2), value);
+    else element.setAttribute(name, value === true ? "" : String(value));
+  }
+  for (const child of children.flat()) {
+    if (child === undefined || child === null || child === false) continue;
+    element.append(child instanceof Node ? child : document.createTextNode(String(child)));
+  }
+  return element;
+}
+
+let ids = 0;
+export const newId = (prefix) => `${prefix}-${++ids}`;
+
+/** A list to choose from, with its label: choices are {value, name}. */
+export function choice(label, choices, value, change) {
+  const id = newId("choice");
+  const select = h("select", { id, onchange: () => change(select.value) },
+    choices.map((c) => h("option", { value: c.value }, c.name)));
+  select.value = value;
+  return h("span", { class: "choice" }, h("label", { for: id }, label), select);
+}
+
+/** Buttons of which one is on: choices are {value, name}. */
+export function switches(label, choices, value, change) {
+  const buttons = choices.map((c) =>
+    h("button", { type: "button", "aria-pressed": String(c.value === value), onclick: () => turn(c.value) }, c.name));
+  function turn(to) {
+    buttons.forEach((b, i) => b.setAttribute("aria-pressed", String(choices[i].value === to)));
+    change(to);
+  }
+  const group = h("span", { class: "switches", role: "group", "aria-label": label }, buttons);
+  group.turn = turn;
+  return group;
+}

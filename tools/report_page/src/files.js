@@ -1,0 +1,37 @@
+// Downloads, made from what the page holds.
+
+function save(name, type, text) {
+  const url = URL.createObjectURL(new Blob([text], { type }));
+  const link = document.createElement("a");
+  link.href = url;
+  link.download = name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(url), 10000);
+}
+
+/** A cell of CSV; a spreadsheet takes none of them for a formula. */
+function cell(value) {
+  if (value === null || value === undefined) return "";
+  if (typeof value === "number" || typeof value === "boolean") return String(value);
+  let text = String(value);
+  if (/^[=+\-@\t\r]/.test(text)) text = "'" + text;
+  return /[",\n\r]/.test(text) ? '"' + text.replaceAll('"', '""') + '"' : text;
+}
+
+/** All rows with all digits. */
+export function csvOf(data) {
+  const lines = [data.columns.map((c) => c.field), ...data.rows];
+  return lines.map((line) => line.map(cell).join(",")).join("\n") + "\n";
+}
+
+export const saveCsv = (name, data) => save(`${name}.csv`, "text/csv", csvOf(data));
+
+/** The specification with its data inside, as notebooks and editors open it. */
+export const saveSpec = (name, spec, data) =>
+  save(`${name}.vl.json`, "application/json", JSON.stringify({ ...spec, data: { values: records(data) } }, null, 1));
+
+/** Rows as objects. */
+export function records(data) {
+  const names = data.columns.map((c) => c.field);
+  return data.rows.map((row) => Object.fromEntries(names.map((name, i) => [name, row[i]])));
+}

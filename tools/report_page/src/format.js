@@ -1,0 +1,39 @@
+// Numbers as people read them: four digits at most, metric prefixes, units.
+
+const PREFIXES = [[1e12, "T"], [1e9, "G"], [1e6, "M"], [1e3, "k"]];
+
+const trimmed = (text) => (text.includes(".") ? text.replace(/\.?0+$/, "") : text);
+
+/** Four digits: 1234, 12.34, 0.001234. */
+export function digits(value) {
+  if (!Number.isFinite(value)) return String(value);
+  if (value === 0) return "0";
+  const size = Math.abs(value);
+  if (size >= 1e6 || size < 1e-4) return value.toExponential(3).replace(/\.?0+e/, "e");
+  if (size >= 1000) return String(Math.round(value));
+  return trimmed(value.toPrecision(4).includes("e") ? value.toFixed(6) : value.toPrecision(4));
+}
+
+export function si(value, unit = "") {
+  const size = Math.abs(value);
+  for (const [scale, prefix] of PREFIXES) {
+    if (size >= scale * 0.99995) return `${digits(value / scale)} ${prefix}${unit}`;
+  }
+  return unit ? `${digits(value)} ${unit}` : digits(value);
+}
+
+export function percent(share) {
+  const value = 100 * share;
+  return `${value.toFixed(Math.abs(value) < 9.995 ? 2 : 1)} %`;
+}
+
+/** A value as its column or figure shows it; what is not there is a dash. */
+export function shown(value, { show, unit = "" } = {}, withUnit = true) {
+  if (value === null || value === undefined || value === "") return "–";
+  if (typeof value !== "number") return String(value);
+  if (show === "percent") return percent(value);
+  if (show === "si") return si(value, withUnit ? unit : "");
+  if (show === "number" && Math.abs(value) >= 9999.5) return si(value, withUnit ? unit : "");
+  if (show === "number") return withUnit && unit ? `${digits(value)} ${unit}` : digits(value);
+  return String(value);
+}

@@ -1,0 +1,84 @@
+// Draws the page from its data.
+import { h, choice } from "./dom.js";
+import { chart } from "./chart.js";
+import { flow } from "./sankey.js";
+import { picture } from "./picture.js";
+import { pair } from "./pair.js";
+import { parallel, pointsTable, scatter } from "./points.js";
+import { series } from "./series.js";
+import { headlines } from "./headlines.js";
+import { frame } from "./block.js";
+import { sortableTable } from "./table.js";
+import { readLibraries } from "./lib.js";
+import * as state from "./state.js";
+import * as theme from "./theme.js";
+
+const model = JSON.parse(document.getElementById("data").textContent);
+const page = document.getElementById("page");
+
+const LONG = 12;  // rows from which a table has a filter
+
+function tableBlock(block, data) {
+  const { element } = sortableTable(block, data, { filter: data.rows.length > LONG });
+  const figure = frame(block, element, { data, table: true });
+  if (!block.folded) return figure;
+  return h("details", {}, h("summary", {}, block.title), figure);
+}
+
+const DRAWERS = {
+  text: (block) => h("p", {}, block.text),
+  chart: (block, data) => chart(block, data),
+  table: tableBlock,
+  sankey: flow,
+  picture,
+  pair,
+  scatter,
+  series,
+  points: pointsTable,
+  parallel,
+};
+
+function section(part, view) {
+  return h("section", { id: part.id, tabindex: "-1", "aria-labelledby": `title-${part.id}` },
+    h("h2", { id: `title-${part.id}` }, part.title),
+    part.lead && h("p", { class: "lead" }, part.lead),
+    part.blocks.map((block) => DRAWERS[block.type](block, view.data[block.data], view.data)));
+}
+
+export function go(id) {
+  const target = document.getElementById(id) ?? document.querySelector(`[data-block="${CSS.escape(id)}"]`);
+  target?.scrollIntoView();
+  target?.focus?.({ preventScroll: true });
+}
+
+const link = (words, id) => h("a", { href: `#${id}`, onclick: (event) => { event.preventDefault(); state.set({ at: id }); } }, words);
+
+function verdict(view) {
+  const { sentence, more, links } = view.verdict;
+  return h("div", { class: "verdict" }, h("p", { class: "sentence" }, sentence),
+    h("p", {}, more, more ? " " : "", "Evidence: ", links.flatMap(({ words, to }, i) => [i ? ", " : "", link(words, to)]), "."));
+}
+
+function draw() {
+  const index = Math.min(Number(state.get("view", "0")) || 0, model.views.length - 1);
+  const view = model.views[index];
+  const views = model.views.length > 1 &&
+    choice("Pair", model.views.map((v, i) => ({ value: String(i), name: v.name })), String(index), (value) => state.set({ view: value === "0" ? "" : value }));
+  page.replaceChildren(
+    h("header", {},
+      h("div", { class: "top" }, h("h1", {}, model.title), h("div", { class: "tools" }, views,
+        choice("Theme", theme.choices, state.get("theme"), (value) => state.set({ theme: value })))),
+      view.facts.length > 0 && h("dl", { class: "facts" }, view.facts.map((f) => h("div", {}, h("dt", {}, f.name), h("dd", {}, f.value)))),
+      h("nav", { "aria-label": "Parts of this page" }, view.sections.map((part) => link(part.id[0].toUpperCase() + part.id.slice(1), part.id)))),
+    h("main", {},
+      view.verdict && verdict(view),
+      view.notices.length > 0 && h("ul", { class: "notices", "aria-label": "Notices" }, view.notices.map((n) => h("li", {}, n))),
+      headlines(view.headlines),
+      view.sections.map((part) => section(part, view))));
+}
+
+draw();
+readLibraries();
+state.listen("view", draw);
+state.listen("at", (id) => id && go(id));
+if (state.get("at")) requestAnimationFrame(() => go(state.get("at")));

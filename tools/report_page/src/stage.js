@@ -1,0 +1,127 @@
+// A picture with a layer of values above it, and a probe under the pointer or the arrow keys.
+import { h } from "./dom.js";
+import { colourMap, shareOf } from "./colours.js";
+
+/** Pixels of an image as numbers, once it has come. */
+async function pixelsOf(url) {
+  const image = new Image();
+  image.src = url;
+  await image.decode();
+  const canvas = h("canvas", { width: image.naturalWidth, height: image.naturalHeight });
+  const context = canvas.getContext("2d", { willReadFrequently: true });
+  context.drawImage(image, 0, 0);
+  return { width: canvas.width, height: canvas.height, data: context.getImageData(0, 0, canvas.width, canvas.height).data };
+}
+
+/** A grid of tiles as numbers: columns, rows, and the value at a pixel. */
+export function gridOf(layer, width, height) {
+  const columns = Math.ceil(width / layer.tile), rows = Math.ceil(height / layer.tile);
+  return { columns, rows, at: (x, y) => layer.values[Math.floor(y / layer.tile) * columns + Math.floor(x / layer.tile)] };
+}
+
+function drawGrid(layer, grid, canvas, map) {
+  canvas.width = grid.columns;
+  canvas.height = grid.rows;
+  const context = canvas.getContext("2d");
+  const pixels = context.createImageData(grid.columns, grid.rows);
+  layer.values.forEach((value, i) => {
+    if (value === null || i >= grid.columns * grid.rows) return;
+    pixels.data.set([...map(shareOf(value, layer)), 255], 4 * i);
+  });
+  context.putImageData(pixels, 0, 0);
+}
+
+/** Values of pixels come as pictures whose red and green are a number of steps. */
+async function drawValues(layer, canvas, map) {
+  const { width, height, data } = await pixelsOf(layer.pixels);
+  canvas.width = width;
+  canvas.height = height;
+  const context = canvas.getContext("2d");
+  const pixels = context.createImageData(width, height);
+  const valueOf = (i) => (256 * data[4 * i] + data[4 * i + 1]) * layer.step;
+  for (let i = 0; i < width * height; ++i) pixels.data.set([...map(shareOf(valueOf(i), layer)), 255], 4 * i);
+  context.putImageData(pixels, 0, 0);
+  return (x, y, wide, high) => valueOf(Math.floor((y * height) / high) * width + Math.floor((x * width) / wide));
+}
+
+/**
+ * `probed(x, y, value)` is told of the pixel under the pointer, with null when it has left. `chosen(x, y)` of a click.
+ */
+export function stage({ width, height, picture, about }, { probed, chosen }) {
+  const image = h("img", { src: picture, alt: about, width, height });
+  const over = h("canvas", { class: "over", "aria-hidden": "true" });
+  const cross = h("span", { class: "cross", hidden: true });
+  const lit = h("canvas", { class: "over lit", "aria-hidden": "true" });
+  const element = h("div", { class: "stage", tabindex: "0", role: "application", "aria-label": `${about}. Arrow keys move the probe.` },
+    image, over, lit, cross);
+  let at = null, read = () => null;
+
+  function probe(x, y) {
+    at = [Math.max(0, Math.min(width - 1, Math.floor(x))), Math.max(0, Math.min(height - 1, Math.floor(y)))];
+    cross.hidden = false;
+    cross.style.left = `${(100 * (at[0] + 0.5)) / width}%`;
+    cross.style.top = `${(100 * (at[1] + 0.5)) / height}%`;
+    probed(at[0], at[1], read(at[0], at[1]));
+  }
+  function leave() {
+    cross.hidden = true;
+    probed(null, null, null);
+  }
+  const place = (event) => {
+    const box = image.getBoundingClientRect();
+    return [((event.clientX - box.left) / box.width) * width, ((event.clientY - box.top) / box.height) * height];
+  };
+  element.addEventListener("pointermove", (event) => probe(...place(event)));
+  element.addEventListener("pointerleave", () => document.activeElement !== element && leave());
+  element.addEventListener("click", (event) => { probe(...place(event)); chosen?.(...at); });
+  element.addEventListener("blur", leave);
+  element.addEventListener("keydown", (event) => {
+    const step = event.shiftKey ? 16 : 1;
+    const move = { ArrowLeft: [-step, 0], ArrowRight: [step, 0], ArrowUp: [0, -step], ArrowDown: [0, step] }[event.key];
+    const from = at ?? [width / 2, height / 2];
+    if (move) {
+      event.preventDefault();
+      probe(from[0] + move[0], from[1] + move[1]);
+    } else if (event.key === "Enter" && at) {
+      chosen?.(...at);
+    }
+  });
+
+  /** Shows a layer: tiles (`tile`, a list of values), pixels (`pixels`, an image), a picture, or none. */
+  element.show = async (layer, opacity) => {
+    image.src = layer?.picture ?? picture;
+    over.hidden = !layer || Boolean(layer.picture);
+    over.style.opacity = opacity;
+    read = () => null;
+    if (!layer || layer.picture) return null;
+    const map = await colourMap(layer);
+    if (layer.tile) {
+      const grid = gridOf(layer, width, height);
+      drawGrid(layer, grid, over, map);
+      over.style.width = `${(100 * grid.columns * layer.tile) / width}%`;
+      over.style.height = `${(100 * grid.rows * layer.tile) / height}%`;
+      read = grid.at;
+    } else {
+      const at = await drawValues(layer, over, map);
+      over.style.width = over.style.height = "100%";
+      read = (x, y) => at(x, y, width, height);
+    }
+    return map;
+  };
+  /** Lights tiles of a grid up and dims the others; nothing dims without a set. */
+  element.light = (tiles, tile) => {
+    lit.hidden = !tiles;
+    if (!tiles) return;
+    const columns = Math.ceil(width / tile), rows = Math.ceil(height / tile);
+    lit.width = columns;
+    lit.height = rows;
+    lit.style.width = `${(100 * columns * tile) / width}%`;
+    lit.style.height = `${(100 * rows * tile) / height}%`;
+    const context = lit.getContext("2d");
+    context.clearRect(0, 0, columns, rows);
+    context.fillStyle = "rgba(12, 18, 24, 0.72)";
+    for (let i = 0; i < columns * rows; ++i) if (!tiles.has(i)) context.fillRect(i % columns, Math.floor(i / columns), 1, 1);
+  };
+  lit.hidden = true;
+  return element;
+}

@@ -1,0 +1,38 @@
+// The state of the page is in the fragment of its address: what is sent or marked shows what its sender saw.
+
+const listeners = new Map();
+let state = read();
+
+function read() {
+  const text = decodeURIComponent(location.hash.slice(1));
+  return text.includes("=") ? new URLSearchParams(location.hash.slice(1)) : new URLSearchParams(text ? { at: text } : {});
+}
+
+export const get = (key, otherwise = "") => state.get(key) ?? otherwise;
+
+/** Sets keys; an empty value takes its key away. Those who listen are told, but for `from`. */
+export function set(changes, from) {
+  for (const [key, value] of Object.entries(changes)) {
+    if (value === "" || value === null || value === undefined) state.delete(key);
+    else state.set(key, value);
+  }
+  history.replaceState(null, "", "#" + state.toString());
+  for (const key of Object.keys(changes)) tell(key, from);
+}
+
+function tell(key, from) {
+  for (const listener of listeners.get(key) ?? []) if (listener !== from) listener(get(key));
+}
+
+export function listen(key, listener) {
+  if (!listeners.has(key)) listeners.set(key, []);
+  listeners.get(key).push(listener);
+}
+
+window.addEventListener("hashchange", () => {
+  const before = state;
+  state = read();
+  for (const key of new Set([...before.keys(), ...state.keys()])) {
+    if (before.get(key) !== state.get(key)) tell(key);
+  }
+});

@@ -1,0 +1,120 @@
+// Tables that sort, and that take a filter where they are long.
+import { h } from "./dom.js";
+import { shown } from "./format.js";
+import * as state from "./state.js";
+
+const MARKS = new Set(["shown", "order", "pale", "labelled", "right"]);
+const LONG = 36;  // characters from which a cell is broken into lines
+const WIDE = 7;  // columns above which no cell is broken
+const isNumeric = (column) => column.show !== "text";
+
+/** Columns that say something to a reader: not those that only order, place or label marks of a chart. */
+export function readable(data) {
+  return data.columns.map((column, i) => ({ ...column, i }))
+    .filter((c) => !MARKS.has(c.title));
+}
+
+function heading(column) {
+  const unit = column.unit && column.show !== "si" ? `, ${column.unit}` : "";
+  return column.title + unit;
+}
+
+function cellOf(row, column) {
+  const text = shown(row[column.i], column, column.show === "si");
+  return h("td", { class: isNumeric(column) ? "number" : text.length > LONG ? "long" : null }, text);
+}
+
+/** Rows as they are. */
+export function plainTable(title, data) {
+  return sortableTable({ id: "", title }, data, {}).element;
+}
+
+const compare = (a, b) => {
+  const none = (v) => v === null || v === undefined || v === "";
+  if (none(a) || none(b)) return none(a) - none(b);
+  if (typeof a === "number" && typeof b === "number") return a - b;
+  return String(a).localeCompare(String(b), "en", { numeric: true });
+};
+
+/** A filter of words, all of which a row has, and comparisons such as fps>=100, all of which it meets. */
+export function filterOf(text, columns) {
+  const tests = [];
+  for (const word of text.trim().split(/\s+/).filter(Boolean)) {
+    const found = word.match(/^([^<>=!]+)(<=|>=|!=|=|<|>)(.+)$/);
+    const column = found && columns.find((c) => [c.field, c.title].some((n) => n === found[1] || n.endsWith("." + found[1])));
+    if (!column) {
+      const low = word.toLowerCase();
+      tests.push((row) => columns.some((c) => String(row[c.i] ?? "").toLowerCase().includes(low)));
+      continue;
+    }
+    const [, , op, wanted] = found;
+    tests.push((row) => {
+      const value = row[column.i];
+      if (value === null || value === undefined) return false;
+      const as = typeof value === "number" && wanted !== "" && Number.isFinite(Number(wanted)) ? Number(wanted) : wanted;
+      const order = compare(value, as);
+      return { "<": order < 0, ">": order > 0, "<=": order <= 0, ">=": order >= 0, "=": order === 0, "!=": order !== 0 }[op];
+    });
+  }
+  return (row) => tests.every((test) => test(row));
+}
+
+/**
+ * A table whose headings sort. `id` names its state in the address; `chosen(i, row)` is told of a click on a row, and
+ * `filtered(rows)` of what a filter has left.
+ */
+export function sortableTable({ id, title }, data, { filter = false, chosen, filtered, hidden = new Set() } = {}) {
+  const columns = readable(data).filter((c) => !hidden.has(c.field));
+  let [sorted, way] = (id ? state.get(`sort.${id}`) : "").split(":");
+  const body = h("tbody");
+  const heads = columns.map((column) => {
+    const sort = h("button", { type: "button", onclick: () => turn(column.field) }, heading(column));
+    return h("th", { scope: "col", class: isNumeric(column) ? "number" : null }, sort);
+  });
+  const count = h("span", { class: "count", role: "status" });
+  const scroller = h("div", { class: "scroller", tabindex: "0", role: "region", "aria-label": `${title}, table` },
+    h("table", { class: columns.length > WIDE ? "wide" : null }, h("thead", {}, h("tr", {}, heads)), body));
+  const input = filter && h("input", { type: "search", value: state.get(`filter.${id}`), "aria-label": `Filter of ${title}`,
+    placeholder: "words, or comparisons: share>=0.1", oninput: () => { state.set({ [`filter.${id}`]: input.value }, show); show(); } });
+
+  function turn(field) {
+    if (sorted !== field) [sorted, way] = [field, "asc"];
+    else if (way === "asc") way = "desc";
+    else [sorted, way] = ["", ""];
+    if (id) state.set({ [`sort.${id}`]: sorted ? `${sorted}:${way}` : "" }, show);
+    show();
+  }
+
+  function show() {
+    const column = columns.find((c) => c.field === sorted);
+    heads.forEach((head, i) => {
+      if (columns[i] === column) head.setAttribute("aria-sort", way === "desc" ? "descending" : "ascending");
+      else head.removeAttribute("aria-sort");
+    });
+    const fits = input ? filterOf(input.value, columns) : () => true;
+    const rows = data.rows.map((row, i) => [row, i]).filter(([row]) => fits(row));
+    if (column) {
+      rows.sort(([a], [b]) => {
+        const [x, y] = [a[column.i], b[column.i]];
+        const none = (v) => v === null || v === undefined || v === "";
+        if (none(x) || none(y)) return none(x) - none(y);
+        return way === "desc" ? compare(y, x) : compare(x, y);
+      });
+    }
+    body.replaceChildren(...rows.map(([row, i]) => {
+      const line = h("tr", { "data-row": i }, columns.map((c) => cellOf(row, c)));
+      if (chosen) {
+        line.classList.add("choosable");
+        line.tabIndex = 0;
+        line.addEventListener("click", () => chosen(i, row));
+        line.addEventListener("keydown", (event) => event.key === "Enter" && chosen(i, row));
+      }
+      return line;
+    }));
+    if (input) count.textContent = `${rows.length} of ${data.rows.length}`;
+    filtered?.(new Set(rows.map(([, i]) => i)));
+  }
+  show();
+  const element = input ? h("div", {}, h("div", { class: "filter" }, input, count), scroller) : scroller;
+  return { element, body, show, mark: (i) => body.querySelectorAll("tr").forEach((r) => r.classList.toggle("chosen", r.dataset.row === String(i))) };
+}

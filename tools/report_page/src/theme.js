@@ -1,0 +1,85 @@
+// Light and dark: the page's colours are in page.css, those of the charts here.
+import * as state from "./state.js";
+
+const preferred = window.matchMedia("(prefers-color-scheme: dark)");
+const listeners = [];
+
+export const choices = [
+  { value: "", name: "as system" },
+  { value: "light", name: "light" },
+  { value: "dark", name: "dark" },
+];
+
+export function isDark() {
+  const asked = state.get("theme");
+  return asked ? asked === "dark" : preferred.matches;
+}
+
+/** The colours of specifications are those on a light ground; these stand for them on a dark one. */
+const DARK = {
+  "#1f5fa8": "#6fb0f2",
+  "#2b6cb0": "#5a9fe0",
+  "#63a0d8": "#3f74a8",
+  "#a9cbea": "#2d4f70",
+  "#b85c12": "#f0a35a",
+  "#e0964a": "#b97a3b",
+  "#f2c793": "#6e5233",
+  "#17736d": "#4fc0b2",
+  "#4aa89a": "#37877c",
+  "#9cd3c7": "#2a5a54",
+  "#6b4a95": "#b797dd",
+  "#a184c2": "#85689f",
+  "#cebfdf": "#54466a",
+  "#8a9099": "#8a94a0",
+  "#d3d7dc": "#3b444e",
+  "#1c2733": "#dfe6ed",
+  "#ffffff": "#0f151b",
+};
+
+/** A specification, or a part of one, in the colours of now. */
+export function coloured(spec) {
+  if (!isDark()) return spec;
+  return JSON.parse(JSON.stringify(spec), (key, value) => (typeof value === "string" && DARK[value]) || value);
+}
+export const colour = (light) => (isDark() && DARK[light]) || light;
+
+/** Vega's configuration of all charts. */
+export function config() {
+  const dark = isDark();
+  const ink = dark ? "#dfe6ed" : "#1c2733";
+  const soft = dark ? "#a3afbb" : "#55616e";
+  const line = dark ? "#2a333d" : "#e3e7eb";
+  const font = getComputedStyle(document.body).fontFamily;
+  return {
+    background: "transparent",
+    font,
+    padding: { left: 2, top: 4, right: 6, bottom: 2 },
+    view: { stroke: null },
+    axis: {
+      labelColor: ink, titleColor: soft, gridColor: line, domainColor: line, tickColor: line,
+      labelFontSize: 12, titleFontSize: 12, titleFontWeight: 400, titlePadding: 6,
+    },
+    axisQuantitative: { tickCount: 6 },
+    axisY: { grid: false },
+    legend: { labelColor: ink, titleColor: soft, labelFontSize: 12, titleFontSize: 12, titleFontWeight: 400 },
+    text: { color: ink, fontSize: 12 },
+    range: {
+      category: dark
+        ? ["#5a9fe0", "#f0a35a", "#4fc0b2", "#b797dd", "#8a94a0", "#d8c25a", "#e58ba0"]
+        : ["#2b6cb0", "#b85c12", "#17736d", "#6b4a95", "#8a9099", "#a88a00", "#b3446c"],
+      ramp: { scheme: dark ? "viridis" : "viridis" },
+      diverging: { scheme: "blueorange" },
+    },
+  };
+}
+
+/** Told when the theme has changed. */
+export const listen = (listener) => listeners.push(listener);
+
+function apply() {
+  document.documentElement.dataset.theme = isDark() ? "dark" : "light";
+  for (const listener of listeners) listener();
+}
+preferred.addEventListener("change", apply);
+state.listen("theme", apply);
+document.documentElement.dataset.theme = isDark() ? "dark" : "light";

@@ -1,0 +1,31 @@
+#pragma once
+#include <string>
+
+#include "tools/analysis/report_file.h"
+#include "tools/studies/compare/compare.h"
+#include "tools/studies/report/page/page_model.h"
+
+namespace tools::pages {
+
+/// Two runs with what explains their difference, and their names.
+struct Difference {
+  const ReportFile &a, &b;
+  std::string name_a, name_b;
+  const Comparison& found;
+
+  /// A figure of both; nothing if there is none.
+  const Pair* figure(std::string_view name) const;
+};
+
+void add_diff_verdict(const Difference& d, View& view);
+void add_waterfalls(const Difference& d, View& view);
+void add_keys(const Difference& d, View& view);
+void add_diff_pictures(const Difference& d, View& view);
+void add_explanations(const Difference& d, View& view);
+
+/// Rows of a waterfall from the first total through changes, the largest first, to the second; what is below a
+/// hundredth of the larger total, or behind the twelfth, is one row.
+Dataset waterfall(const std::string& first, double a, const std::vector<Pair>& changes, const std::string& last,
+                  double b, const std::string& unit);
+
+}  // namespace tools::pages

@@ -1,0 +1,20 @@
+#pragma once
+#include <string>
+
+#include "tools/studies/report/run/run_parts.h"
+
+namespace tools::pages {
+
+/// Numbers over the picture, as its block has them: of tiles, each {id, name, tile, unit, values, low, high}, and of
+/// pixels, each {id, name, pixels, step, unit, low, high, scale}.
+struct Overlays {
+  Json grids = Json::array();
+  Json times;           ///< of tiles: {side, begin_us, end_us, core}; null if not known
+  std::string missing;  ///< why there are none of tiles or of pixels; empty if there are
+};
+
+/// Those of the first frame: tiles.json and pixels.exr beside the report, and what the report says of an adaptive
+/// frame.
+Overlays overlays_of(const Run& run);
+
+}  // namespace tools::pages

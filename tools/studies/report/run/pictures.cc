@@ -1,0 +1,86 @@
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "sim/error.h"
+#include "sim/io/file.h"
+#include "sim/io/printable.h"
+#include "tools/studies/report/page/page_file.h"
+#include "tools/studies/report/run/overlays.h"
+#include "tools/studies/report/run/run_parts.h"
+
+namespace tools::pages {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uint64_t kLargestPicture = 64 << 20;
+constexpr std::uint64_t kMostOfOverlays = 1 << 20;  ///< bytes of debug pictures that a page takes along
+
+/// A picture file as the page holds it; null if it cannot be read.
+Json picture_of(const fs::path& file, std::uint64_t most) {
+  std::error_code ignored;
+  if (!fs::is_regular_file(file, ignored)) return {};
+  try {
+    return data_url("image/png", sim::read_file(file, most));
+  } catch (const sim::InputError&) {
+    return {};
+  }
+}
+
+/// Pictures of --debug-images that have no values elsewhere, of the first frame, by name.
+std::vector<std::pair<std::string, fs::path>> debug_pictures_in(const fs::path& folder) {
+  std::vector<std::pair<std::string, fs::path>> found;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder, ignored)) {
+    std::string name = entry.path().filename().string();
+    const bool is_first_frame = name.starts_with("debug-") || name.starts_with("frame-0000-debug-");
+    const fs::path values = fs::path(entry.path()).replace_extension(".exr");
+    if (!is_first_frame || !name.ends_with(".png") || fs::exists(values, ignored)) continue;
+    name = name.substr(name.find("debug-") + 6);
+    name = name.substr(0, name.size() - 4);
+    std::ranges::replace(name, '-', ' ');
+    found.emplace_back(sim::printable(name), entry.path());
+  }
+  std::ranges::sort(found);
+  return found;
+}
+
+}  // namespace
+
+void add_pictures(const Run& run, View& view) {
+  Section section("picture", "The picture");
+  const Json picture = picture_of(run.folder / "image.png", kLargestPicture);
+  if (picture.is_null()) {
+    section.text("There is no image.png beside the report, so there is no picture here.");
+    return view.add(section);
+  }
+  Json debug = Json::array();
+  std::uint64_t bytes = 0;
+  std::size_t left_out = 0;
+  for (const auto& [name, file] : debug_pictures_in(run.folder)) {
+    const Json overlay = picture_of(file, kMostOfOverlays);
+    const std::uint64_t size = overlay.is_string() ? overlay.get_ref<const std::string&>().size() : kMostOfOverlays;
+    if (overlay.is_null() || bytes + size > kMostOfOverlays) {
+      ++left_out;
+      continue;
+    }
+    bytes += size;
+    debug.push_back({{"id", "debug " + name}, {"name", name}, {"picture", overlay}});
+  }
+  Overlays overlays = overlays_of(run);
+  std::string note = overlays.missing;
+  if (left_out > 0) note += fmt::format(" {} debug pictures are too large for the page.", left_out);
+  section.block("picture", "frame", "Picture and overlays",
+                {{"about", "The rendered picture: " + text_at(run.report.json, {"scene", "name"})},
+                 {"width", run.number("resolution[0]")},
+                 {"height", run.number("resolution[1]")},
+                 {"picture", picture},
+                 {"overlays", std::move(debug)},
+                 {"grids", std::move(overlays.grids)},
+                 {"times", std::move(overlays.times)},
+                 {"note", note}});
+  view.add(section);
+}
+
+}  // namespace tools::pages

@@ -1,0 +1,138 @@
+#include <algorithm>
+#include <optional>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "sim/error.h"
+#include "sim/io/printable.h"
+#include "tools/studies/report/page/specs.h"
+#include "tools/studies/report/sweep/sweep_parts.h"
+#include "tools/studies/sweep/results/sensitivity.h"
+
+namespace tools::pages {
+namespace {
+
+constexpr const char* kMain = "totals.perf.frames_per_joule_gpu";
+constexpr const char* kAsked[] = {"totals.perf.frames_per_joule_gpu", "totals.perf.fps", "totals.energy_mj.nominal",
+                                  "totals.power_w.nominal", "totals.cycles"};
+
+std::optional<results::Sensitivity> sensitivity_to(const Sweep& sweep, const std::string& metric) {
+  try {
+    results::Sensitivity found = results::find_sensitivity(sweep.results, metric, sweep.done());
+    if (found.varies && !found.effects.empty()) return found;
+  } catch (const sim::InputError&) {
+    return std::nullopt;  // no point has it
+  }
+  return std::nullopt;
+}
+
+/// The figure that the page is about: the first that a search asks for, or frames per joule.
+const Metric* main_metric(const Sweep& sweep) {
+  if (sweep.task) {
+    for (const Metric& metric : sweep.metrics) {
+      if (metric.path.ends_with(sweep.task->goals.front().figure)) return &metric;
+    }
+  }
+  const Metric* const usual = sweep.metric(kMain);
+  return usual != nullptr || sweep.metrics.empty() ? usual : &sweep.metrics.front();
+}
+
+std::optional<std::size_t> best_row(const Sweep& sweep, const Metric& metric) {
+  const results::Column column = sweep.results.column(metric.path);
+  std::optional<std::size_t> best;
+  double figure = 0;
+  for (std::size_t row = 0; row < column.values.size(); ++row) {
+    const auto amount = results::amount_of(column.values[row]);
+    if (!sweep.results.rows()[row].is_done() || !amount) continue;
+    if (best && !(metric.more ? amount->value > figure : amount->value < figure)) continue;
+    best = row;
+    figure = amount->value;
+  }
+  return best;
+}
+
+std::string axes_text(const Sweep& sweep, std::size_t row) {
+  std::vector<std::string> words;
+  for (const results::Column& axis : sweep.axes)
+    words.push_back(sim::printable(fmt::format("{} {}", axis.name, results::exact_text(axis.values[row]))));
+  return fmt::format("{}", fmt::join(words, ", "));
+}
+
+}  // namespace
+
+void add_sweep_verdict(const Sweep& sweep, View& view) {
+  const std::size_t all = sweep.results.rows().size();
+  const std::vector<bool> done = sweep.done();
+  const auto finished = static_cast<std::size_t>(std::ranges::count(done, true));
+  if (!sweep.question.empty()) view.fact("Question", sweep.question);
+  view.fact("Points", finished == all ? fmt::format("{}", all) : fmt::format("{} of {}", finished, all));
+  std::vector<std::string> axes;
+  for (const results::Column& axis : sweep.axes) axes.push_back(axis.name);
+  view.fact("Axes", axes.empty() ? "none" : fmt::format("{}", fmt::join(axes, ", ")));
+  if (sweep.task) {
+    std::vector<std::string> goals;
+    for (const optimise::Goal& goal : sweep.task->goals) goals.push_back(goal.text());
+    view.fact("Asked for", fmt::format("{}", fmt::join(goals, ", ")));
+  }
+  if (const std::string missing = sweep.results.what_is_missing(); !missing.empty()) view.notice(missing);
+  const std::vector<std::pair<std::string, std::string>> links = {{"the front", "front"},
+                                                                  {"what each axis does", "sensitivity"}};
+  const Metric* const metric = main_metric(sweep);
+  const std::optional<std::size_t> best = metric != nullptr ? best_row(sweep, *metric) : std::nullopt;
+  if (!best) return view.verdict("No point of this sweep has a result yet.", "", {{"the points", "front"}});
+  const double value = results::amount_of(sweep.results.column(metric->path).values[*best])->value;
+  const std::string more = fmt::format("Best: point {} with {:.4g} {} ({}).", sweep.results.rows()[*best].n, value,
+                                       metric->unit.empty() ? metric->words : metric->unit, axes_text(sweep, *best));
+  const std::optional<results::Sensitivity> found = sensitivity_to(sweep, metric->path);
+  if (!found) {
+    return view.verdict(fmt::format("No axis changes {}.", metric->words), more, {{"the front", "front"}});
+  }
+  const results::Effect& first = found->effects.front();
+  view.verdict(
+      fmt::format("{} decides most of {}: {:.0f} % of its variance.", first.axis, metric->words, 100 * first.share),
+      more, links);
+}
+
+void add_sensitivities(const Sweep& sweep, View& view) {
+  Section section(
+      "sensitivity", "What each axis does on its own",
+      "The share of a figure's variance over all points that an axis explains, all others averaged; what is left "
+      "of 100 % axes do only together, or noise does.");
+  Dataset data({{"metric", "figure"},
+                {"axis", "axis"},
+                {"share", "share of variance", Show::kPercent},
+                {"label", "shown"},
+                {"low", "95 % from", Show::kPercent},
+                {"high", "95 % to", Show::kPercent},
+                {"range", "range of means", Show::kPercent},
+                {"levels", "values", Show::kNumber}});
+  std::vector<std::string> asked;
+  if (const Metric* const metric = main_metric(sweep)) asked.push_back(metric->path);
+  for (const char* path : kAsked) {
+    if (sweep.metric(path) != nullptr && std::ranges::count(asked, path) == 0) asked.emplace_back(path);
+  }
+  std::string note;
+  for (const std::string& path : asked) {
+    const std::optional<results::Sensitivity> found = sensitivity_to(sweep, path);
+    if (!found) continue;
+    if (!found->is_grid) note = "The points are no full grid: shares are estimates.";
+    for (const results::Effect& effect : found->effects) {
+      data.row({sweep.metric(path)->words, sim::printable(effect.axis), effect.share,
+                fmt::format("{:.0f} %", 100 * effect.share), effect.low, effect.high, effect.range,
+                effect.levels.size()});
+    }
+  }
+  if (data.empty()) {
+    section.text("No figure changes with any axis.");
+    return view.add(section);
+  }
+  if (!note.empty()) section.text(note);
+  view.data("sensitivity", data);
+  section.chart("shares", "Shares of variance", "Share of the variance of each figure that each axis explains",
+                "sensitivity", sensitivity_spec());
+  section.table("shares-table", "Shares with their intervals", "sensitivity");
+  view.add(section);
+}
+
+}  // namespace tools::pages

@@ -1,0 +1,82 @@
+#include "tools/studies/report/sweep/sweep_page.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "sim/error.h"
+#include "sim/io/printable.h"
+#include "tools/host/standard_streams.h"
+#include "tools/studies/report/sweep/sweep_parts.h"
+#include "tools/studies/sweep/results/index/collect.h"
+#include "tools/studies/sweep/results/index/sqlite.h"
+#include "tools/studies/sweep/spec/spec.h"
+#include "tools/studies/sweep/store/folder.h"
+
+namespace tools::pages {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The file of a search says what it is about; that of a sweep says other things, and is none.
+std::optional<optimise::Task> task_in(const fs::path& folder) {
+  try {
+    return optimise::read_task(folder / "sweep.yaml");
+  } catch (const sim::InputError&) {
+    return std::nullopt;
+  }
+}
+
+std::string question_in(const fs::path& folder) {
+  try {
+    return sweep::read_spec(folder / "sweep.yaml").question;
+  } catch (const sim::InputError&) {
+    return {};  // results are good all the same
+  }
+}
+
+/// Has the index say what there is now, or, where it cannot be written, what was last collected.
+void collect_in(const fs::path& folder) {
+  try {
+    results::collect(sweep::SweepFolder::open(folder));
+  } catch (const sim::IoError& error) {
+    if (!fs::exists(folder / "index.sqlite")) throw;
+    tell("warning: {}; the page has what was last collected", error.what());
+  }
+}
+
+View view_of(const fs::path& folder) {
+  const results::Results results(folder);
+  Sweep sweep{results, sweep::SweepFolder::open(folder).points(), {}, {}, task_in(folder), results.varying(), {}, {}};
+  const bool fits = sweep.points.size() == results.rows().size() &&
+                    std::ranges::equal(sweep.points, results.rows(), {}, &sweep::Point::id, &results::Row::id);
+  if (!fits) throw sim::InputError(folder.string() + ": has other points than its index; run 'raywatt sweep collect'");
+  sweep.name = sim::printable(fs::absolute(folder / "x").parent_path().filename().string());
+  sweep.question = sweep.task ? sweep.task->space.question : question_in(folder);
+  sweep.metrics = metrics_of(results, sweep.task);
+  for (const Metric& metric : sweep.metrics) sweep.values.push_back(results.column(metric.path));
+  View view(sweep.name);
+  add_sweep_verdict(sweep, view);
+  add_points(sweep, view);
+  add_sensitivities(sweep, view);
+  return view;
+}
+
+}  // namespace
+
+bool is_sweep(const fs::path& folder) {
+  std::error_code ignored;
+  return fs::is_regular_file(folder / "sweep.json", ignored);
+}
+
+View sweep_view(const fs::path& folder) {
+  collect_in(folder);
+  try {
+    return view_of(folder);
+  } catch (const results::SqliteError& error) {
+    throw sim::InputError(fmt::format("{}: is damaged ({}); remove it, and it is made anew",
+                                      (folder / "index.sqlite").string(), error.what()));
+  }
+}
+
+}  // namespace tools::pages

@@ -1,0 +1,44 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/studies/optimise/task.h"
+#include "tools/studies/report/page/page_model.h"
+#include "tools/studies/sweep/results/pareto.h"
+#include "tools/studies/sweep/results/results.h"
+#include "tools/studies/sweep/spec/point.h"
+
+namespace tools::pages {
+
+/// A figure of the points.
+struct Metric {
+  std::string path;   ///< in a report
+  std::string words;  ///< "frames/J"
+  Show show = Show::kNumber;
+  std::string unit = {};
+  bool more = false;  ///< more is better
+};
+
+/// A sweep or a search, as the parts of its page read it.
+struct Sweep {
+  const results::Results& results;
+  std::vector<sweep::Point> points;
+  std::string name, question;
+  std::optional<optimise::Task> task;   ///< of a search
+  std::vector<results::Column> axes;    ///< that vary
+  std::vector<Metric> metrics;          ///< that points have
+  std::vector<results::Column> values;  ///< of the metrics
+
+  std::vector<bool> done() const;
+  const Metric* metric(const std::string& path) const;
+};
+
+/// Figures of which at least one point has a number: the usual ones, and those that a search is about.
+std::vector<Metric> metrics_of(const results::Results& results, const std::optional<optimise::Task>& task);
+
+void add_sweep_verdict(const Sweep& sweep, View& view);
+void add_points(const Sweep& sweep, View& view);
+void add_sensitivities(const Sweep& sweep, View& view);
+
+}  // namespace tools::pages
