@@ -104,7 +104,7 @@ Gpu::RasterWires Gpu::link_rasteriser(const Core& core, std::uint32_t c) {
       machine_.unit({name_in_core(RasterUnit::kName, c), tni_clock_, c + 1, raster.sram_bytes(), raster.l1.size.bytes});
   auto& jobs = machine_.link<RasterJob>(raster.jobs, 1, core.srp_id, unit);
   auto& done = machine_.link<RasterDone>(2 * raster.jobs, 1, unit, core.srp_id);
-  return {unit, jobs, done, memory_.cache_client(c, {unit, raster.l1.mshrs})};
+  return {unit, jobs, done, memory_.cache_client(c, {unit, raster.l1.mshrs, Asker::kRaster})};
 }
 
 Srp::Frame Gpu::frame_of(const Workload& workload, std::uint32_t core) const {

@@ -18,11 +18,12 @@ enum class Asker : std::uint8_t {
   kShading,    ///< the data cache of a shader core
   kTransfers,  ///< a DMA
   kRecords,    ///< rays and hits on their way through memory
+  kRaster,     ///< a rasteriser
   kCount
 };
 inline constexpr std::size_t kAskers = static_cast<std::size_t>(Asker::kCount);
 constexpr std::array<std::string_view, kAskers> names_of(Asker) {
-  return {"nodes", "triangles", "shading", "transfers", "records"};
+  return {"nodes", "triangles", "shading", "transfers", "records", "raster"};
 }
 
 /// When and where a tile was worked on, and what was done for it in units that tiles share. Who asks is charged.

@@ -33,8 +33,8 @@ class RasterFetch {
 
   bool has_room() const { return entered_ - left_ < slots_.size(); }
   bool empty() const { return entered_ == left_; }
-  /// A triangle enters; `entry`: where it stands among the lists, or kBatch.
-  void enter(const traces::RasterTriangle& triangle, std::uint32_t entry);
+  /// A triangle enters; `entry`: where it stands among the lists, or kBatch; `owner`: the tile that it is for.
+  void enter(const traces::RasterTriangle& triangle, std::uint32_t entry, Owner owner);
   static constexpr std::uint32_t kBatch = traces::WorkNode::kNone;
 
   /// The oldest triangle has all that it needs.

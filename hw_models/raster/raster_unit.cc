@@ -59,7 +59,7 @@ bool RasterUnit::enter() {
     entry = from.run(run_).first + run_entry_++;
     stats_.entries_read += 1;
   }
-  fetch_.enter(from.triangle(entering_.triangle++), entry);
+  fetch_.enter(from.triangle(entering_.triangle++), entry, from.job.owner);
   return true;
 }
 
@@ -85,8 +85,9 @@ bool RasterUnit::begin_front(sim::Time now) {
 
 /// What comes of vertices goes to memory.
 void RasterUnit::transform() {
+  const Owner owner = job(setting_.job).job.owner;
   for (std::uint32_t i = 0; i < fetch_.missed(); ++i) {
-    writes_.add(memory_.transformed_at(fetch_.missed_vertices()[i]), RasterMemory::kTransformedBytes);
+    writes_.add(memory_.transformed_at(fetch_.missed_vertices()[i]), RasterMemory::kTransformedBytes, owner);
   }
   stats_.vertices_transformed += fetch_.missed();
 }
@@ -180,7 +181,7 @@ bool RasterUnit::write_lists() {
   const Addr first = memory_.entry_at(run.first + out_entry_);
   const auto in_line = static_cast<std::uint32_t>((line_of(first) + kLineBytes - first) / RasterMemory::kEntryBytes);
   const std::uint32_t entries = std::min(in_line, run.entries - out_entry_);
-  if (entries != 0) writes_.add(first, entries * RasterMemory::kEntryBytes);
+  if (entries != 0) writes_.add(first, entries * RasterMemory::kEntryBytes, of.job.owner);
   stats_.entries_written += entries;
   out_entry_ += entries;
   if (out_entry_ == run.entries) {

@@ -21,14 +21,15 @@ class RasterWrites {
   std::uint64_t closed() const { return sent_ + queue_.size(); }
   std::uint64_t sent() const { return sent_; }
 
-  /// Adds bytes of one line. Needs room for a line.
-  void add(Addr first, std::uint32_t bytes) {
+  /// Adds bytes of one line for a tile. Needs room for a line.
+  void add(Addr first, std::uint32_t bytes, Owner owner) {
     const Addr line = line_of(first);
     if (open_.sectors != 0 && open_.line != line) close();
     const Addr from = (first - line) / kSectorBytes, to = (first + bytes - 1 - line) / kSectorBytes;
     open_.line = line;
     open_.source = port_;
     open_.write = true;
+    open_.owner = owner;
     open_.sectors = static_cast<SectorMask>(open_.sectors | ((2U << to) - (1U << from)));
   }
   /// Nothing more follows in the line that is being filled.

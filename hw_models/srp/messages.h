@@ -51,6 +51,7 @@ struct RasterJob {
   const traces::TileWork* work = nullptr;
   std::uint32_t node = 0;
   std::uint32_t tag = 0;  ///< returned when done
+  Owner owner = kNoOwner;
 };
 
 struct RasterDone {

@@ -3,7 +3,7 @@
 namespace hw {
 
 void Srp::start_raster(std::uint32_t tile, std::uint32_t node) {
-  raster_.push_back({&tiles_[tile].work(), node, handle_of(tile, node)});
+  raster_.push_back({&tiles_[tile].work(), node, handle_of(tile, node), tiles_[tile].owner()});
   if (tiles_[tile].is_awaited(node)) transfers_awaited_ += 1;
 }
 

@@ -38,7 +38,8 @@ void GeometryPass::run_batch(std::uint32_t batch, bool record, TileResult& out) 
   out.tile = program_->tiles() + batch;
   out.x = out.y = out.width = out.height = 0;
   out.rays = {};
-  out.continued = out.traversal_steps = 0;
+  out.continued = out.traversal_steps = out.triangle_tests = 0;
+  out.pixel_work.clear();
   out.linear.clear();
   out.packed.clear();
   out.marks.clear();

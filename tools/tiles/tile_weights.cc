@@ -23,6 +23,7 @@ enum Kind : std::size_t {
   kShadingLines,
   kTransferLines,
   kRecordLines,
+  kRasterLines,
   kCacheLines,
   kAccesses,
   kBufferAccesses,
@@ -107,6 +108,7 @@ std::optional<Kind> usual_kind(const sim::UnitReport& unit) {
   if (unit.type == typeid(hw::TileBuffer)) return kBufferAccesses;
   if (unit.type == typeid(hw::Dma)) return kTransferLines;
   if (unit.type == typeid(hw::MemoryInterface)) return kRecordLines;
+  if (unit.type == typeid(hw::RasterUnit)) return kRasterLines;
   if (unit.type == typeid(hw::CorePort)) return unit.path.ends_with("dma_port") ? kTransferLines : kCacheLines;
   if (unit.type == typeid(hw::L2Bank)) return kL2Writes;
   return {};
@@ -152,7 +154,10 @@ void TileWeights::add_account(const hw::TileAccount& account, double* values) co
   set(kShadingLines, lines_of(account, Asker::kShading));
   set(kTransferLines, lines_of(account, Asker::kTransfers));
   set(kRecordLines, lines_of(account, Asker::kRecords));
-  for (const Kind kind : {kNodeLines, kTriangleLines, kShadingLines, kRecordLines}) values[kCacheLines] += values[kind];
+  set(kRasterLines, lines_of(account, Asker::kRaster));
+  for (const Kind kind : {kNodeLines, kTriangleLines, kShadingLines, kRecordLines, kRasterLines}) {
+    values[kCacheLines] += values[kind];
+  }
   set(kSrpCycles, account.srp_cycles);
   set(kL2Hits, account.l2_hits);
   set(kL2Misses, account.l2_misses);

@@ -143,12 +143,24 @@ VisibleRayPorts<float>& ReconstructProgram::bind(VisibleRayPorts<float>& ports, 
   return ports;
 }
 
+/// Says in which pixels the wave's samples lie, and those of what mirrors and glass show.
+void ReconstructProgram::place(Tile& tile, std::uint32_t rays) const {
+  if (!tile.wave.counts_pixels()) return;
+  for (std::uint32_t i = 0; i < rays; ++i) {
+    const std::uint32_t sample = tile.buffer.wave.paths[i].sample, position = sample % positions();
+    const std::uint32_t x = tile.at.x + position % tiles_.pitch() - tiles_.halo();
+    const std::uint32_t y = tile.at.y + position / tiles_.pitch() - tiles_.halo();
+    for (std::uint32_t b = 0; b < layers_; ++b) tile.wave.place(sample + b * layer(), x, y);
+  }
+}
+
 void ReconstructProgram::trace_shaded(Tile& tile, const Part& part, Node cleared) const {
   Wavefront& wave = tile.wave;
   tile.buffer.hold_wave(part.pixels());
   GenerateShadedRays::Ports<float> ports;
   bind(ports, tile, part);
   const Node generated = wave.launch<GenerateShadedRays>(ports, part.pixels());
+  place(tile, part.pixels());
   wave.adds_records(generated);
   Wavefront::RetainedRecords retained;
   retained.visible = records(true);
@@ -166,6 +178,7 @@ void ReconstructProgram::trace_others(Tile& tile, const Part& part, Node cleared
   bind(ports, tile, part);
   ports.apart = static_cast<float>(positions());
   const Node generated = wave.launch<GenerateVisibleRays>(ports, items);
+  place(tile, items);
   wave.adds_records(generated);
   Wavefront::RetainedRecords retained;
   retained.visible = records(false);

@@ -72,6 +72,7 @@ class ReconstructProgram final : public FrameProgram {
   VisibleRayPorts<float>& bind(VisibleRayPorts<float>& ports, const Tile& tile, const Part& part) const;
   void trace(Tile& tile, const Part& shaded, const Part& others, bool is_own) const;
   Node clear_branches(Tile& tile, const Part& part) const;
+  void place(Tile& tile, std::uint32_t rays) const;
   void trace_shaded(Tile& tile, const Part& part, Node cleared) const;
   void trace_others(Tile& tile, const Part& part, Node cleared) const;
   void limit(Tile& tile, const Part& part) const;

@@ -119,8 +119,7 @@ void Wavefront::count_walks(std::size_t first_ray, std::span<const PathRecord<fl
 }
 
 /// Numbers of samples are used again by those of other pixels.
-void Wavefront::place_ray(std::uint32_t ray, std::uint32_t x, std::uint32_t y) {
-  const std::uint32_t sample = buffer_.wave.paths[ray].sample;
+void Wavefront::place(std::uint32_t sample, std::uint32_t x, std::uint32_t y) {
   if (buffer_.pixel_work.size() <= sample) buffer_.pixel_work.resize(std::size_t{sample} + 1);
   PixelWork& work = buffer_.pixel_work[sample];
   if (work.rays != 0) out_.pixel_work.push_back(work);

@@ -129,7 +129,9 @@ class Wavefront {
   void put_packed(Node packed, std::uint64_t offset);
   /// Whether the rays of each pixel are counted; then place_ray() says where each primary ray of the first wave lies.
   bool counts_pixels() const { return out_.wants_pixel_work && stream_.is_on(); }
-  void place_ray(std::uint32_t ray, std::uint32_t x, std::uint32_t y);
+  void place_ray(std::uint32_t ray, std::uint32_t x, std::uint32_t y) { place(buffer_.wave.paths[ray].sample, x, y); }
+  /// The same of a sample that rays will have.
+  void place(std::uint32_t sample, std::uint32_t x, std::uint32_t y);
   void finish();
 
  private:
