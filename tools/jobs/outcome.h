@@ -17,7 +17,7 @@ struct Outcome {
   double squared_error = 0;  ///< sum over frames
   nlohmann::ordered_json frames = nlohmann::ordered_json::array();
   bool partial = false;
-  TileTable tiles;  ///< of the frames that were itemised
+  TileTable tiles;  ///< those of frames that were itemised
 
   /// Adds a frame, and what it is compared with, if anything: `error` is their pictures' mean squared difference.
   void add(std::uint32_t number, Simulation frame, std::optional<Simulation> compared, double error);
