@@ -22,6 +22,8 @@ find_package(OpenSSL REQUIRED COMPONENTS Crypto)
 find_package(Eigen3 REQUIRED NO_MODULE)
 find_package(pagmo REQUIRED)
 pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)
+# Headers alone.
+find_path(PROTOZERO_INCLUDE_DIR protozero/pbf_writer.hpp REQUIRED)
 if(RAYWATT_TESTS)
   find_package(GTest REQUIRED)
   find_package(benchmark REQUIRED)

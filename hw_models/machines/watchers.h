@@ -6,7 +6,7 @@
 
 namespace hw {
 
-/// Who is told what a machine does while it does it, and changes nothing. None of them need be there.
+/// Watchers of a machine: are told what it does while it does it, and change nothing. None of them need be there.
 struct Watchers {
   TileBook* book = nullptr;  ///< gets an account of each tile
   Observer* cores = nullptr;

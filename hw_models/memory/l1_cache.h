@@ -54,7 +54,7 @@ class L1Cache {
     return true;
   }
 
-  /// What a slot asks for from now on is asked for this tile.
+  /// Takes what a slot asks for from now on as asked for this tile.
   void belongs(std::uint32_t slot, Owner owner) { owners_[slot] = owner; }
   Owner owner(std::uint32_t slot) const { return owners_[slot]; }
 

@@ -137,7 +137,7 @@ class L2Bank {
   struct Waiters {
     std::uint32_t count = 0;
     SectorMask dirty = 0;    ///< sectors of the line that came by writes
-    Owner owner = kNoOwner;  ///< of the request that missed
+    Owner owner = kNoOwner;  ///< the tile whose request missed
     std::array<Waiter, L2Config::kMaxTargets> list;
   };
   struct Head {

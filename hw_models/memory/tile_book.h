@@ -11,7 +11,7 @@
 
 namespace hw {
 
-/// What a line is asked for.
+/// Purpose that a line is asked for.
 enum class Asker : std::uint8_t {
   kNodes,      ///< the L1s of traversal units
   kTriangles,  ///< the L1 of an intersection unit
@@ -30,7 +30,7 @@ constexpr std::array<std::string_view, kAskers> names_of(Asker) {
 struct TileAccount {
   std::uint32_t core = 0;
   sim::Time dispatched = 0, finished = 0;
-  std::uint64_t srp_cycles = 0;  ///< of loops on the array, from switch to drain; shared by a loop's items
+  std::uint64_t srp_cycles = 0;  ///< cycles of loops on the array, from switch to drain; shared by a loop's items
   std::array<std::uint64_t, kAskers> lines{};  ///< asked of the memory side, or written to it
   std::uint64_t l2_hits = 0, l2_misses = 0, l2_fills = 0, l2_writes = 0;
   std::uint64_t dram_reads = 0, dram_writes = 0, activates = 0;  ///< in lines; rows opened

@@ -199,7 +199,7 @@ inline bool Srp::feed_ray(sim::Time now) {
   rays_out_ += 1;
   stats_.rays += 1;
   if (frame_.observer != nullptr && feed->next == 0) {
-    frame_.observer->batch_begins(frame_.core, feed->tile, feed->batch, now);
+    frame_.observer->batch_begins(frame_.core, feed->tile, feed->batch, rays_out_, now);
   }
   feed_free_at_ = clock_.edge_at_or_after(now + frame_.ray_interval);
   if (++feed->next == run.node(feed->batch).items) feeds_.erase(feed);

@@ -145,7 +145,7 @@ void Srp::show_loop(sim::Time now, std::uint64_t cycles) const {
 void Srp::show_hit(sim::Time now, std::uint32_t tile, std::uint32_t ray) const {
   const TileRun& run = tiles_[tile];
   const std::uint32_t batch = run.batch_of(ray);
-  if (run.complete(batch)) frame_.observer->batch_ends(frame_.core, tile, batch, run.node(batch), now);
+  if (run.complete(batch)) frame_.observer->batch_ends(frame_.core, tile, batch, run.node(batch), rays_out_, now);
 }
 
 }  // namespace hw

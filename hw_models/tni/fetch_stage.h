@@ -167,7 +167,7 @@ class FetchStage {
   bool can_prefetch() const { return l1_.free_mshrs() >= 2; }
   /// Prefetches the line, on behalf of a slot, unless it is here or on its way.
   bool prefetch(Addr line, std::uint32_t slot, std::uint64_t cycle) { return l1_.prefetch(line, slot, cycle); }
-  /// What a slot asks for from now on is asked for this tile.
+  /// Takes what a slot asks for from now on as asked for this tile.
   void belongs(std::uint32_t slot, Owner owner) { l1_.belongs(slot, owner); }
   Owner owner(std::uint32_t slot) const { return l1_.owner(slot); }
 

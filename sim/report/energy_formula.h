@@ -29,7 +29,7 @@ class EnergyFormula {
   EnergyReport report() const;
   /// Energy of a unit by what it is to be charged to.
   struct UnitEnergy {
-    std::vector<Spread> events;  ///< of each counter that names one, in their order: with its share of the clock tree
+    std::vector<Spread> events;  ///< one of each counter that names one, in their order, with its share of the clock tree
     Spread standing;             ///< what time brings: leakage, standby, the clock of idle cycles
   };
   /// In the order of the units; all of it together is report().total_pj, but for the order of additions.

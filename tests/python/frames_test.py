@@ -56,6 +56,12 @@ class Loaded(unittest.TestCase):
         self.assertEqual(self.loaded.frames["cycles"].sum(), self.report["totals"]["cycles"])
         self.assertIsInstance(self.loaded.frames["sampling.tiles.similar_ratio"][0], list)
 
+    def test_tiles_sum_to_the_report(self):
+        tiles = self.loaded.tiles
+        self.assertEqual(sorted(set(tiles["frame"])), [0, 1])
+        self.assertEqual(tiles["steps"].sum(), self.report["totals"]["traversal_steps"])
+        self.assertTrue((tiles["finished"] > tiles["dispatched"]).all())
+
     def test_units_have_every_reason_and_counter(self):
         units = self.loaded.units
         self.assertEqual(list(units.columns), ["unit", "kind", "name", "value"])

@@ -24,11 +24,13 @@ struct Floor {
 /// A file belongs to the first folder of these that it is in.
 constexpr std::array kFloors = {
     Floor{"tests", 20},
-    Floor{"tools/cli", 18},
-    Floor{"tools/studies/optimise", 17},
-    Floor{"tools/studies/report", 17},
-    Floor{"tools/studies", 16},
-    Floor{"tools/jobs", 15},
+    Floor{"tools/cli", 19},
+    Floor{"tools/studies/optimise", 18},
+    Floor{"tools/studies/report", 18},
+    Floor{"tools/studies", 17},
+    Floor{"tools/jobs", 16},
+    Floor{"tools/timeline", 15},
+    Floor{"tools/tiles", 14},
     Floor{"tools/sampling", 14},
     Floor{"tools/pricing", 14},
     Floor{"tools/analysis", 13},

@@ -89,9 +89,18 @@ void add_rays_option(CLI::App& verb, JobOptions& options) {
       verb.add_option("--rays", options.rays,
                       "trace this list of rays, 8 floats each (origin, t_min, direction, t_max), T&I units alone");
   for (const char* other : {"--program", "--camera", "--resolution", "--frames", "--reference", "--record",
-                            "--debug-images", "--tile-sampling", "--image", "--replicates", "--intervals", "--watch"}) {
+                            "--debug-images", "--tile-sampling", "--image", "--replicates", "--intervals", "--watch",
+                            "--timeline"}) {
     if (CLI::Option* option = verb.get_option_no_throw(other)) rays->excludes(option);
   }
+}
+
+void add_timeline_option(CLI::App& verb, JobOptions& options) {
+  verb.add_option(
+          "--timeline", options.timeline,
+          "also the first frame over time, for ui.perfetto.dev (timeline.pftrace, 32 MiB at most): what cores did\n"
+          "while these tiles were worked on: slowest:N, tile:X,Y (column and row), pixel:X,Y, all (docs/timeline.md)")
+      ->check(not_empty("allowed: slowest:8, tile:X,Y, pixel:X,Y, all"));
 }
 
 void add_reference_option(CLI::App& verb, JobOptions& options) {

@@ -17,6 +17,8 @@ void add_work_options(CLI::App& verb, JobOptions& options, bool positional = tru
 /// Adds a list of rays, which takes the place of what says what is rendered; call it last.
 void add_rays_option(CLI::App& verb, JobOptions& options);
 /// Adds the program that others are compared with.
+/// --timeline
+void add_timeline_option(CLI::App& verb, JobOptions& options);
 void add_reference_option(CLI::App& verb, JobOptions& options);
 /// Adds ideal resources.
 void add_ideal_option(CLI::App& verb, JobOptions& options);

@@ -35,6 +35,7 @@ void add_run(CLI::App& app, const std::vector<std::string>& argv, int&) {
                  "show the picture so far, utilisation and power of the last interval and when it ends; a line every\n"
                  "two seconds where standard output is no terminal")
       ->excludes(verb->get_option("--progress"), verb->get_option("--quiet"));
+  add_timeline_option(*verb, *options);
   verb->add_flag("--json", options->json, "totals of report.json on standard output, in the table's stead");
   add_rays_option(*verb, *options);
   verb->footer("Example: raywatt run sgrt-2016 --scene teapot --set cores=2 -o out/two-cores");

@@ -57,6 +57,7 @@ void add_replay(CLI::App& group, const std::vector<std::string>& argv) {
   verb->add_option("--threads", options->threads, "host threads (default: all cores)")->check(CLI::Range(1, 1024));
   add_intervals_option(*verb, *options);
   add_output_options(*verb, *options);
+  add_timeline_option(*verb, *options);
   verb->footer(
       "Without CONFIG: on the machine that it was recorded with. Keys that change the work must be as recorded.\n\n"
       "Example: raywatt trace replay chess.trace --set cores=2 -o out/two-cores");

@@ -26,6 +26,7 @@
 #include "tools/simulation/run_job.h"
 #include "tools/tiles/place_images.h"
 #include "tools/tiles/tile_frame.h"
+#include "tools/timeline/timeline_job.h"
 #include "traces/scene/images.h"
 #include "traces/trace_file/trace_writer.h"
 
@@ -50,6 +51,7 @@ struct Job {
   std::optional<TileSampling> sampling;
   traces::TraceWriter* trace = nullptr;
   LiveRun* live = nullptr;
+  TimelineJob timeline = TimelineJob(options.timeline);
   bool has_picture() const { return !sampling || sampling->full_image; }
 
   /// Simulates the frame that `inputs` stand at and writes its picture. An interrupt leaves the finished part of the
@@ -69,8 +71,12 @@ struct Job {
                                             .intervals = intervals ? &*intervals : nullptr,
                                             .watcher = live,
                                             .replicates = options.replicates,
-                                            .itemised = true});
-    if (!frame.tile_accounts.empty()) out.tiles.frames.push_back(tile_frame(frame, inputs.config, inputs.frame));
+                                            .itemised = true,
+                                            .watchers = timeline.begin_frame(inputs.config)});
+    if (!frame.tile_accounts.empty()) {
+      out.tiles.frames.push_back(tile_frame(frame, inputs.config, inputs.frame));
+      timeline.end_frame(frame, out.tiles.frames.back(), inputs.config);
+    }
     std::optional<Simulation> compared;
     if (reference && !frame.is_part()) {
       try {
@@ -151,6 +157,9 @@ std::optional<TileSampling> sampling_of(const JobOptions& options, const kernels
     throw sim::InputError("--tile-sampling does not go with --reference: compare two runs of all tiles");
   if (options.replicates > 1)
     throw sim::InputError("--tile-sampling does not go with --replicates: replicates play all tiles");
+  if (!options.timeline.empty())
+    throw sim::InputError(
+        "--tile-sampling does not go with --timeline: a timeline is of a frame whose tiles are all timed");
   if (!options.record.empty())
     throw sim::InputError("--tile-sampling does not go with --record: a trace has all tiles");
   return parse_tile_sampling(options.tile_sampling, options.image);
@@ -198,6 +207,7 @@ void run_frames(const JobOptions& options) {
           options.watch ? &live : nullptr};
   live.of(inputs.config);
   if (reference) job.reference = Program{*reference, rates};
+  job.timeline.check_pixel(inputs.config.render.width, inputs.config.render.height);
   for (const std::string& warning : inputs.warnings) progress.say("raywatt: warning: " + warning);
   if (!sampling) tell_long_run(inputs, program, progress);
   progress.expect(inputs.frames() * (reference ? 2 : 1) * options.replicates);
@@ -219,6 +229,7 @@ void run_frames(const JobOptions& options) {
     const double wall = sim::seconds_since(begin);
     const Result result = out.result();
     json = report_json({inputs, options, result, out.frames, out.partial, wall});
+    job.timeline.write(staging, json);
     write_report(staging, json, inputs.config, out);
     if (trace && !out.partial) trace->commit();
     return out.kept(inputs.frames());
@@ -228,6 +239,7 @@ void run_frames(const JobOptions& options) {
   if (options.quiet) return;
   fmt::print("{}\n", for_terminal(report_table(json)));
   if (job.has_picture()) fmt::print("picture: {}\n", (folder.target() / "image.png").string());
+  if (job.timeline.selection()) fmt::print("timeline: {}\n", (folder.target() / kTimelineFile).string());
   fmt::print("report:  {}\n", (folder.target() / "report.json").string());
   fmt::print("page:    raywatt report {0} -o {1}\n", command_text({folder.target().string()}),
              command_text({folder.target().string() + ".html"}));

@@ -19,7 +19,7 @@ struct Outcome {
   nlohmann::ordered_json frames = nlohmann::ordered_json::array();
   IntervalPacker intervals;
   bool partial = false;
-  TileTable tiles;  ///< of the frames that were itemised
+  TileTable tiles;  ///< those of frames that were itemised
 
   /// Adds a frame, and what it is compared with, if anything: `error` is their pictures' mean squared difference.
   void add(std::uint32_t number, Simulation frame, std::optional<Simulation> compared, double error,

@@ -125,13 +125,14 @@ Simulation Replay::play(const Part& part, const kernels::ProgramSpec& program, s
   load_tree(part);
   ReplayProgram frame(trace_, part, scope_, kernels_);
   inputs_.frame = part.frame;
-  return tools::play(
-      inputs_, program, frame, NoTracer(), threads,
-      {.keep_part = how.keep_part,
-       .progress = how.progress,
-       .intervals = intervals,
-       .replicates = how.replicates,
-       .itemised = how.itemised});
+  const hw::Watchers watchers = how.timeline != nullptr ? how.timeline->begin_frame(inputs_.config) : hw::Watchers{};
+  return tools::play(inputs_, program, frame, NoTracer(), threads,
+                     {.keep_part = how.keep_part,
+                      .progress = how.progress,
+                      .intervals = intervals,
+                      .replicates = how.replicates,
+                      .itemised = how.itemised,
+                      .watchers = watchers});
 }
 
 Outcome Replay::run(std::uint32_t threads, const How& how) {
@@ -155,7 +156,10 @@ Outcome Replay::run(std::uint32_t threads, const How& how) {
       if (how.intervals) intervals = intervals_of_frame(frames());
       sim::Intervals* const over_time = intervals ? &*intervals : nullptr;
       Simulation played = play(work, program_, threads, may_be_part ? how : whole, over_time);
-      if (!played.tile_accounts.empty()) out.tiles.frames.push_back(tile_frame(played, inputs_.config, number));
+      if (!played.tile_accounts.empty()) {
+        out.tiles.frames.push_back(tile_frame(played, inputs_.config, number));
+        if (how.timeline != nullptr) how.timeline->end_frame(played, out.tiles.frames.back(), inputs_.config);
+      }
       std::optional<Simulation> compared;
       if (reference_ && !played.is_part()) {
         const Part& other = trace_.naming_file([&]() -> const Part& { return part(number, true); });

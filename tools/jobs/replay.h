@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tools/jobs/outcome.h"
+#include "tools/timeline/timeline_job.h"
 #include "traces/trace_file/trace_reader.h"
 
 namespace tools {
@@ -25,10 +26,11 @@ class Replay {
   const Inputs& inputs() const { return inputs_; }
   struct How {
     Progress* progress = nullptr;
-    bool keep_part = false;        ///< at least the finished tiles of the first frame, or that without its reference
-    bool intervals = false;        ///< what machines did over time is kept, without references
-    std::uint32_t replicates = 1;  ///< plays of each frame
-    bool itemised = false;         ///< what each tile took is kept
+    bool keep_part = false;           ///< at least the finished tiles of the first frame, or that without its reference
+    bool intervals = false;           ///< what machines did over time is kept, without references
+    std::uint32_t replicates = 1;     ///< plays of each frame
+    bool itemised = false;            ///< what each tile took is kept
+    TimelineJob* timeline = nullptr;  ///< records the first frame
   };
   /// Plays all frames, or those that an interrupt has left time for. Interrupted if nothing is kept.
   Outcome run(std::uint32_t threads, const How& how);

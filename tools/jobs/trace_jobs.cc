@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "sim/error.h"
 #include "sim/host_clock.h"
 #include "tools/analysis/picture.h"
 #include "tools/analysis/report.h"
@@ -16,6 +17,7 @@
 #include "tools/jobs/outcome.h"
 #include "tools/jobs/replay.h"
 #include "tools/simulation/recorded.h"
+#include "tools/timeline/timeline_job.h"
 #include "traces/accel/bvh_tracer.h"
 #include "traces/trace_file/trace_reader.h"
 #include "traces/trace_file/trace_writer.h"
@@ -84,21 +86,26 @@ void replay_trace(const JobOptions& options, const std::filesystem::path& file) 
   RunFolder folder(options.out, options.force, kResultsOfReplay);
   std::optional<HoldInterrupts> hold;  // ends the process after the progress has told its last
   Progress progress(options.progress, options.quiet);
+  TimelineJob timeline(options.timeline);
+  if (timeline.selection() && timeline.selection()->needs_places()) {
+    throw sim::InputError("--timeline: a trace does not know where tiles lie in the picture; allowed: all, slowest:N");
+  }
   Replay job(file, options);
   progress.expect(job.parts());
   hold.emplace();
   nlohmann::ordered_json json;
   folder.fill([&](const RunFolder::Open& open) {
-    const Outcome out =
-        job.run(options.threads, {.progress = &progress,
-                                  .keep_part = !folder.holds_former_run(),
-                                  .intervals = options.intervals,
-                                  .itemised = true});
+    const Outcome out = job.run(options.threads, {.progress = &progress,
+                                                  .keep_part = !folder.holds_former_run(),
+                                                  .intervals = options.intervals,
+                                                  .itemised = true,
+                                                  .timeline = &timeline});
     progress.end(out.partial ? "interrupted" : "done");
     const double wall = sim::seconds_since(begin);
     const Result result = out.result();
     json = report_json({job.inputs(), options, result, out.frames, out.partial, wall});
     if (out.total->is_part()) leave_out_sampling(json);
+    timeline.write(open(), json);
     write_report(open(), json, job.inputs().config, out);
     return out.kept(job.frames());
   });
@@ -106,6 +113,7 @@ void replay_trace(const JobOptions& options, const std::filesystem::path& file) 
   tell_warnings(json, job.inputs().warnings.size());
   if (options.quiet) return;
   fmt::print("{}\nreport:  {}\n", for_terminal(report_table(json)), (folder.target() / "report.json").string());
+  if (timeline.selection()) fmt::print("timeline: {}\n", (folder.target() / kTimelineFile).string());
 }
 
 }  // namespace tools

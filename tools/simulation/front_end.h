@@ -24,7 +24,7 @@ class FrontEnd final : public hw::TileSource {
     std::vector<float> rgb;      ///< linear, row by row; there when the last tile has been taken or by keep_picture()
     kernels::Sampling sampling;  ///< likewise
     std::vector<kernels::SampleMark> marks;  ///< likewise, if the program keeps them
-    kernels::TileSummaries summaries;        ///< of tiles taken so far, if wanted
+    kernels::TileSummaries summaries;        ///< those of tiles taken so far, if wanted
     std::vector<kernels::PixelWork> pixels;  ///< likewise, row by row; none of a program without a picture
     std::uint64_t rays[static_cast<std::size_t>(traces::RayKind::kCount)] = {};
     std::uint64_t continued = 0;  ///< rays that went on behind what was no solid surface

@@ -32,7 +32,8 @@ struct JobOptions {
   bool intervals = true;          ///< units' reasons and counters over time are kept (docs/intervals.md)
   std::string image = "full";     ///< with tile_sampling: "none" leaves out tiles that nothing is learnt from
   bool json = false;              ///< totals as JSON on standard output in the table's stead
-  bool debug_images = false;      ///< also pictures of how adaptive frames came about
+  bool debug_images = false;      ///< also pictures of where work went, and of how adaptive frames came about
+  std::string timeline;           ///< tiles that a timeline shows: "slowest:8"; empty: none is written
   std::vector<std::string> argv;
 };
 

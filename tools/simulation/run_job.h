@@ -116,7 +116,7 @@ struct Extras {
   RunWatcher* watcher = nullptr;         ///< looks at the frame while it is played
   std::uint32_t replicates = 1;          ///< plays of the work, of which the first is not perturbed
   bool itemised = false;                 ///< what each tile and pixel took is kept
-  hw::Watchers watchers = {};            ///< of the machine
+  hw::Watchers watchers = {};            ///< those of the machine
 };
 
 /// Runs a frame program on the machine.

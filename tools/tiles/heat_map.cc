@@ -14,31 +14,31 @@ namespace tools {
 namespace {
 
 /// Rectangle of the picture that a tile finishes, and what its entries in all passes come to.
-struct Place {
+struct Area {
   std::uint32_t x = 0, y = 0, width = 0, height = 0;
   double sum = 0;
 };
 
-/// Sums of a figure by place: entries of later passes have the place of the tile's first.
-std::vector<Place> by_place(const TileFrame& tiles, auto&& value) {
+/// Sums of a figure by area: entries of later passes have the area of the tile's first.
+std::vector<Area> by_area(const TileFrame& tiles, auto&& value) {
   const auto whole = [&](const char* column, std::size_t i) { return static_cast<std::uint32_t>(tiles.at(column)[i]); };
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> index;
-  std::vector<Place> places;
+  std::vector<Area> areas;
   for (std::size_t i = 0; i < tiles.rows(); ++i) {
-    const auto [known, is_new] = index.try_emplace({whole("x", i), whole("y", i)}, places.size());
-    if (is_new) places.push_back({whole("x", i), whole("y", i), whole("width", i), whole("height", i)});
-    places[known->second].sum += value(i);
+    const auto [known, is_new] = index.try_emplace({whole("x", i), whole("y", i)}, areas.size());
+    if (is_new) areas.push_back({whole("x", i), whole("y", i), whole("width", i), whole("height", i)});
+    areas[known->second].sum += value(i);
   }
-  return places;
+  return areas;
 }
 
-HeatMap of_tiles(HeatMap map, const std::vector<Place>& places, bool shared) {
+HeatMap of_tiles(HeatMap map, const std::vector<Area>& areas, bool shared) {
   map.values.resize(std::size_t{map.width} * map.height);
-  for (const Place& place : places) {
-    const double pixels = std::max<double>(1, std::uint64_t{place.width} * place.height);
-    const auto value = static_cast<float>(shared ? place.sum / pixels : place.sum);
-    for (std::uint32_t y = place.y; y < place.y + place.height; ++y) {
-      std::fill_n(map.values.begin() + std::ptrdiff_t{y} * map.width + place.x, place.width, value);
+  for (const Area& area : areas) {
+    const double pixels = std::max<double>(1, std::uint64_t{area.width} * area.height);
+    const auto value = static_cast<float>(shared ? area.sum / pixels : area.sum);
+    for (std::uint32_t y = area.y; y < area.y + area.height; ++y) {
+      std::fill_n(map.values.begin() + std::ptrdiff_t{y} * map.width + area.x, area.width, value);
     }
   }
   return map;
@@ -64,12 +64,12 @@ std::vector<HeatMap> heat_maps(const Simulation& s, const TileFrame& tiles, std:
   const auto map = [&](const char* name, const char* title, const char* colours) {
     return HeatMap{name, title, colours, width, height, {}};
   };
-  return {of_tiles(map("cycles", "CYCLES OF A TILE", "turbo"), by_place(tiles, cycles), false),
-          of_tiles(map("srp-cycles", "SRP CYCLES OF A TILE", "turbo"), by_place(tiles, srp_cycles), false),
+  return {of_tiles(map("cycles", "CYCLES OF A TILE", "turbo"), by_area(tiles, cycles), false),
+          of_tiles(map("srp-cycles", "SRP CYCLES OF A TILE", "turbo"), by_area(tiles, srp_cycles), false),
           of_pixels(map("rays", "RAYS OF A PIXEL", "viridis"), pixels, &PixelWork::rays),
           of_pixels(map("steps", "STEPS OF A PIXEL", "viridis"), pixels, &PixelWork::steps),
           of_pixels(map("tests", "TRIANGLE TESTS OF A PIXEL", "viridis"), pixels, &PixelWork::tests),
-          of_tiles(map("energy", "nJ OF A PIXEL", "turbo"), by_place(tiles, energy), true)};
+          of_tiles(map("energy", "nJ OF A PIXEL", "turbo"), by_area(tiles, energy), true)};
 }
 
 DrawnMap draw(const HeatMap& map) {

@@ -11,7 +11,7 @@ namespace tools {
 
 inline constexpr const char* kPixelsFile = "pixels.exr";
 
-/// What an image of a run says of where it comes from: configuration hash, scene, program, frame.
+/// Notes with which an image of a run says where it comes from: configuration hash, scene, program, frame.
 std::vector<traces::ImageNote> notes_of(const Inputs& inputs, const kernels::ProgramSpec& program);
 
 /// Writes the file of what each pixel took: channels `rays`, `steps` and `tests`, each in 16 bits if that is exact for

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kMillijoulesPerPicojoule = 1e-9;  // as report_json.cc has it: figures agree to the last bit
 
-/// What must be added to a sum so that it is exactly the whole.
+/// Number that must be added to a sum so that it is exactly the whole.
 double missing_to(double whole, double sum) {
   double rest = whole - sum;
   while (sum + rest < whole) rest = std::nextafter(rest, INFINITY);
@@ -29,7 +29,7 @@ class Builder {
   }
 
   TileFrame build() {
-    add_places();
+    add_firsts();
     add_times();
     add_function();
     add_memory();
@@ -57,21 +57,21 @@ class Builder {
   const kernels::TileSummary& summary(std::size_t i) const { return s_.function.summaries.tiles[i]; }
   const hw::TileAccount& account(std::size_t i) const { return s_.tile_accounts[i]; }
 
-  void add_places() {
+  void add_firsts() {
     std::uint32_t pass = 0;
     add("tile", "", [&](std::size_t i) { return summary(i).tile; });
     add("pass", "", [&](std::size_t i) { return pass += summary(i).begins_pass ? 1U : 0U; });
     if (s_.function.pixels.empty()) return;
-    const std::vector<const kernels::TileSummary*> places = first_passes();
-    add("x", "pixels", [&](std::size_t i) { return places[i]->x; });
-    add("y", "pixels", [&](std::size_t i) { return places[i]->y; });
-    add("width", "pixels", [&](std::size_t i) { return places[i]->width; });
-    add("height", "pixels", [&](std::size_t i) { return places[i]->height; });
+    const std::vector<const kernels::TileSummary*> firsts = first_passes();
+    add("x", "pixels", [&](std::size_t i) { return firsts[i]->x; });
+    add("y", "pixels", [&](std::size_t i) { return firsts[i]->y; });
+    add("width", "pixels", [&](std::size_t i) { return firsts[i]->width; });
+    add("height", "pixels", [&](std::size_t i) { return firsts[i]->height; });
   }
   /// For each entry that of the same tile in the first pass, which knows its place: a pass that goes over the frame
   /// again numbers its tiles behind those of the pass before, in the same order.
   std::vector<const kernels::TileSummary*> first_passes() const {
-    std::vector<const kernels::TileSummary*> by_tile, places;
+    std::vector<const kernels::TileSummary*> by_tile, firsts;
     std::size_t count = 0;
     for (std::size_t i = 0; i < s_.tile_accounts.size() && !(i != 0 && summary(i).begins_pass); ++i) count += 1;
     by_tile.resize(count);
@@ -80,9 +80,9 @@ class Builder {
     }
     for (std::size_t i = 0; i < s_.tile_accounts.size(); ++i) {
       const kernels::TileSummary* first = i < count ? nullptr : by_tile[summary(i).tile % count];
-      places.push_back(first == nullptr ? &summary(i) : first);
+      firsts.push_back(first == nullptr ? &summary(i) : first);
     }
-    return places;
+    return firsts;
   }
   void add_times() {
     const sim::Clock tni = config_.gpu.clocks.tni.clock();

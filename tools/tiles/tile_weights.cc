@@ -100,7 +100,7 @@ const std::vector<Rule>& rules() {
   return all;
 }
 
-/// What all other counters of a kind of units are shared out by; nothing: time.
+/// Kind of work by which all other counters of a kind of units are shared out; nothing: time.
 std::optional<Kind> usual_kind(const sim::UnitReport& unit) {
   if (unit.type == typeid(hw::RayDispatcher)) return kRays;
   if (unit.type == typeid(hw::Trv)) return kVisits;

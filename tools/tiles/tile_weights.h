@@ -9,8 +9,8 @@
 
 namespace tools {
 
-/// What tiles had of a machine's work: a number for each tile and kind of work, by which the energy of that kind is
-/// shared out.
+/// Parts that tiles had of a machine's work: a number for each tile and kind of work, by which the energy of that kind
+/// is shared out.
 class TileWeights {
  public:
   explicit TileWeights(const Simulation& s);
@@ -19,7 +19,7 @@ class TileWeights {
   std::size_t count() const { return kinds_; }
   double of(std::size_t tile, std::size_t kind) const { return values_[tile * kinds_ + kind]; }
   double of_rest(std::size_t kind) const { return rest_[kind]; }
-  /// Of all tiles of a core; without one, of all tiles and of what no tile has asked for.
+  /// Sum over all tiles of a core; without one, over all tiles and what no tile has asked for.
   double sum(std::size_t kind, std::optional<std::uint32_t> core) const;
 
   /// The kind by which a counter of a unit is shared out; nothing for one that time moves.

@@ -37,7 +37,7 @@ struct SceneTables {
   Vec3<float> background, ambient;
   float epsilon, min_weight;
   std::uint32_t depth, layers;
-  std::uint32_t width;         ///< of the picture, in pixels
+  std::uint32_t width;         ///< pixels in a row of the picture
   bool has_details;            ///< some surface goes into a stream of classify_details
   bool dma_encodes;            ///< RenderConfig::srgb
   bool diverges;               ///< RenderConfig::streams

@@ -25,9 +25,9 @@ struct RaySlots {
   void hold(std::size_t slots);
 };
 
-/// What the rays of a pixel took.
+/// Work of the rays of a pixel.
 struct PixelWork {
-  std::uint32_t pixel = 0;  ///< of the picture, row by row
+  std::uint32_t pixel = 0;  ///< index in the picture, row by row
   std::uint32_t rays = 0, steps = 0, tests = 0;
 };
 
@@ -123,7 +123,7 @@ struct TileResult {
   std::vector<std::uint32_t> corrected;   ///< pixels of the picture whose new colours a round has put into `linear`
   std::vector<std::uint32_t> background;  ///< samples whose primary ray hit nothing, in the order traced
   std::uint64_t traversal_steps = 0;  ///< node visits and triangle tests; counted from the walks, so 0 if not recorded
-  std::uint64_t triangle_tests = 0;   ///< of these, triangle tests
+  std::uint64_t triangle_tests = 0;   ///< those of these steps that are triangle tests
   bool wants_pixel_work = false;      ///< says, before the tile is made, whether `pixel_work` is to be filled
   std::vector<PixelWork> pixel_work;  ///< a pixel may be there several times, also one of a neighbour's
   traces::TileWork work;              ///< filled if recorded

@@ -155,6 +155,7 @@ class OiioCodec : public ImageCodec {
       spec.channelnames.emplace_back(channel.name);
       spec.channelformats.push_back(channel.is_half ? OIIO::TypeDesc::HALF : OIIO::TypeDesc::FLOAT);
     }
+    if (std::ranges::none_of(channels, &Channel::is_half)) spec.channelformats.clear();
     spec.attribute("oiio:ColorSpace", "Linear");
     spec.attribute("compression", "zip");
     return encode("exr", spec, OIIO::TypeDesc::FLOAT, values.data(), notes, out);

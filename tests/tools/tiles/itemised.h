@@ -1,0 +1,25 @@
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "tools/simulation/run_job.h"
+
+namespace tools::test {
+
+/// Inputs of a small picture of the scene cornell.
+inline Inputs small_inputs(const std::vector<std::string>& sets = {}, const std::string& resolution = "48x24",
+                           const std::string& scene = "cornell") {
+  JobOptions options;
+  options.resolution = resolution;
+  options.scene = scene;
+  options.sets = sets;
+  return load_inputs(options);
+}
+
+/// A frame of which each tile and pixel has its account.
+inline Simulation itemised(const Inputs& inputs, const char* program = "full:1", std::uint32_t threads = 1) {
+  return simulate(inputs, kernels::parse_program(program), threads, {.itemised = true});
+}
+
+}  // namespace tools::test

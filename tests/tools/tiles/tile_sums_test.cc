@@ -1,0 +1,147 @@
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <gtest/gtest.h>
+
+#include "hw_models/dram/dram_channel.h"
+#include "hw_models/memory/core_port.h"
+#include "tests/hw_models/machines/gpu_harness.h"
+#include "tests/hw_models/machines/random_config.h"
+#include "tests/tools/tiles/itemised.h"
+#include "tools/analysis/units.h"
+#include "tools/tiles/tile_energy.h"
+#include "tools/tiles/tile_frame.h"
+
+// Figures of tiles sum to those of the frame, on any machine, and the machine knows nothing of them.
+
+namespace tools::test {
+namespace {
+
+constexpr double kMillijoulesPerPicojoule = 1e-9;
+
+double sum(const TileColumn& column) {
+  const double tiles = std::accumulate(column.values.begin(), column.values.end(), 0.0);
+  return tiles + column.rest;
+}
+
+double total(const TileFrame& frame, const char* column) {
+  const TileColumn* found = frame.find(column);
+  EXPECT_NE(found, nullptr) << column;
+  EXPECT_TRUE(found->is_sum) << column;
+  EXPECT_EQ(sum(*found), found->total) << column;
+  return found->total;
+}
+
+double counted(std::uint64_t value) { return static_cast<double>(value); }
+
+void expect_sums(const Simulation& s, const TileFrame& frame) {
+  constexpr const char* kRays[] = {"rays_primary", "rays_shadow", "rays_reflection", "rays_refraction"};
+  for (std::size_t kind = 0; kind < std::size(kRays); ++kind) {
+    EXPECT_EQ(total(frame, kRays[kind]), counted(s.function.rays[kind])) << kRays[kind];
+  }
+  EXPECT_EQ(total(frame, "steps"), counted(s.function.traversal_steps));
+  EXPECT_EQ(total(frame, "tests"), counted(Units<hw::Ist>(s.units).counted(&hw::Ist::Stats::tests)));
+  std::uint64_t kernel_cycles = 0;
+  for (const hw::KernelUse& use : s.kernel_use) kernel_cycles += use.cycles;
+  EXPECT_EQ(total(frame, "srp_cycles"), counted(kernel_cycles));
+  double bytes = 0;
+  for (const std::string_view asker : names_of(hw::Asker{})) {
+    bytes += total(frame, ("bytes_" + std::string(asker)).c_str());
+  }
+  EXPECT_EQ(bytes, counted(hw::kLineBytes * Units<hw::CorePort>(s.units).counted(&hw::CorePort::Stats::requests)));
+  EXPECT_EQ(total(frame, "dram_bytes"),
+            counted(Units<hw::DramChannel>(s.units).counted(&hw::DramChannel::Stats::bytes)));
+  EXPECT_EQ(total(frame, "energy_mj_low"), s.energy.total_pj.low * kMillijoulesPerPicojoule);
+  EXPECT_EQ(total(frame, "energy_mj_nominal"), s.energy.total_pj.nominal * kMillijoulesPerPicojoule);
+  EXPECT_EQ(total(frame, "energy_mj_high"), s.energy.total_pj.high * kMillijoulesPerPicojoule);
+}
+
+/// Expects that only what nobody is charged for is left over, nothing that the sharing out has forgotten.
+void expect_honest_rest(const Simulation& s, const Inputs& inputs, const TileFrame& frame) {
+  const double rest = tile_energy(s, inputs.config).rest.nominal * kMillijoulesPerPicojoule;
+  const TileColumn& column = *frame.find("energy_mj_nominal");
+  EXPECT_NEAR(column.rest, rest, 1e-12 * column.total);
+  EXPECT_GE(*std::ranges::min_element(column.values), 0);
+}
+
+TEST(TilesOfRandomMachines, SumToTheirTotalsAndChangeNothing) {
+  Inputs inputs = small_inputs({"render.tile=8"}, "32x16");
+  for (std::uint64_t seed = 0; seed < 30; ++seed) {
+    inputs.config.gpu = hw::test::random_config(seed);
+    const Simulation plain = simulate(inputs, {}, 1), s = itemised(inputs);
+    const hw::test::Outcome a{plain.units, plain.kernel_use, {}, plain.elapsed, plain.cycles};
+    const hw::test::Outcome b{s.units, s.kernel_use, {}, s.elapsed, s.cycles};
+    EXPECT_EQ(difference(a, b), "") << "machine " << seed;
+    const TileFrame frame = tile_frame(s, inputs.config, 0);
+    EXPECT_EQ(frame.rows(), 8U);
+    expect_sums(s, frame);
+    expect_honest_rest(s, inputs, frame);
+    if (HasFailure()) FAIL() << "machine " << seed;
+  }
+}
+
+class TilesOf : public testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Programs, TilesOf,
+                         testing::Values("full:4", "multirate:under", "multirate:super", "undersample", "supersample"),
+                         [](const auto& i) {
+                           std::string name = i.param;
+                           std::ranges::replace(name, ':', '_');
+                           return name;
+                         });
+
+TEST_P(TilesOf, EachProgramSumToItsTotalsForAnyNumberOfThreads) {
+  const Inputs inputs = small_inputs({"render.tile=16", "supersample.propagate=1"});
+  const Simulation s = itemised(inputs, GetParam());
+  const TileFrame frame = tile_frame(s, inputs.config, 0);
+  expect_sums(s, frame);
+  expect_honest_rest(s, inputs, frame);
+  const TileTable one{{frame}}, three{{tile_frame(itemised(inputs, GetParam(), 3), inputs.config, 0)}};
+  EXPECT_EQ(tiles_text(one), tiles_text(three));
+}
+
+TEST_P(TilesOf, EachProgramCoverThePicture) {
+  const Inputs inputs = small_inputs({"render.tile=16", "supersample.propagate=1"});
+  const TileFrame frame = tile_frame(itemised(inputs, GetParam()), inputs.config, 0);
+  const std::size_t passes = 1 + static_cast<std::size_t>(std::ranges::max(frame.at("pass")));
+  std::vector<std::size_t> covered(std::size_t{48} * 24);
+  for (std::size_t i = 0; i < frame.rows(); ++i) {
+    for (double y = frame.at("y")[i]; y < frame.at("y")[i] + frame.at("height")[i]; ++y) {
+      for (double x = frame.at("x")[i]; x < frame.at("x")[i] + frame.at("width")[i]; ++x) {
+        covered[static_cast<std::size_t>(y * 48 + x)] += 1;
+      }
+    }
+  }
+  EXPECT_EQ(covered, std::vector<std::size_t>(covered.size(), passes)) << "each pixel once a pass";
+}
+
+TEST(Tiles, AreInFlightWhileTheyAreWorkedOn) {
+  const Inputs inputs = small_inputs({"render.tile=8", "cores=2"});
+  const Simulation s = itemised(inputs);
+  const TileFrame frame = tile_frame(s, inputs.config, 0);
+  std::vector<double> cores = frame.at("core");
+  std::ranges::sort(cores);
+  EXPECT_EQ(cores.front(), 0);
+  EXPECT_EQ(cores.back(), 1);
+  for (std::size_t i = 0; i < frame.rows(); ++i) {
+    EXPECT_LT(frame.at("dispatched")[i], frame.at("finished")[i]);
+    EXPECT_LE(frame.at("finished")[i], counted(s.cycles));
+    EXPECT_GT(frame.at("srp_cycles")[i], 0);
+    EXPECT_GT(frame.at("energy_mj_nominal")[i], frame.at("energy_mj_low")[i]);
+    EXPECT_GT(frame.at("bytes_transfers")[i], 0) << "its part of the picture";
+  }
+}
+
+TEST(Tiles, OfOneTileHaveAllThatAnybodyAskedFor) {
+  const Inputs inputs = small_inputs({"render.tile=8", "cores=1"}, "8x8");
+  const TileFrame frame = tile_frame(itemised(inputs), inputs.config, 0);
+  ASSERT_EQ(frame.rows(), 1U);
+  for (const char* column : {"srp_cycles", "steps", "tests", "bytes_nodes", "bytes_shading", "dram_bytes"}) {
+    EXPECT_EQ(frame.at(column)[0], frame.find(column)->total) << column;
+  }
+  const TileColumn& energy = *frame.find("energy_mj_nominal");
+  EXPECT_GT(energy.values[0], 0.9 * energy.total) << "all but what passes before it comes and when it has gone";
+}
+
+}  // namespace
+}  // namespace tools::test

@@ -1,0 +1,35 @@
+#pragma once
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace tools::test {
+
+/// A timeline as its text says it, `protoc --decode` having read it.
+struct DecodedSlice {
+  std::string name, category;
+  std::uint64_t track = 0, begin = 0, end = 0;
+  std::size_t depth = 0;  ///< slices that it lies in
+  std::map<std::string, std::uint64_t> notes;
+  std::vector<std::uint64_t> flows;
+};
+struct DecodedTrack {
+  std::string name, unit;
+  std::uint64_t parent = 0;
+};
+struct DecodedTimeline {
+  std::map<std::uint64_t, std::string> processes;
+  std::map<std::uint64_t, DecodedTrack> tracks;
+  std::vector<DecodedSlice> slices;                                                 ///< in the order of their ends
+  std::map<std::uint64_t, std::vector<std::pair<std::uint64_t, double>>> counters;  ///< by track: times and values
+  std::string problem;  ///< what is wrong with it; empty: nothing
+
+  /// Names of the process and the track that a slice lies on: "core 0/SRP".
+  std::string path(const DecodedSlice& slice) const;
+};
+
+/// Runs protoc with tests/tools/timeline/timeline.proto on the bytes of a file.
+DecodedTimeline decode_timeline(const std::string& bytes);
+
+}  // namespace tools::test

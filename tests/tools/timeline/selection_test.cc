@@ -1,0 +1,45 @@
+#include "tools/timeline/selection.h"
+
+#include <gtest/gtest.h>
+
+#include "sim/error.h"
+
+namespace tools::test {
+namespace {
+
+using Rows = std::vector<std::size_t>;
+
+/// Four tiles of 16 x 8 pixels, two of a row; the second pass has gone over the third one again.
+TileFrame tiles() {
+  return {0,
+          {{"x", "pixels", false, {0, 16, 0, 16, 0}},
+           {"y", "pixels", false, {0, 0, 8, 8, 8}},
+           {"width", "pixels", false, {16, 16, 16, 16, 16}},
+           {"height", "pixels", false, {8, 8, 8, 8, 8}},
+           {"dispatched", "T&I cycles", false, {0, 5, 10, 15, 90}},
+           {"finished", "T&I cycles", false, {20, 35, 30, 45, 91}}}};
+}
+
+Rows selected(const std::string& asked) { return selected_tiles(parse_timeline(asked), tiles()); }
+
+TEST(TimelineSelection, NamesTilesByPlaceAndByTime) {
+  EXPECT_EQ(selected("all"), (Rows{0, 1, 2, 3, 4}));
+  EXPECT_EQ(selected("slowest:2"), (Rows{1, 3})) << "30 cycles each: the earlier first";
+  EXPECT_EQ(selected("slowest:99"), (Rows{1, 3, 0, 2, 4}));
+  EXPECT_EQ(selected("tile:1,0"), (Rows{1}));
+  EXPECT_EQ(selected("tile:0,1"), (Rows{2, 4})) << "in both passes";
+  EXPECT_EQ(selected("pixel:15,7"), (Rows{0}));
+  EXPECT_EQ(selected("pixel:16,8"), (Rows{3}));
+}
+
+TEST(TimelineSelection, RefusesAllElse) {
+  for (const char* bad : {"", "slowest", "slowest:", "slowest:0", "slowest:-1", "slowest:2x", "tile:1", "tile:1,",
+                          "tile:1,2,3", "pixel:a,b", "ALL", "tile:1;2", "slowest:99999999999"}) {
+    EXPECT_THROW(parse_timeline(bad), sim::InputError) << bad;
+  }
+  EXPECT_THROW(selected("tile:2,0"), sim::InputError);
+  EXPECT_THROW(selected("pixel:0,16"), sim::InputError);
+}
+
+}  // namespace
+}  // namespace tools::test

@@ -1,0 +1,36 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "tools/timeline/timeline.h"
+
+namespace tools {
+
+/// `--timeline` of a job: records its first frame.
+class TimelineJob {
+ public:
+  /// `asked`: as the option has it; empty: there is none. InputError if it means nothing.
+  explicit TimelineJob(std::string asked);
+
+  const std::optional<TimelineSelection>& selection() const { return selection_; }
+  /// InputError if the picture has not the pixel that was asked for.
+  void check_pixel(std::uint32_t width, std::uint32_t height) const;
+  /// Watchers of the next frame's machine: none from the second on.
+  hw::Watchers begin_frame(const RunConfig& config);
+  /// The frame is over; later ones are not looked at.
+  void end_frame(const Simulation& s, const TileFrame& tiles, const RunConfig& config);
+  /// Writes the file, and into the report what is in it and what had no room.
+  void write(const std::filesystem::path& folder, nlohmann::ordered_json& report) const;
+
+ private:
+  const std::string asked_;
+  std::optional<TimelineSelection> selection_;
+  std::optional<TimelineRecorder> recorder_;
+  std::optional<Timeline> made_;
+};
+
+}  // namespace tools

@@ -1,0 +1,55 @@
+#pragma once
+#include <cstdint>
+#include <initializer_list>
+#include <map>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace tools {
+
+/// Texts that events name by number.
+class InternedTexts {
+ public:
+  std::uint64_t number(std::string_view text) {
+    return numbers_.try_emplace(std::string(text), numbers_.size() + 1).first->second;
+  }
+  const std::map<std::string, std::uint64_t>& all() const { return numbers_; }
+
+ private:
+  std::map<std::string, std::uint64_t> numbers_;
+};
+
+/// A track of the timeline: slices, or with a unit a counter.
+struct TimelineTrack {
+  std::uint64_t id = 0, parent = 0;
+  std::string name;
+  std::int32_t rank = 0;  ///< among its siblings
+  std::string unit = {};
+};
+
+/// Packets of a Perfetto trace, one behind the other. Times are in nanoseconds, rounded down.
+class TracePackets {
+ public:
+  /// A process stands for a part of the machine; its tracks have it as parent.
+  void add_process(std::uint64_t id, std::string_view name, std::int32_t rank);
+  void add_track(const TimelineTrack& track);
+  /// `flow`: of the slice; 0: none.
+  void begin(std::uint64_t time, std::uint64_t track, std::string_view name, std::string_view category,
+             std::uint64_t flow, std::initializer_list<std::pair<std::string_view, std::uint64_t>> notes);
+  void end(std::uint64_t time, std::uint64_t track);
+  void count(std::uint64_t time, std::uint64_t track, double value);
+
+  const std::string& bytes() const { return bytes_; }
+  std::string take() { return std::move(bytes_); }
+  /// The first packet of a file: texts that later ones refer to. Takes them from `other`.
+  static std::string texts_of(const TracePackets& other);
+
+ private:
+  void add_packet(auto&& fill);
+
+  std::string bytes_;
+  InternedTexts names_, categories_, notes_;
+};
+
+}  // namespace tools
