@@ -115,11 +115,11 @@ void add_masks(std::vector<Case>& cases, bool quick) {
 std::vector<Case> chiu(bool quick) {
   std::vector<Case> cases;
   add_times(cases, quick);
-  add_pictures(cases, "figure 4", view_of("Cornell box", "cornell", quick), {{"shadow", 0.5, 0.8, 0.0625}}, quick);
+  add_pictures(cases, "figure 4", view_of("Cornell box", "cornell", quick), {{"shadow", 0.34, 0.83, 0.0625}}, quick);
   add_pictures(cases, "figure 5", sponza(quick),
-               {{"primary", 0.3, 0.3, 0.0625},
+               {{"primary", 0.48, 0.44, 0.0625},
                 {"shadow", 0.5, 0.7, 0.0625},
-                {"reflection", 0.6, 0.8, 0.0625},
+                {"reflection", 0.61, 0.87, 0.0625},
                 {"reflected-shadow", 0.7, 0.9, 0.0625}},
                quick);
   add_pictures(cases, "figure 6", view_of("textured floor", "chess", quick), {{"floor", 0.5, 0.8, 0.0625}}, quick);
