@@ -42,19 +42,18 @@ double squared_error(const std::vector<float>& a, const std::vector<float>& b) {
   return sum;
 }
 
-/// A lit floor and a ball above it, no mirror.
-traces::Scene shadowed_floor() {
+/// A wall seen from straight ahead, and the shadow on it of a slanted plate that floats before it; no mirror.
+traces::Scene shadowed_wall() {
   traces::Scene scene = empty_scene();
   scene.ambient = glm::vec3(0.2F);
-  traces::add_object(scene, traces::make_quad("floor", {-4, -1, 4}, {8, 0, 0}, {0, 0, -8}, 1),
-                     traces::add_material(scene, {.name = "floor"}));
-  traces::add_object(scene, traces::make_quad("plate", {-0.7F, 0.6F, 0.5F}, {1.3F, 0, 0.2F}, {0.1F, 0, -1.1F}, 1),
+  add_wall(scene, 0, 8, {.name = "wall"});
+  traces::add_object(scene, traces::make_quad("plate", {-0.2F, -0.6F, 1.5F}, {0.9F, 0.3F, 0}, {-0.3F, 1, 0}, 1),
                      traces::add_material(scene, {.name = "plate", .base_colour = {0.9F, 0.3F, 0.2F}}));
   traces::Light light;
-  light.position = {1, 4, 2};
+  light.position = {3, 1, 4};
   light.intensity = glm::vec3(20);
   scene.lights.push_back(light);
-  scene.cameras.push_back(traces::look_at("c", {0, 2.5F, 5}, {0, -0.6F, 0}, 0.8F));
+  scene.cameras.push_back(traces::look_at("c", {0, 0, 6}, {0, 0, 0}, 0.8F));
   return scene;
 }
 
@@ -106,7 +105,7 @@ TEST(ReconstructKernel, EachSampleTakesTheMeanOfTheShadedOnesThatItIsLike) {
 }
 
 TEST(Reconstruct, SamplesAreThoseOfFourOnARotatedGrid) {
-  const Stage stage(shadowed_floor());
+  const Stage stage(shadowed_wall());
   RenderConfig render = small(24, 17);
   const SpyTracer ours(stage.tracer), theirs(stage.tracer);
   reconstruct(stage, render, {}, Filters::kApart, &ours);
@@ -126,7 +125,7 @@ TEST(Reconstruct, SamplesAreThoseOfFourOnARotatedGrid) {
 TEST(RotatedGrid, HasASampleInEachRowAndEachColumnOfCells) {
   for (const std::uint32_t grid : {1U, 2U, 3U, 4U}) {
     const std::uint32_t samples = grid * grid;
-    const Stage stage(shadowed_floor());
+    const Stage stage(shadowed_wall());
     RenderConfig render = small(1, 1);
     render.samples = SamplePattern::kRotated;
     const SpyTracer spy(stage.tracer);
@@ -209,14 +208,12 @@ TEST_P(ReconstructIn, PicturesAreNearerToSixteenSamplesThanThoseOfOne) {
   const RenderConfig render = small(96, 64);
   const std::vector<float> truth = stage_.full(render, 16).rgb;
   const double ours = squared_error(reconstruct(stage_, render).rgb, truth);
-  const double sraa = squared_error(reconstruct(stage_, render, {}, Filters::kOne).rgb, truth);
   const double none = squared_error(reconstruct(stage_, render, {.radius = 0}).rgb, truth);
-  EXPECT_LT(ours, sraa);
   EXPECT_LT(ours, 0.4 * none) << "4 dB";
 }
 
 TEST(Reconstruct, KeepsAShadowsEdgeThatOneFilterBlurs) {
-  const Stage stage(shadowed_floor());
+  const Stage stage(shadowed_wall());
   const RenderConfig render = small(96, 96);
   const std::vector<float> truth = stage.full(render, 16).rgb;
   const Sampled ours = reconstruct(stage, render), sraa = reconstruct(stage, render, {}, Filters::kOne);
