@@ -63,7 +63,7 @@ class Activity {
     then_ = then_why;
   }
 
-  /// Charges the rest up to `end`, an edge of the unit's clock. Call once, when the run is over.
+  /// Charges the rest up to `end`, an edge of the unit's clock.
   void finish(Time end) {
     if (end <= accounted_) return;
     spent_[index(then_)] += end - accounted_;

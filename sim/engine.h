@@ -66,16 +66,20 @@ class Watchdog {
 };
 
 /// Runs the partitions of a machine, whose next wake-up is at `now`, by themselves as far as they may, and returns when
-/// they are to be run together again: the time of what comes next, or kNever.
+/// they are to be run together again: the time of what comes next, or kNever. None goes beyond the edge of an interval
+/// before all have come to it.
 template <class Owner, class TickAt>
 Time run_partitions(Owner& owner, Time now, Watchdog<Owner>& watchdog, TickAt&& tick_at) {
-  Wakes& wakes = owner.machine().wakes();
-  Partitions& partitions = owner.machine().partitions();
+  Machine& machine = owner.machine();
+  Wakes& wakes = machine.wakes();
+  Partitions& partitions = machine.partitions();
   const auto next_of = [&](const Partition& partition) { return wakes.earliest(partition.units); };
   const std::size_t count = partitions.outer.size();
   // There and back: what has been run last is still at the host's hand.
   for (bool back = false;; back = !back, now = wakes.earliest()) {
-    const Time lookahead_end = now == kNever ? now : owner.lookahead_end(now);
+    if (now == kNever) return now;
+    if (now >= machine.next_edge()) machine.pass_edges(now);
+    const Time lookahead_end = std::min(owner.lookahead_end(now), machine.next_edge());
     if (lookahead_end <= now) return now;
     watchdog.watch(now);
     Time reached = lookahead_end;  // by all outer partitions
@@ -106,6 +110,7 @@ Time run(Owner& owner) {
   Time now = 0;
   if constexpr (kSkip == Skip::kOn && HasPartitions<Owner>) now = wakes.earliest();
   for (;;) {
+    if (now >= machine.next_edge() && now != kNever) machine.pass_edges(now);
     if constexpr (kSkip == Skip::kOff) {
       machine.each_clock([&](std::size_t i, Clock clock) {
         if (clock.is_edge(now)) wakes.tick_one(i, tick_at(now));
@@ -139,6 +144,7 @@ Time run_shuffled(Owner& owner, std::uint64_t seed) {
   std::iota(order.begin(), order.end(), std::size_t{0});
   Watchdog<Owner> watchdog(owner);
   for (Time now = 0;;) {
+    if (now >= machine.next_edge()) machine.pass_edges(now);
     std::ranges::sort(order, {}, [&](std::size_t i) { return hash(seed, now, i); });
     for (const std::size_t i : order) {
       if (wakes[i] == now) wakes.tick_one(i, [&](std::size_t) { return machine.ticked()[i](now); });

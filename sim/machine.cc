@@ -28,8 +28,36 @@ bool Machine::quiet() const {
          std::ranges::all_of(wires_, [](const auto& wire) { return wire->empty(); });
 }
 
+void Machine::record(Intervals& intervals) {
+  expect(!started(), "intervals are recorded from the start");
+  std::size_t width = 0;
+  for (const UnitReport& unit : report()) width += unit.why.size() + unit.counters.size();
+  intervals.begin(width);
+  intervals_ = &intervals;
+  next_edge_ = intervals.next_edge();
+}
+
+void Machine::pass_edges(Time now) {
+  for (; next_edge_ <= now; next_edge_ = intervals_->next_edge()) {
+    bring_up_to(next_edge_);
+    write_row(intervals_->next_row());
+  }
+}
+
 void Machine::finish(Time end) {
+  if (intervals_ != nullptr) pass_edges(end - 1);
+  bring_up_to(end);
+  if (intervals_ == nullptr) return;
+  write_row(intervals_->last_row(end));
+  next_edge_ = kNever;
+}
+
+void Machine::bring_up_to(Time end) {
   for (const auto& unit : units_) unit->finish(declared_[unit->declared].clock.edge_at_or_after(end));
+}
+
+void Machine::write_row(std::uint64_t* row) const {
+  for (const Values& values : values_) row = values.write(values.unit, row);
 }
 
 std::string Machine::state() const {

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "sim/intervals.h"
 #include "sim/link.h"
 #include "sim/partitions.h"
 #include "sim/time.h"
@@ -71,7 +72,8 @@ class Machine {
   }
 
   /// Builds a declared unit. It has tick(now) and clock(); if it has them, finish(end), state(), idle(), retired()
-  /// and what a report needs (sim::report_of) are used, too.
+  /// and what a report needs (sim::report_of) are used, too. finish(end) brings its time and counters up to an edge of
+  /// its clock, and the unit may go on from there.
   template <class U, class... Args>
   U& build(UnitId id, Args&&... args) {
     expect_to_be_built(id);
@@ -84,6 +86,7 @@ class Machine {
       reports_.push_back([&unit, name = declared.name, sram = declared.sram_bytes, cache = declared.cache_bytes] {
         return report_of(unit, name, sram, cache);
       });
+      values_.push_back(values_by<U>(unit));
     }
     units_.push_back(std::move(built));
     return unit;
@@ -92,7 +95,11 @@ class Machine {
   template <class Part>
   void report_part(std::string name, const Part& part, std::uint64_t sram_bytes) {
     reports_.push_back([&part, name = std::move(name), sram_bytes] { return report_of(part, name, sram_bytes); });
+    values_.push_back(values_by(part));
   }
+  /// Has the values of all reports taken down at every edge of an interval, and at the end. Before the start;
+  /// `intervals` are there as long as the machine.
+  void record(Intervals& intervals);
 
   /// Nothing is under way: all links are empty, and units that can be idle are.
   bool quiet() const;
@@ -112,6 +119,10 @@ class Machine {
   /// Time before which nothing that a partition does at 0 can matter to another, but for links kByOwner.
   Time lookahead() const { return lookahead_; }
   Time wake_time(UnitId unit) const { return wakes_[slots_[unit.index]]; }
+  /// The edge at which all units are to stand together; kNever if nothing is recorded.
+  Time next_edge() const { return next_edge_; }
+  /// Takes down all edges up to `now`. All units have done what comes before the next edge, and nothing else.
+  void pass_edges(Time now);
   /// A unit by its wake-up time, to be ticked through a plain function of its own kind.
   struct Ticked {
     void* unit = nullptr;
@@ -125,6 +136,16 @@ class Machine {
   }
 
  private:
+  /// A reported unit, to have its values written through a plain function of its own kind.
+  struct Values {
+    const void* unit;
+    std::uint64_t* (*write)(const void*, std::uint64_t*);
+  };
+  template <class U>
+  static Values values_by(const U& unit) {
+    return {&unit, [](const void* of, std::uint64_t* out) { return write_values(*static_cast<const U*>(of), out); }};
+  }
+
   struct AnyUnit {
     virtual ~AnyUnit() = default;
     virtual bool idle() const = 0;
@@ -182,12 +203,17 @@ class Machine {
   bool started() const { return wakes_.size() != 0; }
   void place_units();
   void connect_links();
+  void bring_up_to(Time end);
+  void write_row(std::uint64_t* row) const;
 
   const std::uint64_t synchroniser_cycles_;
   std::vector<Declaration> declared_;
   std::vector<std::unique_ptr<AnyWire>> wires_;
   std::vector<std::unique_ptr<AnyUnit>> units_;
   std::vector<std::function<UnitReport()>> reports_;
+  std::vector<Values> values_;  ///< likewise
+  Intervals* intervals_ = nullptr;
+  Time next_edge_ = kNever;
   std::vector<std::size_t> slots_;  ///< index of each declared unit among the wake-up times
   std::vector<Ticked> ticked_;      ///< by slot
   Wakes wakes_;

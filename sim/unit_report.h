@@ -67,4 +67,16 @@ UnitReport report_of(const Unit& unit, std::string path, std::uint64_t sram_byte
   return r;
 }
 
+/// Writes the values of a unit's report alone, which takes no memory: cycles by reason, then counters. Returns what is
+/// behind them.
+template <class Unit>
+std::uint64_t* write_values(const Unit& unit, std::uint64_t* out) {
+  const Clock clock = unit.clock();
+  for (std::size_t i = 0; i < Unit::kReasons.size(); ++i) {
+    *out++ = clock.cycles(unit.activity().spent(static_cast<typename Unit::CycleReason>(i)));
+  }
+  Unit::Stats::describe(unit.stats(), [&](const std::uint64_t& value, auto&&...) { *out++ = value; });
+  return out;
+}
+
 }  // namespace sim

@@ -63,10 +63,7 @@ void DramChannel::finish(sim::Time end) {
     settle(cycle);
     refresh(cycle);
     power_down(cycle);
-    if (is_down_ && cycle > down_since_) {
-      stats_.power_down += ranks_ * (cycle - down_since_);
-      down_since_ = cycle;
-    }
+    count_power_down(cycle);
   }
   activity_.finish(end);
   stats_.turnarounds = device_.turnarounds();

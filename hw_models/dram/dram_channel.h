@@ -122,6 +122,7 @@ class DramChannel {
   void refresh_banks(std::uint32_t rank, Cycle due);
   void close_rows(std::uint32_t banks);
   void power_down(Cycle now);
+  void count_power_down(Cycle until);
   void wake(Cycle now);
   void take_request(sim::Time now, Cycle cycle);
   void respond(sim::Time now, Cycle cycle);
@@ -163,7 +164,8 @@ class DramChannel {
 
   Cycle data_end_ = 0;  ///< the end of the last line's data
   bool is_down_ = false;
-  Cycle down_since_ = 0;  ///< power-down begins or began, if is_down_
+  Cycle down_since_ = 0;    ///< power-down begins or began, if is_down_
+  Cycle down_counted_ = 0;  ///< power-down is counted up to there
 
   DramQueue reads_, writes_;
   Returns returns_;

@@ -15,7 +15,7 @@ void DramChannel::refresh(Cycle now) {
     power_down(due);
     if (is_down_) {
       if (due > down_since_) {
-        stats_.power_down += ranks_ * (due - down_since_);
+        count_power_down(due);
         due += exit_cycles_;
         device_.wake(due);
       }
@@ -77,12 +77,19 @@ void DramChannel::power_down(Cycle now) {
     down_since_ = std::max(down_since_, device_.precharge_all(device_.banks_of(rank), due));
 }
 
+void DramChannel::count_power_down(Cycle until) {
+  const Cycle from = std::max(down_since_, down_counted_);
+  if (!is_down_ || until <= from) return;
+  stats_.power_down += ranks_ * (until - from);
+  down_counted_ = until;
+}
+
 /// A request has arrived.
 void DramChannel::wake(Cycle now) {
   if (!is_down_) return;
+  count_power_down(now);
   is_down_ = false;
   if (now <= down_since_) return;
-  stats_.power_down += ranks_ * (now - down_since_);
   stats_.power_downs += 1;
   device_.wake(now + exit_cycles_);
 }

@@ -33,7 +33,7 @@ class RecordStream {
   };
   struct Counts {
     std::uint64_t records = 0, written = 0, read = 0;  ///< the latter two in lines, or parts of them
-    sim::Time inside = 0;                              ///< summed over records that have left
+    sim::Time inside = 0;  ///< sum of times at which records left minus those at which they came
   };
   enum class Waits : std::uint8_t { kNothing, kMemory, kPort, kOutput };
 

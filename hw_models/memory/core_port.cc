@@ -50,7 +50,7 @@ void CorePort::finish(sim::Time end) {
 
 /// The line that was under way at the last tick may be over since: no tick was needed to see it go.
 inline void CorePort::settle(sim::Time until) {
-  if (line_until_ > activity_.accounted() && line_until_ < until)
+  if (line_until_ >= activity_.accounted() && line_until_ < until)
     activity_.spend(line_until_, clock_.period(), waiting_, waiting_);
 }
 

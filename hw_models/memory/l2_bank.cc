@@ -52,9 +52,15 @@ sim::Time L2Bank::tick(sim::Time now) {
 
 void L2Bank::finish(sim::Time end) {
   activity_.finish(end);
-  stats_.latency = clock_.cycles(latency_);
-  stats_.memory_cycles = clock_.cycles(memory_time_);
-  stats_.line_cycles = clock_.cycles(line_time_);
+  // What has not ended yet has lasted until now.
+  std::uint64_t waiters = 0;
+  misses_.each([&](const Waiters& of_line) { waiters += of_line.count; });
+  std::uint64_t reads = waiters + hits_.size() + (filled_.count - filled_.next);
+  if (head_.full && !head_.request.write) reads += 1;
+  for (const sim::Link<MemResponse>& answers : ideal_) reads += answers.size();
+  stats_.latency = clock_.cycles(latency_ + end * reads);
+  stats_.memory_cycles = clock_.cycles(memory_time_ + end * waiters);
+  stats_.line_cycles = clock_.cycles(line_time_ + end * misses_.size());
 }
 
 bool L2Bank::idle() const {

@@ -194,7 +194,7 @@ class L2Bank {
   bool flushing_ = false;
   std::deque<sim::Link<MemResponse>> ideal_;  ///< answers to each core, a cycle long; none unless ideal
   sim::Time latency_ = 0, memory_time_ = 0,
-            line_time_ = 0;  ///< sums of ends minus sums of beginnings: exact when all has ended
+            line_time_ = 0;  ///< sums of ends minus sums of beginnings: exact with an end for what is under way
   Stats stats_;
   sim::Activity<CycleReason> activity_;
 };

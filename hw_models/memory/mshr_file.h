@@ -35,6 +35,11 @@ class MshrFile {
     return payloads_[slots_[size_++]] = Payload{};
   }
 
+  /// Calls f(payload) for each line on its way.
+  void each(auto&& f) const {
+    for (std::uint32_t i = 0; i < size_; ++i) f(payloads_[slots_[i]]);
+  }
+
   /// Frees the line's MSHR; its payload stays as it is until the next release.
   const Payload& release(Addr line) {
     const std::uint32_t i = index_of(line);

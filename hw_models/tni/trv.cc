@@ -42,6 +42,7 @@ Trv::Trv(const TrvConfig& config, const TniMode& mode, const TreeInMemory& tree,
 void Trv::finish(sim::Time end) {
   activity_.finish(end);
   if (full_) full_time_ += end - full_since_;
+  full_since_ = end;
   stats_.full = clock_.cycles(full_time_);
 }
 

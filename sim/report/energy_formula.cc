@@ -1,6 +1,7 @@
 #include "sim/report/energy_formula.h"
 
 #include <algorithm>
+#include <cassert>
 #include <set>
 
 #include <fmt/format.h>
@@ -11,7 +12,10 @@
 namespace sim {
 namespace {
 
-constexpr double kPicojoulesPerMilliwattFemtosecond = 1e-6;
+double leakage_pj_per_mw(Time elapsed) {
+  constexpr double kPicojoulesPerMilliwattFemtosecond = 1e-6;
+  return static_cast<double>(elapsed) * kPicojoulesPerMilliwattFemtosecond;
+}
 
 std::uint64_t idle_cycles(const UnitReport& unit) {
   std::uint64_t cycles = 0;
@@ -41,7 +45,7 @@ EnergyFormula::EnergyFormula(std::span<const UnitReport> units, const EnergyConf
     : config_(config),
       table_(config.events),
       blocks_(blocks_of(units)),
-      leakage_pj_per_mw_(static_cast<double>(elapsed) * kPicojoulesPerMilliwattFemtosecond) {
+      leakage_pj_per_mw_(leakage_pj_per_mw(elapsed)) {
   for (const std::string& block : blocks_) {
     const auto scale = scales.find(block);
     scales_.push_back(scale == scales.end() ? PowerScale{} : scale->second);
@@ -60,6 +64,18 @@ EnergyFormula::EnergyFormula(std::span<const UnitReport> units, const EnergyConf
           {index_of(figure_of(unit, counter, device_events)), static_cast<double>(counter.value), counter.event});
     }
     units_.push_back(std::move(of));
+  }
+}
+
+void EnergyFormula::recount(std::span<const UnitReport> units, Time elapsed) {
+  assert(units.size() == units_.size());
+  leakage_pj_per_mw_ = leakage_pj_per_mw(elapsed);
+  for (std::size_t u = 0; u < units.size(); ++u) {
+    units_[u].idle_cycles = static_cast<double>(idle_cycles(units[u]));
+    auto term = units_[u].terms.begin();
+    for (const CounterReport& counter : units[u].counters) {
+      if (!counter.event.empty()) (term++)->count = static_cast<double>(counter.value);
+    }
   }
 }
 
@@ -119,6 +135,13 @@ std::vector<double> EnergyFormula::of_blocks(Side side) const {
   std::vector<double> out;
   for (const Kinds& block : kinds) out.push_back(block.total());
   return out;
+}
+
+std::vector<double> EnergyFormula::of_kinds(Side side) const {
+  const std::vector<double> values = figures(side);
+  Kinds sum;
+  for (const Unit& unit : units_) sum.add(of(unit, values, side));
+  return {sum.dynamic, sum.clock, sum.leakage};
 }
 
 double EnergyFormula::total(Side side) const {

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <map>
 #include <span>
@@ -21,10 +22,16 @@ class EnergyFormula {
   EnergyFormula(std::span<const UnitReport> units, const EnergyConfig& config,
                 const std::map<std::string, DeviceEvent>& device_events, Time elapsed, const PowerScales& scales = {});
 
+  /// Takes other counts of the same units.
+  void recount(std::span<const UnitReport> units, Time elapsed);
+
   /// Energy by block, kind and event for low, nominal and high.
   EnergyReport report() const;
   /// pJ of one side, by block in alphabetical order.
   std::vector<double> of_blocks(Side side) const;
+  /// The same by kind.
+  std::vector<double> of_kinds(Side side) const;
+  static constexpr std::array<const char*, 3> kKinds = {"dynamic", "clock", "leakage"};
   /// pJ of one side: the same bits as that side of report().total_pj.
   double total(Side side) const;
   const std::vector<std::string>& blocks() const { return blocks_; }

@@ -75,6 +75,38 @@ class Loaded(unittest.TestCase):
         for figure in ("ii", "cycles", "share"):
             self.assertEqual(list(self.loaded.kernels[figure]), [kernel[figure] for kernel in kernels.values()])
 
+    @unittest.skipIf(importlib.util.find_spec("zstandard") is None, "no zstandard (Debian's python3-zstandard)")
+    def test_intervals_add_up_to_the_units(self):
+        intervals = self.loaded.intervals
+        self.assertEqual(list(intervals.columns),
+                         ["frame", "interval", "begin_us", "end_us", "unit", "kind", "name", "value"])
+        units = self.loaded.units[self.loaded.units["kind"] != "elapsed"].set_index(["unit", "kind", "name"])["value"]
+        key = ["unit", "kind", "name"]
+        summed = intervals.groupby(key, observed=True)["value"].sum()
+        most = intervals.groupby(key, observed=True)["value"].max()
+        self.assertEqual(len(summed), len(units))
+        for unit, value in units.items():
+            is_peak = unit[2] in ("slots_peak", "read_latency_max")
+            self.assertEqual((most if is_peak else summed)[unit], value, unit)
+
+    @unittest.skipIf(importlib.util.find_spec("zstandard") is None, "no zstandard (Debian's python3-zstandard)")
+    def test_intervals_fill_their_frames(self):
+        intervals = self.loaded.intervals
+        self.assertEqual(sorted(intervals["frame"].unique()), [0, 1])
+        for frame, rows in intervals.groupby("frame"):
+            time_us = self.loaded.frames["time_ms"][frame] * 1e3
+            self.assertAlmostEqual(rows["end_us"].max(), time_us, places=9)
+            one = rows[(rows["unit"] == "core0.tni.ist") & (rows["name"] == "tests")].sort_values("interval")
+            self.assertEqual(list(one["begin_us"])[1:], list(one["end_us"])[:-1])
+            self.assertEqual(one["begin_us"].iloc[0], 0)
+            cycles = rows[(rows["unit"] == "core0.tni.ist") & (rows["kind"] == "why")].groupby("interval")["value"].sum()
+            self.assertEqual(cycles.iloc[0], round(one["end_us"].iloc[0] * 500))
+
+    def test_intervals_that_are_not_there_are_said(self):
+        run(PROGRAM, "run", "--scene", "cornell", "--resolution", "16x16", "--intervals", "off", "--quiet", "-o", "none")
+        with self.assertRaisesRegex(ValueError, "none/intervals.bin.zst: is not there"):
+            raywatt.load(pathlib.Path(WORK.name, "none")).intervals
+
     def test_another_schema_is_refused_by_the_name_of_the_file(self):
         other = pathlib.Path(WORK.name, "other")
         other.mkdir()

@@ -68,6 +68,13 @@ void add_output_options(CLI::App& verb, JobOptions& options) {
   add_progress_option(verb, options.progress);
 }
 
+void add_intervals_option(CLI::App& verb, JobOptions& options) {
+  verb.add_option("--intervals", options.intervals,
+                  "on: what every unit did over time, in intervals.bin.zst (docs/intervals.md); off: no such file")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, bool>{{"off", false}, {"on", true}}))
+      ->default_str("on");
+}
+
 void add_job_options(CLI::App& verb, JobOptions& options) {
   add_work_options(verb, options);
   add_frames_option(verb, options);
@@ -80,7 +87,7 @@ void add_rays_option(CLI::App& verb, JobOptions& options) {
       verb.add_option("--rays", options.rays,
                       "trace this list of rays, 8 floats each (origin, t_min, direction, t_max), T&I units alone");
   for (const char* other : {"--program", "--camera", "--resolution", "--frames", "--reference", "--record",
-                            "--debug-images", "--tile-sampling", "--image", "--replicates"}) {
+                            "--debug-images", "--tile-sampling", "--image", "--replicates", "--intervals", "--watch"}) {
     if (CLI::Option* option = verb.get_option_no_throw(other)) rays->excludes(option);
   }
 }

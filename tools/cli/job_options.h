@@ -22,6 +22,8 @@ void add_reference_option(CLI::App& verb, JobOptions& options);
 void add_ideal_option(CLI::App& verb, JobOptions& options);
 /// Adds what becomes of the results.
 void add_output_options(CLI::App& verb, JobOptions& options);
+/// Adds whether intervals are kept.
+void add_intervals_option(CLI::App& verb, JobOptions& options);
 /// Adds frames of an animation.
 void add_frames_option(CLI::App& verb, JobOptions& options);
 /// These, frames, and what becomes of the results.

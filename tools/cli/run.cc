@@ -29,6 +29,11 @@ void add_run(CLI::App& app, const std::vector<std::string>& argv, int&) {
                    "notice, and report mean and 95 % interval of each figure (docs/noise.md)")
       ->check(CLI::Range(1U, kMostReplicates))
       ->capture_default_str();
+  add_intervals_option(*verb, *options);
+  verb->add_flag("--watch", options->watch,
+                 "show the picture so far, utilisation and power of the last interval and when it ends; a line every\n"
+                 "two seconds where standard output is no terminal")
+      ->excludes(verb->get_option("--progress"), verb->get_option("--quiet"));
   verb->add_flag("--json", options->json, "totals of report.json on standard output, in the table's stead");
   add_rays_option(*verb, *options);
   verb->footer("Example: raywatt run sgrt-2016 --scene teapot --set cores=2 -o out/two-cores");

@@ -65,6 +65,16 @@ void add_sweep_status(CLI::App& group) {
   verb->callback([=] { print_sweep_status(*path, *json); });
 }
 
+void add_sweep_watch(CLI::App& group) {
+  CLI::App* verb = group.add_subcommand("watch", "Show how far a sweep is until its points have ended");
+  const auto path = std::make_shared<fs::path>();
+  verb->add_option("folder", *path, "the sweep's folder")->required();
+  verb->footer(
+      "Looks at the folder and its store alone, once a second. A line every two seconds where standard output is no\n"
+      "terminal.\n\nExample: raywatt sweep watch out/l1");
+  verb->callback([=] { watch_sweep(*path); });
+}
+
 void add_sweep_cancel(CLI::App& group) {
   CLI::App* verb = group.add_subcommand("cancel", "Stop whoever runs a sweep, and its jobs; what is finished is kept");
   const auto path = std::make_shared<fs::path>();
@@ -82,6 +92,7 @@ void add_sweep(CLI::App& app, int& exit) {
   add_sweep_run(*verb, exit);
   add_sweep_point(*verb, exit);
   add_sweep_status(*verb);
+  add_sweep_watch(*verb);
   add_sweep_cancel(*verb);
   add_sweep_results(*verb);
 }

@@ -55,6 +55,7 @@ void add_replay(CLI::App& group, const std::vector<std::string>& argv) {
   add_set_option(*verb, options->sets);
   add_ideal_option(*verb, *options);
   verb->add_option("--threads", options->threads, "host threads (default: all cores)")->check(CLI::Range(1, 1024));
+  add_intervals_option(*verb, *options);
   add_output_options(*verb, *options);
   verb->footer(
       "Without CONFIG: on the machine that it was recorded with. Keys that change the work must be as recorded.\n\n"

@@ -3,10 +3,14 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
+#include <ctime>
 #include <exception>
 #include <new>
 #include <string_view>
+#include <utility>
+#include <vector>
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <sys/ioctl.h>
@@ -19,7 +23,7 @@
 namespace tools {
 namespace {
 
-constexpr std::chrono::milliseconds kBetween(200), kPatience(2000);
+constexpr std::chrono::milliseconds kBetween(200), kPatience(2000), kBetweenViews(500);
 constexpr std::size_t kBar = 24;
 
 void write_stderr(std::string_view text) {
@@ -34,6 +38,17 @@ std::size_t columns_of_terminal() {
 bool is_terminal() {
   const char* kind = std::getenv("TERM");
   return ::isatty(STDERR_FILENO) == 1 && kind != nullptr && std::string_view(kind) != "dumb";
+}
+
+std::size_t rows_of_terminal() {
+  winsize size{};
+  return ::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_row != 0 ? size.ws_row : 24;
+}
+
+/// The time of day at which it will be over.
+std::string end_text(double seconds_left) {
+  const std::time_t end = std::time(nullptr) + static_cast<std::time_t>(seconds_left + 0.5);
+  return fmt::format("ends at {:%H:%M:%S}", fmt::localtime(end));
 }
 
 /// "48 s", "3 min 20 s", "2 h 5 min"
@@ -87,10 +102,14 @@ std::string progress_json(const ProgressState& s) {
   return sim::json_line(json) + "\n";
 }
 
-Progress::Progress(const std::string& form, bool quiet)
-    : form_(form == "json"                              ? Form::kJson
-            : form == "auto" && !quiet && is_terminal() ? Form::kBar
-                                                        : Form::kNone) {
+Progress::Form Progress::form_of(const std::string& form, bool quiet) {
+  if (form == "json") return Form::kJson;
+  if (form == "watch") return is_terminal() && ::isatty(STDOUT_FILENO) == 1 ? Form::kView : Form::kLines;
+  return form == "auto" && !quiet && is_terminal() ? Form::kBar : Form::kNone;
+}
+
+Progress::Progress(const std::string& form, bool quiet, View* view) : form_(form_of(form, quiet)), view_(view) {
+  if (form_ == Form::kView && view_ != nullptr) graphics_ = graphics_of_terminal();
   if (form_ != Form::kNone) thread_ = std::thread([this] { run(); });
 }
 
@@ -149,6 +168,8 @@ void Progress::end(const std::string& how) {
   news_.notify_all();
   thread_.join();
   if (form_ == Form::kJson) write_stderr(progress_json(now()));
+  if (form_ == Form::kView && view_lines_ != 0) show_view();
+  if (form_ == Form::kLines) show_line();
   erase();
 }
 
@@ -156,7 +177,8 @@ void Progress::run() {
   std::unique_lock lock(mutex_);
   const auto ended = [this] { return ended_; };
   if (form_ == Form::kBar && news_.wait_for(lock, kPatience, ended)) return;
-  while (!news_.wait_for(lock, kBetween, ended)) {
+  const auto between = form_ == Form::kView ? kBetweenViews : form_ == Form::kLines ? kPatience : kBetween;
+  while (!news_.wait_for(lock, between, ended)) {
     try {
       show();
     } catch (const std::bad_alloc&) {
@@ -170,12 +192,51 @@ void Progress::show() {
     write_stderr(progress_json(now()));
     return;
   }
+  if (form_ == Form::kView) return show_view();
+  if (form_ == Form::kLines) return show_line();
   bar_is_there_ = true;
   erase_if_interrupted(true);
   write_stderr(fmt::format("\r{}\x1b[K", progress_line(now(), columns_of_terminal())));
 }
 
+/// Draws over the view of before: picture, figures, progress.
+void Progress::show_view() {
+  const std::size_t columns = columns_of_terminal(), rows = rows_of_terminal();
+  const ProgressState state = now();
+  std::vector<std::string> lines = {progress_line(state, columns)};
+  if (state.seconds_left() >= 0) lines.push_back(end_text(state.seconds_left()));
+  if (view_ != nullptr) {
+    for (std::string& line : view_->lines()) lines.push_back(std::move(line).substr(0, columns - 1));
+  }
+  std::string text = view_lines_ == 0 ? "" : fmt::format("\x1b[{}A", view_lines_);
+  std::size_t taken = lines.size();
+  const std::size_t left = rows > taken + 1 ? rows - taken - 1 : 0;
+  if (graphics_ != Graphics::kNone && view_ != nullptr) {
+    const SmallPicture picture = view_->picture(columns - 1, 2 * left);
+    if (!picture.empty()) {
+      text += graphics_ == Graphics::kSixel ? "\r" + sixels(picture) + "\n" : half_blocks(picture);
+      taken += graphics_ == Graphics::kSixel ? 0 : (picture.height + 1) / 2;
+    }
+  }
+  for (const std::string& line : lines) text += "\r" + line + "\x1b[K\n";
+  write_stderr(text + "\x1b[J");
+  view_lines_ = taken;
+}
+
+/// A line behind the others, for logs.
+void Progress::show_line() {
+  constexpr std::size_t kAnyLength = 1 << 10;
+  const ProgressState state = now();
+  std::string line = progress_line(state, kAnyLength);
+  if (state.seconds_left() >= 0) line += ", " + end_text(state.seconds_left());
+  if (view_ != nullptr) {
+    for (const std::string& more : view_->lines()) line += "; " + more;
+  }
+  write_stderr(line + "\n");
+}
+
 void Progress::erase() {
+  view_lines_ = 0;
   if (!bar_is_there_) return;
   write_stderr("\r\x1b[K");
   bar_is_there_ = false;

@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "sim/host_clock.h"
+#include "tools/host/view.h"
 
 namespace tools {
 
@@ -36,7 +37,9 @@ class Progress {
  public:
   /// "auto": a line that is redrawn, if stderr is a terminal and the job takes more than two seconds; erased in the
   /// end. "json": lines of JSON, at most five a second, and a last one. "none": nothing. `quiet` makes auto none.
-  Progress(const std::string& form, bool quiet);
+  /// "watch": on a terminal the view with all that it has, twice a second, which stays there in the end; elsewhere a
+  /// line every two seconds. `view` outlives this.
+  Progress(const std::string& form, bool quiet, View* view = nullptr);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
@@ -57,14 +60,20 @@ class Progress {
   void end(const std::string& how);
 
  private:
-  enum class Form : std::uint8_t { kBar, kJson, kNone };
+  enum class Form : std::uint8_t { kBar, kJson, kView, kLines, kNone };
+  static Form form_of(const std::string& form, bool quiet);
   void restart(std::uint32_t parts, const std::string& label);
   void run();
   void show();
+  void show_view();
+  void show_line();
   void erase();
   ProgressState now() const;
 
   const Form form_;
+  View* const view_;
+  Graphics graphics_ = Graphics::kNone;
+  std::size_t view_lines_ = 0;  ///< lines that the view takes on the terminal
   const sim::HostClock::time_point begin_ = sim::HostClock::now();
   sim::HostClock::time_point busy_since_;
   std::mutex mutex_;

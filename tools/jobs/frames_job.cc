@@ -15,6 +15,7 @@
 #include "tools/host/run_folder.h"
 #include "tools/host/standard_streams.h"
 #include "tools/jobs/jobs.h"
+#include "tools/jobs/live_run.h"
 #include "tools/jobs/outcome.h"
 #include "tools/sampling/tile_sampling.h"
 #include "tools/simulation/host_time.h"
@@ -41,6 +42,7 @@ struct Job {
   std::size_t frames_to_replace = 1;  ///< fewer are not kept if the run is interrupted
   std::optional<TileSampling> sampling;
   traces::TraceWriter* trace = nullptr;
+  LiveRun* live = nullptr;
   bool has_picture() const { return !sampling || sampling->full_image; }
 
   /// Simulates the frame that `inputs` stand at and writes its picture. An interrupt leaves the finished part of the
@@ -48,6 +50,8 @@ struct Job {
   void run_frame(const Inputs& inputs, const RunFolder::Open& open, Outcome& out) {
     const std::uint32_t width = inputs.config.render.width, height = inputs.config.render.height;
     const bool may_be_part = keep_part && out.frames.empty() && !sampling;
+    std::optional<sim::Intervals> intervals;
+    if ((options.intervals || live != nullptr) && !sampling) intervals = intervals_of_frame(inputs.frames());
     Simulation frame = sampling ? simulate_sampled(inputs, program.spec, options.threads, *sampling, &progress)
                                 : simulate(inputs, program.spec, options.threads,
                                            {.rates = &program.rates,
@@ -55,6 +59,8 @@ struct Job {
                                             .keep_part = may_be_part,
                                             .progress = &progress,
                                             .trace = trace,
+                                            .intervals = intervals ? &*intervals : nullptr,
+                                            .watcher = live,
                                             .replicates = options.replicates});
     std::optional<Simulation> compared;
     if (reference && !frame.is_part()) {
@@ -88,7 +94,8 @@ struct Job {
       const std::string frame_name = inputs.frames() > 1 ? fmt::format("frame-{:04}-", inputs.frame) : "";
       traces::write_png(folder / fmt::format("{}debug-{}.png", frame_name, p.name), p.width, p.height, p.rgb);
     }
-    out.add(inputs.frame, std::move(frame), std::move(compared), error);
+    out.add(inputs.frame, std::move(frame), std::move(compared), error,
+            options.intervals && intervals ? &*intervals : nullptr);
   }
 
   /// All frames, or what an interrupt has left time for; Interrupted if that is nothing.
@@ -155,11 +162,20 @@ void run_frames(const JobOptions& options) {
   if (!options.reference.empty()) reference = kernels::parse_program(options.reference);
   const std::optional<TileSampling> sampling = sampling_of(options, program);
   RunFolder folder(options.out, options.force);
-  Progress progress(options.progress, options.quiet);
+  LiveRun live;
+  Progress progress(options.watch ? "watch" : options.progress, options.quiet, &live);
   Inputs inputs = load_inputs(options, &progress);
   const kernels::RateMap rates(inputs.config.programs.multirate);
-  Job job{options,  progress, {program, rates}, {}, !folder.holds_former_run(), frames_to_replace(folder.target()),
-          sampling, nullptr};
+  Job job{options,
+          progress,
+          {program, rates},
+          {},
+          !folder.holds_former_run(),
+          frames_to_replace(folder.target()),
+          sampling,
+          nullptr,
+          options.watch ? &live : nullptr};
+  live.of(inputs.config);
   if (reference) job.reference = Program{*reference, rates};
   const bool is_adaptive = program.kind != kernels::ProgramSpec::Kind::kFull;
   if (options.debug_images && !is_adaptive && (!reference || reference->kind == kernels::ProgramSpec::Kind::kFull)) {
@@ -187,7 +203,7 @@ void run_frames(const JobOptions& options) {
     const double wall = sim::seconds_since(begin);
     const Result result = out.result();
     json = report_json({inputs, options, result, out.frames, out.partial, wall});
-    write_report(staging, json, inputs.config);
+    write_report(staging, json, inputs.config, out);
     if (trace && !out.partial) trace->commit();
     return out.kept(inputs.frames());
   });

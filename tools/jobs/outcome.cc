@@ -24,13 +24,15 @@ void keep(Simulation frame, std::optional<Simulation>& total) {
 
 }  // namespace
 
-void Outcome::add(std::uint32_t number, Simulation frame, std::optional<Simulation> compared, double error) {
+void Outcome::add(std::uint32_t number, Simulation frame, std::optional<Simulation> compared, double error,
+                  const sim::Intervals* over_time) {
   nlohmann::ordered_json entry = {{"frame", number}};
   if (frame.is_part()) entry.update({{"finished_tiles", frame.finished_tiles}, {"tiles", frame.tiles}});
   entry.update(totals_json({frame, compared ? &*compared : nullptr, error}));
   if (!frame.function.sampling.similar.empty()) entry["sampling"]["tiles"] = tiles_json(frame.function.sampling);
   frames.push_back(std::move(entry));
   squared_error += error;
+  if (over_time != nullptr) intervals.add(number, *over_time);
   keep(std::move(frame), total);
   if (compared) keep(*std::move(compared), reference);
 }
@@ -64,10 +66,14 @@ void tell_warnings(const nlohmann::ordered_json& report, std::size_t told) {
   for (std::size_t i = told; i < lines.size(); ++i) tell("warning: {}", lines[i].get<std::string>());
 }
 
-void write_report(const std::filesystem::path& folder, const nlohmann::ordered_json& json, const RunConfig& config) {
+void write_report(const std::filesystem::path& folder, const nlohmann::ordered_json& json, const RunConfig& config,
+                  const Outcome& outcome) {
   sim::write_file_atomically(folder / "report.json", sim::json_text(json));
   sim::write_file_atomically(folder / "report.txt", report_table(json));
   sim::write_file_atomically(folder / "config.yaml", sim::dump_config(config));
+  if (!outcome.intervals.empty()) {
+    sim::write_file_atomically(folder / kIntervalFile, outcome.intervals.file(outcome.total->units));
+  }
 }
 
 }  // namespace tools

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/analysis/report.h"
+#include "tools/intervals/interval_file.h"
 
 namespace tools {
 
@@ -15,10 +16,12 @@ struct Outcome {
   std::optional<Simulation> total, reference;
   double squared_error = 0;  ///< sum over frames
   nlohmann::ordered_json frames = nlohmann::ordered_json::array();
+  IntervalPacker intervals;
   bool partial = false;
 
   /// Adds a frame, and what it is compared with, if anything: `error` is their pictures' mean squared difference.
-  void add(std::uint32_t number, Simulation frame, std::optional<Simulation> compared, double error);
+  void add(std::uint32_t number, Simulation frame, std::optional<Simulation> compared, double error,
+           const sim::Intervals* over_time = nullptr);
   Result result() const;
   /// Part that an interrupted run has kept, in words; `all` frames were wanted.
   std::string kept(std::size_t all) const;
@@ -31,7 +34,8 @@ std::size_t frames_to_replace(const std::filesystem::path& folder);
 /// Says on standard error what stands in `warnings` of a report behind the first `told`.
 void tell_warnings(const nlohmann::ordered_json& report, std::size_t told);
 
-/// Writes report.json, report.txt and config.yaml into a folder.
-void write_report(const std::filesystem::path& folder, const nlohmann::ordered_json& json, const RunConfig& config);
+/// Writes report.json, report.txt, config.yaml and, if there are any, the intervals into a folder.
+void write_report(const std::filesystem::path& folder, const nlohmann::ordered_json& json, const RunConfig& config,
+                  const Outcome& outcome);
 
 }  // namespace tools

@@ -119,13 +119,14 @@ void Replay::load_tree(const Part& part) {
   inputs_.load_seconds += sim::seconds_since(begin);
 }
 
-Simulation Replay::play(const Part& part, const kernels::ProgramSpec& program, std::uint32_t threads, const How& how) {
+Simulation Replay::play(const Part& part, const kernels::ProgramSpec& program, std::uint32_t threads, const How& how,
+                        sim::Intervals* intervals) {
   load_tree(part);
   ReplayProgram frame(trace_, part, scope_, kernels_);
   inputs_.frame = part.frame;
   return tools::play(
       inputs_, program, frame, NoTracer(), threads,
-      {.keep_part = how.keep_part, .progress = how.progress, .replicates = how.replicates});
+      {.keep_part = how.keep_part, .progress = how.progress, .intervals = intervals, .replicates = how.replicates});
 }
 
 Outcome Replay::run(std::uint32_t threads, const How& how) {
@@ -143,7 +144,10 @@ Outcome Replay::run(std::uint32_t threads, const How& how) {
       How whole = how;
       whole.keep_part = false;
       const bool may_be_part = how.keep_part && out.frames.empty();
-      Simulation played = play(work, program_, threads, may_be_part ? how : whole);
+      std::optional<sim::Intervals> intervals;
+      if (how.intervals) intervals = intervals_of_frame(frames());
+      sim::Intervals* const over_time = intervals ? &*intervals : nullptr;
+      Simulation played = play(work, program_, threads, may_be_part ? how : whole, over_time);
       std::optional<Simulation> compared;
       if (reference_ && !played.is_part()) {
         const Part& other = trace_.naming_file([&]() -> const Part& { return part(number, true); });
@@ -154,7 +158,7 @@ Outcome Replay::run(std::uint32_t threads, const How& how) {
         }
       }
       out.partial = played.is_part() || (reference_ && !compared);
-      out.add(number, std::move(played), std::move(compared), out.partial ? 0 : error);
+      out.add(number, std::move(played), std::move(compared), out.partial ? 0 : error, over_time);
       if (out.partial) break;
     }
   } catch (const Interrupted&) {

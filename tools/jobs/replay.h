@@ -26,6 +26,7 @@ class Replay {
   struct How {
     Progress* progress = nullptr;
     bool keep_part = false;        ///< at least the finished tiles of the first frame, or that without its reference
+    bool intervals = false;        ///< what machines did over time is kept, without references
     std::uint32_t replicates = 1;  ///< plays of each frame
   };
   /// Plays all frames, or those that an interrupt has left time for. Interrupted if nothing is kept.
@@ -36,7 +37,7 @@ class Replay {
          const std::function<RunConfig(const traces::Json& header, const std::string& name)>& config);
   const traces::TraceReader::Part& part(std::uint32_t frame, bool reference) const;
   Simulation play(const traces::TraceReader::Part& part, const kernels::ProgramSpec& program, std::uint32_t threads,
-                  const How& how);
+                  const How& how, sim::Intervals* intervals = nullptr);
   void load_tree(const traces::TraceReader::Part& part);
 
   traces::TraceReader trace_;

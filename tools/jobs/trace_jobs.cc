@@ -89,13 +89,15 @@ void replay_trace(const JobOptions& options, const std::filesystem::path& file) 
   hold.emplace();
   nlohmann::ordered_json json;
   folder.fill([&](const RunFolder::Open& open) {
-    const Outcome out = job.run(options.threads, {.progress = &progress, .keep_part = !folder.holds_former_run()});
+    const Outcome out =
+        job.run(options.threads,
+                {.progress = &progress, .keep_part = !folder.holds_former_run(), .intervals = options.intervals});
     progress.end(out.partial ? "interrupted" : "done");
     const double wall = sim::seconds_since(begin);
     const Result result = out.result();
     json = report_json({job.inputs(), options, result, out.frames, out.partial, wall});
     if (out.total->is_part()) leave_out_sampling(json);
-    write_report(open(), json, job.inputs().config);
+    write_report(open(), json, job.inputs().config, out);
     return out.kept(job.frames());
   });
   hold.reset();

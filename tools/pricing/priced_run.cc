@@ -15,30 +15,15 @@
 #include "sim/io/printable.h"
 #include "tools/host/paths.h"
 #include "tools/pricing/idle_machine.h"
+#include "tools/pricing/reported_units.h"
 #include "tools/simulation/energy_events.h"
 #include "tools/simulation/power.h"
 
 namespace tools {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 constexpr std::uint64_t kMostTableBytes = 4 << 20;
 constexpr double kRounding = 1e-9;  ///< sums of frames are rounded otherwise than sums of counts
-
-std::string name_of(const ReportFile& report) { return sim::printable(report.file.string()); }
-
-RunConfig config_of(const ReportFile& report) {
-  const auto json = report.json.find("config");
-  if (json == report.json.end() || !json->is_object()) {
-    throw sim::InputError(fmt::format("{}: has no config, so nobody knows what its counts cost", name_of(report)));
-  }
-  RunConfig config;
-  sim::ConfigNode tree = sim::config_tree(config);
-  sim::ConfigLoader(tree).apply_text(json->dump(), name_of(report) + ": config");
-  check_run_config(config, name_of(report));
-  return config;
-}
 
 /// A whole file has keys of energy alone; a configuration, or a table of something else, is told from it by its keys.
 void check_kind(const std::filesystem::path& file) {
@@ -96,64 +81,6 @@ void apply(const PriceTable& table, RunConfig& config) {
   }
 }
 
-/// Node of a unit in a report's tree, "core0.tni.trv2"; null if there is none.
-const Json* node_of(const Json& units, std::string_view path) {
-  const std::size_t dot = path.find('.');
-  const auto found = units.find(std::string(path.substr(0, dot)));
-  if (found == units.end() || !found->is_object()) return nullptr;
-  return dot == std::string_view::npos ? &*found : node_of(*found, path.substr(dot + 1));
-}
-
-std::size_t units_below(const Json& node, int depth = 0) {
-  constexpr int kDeepest = 32;
-  if (!node.is_object() || depth > kDeepest) return 0;
-  std::size_t count = node.contains("counters") ? 1 : 0;
-  for (const auto& [name, child] : node.items()) {
-    if (name != "counters" && name != "why") count += units_below(child, depth + 1);
-  }
-  return count;
-}
-
-/// Puts a report's counts into the units of a machine at rest.
-class Counts {
- public:
-  explicit Counts(const ReportFile& report) : report_(report) {
-    const auto units = report.json.find("units");
-    if (units == report.json.end()) refuse("it has no units");
-    units_ = &*units;
-  }
-
-  void fill(std::vector<sim::UnitReport>& units) const {
-    if (const std::size_t found = units_below(*units_); found != units.size()) {
-      refuse(fmt::format("it has {} units, the machine of its configuration {}", found, units.size()));
-    }
-    for (sim::UnitReport& unit : units) {
-      const Json* node = node_of(*units_, unit.path);
-      if (node == nullptr) refuse(fmt::format("unit {} is not there", unit.path));
-      for (auto& [reason, cycles] : unit.why) cycles = number(*node, "why", reason, unit);
-      for (sim::CounterReport& counter : unit.counters) counter.value = number(*node, "counters", counter.name, unit);
-    }
-  }
-  [[noreturn]] void refuse(const std::string& why) const {
-    throw sim::InputError(
-        fmt::format("{}: cannot be priced: {}; allowed: reports of this version's model", name_of(report_), why));
-  }
-
- private:
-  std::uint64_t number(const Json& node, const char* group, const std::string& name,
-                       const sim::UnitReport& unit) const {
-    const auto in = node.find(group);
-    if (in != node.end() && in->is_object()) {
-      const auto value = in->find(name);
-      if (value != in->end() && value->is_number_unsigned()) return value->get<std::uint64_t>();
-    }
-    refuse(fmt::format("units.{}.{}.{} is no count", unit.path, group, name));
-  }
-
-  const ReportFile& report_;
-  const Json* units_ = nullptr;
-};
-
 WorkDone work_of(const ReportFile& report) {
   const auto frames = report.json.find("frames");
   const bool listed = frames != report.json.end() && frames->is_array() && !frames->empty();
@@ -164,23 +91,23 @@ WorkDone work_of(const ReportFile& report) {
 }  // namespace
 
 PricedRun::PricedRun(const ReportFile& report, const PriceTable& table)
-    : config_(config_of(report)), work_(work_of(report)) {
+    : config_(reported_config(report)), work_(work_of(report)) {
   const double cycles = report.number("totals.cycles");
-  if (!(cycles >= 0 && cycles < 0x1p53)) Counts(report).refuse("totals.cycles is no count");
+  if (!(cycles >= 0 && cycles < 0x1p53)) ReportedCounts(report).refuse("totals.cycles is no count");
   elapsed_ = static_cast<sim::Time>(cycles) * config_.gpu.clocks.tni.clock().period();
   std::vector<sim::UnitReport> units = idle_units(config_.gpu);
-  Counts(report).fill(units);
+  ReportedCounts(report).fill(units);
   make_formula(units);
   const double own = total(&sim::Spread::nominal) / kPicojoulesPerMillijoule;
   const double stated = report.number("totals.energy_mj.nominal");
   if (!(std::abs(own - stated) <= kRounding * stated)) {
-    Counts(report).refuse(
+    ReportedCounts(report).refuse(
         fmt::format("by its own table its counts come to {:.6g} mJ, and it states {:.6g}", own, stated));
   }
   if (!table.is_own()) {
     apply(table, config_);
     units = idle_units(config_.gpu);
-    Counts(report).fill(units);
+    ReportedCounts(report).fill(units);
     make_formula(units);
   }
   for (EnergyEntry& entry : energy_entries(config_)) {

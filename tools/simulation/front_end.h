@@ -45,6 +45,8 @@ class FrontEnd final : public hw::TileSource {
   const traces::TileWork* next() override;
   void give_back(const traces::TileWork* work) override;
   const Result& result() const { return result_; }
+  /// The picture of the tiles taken so far.
+  const std::vector<float>& picture() const { return result_.rgb.empty() ? program_.picture() : result_.rgb; }
   /// Has the result show what has been taken so far, for a frame that is left unfinished. Nothing may be taken after
   /// it.
   void keep_picture();

@@ -26,8 +26,10 @@ struct JobOptions {
   bool force = false;
   bool quiet = false;
   std::string progress = "auto";  ///< form of Progress
+  bool watch = false;             ///< the terminal shows picture, utilisation and power so far
   std::string tile_sampling;      ///< "5%" or "auto"; empty: all tiles are timed
   std::uint32_t replicates = 1;   ///< plays of each frame's work (docs/noise.md)
+  bool intervals = true;          ///< units' reasons and counters over time are kept (docs/intervals.md)
   std::string image = "full";     ///< with tile_sampling: "none" leaves out tiles that nothing is learnt from
   bool json = false;              ///< totals as JSON on standard output in the table's stead
   bool debug_images = false;      ///< also pictures of how adaptive frames came about

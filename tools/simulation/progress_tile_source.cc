@@ -18,6 +18,7 @@ const traces::TileWork* ProgressTileSource::next() {
 void ProgressTileSource::give_back(const traces::TileWork* work) {
   front_end_.give_back(work);
   finished_ += 1;
+  if (watcher_ != nullptr && watcher_->wants()) watcher_->note(front_end_.picture());
   FormerTiles all = former_ != nullptr ? *former_ : FormerTiles{};
   all.tiles += finished_;
   all.rays += front_end_.result().all_rays();

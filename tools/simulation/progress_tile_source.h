@@ -4,6 +4,7 @@
 #include "hw_models/machines/gpu.h"
 #include "tools/host/progress.h"
 #include "tools/simulation/front_end.h"
+#include "tools/simulation/run_watcher.h"
 
 namespace tools {
 
@@ -29,6 +30,7 @@ class ProgressTileSource final : public hw::TileSource {
 
   void begin(const char* phase, std::uint32_t frame) const;
   void played_by(const hw::Gpu& gpu) { gpu_ = &gpu; }
+  void watched_by(RunWatcher* watcher) { watcher_ = watcher; }
   const traces::TileWork* next() override;
   void give_back(const traces::TileWork* work) override;
   std::uint32_t finished() const { return finished_; }
@@ -40,6 +42,7 @@ class ProgressTileSource final : public hw::TileSource {
   const bool keep_part_;
   FormerTiles* const former_;
   const hw::Gpu* gpu_ = nullptr;
+  RunWatcher* watcher_ = nullptr;
   std::uint32_t finished_ = 0;
 };
 

@@ -199,8 +199,11 @@ Simulation play(const Inputs& inputs, const kernels::ProgramSpec& program, kerne
   if (!inputs.config.area.arrays.empty()) {
     sim::compute_area(gpu->report(), inputs.config.energy.logic, inputs.config.area);
   }
+  if (extras.intervals != nullptr) gpu->machine().record(*extras.intervals);
   offered.begin("simulating", inputs.frame);
   offered.played_by(*gpu);
+  if (extras.watcher != nullptr) extras.watcher->begin(gpu->report(), extras.intervals);
+  offered.watched_by(extras.watcher);
   run_to_end(*gpu);
   if (offered.finished() == frame.tiles()) tiles.finish(front_end.result());
 

@@ -11,6 +11,7 @@
 #include "hw_models/srp/srp_stats.h"
 #include "shader_kernels/programs/adaptive/rate_map.h"
 #include "shader_kernels/programs/program_spec.h"
+#include "sim/intervals.h"
 #include "sim/report/energy.h"
 #include "sim/unit_report.h"
 #include "tools/host/progress.h"
@@ -25,6 +26,8 @@ class TraceWriter;
 }
 
 namespace tools {
+
+class RunWatcher;
 
 /// Everything a run reads, read, as it is in one frame.
 struct Inputs {
@@ -105,6 +108,8 @@ struct Extras {
   Progress* progress = nullptr;
   traces::TraceWriter* trace = nullptr;  ///< gets the frame's work, if somebody wants it
   bool reference = false;                ///< for the trace: this is what others are compared with
+  sim::Intervals* intervals = nullptr;   ///< gets what the machine did over time, if somebody wants it
+  RunWatcher* watcher = nullptr;         ///< looks at the frame while it is played
   std::uint32_t replicates = 1;          ///< plays of the work, of which the first is not perturbed
 };
 

@@ -45,6 +45,12 @@ Unpacker::Unpacker() : context_(ZSTD_createDCtx()) {
   if (!context_) throw std::bad_alloc();
 }
 
+std::size_t Unpacker::size_of(std::string_view bytes) {
+  const std::size_t size = ZSTD_findFrameCompressedSize(bytes.data(), bytes.size());
+  if (ZSTD_isError(size) != 0) damaged();
+  return size;
+}
+
 std::string_view Unpacker::unpack(std::string_view block, std::uint64_t most) {
   const unsigned long long size = ZSTD_getFrameContentSize(block.data(), block.size());
   if (!block.starts_with(kFrameMagic) || size == ZSTD_CONTENTSIZE_ERROR) damaged();

@@ -1,4 +1,5 @@
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -30,6 +31,8 @@ class Packer {
 class Unpacker {
  public:
   Unpacker();
+  /// Bytes of the block that these begin with. InputError, without the file's name, if they begin with none.
+  static std::size_t size_of(std::string_view bytes);
   /// Contents of a block, followed by kBitsPadding bytes more; valid until the next one. InputError, without the file's
   /// name, if it is damaged or holds more than `most` bytes.
   std::string_view unpack(std::string_view block, std::uint64_t most);

@@ -159,6 +159,16 @@ Outcome play(const Frame& frame, const GpuConfig& config, Engine engine, std::ui
   return outcome;
 }
 
+Outcome play(const Frame& frame, const GpuConfig& config, sim::Intervals& intervals, Engine engine, std::uint64_t seed,
+             std::uint32_t workers) {
+  tools::FrontEnd front_end(frame.program(), frame.tracer(), workers);
+  const auto gpu = std::make_unique<Gpu>(config, frame.workload(), front_end);
+  gpu->machine().record(intervals);
+  Outcome outcome = run(*gpu, engine, seed);
+  outcome.function = front_end.result();
+  return outcome;
+}
+
 Outcome play(const Method& method, const GpuConfig& config, Engine engine, std::uint64_t seed, std::uint32_t workers) {
   const std::unique_ptr<kernels::FrameProgram> program = method.make();
   tools::FrontEnd front_end(*program, method.tracer(), workers);

@@ -9,6 +9,7 @@
 #include "hw_models/machines/gpu.h"
 #include "shader_kernels/programs/full.h"
 #include "shader_kernels/programs/programs.h"
+#include "sim/intervals.h"
 #include "tools/simulation/front_end.h"
 #include "traces/accel/bvh_config.h"
 #include "traces/accel/bvh_tracer.h"
@@ -96,6 +97,10 @@ enum class Engine : std::uint8_t {
 /// Plays the frame on a machine; `workers` threads of the front end run ahead of it.
 Outcome play(const Frame& frame, const GpuConfig& config, Engine engine = Engine::kFast, std::uint64_t seed = 0,
              std::uint32_t workers = 0);
+
+/// The same, with what the machine does over time taken down.
+Outcome play(const Frame& frame, const GpuConfig& config, sim::Intervals& intervals, Engine engine = Engine::kFast,
+             std::uint64_t seed = 0, std::uint32_t workers = 0);
 
 Outcome play(const Method& method, const GpuConfig& config, Engine engine = Engine::kFast, std::uint64_t seed = 0,
              std::uint32_t workers = 0);

@@ -2,16 +2,12 @@
 
 #include <algorithm>
 #include <chrono>
-#include <csignal>
-#include <cstdlib>
 #include <sstream>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-#include <pty.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
+#include "tests/tools/host/on_terminal.h"
 #include "tests/tools/program.h"
 
 // Progress that a run reports while it goes on.
@@ -159,56 +155,6 @@ TEST(ProgressJson, OfARecordingGoesThroughAllFramesAndTheirReferences) {
   ASSERT_EQ(ending.exit, 0) << ending.err;
   EXPECT_SAYS(ending.err, "\"phase\":\"done\",\"frame\":1,\"part\":4,\"parts\":4");
 }
-
-/// The program on a terminal.
-class OnTerminal {
- public:
-  explicit OnTerminal(Words words) {
-    words.insert(words.begin(), RAYWATT_PROGRAM);
-    winsize size{};
-    size.ws_col = 100;
-    process_ = ::forkpty(&terminal_, nullptr, nullptr, &size);
-    if (process_ != 0) return;
-    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) ::signal(signal, SIG_DFL);
-    ::setenv("TERM", "xterm", 1);
-    std::vector<char*> arguments;
-    for (std::string& word : words) arguments.push_back(word.data());
-    arguments.push_back(nullptr);
-    ::execv(arguments.front(), arguments.data());
-    ::_exit(127);
-  }
-  ~OnTerminal() {
-    if (process_ > 0) ::kill(process_, SIGKILL), ::waitpid(process_, nullptr, 0);
-    ::close(terminal_);
-  }
-  OnTerminal(const OnTerminal&) = delete;
-  OnTerminal& operator=(const OnTerminal&) = delete;
-
-  /// Reads until the screen has been sent `part`, or all there is.
-  bool wait_for(const std::string& part) {
-    char bytes[1024];
-    while (screen_.find(part) == std::string::npos) {
-      const ssize_t n = ::read(terminal_, bytes, sizeof bytes);
-      if (n <= 0) return false;  // EIO when the program has ended
-      screen_.append(bytes, static_cast<std::size_t>(n));
-    }
-    return true;
-  }
-  void type(char key) const { EXPECT_EQ(::write(terminal_, &key, 1), 1); }
-  int wait() {
-    wait_for("\x01 never sent");
-    int status = 0;
-    ::waitpid(process_, &status, 0);
-    process_ = -1;
-    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  }
-  const std::string& screen() const { return screen_; }
-
- private:
-  pid_t process_ = -1;
-  int terminal_ = -1;
-  std::string screen_;
-};
 
 constexpr char kControlC = '\x03';
 

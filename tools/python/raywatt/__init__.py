@@ -8,11 +8,14 @@
 Names are those of the files (docs/report.md): nested ones are joined by dots, as in results.csv of a sweep.
 """
 import dataclasses
+import functools
 import json
 import pathlib
 import subprocess
 
 import pandas
+
+from . import _intervals
 
 __all__ = ["Run", "load", "load_reproduce", "load_sweep", "load_trace_info"]
 
@@ -26,6 +29,12 @@ class Run:
     units    a row for each cycle reason and counter of each unit: unit, kind (elapsed, why or counter), name, value
     kernels  a row a kernel, by name
     report   the whole file as dictionaries and lists
+    folder   where it lies
+
+    Beside the report:
+    intervals  what each reason and counter came to in each interval of simulated time (docs/intervals.md): a row for
+               each frame, interval, unit and name, with begin_us and end_us of the interval, kind and value. It is read
+               when first asked for, which needs zstandard (Debian's python3-zstandard); millions of rows of a whole run.
     """
 
     totals: pandas.Series
@@ -33,6 +42,11 @@ class Run:
     units: pandas.DataFrame
     kernels: pandas.DataFrame
     report: dict
+    folder: pathlib.Path
+
+    @functools.cached_property
+    def intervals(self):
+        return _intervals.load(self.folder)
 
 
 def load(folder):
@@ -44,6 +58,7 @@ def load(folder):
         units=pandas.DataFrame(_unit_rows(report["units"]), columns=["unit", "kind", "name", "value"]),
         kernels=pandas.DataFrame.from_dict(report["totals"].get("kernels", {}), orient="index"),
         report=report,
+        folder=pathlib.Path(folder),
     )
 
 

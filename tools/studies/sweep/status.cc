@@ -1,7 +1,10 @@
 #include <chrono>
 #include <csignal>
+#include <mutex>
 #include <optional>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -9,6 +12,7 @@
 #include "sim/error.h"
 #include "sim/io/printable.h"
 #include "sim/report/report_json.h"
+#include "tools/host/progress.h"
 #include "tools/studies/sweep/launch/slurm_words.h"
 #include "tools/studies/sweep/store/folder.h"
 #include "tools/studies/sweep/sweep.h"
@@ -52,7 +56,57 @@ nlohmann::ordered_json status_of(const SweepFolder& folder) {
           {"failures", failures}};
 }
 
+std::uint64_t count_of(const nlohmann::ordered_json& status, const char* key) {
+  return status.at(key).get<std::uint64_t>();
+}
+
+std::string counts_text(const nlohmann::ordered_json& status) {
+  return fmt::format("{} points: {} done, {} failed, {} missing ({} of them being computed, {} damaged)",
+                     count_of(status, "points"), count_of(status, "done"), count_of(status, "failed"),
+                     count_of(status, "missing"), count_of(status, "running"), count_of(status, "damaged"));
+}
+
+/// The view of a sweep: its counts.
+class SweepView final : public View {
+ public:
+  void show(std::string counts) {
+    const std::lock_guard lock(mutex_);
+    counts_ = std::move(counts);
+  }
+  std::vector<std::string> lines() override {
+    const std::lock_guard lock(mutex_);
+    return {counts_};
+  }
+  SmallPicture picture(std::size_t, std::size_t) override { return {}; }
+
+ private:
+  std::mutex mutex_;
+  std::string counts_;
+};
+
 }  // namespace
+
+void watch_sweep(const fs::path& path) {
+  constexpr auto kBetween = std::chrono::seconds(1);
+  const SweepFolder folder = SweepFolder::open(path);
+  SweepView view;
+  nlohmann::ordered_json status = status_of(folder);
+  const std::uint64_t to_come = count_of(status, "missing");
+  {
+    Progress progress("watch", false, &view);
+    progress.begin_part("computing", 0, static_cast<std::uint32_t>(to_come));
+    for (;; status = status_of(folder)) {
+      const std::uint64_t missing = count_of(status, "missing");
+      view.show(counts_text(status));
+      if (missing < to_come) progress.tiles_done(static_cast<std::uint32_t>(to_come - missing), 0, 0);
+      const bool is_run = folder.runner() || count_of(status, "running") != 0 || slurm_status(folder);
+      if (missing == 0 || !is_run) break;
+      std::this_thread::sleep_for(kBetween);
+    }
+    progress.end(count_of(status, "missing") == 0 ? "done" : "nobody is running this sweep");
+  }
+  fmt::print("{}\n", counts_text(status));
+}
 
 void print_sweep_status(const fs::path& path, bool json) {
   const SweepFolder folder = SweepFolder::open(path);
@@ -63,9 +117,7 @@ void print_sweep_status(const fs::path& path, bool json) {
     fmt::print("{}", sim::json_text(status));
     return;
   }
-  const auto number = [&](const char* key) { return status[key].get<std::uint64_t>(); };
-  fmt::print("{} points: {} done, {} failed, {} missing ({} of them being computed, {} damaged)\n", number("points"),
-             number("done"), number("failed"), number("missing"), number("running"), number("damaged"));
+  fmt::print("{}\n", counts_text(status));
   if (const std::optional<SweepFolder::Runner> runner = folder.runner()) {
     fmt::print("run by process {} on {}\n", runner->process, runner->host);
   }

@@ -32,6 +32,8 @@ int compute_points(const PointOptions& options);
 
 /// Prints how far the sweep in a folder is.
 void print_sweep_status(const std::filesystem::path& path, bool json);
+/// Shows how far it is until all its points have ended or nobody computes any.
+void watch_sweep(const std::filesystem::path& path);
 /// Prints the first of those points that failed, with their errors.
 void print_failures(const sweep::Store& store, const std::vector<sweep::Point>& points);
 

@@ -1,0 +1,43 @@
+#include "sim/intervals.h"
+
+#include <algorithm>
+#include <cassert>
+
+namespace sim {
+
+Intervals::Intervals(Time length, std::size_t most) : length_(length), most_(most) {
+  assert(length > 0 && most >= 2 && most % 2 == 0);
+}
+
+void Intervals::begin(std::size_t width) {
+  width_ = width;
+  most_ = std::max<std::size_t>(2, std::min(most_, kMostValues / std::max<std::size_t>(width, 1)) / 2 * 2);
+  values_.reserve(most_ * width_);
+}
+
+std::uint64_t* Intervals::next_row() {
+  // One more is kept free: that of the end.
+  if (rows_ + 1 == most_) merge_pairs();
+  return add_row();
+}
+
+std::uint64_t* Intervals::last_row(Time end) {
+  assert(end > rows_ * length_ && end <= next_edge());
+  end_ = end;
+  return add_row();
+}
+
+std::uint64_t* Intervals::add_row() {
+  values_.resize((rows_ + 1) * width_);
+  return values_.data() + width_ * rows_++;
+}
+
+/// Rows 1, 3, 5, ... stay. There was an odd number of rows, so the next edge is one of the longer intervals, too.
+void Intervals::merge_pairs() {
+  rows_ /= 2;
+  for (std::size_t i = 0; i < rows_; ++i) std::ranges::copy(row(2 * i + 1), values_.data() + i * width_);
+  values_.resize(rows_ * width_);
+  length_ *= 2;
+}
+
+}  // namespace sim

@@ -1,0 +1,50 @@
+#pragma once
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "sim/unit_report.h"
+#include "tools/analysis/report_file.h"
+#include "tools/intervals/interval_file.h"
+#include "tools/simulation/load_config.h"
+
+namespace tools {
+
+/// Intervals of a finished run beside its report, with all that is known of its units:
+///
+///   intervals.bin.zst: values by edge ──┐
+///   report.json: config ──► machine at rest: blocks, reasons, what each counter costs ──► series.h: W, GB/s, %
+///
+/// That the last rows of all frames add up to the report's own counters is checked.
+class RunIntervals {
+ public:
+  /// Does the run have any? Runs with --intervals off, sampled runs, points of sweeps and runs of older versions have
+  /// none.
+  static bool are_beside(const ReportFile& report);
+  /// Those of a run's folder, or of its report.json. InputError if there are none, if they are damaged, or not of this
+  /// report, or if the report is of another model than this program's.
+  static RunIntervals load(const std::filesystem::path& run);
+  explicit RunIntervals(const ReportFile& report);
+
+  const RunConfig& config() const { return config_; }
+  /// Every unit at rest: path, block, reasons and counters with their events, all values 0.
+  std::span<const sim::UnitReport> units() const { return units_; }
+  /// In the order of the run.
+  std::span<const IntervalFrame> frames() const { return frames_; }
+
+  /// Sets the values of `units`, a copy of units(), to what they were at the end of an interval. Peaks are the most
+  /// until then.
+  static void set_until(const IntervalFrame& frame, std::size_t interval, std::span<sim::UnitReport> units);
+  /// The same to what came in an interval. Peaks are the most since the beginning of the frame.
+  static void set_within(const IntervalFrame& frame, std::size_t interval, std::span<sim::UnitReport> units);
+
+ private:
+  RunConfig config_;
+  std::vector<sim::UnitReport> units_;
+  std::vector<IntervalFrame> frames_;
+};
+
+}  // namespace tools

@@ -1,0 +1,32 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "sim/unit_report.h"
+#include "tools/analysis/report_file.h"
+#include "tools/simulation/load_config.h"
+
+namespace tools {
+
+/// Configuration that a report was made with. InputError if it has none that this program knows.
+RunConfig reported_config(const ReportFile& report);
+
+/// Counts of a report, for the units of a machine at rest.
+class ReportedCounts {
+ public:
+  /// InputError if the report has none.
+  explicit ReportedCounts(const ReportFile& report);
+  /// Puts them into the units. InputError if there are others in the report.
+  void fill(std::vector<sim::UnitReport>& units) const;
+  /// Throws InputError for a report of another model.
+  [[noreturn]] void refuse(const std::string& why) const;
+
+ private:
+  std::uint64_t number(const nlohmann::ordered_json& node, const char* group, const std::string& name,
+                       const sim::UnitReport& unit) const;
+
+  const ReportFile& report_;
+  const nlohmann::ordered_json* units_ = nullptr;
+};
+
+}  // namespace tools
