@@ -16,7 +16,7 @@ export function flow(block, data) {
   const links = records(data);
   const body = h("div", { class: "drawing sankey-drawing" });
   const side = () => state.get("side", "nominal");
-  const buttons = switches("Energy tables", SIDES, side(), (value) => { state.set({ side: value === "nominal" ? "" : value }, show); show(); });
+  const buttons = switches("Energy tables", SIDES, side(), (value) => { state.set({ side: value === "nominal" ? "" : value }, listener); show(); });
   const figure = frame(block, body, { data, more: [buttons] });
 
   async function show() {
@@ -24,7 +24,8 @@ export function flow(block, data) {
     const width = Math.max(body.clientWidth || 900, 560);
     body.replaceChildren(drawing(library, links, side(), width, block.about));
   }
-  state.listen("side", () => buttons.turn(side()));
+  const listener = () => buttons.turn(side());
+  state.listen("side", listener);
   theme.listen(show);
   new ResizeObserver(show).observe(figure);
   return figure;

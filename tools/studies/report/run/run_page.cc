@@ -31,6 +31,7 @@ View run_view(const ReportFile& report) {
   add_verdict(run, view);
   add_headlines(run, view);
   add_pictures(run, view);
+  add_series(run, view);
   add_units(run, view);
   add_cycles(run, view);
   add_energy(run, view);

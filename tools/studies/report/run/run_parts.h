@@ -25,6 +25,7 @@ struct Run {
 void add_verdict(const Run& run, View& view);
 void add_headlines(const Run& run, View& view);
 void add_pictures(const Run& run, View& view);
+void add_series(const Run& run, View& view);
 void add_units(const Run& run, View& view);
 void add_cycles(const Run& run, View& view);
 void add_energy(const Run& run, View& view);

@@ -82,16 +82,17 @@ void add_sweep_verdict(const Sweep& sweep, View& view) {
   const std::optional<std::size_t> best = metric != nullptr ? best_row(sweep, *metric) : std::nullopt;
   if (!best) return view.verdict("No point of this sweep has a result yet.", "", {{"the points", "front"}});
   const double value = results::amount_of(sweep.results.column(metric->path).values[*best])->value;
-  const std::string more = fmt::format("Best: point {} with {:.4g} {} ({}).", sweep.results.rows()[*best].n, value,
-                                       metric->unit.empty() ? metric->words : metric->unit, axes_text(sweep, *best));
+  const std::string more =
+      fmt::format("Best: point {} with {} {} ({}).", sweep.results.rows()[*best].n, number_text(value),
+                  metric->unit.empty() ? metric->words : metric->unit, axes_text(sweep, *best));
   const std::optional<results::Sensitivity> found = sensitivity_to(sweep, metric->path);
   if (!found) {
     return view.verdict(fmt::format("No axis changes {}.", metric->words), more, {{"the front", "front"}});
   }
   const results::Effect& first = found->effects.front();
-  view.verdict(
-      fmt::format("{} decides most of {}: {:.0f} % of its variance.", first.axis, metric->words, 100 * first.share),
-      more, links);
+  view.verdict(fmt::format("Most of {} is decided by {}: {:.0f} % of its variance.", metric->words, first.axis,
+                           100 * first.share),
+               more, links);
 }
 
 void add_sensitivities(const Sweep& sweep, View& view) {
