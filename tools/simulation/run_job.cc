@@ -11,7 +11,6 @@
 #include "sim/host_clock.h"
 #include "sim/io/printable.h"
 #include "tools/host/interrupt.h"
-#include "tools/simulation/energy_events.h"
 #include "tools/simulation/kept_work.h"
 #include "tools/simulation/machine_run.h"
 #include "tools/simulation/progress_tile_source.h"
@@ -193,12 +192,7 @@ Simulation play(const Inputs& inputs, const kernels::ProgramSpec& program, kerne
   const kernels::FrameRequirements requirements = frame.requirements();
   Recording tiles(offered, inputs, requirements, extras, frame);
   const std::unique_ptr<hw::Gpu> gpu = make_gpu(inputs, requirements, tiles);
-  check_energy_events(gpu->report(), inputs.config.energy);
-  // A figure that is missing is told before the work, not after it.
-  energy_of(*gpu, inputs.config);
-  if (!inputs.config.area.arrays.empty()) {
-    sim::compute_area(gpu->report(), inputs.config.energy.logic, inputs.config.area);
-  }
+  check_figures(*gpu, inputs.config);  // what is missing is told before the work, not after it
   offered.begin("simulating", inputs.frame);
   offered.played_by(*gpu);
   run_to_end(*gpu);
