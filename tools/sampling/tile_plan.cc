@@ -7,6 +7,20 @@
 #include "sim/hash.h"
 
 namespace tools {
+namespace {
+
+/// Bytes of caches for each sample of the tiles that warm them: of the L2, and of all first-level caches. The usual
+/// machine comes to eight tiles of 16 x 16 samples by either.
+constexpr std::uint64_t kSecondLevelBytes = 128, kFirstLevelBytes = 224;
+
+}  // namespace
+
+std::uint32_t warming_tiles(const hw::GpuConfig& gpu, std::uint32_t tile_samples) {
+  const std::uint64_t first_level = gpu.cores * (gpu.tni.trvs * gpu.tni.trv.l1.size.bytes + gpu.tni.ist.l1.size.bytes +
+                                                 gpu.srp.data_cache.size.bytes);
+  const std::uint64_t samples = std::max(gpu.l2.cache.size.bytes / kSecondLevelBytes, first_level / kFirstLevelBytes);
+  return std::max(PlanShape{}.warming, static_cast<std::uint32_t>(samples / tile_samples));
+}
 
 TilePlan plan_tiles(std::span<const double> costs, double share, const PlanShape& shape, std::uint64_t seed) {
   const auto tiles = static_cast<std::uint32_t>(costs.size());

@@ -23,6 +23,9 @@ struct PlanShape {
   std::uint32_t least = 28;     ///< blocks
 };
 
+/// Tiles before others that warm the caches of a machine for them.
+std::uint32_t warming_tiles(const hw::GpuConfig& gpu, std::uint32_t tile_samples);
+
 /// Blocks whose measured parts come to `share` of the frame's cost, where each tile costs `costs`. The list of tiles is
 /// cut into as many strata of equal cost, and a block begins at a tile of each, drawn by hash from `seed` with
 /// chances in proportion to cost.

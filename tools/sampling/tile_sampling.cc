@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "hw_models/dram/dram_energy.h"
 #include "shader_kernels/programs/full.h"
 #include "sim/error.h"
 #include "sim/hash.h"
@@ -16,7 +15,7 @@
 #include "tools/sampling/sample_weights.h"
 #include "tools/sampling/sampled_run.h"
 #include "tools/sampling/tile_plan.h"
-#include "tools/simulation/power.h"
+#include "tools/simulation/machine_run.h"
 #include "traces/accel/bvh_tracer.h"
 
 namespace tools {
@@ -28,9 +27,6 @@ constexpr double kRidge = 0.2;
 constexpr double kModelError = 0.01;
 /// Share of the frame's work that is measured at most; a frame that would need more is timed whole.
 constexpr double kMostShare = 0.4;
-/// Bytes of caches for each sample of the tiles that warm them before a block: of the L2, and of all first-level
-/// caches. The usual machine comes to eight of its tiles by either.
-constexpr std::uint64_t kSecondLevelBytes = 128, kFirstLevelBytes = 224;
 
 /// Entries of the frame's list that blocks need.
 std::vector<std::uint32_t> tile_indices_of(std::span<const TimedBlock> blocks) {
@@ -45,11 +41,6 @@ SamplePart as_sample(const TileTraits& traits, double cost) {
   SamplePart part{cost, {}};
   for (const auto member : TileTraits::kAll) part.traits.push_back(traits.*member);
   return part;
-}
-
-sim::EnergyReport energy_of(const Inputs& inputs, std::span<const sim::UnitReport> units, sim::Time time) {
-  return sim::compute_energy(units, inputs.config.energy, hw::dram_energy_events(inputs.config.gpu.dram), time,
-                             power_scales(inputs.config));
 }
 
 /// Estimates of a frame from the runs of its blocks.
@@ -94,7 +85,7 @@ Estimates estimate(const Inputs& inputs, const Pilot& pilot, const TilePlan& pla
       parts.push_back(&part);
       samples.push_back(as_sample(part.traits, measure.cost(part.traits)));
       times.push_back(static_cast<double>(part.time));
-      energies.push_back(energy_of(inputs, part.units, part.time).total_pj.nominal);
+      energies.push_back(energy_of(part.units, part.time, inputs.config).total_pj.nominal);
     }
   }
   TileTraits rest;
@@ -103,7 +94,7 @@ Estimates estimate(const Inputs& inputs, const Pilot& pilot, const TilePlan& pla
   Estimates e;
   e.whole = weighted_sum(parts, weights.weights(), runs.front());
   e.time = interval(static_cast<double>(e.whole.time), weights, times);
-  e.energy = interval(energy_of(inputs, e.whole.units, e.whole.time).total_pj.nominal, weights, energies);
+  e.energy = interval(energy_of(e.whole.units, e.whole.time, inputs.config).total_pj.nominal, weights, energies);
   e.counters = counter_intervals(e.whole, parts, weights);
   return e;
 }
@@ -121,10 +112,7 @@ PlanShape shape_of(const hw::GpuConfig& gpu, std::uint32_t tile_samples) {
   shape.edge = 2 * in_flight;
   shape.measured = std::max(12U, in_flight);
   shape.lead = std::max(4U, in_flight / 3);
-  const std::uint64_t first_level = gpu.cores * (gpu.tni.trvs * gpu.tni.trv.l1.size.bytes + gpu.tni.ist.l1.size.bytes +
-                                                 gpu.srp.data_cache.size.bytes);
-  const std::uint64_t samples = std::max(gpu.l2.cache.size.bytes / kSecondLevelBytes, first_level / kFirstLevelBytes);
-  shape.warming = std::max(shape.warming, static_cast<std::uint32_t>(samples / tile_samples));
+  shape.warming = warming_tiles(gpu, tile_samples);
   return shape;
 }
 
@@ -152,7 +140,7 @@ void take(Estimates&& estimates, const Inputs& inputs, const SampledRun& run, Sa
   s.units = std::move(estimates.whole.units);
   s.kernel_use = std::move(estimates.whole.kernels);
   s.kernels = run.kernels;
-  s.energy = energy_of(inputs, s.units, s.elapsed);
+  s.energy = energy_of(s.units, s.elapsed, inputs.config);
   sampled.cycles = {static_cast<double>(s.cycles), cycles(estimates.time.chance), cycles(estimates.time.method)};
   sampled.energy_pj = {s.energy.total_pj.nominal, estimates.energy.chance, estimates.energy.method};
   sampled.counters = std::move(estimates.counters);

@@ -2,6 +2,7 @@
 
 #include "hw_models/dram/dram_energy.h"
 #include "sim/engine.h"
+#include "tools/simulation/energy_events.h"
 #include "tools/simulation/power.h"
 
 namespace tools {
@@ -21,8 +22,18 @@ std::unique_ptr<hw::Gpu> make_gpu(const Inputs& inputs, const RunConfig& config,
                                    tiles, perturbation);
 }
 
+void check_figures(const hw::Gpu& gpu, const RunConfig& config) {
+  check_energy_events(gpu.report(), config.energy);
+  energy_of(gpu, config);
+  if (!config.area.arrays.empty()) sim::compute_area(gpu.report(), config.energy.logic, config.area);
+}
+
 sim::EnergyReport energy_of(const hw::Gpu& gpu, const RunConfig& config) {
-  return sim::compute_energy(gpu.report(), config.energy, hw::dram_energy_events(config.gpu.dram), gpu.elapsed(),
+  return energy_of(gpu.report(), gpu.elapsed(), config);
+}
+
+sim::EnergyReport energy_of(std::span<const sim::UnitReport> units, sim::Time elapsed, const RunConfig& config) {
+  return sim::compute_energy(units, config.energy, hw::dram_energy_events(config.gpu.dram), elapsed,
                              power_scales(config));
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 #include <memory>
+#include <span>
 
 #include "hw_models/machines/gpu.h"
 #include "tools/simulation/run_job.h"
@@ -15,11 +16,17 @@ std::unique_ptr<hw::Gpu> make_gpu(const Inputs& inputs, const RunConfig& config,
                                   const kernels::FrameRequirements& requirements, hw::TileSource& tiles,
                                   const hw::Perturbation& perturbation = {}, const hw::Watchers& watchers = {});
 
+/// InputError for a figure of energy or area that its units call for and the configuration lacks, or the other way round.
+void check_figures(const hw::Gpu& gpu, const RunConfig& config);
+
 /// Plays all tiles. sim::Deadlock if the machine is stuck.
 void run_to_end(hw::Gpu& gpu);
 
 /// Energy of what it has done so far.
 sim::EnergyReport energy_of(const hw::Gpu& gpu, const RunConfig& config);
+
+/// Energy of what the units of a machine have counted in so much time.
+sim::EnergyReport energy_of(std::span<const sim::UnitReport> units, sim::Time elapsed, const RunConfig& config);
 
 /// Has a result say what a machine that has finished did.
 void take(const hw::Gpu& gpu, const RunConfig& config, Simulation& s);

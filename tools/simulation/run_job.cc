@@ -11,7 +11,6 @@
 #include "sim/host_clock.h"
 #include "sim/io/printable.h"
 #include "tools/host/interrupt.h"
-#include "tools/simulation/energy_events.h"
 #include "tools/simulation/kept_work.h"
 #include "tools/simulation/machine_run.h"
 #include "tools/simulation/progress_tile_source.h"
@@ -196,12 +195,7 @@ Simulation play(const Inputs& inputs, const kernels::ProgramSpec& program, kerne
   hw::Watchers watchers = extras.watchers;
   if (extras.itemised) watchers.book = &book;
   const std::unique_ptr<hw::Gpu> gpu = make_gpu(inputs, requirements, tiles, {}, watchers);
-  check_energy_events(gpu->report(), inputs.config.energy);
-  // A figure that is missing is told before the work, not after it.
-  energy_of(*gpu, inputs.config);
-  if (!inputs.config.area.arrays.empty()) {
-    sim::compute_area(gpu->report(), inputs.config.energy.logic, inputs.config.area);
-  }
+  check_figures(*gpu, inputs.config);  // what is missing is told before the work, not after it
   if (extras.intervals != nullptr) gpu->machine().record(*extras.intervals);
   offered.begin("simulating", inputs.frame);
   offered.played_by(*gpu);
