@@ -6,7 +6,6 @@
 
 #include "hw_models/machines/patience.h"
 #include "hw_models/tni/scene_in_memory.h"
-#include "shader_kernels/catalogue.h"
 
 namespace hw {
 namespace {
@@ -46,16 +45,12 @@ Gpu::Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles, c
       srp_clock_(config.clocks.srp.clock()),
       l2_clock_(config.clocks.l2.clock()),
       in_flight_(tiles_in_flight(config.tile_buffer, workload.needs, config.ideal.tile_buffer)),
+      scheduled_(workload.scheduled ? workload.scheduled
+                                    : std::make_shared<const ScheduledKernels>(schedule_kernels(config))),
       machine_(config.clocks.synchroniser),
       memory_(machine_, config_, MemorySystem::Dma::kYes, perturbation.dram, workload.watchers),
       dispatcher_id_(machine_.unit({TileDispatcher::kName, l2_clock_})) {
-  SrpConfig srp = config.srp;
-  if (config.ideal.tile_buffer) srp.array.local_ports = 64;  // more than any kernel can use
-  for (const kernels::KernelInfo& kernel : kernels::catalogue()) {
-    kernels_.push_back(schedule(kernel.graph, srp));
-    conflicts_.push_back(bank_conflicts(kernels_.back(), kernel.graph, config.tile_buffer.banks));
-  }
-  patience_ = hw::patience(config, kernels_, conflicts_);
+  patience_ = hw::patience(config, scheduled_->kernels, scheduled_->conflicts);
 
   TileDispatcher::Links links;
   links.book = workload.watchers.book;
@@ -109,8 +104,8 @@ Gpu::RasterWires Gpu::link_rasteriser(const Core& core, std::uint32_t c) {
 
 Srp::Frame Gpu::frame_of(const Workload& workload, std::uint32_t core) const {
   return {.layout = &layout_,
-          .kernels = kernels_,
-          .conflicts = conflicts_,
+          .kernels = scheduled_->kernels,
+          .conflicts = scheduled_->conflicts,
           .needs = workload.needs,
           .ray_interval = config_.ideal.tni ? 0 : config_.direct_interface.interval * tni_clock_.period(),
           .areas = areas_of(config_, workload, core),
@@ -185,7 +180,7 @@ void Gpu::finish(sim::Time last_edge) {
 }
 
 std::vector<KernelUse> Gpu::kernel_use() const {
-  std::vector<KernelUse> sum(kernels_.size());
+  std::vector<KernelUse> sum(kernels().size());
   for (const Core& core : cores_) {
     for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += core.srp->kernel_use()[k];
   }

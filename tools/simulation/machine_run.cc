@@ -1,5 +1,7 @@
 #include "tools/simulation/machine_run.h"
 
+#include <utility>
+
 #include "hw_models/dram/dram_energy.h"
 #include "sim/engine.h"
 #include "tools/simulation/energy_events.h"
@@ -15,11 +17,13 @@ std::unique_ptr<hw::Gpu> make_gpu(const Inputs& inputs, const kernels::FrameRequ
 
 std::unique_ptr<hw::Gpu> make_gpu(const Inputs& inputs, const RunConfig& config,
                                   const kernels::FrameRequirements& requirements, hw::TileSource& tiles,
-                                  const hw::Perturbation& perturbation, const hw::Watchers& watchers) {
+                                   const hw::Perturbation& perturbation, const hw::Watchers& watchers,
+                                   std::shared_ptr<const hw::ScheduledKernels> scheduled) {
   const bool dma_encodes = config.render.srgb == kernels::SrgbEncoder::kDma;
-  return std::make_unique<hw::Gpu>(config.gpu,
-                                   hw::Gpu::Workload{inputs.image, inputs.parents, requirements, dma_encodes, watchers},
-                                   tiles, perturbation);
+  return std::make_unique<hw::Gpu>(
+      config.gpu,
+      hw::Gpu::Workload{inputs.image, inputs.parents, requirements, dma_encodes, watchers, std::move(scheduled)}, tiles,
+      perturbation);
 }
 
 void check_figures(const hw::Gpu& gpu, const RunConfig& config) {

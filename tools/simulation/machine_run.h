@@ -11,10 +11,12 @@ namespace tools {
 std::unique_ptr<hw::Gpu> make_gpu(const Inputs& inputs, const kernels::FrameRequirements& requirements,
                                   hw::TileSource& tiles, const hw::Perturbation& perturbation = {},
                                   const hw::Watchers& watchers = {});
-/// The machine of another configuration, for the work of `inputs`.
+/// The machine of another configuration, for the work of `inputs`. `scheduled`: kernels of a machine with the same
+/// shader cores, if there is one.
 std::unique_ptr<hw::Gpu> make_gpu(const Inputs& inputs, const RunConfig& config,
                                   const kernels::FrameRequirements& requirements, hw::TileSource& tiles,
-                                  const hw::Perturbation& perturbation = {}, const hw::Watchers& watchers = {});
+                                  const hw::Perturbation& perturbation = {}, const hw::Watchers& watchers = {},
+                                  std::shared_ptr<const hw::ScheduledKernels> scheduled = nullptr);
 
 /// InputError for a figure of energy or area that its units call for and the configuration lacks, or the other way round.
 void check_figures(const hw::Gpu& gpu, const RunConfig& config);
