@@ -90,7 +90,7 @@ struct RasterTriangle {
   std::uint32_t blocks = 0, hidden_blocks = 0;    ///< blocks of pixels that it may touch
   std::uint32_t quads = 0, hidden_quads = 0;      ///< 2 x 2 pixels of which it covers a sample
   std::uint32_t samples = 0, hidden_samples = 0;  ///< samples that it covers
-  std::uint32_t passed = 0;                       ///< of which it was the nearest so far
+  std::uint32_t passed = 0;                       ///< samples that it was the nearest at so far
   friend bool operator==(const RasterTriangle&, const RasterTriangle&) = default;
 };
 
@@ -100,7 +100,7 @@ struct ListRun {
   friend bool operator==(const ListRun&, const ListRun&) = default;
 };
 
-/// What a node of a rasteriser has beside its items: its parts of TileWork::raster_triangles and list_runs. Of kBin,
+/// Data of a rasteriser's node beside its items: its parts of TileWork::raster_triangles and list_runs. Of kBin,
 /// runs are written; of kRaster they are read, and have an entry for each triangle.
 struct RasterWork {
   std::uint32_t first_triangle = 0, triangles = 0;
@@ -144,7 +144,7 @@ struct TileWork {
   std::vector<Access> accesses;             ///< those of all items of all launches that have any, in item order
   std::vector<std::uint32_t> access_begin;  ///< per such item, plus one past the end of the last
   std::vector<std::uint32_t> sources;       ///< see WorkNode::sources; non-decreasing within a node
-  std::vector<RasterWork> raster;           ///< of the nodes that have it, in their order, as the following two
+  std::vector<RasterWork> raster;           ///< in the order of the nodes that have it, as the following two
   std::vector<RasterTriangle> raster_triangles;
   std::vector<ListRun> list_runs;
 };

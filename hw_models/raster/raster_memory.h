@@ -8,10 +8,10 @@ namespace hw {
 
 /// Arrays of a rasteriser in memory, one behind the other, each on lines of its own.
 struct RasterMemory {
-  static constexpr std::uint32_t kPositionBytes = 12;     ///< of a vertex as the scene has it: three floats
-  static constexpr std::uint32_t kIndexBytes = 12;        ///< of a triangle: the numbers of its vertices
-  static constexpr std::uint32_t kTransformedBytes = 16;  ///< of a vertex in the picture: four floats
-  static constexpr std::uint32_t kEntryBytes = 4;         ///< of a list: the number of a triangle
+  static constexpr std::uint32_t kPositionBytes = 12;     ///< a vertex as the scene has it: three floats
+  static constexpr std::uint32_t kIndexBytes = 12;        ///< a triangle: the numbers of its vertices
+  static constexpr std::uint32_t kTransformedBytes = 16;  ///< a vertex in the picture: four floats
+  static constexpr std::uint32_t kEntryBytes = 4;         ///< an entry of a list: the number of a triangle
 
   Addr positions = 0, indices = 0, transformed = 0, lists = 0, end = 0;
 

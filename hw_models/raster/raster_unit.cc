@@ -83,7 +83,7 @@ bool RasterUnit::begin_front(sim::Time now) {
   return true;
 }
 
-/// What comes of vertices goes to memory.
+/// Sends transformed vertices to memory.
 void RasterUnit::transform() {
   const Owner owner = job(setting_.job).job.owner;
   for (std::uint32_t i = 0; i < fetch_.missed(); ++i) {
@@ -101,7 +101,7 @@ bool RasterUnit::end_front(sim::Time now) {
 }
 
 bool RasterUnit::begin_back(sim::Time now) {
-  // What waits behind the oldest job's triangles is a later job's.
+  // Triangles that wait behind the oldest job's are a later job's.
   if (has_back_ || queued_ == 0 || finished_ == job(ended_).triangles()) return false;
   const Job& of = job(ended_);
   const traces::RasterTriangle& triangle = of.triangle(finished_);

@@ -134,15 +134,15 @@ class RasterUnit {
   std::vector<Job> jobs_;
   std::uint64_t taken_ = 0, ended_ = 0;    ///< jobs, counted
   Cursor entering_, setting_;              ///< the next to enter the window, to be set up
-  std::uint32_t run_ = 0, run_entry_ = 0;  ///< of the job that enters: the run of its next entry, and which there
+  std::uint32_t run_ = 0, run_entry_ = 0;  ///< next entry of the job that enters: its run, and which there
   bool has_front_ = false, has_back_ = false;
   sim::Time front_until_ = 0, back_until_ = 0;
   std::uint32_t queued_ = 0;    ///< triangles between these
-  std::uint32_t finished_ = 0;  ///< of the oldest job, those that have been through
-  End end_ = End::kNot;         ///< of the oldest job
+  std::uint32_t finished_ = 0;  ///< triangles of the oldest job that have been through
+  End end_ = End::kNot;         ///< how far the oldest job's end is
   sim::Time end_until_ = 0;
   std::uint64_t closed_ = 0;                   ///< lines that must have been sent before a batch ends
-  std::uint32_t out_run_ = 0, out_entry_ = 0;  ///< of a batch: the run to be written next, and where in it
+  std::uint32_t out_run_ = 0, out_entry_ = 0;  ///< entry of a batch to be written next: its run, and which there
   sim::Activity<CycleReason> activity_;
 };
 

@@ -7,7 +7,7 @@
 
 namespace hw {
 
-/// What a rasteriser writes to memory: bytes that follow each other in a line leave together.
+/// Writes of a rasteriser to memory: bytes that follow each other in a line leave together.
 class RasterWrites {
  public:
   RasterWrites(std::uint32_t lines, std::uint16_t port) : lines_(lines), port_(port) {}

@@ -11,7 +11,6 @@
 #include "sim/report/report_json.h"
 #include "tools/analysis/debug_pictures.h"
 #include "tools/analysis/picture.h"
-#include "tools/analysis/raster_pictures.h"
 #include "tools/analysis/report.h"
 #include "tools/host/command_text.h"
 #include "tools/host/interrupt.h"

@@ -15,7 +15,7 @@ namespace traces {
 struct RasterGeometry {
   struct Triangle {
     std::array<std::uint32_t, 3> vertices{};
-    std::uint32_t index = 0;         ///< of the memory image
+    std::uint32_t index = 0;         ///< among the memory image's
     std::uint32_t instance = kNone;  ///< two levels
   };
   std::vector<glm::dvec3> vertices;

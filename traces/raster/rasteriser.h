@@ -12,11 +12,11 @@
 
 namespace traces {
 
-/// What a rasteriser found at the samples of a wave. Storage is used again.
+/// Findings of a rasteriser at the samples of a wave. Storage is used again.
 struct Coverage {
   /// Winner of a sample: its nearest triangle.
   struct Winner {
-    std::uint32_t triangle = kNone;  ///< of the frame's list; kNone: nothing is there
+    std::uint32_t triangle = kNone;  ///< among the frame's; kNone: nothing is there
     double depth = 0;
   };
   std::vector<Winner> winners;        ///< one of each sample, in their order

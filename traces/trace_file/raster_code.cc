@@ -9,7 +9,7 @@ namespace {
 
 // A bound that no triangle comes near in a tile, and that keeps sums within 32 bits.
 constexpr std::uint64_t kMost = 1U << 26;
-constexpr std::uint64_t kLeastBytes = 5;  ///< of a triangle
+constexpr std::uint64_t kLeastBytes = 5;  ///< a triangle's, at least
 
 std::int64_t step(std::uint32_t from, std::uint32_t to) { return std::int64_t{to} - std::int64_t{from}; }
 

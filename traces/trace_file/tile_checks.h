@@ -3,8 +3,8 @@
 
 namespace traces {
 
-// What makes a tile that is read one that any machine can play, beyond bounds. InputError, without the file's name, for
-// one that is not.
+// Checks, beyond bounds, that a tile that is read is one that any machine can play. InputError, without the file's
+// name, for one that is not.
 
 /// Its items have ray slots.
 bool has_slots(const WorkNode& node);

@@ -62,7 +62,7 @@ struct TileBuffer {
   std::vector<std::uint32_t> record_nodes;    ///< launches of the work that have added to what samples keep
   std::vector<std::uint32_t> colour_nodes;    ///< launches of the work that have added to colours
   std::vector<traces::WorkNode> spare_nodes;
-  traces::Coverage coverage;  ///< of a wave that is rasterised
+  traces::Coverage coverage;  ///< samples of a wave that is rasterised
   /// Names the arrays as the kernels' ports do.
   static void describe(auto& b, auto&& array) {
     array(NAMED(b.wave.rays)), array(NAMED(b.wave.paths)), array(NAMED(b.wave.hits));

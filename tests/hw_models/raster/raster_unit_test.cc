@@ -87,7 +87,7 @@ TEST(RasterUnit, TransformsAVertexEachInterval) {
 TEST(RasterUnit, LooksUpSoManyLinesACycle) {
   RasterUnitConfig config;
   config.lookups = 1;
-  // Of an entry, of a triangle's numbers, of three vertices.
+  // Lines of an entry, of a triangle's numbers, of three vertices.
   EXPECT_EQ(of_hundred(config, [](std::uint32_t n) { return wave(n, 1, 1); }), 100U * 5);
 }
 

@@ -1,4 +1,4 @@
-#include "tools/analysis/raster_pictures.h"
+#include "tools/analysis/debug_pictures.h"
 
 #include <algorithm>
 
