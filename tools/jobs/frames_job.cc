@@ -53,25 +53,58 @@ struct Job {
   TimelineJob timeline = TimelineJob(options.timeline);
   bool has_picture() const { return !sampling || sampling->full_image; }
 
+  Simulation simulate_frame(const Inputs& inputs, bool may_be_part, sim::Intervals* intervals) {
+    if (sampling) return simulate_sampled(inputs, program.spec, options.threads, *sampling, &progress);
+    return simulate(inputs, program.spec, options.threads,
+                    {.rates = &program.rates,
+                     .marks = options.debug_images,
+                     .keep_part = may_be_part,
+                     .progress = &progress,
+                     .trace = trace,
+                     .intervals = intervals,
+                     .watcher = live,
+                     .replicates = options.replicates,
+                     .itemised = true,
+                     .watchers = timeline.begin_frame(inputs.config)});
+  }
+
+  /// Writes the frame's picture and what it looks like otherwise: what pixels and tiles took, debug pictures.
+  void write_pictures(const Inputs& inputs, const Simulation& frame, const Outcome& out,
+                      const std::filesystem::path& folder) const {
+    const std::uint32_t width = inputs.config.render.width, height = inputs.config.render.height;
+    if (inputs.frames() > 1 && has_picture()) {
+      const std::vector<std::uint8_t> picture = to_rgb8(frame.function.rgb);
+      traces::write_png(folder / fmt::format("frame-{:04}.png", inputs.frame), width, height, picture);
+    }
+    if (out.frames.empty() && has_picture()) {
+      traces::write_png(folder / "image.png", width, height, to_rgb8(frame.function.rgb));
+      if (!frame.is_part()) traces::write_exr(folder / "image.exr", width, height, frame.function.rgb);
+    }
+    const std::vector<traces::ImageNote> notes = notes_of(inputs, program.spec);
+    if (out.frames.empty() && !frame.is_part() && !frame.function.pixels.empty()) {
+      write_pixels(folder / kPixelsFile, frame.function.pixels, width, height, notes);
+    }
+    const std::string frame_name = inputs.frames() > 1 ? fmt::format("frame-{:04}-", inputs.frame) : "";
+    if (options.debug_images && !frame.function.pixels.empty()) {
+      write_heat_maps(folder, frame_name, heat_maps(frame, out.tiles.frames.back(), width, height), notes);
+    }
+    std::vector<DebugPicture> pictures = debug_pictures(program.spec, frame.function, width, height);
+    if (options.debug_images && rasterises(inputs)) {
+      std::vector<DebugPicture> more = raster_pictures(inputs.image, inputs.camera, inputs.config.render);
+      std::ranges::move(more, std::back_inserter(pictures));
+    }
+    for (const DebugPicture& p : pictures) {
+      traces::write_png(folder / fmt::format("{}debug-{}.png", frame_name, p.name), p.width, p.height, p.rgb);
+    }
+  }
+
   /// Simulates the frame that `inputs` stand at and writes its picture. An interrupt leaves the finished part of the
   /// first frame, not compared.
   void run_frame(const Inputs& inputs, const RunFolder::Open& open, Outcome& out) {
-    const std::uint32_t width = inputs.config.render.width, height = inputs.config.render.height;
     const bool may_be_part = keep_part && out.frames.empty() && !sampling;
     std::optional<sim::Intervals> intervals;
     if ((options.intervals || live != nullptr) && !sampling) intervals = intervals_of_frame(inputs.frames());
-    Simulation frame = sampling ? simulate_sampled(inputs, program.spec, options.threads, *sampling, &progress)
-                                : simulate(inputs, program.spec, options.threads,
-                                           {.rates = &program.rates,
-                                            .marks = options.debug_images,
-                                            .keep_part = may_be_part,
-                                            .progress = &progress,
-                                            .trace = trace,
-                                            .intervals = intervals ? &*intervals : nullptr,
-                                            .watcher = live,
-                                            .replicates = options.replicates,
-                                            .itemised = true,
-                                            .watchers = timeline.begin_frame(inputs.config)});
+    Simulation frame = simulate_frame(inputs, may_be_part, intervals ? &*intervals : nullptr);
     if (!frame.tile_accounts.empty()) {
       out.tiles.frames.push_back(tile_frame(frame, inputs.config, inputs.frame));
       timeline.end_frame(frame, out.tiles.frames.back(), inputs.config);
@@ -95,31 +128,11 @@ struct Job {
     if (trace != nullptr && !out.partial) trace->end_frame(recorded_frame(inputs.frame, error));
     progress.phase("writing the picture");
     const std::filesystem::path& folder = open();
-    if (inputs.frames() > 1 && has_picture()) {
-      const std::vector<std::uint8_t> picture = to_rgb8(frame.function.rgb);
-      traces::write_png(folder / fmt::format("frame-{:04}.png", inputs.frame), width, height, picture);
+    if (compared && out.frames.empty() && has_picture()) {
+      const kernels::RenderConfig& picture = inputs.config.render;
+      traces::write_exr(folder / "reference.exr", picture.width, picture.height, compared->function.rgb);
     }
-    if (out.frames.empty() && has_picture()) {
-      traces::write_png(folder / "image.png", width, height, to_rgb8(frame.function.rgb));
-      if (!frame.is_part()) traces::write_exr(folder / "image.exr", width, height, frame.function.rgb);
-      if (compared) traces::write_exr(folder / "reference.exr", width, height, compared->function.rgb);
-    }
-    const std::vector<traces::ImageNote> notes = notes_of(inputs, program.spec);
-    if (out.frames.empty() && !frame.is_part() && !frame.function.pixels.empty()) {
-      write_pixels(folder / kPixelsFile, frame.function.pixels, width, height, notes);
-    }
-    const std::string frame_name = inputs.frames() > 1 ? fmt::format("frame-{:04}-", inputs.frame) : "";
-    if (options.debug_images && !frame.function.pixels.empty()) {
-      write_heat_maps(folder, frame_name, heat_maps(frame, out.tiles.frames.back(), width, height), notes);
-    }
-    std::vector<DebugPicture> pictures = debug_pictures(program.spec, frame.function, width, height);
-    if (options.debug_images && rasterises(inputs)) {
-      std::vector<DebugPicture> more = raster_pictures(inputs.image, inputs.camera, inputs.config.render);
-      std::ranges::move(more, std::back_inserter(pictures));
-    }
-    for (const DebugPicture& p : pictures) {
-      traces::write_png(folder / fmt::format("{}debug-{}.png", frame_name, p.name), p.width, p.height, p.rgb);
-    }
+    write_pictures(inputs, frame, out, folder);
     out.add(inputs.frame, std::move(frame), std::move(compared), error,
             options.intervals && intervals ? &*intervals : nullptr);
   }

@@ -29,9 +29,9 @@ class TniStand {
     const sim::UnitId source = machine_.unit({"rays", clock_});
     hw::TniCore tni(machine_, config.tni, {.l1 = true}, 0, clock_);
     std::vector<hw::MemoryPort> memory;  // nothing ever goes there
-    for (const auto& [unit, lines] : tni.memory_clients()) {
-      memory.push_back(
-          {machine_.link<hw::MemRequest>(1, 1, unit, unit), machine_.link<hw::MemResponse>(1, 1, unit, unit)});
+    for (const hw::MemoryClient& client : tni.memory_clients()) {
+      memory.push_back({machine_.link<hw::MemRequest>(1, 1, client.unit, client.unit),
+                        machine_.link<hw::MemResponse>(1, 1, client.unit, client.unit)});
     }
     source_ = &hw::build_source_and_tni(machine_, config.direct_interface, source, equal_, tni,
                                         {{}, {0, triangle_bytes}}, memory);
