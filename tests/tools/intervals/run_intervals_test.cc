@@ -37,7 +37,7 @@ void expect_energy_adds_up(const RunIntervals& run, const nlohmann::json& frame_
     ASSERT_EQ(energy.blocks.size(), frame_report["energy_by_block_mj"].size());
     for (std::size_t b = 0; b < energy.blocks.size(); ++b) {
       const double stated = frame_report["energy_by_block_mj"][energy.blocks[b]][name].get<double>();
-      EXPECT_EQ(energy.until_pj.back()[b] / 1e9, stated) << energy.blocks[b] << ' ' << name;
+      EXPECT_EQ(energy.until_pj.back()[b] * 1e-9, stated) << energy.blocks[b] << ' ' << name;
     }
     const tools::IntervalTable table = tools::derive(run, frame, side);
     const tools::IntervalSeries* power = table.find("power", "total");
