@@ -37,16 +37,32 @@ concept HasPatience = requires(const Owner& owner) {
   owner.patience();
 };
 
-/// Ends a livelock: a machine whose units always have something to do, and retire nothing.
+/// Looks up from the run at certain times: at edges of intervals, of which the machine's values are taken down, and now
+/// and then for a livelock, a machine whose units always have something to do and retire nothing.
 template <class Owner>
 class Watchdog {
  public:
   explicit Watchdog(Owner& owner) : owner_(owner) {
-    if constexpr (HasPatience<Owner>) look_at_ = patience_ = owner.patience();
+    if constexpr (HasPatience<Owner>) patience_over_ = patience_ = owner.patience();
+    look_up_at_ = std::min(patience_over_, owner_.machine().next_edge());
   }
-  /// Asks, once in so long a time, what has been retired since it asked last. Deadlock if that is nothing.
+  /// All units have done what comes before `now`, the next time at which one has something to do. Takes down the edges
+  /// up to it, and asks, once in so long a time, what has been retired since it asked last: Deadlock if that is
+  /// nothing.
   void watch(Time now) {
-    if (now < look_at_ || now == kNever) return;
+    if (now >= look_up_at_ && now != kNever) look_up(now);
+  }
+  /// The edge of an interval beyond which nobody may go by itself.
+  Time next_edge() const { return owner_.machine().next_edge(); }
+
+ private:
+  void look_up(Time now) {
+    Machine& machine = owner_.machine();
+    if (now >= machine.next_edge()) machine.pass_edges(now);
+    if (now >= patience_over_) ask(now);
+    look_up_at_ = std::min(patience_over_, machine.next_edge());
+  }
+  void ask(Time now) {
     Machine& machine = owner_.machine();
     const std::uint64_t retired = machine.retired();
     if (retired == retired_) {
@@ -56,12 +72,12 @@ class Watchdog {
                      machine.state());
     }
     retired_ = retired;
-    look_at_ = now + std::min(patience_, kNever - now);
+    patience_over_ = now + std::min(patience_, kNever - now);
   }
 
- private:
   Owner& owner_;
-  Time patience_ = kNever, look_at_ = kNever;
+  Time patience_ = kNever, patience_over_ = kNever;
+  Time look_up_at_ = kNever;  ///< the next of all these times
   std::uint64_t retired_ = 0;
 };
 
@@ -70,18 +86,16 @@ class Watchdog {
 /// before all have come to it.
 template <class Owner, class TickAt>
 Time run_partitions(Owner& owner, Time now, Watchdog<Owner>& watchdog, TickAt&& tick_at) {
-  Machine& machine = owner.machine();
-  Wakes& wakes = machine.wakes();
-  Partitions& partitions = machine.partitions();
+  Wakes& wakes = owner.machine().wakes();
+  Partitions& partitions = owner.machine().partitions();
   const auto next_of = [&](const Partition& partition) { return wakes.earliest(partition.units); };
   const std::size_t count = partitions.outer.size();
   // There and back: what has been run last is still at the host's hand.
   for (bool back = false;; back = !back, now = wakes.earliest()) {
-    if (now == kNever) return now;
-    if (now >= machine.next_edge()) machine.pass_edges(now);
-    const Time lookahead_end = std::min(owner.lookahead_end(now), machine.next_edge());
+    Time lookahead_end = now == kNever ? now : owner.lookahead_end(now);
     if (lookahead_end <= now) return now;
     watchdog.watch(now);
+    lookahead_end = std::min(lookahead_end, watchdog.next_edge());
     Time reached = lookahead_end;  // by all outer partitions
     for (std::size_t i = 0; i < count; ++i) {
       const Partition& partition = partitions.outer[back ? count - 1 - i : i];
@@ -110,17 +124,16 @@ Time run(Owner& owner) {
   Time now = 0;
   if constexpr (kSkip == Skip::kOn && HasPartitions<Owner>) now = wakes.earliest();
   for (;;) {
-    if (now >= machine.next_edge() && now != kNever) machine.pass_edges(now);
+    if constexpr (kSkip == Skip::kOn && HasPartitions<Owner>) now = run_partitions(owner, now, watchdog, tick_at);
+    watchdog.watch(now);
     if constexpr (kSkip == Skip::kOff) {
       machine.each_clock([&](std::size_t i, Clock clock) {
         if (clock.is_edge(now)) wakes.tick_one(i, tick_at(now));
       });
     } else {
-      if constexpr (HasPartitions<Owner>) now = run_partitions(owner, now, watchdog, tick_at);
       if (now != kNever) wakes.tick_due(now, tick_at(now));
     }
     if (owner.done()) return now;
-    watchdog.watch(now);
     const Time next = wakes.earliest();
     if (next == kNever) throw Deadlock("the machine is stuck", machine.state());
     if constexpr (kSkip == Skip::kOff) {
@@ -144,13 +157,12 @@ Time run_shuffled(Owner& owner, std::uint64_t seed) {
   std::iota(order.begin(), order.end(), std::size_t{0});
   Watchdog<Owner> watchdog(owner);
   for (Time now = 0;;) {
-    if (now >= machine.next_edge()) machine.pass_edges(now);
+    watchdog.watch(now);
     std::ranges::sort(order, {}, [&](std::size_t i) { return hash(seed, now, i); });
     for (const std::size_t i : order) {
       if (wakes[i] == now) wakes.tick_one(i, [&](std::size_t) { return machine.ticked()[i](now); });
     }
     if (owner.done()) return now;
-    watchdog.watch(now);
     now = wakes.earliest();
     if (now == kNever) throw Deadlock("the machine is stuck", machine.state());
   }

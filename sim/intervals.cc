@@ -12,7 +12,7 @@ Intervals::Intervals(Time length, std::size_t most) : length_(length), most_(mos
 void Intervals::begin(std::size_t width) {
   width_ = width;
   most_ = std::max<std::size_t>(2, std::min(most_, kMostValues / std::max<std::size_t>(width, 1)) / 2 * 2);
-  values_.reserve(most_ * width_);
+  values_ = std::make_unique_for_overwrite<std::uint64_t[]>(most_ * width_);
 }
 
 std::uint64_t* Intervals::next_row() {
@@ -27,16 +27,12 @@ std::uint64_t* Intervals::last_row(Time end) {
   return add_row();
 }
 
-std::uint64_t* Intervals::add_row() {
-  values_.resize((rows_ + 1) * width_);
-  return values_.data() + width_ * rows_++;
-}
+std::uint64_t* Intervals::add_row() { return values_.get() + width_ * rows_++; }
 
 /// Rows 1, 3, 5, ... stay. There was an odd number of rows, so the next edge is one of the longer intervals, too.
 void Intervals::merge_pairs() {
   rows_ /= 2;
-  for (std::size_t i = 0; i < rows_; ++i) std::ranges::copy(row(2 * i + 1), values_.data() + i * width_);
-  values_.resize(rows_ * width_);
+  for (std::size_t i = 0; i < rows_; ++i) std::ranges::copy(row(2 * i + 1), values_.get() + i * width_);
   length_ *= 2;
 }
 

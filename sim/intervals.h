@@ -1,8 +1,8 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
-#include <vector>
 
 #include "sim/time.h"
 
@@ -20,7 +20,7 @@ class Intervals {
  public:
   static constexpr Time kFirstLength = 1'000 * kFemtosecondsPerNanosecond;
   static constexpr std::size_t kMost = 2048;
-  static constexpr std::size_t kMostValues = 8 << 20;  ///< of all rows together
+  static constexpr std::size_t kMostValues = 8 << 20;  ///< in all rows together
 
   /// At most `most` intervals, an even number; fewer if rows are long.
   explicit Intervals(Time length = kFirstLength, std::size_t most = kMost);
@@ -38,7 +38,7 @@ class Intervals {
   /// Intervals so far; the last one is shorter than the others, or as long.
   std::size_t size() const { return rows_; }
   std::size_t width() const { return width_; }
-  std::span<const std::uint64_t> row(std::size_t i) const { return {values_.data() + i * width_, width_}; }
+  std::span<const std::uint64_t> row(std::size_t i) const { return {values_.get() + i * width_, width_}; }
   /// End of an interval.
   Time edge(std::size_t i) const { return i + 1 == rows_ && end_ != 0 ? end_ : (i + 1) * length_; }
 
@@ -50,7 +50,7 @@ class Intervals {
   std::size_t most_;
   std::size_t width_ = 0, rows_ = 0;
   Time end_ = 0;
-  std::vector<std::uint64_t> values_;
+  std::unique_ptr<std::uint64_t[]> values_;
 };
 
 }  // namespace sim

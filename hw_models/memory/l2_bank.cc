@@ -54,7 +54,7 @@ sim::Time L2Bank::tick(sim::Time now) {
 
 void L2Bank::finish(sim::Time end) {
   activity_.finish(end);
-  // What has not ended yet has lasted until now.
+  // Reads that have not ended yet have lasted until now.
   std::uint64_t waiters = 0;
   misses_.each([&](const Waiters& of_line) { waiters += of_line.count; });
   std::uint64_t reads = waiters + hits_.size() + (filled_.count - filled_.next);

@@ -32,6 +32,7 @@ constexpr std::array kFloors = {
     Floor{"tools/timeline", 15},
     Floor{"tools/tiles", 14},
     Floor{"tools/sampling", 14},
+    Floor{"tools/intervals", 14},
     Floor{"tools/pricing", 14},
     Floor{"tools/analysis", 13},
     Floor{"tools/simulation", 12},

@@ -178,7 +178,7 @@ void Progress::run() {
   const auto ended = [this] { return ended_; };
   if (form_ == Form::kBar && news_.wait_for(lock, kPatience, ended)) return;
   const auto between = form_ == Form::kView ? kBetweenViews : form_ == Form::kLines ? kPatience : kBetween;
-  while (!news_.wait_for(lock, between, ended)) {
+  for (bool at_once = form_ == Form::kView; at_once || !news_.wait_for(lock, between, ended); at_once = false) {
     try {
       show();
     } catch (const std::bad_alloc&) {

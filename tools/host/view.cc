@@ -60,7 +60,7 @@ class RawTerminal {
   termios before_{};
 };
 
-constexpr unsigned kLevels = 6;   ///< of each channel, in sixels
+constexpr unsigned kLevels = 6;   ///< levels of each channel, in sixels
 constexpr std::size_t kBand = 6;  ///< rows of a line of sixels
 
 unsigned sixel_colour(const Colour& c) {

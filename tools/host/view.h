@@ -13,7 +13,7 @@ struct SmallPicture {
   bool empty() const { return rgb.empty(); }
 };
 
-/// What is shown of a job while it runs, beside how far it is. Asked by the thread that shows it.
+/// Figures and picture of a job while it runs, shown beside how far it is. Asked by the thread that shows them.
 class View {
  public:
   virtual ~View() = default;
@@ -26,7 +26,7 @@ class View {
 /// Ways in which a terminal shows pictures.
 enum class Graphics : std::uint8_t { kNone, kHalfBlocks, kSixel };
 
-/// What the terminal says it can: sixels if it answers so when asked (primary device attributes), half blocks in 24-bit
+/// Asks the terminal what it can: sixels if it answers so when asked (primary device attributes), half blocks in 24-bit
 /// colour if COLORTERM says so.
 Graphics graphics_of_terminal();
 

@@ -31,7 +31,7 @@ std::vector<IntervalUnit> interval_units(std::span<const sim::UnitReport> units)
 /// last row is what the frame came to, and the difference of two rows what has come between them.
 struct IntervalFrame {
   std::uint32_t frame = 0;              ///< its number
-  sim::Time length = 0, end = 0;        ///< of all intervals but the last; of the frame
+  sim::Time length = 0, end = 0;        ///< that all intervals but the last have; the frame's
   std::size_t rows = 0, width = 0;      ///< intervals; values of all units
   std::vector<std::uint64_t> values{};  ///< row by row
 

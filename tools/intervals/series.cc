@@ -172,7 +172,7 @@ class Table {
   Reports until_, within_;
   IntervalTable table_;
   Growing series_;
-  double time_ = 1;  ///< of the interval, in fs
+  double time_ = 1;  ///< length of the interval, in fs
   std::vector<double> blocks_before_, kinds_before_;
 };
 

@@ -18,7 +18,7 @@ struct IntervalSeries {
   std::vector<double> values;
 };
 
-/// What became of a frame over time.
+/// Figures of a frame over time.
 ///
 /// | group | names | unit |
 /// |---|---|---|

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "sim/report/energy_formula.h"
+#include "tools/host/run_watcher.h"
 #include "tools/host/view.h"
 #include "tools/simulation/load_config.h"
-#include "tools/simulation/run_watcher.h"
 
 namespace tools {
 
@@ -18,7 +18,7 @@ namespace tools {
 ///   machine's thread: note() at the end of a tile, if asked ──► copies ──► thread that shows: lines(), picture()
 class LiveRun final : public View, public RunWatcher {
  public:
-  /// What is shown from now on is a frame of that configuration.
+  /// Shows frames of that configuration from now on.
   void of(const RunConfig& config);
 
   void begin(std::vector<sim::UnitReport> units, const sim::Intervals* intervals) override;
@@ -34,11 +34,11 @@ class LiveRun final : public View, public RunWatcher {
   sim::EnergyConfig energy_;
   std::map<std::string, sim::DeviceEvent> device_;
   sim::PowerScales scales_;
-  std::uint32_t width_ = 0, height_ = 0;  ///< of the frame's picture
+  std::uint32_t width_ = 0, height_ = 0;  ///< the frame's picture has
   std::vector<sim::UnitReport> units_;
   std::unique_ptr<sim::EnergyFormula> formula_;
   const sim::Intervals* intervals_ = nullptr;
-  std::size_t wanted_width_ = 0, wanted_height_ = 0;  ///< of the picture that is shown
+  std::size_t wanted_width_ = 0, wanted_height_ = 0;  ///< the most that can be shown
   SmallPicture picture_;
   std::vector<std::uint64_t> before_, row_;  ///< values at the edges of the last interval that is over; none yet
   sim::Time begin_ = 0, end_ = 0;

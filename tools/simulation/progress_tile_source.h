@@ -4,7 +4,7 @@
 #include "hw_models/machines/gpu.h"
 #include "tools/host/progress.h"
 #include "tools/simulation/front_end.h"
-#include "tools/simulation/run_watcher.h"
+#include "tools/host/run_watcher.h"
 
 namespace tools {
 

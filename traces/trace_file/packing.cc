@@ -10,9 +10,6 @@
 namespace traces {
 namespace {
 
-// Higher levels save little: most of a tile are walks, which hardly shrink.
-constexpr int kLevel = 1;
-
 // A block of zstd holds this much at most, and takes this much at least.
 constexpr std::uint64_t kMostInBlock = 128U << 10, kLeastOfBlock = 3;
 
@@ -27,9 +24,9 @@ constexpr unsigned kChecksumFlag = 1U << 2;
 void Packer::Free::operator()(ZSTD_CCtx_s* context) const { ZSTD_freeCCtx(context); }
 void Unpacker::Free::operator()(ZSTD_DCtx_s* context) const { ZSTD_freeDCtx(context); }
 
-Packer::Packer() : context_(ZSTD_createCCtx()) {
+Packer::Packer(int level) : context_(ZSTD_createCCtx()) {
   if (!context_) throw std::bad_alloc();
-  ZSTD_CCtx_setParameter(context_.get(), ZSTD_c_compressionLevel, kLevel);
+  ZSTD_CCtx_setParameter(context_.get(), ZSTD_c_compressionLevel, level);
   ZSTD_CCtx_setParameter(context_.get(), ZSTD_c_checksumFlag, 1);
 }
 

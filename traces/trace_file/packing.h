@@ -16,7 +16,8 @@ inline constexpr std::uint64_t kLeastPacked = 9;
 /// Packs blocks: one zstd frame each, with size and checksum of what is inside.
 class Packer {
  public:
-  Packer();
+  /// Higher levels save little of a trace: most of a tile are walks, which hardly shrink.
+  explicit Packer(int level = 1);
   /// Valid until the next one.
   std::string_view pack(std::string_view bytes);
 

@@ -10,7 +10,7 @@
 #include "tests/tools/program.h"
 #include "tests/tools/studies/sweep/small_sweep.h"
 
-// What is shown of a job while it runs.
+// Views of jobs that run: pictures and figures on a terminal.
 
 namespace test {
 namespace {
@@ -80,17 +80,14 @@ TEST(Sixels, ShowEachPixelInTheNearestOfItsColours) {
   }
 }
 
-Words watched(const TempFolder& folder) {
-  return {"run",       "--watch", "--scene",   "chess", "--resolution", "256x128",
-          "--program", "full:4",  "--threads", "1",     "-o",           (folder.path() / "out").string()};
-}
+Words watched(const TempFolder& folder) { return small_run(folder.path() / "out", {"--watch", "--scene", "teapot"}); }
 
 TEST(Watch, ShowsPictureFiguresAndTheEndOnATerminalWithColours) {
   const TempFolder folder;
   OnTerminal run(watched(folder), {{"COLORTERM", "truecolor"}, {"LANG", "C.UTF-8"}});
   EXPECT_EQ(run.wait(), 0);
   EXPECT_SAYS(run.screen(), "\u2580");
-  EXPECT_SAYS(run.screen(), "simulating [");
+  EXPECT_SAYS(run.screen(), "done [");
   EXPECT_SAYS(run.screen(), "ends at ");
   EXPECT_SAYS(run.screen(), " W  at ");
   EXPECT_SAYS(run.screen(), "report:  ");
@@ -109,7 +106,7 @@ TEST(Watch, ShowsNoPictureOnATerminalThatSaysNothing) {
   const TempFolder folder;
   OnTerminal run(watched(folder));
   EXPECT_EQ(run.wait(), 0);
-  EXPECT_SAYS(run.screen(), "simulating [");
+  EXPECT_SAYS(run.screen(), "done [");
   EXPECT_EQ(run.screen().find("\u2580"), std::string::npos);
 }
 
