@@ -150,8 +150,7 @@ inline bool L2Bank::read(sim::Time now) {
   const L2Store::Found found = store_.find(r.line, r.sectors);
   if (found == L2Store::Found::kAll) {
     hits_.push(now, Reply{{r.line, r.source, r.tag}, head_.core});
-    if (book_ != nullptr) book_->of(r.owner).l2_hits += 1;
-    if (watcher_ != nullptr) watcher_->looked_up(true, now);
+    if (is_watched()) show_read(true, r.owner, now);
     stats_.hits += 1;
   } else {
     Waiters* waiters = misses_.find(r.line);
@@ -167,12 +166,18 @@ inline bool L2Bank::read(sim::Time now) {
     }
     waiters->list[waiters->count++] = {head_.core, r.source, r.tag};
     memory_time_ -= now;
-    if (book_ != nullptr) book_->of(r.owner).l2_misses += 1;
-    if (watcher_ != nullptr) watcher_->looked_up(false, now);
+    if (is_watched()) show_read(false, r.owner, now);
     stats_.misses += 1;
   }
   stats_.reads += 1;
   return true;
+}
+
+void L2Bank::show_read(bool hit, Owner owner, sim::Time now) {
+  if (watcher_ != nullptr) watcher_->looked_up(hit, now);
+  if (book_ == nullptr) return;
+  TileAccount& account = book_->of(owner);
+  (hit ? account.l2_hits : account.l2_misses) += 1;
 }
 
 inline L2Bank::CycleReason L2Bank::waiting(sim::Time now) const {

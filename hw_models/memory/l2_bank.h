@@ -160,6 +160,9 @@ class L2Bank {
   bool take_request(sim::Time now);
   bool look_up(sim::Time now);
   bool read(sim::Time now);
+  /// Tells who watches of a look-up; apart from read(), which is inlined where nobody does.
+  [[gnu::noinline]] void show_read(bool hit, Owner owner, sim::Time now);
+  bool is_watched() const { return book_ != nullptr || watcher_ != nullptr; }
   bool write(sim::Time now);
   void write_here(sim::Time now);
   bool flush(sim::Time now);

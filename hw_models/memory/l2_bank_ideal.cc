@@ -28,8 +28,7 @@ sim::Time L2Bank::tick_ideal(sim::Time now) {
         stats_.bytes_written += sector_bytes_ * static_cast<std::uint32_t>(std::popcount(r.sectors));
       } else {
         pipe.push(now, {r.line, r.source, r.tag});
-        if (book_ != nullptr) book_->of(r.owner).l2_hits += 1;
-        if (watcher_ != nullptr) watcher_->looked_up(true, now);
+        if (is_watched()) show_read(true, r.owner, now);
         stats_.reads += 1;
         stats_.hits += 1;
       }

@@ -75,7 +75,7 @@ std::vector<HeatMap> heat_maps(const Simulation& s, const TileFrame& tiles, std:
 DrawnMap draw(const HeatMap& map) {
   constexpr std::uint32_t kMargin = 3, kBar = 8;
   const float most = *std::ranges::max_element(map.values);
-  const std::string most_text = fmt::format("{:.4g}", most);
+  const std::string most_text = most < 1000 ? fmt::format("{:.4G}", most) : fmt::format("{:.0f}", most);
   const std::string text = fmt::format("{}  0 - {}", map.title, most > 0 ? most_text : "0");
   DrawnMap out{std::max(map.width, Lettering::width(text) + 2 * kMargin), 0, {}};
   out.height = map.height + kBar + Lettering::kHeight + 3 * kMargin;

@@ -93,7 +93,8 @@ TEST(Pixels, HaveRaysWhereTheProgramTraced) {
       EXPECT_EQ(s.function.pixels[i].rays > 0, traced) << program << " pixel " << i % kWidth << ", " << i / kWidth;
       untraced += traced ? 0 : 1;
     }
-    if (program == std::string("multirate:under")) EXPECT_GT(untraced, 100U) << "so there is something to tell apart";
+    const bool is_sparse = program == std::string("multirate:under");
+    EXPECT_GE(untraced, is_sparse ? 100U : 0U) << "there is something to tell apart";
   }
 }
 
