@@ -1,7 +1,7 @@
 // The page of two runs.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { json, look, program } from "./surroundings.mjs";
+import { json, look, numberOf, program } from "./surroundings.mjs";
 
 const [a, b] = [json("base", "report.json").totals, json("ports", "report.json").totals];
 const data = (page) => page.evaluate(() => JSON.parse(document.getElementById("data").textContent).views[0].data);
@@ -20,7 +20,7 @@ test("keys and figures are those of compare", () => look("diff.html", {}, async 
   const of = await data(page);
   assert.deepEqual(of.keys.rows, compared.config.map((key) => [key.key, key.a, key.b]));
   const cycles = await page.locator('[data-figure="fps"] .value').innerText();
-  assert.ok(Math.abs(Number(cycles) / compared.figures.fps.b - 1) < 1e-3);
+  assert.ok(Math.abs(numberOf(cycles) / compared.figures.fps.b - 1) < 1e-3);
   const percent = Math.abs(100 * (compared.figures.cycles.relative - 1));
   assert.ok((await page.locator(".sentence").innerText()).includes(`${percent.toFixed(percent < 1 ? 2 : 1)} % ${b.cycles < a.cycles ? "fewer" : "more"} cycles`));
 }));

@@ -2,11 +2,11 @@
 import assert from "node:assert/strict";
 import fs from "node:fs";
 import { test } from "node:test";
-import { at, json, look } from "./surroundings.mjs";
+import { at, json, look, numberOf } from "./surroundings.mjs";
 
 const report = json("base", "report.json");
 const figure = (page, id) => page.locator(`[data-figure="${id}"] .value`).innerText();
-const near = (text, value) => assert.ok(Math.abs(Number.parseFloat(text) / value - 1) < 1e-3, `${text} is not ${value}`);
+const near = (text, value) => assert.ok(Math.abs(numberOf(text) / value - 1) < 1e-3, `${text} is not ${value}`);
 const data = (page) => page.evaluate(() => JSON.parse(document.getElementById("data").textContent).views[0].data);
 const rows = ({ columns, rows }) => rows.map((row) => Object.fromEntries(columns.map((c, i) => [c.field, row[i]])));
 

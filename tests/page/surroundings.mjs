@@ -75,6 +75,12 @@ export async function look(name, { hash = "", theme = "light", width = 1280, sti
   }
 }
 
+/** A number as pages show it: "17.07 k" is 17070. */
+export function numberOf(text) {
+  const [, digits, prefix] = text.trim().match(/^([\d.e+-]+)(?: ([kMGT])(?![a-z]))?/);
+  return Number(digits) * { k: 1e3, M: 1e6, G: 1e9, T: 1e12 }[prefix ?? ""] || Number(digits);
+}
+
 /** Waits until every chart of the page is drawn. */
 export async function drawn(page) {
   await page.evaluate(() => window.dispatchEvent(new Event("beforeprint")));

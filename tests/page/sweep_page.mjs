@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { test } from "node:test";
-import { folder, look, program, raywatt } from "./surroundings.mjs";
+import { folder, look, numberOf, program, raywatt } from "./surroundings.mjs";
 
 test("the table sorts, filters, and shows all points", () => look("sweep.html", {}, async (page) => {
   const table = page.locator('[data-block="points"]');
@@ -10,7 +10,7 @@ test("the table sorts, filters, and shows all points", () => look("sweep.html", 
   await table.getByRole("button", { name: "frame rate, frames/s" }).click();
   const titles = await table.locator("thead th").allInnerTexts();
   const place = titles.findIndex((t) => t.startsWith("frame rate")) + 1;
-  const rates = (await table.locator(`tbody tr td:nth-child(${place})`).allInnerTexts()).map(Number);
+  const rates = (await table.locator(`tbody tr td:nth-child(${place})`).allInnerTexts()).map(numberOf);
   assert.deepEqual(rates, [...rates].sort((a, b) => a - b));
   await table.getByRole("searchbox").fill("cores=2 tni.trvs>=2");
   assert.equal(await table.locator("tbody tr").count(), 4);
@@ -33,7 +33,7 @@ test("a chosen point shows the command that runs it again, and that command does
   assert.match(command, /^raywatt run sgrt-2016 .*--set cores=2/);
   const rerun = JSON.parse(execFileSync("/bin/sh", ["-c", `${command.replace(/^raywatt/, raywatt)} --json --quiet -o again`], { cwd: folder }));
   const shown = await page.locator(".details dl > div", { hasText: /^frame rate/ }).locator("dd").innerText();
-  assert.ok(Math.abs(Number.parseFloat(shown) / rerun.perf.fps - 1) < 1e-3, `${shown} ${rerun.perf.fps}`);
+  assert.ok(Math.abs(numberOf(shown) / rerun.perf.fps - 1) < 1e-3, `${shown} ${rerun.perf.fps}`);
   await page.locator('[data-block="points"] tbody tr').first().click();
   assert.match(await page.locator(".details h4").innerText(), /Point 0/);
   assert.match(await page.evaluate(() => location.hash), /point=0/);

@@ -33,7 +33,7 @@ export function shown(value, { show, unit = "" } = {}, withUnit = true) {
   if (typeof value !== "number") return String(value);
   if (show === "percent") return percent(value);
   if (show === "si") return si(value, withUnit ? unit : "");
-  if (show === "number" && Math.abs(value) >= 9999.5) return si(value, withUnit ? unit : "");
+  if (show === "number" && Math.abs(value) >= 9999.5) return withUnit && unit ? `${si(value)} ${unit}` : si(value);
   if (show === "number") return withUnit && unit ? `${digits(value)} ${unit}` : digits(value);
   return String(value);
 }
