@@ -6,7 +6,6 @@
 
 #include "hw_models/machines/patience.h"
 #include "hw_models/tni/scene_in_memory.h"
-#include "shader_kernels/catalogue.h"
 
 namespace hw {
 namespace {
@@ -41,16 +40,12 @@ Gpu::Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles, c
       srp_clock_(config.clocks.srp.clock()),
       l2_clock_(config.clocks.l2.clock()),
       in_flight_(tiles_in_flight(config.tile_buffer, workload.needs, config.ideal.tile_buffer)),
+      scheduled_(workload.scheduled ? workload.scheduled
+                                    : std::make_shared<const ScheduledKernels>(schedule_kernels(config))),
       machine_(config.clocks.synchroniser),
       memory_(machine_, config_, MemorySystem::Dma::kYes, perturbation.dram),
       dispatcher_id_(machine_.unit({TileDispatcher::kName, l2_clock_})) {
-  SrpConfig srp = config.srp;
-  if (config.ideal.tile_buffer) srp.array.local_ports = 64;  // more than any kernel can use
-  for (const kernels::KernelInfo& kernel : kernels::catalogue()) {
-    kernels_.push_back(schedule(kernel.graph, srp));
-    conflicts_.push_back(bank_conflicts(kernels_.back(), kernel.graph, config.tile_buffer.banks));
-  }
-  patience_ = hw::patience(config, kernels_, conflicts_);
+  patience_ = hw::patience(config, scheduled_->kernels, scheduled_->conflicts);
 
   TileDispatcher::Links links;
   for (std::uint32_t c = 0; c < config.cores; ++c) {
@@ -93,8 +88,8 @@ Gpu::Interface Gpu::link_interface(const Core& core, sim::UnitId between) {
 
 Srp::Frame Gpu::frame_of(const Workload& workload, std::uint32_t core) const {
   return {.layout = &layout_,
-          .kernels = kernels_,
-          .conflicts = conflicts_,
+          .kernels = scheduled_->kernels,
+          .conflicts = scheduled_->conflicts,
           .needs = workload.needs,
           .ray_interval = config_.ideal.tni ? 0 : config_.direct_interface.interval * tni_clock_.period(),
           .areas = areas_of(config_, workload, core),
@@ -154,7 +149,7 @@ void Gpu::finish(sim::Time last_edge) {
 }
 
 std::vector<KernelUse> Gpu::kernel_use() const {
-  std::vector<KernelUse> sum(kernels_.size());
+  std::vector<KernelUse> sum(kernels().size());
   for (const Core& core : cores_) {
     for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += core.srp->kernel_use()[k];
   }

@@ -2,6 +2,7 @@
 #include <array>
 #include <cstdint>
 #include <deque>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "hw_models/machines/gpu_config.h"
 #include "hw_models/machines/memory_system.h"
 #include "hw_models/machines/perturbation.h"
+#include "hw_models/machines/scheduled_kernels.h"
 #include "hw_models/srp/srp.h"
 #include "hw_models/tni/tni_core.h"
 #include "sim/machine.h"
@@ -34,6 +36,8 @@ class Gpu {
     std::span<const std::uint32_t> parents;  ///< the parent of each node of the tree
     traces::FrameRequirements needs{.tile_samples = 256};
     bool dma_encodes = false;  ///< the DMA sRGB-encodes finished pixels
+    /// Kernels of a machine with the same shader cores; null: scheduled anew.
+    std::shared_ptr<const ScheduledKernels> scheduled{};
   };
 
   Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles, const Perturbation& perturbation = {});
@@ -59,7 +63,8 @@ class Gpu {
   std::vector<sim::UnitReport> report() const { return machine_.report(); }
   /// Per kernel, summed over the cores, by KernelId.
   std::vector<KernelUse> kernel_use() const;
-  const std::vector<KernelSchedule>& kernels() const { return kernels_; }
+  const std::vector<KernelSchedule>& kernels() const { return scheduled_->kernels; }
+  const std::shared_ptr<const ScheduledKernels>& scheduled() const { return scheduled_; }
   std::uint32_t cores() const { return static_cast<std::uint32_t>(cores_.size()); }
 
   /// Puts what a tile reads into the caches of a core, and into the L2 what these do not hold, as if the tile had just
@@ -90,8 +95,7 @@ class Gpu {
   const traces::Layout& layout_;
   const sim::Clock tni_clock_, srp_clock_, l2_clock_;
   const TilesInFlight in_flight_;
-  std::vector<KernelSchedule> kernels_;
-  std::vector<BankConflicts> conflicts_;  ///< one of each kernel
+  const std::shared_ptr<const ScheduledKernels> scheduled_;
   sim::Time patience_ = sim::kNever;
 
   sim::Machine machine_;

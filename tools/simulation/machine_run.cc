@@ -1,5 +1,7 @@
 #include "tools/simulation/machine_run.h"
 
+#include <utility>
+
 #include "hw_models/dram/dram_energy.h"
 #include "sim/engine.h"
 #include "tools/simulation/power.h"
@@ -13,10 +15,12 @@ std::unique_ptr<hw::Gpu> make_gpu(const Inputs& inputs, const kernels::FrameRequ
 
 std::unique_ptr<hw::Gpu> make_gpu(const Inputs& inputs, const RunConfig& config,
                                   const kernels::FrameRequirements& requirements, hw::TileSource& tiles,
-                                  const hw::Perturbation& perturbation) {
+                                  const hw::Perturbation& perturbation,
+                                  std::shared_ptr<const hw::ScheduledKernels> scheduled) {
   const bool dma_encodes = config.render.srgb == kernels::SrgbEncoder::kDma;
   return std::make_unique<hw::Gpu>(
-      config.gpu, hw::Gpu::Workload{inputs.image, inputs.parents, requirements, dma_encodes}, tiles, perturbation);
+      config.gpu, hw::Gpu::Workload{inputs.image, inputs.parents, requirements, dma_encodes, std::move(scheduled)},
+      tiles, perturbation);
 }
 
 sim::EnergyReport energy_of(const hw::Gpu& gpu, const RunConfig& config) {

@@ -44,7 +44,7 @@ class Plays {
   void play_one(std::size_t i) {
     KeptTiles tiles(work_, [&] { tile_done(); });
     const RunConfig& config = plays_[i].config;
-    const auto gpu = make_gpu(inputs_, config, requirements_, tiles, plays_[i].perturbation);
+    const auto gpu = make_gpu(inputs_, config, requirements_, tiles, plays_[i].perturbation, plays_[i].scheduled);
     run_to_end(*gpu);
     all_[i].machine = config.gpu;
     take(*gpu, config, all_[i]);
@@ -82,11 +82,12 @@ std::vector<Simulation> play_kept(const Inputs& inputs, const kernels::FrameRequ
 }
 
 std::vector<Simulation> play_replicates(const Inputs& inputs, const kernels::FrameRequirements& requirements,
-                                        const KeptWork& work, const Simulation& plain, std::uint32_t count,
-                                        std::uint32_t threads, Progress* progress) {
+                                        const KeptWork& work, const Simulation& plain, const hw::Gpu& gpu,
+                                        std::uint32_t count, std::uint32_t threads, Progress* progress) {
   std::vector<Play> plays;
   for (std::uint32_t number = 1; number <= count; ++number) {
-    plays.push_back({inputs.config, hw::draw_perturbation(inputs.config.gpu.cores, inputs.frame, number)});
+    plays.push_back(
+        {inputs.config, hw::draw_perturbation(inputs.config.gpu.cores, inputs.frame, number), gpu.scheduled()});
   }
   return play_kept(inputs, requirements, work, plain, plays, "replicating", threads, progress);
 }

@@ -1,9 +1,10 @@
 #pragma once
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
-#include "hw_models/machines/perturbation.h"
+#include "hw_models/machines/gpu.h"
 #include "tools/simulation/kept_work.h"
 #include "tools/simulation/run_job.h"
 
@@ -13,6 +14,7 @@ namespace tools {
 struct Play {
   RunConfig config;
   hw::Perturbation perturbation;
+  std::shared_ptr<const hw::ScheduledKernels> scheduled{};  ///< kernels on its shader cores; null: found anew
 };
 
 /// Plays kept work on machines, as many at once as there are threads, and returns what each did in their order.
@@ -23,9 +25,9 @@ std::vector<Simulation> play_kept(const Inputs& inputs, const kernels::FrameRequ
                                   const char* what, std::uint32_t threads, Progress* progress);
 
 /// The same on `count` perturbed machines, in the order of their numbers, which begin at 1. `plain`: the run of the
-/// same work on a machine that was not perturbed.
+/// same work on `gpu`, which was not perturbed.
 std::vector<Simulation> play_replicates(const Inputs& inputs, const kernels::FrameRequirements& requirements,
-                                        const KeptWork& work, const Simulation& plain, std::uint32_t count,
-                                        std::uint32_t threads, Progress* progress);
+                                        const KeptWork& work, const Simulation& plain, const hw::Gpu& gpu,
+                                        std::uint32_t count, std::uint32_t threads, Progress* progress);
 
 }  // namespace tools

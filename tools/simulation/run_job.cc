@@ -214,8 +214,8 @@ Simulation play(const Inputs& inputs, const kernels::ProgramSpec& program, kerne
   s.finished_tiles = offered.finished();
   if (extras.replicates == 1 || s.is_part()) return s;
   try {
-    s.replicates = play_replicates(inputs, requirements, tiles.kept(), s, extras.replicates - 1, host_threads(threads),
-                                   extras.progress);
+    s.replicates = play_replicates(inputs, requirements, tiles.kept(), s, *gpu, extras.replicates - 1,
+                                   host_threads(threads), extras.progress);
     s.replicate_seconds = sim::seconds_since(begin) - s.wall_seconds;
   } catch (const Interrupted&) {
     if (!extras.keep_part) throw;
@@ -239,7 +239,7 @@ std::vector<Simulation> simulate_on(const Inputs& inputs, const kernels::Program
   plain.function = front_end.result();
   plain.tiles = plain.finished_tiles = made.frame->tiles();
   std::vector<Play> plays;
-  for (const RunConfig& config : configs) plays.push_back({config, {}});
+  for (const RunConfig& config : configs) plays.push_back({config, {}, {}});
   return play_kept(inputs, requirements, tiles.kept(), plain, plays, "simulating", threads, progress);
 }
 
