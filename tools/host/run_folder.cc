@@ -69,9 +69,9 @@ Former former_results(const fs::path& folder, const ResultsOf& verb) {
 }
 
 /// Every file that a verb may leave in its folder.
-constexpr std::array<std::string_view, 10> kResults = {"report.json",    "report.txt",    "config.yaml", "image.png",
-                                                       "image.exr",      "reference.exr", "verify.json", "embree.png",
-                                                       "reproduce.json", "reproduce.md"};
+constexpr std::array<std::string_view, 13> kResults = {
+    "report.json",    "report.txt",     "config.yaml", "image.png",  "image.exr",      "reference.exr", "reference.png",
+    "reference.json", "difference.png", "verify.json", "embree.png", "reproduce.json", "reproduce.md"};
 
 /// figure-1-village.png, debug-similar.png
 bool is_picture_of(std::string_view prefix, std::string_view name) {

@@ -1,4 +1,5 @@
 #include <optional>
+#include <span>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -45,7 +46,6 @@ struct Job {
   /// Simulates the frame that `inputs` stand at and writes its picture. An interrupt leaves the finished part of the
   /// first frame, not compared.
   void run_frame(const Inputs& inputs, const RunFolder::Open& open, Outcome& out) {
-    const std::uint32_t width = inputs.config.render.width, height = inputs.config.render.height;
     const bool may_be_part = keep_part && out.frames.empty() && !sampling;
     Simulation frame = sampling ? simulate_sampled(inputs, program.spec, options.threads, *sampling, &progress)
                                 : simulate(inputs, program.spec, options.threads,
@@ -73,21 +73,33 @@ struct Job {
     const double error = compared ? mean_squared_error(frame.function.rgb, compared->function.rgb) : 0;
     if (trace != nullptr && !out.partial) trace->end_frame(recorded_frame(inputs.frame, error));
     progress.phase("writing the picture");
-    const std::filesystem::path& folder = open();
+    write_pictures(inputs, open(), frame, compared ? &*compared : nullptr, out.frames.empty());
+    out.add(inputs.frame, std::move(frame), std::move(compared), error);
+  }
+
+  /// Pictures of the frame that `inputs` stand at; those of the first frame have names of their own.
+  void write_pictures(const Inputs& inputs, const std::filesystem::path& folder, const Simulation& frame,
+                      const Simulation* compared, bool is_first) const {
+    const std::uint32_t width = inputs.config.render.width, height = inputs.config.render.height;
+    const auto write = [&](const std::string& name, std::span<const std::uint8_t> rgb) {
+      traces::write_png(folder / name, width, height, rgb);
+    };
     if (inputs.frames() > 1 && has_picture()) {
-      const std::vector<std::uint8_t> picture = to_rgb8(frame.function.rgb);
-      traces::write_png(folder / fmt::format("frame-{:04}.png", inputs.frame), width, height, picture);
+      write(fmt::format("frame-{:04}.png", inputs.frame), to_rgb8(frame.function.rgb));
     }
-    if (out.frames.empty() && has_picture()) {
-      traces::write_png(folder / "image.png", width, height, to_rgb8(frame.function.rgb));
+    if (is_first && has_picture()) {
+      write("image.png", to_rgb8(frame.function.rgb));
       if (!frame.is_part()) traces::write_exr(folder / "image.exr", width, height, frame.function.rgb);
-      if (compared) traces::write_exr(folder / "reference.exr", width, height, compared->function.rgb);
+    }
+    if (is_first && compared != nullptr) {
+      write("reference.png", to_rgb8(compared->function.rgb));
+      write("difference.png", difference_rgb8(frame.function.rgb, compared->function.rgb));
+      traces::write_exr(folder / "reference.exr", width, height, compared->function.rgb);
     }
     for (const DebugPicture& p : debug_pictures(program.spec, frame.function, width, height)) {
       const std::string frame_name = inputs.frames() > 1 ? fmt::format("frame-{:04}-", inputs.frame) : "";
       traces::write_png(folder / fmt::format("{}debug-{}.png", frame_name, p.name), p.width, p.height, p.rgb);
     }
-    out.add(inputs.frame, std::move(frame), std::move(compared), error);
   }
 
   /// All frames, or what an interrupt has left time for; Interrupted if that is nothing.
@@ -187,6 +199,7 @@ void run_frames(const JobOptions& options) {
     const Result result = out.result();
     json = report_json({inputs, options, result, out.frames, out.partial, wall});
     write_report(staging, json, inputs.config);
+    write_reference(staging, {inputs, options}, out);
     if (trace && !out.partial) trace->commit();
     return out.kept(inputs.frames());
   });
@@ -196,6 +209,7 @@ void run_frames(const JobOptions& options) {
   fmt::print("{}\n", for_terminal(report_table(json)));
   if (job.has_picture()) fmt::print("picture: {}\n", (folder.target() / "image.png").string());
   fmt::print("report:  {}\n", (folder.target() / "report.json").string());
+  if (job.reference) tell_reference(folder.target());
 }
 
 }  // namespace tools

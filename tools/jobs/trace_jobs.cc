@@ -96,12 +96,14 @@ void replay_trace(const JobOptions& options, const std::filesystem::path& file) 
     json = report_json({job.inputs(), options, result, out.frames, out.partial, wall});
     if (out.total->is_part()) leave_out_sampling(json);
     write_report(open(), json, job.inputs().config);
+    write_reference(open(), {job.inputs(), options}, out);
     return out.kept(job.frames());
   });
   hold.reset();
   tell_warnings(json, job.inputs().warnings.size());
   if (options.quiet) return;
   fmt::print("{}\nreport:  {}\n", for_terminal(report_table(json)), (folder.target() / "report.json").string());
+  if (json["totals"].contains("reference")) tell_reference(folder.target());
 }
 
 }  // namespace tools

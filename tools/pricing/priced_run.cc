@@ -28,18 +28,6 @@ constexpr double kRounding = 1e-9;  ///< sums of frames are rounded otherwise th
 
 std::string name_of(const ReportFile& report) { return sim::printable(report.file.string()); }
 
-RunConfig config_of(const ReportFile& report) {
-  const auto json = report.json.find("config");
-  if (json == report.json.end() || !json->is_object()) {
-    throw sim::InputError(fmt::format("{}: has no config, so nobody knows what its counts cost", name_of(report)));
-  }
-  RunConfig config;
-  sim::ConfigNode tree = sim::config_tree(config);
-  sim::ConfigLoader(tree).apply_text(json->dump(), name_of(report) + ": config");
-  check_run_config(config, name_of(report));
-  return config;
-}
-
 /// A whole file has keys of energy alone; a configuration, or a table of something else, is told from it by its keys.
 void check_kind(const std::filesystem::path& file) {
   const auto mapping = sim::parse_yaml_mapping(sim::read_file(file, kMostTableBytes), sim::printable(file.string()));
@@ -162,6 +150,18 @@ WorkDone work_of(const ReportFile& report) {
 }
 
 }  // namespace
+
+RunConfig config_of(const ReportFile& report) {
+  const auto json = report.json.find("config");
+  if (json == report.json.end() || !json->is_object()) {
+    throw sim::InputError(fmt::format("{}: has no config, so nobody knows which machine it was", name_of(report)));
+  }
+  RunConfig config;
+  sim::ConfigNode tree = sim::config_tree(config);
+  sim::ConfigLoader(tree).apply_text(json->dump(), name_of(report) + ": config");
+  check_run_config(config, name_of(report));
+  return config;
+}
 
 PricedRun::PricedRun(const ReportFile& report, const PriceTable& table)
     : config_(config_of(report)), work_(work_of(report)) {

@@ -19,6 +19,9 @@ struct PriceTable {
   bool is_own() const { return energy.empty() && sets.empty(); }
 };
 
+/// The configuration of a finished run. InputError if its report has none, or one that this version does not take.
+RunConfig config_of(const ReportFile& report);
+
 /// A finished run, priced without simulation: the counts of its report, on the machine of its configuration.
 ///
 ///   report.json: config ──► machine at rest: what each counter costs ──► formula x table ──► joules
