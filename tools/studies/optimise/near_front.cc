@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kError = 0.05;  // chance of leaving out a point that is as good, for all comparisons together
 
-/// Judges of two points.
+/// Judge of two points.
 class Judge {
  public:
   explicit Judge(const SearchRun& search) {
@@ -29,7 +29,7 @@ class Judge {
     if (!most_[objective]) d.value = -d.value;
     return d.chance_above();
   }
-  /// Is `a` as good in all objectives, and in one so much better that its chance is no larger than `level`.
+  /// Is `a` as good in all objectives, and in one so much better that its chance is no larger than `level`?
   bool dominates(const Trial& a, const Trial& b, double level) const {
     bool is_sure = false;
     for (std::size_t o = 0; o < objectives(); ++o) {

@@ -94,7 +94,7 @@ std::string table_text(const SearchRun& search, const std::vector<const Trial*>&
   return table.text();
 }
 
-/// What noise makes of the front.
+/// Points that noise does not tell from the front, and where the noise comes from.
 std::string near_text(const SearchRun& search) {
   const std::string noise = noise_text(search);
   if (noise.empty()) return "";
