@@ -159,12 +159,12 @@ TEST(Collect, TheTableHasItsFiguresInOrderAndQuantitiesAsNumbersToo) {
   sweep.finish(sweep.add({{"size", "none"}, {"cores", "4"}, {"clock", "1 GHz"}}), report);
   sweep.collect();
   const auto rows = cells_of(sweep.csv());
-  const std::vector<std::string> axes(rows[0].begin() + 3, rows[0].begin() + 8);
-  EXPECT_EQ(axes, (std::vector<std::string>{"size", "cores", "clock", "size_bytes", "clock_hz"}));
-  EXPECT_EQ(rows[1][6], "8192");
-  EXPECT_EQ(rows[2][6], "") << "no quantity";
-  EXPECT_EQ(std::stod(rows[2][7]), 1e9);
-  EXPECT_TRUE(std::is_sorted(rows[0].begin() + 8, rows[0].end()));
+  const std::vector<std::string> axes(rows[0].begin() + 3, rows[0].begin() + 9);
+  EXPECT_EQ(axes, (std::vector<std::string>{"size", "cores", "clock", "program", "size_bytes", "clock_hz"}));
+  EXPECT_EQ(rows[1][7], "8192");
+  EXPECT_EQ(rows[2][7], "") << "no quantity";
+  EXPECT_EQ(std::stod(rows[2][8]), 1e9);
+  EXPECT_TRUE(std::is_sorted(rows[0].begin() + 9, rows[0].end()));
 }
 
 TEST(Collect, TheIndexIsSoundAndItsTablesAgree) {
