@@ -41,7 +41,7 @@ class Gpu {
     traces::FrameRequirements needs{.tile_samples = 256};
     bool dma_encodes = false;  ///< the DMA sRGB-encodes finished pixels
     Watchers watchers = {};    ///< are told what it does
-    /// Of a machine with the same shader cores; null: found anew.
+    /// Kernels of a machine with the same shader cores; null: scheduled anew.
     std::shared_ptr<const ScheduledKernels> scheduled{};
   };
 

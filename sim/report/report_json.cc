@@ -50,7 +50,7 @@ Json energy_json(const EnergyReport& energy) {
   }
   for (const auto& [block, events] : energy.events) {
     Json& of_block = json["energy_by_event_mj"][block] = Json::object();
-    for (const auto& [event, pj] : events) of_block[event] = pj.nominal * kMillijoulesPerPicojoule;
+    for (const auto& [event, pj] : events) at_path(of_block, event) = pj.nominal * kMillijoulesPerPicojoule;
   }
   json["energy_by_kind_mj"] = {{"dynamic", spread_json(energy.kinds.dynamic, kMillijoulesPerPicojoule)},
                                {"clock", spread_json(energy.kinds.clock, kMillijoulesPerPicojoule)},

@@ -18,6 +18,16 @@ std::vector<std::uint8_t> to_rgb8(std::span<const float> linear) {
   return out;
 }
 
+std::vector<std::uint8_t> difference_rgb8(std::span<const float> a, std::span<const float> b) {
+  assert(a.size() == b.size());
+  std::vector<std::uint8_t> out(a.size());
+  std::ranges::transform(a, b, out.begin(), [](float of_a, float of_b) {
+    const float shown = kShownDifference * std::abs(srgb_encoded(of_a) - srgb_encoded(of_b));
+    return static_cast<std::uint8_t>(std::lround(255 * std::min(shown, 1.0F)));
+  });
+  return out;
+}
+
 double mean_squared_error(std::span<const float> a, std::span<const float> b) {
   assert(a.size() == b.size() && !a.empty());
   double squares = 0;

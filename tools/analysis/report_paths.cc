@@ -117,6 +117,17 @@ struct Meanings {
   std::vector<std::string> group, several;
 };
 
+/// The nominal figure of a group that is a band and nothing else; empty for others.
+std::string nominal_of(const std::vector<std::string>& group) {
+  constexpr std::size_t kSides = 3;
+  if (group.size() != kSides) return {};
+  const std::string name = group.front().substr(0, group.front().rfind('.'));
+  for (const char* side : {".low", ".nominal", ".high"}) {
+    if (std::ranges::find(group, name + side) == group.end()) return {};
+  }
+  return name + ".nominal";
+}
+
 }  // namespace
 
 Numbers report_numbers(const Json& report) {
@@ -145,6 +156,7 @@ Numbers unit_sums(const Json& report) {
 std::string resolve_report_path(std::string_view text, std::span<const std::string> paths) {
   const Meanings m(text, paths);
   if (!m.one.empty()) return m.one;
+  if (std::string nominal = nominal_of(m.group); !nominal.empty()) return nominal;
   if (!m.group.empty()) refuse_several(text, "is a group of", m.group);
   if (!m.several.empty()) refuse_several(text, "may mean any of", m.several);
   std::set<std::string> known;

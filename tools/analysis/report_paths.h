@@ -24,7 +24,8 @@ std::vector<ReportNumber> report_numbers(const nlohmann::ordered_json& report);
 std::vector<ReportNumber> unit_sums(const nlohmann::ordered_json& report);
 
 /// The one of `paths` that `text` means: itself, or "totals." before it, or else the one that ends in it at a dot.
-/// Paths of totals win over those of units and all else, and these over those of single frames.
+/// Paths of totals win over those of units and all else, and these over those of single frames. A figure with a band
+/// means its nominal one: "power_w".
 /// InputError with the candidates if that leaves several or `text` is a group, and with the nearest if it leaves none.
 std::string resolve_report_path(std::string_view text, std::span<const std::string> paths);
 

@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 
 #include "tools/cli/verbs.h"
+#include "tools/simulation/job_options.h"
 
 namespace tools {
 namespace {
@@ -17,6 +18,11 @@ CLI::App* add_step(CLI::App& verb, const char* name, const char* what, const std
   step->add_option("suite", options->suite, "the suite, a YAML file (docs/compare.md)")->required();
   step->add_option("-j,--jobs", options->jobs, "runs at once; by default as many as the host has threads")
       ->check(CLI::Range(1, 1024));
+  step->add_option("--replicates", options->replicates,
+                   "play each run so many times, slightly perturbed: a figure that noise moves has moved if it did so\n"
+                   "beyond it (docs/noise.md)")
+      ->check(CLI::Range(1U, kMostReplicates))
+      ->capture_default_str();
   step->callback([=, &exit] { exit = run(*options); });
   return step;
 }

@@ -11,6 +11,7 @@
 #include "tools/cli/job_options.h"
 #include "tools/cli/verbs.h"
 #include "tools/host/progress.h"
+#include "tools/host/standard_streams.h"
 
 namespace tools {
 namespace {
@@ -80,7 +81,7 @@ void add_bottleneck(CLI::App& app) {
     Progress progress(options->progress, options->quiet);
     const Bottleneck b = find_bottleneck(*options, &progress);
     progress.end("done");
-    fmt::print("{}", *json ? sim::json_text(json_of(b)) : text_of(b));
+    fmt::print("{}", *json ? sim::json_text(json_of(b)) : for_terminal(text_of(b)));
   });
 }
 

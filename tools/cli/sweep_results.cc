@@ -41,11 +41,11 @@ void collect_if_possible(const fs::path& sweep) {
 
 /// Has `ask` read the results of a sweep. A file that turns out to be damaged is the user's input.
 template <class Ask>
-void with_results(const fs::path& sweep, Ask&& ask) {
+void with_results(const fs::path& sweep, Ask&& ask, bool csv = false) {
   collect_if_possible(sweep);
   try {
     const results::Results read(sweep);
-    fmt::print("{}", ask(read));
+    fmt::print("{}", csv ? ask(read) : for_terminal(ask(read)));
   } catch (const results::SqliteError& error) {
     throw sim::InputError(fmt::format("{}: is damaged ({}); remove it, and it is made anew",
                                       (sweep / "index.sqlite").string(), error.what()));
@@ -99,7 +99,10 @@ void add_table(CLI::App& group) {
   verb->add_option("--limit", o->limit, "rows at most")->type_name("N");
   verb->add_flag("--csv", o->csv, "as CSV, with all digits");
   verb->footer("Example: raywatt sweep table out/l1 --columns n,tni.trv.l1.size,cycles,power_w.nominal --sort cycles");
-  verb->callback([o] { with_results(o->folder, [&](const auto& r) { return results_table(r, *o); }); });
+  verb->callback([o] {
+    with_results(
+        o->folder, [&](const auto& r) { return results_table(r, *o); }, o->csv);
+  });
 }
 
 void add_pareto(CLI::App& group) {
@@ -118,7 +121,10 @@ void add_pareto(CLI::App& group) {
   verb->footer(
       "Without max: or min: more is better of performance, utilisation and PSNR, and less of all else.\n\n"
       "Example: raywatt sweep pareto out/l1 --x power_w.nominal --y fps");
-  verb->callback([o] { with_results(o->folder, [&](const auto& r) { return pareto_text(r, *o, terminal_width()); }); });
+  verb->callback([o] {
+    with_results(
+        o->folder, [&](const auto& r) { return pareto_text(r, *o, terminal_width()); }, o->csv);
+  });
 }
 
 void add_sensitivity(CLI::App& group) {

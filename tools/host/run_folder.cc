@@ -69,9 +69,10 @@ Former former_results(const fs::path& folder, const ResultsOf& verb) {
 }
 
 /// Every file that a verb may leave in its folder.
-constexpr std::array<std::string_view, 14> kResults = {
-    "report.json", "report.txt",    "config.yaml", "tiles.json", "intervals.bin.zst", "timeline.pftrace", "image.png",
-    "image.exr",   "reference.exr", "verify.json", "embree.png", "reproduce.json",    "reproduce.md",     "pixels.exr"};
+constexpr std::array<std::string_view, 17> kResults = {
+    "report.json",    "report.txt",  "config.yaml", "tiles.json",     "intervals.bin.zst", "timeline.pftrace",
+    "image.png",      "image.exr",   "pixels.exr",  "reference.exr",  "reference.png",     "reference.json",
+    "difference.png", "verify.json", "embree.png",  "reproduce.json", "reproduce.md"};
 
 /// figure-1-village.png, debug-similar.png, debug-steps.exr
 bool is_picture_of(std::string_view prefix, std::string_view name) {

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <iterator>
 #include <optional>
+#include <span>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -68,17 +69,25 @@ struct Job {
                      .watchers = timeline.begin_frame(inputs.config)});
   }
 
-  /// Writes the frame's picture and what it looks like otherwise: what pixels and tiles took, debug pictures.
-  void write_pictures(const Inputs& inputs, const Simulation& frame, const Outcome& out,
-                      const std::filesystem::path& folder) const {
+  /// Writes the frame's picture and what it looks like otherwise: its reference, what pixels and tiles took, debug
+  /// pictures. Those of the first frame have names of their own.
+  void write_pictures(const Inputs& inputs, const std::filesystem::path& folder, const Simulation& frame,
+                      const Simulation* compared, const Outcome& out) const {
     const std::uint32_t width = inputs.config.render.width, height = inputs.config.render.height;
+    const auto write = [&](const std::string& name, std::span<const std::uint8_t> rgb) {
+      traces::write_png(folder / name, width, height, rgb);
+    };
     if (inputs.frames() > 1 && has_picture()) {
-      const std::vector<std::uint8_t> picture = to_rgb8(frame.function.rgb);
-      traces::write_png(folder / fmt::format("frame-{:04}.png", inputs.frame), width, height, picture);
+      write(fmt::format("frame-{:04}.png", inputs.frame), to_rgb8(frame.function.rgb));
     }
     if (out.frames.empty() && has_picture()) {
-      traces::write_png(folder / "image.png", width, height, to_rgb8(frame.function.rgb));
+      write("image.png", to_rgb8(frame.function.rgb));
       if (!frame.is_part()) traces::write_exr(folder / "image.exr", width, height, frame.function.rgb);
+    }
+    if (out.frames.empty() && compared != nullptr) {
+      write("reference.png", to_rgb8(compared->function.rgb));
+      write("difference.png", difference_rgb8(frame.function.rgb, compared->function.rgb));
+      traces::write_exr(folder / "reference.exr", width, height, compared->function.rgb);
     }
     const std::vector<traces::ImageNote> notes = notes_of(inputs, program.spec);
     if (out.frames.empty() && !frame.is_part() && !frame.function.pixels.empty()) {
@@ -127,12 +136,7 @@ struct Job {
     const double error = compared ? mean_squared_error(frame.function.rgb, compared->function.rgb) : 0;
     if (trace != nullptr && !out.partial) trace->end_frame(recorded_frame(inputs.frame, error));
     progress.phase("writing the picture");
-    const std::filesystem::path& folder = open();
-    if (compared && out.frames.empty() && has_picture()) {
-      const kernels::RenderConfig& picture = inputs.config.render;
-      traces::write_exr(folder / "reference.exr", picture.width, picture.height, compared->function.rgb);
-    }
-    write_pictures(inputs, frame, out, folder);
+    write_pictures(inputs, open(), frame, compared ? &*compared : nullptr, out);
     out.add(inputs.frame, std::move(frame), std::move(compared), error,
             options.intervals && intervals ? &*intervals : nullptr);
   }
@@ -243,6 +247,7 @@ void run_frames(const JobOptions& options) {
     json = report_json({inputs, options, result, out.frames, out.partial, wall});
     job.timeline.write(staging, json);
     write_report(staging, json, inputs.config, out);
+    write_reference(staging, {inputs, options}, out);
     if (trace && !out.partial) trace->commit();
     return out.kept(inputs.frames());
   });
@@ -253,6 +258,7 @@ void run_frames(const JobOptions& options) {
   if (job.has_picture()) fmt::print("picture: {}\n", (folder.target() / "image.png").string());
   if (job.timeline.selection()) fmt::print("timeline: {}\n", (folder.target() / kTimelineFile).string());
   fmt::print("report:  {}\n", (folder.target() / "report.json").string());
+  if (job.reference) tell_reference(folder.target());
   fmt::print("page:    raywatt report {0} -o {1}\n", command_text({folder.target().string()}),
              command_text({folder.target().string() + ".html"}));
 }

@@ -26,11 +26,15 @@ void keep(Simulation frame, std::optional<Simulation>& total) {
 
 void Outcome::add(std::uint32_t number, Simulation frame, std::optional<Simulation> compared, double error,
                   const sim::Intervals* over_time) {
-  nlohmann::ordered_json entry = {{"frame", number}};
-  if (frame.is_part()) entry.update({{"finished_tiles", frame.finished_tiles}, {"tiles", frame.tiles}});
-  entry.update(totals_json({frame, compared ? &*compared : nullptr, error}));
-  if (!frame.function.sampling.similar.empty()) entry["sampling"]["tiles"] = tiles_json(frame.function.sampling);
-  frames.push_back(std::move(entry));
+  const auto entry_of = [&](const Simulation& s, const Result& result) {
+    nlohmann::ordered_json entry = {{"frame", number}};
+    if (s.is_part()) entry.update({{"finished_tiles", s.finished_tiles}, {"tiles", s.tiles}});
+    entry.update(totals_json(result));
+    if (!s.function.sampling.similar.empty()) entry["sampling"]["tiles"] = tiles_json(s.function.sampling);
+    return entry;
+  };
+  frames.push_back(entry_of(frame, {frame, compared ? &*compared : nullptr, error}));
+  if (compared) reference_frames.push_back(entry_of(*compared, {*compared}));
   squared_error += error;
   if (over_time != nullptr) intervals.add(number, *over_time);
   keep(std::move(frame), total);
@@ -75,6 +79,21 @@ void write_report(const std::filesystem::path& folder, const nlohmann::ordered_j
     sim::write_file_atomically(folder / kIntervalFile, outcome.intervals.file(outcome.total->units));
   }
   if (!outcome.tiles.frames.empty()) sim::write_file_atomically(folder / kTilesFile, tiles_text(outcome.tiles));
+}
+
+void write_reference(const std::filesystem::path& folder, const Origin& origin, const Outcome& out) {
+  if (!out.reference) return;
+  const Simulation& run = *out.reference;
+  const double load = origin.inputs.load_seconds + origin.inputs.update_seconds;
+  const double wall = load + run.wall_seconds + run.replicate_seconds;
+  const nlohmann::ordered_json json =
+      report_json({origin.inputs, origin.options, {run}, out.reference_frames, out.partial, wall});
+  sim::write_file_atomically(folder / kReferenceReport, sim::json_text(json));
+}
+
+void tell_reference(const std::filesystem::path& folder) {
+  fmt::print("reference: {0}\nraywatt compare {0} {1} says where the gain comes from\n",
+             (folder / kReferenceReport).string(), (folder / "report.json").string());
 }
 
 }  // namespace tools

@@ -18,6 +18,7 @@ struct Outcome {
   double squared_error = 0;  ///< sum over frames
   nlohmann::ordered_json frames = nlohmann::ordered_json::array();
   IntervalPacker intervals;
+  nlohmann::ordered_json reference_frames = nlohmann::ordered_json::array();
   bool partial = false;
   TileTable tiles;  ///< those of frames that were itemised
 
@@ -39,5 +40,19 @@ void tell_warnings(const nlohmann::ordered_json& report, std::size_t told);
 /// Writes report.json, report.txt, config.yaml and, where there are any, intervals and tiles.json into a folder.
 void write_report(const std::filesystem::path& folder, const nlohmann::ordered_json& json, const RunConfig& config,
                   const Outcome& outcome);
+
+/// Inputs and options of a run.
+struct Origin {
+  const Inputs& inputs;
+  const JobOptions& options;
+};
+
+inline constexpr const char* kReferenceReport = "reference.json";
+
+/// Writes the reference's own report beside that of the run, if there is a reference.
+void write_reference(const std::filesystem::path& folder, const Origin& origin, const Outcome& out);
+
+/// Says where it is, and how the two are compared.
+void tell_reference(const std::filesystem::path& folder);
 
 }  // namespace tools

@@ -107,6 +107,7 @@ void replay_trace(const JobOptions& options, const std::filesystem::path& file) 
     if (out.total->is_part()) leave_out_sampling(json);
     timeline.write(open(), json);
     write_report(open(), json, job.inputs().config, out);
+    write_reference(open(), {job.inputs(), options}, out);
     return out.kept(job.frames());
   });
   hold.reset();
@@ -114,6 +115,7 @@ void replay_trace(const JobOptions& options, const std::filesystem::path& file) 
   if (options.quiet) return;
   fmt::print("{}\nreport:  {}\n", for_terminal(report_table(json)), (folder.target() / "report.json").string());
   if (timeline.selection()) fmt::print("timeline: {}\n", (folder.target() / kTimelineFile).string());
+  if (json["totals"].contains("reference")) tell_reference(folder.target());
 }
 
 }  // namespace tools

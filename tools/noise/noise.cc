@@ -32,4 +32,17 @@ MeanDifference difference_of(const AssumedDraw& a, const AssumedDraw& b) {
   return {b.value - a.value, std::hypot(a.noise * a.value, b.noise * b.value) / draws, endless};
 }
 
+double SeenFigure::error() const {
+  return draws ? difference_of(*draws, Draws{1, 0, 0}).error : difference_of(AssumedDraw{value, assumed}, {}).error;
+}
+
+double SeenFigure::half_width() const {
+  return draws ? draws->half_width() : student_t(std::numeric_limits<double>::infinity()) * error();
+}
+
+MeanDifference difference_of(const SeenFigure& a, const SeenFigure& b) {
+  if (a.draws && b.draws) return difference_of(*a.draws, *b.draws);
+  return {b.value - a.value, std::hypot(a.error(), b.error()), std::numeric_limits<double>::infinity()};
+}
+
 }  // namespace tools

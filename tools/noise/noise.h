@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <optional>
 #include <string>
 
 #include "tools/noise/statistics.h"
@@ -43,5 +44,19 @@ struct AssumedDraw {
   double noise = 0;  ///< default_noise()
 };
 MeanDifference difference_of(const AssumedDraw& a, const AssumedDraw& b);
+
+/// A figure as it was seen of a design: the mean of replicates, or that of one run.
+struct SeenFigure {
+  double value = 0;
+  std::optional<Draws> draws{};  ///< replicates
+  double assumed = 0;            ///< default_noise() of a run without any; 0: races do not move the figure
+
+  /// Standard deviation of the value.
+  double error() const;
+  /// Half of the value's 95 % interval.
+  double half_width() const;
+};
+/// b - a; by Welch's test where both have replicates.
+MeanDifference difference_of(const SeenFigure& a, const SeenFigure& b);
 
 }  // namespace tools

@@ -24,6 +24,15 @@ TEST(Srgb, EightBitsAreRoundedAndClamped) {
   EXPECT_EQ(tools::to_rgb8(Picture{-1, 0, 0.5F, 1, 7}), (std::vector<std::uint8_t>{0, 0, 188, 255, 255}));
 }
 
+TEST(Difference, IsEightTimesTheDistanceOfEncodedValues) {
+  const std::vector<float> a = {0, 1, 1, 0.5F}, b = {0, 0, 0.995F, 0.5F};
+  const std::vector<std::uint8_t> shown = tools::difference_rgb8(a, b);
+  EXPECT_EQ(shown[0], 0);
+  EXPECT_EQ(shown[1], 255) << "clamped";
+  EXPECT_EQ(shown[2], std::lround(255 * 8 * (1 - tools::srgb_encoded(0.995F))));
+  EXPECT_EQ(shown[3], 0);
+}
+
 TEST(Psnr, OfIdenticalPicturesIsNothing) {
   EXPECT_FALSE(psnr_db(mean_squared_error(Picture{0, 0.25F, 1}, Picture{0, 0.25F, 1})).has_value());
   EXPECT_FALSE(psnr_db(mean_squared_error(Picture{1, 2, 3}, Picture{1, 9, 1.5F})).has_value())

@@ -142,6 +142,15 @@ TEST(ReportPath, AGroupIsRefusedWithWhatIsInIt) {
   EXPECT_SAYS(complaint("frames[0]"), "frames[0].cycles");
 }
 
+TEST(ReportPath, AFigureWithABandMeansItsNominalOne) {
+  const std::vector<std::string> band = {"totals.energy_mj.high", "totals.energy_mj.low", "totals.energy_mj.nominal",
+                                         "totals.replicates.figures.energy_mj.nominal.mean"};
+  EXPECT_EQ(resolve_report_path("energy_mj", band), "totals.energy_mj.nominal");
+  EXPECT_EQ(resolve_report_path("totals.energy_mj", band), "totals.energy_mj.nominal");
+  EXPECT_EQ(resolve_report_path("energy_mj.low", band), "totals.energy_mj.low");
+  EXPECT_EQ(report_path_group("energy_mj", band).size(), 3U) << "of a group all is meant";
+}
+
 TEST(ReportPath, OneThatIsNotThereGetsTheNearest) {
   EXPECT_SAYS(complaint("cycels"), "there is no report path 'cycels', did you mean 'cycles'?");
   EXPECT_SAYS(complaint("rays.totl"), "did you mean 'rays.total'?");

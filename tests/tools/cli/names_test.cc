@@ -32,6 +32,12 @@ TEST(Names, GetTheNearestOneOfTheirKind) {
   expect_nearest({"config", "show", "--set", "cors=2"}, "cores");
   expect_nearest({"config", "show", "--set", "dram.extends=dram/lpddr4x-4277"}, "dram/lpddr4x-4266");
   expect_nearest({"config", "show", "--set", "energy.extends=14mm"}, "energy/14nm");
+  expect_nearest({"config", "show", "--set", "area.extends=area/7mn"}, "area/7nm");
+  expect_nearest({"run", "--program", "undersampel"}, "undersample");
+  expect_nearest({"energy", "show", "tni.box_tset"}, "tni.box_test");
+  expect_nearest({"dvfs", "sgrt-2061"}, "sgrt-2016");
+  expect_nearest({"reproduce", "lee2061"}, "lee2016");
+  expect_nearest({"microbench", "chas"}, "chase");
   expect_nearest({"kernels", "show", "shade_difuse"}, "shade_diffuse");
   expect_nearest({"sweep", "run", "trv-croes"}, "trv-cores");
   expect_nearest({"optimise", "optimise-croes"}, "optimise-cores");
@@ -105,6 +111,22 @@ TEST(Streams, JsonOfARunIsItsTotalsAlone) {
   const TempFolder folder;
   const Ending run = ending_well(small_run(folder.path() / "out", {"--json"}));
   EXPECT_EQ(nlohmann::json::parse(run.out), read_json(folder.path() / "out" / "report.json")["totals"]);
+}
+
+TEST(Streams, OfVerdictsHaveTheLocalesSignsToo) {
+  const TempFolder folder;
+  const auto path = [&](const char* name) { return (folder.path() / name).string(); };
+  ending_well(small_run(path("a"), {"--quiet"}));
+  ending_well(small_run(path("b"), {"--quiet", "--set", "cores=2"}));
+  const auto shown = [&](const Words& words, const char* locale) {
+    return ending_well(words, {{}, {{"LC_ALL", locale}}, 0, {}}).out;
+  };
+  for (const Words& words :
+       {Words{"compare", path("a"), path("b")}, Words{"bottleneck", "--resolution", "16x16", "--replicates", "2"}}) {
+    EXPECT_SAYS(shown(words, "C"), " +- ");
+    EXPECT_EQ(shown(words, "C").find("\u00b1"), std::string::npos);
+    EXPECT_SAYS(shown(words, "C.UTF-8"), " \u00b1 ");
+  }
 }
 
 TEST(Streams, HaveASignThatIsNotAsciiOnlyWhereTheLocaleHasIt) {

@@ -46,6 +46,47 @@ TEST(Reference, OfFourTimesTheSamplesCostsMoreAndLooksAlmostTheSame) {
   EXPECT_NE(read_bytes(out / "reference.exr"), read_bytes(out / "image.exr"));
 }
 
+TEST(Reference, KeepsItsOwnReportWhichIsThatOfTheProgramAlone) {
+  const TempFolder folder;
+  const std::filesystem::path out = folder.path() / "out", alone = folder.path() / "alone";
+  const Words more = {"--program", "multirate:under", "--reference", "full:1", "--replicates", "2"};
+  const Ending ending = raywatt(small_run(out, more));
+  ASSERT_EQ(ending.exit, 0) << ending.err;
+  EXPECT_SAYS(ending.out, "raywatt compare " + (out / "reference.json").string());
+  ASSERT_EQ(raywatt(small_run(alone, {"--replicates", "2"})).exit, 0);
+  const Json own = read_json(out / "reference.json"), run = read_json(alone / "report.json");
+  for (const char* part :
+       {"schema", "partial", "program", "config", "scene", "warnings", "totals", "frames", "units"}) {
+    EXPECT_EQ(own[part], run[part]) << part;
+  }
+  EXPECT_EQ(read_bytes(out / "reference.png"), read_bytes(alone / "image.png"));
+  EXPECT_NE(read_bytes(out / "difference.png"), read_bytes(out / "reference.png"));
+}
+
+TEST(Reference, ComparedWithItsRunExplainsTheGain) {
+  const TempFolder folder;
+  const std::filesystem::path out = folder.path() / "out";
+  ASSERT_EQ(raywatt(small_run(out, {"--program", "multirate:under", "--reference", "full:1"})).exit, 0);
+  const Ending compared = raywatt({"compare", (out / "reference.json").string(), out.string(), "--json"});
+  ASSERT_EQ(compared.exit, 0) << compared.err;
+  const Json against = Json::parse(compared.out)["against"][0], totals = read_json(out / "report.json")["totals"];
+  EXPECT_EQ(against["figures"]["cycles"]["a"], totals["reference"]["cycles"]);
+  EXPECT_EQ(against["figures"]["cycles"]["b"], totals["cycles"]);
+  EXPECT_FALSE(against["time"].empty());
+  EXPECT_NEAR(against["picture"]["psnr_db"].get<double>(), totals["psnr_db"].get<double>(), 1e-9)
+      << "the reference's picture, not the run's twice";
+}
+
+TEST(Reference, OfAFormerRunGoesWithIt) {
+  const TempFolder folder;
+  const std::filesystem::path out = folder.path() / "out";
+  ASSERT_EQ(raywatt(small_run(out, {"--reference", "full:4"})).exit, 0);
+  ASSERT_EQ(raywatt(small_run(out)).exit, 0);
+  for (const char* name : {"reference.json", "reference.png", "difference.png", "reference.exr"}) {
+    EXPECT_FALSE(std::filesystem::exists(out / name)) << name;
+  }
+}
+
 TEST(Reference, WithoutOneThereIsNothingRelative) {
   const TempFolder folder;
   ASSERT_EQ(raywatt(small_run(folder.path() / "out")).exit, 0);

@@ -133,6 +133,28 @@ TEST(ScenesInfo, GivesTheBytesOfNodesInEachFormatAndInTheChosenOne) {
   EXPECT_EQ(info({"--set", "bvh.numbers=hybrid"})["memory_image"]["parts"]["nodes"], formats["hybrid pair"]);
 }
 
+TEST(ScenesInfo, TellsOfFourTriangles) {
+  const TempFolder folder;
+  // A tetrahedron: (0,0,0), (1,0,0), (0,1,0), (0,0,1), and its faces.
+  const std::string file =
+      folder
+          .write("four.gltf", R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+"nodes": [{"mesh": 0}], "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+"accessors": [
+  {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 1]},
+  {"bufferView": 1, "componentType": 5121, "count": 12, "type": "SCALAR"}],
+"bufferViews": [
+  {"buffer": 0, "byteOffset": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 12}],
+"buffers": [{"byteLength": 60,
+  "uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AAIBAAEDAAMCAQID"}]})")
+          .string();
+  const Ending ending = raywatt({"scenes", "info", file});
+  ASSERT_EQ(ending.exit, 0) << ending.err;
+  EXPECT_SAYS(ending.out, "triangles         4\n");
+  EXPECT_SAYS(ending.out, "BVH               1 node, 1 leaf, depth 1");
+  EXPECT_EQ(ending.out.find("nan"), std::string::npos) << ending.out;
+}
+
 TEST(ScenesInfo, CountsMotionTexturesAndTheFile) {
   const TempFolder folder;
   const std::string file = folder.write("features.glb", traces::export_glb(feature_scene())).string();

@@ -1,5 +1,7 @@
 #include "tools/noise/noise.h"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 // Noise that is assumed where none was measured.
@@ -19,6 +21,21 @@ TEST(AssumedDraw, TwoRunsOfOneDesignDifferByItsNoise) {
   const MeanDifference d = difference_of(AssumedDraw{100, 0.02}, AssumedDraw{100, 0.02});
   EXPECT_EQ(d.value, 0);
   EXPECT_NEAR(d.half_width(), 2, 1e-9);
+}
+
+TEST(SeenFigure, HasTheErrorOfItsReplicatesOrOfWhatIsAssumed) {
+  const SeenFigure measured{100, Draws{4, 100, 6}}, assumed{100, {}, 0.02}, exact{100};
+  EXPECT_DOUBLE_EQ(measured.error(), 3);
+  EXPECT_NEAR(measured.half_width(), 3 * 3.182446, 1e-5) << "Student, three degrees of freedom";
+  EXPECT_NEAR(assumed.error(), 2 / (1.959964 * std::sqrt(2.0)), 1e-6);
+  EXPECT_EQ(exact.error(), 0);
+}
+
+TEST(SeenFigure, OfOneSideWithReplicatesIsHeldAgainstTheOther) {
+  const SeenFigure measured{100, Draws{4, 100, 6}}, assumed{110, {}, 0.02};
+  const MeanDifference d = difference_of(measured, assumed);
+  EXPECT_EQ(d.value, 10);
+  EXPECT_NEAR(d.error, std::hypot(3, assumed.error()), 1e-12);
 }
 
 TEST(NoisyFigures, AreThoseThatRacesMove) {

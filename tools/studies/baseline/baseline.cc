@@ -8,6 +8,7 @@
 #include "sim/io/file.h"
 #include "sim/io/printable.h"
 #include "tools/host/exit_code.h"
+#include "tools/host/standard_streams.h"
 #include "tools/simulation/run_job.h"
 #include "tools/studies/baseline/check.h"
 #include "traces/accel/embree_tracer.h"
@@ -18,7 +19,7 @@ namespace {
 constexpr std::size_t kLongestLine = 400;
 
 /// Lines for the terminal: names of runs are the user's, and may hold anything.
-void print(const std::string& text) { fmt::print("{}", text); }
+void print(const std::string& text) { fmt::print("{}", for_terminal(text)); }
 void tell(const RunCheck& run) {
   print(sim::printable(check_line(run), kLongestLine) + "\n");
   std::fflush(stdout);
@@ -35,6 +36,12 @@ std::vector<std::string> gone(const Suite& suite, const Baseline& stored) {
     if (std::ranges::find(suite.runs, name, &SuiteRun::name) == suite.runs.end()) out.push_back(name);
   }
   return out;
+}
+
+Suite suite_of(const BaselineOptions& options) {
+  Suite suite = load_suite(options.suite);
+  for (SuiteRun& run : suite.runs) run.options.replicates = options.replicates;
+  return suite;
 }
 
 Checked measured(const Suite& suite, const Baseline* stored, const BaselineOptions& options) {
@@ -70,7 +77,7 @@ Baseline stored_values(const Suite& suite) {
 }  // namespace
 
 int record_baseline(const BaselineOptions& options) {
-  const Suite suite = load_suite(options.suite);
+  const Suite suite = suite_of(options);
   check_values_file(suite, options.force);
   if (!options.force && std::filesystem::exists(suite.values)) {
     throw sim::InputError(
@@ -82,7 +89,7 @@ int record_baseline(const BaselineOptions& options) {
 }
 
 int check_baseline(const BaselineOptions& options) {
-  const Suite suite = load_suite(options.suite);
+  const Suite suite = suite_of(options);
   if (!options.junit.empty()) check_junit(options.junit, options.force);
   const Baseline stored = stored_values(suite);
   const std::string again = "take new values with 'raywatt baseline accept'";
@@ -109,7 +116,7 @@ int check_baseline(const BaselineOptions& options) {
 }
 
 int accept_baseline(const BaselineOptions& options) {
-  const Suite suite = load_suite(options.suite);
+  const Suite suite = suite_of(options);
   check_values_file(suite, true);  // load_baseline() looks at what it holds
   const Baseline stored = stored_values(suite);
   if (stored.embree != traces::embree_version()) {

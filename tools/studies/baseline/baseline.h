@@ -9,6 +9,7 @@ struct BaselineOptions {
   std::uint32_t jobs = 0;
   std::string junit;
   bool force = false;
+  std::uint32_t replicates = 1;  ///< plays of each run
 };
 
 // Each computes the suite: kGood, or kCheckFailed if a run failed or moved. InputError for stored values of other

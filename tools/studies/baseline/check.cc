@@ -124,53 +124,41 @@ bool same(double was, double is, double percent) {
   return was == is || std::abs(is - was) <= percent / 100 * std::abs(was);
 }
 
-void find_moved(const StoredRun& stored, const std::vector<Choice::Chosen>& chosen, const Values& all, RunCheck& run) {
+/// A figure that noise moves: means of replicates, now and as stored. Of stored values without replicates the value is
+/// one draw, taken to deviate as those of now do.
+Moved replicated(const std::string& path, const StoredRun& stored, const Draws& now) {
+  const auto was = stored.draws.find(path);
+  if (was != stored.draws.end()) {
+    return {path, was->second.mean, now.mean, difference_of(was->second, now).half_width()};
+  }
+  const auto plays = static_cast<double>(now.count);
+  const MeanDifference d{0, now.deviation * std::sqrt(1 + 1 / plays), plays - 1};
+  return {path, stored.values.at(path), now.mean, d.half_width()};
+}
+
+void find_moved(const StoredRun& stored, const std::vector<Choice::Chosen>& chosen, const Measured& now,
+                RunCheck& run) {
   std::set<std::string> known;
   for (const Choice::Chosen& c : chosen) {
     known.insert(c.path);
-    const double is = all.at(c.path);
+    const auto draws = now.draws.find(c.path);
+    if (draws != now.draws.end() && stored.values.contains(c.path)) {
+      Moved moved = replicated(c.path, stored, draws->second);
+      const bool outside = std::abs(*moved.is - *moved.was) > *moved.noise;
+      if (outside && !same(*moved.was, *moved.is, c.percent)) run.moved.push_back(std::move(moved));
+      continue;
+    }
+    const double is = now.all.at(c.path);
     const auto was = stored.values.find(c.path);
     if (was == stored.values.end() && is != 0) {
-      run.moved.push_back({c.path, std::nullopt, is});
+      run.moved.push_back({c.path, std::nullopt, is, {}});
     } else if (was != stored.values.end() && !same(was->second, is, c.percent)) {
-      run.moved.push_back({c.path, was->second, is});
+      run.moved.push_back({c.path, was->second, is, {}});
     }
   }
   for (const auto& [path, was] : stored.values) {
-    if (!known.contains(path)) run.moved.push_back({path, was, std::nullopt});
+    if (!known.contains(path)) run.moved.push_back({path, was, std::nullopt, {}});
   }
-}
-
-/// The first moved value with this beginning, or null.
-const Moved* find_moved(const RunCheck& run, std::string_view path) {
-  const auto found = std::ranges::find_if(run.moved, [&](const Moved& m) { return m.path.starts_with(path); });
-  return found == run.moved.end() ? nullptr : &*found;
-}
-
-bool is_clear(const RunCheck& run) { return run.located && run.located->is_clear(); }
-
-std::string details(const RunCheck& run) {
-  constexpr std::size_t kMost = 6;
-  if (!run.error.empty()) return fmt::format("\n{}: {}\n", run.name, run.error);
-  std::string out = fmt::format("\n{}\n", run.name);
-  for (const std::string& why : run.refused) out += fmt::format("  {}\n", why);
-  std::size_t shown = 0;
-  const auto show = [&](bool of_units, std::string_view prefix) {
-    for (const Moved& moved : run.moved) {
-      if (moved.path.starts_with("units.") != of_units || !moved.path.starts_with(prefix)) continue;
-      if (shown == kMost) return;
-      out += fmt::format("  {}: {}\n", moved.path, moved_text(moved));
-      shown += 1;
-    }
-  };
-  show(false, "");
-  const std::size_t figures = std::exchange(shown, 0);
-  show(true, is_clear(run) ? fmt::format("units.{}.", run.located->unit) : "units.");
-  if (figures + shown < run.moved.size()) {
-    out += fmt::format("  and {} more values\n", run.moved.size() - figures - shown);
-  }
-  if (is_clear(run)) out += fmt::format("  most likely in {}: {}\n", run.located->unit, run.located->moved);
-  return out;
 }
 
 }  // namespace
@@ -196,6 +184,7 @@ Checked check_suite(const Suite& suite, const Baseline* stored, std::uint32_t jo
       StoredRun& now = out.now.runs[named.name];
       now.facts = measured.facts;
       for (const Choice::Chosen& c : chosen) {
+        if (const auto draws = measured.draws.find(c.path); draws != measured.draws.end()) now.draws.insert(*draws);
         if (const double value = measured.all.at(c.path); value != 0) now.values[c.path] = value;
       }
       const auto was = stored != nullptr ? stored->runs.find(named.name) : decltype(stored->runs.find(""))();
@@ -203,7 +192,7 @@ Checked check_suite(const Suite& suite, const Baseline* stored, std::uint32_t jo
         run.refused.emplace_back("nothing is stored of it");
       } else if (stored != nullptr) {
         run.refused = refusals(was->second.facts, stored->embree, measured.facts, run.config);
-        find_moved(was->second, chosen, measured.all, run);
+        find_moved(was->second, chosen, measured, run);
         if (run.refused.empty() && !run.moved.empty())
           run.located = locate_regression(was->second.values, measured.all);
       }
@@ -213,63 +202,6 @@ Checked check_suite(const Suite& suite, const Baseline* stored, std::uint32_t jo
     out.runs.push_back(std::move(run));
   });
   if (!one_of_them.empty()) choice.refuse_what_no_run_has(one_of_them);
-  return out;
-}
-
-const RunCheck* clearest(const Checked& checked) {
-  const RunCheck* best = nullptr;
-  for (const RunCheck& run : checked.runs) {
-    if (run.located && (best == nullptr || run.located->clarity > best->located->clarity)) best = &run;
-  }
-  return best;
-}
-
-std::string moved_text(const Moved& moved) {
-  if (!moved.was) return fmt::format("{}, nothing stored", *moved.is);
-  if (!moved.is) return fmt::format("was {}, is gone", *moved.was);
-  const double difference = *moved.is - *moved.was;
-  const std::string relative =
-      *moved.was == 0 ? "" : fmt::format(", {:+.2g} %", 100 * difference / std::abs(*moved.was));
-  return fmt::format("{} -> {} ({:+.6g}{})", *moved.was, *moved.is, difference, relative);
-}
-
-std::string check_line(const RunCheck& run) {
-  if (!run.error.empty()) return fmt::format("FAILED   {}: {}", run.name, run.error.substr(0, run.error.find('\n')));
-  if (!run.refused.empty()) return fmt::format("REFUSED  {}: {}", run.name, run.refused.front());
-  if (run.moved.empty()) return fmt::format("ok       {}", run.name);
-  const Moved* cycles = find_moved(run, "totals.cycles");
-  const Moved& shown = cycles != nullptr ? *cycles : run.moved.front();
-  return fmt::format("MOVED    {}: {} of {} values, {} {}", run.name, run.moved.size(), run.values, shown.path,
-                     moved_text(shown));
-}
-
-std::string check_details(const Checked& checked) {
-  constexpr std::size_t kMost = 6;
-  std::vector<const RunCheck*> bad;
-  for (const RunCheck& run : checked.runs) {
-    if (!run.good()) bad.push_back(&run);
-  }
-  std::ranges::stable_sort(bad, std::greater<>(), [](const RunCheck* run) {
-    return !run->error.empty() || !run->refused.empty() ? 2 : run->located ? run->located->clarity : 0;
-  });
-  std::string out;
-  for (std::size_t i = 0; i < std::min(bad.size(), kMost); ++i) out += details(*bad[i]);
-  if (bad.size() > kMost) out += fmt::format("\nand {} more runs; --junit writes all\n", bad.size() - kMost);
-  if (const RunCheck* run = clearest(checked); run != nullptr) {
-    out +=
-        fmt::format("\n{} in {}, told most clearly by {}: {}\n", run->located->is_clear() ? "Most likely" : "Perhaps",
-                    run->located->unit, run->name, run->located->moved);
-  }
-  std::vector<KeyPair> keys;
-  for (const RunCheck* run : bad) {
-    for (const KeyPair& key : run->config) {
-      if (std::ranges::find(keys, key.key, &KeyPair::key) == keys.end()) keys.push_back(key);
-    }
-  }
-  for (std::size_t i = 0; i < std::min(keys.size(), kMost); ++i) {
-    out += fmt::format("The configuration has changed: {} was {}, is {}\n", keys[i].key, keys[i].a, keys[i].b);
-  }
-  if (keys.size() > kMost) out += fmt::format("and {} more keys have\n", keys.size() - kMost);
   return out;
 }
 

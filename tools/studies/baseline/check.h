@@ -16,6 +16,7 @@ namespace tools {
 struct Moved {
   std::string path;
   std::optional<double> was, is;
+  std::optional<double> noise;  ///< half of the difference's 95 % interval, where replicates tell: means are compared
 };
 
 /// A run now against its stored values.

@@ -1,5 +1,6 @@
 #include "tools/studies/baseline/measure.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
@@ -17,49 +18,20 @@
 #include "sim/error.h"
 #include "sim/host_clock.h"
 #include "sim/io/json.h"
-#include "tools/analysis/picture.h"
-#include "tools/analysis/report.h"
 #include "tools/analysis/report_paths.h"
 #include "tools/host/exit_code.h"
-#include "tools/jobs/outcome.h"
+#include "tools/jobs/plain_report.h"
+#include "tools/noise/noise.h"
 
 namespace tools {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// A frame program and what it carries from frame to frame.
-struct Program {
-  Program(const std::string& name, const Inputs& inputs)
-      : spec(kernels::parse_program(name)), rates(inputs.config.programs.multirate) {}
-  kernels::ProgramSpec spec;
-  kernels::RateMap rates;
-};
-
-/// The report of a run, without pictures.
-Json report_of(const JobOptions& options) {
-  Inputs inputs = load_inputs(options);
-  Program program(options.program, inputs);
-  std::optional<Program> reference;
-  if (!options.reference.empty()) reference.emplace(options.reference, inputs);
-  Outcome out;
-  while (true) {
-    Simulation frame = simulate(inputs, program.spec, options.threads, {.rates = &program.rates});
-    std::optional<Simulation> compared;
-    if (reference) compared = simulate(inputs, reference->spec, options.threads, {.rates = &reference->rates});
-    const double error = compared ? mean_squared_error(frame.function.rgb, compared->function.rgb) : 0;
-    out.add(inputs.frame, std::move(frame), std::move(compared), error);
-    if (inputs.frame >= inputs.config.scene.last_frame) break;
-    advance(inputs, inputs.frame + 1, options.threads);
-  }
-  const Result result = out.result();
-  return report_json({inputs, options, result, out.frames, false, 0});
-}
-
-/// The same, or {"error": why there is none, "is_input": the user can mend it}; std::bad_alloc.
+/// The report of a run, or {"error": why there is none, "is_input": the user can mend it}; std::bad_alloc.
 Json report_or_error(const JobOptions& options) {
   try {
-    return report_of(options);
+    return plain_report(load_inputs(options), options);
   } catch (const sim::Deadlock& error) {
     return {{"error", fmt::format("{}\n{}", error.what(), error.state)}, {"is_input", false}};
   } catch (const sim::InputError& error) {
@@ -69,6 +41,20 @@ Json report_or_error(const JobOptions& options) {
   } catch (const std::exception& error) {
     return {{"error", error.what()}, {"is_input", false}};
   }
+}
+
+/// Draws of each figure of `totals` that noise moves, by its path.
+StoredDraws draws_of_replicates(const Json& replicates) {
+  StoredDraws out;
+  const auto count = replicates["count"].get<std::size_t>();
+  for (const std::string figure : kNoisyFigures) {
+    std::string pointer = "/figures/" + figure;
+    std::ranges::replace(pointer, '.', '/');
+    const Json::json_pointer at(pointer);
+    if (!replicates.contains(at)) continue;
+    out["totals." + figure] = {count, replicates[at]["mean"].get<double>(), replicates[at]["deviation"].get<double>()};
+  }
+  return out;
 }
 
 Measured measured_from(const SuiteRun& run, const std::string& text, int status, double seconds) {
@@ -93,7 +79,10 @@ Measured measured_from(const SuiteRun& run, const std::string& text, int status,
     out.facts = {report["program"].get<std::string>(), report["provenance"]["scene_sha256"].get<std::string>(),
                  report["provenance"]["bvh_hash"].get<std::string>(), flat_config(report["config"])};
     out.facts.config.erase("scene.name");
-    for (ReportNumber& number : report_numbers(report)) out.all.emplace(std::move(number.path), number.value);
+    for (ReportNumber& number : report_numbers(report)) {
+      if (number.path.find(".replicates.") == std::string::npos) out.all.emplace(std::move(number.path), number.value);
+    }
+    if (run.options.replicates > 1) out.draws = draws_of_replicates(report["totals"]["replicates"]);
   }
   return out;
 }

@@ -10,7 +10,8 @@ namespace tools {
 /// The result of a run of a suite.
 struct Measured {
   Facts facts;
-  Values all;          ///< every number of its report
+  Values all;          ///< every number of its report; of replicates those in `draws` alone
+  StoredDraws draws;   ///< empty without replicates
   std::string error;   ///< why there is no report; empty if there is
   double seconds = 0;  ///< host time
 };

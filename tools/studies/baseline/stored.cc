@@ -70,6 +70,24 @@ class Reader {
       refuse(entry.value_at, entry.key, "must be a number");
     return value;
   }
+  StoredDraws draws(const Entry& replicates) const {
+    constexpr double kMostPlays = 1e6;
+    StoredDraws out;
+    for (const Entry& figure : mapping(replicates)) {
+      Draws& d = out[figure.key];
+      for (const Entry& entry : mapping(figure)) {
+        const double value = number(entry);
+        if (entry.key == "count" && !(value >= 2 && value <= kMostPlays)) {
+          refuse(entry.value_at, entry.key, "must be at least 2 plays");
+        }
+        if (entry.key == "count") d.count = static_cast<std::size_t>(value);
+        if (entry.key == "mean") d.mean = value;
+        if (entry.key == "deviation") d.deviation = value;
+      }
+      if (d.count == 0) refuse(figure.value_at, figure.key, "has no count");
+    }
+    return out;
+  }
   StoredRun read_run(const Entry& run) const {
     StoredRun out;
     for (const Entry& entry : mapping(run)) {
@@ -77,6 +95,7 @@ class Reader {
       if (entry.key == "scene_sha256") out.facts.scene_sha256 = text(entry);
       if (entry.key == "bvh_hash") out.facts.bvh_hash = text(entry);
       if (entry.key == "config") out.facts.config = config(entry);
+      if (entry.key == "replicates") out.draws = draws(entry);
       if (entry.key != "values") continue;
       for (const Entry& group : mapping(entry)) {
         for (const Entry& value : mapping(group)) {
@@ -133,6 +152,15 @@ std::string values_text(const Values& values) {
   return out;
 }
 
+std::string draws_text(const StoredDraws& draws) {
+  std::string out = draws.empty() ? "" : "    replicates:\n";
+  for (const auto& [path, d] : draws) {
+    out += fmt::format("      {}: {{count: {}, mean: {}, deviation: {}}}\n", sim::key_text(path), d.count, d.mean,
+                       d.deviation);
+  }
+  return out;
+}
+
 }  // namespace
 
 Baseline load_baseline(const std::filesystem::path& file) { return Reader(file).read(); }
@@ -155,7 +183,8 @@ std::string baseline_text(const Baseline& baseline, const Suite& suite) {
       if (at == usual.end() || at->second != value)
         own.push_back(fmt::format("{}: {}", sim::key_text(key), sim::double_quoted(value)));
     }
-    out += fmt::format("    config: {{{}}}\n    values:\n{}", fmt::join(own, ", "), values_text(run.values));
+    out += fmt::format("    config: {{{}}}\n{}    values:\n{}", fmt::join(own, ", "), draws_text(run.draws),
+                       values_text(run.values));
   }
   return out;
 }

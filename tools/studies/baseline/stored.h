@@ -4,6 +4,7 @@
 #include <string>
 
 #include "tools/analysis/report_file.h"
+#include "tools/noise/statistics.h"
 #include "tools/studies/baseline/suite.h"
 
 namespace tools {
@@ -16,10 +17,13 @@ struct Facts {
 
 /// Numbers by report path. Of what is stored, those that are not 0.
 using Values = std::map<std::string, double>;
+/// Replicates of figures that noise moves, by report path.
+using StoredDraws = std::map<std::string, Draws>;
 
 struct StoredRun {
   Facts facts;
   Values values;
+  StoredDraws draws;  ///< empty unless they were recorded with replicates
 };
 
 /// The stored values of a suite: a YAML file for people and for diffs.

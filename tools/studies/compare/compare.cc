@@ -222,7 +222,7 @@ Comparison compare(const ReportFile& a, const ReportFile& b) {
   out.counters = counters(a, b);
   out.ratios = ratios(a, b);
   compare_energy(a, b, out);
-  compare_pictures(a.file.parent_path(), b.file.parent_path(), out);
+  compare_pictures(a.file, b.file, out);
   return out;
 }
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -6,6 +7,7 @@
 
 #include "tools/analysis/replicated.h"
 #include "tools/analysis/report_file.h"
+#include "tools/host/progress.h"
 #include "tools/pricing/energy_study.h"
 
 namespace tools {
@@ -49,6 +51,10 @@ struct Comparison {
   std::string no_picture;  ///< why there is no squared_error
 };
 
+/// Plays the run of a report so many times (docs/noise.md) and puts the figures' statistics into the report, which is
+/// left as it is if it has as many replicates. InputError for a report whose run cannot be had again.
+void add_replicates(ReportFile& report, std::uint32_t count, std::uint32_t threads, Progress* progress);
+
 /// `b` against `a`.
 Comparison compare(const ReportFile& a, const ReportFile& b);
 
@@ -70,7 +76,7 @@ std::vector<Pair> in_words(std::vector<Pair> times);
 std::vector<std::string> comparison_warnings(const std::vector<ReportFile>& reports,
                                              const std::vector<Comparison>& against);
 
-/// Compares the first frame's pictures of two run folders, linear floats if both have them and else 8 bits, and writes
+/// Compares the first frame's pictures beside two reports, linear floats if both have them and else 8 bits, and writes
 /// down the mean squared difference of their sRGB values, or why there is none.
 void compare_pictures(const std::filesystem::path& a, const std::filesystem::path& b, Comparison& out);
 

@@ -30,8 +30,14 @@ traces::Texture read_png(const std::filesystem::path& file) {
   return traces::read_image(std::as_bytes(std::span(bytes.data(), bytes.size())), file.string());
 }
 
-bool have(const std::filesystem::path& a, const std::filesystem::path& b, const char* name) {
-  return std::filesystem::is_regular_file(a / name) && std::filesystem::is_regular_file(b / name);
+/// The picture of a report: beside it, and named after it where it is that of a reference.
+std::filesystem::path picture_of(const std::filesystem::path& report, const char* type) {
+  const bool is_reference = report.filename() == "reference.json";
+  return report.parent_path() / fmt::format("{}.{}", is_reference ? "reference" : "image", type);
+}
+
+bool have(const std::filesystem::path& a, const std::filesystem::path& b, const char* type) {
+  return std::filesystem::is_regular_file(picture_of(a, type)) && std::filesystem::is_regular_file(picture_of(b, type));
 }
 
 template <class Image>
@@ -45,11 +51,12 @@ bool same_size(const Image& a, const Image& b, Comparison& out) {
 
 void compare_pictures(const std::filesystem::path& a, const std::filesystem::path& b, Comparison& out) {
   try {
-    if (have(a, b, "image.exr")) {
-      const traces::FloatImage of_a = traces::read_exr(a / "image.exr"), of_b = traces::read_exr(b / "image.exr");
+    if (have(a, b, "exr")) {
+      const traces::FloatImage of_a = traces::read_exr(picture_of(a, "exr")),
+                               of_b = traces::read_exr(picture_of(b, "exr"));
       if (same_size(of_a, of_b, out)) out.squared_error = mean_squared_error(of_a.rgb, of_b.rgb);
-    } else if (have(a, b, "image.png")) {
-      const traces::Texture of_a = read_png(a / "image.png"), of_b = read_png(b / "image.png");
+    } else if (have(a, b, "png")) {
+      const traces::Texture of_a = read_png(picture_of(a, "png")), of_b = read_png(picture_of(b, "png"));
       if (same_size(of_a, of_b, out)) out.squared_error = squared_error(of_a, of_b);
     } else {
       out.no_picture = "not both have one";

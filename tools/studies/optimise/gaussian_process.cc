@@ -19,6 +19,7 @@ constexpr int kShortest = -4, kLongest = 6;  // lengths: powers of kStep; at 1 a
 constexpr double kStep = 1.7;
 constexpr std::array<double, 4> kNuggets = {1e-6, 1e-4, 1e-2, 1e-1};  // roughness, of the variance
 constexpr double kPriorDeviation = 3;                                 // deviation of a length, in steps, about 1
+constexpr int kRounds = 4;                                            // rounds until errors have their weight
 constexpr double kPriorOfRoughness = 1;  // how much likelier, as a logarithm, is the next lower one
 
 Index index(std::size_t i) { return static_cast<Index>(i); }
@@ -67,8 +68,16 @@ double GaussianProcess::covariance(const Choice& a, const Choice& b) const {
   return matern(distance2);
 }
 
-/// With the present parameters.
+/// With the present parameters. Errors are known by themselves, and the process's variance follows from the solution:
+/// what they are worth beside it is found in a few rounds.
 GaussianProcess::Solution GaussianProcess::solve(std::span<const Observation> observations) {
+  Solution s = solve(observations, 1);
+  const bool has_errors = std::ranges::any_of(observations, [](const Observation& o) { return o.variance > 0; });
+  for (int round = 1; has_errors && round < kRounds; ++round) s = solve(observations, s.variance);
+  return s;
+}
+
+GaussianProcess::Solution GaussianProcess::solve(std::span<const Observation> observations, double variance) {
   inverse_lengths_ = inverses(lengths_);
   const Index n = index(observations.size());
   Solution s;
@@ -81,7 +90,7 @@ GaussianProcess::Solution GaussianProcess::solve(std::span<const Observation> ob
     for (Index j = 0; j < i; ++j) {
       s.factor(i, j) = covariance(here.at, observations[static_cast<std::size_t>(j)].at);
     }
-    s.factor(i, i) = 1 + s.nugget + here.variance / (scale_ * scale_);
+    s.factor(i, i) = 1 + s.nugget + here.variance / (scale_ * scale_ * variance);
   }
   const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factored(s.factor);  // in place
   const Eigen::VectorXd ones = Eigen::VectorXd::Ones(n);

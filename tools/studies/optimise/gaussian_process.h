@@ -25,7 +25,7 @@ struct Estimate {
 struct Observation {
   Choice at;
   double value = 0;
-  double variance = 0;  ///< the error's; 0: exact
+  double variance = 0;  ///< the error's: noise that no other point shares; 0: exact
 };
 
 /// A function of the axes, estimated from some of its values: Kriging with a constant mean and a Matern 5/2 covariance
@@ -49,6 +49,8 @@ class GaussianProcess {
 
   double covariance(const Choice& a, const Choice& b) const;
   Solution solve(std::span<const Observation> observations);
+  /// `variance`: the process's, beside which the errors' count.
+  Solution solve(std::span<const Observation> observations, double variance);
 
   std::vector<AxisShape> axes_;
   std::vector<int> lengths_;  ///< one for each axis, as powers of a step

@@ -13,6 +13,7 @@
 #include "tools/host/exit_code.h"
 #include "tools/host/interrupt.h"
 #include "tools/host/progress.h"
+#include "tools/host/standard_streams.h"
 #include "tools/studies/optimise/search_run.h"
 #include "tools/studies/optimise/show.h"
 #include "tools/studies/sweep/store/folder.h"
@@ -103,8 +104,8 @@ int run(const Options& options) {
 
   const bool is_feasible = !search.pareto_front().empty();
   if (!options.quiet) {
-    fmt::print("{}\n{}results: {}, history.jsonl\n", is_feasible ? pareto_front_text(search) : infeasible_text(search),
-               summary(search), (out / "front.csv").string());
+    const std::string found = for_terminal(is_feasible ? pareto_front_text(search) : infeasible_text(search));
+    fmt::print("{}\n{}results: {}, history.jsonl\n", found, summary(search), (out / "front.csv").string());
   }
   for (const Trial& trial : search.trials()) {
     if (trial.state == Trial::State::kFailed) fmt::print("failed: {}\n", sim::printable(trial.error, 500));

@@ -24,6 +24,7 @@ Search::Search(Space space, std::vector<Goal> goals, const Options& options)
       goals_(std::move(goals)),
       options_(options),
       figures_(goals_.size()),
+      errors_(goals_.size()),
       looks_(goals_.size()) {
   objectives_ = static_cast<std::size_t>(std::ranges::count_if(goals_, &Goal::is_objective));
   for (std::size_t g = 0; g <= goals_.size(); ++g) surrogates_.emplace_back(space_.axes);
@@ -44,11 +45,13 @@ Score Search::score_of(const std::vector<double>& figures) const {
   return score;
 }
 
-void Search::tell(const Choice& point, const std::optional<std::vector<double>>& figures) {
+void Search::tell(const Choice& point, const std::optional<std::vector<double>>& figures,
+                  const std::vector<double>& errors) {
   if (!told_.emplace(point, figures.has_value()).second || !figures) return;
   bool is_feasible = true;
   for (std::size_t g = 0; g < goals_.size(); ++g) {
     figures_[g].emplace(point, figures->at(g));
+    if (!errors.empty() && errors.at(g) > 0) errors_[g].emplace(point, errors[g]);
     is_feasible = is_feasible && goals_[g].is_met(figures->at(g));
   }
   if (is_feasible) scores_.emplace(point, score_of(*figures));

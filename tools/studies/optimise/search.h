@@ -22,7 +22,8 @@ struct Space {
 ///
 /// The first points are spread over the space. Then each figure is estimated everywhere from what is known (Surrogate),
 /// NSGA-II searches these estimates, and of all that it brings those points are proposed from which most hypervolume is
-/// expected. The same seed and the same answers lead to the same choices.
+/// expected. What noise moves is not hunted: figures are smoothed by their errors, and points that were told are worth
+/// what the estimates make of them. The same seed and the same answers lead to the same choices.
 class Search {
  public:
   struct Options {
@@ -35,8 +36,10 @@ class Search {
   /// Different points of which nothing has been told; fewer than `count` only if no others can be found.
   std::vector<Choice> propose(std::size_t count);
 
-  /// A point's figures, one for each goal; nothing if it cannot be computed.
-  void tell(const Choice& point, const std::optional<std::vector<double>>& figures);
+  /// A point's figures, one for each goal; nothing if it cannot be computed. `errors`: their standard deviations, where
+  /// noise moves them.
+  void tell(const Choice& point, const std::optional<std::vector<double>>& figures,
+            const std::vector<double>& errors = {});
   /// The same, roughly: the point may still be proposed.
   void tell_look(const Choice& point, const std::vector<double>& figures);
 
@@ -63,8 +66,8 @@ class Search {
   std::vector<std::uint32_t> sizes_;
   std::vector<Choice> all_;  ///< points of a space that is small
 
-  std::map<Choice, bool> told_;                     ///< had it figures?
-  std::vector<Surrogate::Values> figures_, looks_;  ///< for each goal
+  std::map<Choice, bool> told_;                              ///< had it figures?
+  std::vector<Surrogate::Values> figures_, errors_, looks_;  ///< for each goal
   std::map<Choice, Score> scores_;
   std::vector<Surrogate> surrogates_;  ///< for each goal, then for whether a point can be computed
   std::uint64_t draws_ = 0;

@@ -28,7 +28,7 @@ class Search::Models {
  public:
   explicit Models(Search& search) : search_(search), gain_(Score(search.objectives_, kCorner)) {
     for (std::size_t g = 0; g < search.goals_.size(); ++g) {
-      search.surrogates_[g].fit(search.figures_[g], search.looks_[g]);
+      search.surrogates_[g].fit(search.figures_[g], search.looks_[g], search.errors_[g]);
     }
     any_failed_ = std::ranges::any_of(search.told_, [](const auto& told) { return !told.second; });
     if (any_failed_) {
@@ -37,7 +37,18 @@ class Search::Models {
       search.surrogates_.back().fit(computable, {});
     }
     set_range();
-    for (const auto& [point, score] : search.scores_) gain_.add(normalised(score));
+    for (const auto& [point, score] : search.scores_) gain_.add(normalised(smoothed(point)));
+  }
+
+  /// The worth of a point that was told: where noise moves its figures, what the estimates make of them.
+  Score smoothed(const Choice& point) const {
+    std::vector<double> figures(search_.objectives_);
+    for (std::size_t o = 0; o < figures.size(); ++o) {
+      const Surrogate& surrogate = search_.surrogates_[o];
+      const bool noisy = search_.errors_[o].contains(point);
+      figures[o] = noisy ? surrogate.inverse(surrogate.at(point).mean) : search_.figures_[o].at(point);
+    }
+    return search_.score_of(figures);
   }
 
   /// 0 to 1 within the range of what is known.
@@ -135,7 +146,7 @@ class Search::Models {
         worst_[o] = std::min(worst_[o], score[o]);
       }
     };
-    for (const auto& [point, score] : search_.scores_) add(score);
+    for (const auto& [point, score] : search_.scores_) add(smoothed(point));
     if (!search_.scores_.empty()) return;
     for (const auto& [point, first] : search_.figures_.front()) {
       std::vector<double> figures;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include <fmt/format.h>
 
@@ -73,6 +74,21 @@ std::vector<ReportNumber> figures_of(const std::string& report) {
   return report_numbers(json);
 }
 
+/// A number of a report with its noise: that of its replicates, or what is assumed of a picture of this size.
+SeenFigure seen_figure(const std::vector<ReportNumber>& numbers, const ReportNumber& figure) {
+  constexpr std::string_view kTotals = "totals.";
+  const auto at = [&](const std::string& path) -> std::optional<double> {
+    const auto found = std::ranges::find(numbers, path, &ReportNumber::path);
+    return found == numbers.end() ? std::nullopt : std::optional(found->value);
+  };
+  const std::string name = figure.path.starts_with(kTotals) ? figure.path.substr(kTotals.size()) : std::string();
+  if (!is_noisy(name)) return {.value = figure.value};
+  const std::string draws = "totals.replicates.figures." + name;
+  const auto count = at("totals.replicates.count"), mean = at(draws + ".mean"), deviation = at(draws + ".deviation");
+  if (count && mean && deviation) return {*mean, Draws{static_cast<std::size_t>(*count), *mean, *deviation}};
+  return {figure.value, std::nullopt, default_noise(at("resolution[0]").value_or(0) * at("resolution[1]").value_or(0))};
+}
+
 }  // namespace
 
 SearchRun::SearchRun(const Task& task, const std::filesystem::path& folder)
@@ -115,10 +131,13 @@ void SearchRun::read_figures(Trial& trial, const sweep::Store& store) {
       trial.error = fmt::format("its report has no {}", goal.figure);
       trial.is_feasible = false;
       trial.figures.clear();
+      trial.seen.clear();
       return;
     }
-    trial.figures.push_back(number->value);
-    trial.is_feasible = trial.is_feasible && goal.is_met(number->value);
+    const SeenFigure seen = seen_figure(numbers, *number);
+    trial.figures.push_back(seen.value);
+    trial.seen.push_back(seen);
+    trial.is_feasible = trial.is_feasible && goal.is_met(seen.value);
   }
 }
 
@@ -192,7 +211,9 @@ bool SearchRun::compute(const std::vector<Choice>& choices, bool looks, sweep::L
       looked_.emplace(choices[c], true);
       if (is_done) search_.tell_look(choices[c], trial.figures);
     } else {
-      search_.tell(choices[c], is_done ? std::optional(trial.figures) : std::nullopt);
+      std::vector<double> errors;
+      std::ranges::transform(trial.seen, std::back_inserter(errors), &SeenFigure::error);
+      search_.tell(choices[c], is_done ? std::optional(trial.figures) : std::nullopt, errors);
     }
   }
   batches_ += 1;
@@ -218,15 +239,20 @@ bool SearchRun::run(sweep::Launcher& launcher, const sweep::Store& store, const 
   return true;
 }
 
-std::vector<const Trial*> SearchRun::pareto_front() const {
-  std::vector<const Trial*> feasible, pareto_front;
-  std::vector<Score> scores;
+std::vector<const Trial*> SearchRun::feasible() const {
+  std::vector<const Trial*> out;
   for (const Trial& trial : trials_) {
-    if (!trial.is_feasible || trial.is_look) continue;
-    feasible.push_back(&trial);
-    scores.push_back(search_.score_of(trial.figures));
+    if (trial.is_feasible && !trial.is_look) out.push_back(&trial);
   }
-  for (const std::size_t i : pareto_front_of(scores)) pareto_front.push_back(feasible[i]);
+  return out;
+}
+
+std::vector<const Trial*> SearchRun::pareto_front() const {
+  const std::vector<const Trial*> all = feasible();
+  std::vector<const Trial*> pareto_front;
+  std::vector<Score> scores;
+  for (const Trial* trial : all) scores.push_back(search_.score_of(trial->figures));
+  for (const std::size_t i : pareto_front_of(scores)) pareto_front.push_back(all[i]);
   return pareto_front;
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/noise/noise.h"
 #include "tools/studies/optimise/search.h"
 #include "tools/studies/optimise/task.h"
 #include "tools/studies/sweep/launch/launcher.h"
@@ -19,11 +20,12 @@ struct Trial {
   sweep::Point point;
   Choice choice;
   enum class State : std::uint8_t { kDone, kFailed, kImpossible } state = State::kDone;
-  bool is_look = false;         ///< an estimate by tile sampling
-  bool is_feasible = false;     ///< it meets all constraints
-  std::uint32_t batch = 0;      ///< with which it was simulated
-  std::vector<double> figures;  ///< for each goal
-  std::string error;            ///< why there are none
+  bool is_look = false;          ///< an estimate by tile sampling
+  bool is_feasible = false;      ///< it meets all constraints
+  std::uint32_t batch = 0;       ///< with which it was simulated
+  std::vector<double> figures;   ///< for each goal; means of replicates, if there are any
+  std::vector<SeenFigure> seen;  ///< the same with their noise
+  std::string error;             ///< why there are none
 };
 constexpr std::array<std::string_view, 3> names_of(Trial::State) { return {"done", "failed", "impossible"}; }
 
@@ -45,7 +47,9 @@ class SearchRun {
   bool run(sweep::Launcher& launcher, const sweep::Store& store, const Hooks& hooks);
 
   const std::vector<Trial>& trials() const { return trials_; }
-  /// Those on the Pareto front: the best in the first objective first.
+  /// Those that were simulated and meet the constraints.
+  std::vector<const Trial*> feasible() const;
+  /// Those of them on the Pareto front: the best in the first objective first.
   std::vector<const Trial*> pareto_front() const;
   /// The simulated point that misses the constraints least; none if nothing could be simulated.
   const Trial* nearest() const;

@@ -1,6 +1,7 @@
 #include "tools/studies/optimise/show.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -9,6 +10,8 @@
 #include "sim/io/printable.h"
 #include "sim/report/table.h"
 #include "tools/host/command_text.h"
+#include "tools/studies/optimise/near_front.h"
+#include "tools/studies/sweep/results/cells.h"
 #include "tools/studies/sweep/results/index/csv.h"
 
 namespace tools::optimise {
@@ -16,7 +19,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kMostCommands = 20;  // in the terminal; front.csv has all
+constexpr std::size_t kMostCommands = 20, kMostNear = 20;  // in the terminal; front.csv and history.jsonl have all
 
 std::string command_of(const Trial& trial) { return command_text(trial.point.options().argv); }
 
@@ -46,22 +49,57 @@ std::size_t number_of(const SearchRun& search, const Trial& trial) {
   return static_cast<std::size_t>(&trial - search.trials().data());
 }
 
+/// Points, a line each, with half of the 95 % interval of each figure that noise moves.
+std::string table_text(const SearchRun& search, const std::vector<const Trial*>& trials) {
+  const std::vector<std::size_t> goals = shown_goals(search);
+  std::vector<std::string> header = {"n"};
+  for (const auto& [name, value] : trials.front()->point.axes) header.push_back(sim::printable(name));
+  std::vector<std::vector<std::string>> columns;
+  for (const std::size_t g : goals) {
+    header.push_back(short_name(search.goals()[g].figure));
+    std::vector<results::Value> values;
+    for (const Trial* trial : trials) values.emplace_back(trial->figures[g]);
+    columns.push_back(results::shown_cells(values));
+    if (std::ranges::none_of(trials, [&](const Trial* t) { return t->seen[g].error() > 0; })) continue;
+    header.emplace_back("95 %");
+    std::vector<std::string>& intervals = columns.emplace_back();
+    for (const Trial* trial : trials) {
+      const SeenFigure& seen = trial->seen[g];
+      const double share = seen.value == 0 ? 0 : seen.half_width() / std::abs(seen.value);
+      intervals.push_back(fmt::format("± {:.2g} %", 100 * share));
+    }
+  }
+  sim::Table table(header);
+  for (std::size_t t = 0; t < trials.size(); ++t) {
+    std::vector<std::string> cells = {std::to_string(number_of(search, *trials[t]))};
+    for (const auto& [name, value] : trials[t]->point.axes) cells.push_back(sim::printable(value));
+    for (const std::vector<std::string>& column : columns) cells.push_back(column[t]);
+    table.row(std::move(cells));
+  }
+  return table.text();
+}
+
+/// Points that noise does not tell from the front, and where the noise comes from.
+std::string near_text(const SearchRun& search) {
+  const std::string noise = noise_text(search);
+  if (noise.empty()) return "";
+  std::vector<const Trial*> near = near_front(search);
+  const char* const what = std::ranges::count_if(search.goals(), &Goal::is_objective) == 1 ? "the best" : "the front";
+  if (near.empty()) return fmt::format("\nnoise tells all other points from {}; {}\n", what, noise);
+  std::string text = fmt::format("\nnoise does not tell {} more point{} from {}; {}\n", near.size(),
+                                 near.size() == 1 ? "" : "s", what, noise);
+  const std::size_t all = near.size();
+  near.resize(std::min(all, kMostNear));
+  text += "\n" + table_text(search, near);
+  return text + (all > near.size() ? fmt::format("and {} more in history.jsonl\n", all - near.size()) : "");
+}
+
 }  // namespace
 
 std::string pareto_front_text(const SearchRun& search) {
   const std::vector<const Trial*> front = search.pareto_front();
-  std::vector<std::string> header = {"n"};
-  for (const auto& [name, value] : front.front()->point.axes) header.push_back(sim::printable(name));
-  for (const std::size_t g : shown_goals(search)) header.push_back(short_name(search.goals()[g].figure));
-  sim::Table table(header);
-  for (const Trial* trial : front) {
-    std::vector<std::string> cells = {std::to_string(number_of(search, *trial))};
-    for (const auto& [name, value] : trial->point.axes) cells.push_back(sim::printable(value));
-    for (const std::size_t g : shown_goals(search)) cells.push_back(fmt::format("{:.6g}", trial->figures[g]));
-    table.row(std::move(cells));
-  }
-  std::string text = fmt::format("{}{}\n\n{}\nto run them again:\n", front.size() == 1 ? "best: " : "front of ",
-                                 goals_text(search), table.text());
+  std::string text = fmt::format("{}{}\n\n{}{}\nto run them again:\n", front.size() == 1 ? "best: " : "front of ",
+                                 goals_text(search), table_text(search, front), near_text(search));
   for (std::size_t i = 0; i < std::min(front.size(), kMostCommands); ++i) {
     text += fmt::format("  {:<4} {}\n", number_of(search, *front[i]), sim::printable(command_of(*front[i]), 4096));
   }
@@ -116,7 +154,7 @@ std::string infeasible_text(const SearchRun& search) {
   for (std::size_t g = 0; g < search.goals().size(); ++g) {
     const Goal& goal = search.goals()[g];
     if (!goal.is_met(nearest->figures[g])) {
-      missed.push_back(fmt::format("{:.6g} where {} is asked for", nearest->figures[g], goal.text()));
+      missed.push_back(fmt::format("{:.4g} where {} is asked for", nearest->figures[g], goal.text()));
     }
   }
   std::vector<std::string> axes;

@@ -29,11 +29,14 @@ Surrogate::Surrogate(std::span<const AxisShape> axes) : plain_(axes), log_(axes)
 double Surrogate::forward(double value) const { return is_log_ ? std::log(value) : value; }
 double Surrogate::inverse(double value) const { return is_log_ ? std::exp(value) : value; }
 
-std::vector<Observation> Surrogate::observations(const Values& exact, const Values& looks) const {
+std::vector<Observation> Surrogate::observations(const Values& simulated, const Values& looks,
+                                                 const Values& of_noise) const {
   std::vector<Observation> all;
   std::vector<double> values, errors;
-  for (const auto& [point, value] : exact) {
-    all.push_back({point, forward(value), 0});
+  for (const auto& [point, value] : simulated) {
+    const auto noise = of_noise.find(point);
+    const double error = noise == of_noise.end() ? 0 : noise->second / (is_log_ ? value : 1);
+    all.push_back({point, forward(value), error * error});
     values.push_back(forward(value));
     if (const auto look = looks.find(point); look != looks.end()) {
       errors.push_back(forward(look->second) - forward(value));
@@ -44,18 +47,18 @@ std::vector<Observation> Surrogate::observations(const Values& exact, const Valu
   const double bias = mean_of(errors);
   const double variance = (variance_of(errors) * pairs + unknown) / (pairs + 1);
   for (const auto& [point, value] : looks) {
-    if (!exact.contains(point)) all.push_back({point, forward(value) - bias, variance});
+    if (!simulated.contains(point)) all.push_back({point, forward(value) - bias, variance});
   }
   return all;
 }
 
-void Surrogate::fit(const Values& exact, const Values& looks) {
+void Surrogate::fit(const Values& simulated, const Values& looks, const Values& errors) {
   is_log_ = false;
-  const double plain = plain_.fit(observations(exact, looks));
+  const double plain = plain_.fit(observations(simulated, looks, errors));
   const auto is_positive = [](const Values::value_type& v) { return v.second > 0; };
-  if (!std::ranges::all_of(exact, is_positive) || !std::ranges::all_of(looks, is_positive)) return;
+  if (!std::ranges::all_of(simulated, is_positive) || !std::ranges::all_of(looks, is_positive)) return;
   is_log_ = true;
-  const std::vector<Observation> logs = observations(exact, looks);
+  const std::vector<Observation> logs = observations(simulated, looks, errors);
   double jacobian = 0;
   for (const Observation& o : logs)
     jacobian += o.value;  // Jacobian of the logarithm: a value's density is over the value

@@ -14,9 +14,10 @@ class Surrogate {
  public:
   explicit Surrogate(std::span<const AxisShape> axes);
 
-  /// Values by point. Exact ones: at least one.
+  /// Values by point: those that were simulated, at least one, and first looks. `errors`: standard deviations of the
+  /// simulated ones that noise moves.
   using Values = std::map<Choice, double>;
-  void fit(const Values& exact, const Values& looks);
+  void fit(const Values& simulated, const Values& looks, const Values& errors = {});
   /// The figure as it is estimated: inverse() makes it a figure again.
   Estimate at(const Choice& point) const { return process().at(point); }
   double inverse(double value) const;
@@ -25,7 +26,7 @@ class Surrogate {
 
  private:
   const GaussianProcess& process() const { return is_log_ ? log_ : plain_; }
-  std::vector<Observation> observations(const Values& exact, const Values& looks) const;
+  std::vector<Observation> observations(const Values& simulated, const Values& looks, const Values& errors) const;
 
   GaussianProcess plain_, log_;
   bool is_log_ = false;

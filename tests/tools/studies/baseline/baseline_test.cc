@@ -104,6 +104,41 @@ TEST(Baseline, ATolerancePasses) {
   EXPECT_EQ(ending.out.find("Most likely"), std::string::npos) << "no counters of units are kept";
 }
 
+TEST(Baseline, WithReplicatesAFigureHasMovedOnlyBeyondTheNoise) {
+  // A machine of several cores, whose cycles the start of a core moves.
+  BaselineSuite suite;
+  const auto machine = [&](const std::string& change) {
+    suite.folder().write("cores.yaml", "extends: sgrt-2016\n" + change);
+  };
+  machine("");
+  suite.write(R"(
+keep: {cycles: exact, rays: exact}
+defaults: {config: cores.yaml, set: {scene.triangles: 500, cores: 2}}
+runs:
+  few: {resolution: 64x32}
+)");
+  ASSERT_EQ(suite.baseline("record", {"--replicates", "5"}).exit, 0);
+  EXPECT_SAYS(suite.values(), "    replicates:\n      totals.cycles: {count: 5, mean: ");
+  EXPECT_EQ(suite.baseline("check").exit, 0) << "values are those of the plain run";
+  machine("l2: {lookup_cycles: 5}");
+  EXPECT_EQ(suite.baseline("check").exit, 1);
+  EXPECT_EQ(suite.baseline("check", {"--replicates", "5"}).exit, 0) << "a cycle is lost in the noise";
+  machine("clocks: {srp: 100 MHz}");
+  const Ending slow = suite.baseline("check", {"--replicates", "5"});
+  EXPECT_EQ(slow.exit, 1);
+  EXPECT_SAYS(slow.out, "totals.cycles ");
+  EXPECT_SAYS(slow.out, " noise ");
+}
+
+TEST(Baseline, WithReplicatesAStoredValueIsOneDraw) {
+  BaselineSuite suite("{cycles: exact, rays: exact}");
+  ASSERT_EQ(suite.baseline("record").exit, 0);
+  EXPECT_EQ(suite.values().find("replicates"), std::string::npos);
+  EXPECT_EQ(suite.baseline("check", {"--replicates", "3"}).exit, 0);
+  suite.machine("tni: {trv: {box_latency: 80}}");
+  EXPECT_EQ(suite.baseline("check", {"--replicates", "3"}).exit, 1);
+}
+
 TEST(Baseline, ThePathNamedLastHasItsTolerance) {
   BaselineSuite suite(
       "{totals.rays: exact, units: exact, units.core: 100 %, units.dram: 100 %, units.l2: 100 %, "

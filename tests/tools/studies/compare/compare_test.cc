@@ -3,11 +3,13 @@
 #include <functional>
 #include <map>
 #include <set>
+#include <sstream>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "tests/tools/program.h"
+#include "tools/analysis/report_paths.h"
 
 // Runs side by side: what changed, and which counters explain it.
 
@@ -93,6 +95,34 @@ TEST_F(Runs, AreHeldAgainstTheAssumedNoiseWithoutReplicates) {
   EXPECT_EQ(noise["outside"], std::abs(noise["difference"].get<double>()) > noise["half_width"].get<double>());
   EXPECT_FALSE(c["figures"]["rays"].contains("noise")) << "rays are counted, whatever races there are";
   EXPECT_SAYS(raywatt({"compare", path("base"), path("ports")}).out, "assumed for this size of picture");
+}
+
+TEST_F(Runs, ArePlayedAgainForTheirNoise) {
+  const Ending ending = raywatt({"compare", path("base"), path("ports"), "--replicates", "3", "--json"});
+  ASSERT_EQ(ending.exit, 0) << ending.err;
+  const Json cycles = Json::parse(ending.out)["against"][0]["figures"]["cycles"];
+  EXPECT_EQ(cycles["noise"]["from"], "replicates");
+  const Json plain = compared("base", "ports")["figures"]["cycles"];
+  EXPECT_EQ(cycles["a"], plain["a"]) << "figures stay those of the runs";
+  EXPECT_NE(cycles["noise"]["half_width"], plain["noise"]["half_width"]);
+  const std::string other = changed("other.json", [](Json& report) { report["totals"]["cycles"] = 7; });
+  expect_refusal(raywatt({"compare", path("base"), other, "--replicates", "2", "--progress", "none"}),
+                 {"other.json: says 7 cycles, and played again it takes "});
+}
+
+TEST_F(Runs, HaveFiguresThatOtherVerbsKnowByTheSameNames) {
+  std::vector<std::string> paths;
+  const auto report = nlohmann::ordered_json::parse(read_bytes(path("base") + "/report.json"));
+  for (const tools::ReportNumber& number : tools::report_numbers(report)) paths.push_back(number.path);
+  std::istringstream text(raywatt({"compare", path("base"), path("ports")}).out);
+  std::size_t figures = 0;
+  for (std::string line; std::getline(text, line) && !line.starts_with("picture");) {
+    const std::string name = line.substr(0, line.find(' '));
+    if (name.empty() || name.front() == '-') continue;
+    EXPECT_NO_THROW(tools::resolve_report_path(name, paths)) << name;
+    ++figures;
+  }
+  EXPECT_GE(figures, 13U);
 }
 
 TEST_F(Runs, AreHeldAgainstTheirReplicatesWhereBothHaveThem) {

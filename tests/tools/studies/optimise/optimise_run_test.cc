@@ -113,6 +113,24 @@ TEST_F(Optimise, APictureThatEqualsItsReferenceIsBetterThanAllOthers) {
   EXPECT_EQ(rows[1][3], "100");
 }
 
+TEST_F(Optimise, SaysWhatNoiseDoesNotTellFromTheBest) {
+  const std::string lines = "axes: {cores: [1, 2], tni.trvs: [2, 3, 4], clocks.tni: [500 MHz, 501 MHz]}\nbudget: 12\n";
+  const Ending single = run(lines + "objectives: [max: perf.fps]\n");
+  ASSERT_EQ(single.exit, 0) << single.err;
+  EXPECT_SAYS(single.out, "from the best; a noise of 10 %, assumed for this size of picture");
+  EXPECT_SAYS(single.out, "noise does not tell ");
+  const Ending both = run(lines + "objectives: [max: perf.fps, min: power_w]\nreplicates: 3\n");
+  ASSERT_EQ(both.exit, 0) << both.err;
+  EXPECT_SAYS(both.out, "from the front; noise measured by 3 replicates a point");
+  EXPECT_SAYS(both.out, "--replicates 3");
+}
+
+TEST_F(Optimise, OfFiguresWithoutNoiseIsSure) {
+  const Ending ending = run("axes: {cores: [1, 2], tni.trvs: [1, 2]}\nbudget: 4\nobjectives: [min: area_mm2]\n");
+  ASSERT_EQ(ending.exit, 0) << ending.err;
+  EXPECT_EQ(ending.out.find("noise"), std::string::npos) << ending.out;
+}
+
 TEST_F(Optimise, AgainComputesNothingAndLeavesEveryByte) {
   ASSERT_EQ(run(kSearch).exit, 0);
   const std::string before = results();

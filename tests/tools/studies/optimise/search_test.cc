@@ -129,6 +129,33 @@ TEST(Search, FindsAFrontUnderNoise) {
   EXPECT_GE(found(rough), 0.98);
 }
 
+TEST(Search, DoesNotHuntNoise) {
+  // A gentle hill, and noise as large as it is high: what counts is the hill under the points that are looked at.
+  const auto hill = [](const Choice& c) {
+    return 1 - 0.25 * ((c[0] - 4.0) * (c[0] - 4.0) + (c[1] - 4.0) * (c[1] - 4.0)) / 16;
+  };
+  const auto noise = [](const Choice& c, std::uint64_t seed) {
+    return 0.5 * (sim::unit_float(sim::hash(seed, c[0], c[1], c[2])) +
+                  sim::unit_float(sim::hash(seed, c[2], c[1], c[0])) - 1);
+  };
+  const double error = 0.5 / std::sqrt(6.0);
+  const auto mean_of_last = [&](bool tell_errors) {
+    double sum = 0;
+    for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+      Search search({{{9, true}, {9, true}, {9, true}}, [](const Choice&) { return true; }}, {kMax}, {.seed = seed});
+      for (std::size_t batch = 0; batch < 6; ++batch) {
+        for (const Choice& point : search.propose(batch == 0 ? 24 : kBatch)) {
+          if (batch == 5) sum += hill(point) / (8 * kBatch);
+          search.tell(point, std::vector<double>{hill(point) + noise(point, seed)},
+                      tell_errors ? std::vector<double>{error} : std::vector<double>());
+        }
+      }
+    }
+    return sum;
+  };
+  EXPECT_GT(mean_of_last(true), mean_of_last(false));
+}
+
 TEST(Search, FindsAFrontAmongNamesWithoutOrder) {
   MadeUp names{{{4, true}, {4, true}, {4, true}, {16, false}}, {kMin, kMin}, [](const std::vector<double>& x) {
                  const int name = static_cast<int>(std::lround(x[3] * 15));

@@ -47,6 +47,35 @@ TEST(GaussianProcess, BelievesAsIfItHadSeen) {
   EXPECT_LT(process.at({14}).deviation, 0.4);
 }
 
+TEST(GaussianProcess, SmoothsWhatErrorsBlur) {
+  // A slope with one lucky point far above it.
+  std::vector<Observation> sure, blurred;
+  for (std::uint32_t i = 0; i < 21; i += 2) {
+    const double value = 0.1 * i + (i == 10 ? 1.5 : 0);
+    sure.push_back({{i}, value, 0});
+    blurred.push_back({{i}, value, 0.5});
+  }
+  GaussianProcess believing(kLine), doubting(kLine);
+  believing.fit(sure);
+  doubting.fit(blurred);
+  EXPECT_GT(believing.at({10}).mean, 1.6);
+  EXPECT_LT(doubting.at({10}).mean, 1.4) << "of 1 on the slope and 2.5 seen";
+  EXPECT_LT(doubting.at({11}).mean + doubting.at({11}).deviation, 2.2) << "noise promises no figure";
+}
+
+TEST(GaussianProcess, ErrorsCountInTheFiguresOwnUnit) {
+  GaussianProcess small(kLine), large(kLine);
+  std::vector<Observation> seen, scaled;
+  for (std::uint32_t i = 0; i < 21; i += 4) {
+    const double value = std::sin(0.4 * i) + (i % 8 == 0 ? 0.2 : -0.2);
+    seen.push_back({{i}, value, 0.04});
+    scaled.push_back({{i}, 1000 * value, 40'000});
+  }
+  small.fit(seen);
+  large.fit(scaled);
+  for (std::uint32_t i = 0; i < 21; ++i) EXPECT_NEAR(large.at({i}).mean, 1000 * small.at({i}).mean, 1e-3) << i;
+}
+
 TEST(GaussianProcess, TakesValuesThatAreAllTheSame) {
   GaussianProcess process(kLine);
   process.fit({{{0}, 2, 0}, {{9}, 2, 0}, {{20}, 2, 0}});

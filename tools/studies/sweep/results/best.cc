@@ -25,6 +25,37 @@ std::string rerun_command(sweep::Point point, const std::string& config) {
   return command_text(point.options().argv);
 }
 
+/// The settings of a point as words for a command line: --set tni.trv.l1.size='16 KiB'.
+std::string settings_text(const sweep::Point& point) {
+  std::string out;
+  for (const std::string& set : point.sets) {
+    const std::size_t value = set.find('=') + 1;
+    out += fmt::format("{}--set {}{}", out.empty() ? "" : " ", set.substr(0, value), shell_word(set.substr(value)));
+  }
+  return out;
+}
+
+using Lines = std::vector<std::pair<std::string, std::string>>;
+
+/// Figures of a point: the one that was asked for, and those that conditions compare.
+Lines figure_lines(const Results& results, const FigureNoise& noise, const Column& metric, const BestOptions& options,
+                   std::size_t row) {
+  const auto cell = [&](const Column& column) { return shown_cells({column.values[row]}).front(); };
+  Lines lines = {{metric.name, cell(metric)}};
+  if (noise.is_measured()) {
+    lines.emplace_back(
+        "mean", fmt::format("{} {} of {} plays", cell(noise.means()), give_or_take(noise, row), noise.plays(row)));
+  }
+  for (const std::string& path : compared_paths(options.where)) {
+    const Column column = results.column(path);
+    const auto is_this = [&](const auto& line) { return line.first == column.name; };
+    const bool is_axis = std::ranges::find(results.axes(), column.name) != results.axes().end();
+    if (is_axis || std::ranges::any_of(lines, is_this)) continue;
+    lines.emplace_back(column.name, cell(column));
+  }
+  return lines;
+}
+
 }  // namespace
 
 std::string best_text(const Results& results, std::span<const sweep::Point> points, const BestOptions& options) {
@@ -59,15 +90,13 @@ std::string best_text(const Results& results, std::span<const sweep::Point> poin
   std::string out = fmt::format("{} {} of {} points that qualify: point {}{}\n\n", options.most ? "most" : "least",
                                 metric.name, candidates.size(), results.rows()[*best].n,
                                 equal == 0 ? "" : fmt::format(" (and {} more with the same)", equal));
-  std::vector<std::pair<std::string, std::string>> lines = {
-      {metric.name, sim::printable(exact_text(metric.values[*best]))}};
-  if (noise.is_measured()) {
-    lines.emplace_back("mean",
-                       fmt::format("{} {} of {} plays", shown(figure), give_or_take(noise, *best), noise.plays(*best)));
-  }
+  Lines lines = figure_lines(results, noise, metric, options, *best);
   for (const std::string& axis : results.axes()) {
     const Value value = results.column(axis).values[*best];
     if (!is_absent(value)) lines.emplace_back(sim::printable(axis), sim::printable(exact_text(value)));
+  }
+  if (!points[*best].sets.empty()) {
+    lines.emplace_back("settings", sim::printable(settings_text(points[*best]), 4096));
   }
   lines.emplace_back("id", results.rows()[*best].id);
   lines.emplace_back("configuration", sim::printable(config, 4096));

@@ -202,8 +202,24 @@ std::vector<bool> Condition::met_by(const Results& results, const Comparison& on
   return met;
 }
 
+std::vector<std::string> Condition::paths() const {
+  std::vector<std::string> out;
+  for (const Comparison& one : comparisons_) out.push_back(one.path);
+  return out;
+}
+
 void Condition::refuse(const std::string& why) const {
   throw sim::InputError(fmt::format("--where '{}': {}", sim::printable(text_), why));
+}
+
+std::vector<std::string> compared_paths(const std::vector<std::string>& conditions) {
+  std::vector<std::string> out;
+  for (const std::string& text : conditions) {
+    for (std::string& path : Condition(text).paths()) {
+      if (std::ranges::find(out, path) == out.end()) out.push_back(std::move(path));
+    }
+  }
+  return out;
 }
 
 std::vector<bool> meeting(const Results& results, const std::vector<std::string>& conditions) {

@@ -18,6 +18,8 @@ class Condition {
   /// things, and for numbers compared with text or without the unit that the values have.
   std::vector<bool> met_by(const Results& results) const;
 
+  std::vector<std::string> paths() const;
+
  private:
   struct Comparison {
     std::string path;
@@ -30,6 +32,9 @@ class Condition {
   std::string text_;
   std::vector<Comparison> comparisons_;
 };
+
+/// Paths that conditions compare, each once, as they write them.
+std::vector<std::string> compared_paths(const std::vector<std::string>& conditions);
 
 /// Points that meet all conditions.
 std::vector<bool> meeting(const Results& results, const std::vector<std::string>& conditions);

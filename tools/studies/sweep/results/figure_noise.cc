@@ -2,13 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string_view>
 
 #include <fmt/format.h>
 
 #include "tools/analysis/report_file.h"
-#include "tools/noise/noise.h"
 #include "tools/simulation/job_options.h"
 
 namespace tools::results {
@@ -47,56 +45,41 @@ std::vector<double> assumed_noise(const Results& results, const std::vector<std:
 }  // namespace
 
 FigureNoise::FigureNoise(const Results& results, const Column& figure, const std::vector<std::size_t>& rows)
-    : means_(figure) {
+    : means_(figure), seen_(results.rows().size()) {
+  for (std::size_t row = 0; row < seen_.size(); ++row) seen_[row].value = number_at(figure, row);
   const std::string name = figure.name.starts_with(kTotals) ? figure.name.substr(kTotals.size()) : std::string();
   noisy_ = tools::is_noisy(name) && !rows.empty();
   if (!noisy_) return;
   const std::string at = "totals.replicates.figures." + name;
   const auto range = [&](const auto& of) {
-    least_ = most_ = of(rows.front());
+    least_ = most_ = of(seen_[rows.front()]);
     for (const std::size_t row : rows) {
-      least_ = std::min(least_, of(row));
-      most_ = std::max(most_, of(row));
+      least_ = std::min(least_, of(seen_[row]));
+      most_ = std::max(most_, of(seen_[row]));
     }
   };
   if (results.has_metric(at + ".mean") && results.has_metric("totals.replicates.count")) {
     const Column mean = results.column(at + ".mean"), deviation = results.column(at + ".deviation"),
                  count = results.column("totals.replicates.count");
-    if (std::ranges::none_of(rows, [&](std::size_t row) { return is_absent(mean.values[row]); })) {
-      draws_.resize(results.rows().size());
-      for (const std::size_t row : rows) {
-        draws_[row] = {static_cast<std::size_t>(number_at(count, row)), number_at(mean, row),
-                       number_at(deviation, row)};
-        means_.values[row] = mean.values[row];
-      }
-      range([&](std::size_t row) { return static_cast<double>(draws_[row].count); });
+    measured_ = std::ranges::none_of(rows, [&](std::size_t row) { return is_absent(mean.values[row]); });
+    for (const std::size_t row : measured_ ? rows : std::vector<std::size_t>()) {
+      seen_[row].draws =
+          Draws{static_cast<std::size_t>(number_at(count, row)), number_at(mean, row), number_at(deviation, row)};
+      seen_[row].value = seen_[row].draws->mean;
+      means_.values[row] = mean.values[row];
+    }
+    if (measured_) {
+      range([](const SeenFigure& seen) { return static_cast<double>(seen.draws->count); });
       return;
     }
   }
-  assumed_ = assumed_noise(results, rows);
-  range([&](std::size_t row) { return assumed_[row]; });
-}
-
-double FigureNoise::at(std::size_t row) const { return number_at(means_, row); }
-
-double FigureNoise::error(std::size_t row) const {
-  if (!noisy_) return 0;
-  if (is_measured()) return difference_of(draws_[row], Draws{1, 0, 0}).error;
-  return difference_of(AssumedDraw{at(row), assumed_[row]}, AssumedDraw{}).error;
-}
-
-double FigureNoise::half_width(std::size_t row) const {
-  if (is_measured()) return draws_[row].half_width();
-  return student_t(std::numeric_limits<double>::infinity()) * error(row);
+  const std::vector<double> assumed = assumed_noise(results, rows);
+  for (const std::size_t row : rows) seen_[row].assumed = assumed[row];
+  range([](const SeenFigure& seen) { return seen.assumed; });
 }
 
 double FigureNoise::chance_better(std::size_t b, std::size_t a, bool most) const {
-  MeanDifference d{at(b) - at(a), 0, 1};
-  if (is_measured()) {
-    d = difference_of(draws_[a], draws_[b]);
-  } else if (noisy_) {
-    d = difference_of(AssumedDraw{at(a), assumed_[a]}, AssumedDraw{at(b), assumed_[b]});
-  }
+  MeanDifference d = difference_of(seen_[a], seen_[b]);
   if (!most) d.value = -d.value;
   return d.chance_above();
 }

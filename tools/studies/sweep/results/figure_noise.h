@@ -1,10 +1,9 @@
 #pragma once
 #include <cstddef>
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "tools/noise/statistics.h"
+#include "tools/noise/noise.h"
 #include "tools/studies/sweep/results/results.h"
 
 namespace tools::results {
@@ -17,28 +16,25 @@ class FigureNoise {
 
   /// Do races move the figure?
   bool is_noisy() const { return noisy_; }
-  bool is_measured() const { return !draws_.empty(); }
+  bool is_measured() const { return measured_; }
   /// Values of the points: means of the replicates, if they are measured.
   const Column& means() const { return means_; }
   /// Plays of a point; 1 without replicates.
-  std::size_t plays(std::size_t row) const { return is_measured() ? draws_[row].count : 1; }
+  std::size_t plays(std::size_t row) const { return seen_[row].draws ? seen_[row].draws->count : 1; }
   /// Standard deviation of a point's value; 0 for a figure without noise.
-  double error(std::size_t row) const;
+  double error(std::size_t row) const { return seen_[row].error(); }
   /// Half of the 95 % interval of a point's value.
-  double half_width(std::size_t row) const;
+  double half_width(std::size_t row) const { return seen_[row].half_width(); }
   /// Chance that `b` is seen so much better than `a` if it is not.
   double chance_better(std::size_t b, std::size_t a, bool most) const;
   /// "noise measured by 5 replicates a point", "a noise of 2 %, assumed ...".
   std::string text() const;
 
  private:
-  double at(std::size_t row) const;
-
-  bool noisy_ = false;
+  bool noisy_ = false, measured_ = false;
   Column means_;
-  std::vector<Draws> draws_;     ///< by row; empty: not measured
-  std::vector<double> assumed_;  ///< by row, as a part of the value; empty: measured, or no noise
-  double least_ = 0, most_ = 0;  ///< range of the assumed noises, or of the plays
+  std::vector<SeenFigure> seen_;  ///< by row
+  double least_ = 0, most_ = 0;   ///< range of the assumed noises, or of the plays
 };
 
 /// "± 0.52 %" of a point's value: half of its 95 % interval.

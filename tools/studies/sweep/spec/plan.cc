@@ -166,6 +166,7 @@ Point Planner::point(const Choice& choice) { return point(choice, spec_.tile_sam
 Point Planner::point(const Choice& choice, const std::string& tile_sampling) {
   Point point = make_point(spec_, folder_, choice);
   point.tile_sampling = tile_sampling;
+  if (!tile_sampling.empty()) point.replicates = 1;  // replicates play all tiles
   at_key(spec_, "scene", [&] { keys_.set_key(point); });
   if (to_line(point).size() > kLongestLine) {
     throw sim::InputError(fmt::format("a point takes more than {} bytes to say", kLongestLine));

@@ -53,6 +53,20 @@ struct CoresAndCaches : MadeSweep {
   }
 };
 
+TEST(Best, ShowsFiguresThatConditionsCompareAndReadableSettings) {
+  MadeSweep sweep;
+  sweep.add({{"cores", "2"}, {"l1", "16 KiB"}});
+  sweep.finish(0, 1234567);
+  std::vector<tools::sweep::Point> points(sweep.points().begin(), sweep.points().end());
+  points[0].sets = {"cores=2", "tni.trv.l1.size=16 KiB"};
+  const std::string text =
+      best_text(sweep.results(), points, {"cycles", true, {"top_down.cores[0].boxes<1 and cores=2", "cycles>1"}});
+  EXPECT_SAYS(text, "totals.top_down.cores[0].boxes  0.25");
+  EXPECT_SAYS(text, "--set cores=2 --set tni.trv.l1.size='16 KiB'\n");
+  const std::size_t once = text.find("\ntotals.cycles ");
+  EXPECT_EQ(text.find("\ntotals.cycles ", once + 1), std::string::npos) << text;
+}
+
 TEST(Best, ListsWhatTiesUnderTheAssumedNoiseAndTheAxesThatDecide) {
   const std::string text = best(CoresAndCaches(0), {"cycles", false, {}});
   EXPECT_SAYS(text, "1 point ties with it (95 %, all points together); a noise of 2 %, assumed");

@@ -151,6 +151,22 @@ TEST(Collect, TheTableHoldsEveryPlainFigureOfTheTotalsAndNothingOfTheHost) {
   EXPECT_EQ(sweep.csv().find("host"), std::string::npos);
 }
 
+TEST(Collect, TheTableHasItsFiguresInOrderAndQuantitiesAsNumbersToo) {
+  MadeSweep sweep;
+  nlohmann::ordered_json report = made_report(1);
+  report["totals"]["a_last_one"] = 2;
+  sweep.finish(sweep.add({{"size", "8 KiB"}, {"cores", "2"}, {"clock", "500 MHz"}}), report);
+  sweep.finish(sweep.add({{"size", "none"}, {"cores", "4"}, {"clock", "1 GHz"}}), report);
+  sweep.collect();
+  const auto rows = cells_of(sweep.csv());
+  const std::vector<std::string> axes(rows[0].begin() + 3, rows[0].begin() + 9);
+  EXPECT_EQ(axes, (std::vector<std::string>{"size", "cores", "clock", "program", "size_bytes", "clock_hz"}));
+  EXPECT_EQ(rows[1][7], "8192");
+  EXPECT_EQ(rows[2][7], "") << "no quantity";
+  EXPECT_EQ(std::stod(rows[2][8]), 1e9);
+  EXPECT_TRUE(std::is_sorted(rows[0].begin() + 9, rows[0].end()));
+}
+
 TEST(Collect, TheIndexIsSoundAndItsTablesAgree) {
   Three sweep;
   sweep.fail(1, "stuck");

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <chrono>
 #include <iterator>
+#include <numeric>
+#include <optional>
 #include <thread>
 
 #include <fmt/format.h>
@@ -13,6 +15,7 @@
 #include "sim/sha256.h"
 #include "tools/studies/sweep/results/index/csv.h"
 #include "tools/studies/sweep/results/index/index_file.h"
+#include "tools/studies/sweep/spec/magnitude.h"
 
 namespace tools::results {
 namespace {
@@ -112,25 +115,69 @@ std::string summary_text(const Collected& collected) {
   return text;
 }
 
+namespace {
+
+/// An axis whose values have a unit: its numbers stand in a column of their own, in the base unit that its name ends
+/// with.
+struct Quantity {
+  std::size_t axis = 0;
+  const char* unit = "";
+};
+
+/// Text of an axis at a point; empty if it has no such axis.
+std::string value_at(const ListedPoint& point, const std::string& axis) {
+  const auto found = std::ranges::find(point.axes, axis, &std::pair<std::string, std::string>::first);
+  return found == point.axes.end() ? std::string() : found->second;
+}
+
+std::vector<Quantity> quantities_of(const Collection& all) {
+  std::vector<Quantity> out;
+  for (std::size_t a = 0; a < all.axes.size(); ++a) {
+    for (const ListedPoint& point : all.points) {
+      const std::optional<sweep::Magnitude> number = sweep::magnitude_of(value_at(point, all.axes[a]));
+      using Kind = sweep::Magnitude::Kind;
+      if (!number || number->kind == Kind::kNumber) continue;
+      out.push_back({a, number->kind == Kind::kBytes ? "bytes" : number->kind == Kind::kTime ? "fs" : "hz"});
+      break;
+    }
+  }
+  return out;
+}
+
+/// Indices of names in their alphabetical order.
+std::vector<std::size_t> sorted(const std::vector<std::string>& names) {
+  std::vector<std::size_t> order(names.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::sort(order, {}, [&](std::size_t i) -> const std::string& { return names[i]; });
+  return order;
+}
+
+}  // namespace
+
 std::string results_csv(const Collection& all) {
   std::vector<std::string> header = {"n", "id", "status"};
-  for (const auto* names : {&all.axes, &all.metrics}) header.insert(header.end(), names->begin(), names->end());
+  header.insert(header.end(), all.axes.begin(), all.axes.end());
+  const std::vector<Quantity> quantities = quantities_of(all);
+  for (const Quantity& q : quantities) header.push_back(fmt::format("{}_{}", all.axes[q.axis], q.unit));
+  const std::vector<std::size_t> order = sorted(all.metrics);
+  for (const std::size_t m : order) header.push_back(all.metrics[m]);
   std::string out = csv_line(header);
   for (std::size_t i = 0; i < all.points.size(); ++i) {
     const ListedPoint& point = all.points[i];
     out += fmt::format("{},{},{}", point.n, point.id, name_of(all.states[i].status));
-    for (const std::string& axis : all.axes) {
-      const auto found = std::ranges::find(point.axes, axis, &std::pair<std::string, std::string>::first);
-      out += ',';
-      if (found != point.axes.end()) out += csv_cell(found->second);
+    for (const std::string& axis : all.axes) out += "," + csv_cell(value_at(point, axis));
+    for (const Quantity& q : quantities) {
+      const std::optional<sweep::Magnitude> number = sweep::magnitude_of(value_at(point, all.axes[q.axis]));
+      out += number ? fmt::format(",{}", number->value) : ",";
     }
-    for (const std::vector<Value>& column : all.columns) {
+    for (const std::size_t m : order) {
+      const Value& cell = all.columns[m][i];
       out += ',';
-      if (const auto* text = std::get_if<std::string>(&column[i])) {
+      if (const auto* text = std::get_if<std::string>(&cell)) {
         out += csv_cell(*text);
-      } else if (const auto* whole = std::get_if<std::int64_t>(&column[i])) {
+      } else if (const auto* whole = std::get_if<std::int64_t>(&cell)) {
         fmt::format_to(std::back_inserter(out), "{}", *whole);
-      } else if (const auto* real = std::get_if<double>(&column[i])) {
+      } else if (const auto* real = std::get_if<double>(&cell)) {
         fmt::format_to(std::back_inserter(out), "{}", *real);
       }
     }

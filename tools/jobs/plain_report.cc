@@ -1,0 +1,47 @@
+#include "tools/jobs/plain_report.h"
+
+#include <optional>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "tools/analysis/picture.h"
+#include "tools/analysis/report.h"
+#include "tools/jobs/outcome.h"
+
+namespace tools {
+namespace {
+
+/// A frame program and what it carries from frame to frame.
+struct Program {
+  Program(const std::string& name, const Inputs& inputs)
+      : spec(kernels::parse_program(name)), rates(inputs.config.programs.multirate) {}
+  kernels::ProgramSpec spec;
+  kernels::RateMap rates;
+};
+
+}  // namespace
+
+nlohmann::ordered_json plain_report(Inputs inputs, const JobOptions& options, Progress* progress) {
+  Program program(options.program, inputs);
+  std::optional<Program> reference;
+  if (!options.reference.empty()) reference.emplace(options.reference, inputs);
+  const auto simulated = [&](Program& p) {
+    return simulate(inputs, p.spec, options.threads,
+                    {.rates = &p.rates, .progress = progress, .replicates = options.replicates});
+  };
+  Outcome out;
+  while (true) {
+    Simulation frame = simulated(program);
+    std::optional<Simulation> compared;
+    if (reference) compared = simulated(*reference);
+    const double error = compared ? mean_squared_error(frame.function.rgb, compared->function.rgb) : 0;
+    out.add(inputs.frame, std::move(frame), std::move(compared), error);
+    if (inputs.frame >= inputs.config.scene.last_frame) break;
+    advance(inputs, inputs.frame + 1, options.threads, progress);
+  }
+  const Result result = out.result();
+  return report_json({inputs, options, result, out.frames, false, 0});
+}
+
+}  // namespace tools
