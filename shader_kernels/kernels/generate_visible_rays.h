@@ -16,7 +16,7 @@ struct VisibleRayPorts {
   Local<V, PathRecord> paths;
   Local<V, VisibleRecord> visible;
   CameraUniforms<V> camera;
-  GridUniforms<V> grid;  ///< of pixels
+  GridUniforms<V> grid;  ///< pixels
   LatticeUniforms<V> lattice;
   static void describe(auto& p, auto&& port) {
     port(NAMED(p.rays));
@@ -94,7 +94,7 @@ struct ClearBranch {
   struct Ports {
     Local<V, VisibleRecord> visible;
     Local<V, ColourRecord> colours;
-    LatticeUniforms<V> lattice;  ///< of the branch's samples
+    LatticeUniforms<V> lattice;  ///< those of the branch's samples
     I<V> apart;
     static void describe(auto& p, auto&& port) {
       port(NAMED(p.visible));

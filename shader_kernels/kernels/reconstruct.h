@@ -120,7 +120,7 @@ struct Reconstruct {
   }
 
  private:
-  /// What a shaded sample is to the pixel's four.
+  /// Weight of a shaded sample for the pixel's four.
   template <class V>
   struct Tap {
     Vec3<V> colour;
@@ -231,8 +231,8 @@ struct Reconstruct {
 
   /// That at `place`, of another pixel.
   template <class V>
-  static Tap<V> tap(const Own<V>& own, const F<V>& place, const M<V>& inside, Ports<V>& at) {
-    const I<V> sample = to_int(place);
+  static Tap<V> tap(const Own<V>& own, const F<V>& index, const M<V>& inside, Ports<V>& at) {
+    const I<V> sample = to_int(index);
     VisibleRecord<V> record = at.visible.load(sample);
     record.depth = select(inside, record.depth, F<V>(kOutsideDepth));
     Tap<V> out{at.colours.load(sample).rgb, {}};

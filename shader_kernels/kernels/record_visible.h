@@ -43,8 +43,8 @@ struct RecordVisible {
   }
 };
 
-/// What a mirror or glass shows is another sample than the surface's own, `apart` behind it: there its light is added
-/// up and its geometry kept. Until it hits something it has that of a miss.
+/// A mirror's or glass's light is that of another sample than the surface's own, `apart` behind it: there its light is
+/// added up and its geometry kept. Until it hits something it has that of a miss.
 struct BeginBranch {
   static constexpr std::string_view kName = "begin_branch";
   static constexpr std::string_view kMeaning = "ray by a mirror or through glass -> of a sample of its own";

@@ -16,7 +16,7 @@ F<V> rotated_column(const F<V>& k) {
   return column - select(F<V>(4.0F) < column, F<V>(5.0F), F<V>(0.0F));
 }
 
-/// Of n x n samples, sample k has row k of n^2 x n^2 cells and column n (k + 1) mod (n^2 + 1) - 1: each row and each
+/// Sample k of n x n has row k of n^2 x n^2 cells and column n (k + 1) mod (n^2 + 1) - 1: each row and each
 /// column has one. Of four they are those of reconstruct; a lone one is in the middle.
 struct GenerateRotatedRays {
   static constexpr std::string_view kName = "generate_rotated_rays";

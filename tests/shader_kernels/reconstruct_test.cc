@@ -26,6 +26,13 @@ Sampled reconstruct(const Stage& stage, const RenderConfig& render, const Recons
   return run_program(program, tracer != nullptr ? *tracer : stage.tracer, 1, record);
 }
 
+/// No other sample is looked at.
+ReconstructConfig alone() {
+  ReconstructConfig config;
+  config.radius = 0;
+  return config;
+}
+
 /// Origins and directions of rays, in an order of their own.
 auto sorted(const std::vector<traces::Ray>& rays) {
   std::vector<std::tuple<float, float, float, float, float, float>> all;
@@ -161,7 +168,7 @@ TEST(Reconstruct, CastsTheRaysOfFourSamplesAndShadesOne) {
   EXPECT_GT(ours.rays[static_cast<std::size_t>(RayKind::kReflection)], 0U);
   EXPECT_EQ(ours.sampling.traced, 40U * 32U * 4U);
   EXPECT_EQ(ours.sampling.wanted, 40U * 32U * 16U);
-  const Sampled one = reconstruct(stage, render, {.radius = 0});
+  const Sampled one = reconstruct(stage, render, alone());
   EXPECT_EQ(one.sampling.traced, 40U * 32U);
   render.samples = SamplePattern::kRegular;
   const Sampled sraa = reconstruct(stage, render, {}, Filters::kOne);
@@ -208,7 +215,7 @@ TEST_P(ReconstructIn, PicturesAreNearerToSixteenSamplesThanThoseOfOne) {
   const RenderConfig render = small(96, 64);
   const std::vector<float> truth = stage_.full(render, 16).rgb;
   const double ours = squared_error(reconstruct(stage_, render).rgb, truth);
-  const double none = squared_error(reconstruct(stage_, render, {.radius = 0}).rgb, truth);
+  const double none = squared_error(reconstruct(stage_, render, alone()).rgb, truth);
   EXPECT_LT(ours, 0.4 * none) << "4 dB";
 }
 
@@ -244,7 +251,7 @@ TEST(Reconstruct, FiltersWhatAMirrorShowsByTheGeometryThatIsSeenThere) {
   const Sampled ours = reconstruct(stage, render);
   const double error = squared_error(ours.rgb, truth);
   EXPECT_LT(error, 0.5 * squared_error(reconstruct(stage, render, {}, Filters::kOne).rgb, truth));
-  EXPECT_LT(error, 0.5 * squared_error(reconstruct(stage, render, {.radius = 0}).rgb, truth));
+  EXPECT_LT(error, 0.5 * squared_error(reconstruct(stage, render, alone()).rgb, truth));
   const auto reflection = static_cast<SampleMark>(1U << static_cast<std::uint32_t>(FilterEdge::kReflection));
   EXPECT_TRUE(std::ranges::any_of(ours.marks, [&](SampleMark m) { return (m & reflection) != 0; }));
 }

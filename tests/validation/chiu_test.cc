@@ -83,7 +83,7 @@ TEST(Chiu, OnPlainSurfacesReconstructionIsAsGoodAsItIsWanted) {
 }
 
 TEST(Chiu, GeometryByRaysIsAQuarterOfTheRaysOfSixteenSamples) {
-  // Of paths that end behind the first mirror; what is not shaded follows no second one.
+  // Paths that end behind the first mirror; what is not shaded follows no second one.
   Pictures cornell("cornell", "", "96x96", "2");
   EXPECT_NEAR(cornell.rays_of_truth() / static_cast<double>(cornell.of("reconstruct").rays), 4.0, 0.02 * 4.0);
 }

@@ -88,7 +88,7 @@ DebugPicture rates_picture(const Canvas& canvas) {
   });
 }
 
-/// What is left of the weights of shaded samples: white where all count, black where none but the pixel's own do.
+/// Rest of the weights of shaded samples: white where all count, black where none but the pixel's own do.
 DebugPicture weights_picture(const Canvas& canvas) {
   return canvas.paint("weights", [](SampleMark mark, std::uint32_t, std::uint32_t) -> Colour {
     const auto share = static_cast<std::uint8_t>(mark >> kernels::kWeightShift);

@@ -199,6 +199,16 @@ void tell_long_run(const Inputs& inputs, const kernels::ProgramSpec& program, Pr
                   minutes));
 }
 
+void tell_results(const Job& job, const nlohmann::ordered_json& json, const std::filesystem::path& folder) {
+  fmt::print("{}\n", for_terminal(report_table(json)));
+  if (job.has_picture()) fmt::print("picture: {}\n", (folder / "image.png").string());
+  if (job.timeline.selection()) fmt::print("timeline: {}\n", (folder / kTimelineFile).string());
+  fmt::print("report:  {}\n", (folder / "report.json").string());
+  if (job.reference) tell_reference(folder);
+  fmt::print("page:    raywatt report {0} -o {1}\n", command_text({folder.string()}),
+             command_text({folder.string() + ".html"}));
+}
+
 }  // namespace
 
 void run_frames(const JobOptions& options) {
@@ -254,13 +264,7 @@ void run_frames(const JobOptions& options) {
   tell_warnings(json, inputs.warnings.size());
   if (options.json) return fmt::print("{}", sim::json_text(json["totals"]));
   if (options.quiet) return;
-  fmt::print("{}\n", for_terminal(report_table(json)));
-  if (job.has_picture()) fmt::print("picture: {}\n", (folder.target() / "image.png").string());
-  if (job.timeline.selection()) fmt::print("timeline: {}\n", (folder.target() / kTimelineFile).string());
-  fmt::print("report:  {}\n", (folder.target() / "report.json").string());
-  if (job.reference) tell_reference(folder.target());
-  fmt::print("page:    raywatt report {0} -o {1}\n", command_text({folder.target().string()}),
-             command_text({folder.target().string() + ".html"}));
+  tell_results(job, json, folder.target());
 }
 
 }  // namespace tools

@@ -31,7 +31,7 @@ FrontEnd::FrontEnd(kernels::FrameProgram& program, const traces::Tracer& tracer,
       max_ahead_(std::max<std::size_t>(1, 8 * std::size_t{workers})) {
   if (itemised) {
     result_.summaries.tiles.reserve(count());
-    result_.pixels.resize(std::size_t{program.width()} * program.height());
+    result_.pixels.resize(program.picture().size() / 3);
   }
   threads_.reserve(workers);
   try {

@@ -26,7 +26,7 @@ ReconstructProgram::ReconstructProgram(const traces::MemoryImage& image, const t
       filters_(filters),
       scene_(image, config),
       camera_(camera_uniforms(camera, config.width, config.height)),
-      tiles_(config.width, config.height, config.tile / 2, reconstruct.radius),  // of four samples, two along a pixel
+      tiles_(config.width, config.height, config.tile / 2, reconstruct.radius),  // pixels have four samples, two along a side
       order_(tiles_.tiles().order(reconstruct.halo)),
       frame_(frame),
       depth_scale_(static_cast<float>(reconstruct.depth_factor * reconstruct.scene_side / scene_size)),

@@ -51,7 +51,7 @@ inline constexpr std::uint32_t kActiveCountShift = kAttributes;
 inline constexpr std::uint32_t active_of(SampleMark mark) { return (mark >> kActiveCountShift) & 7U; }
 static_assert(kActiveCountShift + 3 <= 12);
 
-/// What parts a sample of reconstruct from a shaded one that is looked at, by the filter that finds it: of what
+/// Reason that parts a sample of reconstruct from a shaded one that is looked at, by the filter that finds it: of what
 /// surfaces show, of what mirrors show, of what is seen through glass.
 enum class FilterEdge : std::uint8_t {
   kDepth,

@@ -58,7 +58,7 @@ struct TileBuffer {
   std::vector<SubpixelRecord<float>> states;  ///< those of sub-pixels, between rounds of propagation
   std::vector<ColourRecord<float>> shown;     ///< by them
   std::vector<PixelWork> pixel_work;          ///< per sample, if anybody wants to know
-  std::vector<VisibleRecord<float>> visible;  ///< of reconstruct's samples
+  std::vector<VisibleRecord<float>> visible;  ///< those of reconstruct's samples
   std::vector<std::uint32_t> record_nodes;    ///< launches of the work that have added to what samples keep
   std::vector<std::uint32_t> colour_nodes;    ///< launches of the work that have added to colours
   std::vector<traces::WorkNode> spare_nodes;
@@ -88,7 +88,7 @@ struct TileBuffer {
   void hold_samples(std::size_t count);
   /// For `pixels` pixels whose centres are among `centres` samples.
   void hold_subpixels(std::size_t centres, std::size_t pixels);
-  /// Of reconstruct, `pixels` of which may be listed.
+  /// Samples of reconstruct, `pixels` of which may be listed.
   void hold_visible(std::size_t count, std::size_t pixels);
 };
 

@@ -184,9 +184,9 @@ void Wavefront::send(const Bounce& bounce, RayKind kind, std::vector<std::uint32
   wait_for_bounce(maker, bounce);
   const std::uint32_t rays = ports.emitted.value;
   if (rays == 0) return;
+  next.batches[next.batch_count++] = trace(kind, slots, next.rays, rays, maker, true);  // right behind its maker
   const std::uint32_t apart = bounce.depth == 1 ? retained_.visible.apart(kind) : 0;
   if (apart != 0) begin_branch(next, rays, apart, maker);
-  next.batches[next.batch_count++] = trace(kind, slots, next.rays, rays, maker, true);
   next.rays += rays;
   next.lanes += bounce.lanes;
 }

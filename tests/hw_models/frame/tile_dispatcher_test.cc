@@ -175,6 +175,7 @@ TEST(TileDispatcher, ATileAfterAllWaitsForEveryTileBeforeIt) {
 
 TEST(TileDispatcher, CoresHaveMoreTilesOfALaterPassAtOnce) {
   DispatcherHarness harness({.tiles = 14, .hold = {200}, .tiles_per_core = 2, .tiles_in_pass = 6});
+  for (std::uint32_t t = 0; t < 14; ++t) harness.source.work(t).samples = 1;
   harness.source.work(6).after_all = true;
   harness.run();
   ASSERT_EQ(harness.arrivals.size(), 14U);

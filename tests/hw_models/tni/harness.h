@@ -37,9 +37,9 @@ class TniHarness {
         tni_(machine_, setup.config, setup.ideal, 0, clock_),
         rays_in_(machine_.link<RayJob>(setup.fifo, 1, source_id_, tni_.dispatcher_id())),
         hits_out_(machine_.link<RayDone>(setup.fifo, 1, tni_.dispatcher_id(), source_id_)) {
-    for (const auto& [unit, lines] : tni_.memory_clients()) {
-      ports_.push_back({machine_.link<MemRequest>(4, 1, unit, memory_id_),
-                        machine_.link<MemResponse>(64, setup.memory_latency, memory_id_, unit),
+    for (const MemoryClient& client : tni_.memory_clients()) {
+      ports_.push_back({machine_.link<MemRequest>(4, 1, client.unit, memory_id_),
+                        machine_.link<MemResponse>(64, setup.memory_latency, memory_id_, client.unit),
                         static_cast<std::uint16_t>(ports_.size())});
     }
     machine_.build<Source>(source_id_, *this);

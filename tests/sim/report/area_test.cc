@@ -91,7 +91,7 @@ TEST(AreaTables, NameASourceForEveryFigureAndRiseWithSize) {
       ++figures;
       EXPECT_NE(line.find("# source: "), std::string::npos) << line;
     }
-    EXPECT_EQ(figures, 19) << name;
+    EXPECT_EQ(figures, 24) << name;
   }
 }
 

@@ -10,9 +10,9 @@
 namespace tools::pages {
 namespace {
 
-constexpr double kLeast = 0.002;  ///< of the larger total
+constexpr double kLeast = 0.002;  ///< share of the larger total
 constexpr std::size_t kMostRows = 12;
-constexpr double kMargin = 0.12;             ///< of the axis before the least bar ends
+constexpr double kMargin = 0.12;             ///< share of the axis before the least bar ends
 constexpr std::size_t kFrom = 2, kKind = 5;  ///< columns
 
 std::string total_text(double value, const std::string& unit) {

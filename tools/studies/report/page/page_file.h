@@ -14,7 +14,7 @@ inline constexpr std::string_view kPageMark = "<meta name=\"generator\" content=
 /// Scripts and style of all pages, made by tools/report_page.
 struct Bundle {
   std::string script;     ///< draws the page
-  std::string libraries;  ///< of others, which it reads when the page has been painted
+  std::string libraries;  ///< those of others, which it reads when the page has been painted
   std::string style;
 };
 /// Looks for it where an installed program has it, then where it was built. InputError if it is not there.

@@ -84,7 +84,7 @@ class View {
 };
 
 // Reports come from outside: nothing is taken for granted.
-/// What stands at a path of keys; null if there is nothing.
+/// Value at a path of keys; null if there is nothing.
 const Json& at(const Json& json, std::initializer_list<std::string_view> keys);
 /// A number at a path; `otherwise` if there is none.
 double number_at(const Json& json, std::initializer_list<std::string_view> keys, double otherwise = 0);

@@ -15,7 +15,7 @@ namespace {
 /// A part of totals.top_down: where it stands, its words, its colour.
 struct Part {
   const char* group;
-  const char* level;  ///< of a miss; empty: the part itself
+  const char* level;  ///< level of a miss; empty: the part itself
   const char* words;
   const char* colour;
   bool pale;

@@ -17,8 +17,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMostPixels = 1 << 19;  ///< of an overlay; larger ones are averaged
-constexpr int kDigits = 5;                    ///< of a tile's figure
+constexpr std::size_t kMostPixels = 1 << 19;  ///< pixels of an overlay; larger ones are averaged
+constexpr int kDigits = 5;                    ///< digits of a tile's figure
 constexpr std::size_t kMostTiles = 1 << 20;
 constexpr const char *kTilesFile = "tiles.json", *kPixelsFile = "pixels.exr";
 constexpr std::uint64_t kLargestFile = 1ULL << 30;

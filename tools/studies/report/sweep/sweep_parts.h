@@ -25,10 +25,10 @@ struct Sweep {
   const results::Results& results;
   std::vector<sweep::Point> points;
   std::string name, question;
-  std::optional<optimise::Task> task;   ///< of a search
+  std::optional<optimise::Task> task;   ///< a search's
   std::vector<results::Column> axes;    ///< that vary
   std::vector<Metric> metrics;          ///< that points have
-  std::vector<results::Column> values;  ///< of the metrics
+  std::vector<results::Column> values;  ///< the metrics'
 
   std::vector<bool> done() const;
   const Metric* metric(const std::string& path) const;

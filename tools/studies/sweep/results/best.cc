@@ -30,7 +30,7 @@ std::string settings_text(const sweep::Point& point) {
   std::string out;
   for (const std::string& set : point.sets) {
     const std::size_t value = set.find('=') + 1;
-    out += fmt::format("{}--set {}{}", out.empty() ? "" : " ", set.substr(0, value), shell_word(set.substr(value)));
+    out += fmt::format("{}--set {}{}", out.empty() ? "" : " ", set.substr(0, value), command_text({set.substr(value)}));
   }
   return out;
 }
