@@ -61,7 +61,7 @@ class RandomPorts {
       uniform = random() % 2 == 0 ? 1 : 15;
     } else if (name == "round") {
       uniform = random() % 2 << kRoundShift;
-    } else if (name == "mirrored" || name == "refracted") {
+    } else if (name == "mirrored" || name == "refracted" || name == "apart" || name == "branch" || name == "shaded") {
       uniform = random() % kItems;
     } else {
       uniform = name == "white" ? random() % (kItems / 2) : random();

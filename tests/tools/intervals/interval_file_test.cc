@@ -1,6 +1,8 @@
 #include "tools/intervals/interval_file.h"
 
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -45,9 +47,17 @@ std::string file_of(const std::vector<sim::Intervals>& frames) {
   for (const sim::Intervals& frame : frames) packer.add(number++, frame);
   return packer.file(two_units());
 }
+std::string file_of(sim::Intervals frame) {
+  std::vector<sim::Intervals> frames;
+  frames.push_back(std::move(frame));
+  return file_of(frames);
+}
 
 TEST(IntervalFile, IsReadAsItWasWritten) {
-  const std::vector<sim::Intervals> written = {grown(1, 1), grown(100, 2), grown(17, 3)};
+  std::vector<sim::Intervals> written;
+  written.push_back(grown(1, 1));
+  written.push_back(grown(100, 2));
+  written.push_back(grown(17, 3));
   const IntervalFile file = read_intervals(file_of(written));
   ASSERT_EQ(file.units.size(), 2U);
   EXPECT_EQ(file.units[0].path, "core0.srp");
@@ -69,7 +79,7 @@ TEST(IntervalFile, IsReadAsItWasWritten) {
 }
 
 TEST(IntervalFile, MergesNeighboursUntilThereAreFewEnough) {
-  const IntervalFrame frame = read_intervals(file_of({grown(11, 4)})).frames.front();
+  const IntervalFrame frame = read_intervals(file_of(grown(11, 4))).frames.front();
   const IntervalFrame six = frame.merged(6), three = frame.merged(3), one = frame.merged(1);
   ASSERT_EQ(six.rows, 6U);
   EXPECT_EQ(six.length, 20U);
@@ -143,7 +153,7 @@ TEST(IntervalFile, IsRefusedInOneLineForWhatNoRunWrites) {
 }
 
 TEST(IntervalFile, IsRefusedWhenAnyByteOfItIsGoneOrChanged) {
-  const std::string whole = file_of({grown(9, 5)});
+  const std::string whole = file_of(grown(9, 5));
   for (std::size_t i = 0; i < whole.size(); ++i) {
     EXPECT_THROW(read_intervals(std::string_view(whole).substr(0, i)), sim::InputError) << i;
     std::string changed = whole;
