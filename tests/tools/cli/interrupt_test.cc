@@ -254,7 +254,7 @@ TEST(Interrupt, OfAReplayKeepsTheFinishedPartOfTheFirstFrame) {
   EXPECT_SAYS(read_bytes(out / "report.txt"), "PARTIAL");
   const auto [elapsed, why] = elapsed_and_why(report["units"]);
   EXPECT_EQ(elapsed, why) << "what is reported of the part adds up";
-  EXPECT_EQ(names_in(out), (Words{"config.yaml", "report.json", "report.txt"}));
+  EXPECT_EQ(names_in(out), (Words{"config.yaml", "intervals.bin.zst", "report.json", "report.txt", "tiles.json"}));
 }
 
 TEST(Interrupt, OfVerifyKeepsFinishedFrames) {

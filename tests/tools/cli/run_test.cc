@@ -45,7 +45,8 @@ TEST(Run, LeavesTheFilesOfTheContractAndNothingElse) {
   const TempFolder folder;
   const std::filesystem::path out = folder.path() / "new" / "out";
   report_of(out);
-  EXPECT_EQ(names_in(out), (Words{"config.yaml", "image.exr", "image.png", "report.json", "report.txt"}));
+  EXPECT_EQ(names_in(out), (Words{"config.yaml", "image.exr", "image.png", "intervals.bin.zst", "pixels.exr",
+                                  "report.json", "report.txt", "tiles.json"}));
   EXPECT_EQ(names_in(folder.path() / "new"), Words{"out"}) << "nothing beside it";
   for (const std::string& name : names_in(out)) EXPECT_GT(std::filesystem::file_size(out / name), 0U) << name;
 }

@@ -18,7 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const Words kResults = {"config.yaml", "image.exr", "image.png", "intervals.bin.zst", "report.json", "report.txt"};
+const Words kResults = {"config.yaml", "image.exr",   "image.png",  "intervals.bin.zst",
+                        "pixels.exr",  "report.json", "report.txt", "tiles.json"};
 
 void expect_run_into(const fs::path& out, const Words& more = {}) {
   const Ending ending = raywatt(small_run(out, more));

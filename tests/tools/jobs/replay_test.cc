@@ -169,7 +169,7 @@ TEST_F(Replay, RecordsIntoTheFolderOfTheReportEvenIfThatIsNew) {
   for (int time = 0; time < 2; ++time) {
     expect_good(recorded_at(file));
     EXPECT_EQ(names_in(at("new")),
-              (Words{"a.trace", "config.yaml", "image.exr", "image.png", "report.json", "report.txt"}));
+              (Words{"a.trace", "config.yaml", "image.exr", "image.png", "intervals.bin.zst", "pixels.exr", "report.json", "report.txt", "tiles.json"}));
     expect_good(raywatt({"trace", "info", file}));
   }
   fs::remove_all(at("new"));
