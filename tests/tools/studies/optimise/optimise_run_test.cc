@@ -244,7 +244,6 @@ TEST_F(Optimise, RefusesWhatItCannotUse) {
   refused(axes + "objectives: [{most: cycles}]\n", {"most", "max, min"});
   refused(axes + "objectives: [cycles]\n", {"allowed: max: PATH"});
   refused(axes + "objectives: [{min: cycels}]\n", {":4:20", "cycels", "did you mean 'cycles'"});
-  refused(axes + "objectives: [{min: power_w}]\n", {":4:20", "power_w.nominal"});
   refused(axes + "objectives: [{min: cycles}]\nconstraints: [cycles = 3]\n", {":5:15", "cycles = 3", "PATH < NUMBER"});
   refused(axes + "objectives: [{min: cycles}]\nconstraints: [cycles < many]\n", {"PATH < NUMBER"});
   refused(axes + "objectives: [{min: cycles}]\nbudget: 3\n", {"budget", "4 to 1000"});
