@@ -135,7 +135,7 @@ TEST(Baseline, WithReplicatesAStoredValueIsOneDraw) {
   ASSERT_EQ(suite.baseline("record").exit, 0);
   EXPECT_EQ(suite.values().find("replicates"), std::string::npos);
   EXPECT_EQ(suite.baseline("check", {"--replicates", "3"}).exit, 0);
-  suite.machine("tni: {trv: {box_latency: 60}}");
+  suite.machine("clocks: {srp: 100 MHz}");
   EXPECT_EQ(suite.baseline("check", {"--replicates", "3"}).exit, 1);
 }
 
