@@ -14,7 +14,7 @@ const ROW = 16, FLOW = 230;  // height of a label, and of all flows together
 
 export function flow(block, data) {
   const links = records(data);
-  const body = h("div", { class: "drawing sankey-drawing" });
+  const body = h("div", { class: "drawing sankey-drawing", tabindex: "0", role: "group", "aria-label": block.about });
   const side = () => state.get("side", "nominal");
   const buttons = switches("Energy tables", SIDES, side(), (value) => { state.set({ side: value === "nominal" ? "" : value }, listener); show(); });
   const figure = frame(block, body, { data, more: [buttons] });

@@ -64,7 +64,8 @@ TEST(Collect, EveryPointIsARowWhateverBecameOfIt) {
   EXPECT_EQ(column(sweep, 1), (std::vector<std::string>{"id", sweep.id(0), sweep.id(1), sweep.id(2)}));
   EXPECT_EQ(column(sweep, 2), (std::vector<std::string>{"status", "done", "failed", "missing"}));
   EXPECT_EQ(column(sweep, 3), (std::vector<std::string>{"l1.size", "4 KiB", "8 KiB", "16 KiB"}));
-  EXPECT_EQ(column(sweep, 5), (std::vector<std::string>{"totals.cycles", "1000", "", ""}));
+  EXPECT_EQ(column(sweep, 5), (std::vector<std::string>{"l1.size_bytes", "4096", "8192", "16384"}));
+  EXPECT_EQ(column(sweep, 6), (std::vector<std::string>{"totals.cycles", "1000", "", ""}));
 }
 
 TEST(Collect, AResultWinsOverAnEarlierFailure) {
