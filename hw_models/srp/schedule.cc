@@ -19,8 +19,9 @@ using kernels::Op;
 constexpr std::uint32_t kNone = GraphNode::kNone;
 /// Placements tried per operation before the interval is given up.
 constexpr std::size_t kPatience = 16;
-/// Placements after which intervals are no longer tried one by one.
+/// Placements after which intervals are no longer tried one by one, nor with as much patience.
 constexpr std::size_t kQuick = 10'000;
+constexpr std::size_t kLessPatience = 4;
 
 /// Which operation gets its slot next.
 enum class Order : std::uint8_t {
@@ -67,9 +68,9 @@ class Placer {
   }
 
   /// True if every operation has found a slot.
-  bool place_all() {
+  bool place_all(std::size_t patience) {
     if (height_.size() != starts_.size()) return false;
-    for (; tried_ < kPatience * starts_.size(); ++tried_) {
+    for (; tried_ < patience * starts_.size(); ++tried_) {
       const std::uint32_t op = most_urgent();
       if (op == kNone) return true;
       place(op);
@@ -183,8 +184,8 @@ class Placer {
   std::array<std::vector<Bits>, kPools> busy_;            ///< rows of the table that are taken, by unit
 };
 
-/// Tries initiation intervals from the lower bound upwards, each in both orders: one by one as long as that is quick,
-/// then in growing steps.
+/// Tries initiation intervals from the lower bound upwards, each in both orders: one by one and patiently as long as
+/// that is quick, then in growing steps.
 std::unique_ptr<Placer> place_at_least_interval(const ScheduleGraph& graph, const SrpConfig& config,
                                                 std::uint32_t bound) {
   std::size_t tried = 0;
@@ -195,7 +196,7 @@ std::unique_ptr<Placer> place_at_least_interval(const ScheduleGraph& graph, cons
           !std::ranges::any_of(graph.operations(), [](const Operation& op) { return op.occupancy > 1; }))
         continue;
       auto placer = std::make_unique<Placer>(graph, config, ii, order);
-      if (placer->place_all()) return placer;
+      if (placer->place_all(tried > kQuick ? kLessPatience : kPatience)) return placer;
       tried += placer->tried();
     }
     if (tried > kQuick) ++step;

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <ctime>
 
 #include <gtest/gtest.h>
 
@@ -35,6 +36,21 @@ void expect_near_the_bound(const SrpConfig& config) {
 
 TEST(ScheduleExtremes, DivisionsThatKeepTheirUnitFindRoomAmongOthersOfOneCycle) {
   expect_near_the_bound(slow_array(4, 1, 2));
+}
+
+/// Seconds of the processor, which a busy host does not lengthen as much as those of a clock on the wall.
+double processor_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+TEST(ScheduleExtremes, AreFoundInATenthOfASecondOnAQuietHost) {
+  SrpConfig config = slow_array(5, 1, 12);
+  config.array.local_ports = 1;
+  config.array.cache_ports = 4;
+  config.latency.fp_add = config.latency.integer = 1;
+  for (const kernels::KernelInfo& kernel : kernels::catalogue()) {
+    const double begin = processor_seconds();
+    schedule(kernel.graph, config);
+    EXPECT_LT(processor_seconds() - begin, 1) << kernel.name;  // slow hosts, and builds with assertions, have ten times
+  }
 }
 
 TEST(ScheduleExtremes, ASingleUnitTakesAll) { expect_near_the_bound(slow_array(1, 1, 1)); }
