@@ -23,7 +23,7 @@ class Dump {
       } else if (node.kind() == FieldKind::kSpreadMap) {
         map(node, depth);
       } else {
-        line(depth, fmt::format("{}: {}", node.key, value_text(node)), comment(node));
+        line(depth, node.key + ": " + value_text(node), comment(node));
       }
     }
   }
@@ -35,7 +35,8 @@ class Dump {
     if (!node.is_group()) return node.affects == *only_;
     return std::ranges::any_of(node.children, [this](const ConfigNode& child) { return wanted(child); });
   }
-  static std::string comment(const ConfigNode& node) {
+  std::string comment(const ConfigNode& node) const {
+    if (comments_ == Comments::kOff) return {};
     const FieldKind kind = node.kind();
     if (kind == FieldKind::kAutoCount && std::get<AutoCount*>(*node.target)->is_auto) {
       return fmt::format("{} here [{}] {}", std::get<AutoCount*>(*node.target)->value, node.unit, node.meaning);

@@ -63,6 +63,13 @@ TEST(SweepSpec, ConditionsOfManyValuesHoldForManyCombinations) {
   EXPECT_EQ(points_of(lines).size(), 2U * 61U);
 }
 
+TEST(SweepSpec, AnExclusionWhoseFirstTermHoldsIsLookedAtToItsEnd) {
+  EXPECT_EQ(
+      labels_of(points_of("axes: {cores: [1, 2], tni.trvs: [1, 2]}\nexclude:\n"
+                          "  - {cores: 2, tni.trvs: 1}\n  - {cores: [7, x7]}\n  - {tni.trvs: cores, cores: 1}\n")),
+      (Words{"cores=1 tni.trvs=2", "cores=2 tni.trvs=2"}));
+}
+
 TEST(SweepSpec, RangesOnALogScaleAreRoundedForWholeNumbers) {
   EXPECT_EQ(values_of("tni.trv.rays: {from: 4, to: 64, count: 5, scale: log}"), (Words{"4", "8", "16", "32", "64"}));
   EXPECT_EQ(values_of("tni.trv.rays: {from: 10, to: 20, count: 3, scale: log}"), (Words{"10", "14", "20"}));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <utility>
 
 #include <fmt/format.h>
@@ -49,19 +50,26 @@ std::pair<Comparison, std::string> split(const std::string& text) {
   return {Comparison::kEqual, text};
 }
 
-bool is_equal(const std::string& a, const std::string& b) {
-  const std::optional<Magnitude> x = magnitude_of(a), y = magnitude_of(b);
-  return x && y ? x->kind == y->kind && x->value == y->value : a == b;
+/// A side of a comparison. Conditions are many: texts are read once.
+struct Operand {
+  explicit Operand(const std::string& from) : text(from), magnitude(magnitude_of(from)) {}
+  std::string text;
+  std::optional<Magnitude> magnitude;
+};
+
+bool is_equal(const Operand& a, const Operand& b) {
+  const std::optional<Magnitude>&x = a.magnitude, &y = b.magnitude;
+  return x && y ? x->kind == y->kind && x->value == y->value : a.text == b.text;
 }
 
-bool compare(const std::string& a, Comparison comparison, const std::string& b, const std::string& at) {
+bool compare(const Operand& a, Comparison comparison, const Operand& b, const std::string& at) {
   if (comparison == Comparison::kEqual) return is_equal(a, b);
   if (comparison == Comparison::kUnequal) return !is_equal(a, b);
-  const std::optional<Magnitude> x = magnitude_of(a), y = magnitude_of(b);
+  const std::optional<Magnitude>&x = a.magnitude, &y = b.magnitude;
   if (!x || !y || x->kind != y->kind) {
     sim::refuse(at, {},
                 fmt::format("'{}' and '{}' cannot be put in order; allowed: numbers, of one unit if they have units",
-                            sim::printable(a), sim::printable(b)));
+                            sim::printable(a.text), sim::printable(b.text)));
   }
   switch (comparison) {
     case Comparison::kLess:
@@ -105,22 +113,45 @@ Condition::Term read_term(const YamlValue& value, std::span<const Axis> axes) {
   return term;
 }
 
+std::vector<Operand> operands(const std::vector<std::string>& texts) {
+  std::vector<Operand> out;
+  for (const std::string& text : texts) out.emplace_back(text);
+  return out;
+}
+
 /// Does one of the term's own values compare as wanted? InputError if they cannot be compared.
-bool holds_for(const Condition::Term& term, const std::string& left) {
-  return std::ranges::any_of(term.values,
-                             [&](const std::string& value) { return compare(left, term.comparison, value, term.at); });
+bool holds_for(const Condition::Term& term, const Operand& left, std::span<const Operand> values) {
+  return std::ranges::any_of(values,
+                             [&](const Operand& value) { return compare(left, term.comparison, value, term.at); });
+}
+
+/// Left sides of terms: all values of an axis, by its number and key.
+using Lefts = std::map<std::pair<std::size_t, std::optional<std::size_t>>, std::vector<Operand>>;
+
+const std::vector<Operand>& lefts_of(const Condition::Side& side, std::span<const Axis> axes, Lefts& lefts) {
+  const auto [at, is_new] = lefts.try_emplace({side.axis, side.key});
+  for (std::uint32_t value = 0; is_new && value < axes[side.axis].values.size(); ++value) {
+    at->second.emplace_back(value_of(side, axes, value));
+  }
+  return at->second;
 }
 
 /// Compares each value of the axis once, however many combinations there are.
-void note_outcomes(Condition::Term& term, std::span<const Axis> axes) {
+void note_outcomes(Condition::Term& term, std::span<const Axis> axes, Lefts& lefts) {
   if (term.right) return;
-  term.outcomes.resize(axes[term.left.axis].values.size());
-  for (std::uint32_t value = 0; value < term.outcomes.size(); ++value) {
+  const std::vector<Operand> values = operands(term.values);
+  for (const Operand& left : lefts_of(term.left, axes, lefts)) {
     try {
-      term.outcomes[value] = holds_for(term, value_of(term.left, axes, value));
+      term.outcomes.emplace_back(holds_for(term, left, values));
     } catch (const sim::InputError&) {  // said where a combination needs it
+      term.outcomes.emplace_back();
     }
   }
+}
+
+/// Is it known, by what is on the left, whether the term holds?
+bool is_known(const Condition::Term& term) {
+  return !term.right && std::ranges::all_of(term.outcomes, [](const auto& outcome) { return outcome.has_value(); });
 }
 
 }  // namespace
@@ -128,11 +159,12 @@ void note_outcomes(Condition::Term& term, std::span<const Axis> axes) {
 std::vector<Condition> read_conditions(const YamlValue& value, std::span<const Axis> axes) {
   std::vector<Condition> all;
   std::size_t values = 0;
+  Lefts lefts;
   for (const YamlValue& item : value.items()) {
     Condition condition;
     for (const YamlValue& entry : item.entries()) {
       condition.terms.push_back(read_term(entry, axes));
-      note_outcomes(condition.terms.back(), axes);
+      note_outcomes(condition.terms.back(), axes, lefts);
       values += condition.terms.back().values.size() + 1;
       if (values > kMostValues) entry.refuse(fmt::format("there are more than {} values in conditions", kMostValues));
     }
@@ -146,10 +178,32 @@ bool holds(const Condition& condition, std::span<const Axis> axes, std::span<con
   return std::ranges::all_of(condition.terms, [&](const Condition::Term& term) {
     const std::uint32_t value = choice[term.left.axis];
     if (!term.right && term.outcomes[value]) return *term.outcomes[value];
-    const std::string& left = value_of(term.left, axes, value);
-    if (!term.right) return holds_for(term, left);
-    return compare(left, term.comparison, value_of(*term.right, axes, choice[term.right->axis]), term.at);
+    const Operand left(value_of(term.left, axes, value));
+    if (!term.right) return holds_for(term, left, operands(term.values));
+    return compare(left, term.comparison, Operand(value_of(*term.right, axes, choice[term.right->axis])), term.at);
   });
+}
+
+AnyCondition::AnyCondition(std::span<const Condition> conditions, std::span<const Axis> axes) : axes_(axes) {
+  for (const Axis& axis : axes) by_value_.emplace_back(axis.values.size());
+  for (const Condition& condition : conditions) {
+    const Condition::Term& first = condition.terms.front();
+    if (!is_known(first)) {
+      others_.push_back(&condition);
+      continue;
+    }
+    for (std::size_t value = 0; value < first.outcomes.size(); ++value) {
+      if (*first.outcomes[value]) by_value_[first.left.axis][value].push_back(&condition);
+    }
+  }
+}
+
+bool AnyCondition::holds(std::span<const std::uint32_t> choice) const {
+  const auto here = [&](const Condition* condition) { return sweep::holds(*condition, axes_, choice); };
+  for (std::size_t axis = 0; axis < by_value_.size(); ++axis) {
+    if (std::ranges::any_of(by_value_[axis][choice[axis]], here)) return true;
+  }
+  return std::ranges::any_of(others_, here);
 }
 
 }  // namespace tools::sweep

@@ -11,7 +11,6 @@
 #include "sim/io/printable.h"
 #include "tools/sampling/tile_sampling.h"
 #include "tools/simulation/load_config.h"
-#include "tools/studies/sweep/spec/conditions.h"
 #include "tools/studies/sweep/spec/subset.h"
 #include "traces/scenes/library.h"
 
@@ -158,7 +157,7 @@ std::vector<std::uint32_t> Planner::sizes() const {
 
 bool Planner::is_wanted(const Choice& choice) const {
   const auto here = [&](const Condition& condition) { return holds(condition, spec_.axes, choice); };
-  return std::ranges::all_of(spec_.where, here) && std::ranges::none_of(spec_.exclude, here);
+  return std::ranges::all_of(spec_.where, here) && !excluded_.holds(choice);
 }
 
 Point Planner::point(const Choice& choice) { return point(choice, spec_.tile_sampling); }

@@ -3,6 +3,7 @@
 #include <functional>
 #include <vector>
 
+#include "tools/studies/sweep/spec/conditions.h"
 #include "tools/studies/sweep/spec/point_keys.h"
 #include "tools/studies/sweep/spec/spec.h"
 #include "tools/studies/sweep/spec/subset.h"
@@ -15,6 +16,8 @@ class Planner {
   /// Files that the spec names are seen from `folder`. InputError, with its position in the spec, for a value that is
   /// not allowed.
   Planner(Spec spec, const std::filesystem::path& folder);
+  Planner(const Planner&) = delete;
+  Planner& operator=(const Planner&) = delete;
 
   std::vector<std::uint32_t> sizes() const;  ///< how many values each axis has
   bool is_wanted(const Choice& choice) const;
@@ -25,6 +28,7 @@ class Planner {
 
  private:
   const Spec spec_;
+  const AnyCondition excluded_{spec_.exclude, spec_.axes};
   const std::filesystem::path folder_;
   PointKeys keys_;
 };
