@@ -18,6 +18,10 @@ void add_reproduce(CLI::App& app, const std::vector<std::string>& argv) {
   verb->add_option("--scenes", options->scenes, "folder of .glb files for scenes that no built-in one stands in for");
   verb->add_flag("--quick", options->quick,
                  "some of the experiments at a sixteenth of the resolution, to see that they run");
+  verb->add_option("--shrink", options->shrink,
+                   "divide the width and height of all pictures by this: all experiments, in a fraction of the time")
+      ->check(CLI::Range(1, 16))
+      ->capture_default_str();
   verb->add_option("--config", options->config, "configuration: a name such as sgrt-2016, or a .yaml file")
       ->capture_default_str();
   verb->add_option("--threads", options->threads, "host threads (default: all cores)")->check(CLI::Range(1, 1024));
@@ -26,7 +30,8 @@ void add_reproduce(CLI::App& app, const std::vector<std::string>& argv) {
   add_progress_option(*verb, options->progress);
   verb->footer(
       "Example: raywatt reproduce kim2016 --scenes ~/scenes -o out/kim2016\n"
-      "Whole papers take hours. An interrupt keeps the rows that are finished. docs/reproduce.md tells more.");
+      "Whole papers take hours. An interrupt keeps the rows that are finished, and the same command goes on from\n"
+      "them. docs/reproduce.md tells more.");
   verb->callback([options] { reproduce::reproduce(*options); });
 }
 

@@ -15,6 +15,7 @@
 #include "tools/host/build_info.h"
 #include "tools/host/interrupt.h"
 #include "tools/host/run_folder.h"
+#include "tools/studies/reproduce/former.h"
 #include "tools/studies/reproduce/results.h"
 #include "traces/accel/embree_tracer.h"
 #include "traces/scene/did_you_mean.h"
@@ -56,59 +57,131 @@ class Job {
     results_.title = paper.title;
     results_.note = paper.note;
     results_.quick = options.quick;
+    results_.shrink = options.shrink;
     provenance_ = provenance(options, config);
   }
 
-  void run(const std::vector<Case>& cases, const RunFolder::Open& open) {
+  /// Measures the cases one after the other, but those that an interrupted run has left in `folder`.
+  void run(const std::vector<Case>& cases, const fs::path& folder, const RunFolder::Open& open) {
+    former_ = load_former(folder, head());
+    if (!former_.finished.empty()) {
+      progress_.say(fmt::format("raywatt: goes on behind {} rows that are finished", former_.finished.size()));
+    }
     for (std::size_t i = 0; i < cases.size(); ++i) {
       const Case& c = cases[i];
+      if (take_over(c)) continue;
       const std::string label = fmt::format("{} of {}: {}, {}", i + 1, cases.size(), c.view.scene, c.setting);
       if (options_.progress == "auto") progress_.say(label);
       progress_.expect(1, label);
       measure(c, open);
       write(open());
     }
+    keep_pictures(folder, open());
+    write(open());
     progress_.end("done");
   }
 
-  void end_early(const fs::path& folder) {
+  /// Keeps what there is; false if that is less than what it would replace.
+  bool end_early(const fs::path& folder, const RunFolder::Open& open) {
     progress_.end(interrupted() ? "interrupted" : "failed");
+    if (results_.rows.empty() || results_.rows.size() < former_.rows) return false;
     results_.partial = true;
-    write(folder);
+    keep_pictures(folder, open());
+    write(open());
+    return true;
   }
   const Results& results() const { return results_; }
 
  private:
+  /// Takes the rows of a case that a former run has finished.
+  bool take_over(const Case& c) {
+    std::vector<Row> rows;
+    const std::string stand_in = stand_in_or_none(c.view);
+    for (const Figure& figure : c.figures) {
+      Row row = empty_row(c, figure, stand_in);
+      const auto found = std::ranges::find_if(former_.finished, [&](const Row& other) {
+        return other.figure == row.figure && other.stand_in == row.stand_in && other.width == row.width &&
+               other.height == row.height && other.program == row.program && other.reference == row.reference;
+      });
+      if (found == former_.finished.end()) return false;
+      row.measured = found->measured;
+      row.why_not = found->why_not;
+      rows.push_back(std::move(row));
+    }
+    note_scene(stand_in);
+    results_.rows.insert(results_.rows.end(), rows.begin(), rows.end());
+    return true;
+  }
+
+  std::string stand_in_or_none(const View& view) const {
+    try {
+      return runner_.stand_in(view);
+    } catch (const sim::InputError&) {
+      return {};
+    }
+  }
+
+  void note_scene(const std::string& stand_in) {
+    if (!scenes_.contains(stand_in)) scenes_[stand_in] = digest_of_file(stand_in);
+  }
+
+  Row empty_row(const Case& c, const Figure& figure, const std::string& stand_in) const {
+    Row row{.figure = {figure.experiment, c.view.scene, c.setting, figure.metric},
+            .stand_in = stand_in,
+            .width = c.width,
+            .height = c.height,
+            .program = c.run.text(),
+            .reference = c.truth && figure.metric == "psnr_db" ? "256 samples" : c.reference.text(),
+            .measured = {},
+            .why_not = {},
+            .published = {}};
+    const auto found = published_.find(row.figure);
+    if (found != published_.end()) row.published = found->second;
+    return row;
+  }
+
   void measure(const Case& c, const RunFolder::Open& open) {
     std::vector<Measured> figures;
-    std::string stand_in;
+    const std::string stand_in = stand_in_or_none(c.view);
     try {
-      stand_in = runner_.stand_in(c.view);
+      note_scene(stand_in);
       figures = runner_.measure(c);
       runner_.write_pictures(c, open());
     } catch (const sim::InputError& error) {
       figures.assign(c.figures.size(), {{}, std::string("skipped: ") + error.what()});
     }
     for (std::size_t i = 0; i < figures.size(); ++i) {
-      Row row{.figure = {c.figures[i].experiment, c.view.scene, c.setting, c.figures[i].metric},
-              .stand_in = stand_in,
-              .width = c.width,
-              .height = c.height,
-              .program = c.run.text(),
-              .reference = c.truth && c.figures[i].metric == "psnr_db" ? "256 samples" : c.reference.text(),
-              .measured = figures[i].value,
-              .why_not = figures[i].why_not,
-              .published = {}};
-      const auto found = published_.find(row.figure);
-      if (found != published_.end()) row.published = found->second;
+      Row row = empty_row(c, c.figures[i], stand_in);
+      row.measured = figures[i].value;
+      row.why_not = figures[i].why_not;
       results_.rows.push_back(std::move(row));
     }
   }
 
+  /// Brings the pictures of cases that were taken over.
+  void keep_pictures(const fs::path& from, const fs::path& to) const {
+    if (former_.finished.empty()) return;
+    for (const fs::directory_entry& entry : fs::directory_iterator(from)) {
+      const fs::path name = entry.path().filename();
+      if (name.extension() != ".png" || !is_result_name(name.string())) continue;
+      std::error_code failed;
+      fs::copy_file(entry.path(), to / name, fs::copy_options::skip_existing, failed);
+      if (failed) throw sim::IoError(fmt::format("{}: cannot be copied ({})", entry.path().string(), failed.message()));
+    }
+  }
+
+  /// Members before the rows: all that these depend on beside their cases.
+  nlohmann::ordered_json head() const {
+    return {{"schema", "raywatt-reproduce/1"}, {"paper", results_.paper},     {"quick", results_.quick},
+            {"shrink", results_.shrink},       {"partial", results_.partial}, {"provenance", provenance_}};
+  }
+
   void write(const fs::path& folder) const {
-    nlohmann::ordered_json json = {{"schema", "raywatt-reproduce/1"}, {"paper", results_.paper},
-                                   {"quick", results_.quick},         {"partial", results_.partial},
-                                   {"rows", rows_json(results_)},     {"provenance", provenance_}};
+    nlohmann::ordered_json json = head();
+    json.erase("provenance");
+    json["rows"] = rows_json(results_);
+    json["scenes"] = scenes_;
+    json["provenance"] = provenance_;
     std::vector<std::string> pictures;
     for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
       if (entry.path().extension() == ".png") pictures.push_back(entry.path().filename());
@@ -122,9 +195,21 @@ class Job {
   Progress progress_;
   Runner runner_;
   const Published published_;
+  Former former_;
   Results results_;
+  nlohmann::ordered_json scenes_ = nlohmann::ordered_json::object();  ///< digests of the files that stand in
   nlohmann::ordered_json provenance_;
 };
+
+/// The paper's experiments at the size that is asked for.
+std::vector<Case> cases_of(const Paper& paper, const Options& options) {
+  std::vector<Case> cases = paper.cases(options.quick);
+  for (Case& c : cases) {
+    c.width = std::max(1U, c.width / options.shrink);
+    c.height = std::max(1U, c.height / options.shrink);
+  }
+  return cases;
+}
 
 }  // namespace
 
@@ -140,11 +225,10 @@ void reproduce(const Options& options) {
   std::exception_ptr failure;
   folder.fill([&](const RunFolder::Open& open) {
     try {
-      job.run(paper.cases(options.quick), open);
+      job.run(cases_of(paper, options), folder.target(), open);
     } catch (...) {
-      if (job.results().rows.empty()) throw;
+      if (!job.end_early(folder.target(), open)) throw;
       failure = std::current_exception();
-      job.end_early(open());
     }
     return fmt::format("{} rows", job.results().rows.size());
   });

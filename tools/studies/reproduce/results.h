@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,6 +25,7 @@ struct Row {
 struct Results {
   std::string paper, title, note;
   bool quick = false, partial = false;
+  std::uint32_t shrink = 1;
   std::vector<Row> rows;  ///< in the order measured
 };
 

@@ -17,6 +17,7 @@ struct Options {
   std::filesystem::path scenes;  ///< folder of scene files; empty: none
   std::filesystem::path out;     ///< empty: a dated folder below raywatt-out/
   bool quick = false;
+  std::uint32_t shrink = 1;  ///< sides of pictures are divided by this
   bool force = false;
   std::string progress = "auto";  ///< form of Progress
   std::uint32_t threads = 0;      ///< 0: all cores

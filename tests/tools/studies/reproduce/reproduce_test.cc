@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <csignal>
 #include <set>
 
 #include <fmt/format.h>
@@ -243,19 +242,6 @@ TEST(Reproduce, RefusesWhatItDoesNotKnowBeforeItBegins) {
                  {"--scenes", "no folder"});
   expect_refusal(raywatt({"reproduce", "lee2016", "--config", "sgrt-2061", "-o", out}), {"sgrt-2061", "sgrt-2016"});
   EXPECT_TRUE(names_in(folder.path()).empty());
-}
-
-TEST(Reproduce, KeepsFinishedRowsWhenInterruptedMarkedPartial) {
-  const TempFolder folder;
-  const fs::path out = folder.path() / "out";
-  Program program({"reproduce", "jin2009", "--threads", "1", "--quick", "-o", out.string()}, with_cache(folder));
-  EXPECT_TRUE(program.wait_for_file(folder.path(), "reproduce.json"));
-  program.send(SIGINT);
-  EXPECT_EQ(program.wait().exit, 128 + SIGINT);
-  const nlohmann::json results = read_json(out / "reproduce.json");
-  EXPECT_EQ(results["partial"], true);
-  EXPECT_GE(results["rows"].size(), 1U);
-  EXPECT_SAYS(read_bytes(out / "reproduce.md"), "PARTIAL");
 }
 
 TEST(Mirrors, CoverAboutTheShareOfTheViewThatIsWanted) {

@@ -1,0 +1,94 @@
+#include <csignal>
+#include <fstream>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/tools/program.h"
+
+// `raywatt reproduce` that was interrupted: what it keeps, and how it goes on.
+
+namespace test {
+namespace {
+
+namespace fs = std::filesystem;
+
+Words small_lee(const fs::path& out, const Words& more = {}) {
+  Words words = {"reproduce", "lee2016", "--quick", "--shrink", "4", "--threads", "1", "-o", out.string()};
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+/// Interrupts experiments of the paper's own size as soon as they have begun.
+Ending begun(const fs::path& out) {
+  Program program({"reproduce", "lee2016", "--threads", "1", "-o", out.string()});
+  EXPECT_TRUE(program.wait_for_complaint());
+  program.send(SIGINT);
+  return program.wait();
+}
+
+class GoOn : public testing::Test {
+ protected:
+  /// Finished results, as if an interrupt had come when all but the last rows were there.
+  void interrupt_late() {
+    ASSERT_EQ(raywatt(small_lee(out)).exit, 0);
+    whole = results();
+    nlohmann::ordered_json part = whole;
+    part["partial"] = true;
+    for (int i = 0; i < 3; ++i) part["rows"].erase(part["rows"].size() - 1);
+    part["rows"][0]["measured"] = 77;  // what no run measures
+    std::ofstream(out / "reproduce.json") << part.dump(2);
+  }
+  nlohmann::ordered_json results() const { return nlohmann::ordered_json::parse(read_bytes(out / "reproduce.json")); }
+  double first_figure() const { return results()["rows"][0]["measured"]; }
+
+  const TempFolder folder;
+  const fs::path out = folder.path() / "out";
+  nlohmann::ordered_json whole;
+};
+
+TEST_F(GoOn, KeepsFinishedRowsWhenInterruptedMarkedPartial) {
+  Program program({"reproduce", "lee2016", "--quick", "--threads", "1", "-o", out.string()});
+  EXPECT_TRUE(program.wait_for_file(folder.path(), "reproduce.json"));
+  program.send(SIGINT);
+  EXPECT_EQ(program.wait().exit, 128 + SIGINT);
+  EXPECT_EQ(results()["partial"], true);
+  EXPECT_GE(results()["rows"].size(), 1U);
+  EXPECT_SAYS(read_bytes(out / "reproduce.md"), "PARTIAL");
+}
+
+TEST_F(GoOn, TakesFinishedRowsAndMeasuresTheRest) {
+  interrupt_late();
+  const Words pictures = names_in(out);
+  const Ending ending = raywatt(small_lee(out));
+  EXPECT_EQ(ending.exit, 0) << ending.err;
+  EXPECT_SAYS(ending.err, "goes on behind");
+  EXPECT_EQ(first_figure(), 77);
+  nlohmann::ordered_json now = results();
+  now["rows"][0]["measured"] = whole["rows"][0]["measured"];
+  EXPECT_EQ(now, whole);
+  EXPECT_EQ(names_in(out), pictures);
+}
+
+TEST_F(GoOn, MeasuresAllAnewWhereSomethingElseIsAskedFor) {
+  interrupt_late();
+  EXPECT_EQ(raywatt(small_lee(out, {"--config", "sgrt-balanced"})).exit, 0);
+  EXPECT_NE(first_figure(), 77);
+}
+
+TEST_F(GoOn, ReplacesNothingByLess) {
+  ASSERT_EQ(raywatt(small_lee(out)).exit, 0);
+  const std::string before = read_bytes(out / "reproduce.json");
+  EXPECT_EQ(begun(out).exit, 128 + SIGINT);
+  EXPECT_EQ(read_bytes(out / "reproduce.json"), before);
+}
+
+TEST_F(GoOn, IsNotKeptFromStartingByResultsThatNobodyCanRead) {
+  fs::create_directories(out);
+  std::ofstream(out / "reproduce.json") << R"({"schema": "raywatt-reproduce/1", "rows": )";
+  EXPECT_EQ(raywatt(small_lee(out)).exit, 0);
+  EXPECT_EQ(results()["partial"], false);
+}
+
+}  // namespace
+}  // namespace test
