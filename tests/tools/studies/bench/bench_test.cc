@@ -200,6 +200,8 @@ TEST(Bench, RefusesFilesThatHoldNoFigures) {
     EXPECT_EQ(ending.err.find("exception"), std::string::npos) << ending.err;
   }
   expect_refusal(raywatt(bench({"--against", (folder.path() / "none.json").string()})), {"none.json"});
+  const std::string deep = folder.write("deep.json", std::string(200'000, '[')).string();
+  expect_refusal(raywatt(bench({"--against", deep})), {"deep.json"});
 }
 
 }  // namespace

@@ -210,6 +210,8 @@ TEST_F(SweepFaults, HostileFilesInItsFolderAreRefused) {
   }
   std::ofstream(out / "sweep.json") << "{\"schema\": 3}";
   expect_refusal(raywatt({"sweep", "status", out}), {"sweep"});
+  std::ofstream(out / "sweep.json") << std::string(200'000, '[');
+  expect_refusal(raywatt({"sweep", "status", out}), {"sweep.json", "nested"});
 }
 
 }  // namespace
