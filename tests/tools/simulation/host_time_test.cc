@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include "tools/simulation/run_job.h"
-#include "traces/accel/bvh_tracer.h"
 
 // How long a run may take, said before it begins.
 
@@ -20,7 +19,7 @@ Inputs inputs_of(const std::string& resolution) {
 TEST(HostTime, OfAPictureThatIsLookedAtWholeIsItsStepsTimesATenthOfAMicrosecond) {
   const Inputs inputs = inputs_of("24x12");
   const kernels::ProgramSpec full = kernels::parse_program("full:1");
-  const std::uint64_t steps = render(inputs, full, traces::BvhTracer(inputs.image), 1).traversal_steps;
+  const std::uint64_t steps = simulate(inputs, full, 1).function.traversal_steps;
   ASSERT_GT(steps, 0U);
   EXPECT_DOUBLE_EQ(estimated_host_seconds(inputs, full), static_cast<double>(steps) * 100e-9);
 }
