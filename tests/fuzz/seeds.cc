@@ -167,6 +167,28 @@ void add_json(const fs::path& folder) {
   sweep.add("failure.json", R"({"id": "0", "exit": 2, "error": "e", "log": "l", "host": "h", "attempt": 1})");
 }
 
+/// Two frames of two units, three intervals each: of 3, 0 and 2 cycles, and a counter that stays at 0.
+void add_intervals(const fs::path& folder) {
+  const std::string units = {
+      "\x02\x02\x01u\x01\x04"
+      "busy\x01\x04hits\0\x01v\0\x01\x04peak\x01",
+      27};
+  const std::string frame = {"\xe8\x07\xc4\x13\x03\x05\3\0\2\0\x07\x07\0\0", 14};
+  std::string all = "raywatt-intervals/1\n" + units;
+  for (const char number : {'\0', '\1'}) all.append(fuzz::kBetween).append(1, number).append(frame);
+  Writer(folder, "intervals").add("two-frames", all);
+}
+
+void add_tiles(const fs::path& folder) {
+  Writer(folder, "tiles")
+      .add(
+          "two.json",
+          R"({"schema": "raywatt-tiles/1", "units": {"tile": "", "core": "", "steps": "steps", "energy_mj_low": "mJ"},)"
+          R"( "frames": [{"frame": 0, "columns": {"tile": [0, 1], "core": [0, 0], "steps": [3, 4],)"
+          R"( "energy_mj_low": [0.5, 0.25]}, "rest": {"energy_mj_low": 0.125}, "totals": {"steps": 7,)"
+          R"( "energy_mj_low": 0.875}}]})");
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -181,5 +203,7 @@ int main(int argc, char** argv) {
   add_traces(folder);
   add_lists(folder);
   add_json(folder);
+  add_intervals(folder);
+  add_tiles(folder);
   return 0;
 }

@@ -1,0 +1,35 @@
+#include <string>
+
+#include "tests/fuzz/common.h"
+#include "tests/fuzz/trace_work.h"
+#include "tools/intervals/interval_file.h"
+#include "traces/trace_file/packing.h"
+
+// A file of intervals: as it lies on disk, and by what its blocks hold, packed here.
+
+namespace {
+
+void read(std::string_view bytes) {
+  fuzz::refusing([&] {
+    for (const tools::IntervalFrame& frame : tools::read_intervals(bytes).frames) frame.merged(3);
+  });
+}
+
+std::string packed(std::string_view parts) {
+  traces::Packer packer;
+  std::string file;
+  for (std::size_t end = 0; end != std::string_view::npos;) {
+    end = parts.find(fuzz::kBetween);
+    file += packer.pack(parts.substr(0, end));
+    parts.remove_prefix(end == std::string_view::npos ? parts.size() : end + fuzz::kBetween.size());
+  }
+  return file;
+}
+
+}  // namespace
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  read(fuzz::text_of(data, size));
+  read(packed(fuzz::text_of(data, size)));
+  return 0;
+}

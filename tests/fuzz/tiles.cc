@@ -1,0 +1,24 @@
+#include "tests/fuzz/common.h"
+#include "tools/tiles/tile_table.h"
+
+// The figures of a run's tiles. What is read is written and read back, and must be the same.
+
+namespace {
+
+void there_and_back(const tools::TileTable& table) {
+  const std::string text = tools::tiles_text(table);
+  const tools::TileTable again = tools::load_tiles(fuzz::file_of(text, "again.json"));
+  if (tools::tiles_text(again) != text) std::abort();
+}
+
+}  // namespace
+
+extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t most, unsigned seed) {
+  return fuzz::mutate_json(data, size, most, seed);
+}
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::filesystem::path file = fuzz::file_of(fuzz::text_of(data, size), "input.json");
+  fuzz::refusing([&] { there_and_back(tools::load_tiles(file)); });
+  return 0;
+}
