@@ -1,10 +1,13 @@
 #include "sim/report/energy.h"
 
+#include <algorithm>
 #include <set>
+#include <string>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "sim/edit_distance.h"
 #include "sim/error.h"
 #include "sim/report/energy_formula.h"
 #include "sim/report/energy_table.h"
@@ -22,13 +25,30 @@ EnergyReport compute_energy(std::span<const UnitReport> units, const EnergyConfi
   return EnergyFormula(units, config, device_events, elapsed, scales).report();
 }
 
+namespace {
+
+/// ", did you mean 'x'?" for the name nearest to one that is not known, or nothing if all are far off.
+std::string nearest(const std::string& name, const std::set<std::string>& known) {
+  constexpr std::size_t kLongestName = 64;
+  const std::string start = name.substr(0, kLongestName);
+  std::size_t best = std::max<std::size_t>(1, start.size() / 3) + 1;
+  std::string found;
+  for (const std::string& other : known) {
+    const std::size_t distance = edit_distance(start, other);
+    if (distance < best) best = distance, found = other;
+  }
+  return found.empty() ? "" : fmt::format(", did you mean '{}'?", found);
+}
+
+}  // namespace
+
 void check_energy_events(const EnergyConfig& config, std::span<const std::string> declared) {
   const std::set<std::string> known(declared.begin(), declared.end());
   const EnergyTable table(config.events);
   for (const std::string& name : table.names()) {
     if (!known.contains(name)) {
-      throw InputError(
-          fmt::format("energy.events.{}: no counter names this event; allowed: {}", name, fmt::join(known, ", ")));
+      throw InputError(fmt::format("energy.events.{}: no counter names this event{}; allowed: {}", name,
+                                   nearest(name, known), fmt::join(known, ", ")));
     }
   }
   for (const std::string& name : known) {

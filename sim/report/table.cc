@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -12,6 +13,25 @@ namespace {
 /// Characters, not bytes, of a UTF-8 text.
 std::size_t width(std::string_view text) {
   return static_cast<std::size_t>(std::ranges::count_if(text, [](char c) { return (c & 0xc0) != 0x80; }));
+}
+
+/// The power of ten of a number that is rounded to so many digits: 999.9 in three is 1.00e3.
+int exponent_of(double value, int digits) {
+  const std::string rounded = fmt::format("{:.{}e}", value, digits - 1);
+  int exponent = 0;
+  const char* power = rounded.data() + rounded.find('e') + 1;
+  std::from_chars(*power == '+' ? power + 1 : power, rounded.data() + rounded.size(), exponent);
+  return exponent;
+}
+
+/// A number of so many digits, and the metric prefix that leaves one to three of them before the point.
+std::pair<std::string, std::string_view> scaled(double value, int digits) {
+  constexpr std::string_view kPrefixes[] = {"f", "p", "n", "u", "m", "", "k", "M", "G", "T", "P"};
+  constexpr int kNone = 5;
+  const int exponent = exponent_of(value, digits);
+  const int group = std::clamp((exponent + 3 * kNone) / 3 - kNone, -kNone, kNone);
+  const int decimals = std::clamp(digits - 1 - (exponent - 3 * group), 0, digits - 1);
+  return {fmt::format("{:.{}f}", value / std::pow(10.0, 3 * group), decimals), kPrefixes[group + kNone]};
 }
 
 }  // namespace
@@ -24,15 +44,18 @@ std::string si_text(double value, std::string_view unit) {
   const bool whole = value == std::trunc(value) && std::abs(value) < 1000;
   if (whole || !std::isfinite(value)) return with_unit(fmt::format("{}", value), {});
   if (unit.empty() && std::abs(value) < 1 && std::abs(value) >= 1e-3) return fmt::format("{:.3g}", value);  // a ratio
-  constexpr std::string_view kPrefixes[] = {"f", "p", "n", "u", "m", "", "k", "M", "G", "T", "P"};
-  constexpr int kNone = 5;
-  const std::string rounded = fmt::format("{:.2e}", value);  // decides the prefix, so that 999.9 becomes 1.00 k
-  int exponent = 0;
-  const char* digits = rounded.data() + rounded.find('e') + 1;
-  std::from_chars(*digits == '+' ? digits + 1 : digits, rounded.data() + rounded.size(), exponent);
-  const int group = std::clamp((exponent + 3 * kNone) / 3 - kNone, -kNone, kNone);
-  const int decimals = std::clamp(2 - (exponent - 3 * group), 0, 2);
-  return with_unit(fmt::format("{:.{}f}", value / std::pow(10.0, 3 * group), decimals), kPrefixes[group + kNone]);
+  const auto [number, prefix] = scaled(value, 3);
+  return with_unit(number, prefix);
+}
+
+std::string four_digits(double value) {
+  constexpr int kDigits = 4;
+  if (value == 0 || !std::isfinite(value)) return fmt::format("{}", value);
+  const int exponent = exponent_of(value, kDigits);
+  if (exponent < -3) return fmt::format("{:.{}g}", value, kDigits);
+  if (exponent < kDigits) return fmt::format("{:.{}f}", value, kDigits - 1 - exponent);
+  const auto [number, prefix] = scaled(value, kDigits);
+  return fmt::format("{} {}", number, prefix);
 }
 
 std::string Table::text() const {

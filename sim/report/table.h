@@ -9,6 +9,9 @@ namespace sim {
 /// Whole numbers below 1000 stay whole, and ratios, which have no unit, are "0.335".
 std::string si_text(double value, std::string_view unit = {});
 
+/// A figure as people read it, in at most four digits: "4733", "350.0", "12.82 k", "0.1203", "8.46e-05".
+std::string four_digits(double value);
+
 /// A table for terminals: columns as wide as their widest cell, the first to the left, the others to the right.
 class Table {
  public:

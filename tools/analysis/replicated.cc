@@ -22,6 +22,12 @@ Json::json_pointer pointer_to(const std::string& path) {
   return Json::json_pointer(pointer);
 }
 
+std::string path_of(const std::string& pointer) {
+  std::string path = pointer.substr(1);
+  std::ranges::replace(path, '/', '.');
+  return path;
+}
+
 /// "6.76 mJ ± 0.12 %"
 std::string give_or_take(const Json& figures, const char* path, const char* unit, double scale = 1) {
   const Json& f = figures.at(pointer_to(path));
@@ -41,9 +47,12 @@ Json replicates_json(const Result& result, const Json& plain) {
     plays.push_back(totals_json({result.run.replicates[i], reference, result.squared_error}));
   }
   Json out = {{"count", plays.size()}, {"level", 0.95}, {"figures", Json::object()}};
-  for (const std::string path : kNoisyFigures) {
-    const Json::json_pointer at = pointer_to(path);
-    if (!plain.contains(at)) continue;
+  const Json flat = plain.flatten();
+  for (const auto& [pointer, value] : flat.items()) {
+    if (!value.is_number() || !is_noisy(path_of(pointer))) continue;
+    const Json::json_pointer at(pointer);
+    const auto has_it = [&](const Json& play) { return play.contains(at); };
+    if (!std::ranges::all_of(plays, has_it)) continue;
     std::vector<double> values;
     for (const Json& play : plays) values.push_back(play.at(at).get<double>());
     const Draws draws = draws_of(values);

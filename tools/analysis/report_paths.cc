@@ -160,7 +160,11 @@ std::string resolve_report_path(std::string_view text, std::span<const std::stri
   if (!m.group.empty()) refuse_several(text, "is a group of", m.group);
   if (!m.several.empty()) refuse_several(text, "may mean any of", m.several);
   std::set<std::string> known;
-  for (const std::string& path : paths) known.insert(end_of(path, text));
+  constexpr std::string_view kNominal = ".nominal";
+  for (const std::string_view path : paths) {
+    known.insert(end_of(path, text));
+    if (path.ends_with(kNominal)) known.insert(end_of(path.substr(0, path.size() - kNominal.size()), text));
+  }
   const std::vector<std::string> names(known.begin(), known.end());
   throw sim::InputError(
       fmt::format("there is no report path '{}'{}; allowed is what report.json has, or the end of it, e.g. cycles, "

@@ -103,9 +103,9 @@ std::string dram_traffic(const Json& totals) {
 }
 
 std::string area(const Json& totals) {
-  return fmt::format("{}, {:.2f} frames/J and {:.2f} Mrays/s per mm2", spread(totals["area_band_mm2"], 1, "mm2"),
-                     totals["perf"]["frames_per_joule_per_mm2"].get<double>(),
-                     totals["perf"]["mrays_per_s_per_mm2"].get<double>());
+  return fmt::format("{}, {} frames/J and {} Mrays/s per mm2", spread(totals["area_band_mm2"], 1, "mm2"),
+                     sim::four_digits(totals["perf"]["frames_per_joule_per_mm2"].get<double>()),
+                     sim::four_digits(totals["perf"]["mrays_per_s_per_mm2"].get<double>()));
 }
 
 std::string overview(const Json& report) {
@@ -129,8 +129,8 @@ std::string overview(const Json& report) {
     line("sampled", fmt::format("{} of {} tiles timed{}", timed, tiles, rest));
   }
   line("cycles (T&I clock)",
-       fmt::format("{}  = {:.3f} ms  = {:.1f} frames/s{}", count(t["cycles"]), t["time_ms"].get<double>(),
-                   t["perf"]["fps"].get<double>(), give_or_take(t, "cycles")));
+       fmt::format("{}  = {} ms  = {} frames/s{}", count(t["cycles"]), sim::four_digits(t["time_ms"].get<double>()),
+                   sim::four_digits(t["perf"]["fps"].get<double>()), give_or_take(t, "cycles")));
   line("rays", fmt::format("{}  ({} primary, {} shadow, {} reflection, {} refraction)", count(rays["total"]),
                            count(rays["primary"]), count(rays["shadow"]), count(rays["reflection"]),
                            count(rays["refraction"])));
@@ -148,10 +148,10 @@ std::string overview(const Json& report) {
   line("limited by", t["limiter"].get<std::string>());
   line("energy", spread(t["energy_mj"], 1, "mJ  (low / nominal / high)") + give_or_take(t, "energy_mj"));
   line("power", spread(t["power_w"], 1, "W"));
-  line("efficiency",
-       fmt::format("{:.1f} frames/J GPU with memory, {:.1f} frames/J T&I alone, {:.2f} nJ per ray",
-                   t["perf"]["frames_per_joule_gpu"].get<double>(), t["perf"]["frames_per_joule_tni"].get<double>(),
-                   t["perf"]["nj_per_ray"].get<double>()));
+  line("efficiency", fmt::format("{} frames/J GPU with memory, {} frames/J T&I alone, {:.2f} nJ per ray",
+                                 sim::four_digits(t["perf"]["frames_per_joule_gpu"].get<double>()),
+                                 sim::four_digits(t["perf"]["frames_per_joule_tni"].get<double>()),
+                                 t["perf"]["nj_per_ray"].get<double>()));
   if (t.contains("area_mm2")) line("area", area(t));
   if (t.contains("replicates")) line("replicates", replicates_text(t["replicates"]));
   if (t.contains("relative")) {

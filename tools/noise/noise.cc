@@ -24,7 +24,11 @@ double default_noise(double pixels) {
   return std::ranges::find_if(kLevels, [&](const Level& level) { return pixels >= level.pixels; })->noise;
 }
 
-bool is_noisy(const std::string& figure) { return std::ranges::find(kNoisyFigures, figure) != kNoisyFigures.end(); }
+bool is_noisy(std::string_view figure) {
+  return std::ranges::any_of(kNoisyFigures, [&](std::string_view name) {
+    return figure.starts_with(name) && (figure.size() == name.size() || figure[name.size()] == '.');
+  });
+}
 
 MeanDifference difference_of(const AssumedDraw& a, const AssumedDraw& b) {
   const double endless = std::numeric_limits<double>::infinity();

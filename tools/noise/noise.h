@@ -1,30 +1,28 @@
 #pragma once
 #include <array>
 #include <optional>
-#include <string>
+#include <string_view>
 
 #include "tools/noise/statistics.h"
 
 namespace tools {
 
-/// Figures of `totals` that races within a frame move, by their paths.
+/// Figures of `totals` that races within a frame move: these, and all that lies below them. Energies by event and
+/// cycles by kernel move, too, but have no noise told: they explain a figure.
 inline constexpr std::array kNoisyFigures = {
     "cycles",
     "time_ms",
-    "perf.fps",
-    "perf.mrays_per_s",
-    "perf.frames_per_joule_gpu",
-    "perf.frames_per_joule_tni",
-    "perf.frames_per_joule_per_mm2",
-    "perf.mrays_per_s_per_mm2",
-    "perf.nj_per_ray",
-    "energy_mj.nominal",
-    "energy_by_block_mj.tni.nominal",
-    "power_w.nominal",
+    "perf",
+    "energy_mj",
+    "energy_by_block_mj",
+    "energy_by_kind_mj",
+    "power_w",
     "dram_bytes",
-    "utilisation.tni",
-    "utilisation.srp",
-    "utilisation.dram",
+    "dram_bytes_by_client.caches",
+    "dram_bytes_by_client.spills",
+    "utilisation",
+    "top_down.gpu",
+    "bottleneck.estimated_speedup",
     "relative.speedup",
     "relative.tni_power",
     "relative.tni_perf_per_watt",
@@ -36,7 +34,7 @@ inline constexpr std::array kNoisyFigures = {
 double default_noise(double pixels);
 
 /// A figure of `totals` that races move, e.g. "energy_mj.nominal".
-bool is_noisy(const std::string& figure);
+bool is_noisy(std::string_view figure);
 
 /// A figure of one run whose noise is taken to be the default's, as a draw of known deviation.
 struct AssumedDraw {

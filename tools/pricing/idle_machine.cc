@@ -18,7 +18,9 @@ class NoTiles final : public hw::TileSource {
 std::vector<sim::UnitReport> idle_units(const hw::GpuConfig& config, bool rasterises) {
   const traces::MemoryImage nothing;
   NoTiles tiles;
-  hw::Gpu::Workload workload{.image = nothing, .parents = {}};
+  // Kernels that no tile asks for need no schedule: finding one would take longer than all else.
+  hw::Gpu::Workload workload{
+      .image = nothing, .parents = {}, .scheduled = std::make_shared<const hw::ScheduledKernels>()};
   if (rasterises) workload.needs.raster = traces::RasterDemands{};
   return std::make_unique<hw::Gpu>(config, workload, tiles)->report();
 }

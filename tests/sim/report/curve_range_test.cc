@@ -47,5 +47,16 @@ TEST(SiText, HasNoPrefixForARatio) {
   EXPECT_EQ(si_text(0.335, "J"), "335 mJ");
 }
 
+TEST(FourDigits, AreEnoughForPeople) {
+  EXPECT_EQ(four_digits(4733.4), "4733");
+  EXPECT_EQ(four_digits(350), "350.0");
+  EXPECT_EQ(four_digits(9999.7), "10.00 k");
+  EXPECT_EQ(four_digits(12824), "12.82 k");
+  EXPECT_EQ(four_digits(-1.23456e7), "-12.35 M");
+  EXPECT_EQ(four_digits(0.12034), "0.1203");
+  EXPECT_EQ(four_digits(8.4612e-5), "8.461e-05");
+  EXPECT_EQ(four_digits(0), "0");
+}
+
 }  // namespace
 }  // namespace sim

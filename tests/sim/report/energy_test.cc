@@ -175,6 +175,9 @@ TEST(Energy, TableAndDeclaredEventsMustAgree) {
   };
   EXPECT_EQ(check({"box", "read"}), "no error");
   EXPECT_EQ(check({"read"}), "energy.events.box: no counter names this event; allowed: read");
+  EXPECT_EQ(check({"boxes", "read"}), "energy.events.box: no counter names this event; allowed: boxes, read");
+  EXPECT_EQ(check({"bax", "read"}),
+            "energy.events.box: no counter names this event, did you mean 'bax'?; allowed: bax, read");
   EXPECT_EQ(check({"box", "read", "write"}), "energy.events: no figure for 'write'");
 }
 

@@ -154,6 +154,7 @@ TEST(ReportPath, AFigureWithABandMeansItsNominalOne) {
 TEST(ReportPath, OneThatIsNotThereGetsTheNearest) {
   EXPECT_SAYS(complaint("cycels"), "there is no report path 'cycels', did you mean 'cycles'?");
   EXPECT_SAYS(complaint("rays.totl"), "did you mean 'rays.total'?");
+  EXPECT_SAYS(complaint("enrgy_mj"), "did you mean 'energy_mj'?") << "a band goes by its name";
   EXPECT_SAYS(complaint("ycles"), "no report path") << "ends count at dots only";
   EXPECT_SAYS(complaint(""), "no report path");
   EXPECT_SAYS(complaint("cycles."), "no report path");

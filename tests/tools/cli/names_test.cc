@@ -35,6 +35,7 @@ TEST(Names, GetTheNearestOneOfTheirKind) {
   expect_nearest({"config", "show", "--set", "area.extends=area/7mn"}, "area/7nm");
   expect_nearest({"run", "--program", "undersampel"}, "undersample");
   expect_nearest({"energy", "show", "tni.box_tset"}, "tni.box_test");
+  expect_nearest({"run", "--resolution", "16x16", "--set", "energy.events.tni.box_tset=48"}, "tni.box_test");
   expect_nearest({"dvfs", "sgrt-2061"}, "sgrt-2016");
   expect_nearest({"reproduce", "lee2061"}, "lee2016");
   expect_nearest({"microbench", "chas"}, "chase");

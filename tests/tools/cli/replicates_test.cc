@@ -39,6 +39,26 @@ TEST(ReplicatesOption, AddsStatisticsAndChangesNothingElse) {
   }
 }
 
+TEST(ReplicatesOption, CoverEveryFigureThatTheyMove) {
+  // Figures of a frame as a whole; energies by event and cycles by kernel explain these.
+  const TempFolder folder;
+  const Json totals = report_of(folder.path() / "out", {"--replicates", "3"})["totals"];
+  const Json figures = totals["replicates"]["figures"].flatten(), flat = totals.flatten();
+  std::size_t covered = 0;
+  for (const auto& [path, value] : flat.items()) {
+    const auto is_below = [&](const char* group) { return path.starts_with(group); };
+    if (!value.is_number() || is_below("/replicates") || is_below("/kernels") || is_below("/energy_by_event_mj") ||
+        is_below("/top_down/cores") || is_below("/rays") || is_below("/sampling") || is_below("/area")) {
+      continue;
+    }
+    const bool is_exact = path == "/traversal_steps" || path == "/traced_ratio" || path == "/extrapolated" ||
+                          path == "/dram_bytes_by_client/frame_buffer";
+    EXPECT_EQ(figures.contains(path + "/mean"), !is_exact) << path;
+    covered += figures.contains(path + "/mean") ? 1 : 0;
+  }
+  EXPECT_GT(covered, 60U);
+}
+
 TEST(ReplicatesOption, OfSeveralFramesAreOfTheirSum) {
   const TempFolder folder;
   const Json r = report_of(folder.path() / "out", {"--scene", "car", "--frames", "0:1", "--replicates", "3"});

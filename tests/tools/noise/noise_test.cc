@@ -41,7 +41,12 @@ TEST(SeenFigure, OfOneSideWithReplicatesIsHeldAgainstTheOther) {
 TEST(NoisyFigures, AreThoseThatRacesMove) {
   EXPECT_TRUE(is_noisy("cycles"));
   EXPECT_TRUE(is_noisy("energy_mj.nominal"));
+  EXPECT_TRUE(is_noisy("energy_by_block_mj.dram.high"));
+  EXPECT_TRUE(is_noisy("top_down.gpu.data_misses.l2"));
   EXPECT_FALSE(is_noisy("area_mm2"));
+  EXPECT_FALSE(is_noisy("cycles_of_another"));
+  EXPECT_FALSE(is_noisy("dram_bytes_by_client.frame_buffer"));
+  EXPECT_FALSE(is_noisy("relative.rays"));
   EXPECT_FALSE(is_noisy("rays.total"));
 }
 

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <new>
 #include <optional>
+#include <string_view>
 #include <system_error>
 #include <vector>
 
@@ -21,7 +22,6 @@
 #include "tools/analysis/report_paths.h"
 #include "tools/host/exit_code.h"
 #include "tools/jobs/plain_report.h"
-#include "tools/noise/noise.h"
 
 namespace tools {
 namespace {
@@ -47,12 +47,15 @@ Json report_or_error(const JobOptions& options) {
 StoredDraws draws_of_replicates(const Json& replicates) {
   StoredDraws out;
   const auto count = replicates["count"].get<std::size_t>();
-  for (const std::string figure : kNoisyFigures) {
-    std::string pointer = "/figures/" + figure;
-    std::ranges::replace(pointer, '.', '/');
-    const Json::json_pointer at(pointer);
-    if (!replicates.contains(at)) continue;
-    out["totals." + figure] = {count, replicates[at]["mean"].get<double>(), replicates[at]["deviation"].get<double>()};
+  constexpr std::string_view kMean = "/mean";
+  const Json& figures = replicates["figures"];
+  const Json flat = figures.flatten();
+  for (const auto& [pointer, mean] : flat.items()) {
+    if (!pointer.ends_with(kMean)) continue;
+    const std::string at = pointer.substr(0, pointer.size() - kMean.size());
+    std::string path = "totals" + at;
+    std::ranges::replace(path, '/', '.');
+    out[path] = {count, mean.get<double>(), figures.at(Json::json_pointer(at + "/deviation")).get<double>()};
   }
   return out;
 }

@@ -149,6 +149,10 @@ std::string energy_text(const Comparison& c, const std::vector<std::string>& nam
   row("T&I alone", c.energy->tni);
   std::string out =
       fmt::format("\n{}{} draws of all entries of the tables between low and high\n", ratios.text(), kEnergyDraws);
+  const auto energy = std::ranges::find(c.figures, "energy_mj", &Pair::name);
+  if (energy != c.figures.end() && energy->noise && !energy->noise->outside) {
+    out += "of the tables alone: the energies of these runs differ by no more than the noise above\n";
+  }
   const std::vector<TornadoBar>& bars = c.energy->tornado;
   if (bars.empty()) return out;
   sim::Table table({"entries that move it most", "at its low", "at its high"});

@@ -33,15 +33,14 @@ std::string dvfs_text(const DvfsCurve& curve) {
       mhz += fmt::format("{}{:.4g}", d == 0 ? "" : "/", p.mhz[d]);
       volt += fmt::format("{}{:.3f}", d == 0 ? "" : "/", p.volt[d]);
     }
-    table.row({fmt::format("{:.4g}", p.factor), mhz, volt, fmt::format("{:.4g}", p.ms), fmt::format("{:.4g}", p.fps()),
-               fmt::format("{:.4g}", p.watt()), fmt::format("{:.4g}", p.mj.nominal),
-               fmt::format("{:.4g}", 1000 / p.mj.nominal),
-               p.period_mj < 0 ? std::string("too slow") : fmt::format("{:.4g}", p.period_mj), marks_of(curve, i)});
+    table.row({fmt::format("{:.4g}", p.factor), mhz, volt, sim::four_digits(p.ms), sim::four_digits(p.fps()),
+               sim::four_digits(p.watt()), sim::four_digits(p.mj.nominal), sim::four_digits(1000 / p.mj.nominal),
+               p.period_mj < 0 ? std::string("too slow") : sim::four_digits(p.period_mj), marks_of(curve, i)});
   }
   return fmt::format(
       "clocks and voltages of T&I units / shader cores / L2; the memory's clock stays\n\n{}\n"
-      "a period is {:.4g} ms, {:.4g} frames/s: a frame, then idle\n",
-      table.text(), curve.period_ms, 1000 / curve.period_ms);
+      "a period is {} ms, {} frames/s: a frame, then idle\n",
+      table.text(), sim::four_digits(curve.period_ms), sim::four_digits(1000 / curve.period_ms));
 }
 
 Json dvfs_json(const DvfsCurve& curve) {

@@ -85,7 +85,8 @@ std::string run_text(const Priced& run) {
                                       {"nJ per ray", "/perf/nj_per_ray"},
                                       {"frames/J GPU with memory", "/perf/frames_per_joule_gpu"},
                                       {"frames/J T&I alone", "/perf/frames_per_joule_tni"}}) {
-    out += fmt::format("{:.4g} {}, by its own table {:.4g}\n", at(run.asked, pointer), name, at(run.own, pointer));
+    out += fmt::format("{} {}, by its own table {}\n", sim::four_digits(at(run.asked, pointer)), name,
+                       sim::four_digits(at(run.own, pointer)));
   }
   return out;
 }
@@ -126,9 +127,7 @@ std::string runs_table(const std::vector<Priced>& runs, bool csv) {
       const auto found = std::ranges::find(run.axes, axis, [](const auto& a) { return a.first; });
       row.push_back(found == run.axes.end() ? "" : found->second);
     }
-    const auto cell = [&](double value) {
-      row.push_back(csv ? fmt::format("{}", value) : fmt::format("{:.4g}", value));
-    };
+    const auto cell = [&](double value) { row.push_back(csv ? fmt::format("{}", value) : sim::four_digits(value)); };
     cell(at(run.own, "/energy_mj/nominal"));
     for (const auto& [name, pointer] : columns()) cell(at(run.asked, pointer));
     lines += results::csv_line(row);

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "sim/io/printable.h"
+#include "sim/report/table.h"
 
 namespace tools::results {
 namespace {
@@ -25,6 +26,7 @@ int exponent_of(double number) {
 
 /// For a number, or a column of them of which this is the smallest.
 std::string fixed(double number, int smallest) {
+  if (exponent_of(number) >= kDigits) return sim::four_digits(number);
   if (smallest < kDigits - 1 - kMostDecimals) return fmt::format("{:.{}g}", number, kDigits);
   return fmt::format("{:.{}f}", number, std::clamp(kDigits - 1 - smallest, 0, kMostDecimals));
 }

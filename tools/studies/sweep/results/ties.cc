@@ -15,6 +15,7 @@ namespace tools::results {
 namespace {
 
 constexpr std::size_t kShown = 20;
+constexpr double kLittle = 0.05;  // share of the variance below which an axis matters little
 
 /// The points that tie, the first among them, with the axes in which they differ.
 std::string list_text(const Results& results, const FigureNoise& noise, const std::vector<std::size_t>& rows) {
@@ -47,13 +48,14 @@ std::string list_text(const Results& results, const FigureNoise& noise, const st
   return table.text() + (rows.size() > kShown ? fmt::format("and {} more\n", rows.size() - kShown) : "");
 }
 
-/// Values of each axis that are among the ties: an axis of which all values are does not matter for the first place.
+/// Values of each axis that are among the ties: an axis of which all values are does not matter for the first place,
+/// and one that explains next to nothing of the figure matters little, however sure its effect is.
 std::string axes_text(const Results& results, const FigureNoise& noise, const std::vector<std::size_t>& candidates,
                       const std::vector<std::size_t>& ties) {
   std::vector<bool> may(results.rows().size());
   for (const std::size_t row : candidates) may[row] = true;
   sim::Table table({"axis", "values that tie", "of", "share of variance", "95 %"});
-  std::vector<std::string> matter, do_not;
+  std::vector<std::string> matter, little, do_not;
   for (const Effect& effect : find_sensitivity(results, noise.means().name, may).effects) {
     std::set<std::size_t> here;
     for (const std::size_t row : ties) {
@@ -62,13 +64,17 @@ std::string axes_text(const Results& results, const FigureNoise& noise, const st
     std::vector<std::string> names;
     for (const std::size_t level : here) names.push_back(effect.levels[level]);
     const bool all = here.size() == effect.levels.size();
-    (all ? do_not : matter).push_back(effect.axis);
+    (all ? do_not : effect.share < kLittle ? little : matter).push_back(effect.axis);
     table.row({effect.axis, all ? "all" : fmt::format("{}", fmt::join(names, ", ")),
                fmt::format("{}", effect.levels.size()), fmt::format("{:.1f} %", 100 * effect.share),
                effect.interval_text()});
   }
   std::string out = "\n" + table.text() + "\n";
   if (!matter.empty()) out += fmt::format("matters for the first place: {}\n", fmt::join(matter, ", then "));
+  if (!little.empty()) {
+    out +=
+        fmt::format("matters little, less than {:.0f} % of the variance: {}\n", 100 * kLittle, fmt::join(little, ", "));
+  }
   if (!do_not.empty()) out += fmt::format("does not matter there: {}\n", fmt::join(do_not, ", "));
   return out;
 }

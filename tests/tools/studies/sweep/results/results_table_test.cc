@@ -62,6 +62,17 @@ TEST(ResultsTable, ShowsMeansAndIntervalsOfReplicates) {
               "totals.replicates.figures.cycles.high,totals.perf.fps");
 }
 
+TEST(ResultsTable, ShowsFourDigitsOfFiguresThatAreNoCounts) {
+  const Four sweep;
+  auto report = made_report(3000);
+  report["totals"]["perf"]["fps"] = 12345.67;
+  sweep.finish(0, report);
+  EXPECT_SAYS(results_table(sweep.results(), {}), "   12.35 k  ");
+  TableOptions csv;
+  csv.csv = true;
+  EXPECT_SAYS(results_table(sweep.results(), csv), "12345.67");
+}
+
 TEST(ResultsTable, ShowsExtrapolatedFiguresIfThereAreSome) {
   const Four sweep;
   auto report = made_report(3000);
