@@ -22,6 +22,9 @@ export function si(value, unit = "") {
   return unit ? `${digits(value)} ${unit}` : digits(value);
 }
 
+/** A difference: with its sign, and a minus as wide as a plus. */
+export const signed = (value, unit = "") => (value > 0 ? "+" : value < 0 ? "−" : "") + si(Math.abs(value), unit);
+
 export function percent(share) {
   const value = 100 * share;
   return `${value.toFixed(Math.abs(value) < 9.995 ? 2 : 1)} %`;
@@ -30,7 +33,14 @@ export function percent(share) {
 /** A value as its column or figure shows it; what is not there is a dash. */
 export function shown(value, { show, unit = "" } = {}, withUnit = true) {
   if (value === null || value === undefined || value === "") return "–";
-  if (typeof value !== "number") return String(value);
+  if (typeof value !== "number") return withMinus(String(value));
+  return withMinus(numberText(value, show, unit, withUnit));
+}
+
+/** A minus as wide as a plus. */
+const withMinus = (text) => text.replace(/^-(?=\d)/, "−");
+
+function numberText(value, show, unit, withUnit) {
   if (show === "percent") return percent(value);
   if (show === "si") return si(value, withUnit ? unit : "");
   if (show === "number" && Math.abs(value) >= 9999.5) return withUnit && unit ? `${si(value)} ${unit}` : si(value);
