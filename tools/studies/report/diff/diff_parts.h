@@ -23,10 +23,10 @@ void add_keys(const Difference& d, View& view);
 void add_diff_pictures(const Difference& d, View& view);
 void add_explanations(const Difference& d, View& view);
 
-/// What each tile took in the second run less what it took in the first, as grids of a picture's block.
+/// Figures of the second run's tiles less those of the first, as grids of a picture's block.
 struct TileDifferences {
-  Json grids = Json::array();  ///< of figures that differ anywhere
-  std::string note;            ///< figures that do not, or why tiles are not compared
+  Json grids = Json::array();  ///< one for each figure that differs anywhere
+  std::string note;            ///< those that do not differ, or why tiles are not compared
 };
 TileDifferences tile_differences(const Difference& d);
 

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 constexpr std::uint64_t kLargestPicture = 64 << 20;
 constexpr std::uint64_t kMostOfOverlays = 1 << 20;  ///< bytes of debug pictures that a page takes along
 
-/// What colours of a debug picture mean (docs/adaptive.md), by how its name begins.
+/// Meaning of a debug picture's colours (docs/adaptive.md), by how its name begins.
 struct Meaning {
   std::string_view name, words;
 };
