@@ -72,7 +72,7 @@ export function whenNear(element, draw) {
 }
 
 // What is further away is drawn when there is nothing else to do, and before it is printed.
-const idle = window.requestIdleCallback ?? ((draw) => setTimeout(draw, 200));
+const idle = (draw) => (window.requestIdleCallback ? requestIdleCallback(draw, { timeout: 300 }) : setTimeout(draw, 200));
 function drawNext() {
   const [next] = waiting.keys();
   if (next) start(next);

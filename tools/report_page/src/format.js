@@ -1,6 +1,7 @@
 // Numbers as people read them: four digits at most, metric prefixes, units.
 
 const PREFIXES = [[1e12, "T"], [1e9, "G"], [1e6, "M"], [1e3, "k"]];
+const SMALLER = [[1, ""], [1e-3, "m"], [1e-6, "µ"], [1e-9, "n"], [1e-12, "p"]];
 
 const trimmed = (text) => (text.includes(".") ? text.replace(/\.?0+$/, "") : text);
 
@@ -16,10 +17,16 @@ export function digits(value) {
 
 export function si(value, unit = "") {
   const size = Math.abs(value);
+  if (unit === "nJ") return value === 0 ? "0 J" : joules(1e-9 * value);
   for (const [scale, prefix] of PREFIXES) {
     if (size >= scale * 0.99995) return `${digits(value / scale)} ${prefix}${unit}`;
   }
   return unit ? `${digits(value)} ${unit}` : digits(value);
+}
+
+function joules(value) {
+  const [scale, prefix] = SMALLER.find(([least]) => Math.abs(value) >= least * 0.99995) ?? SMALLER.at(-1);
+  return `${digits(value / scale)} ${prefix}J`;
 }
 
 /** A difference: with its sign, and a minus as wide as a plus. */
