@@ -18,14 +18,27 @@ for (const name of ["run.html", "diff.html", "sweep.html"]) {
       await check(page);
     }));
   }
-  test(`${name} on paper`, () => look(name, {}, async (page) => {
-    await page.emulateMedia({ media: "print" });
+  test(`${name} on paper`, () => look(name, { media: "print" }, async (page) => {
     assert.equal(await page.locator("nav").isVisible(), false);
     assert.equal(await page.locator(".sentence").isVisible(), true);
     assert.ok((await page.pdf({ format: "A4" })).length > 20000);
     await check(page);
   }));
 }
+
+test("paper is light, whatever the window is", () => look("sweep.html", { theme: "dark" }, async (page) => {
+  const has = (wanted) => page.waitForFunction((wanted) => {
+    const data = window.pixelsOf(document.querySelector('[data-block="shares"] canvas'));
+    let dark = 0, light = 0;
+    for (let i = 0; i < data.length; i += 4) if (data[i + 3] > 200) data[i] < 60 && data[i + 2] < 80 ? ++dark : data[i] > 200 && ++light;
+    return (dark > light ? "dark" : "light") === wanted;
+  }, wanted, { timeout: 10000 });
+  await has("light");
+  await page.evaluate(() => dispatchEvent(new Event("beforeprint")));
+  await has("dark");
+  await page.evaluate(() => dispatchEvent(new Event("afterprint")));
+  await has("light");
+}));
 
 test("the theme that is asked for stands in the address and recolours the charts", () => look("run.html", {}, async (page) => {
   const ground = () => page.evaluate(() => getComputedStyle(document.body).backgroundColor);

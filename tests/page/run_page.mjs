@@ -2,12 +2,21 @@
 import assert from "node:assert/strict";
 import fs from "node:fs";
 import { test } from "node:test";
-import { at, json, look, numberOf } from "./surroundings.mjs";
+import path from "node:path";
+import { pathToFileURL } from "node:url";
+import { at, json, look, nanojoulesOf, numberOf, program, raywatt } from "./surroundings.mjs";
 
 const report = json("base", "report.json");
 const figure = (page, id) => page.locator(`[data-figure="${id}"] .value`).innerText();
 const near = (text, value) => assert.ok(Math.abs(numberOf(text) / value - 1) < 1e-3, `${text} is not ${value}`);
 const data = (page) => page.evaluate(() => JSON.parse(document.getElementById("data").textContent).views[0].data);
+const silent = { warn: () => silent, info: () => silent, debug: () => silent, error: assert.fail, level: () => silent };
+const tiles = json("base", "tiles.json").frames[0].columns;
+/** A figure of each tile; tiles of the picture stand in rows. */
+const figureOf = (id, of = tiles) => of.tile.map((_, i) => ({
+  cycles: of.finished[i] - of.dispatched[i], srp: of.srp_cycles[i], steps: of.steps[i], tests: of.tests[i], dram: of.dram_bytes[i],
+  energy: 1e6 * of.energy_mj_nominal[i], rays: of.rays_primary[i] + of.rays_shadow[i] + of.rays_reflection[i] + of.rays_refraction[i],
+})[id]);
 const rows = ({ columns, rows }) => rows.map((row) => Object.fromEntries(columns.map((c, i) => [c.field, row[i]])));
 
 test("the verdict comes first and names the report's own bound", () => look("run.html", {}, async (page) => {
@@ -30,7 +39,7 @@ test("figures equal report.json", () => look("run.html", {}, async (page) => {
   near(band.split(" to ")[1], t.energy_mj.high);
 }));
 
-test("stacks, peaks, kernels and energy in its data are those of report.json to the last digit or sum to them", () => look("run.html", { still: true }, async (page) => {
+test("stacks, peaks, kernels and energy in its data are those of report.json to the last digit or sum to them", () => look("run.html", {}, async (page) => {
   const of = await data(page), t = report.totals;
   const stack = rows(of.stacks).filter((r) => r.who === "all cores");
   assert.equal(stack.find((r) => r.part === "kernels").share, t.top_down.gpu.kernels);
@@ -63,23 +72,44 @@ test("the flow of energy follows the switch, and the address keeps it", () => lo
   await page.waitForFunction((low) => Math.abs(Number.parseFloat([...document.querySelectorAll('[data-block="flow"] svg text')].find((t) => t.textContent.startsWith("GPU")).textContent.match(/([\d.]+) mJ/)[1]) / low - 1) < 1e-3, report.totals.energy_mj.low);
 }));
 
-test("every chart has a table and a download of all digits", () => look("run.html", {}, async (page) => {
-  const charts = await page.locator("figure.chart").count();
-  assert.ok(charts >= 6, String(charts));
-  assert.equal(await page.locator("figure.chart button", { hasText: "Table" }).count(), charts);
-  assert.equal(await page.locator("figure.chart button", { hasText: "CSV" }).count(), charts);
-  const stacks = page.locator('[data-block="stacks"]');
-  await stacks.getByRole("button", { name: "Table" }).click();
-  assert.ok(await stacks.locator("table tbody tr").count() >= 14);
-  assert.equal(await page.evaluate(() => location.hash), "#tables=stacks");
-  const [download] = await Promise.all([page.waitForEvent("download"), stacks.getByRole("button", { name: "CSV" }).click()]);
-  const text = fs.readFileSync(await download.path(), "utf8");
-  assert.ok(text.includes(`all cores,kernels,${report.totals.top_down.gpu.kernels},`), text.slice(0, 200));
-  const [spec] = await Promise.all([page.waitForEvent("download"), stacks.getByRole("button", { name: "Vega-Lite" }).click()]);
-  const chart = JSON.parse(fs.readFileSync(await spec.path(), "utf8"));
-  assert.equal(chart.$schema, "https://vega.github.io/schema/vega-lite/v6.json");
-  assert.ok(chart.data.values.length >= 14);
-}));
+test("every chart has a table and a download of all digits", async () => {
+  for (const name of ["run.html", "diff.html", "sweep.html"]) {
+    await look(name, {}, async (page) => {
+      const charts = page.locator("figure:is(.chart, .series, .sankey, .scatter, .parallel, .map)");
+      const count = await charts.count();
+      assert.ok(count >= 3, `${name}: ${count}`);
+      assert.equal(await charts.filter({ has: page.locator("button", { hasText: "Table" }) }).count(), count, name);
+      assert.equal(await charts.filter({ has: page.locator("button", { hasText: "CSV" }) }).count(), count, name);
+    });
+  }
+  await look("run.html", {}, async (page) => {
+    const stacks = page.locator('[data-block="stacks"]');
+    await stacks.getByRole("button", { name: "Table" }).click();
+    assert.ok(await stacks.locator("table tbody tr").count() >= 14);
+    assert.equal(await page.evaluate(() => location.hash), "#tables=stacks");
+    const [download] = await Promise.all([page.waitForEvent("download"), stacks.getByRole("button", { name: "CSV" }).click()]);
+    const text = fs.readFileSync(await download.path(), "utf8");
+    assert.ok(text.includes(`all cores,kernels,${report.totals.top_down.gpu.kernels},`), text.slice(0, 200));
+  });
+});
+
+test("specifications open elsewhere: Vega-Lite compiles each, with its data inside", async () => {
+  const library = path.join(path.dirname(path.dirname(raywatt)), "report_page/work/node_modules/vega-lite/build/index.js");
+  const { compile } = await import(pathToFileURL(library));
+  for (const name of ["run.html", "diff.html", "sweep.html"]) {
+    await look(name, {}, async (page) => {
+      const buttons = await page.getByRole("button", { name: /Vega-Lite specification$/ }).all();
+      assert.ok(buttons.length >= 2, name);
+      for (const button of buttons) {
+        const [download] = await Promise.all([page.waitForEvent("download"), button.click()]);
+        const spec = JSON.parse(fs.readFileSync(await download.path(), "utf8"));
+        assert.equal(spec.$schema, "https://vega.github.io/schema/vega-lite/v6.json");
+        assert.ok(spec.data.values.length > 0, download.suggestedFilename());
+        assert.ok(compile(spec, { logger: silent }).spec.marks.length > 0, download.suggestedFilename());
+      }
+    });
+  }
+});
 
 test("tables sort by a click on a heading, both ways", () => look("run.html", {}, async (page) => {
   const table = page.locator('[data-block="kernel-table"]');
@@ -104,10 +134,120 @@ test("the probe says where it is, under the pointer and by keys", () => look("ru
   assert.match(await readout.innerText(), /^pixel 11, 20/);
 }));
 
+test("overlays of tiles have the numbers of tiles.json, and those of pixels sum to the report's", () => look("run.html", {}, async (page) => {
+  const block = (await page.evaluate(() => JSON.parse(document.getElementById("data").textContent).views[0].sections))
+    .find((s) => s.id === "picture").blocks[0];
+  const stage = page.locator('[data-block="frame"] .stage'), readout = page.locator('[data-block="frame"] .readout');
+  assert.equal(tiles.tile.length, 8);
+  for (const id of ["cycles", "srp", "rays", "steps", "tests", "dram", "energy"]) {
+    const { values } = block.grids.find((g) => g.id === id);
+    figureOf(id).forEach((value, i) => {
+      const at = (tiles.y[i] / 16) * 4 + tiles.x[i] / 16;
+      assert.ok(Math.abs(values[at] - value) <= 1e-4 * Math.abs(value), `${id} ${i}: ${values[at]} ${value}`);
+    });
+    await page.getByLabel("Overlay", { exact: true }).selectOption(id);
+    await page.waitForFunction((shown) => document.querySelector(".stage").dataset.shown === shown, id);
+    const box = await stage.boundingBox();
+    await stage.hover({ position: { x: (box.width * 20.5) / 64, y: (box.height * 3.5) / 32 } });
+    const said = (await readout.innerText()).match(/^pixel 20, 3, tile 1, 0: ([^(]*) \(/)[1];
+    const wanted = figureOf(id)[tiles.x.findIndex((x, i) => x === 16 && tiles.y[i] === 0)];
+    assert.ok(Math.abs((id === "energy" ? nanojoulesOf : numberOf)(said) / wanted - 1) < 1e-3, `${said} is not ${wanted}`);
+    assert.equal(await page.locator('[data-block="frame"] .colour-bar .mark').isVisible(), true);
+  }
+  const totals = { "pixel-rays": report.totals.rays.total, "pixel-steps": report.totals.traversal_steps, "pixel-tests": figureOf("tests").reduce((a, b) => a + b) };
+  for (const [id, total] of Object.entries(totals)) {
+    const grid = block.grids.find((g) => g.id === id);
+    const sum = await page.evaluate(async ({ pixels, step }) => {
+      const image = new Image();
+      image.src = pixels;
+      await image.decode();
+      const data = window.pixelsOf(image);
+      let all = 0;
+      for (let i = 0; i < data.length; i += 4) all += (256 * data[i] + data[i + 1]) * step;
+      return all;
+    }, grid);
+    assert.equal(sum, total, id);
+  }
+}));
+
+const micros = (cycles) => (1e3 * report.totals.time_ms * cycles) / report.totals.cycles;
+
+test("a tile that is pointed at is marked in time", () => look("run.html", {}, async (page) => {
+  const stage = page.locator('[data-block="frame"] .stage'), box = await stage.boundingBox();
+  await stage.hover({ position: { x: (box.width * 40.5) / 64, y: (box.height * 20.5) / 32 } });
+  const i = tiles.x.findIndex((x, k) => x === 32 && tiles.y[k] === 16);
+  const [, from, to] = (await page.locator('[data-block="series"] .readout').innerText()).match(/pointed at: ([\d.]+) to ([\d.]+) us/);
+  assert.ok(Math.abs(from - micros(tiles.dispatched[i])) <= 1e-3 * micros(tiles.dispatched[i]) + 1e-6, from);
+  assert.ok(Math.abs(to / micros(tiles.finished[i]) - 1) < 1e-3, to);
+}));
+
+test("time that is brushed, by the pointer and by keys, lights the tiles that were in flight", () => look("run.html", {}, async (page) => {
+  const dimmed = () => page.locator(".stage .lit").evaluate((lit) => {
+    if (lit.hidden) return null;
+    const data = window.pixelsOf(lit);
+    return Array.from({ length: lit.width * lit.height }, (_, i) => data[4 * i + 3] > 0);
+  });
+  const wanted = ([from, to]) => {
+    const out = [];
+    tiles.tile.forEach((_, i) => (out[(tiles.y[i] / 16) * 4 + tiles.x[i] / 16] = !(micros(tiles.dispatched[i]) < to && micros(tiles.finished[i]) > from)));
+    return out;
+  };
+  assert.equal(await dimmed(), null);
+  const canvas = page.locator('[data-block="series"] canvas');
+  await canvas.scrollIntoViewIfNeeded();
+  const box = await canvas.boundingBox();
+  await page.mouse.move(box.x + 0.6 * box.width, box.y + 80);
+  await page.mouse.down();
+  await page.mouse.move(box.x + 0.8 * box.width, box.y + 90, { steps: 4 });
+  await page.mouse.up();
+  await page.waitForFunction(() => location.hash.startsWith("#time="));
+  const span = (await page.evaluate(() => location.hash)).slice(6).split("-").map(Number);
+  assert.deepEqual(await dimmed(), wanted(span));
+  const ends = tiles.finished.map(micros).sort((a, b) => a - b);
+  const late = [Math.ceil((ends[3] + ends[4]) / 2), Math.ceil(ends[7])];  // half of the tiles are through
+  await page.getByLabel("Brush from, us").fill(String(late[0]));
+  await page.getByLabel("Brush to, us").fill(String(late[1]));
+  await page.keyboard.press("Enter");
+  const few = wanted(late);
+  assert.ok(few.includes(true) && few.includes(false), few.join());
+  assert.deepEqual(await dimmed(), few);
+}));
+
+test("an address that is opened shows what its sender saw", () => look("run.html", { fresh: true,
+  hash: "#overlay=steps&opacity=40&series=bandwidth&time=2-9&side=low&tables=peaks&sort.kernel-table=ii:desc&theme=dark" }, async (page) => {
+  assert.equal(await page.getByLabel("Overlay", { exact: true }).inputValue(), "steps");
+  assert.equal(await page.locator(".stage .over:not(.lit)").evaluate((e) => e.style.opacity), "0.4");
+  assert.equal(await page.getByLabel("Figure").inputValue(), "bandwidth");
+  assert.equal(await page.getByLabel("Brush to, us").inputValue(), "9");
+  assert.equal(await page.locator(".stage .lit").isVisible(), true);
+  assert.equal(await page.getByRole("button", { name: "low", exact: true }).getAttribute("aria-pressed"), "true");
+  assert.equal(await page.locator('[data-block="peaks"] table').isVisible(), true);
+  assert.equal(await page.locator('[data-block="kernel-table"] th[aria-sort="descending"]').innerText(), "II, cycles");
+  assert.equal(await page.evaluate(() => document.documentElement.dataset.theme), "dark");
+}));
+
+test("an adaptive frame shows which check failed, and the rate of its tiles", () => look("adaptive.html", { hash: "#overlay=similar" }, async (page) => {
+  const choices = await page.getByLabel("Overlay", { exact: true }).locator("option").allInnerTexts();
+  assert.ok(choices.some((c) => c.startsWith("failed check: ")), choices.join());
+  assert.match(await page.locator(".colour-bar .caption").innerText(), /similar samples/);
+  const checked = await page.getByLabel("Overlay", { exact: true }).locator("option", { hasText: "failed check: " }).first().getAttribute("value");
+  const before = await page.locator(".stage img").first().getAttribute("src");
+  await page.getByLabel("Overlay", { exact: true }).selectOption(checked);
+  await page.waitForFunction((shown) => document.querySelector(".stage").dataset.shown === shown, checked);
+  assert.notEqual(await page.locator(".stage img").first().getAttribute("src"), before);
+  assert.match(await page.locator(".bar .note").innerText(), /failed this check/);
+}));
+
+test("a run ends with the line that makes its page", () => {
+  const lines = program("run", "--resolution", "16x16", "--set", "scene.triangles=200", "-o", "said").trim().split("\n");
+  const line = lines.at(-1).match(/^page: +raywatt (report .*)$/)[1];
+  program(...line.split(" "));
+  assert.ok(fs.readFileSync(at("said.html"), "utf8").startsWith("<!doctype html>"));
+});
+
 test("a run without pictures still has its page, which says so", async () => {
   fs.mkdirSync(at("bare"), { recursive: true });
   fs.copyFileSync(at("base", "report.json"), at("bare", "report.json"));
-  const { program } = await import("./surroundings.mjs");
   program("report", "bare", "-o", "bare.html");
   await look("bare.html", {}, async (page) => {
     assert.match(await page.locator("#picture").innerText(), /no image\.png/);

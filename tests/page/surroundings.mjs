@@ -1,10 +1,11 @@
 // A browser, and pages that the real program has written: node all.mjs RAYWATT NODE_MODULES
 import assert from "node:assert/strict";
-import { execFileSync } from "node:child_process";
+import { execFile, execFileSync } from "node:child_process";
 import fs from "node:fs";
 import { createRequire } from "node:module";
 import os from "node:os";
 import path from "node:path";
+import { promisify } from "node:util";
 
 export const [raywatt, modules] = process.argv.slice(2).map((p) => path.resolve(p));
 const SKIPPED = 77;
@@ -30,63 +31,105 @@ process.on("exit", () => fs.rmSync(folder, { recursive: true, force: true }));
 
 export const at = (...names) => path.join(folder, ...names);
 export const program = (...words) => execFileSync(raywatt, words, { cwd: folder, encoding: "utf8", stdio: ["ignore", "pipe", "pipe"] });
+/** The same, while others run. */
+const running = (...words) => promisify(execFile)(raywatt, words, { cwd: folder });
 export const json = (...names) => JSON.parse(fs.readFileSync(at(...names), "utf8"));
 
-const small = ["--resolution", "64x32", "--set", "scene.triangles=1000", "--threads", "1", "--quiet"];
-program("run", ...small, "-o", "base");
-program("run", ...small, "-o", "ports", "--set", "srp.array.cache_ports=2", "--set", "tni.trvs=2");
 fs.writeFileSync(at("sweep.yaml"), `schema: raywatt-sweep/1
 question: Which axis decides?
 scene: cornell
-resolution: 32x16
-sets: [scene.triangles=500]
+resolution: 16x16
+sets: [scene.triangles=200]
 axes:
   cores: [1, 2]
   tni.trvs: [1, 2, 4]
   tni.trv.l1.size: [8 KiB, 16 KiB]
 `);
-program("sweep", "run", "sweep.yaml", "-o", "sweep", "--store", "store", "-j", "1");
-program("report", "base", "-o", "run.html");
-program("report", "base", "ports", "-o", "diff.html");
-program("report", "sweep", "-o", "sweep.html");
+const small = ["--resolution", "64x32", "--set", "scene.triangles=1000", "--set", "render.tile=16", "--threads", "1", "--quiet"];
+const runs = async () => {
+  await Promise.all([
+    running("run", ...small, "-o", "base"),
+    running("run", ...small, "-o", "ports", "--set", "srp.array.cache_ports=2", "--set", "tni.trvs=2")]);
+  await Promise.all([running("report", "base", "-o", "run.html"), running("report", "base", "ports", "-o", "diff.html"), running("report", "base", "ports", "base", "-o", "three.html")]);
+};
+const sweep = async () => {
+  await running("sweep", "run", "sweep.yaml", "-o", "sweep", "--store", "store", "-j", "1");
+  await running("report", "sweep", "-o", "sweep.html");
+};
+const adaptive = async () => {
+  await running("run", ...small, "-o", "adaptive", "--program", "multirate:under", "--debug-images");
+  await running("report", "adaptive", "-o", "adaptive.html");
+};
+const [browser] = await Promise.all([
+  browsers.launch({
+    executablePath: chromium,
+    args: ["--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"],
+  }),
+  runs(), sweep(), adaptive()]);
 
-const browser = await browsers.launch({
-  executablePath: chromium,
-  args: ["--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"],
-});
+const open = new Map();  // pages by file
 export const close = () => browser.close();
 
-/** Has `use` look at a page; whatever it complains of, or asks the network for, fails. */
-export async function look(name, { hash = "", theme = "light", width = 1280, still = false } = {}, use) {
-  const context = await browser.newContext({ colorScheme: theme, viewport: { width, height: 900 }, acceptDownloads: true, reducedMotion: "reduce" });
+/** Opens a page; it complains of whatever it complains of, and of each request to the network. */
+async function opened(name, address) {
+  const context = await browser.newContext({ acceptDownloads: true, reducedMotion: "reduce" });
   const page = await context.newPage();
-  const complaints = [];
-  page.on("console", (message) => complaints.push(`${message.type()}: ${message.text()}`));
-  page.on("pageerror", (error) => complaints.push(String(error.stack)));
-  page.on("request", (request) => /^(file|data|blob):/.test(request.url()) || complaints.push(`asks for ${request.url()}`));
+  page.complaints = [];
+  page.on("console", (message) => page.complaints.push(`${message.type()}: ${message.text()}`));
+  page.on("pageerror", (error) => page.complaints.push(String(error.stack)));
+  page.on("request", (request) => /^(file|data|blob):/.test(request.url()) || page.complaints.push(`asks for ${request.url()}`));
+  /** Pixels of a canvas, which is not read itself. */
+  await page.addInitScript(() => {
+    window.pixelsOf = (canvas) => {
+      const copy = document.createElement("canvas");
+      [copy.width, copy.height] = [canvas.width ?? canvas.naturalWidth, canvas.height ?? canvas.naturalHeight];
+      const context = copy.getContext("2d", { willReadFrequently: true });
+      context.drawImage(canvas, 0, 0);
+      return context.getImageData(0, 0, copy.width, copy.height).data;
+    };
+  });
   await page.addInitScript(() => document.addEventListener("securitypolicyviolation", (e) => console.error("refused by the policy:", e.violatedDirective, e.sample)));
-  try {
-    await page.goto(`file://${at(name)}${hash}`);
-    if (!still) await drawn(page);
-    await use(page);
-    assert.deepEqual(complaints, []);
-  } finally {
-    await context.close();
-  }
+  await page.goto(address);
+  open.set(name, page);
+  return page;
+}
+
+/**
+ * Has `use` look at a page. Pages stay open from test to test, and another state is another fragment of the address;
+ * `fresh`: read again, as one does who opens that address.
+ */
+export async function look(name, { hash = "", theme = "light", width = 1280, fresh = false, media = "screen" } = {}, use) {
+  const address = `file://${at(name)}${hash || "#"}`;
+  if (fresh) await open.get(name)?.context().close();
+  const page = fresh || !open.has(name) ? await opened(name, address) : open.get(name);
+  if (page.viewportSize().width !== width) await page.setViewportSize({ width, height: 900 });
+  await page.emulateMedia({ colorScheme: theme, media });
+  if (page.url() !== address) await page.goto(address);
+  await drawn(page);
+  await use(page);
+  assert.deepEqual(page.complaints, []);
 }
 
 /** A number as pages show it: "17.07 k" is 17070. */
 export function numberOf(text) {
-  const [, digits, prefix] = text.trim().match(/^([\d.e+-]+)(?: ([kMGT])(?![a-z]))?/);
+  const [, digits, prefix] = text.trim().replace("−", "-").match(/^([\d.e+-]+)(?: ([kMGT])(?![a-z]))?/);
   return Number(digits) * { k: 1e3, M: 1e6, G: 1e9, T: 1e12 }[prefix ?? ""] || Number(digits);
 }
 
-/** Waits until every chart of the page is drawn. */
+/** Nanojoules of a text: "2.3 µJ" is 2300. */
+export function nanojoulesOf(text) {
+  const [, digits, prefix] = text.trim().replace("−", "-").match(/^([\d.e+-]+) ([mµnp]?)J$/);
+  return Number(digits) * { "": 1e9, m: 1e6, µ: 1e3, n: 1, p: 1e-3 }[prefix];
+}
+
+/** Waits until every chart of the page is drawn, and drawn for this width and theme. */
 export async function drawn(page) {
-  await page.evaluate(() => window.dispatchEvent(new Event("beforeprint")));
   await page.waitForFunction(() => {
     const drawings = [...document.querySelectorAll(".drawing")];
     const isWhole = (d) => d.querySelector(".sankey-drawing, svg, .stage") || d.dataset.drawn !== undefined || d.hidden;
     return drawings.length > 0 && drawings.every(isWhole);
-  }, undefined, { timeout: 30000 });
+  }, undefined, { timeout: 30000, polling: 50 }).catch(async (error) => {
+    const missing = await page.evaluate(() => [...document.querySelectorAll(".drawing:not([data-drawn])")].map((d) => d.closest("figure").dataset.block));
+    throw new Error(`${error.message}; not drawn: ${missing}; said: ${page.complaints.join("\n")}`);
+  });
 }

@@ -17,6 +17,22 @@ test("the table sorts, filters, and shows all points", () => look("sweep.html", 
   assert.match(await page.evaluate(() => decodeURIComponent(location.hash)), /filter\.points=cores=2/);
 }));
 
+test("headlines are the best of all points, with the band of all", () => look("sweep.html", {}, async (page) => {
+  const best = (way) => Number(program("sweep", "best", "sweep", way, "totals.perf.fps").match(/^totals\.perf\.fps +([\d.]+)$/m)[1]);
+  const figure = page.locator('[data-figure="totals.perf.fps"]');
+  assert.ok(Math.abs(numberOf(await figure.locator(".value").innerText()) / best("--max") - 1) < 1e-3);
+  const [low, high] = (await figure.locator(".band").innerText()).split(" to ").map(numberOf);
+  assert.ok(Math.abs(low / best("--min") - 1) < 1e-3 && Math.abs(high / best("--max") - 1) < 1e-3);
+}));
+
+test("the filter of the table leaves its points in the chart and on the parallel axes", () => look("sweep.html", { hash: "#filter.points=cores%3D2&tables=scatter%2Cparallel-axes" }, async (page) => {
+  const rows = (block) => page.locator(`[data-block="${block}"] table tbody tr`);
+  await page.waitForFunction(() => document.querySelectorAll('[data-block="scatter"] table tbody tr').length === 6);
+  assert.equal(await page.getByRole("searchbox").first().inputValue(), "cores=2");
+  assert.equal(await rows("points").count(), 6);
+  assert.equal(await rows("scatter").count(), 6);
+}));
+
 test("the front is that of sweep pareto, for the first figures and for any others", () => look("sweep.html", {}, async (page) => {
   for (const [x, y] of [["totals.power_w.nominal", "totals.perf.fps"], ["totals.cycles", "totals.energy_mj.nominal"]]) {
     const lines = program("sweep", "pareto", "sweep", "--x", x, "--y", y, "--csv").trim().split("\n").slice(1).map((l) => l.split(","));

@@ -6,15 +6,19 @@ import { plainTable } from "./table.js";
 
 const shownTables = () => new Set(state.get("tables").split(",").filter(Boolean));
 
-/** `body` is the drawing; `more` are further controls. With `data` there is a switch to a table, and a download. */
-export function frame(block, body, { data, more = [], table } = {}) {
+/**
+ * `body` is the drawing; `more` are further controls. With `data` there is a switch to a table, and a download; where
+ * data change, they are a function, and `refresh()` of the figure says that they have.
+ */
+export function frame(block, body, { data, name = () => block.id, more = [], table } = {}) {
+  const rows = typeof data === "function" ? data : () => data;
   const title = h("h3", { id: `block-${block.id}` }, block.title);
   const tools = h("div", { class: "tools" }, more);
   const figure = h("figure", { class: `block ${block.type}`, "data-block": block.id, "aria-labelledby": `block-${block.id}` },
     h("figcaption", {}, title, tools), body);
-  if (data && !table) addTable(block, body, data, tools, figure);
+  if (data && !table) addTable(block, body, rows, tools, figure);
   if (data) {
-    tools.append(h("button", { type: "button", onclick: () => saveCsv(block.id, data), "aria-label": `${block.title}: CSV` },
+    tools.append(h("button", { type: "button", onclick: () => saveCsv(name(), rows()), "aria-label": `${block.title}: CSV` },
       "CSV"));
   }
   return figure;
@@ -22,25 +26,26 @@ export function frame(block, body, { data, more = [], table } = {}) {
 
 function addTable(block, body, data, tools, figure) {
   let rows = null;
-  const button = h("button", { type: "button", "aria-pressed": "false", "aria-label": `${block.title}: as a table`,
-    onclick: () => toggle(true) }, "Table");
-  function toggle(byHand) {
+  const button = h("button", { type: "button", "aria-label": `${block.title}: as a table`, onclick: toggle }, "Table");
+  function toggle() {
     const all = shownTables();
-    if (byHand) {
-      all.has(block.id) ? all.delete(block.id) : all.add(block.id);
-      state.set({ tables: [...all].join(",") }, show);
-    }
-    show();
+    all.has(block.id) ? all.delete(block.id) : all.add(block.id);
+    state.set({ tables: [...all].join(",") });
   }
   function show() {
     const on = shownTables().has(block.id);
     button.setAttribute("aria-pressed", String(on));
-    if (on && !rows) figure.append((rows = plainTable(block.title, data)));
+    if (on && !rows) body.after((rows = plainTable(block.title, data())));
     if (rows) rows.hidden = !on;
     if (body.hidden && !on) requestAnimationFrame(() => window.dispatchEvent(new Event("resize")));
     body.hidden = on;
   }
+  figure.refresh = () => {
+    rows?.remove();
+    rows = null;
+    show();
+  };
   state.listen("tables", show);
-  tools.prepend(button);
+  tools.append(button);
   show();
 }

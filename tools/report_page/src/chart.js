@@ -2,6 +2,7 @@
 import { h } from "./dom.js";
 import { frame } from "./block.js";
 import { records, saveSpec } from "./files.js";
+import { fitted } from "./fit.js";
 import { libraries } from "./lib.js";
 import * as theme from "./theme.js";
 
@@ -11,15 +12,19 @@ const options = (expressionInterpreter) => ({
   logLevel: 1,  // errors: a height in steps beside a width of its place is warned of, though it is what is meant
 });
 
-/** Draws a specification into an element, and again when the theme changes. `ready` gets the view. */
+const ANOTHER = 50;  // pixels of difference from which a chart is fitted anew
+
+/** Draws a specification into an element, and again when theme or width change. `ready` gets the view. */
 export function drawn(element, spec, data, ready, more = {}) {
-  let view = null;
+  let view = null, width = 0, waiting = 0;
   async function draw() {
     const { embed, expressionInterpreter } = await libraries;
     if (view && !element.isConnected) return;
     view?.finalize();
+    width = element.clientWidth;
     const values = typeof data === "function" ? data() : records(data);
-    const colours = theme.coloured({ ...(typeof spec === "function" ? spec() : spec), data: { name: "rows" }, datasets: { rows: values, ...more } });
+    const shown = fitted(typeof spec === "function" ? spec() : spec, values, width);
+    const colours = theme.coloured({ ...shown, data: { name: "rows" }, datasets: { rows: values, ...more } });
     view = (await embed(element, colours, options(expressionInterpreter))).view;
     const canvas = element.querySelector("canvas");
     canvas?.setAttribute("role", "img");
@@ -29,6 +34,12 @@ export function drawn(element, spec, data, ready, more = {}) {
   }
   theme.listen(draw);
   const done = draw();
+  new ResizeObserver(() => {
+    const now = element.clientWidth;
+    if (!now || !view || Math.abs(now - width) < ANOTHER) return;
+    clearTimeout(waiting);
+    waiting = setTimeout(draw, 100);
+  }).observe(element);
   return { done, draw };
 }
 
@@ -60,6 +71,14 @@ export function whenNear(element, draw) {
   near.observe(element);
 }
 
-// Paper has no window to come near to.
-export const drawAll = () => [...waiting.keys()].forEach(start);
-window.addEventListener("beforeprint", drawAll);
+// What is further away is drawn when there is nothing else to do, and before it is printed.
+const idle = (draw) => (window.requestIdleCallback ? requestIdleCallback(draw, { timeout: 300 }) : setTimeout(draw, 200));
+function drawNext() {
+  const [next] = waiting.keys();
+  if (next) start(next);
+  if (waiting.size > 0) idle(drawNext);
+}
+/** Another view is about to be drawn. */
+export const freshView = () => waiting.clear();
+export const drawRest = () => libraries.then(() => idle(drawNext));
+window.addEventListener("beforeprint", () => [...waiting.keys()].forEach(start));

@@ -1,6 +1,6 @@
 // Colour maps of values: the same as the charts'. All that carry order grow in lightness.
 import { h } from "./dom.js";
-import { si } from "./format.js";
+import { si, signed } from "./format.js";
 import { libraries } from "./lib.js";
 
 const MAPS = { sequential: "viridis", diverging: "blueorange" };
@@ -39,10 +39,11 @@ export function colourBar(layer, map) {
     context.fillRect(i, 0, 1, 1);
   }
   const mark = h("span", { class: "mark", hidden: true });
-  const text = (share) => si(valueAt(share, layer), layer.unit);
+  const text = (share) => (layer.diverging ? signed : si)(valueAt(share, layer), layer.unit);
   const element = h("div", { class: "colour-bar", role: "img", "aria-label": `Colours from ${text(0)} to ${text(1)}` },
     h("div", { class: "strip" }, canvas, mark),
-    h("div", { class: "ends" }, h("span", {}, text(0)), h("span", {}, text(0.5)), h("span", {}, text(1))));
+    h("div", { class: "ends" }, h("span", {}, text(0)), h("span", {}, text(0.5)), h("span", {}, text(1))),
+    h("div", { class: "caption" }, layer.name));
   element.point = (value) => {
     mark.hidden = value === null;
     if (value !== null) mark.style.left = `${100 * Math.max(0, Math.min(1, shareOf(value, layer)))}%`;

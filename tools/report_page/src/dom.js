@@ -26,24 +26,22 @@ function fill(element, attributes, children) {
 let ids = 0;
 export const newId = (prefix) => `${prefix}-${++ids}`;
 
-/** A list to choose from, with its label: choices are {value, name}. */
+/** A list to choose from, with its label: choices are {value, name}, or groups {name, choices}. */
 export function choice(label, choices, value, change) {
   const id = newId("choice");
-  const select = h("select", { id, onchange: () => change(select.value) },
-    choices.map((c) => h("option", { value: c.value }, c.name)));
-  select.value = value;
-  return h("span", { class: "choice" }, h("label", { for: id }, label), select);
+  const option = (c) => (c.choices ? h("optgroup", { label: c.name }, c.choices.map(option)) : h("option", { value: c.value }, c.name));
+  const select = h("select", { id, onchange: () => change(select.value) }, choices.map(option));
+  const element = h("span", { class: "choice" }, h("label", { for: id }, label), select);
+  element.show = (to) => (select.value = to);
+  element.show(value);
+  return element;
 }
 
-/** Buttons of which one is on: choices are {value, name}. */
+/** Buttons of which one is on: choices are {value, name}. A click asks for a change; `press(value)` shows which is on. */
 export function switches(label, choices, value, change) {
-  const buttons = choices.map((c) =>
-    h("button", { type: "button", "aria-pressed": String(c.value === value), onclick: () => turn(c.value) }, c.name));
-  function turn(to) {
-    buttons.forEach((b, i) => b.setAttribute("aria-pressed", String(choices[i].value === to)));
-    change(to);
-  }
+  const buttons = choices.map((c) => h("button", { type: "button", onclick: () => change(c.value) }, c.name));
   const group = h("span", { class: "switches", role: "group", "aria-label": label }, buttons);
-  group.turn = turn;
+  group.press = (to) => buttons.forEach((b, i) => b.setAttribute("aria-pressed", String(choices[i].value === to)));
+  group.press(value);
   return group;
 }

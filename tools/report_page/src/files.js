@@ -26,9 +26,11 @@ export function csvOf(data) {
 
 export const saveCsv = (name, data) => save(`${name}.csv`, "text/csv", csvOf(data));
 
+const SCHEMA = "https://vega.github.io/schema/vega-lite/v6.json";
+
 /** The specification with its data inside, as notebooks and editors open it. */
 export const saveSpec = (name, spec, data) =>
-  save(`${name}.vl.json`, "application/json", JSON.stringify({ ...spec, data: { values: records(data) } }, null, 1));
+  save(`${name}.vl.json`, "application/json", JSON.stringify({ $schema: SCHEMA, ...spec, data: { values: records(data) } }, null, 1));
 
 /** Rows as objects. */
 export function records(data) {

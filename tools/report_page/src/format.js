@@ -1,6 +1,7 @@
 // Numbers as people read them: four digits at most, metric prefixes, units.
 
 const PREFIXES = [[1e12, "T"], [1e9, "G"], [1e6, "M"], [1e3, "k"]];
+const SMALLER = [[1, ""], [1e-3, "m"], [1e-6, "µ"], [1e-9, "n"], [1e-12, "p"]];
 
 const trimmed = (text) => (text.includes(".") ? text.replace(/\.?0+$/, "") : text);
 
@@ -16,11 +17,20 @@ export function digits(value) {
 
 export function si(value, unit = "") {
   const size = Math.abs(value);
+  if (unit === "nJ") return value === 0 ? "0 J" : joules(1e-9 * value);
   for (const [scale, prefix] of PREFIXES) {
     if (size >= scale * 0.99995) return `${digits(value / scale)} ${prefix}${unit}`;
   }
   return unit ? `${digits(value)} ${unit}` : digits(value);
 }
+
+function joules(value) {
+  const [scale, prefix] = SMALLER.find(([least]) => Math.abs(value) >= least * 0.99995) ?? SMALLER.at(-1);
+  return `${digits(value / scale)} ${prefix}J`;
+}
+
+/** A difference: with its sign, and a minus as wide as a plus. */
+export const signed = (value, unit = "") => (value > 0 ? "+" : value < 0 ? "−" : "") + si(Math.abs(value), unit);
 
 export function percent(share) {
   const value = 100 * share;
@@ -30,7 +40,14 @@ export function percent(share) {
 /** A value as its column or figure shows it; what is not there is a dash. */
 export function shown(value, { show, unit = "" } = {}, withUnit = true) {
   if (value === null || value === undefined || value === "") return "–";
-  if (typeof value !== "number") return String(value);
+  if (typeof value !== "number") return withMinus(String(value));
+  return withMinus(numberText(value, show, unit, withUnit));
+}
+
+/** A minus as wide as a plus. */
+const withMinus = (text) => text.replace(/^-(?=\d)/, "−");
+
+function numberText(value, show, unit, withUnit) {
   if (show === "percent") return percent(value);
   if (show === "si") return si(value, withUnit ? unit : "");
   if (show === "number" && Math.abs(value) >= 9999.5) return withUnit && unit ? `${si(value)} ${unit}` : si(value);

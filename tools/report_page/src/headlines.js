@@ -11,6 +11,6 @@ export function headlines(figures) {
       h("dt", {}, f.name),
       h("dd", {}, h("span", { class: "value" }, number), unit && h("span", { class: "unit" }, unit),
         f.low !== null && f.high !== null && h("span", { class: "band" }, `${shown(f.low, { show: "number" })} to ${shown(f.high, { show: "number" })}`),
-        f.note && h("span", { class: "note" }, f.note)));
+        f.note && h("span", { class: "note" }, f.note.replace(/^-/, "−"))));
   }));
 }

@@ -1,6 +1,6 @@
 // Draws the page from its data.
 import { h, choice } from "./dom.js";
-import { chart } from "./chart.js";
+import * as charts from "./chart.js";
 import { flow } from "./sankey.js";
 import { picture } from "./picture.js";
 import { pair } from "./pair.js";
@@ -27,7 +27,7 @@ function tableBlock(block, data) {
 
 const DRAWERS = {
   text: (block) => h("p", {}, block.text),
-  chart: (block, data) => chart(block, data),
+  chart: (block, data) => charts.chart(block, data),
   table: tableBlock,
   sankey: flow,
   picture,
@@ -60,6 +60,9 @@ function verdict(view) {
 }
 
 function draw() {
+  state.freshView();
+  theme.freshView();
+  charts.freshView();
   const index = Math.min(Number(state.get("view", "0")) || 0, model.views.length - 1);
   const view = model.views[index];
   const views = model.views.length > 1 &&
@@ -75,10 +78,11 @@ function draw() {
       view.notices.length > 0 && h("ul", { class: "notices", "aria-label": "Notices" }, view.notices.map((n) => h("li", {}, n))),
       headlines(view.headlines),
       view.sections.map((part) => section(part, view))));
+  charts.drawRest();
 }
 
-draw();
-readLibraries();
 state.listen("view", draw);
 state.listen("at", (id) => id && go(id));
+draw();
+readLibraries();
 if (state.get("at")) requestAnimationFrame(() => go(state.get("at")));

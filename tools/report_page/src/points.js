@@ -7,7 +7,7 @@ import { shown } from "./format.js";
 import { sortableTable } from "./table.js";
 import * as state from "./state.js";
 
-const ACCENT = "#1f5fa8", REST = "#8a9099", INK = "#1c2733", WAIT = "#b85c12";
+const ACCENT = "#1f5fa8", REST = "#8a9099", INK = "#1c2733", WAIT = "#b85c12", GROUND = "#ffffff";
 
 /** Rows than which no other is as good in both figures and better in one: indices, from the best x on. */
 export function frontOf(points, x, y) {
@@ -74,17 +74,26 @@ export function scatter(block, data) {
       ],
     };
   }
+  /** What is drawn, for readers: its table and its download. */
+  function shownRows() {
+    const both = [["x", x()], ["y", y()]].map(([field, m]) => ({ ...data.columns.find((c) => c.field === m.field), field }));
+    const columns = [{ field: "n", title: "point", show: "number" }, ...both, { field: "place", title: "place", show: "text" }, { field: "axes", title: "axes", show: "text" }];
+    return { columns, rows: rows().map((row) => columns.map((c) => row[c.field])) };
+  }
   let drawing = null;
-  const again = () => drawing?.draw();
+  const again = () => {
+    figure.refresh();
+    drawing?.draw();
+  };
   const pick = (label, key, of) => choice(label, choices, of().field, (value) => { state.set({ [key]: value === block.start[key] ? "" : value }); });
   const pickX = pick("x", "x", x), pickY = pick("y", "y", y);
   const pickBy = choice("colour", [{ value: "", name: "front" }, ...block.axes.map((a) => ({ value: a.field, name: a.field }))], state.get("by"), (value) => state.set({ by: value }));
   const save = h("button", { type: "button", "aria-label": `${block.title}: Vega-Lite specification`,
     onclick: () => { const values = rows(); saveSpec(block.id, spec(), { columns: Object.keys(values[0] ?? {}).map((field) => ({ field })), rows: values.map(Object.values) }); } }, "Vega-Lite");
-  for (const key of ["x", "y", "by"]) state.listen(key, () => { pickX.querySelector("select").value = x().field; pickY.querySelector("select").value = y().field; pickBy.querySelector("select").value = by()?.field ?? ""; again(); });
+  for (const key of ["x", "y", "by"]) state.listen(key, () => { pickX.show(x().field); pickY.show(y().field); pickBy.show(by()?.field ?? ""); again(); });
   listeners.push(again);
   filterListeners.push(again);
-  const figure = frame(block, body, { more: [pickX, pickY, pickBy, save] });
+  const figure = frame(block, body, { data: shownRows, more: [pickX, pickY, pickBy, save] });
   figure.append(details(block, data, points));
   whenNear(figure, () => {
     drawing = drawn(body, spec, rows, (view) => view.addEventListener("click", (event, item) => item?.datum?.row !== undefined && choose(item.datum.row)));
@@ -149,30 +158,37 @@ export function parallel(block, data) {
     ...block.axes.flatMap((a) => a.levels.map((level, i) => ({ axis: a.field, share: a.levels.length < 2 ? 0.5 : i / (a.levels.length - 1), text: level }))),
     ...shownMetrics.flatMap((m, k) => [0, 1].map((e) => ({ axis: named(m), share: e, text: shown(spread[k][e], { show: "number" }) }))),
   ];
+  /** Names of axes beside each other, or aslant where they have no room. */
+  const heads = () => (body.clientWidth > 115 * names.length ? { labelAngle: 0, labelLimit: 150, labelPadding: 14 }
+    : { labelAngle: -50, labelAlign: "left", labelLimit: 130, labelPadding: 16 });
   const spec = () => ({
     $schema: "https://vega.github.io/schema/vega-lite/v6.json", description: block.about, width: "container", height: 300,
     autosize: { type: "fit-x", contains: "padding" },
     encoding: {
-      x: { field: "axis", type: "nominal", sort: names, title: null, axis: { orient: "top", labelAngle: 0, domain: false, ticks: false, labelLimit: 150, labelPadding: 14, grid: true, labelFontWeight: 600 }, scale: { padding: 0.35 } },
+      x: { field: "axis", type: "nominal", sort: names, title: null, axis: { orient: "top", ...heads(), domain: false, ticks: false, grid: true, labelFontWeight: 600 }, scale: { padding: 0.35 } },
       y: { field: "share", type: "quantitative", axis: null, scale: { domain: [-0.03, 1.03] } },
     },
     layer: [
-      { mark: { type: "line", cursor: "pointer" },
+      ...["other", "on the front", "chosen"].map((kind) => ({
+        transform: [{ filter: `datum.kind === '${kind}'` }],
+        mark: { type: "line", cursor: "pointer", strokeWidth: { other: 1, chosen: 3.5 }[kind] ?? 1.6,
+          opacity: { other: Math.max(0.25, Math.min(0.6, 20 / points.length)), chosen: 1 }[kind] ?? Math.max(0.5, Math.min(0.95, 20 / front.size)) },
         encoding: {
           detail: { field: "row" },
-          color: { field: "kind", type: "nominal", title: null, scale: { domain: ["other", "on the front", "chosen"], range: [REST, ACCENT, WAIT] }, legend: { orient: "bottom", symbolType: "stroke" } },
-          opacity: { condition: [{ test: "datum.kind === 'other'", value: Math.max(0.12, Math.min(0.5, 20 / points.length)) }], value: 0.95 },
-          strokeWidth: { condition: [{ test: "datum.kind === 'chosen'", value: 3.5 }, { test: "datum.kind === 'other'", value: 1 }], value: 1.6 },
+          color: { field: "kind", type: "nominal", title: null, scale: { domain: ["other", "on the front", "chosen"], range: [REST, ACCENT, WAIT] }, legend: { orient: "bottom", symbolType: "stroke", symbolOpacity: 1, symbolStrokeWidth: 2 } },
           tooltip: [{ field: "n", title: "point" }],
-        } },
-      { data: { values: ends }, mark: { type: "text", align: "left", dx: 6, dy: -6, color: INK, fontSize: 11 }, encoding: { text: { field: "text" } } },
+        } })),
+      ...[{ stroke: GROUND, strokeWidth: 3.5, strokeJoin: "round" }, {}].map((halo) => (
+        { data: { values: ends }, mark: { type: "text", align: "left", dx: 6, dy: -6, color: INK, fontSize: 11, ...halo }, encoding: { text: { field: "text" } } })),
     ],
   });
+  const save = h("button", { type: "button", "aria-label": `${block.title}: Vega-Lite specification`,
+    onclick: () => { const values = rows(); saveSpec(block.id, spec(), { columns: Object.keys(values[0] ?? {}).map((field) => ({ field })), rows: values.map(Object.values) }); } }, "Vega-Lite");
   let drawing = null;
   const again = () => drawing?.draw();
   listeners.push(again);
   filterListeners.push(again);
-  const figure = frame(block, body, { data });
+  const figure = frame(block, body, { data, more: [save] });
   whenNear(figure, () => {
     drawing = drawn(body, spec, rows, (view) => view.addEventListener("click", (event, item) => item?.datum?.row !== undefined && choose(item.datum.row)));
   });

@@ -16,16 +16,18 @@ export function flow(block, data) {
   const links = records(data);
   const body = h("div", { class: "drawing sankey-drawing", tabindex: "0", role: "group", "aria-label": block.about });
   const side = () => state.get("side", "nominal");
-  const buttons = switches("Energy tables", SIDES, side(), (value) => { state.set({ side: value === "nominal" ? "" : value }, listener); show(); });
+  const buttons = switches("Energy tables", SIDES, side(), (value) => state.set({ side: value === "nominal" ? "" : value }));
   const figure = frame(block, body, { data, more: [buttons] });
 
   async function show() {
     const library = await libraries;
-    const width = Math.max(body.clientWidth || 900, 560);
+    const width = Math.max(body.clientWidth || 900, 600);
     body.replaceChildren(drawing(library, links, side(), width, block.about));
   }
-  const listener = () => buttons.turn(side());
-  state.listen("side", listener);
+  state.listen("side", () => {
+    buttons.press(side());
+    show();
+  });
   theme.listen(show);
   new ResizeObserver(show).observe(figure);
   return figure;
@@ -47,18 +49,20 @@ function drawing({ sankey, sankeyLinkHorizontal, sankeyJustify }, all, side, wid
     return 1000 * (rank.get(parent.get(name)) ?? 0) + (name.endsWith("other events") ? 999 : 500 - 400 * (into.get(name) / total));
   }
   const height = (names.length - blocks.length - 1) * ROW + FLOW;
-  const right = width < 700 ? 170 : 240;
+  const isNarrow = width < 700;
+  const right = isNarrow ? 190 : 240;
   const graph = sankey().nodeId((n) => n.name).nodeAlign(sankeyJustify).nodeWidth(10).nodePadding(ROW - 2)
     .nodeSort((a, b) => order(a) - order(b)).extent([[2, 6], [width - right, height - 6]])({
       nodes: names.map((name) => ({ name })), links,
     });
   const colourOf = (name) => theme.colour(name === root ? "#8a9099" : RESTS[name] ?? BLOCKS[(rank.get(name) ?? rank.get(parent.get(name)) ?? 0) % BLOCKS.length]);
+  const inner = (node) => node.x1 < width - right - 1;
   const label = (node) => {
     const words = node.name.includes(": ") ? node.name.split(": ").slice(1).join(": ") : node.name;
-    return `${words}  ${digits(node.value)} mJ, ${percent(node.value / total)}`;
+    const share = isNarrow && inner(node) ? "" : `, ${percent(node.value / total)}`;
+    return `${words}  ${node.name === root ? digits(node.value) : Number(node.value.toPrecision(3))} mJ${share}`;
   };
   const path = sankeyLinkHorizontal();
-  const inner = (node) => node.x1 < width - right - 1;
   return s("svg", { width, height, viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": `${about}, ${side} tables` },
     graph.links.map((link) => s("path", { d: path(link), fill: "none", stroke: colourOf(link.source.name === root ? link.target.name : link.source.name),
       "stroke-opacity": 0.28, "stroke-width": Math.max(0.7, link.width) },

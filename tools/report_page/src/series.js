@@ -2,9 +2,8 @@
 import { h, choice } from "./dom.js";
 import { frame } from "./block.js";
 import { whenNear, drawn } from "./chart.js";
-import { records, saveCsv, saveSpec } from "./files.js";
+import { records, saveSpec } from "./files.js";
 import { digits } from "./format.js";
-import { plainTable } from "./table.js";
 import * as link from "./link.js";
 import * as state from "./state.js";
 
@@ -13,12 +12,23 @@ const span = () => {
   return Number.isFinite(from) && Number.isFinite(to) && to > from ? [from, to] : null;
 };
 
+/** Two numbers for those who brush by keys. */
+function ends(end, change) {
+  const input = (label) => h("input", { type: "number", min: 0, max: end, step: "any", "aria-label": label, onchange: () => change() });
+  const from = input("Brush from, us"), to = input("Brush to, us");
+  const element = h("span", { class: "choice ends-of-time" }, "brush", from, "to", to, "us");
+  element.span = () => (from.value === "" && to.value === "" ? null : [Number(from.value || 0), Number(to.value || end)]);
+  element.show = (of) => [from, to].forEach((each, i) => (each.value = of ? digits(of[i]) : ""));
+  return element;
+}
+
 export function series(block, _, all) {
   const body = h("div", { class: "drawing" });
   const readout = h("output", { class: "readout" });
   const chart = () => block.charts.find((c) => c.id === state.get("series")) ?? block.charts[0];
   const data = () => all[chart().data];
-  let view = null, drawing = null, table = null;
+  const end = Math.max(...records(all[block.charts[0].data]).map((row) => row.end_us));
+  let view = null, drawing = null;
 
   /** The chart's own marks, a brush, and a band for the tile that is pointed at. */
   function spec() {
@@ -34,50 +44,45 @@ export function series(block, _, all) {
       ],
     };
   }
-  function brushed(_, value) {
-    const now = value?.begin_us;
-    const next = now && now[1] > now[0] ? `${digits(now[0])}-${digits(now[1])}` : "";
-    if (next !== state.get("time")) state.set({ time: next });
-    link.brush(span());
+  const setTime = (of, from) => {
+    const time = of && of[1] > of[0] ? of.map(digits).join("-") : "";
+    if (time !== state.get("time")) state.set({ time }, from);
     tell(null);
-  }
+  };
+  const brushed = (_, value) => setTime(value?.begin_us, redraw);
+  const times = ends(end, () => setTime(times.span()));
   function tell(tile) {
     const of = link.spanOf(tile);
-    if (of) readout.textContent = `the tile that is pointed at: ${digits(of[0])} to ${digits(of[1])} us`;
-    else readout.textContent = span() ? `brushed: ${digits(span()[0])} to ${digits(span()[1])} us. A click beside the brush ends it.` : "";
+    link.brush(span());
+    times.show(span());
+    readout.textContent = of ? `The tile that is pointed at: ${digits(of[0])} to ${digits(of[1])} us.`
+      : span() ? "A click beside the brush ends it." : "Drag over the chart to brush a stretch of time.";
   }
   function point(tile) {
     const of = link.spanOf(tile);
     view?.data("pointed", of ? [{ from: of[0], to: of[1] }] : []).runAsync();
     tell(tile);
   }
-  const again = () => { body.dataset.about = chart().about; pick.querySelector("select").value = chart().id; drawing?.draw(); if (table) refreshTable(); };
+  const redraw = () => {
+    body.dataset.about = chart().about;
+    pick.show(chart().id);
+    drawing?.draw();
+    tell(null);
+  };
   const pick = choice("Figure", block.charts.map((c) => ({ value: c.id, name: c.name })), chart().id,
     (value) => state.set({ series: value === block.charts[0].id ? "" : value }));
-  const asTable = h("button", { type: "button", "aria-pressed": "false", "aria-label": `${block.title}: as a table`, onclick: () => {
-    if (table) { table.remove(); table = null; } else refreshTable();
-    asTable.setAttribute("aria-pressed", String(Boolean(table)));
-    body.hidden = Boolean(table);
-  } }, "Table");
-  function refreshTable() {
-    table?.remove();
-    figure.append((table = plainTable(chart().name, data())));
-  }
-  const save = [
-    h("button", { type: "button", "aria-label": `${block.title}: Vega-Lite specification`, onclick: () => saveSpec(chart().id, chart().spec, data()) }, "Vega-Lite"),
-    h("button", { type: "button", "aria-label": `${block.title}: CSV`, onclick: () => saveCsv(chart().id, data()) }, "CSV")];
-  state.listen("series", again);
+  const save = h("button", { type: "button", "aria-label": `${block.title}: Vega-Lite specification`, onclick: () => saveSpec(chart().id, chart().spec, data()) }, "Vega-Lite");
+  const figure = frame(block, h("div", {}, body, h("div", { class: "under" }, readout, times)), { data, name: () => chart().data, more: [pick, save] });
+  state.listen("series", () => { figure.refresh(); redraw(); });
+  state.listen("time", redraw);
   link.listenPointed(point);
-  const figure = frame(block, h("div", {}, body, readout), { more: [pick, asTable, ...save] });
   body.dataset.about = chart().about;
+  tell(null);
   whenNear(figure, () => {
     drawing = drawn(body, spec, () => records(data()), (drawnView) => {
       view = drawnView;
       view.addSignalListener("brush", brushed);
-      link.brush(span());
-      tell(null);
     }, { pointed: [] });
   });
-  figure.brush = (from, to) => brushed("brush", { begin_us: [from, to] });
   return figure;
 }

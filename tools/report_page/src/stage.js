@@ -48,27 +48,34 @@ async function drawValues(layer, canvas, map) {
  * `probed(x, y, value)` is told of the pixel under the pointer, with null when it has left. `chosen(x, y)` of a click.
  */
 export function stage({ width, height, picture, about }, { probed, chosen }) {
-  const image = h("img", { src: picture, alt: about, width, height });
+  const image = h("img", { src: picture, alt: about, width, height, hidden: !picture });
   const over = h("canvas", { class: "over", "aria-hidden": "true" });
   const cross = h("span", { class: "cross", hidden: true });
   const lit = h("canvas", { class: "over lit", "aria-hidden": "true" });
   const element = h("div", { class: "stage", tabindex: "0", role: "application", "aria-label": `${about}. Arrow keys move the probe.` },
     image, over, lit, cross);
+  if (!picture) element.style.aspectRatio = `${width} / ${height}`;
   let at = null, read = () => null;
 
+  /** The cross stands at a pixel, or nowhere: null. */
+  function mark(x, y) {
+    cross.hidden = x === null;
+    if (x === null) return;
+    cross.style.left = `${(100 * (x + 0.5)) / width}%`;
+    cross.style.top = `${(100 * (y + 0.5)) / height}%`;
+  }
+  element.mark = mark;
   function probe(x, y) {
     at = [Math.max(0, Math.min(width - 1, Math.floor(x))), Math.max(0, Math.min(height - 1, Math.floor(y)))];
-    cross.hidden = false;
-    cross.style.left = `${(100 * (at[0] + 0.5)) / width}%`;
-    cross.style.top = `${(100 * (at[1] + 0.5)) / height}%`;
+    mark(...at);
     probed(at[0], at[1], read(at[0], at[1]));
   }
   function leave() {
-    cross.hidden = true;
+    mark(null);
     probed(null, null, null);
   }
   const place = (event) => {
-    const box = image.getBoundingClientRect();
+    const box = element.getBoundingClientRect();
     return [((event.clientX - box.left) / box.width) * width, ((event.clientY - box.top) / box.height) * height];
   };
   element.addEventListener("pointermove", (event) => probe(...place(event)));
@@ -89,7 +96,7 @@ export function stage({ width, height, picture, about }, { probed, chosen }) {
 
   /** Shows a layer: tiles (`tile`, a list of values), pixels (`pixels`, an image), a picture, or none. */
   element.show = async (layer, opacity) => {
-    image.src = layer?.picture ?? picture;
+    if (picture) image.src = layer?.picture ?? picture;
     over.hidden = !layer || Boolean(layer.picture);
     over.style.opacity = opacity;
     read = () => null;
@@ -108,6 +115,7 @@ export function stage({ width, height, picture, about }, { probed, chosen }) {
     }
     return map;
   };
+  element.fade = (opacity) => (over.style.opacity = opacity);
   /** Lights tiles of a grid up and dims the others; nothing dims without a set. */
   element.light = (tiles, tile) => {
     lit.hidden = !tiles;

@@ -2,6 +2,7 @@
 
 const listeners = new Map();
 let state = read();
+let isDrawn = false;  // what listens from now on is part of the view that is drawn
 
 function read() {
   const text = decodeURIComponent(location.hash.slice(1));
@@ -21,12 +22,18 @@ export function set(changes, from) {
 }
 
 function tell(key, from) {
-  for (const listener of listeners.get(key) ?? []) if (listener !== from) listener(get(key));
+  for (const { listener } of [...(listeners.get(key) ?? [])]) if (listener !== from) listener(get(key));
 }
 
 export function listen(key, listener) {
   if (!listeners.has(key)) listeners.set(key, []);
-  listeners.get(key).push(listener);
+  listeners.get(key).push({ listener, drawn: isDrawn });
+}
+
+/** Another view is about to be drawn: those who listen for parts of the one before are let go. */
+export function freshView() {
+  for (const [key, all] of listeners) listeners.set(key, all.filter((each) => !each.drawn));
+  isDrawn = true;
 }
 
 window.addEventListener("hashchange", () => {

@@ -65,7 +65,7 @@ export function filterOf(text, columns) {
  */
 export function sortableTable({ id, title }, data, { filter = false, chosen, filtered, hidden = new Set() } = {}) {
   const columns = readable(data).filter((c) => !hidden.has(c.field));
-  let [sorted, way] = (id ? state.get(`sort.${id}`) : "").split(":");
+  let [sorted, way] = ["", ""];
   const body = h("tbody");
   const heads = columns.map((column) => {
     const sort = h("button", { type: "button", onclick: () => turn(column.field) }, heading(column));
@@ -74,14 +74,20 @@ export function sortableTable({ id, title }, data, { filter = false, chosen, fil
   const count = h("span", { class: "count", role: "status" });
   const scroller = h("div", { class: "scroller", tabindex: "0", role: "region", "aria-label": `${title}, table` },
     h("table", { class: columns.length > WIDE ? "wide" : null }, h("thead", {}, h("tr", {}, heads)), body));
-  const input = filter && h("input", { type: "search", value: state.get(`filter.${id}`), "aria-label": `Filter of ${title}`,
-    placeholder: "words, or comparisons: share>=0.1", oninput: () => { state.set({ [`filter.${id}`]: input.value }, show); show(); } });
+  const input = filter && h("input", { type: "search", "aria-label": `Filter of ${title}`,
+    placeholder: "words, or comparisons: share>=0.1", oninput: () => state.set({ [`filter.${id}`]: input.value }) });
 
   function turn(field) {
     if (sorted !== field) [sorted, way] = [field, "asc"];
     else if (way === "asc") way = "desc";
     else [sorted, way] = ["", ""];
-    if (id) state.set({ [`sort.${id}`]: sorted ? `${sorted}:${way}` : "" }, show);
+    if (id) state.set({ [`sort.${id}`]: sorted ? `${sorted}:${way}` : "" });
+    else show();
+  }
+  /** What the address says. */
+  function follow() {
+    [sorted, way] = state.get(`sort.${id}`).split(":");
+    if (input && input.value !== state.get(`filter.${id}`)) input.value = state.get(`filter.${id}`);
     show();
   }
 
@@ -114,7 +120,13 @@ export function sortableTable({ id, title }, data, { filter = false, chosen, fil
     if (input) count.textContent = `${rows.length} of ${data.rows.length}`;
     filtered?.(new Set(rows.map(([, i]) => i)));
   }
-  show();
+  if (id) {
+    state.listen(`sort.${id}`, follow);
+    state.listen(`filter.${id}`, follow);
+    follow();
+  } else {
+    show();
+  }
   const element = input ? h("div", {}, h("div", { class: "filter" }, input, count), scroller) : scroller;
   return { element, body, show, mark: (i) => body.querySelectorAll("tr").forEach((r) => r.classList.toggle("chosen", r.dataset.row === String(i))) };
 }

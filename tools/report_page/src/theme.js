@@ -2,7 +2,7 @@
 import * as state from "./state.js";
 
 const preferred = window.matchMedia("(prefers-color-scheme: dark)");
-const listeners = [];
+let listeners = [];
 
 export const choices = [
   { value: "", name: "as system" },
@@ -10,7 +10,10 @@ export const choices = [
   { value: "dark", name: "dark" },
 ];
 
+let isPrinting = false;  // paper is light
+
 export function isDark() {
+  if (isPrinting) return false;
   const asked = state.get("theme");
   return asked ? asked === "dark" : preferred.matches;
 }
@@ -67,7 +70,7 @@ export function config() {
       category: dark
         ? ["#5a9fe0", "#f0a35a", "#4fc0b2", "#b797dd", "#8a94a0", "#d8c25a", "#e58ba0"]
         : ["#2b6cb0", "#b85c12", "#17736d", "#6b4a95", "#8a9099", "#a88a00", "#b3446c"],
-      ramp: { scheme: dark ? "viridis" : "viridis" },
+      ramp: { scheme: "viridis" },
       diverging: { scheme: "blueorange" },
     },
   };
@@ -75,11 +78,22 @@ export function config() {
 
 /** Told when the theme has changed. */
 export const listen = (listener) => listeners.push(listener);
+/** Another view is about to be drawn: what listened was part of the one before. */
+export const freshView = () => (listeners = []);
 
+const root = document.documentElement;
 function apply() {
-  document.documentElement.dataset.theme = isDark() ? "dark" : "light";
+  const now = isDark() ? "dark" : "light";
+  if (root.dataset.theme === now) return;
+  root.dataset.theme = now;
   for (const listener of listeners) listener();
 }
+function print(on) {
+  isPrinting = on;
+  apply();
+}
 preferred.addEventListener("change", apply);
+window.addEventListener("beforeprint", () => print(true));
+window.addEventListener("afterprint", () => print(false));
 state.listen("theme", apply);
-document.documentElement.dataset.theme = isDark() ? "dark" : "light";
+root.dataset.theme = isDark() ? "dark" : "light";

@@ -23,6 +23,13 @@ void add_keys(const Difference& d, View& view);
 void add_diff_pictures(const Difference& d, View& view);
 void add_explanations(const Difference& d, View& view);
 
+/// Figures of the second run's tiles less those of the first, as grids of a picture's block.
+struct TileDifferences {
+  Json grids = Json::array();  ///< one for each figure that differs anywhere
+  std::string note;            ///< those that do not differ, or why tiles are not compared
+};
+TileDifferences tile_differences(const Difference& d);
+
 /// Rows of a waterfall from the first total through changes, the largest first, to the second; what is below a
 /// hundredth of the larger total, or behind the twelfth, is one row.
 Dataset waterfall(const std::string& first, double a, const std::vector<Pair>& changes, const std::string& last,

@@ -48,44 +48,56 @@ Json cell_differences(const traces::Texture& a, const traces::Texture& b) {
   return out;
 }
 
-double most_of(const Json& values) {
+/// Null if the pictures are equal.
+Json picture_differences(const traces::Texture& a, const traces::Texture& b) {
+  Json values = cell_differences(a, b);
   double most = 0;
   for (const Json& value : values) most = std::max(most, value.get<double>());
-  return most;
+  if (most == 0) return {};
+  return {{"id", "picture"},  {"name", "channels of the picture, mean distance in 255ths"},
+          {"tile", kTile},    {"unit", ""},
+          {"values", values}, {"low", 0},
+          {"high", most}};
 }
 
 }  // namespace
 
 void add_diff_pictures(const Difference& d, View& view) {
-  Section section("pictures", "The pictures");
-  try {
-    const Picture a = read(d.a), b = read(d.b);
-    if (a.pixels.width != b.pixels.width || a.pixels.height != b.pixels.height) {
-      section.text("The pictures differ in size, so they are not laid over each other.");
-      return view.add(section);
-    }
-    Json grids = Json::array();
-    Json values = cell_differences(a.pixels, b.pixels);
-    if (const double most = most_of(values); most > 0) {
-      grids.push_back({{"id", "picture"},
-                       {"name", "difference of the pictures, mean of a cell"},
-                       {"tile", kTile},
-                       {"unit", ""},
-                       {"values", std::move(values)},
-                       {"low", 0},
-                       {"high", most}});
-    }
-    section.block("pair", "pictures-pair", "Both pictures",
-                  {{"about", "Pictures of both runs"},
-                   {"width", a.pixels.width},
-                   {"height", a.pixels.height},
-                   {"a", a.url},
-                   {"b", b.url},
-                   {"names", {d.name_a, d.name_b}},
-                   {"grids", std::move(grids)}});
-  } catch (const sim::InputError& error) {
-    section.text("The pictures are not both there: " + std::string(error.what()));
+  Section section("pictures", "Pictures and tiles",
+                  "Both pictures, to flip between and to split, and what each tile took in the second run less what it "
+                  "took in the first: blue, less; orange, more.");
+  const auto size = [](const ReportFile& report) {
+    return std::pair{report.number("resolution[0]"), report.number("resolution[1]")};
+  };
+  if (size(d.a) != size(d.b)) {
+    section.text("The pictures differ in size, so neither they nor their tiles are laid over each other.");
+    return view.add(section);
   }
+  TileDifferences tiles = tile_differences(d);
+  double width = size(d.a).first, height = size(d.a).second;
+  Json a, b;
+  try {
+    Picture first = read(d.a), second = read(d.b);
+    if (first.pixels.width != second.pixels.width || first.pixels.height != second.pixels.height)
+      throw sim::InputError("they differ in size");
+    if (Json grid = picture_differences(first.pixels, second.pixels); !grid.is_null())
+      tiles.grids.push_back(std::move(grid));
+    width = first.pixels.width;
+    height = first.pixels.height;
+    a = std::move(first.url);
+    b = std::move(second.url);
+  } catch (const sim::InputError& error) {
+    section.text(fmt::format("The pictures are not shown: {}.", error.what()));
+  }
+  section.block("pair", "pictures-pair", "Both pictures",
+                {{"about", "Pictures of both runs"},
+                 {"width", width},
+                 {"height", height},
+                 {"a", std::move(a)},
+                 {"b", std::move(b)},
+                 {"names", {d.name_a, d.name_b}},
+                 {"grids", std::move(tiles.grids)},
+                 {"note", tiles.note}});
   view.add(section);
 }
 

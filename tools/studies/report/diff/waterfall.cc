@@ -71,8 +71,10 @@ Dataset waterfall(const std::string& first, double a, const std::vector<Pair>& c
 }
 
 void add_waterfalls(const Difference& d, View& view) {
-  Section section("waterfall", "What made the difference",
-                  "From the first run to the second: blue, less; orange, more. All steps together are the difference.");
+  Section section(
+      "waterfall", "What made the difference",
+      "From the first run to the second: blue, less; orange, more. All steps together are the difference. Axes "
+      "need not begin at 0.");
   const Pair* const cycles = d.figure("cycles");
   if (cycles != nullptr && !d.found.time.empty()) {
     view.data("cycles", waterfall(d.name_a, cycles->a, in_words(d.found.time), d.name_b, cycles->b, ""));

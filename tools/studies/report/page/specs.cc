@@ -6,14 +6,30 @@ namespace tools::pages {
 namespace {
 
 constexpr int kBar = 22;          ///< height of a bar's band, in pixels
+constexpr int kToMiddle = 3;      ///< from where marks of bars side by side stand to the middle of their bar
 constexpr double kNamed = 0.055;  ///< least share of a part that is named in its bar
 
 /// Metric prefixes, but none for zero.
 Json prefixed() { return {{"format", "~s"}, {"labelExpr", "datum.value == 0 ? '0' : datum.label"}}; }
 
+/// As percent_text() has them.
+Json percents(const std::string& format) {
+  return {{"format", format}, {"labelExpr", "replace(datum.label, '%', ' %')"}};
+}
+
+/// Says to the page's scripts that names and labels of bars may stand above them where there is no room beside them.
+/// `first` is 0 in one part of each bar, where it has several.
+Json rows_of(const std::string& name, const std::string& label, const std::string& first = {}) {
+  Json rows = {{"name", name}};
+  if (!label.empty()) rows["label"] = label;
+  if (!first.empty()) rows["first"] = first;
+  return {{"rows", std::move(rows)}};
+}
+
 Json field(const std::string& name, const char* type, const std::string& title, const std::string& format = {}) {
   Json out = {{"field", name}, {"type", type}, {"title", title}};
   if (!format.empty()) out["axis"] = format == "~s" ? prefixed() : Json{{"format", format}};
+  if (format.ends_with('%')) out["axis"] = percents(format);
   return out;
 }
 
@@ -22,7 +38,7 @@ Json ordered(const Axis& category) {
           {"type", "nominal"},
           {"title", nullptr},
           {"sort", nullptr},
-          {"axis", {{"labelLimit", 190}, {"ticks", false}, {"domain", false}}}};
+          {"axis", {{"labelLimit", 250}, {"ticks", false}, {"domain", false}}}};
 }
 
 Json scale_of(const Colours& colours) {
@@ -42,6 +58,7 @@ Json bars_spec(const Axis& category, const Axis& value, const std::string& label
   if (from != 0) x["scale"]["domainMin"] = from;
   return {{"width", "container"},
           {"height", {{"step", kBar}}},
+          {"usermeta", rows_of(category.field, label_field)},
           {"encoding", {{"y", ordered(category)}, {"x", std::move(x)}}},
           {"layer",
            {{{"mark", {{"type", "bar"}, {"color", colours::kAccent}, {"height", {{"band", 0.62}}}}},
@@ -64,15 +81,16 @@ Json stack_spec(const Axis& category, const std::string& part, const std::string
       {"title", nullptr},
       {"sort", nullptr},
       {"scale", scale_of(colours)},
-      {"legend", {{"orient", "bottom"}, {"columns", 4}, {"symbolType", "square"}, {"labelLimit", 220}}}};
+      {"legend", {{"orient", "bottom"}, {"columns", 6}, {"symbolType", "square"}, {"labelLimit", 220}}}};
   const Json x = {{"field", share},  {"type", "quantitative"},        {"title", nullptr},
-                  {"stack", "zero"}, {"scale", {{"domain", {0, 1}}}}, {"axis", {{"format", ".0%"}}}};
+                  {"stack", "zero"}, {"scale", {{"domain", {0, 1}}}}, {"axis", percents(".0%")}};
   Json middle = x;
   middle["bandPosition"] = 0.5;
   const Json order = {{"field", "order"}, {"type", "quantitative"}};
   return {
       {"width", "container"},
       {"height", {{"step", kBar + 6}}},
+      {"usermeta", rows_of(category.field, "", "order")},
       {"encoding", {{"y", ordered(category)}, {"order", order}}},
       {"layer",
        {{{"mark", {{"type", "bar"}, {"stroke", colours::kInverse}, {"strokeWidth", 0.7}, {"height", {{"band", 0.78}}}}},
@@ -106,6 +124,7 @@ Json waterfall_spec(const std::string& title, const std::string& unit) {
   };
   return {{"width", "container"},
           {"height", {{"step", kBar}}},
+          {"usermeta", rows_of("name", "label")},
           {"encoding", {{"y", ordered({"name", ""})}}},
           {"layer",
            {{{"mark", {{"type", "bar"}, {"height", {{"band", 0.66}}}}},
@@ -139,6 +158,19 @@ Json roofline_spec() {
             {"mark", {{"type", "text"}, {"align", "left"}, {"dy", dy}, {"dx", 4}, {"color", colours::kText}}},
             {"encoding", {{"text", {{"field", "name"}}}}}};
   };
+  // The name of a run, on the side that has room for it, in two lines: "this run: 100 Mrays/s at 60 B a ray".
+  const auto run = [&](const char* side, const char* align, int dx) -> Json {
+    return {{"transform", only(std::string("datum.line == '' && datum.label == '") + side + "'")},
+            {"mark",
+             {{"type", "text"},
+              {"align", align},
+              {"dx", dx},
+              {"dy", 12},
+              {"lineBreak", " at "},
+              {"fontWeight", 600},
+              {"color", colours::kAccent}}},
+            {"encoding", {{"text", {{"field", "name"}}}}}};
+  };
   return {{"width", "container"},
           {"height", 300},
           {"encoding", {{"x", axis("x", "DRAM bytes per ray")}, {"y", axis("y", "rays per second")}}},
@@ -155,15 +187,8 @@ Json roofline_spec() {
                 {{{"field", "name"}, {"title", " "}},
                  {{"field", "x"}, {"title", "bytes per ray"}, {"format", ".4s"}},
                  {{"field", "y"}, {"title", "rays/s"}, {"format", ".4s"}}}}}}},
-            {{"transform", only("datum.line == ''")},
-             {"mark",
-              {{"type", "text"},
-               {"align", "left"},
-               {"dx", 9},
-               {"dy", 12},
-               {"fontWeight", 600},
-               {"color", colours::kAccent}}},
-             {"encoding", {{"text", {{"field", "name"}}}}}}}}};
+            run("before", "left", 9),
+            run("behind", "right", -9)}}};
 }
 
 Json series_spec(const std::vector<std::string>& names, const std::string& unit, bool stacked) {
@@ -197,13 +222,26 @@ Json sensitivity_spec() {
             {"type", "quantitative"},
             {"title", "share of variance"},
             {"scale", {{"domain", {0, 1}}}},
-            {"axis", {{"format", ".0%"}}}};
+            {"axis", percents(".0%")}};
   };
   Json y = ordered({"metric", ""});
   y["axis"]["labelLimit"] = 160;
+  const Json offset = {{"field", "axis"}, {"type", "nominal"}, {"sort", nullptr}};
+  // Behind an interval there is room for its label, or before it within the bar.
+  const std::string is_long = "datum.high > 0.85 && datum.low > 0.25";
+  const auto label = [&](const std::string& test, const char* end, const char* align, const char* colour) -> Json {
+    return {{"transform", Json::array({Json{{"filter", test}}})},
+            {"mark",
+             {{"type", "text"},
+              {"align", align},
+              {"dx", align[0] == 'l' ? 5 : -5},
+              {"color", colour},
+              {"yOffset", kToMiddle}}},
+            {"encoding", {{"x", share(end)}, {"text", {{"field", "label"}}}}}};
+  };
   return {{"width", "container"},
           {"height", {{"step", 15}}},
-          {"encoding", {{"y", std::move(y)}, {"yOffset", {{"field", "axis"}, {"type", "nominal"}, {"sort", nullptr}}}}},
+          {"encoding", {{"y", std::move(y)}, {"yOffset", offset}}},
           {"layer",
            {{{"mark", {{"type", "bar"}, {"height", {{"band", 0.8}}}}},
              {"encoding",
@@ -218,10 +256,10 @@ Json sensitivity_spec() {
                 {{{"field", "metric"}, {"title", "figure"}},
                  {{"field", "axis"}, {"title", "axis"}},
                  {{"field", "share"}, {"title", "share"}, {"format", ".1%"}}}}}}},
-            {{"mark", {{"type", "rule"}, {"color", colours::kText}}},
+            {{"mark", {{"type", "rule"}, {"color", colours::kText}, {"yOffset", kToMiddle}}},
              {"encoding", {{"x", share("low")}, {"x2", {{"field", "high"}}}}}},
-            {{"mark", {{"type", "text"}, {"align", "left"}, {"dx", 5}, {"color", colours::kText}}},
-             {"encoding", {{"x", share("high")}, {"text", {{"field", "label"}}}}}}}}};
+            label("!(" + is_long + ")", "high", "left", colours::kText),
+            label(is_long, "low", "right", colours::kInverse)}}};
 }
 
 }  // namespace tools::pages

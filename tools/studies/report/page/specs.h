@@ -30,7 +30,8 @@ Json waterfall_spec(const std::string& title, const std::string& unit);
 /// Lines over a number.
 Json lines_spec(const Axis& x, const Axis& y, const std::string& series);
 
-/// Points under lines on logarithmic axes: fields x, y, line (empty for points), name, label (above or below its line).
+/// Points under lines on logarithmic axes: fields x, y, line (empty for points), name, label (above or below its line,
+/// before or behind its point).
 Json roofline_spec();
 
 /// Figures over time, one a column: stacked areas, or lines. Fields begin_us and the columns.

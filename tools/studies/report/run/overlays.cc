@@ -7,9 +7,8 @@
 #include <fmt/format.h>
 
 #include "sim/error.h"
-#include "sim/io/file.h"
-#include "sim/io/json.h"
 #include "tools/studies/report/page/page_file.h"
+#include "tools/studies/report/page/tile_maps.h"
 #include "traces/scene/images.h"
 
 namespace tools::pages {
@@ -18,92 +17,12 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMostPixels = 1 << 19;  ///< pixels of an overlay; larger ones are averaged
-constexpr int kDigits = 5;                    ///< digits of a tile's figure
-constexpr std::size_t kMostTiles = 1 << 20;
-constexpr const char *kTilesFile = "tiles.json", *kPixelsFile = "pixels.exr";
-constexpr std::uint64_t kLargestFile = 1ULL << 30;
-
-/// Columns of a frame of tiles.json (docs/report.md): by name a value for each entry of its list of tiles.
-class Tiles {
- public:
-  explicit Tiles(const fs::path& file) {
-    try {
-      json_ = sim::parse_json<Json>(sim::read_file(file, kLargestFile));
-    } catch (const Json::exception&) {
-      throw sim::InputError("tiles.json is not JSON.");
-    }
-    const Json& frames = pages::at(json_, {"frames"});
-    if (text_at(json_, {"schema"}) != "raywatt-tiles/1" || !frames.is_array() || frames.empty())
-      throw sim::InputError("tiles.json is of another kind.");
-    columns_ = pages::at(frames[0], {"columns"});
-    rows_ = pages::at(columns_, {"tile"}).size();
-  }
-  std::size_t rows() const { return rows_; }
-  /// Numbers of all rows. InputError if there are none of that name.
-  std::vector<double> at(const char* name) const {
-    const Json& values = pages::at(columns_, {name});
-    std::vector<double> out;
-    for (const Json& value : values) out.push_back(value.is_number() ? value.get<double>() : 0);
-    if (out.size() != rows_ || out.empty())
-      throw sim::InputError(
-          fmt::format("tiles.json has no {} of its tiles, so they are not laid over the picture.", name));
-    return out;
-  }
-
- private:
-  Json json_, columns_;
-  std::size_t rows_ = 0;
-};
-
-double rounded(double value) {
-  if (value == 0 || !std::isfinite(value)) return 0;
-  const double scale = std::pow(10.0, kDigits - 1 - std::floor(std::log10(std::abs(value))));
-  return std::round(value * scale) / scale;
-}
-
-/// The picture's tiles in rows, and which of them each row of the table is part of.
-struct Grid {
-  double side = 0;
-  std::size_t columns = 0, rows = 0;
-  std::vector<std::size_t> of_row;
-  std::size_t size() const { return columns * rows; }
-};
-
-/// InputError for tiles that lie outside of the picture.
-Grid grid_of(const Tiles& tiles, double width, double height) {
-  Grid grid;
-  const std::vector<double> x = tiles.at("x"), y = tiles.at("y"), wide = tiles.at("width");
-  grid.side = *std::ranges::max_element(wide);
-  const auto refuse = [] { return sim::InputError("tiles.json has tiles that do not lie in the picture."); };
-  if (grid.side < 1 || width < 1 || height < 1) throw refuse();
-  grid.columns = static_cast<std::size_t>(std::ceil(width / grid.side));
-  grid.rows = static_cast<std::size_t>(std::ceil(height / grid.side));
-  for (std::size_t i = 0; i < tiles.rows(); ++i) {
-    const auto column = static_cast<std::size_t>(std::max(0.0, x[i]) / grid.side);
-    const auto row = static_cast<std::size_t>(std::max(0.0, y[i]) / grid.side);
-    if (grid.size() > kMostTiles || column >= grid.columns || row >= grid.rows) throw refuse();
-    grid.of_row.push_back(row * grid.columns + column);
-  }
-  return grid;
-}
-
-void add_grid(const Grid& grid, const char* id, const std::string& name, const char* unit,
-              const std::vector<double>& values, Json& grids) {
-  Json numbers = Json::array();
-  for (const double value : values) numbers.push_back(rounded(value));
-  const double most = *std::ranges::max_element(values);
-  grids.push_back({{"id", id},
-                   {"name", name},
-                   {"tile", grid.side},
-                   {"unit", unit},
-                   {"values", std::move(numbers)},
-                   {"low", 0},
-                   {"high", most > 0 ? most : 1}});
-}
+constexpr std::string_view kPixelsFile = "pixels.exr";
 
 /// When each tile was handed out first and through last, in us, and on which core.
-Json times_of(const Grid& grid, const Tiles& tiles, double us_a_cycle) {
-  const std::vector<double> begin = tiles.at("dispatched"), end = tiles.at("finished"), core = tiles.at("core");
+Json times_of(const TileGrid& grid, const TileFrame& tiles, double us_a_cycle) {
+  const std::vector<double>&begin = tile_column(tiles, "dispatched"), &end = tile_column(tiles, "finished"),
+        &core = tile_column(tiles, "core");
   std::vector<double> first(grid.size(), std::numeric_limits<double>::infinity()), last(grid.size()), on(grid.size());
   for (std::size_t i = 0; i < grid.of_row.size(); ++i) {
     const std::size_t tile = grid.of_row[i];
@@ -111,37 +30,29 @@ Json times_of(const Grid& grid, const Tiles& tiles, double us_a_cycle) {
     last[tile] = std::max(last[tile], end[i] * us_a_cycle);
     on[tile] = core[i];
   }
-  Json begins = Json::array(), ends = Json::array();
+  Json begins = tile_numbers(first), ends = tile_numbers(last);
   for (std::size_t i = 0; i < first.size(); ++i) {
-    const bool is_known = std::isfinite(first[i]);
-    begins.push_back(is_known ? Json(rounded(first[i])) : Json());
-    ends.push_back(is_known ? Json(rounded(last[i])) : Json());
+    if (!std::isfinite(first[i])) begins[i] = ends[i] = nullptr;  // no row of the table is part of it
   }
   return {{"side", grid.side}, {"begin_us", std::move(begins)}, {"end_us", std::move(ends)}, {"core", on}};
 }
 
 void add_tiles(const Run& run, Overlays& out) {
-  const Tiles tiles(run.folder / kTilesFile);
-  const Grid grid = grid_of(tiles, run.number("resolution[0]"), run.number("resolution[1]"));
-  const auto sum = [&](std::initializer_list<const char*> names, double scale = 1) {
-    std::vector<double> all(grid.size());
-    for (const char* name : names) {
-      const std::vector<double> column = tiles.at(name);
-      for (std::size_t i = 0; i < column.size(); ++i) all[grid.of_row[i]] += scale * column[i];
-    }
-    return all;
-  };
-  std::vector<double> cycles_of = sum({"finished"});
-  const std::vector<double> dispatched = sum({"dispatched"});
-  for (std::size_t i = 0; i < cycles_of.size(); ++i) cycles_of[i] -= dispatched[i];
-  add_grid(grid, "cycles", "T&I cycles of a tile", "", cycles_of, out.grids);
-  add_grid(grid, "srp", "SRP cycles of a tile's kernels", "", sum({"srp_cycles"}), out.grids);
-  add_grid(grid, "rays", "rays of a tile", "",
-           sum({"rays_primary", "rays_shadow", "rays_reflection", "rays_refraction"}), out.grids);
-  add_grid(grid, "steps", "steps of a tile", "", sum({"steps"}), out.grids);
-  add_grid(grid, "tests", "triangle tests of a tile", "", sum({"tests"}), out.grids);
-  add_grid(grid, "dram", "DRAM traffic of a tile", "B", sum({"dram_bytes"}), out.grids);
-  add_grid(grid, "energy", "energy of a tile, nominal", "nJ", sum({"energy_mj_nominal"}, 1e6), out.grids);
+  const TileTable table = load_tiles(run.folder / kTilesFile);
+  if (table.frames.empty()) throw sim::InputError(fmt::format("{} has no frames", kTilesFile));
+  const TileFrame& tiles = table.frames.front();
+  const TileGrid grid = tile_grid(tiles, run.number("resolution[0]"), run.number("resolution[1]"));
+  for (const TileFigure& figure : tile_figures()) {
+    const std::vector<double> values = tile_values(figure, tiles, grid);
+    const double most = *std::ranges::max_element(values);
+    out.grids.push_back({{"id", figure.id},
+                         {"name", figure.words},
+                         {"tile", grid.side},
+                         {"unit", figure.unit},
+                         {"values", tile_numbers(values)},
+                         {"low", 0},
+                         {"high", most > 0 ? most : 1}});
+  }
   const double cycles = run.number("totals.cycles");
   if (cycles > 0) out.times = times_of(grid, tiles, 1e3 * run.number("totals.time_ms") / cycles);
 }
@@ -202,7 +113,7 @@ Json pixels_of(const traces::FloatImage& image, std::size_t channel, std::uint32
 void add_pixels(const Run& run, Overlays& out) {
   const traces::FloatImage image = traces::read_exr(run.folder / kPixelsFile);
   if (image.width != run.number("resolution[0]") || image.height != run.number("resolution[1]"))
-    throw sim::InputError("pixels.exr has another size than the picture.");
+    throw sim::InputError("pixels.exr has another size than the picture");
   std::uint32_t square = 1;
   while (std::size_t{image.width} * image.height / (square * square) > kMostPixels) ++square;
   const std::string of = square == 1 ? "" : fmt::format(", means of {}x{} pixels", square, square);
@@ -216,7 +127,7 @@ void add_pixels(const Run& run, Overlays& out) {
 Overlays overlays_of(const Run& run) {
   Overlays out;
   std::error_code ignored;
-  const auto add = [&](const char* file, void (*from)(const Run&, Overlays&)) {
+  const auto add = [&](std::string_view file, void (*from)(const Run&, Overlays&)) {
     if (!fs::is_regular_file(run.folder / file, ignored)) {
       out.missing += fmt::format("{}There is no {}.", out.missing.empty() ? "" : " ", file);
       return;
@@ -224,7 +135,7 @@ Overlays overlays_of(const Run& run) {
     try {
       from(run, out);
     } catch (const sim::InputError& error) {
-      out.missing += fmt::format("{}{}", out.missing.empty() ? "" : " ", error.what());
+      out.missing += fmt::format("{}{}.", out.missing.empty() ? "" : " ", error.what());
     }
   };
   add(kTilesFile, add_tiles);

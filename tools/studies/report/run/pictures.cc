@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 
 #include <fmt/format.h>
 
@@ -16,6 +17,34 @@ namespace fs = std::filesystem;
 
 constexpr std::uint64_t kLargestPicture = 64 << 20;
 constexpr std::uint64_t kMostOfOverlays = 1 << 20;  ///< bytes of debug pictures that a page takes along
+
+/// Meaning of a debug picture's colours (docs/adaptive.md), by how its name begins.
+struct Meaning {
+  std::string_view name, words;
+};
+constexpr std::array<Meaning, 11> kMeanings = {
+    {{"similar", "yellow: interpolated; blue: traced; green: traced by post-correction; grey: references"},
+     {"interpolated", "the picture where it is interpolated, black elsewhere"},
+     {"check ", "white: samples that failed this check, over the darkened picture"},
+     {"rates", "a tile's blocks, dark 2, bright 4; green for similar, red for not"},
+     {"propagated", "white: pixels that rounds of propagation have corrected"},
+     {"active", "active sub-pixels of a pixel: black, red, green, blue, white for 0 to 4"},
+     {"differs ", "white: pixels with an active sub-pixel where the attribute disagreed"},
+     {"weights", "weight that is left of the shaded samples at all samples of a pixel: white 1, black 0"},
+     {"edges ", "white: pixels one of whose samples is parted from a shaded one around"},
+     {"overdraw", "triangles that cover a pixel: black none, blue one, red eight or more"},
+     {"quads", "quads of triangles that a pixel lies in: black none, blue one, red eight or more"}}};
+
+std::string_view meaning_of(const std::string& name) {
+  const auto found = std::ranges::find_if(kMeanings, [&](const Meaning& m) { return name.starts_with(m.name); });
+  return found == kMeanings.end() ? std::string_view() : found->words;
+}
+
+/// "check shadow" in words.
+std::string title_of(const std::string& name) {
+  constexpr std::string_view kCheck = "check ";
+  return name.starts_with(kCheck) ? "failed check: " + name.substr(kCheck.size()) : name;
+}
 
 /// A picture file as the page holds it; null if it cannot be read.
 Json picture_of(const fs::path& file, std::uint64_t most) {
@@ -66,7 +95,8 @@ void add_pictures(const Run& run, View& view) {
       continue;
     }
     bytes += size;
-    debug.push_back({{"id", "debug " + name}, {"name", name}, {"picture", overlay}});
+    debug.push_back(
+        {{"id", "debug " + name}, {"name", title_of(name)}, {"note", meaning_of(name)}, {"picture", overlay}});
   }
   Overlays overlays = overlays_of(run);
   std::string note = overlays.missing;

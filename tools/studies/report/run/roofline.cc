@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <functional>
 
 #include <fmt/format.h>
@@ -46,8 +47,6 @@ void add_roofline(const Run& run, View& view) {
                 {"y", "rays per second", Show::kSi, "rays/s"},
                 {"line", "ceiling"},
                 {"label", "labelled"}});
-  data.row({fmt::format("this run: {} at {} a ray", sim::si_text(rate, "rays/s"), sim::si_text(per_ray, "B")), per_ray,
-            rate, "", ""});
   std::vector<std::pair<double, std::string>> ceilings;
   if (boxes > 0) ceilings.emplace_back(rate / boxes, "T&I units");
   if (array > 0) ceilings.emplace_back(rate / array, "shader cores");
@@ -56,6 +55,9 @@ void add_roofline(const Run& run, View& view) {
   const double least = ceilings.empty() ? rate : ceilings.back().first;
   const double low = std::min(per_ray, bandwidth / most) / kBeyond,
                high = std::max(per_ray, bandwidth / least) * kBeyond;
+  const bool is_left = std::log(per_ray / low) < std::log(high / low) / 2;
+  data.row({fmt::format("this run: {} at {} a ray", sim::si_text(rate, "rays/s"), sim::si_text(per_ray, "B")), per_ray,
+            rate, "", is_left ? "before" : "behind"});
   const auto line = [&](const std::string& words, double ceiling, double at_low, double at_high, const char* label) {
     const std::string name = fmt::format("{}: {}", words, sim::si_text(ceiling, words == "DRAM" ? "B/s" : "rays/s"));
     data.row({name, low, at_low, words, label});

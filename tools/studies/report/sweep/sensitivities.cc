@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cctype>
 #include <optional>
 
 #include <fmt/format.h>
@@ -52,6 +53,40 @@ std::optional<std::size_t> best_row(const Sweep& sweep, const Metric& metric) {
   return best;
 }
 
+/// Figures of all points: the best, and the band that they are in.
+void add_headlines(const Sweep& sweep, const std::vector<std::string>& paths, View& view) {
+  for (const std::string& path : paths) {
+    const Metric& metric = *sweep.metric(path);
+    const std::optional<std::size_t> best = best_row(sweep, metric);
+    if (!best) continue;
+    std::string name = metric.words;
+    name[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(name[0])));
+    const results::Column column = sweep.results.column(path);
+    const double value = results::amount_of(column.values[*best])->value;
+    Headline out{.id = path, .name = name, .value = value, .show = metric.show, .unit = metric.unit};
+    out.low = out.high = value;
+    for (std::size_t row = 0; row < column.values.size(); ++row) {
+      const auto amount = results::amount_of(column.values[row]);
+      if (!sweep.results.rows()[row].is_done() || !amount) continue;
+      out.low = std::min(out.low.get<double>(), amount->value);
+      out.high = std::max(out.high.get<double>(), amount->value);
+    }
+    out.note =
+        fmt::format("the {} of all points, of point {}", metric.more ? "most" : "least", sweep.results.rows()[*best].n);
+    view.headline(out);
+  }
+}
+
+/// The figure that the page is about, and those that are usually asked for.
+std::vector<std::string> asked_of(const Sweep& sweep) {
+  std::vector<std::string> asked;
+  if (const Metric* const metric = main_metric(sweep)) asked.push_back(metric->path);
+  for (const char* path : kAsked) {
+    if (sweep.metric(path) != nullptr && std::ranges::count(asked, path) == 0) asked.emplace_back(path);
+  }
+  return asked;
+}
+
 std::string axes_text(const Sweep& sweep, std::size_t row) {
   std::vector<std::string> words;
   for (const results::Column& axis : sweep.axes)
@@ -81,6 +116,7 @@ void add_sweep_verdict(const Sweep& sweep, View& view) {
   const Metric* const metric = main_metric(sweep);
   const std::optional<std::size_t> best = metric != nullptr ? best_row(sweep, *metric) : std::nullopt;
   if (!best) return view.verdict("No point of this sweep has a result yet.", "", {{"the points", "front"}});
+  add_headlines(sweep, asked_of(sweep), view);
   const double value = results::amount_of(sweep.results.column(metric->path).values[*best])->value;
   const std::string more =
       fmt::format("Best: point {} with {} {} ({}).", sweep.results.rows()[*best].n, number_text(value),
@@ -108,13 +144,8 @@ void add_sensitivities(const Sweep& sweep, View& view) {
                 {"high", "95 % to", Show::kPercent},
                 {"range", "range of means", Show::kPercent},
                 {"levels", "values", Show::kNumber}});
-  std::vector<std::string> asked;
-  if (const Metric* const metric = main_metric(sweep)) asked.push_back(metric->path);
-  for (const char* path : kAsked) {
-    if (sweep.metric(path) != nullptr && std::ranges::count(asked, path) == 0) asked.emplace_back(path);
-  }
   std::string note;
-  for (const std::string& path : asked) {
+  for (const std::string& path : asked_of(sweep)) {
     const std::optional<results::Sensitivity> found = sensitivity_to(sweep, path);
     if (!found) continue;
     if (!found->is_grid) note = "The points are no full grid: shares are estimates.";

@@ -1,0 +1,47 @@
+// Charts fitted to the width they have: legends in columns, and on a narrow window names above their bars.
+
+const NARROW = 560;  // pixels, below which names stand above bars
+const LETTER = 6.7, SYMBOL = 34;  // widths of a letter and of what stands beside it in a legend
+const LINE = 15, BAR = 12;  // heights of a line of text and of a bar
+
+const layersOf = (spec) => [spec, ...(spec.layer ?? []).flatMap(layersOf)];
+
+/** As many columns as go beside each other. */
+function fitLegend(colour, values, width) {
+  const names = colour.scale?.domain ?? [...new Set(values.map((v) => v[colour.field]))];
+  const longest = Math.max(1, ...names.map((name) => String(name ?? "").length));
+  colour.legend.columns = Math.max(1, Math.min(names.length, Math.floor(width / (longest * LETTER + SYMBOL))));
+}
+
+/** Names, and what is written at the ends of bars, get lines of their own above each bar. */
+function stackRows(spec, values, width) {
+  const { name, label, first } = spec.usermeta.rows;
+  const lengthOf = (value) => String(value[name] ?? "").length + String((label && value[label]) ?? "").length + 3;
+  const lines = label && Math.max(0, ...values.map(lengthOf)) * LETTER > width ? 2 : 1;
+  const above = lines * LINE, step = above + BAR + 10, middle = step / 2;
+  const text = (field, align, x, line) => ({
+    ...(first ? { transform: [{ filter: `datum['${first}'] === 0` }] } : {}),
+    mark: { type: "text", align, baseline: "top", fontSize: 12, yOffset: 4 + line * LINE - middle, limit: width, clip: false },
+    encoding: { x: { value: x }, text: { field } },
+  });
+  spec.height = { step };
+  spec.encoding.y = { ...spec.encoding.y, axis: null };
+  for (const layer of spec.layer) {
+    if (layer.mark.type === "bar") Object.assign(layer.mark, { height: BAR, yOffset: above / 2 });
+    else layer.mark.yOffset = above / 2;
+  }
+  if (label) spec.layer = spec.layer.filter((layer) => layer.encoding.text?.field !== label);
+  spec.layer.push(text(name, "left", 0, 0));
+  if (label) spec.layer.push(lines === 2 ? text(label, "left", 0, 1) : text(label, "right", "width", 0));
+}
+
+/** A specification for a place of this width. */
+export function fitted(spec, values, width) {
+  if (!width) return spec;
+  const out = structuredClone(spec);
+  for (const layer of layersOf(out)) {
+    if (layer.encoding?.color?.legend?.orient === "bottom") fitLegend(layer.encoding.color, values, width);
+  }
+  if (width < NARROW && out.usermeta?.rows) stackRows(out, values, width);
+  return out;
+}

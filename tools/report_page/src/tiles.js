@@ -1,0 +1,19 @@
+// Figures of tiles as rows of a table: those over the picture that have one side of a tile.
+
+const where = [{ field: "x", title: "tile x", show: "number" }, { field: "y", title: "tile y", show: "number" }];
+
+/** `columnsOf(grid)` gives the columns of a figure, each with its `values`. */
+export function tileRows(grids, width, columnsOf) {
+  const tiled = grids.filter((g) => g.tile);
+  if (tiled.length === 0) return null;
+  const same = tiled.filter((g) => g.tile === tiled[0].tile);
+  const columns = same.flatMap(columnsOf);
+  const across = Math.ceil(width / tiled[0].tile);
+  return {
+    columns: [...where, ...columns.map(({ values, ...column }) => ({ show: "number", ...column }))],
+    rows: same[0].values.map((_, i) => [i % across, Math.floor(i / across), ...columns.map((c) => c.values[i] ?? null)]),
+  };
+}
+
+/** The tile of a pixel in words. */
+export const tileAt = (x, y, side) => `tile ${Math.floor(x / side)}, ${Math.floor(y / side)}`;
