@@ -32,7 +32,7 @@ install(DIRECTORY tools/python DESTINATION ${share}/raywatt PATTERN __pycache__ 
 foreach(file page.js page.css libraries.js licences.txt)  # not there where npm was not
   install(FILES ${CMAKE_BINARY_DIR}/report_page/${file} DESTINATION ${share}/raywatt/report_page OPTIONAL)
 endforeach()
-install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR} PATTERN refresh EXCLUDE)
 install(FILES README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(FILES cmake/copyright DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(FILES ${described}/changelog.gz DESTINATION ${CMAKE_INSTALL_DOCDIR})
@@ -53,7 +53,7 @@ described by keys of a YAML file. It renders glTF scenes by full or adaptive
 sampling.")
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
-set(CPACK_DEBIAN_PACKAGE_SUGGESTS "python3-pandas, python3-matplotlib")
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS "python3-pandas, python3-matplotlib, python3-zstandard")
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS

@@ -73,7 +73,9 @@ void add_output_options(CLI::App& verb, JobOptions& options) {
 void add_intervals_option(CLI::App& verb, JobOptions& options) {
   verb.add_option("--intervals", options.intervals,
                   "on: what every unit did over time, in intervals.bin.zst (docs/intervals.md); off: no such file")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, bool>{{"off", false}, {"on", true}}))
+      ->transform(
+          CLI::CheckedTransformer(std::map<std::string, bool>{{"off", false}, {"on", true}}).description("{on,off}"))
+      ->type_name("TEXT")
       ->default_str("on");
 }
 
@@ -88,9 +90,9 @@ void add_rays_option(CLI::App& verb, JobOptions& options) {
   CLI::Option* rays =
       verb.add_option("--rays", options.rays,
                       "trace this list of rays, 8 floats each (origin, t_min, direction, t_max), T&I units alone");
-  for (const char* other : {"--program", "--camera", "--resolution", "--frames", "--reference", "--record",
-                            "--debug-images", "--tile-sampling", "--image", "--replicates", "--intervals", "--watch",
-                            "--timeline"}) {
+  for (const char* other :
+       {"--program", "--camera", "--resolution", "--frames", "--reference", "--record", "--debug-images",
+        "--tile-sampling", "--image", "--replicates", "--intervals", "--watch", "--timeline"}) {
     if (CLI::Option* option = verb.get_option_no_throw(other)) rays->excludes(option);
   }
 }

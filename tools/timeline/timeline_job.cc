@@ -29,11 +29,17 @@ hw::Watchers TimelineJob::begin_frame(const RunConfig& config) {
 
 void TimelineJob::end_frame(const Simulation& s, const TileFrame& tiles, const RunConfig& config) {
   if (!recorder_) return;
-  made_ = make_timeline(*recorder_, *selection_, s, tiles, config);
+  try {
+    made_ = make_timeline(*recorder_, *selection_, s, tiles, config);
+  } catch (const sim::InputError& error) {
+    problem_ = error.what();
+    selection_.reset();
+  }
   recorder_.reset();
 }
 
 void TimelineJob::write(const std::filesystem::path& folder, nlohmann::ordered_json& report) const {
+  if (!problem_.empty()) report["warnings"].push_back(problem_ + "; no timeline is written");
   if (!made_) return;
   sim::write_file_atomically(folder / kTimelineFile, made_->bytes);
   report["timeline"] = {{"asked", asked_}, {"slices", made_->slices}, {"dropped", made_->dropped}};

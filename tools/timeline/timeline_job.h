@@ -21,7 +21,8 @@ class TimelineJob {
   void check_pixel(std::uint32_t width, std::uint32_t height) const;
   /// Watchers of the next frame's machine: none from the second on.
   hw::Watchers begin_frame(const RunConfig& config);
-  /// The frame is over; later ones are not looked at.
+  /// The frame is over; later ones are not looked at. If it has no tile that was asked for, there is a warning instead
+  /// of a timeline: the frame is not lost.
   void end_frame(const Simulation& s, const TileFrame& tiles, const RunConfig& config);
   /// Writes the file, and into the report what is in it and what had no room.
   void write(const std::filesystem::path& folder, nlohmann::ordered_json& report) const;
@@ -31,6 +32,7 @@ class TimelineJob {
   std::optional<TimelineSelection> selection_;
   std::optional<TimelineRecorder> recorder_;
   std::optional<Timeline> made_;
+  std::string problem_;  ///< why there is none
 };
 
 }  // namespace tools

@@ -60,6 +60,8 @@ TEST_F(Bash, CompletesChoices) {
   const Words launchers = {"local", "slurm"};
   EXPECT_EQ(offered("raywatt sweep run --launcher "), launchers);
   EXPECT_EQ(offered("raywatt optimise --launcher s"), Words{"slurm"});
+  const Words switches = {"off", "on"};
+  EXPECT_EQ(offered("raywatt run --intervals "), switches);
 }
 
 TEST_F(Bash, OffersEveryOptionThatHelpShows) {

@@ -38,6 +38,7 @@ TempFolder* Installation::folder = nullptr;
 TEST_F(Installation, HasWhatTheProgramAndItsUsersNeed) {
   for (const char* file : {"bin/raywatt", "lib/raywatt/raywatt_images.so", "lib/raywatt/raywatt_search.so",
                            "share/raywatt/configs/sgrt-2016.yaml", "share/raywatt/workloads/lee2016-car.yaml",
+                           "share/raywatt/published/lee2016.yaml", "share/raywatt/python/raywatt/__init__.py",
                            "share/doc/raywatt/README.md", "share/doc/raywatt/copyright", "share/man/man1/raywatt.1.gz",
                            "share/bash-completion/completions/raywatt", "share/zsh/vendor-completions/_raywatt",
                            "share/fish/vendor_completions.d/raywatt.fish"}) {
