@@ -28,9 +28,12 @@ for (const name of ["run.html", "diff.html", "sweep.html"]) {
 
 test("paper is light, whatever the window is", () => look("sweep.html", { theme: "dark" }, async (page) => {
   const has = (wanted) => page.waitForFunction((wanted) => {
-    const data = window.pixelsOf(document.querySelector('[data-block="shares"] canvas'));
+    const canvas = document.querySelector('[data-block="shares"] canvas'), data = window.pixelsOf(canvas);
     let dark = 0, light = 0;
-    for (let i = 0; i < data.length; i += 4) if (data[i + 3] > 200) data[i] < 60 && data[i + 2] < 80 ? ++dark : data[i] > 200 && ++light;
+    for (let i = 0; i < data.length; i += 4) {
+      const isLabel = (i / 4) % canvas.width < 0.08 * canvas.width && data[i + 3] > 200;  // at the left, there is no more than text
+      if (isLabel) data[i] < 100 ? ++dark : data[i] > 180 && ++light;
+    }
     return (dark > light ? "dark" : "light") === wanted;
   }, wanted, { timeout: 10000 });
   await has("light");

@@ -1,10 +1,10 @@
 // All tests of pages, with one browser: node all.mjs RAYWATT NODE_MODULES
 import { after } from "node:test";
 import { close } from "./surroundings.mjs";
+import "./run_page.mjs";
+import "./diff_page.mjs";
+import "./sweep_page.mjs";
+import "./hostile_page.mjs";
+import "./access_page.mjs";
 
 after(close);
-await import("./run_page.mjs");
-await import("./diff_page.mjs");
-await import("./sweep_page.mjs");
-await import("./hostile_page.mjs");
-await import("./access_page.mjs");

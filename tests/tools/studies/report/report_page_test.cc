@@ -124,6 +124,44 @@ TEST_F(Pages, OfTwoRunsGoFromOneToTheOtherWithoutAGap) {
   EXPECT_EQ(column(view, "keys", "key"), std::vector<Json>{"srp.array.cache_ports"});
 }
 
+/// The block of a section.
+Json block_of(const Json& view, const char* section, std::size_t block = 0) {
+  for (const Json& each : view["sections"]) {
+    if (each["id"] == section) return each["blocks"][block];
+  }
+  return {};
+}
+
+TEST_F(Pages, OfTwoRunsMapTheDifferencesOfBothTables) {
+  const Json block = block_of(view_of({"base", "ports"}), "pictures");
+  const auto cycles = [](const char* run) {
+    const Json columns = read_json(folder->path() / run / "tiles.json")["frames"][0]["columns"];
+    return columns["finished"][0].get<double>() - columns["dispatched"][0].get<double>();
+  };
+  const Json& grid = block["grids"][0];
+  EXPECT_EQ(grid["id"], "cycles");
+  EXPECT_EQ(grid["values"][0], cycles("ports") - cycles("base"));
+  EXPECT_EQ(grid["of"][0][0], cycles("base"));
+  EXPECT_EQ(grid["of"][1][0], cycles("ports"));
+  EXPECT_EQ(grid["low"].get<double>(), -grid["high"].get<double>());
+  EXPECT_SAYS(block["note"].get<std::string>(), "Equal in every tile: rays of a tile, steps of a tile");
+}
+
+TEST_F(Pages, OfTwoRunsSayWhyTilesAreNotCompared) {
+  const fs::path other = folder->path() / "other";
+  fs::create_directories(other);
+  for (const char* file : {"report.json", "image.png"})
+    fs::copy_file(folder->path() / "ports" / file, other / file, fs::copy_options::overwrite_existing);
+  EXPECT_SAYS(block_of(view_of({"base", "other"}), "pictures")["note"].get<std::string>(), "other has no tiles.json");
+  Json tiles = read_json(folder->path() / "ports/tiles.json");
+  for (const char* side : {"width", "height"}) tiles["frames"][0]["columns"][side][0] = 16;
+  folder->write("other/tiles.json", tiles.dump());
+  EXPECT_SAYS(block_of(view_of({"base", "other"}), "pictures")["note"].get<std::string>(),
+              "base has tiles of 32 pixels, other of 16");
+  folder->write("other/tiles.json", "{\"schema\": 3}");
+  EXPECT_SAYS(block_of(view_of({"base", "other"}), "pictures")["note"].get<std::string>(), "is no tiles.json");
+}
+
 TEST_F(Pages, OfASweepHaveAPointARowAndTheirCommands) {
   const Json view = view_of({"sweep"});
   EXPECT_EQ(column(view, "points", "n").size(), 4U);

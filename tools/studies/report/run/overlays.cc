@@ -8,6 +8,7 @@
 
 #include "sim/error.h"
 #include "tools/studies/report/page/page_file.h"
+#include "tools/studies/report/page/page_picture.h"
 #include "tools/studies/report/page/tile_maps.h"
 #include "traces/scene/images.h"
 
@@ -16,7 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMostPixels = 1 << 19;  ///< pixels of an overlay; larger ones are averaged
 constexpr std::string_view kPixelsFile = "pixels.exr";
 
 /// When each tile was handed out first and through last, in us, and on which core.
@@ -114,12 +114,16 @@ void add_pixels(const Run& run, Overlays& out) {
   const traces::FloatImage image = traces::read_exr(run.folder / kPixelsFile);
   if (image.width != run.number("resolution[0]") || image.height != run.number("resolution[1]"))
     throw sim::InputError("pixels.exr has another size than the picture");
-  std::uint32_t square = 1;
-  while (std::size_t{image.width} * image.height / (square * square) > kMostPixels) ++square;
+  const std::uint32_t square = square_for(image.width, image.height, kMostPixels);
   const std::string of = square == 1 ? "" : fmt::format(", means of {}x{} pixels", square, square);
-  out.grids.push_back(pixels_of(image, 0, square, "pixel-rays", ("rays of a pixel" + of).c_str()));
-  out.grids.push_back(pixels_of(image, 1, square, "pixel-steps", ("steps of a pixel" + of).c_str()));
-  out.grids.push_back(pixels_of(image, 2, square, "pixel-tests", ("triangle tests of a pixel" + of).c_str()));
+  const auto add = [&](std::size_t channel, const char* id, const std::string& name) {
+    Json grid = pixels_of(image, channel, square, id, (name + of).c_str());
+    out.pixel_bytes += grid["pixels"].get_ref<const std::string&>().size();
+    out.grids.push_back(std::move(grid));
+  };
+  add(0, "pixel-rays", "rays of a pixel");
+  add(1, "pixel-steps", "steps of a pixel");
+  add(2, "pixel-tests", "triangle tests of a pixel");
 }
 
 }  // namespace

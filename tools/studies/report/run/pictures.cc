@@ -1,12 +1,12 @@
 #include <algorithm>
 #include <array>
+#include <limits>
+#include <optional>
 
 #include <fmt/format.h>
 
-#include "sim/error.h"
-#include "sim/io/file.h"
 #include "sim/io/printable.h"
-#include "tools/studies/report/page/page_file.h"
+#include "tools/studies/report/page/page_picture.h"
 #include "tools/studies/report/run/overlays.h"
 #include "tools/studies/report/run/run_parts.h"
 
@@ -15,8 +15,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint64_t kLargestPicture = 64 << 20;
-constexpr std::uint64_t kMostOfOverlays = 1 << 20;  ///< bytes of debug pictures that a page takes along
+constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
+// Bytes of data: URLs that a page takes along, so that a frame of 2048x1024 makes at most 6 MB.
+constexpr std::uint64_t kLargestPictures = 3'900'000;  ///< the picture, what pixels took, debug pictures
+constexpr std::uint64_t kLargestDebug = 1'000'000;     ///< debug pictures
 
 /// Meaning of a debug picture's colours (docs/adaptive.md), by how its name begins.
 struct Meaning {
@@ -46,17 +48,6 @@ std::string title_of(const std::string& name) {
   return name.starts_with(kCheck) ? "failed check: " + name.substr(kCheck.size()) : name;
 }
 
-/// A picture file as the page holds it; null if it cannot be read.
-Json picture_of(const fs::path& file, std::uint64_t most) {
-  std::error_code ignored;
-  if (!fs::is_regular_file(file, ignored)) return {};
-  try {
-    return data_url("image/png", sim::read_file(file, most));
-  } catch (const sim::InputError&) {
-    return {};
-  }
-}
-
 /// Pictures of --debug-images that have no values elsewhere, of the first frame, by name.
 std::vector<std::pair<std::string, fs::path>> debug_pictures_in(const fs::path& folder) {
   std::vector<std::pair<std::string, fs::path>> found;
@@ -75,38 +66,49 @@ std::vector<std::pair<std::string, fs::path>> debug_pictures_in(const fs::path& 
   return found;
 }
 
+struct DebugPictures {
+  Json overlays = Json::array();
+  std::uint64_t bytes = 0;
+  std::size_t left_out = 0;
+};
+
+DebugPictures debug_pictures(const fs::path& folder) {
+  DebugPictures out;
+  for (const auto& [name, file] : debug_pictures_in(folder)) {
+    const std::optional<std::string> overlay = page_picture(file, kMostPixels);
+    if (!overlay || out.bytes + overlay->size() > kLargestDebug) {
+      ++out.left_out;
+      continue;
+    }
+    out.bytes += overlay->size();
+    out.overlays.push_back(
+        {{"id", "debug " + name}, {"name", title_of(name)}, {"note", meaning_of(name)}, {"picture", *overlay}});
+  }
+  return out;
+}
+
 }  // namespace
 
 void add_pictures(const Run& run, View& view) {
   Section section("picture", "The picture");
-  const Json picture = picture_of(run.folder / "image.png", kLargestPicture);
-  if (picture.is_null()) {
+  const fs::path file = run.folder / "image.png";
+  std::optional<std::string> picture = page_picture(file, kAll);
+  if (!picture) {
     section.text("There is no image.png beside the report, so there is no picture here.");
     return view.add(section);
   }
-  Json debug = Json::array();
-  std::uint64_t bytes = 0;
-  std::size_t left_out = 0;
-  for (const auto& [name, file] : debug_pictures_in(run.folder)) {
-    const Json overlay = picture_of(file, kMostOfOverlays);
-    const std::uint64_t size = overlay.is_string() ? overlay.get_ref<const std::string&>().size() : kMostOfOverlays;
-    if (overlay.is_null() || bytes + size > kMostOfOverlays) {
-      ++left_out;
-      continue;
-    }
-    bytes += size;
-    debug.push_back(
-        {{"id", "debug " + name}, {"name", title_of(name)}, {"note", meaning_of(name)}, {"picture", overlay}});
-  }
   Overlays overlays = overlays_of(run);
+  DebugPictures debug = debug_pictures(run.folder);
   std::string note = overlays.missing;
-  if (left_out > 0) note += fmt::format(" {} debug pictures are too large for the page.", left_out);
+  if (debug.left_out > 0) note += fmt::format(" {} debug pictures are too large for the page.", debug.left_out);
+  if (picture->size() + debug.bytes + overlays.pixel_bytes > kLargestPictures)
+    picture = page_picture(file, kMostPixels);
   section.block("picture", "frame", "Picture and overlays",
                 {{"about", "The rendered picture: " + text_at(run.report.json, {"scene", "name"})},
                  {"width", run.number("resolution[0]")},
                  {"height", run.number("resolution[1]")},
-                 {"picture", picture},
-                 {"overlays", std::move(debug)},
+                 {"picture", *picture},
+                 {"overlays", std::move(debug.overlays)},
                  {"grids", std::move(overlays.grids)},
                  {"times", std::move(overlays.times)},
                  {"note", note}});
