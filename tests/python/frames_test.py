@@ -108,6 +108,22 @@ class Loaded(unittest.TestCase):
             cycles = rows[(rows["unit"] == "core0.tni.ist") & (rows["kind"] == "why")].groupby("interval")["value"].sum()
             self.assertEqual(cycles.iloc[0], round(one["end_us"].iloc[0] * 500))
 
+    def test_intervals_of_another_run_are_refused(self):
+        run(PROGRAM, "run", "--scene", "cornell", "--resolution", "16x16", "--quiet", "-o", "other")
+        file = pathlib.Path(WORK.name, "other", "intervals.bin.zst")
+        own = file.read_bytes()
+        file.write_bytes(self.loaded.folder.joinpath("intervals.bin.zst").read_bytes())
+        with self.assertRaisesRegex(ValueError, "other/intervals.bin.zst: does not add up to the report beside it"):
+            raywatt.load(file.parent).intervals
+        for damaged in (own[:-9], own[:30] + bytes([own[30] ^ 255]) + own[31:], b"nothing"):
+            file.write_bytes(damaged)
+            with self.assertRaisesRegex(ValueError, "other/intervals.bin.zst: is damaged"):
+                raywatt.load(file.parent).intervals
+
+    def test_a_run_is_named_by_its_report_too_and_says_briefly_what_it_is(self):
+        self.assertEqual(raywatt.load(self.loaded.folder / "report.json").folder, self.loaded.folder)
+        self.assertLess(len(repr(self.loaded)), 200)
+
     def test_intervals_that_are_not_there_are_said(self):
         run(PROGRAM, "run", "--scene", "cornell", "--resolution", "16x16", "--intervals", "off", "--quiet", "-o", "none")
         with self.assertRaisesRegex(ValueError, "none/intervals.bin.zst: is not there"):

@@ -71,11 +71,10 @@ void add_output_options(CLI::App& verb, JobOptions& options) {
 }
 
 void add_intervals_option(CLI::App& verb, JobOptions& options) {
-  verb.add_option("--intervals", options.intervals,
-                  "on: what every unit did over time, in intervals.bin.zst (docs/intervals.md); off: no such file")
-      ->transform(
-          CLI::CheckedTransformer(std::map<std::string, bool>{{"off", false}, {"on", true}}).description("{on,off}"))
-      ->type_name("TEXT")
+  verb.add_option_function<std::string>(
+          "--intervals", [&options](const std::string& choice) { options.intervals = choice == "on"; },
+          "on: what every unit did over time, in intervals.bin.zst (docs/intervals.md); off: no such file")
+      ->check(CLI::IsMember({"on", "off"}))
       ->default_str("on");
 }
 

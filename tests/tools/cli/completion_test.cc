@@ -60,7 +60,7 @@ TEST_F(Bash, CompletesChoices) {
   const Words launchers = {"local", "slurm"};
   EXPECT_EQ(offered("raywatt sweep run --launcher "), launchers);
   EXPECT_EQ(offered("raywatt optimise --launcher s"), Words{"slurm"});
-  const Words switches = {"off", "on"};
+  const Words switches = {"on", "off"};
   EXPECT_EQ(offered("raywatt run --intervals "), switches);
 }
 

@@ -48,20 +48,27 @@ class Run:
 
     @functools.cached_property
     def intervals(self):
-        return _intervals.load(self.folder)
+        return _intervals.load(self.folder, self.units)
+
+    def __repr__(self):
+        return (f"Run({str(self.folder)!r}: {self.report.get('program')}, {len(self.frames)} frames, "
+                f"{len(self.units)} values of units)")
 
 
 def load(folder):
-    """The run in a folder of `raywatt run` or `raywatt trace replay`."""
-    report = _read(pathlib.Path(folder, "report.json"), "raywatt-report/1")
+    """The run in a folder of `raywatt run` or `raywatt trace replay`, or that of its report.json."""
+    folder = pathlib.Path(folder)
+    if folder.name == "report.json" and not folder.is_dir():
+        folder = folder.parent
+    report = _read(folder / "report.json", "raywatt-report/1")
     return Run(
         totals=pandas.Series(_flat(_without_kernels(report["totals"])), dtype=object, name=str(folder)),
         frames=pandas.DataFrame([_flat(_without_kernels(frame)) for frame in report["frames"]]).set_index("frame"),
         units=pandas.DataFrame(_unit_rows(report["units"]), columns=["unit", "kind", "name", "value"]),
         kernels=pandas.DataFrame.from_dict(report["totals"].get("kernels", {}), orient="index"),
         report=report,
-        folder=pathlib.Path(folder),
-        tiles=_tiles(pathlib.Path(folder, "tiles.json")),
+        folder=folder,
+        tiles=_tiles(folder / "tiles.json"),
     )
 
 
@@ -101,7 +108,10 @@ def _tiles(file):
 
 
 def _read(file, schema):
-    content = json.loads(file.read_text())
+    try:
+        content = json.loads(file.read_text())
+    except json.JSONDecodeError as problem:
+        raise ValueError(f"{file}: is no JSON ({problem})") from None
     if content.get("schema") != schema:
         raise ValueError(f"{file}: schema {content.get('schema')!r}; this reads {schema!r}")
     return content

@@ -8,16 +8,34 @@ PEAK = 1
 COLUMNS = ["frame", "interval", "begin_us", "end_us", "unit", "kind", "name", "value"]
 
 
-def load(folder):
-    """Rows of all frames; of a peak the value is the most since the frame's beginning."""
+def load(folder, units):
+    """Rows of all frames; of a peak the value is the most since the frame's beginning.
+
+    `units`: those of the report beside the file, to whose values all intervals must come.
+    """
     file = folder / FILE
     if not file.exists():
         raise ValueError(f"{file}: is not there; runs with --intervals off or --tile-sampling have none")
     names, *frames = _blocks(file)
     if not names.startswith(MAGIC):
         raise ValueError(f"{file}: is no file of {MAGIC.decode().strip()}")
-    values = _values_of(names)
-    return pandas.concat([_rows(numbers, values) for numbers in map(_numbers, frames)], ignore_index=True)
+    try:
+        values = _values_of(names)
+        rows = pandas.concat([_rows(numbers, values) for numbers in map(_numbers, frames)], ignore_index=True)
+    except (ValueError, IndexError) as problem:
+        raise ValueError(f"{file}: is damaged ({problem})") from None
+    _check_sums(file, rows, units, values)
+    return rows
+
+
+def _check_sums(file, rows, units, values):
+    grouped = rows.groupby(["unit", "kind", "name"], observed=True)["value"]
+    sums, most = grouped.sum(), grouped.max()
+    reported = units.set_index(["unit", "kind", "name"])["value"]
+    for unit, kind, name, is_peak in values:
+        key = (unit, kind, name)
+        if key not in reported.index or (most if is_peak else sums)[key] != reported[key]:
+            raise ValueError(f"{file}: does not add up to the report beside it: {unit}, {name}")
 
 
 def _blocks(file):
@@ -28,7 +46,12 @@ def _blocks(file):
     packed, blocks = file.read_bytes(), []
     while packed:
         block = zstandard.ZstdDecompressor().decompressobj()
-        blocks.append(block.decompress(packed))
+        try:
+            blocks.append(block.decompress(packed))
+        except zstandard.ZstdError as problem:
+            raise ValueError(f"{file}: is damaged ({problem})") from None
+        if not block.eof:
+            raise ValueError(f"{file}: is damaged (it ends within a block)")
         packed = block.unused_data
     return blocks
 
