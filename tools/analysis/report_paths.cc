@@ -80,13 +80,14 @@ std::string end_of(std::string_view path, std::string_view text) {
   return std::string(path.substr(at + 1));
 }
 
-[[noreturn]] void refuse_several(std::string_view text, const char* what, const std::vector<std::string>& candidates) {
+[[noreturn]] void refuse_several(std::string_view text, const char* what, const std::vector<std::string>& candidates,
+                                 const std::string& hint = "") {
   constexpr std::size_t kMost = 8;
   const std::size_t shown = std::min(candidates.size(), kMost);
   throw sim::InputError(
-      fmt::format("the report path '{}' {}: {}{}", sim::printable(text), what,
+      fmt::format("the report path '{}' {}: {}{}{}", sim::printable(text), what,
                   fmt::join(candidates.begin(), candidates.begin() + static_cast<std::ptrdiff_t>(shown), ", "),
-                  shown < candidates.size() ? fmt::format(" and {} more", candidates.size() - shown) : ""));
+                  shown < candidates.size() ? fmt::format(" and {} more", candidates.size() - shown) : "", hint));
 }
 
 /// Meaning of a text among paths: one path, a group of them, several, or none of these.
@@ -116,6 +117,19 @@ struct Meanings {
   std::string one;
   std::vector<std::string> group, several;
 };
+
+/// ", did you mean 'x'?" for the nearest end of the paths that begin with `start`; a band goes by its name.
+std::string nearest_end(std::string_view text, std::span<const std::string> paths, std::string_view start) {
+  constexpr std::string_view kNominal = ".nominal";
+  std::set<std::string> known;
+  for (const std::string_view path : paths) {
+    if (!path.starts_with(start)) continue;
+    known.insert(end_of(path, text));
+    if (path.ends_with(kNominal)) known.insert(end_of(path.substr(0, path.size() - kNominal.size()), text));
+  }
+  const std::vector<std::string> names(known.begin(), known.end());
+  return traces::did_you_mean(text, names);
+}
 
 /// The nominal figure of a group that is a band and nothing else; empty for others.
 std::string nominal_of(const std::vector<std::string>& group) {
@@ -157,19 +171,15 @@ std::string resolve_report_path(std::string_view text, std::span<const std::stri
   const Meanings m(text, paths);
   if (!m.one.empty()) return m.one;
   if (std::string nominal = nominal_of(m.group); !nominal.empty()) return nominal;
-  if (!m.group.empty()) refuse_several(text, "is a group of", m.group);
-  if (!m.several.empty()) refuse_several(text, "may mean any of", m.several);
-  std::set<std::string> known;
-  constexpr std::string_view kNominal = ".nominal";
-  for (const std::string_view path : paths) {
-    known.insert(end_of(path, text));
-    if (path.ends_with(kNominal)) known.insert(end_of(path.substr(0, path.size() - kNominal.size()), text));
+  if (!m.group.empty()) {
+    const bool is_of_figures = m.group.front().starts_with("totals.");
+    refuse_several(text, "is a group of", m.group, is_of_figures ? "" : nearest_end(text, paths, "totals."));
   }
-  const std::vector<std::string> names(known.begin(), known.end());
+  if (!m.several.empty()) refuse_several(text, "may mean any of", m.several);
   throw sim::InputError(
       fmt::format("there is no report path '{}'{}; allowed is what report.json has, or the end of it, e.g. cycles, "
                   "perf.frames_per_joule_gpu",
-                  sim::printable(text), traces::did_you_mean(text, names)));
+                  sim::printable(text), nearest_end(text, paths, "")));
 }
 
 std::vector<std::string> report_path_group(std::string_view text, std::span<const std::string> paths) {

@@ -140,6 +140,14 @@ TEST(ReportPath, AGroupIsRefusedWithWhatIsInIt) {
   EXPECT_SAYS(complaint("totals.power_w"), "totals.power_w.nominal");
   EXPECT_SAYS(complaint("bank1.counters"), "units.l2.bank1.counters.hits");
   EXPECT_SAYS(complaint("frames[0]"), "frames[0].cycles");
+  const std::vector<std::string> keys = {"config.power.voltage", "config.power.temperature", "totals.power_w.high",
+                                         "totals.power_w.low", "totals.power_w.nominal"};
+  try {
+    resolve_report_path("power", keys);
+    ADD_FAILURE() << "two keys of the configuration";
+  } catch (const sim::InputError& error) {
+    EXPECT_SAYS(std::string(error.what()), "config.power.temperature, did you mean 'power_w'?") << "figures are meant";
+  }
 }
 
 TEST(ReportPath, AFigureWithABandMeansItsNominalOne) {

@@ -71,11 +71,13 @@ Draws2d drawn(const Results& results, const Objective& x, const Objective& y, co
   return out;
 }
 
-/// Share of the draws on whose front each row is.
-Column shares_of(const Draws2d& draws, std::size_t rows) {
+/// Share of the draws on whose front each row is, for people as "86.5 %".
+Column shares_of(const Draws2d& draws, std::size_t rows, bool csv) {
   Column shares{"on the front in", std::vector<Value>(rows)};
   const std::vector<double> found = EnergyBand::shares_on_front(draws.x, draws.y);
-  for (std::size_t i = 0; i < found.size(); ++i) shares.values[draws.x.rows[i]] = found[i];
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    shares.values[draws.x.rows[i]] = csv ? Value(found[i]) : Value(fmt::format("{:.1f} %", 100 * found[i]));
+  }
   return shares;
 }
 
@@ -180,7 +182,7 @@ std::string pareto_text(const Results& results, const ParetoOptions& options, st
   }
   columns.push_back(x.column);
   columns.push_back(y.column);
-  if (draws) columns.push_back(shares_of(*draws, results.rows().size()));
+  if (draws) columns.push_back(shares_of(*draws, results.rows().size(), options.csv));
   std::vector<std::size_t> shown = front.rows;
   shown.insert(shown.end(), front.near.begin(), front.near.end());
   std::vector<std::string> names;
