@@ -9,7 +9,7 @@ namespace tools::pages {
 /// pixels, each {id, name, pixels, step, unit, low, high, scale}.
 struct Overlays {
   Json grids = Json::array();
-  std::uint64_t pixel_bytes = 0;  ///< bytes among them of pixels
+  std::uint64_t pixel_bytes = 0;  ///< data: URLs of those of pixels
   Json times;                     ///< times of tiles: {side, begin_us, end_us, core}; null if not known
   std::string missing;            ///< why there are none of tiles or of pixels; empty if there are
 };
