@@ -29,6 +29,11 @@ std::string page_of(const Bundle& bundle, const std::vector<fs::path>& what) {
                       "one or more runs",
                       sim::printable(path.string())));
     }
+    if (fs::is_directory(path) && !fs::exists(path / "report.json")) {
+      throw sim::InputError(
+          fmt::format("{}: holds no run, sweep or search: neither report.json nor sweep.json is there",
+                      sim::printable(path.string())));
+    }
     reports.push_back(load_report(path));
   }
   if (reports.size() == 1) return page_html(bundle, "run", run_title(reports[0]), {run_view(reports[0])});

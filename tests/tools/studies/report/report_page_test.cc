@@ -193,7 +193,7 @@ TEST_F(Pages, AllowTheirOwnScriptsAlone) {
 
 TEST_F(Pages, AreRefusedForWhatIsNoRunAndForMixedKinds) {
   fs::create_directories(folder->path() / "empty");
-  expect_refusal(in_folder({"report", "empty", "-o", "x.html"}), {"report.json"});
+  expect_refusal(in_folder({"report", "empty", "-o", "x.html"}), {"holds no run, sweep or search", "report.json"});
   expect_refusal(in_folder({"report", "nowhere", "-o", "x.html"}), {"nowhere"});
   expect_refusal(in_folder({"report", "base", "sweep", "-o", "x.html"}), {"is a sweep", "allowed"});
   expect_refusal(in_folder({"report", "sweep", "sweep", "-o", "x.html"}), {"is a sweep", "allowed"});
