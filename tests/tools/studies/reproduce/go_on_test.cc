@@ -13,15 +13,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Words small_lee(const fs::path& out, const Words& more = {}) {
-  Words words = {"reproduce", "lee2016", "--quick", "--shrink", "4", "--threads", "1", "-o", out.string()};
+Words small_hybrid(const fs::path& out, const Words& more = {}) {
+  Words words = {"reproduce", "hybrid", "--quick", "--shrink", "8", "--threads", "1", "-o", out.string()};
   words.insert(words.end(), more.begin(), more.end());
   return words;
 }
 
-/// Interrupts experiments of the paper's own size as soon as they have begun.
+/// Interrupts experiments of their own size as soon as they have begun.
 Ending begun(const fs::path& out) {
-  Program program({"reproduce", "lee2016", "--threads", "1", "-o", out.string()});
+  Program program({"reproduce", "hybrid", "--threads", "1", "-o", out.string()});
   EXPECT_TRUE(program.wait_for_complaint());
   program.send(SIGINT);
   return program.wait();
@@ -31,7 +31,7 @@ class GoOn : public testing::Test {
  protected:
   /// Finished results, as if an interrupt had come when all but the last rows were there.
   void interrupt_late() {
-    ASSERT_EQ(raywatt(small_lee(out)).exit, 0);
+    ASSERT_EQ(raywatt(small_hybrid(out)).exit, 0);
     whole = results();
     nlohmann::ordered_json part = whole;
     part["partial"] = true;
@@ -60,7 +60,7 @@ TEST_F(GoOn, KeepsFinishedRowsWhenInterruptedMarkedPartial) {
 TEST_F(GoOn, TakesFinishedRowsAndMeasuresTheRest) {
   interrupt_late();
   const Words pictures = names_in(out);
-  const Ending ending = raywatt(small_lee(out));
+  const Ending ending = raywatt(small_hybrid(out));
   EXPECT_EQ(ending.exit, 0) << ending.err;
   EXPECT_SAYS(ending.err, "goes on behind");
   EXPECT_EQ(first_figure(), 77);
@@ -72,12 +72,12 @@ TEST_F(GoOn, TakesFinishedRowsAndMeasuresTheRest) {
 
 TEST_F(GoOn, MeasuresAllAnewWhereSomethingElseIsAskedFor) {
   interrupt_late();
-  EXPECT_EQ(raywatt(small_lee(out, {"--config", "sgrt-balanced"})).exit, 0);
+  EXPECT_EQ(raywatt(small_hybrid(out, {"--config", "sgrt-balanced"})).exit, 0);
   EXPECT_NE(first_figure(), 77);
 }
 
 TEST_F(GoOn, ReplacesNothingByLess) {
-  ASSERT_EQ(raywatt(small_lee(out)).exit, 0);
+  ASSERT_EQ(raywatt(small_hybrid(out)).exit, 0);
   const std::string before = read_bytes(out / "reproduce.json");
   EXPECT_EQ(begun(out).exit, 128 + SIGINT);
   EXPECT_EQ(read_bytes(out / "reproduce.json"), before);
@@ -86,7 +86,7 @@ TEST_F(GoOn, ReplacesNothingByLess) {
 TEST_F(GoOn, IsNotKeptFromStartingByResultsThatNobodyCanRead) {
   fs::create_directories(out);
   std::ofstream(out / "reproduce.json") << R"({"schema": "raywatt-reproduce/1", "rows": )";
-  EXPECT_EQ(raywatt(small_lee(out)).exit, 0);
+  EXPECT_EQ(raywatt(small_hybrid(out)).exit, 0);
   EXPECT_EQ(results()["partial"], false);
 }
 
