@@ -87,7 +87,7 @@ function map(block, linked, follow) {
     pick.show(layer().id);
     const of = layer();
     const map = await view.show(of, OPACITY);
-    colours = colourBar(of, map);
+    colours = colourBar(of.of ? { ...of, name: `${of.name}: ${second} less ${first}` } : of, map);
     bar.replaceChildren(colours);
     view.dataset.shown = of.id;
     readout.textContent = hint;
@@ -97,6 +97,6 @@ function map(block, linked, follow) {
   const column = (g, field, title, values) => ({ field: `${g.id}.${field}`, title: `${g.name}, ${title}`, unit: g.unit, values });
   const data = tileRows(block.grids.filter((g) => g.of), block.width,
     (g) => [column(g, "a", first, g.of[0]), column(g, "b", second, g.of[1]), column(g, "difference", "difference", g.values)]);
-  return frame({ id: "differences", type: "map", title: `${second} less ${first}, by tile` },
+  return frame({ id: "differences", type: "map", title: "Differences by tile" },
     h("div", { class: "drawing" }, view, bar, readout), { data: data ?? undefined, more: [pick] });
 }
