@@ -3,6 +3,7 @@ import { h, switches, choice } from "./dom.js";
 import { frame } from "./block.js";
 import { colourBar } from "./colours.js";
 import { si, signed } from "./format.js";
+import { showIn } from "./pictures.js";
 import { stage } from "./stage.js";
 import { tileAt, tileRows } from "./tiles.js";
 import * as state from "./state.js";
@@ -36,7 +37,9 @@ function both(block, linked, follow) {
     chosen: () => mode() !== "split" && set(mode() === "a" ? "b" : "a"),
   });
   linked.push(view);
-  const other = h("img", { class: "other", src: block.b, alt: "", "aria-hidden": "true" });
+  const other = h("img", { class: "other", alt: "", "aria-hidden": "true", decoding: "async" });
+  showIn(other, block.b);
+  view.show(null);
   view.append(other);
   const slider = h("input", { type: "range", min: 0, max: 100, "aria-label": "Where the pictures are split",
     oninput: () => state.set({ split: slider.value === "50" ? "" : slider.value }) });
