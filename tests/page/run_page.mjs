@@ -159,7 +159,7 @@ test("overlays of tiles have the numbers of tiles.json, and those of pixels sum 
     const grid = block.grids.find((g) => g.id === id);
     const sum = await page.evaluate(async ({ pixels, step }) => {
       const image = new Image();
-      image.src = pixels;
+      image.src = JSON.parse(document.getElementById("picture-data").textContent)[pixels.split(":")[1]];
       await image.decode();
       const data = window.pixelsOf(image);
       let all = 0;

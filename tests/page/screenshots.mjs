@@ -35,17 +35,16 @@ const browser = await chromium.launch({
 async function shoot(file, hash, name, { from = "header", height = 860, theme = "light" } = {}) {
   const page = await browser.newPage({ colorScheme: theme, viewport: { width: 1180, height }, reducedMotion: "reduce" });
   await page.goto(`file://${path.join(folder, file)}${hash}`);
-  await page.evaluate(() => dispatchEvent(new Event("beforeprint")));
   await page.waitForFunction(() => [...document.querySelectorAll(".drawing")].every((d) => d.querySelector("svg, .stage, .drawing") || d.dataset.drawn !== undefined || d.hidden));
   if (from !== "header") await page.locator(from).evaluate((element) => window.scrollTo(0, element.offsetTop - 60));
   await page.waitForTimeout(400);
   await page.screenshot({ path: path.join(out, `${name}.png`) });
   await page.close();
 }
-await shoot("run.html", "", "page-run");
-await shoot("run.html", "", "page-run-cycles", { from: "#cycles", theme: "dark" });
-await shoot("run.html", "", "page-run-energy", { from: "#energy" });
-await shoot("diff.html", "", "page-diff", { from: "header" });
+await shoot("run.html", "#overlay=cycles&opacity=70", "page-run", { height: 1010 });
+await shoot("run.html", "", "page-run-cycles", { from: "#cycles", theme: "dark", height: 940 });
+await shoot("diff.html", "", "page-diff");
+await shoot("diff.html", "#split=40", "page-diff-map", { from: "#pictures", height: 600 });
 await shoot("sweep.html", "#point=42", "page-sweep");
 await browser.close();
 if (!kept) fs.rmSync(folder, { recursive: true, force: true });

@@ -126,7 +126,8 @@ export function nanojoulesOf(text) {
 export async function drawn(page) {
   await page.waitForFunction(() => {
     const drawings = [...document.querySelectorAll(".drawing")];
-    const isWhole = (d) => d.querySelector(".sankey-drawing, svg, .stage") || d.dataset.drawn !== undefined || d.hidden;
+    const isShown = (image) => image.hidden || image.naturalWidth > 0;
+    const isWhole = (d) => (d.querySelector(".stage") && [...d.querySelectorAll("img")].every(isShown)) || d.querySelector(".sankey-drawing, svg") || d.dataset.drawn !== undefined || d.hidden;
     return drawings.length > 0 && drawings.every(isWhole);
   }, undefined, { timeout: 30000, polling: 50 }).catch(async (error) => {
     const missing = await page.evaluate(() => [...document.querySelectorAll(".drawing:not([data-drawn])")].map((d) => d.closest("figure").dataset.block));

@@ -3,6 +3,7 @@ import { h, switches, choice } from "./dom.js";
 import { frame } from "./block.js";
 import { colourBar } from "./colours.js";
 import { si, signed } from "./format.js";
+import { showIn } from "./pictures.js";
 import { stage } from "./stage.js";
 import { tileAt, tileRows } from "./tiles.js";
 import * as state from "./state.js";
@@ -36,7 +37,9 @@ function both(block, linked, follow) {
     chosen: () => mode() !== "split" && set(mode() === "a" ? "b" : "a"),
   });
   linked.push(view);
-  const other = h("img", { class: "other", src: block.b, alt: "", "aria-hidden": "true" });
+  const other = h("img", { class: "other", alt: "", "aria-hidden": "true", decoding: "async" });
+  showIn(other, block.b);
+  view.show(null);
   view.append(other);
   const slider = h("input", { type: "range", min: 0, max: 100, "aria-label": "Where the pictures are split",
     oninput: () => state.set({ split: slider.value === "50" ? "" : slider.value }) });
@@ -87,7 +90,7 @@ function map(block, linked, follow) {
     pick.show(layer().id);
     const of = layer();
     const map = await view.show(of, OPACITY);
-    colours = colourBar(of, map);
+    colours = colourBar(of.of ? { ...of, name: `${of.name}: ${second} less ${first}` } : of, map);
     bar.replaceChildren(colours);
     view.dataset.shown = of.id;
     readout.textContent = hint;
@@ -97,6 +100,6 @@ function map(block, linked, follow) {
   const column = (g, field, title, values) => ({ field: `${g.id}.${field}`, title: `${g.name}, ${title}`, unit: g.unit, values });
   const data = tileRows(block.grids.filter((g) => g.of), block.width,
     (g) => [column(g, "a", first, g.of[0]), column(g, "b", second, g.of[1]), column(g, "difference", "difference", g.values)]);
-  return frame({ id: "differences", type: "map", title: `${second} less ${first}, by tile` },
+  return frame({ id: "differences", type: "map", title: "Differences by tile" },
     h("div", { class: "drawing" }, view, bar, readout), { data: data ?? undefined, more: [pick] });
 }

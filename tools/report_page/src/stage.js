@@ -1,11 +1,12 @@
 // A picture with a layer of values above it, and a probe under the pointer or the arrow keys.
 import { h } from "./dom.js";
 import { colourMap, shareOf } from "./colours.js";
+import { showIn, urlOf } from "./pictures.js";
 
 /** Pixels of an image as numbers, once it has come. */
-async function pixelsOf(url) {
+async function pixelsOf(picture) {
   const image = new Image();
-  image.src = url;
+  image.src = await urlOf(picture);
   await image.decode();
   const canvas = h("canvas", { width: image.naturalWidth, height: image.naturalHeight });
   const context = canvas.getContext("2d", { willReadFrequently: true });
@@ -48,13 +49,13 @@ async function drawValues(layer, canvas, map) {
  * `probed(x, y, value)` is told of the pixel under the pointer, with null when it has left. `chosen(x, y)` of a click.
  */
 export function stage({ width, height, picture, about }, { probed, chosen }) {
-  const image = h("img", { src: picture, alt: about, width, height, hidden: !picture });
+  const image = h("img", { alt: about, width, height, hidden: !picture, decoding: "async" });
   const over = h("canvas", { class: "over", "aria-hidden": "true" });
   const cross = h("span", { class: "cross", hidden: true });
   const lit = h("canvas", { class: "over lit", "aria-hidden": "true" });
   const element = h("div", { class: "stage", tabindex: "0", role: "application", "aria-label": `${about}. Arrow keys move the probe.` },
     image, over, lit, cross);
-  if (!picture) element.style.aspectRatio = `${width} / ${height}`;
+  element.style.aspectRatio = `${width} / ${height}`;
   let at = null, read = () => null;
 
   /** The cross stands at a pixel, or nowhere: null. */
@@ -96,7 +97,7 @@ export function stage({ width, height, picture, about }, { probed, chosen }) {
 
   /** Shows a layer: tiles (`tile`, a list of values), pixels (`pixels`, an image), a picture, or none. */
   element.show = async (layer, opacity) => {
-    if (picture) image.src = layer?.picture ?? picture;
+    if (picture) await showIn(image, layer?.picture ?? picture);
     over.hidden = !layer || Boolean(layer.picture);
     over.style.opacity = opacity;
     read = () => null;

@@ -1,5 +1,6 @@
 #include "tools/studies/report/page/page_file.h"
 
+#include <algorithm>
 #include <array>
 
 #include <fmt/format.h>
@@ -20,6 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uint64_t kLargestScript = 16 << 20;
+constexpr std::string_view kPicture = "data:image/png;base64,";
 
 std::string base64(std::string_view bytes) {
   std::string out(4 * ((bytes.size() + 2) / 3) + 1, '\0');
@@ -56,6 +58,19 @@ std::string json_for_html(const Json& json) {
     }
   }
   return out;
+}
+
+/// Moves pictures from the model into a list, and leaves their numbers: each is there once, and the page's script can
+/// draw the rest before they are read.
+void take_pictures(Json& node, Json& pictures) {
+  if (node.is_structured()) {
+    for (Json& child : node) take_pictures(child, pictures);
+  } else if (node.is_string() && node.get_ref<const std::string&>().starts_with(kPicture)) {
+    const auto found = std::ranges::find(pictures, node);
+    const auto number = std::distance(pictures.begin(), found);
+    if (found == pictures.end()) pictures.push_back(node);
+    node = fmt::format("picture:{}", number);
+  }
 }
 
 std::vector<fs::path> bundle_folders() {
@@ -133,7 +148,12 @@ std::string page_html(const Bundle& bundle, const std::string& kind, const std::
   check_inline(bundle);
   Json data = {
       {"schema", "raywatt-page/1"}, {"kind", kind}, {"title", sim::printable(title)}, {"views", Json::array()}};
-  for (const View& view : views) data["views"].push_back(view.json());
+  Json pictures = Json::array();
+  for (const View& view : views) {
+    Json json = view.json();
+    for (Json& section : json["sections"]) take_pictures(section["blocks"], pictures);
+    data["views"].push_back(std::move(json));
+  }
   const std::string policy = fmt::format(
       "default-src 'none'; script-src {} {}; style-src {}; img-src data: blob:; base-uri 'none'; form-action 'none'",
       hash_source(bundle.script), hash_source(bundle.libraries), hash_source(bundle.style));
@@ -144,9 +164,10 @@ std::string page_html(const Bundle& bundle, const std::string& kind, const std::
       "<meta name=\"color-scheme\" content=\"light dark\">\n<title>{}</title>\n<style>{}</style>\n</head>\n<body>\n"
       "<noscript>This page draws its charts and tables by its own script, which the browser does not run.</noscript>\n"
       "<div id=\"page\"></div>\n<script type=\"application/json\" id=\"data\">{}</script>\n<script>{}</script>\n"
+      "<script type=\"application/json\" id=\"picture-data\">{}</script>\n"
       "<script type=\"text/plain\" id=\"libraries\">{}</script>\n</body>\n</html>\n",
       kPageMark, html_text(policy), html_text(sim::printable(title)), bundle.style, json_for_html(data), bundle.script,
-      bundle.libraries);
+      json_for_html(pictures), bundle.libraries);
 }
 
 }  // namespace tools::pages
