@@ -6,7 +6,7 @@ namespace tools::pages {
 namespace {
 
 constexpr int kBar = 22;          ///< height of a bar's band, in pixels
-constexpr int kToMiddle = 3;      ///< from where marks of bars side by side stand to the middle of their bar
+constexpr int kToMiddle = 3;      ///< from where texts of bars side by side stand to the middle of their bar
 constexpr double kNamed = 0.055;  ///< least share of a part that is named in its bar
 
 /// Metric prefixes, but none for zero.
@@ -230,14 +230,11 @@ Json sensitivity_spec() {
   // Behind an interval there is room for its label, or before it within the bar.
   const std::string is_long = "datum.high > 0.85 && datum.low > 0.25";
   const auto label = [&](const std::string& test, const char* end, const char* align, const char* colour) -> Json {
-    return {{"transform", Json::array({Json{{"filter", test}}})},
-            {"mark",
-             {{"type", "text"},
-              {"align", align},
-              {"dx", align[0] == 'l' ? 5 : -5},
-              {"color", colour},
-              {"yOffset", kToMiddle}}},
-            {"encoding", {{"x", share(end)}, {"text", {{"field", "label"}}}}}};
+    return {
+        {"transform", Json::array({Json{{"filter", test}}})},
+        {"mark",
+         {{"type", "text"}, {"align", align}, {"dx", align[0] == 'l' ? 5 : -5}, {"color", colour}, {"dy", kToMiddle}}},
+        {"encoding", {{"x", share(end)}, {"text", {{"field", "label"}}}}}};
   };
   return {{"width", "container"},
           {"height", {{"step", 15}}},
@@ -256,7 +253,7 @@ Json sensitivity_spec() {
                 {{{"field", "metric"}, {"title", "figure"}},
                  {{"field", "axis"}, {"title", "axis"}},
                  {{"field", "share"}, {"title", "share"}, {"format", ".1%"}}}}}}},
-            {{"mark", {{"type", "rule"}, {"color", colours::kText}, {"yOffset", kToMiddle}}},
+            {{"mark", {{"type", "rule"}, {"color", colours::kText}}},
              {"encoding", {{"x", share("low")}, {"x2", {{"field", "high"}}}}}},
             label("!(" + is_long + ")", "high", "left", colours::kText),
             label(is_long, "low", "right", colours::kInverse)}}};
