@@ -37,8 +37,8 @@ double squares(const std::vector<double>& values) {
 /// On a grid the first turn is the last.
 class AdditiveModel {
  public:
-  AdditiveModel(const std::vector<Factor>& factors, std::vector<double> deviations)
-      : factors_(factors), left_(std::move(deviations)), effects_(factors.size()) {
+  AdditiveModel(const std::vector<Factor>& factors, const std::vector<double>& deviations)
+      : factors_(factors), deviations_(deviations), left_(deviations), effects_(factors.size()) {
     for (std::size_t f = 0; f < factors.size(); ++f) effects_[f].assign(factors[f].levels.size(), 0);
     const double scale = std::sqrt(squares(left_));
     for (int round = 0; round < kMostRounds; ++round) {
@@ -50,9 +50,13 @@ class AdditiveModel {
 
   const std::vector<double>& effects(std::size_t factor) const { return effects_[factor]; }
   double unexplained() const { return squares(left_); }
+  /// Sum of the products of effect and value: all factors together come to what the model explains, though factors that
+  /// are no grid go together (Li et al., J. Phys. Chem. A 114, 2010: structural and correlative sensitivity). On a grid,
+  /// the sum of the effect's squares.
   double explained_by(std::size_t factor) const {
     double sum = 0;
-    for (const std::size_t level : factors_[factor].at) sum += effects_[factor][level] * effects_[factor][level];
+    const std::vector<std::size_t>& at = factors_[factor].at;
+    for (std::size_t i = 0; i < at.size(); ++i) sum += effects_[factor][at[i]] * deviations_[i];
     return sum;
   }
 
@@ -75,6 +79,7 @@ class AdditiveModel {
   }
 
   const std::vector<Factor>& factors_;
+  const std::vector<double>& deviations_;
   std::vector<double> left_;
   std::vector<std::vector<double>> effects_;  ///< by factor, then by level
 };

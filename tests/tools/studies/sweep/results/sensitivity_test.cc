@@ -72,6 +72,21 @@ TEST(Sensitivity, PointsThatFailedDoNotBiasTheOthers) {
   EXPECT_NEAR(s.effects[1].means[2] - s.effects[1].means[0], 20, 1e-6);
 }
 
+TEST(Sensitivity, SharesOfPointsThatAreNoGridComeToAllThatIsExplained) {
+  MadeSweep sweep;  // a corner of a grid, in which much of one goes with little of the other
+  for (std::size_t i = 0; i < 5; ++i) {
+    for (std::size_t k = 0; i + k < 5; ++k) {
+      const double value = 100 + 10.0 * static_cast<double>(i) + 12.0 * static_cast<double>(k);
+      sweep.finish(sweep.add({{"a", std::to_string(i)}, {"b", std::to_string(k)}}), value);
+    }
+  }
+  const Sensitivity s = of_steps(sweep);
+  EXPECT_FALSE(s.is_grid);
+  EXPECT_EQ(s.effects[0].axis, "b");
+  EXPECT_NEAR(s.effects[0].share + s.effects[1].share, 1, 1e-6) << "nothing is left to be explained";
+  EXPECT_NEAR(s.effects[1].share, 40.0 / 124, 1e-6);
+}
+
 TEST(Sensitivity, AxesThatMoveTogetherAreOne) {
   MadeSweep sweep;
   for (std::size_t i = 0; i < 3; ++i) {
