@@ -1,6 +1,8 @@
 #pragma once
 #include <algorithm>
 #include <cstddef>
+#include <functional>
+#include <ranges>
 #include <string_view>
 #include <vector>
 
@@ -23,6 +25,22 @@ inline std::size_t edit_distance(std::string_view a, std::string_view b) {
     }
   }
   return d[a.size()][b.size()];
+}
+
+/// As much of a misspelt word as is compared: the time grows with its length, and it may be of anybody.
+constexpr std::string_view start_of(std::string_view word) { return word.substr(0, 64); }
+
+/// The candidate that the fewest edits make of a word, the first of equals; the end if all are more than `most` edits
+/// away.
+template <std::ranges::forward_range Candidates, class Name = std::identity>
+auto nearest_of(std::string_view word, const Candidates& candidates, std::size_t most, Name name = {}) {
+  auto found = std::ranges::end(candidates);
+  std::size_t best = most + 1;
+  for (auto at = std::ranges::begin(candidates); at != std::ranges::end(candidates); ++at) {
+    const std::size_t distance = edit_distance(word, std::invoke(name, *at));
+    if (distance < best) best = distance, found = at;
+  }
+  return found;
 }
 
 }  // namespace sim

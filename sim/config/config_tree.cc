@@ -101,15 +101,9 @@ void refuse(std::string_view origin, std::string_view path, std::string_view pro
 }
 
 std::string suggest(const ConfigNode& root, const ConfigNode& group, std::string_view key) {
-  constexpr std::size_t kLongestKey = 64;
-  const std::string_view start = key.substr(0, kLongestKey);
-  std::size_t best = std::max<std::size_t>(1, start.size() / 3) + 1;
-  const ConfigNode* nearest = nullptr;
-  for (const ConfigNode& child : group.children) {
-    const std::size_t distance = edit_distance(start, child.key);
-    if (distance < best) best = distance, nearest = &child;
-  }
-  if (nearest != nullptr) return fmt::format("did you mean '{}'?", nearest->path);
+  const std::string_view start = start_of(key);
+  const auto nearest = nearest_of(start, group.children, std::max<std::size_t>(1, start.size() / 3), &ConfigNode::key);
+  if (nearest != group.children.end()) return fmt::format("did you mean '{}'?", nearest->path);
   std::vector<std::string> elsewhere;
   find_all(root, key, elsewhere);
   if (elsewhere.size() == 1) return fmt::format("did you mean '{}'?", elsewhere.front());

@@ -47,16 +47,13 @@ std::vector<std::filesystem::path> known_files() {
 
 /// "; did you mean 'dram/lpddr3-1600'?" for the nearest file of the group that asks, or nothing if all are far off.
 std::string nearest_file(const std::filesystem::path& name, std::string_view group) {
-  constexpr std::size_t kLongestName = 64;
-  const std::string stem = name.stem().string().substr(0, kLongestName);
-  std::size_t best = stem.size() / 2 + 1;
-  std::string found;
-  for (const std::filesystem::path& file : known_files()) {
-    if (file.parent_path() != std::filesystem::path(group)) continue;
-    const std::size_t distance = edit_distance(stem, file.stem().string());
-    if (distance < best) best = distance, found = file.string();
-  }
-  return found.empty() ? "" : fmt::format("; did you mean '{}'?", found);
+  const std::string stem = name.stem().string();
+  const std::string_view start = start_of(stem);
+  auto files = known_files();
+  std::erase_if(files, [&](const std::filesystem::path& file) { return file.parent_path() != group; });
+  const auto found = nearest_of(start, files, start.size() / 2,
+                                [](const std::filesystem::path& file) { return file.stem().string(); });
+  return found == files.end() ? "" : fmt::format("; did you mean '{}'?", found->string());
 }
 
 std::string_view first_key(std::string_view path) { return path.substr(0, path.find('.')); }

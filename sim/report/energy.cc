@@ -29,15 +29,9 @@ namespace {
 
 /// ", did you mean 'x'?" for the name nearest to one that is not known, or nothing if all are far off.
 std::string nearest(const std::string& name, const std::set<std::string>& known) {
-  constexpr std::size_t kLongestName = 64;
-  const std::string start = name.substr(0, kLongestName);
-  std::size_t best = std::max<std::size_t>(1, start.size() / 3) + 1;
-  std::string found;
-  for (const std::string& other : known) {
-    const std::size_t distance = edit_distance(start, other);
-    if (distance < best) best = distance, found = other;
-  }
-  return found.empty() ? "" : fmt::format(", did you mean '{}'?", found);
+  const std::string_view start = start_of(name);
+  const auto found = nearest_of(start, known, std::max<std::size_t>(1, start.size() / 3));
+  return found == known.end() ? "" : fmt::format(", did you mean '{}'?", *found);
 }
 
 }  // namespace
