@@ -15,6 +15,7 @@
 #include "shader_kernels/catalogue.h"
 #include "sim/config/config.h"
 #include "sim/config/config_json.h"
+#include "sim/report/conversions.h"
 #include "sim/report/report_json.h"
 #include "tools/analysis/cost_totals.h"
 #include "tools/analysis/limiter.h"
@@ -33,11 +34,9 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-constexpr double kFemtosecondsPerMillisecond = 1e12;
-
-double time_ms(const Simulation& s) { return static_cast<double>(s.elapsed) / kFemtosecondsPerMillisecond; }
-double energy_mj(const Simulation& s) { return s.energy.total_pj.nominal / kPicojoulesPerMillijoule; }
-double tni_mj(const Simulation& s) { return s.energy.blocks.at("tni").total().nominal / kPicojoulesPerMillijoule; }
+double time_ms(const Simulation& s) { return static_cast<double>(s.elapsed) / sim::kFemtosecondsPerMillisecond; }
+double energy_mj(const Simulation& s) { return s.energy.total_pj.nominal / sim::kPicojoulesPerMillijoule; }
+double tni_mj(const Simulation& s) { return s.energy.blocks.at("tni").total().nominal / sim::kPicojoulesPerMillijoule; }
 
 Json rays_json(const Simulation& s) {
   const auto of = [&](traces::RayKind kind) { return s.function.rays[static_cast<std::size_t>(kind)]; };
@@ -88,7 +87,7 @@ Json sampled_json(const Simulation& s) {
           {"timed", f.timed},           {"measured", f.measured},
           {"warmed", f.warmed},         {"blocks", f.blocks},
           {"rounds", f.rounds},         {"cycles", interval_json(f.cycles)},
-          {"time_ms", std::move(time)}, {"energy_mj", interval_json(f.energy_pj, 1 / kPicojoulesPerMillijoule)}};
+          {"time_ms", std::move(time)}, {"energy_mj", interval_json(f.energy_pj, 1 / sim::kPicojoulesPerMillijoule)}};
 }
 
 double ratio(std::uint64_t part, std::uint64_t whole) { return static_cast<double>(part) / static_cast<double>(whole); }

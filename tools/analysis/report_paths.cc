@@ -19,10 +19,10 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Numbers = std::vector<ReportNumber>;
 
-constexpr int kDeepest = 32;
+constexpr int kDeepestReport = 32;
 
 void flatten(const Json& node, const std::string& path, int depth, Numbers& out) {
-  if (depth > kDeepest) throw sim::InputError("the report is nested more deeply than any report");
+  if (depth > kDeepestReport) throw sim::InputError("the report is nested more deeply than any report");
   if (node.is_number()) {
     out.push_back({path, node.get<double>()});
   } else if (node.is_object()) {
@@ -42,7 +42,7 @@ std::string kind_of(const std::string& name, const Json& siblings) {
 class Sums {
  public:
   void add(const Json& node, const std::string& kind, int depth) {
-    if (depth > kDeepest) return;
+    if (depth > kDeepestReport) return;
     for (const auto& [key, value] : node.items()) {
       if (value.is_object()) add(value, fmt::format("{}.{}", kind, kind_of(key, node)), depth + 1);
       if (value.is_number()) add(fmt::format("{}.{}", kind, key), value.get<double>());

@@ -11,7 +11,9 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-double ratio(std::uint64_t part, std::uint64_t whole) { return static_cast<double>(part) / static_cast<double>(whole); }
+double share_of(std::uint64_t part, std::uint64_t whole) {
+  return static_cast<double>(part) / static_cast<double>(whole);
+}
 
 Json named_counts(const auto& names, const auto& counts) {
   Json out = Json::object();
@@ -26,7 +28,7 @@ Json sampling_json(const Simulation& simulation) {
   Json out = {{"wanted", s.wanted},         {"traced", s.traced},         {"halo", s.halo},
               {"correction", s.correction}, {"background", s.background}, {"traced_background", s.traced_background}};
   if (s.wanted > s.background) {
-    out["traced_ratio_without_background"] = ratio(s.traced - s.traced_background, s.wanted - s.background);
+    out["traced_ratio_without_background"] = share_of(s.traced - s.traced_background, s.wanted - s.background);
   }
   const bool is_subdivided = simulation.program.kind == kernels::ProgramSpec::Kind::kSupersample;
   if (is_subdivided) {
@@ -39,7 +41,7 @@ Json sampling_json(const Simulation& simulation) {
   if (s.checked != 0) {
     out["checked"] = s.checked;
     out["passed"] = s.passed;
-    out["similar_ratio"] = ratio(s.passed, s.checked);
+    out["similar_ratio"] = share_of(s.passed, s.checked);
     if (s.rough != 0) out["rough"] = s.rough;
     out["failed"] = named_counts(names_of(kernels::Check{}), s.failed);
     out["first_failed"] = named_counts(names_of(kernels::Check{}), s.first_failed);

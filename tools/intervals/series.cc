@@ -11,6 +11,7 @@
 #include "hw_models/srp/srp.h"
 #include "hw_models/tni/ist.h"
 #include "hw_models/tni/trv.h"
+#include "sim/report/conversions.h"
 #include "sim/report/energy_formula.h"
 #include "tools/analysis/limiter.h"
 #include "tools/analysis/units.h"
@@ -22,8 +23,6 @@ namespace {
 using Reports = std::vector<sim::UnitReport>;
 
 constexpr double kPercent = 100;
-constexpr double kFemtosecondsPerMicrosecond = 1e9;
-constexpr double kWattsPerPicojouleOverFemtosecond = 1e3;
 constexpr double kGigabytesPerByteOverFemtosecond = 1e6;
 constexpr double kMillionsPerSecondPerOneOverFemtosecond = 1e9;
 
@@ -75,8 +74,8 @@ class Table {
     for (std::size_t i = 0; i < frame_.rows; ++i) {
       RunIntervals::set_until(frame_, i, until_);
       RunIntervals::set_within(frame_, i, within_);
-      table_.begin_us.push_back(static_cast<double>(frame_.begin_of(i)) / kFemtosecondsPerMicrosecond);
-      table_.end_us.push_back(static_cast<double>(frame_.end_of(i)) / kFemtosecondsPerMicrosecond);
+      table_.begin_us.push_back(static_cast<double>(frame_.begin_of(i)) / sim::kFemtosecondsPerMicrosecond);
+      table_.end_us.push_back(static_cast<double>(frame_.end_of(i)) / sim::kFemtosecondsPerMicrosecond);
       time_ = static_cast<double>(frame_.end_of(i) - frame_.begin_of(i));
       series_.next_interval();
       add_power(i);
@@ -99,7 +98,7 @@ class Table {
     blocks.push_back(energy.total(side_));
     if (blocks_before_.empty()) blocks_before_.resize(blocks.size()), kinds_before_.resize(kinds.size());
     const auto watts = [&](double until, double before) {
-      return (until - before) / time_ * kWattsPerPicojouleOverFemtosecond;
+      return (until - before) / time_ * sim::kWattsPerPicojouleOverFemtosecond;
     };
     for (std::size_t b = 0; b < blocks.size(); ++b) {
       const bool is_sum = b + 1 == blocks.size();

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "hw_models/dram/dram_energy.h"
+#include "sim/report/conversions.h"
 #include "sim/unit_values.h"
 #include "tools/analysis/limiter.h"
 #include "tools/analysis/picture.h"
@@ -12,8 +13,6 @@
 
 namespace tools {
 namespace {
-
-constexpr double kFemtosecondsPerMicrosecond = 1e9, kWattsPerPicojouleOverFemtosecond = 1e3;
 
 /// Means of the picture's pixels where it is made smaller; never larger than it is.
 SmallPicture shrunk(std::span<const float> rgb, std::size_t width, std::size_t height, std::size_t most_width,
@@ -82,12 +81,12 @@ std::vector<std::string> LiveRun::lines() {
   wanted_ = true;
   if (row_.empty()) return {};
   const double watts = (until_pj(row_, end_) - until_pj(before_, begin_)) / static_cast<double>(end_ - begin_) *
-                       kWattsPerPicojouleOverFemtosecond;
+                       sim::kWattsPerPicojouleOverFemtosecond;
   sim::each_value(units_, [&](std::uint64_t& value, std::size_t i, sim::CounterKind) { value = row_[i] - before_[i]; });
   const Utilisation used = utilisation(units_);
   return {fmt::format("T&I {:.0f} %  SRP {:.0f} %  DRAM {:.0f} %  {:.2f} W  at {:.0f} us of simulated time",
                       100 * used.tni, 100 * used.srp, 100 * used.dram, watts,
-                      static_cast<double>(end_) / kFemtosecondsPerMicrosecond)};
+                      static_cast<double>(end_) / sim::kFemtosecondsPerMicrosecond)};
 }
 
 SmallPicture LiveRun::picture(std::size_t width, std::size_t height) {

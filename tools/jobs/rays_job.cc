@@ -9,6 +9,7 @@
 #include "sim/config/config_json.h"
 #include "sim/host_clock.h"
 #include "sim/io/file.h"
+#include "sim/report/conversions.h"
 #include "sim/report/report_json.h"
 #include "sim/report/table.h"
 #include "tools/analysis/report.h"
@@ -28,20 +29,18 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kFemtosecondsPerMillisecond = 1e12, kPicojoulesPerMillijoule = 1e9;
-
 /// `listed`: all rays that there are.
 Json totals_of(const hw::RayMachine& machine, std::uint64_t listed, const std::vector<sim::UnitReport>& units,
                const sim::EnergyReport& energy) {
   const std::uint64_t rays = machine.rays();
-  const double ms = static_cast<double>(machine.elapsed()) / kFemtosecondsPerMillisecond;
+  const double ms = static_cast<double>(machine.elapsed()) / sim::kFemtosecondsPerMillisecond;
   Json totals = {{"cycles", machine.cycles()},
                  {"time_ms", ms},
                  {"rays", {{"total", rays}, {"hits", machine.hits()}, {"listed", listed}}},
                  {"traversal_steps", machine.steps()},
                  {"dram_bytes", Units<hw::DramChannel>(units).counted(&hw::DramChannel::Stats::bytes)}};
   totals.update(sim::energy_json(energy));
-  totals["power_w"] = sim::spread_json(energy.total_pj, 1 / (kPicojoulesPerMillijoule * ms));
+  totals["power_w"] = sim::spread_json(energy.total_pj, 1 / (sim::kPicojoulesPerMillijoule * ms));
   totals["perf"] = {{"mrays_per_s", static_cast<double>(rays) / (1e3 * ms)},
                     {"nj_per_ray", energy.total_pj.nominal / (1e3 * static_cast<double>(rays))}};
   totals["utilisation"] = {{"tni", Units<hw::Trv>(units).share(hw::Trv::CycleReason::kVisiting)},

@@ -13,6 +13,7 @@
 #include "sim/error.h"
 #include "sim/io/file.h"
 #include "sim/io/printable.h"
+#include "sim/report/conversions.h"
 #include "tools/host/paths.h"
 #include "tools/pricing/idle_machine.h"
 #include "tools/pricing/reported_units.h"
@@ -99,7 +100,7 @@ PricedRun::PricedRun(const ReportFile& report, const PriceTable& table)
   std::vector<sim::UnitReport> units = idle_units(config_.gpu, counts.has_rasteriser());
   counts.fill(units);
   make_formula(units);
-  const double own = total(&sim::Spread::nominal) / kPicojoulesPerMillijoule;
+  const double own = total(&sim::Spread::nominal) / sim::kPicojoulesPerMillijoule;
   const double stated = report.number("totals.energy_mj.nominal");
   if (!(std::abs(own - stated) <= kRounding * stated)) {
     ReportedCounts(report).refuse(

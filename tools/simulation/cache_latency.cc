@@ -16,7 +16,7 @@ namespace {
 
 constexpr const char* kCurve = "read";
 /// Part of a cycle by which a time may pass a clock edge and still be taken before it: rounding alone.
-constexpr double kRounding = 1e-9;
+constexpr double kCycleRounding = 1e-9;
 
 struct Cache {
   std::string path;
@@ -52,7 +52,7 @@ void set_hit_cycles(RunConfig& config) {
     const sim::EnergyCurve& curve = curve_of(table, c.path);
     if (c.cache.size.bytes == 0) continue;  // refused with the other limits
     const double ns = curve.at(c.cache.size.bytes).at(&sim::Spread::nominal);
-    const double cycles = std::ceil(ns * static_cast<double>(c.hz) / kHzPerNanosecond - kRounding);
+    const double cycles = std::ceil(ns * static_cast<double>(c.hz) / kHzPerNanosecond - kCycleRounding);
     c.cache.hit_cycles.value = std::max(1U, c.around + static_cast<std::uint32_t>(cycles));
   }
 }

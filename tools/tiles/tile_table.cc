@@ -19,10 +19,10 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::string_view kSchema = "raywatt-tiles/1";
 constexpr std::uint64_t kLargestFile = std::uint64_t{4} << 30;
-constexpr double kWhole = 0x1p53;
+constexpr double kLargestExact = 0x1p53;
 
 Json number(double value) {
-  if (value == std::trunc(value) && std::abs(value) < kWhole) return static_cast<std::int64_t>(value);
+  if (value == std::trunc(value) && std::abs(value) < kLargestExact) return static_cast<std::int64_t>(value);
   return value;
 }
 

@@ -12,7 +12,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-Json report_of(const std::filesystem::path& out, const Words& more) {
+Json replicated_report(const std::filesystem::path& out, const Words& more) {
   const Ending ending = raywatt(small_run(out, more));
   EXPECT_EQ(ending.exit, 0) << ending.err;
   return read_json(out / "report.json");
@@ -20,7 +20,8 @@ Json report_of(const std::filesystem::path& out, const Words& more) {
 
 TEST(ReplicatesOption, AddsStatisticsAndChangesNothingElse) {
   const TempFolder folder;
-  Json plain = report_of(folder.path() / "plain", {}), five = report_of(folder.path() / "five", {"--replicates", "5"});
+  Json plain = replicated_report(folder.path() / "plain", {}),
+       five = replicated_report(folder.path() / "five", {"--replicates", "5"});
   const Json statistics = five["totals"]["replicates"];
   for (Json* totals : {&five["totals"], &five["frames"][0]}) totals->erase("replicates");
   for (const char* part : {"totals", "frames", "units", "config"}) EXPECT_EQ(plain[part], five[part]) << part;
@@ -42,7 +43,7 @@ TEST(ReplicatesOption, AddsStatisticsAndChangesNothingElse) {
 TEST(ReplicatesOption, CoverEveryFigureThatTheyMove) {
   // Figures of a frame as a whole; energies by event and cycles by kernel explain these.
   const TempFolder folder;
-  const Json totals = report_of(folder.path() / "out", {"--replicates", "3"})["totals"];
+  const Json totals = replicated_report(folder.path() / "out", {"--replicates", "3"})["totals"];
   const Json figures = totals["replicates"]["figures"].flatten(), flat = totals.flatten();
   std::size_t covered = 0;
   for (const auto& [path, value] : flat.items()) {
@@ -61,7 +62,7 @@ TEST(ReplicatesOption, CoverEveryFigureThatTheyMove) {
 
 TEST(ReplicatesOption, OfSeveralFramesAreOfTheirSum) {
   const TempFolder folder;
-  const Json r = report_of(folder.path() / "out", {"--scene", "car", "--frames", "0:1", "--replicates", "3"});
+  const Json r = replicated_report(folder.path() / "out", {"--scene", "car", "--frames", "0:1", "--replicates", "3"});
   const auto value = [](const Json& totals, int i) {
     return totals["replicates"]["figures"]["cycles"]["values"][i].get<double>();
   };
@@ -73,7 +74,7 @@ TEST(ReplicatesOption, OfSeveralFramesAreOfTheirSum) {
 TEST(ReplicatesOption, WithAReferenceCoverWhatIsRelativeToIt) {
   const TempFolder folder;
   const Json r =
-      report_of(folder.path() / "out", {"--program", "full:4", "--reference", "full:1", "--replicates", "2"});
+      replicated_report(folder.path() / "out", {"--program", "full:4", "--reference", "full:1", "--replicates", "2"});
   const Json& speedup = r["totals"]["replicates"]["figures"]["relative"]["speedup"];
   EXPECT_EQ(speedup["values"][0], r["totals"]["relative"]["speedup"]);
   EXPECT_NE(speedup["values"][0], speedup["values"][1]);

@@ -13,7 +13,7 @@
 namespace tools {
 namespace {
 
-const Inputs& inputs() {
+const Inputs& small_inputs() {
   static const Inputs in = [] {
     JobOptions options;
     options.resolution = "64x32";
@@ -24,7 +24,7 @@ const Inputs& inputs() {
 }
 
 Simulation run(std::uint32_t replicates, std::uint32_t threads, const char* program = "full:1") {
-  return simulate(inputs(), kernels::parse_program(program), threads, {.replicates = replicates});
+  return simulate(small_inputs(), kernels::parse_program(program), threads, {.replicates = replicates});
 }
 
 hw::test::Outcome outcome_of(const Simulation& s) { return {s.units, s.kernel_use, {}, s.elapsed, s.cycles}; }

@@ -25,7 +25,7 @@ double sum(const TileColumn& column) {
   return tiles + column.rest;
 }
 
-double total(const TileFrame& frame, const char* column) {
+double sum_of_column(const TileFrame& frame, const char* column) {
   const TileColumn* found = frame.find(column);
   EXPECT_NE(found, nullptr) << column;
   EXPECT_TRUE(found->is_sum) << column;
@@ -38,23 +38,23 @@ double counted(std::uint64_t value) { return static_cast<double>(value); }
 void expect_sums(const Simulation& s, const TileFrame& frame) {
   constexpr const char* kRays[] = {"rays_primary", "rays_shadow", "rays_reflection", "rays_refraction"};
   for (std::size_t kind = 0; kind < std::size(kRays); ++kind) {
-    EXPECT_EQ(total(frame, kRays[kind]), counted(s.function.rays[kind])) << kRays[kind];
+    EXPECT_EQ(sum_of_column(frame, kRays[kind]), counted(s.function.rays[kind])) << kRays[kind];
   }
-  EXPECT_EQ(total(frame, "steps"), counted(s.function.traversal_steps));
-  EXPECT_EQ(total(frame, "tests"), counted(Units<hw::Ist>(s.units).counted(&hw::Ist::Stats::tests)));
+  EXPECT_EQ(sum_of_column(frame, "steps"), counted(s.function.traversal_steps));
+  EXPECT_EQ(sum_of_column(frame, "tests"), counted(Units<hw::Ist>(s.units).counted(&hw::Ist::Stats::tests)));
   std::uint64_t kernel_cycles = 0;
   for (const hw::KernelUse& use : s.kernel_use) kernel_cycles += use.cycles;
-  EXPECT_EQ(total(frame, "srp_cycles"), counted(kernel_cycles));
+  EXPECT_EQ(sum_of_column(frame, "srp_cycles"), counted(kernel_cycles));
   double bytes = 0;
   for (const std::string_view asker : names_of(hw::Asker{})) {
-    bytes += total(frame, ("bytes_" + std::string(asker)).c_str());
+    bytes += sum_of_column(frame, ("bytes_" + std::string(asker)).c_str());
   }
   EXPECT_EQ(bytes, counted(hw::kLineBytes * Units<hw::CorePort>(s.units).counted(&hw::CorePort::Stats::requests)));
-  EXPECT_EQ(total(frame, "dram_bytes"),
+  EXPECT_EQ(sum_of_column(frame, "dram_bytes"),
             counted(Units<hw::DramChannel>(s.units).counted(&hw::DramChannel::Stats::bytes)));
-  EXPECT_EQ(total(frame, "energy_mj_low"), s.energy.total_pj.low * kMillijoulesPerPicojoule);
-  EXPECT_EQ(total(frame, "energy_mj_nominal"), s.energy.total_pj.nominal * kMillijoulesPerPicojoule);
-  EXPECT_EQ(total(frame, "energy_mj_high"), s.energy.total_pj.high * kMillijoulesPerPicojoule);
+  EXPECT_EQ(sum_of_column(frame, "energy_mj_low"), s.energy.total_pj.low * kMillijoulesPerPicojoule);
+  EXPECT_EQ(sum_of_column(frame, "energy_mj_nominal"), s.energy.total_pj.nominal * kMillijoulesPerPicojoule);
+  EXPECT_EQ(sum_of_column(frame, "energy_mj_high"), s.energy.total_pj.high * kMillijoulesPerPicojoule);
 }
 
 /// Expects that only what nobody is charged for is left over, nothing that the sharing out has forgotten.

@@ -9,8 +9,8 @@ namespace {
 
 using Rows = std::vector<std::size_t>;
 
-/// Four tiles of 16 x 8 pixels, two of a row; the second pass has gone over the third one again.
-TileFrame tiles() {
+/// Tiles of 16 x 8 pixels, two of a row; the second pass has gone over the third one again.
+TileFrame four_tiles() {
   return {0,
           {{"x", "pixels", false, {0, 16, 0, 16, 0}},
            {"y", "pixels", false, {0, 0, 8, 8, 8}},
@@ -20,7 +20,7 @@ TileFrame tiles() {
            {"finished", "T&I cycles", false, {20, 35, 30, 45, 91}}}};
 }
 
-Rows selected(const std::string& asked) { return selected_tiles(parse_timeline(asked), tiles()); }
+Rows selected(const std::string& asked) { return selected_tiles(parse_timeline(asked), four_tiles()); }
 
 TEST(TimelineSelection, NamesTilesByPlaceAndByTime) {
   EXPECT_EQ(selected("all"), (Rows{0, 1, 2, 3, 4}));

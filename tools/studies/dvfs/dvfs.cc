@@ -8,6 +8,7 @@
 
 #include "sim/error.h"
 #include "sim/io/printable.h"
+#include "sim/report/conversions.h"
 #include "tools/analysis/cost_totals.h"
 #include "tools/analysis/warnings.h"
 #include "tools/simulation/power.h"
@@ -17,7 +18,6 @@
 namespace tools {
 namespace {
 
-constexpr double kFemtosecondsPerMillisecond = 1e12;
 constexpr double kHzPerMhz = 1e6;
 /// Share of a period by which a frame may be longer and still be taken to meet it: rounding alone.
 constexpr double kRounding = 1e-9;
@@ -61,13 +61,14 @@ double idle_mw(const RunConfig& config, const Simulation& s, double ms) {
 }
 
 DvfsPoint point_of(double factor, const RunConfig& config, const Simulation& s) {
-  DvfsPoint point{.factor = factor, .mhz = {}, .volt = {}, .mj = s.energy.total_pj * (1 / kPicojoulesPerMillijoule)};
+  DvfsPoint point{
+      .factor = factor, .mhz = {}, .volt = {}, .mj = s.energy.total_pj * (1 / sim::kPicojoulesPerMillijoule)};
   for (const ClockDomain& domain : clock_domains()) {
     point.mhz.push_back(static_cast<double>((config.gpu.clocks.*domain.clock).hz) / kHzPerMhz);
     point.volt.push_back(voltage_needed(config, domain));
   }
   point.cycles = s.cycles;
-  point.ms = static_cast<double>(s.elapsed) / kFemtosecondsPerMillisecond;
+  point.ms = static_cast<double>(s.elapsed) / sim::kFemtosecondsPerMillisecond;
   point.idle_mw = idle_mw(config, s, point.ms);
   return point;
 }

@@ -1,6 +1,7 @@
 #include <optional>
 
 #include "hw_models/dram/dram_map.h"
+#include "sim/report/conversions.h"
 #include "tools/studies/microbench/benchmark.h"
 #include "tools/studies/microbench/memory_forms.h"
 #include "tools/studies/microbench/memory_side.h"
@@ -9,7 +10,6 @@ namespace tools {
 namespace {
 
 constexpr std::uint32_t kPhases = 20;  // starts, a cycle further each time, so that clocks meet in every way
-constexpr double kFemtosecondsPerNs = 1e6;
 
 /// The first line behind line 0 of its channel and bank, of the same row or not.
 std::optional<hw::Addr> find_line(const hw::DramConfig& dram, bool same_row) {
@@ -77,8 +77,8 @@ class Chase {
     const Reader::Read& last = reader.reads().back();
     const sim::Time hit = config_.tni.trv.l1.hit_cycles * clock_.period();
     const sim::Time expected = (level ? forms_.back(last.asked, *level) - last.asked : 0) + hit;
-    figure.measured += static_cast<double>(last.there - last.asked + hit) / kFemtosecondsPerNs / kPhases;
-    figure.expected += static_cast<double>(expected) / kFemtosecondsPerNs / kPhases;
+    figure.measured += static_cast<double>(last.there - last.asked + hit) / sim::kFemtosecondsPerNs / kPhases;
+    figure.expected += static_cast<double>(expected) / sim::kFemtosecondsPerNs / kPhases;
   }
 
   hw::GpuConfig config_;

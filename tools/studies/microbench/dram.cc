@@ -7,6 +7,7 @@
 
 #include "hw_models/dram/dram_energy.h"
 #include "hw_models/dram/dram_measurements.h"
+#include "sim/report/conversions.h"
 #include "sim/report/report_json.h"
 #include "sim/report/table.h"
 #include "tools/simulation/load_config.h"
@@ -19,8 +20,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kFemtosecondsPerNs = 1e6;
-double ns_of(sim::Time time) { return static_cast<double>(time) / kFemtosecondsPerNs; }
+double ns_of(sim::Time time) { return static_cast<double>(time) / sim::kFemtosecondsPerNs; }
 
 /// Latencies of some of the requests, in ns.
 struct Latencies {

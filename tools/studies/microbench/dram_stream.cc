@@ -11,13 +11,13 @@
 #include "sim/error.h"
 #include "sim/io/file.h"
 #include "sim/io/printable.h"
+#include "sim/report/conversions.h"
 
 namespace tools {
 namespace {
 
 constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 30;
 constexpr double kLatestNs = 1e9;
-constexpr double kFemtosecondsPerNs = 1e6;
 
 std::string read_standard_input() {
   std::string text;
@@ -84,7 +84,7 @@ class StreamParser {
     const auto [rest, bad] = std::from_chars(text.data(), text.data() + text.size(), ns);
     if (bad != std::errc{} || rest != text.data() + text.size() || !(ns >= 0 && ns <= kLatestNs))
       refuse(text, "is not a time from 0 to 1e9 ns");
-    return static_cast<sim::Time>(std::llround(ns * kFemtosecondsPerNs));
+    return static_cast<sim::Time>(std::llround(ns * sim::kFemtosecondsPerNs));
   }
 
   [[noreturn]] void refuse(std::string_view word, std::string_view what) const {

@@ -7,7 +7,7 @@
 namespace tools::reproduce {
 namespace {
 
-constexpr std::uint32_t kSide = 1024;
+constexpr std::uint32_t kChiuSide = 1024;
 
 Program none() { return {"reconstruct", {"reconstruct.radius=0"}}; }
 Program sraa() { return {"reconstruct:sraa"}; }
@@ -74,7 +74,7 @@ void add_pictures(std::vector<Case>& cases, const std::string& figure, const Vie
                   bool quick) {
   const std::string number = figure.substr(figure.find(' ') + 1);
   for (const Setting& s : {Setting{"none", none()}, {"SRAA", sraa()}, {"ours", ours()}, {"4x", four()}}) {
-    Case c = compared(view, s, kSide, sixteen(), quick);
+    Case c = compared(view, s, kChiuSide, sixteen(), quick);
     c.machine = false;
     c.figures = {{figure, "psnr_db"}};
     c.picture = number + "-" + s.name;
@@ -101,7 +101,7 @@ void add_quality(std::vector<Case>& cases, const View& view, const std::string& 
 void add_masks(std::vector<Case>& cases, bool quick) {
   const std::vector<std::string> masks = {"object_edges", "shadow_edges", "elsewhere"};
   const auto add = [&](const View& view, const std::string& name) {
-    add_quality(cases, view, name, kSide, kSide, masks, quick);
+    add_quality(cases, view, name, kChiuSide, kChiuSide, masks, quick);
     if (!quick) add_quality(cases, view, name, 512, 256, masks, quick);
   };
   add(view_of("Cornell box", "cornell", quick), "front");

@@ -17,7 +17,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::uint64_t kMostBytes = 64 << 20;  ///< results of whole papers have some 200 KB
+constexpr std::uint64_t kMostResultBytes = 64 << 20;  ///< results of whole papers have some 200 KB
 constexpr std::uint64_t kMostOfScene = 8ULL << 30;
 
 /// Everything that rows depend on beside their own case.
@@ -70,7 +70,7 @@ std::string digest_of_file(const fs::path& scene) {
 
 Former load_former(const fs::path& folder, const Json& head) {
   try {
-    return read_former(sim::parse_json<Json>(sim::read_file(folder / "reproduce.json", kMostBytes)), head);
+    return read_former(sim::parse_json<Json>(sim::read_file(folder / "reproduce.json", kMostResultBytes)), head);
   } catch (const sim::InputError&) {
   } catch (const nlohmann::json::exception&) {
   }

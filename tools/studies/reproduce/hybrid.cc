@@ -8,7 +8,7 @@
 namespace tools::reproduce {
 namespace {
 
-constexpr std::uint32_t kWidth = 512, kHeight = 256;
+constexpr std::uint32_t kHybridWidth = 512, kHybridHeight = 256;
 
 std::vector<View> views(bool quick) {
   std::vector<View> all;
@@ -31,8 +31,8 @@ std::vector<Case> hybrid(bool quick) {
       raster.emplace_back("render.primary=raster");
       cases.push_back({.view = view,
                        .setting = setting,
-                       .width = quick ? kWidth / 4 : kWidth,
-                       .height = quick ? kHeight / 4 : kHeight,
+                       .width = quick ? kHybridWidth / 4 : kHybridWidth,
+                       .height = quick ? kHybridHeight / 4 : kHybridHeight,
                        .run = {"full:1", raster},
                        .reference = {"full:1", sets},
                        .figures = {{"raster hybrid 2015", "rays_ratio"},

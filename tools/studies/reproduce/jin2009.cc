@@ -7,12 +7,12 @@
 namespace tools::reproduce {
 namespace {
 
-constexpr std::uint32_t kSide = 1024;
+constexpr std::uint32_t kJinSide = 1024;
 
 /// Keys of the geometry that the pixel sees and that its secondary ray sees.
 constexpr const char* kGeometry[] = {"object", "normal", "shadow", "texture"};
 
-View view_of(const std::string& scene, bool quick) {
+View view_of_jin(const std::string& scene, bool quick) {
   View view{.scene = scene, .stand_in = "", .files = {}};
   if (scene == "bathroom" || scene == "conference" || scene == "forest") {
     view.stand_in = "jin2009-" + scene;
@@ -46,15 +46,15 @@ Program adaptive(const std::string& scene, double alpha) {
 Case against_truth(const View& view, std::string setting, Program run, bool quick) {
   return {.view = view,
           .setting = std::move(setting),
-          .width = side(kSide, quick),
-          .height = side(kSide, quick),
+          .width = side(kJinSide, quick),
+          .height = side(kJinSide, quick),
           .run = std::move(run),
           .reference = {"full:1"},
           .truth = true};
 }
 
 void add_table_2(std::vector<Case>& cases, const std::string& scene, bool quick) {
-  const View view = view_of(scene, quick);
+  const View view = view_of_jin(scene, quick);
   const auto add = [&](std::string setting, Program run) {
     Case c = against_truth(view, std::move(setting), std::move(run), quick);
     c.figures = {{"table 2", "psnr_db"}, {"table 2", "time_of_fixed_1"}};
@@ -80,7 +80,7 @@ void add_table_2(std::vector<Case>& cases, const std::string& scene, bool quick)
 }
 
 /// One attribute strict, all others at 1.
-void add_figure_6(std::vector<Case>& cases, bool quick) {
+void add_figure_6_of_jin(std::vector<Case>& cases, bool quick) {
   View view{.scene = "textured room", .stand_in = "atrium", .files = {}};
   view.sets = reproduction_rules();
   view.sets.emplace_back("render.samples=jittered");
@@ -100,7 +100,7 @@ void add_figure_6(std::vector<Case>& cases, bool quick) {
 
 /// Colour alone against all thresholds: quality by number of samples.
 void add_figure_7(std::vector<Case>& cases, bool quick) {
-  const View view = view_of("forest", quick);
+  const View view = view_of_jin("forest", quick);
   for (const double alpha : {0.1, 0.2, 0.3, 0.6, 1.0}) {
     Program colour{"supersample", {threshold("colour", alpha)}};
     for (const char* key : kGeometry) set_both(colour.sets, key, -1);
@@ -120,11 +120,11 @@ void add_figure_7(std::vector<Case>& cases, bool quick) {
 std::vector<Case> jin2009(bool quick) {
   std::vector<Case> cases;
   for (const char* scene : {"bathroom", "conference", "room", "kitchen", "forest"}) {
-    if (quick && (view_of(scene, quick).stand_in.empty() || std::string(scene) == "conference")) continue;
+    if (quick && (view_of_jin(scene, quick).stand_in.empty() || std::string(scene) == "conference")) continue;
     add_table_2(cases, scene, quick);
   }
   add_figure_7(cases, quick);
-  add_figure_6(cases, quick);
+  add_figure_6_of_jin(cases, quick);
   return cases;
 }
 

@@ -7,7 +7,7 @@
 namespace tools::reproduce {
 namespace {
 
-View view_of(const std::string& scene, bool quick) {
+View view_of_kim(const std::string& scene, bool quick) {
   View view{.scene = scene, .stand_in = "", .files = {}};
   if (scene == "bathroom" || scene == "conference" || scene == "hairball") {
     view.stand_in = "kim2016-" + scene;
@@ -41,7 +41,7 @@ std::vector<Figure> figures(const std::string& experiment, const std::vector<std
 
 /// Tables 5 and 3(a) of one scene, and its part of figures 1 and 6.
 void add_table_5(std::vector<Case>& cases, const std::string& scene, bool quick) {
-  const View view = view_of(scene, quick);
+  const View view = view_of_kim(scene, quick);
   for (const std::uint32_t width : {512U, 1024U, 2048U}) {
     for (const std::uint32_t grid : {1U, 2U, 4U}) {
       if (quick && (width != 1024 || grid > 2)) continue;
@@ -62,8 +62,8 @@ void add_table_5(std::vector<Case>& cases, const std::string& scene, bool quick)
 }
 
 /// Thin things and their shadows, with and without post-correction.
-void add_figure_6(std::vector<Case>& cases, bool quick) {
-  const View view = view_of("bathroom", quick);
+void add_figure_6_of_kim(std::vector<Case>& cases, bool quick) {
+  const View view = view_of_kim("bathroom", quick);
   Case without = sampled(view, 1024, 1024, 1, quick);
   without.setting = "no correction";
   without.run.sets.emplace_back("undersample.correction=off");
@@ -85,7 +85,7 @@ void add_figure_6(std::vector<Case>& cases, bool quick) {
 void add_table_3b(std::vector<Case>& cases, bool quick) {
   for (const std::uint32_t share : {20U, 40U, 60U, 80U, 100U}) {
     if (quick && share % 40 != 20) continue;
-    View view = view_of("bathroom", quick);
+    View view = view_of_kim("bathroom", quick);
     view.mirrors = share;
     Case c = sampled(view, 1024, 1024, 1, quick);
     c.setting = fmt::format("mirrors {} %", share);
@@ -97,7 +97,7 @@ void add_table_3b(std::vector<Case>& cases, bool quick) {
 void add_table_3c(std::vector<Case>& cases, bool quick) {
   int number = 0;
   for (const char* camera : {"corner", "door", "seated", "windows", "along"}) {
-    View view = view_of("conference", quick);
+    View view = view_of_kim("conference", quick);
     view.camera = camera;
     Case c = sampled(view, 1024, 1024, 1, quick);
     c.setting = fmt::format("view {}", ++number);
@@ -109,7 +109,7 @@ void add_table_3c(std::vector<Case>& cases, bool quick) {
 void add_table_4(std::vector<Case>& cases, bool quick) {
   for (const std::uint32_t grid : {1U, 2U, 4U, 8U, 16U}) {
     if (quick && grid > 1) continue;
-    Case c = sampled(view_of("hairball", quick), 3840, 2160, grid, quick);
+    Case c = sampled(view_of_kim("hairball", quick), 3840, 2160, grid, quick);
     c.machine = grid <= 2;
     // Scans keep some bytes of every sample of the frame, which would be 38 GB of 16 x 16.
     if (grid > 4) c.run.sets.emplace_back("undersample.correction=off");
@@ -123,9 +123,9 @@ void add_table_4(std::vector<Case>& cases, bool quick) {
 std::vector<Case> kim2016(bool quick) {
   std::vector<Case> cases;
   for (const char* scene : {"cafe", "ben", "kitchen", "conference", "bathroom", "san-miguel"}) {
-    if (!quick || !view_of(scene, quick).stand_in.empty()) add_table_5(cases, scene, quick);
+    if (!quick || !view_of_kim(scene, quick).stand_in.empty()) add_table_5(cases, scene, quick);
   }
-  add_figure_6(cases, quick);
+  add_figure_6_of_kim(cases, quick);
   add_table_3b(cases, quick);
   add_table_3c(cases, quick);
   add_table_4(cases, quick);

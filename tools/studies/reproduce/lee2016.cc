@@ -6,9 +6,9 @@
 namespace tools::reproduce {
 namespace {
 
-constexpr std::uint32_t kWidth = 2048, kHeight = 1024;
+constexpr std::uint32_t kLeeWidth = 2048, kLeeHeight = 1024;
 
-View view_of(const std::string& scene, bool quick) {
+View view_of_lee(const std::string& scene, bool quick) {
   View view{.scene = scene, .stand_in = "lee2016-" + scene, .files = {}};
   if (quick) view.sets = {"scene.triangles=15000"};
   return view;
@@ -18,8 +18,8 @@ Case mode_of(const View& view, bool super, bool quick) {
   const std::string setting = super ? "super" : "under";
   return {.view = view,
           .setting = setting,
-          .width = side(kWidth, quick),
-          .height = side(kHeight, quick),
+          .width = side(kLeeWidth, quick),
+          .height = side(kLeeHeight, quick),
           .run = {"multirate:" + setting},
           .reference = {super ? "full:4" : "full:1"}};
 }
@@ -61,7 +61,7 @@ std::vector<Case> lee2016(bool quick) {
   std::vector<Case> cases;
   for (const std::string scene : {"teapot", "chess", "car", "laboratory", "village"}) {
     if (quick && (scene == "car" || scene == "laboratory")) continue;
-    const View view = view_of(scene, quick);
+    const View view = view_of_lee(scene, quick);
     for (const bool super : {true, false}) {
       cases.push_back(units_alone(view, super, quick));
       cases.push_back(whole_frame(view, super, quick));
@@ -77,7 +77,7 @@ std::vector<Case> lee2016(bool quick) {
     }
   }
   for (const char* frame : {"1", "150", "340", "400", "600", "700"}) {
-    View view = view_of("village", quick);
+    View view = view_of_lee("village", quick);
     view.frame = frame;
     Case c = mode_of(view, false, quick);
     c.machine = false;

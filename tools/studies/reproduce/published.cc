@@ -14,7 +14,7 @@
 namespace tools::reproduce {
 namespace {
 
-constexpr std::uint64_t kMostBytes = 1 << 20;
+constexpr std::uint64_t kMostPublishedBytes = 1 << 20;
 
 using Entry = sim::YamlNode::Entry;
 using Kind = sim::YamlNode::Kind;
@@ -86,7 +86,8 @@ Published load_published(const std::string& paper) {
     for (const std::filesystem::path& file :
          {folder / "tests" / "validation" / "published" / name, folder / "published" / name}) {
       std::error_code missing;
-      if (std::filesystem::exists(file, missing)) return parse_published(sim::read_file(file, kMostBytes), file);
+      if (std::filesystem::exists(file, missing))
+        return parse_published(sim::read_file(file, kMostPublishedBytes), file);
     }
   }
   throw sim::InputError(

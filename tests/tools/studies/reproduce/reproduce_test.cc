@@ -132,7 +132,8 @@ TEST(Reproduce, SkipsScenesThatNobodyHasAndSaysWhatTheyAreCalled) {
   const TempFolder folder;
   Options options;
   options.paper = "kim2016";
-  const View kitchen{.scene = "kitchen", .stand_in = "", .files = {"kitchen.glb", "kitchen-866k.glb"}};
+  const tools::reproduce::View kitchen{
+      .scene = "kitchen", .stand_in = "", .files = {"kitchen.glb", "kitchen-866k.glb"}};
   const auto complaint = [&] {
     try {
       return Runner(options).stand_in(kitchen);
@@ -150,7 +151,7 @@ TEST(Reproduce, SkipsScenesThatNobodyHasAndSaysWhatTheyAreCalled) {
 TEST(Reproduce, TakesABuiltInSceneOnlyIfThereIsNoFileOfTheOneMeant) {
   const TempFolder folder;
   Options options;
-  const View car{.scene = "car", .stand_in = "car", .files = {"car-62k.glb"}};
+  const tools::reproduce::View car{.scene = "car", .stand_in = "car", .files = {"car-62k.glb"}};
   EXPECT_EQ(Runner(options).stand_in(car), "car");
   options.scenes = folder.path();
   EXPECT_EQ(Runner(options).stand_in(car), "car");

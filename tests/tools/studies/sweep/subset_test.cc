@@ -15,18 +15,18 @@ namespace {
 using tools::sweep::Choice;
 using tools::sweep::Subset;
 
-const std::vector<std::uint32_t> kSizes = {8, 5, 16};
+const std::vector<std::uint32_t> kAxisSizes = {8, 5, 16};
 
 bool everything(const Choice&) { return true; }
 
 std::vector<Choice> chosen(Subset::Kind kind, std::uint64_t count, std::uint64_t seed = 1,
                            const std::function<bool(const Choice&)>& is_wanted = everything) {
-  return tools::sweep::choose({kind, count, seed}, kSizes, is_wanted);
+  return tools::sweep::choose({kind, count, seed}, kAxisSizes, is_wanted);
 }
 
 /// How often each value of an axis was drawn.
 std::vector<int> counts_of(const std::vector<Choice>& choices, std::size_t axis) {
-  std::vector<int> counts(kSizes[axis]);
+  std::vector<int> counts(kAxisSizes[axis]);
   for (const Choice& choice : choices) counts.at(choice.at(axis)) += 1;
   return counts;
 }
@@ -69,10 +69,10 @@ TEST(Subset, OfALatinHypercubeDrawsEachValueOfAnAxisEquallyOften) {
   const std::vector<Choice> points = chosen(Subset::Kind::kLatinHypercube, 80);
   ASSERT_GE(points.size(), 70U);
   const int dropped = 80 - static_cast<int>(points.size());
-  for (std::size_t axis = 0; axis < kSizes.size(); ++axis) {
+  for (std::size_t axis = 0; axis < kAxisSizes.size(); ++axis) {
     for (const int count : counts_of(points, axis)) {
-      EXPECT_LE(count, 80 / static_cast<int>(kSizes[axis]));
-      EXPECT_GE(count, 80 / static_cast<int>(kSizes[axis]) - dropped);
+      EXPECT_LE(count, 80 / static_cast<int>(kAxisSizes[axis]));
+      EXPECT_GE(count, 80 / static_cast<int>(kAxisSizes[axis]) - dropped);
     }
   }
 }

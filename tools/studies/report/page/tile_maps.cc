@@ -12,11 +12,11 @@ namespace {
 
 constexpr int kDigits = 5;
 constexpr std::size_t kMostTiles = 1 << 20;
-constexpr double kWhole = 0x1p53;
+constexpr double kLargestExact = 0x1p53;
 
 Json number(double value) {
   if (!std::isfinite(value)) return 0;
-  if (value == std::trunc(value) && std::abs(value) < kWhole) return static_cast<std::int64_t>(value);
+  if (value == std::trunc(value) && std::abs(value) < kLargestExact) return static_cast<std::int64_t>(value);
   const double scale = std::pow(10.0, kDigits - 1 - std::floor(std::log10(std::abs(value))));
   return std::round(value * scale) / scale;
 }

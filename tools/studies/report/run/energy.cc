@@ -5,13 +5,13 @@
 #include <fmt/format.h>
 
 #include "hw_models/dram/dram_energy.h"
+#include "sim/report/conversions.h"
 #include "tools/studies/report/page/specs.h"
 #include "tools/studies/report/run/run_parts.h"
 
 namespace tools::pages {
 namespace {
 
-constexpr double kPerMillijoule = 1e9;  ///< pJ
 /// Events below this share of the total, at its low, nominal and high, flow together within their block.
 constexpr double kOfItsOwn = 0.008;
 constexpr const char* kAll = "GPU with memory";
@@ -30,8 +30,8 @@ class Flow {
                  {"nominal", "nominal", Show::kNumber, "mJ"},
                  {"high", "high", Show::kNumber, "mJ"}});
     for (const auto& [ends, pj] : links_) {
-      out.row(
-          {ends.first, ends.second, pj.low / kPerMillijoule, pj.nominal / kPerMillijoule, pj.high / kPerMillijoule});
+      out.row({ends.first, ends.second, pj.low / sim::kPicojoulesPerMillijoule,
+               pj.nominal / sim::kPicojoulesPerMillijoule, pj.high / sim::kPicojoulesPerMillijoule});
     }
     return out;
   }

@@ -12,7 +12,7 @@
 namespace tools::results {
 namespace {
 
-constexpr std::string_view kTotals = "totals.";
+constexpr std::string_view kTotalsPrefix = "totals.";
 
 double number_at(const Column& column, std::size_t row) {
   const std::optional<sweep::Magnitude> number = amount_of(column.values[row]);
@@ -47,7 +47,8 @@ std::vector<double> assumed_noise(const Results& results, const std::vector<std:
 FigureNoise::FigureNoise(const Results& results, const Column& figure, const std::vector<std::size_t>& rows)
     : means_(figure), seen_(results.rows().size()) {
   for (std::size_t row = 0; row < seen_.size(); ++row) seen_[row].value = number_at(figure, row);
-  const std::string name = figure.name.starts_with(kTotals) ? figure.name.substr(kTotals.size()) : std::string();
+  const std::string name =
+      figure.name.starts_with(kTotalsPrefix) ? figure.name.substr(kTotalsPrefix.size()) : std::string();
   noisy_ = tools::is_noisy(name) && !rows.empty();
   if (!noisy_) return;
   const std::string at = "totals.replicates.figures." + name;

@@ -16,8 +16,8 @@ namespace tools::results {
 namespace {
 
 /// Shown where nobody says what to show.
-constexpr const char* kUsual[] = {"cycles", "perf.fps", "energy_mj.nominal", "power_w.nominal",
-                                  "perf.frames_per_joule_gpu"};
+constexpr const char* kUsualColumns[] = {"cycles", "perf.fps", "energy_mj.nominal", "power_w.nominal",
+                                         "perf.frames_per_joule_gpu"};
 
 /// Statistics that stand for a figure in tables for other programs, if there are any.
 std::vector<std::string> statistics_of(const Results& results, const std::string& figure) {
@@ -29,7 +29,7 @@ std::vector<std::string> statistics_of(const Results& results, const std::string
 std::vector<std::string> usual_columns(const Results& results, bool csv) {
   std::vector<std::string> names = {"n", "status"};
   for (const Column& column : results.varying()) names.push_back(column.name);
-  for (const char* metric : kUsual) {
+  for (const char* metric : kUsualColumns) {
     if (!results.has_metric(fmt::format("totals.{}", metric))) continue;
     for (std::string& name : csv ? statistics_of(results, metric) : std::vector<std::string>{metric}) {
       names.push_back(std::move(name));

@@ -20,8 +20,8 @@
 namespace tools::results {
 namespace {
 
-constexpr const char* kUsual[] = {"totals.cycles", "totals.energy_mj.nominal", "totals.power_w.nominal",
-                                  "totals.perf.frames_per_joule_gpu"};
+constexpr const char* kUsualFigures[] = {"totals.cycles", "totals.energy_mj.nominal", "totals.power_w.nominal",
+                                         "totals.perf.frames_per_joule_gpu"};
 constexpr int kMostRounds = 1000;
 constexpr double kSettled = 1e-12;
 
@@ -51,8 +51,8 @@ class AdditiveModel {
   const std::vector<double>& effects(std::size_t factor) const { return effects_[factor]; }
   double unexplained() const { return squares(left_); }
   /// Sum of the products of effect and value: all factors together come to what the model explains, though factors that
-  /// are no grid go together (Li et al., J. Phys. Chem. A 114, 2010: structural and correlative sensitivity). On a grid,
-  /// the sum of the effect's squares.
+  /// are no grid go together (Li et al., J. Phys. Chem. A 114, 2010: structural and correlative sensitivity). On a
+  /// grid, the sum of the effect's squares.
   double explained_by(std::size_t factor) const {
     double sum = 0;
     const std::vector<std::size_t>& at = factors_[factor].at;
@@ -244,7 +244,7 @@ Sensitivity find_sensitivity(const Results& results, const std::string& metric, 
 std::string sensitivity_text(const Results& results, std::vector<std::string> metrics,
                              const std::vector<std::string>& where, bool band) {
   if (metrics.empty()) {
-    for (const char* path : kUsual) {
+    for (const char* path : kUsualFigures) {
       if (results.has_metric(path)) metrics.emplace_back(path);
     }
   }

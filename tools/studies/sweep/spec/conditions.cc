@@ -18,7 +18,7 @@ namespace {
 
 using Side = Condition::Side;
 
-constexpr std::size_t kMostValues = 100'000;  // a hostile file can name one list in many places
+constexpr std::size_t kMostConditionValues = 100'000;  // a hostile file can name one list in many places
 
 std::optional<Side> find_side(std::span<const Axis> axes, const std::string& name) {
   for (std::size_t a = 0; a < axes.size(); ++a) {
@@ -166,7 +166,8 @@ std::vector<Condition> read_conditions(const YamlValue& value, std::span<const A
       condition.terms.push_back(read_term(entry, axes));
       note_outcomes(condition.terms.back(), axes, lefts);
       values += condition.terms.back().values.size() + 1;
-      if (values > kMostValues) entry.refuse(fmt::format("there are more than {} values in conditions", kMostValues));
+      if (values > kMostConditionValues)
+        entry.refuse(fmt::format("there are more than {} values in conditions", kMostConditionValues));
     }
     if (condition.terms.empty()) item.refuse("is empty");
     all.push_back(std::move(condition));

@@ -18,8 +18,8 @@
 namespace tools::sweep {
 namespace {
 
-constexpr std::uint64_t kMostBytes = 1 << 20;
-constexpr std::string_view kSchema = "raywatt-sweep/1";
+constexpr std::uint64_t kMostSpecBytes = 1 << 20;
+constexpr std::string_view kSpecSchema = "raywatt-sweep/1";
 constexpr std::array<std::string_view, 20> kKeys = {"schema",    "question", "config",        "sets",       "scene",
                                                     "camera",    "frames",   "resolution",    "program",    "reference",
                                                     "workloads", "programs", "axes",          "exclude",    "where",
@@ -76,8 +76,8 @@ bool is_work_key(const std::string& key) {
 
 Spec read_spec(const std::filesystem::path& file) {
   const std::string name = sim::printable(file.string());
-  const auto tree = sim::parse_yaml_mapping(sim::read_file(file, kMostBytes), name);
-  return read_spec(YamlValue(*tree, name), kSchema, {});
+  const auto tree = sim::parse_yaml_mapping(sim::read_file(file, kMostSpecBytes), name);
+  return read_spec(YamlValue(*tree, name), kSpecSchema, {});
 }
 
 Spec read_spec(const YamlValue& root, std::string_view schema, std::span<const std::string_view> others) {

@@ -23,8 +23,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::string_view kSchema = "raywatt-sweep-folder/1";
-constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 32;
+constexpr std::string_view kFolderSchema = "raywatt-sweep-folder/1";
+constexpr std::uint64_t kMostFolderBytes = std::uint64_t{1} << 32;
 constexpr std::array<std::string_view, 3> kFiles = {"sweep.json", "sweep.yaml", "points.jsonl"};
 /// Files that are made from the results of its points.
 constexpr std::array<std::string_view, 4> kResults = {"results.csv", "index.sqlite", "history.jsonl", "front.csv"};
@@ -48,7 +48,7 @@ bool is_sweep(const fs::path& path) {
 
 /// Calls f with the contents of sweep.json. InputError where it is not what it should be.
 void read_description(const fs::path& path, auto&& f) {
-  const std::string bytes = sim::read_file(path / "sweep.json", kMostBytes);
+  const std::string bytes = sim::read_file(path / "sweep.json", kMostFolderBytes);
   const auto damaged = [&](const std::exception& error) {
     return sim::InputError(
         fmt::format("{}/sweep.json: is damaged: {}", sim::printable(path.string()), sim::printable(error.what())));
@@ -97,7 +97,7 @@ SweepFolder SweepFolder::open(const fs::path& path) {
   if (!is_sweep(path)) throw sim::InputError(shown + ": holds no sweep; begin one with raywatt sweep run FILE -o DIR");
   SweepFolder folder(fs::absolute(path).lexically_normal());
   read_description(path, [&](const Json& json) {
-    if (json.at("schema") != kSchema) throw sim::InputError("it is a sweep of another version");
+    if (json.at("schema") != kFolderSchema) throw sim::InputError("it is a sweep of another version");
     folder.store_ = json.at("store").get<std::string>();
     folder.slurm_ = json.at("slurm").get<std::vector<std::string>>();
   });
@@ -124,10 +124,10 @@ SweepFolder SweepFolder::create(const fs::path& path, Of of, const std::string& 
   const auto replace = [&](const char* name, const std::string& text) {
     const fs::path file = folder.path_ / name;
     std::error_code failed;
-    if (fs::exists(file, failed) && sim::read_file(file, kMostBytes) == text) return;
+    if (fs::exists(file, failed) && sim::read_file(file, kMostFolderBytes) == text) return;
     sim::write_file_atomically(file, text);
   };
-  replace("sweep.json", sim::json_text({{"schema", kSchema},
+  replace("sweep.json", sim::json_text({{"schema", kFolderSchema},
                                         {"of", what},
                                         {"store", folder.store_.string()},
                                         {"points", points.size()},
@@ -143,7 +143,7 @@ std::vector<Point> SweepFolder::points() const {
   const fs::path file = path_ / "points.jsonl";
   std::error_code failed;
   if (!fs::exists(file, failed)) return {};  // killed between the folder's first file and this one
-  std::istringstream lines(sim::read_file(file, kMostBytes));
+  std::istringstream lines(sim::read_file(file, kMostFolderBytes));
   std::vector<Point> points;
   for (std::string line; std::getline(lines, line);) {
     points.push_back(read_line(line, fmt::format("{}:{}", sim::printable(file.string()), points.size() + 1)));

@@ -15,7 +15,7 @@
 namespace tools::sweep {
 namespace {
 
-[[noreturn]] void give_up(const std::filesystem::path& path, int error) {
+[[noreturn]] void give_up_locking(const std::filesystem::path& path, int error) {
   throw sim::IoError(
       fmt::format("{}: cannot be locked: {}", sim::printable(path.string()), std::generic_category().message(error)));
 }
@@ -40,13 +40,13 @@ bool is_still_there(int file, const std::filesystem::path& path) {
 std::optional<Lock> Lock::attempt(const std::filesystem::path& path, const std::string& note) {
   for (;;) {
     const int file = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-    if (file < 0) give_up(path, errno);
+    if (file < 0) give_up_locking(path, errno);
     struct flock range = whole_file(F_WRLCK);
     if (::fcntl(file, F_OFD_SETLK, &range) != 0) {
       const int error = errno;
       ::close(file);
       if (error == EAGAIN || error == EACCES) return std::nullopt;
-      give_up(path, error);
+      give_up_locking(path, error);
     }
     if (is_still_there(file, path)) {
       if (!note.empty() && (::ftruncate(file, 0) != 0 ||
@@ -54,7 +54,7 @@ std::optional<Lock> Lock::attempt(const std::filesystem::path& path, const std::
         const int error = errno;
         ::unlink(path.c_str());
         ::close(file);
-        give_up(path, error);
+        give_up_locking(path, error);
       }
       return Lock(path, file);
     }

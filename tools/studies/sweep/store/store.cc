@@ -28,14 +28,14 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 30;
+constexpr std::uint64_t kMostPointBytes = std::uint64_t{1} << 30;
 constexpr const char* kPointFile = "point.json";
 constexpr const char* kReportFile = "report.json";
 const std::string kStreamLock = "stream-";
 
 /// The file as it was written; nothing if it is not.
 std::optional<std::string> sound_file(const fs::path& folder, const std::string& name, const Json& digests) {
-  std::string bytes = sim::read_file(folder / name, kMostBytes);
+  std::string bytes = sim::read_file(folder / name, kMostPointBytes);
   if (sim::sha256_hex(bytes) != digests.at(name).get<std::string>()) return std::nullopt;
   return bytes;
 }
@@ -53,7 +53,7 @@ auto if_sound(F&& read) -> decltype(read()) {
 
 /// Digests of a point's files, if point.json is sound.
 Json digests_of(const fs::path& folder, const std::string& id) {
-  const Json point = sim::parse_json<Json>(sim::read_file(folder / kPointFile, kMostBytes));
+  const Json point = sim::parse_json<Json>(sim::read_file(folder / kPointFile, kMostPointBytes));
   if (sim::sha256_hex(point.at("made_of").dump()) != id || !point.at("files").contains(kReportFile)) {
     throw sim::InputError("another point");
   }
@@ -106,7 +106,7 @@ std::optional<std::string> Store::report(const std::string& id) const {
 
 std::optional<Failure> Store::failure(const std::string& id) const {
   return if_sound([&]() -> std::optional<Failure> {
-    const Json json = sim::parse_json<Json>(sim::read_file(failure_file(id), kMostBytes));
+    const Json json = sim::parse_json<Json>(sim::read_file(failure_file(id), kMostPointBytes));
     return Failure{id,
                    whole_number(json.at("exit")),
                    json.at("error").get<std::string>(),
@@ -141,7 +141,7 @@ void Store::put(const std::string& id, const Json& made_of, const std::function<
     std::ranges::sort(names);
     Json files = Json::object();
     for (const std::string& name : names) {
-      files[name] = sim::sha256_hex(sim::read_file(staging / name, kMostBytes));
+      files[name] = sim::sha256_hex(sim::read_file(staging / name, kMostPointBytes));
     }
     write_durably(staging / kPointFile, sim::json_text({{"id", id}, {"made_of", made_of}, {"files", files}}));
     make_durable(staging);

@@ -14,8 +14,8 @@ namespace test {
 namespace {
 
 /// Cycles of 300, 100, 100 and 200.
-struct Four : MadeSweep {
-  Four() {
+struct FourSizes : MadeSweep {
+  FourSizes() {
     for (const double cycles : {300, 100, 100, 200}) finish(add({{"cores", std::to_string(size++)}}), cycles);
   }
   int size = 0;
@@ -26,7 +26,7 @@ std::string best(const MadeSweep& sweep, const tools::results::BestOptions& opti
 }
 
 TEST(Best, IsTheFirstOfThoseWithTheMostOrLeast) {
-  const Four sweep;
+  const FourSizes sweep;
   EXPECT_SAYS(best(sweep, {"cycles", true, {}}), "most totals.cycles of 4 points that qualify: point 0\n");
   EXPECT_SAYS(best(sweep, {"cycles", false, {}}), "point 1 (and 1 more with the same)\n");
   EXPECT_SAYS(best(sweep, {"cycles", true, {"cycles<300", "cores!=3"}}), "of 2 points that qualify: point 1");
@@ -89,7 +89,7 @@ TEST(Best, FiguresWithoutNoiseHaveNoTies) {
 }
 
 TEST(Best, CommandLineTakesOneFigure) {
-  const Four sweep;
+  const FourSizes sweep;
   sweep.collect();
   const std::string folder = sweep.folder().string();
   expect_refusal(raywatt({"sweep", "best", folder}), {"--max", "--min"});

@@ -13,8 +13,8 @@ namespace {
 using tools::results::Results;
 
 /// Points 0 to 3: sizes of 4, 8, 16 and 32 KiB, cycles of 400, 300, 200 and none.
-struct Four : MadeSweep {
-  Four() {
+struct FourKinds : MadeSweep {
+  FourKinds() {
     const char* kinds[] = {"none", "2", "rau", "4"};
     for (std::size_t i = 0; i < 4; ++i) add({{"l1.size", std::to_string(4 << i) + " KiB"}, {"kind", kinds[i]}});
     for (std::size_t i = 0; i < 3; ++i) finish(i, 400 - 100.0 * static_cast<double>(i));
@@ -22,7 +22,7 @@ struct Four : MadeSweep {
 };
 
 std::string met(const std::vector<std::string>& conditions) {
-  const Four sweep;
+  const FourKinds sweep;
   const Results results = sweep.results();
   std::string points;
   const std::vector<bool> all = meeting(results, conditions);

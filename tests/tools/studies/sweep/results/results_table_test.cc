@@ -15,8 +15,8 @@ namespace {
 using tools::results::TableOptions;
 
 /// Sizes in no order; the last point has failed.
-struct Four : MadeSweep {
-  Four() {
+struct FourRows : MadeSweep {
+  FourRows() {
     for (const char* size : {"16 KiB", "4 KiB", "1 MiB", "8 KiB"}) add({{"l1.size", size}, {"trvs", "4"}});
     finish(0, 3000);
     finish(1, 1000);
@@ -35,7 +35,7 @@ struct Four : MadeSweep {
 };
 
 TEST(ResultsTable, ShowsAxesThatVaryAndTheUsualFigures) {
-  const Four sweep;
+  const FourRows sweep;
   EXPECT_EQ(results_table(sweep.results(), {}),
             "n  status  l1.size  cycles  perf.fps  power_w.nominal  perf.frames_per_joule_gpu\n"
             "-  ------  -------  ------  --------  ---------------  -------------------------\n"
@@ -46,7 +46,7 @@ TEST(ResultsTable, ShowsAxesThatVaryAndTheUsualFigures) {
 }
 
 TEST(ResultsTable, ShowsMeansAndIntervalsOfReplicates) {
-  const Four sweep;
+  const FourRows sweep;
   for (std::size_t point = 0; point < 3; ++point) {
     auto report = made_report(1000);
     report["totals"]["replicates"] = {
@@ -63,7 +63,7 @@ TEST(ResultsTable, ShowsMeansAndIntervalsOfReplicates) {
 }
 
 TEST(ResultsTable, ShowsFourDigitsOfFiguresThatAreNoCounts) {
-  const Four sweep;
+  const FourRows sweep;
   auto report = made_report(3000);
   report["totals"]["perf"]["fps"] = 12345.67;
   sweep.finish(0, report);
@@ -74,7 +74,7 @@ TEST(ResultsTable, ShowsFourDigitsOfFiguresThatAreNoCounts) {
 }
 
 TEST(ResultsTable, ShowsExtrapolatedFiguresIfThereAreSome) {
-  const Four sweep;
+  const FourRows sweep;
   auto report = made_report(3000);
   report["totals"]["extrapolated"] = 0;
   sweep.finish(0, report);
@@ -85,7 +85,7 @@ TEST(ResultsTable, ShowsExtrapolatedFiguresIfThereAreSome) {
 }
 
 TEST(ResultsTable, AnyClearEndOfAPathIsAColumn) {
-  const Four sweep;
+  const FourRows sweep;
   const auto rows = sweep.table({{"size", "fps", "perf.fps", "totals.perf.fps", "error"}, "", {}, {}, false});
   EXPECT_EQ(rows[0],
             (std::vector<std::string>{"l1.size", "totals.perf.fps", "totals.perf.fps", "totals.perf.fps", "error"}));
@@ -94,14 +94,14 @@ TEST(ResultsTable, AnyClearEndOfAPathIsAColumn) {
 }
 
 TEST(ResultsTable, CountersOfUnitsAreColumnsToo) {
-  const Four sweep;
+  const FourRows sweep;
   const auto rows = sweep.table({{"units.core.srp.counters.loads", "core1.srp.counters.loads"}, "", {}, {}, false});
   EXPECT_EQ(rows[1], (std::vector<std::string>{"15", "8"}));
   EXPECT_EQ(rows[4], (std::vector<std::string>{"", ""}));
 }
 
 TEST(ResultsTable, AnEndThatMeansSeveralIsRefusedWithThem) {
-  const Four sweep;
+  const FourRows sweep;
   sweep.collect();
   const std::string folder = sweep.folder().string();
   expect_refusal(raywatt({"sweep", "table", folder, "--columns", "n,boxes"}),
@@ -113,7 +113,7 @@ TEST(ResultsTable, AnEndThatMeansSeveralIsRefusedWithThem) {
 }
 
 TEST(ResultsTable, SortsByAmountAndPutsWhatIsAbsentLast) {
-  const Four sweep;
+  const FourRows sweep;
   EXPECT_EQ(sweep.order(""), "0123");
   EXPECT_EQ(sweep.order("l1.size"), "1302");
   EXPECT_EQ(sweep.order("l1.size:desc"), "2031");
@@ -123,14 +123,14 @@ TEST(ResultsTable, SortsByAmountAndPutsWhatIsAbsentLast) {
 }
 
 TEST(ResultsTable, ShowsOnlyWhatIsAskedFor) {
-  const Four sweep;
+  const FourRows sweep;
   EXPECT_EQ(sweep.table({{"n"}, "cycles:desc", {"cycles<3000"}, {}, false}).size(), 1U + 2);
   EXPECT_EQ(sweep.table({{"n"}, "cycles:desc", {"cycles<3000"}, 1, false}),
             (std::vector<std::vector<std::string>>{{"n"}, {"2"}}));
 }
 
 TEST(ResultsTable, CsvHasAllDigitsAndQuotesWhatNeedsThem) {
-  const Four sweep;
+  const FourRows sweep;
   const std::string csv = results_table(sweep.results(), {{"fps", "limiter"}, "", {"n=0"}, {}, true});
   EXPECT_EQ(csv, "totals.perf.fps,totals.limiter\n333.3333333333333,\"L2, and \"\"DRAM\"\"\"\n");
 }
@@ -145,7 +145,7 @@ TEST(ResultsTable, NothingOfAReportReachesTheTerminalAsItIs) {
 }
 
 TEST(ResultsTable, IsOfWhatThereIsNow) {
-  const Four sweep;
+  const FourRows sweep;
   sweep.write();
   const Words table = {"sweep", "table", sweep.folder().string(), "--columns", "n,cycles", "--csv"};
   EXPECT_EQ(raywatt(table).out, "n,totals.cycles\n0,3000\n1,1000\n2,2000\n3,\n");
@@ -154,7 +154,7 @@ TEST(ResultsTable, IsOfWhatThereIsNow) {
 }
 
 TEST(ResultsTable, IsOfWhatWasLastCollectedWhereNothingCanBeWritten) {
-  const Four sweep;
+  const FourRows sweep;
   const Words table = {"sweep", "table", sweep.folder().string(), "--columns", "n,cycles", "--csv"};
   const std::string before = raywatt((sweep.write(), table)).out;
   sweep.finish(3, 4000);

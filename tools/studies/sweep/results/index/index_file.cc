@@ -69,9 +69,9 @@ void write_axes(Database& index, const Collection& all) {
     for (const ListedPoint& point : all.points) {
       for (const auto& [name, value] : point.axes) {
         if (name != all.axes[a]) continue;
-        const std::optional<sweep::Magnitude> amount = sweep::magnitude_of(value);
-        parameter.bind(1, number).bind(2, point.n).bind(3, value);
-        parameter.bind(4, amount ? Value(amount->value) : Value()).run();
+        Value amount;
+        if (const std::optional<sweep::Magnitude> magnitude = sweep::magnitude_of(value)) amount = magnitude->value;
+        parameter.bind(1, number).bind(2, point.n).bind(3, value).bind(4, amount).run();
       }
     }
   }
