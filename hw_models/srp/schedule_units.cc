@@ -1,6 +1,7 @@
 #include "hw_models/srp/schedule_units.h"
 
 #include <algorithm>
+#include <array>
 
 namespace hw {
 namespace {
@@ -32,17 +33,29 @@ std::uint32_t capable_units(OpClass c, const ArrayConfig& array) {
 }
 
 std::uint32_t resource_interval(const std::vector<Operation>& operations, const ArrayConfig& array) {
-  std::uint32_t ii = 1;
+  struct Demand {
+    std::uint32_t operations = 0, busy = 0, longest = 0;
+  };
+  std::array<Demand, kOpClasses> demands;
   for (const Operation& op : operations) {
-    // All operations that have no more units to go to than this one has must share those.
-    const std::uint32_t units = capable_units(op.kind, array);
-    std::uint32_t busy = 0, alike = 0;
-    for (const Operation& other : operations) {
-      if (pool_of(other.kind) != pool_of(op.kind) || capable_units(other.kind, array) > units) continue;
-      busy += other.occupancy;
-      alike += other.kind == op.kind ? 1 : 0;
+    Demand& demand = demands[static_cast<std::size_t>(op.kind)];
+    demand.operations += 1;
+    demand.busy += op.occupancy;
+    demand.longest = std::max(demand.longest, op.occupancy);
+  }
+  std::uint32_t ii = 1;
+  for (std::size_t kind = 0; kind < demands.size(); ++kind) {
+    const Demand& demand = demands[kind];
+    if (demand.operations == 0) continue;
+    // All operations that have no more units to go to than these have must share those.
+    const auto own = static_cast<OpClass>(kind);
+    const std::uint32_t units = capable_units(own, array);
+    std::uint32_t busy = 0;
+    for (std::size_t other = 0; other < demands.size(); ++other) {
+      const auto c = static_cast<OpClass>(other);
+      if (pool_of(c) == pool_of(own) && capable_units(c, array) <= units) busy += demands[other].busy;
     }
-    ii = std::max({ii, divided_up(busy, units), divided_up(alike, units) * op.occupancy});
+    ii = std::max({ii, divided_up(busy, units), divided_up(demand.operations, units) * demand.longest});
   }
   return ii;
 }

@@ -15,11 +15,6 @@
 namespace traces {
 namespace {
 
-template <class Record>
-bool same_bytes(const std::vector<Record>& a, const std::vector<Record>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Record)) == 0;
-}
-
 void expect_same(const MemoryImage& a, const MemoryImage& b) {
   EXPECT_TRUE(same_bytes(a.nodes, b.nodes));
   EXPECT_TRUE(same_bytes(a.triangles, b.triangles));
@@ -31,7 +26,7 @@ void expect_same(const MemoryImage& a, const MemoryImage& b) {
 }
 
 /// Every vertex elsewhere, by up to `far` along each axis, and the whole turned and stretched.
-Scene moved(Scene scene, float far, std::uint64_t seed = 7) {
+Scene moved_by_dice(Scene scene, float far, std::uint64_t seed = 7) {
   Dice dice(seed);
   for (Mesh& mesh : scene.meshes) {
     for (glm::vec3& p : mesh.positions) p += dice.point(-far, far);
@@ -72,9 +67,9 @@ TEST(Refit, OfAnUnmovedSceneChangesNoBit) {
 TEST(Refit, DependsOnTheLastPoseAlone) {
   for (const Scene& scene : scenes()) {
     MemoryImage once = build_memory_image(scene), often = once;
-    const Scene there = moved(scene, 0.3F);
+    const Scene there = moved_by_dice(scene, 0.3F);
     refit_memory_image(there, once);
-    for (const float far : {1.0F, 0.0F, 5.0F}) refit_memory_image(moved(scene, far, 9), often);
+    for (const float far : {1.0F, 0.0F, 5.0F}) refit_memory_image(moved_by_dice(scene, far, 9), often);
     refit_memory_image(there, often);
     expect_same(once, often);
     refit_memory_image(scene, often);
@@ -85,7 +80,7 @@ TEST(Refit, DependsOnTheLastPoseAlone) {
 TEST(Refit, HitsWhatARebuiltTreeHits) {
   for (const Scene& scene : {triangle_soup(3000, 0.1F), grid_soup(1000)}) {
     MemoryImage refitted = build_memory_image(scene);
-    const Scene there = moved(scene, 0.2F);
+    const Scene there = moved_by_dice(scene, 0.2F);
     refit_memory_image(there, refitted);
     const MemoryImage rebuilt = build_memory_image(there);
     EXPECT_EQ(refitted.lower, rebuilt.lower);
@@ -109,7 +104,7 @@ TEST(Refit, HitsWhatARebuiltTreeHits) {
 TEST(Refit, AgreesWithEmbreeOnTheMovedTriangles) {
   const Scene scene = triangle_soup(3000, 0.1F);
   MemoryImage image = build_memory_image(scene);
-  refit_memory_image(moved(scene, 0.5F), image);
+  refit_memory_image(moved_by_dice(scene, 0.5F), image);
   const BvhTracer bvh(image);
   const EmbreeTracer embree(image, 1);
   const VerifyingTracer verifying(image, bvh, embree);
@@ -121,20 +116,20 @@ TEST(Refit, TheFurtherThingsMoveTheMoreTheOldTreeCosts) {
   const Scene scene = triangle_soup(5000, 0.05F);
   MemoryImage image = build_memory_image(scene);
   const double built = bvh_info(image).sah_cost;
-  refit_memory_image(moved(scene, 0.1F), image);
+  refit_memory_image(moved_by_dice(scene, 0.1F), image);
   const double near = bvh_info(image).sah_cost;
-  refit_memory_image(moved(scene, 1), image);
+  refit_memory_image(moved_by_dice(scene, 1), image);
   const double far = bvh_info(image).sah_cost;
   EXPECT_LT(built, near);
   EXPECT_LT(near, far);
-  EXPECT_LT(bvh_info(build_memory_image(moved(scene, 1))).sah_cost, far);
+  EXPECT_LT(bvh_info(build_memory_image(moved_by_dice(scene, 1))).sah_cost, far);
 }
 
 TEST(Refit, KeepsTheTreeTheMaterialsAndAllAddresses) {
   const Scene scene = triangle_soup(1000, 0.1F);
   const MemoryImage built = build_memory_image(scene);
   MemoryImage image = built;
-  refit_memory_image(moved(scene, 1), image);
+  refit_memory_image(moved_by_dice(scene, 1), image);
   for (std::size_t i = 0; i < built.nodes.size(); ++i) {
     EXPECT_EQ(image.nodes[i].child[0], built.nodes[i].child[0]);
     EXPECT_EQ(image.nodes[i].child[1], built.nodes[i].child[1]);

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <cstring>
 #include <vector>
 
 #include "sim/hash.h"
@@ -47,6 +48,11 @@ std::vector<Ray> grid_rays(std::uint32_t count, std::uint64_t seed = 3);
 std::vector<Hit> trace(const Tracer& tracer, const std::vector<Ray>& rays, RayKind kind = RayKind::kPrimary);
 /// Every triangle of every instance, one by one, with the triangle test and the rule of BvhTracer.
 Hit test_all(const MemoryImage& image, const Ray& ray);
+
+template <class Record>
+bool same_bytes(const std::vector<Record>& a, const std::vector<Record>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Record)) == 0;
+}
 
 /// Hits that differ in any bit.
 std::uint64_t count_different(const std::vector<Hit>& a, const std::vector<Hit>& b);

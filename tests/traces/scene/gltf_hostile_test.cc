@@ -60,7 +60,7 @@ TEST(GltfHostile, JsonTwoHundredThousandDeep) {
 
 TEST(GltfHostile, BracketsInStringsAreNoDepth) {
   TinyGltf file;
-  file.json["nodes"][0]["name"] = std::string(500, '[') + "\\\"{";
+  file.json["nodes"][0]["name"] = "\\\"{" + std::string(500, '[');
   EXPECT_EQ(load(file).instances.size(), 1U);
 }
 

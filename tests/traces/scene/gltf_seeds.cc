@@ -91,7 +91,7 @@ TinyGltf sparse_strip() {
   return file;
 }
 
-TinyGltf textured() {
+TinyGltf textured_seed() {
   const TempFolder folder;
   traces::write_png(folder.path() / "a.png", 2, 2, std::vector<std::uint8_t>{255, 0, 0, 0, 0, 255, 1, 2, 3, 4, 5, 6});
   TinyGltf file;
@@ -234,7 +234,7 @@ std::vector<Seed> seeds() {
   return {{"patch", plain_patch()},           {"edgebreaker", draco_patch(true)},
           {"sequential", draco_patch(false)}, {"meshopt", meshopt_patch()},
           {"sparse strip", sparse_strip()},   {"skin, morph targets, animation", skinned_and_animated()},
-          {"textures", textured()},           {"lights, cameras, instancing", lights_and_cameras()}};
+          {"textures", textured_seed()},      {"lights, cameras, instancing", lights_and_cameras()}};
 }
 
 }  // namespace test

@@ -1,7 +1,6 @@
 #include "traces/accel/build.h"
 
 #include <algorithm>
-#include <cstring>
 #include <set>
 
 #include <glm/gtc/matrix_transform.hpp>
@@ -14,11 +13,6 @@
 
 namespace traces {
 namespace {
-
-template <class Record>
-bool same_bytes(const std::vector<Record>& a, const std::vector<Record>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Record)) == 0;
-}
 
 /// Calls `leaf(link, node, child)` for every leaf and `inner(link, node, child)` for every inner child.
 void for_each_child(const MemoryImage& image, auto&& inner, auto&& leaf) {
