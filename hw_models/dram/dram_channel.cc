@@ -197,7 +197,8 @@ inline void DramChannel::issue(Cycle now) {
     case DramCommand::kActivate:
       entry.activated = true;
       stats_.activates += 1;
-      if (book_ != nullptr) book_->of(entry.request.owner).activates += 1;
+      if (book_ != nullptr) [[unlikely]]
+        book_->count(entry.request.owner, &TileAccount::activates);
       device_.activate(address.bank, address.row, now);
       reads_.row_opened(address.bank, address.row);
       writes_.row_opened(address.bank, address.row);
@@ -223,7 +224,8 @@ inline void DramChannel::transfer(const DramQueue::Entry& entry, Cycle now) {
   const Cycle data = r.write ? device_.write(entry.address.bank, now) : device_.read(entry.address.bank, now);
   const Cycle end = data + device_.data_cycles();
   data_end_ = std::max(data_end_, end);
-  if (watcher_ != nullptr) watcher_->served(r, end * clock_.period());
+  if (watcher_ != nullptr) [[unlikely]]
+    watcher_->served(r, end * clock_.period());
   charge(r);
   device_.each_burst(data, [&](Cycle begin, Cycle burst_end) { data_bus_.book({begin, burst_end, r.write}); });
   if (r.write) {

@@ -139,9 +139,8 @@ class DramChannel {
   void row_done(const DramAddress& address);
   void transfer(const DramQueue::Entry& entry, Cycle now);
   void charge(const MemRequest& r) {
-    if (book_ == nullptr) return;
-    TileAccount& account = book_->of(r.owner);
-    (r.write ? account.dram_writes : account.dram_reads) += 1;
+    if (book_ != nullptr) [[unlikely]]
+      book_->count(r.owner, r.write ? &TileAccount::dram_writes : &TileAccount::dram_reads);
   }
   bool overdue(const DramQueue& queue, Cycle now) const {
     return !queue.empty() && now >= queue.oldest().arrived + controller_.age_limit;

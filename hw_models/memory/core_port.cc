@@ -83,7 +83,8 @@ inline void CorePort::send(std::uint32_t client, sim::Time now) {
     up_free_ = now + carry_time_[static_cast<std::size_t>(std::popcount(request.sectors))];
     line_until_ = std::max(line_until_, up_free_);
   }
-  if (book_ != nullptr) book_->of(request.owner).lines[static_cast<std::size_t>(asks_[client])] += 1;
+  if (book_ != nullptr) [[unlikely]]
+    book_->count(request.owner, asks_[client]);
   stats_.requests += 1;
   stats_.lines_up += request.write;
 }

@@ -98,7 +98,8 @@ inline bool L2Bank::take_fill(sim::Time now) {
   line_time_ += now;
   memory_time_ += now * waiters.count;
   write_back(now, store_.put_in(line, kWholeLine, waiters.dirty), waiters.owner);
-  if (book_ != nullptr) book_->of(waiters.owner).l2_fills += 1;
+  if (book_ != nullptr) [[unlikely]]
+    book_->count(waiters.owner, &TileAccount::l2_fills);
   stats_.fills += 1;
   return true;
 }
@@ -150,7 +151,8 @@ inline bool L2Bank::read(sim::Time now) {
   const L2Store::Found found = store_.find(r.line, r.sectors);
   if (found == L2Store::Found::kAll) {
     hits_.push(now, Reply{{r.line, r.source, r.tag}, head_.core});
-    if (is_watched()) show_read(true, r.owner, now);
+    if (is_watched()) [[unlikely]]
+      show_read(true, r.owner, now);
     stats_.hits += 1;
   } else {
     Waiters* waiters = misses_.find(r.line);
@@ -166,7 +168,8 @@ inline bool L2Bank::read(sim::Time now) {
     }
     waiters->list[waiters->count++] = {head_.core, r.source, r.tag};
     memory_time_ -= now;
-    if (is_watched()) show_read(false, r.owner, now);
+    if (is_watched()) [[unlikely]]
+      show_read(false, r.owner, now);
     stats_.misses += 1;
   }
   stats_.reads += 1;
@@ -175,9 +178,7 @@ inline bool L2Bank::read(sim::Time now) {
 
 void L2Bank::show_read(bool hit, Owner owner, sim::Time now) {
   if (watcher_ != nullptr) watcher_->looked_up(hit, now);
-  if (book_ == nullptr) return;
-  TileAccount& account = book_->of(owner);
-  (hit ? account.l2_hits : account.l2_misses) += 1;
+  if (book_ != nullptr) book_->count(owner, hit ? &TileAccount::l2_hits : &TileAccount::l2_misses);
 }
 
 inline L2Bank::CycleReason L2Bank::waiting(sim::Time now) const {

@@ -21,7 +21,7 @@ sim::Time L2Bank::tick_ideal(sim::Time now) {
       if (!in.front().write) latency_ -= in.pop_at();
       const MemRequest r = in.pop(now);
       if (r.write) {
-        if (book_ != nullptr) book_->of(r.owner).l2_writes += 1;
+        if (book_ != nullptr) book_->count(r.owner, &TileAccount::l2_writes);
         stats_.writes += 1;
         stats_.write_hits += 1;
         stats_.stored += 1;

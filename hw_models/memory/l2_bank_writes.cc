@@ -19,7 +19,8 @@ bool L2Bank::write(sim::Time now) {
     to_memory(now, MemRequest{r.line, index_, 0, true, r.sectors, r.owner});
     stats_.passed_on += 1;
   }
-  if (book_ != nullptr) book_->of(r.owner).l2_writes += 1;
+  if (book_ != nullptr) [[unlikely]]
+    book_->count(r.owner, &TileAccount::l2_writes);
   stats_.writes += 1;
   stats_.bytes_written += sector_bytes_ * static_cast<std::uint32_t>(std::popcount(r.sectors));
   return true;

@@ -52,6 +52,9 @@ class TileBook {
     return static_cast<Owner>((accounts_.size() - 1) & kOwnerMask);
   }
   void close(Owner owner, sim::Time now) { of(owner).finished = now; }
+  /// One more of that kind; out of line and apart, so that machines without a book pay for a comparison alone.
+  [[gnu::cold, gnu::noinline]] void count(Owner owner, std::uint64_t TileAccount::*kind);
+  [[gnu::cold, gnu::noinline]] void count(Owner owner, Asker asker);
   TileAccount& of(Owner owner) {
     if (owner == kNoOwner) [[unlikely]]
       return rest_;
