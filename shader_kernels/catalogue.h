@@ -19,6 +19,7 @@
 #include "shader_kernels/kernels/clear_samples.h"
 #include "shader_kernels/kernels/clear_surface.h"
 #include "shader_kernels/kernels/combine_shadow.h"
+#include "shader_kernels/kernels/contrasts.h"
 #include "shader_kernels/kernels/fetch_vertices.h"
 #include "shader_kernels/kernels/find_suspects.h"
 #include "shader_kernels/kernels/fused.h"
@@ -104,7 +105,9 @@ using AllKernels = std::tuple<
     // reconstruct.
     GenerateRotatedRays, GenerateShadedRays, GenerateVisibleRays, ClearBranch, BeginBranch, RecordVisible,
     RecordBranchVisible, RecordVisibleShadow, LimitColours<0>, LimitColours<1>, LimitColours<2>, ListBranches,
-    Reconstruct<1, false>, Reconstruct<2, false>, Reconstruct<1, true>, Reconstruct<2, true>,
+    Reconstruct<1, false>, Reconstruct<2, false>, Reconstruct<1, true>, Reconstruct<2, true>, ListContrasts<0>,
+    ListContrasts<1>, ListContrasts<2>, GenerateContrastRays, AverageContrasts<0>, AverageContrasts<1>,
+    AverageContrasts<2>,
     // Fused.
     FetchSurface<false>, FetchSurface<true>, LightSurface, LightSurfaceGeometry<false>, LightSurfaceGeometry<true>,
     LightSurfaceKept<false>, LightSurfaceKept<true>, LightSurfaceSecondary<false>, LightSurfaceSecondary<true>,

@@ -34,15 +34,35 @@ VisibleRecord<V> visible_miss() {
   return {{0.0F, 0.0F, 1.0F}, kMissDepth, 0U};
 }
 
-/// The ray of `sample`, at (x, y) in the pixel at position `pixel`; its record is that of a miss.
+/// The ray of `sample`, at (x, y) in the pixel at position `pixel`.
 template <class V>
-void emit_visible(const I<V>& item, const I<V>& pixel, const I<V>& sample, const F<V>& x, const F<V>& y, auto& at) {
+void emit_in_pixel(const I<V>& item, const I<V>& pixel, const I<V>& sample, const F<V>& x, const F<V>& y, auto& at) {
   const DivMod<V> row = divmod<V>(to_float(pixel), at.grid.pitch, at.grid.inverse_pitch);
   const Vec3<V> direction = normalised(at.camera.corner + at.camera.right * (at.grid.x0 + row.remainder + x) +
                                        at.camera.down * (at.grid.y0 + row.quotient + y));
   at.rays.store(item, {at.camera.origin, 0.0F, direction, std::numeric_limits<float>::infinity()});
   at.paths.store(item, {{1.0F, 1.0F, 1.0F}, sample});
+}
+
+/// The same, and its record is that of a miss.
+template <class V>
+void emit_visible(const I<V>& item, const I<V>& pixel, const I<V>& sample, const F<V>& x, const F<V>& y, auto& at) {
+  emit_in_pixel<V>(item, pixel, sample, x, y, at);
   at.visible.store(sample, visible_miss<V>());
+}
+
+/// A sample that is not the first: of which pixel of a list, which one, and where in it.
+template <class V>
+struct GeometrySample {
+  F<V> pixel, number, x, y;
+};
+/// Three items a pixel.
+template <class V>
+GeometrySample<V> other_sample(const I<V>& item) {
+  const DivMod<V> of_pixel = divmod<V>(to_float(item), F<V>(3.0F), F<V>(1.0F / 3.0F));
+  const F<V> k = of_pixel.remainder + 1.0F;
+  const F<V> x = rotated_column<V>(k) * 0.25F + 0.125F;
+  return {of_pixel.quotient, k, x, k * 0.25F + 0.125F};
 }
 
 struct GenerateShadedRays {
@@ -78,11 +98,9 @@ struct GenerateVisibleRays {
   };
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
-    const DivMod<V> of_pixel = divmod<V>(to_float(item), F<V>(3.0F), F<V>(1.0F / 3.0F));
-    const I<V> pixel = lattice_sample<V>(to_int(of_pixel.quotient), at.lattice);
-    const F<V> k = of_pixel.remainder + 1.0F;
-    const F<V> x = rotated_column<V>(k) * 0.25F + 0.125F, y = k * 0.25F + 0.125F;
-    emit_visible<V>(item, pixel, pixel + to_int(k * at.apart), x, y, at);
+    const GeometrySample<V> of = other_sample<V>(item);
+    const I<V> pixel = lattice_sample<V>(to_int(of.pixel), at.lattice);
+    emit_visible<V>(item, pixel, pixel + to_int(of.number * at.apart), of.x, of.y, at);
   }
 };
 

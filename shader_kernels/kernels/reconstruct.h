@@ -35,6 +35,49 @@ M<V> has_branch(const VisibleRecord<V>& record) {
   return F<V>(0.5F * kNoBranchDepth) < record.depth;
 }
 
+/// Shaded samples around that of a pixel, row by row: square of 2 kRadius + 1.
+template <std::uint32_t kRadius, class V>
+class ShadedAround {
+ public:
+  static constexpr std::uint32_t kSide = 2 * kRadius + 1, kTaps = kSide * kSide, kOwn = kTaps / 2;
+  ShadedAround(const DivMod<V>& pixel, const FinishedUniforms<V>& of)
+      : columns_(steps(pixel.remainder, of.low_x, of.high_x, [](float by) { return F<V>(by); })),
+        rows_(steps(pixel.quotient, of.low_y, of.high_y, [&](float by) { return of.pitch * by; })) {}
+
+  /// Calls f(number of the sample, whether it lies inside the picture) for sample t, not the pixel's own, around that
+  /// at `centre`.
+  auto at(std::uint32_t t, const F<V>& centre, auto&& f) const {
+    const std::uint32_t x = t % kSide, y = t / kSide;
+    if (x == kRadius) return f(centre + rows_[step_to(y)].samples, rows_[step_to(y)].inside);
+    if (y == kRadius) return f(centre + columns_[step_to(x)].samples, columns_[step_to(x)].inside);
+    const Step &column = columns_[step_to(x)], &row = rows_[step_to(y)];
+    return f(centre + column.samples + row.samples, both(column.inside, row.inside));
+  }
+
+ private:
+  /// A step to another column or row; none where the picture ends.
+  struct Step {
+    F<V> samples;
+    M<V> inside;
+  };
+  using Steps = std::array<Step, 2 * kRadius>;
+  /// Steps by -kRadius to kRadius, but 0, from `from`; `samples` says how many samples that is.
+  static Steps steps(const F<V>& from, const F<V>& low, const F<V>& high, auto&& samples) {
+    const auto step = [&](std::size_t n) -> Step {
+      const float by = static_cast<float>(n < kRadius ? n : n + 1) - static_cast<float>(kRadius);
+      const F<V> to = from + by;
+      const M<V> inside = both(low <= to, to <= high);
+      return {select(inside, samples(by), F<V>(0.0F)), inside};
+    };
+    return [&]<std::size_t... n>(std::index_sequence<n...>) { return Steps{step(n)...}; }
+    (std::make_index_sequence<2 * kRadius>{});
+  }
+  /// The step to a column or row, of kSide.
+  static constexpr std::uint32_t step_to(std::uint32_t n) { return n < kRadius ? n : n - 1; }
+
+  const Steps columns_, rows_;
+};
+
 /// Lists the pixels that see something by a mirror or through glass.
 struct ListBranches {
   static constexpr std::string_view kName = "list_branches";
@@ -83,7 +126,7 @@ struct Reconstruct {
   static constexpr std::string_view kName = kNames[(kRadius - 1) + (kBranch ? 2 : 0)];
   static constexpr std::string_view kMeaning = kBranch ? "listed pixel -> what its samples see by a mirror or glass"
                                                        : "finished pixel -> what its samples' surfaces show";
-  static constexpr std::uint32_t kSide = 2 * kRadius + 1, kTaps = kSide * kSide, kOwn = kTaps / 2;
+  static constexpr std::uint32_t kTaps = ShadedAround<kRadius, float>::kTaps, kOwn = ShadedAround<kRadius, float>::kOwn;
   template <class V>
   struct Ports {
     FinishedUniforms<V> finished;
@@ -129,27 +172,6 @@ struct Reconstruct {
   template <class V>
   using Samples = std::array<VisibleRecord<V>, kGeometrySamples>;
 
-  /// A step to another column or row of shaded samples; none where the picture ends.
-  template <class V>
-  struct Step {
-    F<V> samples;
-    M<V> inside;
-  };
-  /// Steps by -kRadius to kRadius, but 0, from `from`; `samples` says how many samples that is.
-  template <class V>
-  static auto steps(const F<V>& from, const F<V>& low, const F<V>& high, auto&& samples) {
-    const auto step = [&](std::size_t n) -> Step<V> {
-      const float by = static_cast<float>(n < kRadius ? n : n + 1) - static_cast<float>(kRadius);
-      const F<V> to = from + by;
-      const M<V> inside = both(low <= to, to <= high);
-      return {select(inside, samples(by), F<V>(0.0F)), inside};
-    };
-    return [&]<std::size_t... n>(std::index_sequence<n...>) { return std::array<Step<V>, 2 * kRadius>{step(n)...}; }
-    (std::make_index_sequence<2 * kRadius>{});
-  }
-  /// The step to a column or row, of kSide.
-  static constexpr std::uint32_t step_to(std::uint32_t n) { return n < kRadius ? n : n - 1; }
-
   template <class V>
   struct Own {
     I<V> shaded;
@@ -169,25 +191,12 @@ struct Reconstruct {
   template <class V>
   static Vec3<V> filtered(const DivMod<V>& pixel, const F<V>& centre, Ports<V>& at) {
     const Own<V> own = samples_of<V>(centre, at);
-    const auto columns =
-        steps<V>(pixel.remainder, at.finished.low_x, at.finished.high_x, [](float by) { return F<V>(by); });
-    const auto rows = steps<V>(pixel.quotient, at.finished.low_y, at.finished.high_y,
-                               [&](float by) { return at.finished.pitch * by; });
+    const ShadedAround<kRadius, V> around(pixel, at.finished);
     std::array<Tap<V>, kTaps> taps;
     for (std::uint32_t t = 0; t < kTaps; ++t) {
-      const std::uint32_t x = t % kSide, y = t / kSide;
-      if (t == kOwn) {
-        taps[t] = own_tap<V>(own, at);
-      } else if (x == kRadius) {
-        const Step<V>& row = rows[step_to(y)];
-        taps[t] = tap<V>(own, centre + row.samples, row.inside, at);
-      } else if (y == kRadius) {
-        const Step<V>& column = columns[step_to(x)];
-        taps[t] = tap<V>(own, centre + column.samples, column.inside, at);
-      } else {
-        const Step<V>&column = columns[step_to(x)], &row = rows[step_to(y)];
-        taps[t] = tap<V>(own, centre + column.samples + row.samples, both(column.inside, row.inside), at);
-      }
+      taps[t] = t == kOwn ? own_tap<V>(own, at) : around.at(t, centre, [&](const F<V>& index, const M<V>& inside) {
+        return tap<V>(own, index, inside, at);
+      });
     }
     const std::array<F<V>, kGeometrySamples> shares = shares_of<V>(own.samples, taps);
     Vec3<V> sum;

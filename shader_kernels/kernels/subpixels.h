@@ -35,6 +35,8 @@ constexpr std::uint32_t bit(Attribute attribute) { return 1U << static_cast<std:
 inline constexpr std::uint32_t kActiveShift = kAttributes;
 inline constexpr std::uint32_t kIndexShift = 12;
 
+/// Factors of a contrast's threshold, by channel (Jin et al. 2009).
+inline constexpr std::array<float, 3> kChannelFactors{1.36F, 1.02F, 2.04F};
 /// A threshold that no contrast reaches.
 inline constexpr float kNever = 4.0F;
 

@@ -83,9 +83,9 @@ struct TestSubpixels {
     const Vec3<V> b = at.colours.load(beside).rgb;
     const Vec3<V> c = at.colours.load(above).rgb;
     const Vec3<V> d = at.colours.load(corner).rgb;
-    const M<V> active = logical_or(logical_or(threshold * 1.36F <= contrast<V>(a.x, b.x, c.x, d.x),
-                                              threshold * 1.02F <= contrast<V>(a.y, b.y, c.y, d.y)),
-                                   threshold * 2.04F <= contrast<V>(a.z, b.z, c.z, d.z));
+    const M<V> active = logical_or(logical_or(threshold * kChannelFactors[0] <= contrast<V>(a.x, b.x, c.x, d.x),
+                                              threshold * kChannelFactors[1] <= contrast<V>(a.y, b.y, c.y, d.y)),
+                                   threshold * kChannelFactors[2] <= contrast<V>(a.z, b.z, c.z, d.z));
     at.verdicts.store(item, {select(none, I<V>(bit(Attribute::kColour)), counting) |
                              select(active, I<V>(1U << kActiveShift), I<V>(0U))});
   }

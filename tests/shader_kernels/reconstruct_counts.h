@@ -32,6 +32,18 @@ inline constexpr Hand kReconstructByHand[] = {
     // And add; 4 (less, select); vector add.
     {"reconstruct_branch", {422, 593, 39, 71, 50, 57, 11, 10, 23, 1, 0}},
     {"reconstruct_branch_wide", {1190, 1667, 103, 199, 122, 141, 27, 26, 55, 1, 0}},
+    // To_float, divmod; mul, 2 add; steps as above; to_int. For each of 8 others 1 or 2 add, and; to_int, select;
+    // sub, mul; dot, max, min, sub, mul, mul; equal; add, less, and; 3 (select, min, max). Contrasts, of 3 channels:
+    // 2 (max, min, encode), sub, add, max, div; mul, less; 2 or. To encode is 2 add, 4 mul, 3 sqrt, less, select. Next.
+    {"list_contrasts", {78, 80, 21, 80, 33, 43, 19, 10, 18, 1, 0}},
+    {"list_contrasts_branch", {149, 155, 42, 159, 58, 81, 34, 19, 36, 1, 0}},
+    {"list_contrasts_branches", {220, 230, 63, 238, 83, 119, 49, 28, 54, 1, 0}},
+    // As generate_visible_rays, with to_float, divmod, mul, 2 add in place of lattice_sample.
+    {"generate_contrast_rays", {26, 22, 2, 4, 1, 1, 1, 6, 1, 3, 0}},
+    // To_float, divmod; mul, 2 add; to_int. 3 (add, 3 (max, min, add)); 3 mul. For each branch add, vector add.
+    {"average_contrasts", {13, 6, 0, 19, 0, 0, 3, 2, 5, 1, 0}},
+    {"average_contrasts_branch", {16, 6, 0, 19, 0, 0, 4, 2, 6, 1, 0}},
+    {"average_contrasts_branches", {19, 6, 0, 19, 0, 0, 5, 2, 7, 1, 0}},
 };
 
 }  // namespace kernels

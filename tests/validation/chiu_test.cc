@@ -95,5 +95,12 @@ TEST(Chiu, TexturesAreBlurredAsFarAsTheFilterReaches) {
   EXPECT_LT(ours.at.at(Mask::kElsewhere), 36) << "C1";
 }
 
+TEST(Chiu, TheColourTestMendsTexturedEdges) {
+  Pictures atrium("atrium", "court", "256x128");
+  const Quality ours = atrium.of("reconstruct"), mended = atrium.of("reconstruct", "reconstruct.colour=0.02");
+  EXPECT_GE(mended.at.at(Mask::kTextureEdge), ours.at.at(Mask::kTextureEdge) + 3) << "C2";
+  EXPECT_GE(mended.at.at(Mask::kElsewhere), 36) << "C1";
+}
+
 }  // namespace
 }  // namespace tools::reproduce

@@ -18,13 +18,15 @@ struct Named {
 /// All others trace and shade.
 constexpr Named kGroups[] = {{"check_", KernelGroup::kCheck},
                              {"test_subpixels", KernelGroup::kCheck},
+                             {"list_contrasts", KernelGroup::kCheck},
                              {"interpolate_", KernelGroup::kInterpolation},
                              {"find_suspects", KernelGroup::kCorrection},
                              {"store_identities", KernelGroup::kCorrection},
                              {"show_subpixels", KernelGroup::kCorrection},
                              {"settle_subpixels", KernelGroup::kCorrection},
                              {"propagate_subpixels", KernelGroup::kCorrection},
-                             {"average_subpixels", KernelGroup::kCorrection}};
+                             {"average_subpixels", KernelGroup::kCorrection},
+                             {"average_contrasts", KernelGroup::kCorrection}};
 
 KernelGroup group_of(std::string_view kernel) {
   for (const Named& named : kGroups) {

@@ -6,8 +6,6 @@
 namespace kernels {
 namespace {
 
-constexpr std::uint32_t kOthers = kGeometrySamples - 1;  ///< samples of a pixel that are not shaded
-
 /// Flags of all materials of a scene.
 std::uint32_t flags_of(const traces::MemoryImage& image) {
   std::uint32_t flags = 0;
@@ -26,7 +24,8 @@ ReconstructProgram::ReconstructProgram(const traces::MemoryImage& image, const t
       filters_(filters),
       scene_(image, config),
       camera_(camera_uniforms(camera, config.width, config.height)),
-      tiles_(config.width, config.height, config.tile / 2, reconstruct.radius),  // pixels have four samples, two along a side
+      tiles_(config.width, config.height, config.tile / 2,
+             reconstruct.radius),  // pixels have four samples, two along a side
       order_(tiles_.tiles().order(reconstruct.halo)),
       frame_(frame),
       depth_scale_(static_cast<float>(reconstruct.depth_factor * reconstruct.scene_side / scene_size)),
@@ -43,7 +42,7 @@ std::uint32_t ReconstructProgram::shaded_bytes() const {
   return layers_ * static_cast<std::uint32_t>(sizeof(VisibleRecord<float>) + sizeof(ColourRecord<float>));
 }
 std::uint32_t ReconstructProgram::other_bytes() const {
-  return kOthers * layers_ * static_cast<std::uint32_t>(sizeof(VisibleRecord<float>));
+  return kOtherSamples * layers_ * static_cast<std::uint32_t>(sizeof(VisibleRecord<float>));
 }
 std::uint32_t ReconstructProgram::attribute_bytes() const {
   return has_geometry() ? kGeometrySamples * layers_ * static_cast<std::uint32_t>(sizeof(VisibleRecord<float>)) : 0;
@@ -53,7 +52,7 @@ FrameRequirements ReconstructProgram::requirements() const {
   const std::uint32_t pixels = tiles_.side() * tiles_.side();
   FrameRequirements needs;
   needs.tile_samples = layers_ * pixels;
-  needs.wave_samples = has_geometry() ? kOthers * pixels : pixels;
+  needs.wave_samples = has_geometry() ? kOtherSamples * pixels : pixels;
   needs.attribute_bytes = reconstruct_.attributes == AttributeStorage::kTile ? pixels * attribute_bytes() : 0;
   needs.region_bytes = {std::uint64_t{tiles_.count()} * tiles_.most_pixels() * kPixelBytes,
                         tiles_.count() * store_bytes(), 0};
@@ -84,7 +83,8 @@ void ReconstructProgram::run_tile(std::uint32_t tile_index, const traces::Tracer
   export_borders(tile);  // needs nothing of the halo, so no tile waits for a row of others
   make_halo(tile);
   park_attributes(tile);
-  const Node made = has_geometry() ? reconstruct(tile) : show_shaded(tile);
+  Node made = has_geometry() ? reconstruct(tile) : show_shaded(tile);
+  if (tests_colours()) made = shade_contrasts(tile, made);
   wave.put_out(made, std::uint64_t{at.index} * tiles_.most_pixels() * kPixelBytes);
   wave.finish();
   count(tile);
@@ -109,7 +109,7 @@ void ReconstructProgram::trace(Tile& tile, const Part& shaded, const Part& other
   trace_shaded(tile, shaded, cleared);
   if (has_geometry()) trace_others(tile, others, cleared);
   if (tile.wave.is_muted()) return;
-  const std::uint32_t samples = shaded.pixels() + (has_geometry() ? kOthers * others.pixels() : 0);
+  const std::uint32_t samples = shaded.pixels() + (has_geometry() ? kOtherSamples * others.pixels() : 0);
   tile.out.sampling.traced += samples;
   if (!is_own) tile.out.sampling.halo += samples;
 }
@@ -131,14 +131,7 @@ ReconstructProgram::Node ReconstructProgram::clear_branches(Tile& tile, const Pa
 
 VisibleRayPorts<float>& ReconstructProgram::bind(VisibleRayPorts<float>& ports, const Tile& tile,
                                                  const Part& part) const {
-  const auto halo = static_cast<float>(tiles_.halo()), pitch = static_cast<float>(tiles_.pitch());
-  ports.camera = camera_;
-  ports.grid = {.x0 = static_cast<float>(tile.at.x) - halo,
-                .y0 = static_cast<float>(tile.at.y) - halo,
-                .pitch = pitch,
-                .inverse_pitch = 1.0F / pitch,
-                .grid = 1,
-                .inverse_grid = 1};
+  bind_pixels(ports, tile);
   ports.lattice = tiles_.lattice(part.x, part.y, part.across);
   return ports;
 }
@@ -172,7 +165,7 @@ void ReconstructProgram::trace_shaded(Tile& tile, const Part& part, Node cleared
 
 void ReconstructProgram::trace_others(Tile& tile, const Part& part, Node cleared) const {
   Wavefront& wave = tile.wave;
-  const std::uint32_t items = kOthers * part.pixels();
+  const std::uint32_t items = kOtherSamples * part.pixels();
   tile.buffer.hold_wave(items);
   GenerateVisibleRays::Ports<float> ports;
   bind(ports, tile, part);

@@ -22,6 +22,11 @@ namespace kernels {
 ///             buffer
 ///                                                              list_branches -> reconstruct_branch
 ///
+/// With a colour test (reconstruct_contrasts.cc) pixels where colours change and geometry does not have all four
+/// shaded:
+///
+///   reconstruct -> list_contrasts -> generate_contrast_rays -> shaded -> average_contrasts -> pack_colour
+///
 /// reconstruct:sraa, held against it, has one filter over whole colours, by the geometry that the eye sees; so its
 /// other samples are primary rays alone.
 ///
@@ -49,6 +54,7 @@ class ReconstructProgram final : public FrameProgram {
     TileResult& out;
     TileBuffer& buffer;
   };
+  static constexpr std::uint32_t kOtherSamples = kGeometrySamples - 1;  ///< samples of a pixel that are not shaded
   /// A rectangle of pixels of the tile buffer.
   struct Part {
     std::uint32_t x, y, across, down;
@@ -57,6 +63,7 @@ class ReconstructProgram final : public FrameProgram {
 
   bool filters_apart() const { return filters_ == Filters::kApart; }
   bool has_geometry() const { return reconstruct_.radius != 0; }
+  bool tests_colours() const { return reconstruct_.colour >= 0; }
   std::uint32_t positions() const { return tiles_.samples(); }
   /// From a sample to that of the next layer.
   std::uint32_t layer() const { return kGeometrySamples * positions(); }
@@ -69,6 +76,7 @@ class ReconstructProgram final : public FrameProgram {
 
   Tile tile_of(const SampleTile& at, Wavefront& wave, TileResult& out) const;
   VisibleSamples records(bool are_shaded) const;
+  void bind_pixels(auto& ports, const Tile& tile) const;
   VisibleRayPorts<float>& bind(VisibleRayPorts<float>& ports, const Tile& tile, const Part& part) const;
   void trace(Tile& tile, const Part& shaded, const Part& others, bool is_own) const;
   Node clear_branches(Tile& tile, const Part& part) const;
@@ -83,6 +91,10 @@ class ReconstructProgram final : public FrameProgram {
   Node reconstruct(Tile& tile) const;
   template <std::uint32_t kRadius>
   Node filter(Tile& tile) const;
+  // reconstruct_contrasts.cc
+  Node shade_contrasts(Tile& tile, Node filtered) const;
+  template <std::uint32_t kBranches>
+  Node shade_contrasts(Tile& tile, Node filtered) const;
   template <class K>
   void bind_filter(typename K::template Ports<float>& ports, const Tile& tile) const;
   // reconstruct_marks.cc
@@ -101,5 +113,17 @@ class ReconstructProgram final : public FrameProgram {
   std::uint32_t mirrors_ = 0, glass_ = 0;  ///< layers of what these show; 0: nothing does
   std::uint32_t layers_ = 1;
 };
+
+/// Camera and grid of pixels.
+void ReconstructProgram::bind_pixels(auto& ports, const Tile& tile) const {
+  const auto halo = static_cast<float>(tiles_.halo()), pitch = static_cast<float>(tiles_.pitch());
+  ports.camera = camera_;
+  ports.grid = {.x0 = static_cast<float>(tile.at.x) - halo,
+                .y0 = static_cast<float>(tile.at.y) - halo,
+                .pitch = pitch,
+                .inverse_pitch = 1.0F / pitch,
+                .grid = 1,
+                .inverse_grid = 1};
+}
 
 }  // namespace kernels

@@ -19,6 +19,7 @@ struct ReconstructConfig : AdaptiveConfig {
   double scene_side = 30;
   double normal_sigma = 0.25;
   NormalWeight normal_weight = NormalWeight::kWidth;
+  double colour = -1;
 
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
@@ -36,7 +37,15 @@ struct ReconstructConfig : AdaptiveConfig {
     field(NAMED(c.normal_weight), "",
           "normal_sigma is a factor of x, as printed: exp(-(sigma x)^2), or its width: exp(-(x / sigma)^2)", sim::any(),
           Affects::kFunction);
+    field(NAMED(c.colour), "",
+          "contrast of shaded samples that are alike from which on a pixel has all four of its samples shaded, as "
+          "supersample.colour; 0: always, -1: never",
+          sim::between(-1, 1), Affects::kFunction);
     AdaptiveConfig::describe(c, field);
+  }
+  void check(auto&& complain) const {
+    if (colour < 0 && colour != -1) complain("colour", "lies between -1 and 0; a threshold is 0 to 1, or -1: never");
+    if (colour >= 0 && radius == 0) complain("colour", "compares with shaded samples around: radius must be 1 or 2");
   }
 };
 

@@ -7,9 +7,9 @@
 
 #include <gtest/gtest.h>
 
-#include "block_harness.h"
 #include "shader_kernels/kernels/reconstruct.h"
-#include "showcase.h"
+#include "tests/shader_kernels/block_harness.h"
+#include "tests/shader_kernels/showcase.h"
 
 // Subpixel reconstruction antialiasing: one shaded sample a pixel, the geometry of four.
 
