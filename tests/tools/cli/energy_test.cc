@@ -43,6 +43,7 @@ TEST(EnergyShow, SaysWhatIsGivenOnTheCommandLine) {
 
 TEST(EnergyShow, KnowsLogicAndMemoryAndAll) {
   EXPECT_SAYS(output_of({"energy", "show", "logic.tni.trv"}), "16 units core.tni.trv");
+  EXPECT_SAYS(output_of({"energy", "show", "parts.tni.trv.box_tester"}), "16 units core.tni.trv, each with 2");
   EXPECT_SAYS(output_of({"energy", "show", "dram.energy.phy"}), "counted by dram");
   const std::string all = output_of({"energy", "show"});
   for (const char* entry : {"tni.box_test", "clock_share", "srp.fp_add", "dram.energy.refresh"})
