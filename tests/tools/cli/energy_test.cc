@@ -31,7 +31,7 @@ TEST(EnergyShow, HasBandUnitSourceAndCounters) {
 TEST(EnergyShow, HasTheCurveOverSize) {
   const std::string text = output_of({"energy", "show", "cache.l1_read"});
   EXPECT_SAYS(text, "@16KiB: 5 / 7.8 / 16 pJ");
-  EXPECT_SAYS(text, "to the power 0.30 from 16 KiB to 32 KiB");
+  EXPECT_SAYS(text, ", 0.30 from 16 KiB to 32 KiB, ");
   EXPECT_SAYS(text, "counted by core.srp ");
 }
 
