@@ -47,6 +47,8 @@ class Machine {
     std::size_t partition = 0;      ///< 0: the inner one; from 1 on the outer ones (sim/partitions.h)
     std::uint64_t sram_bytes = 0;   ///< storage that leaks
     std::uint64_t cache_bytes = 0;  ///< the array of it whose accesses are counted; 0: all
+    std::vector<UnitPart> parts{};  ///< that its area depends on
+    std::uint32_t data_lines = 0;   ///< at the die's edge
   };
 
   /// Items that cross from one clock to another wait that many cycles of the latter (Link).
@@ -83,8 +85,11 @@ class Machine {
     built->ticked = {&unit, [](void* of, Time now) { return static_cast<U*>(of)->tick(now); }};
     built->declared = id.index;
     if constexpr (requires { U::kReasons; }) {
-      reports_.push_back([&unit, name = declared.name, sram = declared.sram_bytes, cache = declared.cache_bytes] {
-        return report_of(unit, name, sram, cache);
+      reports_.push_back([&unit, declared] {
+        UnitReport report = report_of(unit, declared.name, declared.sram_bytes, declared.cache_bytes);
+        report.parts = declared.parts;
+        report.data_lines = declared.data_lines;
+        return report;
       });
       values_.push_back(values_by<U>(unit));
     }

@@ -23,6 +23,12 @@ struct CounterReport {
   CounterKind kind = CounterKind::kSum;
 };
 
+/// Parts of one kind in a unit's logic, of which a key says how many there are.
+struct UnitPart {
+  std::string name;  ///< "box_tester"
+  std::uint32_t count = 0;
+};
+
 /// Record of what one unit did: the leaf of every report. Plain data, so that reports, energy and comparisons need no
 /// unit types.
 struct UnitReport {
@@ -36,6 +42,8 @@ struct UnitReport {
   std::uint64_t cache_bytes = 0;  ///< the array whose accesses are counted: selects size-dependent energies
   std::uint32_t clock_mhz = 0;
   std::type_index type = typeid(void);  ///< the unit's
+  std::vector<UnitPart> parts;          ///< that its area depends on
+  std::uint32_t data_lines = 0;         ///< at the die's edge
 };
 
 /// Adds what the same units did at another time.

@@ -58,6 +58,7 @@ struct DramOrganisation {
   std::uint32_t bank_groups = 1;
   std::uint32_t refresh_banks = 1;
   std::uint32_t rows = 65536;
+  std::uint32_t width = 16;
   sim::ByteSize page{2048};
   sim::ByteSize burst{32};
   bool bl32 = false;
@@ -71,6 +72,8 @@ struct DramOrganisation {
     field(NAMED(c.refresh_banks), "banks", "banks that a refresh of single banks takes together",
           sim::power_of_two(1, 2), Affects::kTiming);
     field(NAMED(c.rows), "rows", "rows of a bank", sim::power_of_two(1, 1 << 20), Affects::kTiming);
+    field(NAMED(c.width), "lines", "data lines (area of the pads; what they move is in burst and timing)",
+          sim::power_of_two(8, 64), Affects::kEnergy);
     field(NAMED(c.page), "bytes", "data of one row", sim::power_of_two(64, 1 << 16), Affects::kTiming);
     field(NAMED(c.burst), "bytes", "data of one read or write command", sim::power_of_two(8, 256), Affects::kTiming);
     field(NAMED(c.bl32), "", "a command moves two bursts, tCCD_L apart (BL32 of LPDDR5)", sim::any(), Affects::kTiming);
@@ -219,7 +222,7 @@ struct DramConfig {
 
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
-    field(NAMED(c.grade), "", "name of the speed grade", sim::any(), Affects::kReport);
+    field(NAMED(c.grade), "", "name of the speed grade for reports, any text; extends takes another grade's figures", sim::any(), Affects::kReport);
     field(NAMED(c.channels), "channels", "independent channels, interleaved by line", sim::power_of_two(1, 16),
           Affects::kTiming);
     field(NAMED(c.line), "bytes", "data of one request", sim::power_of_two(16, 256), Affects::kTiming);

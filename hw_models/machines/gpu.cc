@@ -70,8 +70,8 @@ Gpu::Gpu(const GpuConfig& config, const Workload& workload, TileSource& tiles, c
 }
 
 Gpu::Core& Gpu::declare_core(std::uint32_t c) {
-  const sim::UnitId srp = machine_.unit(
-      {name_in_core(Srp::kName, c), srp_clock_, c + 1, config_.srp.sram_bytes(), config_.srp.data_cache.size.bytes});
+  const sim::UnitId srp = machine_.unit({name_in_core(Srp::kName, c), srp_clock_, c + 1, config_.srp.sram_bytes(),
+                                         config_.srp.data_cache.size.bytes, config_.srp.array.parts()});
   const std::uint32_t in_flight = in_flight_.most();
   const auto known = sim::Lookahead::kByOwner;  // lookahead_end() knows when tiles come and go
   TniCore tni(machine_, config_.tni, {config_.ideal.tni, config_.ideal.l1}, c, tni_clock_);

@@ -26,7 +26,9 @@ MemorySystem::MemorySystem(sim::Machine& machine, const GpuConfig& config, Dma d
   }
   const sim::Clock dram(config.dram.timing.ck.time);
   for (std::uint32_t k = 0; k < config.dram.channels; ++k) {
-    declared_channels_.push_back({machine.unit({DramChannel::kName + std::to_string(k), dram})});
+    declared_channels_.push_back({machine.unit({.name = DramChannel::kName + std::to_string(k),
+                                                .clock = dram,
+                                                .data_lines = config.dram.organisation.width})});
   }
   link_banks_to_channels();
 }

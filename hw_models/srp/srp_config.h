@@ -1,10 +1,12 @@
 #pragma once
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "hw_models/memory/cache_config.h"
 #include "sim/config/field.h"
 #include "sim/named.h"
+#include "sim/unit_report.h"
 
 namespace hw {
 
@@ -45,6 +47,13 @@ struct ArrayConfig {
   }
 
   std::uint32_t units() const { return rows * columns; }
+  /// A multiplier is one of floats and of integers; a unit that also adds to its product has an adder behind it.
+  std::vector<sim::UnitPart> parts() const {
+    return {{"functional_unit", units()},
+            {"multiplier", mul_units},
+            {"product_adder", mul_add ? mul_units : 0},
+            {"div_sqrt", div_sqrt_units}};
+  }
 };
 
 /// Cycles for which a load of the data cache may be under way: items that wait for lines are bits of a word.

@@ -2,10 +2,12 @@
 #include <array>
 #include <cstdint>
 #include <string_view>
+#include <vector>
 
 #include "hw_models/memory/cache_tags.h"
 #include "sim/config/field.h"
 #include "sim/named.h"
+#include "sim/unit_report.h"
 
 namespace hw {
 
@@ -107,6 +109,7 @@ struct TrvConfig {
     if (l1.hit_cycles + transform_latency > kLongestPipe)
       complain("transform_latency", "instance fetch (l1.hit_cycles) and transform together must not exceed 63 cycles");
   }
+  std::vector<sim::UnitPart> parts() const { return {{"box_tester", box_testers}}; }
   /// Cache, input buffer and stacks.
   std::uint64_t sram_bytes() const {
     return l1.size.bytes + std::uint64_t{rays} * (ray_bytes + std::uint64_t{stack_entry_bytes} * stack_entries);

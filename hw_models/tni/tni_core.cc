@@ -31,7 +31,7 @@ TniCore::TniCore(sim::Machine& machine, const TniConfig& config, const Ideal& id
       ist_id_(declare_ist(machine, config, core, clock)) {
   for (std::uint32_t t = 0; t < config.trvs; ++t) {
     trv_ids_.push_back(machine.unit({name_in_core(Trv::kName, core) + std::to_string(t), clock, core + 1,
-                                     config.trv_sram_bytes(), config.trv.l1.size.bytes}));
+                                     config.trv_sram_bytes(), config.trv.l1.size.bytes, config.trv.parts()}));
   }
 }
 

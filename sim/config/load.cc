@@ -108,12 +108,16 @@ std::filesystem::path find_config(const std::filesystem::path& name, const std::
                                   std::string_view asked_at, std::string_view group) {
   std::vector<std::filesystem::path> folders = {beside};
   if (name.is_relative()) folders.insert(folders.end(), search_path().begin(), search_path().end());
-  for (const std::filesystem::path& folder : folders) {
-    for (const char* extension : {"", ".yaml"}) {
-      std::filesystem::path file = folder / name;
-      file += extension;
-      std::error_code failed;
-      if (std::filesystem::is_regular_file(file, failed)) return file.lexically_normal();
+  std::vector<std::filesystem::path> names = {name};
+  if (!group.empty() && name.is_relative() && !name.has_parent_path()) names.push_back(group / name);
+  for (const std::filesystem::path& wanted : names) {
+    for (const std::filesystem::path& folder : folders) {
+      for (const char* extension : {"", ".yaml"}) {
+        std::filesystem::path file = folder / wanted;
+        file += extension;
+        std::error_code failed;
+        if (std::filesystem::is_regular_file(file, failed)) return file.lexically_normal();
+      }
     }
   }
   std::vector<std::string> shown;

@@ -2,8 +2,12 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
+#include "sim/error.h"
 #include "sim/report/energy.h"
 #include "sim/report/energy_table.h"
+#include "sim/report/logic_area.h"
 #include "sim/report/unit_entry.h"
 
 namespace sim {
@@ -18,23 +22,28 @@ Spread array_of(const EnergyTable& arrays, const UnitReport& unit) {
   refuse_without_entry(unit, "area.arrays");
 }
 
+/// Area of a unit's pads, whose figure is that of sixteen data lines.
+Spread pads_of(const Spread& figure, const UnitReport& unit) {
+  if (unit.data_lines != 0) return figure * (static_cast<double>(unit.data_lines) / 16);
+  throw InputError(fmt::format("area.pads: unit '{}' has no data lines at the die's edge", unit.path));
+}
+
 }  // namespace
 
 Spread AreaOfBlock::total() const { return logic + arrays + buffers + pads; }
 
-AreaReport compute_area(std::span<const UnitReport> units, const std::map<std::string, Spread>& logic,
-                        const AreaConfig& config) {
+AreaReport compute_area(std::span<const UnitReport> units, const EnergyConfig& energy, const AreaConfig& config) {
   const EnergyTable arrays(config.arrays, "area.arrays");
   AreaReport report;
   for (const UnitReport& unit : units) {
     AreaOfBlock& block = report.blocks[unit.block];
-    block.logic += required_entry(logic, unit, "energy.logic") * config.logic_scale;
+    block.logic += LogicArea(unit, energy).band() * config.logic_scale;
     if (unit.cache_bytes != 0) block.arrays += array_of(arrays, unit);
     if (unit.sram_bytes > unit.cache_bytes) {
       const double kib = static_cast<double>(unit.sram_bytes - unit.cache_bytes) / 1024;
       block.buffers += required_entry(config.buffers, unit, "area.buffers") * kib;
     }
-    if (const Spread* const pads = find_entry(config.pads, unit)) block.pads += *pads;
+    if (const Spread* const pads = find_entry(config.pads, unit)) block.pads += pads_of(*pads, unit);
   }
   for (const auto& [name, block] : report.blocks) report.total += block.total();
   report.total = report.total * config.placement;

@@ -5,12 +5,13 @@
 
 #include "sim/config/field.h"
 #include "sim/named.h"
+#include "sim/report/energy.h"
 #include "sim/unit_report.h"
 
 namespace sim {
 
-/// Area figures of a process: one file of configs/area. Logic is in EnergyConfig::logic, for leakage and area alike;
-/// here is how large that is in this process.
+/// Area figures of a process: one file of configs/area. Logic is in EnergyConfig (LogicArea), for leakage and area
+/// alike; here is how large that is in this process.
 ///
 /// An array's area depends on its size: "l2@64KiB", "l2@256KiB" are points of "l2", between and beyond which area is a
 /// power of the size. A unit is looked up as "<block>.<kind>", then as "<block>", as for logic.
@@ -30,7 +31,7 @@ struct AreaConfig {
     area(NAMED(c.logic_scale), "", "area of logic in this process over energy.logic");
     area(NAMED(c.arrays), "mm2", "the array of a unit whose accesses are counted, by size");
     area(NAMED(c.buffers), "mm2/KiB", "a unit's storage beside that array");
-    area(NAMED(c.pads), "mm2", "drivers, receivers and pads of a unit at the die's edge");
+    area(NAMED(c.pads), "mm2", "drivers, receivers and pads of a unit at the die's edge, for each 16 data lines");
     area(NAMED(c.placement), "", "die over the sum of its blocks: wires between them and gaps");
   }
 };
@@ -46,8 +47,7 @@ struct AreaReport {
   Spread total;  ///< with wires between blocks and gaps
 };
 
-/// Throws InputError for a unit whose block or storage the table does not know. `logic`: EnergyConfig::logic.
-AreaReport compute_area(std::span<const UnitReport> units, const std::map<std::string, Spread>& logic,
-                        const AreaConfig& config);
+/// Throws InputError for a unit whose block, storage or part the tables do not know. `energy` has the area of logic.
+AreaReport compute_area(std::span<const UnitReport> units, const EnergyConfig& energy, const AreaConfig& config);
 
 }  // namespace sim

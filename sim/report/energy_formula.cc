@@ -57,7 +57,7 @@ EnergyFormula::EnergyFormula(std::span<const UnitReport> units, const EnergyConf
             static_cast<double>(unit.sram_bytes) / 1024,
             static_cast<double>(idle_cycles(unit)),
             &required_entry(config.flops, unit, "energy.flops"),
-            &required_entry(config.logic, unit, "energy.logic")};
+            LogicArea(unit, config)};
     for (const CounterReport& counter : unit.counters) {
       if (counter.event.empty()) continue;
       of.terms.push_back(
@@ -123,7 +123,7 @@ EnergyFormula::Kinds EnergyFormula::of(const Unit& unit, const std::vector<doubl
   sum.clock = (on_chip * (share / (1 - share)) +
                config_.flop_clock.*side * (config_.idle_clocked.*side) * (unit.flops->*side) * unit.idle_cycles) *
               scale.dynamic;
-  sum.leakage += (config_.sram_leakage.*side * unit.sram_kib + config_.logic_leakage.*side * (unit.logic->*side)) *
+  sum.leakage += (config_.sram_leakage.*side * unit.sram_kib + config_.logic_leakage.*side * unit.logic.at(side)) *
                  leakage_pj_per_mw_ * scale.leakage;
   return sum;
 }

@@ -8,6 +8,7 @@
 
 #include "sim/report/energy.h"
 #include "sim/report/energy_table.h"
+#include "sim/report/logic_area.h"
 #include "sim/report/power.h"
 #include "sim/time.h"
 #include "sim/unit_report.h"
@@ -18,7 +19,8 @@ namespace sim {
 /// the sum be asked for again. `config` and `device_events` must outlive it and keep their entries.
 class EnergyFormula {
  public:
-  /// Throws InputError for a counter whose event nobody has a figure for, or a unit without `logic` or `flops`.
+  /// Throws InputError for a counter whose event nobody has a figure for, a unit without `logic` or `flops`, or a part
+  /// that the table does not know.
   EnergyFormula(std::span<const UnitReport> units, const EnergyConfig& config,
                 const std::map<std::string, DeviceEvent>& device_events, Time elapsed, const PowerScales& scales = {});
 
@@ -29,8 +31,9 @@ class EnergyFormula {
   EnergyReport report() const;
   /// Energy of a unit by what it is to be charged to.
   struct UnitEnergy {
-    std::vector<Spread> events;  ///< one of each counter that names one, in their order, with its share of the clock tree
-    Spread standing;             ///< what time brings: leakage, standby, the clock of idle cycles
+    std::vector<Spread>
+        events;       ///< one of each counter that names one, in their order, with its share of the clock tree
+    Spread standing;  ///< what time brings: leakage, standby, the clock of idle cycles
   };
   /// In the order of the units; all of it together is report().total_pj, but for the order of additions.
   std::vector<UnitEnergy> of_units() const;
@@ -60,7 +63,8 @@ class EnergyFormula {
     std::size_t block;
     std::vector<Term> terms;
     double sram_kib, idle_cycles;
-    const Spread *flops, *logic;
+    const Spread* flops;
+    LogicArea logic;
   };
   /// Energy by kind of one side.
   struct Kinds {

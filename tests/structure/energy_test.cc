@@ -9,6 +9,8 @@
 #include <gtest/gtest.h>
 
 #include "hw_models/dram/dram_energy.h"
+#include "sim/report/logic_area.h"
+#include "sim/report/unit_entry.h"
 #include "tools/simulation/run_job.h"
 
 // What counters name as their energy events, and what the energy files have figures for, is the same set.
@@ -67,6 +69,30 @@ TEST(EnergyTable, HasNoUnitThatTheMachineHasNot) {
   }
   for (const auto* table : {&played().config.energy.logic, &played().config.energy.flops}) {
     for (const auto& [name, figure] : *table) EXPECT_TRUE(kinds.contains(name)) << name;
+  }
+}
+
+TEST(EnergyTable, HasThePartsOfTheMachinesUnitsAndNoOthers) {
+  std::set<std::string> parts;
+  for (const sim::UnitReport& unit : played().units) {
+    for (const sim::UnitPart& part : unit.parts) parts.insert(sim::entry_name(unit) + "." + part.name);
+  }
+  EXPECT_EQ(parts.size(), 5U);
+  for (const auto* table : {&played().config.energy.parts, &played().config.energy.parts_in_logic}) {
+    std::set<std::string> names;
+    for (const auto& [name, figure] : *table) names.insert(name);
+    // The shader core's table goes by its block, as its logic does.
+    std::set<std::string> known;
+    for (std::string part : parts) known.insert(part.starts_with("srp.srp.") ? part.substr(4) : part);
+    EXPECT_EQ(names, known);
+  }
+}
+
+TEST(EnergyTable, HasTheDefaultMachinesLogicAsItIs) {
+  for (const sim::UnitReport& unit : played().units) {
+    EXPECT_EQ(sim::LogicArea(unit, played().config.energy).band(),
+              sim::required_entry(played().config.energy.logic, unit, "logic"))
+        << unit.path;
   }
 }
 

@@ -36,7 +36,7 @@ nlohmann::ordered_json per_mm2(nlohmann::ordered_json statistics, double mm2) {
 
 void add_area(nlohmann::ordered_json& totals, std::span<const sim::UnitReport> units, const RunConfig& config) {
   if (config.area.arrays.empty()) return;
-  const sim::AreaReport area = sim::compute_area(units, config.energy.logic, config.area);
+  const sim::AreaReport area = sim::compute_area(units, config.energy, config.area);
   const double mm2 = area.total.nominal;
   totals["area_mm2"] = mm2;
   totals["area_band_mm2"] = sim::spread_json(area.total);

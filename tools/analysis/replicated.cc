@@ -72,6 +72,39 @@ std::string replicates_text(const Json& replicates) {
                      give_or_take(f, "power_w.nominal", "W"), give_or_take(f, "perf.frames_per_joule_gpu", "frames/J"));
 }
 
+std::string replicates_table(const Json& replicates) {
+  constexpr const char* kFigures[] = {"cycles",
+                                      "time_ms",
+                                      "perf.fps",
+                                      "perf.mrays_per_s",
+                                      "dram_bytes",
+                                      "utilisation.tni",
+                                      "utilisation.srp",
+                                      "utilisation.dram",
+                                      "energy_mj.nominal",
+                                      "energy_by_block_mj.tni.nominal",
+                                      "power_w.nominal",
+                                      "perf.frames_per_joule_gpu",
+                                      "perf.frames_per_joule_tni",
+                                      "perf.nj_per_ray",
+                                      "relative.speedup",
+                                      "relative.tni_perf_per_watt",
+                                      "relative.gpu_perf_per_watt"};
+  sim::Table table(
+      {fmt::format("of {} plays", replicates["count"].get<int>()), "mean", "deviation", "95 %, low", "high"});
+  for (const char* path : kFigures) {
+    const Json::json_pointer at = pointer_to(path);
+    if (!replicates["figures"].contains(at)) continue;
+    const Json& figure = replicates["figures"].at(at);
+    std::vector<std::string> cells = {path};
+    for (const char* part : {"mean", "deviation", "low", "high"}) {
+      cells.push_back(sim::four_digits(figure[part].get<double>()));
+    }
+    table.row(std::move(cells));
+  }
+  return table.text();
+}
+
 std::optional<Draws> draws_in(const ReportFile& report, const std::string& figure) {
   const std::string at = "totals.replicates.figures." + figure;
   if (!report.has(at + ".mean")) return std::nullopt;

@@ -144,6 +144,12 @@ std::string nominal_of(const std::vector<std::string>& group) {
 
 }  // namespace
 
+bool is_total(std::string_view path) { return path.starts_with("totals."); }
+
+std::string figure_name(std::string_view path) {
+  return std::string(is_total(path) ? path.substr(std::string_view("totals.").size()) : path);
+}
+
 Numbers report_numbers(const Json& report) {
   Numbers out;
   if (!report.is_object()) return out;

@@ -23,6 +23,11 @@ std::vector<ReportNumber> report_numbers(const nlohmann::ordered_json& report);
 /// units, "units.core.tni.trv.units" says how many there are. Units that are alone are told as well.
 std::vector<ReportNumber> unit_sums(const nlohmann::ordered_json& report);
 
+/// Is this a path of `totals`?
+bool is_total(std::string_view path);
+/// A path as people read it everywhere, and may type it: without "totals." in front.
+std::string figure_name(std::string_view path);
+
 /// The one of `paths` that `text` means: itself, or "totals." before it, or else the one that ends in it at a dot.
 /// Paths of totals win over those of units and all else, and these over those of single frames. A figure with a band
 /// means its nominal one: "power_w".

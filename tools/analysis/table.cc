@@ -193,7 +193,10 @@ std::string kernel_table(const Json& kernels) {
 }  // namespace
 
 std::string report_table(const Json& report) {
-  return overview(report) + "\n" + energy_table(report["totals"]) + "\n" + kernel_table(report["totals"]["kernels"]);
+  const Json& totals = report["totals"];
+  std::string out = overview(report) + "\n";
+  if (totals.contains("replicates")) out += replicates_table(totals["replicates"]) + "\n";
+  return out + energy_table(totals) + "\n" + kernel_table(totals["kernels"]);
 }
 
 }  // namespace tools

@@ -17,8 +17,8 @@ std::unique_ptr<hw::Gpu> make_gpu(const Inputs& inputs, const kernels::FrameRequ
 
 std::unique_ptr<hw::Gpu> make_gpu(const Inputs& inputs, const RunConfig& config,
                                   const kernels::FrameRequirements& requirements, hw::TileSource& tiles,
-                                   const hw::Perturbation& perturbation, const hw::Watchers& watchers,
-                                   std::shared_ptr<const hw::ScheduledKernels> scheduled) {
+                                  const hw::Perturbation& perturbation, const hw::Watchers& watchers,
+                                  std::shared_ptr<const hw::ScheduledKernels> scheduled) {
   const bool dma_encodes = config.render.srgb == kernels::SrgbEncoder::kDma;
   return std::make_unique<hw::Gpu>(
       config.gpu,
@@ -29,7 +29,7 @@ std::unique_ptr<hw::Gpu> make_gpu(const Inputs& inputs, const RunConfig& config,
 void check_figures(const hw::Gpu& gpu, const RunConfig& config) {
   check_energy_events(gpu.report(), config.energy);
   energy_of(gpu, config);
-  if (!config.area.arrays.empty()) sim::compute_area(gpu.report(), config.energy.logic, config.area);
+  if (!config.area.arrays.empty()) sim::compute_area(gpu.report(), config.energy, config.area);
 }
 
 sim::EnergyReport energy_of(const hw::Gpu& gpu, const RunConfig& config) {

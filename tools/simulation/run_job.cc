@@ -1,16 +1,21 @@
 #include "tools/simulation/run_job.h"
 
 #include <algorithm>
+#include <cctype>
 #include <memory>
 #include <thread>
+
+#include <fmt/format.h>
 
 #include "hw_models/machines/gpu.h"
 #include "shader_kernels/catalogue.h"
 #include "shader_kernels/programs/programs.h"
 #include "sim/config/config.h"
+#include "sim/edit_distance.h"
 #include "sim/host_clock.h"
 #include "sim/io/printable.h"
 #include "tools/host/interrupt.h"
+#include "tools/host/paths.h"
 #include "tools/simulation/kept_work.h"
 #include "tools/simulation/machine_run.h"
 #include "tools/simulation/progress_tile_source.h"
@@ -88,6 +93,25 @@ float size_in_frame_0(traces::Scene& scene, const traces::WorkloadConfig& worklo
   return std::max({sides.x, sides.y, sides.z});
 }
 
+/// Settings of the command line that do not do what they seem to.
+std::vector<std::string> idle_settings(const JobOptions& options, const RunConfig& config) {
+  std::vector<std::string> out;
+  for (const std::string& set : options.sets) {
+    if (set.starts_with("render.mip_filter=") && config.render.mip_maps == traces::MipMaps::kOff && out.empty()) {
+      out.emplace_back("render.mip_filter does nothing with render.mip_maps=off");
+    }
+    if (!set.starts_with("dram.grade=")) continue;
+    std::string grade = set.substr(set.find('=') + 1);
+    std::ranges::transform(grade, grade.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    const std::vector<std::string> known = config_names_in("dram");
+    const auto meant = sim::nearest_of("dram/" + grade, known, grade.size() / 4);
+    if (meant == known.end()) continue;
+    out.push_back(fmt::format("dram.grade is a name for reports and takes no figures; --set dram.extends={} does",
+                              meant->substr(std::string_view("dram/").size())));
+  }
+  return out;
+}
+
 }  // namespace
 
 std::uint32_t host_threads(std::uint32_t wanted) {
@@ -98,11 +122,7 @@ Inputs load_inputs(const JobOptions& options, Progress* progress) {
   if (progress != nullptr) progress->phase("loading");
   const RunConfig config = load_run_config(options);
   Inputs in = load_inputs(config, options.threads, progress);
-  const bool filters =
-      std::ranges::any_of(options.sets, [](const std::string& set) { return set.starts_with("render.mip_filter="); });
-  if (filters && config.render.mip_maps == traces::MipMaps::kOff) {
-    in.warnings.emplace_back("render.mip_filter does nothing with render.mip_maps=off");
-  }
+  for (std::string& line : idle_settings(options, config)) in.warnings.push_back(std::move(line));
   return in;
 }
 

@@ -8,6 +8,7 @@
 #include "../folder.h"
 #include "sim/config/config.h"
 #include "sim/error.h"
+#include "sim/report/logic_area.h"
 
 namespace sim::test {
 namespace {
@@ -21,7 +22,13 @@ UnitReport unit(std::string path, std::string block, std::uint64_t sram, std::ui
   return u;
 }
 
-const std::map<std::string, Spread> kLogic = {{"tni", {1, 2, 3}}, {"tni.trv", {0.5, 1, 2}}, {"dram", {0, 0.5, 1}}};
+EnergyConfig energy() {
+  EnergyConfig c;
+  c.logic = {{"tni", {1, 2, 3}}, {"tni.trv", {0.5, 1, 2}}, {"dram", {0, 0.5, 1}}};
+  c.parts = {{"tni.trv.tester", {0.125, 0.25, 0.5}}, {"tni.adder", {0.25, 0.5, 1}}};
+  c.parts_in_logic = {{"tni.trv.tester", {2, 2, 2}}, {"tni.adder", {1, 1, 1}}};
+  return c;
+}
 
 AreaConfig config() {
   AreaConfig c;
@@ -33,11 +40,24 @@ AreaConfig config() {
   return c;
 }
 
+UnitReport channel(std::uint32_t data_lines) {
+  UnitReport u = unit("dram.channel0", "dram", 0, 0);
+  u.data_lines = data_lines;
+  return u;
+}
+
+/// Logic of a unit with so many testers and adders.
+Spread logic_with(std::uint32_t testers, std::uint32_t adders) {
+  UnitReport u = unit("core0.tni.trv0", "tni", 0, 0);
+  u.parts = {{"tester", testers}, {"adder", adders}};
+  return LogicArea(u, energy()).band();
+}
+
 TEST(Area, IsLogicArraysBuffersAndPadsOfEveryUnitAndThePlacement) {
-  const std::vector<UnitReport> units = {
-      unit("core0.tni.trv0", "tni", 20 * 1024, 16 * 1024), unit("core0.tni.trv1", "tni", 20 * 1024, 16 * 1024),
-      unit("core0.tni.dispatcher", "tni", 0, 0), unit("dram.channel0", "dram", 0, 0)};
-  const AreaReport area = compute_area(units, kLogic, config());
+  const std::vector<UnitReport> units = {unit("core0.tni.trv0", "tni", 20 * 1024, 16 * 1024),
+                                         unit("core0.tni.trv1", "tni", 20 * 1024, 16 * 1024),
+                                         unit("core0.tni.dispatcher", "tni", 0, 0), channel(16)};
+  const AreaReport area = compute_area(units, energy(), config());
   const AreaOfBlock& tni = area.blocks.at("tni");
   EXPECT_EQ(tni.logic, (Spread{1, 4, 14}));
   EXPECT_EQ(tni.arrays, (Spread{2, 4, 8}));
@@ -48,19 +68,52 @@ TEST(Area, IsLogicArraysBuffersAndPadsOfEveryUnitAndThePlacement) {
 
 TEST(Area, OfAnArrayIsAPowerOfItsSizeBetweenPoints) {
   const AreaReport area =
-      compute_area(std::vector{unit("core0.tni.trv0", "tni", 32 * 1024, 32 * 1024)}, kLogic, config());
+      compute_area(std::vector{unit("core0.tni.trv0", "tni", 32 * 1024, 32 * 1024)}, energy(), config());
   EXPECT_NEAR(area.blocks.at("tni").arrays.nominal, 4, 1e-12);
 }
 
 TEST(Area, OfABankIsItsShareOfTheArray) {
   const std::vector<UnitReport> banks(4, unit("core0.tni.trv0", "tni", 16 * 1024, 64 * 1024));
-  EXPECT_DOUBLE_EQ(compute_area(banks, kLogic, config()).blocks.at("tni").arrays.nominal, 8);
+  EXPECT_DOUBLE_EQ(compute_area(banks, energy(), config()).blocks.at("tni").arrays.nominal, 8);
+}
+
+TEST(Area, OfPadsIsByTheSixteenDataLines) {
+  for (const std::uint32_t lines : {8U, 16U, 32U}) {
+    EXPECT_EQ(compute_area(std::vector{channel(lines)}, energy(), config()).blocks.at("dram").pads,
+              (Spread{lines / 16., lines / 8., lines * 3 / 16.}))
+        << lines;
+  }
+}
+
+TEST(Area, OfLogicIsThatOfItsFigureWithAsManyPartsAsTheFigureHolds) {
+  EXPECT_EQ(logic_with(2, 1), (Spread{0.5, 1, 2}));
+}
+
+TEST(Area, OfLogicGrowsByEachPartMoreAndShrinksByEachPartLess) {
+  EXPECT_EQ(logic_with(5, 1), (Spread{0.5 + 3 * 0.125, 1 + 3 * 0.25, 2 + 3 * 0.5}));
+  EXPECT_EQ(logic_with(1, 3), (Spread{0.5 - 0.125 + 0.5, 1 - 0.25 + 1, 2 - 0.5 + 2}));
+}
+
+TEST(Area, OfLogicIsNeverBelowNothing) {
+  EnergyConfig c = energy();
+  c.parts_in_logic["tni.adder"] = {100, 100, 100};
+  UnitReport u = unit("core0.tni.trv0", "tni", 0, 0);
+  u.parts = {{"adder", 1}};
+  EXPECT_EQ(LogicArea(u, c).band(), Spread());
+}
+
+TEST(Area, OfLogicIsItsFigureWhereTheTableIsFromBeforeThereWereParts) {
+  EnergyConfig c = energy();
+  c.parts = c.parts_in_logic = {};
+  UnitReport u = unit("core0.tni.trv0", "tni", 0, 0);
+  u.parts = {{"tester", 7}};
+  EXPECT_EQ(LogicArea(u, c).band(), (Spread{0.5, 1, 2}));
 }
 
 TEST(Area, OfWhatTheTableDoesNotKnowIsAnError) {
   const Folder folder;
   const auto error = [&](const UnitReport& u) {
-    return complaint<InputError>(folder, [&] { compute_area(std::vector{u}, kLogic, config()); });
+    return complaint<InputError>(folder, [&] { compute_area(std::vector{u}, energy(), config()); });
   };
   EXPECT_EQ(error(unit("core0.srp", "srp", 0, 0)),
             "energy.logic: no entry for unit 'core0.srp'; allowed: 'srp.srp' or 'srp'");
@@ -69,6 +122,12 @@ TEST(Area, OfWhatTheTableDoesNotKnowIsAnError) {
   EXPECT_EQ(error(unit("dram.channel0", "dram", 1024, 0)),
             "area.buffers: no entry for unit 'dram.channel0'; allowed: 'dram.channel' or 'dram'");
   EXPECT_EQ(error(unit("core0.tni.trv0", "tni", 1024, 1024)), "no error");
+  EXPECT_EQ(error(channel(0)), "area.pads: unit 'dram.channel0' has no data lines at the die's edge");
+  UnitReport other = unit("core0.tni.trv0", "tni", 0, 0);
+  other.parts = {{"divider", 1}};
+  EXPECT_EQ(error(other),
+            "energy.parts: no entry for part 'divider' of unit 'core0.tni.trv0'; allowed: 'tni.trv.divider' or "
+            "'tni.divider'");
 }
 
 TEST(AreaTables, NameASourceForEveryFigureAndRiseWithSize) {
@@ -77,7 +136,9 @@ TEST(AreaTables, NameASourceForEveryFigureAndRiseWithSize) {
     for (const char* block : {"tni", "srp", "l2", "tile_buffer"}) {
       const auto of = [&](std::uint64_t kib) {
         const UnitReport u = unit("x", block, kib * 1024, kib * 1024);
-        return compute_area(std::vector{u}, {{block, {0, 0, 0}}}, c).blocks.at(block).arrays;
+        EnergyConfig no_logic;
+        no_logic.logic = {{block, {0, 0, 0}}};
+        return compute_area(std::vector{u}, no_logic, c).blocks.at(block).arrays;
       };
       const Spread at_16 = of(16);
       EXPECT_LT(at_16.low, at_16.nominal) << block;
@@ -91,7 +152,7 @@ TEST(AreaTables, NameASourceForEveryFigureAndRiseWithSize) {
       ++figures;
       EXPECT_NE(line.find("# source: "), std::string::npos) << line;
     }
-    EXPECT_EQ(figures, 24) << name;
+    EXPECT_EQ(figures, 27) << name;
   }
 }
 

@@ -46,11 +46,62 @@ TEST(AreaOfARun, OfAnotherProcessIsAnotherAndMovesNothingElse) {
 
 TEST(AreaOfARun, OfABlockThatTheTableDoesNotKnowIsRefused) {
   const TempFolder folder;
-  const auto file = folder.write("c.yaml", "extends: sgrt-2016\nenergy: {logic: {}}\narea: {arrays: {}}\n");
-  EXPECT_EQ(raywatt({"config", "show", file.string()}).exit, 0);
-  expect_refusal(raywatt({"run", "--resolution", "16x16", "--quiet", "-o", (folder.path() / "x").string(), "--set",
-                          "area.arrays.tni=1"}),
-                 {"area.arrays.tni", "with and without a size"});
+  const auto run_with = [&](const std::string& arrays) {
+    const auto file = folder.write("c.yaml",
+                                   "energy: {extends: energy/14nm}\ndram: {extends: dram/lpddr4-3200}\n"
+                                   "area: {buffers: {tni: 1, srp: 1}, arrays: {" +
+                                       arrays + "}}\n");
+    return raywatt({"run", file.string(), "--resolution", "16x16", "--quiet", "-o", (folder.path() / "x").string()});
+  };
+  const Ending known = run_with("tni: 1, srp: 1, tile_buffer: 1, l2: 1");
+  EXPECT_EQ(known.exit, 0) << known.err;
+  expect_refusal(run_with("tni: 1, srp: 1, tile_buffer: 1"),
+                 {"area.arrays: no entry for unit 'l2.bank0'; allowed: 'l2.bank' or 'l2'"});
+  expect_refusal(run_with("tni: 1, tni@8KiB: 1"), {"area.arrays.tni", "with and without a size"});
+}
+
+/// Nominal mm2 of all logic and of all pads, and watts that leak, of a run with such settings.
+struct Built {
+  double logic, pads, leakage_w;
+};
+Built built(const TempFolder& folder, const Words& sets) {
+  Words words;
+  for (const std::string& set : sets) words.insert(words.end(), {"--set", set});
+  static int runs = 0;
+  const Json t = read_json(run_into(folder.path() / std::to_string(++runs), words) / "report.json")["totals"];
+  const auto parts = t["area_by_part_mm2"];
+  return {parts["logic"]["nominal"].get<double>(), parts["pads"]["nominal"].get<double>(),
+          t["energy_by_kind_mj"]["leakage"]["nominal"].get<double>() / t["time_ms"].get<double>()};
+}
+
+TEST(AreaOfARun, FollowsTheNumberOfFunctionalUnitsAndBoxTesters) {
+  const TempFolder folder;
+  const Built plain = built(folder, {});
+  // Four cores of sixteen units more, of fifteen multipliers less, of three dividers less.
+  EXPECT_NEAR(built(folder, {"srp.array.rows=8"}).logic - plain.logic, 4 * 16 * 0.0151, 1e-9);
+  EXPECT_NEAR(built(folder, {"srp.array.mul_units=1"}).logic - plain.logic, -4 * 15 * 0.0081, 1e-9);
+  EXPECT_NEAR(built(folder, {"srp.array.div_sqrt_units=1"}).logic - plain.logic, -4 * 3 * 0.0322, 1e-9);
+  EXPECT_NEAR(built(folder, {"srp.array.mul_add=true"}).logic - plain.logic, 4 * 16 * 0.0009, 1e-9);
+  EXPECT_NEAR(built(folder, {"tni.trv.box_testers=1"}).logic - plain.logic, -16 * 0.0363, 1e-9);
+  // At 7 nm the same parts are 0.36 of that.
+  EXPECT_NEAR(built(folder, {"area.extends=7nm", "srp.array.rows=8"}).logic, 0.36 * (plain.logic + 4 * 16 * 0.0151),
+              1e-9);
+}
+
+TEST(AreaOfARun, LeaksByTheSameLogic) {
+  const TempFolder folder;
+  const auto leakage = [&](Words sets) {
+    const Built with = (sets.emplace_back("energy.logic_leakage=15"), built(folder, sets));
+    sets.back() = "energy.logic_leakage=0";
+    return with.leakage_w - built(folder, sets).leakage_w;
+  };
+  EXPECT_NEAR(leakage({"srp.array.rows=8"}) - leakage({}), 4 * 16 * 0.0151 * 0.015, 1e-9) << "15 mW/mm2, in W";
+}
+
+TEST(AreaOfARun, HasPadsByTheDataLinesOfItsMemory) {
+  const TempFolder folder;
+  EXPECT_DOUBLE_EQ(built(folder, {}).pads, 4) << "four channels of 16";
+  EXPECT_DOUBLE_EQ(built(folder, {"dram.extends=lpddr3-1600"}).pads, 4) << "two channels of 32";
 }
 
 TEST(AreaOfASweep, IsAColumnAndACondition) {

@@ -31,7 +31,7 @@ TEST(EnergyShow, HasBandUnitSourceAndCounters) {
 TEST(EnergyShow, HasTheCurveOverSize) {
   const std::string text = output_of({"energy", "show", "cache.l1_read"});
   EXPECT_SAYS(text, "@16KiB: 5 / 7.8 / 16 pJ");
-  EXPECT_SAYS(text, "to the power 0.30 from 16 KiB to 32 KiB");
+  EXPECT_SAYS(text, ", 0.30 from 16 KiB to 32 KiB, ");
   EXPECT_SAYS(text, "counted by core.srp ");
 }
 
@@ -43,6 +43,7 @@ TEST(EnergyShow, SaysWhatIsGivenOnTheCommandLine) {
 
 TEST(EnergyShow, KnowsLogicAndMemoryAndAll) {
   EXPECT_SAYS(output_of({"energy", "show", "logic.tni.trv"}), "16 units core.tni.trv");
+  EXPECT_SAYS(output_of({"energy", "show", "parts.tni.trv.box_tester"}), "16 units core.tni.trv, each with 2");
   EXPECT_SAYS(output_of({"energy", "show", "dram.energy.phy"}), "counted by dram");
   const std::string all = output_of({"energy", "show"});
   for (const char* entry : {"tni.box_test", "clock_share", "srp.fp_add", "dram.energy.refresh"})

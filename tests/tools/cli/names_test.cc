@@ -34,7 +34,9 @@ TEST(Names, GetTheNearestOneOfTheirKind) {
   expect_nearest({"config", "show", "--set", "energy.extends=14mm"}, "energy/14nm");
   expect_nearest({"config", "show", "--set", "area.extends=area/7mn"}, "area/7nm");
   expect_nearest({"run", "--program", "undersampel"}, "undersample");
+  expect_nearest({"config", "show", "--set", "dram.extends=lpddr4x-4277"}, "dram/lpddr4x-4266");
   expect_nearest({"energy", "show", "tni.box_tset"}, "tni.box_test");
+  expect_nearest({"energy", "show", "box_tst"}, "box_test");
   expect_nearest({"run", "--resolution", "16x16", "--set", "energy.events.tni.box_tset=48"}, "tni.box_test");
   expect_nearest({"dvfs", "sgrt-2061"}, "sgrt-2016");
   expect_nearest({"reproduce", "lee2061"}, "lee2016");
@@ -49,6 +51,15 @@ TEST(Names, OfExperimentsAreBareOnes) {
   const std::string points = ending_well({"sweep", "run", "trv-cores", "--dry-run"}, {folder.path(), {}, 0, {}}).out;
   EXPECT_SAYS(points, "tni.trvs");
   EXPECT_EQ(names_in(folder.path()), Words{});
+}
+
+TEST(Names, OfFilesThatAGroupExtendsAreBareOnesOfItsFolder) {
+  for (const auto& [bare, full] : {std::pair("dram.extends=lpddr4-4266", "dram.extends=dram/lpddr4-4266"),
+                                   std::pair("area.extends=7nm", "area.extends=area/7nm")}) {
+    EXPECT_EQ(ending_well({"config", "show", "--set", bare}).out, ending_well({"config", "show", "--set", full}).out);
+  }
+  EXPECT_SAYS(ending_well({"energy", "show", "dram.energy.phy", "--set", "dram.extends=lpddr5-6400"}).out,
+              "lpddr5-6400.yaml:");
 }
 
 TEST(Names, AreListedWithALineEach) {
@@ -81,6 +92,8 @@ TEST(Warnings, OfOptionsThatDoNothing) {
   EXPECT_SAYS(warned({"--set", "render.mip_maps=off", "--set", "render.mip_filter=linear"}),
               "render.mip_filter does nothing with render.mip_maps=off");
   EXPECT_EQ(warned({"--set", "render.mip_filter=linear"}), "");
+  EXPECT_SAYS(warned({"--set", "dram.grade=LPDDR3-160"}), "--set dram.extends=lpddr3-1600 does");
+  EXPECT_EQ(warned({"--set", "dram.grade=mine"}), "") << "any text is a name";
 }
 
 TEST(Warnings, OfSizesOutsideTheCurvesAreInTheReportToo) {
@@ -94,9 +107,12 @@ TEST(Warnings, OfSizesOutsideTheCurvesAreInTheReportToo) {
     return json;
   };
   EXPECT_EQ(report({})["warnings"], nlohmann::json::array());
-  const nlohmann::json small = report({"--set", "tni.trv.l1.size=4 KiB"});
+  for (const char* covered : {"4 KiB", "8 KiB"}) {
+    EXPECT_EQ(report({"--set", std::string("tni.trv.l1.size=") + covered})["warnings"], nlohmann::json::array());
+  }
+  const nlohmann::json small = report({"--set", "tni.trv.l1.size=2 KiB"});
   EXPECT_SAYS(small["warnings"][0].get<std::string>(),
-              "energy.events: the array of tni.trv has 4 KiB, outside 16 KiB to 128 KiB of cache.l1_fill, "
+              "energy.events: the array of tni.trv has 2 KiB, outside 4 KiB to 128 KiB of cache.l1_fill, "
               "cache.l1_read, and is extrapolated");
   EXPECT_EQ(small["totals"]["extrapolated"], small["warnings"].size());
 }

@@ -1,8 +1,10 @@
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "sim/report/table.h"
 #include "tests/tools/program.h"
 
 // `raywatt run --replicates`.
@@ -37,6 +39,24 @@ TEST(ReplicatesOption, AddsStatisticsAndChangesNothingElse) {
               2 * 2.776445 * cycles["deviation"].get<double>() / std::sqrt(5.0), 1e-3);
   for (const char* path : {"/energy_mj/nominal", "/power_w/nominal", "/perf/frames_per_joule_gpu", "/time_ms"}) {
     EXPECT_EQ(statistics["figures"].at(Json::json_pointer(path))["values"].size(), 5U) << path;
+  }
+}
+
+TEST(ReplicatesOption, AreATableOfMeanDeviationAndIntervalForPeople) {
+  const TempFolder folder;
+  const auto out = folder.path() / "out";
+  const Json figures = replicated_report(out, {"--replicates", "3"})["totals"]["replicates"]["figures"];
+  const std::string text = read_bytes(out / "report.txt");
+  EXPECT_SAYS(text, "of 3 plays ");
+  for (const char* name : {"cycles", "perf.fps", "energy_mj.nominal", "power_w.nominal", "perf.frames_per_joule_gpu"}) {
+    std::string pointer = std::string("/") + name;
+    std::ranges::replace(pointer, '.', '/');
+    const std::size_t line = text.find("\n" + std::string(name) + " ");
+    ASSERT_NE(line, std::string::npos) << name;
+    const std::string row = text.substr(line, text.find('\n', line + 1) - line);
+    for (const char* part : {"mean", "deviation", "low", "high"}) {
+      EXPECT_SAYS(row, " " + sim::four_digits(figures.at(Json::json_pointer(pointer))[part].get<double>())) << part;
+    }
   }
 }
 

@@ -89,7 +89,7 @@ TEST(HitCycles, ThatAreAutoFollowSizeAndClock) {
 TEST(HitCycles, OutsideTheCurveAreSaid) {
   const std::vector<std::string> lines = latency_warnings(with(auto_and({"l2.size=2 MiB"})));
   ASSERT_EQ(lines.size(), 1U);
-  EXPECT_NE(lines.front().find("l2 has 2 MiB, outside 8 KiB to 512 KiB"), std::string::npos) << lines.front();
+  EXPECT_NE(lines.front().find("l2 has 2 MiB, outside 4 KiB to 512 KiB"), std::string::npos) << lines.front();
   EXPECT_TRUE(latency_warnings(with({"l2.size=2 MiB"})).empty());
 }
 

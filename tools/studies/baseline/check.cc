@@ -12,6 +12,7 @@
 #include "sim/error.h"
 #include "tools/analysis/report_paths.h"
 #include "tools/simulation/load_config.h"
+#include "tools/studies/baseline/misspelt.h"
 #include "traces/accel/embree_tracer.h"
 
 namespace tools {
@@ -169,6 +170,7 @@ std::size_t Checked::count(bool (*of)(const RunCheck&)) const {
 
 Checked check_suite(const Suite& suite, const Baseline* stored, std::uint32_t jobs,
                     const std::function<void(const RunCheck&)>& tell) {
+  refuse_misspelt(suite, jobs);
   Checked out;
   out.now.embree = traces::embree_version();
   Choice choice(suite);

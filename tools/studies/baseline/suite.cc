@@ -36,9 +36,9 @@ constexpr std::array<RunKey, 7> kRunKeys = {{{"config", &JobOptions::config},
                                              {"reference", &JobOptions::reference},
                                              {"resolution", &JobOptions::resolution}}};
 
-class Reader {
+class SuiteReader {
  public:
-  explicit Reader(const std::filesystem::path& file) : file_(file) {}
+  explicit SuiteReader(const std::filesystem::path& file) : file_(file) {}
 
   Suite read() {
     const auto root = sim::parse_yaml_mapping(sim::read_file(file_, kLargestSuite), file_.string());
@@ -154,6 +154,6 @@ class Reader {
 
 }  // namespace
 
-Suite load_suite(const std::filesystem::path& file) { return Reader(file).read(); }
+Suite load_suite(const std::filesystem::path& file) { return SuiteReader(file).read(); }
 
 }  // namespace tools

@@ -13,6 +13,7 @@
 
 #include "hw_models/machines/unit_kinds.h"
 #include "tools/analysis/report_file.h"
+#include "tools/analysis/report_paths.h"
 
 namespace tools {
 namespace {
@@ -211,8 +212,8 @@ Comparison compare(const ReportFile& a, const ReportFile& b) {
     const bool says_nothing =
         path == std::string_view("totals.traced_ratio") && a.number(path) == 1 && b.number(path) == 1;
     if (!says_nothing && (a.has(path) || b.has(path))) {
-      const std::string figure = std::string(path).substr(std::string_view("totals.").size());
-      out.figures.push_back({name, a.number(path), b.number(path), noisy_difference(a, b, figure)});
+      const std::string figure = figure_name(path);
+      out.figures.push_back({name, a.number(path), b.number(path), noisy_difference(a, b, figure), figure});
     }
   }
   out.time = times(a, b);
@@ -238,6 +239,10 @@ std::vector<std::string> comparison_warnings(const std::vector<ReportFile>& repo
     if (report.has("totals.sampled.tiles")) {
       out.push_back(fmt::format("{}: figures are estimates (--tile-sampling), which may explain small differences",
                                 report.file.string()));
+    }
+    if (report.has("totals.extrapolated") && report.number("totals.extrapolated") > 0) {
+      out.push_back(
+          fmt::format("{}: has figures beyond what the tables cover, as its warnings[] say", report.file.string()));
     }
   }
   for (std::size_t i = 0; i < against.size(); ++i) {

@@ -17,6 +17,7 @@ struct Pair {
   std::string name;
   double a = 0, b = 0;
   std::optional<NoisyDifference> noise{};  ///< that of figures that have some
+  std::string shown{};                     ///< what people call a figure of `totals`
   double difference() const { return b - a; }
 };
 

@@ -45,12 +45,6 @@ std::string short_name(const ReportFile& report) {
   return sim::printable(usual ? folder : file.stem().string(), 40);
 }
 
-/// A figure as all verbs take it: a path of the report without "totals.", or any end of it.
-std::string spelling(const std::string& name) {
-  if (name == "rays") return "rays.total";
-  return name == "energy_tni_mj" ? "energy_by_block_mj.tni" : name;
-}
-
 std::string figure_text(const std::string& name, double value) {
   static const std::map<std::string, const char*> kUnits = {
       {"time_ms", "ms"}, {"dram_bytes", "B"},        {"energy_mj", "mJ"},  {"energy_tni_mj", "mJ"},
@@ -72,7 +66,7 @@ std::string overview(const std::vector<std::string>& names, const std::vector<Co
   for (std::size_t i = 1; i < names.size(); ++i) header.insert(header.end(), {names[i], "", "noise"});
   sim::Table table(header);
   for (const Pair& first : against.front().figures) {
-    std::vector<std::string> row = {spelling(first.name), figure_text(first.name, first.a)};
+    std::vector<std::string> row = {first.shown, figure_text(first.name, first.a)};
     for (const Comparison& c : against) {
       const auto pair = std::ranges::find(c.figures, first.name, &Pair::name);
       if (pair == c.figures.end()) row.insert(row.end(), {"-", "", ""});

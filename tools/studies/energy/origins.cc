@@ -26,6 +26,9 @@ std::string comment_of(const std::string& text, int line) {
   return said.starts_with("source: ") ? said.substr(8) : said;
 }
 
+/// The group that a path ends in.
+std::string last_part(const std::string& path) { return path.substr(path.rfind('.') + 1); }
+
 /// Files in the order in which they are laid upon each other.
 class Layers {
  public:
@@ -39,7 +42,7 @@ class Layers {
  private:
   void mapping(const std::string& prefix, const sim::YamlNode& node, const fs::path& path, const std::string& text) {
     if (const auto* base = node.find("extends"))
-      file(prefix, sim::find_config(base->value->scalar, path.parent_path()));
+      file(prefix, sim::find_config(base->value->scalar, path.parent_path(), "extends", last_part(prefix)));
     for (const sim::YamlNode::Entry& entry : node.entries) {
       const std::string key = prefix.empty() ? entry.key : prefix + "." + entry.key;
       out_[key] = fmt::format("{}  ({}:{})", comment_of(text, entry.key_at.line), path.string(), entry.key_at.line);
@@ -62,7 +65,8 @@ std::map<std::string, std::string> config_origins(const std::string& config, con
     std::string key = set.substr(0, equals);
     for (const std::string end : {".nominal", ".extends"}) {
       if (key.ends_with(end)) key.resize(key.size() - end.size());
-      if (set.substr(0, equals) == key + ".extends") layers.file(key, sim::find_config(set.substr(equals + 1)));
+      if (set.substr(0, equals) == key + ".extends")
+        layers.file(key, sim::find_config(set.substr(equals + 1), {}, set, last_part(key)));
     }
     out[key] = "--set " + set;
   }

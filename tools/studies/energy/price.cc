@@ -55,13 +55,13 @@ double at(const Json& totals, const char* pointer) { return totals.at(Json::json
 std::string percent(double from, double to) { return fmt::format("{:+.1f} %", 100 * (to / from - 1)); }
 
 std::string changes_text(const std::vector<FigureChange>& changes) {
-  constexpr std::size_t kShown = 16;
+  constexpr std::size_t kChangesShown = 16;
   if (changes.empty()) return "the table is the run's own\n";
   std::string out;
-  for (std::size_t i = 0; i < std::min(changes.size(), kShown); ++i) {
+  for (std::size_t i = 0; i < std::min(changes.size(), kChangesShown); ++i) {
     out += fmt::format("  {}: {} -> {}\n", changes[i].name, changes[i].from, changes[i].to);
   }
-  if (changes.size() > kShown) out += fmt::format("  and {} more figures\n", changes.size() - kShown);
+  if (changes.size() > kChangesShown) out += fmt::format("  and {} more figures\n", changes.size() - kChangesShown);
   return out;
 }
 

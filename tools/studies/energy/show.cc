@@ -12,6 +12,7 @@
 #include "sim/config/quantity.h"
 #include "sim/error.h"
 #include "sim/io/printable.h"
+#include "sim/report/unit_entry.h"
 #include "tools/pricing/energy_entries.h"
 #include "tools/pricing/idle_machine.h"
 #include "tools/simulation/load_config.h"
@@ -61,6 +62,9 @@ class Users {
     for (const std::string table : {"energy.logic.", "energy.flops."}) {
       if (entry.name.starts_with(table)) return units_of(entry.name.substr(table.size()));
     }
+    for (const std::string table : {"energy.parts.", "energy.parts_in_logic."}) {
+      if (entry.name.starts_with(table)) return units_with(entry.name.substr(table.size()));
+    }
     if (entry.name.starts_with("dram.")) return of_device(entry.name);
     return {};
   }
@@ -81,6 +85,21 @@ class Users {
     }
     std::set<std::string> out;
     for (const auto& [kind, count] : kinds) out.insert(fmt::format("{} units {}", count, kind));
+    return out;
+  }
+  /// Units that hold a part, and how many of it each.
+  std::set<std::string> units_with(const std::string& entry) const {
+    std::map<std::pair<std::string, std::uint32_t>, std::size_t> kinds;
+    for (const sim::UnitReport& unit : units_) {
+      for (const sim::UnitPart& part : unit.parts) {
+        const bool is_own = entry == fmt::format("{}.{}", sim::entry_name(unit), part.name);
+        if (is_own || entry == fmt::format("{}.{}", unit.block, part.name)) ++kinds[{kind_of(unit.path), part.count}];
+      }
+    }
+    std::set<std::string> out;
+    for (const auto& [kind, count] : kinds) {
+      out.insert(fmt::format("{} units {}, each with {}", count, kind.first, kind.second));
+    }
     return out;
   }
   /// Events of the memory that change with a figure.
@@ -149,6 +168,15 @@ std::string entry_text(const EnergyEntry& entry, const Users& users, const Origi
   return out;
 }
 
+/// Adds what an entry may be called: its name or any end of it.
+void add_names(const EnergyEntry& entry, std::vector<std::string>& known) {
+  const std::string name = short_name(entry.name);
+  known.push_back(name);
+  for (std::size_t dot = name.find('.'); dot != std::string::npos; dot = name.find('.', dot + 1)) {
+    known.push_back(name.substr(dot + 1));
+  }
+}
+
 bool is_meant(const std::string& entry, const std::string& name) {
   const std::string full = "." + entry;
   return name.empty() || full.ends_with("." + name) || full.find("." + name + ".") != std::string::npos;
@@ -164,7 +192,7 @@ std::string energy_show(const JobOptions& options, const std::string& name) {
   std::vector<std::string> known;
   for (EnergyEntry& entry : energy_entries(config)) {
     std::ranges::sort(entry.figures, {}, size_of);
-    known.push_back(short_name(entry.name));
+    add_names(entry, known);
     if (!is_meant(entry.name, sim::event_of(name))) continue;
     out += (out.empty() ? "" : "\n") + entry_text(entry, users, origins);
   }

@@ -40,10 +40,6 @@ std::string goals_text(const SearchRun& search) {
                      fmt::join(constraints, ", "));
 }
 
-std::string short_name(const std::string& path) {
-  return path.starts_with("totals.") ? path.substr(std::string_view("totals.").size()) : path;
-}
-
 /// Where it stands in history.jsonl.
 std::size_t number_of(const SearchRun& search, const Trial& trial) {
   return static_cast<std::size_t>(&trial - search.trials().data());
@@ -56,7 +52,7 @@ std::string table_text(const SearchRun& search, const std::vector<const Trial*>&
   for (const auto& [name, value] : trials.front()->point.axes) header.push_back(sim::printable(name));
   std::vector<std::vector<std::string>> columns;
   for (const std::size_t g : goals) {
-    header.push_back(short_name(search.goals()[g].figure));
+    header.push_back(figure_name(search.goals()[g].figure));
     std::vector<results::Value> values;
     for (const Trial* trial : trials) values.emplace_back(trial->figures[g]);
     columns.push_back(results::shown_cells(values));

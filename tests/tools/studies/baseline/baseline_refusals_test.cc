@@ -103,6 +103,7 @@ TEST(Baseline, WhatOnlyARunCanTellIsRefusedThen) {
   const Ending unknown = suite.baseline("record");
   EXPECT_EQ(unknown.exit, 2);
   EXPECT_SAYS(unknown.err, "suite.yaml:1:8: keep: there is no report path 'cycels', did you mean 'cycles'?");
+  EXPECT_EQ(unknown.out, "") << "before the first run";
   suite.write("keep: {nominal: exact}" + runs);
   EXPECT_SAYS(suite.baseline("record").err, "may mean any of");
   suite.write("keep: {cycles: exact}\nruns: {a: {scene: nowhere.glb}}\n");

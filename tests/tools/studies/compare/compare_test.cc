@@ -119,7 +119,7 @@ TEST_F(Runs, HaveFiguresThatOtherVerbsKnowByTheSameNames) {
   for (std::string line; std::getline(text, line) && !line.starts_with("picture");) {
     const std::string name = line.substr(0, line.find(' '));
     if (name.empty() || name.front() == '-') continue;
-    EXPECT_NO_THROW(tools::resolve_report_path(name, paths)) << name;
+    EXPECT_EQ(tools::resolve_report_path(name, paths), "totals." + name) << "in full, as sweeps have it";
     ++figures;
   }
   EXPECT_GE(figures, 13U);
@@ -144,6 +144,13 @@ TEST_F(Runs, AreHeldAgainstTheirReplicatesWhereBothHaveThem) {
   EXPECT_SAYS(raywatt({"compare", a, far}).out, "mean +1.00 ± 0.29 %, outside");
   EXPECT_SAYS(raywatt({"compare", path("base"), path("ports")}).out, "of the tables alone: the energies of these runs")
       << "a draw's interval knows nothing of the noise";
+}
+
+TEST_F(Runs, SayWhichOfThemIsExtrapolated) {
+  const std::string beyond = changed("beyond.json", [](Json& report) { report["totals"]["extrapolated"] = 2; });
+  const std::string err = raywatt({"compare", path("base"), beyond}).err, said = " has figures beyond what the tables";
+  EXPECT_SAYS(err, beyond + ":" + said);
+  EXPECT_EQ(err.find(said), err.rfind(said)) << "base has none";
 }
 
 TEST_F(Runs, ExplanationsComeWithTheLargestFirst) {

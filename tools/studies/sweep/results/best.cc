@@ -11,6 +11,7 @@
 #include "tools/studies/sweep/results/cells.h"
 #include "tools/studies/sweep/results/condition.h"
 #include "tools/studies/sweep/results/energy_band.h"
+#include "tools/studies/sweep/results/notes.h"
 #include "tools/studies/sweep/results/ties.h"
 
 namespace tools::results {
@@ -40,18 +41,18 @@ using Lines = std::vector<std::pair<std::string, std::string>>;
 /// Figures of a point: the one that was asked for, and those that conditions compare.
 Lines figure_lines(const Results& results, const FigureNoise& noise, const Column& metric, const BestOptions& options,
                    std::size_t row) {
-  const auto cell = [&](const Column& column) { return shown_cells({column.values[row]}).front(); };
-  Lines lines = {{metric.name, cell(metric)}};
+  const auto cell = [&](const Column& column) { return shown_cells(column, {row}).front(); };
+  Lines lines = {{shown_name(metric), cell(metric)}};
   if (noise.is_measured()) {
     lines.emplace_back(
         "mean", fmt::format("{} {} of {} plays", cell(noise.means()), give_or_take(noise, row), noise.plays(row)));
   }
   for (const std::string& path : compared_paths(options.where)) {
     const Column column = results.column(path);
-    const auto is_this = [&](const auto& line) { return line.first == column.name; };
+    const auto is_this = [&](const auto& line) { return line.first == shown_name(column); };
     const bool is_axis = std::ranges::find(results.axes(), column.name) != results.axes().end();
     if (is_axis || std::ranges::any_of(lines, is_this)) continue;
-    lines.emplace_back(column.name, cell(column));
+    lines.emplace_back(shown_name(column), cell(column));
   }
   return lines;
 }
@@ -79,7 +80,7 @@ std::string best_text(const Results& results, std::span<const sweep::Point> poin
   }
   const std::string missing = results.what_is_missing();
   if (!best) {
-    throw sim::InputError(fmt::format("no point has {} as a number{}{}", metric.name,
+    throw sim::InputError(fmt::format("no point has {} as a number{}{}", shown_name(metric),
                                       options.where.empty() ? "" : " and meets --where",
                                       missing.empty() ? "" : "; " + missing));
   }
@@ -88,7 +89,7 @@ std::string best_text(const Results& results, std::span<const sweep::Point> poin
   }
   const std::string config = (results.folder_of(results.rows()[*best]) / "config.yaml").string();
   std::string out = fmt::format("{} {} of {} points that qualify: point {}{}\n\n", options.most ? "most" : "least",
-                                metric.name, candidates.size(), results.rows()[*best].n,
+                                shown_name(metric), candidates.size(), results.rows()[*best].n,
                                 equal == 0 ? "" : fmt::format(" (and {} more with the same)", equal));
   Lines lines = figure_lines(results, noise, metric, options, *best);
   for (const std::string& axis : results.axes()) {
@@ -111,7 +112,9 @@ std::string best_text(const Results& results, std::span<const sweep::Point> poin
   if (options.band) {
     EnergyBand band(results, may);
     out += "\n" + band.best_text(results, band.metric(noise.means(), options.most));
+    out += draws_note(noise);
   }
+  out += extrapolated_note(results, candidates);
   return missing.empty() ? out : out + "\n" + missing + "\n";
 }
 

@@ -9,6 +9,7 @@
 #include "sim/error.h"
 #include "sim/io/printable.h"
 #include "sim/report/table.h"
+#include "tools/analysis/report_paths.h"
 #include "tools/studies/sweep/results/cells.h"
 
 namespace tools::results {
@@ -16,6 +17,11 @@ namespace {
 
 constexpr std::size_t kRivals = 6;  ///< points of a table of the best
 constexpr std::size_t kBars = 12;   ///< lines of a tornado
+
+/// pJ of a block, or of all for an empty name, by low or high tables.
+double side_pj(const PricedRun& run, const std::string& block, sim::Side side) {
+  return block.empty() ? run.total(side) : run.of_block(block, side);
+}
 
 std::string percent(double share) { return fmt::format("{:.1f} %", 100 * share); }
 
@@ -60,6 +66,11 @@ std::vector<std::size_t> BandedMetric::ranking() const {
   return order;
 }
 
+std::string BandedMetric::ratio_text(std::size_t point, std::size_t other) const {
+  return fmt::format("{:.3f} / {:.3f} / {:.3f}", at_low[point] / at_low[other], nominal[point] / nominal[other],
+                     at_high[point] / at_high[other]);
+}
+
 EnergyBand::EnergyBand(const Results& results, const std::vector<bool>& may) {
   for (std::size_t row = 0; row < may.size(); ++row) {
     if (!may[row] || !results.rows()[row].is_done()) continue;
@@ -71,7 +82,7 @@ EnergyBand::EnergyBand(const Results& results, const std::vector<bool>& may) {
 
 BandedMetric EnergyBand::metric(const Column& column, bool most) {
   const std::optional<EnergyMetric> joules = energy_metric(column.name);
-  BandedMetric out{column.name, most, {}, {}, {}};
+  BandedMetric out{column.name, most, {}, {}, {}, {}, {}};
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const std::optional<sweep::Magnitude> number = amount_of(column.values[rows_[i]]);
     if (!number) continue;
@@ -79,14 +90,19 @@ BandedMetric EnergyBand::metric(const Column& column, bool most) {
     out.nominal.push_back(number->value);
     if (!joules) {
       out.drawn.emplace_back(kEnergyDraws, number->value);
+      out.at_low.push_back(number->value);
+      out.at_high.push_back(number->value);
       continue;
     }
     const double nominal = nominal_pj(*runs_[i], joules->block);
+    const auto figure = [&](double pj) { return number->value * (joules->inverse ? nominal / pj : pj / nominal); };
+    out.at_low.push_back(figure(side_pj(*runs_[i], joules->block, &sim::Spread::low)));
+    out.at_high.push_back(figure(side_pj(*runs_[i], joules->block, &sim::Spread::high)));
     std::vector<double> drawn = drawn_pj(*runs_[i], joules->block);
-    for (double& pj : drawn) pj = number->value * (joules->inverse ? nominal / pj : pj / nominal);
+    for (double& pj : drawn) pj = figure(pj);
     out.drawn.push_back(std::move(drawn));
   }
-  if (out.rows.empty()) throw sim::InputError(fmt::format("no point has {} as a number", column.name));
+  if (out.rows.empty()) throw sim::InputError(fmt::format("no point has {} as a number", shown_name(column)));
   return out;
 }
 
@@ -101,7 +117,8 @@ std::string EnergyBand::best_text(const Results& results, const BandedMetric& m)
     ++wins[best];
   }
   const std::vector<Column> varying = results.varying();
-  sim::Table table({"", "point", m.name, "95 % interval", "best in", "over the best", "95 % interval", "better in"});
+  sim::Table table({"", "point", figure_name(m.name), "95 % interval", "best in",
+                    "over the best, low / nominal / high tables", "95 % interval", "better in"});
   for (std::size_t rank = 0; rank < std::min(order.size(), kRivals); ++rank) {
     const std::size_t i = order[rank];
     std::vector<double> ratios;
@@ -113,8 +130,7 @@ std::string EnergyBand::best_text(const Results& results, const BandedMetric& m)
     }
     const auto share = [](std::size_t n) { return percent(static_cast<double>(n) / double{kEnergyDraws}); };
     table.row({label_of(varying, m.rows[i]), fmt::format("{}", results.rows()[m.rows[i]].n), shown(m.nominal[i]),
-               interval_text(m.drawn[i]), share(wins[i]),
-               rank == 0 ? "" : fmt::format("{:.4f}", m.nominal[i] / m.nominal[order.front()]),
+               interval_text(m.drawn[i]), share(wins[i]), rank == 0 ? "" : m.ratio_text(i, order.front()),
                rank == 0 ? "" : interval_text(ratios), rank == 0 ? "" : share(better)});
   }
   return fmt::format("under {} draws of the energy tables, {} points\n\n{}", kEnergyDraws, m.rows.size(), table.text());
@@ -154,7 +170,8 @@ std::vector<double> EnergyBand::factors_at(const EnergyMetric& metric, const std
 
 std::string EnergyBand::tornado_text(const Results& results, const BandedMetric& m) {
   const std::optional<EnergyMetric> joules = energy_metric(m.name);
-  if (!joules) throw sim::InputError(fmt::format("{} has no joules in it, so no energy table moves it", m.name));
+  if (!joules)
+    throw sim::InputError(fmt::format("{} has no joules in it, so no energy table moves it", figure_name(m.name)));
   if (m.rows.size() < 2) throw sim::InputError("a ranking needs two points");
   std::vector<PricedRun*> all;
   for (const auto& run : runs_) all.push_back(run.get());
@@ -196,7 +213,7 @@ std::string EnergyBand::tornado_text(const Results& results, const BandedMetric&
       "{}: what decides the ranking; ratio: point {} over point {}, the best two, {:.4f} by nominal tables; one entry "
       "at "
       "a time, all others nominal\n\n{}",
-      m.name, n(second), n(first), m.nominal[second] / m.nominal[first], table.text());
+      figure_name(m.name), n(second), n(first), m.nominal[second] / m.nominal[first], table.text());
 }
 
 }  // namespace tools::results

@@ -16,8 +16,11 @@ struct BandedMetric {
   std::vector<std::size_t> rows;
   std::vector<double> nominal;             ///< by point
   std::vector<std::vector<double>> drawn;  ///< by point, then by draw; equal to nominal where no joules are in it
+  std::vector<double> at_low, at_high;     ///< by point, under the low and the high tables
 
   bool is_better(double a, double b) const { return most ? a > b : a < b; }
+  /// Figure of a point over that of another under the low, nominal and high tables: "0.981 / 0.975 / 0.969".
+  std::string ratio_text(std::size_t point, std::size_t other) const;
   /// Points from the best to the worst under nominal tables, as indices of `rows`; of equal ones the first.
   std::vector<std::size_t> ranking() const;
 };

@@ -7,9 +7,11 @@
 #include <fmt/format.h>
 
 #include "sim/error.h"
-#include "sim/io/printable.h"
+#include "tools/analysis/report_paths.h"
+#include "tools/studies/sweep/results/cells.h"
 #include "tools/studies/sweep/results/condition.h"
 #include "tools/studies/sweep/results/energy_band.h"
+#include "tools/studies/sweep/results/notes.h"
 #include "tools/studies/sweep/results/results_table.h"
 
 namespace tools::results {
@@ -59,7 +61,7 @@ struct Draws2d {
 Draws2d drawn(const Results& results, const Objective& x, const Objective& y, const ParetoFront& front) {
   if (!energy_metric(x.column.name) && !energy_metric(y.column.name)) {
     throw sim::InputError(
-        fmt::format("--energy band: neither {} nor {} has joules in it", x.column.name, y.column.name));
+        fmt::format("--energy band: neither {} nor {} has joules in it", shown_name(x.column), shown_name(y.column)));
   }
   std::vector<bool> may(results.rows().size());
   for (const auto* rows : {&front.rows, &front.other}) {
@@ -81,9 +83,23 @@ Column shares_of(const Draws2d& draws, std::size_t rows, bool csv) {
   return shares;
 }
 
+/// For each figure with joules, every row over the best one, under all low, nominal and high tables.
+void add_ratios(const Draws2d& draws, std::size_t rows, std::vector<Column>& columns) {
+  for (const BandedMetric* metric : {&draws.x, &draws.y}) {
+    if (!energy_metric(metric->name)) continue;
+    Column ratios{fmt::format("{} over the best, low / nominal / high tables", figure_name(metric->name)),
+                  std::vector<Value>(rows)};
+    const std::size_t best = metric->ranking().front();
+    for (std::size_t i = 0; i < metric->rows.size(); ++i) {
+      ratios.values[metric->rows[i]] = metric->ratio_text(i, best);
+    }
+    columns.push_back(std::move(ratios));
+  }
+}
+
 /// Noise of a figure, if it has any, in a line.
 std::string noise_line(const Objective& objective, const FigureNoise& noise) {
-  return noise.is_noisy() ? fmt::format("{}: {}\n", objective.column.name, noise.text()) : std::string();
+  return noise.is_noisy() ? fmt::format("{}: {}\n", shown_name(objective.column), noise.text()) : std::string();
 }
 
 }  // namespace
@@ -97,7 +113,9 @@ std::optional<double> Objective::of(std::size_t row) const {
   return number ? std::optional(number->value) : std::nullopt;
 }
 
-std::string Objective::text() const { return fmt::format("{} ({} is better)", column.name, most ? "more" : "less"); }
+std::string Objective::text() const {
+  return fmt::format("{} ({} is better)", shown_name(column), most ? "more" : "less");
+}
 
 char ParetoFront::mark(std::size_t i) const {
   constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ";
@@ -160,7 +178,7 @@ std::string pareto_text(const Results& results, const ParetoOptions& options, st
   ParetoFront front = pareto_front(x, y, may);
   if (front.rows.empty()) {
     const std::string missing = results.what_is_missing();
-    throw sim::InputError(fmt::format("no point has both {} and {}{}{}", x.column.name, y.column.name,
+    throw sim::InputError(fmt::format("no point has both {} and {}{}{}", shown_name(x.column), shown_name(y.column),
                                       options.where.empty() ? "" : " and meets --where",
                                       missing.empty() ? "" : "; " + missing));
   }
@@ -183,13 +201,16 @@ std::string pareto_text(const Results& results, const ParetoOptions& options, st
   columns.push_back(x.column);
   columns.push_back(y.column);
   if (draws) columns.push_back(shares_of(*draws, results.rows().size(), options.csv));
+  if (draws && !options.csv) add_ratios(*draws, results.rows().size(), columns);
   std::vector<std::size_t> shown = front.rows;
   shown.insert(shown.end(), front.near.begin(), front.near.end());
   std::vector<std::string> names;
-  for (const Column& column : columns) names.push_back(options.csv ? column.name : sim::printable(column.name));
+  for (const Column& column : columns) names.push_back(options.csv ? column.name : shown_name(column));
   const std::string table = table_text(names, columns, shown, options.csv);
   if (options.csv) return table;
-  return pareto_plot(x, y, front, width) + noise_line(x, x_noise) + noise_line(y, y_noise) + "\n" + table;
+  std::string out = pareto_plot(x, y, front, width) + noise_line(x, x_noise) + noise_line(y, y_noise) + "\n" + table;
+  if (draws) out += draws_note(x_noise.is_noisy() ? x_noise : y_noise);
+  return out + extrapolated_note(results, rows);
 }
 
 }  // namespace tools::results

@@ -52,9 +52,9 @@ Column with_interval(const Results& results, Column column) {
   }
   const FigureNoise noise(results, column, done);
   if (!noise.is_measured()) return column;
-  for (const std::size_t row : done) {
-    const double mean = amount_of(noise.means().values[row])->value;
-    column.values[row] = fmt::format("{} {}", shown(mean), give_or_take(noise, row));
+  const std::vector<std::string> means = shown_cells(noise.means(), done);
+  for (std::size_t i = 0; i < done.size(); ++i) {
+    column.values[done[i]] = fmt::format("{} {}", means[i], give_or_take(noise, done[i]));
   }
   return column;
 }
@@ -81,14 +81,12 @@ std::string table_text(const std::vector<std::string>& names, const std::vector<
                        const std::vector<std::size_t>& rows, bool csv) {
   std::vector<std::vector<std::string>> cells;
   for (const Column& column : columns) {
-    std::vector<Value> chosen;
-    for (const std::size_t row : rows) chosen.push_back(column.values[row]);
-    if (csv) {
-      cells.emplace_back();
-      for (const Value& value : chosen) cells.back().push_back(exact_text(value));
-    } else {
-      cells.push_back(shown_cells(chosen));
+    if (!csv) {
+      cells.push_back(shown_cells(column, rows));
+      continue;
     }
+    cells.emplace_back();
+    for (const std::size_t row : rows) cells.back().push_back(exact_text(column.values[row]));
   }
   sim::Table table(names);
   std::string lines = csv_line(names);
@@ -112,7 +110,7 @@ std::string results_table(const Results& results, const TableOptions& options) {
   for (const std::string& name : asked) {
     columns.push_back(results.column(name));
     if (options.columns.empty() && !options.csv) columns.back() = with_interval(results, std::move(columns.back()));
-    names.push_back(options.csv ? columns.back().name : sim::printable(name));
+    names.push_back(options.csv ? columns.back().name : shown_name(columns.back()));
   }
   const std::vector<bool> met = meeting(results, options.where);
   std::vector<std::size_t> rows;

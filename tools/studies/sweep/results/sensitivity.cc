@@ -10,11 +10,13 @@
 #include "sim/error.h"
 #include "sim/hash.h"
 #include "sim/report/table.h"
+#include "tools/analysis/report_paths.h"
 #include "tools/studies/sweep/results/cells.h"
 #include "tools/studies/sweep/results/condition.h"
 #include "tools/studies/sweep/results/energy_band.h"
 #include "tools/studies/sweep/results/factor.h"
 #include "tools/studies/sweep/results/figure_noise.h"
+#include "tools/studies/sweep/results/notes.h"
 #include "tools/studies/sweep/results/pareto.h"
 
 namespace tools::results {
@@ -87,8 +89,8 @@ class AdditiveModel {
 std::string percent(double share) { return fmt::format("{:.1f} %", 100 * share); }
 
 std::string text_of(const Sensitivity& s) {
-  std::string out = fmt::format("{}: mean {} of {} points{}\n", s.metric, shown(s.mean), s.points,
-                                s.is_grid ? "" : ", which are no full grid: shares are estimates");
+  std::string out = fmt::format("{}: mean {} of {} points{}\n", figure_name(s.metric), shown(s.mean), s.points,
+                                s.is_grid ? "" : fmt::format(", which are {}", kNoGrid));
   const bool noisy = !s.noise_text.empty();
   if (noisy) out += s.noise_text + "\n";
   std::vector<std::string> header = {"axis",         "levels", "lowest mean", "at",
@@ -124,7 +126,7 @@ std::vector<std::size_t> numbers_in(const Results& results, const Column& column
   if (!rows.empty()) return rows;
   const std::string missing = results.what_is_missing();
   throw sim::InputError(
-      fmt::format("no point has {} as a number{}", column.name, missing.empty() ? "" : "; " + missing));
+      fmt::format("no point has {} as a number{}", shown_name(column), missing.empty() ? "" : "; " + missing));
 }
 
 /// Shares of the variance of some values about 0.
@@ -189,7 +191,8 @@ std::string band_text(const Results& results, const std::vector<std::string>& me
   for (const std::string& metric : metrics) {
     const Objective objective(results, metric);
     if (!energy_metric(objective.column.name)) continue;
-    out += "\n" + band.tornado_text(results, band.metric(objective.column, objective.most));
+    const FigureNoise noise(results, objective.column, numbers_in(results, objective.column, may));
+    out += "\n" + band.tornado_text(results, band.metric(noise.means(), objective.most)) + draws_note(noise);
   }
   if (out.empty()) throw sim::InputError("--energy band: no metric has joules in it; allowed: e.g. energy_mj.nominal");
   return out;

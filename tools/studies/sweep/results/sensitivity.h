@@ -6,6 +6,9 @@
 
 namespace tools::results {
 
+/// Caveat of shares over points of which some combinations of values are not there.
+inline constexpr const char* kNoGrid = "no full grid: shares are estimates";
+
 /// Influence of an axis on a metric: its main effect, all other axes averaged.
 struct Effect {
   std::string axis;                 ///< axes that always move together are one: "a + b"

@@ -28,17 +28,13 @@ std::string list_text(const Results& results, const FigureNoise& noise, const st
     header.push_back(sim::printable(axis.name));
   }
   columns.push_back(noise.means());
-  header.push_back(sim::printable(noise.means().name));
+  header.push_back(shown_name(noise.means()));
   header.emplace_back("95 %");
   sim::Table table(header);
   const std::vector<std::size_t> listed(rows.begin(),
                                         rows.begin() + static_cast<std::ptrdiff_t>(std::min(rows.size(), kShown)));
   std::vector<std::vector<std::string>> cells;
-  for (const Column& column : columns) {
-    std::vector<Value> values;
-    for (const std::size_t row : listed) values.push_back(column.values[row]);
-    cells.push_back(shown_cells(values));
-  }
+  for (const Column& column : columns) cells.push_back(shown_cells(column, listed));
   for (std::size_t i = 0; i < listed.size(); ++i) {
     std::vector<std::string> line = {std::to_string(results.rows()[listed[i]].n)};
     for (const std::vector<std::string>& column : cells) line.push_back(column[i]);
@@ -56,7 +52,8 @@ std::string axes_text(const Results& results, const FigureNoise& noise, const st
   for (const std::size_t row : candidates) may[row] = true;
   sim::Table table({"axis", "values that tie", "of", "share of variance", "95 %"});
   std::vector<std::string> matter, little, do_not;
-  for (const Effect& effect : find_sensitivity(results, noise.means().name, may).effects) {
+  const Sensitivity sensitivity = find_sensitivity(results, noise.means().name, may);
+  for (const Effect& effect : sensitivity.effects) {
     std::set<std::size_t> here;
     for (const std::size_t row : ties) {
       here.insert(effect.at[static_cast<std::size_t>(std::ranges::find(candidates, row) - candidates.begin())]);
@@ -69,7 +66,9 @@ std::string axes_text(const Results& results, const FigureNoise& noise, const st
                fmt::format("{}", effect.levels.size()), fmt::format("{:.1f} %", 100 * effect.share),
                effect.interval_text()});
   }
-  std::string out = "\n" + table.text() + "\n";
+  std::string out = "\n" + table.text();
+  if (!sensitivity.is_grid) out += fmt::format("the points are {}\n", kNoGrid);
+  out += "\n";
   if (!matter.empty()) out += fmt::format("matters for the first place: {}\n", fmt::join(matter, ", then "));
   if (!little.empty()) {
     out +=

@@ -7,6 +7,7 @@
 
 #include "tests/tools/program.h"
 #include "tests/tools/studies/sweep/results/made_sweep.h"
+#include "tools/studies/sweep/results/pareto.h"
 
 // raywatt sweep best
 
@@ -27,7 +28,7 @@ std::string best(const MadeSweep& sweep, const tools::results::BestOptions& opti
 
 TEST(Best, IsTheFirstOfThoseWithTheMostOrLeast) {
   const FourSizes sweep;
-  EXPECT_SAYS(best(sweep, {"cycles", true, {}}), "most totals.cycles of 4 points that qualify: point 0\n");
+  EXPECT_SAYS(best(sweep, {"cycles", true, {}}), "most cycles of 4 points that qualify: point 0\n");
   EXPECT_SAYS(best(sweep, {"cycles", false, {}}), "point 1 (and 1 more with the same)\n");
   EXPECT_SAYS(best(sweep, {"cycles", true, {"cycles<300", "cores!=3"}}), "of 2 points that qualify: point 1");
 }
@@ -61,19 +62,45 @@ TEST(Best, ShowsFiguresThatConditionsCompareAndReadableSettings) {
   points[0].sets = {"cores=2", "tni.trv.l1.size=16 KiB"};
   const std::string text =
       best_text(sweep.results(), points, {"cycles", true, {"top_down.cores[0].boxes<1 and cores=2", "cycles>1"}});
-  EXPECT_SAYS(text, "totals.top_down.cores[0].boxes  0.25");
+  EXPECT_SAYS(text, "top_down.cores[0].boxes  0.2500");
   EXPECT_SAYS(text, "--set cores=2 --set tni.trv.l1.size='16 KiB'\n");
-  const std::size_t once = text.find("\ntotals.cycles ");
-  EXPECT_EQ(text.find("\ntotals.cycles ", once + 1), std::string::npos) << text;
+  const std::size_t once = text.find("\ncycles ");
+  ASSERT_NE(once, std::string::npos) << text;
+  EXPECT_EQ(text.find("\ncycles ", once + 1), std::string::npos) << text;
 }
 
 TEST(Best, ListsWhatTiesUnderTheAssumedNoiseAndTheAxesThatDecide) {
   const std::string text = best(CoresAndCaches(0), {"cycles", false, {}});
   EXPECT_SAYS(text, "1 point ties with it (95 %, all points together); a noise of 2 %, assumed");
-  EXPECT_SAYS(text, "point     l1  totals.cycles");
+  EXPECT_SAYS(text, "point     l1  cycles");
   EXPECT_SAYS(text, "matters for the first place: cores\n");
   EXPECT_SAYS(text, "does not matter there: l1\n");
   EXPECT_EQ(text.find("1206"), std::string::npos) << text;
+  EXPECT_EQ(text.find("no full grid"), std::string::npos) << text;
+}
+
+TEST(Best, SaysThatSharesAreEstimatesWherePointsAreNoGrid) {
+  CoresAndCaches sweep(0);
+  sweep.finish(sweep.add({{"cores", "3"}, {"l1", "8 KiB"}}), replicated_report(900, 0));
+  EXPECT_SAYS(best(sweep, {"cycles", false, {}}), "the points are no full grid: shares are estimates\n");
+}
+
+TEST(Best, NamesThePointsThatAreExtrapolated) {
+  const CoresAndCaches sweep(0);
+  const std::string said = "figures beyond what the tables cover, as warnings[] of the reports say: ";
+  const auto set = [&](std::size_t point, int count) {
+    auto report = replicated_report(1000, 0);
+    report["totals"]["extrapolated"] = count;
+    sweep.finish(point, report);
+  };
+  for (const std::size_t point : {0, 1, 2, 3}) set(point, 0);
+  EXPECT_EQ(best(sweep, {"cycles", false, {}}).find(said), std::string::npos);
+  set(1, 2);
+  EXPECT_SAYS(best(sweep, {"cycles", false, {}}), said + "point 1\n");
+  set(3, 1);
+  EXPECT_SAYS(best(sweep, {"cycles", false, {}}), said + "points 1, 3\n");
+  EXPECT_EQ(best(sweep, {"cycles", false, {"n=0"}}).find(said), std::string::npos) << "of those that qualify";
+  EXPECT_SAYS(pareto_text(sweep.results(), {"cycles", "fps", {}, false}, 60), said + "points 1, 3\n");
 }
 
 TEST(Best, ReplicatesTellApartWhatTheAssumedNoiseDoesNot) {

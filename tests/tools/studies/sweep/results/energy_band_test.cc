@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "tests/tools/studies/sweep/small_sweep.h"
@@ -50,6 +51,19 @@ TEST_F(BandOfASweep, HasTheNominalFigureTimesTheDrawsEnergyOverTheNominal) {
   }
 }
 
+TEST_F(BandOfASweep, RatiosAreThoseOfTheLowNominalAndHighTables) {
+  const Results results(folder.path() / "out");
+  EnergyBand band(results, std::vector<bool>(results.rows().size(), true));
+  const BandedMetric per_joule = band.metric(results.column("perf.frames_per_joule_gpu"), true);
+  const tools::results::Column low = results.column("energy_mj.low"), nominal = results.column("energy_mj.nominal"),
+                               high = results.column("energy_mj.high");
+  const auto ratio = [&](const tools::results::Column& mj) {  // frames per joule: the other way round
+    return amount_of(mj.values[per_joule.rows[0]])->value / amount_of(mj.values[per_joule.rows[2]])->value;
+  };
+  EXPECT_EQ(per_joule.ratio_text(2, 0),
+            fmt::format("{:.3f} / {:.3f} / {:.3f}", ratio(low), ratio(nominal), ratio(high)));
+}
+
 TEST_F(BandOfASweep, SharesOnTheFrontAreThoseOfTheDrawsFronts) {
   const Results results(folder.path() / "out");
   EnergyBand band(results, std::vector<bool>(results.rows().size(), true));
@@ -74,13 +88,19 @@ TEST_F(BandOfASweep, IsToldByBestParetoAndSensitivity) {
   const std::string best = ask("best", {"--min", "energy_mj.nominal", "--energy", "band"});
   EXPECT_SAYS(best, "under 2000 draws of the energy tables, 4 points");
   EXPECT_SAYS(best, "best in");
+  EXPECT_SAYS(best, "over the best, low / nominal / high tables");
+  EXPECT_SAYS(best, "the draws are of the energy tables alone: of noise they say nothing\n");
   EXPECT_EQ(ask("best", {"--min", "energy_mj.nominal"}),
             ask("best", {"--min", "energy_mj.nominal", "--energy", "nominal"}));
   const Words pareto = {"--x", "energy_mj.nominal", "--y", "fps", "--energy", "band"};
   EXPECT_SAYS(ask("pareto", pareto), "on the front in");
-  EXPECT_SAYS(ask("pareto", pareto), " %\n") << "shares as people read them";
+  EXPECT_SAYS(ask("pareto", pareto), " % ") << "shares as people read them";
+  EXPECT_SAYS(ask("pareto", pareto), "energy_mj.nominal over the best, low / nominal / high tables");
+  EXPECT_SAYS(ask("pareto", pareto), "1.000 / 1.000 / 1.000") << "the best over itself";
   const std::string tornado = ask("sensitivity", {"--metric", "energy_mj.nominal", "--energy", "band"});
   EXPECT_SAYS(tornado, "pairs turned");
+  EXPECT_SAYS(tornado, "of noise they say nothing\n");
+  EXPECT_EQ(tornado.find("replicate 0"), std::string::npos) << "no point has replicates";
   EXPECT_SAYS(tornado, "energy.");
   const std::string out = (folder.path() / "out").string();
   expect_refusal(raywatt({"sweep", "pareto", out, "--x", "cycles", "--y", "fps", "--energy", "band"}), {"joules"});

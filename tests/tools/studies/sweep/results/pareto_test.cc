@@ -89,14 +89,14 @@ TEST(Pareto, DrawsTheFrontAsLettersAndTheOthersAsDots) {
   for (std::size_t begin = 0; begin < text.size(); begin = text.find('\n', begin) + 1) {
     lines.push_back(text.substr(begin, text.find('\n', begin) - begin));
   }
-  EXPECT_EQ(lines[0], "totals.perf.fps (more is better)");
+  EXPECT_EQ(lines[0], "perf.fps (more is better)");
   EXPECT_TRUE(lines[1].starts_with("20 |") && lines[1].ends_with("b")) << text;
   EXPECT_TRUE(lines[20].starts_with("10 |a") && lines[20].ends_with(".")) << text;
   const std::size_t dot = lines[20].size(), b = lines[1].size();
   EXPECT_EQ(dot, 59U) << "as wide as the terminal, but for its last column";
   EXPECT_NEAR(static_cast<double>(b), (5 + 59) / 2.0, 1) << "half-way";
   EXPECT_SAYS(text, "2 of 3 points are on the front");
-  EXPECT_SAYS(text, "\na  0      0                   1.000            10.00\n");
+  EXPECT_SAYS(text, "\na  0      0            1.000     10.00\n");
   for (std::size_t i = 0; i < 24; ++i) EXPECT_LE(lines[i].size(), 60U) << lines[i];
 }
 
@@ -131,7 +131,7 @@ TEST(Pareto, HasABandOfPointsThatNoneBeatsByMoreThanTheNoise) {
   const std::string assumed = text(0);
   EXPECT_SAYS(assumed, "2 of 5 points are on the front");
   EXPECT_SAYS(assumed, "1 more may be, marked ~");
-  EXPECT_SAYS(assumed, "totals.perf.fps: a noise of 2 %, assumed");
+  EXPECT_SAYS(assumed, "\nperf.fps: a noise of 2 %, assumed");
   EXPECT_SAYS(assumed, "\n~  1      1 ");
   const std::string measured = text(0.01);
   EXPECT_SAYS(measured, "noise measured by 5 replicates a point");

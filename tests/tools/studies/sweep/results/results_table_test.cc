@@ -1,11 +1,14 @@
 #include "tools/studies/sweep/results/results_table.h"
 
+#include <array>
+
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "sim/error.h"
 #include "tests/tools/program.h"
 #include "tests/tools/studies/sweep/results/made_sweep.h"
+#include "tools/studies/sweep/results/cells.h"
 
 // raywatt sweep table
 
@@ -40,8 +43,8 @@ TEST(ResultsTable, ShowsAxesThatVaryAndTheUsualFigures) {
             "n  status  l1.size  cycles  perf.fps  power_w.nominal  perf.frames_per_joule_gpu\n"
             "-  ------  -------  ------  --------  ---------------  -------------------------\n"
             "0    done   16 KiB    3000     333.3           0.5000                      666.7\n"
-            "1    done    4 KiB    1000    1000.0           0.5000                     2000.0\n"
-            "2    done    1 MiB    2000     500.0           0.5000                     1000.0\n"
+            "1    done    4 KiB    1000      1000           0.5000                       2000\n"
+            "2    done    1 MiB    2000     500.0           0.5000                       1000\n"
             "3  failed    8 KiB       -         -                -                          -\n");
 }
 
@@ -62,12 +65,59 @@ TEST(ResultsTable, ShowsMeansAndIntervalsOfReplicates) {
               "totals.replicates.figures.cycles.high,totals.perf.fps");
 }
 
+/// Cells of a column of three points as people read them.
+Words shown_fps(const std::array<double, 3>& values) {
+  const FourRows sweep;
+  for (std::size_t point = 0; point < values.size(); ++point) {
+    auto report = made_report(1000);
+    report["totals"]["perf"]["fps"] = values[point];
+    sweep.finish(point, report);
+  }
+  return shown_cells(sweep.results().column("fps"), {0, 1, 2});
+}
+
+TEST(ResultsTable, ShowsAtMostFourDigitsInTheUnitOfTheLargest) {
+  EXPECT_EQ(shown_fps({9.876, 101.2345, 1000}), (Words{"9.876", "101.2", "1000"}));
+  EXPECT_EQ(shown_fps({77120, 9876.54, 12345.67}), (Words{"77.12 k", "9.877 k", "12.35 k"}));
+  EXPECT_EQ(shown_fps({1234567, 250000.5, 12.5}), (Words{"1.235 M", "0.2500 M", "12.50"})) << "too small for millions";
+}
+
+TEST(ResultsTable, ShowsCountsInFourDigitsTooButNoSettings) {
+  MadeSweep sweep;
+  for (const int cycles : {771200, 99000, 1010}) {
+    auto report = made_report(1000);
+    report["totals"]["cycles"] = cycles;
+    sweep.finish(sweep.add({{"triangles", std::to_string(cycles)}}), report);
+  }
+  const auto results = sweep.results();
+  EXPECT_EQ(shown_cells(results.column("cycles"), {0, 1, 2}), (Words{"771.2 k", "99.00 k", "1.010 k"}));
+  EXPECT_EQ(shown_cells(results.column("triangles"), {0, 1, 2}), (Words{"771200", "99000", "1010"}));
+}
+
+TEST(ResultsTable, ShowsWholeMeansInFourDigits) {
+  const FourRows sweep;
+  for (std::size_t point = 0; point < 3; ++point) {
+    auto report = made_report(1000);
+    const double mean = 98765 + 10 * static_cast<double>(point);
+    report["totals"]["replicates"] = {{"count", 5}, {"figures", {{"cycles", {{"mean", mean}, {"deviation", 10}}}}}};
+    sweep.finish(point, report);
+  }
+  EXPECT_SAYS(results_table(sweep.results(), {}), "  98.77 k ± ");
+}
+
+TEST(ResultsTable, CallsAFigureAsAllVerbsDo) {
+  const FourRows sweep;
+  for (const char* spelling : {"fps", "perf.fps", "totals.perf.fps"}) {
+    EXPECT_TRUE(results_table(sweep.results(), {{spelling}, "", {}, {}, false}).starts_with("perf.fps\n")) << spelling;
+  }
+}
+
 TEST(ResultsTable, ShowsFourDigitsOfFiguresThatAreNoCounts) {
   const FourRows sweep;
   auto report = made_report(3000);
   report["totals"]["perf"]["fps"] = 12345.67;
   sweep.finish(0, report);
-  EXPECT_SAYS(results_table(sweep.results(), {}), "   12.35 k  ");
+  EXPECT_SAYS(results_table(sweep.results(), {}), "  12.35 k  ");
   TableOptions csv;
   csv.csv = true;
   EXPECT_SAYS(results_table(sweep.results(), csv), "12345.67");

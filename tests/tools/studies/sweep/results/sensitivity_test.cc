@@ -130,7 +130,7 @@ TEST(Sensitivity, IsShownWithTheLargestFirst) {
   MadeSweep sweep;
   sweep.add_grid("size", kSizes, "cores", kCores, sum);
   EXPECT_EQ(sensitivity_text(sweep.results(), {"traversal_steps"}, {}),
-            "totals.traversal_steps: mean 125 of 6 points\n\n"
+            "traversal_steps: mean 125 of 6 points\n\n"
             "axis           levels  lowest mean     at  highest mean      at   range  share of variance\n"
             "-------------  ------  -----------  -----  ------------  ------  ------  -----------------\n"
             "cores               2          110      1           140       2  24.0 %             77.1 %\n"

@@ -1,0 +1,36 @@
+#include "tools/studies/sweep/results/notes.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace tools::results {
+
+std::string extrapolated_note(const Results& results, const std::vector<std::size_t>& rows) {
+  constexpr const char* kFigure = "totals.extrapolated";
+  constexpr std::size_t kNamed = 12;
+  if (!results.has_metric(kFigure)) return {};
+  const Column column = results.column(kFigure);
+  std::vector<std::int64_t> points;
+  for (const std::size_t row : rows) {
+    const auto count = amount_of(column.values[row]);
+    if (count && count->value > 0) points.push_back(results.rows()[row].n);
+  }
+  if (points.empty()) return {};
+  std::ranges::sort(points);
+  const std::size_t more = points.size() - std::min(points.size(), kNamed);
+  points.resize(points.size() - more);
+  return fmt::format("\nfigures beyond what the tables cover, as warnings[] of the reports say: point{} {}{}\n",
+                     points.size() == 1 ? "" : "s", fmt::join(points, ", "),
+                     more == 0 ? "" : fmt::format(" and {} more", more));
+}
+
+std::string draws_note(const FigureNoise& noise) {
+  if (!noise.is_noisy()) return {};
+  std::string out = "the draws are of the energy tables alone: of noise they say nothing\n";
+  if (noise.is_measured()) out += "a draw takes the counts of replicate 0, and the figure is the mean of all plays\n";
+  return out;
+}
+
+}  // namespace tools::results

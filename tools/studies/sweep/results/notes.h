@@ -1,0 +1,19 @@
+#pragma once
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "tools/studies/sweep/results/figure_noise.h"
+#include "tools/studies/sweep/results/results.h"
+
+namespace tools::results {
+
+// Lines on how an answer is to be read, or nothing.
+
+/// The points among `rows` of which figures of energy, area or latency lie beyond the curves of their tables.
+std::string extrapolated_note(const Results& results, const std::vector<std::size_t>& rows);
+
+/// Limits of draws of the energy tables: they know no noise, and have the counts of one play.
+std::string draws_note(const FigureNoise& noise);
+
+}  // namespace tools::results
