@@ -26,7 +26,8 @@ add_custom_target(descriptions ALL DEPENDS ${descriptions})
 
 set(share ${CMAKE_INSTALL_DATADIR})
 install(TARGETS raywatt)
-install(TARGETS raywatt_search raywatt_images LIBRARY DESTINATION lib/raywatt)  # where the program looks
+# Where the program looks. A folder deeper than the linker's, or CPack takes them for libraries and runs ldconfig.
+install(TARGETS raywatt_search raywatt_images LIBRARY DESTINATION lib/raywatt/modules)
 install(DIRECTORY configs traces/workloads tests/validation/published DESTINATION ${share}/raywatt)
 install(DIRECTORY tools/python DESTINATION ${share}/raywatt PATTERN __pycache__ EXCLUDE)
 foreach(file page.js page.css libraries.js licences.txt)  # not there where npm was not
@@ -35,6 +36,7 @@ endforeach()
 install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR} PATTERN refresh EXCLUDE)
 install(FILES README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(FILES cmake/copyright DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(FILES ${CMAKE_BINARY_DIR}/report_page/copyright DESTINATION ${CMAKE_INSTALL_DOCDIR} OPTIONAL)  # with that of libraries
 install(FILES ${described}/changelog.gz DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(FILES ${described}/raywatt.1.gz DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 install(FILES ${described}/bash DESTINATION ${share}/bash-completion/completions RENAME raywatt)

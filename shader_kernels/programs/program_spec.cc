@@ -62,13 +62,17 @@ ProgramSpec parse_program(std::string_view text) {
   constexpr std::string_view kFull = "full:";
   if (text.starts_with(kFull)) return parse_full(text, text.substr(kFull.size()));
   std::string all = "full:N (N samples per pixel, a square)";
-  std::vector<std::string> names;
   for (const Named& named : kNamed) {
-    names.emplace_back(named.name);
     if (named.spec.kind != ProgramSpec::Kind::kFull) all += fmt::format(", {}", named.name);
   }
-  throw sim::InputError(
-      fmt::format("program '{}' does not exist{}; there is: {}", text, traces::did_you_mean(text, names), all));
+  throw sim::InputError(fmt::format("program '{}' does not exist{}; there is: {}", text,
+                                    traces::did_you_mean(text, program_names()), all));
+}
+
+std::vector<std::string> program_names() {
+  std::vector<std::string> names;
+  for (const Named& named : kNamed) names.emplace_back(named.name);
+  return names;
 }
 
 }  // namespace kernels

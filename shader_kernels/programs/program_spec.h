@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace kernels {
 
@@ -15,5 +16,8 @@ struct ProgramSpec {
 
 /// "full:4", "multirate:under"; "full" alone means full:1. Throws sim::InputError that lists what there is.
 ProgramSpec parse_program(std::string_view text);
+
+/// Names that parse_program() knows.
+std::vector<std::string> program_names();
 
 }  // namespace kernels

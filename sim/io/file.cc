@@ -89,7 +89,7 @@ static void check_replaceable(const std::filesystem::path& path, const Replaceab
   const Type type = std::filesystem::symlink_status(path, failed).type();
   if (type == Type::not_found || type == Type::none) {
     const std::filesystem::path folder = path.parent_path();
-    if (folder.empty() || std::filesystem::exists(folder, failed)) return;
+    if (folder.empty() || std::filesystem::is_directory(folder, failed)) return;
     throw InputError(
         fmt::format("{}: cannot be written: there is no folder {}; make it first", shown, printable(folder.string())));
   }

@@ -14,8 +14,8 @@ namespace sim {
 void* load_module(const std::filesystem::path& built, const char* symbol, std::string_view purpose) {
   std::error_code ignored;
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", ignored).parent_path();
-  const std::array candidates = {program / built.filename(), program / ".." / "lib" / "raywatt" / built.filename(),
-                                 built};
+  const std::array candidates = {program / built.filename(),
+                                 program / ".." / "lib" / "raywatt" / "modules" / built.filename(), built};
   std::string tried;
   for (const std::filesystem::path& candidate : candidates) {
     if (!std::filesystem::exists(candidate, ignored)) {

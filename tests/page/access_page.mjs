@@ -1,7 +1,7 @@
 // Pages for everybody: axe finds nothing serious, in light, dark, on a narrow window and on paper.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { axe, look } from "./surroundings.mjs";
+import { axe, drawn, look } from "./surroundings.mjs";
 
 async function check(page) {
   await page.evaluate(axe);
@@ -24,6 +24,37 @@ for (const name of ["run.html", "diff.html", "sweep.html"]) {
     assert.ok((await page.pdf({ format: "A4" })).length > 20000);
     await check(page);
   }));
+}
+
+/** Another overlay, another colour, other figures: the last of each list; and a point. */
+async function chooseOthers(page) {
+  for (const box of await page.locator("select:visible").all()) {
+    const values = await box.locator("option").evaluateAll((options) => options.map((o) => o.value));
+    if (await box.evaluate((select) => select.labels[0]?.innerText) !== "Theme") await box.selectOption(values.at(-1));
+  }
+  const point = page.locator("tr.choosable").first();
+  if (await point.count() > 0) await point.click();
+  await drawn(page);
+}
+
+async function openTables(page) {
+  const closed = page.locator('button[aria-pressed="false"]', { hasText: /^Table$/ });
+  await closed.evaluateAll((buttons) => buttons.forEach((button) => button.click()));
+  await drawn(page);
+  assert.deepEqual([await closed.count(), await page.locator("figure table").count() > 3], [0, true]);
+}
+
+for (const name of ["run.html", "adaptive.html", "diff.html", "sweep.html", "search.html"]) {
+  for (const surroundings of [{ theme: "light" }, { theme: "dark", width: 360 }]) {
+    test(`${name} with all opened ${JSON.stringify(surroundings)}`, () => look(name, { hash: "#opened=1", ...surroundings }, async (page) => {
+      await chooseOthers(page);
+      if (surroundings.theme === "dark") await check(page);
+      await openTables(page);
+      const wide = await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
+      assert.ok(wide <= 0, `${wide} pixels stand out of the window`);
+      await check(page);
+    }));
+  }
 }
 
 test("paper is light, whatever the window is", () => look("sweep.html", { theme: "dark" }, async (page) => {

@@ -4,6 +4,7 @@ import { close } from "./surroundings.mjs";
 import "./run_page.mjs";
 import "./diff_page.mjs";
 import "./sweep_page.mjs";
+import "./search_page.mjs";
 import "./hostile_page.mjs";
 import "./access_page.mjs";
 

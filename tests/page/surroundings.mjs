@@ -45,6 +45,15 @@ axes:
   tni.trvs: [1, 2, 4]
   tni.trv.l1.size: [8 KiB, 16 KiB]
 `);
+fs.writeFileSync(at("search.yaml"), `schema: raywatt-optimise/1
+question: Which machines are quick and frugal?
+scene: cornell
+resolution: 16x16
+objectives: [{max: perf.fps}, {max: frames_per_joule_gpu}]
+constraints: [power_w.nominal < 0.33]
+budget: 12
+axes: {cores: [1, 2, 4], tni.trvs: [1, 2, 4], l2.size: [128 KiB, 256 KiB]}
+`);
 const small = ["--resolution", "64x32", "--set", "scene.triangles=1000", "--set", "render.tile=16", "--threads", "1", "--quiet"];
 const runs = async () => {
   await Promise.all([
@@ -56,6 +65,10 @@ const sweep = async () => {
   await running("sweep", "run", "sweep.yaml", "-o", "sweep", "--store", "store", "-j", "1");
   await running("report", "sweep", "-o", "sweep.html");
 };
+const search = async () => {
+  await running("optimise", "search.yaml", "-o", "search", "--store", "found", "-j", "1", "--quiet");
+  await running("report", "search", "-o", "search.html");
+};
 const adaptive = async () => {
   await running("run", ...small, "-o", "adaptive", "--program", "multirate:under", "--debug-images");
   await running("report", "adaptive", "-o", "adaptive.html");
@@ -65,7 +78,7 @@ const [browser] = await Promise.all([
     executablePath: chromium,
     args: ["--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"],
   }),
-  runs(), sweep(), adaptive()]);
+  runs(), sweep(), search(), adaptive()]);
 
 const open = new Map();  // pages by file
 export const close = () => browser.close();

@@ -80,8 +80,8 @@ std::string heading(const Json& report) {
   const Json& frames = report["frames"];
   std::string out;
   if (!frames.empty() && frames.front().contains("finished_tiles")) {
-    out = fmt::format("PARTIAL: interrupted after {} of {} tiles\n", frames.front()["finished_tiles"].get<int>(),
-                      frames.front()["tiles"].get<int>());
+    out = fmt::format("PARTIAL: interrupted after {} of {} tiles; frames per second and per joule are of them alone\n",
+                      frames.front()["finished_tiles"].get<int>(), frames.front()["tiles"].get<int>());
   } else if (report["partial"].get<bool>()) {
     out = "PARTIAL: interrupted before the last frame or the reference\n";
   }

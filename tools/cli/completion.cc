@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <cctype>
+#include <cstring>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -7,8 +9,11 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "shader_kernels/programs/program_spec.h"
 #include "tools/cli/declared.h"
 #include "tools/cli/verbs.h"
+#include "tools/host/paths.h"
+#include "traces/scenes/builtin.h"
 
 namespace tools {
 namespace {
@@ -23,11 +28,45 @@ std::vector<std::string> option_names(const DeclaredVerb& verb) {
   return names;
 }
 
-/// Calls f(patterns, choices) for each option that has choices.
-template <class F>
-void for_choices(const DeclaredVerb& verb, const F& f) {
+/// Names that an option takes, beside files: those that messages about wrong ones offer.
+std::vector<std::string> known_names(const DeclaredVerb& verb, const DeclaredOption& option) {
+  const std::string& name = option.names.front();
+  std::vector<std::string> known;
+  if (name == "--scene") {
+    for (const traces::BuiltinInfo& scene : traces::builtin_scenes()) known.push_back(scene.name);
+    for (const std::string& workload : workload_names()) known.push_back(workload);
+  } else if (name == "--program") {
+    known = kernels::program_names();
+  } else if (option.is_positional && name == "config") {
+    known = config_names();
+  } else if (option.is_positional && name == "file" &&
+             (joined(verb.words) == "raywatt sweep run" || verb.words.back() == "optimise")) {
+    for (const std::string& path : config_names_in("experiments")) known.push_back(path.substr(path.find('/') + 1));
+  }
+  std::erase_if(known, [](const std::string& each) {  // what a shell would take for more than a word
+    return !std::ranges::all_of(each, [](unsigned char c) { return std::isalnum(c) || std::strchr("-_.:", c); });
+  });
+  return known;
+}
+
+std::vector<std::string> positional_names(const DeclaredVerb& verb) {
+  std::vector<std::string> names;
   for (const DeclaredOption& option : verb.options) {
-    if (!option.choices.empty() && !option.is_positional) f(option.names, option.choices);
+    if (!option.is_positional) continue;
+    const std::vector<std::string> known = option.choices.empty() ? known_names(verb, option) : option.choices;
+    names.insert(names.end(), known.begin(), known.end());
+  }
+  return names;
+}
+
+/// Calls f(patterns, variable, values) for each option that has choices, or takes a name or a file.
+template <class F>
+void for_values(const DeclaredVerb& verb, const F& f) {
+  for (const DeclaredOption& option : verb.options) {
+    if (option.is_positional) continue;
+    if (!option.choices.empty()) f(option.names, "choices", option.choices);
+    if (const std::vector<std::string> known = known_names(verb, option); !known.empty())
+      f(option.names, "names", known);
   }
 }
 
@@ -61,16 +100,17 @@ std::string find_verb(const std::vector<DeclaredVerb>& verbs) {
   return fmt::format("{}      {}) verb=\"$verb $word\" ;;\n    esac\n  done\n", kFindVerb, known);
 }
 
-/// Lines that put the words that may come next into `next` and `choices`.
+/// Lines that put the words that may come next into `next`, or `choices`, or `names` that may be files as well.
 std::string what_comes(const std::vector<DeclaredVerb>& verbs) {
   return "  case $verb in\n" +
          cases(verbs,
                [](const DeclaredVerb& verb) {
-                 std::string lines =
-                     fmt::format("      next='{} {}'\n", joined(verb.verbs), joined(option_names(verb)));
+                 std::string lines = fmt::format("      next='{} {} {}'\n", joined(verb.verbs),
+                                                 joined(positional_names(verb)), joined(option_names(verb)));
                  std::string choices;
-                 for_choices(verb, [&](const auto& names, const auto& values) {
-                   choices += fmt::format("        {}) choices='{}' ;;\n", fmt::join(names, " | "), joined(values));
+                 for_values(verb, [&](const auto& names, const char* variable, const auto& values) {
+                   choices +=
+                       fmt::format("        {}) {}='{}' ;;\n", fmt::join(names, " | "), variable, joined(values));
                  });
                  if (!choices.empty()) lines += "      case $previous in\n" + choices + "      esac\n";
                  return lines;
@@ -80,14 +120,20 @@ std::string what_comes(const std::vector<DeclaredVerb>& verbs) {
 
 std::string for_bash(const std::vector<DeclaredVerb>& verbs) {
   return R"(_raywatt() {
-  local verb word next= choices= previous=${COMP_WORDS[COMP_CWORD - 1]} current=${COMP_WORDS[COMP_CWORD]}
+  local verb word next= choices= names= begun= previous=${COMP_WORDS[COMP_CWORD - 1]} current=${COMP_WORDS[COMP_CWORD]}
   local before=("${COMP_WORDS[@]:1:COMP_CWORD - 1}")
+  if [[ $current == : ]]; then  # bash takes a colon for a word
+    begun=$previous: current=$begun previous=${COMP_WORDS[COMP_CWORD - 2]}
+  elif [[ $previous == : ]]; then
+    begun=${COMP_WORDS[COMP_CWORD - 2]}: current=$begun$current previous=${COMP_WORDS[COMP_CWORD - 3]}
+  fi
 )" + find_verb(verbs) +
          what_comes(verbs) + R"(  if [ -n "$choices" ]; then
     mapfile -t COMPREPLY < <(compgen -W "$choices" -- "$current")
   else
-    mapfile -t COMPREPLY < <(compgen -W "$next" -- "$current"; [[ $current == -* ]] || compgen -f -- "$current")
+    mapfile -t COMPREPLY < <(compgen -W "${names:-$next}" -- "$current"; [[ $current == -* ]] || compgen -f -- "$current")
   fi
+  COMPREPLY=("${COMPREPLY[@]#"$begun"}")
 }
 complete -o filenames -F _raywatt raywatt
 )";
@@ -96,13 +142,13 @@ complete -o filenames -F _raywatt raywatt
 std::string for_zsh(const std::vector<DeclaredVerb>& verbs) {
   return R"(#compdef raywatt
 _raywatt() {
-  local verb word next= choices= previous=${words[CURRENT-1]}
+  local verb word next= choices= names= previous=${words[CURRENT-1]}
   local before=("${(@)words[2,CURRENT-1]}")
 )" + find_verb(verbs) +
          what_comes(verbs) + R"(  if [ -n "$choices" ]; then
     compadd -- ${=choices}
   else
-    compadd -- ${=next}
+    compadd -- ${=${names:-$next}}
     _files
   fi
 }
@@ -131,6 +177,9 @@ std::string for_fish(const std::vector<DeclaredVerb>& verbs) {
                            std::equal(verb.words.begin(), verb.words.end(), below.words.begin());
       if (is_next) out += fmt::format("{} -a {} -d {}\n", here, below.words.back(), shell_word(below.help));
     }
+    if (const std::vector<std::string> names = positional_names(verb); !names.empty()) {
+      out += fmt::format("{} -a {}\n", here, shell_word(joined(names)));
+    }
     for (const DeclaredOption& option : verb.options) {
       if (option.is_positional) continue;
       out += here;
@@ -139,6 +188,9 @@ std::string for_fish(const std::vector<DeclaredVerb>& verbs) {
       }
       if (!option.choices.empty()) out += " -x -a " + shell_word(joined(option.choices));
       if (!option.takes.empty() && option.choices.empty()) out += " -r";
+      if (const std::vector<std::string> names = known_names(verb, option); !names.empty()) {
+        out += " -a " + shell_word(joined(names));
+      }
       out += fmt::format(" -d {}\n", shell_word(option.help));
     }
   }

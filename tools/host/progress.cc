@@ -68,7 +68,10 @@ double ProgressState::share() const {
 
 double ProgressState::rays_per_s() const { return busy_seconds > 0 ? static_cast<double>(rays) / busy_seconds : 0; }
 
-double ProgressState::seconds_left() const { return share() > 0 ? busy_seconds * (1 - share()) / share() : -1; }
+double ProgressState::seconds_left() const {
+  const double before = tiles == 0 ? 0 : static_cast<double>(tile_before) / tiles / parts;
+  return share() > before ? busy_seconds * (1 - share()) / (share() - before) : -1;
+}
 
 std::string progress_line(const ProgressState& s, std::size_t columns) {
   std::string line = s.label.empty() ? "" : s.label + ": ";
@@ -78,7 +81,11 @@ std::string progress_line(const ProgressState& s, std::size_t columns) {
     const auto full = static_cast<std::size_t>(s.share() * kBar);
     line += fmt::format(" [{}{}] {:.0f} %", std::string(full, '#'), std::string(kBar - full, '.'), 100 * s.share());
     if (s.rays != 0) line += "  " + sim::si_text(s.rays_per_s(), "rays/s");
-    if (s.seconds_left() >= 0) line += "  " + duration_text(s.seconds_left()) + " left";
+    if (s.ended) {
+      line += "  after " + duration_text(s.seconds);
+    } else if (s.seconds_left() >= 0) {
+      line += "  " + duration_text(s.seconds_left()) + " left";
+    }
   } else {
     line += " ...  " + duration_text(s.seconds);
   }
@@ -131,13 +138,13 @@ void Progress::restart(std::uint32_t parts, const std::string& label) {
   busy_since_ = {};
 }
 
-void Progress::begin_part(const std::string& what, std::uint32_t frame, std::uint32_t tiles) {
+void Progress::begin_part(const std::string& what, std::uint32_t frame, std::uint32_t tiles, std::uint32_t before) {
   const std::lock_guard lock(mutex_);
   if (state_.part == state_.parts) restart(state_.parts, std::string(state_.label));
   if (busy_since_ == sim::HostClock::time_point{}) busy_since_ = sim::HostClock::now();
   state_.phase = what;
   state_.frame = frame;
-  state_.tile = 0;
+  state_.tile = state_.tile_before = before;
   state_.tiles = tiles;
 }
 
@@ -162,7 +169,7 @@ void Progress::end(const std::string& how) {
   if (!thread_.joinable()) return;
   {
     const std::lock_guard lock(mutex_);
-    ended_ = true;
+    ended_ = state_.ended = true;
     state_.phase = how;
   }
   news_.notify_all();
@@ -204,7 +211,7 @@ void Progress::show_view() {
   const std::size_t columns = columns_of_terminal(), rows = rows_of_terminal();
   const ProgressState state = now();
   std::vector<std::string> lines = {progress_line(state, columns)};
-  if (state.seconds_left() >= 0) lines.push_back(end_text(state.seconds_left()));
+  if (state.seconds_left() >= 0 && !state.ended) lines.push_back(end_text(state.seconds_left()));
   if (view_ != nullptr) {
     for (std::string& line : view_->lines()) lines.push_back(std::move(line).substr(0, columns - 1));
   }
@@ -228,7 +235,7 @@ void Progress::show_line() {
   constexpr std::size_t kAnyLength = 1 << 10;
   const ProgressState state = now();
   std::string line = progress_line(state, kAnyLength);
-  if (state.seconds_left() >= 0) line += ", " + end_text(state.seconds_left());
+  if (state.seconds_left() >= 0 && !state.ended) line += ", " + end_text(state.seconds_left());
   if (view_ != nullptr) {
     for (const std::string& more : view_->lines()) line += "; " + more;
   }

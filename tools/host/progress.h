@@ -18,8 +18,10 @@ struct ProgressState {
   std::uint32_t part = 0, parts = 1;   ///< parts are runs of a frame program over one frame; those finished, and all
   std::uint32_t tile = 0, tiles = 0;   ///< tiles of the part under way: finished, and all
   std::uint64_t rays = 0, cycles = 0;  ///< sums over all parts so far; cycles of the T&I clock
-  double seconds = 0;                  ///< since the job began
-  double busy_seconds = 0;             ///< since the first part began
+  std::uint32_t tile_before = 0;       ///< tiles that were finished when the only part began
+  bool ended = false;
+  double seconds = 0;       ///< since the job began
+  double busy_seconds = 0;  ///< since the first part began
 
   double share() const;  ///< done, 0 to 1
   double rays_per_s() const;
@@ -47,7 +49,8 @@ class Progress {
   void phase(const std::string& what);
   /// From now on so many parts, counted anew; and anew when they are over and another begins.
   void expect(std::uint32_t parts, const std::string& label = {});
-  void begin_part(const std::string& what, std::uint32_t frame, std::uint32_t tiles);
+  /// `before`: tiles of it that others have done, for the only part.
+  void begin_part(const std::string& what, std::uint32_t frame, std::uint32_t tiles, std::uint32_t before = 0);
   /// So much of the part under way is done; with all its tiles the part is over.
   void tiles_done(std::uint32_t tiles, std::uint64_t rays, std::uint64_t cycles);
   /// Writes a line on stderr without disturbing the bar.

@@ -1,12 +1,13 @@
-// Bundles scripts and style of the pages: node build.mjs OUT, where node_modules is.
+// Bundles scripts and style of the pages: node build.mjs OUT COPYRIGHT, where node_modules is. COPYRIGHT is that of the rest.
 import { build } from "esbuild";
 import fs from "node:fs";
 import path from "node:path";
+import { asCopyright, asText, licenceOf } from "./licences.mjs";
 
-const [out] = process.argv.slice(2);
+const [out, ours] = process.argv.slice(2);
 const common = { bundle: true, minify: true, legalComments: "none", logLevel: "warning", charset: "ascii", target: "es2020" };
 
-const used = new Set();  // packages
+const used = new Set();  // folders of packages, also of those within others
 for (const [from, to] of [["src/main.js", "page.js"], ["src/libraries.js", "libraries.js"]]) {
   const { metafile } = await build({
     ...common,
@@ -17,16 +18,12 @@ for (const [from, to] of [["src/main.js", "page.js"], ["src/libraries.js", "libr
     supported: { "inline-script": false },  // no text of it ends a script element
   });
   for (const input of Object.keys(metafile.inputs)) {
-    const found = input.match(/^node_modules\/((?:@[^/]+\/)?[^/]+)/);
-    if (found) used.add(found[1]);
+    const found = input.match(/^(?:.*\/)?node_modules\/(?:@[^/]+\/)?[^/]+/);
+    if (found) used.add(found[0]);
   }
 }
 await build({ ...common, entryPoints: ["src/page.css"], outfile: path.join(out, "page.css") });
 
-const licences = [...used].sort().map((name) => {
-  const folder = path.join("node_modules", name);
-  const { version, license } = JSON.parse(fs.readFileSync(path.join(folder, "package.json"), "utf8"));
-  const file = fs.readdirSync(folder).find((each) => /^licen[sc]e/i.test(each));
-  return `${name} ${version} (${license})\n\n${file ? fs.readFileSync(path.join(folder, file), "utf8") : ""}`;
-});
-fs.writeFileSync(path.join(out, "licences.txt"), licences.join("\n----\n\n"));
+const packages = [...used].sort().map(licenceOf);
+fs.writeFileSync(path.join(out, "licences.txt"), asText(packages));
+fs.writeFileSync(path.join(out, "copyright"), `${fs.readFileSync(ours, "utf8")}\n${asCopyright(packages)}`);

@@ -1,9 +1,9 @@
-# cmake -DSOURCE=... -DWORK=... -DOUT=... -DNPM=... -DNODE=... -P bundle.cmake: page.js, libraries.js and page.css in OUT. Where the
-# registry is not reached it says so and leaves none: then the next build tries again, and everything but
-# `raywatt report` works.
+# cmake -DSOURCE=... -DCOPYRIGHT=... -DWORK=... -DOUT=... -DNPM=... -DNODE=... -P bundle.cmake: page.js, libraries.js and
+# page.css in OUT, and whose they are. Where the registry is not reached it says so and leaves none: then the next build
+# tries again, and everything but `raywatt report` works.
 file(MAKE_DIRECTORY ${WORK} ${OUT})
-file(REMOVE ${OUT}/page.js ${OUT}/libraries.js ${OUT}/page.css ${OUT}/stamp)
-foreach(part package.json package-lock.json build.mjs src)
+file(REMOVE ${OUT}/page.js ${OUT}/libraries.js ${OUT}/page.css ${OUT}/copyright ${OUT}/stamp)
+foreach(part package.json package-lock.json build.mjs licences.mjs src)
   file(REMOVE_RECURSE ${WORK}/${part})
   file(COPY ${SOURCE}/${part} DESTINATION ${WORK})
 endforeach()
@@ -19,7 +19,7 @@ if(NOT installed STREQUAL lock)
 endif()
 if(failed EQUAL 0)
   file(WRITE ${WORK}/installed ${lock})
-  execute_process(COMMAND ${NODE} build.mjs ${OUT} WORKING_DIRECTORY ${WORK}
+  execute_process(COMMAND ${NODE} build.mjs ${OUT} ${COPYRIGHT} WORKING_DIRECTORY ${WORK}
     RESULT_VARIABLE failed OUTPUT_VARIABLE said ERROR_VARIABLE said)
   if(NOT failed EQUAL 0)
     message(FATAL_ERROR "The scripts of pages cannot be bundled:\n${said}")

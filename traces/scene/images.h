@@ -13,7 +13,7 @@ namespace traces {
 
 // Image files through OpenImageIO, which lives in a module of its own (raywatt_images) that is loaded by the first of
 // these calls: it brings some 260 libraries along, and most runs of the program need no image. IoError if it is not
-// found next to the program, in ../lib/raywatt from there, or where it was built.
+// found next to the program, in ../lib/raywatt/modules from there, or where it was built.
 
 /// A PNG or JPEG file in memory, told by its first bytes. InputError, beginning with `name`, for any other format, a
 /// damaged file, or more pixels than allowed, which is known before any is decoded.

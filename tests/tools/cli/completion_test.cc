@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
+#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -19,6 +21,21 @@ std::string printed(const Words& arguments) {
   return ending.out;
 }
 
+/// Lines that a command writes.
+Words lines_of_command(const std::string& command) {
+  const std::unique_ptr<FILE, int (*)(FILE*)> shell(::popen(command.c_str(), "r"), ::pclose);
+  Words words(1);
+  for (int c = std::fgetc(shell.get()); c != EOF; c = std::fgetc(shell.get())) {
+    if (c == '\n') {
+      words.emplace_back();
+    } else {
+      words.back() += static_cast<char>(c);
+    }
+  }
+  words.pop_back();
+  return words;
+}
+
 struct Bash : testing::Test {
   TempFolder folder;
   std::filesystem::path script = folder.write("completion", printed({"completion", "bash"}));
@@ -30,17 +47,7 @@ struct Bash : testing::Test {
                                 "; read -ra COMP_WORDS <<<\"" + line + "\"; [[ \"" + line +
                                 "\" != *\" \" ]] || COMP_WORDS+=(\"\"); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); " +
                                 "_raywatt; printf \"%s\\n\" \"${COMPREPLY[@]}\"'";
-    const std::unique_ptr<FILE, int (*)(FILE*)> shell(::popen(command.c_str(), "r"), ::pclose);
-    Words words(1);
-    for (int c = std::fgetc(shell.get()); c != EOF; c = std::fgetc(shell.get())) {
-      if (c == '\n') {
-        words.emplace_back();
-      } else {
-        words.back() += static_cast<char>(c);
-      }
-    }
-    words.pop_back();
-    return words;
+    return lines_of_command(command);
   }
 };
 
@@ -64,6 +71,28 @@ TEST_F(Bash, CompletesChoices) {
   EXPECT_EQ(offered("raywatt run --intervals "), switches);
 }
 
+TEST_F(Bash, CompletesNamesOfConfigurationsScenesWorkloadsProgramsAndExperiments) {
+  const Words presets = {"sgrt-2016", "sgrt-balanced"}, workloads = offered("raywatt run --scene lee2016-");
+  EXPECT_EQ(offered("raywatt run sgrt-"), presets);
+  EXPECT_EQ(offered("raywatt run sgrt-2016 --scene che"), Words{"chess"});
+  EXPECT_TRUE(std::ranges::count(workloads, "lee2016-car") == 1) << workloads.size();
+  EXPECT_EQ(offered("raywatt run --program under"), Words{"undersample"});
+  EXPECT_EQ(offered("raywatt optimise optimise-c"), Words{"optimise-cores"});
+  EXPECT_EQ(offered("raywatt sweep run l1-i"), Words{"l1-ist"});
+}
+
+TEST_F(Bash, CompletesWhatFollowsAColonThoughItBreaksWords) {
+  const Words halves = {"under", "super"};
+  EXPECT_EQ(offered("raywatt run --program multirate :"), halves);
+  EXPECT_EQ(offered("raywatt run --program multirate : un"), Words{"under"});
+}
+
+TEST_F(Bash, OffersFilesWhereNamesAreKnown) {
+  folder.write("empty/chess-club.glb", "");
+  const Words both = {"chess", "chess-club.glb"};
+  EXPECT_EQ(offered("raywatt run --scene che"), both);
+}
+
 TEST_F(Bash, OffersEveryOptionThatHelpShows) {
   const std::string help = printed({"sweep", "run", "--help"});
   const Words words = offered("raywatt sweep run --");
@@ -74,6 +103,50 @@ TEST_F(Bash, OffersEveryOptionThatHelpShows) {
     const bool is_another_program_s = name.find('=') != std::string::npos;
     EXPECT_TRUE(std::ranges::count(words, name) == 1 || is_another_program_s) << name;
   }
+}
+
+/// A script of another shell, where that is installed: tools/validate package brings them.
+struct OtherShells : testing::Test {
+  TempFolder folder;
+  bool has(const char* shell) const {
+    return std::filesystem::exists(std::filesystem::path("/usr/bin") / shell) ||
+           std::filesystem::exists(std::filesystem::path("/bin") / shell);
+  }
+};
+
+TEST_F(OtherShells, ZshParsesItsScriptAndOffersNames) {
+  if (!has("zsh")) GTEST_SKIP() << "there is no zsh";
+  const std::filesystem::path script = folder.write("_raywatt", printed({"completion", "zsh"}));
+  EXPECT_EQ(std::system(("zsh -n '" + script.string() + "'").c_str()), 0);
+  // In place of the functions of a terminal, those that say what they would offer.
+  const auto offered = [&](const std::string& words, int current) {
+    const std::string command = "zsh -f -c 'compadd() { shift; print -l -- $@ }; _files() { print FILES }; words=(" +
+                                words + "); CURRENT=" + std::to_string(current) + "; source " + script.string() + "'";
+    return lines_of_command(command);
+  };
+  const Words launchers = {"local", "slurm"}, scenes = offered("raywatt run --scene \"\"", 4);
+  EXPECT_EQ(offered("raywatt sweep run --launcher \"\"", 5), launchers);
+  EXPECT_EQ(std::ranges::count(scenes, "chess"), 1);
+  EXPECT_EQ(std::ranges::count(scenes, "FILES"), 1);
+  const Words verbs = offered("raywatt ru", 2);
+  EXPECT_EQ(std::ranges::count(verbs, "run"), 1);
+}
+
+TEST_F(OtherShells, FishParsesItsScriptAndOffersNames) {
+  if (!has("fish")) GTEST_SKIP() << "there is no fish";
+  const std::filesystem::path script = folder.write("raywatt.fish", printed({"completion", "fish"}));
+  const std::string home = "HOME='" + folder.path().string() + "' ";
+  EXPECT_EQ(std::system((home + "fish -n '" + script.string() + "'").c_str()), 0);
+  const auto offered = [&](const std::string& line) {
+    Words words =
+        lines_of_command(home + "fish --no-config -c 'source " + script.string() + "; complete -C \"" + line + "\"'");
+    for (std::string& word : words) word.erase(std::min(word.find('\t'), word.size()));
+    return words;
+  };
+  EXPECT_EQ(offered("raywatt run --scene che"), Words{"chess"});
+  EXPECT_EQ(offered("raywatt optimise --launcher s"), Words{"slurm"});
+  EXPECT_EQ(offered("raywatt sweep ca"), Words{"cancel"});
+  EXPECT_EQ(offered("raywatt run --program multirate:un"), Words{"multirate:under"});
 }
 
 TEST(Completion, ShellsAreChecked) { expect_refusal(raywatt({"completion", "csh"}), {"csh", "bash", "zsh", "fish"}); }

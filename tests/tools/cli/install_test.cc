@@ -1,9 +1,11 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <string>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "tests/temp_folder.h"
 #include "tests/tools/program.h"
@@ -36,13 +38,34 @@ struct Installation : testing::Test {
 TempFolder* Installation::folder = nullptr;
 
 TEST_F(Installation, HasWhatTheProgramAndItsUsersNeed) {
-  for (const char* file : {"bin/raywatt", "lib/raywatt/raywatt_images.so", "lib/raywatt/raywatt_search.so",
-                           "share/raywatt/configs/sgrt-2016.yaml", "share/raywatt/workloads/lee2016-car.yaml",
-                           "share/raywatt/published/lee2016.yaml", "share/raywatt/python/raywatt/__init__.py",
-                           "share/doc/raywatt/README.md", "share/doc/raywatt/copyright", "share/man/man1/raywatt.1.gz",
-                           "share/bash-completion/completions/raywatt", "share/zsh/vendor-completions/_raywatt",
-                           "share/fish/vendor_completions.d/raywatt.fish"}) {
+  for (const char* file :
+       {"bin/raywatt", "lib/raywatt/modules/raywatt_images.so", "lib/raywatt/modules/raywatt_search.so",
+        "share/raywatt/configs/sgrt-2016.yaml", "share/raywatt/workloads/lee2016-car.yaml",
+        "share/raywatt/published/lee2016.yaml", "share/raywatt/python/raywatt/__init__.py",
+        "share/doc/raywatt/README.md", "share/doc/raywatt/copyright", "share/man/man1/raywatt.1.gz",
+        "share/bash-completion/completions/raywatt", "share/zsh/vendor-completions/_raywatt",
+        "share/fish/vendor_completions.d/raywatt.fish"}) {
     EXPECT_TRUE(fs::is_regular_file(root() / file)) << file;
+  }
+}
+
+TEST_F(Installation, SaysWhoseTheLibrariesOfPagesAreAsTheyAreLocked) {
+  if (!fs::exists(root() / "share/raywatt/report_page/libraries.js"))
+    GTEST_SKIP() << "no scripts of pages were bundled";
+  std::ifstream file(root() / "share/doc/raywatt/copyright");
+  const std::string copyright(std::istreambuf_iterator<char>(file), {});
+  EXPECT_NE(copyright.find("Files: *\nCopyright: 2026 the Raywatt maintainers\nLicense: Apache-2.0\n"),
+            std::string::npos);
+  const nlohmann::json lock = read_json("tools/report_page/package-lock.json")["packages"];
+  for (const auto& [name, asked] : lock[""]["dependencies"].items()) {
+    const std::string package = "node_modules/" + name;
+    EXPECT_NE(copyright.find("\n " + package + "/*\n"), std::string::npos) << name;
+    const std::string version = name + " " + lock[package]["version"].get<std::string>();
+    EXPECT_NE(copyright.find("\n " + version + "\n"), std::string::npos) << version;
+  }
+  for (const char* holder :
+       {"\n 2015-2023, University of Washington Interactive Data Lab\n", "\n 2015, Mike Bostock\n"}) {
+    EXPECT_NE(copyright.find(holder), std::string::npos) << holder;
   }
 }
 

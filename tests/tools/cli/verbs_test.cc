@@ -81,6 +81,24 @@ TEST(Streams, AnOutputThatCannotBeWrittenEndsWith74) {
   }
 }
 
+TEST(Outputs, ThatCannotBeBegunEndEveryVerbWith2AndNothingIsWritten) {
+  const TempFolder folder;
+  folder.write("file", "");
+  folder.write("s.yaml", "schema: raywatt-sweep/1\nresolution: 16x16\naxes: {cores: [1, 2]}\n");
+  folder.write("o.yaml",
+               "schema: raywatt-optimise/1\nresolution: 16x16\nbudget: 4\nobjectives: [{max: perf.fps}]\n"
+               "axes: {cores: [1, 2, 4, 8]}\n");
+  for (const Words& words :
+       {Words{"run", "-o", "file/out"}, Words{"sweep", "run", "s.yaml", "-o", "file/out"},
+        Words{"sweep", "run", "s.yaml", "-o", "out", "--store", "file/store"},
+        Words{"optimise", "o.yaml", "-o", "file/out"}, Words{"reproduce", "lee2016", "-o", "file/out"},
+        Words{"scenes", "export", "cornell", "-o", "file/out.glb"}}) {
+    const Ending ending = raywatt(words, {.folder = folder.path()});
+    EXPECT_EQ(ending.exit, 2) << words.front() << ": " << ending.err;
+    EXPECT_SAYS(ending.err, "cannot be written");
+  }
+}
+
 TEST(Set, ChangesOneFieldAndTheLastOneCounts) {
   const TempFolder folder;
   output_of(small_run(folder.path() / "out", {"--set", "cores=3", "--set", "l2.size=128 KiB", "--set", "cores=2",

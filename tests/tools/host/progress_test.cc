@@ -37,6 +37,26 @@ TEST(ProgressLine, ShowsShareRateAndTimeLeft) {
             "simulating frame 7 [#########...............] 38 %  1.00 Mrays/s  5 s left");
 }
 
+TEST(ProgressLine, SaysHowLongItTookOnceItHasEndedAndNoTimeLeft) {
+  tools::ProgressState state = half_way();
+  state.phase = "interrupted";
+  state.ended = true;
+  EXPECT_EQ(tools::progress_line(state, 200),
+            "interrupted frame 7 [#########...............] 38 %  1.00 Mrays/s  after 4 s");
+}
+
+TEST(ProgressLine, CountsWhatOthersHaveDoneAsDoneButNotAsDoneInThisTime) {
+  tools::ProgressState state;
+  state.phase = "computing";
+  state.tiles = 100;
+  state.tile = state.tile_before = 40;
+  state.busy_seconds = 10;
+  EXPECT_LT(state.seconds_left(), 0) << "nothing is known yet";
+  EXPECT_EQ(tools::progress_line(state, 200), "computing [#########...............] 40 %");
+  state.tile = 50;
+  EXPECT_DOUBLE_EQ(state.seconds_left(), 50);
+}
+
 TEST(ProgressLine, NeverFillsTheTerminal) {
   for (const std::size_t columns : {1U, 2U, 20U, 60U}) {
     EXPECT_LT(tools::progress_line(half_way(), columns).size(), columns);

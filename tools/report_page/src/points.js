@@ -9,11 +9,14 @@ import * as state from "./state.js";
 
 const ACCENT = "#1f5fa8", REST = "#8a9099", INK = "#1c2733", WAIT = "#b85c12", GROUND = "#ffffff";
 
-/** Rows than which no other is as good in both figures and better in one: indices, from the best x on. */
+/**
+ * Rows than which no other is as good in both figures and better in one: indices, from the best x on. Those that break a
+ * constraint of a search are none.
+ */
 export function frontOf(points, x, y) {
   const better = (metric, a, b) => (metric.more ? a > b : a < b);
   const rows = points.map((p, i) => ({ i, x: p[x.field], y: p[y.field] }))
-    .filter((p) => typeof p.x === "number" && typeof p.y === "number");
+    .filter((p) => typeof p.x === "number" && typeof p.y === "number" && points[p.i].constraints !== "broken");
   rows.sort((a, b) => (a.x !== b.x ? (better(x, a.x, b.x) ? -1 : 1) : a.y === b.y ? 0 : better(y, a.y, b.y) ? -1 : 1));
   const front = [];
   let last = null;

@@ -59,6 +59,14 @@ export function filterOf(text, columns) {
   return (row) => tests.every((test) => test(row));
 }
 
+/** What a filter may be, by a column that there is. */
+function hint(columns) {
+  const column = columns.find((c) => isNumeric(c) && c.field !== "n") ?? columns[0];
+  const name = column.field.split(".").at(-1);
+  const isUnique = columns.filter((c) => c.field === name || c.field.endsWith("." + name)).length === 1;
+  return `words, or comparisons: ${isUnique ? name : column.field}>=0.1`;
+}
+
 /**
  * A table whose headings sort. `id` names its state in the address; `chosen(i, row)` is told of a click on a row, and
  * `filtered(rows)` of what a filter has left.
@@ -75,7 +83,7 @@ export function sortableTable({ id, title }, data, { filter = false, chosen, fil
   const scroller = h("div", { class: "scroller", tabindex: "0", role: "region", "aria-label": `${title}, table` },
     h("table", { class: columns.length > WIDE ? "wide" : null }, h("thead", {}, h("tr", {}, heads)), body));
   const input = filter && h("input", { type: "search", "aria-label": `Filter of ${title}`,
-    placeholder: "words, or comparisons: share>=0.1", oninput: () => state.set({ [`filter.${id}`]: input.value }) });
+    placeholder: hint(columns), oninput: () => state.set({ [`filter.${id}`]: input.value }) });
 
   function turn(field) {
     if (sorted !== field) [sorted, way] = [field, "asc"];

@@ -91,14 +91,16 @@ void watch_sweep(const fs::path& path) {
   const SweepFolder folder = SweepFolder::open(path);
   SweepView view;
   nlohmann::ordered_json status = status_of(folder);
-  const std::uint64_t to_come = count_of(status, "missing");
+  const auto all = static_cast<std::uint32_t>(count_of(status, "points"));
+  const auto known = [&status, all] { return all - static_cast<std::uint32_t>(count_of(status, "missing")); };
+  const std::uint32_t before = known();
   {
     Progress progress("watch", false, &view);
-    progress.begin_part("computing", 0, static_cast<std::uint32_t>(to_come));
+    progress.begin_part("computing", 0, all, before);
     for (;; status = status_of(folder)) {
       const std::uint64_t missing = count_of(status, "missing");
       view.show(counts_text(status));
-      if (missing < to_come) progress.tiles_done(static_cast<std::uint32_t>(to_come - missing), 0, 0);
+      progress.tiles_done(known(), 0, 0);
       const bool is_run = folder.runner() || count_of(status, "running") != 0 || slurm_status(folder);
       if (missing == 0 || !is_run) break;
       std::this_thread::sleep_for(kBetween);

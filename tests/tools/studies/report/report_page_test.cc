@@ -162,6 +162,23 @@ TEST_F(Pages, OfTwoRunsSayWhyTilesAreNotCompared) {
   EXPECT_SAYS(block_of(view_of({"base", "other"}), "pictures")["note"].get<std::string>(), "is no tiles.json");
 }
 
+TEST_F(Pages, OfDamagedFilesAreWrittenAndStandardErrorSaysWhatTheyLack) {
+  const fs::path run = folder->path() / "damaged";
+  fs::copy(folder->path() / "base", run);
+  folder->write("damaged/tiles.json", "{");
+  folder->write("damaged/intervals.bin.zst", "no intervals");
+  folder->write("damaged/image.png", "no picture");
+  const Ending one = in_folder({"report", "damaged", "-o", "damaged.html"});
+  EXPECT_EQ(one.exit, 0) << one.err;
+  for (const char* file : {"tiles.json", "intervals.bin.zst", "image.png"}) {
+    EXPECT_NE(one.err.find(file), std::string::npos) << file << ": " << one.err;
+  }
+  EXPECT_NE(one.err.find("raywatt: warning: "), std::string::npos) << one.err;
+  const Ending two = in_folder({"report", "base", "damaged", "-o", "damaged-diff.html"});
+  EXPECT_EQ(two.exit, 0) << two.err;
+  EXPECT_NE(two.err.find("the page compares no tiles"), std::string::npos) << two.err;
+}
+
 TEST_F(Pages, OfASweepHaveAPointARowAndTheirCommands) {
   const Json view = view_of({"sweep"});
   EXPECT_EQ(column(view, "points", "n").size(), 4U);

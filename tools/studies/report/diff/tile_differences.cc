@@ -5,18 +5,28 @@
 #include <fmt/ranges.h>
 
 #include "sim/error.h"
+#include "tools/host/standard_streams.h"
 #include "tools/studies/report/diff/diff_parts.h"
 #include "tools/studies/report/page/tile_maps.h"
 
 namespace tools::pages {
 namespace {
 
+TileTable loaded_or_told(const std::filesystem::path& file) {
+  try {
+    return load_tiles(file);
+  } catch (const sim::InputError& error) {
+    tell("warning: {}; the page compares no tiles", error.what());
+    throw;
+  }
+}
+
 TileFrame first_frame(const ReportFile& report, const std::string& name) {
   const std::filesystem::path folder = report.file.parent_path();
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(folder / kTilesFile, ignored))
     throw sim::InputError(fmt::format("{} has no {}", name, kTilesFile));
-  TileTable table = load_tiles(folder / kTilesFile);
+  TileTable table = loaded_or_told(folder / kTilesFile);
   if (table.frames.empty()) throw sim::InputError(fmt::format("{} of {} has no frames", kTilesFile, name));
   return std::move(table.frames.front());
 }

@@ -6,6 +6,7 @@
 
 #include "sim/error.h"
 #include "sim/io/file.h"
+#include "tools/host/standard_streams.h"
 #include "tools/studies/report/page/page_file.h"
 #include "traces/scene/images.h"
 
@@ -61,7 +62,8 @@ std::optional<std::string> page_picture(const std::filesystem::path& file, std::
     if (square == 1) return data_url("image/png", bytes);
     const std::vector<unsigned char> png = traces::encode_png(averaged(picture, square));
     return data_url("image/png", {reinterpret_cast<const char*>(png.data()), png.size()});
-  } catch (const sim::InputError&) {
+  } catch (const sim::InputError& error) {
+    tell("warning: {}; the page goes without it", error.what());
     return std::nullopt;
   }
 }

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "sim/error.h"
+#include "tools/host/standard_streams.h"
 #include "tools/studies/report/page/page_file.h"
 #include "tools/studies/report/page/page_picture.h"
 #include "tools/studies/report/page/tile_maps.h"
@@ -140,6 +141,7 @@ Overlays overlays_of(const Run& run) {
       from(run, out);
     } catch (const sim::InputError& error) {
       out.missing += fmt::format("{}{}.", out.missing.empty() ? "" : " ", error.what());
+      tell("warning: {}; the page lacks its overlays", error.what());
     }
   };
   add(kTilesFile, add_tiles);

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "sim/error.h"
+#include "tools/host/standard_streams.h"
 #include "tools/studies/report/page/specs.h"
 #include "tools/studies/report/run/run_parts.h"
 
@@ -102,6 +103,7 @@ void add_series(const Run& run, View& view) {
     section.block("series", "series", "Over time", {{"charts", std::move(charts)}});
   } catch (const sim::InputError& error) {
     section.text(fmt::format("Figures over time are not shown: {}", error.what()));
+    tell("warning: {}; the page shows no figures over time", error.what());
   }
   view.add(section);
 }

@@ -67,6 +67,9 @@ Dataset points_of(const Sweep& sweep) {
   for (const results::Column& axis : sweep.axes)
     columns.push_back({sim::printable(axis.name), sim::printable(axis.name)});
   for (const Metric& metric : sweep.metrics) columns.push_back({metric.path, metric.words, metric.show, metric.unit});
+  const bool has_constraints = sweep.has_constraints();
+  const std::vector<bool> eligible = sweep.eligible();
+  if (has_constraints) columns.push_back({"constraints", "constraints"});
   columns.push_back({"error", "error"});
   columns.push_back({"command", "command"});
   const results::Column errors = sweep.results.column("error");
@@ -77,6 +80,7 @@ Dataset points_of(const Sweep& sweep) {
     for (const results::Column& axis : sweep.axes)
       cells.emplace_back(sim::printable(results::exact_text(axis.values[i])));
     for (const results::Column& values : sweep.values) cells.push_back(number_of(values.values[i]));
+    if (has_constraints) cells.emplace_back(!row.is_done() ? "" : eligible[i] ? "met" : "broken");
     cells.emplace_back(sim::printable(results::exact_text(errors.values[i]), kLongestText));
     cells.emplace_back(sim::printable(command_text(sweep.points[i].options().argv), kLongestText));
     data.row(std::move(cells));
@@ -106,7 +110,7 @@ std::pair<std::string, std::string> first_figures(const Sweep& sweep) {
 Json front_of(const Sweep& sweep, const std::string& x_path, const std::string& y_path) {
   results::Objective x(sweep.results, x_path), y(sweep.results, y_path);
   std::vector<std::size_t> rows;
-  const std::vector<bool> may = sweep.done();
+  const std::vector<bool> may = sweep.eligible();
   for (std::size_t row = 0; row < may.size(); ++row) {
     if (may[row] && x.of(row) && y.of(row)) rows.push_back(row);
   }
@@ -127,6 +131,26 @@ Json front_of(const Sweep& sweep, const std::string& x_path, const std::string& 
 std::vector<bool> Sweep::done() const {
   std::vector<bool> out;
   for (const results::Row& row : results.rows()) out.push_back(row.is_done());
+  return out;
+}
+
+bool Sweep::has_constraints() const { return task && !std::ranges::all_of(task->goals, &optimise::Goal::is_objective); }
+
+std::vector<bool> Sweep::eligible() const {
+  std::vector<bool> out = done();
+  if (!has_constraints()) return out;
+  for (const optimise::Goal& goal : task->goals) {
+    if (goal.is_objective()) continue;
+    try {
+      const results::Objective figure(results, goal.figure);
+      for (std::size_t row = 0; row < out.size(); ++row) {
+        const std::optional<double> value = figure.of(row);
+        out[row] = out[row] && value && goal.is_met(*value);
+      }
+    } catch (const sim::InputError&) {
+      out.assign(out.size(), false);  // no point has it
+    }
+  }
   return out;
 }
 
@@ -167,8 +191,9 @@ void add_points(const Sweep& sweep, View& view) {
   }
   Json shared = {{"data", "points"}, {"axes", axes_of(sweep)}, {"metrics", metrics}};
   Section front("front", "Points and their front",
-                "A point is on the front if no other is as good in both figures and better in one. A click on a point, "
-                "or on its row below, shows the command that runs it again.");
+                fmt::format("A point is on the front if no other {}is as good in both figures and better in one. A "
+                            "click on a point, or on its row below, shows the command that runs it again.",
+                            sweep.has_constraints() ? "that meets the constraints " : ""));
   const auto [x, y] = first_figures(sweep);
   if (!x.empty()) {
     Json more = shared;

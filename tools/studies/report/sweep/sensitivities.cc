@@ -41,11 +41,12 @@ const Metric* main_metric(const Sweep& sweep) {
 
 std::optional<std::size_t> best_row(const Sweep& sweep, const Metric& metric) {
   const results::Column column = sweep.results.column(metric.path);
+  const std::vector<bool> eligible = sweep.eligible();
   std::optional<std::size_t> best;
   double figure = 0;
   for (std::size_t row = 0; row < column.values.size(); ++row) {
     const auto amount = results::amount_of(column.values[row]);
-    if (!sweep.results.rows()[row].is_done() || !amount) continue;
+    if (!eligible[row] || !amount) continue;
     if (best && !(metric.more ? amount->value > figure : amount->value < figure)) continue;
     best = row;
     figure = amount->value;
@@ -71,8 +72,8 @@ void add_headlines(const Sweep& sweep, const std::vector<std::string>& paths, Vi
       out.low = std::min(out.low.get<double>(), amount->value);
       out.high = std::max(out.high.get<double>(), amount->value);
     }
-    out.note =
-        fmt::format("the {} of all points, of point {}", metric.more ? "most" : "least", sweep.results.rows()[*best].n);
+    out.note = fmt::format("the {} of {} points, of point {}; band of all", metric.more ? "most" : "least",
+                           sweep.has_constraints() ? "eligible" : "all", sweep.results.rows()[*best].n);
     view.headline(out);
   }
 }
@@ -92,6 +93,27 @@ std::string axes_text(const Sweep& sweep, std::size_t row) {
   for (const results::Column& axis : sweep.axes)
     words.push_back(sim::printable(fmt::format("{} {}", axis.name, results::exact_text(axis.values[row]))));
   return fmt::format("{}", fmt::join(words, ", "));
+}
+
+/// "62 % of its variance (95 %: 58 to 66 %)"
+std::string share_text(const results::Effect& effect) {
+  const std::string share = fmt::format("{:.0f} % of its variance", 100 * effect.share);
+  if (effect.low == effect.high) return share;
+  return fmt::format("{} (95 %: {:.0f} to {:.0f} %)", share, 100 * effect.low, 100 * effect.high);
+}
+
+/// The axis that explains most of a figure, as far as the points tell.
+std::string what_decides(const results::Sensitivity& found, const std::string& figure) {
+  const std::string points = fmt::format("{} point{}{}", found.points, found.points == 1 ? "" : "s",
+                                         found.is_grid ? "" : ", which are no full grid");
+  const results::Effect& first = found.effects.front();
+  const results::Effect* const second = found.effects.size() > 1 ? &found.effects[1] : nullptr;
+  if (second != nullptr && first.low <= second->high) {
+    return fmt::format("What decides {} most is not told apart by {}: {} explains {}, {} {}.", figure, points,
+                       first.axis, share_text(first), second->axis, share_text(*second));
+  }
+  return fmt::format("{} of {} is decided by {}: {}, by {}.", first.low > 0.5 ? "Most" : "The largest part", figure,
+                     first.axis, share_text(first), points);
 }
 
 }  // namespace
@@ -115,7 +137,11 @@ void add_sweep_verdict(const Sweep& sweep, View& view) {
                                                                   {"what each axis does", "sensitivity"}};
   const Metric* const metric = main_metric(sweep);
   const std::optional<std::size_t> best = metric != nullptr ? best_row(sweep, *metric) : std::nullopt;
-  if (!best) return view.verdict("No point of this sweep has a result yet.", "", {{"the points", "front"}});
+  if (!best) {
+    return view.verdict(finished > 0 && sweep.has_constraints() ? "No point that has a result meets the constraints."
+                                                                : "No point of this sweep has a result yet.",
+                        "", {{"the points", "front"}});
+  }
   add_headlines(sweep, asked_of(sweep), view);
   const double value = results::amount_of(sweep.results.column(metric->path).values[*best])->value;
   const std::string more =
@@ -125,10 +151,7 @@ void add_sweep_verdict(const Sweep& sweep, View& view) {
   if (!found) {
     return view.verdict(fmt::format("No axis changes {}.", metric->words), more, {{"the front", "front"}});
   }
-  const results::Effect& first = found->effects.front();
-  view.verdict(fmt::format("Most of {} is decided by {}: {:.0f} % of its variance.", metric->words, first.axis,
-                           100 * first.share),
-               more, links);
+  view.verdict(what_decides(*found, metric->words), more, links);
 }
 
 void add_sensitivities(const Sweep& sweep, View& view) {

@@ -31,6 +31,9 @@ struct Sweep {
   std::vector<results::Column> values;  ///< the metrics'
 
   std::vector<bool> done() const;
+  bool has_constraints() const;
+  /// Points that are done and meet the constraints of a search: those that may be best, or on the front.
+  std::vector<bool> eligible() const;
   const Metric* metric(const std::string& path) const;
 };
 

@@ -51,7 +51,15 @@ void make_folders(const std::filesystem::path& path) {
   const fs::path parent = fs::absolute(path).lexically_normal().parent_path();
   if (parent != path) make_folders(parent);
   if (fs::create_directory(path, error)) make_durable(parent);
-  if (error) give_up(path, error.value());
+  if (error) give_up(path, error == std::errc::file_exists ? ENOTDIR : error.value());
+}
+
+void begin_folder(const std::filesystem::path& path) {
+  try {
+    make_folders(path);
+  } catch (const sim::IoError& error) {
+    throw sim::InputError(error.what());
+  }
 }
 
 }  // namespace tools::sweep

@@ -107,7 +107,7 @@ SweepFolder SweepFolder::open(const fs::path& path) {
 std::optional<Lock> SweepFolder::claim(const fs::path& path, Of of) {
   check_free(path, kOf[static_cast<std::size_t>(of)]);
   check_name(fs::absolute(path));
-  make_folders(path);
+  begin_folder(path);
   return Lock::attempt(path / "lock", fmt::format("{} {}\n", host_name(), ::getpid()));
 }
 
@@ -118,6 +118,7 @@ SweepFolder SweepFolder::create(const fs::path& path, Of of, const std::string& 
   folder.store_ = fs::absolute(store).lexically_normal();
   folder.slurm_ = slurm;
   check_name(folder.store_);
+  begin_folder(folder.store_);
   make_folders(folder.log());
   for (const std::string_view file : kFiles) sim::remove_left_of(folder.path_ / file);
   for (const std::string_view file : kResults) sim::remove_left_of(folder.path_ / file);

@@ -1,0 +1,47 @@
+// The page of a search.
+import assert from "node:assert/strict";
+import fs from "node:fs";
+import { test } from "node:test";
+import { at, look, numberOf, program } from "./surroundings.mjs";
+
+const cells = (line) => line.match(/("([^"]|"")*"|[^,]*)(,|$)/g).map((cell) => cell.replace(/,$/, ""));
+const table = (...names) => {
+  const [head, ...lines] = fs.readFileSync(at(...names), "utf8").trim().split("\n").map(cells);
+  return lines.map((line) => Object.fromEntries(head.map((name, i) => [name, line[i]])));
+};
+const LIMIT = 0.33;  // watts: some points meet it and some do not
+const front = table("search", "front.csv");
+
+test("the page asks what the search asked, and begins with the front that it found", () => look("search.html", {}, async (page) => {
+  const text = await page.locator("body").innerText();
+  for (const words of ["Which machines are quick and frugal?", "max perf.fps", "max frames_per_joule_gpu", `power_w.nominal < ${LIMIT}`]) {
+    assert.ok(text.includes(words), words);
+  }
+  assert.equal(await page.getByLabel("y", { exact: true }).inputValue(), "totals.perf.fps");
+  assert.equal(await page.getByLabel("x", { exact: true }).inputValue(), "totals.perf.frames_per_joule_gpu");
+  const found = await page.locator('[data-block="scatter"]').evaluate((figure) => figure.front());
+  assert.deepEqual([...found].sort((a, b) => a - b), front.map((row) => Number(row.n)).sort((a, b) => a - b));
+}));
+
+test("no point that breaks a constraint is best or on a front, whatever the figures are", () => look("search.html", {}, async (page) => {
+  const points = table("search", "results.csv");
+  const power = (n) => Number(points.find((row) => row.n === String(n))["totals.power_w.nominal"]);
+  assert.ok(points.some((row) => Number(row["totals.power_w.nominal"]) >= LIMIT), "the constraint refuses some");
+  const eligible = points.filter((row) => Number(row["totals.power_w.nominal"]) < LIMIT);
+  const best = Math.max(...eligible.map((row) => Number(row["totals.perf.fps"])));
+  assert.ok(best < Math.max(...points.map((row) => Number(row["totals.perf.fps"]))), "and the quickest of all");
+  const shown = await page.locator('[data-figure="totals.perf.fps"] .value').innerText();
+  assert.ok(Math.abs(numberOf(shown) / best - 1) < 1e-3, `${shown} is not ${best}`);
+  for (const x of ["totals.power_w.nominal", "totals.cycles"]) {
+    await page.getByLabel("x", { exact: true }).selectOption(x);
+    const found = await page.locator('[data-block="scatter"]').evaluate((figure) => figure.front());
+    assert.ok(found.length > 0 && found.every((n) => power(n) < LIMIT), `${x}: ${found}`);
+  }
+  await page.locator('[data-block="points"]').getByRole("searchbox").fill("constraints=met");
+  assert.equal(await page.locator('[data-block="points"] tbody tr').count(), eligible.length);
+}));
+
+test("points that a search asked for show the commands that front.csv has", () => look("search.html", { hash: `#point=${front[0].n}` }, async (page) => {
+  assert.equal(await page.locator(".command code").innerText(), front[0].command.replace(/^"|"$/g, "").replaceAll('""', '"'));
+  assert.equal(await page.locator('[data-block="points"] tbody tr').count(), table("search", "results.csv").length);
+}));

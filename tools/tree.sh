@@ -1,0 +1,46 @@
+# shellcheck shell=bash
+# Minimal trees of Debian that are entered by chroot; sourced after lib.sh.
+
+# This machine's sources of the release $1, as "URL suite component" lines; if it has none, the release from the mirror
+# that it has of another.
+apt_sources() {
+  local all
+  # shellcheck disable=SC2016
+  all=$(apt-get indextargets --format '$(REPO_URI) $(RELEASE) $(COMPONENT)' 'Created-By: Packages' | sort -u)
+  awk -v release="$1" '$2 ~ "^" release { print; found = 1 } END { exit !found }' <<<"$all" ||
+    awk -v release="$1" -v known="bookworm trixie" \
+      'index(" " known " ", " " $2 " ") && $3 == "main" { print $1, release, "main"; exit }' <<<"$all"
+}
+
+remove_tree() {
+  ! mountpoint -q "$tree/proc" || umount "$tree/proc" || umount -l "$tree/proc"
+  rm -rf --one-file-system "$tree"
+}
+
+in_tree() {
+  chroot "$tree" /usr/bin/env -i HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin "$@"
+}
+
+# make_tree RELEASE [MIRROR]: sets `tree`, which is removed when this shell ends.
+make_tree() {
+  local mirror=${2:-} sources
+  [ "$(id -u)" = 0 ] || fail "a tree of Debian needs root"
+  command -v debootstrap >/dev/null || fail "a tree of Debian needs debootstrap: apt-get install -y debootstrap"
+  if [ -n "$mirror" ]; then
+    sources="$mirror $1 main"
+  else
+    sources=$(apt_sources "$1")
+    mirror=$(awk -v release="$1" '$2 == release { print $1; exit }' <<<"$sources")
+    [ -n "$mirror" ] || fail "apt on this machine has no source of $1; use --mirror URL"
+  fi
+
+  tree=$(mktemp -d "${TMPDIR:-/tmp}/raywatt-fresh.XXXXXX")
+  chmod 755 "$tree"  # not everybody who works there is root
+  trap remove_tree EXIT
+  trap 'exit 130' INT
+  trap 'exit 143' TERM
+  step "make a minimal tree of $1" debootstrap --variant=minbase "$1" "$tree" "$mirror"
+  awk '{ print "deb", $0 }' <<<"$sources" >"$tree/etc/apt/sources.list"
+  apt-config dump | grep '^Acquire::[a-z]*::Proxy' >"$tree/etc/apt/apt.conf.d/90proxy" || true
+  mountpoint -q "$tree/proc" || mount -t proc proc "$tree/proc" || fail "cannot mount $tree/proc"
+}
