@@ -74,7 +74,7 @@ TEST_F(Bash, CompletesChoices) {
 TEST_F(Bash, CompletesNamesOfConfigurationsScenesWorkloadsProgramsAndExperiments) {
   const Words presets = {"sgrt-2016", "sgrt-balanced"}, workloads = offered("raywatt run --scene lee2016-");
   EXPECT_EQ(offered("raywatt run sgrt-"), presets);
-  EXPECT_EQ(offered("raywatt run sgrt-2016 --scene che"), Words{"chess"});
+  EXPECT_EQ(offered("raywatt run sgrt-2016 --scene teap"), Words{"teapot"});
   EXPECT_TRUE(std::ranges::count(workloads, "lee2016-car") == 1) << workloads.size();
   EXPECT_EQ(offered("raywatt run --program under"), Words{"undersample"});
   EXPECT_EQ(offered("raywatt optimise optimise-c"), Words{"optimise-cores"});
@@ -88,9 +88,9 @@ TEST_F(Bash, CompletesWhatFollowsAColonThoughItBreaksWords) {
 }
 
 TEST_F(Bash, OffersFilesWhereNamesAreKnown) {
-  folder.write("empty/chess-club.glb", "");
-  const Words both = {"chess", "chess-club.glb"};
-  EXPECT_EQ(offered("raywatt run --scene che"), both);
+  folder.write("empty/teapot-club.glb", "");
+  const Words both = {"teapot", "teapot-club.glb"};
+  EXPECT_EQ(offered("raywatt run --scene teap"), both);
 }
 
 TEST_F(Bash, OffersEveryOptionThatHelpShows) {
@@ -143,7 +143,7 @@ TEST_F(OtherShells, FishParsesItsScriptAndOffersNames) {
     for (std::string& word : words) word.erase(std::min(word.find('\t'), word.size()));
     return words;
   };
-  EXPECT_EQ(offered("raywatt run --scene che"), Words{"chess"});
+  EXPECT_EQ(offered("raywatt run --scene teap"), Words{"teapot"});
   EXPECT_EQ(offered("raywatt optimise --launcher s"), Words{"slurm"});
   EXPECT_EQ(offered("raywatt sweep ca"), Words{"cancel"});
   EXPECT_EQ(offered("raywatt run --program multirate:un"), Words{"multirate:under"});

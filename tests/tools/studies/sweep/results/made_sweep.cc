@@ -10,22 +10,22 @@
 namespace test {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 namespace {
 
 void write_bytes(const fs::path& file, const std::string& bytes) { std::ofstream(file, std::ios::binary) << bytes; }
 
-Json made_of(std::uint64_t n) { return {{"n", n}}; }
+OrderedJson made_of(std::uint64_t n) { return {{"n", n}}; }
 
-Json core(int loads) { return {{"srp", {{"counters", {{"loads", loads}}}}}}; }
+OrderedJson core(int loads) { return {{"srp", {{"counters", {{"loads", loads}}}}}}; }
 
 }  // namespace
 
-Json made_report(double cycles) {
+OrderedJson made_report(double cycles) {
   static int made = 0;
   ++made;
-  const Json totals = {{"cycles", cycles},
+  const OrderedJson totals = {{"cycles", cycles},
                        {"time_ms", cycles / 500},
                        {"traversal_steps", cycles},
                        {"limiter", "L2, and \"DRAM\""},
@@ -34,7 +34,7 @@ Json made_report(double cycles) {
                        {"top_down", {{"cores", {{{"boxes", 0.25}}, {{"boxes", 0.5}}}}}},
                        {"psnr_db", nullptr},
                        {"identical", true}};
-  Json frame = totals;
+  OrderedJson frame = totals;
   frame["frame"] = 3;
   frame["rays"] = {{"total", 17}};
   return {{"schema", "raywatt-report/1"},
@@ -74,7 +74,7 @@ void MadeSweep::finish(std::size_t n, const std::string& report) const {
   });
 }
 
-void MadeSweep::finish(std::size_t n, const Json& report) const { finish(n, report.dump(2) + "\n"); }
+void MadeSweep::finish(std::size_t n, const OrderedJson& report) const { finish(n, report.dump(2) + "\n"); }
 
 void MadeSweep::finish(std::size_t n, double cycles) const { finish(n, made_report(cycles)); }
 
