@@ -119,8 +119,8 @@ std::string what_comes(const std::vector<DeclaredVerb>& verbs) {
 }
 
 std::string for_bash(const std::vector<DeclaredVerb>& verbs) {
-  return R"(_raywatt() {
-  local verb word next= choices= names= begun= previous=${COMP_WORDS[COMP_CWORD - 1]} current=${COMP_WORDS[COMP_CWORD]}
+  return "_raywatt() {\n"
+         R"(  local verb word next= choices= names= begun= previous=${COMP_WORDS[COMP_CWORD - 1]} current=${COMP_WORDS[COMP_CWORD]}
   local before=("${COMP_WORDS[@]:1:COMP_CWORD - 1}")
   if [[ $current == : ]]; then  # bash takes a colon for a word
     begun=$previous: current=$begun previous=${COMP_WORDS[COMP_CWORD - 2]}
