@@ -102,25 +102,22 @@ std::string find_verb(const std::vector<DeclaredVerb>& verbs) {
 
 /// Lines that put the words that may come next into `next`, or `choices`, or `names` that may be files as well.
 std::string what_comes(const std::vector<DeclaredVerb>& verbs) {
-  return "  case $verb in\n" +
-         cases(verbs,
-               [](const DeclaredVerb& verb) {
-                 std::string lines = fmt::format("      next='{} {} {}'\n", joined(verb.verbs),
-                                                 joined(positional_names(verb)), joined(option_names(verb)));
-                 std::string choices;
-                 for_values(verb, [&](const auto& names, const char* variable, const auto& values) {
-                   choices +=
-                       fmt::format("        {}) {}='{}' ;;\n", fmt::join(names, " | "), variable, joined(values));
-                 });
-                 if (!choices.empty()) lines += "      case $previous in\n" + choices + "      esac\n";
-                 return lines;
-               }) +
-         "  esac\n";
+  const auto offered = [](const DeclaredVerb& verb) {
+    std::string lines = fmt::format("      next='{} {} {}'\n", joined(verb.verbs), joined(positional_names(verb)),
+                                    joined(option_names(verb)));
+    std::string choices;
+    for_values(verb, [&](const auto& names, const char* variable, const auto& values) {
+      choices += fmt::format("        {}) {}='{}' ;;\n", fmt::join(names, " | "), variable, joined(values));
+    });
+    if (!choices.empty()) lines += "      case $previous in\n" + choices + "      esac\n";
+    return lines;
+  };
+  return "  case $verb in\n" + cases(verbs, offered) + "  esac\n";
 }
 
 std::string for_bash(const std::vector<DeclaredVerb>& verbs) {
-  return "_raywatt() {\n"
-         R"(  local verb word next= choices= names= begun= previous=${COMP_WORDS[COMP_CWORD - 1]} current=${COMP_WORDS[COMP_CWORD]}
+  return R"(_raywatt() {
+  local verb word next= choices= names= begun= previous=${COMP_WORDS[COMP_CWORD - 1]} current=${COMP_WORDS[COMP_CWORD]}
   local before=("${COMP_WORDS[@]:1:COMP_CWORD - 1}")
   if [[ $current == : ]]; then  # bash takes a colon for a word
     begun=$previous: current=$begun previous=${COMP_WORDS[COMP_CWORD - 2]}
