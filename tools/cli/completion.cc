@@ -179,6 +179,7 @@ std::string for_fish(const std::vector<DeclaredVerb>& verbs) {
     }
     for (const DeclaredOption& option : verb.options) {
       if (option.is_positional) continue;
+      const std::string first_line = option.help.substr(0, option.help.find('\n'));
       out += here;
       for (const std::string& name : option.names) {
         out += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
@@ -188,7 +189,7 @@ std::string for_fish(const std::vector<DeclaredVerb>& verbs) {
       if (const std::vector<std::string> names = known_names(verb, option); !names.empty()) {
         out += " -a " + shell_word(joined(names));
       }
-      out += fmt::format(" -d {}\n", shell_word(option.help));
+      out += fmt::format(" -d {}\n", shell_word(first_line));
     }
   }
   return out;

@@ -72,7 +72,8 @@ TEST_F(Bash, CompletesChoices) {
 }
 
 TEST_F(Bash, CompletesNamesOfConfigurationsScenesWorkloadsProgramsAndExperiments) {
-  const Words presets = {"sgrt-2016", "sgrt-balanced"}, workloads = offered("raywatt run --scene lee2016-");
+  const Words presets = {"sgrt-2016", "sgrt-2016-tiles16", "sgrt-balanced"},
+              workloads = offered("raywatt run --scene lee2016-");
   EXPECT_EQ(offered("raywatt run sgrt-"), presets);
   EXPECT_EQ(offered("raywatt run sgrt-2016 --scene teap"), Words{"teapot"});
   EXPECT_TRUE(std::ranges::count(workloads, "lee2016-car") == 1) << workloads.size();
@@ -88,6 +89,7 @@ TEST_F(Bash, CompletesWhatFollowsAColonThoughItBreaksWords) {
 }
 
 TEST_F(Bash, OffersFilesWhereNamesAreKnown) {
+  std::filesystem::create_directory(folder.path() / "empty");
   folder.write("empty/teapot-club.glb", "");
   const Words both = {"teapot", "teapot-club.glb"};
   EXPECT_EQ(offered("raywatt run --scene teap"), both);
