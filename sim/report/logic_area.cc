@@ -35,7 +35,7 @@ LogicArea::LogicArea(const UnitReport& unit, const EnergyConfig& config)
 
 double LogicArea::at(Side side) const {
   double mm2 = logic_->*side;
-  for (const Difference& d : differences_) mm2 += d.count * (d.part->*side);
+  for (const Difference& d : differences_) mm2 += d.count * (d.count < 0 ? d.part->nominal : d.part->*side);
   return std::max(0.0, mm2);
 }
 

@@ -91,7 +91,15 @@ TEST(Area, OfLogicIsThatOfItsFigureWithAsManyPartsAsTheFigureHolds) {
 
 TEST(Area, OfLogicGrowsByEachPartMoreAndShrinksByEachPartLess) {
   EXPECT_EQ(logic_with(5, 1), (Spread{0.5 + 3 * 0.125, 1 + 3 * 0.25, 2 + 3 * 0.5}));
-  EXPECT_EQ(logic_with(1, 3), (Spread{0.5 - 0.125 + 0.5, 1 - 0.25 + 1, 2 - 0.5 + 2}));
+  EXPECT_EQ(logic_with(1, 3), (Spread{0.5 - 0.25 + 0.5, 1 - 0.25 + 1, 2 - 0.25 + 2}));
+}
+
+TEST(Area, OfLogicIsNoSmallerUnderHighTablesThanUnderLowOnesThoughItHoldsLess) {
+  EnergyConfig c = energy();
+  c.logic["tni.trv"] = {1, 1, 1};
+  UnitReport u = unit("core0.tni.trv0", "tni", 0, 0);
+  u.parts = {{"tester", 0}, {"adder", 1}};
+  EXPECT_EQ(LogicArea(u, c).band(), (Spread{0.5, 0.5, 0.5}));
 }
 
 TEST(Area, OfLogicIsNeverBelowNothing) {

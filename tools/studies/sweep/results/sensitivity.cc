@@ -192,7 +192,7 @@ std::string band_text(const Results& results, const std::vector<std::string>& me
     const Objective objective(results, metric);
     if (!energy_metric(objective.column.name)) continue;
     const FigureNoise noise(results, objective.column, numbers_in(results, objective.column, may));
-    out += "\n" + band.tornado_text(results, band.metric(noise.means(), objective.most)) + draws_note(noise);
+    out += "\n" + band.tornado_text(results, band.metric(noise.means(), objective.most));
   }
   if (out.empty()) throw sim::InputError("--energy band: no metric has joules in it; allowed: e.g. energy_mj.nominal");
   return out;
