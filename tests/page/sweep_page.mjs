@@ -18,7 +18,7 @@ test("the table sorts, filters, and shows all points", () => look("sweep.html", 
 }));
 
 test("headlines are the best of all points, with the band of all", () => look("sweep.html", {}, async (page) => {
-  const best = (way) => numberOf(program("sweep", "best", "sweep", way, "totals.perf.fps").match(/^totals\.perf\.fps +(.+)$/m)[1]);
+  const best = (way) => numberOf(program("sweep", "best", "sweep", way, "totals.perf.fps").match(/^perf\.fps +(.+)$/m)[1]);
   const figure = page.locator('[data-figure="totals.perf.fps"]');
   assert.ok(Math.abs(numberOf(await figure.locator(".value").innerText()) / best("--max") - 1) < 1e-3);
   const [low, high] = (await figure.locator(".band").innerText()).split(" to ").map(numberOf);
