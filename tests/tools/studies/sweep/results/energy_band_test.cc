@@ -99,8 +99,7 @@ TEST_F(BandOfASweep, IsToldByBestParetoAndSensitivity) {
   EXPECT_SAYS(ask("pareto", pareto), "1.000 / 1.000 / 1.000") << "the best over itself";
   const std::string tornado = ask("sensitivity", {"--metric", "energy_mj.nominal", "--energy", "band"});
   EXPECT_SAYS(tornado, "pairs turned");
-  EXPECT_SAYS(tornado, "of noise they say nothing\n");
-  EXPECT_EQ(tornado.find("replicate 0"), std::string::npos) << "no point has replicates";
+  EXPECT_EQ(tornado.find("draws"), std::string::npos) << "it draws nothing";
   EXPECT_SAYS(tornado, "energy.");
   const std::string out = (folder.path() / "out").string();
   expect_refusal(raywatt({"sweep", "pareto", out, "--x", "cycles", "--y", "fps", "--energy", "band"}), {"joules"});
