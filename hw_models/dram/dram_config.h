@@ -222,7 +222,8 @@ struct DramConfig {
 
   static void describe(auto& c, auto&& field) {
     using sim::Affects;
-    field(NAMED(c.grade), "", "name of the speed grade for reports, any text; extends takes another grade's figures", sim::any(), Affects::kReport);
+    field(NAMED(c.grade), "", "name of the speed grade for reports, any text; extends takes another grade's figures",
+          sim::any(), Affects::kReport);
     field(NAMED(c.channels), "channels", "independent channels, interleaved by line", sim::power_of_two(1, 16),
           Affects::kTiming);
     field(NAMED(c.line), "bytes", "data of one request", sim::power_of_two(16, 256), Affects::kTiming);

@@ -53,9 +53,6 @@ struct ListContrasts {
   }
 
  private:
-  /// Exponents up to this one leave half of a weight: samples are alike.
-  static constexpr float kHalved = 0.69314718F;
-
   /// Whether one layer's colours differ around its sample at `centre`.
   template <class V>
   static M<V> differs(const F<V>& centre, const ShadedAround<1, V>& around, Ports<V>& at) {

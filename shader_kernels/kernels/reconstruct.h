@@ -26,6 +26,8 @@ struct Similarity {
   F<V> weight() const { return select(same_shadows, decay<V>(depth + normal), F<V>(0.0F)); }
 };
 
+/// Sum of a weight's exponents that halves it.
+inline constexpr float kHalved = 0.69314718F;
 /// Weights that sum to less are none.
 inline constexpr float kLeastWeight = 1e-30F;
 

@@ -11,10 +11,10 @@ namespace sim {
 ///
 ///   energy.logic + sum over the unit's parts ( (count - energy.parts_in_logic) x energy.parts ), not below 0
 ///
-/// What is taken away is taken at its nominal area, of which energy.logic is made: so a smaller unit's band is in order.
-/// A part is looked up as "<block>.<kind>.<part>", then as "<block>.<part>". A table that knows no parts at all is that
-/// of a report from before there were any: its logic is energy.logic, whatever the unit is built of. `config` must
-/// outlive the formula and keep its entries.
+/// What is taken away is taken at its nominal area, of which energy.logic is made: so a smaller unit's band is in
+/// order. A part is looked up as "<block>.<kind>.<part>", then as "<block>.<part>". A table that knows no parts at all
+/// is that of a report from before there were any: its logic is energy.logic, whatever the unit is built of. `config`
+/// must outlive the formula and keep its entries.
 class LogicArea {
  public:
   /// Throws InputError for a unit without `logic`, or with a part that the table does not know.

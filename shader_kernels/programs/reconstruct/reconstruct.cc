@@ -189,8 +189,7 @@ void ReconstructProgram::limit(Tile& tile, const Part& part) const {
     tile.wave.wait_for_colours(limited);
     if (!tile.wave.is_muted()) tile.wave.colours_are_in(limited);
   };
-  if (layers_ == 1) return launch.template operator()<0>();
-  layers_ == 2 ? launch.template operator()<1>() : launch.template operator()<2>();
+  with_branches(launch);
 }
 
 }  // namespace kernels

@@ -74,6 +74,12 @@ class ReconstructProgram final : public FrameProgram {
   std::uint32_t exchanged_bytes() const;
   std::uint64_t store_bytes() const;
 
+  /// Calls f<kBranches>() for as many as there are beside the surfaces.
+  template <class Function>
+  auto with_branches(Function&& f) const {
+    if (layers_ == 1) return f.template operator()<0>();
+    return layers_ == 2 ? f.template operator()<1>() : f.template operator()<2>();
+  }
   Tile tile_of(const SampleTile& at, Wavefront& wave, TileResult& out) const;
   VisibleSamples records(bool are_shaded) const;
   void bind_pixels(auto& ports, const Tile& tile) const;

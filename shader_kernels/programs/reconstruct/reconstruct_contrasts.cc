@@ -6,8 +6,7 @@ namespace kernels {
 /// four. Their primary rays are cast once more: what the first time left is geometry alone. In the tile buffer their
 /// colours lie where that was, since the filters are through with it.
 ReconstructProgram::Node ReconstructProgram::shade_contrasts(Tile& tile, Node filtered) const {
-  if (layers_ == 1) return shade_contrasts<0>(tile, filtered);
-  return layers_ == 2 ? shade_contrasts<1>(tile, filtered) : shade_contrasts<2>(tile, filtered);
+  return with_branches([&]<std::uint32_t kBranches> { return shade_contrasts<kBranches>(tile, filtered); });
 }
 
 template <std::uint32_t kBranches>

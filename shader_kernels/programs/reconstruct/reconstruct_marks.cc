@@ -6,8 +6,7 @@
 namespace kernels {
 namespace {
 
-constexpr std::uint32_t kWanted = 16;   ///< samples of a pixel of what the picture stands for
-constexpr float kHalved = 0.69314718F;  ///< exponent that halves a weight
+constexpr std::uint32_t kWanted = 16;  ///< samples of a pixel of what the picture stands for
 
 /// A layer's edges: bits of its depth, normal, and shadow edges.
 struct EdgeBits {
@@ -15,8 +14,10 @@ struct EdgeBits {
 };
 constexpr std::uint32_t bit(FilterEdge edge) { return 1U << static_cast<std::uint32_t>(edge); }
 constexpr EdgeBits kSurface{bit(FilterEdge::kDepth), bit(FilterEdge::kNormal), bit(FilterEdge::kShadow)};
-constexpr EdgeBits kMirror{bit(FilterEdge::kReflection), bit(FilterEdge::kReflection), bit(FilterEdge::kReflectedShadow)};
-constexpr EdgeBits kGlass{bit(FilterEdge::kRefraction), bit(FilterEdge::kRefraction), bit(FilterEdge::kRefractedShadow)};
+constexpr EdgeBits kMirror{bit(FilterEdge::kReflection), bit(FilterEdge::kReflection),
+                           bit(FilterEdge::kReflectedShadow)};
+constexpr EdgeBits kGlass{bit(FilterEdge::kRefraction), bit(FilterEdge::kRefraction),
+                          bit(FilterEdge::kRefractedShadow)};
 
 }  // namespace
 

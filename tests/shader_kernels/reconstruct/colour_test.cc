@@ -1,10 +1,8 @@
-#include <cmath>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "shader_kernels/programs/reconstruct/reconstruct.h"
-#include "tests/shader_kernels/block_harness.h"
+#include "tests/shader_kernels/reconstruct/reconstruct_harness.h"
 #include "tests/shader_kernels/showcase.h"
 
 // Reconstruct with the colour test of supersample: where colours change and geometry does not, all samples are shaded.
@@ -17,16 +15,7 @@ using traces::RayKind;
 Sampled tested(const Stage& stage, const RenderConfig& render, double colour, ReconstructConfig config = {},
                bool record = false) {
   config.colour = colour;
-  ReconstructProgram program(stage.image, stage.camera, render, config, ReconstructProgram::Filters::kApart,
-                             stage.size(), 0);
-  program.keep_marks();
-  return run_program(program, stage.tracer, 1, record);
-}
-
-double squared_error_of(const Sampled& a, const Sampled& truth) {
-  double sum = 0;
-  for (std::size_t i = 0; i < a.rgb.size(); ++i) sum += std::pow(a.rgb[i] - truth.rgb[i], 2);
-  return sum;
+  return reconstruct(stage, render, config, ReconstructProgram::Filters::kApart, nullptr, record);
 }
 
 std::uint64_t rays_of(const Sampled& sampled, RayKind kind) { return sampled.rays[static_cast<std::size_t>(kind)]; }
@@ -75,7 +64,7 @@ TEST(ReconstructColour, MendsEdgesOfTexturesAndLeavesThoseOfGeometryToTheFilter)
   const RenderConfig render = small(96, 96);
   const Sampled truth = stage.full(render, 16);
   const Sampled filtered = tested(stage, render, -1), mended = tested(stage, render, 0.3);
-  EXPECT_LT(squared_error_of(mended, truth), 0.5 * squared_error_of(filtered, truth)) << "3 dB";
+  EXPECT_LT(squared_error(mended.rgb, truth.rgb), 0.5 * squared_error(filtered.rgb, truth.rgb)) << "3 dB";
   // The sign's outline is an edge of depth: pixels there are listed for its chequers alone.
   const std::uint64_t listed = mended.sampling.checked - mended.sampling.passed;
   EXPECT_GT(listed, 500U);

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "shader_kernels/kernels/reconstruct.h"
-#include "tests/shader_kernels/block_harness.h"
+#include "tests/shader_kernels/reconstruct/reconstruct_harness.h"
 #include "tests/shader_kernels/showcase.h"
 
 // Subpixel reconstruction antialiasing: one shaded sample a pixel, the geometry of four.
@@ -18,13 +18,6 @@ namespace {
 
 using traces::RayKind;
 using Filters = ReconstructProgram::Filters;
-
-Sampled reconstruct(const Stage& stage, const RenderConfig& render, const ReconstructConfig& config = {},
-                    Filters filters = Filters::kApart, const traces::Tracer* tracer = nullptr, bool record = false) {
-  ReconstructProgram program(stage.image, stage.camera, render, config, filters, stage.size(), 0);
-  program.keep_marks();
-  return run_program(program, tracer != nullptr ? *tracer : stage.tracer, 1, record);
-}
 
 /// No other sample is looked at.
 ReconstructConfig alone() {
@@ -41,12 +34,6 @@ auto sorted(const std::vector<traces::Ray>& rays) {
   }
   std::ranges::sort(all);
   return all;
-}
-
-double squared_error(const std::vector<float>& a, const std::vector<float>& b) {
-  double sum = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
-  return sum;
 }
 
 /// A wall seen from straight ahead, and the shadow on it of a slanted plate that floats before it; no mirror.

@@ -76,12 +76,11 @@ std::vector<ReportNumber> figures_of(const std::string& report) {
 
 /// A number of a report with its noise: that of its replicates, or what is assumed of a picture of this size.
 SeenFigure seen_figure(const std::vector<ReportNumber>& numbers, const ReportNumber& figure) {
-  constexpr std::string_view kTotals = "totals.";
   const auto at = [&](const std::string& path) -> std::optional<double> {
     const auto found = std::ranges::find(numbers, path, &ReportNumber::path);
     return found == numbers.end() ? std::nullopt : std::optional(found->value);
   };
-  const std::string name = figure.path.starts_with(kTotals) ? figure.path.substr(kTotals.size()) : std::string();
+  const std::string name = is_total(figure.path) ? figure_name(figure.path) : std::string();
   if (!is_noisy(name)) return {.value = figure.value};
   const std::string draws = "totals.replicates.figures." + name;
   const auto count = at("totals.replicates.count"), mean = at(draws + ".mean"), deviation = at(draws + ".deviation");

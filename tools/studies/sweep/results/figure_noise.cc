@@ -2,17 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string_view>
 
 #include <fmt/format.h>
 
 #include "tools/analysis/report_file.h"
+#include "tools/analysis/report_paths.h"
 #include "tools/simulation/job_options.h"
 
 namespace tools::results {
 namespace {
-
-constexpr std::string_view kTotalsPrefix = "totals.";
 
 double number_at(const Column& column, std::size_t row) {
   const std::optional<sweep::Magnitude> number = amount_of(column.values[row]);
@@ -47,8 +45,7 @@ std::vector<double> assumed_noise(const Results& results, const std::vector<std:
 FigureNoise::FigureNoise(const Results& results, const Column& figure, const std::vector<std::size_t>& rows)
     : means_(figure), seen_(results.rows().size()) {
   for (std::size_t row = 0; row < seen_.size(); ++row) seen_[row].value = number_at(figure, row);
-  const std::string name =
-      figure.name.starts_with(kTotalsPrefix) ? figure.name.substr(kTotalsPrefix.size()) : std::string();
+  const std::string name = is_total(figure.name) ? figure_name(figure.name) : std::string();
   noisy_ = tools::is_noisy(name) && !rows.empty();
   if (!noisy_) return;
   const std::string at = "totals.replicates.figures." + name;

@@ -16,7 +16,6 @@
 #include "tools/studies/sweep/results/energy_band.h"
 #include "tools/studies/sweep/results/factor.h"
 #include "tools/studies/sweep/results/figure_noise.h"
-#include "tools/studies/sweep/results/notes.h"
 #include "tools/studies/sweep/results/pareto.h"
 
 namespace tools::results {

@@ -26,14 +26,14 @@ OrderedJson made_report(double cycles) {
   static int made = 0;
   ++made;
   const OrderedJson totals = {{"cycles", cycles},
-                       {"time_ms", cycles / 500},
-                       {"traversal_steps", cycles},
-                       {"limiter", "L2, and \"DRAM\""},
-                       {"power_w", {{"low", 0.1}, {"nominal", 0.5}, {"high", 0.9}}},
-                       {"perf", {{"fps", 1e6 / cycles}, {"frames_per_joule_gpu", 2e6 / cycles}}},
-                       {"top_down", {{"cores", {{{"boxes", 0.25}}, {{"boxes", 0.5}}}}}},
-                       {"psnr_db", nullptr},
-                       {"identical", true}};
+                              {"time_ms", cycles / 500},
+                              {"traversal_steps", cycles},
+                              {"limiter", "L2, and \"DRAM\""},
+                              {"power_w", {{"low", 0.1}, {"nominal", 0.5}, {"high", 0.9}}},
+                              {"perf", {{"fps", 1e6 / cycles}, {"frames_per_joule_gpu", 2e6 / cycles}}},
+                              {"top_down", {{"cores", {{{"boxes", 0.25}}, {{"boxes", 0.5}}}}}},
+                              {"psnr_db", nullptr},
+                              {"identical", true}};
   OrderedJson frame = totals;
   frame["frame"] = 3;
   frame["rays"] = {{"total", 17}};
