@@ -88,10 +88,13 @@ static void check_replaceable(const std::filesystem::path& path, const Replaceab
   std::error_code failed;
   const Type type = std::filesystem::symlink_status(path, failed).type();
   if (type == Type::not_found || type == Type::none) {
-    const std::filesystem::path folder = path.parent_path();
-    if (folder.empty() || std::filesystem::is_directory(folder, failed)) return;
-    throw InputError(
-        fmt::format("{}: cannot be written: there is no folder {}; make it first", shown, printable(folder.string())));
+    const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
+    if (!std::filesystem::is_directory(folder, failed)) {
+      throw InputError(fmt::format("{}: cannot be written: there is no folder {}; make it first", shown,
+                                   printable(folder.string())));
+    }
+    if (::faccessat(AT_FDCWD, folder.c_str(), W_OK | X_OK, AT_EACCESS) == 0) return;
+    throw InputError(fmt::format("{}: cannot be written into its folder: {}", shown, reason(errno)));
   }
   if (type == Type::directory) throw InputError(shown + ": is a folder, not a file");
   if (type != Type::regular) {  // to open a pipe is to wait for who writes into it

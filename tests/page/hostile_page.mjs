@@ -59,12 +59,15 @@ test("hostile axes, values, files of scenes and questions of a sweep", async () 
     const { width, height } = await canvas.boundingBox();
     for (let i = 0; i < 40; ++i) await canvas.hover({ position: { x: width * (0.06 + 0.9 * ((i * 0.618) % 1)), y: height * (0.05 + 0.02 * i) } });
     await isClean();
-    for (const toggle of await page.getByRole("button", { name: "as a table" }).all()) await toggle.click();
+    const closed = page.locator('button[aria-pressed="false"]', { hasText: /^Table$/ });
+    assert.ok(await closed.count() > 3);
+    await closed.evaluateAll((buttons) => buttons.forEach((button) => button.click()));
     await isClean();
+    assert.ok((await page.locator("figure table").allTextContents()).some((table) => table.includes(image)));
   });
 });
 
-test("a hostile goal of a search", async () => {
+test("a hostile question of a search", async () => {
   fs.cpSync(at("search"), at("hostile-search"), { recursive: true });
   const file = at("hostile-search", "sweep.yaml");
   fs.writeFileSync(file, fs.readFileSync(file, "utf8").replace(/question: .*/, `question: ${JSON.stringify(HOSTILE)}`));

@@ -9,10 +9,13 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "shader_kernels/catalogue.h"
 #include "shader_kernels/programs/program_spec.h"
 #include "tools/cli/declared.h"
 #include "tools/cli/verbs.h"
 #include "tools/host/paths.h"
+#include "tools/studies/energy/show.h"
+#include "tools/studies/reproduce/plan.h"
 #include "traces/scenes/builtin.h"
 
 namespace tools {
@@ -32,13 +35,19 @@ std::vector<std::string> option_names(const DeclaredVerb& verb) {
 std::vector<std::string> known_names(const DeclaredVerb& verb, const DeclaredOption& option) {
   const std::string& name = option.names.front();
   std::vector<std::string> known;
-  if (name == "--scene") {
+  if (name == "--scene" || (option.is_positional && name == "scene")) {
     for (const traces::BuiltinInfo& scene : traces::builtin_scenes()) known.push_back(scene.name);
     for (const std::string& workload : workload_names()) known.push_back(workload);
   } else if (name == "--program") {
     known = kernels::program_names();
   } else if (option.is_positional && name == "config") {
     known = config_names();
+  } else if (option.is_positional && name == "kernel") {
+    for (const kernels::KernelInfo& kernel : kernels::catalogue()) known.emplace_back(kernel.name);
+  } else if (option.is_positional && name == "paper") {
+    for (const reproduce::Paper& paper : reproduce::papers()) known.emplace_back(paper.name);
+  } else if (option.is_positional && name == "event") {
+    known = energy_names(JobOptions());
   } else if (option.is_positional && name == "file" &&
              (joined(verb.words) == "raywatt sweep run" || verb.words.back() == "optimise")) {
     for (const std::string& path : config_names_in("experiments")) known.push_back(path.substr(path.find('/') + 1));
@@ -59,14 +68,18 @@ std::vector<std::string> positional_names(const DeclaredVerb& verb) {
   return names;
 }
 
-/// Calls f(patterns, variable, values) for each option that has choices, or takes a name or a file.
+/// Calls f(patterns, variable, values) for each option that takes a value: "choices" has what it may be, "names" what
+/// it may be beside a file, and "next" nothing, so that files alone are left.
 template <class F>
 void for_values(const DeclaredVerb& verb, const F& f) {
   for (const DeclaredOption& option : verb.options) {
     if (option.is_positional) continue;
-    if (!option.choices.empty()) f(option.names, "choices", option.choices);
-    if (const std::vector<std::string> known = known_names(verb, option); !known.empty())
-      f(option.names, "names", known);
+    const std::vector<std::string> known = known_names(verb, option);
+    if (!option.choices.empty()) {
+      f(option.names, "choices", option.choices);
+    } else if (!option.takes.empty()) {
+      f(option.names, known.empty() ? "next" : "names", known);
+    }
   }
 }
 
@@ -123,6 +136,10 @@ std::string for_bash(const std::vector<DeclaredVerb>& verbs) {
     begun=$previous: current=$begun previous=${COMP_WORDS[COMP_CWORD - 2]}
   elif [[ $previous == : ]]; then
     begun=${COMP_WORDS[COMP_CWORD - 2]}: current=$begun$current previous=${COMP_WORDS[COMP_CWORD - 3]}
+  elif [[ $current == = ]]; then  # and an equals sign
+    current=
+  elif [[ $previous == = ]]; then
+    previous=${COMP_WORDS[COMP_CWORD - 2]}
   fi
 )" + find_verb(verbs) +
          what_comes(verbs) + R"(  if [ -n "$choices" ]; then
@@ -141,6 +158,7 @@ std::string for_zsh(const std::vector<DeclaredVerb>& verbs) {
 _raywatt() {
   local verb word next= choices= names= previous=${words[CURRENT-1]}
   local before=("${(@)words[2,CURRENT-1]}")
+  [[ ${words[CURRENT]} != --*=* ]] || { previous=${words[CURRENT]%%=*}; compset -P '*='; }
 )" + find_verb(verbs) +
          what_comes(verbs) + R"(  if [ -n "$choices" ]; then
     compadd -- ${=choices}
@@ -179,7 +197,8 @@ std::string for_fish(const std::vector<DeclaredVerb>& verbs) {
     }
     for (const DeclaredOption& option : verb.options) {
       if (option.is_positional) continue;
-      const std::string first_line = option.help.substr(0, option.help.find('\n'));
+      std::string help = option.help;
+      std::ranges::replace(help, '\n', ' ');
       out += here;
       for (const std::string& name : option.names) {
         out += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
@@ -189,7 +208,7 @@ std::string for_fish(const std::vector<DeclaredVerb>& verbs) {
       if (const std::vector<std::string> names = known_names(verb, option); !names.empty()) {
         out += " -a " + shell_word(joined(names));
       }
-      out += fmt::format(" -d {}\n", shell_word(first_line));
+      out += fmt::format(" -d {}\n", shell_word(help));
     }
   }
   return out;

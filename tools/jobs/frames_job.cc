@@ -259,9 +259,9 @@ void run_frames(const JobOptions& options) {
     write_report(staging, json, inputs.config, out);
     write_reference(staging, {inputs, options}, out);
     if (trace && !out.partial) trace->commit();
+    tell_warnings(json, inputs.warnings.size());  // before an interrupt ends the run, which throws
     return out.kept(inputs.frames());
   });
-  tell_warnings(json, inputs.warnings.size());
   if (options.json) return fmt::print("{}", sim::json_text(json["totals"]));
   if (options.quiet) return;
   tell_results(job, json, folder.target());

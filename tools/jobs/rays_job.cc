@@ -133,9 +133,9 @@ void run_rays(const JobOptions& options) {
     sim::write_file_atomically(open() / "report.json", sim::json_text(json));
     sim::write_file_atomically(open() / "report.txt", table(json));
     sim::write_file_atomically(open() / "config.yaml", sim::dump_config(inputs.config));
+    tell_warnings(json, inputs.warnings.size());  // before an interrupt ends the run, which throws
     return fmt::format("{} of {} rays", machine.rays(), list.rays.size());
   });
-  tell_warnings(json, inputs.warnings.size());
   if (options.json) return fmt::print("{}", sim::json_text(json["totals"]));
   if (options.quiet) return;
   fmt::print("{}\nreport:  {}\n", table(json), (folder.target() / "report.json").string());

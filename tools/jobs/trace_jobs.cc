@@ -108,10 +108,10 @@ void replay_trace(const JobOptions& options, const std::filesystem::path& file) 
     timeline.write(open(), json);
     write_report(open(), json, job.inputs().config, out);
     write_reference(open(), {job.inputs(), options}, out);
+    tell_warnings(json, job.inputs().warnings.size());  // before an interrupt ends the run, which throws
     return out.kept(job.frames());
   });
   hold.reset();
-  tell_warnings(json, job.inputs().warnings.size());
   if (options.quiet) return;
   fmt::print("{}\nreport:  {}\n", for_terminal(report_table(json)), (folder.target() / "report.json").string());
   if (timeline.selection()) fmt::print("timeline: {}\n", (folder.target() / kTimelineFile).string());

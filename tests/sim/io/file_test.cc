@@ -95,6 +95,17 @@ TEST(CheckOutput, RemovesWhatWasLeftOnlyForAnOutputThatIsTaken) {
   EXPECT_THROW(check_output(folder.path() / "no" / "x.json", {.any = true}), InputError) << "no such folder";
 }
 
+TEST(CheckOutput, AFolderThatTheUserMayNotWriteIntoIsRefused) {
+  const Folder folder;
+  std::filesystem::permissions(folder.path(), std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
+  constexpr uid_t kNobody = 65534;
+  const bool is_root = ::geteuid() == 0;  // root may write anywhere
+  ASSERT_TRUE(!is_root || ::seteuid(kNobody) == 0);
+  EXPECT_THROW(check_output(folder.path() / "page.html", {.kind = "page"}), InputError);
+  ASSERT_TRUE(!is_root || ::seteuid(0) == 0);
+  std::filesystem::permissions(folder.path(), std::filesystem::perms::owner_all);
+}
+
 TEST(WriteFile, WhatAKilledWriterLeavesIsKnownByItsName) {
   EXPECT_TRUE(is_left_of("x.123-0.raywatt-tmp.json", "x.json"));
   EXPECT_TRUE(is_left_of("x.123-45.raywatt-tmp", "x"));

@@ -82,6 +82,26 @@ TEST_F(Bash, CompletesNamesOfConfigurationsScenesWorkloadsProgramsAndExperiments
   EXPECT_EQ(offered("raywatt sweep run l1-i"), Words{"l1-ist"});
 }
 
+TEST_F(Bash, CompletesNamesOfWhatIsShownOrReproduced) {
+  EXPECT_EQ(offered("raywatt scenes info teap"), Words{"teapot"});
+  EXPECT_EQ(offered("raywatt reproduce lee"), Words{"lee2016"});
+  EXPECT_EQ(offered("raywatt kernels show shade_d"), Words{"shade_diffuse"});
+  EXPECT_EQ(offered("raywatt energy show tni.box_test_"), Words{"tni.box_test_hybrid"});
+}
+
+TEST_F(Bash, CompletesWhatFollowsAnEqualsSign) {
+  EXPECT_EQ(offered("raywatt run --scene = teap"), Words{"teapot"});
+  const Words switches = {"on", "off"};
+  EXPECT_EQ(offered("raywatt run --intervals ="), switches);
+}
+
+TEST_F(Bash, OffersFilesAloneForValuesWithoutNames) {
+  std::filesystem::create_directory(folder.path() / "empty");
+  folder.write("empty/old-run", "");
+  EXPECT_EQ(offered("raywatt run --output "), Words{"old-run"});
+  EXPECT_EQ(offered("raywatt run -o "), Words{"old-run"});
+}
+
 TEST_F(Bash, CompletesWhatFollowsAColonThoughItBreaksWords) {
   const Words halves = {"under", "super"};
   EXPECT_EQ(offered("raywatt run --program multirate :"), halves);
@@ -122,8 +142,9 @@ TEST_F(OtherShells, ZshParsesItsScriptAndOffersNames) {
   EXPECT_EQ(std::system(("zsh -n '" + script.string() + "'").c_str()), 0);
   // In place of the functions of a terminal, those that say what they would offer.
   const auto offered = [&](const std::string& words, int current) {
-    const std::string command = "zsh -f -c 'compadd() { shift; print -l -- $@ }; _files() { print FILES }; words=(" +
-                                words + "); CURRENT=" + std::to_string(current) + "; source " + script.string() + "'";
+    const std::string command =
+        "zsh -f -c 'compadd() { shift; [ $# = 0 ] || print -l -- $@ }; _files() { print FILES }; words=(" + words +
+        "); CURRENT=" + std::to_string(current) + "; source " + script.string() + "'";
     return lines_of_command(command);
   };
   const Words launchers = {"local", "slurm"}, scenes = offered("raywatt run --scene \"\"", 4);
@@ -132,6 +153,7 @@ TEST_F(OtherShells, ZshParsesItsScriptAndOffersNames) {
   EXPECT_EQ(std::ranges::count(scenes, "FILES"), 1);
   const Words verbs = offered("raywatt ru", 2);
   EXPECT_EQ(std::ranges::count(verbs, "run"), 1);
+  EXPECT_EQ(offered("raywatt run -o \"\"", 4), Words{"FILES"});
 }
 
 TEST_F(OtherShells, FishParsesItsScriptAndOffersNames) {

@@ -98,8 +98,8 @@ const std::vector<std::pair<const char*, const char*>>& columns() {
       {"energy_mj.nominal", "/energy_mj/nominal"},
       {"energy_mj.high", "/energy_mj/high"},
       {"power_w.nominal", "/power_w/nominal"},
-      {"frames_per_joule_gpu", "/perf/frames_per_joule_gpu"},
-      {"frames_per_joule_tni", "/perf/frames_per_joule_tni"}};
+      {"perf.frames_per_joule_gpu", "/perf/frames_per_joule_gpu"},
+      {"perf.frames_per_joule_tni", "/perf/frames_per_joule_tni"}};
   return kColumns;
 }
 

@@ -184,6 +184,13 @@ bool is_meant(const std::string& entry, const std::string& name) {
 
 }  // namespace
 
+std::vector<std::string> energy_names(const JobOptions& options) {
+  RunConfig config = load_run_config(options);
+  std::vector<std::string> names;
+  for (const EnergyEntry& entry : energy_entries(config)) names.push_back(short_name(entry.name));
+  return names;
+}
+
 std::string energy_show(const JobOptions& options, const std::string& name) {
   RunConfig config = load_run_config(options);
   const Origins origins = config_origins(options.config, options.sets);

@@ -93,11 +93,11 @@ void add_pictures(const Run& run, View& view) {
   Section section("picture", "The picture");
   const fs::path file = run.folder / "image.png";
   std::optional<std::string> picture = page_picture(file, kAll);
+  Overlays overlays = overlays_of(run);
   if (!picture) {
-    section.text("There is no image.png beside the report, so there is no picture here.");
+    section.text("There is no image.png beside the report, so there is no picture here. " + overlays.missing);
     return view.add(section);
   }
-  Overlays overlays = overlays_of(run);
   DebugPictures debug = debug_pictures(run.folder);
   std::string note = overlays.missing;
   if (debug.left_out > 0) note += fmt::format(" {} debug pictures are too large for the page.", debug.left_out);

@@ -14,8 +14,8 @@ class Condition {
   /// InputError with the column for what is no list of comparisons joined by `and`.
   explicit Condition(const std::string& text);
 
-  /// Which points meet it; a point without the value does not. InputError for paths that mean nothing or several
-  /// things, and for numbers compared with text or without the unit that the values have.
+  /// Which points meet it, by the means of replicates; a point without the value does not. InputError for paths that
+  /// mean nothing or several things, and for numbers compared with text or without the unit that the values have.
   std::vector<bool> met_by(const Results& results) const;
 
   std::vector<std::string> paths() const;

@@ -40,6 +40,9 @@ std::vector<double> assumed_noise(const Results& results, const std::vector<std:
   return out;
 }
 
+/// Path of the statistics of a figure that is "cycles" among the totals.
+std::string statistics_path(const std::string& name) { return "totals.replicates.figures." + name; }
+
 }  // namespace
 
 FigureNoise::FigureNoise(const Results& results, const Column& figure, const std::vector<std::size_t>& rows)
@@ -48,7 +51,7 @@ FigureNoise::FigureNoise(const Results& results, const Column& figure, const std
   const std::string name = is_total(figure.name) ? figure_name(figure.name) : std::string();
   noisy_ = tools::is_noisy(name) && !rows.empty();
   if (!noisy_) return;
-  const std::string at = "totals.replicates.figures." + name;
+  const std::string at = statistics_path(name);
   const auto range = [&](const auto& of) {
     least_ = most_ = of(seen_[rows.front()]);
     for (const std::size_t row : rows) {
@@ -95,6 +98,17 @@ std::string FigureNoise::text() const {
   const std::string to = least_ == most_ ? "" : fmt::format(" to {:.2g}", 100 * most_);
   return fmt::format("a noise of {:.2g}{} %, assumed for this size of picture; 'replicates' in the sweep measure it",
                      100 * least_, to);
+}
+
+Column with_means(const Results& results, Column figure) {
+  if (!is_total(figure.name)) return figure;
+  const std::string path = statistics_path(figure_name(figure.name)) + ".mean";
+  if (!results.has_metric(path)) return figure;
+  const Column means = results.column(path);
+  for (std::size_t row = 0; row < figure.values.size(); ++row) {
+    if (!is_absent(means.values[row])) figure.values[row] = means.values[row];
+  }
+  return figure;
 }
 
 }  // namespace tools::results

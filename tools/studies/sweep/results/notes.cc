@@ -26,10 +26,18 @@ std::string extrapolated_note(const Results& results, const std::vector<std::siz
                      more == 0 ? "" : fmt::format(" and {} more", more));
 }
 
-std::string draws_note(const FigureNoise& noise) {
-  if (!noise.is_noisy()) return {};
-  std::string out = "the draws are of the energy tables alone: of noise they say nothing\n";
-  if (noise.is_measured()) out += "a draw takes the counts of replicate 0, and the figure is the mean of all plays\n";
+std::string draws_note(const std::vector<const FigureNoise*>& figures) {
+  const auto some = [&](auto is) { return std::ranges::any_of(figures, [&](const FigureNoise* f) { return is(*f); }); };
+  std::string out;
+  if (some([](const FigureNoise& f) { return f.is_noisy(); })) {
+    out += "the draws are of the energy tables alone: of noise they say nothing\n";
+  }
+  if (some([](const FigureNoise& f) { return f.is_noisy() && f.is_measured(); })) {
+    out += "a draw takes the counts of replicate 0, and the figure is the mean of all plays\n";
+  }
+  if (some([](const FigureNoise& f) { return f.means().name.ends_with("_per_mm2"); })) {
+    out += "area is nominal in all draws\n";
+  }
   return out;
 }
 

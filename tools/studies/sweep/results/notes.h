@@ -13,7 +13,8 @@ namespace tools::results {
 /// The points among `rows` of which figures of energy, area or latency lie beyond the curves of their tables.
 std::string extrapolated_note(const Results& results, const std::vector<std::size_t>& rows);
 
-/// Limits of draws of the energy tables: they know no noise, and have the counts of one play.
-std::string draws_note(const FigureNoise& noise);
+/// Limits of draws of the energy tables for figures: they know no noise, have the counts of one play and leave area as
+/// it is.
+std::string draws_note(const std::vector<const FigureNoise*>& figures);
 
 }  // namespace tools::results

@@ -209,7 +209,7 @@ std::string pareto_text(const Results& results, const ParetoOptions& options, st
   const std::string table = table_text(names, columns, shown, options.csv);
   if (options.csv) return table;
   std::string out = pareto_plot(x, y, front, width) + noise_line(x, x_noise) + noise_line(y, y_noise) + "\n" + table;
-  if (draws) out += draws_note(x_noise.is_noisy() ? x_noise : y_noise);
+  if (draws) out += draws_note({&x_noise, &y_noise});
   return out + extrapolated_note(results, rows);
 }
 

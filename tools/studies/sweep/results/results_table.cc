@@ -67,7 +67,7 @@ void sort_rows(std::vector<std::size_t>& rows, const Results& results, const std
     throw sim::InputError(fmt::format("--sort '{}': the order '{}' is unknown; allowed: asc, desc",
                                       sim::printable(text), sim::printable(order)));
   }
-  const Column column = results.column(text.substr(0, colon));
+  const Column column = with_means(results, results.column(text.substr(0, colon)));
   std::ranges::stable_sort(rows, [&](std::size_t a, std::size_t b) {
     const Value &x = column.values[a], &y = column.values[b];
     if (is_absent(x) || is_absent(y)) return !is_absent(x) && is_absent(y);
@@ -109,7 +109,7 @@ std::string results_table(const Results& results, const TableOptions& options) {
   std::vector<Column> columns;
   for (const std::string& name : asked) {
     columns.push_back(results.column(name));
-    if (options.columns.empty() && !options.csv) columns.back() = with_interval(results, std::move(columns.back()));
+    if (!options.csv) columns.back() = with_interval(results, std::move(columns.back()));
     names.push_back(options.csv ? columns.back().name : shown_name(columns.back()));
   }
   const std::vector<bool> met = meeting(results, options.where);

@@ -16,6 +16,7 @@
 #include "tools/studies/sweep/results/energy_band.h"
 #include "tools/studies/sweep/results/factor.h"
 #include "tools/studies/sweep/results/figure_noise.h"
+#include "tools/studies/sweep/results/notes.h"
 #include "tools/studies/sweep/results/pareto.h"
 
 namespace tools::results {
@@ -257,6 +258,11 @@ std::string sensitivity_text(const Results& results, std::vector<std::string> me
     out += text_of(find_sensitivity(results, metric, may));
   }
   if (band && !metrics.empty()) out += band_text(results, metrics, may);
+  std::vector<std::size_t> rows;
+  for (std::size_t row = 0; row < may.size(); ++row) {
+    if (may[row] && results.rows()[row].is_done()) rows.push_back(row);
+  }
+  out += extrapolated_note(results, rows);
   const std::string missing = results.what_is_missing();
   if (metrics.empty()) throw sim::InputError(missing.empty() ? "no point has a metric" : missing);
   return missing.empty() ? out : out + "\n" + missing + "\n";

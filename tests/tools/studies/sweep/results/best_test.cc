@@ -7,6 +7,7 @@
 
 #include "tests/tools/program.h"
 #include "tests/tools/studies/sweep/results/made_sweep.h"
+#include "tools/studies/sweep/results/notes.h"
 #include "tools/studies/sweep/results/pareto.h"
 
 // raywatt sweep best
@@ -109,6 +110,24 @@ TEST(Best, ReplicatesTellApartWhatTheAssumedNoiseDoesNot) {
   EXPECT_SAYS(sure, "matters for the first place: cores\nmatters little, less than 5 % of the variance: l1\n");
   EXPECT_SAYS(best(CoresAndCaches(20), {"cycles", false, {}}),
               "1 point ties with it (95 %, all points together); noise measured by 3 replicates a point\n");
+}
+
+TEST(Best, FiguresThatConditionsCompareAreMeansToo) {
+  CoresAndCaches sweep(0.5);
+  auto report = replicated_report(900, 0.5);
+  report["totals"]["cycles"] = 2000;
+  sweep.finish(0, report);
+  EXPECT_SAYS(best(sweep, {"fps", true, {"cycles<950"}}), "\ncycles         900");
+}
+
+TEST(Best, DrawsOfAFigurePerAreaSayThatTheAreaIsNominal) {
+  EXPECT_EQ(tools::results::draws_note({}), "");
+  MadeSweep sweep;
+  sweep.add({{"cores", "1"}});
+  sweep.finish(0, 1000);
+  tools::results::Column figure{"totals.perf.frames_per_joule_per_mm2", {tools::results::Value(1.0)}};
+  const tools::results::FigureNoise noise(sweep.results(), figure, {});
+  EXPECT_EQ(tools::results::draws_note({&noise}), "area is nominal in all draws\n");
 }
 
 TEST(Best, FiguresWithoutNoiseHaveNoTies) {

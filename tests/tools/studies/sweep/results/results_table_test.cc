@@ -105,6 +105,33 @@ TEST(ResultsTable, ShowsWholeMeansInFourDigits) {
   EXPECT_SAYS(results_table(sweep.results(), {}), "  98.77 k ± ");
 }
 
+/// Points of which the means of three plays stand in another order than the plays called replicate 0.
+struct PlaysInAnotherOrder : FourRows {
+  PlaysInAnotherOrder() {
+    const double means[] = {1500, 3500, 2500};
+    for (std::size_t point = 0; point < 3; ++point) {
+      auto report = made_report(1000 * (3 - static_cast<double>(point)));
+      report["totals"]["replicates"] = {{"count", 3},
+                                        {"figures", {{"cycles", {{"mean", means[point]}, {"deviation", 10}}}}}};
+      finish(point, report);
+    }
+  }
+};
+
+TEST(ResultsTable, OrderAndConditionsGoByMeansOfReplicates) {
+  const PlaysInAnotherOrder sweep;
+  EXPECT_EQ(sweep.order("cycles:asc"), "0213");
+  EXPECT_EQ(sweep.order("totals.cycles:desc"), "1203");
+  EXPECT_EQ(sweep.table({{"n"}, "", {"cycles>2000"}, {}, false}), (std::vector<Words>{{"n"}, {"1"}, {"2"}}));
+}
+
+TEST(ResultsTable, AskedColumnsAreMeansForPeopleAndWhatTheirPathSaysInCsv) {
+  const PlaysInAnotherOrder sweep;
+  EXPECT_SAYS(results_table(sweep.results(), {{"n", "cycles"}, "", {"n=1"}, {}, false}), "3500 ± 0.71 %");
+  EXPECT_EQ(sweep.table({{"totals.cycles"}, "", {"n=1"}, {}, false}),
+            (std::vector<Words>{{"totals.cycles"}, {"2000"}}));
+}
+
 TEST(ResultsTable, CallsAFigureAsAllVerbsDo) {
   const FourRows sweep;
   for (const char* spelling : {"fps", "perf.fps", "totals.perf.fps"}) {
