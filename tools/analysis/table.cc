@@ -37,7 +37,7 @@ std::string samples(const Json& totals) {
     if (s[of_them] != 0) out += fmt::format(", {} for the {}", si_text(s[of_them].get<double>()), of_them);
   }
   if (s.contains("similar_ratio"))
-    out += fmt::format("; {} of those between were similar", percent(s["similar_ratio"]));
+    out += fmt::format("; {} of those compared were similar", percent(s["similar_ratio"]));
   return out;
 }
 

@@ -69,6 +69,7 @@ TEST_F(Replay, SaysWhatTheRunSaidForEveryFrameProgram) {
       {"--scene", "forest", "--set", "scene.triangles=20000", "--set", "bvh.instances=two_level"},
       {"--scene", "laboratory", "--set", "scene.triangles=20000", "--set", "bvh.instances=two_level", "--program",
        "multirate:under"},
+      {"--set", "render.primary=raster", "--program", "reconstruct"},
       {"--set", "direct_interface.enabled=false"}};
   for (const Words& words : runs) {
     SCOPED_TRACE(words.empty() ? "default" : words.back());

@@ -15,6 +15,8 @@ Program ours() { return {"reconstruct"}; }
 /// With geometry by rasterisers.
 Program rasterised() { return {"reconstruct", {"render.primary=raster"}}; }
 Program printed() { return {"reconstruct", {"reconstruct.normal_weight=factor"}}; }
+/// With the colour test of supersample.
+Program colour_test() { return {"reconstruct", {"reconstruct.colour=0.02"}}; }
 Program four() { return {"full:4", {"render.samples=rotated"}}; }
 Program sixteen() { return {"full:16"}; }
 
@@ -73,7 +75,8 @@ void add_times(std::vector<Case>& cases, bool quick) {
 void add_pictures(std::vector<Case>& cases, const std::string& figure, const View& view, const std::vector<Crop>& crops,
                   bool quick) {
   const std::string number = figure.substr(figure.find(' ') + 1);
-  for (const Setting& s : {Setting{"none", none()}, {"SRAA", sraa()}, {"ours", ours()}, {"4x", four()}}) {
+  for (const Setting& s :
+       {Setting{"none", none()}, {"SRAA", sraa()}, {"ours", ours()}, {"colour-test", colour_test()}, {"4x", four()}}) {
     Case c = compared(view, s, kChiuSide, sixteen(), quick);
     c.machine = false;
     c.figures = {{figure, "psnr_db"}};
@@ -83,11 +86,15 @@ void add_pictures(std::vector<Case>& cases, const std::string& figure, const Vie
   }
 }
 
-/// Errors by what the pixels show. Both readings of the weight of normals.
+/// Errors by what the pixels show. Both readings of the weight of normals, and the colour test.
 void add_quality(std::vector<Case>& cases, const View& view, const std::string& name, std::uint32_t width,
                  std::uint32_t height, const std::vector<std::string>& masks, bool quick) {
-  for (const Setting& s :
-       {Setting{"none", none()}, {"SRAA", sraa()}, {"ours", ours()}, {"as printed", printed()}, {"4x", four()}}) {
+  for (const Setting& s : {Setting{"none", none()},
+                           {"SRAA", sraa()},
+                           {"ours", ours()},
+                           {"as printed", printed()},
+                           {"colour-test", colour_test()},
+                           {"4x", four()}}) {
     Case c =
         compared(view, {fmt::format("{}, {}, {}x{}", s.name, name, width, height), s.run}, width, sixteen(), quick);
     c.height = side(height, quick);
@@ -99,7 +106,7 @@ void add_quality(std::vector<Case>& cases, const View& view, const std::string& 
 }
 
 void add_masks(std::vector<Case>& cases, bool quick) {
-  const std::vector<std::string> masks = {"object_edges", "shadow_edges", "elsewhere"};
+  const std::vector<std::string> masks = {"object_edges", "shadow_edges", "texture_edges", "elsewhere"};
   const auto add = [&](const View& view, const std::string& name) {
     add_quality(cases, view, name, kChiuSide, kChiuSide, masks, quick);
     if (!quick) add_quality(cases, view, name, 512, 256, masks, quick);
