@@ -61,6 +61,9 @@ class Loaded(unittest.TestCase):
         self.assertEqual(sorted(set(tiles["frame"])), [0, 1])
         self.assertEqual(tiles["steps"].sum(), self.report["totals"]["traversal_steps"])
         self.assertTrue((tiles["finished"] > tiles["dispatched"]).all())
+        rest = sum(frame["energy_mj_nominal"] for frame in tiles.attrs["rest"])
+        self.assertGreater(rest, 0)
+        self.assertAlmostEqual(tiles["energy_mj_nominal"].sum() + rest, self.report["totals"]["energy_mj"]["nominal"])
 
     def test_units_have_every_reason_and_counter(self):
         units = self.loaded.units

@@ -116,12 +116,17 @@ std::optional<NoisyDifference> noisy_difference(const ReportFile& a, const Repor
   const double of_a = a.number("totals." + figure), of_b = b.number("totals." + figure);
   if (!is_noisy(figure) || of_a == 0 || of_b == 0) return std::nullopt;
   const std::optional<Draws> draws_a = draws_in(a, figure), draws_b = draws_in(b, figure);
-  const bool measured = draws_a && draws_b;
-  const double noise = default_noise(std::min(pixels_of(a), pixels_of(b)));
-  const MeanDifference d =
-      measured ? difference_of(*draws_a, *draws_b) : difference_of(AssumedDraw{of_a, noise}, AssumedDraw{of_b, noise});
-  const double whole = measured ? draws_a->mean : of_a;
-  return NoisyDifference{d.value / whole, d.half_width() / whole, measured, std::abs(d.value) > d.half_width()};
+  double assumed = default_noise(std::min(pixels_of(a), pixels_of(b)), figure);
+  for (const auto& draws : {draws_a, draws_b}) {
+    if (draws) assumed = std::max(assumed, noise_of_pair(*draws));
+  }
+  const auto seen = [&](double value, const std::optional<Draws>& draws) {
+    return draws ? SeenFigure{draws->mean, draws} : SeenFigure{value, {}, assumed};
+  };
+  const SeenFigure seen_a = seen(of_a, draws_a), seen_b = seen(of_b, draws_b);
+  const MeanDifference d = difference_of(seen_a, seen_b);
+  return NoisyDifference{d.value / seen_a.value, d.half_width() / seen_a.value, draws_a && draws_b,
+                         std::abs(d.value) > d.half_width()};
 }
 
 }  // namespace tools

@@ -8,45 +8,66 @@
 namespace tools {
 namespace {
 
-/// Noise of frames of so many pixels or more.
+/// Noise of frames of so many pixels or more: of time and what is divided by it, of energy, of memory traffic.
 struct Level {
-  double pixels, noise;
+  double pixels, time, energy, traffic;
 };
+// source: docs/noise.md, 95 % of pairs of runs of the scene whose figures races move most
 constexpr std::array kLevels = {
-    Level{1024 * 512, 0.02},  // source: docs/first-run.md, "read a difference of less than 2 % as none"
-    Level{512 * 256, 0.05},   // source: chosen, between the two others; docs/noise.md has what was measured
-    Level{0, 0.10},           // source: docs/first-run.md and DEVIATIONS M1, up to 10 % at 256x128
+    Level{1024 * 512, 0.02, 0.02, 0.10},
+    Level{512 * 256, 0.09, 0.05, 0.25},
+    Level{0, 0.25, 0.05, 0.25},
 };
+constexpr std::array kEnergy = {"energy_mj",
+                                "energy_by_block_mj",
+                                "energy_by_kind_mj",
+                                "perf.frames_per_joule_gpu",
+                                "perf.frames_per_joule_tni",
+                                "perf.frames_per_joule_per_mm2",
+                                "perf.nj_per_ray"};
+constexpr std::array kTraffic = {"dram_bytes",
+                                 "dram_bytes_by_client",
+                                 "utilisation.dram",
+                                 "energy_by_block_mj.dram",
+                                 "energy_by_block_mj.dma",
+                                 "energy_by_block_mj.interconnect"};
 
-}  // namespace
-
-double default_noise(double pixels) {
-  return std::ranges::find_if(kLevels, [&](const Level& level) { return pixels >= level.pixels; })->noise;
-}
-
-bool is_noisy(std::string_view figure) {
-  return std::ranges::any_of(kNoisyFigures, [&](std::string_view name) {
+/// Is the figure one of these, or does it lie below one?
+bool is_among(std::string_view figure, const auto& names) {
+  return std::ranges::any_of(names, [&](std::string_view name) {
     return figure.starts_with(name) && (figure.size() == name.size() || figure[name.size()] == '.');
   });
 }
 
-MeanDifference difference_of(const AssumedDraw& a, const AssumedDraw& b) {
-  const double endless = std::numeric_limits<double>::infinity();
-  const double draws = student_t(endless) * std::sqrt(2.0);  // deviations of one run in the noise of a difference
-  return {b.value - a.value, std::hypot(a.noise * a.value, b.noise * b.value) / draws, endless};
+}  // namespace
+
+double default_noise(double pixels, std::string_view figure) {
+  const Level& level = *std::ranges::find_if(kLevels, [&](const Level& l) { return pixels >= l.pixels; });
+  return is_among(figure, kTraffic) ? level.traffic : is_among(figure, kEnergy) ? level.energy : level.time;
 }
+
+bool is_noisy(std::string_view figure) { return is_among(figure, kNoisyFigures); }
+
+constexpr double kEndless = std::numeric_limits<double>::infinity();
+
+/// Deviations of one run in the noise of a difference.
+static double deviations_of_pair() { return student_t(kEndless) * std::sqrt(2.0); }
+
+MeanDifference difference_of(const AssumedDraw& a, const AssumedDraw& b) {
+  return {b.value - a.value, std::hypot(a.noise * a.value, b.noise * b.value) / deviations_of_pair(), kEndless};
+}
+
+double noise_of_pair(const Draws& draws) { return deviations_of_pair() * draws.deviation / std::abs(draws.mean); }
 
 double SeenFigure::error() const {
   return draws ? difference_of(*draws, Draws{1, 0, 0}).error : difference_of(AssumedDraw{value, assumed}, {}).error;
 }
 
-double SeenFigure::half_width() const {
-  return draws ? draws->half_width() : student_t(std::numeric_limits<double>::infinity()) * error();
-}
+double SeenFigure::half_width() const { return draws ? draws->half_width() : student_t(kEndless) * error(); }
 
 MeanDifference difference_of(const SeenFigure& a, const SeenFigure& b) {
   if (a.draws && b.draws) return difference_of(*a.draws, *b.draws);
-  return {b.value - a.value, std::hypot(a.error(), b.error()), std::numeric_limits<double>::infinity()};
+  return {b.value - a.value, std::hypot(a.error(), b.error()), kEndless};
 }
 
 }  // namespace tools

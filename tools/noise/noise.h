@@ -29,9 +29,9 @@ inline constexpr std::array kNoisyFigures = {
     "relative.gpu_perf_per_watt",
 };
 
-/// Difference of two runs of one design that races alone may make, where no replicates tell: half of a 95 % interval,
-/// as a part of the figure.
-double default_noise(double pixels);
+/// Difference of two runs of one design that races alone may make in a figure of `totals`, where no replicates tell:
+/// half of a 95 % interval, as a part of the figure (docs/noise.md).
+double default_noise(double pixels, std::string_view figure);
 
 /// A figure of `totals` that races move, e.g. "energy_mj.nominal".
 bool is_noisy(std::string_view figure);
@@ -56,5 +56,8 @@ struct SeenFigure {
 };
 /// b - a; by Welch's test where both have replicates.
 MeanDifference difference_of(const SeenFigure& a, const SeenFigure& b);
+
+/// What default_noise() would be if it were that of these replicates.
+double noise_of_pair(const Draws& draws);
 
 }  // namespace tools

@@ -10,11 +10,20 @@ namespace tools {
 namespace {
 
 TEST(DefaultNoise, IsThatOfThePage) {
-  EXPECT_EQ(default_noise(2048.0 * 1024), 0.02);
-  EXPECT_EQ(default_noise(1024.0 * 512), 0.02);
-  EXPECT_EQ(default_noise(1024.0 * 512 - 1), 0.05);
-  EXPECT_EQ(default_noise(512.0 * 256), 0.05);
-  EXPECT_EQ(default_noise(256.0 * 128), 0.10);
+  const auto noise = [](double width, const char* figure) { return default_noise(width * width / 2, figure); };
+  EXPECT_EQ(noise(2048, "cycles"), 0.02);
+  EXPECT_EQ(noise(1024, "perf.fps"), 0.02);
+  EXPECT_EQ(noise(1023, "perf.fps"), 0.09);
+  EXPECT_EQ(noise(512, "power_w.nominal"), 0.09);
+  EXPECT_EQ(noise(256, "time_ms"), 0.25);
+  EXPECT_EQ(noise(512, "energy_mj.nominal"), 0.05);
+  EXPECT_EQ(noise(64, "perf.frames_per_joule_gpu"), 0.05);
+  EXPECT_EQ(noise(1024, "dram_bytes"), 0.10);
+  EXPECT_EQ(noise(256, "energy_by_block_mj.dram.low"), 0.25) << "energy of traffic moves as traffic";
+}
+
+TEST(NoiseOfPair, IsWhatTwoDrawsDifferByInNineteenOfTwentyPairs) {
+  EXPECT_NEAR(noise_of_pair({10, 200, 5}), 1.959964 * std::sqrt(2.0) * 5 / 200, 1e-6);
 }
 
 TEST(AssumedDraw, TwoRunsOfOneDesignDifferByItsNoise) {

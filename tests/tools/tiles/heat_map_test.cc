@@ -87,6 +87,17 @@ TEST(HeatMap, IsDrawnFromNothingToTheMostAboveItsBar) {
   EXPECT_GT(std::ranges::count(Rgb(drawn.rgb.end() - 3 * 9 * 300, drawn.rgb.end()), 0), 30) << "letters below it";
 }
 
+TEST(HeatMap, HasTheColoursThatItsMapDefines) {
+  const std::vector<float> ends = {0, 1};
+  const auto near = [&](const char* map, const Rgb& wanted) {
+    const Rgb colours = traces::map_colours(map, ends);
+    ASSERT_EQ(colours.size(), wanted.size());
+    for (std::size_t i = 0; i < wanted.size(); ++i) EXPECT_NEAR(colours[i], wanted[i], 2) << map << " " << i;
+  };
+  near("viridis", {68, 1, 84, 253, 231, 37});
+  near("turbo", {48, 18, 59, 122, 4, 3});
+}
+
 TEST(HeatMap, OfNothingIsOfOneColour) {
   const DrawnMap drawn = draw({"rays", "RAYS", "turbo", 200, 1, std::vector<float>(200, 0)});
   EXPECT_EQ(pixel(drawn, 0, 0), pixel(drawn, 199, 0));

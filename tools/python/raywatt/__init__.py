@@ -28,7 +28,8 @@ class Run:
     frames   the same for each frame: a row a frame
     units    a row for each cycle reason and counter of each unit: unit, kind (elapsed, why or counter), name, value
     kernels  a row a kernel, by name
-    tiles    a row for each entry of a frame's tile list: frame, then the columns of tiles.json; None without that file
+    tiles    a row for each entry of a frame's tile list: frame, then the columns of tiles.json; .attrs["rest"] has for
+             each frame what belongs to no tile; None without that file
     report   the whole file as dictionaries and lists
     folder   where it lies
 
@@ -103,8 +104,10 @@ def _tiles(file):
     if not file.exists():
         return None
     frames = _read(file, "raywatt-tiles/1")["frames"]
-    return pandas.concat([pandas.DataFrame({"frame": frame["frame"], **frame["columns"]}) for frame in frames],
-                         ignore_index=True)
+    tiles = pandas.concat([pandas.DataFrame({"frame": frame["frame"], **frame["columns"]}) for frame in frames],
+                          ignore_index=True)
+    tiles.attrs["rest"] = [frame["rest"] for frame in frames]
+    return tiles
 
 
 def _read(file, schema):

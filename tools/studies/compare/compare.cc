@@ -208,6 +208,7 @@ Comparison compare(const ReportFile& a, const ReportFile& b) {
   Comparison out;
   out.other_work = other_work(a, b);
   out.config = config_difference(a, b);
+  out.other_clock = std::ranges::find(out.config, "clocks.tni", &KeyPair::key) != out.config.end();
   for (const auto& [name, path] : kFigures) {
     const bool says_nothing =
         path == std::string_view("totals.traced_ratio") && a.number(path) == 1 && b.number(path) == 1;
@@ -215,6 +216,9 @@ Comparison compare(const ReportFile& a, const ReportFile& b) {
       const std::string figure = figure_name(path);
       out.figures.push_back({name, a.number(path), b.number(path), noisy_difference(a, b, figure), figure});
     }
+  }
+  for (Pair& figure : out.figures) {
+    if (out.other_clock && figure.name == "cycles") figure.noise.reset();
   }
   out.time = times(a, b);
   out.reasons = reasons(a, b);
@@ -249,6 +253,10 @@ std::vector<std::string> comparison_warnings(const std::vector<ReportFile>& repo
     const std::string name = reports[i + 1].file.string();
     for (const std::string& what : against[i].other_work) {
       out.push_back(fmt::format("{} and {} had other work to do: {}", first, name, what));
+    }
+    if (against[i].other_clock) {
+      out.push_back(
+          fmt::format("{} and {} have T&I clocks of their own (clocks.tni): compare times, not cycles", first, name));
     }
     const auto model = [](const ReportFile& report) { return report.text("provenance", "model_id"); };
     if (model(reports[0]) != model(reports[i + 1])) {

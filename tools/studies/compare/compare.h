@@ -36,6 +36,7 @@ struct EnergyBands {
 struct Comparison {
   std::vector<std::string> other_work;  ///< why the two did not have the same work to do; empty: they had
   std::vector<KeyPair> config;
+  bool other_clock = false;   ///< T&I cycles of the two are of different length: a difference of cycles means nothing
   std::vector<Pair> figures;  ///< what people look at first, in this order
   // Explanations, largest difference first; equal figures are left out.
   std::vector<Pair> time;      ///< T&I cycles of an average core, by the parts of totals.top_down

@@ -23,6 +23,11 @@ std::string noise_text(const Pair& pair) {
   return fmt::format("mean {:+.2f} ± {:.2g} %, {}", 100 * n.relative, 100 * n.half_width, verdict);
 }
 
+/// The same in a table of `c`.
+std::string noise_text(const Comparison& c, const Pair& pair) {
+  return c.other_clock && pair.name == "cycles" ? "another clock" : noise_text(pair);
+}
+
 /// Where the noise of the overview comes from.
 std::string noise_note(const std::vector<Comparison>& against) {
   bool measured = false, assumed = false;
@@ -33,7 +38,11 @@ std::string noise_note(const std::vector<Comparison>& against) {
   }
   std::string out;
   if (measured) out += "noise: differences of the means of replicates, 95 % intervals\n";
-  if (assumed) out += "noise: assumed for this size of picture; runs with --replicates 5 measure it\n";
+  if (assumed) {
+    out +=
+        "noise: assumed for this size of picture, or that of the replicates of one run if larger; --replicates 5 for "
+        "all runs measures it\n";
+  }
   return out;
 }
 
@@ -71,7 +80,7 @@ std::string overview(const std::vector<std::string>& names, const std::vector<Co
       const auto pair = std::ranges::find(c.figures, first.name, &Pair::name);
       if (pair == c.figures.end()) row.insert(row.end(), {"-", "", ""});
       if (pair == c.figures.end()) continue;
-      row.insert(row.end(), {figure_text(pair->name, pair->b), change_text(*pair), noise_text(*pair)});
+      row.insert(row.end(), {figure_text(pair->name, pair->b), change_text(*pair), noise_text(c, *pair)});
     }
     table.row(std::move(row));
   }
@@ -159,7 +168,8 @@ std::string energy_text(const Comparison& c, const std::vector<std::string>& nam
 std::string explanation(const Comparison& c, const std::vector<std::string>& names) {
   const bool has_places = !c.time.empty();
   std::string out = fmt::format("\n{} against {}: {}", names[1], names[0], config_text(c));
-  out += section("cycles of an average core", in_words(c.time), Column::kCount, names, difference_of(c, "cycles"));
+  out += section(c.other_clock ? "cycles of an average core, each of its own clock" : "cycles of an average core",
+                 in_words(c.time), Column::kCount, names, difference_of(c, "cycles"));
   out += section("cycles of an average unit", c.reasons, Column::kCount, names);
   out += section("rates and mean times", c.ratios, Column::kRatio, names);
   out += section("mJ by block", c.blocks, Column::kEnergy, names, difference_of(c, "energy_mj"));

@@ -29,14 +29,16 @@ class Judge {
     if (!most_[objective]) d.value = -d.value;
     return d.chance_above();
   }
-  /// Is `a` as good in all objectives, and in one so much better that its chance is no larger than `level`?
+  /// Is `a` better for sure: in each objective that has noise by so much that its chance is no larger than `level`, and
+  /// as good in one that has none?
   bool dominates(const Trial& a, const Trial& b, double level) const {
-    bool is_sure = false;
+    bool differs = false;
     for (std::size_t o = 0; o < objectives(); ++o) {
-      if (is_better(b, a, o)) return false;
-      is_sure = is_sure || chance(a, b, o) <= level;
+      const bool is_exact = a.seen[o].error() == 0 && b.seen[o].error() == 0;
+      if (is_exact ? is_better(b, a, o) : chance(a, b, o) > level) return false;
+      differs = differs || !is_exact || is_better(a, b, o);
     }
-    return is_sure;
+    return differs;
   }
 
  private:
@@ -66,7 +68,7 @@ std::vector<const Trial*> near_front(const SearchRun& search) {
   if (judge.objectives() == 1) {
     near = ties_with(*front.front(), others, judge);
   } else {
-    const double level = kError / (static_cast<double>(judge.objectives()) * static_cast<double>(all.size()));
+    const double level = kError / static_cast<double>(all.size());
     std::ranges::copy_if(others, std::back_inserter(near), [&](const Trial* other) {
       return std::ranges::none_of(all, [&](const Trial* t) { return judge.dominates(*t, *other, level); });
     });

@@ -85,7 +85,8 @@ SeenFigure seen_figure(const std::vector<ReportNumber>& numbers, const ReportNum
   const std::string draws = "totals.replicates.figures." + name;
   const auto count = at("totals.replicates.count"), mean = at(draws + ".mean"), deviation = at(draws + ".deviation");
   if (count && mean && deviation) return {*mean, Draws{static_cast<std::size_t>(*count), *mean, *deviation}};
-  return {figure.value, std::nullopt, default_noise(at("resolution[0]").value_or(0) * at("resolution[1]").value_or(0))};
+  return {figure.value, std::nullopt,
+          default_noise(at("resolution[0]").value_or(0) * at("resolution[1]").value_or(0), name)};
 }
 
 }  // namespace

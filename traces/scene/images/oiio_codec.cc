@@ -1,9 +1,11 @@
 // The only source file that knows OpenImageIO; it makes the module raywatt_images.
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <mutex>
 
+#include <OpenImageIO/color.h>
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imagebuf.h>
 #include <OpenImageIO/imagebufalgo.h>
@@ -168,9 +170,14 @@ class OiioCodec : public ImageCodec {
     const OIIO::ImageBuf from(line, const_cast<float*>(values.data()));
     const OIIO::ImageBuf colours = OIIO::ImageBufAlgo::color_map(from, 0, map);
     if (colours.has_error()) return colours.geterror();
-    rgb.resize(3 * values.size());
-    const bool good = colours.get_pixels(OIIO::ROI(0, line.width, 0, 1, 0, 1, 0, 3), OIIO::TypeDesc::UINT8, rgb.data());
-    return good ? "" : colours.geterror();
+    std::vector<float> linear(3 * values.size());
+    const OIIO::ROI all(0, line.width, 0, 1, 0, 1, 0, 3);
+    if (!colours.get_pixels(all, OIIO::TypeDesc::FLOAT, linear.data())) return colours.geterror();
+    rgb.resize(linear.size());
+    std::ranges::transform(linear, rgb.begin(), [](float value) {
+      return static_cast<std::uint8_t>(std::lround(255 * OIIO::linear_to_sRGB(std::clamp(value, 0.0F, 1.0F))));
+    });
+    return {};
   }
 };
 

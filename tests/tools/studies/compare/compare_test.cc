@@ -91,10 +91,33 @@ TEST_F(Runs, AreHeldAgainstTheAssumedNoiseWithoutReplicates) {
   const Json c = compared("base", "ports");
   const Json& noise = c["figures"]["cycles"]["noise"];
   EXPECT_EQ(noise["from"], "default");
-  EXPECT_NEAR(noise["half_width"].get<double>(), 0.1, 0.01);
+  EXPECT_NEAR(noise["half_width"].get<double>(), 0.25, 0.025);
   EXPECT_EQ(noise["outside"], std::abs(noise["difference"].get<double>()) > noise["half_width"].get<double>());
   EXPECT_FALSE(c["figures"]["rays"].contains("noise")) << "rays are counted, whatever races there are";
   EXPECT_SAYS(raywatt({"compare", path("base"), path("ports")}).out, "assumed for this size of picture");
+}
+
+TEST_F(Runs, OfWhichOneHasReplicatesAreHeldAgainstTheLargerNoise) {
+  const std::string noisy = changed("noisy.json", [](Json& report) {
+    const double cycles = report["totals"]["cycles"];
+    report["totals"]["replicates"] = {{"count", 4},
+                                      {"figures", {{"cycles", {{"mean", cycles}, {"deviation", 0.2 * cycles}}}}}};
+  });
+  const Json one = Json::parse(raywatt({"compare", noisy, path("ports"), "--json"}).out);
+  const Json noise = one["against"][0]["figures"]["cycles"]["noise"];
+  EXPECT_EQ(noise["from"], "default");
+  // A mean of four plays, and one play of as much deviation.
+  EXPECT_NEAR(noise["half_width"].get<double>(), 1.96 * 0.2 * std::hypot(0.5, 1), 0.05);
+}
+
+TEST_F(Runs, OfOtherClocksHaveNoVerdictOnCycles) {
+  const std::string slow = changed("slow.json", [](Json& report) { report["config"]["clocks"]["tni"] = "400 MHz"; });
+  const Ending ending = raywatt({"compare", path("base"), slow});
+  EXPECT_SAYS(ending.err, "have T&I clocks of their own (clocks.tni): compare times, not cycles");
+  EXPECT_SAYS(ending.out, "configuration");
+  const Json c = Json::parse(raywatt({"compare", path("base"), slow, "--json"}).out)["against"][0];
+  EXPECT_FALSE(c["figures"]["cycles"].contains("noise"));
+  EXPECT_TRUE(c["figures"]["time_ms"].contains("noise"));
 }
 
 TEST_F(Runs, ArePlayedAgainForTheirNoise) {

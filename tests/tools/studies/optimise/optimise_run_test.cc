@@ -117,7 +117,7 @@ TEST_F(Optimise, SaysWhatNoiseDoesNotTellFromTheBest) {
   const std::string lines = "axes: {cores: [1, 2], tni.trvs: [2, 3, 4], clocks.tni: [500 MHz, 501 MHz]}\nbudget: 12\n";
   const Ending single = run(lines + "objectives: [max: perf.fps]\n");
   ASSERT_EQ(single.exit, 0) << single.err;
-  EXPECT_SAYS(single.out, "from the best; a noise of 10 %, assumed for this size of picture");
+  EXPECT_SAYS(single.out, "from the best; a noise of 25 %, assumed for this size of picture");
   EXPECT_SAYS(single.out, "noise does not tell ");
   const Ending both = run(lines + "objectives: [max: perf.fps, min: power_w]\nreplicates: 3\n");
   ASSERT_EQ(both.exit, 0) << both.err;

@@ -107,7 +107,7 @@ Json stack_spec(const Axis& category, const std::string& part, const std::string
             {{"condition", {{"test", "datum.pale"}, {"value", colours::kText}}}, {"value", colours::kInverse}}}}}}}}};
 }
 
-Json waterfall_spec(const std::string& title, const std::string& unit) {
+Json waterfall_spec(const std::string& title, const std::string& unit, const std::string& format) {
   const Json tooltip = {{{"field", "name"}, {"title", " "}}, {{"field", "label"}, {"title", unit}}};
   const Json colour = {
       {"field", "kind"},
@@ -120,7 +120,7 @@ Json waterfall_spec(const std::string& title, const std::string& unit) {
             {"type", "quantitative"},
             {"title", title},
             {"scale", {{"zero", false}, {"nice", false}}},
-            {"axis", prefixed()}};
+            {"axis", format == "~s" ? prefixed() : Json{{"format", format}}}};
   };
   return {{"width", "container"},
           {"height", {{"step", kBar}}},

@@ -25,7 +25,8 @@ Json bars_spec(const Axis& category, const Axis& value, const std::string& label
 Json stack_spec(const Axis& category, const std::string& part, const std::string& share, const Colours& colours);
 
 /// From a first total through signed changes to a last one: fields name, from, to, kind (total, more, less), label.
-Json waterfall_spec(const std::string& title, const std::string& unit);
+/// `format` of the axis: "~s" with metric prefixes, for counts.
+Json waterfall_spec(const std::string& title, const std::string& unit, const std::string& format);
 
 /// Lines over a number.
 Json lines_spec(const Axis& x, const Axis& y, const std::string& series);

@@ -93,10 +93,10 @@ Dataset blocks_of(const Run& run) {
 }  // namespace
 
 void add_energy(const Run& run, View& view) {
-  Section section(
-      "energy", "Where the energy went",
-      "From the whole to its blocks to what they spent it on: counted events, the clock tree, leakage. The band "
-      "is that of the energy tables; trust ratios under one side more than the joules of one.");
+  Section section("energy", "Where the energy went",
+                  "From the whole to its blocks to what they spent it on: counted events, the clock tree, leakage; the "
+                  "memory's standby, which the table below has in leakage, is one of its events. The band is that of "
+                  "the energy tables; trust ratios under one side more than the joules of one.");
   if (run.priced) {
     view.data("flow", flow_of(*run.priced).data());
     section.block("sankey", "flow", "Energy by block, event, clock and leakage",

@@ -17,13 +17,13 @@ double number_at(const Column& column, std::size_t row) {
   return number ? number->value : 0;
 }
 
-double noise_of(const ReportFile& report) {
-  return default_noise(report.number("resolution[0]") * report.number("resolution[1]"));
-}
-
-/// Noise assumed for the picture of each point.
-std::vector<double> assumed_noise(const Results& results, const std::vector<std::size_t>& rows) {
-  const auto noise_at = [&](std::size_t row) { return noise_of(load_report(results.folder_of(results.rows()[row]))); };
+/// Noise of a figure of totals that is assumed for the picture of each point.
+std::vector<double> assumed_noise(const Results& results, const std::vector<std::size_t>& rows,
+                                  const std::string& figure) {
+  const auto noise_at = [&](std::size_t row) {
+    const ReportFile report = load_report(results.folder_of(results.rows()[row]));
+    return default_noise(report.number("resolution[0]") * report.number("resolution[1]"), figure);
+  };
   if (std::ranges::find(results.axes(), "resolution") == results.axes().end()) {  // the configuration's for all
     return std::vector<double>(results.rows().size(), noise_at(rows.front()));
   }
@@ -35,7 +35,7 @@ std::vector<double> assumed_noise(const Results& results, const std::vector<std:
       continue;
     }
     const Resolution size = parse_resolution(exact_text(sizes.values[row]));
-    out[row] = default_noise(double{1} * size.width * size.height);
+    out[row] = default_noise(double{1} * size.width * size.height, figure);
   }
   return out;
 }
@@ -74,7 +74,7 @@ FigureNoise::FigureNoise(const Results& results, const Column& figure, const std
       return;
     }
   }
-  const std::vector<double> assumed = assumed_noise(results, rows);
+  const std::vector<double> assumed = assumed_noise(results, rows, name);
   for (const std::size_t row : rows) seen_[row].assumed = assumed[row];
   range([](const SeenFigure& seen) { return seen.assumed; });
 }

@@ -32,10 +32,12 @@ std::string path_of(std::string_view text) {
   return std::string(text.starts_with("min:") || text.starts_with("max:") ? text.substr(4) : text);
 }
 
-/// Marks of the points on the Pareto front and near it.
-Column letters_of(const ParetoFront& front, std::size_t rows) {
+/// Marks of the points on the Pareto front, with "~" those that may not be, and near it.
+Column letters_of(const ParetoFront& front, std::size_t rows, bool csv) {
   Column letters{"", std::vector<Value>(rows)};
-  for (std::size_t i = 0; i < front.rows.size(); ++i) letters.values[front.rows[i]] = std::string(1, front.mark(i));
+  for (std::size_t i = 0; i < front.rows.size(); ++i) {
+    letters.values[front.rows[i]] = std::string(1, front.mark(i)) + (csv || front.sure[i] ? "" : "~");
+  }
   for (const std::size_t row : front.near) letters.values[row] = std::string("~");
   return letters;
 }
@@ -151,18 +153,38 @@ std::vector<std::size_t> near_front(const Objective& x, const Objective& y, cons
                                     const std::function<bool(std::size_t better, std::size_t worse)>& sure) {
   std::vector<std::size_t> all = front.rows, near;
   all.insert(all.end(), front.other.begin(), front.other.end());
-  const double level = kError / (2 * static_cast<double>(all.size()));
+  const double level = kError / static_cast<double>(all.size());
+  const auto is_as_good = [&](const Objective& o, const FigureNoise& noise, std::size_t better, std::size_t worse) {
+    return noise.is_noisy() ? noise.chance_better(better, worse, o.most) <= level
+                            : !o.is_better(*o.of(worse), *o.of(better));
+  };
   const auto beats = [&](std::size_t better, std::size_t worse) {
-    const double xb = *x.of(better), xw = *x.of(worse), yb = *y.of(better), yw = *y.of(worse);
-    if (x.is_better(xw, xb) || y.is_better(yw, yb)) return false;
-    const bool outside =
-        x_noise.chance_better(better, worse, x.most) <= level || y_noise.chance_better(better, worse, y.most) <= level;
-    return outside && (!sure || sure(better, worse));
+    if (*x.of(better) == *x.of(worse) && *y.of(better) == *y.of(worse)) return false;
+    return is_as_good(x, x_noise, better, worse) && is_as_good(y, y_noise, better, worse) &&
+           (!sure || sure(better, worse));
   };
   for (const std::size_t row : front.other) {
     if (std::ranges::none_of(all, [&](std::size_t other) { return beats(other, row); })) near.push_back(row);
   }
   return near;
+}
+
+std::vector<bool> surely_on_front(const Objective& x, const Objective& y, const FigureNoise& x_noise,
+                                  const FigureNoise& y_noise, const ParetoFront& front) {
+  std::vector<std::size_t> all = front.rows;
+  all.insert(all.end(), front.other.begin(), front.other.end());
+  const double level = kError / (2 * static_cast<double>(all.size()));
+  const auto is_better = [&](const Objective& o, const FigureNoise& noise, std::size_t row, std::size_t other) {
+    return noise.is_noisy() ? noise.chance_better(row, other, o.most) <= level : o.is_better(*o.of(row), *o.of(other));
+  };
+  std::vector<bool> sure;
+  for (const std::size_t row : front.rows) {
+    sure.push_back(std::ranges::all_of(all, [&](std::size_t other) {
+      const bool is_equal = *x.of(row) == *x.of(other) && *y.of(row) == *y.of(other);
+      return is_equal || is_better(x, x_noise, row, other) || is_better(y, y_noise, row, other);
+    }));
+  }
+  return sure;
 }
 
 std::string pareto_text(const Results& results, const ParetoOptions& options, std::size_t width) {
@@ -189,7 +211,8 @@ std::string pareto_text(const Results& results, const ParetoOptions& options, st
     sure = [&](std::size_t better, std::size_t worse) { return draws->dominates(better, worse) >= 1 - kError; };
   }
   front.near = near_front(x, y, x_noise, y_noise, front, sure);
-  std::vector<Column> columns = {letters_of(front, results.rows().size()), results.column("n")};
+  front.sure = surely_on_front(x, y, x_noise, y_noise, front);
+  std::vector<Column> columns = {letters_of(front, results.rows().size(), options.csv), results.column("n")};
   if (options.csv) {
     columns.front().name = "front";
     columns.push_back(results.column("id"));

@@ -26,6 +26,7 @@ struct ParetoFront {
   std::vector<std::size_t> rows;   ///< rows of all points on it, from the best x on
   std::vector<std::size_t> other;  ///< that have both figures and are not on it
   std::vector<std::size_t> near;   ///< those of `other` that nothing holds to be off it
+  std::vector<bool> sure{};        ///< by `rows`: no other point can be as good in both figures, by all that noise lets
   /// The mark of a row of the front: letters in their order, or '#' if there are not enough.
   char mark(std::size_t i) const;
 };
@@ -33,12 +34,18 @@ struct ParetoFront {
 /// Points than which no other is as good in both figures and better in one, of those that `may` be.
 ParetoFront pareto_front(const Objective& x, const Objective& y, const std::vector<bool>& may);
 
-/// Points of `front.other` of which no other is as good in both figures and better in one by more than the noise: each
-/// is left out with a chance of 5 % at most, for all its comparisons together, if it is as good as what beats it.
-/// `sure`: where energies are a band, whether a row is as good in both figures and better in one for sure; or empty.
+/// Points of `front.other` that no other beats for sure: by more than the noise in each figure that has some, and being
+/// as good in one that has none. A point that belongs on the front is left out with a chance of 5 % at most, for all
+/// its comparisons together. `sure`: where energies are a band, whether a row is as good in both figures and better in
+/// one for sure; or empty.
 std::vector<std::size_t> near_front(const Objective& x, const Objective& y, const FigureNoise& x_noise,
                                     const FigureNoise& y_noise, const ParetoFront& front,
                                     const std::function<bool(std::size_t better, std::size_t worse)>& sure);
+
+/// Points of `front.rows`, by their order, than which each other is worse in a figure by more than the noise, 95 % for
+/// all comparisons of the point together.
+std::vector<bool> surely_on_front(const Objective& x, const Objective& y, const FigureNoise& x_noise,
+                                  const FigureNoise& y_noise, const ParetoFront& front);
 
 /// All points as dots, those of the front by their marks, those near it as '~'.
 std::string pareto_plot(const Objective& x, const Objective& y, const ParetoFront& front, std::size_t width);

@@ -64,6 +64,9 @@ std::string pareto_plot(const Objective& x, const Objective& y, const ParetoFron
   out += fmt::format("{:>{}}\n", title, std::max(title.size(), margin + 2 + columns));
   out += fmt::format("{} of {} points are on the front: {}; dots are the others\n", front.rows.size(), all.size(),
                      front.mark(0) == '#' ? "#" : "letters, as in the table");
+  if (std::ranges::find(front.sure, false) != front.sure.end()) {
+    out += "a letter with ~: noise does not tell whether another point is as good in both\n";
+  }
   if (!front.near.empty()) {
     out += fmt::format("{} more may be, marked ~: none beats them by more than the band\n", front.near.size());
   }

@@ -44,14 +44,15 @@ std::string list_text(const Results& results, const FigureNoise& noise, const st
   return table.text() + (rows.size() > kShown ? fmt::format("and {} more\n", rows.size() - kShown) : "");
 }
 
-/// Values of each axis that are among the ties: an axis of which all values are does not matter for the first place,
-/// and one that explains next to nothing of the figure matters little, however sure its effect is.
+/// Values of each axis that are among the ties. An axis of which all values are does not matter for the first place if
+/// it surely explains next to nothing of the figure, else noise hides its best value; one whose values are not all
+/// there and that explains next to nothing matters little, however sure its effect is.
 std::string axes_text(const Results& results, const FigureNoise& noise, const std::vector<std::size_t>& candidates,
                       const std::vector<std::size_t>& ties) {
   std::vector<bool> may(results.rows().size());
   for (const std::size_t row : candidates) may[row] = true;
   sim::Table table({"axis", "values that tie", "of", "share of variance", "95 %"});
-  std::vector<std::string> matter, little, do_not;
+  std::vector<std::string> matter, little, do_not, hidden;
   const Sensitivity sensitivity = find_sensitivity(results, noise.means().name, may);
   for (const Effect& effect : sensitivity.effects) {
     std::set<std::size_t> here;
@@ -61,7 +62,8 @@ std::string axes_text(const Results& results, const FigureNoise& noise, const st
     std::vector<std::string> names;
     for (const std::size_t level : here) names.push_back(effect.levels[level]);
     const bool all = here.size() == effect.levels.size();
-    (all ? do_not : effect.share < kLittle ? little : matter).push_back(effect.axis);
+    auto& verdict = all ? (effect.high < kLittle ? do_not : hidden) : (effect.share < kLittle ? little : matter);
+    verdict.push_back(effect.axis);
     table.row({effect.axis, all ? "all" : fmt::format("{}", fmt::join(names, ", ")),
                fmt::format("{}", effect.levels.size()), fmt::format("{:.1f} %", 100 * effect.share),
                effect.interval_text()});
@@ -73,6 +75,9 @@ std::string axes_text(const Results& results, const FigureNoise& noise, const st
   if (!little.empty()) {
     out +=
         fmt::format("matters little, less than {:.0f} % of the variance: {}\n", 100 * kLittle, fmt::join(little, ", "));
+  }
+  if (!hidden.empty()) {
+    out += fmt::format("noise hides which value is best, more replicates may tell: {}\n", fmt::join(hidden, ", "));
   }
   if (!do_not.empty()) out += fmt::format("does not matter there: {}\n", fmt::join(do_not, ", "));
   return out;

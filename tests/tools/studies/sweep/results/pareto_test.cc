@@ -132,15 +132,25 @@ TEST(Pareto, HasABandOfPointsThatNoneBeatsByMoreThanTheNoise) {
   EXPECT_SAYS(assumed, "2 of 5 points are on the front");
   EXPECT_SAYS(assumed, "1 more may be, marked ~");
   EXPECT_SAYS(assumed, "\nperf.fps: a noise of 2 %, assumed");
-  EXPECT_SAYS(assumed, "\n~  1      1 ");
+  EXPECT_SAYS(assumed, "\n~   1      1 ");
+  EXPECT_SAYS(assumed, "\na~  0 ");
+  EXPECT_SAYS(assumed, "\nb   4 ");
   const std::string measured = text(0.01);
   EXPECT_SAYS(measured, "noise measured by 5 replicates a point");
   EXPECT_EQ(measured.find('~'), std::string::npos) << measured;
-  EXPECT_SAYS(text(40), "2 more may be") << "the areas differ without noise";
+  EXPECT_SAYS(text(40), "3 more may be");
+}
+
+TEST(Pareto, NoiseOfOneFigureDecidesWhereTheOtherHasNone) {
+  const auto text = [](double deviation) {
+    return pareto_text(NoisyPlane({{1, 100}, {2, 99.9}}, deviation).results(), {"area_mm2", "fps", {}, false}, 60);
+  };
+  EXPECT_SAYS(text(1), "1 more may be, marked ~") << "the larger one may be the faster one";
+  EXPECT_EQ(text(0.01).find('~'), std::string::npos);
 }
 
 TEST(Pareto, CsvIsTheFrontAlone) {
-  const Plane sweep({{1, 10}, {2, 20}, {3, 10}});
+  const Plane sweep({{1, 10}, {2, 20}, {3, 1}});
   const auto rows = cells_of(pareto_text(sweep.results(), {"power_w.nominal", "fps", {"n!=1"}, true}, 80));
   const std::vector<std::vector<std::string>> wanted = {
       {"front", "n", "id", "cores", "totals.power_w.nominal", "totals.perf.fps"},
