@@ -34,8 +34,8 @@ traces::Scene bars() {
   return scene;
 }
 
-struct World {
-  explicit World(const traces::Scene& scene)
+struct PropagationWorld {
+  explicit PropagationWorld(const traces::Scene& scene)
       : image(traces::build_memory_image(scene)), tracer(image), camera(scene.cameras[0]) {}
   Propagated run(const RenderConfig& render, const SupersampleConfig& c, bool record = false) const {
     SupersampleProgram program(image, camera, render, c, 0);
@@ -76,7 +76,7 @@ double squared_error(const std::vector<float>& a, const std::vector<float>& b) {
 }
 
 TEST(Propagation, FollowsBarsThinnerThanAPixel) {
-  const World world(bars());
+  const PropagationWorld world(bars());
   const RenderConfig render = small(64, 48);
   const std::vector<float> truth = world.full(render, 16);
   double before = squared_error(world.run(render, rounds(0)).rgb, truth);
@@ -94,7 +94,7 @@ TEST(Propagation, FollowsBarsThinnerThanAPixel) {
 }
 
 TEST(Propagation, CountsWhatItTracesAndMarksIt) {
-  const World world(bars());
+  const PropagationWorld world(bars());
   const RenderConfig render = small(64, 48);
   const Propagated once = world.run(render, rounds(0)), with = world.run(render, rounds(4));
   EXPECT_GT(with.sampling.propagated, 0U);
@@ -117,7 +117,7 @@ TEST(Propagation, CountsWhatItTracesAndMarksIt) {
 }
 
 TEST(Propagation, NothingIsLeftToItWhereAllIsActiveAndNothingLeadsToItWhereNothingIs) {
-  const World world(bars());
+  const PropagationWorld world(bars());
   const RenderConfig render = small(37, 29);
   EXPECT_EQ(world.run(render, all_at(0, 4)).rgb, world.full(render, 16));
   EXPECT_EQ(world.run(render, all_at(0, 4)).sampling.propagated, 0U);
@@ -127,7 +127,7 @@ TEST(Propagation, NothingIsLeftToItWhereAllIsActiveAndNothingLeadsToItWhereNothi
 
 TEST(Propagation, ThePictureIsTheSameForEveryTileHaloAttributeStoragePackingAndStream) {
   for (const traces::Scene& scene : {bars(), traces::open_scene("cornell")}) {
-    const World world(scene);
+    const PropagationWorld world(scene);
     for (const SubpixelFilter filter : {SubpixelFilter::kNearest, SubpixelFilter::kBilinear}) {
       SupersampleConfig c = rounds(3);
       c.filter = filter;
@@ -155,7 +155,7 @@ TEST(Propagation, ThePictureIsTheSameForEveryTileHaloAttributeStoragePackingAndS
 }
 
 TEST(Propagation, ARoundIsAPassThatReadsNothingWhereNothingLeadsToIt) {
-  const World world(bars());
+  const PropagationWorld world(bars());
   const RenderConfig render = small(64, 48);
   const SupersampleConfig c = rounds(2);
   SupersampleProgram program(world.image, world.camera, render, c, 0);

@@ -35,8 +35,8 @@ struct Result {
   TileResult last;
 };
 
-struct World {
-  explicit World(const traces::Scene& scene)
+struct SupersampleWorld {
+  explicit SupersampleWorld(const traces::Scene& scene)
       : image(traces::build_memory_image(scene)), tracer(image), camera(scene.cameras[0]) {}
   Result supersample(const RenderConfig& render, const SupersampleConfig& c, bool record = false) const {
     SupersampleProgram program(image, camera, render, c, 0);
@@ -69,7 +69,7 @@ RenderConfig whole_picture() {
 
 class Supersample : public testing::TestWithParam<const char*> {
  protected:
-  const World world_{traces::open_scene(GetParam())};
+  const SupersampleWorld world_{traces::open_scene(GetParam())};
 };
 INSTANTIATE_TEST_SUITE_P(BuiltIn, Supersample, testing::Values("cornell", "teapot"),
                          [](const auto& i) { return std::string(i.param); });
@@ -211,8 +211,8 @@ std::set<std::uint32_t> active(const TileResult& tile) {
   return found;
 }
 
-const World& room() {
-  static const World world(mirrored_room());
+const SupersampleWorld& room() {
+  static const SupersampleWorld world(mirrored_room());
   return world;
 }
 
@@ -282,15 +282,15 @@ TEST(Branches, TheStrongerBranchIsKept) {
   traces::add_object(scene, traces::make_quad("behind eye", {-9, -9, 6}, {18, 0, 0}, {0, 18, 0}, 1), grey);
   scene.cameras.push_back(traces::look_at("front", {0, 0, 4}, {0, 0, 0}, 0.5F));
   RenderConfig render = small(8, 8);
-  const Result through = World(scene).supersample(render, {});
+  const Result through = SupersampleWorld(scene).supersample(render, {});
   EXPECT_EQ(through.last.buffer.secondary_traits[5 * 18 + 5].object, 1U);
   EXPECT_EQ(through.last.buffer.traits[5 * 18 + 5].object, 0U);
   scene.materials[glass].transmission = 0.1F;
   scene.materials[glass].mirror = 0.8F;
-  EXPECT_EQ(World(scene).supersample(render, {}).last.buffer.secondary_traits[5 * 18 + 5].object, 2U);
+  EXPECT_EQ(SupersampleWorld(scene).supersample(render, {}).last.buffer.secondary_traits[5 * 18 + 5].object, 2U);
   // If the stronger branch hits nothing there is no secondary hit, whatever the weaker one meets.
   scene.instances.pop_back();
-  EXPECT_EQ(World(scene).supersample(render, {}).last.buffer.secondary_traits[5 * 18 + 5].object, kNoObject);
+  EXPECT_EQ(SupersampleWorld(scene).supersample(render, {}).last.buffer.secondary_traits[5 * 18 + 5].object, kNoObject);
 }
 
 }  // namespace

@@ -13,13 +13,13 @@
 namespace sim::test {
 namespace {
 
-enum class Block : std::uint8_t { kNear, kFar };
-constexpr std::array<std::string_view, 2> names_of(Block) { return {"near", "far"}; }
+enum class Side : std::uint8_t { kNear, kFar };
+constexpr std::array<std::string_view, 2> names_of(Side) { return {"near", "far"}; }
 
 /// Takes what comes and hands it on, a number at a time.
 class Relay {
  public:
-  static constexpr Block kBlock = Block::kFar;
+  static constexpr Side kBlock = Side::kFar;
   enum class CycleReason : std::uint8_t { kIdle, kCount };
   static constexpr auto kReasons = reasons<CycleReason>({{CycleReason::kIdle, sim::idle("idle", "nothing comes")}});
   struct Stats {

@@ -119,7 +119,7 @@ std::string house_of(const fs::path& file) {
 /// needed any more fails.
 using Exceptions = std::map<std::string, std::size_t>;
 
-void hold(const std::map<std::string, std::size_t>& counts, const Exceptions& exceptions) {
+void hold_to_exceptions(const std::map<std::string, std::size_t>& counts, const Exceptions& exceptions) {
   for (const auto& [folder, count] : counts) {
     const auto exception = exceptions.find(folder);
     EXPECT_LE(count, exception == exceptions.end() ? 0 : exception->second) << folder;
@@ -141,7 +141,7 @@ TEST(Words, PlaceIsSlotWayTileIndexSurfacePointOrIndex) {
     const auto count = std::distance(std::sregex_iterator(code.begin(), code.end(), kPlace), std::sregex_iterator());
     if (count != 0) counts[house_of(file)] += static_cast<std::size_t>(count);
   }
-  hold(counts, exceptions);
+  hold_to_exceptions(counts, exceptions);
 }
 
 TEST(Comments, BeginWithANounOrAVerb) {
@@ -153,7 +153,7 @@ TEST(Comments, BeginWithANounOrAVerb) {
       ++counts[house_of(file)];
     }
   }
-  hold(counts, {});
+  hold_to_exceptions(counts, {});
 }
 
 }  // namespace

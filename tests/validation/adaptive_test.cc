@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/real_scenes.h"
+#include "tests/validation/figures.h"
 #include "tools/analysis/kernel_shares.h"
 #include "tools/analysis/picture.h"
 #include "tools/simulation/run_job.h"
@@ -54,11 +55,6 @@ struct Gain {
     starved = starved_share(run).value_or(0);
   }
 };
-
-void expect_between(const char* what, double value, double low, double high) {
-  EXPECT_GE(value, low) << what;
-  EXPECT_LE(value, high) << what;
-}
 
 /// A1 to A3: the shader cores set the pace.
 void expect_as_measured(const Gain& g) {

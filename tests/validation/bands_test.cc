@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/real_scenes.h"
+#include "tests/validation/figures.h"
 #include "tools/simulation/run_job.h"
 
 // Bands of a believable machine of this class. A figure outside is in DEVIATIONS.md with its cause, and held
@@ -40,11 +41,6 @@ Figures measure(const std::string& scene, std::vector<std::string> sets = {}) {
   return {s.energy.blocks.at("tni").total().nominal / static_cast<double>(sum(s, "visits")),
           s.energy.blocks.at("dram").total().nominal / all, all * 1e-12 / seconds,
           static_cast<double>(s.rays()) / seconds / 1e6, sum(s, "spilled_slots")};
-}
-
-void expect_between(const char* what, double value, double low, double high) {
-  EXPECT_GE(value, low) << what;
-  EXPECT_LE(value, high) << what;
 }
 
 /// Rules that hold for every scene: power and ray rate inside their bands; energy per node visit above its band (D1).

@@ -99,7 +99,7 @@ RTCRay embree_ray(const Ray& ray) {
 }
 
 /// Asked by Embree from its threads: may the build go on?
-bool may_go_on(void* stop, double) { return !(*static_cast<const sim::Stop*>(stop))(); }
+bool commit_may_go_on(void* stop, double) { return !(*static_cast<const sim::Stop*>(stop))(); }
 
 }  // namespace
 
@@ -131,7 +131,7 @@ EmbreeTracer::Impl::Impl(const MemoryImage& image, unsigned threads, sim::Stop s
   } else if (!image.triangles.empty()) {
     attach(scene_.get(), 0, image.triangles.size());
   }
-  if (stop != nullptr) rtcSetSceneProgressMonitorFunction(scene_.get(), may_go_on, &stop);
+  if (stop != nullptr) rtcSetSceneProgressMonitorFunction(scene_.get(), commit_may_go_on, &stop);
   rtcCommitScene(scene_.get());
   if (stop != nullptr && stop()) throw sim::Cancelled{};
   check_embree(device_.get(), "building the reference tree");

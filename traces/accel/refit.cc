@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "traces/accel/build.h"
+#include "traces/accel/build/bvh_build.h"
 #include "traces/accel/build/flatten.h"
 #include "traces/accel/build/material_tables.h"
 #include "traces/accel/build/two_level.h"
@@ -25,13 +26,6 @@ Bounds bounds_of(const MemoryImage& image, std::uint32_t leaf) {
 Bounds bounds_of(const NodeRecord& node) {
   return {{std::min(node.x[0], node.x[1]), std::min(node.y[0], node.y[1]), std::min(node.z[0], node.z[1])},
           {std::max(node.x[2], node.x[3]), std::max(node.y[2], node.y[3]), std::max(node.z[2], node.z[3])}};
-}
-
-void set_box(NodeRecord& node, int child, const Bounds& b) {
-  for (auto [lanes, axis] : {std::pair{node.x, 0}, {node.y, 1}, {node.z, 2}}) {
-    lanes[child] = b.lower[axis];
-    lanes[2 + child] = b.upper[axis];
-  }
 }
 
 }  // namespace

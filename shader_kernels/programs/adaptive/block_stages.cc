@@ -7,16 +7,16 @@ namespace kernels {
 
 namespace {
 
-float inverse(std::uint32_t n) { return 1.0F / static_cast<float>(std::max(n, 1U)); }
+float inverse_or_one(std::uint32_t n) { return 1.0F / static_cast<float>(std::max(n, 1U)); }
 
 LineUniforms<float> line_uniforms(std::uint32_t inner, std::uint32_t block) {
   LineUniforms<float> line{};
   line.inner = static_cast<float>(inner);
-  line.inverse_inner = inverse(inner);
+  line.inverse_inner = inverse_or_one(inner);
   line.gaps = static_cast<float>(block - 1);
-  line.inverse_gaps = inverse(block - 1);
+  line.inverse_gaps = inverse_or_one(block - 1);
   line.block = static_cast<float>(block);
-  line.inverse_block = inverse(block);
+  line.inverse_block = inverse_or_one(block);
   return line;
 }
 
@@ -26,9 +26,9 @@ GridUniforms<float> BlockProgram::grid_uniforms(float x0, float y0, std::uint32_
   return {.x0 = x0,
           .y0 = y0,
           .pitch = static_cast<float>(pitch),
-          .inverse_pitch = inverse(pitch),
+          .inverse_pitch = inverse_or_one(pitch),
           .grid = static_cast<float>(setup_.grid),
-          .inverse_grid = inverse(setup_.grid)};
+          .inverse_grid = inverse_or_one(setup_.grid)};
 }
 
 /// Traces `across` samples to a row, from sample `first` on.
@@ -38,7 +38,7 @@ void BlockProgram::trace_lattice(Tile& tile, std::uint32_t first, std::uint32_t 
   ListSamples::Ports<float> ports;
   ports.lattice = {.first = static_cast<float>(first),
                    .across = static_cast<float>(across),
-                   .inverse_across = inverse(across),
+                   .inverse_across = inverse_or_one(across),
                    .step = static_cast<float>(step),
                    .row_step = static_cast<float>(row_step)};
   const Wavefront::Node listed = tile.wave.launch<ListSamples>(ports, items);
@@ -135,7 +135,7 @@ void BlockProgram::mark(Tile& tile, const Verdict& verdict, const LineUniforms<f
 LatticeUniforms<float> BlockProgram::own_samples(const SampleTile& at) const {
   return {.first = static_cast<float>(pitch() + 1),
           .across = static_cast<float>(at.width),
-          .inverse_across = inverse(at.width),
+          .inverse_across = inverse_or_one(at.width),
           .step = 1,
           .row_step = static_cast<float>(pitch())};
 }
@@ -159,11 +159,11 @@ void BlockProgram::average(Tile& tile) const {
   }
   AverageSamples::Ports<float> ports;
   ports.samples = static_cast<float>(per_pixel);
-  ports.inverse_samples = inverse(per_pixel);
+  ports.inverse_samples = inverse_or_one(per_pixel);
   ports.width = static_cast<float>(out.width);
-  ports.inverse_width = inverse(out.width);
+  ports.inverse_width = inverse_or_one(out.width);
   ports.grid = static_cast<float>(setup_.grid);
-  ports.inverse_grid = inverse(setup_.grid);
+  ports.inverse_grid = inverse_or_one(setup_.grid);
   ports.first = static_cast<float>(pitch() + 1);
   ports.pitch = static_cast<float>(pitch());
   const Wavefront::Node averaged = wave.launch<AverageSamples>(ports, out.width * out.height * per_pixel);

@@ -13,13 +13,13 @@ namespace {
 
 static_assert((std::uint64_t{kMostRounds} + 1) << kRoundShift <= 0xffffffffU);
 
-constexpr std::uint32_t kLine = 64;  // what a sub-pixel alone costs of memory
+constexpr std::uint32_t kBytesOfSubpixel = 64;  // what a sub-pixel alone costs of memory
 constexpr std::uint32_t kStateBytes = sizeof(SubpixelRecord<float>);
 constexpr std::uint32_t kShownBytes = kStateBytes + sizeof(ColourRecord<float>);
 
 /// Bytes of scattered records: a line each, as long as those are not more than all.
 std::uint32_t lines(std::uint32_t count, std::uint64_t all) {
-  return static_cast<std::uint32_t>(std::min(std::uint64_t{count} * kLine, all));
+  return static_cast<std::uint32_t>(std::min(std::uint64_t{count} * kBytesOfSubpixel, all));
 }
 
 }  // namespace

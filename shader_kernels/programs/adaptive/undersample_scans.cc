@@ -11,7 +11,7 @@ using traces::Region;
 namespace {
 
 constexpr std::uint32_t kWordBytes = sizeof(WordRecord<float>);
-constexpr std::uint32_t kLine = 64;    // what a sample alone costs of memory
+constexpr std::uint32_t kBytesOfSample = 64;  // what a sample alone costs of memory
 constexpr std::uint32_t kScanned = 0;  // the border of a tile that others read in a scan: all words that it corrects
 constexpr auto kPicture = static_cast<std::size_t>(Region::kPicture);
 constexpr auto kSamples = static_cast<std::size_t>(Region::kSamples);
@@ -207,7 +207,7 @@ void UndersampleProgram::put_corrected(Wavefront& wave, const SampleTile& at, st
   const std::uint64_t store = scan_store(at.index);
   const std::uint64_t stored = scan_store(at.index + 1) - store;
   const auto lines = [](std::uint32_t count, std::uint64_t all) {
-    return static_cast<std::uint32_t>(std::min(std::uint64_t{count} * kLine, all));
+    return static_cast<std::uint32_t>(std::min(std::uint64_t{count} * kBytesOfSample, all));
   };
   Wavefront::Node packed = Wavefront::kNone;
   if (wave.fuses() && undersample_.samples == 1 && !wave.dma_encodes()) {

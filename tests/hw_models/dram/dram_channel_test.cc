@@ -8,7 +8,6 @@ namespace hw::test {
 namespace {
 
 // The closed forms below are sums of JEDEC parameters in cycles of the command clock.
-const DramTiming kT;
 constexpr std::uint64_t kWires = DramHarness::kWires;
 const std::uint64_t kLine = 2 * kT.burst;
 const std::uint64_t kHit = kT.rl + kT.dqsck + kLine;

@@ -9,9 +9,6 @@
 namespace hw::test {
 namespace {
 
-const DramTiming kT;
-const DramClosedForms kForm{DramHarness::quiet()};
-
 DramConfig with_policy(PagePolicy policy) {
   return with([&](DramConfig& c) { c.controller.page_policy = policy; });
 }

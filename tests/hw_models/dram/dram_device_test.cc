@@ -10,10 +10,9 @@
 namespace hw {
 namespace {
 
+using test::kT;
 using Cycle = DramDevice::Cycle;
 using enum DramCommand;
-
-const DramTiming kT;
 
 Cycle earliest(const DramDevice& d, DramCommand command, std::uint32_t bank, bool write, Cycle now) {
   return d.earliest(command, bank, d.ready(command, bank, write, d.rank_ready(0, write, now)), now);

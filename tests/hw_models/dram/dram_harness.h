@@ -1,4 +1,5 @@
 #pragma once
+#include "hw_models/dram/dram_closed_forms.h"
 #include "hw_models/dram/dram_player.h"
 #include "tests/hw_models/memory/harness.h"
 
@@ -56,6 +57,10 @@ struct DramHarness {
   Harness harness;
   sim::Time end = 0;
 };
+
+/// The default device, and what it takes by the data sheet's rules.
+inline const DramTiming kT;
+inline const DramClosedForms kForm{DramHarness::quiet()};
 
 /// Requests for rows of one channel, played alone. Times in cycles.
 struct Script {

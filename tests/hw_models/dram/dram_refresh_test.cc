@@ -8,9 +8,6 @@
 namespace hw::test {
 namespace {
 
-const DramTiming kT;
-const DramClosedForms kForm{DramHarness::quiet()};
-
 TEST(AllBankRefresh, KeepsEveryBankBusy) {
   DramConfig c = with([](DramConfig& d) {
     d.controller.refresh = RefreshKind::kAllBank;

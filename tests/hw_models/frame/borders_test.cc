@@ -12,9 +12,9 @@
 namespace hw {
 namespace {
 
-class Tiles final : public TileSource {
+class ImportingTiles final : public TileSource {
  public:
-  explicit Tiles(const std::vector<std::vector<traces::Border>>& imports) : works_(imports.size()) {
+  explicit ImportingTiles(const std::vector<std::vector<traces::Border>>& imports) : works_(imports.size()) {
     for (std::uint32_t i = 0; i < works_.size(); ++i) {
       works_[i].tile = i;
       works_[i].imports = imports[i];
@@ -95,7 +95,7 @@ class BorderHarness {
 
   const sim::Clock clock_{2'000'000};
   sim::Machine machine_;
-  Tiles tiles_;
+  ImportingTiles tiles_;
   const std::vector<Said> script_;
   std::array<sim::Link<TileJob>*, 2> in_{};
   std::array<sim::Link<TileDone>*, 2> out_{};

@@ -12,9 +12,9 @@ namespace hw {
 namespace {
 
 /// Tiles 0, 1, 2, ... without any work; notes what is out.
-class Tiles final : public TileSource {
+class EmptyTiles final : public TileSource {
  public:
-  explicit Tiles(std::uint32_t count) : works_(count) {
+  explicit EmptyTiles(std::uint32_t count) : works_(count) {
     for (std::uint32_t i = 0; i < count; ++i) works_[i].tile = i;
   }
   const traces::TileWork* next() override { return next_ == works_.size() ? nullptr : &works_[next_++]; }
@@ -84,7 +84,7 @@ class DispatcherHarness {
   }
   std::uint64_t end() const { return clock_.cycles(end_); }
 
-  Tiles source;
+  EmptyTiles source;
   std::vector<Arrival> arrivals;
 
  private:

@@ -24,7 +24,7 @@ const Frame& frame_of_six_tiles() {
   return frame;
 }
 
-GpuConfig machine(std::uint64_t seed) { return seed == 0 ? GpuConfig{} : test::random_config(seed); }
+GpuConfig drawn_machine(std::uint64_t seed) { return seed == 0 ? GpuConfig{} : test::random_config(seed); }
 
 /// Lines, rays and items that the machine counted are those that the stream asks for.
 void expect_all_played(const std::vector<traces::TileWork>& works, const GpuConfig& config, const Outcome& run) {
@@ -61,7 +61,7 @@ void expect_all_played(const std::vector<traces::TileWork>& works, const GpuConf
 TEST(GpuRandomWork, AllOfItIsPlayedAndTheOracleAgrees) {
   for (std::uint64_t seed = 0; seed < 4; ++seed) {
     SCOPED_TRACE(seed);
-    const GpuConfig config = machine(seed);
+    const GpuConfig config = drawn_machine(seed);
     const std::vector<traces::TileWork> works = test::random_work(frame_of_six_tiles(), seed);
     const Outcome fast = play(frame_of_six_tiles(), works, config);
     expect_all_played(works, config, fast);
@@ -72,7 +72,7 @@ TEST(GpuRandomWork, AllOfItIsPlayedAndTheOracleAgrees) {
 
 TEST(GpuRandomWork, TheOrderOfUnitsWithinAStepIsInvisible) {
   for (std::uint64_t seed = 8; seed < 16; ++seed) {
-    const GpuConfig config = machine(seed % 4 == 0 ? 0 : seed);
+    const GpuConfig config = drawn_machine(seed % 4 == 0 ? 0 : seed);
     const std::vector<traces::TileWork> works = test::random_work(frame_of_six_tiles(), seed);
     const Outcome fast = play(frame_of_six_tiles(), works, config);
     EXPECT_EQ(difference(fast, play(frame_of_six_tiles(), works, config, Engine::kShuffled, seed)), "") << seed;

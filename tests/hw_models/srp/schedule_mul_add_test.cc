@@ -18,7 +18,7 @@ SrpConfig with_mul_add(bool on = true) {
   return config;
 }
 
-KernelSchedule checked(const GraphBuilder& g, const SrpConfig& config = with_mul_add()) {
+KernelSchedule checked_with_mul_add(const GraphBuilder& g, const SrpConfig& config = with_mul_add()) {
   KernelSchedule s = schedule(g.graph(), config);
   EXPECT_EQ(wrong_with(s, g.graph(), config), "");
   return s;
@@ -32,7 +32,7 @@ TEST(ScheduleMulAdd, AProductAndItsSumAreOneOperationOfBothLatencies) {
       GraphBuilder g;
       const auto x = g.item(), product = g.op(Op::kMul, {x, x});
       g.op(add, {first ? product : x, first ? x : product});
-      const KernelSchedule s = checked(g);
+      const KernelSchedule s = checked_with_mul_add(g);
       EXPECT_EQ(s.fu_ops, 1U);
       EXPECT_EQ(ops(s, OpClass::kFpMulAdd), 1U);
       EXPECT_EQ(ops(s, OpClass::kFpMul) + ops(s, OpClass::kFpAdd), 0U);
@@ -47,7 +47,7 @@ TEST(ScheduleMulAdd, WithoutSuchUnitsTheyAreTwo) {
   GraphBuilder g;
   const auto x = g.item();
   g.op(Op::kAdd, {g.op(Op::kMul, {x, x}), x});
-  const KernelSchedule s = checked(g, with_mul_add(false));
+  const KernelSchedule s = checked_with_mul_add(g, with_mul_add(false));
   EXPECT_EQ(s.fu_ops, 2U);
   EXPECT_EQ(s.rf_reads, 4U);
   EXPECT_EQ(s.rf_writes, 2U);
@@ -58,7 +58,7 @@ TEST(ScheduleMulAdd, AProductThatSomethingElseUsesStaysAlone) {
     GraphBuilder g;
     const auto x = g.item(), product = g.op(Op::kMul, {x, x});
     use(g, g.op(Op::kAdd, {product, x}), product);
-    return ops(checked(g), OpClass::kFpMulAdd);
+    return ops(checked_with_mul_add(g), OpClass::kFpMulAdd);
   };
   EXPECT_EQ(fused([](GraphBuilder&, auto, auto) {}), 1U);
   EXPECT_EQ(fused([](GraphBuilder& g, auto sum, auto product) { g.op(Op::kMin, {sum, product}); }), 0U);
@@ -70,7 +70,7 @@ TEST(ScheduleMulAdd, OfTwoProductsOneIsPartOfTheirSum) {
   GraphBuilder g;
   const auto x = g.item();
   g.op(Op::kAdd, {g.op(Op::kMul, {x, x}), g.op(Op::kMul, {x, x})});
-  const KernelSchedule s = checked(g);
+  const KernelSchedule s = checked_with_mul_add(g);
   EXPECT_EQ(ops(s, OpClass::kFpMulAdd), 1U);
   EXPECT_EQ(ops(s, OpClass::kFpMul), 1U);
   EXPECT_EQ(s.depth, 2U + 2U) << "the other product is there when it is read";
@@ -80,21 +80,21 @@ TEST(ScheduleMulAdd, TheSquareOfAProductIsNoSumOfTwo) {
   GraphBuilder g;
   const auto x = g.item(), product = g.op(Op::kMul, {x, x});
   g.op(Op::kAdd, {product, product});
-  EXPECT_EQ(ops(checked(g), OpClass::kFpMulAdd), 0U);
+  EXPECT_EQ(ops(checked_with_mul_add(g), OpClass::kFpMulAdd), 0U);
 }
 
 TEST(ScheduleMulAdd, IntegersAreNotFused) {
   GraphBuilder g;
   const auto x = g.item();
   g.op(Op::kIntAdd, {g.op(Op::kIntMul, {x, x}), x});
-  EXPECT_EQ(checked(g).fu_ops, 2U);
+  EXPECT_EQ(checked_with_mul_add(g).fu_ops, 2U);
 }
 
 TEST(ScheduleMulAdd, ASumOfProductsOverItemsWaitsForItsAdditionAlone) {
   GraphBuilder g;
   const auto sum = g.carried();
   g.close(sum, g.op(Op::kAdd, {g.op(Op::kMul, {g.item(), g.item()}), sum}));
-  const KernelSchedule s = checked(g);
+  const KernelSchedule s = checked_with_mul_add(g);
   EXPECT_EQ(s.rec_mii, 2U) << "the sum is read when the product is there";
   EXPECT_EQ(s.ii, 2U);
 }
@@ -105,7 +105,7 @@ TEST(ScheduleMulAdd, TheyNeedAMultiplier) {
   GraphBuilder g;
   const auto x = g.item();
   for (int i = 0; i < 6; ++i) g.op(Op::kAdd, {g.op(Op::kMul, {x, x}), x});
-  EXPECT_EQ(checked(g, config).ii, 3U);
+  EXPECT_EQ(checked_with_mul_add(g, config).ii, 3U);
 }
 
 TEST(ScheduleMulAdd, NoKernelTakesMoreOfAnything) {

@@ -9,15 +9,15 @@
 namespace hw {
 namespace {
 
+using test::kA, test::kB;
+using test::kSwitch;
 using test::SrpHarness;
 using test::TileBuilder;
 using CycleReason = Srp::CycleReason;
 
-constexpr std::uint64_t kSwitch = SrpHarness::cold(1),
-                        kDma = 1 + 5;               // cycles: cold kernel; wire to the DMA, its answer
+constexpr std::uint64_t kDma = 1 + 5;               // cycles: cold kernel; wire to the DMA, its answer
 constexpr std::uint64_t kLoop = kSwitch + 10 + 15;  // sixteen items, switch included
 constexpr std::uint64_t kStart = 1;                 // the first cycle in which the shader core sees a tile
-constexpr traces::KernelId kA = 0, kB = 1;
 
 /// `missing` of `imports` borders; a launch that needs none, one that needs all.
 traces::TileWork importing(std::uint32_t imports, std::uint32_t tile = 1) {

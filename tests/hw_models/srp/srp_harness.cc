@@ -160,4 +160,12 @@ traces::TileWork TileBuilder::build() {
   return work_;
 }
 
+traces::TileWork trace_and_shade(std::uint32_t items, std::uint32_t tile, bool reads_first) {
+  TileBuilder work(tile);
+  std::vector<traces::Edge> inputs;
+  if (reads_first) inputs.push_back(TileBuilder::all(work.transfer(traces::Region::kRates, false, 64)));
+  work.launch(kB, items, {TileBuilder::each(work.rays(work.launch(kA, items, inputs), items))});
+  return work.build();
+}
+
 }  // namespace hw::test

@@ -157,4 +157,14 @@ class TileBuilder {
   traces::TileWork work_;
 };
 
+/// Cycles of a switch to a kernel of interval 1 that is loaded.
+inline constexpr std::uint64_t kSwitch = SrpHarness::cold(1);
+
+/// Two kernels of a harness.
+inline constexpr traces::KernelId kA = 0, kB = 1;
+
+/// Rays out of a launch of kernel A, shaded item by item by kernel B. `reads_first`: not before data from memory are
+/// there.
+traces::TileWork trace_and_shade(std::uint32_t items, std::uint32_t tile = 0, bool reads_first = false);
+
 }  // namespace hw::test

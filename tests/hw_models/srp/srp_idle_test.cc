@@ -7,11 +7,10 @@
 namespace hw {
 namespace {
 
+using test::kA, test::kB;
 using test::SrpHarness;
 using test::TileBuilder;
 using traces::Access;
-
-constexpr traces::KernelId kA = 0, kB = 1;
 
 SrpHarness::Setup with_chunk(std::uint32_t chunk) {
   SrpHarness::Setup setup;

@@ -11,12 +11,12 @@
 namespace hw {
 namespace {
 
+using test::kA, test::kB;
+using test::kSwitch;
 using test::SrpHarness;
 using test::TileBuilder;
 using CycleReason = Srp::CycleReason;
 
-constexpr std::uint64_t kSwitch = SrpHarness::cold(1);  // cycles
-constexpr traces::KernelId kA = 0, kB = 1;
 const std::vector<SrpHarness::Kernel> kKernels = {{1, 10}, {1, 10}};
 constexpr std::uint64_t kFirst = kSwitch + 10 + 499;  // cycles of what keeps the array until all tiles are there
 

@@ -9,20 +9,12 @@
 namespace hw {
 namespace {
 
+using test::kA, test::kB;
 using test::SrpHarness;
 using test::TileBuilder;
+using test::trace_and_shade;
 
 constexpr std::uint32_t kSamples = 16;
-constexpr traces::KernelId kA = 0, kB = 1;
-
-/// `reads_first`: not before data from memory are there.
-traces::TileWork trace_and_shade(std::uint32_t items, std::uint32_t tile = 0, bool reads_first = false) {
-  TileBuilder work(tile);
-  std::vector<traces::Edge> inputs;
-  if (reads_first) inputs.push_back(TileBuilder::all(work.transfer(traces::Region::kRates, false, 64)));
-  work.launch(kB, items, {TileBuilder::each(work.rays(work.launch(kA, items, inputs), items))});
-  return work.build();
-}
 
 /// A tile buffer with `slots` ray slots for tiles of 16 samples.
 SrpHarness::Setup with_slots(std::uint32_t slots) {

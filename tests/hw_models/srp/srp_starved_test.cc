@@ -7,12 +7,10 @@
 namespace hw {
 namespace {
 
+using test::kA, test::kB;
 using test::SrpHarness;
 using test::TileBuilder;
 using traces::Access;
-
-constexpr auto cold = SrpHarness::cold;
-constexpr traces::KernelId kA = 0, kB = 1;
 
 std::uint64_t starved(const SrpHarness& harness, traces::KernelId kernel) {
   return harness.srp().kernel_use()[kernel].starved;
@@ -23,7 +21,7 @@ TEST(SrpStarved, ALoneLaunchWithoutRaysStarvesTheUnitSwitchAndStallsIncluded) {
   TileBuilder work;
   work.launch(kA, {{Access::attributes(0)}, {Access::attributes(1)}});
   harness.add(work.build()).run();
-  EXPECT_EQ(starved(harness, kA), cold(4) + 90 + 4 + (SrpHarness::kLine - SrpHarness::kLoad));
+  EXPECT_EQ(starved(harness, kA), SrpHarness::cold(4) + 90 + 4 + (SrpHarness::kLine - SrpHarness::kLoad));
   EXPECT_EQ(starved(harness, kA), harness.cycles(kA));
 }
 
@@ -33,8 +31,8 @@ TEST(SrpStarved, RaysEndItAsTheyLeaveAndTheLastHitBeginsItAgain) {
   TileBuilder work;
   work.launch(kB, kItems, {TileBuilder::each(work.rays(work.launch(kA, kItems), kItems))});
   harness.add(work.build()).run();
-  EXPECT_EQ(starved(harness, kA), cold(5) + 30) << "until the first item leaves the array";
-  EXPECT_EQ(starved(harness, kB), cold(2) + 20 + (kItems - 1) * 2) << "every hit is back when it begins";
+  EXPECT_EQ(starved(harness, kA), SrpHarness::cold(5) + 30) << "until the first item leaves the array";
+  EXPECT_EQ(starved(harness, kB), SrpHarness::cold(2) + 20 + (kItems - 1) * 2) << "every hit is back when it begins";
 }
 
 TEST(SrpStarved, NotWhileTheUnitIsBusyThroughout) {
@@ -46,7 +44,7 @@ TEST(SrpStarved, NotWhileTheUnitIsBusyThroughout) {
   other.launch(kB, 200);
   harness.add(tracing.build()).add(other.build()).run();
   EXPECT_EQ(starved(harness, kB), 0U);
-  EXPECT_EQ(harness.cycles(kB), cold(3) + 40 + 199 * 3);
+  EXPECT_EQ(harness.cycles(kB), SrpHarness::cold(3) + 40 + 199 * 3);
 }
 
 TEST(SrpStarved, OfAKernelThatHitsComeBackUnderOnlyTheRestCounts) {

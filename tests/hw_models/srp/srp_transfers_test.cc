@@ -9,13 +9,13 @@
 namespace hw {
 namespace {
 
+using test::kA, test::kB;
+using test::kSwitch;
 using test::SrpHarness;
 using test::TileBuilder;
 using traces::Region;
 
-constexpr std::uint64_t kSwitch = SrpHarness::cold(1),
-                        kDma = 1 + 5;  // cycles: to a kernel of interval 1; to the DMA and back
-constexpr traces::KernelId kA = 0, kB = 1;
+constexpr std::uint64_t kDma = 1 + 5;  // cycles: to a kernel of interval 1; to the DMA and back
 
 Addr base_of(Area area) { return SrpHarness::kBases[static_cast<std::size_t>(area)]; }
 

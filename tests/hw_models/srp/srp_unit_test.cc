@@ -8,24 +8,17 @@
 namespace hw {
 namespace {
 
+using test::kA, test::kB;
 using test::SrpHarness;
 using test::TileBuilder;
+using test::trace_and_shade;
 using traces::Access;
 
-constexpr auto cold = SrpHarness::cold;
 constexpr std::uint64_t kResident = SrpHarness::kResident, kLine = SrpHarness::kLine, kLoad = SrpHarness::kLoad;
-constexpr traces::KernelId kA = 0, kB = 1;
 
 traces::TileWork one_launch(std::uint32_t items, std::uint32_t tile = 0) {
   TileBuilder work(tile);
   work.launch(kA, items);
-  return work.build();
-}
-
-/// Rays out of a launch of kernel A, shaded item by item by kernel B.
-traces::TileWork trace_and_shade(std::uint32_t items, std::uint32_t tile = 0) {
-  TileBuilder work(tile);
-  work.launch(kB, items, {TileBuilder::each(work.rays(work.launch(kA, items), items))});
   return work.build();
 }
 
@@ -34,10 +27,10 @@ TEST(Srp, ALaunchOfNItemsTakesSwitchDepthAndAnIntervalForEachFurtherItem) {
     for (const std::uint32_t n : {1U, 2U, 16U, 256U}) {
       SrpHarness harness({}, {kernel});
       harness.add(one_launch(n)).run();
-      const std::uint64_t expected = cold(kernel.ii) + kernel.depth + (n - 1) * kernel.ii;
+      const std::uint64_t expected = SrpHarness::cold(kernel.ii) + kernel.depth + (n - 1) * kernel.ii;
       EXPECT_EQ(harness.cycles(kA), expected);
       EXPECT_EQ(harness.done_at(0), expected) << "the tile leaves with its last item";
-      EXPECT_EQ(harness.spent(Srp::CycleReason::kSwitching), cold(kernel.ii));
+      EXPECT_EQ(harness.spent(Srp::CycleReason::kSwitching), SrpHarness::cold(kernel.ii));
     }
   }
 }
@@ -47,7 +40,7 @@ TEST(Srp, ASecondChunkOfTheSameKernelPaysPrologueAndDrainButNoSwitch) {
   setup.config.chunk = 10;
   SrpHarness harness(setup, {{3, 20}});
   harness.add(one_launch(25)).run();
-  EXPECT_EQ(harness.cycles(kA), cold(3) + (20 + 9 * 3) + (20 + 9 * 3) + (20 + 4 * 3));
+  EXPECT_EQ(harness.cycles(kA), SrpHarness::cold(3) + (20 + 9 * 3) + (20 + 9 * 3) + (20 + 4 * 3));
   EXPECT_EQ(harness.done_at(0), harness.cycles(kA)) << "one chunk begins as the other ends";
   EXPECT_EQ(harness.srp().stats().switches, 1U);
   EXPECT_EQ(harness.srp().stats().chunks, 3U);
@@ -60,7 +53,7 @@ TEST(Srp, AnotherKernelPaysItsSwitch) {
   work.launch(kA, 16, {TileBuilder::all(work.launch(kB, 16, {TileBuilder::all(a)}))});
   harness.add(work.build()).run();
   EXPECT_EQ(harness.srp().stats().switches, 3U);
-  EXPECT_EQ(harness.done_at(0), cold(1) + cold(2) + kResident + 2 * (10 + 15) + 30 + 15 * 2);
+  EXPECT_EQ(harness.done_at(0), SrpHarness::cold(1) + SrpHarness::cold(2) + kResident + 2 * (10 + 15) + 30 + 15 * 2);
 }
 
 TEST(Srp, AMissStallsByExactlyWhatArrivesLaterThanTheLoadsLatency) {
@@ -73,7 +66,7 @@ TEST(Srp, AMissStallsByExactlyWhatArrivesLaterThanTheLoadsLatency) {
     harness.add(work.build()).run();
     const std::uint64_t arrives = 1 + latency;  // the wire to memory, then memory
     const std::uint64_t stall = arrives - std::min(arrives, kLoad);
-    EXPECT_EQ(harness.cycles(kA), cold(4) + 90 + 2 * 4 + stall) << latency;
+    EXPECT_EQ(harness.cycles(kA), SrpHarness::cold(4) + 90 + 2 * 4 + stall) << latency;
     EXPECT_EQ(harness.spent(Srp::CycleReason::kCacheMiss), stall) << latency;
     EXPECT_EQ(harness.srp().stats().cache_fills, 1U);
   }
@@ -109,7 +102,7 @@ TEST(Srp, ALineThatIsThereStallsNothing) {
   harness.add(work.build()).run();
   EXPECT_EQ(harness.srp().stats().cache_accesses, 4U);
   EXPECT_EQ(harness.srp().stats().cache_hits, 2U);
-  const std::uint64_t first_launch = cold(4) + 90 + 4 + (kLine - kLoad);
+  const std::uint64_t first_launch = SrpHarness::cold(4) + 90 + 4 + (kLine - kLoad);
   EXPECT_EQ(harness.cycles(kA), first_launch + 90 + 4);
 }
 
@@ -131,7 +124,7 @@ TEST(Srp, RaysLeaveAsTheirItemsLeaveTheArray) {
   ASSERT_EQ(harness.rays().size(), 8U);
   for (std::uint32_t i = 0; i < 8; ++i) {
     const std::uint64_t wires = 2;  // the tile's way in, the ray's way out
-    EXPECT_EQ(harness.rays()[i].cycle, wires + cold(5) + 30 + 5 * i);
+    EXPECT_EQ(harness.rays()[i].cycle, wires + SrpHarness::cold(5) + 30 + 5 * i);
     EXPECT_EQ(harness.rays()[i].ray, i);
   }
 }
@@ -148,7 +141,7 @@ TEST(Srp, RaysLeaveNoFasterThanTheDirectInterfaceTakesThem) {
 TEST(Srp, ShadingBeginsWhenTheLastHitOfItsChunkIsBack) {
   SrpHarness harness({}, {{5, 30}, {2, 20}});
   harness.add(trace_and_shade(8)).run();
-  const std::uint64_t rays = cold(5) + 30 + 7 * 5, tni = 1 + 10, shading = cold(2) + 20 + 7 * 2;
+  const std::uint64_t rays = SrpHarness::cold(5) + 30 + 7 * 5, tni = 1 + 10, shading = SrpHarness::cold(2) + 20 + 7 * 2;
   EXPECT_EQ(harness.done_at(0), rays + tni + shading);
   EXPECT_EQ(harness.spent(Srp::CycleReason::kWaiting), tni);
   EXPECT_EQ(harness.srp().tile_buffer().used(), 0U) << "every slot has been given back";
@@ -171,7 +164,7 @@ TEST(Srp, TheOldestTileGoesFirst) {
   const std::uint64_t tile = 10 * (10 + 3);
   for (std::uint32_t t = 0; t < 3; ++t) {
     EXPECT_EQ(harness.tiles_done()[t], t);
-    EXPECT_EQ(harness.done_at(t), cold(1) + (t + 1) * tile);
+    EXPECT_EQ(harness.done_at(t), SrpHarness::cold(1) + (t + 1) * tile);
   }
 }
 
@@ -181,7 +174,7 @@ TEST(Srp, WhileATilesRaysAreOutTheNextTileRuns) {
   SrpHarness harness(setup, {{1, 50}, {1, 50}});
   harness.add(trace_and_shade(16, 0)).add(trace_and_shade(16, 1)).run();
   const std::uint64_t loop = 50 + 15;
-  EXPECT_EQ(harness.done_at(0), cold(1) + loop + 901 + cold(1) + loop);
+  EXPECT_EQ(harness.done_at(0), SrpHarness::cold(1) + loop + 901 + SrpHarness::cold(1) + loop);
   EXPECT_EQ(harness.done_at(1), harness.done_at(0) + loop) << "its hits were back while the first was shaded";
 }
 

@@ -158,6 +158,10 @@ inline const Trv& trv(const TniHarness& harness) { return *harness.tni().trvs().
 /// Cycles from the FIFO to the FIFO: one wire to the TRV, one back to the dispatcher, one into the hit FIFO.
 inline constexpr std::uint64_t kWires = 3;
 
+/// Cycles of a visit (fetch 2, box 12), of a miss (to memory 1, back 50; the next probe is in the cycle of the fill),
+/// of a node taken from the stack; femtoseconds of a cycle.
+inline constexpr std::uint64_t kVisit = 14, kMiss = 51, kPop = 2, kPeriod = 2'000'000;
+
 /// Cycles of a ray alone and with warm caches.
 inline std::uint64_t alone(TniHarness::Setup setup, const std::vector<std::uint32_t>& walk) {
   setup.config.trv.rays = 1;

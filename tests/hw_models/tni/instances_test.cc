@@ -8,6 +8,7 @@ namespace hw {
 namespace {
 
 using test::alone;
+using test::kMiss, test::kPop, test::kVisit;
 using test::kWires;
 using test::RandomLoad;
 using test::TniHarness;
@@ -17,7 +18,7 @@ using traces::end_step;
 using traces::enter_step;
 using traces::visit_step;
 
-constexpr std::uint64_t kVisit = 14, kTransform = 14, kMiss = 51, kPop = 2;
+constexpr std::uint64_t kTransform = 14;
 
 /// Nodes 0, 1, 2 over two instances of a tree of nodes 3, 4, 5: instance 0 is below node 1, instance 1 below node 2.
 TniHarness::Setup two_instances() {

@@ -7,6 +7,7 @@
 namespace hw {
 namespace {
 
+using test::kMiss, test::kPeriod, test::kVisit;
 using test::kWires;
 using test::RandomLoad;
 using test::TniHarness;
@@ -17,9 +18,6 @@ using traces::visit_step;
 
 constexpr MissHandling kAll[] = {MissHandling::kReorder, MissHandling::kBypass, MissHandling::kRau,
                                  MissHandling::kBlocking};
-constexpr std::uint64_t kVisit = 14;  // fetch 2, box 12
-constexpr std::uint64_t kMiss = 51;   // to memory 1, back 50; the next probe is in the cycle of the fill
-constexpr std::uint64_t kPeriod = 2'000'000;
 
 TniHarness::Setup one_trv(MissHandling handling) {
   TniHarness::Setup s = test::one_trv();

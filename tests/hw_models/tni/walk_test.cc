@@ -8,6 +8,7 @@ namespace hw {
 namespace {
 
 using test::alone;
+using test::kMiss, test::kPeriod, test::kPop, test::kVisit;
 using test::kWires;
 using test::one_trv;
 using test::RandomLoad;
@@ -17,9 +18,6 @@ using test::Walk;
 using traces::end_step;
 using traces::leaf_step;
 using traces::visit_step;
-
-constexpr std::uint64_t kVisit = 14, kMiss = 51, kPop = 2;
-constexpr std::uint64_t kPeriod = 2'000'000;
 
 const Walk kTwoDown = {visit_step(0, 1, 0), visit_step(1, 0, 0), end_step(false)};
 const Walk kPopped = {visit_step(0, 3, 0), visit_step(1, 0, 0), visit_step(2, 0, 0), end_step(false)};

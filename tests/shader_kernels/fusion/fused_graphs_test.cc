@@ -6,7 +6,7 @@ namespace {
 // Fused kernels are the sum of their parts less what is loaded or computed before. light_surface: classify_surfaces;
 // and, compare, and, next for `later`; and, compare for what is lit; shade_ambient with 3 select; shade_diffuse with
 // and, less 3 mul that shade_ambient has done; once each of surfaces, mattes, paths, colours, places.
-constexpr Hand kByHand[] = {
+constexpr Hand kFusedByHand[] = {
     //                         add mul d/s oth cmp sel int cnv  ld  st  $
     {"fetch_surface", {19, 33, 2, 1, 9, 9, 17, 0, 3, 12, 2}},
     {"fetch_surface_instanced", {25, 44, 2, 1, 9, 9, 23, 2, 3, 12, 3}},
@@ -85,8 +85,8 @@ constexpr Hand kByHand[] = {
 };
 
 TEST(FusedGraphs, OperationsAreThoseOfThePartsLessWhatIsShared) {
-  ASSERT_EQ(kFirstFused + std::size(kByHand), catalogue().size());
-  expect_counts(kByHand);
+  ASSERT_EQ(kFirstFused + std::size(kFusedByHand), catalogue().size());
+  expect_counts(kFusedByHand);
 }
 
 }  // namespace

@@ -13,7 +13,7 @@
 namespace sim::test {
 namespace {
 
-UnitReport unit(std::string path, std::string block, std::uint64_t sram, std::uint64_t array) {
+UnitReport sized_unit(std::string path, std::string block, std::uint64_t sram, std::uint64_t array) {
   UnitReport u;
   u.path = std::move(path);
   u.block = std::move(block);
@@ -30,7 +30,7 @@ EnergyConfig energy() {
   return c;
 }
 
-AreaConfig config() {
+AreaConfig area_config() {
   AreaConfig c;
   c.logic_scale = {0.5, 1, 2};
   c.arrays = {{"tni@16KiB", {1, 2, 4}}, {"tni@64KiB", {2, 8, 32}}};
@@ -41,23 +41,23 @@ AreaConfig config() {
 }
 
 UnitReport channel(std::uint32_t data_lines) {
-  UnitReport u = unit("dram.channel0", "dram", 0, 0);
+  UnitReport u = sized_unit("dram.channel0", "dram", 0, 0);
   u.data_lines = data_lines;
   return u;
 }
 
 /// Logic of a unit with so many testers and adders.
 Spread logic_with(std::uint32_t testers, std::uint32_t adders) {
-  UnitReport u = unit("core0.tni.trv0", "tni", 0, 0);
+  UnitReport u = sized_unit("core0.tni.trv0", "tni", 0, 0);
   u.parts = {{"tester", testers}, {"adder", adders}};
   return LogicArea(u, energy()).band();
 }
 
 TEST(Area, IsLogicArraysBuffersAndPadsOfEveryUnitAndThePlacement) {
-  const std::vector<UnitReport> units = {unit("core0.tni.trv0", "tni", 20 * 1024, 16 * 1024),
-                                         unit("core0.tni.trv1", "tni", 20 * 1024, 16 * 1024),
-                                         unit("core0.tni.dispatcher", "tni", 0, 0), channel(16)};
-  const AreaReport area = compute_area(units, energy(), config());
+  const std::vector<UnitReport> units = {sized_unit("core0.tni.trv0", "tni", 20 * 1024, 16 * 1024),
+                                         sized_unit("core0.tni.trv1", "tni", 20 * 1024, 16 * 1024),
+                                         sized_unit("core0.tni.dispatcher", "tni", 0, 0), channel(16)};
+  const AreaReport area = compute_area(units, energy(), area_config());
   const AreaOfBlock& tni = area.blocks.at("tni");
   EXPECT_EQ(tni.logic, (Spread{1, 4, 14}));
   EXPECT_EQ(tni.arrays, (Spread{2, 4, 8}));
@@ -68,18 +68,18 @@ TEST(Area, IsLogicArraysBuffersAndPadsOfEveryUnitAndThePlacement) {
 
 TEST(Area, OfAnArrayIsAPowerOfItsSizeBetweenPoints) {
   const AreaReport area =
-      compute_area(std::vector{unit("core0.tni.trv0", "tni", 32 * 1024, 32 * 1024)}, energy(), config());
+      compute_area(std::vector{sized_unit("core0.tni.trv0", "tni", 32 * 1024, 32 * 1024)}, energy(), area_config());
   EXPECT_NEAR(area.blocks.at("tni").arrays.nominal, 4, 1e-12);
 }
 
 TEST(Area, OfABankIsItsShareOfTheArray) {
-  const std::vector<UnitReport> banks(4, unit("core0.tni.trv0", "tni", 16 * 1024, 64 * 1024));
-  EXPECT_DOUBLE_EQ(compute_area(banks, energy(), config()).blocks.at("tni").arrays.nominal, 8);
+  const std::vector<UnitReport> banks(4, sized_unit("core0.tni.trv0", "tni", 16 * 1024, 64 * 1024));
+  EXPECT_DOUBLE_EQ(compute_area(banks, energy(), area_config()).blocks.at("tni").arrays.nominal, 8);
 }
 
 TEST(Area, OfPadsIsByTheSixteenDataLines) {
   for (const std::uint32_t lines : {8U, 16U, 32U}) {
-    EXPECT_EQ(compute_area(std::vector{channel(lines)}, energy(), config()).blocks.at("dram").pads,
+    EXPECT_EQ(compute_area(std::vector{channel(lines)}, energy(), area_config()).blocks.at("dram").pads,
               (Spread{lines / 16., lines / 8., lines * 3 / 16.}))
         << lines;
   }
@@ -97,7 +97,7 @@ TEST(Area, OfLogicGrowsByEachPartMoreAndShrinksByEachPartLess) {
 TEST(Area, OfLogicIsNoSmallerUnderHighTablesThanUnderLowOnesThoughItHoldsLess) {
   EnergyConfig c = energy();
   c.logic["tni.trv"] = {1, 1, 1};
-  UnitReport u = unit("core0.tni.trv0", "tni", 0, 0);
+  UnitReport u = sized_unit("core0.tni.trv0", "tni", 0, 0);
   u.parts = {{"tester", 0}, {"adder", 1}};
   EXPECT_EQ(LogicArea(u, c).band(), (Spread{0.5, 0.5, 0.5}));
 }
@@ -105,7 +105,7 @@ TEST(Area, OfLogicIsNoSmallerUnderHighTablesThanUnderLowOnesThoughItHoldsLess) {
 TEST(Area, OfLogicIsNeverBelowNothing) {
   EnergyConfig c = energy();
   c.parts_in_logic["tni.adder"] = {100, 100, 100};
-  UnitReport u = unit("core0.tni.trv0", "tni", 0, 0);
+  UnitReport u = sized_unit("core0.tni.trv0", "tni", 0, 0);
   u.parts = {{"adder", 1}};
   EXPECT_EQ(LogicArea(u, c).band(), Spread());
 }
@@ -113,7 +113,7 @@ TEST(Area, OfLogicIsNeverBelowNothing) {
 TEST(Area, OfLogicIsItsFigureWhereTheTableIsFromBeforeThereWereParts) {
   EnergyConfig c = energy();
   c.parts = c.parts_in_logic = {};
-  UnitReport u = unit("core0.tni.trv0", "tni", 0, 0);
+  UnitReport u = sized_unit("core0.tni.trv0", "tni", 0, 0);
   u.parts = {{"tester", 7}};
   EXPECT_EQ(LogicArea(u, c).band(), (Spread{0.5, 1, 2}));
 }
@@ -121,17 +121,17 @@ TEST(Area, OfLogicIsItsFigureWhereTheTableIsFromBeforeThereWereParts) {
 TEST(Area, OfWhatTheTableDoesNotKnowIsAnError) {
   const Folder folder;
   const auto error = [&](const UnitReport& u) {
-    return complaint<InputError>(folder, [&] { compute_area(std::vector{u}, energy(), config()); });
+    return complaint<InputError>(folder, [&] { compute_area(std::vector{u}, energy(), area_config()); });
   };
-  EXPECT_EQ(error(unit("core0.srp", "srp", 0, 0)),
+  EXPECT_EQ(error(sized_unit("core0.srp", "srp", 0, 0)),
             "energy.logic: no entry for unit 'core0.srp'; allowed: 'srp.srp' or 'srp'");
-  EXPECT_EQ(error(unit("dram.channel0", "dram", 1024, 1024)),
+  EXPECT_EQ(error(sized_unit("dram.channel0", "dram", 1024, 1024)),
             "area.arrays: no entry for unit 'dram.channel0'; allowed: 'dram.channel' or 'dram'");
-  EXPECT_EQ(error(unit("dram.channel0", "dram", 1024, 0)),
+  EXPECT_EQ(error(sized_unit("dram.channel0", "dram", 1024, 0)),
             "area.buffers: no entry for unit 'dram.channel0'; allowed: 'dram.channel' or 'dram'");
-  EXPECT_EQ(error(unit("core0.tni.trv0", "tni", 1024, 1024)), "no error");
+  EXPECT_EQ(error(sized_unit("core0.tni.trv0", "tni", 1024, 1024)), "no error");
   EXPECT_EQ(error(channel(0)), "area.pads: unit 'dram.channel0' has no data lines at the die's edge");
-  UnitReport other = unit("core0.tni.trv0", "tni", 0, 0);
+  UnitReport other = sized_unit("core0.tni.trv0", "tni", 0, 0);
   other.parts = {{"divider", 1}};
   EXPECT_EQ(error(other),
             "energy.parts: no entry for part 'divider' of unit 'core0.tni.trv0'; allowed: 'tni.trv.divider' or "
@@ -143,7 +143,7 @@ TEST(AreaTables, NameASourceForEveryFigureAndRiseWithSize) {
     const AreaConfig c = load_config<AreaConfig>(name);
     for (const char* block : {"tni", "srp", "l2", "tile_buffer"}) {
       const auto of = [&](std::uint64_t kib) {
-        const UnitReport u = unit("x", block, kib * 1024, kib * 1024);
+        const UnitReport u = sized_unit("x", block, kib * 1024, kib * 1024);
         EnergyConfig no_logic;
         no_logic.logic = {{block, {0, 0, 0}}};
         return compute_area(std::vector{u}, no_logic, c).blocks.at(block).arrays;

@@ -17,7 +17,7 @@ namespace {
 
 constexpr Time kMillisecond = kFemtosecondsPerSecond / 1000;
 
-UnitReport unit(std::string path, std::string block, std::vector<CounterReport> counters) {
+UnitReport counting_unit(std::string path, std::string block, std::vector<CounterReport> counters) {
   UnitReport u;
   u.path = std::move(path);
   u.block = std::move(block);
@@ -25,7 +25,7 @@ UnitReport unit(std::string path, std::string block, std::vector<CounterReport> 
   return u;
 }
 
-EnergyConfig config() {
+EnergyConfig energy_config() {
   EnergyConfig c;
   c.events = {{"box", {1, 2, 4}}, {"read@16KiB", {1, 4, 16}}, {"read@64KiB", {4, 8, 32}}};
   c.clock_share = {0, 0.2, 0.5};
@@ -50,28 +50,30 @@ std::string error_of(const EnergyConfig& c, const UnitReport& u) {
 }
 
 TEST(Energy, OfEventsIsCountTimesFigureAndTheClockTreesShare) {
-  const EnergyReport e =
-      compute_energy(std::vector{unit("core0.tni", "tni", {{"boxes", "", 10, "box"}})}, config(), {}, 0);
+  const EnergyReport e = compute_energy(std::vector{counting_unit("core0.tni", "tni", {{"boxes", "", 10, "box"}})},
+                                        energy_config(), {}, 0);
   expect_near(e.kinds.dynamic, {10, 20, 40});
   expect_near(e.kinds.clock, {0, 5, 40});
   expect_near(e.total_pj, {10, 25, 80});
 }
 
 TEST(Energy, CountersWithoutAnEventCostNothing) {
-  const EnergyReport e = compute_energy(std::vector{unit("core0.tni", "tni", {{"rays", "", 10, ""}})}, config(), {}, 0);
+  const EnergyReport e =
+      compute_energy(std::vector{counting_unit("core0.tni", "tni", {{"rays", "", 10, ""}})}, energy_config(), {}, 0);
   expect_near(e.total_pj, {0, 0, 0});
 }
 
 TEST(Energy, LeakageIsStorageAndLogicTimesTime) {
-  UnitReport u = unit("core0.tni", "tni", {});
+  UnitReport u = counting_unit("core0.tni", "tni", {});
   u.sram_bytes = 100 * 1024;
-  const EnergyReport e = compute_energy(std::vector{u}, config(), {}, kMillisecond);
+  const EnergyReport e = compute_energy(std::vector{u}, energy_config(), {}, kMillisecond);
   expect_near(e.kinds.leakage, {6e6, 12e6, 24e6});  // 1 mW for 1 ms is 1 uJ
 }
 
 TEST(Energy, LogicIsLookedUpByKindOfUnitThenByBlock) {
   const auto leakage = [](const char* path) {
-    return compute_energy(std::vector{unit(path, "tni", {})}, config(), {}, kMillisecond).kinds.leakage.low;
+    return compute_energy(std::vector{counting_unit(path, "tni", {})}, energy_config(), {}, kMillisecond)
+        .kinds.leakage.low;
   };
   EXPECT_DOUBLE_EQ(leakage("core0.tni.trv12"), 2.5e6);
   EXPECT_DOUBLE_EQ(leakage("core0.tni.ist"), 5e6);
@@ -80,14 +82,14 @@ TEST(Energy, LogicIsLookedUpByKindOfUnitThenByBlock) {
 TEST(Energy, TheClockOfIdleAndStarvedCyclesRunsOn) {
   constexpr std::array reasons = {idle("idle", ""), working("testing", ""), idle("starved", ""),
                                   waiting("output_full", "")};
-  UnitReport u = unit("core0.tni", "tni", {});
+  UnitReport u = counting_unit("core0.tni", "tni", {});
   u.reasons = reasons;
   u.why = {{"idle", 100}, {"testing", 1000}, {"starved", 50}, {"output_full", 7}};
-  expect_near(compute_energy(std::vector{u}, config(), {}, 0).kinds.clock, {15, 30, 75});
+  expect_near(compute_energy(std::vector{u}, energy_config(), {}, 0).kinds.clock, {15, 30, 75});
 }
 
 TEST(Energy, SizeDependentEventsAreInterpolatedOnLogLogPaper) {
-  const EnergyTable table(config().events);
+  const EnergyTable table(energy_config().events);
   expect_near(table.at("read", 16 * 1024), {1, 4, 16});
   expect_near(table.at("read", 64 * 1024), {4, 8, 32});
   expect_near(table.at("read", 32 * 1024), {2, 4 * std::sqrt(2.0), 16 * std::sqrt(2.0)});
@@ -97,20 +99,21 @@ TEST(Energy, SizeDependentEventsAreInterpolatedOnLogLogPaper) {
 }
 
 TEST(Energy, TheUnitsArraySizeChoosesTheFigure) {
-  UnitReport u = unit("core0.tni", "tni", {{"reads", "", 2, "read"}});
+  UnitReport u = counting_unit("core0.tni", "tni", {{"reads", "", 2, "read"}});
   u.sram_bytes = 1 << 20;
   u.cache_bytes = 64 * 1024;
-  expect_near(compute_energy(std::vector{u}, config(), {}, 0).kinds.dynamic, {8, 16, 64});
+  expect_near(compute_energy(std::vector{u}, energy_config(), {}, 0).kinds.dynamic, {8, 16, 64});
   u.cache_bytes = 0;
-  EXPECT_EQ(error_of(config(), u),
+  EXPECT_EQ(error_of(energy_config(), u),
             "energy.events: 'read' depends on the size of an array, and unit 'core0.tni' has none");
 }
 
 TEST(Energy, OfADeviceIsTakenAsItIs) {
   const std::map<std::string, DeviceEvent> device = {{"dram.read", {{100, 200, 300}, false}},
                                                      {"dram.standby", {{1, 2, 3}, true}}};
-  const UnitReport u = unit("dram0", "dram", {{"reads", "", 3, "dram.read"}, {"cycles", "", 10, "dram.standby"}});
-  const EnergyReport e = compute_energy(std::vector{u}, config(), device, kMillisecond);
+  const UnitReport u =
+      counting_unit("dram0", "dram", {{"reads", "", 3, "dram.read"}, {"cycles", "", 10, "dram.standby"}});
+  const EnergyReport e = compute_energy(std::vector{u}, energy_config(), device, kMillisecond);
   expect_near(e.kinds.dynamic, {300, 600, 900});
   expect_near(e.kinds.clock, {0, 0, 0});
   expect_near(e.kinds.leakage, {10, 20, 30});
@@ -120,10 +123,10 @@ TEST(Energy, OfABlockIsToldByEventWithoutTheClock) {
   const std::map<std::string, DeviceEvent> device = {{"dram.read", {{100, 200, 300}, false}},
                                                      {"dram.standby", {{1, 2, 3}, true}}};
   const std::vector<UnitReport> units = {
-      unit("core0.tni", "tni", {{"boxes", "", 10, "box"}, {"rays", "", 9, ""}}),
-      unit("core1.tni", "tni", {{"boxes", "", 5, "box"}}),
-      unit("dram0", "dram", {{"reads", "", 3, "dram.read"}, {"cycles", "", 10, "dram.standby"}})};
-  EnergyReport e = compute_energy(units, config(), device, 0);
+      counting_unit("core0.tni", "tni", {{"boxes", "", 10, "box"}, {"rays", "", 9, ""}}),
+      counting_unit("core1.tni", "tni", {{"boxes", "", 5, "box"}}),
+      counting_unit("dram0", "dram", {{"reads", "", 3, "dram.read"}, {"cycles", "", 10, "dram.standby"}})};
+  EnergyReport e = compute_energy(units, energy_config(), device, 0);
   EXPECT_EQ(e.events["tni"].size(), 1U) << "a counter without an event costs nothing";
   expect_near(e.events["tni"]["box"], {15, 30, 60});
   expect_near(e.events["dram"]["dram.standby"], {10, 20, 30});
@@ -134,13 +137,13 @@ TEST(Energy, OfABlockIsToldByEventWithoutTheClock) {
 }
 
 TEST(Energy, BothViewsSumToTheTotal) {
-  EnergyConfig c = config();
+  EnergyConfig c = energy_config();
   for (const char* block : {"l2", "srp", "dma"}) c.logic[block] = {0.1, 0.3, 0.7}, c.flops[block] = {7, 7, 7};
   std::vector<UnitReport> units;
   for (std::uint64_t i = 0; i < 1000; ++i) {
     const char* const blocks[] = {"tni", "l2", "srp", "dma"};
     UnitReport u =
-        unit("unit" + std::to_string(i), blocks[i % 4], {{"a", "", i * i * 977, "box"}, {"b", "", i, "read"}});
+        counting_unit("unit" + std::to_string(i), blocks[i % 4], {{"a", "", i * i * 977, "box"}, {"b", "", i, "read"}});
     u.sram_bytes = u.cache_bytes = 1024 + 77 * i;
     u.why = {{"idle", i * 13}};
     units.push_back(u);
@@ -154,24 +157,24 @@ TEST(Energy, BothViewsSumToTheTotal) {
 }
 
 TEST(Energy, NamesWhatItHasNoFigureFor) {
-  EXPECT_EQ(error_of(config(), unit("core0.tni", "tni", {{"n", "", 1, "bxo"}})),
+  EXPECT_EQ(error_of(energy_config(), counting_unit("core0.tni", "tni", {{"n", "", 1, "bxo"}})),
             "energy.events: no figure for 'bxo', which counter 'n' of unit 'core0.tni' names");
-  EXPECT_EQ(error_of(config(), unit("core0.srp", "srp", {})),
+  EXPECT_EQ(error_of(energy_config(), counting_unit("core0.srp", "srp", {})),
             "energy.flops: no entry for unit 'core0.srp'; allowed: 'srp.srp' or 'srp'");
-  EnergyConfig c = config();
+  EnergyConfig c = energy_config();
   c.events["read"] = {1, 1, 1};
-  EXPECT_EQ(error_of(c, unit("core0.tni", "tni", {})),
+  EXPECT_EQ(error_of(c, counting_unit("core0.tni", "tni", {})),
             "energy.events.read@16KiB: given with and without a size; allowed: either");
-  c = config();
+  c = energy_config();
   c.events["box@big"] = {1, 1, 1};
-  EXPECT_EQ(error_of(c, unit("core0.tni", "tni", {})),
+  EXPECT_EQ(error_of(c, counting_unit("core0.tni", "tni", {})),
             "energy.events.box@big: 'big' is not a number with a unit; allowed: a size such as @16KiB");
 }
 
 TEST(Energy, TableAndDeclaredEventsMustAgree) {
   const Folder folder;
   const auto check = [&](const std::vector<std::string>& declared) {
-    return complaint<InputError>(folder, [&] { check_energy_events(config(), declared); });
+    return complaint<InputError>(folder, [&] { check_energy_events(energy_config(), declared); });
   };
   EXPECT_EQ(check({"box", "read"}), "no error");
   EXPECT_EQ(check({"read"}), "energy.events.box: no counter names this event; allowed: read");
@@ -182,14 +185,14 @@ TEST(Energy, TableAndDeclaredEventsMustAgree) {
 }
 
 TEST(Energy, AFreePointOfACurveIsRefused) {
-  EnergyConfig c = config();
+  EnergyConfig c = energy_config();
   c.events["read@16KiB"] = {0, 1, 2};
   EXPECT_THROW(check_config(c), InputError);
 }
 
 TEST(Energy, JsonIsInMillijoules) {
-  const EnergyReport e =
-      compute_energy(std::vector{unit("core0.tni", "tni", {{"boxes", "", 10, "box"}})}, config(), {}, 0);
+  const EnergyReport e = compute_energy(std::vector{counting_unit("core0.tni", "tni", {{"boxes", "", 10, "box"}})},
+                                        energy_config(), {}, 0);
   const auto json = energy_json(e);
   EXPECT_DOUBLE_EQ(json.at("energy_mj").at("nominal").get<double>(), 25e-9);
   EXPECT_DOUBLE_EQ(json.at("energy_by_block_mj").at("tni").at("high").get<double>(), 80e-9);

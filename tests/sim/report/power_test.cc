@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::uint64_t kMhz = 1'000'000;
 
-PowerConfig config() {
+PowerConfig power_config() {
   PowerConfig c;
   c.dvfs = {{"core@100MHz", {0.6, 0.6, 0.6}}, {"core@200MHz", {0.7, 0.7, 0.7}}, {"core@400MHz", {1.1, 1.1, 1.1}}};
   return c;
@@ -26,7 +26,7 @@ std::string error_of(const PowerConfig& c) {
 }
 
 TEST(VoltageCurve, IsStraightBetweenPointsFlatBelowAndGoesOnAbove) {
-  const VoltageCurve curve = voltage_curves(config()).at("core");
+  const VoltageCurve curve = voltage_curves(power_config()).at("core");
   EXPECT_EQ(curve.at(100 * kMhz), 0.6);
   EXPECT_EQ(curve.at(200 * kMhz), 0.7);
   EXPECT_EQ(curve.at(400 * kMhz), 1.1);
@@ -37,22 +37,22 @@ TEST(VoltageCurve, IsStraightBetweenPointsFlatBelowAndGoesOnAbove) {
 }
 
 TEST(VoltageCurve, RefusesWhatIsNone) {
-  PowerConfig c = config();
+  PowerConfig c = power_config();
   c.dvfs["core@300MHz"] = {0.5, 0.5, 0.5};
   EXPECT_NE(error_of(c).find("0.7 V at 200 MHz and 0.5 V at 300 MHz"), std::string::npos) << error_of(c);
-  c = config();
+  c = power_config();
   c.dvfs["core"] = {0.5, 0.5, 0.5};
   EXPECT_NE(error_of(c).find("power.dvfs.core: "), std::string::npos) << error_of(c);
 }
 
 TEST(PowerScale, IsExactlyOneAtTheTablesVoltageAndTemperature) {
-  const PowerScale scale = power_scale(config(), 0.8);
+  const PowerScale scale = power_scale(power_config(), 0.8);
   EXPECT_EQ(scale.dynamic, 1);
   EXPECT_EQ(scale.leakage, 1);
 }
 
 TEST(PowerScale, GoesWithTheSquareTheExponentAndTheTemperature) {
-  PowerConfig c = config();
+  PowerConfig c = power_config();
   EXPECT_NEAR(power_scale(c, 0.4).dynamic, 0.25, 1e-12);
   EXPECT_NEAR(power_scale(c, 0.4).leakage, 0.125, 1e-12);
   c.temperature = 125;
@@ -82,7 +82,7 @@ double pj(double boxes, Time time, const PowerScale& scale) {
 
 // 22 mW at 0.8 V and 75 C: times a femtosecond they are 22e-6 pJ.
 TEST(LeakageAlone, IsPowerTimesTimeAtAnyVoltageAndTemperature) {
-  PowerConfig c = config();
+  PowerConfig c = power_config();
   constexpr Time kTime = kFemtosecondsPerSecond / 1000;
   for (const double volt : {0.4, 0.6, 0.8, 1.0}) {
     for (const double degrees : {25.0, 75.0, 100.0}) {
@@ -101,9 +101,9 @@ TEST(LeakageAlone, AtOneVoltageGoesWithOneOverTheClock) {
 }
 
 TEST(DynamicAlone, GoesWithTheSquareOfTheVoltageAndNotWithTheTime) {
-  const double full = pj(1000, 0, power_scale(config(), 0.8));
+  const double full = pj(1000, 0, power_scale(power_config(), 0.8));
   EXPECT_NEAR(full, 3 * 1000 / 0.75, 1e-9);
-  EXPECT_NEAR(pj(1000, 0, power_scale(config(), 0.6)), full * 0.5625, 1e-9);
+  EXPECT_NEAR(pj(1000, 0, power_scale(power_config(), 0.6)), full * 0.5625, 1e-9);
 }
 
 TEST(EnergyOfADevice, DoesNotFollowTheChipsVoltage) {
@@ -114,7 +114,7 @@ TEST(EnergyOfADevice, DoesNotFollowTheChipsVoltage) {
   unit.block = "dram";
   unit.counters = {{"reads", "", 10, "dram.read", CounterKind::kSum}};
   const EnergyReport report = compute_energy(std::vector{unit}, e, {{"dram.read", {{5, 5, 5}, false}}}, 1,
-                                             {{"dram", power_scale(config(), 0.4)}});
+                                             {{"dram", power_scale(power_config(), 0.4)}});
   EXPECT_EQ(report.total_pj.nominal, 50);
   EXPECT_EQ(report.events.at("dram").at("dram.read").nominal, 50);
 }

@@ -70,13 +70,6 @@ void* create_leaf(RTCThreadLocalAllocator allocator, const RTCBuildPrimitive* pr
   return leaf;
 }
 
-void set_box(NodeRecord& node, int child, const Bounds& b) {
-  for (auto [lanes, axis] : {std::pair{node.x, 0}, {node.y, 1}, {node.z, 2}}) {
-    lanes[child] = b.lower[axis];
-    lanes[2 + child] = b.upper[axis];
-  }
-}
-
 /// Copies the tree below `root` behind what is already there; returns its link word.
 std::uint32_t append_subtree(const TreeNode& root, FlatBvh& out) {
   if (root.count != 0) {

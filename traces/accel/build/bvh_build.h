@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "sim/stop.h"
@@ -16,6 +17,13 @@ struct FlatBvh {
   std::vector<NodeRecord> nodes;
   std::vector<std::uint32_t> order;  ///< what was given, as the leaves want it, by index into the input
 };
+
+inline void set_box(NodeRecord& node, int child, const Bounds& b) {
+  for (auto [lanes, axis] : {std::pair{node.x, 0}, {node.y, 1}, {node.z, 2}}) {
+    lanes[child] = b.lower[axis];
+    lanes[2 + child] = b.upper[axis];
+  }
+}
 
 /// Embree's builder, for one tree after another.
 class BvhBuilder {
