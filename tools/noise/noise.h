@@ -57,7 +57,7 @@ struct SeenFigure {
 /// b - a; by Welch's test where both have replicates.
 MeanDifference difference_of(const SeenFigure& a, const SeenFigure& b);
 
-/// What default_noise() would be if it were that of these replicates.
+/// Noise of these replicates as default_noise() states it.
 double noise_of_pair(const Draws& draws);
 
 }  // namespace tools

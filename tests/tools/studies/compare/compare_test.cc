@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/tools/program.h"
+#include "tests/tools/studies/compare/compare_harness.h"
 #include "tools/analysis/report_paths.h"
 
 // Runs side by side: what changed, and which counters explain it.
@@ -17,46 +18,6 @@ namespace test {
 namespace {
 
 using Json = nlohmann::json;
-
-/// Runs, each made when a test first asks for it.
-class Runs : public testing::Test {
- protected:
-  void run(const std::string& name) const {
-    static const std::map<std::string, Words> kMore = {{"base", {}},
-                                                       {"same", {}},
-                                                       {"ports", {"--set", "srp.array.cache_ports=2"}},
-                                                       {"slow-l2", {"--set", "l2.hit_cycles=40"}},
-                                                       {"teapot", {"--scene", "teapot"}},
-                                                       {"larger", {"--resolution", "48x32"}},
-                                                       {"samples", {"--program", "full:4"}}};
-    Words words = {
-        "run", "--quiet", "--threads", "1", "-o", (folder.path() / name).string(), "--set", "scene.triangles=1000"};
-    if (name != "larger") words.insert(words.end(), {"--resolution", "32x16"});
-    words.insert(words.end(), kMore.at(name).begin(), kMore.at(name).end());
-    const Ending ending = raywatt(words);
-    ASSERT_EQ(ending.exit, 0) << ending.err;
-  }
-  std::string path(const std::string& name) const {
-    const std::filesystem::path path = folder.path() / name;
-    if (!std::filesystem::exists(path)) run(name);
-    return path.string();
-  }
-  Json compared(const std::string& a, const std::string& b) const {
-    const Ending ending = raywatt({"compare", path(a), path(b), "--json"});
-    EXPECT_EQ(ending.exit, 0) << ending.err;
-    const Json json = Json::parse(ending.out);
-    EXPECT_EQ(json["schema"], "raywatt-compare/1");
-    return json["against"][0];
-  }
-  /// A report of a run, changed.
-  std::string changed(const std::string& name, const std::function<void(Json&)>& change) const {
-    Json report = read_json(path("base") + "/report.json");
-    change(report);
-    return folder.write(name, report.dump()).string();
-  }
-
-  TempFolder folder;
-};
 
 TEST_F(Runs, OfEqualInputsAreEqualToTheLastCounterAndPixel) {
   const Json c = compared("base", "same");
@@ -87,52 +48,6 @@ TEST_F(Runs, TellWhichKeysDifferAndHowMuchFasterOneIs) {
   EXPECT_SAYS(raywatt({"compare", path("base"), path("ports")}).out, "srp.array.cache_ports: 1 -> 2");
 }
 
-TEST_F(Runs, AreHeldAgainstTheAssumedNoiseWithoutReplicates) {
-  const Json c = compared("base", "ports");
-  const Json& noise = c["figures"]["cycles"]["noise"];
-  EXPECT_EQ(noise["from"], "default");
-  EXPECT_NEAR(noise["half_width"].get<double>(), 0.25, 0.025);
-  EXPECT_EQ(noise["outside"], std::abs(noise["difference"].get<double>()) > noise["half_width"].get<double>());
-  EXPECT_FALSE(c["figures"]["rays"].contains("noise")) << "rays are counted, whatever races there are";
-  EXPECT_SAYS(raywatt({"compare", path("base"), path("ports")}).out, "assumed for this size of picture");
-}
-
-TEST_F(Runs, OfWhichOneHasReplicatesAreHeldAgainstTheLargerNoise) {
-  const std::string noisy = changed("noisy.json", [](Json& report) {
-    const double cycles = report["totals"]["cycles"];
-    report["totals"]["replicates"] = {{"count", 4},
-                                      {"figures", {{"cycles", {{"mean", cycles}, {"deviation", 0.2 * cycles}}}}}};
-  });
-  const Json one = Json::parse(raywatt({"compare", noisy, path("ports"), "--json"}).out);
-  const Json noise = one["against"][0]["figures"]["cycles"]["noise"];
-  EXPECT_EQ(noise["from"], "default");
-  // A mean of four plays, and one play of as much deviation.
-  EXPECT_NEAR(noise["half_width"].get<double>(), 1.96 * 0.2 * std::hypot(0.5, 1), 0.05);
-}
-
-TEST_F(Runs, OfOtherClocksHaveNoVerdictOnCycles) {
-  const std::string slow = changed("slow.json", [](Json& report) { report["config"]["clocks"]["tni"] = "400 MHz"; });
-  const Ending ending = raywatt({"compare", path("base"), slow});
-  EXPECT_SAYS(ending.err, "have T&I clocks of their own (clocks.tni): compare times, not cycles");
-  EXPECT_SAYS(ending.out, "configuration");
-  const Json c = Json::parse(raywatt({"compare", path("base"), slow, "--json"}).out)["against"][0];
-  EXPECT_FALSE(c["figures"]["cycles"].contains("noise"));
-  EXPECT_TRUE(c["figures"]["time_ms"].contains("noise"));
-}
-
-TEST_F(Runs, ArePlayedAgainForTheirNoise) {
-  const Ending ending = raywatt({"compare", path("base"), path("ports"), "--replicates", "3", "--json"});
-  ASSERT_EQ(ending.exit, 0) << ending.err;
-  const Json cycles = Json::parse(ending.out)["against"][0]["figures"]["cycles"];
-  EXPECT_EQ(cycles["noise"]["from"], "replicates");
-  const Json plain = compared("base", "ports")["figures"]["cycles"];
-  EXPECT_EQ(cycles["a"], plain["a"]) << "figures stay those of the runs";
-  EXPECT_NE(cycles["noise"]["half_width"], plain["noise"]["half_width"]);
-  const std::string other = changed("other.json", [](Json& report) { report["totals"]["cycles"] = 7; });
-  expect_refusal(raywatt({"compare", path("base"), other, "--replicates", "2", "--progress", "none"}),
-                 {"other.json: says 7 cycles, and played again it takes "});
-}
-
 TEST_F(Runs, HaveFiguresThatOtherVerbsKnowByTheSameNames) {
   std::vector<std::string> paths;
   const auto report = nlohmann::ordered_json::parse(read_bytes(path("base") + "/report.json"));
@@ -146,27 +61,6 @@ TEST_F(Runs, HaveFiguresThatOtherVerbsKnowByTheSameNames) {
     ++figures;
   }
   EXPECT_GE(figures, 13U);
-}
-
-TEST_F(Runs, AreHeldAgainstTheirReplicatesWhereBothHaveThem) {
-  const auto replicated = [&](double mean) {
-    return [mean](Json& report) {
-      report["totals"]["replicates"] = {{"count", 5}, {"figures", {{"cycles", {{"mean", mean}, {"deviation", 2.0}}}}}};
-    };
-  };
-  const std::string a = changed("a.json", replicated(1000)), near = changed("near.json", replicated(1001)),
-                    far = changed("far.json", replicated(1010));
-  const auto noise = [&](const std::string& b) {
-    return Json::parse(raywatt({"compare", a, b, "--json"}).out)["against"][0]["figures"]["cycles"]["noise"];
-  };
-  EXPECT_EQ(noise(near)["outside"], false);
-  EXPECT_EQ(noise(far)["outside"], true);
-  EXPECT_EQ(noise(far)["from"], "replicates");
-  EXPECT_NEAR(noise(far)["difference"].get<double>(), 0.01, 1e-12);
-  EXPECT_NEAR(noise(far)["half_width"].get<double>(), 2.306004 * std::sqrt(8.0 / 5) / 1000, 1e-8);  // eight degrees
-  EXPECT_SAYS(raywatt({"compare", a, far}).out, "mean +1.00 ± 0.29 %, outside");
-  EXPECT_SAYS(raywatt({"compare", path("base"), path("ports")}).out, "of the tables alone: the energies of these runs")
-      << "a draw's interval knows nothing of the noise";
 }
 
 TEST_F(Runs, SayWhichOfThemIsExtrapolated) {
