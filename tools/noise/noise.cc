@@ -39,6 +39,11 @@ bool is_among(std::string_view figure, const auto& names) {
   });
 }
 
+constexpr double kEndless = std::numeric_limits<double>::infinity();
+
+/// Deviations of one run in the noise of a difference.
+double deviations_of_pair() { return student_t(kEndless) * std::sqrt(2.0); }
+
 }  // namespace
 
 double default_noise(double pixels, std::string_view figure) {
@@ -48,19 +53,10 @@ double default_noise(double pixels, std::string_view figure) {
 
 bool is_noisy(std::string_view figure) { return is_among(figure, kNoisyFigures); }
 
-constexpr double kEndless = std::numeric_limits<double>::infinity();
-
-/// Deviations of one run in the noise of a difference.
-static double deviations_of_pair() { return student_t(kEndless) * std::sqrt(2.0); }
-
-MeanDifference difference_of(const AssumedDraw& a, const AssumedDraw& b) {
-  return {b.value - a.value, std::hypot(a.noise * a.value, b.noise * b.value) / deviations_of_pair(), kEndless};
-}
-
 double noise_of_pair(const Draws& draws) { return deviations_of_pair() * draws.deviation / std::abs(draws.mean); }
 
 double SeenFigure::error() const {
-  return draws ? difference_of(*draws, Draws{1, 0, 0}).error : difference_of(AssumedDraw{value, assumed}, {}).error;
+  return draws ? difference_of(*draws, Draws{1, 0, 0}).error : assumed * std::abs(value) / deviations_of_pair();
 }
 
 double SeenFigure::half_width() const { return draws ? draws->half_width() : student_t(kEndless) * error(); }

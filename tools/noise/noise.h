@@ -36,13 +36,6 @@ double default_noise(double pixels, std::string_view figure);
 /// A figure of `totals` that races move, e.g. "energy_mj.nominal".
 bool is_noisy(std::string_view figure);
 
-/// A figure of one run whose noise is taken to be the default's, as a draw of known deviation.
-struct AssumedDraw {
-  double value = 0;
-  double noise = 0;  ///< default_noise()
-};
-MeanDifference difference_of(const AssumedDraw& a, const AssumedDraw& b);
-
 /// A figure as it was seen of a design: the mean of replicates, or that of one run.
 struct SeenFigure {
   double value = 0;

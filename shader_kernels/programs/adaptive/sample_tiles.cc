@@ -5,6 +5,11 @@
 
 namespace kernels {
 
+std::uint32_t scattered_bytes(std::uint64_t records, std::uint64_t all) {
+  constexpr std::uint64_t kLine = 64;  // what a record alone costs of memory
+  return static_cast<std::uint32_t>(std::min(records * kLine, all));
+}
+
 SampleTiles::SampleTiles(std::uint32_t width, std::uint32_t height, std::uint32_t grid, std::uint32_t side,
                          std::uint32_t block)
     : width_(width * grid), height_(height * grid), grid_(grid) {

@@ -9,6 +9,9 @@ namespace kernels {
 /// Numbers of a tile's borders that others import: its last columns, its last rows.
 inline constexpr std::uint32_t kRightBorder = 0, kLowerBorder = 1;
 
+/// Bytes that memory moves for so many records strewn over `all` bytes: a line each, as long as those are not more.
+std::uint32_t scattered_bytes(std::uint64_t records, std::uint64_t all);
+
 /// A tile's part of the picture's grid of samples.
 struct SampleTile {
   std::uint32_t index = 0;     ///< row by row

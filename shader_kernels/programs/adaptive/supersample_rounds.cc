@@ -13,14 +13,8 @@ namespace {
 
 static_assert((std::uint64_t{kMostRounds} + 1) << kRoundShift <= 0xffffffffU);
 
-constexpr std::uint32_t kBytesOfSubpixel = 64;  // what a sub-pixel alone costs of memory
 constexpr std::uint32_t kStateBytes = sizeof(SubpixelRecord<float>);
 constexpr std::uint32_t kShownBytes = kStateBytes + sizeof(ColourRecord<float>);
-
-/// Bytes of scattered records: a line each, as long as those are not more than all.
-std::uint32_t lines(std::uint32_t count, std::uint64_t all) {
-  return static_cast<std::uint32_t>(std::min(std::uint64_t{count} * kBytesOfSubpixel, all));
-}
 
 }  // namespace
 
@@ -210,7 +204,7 @@ void SupersampleProgram::put_corrected(Tile& tile, std::uint32_t pixels, std::ui
   const std::uint64_t states = 4 * std::uint64_t{tile_pixels()} * kStateBytes;
   const std::uint64_t colours = 4 * std::uint64_t{tile_pixels()} * sizeof(ColourRecord<float>);
   const std::uint64_t store = shown_store(tile.at.index);
-  const Node in = wave.transfer(Region::kSamples, false, store + states, lines(pixels, colours));
+  const Node in = wave.transfer(Region::kSamples, false, store + states, scattered_bytes(pixels, colours));
   wave.wait_for_colours(in);
   out.linear.resize(pixels);
   out.packed.resize(pixels);
@@ -224,15 +218,16 @@ void SupersampleProgram::put_corrected(Tile& tile, std::uint32_t pixels, std::ui
   const Node packed = wave.launch<PackColour>(pixels);
   wave.wait_all(packed, averaged);
   const std::uint64_t picture = std::uint64_t{tile_pixels()} * kPixelBytes;
-  wave.wait_all(wave.transfer(Region::kPicture, true, tile.at.index * picture, lines(pixels, picture)), packed);
+  wave.wait_all(wave.transfer(Region::kPicture, true, tile.at.index * picture, scattered_bytes(pixels, picture)),
+                packed);
   Node last = averaged;
   const auto put = [&](std::uint64_t offset, std::uint32_t bytes) {
     const Node node = wave.transfer(Region::kSamples, true, offset, bytes);
     wave.wait_all(node, last);
     last = node;
   };
-  put(store, lines(subpixels, states));
-  put(store + states, lines(subpixels, colours));
+  put(store, scattered_bytes(subpixels, states));
+  put(store + states, scattered_bytes(subpixels, colours));
   put(fresh_store(tile.at.index, round), 1);
 }
 

@@ -11,7 +11,6 @@ using traces::Region;
 namespace {
 
 constexpr std::uint32_t kWordBytes = sizeof(WordRecord<float>);
-constexpr std::uint32_t kBytesOfSample = 64;  // what a sample alone costs of memory
 constexpr std::uint32_t kScanned = 0;  // the border of a tile that others read in a scan: all words that it corrects
 constexpr auto kPicture = static_cast<std::size_t>(Region::kPicture);
 constexpr auto kSamples = static_cast<std::size_t>(Region::kSamples);
@@ -206,9 +205,6 @@ void UndersampleProgram::put_corrected(Wavefront& wave, const SampleTile& at, st
                                        std::uint32_t corrected_pixels, Wavefront::Node last) const {
   const std::uint64_t store = scan_store(at.index);
   const std::uint64_t stored = scan_store(at.index + 1) - store;
-  const auto lines = [](std::uint32_t count, std::uint64_t all) {
-    return static_cast<std::uint32_t>(std::min(std::uint64_t{count} * kBytesOfSample, all));
-  };
   Wavefront::Node packed = Wavefront::kNone;
   if (wave.fuses() && undersample_.samples == 1 && !wave.dma_encodes()) {
     packed = wave.note<PackGridSample>(corrected_pixels);
@@ -217,16 +213,17 @@ void UndersampleProgram::put_corrected(Wavefront& wave, const SampleTile& at, st
     const Wavefront::Node averaged = wave.note<AverageSamples>(corrected_pixels * undersample_.samples);
     wave.wait_for_colours(averaged);
     if (undersample_.samples > 1) {
-      const Wavefront::Node in =
-          wave.transfer(Region::kSamples, false, store, lines(corrected_pixels * undersample_.grid(), stored));
+      const Wavefront::Node in = wave.transfer(Region::kSamples, false, store,
+                                               scattered_bytes(corrected_pixels * undersample_.grid(), stored));
       wave.wait_all(averaged, in);
     }
     packed = wave.dma_encodes() ? averaged : wave.note<PackColour>(corrected_pixels);
     if (packed != averaged) wave.wait_all(packed, averaged);
   }
   const std::uint64_t pixels = requirements().region_bytes[kPicture] / sample_tiles().count();
-  wave.wait_all(wave.transfer(Region::kPicture, true, pixels * at.index, lines(corrected_pixels, pixels)), packed);
-  wave.wait_all(wave.export_border(kScanned, store, lines(corrected, stored)), last);
+  wave.wait_all(wave.transfer(Region::kPicture, true, pixels * at.index, scattered_bytes(corrected_pixels, pixels)),
+                packed);
+  wave.wait_all(wave.export_border(kScanned, store, scattered_bytes(corrected, stored)), last);
 }
 
 void UndersampleProgram::keep(const TileResult& tile) {

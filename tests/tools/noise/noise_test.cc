@@ -26,8 +26,9 @@ TEST(NoiseOfPair, IsWhatTwoDrawsDifferByInNineteenOfTwentyPairs) {
   EXPECT_NEAR(noise_of_pair({10, 200, 5}), 1.959964 * std::sqrt(2.0) * 5 / 200, 1e-6);
 }
 
-TEST(AssumedDraw, TwoRunsOfOneDesignDifferByItsNoise) {
-  const MeanDifference d = difference_of(AssumedDraw{100, 0.02}, AssumedDraw{100, 0.02});
+TEST(SeenFigure, OfTwoRunsOfOneDesignDiffersByTheAssumedNoise) {
+  const SeenFigure run{100, {}, 0.02};
+  const MeanDifference d = difference_of(run, run);
   EXPECT_EQ(d.value, 0);
   EXPECT_NEAR(d.half_width(), 2, 1e-9);
 }

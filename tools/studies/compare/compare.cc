@@ -214,11 +214,9 @@ Comparison compare(const ReportFile& a, const ReportFile& b) {
         path == std::string_view("totals.traced_ratio") && a.number(path) == 1 && b.number(path) == 1;
     if (!says_nothing && (a.has(path) || b.has(path))) {
       const std::string figure = figure_name(path);
-      out.figures.push_back({name, a.number(path), b.number(path), noisy_difference(a, b, figure), figure});
+      out.figures.push_back({name, a.number(path), b.number(path), {}, figure});
+      if (!out.says_nothing_of(figure)) out.figures.back().noise = noisy_difference(a, b, figure);
     }
-  }
-  for (Pair& figure : out.figures) {
-    if (out.other_clock && figure.name == "cycles") figure.noise.reset();
   }
   out.time = times(a, b);
   out.reasons = reasons(a, b);

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "tools/analysis/replicated.h"
@@ -51,6 +52,9 @@ struct Comparison {
   // The first frame's pictures.
   std::optional<double> squared_error;
   std::string no_picture;  ///< why there is no squared_error
+
+  /// Is a difference of the figure none of the designs, because the clocks differ that it counts?
+  bool says_nothing_of(std::string_view figure) const { return other_clock && figure == "cycles"; }
 };
 
 /// Plays the run of a report so many times (docs/noise.md) and puts the figures' statistics into the report, which is

@@ -15,17 +15,13 @@ namespace {
 constexpr std::size_t kShown = 8;  ///< lines of a list; --json has all
 
 /// A difference beside its noise: "within ± 2 %", or with replicates "mean +1.4 ± 0.52 %, outside".
-std::string noise_text(const Pair& pair) {
+std::string noise_text(const Comparison& c, const Pair& pair) {
+  if (c.says_nothing_of(pair.name)) return "another clock";
   if (!pair.noise || (pair.a == pair.b && !pair.noise->measured)) return "";
   const NoisyDifference& n = *pair.noise;
   const char* const verdict = n.outside ? "outside" : "within";
   if (!n.measured) return fmt::format("{} ± {:.2g} %", verdict, 100 * n.half_width);
   return fmt::format("mean {:+.2f} ± {:.2g} %, {}", 100 * n.relative, 100 * n.half_width, verdict);
-}
-
-/// The same in a table of `c`.
-std::string noise_text(const Comparison& c, const Pair& pair) {
-  return c.other_clock && pair.name == "cycles" ? "another clock" : noise_text(pair);
 }
 
 /// Where the noise of the overview comes from.

@@ -34,9 +34,10 @@ class Judge {
   bool dominates(const Trial& a, const Trial& b, double level) const {
     bool differs = false;
     for (std::size_t o = 0; o < objectives(); ++o) {
-      const bool is_exact = a.seen[o].error() == 0 && b.seen[o].error() == 0;
-      if (is_exact ? is_better(b, a, o) : chance(a, b, o) > level) return false;
-      differs = differs || !is_exact || is_better(a, b, o);
+      const bool is_better = chance(a, b, o) <= level;
+      const bool is_equal = a.seen[o].error() == 0 && b.seen[o].error() == 0 && a.figures[o] == b.figures[o];
+      if (!is_better && !is_equal) return false;
+      differs = differs || is_better;
     }
     return differs;
   }

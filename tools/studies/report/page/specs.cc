@@ -17,6 +17,12 @@ Json percents(const std::string& format) {
   return {{"format", format}, {"labelExpr", "replace(datum.label, '%', ' %')"}};
 }
 
+/// Labels of an axis in a format of D3: "~s" for metric prefixes.
+Json labels(const std::string& format) {
+  if (format.ends_with('%')) return percents(format);
+  return format == "~s" ? prefixed() : Json{{"format", format}};
+}
+
 /// Says to the page's scripts that names and labels of bars may stand above them where there is no room beside them.
 /// `first` is 0 in one part of each bar, where it has several.
 Json rows_of(const std::string& name, const std::string& label, const std::string& first = {}) {
@@ -28,8 +34,7 @@ Json rows_of(const std::string& name, const std::string& label, const std::strin
 
 Json field(const std::string& name, const char* type, const std::string& title, const std::string& format = {}) {
   Json out = {{"field", name}, {"type", type}, {"title", title}};
-  if (!format.empty()) out["axis"] = format == "~s" ? prefixed() : Json{{"format", format}};
-  if (format.ends_with('%')) out["axis"] = percents(format);
+  if (!format.empty()) out["axis"] = labels(format);
   return out;
 }
 
@@ -120,7 +125,7 @@ Json waterfall_spec(const std::string& title, const std::string& unit, const std
             {"type", "quantitative"},
             {"title", title},
             {"scale", {{"zero", false}, {"nice", false}}},
-            {"axis", format == "~s" ? prefixed() : Json{{"format", format}}}};
+            {"axis", labels(format)}};
   };
   return {{"width", "container"},
           {"height", {{"step", kBar}}},

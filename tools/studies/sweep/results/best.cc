@@ -48,7 +48,7 @@ Lines figure_lines(const Results& results, const FigureNoise& noise, const Colum
         "mean", fmt::format("{} {} of {} plays", cell(noise.means()), give_or_take(noise, row), noise.plays(row)));
   }
   for (const std::string& path : compared_paths(options.where)) {
-    const Column column = with_means(results, results.column(path));
+    const Column column = column_of_means(results, path);
     const auto is_this = [&](const auto& line) { return line.first == shown_name(column); };
     const bool is_axis = std::ranges::find(results.axes(), column.name) != results.axes().end();
     if (is_axis || std::ranges::any_of(lines, is_this)) continue;

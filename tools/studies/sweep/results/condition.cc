@@ -170,7 +170,7 @@ std::vector<bool> Condition::met_by(const Results& results) const {
 }
 
 std::vector<bool> Condition::met_by(const Results& results, const Comparison& one) const {
-  const Column column = with_means(results, results.column(one.path));
+  const Column column = column_of_means(results, one.path);
   const std::optional<sweep::Magnitude> wanted = sweep::magnitude_of(one.wanted);
   const bool is_order = one.op != Op::kEqual && one.op != Op::kNot;
   if (const std::string unit = unknown_unit(one.wanted); is_order && !wanted && !unit.empty()) {

@@ -100,11 +100,12 @@ std::string FigureNoise::text() const {
                      100 * least_, to);
 }
 
-Column with_means(const Results& results, Column figure) {
+Column column_of_means(const Results& results, const std::string& path) {
+  Column figure = results.column(path);
   if (!is_total(figure.name)) return figure;
-  const std::string path = statistics_path(figure_name(figure.name)) + ".mean";
-  if (!results.has_metric(path)) return figure;
-  const Column means = results.column(path);
+  const std::string mean = statistics_path(figure_name(figure.name)) + ".mean";
+  if (!results.has_metric(mean)) return figure;
+  const Column means = results.column(mean);
   for (std::size_t row = 0; row < figure.values.size(); ++row) {
     if (!is_absent(means.values[row])) figure.values[row] = means.values[row];
   }

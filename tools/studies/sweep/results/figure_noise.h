@@ -40,8 +40,9 @@ class FigureNoise {
 /// "± 0.52 %" of a point's value: half of its 95 % interval.
 std::string give_or_take(const FigureNoise& noise, std::size_t row);
 
-/// A figure as statements take it: of each point the mean of its replicates, if it has any, else the value of its play.
-Column with_means(const Results& results, Column figure);
+/// A column as statements take it: of each point the mean of its replicates, if it has any, else the value of its play.
+/// InputError for paths that mean nothing.
+Column column_of_means(const Results& results, const std::string& path);
 
 /// Chance below which a difference is held to be real.
 inline constexpr double kError = 0.05;

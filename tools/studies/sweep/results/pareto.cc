@@ -66,9 +66,7 @@ Draws2d drawn(const Results& results, const Objective& x, const Objective& y, co
         fmt::format("--energy band: neither {} nor {} has joules in it", shown_name(x.column), shown_name(y.column)));
   }
   std::vector<bool> may(results.rows().size());
-  for (const auto* rows : {&front.rows, &front.other}) {
-    for (const std::size_t row : *rows) may[row] = true;
-  }
+  for (const std::size_t row : front.all()) may[row] = true;
   EnergyBand band(results, may);
   Draws2d out{band.metric(x.column, x.most), band.metric(y.column, y.most), std::vector<std::size_t>(may.size())};
   for (std::size_t i = 0; i < out.x.rows.size(); ++i) out.at[out.x.rows[i]] = i;
@@ -119,6 +117,12 @@ std::string Objective::text() const {
   return fmt::format("{} ({} is better)", shown_name(column), most ? "more" : "less");
 }
 
+std::vector<std::size_t> ParetoFront::all() const {
+  std::vector<std::size_t> rows_of_both = rows;
+  rows_of_both.insert(rows_of_both.end(), other.begin(), other.end());
+  return rows_of_both;
+}
+
 char ParetoFront::mark(std::size_t i) const {
   constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ";
   return rows.size() <= kLetters.size() ? kLetters[i] : '#';
@@ -151,18 +155,17 @@ ParetoFront pareto_front(const Objective& x, const Objective& y, const std::vect
 std::vector<std::size_t> near_front(const Objective& x, const Objective& y, const FigureNoise& x_noise,
                                     const FigureNoise& y_noise, const ParetoFront& front,
                                     const std::function<bool(std::size_t better, std::size_t worse)>& sure) {
-  std::vector<std::size_t> all = front.rows, near;
-  all.insert(all.end(), front.other.begin(), front.other.end());
+  const std::vector<std::size_t> all = front.all();
   const double level = kError / static_cast<double>(all.size());
   const auto is_as_good = [&](const Objective& o, const FigureNoise& noise, std::size_t better, std::size_t worse) {
-    return noise.is_noisy() ? noise.chance_better(better, worse, o.most) <= level
-                            : !o.is_better(*o.of(worse), *o.of(better));
+    return noise.chance_better(better, worse, o.most) <= level || (!noise.is_noisy() && *o.of(better) == *o.of(worse));
   };
   const auto beats = [&](std::size_t better, std::size_t worse) {
     if (*x.of(better) == *x.of(worse) && *y.of(better) == *y.of(worse)) return false;
     return is_as_good(x, x_noise, better, worse) && is_as_good(y, y_noise, better, worse) &&
            (!sure || sure(better, worse));
   };
+  std::vector<std::size_t> near;
   for (const std::size_t row : front.other) {
     if (std::ranges::none_of(all, [&](std::size_t other) { return beats(other, row); })) near.push_back(row);
   }
@@ -171,17 +174,14 @@ std::vector<std::size_t> near_front(const Objective& x, const Objective& y, cons
 
 std::vector<bool> surely_on_front(const Objective& x, const Objective& y, const FigureNoise& x_noise,
                                   const FigureNoise& y_noise, const ParetoFront& front) {
-  std::vector<std::size_t> all = front.rows;
-  all.insert(all.end(), front.other.begin(), front.other.end());
+  const std::vector<std::size_t> all = front.all();
   const double level = kError / (2 * static_cast<double>(all.size()));
-  const auto is_better = [&](const Objective& o, const FigureNoise& noise, std::size_t row, std::size_t other) {
-    return noise.is_noisy() ? noise.chance_better(row, other, o.most) <= level : o.is_better(*o.of(row), *o.of(other));
-  };
   std::vector<bool> sure;
   for (const std::size_t row : front.rows) {
     sure.push_back(std::ranges::all_of(all, [&](std::size_t other) {
       const bool is_equal = *x.of(row) == *x.of(other) && *y.of(row) == *y.of(other);
-      return is_equal || is_better(x, x_noise, row, other) || is_better(y, y_noise, row, other);
+      return is_equal || x_noise.chance_better(row, other, x.most) <= level ||
+             y_noise.chance_better(row, other, y.most) <= level;
     }));
   }
   return sure;

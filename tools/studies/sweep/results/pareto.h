@@ -26,7 +26,9 @@ struct ParetoFront {
   std::vector<std::size_t> rows;   ///< rows of all points on it, from the best x on
   std::vector<std::size_t> other;  ///< that have both figures and are not on it
   std::vector<std::size_t> near;   ///< those of `other` that nothing holds to be off it
-  std::vector<bool> sure{};        ///< by `rows`: no other point can be as good in both figures, by all that noise lets
+  std::vector<bool> sure{};        ///< by `rows`: surely_on_front()
+  /// Rows of all points that have both figures, those of the front first.
+  std::vector<std::size_t> all() const;
   /// The mark of a row of the front: letters in their order, or '#' if there are not enough.
   char mark(std::size_t i) const;
 };

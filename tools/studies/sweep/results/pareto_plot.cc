@@ -37,8 +37,7 @@ struct Range {
 }  // namespace
 
 std::string pareto_plot(const Objective& x, const Objective& y, const ParetoFront& front, std::size_t width) {
-  std::vector<std::size_t> all = front.other;
-  all.insert(all.end(), front.rows.begin(), front.rows.end());
+  const std::vector<std::size_t> all = front.all();
   const Range xs(x, all), ys(y, all);
   const std::size_t margin = std::max(xs.low_text.size() / 2, std::max(ys.low_text.size(), ys.high_text.size()));
   const std::size_t columns = std::clamp(width, kLeastWidth, kMostWidth) - margin - 3;

@@ -67,7 +67,7 @@ void sort_rows(std::vector<std::size_t>& rows, const Results& results, const std
     throw sim::InputError(fmt::format("--sort '{}': the order '{}' is unknown; allowed: asc, desc",
                                       sim::printable(text), sim::printable(order)));
   }
-  const Column column = with_means(results, results.column(text.substr(0, colon)));
+  const Column column = column_of_means(results, text.substr(0, colon));
   std::ranges::stable_sort(rows, [&](std::size_t a, std::size_t b) {
     const Value &x = column.values[a], &y = column.values[b];
     if (is_absent(x) || is_absent(y)) return !is_absent(x) && is_absent(y);
