@@ -106,13 +106,14 @@ void add_quality(std::vector<Case>& cases, const View& view, const std::string& 
 }
 
 void add_masks(std::vector<Case>& cases, bool quick) {
-  const std::vector<std::string> masks = {"object_edges", "shadow_edges", "texture_edges", "elsewhere"};
+  std::vector<std::string> masks = {"object_edges", "shadow_edges", "elsewhere"};
   const auto add = [&](const View& view, const std::string& name) {
     add_quality(cases, view, name, kChiuSide, kChiuSide, masks, quick);
     if (!quick) add_quality(cases, view, name, 512, 256, masks, quick);
   };
   add(view_of("Cornell box", "cornell", quick), "front");
   if (quick) return;
+  masks.emplace_back("texture_edges");
   for (const char* camera : {"corner", "seated"}) add(view_of("conference", "conference", quick, camera), camera);
   for (const char* camera : {"court", "arcade"}) add(sponza(quick, camera), camera);
 }
