@@ -105,8 +105,4 @@ EnergyReport compute_energy(std::span<const UnitReport> units, const EnergyConfi
                             const std::map<std::string, DeviceEvent>& device_events, Time elapsed,
                             const PowerScales& scales = {});
 
-/// Throws InputError unless the table's events are exactly those of `declared` (all that counters may name, without
-/// the device's): a figure that nobody can use is a misspelling.
-void check_energy_events(const EnergyConfig& config, std::span<const std::string> declared);
-
 }  // namespace sim

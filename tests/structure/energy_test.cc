@@ -10,6 +10,7 @@
 
 #include "hw_models/dram/dram_energy.h"
 #include "sim/report/logic_area.h"
+#include "sim/report/table_names.h"
 #include "sim/report/unit_entry.h"
 #include "tools/simulation/run_job.h"
 

@@ -28,12 +28,12 @@ std::string path_of(const std::string& pointer) {
   return path;
 }
 
-/// "6.76 mJ ± 0.12 %"
-std::string give_or_take(const Json& figures, const char* path, const char* unit, double scale = 1) {
+/// "6.764 ± 0.12 %"
+std::string give_or_take(const Json& figures, const char* path) {
   const Json& f = figures.at(pointer_to(path));
   const double mean = f["mean"].get<double>();
   const double half = (f["high"].get<double>() - f["low"].get<double>()) / 2;
-  return fmt::format("{} ± {:.2g} %", sim::si_text(scale * mean, unit), mean == 0 ? 0 : 100 * half / mean);
+  return fmt::format("{} ± {:.2g} %", sim::four_digits(mean), mean == 0 ? 0 : 100 * half / mean);
 }
 
 double pixels_of(const ReportFile& report) { return report.number("resolution[0]") * report.number("resolution[1]"); }
@@ -67,9 +67,9 @@ Json replicates_json(const Result& result, const Json& plain) {
 
 std::string replicates_text(const Json& replicates) {
   const Json& f = replicates["figures"];
-  return fmt::format("{} plays, mean and 95 %: cycles {}, energy {}, power {}, {}", replicates["count"].get<int>(),
-                     give_or_take(f, "cycles", ""), give_or_take(f, "energy_mj.nominal", "J", 1e-3),
-                     give_or_take(f, "power_w.nominal", "W"), give_or_take(f, "perf.frames_per_joule_gpu", "frames/J"));
+  return fmt::format("{} plays, mean and 95 %: cycles {}, mJ {}, W {}, frames/J {}", replicates["count"].get<int>(),
+                     give_or_take(f, "cycles"), give_or_take(f, "energy_mj.nominal"),
+                     give_or_take(f, "power_w.nominal"), give_or_take(f, "perf.frames_per_joule_gpu"));
 }
 
 std::string replicates_table(const Json& replicates) {

@@ -227,7 +227,7 @@ Json report_json(const Report& report) {
   const Simulation& run = report.totals.run;
   Json totals = totals_json(report.totals);
   add_area(totals, run.units, in.config);
-  totals["extrapolated"] = run_warnings(in.config, run.units).size();
+  totals["extrapolated"] = extrapolation_warnings(in.config, run.units).size();
   Json out = {{"schema", "raywatt-report/1"},
               {"partial", report.partial},
               {"program", run.program.name()},

@@ -171,8 +171,8 @@ std::string energy_table(const Json& totals) {
   const double all = totals["energy_mj"]["nominal"].get<double>();
   const auto row = [&](const std::string& name, const Json& s) {
     const double nominal = s["nominal"].get<double>();
-    table.row({name, fmt::format("{:.4f}", s["low"].get<double>()), fmt::format("{:.4f}", nominal),
-               fmt::format("{:.4f}", s["high"].get<double>()), fmt::format("{:.1f} %", 100 * nominal / all)});
+    table.row({name, sim::four_digits(s["low"].get<double>()), sim::four_digits(nominal),
+               sim::four_digits(s["high"].get<double>()), fmt::format("{:.1f} %", 100 * nominal / all)});
   };
   for (const auto& [block, s] : totals["energy_by_block_mj"].items()) row(block, s);
   row("total", totals["energy_mj"]);

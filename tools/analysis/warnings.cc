@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "sim/io/printable.h"
 #include "sim/report/curve_range.h"
 #include "tools/simulation/power.h"
 
@@ -14,13 +15,34 @@ namespace {
 /// Tiles that are timed over the share that was asked for, from which on it is said: chosen, as blocks are whole tiles.
 constexpr double kMuchMore = 1.5;
 
+/// "14 nm, 0.80 V, 75 C" -> "14 nm"
+std::string_view node_of(std::string_view process) { return process.substr(0, process.find(',')); }
+
+/// Leakage and what is said per mm2 take figures of both tables.
+bool are_of_two_processes(const RunConfig& config) {
+  return !config.area.arrays.empty() && config.area.process != sim::AreaConfig().process &&
+         config.energy.process != sim::EnergyConfig().process &&
+         node_of(config.area.process) != node_of(config.energy.process);
+}
+
 }  // namespace
 
-std::vector<std::string> run_warnings(const RunConfig& config, std::span<const sim::UnitReport> units,
-                                      const std::optional<SampledFrame>& sampled) {
+std::vector<std::string> extrapolation_warnings(const RunConfig& config, std::span<const sim::UnitReport> units) {
   std::vector<std::string> lines = sim::sizes_outside_curves(units, config.energy.events, config.area.arrays);
   std::ranges::move(latency_warnings(config), std::back_inserter(lines));
   std::ranges::move(power_warnings(config), std::back_inserter(lines));
+  return lines;
+}
+
+std::vector<std::string> run_warnings(const RunConfig& config, std::span<const sim::UnitReport> units,
+                                      const std::optional<SampledFrame>& sampled) {
+  std::vector<std::string> lines = extrapolation_warnings(config, units);
+  if (are_of_two_processes(config)) {
+    lines.push_back(
+        fmt::format("area.process is '{}' and energy.process '{}': frames per joule and mm2 are of a chip in "
+                    "two processes",
+                    sim::printable(config.area.process), sim::printable(config.energy.process)));
+  }
   if (!sampled || sampled->asked == 0) return lines;
   const double timed = static_cast<double>(sampled->timed) / static_cast<double>(sampled->tiles);
   if (timed > kMuchMore * sampled->asked) {

@@ -8,8 +8,11 @@
 
 namespace tools {
 
-/// Lines of `warnings[]` in report.json that follow from the run itself: figures that are extrapolated or hold at
-/// another voltage, sampling that times more than was asked for.
+/// A line for each size outside the curves of the tables, and for each clock whose energies hold at another voltage.
+std::vector<std::string> extrapolation_warnings(const RunConfig& config, std::span<const sim::UnitReport> units);
+
+/// Lines of `warnings[]` in report.json that follow from the run itself: extrapolations, tables of two processes,
+/// sampling that times more than was asked for.
 std::vector<std::string> run_warnings(const RunConfig& config, std::span<const sim::UnitReport> units,
                                       const std::optional<SampledFrame>& sampled = {});
 

@@ -22,25 +22,24 @@ std::string text_of(const Bottleneck& b) {
   std::string out =
       fmt::format("{} cycles of the T&I clock\nlimited by    {}\ntime goes to  {}\n\n",
                   sim::si_text(static_cast<double>(b.cycles)), b.limiter, top_down_text(time_json(b.time)));
-  std::vector<std::string> header = {"made perfect", "cycles", "speed-up", "estimated"};
   const bool replicated = b.plays.count > 1;
-  if (replicated) header.emplace_back(fmt::format("noise, of {} plays", b.plays.count));
-  sim::Table table(header);
+  sim::Table table({"made perfect", "cycles", "speed-up", "estimated",
+                    replicated ? fmt::format("noise, of {} plays", b.plays.count) : "noise, assumed"});
   for (const Bound& bound : b.bounds) {
-    std::vector<std::string> cells = {bound.resource, sim::si_text(static_cast<double>(bound.cycles)),
-                                      fmt::format("{:.3f}", b.speedup(bound)), fmt::format("{:.2f}", bound.estimated)};
-    if (replicated) {
-      const NoisySpeedup s = noisy_speedup(b.plays, bound.plays);
-      cells.push_back(fmt::format("mean {:.3f} ± {:.2g}, {}", s.value, s.half_width, s.outside ? "outside" : "within"));
-    }
-    table.row(std::move(cells));
+    const NoisySpeedup s = noisy_speedup(b, bound);
+    const std::string mean = replicated ? fmt::format("mean {:.3f} ", s.value) : "";
+    table.row({bound.resource, sim::si_text(static_cast<double>(bound.cycles)), fmt::format("{:.3f}", b.speedup(bound)),
+               fmt::format("{:.2f}", bound.estimated),
+               fmt::format("{}± {:.2g}, {}", mean, s.half_width, s.outside ? "outside" : "within")});
   }
   sim::Table caches({"first-level caches", "hits", "cycles a miss", "time waited for"});
   for (const CacheShare& cache : b.caches) {
     caches.row({cache.name, fmt::format("{:.1f} %", 100 * cache.hit_rate), fmt::format("{:.1f}", cache.cycles_a_miss),
                 fmt::format("{:.1f} %", 100 * cache.share)});
   }
-  return out + table.text() + "\n" + caches.text();
+  const char* const note =
+      replicated ? "" : "noise: assumed for this size of picture; --replicates 5 measures it (docs/noise.md)\n";
+  return out + table.text() + note + "\n" + caches.text();
 }
 
 Json json_of(const Bottleneck& b) {
@@ -48,10 +47,12 @@ Json json_of(const Bottleneck& b) {
   for (const Bound& bound : b.bounds) {
     bounds[bound.resource] = {
         {"cycles", bound.cycles}, {"speedup", b.speedup(bound)}, {"estimated_speedup", bound.estimated}};
-    if (b.plays.count < 2) continue;
-    const NoisySpeedup s = noisy_speedup(b.plays, bound.plays);
-    bounds[bound.resource]["noise"] = {
-        {"plays", b.plays.count}, {"speedup", s.value}, {"half_width", s.half_width}, {"outside", s.outside}};
+    const NoisySpeedup s = noisy_speedup(b, bound);
+    bounds[bound.resource]["noise"] = {{"from", b.plays.count > 1 ? "replicates" : "default"},
+                                       {"plays", b.plays.count},
+                                       {"speedup", s.value},
+                                       {"half_width", s.half_width},
+                                       {"outside", s.outside}};
   }
   Json caches = Json::object();
   for (const CacheShare& cache : b.caches) {

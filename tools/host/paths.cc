@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "sim/edit_distance.h"
 #include "sim/error.h"
 #include "sim/io/printable.h"
 #include "tools/host/build_info.h"
@@ -84,6 +85,18 @@ void check_no_scene(const std::string& argument) {
                                     sim::printable(argument), is_workload ? "workload" : "scene"));
 }
 
+/// ", did you mean 'sgrt-2016'?", or a scene if the name of one is nearer.
+std::string what_was_meant(const std::string& argument, const std::vector<std::string>& configs) {
+  std::vector<std::string> scenes = workload_names();
+  for (const traces::BuiltinInfo& scene : traces::builtin_scenes()) scenes.push_back(scene.name);
+  const std::string_view start = sim::start_of(argument);
+  const auto config = sim::nearest_of(start, configs, start.size() / 2);
+  const std::size_t most = config == configs.end() ? start.size() / 2 : sim::edit_distance(start, *config);
+  const auto scene = most == 0 ? scenes.end() : sim::nearest_of(start, scenes, most - 1);
+  return scene == scenes.end() ? traces::did_you_mean(argument, configs)
+                               : fmt::format(", did you mean --scene {}?", *scene);
+}
+
 }  // namespace
 
 std::vector<std::string> config_names() { return yaml_names(config_folders()); }
@@ -124,8 +137,7 @@ fs::path find_config(const std::string& argument) {
   if (const std::optional<fs::path> found = find_yaml(config_folders(), argument)) return *found;
   const std::vector<std::string> names = config_names();
   throw sim::InputError(fmt::format("no configuration is called '{}'{}; known: {}; or give a path to a .yaml file",
-                                    sim::printable(argument), traces::did_you_mean(argument, names),
-                                    fmt::join(names, ", ")));
+                                    sim::printable(argument), what_was_meant(argument, names), fmt::join(names, ", ")));
 }
 
 }  // namespace tools

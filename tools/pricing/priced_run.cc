@@ -14,11 +14,12 @@
 #include "sim/io/file.h"
 #include "sim/io/printable.h"
 #include "sim/report/conversions.h"
+#include "sim/report/curve_range.h"
 #include "tools/host/paths.h"
 #include "tools/pricing/idle_machine.h"
 #include "tools/pricing/reported_units.h"
-#include "tools/simulation/energy_events.h"
 #include "tools/simulation/power.h"
+#include "tools/simulation/table_names.h"
 
 namespace tools {
 namespace {
@@ -119,7 +120,8 @@ PricedRun::PricedRun(const ReportFile& report, const PriceTable& table)
 
 void PricedRun::make_formula(const std::vector<sim::UnitReport>& units) {
   device_ = hw::dram_energy_events(config_.gpu.dram);
-  check_energy_events(units, config_.energy);
+  check_table_names(units, config_);
+  extrapolated_ = sim::sizes_outside_curves(units, config_.energy.events, {});
   formula_ = std::make_unique<sim::EnergyFormula>(units, config_.energy, device_, elapsed_, power_scales(config_));
 }
 

@@ -34,6 +34,8 @@ class PricedRun {
   const RunConfig& config() const { return config_; }
   sim::EnergyReport energy() const { return formula_->report(); }
   const WorkDone& work() const { return work_; }
+  /// A line for each kind of unit whose array lies outside all points of a curve of the table.
+  const std::vector<std::string>& extrapolated() const { return extrapolated_; }
 
   /// Figures with a band.
   std::vector<EnergyEntry>& entries() { return entries_; }
@@ -56,6 +58,7 @@ class PricedRun {
   std::map<std::string, sim::DeviceEvent> device_;
   std::unique_ptr<sim::EnergyFormula> formula_;
   std::vector<EnergyEntry> entries_;
+  std::vector<std::string> extrapolated_;
 };
 
 }  // namespace tools

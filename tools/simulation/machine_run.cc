@@ -4,8 +4,8 @@
 
 #include "hw_models/dram/dram_energy.h"
 #include "sim/engine.h"
-#include "tools/simulation/energy_events.h"
 #include "tools/simulation/power.h"
+#include "tools/simulation/table_names.h"
 
 namespace tools {
 
@@ -27,7 +27,7 @@ std::unique_ptr<hw::Gpu> make_gpu(const Inputs& inputs, const RunConfig& config,
 }
 
 void check_figures(const hw::Gpu& gpu, const RunConfig& config) {
-  check_energy_events(gpu.report(), config.energy);
+  check_table_names(gpu.report(), config);
   energy_of(gpu, config);
   if (!config.area.arrays.empty()) sim::compute_area(gpu.report(), config.energy, config.area);
 }

@@ -171,19 +171,6 @@ TEST(Energy, NamesWhatItHasNoFigureFor) {
             "energy.events.box@big: 'big' is not a number with a unit; allowed: a size such as @16KiB");
 }
 
-TEST(Energy, TableAndDeclaredEventsMustAgree) {
-  const Folder folder;
-  const auto check = [&](const std::vector<std::string>& declared) {
-    return complaint<InputError>(folder, [&] { check_energy_events(energy_config(), declared); });
-  };
-  EXPECT_EQ(check({"box", "read"}), "no error");
-  EXPECT_EQ(check({"read"}), "energy.events.box: no counter names this event; allowed: read");
-  EXPECT_EQ(check({"boxes", "read"}), "energy.events.box: no counter names this event; allowed: boxes, read");
-  EXPECT_EQ(check({"bax", "read"}),
-            "energy.events.box: no counter names this event, did you mean 'bax'?; allowed: bax, read");
-  EXPECT_EQ(check({"box", "read", "write"}), "energy.events: no figure for 'write'");
-}
-
 TEST(Energy, AFreePointOfACurveIsRefused) {
   EnergyConfig c = energy_config();
   c.events["read@16KiB"] = {0, 1, 2};

@@ -42,6 +42,12 @@ TEST(AreaOfARun, OfAnotherProcessIsAnotherAndMovesNothingElse) {
   EXPECT_LT(b["area_mm2"].get<double>(), 0.7 * a["area_mm2"].get<double>());
   EXPECT_EQ(a["cycles"], b["cycles"]);
   EXPECT_EQ(a["energy_mj"], b["energy_mj"]);
+  const auto warned = [](const std::filesystem::path& run) {
+    return read_json(run / "report.json")["warnings"].dump().find("of a chip in two processes") != std::string::npos;
+  };
+  EXPECT_FALSE(warned(folder.path() / "a"));
+  EXPECT_TRUE(warned(out));
+  EXPECT_EQ(b["extrapolated"], 0) << "nothing is outside a curve";
 }
 
 TEST(AreaOfARun, OfABlockThatTheTableDoesNotKnowIsRefused) {

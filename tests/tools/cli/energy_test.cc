@@ -77,8 +77,32 @@ TEST(EnergyPrice, OfASweepHasALineAPoint) {
   EXPECT_LT(kinds["clock"]["nominal"].get<double>(),
             runs[1]["own"]["energy_by_kind_mj"]["clock"]["nominal"].get<double>());
   const std::string csv = output_of({"energy", "price", out, "--csv"});
-  EXPECT_SAYS(csv, "run,cores,own energy_mj.nominal,energy_mj.low");
+  EXPECT_SAYS(csv, "run,n,cores,own.totals.energy_mj.nominal,totals.energy_mj.low");
   EXPECT_EQ(std::ranges::count(csv, '\n'), 3);
+}
+
+TEST(EnergyPrice, SaysWhichPlayItIsOfAndWhatIsExtrapolated) {
+  const TempFolder folder;
+  const std::string out =
+      run_into(folder.path() / "a", {"--replicates", "2", "--set", "tni.trv.l1.size=512KiB"}).string();
+  const std::string text = output_of({"energy", "price", out});
+  EXPECT_SAYS(text, "priced is the first of 2 plays");
+  EXPECT_SAYS(text, "note: energy.events.cache.l1_");
+  const Json run = Json::parse(output_of({"energy", "price", out, "--json"}))["runs"][0];
+  EXPECT_EQ(run["plays"], 2);
+  EXPECT_FALSE(run["extrapolated"].empty());
+  const std::string plain = output_of({"energy", "price", run_into(folder.path() / "b").string()});
+  EXPECT_EQ(plain.find("priced is the first"), std::string::npos) << plain;
+  EXPECT_EQ(plain.find("note:"), std::string::npos) << plain;
+}
+
+TEST(EnergyPrice, RefusesNamesThatNoUnitGoesBy) {
+  const TempFolder folder;
+  const std::string out = run_into(folder.path() / "a").string();
+  expect_refusal(raywatt({"energy", "price", out, "--set", "energy.logic.tni.trvv=1"}),
+                 {"energy.logic.tni.trvv: no unit goes by this name", "did you mean 'tni.trv'?"});
+  expect_refusal(raywatt({"run", "--resolution", "16x16", "-o", folder.path() / "b", "--set", "area.buffers.srpp=1"}),
+                 {"area.buffers.srpp: no unit goes by this name", "did you mean 'srp'?"});
 }
 
 }  // namespace

@@ -18,6 +18,9 @@ TEST(Names, ASceneInTheConfigurationsStead) {
   expect_refusal(raywatt({"run", "teapot"}), {"'teapot' is a scene", "--scene teapot"});
   expect_refusal(raywatt({"run", "card.gltf"}), {"'card.gltf' is a scene", "--scene card.gltf"});
   expect_refusal(raywatt({"run", "lee2016-teapot"}), {"is a workload", "--scene lee2016-teapot"});
+  expect_refusal(raywatt({"run", "teapt"}), {"no configuration is called 'teapt', did you mean --scene teapot?"});
+  expect_refusal(raywatt({"run", "lee2016-taepot"}), {"did you mean --scene lee2016-teapot?"});
+  expect_refusal(raywatt({"run", "sgrt-2061"}), {"did you mean 'sgrt-2016'?"});
 }
 
 TEST(Names, GetTheNearestOneOfTheirKind) {
@@ -37,6 +40,9 @@ TEST(Names, GetTheNearestOneOfTheirKind) {
   expect_nearest({"config", "show", "--set", "dram.extends=lpddr4x-4277"}, "dram/lpddr4x-4266");
   expect_nearest({"energy", "show", "tni.box_tset"}, "tni.box_test");
   expect_nearest({"energy", "show", "box_tst"}, "box_test");
+  expect_nearest({"energy", "show", "cahce"}, "cache");
+  expect_nearest({"energy", "show", "energy.events.tni.box_tst"}, "energy.events.tni.box_test");
+  expect_nearest({"energy", "show", "logic.tni.trvv"}, "logic.tni.trv");
   expect_nearest({"run", "--resolution", "16x16", "--set", "energy.events.tni.box_tset=48"}, "tni.box_test");
   expect_nearest({"dvfs", "sgrt-2061"}, "sgrt-2016");
   expect_nearest({"reproduce", "lee2061"}, "lee2016");

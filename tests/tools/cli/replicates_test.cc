@@ -106,22 +106,42 @@ TEST(ReplicatesOption, IsRefusedWhereTilesAreSampled) {
   expect_refusal(raywatt(small_run(folder.path() / "out", more)), {"--replicates", "--tile-sampling"});
 }
 
+/// Speed-ups of a bottleneck that are outside the noise, each of which is checked.
+std::size_t outside_of(const std::string& text, const char* from, int plays) {
+  std::size_t outside = 0;
+  for (const auto& [resource, bound] : Json::parse(text)["bounds"].items()) {
+    const Json& noise = bound["noise"];
+    EXPECT_EQ(noise["from"], from) << resource;
+    EXPECT_EQ(noise["plays"], plays) << resource;
+    const double gain = noise["speedup"].get<double>() - 1, half = noise["half_width"].get<double>();
+    EXPECT_GT(half, 0) << resource;
+    EXPECT_EQ(noise["outside"].get<bool>(), std::abs(gain) > half) << resource;
+    outside += noise["outside"].get<bool>() ? 1 : 0;
+  }
+  return outside;
+}
+
+Json without_noise(const std::string& text) {
+  Json found = Json::parse(text);
+  for (Json& bound : found["bounds"]) bound.erase("noise");
+  return found;
+}
+
 TEST(ReplicatesOption, OfBottleneckSaysWhichSpeedupsAreOutsideTheNoise) {
   const Words plain = {"bottleneck", "--resolution", "32x16", "--progress", "none", "--json"};
   Words replicated = plain;
   replicated.insert(replicated.end(), {"--replicates", "3"});
-  const Json one = Json::parse(raywatt(plain).out);
-  Json three = Json::parse(raywatt(replicated).out);
-  std::size_t outside = 0;
-  for (auto& [resource, bound] : three["bounds"].items()) {
-    EXPECT_EQ(bound["noise"]["plays"], 3) << resource;
-    const double gain = bound["noise"]["speedup"].get<double>() - 1, half = bound["noise"]["half_width"].get<double>();
-    EXPECT_EQ(bound["noise"]["outside"].get<bool>(), std::abs(gain) > half) << resource;
-    outside += bound["noise"]["outside"].get<bool>() ? 1 : 0;
-    bound.erase("noise");
-  }
+  const std::size_t outside = outside_of(raywatt(replicated).out, "replicates", 3);
   EXPECT_GT(outside, 0U) << "something limits the frame";
-  EXPECT_EQ(one, three);
+  EXPECT_GE(outside, outside_of(raywatt(plain).out, "default", 1)) << "the assumed noise is the wider";
+  EXPECT_EQ(without_noise(raywatt(plain).out), without_noise(raywatt(replicated).out));
+}
+
+TEST(ReplicatesOption, MissingOfBottleneckLeavesTheAssumedNoise) {
+  const std::string table = raywatt({"bottleneck", "--resolution", "32x16", "--progress", "none"}).out;
+  EXPECT_SAYS(table, "noise, assumed");
+  EXPECT_SAYS(table, "noise: assumed for this size of picture; --replicates 5 measures it");
+  EXPECT_SAYS(table, "within");
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "tools/analysis/limiter.h"
 #include "tools/analysis/units.h"
 #include "tools/host/progress.h"
+#include "tools/noise/noise.h"
 #include "tools/simulation/run_job.h"
 
 namespace tools {
@@ -60,9 +61,13 @@ std::vector<CacheShare> cache_shares(std::span<const sim::UnitReport> units, con
            ratio(srps.counted(&Srp::cache_miss_cycles), srps.counted(&Srp::cache_fills)), time.data_misses}};
 }
 
-NoisySpeedup noisy_speedup(const Draws& plain, const Draws& ideal) {
+NoisySpeedup noisy_speedup(const Bottleneck& found, const Bound& bound) {
+  const auto seen = [&](const Draws& plays) {
+    return plays.count > 1 ? SeenFigure{plays.mean, plays} : SeenFigure{plays.mean, {}, found.assumed_noise};
+  };
+  const SeenFigure plain = seen(found.plays), ideal = seen(bound.plays);
   const MeanDifference saved = difference_of(ideal, plain);
-  return {plain.mean / ideal.mean, saved.half_width() / ideal.mean, std::abs(saved.value) > saved.half_width()};
+  return {plain.value / ideal.value, saved.half_width() / ideal.value, std::abs(saved.value) > saved.half_width()};
 }
 
 Bottleneck find_bottleneck(const JobOptions& options, Progress* progress) {
@@ -73,6 +78,7 @@ Bottleneck find_bottleneck(const JobOptions& options, Progress* progress) {
     return simulate(inputs, program, options.threads, {.progress = progress, .replicates = options.replicates});
   };
   const Simulation measured = play("as configured");
+  const double pixels = double{1} * inputs.config.render.width * inputs.config.render.height;
   const CoreTime time = top_down(measured.units, measured.machine).gpu;
   const std::vector<Estimate> estimates = estimate(time);
   Bottleneck found{.cycles = measured.cycles,
@@ -81,7 +87,8 @@ Bottleneck find_bottleneck(const JobOptions& options, Progress* progress) {
                    .named = most(estimates).resource,
                    .bounds = {},
                    .caches = cache_shares(measured.units, time),
-                   .plays = plays_of(measured)};
+                   .plays = plays_of(measured),
+                   .assumed_noise = default_noise(pixels, "cycles")};
   for (const hw::IdealConfig::Resource& resource : hw::IdealConfig::kResources) {
     bool& ideal = inputs.config.gpu.ideal.*resource.member;
     const bool configured = ideal;

@@ -37,17 +37,18 @@ struct Bottleneck {
   std::string named;  ///< the resource that the counters name
   std::vector<Bound> bounds;
   std::vector<CacheShare> caches;
-  Draws plays{};  ///< cycles over all replicates, as configured
+  Draws plays{};             ///< cycles over all replicates, as configured
+  double assumed_noise = 0;  ///< default_noise() of cycles, where there are no replicates
   double speedup(const Bound& bound) const { return static_cast<double>(cycles) / static_cast<double>(bound.cycles); }
 };
 
-/// Speed-up of mean over mean, by replicates of both.
+/// Speed-up of mean over mean by replicates of both, or else that of the runs with the assumed noise.
 struct NoisySpeedup {
   double value = 1;
   double half_width = 0;  ///< half of its 95 % interval
   bool outside = false;   ///< beyond what noise explains
 };
-NoisySpeedup noisy_speedup(const Draws& plain, const Draws& ideal);
+NoisySpeedup noisy_speedup(const Bottleneck& found, const Bound& bound);
 
 /// Simulates the first frame once as configured and once with each resource made ideal. InputError, sim::Deadlock.
 Bottleneck find_bottleneck(const JobOptions& options, Progress* progress = nullptr);

@@ -25,7 +25,7 @@ std::string noise_text(const Comparison& c, const Pair& pair) {
 }
 
 /// Where the noise of the overview comes from.
-std::string noise_note(const std::vector<Comparison>& against) {
+std::string noise_note(const std::vector<ReportFile>& reports, const std::vector<Comparison>& against) {
   bool measured = false, assumed = false;
   for (const Comparison& c : against) {
     for (const Pair& pair : c.figures) {
@@ -34,12 +34,13 @@ std::string noise_note(const std::vector<Comparison>& against) {
   }
   std::string out;
   if (measured) out += "noise: differences of the means of replicates, 95 % intervals\n";
-  if (assumed) {
-    out +=
-        "noise: assumed for this size of picture, or that of the replicates of one run if larger; --replicates 5 for "
-        "all runs measures it\n";
-  }
-  return out;
+  if (!assumed) return out;
+  const auto has_replicates = [](const ReportFile& report) { return report.has("totals.replicates.count"); };
+  return out +
+         (std::ranges::any_of(reports, has_replicates)
+              ? "noise: assumed for this size of picture, or that of one run's replicates if larger"
+              : "noise: assumed for this size of picture") +
+         "; --replicates 5 measures it\n";
 }
 
 /// "raywatt-out/base/report.json" -> "base".
@@ -66,7 +67,8 @@ std::string picture_text(const Comparison& c) {
   return psnr ? fmt::format("PSNR {:.2f} dB", *psnr) : "identical";
 }
 
-std::string overview(const std::vector<std::string>& names, const std::vector<Comparison>& against) {
+std::string overview(const std::vector<ReportFile>& reports, const std::vector<Comparison>& against) {
+  const std::vector<std::string> names = short_names(reports);
   std::vector<std::string> header = {"", names.front()};
   for (std::size_t i = 1; i < names.size(); ++i) header.insert(header.end(), {names[i], "", "noise"});
   sim::Table table(header);
@@ -83,7 +85,7 @@ std::string overview(const std::vector<std::string>& names, const std::vector<Co
   std::vector<std::string> pictures = {"picture", ""};
   for (const Comparison& c : against) pictures.insert(pictures.end(), {picture_text(c), "", ""});
   table.row(std::move(pictures));
-  return table.text() + noise_note(against);
+  return table.text() + noise_note(reports, against);
 }
 
 enum class Column : std::uint8_t { kCount, kEnergy, kRatio };
@@ -225,7 +227,7 @@ std::vector<Pair> in_words(std::vector<Pair> times) {
 
 std::string comparison_text(const std::vector<ReportFile>& reports, const std::vector<Comparison>& against) {
   const std::vector<std::string> names = short_names(reports);
-  std::string out = overview(names, against);
+  std::string out = overview(reports, against);
   for (std::size_t i = 0; i < against.size(); ++i) out += explanation(against[i], {names[0], names[i + 1]});
   return out;
 }

@@ -168,12 +168,13 @@ std::string entry_text(const EnergyEntry& entry, const Users& users, const Origi
   return out;
 }
 
-/// Adds what an entry may be called: its name or any end of it.
-void add_names(const EnergyEntry& entry, std::vector<std::string>& known) {
-  const std::string name = short_name(entry.name);
-  known.push_back(name);
-  for (std::size_t dot = name.find('.'); dot != std::string::npos; dot = name.find('.', dot + 1)) {
-    known.push_back(name.substr(dot + 1));
+/// Adds what an entry may be called, or a group that it is in: each run of the parts of its name.
+void add_names(const EnergyEntry& entry, std::set<std::string>& known) {
+  const std::string name = entry.name + ".";
+  for (std::size_t begin = 0; begin < name.size(); begin = name.find('.', begin) + 1) {
+    for (std::size_t end = name.find('.', begin); end != std::string::npos; end = name.find('.', end + 1)) {
+      known.insert(name.substr(begin, end - begin));
+    }
   }
 }
 
@@ -196,7 +197,7 @@ std::string energy_show(const JobOptions& options, const std::string& name) {
   const Origins origins = config_origins(options.config, options.sets);
   const Users users(config);
   std::string out;
-  std::vector<std::string> known;
+  std::set<std::string> known;
   for (EnergyEntry& entry : energy_entries(config)) {
     std::ranges::sort(entry.figures, {}, size_of);
     add_names(entry, known);
@@ -205,7 +206,7 @@ std::string energy_show(const JobOptions& options, const std::string& name) {
   }
   if (out.empty()) {
     throw sim::InputError(fmt::format("no energy entry is called '{}'{}; see raywatt energy show", sim::printable(name),
-                                      traces::did_you_mean(name, known)));
+                                      traces::did_you_mean(name, std::vector(known.begin(), known.end()))));
   }
   return fmt::format("{}: low / nominal / high\n\n{}", config.energy.process, out);
 }

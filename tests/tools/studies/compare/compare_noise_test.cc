@@ -21,7 +21,8 @@ TEST_F(Runs, AreHeldAgainstTheAssumedNoiseWithoutReplicates) {
   EXPECT_NEAR(noise["half_width"].get<double>(), 0.25, 0.025);
   EXPECT_EQ(noise["outside"], std::abs(noise["difference"].get<double>()) > noise["half_width"].get<double>());
   EXPECT_FALSE(c["figures"]["rays"].contains("noise")) << "rays are counted, whatever races there are";
-  EXPECT_SAYS(raywatt({"compare", path("base"), path("ports")}).out, "assumed for this size of picture");
+  EXPECT_SAYS(raywatt({"compare", path("base"), path("ports")}).out,
+              "noise: assumed for this size of picture; --replicates 5");
 }
 
 TEST_F(Runs, OfWhichOneHasReplicatesAreHeldAgainstTheLargerNoise) {
@@ -35,6 +36,8 @@ TEST_F(Runs, OfWhichOneHasReplicatesAreHeldAgainstTheLargerNoise) {
   EXPECT_EQ(noise["from"], "default");
   // A mean of four plays, and one play of as much deviation.
   EXPECT_NEAR(noise["half_width"].get<double>(), 1.96 * 0.2 * std::hypot(0.5, 1), 0.05);
+  EXPECT_SAYS(raywatt({"compare", noisy, path("ports")}).out,
+              "or that of one run's replicates if larger; --replicates 5");
 }
 
 TEST_F(Runs, OfOtherClocksHaveNoVerdictOnCycles) {

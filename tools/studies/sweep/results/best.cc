@@ -57,10 +57,20 @@ Lines figure_lines(const Results& results, const FigureNoise& noise, const Colum
   return lines;
 }
 
+/// Draws of the tables move nothing but joules.
+void check_has_joules(const Column& metric, const BestOptions& options) {
+  if (!options.band || energy_metric(metric.name)) return;
+  throw sim::InputError(
+      fmt::format("--energy band: {} has no joules in it, so no energy table moves it; allowed: e.g. "
+                  "energy_mj.nominal",
+                  shown_name(metric)));
+}
+
 }  // namespace
 
 std::string best_text(const Results& results, std::span<const sweep::Point> points, const BestOptions& options) {
   const Column metric = results.column(options.metric);
+  check_has_joules(metric, options);
   const std::vector<bool> may = meeting(results, options.where);
   std::vector<std::size_t> candidates;
   for (std::size_t row = 0; row < may.size(); ++row) {

@@ -27,9 +27,9 @@ constexpr std::array<std::pair<std::string_view, Op>, 7> kOps{{{"<=", Op::kAtMos
                                                                {"=", Op::kEqual}}};
 
 /// Reads a condition from left to right.
-class Reader {
+class ConditionReader {
  public:
-  explicit Reader(std::string_view text) : text_(text) { skip_blanks(); }
+  explicit ConditionReader(std::string_view text) : text_(text) { skip_blanks(); }
 
   bool at_end() const { return at_ == text_.size(); }
 
@@ -149,7 +149,7 @@ int order_of(const T& a, const T& b) {
 }  // namespace
 
 Condition::Condition(const std::string& text) : text_(text) {
-  Reader reader(text_);
+  ConditionReader reader(text_);
   do {
     if (!comparisons_.empty()) reader.conjunction(comparisons_.back().wanted);
     Comparison one;

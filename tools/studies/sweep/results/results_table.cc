@@ -119,7 +119,8 @@ std::string results_table(const Results& results, const TableOptions& options) {
   }
   if (!options.sort.empty()) sort_rows(rows, results, options.sort);
   if (options.limit && rows.size() > *options.limit) rows.resize(*options.limit);
-  return table_text(names, columns, rows, options.csv);
+  const bool is_empty = rows.empty() && !options.where.empty() && !options.csv;
+  return table_text(names, columns, rows, options.csv) + (is_empty ? "no point meets --where\n" : "");
 }
 
 }  // namespace tools::results

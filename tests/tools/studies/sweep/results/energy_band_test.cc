@@ -104,6 +104,8 @@ TEST_F(BandOfASweep, IsToldByBestParetoAndSensitivity) {
   const std::string out = (folder.path() / "out").string();
   expect_refusal(raywatt({"sweep", "pareto", out, "--x", "cycles", "--y", "fps", "--energy", "band"}), {"joules"});
   expect_refusal(raywatt({"sweep", "sensitivity", out, "--metric", "cycles", "--energy", "band"}), {"joules"});
+  expect_refusal(raywatt({"sweep", "best", out, "--min", "cycles", "--energy", "band"}),
+                 {"cycles has no joules in it"});
   expect_refusal(raywatt({"sweep", "best", out, "--min", "cycles", "--energy", "all"}), {"--energy"});
 }
 

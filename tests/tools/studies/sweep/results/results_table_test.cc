@@ -189,6 +189,16 @@ TEST(ResultsTable, AnEndThatMeansSeveralIsRefusedWithThem) {
   expect_refusal(raywatt({"sweep", "table", folder, "--sort", "cycles:down"}), {"asc, desc"});
 }
 
+TEST(ResultsTable, SaysThatNothingMeetsAConditionToPeopleAlone) {
+  const FourRows sweep;
+  sweep.collect();
+  const Words words = {"sweep", "table", sweep.folder().string(), "--where", "cycles<0"};
+  EXPECT_SAYS(raywatt(words).out, "no point meets --where");
+  Words csv = words;
+  csv.emplace_back("--csv");
+  EXPECT_EQ(raywatt(csv).out.find("no point"), std::string::npos);
+}
+
 TEST(ResultsTable, SortsByAmountAndPutsWhatIsAbsentLast) {
   const FourRows sweep;
   EXPECT_EQ(sweep.order(""), "0123");
