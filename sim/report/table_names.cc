@@ -28,9 +28,17 @@ using Names = std::set<std::string>;
                                fmt::join(known, ", ")));
 }
 
-/// Entries of a table, with or without a size.
+/// Entries of a table whose figures depend on no size.
 void check(std::string_view table, const std::map<std::string, Spread>& entries, std::string_view unknown,
            const Names& known) {
+  for (const auto& [name, figure] : entries) {
+    if (!known.contains(name)) refuse(table, name, unknown, known);
+  }
+}
+
+/// Entries with or without a size.
+void check_sized(std::string_view table, const std::map<std::string, Spread>& entries, std::string_view unknown,
+                 const Names& known) {
   for (const auto& [entry, figure] : entries) {
     if (const std::string name = event_of(entry); !known.contains(name)) refuse(table, name, unknown, known);
   }
@@ -58,7 +66,7 @@ Names parts_of(std::span<const UnitReport> units) {
 
 void check_energy_events(const EnergyConfig& config, std::span<const std::string> declared) {
   const Names known(declared.begin(), declared.end());
-  check("energy.events", config.events, "no counter names this event", known);
+  check_sized("energy.events", config.events, "no counter names this event", known);
   const EnergyTable table(config.events);
   for (const std::string& name : known) {
     if (!table.contains(name)) throw InputError(fmt::format("energy.events: no figure for '{}'", name));
@@ -75,7 +83,7 @@ void check_unit_names(const EnergyConfig& config, std::span<const UnitReport> un
 
 void check_unit_names(const AreaConfig& config, std::span<const UnitReport> units) {
   const Names known = names_of(units);
-  check("area.arrays", config.arrays, kNoUnit, known);
+  check_sized("area.arrays", config.arrays, kNoUnit, known);
   check("area.buffers", config.buffers, kNoUnit, known);
   check("area.pads", config.pads, kNoUnit, known);
 }

@@ -15,8 +15,11 @@ namespace {
 /// Tiles that are timed over the share that was asked for, from which on it is said: chosen, as blocks are whole tiles.
 constexpr double kMuchMore = 1.5;
 
-/// "14 nm, 0.80 V, 75 C" -> "14 nm"
-std::string_view node_of(std::string_view process) { return process.substr(0, process.find(',')); }
+/// "14 nm, 0.80 V, 75 C" -> "14nm"
+std::string node_of(std::string process) {
+  std::erase(process, ' ');
+  return process.substr(0, process.find(','));
+}
 
 /// Leakage and what is said per mm2 take figures of both tables.
 bool are_of_two_processes(const RunConfig& config) {

@@ -42,6 +42,13 @@ std::string line_about(const std::filesystem::path& file) {
   return text.size() <= kLongest ? text : text.substr(0, text.rfind(' ', kLongest)) + " ...";
 }
 
+/// Is the experiment one for `optimise`?
+bool is_search(const std::string& name) {
+  std::ifstream in(find_config_file(name));
+  std::string line;
+  return std::getline(in, line) && line.starts_with("schema: raywatt-optimise/");
+}
+
 /// Every file that a name finds, by kind, with a line about each.
 std::string config_list() {
   std::string text;
@@ -61,8 +68,10 @@ std::string config_list() {
   list("voltages over clocks (--set power.extends=NAME)", config_names_in("power"));
   list("hits of caches over their size (--set latency.extends=NAME)", config_names_in("latency"));
   list("area tables (--set area.extends=NAME)", config_names_in("area"));
-  list("experiments (raywatt sweep run NAME, raywatt optimise NAME; without experiments/)",
-       config_names_in("experiments"));
+  std::vector<std::string> searches = config_names_in("experiments");
+  const auto sweeps = std::ranges::stable_partition(searches, is_search).begin();
+  list("sweeps (raywatt sweep run NAME; without experiments/)", {sweeps, searches.end()});
+  list("searches (raywatt optimise NAME; without experiments/)", {searches.begin(), sweeps});
   return text;
 }
 

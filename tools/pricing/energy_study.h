@@ -20,6 +20,10 @@ struct EnergyMetric {
 /// "totals.energy_mj.nominal", "totals.energy_by_block_mj.tni.nominal", "totals.power_w.nominal" and those of
 /// totals.perf that have joules in them; nothing for others.
 std::optional<EnergyMetric> energy_metric(std::string_view path);
+/// Figures that energy_metric() knows, in words.
+inline constexpr std::string_view kEnergyMetrics =
+    "energy_mj.nominal, power_w.nominal, nj_per_ray, frames_per_joule_gpu, frames_per_joule_tni, "
+    "frames_per_joule_per_mm2, energy_by_block_mj.BLOCK.nominal";
 
 /// pJ of a block, or of all for an empty name, under each draw. The run's figures are its table's again afterwards.
 std::vector<double> drawn_pj(PricedRun& run, const std::string& block, std::uint64_t draws = kEnergyDraws,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -122,6 +123,7 @@ void PricedRun::make_formula(const std::vector<sim::UnitReport>& units) {
   device_ = hw::dram_energy_events(config_.gpu.dram);
   check_table_names(units, config_);
   extrapolated_ = sim::sizes_outside_curves(units, config_.energy.events, {});
+  std::ranges::move(power_warnings(config_), std::back_inserter(extrapolated_));
   formula_ = std::make_unique<sim::EnergyFormula>(units, config_.energy, device_, elapsed_, power_scales(config_));
 }
 

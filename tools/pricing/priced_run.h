@@ -34,7 +34,8 @@ class PricedRun {
   const RunConfig& config() const { return config_; }
   sim::EnergyReport energy() const { return formula_->report(); }
   const WorkDone& work() const { return work_; }
-  /// A line for each kind of unit whose array lies outside all points of a curve of the table.
+  /// A line for each kind of unit whose array lies outside all points of a curve of the table, and for each clock whose
+  /// energies hold at another voltage.
   const std::vector<std::string>& extrapolated() const { return extrapolated_; }
 
   /// Figures with a band.

@@ -8,6 +8,7 @@
 
 #include "sim/config/quantity.h"
 #include "sim/error.h"
+#include "sim/io/printable.h"
 #include "sim/report/energy_table.h"
 #include "tools/simulation/load_config.h"
 
@@ -42,11 +43,23 @@ const sim::EnergyCurve& curve_of(const sim::EnergyTable& table, const std::strin
   return table.curve(kCurve);
 }
 
+/// A figure that no cache reads is a misspelling.
+void check_names(const sim::EnergyTable& table) {
+  for (const std::string& name : table.names()) {
+    if (name == kCurve) continue;
+    throw sim::InputError(
+        fmt::format("latency.arrays.{}: no latency goes by this name; allowed: {}, with a size such as "
+                    "{}@16KiB",
+                    sim::printable(name), kCurve, kCurve));
+  }
+}
+
 }  // namespace
 
 void set_hit_cycles(RunConfig& config) {
   constexpr double kHzPerNanosecond = 1e9;
   const sim::EnergyTable table(config.latency.arrays, "latency.arrays");
+  check_names(table);
   for (const Cache& c : caches_of(config)) {
     if (!c.cache.hit_cycles.is_auto) continue;
     const sim::EnergyCurve& curve = curve_of(table, c.path);

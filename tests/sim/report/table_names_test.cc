@@ -53,6 +53,9 @@ TEST(TableNames, LogicAndFlopsAreOfUnitsOrBlocks) {
   EXPECT_EQ(refusal(logic),
             "energy.logic.tni.trvv: no unit goes by this name, did you mean 'tni.trv'?; allowed: srp, srp.srp, tni, "
             "tni.trv");
+  EnergyConfig sized = c;
+  sized.logic["srp@16KiB"] = {};
+  EXPECT_EQ(refusal(sized).substr(0, 50), "energy.logic.srp@16KiB: no unit goes by this name;");
   flops.flops["dram_controller"] = {};
   EXPECT_EQ(refusal(flops),
             "energy.flops.dram_controller: no unit goes by this name; allowed: srp, srp.srp, tni, tni.trv");

@@ -87,7 +87,7 @@ TEST(EnergyPrice, SaysWhichPlayItIsOfAndWhatIsExtrapolated) {
       run_into(folder.path() / "a", {"--replicates", "2", "--set", "tni.trv.l1.size=512KiB"}).string();
   const std::string text = output_of({"energy", "price", out});
   EXPECT_SAYS(text, "priced is the first of 2 plays");
-  EXPECT_SAYS(text, "note: energy.events.cache.l1_");
+  EXPECT_SAYS(text, "note: energy.events: the array of tni.trv has 512 KiB, outside ");
   const Json run = Json::parse(output_of({"energy", "price", out, "--json"}))["runs"][0];
   EXPECT_EQ(run["plays"], 2);
   EXPECT_FALSE(run["extrapolated"].empty());
@@ -103,6 +103,13 @@ TEST(EnergyPrice, RefusesNamesThatNoUnitGoesBy) {
                  {"energy.logic.tni.trvv: no unit goes by this name", "did you mean 'tni.trv'?"});
   expect_refusal(raywatt({"run", "--resolution", "16x16", "-o", folder.path() / "b", "--set", "area.buffers.srpp=1"}),
                  {"area.buffers.srpp: no unit goes by this name", "did you mean 'srp'?"});
+  const std::string rays = folder.write("rays.txt", "0 0 0 0 0 1\n").string(), set = "energy.events.tni.box_tset=1";
+  expect_refusal(raywatt({"run", "--rays", rays, "-o", (folder.path() / "c").string(), "--set", set}),
+                 {"tni.box_test"});
+  expect_refusal(raywatt({"dvfs", "--resolution", "16x16", "--set", set}), {"tni.box_test"});
+  expect_refusal(raywatt({"energy", "show", "--set", set}), {"tni.box_test"});
+  expect_refusal(raywatt({"config", "show", "--set", "latency.arrays.raed@4KiB=1"}),
+                 {"latency.arrays.raed: no latency goes by this name; allowed: read"});
 }
 
 }  // namespace

@@ -109,7 +109,8 @@ TEST(ReplicatesOption, IsRefusedWhereTilesAreSampled) {
 /// Speed-ups of a bottleneck that are outside the noise, each of which is checked.
 std::size_t outside_of(const std::string& text, const char* from, int plays) {
   std::size_t outside = 0;
-  for (const auto& [resource, bound] : Json::parse(text)["bounds"].items()) {
+  const Json found = Json::parse(text);
+  for (const auto& [resource, bound] : found["bounds"].items()) {
     const Json& noise = bound["noise"];
     EXPECT_EQ(noise["from"], from) << resource;
     EXPECT_EQ(noise["plays"], plays) << resource;

@@ -110,6 +110,8 @@ std::vector<Own> own_work(const std::vector<Move>& moves) {
 }  // namespace
 
 std::optional<LocatedRegression> locate_regression(const Values& was, const Values& is) {
+  const auto units = was.lower_bound("units.");
+  if (units == was.end() || !units->first.starts_with("units.")) return std::nullopt;  // not kept
   const std::vector<Move> moves = all_moves(was, is);
   const std::vector<Own> owns = own_work(moves);
   constexpr double kNoticeable = 0.1;  // share of what else moved

@@ -14,14 +14,23 @@ namespace {
 
 constexpr std::size_t kShown = 8;  ///< lines of a list; --json has all
 
-/// A difference beside its noise: "within ± 2 %", or with replicates "mean +1.4 ± 0.52 %, outside".
+/// "+1.42 %", "x3.19"
+std::string relative_text(double relative) {
+  return relative < 1 ? fmt::format("{:+.{}f} %", 100 * relative, std::abs(relative) < 0.1 ? 2 : 1)
+                      : fmt::format("x{:.3g}", 1 + relative);
+}
+
+/// A difference beside its noise: "within ± 2 %", or of means of replicates "mean +1.4 ± 0.52 %, outside".
 std::string noise_text(const Comparison& c, const Pair& pair) {
   if (c.says_nothing_of(pair.name)) return "another clock";
-  if (!pair.noise || (pair.a == pair.b && !pair.noise->measured)) return "";
+  if (!pair.noise) return "";
   const NoisyDifference& n = *pair.noise;
+  constexpr double kRounding = 1e-12;
+  const bool is_of_means = n.measured || std::abs(n.relative - (pair.b / pair.a - 1)) > kRounding;
+  if (pair.a == pair.b && !is_of_means) return "";
   const char* const verdict = n.outside ? "outside" : "within";
-  if (!n.measured) return fmt::format("{} ± {:.2g} %", verdict, 100 * n.half_width);
-  return fmt::format("mean {:+.2f} ± {:.2g} %, {}", 100 * n.relative, 100 * n.half_width, verdict);
+  if (!is_of_means) return fmt::format("{} ± {:.2g} %", verdict, 100 * n.half_width);
+  return fmt::format("mean {} ± {:.2g} %, {}", relative_text(n.relative), 100 * n.half_width, verdict);
 }
 
 /// Where the noise of the overview comes from.
@@ -29,7 +38,7 @@ std::string noise_note(const std::vector<ReportFile>& reports, const std::vector
   bool measured = false, assumed = false;
   for (const Comparison& c : against) {
     for (const Pair& pair : c.figures) {
-      if (pair.noise) (pair.noise->measured ? measured : assumed) = true;
+      if (!noise_text(c, pair).empty() && pair.noise) (pair.noise->measured ? measured : assumed) = true;
     }
   }
   std::string out;

@@ -11,8 +11,10 @@
 #include "sim/report/conversions.h"
 #include "tools/analysis/cost_totals.h"
 #include "tools/analysis/warnings.h"
+#include "tools/pricing/idle_machine.h"
 #include "tools/simulation/power.h"
 #include "tools/simulation/run_job.h"
+#include "tools/simulation/table_names.h"
 #include "traces/scene/did_you_mean.h"
 
 namespace tools {
@@ -95,6 +97,7 @@ DvfsCurve dvfs_curve(const DvfsOptions& options, Progress* progress) {
   std::ranges::sort(factors);
   factors.erase(std::ranges::unique(factors).begin(), factors.end());
   const Inputs inputs = load_inputs(options.job, progress);
+  check_table_names(idle_units(inputs.config.gpu), inputs.config);
   std::vector<RunConfig> configs;
   for (const double factor : factors) configs.push_back(at_factor(inputs.config, options.domains, factor));
   const std::vector<Simulation> runs =

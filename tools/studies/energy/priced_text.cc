@@ -32,7 +32,7 @@ std::string changes_text(const std::vector<FigureChange>& changes) {
   return out;
 }
 
-/// What should be read with care.
+/// Reasons to read the figures with care.
 std::string notes_text(const std::vector<Priced>& runs) {
   std::set<std::size_t> plays;
   std::set<std::string> extrapolated;
@@ -153,7 +153,9 @@ std::string priced_csv(const std::vector<Priced>& runs) {
 std::string priced_json(const std::vector<Priced>& runs) {
   Json out = {{"schema", "raywatt-price/1"}, {"runs", Json::array()}};
   for (const Priced& run : runs) {
-    Json entry = {{"run", run.n.empty() ? run.run : run.n}, {"axes", Json::object()}, {"changes", Json::array()}};
+    Json entry = {{"run", run.n.empty() ? run.run : run.n}};
+    if (!run.n.empty()) entry["sweep"] = run.run;
+    entry.update({{"axes", Json::object()}, {"changes", Json::array()}});
     for (const auto& [axis, value] : run.axes) entry["axes"][axis] = value;
     for (const FigureChange& c : run.changes) {
       entry["changes"].push_back({{"key", c.name}, {"from", c.from}, {"to", c.to}});

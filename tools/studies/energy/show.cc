@@ -16,6 +16,7 @@
 #include "tools/pricing/energy_entries.h"
 #include "tools/pricing/idle_machine.h"
 #include "tools/simulation/load_config.h"
+#include "tools/simulation/table_names.h"
 #include "tools/studies/energy/origins.h"
 #include "traces/scene/did_you_mean.h"
 
@@ -56,6 +57,8 @@ class Users {
  public:
   explicit Users(const RunConfig& config)
       : config_(config), units_(idle_units(config.gpu, true)), counters_(counted_by(units_)) {}
+
+  const std::vector<sim::UnitReport>& units() const { return units_; }
 
   std::set<std::string> of(const EnergyEntry& entry) const {
     if (entry.name.starts_with(kEvents)) return of_event(entry.name.substr(kEvents.size()));
@@ -196,6 +199,7 @@ std::string energy_show(const JobOptions& options, const std::string& name) {
   RunConfig config = load_run_config(options);
   const Origins origins = config_origins(options.config, options.sets);
   const Users users(config);
+  check_table_names(users.units(), config);
   std::string out;
   std::set<std::string> known;
   for (EnergyEntry& entry : energy_entries(config)) {

@@ -7,6 +7,7 @@
 
 #include "sim/error.h"
 #include "sim/io/printable.h"
+#include "tools/analysis/report_paths.h"
 
 namespace tools::optimise {
 namespace {
@@ -35,7 +36,8 @@ bool Goal::is_met(double value) const {
 
 std::string Goal::text() const {
   const std::string_view name = names_of(kind).at(static_cast<std::size_t>(kind));
-  return is_objective() ? fmt::format("{} {}", name, figure) : fmt::format("{} {} {}", figure, name, limit);
+  return is_objective() ? fmt::format("{} {}", name, figure_name(figure))
+                        : fmt::format("{} {} {}", figure_name(figure), name, limit);
 }
 
 Goal read_constraint(const std::string& text) {

@@ -159,6 +159,10 @@ const Metric* Sweep::metric(const std::string& path) const {
   return found == metrics.end() ? nullptr : &*found;
 }
 
+const results::Column& Sweep::values_of(const Metric& metric) const {
+  return values[static_cast<std::size_t>(std::ranges::find(metrics, metric.path, &Metric::path) - metrics.begin())];
+}
+
 std::vector<Metric> metrics_of(const results::Results& results, const std::optional<optimise::Task>& task) {
   std::vector<Metric> wanted = usual_metrics();
   if (task) {

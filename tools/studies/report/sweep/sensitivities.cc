@@ -10,6 +10,7 @@
 #include "tools/studies/report/page/specs.h"
 #include "tools/studies/report/sweep/sweep_parts.h"
 #include "tools/studies/sweep/results/sensitivity.h"
+#include "tools/studies/sweep/results/ties.h"
 
 namespace tools::pages {
 namespace {
@@ -40,7 +41,7 @@ const Metric* main_metric(const Sweep& sweep) {
 }
 
 std::optional<std::size_t> best_row(const Sweep& sweep, const Metric& metric) {
-  const results::Column column = sweep.results.column(metric.path);
+  const results::Column& column = sweep.values_of(metric);
   const std::vector<bool> eligible = sweep.eligible();
   std::optional<std::size_t> best;
   double figure = 0;
@@ -54,6 +55,23 @@ std::optional<std::size_t> best_row(const Sweep& sweep, const Metric& metric) {
   return best;
 }
 
+/// "; 3 points tie with it (...)", as `sweep best` finds them.
+std::string what_ties(const Sweep& sweep, const Metric& metric, std::size_t best) {
+  const std::vector<bool> eligible = sweep.eligible();
+  std::vector<std::size_t> candidates;
+  for (std::size_t row = 0; row < eligible.size(); ++row) {
+    if (eligible[row] && results::amount_of(sweep.values_of(metric).values[row])) candidates.push_back(row);
+  }
+  const results::FigureNoise noise(sweep.results, sweep.results.column(metric.path), candidates);
+  if (!noise.is_noisy() || candidates.size() < 2) return {};
+  const std::size_t ties = results::ties_with(noise, metric.more, candidates, best).size();
+  return fmt::format("; {} with it by {}",
+                     ties == 0   ? "no point ties"
+                     : ties == 1 ? "1 point ties"
+                                 : fmt::format("{} points tie", ties),
+                     noise.text());
+}
+
 /// Figures of all points: the best, and the band that they are in.
 void add_headlines(const Sweep& sweep, const std::vector<std::string>& paths, View& view) {
   for (const std::string& path : paths) {
@@ -62,7 +80,7 @@ void add_headlines(const Sweep& sweep, const std::vector<std::string>& paths, Vi
     if (!best) continue;
     std::string name = metric.words;
     name[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(name[0])));
-    const results::Column column = sweep.results.column(path);
+    const results::Column& column = sweep.values_of(metric);
     const double value = results::amount_of(column.values[*best])->value;
     Headline out{.id = path, .name = name, .value = value, .show = metric.show, .unit = metric.unit};
     out.low = out.high = value;
@@ -143,10 +161,10 @@ void add_sweep_verdict(const Sweep& sweep, View& view) {
                         "", {{"the points", "front"}});
   }
   add_headlines(sweep, asked_of(sweep), view);
-  const double value = results::amount_of(sweep.results.column(metric->path).values[*best])->value;
-  const std::string more =
-      fmt::format("Best: point {} with {} {} ({}).", sweep.results.rows()[*best].n, number_text(value),
-                  metric->unit.empty() ? metric->words : metric->unit, axes_text(sweep, *best));
+  const double value = results::amount_of(sweep.values_of(*metric).values[*best])->value;
+  const std::string more = fmt::format("Best: point {} with {} {} ({}){}.", sweep.results.rows()[*best].n,
+                                       number_text(value), metric->unit.empty() ? metric->words : metric->unit,
+                                       axes_text(sweep, *best), what_ties(sweep, *metric, *best));
   const std::optional<results::Sensitivity> found = sensitivity_to(sweep, metric->path);
   if (!found) {
     return view.verdict(fmt::format("No axis changes {}.", metric->words), more, {{"the front", "front"}});

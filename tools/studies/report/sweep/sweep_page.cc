@@ -8,6 +8,7 @@
 #include "sim/io/printable.h"
 #include "tools/host/standard_streams.h"
 #include "tools/studies/report/sweep/sweep_parts.h"
+#include "tools/studies/sweep/results/figure_noise.h"
 #include "tools/studies/sweep/results/index/collect.h"
 #include "tools/studies/sweep/results/index/sqlite.h"
 #include "tools/studies/sweep/spec/spec.h"
@@ -54,7 +55,7 @@ View view_of(const fs::path& folder) {
   sweep.name = sim::printable(fs::absolute(folder / "x").parent_path().filename().string());
   sweep.question = sweep.task ? sweep.task->space.question : question_in(folder);
   sweep.metrics = metrics_of(results, sweep.task);
-  for (const Metric& metric : sweep.metrics) sweep.values.push_back(results.column(metric.path));
+  for (const Metric& metric : sweep.metrics) sweep.values.push_back(results::column_of_means(results, metric.path));
   View view(sweep.name);
   add_sweep_verdict(sweep, view);
   add_points(sweep, view);

@@ -28,13 +28,15 @@ struct Sweep {
   std::optional<optimise::Task> task;   ///< a search's
   std::vector<results::Column> axes;    ///< that vary
   std::vector<Metric> metrics;          ///< that points have
-  std::vector<results::Column> values;  ///< the metrics'
+  std::vector<results::Column> values;  ///< the metrics', means of replicates where there are some
 
   std::vector<bool> done() const;
   bool has_constraints() const;
   /// Points that are done and meet the constraints of a search: those that may be best, or on the front.
   std::vector<bool> eligible() const;
   const Metric* metric(const std::string& path) const;
+  /// Values of one of `metrics`.
+  const results::Column& values_of(const Metric& metric) const;
 };
 
 /// Figures of which at least one point has a number: the usual ones, and those that a search is about.

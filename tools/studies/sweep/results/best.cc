@@ -38,39 +38,38 @@ std::string settings_text(const sweep::Point& point) {
 
 using Lines = std::vector<std::pair<std::string, std::string>>;
 
+/// A figure of a point: that of its play, or "664.5 ± 0.6 %, mean of 5 plays".
+std::string figure_text(const Results& results, const Column& figure, std::size_t row) {
+  const FigureNoise noise(results, figure, {row});
+  const std::string value = shown_cells(noise.means(), {row}).front();
+  if (!noise.is_measured()) return value;
+  return fmt::format("{} {}, mean of {} plays", value, give_or_take(noise, row), noise.plays(row));
+}
+
 /// Figures of a point: the one that was asked for, and those that conditions compare.
-Lines figure_lines(const Results& results, const FigureNoise& noise, const Column& metric, const BestOptions& options,
-                   std::size_t row) {
-  const auto cell = [&](const Column& column) { return shown_cells(column, {row}).front(); };
-  Lines lines = {{shown_name(metric), cell(metric)}};
-  if (noise.is_measured()) {
-    lines.emplace_back(
-        "mean", fmt::format("{} {} of {} plays", cell(noise.means()), give_or_take(noise, row), noise.plays(row)));
-  }
+Lines figure_lines(const Results& results, const Column& metric, const BestOptions& options, std::size_t row) {
+  Lines lines = {{shown_name(metric), figure_text(results, metric, row)}};
   for (const std::string& path : compared_paths(options.where)) {
-    const Column column = column_of_means(results, path);
+    const Column column = results.column(path);
     const auto is_this = [&](const auto& line) { return line.first == shown_name(column); };
     const bool is_axis = std::ranges::find(results.axes(), column.name) != results.axes().end();
     if (is_axis || std::ranges::any_of(lines, is_this)) continue;
-    lines.emplace_back(shown_name(column), cell(column));
+    lines.emplace_back(shown_name(column), figure_text(results, column, row));
   }
   return lines;
 }
 
-/// Draws of the tables move nothing but joules.
-void check_has_joules(const Column& metric, const BestOptions& options) {
+void check_has_band(const Column& metric, const BestOptions& options) {
   if (!options.band || energy_metric(metric.name)) return;
-  throw sim::InputError(
-      fmt::format("--energy band: {} has no joules in it, so no energy table moves it; allowed: e.g. "
-                  "energy_mj.nominal",
-                  shown_name(metric)));
+  throw sim::InputError(fmt::format("--energy band: {} has no joules that draws tell of; allowed: {}",
+                                    shown_name(metric), kEnergyMetrics));
 }
 
 }  // namespace
 
 std::string best_text(const Results& results, std::span<const sweep::Point> points, const BestOptions& options) {
   const Column metric = results.column(options.metric);
-  check_has_joules(metric, options);
+  check_has_band(metric, options);
   const std::vector<bool> may = meeting(results, options.where);
   std::vector<std::size_t> candidates;
   for (std::size_t row = 0; row < may.size(); ++row) {
@@ -101,7 +100,7 @@ std::string best_text(const Results& results, std::span<const sweep::Point> poin
   std::string out = fmt::format("{} {} of {} points that qualify: point {}{}\n\n", options.most ? "most" : "least",
                                 shown_name(metric), candidates.size(), results.rows()[*best].n,
                                 equal == 0 ? "" : fmt::format(" (and {} more with the same)", equal));
-  Lines lines = figure_lines(results, noise, metric, options, *best);
+  Lines lines = figure_lines(results, metric, options, *best);
   for (const std::string& axis : results.axes()) {
     const Value value = results.column(axis).values[*best];
     if (!is_absent(value)) lines.emplace_back(sim::printable(axis), sim::printable(exact_text(value)));

@@ -62,8 +62,8 @@ struct Draws2d {
 
 Draws2d drawn(const Results& results, const Objective& x, const Objective& y, const ParetoFront& front) {
   if (!energy_metric(x.column.name) && !energy_metric(y.column.name)) {
-    throw sim::InputError(
-        fmt::format("--energy band: neither {} nor {} has joules in it", shown_name(x.column), shown_name(y.column)));
+    throw sim::InputError(fmt::format("--energy band: neither {} nor {} has joules that draws tell of; allowed: {}",
+                                      shown_name(x.column), shown_name(y.column), kEnergyMetrics));
   }
   std::vector<bool> may(results.rows().size());
   for (const std::size_t row : front.all()) may[row] = true;

@@ -194,7 +194,10 @@ std::string band_text(const Results& results, const std::vector<std::string>& me
     const FigureNoise noise(results, objective.column, numbers_in(results, objective.column, may));
     out += "\n" + band.tornado_text(results, band.metric(noise.means(), objective.most));
   }
-  if (out.empty()) throw sim::InputError("--energy band: no metric has joules in it; allowed: e.g. energy_mj.nominal");
+  if (out.empty()) {
+    throw sim::InputError(
+        fmt::format("--energy band: no metric has joules that draws tell of; allowed: {}", kEnergyMetrics));
+  }
   return out;
 }
 

@@ -80,21 +80,37 @@ Spec read_spec(const std::filesystem::path& file) {
   return read_spec(YamlValue(*tree, name), kSpecSchema, {});
 }
 
+namespace {
+
+/// A file of the other kind is told by its schema, before its keys are.
+void check_schema(const YamlValue& root, std::string_view schema) {
+  const auto entries = root.entries();
+  const auto found = std::ranges::find(entries, "schema", &YamlValue::key);
+  if (found == entries.end()) root.refuse(fmt::format("the first line shall be 'schema: {}'", schema));
+  const std::string& given = found->text();
+  if (given == schema) return;
+  const bool is_sweep = given == kSpecSchema, is_search = given.starts_with("raywatt-optimise/");
+  found->refuse(fmt::format("allowed: {}{}", schema,
+                            is_sweep    ? "; a sweep is run by raywatt sweep run"
+                            : is_search ? "; a search is run by raywatt optimise"
+                                        : ""));
+}
+
+}  // namespace
+
 Spec read_spec(const YamlValue& root, std::string_view schema, std::span<const std::string_view> others) {
+  check_schema(root, schema);
   std::vector<std::string_view> keys(kKeys.begin(), kKeys.end());
   keys.insert(keys.end(), others.begin(), others.end());
   Spec spec;
   std::optional<Axis> workloads, programs;
   std::optional<YamlValue> exclude, where;
-  bool has_schema = false;
   for (const YamlValue& entry : root.entries(keys)) {
     const std::string& key = entry.key();
     if (std::ranges::find(others, key) != others.end()) continue;
     spec.key_positions[key] = entry.where();
-    if (key == "schema") {
-      if (entry.text() != schema) entry.refuse(fmt::format("allowed: {}", schema));
-      has_schema = true;
-    } else if (key == "question") {
+    if (key == "schema") continue;
+    if (key == "question") {
       spec.question = entry.text();
     } else if (key == "config") {
       spec.config = entry.text();
@@ -132,7 +148,6 @@ Spec read_spec(const YamlValue& root, std::string_view schema, std::span<const s
       (key == "where" ? where : exclude) = entry;
     }
   }
-  if (!has_schema) root.refuse(fmt::format("the first line shall be 'schema: {}'", schema));
   if (programs) spec.axes.insert(spec.axes.begin(), *std::move(programs));
   if (workloads) spec.axes.insert(spec.axes.begin(), *std::move(workloads));
   check_axes(spec.axes);
