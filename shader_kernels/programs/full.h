@@ -20,6 +20,7 @@ class FullProgram final : public FrameProgram {
               std::uint32_t samples, std::uint32_t frame);
 
   std::uint32_t tiles() const override { return tiles_across_ * tiles_down_; }  ///< row by row
+  TileCounts tile_counts() const override { return {tiles_across_, tiles_down_}; }
   FrameRequirements requirements() const override;
   /// Pixels of a tile that no edge cuts.
   std::uint32_t tile_pixels() const { return side_ * side_; }

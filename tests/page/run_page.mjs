@@ -72,6 +72,31 @@ test("the flow of energy follows the switch, and the address keeps it", () => lo
   await page.waitForFunction((low) => Math.abs(Number.parseFloat([...document.querySelectorAll('[data-block="flow"] svg text')].find((t) => t.textContent.startsWith("GPU")).textContent.match(/([\d.]+) mJ/)[1]) / low - 1) < 1e-3, report.totals.energy_mj.low);
 }));
 
+/** Labels of the flow that stand out of its drawing, or out of the window, or over each other. */
+const unreadable = () => {
+  const svg = document.querySelector('[data-block="flow"] svg'), whole = svg.getBoundingClientRect();
+  const labels = [...svg.querySelectorAll("text")].map((t) => ({ words: t.textContent, ...t.getBoundingClientRect().toJSON() }));
+  const isOut = (l) => l.left < whole.left - 1 || l.right > Math.min(whole.right, innerWidth) + 1 || l.top < whole.top - 1 || l.bottom > whole.bottom + 1;
+  const LEADING = 3;  // pixels of a line without ink
+  const isOver = (a, b) => a.left < b.right && b.left < a.right && a.top + LEADING < b.bottom - LEADING && b.top + LEADING < a.bottom - LEADING;
+  const over = labels.flatMap((a, i) => labels.slice(i + 1).filter((b) => isOver(a, b)).map((b) => `${a.words} over ${b.words}`));
+  return { labels: labels.length, bad: [...labels.filter(isOut).map((l) => `${l.words} is cut`), ...over] };
+};
+
+test("all labels of the flow of energy are read without scrolling, whatever the width", async () => {
+  for (const surroundings of [{ width: 320 }, { width: 360, theme: "dark" }, { width: 600 }, { width: 720 }, { width: 770 }, { width: 1280 }, { width: 360, media: "print" }]) {
+    await look("run.html", surroundings, async (page) => {
+      await page.waitForFunction(() => {
+        const body = document.querySelector('[data-block="flow"] .drawing');
+        return Math.abs(body.querySelector("svg").getBoundingClientRect().width - body.clientWidth) < 2;
+      });
+      const { labels, bad } = await page.evaluate(unreadable);
+      assert.ok(labels > 20, `${labels}`);
+      assert.deepEqual(bad, [], JSON.stringify(surroundings));
+    });
+  }
+});
+
 test("every chart has a table and a download of all digits", async () => {
   for (const name of ["run.html", "diff.html", "sweep.html"]) {
     await look(name, {}, async (page) => {

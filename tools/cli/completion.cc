@@ -12,6 +12,7 @@
 #include "shader_kernels/catalogue.h"
 #include "shader_kernels/programs/program_spec.h"
 #include "tools/cli/declared.h"
+#include "tools/cli/set_keys.h"
 #include "tools/cli/verbs.h"
 #include "tools/host/paths.h"
 #include "tools/studies/energy/show.h"
@@ -68,14 +69,23 @@ std::vector<std::string> positional_names(const DeclaredVerb& verb) {
   return names;
 }
 
+/// Name of the list of keys that --set of a verb takes.
+const char* list_of_keys(const DeclaredVerb& verb) {
+  return joined(verb.words) == "raywatt energy price" ? "of_energy" : "every";
+}
+
+bool takes_keys(const DeclaredOption& option) { return option.names.front() == "--set"; }
+
 /// Calls f(patterns, variable, values) for each option that takes a value: "choices" has what it may be, "names" what
-/// it may be beside a file, and "next" nothing, so that files alone are left.
+/// it may be beside a file, "keys" which list of keys, and "next" nothing, so that files alone are left.
 template <class F>
 void for_values(const DeclaredVerb& verb, const F& f) {
   for (const DeclaredOption& option : verb.options) {
     if (option.is_positional) continue;
     const std::vector<std::string> known = known_names(verb, option);
-    if (!option.choices.empty()) {
+    if (takes_keys(option)) {
+      f(option.names, "keys", std::vector<std::string>{list_of_keys(verb)});
+    } else if (!option.choices.empty()) {
       f(option.names, "choices", option.choices);
     } else if (!option.takes.empty()) {
       f(option.names, known.empty() ? "next" : "names", known);
@@ -128,21 +138,46 @@ std::string what_comes(const std::vector<DeclaredVerb>& verbs) {
   return "  case $verb in\n" + cases(verbs, offered) + "  esac\n";
 }
 
+/// Keys with the equals sign that follows.
+std::string settings(const std::vector<std::string>& keys) { return fmt::format("{}=", fmt::join(keys, "= ")); }
+
+/// Lines that put into `keys` what may follow --set, and with a `key` before an equals sign its values into `choices`.
+std::string what_is_set() {
+  const SetKeys keys = set_keys();
+  std::string values;
+  for (const auto& [key, choices] : keys.values) {
+    values += fmt::format("    {}) choices={} ;;\n", shell_word(key), shell_word(joined(choices)));
+  }
+  return fmt::format(
+      "  case $keys in\n    every) keys={} ;;\n    of_energy) keys={} ;;\n  esac\n  case $key in\n{}  esac\n",
+      shell_word(settings(keys.every)), shell_word(settings(keys.of_energy)), values);
+}
+
 std::string for_bash(const std::vector<DeclaredVerb>& verbs) {
   return R"(_raywatt() {
-  local verb word next= choices= names= begun= previous=${COMP_WORDS[COMP_CWORD - 1]} current=${COMP_WORDS[COMP_CWORD]}
+  local verb word next= choices= names= keys= key= begun=
+  local previous=${COMP_WORDS[COMP_CWORD - 1]} current=${COMP_WORDS[COMP_CWORD]}
   local before=("${COMP_WORDS[@]:1:COMP_CWORD - 1}")
   if [[ $current == : ]]; then  # bash takes a colon for a word
     begun=$previous: current=$begun previous=${COMP_WORDS[COMP_CWORD - 2]}
   elif [[ $previous == : ]]; then
     begun=${COMP_WORDS[COMP_CWORD - 2]}: current=$begun$current previous=${COMP_WORDS[COMP_CWORD - 3]}
-  elif [[ $current == = ]]; then  # and an equals sign
-    current=
-  elif [[ $previous == = ]]; then
-    previous=${COMP_WORDS[COMP_CWORD - 2]}
+  elif [[ $current == = || $previous == = ]]; then  # and an equals sign
+    local at=$((COMP_CWORD - 1))
+    [[ $current == = ]] && current= || at=$((at - 1))
+    previous=${COMP_WORDS[at]}
+    if [[ $previous != -* ]]; then  # that behind a key, which stands behind its option
+      key=$previous previous=${COMP_WORDS[at - 1]}
+      [[ $previous != = ]] || previous=${COMP_WORDS[at - 2]}
+    fi
   fi
 )" + find_verb(verbs) +
-         what_comes(verbs) + R"(  if [ -n "$choices" ]; then
+         what_comes(verbs) + R"(  if [ -n "$keys" ]; then
+)" + what_is_set() +
+         R"(    compopt +o filenames -o nospace 2> /dev/null
+    [ -n "$key" ] || choices=$keys
+    mapfile -t COMPREPLY < <(compgen -W "$choices" -- "$current")
+  elif [ -n "$choices" ]; then
     mapfile -t COMPREPLY < <(compgen -W "$choices" -- "$current")
   else
     mapfile -t COMPREPLY < <(compgen -W "${names:-$next}" -- "$current"; [[ $current == -* ]] || compgen -f -- "$current")
@@ -156,11 +191,16 @@ complete -o filenames -F _raywatt raywatt
 std::string for_zsh(const std::vector<DeclaredVerb>& verbs) {
   return R"(#compdef raywatt
 _raywatt() {
-  local verb word next= choices= names= previous=${words[CURRENT-1]}
+  local verb word next= choices= names= keys= key= previous=${words[CURRENT-1]} current=${words[CURRENT]}
   local before=("${(@)words[2,CURRENT-1]}")
-  [[ ${words[CURRENT]} != --*=* ]] || { previous=${words[CURRENT]%%=*}; compset -P '*='; }
+  [[ $current != --*=* ]] || { previous=${current%%=*} current=${current#*=}; compset -P 1 '*='; }
 )" + find_verb(verbs) +
-         what_comes(verbs) + R"(  if [ -n "$choices" ]; then
+         what_comes(verbs) + R"(  if [ -n "$keys" ]; then
+    [[ $current != *=* ]] || { key=${current%%=*}; compset -P 1 '*='; }
+)" + what_is_set() +
+         R"(    [ -n "$key" ] || choices=$keys
+    compadd -S '' -- ${=choices}
+  elif [ -n "$choices" ]; then
     compadd -- ${=choices}
   else
     compadd -- ${=${names:-$next}}
@@ -171,8 +211,24 @@ _raywatt "$@"
 )";
 }
 
+/// A function of fish that writes what may follow --set: lists of keys by their names, and values of a key.
+std::string fish_settings() {
+  const SetKeys keys = set_keys();
+  std::string out =
+      "function __raywatt_settings\n  set -l begun (string replace -r '^--set=' '' -- (commandline -ct))\n"
+      "  switch $begun\n";
+  for (const auto& [key, choices] : keys.values) {
+    out += fmt::format("    case '{0}=*'\n      printf '{0}=%s\\n' {1}\n", key, joined(choices));
+  }
+  out += "    case '*=*'\n    case '*'\n      switch $argv[1]\n";
+  for (const auto& [list, names] : {std::pair{"every", &keys.every}, std::pair{"of_energy", &keys.of_energy}}) {
+    out += fmt::format("        case {}\n          printf '%s=\\n' {}\n", list, joined(*names));
+  }
+  return out + "      end\n  end\nend\n";
+}
+
 std::string for_fish(const std::vector<DeclaredVerb>& verbs) {
-  std::string out = R"(function __raywatt_verb
+  std::string out = fish_settings() + R"(function __raywatt_verb
   set -l verb raywatt
   for word in (commandline -opc)[2..-1]
     switch "$verb $word"
@@ -204,7 +260,8 @@ std::string for_fish(const std::vector<DeclaredVerb>& verbs) {
         out += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
       }
       if (!option.choices.empty()) out += " -x -a " + shell_word(joined(option.choices));
-      if (!option.takes.empty() && option.choices.empty()) out += " -r";
+      if (!option.takes.empty() && option.choices.empty()) out += takes_keys(option) ? " -x" : " -r";
+      if (takes_keys(option)) out += fmt::format(" -a '(__raywatt_settings {})'", list_of_keys(verb));
       if (const std::vector<std::string> names = known_names(verb, option); !names.empty()) {
         out += " -a " + shell_word(joined(names));
       }

@@ -66,7 +66,7 @@ double ProgressState::share() const {
   return (part + of_part) / parts;
 }
 
-double ProgressState::rays_per_s() const { return busy_seconds > 0 ? static_cast<double>(rays) / busy_seconds : 0; }
+double ProgressState::rays_per_s() const { return traced_seconds > 0 ? static_cast<double>(rays) / traced_seconds : 0; }
 
 double ProgressState::seconds_left() const {
   const double before = tiles == 0 ? 0 : static_cast<double>(tile_before) / tiles / parts;
@@ -124,6 +124,7 @@ Progress::~Progress() { end(interrupted() ? "interrupted" : std::uncaught_except
 
 void Progress::phase(const std::string& what) {
   const std::lock_guard lock(mutex_);
+  stop_clock();
   state_.phase = what;
 }
 
@@ -135,13 +136,15 @@ void Progress::expect(std::uint32_t parts, const std::string& label) {
 void Progress::restart(std::uint32_t parts, const std::string& label) {
   state_ = {.phase = state_.phase, .label = label, .parts = std::max(parts, 1U)};
   rays_before_ = cycles_before_ = 0;
-  busy_since_ = {};
+  busy_since_ = part_since_ = {};
 }
 
 void Progress::begin_part(const std::string& what, std::uint32_t frame, std::uint32_t tiles, std::uint32_t before) {
   const std::lock_guard lock(mutex_);
   if (state_.part == state_.parts) restart(state_.parts, std::string(state_.label));
-  if (busy_since_ == sim::HostClock::time_point{}) busy_since_ = sim::HostClock::now();
+  stop_clock();
+  part_since_ = sim::HostClock::now();
+  if (busy_since_ == sim::HostClock::time_point{}) busy_since_ = part_since_;
   state_.phase = what;
   state_.frame = frame;
   state_.tile = state_.tile_before = before;
@@ -154,6 +157,7 @@ void Progress::tiles_done(std::uint32_t tiles, std::uint64_t rays, std::uint64_t
   state_.rays = rays_before_ + rays;
   state_.cycles = cycles_before_ + cycles;
   if (tiles < state_.tiles) return;
+  stop_clock();
   state_.part += 1;
   rays_before_ = state_.rays;
   cycles_before_ = state_.cycles;
@@ -250,9 +254,21 @@ void Progress::erase() {
   erase_if_interrupted(false);
 }
 
+double Progress::traced_seconds() const {
+  const bool counts = part_since_ != sim::HostClock::time_point{} && state_.rays > rays_before_;
+  return state_.traced_seconds + (counts ? sim::seconds_since(part_since_) : 0);
+}
+
+/// The part under way, if there is one, is over or does something else.
+void Progress::stop_clock() {
+  state_.traced_seconds = traced_seconds();
+  part_since_ = {};
+}
+
 ProgressState Progress::now() const {
   ProgressState state = state_;
   state.seconds = sim::seconds_since(begin_);
+  state.traced_seconds = traced_seconds();
   if (busy_since_ != sim::HostClock::time_point{}) state.busy_seconds = sim::seconds_since(busy_since_);
   return state;
 }

@@ -20,8 +20,9 @@ struct ProgressState {
   std::uint64_t rays = 0, cycles = 0;  ///< sums over all parts so far; cycles of the T&I clock
   std::uint32_t tile_before = 0;       ///< tiles that were finished when the only part began
   bool ended = false;
-  double seconds = 0;       ///< since the job began
-  double busy_seconds = 0;  ///< since the first part began
+  double seconds = 0;         ///< since the job began
+  double busy_seconds = 0;    ///< since the first part began
+  double traced_seconds = 0;  ///< those of parts that count rays, without what is done between
 
   double share() const;  ///< done, 0 to 1
   double rays_per_s() const;
@@ -46,6 +47,7 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
+  /// A word for what is done now, which makes no rays: no part under way counts any behind it.
   void phase(const std::string& what);
   /// From now on so many parts, counted anew; and anew when they are over and another begins.
   void expect(std::uint32_t parts, const std::string& label = {});
@@ -72,13 +74,15 @@ class Progress {
   void show_line();
   void erase();
   ProgressState now() const;
+  double traced_seconds() const;
+  void stop_clock();
 
   const Form form_;
   View* const view_;
   Graphics graphics_ = Graphics::kNone;
   std::size_t view_lines_ = 0;  ///< lines that the view takes on the terminal
   const sim::HostClock::time_point begin_ = sim::HostClock::now();
-  sim::HostClock::time_point busy_since_;
+  sim::HostClock::time_point busy_since_, part_since_;  ///< none yet; none under way
   std::mutex mutex_;
   std::condition_variable news_;
   ProgressState state_;

@@ -233,7 +233,7 @@ void run_frames(const JobOptions& options) {
           options.watch ? &live : nullptr};
   live.of(inputs.config);
   if (reference) job.reference = Program{*reference, rates};
-  job.timeline.check_pixel(inputs.config.render.width, inputs.config.render.height);
+  job.timeline.check(inputs, program);
   for (const std::string& warning : inputs.warnings) progress.say("raywatt: warning: " + warning);
   if (!sampling) tell_long_run(inputs, program, progress);
   progress.expect(inputs.frames() * (reference ? 2 : 1) * options.replicates);

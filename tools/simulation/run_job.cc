@@ -179,6 +179,10 @@ void advance(Inputs& in, std::uint32_t frame, std::uint32_t threads, Progress* p
   in.update_seconds += sim::seconds_since(begin);
 }
 
+kernels::TileCounts tile_counts(const Inputs& inputs, const kernels::ProgramSpec& program) {
+  return Program(inputs, program, {}).frame->tile_counts();
+}
+
 std::uint64_t Simulation::rays() const { return function.all_rays(); }
 
 void Simulation::add(const Simulation& frame) {

@@ -104,6 +104,9 @@ struct Simulation {
   void add(const Simulation& frame);
 };
 
+/// Tiles that the picture is cut into, for the frame that `inputs` stand at.
+kernels::TileCounts tile_counts(const Inputs& inputs, const kernels::ProgramSpec& program);
+
 /// Options that go with a frame program.
 struct Extras {
   kernels::RateMap* rates = nullptr;  ///< rates of its tiles, if they go on from frame to frame

@@ -14,11 +14,16 @@ TimelineJob::TimelineJob(std::string asked) : asked_(std::move(asked)) {
   if (!asked_.empty()) selection_ = parse_timeline(asked_);
 }
 
-void TimelineJob::check_pixel(std::uint32_t width, std::uint32_t height) const {
-  if (!selection_ || selection_->kind != TimelineSelection::Kind::kPixel) return;
-  if (selection_->x < width && selection_->y < height) return;
-  throw sim::InputError(
-      fmt::format("--timeline {}: there is no such pixel; allowed: 0,0 to {},{}", asked_, width - 1, height - 1));
+void TimelineJob::check(const Inputs& inputs, const kernels::ProgramSpec& program) const {
+  if (!selection_ || !selection_->needs_places()) return;
+  const bool is_tile = selection_->kind == TimelineSelection::Kind::kTile;
+  kernels::TileCounts counts{inputs.config.render.width, inputs.config.render.height};
+  if (is_tile) counts = tile_counts(inputs, program);
+  if (selection_->x < counts.columns && selection_->y < counts.rows) return;
+  const char* const what = is_tile ? "tile" : "pixel";
+  throw sim::InputError(fmt::format(
+      "--timeline {}: there is no such {}: the picture's {}s are {} across and {} down; allowed: 0,0 to {},{}", asked_,
+      what, what, counts.columns, counts.rows, counts.columns - 1, counts.rows - 1));
 }
 
 hw::Watchers TimelineJob::begin_frame(const RunConfig& config) {

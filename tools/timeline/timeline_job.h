@@ -17,12 +17,12 @@ class TimelineJob {
   explicit TimelineJob(std::string asked);
 
   const std::optional<TimelineSelection>& selection() const { return selection_; }
-  /// InputError if the picture has not the pixel that was asked for.
-  void check_pixel(std::uint32_t width, std::uint32_t height) const;
+  /// InputError if the picture of the frame that `inputs` stand at has no such tile or pixel.
+  void check(const Inputs& inputs, const kernels::ProgramSpec& program) const;
   /// Watchers of the next frame's machine: none from the second on.
   hw::Watchers begin_frame(const RunConfig& config);
-  /// The frame is over; later ones are not looked at. If it has no tile that was asked for, there is a warning instead
-  /// of a timeline: the frame is not lost.
+  /// The frame is over; later ones are not looked at. If it was interrupted before a tile that was asked for, there is
+  /// a warning instead of a timeline: the frame is not lost.
   void end_frame(const Simulation& s, const TileFrame& tiles, const RunConfig& config);
   /// Writes the file, and into the report what is in it and what had no room.
   void write(const std::filesystem::path& folder, nlohmann::ordered_json& report) const;

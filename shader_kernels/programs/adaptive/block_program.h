@@ -24,6 +24,7 @@ namespace kernels {
 class BlockProgram : public FrameProgram {
  public:
   std::uint32_t tiles() const override { return tiles_.count(); }
+  TileCounts tile_counts() const override { return {tiles_.across(), tiles_.down()}; }
   FrameRequirements requirements() const override;
   void run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record, TileResult& out) const override;
   void keep(const TileResult& tile) override;

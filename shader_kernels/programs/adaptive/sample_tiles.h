@@ -30,6 +30,7 @@ class SampleTiles {
 
   std::uint32_t count() const { return across_ * down_; }
   std::uint32_t across() const { return across_; }  ///< tiles
+  std::uint32_t down() const { return down_; }      ///< likewise
   std::uint32_t side() const { return side_; }
   std::uint32_t grid() const { return grid_; }
   SampleTile tile(std::uint32_t index) const;

@@ -41,6 +41,7 @@ class SupersampleProgram final : public FrameProgram {
                      const SupersampleConfig& supersample, std::uint32_t frame);
 
   std::uint32_t tiles() const override { return tiles_.count() * (1 + supersample_.propagate); }
+  TileCounts tile_counts() const override { return {tiles_.tiles().across(), tiles_.tiles().down()}; }
   std::uint32_t pass_end(std::uint32_t tile_index) const override;
   FrameRequirements requirements() const override;
   void begin_pass(std::uint32_t tile_index, const traces::Tracer& tracer) override;

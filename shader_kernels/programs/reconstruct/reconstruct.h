@@ -40,6 +40,7 @@ class ReconstructProgram final : public FrameProgram {
                      const ReconstructConfig& reconstruct, Filters filters, float scene_size, std::uint32_t frame);
 
   std::uint32_t tiles() const override { return tiles_.count(); }
+  TileCounts tile_counts() const override { return {tiles_.tiles().across(), tiles_.tiles().down()}; }
   FrameRequirements requirements() const override;
   void run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record, TileResult& out) const override;
 

@@ -12,6 +12,11 @@ namespace kernels {
 
 using traces::FrameRequirements;
 
+/// Tiles of a picture.
+struct TileCounts {
+  std::uint32_t columns = 0, rows = 0;
+};
+
 /// A way to render a frame: a list of tiles, in one pass or more, each of which renders a part of the picture and
 /// writes down the work that takes. A pass may look at all that earlier passes have found out.
 class FrameProgram {
@@ -26,6 +31,8 @@ class FrameProgram {
   std::uint32_t height() const { return height_; }
   /// Entries of the list, of all passes.
   virtual std::uint32_t tiles() const = 0;
+  /// Tiles that the picture is cut into; none of a program that does not know.
+  virtual TileCounts tile_counts() const { return {}; }
   /// First entry behind the pass that entry `tile_index` belongs to.
   virtual std::uint32_t pass_end([[maybe_unused]] std::uint32_t tile_index) const { return tiles(); }
   virtual FrameRequirements requirements() const = 0;

@@ -95,6 +95,23 @@ TEST_F(Bash, CompletesWhatFollowsAnEqualsSign) {
   EXPECT_EQ(offered("raywatt run --intervals ="), switches);
 }
 
+TEST_F(Bash, CompletesKeysThatAreSetAndTheirFewValues) {
+  const Words rays = {"rays", "raster"}, none = {""};
+  const Words keys = offered("raywatt run --set tni.t");
+  EXPECT_EQ(std::ranges::count(keys, "tni.trvs="), 1);
+  EXPECT_TRUE(
+      std::ranges::all_of(keys, [](const std::string& key) { return key.starts_with("tni.t") && key.ends_with("="); }));
+  EXPECT_EQ(offered("raywatt run sgrt-2016 --set render.pri"), Words{"render.primary="});
+  EXPECT_EQ(offered("raywatt config show --set = render.pri"), Words{"render.primary="});
+  EXPECT_EQ(offered("raywatt run --set render.primary ="), rays);
+  EXPECT_EQ(offered("raywatt run --set render.primary = ra"), rays);
+  EXPECT_EQ(offered("raywatt run --set = render.primary = ras"), Words{"raster"});
+  EXPECT_EQ(offered("raywatt run --set cores ="), none);
+  EXPECT_EQ(offered("raywatt run --set dram.extends = dram/lpddr5-6"), Words{"dram/lpddr5-6400"});
+  EXPECT_EQ(offered("raywatt energy price --set cores"), none) << "does not affect energy alone";
+  EXPECT_EQ(offered("raywatt energy price --set energy.ext"), Words{"energy.extends="});
+}
+
 TEST_F(Bash, OffersFilesAloneForValuesWithoutNames) {
   std::filesystem::create_directory(folder.path() / "empty");
   folder.write("empty/old-run", "");
@@ -143,8 +160,9 @@ TEST_F(OtherShells, ZshParsesItsScriptAndOffersNames) {
   // In place of the functions of a terminal, those that say what they would offer.
   const auto offered = [&](const std::string& words, int current) {
     const std::string command =
-        "zsh -f -c 'compadd() { shift; [ $# = 0 ] || print -l -- $@ }; _files() { print FILES }; words=(" + words +
-        "); CURRENT=" + std::to_string(current) + "; source " + script.string() + "'";
+        "zsh -f -c 'compadd() { while [[ $1 != -- ]]; do shift; done; shift; [ $# = 0 ] || print -l -- $@ }; "
+        "compset() { }; _files() { print FILES }; words=(" +
+        words + "); CURRENT=" + std::to_string(current) + "; source " + script.string() + "'";
     return lines_of_command(command);
   };
   const Words launchers = {"local", "slurm"}, scenes = offered("raywatt run --scene \"\"", 4);
@@ -154,6 +172,12 @@ TEST_F(OtherShells, ZshParsesItsScriptAndOffersNames) {
   const Words verbs = offered("raywatt ru", 2);
   EXPECT_EQ(std::ranges::count(verbs, "run"), 1);
   EXPECT_EQ(offered("raywatt run -o \"\"", 4), Words{"FILES"});
+  const Words rays = {"rays", "raster"}, keys = offered("raywatt run --set tni.t", 4);
+  EXPECT_EQ(std::ranges::count(keys, "tni.trvs="), 1);
+  EXPECT_EQ(std::ranges::count(keys, "FILES"), 0);
+  EXPECT_EQ(offered("raywatt run --set render.primary=", 4), rays);
+  EXPECT_EQ(offered("raywatt run --set=render.primary=ra", 3), rays);
+  EXPECT_EQ(offered("raywatt run --set cores=", 4), Words{});
 }
 
 TEST_F(OtherShells, FishParsesItsScriptAndOffersNames) {
@@ -171,6 +195,10 @@ TEST_F(OtherShells, FishParsesItsScriptAndOffersNames) {
   EXPECT_EQ(offered("raywatt optimise --launcher s"), Words{"slurm"});
   EXPECT_EQ(offered("raywatt sweep ca"), Words{"cancel"});
   EXPECT_EQ(offered("raywatt run --program multirate:un"), Words{"multirate:under"});
+  EXPECT_EQ(offered("raywatt run --set tni.trvs"), Words{"tni.trvs="});
+  EXPECT_EQ(offered("raywatt run --set render.primary=ras"), Words{"render.primary=raster"});
+  EXPECT_EQ(offered("raywatt run --set cores="), Words{});
+  EXPECT_EQ(offered("raywatt energy price --set energy.ext"), Words{"energy.extends="});
 }
 
 TEST(Completion, ShellsAreChecked) { expect_refusal(raywatt({"completion", "csh"}), {"csh", "bash", "zsh", "fish"}); }

@@ -45,16 +45,13 @@ TEST_F(TimelineOption, ChangesNothingElseOfTheReport) {
   EXPECT_FALSE(fs::exists(out / "timeline.pftrace"));
 }
 
-TEST_F(TimelineOption, OfATileThatIsNotThereLosesNoFrame) {
-  const Ending ending = run("tile:50,50");
-  EXPECT_EQ(ending.exit, 0) << ending.err;
-  EXPECT_EQ(report()["warnings"].dump().find("there is no such tile; allowed: 0,0 to ") != std::string::npos, true)
-      << report()["warnings"];
-  EXPECT_FALSE(fs::exists(out / "timeline.pftrace"));
-}
-
 TEST_F(TimelineOption, RefusesWhatItCannotShowBeforeTheFrame) {
-  expect_refusal(run("pixel:64,0"), {"--timeline pixel:64,0", "there is no such pixel", "0,0 to 63,31"});
+  expect_refusal(run("pixel:64,0"),
+                 {"--timeline pixel:64,0", "no such pixel", "64 across and 32 down", "0,0 to 63,31"});
+  expect_refusal(run("tile:99,99", {"--set", "render.tile=16"}),
+                 {"--timeline tile:99,99", "no such tile", "4 across and 2 down", "0,0 to 3,1"});
+  expect_refusal(run("tile:4,0", {"--record", (folder.path() / "a.trace").string()}), {"no such tile"});
+  EXPECT_FALSE(fs::exists(folder.path() / "a.trace"));
   expect_refusal(run("fastest:3"), {"--timeline 'fastest:3'", "slowest:8"});
   expect_refusal(run("all", {"--tile-sampling", "50%"}), {"--timeline", "--tile-sampling"});
   EXPECT_FALSE(fs::exists(out));

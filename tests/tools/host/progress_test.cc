@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <sstream>
+#include <thread>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -28,13 +29,14 @@ tools::ProgressState half_way() {
   state.rays = 3'000'000;
   state.cycles = 9'000'000;
   state.busy_seconds = 3;
+  state.traced_seconds = 2;
   state.seconds = 4;
   return state;
 }
 
 TEST(ProgressLine, ShowsShareRateAndTimeLeft) {
   EXPECT_EQ(tools::progress_line(half_way(), 200),
-            "simulating frame 7 [#########...............] 38 %  1.00 Mrays/s  5 s left");
+            "simulating frame 7 [#########...............] 38 %  1.50 Mrays/s  5 s left");
 }
 
 TEST(ProgressLine, SaysHowLongItTookOnceItHasEndedAndNoTimeLeft) {
@@ -42,7 +44,7 @@ TEST(ProgressLine, SaysHowLongItTookOnceItHasEndedAndNoTimeLeft) {
   state.phase = "interrupted";
   state.ended = true;
   EXPECT_EQ(tools::progress_line(state, 200),
-            "interrupted frame 7 [#########...............] 38 %  1.00 Mrays/s  after 4 s");
+            "interrupted frame 7 [#########...............] 38 %  1.50 Mrays/s  after 4 s");
 }
 
 TEST(ProgressLine, CountsWhatOthersHaveDoneAsDoneButNotAsDoneInThisTime) {
@@ -82,8 +84,32 @@ TEST(ProgressJson, IsOneLineWithEveryFigure) {
                                   {"tiles", 100},
                                   {"rays", 3'000'000},
                                   {"cycles", 9'000'000},
-                                  {"rays_per_s", 1e6},
+                                  {"rays_per_s", 1.5e6},
                                   {"seconds_left", 5.0}}));
+}
+
+TEST(ProgressJson, CountsNoTimeBetweenPartsInItsRate) {
+  constexpr std::uint64_t kRays = 1'000'000;
+  const std::chrono::seconds writing(1);
+  testing::internal::CaptureStderr();
+  {
+    tools::Progress progress("json", true);
+    progress.expect(2);
+    progress.begin_part("simulating", 0, 2);
+    progress.tiles_done(1, kRays / 2, 1);
+    progress.tiles_done(2, kRays, 1);
+    progress.phase("writing the picture");
+    std::this_thread::sleep_for(writing);
+    progress.begin_part("simulating", 1, 2);
+    progress.tiles_done(1, kRays, 1);
+    progress.phase("writing the picture");  // the part was interrupted
+    std::this_thread::sleep_for(writing);
+    progress.end("interrupted");
+  }
+  const std::string said = testing::internal::GetCapturedStderr();
+  const nlohmann::json last = nlohmann::json::parse(said.substr(said.rfind('{')));
+  EXPECT_EQ(last["rays"], 2 * kRays);
+  EXPECT_GT(last["rays_per_s"].get<double>(), 2 * kRays / 0.5) << "of the time in parts, which is next to none";
 }
 
 TEST(ProgressJson, GoesUpAndEndsWithTheWholeRun) {

@@ -1,8 +1,13 @@
 #include "tools/timeline/selection.h"
 
+#include <set>
+
 #include <gtest/gtest.h>
 
+#include "shader_kernels/programs/program_spec.h"
 #include "sim/error.h"
+#include "tests/tools/tiles/itemised.h"
+#include "tools/tiles/tile_frame.h"
 
 namespace tools::test {
 namespace {
@@ -39,6 +44,25 @@ TEST(TimelineSelection, RefusesAllElse) {
   }
   EXPECT_THROW(selected("tile:2,0"), sim::InputError);
   EXPECT_THROW(selected("pixel:0,16"), sim::InputError);
+}
+
+/// Different values of a column.
+std::size_t distinct(const std::vector<double>& column) {
+  return std::set<double>(column.begin(), column.end()).size();
+}
+
+TEST(TimelineSelection, KnowsBeforeTheFrameWhichTilesThereAre) {
+  for (const std::string& name : kernels::program_names()) {
+    for (const char* primary : {"rays", "raster"}) {
+      const Inputs inputs =
+          small_inputs({"render.tile=16", "scene.triangles=100", std::string("render.primary=") + primary});
+      const TileFrame tiles = tile_frame(itemised(inputs, name.c_str()), inputs.config, 0);
+      const kernels::TileCounts counts = tile_counts(inputs, kernels::parse_program(name));
+      EXPECT_EQ(counts.columns, distinct(tiles.at("x"))) << name;
+      EXPECT_EQ(counts.rows, distinct(tiles.at("y"))) << name;
+      EXPECT_NE(counts.columns, counts.rows) << name;
+    }
+  }
 }
 
 }  // namespace

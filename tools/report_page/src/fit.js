@@ -1,7 +1,8 @@
 // Charts fitted to the width they have: legends in columns, and on a narrow window names above their bars.
 
-const NARROW = 560;  // pixels, below which names stand above bars
-const LETTER = 6.7, SYMBOL = 34;  // widths of a letter and of what stands beside it in a legend
+export const NARROW = 560;  // pixels, below which names stand above bars
+export const LETTER = 6.7;  // width
+const SYMBOL = 34;  // width of what stands beside a name in a legend
 const LINE = 15, BAR = 12;  // heights of a line of text and of a bar
 
 const layersOf = (spec) => [spec, ...(spec.layer ?? []).flatMap(layersOf)];

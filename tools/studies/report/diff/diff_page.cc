@@ -17,6 +17,12 @@ std::string changed(const Pair& pair) {
   return fmt::format("{:.{}f} %", std::abs(percent), std::abs(percent) < 1 ? 2 : 1);
 }
 
+/// Words on what a difference is beside its noise; none where no noise is known.
+std::string beside_noise(const Pair& pair) {
+  if (!pair.noise) return "";
+  return pair.noise->outside ? ", which is outside the noise" : ", which is within the noise";
+}
+
 /// Words for the figures of a comparison that stand at the top.
 struct Figure {
   const char *name, *words, *unit;
@@ -78,19 +84,17 @@ void add_diff_verdict(const Difference& d, View& view) {
   const Pair* const energy = d.figure("energy_mj");
   std::string more;
   if (energy != nullptr && energy->a != energy->b && energy->a > 0)
-    more = fmt::format("Energy {}{}. ", energy->b < energy->a ? "−" : "+", changed(*energy));
+    more = fmt::format("Energy {}{}{}. ", energy->b < energy->a ? "−" : "+", changed(*energy), beside_noise(*energy));
   more += picture_words(d.found);
   if (cycles == nullptr || cycles->a <= 0 || cycles->b <= 0) {
     return view.verdict(fmt::format("{} and {} cannot be compared in time.", d.name_b, d.name_a), more, links);
   }
-  const bool is_within = cycles->noise && !cycles->noise->outside;
   if (cycles->a == cycles->b) {
     view.verdict(fmt::format("{} takes as many cycles as {}.", d.name_b, d.name_a), more, links);
   } else {
-    view.verdict(
-        fmt::format("{} takes {} {} cycles than {}{}.", d.name_b, changed(*cycles),
-                    cycles->b < cycles->a ? "fewer" : "more", d.name_a, is_within ? ", which is within the noise" : ""),
-        more, links);
+    view.verdict(fmt::format("{} takes {} {} cycles than {}{}.", d.name_b, changed(*cycles),
+                             cycles->b < cycles->a ? "fewer" : "more", d.name_a, beside_noise(*cycles)),
+                 more, links);
   }
   for (const Figure& figure : kFigures) {
     const Pair* const pair = d.figure(figure.name);

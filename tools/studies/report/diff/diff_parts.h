@@ -30,8 +30,8 @@ struct TileDifferences {
 };
 TileDifferences tile_differences(const Difference& d);
 
-/// Rows of a waterfall from the first total through changes, the largest first, to the second; what is below a
-/// hundredth of the larger total, or behind the twelfth, is one row.
+/// Rows of a waterfall from the first total through changes, the largest first, to the second; what is below two
+/// thousandths of the larger total, or behind the twelfth, is one row, under its own name if it is one part.
 Dataset waterfall(const std::string& first, double a, const std::vector<Pair>& changes, const std::string& last,
                   double b, const std::string& unit);
 

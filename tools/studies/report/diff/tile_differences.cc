@@ -41,7 +41,7 @@ TileDifferences tile_differences(const Difference& d) {
     const TileGrid grid_a = tile_grid(a, width, height), grid_b = tile_grid(b, width, height);
     if (grid_a.side != grid_b.side) {
       throw sim::InputError(
-          fmt::format("{} has tiles of {} pixels, {} of {}", d.name_a, grid_a.side, d.name_b, grid_b.side));
+          fmt::format("{} has tiles of {}, {} of {}", d.name_a, counted(grid_a.side, "pixel"), d.name_b, grid_b.side));
     }
     std::vector<std::string> equal;
     for (const TileFigure& figure : tile_figures()) {

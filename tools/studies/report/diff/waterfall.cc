@@ -58,7 +58,9 @@ Dataset waterfall(const std::string& first, double a, const std::vector<Pair>& c
   }
   const double rest = b - at;
   if (shown < sorted.size() && std::abs(rest) > 1e-9 * std::max(a, b)) {
-    row(fmt::format("{} others", sorted.size() - shown), at, b, rest < 0 ? "less" : "more", change(rest, unit));
+    const std::size_t left = sorted.size() - shown;
+    row(left == 1 ? sorted.back().name : fmt::format("{} others", left), at, b, rest < 0 ? "less" : "more",
+        change(rest, unit));
   }
   row(last, b, b, "total", total_text(b, unit));
   // The axis begins near the least of them, and so do the bars of both totals.

@@ -107,6 +107,10 @@ std::string number_text(double value) {
   return std::abs(value) >= kWhole ? sim::si_text(value) : fmt::format("{:.4g}", value);
 }
 
+std::string counted(double count, std::string_view one) {
+  return fmt::format("{} {}{}", sim::si_text(count), one, count == 1 ? "" : "s");
+}
+
 std::string percent_text(double share) {
   const double percent = 100 * share;
   return fmt::format("{:.{}f} %", percent, std::abs(percent) < 10 ? 2 : 1);

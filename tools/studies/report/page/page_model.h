@@ -94,6 +94,9 @@ std::string text_at(const Json& json, std::initializer_list<std::string_view> ke
 /// A number of four digits: "1.253", "31.9 k".
 std::string number_text(double value);
 
+/// So many of what `one` names: "1 core", "4 cores", "31.9 k triangles".
+std::string counted(double count, std::string_view one);
+
 /// Share in percent with as many digits as a reader uses: "53.7 %".
 std::string percent_text(double share);
 

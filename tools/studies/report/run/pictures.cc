@@ -100,7 +100,8 @@ void add_pictures(const Run& run, View& view) {
   }
   DebugPictures debug = debug_pictures(run.folder);
   std::string note = overlays.missing;
-  if (debug.left_out > 0) note += fmt::format(" {} debug pictures are too large for the page.", debug.left_out);
+  if (debug.left_out > 0)
+    note += fmt::format(" Too large for the page: {}.", counted(static_cast<double>(debug.left_out), "debug picture"));
   if (picture->size() + debug.bytes + overlays.pixel_bytes > kLargestPictures)
     picture = page_picture(file, kMostPixels);
   section.block("picture", "frame", "Picture and overlays",

@@ -125,20 +125,20 @@ void add_headlines(const Run& run, View& view) {
                    .note = "PSNR against the reference program"});
     figure("speedup", "Speed", "totals.relative.speedup", Show::kNumber, "×", "against the reference program");
   }
-  view.fact("Scene", fmt::format("{}, {} triangles, {} light{}", text_at(run.report.json, {"scene", "name"}),
-                                 si_text(run.number("scene.triangles")), run.number("scene.lights"),
-                                 run.number("scene.lights") == 1 ? "" : "s"));
+  view.fact("Scene", fmt::format("{}, {}, {}", text_at(run.report.json, {"scene", "name"}),
+                                 counted(run.number("scene.triangles"), "triangle"),
+                                 counted(run.number("scene.lights"), "light")));
   view.fact("Picture", fmt::format("{}x{}", run.number("resolution[0]"), run.number("resolution[1]")));
   view.fact("Program", text_at(run.report.json, {"program"}));
-  view.fact("Machine",
-            fmt::format("{} cores, {} traversal units each, T&I at {}", run.number("config.cores"),
-                        run.number("config.tni.trvs"), text_at(run.report.json, {"config", "clocks", "tni"})));
+  view.fact("Machine", fmt::format("{}, {} each, T&I at {}", counted(run.number("config.cores"), "core"),
+                                   counted(run.number("config.tni.trvs"), "traversal unit"),
+                                   text_at(run.report.json, {"config", "clocks", "tni"})));
   if (at(run.report.json, {"partial"}) == true)
     view.notice("This run was interrupted: its figures are those of the finished part.");
   if (run.report.has("totals.sampled.tiles") &&
       run.number("totals.sampled.timed") < run.number("totals.sampled.tiles")) {
-    view.notice(fmt::format("{} of {} tiles were timed; all other figures are estimates.",
-                            run.number("totals.sampled.timed"), run.number("totals.sampled.tiles")));
+    view.notice(fmt::format("Timed: {} of {}; all other figures are estimates.", run.number("totals.sampled.timed"),
+                            counted(run.number("totals.sampled.tiles"), "tile")));
   }
   if (const Json& warnings = at(run.report.json, {"warnings"}); warnings.is_array()) {
     for (const Json& warning : warnings) {

@@ -122,7 +122,7 @@ std::string share_text(const results::Effect& effect) {
 
 /// The axis that explains most of a figure, as far as the points tell.
 std::string what_decides(const results::Sensitivity& found, const std::string& figure) {
-  const std::string points = fmt::format("{} point{}{}", found.points, found.points == 1 ? "" : "s",
+  const std::string points = fmt::format("{}{}", counted(static_cast<double>(found.points), "point"),
                                          found.is_grid ? "" : ", which are no full grid");
   const results::Effect& first = found.effects.front();
   const results::Effect* const second = found.effects.size() > 1 ? &found.effects[1] : nullptr;
