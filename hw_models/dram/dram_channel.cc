@@ -17,6 +17,7 @@ DramChannel::DramChannel(const DramConfig& c, Links links, bool ideal, const Dra
       map_(c),
       ranks_(c.organisation.ranks),
       ideal_(ideal),
+      is_watched_(links.watcher != nullptr || links.book != nullptr),
       bursts_(c.bursts_per_line()),
       line_bytes_(c.line.bytes),
       fabric_(shift.moved_fabric((c.fabric.time + c.timing.ck.time - 1) / c.timing.ck.time)),
@@ -218,15 +219,20 @@ inline void DramChannel::row_done(const DramAddress& address) {
   if (page_policy_.closes(address.bank, address.row, others)) device_.auto_precharge(address.bank);
 }
 
+void DramChannel::show(const MemRequest& request, sim::Time end) const {
+  if (watcher_ != nullptr) watcher_->served(request, end);
+  if (book_ != nullptr)
+    book_->count(request.owner, request.write ? &TileAccount::dram_writes : &TileAccount::dram_reads);
+}
+
 /// Moves the request's line over the data bus.
 inline void DramChannel::transfer(const DramQueue::Entry& entry, Cycle now) {
   const MemRequest& r = entry.request;
   const Cycle data = r.write ? device_.write(entry.address.bank, now) : device_.read(entry.address.bank, now);
   const Cycle end = data + device_.data_cycles();
   data_end_ = std::max(data_end_, end);
-  if (watcher_ != nullptr) [[unlikely]]
-    watcher_->served(r, end * clock_.period());
-  charge(r);
+  if (is_watched_) [[unlikely]]
+    show(r, end * clock_.period());
   device_.each_burst(data, [&](Cycle begin, Cycle burst_end) { data_bus_.book({begin, burst_end, r.write}); });
   if (r.write) {
     stats_.writes += 1;

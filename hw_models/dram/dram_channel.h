@@ -138,10 +138,8 @@ class DramChannel {
   void issue(Cycle now);
   void row_done(const DramAddress& address);
   void transfer(const DramQueue::Entry& entry, Cycle now);
-  void charge(const MemRequest& r) {
-    if (book_ != nullptr) [[unlikely]]
-      book_->count(r.owner, r.write ? &TileAccount::dram_writes : &TileAccount::dram_reads);
-  }
+  /// Tells of a request whose data end at that time; apart, for machines that nobody watches.
+  [[gnu::cold, gnu::noinline]] void show(const MemRequest& request, sim::Time end) const;
   bool overdue(const DramQueue& queue, Cycle now) const {
     return !queue.empty() && now >= queue.oldest().arrived + controller_.age_limit;
   }
@@ -150,6 +148,7 @@ class DramChannel {
   const DramMap map_;
   const std::uint32_t ranks_;
   const bool ideal_;
+  const bool is_watched_;  ///< there is a book or a watcher
   const std::uint32_t bursts_;
   const std::uint64_t line_bytes_;
   const Cycle fabric_;

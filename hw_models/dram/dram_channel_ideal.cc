@@ -20,8 +20,7 @@ sim::Time DramChannel::tick_ideal(sim::Time now) {
       stats_.row_hits += 1;
       why = r.write ? CycleReason::kWriting : CycleReason::kReading;
       if (!r.write) out.push(now, {r.line, r.source, r.tag});
-      if (watcher_ != nullptr) watcher_->served(r, now + clock_.period());
-      charge(r);
+      if (is_watched_) show(r, now + clock_.period());
     }
     const bool stuck = in.can_pop(now);
     blocked |= stuck;

@@ -29,9 +29,10 @@ CorePort::CorePort(const InterconnectConfig& config, Links links, Interleave tar
   assert(targets_in_.size() == targets_out_.size());
 }
 
-sim::Time CorePort::tick(sim::Time now) {
+template <bool kBooked>
+sim::Time CorePort::tick_as(sim::Time now) {
   settle(now);
-  const bool requested = clients_in_.holding() != 0 && send_up(now);
+  const bool requested = clients_in_.holding() != 0 && send_up<kBooked>(now);
   if (targets_in_.holding() != 0) carry_down(now);
   const sim::Time next = now + clock_.period();
   const sim::Time wake = look_ahead(now);
@@ -56,11 +57,12 @@ inline void CorePort::settle(sim::Time until) {
     activity_.spend(line_until_, clock_.period(), waiting_, waiting_);
 }
 
+template <bool kBooked>
 inline bool CorePort::send_up(sim::Time now) {
   if (ideal_) {
     bool any = false;
     for (std::uint32_t client = 0; client < up_.count(); ++client) {
-      for (; can_send(client, now); any = true) send(client, now);
+      for (; can_send(client, now); any = true) send<kBooked>(client, now);
     }
     return any;
   }
@@ -69,11 +71,12 @@ inline bool CorePort::send_up(sim::Time now) {
       clients_in_.holding(), [&](std::uint32_t i) { return can_send(i, now); },
       [&](std::uint32_t i) { return clients_in_.pop_at(i); });
   if (client == up_.count()) return false;
-  send(client, now);
+  send<kBooked>(client, now);
   up_.served(client);
   return true;
 }
 
+template <bool kBooked>
 inline void CorePort::send(std::uint32_t client, sim::Time now) {
   request_wait_ += now - clients_in_.pop_at(client);
   const MemRequest request = clients_in_[client].pop(now);
@@ -83,13 +86,12 @@ inline void CorePort::send(std::uint32_t client, sim::Time now) {
     up_free_ = now + carry_time_[static_cast<std::size_t>(std::popcount(request.sectors))];
     line_until_ = std::max(line_until_, up_free_);
   }
-  if (book_ != nullptr) [[unlikely]]
-    book_->count(request.owner, asks_[client]);
+  if constexpr (kBooked) book_->count(request.owner, asks_[client]);
   stats_.requests += 1;
   stats_.lines_up += request.write;
 }
 
-inline void CorePort::carry_down(sim::Time now) {
+[[gnu::always_inline]] inline void CorePort::carry_down(sim::Time now) {
   if (ideal_) {
     for (std::uint32_t target = 0; target < down_.count(); ++target) {
       while (can_carry(target, now)) carry(target, now);
@@ -115,7 +117,7 @@ inline void CorePort::carry(std::uint32_t target, sim::Time now) {
 }
 
 /// Returns when there may be something to do next, and notes what the port waits for until then.
-inline sim::Time CorePort::look_ahead(sim::Time now) {
+[[gnu::always_inline]] inline sim::Time CorePort::look_ahead(sim::Time now) {
   const sim::Time next = now + clock_.period();
   sim::Time wake = sim::kNever;
   waiting_ = CycleReason::kIdle;
@@ -140,6 +142,9 @@ inline sim::Time CorePort::look_ahead(sim::Time now) {
   });
   return wake;
 }
+
+template sim::Time CorePort::tick_as<true>(sim::Time);
+template sim::Time CorePort::tick_as<false>(sim::Time);
 
 std::string CorePort::state() const {
   std::size_t requests = 0, lines = 0;

@@ -20,6 +20,7 @@ L2Bank::L2Bank(const L2Config& config, std::uint16_t index, Links links, Interle
       watcher_(links.watcher),
       channels_(channels),
       clock_(clock),
+      is_watched_(book_ != nullptr || watcher_ != nullptr),
       index_(index),
       targets_(config.targets),
       writes_(config.writes),
@@ -151,7 +152,7 @@ inline bool L2Bank::read(sim::Time now) {
   const L2Store::Found found = store_.find(r.line, r.sectors);
   if (found == L2Store::Found::kAll) {
     hits_.push(now, Reply{{r.line, r.source, r.tag}, head_.core});
-    if (is_watched()) [[unlikely]]
+    if (is_watched_) [[unlikely]]
       show_read(true, r.owner, now);
     stats_.hits += 1;
   } else {
@@ -168,7 +169,7 @@ inline bool L2Bank::read(sim::Time now) {
     }
     waiters->list[waiters->count++] = {head_.core, r.source, r.tag};
     memory_time_ -= now;
-    if (is_watched()) [[unlikely]]
+    if (is_watched_) [[unlikely]]
       show_read(false, r.owner, now);
     stats_.misses += 1;
   }

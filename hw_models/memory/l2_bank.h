@@ -162,7 +162,6 @@ class L2Bank {
   bool read(sim::Time now);
   /// Tells who watches of a look-up; apart from read(), which is inlined where nobody does.
   [[gnu::noinline]] void show_read(bool hit, Owner owner, sim::Time now);
-  bool is_watched() const { return book_ != nullptr || watcher_ != nullptr; }
   bool write(sim::Time now);
   void write_here(sim::Time now);
   bool flush(sim::Time now);
@@ -192,6 +191,7 @@ class L2Bank {
   Watcher* const watcher_;
   Interleave channels_;
   sim::Clock clock_;
+  const bool is_watched_;  ///< there is a book or a watcher
   std::uint16_t index_;
   std::uint32_t targets_;
   L2Writes writes_;

@@ -28,7 +28,7 @@ sim::Time L2Bank::tick_ideal(sim::Time now) {
         stats_.bytes_written += sector_bytes_ * static_cast<std::uint32_t>(std::popcount(r.sectors));
       } else {
         pipe.push(now, {r.line, r.source, r.tag});
-        if (is_watched()) show_read(true, r.owner, now);
+        if (is_watched_) show_read(true, r.owner, now);
         stats_.reads += 1;
         stats_.hits += 1;
       }
