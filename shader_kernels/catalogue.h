@@ -9,6 +9,7 @@
 #include "shader_kernels/kernels/absorb.h"
 #include "shader_kernels/kernels/average_colour.h"
 #include "shader_kernels/kernels/average_samples.h"
+#include "shader_kernels/kernels/cast_occlusion.h"
 #include "shader_kernels/kernels/check_attributes.h"
 #include "shader_kernels/kernels/check_similarity.h"
 #include "shader_kernels/kernels/classify_details.h"
@@ -23,6 +24,7 @@
 #include "shader_kernels/kernels/fetch_vertices.h"
 #include "shader_kernels/kernels/find_suspects.h"
 #include "shader_kernels/kernels/fused.h"
+#include "shader_kernels/kernels/fused_effects.h"
 #include "shader_kernels/kernels/generate_extra_rays.h"
 #include "shader_kernels/kernels/generate_listed_rays.h"
 #include "shader_kernels/kernels/generate_rays.h"
@@ -54,7 +56,9 @@
 #include "shader_kernels/kernels/shade_emission.h"
 #include "shader_kernels/kernels/shade_glow.h"
 #include "shader_kernels/kernels/shade_occluded.h"
+#include "shader_kernels/kernels/shade_open.h"
 #include "shader_kernels/kernels/shade_physical.h"
+#include "shader_kernels/kernels/shade_soft.h"
 #include "shader_kernels/kernels/shade_specular.h"
 #include "shader_kernels/kernels/shade_straight.h"
 #include "shader_kernels/kernels/shade_surface.h"
@@ -108,6 +112,8 @@ using AllKernels = std::tuple<
     Reconstruct<1, false>, Reconstruct<2, false>, Reconstruct<1, true>, Reconstruct<2, true>, ListContrasts<0>,
     ListContrasts<1>, ListContrasts<2>, GenerateContrastRays, AverageContrasts<0>, AverageContrasts<1>,
     AverageContrasts<2>,
+    // Effects of a frame.
+    ShadeOpen, ShadeSoft, CastOcclusion,
     // Fused.
     FetchSurface<false>, FetchSurface<true>, LightSurface, LightSurfaceGeometry<false>, LightSurfaceGeometry<true>,
     LightSurfaceKept<false>, LightSurfaceKept<true>, LightSurfaceSecondary<false>, LightSurfaceSecondary<true>,
@@ -123,7 +129,10 @@ using AllKernels = std::tuple<
     FetchLitKept<false, true>, FetchLitKept<true, true>, FetchLitSecondary<false, true>, FetchLitSecondary<true, true>,
     PackIdentified<false>, PackIdentified<true>, RecordCounted, CheckAttributes<false, true, false>,
     CheckAttributes<true, true, false>, CheckAttributes<false, false, false>, CheckAttributes<true, false, false>,
-    CombineRecordVisibleShadow>;
+    CombineRecordVisibleShadow, LightSurfaceOpen, LightSurfaceSoft, LightSurfaceOcclusion, FetchLitOpen<false, false>,
+    FetchLitOpen<true, false>, FetchLitOpen<false, true>, FetchLitOpen<true, true>, FetchLitSoft<false, false>,
+    FetchLitSoft<true, false>, FetchLitSoft<false, true>, FetchLitSoft<true, true>, FetchLitOcclusion<false, false>,
+    FetchLitOcclusion<true, false>, FetchLitOcclusion<false, true>, FetchLitOcclusion<true, true>>;
 
 template <class K, class... Ks>
 constexpr traces::KernelId index_in(std::type_identity<std::tuple<Ks...>>) {

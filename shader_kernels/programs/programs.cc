@@ -4,15 +4,29 @@
 #include <cmath>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "shader_kernels/programs/adaptive/multirate.h"
 #include "shader_kernels/programs/adaptive/supersample.h"
 #include "shader_kernels/programs/adaptive/undersample.h"
 #include "shader_kernels/programs/full.h"
 #include "shader_kernels/programs/geometry_pass.h"
 #include "shader_kernels/programs/reconstruct/reconstruct.h"
+#include "sim/error.h"
 
 namespace kernels {
 namespace {
+
+/// Surfaces that undersample interpolates have no rays.
+void check_undersampled(const Effects& effects) {
+  for (const Effect effect : {Effect::kOcclusion, Effect::kSoftShadows}) {
+    if (!effects.has(effect)) continue;
+    throw sim::InputError(fmt::format(
+        "render.effects: {}: undersample lights surfaces between its samples without rays; allowed: shadows, "
+        "reflections, refractions, or another program",
+        names_of(effect)[static_cast<std::size_t>(effect)]));
+  }
+}
 
 std::unique_ptr<FrameProgram> make_plain(const ProgramSpec& spec, const Frame& f) {
   switch (spec.kind) {
@@ -22,6 +36,7 @@ std::unique_ptr<FrameProgram> make_plain(const ProgramSpec& spec, const Frame& f
     case ProgramSpec::Kind::kSupersample:
       return std::make_unique<SupersampleProgram>(f.image, f.camera, f.render, f.programs.supersample, f.number);
     case ProgramSpec::Kind::kUndersample:
+      check_undersampled(parse_effects(f.render.effects));
       return std::make_unique<UndersampleProgram>(f.image, f.camera, f.render, f.programs.undersample, f.scene_size,
                                                   f.number);
     case ProgramSpec::Kind::kReconstruct:

@@ -1,3 +1,4 @@
+#include "effects/effects_counts.h"
 #include "hand_counts.h"
 #include "reconstruct_counts.h"
 
@@ -55,13 +56,11 @@ namespace {
 //   shade_background          3 mul, add_light
 //   classify_layers           2 compare, and, next
 //   test_alpha                fetch_layer; has, select, compare; go_on (of the vertex colour, alpha alone)
-//   test_shadow               fetch_layer; compare, select; has, select; colour, 3 mul; sub; mul, scale, vector add, 3
-//   mul;
-//                             2 max, compare; go_on; with colours 3 mul more
+//   test_shadow               fetch_layer; compare, select; has, select; colour, 3 mul; sub; mul, scale, vector add;
+//                             3 mul; 2 max, compare; go_on; with colours 3 mul more
 //   scatter_layers            2 compare, and, next
-//   shade_surface             and; weights; interpolate of vectors, normalised; dot, compare, select; scale, vector
-//   add;
-//                             2 scale; 2 interpolate
+//   shade_surface             and; weights; interpolate of vectors, normalised; dot, compare, select; scale; vector
+//                             add; 2 scale; 2 interpolate
 //   classify_details          8 (has, next)
 //   absorb                    neg, max, mul; scale; 3 decay; 3 mul
 //   fetch_vertices            and; weights; vertex_colour; 4 mul; 4 (interpolate, 3 to_float, sub, mul) with
@@ -157,8 +156,7 @@ namespace {
 //   show_subpixels_bilinear   shift, 2 and, 2 (to_float, sub); corner_steps; 4 add, 3 to_int; 3 clamped; 3 scale, 3
 //                             vector add more
 //   settle_subpixels          shift, to_float, add, to_int; 4 add, clamped; 3 vector add, scale; and, shift, or;
-//   state_of,
-//                             to_int; state_with
+//                             state_of, to_int; state_with
 //   propagate_subpixels       state_of, to_int; channels_of; 4 (add, to_int; 2 shift, compare; channels_of; 2 vectors
 //   of
 //                             select, 3 min, 3 max; shift, and, select, or); 9 (and, compare, select, min); 3 (2 mul, 2
@@ -290,9 +288,10 @@ constexpr Hand kByHand[] = {
 };
 
 TEST(Graphs, OperationsAreThoseOfTheSource) {
-  ASSERT_EQ(std::size(kByHand) + std::size(kReconstructByHand), kFirstFused);
+  ASSERT_EQ(std::size(kByHand) + std::size(kReconstructByHand) + std::size(kEffectsByHand), kFirstFused);
   expect_counts(kByHand);
   expect_counts(kReconstructByHand);
+  expect_counts(kEffectsByHand);
 }
 
 }  // namespace

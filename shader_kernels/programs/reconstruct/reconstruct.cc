@@ -34,8 +34,9 @@ ReconstructProgram::ReconstructProgram(const traces::MemoryImage& image, const t
   if (!filters_apart() || !has_geometry() || config.depth == 1) return;
   const std::uint32_t flags = flags_of(image);
   // Glass mirrors, too.
-  if ((flags & (traces::kMirror | traces::kGlass | traces::kPhysical)) != 0) mirrors_ = layers_++;
-  if ((flags & (traces::kGlass | traces::kBlended)) != 0) glass_ = layers_++;
+  const bool reflects = scene_.effects.has(Effect::kReflections), refracts = scene_.effects.has(Effect::kRefractions);
+  if (reflects && (flags & (traces::kMirror | traces::kGlass | traces::kPhysical)) != 0) mirrors_ = layers_++;
+  if ((flags & traces::kBlended) != 0 || (refracts && (flags & traces::kGlass) != 0)) glass_ = layers_++;
 }
 
 std::uint32_t ReconstructProgram::shaded_bytes() const {

@@ -1,9 +1,12 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <string>
 #include <string_view>
 
+#include "shader_kernels/programs/wavefront/effects.h"
 #include "sim/config/field.h"
+#include "sim/error.h"
 #include "sim/named.h"
 #include "traces/accel/memory_image.h"
 #include "traces/raster/raster_config.h"
@@ -49,6 +52,11 @@ struct RenderConfig {
   Fusion fusion = Fusion::kOn;
   Primary primary = Primary::kRays;
   traces::RasterConfig raster;
+  std::string effects = "shadows, reflections, refractions";
+  std::uint32_t occlusion_rays = 4;
+  double occlusion_distance = 0.1;
+  std::uint32_t shadow_rays = 4;
+  double light_radius = 0.01;
   double ray_epsilon = 1e-4;
   double min_weight = 0.01;
 
@@ -95,10 +103,34 @@ struct RenderConfig {
           "is the same",
           sim::any(), Affects::kFunction);
     field.group(NAMED(c.raster), "pieces of a rasteriser's work");
+    describe_effects(c, field);
     field(NAMED(c.ray_epsilon), "scene diagonals", "how far from a surface its secondary rays begin",
           sim::between(0, 0.1), Affects::kFunction);
     field(NAMED(c.min_weight), "", "a path goes on while its largest colour weight is above this", sim::between(0, 1),
           Affects::kFunction);
+  }
+  static void describe_effects(auto& c, auto&& field) {
+    using sim::Affects;
+    field(NAMED(c.effects), "",
+          "what rays are traced for behind what samples see first, between commas, or none: shadows, reflections, "
+          "refractions, occlusion (of ambient light), soft_shadows (in place of shadows)",
+          sim::any(), Affects::kFunction);
+    field(NAMED(c.occlusion_rays), "rays", "of each diffuse surface, with the effect occlusion", sim::between(1, 64),
+          Affects::kFunction);
+    field(NAMED(c.occlusion_distance), "scene diagonals", "how far away a surface occludes ambient light",
+          sim::between(0, 10), Affects::kFunction);
+    field(NAMED(c.shadow_rays), "rays", "of each diffuse surface and light, with the effect soft_shadows",
+          sim::between(1, 64), Affects::kFunction);
+    field(NAMED(c.light_radius), "scene diagonals",
+          "radius of every light's disc, with the effect soft_shadows; directional lights are a diagonal away",
+          sim::between(0, 1), Affects::kFunction);
+  }
+  void check(auto&& complain) const {
+    try {
+      parse_effects(effects);
+    } catch (const sim::InputError& error) {
+      complain("effects", error.what());
+    }
   }
 };
 

@@ -53,6 +53,14 @@ LightUniforms<float> light_uniforms(const traces::Light& light) {
   return u;
 }
 
+DiscUniforms<float> disc_uniforms(const traces::Light& light, float radius, float diagonal, std::uint32_t rays) {
+  const glm::vec3 axis = glm::normalize(light.direction);
+  const glm::vec3 other = std::abs(axis.y) < 0.9F ? glm::vec3(0, 1, 0) : glm::vec3(1, 0, 0);
+  const glm::vec3 across = glm::normalize(glm::cross(other, axis));
+  const float reach = light.kind == traces::Light::Kind::kDirectional ? radius : radius * diagonal;
+  return {vec3(across * reach), vec3(glm::cross(axis, across) * reach), reach, 1.0F / static_cast<float>(rays)};
+}
+
 std::uint32_t jitter_seed(std::uint32_t frame) { return static_cast<std::uint32_t>(sim::hash(frame)); }
 
 AxisRecord<float> axis_record(std::uint32_t size, traces::Texture::Wrap wrap, traces::Texture::Filter filter) {
@@ -91,9 +99,11 @@ SceneTables::SceneTables(const traces::MemoryImage& memory_image, const RenderCo
       ambient(vec3(memory_image.ambient)),
       epsilon(static_cast<float>(config.ray_epsilon) * memory_image.diagonal()),
       min_weight(static_cast<float>(config.min_weight)),
+      occlusion_distance(static_cast<float>(config.occlusion_distance) * memory_image.diagonal()),
       depth(config.depth),
       layers(config.layers),
-      width(config.width) {
+      width(config.width),
+      effects(parse_effects(config.effects)) {
   std::uint32_t flags = 0, shades = 0;
   for (const traces::MaterialRecord& material : image.materials) {
     flags |= material.flags;
@@ -102,7 +112,12 @@ SceneTables::SceneTables(const traces::MemoryImage& memory_image, const RenderCo
   has_details = (flags & traces::kDetailStreams) != 0;
   fuses = config.fusion == Fusion::kOn;
   has_later = (flags & kLaterClasses) != 0;
-  has_secondary = (flags & (traces::kMirror | traces::kGlass | traces::kBlended | traces::kPhysical)) != 0;
+  const bool reflects = effects.has(Effect::kReflections), refracts = effects.has(Effect::kRefractions);
+  has_secondary = (flags & traces::kBlended) != 0 || (refracts && (flags & traces::kGlass) != 0) ||
+                  (reflects && (flags & (traces::kMirror | traces::kGlass | traces::kPhysical)) != 0);
+  occlusion_rays = effects.has(Effect::kOcclusion) ? config.occlusion_rays : 0;
+  const bool is_soft = effects.has(Effect::kSoftShadows);
+  shadow_rays = is_soft ? config.shadow_rays : effects.has(Effect::kShadows) ? 1 : 0;
   has_textures = (flags & (traces::kTextured | traces::kOccluded)) != 0;
   has_occlusion = (flags & traces::kOccluded) != 0;
   const bool is_trilinear = config.mip_filter == MipBlend::kLinear;
@@ -114,6 +129,10 @@ SceneTables::SceneTables(const traces::MemoryImage& memory_image, const RenderCo
   has_shades = has_alpha || (is_tinted && shades != 0);
   solid_shadow = is_tinted ? traces::kTriangleMask : kSolidNearest;
   for (const traces::Light& light : image.lights) lights.push_back(light_uniforms(light));
+  for (const traces::Light& light : image.lights) {
+    if (!is_soft) break;
+    discs.push_back(disc_uniforms(light, static_cast<float>(config.light_radius), image.diagonal(), shadow_rays));
+  }
   for (const traces::Texture& texture : image.textures) {
     axes.push_back(axis_record(texture.width, texture.wrap_u, texture.filter));
     axes.push_back(axis_record(texture.height, texture.wrap_v, texture.filter));

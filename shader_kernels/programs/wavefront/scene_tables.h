@@ -1,8 +1,10 @@
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
 #include "shader_kernels/kernels/sampling.h"
+#include "shader_kernels/kernels/shade_soft.h"
 #include "shader_kernels/kernels/uniforms.h"
 #include "shader_kernels/programs/wavefront/render_config.h"
 #include "shader_kernels/scene_records.h"
@@ -16,6 +18,8 @@ CameraUniforms<float> camera_uniforms(const traces::Camera& camera, std::uint32_
 /// Cones of rays, of which a pixel has grid x grid: as wide as a cell of the pixel is in the middle of the picture.
 ConeUniforms<float> cone_uniforms(const CameraUniforms<float>& camera, std::uint32_t grid);
 LightUniforms<float> light_uniforms(const traces::Light& light);
+/// A light as a disc across its direction; `radius` in scene diagonals.
+DiscUniforms<float> disc_uniforms(const traces::Light& light, float radius, float diagonal, std::uint32_t rays);
 /// Seed of a frame's jittered samples.
 std::uint32_t jitter_seed(std::uint32_t frame);
 AxisRecord<float> axis_record(std::uint32_t size, traces::Texture::Wrap wrap, traces::Texture::Filter filter);
@@ -31,23 +35,31 @@ struct SceneTables {
 
   const traces::MemoryImage& image;
   std::vector<LightUniforms<float>> lights;
+  std::vector<DiscUniforms<float>> discs;  ///< those of the lights, if shadows are soft
   std::vector<AxisRecord<float>> axes;     ///< two per texture
   std::vector<LevelRecord<float>> levels;  ///< with mip maps, one per texture
   MipFilter mips;                          ///< as the memory image has mip levels, and RenderConfig::mip_filter
   Vec3<float> background, ambient;
-  float epsilon, min_weight;
+  float epsilon, min_weight, occlusion_distance;
   std::uint32_t depth, layers;
-  std::uint32_t width;         ///< pixels in a row of the picture
-  bool has_details;            ///< some surface goes into a stream of classify_details
-  bool dma_encodes;            ///< RenderConfig::srgb
-  bool diverges;               ///< RenderConfig::streams
-  bool fuses;                  ///< RenderConfig::fusion
-  bool has_later;              ///< some surface is not lit at once (kernels/at_once.h)
-  bool has_secondary;          ///< some surface may send a path on
-  bool has_textures;           ///< some surface may fail a check for its textures
-  bool has_occlusion;          ///< some surface has an occlusion texture
-  bool has_alpha, has_shades;  ///< some hit may have to be tested: of rays that want the nearest, of shadow rays
-  std::uint32_t solid_shadow;  ///< largest triangle word of a shadow ray's hit that needs no test
+  std::uint32_t width;  ///< pixels in a row of the picture
+  Effects effects;
+  std::uint32_t occlusion_rays;  ///< per surface; 0: ambient light is not occluded
+  std::uint32_t shadow_rays;     ///< per surface and light; 0: there are no shadows
+  bool has_details;              ///< some surface goes into a stream of classify_details
+  bool dma_encodes;              ///< RenderConfig::srgb
+  bool diverges;                 ///< RenderConfig::streams
+  bool fuses;                    ///< RenderConfig::fusion
+  bool has_later;                ///< some surface is not lit at once (kernels/at_once.h)
+  bool has_secondary;            ///< some surface may send a path on
+  bool has_textures;             ///< some surface may fail a check for its textures
+  bool has_occlusion;            ///< some surface has an occlusion texture
+  bool has_alpha, has_shades;    ///< some hit may have to be tested: of rays that want the nearest, of shadow rays
+  std::uint32_t solid_shadow;    ///< largest triangle word of a shadow ray's hit that needs no test
+  /// Whether surfaces have ambient light that nothing occludes and hard shadows.
+  bool lights_as_usual() const { return occlusion_rays == 0 && shadow_rays == 1 && discs.empty(); }
+  /// Launches that bring the light of one light.
+  std::uint32_t rays_to_light() const { return std::max(1U, shadow_rays); }
   /// Names the arrays as the kernels' ports do.
   static void describe(const SceneTables& s, auto&& array) {
     array(NAMED(s.image.attributes)), array(NAMED(s.image.triangles)), array(NAMED(s.image.instances));

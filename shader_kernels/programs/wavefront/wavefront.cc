@@ -200,9 +200,13 @@ Wavefront::Bounce Wavefront::send_on(const Bounce& bounce, const Streams& stream
   next.after = bounce.after;
   send<ShadeStraight>(from, RayKind::kRefraction, buffer_.blended, streams.blended, next);
   next.mirrored = next.rays;
-  send<ShadeMirror>(from, RayKind::kReflection, buffer_.mirror, streams.mirror, next);
+  if (scene_.effects.has(Effect::kReflections)) {
+    send<ShadeMirror>(from, RayKind::kReflection, buffer_.mirror, streams.mirror, next);
+  }
   next.refracted = next.rays;
-  send<ShadeGlass>(from, RayKind::kRefraction, buffer_.glass, streams.glass, next);
+  if (scene_.effects.has(Effect::kRefractions)) {
+    send<ShadeGlass>(from, RayKind::kRefraction, buffer_.glass, streams.glass, next);
+  }
   next.is_single = bounce.is_single && next.batch_count < 2;
   std::swap(buffer_.wave, buffer_.next_wave);
   buffer_.hold_wave(next.rays);

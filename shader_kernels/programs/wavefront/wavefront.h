@@ -33,7 +33,9 @@ namespace kernels {
 ///
 ///   classify_layers -> [ test_alpha or test_shadow -> rays -> scatter_layers ] ...
 ///
-/// Where a rasteriser makes primary hits (TileResult::rasteriser), the first batch of rays is a raster node.
+/// Where a rasteriser makes primary hits (TileResult::rasteriser), the first batch of rays is a raster node. Other
+/// effects than hard shadows (wavefront_effects.cc) have shade_open, or rays of shade_soft, in place of shade_diffuse,
+/// and rays of cast_occlusion in place of shade_ambient.
 ///
 /// For adaptive sampling it also keeps what samples hit (wavefront_records.cc):
 ///
@@ -218,7 +220,15 @@ class Wavefront {
   void shade_emission(const Bounce& bounce, std::uint32_t items);
   void shade_local(Bounce& bounce, const Streams& streams);
   void shade_ambient(const Bounce& bounce, std::vector<std::uint32_t>& stream, std::uint32_t items);
-  void shade_light(const Bounce& bounce, std::uint32_t light, std::vector<std::uint32_t>& stream, std::uint32_t items);
+  void shade_light(const Bounce& bounce, std::uint32_t light, std::uint32_t ray, std::vector<std::uint32_t>& stream,
+                   std::uint32_t items);
+  // wavefront_effects.cc
+  void bind_occlusion(CastOcclusion::Ports<float>& ports, std::uint32_t ray) const;
+  void bind_soft(ShadeSoft::Ports<float>& ports, std::uint32_t light, std::uint32_t ray) const;
+  void cast_occlusion(const Bounce& bounce, std::uint32_t ray, std::vector<std::uint32_t>& stream, std::uint32_t items);
+  void shade_open(const Bounce& bounce, std::uint32_t light, std::vector<std::uint32_t>& stream, std::uint32_t items);
+  void shade_soft(const Bounce& bounce, std::uint32_t light, std::uint32_t ray, std::vector<std::uint32_t>& stream,
+                  std::uint32_t items);
   void shade_visible(const Bounce& bounce, std::uint32_t light, std::vector<std::uint32_t>& stream,
                      std::uint32_t items);
   void combine_shadows(const Bounce& bounce, std::uint32_t light, const Batch& batch, std::uint32_t rays);
@@ -231,8 +241,12 @@ class Wavefront {
   Streams light_surfaces(Bounce& bounce, std::uint32_t surfaces);
   template <bool kInstanced, bool kCones>
   void light_surfaces(Bounce& bounce, std::uint32_t surfaces, Streams& streams);
+  template <bool kInstanced, bool kCones>
+  void fetch_surfaces(Bounce& bounce, std::uint32_t surfaces, Streams& streams);
+  template <bool kInstanced, bool kCones>
+  void light_by_effects(Bounce& bounce, std::uint32_t surfaces, Streams& streams);
   template <class P>
-  ShadeDiffuse::Ports<float>& bind_first_light(P& ports) const;
+  void bind_first_light(P& ports) const;
   template <class K>
   void light_with(Bounce& bounce, std::uint32_t surfaces, Streams& streams, bool has_records);
   std::vector<std::uint32_t>& unlit_of(const Streams& streams) {

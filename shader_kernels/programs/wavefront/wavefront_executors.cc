@@ -58,23 +58,34 @@ void Wavefront::shade_emission(const Bounce& bounce, std::uint32_t items) {
   add_colours<ShadeEmission>(bounce, ports, items);
 }
 
-/// Shades diffuse surfaces, those first that have no light yet.
+/// Shades diffuse surfaces. What comes first, ambient light and the first light's first ray, or the first occlusion
+/// ray, those that are lit at once have had.
 void Wavefront::shade_local(Bounce& bounce, const Streams& streams) {
   std::vector<std::uint32_t>& unlit = unlit_of(streams);
   const std::uint32_t items = streams.unlit();
   const bool keeps_local = retained_.surfaces && bounce.depth == 1;
   const auto lights = static_cast<std::uint32_t>(scene_.lights.size());
+  const bool is_occluded = scene_.occlusion_rays != 0;
+  const bool is_fused = scene_.lights_as_usual() && scene_.fuses && lights != 0 && streams.occluded == 0;
   // Surfaces that are lit at once had no colour before.
   if (keeps_local && items != 0) bounce.colours = record_local<false>(bounce, unlit, items);
-  if (scene_.fuses && lights != 0 && streams.occluded == 0) {
+  if (is_occluded) {
+    cast_occlusion(bounce, 0, unlit, items);
+    for (std::uint32_t ray = 1; ray < scene_.occlusion_rays; ++ray) {
+      cast_occlusion(bounce, ray, buffer_.diffuse, streams.diffuse);
+    }
+  } else if (is_fused) {
     if (items != 0) light_later(bounce, unlit, items);
   } else {
     if (items != 0) shade_ambient(bounce, unlit, items);
     if (streams.occluded != 0) shade_occluded(bounce, streams.occluded);
-    if (items != 0 && lights != 0) shade_light(bounce, 0, unlit, items);
   }
-  for (std::uint32_t light = 1; light < lights; ++light) {
-    shade_light(bounce, light, buffer_.diffuse, streams.diffuse);
+  for (std::uint32_t light = 0; light < lights; ++light) {
+    for (std::uint32_t ray = 0; ray < scene_.rays_to_light(); ++ray) {
+      const bool is_first = !is_occluded && light == 0 && ray == 0;
+      if (is_first && is_fused) continue;
+      shade_light(bounce, light, ray, is_first ? unlit : buffer_.diffuse, is_first ? items : streams.diffuse);
+    }
   }
   if (keeps_local) bounce.after = record_local<true>(bounce, buffer_.diffuse, streams.diffuse);
 }
@@ -86,8 +97,11 @@ void Wavefront::shade_ambient(const Bounce& bounce, std::vector<std::uint32_t>& 
   add_colours<ShadeAmbient>(bounce, ports, items);
 }
 
-void Wavefront::shade_light(const Bounce& bounce, std::uint32_t light, std::vector<std::uint32_t>& stream,
-                            std::uint32_t items) {
+void Wavefront::shade_light(const Bounce& bounce, std::uint32_t light, std::uint32_t ray,
+                            std::vector<std::uint32_t>& stream, std::uint32_t items) {
+  if (items == 0) return;
+  if (scene_.shadow_rays == 0) return shade_open(bounce, light, stream, items);
+  if (!scene_.discs.empty()) return shade_soft(bounce, light, ray, stream, items);
   buffer_.shadow.hold(std::size_t{items} + 1);
   ShadeDiffuse::Ports<float> ports;
   ports.diffuse.bind(stream.data());

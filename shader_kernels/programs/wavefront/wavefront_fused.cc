@@ -10,7 +10,8 @@ using traces::RayKind;
 /// Whether the bounce's surfaces are lit while they are fetched. Where a sample has two rays in one wave and surfaces
 /// that come later, its lights would be added in another order.
 bool Wavefront::lights_at_once(const Bounce& bounce) const {
-  return is_shaded() && scene_.fuses && !scene_.lights.empty() && (bounce.is_single || !scene_.has_later);
+  const bool has_light = !scene_.lights.empty() || scene_.occlusion_rays != 0;
+  return is_shaded() && scene_.fuses && has_light && (bounce.is_single || !scene_.has_later);
 }
 
 Wavefront::Streams Wavefront::light_surfaces(Bounce& bounce, std::uint32_t surfaces) {
@@ -24,12 +25,23 @@ void Wavefront::light_surfaces(Bounce& bounce, std::uint32_t surfaces, Streams& 
   const bool keeps_geometry = bounce.depth == 1 && retained_.geometry;
   const bool keeps_surface = bounce.depth == 1 && retained_.surfaces;
   const bool keeps_secondary = bounce.depth > 1 && retained_.secondary;
+  if (!scene_.lights_as_usual()) return light_by_effects<kInstanced, kCones>(bounce, surfaces, streams);
   if (!scene_.has_details) {
     if (keeps_geometry) return light_with<FetchLitGeometry<kInstanced, kCones>>(bounce, surfaces, streams, true);
     if (keeps_surface) return light_with<FetchLitKept<kInstanced, kCones>>(bounce, surfaces, streams, true);
     if (keeps_secondary) return light_with<FetchLitSecondary<kInstanced, kCones>>(bounce, surfaces, streams, true);
     return light_with<FetchLit<kInstanced, kCones>>(bounce, surfaces, streams, false);
   }
+  fetch_surfaces<kInstanced, kCones>(bounce, surfaces, streams);
+  if (keeps_geometry) return light_with<LightSurfaceGeometry<kInstanced>>(bounce, surfaces, streams, true);
+  if (keeps_surface) return light_with<LightSurfaceKept<kInstanced>>(bounce, surfaces, streams, true);
+  if (keeps_secondary) return light_with<LightSurfaceSecondary<kInstanced>>(bounce, surfaces, streams, true);
+  light_with<LightSurface>(bounce, surfaces, streams, false);
+}
+
+/// Fetches surfaces that may have details, and these.
+template <bool kInstanced, bool kCones>
+void Wavefront::fetch_surfaces(Bounce& bounce, std::uint32_t surfaces, Streams& streams) {
   buffer_.hold_details(bounce.rays);
   typename FetchSurface<kInstanced, kCones>::template Ports<float> ports;
   ports.cone = cone_;
@@ -37,20 +49,39 @@ void Wavefront::light_surfaces(Bounce& bounce, std::uint32_t surfaces, Streams& 
   wait_for_bounce(fetched, bounce);
   bounce.inspector = fetched;
   shade_details(bounce, ports_of<ClassifyDetails>(ports), streams);
-  if (keeps_geometry) return light_with<LightSurfaceGeometry<kInstanced>>(bounce, surfaces, streams, true);
-  if (keeps_surface) return light_with<LightSurfaceKept<kInstanced>>(bounce, surfaces, streams, true);
-  if (keeps_secondary) return light_with<LightSurfaceSecondary<kInstanced>>(bounce, surfaces, streams, true);
-  light_with<LightSurface>(bounce, surfaces, streams, false);
 }
 
-/// Gives a fused kernel ambient light and the first light.
+template <bool kInstanced, bool kCones>
+void Wavefront::light_by_effects(Bounce& bounce, std::uint32_t surfaces, Streams& streams) {
+  const auto with = [&]<class Details, class Plain>(std::type_identity<Details>, std::type_identity<Plain>) {
+    if (!scene_.has_details) return light_with<Plain>(bounce, surfaces, streams, false);
+    fetch_surfaces<kInstanced, kCones>(bounce, surfaces, streams);
+    light_with<Details>(bounce, surfaces, streams, false);
+  };
+  using std::type_identity;
+  if (scene_.occlusion_rays != 0) {
+    with(type_identity<LightSurfaceOcclusion>{}, type_identity<FetchLitOcclusion<kInstanced, kCones>>{});
+  } else if (scene_.shadow_rays == 0) {
+    with(type_identity<LightSurfaceOpen>{}, type_identity<FetchLitOpen<kInstanced, kCones>>{});
+  } else {
+    with(type_identity<LightSurfaceSoft>{}, type_identity<FetchLitSoft<kInstanced, kCones>>{});
+  }
+}
+
+/// Gives a fused kernel ambient light and the first light, or the first rays for them.
 template <class P>
-ShadeDiffuse::Ports<float>& Wavefront::bind_first_light(P& ports) const {
-  ports_of<ShadeAmbient>(ports).ambient = scene_.ambient;
-  ShadeDiffuse::Ports<float>& first_light = ports_of<ShadeDiffuse>(ports);
-  first_light.light = scene_.lights.front();
-  first_light.epsilon = scene_.epsilon;
-  return first_light;
+void Wavefront::bind_first_light(P& ports) const {
+  const auto if_part = [&]<class K>(std::type_identity<K>, auto&& bind) {
+    if constexpr (std::is_base_of_v<typename K::template Ports<float>, P>) bind(ports_of<K>(ports));
+  };
+  if_part(std::type_identity<ShadeAmbient>{}, [&](auto& part) { part.ambient = scene_.ambient; });
+  if_part(std::type_identity<ShadeDiffuse>{}, [&](auto& part) {
+    part.light = scene_.lights.front();
+    part.epsilon = scene_.epsilon;
+  });
+  if_part(std::type_identity<ShadeOpen>{}, [&](auto& part) { part.light = scene_.lights.front(); });
+  if_part(std::type_identity<ShadeSoft>{}, [&](auto& part) { bind_soft(part, 0, 0); });
+  if_part(std::type_identity<CastOcclusion>{}, [&](auto& part) { bind_occlusion(part, 0); });
 }
 
 /// Lights surfaces with kernel K and the first light, and keeps them, unless K does.
@@ -58,7 +89,7 @@ template <class K>
 void Wavefront::light_with(Bounce& bounce, std::uint32_t surfaces, Streams& streams, bool has_records) {
   buffer_.shadow.hold(std::size_t{surfaces} + 1);
   typename K::template Ports<float> ports;
-  const ShadeDiffuse::Ports<float>& first_light = bind_first_light(ports);
+  bind_first_light(ports);
   if constexpr (requires { ports.bounce; }) ports.bounce = uniforms_of(bounce);
   if constexpr (requires { ports.cone; }) ports.cone = cone_;
   const Node lit = launch<K>(ports, surfaces, bounce.lanes);
@@ -67,7 +98,8 @@ void Wavefront::light_with(Bounce& bounce, std::uint32_t surfaces, Streams& stre
   bounce.inspector = lit;
   streams.take_lit(ports);
 
-  const std::uint32_t rays = first_light.emitted.value;
+  std::uint32_t rays = 0;
+  if constexpr (requires { ports.emitted; }) rays = ports.emitted.value;
   Batch batch;
   if (rays != 0) batch = trace(RayKind::kShadow, buffer_.shadow, 0, rays, lit, true);
   if (has_records) {
@@ -77,14 +109,16 @@ void Wavefront::light_with(Bounce& bounce, std::uint32_t surfaces, Streams& stre
   } else {
     record_hits(bounce, surfaces);
   }
-  if (rays != 0) combine_shadows(bounce, 0, batch, rays);
+  if (rays == 0) return;
+  scene_.occlusion_rays != 0 ? combine(bounce, batch, rays) : combine_shadows(bounce, 0, batch, rays);
 }
 
 /// Ambient light and the first light of listed surfaces.
 void Wavefront::light_later(const Bounce& bounce, std::vector<std::uint32_t>& stream, std::uint32_t items) {
   buffer_.shadow.hold(std::size_t{items} + 1);
   LightLater::Ports<float> ports;
-  ShadeDiffuse::Ports<float>& first_light = bind_first_light(ports);
+  bind_first_light(ports);
+  ShadeDiffuse::Ports<float>& first_light = ports_of<ShadeDiffuse>(ports);
   first_light.diffuse.bind(stream.data());
   ports_of<ShadeAmbient>(ports).diffuse.bind(stream.data());
   const Node lit = launch<LightLater>(ports, items, bounce.lanes);

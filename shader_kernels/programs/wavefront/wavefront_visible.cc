@@ -32,7 +32,9 @@ Wavefront::Node Wavefront::record_visible(const Bounce& bounce, std::uint32_t su
 void Wavefront::cast_shadows(const Bounce& bounce, const Streams& streams) {
   if (streams.diffuse == 0 || !retained_.visible.have_shadows) return;
   for (std::uint32_t light = 0; light < scene_.lights.size(); ++light) {
-    shade_light(bounce, light, buffer_.diffuse, streams.diffuse);
+    for (std::uint32_t ray = 0; ray < scene_.shadow_rays; ++ray) {
+      shade_light(bounce, light, ray, buffer_.diffuse, streams.diffuse);
+    }
   }
 }
 

@@ -82,6 +82,24 @@ constexpr Hand kFusedByHand[] = {
     {"check_attributes_y_local_untextured", {21, 23, 0, 3, 9, 8, 9, 5, 4, 3, 0}},
     // As combine_record_shadow.
     {"combine_record_visible_shadow", {3, 0, 0, 0, 1, 4, 1, 0, 4, 2, 0}},
+    // As light_surface, with shade_open in place of shade_diffuse: the colour is stored once. With shade_soft: 17 add,
+    // 23 mul, div_sqrt, 7 other, compare, select, 25 integer, 2 convert more. Occlusion: without shade_ambient.
+    {"light_surface_open", {17, 34, 2, 6, 8, 12, 15, 0, 5, 7, 0}},
+    {"light_surface_soft", {32, 58, 3, 13, 9, 11, 41, 2, 5, 9, 0}},
+    {"light_surface_occlusion", {21, 36, 3, 10, 10, 9, 41, 2, 4, 8, 0}},
+    // And shade_surface, as fetch_lit has it.
+    {"fetch_lit_open", {36, 67, 4, 7, 9, 13, 16, 0, 5, 11, 2}},
+    {"fetch_lit_open_instanced", {42, 78, 4, 7, 9, 13, 22, 2, 5, 11, 3}},
+    {"fetch_lit_open_cones", {42, 72, 6, 9, 9, 13, 19, 0, 5, 11, 2}},
+    {"fetch_lit_open_cones_instanced", {48, 83, 6, 9, 9, 13, 25, 2, 5, 11, 3}},
+    {"fetch_lit_soft", {51, 91, 5, 14, 10, 12, 42, 2, 5, 13, 2}},
+    {"fetch_lit_soft_instanced", {57, 102, 5, 14, 10, 12, 48, 4, 5, 13, 3}},
+    {"fetch_lit_soft_cones", {57, 96, 7, 16, 10, 12, 45, 2, 5, 13, 2}},
+    {"fetch_lit_soft_cones_instanced", {63, 107, 7, 16, 10, 12, 51, 4, 5, 13, 3}},
+    {"fetch_lit_occlusion", {40, 69, 5, 11, 11, 10, 42, 2, 4, 12, 2}},
+    {"fetch_lit_occlusion_instanced", {46, 80, 5, 11, 11, 10, 48, 4, 4, 12, 3}},
+    {"fetch_lit_occlusion_cones", {46, 74, 7, 13, 11, 10, 45, 2, 4, 12, 2}},
+    {"fetch_lit_occlusion_cones_instanced", {52, 85, 7, 13, 11, 10, 51, 4, 4, 12, 3}},
 };
 
 TEST(FusedGraphs, OperationsAreThoseOfThePartsLessWhatIsShared) {

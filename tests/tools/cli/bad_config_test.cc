@@ -63,6 +63,20 @@ TEST(BadConfig, AValueOutOfRange) {
   expect_yaml_refused("clocks: {tni: 500}\n", ":2:15:", {"clocks.tni", "no unit", "MHz"});
 }
 
+TEST(BadConfig, AnEffectThatThereIsNot) {
+  expect_yaml_refused(
+      "render:\n  effects: shadows, reflexions\n",
+      ":3:3:", {"render.effects", "'reflexions' is no effect, did you mean 'reflections'?", "allowed: none, or"});
+}
+
+TEST(BadConfig, AnEffectThatTheProgramCannotTraceRaysFor) {
+  const TempFolder folder;
+  const std::string out = (folder.path() / "out").string();
+  expect_refusal(raywatt({"run", "--program", "undersample", "--set", "render.effects=occlusion", "-o", out}),
+                 {"render.effects: occlusion", "undersample", "allowed: shadows, reflections, refractions"});
+  EXPECT_EQ(names_in(folder.path()), Words{});
+}
+
 TEST(BadConfig, ABaseThatIsNotThere) {
   const TempFolder folder;
   const std::string file = folder.write("mine.yaml", "extends: nowhere\n").string();

@@ -1,0 +1,26 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+namespace kernels {
+
+/// Effects that rays of a frame are traced for, behind what samples see first (docs/design/effects.md).
+enum class Effect : std::uint8_t { kShadows, kReflections, kRefractions, kOcclusion, kSoftShadows, kCount };
+constexpr std::array<std::string_view, static_cast<std::size_t>(Effect::kCount)> names_of(Effect) {
+  return {"shadows", "reflections", "refractions", "occlusion", "soft_shadows"};
+}
+
+class Effects {
+ public:
+  bool has(Effect effect) const { return (bits_ >> static_cast<std::uint32_t>(effect) & 1U) != 0; }
+  void add(Effect effect) { bits_ |= 1U << static_cast<std::uint32_t>(effect); }
+
+ private:
+  std::uint32_t bits_ = 0;
+};
+
+/// "shadows, occlusion", or "none". Throws sim::InputError that says what is allowed.
+Effects parse_effects(std::string_view text);
+
+}  // namespace kernels

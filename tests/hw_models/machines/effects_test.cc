@@ -1,0 +1,75 @@
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "tests/hw_models/machines/gpu_harness.h"
+#include "tests/hw_models/machines/random_config.h"
+#include "traces/scenes/library.h"
+
+// Hybrid frames: a rasteriser's primary hits, and rays of other effects than Whitted's.
+
+namespace hw {
+namespace {
+
+using test::difference;
+using test::Engine;
+using test::Method;
+using test::Outcome;
+using test::play;
+
+kernels::RenderConfig hybrid(const char* effects, std::uint32_t width = 32, std::uint32_t height = 16) {
+  kernels::RenderConfig render;
+  render.width = width;
+  render.height = height;
+  render.tile = 16;
+  render.primary = kernels::Primary::kRaster;
+  render.raster.batch = 256;
+  render.effects = effects;
+  return render;
+}
+
+class HybridFrames : public testing::TestWithParam<std::tuple<const char*, const char*>> {};
+
+TEST_P(HybridFrames, AreTheSameOnAnyEngineAndNumberOfThreads) {
+  const auto [program, effects] = GetParam();
+  const Method method(traces::open_scene("cornell"), program, {}, hybrid(effects));
+  GpuConfig config;
+  config.cores = 2;
+  const Outcome fast = play(method, config);
+  EXPECT_EQ(difference(fast, play(method, config, Engine::kOracle)), "");
+  EXPECT_EQ(difference(fast, play(method, config, Engine::kShuffled, 1)), "");
+  EXPECT_EQ(difference(fast, play(method, config, Engine::kFast, 0, 3)), "");
+  for (const sim::UnitReport& unit : fast.units) {
+    std::uint64_t spent = 0;
+    for (const auto& [reason, cycles] : unit.why) spent += cycles;
+    EXPECT_EQ(spent, unit.elapsed) << unit.path;
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Programs, HybridFrames,
+                         testing::Combine(testing::Values("full:1", "multirate:under", "supersample", "reconstruct"),
+                                          testing::Values("none", "occlusion, shadows",
+                                                          "occlusion, soft_shadows, reflections, refractions")));
+
+TEST(HybridFrame, OfAllEffectsEndsOnTheSmallestMachine) {
+  const Method method(traces::open_scene("cornell"), "full:1", {}, hybrid("occlusion, soft_shadows, reflections"));
+  GpuConfig config;
+  config.cores = 1;
+  config.tile_buffer.tiles_in_flight = 1;
+  config.tile_buffer.size.bytes = 1024;
+  config.direct_interface.depth = config.dma.depth = config.interconnect.link_depth = 1;
+  const Outcome run = play(method, config);
+  EXPECT_EQ(difference(run, play(method, config, Engine::kShuffled, 5)), "");
+  EXPECT_EQ(run.function.rgb, play(method, {}).function.rgb);
+}
+
+TEST(HybridFrame, OfAllEffectsIsTheSameForAllEnginesOnRandomMachines) {
+  const Method method(traces::open_scene("cornell"), "full:1", {}, hybrid("occlusion, soft_shadows"));
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    const GpuConfig config = test::random_config(seed);
+    const Outcome fast = play(method, config);
+    EXPECT_EQ(difference(fast, play(method, config, Engine::kShuffled, seed)), "") << seed;
+  }
+}
+
+}  // namespace
+}  // namespace hw
