@@ -54,7 +54,8 @@ class TileBook {
   void close(Owner owner, sim::Time now) { of(owner).finished = now; }
   /// One more of that kind; out of line and apart, so that machines without a book pay for a comparison alone.
   [[gnu::cold, gnu::noinline]] void count(Owner owner, std::uint64_t TileAccount::*kind);
-  [[gnu::cold, gnu::noinline]] void count(Owner owner, Asker asker);
+  /// A line more that was asked for; for ports that tell those with a book from those without (CorePort::tick()).
+  void count(Owner owner, Asker asker) { of(owner).lines[static_cast<std::size_t>(asker)] += 1; }
   TileAccount& of(Owner owner) {
     if (owner == kNoOwner) [[unlikely]]
       return rest_;

@@ -7,7 +7,7 @@
 
 // Words and rows of the page of two runs.
 
-namespace tools::pages::test {
+namespace tools::pages {
 namespace {
 
 /// First column of a waterfall between two totals.
@@ -55,4 +55,4 @@ TEST(DiffVerdict, SaysOfCyclesAndOfEnergyWhetherTheNoiseExplainsThem) {
 }
 
 }  // namespace
-}  // namespace tools::pages::test
+}  // namespace tools::pages
