@@ -21,8 +21,10 @@
 #include "tools/jobs/jobs.h"
 #include "tools/jobs/outcome.h"
 #include "tools/jobs/ray_list.h"
+#include "tools/pricing/idle_machine.h"
 #include "tools/simulation/power.h"
 #include "tools/simulation/run_job.h"
+#include "tools/simulation/table_names.h"
 
 namespace tools {
 namespace {
