@@ -55,7 +55,7 @@ void Wavefront::shade(Bounce& bounce, const Streams& streams) {
   if (streams.textured != 0) shade_textured(bounce, streams.textured);
   if (streams.emissive != 0) shade_emission(bounce, streams.emissive);
   if (streams.glowing != 0) shade_glow(bounce, streams.glowing);
-  if (streams.diffuse != 0) shade_local(bounce, streams);
+  if (streams.diffuse != 0) rates(bounce) ? shade_rated(bounce, streams) : shade_local(bounce, streams);
 }
 
 Wavefront::Batch Wavefront::trace(RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t count, Node maker,
