@@ -135,7 +135,8 @@ using AllKernels = std::tuple<
     CombineRecordVisibleShadow, LightSurfaceOpen, LightSurfaceSoft, LightSurfaceOcclusion, FetchLitOpen<false, false>,
     FetchLitOpen<true, false>, FetchLitOpen<false, true>, FetchLitOpen<true, true>, FetchLitSoft<false, false>,
     FetchLitSoft<true, false>, FetchLitSoft<false, true>, FetchLitSoft<true, true>, FetchLitOcclusion<false, false>,
-    FetchLitOcclusion<true, false>, FetchLitOcclusion<false, true>, FetchLitOcclusion<true, true>>;
+    FetchLitOcclusion<true, false>, FetchLitOcclusion<false, true>, FetchLitOcclusion<true, true>,
+    FetchVisible<false, false>, FetchVisible<true, false>, FetchVisible<false, true>, FetchVisible<true, true>>;
 
 template <class K, class... Ks>
 constexpr traces::KernelId index_in(std::type_identity<std::tuple<Ks...>>) {

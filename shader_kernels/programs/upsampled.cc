@@ -58,7 +58,7 @@ void UpsampledProgram::run_tile(std::uint32_t tile_index, const traces::Tracer& 
   trace(tile, tiles_.halo(), tiles_.halo(), at.width, at.height);
   export_borders(tile);  // needs nothing of the halo, so no tile waits for a row of others
   make_halo(tile);
-  wave.put_out(show(tile, upsample(tile)), std::uint64_t{at.index} * tiles_.most_pixels() * kPixelBytes);
+  put_out(tile, upsample(tile));
   wave.finish();
   out.sampling.wanted = out.sampling.traced = out.work.samples;
   out.sampling.background = out.sampling.traced_background = out.background.size();
@@ -140,17 +140,28 @@ UpsampledProgram::Node UpsampledProgram::upsample(Tile& tile) const {
   return last;
 }
 
-UpsampledProgram::Node UpsampledProgram::show(Tile& tile, Node upsampled) const {
+void UpsampledProgram::put_out(Tile& tile, Node upsampled) const {
+  Wavefront& wave = tile.wave;
+  const FinishedUniforms<float>& finished = tile.finished;
+  const std::uint64_t offset = std::uint64_t{tile.at.index} * tiles_.most_pixels() * kPixelBytes;
+  if (wave.fuses() && !wave.dma_encodes()) {
+    PackGridSample::Ports<float> ports;
+    ports.lattice = {finished.first, finished.width, finished.inverse_width, 1, finished.pitch};
+    const Node packed = wave.launch<PackGridSample>(ports, tile.pixels);
+    wave.wait_all(packed, upsampled);
+    wave.put_packed(packed, offset);
+    return;
+  }
   AverageSamples::Ports<float> ports;
   ports.samples = ports.inverse_samples = 1;
-  ports.width = tile.finished.width;
-  ports.inverse_width = tile.finished.inverse_width;
+  ports.width = finished.width;
+  ports.inverse_width = finished.inverse_width;
   ports.grid = ports.inverse_grid = 1;
-  ports.first = tile.finished.first;
-  ports.pitch = tile.finished.pitch;
-  const Node shown = tile.wave.launch<AverageSamples>(ports, tile.pixels);
-  tile.wave.wait_all(shown, upsampled);
-  return shown;
+  ports.first = finished.first;
+  ports.pitch = finished.pitch;
+  const Node shown = wave.launch<AverageSamples>(ports, tile.pixels);
+  wave.wait_all(shown, upsampled);
+  wave.put_out(shown, offset);
 }
 
 }  // namespace kernels

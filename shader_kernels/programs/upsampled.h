@@ -16,7 +16,7 @@ namespace kernels {
 /// for some of the pixels, and filtered for the others (docs/design/effects.md).
 ///
 ///   per tile: generate_centred_rays -> shaded, but for those lights: lights, shares of some samples
-///                                      -> [halo] -> upsample_effects (per light) -> average_samples -> pack_colour
+///                                      -> [halo] -> upsample_effects (per light) -> pack_grid_sample
 ///
 /// A sample of the tile buffer is a pixel, halo included. What it keeps of light number l is `l` times all of them
 /// further on.
@@ -53,7 +53,8 @@ class UpsampledProgram final : public FrameProgram {
   Node upsample(Tile& tile) const;
   template <bool kCheckerboard>
   Node upsample(Tile& tile) const;
-  Node show(Tile& tile, Node upsampled) const;
+  /// Shows what the tile finishes, once it is upsampled.
+  void put_out(Tile& tile, Node upsampled) const;
 
   const RenderConfig config_;
   const SceneTables scene_;

@@ -43,8 +43,9 @@ void Wavefront::run(Node maker, std::uint32_t rays, const RetainedRecords& retai
     const std::uint32_t surfaces = classify(bounce);
     if (surfaces < bounce.rays && is_shaded()) shade_background(bounce, bounce.rays - surfaces);
     if (surfaces == 0) return;
-    const Streams streams =
-        lights_at_once(bounce) ? light_surfaces(bounce, surfaces) : shade_surfaces(bounce, surfaces);
+    const Streams streams = lights_at_once(bounce)                                 ? light_surfaces(bounce, surfaces)
+                            : rates(bounce) && scene_.fuses && !scene_.has_details ? fetch_visible(bounce, surfaces)
+                                                                                   : shade_surfaces(bounce, surfaces);
     is_shaded() ? shade(bounce, streams) : cast_shadows(bounce, streams);
     if (bounce.depth == std::min(scene_.depth, retained_.visible.depth)) return;
     bounce = send_on(bounce, streams);

@@ -212,6 +212,7 @@ class Wavefront {
   // wavefront_rated.cc
   /// Whether occlusion and soft shadows of the bounce's surfaces have a rate of their own.
   bool rates(const Bounce& bounce) const { return retained_.rated.are_rated && bounce.depth == 1; }
+  Streams fetch_visible(Bounce& bounce, std::uint32_t surfaces);
   Selected select_effects(const Bounce& bounce, std::uint32_t items);
   template <class K>
   void keep_light(const Bounce& bounce, typename K::template Ports<float>& ports, std::uint32_t layer,

@@ -4,6 +4,24 @@ namespace kernels {
 
 using traces::RayKind;
 
+/// Fetches first hits that have no details, and keeps their geometry.
+Wavefront::Streams Wavefront::fetch_visible(Bounce& bounce, std::uint32_t surfaces) {
+  Streams streams;
+  const Node fetched = with_surfaces([&]<bool kInstanced, bool kCones> {
+    typename FetchVisible<kInstanced, kCones>::template Ports<float> ports;
+    ports.eye = retained_.visible.eye;
+    ports.cone = cone_;
+    const Node node = launch<FetchVisible<kInstanced, kCones>>(ports, surfaces, bounce.lanes);
+    streams.take(ports_of<ClassifySurfaces>(ports));
+    return node;
+  });
+  wait_for_bounce(fetched, bounce);
+  wait_all(fetched, retained_.cleared);
+  buffer_.record_nodes.push_back(fetched);
+  bounce.inspector = fetched;
+  return streams;
+}
+
 /// Lists first hits that have rays for effects.
 Wavefront::Selected Wavefront::select_effects(const Bounce& bounce, std::uint32_t items) {
   const auto select = [&]<bool kCheckerboard> {

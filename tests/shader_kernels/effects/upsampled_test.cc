@@ -36,8 +36,10 @@ struct RatedStage {
     const traces::FrameRequirements needs = program->requirements();
     run_tiles(*program, tracer, record, [&](const TileResult& tile) {
       for (std::size_t k = 0; k < frame.rays.size(); ++k) frame.rays[k] += tile.rays[k];
-      for (const traces::WorkNode& node : tile.work.nodes) {
-        if (!record || node.kind != traces::WorkNode::Kind::kTransfer) continue;
+      for (std::uint32_t n = 0; record && n < tile.work.nodes.size(); ++n) {
+        const traces::WorkNode& node = tile.work.nodes[n];
+        for (const traces::Edge& edge : node.inputs) EXPECT_LT(edge.node, n);
+        if (node.kind != traces::WorkNode::Kind::kTransfer) continue;
         EXPECT_LE(node.offset + node.items, needs.region_bytes[static_cast<std::size_t>(node.region)]);
         if (node.region == traces::Region::kSamples)
           (node.to_memory ? frame.samples_out : frame.samples_in) += node.items;

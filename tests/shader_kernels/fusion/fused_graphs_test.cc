@@ -100,6 +100,11 @@ constexpr Hand kFusedByHand[] = {
     {"fetch_lit_occlusion_instanced", {46, 80, 5, 11, 11, 10, 48, 4, 4, 12, 3}},
     {"fetch_lit_occlusion_cones", {46, 74, 7, 13, 11, 10, 45, 2, 4, 12, 2}},
     {"fetch_lit_occlusion_cones_instanced", {52, 85, 7, 13, 11, 10, 51, 4, 4, 12, 3}},
+    // Once each of surfaces; places and mattes are in registers.
+    {"fetch_visible", {24, 36, 2, 1, 6, 6, 11, 0, 4, 10, 2}},
+    {"fetch_visible_instanced", {30, 47, 2, 1, 6, 6, 17, 2, 4, 10, 3}},
+    {"fetch_visible_cones", {30, 41, 4, 3, 6, 6, 14, 0, 4, 10, 2}},
+    {"fetch_visible_cones_instanced", {36, 52, 4, 3, 6, 6, 20, 2, 4, 10, 3}},
 };
 
 TEST(FusedGraphs, OperationsAreThoseOfThePartsLessWhatIsShared) {
