@@ -46,6 +46,7 @@
 #include "shader_kernels/kernels/record_visible.h"
 #include "shader_kernels/kernels/rotated_grid.h"
 #include "shader_kernels/kernels/scatter_layers.h"
+#include "shader_kernels/kernels/select_effects.h"
 #include "shader_kernels/kernels/settle_subpixels.h"
 #include "shader_kernels/kernels/shade_ambient.h"
 #include "shader_kernels/kernels/shade_background.h"
@@ -68,6 +69,7 @@
 #include "shader_kernels/kernels/test_alpha.h"
 #include "shader_kernels/kernels/test_shadow.h"
 #include "shader_kernels/kernels/test_subpixels.h"
+#include "shader_kernels/kernels/upsample_effects.h"
 #include "shader_kernels/kernels/weigh_centres.h"
 #include "traces/stream.h"
 
@@ -113,7 +115,8 @@ using AllKernels = std::tuple<
     ListContrasts<1>, ListContrasts<2>, GenerateContrastRays, AverageContrasts<0>, AverageContrasts<1>,
     AverageContrasts<2>,
     // Effects of a frame.
-    ShadeOpen, ShadeSoft, CastOcclusion,
+    ShadeOpen, ShadeSoft, CastOcclusion, ClearEffects, GenerateCentredRays, SelectEffects<false>, SelectEffects<true>,
+    ShadeSoftShare, CastOcclusionShare, CombineRatio, UpsampleEffects<false>, UpsampleEffects<true>,
     // Fused.
     FetchSurface<false>, FetchSurface<true>, LightSurface, LightSurfaceGeometry<false>, LightSurfaceGeometry<true>,
     LightSurfaceKept<false>, LightSurfaceKept<true>, LightSurfaceSecondary<false>, LightSurfaceSecondary<true>,
@@ -132,7 +135,8 @@ using AllKernels = std::tuple<
     CombineRecordVisibleShadow, LightSurfaceOpen, LightSurfaceSoft, LightSurfaceOcclusion, FetchLitOpen<false, false>,
     FetchLitOpen<true, false>, FetchLitOpen<false, true>, FetchLitOpen<true, true>, FetchLitSoft<false, false>,
     FetchLitSoft<true, false>, FetchLitSoft<false, true>, FetchLitSoft<true, true>, FetchLitOcclusion<false, false>,
-    FetchLitOcclusion<true, false>, FetchLitOcclusion<false, true>, FetchLitOcclusion<true, true>>;
+    FetchLitOcclusion<true, false>, FetchLitOcclusion<false, true>, FetchLitOcclusion<true, true>,
+    FetchVisible<false, false>, FetchVisible<true, false>, FetchVisible<false, true>, FetchVisible<true, true>>;
 
 template <class K, class... Ks>
 constexpr traces::KernelId index_in(std::type_identity<std::tuple<Ks...>>) {

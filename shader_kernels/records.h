@@ -202,6 +202,17 @@ struct VisibleRecord {
 // sample that sends no ray that way, of a pixel outside the picture.
 inline constexpr float kMissDepth = 1e9F, kNoBranchDepth = -1e9F, kOutsideDepth = -3e9F;
 
+/// Share of a light's light that reaches a sample, by rays: what they brought, of what they would have unstopped.
+template <class V>
+struct RatioRecord {
+  Vec3<V> rgb;
+  F<V> found;  ///< about 1; 0 if there were no rays
+  static void fields(auto& r, auto&& field) {
+    field(NAMED(r.rgb));
+    field(NAMED(r.found));
+  }
+};
+
 /// Surface that a sample keeps of its first hit if it is to be interpolated and then shaded.
 template <class V>
 struct SurfaceRecord {

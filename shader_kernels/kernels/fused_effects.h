@@ -3,6 +3,7 @@
 
 #include "shader_kernels/kernels/cast_occlusion.h"
 #include "shader_kernels/kernels/fused.h"
+#include "shader_kernels/kernels/record_visible.h"
 #include "shader_kernels/kernels/shade_open.h"
 #include "shader_kernels/kernels/shade_soft.h"
 
@@ -51,6 +52,14 @@ struct FetchLitOcclusion : FetchedAndLitBy<kInstanced, kCones, CastOcclusion> {
       by_surface<kInstanced, kCones>("fetch_lit_occlusion", "fetch_lit_occlusion_instanced",
                                      "fetch_lit_occlusion_cones", "fetch_lit_occlusion_cones_instanced");
   static constexpr std::string_view kMeaning = "shade_surface, light_surface_occlusion";
+};
+
+/// Surfaces without details whose light is kept for an upsampling.
+template <bool kInstanced, bool kCones>
+struct FetchVisible : Fused<ShadeSurface<kInstanced, kCones>, ClassifySurfaces, RecordVisible> {
+  static constexpr std::string_view kName = by_surface<kInstanced, kCones>(
+      "fetch_visible", "fetch_visible_instanced", "fetch_visible_cones", "fetch_visible_cones_instanced");
+  static constexpr std::string_view kMeaning = "shade_surface, classify_surfaces, record_visible";
 };
 
 }  // namespace kernels

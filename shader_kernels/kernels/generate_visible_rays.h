@@ -84,6 +84,19 @@ struct GenerateShadedRays {
   }
 };
 
+struct GenerateCentredRays {
+  static constexpr std::string_view kName = "generate_centred_rays";
+  static constexpr std::string_view kMeaning = "pixel -> primary ray of its centre, whose geometry is kept";
+  template <class V>
+  using Ports = GenerateShadedRays::Ports<V>;
+  template <class V>
+  static void body(const I<V>& item, Ports<V>& at) {
+    const I<V> pixel = lattice_sample<V>(item, at.lattice);
+    emit_visible<V>(item, pixel, pixel, F<V>(0.5F), F<V>(0.5F), at);
+    at.colours.store(pixel, {{0.0F, 0.0F, 0.0F}});
+  }
+};
+
 /// Three items a pixel.
 struct GenerateVisibleRays {
   static constexpr std::string_view kName = "generate_visible_rays";

@@ -22,11 +22,12 @@ struct DrawnPoint {
   F<V> x, y;
 };
 
-/// The hash is that of the surface's position, which is the same bits whatever tile or order a sample belongs to.
+/// The hash is that of the ray that found the surface. A primary ray has the same bits whatever tile or order its
+/// sample belongs to, and whoever traces it.
 template <class V>
-DrawnPoint<V> drawn(const Vec3<V>& position, const DrawUniforms<V>& draw) {
-  const I<V> key = (bits_of(position.x) * 0x9e3779b1U) ^ (bits_of(position.y) * 0x85ebca77U) ^
-                   (bits_of(position.z) * 0xc2b2ae3dU) ^ draw.seed;
+DrawnPoint<V> drawn(const Vec3<V>& direction, const DrawUniforms<V>& draw) {
+  const I<V> key = (bits_of(direction.x) * 0x9e3779b1U) ^ (bits_of(direction.y) * 0x85ebca77U) ^
+                   (bits_of(direction.z) * 0xc2b2ae3dU) ^ draw.seed;
   const I<V> first = scrambled<V>(key);
   const F<V> x = unit_float<V>(first) + draw.x;
   const F<V> y = unit_float<V>(scrambled<V>(first ^ 0x9e3779b9U)) + draw.y;

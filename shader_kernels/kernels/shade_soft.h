@@ -19,23 +19,30 @@ struct DiscUniforms {
   }
 };
 
+template <class V>
+struct ShadeDiscPorts : ShadeDiffuse::Ports<V> {
+  Local<V, RayRecord> rays;
+  DiscUniforms<V> disc;
+  DrawUniforms<V> draw;
+  static void describe(auto& p, auto&& port) {
+    ShadeDiffuse::Ports<V>::describe(p, port);
+    port(NAMED(p.rays));
+    DiscUniforms<V>::describe(p.disc, port);
+    DrawUniforms<V>::describe(p.draw, port);
+  }
+};
+
 /// In place of shade_diffuse where shadows are soft: one launch per light and ray. Rays go to points of the light's
 /// disc, and end one radius before it: so they never reach into the lamp that it stands for. The light is that of the
-/// disc's centre.
-struct ShadeSoft {
-  static constexpr std::string_view kName = "shade_soft";
+/// disc's centre. With kShareAlone rays bring their share alone, of light that samples know.
+template <bool kShareAlone>
+struct ShadeDisc {
+  static constexpr std::string_view kName = kShareAlone ? "shade_soft_share" : "shade_soft";
   static constexpr std::string_view kMeaning =
-      "diffuse surface, one light -> shadow ray to a point of it, with a share of its light";
+      kShareAlone ? "diffuse surface, one light -> shadow ray to a point of it, with its share"
+                  : "diffuse surface, one light -> shadow ray to a point of it, with a share of its light";
   template <class V>
-  struct Ports : ShadeDiffuse::Ports<V> {
-    DiscUniforms<V> disc;
-    DrawUniforms<V> draw;
-    static void describe(auto& p, auto&& port) {
-      ShadeDiffuse::Ports<V>::describe(p, port);
-      DiscUniforms<V>::describe(p.disc, port);
-      DrawUniforms<V>::describe(p.draw, port);
-    }
-  };
+  using Ports = ShadeDiscPorts<V>;
   template <class V>
   static void body(const I<V>& item, Ports<V>& at) {
     shade<V>(at.diffuse.load(item).word, AllItems{}, at);
@@ -47,15 +54,22 @@ struct ShadeSoft {
     const PathRecord<V> path = at.paths.load(slot);
     const auto [to_light, inverse_distance, light] =
         diffuse_light<V>(point, path, at.mattes.load(slot).diffuse, at.light);
-    const DrawnPoint<V> aim = on_disc<V>(drawn<V>(point.position, at.draw));
+    const DrawnPoint<V> aim = on_disc<V>(drawn<V>(at.rays.load(slot).direction, at.draw));
     const Vec3<V> direction = to_light + at.disc.across_x * aim.x + at.disc.across_y * aim.y;
 
     const I<V> out = at.emitted.next(both_of<V>(mask, F<V>(0.0F) < largest(light)));
     const F<V> t_min = at.epsilon * inverse_distance;
     const F<V> before = max(at.disc.radius * inverse_distance, t_min);
     at.shadow_rays.store(out, {point.position, t_min, direction, at.light.reach - before});
-    at.shadow_paths.store(out, {light * at.disc.share, path.sample});
+    const F<V>& share = at.disc.share;
+    if constexpr (kShareAlone) {
+      at.shadow_paths.store(out, {{share, share, share}, path.sample});
+    } else {
+      at.shadow_paths.store(out, {light * share, path.sample});
+    }
   }
 };
+using ShadeSoft = ShadeDisc<false>;
+using ShadeSoftShare = ShadeDisc<true>;
 
 }  // namespace kernels

@@ -12,6 +12,7 @@
 #include "shader_kernels/programs/full.h"
 #include "shader_kernels/programs/geometry_pass.h"
 #include "shader_kernels/programs/reconstruct/reconstruct.h"
+#include "shader_kernels/programs/upsampled.h"
 #include "sim/error.h"
 
 namespace kernels {
@@ -28,7 +29,20 @@ void check_undersampled(const Effects& effects) {
   }
 }
 
+/// Programs but full:1 have no filter for effects at a lower rate.
+void check_rate(const ProgramSpec& spec, EffectRate rate) {
+  if (rate == EffectRate::kFull || (spec.kind == ProgramSpec::Kind::kFull && spec.samples == 1)) return;
+  throw sim::InputError(fmt::format(
+      "render.effect_rate: {}: the program {} has effects at every sample; allowed: full, or the program full:1",
+      names_of(rate)[static_cast<std::size_t>(rate)], spec.name()));
+}
+
 std::unique_ptr<FrameProgram> make_plain(const ProgramSpec& spec, const Frame& f) {
+  check_rate(spec, f.render.effect_rate);
+  if (f.render.effect_rate != EffectRate::kFull && f.render.has_rated_effects()) {
+    return std::make_unique<UpsampledProgram>(f.image, f.camera, f.render, f.programs.reconstruct, f.scene_size,
+                                              f.number);
+  }
   switch (spec.kind) {
     case ProgramSpec::Kind::kMultirate:
       return std::make_unique<MultirateProgram>(f.image, f.camera, f.render, f.programs.multirate,
@@ -58,6 +72,7 @@ std::uint32_t side_of_tile(const ProgramSpec& spec, const Frame& f) {
   using Kind = ProgramSpec::Kind;
   const bool has_four = spec.kind == Kind::kReconstruct || spec.kind == Kind::kSraa;
   if (has_four || spec.kind == Kind::kSupersample) grid = 2;  // samples, sub-pixels
+  if (f.render.effect_rate != EffectRate::kFull) grid = 2;
   if (spec.kind == ProgramSpec::Kind::kUndersample) grid = f.programs.undersample.grid();
   return std::max(1U, f.render.tile / grid);
 }

@@ -28,7 +28,10 @@ nlohmann::ordered_json plain_report(Inputs inputs, const JobOptions& options, Pr
   if (!options.reference.empty()) reference.emplace(options.reference, inputs);
   const auto simulated = [&](Program& p) {
     return simulate(inputs, p.spec, options.threads,
-                    {.rates = &p.rates, .progress = progress, .replicates = options.replicates});
+                    {.rates = &p.rates,
+                     .progress = progress,
+                     .reference = reference && &p == &*reference,
+                     .replicates = options.replicates});
   };
   Outcome out;
   while (true) {

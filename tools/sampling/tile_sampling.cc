@@ -146,10 +146,15 @@ void take(Estimates&& estimates, const Inputs& inputs, const SampledRun& run, Sa
   sampled.counters = std::move(estimates.counters);
 }
 
-void check_primary(const kernels::RenderConfig& render) {
-  if (render.primary == kernels::Primary::kRays) return;
-  throw sim::InputError(
-      "--tile-sampling: a rasteriser's geometry pass is no part that tiles stand for; allowed: render.primary=rays");
+void check_render(const kernels::RenderConfig& render) {
+  if (render.primary != kernels::Primary::kRays) {
+    throw sim::InputError(
+        "--tile-sampling: a rasteriser's geometry pass is no part that tiles stand for; allowed: render.primary=rays");
+  }
+  if (render.effect_rate != kernels::EffectRate::kFull) {
+    throw sim::InputError(
+        "--tile-sampling: tiles wait for what effects found in others; allowed: render.effect_rate=full");
+  }
 }
 
 }  // namespace
@@ -183,7 +188,7 @@ void check_tile_sampling(const kernels::ProgramSpec& program) {
 
 Simulation simulate_sampled(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
                             const TileSampling& sampling, Progress* progress) {
-  check_primary(inputs.config.render);
+  check_render(inputs.config.render);
   const sim::HostClock::time_point begin = sim::HostClock::now();
   const traces::BvhTracer tracer(inputs.image);
   const Pilot pilot = look_at_all(inputs, program, tracer, threads, progress);

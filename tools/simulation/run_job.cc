@@ -72,12 +72,19 @@ class Recording final : public hw::TileSource {
   std::optional<KeptWork> kept_;
 };
 
+/// The picture to render. What it is compared with has effects at the full rate.
+kernels::RenderConfig render_of(const Inputs& inputs, bool is_reference) {
+  kernels::RenderConfig render = inputs.config.render;
+  if (is_reference) render.effect_rate = kernels::EffectRate::kFull;
+  return render;
+}
+
 /// A frame program for the frame that `inputs` stand at.
 struct Program {
   Program(const Inputs& inputs, const kernels::ProgramSpec& spec, const Extras& extras)
       : first(inputs.config.programs.multirate),
         frame(kernels::make_program(
-            spec, {inputs.image, inputs.camera, inputs.config.render, inputs.config.programs,
+            spec, {inputs.image, inputs.camera, render_of(inputs, extras.reference), inputs.config.programs,
                    extras.rates != nullptr ? *extras.rates : first, inputs.frame, inputs.scene_size})) {
     if (extras.marks) frame->keep_marks();
   }

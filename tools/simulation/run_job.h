@@ -114,12 +114,12 @@ struct Extras {
   bool keep_part = false;             ///< an interrupt leaves the finished tiles, if there are any
   Progress* progress = nullptr;
   traces::TraceWriter* trace = nullptr;  ///< gets the frame's work, if somebody wants it
-  bool reference = false;                ///< for the trace: this is what others are compared with
-  sim::Intervals* intervals = nullptr;   ///< gets what the machine did over time, if somebody wants it
-  RunWatcher* watcher = nullptr;         ///< looks at the frame while it is played
-  std::uint32_t replicates = 1;          ///< plays of the work, of which the first is not perturbed
-  bool itemised = false;                 ///< what each tile and pixel took is kept
-  hw::Watchers watchers = {};            ///< those of the machine
+  bool reference = false;  ///< this is what others are compared with: a part of the trace, effects at the full rate
+  sim::Intervals* intervals = nullptr;  ///< gets what the machine did over time, if somebody wants it
+  RunWatcher* watcher = nullptr;        ///< looks at the frame while it is played
+  std::uint32_t replicates = 1;         ///< plays of the work, of which the first is not perturbed
+  bool itemised = false;                ///< what each tile and pixel took is kept
+  hw::Watchers watchers = {};           ///< those of the machine
 };
 
 /// Runs a frame program on the machine.

@@ -28,9 +28,8 @@ ReconstructProgram::ReconstructProgram(const traces::MemoryImage& image, const t
              reconstruct.radius),  // pixels have four samples, two along a side
       order_(tiles_.tiles().order(reconstruct.halo)),
       frame_(frame),
-      depth_scale_(static_cast<float>(reconstruct.depth_factor * reconstruct.scene_side / scene_size)),
-      bend_(static_cast<float>(reconstruct.normal_weight == NormalWeight::kFactor ? reconstruct.normal_sigma
-                                                                                  : 1 / reconstruct.normal_sigma)) {
+      depth_scale_(reconstruct.depth_scale(scene_size)),
+      bend_(reconstruct.bend()) {
   if (!filters_apart() || !has_geometry() || config.depth == 1) return;
   const std::uint32_t flags = flags_of(image);
   // Glass mirrors, too.
@@ -97,9 +96,7 @@ VisibleSamples ReconstructProgram::records(bool are_shaded) const {
   records.mirrored = mirrors_ * layer();
   records.refracted = glass_ * layer();
   if (!are_shaded) records.depth = layers_ > 1 ? 2 : 1;
-  const Vec3<float> forward = camera_.corner + camera_.right * (0.5F * static_cast<float>(config_.width)) +
-                              camera_.down * (0.5F * static_cast<float>(config_.height));
-  records.eye = {camera_.origin, normalised(forward) * depth_scale_};
+  records.eye = eye_uniforms(camera_, config_.width, config_.height, depth_scale_);
   records.depth_scale = depth_scale_;
   return records;
 }

@@ -43,6 +43,11 @@ struct ReconstructConfig : AdaptiveConfig {
           sim::between(-1, 1), Affects::kFunction);
     AdaptiveConfig::describe(c, field);
   }
+  /// Depth of a length, in units of the filter.
+  float depth_scale(float scene_size) const { return static_cast<float>(depth_factor * scene_side / scene_size); }
+  float bend() const {
+    return static_cast<float>(normal_weight == NormalWeight::kFactor ? normal_sigma : 1 / normal_sigma);
+  }
   void check(auto&& complain) const {
     if (colour < 0 && colour != -1) complain("colour", "lies between -1 and 0; a threshold is 0 to 1, or -1: never");
     if (colour >= 0 && radius == 0) complain("colour", "compares with shaded samples around: radius must be 1 or 2");

@@ -34,6 +34,10 @@ constexpr std::array<std::string_view, 2> names_of(MipBlend) { return {"nearest"
 enum class SrgbEncoder : std::uint8_t { kKernel, kDma };
 constexpr std::array<std::string_view, 2> names_of(SrgbEncoder) { return {"kernel", "dma"}; }
 
+/// Pixels whose first hits have rays for occlusion and soft shadows: all, one of 2 x 2, or every other one.
+enum class EffectRate : std::uint8_t { kFull, kHalf, kCheckerboard };
+constexpr std::array<std::string_view, 3> names_of(EffectRate) { return {"full", "half", "checkerboard"}; }
+
 enum class Fusion : std::uint8_t { kOff, kOn };
 constexpr std::array<std::string_view, 2> names_of(Fusion) { return {"off", "on"}; }
 
@@ -53,6 +57,7 @@ struct RenderConfig {
   Primary primary = Primary::kRays;
   traces::RasterConfig raster;
   std::string effects = "shadows, reflections, refractions";
+  EffectRate effect_rate = EffectRate::kFull;
   std::uint32_t occlusion_rays = 4;
   double occlusion_distance = 0.1;
   std::uint32_t shadow_rays = 4;
@@ -115,6 +120,11 @@ struct RenderConfig {
           "what rays are traced for behind what samples see first, between commas, or none: shadows, reflections, "
           "refractions, occlusion (of ambient light), soft_shadows (in place of shadows)",
           sim::any(), Affects::kFunction);
+    field(
+        NAMED(c.effect_rate), "",
+        "pixels whose first hits have rays for occlusion and soft_shadows: all, one of 2 x 2, or every other one; the "
+        "others take what those around have found, by depth and normal",
+        sim::any(), Affects::kFunction);
     field(NAMED(c.occlusion_rays), "rays", "of each diffuse surface, with the effect occlusion", sim::between(1, 64),
           Affects::kFunction);
     field(NAMED(c.occlusion_distance), "scene diagonals", "how far away a surface occludes ambient light",
@@ -125,11 +135,19 @@ struct RenderConfig {
           "radius of every light's disc, with the effect soft_shadows; directional lights are a diagonal away",
           sim::between(0, 1), Affects::kFunction);
   }
+  /// Whether there are effects that may have a lower rate.
+  bool has_rated_effects() const {
+    const Effects all = parse_effects(effects);
+    return all.has(Effect::kOcclusion) || all.has(Effect::kSoftShadows);
+  }
   void check(auto&& complain) const {
     try {
       parse_effects(effects);
     } catch (const sim::InputError& error) {
-      complain("effects", error.what());
+      return complain("effects", error.what());
+    }
+    if (effect_rate != EffectRate::kFull && !has_rated_effects()) {
+      complain("effect_rate", "is that of occlusion and soft_shadows, and effects has neither; allowed: full");
     }
   }
 };

@@ -23,12 +23,20 @@ struct VisibleSamples {
   }
 };
 
+/// Effects of first hits that some samples alone have rays for (kernels/upsample_effects.h).
+struct RatedEffects {
+  bool are_rated = false;
+  std::uint32_t layer = 0;     ///< samples between what one keeps of one light and of the next
+  GridUniforms<float> grid{};  ///< pixels of the tile buffer
+};
+
 /// Records of their hits that samples keep, beside their colour.
 struct RetainedRecords {
   bool geometry = false, surfaces = false;  ///< the first hit's: geometry alone, or all that shading needs
   bool secondary = false;
   bool traits = false;  ///< those of the first hit and of the secondary one that carries most
   VisibleSamples visible{};
+  RatedEffects rated{};
   StreamBuilder::Node cleared = StreamBuilder::kNone,
                       cleared_secondary = StreamBuilder::kNone;  ///< launches that began them
 };

@@ -34,6 +34,13 @@ ConeUniforms<float> cone_uniforms(const CameraUniforms<float>& camera, std::uint
   return {camera.origin, sqrt(dot(camera.down, camera.down)) / static_cast<float>(grid)};
 }
 
+EyeUniforms<float> eye_uniforms(const CameraUniforms<float>& camera, std::uint32_t width, std::uint32_t height,
+                                float depth_scale) {
+  const Vec3<float> forward = camera.corner + camera.right * (0.5F * static_cast<float>(width)) +
+                              camera.down * (0.5F * static_cast<float>(height));
+  return {camera.origin, normalised(forward) * depth_scale};
+}
+
 LightUniforms<float> light_uniforms(const traces::Light& light) {
   using Kind = traces::Light::Kind;
   const bool local = light.kind != Kind::kDirectional;
@@ -116,6 +123,7 @@ SceneTables::SceneTables(const traces::MemoryImage& memory_image, const RenderCo
   has_secondary = (flags & traces::kBlended) != 0 || (refracts && (flags & traces::kGlass) != 0) ||
                   (reflects && (flags & (traces::kMirror | traces::kGlass | traces::kPhysical)) != 0);
   occlusion_rays = effects.has(Effect::kOcclusion) ? config.occlusion_rays : 0;
+  is_checkerboard = config.effect_rate == EffectRate::kCheckerboard;
   const bool is_soft = effects.has(Effect::kSoftShadows);
   shadow_rays = is_soft ? config.shadow_rays : effects.has(Effect::kShadows) ? 1 : 0;
   has_textures = (flags & (traces::kTextured | traces::kOccluded)) != 0;

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "shader_kernels/kernels/record_visible.h"
 #include "shader_kernels/kernels/sampling.h"
 #include "shader_kernels/kernels/shade_soft.h"
 #include "shader_kernels/kernels/uniforms.h"
@@ -17,6 +18,9 @@ namespace kernels {
 CameraUniforms<float> camera_uniforms(const traces::Camera& camera, std::uint32_t width, std::uint32_t height);
 /// Cones of rays, of which a pixel has grid x grid: as wide as a cell of the pixel is in the middle of the picture.
 ConeUniforms<float> cone_uniforms(const CameraUniforms<float>& camera, std::uint32_t grid);
+/// The eye of a picture, for depths in units of which a length of the scene has `depth_scale`.
+EyeUniforms<float> eye_uniforms(const CameraUniforms<float>& camera, std::uint32_t width, std::uint32_t height,
+                                float depth_scale);
 LightUniforms<float> light_uniforms(const traces::Light& light);
 /// A light as a disc across its direction; `radius` in scene diagonals.
 DiscUniforms<float> disc_uniforms(const traces::Light& light, float radius, float diagonal, std::uint32_t rays);
@@ -46,6 +50,7 @@ struct SceneTables {
   Effects effects;
   std::uint32_t occlusion_rays;  ///< per surface; 0: ambient light is not occluded
   std::uint32_t shadow_rays;     ///< per surface and light; 0: there are no shadows
+  bool is_checkerboard;          ///< RenderConfig::effect_rate
   bool has_details;              ///< some surface goes into a stream of classify_details
   bool dma_encodes;              ///< RenderConfig::srgb
   bool diverges;                 ///< RenderConfig::streams
@@ -58,6 +63,10 @@ struct SceneTables {
   std::uint32_t solid_shadow;    ///< largest triangle word of a shadow ray's hit that needs no test
   /// Whether surfaces have ambient light that nothing occludes and hard shadows.
   bool lights_as_usual() const { return occlusion_rays == 0 && shadow_rays == 1 && discs.empty(); }
+  /// Lights, ambient light among them, of effects that may have a lower rate.
+  std::uint32_t rated_lights() const {
+    return (occlusion_rays != 0 ? 1 : 0) + static_cast<std::uint32_t>(discs.size());
+  }
   /// Launches that bring the light of one light.
   std::uint32_t rays_to_light() const { return std::max(1U, shadow_rays); }
   /// Names the arrays as the kernels' ports do.

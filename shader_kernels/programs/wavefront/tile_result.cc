@@ -74,6 +74,14 @@ void TileBuffer::hold_visible(std::size_t count, std::size_t pixels) {
   grow(masters, pixels + 1);
 }
 
+void TileBuffer::hold_rated(std::size_t count, std::size_t light_count) {
+  grow(visible, count);
+  grow(colours, count);
+  grow(passed, count + 1);
+  grow(lights, count * light_count);
+  grow(ratios, count * light_count);
+}
+
 glm::vec3 TileResult::colour(std::uint32_t sample) const {
   const Vec3<float>& rgb = buffer.colours[sample].rgb;
   return glm::clamp(glm::vec3(rgb.x, rgb.y, rgb.z), 0.0F, 1.0F);

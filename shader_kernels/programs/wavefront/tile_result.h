@@ -59,6 +59,8 @@ struct TileBuffer {
   std::vector<ColourRecord<float>> shown;     ///< by them
   std::vector<PixelWork> pixel_work;          ///< per sample, if anybody wants to know
   std::vector<VisibleRecord<float>> visible;  ///< those of reconstruct's samples
+  std::vector<ColourRecord<float>> lights;    ///< those of samples whose effects have a lower rate
+  std::vector<RatioRecord<float>> ratios;     ///< how much of these comes
   std::vector<std::uint32_t> record_nodes;    ///< launches of the work that have added to what samples keep
   std::vector<std::uint32_t> colour_nodes;    ///< launches of the work that have added to colours
   std::vector<traces::WorkNode> spare_nodes;
@@ -81,6 +83,7 @@ struct TileBuffer {
     array(NAMED(b.traits)), array(NAMED(b.branches));
     array(NAMED(b.active)), array(NAMED(b.masters)), array(NAMED(b.fills));
     array(NAMED(b.states)), array(NAMED(b.shown)), array(NAMED(b.visible));
+    array(NAMED(b.lights)), array(NAMED(b.ratios));
   }
   void hold_wave(std::size_t slots);
   void hold_details(std::size_t slots);
@@ -90,6 +93,8 @@ struct TileBuffer {
   void hold_subpixels(std::size_t centres, std::size_t pixels);
   /// Samples of reconstruct, `pixels` of which may be listed.
   void hold_visible(std::size_t count, std::size_t pixels);
+  /// Samples whose effects have a lower rate, with so many lights.
+  void hold_rated(std::size_t count, std::size_t light_count);
 };
 
 /// A sample as post-correction sees it.

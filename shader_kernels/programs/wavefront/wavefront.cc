@@ -43,8 +43,9 @@ void Wavefront::run(Node maker, std::uint32_t rays, const RetainedRecords& retai
     const std::uint32_t surfaces = classify(bounce);
     if (surfaces < bounce.rays && is_shaded()) shade_background(bounce, bounce.rays - surfaces);
     if (surfaces == 0) return;
-    const Streams streams =
-        lights_at_once(bounce) ? light_surfaces(bounce, surfaces) : shade_surfaces(bounce, surfaces);
+    const Streams streams = lights_at_once(bounce)                                 ? light_surfaces(bounce, surfaces)
+                            : rates(bounce) && scene_.fuses && !scene_.has_details ? fetch_visible(bounce, surfaces)
+                                                                                   : shade_surfaces(bounce, surfaces);
     is_shaded() ? shade(bounce, streams) : cast_shadows(bounce, streams);
     if (bounce.depth == std::min(scene_.depth, retained_.visible.depth)) return;
     bounce = send_on(bounce, streams);
@@ -55,7 +56,7 @@ void Wavefront::shade(Bounce& bounce, const Streams& streams) {
   if (streams.textured != 0) shade_textured(bounce, streams.textured);
   if (streams.emissive != 0) shade_emission(bounce, streams.emissive);
   if (streams.glowing != 0) shade_glow(bounce, streams.glowing);
-  if (streams.diffuse != 0) shade_local(bounce, streams);
+  if (streams.diffuse != 0) rates(bounce) ? shade_rated(bounce, streams) : shade_local(bounce, streams);
 }
 
 Wavefront::Batch Wavefront::trace(RayKind kind, RaySlots& slots, std::uint32_t first, std::uint32_t count, Node maker,

@@ -1,5 +1,4 @@
 #pragma once
-#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -10,6 +9,7 @@
 #include "shader_kernels/programs/wavefront/scene_tables.h"
 #include "shader_kernels/programs/wavefront/stream_builder.h"
 #include "shader_kernels/programs/wavefront/tile_result.h"
+#include "shader_kernels/programs/wavefront/wave_bounce.h"
 #include "traces/tracer.h"
 
 namespace kernels {
@@ -137,40 +137,13 @@ class Wavefront {
   void finish();
 
  private:
-  /// Rays that have been traced.
-  struct Batch {
-    Node rays = StreamBuilder::kNone;
-    Node settled = StreamBuilder::kNone;  ///< the launch that has put the last hit into its slot, if any ray went on
-  };
-  /// Nodes that the launches of a bounce wait for.
-  struct Bounce {
-    std::uint32_t rays = 0;
-    std::uint32_t depth = 1;
-    std::uint32_t lanes = 0, padding = 0;       ///< as for launch()
-    std::uint32_t mirrored = 0, refracted = 0;  ///< first slots of rays that were; those before went straight on
-    Node recorded = StreamBuilder::kNone;       ///< the launch that keeps its geometry
-    Node begun = StreamBuilder::kNone;          ///< the launch that gave its rays samples of their own
-    Node after = StreamBuilder::kNone;          ///< the last launch of the bounce before that changes colours
-    std::array<Batch, 3> batches{};
-    std::uint32_t batch_count = 0;
-    bool is_single = true;                  ///< no sample has two of its rays
-    Node inspector = StreamBuilder::kNone;  ///< fills the streams
-    Node colours = StreamBuilder::kNone;    ///< makes the base colours, if nothing before the inspector did
-  };
-  struct Streams {
-    std::uint32_t textured = 0, diffuse = 0, mirror = 0, glass = 0, emissive = 0;
-    bool has_lit = false;  ///< diffuse surfaces have their ambient and first light, but for those listed for later
-    std::uint32_t later = 0;
-    std::uint32_t unlit() const { return has_lit ? later : diffuse; }  ///< diffuse surfaces that have no light yet
-    std::uint32_t blended = 0, glowing = 0, occluded = 0;              ///< streams of classify_details
-    void take(const ClassifySurfaces::Ports<float>& sorted);
-    /// Streams of a kernel that lights surfaces at once.
-    template <class P>
-    void take_lit(P& ports) {
-      take(ports_of<ClassifySurfaces>(ports));
-      has_lit = true;
-      later = ports_of<ListLater>(ports).later_count.value;
-    }
+  using Batch = TracedBatch;
+  using Bounce = WaveBounce;
+  using Streams = WaveStreams;
+  /// First hits that have rays for effects, and the launch that lists them.
+  struct Selected {
+    Node node = StreamBuilder::kNone;
+    std::uint32_t items = 0;
   };
 
   /// Traces rays and those that go on behind what turns out not to be solid.
@@ -223,7 +196,7 @@ class Wavefront {
   void shade_light(const Bounce& bounce, std::uint32_t light, std::uint32_t ray, std::vector<std::uint32_t>& stream,
                    std::uint32_t items);
   // wavefront_effects.cc
-  void bind_occlusion(CastOcclusion::Ports<float>& ports, std::uint32_t ray) const;
+  void bind_occlusion(CastAmbientPorts<float>& ports, std::uint32_t ray) const;
   void bind_soft(ShadeSoft::Ports<float>& ports, std::uint32_t light, std::uint32_t ray) const;
   void cast_occlusion(const Bounce& bounce, std::uint32_t ray, std::vector<std::uint32_t>& stream, std::uint32_t items);
   void shade_open(const Bounce& bounce, std::uint32_t light, std::vector<std::uint32_t>& stream, std::uint32_t items);
@@ -236,6 +209,18 @@ class Wavefront {
   void record_hits(Bounce& bounce, std::uint32_t surfaces);
   template <bool kAfter>
   Node record_local(const Bounce& bounce, std::vector<std::uint32_t>& stream, std::uint32_t items);
+  // wavefront_rated.cc
+  /// Whether occlusion and soft shadows of the bounce's surfaces have a rate of their own.
+  bool rates(const Bounce& bounce) const { return retained_.rated.are_rated && bounce.depth == 1; }
+  Streams fetch_visible(Bounce& bounce, std::uint32_t surfaces);
+  Selected select_effects(const Bounce& bounce, std::uint32_t items);
+  template <class K>
+  void keep_light(const Bounce& bounce, typename K::template Ports<float>& ports, std::uint32_t layer,
+                  std::uint32_t items);
+  template <class K>
+  void find_share(const Bounce& bounce, typename K::template Ports<float>& ports, float share, std::uint32_t layer,
+                  const Selected& selected);
+  void shade_rated(const Bounce& bounce, const Streams& streams);
   // wavefront_fused.cc
   bool lights_at_once(const Bounce& bounce) const;
   Streams light_surfaces(Bounce& bounce, std::uint32_t surfaces);

@@ -18,7 +18,7 @@ DrawUniforms<float> draw(std::uint32_t n, std::uint32_t count, std::uint32_t see
 
 }  // namespace
 
-void Wavefront::bind_occlusion(CastOcclusion::Ports<float>& ports, std::uint32_t ray) const {
+void Wavefront::bind_occlusion(CastAmbientPorts<float>& ports, std::uint32_t ray) const {
   ports.ambient = scene_.ambient * (1.0F / static_cast<float>(scene_.occlusion_rays));
   ports.epsilon = scene_.epsilon;
   ports.distance = scene_.occlusion_distance;

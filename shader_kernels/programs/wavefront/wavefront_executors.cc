@@ -40,7 +40,7 @@ void Wavefront::classify_surfaces(Bounce& bounce, std::uint32_t surfaces, Stream
   streams.take(ports);
 }
 
-void Wavefront::Streams::take(const ClassifySurfaces::Ports<float>& sorted) {
+void WaveStreams::take(const ClassifySurfaces::Ports<float>& sorted) {
   textured = sorted.textured_count.value;
   diffuse = sorted.diffuse_count.value;
   mirror = sorted.mirror_count.value;

@@ -11,7 +11,7 @@ using traces::RayKind;
 /// that come later, its lights would be added in another order.
 bool Wavefront::lights_at_once(const Bounce& bounce) const {
   const bool has_light = !scene_.lights.empty() || scene_.occlusion_rays != 0;
-  return is_shaded() && scene_.fuses && has_light && (bounce.is_single || !scene_.has_later);
+  return is_shaded() && scene_.fuses && has_light && !rates(bounce) && (bounce.is_single || !scene_.has_later);
 }
 
 Wavefront::Streams Wavefront::light_surfaces(Bounce& bounce, std::uint32_t surfaces) {

@@ -50,6 +50,29 @@ INSTANTIATE_TEST_SUITE_P(Programs, HybridFrames,
                                           testing::Values("none", "occlusion, shadows",
                                                           "occlusion, soft_shadows, reflections, refractions")));
 
+class RatedFrames : public testing::TestWithParam<kernels::EffectRate> {};
+
+TEST_P(RatedFrames, AreTheSameOnAnyEngineAndNumberOfThreads) {
+  kernels::RenderConfig render = hybrid("occlusion, soft_shadows, reflections", 48, 24);
+  render.effect_rate = GetParam();
+  render.tile = 8;  // tiles that wait for others
+  const Method method(traces::open_scene("cornell"), "full:1", {}, render);
+  GpuConfig config;
+  config.cores = 2;
+  const Outcome fast = play(method, config);
+  EXPECT_EQ(difference(fast, play(method, config, Engine::kOracle)), "");
+  EXPECT_EQ(difference(fast, play(method, config, Engine::kShuffled, 1)), "");
+  EXPECT_EQ(difference(fast, play(method, config, Engine::kFast, 0, 3)), "");
+  config.cores = 1;
+  config.tile_buffer.tiles_in_flight = 1;
+  config.tile_buffer.size.bytes = 1024;
+  render.primary = kernels::Primary::kRays;
+  const Method by_rays(traces::open_scene("cornell"), "full:1", {}, render);
+  EXPECT_EQ(play(by_rays, config).function.rgb, fast.function.rgb);
+}
+INSTANTIATE_TEST_SUITE_P(Rates, RatedFrames,
+                         testing::Values(kernels::EffectRate::kHalf, kernels::EffectRate::kCheckerboard));
+
 TEST(HybridFrame, OfAllEffectsEndsOnTheSmallestMachine) {
   const Method method(traces::open_scene("cornell"), "full:1", {}, hybrid("occlusion, soft_shadows, reflections"));
   GpuConfig config;

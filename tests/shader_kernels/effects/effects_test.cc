@@ -8,6 +8,7 @@
 #include "sim/error.h"
 #include "tests/shader_kernels/harness.h"
 #include "tests/shader_kernels/showcase.h"
+#include "traces/accel/embree_tracer.h"
 
 namespace kernels {
 namespace {
@@ -242,6 +243,17 @@ TEST(EffectsOfAFrame, DrawOtherRaysInAnotherFrame) {
   };
   EXPECT_EQ(picture(3), picture(3));
   EXPECT_NE(picture(3), picture(4));
+}
+
+TEST(EffectsOfAFrame, DrawTheSameRaysAtHitsThatEmbreeFinds) {
+  const EffectStage cornell(traces::open_scene("cornell"));
+  const traces::EmbreeTracer embree(cornell.image);
+  const RenderConfig config = with_effects("occlusion, soft_shadows", 64, 32);
+  const Picture ours = cornell.picture(config);
+  const Picture truth = render(cornell.image, cornell.scene.cameras.front(), embree, config);
+  std::size_t apart = 0;
+  for (std::size_t i = 0; i < ours.rgb.size(); ++i) apart += std::fabs(ours.rgb[i] - truth.rgb[i]) > 0.01F ? 1 : 0;
+  EXPECT_LT(apart, ours.rgb.size() / 200) << "rays that graze an edge";
 }
 
 TEST(EffectsOfAFrame, AreThoseOfUnfusedKernelsInEveryProgram) {

@@ -77,6 +77,22 @@ TEST(BadConfig, AnEffectThatTheProgramCannotTraceRaysFor) {
   EXPECT_EQ(names_in(folder.path()), Words{});
 }
 
+TEST(BadConfig, ALowerRateOfEffectsThatThereAreNotOrWhereNothingFiltersThem) {
+  expect_yaml_refused("render:\n  effect_rate: half\n",
+                      ":3:3:", {"render.effect_rate", "effects has neither", "allowed: full"});
+  const TempFolder folder;
+  const auto refused = [&](const Words& more, const Words& parts) {
+    Words words = {"run", "--set", "render.effects=occlusion", "--set", "render.effect_rate=checkerboard"};
+    words.insert(words.end(), more.begin(), more.end());
+    words.insert(words.end(), {"-o", (folder.path() / "out").string()});
+    expect_refusal(raywatt(words), parts);
+  };
+  refused({"--program", "full:4"},
+          {"render.effect_rate: checkerboard", "full:4", "allowed: full, or the program full:1"});
+  refused({"--tile-sampling", "50%"}, {"--tile-sampling", "allowed: render.effect_rate=full"});
+  EXPECT_EQ(names_in(folder.path()), Words{});
+}
+
 TEST(BadConfig, ABaseThatIsNotThere) {
   const TempFolder folder;
   const std::string file = folder.write("mine.yaml", "extends: nowhere\n").string();

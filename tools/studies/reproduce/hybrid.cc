@@ -3,7 +3,8 @@
 #include "tools/studies/reproduce/plan.h"
 
 // A rasteriser for primary visibility beside the T&I units, against rays alone. What is left for rays decides, so each
-// scene stands with shadows alone and with reflections and refractions.
+// scene stands with shadows alone, with reflections and refractions, and with occlusion and soft shadows besides, for
+// all pixels and for one of 2 x 2.
 
 namespace tools::reproduce {
 namespace {
@@ -46,7 +47,11 @@ std::vector<Case> hybrid(bool quick) {
     };
     add("shadows", {"render.depth=1"});
     add("reflections and refractions", {});
-    if (!quick) add("reflections and refractions, T&I alone", tni_alone());
+    if (quick) continue;
+    add("reflections and refractions, T&I alone", tni_alone());
+    const std::string effects = "render.effects=occlusion, soft_shadows, reflections, refractions";
+    add("occlusion and soft shadows", {effects});
+    add("occlusion and soft shadows, half rate", {effects, "render.effect_rate=half"});
   }
   return cases;
 }

@@ -1,0 +1,167 @@
+#include "shader_kernels/programs/upsampled.h"
+
+namespace kernels {
+
+UpsampledProgram::UpsampledProgram(const traces::MemoryImage& image, const traces::Camera& camera,
+                                   const RenderConfig& config, const ReconstructConfig& filter, float scene_size,
+                                   std::uint32_t frame)
+    : FrameProgram(config.width, config.height),
+      config_(config),
+      scene_(image, config),
+      camera_(camera_uniforms(camera, config.width, config.height)),
+      tiles_(config.width, config.height, config.tile / 2, 1),  // samples keep much
+      order_(tiles_.tiles().order(Halo::kReload)),
+      frame_(frame),
+      layers_(scene_.rated_lights()),
+      bend_(filter.bend()),
+      eye_(eye_uniforms(camera_, config.width, config.height, filter.depth_scale(scene_size))) {}
+
+std::uint32_t UpsampledProgram::light_bytes() const {
+  return layers_ * static_cast<std::uint32_t>(sizeof(ColourRecord<float>) + sizeof(RatioRecord<float>));
+}
+
+/// A border's outer half is only looked at: of it shares and geometry go. The inner half is finished by the neighbour.
+std::uint32_t UpsampledProgram::exchanged_bytes() const {
+  const auto shares = static_cast<std::uint32_t>(sizeof(VisibleRecord<float>) + layers_ * sizeof(RatioRecord<float>));
+  return shares + (1 + layers_) * static_cast<std::uint32_t>(sizeof(ColourRecord<float>)) / 2;
+}
+
+FrameRequirements UpsampledProgram::requirements() const {
+  const std::uint32_t pixels = tiles_.side() * tiles_.side();
+  FrameRequirements needs;
+  needs.tile_samples = pixels;
+  needs.attribute_bytes = pixels * (static_cast<std::uint32_t>(sizeof(VisibleRecord<float>)) + light_bytes());
+  needs.region_bytes = {std::uint64_t{tiles_.count()} * tiles_.most_pixels() * kPixelBytes,
+                        tiles_.count() * store_bytes(), 0};
+  return needs;
+}
+
+void UpsampledProgram::run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record,
+                                TileResult& out) const {
+  const SampleTile at = tiles_.tiles().tile(order_[tile_index]);
+  tiles_.place(at, out);
+  out.sampling = {};
+  out.work.frame = frame_;
+  out.work.tile = at.index;
+  out.work.samples = at.width * at.height;
+  out.buffer.hold_rated(positions(), layers_);
+  const float halo = static_cast<float>(tiles_.halo()), pitch = static_cast<float>(tiles_.pitch());
+  Wavefront wave(scene_, tracer, record, cone_uniforms(camera_, 1), out);
+  Tile tile{at,
+            tiles_.finished(at, out),
+            {static_cast<float>(at.x) - halo, static_cast<float>(at.y) - halo, pitch, 1.0F / pitch, 1, 1},
+            out.width * out.height,
+            wave,
+            out};
+  out.linear.resize(tile.pixels);
+  out.packed.resize(tile.pixels);
+  trace(tile, tiles_.halo(), tiles_.halo(), at.width, at.height);
+  export_borders(tile);  // needs nothing of the halo, so no tile waits for a row of others
+  make_halo(tile);
+  put_out(tile, upsample(tile));
+  wave.finish();
+  out.sampling.wanted = out.sampling.traced = out.work.samples;
+  out.sampling.background = out.sampling.traced_background = out.background.size();
+}
+
+/// Samples of a rectangle of the tile buffer.
+void UpsampledProgram::trace(Tile& tile, std::uint32_t x, std::uint32_t y, std::uint32_t across,
+                             std::uint32_t down) const {
+  Wavefront& wave = tile.wave;
+  const std::uint32_t pixels = across * down;
+  tile.out.buffer.hold_wave(pixels);
+  const LatticeUniforms<float> lattice = tiles_.lattice(x, y, across);
+  Node cleared = Wavefront::kNone;
+  for (std::uint32_t layer = 0; layer < layers_; ++layer) {
+    ClearEffects::Ports<float> ports;
+    ports.lattice = lattice;
+    ports.lattice.first += static_cast<float>(layer * positions());
+    const Node next = wave.launch<ClearEffects>(ports, pixels);
+    wave.wait_all(next, cleared);
+    cleared = next;
+  }
+  GenerateCentredRays::Ports<float> ports;
+  ports.camera = camera_;
+  ports.grid = tile.grid;
+  ports.lattice = lattice;
+  const Node generated = wave.launch<GenerateCentredRays>(ports, pixels);
+  wave.wait_all(generated, cleared);
+  wave.adds_records(generated);
+  for (std::uint32_t i = 0; wave.counts_pixels() && i < pixels; ++i) {
+    wave.place_ray(i, tile.at.x + x + i % across - tiles_.halo(), tile.at.y + y + i / across - tiles_.halo());
+  }
+  Wavefront::RetainedRecords retained;
+  retained.visible = {.are_kept = true, .have_shadows = false, .eye = eye_};
+  retained.rated = {.are_rated = true, .layer = positions(), .grid = tile.grid};
+  retained.cleared = generated;
+  wave.run(generated, pixels, retained);
+}
+
+/// A tile always makes its halo; neighbours keep theirs, so the machine reads it back.
+void UpsampledProgram::make_halo(Tile& tile) const {
+  tiles_.for_each_part(tile.at, [&](const HaloPart& part) {
+    tile.wave.import_samples(part.border, store_bytes() * part.border.tile + part.first * exchanged_bytes(),
+                             part.across * part.down * exchanged_bytes());
+    tile.wave.mute();
+    trace(tile, part.x, part.y, part.across, part.down);
+    tile.wave.unmute();
+  });
+}
+
+void UpsampledProgram::export_borders(Tile& tile) const {
+  const std::uint64_t store = store_bytes() * tile.at.index;
+  tiles_.for_each_export(tile.at, [&](std::uint32_t border, std::uint64_t first, std::uint32_t samples) {
+    tile.wave.export_samples(border, store + first * exchanged_bytes(), samples * exchanged_bytes());
+  });
+}
+
+UpsampledProgram::Node UpsampledProgram::upsample(Tile& tile) const {
+  return config_.effect_rate == EffectRate::kCheckerboard ? upsample<true>(tile) : upsample<false>(tile);
+}
+
+template <bool kCheckerboard>
+UpsampledProgram::Node UpsampledProgram::upsample(Tile& tile) const {
+  Node last = Wavefront::kNone;
+  for (std::uint32_t layer = 0; layer < layers_; ++layer) {
+    typename UpsampleEffects<kCheckerboard>::template Ports<float> ports;
+    ports.finished = tile.finished;
+    ports.x0 = static_cast<float>(tile.out.x);
+    ports.y0 = static_cast<float>(tile.out.y);
+    ports.bend = bend_;
+    ports.apart = layer * positions();
+    const Node next = tile.wave.launch<UpsampleEffects<kCheckerboard>>(ports, tile.pixels);
+    if (layer == 0) {
+      tile.wave.wait_for_records(next);
+      tile.wave.wait_for_colours(next);
+    }
+    tile.wave.wait_all(next, last);
+    last = next;
+  }
+  return last;
+}
+
+void UpsampledProgram::put_out(Tile& tile, Node upsampled) const {
+  Wavefront& wave = tile.wave;
+  const FinishedUniforms<float>& finished = tile.finished;
+  const std::uint64_t offset = std::uint64_t{tile.at.index} * tiles_.most_pixels() * kPixelBytes;
+  if (wave.fuses() && !wave.dma_encodes()) {
+    PackGridSample::Ports<float> ports;
+    ports.lattice = {finished.first, finished.width, finished.inverse_width, 1, finished.pitch};
+    const Node packed = wave.launch<PackGridSample>(ports, tile.pixels);
+    wave.wait_all(packed, upsampled);
+    wave.put_packed(packed, offset);
+    return;
+  }
+  AverageSamples::Ports<float> ports;
+  ports.samples = ports.inverse_samples = 1;
+  ports.width = finished.width;
+  ports.inverse_width = finished.inverse_width;
+  ports.grid = ports.inverse_grid = 1;
+  ports.first = finished.first;
+  ports.pitch = finished.pitch;
+  const Node shown = wave.launch<AverageSamples>(ports, tile.pixels);
+  wave.wait_all(shown, upsampled);
+  wave.put_out(shown, offset);
+}
+
+}  // namespace kernels

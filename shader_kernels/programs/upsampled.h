@@ -1,0 +1,69 @@
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "shader_kernels/kernels/generate_visible_rays.h"
+#include "shader_kernels/programs/adaptive/finished_tiles.h"
+#include "shader_kernels/programs/reconstruct/reconstruct_config.h"
+#include "shader_kernels/programs/wavefront/frame_program.h"
+#include "shader_kernels/programs/wavefront/render_config.h"
+#include "shader_kernels/programs/wavefront/scene_tables.h"
+#include "shader_kernels/programs/wavefront/wavefront.h"
+
+namespace kernels {
+
+/// Frame program full:1 with RenderConfig::effect_rate: occlusion and soft shadows of what samples see first are traced
+/// for some of the pixels, and filtered for the others (docs/design/effects.md).
+///
+///   per tile: generate_centred_rays -> shaded, but for those lights: lights, shares of some samples
+///                                      -> [halo] -> upsample_effects (per light) -> pack_grid_sample
+///
+/// A sample of the tile buffer is a pixel, halo included. What it keeps of light number l is `l` times all of them
+/// further on.
+class UpsampledProgram final : public FrameProgram {
+ public:
+  /// `scene_size`: the longest side of the scene's bounds, the same in all frames.
+  UpsampledProgram(const traces::MemoryImage& image, const traces::Camera& camera, const RenderConfig& config,
+                   const ReconstructConfig& filter, float scene_size, std::uint32_t frame);
+
+  std::uint32_t tiles() const override { return tiles_.count(); }
+  FrameRequirements requirements() const override;
+  void run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record, TileResult& out) const override;
+
+ private:
+  using Node = Wavefront::Node;
+  /// A tile being worked on.
+  struct Tile {
+    SampleTile at;
+    FinishedUniforms<float> finished;
+    GridUniforms<float> grid;
+    std::uint32_t pixels;  ///< finished
+    Wavefront& wave;
+    TileResult& out;
+  };
+
+  std::uint32_t positions() const { return tiles_.samples(); }
+  /// Bytes that a sample keeps of all lights; all that its neighbours read of it.
+  std::uint32_t light_bytes() const;
+  std::uint32_t exchanged_bytes() const;
+  std::uint64_t store_bytes() const { return tiles_.stored_samples() * exchanged_bytes(); }
+  void trace(Tile& tile, std::uint32_t x, std::uint32_t y, std::uint32_t across, std::uint32_t down) const;
+  void make_halo(Tile& tile) const;
+  void export_borders(Tile& tile) const;
+  Node upsample(Tile& tile) const;
+  template <bool kCheckerboard>
+  Node upsample(Tile& tile) const;
+  /// Shows what the tile finishes, once it is upsampled.
+  void put_out(Tile& tile, Node upsampled) const;
+
+  const RenderConfig config_;
+  const SceneTables scene_;
+  const CameraUniforms<float> camera_;
+  const FinishedTiles tiles_;
+  const std::vector<std::uint32_t> order_;
+  const std::uint32_t frame_, layers_;
+  const float bend_;
+  const EyeUniforms<float> eye_;
+};
+
+}  // namespace kernels
