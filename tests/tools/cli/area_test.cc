@@ -47,6 +47,8 @@ TEST(AreaOfARun, OfAnotherProcessIsAnotherAndMovesNothingElse) {
   };
   EXPECT_FALSE(warned(folder.path() / "a"));
   EXPECT_TRUE(warned(out));
+  const Words same = {"--set", "energy.process=14nm, 0.8 V"};
+  EXPECT_FALSE(warned(run_into(folder.path() / "c", same))) << "blanks do not make a process another";
   EXPECT_EQ(b["extrapolated"], 0) << "nothing is outside a curve";
 }
 

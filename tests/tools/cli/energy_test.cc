@@ -73,6 +73,7 @@ TEST(EnergyPrice, OfASweepHasALineAPoint) {
   const Json runs = Json::parse(output_of({"energy", "price", out, "--json", "--set", "energy.clock_share=0"}))["runs"];
   ASSERT_EQ(runs.size(), 2U);
   EXPECT_EQ(runs[1]["axes"]["cores"], "2");
+  EXPECT_EQ(runs[1]["sweep"], out) << "of several sweeps each point says whose it is";
   const auto& kinds = runs[1]["priced"]["energy_by_kind_mj"];
   EXPECT_LT(kinds["clock"]["nominal"].get<double>(),
             runs[1]["own"]["energy_by_kind_mj"]["clock"]["nominal"].get<double>());
@@ -103,7 +104,9 @@ TEST(EnergyPrice, RefusesNamesThatNoUnitGoesBy) {
                  {"energy.logic.tni.trvv: no unit goes by this name", "did you mean 'tni.trv'?"});
   expect_refusal(raywatt({"run", "--resolution", "16x16", "-o", folder.path() / "b", "--set", "area.buffers.srpp=1"}),
                  {"area.buffers.srpp: no unit goes by this name", "did you mean 'srp'?"});
-  const std::string rays = folder.write("rays.txt", "0 0 0 0 0 1\n").string(), set = "energy.events.tni.box_tset=1";
+  const float ray[8] = {0, 0, 0, 0, 0, 0, 1, 1};  // origin, t_min, direction, t_max
+  const std::string rays = folder.write("a.rays", std::string(reinterpret_cast<const char*>(ray), sizeof ray)).string(),
+                    set = "energy.events.tni.box_tset=1";
   expect_refusal(raywatt({"run", "--rays", rays, "-o", (folder.path() / "c").string(), "--set", set}),
                  {"tni.box_test"});
   expect_refusal(raywatt({"dvfs", "--resolution", "16x16", "--set", set}), {"tni.box_test"});

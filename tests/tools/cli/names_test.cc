@@ -76,6 +76,16 @@ TEST(Names, AreListedWithALineEach) {
     EXPECT_SAYS(list, line);
   }
   EXPECT_SAYS(list, "(Lee et al. ") << "a full stop within a sentence does not end it";
+  const std::size_t sweeps = list.find("sweeps (raywatt sweep run NAME"),
+                    searches = list.find("searches (raywatt optimise");
+  ASSERT_NE(sweeps, std::string::npos);
+  ASSERT_LT(sweeps, searches);
+  EXPECT_LT(list.find("experiments/trv-cores"), searches);
+  EXPECT_GT(list.find("experiments/optimise-cores"), searches);
+  expect_refusal(raywatt({"sweep", "run", "optimise-cores", "-o", "out", "--store", "store"}),
+                 {"allowed: raywatt-sweep/1; a search is run by raywatt optimise"});
+  expect_refusal(raywatt({"optimise", "trv-cores", "-o", "out", "--store", "store"}),
+                 {"allowed: raywatt-optimise/1; a sweep is run by raywatt sweep run"});
 }
 
 TEST(Kernels, HaveAsManyOperationsInTheListAsShown) {

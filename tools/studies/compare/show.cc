@@ -14,9 +14,9 @@ namespace {
 
 constexpr std::size_t kShown = 8;  ///< lines of a list; --json has all
 
-/// "+1.42 %", "x3.19"
+/// "+1.42" per cent, "x3.19"
 std::string relative_text(double relative) {
-  return relative < 1 ? fmt::format("{:+.{}f} %", 100 * relative, std::abs(relative) < 0.1 ? 2 : 1)
+  return relative < 1 ? fmt::format("{:+.{}f}", 100 * relative, std::abs(relative) < 0.1 ? 2 : 1)
                       : fmt::format("x{:.3g}", 1 + relative);
 }
 

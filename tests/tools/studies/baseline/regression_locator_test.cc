@@ -55,6 +55,9 @@ TEST(RegressionLocator, NothingToDoMeansNothing) {
   is["units.dram.channel.why.refresh"] = 79;
   EXPECT_FALSE(locate_regression(was, is));
   EXPECT_FALSE(locate_regression({}, {})) << "no unit is kept";
+  is["units.l2.bank.why.lookup"] = 30;
+  EXPECT_TRUE(locate_regression(was, is));
+  EXPECT_FALSE(locate_regression({{"totals.cycles", 100}}, is)) << "no unit was kept";
 }
 
 TEST(RegressionLocator, EveryReasonOfEveryUnitIsOneKindOfReason) {

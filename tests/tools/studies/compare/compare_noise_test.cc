@@ -38,6 +38,12 @@ TEST_F(Runs, OfWhichOneHasReplicatesAreHeldAgainstTheLargerNoise) {
   EXPECT_NEAR(noise["half_width"].get<double>(), 1.96 * 0.2 * std::hypot(0.5, 1), 0.05);
   EXPECT_SAYS(raywatt({"compare", noisy, path("ports")}).out,
               "or that of one run's replicates if larger; --replicates 5");
+  const std::string tripled = changed("tripled.json", [](Json& report) {
+    const double cycles = report["totals"]["cycles"];
+    report["totals"]["replicates"] = {{"count", 4},
+                                      {"figures", {{"cycles", {{"mean", 3 * cycles}, {"deviation", cycles}}}}}};
+  });
+  EXPECT_SAYS(raywatt({"compare", path("base"), tripled}).out, "=  mean x3 ± ") << "whatever the first plays say";
 }
 
 TEST_F(Runs, OfOtherClocksHaveNoVerdictOnCycles) {

@@ -1,6 +1,8 @@
 #include <cmath>
 #include <filesystem>
+#include <sstream>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -185,6 +187,28 @@ TEST_F(Pages, OfASweepHaveAPointARowAndTheirCommands) {
   EXPECT_EQ(column(view, "points", "n").size(), 4U);
   EXPECT_EQ(column(view, "points", "cores"), (std::vector<Json>{"1", "1", "2", "2"}));
   EXPECT_SAYS(column(view, "points", "command")[3].get<std::string>(), "--set tni.trvs=2");
+}
+
+TEST_F(Pages, OfASweepWithReplicatesGoByTheirMeans) {
+  folder->write("noisy.yaml",
+                "schema: raywatt-sweep/1\nresolution: 16x16\nreplicates: 3\nsets: [scene.triangles=500]\n"
+                "axes: {cores: [1, 2]}\n");
+  ASSERT_EQ(in_folder({"sweep", "run", "noisy.yaml", "-o", "noisy", "--store", "store", "-j", "1"}).exit, 0);
+  const auto csv_column = [&](const char* path) {
+    std::istringstream lines(in_folder({"sweep", "table", "noisy", "--csv", "--columns", path}).out);
+    std::vector<double> values;
+    std::string line;
+    for (std::getline(lines, line); std::getline(lines, line);) values.push_back(std::stod(line));
+    return values;
+  };
+  const std::vector<double> plain = csv_column("totals.cycles"),
+                            means = csv_column("totals.replicates.figures.cycles.mean");
+  const Json view = view_of({"noisy"});
+  const std::vector<Json> shown = column(view, "points", "totals.cycles");
+  ASSERT_EQ(shown.size(), 2U);
+  for (std::size_t i = 0; i < shown.size(); ++i) EXPECT_DOUBLE_EQ(shown[i].get<double>(), means[i]);
+  EXPECT_NE(plain, means) << "else the test says nothing";
+  EXPECT_SAYS(view["verdict"].dump(), "with it by noise measured by 3 replicates a point");
 }
 
 TEST_F(Pages, AreTheSameBytesForTheSameRun) { EXPECT_EQ(page_of({"base"}), page_of({"base"})); }
