@@ -18,7 +18,8 @@ remove_tree() {
 }
 
 in_tree() {
-  chroot "$tree" /usr/bin/env -i HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin "$@"
+  chroot "$tree" /usr/bin/env -i HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin \
+    NODE_EXTRA_CA_CERTS=/etc/ssl/certs/ca-certificates.crt "$@"
 }
 
 # make_tree RELEASE [MIRROR]: sets `tree`, which is removed when this shell ends.
@@ -42,5 +43,8 @@ make_tree() {
   step "make a minimal tree of $1" debootstrap --variant=minbase "$1" "$tree" "$mirror"
   awk '{ print "deb", $0 }' <<<"$sources" >"$tree/etc/apt/sources.list"
   apt-config dump | grep '^Acquire::[a-z]*::Proxy' >"$tree/etc/apt/apt.conf.d/90proxy" || true
+  # What this machine trusts beyond Debian's own, as a proxy on the way to npm; the package ca-certificates takes it up.
+  mkdir -p "$tree/usr/local/share/ca-certificates"
+  cp /usr/local/share/ca-certificates/*.crt "$tree/usr/local/share/ca-certificates" 2>/dev/null || true
   mountpoint -q "$tree/proc" || mount -t proc proc "$tree/proc" || fail "cannot mount $tree/proc"
 }
