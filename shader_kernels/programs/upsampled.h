@@ -27,6 +27,7 @@ class UpsampledProgram final : public FrameProgram {
                    const ReconstructConfig& filter, float scene_size, std::uint32_t frame);
 
   std::uint32_t tiles() const override { return tiles_.count(); }
+  TileCounts tile_counts() const override { return {tiles_.tiles().across(), tiles_.tiles().down()}; }
   FrameRequirements requirements() const override;
   void run_tile(std::uint32_t tile_index, const traces::Tracer& tracer, bool record, TileResult& out) const override;
 

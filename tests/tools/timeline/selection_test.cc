@@ -51,18 +51,22 @@ std::size_t distinct(const std::vector<double>& column) {
   return std::set<double>(column.begin(), column.end()).size();
 }
 
+void expect_known(const std::string& program, const std::vector<std::string>& sets) {
+  std::vector<std::string> all = {"render.tile=16", "scene.triangles=100"};
+  all.insert(all.end(), sets.begin(), sets.end());
+  const Inputs inputs = small_inputs(all);
+  const TileFrame tiles = tile_frame(itemised(inputs, program.c_str()), inputs.config, 0);
+  const kernels::TileCounts counts = tile_counts(inputs, kernels::parse_program(program));
+  EXPECT_EQ(counts.columns, distinct(tiles.at("x"))) << program;
+  EXPECT_EQ(counts.rows, distinct(tiles.at("y"))) << program;
+  EXPECT_NE(counts.columns, counts.rows) << program;
+}
+
 TEST(TimelineSelection, KnowsBeforeTheFrameWhichTilesThereAre) {
   for (const std::string& name : kernels::program_names()) {
-    for (const char* primary : {"rays", "raster"}) {
-      const Inputs inputs =
-          small_inputs({"render.tile=16", "scene.triangles=100", std::string("render.primary=") + primary});
-      const TileFrame tiles = tile_frame(itemised(inputs, name.c_str()), inputs.config, 0);
-      const kernels::TileCounts counts = tile_counts(inputs, kernels::parse_program(name));
-      EXPECT_EQ(counts.columns, distinct(tiles.at("x"))) << name;
-      EXPECT_EQ(counts.rows, distinct(tiles.at("y"))) << name;
-      EXPECT_NE(counts.columns, counts.rows) << name;
-    }
+    for (const char* primary : {"rays", "raster"}) expect_known(name, {std::string("render.primary=") + primary});
   }
+  expect_known("full:1", {"render.effects=occlusion", "render.effect_rate=half"});
 }
 
 }  // namespace
