@@ -152,7 +152,10 @@ TEST(GltfHostile, AnImageOutsideItsBuffer) {
   file.json["textures"] = {{{"source", 0}}};
   file.json["bufferViews"][0]["byteOffset"] = 1'000'000'000;
   file.material()["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", 0}};
-  EXPECT_SAYS(refusal(file.text()), "leave their buffer");
+  const std::string said = refusal(file.text());
+  EXPECT_TRUE(said.find("leave their buffer") != std::string::npos ||
+              said.find("out of bounds of its buffer") != std::string::npos)  // by newer releases of tinygltf
+      << said;
 }
 
 TEST(GltfHostile, MoreThanTheLimits) {

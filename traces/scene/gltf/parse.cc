@@ -17,6 +17,18 @@ bool keep_encoded(tinygltf::Image* image, const int, std::string*, std::string*,
 
 const Source& source_of(void* user) { return *static_cast<const Source*>(user); }
 
+/// Releases of tinygltf from 2.9 on ask for sizes, too.
+template <class Callbacks>
+void tell_sizes(Callbacks& fs) {
+  if constexpr (requires { fs.GetFileSizeInBytes; }) {
+    fs.GetFileSizeInBytes = [](std::size_t* size, std::string*, const std::string& name, void* user) {
+      *size = source_of(user).external.at(name).size();
+      return true;
+    };
+  }
+}
+
+/// All callbacks are there: with one missing, newer releases take the file system's own.
 tinygltf::FsCallbacks callbacks(const Source& source) {
   tinygltf::FsCallbacks fs{};
   fs.user_data = const_cast<Source*>(&source);
@@ -27,6 +39,8 @@ tinygltf::FsCallbacks callbacks(const Source& source) {
     out->assign(bytes.begin(), bytes.end());
     return true;
   };
+  fs.WriteWholeFile = [](std::string*, const std::string&, const std::vector<unsigned char>&, void*) { return false; };
+  tell_sizes(fs);
   return fs;
 }
 

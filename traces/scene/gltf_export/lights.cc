@@ -9,6 +9,12 @@
 namespace traces::gltf_export {
 namespace {
 
+/// Releases of tinygltf from 2.9 on have a member for a node's light, and remove the extension without it.
+template <class Node>
+void refer_to_light(Node& node, int light) {
+  if constexpr (requires { node.light; }) node.light = light;
+}
+
 /// Looks along the light's direction.
 glm::mat4 frame_of(const Light& light) {
   if (light.kind == Light::Kind::kPoint) {
@@ -58,6 +64,7 @@ void write_lights(const Scene& scene, const NodeMap& map, Document& out) {
     tinygltf::Node& node = out.model.nodes[static_cast<std::size_t>(gltf_node)];
     const int index = static_cast<int>(out.model.lights.size());
     out.extend(node.extensions, "KHR_lights_punctual", {{"light", tinygltf::Value(index)}});
+    refer_to_light(node, index);
     if (node.name.empty()) node.name = "light";
     out.model.lights.push_back(light_of(light, strongest));
   }
