@@ -29,6 +29,7 @@ void redirect(const std::string& path, int stream) {
                                  const std::string& err) {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) ::signal(signal, SIG_DFL);
   ::unsetenv("RAYWATT_PATH");
+  ::setenv("LC_ALL", "C.UTF-8", 1);
   for (const auto& [name, value] : around.variables) ::setenv(name.c_str(), value.c_str(), 1);
   redirect(out, STDOUT_FILENO);
   redirect(err, STDERR_FILENO);
