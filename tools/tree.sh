@@ -13,7 +13,10 @@ apt_sources() {
 }
 
 remove_tree() {
-  ! mountpoint -q "$tree/proc" || umount "$tree/proc" || umount -l "$tree/proc"
+  local mounted
+  for mounted in "$tree/dev/pts" "$tree/proc"; do
+    ! mountpoint -q "$mounted" || umount "$mounted" || umount -l "$mounted"
+  done
   rm -rf --one-file-system "$tree"
 }
 
@@ -47,4 +50,5 @@ make_tree() {
   mkdir -p "$tree/usr/local/share/ca-certificates"
   cp /usr/local/share/ca-certificates/*.crt "$tree/usr/local/share/ca-certificates" 2>/dev/null || true
   mountpoint -q "$tree/proc" || mount -t proc proc "$tree/proc" || fail "cannot mount $tree/proc"
+  mount -t devpts -o newinstance,ptmxmode=0666 devpts "$tree/dev/pts" || fail "cannot mount $tree/dev/pts"  # for terminals
 }
