@@ -28,19 +28,13 @@ using Names = std::set<std::string>;
                                fmt::join(known, ", ")));
 }
 
-/// Entries of a table whose figures depend on no size.
-void check(std::string_view table, const std::map<std::string, Spread>& entries, std::string_view unknown,
-           const Names& known) {
-  for (const auto& [name, figure] : entries) {
-    if (!known.contains(name)) refuse(table, name, unknown, known);
-  }
-}
+std::string whole(std::string_view entry) { return std::string(entry); }
 
-/// Entries with or without a size.
-void check_sized(std::string_view table, const std::map<std::string, Spread>& entries, std::string_view unknown,
-                 const Names& known) {
+/// `name_of` an entry: all of it, or event_of() where there may be a size behind it.
+void check(std::string_view table, const std::map<std::string, Spread>& entries, std::string_view unknown,
+           const Names& known, std::string (*name_of)(std::string_view) = whole) {
   for (const auto& [entry, figure] : entries) {
-    if (const std::string name = event_of(entry); !known.contains(name)) refuse(table, name, unknown, known);
+    if (const std::string name = name_of(entry); !known.contains(name)) refuse(table, name, unknown, known);
   }
 }
 
@@ -66,7 +60,7 @@ Names parts_of(std::span<const UnitReport> units) {
 
 void check_energy_events(const EnergyConfig& config, std::span<const std::string> declared) {
   const Names known(declared.begin(), declared.end());
-  check_sized("energy.events", config.events, "no counter names this event", known);
+  check("energy.events", config.events, "no counter names this event", known, event_of);
   const EnergyTable table(config.events);
   for (const std::string& name : known) {
     if (!table.contains(name)) throw InputError(fmt::format("energy.events: no figure for '{}'", name));
@@ -83,7 +77,7 @@ void check_unit_names(const EnergyConfig& config, std::span<const UnitReport> un
 
 void check_unit_names(const AreaConfig& config, std::span<const UnitReport> units) {
   const Names known = names_of(units);
-  check_sized("area.arrays", config.arrays, kNoUnit, known);
+  check("area.arrays", config.arrays, kNoUnit, known, event_of);
   check("area.buffers", config.buffers, kNoUnit, known);
   check("area.pads", config.pads, kNoUnit, known);
 }
