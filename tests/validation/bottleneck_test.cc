@@ -36,13 +36,15 @@ TEST_P(NamedLimiter, IsWorthMostWithinTwoPercent) {
   EXPECT_GT(best, 1.02) << "something must be worth something";
 }
 
-INSTANTIATE_TEST_SUITE_P(Machines, NamedLimiter,
-                         ::testing::Values(Case{"chess", "chess", {}}, Case{"cornell", "cornell", {}, "512x256"},
-                                           Case{"atrium_one_trv", "atrium", {"tni.trvs=1"}},
-                                           Case{"forest_slow_unit", "forest", {"clocks.tni=150 MHz"}},
-                                           Case{"car_two_channels", "car", {"dram.channels=2", "l2.size=64 KiB"}},
-                                           Case{"teapot", "teapot", {}}),
-                         [](const auto& param) { return std::string(param.param.name); });
+INSTANTIATE_TEST_SUITE_P(
+    Machines, NamedLimiter,
+    ::testing::Values(Case{"chess", "chess", {}}, Case{"cornell", "cornell", {}, "512x256"},
+                      Case{"atrium_one_trv", "atrium", {"tni.trvs=1"}},
+                      Case{"forest_slow_unit", "forest", {"clocks.tni=150 MHz"}},
+                      Case{"car_two_channels", "car", {"dram.channels=2", "l2.size=64 KiB"}},
+                      Case{"teapot", "teapot", {}},
+                      Case{"rasterised", "conference", {"render.primary=raster", "render.effects=none"}, "128x64"}),
+    [](const auto& param) { return std::string(param.param.name); });
 
 }  // namespace
 }  // namespace tools

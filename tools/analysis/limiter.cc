@@ -67,7 +67,7 @@ Utilisation utilisation(std::span<const sim::UnitReport> units) {
 
 std::vector<Estimate> estimate(const CoreTime& t) {
   const CoreTime::Demands& d = t.demands;
-  const double time = 1 - (t.transfers + t.no_tile);
+  const double time = 1 - (t.raster + t.raster_misses + t.transfers + t.no_tile);
   const double kernels = t.busy(), data = t.data_misses, shading = kernels + data;
   const double p = overlap(shading, d.fed, time);
   const double tree = t.tracing() > 0 ? d.fed * t.tree_misses / t.tracing() : 0;  // share of the T&I unit's time
@@ -79,25 +79,28 @@ std::vector<Estimate> estimate(const CoreTime& t) {
     return together(kernels + without(data, data_part), d.fed - tree + without(tree, tree_part), p);
   };
   const MissLevels &of_data = t.data_levels, &of_tree = t.tree_levels;
-  // The rest of the two stages together, and of the time spent on transfers: they wait for memory, and ray slots
-  // that fit make none.
+  // The rest of the two stages together, of the time spent on transfers, which wait for memory, and ray slots that fit
+  // make none, and of the time in which the rasteriser waited for lines.
   struct Rest {
     const char* resource;
-    double stages, transfers;
+    double stages, transfers, waits = 1;  ///< waits: of raster_misses, what is left
   };
+  const MissLevels& of_raster = t.raster_levels;
   const double more_slots = std::min(d.no_slots + t.banks, time - std::max(shading, d.fed));
   const std::vector<Rest> rests = {
       {"tni", std::max(together(shading, std::max(tree, least(d.tree_lines, d.fed)), p), memory), t.transfers},
-      {"l1", std::max(levels(1, 1), memory * d.records), t.transfers},
-      {"l2", levels(of_data.l2 + of_data.dram, of_tree.l2 + of_tree.dram), t.transfers},
-      {"dram", levels(of_data.dram, of_tree.dram), 0},
+      {"l1", std::max(levels(1, 1), memory * d.records), t.transfers, 0},
+      {"l2", levels(of_data.l2 + of_data.dram, of_tree.l2 + of_tree.dram), t.transfers,
+       1 - of_raster.l2 - of_raster.dram},
+      {"dram", levels(of_data.dram, of_tree.dram), 0, 1 - of_raster.dram},
       {"srp", std::max(together(least(d.data_lines, data), tracing, p), memory), t.transfers},
       {"tile_buffer", time - kSlotsGain * std::max(0.0, more_slots), 0},
-      {"interconnect", std::max(levels(of_data.interconnect / 2, of_tree.interconnect / 2), memory), t.transfers},
+      {"interconnect", std::max(levels(of_data.interconnect / 2, of_tree.interconnect / 2), memory), t.transfers,
+       1 - of_raster.interconnect / 2},
   };
   std::vector<Estimate> estimates;
-  for (const auto& [resource, stages, transfers] : rests) {
-    const double total = std::min(stages, time) + t.no_tile + transfers;
+  for (const auto& [resource, stages, transfers, waits] : rests) {
+    const double total = std::min(stages, time) + t.no_tile + transfers + t.raster + waits * t.raster_misses;
     estimates.push_back({resource, total > 0 ? 1 / total : 1});
   }
   return estimates;

@@ -139,8 +139,10 @@ std::string overview(const Json& report) {
     line("traced because of", tracing_reasons(t["sampling"]));
   }
   line("ray rate", si_text(1e6 * t["perf"]["mrays_per_s"].get<double>(), "rays/s"));
-  line("traversal steps", fmt::format("{}  = {:.1f} per ray", count(t["traversal_steps"]),
-                                      t["traversal_steps"].get<double>() / rays["total"].get<double>()));
+  const double all_rays = rays["total"].get<double>();  // none where a rasteriser finds what is seen, and that is all
+  line("traversal steps",
+       count(t["traversal_steps"]) +
+           (all_rays > 0 ? fmt::format("  = {:.1f} per ray", t["traversal_steps"].get<double>() / all_rays) : ""));
   line("DRAM traffic", dram_traffic(t));
   line("busy", fmt::format("T&I {}, SRP {}, DRAM {}", percent(t["utilisation"]["tni"]),
                            percent(t["utilisation"]["srp"]), percent(t["utilisation"]["dram"])));
@@ -148,10 +150,11 @@ std::string overview(const Json& report) {
   line("limited by", t["limiter"].get<std::string>());
   line("energy", spread(t["energy_mj"], 1, "mJ  (low / nominal / high)") + give_or_take(t, "energy_mj"));
   line("power", spread(t["power_w"], 1, "W"));
-  line("efficiency", fmt::format("{} frames/J GPU with memory, {} frames/J T&I alone, {:.2f} nJ per ray",
-                                 sim::four_digits(t["perf"]["frames_per_joule_gpu"].get<double>()),
-                                 sim::four_digits(t["perf"]["frames_per_joule_tni"].get<double>()),
-                                 t["perf"]["nj_per_ray"].get<double>()));
+  line("efficiency",
+       fmt::format("{} frames/J GPU with memory, {} frames/J T&I alone",
+                   sim::four_digits(t["perf"]["frames_per_joule_gpu"].get<double>()),
+                   sim::four_digits(t["perf"]["frames_per_joule_tni"].get<double>())) +
+           (all_rays > 0 ? fmt::format(", {:.2f} nJ per ray", t["perf"]["nj_per_ray"].get<double>()) : ""));
   if (t.contains("area_mm2")) line("area", area(t));
   if (t.contains("replicates")) line("replicates", replicates_text(t["replicates"]));
   if (t.contains("relative")) {

@@ -13,6 +13,7 @@
 #include "hw_models/frame/memory_interface.h"
 #include "hw_models/memory/l2_bank.h"
 #include "hw_models/memory/unit_names.h"
+#include "hw_models/raster/raster_unit.h"
 #include "hw_models/srp/srp.h"
 #include "hw_models/tni/ist.h"
 #include "hw_models/tni/trv.h"
@@ -30,6 +31,8 @@ using SrpStats = hw::Srp::Stats;
 using OfTrv = hw::Trv::CycleReason;
 using OfIst = hw::Ist::CycleReason;
 using OfSrp = hw::Srp::CycleReason;
+
+using OfRaster = hw::RasterUnit::CycleReason;
 
 double ratio(auto a, auto b) { return b == 0 ? 0 : static_cast<double>(a) / static_cast<double>(b); }
 
@@ -93,6 +96,19 @@ double tracing_demand(const Trvs& trvs) {
   return std::min(occupied, full * ratio(trvs.counted(&TrvStats::visits), trvs.counted(&TrvStats::full_visits)));
 }
 
+/// Of the time without rays, that in which the core's rasteriser was not idle goes to it, by what it did over the
+/// frame: the array may wait for other things meanwhile, but mostly launches wait for what it finds.
+void part_from_transfers(const Units<hw::RasterUnit>& rasteriser, const Beyond& memory, CoreTime& t) {
+  const double busy = rasteriser.empty() ? 0 : 1 - rasteriser.share(OfRaster::kIdle);
+  if (busy == 0) return;
+  const double misses = rasteriser.share(OfRaster::kMemory) + rasteriser.share(OfRaster::kPortFull);
+  const double awaited = std::min(t.transfers, busy);
+  t.transfers -= awaited;
+  t.raster_misses = awaited * misses / busy;
+  t.raster = awaited - t.raster_misses;
+  t.raster_levels = levels(memory.l2, memory);
+}
+
 CoreTime core_time(std::span<const UnitReport> units, const std::string& core, const Beyond& memory,
                    const hw::GpuConfig& config) {
   const Units<hw::Srp> srp(units, core);
@@ -119,6 +135,7 @@ CoreTime core_time(std::span<const UnitReport> units, const std::string& core, c
       .records = record_share(units, banks)};
   const double tracing = ratio(srp.counted(&SrpStats::awaited), srp.elapsed());
   t.transfers = std::max(0.0, srp.share(OfSrp::kWaiting) + srp.share(OfSrp::kBorders) + t.demands.no_slots - tracing);
+  part_from_transfers(Units<hw::RasterUnit>(units, core), memory, t);
   const Inside in = inside(trvs, ist);
   t.boxes = tracing * in.boxes;
   t.triangles = tracing * in.triangles;
@@ -139,7 +156,8 @@ template <class A, class F>
 void each_share(A& a, const CoreTime& b, F&& f) {
   for (double CoreTime::*share :
        {&CoreTime::kernels, &CoreTime::switches, &CoreTime::banks, &CoreTime::data_misses, &CoreTime::boxes,
-        &CoreTime::triangles, &CoreTime::pipes, &CoreTime::tree_misses, &CoreTime::transfers, &CoreTime::no_tile}) {
+        &CoreTime::triangles, &CoreTime::pipes, &CoreTime::tree_misses, &CoreTime::raster, &CoreTime::raster_misses,
+        &CoreTime::transfers, &CoreTime::no_tile}) {
     f(a.*share, b.*share);
   }
   using Demands = CoreTime::Demands;
@@ -184,6 +202,8 @@ TopDown top_down(std::span<const UnitReport> units, const hw::GpuConfig& config)
       add_levels(gpu.data_levels, core.data_levels, core.data_misses / (cores * gpu.data_misses));
     if (gpu.tree_misses > 0)
       add_levels(gpu.tree_levels, core.tree_levels, core.tree_misses / (cores * gpu.tree_misses));
+    if (gpu.raster_misses > 0)
+      add_levels(gpu.raster_levels, core.raster_levels, core.raster_misses / (cores * gpu.raster_misses));
   }
   return view;
 }
@@ -197,6 +217,8 @@ nlohmann::ordered_json time_json(const CoreTime& t) {
           {"triangles", t.triangles},
           {"pipes", t.pipes},
           {"tree_misses", levels_json(t.tree_levels, t.tree_misses)},
+          {"raster", t.raster},
+          {"raster_misses", levels_json(t.raster_levels, t.raster_misses)},
           {"transfers", t.transfers},
           {"no_tile", t.no_tile},
           {"demands",
@@ -226,6 +248,8 @@ std::string top_down_text(const nlohmann::ordered_json& time) {
                                                             {"triangles", "triangle tests"},
                                                             {"pipes", "T&I pipelines"},
                                                             {"tree_misses", "tree misses"},
+                                                            {"raster", "rasteriser"},
+                                                            {"raster_misses", "rasteriser's misses"},
                                                             {"transfers", "transfers"},
                                                             {"no_tile", "no tile"},
                                                             {"dram", "DRAM"},

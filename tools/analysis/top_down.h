@@ -21,7 +21,8 @@ struct MissLevels {
 ///
 ///   array busy: kernels | switches | banks          array stands still: data_misses
 ///   array idle, rays in the T&I unit: boxes | triangles | pipes | tree_misses
-///   array idle, none there: transfers (waiting for the DMA, for other tiles' borders or for tiles' turns) | no_tile
+///   array idle, none there, its rasteriser at work: raster | raster_misses
+///   array idle, nor that: transfers (waiting for the DMA, for other tiles' borders or for tiles' turns) | no_tile
 struct CoreTime {
   double kernels = 0, switches = 0, banks = 0;
   double data_misses = 0;
@@ -29,6 +30,7 @@ struct CoreTime {
   double triangles = 0;    ///< rays wait for triangles that are being tested
   double pipes = 0;        ///< too few rays to fill pipelines, and what holds rays up inside the unit
   double tree_misses = 0;  ///< rays wait for node or triangle lines
+  double raster = 0, raster_misses = 0;
   double transfers = 0, no_tile = 0;
   /// Time that parts of the core would need alone, as shares of the same time; they overlap with each other.
   struct Demands {
@@ -43,8 +45,8 @@ struct CoreTime {
     double records = 0;     ///< share of the L2's requests that carry rays and hits through memory
   };
   Demands demands{};
-  /// Levels on which the misses of its three kinds of cache spent their time.
-  MissLevels data_levels{}, tree_levels{};
+  /// Levels on which the misses of its caches spent their time.
+  MissLevels data_levels{}, tree_levels{}, raster_levels{};
 
   double busy() const { return kernels + switches + banks; }
   double tracing() const { return boxes + triangles + pipes + tree_misses; }

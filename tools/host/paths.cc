@@ -55,6 +55,15 @@ std::vector<std::string> yaml_names(const std::vector<fs::path>& folders) {
   return names;
 }
 
+/// "known: a, b"; if a program away from its share folder knows none, where they would be.
+std::string known(const std::vector<std::string>& names) {
+  if (!names.empty()) return fmt::format("known: {}", fmt::join(names, ", "));
+  std::vector<std::string> folders;
+  for (const fs::path& folder : search_folders()) folders.push_back(sim::printable(folder.string()));
+  return fmt::format("none is known, there are no configurations in {} (which RAYWATT_PATH may name)",
+                     fmt::join(folders, ", "));
+}
+
 std::vector<fs::path> workload_folders() {
   std::vector<fs::path> folders;
   for (const fs::path& folder : search_folders()) {
@@ -127,8 +136,8 @@ fs::path find_experiment(const fs::path& argument) {
   if (const std::optional<fs::path> found = find_yaml(config_folders(), folder + "/" + name)) return *found;
   std::vector<std::string> names = config_names_in(folder);
   for (std::string& each : names) each.erase(0, folder.size() + 1);
-  throw sim::InputError(fmt::format("no experiment is called '{}'{}; known: {}; or give a path to a .yaml file",
-                                    sim::printable(name), traces::did_you_mean(name, names), fmt::join(names, ", ")));
+  throw sim::InputError(fmt::format("no experiment is called '{}'{}; {}; or give a path to a .yaml file",
+                                    sim::printable(name), traces::did_you_mean(name, names), known(names)));
 }
 
 fs::path find_config(const std::string& argument) {
@@ -136,8 +145,8 @@ fs::path find_config(const std::string& argument) {
   if (argument.find('/') != std::string::npos || argument.ends_with(".yaml")) return argument;
   if (const std::optional<fs::path> found = find_yaml(config_folders(), argument)) return *found;
   const std::vector<std::string> names = config_names();
-  throw sim::InputError(fmt::format("no configuration is called '{}'{}; known: {}; or give a path to a .yaml file",
-                                    sim::printable(argument), what_was_meant(argument, names), fmt::join(names, ", ")));
+  throw sim::InputError(fmt::format("no configuration is called '{}'{}; {}; or give a path to a .yaml file",
+                                    sim::printable(argument), what_was_meant(argument, names), known(names)));
 }
 
 }  // namespace tools

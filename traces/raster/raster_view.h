@@ -68,7 +68,7 @@ class EdgeFunctions {
 
 /// Bounds of a triangle's visible part, clipped at the near plane; false if there is none.
 struct RasterBounds {
-  PictureBox box;
+  PictureBox box;  ///< holds all that is covered, rounding included
   double nearest = 0;  ///< depth of its nearest point
 };
 bool bounds_of(const std::array<Projected, 3>& vertices, double near, RasterBounds& bounds);

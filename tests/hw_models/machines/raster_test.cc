@@ -84,7 +84,7 @@ TEST_P(Rasterised, FramesAreTheSameOnAnyEngineAndNumberOfThreads) {
 }
 INSTANTIATE_TEST_SUITE_P(Programs, Rasterised,
                          testing::Values("full:1", "full:4", "multirate:under", "multirate:super", "undersample",
-                                         "supersample"));
+                                         "supersample", "reconstruct", "reconstruct:sraa"));
 
 TEST(RasterisedFrame, ReadsWhatItHasWrittenAndLosesNoSample) {
   const Method raster(method("cornell", "full:1", kernels::Primary::kRaster));

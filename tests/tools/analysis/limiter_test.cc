@@ -61,6 +61,15 @@ TEST(Limiter, MoreRaySlotsCannotHideMoreThanTheShorterStage) {
   EXPECT_LT(worth(t, "tile_buffer"), 1.02);
 }
 
+TEST(Limiter, TimeThatIsTheRasterisersOwnGoesByNoIdealUnit) {
+  const CoreTime t = {.kernels = 0.2, .raster = 0.3, .raster_misses = 0.5, .raster_levels = {.l2 = 0.4, .dram = 0.6}};
+  EXPECT_NEAR(worth(t, "l1"), 1 / 0.5, 1e-6);
+  EXPECT_NEAR(worth(t, "l2"), 1 / 0.5, 1e-6);
+  EXPECT_NEAR(worth(t, "dram"), 1 / 0.7, 1e-6) << "the L2 keeps its part";
+  EXPECT_NEAR(worth(t, "srp"), 1 / 0.8, 1e-6);
+  EXPECT_LT(worth(t, "tile_buffer"), 1.01);
+}
+
 TEST(Limiter, NamesNothingThatIsWorthNothing) {
   const std::vector<Estimate> estimates = estimate({.no_tile = 1});
   EXPECT_LT(most(estimates).speedup, 1.01);

@@ -1,9 +1,8 @@
-#include "tools/analysis/debug_pictures.h"
-
 #include <algorithm>
 
 #include <gtest/gtest.h>
 
+#include "tools/analysis/debug_pictures.h"
 #include "traces/accel/build.h"
 #include "traces/scenes/library.h"
 

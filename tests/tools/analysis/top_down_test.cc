@@ -11,7 +11,9 @@
 namespace tools {
 namespace {
 
-double sum(const CoreTime& t) { return t.busy() + t.data_misses + t.tracing() + t.transfers + t.no_tile; }
+double sum(const CoreTime& t) {
+  return t.busy() + t.data_misses + t.tracing() + t.raster + t.raster_misses + t.transfers + t.no_tile;
+}
 
 TEST(TopDown, TimeInWhichTheArrayIdlesGoesToWhatTheRaysDoMeanwhile) {
   // The array ran 30 of 100 cycles and idled 70, 60 of them with rays in the unit. Of the time in which the traversal
@@ -59,7 +61,7 @@ TEST(TopDown, CoresThatHadNothingToDoTakeNothingFromTheLevelsOfOthers) {
 
 TEST(TopDown, SharesOfEveryCoreOfARealFrameSumToOneWhateverTheMachine) {
   for (const char* set : {"cores=2", "tni.miss_handling=blocking", "tni.miss_handling=rau", "tni.trv.box_testers=1",
-                          "direct_interface.enabled=false", "ideal.l1=true"}) {
+                          "direct_interface.enabled=false", "ideal.l1=true", "render.primary=raster"}) {
     SCOPED_TRACE(set);
     JobOptions options;
     options.resolution = "64x32";
@@ -69,7 +71,8 @@ TEST(TopDown, SharesOfEveryCoreOfARealFrameSumToOneWhateverTheMachine) {
     EXPECT_EQ(view.cores.size(), s.machine.cores);
     for (const CoreTime& core : view.cores) EXPECT_NEAR(sum(core), 1, 1e-9);
     EXPECT_NEAR(sum(view.gpu), 1, 1e-9);
-    for (const MissLevels& l : {view.gpu.data_levels, view.gpu.tree_levels}) {
+    EXPECT_EQ(view.gpu.raster + view.gpu.raster_misses > 0, std::string(set) == "render.primary=raster");
+    for (const MissLevels& l : {view.gpu.data_levels, view.gpu.tree_levels, view.gpu.raster_levels}) {
       const double all = l.interconnect + l.l2 + l.dram;
       EXPECT_TRUE(all == 0 || std::abs(all - 1) < 1e-9) << all;
     }

@@ -87,5 +87,14 @@ TEST_F(Installation, ReadsThePresetsBesideItAndNotThoseOfTheSources) {
   EXPECT_NE(shown.out.find("cores: 3"), std::string::npos);
 }
 
+TEST_F(Installation, SaysWhereItLookedForConfigurationsIfThereAreNone) {
+  const fs::path share = root() / "share/raywatt";
+  fs::rename(share, root() / "share/away");
+  const Ending alone = installed({"run"});
+  fs::rename(root() / "share/away", share);
+  expect_refusal(alone, {"no configuration is called 'sgrt-2016'; none is known",
+                         "no configurations in " + share.string(), "RAYWATT_PATH"});
+}
+
 }  // namespace
 }  // namespace test

@@ -1,8 +1,15 @@
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <limits>
+#include <map>
 #include <string>
+#include <utility>
 
+#include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
+#include "tests/real_scenes.h"
 #include "tests/traces/raster/support.h"
 #include "traces/accel/bvh_tracer.h"
 #include "traces/scenes/library.h"
@@ -15,61 +22,110 @@ namespace {
 
 struct Agreement {
   std::uint64_t samples = 0, hits = 0;
-  std::uint64_t ties = 0;   ///< other triangles at the same depth: surfaces, or edges, that meet there
-  std::uint64_t edges = 0;  ///< one of both found a triangle that the other missed, or a nearer one
+  std::uint64_t ties = 0;   ///< on an edge or corner of the winner, found to belong to another triangle there
+  std::uint64_t apart = 0;  ///< one of both found a triangle that the other missed, or a nearer one
   double worst_depth = 0;   ///< relative, where both found the same triangle
 };
+
+/// Distance in pixels of a sample from the nearest edge of a triangle.
+double from_edge(const Rasteriser& rasteriser, std::uint32_t triangle, const glm::dvec2& at) {
+  const auto& v = rasteriser.geometry().triangles[triangle].vertices;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < 3; ++i) {
+    const Projected a = rasteriser.view().project(rasteriser.geometry().vertices[v[i]]);
+    const Projected b = rasteriser.view().project(rasteriser.geometry().vertices[v[(i + 1) % 3]]);
+    const glm::dvec3 line = glm::cross(a, b);
+    nearest = std::min(nearest, std::abs(glm::dot(line, glm::dvec3(at, 1))) / glm::length(glm::dvec2(line)));
+  }
+  return nearest;
+}
+
+/// Numbers of the triangles that each hit names.
+using Numbers = std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t>;
+Numbers numbers_of(const RasterGeometry& geometry, bool levels) {
+  Numbers numbers;
+  for (std::uint32_t t = 0; t < geometry.triangles.size(); ++t) {
+    numbers[{levels ? geometry.triangles[t].instance : 0, geometry.triangles[t].index}] = t;
+  }
+  return numbers;
+}
+
+bool share_a_corner(const RasterGeometry::Triangle& a, const RasterGeometry::Triangle& b) {
+  return std::ranges::any_of(a.vertices,
+                             [&](std::uint32_t v) { return std::ranges::find(b.vertices, v) != b.vertices.end(); });
+}
+
+/// Compares what both found at one sample.
+void compare(const Rasteriser& rasteriser, const Ray& ray, const Coverage::Winner& winner, const Hit& hit,
+             std::uint32_t traced, Agreement& all) {
+  const Projected seen = rasteriser.view().of_ray(ray.direction);
+  const double depth = seen.z * hit.t, apart = std::abs(winner.depth - depth) / depth;
+  if (winner.triangle == traced) {
+    all.worst_depth = std::max(all.worst_depth, apart);
+    return;
+  }
+  const auto& triangles = rasteriser.geometry().triangles;
+  const bool tie = share_a_corner(triangles[winner.triangle], triangles[traced]) && apart < 1e-4 &&
+                   from_edge(rasteriser, winner.triangle, glm::dvec2(seen) / seen.z) < 1e-3;
+  (tie ? all.ties : all.apart) += 1;
+}
 
 Agreement compare(const MemoryImage& image, const PictureCamera& camera) {
   constexpr std::uint32_t kSide = 32;
   const Rasteriser rasteriser(image, camera, {}, kSide);
   const BvhTracer tracer(image);
+  const Numbers numbers = numbers_of(rasteriser.geometry(), image.has_levels());
   Agreement all;
   Coverage found;
   for (std::uint32_t y = 0; y < camera.height; y += kSide) {
     for (std::uint32_t x = 0; x < camera.width; x += kSide) {
-      const std::vector<Ray> rays = rays_of(camera, x, y, kSide, kSide);
+      const std::vector<Ray> rays =
+          rays_of(camera, x, y, std::min(kSide, camera.width - x), std::min(kSide, camera.height - y));
       std::vector<Hit> hits(rays.size());
       tracer.trace(rays, RayKind::kPrimary, hits, nullptr);
       rasteriser.cover(rays, found, nullptr);
+      all.samples += rays.size();
       for (std::size_t i = 0; i < rays.size(); ++i) {
-        const Coverage::Winner& winner = found.winners[i];
-        all.samples += 1;
+        const bool drawn = found.winners[i].triangle != kNone;
         all.hits += hits[i].is_hit();
-        if (!hits[i].is_hit() && winner.triangle == kNone) continue;
-        if (!hits[i].is_hit() || winner.triangle == kNone) {
-          all.edges += 1;
-          continue;
-        }
-        const RasterGeometry::Triangle& triangle = rasteriser.geometry().triangles[winner.triangle];
-        const double depth = rasteriser.view().of_ray(rays[i].direction).z * hits[i].t;
-        const double apart = std::abs(winner.depth - depth) / depth;
-        const bool same =
-            triangle.index == hits[i].index() && (!image.has_levels() || triangle.instance == instance_of(hits[i]));
-        if (same) {
-          all.worst_depth = std::max(all.worst_depth, apart);
-        } else {
-          (apart < 1e-4 ? all.ties : all.edges) += 1;
-        }
+        if (hits[i].is_hit() != drawn) all.apart += 1;
+        if (!hits[i].is_hit() || !drawn) continue;
+        const std::uint32_t instance = image.has_levels() ? instance_of(hits[i]) : 0;
+        compare(rasteriser, rays[i], found.winners[i], hits[i], numbers.at({instance, hits[i].index()}), all);
       }
     }
   }
   return all;
 }
 
+/// Nothing but ties on an edge; measured: not one in 100,000 apart on any scene, depths within 2e-6.
+void expect_agreement(const Scene& scene, std::uint32_t width, std::uint32_t height) {
+  const MemoryImage image = build_memory_image(scene, {}, 1);
+  const Agreement found = compare(image, picture_of(scene.cameras.front(), width, height));
+  testing::Test::RecordProperty("ties", std::to_string(found.ties));
+  EXPECT_GT(found.hits, found.samples / 10);
+  EXPECT_EQ(found.apart, 0U);
+  EXPECT_LT(found.worst_depth, 1e-5);
+}
+
 class RasterAgainstTracer : public testing::TestWithParam<const char*> {};
 
 TEST_P(RasterAgainstTracer, FindsTheSameTriangleAndDepthAtEverySampleButEdges) {
   const Scene scene = open_scene(GetParam());
-  const MemoryImage image = build_memory_image(scene, {}, 1);
-  const Agreement found = compare(image, picture_of(scene.cameras.front(), 256, 128));
-  RecordProperty("ties", std::to_string(found.ties));
-  EXPECT_GT(found.hits, found.samples / 10);
-  EXPECT_LE(found.edges, found.samples / 100'000 + 1);
-  EXPECT_LT(found.worst_depth, 1e-4);
+  expect_agreement(scene, 256, 128);
+  expect_agreement(scene, 255, 127);  // samples on sides of triangles' bounds
 }
 INSTANTIATE_TEST_SUITE_P(Scenes, RasterAgainstTracer,
                          testing::Values("cornell", "teapot", "conference", "atrium", "chess", "car"));
+
+class RasterAgainstTracerOfFiles : public testing::TestWithParam<const char*> {};
+
+TEST_P(RasterAgainstTracerOfFiles, FindsTheSameTriangleAndDepthAtEverySampleButEdges) {
+  const std::filesystem::path file = test::scenes_folder() / GetParam();
+  if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is not here";
+  expect_agreement(open_scene(file.string()), 512, 256);
+}
+INSTANTIATE_TEST_SUITE_P(Scenes, RasterAgainstTracerOfFiles, testing::Values("chess-42k.glb", "hotel-room-99k.glb"));
 
 TEST(RasterAgainstTracer, AgreesInScenesOfTwoLevels) {
   const Scene scene = open_scene("forest");
@@ -78,8 +134,8 @@ TEST(RasterAgainstTracer, AgreesInScenesOfTwoLevels) {
   const MemoryImage image = build_memory_image(scene, bvh, 1);
   ASSERT_TRUE(image.has_levels());
   const Agreement found = compare(image, picture_of(scene.cameras.front(), 256, 128));
-  EXPECT_LE(found.edges, 4U);
-  EXPECT_LT(found.worst_depth, 1e-4);
+  EXPECT_LE(found.apart, 4U);
+  EXPECT_LT(found.worst_depth, 1e-5);
 }
 
 }  // namespace

@@ -220,6 +220,7 @@ std::vector<Pair> in_words(std::vector<Pair> times) {
       {"boxes", "box tests"},
       {"triangles", "triangle tests"},
       {"pipes", "T&I pipelines"},
+      {"raster", "rasteriser"},
       {"transfers", "transfers"},
       {"no_tile", "no tile"},
       {"data_misses.dram", "data-cache misses: DRAM"},
@@ -227,7 +228,10 @@ std::vector<Pair> in_words(std::vector<Pair> times) {
       {"data_misses.interconnect", "data-cache misses: interconnect"},
       {"tree_misses.dram", "tree misses: DRAM"},
       {"tree_misses.l2", "tree misses: L2"},
-      {"tree_misses.interconnect", "tree misses: interconnect"}};
+      {"tree_misses.interconnect", "tree misses: interconnect"},
+      {"raster_misses.dram", "rasteriser's misses: DRAM"},
+      {"raster_misses.l2", "rasteriser's misses: L2"},
+      {"raster_misses.interconnect", "rasteriser's misses: interconnect"}};
   for (Pair& time : times) {
     if (const auto word = kWords.find(time.name); word != kWords.end()) time.name = word->second;
   }

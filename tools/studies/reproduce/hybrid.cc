@@ -47,8 +47,7 @@ std::vector<Case> hybrid(bool quick) {
     };
     add("shadows", {"render.depth=1"});
     add("reflections and refractions", {});
-    if (quick) continue;
-    add("reflections and refractions, T&I alone", tni_alone());
+    if (!quick) add("reflections and refractions, T&I alone", tni_alone());
     const std::string effects = "render.effects=occlusion, soft_shadows, reflections, refractions";
     add("occlusion and soft shadows", {effects});
     add("occlusion and soft shadows, half rate", {effects, "render.effect_rate=half"});

@@ -22,7 +22,7 @@ struct Part {
   const char* meaning;
 };
 
-constexpr std::array<Part, 14> kParts = {{
+constexpr std::array<Part, 18> kParts = {{
     {"kernels", "", "kernels", colours::kWork, false, "a kernel's loop ran on the array"},
     {"switches", "", "kernel switches", colours::kWorkMiddle, true, "the array was configured for another kernel"},
     {"banks", "", "tile-buffer banks", colours::kWorkLight, true, "accesses met in a bank of the tile buffer"},
@@ -38,6 +38,11 @@ constexpr std::array<Part, 14> kParts = {{
      "rays waited for a line of nodes or triangles, on its way between core and L2"},
     {"tree_misses", "l2", "tree misses: L2", colours::kTreeMiddle, true, "the same, inside the L2"},
     {"tree_misses", "dram", "tree misses: DRAM", colours::kTree, false, "the same, in memory"},
+    {"raster", "", "rasteriser", colours::kRest, false, "no ray was out, the core's rasteriser worked"},
+    {"raster_misses", "interconnect", "rasteriser's misses: wires", colours::kWaitLight, true,
+     "the same, and it waited for a line or to write one, on its way between core and L2"},
+    {"raster_misses", "l2", "rasteriser's misses: L2", colours::kWaitMiddle, true, "the same, inside the L2"},
+    {"raster_misses", "dram", "rasteriser's misses: DRAM", colours::kWait, false, "the same, in memory"},
     {"transfers", "", "transfers", colours::kRest, false, "no ray was out, launches waited for the DMA"},
     {"no_tile", "", "no tile", colours::kRestLight, true, "the core had no tile"},
 }};
