@@ -93,7 +93,7 @@ TEST(Chiu, GeometryByRaysIsAQuarterOfTheRaysOfSixteenSamples) {
 }
 
 TEST(Chiu, GeometryByRasterisersLeavesTheRaysThatAreNotPrimary) {
-  // Of k rays a sample one is primary: 16 k against 4 (k - 1) with paths that end behind the first mirror (C5).
+  // One of k rays a sample is primary: 16 k against 4 (k - 1) with paths that end behind the first mirror (C5).
   Pictures cornell("cornell", "", "96x96", "2");
   const double k = cornell.rays_a_sample_of_truth(), wanted = 4 * k / (k - 1);
   const auto rays = static_cast<double>(cornell.of("reconstruct", "render.primary=raster").rays);

@@ -96,7 +96,7 @@ double tracing_demand(const Trvs& trvs) {
   return std::min(occupied, full * ratio(trvs.counted(&TrvStats::visits), trvs.counted(&TrvStats::full_visits)));
 }
 
-/// Of the time without rays, that in which the core's rasteriser was not idle goes to it, by what it did over the
+/// The rasteriser gets that part of the time without rays in which it was not idle, divided by what it did over the
 /// frame: the array may wait for other things meanwhile, but mostly launches wait for what it finds.
 void part_from_transfers(const Units<hw::RasterUnit>& rasteriser, const Beyond& memory, CoreTime& t) {
   const double busy = rasteriser.empty() ? 0 : 1 - rasteriser.share(OfRaster::kIdle);
