@@ -111,8 +111,11 @@ void add_masks(std::vector<Case>& cases, bool quick) {
     add_quality(cases, view, name, kChiuSide, kChiuSide, masks, quick);
     if (!quick) add_quality(cases, view, name, 512, 256, masks, quick);
   };
-  add(view_of("Cornell box", "cornell", quick), "front");
+  add(view_of("Cornell box", "cornell", quick, "front"), "front");
   if (quick) return;
+  View nearer = view_of("Cornell box", "cornell", quick, "path");
+  nearer.frame = "60";
+  add(nearer, "nearer");
   masks.emplace_back("texture_edges");
   for (const char* camera : {"corner", "seated"}) add(view_of("conference", "conference", quick, camera), camera);
   for (const char* camera : {"court", "arcade"}) add(sponza(quick, camera), camera);
