@@ -1,7 +1,9 @@
 #include "tools/analysis/report.h"
 
+#include <algorithm>
 #include <array>
 #include <ctime>
+#include <numeric>
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -152,7 +154,11 @@ Json host_json(const Report& report) {
   gethostname(name.data(), name.size() - 1);
   const Result& totals = report.totals;
   const FrontEnd::Result& function = totals.run.function;
-  const double timing = totals.run.wall_seconds - function.waited;
+  const std::optional<SlicedFrame>& sliced = totals.run.sliced;
+  const bool is_cut = sliced && sliced->slices > 1;
+  const double machines =
+      is_cut ? std::accumulate(sliced->seconds.begin(), sliced->seconds.end(), 0.0) : totals.run.wall_seconds;
+  const double timing = std::max(0.0, machines - function.waited);
   const double reference = totals.reference != nullptr ? totals.reference->wall_seconds : 0;
   const double replicates =
       totals.run.replicate_seconds + (totals.reference != nullptr ? totals.reference->replicate_seconds : 0);
@@ -174,7 +180,7 @@ Json host_json(const Report& report) {
     host["pilot_s"] = totals.run.sampled->pilot_seconds;
     host["warming_s"] = totals.run.sampled->warming_seconds;
   }
-  if (totals.run.sliced && totals.run.sliced->slices > 1) host["slices_s"] = totals.run.sliced->seconds;
+  if (is_cut) host["slices_s"] = sliced->seconds;
   return host;
 }
 

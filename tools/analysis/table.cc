@@ -76,6 +76,11 @@ std::string give_or_take(const Json& totals, const char* figure) {
   return fmt::format("  ± {:.1f} %", 100 * half / i["estimate"].get<double>());
 }
 
+std::string slices(const Json& sliced) {
+  const int count = sliced["slices"].get<int>();
+  return fmt::format("{}{}", count, count > 1 ? ", added up; ± is half of a 95 % interval" : "");
+}
+
 /// Scene, size and program, and whether the run is complete.
 std::string heading(const Json& report) {
   const Json& frames = report["frames"];
@@ -129,10 +134,7 @@ std::string overview(const Json& report) {
     const char* const rest = timed < tiles ? "; the rest is estimated, ± is half of a 95 % interval" : "";
     line("sampled", fmt::format("{} of {} tiles timed{}", timed, tiles, rest));
   }
-  if (t.contains("sliced")) {
-    const int slices = t["sliced"]["slices"].get<int>();
-    line("slices", fmt::format("{}{}", slices, slices > 1 ? ", added up; ± is half of a 95 % interval" : ""));
-  }
+  if (t.contains("sliced")) line("slices", slices(t["sliced"]));
   line("cycles (T&I clock)",
        fmt::format("{}  = {} ms  = {} frames/s{}", count(t["cycles"]), sim::four_digits(t["time_ms"].get<double>()),
                    sim::four_digits(t["perf"]["fps"].get<double>()), give_or_take(t, "cycles")));

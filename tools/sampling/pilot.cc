@@ -17,8 +17,8 @@ namespace {
 constexpr std::array kSides = {4U, 5U, 3U, 2U, 1U};
 /// Likewise for a mere guess at costs.
 constexpr std::array kGuessSides = {8U, 4U, 5U, 3U, 2U, 1U};
-/// Steps that take the host as long as all else that a ray needs.
-constexpr std::uint64_t kStepsOfARay = 10;
+/// Steps that take the host as long as what else a ray needs that a surface sends on (docs/slices.md).
+constexpr std::uint64_t kStepsOfARay = 15;
 
 /// The frame with one sample of each square, as a program of as many tiles.
 kernels::FullProgram thin_program(const Inputs& inputs, const kernels::ProgramSpec& spec,
@@ -74,14 +74,16 @@ std::vector<double> guess_costs(const Inputs& inputs, const kernels::ProgramSpec
                                 std::uint32_t threads) {
   double thinning = 0;
   kernels::FullProgram program = thin_program(inputs, spec, kGuessSides, thinning);
-  FrontEnd front_end(program, tracer, host_threads(threads) - 1, false);
+  FrontEnd front_end(program, tracer, host_threads(threads) - 1);
   const FrontEnd::Result& function = front_end.result();
   std::vector<double> costs;
   double before = 0;
   while (const traces::TileWork* work = front_end.next()) {
     if (interrupted()) throw Interrupted{};
     front_end.give_back(work);
-    const double all = static_cast<double>(function.traversal_steps + kStepsOfARay * function.all_rays());
+    const std::uint64_t sent_on = function.rays[static_cast<std::size_t>(traces::RayKind::kReflection)] +
+                                  function.rays[static_cast<std::size_t>(traces::RayKind::kRefraction)];
+    const double all = static_cast<double>(function.traversal_steps + kStepsOfARay * sent_on);
     costs.push_back(all - before);
     before = all;
   }

@@ -27,7 +27,7 @@ namespace {
 /// Tiles of a slice for each of a lead, where the number of slices is free: leads cost less than a tenth.
 constexpr std::uint32_t kTilesOfALead = 10;
 /// Error of a border that tiles played twice do not tell, in tiles, as half of a 95 % interval (docs/slices.md).
-constexpr double kBorderError = 2;
+constexpr double kBorderError = 3;
 
 double thread_seconds() {
   timespec now{};
@@ -67,8 +67,8 @@ struct Work {
   }
 };
 
-/// How much more a frame has of work than its slices have done: tiles under way at a border were not equally far on
-/// both machines. The mean for steps and rays.
+/// Ratio of a frame's work to what its slices have done: tiles under way at a border were not equally far on both
+/// machines. Mean of those of steps and rays.
 double undone(const FrontEnd::Result& function, const Work& done) {
   return (static_cast<double>(function.traversal_steps) / done.steps +
           static_cast<double>(function.all_rays()) / done.rays) /
@@ -103,7 +103,7 @@ struct Probe {
 /// Results of one slice.
 struct PlayedSlice {
   std::optional<Stretch> own;
-  Probe before, after;  ///< of the last tiles of its lead and of its own, if there is a border
+  Probe before, after;  ///< those of the last tiles of its lead and of its own, if there is a border
   double seconds = 0;   ///< host: of its thread
 };
 

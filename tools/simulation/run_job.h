@@ -81,7 +81,7 @@ struct SampledFrame {
 /// Slices of a frame, or of several that were cut alike (slices.h).
 struct SlicedFrame {
   std::uint32_t slices = 1;
-  std::uint64_t tiles = 0, again = 0, warmed = 0;  ///< of the frame; filled a machine, or warmed its caches
+  std::uint64_t tiles = 0, again = 0, warmed = 0;  ///< all; those that fill a machine, or warm its caches
   Interval cycles, energy_pj;
   std::vector<double> seconds;  ///< host: processor time of each slice's thread
   void add(const SlicedFrame& other);

@@ -1,6 +1,7 @@
 #include "tools/sampling/slices.h"
 
 #include <algorithm>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -9,7 +10,9 @@
 
 #include "sim/error.h"
 #include "tests/tools/program.h"
+#include "tools/sampling/pilot.h"
 #include "tools/sampling/slice_plan.h"
+#include "traces/accel/bvh_tracer.h"
 
 // Frames cut into slices, beside the same frames played whole.
 
@@ -90,6 +93,17 @@ double counted(const Simulation& s, const std::string& name) {
       sum += counter.name == name ? static_cast<double>(counter.value) : 0;
   }
   return sum;
+}
+
+TEST(Slices, CostsAreGuessedFromStepsAndRaysThatSurfacesSendOn) {
+  const FrontEnd::Result& function = uncut_teapot().function;
+  const auto rays = [&](traces::RayKind kind) { return function.rays[static_cast<std::size_t>(kind)]; };
+  const double all = static_cast<double>(
+      function.traversal_steps + 15 * (rays(traces::RayKind::kReflection) + rays(traces::RayKind::kRefraction)));
+  const traces::BvhTracer tracer(teapot_tiles().image);
+  const std::vector<double> costs = guess_costs(teapot_tiles(), kFull, tracer, 2);
+  EXPECT_EQ(costs.size(), 1600U);
+  EXPECT_NEAR(16 * std::accumulate(costs.begin(), costs.end(), 0.0), all, 0.1 * all) << "one of 16 samples";
 }
 
 TEST(Slices, OneSliceIsThePlainRunToTheLastCounter) {
