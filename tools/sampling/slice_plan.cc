@@ -9,18 +9,18 @@
 namespace tools {
 namespace {
 
-/// Tiles of a lead for each that is in flight. The first of them begin together, which tiles of a frame under way do
-/// not; when as many more have followed, that is forgotten (docs/slices.md).
-constexpr std::uint32_t kLead = 2;
+/// Tiles of a lead for each three that are in flight. The first of them begin together, which tiles of a frame under
+/// way do not; until nearly as many more have followed, that is mostly forgotten (docs/slices.md).
+constexpr std::uint32_t kLeadOfThree = 5;
 
 }  // namespace
 
 SliceShape slice_shape(const hw::GpuConfig& gpu, const traces::FrameRequirements& requirements) {
   const std::uint32_t in_flight =
       gpu.cores * hw::tiles_in_flight(gpu.tile_buffer, requirements, gpu.ideal.tile_buffer).most();
-  const std::uint32_t lead = kLead * in_flight;
+  const std::uint32_t lead = (kLeadOfThree * in_flight + 2) / 3;
   const std::uint32_t warming = warming_tiles(gpu, requirements.tile_samples);
-  return {.lead = lead, .probe = in_flight, .warming = warming > lead ? warming - lead : 0};  // leads warm, too
+  return {.lead = lead, .probe = lead - in_flight, .warming = warming > lead ? warming - lead : 0};  // leads warm, too
 }
 
 std::vector<Slice> plan_slices(std::span<const double> costs, std::uint32_t count, const SliceShape& shape) {

@@ -26,8 +26,8 @@ namespace {
 
 /// Tiles of a slice for each of a lead, where the number of slices is free: leads cost less than a tenth.
 constexpr std::uint32_t kTilesOfALead = 10;
-/// Error of a border that tiles played twice do not tell, in tiles, as half of a 95 % interval (docs/slices.md).
-constexpr double kBorderError = 3;
+/// Error of a border that tiles played twice do not tell, in such tiles, as half of a 95 % interval (docs/slices.md).
+constexpr double kBorderError = 4;
 
 double thread_seconds() {
   timespec now{};
@@ -175,14 +175,18 @@ class SlicePlays {
   std::atomic<std::size_t> next_ = 0;
 };
 
-/// Adds up what slices came to, and how far they disagree about the tiles at their borders.
-void take(std::vector<PlayedSlice> played, const RunConfig& config, Simulation& s, SlicedFrame& sliced) {
+/// Adds up what slices came to, and how far they disagree about the `probe` tiles at each border.
+void take(std::vector<PlayedSlice> played, std::uint32_t probe, const RunConfig& config, Simulation& s,
+          SlicedFrame& sliced) {
   Stretch& all = *played.front().own;
-  double time = 0, energy = 0;  // squares
+  double time = 0, energy = 0;
+  const auto add_error = [probe](double& error, double filled, double under_way) {
+    error = std::hypot(error, filled - under_way, kBorderError * under_way / probe);
+  };
   for (std::size_t i = 1; i < played.size(); ++i) {
     all.add(*played[i].own);
-    time += std::pow(played[i].before.time - played[i - 1].after.time, 2);
-    energy += std::pow(played[i].before.energy_pj - played[i - 1].after.energy_pj, 2);
+    add_error(time, played[i].before.time, played[i - 1].after.time);
+    add_error(energy, played[i].before.energy_pj, played[i - 1].after.energy_pj);
   }
   for (const PlayedSlice& slice : played) sliced.seconds.push_back(slice.seconds);
   if (played.size() > 1) scale(all, undone(s.function, Work(all.units)));
@@ -192,12 +196,8 @@ void take(std::vector<PlayedSlice> played, const RunConfig& config, Simulation& 
   s.units = std::move(all.units);
   s.kernel_use = std::move(all.kernels);
   s.energy = energy_of(s.units, s.elapsed, config);
-  const auto interval = [&](double estimate, double chance) {
-    const double borders = std::sqrt(static_cast<double>(played.size() - 1));
-    return Interval{estimate, chance, estimate * kBorderError * borders / static_cast<double>(sliced.tiles)};
-  };
-  sliced.cycles = interval(static_cast<double>(s.cycles), std::sqrt(time) / static_cast<double>(clock.period()));
-  sliced.energy_pj = interval(s.energy.total_pj.nominal, std::sqrt(energy));
+  sliced.cycles = {static_cast<double>(s.cycles), time / static_cast<double>(clock.period()), 0};
+  sliced.energy_pj = {s.energy.total_pj.nominal, energy, 0};
 }
 
 kernels::FullProgram frame_of(const Inputs& inputs, const kernels::ProgramSpec& program) {
@@ -241,10 +241,10 @@ std::uint32_t slices_of(const Inputs& inputs, const kernels::ProgramSpec& progra
   if (asked == kAutoSlices) return std::max(1U, frame.tiles() / (kTilesOfALead * shape.lead));
   const std::uint32_t most = std::max(1U, frame.tiles() / shape.lead);
   if (asked <= most) return asked;
-  throw sim::InputError(fmt::format(
-      "--slices {}: the frame has {} tiles, and a slice of this machine {} at least, as many as fill it twice; "
-      "allowed: {} at most",
-      asked, frame.tiles(), shape.lead, most));
+  throw sim::InputError(
+      fmt::format("--slices {}: the frame has {} tiles, and a slice of this machine {} at least, as many as fill it; "
+                  "allowed: {} at most",
+                  asked, frame.tiles(), shape.lead, most));
 }
 
 Simulation simulate_slices(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
@@ -269,7 +269,7 @@ Simulation simulate_slices(const Inputs& inputs, const kernels::ProgramSpec& pro
   for (const Slice& slice : plan) sliced.again += slice.lead, sliced.warmed += slice.warming;
   std::vector<PlayedSlice> played = plays.play();
   s.function = frame.take_function();
-  take(std::move(played), inputs.config, s, sliced);
+  take(std::move(played), shape.probe, inputs.config, s, sliced);
   s.tiles = s.finished_tiles = full.tiles();
   s.wall_seconds = sim::seconds_since(begin);
   return s;

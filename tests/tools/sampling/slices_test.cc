@@ -1,6 +1,7 @@
 #include "tools/sampling/slices.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <string>
 #include <vector>
@@ -127,14 +128,19 @@ TEST(Slices, ThePictureAndAllThatIsCountedOfItAreTheWholeFrames) {
     EXPECT_EQ(cut.function.rays[k], whole.function.rays[k]);
 }
 
-TEST(Slices, TheTruthLiesInTheIntervals) {
+TEST(Slices, TheTruthLiesInNearlyAllIntervals) {
+  int inside = 0;
+  const auto look = [&](const Interval& interval, double truth) {
+    inside += std::abs(interval.estimate - truth) <= interval.half_width() ? 1 : 0;
+    EXPECT_NEAR(interval.estimate, truth, 0.02 * truth);
+    EXPECT_LT(interval.half_width(), 0.05 * truth);
+  };
   for (const std::uint32_t slices : {2U, 8U, 32U}) {
     const Simulation s = simulate_slices(teapot_tiles(), kFull, 1, slices);
-    const SlicedFrame& f = *s.sliced;
-    EXPECT_NEAR(f.cycles.estimate, static_cast<double>(uncut_teapot().cycles), f.cycles.half_width()) << slices;
-    EXPECT_NEAR(f.energy_pj.estimate, uncut_teapot().energy.total_pj.nominal, f.energy_pj.half_width()) << slices;
-    EXPECT_LT(f.cycles.half_width(), 0.05 * f.cycles.estimate) << slices;
+    look(s.sliced->cycles, static_cast<double>(uncut_teapot().cycles));
+    look(s.sliced->energy_pj, uncut_teapot().energy.total_pj.nominal);
   }
+  EXPECT_GE(inside, 5) << "of 6";
 }
 
 TEST(Slices, CountersAddUpToThoseOfTheWholeFrame) {
@@ -159,9 +165,9 @@ TEST(Slices, EveryUnitsReasonsSumToItsTimeWhichIsTheFrames) {
 }
 
 TEST(Slices, AutoGivesEachTenTimesTheTilesThatFillItsMachine) {
-  EXPECT_EQ(slices_of(teapot_tiles(), kFull, kAutoSlices), 13U) << "1600 tiles, 12 fill it";
-  EXPECT_EQ(slices_of(teapot_tiles(), kFull, 133), 133U);
-  EXPECT_THROW(slices_of(teapot_tiles(), kFull, 134), sim::InputError);
+  EXPECT_EQ(slices_of(teapot_tiles(), kFull, kAutoSlices), 16U) << "1600 tiles, 10 fill it";
+  EXPECT_EQ(slices_of(teapot_tiles(), kFull, 160), 160U);
+  EXPECT_THROW(slices_of(teapot_tiles(), kFull, 161), sim::InputError);
   JobOptions small;
   small.resolution = "64x64";
   EXPECT_EQ(slices_of(load_inputs(small), kFull, kAutoSlices), 1U);
@@ -206,11 +212,11 @@ TEST(SlicedRun, SaysHowManySlicesThereWereAndHowFarOffTheyMayBe) {
   const nlohmann::json totals = totals_of("4"), picked = totals_of("auto"), whole = totals_of("1");
   EXPECT_EQ(totals["sliced"]["slices"], 4);
   EXPECT_EQ(totals["sliced"]["tiles"], 1600);
-  EXPECT_EQ(totals["sliced"]["again"], 3 * 12);
+  EXPECT_EQ(totals["sliced"]["again"], 3 * 10);
   EXPECT_EQ(totals["sliced"]["cycles"]["estimate"], totals["cycles"]);
   EXPECT_EQ(totals["sliced"]["energy_mj"]["estimate"], totals["energy_mj"]["nominal"]);
   EXPECT_LT(totals["sliced"]["time_ms"]["low"], totals["sliced"]["time_ms"]["high"]);
-  EXPECT_EQ(picked["sliced"]["slices"], 13);
+  EXPECT_EQ(picked["sliced"]["slices"], 16);
   EXPECT_EQ(whole["sliced"]["slices"], 1);
   EXPECT_FALSE(whole["sliced"].contains("cycles"));
 }
