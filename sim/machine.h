@@ -110,6 +110,9 @@ class Machine {
   bool quiet() const;
   /// Charges every unit's time up to the end, rounded up to its clock. Call once, when the run is over.
   void finish(Time end);
+  /// Charges time and counters of every unit up to `end`, rounded up to its clock, unless it has come further by itself.
+  /// It may go on from there.
+  void bring_up_to(Time end);
   /// A line for each unit that has a state.
   std::string state() const;
   std::vector<UnitReport> report() const;
@@ -208,7 +211,6 @@ class Machine {
   bool started() const { return wakes_.size() != 0; }
   void place_units();
   void connect_links();
-  void bring_up_to(Time end);
   void write_row(std::uint64_t* row) const;
 
   const std::uint64_t synchroniser_cycles_;

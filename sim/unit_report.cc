@@ -19,4 +19,16 @@ void add_reports(std::vector<UnitReport>& sum, const std::vector<UnitReport>& mo
   }
 }
 
+void take_off_reports(std::vector<UnitReport>& later, const std::vector<UnitReport>& earlier) {
+  assert(later.size() == earlier.size());
+  for (std::size_t u = 0; u < later.size(); ++u) {
+    later[u].elapsed -= earlier[u].elapsed;
+    for (std::size_t i = 0; i < later[u].why.size(); ++i) later[u].why[i].second -= earlier[u].why[i].second;
+    for (std::size_t i = 0; i < later[u].counters.size(); ++i) {
+      CounterReport& counter = later[u].counters[i];
+      if (counter.kind != CounterKind::kPeak) counter.value -= earlier[u].counters[i].value;
+    }
+  }
+}
+
 }  // namespace sim

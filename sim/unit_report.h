@@ -49,6 +49,9 @@ struct UnitReport {
 /// Adds what the same units did at another time.
 void add_reports(std::vector<UnitReport>& sum, const std::vector<UnitReport>& more);
 
+/// Takes off what the same units had done up to an earlier time. Peaks stay those of all the time.
+void take_off_reports(std::vector<UnitReport>& later, const std::vector<UnitReport>& earlier);
+
 /// Builds the report of a unit from its declarations: kBlock, kReasons, Stats::describe. Without `cache_bytes`, all of
 /// the unit's storage is taken for the array that its counters access.
 template <class Unit>

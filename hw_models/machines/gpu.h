@@ -51,7 +51,7 @@ class Gpu {
 
   // As the engine sees it (sim/engine.h).
   sim::Machine& machine() { return machine_; }
-  bool done() const { return dispatcher_->done() && machine_.quiet(); }
+  bool done() const { return stopped_ || (dispatcher_->done() && machine_.quiet()); }
   sim::Time lookahead_end(sim::Time now) const;
   sim::Time patience() const { return patience_; }
 
@@ -60,6 +60,12 @@ class Gpu {
   /// The time finish() was given, rounded up to whole T&I cycles.
   sim::Time elapsed() const { return elapsed_; }
   std::uint64_t cycles() const { return tni_clock_.cycles(elapsed_); }
+
+  /// Brings all counters up to a time at which a tile is dispatched, while the machine runs.
+  void bring_up_to(sim::Time now) { machine_.bring_up_to(now); }
+  /// Leaves the rest undone, when a tile is dispatched behind which there are none: the run ends, and is not finished.
+  void stop() { stopped_ = true; }
+  bool stopped() const { return stopped_; }
 
   /// T&I cycles up to the last time at which the tile dispatcher had something to do, while the machine runs.
   std::uint64_t cycles_so_far() const { return tni_clock_.cycles(dispatcher_->activity().accounted()); }
@@ -118,6 +124,7 @@ class Gpu {
   std::deque<Core> cores_;
   TileDispatcher* dispatcher_ = nullptr;
   sim::Time elapsed_ = 0;
+  bool stopped_ = false;
 };
 
 }  // namespace hw

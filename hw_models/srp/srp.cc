@@ -57,7 +57,7 @@ inline void Srp::account(sim::Time now) {
 }
 
 void Srp::finish(sim::Time end) {
-  account(end);
+  if (end > accounted_) account(end);
   activity_.finish(end);
   buffer_.finish(end);
 }

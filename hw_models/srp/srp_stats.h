@@ -22,6 +22,14 @@ struct KernelUse {
     starved += other.starved;
     return *this;
   }
+  KernelUse& operator-=(const KernelUse& other) {
+    launches -= other.launches;
+    items -= other.items;
+    idle -= other.idle;
+    cycles -= other.cycles;
+    starved -= other.starved;
+    return *this;
+  }
 };
 
 /// Counters of a shader core.

@@ -41,8 +41,10 @@ Trv::Trv(const TrvConfig& config, const TniMode& mode, const TreeInMemory& tree,
 
 void Trv::finish(sim::Time end) {
   activity_.finish(end);
-  if (full_) full_time_ += end - full_since_;
-  full_since_ = end;
+  if (full_ && end > full_since_) {
+    full_time_ += end - full_since_;
+    full_since_ = end;
+  }
   stats_.full = clock_.cycles(full_time_);
 }
 

@@ -1,7 +1,9 @@
 #include "tools/analysis/report.h"
 
+#include <algorithm>
 #include <array>
 #include <ctime>
+#include <numeric>
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -77,17 +79,32 @@ Json interval_json(const Interval& i, double scale = 1) {
           {"high", (i.estimate + i.half_width()) * scale}};
 }
 
+void add_intervals(const Simulation& s, const Interval& cycles, const Interval& energy_pj, Json& out) {
+  const double ms_per_cycle = time_ms(s) / static_cast<double>(s.cycles);
+  Json time = interval_json(cycles, ms_per_cycle);
+  time["estimate"] = time_ms(s);  // to the last digit
+  out["cycles"] = interval_json(cycles);
+  out["time_ms"] = std::move(time);
+  out["energy_mj"] = interval_json(energy_pj, 1 / sim::kPicojoulesPerMillijoule);
+}
+
 /// Numbers of tiles that were timed, and 95 % intervals.
 Json sampled_json(const Simulation& s) {
   const SampledFrame& f = *s.sampled;
-  const double ms_per_cycle = time_ms(s) / static_cast<double>(s.cycles);
-  Json time = interval_json(f.cycles, ms_per_cycle);
-  time["estimate"] = time_ms(s);  // to the last digit
-  return {{"tiles", f.tiles},           {"asked", f.asked == 0 ? Json("auto") : Json(f.asked)},
-          {"timed", f.timed},           {"measured", f.measured},
-          {"warmed", f.warmed},         {"blocks", f.blocks},
-          {"rounds", f.rounds},         {"cycles", interval_json(f.cycles)},
-          {"time_ms", std::move(time)}, {"energy_mj", interval_json(f.energy_pj, 1 / sim::kPicojoulesPerMillijoule)}};
+  Json out = {{"tiles", f.tiles},   {"asked", f.asked == 0 ? Json("auto") : Json(f.asked)},
+              {"timed", f.timed},   {"measured", f.measured},
+              {"warmed", f.warmed}, {"blocks", f.blocks},
+              {"rounds", f.rounds}};
+  add_intervals(s, f.cycles, f.energy_pj, out);
+  return out;
+}
+
+/// Slices, and where there are several 95 % intervals.
+Json sliced_json(const Simulation& s) {
+  const SlicedFrame& f = *s.sliced;
+  Json out = {{"slices", f.slices}, {"tiles", f.tiles}, {"again", f.again}, {"warmed", f.warmed}};
+  if (f.slices > 1) add_intervals(s, f.cycles, f.energy_pj, out);
+  return out;
 }
 
 double ratio(std::uint64_t part, std::uint64_t whole) { return static_cast<double>(part) / static_cast<double>(whole); }
@@ -137,7 +154,11 @@ Json host_json(const Report& report) {
   gethostname(name.data(), name.size() - 1);
   const Result& totals = report.totals;
   const FrontEnd::Result& function = totals.run.function;
-  const double timing = totals.run.wall_seconds - function.waited;
+  const std::optional<SlicedFrame>& sliced = totals.run.sliced;
+  const bool is_cut = sliced && sliced->slices > 1;
+  const double machines =
+      is_cut ? std::accumulate(sliced->seconds.begin(), sliced->seconds.end(), 0.0) : totals.run.wall_seconds;
+  const double timing = std::max(0.0, machines - function.waited);
   const double reference = totals.reference != nullptr ? totals.reference->wall_seconds : 0;
   const double replicates =
       totals.run.replicate_seconds + (totals.reference != nullptr ? totals.reference->replicate_seconds : 0);
@@ -159,6 +180,7 @@ Json host_json(const Report& report) {
     host["pilot_s"] = totals.run.sampled->pilot_seconds;
     host["warming_s"] = totals.run.sampled->warming_seconds;
   }
+  if (is_cut) host["slices_s"] = sliced->seconds;
   return host;
 }
 
@@ -196,6 +218,7 @@ Json totals_json(const Result& result) {
   for (const Estimate& e : estimates) totals["bottleneck"]["estimated_speedup"][e.resource] = e.speedup;
   totals["kernels"] = kernels_json(s);
   if (s.sampled) totals["sampled"] = sampled_json(s);
+  if (s.sliced) totals["sliced"] = sliced_json(s);
   if (result.reference != nullptr) add_relative(totals, result);
   if (!s.replicates.empty()) totals["replicates"] = replicates_json(result, totals);
   return totals;

@@ -69,10 +69,16 @@ std::string tracing_reasons(const Json& s) {
 
 /// Half of a 95 % interval, where a figure is estimated.
 std::string give_or_take(const Json& totals, const char* figure) {
-  if (!totals.contains("sampled")) return "";
-  const Json& i = totals["sampled"][figure];
+  const char* const by = totals.contains("sampled") ? "sampled" : "sliced";
+  if (!totals.contains(by) || !totals[by].contains(figure)) return "";
+  const Json& i = totals[by][figure];
   const double half = (i["high"].get<double>() - i["low"].get<double>()) / 2;
   return fmt::format("  ± {:.1f} %", 100 * half / i["estimate"].get<double>());
+}
+
+std::string slices(const Json& sliced) {
+  const int count = sliced["slices"].get<int>();
+  return fmt::format("{}{}", count, count > 1 ? ", added up; ± is half of a 95 % interval" : "");
 }
 
 /// Scene, size and program, and whether the run is complete.
@@ -128,6 +134,7 @@ std::string overview(const Json& report) {
     const char* const rest = timed < tiles ? "; the rest is estimated, ± is half of a 95 % interval" : "";
     line("sampled", fmt::format("{} of {} tiles timed{}", timed, tiles, rest));
   }
+  if (t.contains("sliced")) line("slices", slices(t["sliced"]));
   line("cycles (T&I clock)",
        fmt::format("{}  = {} ms  = {} frames/s{}", count(t["cycles"]), sim::four_digits(t["time_ms"].get<double>()),
                    sim::four_digits(t["perf"]["fps"].get<double>()), give_or_take(t, "cycles")));

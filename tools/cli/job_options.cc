@@ -91,7 +91,7 @@ void add_rays_option(CLI::App& verb, JobOptions& options) {
                       "trace this list of rays, 8 floats each (origin, t_min, direction, t_max), T&I units alone");
   for (const char* other :
        {"--program", "--camera", "--resolution", "--frames", "--reference", "--record", "--debug-images",
-        "--tile-sampling", "--image", "--replicates", "--intervals", "--watch", "--timeline"}) {
+        "--tile-sampling", "--slices", "--image", "--replicates", "--intervals", "--watch", "--timeline"}) {
     if (CLI::Option* option = verb.get_option_no_throw(other)) rays->excludes(option);
   }
 }

@@ -25,6 +25,11 @@ void add_run(CLI::App& app, const std::vector<std::string>& argv, int&) {
   verb->add_option("--image", options->image, "with --tile-sampling: render all tiles, or none but those needed")
       ->check(CLI::IsMember({"full", "none"}))
       ->capture_default_str();
+  verb->add_option(
+          "--slices", options->slices,
+          "cut the frame's tiles into so many runs, played side by side on machines of their own, and add them\n"
+          "up, with 95 % intervals: a number, or auto, as many as suit the frame (docs/slices.md)")
+      ->check([](const std::string& text) { return text.empty() ? std::string("is empty; allowed: 2, auto") : ""; });
   verb->add_option("--replicates", options->replicates,
                    "play the frame's work so many times, all but the first with displacements that no architect would\n"
                    "notice, and report mean and 95 % interval of each figure (docs/noise.md)")

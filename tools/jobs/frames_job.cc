@@ -20,6 +20,7 @@
 #include "tools/jobs/jobs.h"
 #include "tools/jobs/live_run.h"
 #include "tools/jobs/outcome.h"
+#include "tools/sampling/slices.h"
 #include "tools/sampling/tile_sampling.h"
 #include "tools/simulation/host_time.h"
 #include "tools/simulation/recorded.h"
@@ -49,13 +50,17 @@ struct Job {
   bool keep_part = false;             ///< keeps that of the first frame, if the run comes no further
   std::size_t frames_to_replace = 1;  ///< fewer are not kept if the run is interrupted
   std::optional<TileSampling> sampling;
+  std::optional<std::uint32_t> slices;
   traces::TraceWriter* trace = nullptr;
   LiveRun* live = nullptr;
   TimelineJob timeline = TimelineJob(options.timeline);
+  /// The frame is played on one machine from its first tile to its last.
+  bool is_whole() const { return !sampling && slices.value_or(1) == 1; }
   bool has_picture() const { return !sampling || sampling->full_image; }
 
   Simulation simulate_frame(const Inputs& inputs, bool may_be_part, sim::Intervals* intervals) {
     if (sampling) return simulate_sampled(inputs, program.spec, options.threads, *sampling, &progress);
+    if (slices && *slices > 1) return simulate_slices(inputs, program.spec, options.threads, *slices, &progress);
     return simulate(inputs, program.spec, options.threads,
                     {.rates = &program.rates,
                      .marks = options.debug_images,
@@ -110,10 +115,11 @@ struct Job {
   /// Simulates the frame that `inputs` stand at and writes its picture. An interrupt leaves the finished part of the
   /// first frame, not compared.
   void run_frame(const Inputs& inputs, const RunFolder::Open& open, Outcome& out) {
-    const bool may_be_part = keep_part && out.frames.empty() && !sampling;
+    const bool may_be_part = keep_part && out.frames.empty() && is_whole();
     std::optional<sim::Intervals> intervals;
-    if ((options.intervals || live != nullptr) && !sampling) intervals = intervals_of_frame(inputs.frames());
+    if ((options.intervals || live != nullptr) && is_whole()) intervals = intervals_of_frame(inputs.frames());
     Simulation frame = simulate_frame(inputs, may_be_part, intervals ? &*intervals : nullptr);
+    if (slices && !frame.sliced) frame.sliced = uncut(frame);
     if (!frame.tile_accounts.empty()) {
       out.tiles.frames.push_back(tile_frame(frame, inputs.config, inputs.frame));
       timeline.end_frame(frame, out.tiles.frames.back(), inputs.config);
@@ -181,6 +187,23 @@ std::optional<TileSampling> sampling_of(const JobOptions& options, const kernels
   return parse_tile_sampling(options.tile_sampling, options.image);
 }
 
+/// Slices that are asked for, if they are; InputError for what does not go with them.
+std::optional<std::uint32_t> asked_slices(const JobOptions& options, const kernels::ProgramSpec& program) {
+  if (options.slices.empty()) return std::nullopt;
+  const std::uint32_t asked = parse_slices(options.slices);
+  check_slices(program);
+  const auto refuse = [](const char* option, const char* why) {
+    throw sim::InputError(fmt::format("--slices does not go with {}: {}", option, why));
+  };
+  if (!options.tile_sampling.empty()) refuse("--tile-sampling", "a sample of the tiles is not cut");
+  if (!options.reference.empty()) refuse("--reference", "compare two runs with equal --slices");
+  if (options.replicates > 1) refuse("--replicates", "replicates are played side by side already");
+  if (!options.timeline.empty()) refuse("--timeline", "a timeline is of one machine");
+  if (!options.record.empty()) refuse("--record", "slices render tiles at their borders twice");
+  if (options.debug_images) refuse("--debug-images", "what a tile took is that of one machine");
+  return asked;
+}
+
 /// A trace does not take the place of one of the run's own results.
 void check_record_name(const JobOptions& options, const std::filesystem::path& file,
                        const std::filesystem::path& folder) {
@@ -217,6 +240,7 @@ void run_frames(const JobOptions& options) {
   std::optional<kernels::ProgramSpec> reference;
   if (!options.reference.empty()) reference = kernels::parse_program(options.reference);
   const std::optional<TileSampling> sampling = sampling_of(options, program);
+  const std::optional<std::uint32_t> slices = asked_slices(options, program);
   RunFolder folder(options.out, options.force);
   LiveRun live;
   Progress progress(options.watch ? "watch" : options.progress, options.quiet, &live);
@@ -229,8 +253,10 @@ void run_frames(const JobOptions& options) {
           !folder.holds_former_run(),
           frames_to_replace(folder.target()),
           sampling,
+          slices,
           nullptr,
           options.watch ? &live : nullptr};
+  if (slices) job.slices = slices_of(inputs, program, *slices);
   live.of(inputs.config);
   if (reference) job.reference = Program{*reference, rates};
   job.timeline.check(inputs, program);

@@ -1,6 +1,7 @@
 #include "tools/sampling/pilot.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "hw_models/srp/schedule.h"
@@ -12,20 +13,20 @@
 namespace tools {
 namespace {
 
-/// Side of the squares of samples of which one is traced: a divisor of the tile's.
-std::uint32_t thinning_side(std::uint32_t tile_side) {
-  for (const std::uint32_t side : {4U, 5U, 3U, 2U}) {
-    if (tile_side % side == 0) return side;
-  }
-  return 1;
-}
+/// Sides of the squares of samples of which a pilot traces one, the first that divides the tile's.
+constexpr std::array kSides = {4U, 5U, 3U, 2U, 1U};
+/// Likewise for a mere guess at costs.
+constexpr std::array kGuessSides = {8U, 4U, 5U, 3U, 2U, 1U};
+/// Steps that take the host as long as what else a ray needs that a surface sends on (docs/slices.md).
+constexpr std::uint64_t kStepsOfARay = 15;
 
 /// The frame with one sample of each square, as a program of as many tiles.
-kernels::FullProgram thin_program(const Inputs& inputs, const kernels::ProgramSpec& spec, double& thinning) {
+kernels::FullProgram thin_program(const Inputs& inputs, const kernels::ProgramSpec& spec,
+                                  std::span<const std::uint32_t> sides, double& thinning) {
   kernels::RenderConfig render = inputs.config.render;
   const auto grid = static_cast<std::uint32_t>(std::lround(std::sqrt(spec.samples)));
   const std::uint32_t side = tile_side(render, spec);
-  const std::uint32_t square = thinning_side(side);
+  const std::uint32_t square = *std::ranges::find_if(sides, [&](std::uint32_t s) { return side % s == 0; });
   const auto thinned = [&](std::uint32_t pixels) { return (pixels * grid + square - 1) / square; };
   thinning = static_cast<double>(render.width) * render.height * spec.samples;
   render.width = thinned(render.width);
@@ -46,7 +47,7 @@ Pilot look_at_all(const Inputs& inputs, const kernels::ProgramSpec& spec, const 
                   std::uint32_t threads, Progress* progress) {
   if (progress != nullptr) progress->phase("looking at all tiles");
   Pilot pilot;
-  kernels::FullProgram program = thin_program(inputs, spec, pilot.thinning);
+  kernels::FullProgram program = thin_program(inputs, spec, kSides, pilot.thinning);
   std::vector<hw::KernelSchedule> kernels;
   for (const kernels::KernelInfo& kernel : kernels::catalogue()) {
     kernels.push_back(hw::schedule(kernel.graph, inputs.config.gpu.srp));
@@ -67,6 +68,26 @@ Pilot look_at_all(const Inputs& inputs, const kernels::ProgramSpec& spec, const 
   }
   pilot.function = front_end.result();
   return pilot;
+}
+
+std::vector<double> guess_costs(const Inputs& inputs, const kernels::ProgramSpec& spec, const traces::Tracer& tracer,
+                                std::uint32_t threads) {
+  double thinning = 0;
+  kernels::FullProgram program = thin_program(inputs, spec, kGuessSides, thinning);
+  FrontEnd front_end(program, tracer, host_threads(threads) - 1);
+  const FrontEnd::Result& function = front_end.result();
+  std::vector<double> costs;
+  double before = 0;
+  while (const traces::TileWork* work = front_end.next()) {
+    if (interrupted()) throw Interrupted{};
+    front_end.give_back(work);
+    const std::uint64_t sent_on = function.rays[static_cast<std::size_t>(traces::RayKind::kReflection)] +
+                                  function.rays[static_cast<std::size_t>(traces::RayKind::kRefraction)];
+    const double all = static_cast<double>(function.traversal_steps + kStepsOfARay * sent_on);
+    costs.push_back(all - before);
+    before = all;
+  }
+  return costs;
 }
 
 FrontEnd::Result scaled(const Pilot& pilot, const Inputs& inputs, const kernels::ProgramSpec& spec) {

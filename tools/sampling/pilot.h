@@ -23,6 +23,10 @@ std::uint32_t tile_side(const kernels::RenderConfig& render, const kernels::Prog
 Pilot look_at_all(const Inputs& inputs, const kernels::ProgramSpec& spec, const traces::Tracer& tracer,
                   std::uint32_t threads, Progress* progress);
 
+/// Guesses at what each of the frame's tiles will cost the host, as parts of each other, from a thinner picture.
+std::vector<double> guess_costs(const Inputs& inputs, const kernels::ProgramSpec& spec, const traces::Tracer& tracer,
+                                std::uint32_t threads);
+
 /// Estimate of the frame's function from the pilot's.
 FrontEnd::Result scaled(const Pilot& pilot, const Inputs& inputs, const kernels::ProgramSpec& spec);
 

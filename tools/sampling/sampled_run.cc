@@ -26,12 +26,7 @@ MeasuredPart between(const SampledTiles::Mark& a, const SampledTiles::Mark& b) {
       if (counter.kind == sim::CounterKind::kSum) counter.value -= a.units[u].counters[i].value;
     }
   }
-  for (std::size_t k = 0; k < part.kernels.size(); ++k) {
-    hw::KernelUse& use = part.kernels[k];
-    const hw::KernelUse& before = a.kernels[k];
-    use = {use.launches - before.launches, use.items - before.items, use.idle - before.idle, use.cycles - before.cycles,
-           use.starved - before.starved};
-  }
+  for (std::size_t k = 0; k < part.kernels.size(); ++k) part.kernels[k] -= a.kernels[k];
   return part;
 }
 

@@ -28,6 +28,7 @@ struct JobOptions {
   std::string progress = "auto";  ///< form of Progress
   bool watch = false;             ///< the terminal shows picture, utilisation and power so far
   std::string tile_sampling;      ///< "5%" or "auto"; empty: all tiles are timed
+  std::string slices;             ///< "8" or "auto": of each frame, played side by side; empty: none
   std::uint32_t replicates = 1;   ///< plays of each frame's work (docs/noise.md)
   bool intervals = true;          ///< units' reasons and counters over time are kept (docs/intervals.md)
   std::string image = "full";     ///< with tile_sampling: "none" leaves out tiles that nothing is learnt from

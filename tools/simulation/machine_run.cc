@@ -41,7 +41,10 @@ sim::EnergyReport energy_of(std::span<const sim::UnitReport> units, sim::Time el
                              power_scales(config));
 }
 
-void run_to_end(hw::Gpu& gpu) { gpu.finish(sim::run(gpu)); }
+void run_to_end(hw::Gpu& gpu) {
+  const sim::Time last_edge = sim::run(gpu);
+  if (!gpu.stopped()) gpu.finish(last_edge);
+}
 
 void take(const hw::Gpu& gpu, const RunConfig& config, Simulation& s) {
   s.units = gpu.report();

@@ -21,7 +21,7 @@ std::unique_ptr<hw::Gpu> make_gpu(const Inputs& inputs, const RunConfig& config,
 /// InputError for a figure of energy or area that its units call for and the configuration lacks, or the other way round.
 void check_figures(const hw::Gpu& gpu, const RunConfig& config);
 
-/// Plays all tiles. sim::Deadlock if the machine is stuck.
+/// Plays all tiles, or until the machine is stopped. sim::Deadlock if the machine is stuck.
 void run_to_end(hw::Gpu& gpu);
 
 /// Energy of what it has done so far.

@@ -203,6 +203,7 @@ void Simulation::add(const Simulation& frame) {
   wall_seconds += frame.wall_seconds;
   replicate_seconds += frame.replicate_seconds;
   if (sampled) sampled->add(*frame.sampled);
+  if (sliced) sliced->add(*frame.sliced);
   for (std::size_t i = 0; i < replicates.size(); ++i) replicates[i].add(frame.replicates[i]);
 }
 

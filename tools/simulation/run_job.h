@@ -78,6 +78,15 @@ struct SampledFrame {
   void add(const SampledFrame& other);
 };
 
+/// Slices of a frame, or of several that were cut alike (slices.h).
+struct SlicedFrame {
+  std::uint32_t slices = 1;
+  std::uint64_t tiles = 0, again = 0, warmed = 0;  ///< all; those that fill a machine, or warm its caches
+  Interval cycles, energy_pj;
+  std::vector<double> seconds;  ///< host: processor time of each slice's thread
+  void add(const SlicedFrame& other);
+};
+
 /// A frame on the machine, or several added up.
 struct Simulation {
   kernels::ProgramSpec program;
@@ -94,6 +103,7 @@ struct Simulation {
   std::uint32_t tiles = 0,
                 finished_tiles = 0;            ///< tiles of the last frame; all are finished, but for Extras::keep_part
   std::optional<SampledFrame> sampled;         ///< if most of this is estimated
+  std::optional<SlicedFrame> sliced;           ///< if it was to be cut into slices
   std::vector<Simulation> replicates;          ///< the same work, perturbed; without pictures
   double replicate_seconds = 0;                ///< host, for these
   std::vector<hw::TileAccount> tile_accounts;  ///< with Extras::itemised: of each entry of the tile list

@@ -242,6 +242,10 @@ std::vector<std::string> comparison_warnings(const std::vector<ReportFile>& repo
       out.push_back(fmt::format("{}: figures are estimates (--tile-sampling), which may explain small differences",
                                 report.file.string()));
     }
+    if (report.has("totals.sliced.cycles.estimate")) {
+      out.push_back(fmt::format("{}: figures are sums of slices (--slices), which may explain small differences",
+                                report.file.string()));
+    }
     if (report.has("totals.extrapolated") && report.number("totals.extrapolated") > 0) {
       out.push_back(
           fmt::format("{}: has figures beyond what the tables cover, as its warnings[] say", report.file.string()));

@@ -22,6 +22,7 @@ void add_replicates(ReportFile& report, std::uint32_t count, std::uint32_t threa
   };
   if (report.json.value("partial", false)) refuse("is of a run that was interrupted");
   if (report.has("totals.sampled.tiles")) refuse("has estimates (--tile-sampling), and replicates play all tiles");
+  if (report.has("totals.sliced.cycles.estimate")) refuse("has sums of slices (--slices), and replicates play all tiles");
   const auto program = report.json.find("program");
   if (program == report.json.end() || !program->is_string()) refuse("has no frame program");
   JobOptions options;

@@ -7,14 +7,14 @@
 namespace tools {
 namespace {
 
-constexpr std::uint32_t kLines = 8000;
+constexpr std::uint32_t kMissedLines = 8000;
 constexpr sim::Time kWarm = sim::kFemtosecondsPerSecond;  // when measurement begins, the L2 being warm
 
 /// A traversal unit's cache alone reads lines that it has not, as fast as it can.
 double measured_rate(const hw::GpuConfig& config, bool in_l2) {
   MemorySide side(config);
   const std::uint64_t line = config.l2.cache.line.bytes;
-  for (std::uint64_t i = 0; i < kLines; ++i) {
+  for (std::uint64_t i = 0; i < kMissedLines; ++i) {
     if (in_l2) side.reader(0, config.tni.trvs).read(i * line);
     side.reader(0, 0).read(i * line, in_l2 ? kWarm : 0);
   }
@@ -29,7 +29,7 @@ Findings measure(hw::GpuConfig config) {
   config.dram.timing.refi_pb = config.dram.timing.refi_ab = 0;
   config.dram.controller.power_down = false;
   config.dram.controller.page_policy = hw::PagePolicy::kOpen;
-  while (config.l2.cache.size.bytes < 2 * kLines * config.l2.cache.line.bytes) config.l2.cache.size.bytes *= 2;
+  while (config.l2.cache.size.bytes < 2 * kMissedLines * config.l2.cache.line.bytes) config.l2.cache.size.bytes *= 2;
   const MemoryForms forms(config);
   Findings found{"misses of one L1", {}};
   for (const bool in_l2 : {true, false}) {

@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
+constexpr std::size_t kAnyLength = std::numeric_limits<std::size_t>::max();
 // Bytes of data: URLs that a page takes along, so that a frame of 2048x1024 makes at most 6 MB.
 constexpr std::uint64_t kLargestPictures = 3'900'000;  ///< the picture, what pixels took, debug pictures
 constexpr std::uint64_t kLargestDebug = 1'000'000;     ///< debug pictures
@@ -92,7 +92,7 @@ DebugPictures debug_pictures(const fs::path& folder) {
 void add_pictures(const Run& run, View& view) {
   Section section("picture", "The picture");
   const fs::path file = run.folder / "image.png";
-  std::optional<std::string> picture = page_picture(file, kAll);
+  std::optional<std::string> picture = page_picture(file, kAnyLength);
   Overlays overlays = overlays_of(run);
   if (!picture) {
     section.text("There is no image.png beside the report, so there is no picture here. " + overlays.missing);

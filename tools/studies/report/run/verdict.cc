@@ -54,13 +54,17 @@ Headline banded(const Run& run, const char* id, const char* name, const char* un
   return out;
 }
 
-/// The 95 % interval of a figure, of a sampled or a replicated run.
+/// The 95 % interval of a figure, of a run whose tiles were sampled or cut into slices.
 void add_interval(const Run& run, const char* figure, Headline& out) {
-  if (const Json& sampled = at(run.totals(), {"sampled", figure}); sampled.is_object()) {
-    out.low = at(sampled, {"low"});
-    out.high = at(sampled, {"high"});
-    out.note = "estimated from sampled tiles, 95 % interval";
-  }
+  const auto add = [&](const char* by, const char* note) {
+    const Json& interval = at(run.totals(), {by, figure});
+    if (!interval.is_object()) return;
+    out.low = at(interval, {"low"});
+    out.high = at(interval, {"high"});
+    out.note = note;
+  };
+  add("sampled", "estimated from sampled tiles, 95 % interval");
+  add("sliced", "sum of slices, 95 % interval");
 }
 
 }  // namespace

@@ -1,0 +1,252 @@
+#include "tools/sampling/slices.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "sim/error.h"
+#include "tests/tools/program.h"
+#include "tools/sampling/pilot.h"
+#include "tools/sampling/slice_plan.h"
+#include "traces/accel/bvh_tracer.h"
+
+// Frames cut into slices, beside the same frames played whole.
+
+namespace tools {
+namespace {
+
+constexpr SliceShape kShape{.lead = 12, .probe = 6, .warming = 4};
+
+TEST(SlicePlan, SlicesFollowEachOtherAndHaveALeadAndWhatWarmsBeforeIt) {
+  const std::vector<Slice> plan = plan_slices(std::vector<double>(400, 1), 4, kShape);
+  ASSERT_EQ(plan.size(), 4U);
+  EXPECT_EQ(plan.front().begin(), 0U);
+  EXPECT_EQ(plan.back().end, 400U);
+  for (std::size_t i = 1; i < plan.size(); ++i) {
+    EXPECT_EQ(plan[i].first, plan[i - 1].end);
+    EXPECT_EQ(plan[i].first, 100 * i);
+    EXPECT_EQ(plan[i].lead, 12U);
+    EXPECT_EQ(plan[i].begin(), plan[i].first - 16);
+  }
+}
+
+TEST(SlicePlan, SlicesCostTheSameAsFarAsEachHasTilesEnough) {
+  std::vector<double> costs(300, 1);
+  std::fill(costs.begin() + 200, costs.end(), 3);
+  EXPECT_EQ(plan_slices(costs, 2, kShape).front().end, 217U) << "250 of 500";
+  std::fill(costs.begin(), costs.end(), 0);
+  costs.front() = 1;
+  const std::vector<Slice> front_heavy = plan_slices(costs, 25, kShape);
+  for (const Slice& slice : front_heavy) EXPECT_GE(slice.end - slice.first, 12U);
+  EXPECT_EQ(front_heavy.back().end, 300U);
+}
+
+/// A frame of 1600 tiles of 16 samples, on two cores.
+const Inputs& teapot_tiles() {
+  static const Inputs in = [] {
+    JobOptions options;
+    options.scene = "teapot";
+    options.resolution = "160x160";
+    options.sets = {"cores=2", "render.tile=4", "l2.size=32 KiB"};
+    return load_inputs(options);
+  }();
+  return in;
+}
+
+const kernels::ProgramSpec kFull = kernels::parse_program("full:1");
+
+const Simulation& uncut_teapot() {
+  static const Simulation s = simulate(teapot_tiles(), kFull, 1);
+  return s;
+}
+
+const Simulation& eight_slices() {
+  static const Simulation s = simulate_slices(teapot_tiles(), kFull, 1, 8);
+  return s;
+}
+
+/// The first figure in which two runs differ; empty if they do not.
+std::string first_difference(const Simulation& a, const Simulation& b) {
+  if (a.cycles != b.cycles || a.elapsed != b.elapsed) return "cycles";
+  for (std::size_t u = 0; u < a.units.size(); ++u) {
+    if (a.units[u].elapsed != b.units[u].elapsed || a.units[u].why != b.units[u].why) return a.units[u].path;
+    for (std::size_t i = 0; i < a.units[u].counters.size(); ++i) {
+      if (a.units[u].counters[i].value != b.units[u].counters[i].value)
+        return a.units[u].path + "." + a.units[u].counters[i].name;
+    }
+  }
+  for (std::size_t k = 0; k < a.kernel_use.size(); ++k) {
+    if (a.kernel_use[k].cycles != b.kernel_use[k].cycles) return "kernel " + std::to_string(k);
+  }
+  if (a.function.rgb != b.function.rgb || a.rays() != b.rays()) return "function";
+  return a.energy.total_pj.nominal == b.energy.total_pj.nominal ? "" : "energy";
+}
+
+double counted(const Simulation& s, const std::string& name) {
+  double sum = 0;
+  for (const sim::UnitReport& unit : s.units) {
+    for (const sim::CounterReport& counter : unit.counters)
+      sum += counter.name == name ? static_cast<double>(counter.value) : 0;
+  }
+  return sum;
+}
+
+TEST(Slices, CostsAreGuessedFromStepsAndRaysThatSurfacesSendOn) {
+  const FrontEnd::Result& function = uncut_teapot().function;
+  const auto rays = [&](traces::RayKind kind) { return function.rays[static_cast<std::size_t>(kind)]; };
+  const double all = static_cast<double>(
+      function.traversal_steps + 15 * (rays(traces::RayKind::kReflection) + rays(traces::RayKind::kRefraction)));
+  const traces::BvhTracer tracer(teapot_tiles().image);
+  const std::vector<double> costs = guess_costs(teapot_tiles(), kFull, tracer, 2);
+  EXPECT_EQ(costs.size(), 1600U);
+  EXPECT_NEAR(16 * std::accumulate(costs.begin(), costs.end(), 0.0), all, 0.1 * all) << "one of 16 samples";
+}
+
+TEST(Slices, OneSliceIsThePlainRunToTheLastCounter) {
+  EXPECT_EQ(first_difference(uncut_teapot(), simulate_slices(teapot_tiles(), kFull, 2, 1)), "");
+}
+
+TEST(Slices, NothingDependsOnTheNumberOfThreads) {
+  for (const std::uint32_t threads : {3U, 20U}) {
+    const Simulation s = simulate_slices(teapot_tiles(), kFull, threads, 8);
+    EXPECT_EQ(first_difference(eight_slices(), s), "") << threads;
+    EXPECT_EQ(s.sliced->cycles.half_width(), eight_slices().sliced->cycles.half_width());
+  }
+}
+
+TEST(Slices, ThePictureAndAllThatIsCountedOfItAreTheWholeFrames) {
+  const Simulation &whole = uncut_teapot(), &cut = eight_slices();
+  EXPECT_EQ(cut.function.rgb, whole.function.rgb);
+  EXPECT_EQ(cut.function.traversal_steps, whole.function.traversal_steps);
+  EXPECT_EQ(cut.function.sampling.background, whole.function.sampling.background);
+  for (std::size_t k = 0; k < std::size(whole.function.rays); ++k)
+    EXPECT_EQ(cut.function.rays[k], whole.function.rays[k]);
+}
+
+TEST(Slices, TheTruthLiesInNearlyAllIntervals) {
+  int inside = 0;
+  const auto look = [&](const Interval& interval, double truth) {
+    inside += std::abs(interval.estimate - truth) <= interval.half_width() ? 1 : 0;
+    EXPECT_NEAR(interval.estimate, truth, 0.02 * truth);
+    EXPECT_LT(interval.half_width(), 0.05 * truth);
+  };
+  for (const std::uint32_t slices : {2U, 8U, 32U}) {
+    const Simulation s = simulate_slices(teapot_tiles(), kFull, 1, slices);
+    look(s.sliced->cycles, static_cast<double>(uncut_teapot().cycles));
+    look(s.sliced->energy_pj, uncut_teapot().energy.total_pj.nominal);
+  }
+  EXPECT_GE(inside, 5) << "of 6";
+}
+
+TEST(Slices, CountersAddUpToThoseOfTheWholeFrame) {
+  for (const char* name :
+       {"dispatched", "visits", "tests", "items", "picture_lines_written", "active_standby", "latency", "fed"}) {
+    const double whole = counted(uncut_teapot(), name);
+    EXPECT_GT(whole, 0) << name;
+    EXPECT_NEAR(counted(eight_slices(), name), whole, 0.02 * whole) << name;
+  }
+}
+
+TEST(Slices, EveryUnitsReasonsSumToItsTimeWhichIsTheFrames) {
+  for (std::size_t u = 0; u < eight_slices().units.size(); ++u) {
+    const sim::UnitReport &cut = eight_slices().units[u], &whole = uncut_teapot().units[u];
+    std::uint64_t sum = 0;
+    for (const auto& [reason, cycles] : cut.why) sum += cycles;
+    EXPECT_EQ(sum, cut.elapsed) << cut.path;
+    const double frames = static_cast<double>(whole.elapsed) * static_cast<double>(eight_slices().elapsed) /
+                          static_cast<double>(uncut_teapot().elapsed);
+    EXPECT_NEAR(static_cast<double>(cut.elapsed), frames, 7 * 100) << cut.path << ": units stand apart at borders";
+  }
+}
+
+TEST(Slices, AutoGivesEachTenTimesTheTilesThatFillItsMachine) {
+  EXPECT_EQ(slices_of(teapot_tiles(), kFull, kAutoSlices), 16U) << "1600 tiles, 10 fill it";
+  EXPECT_EQ(slices_of(teapot_tiles(), kFull, 160), 160U);
+  EXPECT_THROW(slices_of(teapot_tiles(), kFull, 161), sim::InputError);
+  JobOptions small;
+  small.resolution = "64x64";
+  EXPECT_EQ(slices_of(load_inputs(small), kFull, kAutoSlices), 1U);
+}
+
+TEST(Slices, OfFramesThatAreAddedUpChanceEvensOut) {
+  SlicedFrame sum{.slices = 2, .tiles = 10, .again = 3, .cycles = {100, 3, 0}, .energy_pj = {}, .seconds = {1, 2}};
+  sum.add({.slices = 2, .tiles = 10, .again = 3, .cycles = {200, 4, 0}, .energy_pj = {}, .seconds = {1, 2}});
+  EXPECT_EQ(sum.tiles, 20U);
+  EXPECT_EQ(sum.again, 6U);
+  EXPECT_DOUBLE_EQ(sum.cycles.estimate, 300);
+  EXPECT_DOUBLE_EQ(sum.cycles.half_width(), 5);
+  EXPECT_DOUBLE_EQ(sum.seconds[1], 4);
+}
+
+TEST(Slices, NumbersAreReadAndOthersRefused) {
+  EXPECT_EQ(parse_slices("16"), 16U);
+  EXPECT_EQ(parse_slices("auto"), kAutoSlices);
+  for (const char* bad : {"", "0", "-2", "2.5", "2 ", "two", "99999999999"}) {
+    EXPECT_THROW(parse_slices(bad), sim::InputError) << bad;
+  }
+}
+
+}  // namespace
+}  // namespace tools
+
+namespace test {
+namespace {
+
+TEST(SlicedRun, SaysHowManySlicesThereWereAndHowFarOffTheyMayBe) {
+  const TempFolder folder;
+  const auto totals_of = [&](const char* slices) {
+    const std::filesystem::path out = folder.path() / slices;
+    const Ending ending = raywatt({"run", "--resolution", "160x160", "--threads", "2", "--set", "render.tile=4",
+                                   "--set", "cores=2", "--slices", slices, "-o", out.string()});
+    EXPECT_EQ(ending.exit, 0) << ending.err;
+    EXPECT_SAYS(ending.out, "slices");
+    EXPECT_EQ(ending.out.find("±") != std::string::npos, std::string(slices) != "1");
+    EXPECT_TRUE(std::filesystem::exists(out / "image.png"));
+    return read_json(out / "report.json")["totals"];
+  };
+  const nlohmann::json totals = totals_of("4"), picked = totals_of("auto"), whole = totals_of("1");
+  EXPECT_EQ(totals["sliced"]["slices"], 4);
+  EXPECT_EQ(totals["sliced"]["tiles"], 1600);
+  EXPECT_EQ(totals["sliced"]["again"], 3 * 10);
+  EXPECT_EQ(totals["sliced"]["cycles"]["estimate"], totals["cycles"]);
+  EXPECT_EQ(totals["sliced"]["energy_mj"]["estimate"], totals["energy_mj"]["nominal"]);
+  EXPECT_LT(totals["sliced"]["time_ms"]["low"], totals["sliced"]["time_ms"]["high"]);
+  EXPECT_EQ(picked["sliced"]["slices"], 16);
+  EXPECT_EQ(whole["sliced"]["slices"], 1);
+  EXPECT_FALSE(whole["sliced"].contains("cycles"));
+}
+
+TEST(SlicedRun, WhatMakesNoSenseIsRefusedBeforeAnythingIsMade) {
+  const TempFolder folder;
+  const auto refused = [&](const Words& more, const char* says) {
+    const Ending ending = raywatt(small_run(folder.path() / "out", more));
+    EXPECT_EQ(ending.exit, 2);
+    EXPECT_SAYS(ending.err, says);
+    EXPECT_FALSE(std::filesystem::exists(folder.path() / "out"));
+  };
+  refused({"--slices", "some"}, "nor auto");
+  refused({"--slices", ""}, "allowed: 2, auto");
+  refused({"--slices", "500"}, "at most");
+  refused({"--slices", "2", "--program", "undersample"}, "full:N");
+  refused({"--slices", "2", "--set", "render.primary=raster"}, "render.primary=rays");
+  refused({"--slices", "2", "--set", "render.effects=occlusion", "--set", "render.effect_rate=half"},
+          "render.effect_rate=full");
+  for (const Words& other : std::vector<Words>{{"--tile-sampling", "5%"},
+                                               {"--reference", "full:1"},
+                                               {"--replicates", "2"},
+                                               {"--timeline", "all"},
+                                               {"--record", "frame.trace"},
+                                               {"--debug-images"}}) {
+    Words words = {"--slices", "2"};
+    words.insert(words.end(), other.begin(), other.end());
+    refused(words, ("--slices does not go with " + other.front()).c_str());
+  }
+}
+
+}  // namespace
+}  // namespace test

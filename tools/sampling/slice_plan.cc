@@ -1,0 +1,44 @@
+#include "tools/sampling/slice_plan.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "hw_models/srp/tile_buffer.h"
+#include "tools/sampling/tile_plan.h"
+
+namespace tools {
+namespace {
+
+/// Tiles of a lead for each three that are in flight. The first of them begin together, which tiles of a frame under
+/// way do not; until nearly as many more have followed, that is mostly forgotten (docs/slices.md).
+constexpr std::uint32_t kLeadOfThree = 5;
+
+}  // namespace
+
+SliceShape slice_shape(const hw::GpuConfig& gpu, const traces::FrameRequirements& requirements) {
+  const std::uint32_t in_flight =
+      gpu.cores * hw::tiles_in_flight(gpu.tile_buffer, requirements, gpu.ideal.tile_buffer).most();
+  const std::uint32_t lead = (kLeadOfThree * in_flight + 2) / 3;
+  const std::uint32_t warming = warming_tiles(gpu, requirements.tile_samples);
+  return {.lead = lead, .probe = lead - in_flight, .warming = warming > lead ? warming - lead : 0};  // leads warm, too
+}
+
+std::vector<Slice> plan_slices(std::span<const double> costs, std::uint32_t count, const SliceShape& shape) {
+  const auto tiles = static_cast<std::uint32_t>(costs.size());
+  std::vector<double> up_to(costs.size());
+  std::partial_sum(costs.begin(), costs.end(), up_to.begin());
+  std::vector<Slice> slices;
+  std::uint32_t first = 0;
+  for (std::uint32_t k = 1; k <= count; ++k) {
+    const double share = up_to.back() * k / count;
+    const auto fair = static_cast<std::uint32_t>(std::ranges::lower_bound(up_to, share) - up_to.begin()) + 1;
+    const std::uint32_t last = tiles - (count - k) * shape.lead;  // leaves tiles enough for the others
+    const std::uint32_t end = k == count ? tiles : std::clamp(fair, first + shape.lead, last);
+    const std::uint32_t lead = std::min(shape.lead, first);
+    slices.push_back({first, end, lead, std::min(shape.warming, first - lead)});
+    first = end;
+  }
+  return slices;
+}
+
+}  // namespace tools

@@ -1,0 +1,30 @@
+#pragma once
+#include <cstdint>
+#include <string>
+
+#include "tools/simulation/run_job.h"
+
+namespace tools {
+
+/// Number of slices that stands for as many as suit the frame.
+inline constexpr std::uint32_t kAutoSlices = 0;
+
+/// "8", or "auto" for kAutoSlices; InputError otherwise.
+std::uint32_t parse_slices(const std::string& text);
+
+/// InputError that says why, for a program whose frames cannot be cut.
+void check_slices(const kernels::ProgramSpec& program);
+
+/// Slices that a frame of `inputs` is cut into where `asked` for so many. kAutoSlices depends on the frame and the
+/// machine alone. InputError for a frame that cannot be cut so.
+std::uint32_t slices_of(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t asked);
+
+/// As simulate(), with the frame's tiles cut into slices, each played on a machine of its own, as many at once as there
+/// are threads (docs/slices.md). The result does not depend on these.
+Simulation simulate_slices(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
+                           std::uint32_t slices, Progress* progress = nullptr);
+
+/// Marks a frame that was played whole as one that has one slice.
+SlicedFrame uncut(const Simulation& s);
+
+}  // namespace tools
