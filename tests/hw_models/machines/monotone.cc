@@ -23,32 +23,29 @@ namespace {
 
 constexpr KnownSlower kKnownSlower[] = {
     {"cornell", 3, 6.59},     // l2.mshrs
-    {"cornell", 13, 3.45},    // tni.trv.l1.size
-    {"cornell", 24, 7.66},    // srp.data_cache.size
-    {"cornell", 25, 1.64},    // l2.size
-    {"cornell", 30, 1.33},    // l2.mshrs
-    {"cornell", 42, 1.18},    // srp.data_cache.size
-    {"cornell", 63, 1.50},    // tni.trv.l1.mshrs
-    {"cornell", 68, 1.64},    // tni.ist.l1.size
-    {"cornell", 73, 2.17},    // tni.ist.l1.mshrs
-    {"cornell", 75, 1.61},    // l2.mshrs
-    {"cornell", 78, 4.87},    // srp.data_cache.size
-    {"cornell", 87, 1.64},    // srp.data_cache.size
-    {"cornell", 90, 1.51},    // tni.trv.l1.mshrs
-    {"cornell", 102, 1.94},   // l2.mshrs
-    {"cornell", 105, 2.08},   // srp.data_cache.size
-    {"cornell", 107, 6.66},   // dram.channels
-    {"cornell", 117, 1.03},   // tni.trv.l1.mshrs
-    {"cornell", 121, 4.20},   // tni.trv.l1.size
-    {"cornell", 139, 10.83},  // tni.trv.l1.size
-    {"cornell", 169, 1.03},   // l2.size
-    {"cornell", 184, 2.42},   // tni.trv.l1.size
-    {"cornell", 186, 1.41},   // srp.data_cache.size
-    {"cornell", 192, 1.30},   // l2.mshrs
-    {"chess", 0, 1.89},      // tni.trv.l1.mshrs
-    {"chess", 3, 1.63},       // l2.mshrs
-    {"chess", 6, 1.78},       // srp.data_cache.size
-    {"chess", 10, 1.07},      // tni.ist.l1.mshrs
+    {"cornell", 17, 1.34},    // dram.channels
+    {"cornell", 24, 7.96},    // srp.data_cache.size
+    {"cornell", 25, 1.82},    // l2.size
+    {"cornell", 35, 2.90},    // dram.channels
+    {"cornell", 40, 1.08},    // tni.trv.l1.size
+    {"cornell", 42, 2.85},    // srp.data_cache.size
+    {"cornell", 43, 6.86},    // l2.size
+    {"cornell", 66, 7.13},    // l2.mshrs
+    {"cornell", 91, 4.95},    // tni.ist.l1.mshrs
+    {"cornell", 99, 5.95},    // tni.trv.l1.mshrs
+    {"cornell", 107, 2.44},   // dram.channels
+    {"cornell", 117, 3.51},   // tni.trv.l1.mshrs
+    {"cornell", 118, 1.57},   // tni.ist.l1.mshrs
+    {"cornell", 133, 4.74},   // l2.size
+    {"cornell", 152, 4.05},   // dram.channels
+    {"cornell", 154, 15.77},  // tni.ist.l1.mshrs
+    {"cornell", 167, 2.38},   // tni.ist.l1.size
+    {"cornell", 173, 2.47},   // srp.data_cache.mshrs
+    {"cornell", 183, 1.85},   // l2.mshrs
+    {"cornell", 184, 1.24},   // tni.trv.l1.size
+    {"cornell", 189, 1.86},   // tni.trv.l1.mshrs
+    {"chess", 0, 1.89},       // tni.trv.l1.mshrs
+    {"chess", 57, 1.31},      // l2.mshrs
     {"chess", 58, 1.08},      // tni.trv.l1.size
     {"chess", 69, 3.45},      // srp.data_cache.size
     {"chess", 73, 7.85},      // tni.ist.l1.mshrs
