@@ -108,6 +108,22 @@ std::string dram_traffic(const Json& totals) {
   return out + ")";
 }
 
+/// Empty for a frame without rays, where a rasteriser finds what is seen, and that is all.
+std::string steps_per_ray(const Json& totals) {
+  const auto rays = totals["rays"]["total"].get<double>();
+  return rays > 0 ? fmt::format("  = {:.1f} per ray", totals["traversal_steps"].get<double>() / rays) : "";
+}
+
+std::string efficiency(const Json& totals) {
+  const Json& perf = totals["perf"];
+  std::string out = fmt::format("{} frames/J GPU with memory, {} frames/J T&I alone",
+                                sim::four_digits(perf["frames_per_joule_gpu"].get<double>()),
+                                sim::four_digits(perf["frames_per_joule_tni"].get<double>()));
+  if (totals["rays"]["total"].get<double>() > 0)
+    out += fmt::format(", {:.2f} nJ per ray", perf["nj_per_ray"].get<double>());
+  return out;
+}
+
 std::string area(const Json& totals) {
   return fmt::format("{}, {} frames/J and {} Mrays/s per mm2", spread(totals["area_band_mm2"], 1, "mm2"),
                      sim::four_digits(totals["perf"]["frames_per_joule_per_mm2"].get<double>()),
@@ -146,10 +162,7 @@ std::string overview(const Json& report) {
     line("traced because of", tracing_reasons(t["sampling"]));
   }
   line("ray rate", si_text(1e6 * t["perf"]["mrays_per_s"].get<double>(), "rays/s"));
-  const double all_rays = rays["total"].get<double>();  // none where a rasteriser finds what is seen, and that is all
-  line("traversal steps",
-       count(t["traversal_steps"]) +
-           (all_rays > 0 ? fmt::format("  = {:.1f} per ray", t["traversal_steps"].get<double>() / all_rays) : ""));
+  line("traversal steps", count(t["traversal_steps"]) + steps_per_ray(t));
   line("DRAM traffic", dram_traffic(t));
   line("busy", fmt::format("T&I {}, SRP {}, DRAM {}", percent(t["utilisation"]["tni"]),
                            percent(t["utilisation"]["srp"]), percent(t["utilisation"]["dram"])));
@@ -157,11 +170,7 @@ std::string overview(const Json& report) {
   line("limited by", t["limiter"].get<std::string>());
   line("energy", spread(t["energy_mj"], 1, "mJ  (low / nominal / high)") + give_or_take(t, "energy_mj"));
   line("power", spread(t["power_w"], 1, "W"));
-  line("efficiency",
-       fmt::format("{} frames/J GPU with memory, {} frames/J T&I alone",
-                   sim::four_digits(t["perf"]["frames_per_joule_gpu"].get<double>()),
-                   sim::four_digits(t["perf"]["frames_per_joule_tni"].get<double>())) +
-           (all_rays > 0 ? fmt::format(", {:.2f} nJ per ray", t["perf"]["nj_per_ray"].get<double>()) : ""));
+  line("efficiency", efficiency(t));
   if (t.contains("area_mm2")) line("area", area(t));
   if (t.contains("replicates")) line("replicates", replicates_text(t["replicates"]));
   if (t.contains("relative")) {

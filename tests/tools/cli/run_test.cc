@@ -180,6 +180,16 @@ TEST(Run, ItsConfigurationLoadsAgainAndGivesTheSameRun) {
   EXPECT_EQ(read_bytes(out / "config.yaml"), read_bytes(folder.path() / "first" / "config.yaml"));
 }
 
+TEST(Run, WithoutRaysHasNoFiguresOfOne) {
+  const TempFolder folder;
+  const std::filesystem::path out = folder.path() / "out";
+  const Json report = report_of(out, {"--set", "render.primary=raster", "--set", "render.effects=none"});
+  EXPECT_EQ(report["totals"]["rays"]["total"], 0);
+  EXPECT_TRUE(report["totals"]["perf"]["nj_per_ray"].is_null());
+  const std::string text = read_bytes(out / "report.txt");
+  for (const char* wrong : {"nan", "inf ", "per ray"}) EXPECT_EQ(text.find(wrong), std::string::npos) << text;
+}
+
 TEST(Run, DoesNotDependOnTheThreadsOfTheHost) {
   const TempFolder folder;
   const auto out = [&](const char* threads) {
