@@ -32,7 +32,7 @@ bool EdgeFunctions::set(const std::array<Projected, 3>& v) {
 }
 
 bool EdgeFunctions::covers(const glm::dvec2& at) const {
-  for (int i = 0; i < 3; ++i) {
+  for (std::size_t i = 0; i < 3; ++i) {
     const double e = value(i, at);
     const bool owns = edges_[i].x > 0 || (edges_[i].x == 0 && edges_[i].y > 0);
     if (!(e > 0 || (e == 0 && owns))) return false;
@@ -41,7 +41,7 @@ bool EdgeFunctions::covers(const glm::dvec2& at) const {
 }
 
 bool EdgeFunctions::may_touch(const PictureBox& box) const {
-  for (int i = 0; i < 3; ++i) {
+  for (std::size_t i = 0; i < 3; ++i) {
     const glm::dvec2 most(edges_[i].x > 0 ? box.high.x : box.low.x, edges_[i].y > 0 ? box.high.y : box.low.y);
     if (value(i, most) < 0) return false;
   }
@@ -56,7 +56,7 @@ bool bounds_of(const std::array<Projected, 3>& vertices, double near, RasterBoun
     bounds.box = {glm::min(bounds.box.low, at), glm::max(bounds.box.high, at)};
     bounds.nearest = std::min(bounds.nearest, p.z);
   };
-  for (int i = 0; i < 3; ++i) {
+  for (std::size_t i = 0; i < 3; ++i) {
     const Projected &a = vertices[i], &b = vertices[(i + 1) % 3];
     if (!std::isfinite(a.x + a.y + a.z)) return false;
     if (a.z >= near) add(a);

@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
 #include <glm/mat3x3.hpp>
@@ -58,7 +59,7 @@ class EdgeFunctions {
   bool may_touch(const PictureBox& box) const;
 
  private:
-  double value(int edge, const glm::dvec2& at) const {
+  double value(std::size_t edge, const glm::dvec2& at) const {
     return edges_[edge].x * at.x + edges_[edge].y * at.y + edges_[edge].z;
   }
 
@@ -68,7 +69,7 @@ class EdgeFunctions {
 
 /// Bounds of a triangle's visible part, clipped at the near plane; false if there is none.
 struct RasterBounds {
-  PictureBox box;  ///< holds all that is covered, rounding included
+  PictureBox box;      ///< holds all that is covered, rounding included
   double nearest = 0;  ///< depth of its nearest point
 };
 bool bounds_of(const std::array<Projected, 3>& vertices, double near, RasterBounds& bounds);

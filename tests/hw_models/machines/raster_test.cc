@@ -77,7 +77,7 @@ TEST_P(Rasterised, FramesAreTheSameOnAnyEngineAndNumberOfThreads) {
   config.cores = 2;
   const Outcome fast = play(raster, config);
   EXPECT_EQ(difference(fast, play(raster, config, Engine::kOracle)), "");
-  for (const std::uint64_t seed : {1, 2}) {
+  for (const std::uint64_t seed : {std::uint64_t{1}, std::uint64_t{2}}) {
     EXPECT_EQ(difference(fast, play(raster, config, Engine::kShuffled, seed)), "") << seed;
   }
   EXPECT_EQ(difference(fast, play(raster, config, Engine::kFast, 0, 3)), "");

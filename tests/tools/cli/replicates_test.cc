@@ -67,7 +67,7 @@ TEST(ReplicatesOption, CoverEveryFigureThatTheyMove) {
   const Json figures = totals["replicates"]["figures"].flatten(), flat = totals.flatten();
   std::size_t covered = 0;
   for (const auto& [path, value] : flat.items()) {
-    const auto is_below = [&](const char* group) { return path.starts_with(group); };
+    const auto is_below = [&path = path](const char* group) { return path.starts_with(group); };
     if (!value.is_number() || is_below("/replicates") || is_below("/kernels") || is_below("/energy_by_event_mj") ||
         is_below("/top_down/cores") || is_below("/rays") || is_below("/sampling") || is_below("/area")) {
       continue;
@@ -83,10 +83,10 @@ TEST(ReplicatesOption, CoverEveryFigureThatTheyMove) {
 TEST(ReplicatesOption, OfSeveralFramesAreOfTheirSum) {
   const TempFolder folder;
   const Json r = replicated_report(folder.path() / "out", {"--scene", "car", "--frames", "0:1", "--replicates", "3"});
-  const auto value = [](const Json& totals, int i) {
+  const auto value = [](const Json& totals, std::size_t i) {
     return totals["replicates"]["figures"]["cycles"]["values"][i].get<double>();
   };
-  for (int i = 0; i < 3; ++i) {
+  for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_EQ(value(r["totals"], i), value(r["frames"][0], i) + value(r["frames"][1], i)) << i;
   }
 }

@@ -31,7 +31,7 @@ struct Agreement {
 double from_edge(const Rasteriser& rasteriser, std::uint32_t triangle, const glm::dvec2& at) {
   const auto& v = rasteriser.geometry().triangles[triangle].vertices;
   double nearest = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < 3; ++i) {
+  for (std::size_t i = 0; i < 3; ++i) {
     const Projected a = rasteriser.view().project(rasteriser.geometry().vertices[v[i]]);
     const Projected b = rasteriser.view().project(rasteriser.geometry().vertices[v[(i + 1) % 3]]);
     const glm::dvec3 line = glm::cross(a, b);

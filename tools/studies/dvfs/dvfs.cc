@@ -95,7 +95,7 @@ DvfsCurve dvfs_curve(const DvfsOptions& options, Progress* progress) {
   check_domains(options.domains);
   std::vector<double> factors = options.factors;
   std::ranges::sort(factors);
-  factors.erase(std::ranges::unique(factors).begin(), factors.end());
+  factors.erase(std::unique(factors.begin(), factors.end()), factors.end());
   const Inputs inputs = load_inputs(options.job, progress);
   check_table_names(idle_units(inputs.config.gpu), inputs.config);
   std::vector<RunConfig> configs;
