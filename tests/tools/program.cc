@@ -149,4 +149,10 @@ void expect_refusal(const Ending& ending, const Words& parts) {
   for (const std::string& part : parts) EXPECT_SAYS(ending.err, part);
 }
 
+void expect_refused_run(const Words& more, const Words& parts) {
+  const TempFolder folder;
+  expect_refusal(raywatt(small_run(folder.path() / "out", more)), parts);
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "out"));
+}
+
 }  // namespace test

@@ -82,4 +82,7 @@ Words names_in(const std::filesystem::path& folder);
 /// Ended with 2, said why in one line on stderr that holds every one of `parts`, said nothing on stdout.
 void expect_refusal(const Ending& ending, const Words& parts);
 
+/// A small run with `more` is refused so, and no folder is made for it.
+void expect_refused_run(const Words& more, const Words& parts);
+
 }  // namespace test

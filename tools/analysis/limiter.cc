@@ -78,14 +78,13 @@ std::vector<Estimate> estimate(const CoreTime& t) {
   const auto levels = [&](double data_part, double tree_part) {
     return together(kernels + without(data, data_part), d.fed - tree + without(tree, tree_part), p);
   };
-  const MissLevels &of_data = t.data_levels, &of_tree = t.tree_levels;
+  const MissLevels &of_data = t.data_levels, &of_tree = t.tree_levels, &of_raster = t.raster_levels;
   // The rest of the two stages together, of the time spent on transfers, which wait for memory, and ray slots that fit
   // make none, and of the time in which the rasteriser waited for lines.
   struct Rest {
     const char* resource;
     double stages, transfers, waits = 1;  ///< waits: of raster_misses, what is left
   };
-  const MissLevels& of_raster = t.raster_levels;
   const double more_slots = std::min(d.no_slots + t.banks, time - std::max(shading, d.fed));
   const std::vector<Rest> rests = {
       {"tni", std::max(together(shading, std::max(tree, least(d.tree_lines, d.fed)), p), memory), t.transfers},

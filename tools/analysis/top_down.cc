@@ -1,6 +1,7 @@
 #include "tools/analysis/top_down.h"
 
 #include <algorithm>
+#include <array>
 #include <functional>
 #include <map>
 #include <utility>
@@ -168,6 +169,12 @@ void each_share(A& a, const CoreTime& b, F&& f) {
   }
 }
 
+/// Time that kinds of caches spend on misses, and the levels that it is spent on.
+constexpr std::array<std::pair<double CoreTime::*, MissLevels CoreTime::*>, 3> kMisses = {
+    {{&CoreTime::data_misses, &CoreTime::data_levels},
+     {&CoreTime::tree_misses, &CoreTime::tree_levels},
+     {&CoreTime::raster_misses, &CoreTime::raster_levels}}};
+
 /// Adds the levels of a core's misses to those of all: a core counts as much as it missed.
 void add_levels(MissLevels& all, const MissLevels& core, double weight) {
   for (double MissLevels::*level : {&MissLevels::interconnect, &MissLevels::l2, &MissLevels::dram}) {
@@ -198,12 +205,9 @@ TopDown top_down(std::span<const UnitReport> units, const hw::GpuConfig& config)
     each_share(gpu, core, [&](double& sum, double share) { sum += share / cores; });
   }
   for (const CoreTime& core : view.cores) {
-    if (gpu.data_misses > 0)
-      add_levels(gpu.data_levels, core.data_levels, core.data_misses / (cores * gpu.data_misses));
-    if (gpu.tree_misses > 0)
-      add_levels(gpu.tree_levels, core.tree_levels, core.tree_misses / (cores * gpu.tree_misses));
-    if (gpu.raster_misses > 0)
-      add_levels(gpu.raster_levels, core.raster_levels, core.raster_misses / (cores * gpu.raster_misses));
+    for (const auto& [misses, of_levels] : kMisses) {
+      if (gpu.*misses > 0) add_levels(gpu.*of_levels, core.*of_levels, core.*misses / (cores * gpu.*misses));
+    }
   }
   return view;
 }

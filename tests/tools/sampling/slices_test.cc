@@ -222,20 +222,13 @@ TEST(SlicedRun, SaysHowManySlicesThereWereAndHowFarOffTheyMayBe) {
 }
 
 TEST(SlicedRun, WhatMakesNoSenseIsRefusedBeforeAnythingIsMade) {
-  const TempFolder folder;
-  const auto refused = [&](const Words& more, const char* says) {
-    const Ending ending = raywatt(small_run(folder.path() / "out", more));
-    EXPECT_EQ(ending.exit, 2);
-    EXPECT_SAYS(ending.err, says);
-    EXPECT_FALSE(std::filesystem::exists(folder.path() / "out"));
-  };
-  refused({"--slices", "some"}, "nor auto");
-  refused({"--slices", ""}, "allowed: 2, auto");
-  refused({"--slices", "500"}, "at most");
-  refused({"--slices", "2", "--program", "undersample"}, "full:N");
-  refused({"--slices", "2", "--set", "render.primary=raster"}, "render.primary=rays");
-  refused({"--slices", "2", "--set", "render.effects=occlusion", "--set", "render.effect_rate=half"},
-          "render.effect_rate=full");
+  expect_refused_run({"--slices", "some"}, {"nor auto"});
+  expect_refused_run({"--slices", ""}, {"allowed: 2, auto"});
+  expect_refused_run({"--slices", "500"}, {"at most"});
+  expect_refused_run({"--slices", "2", "--program", "undersample"}, {"full:N"});
+  expect_refused_run({"--slices", "2", "--set", "render.primary=raster"}, {"render.primary=rays"});
+  expect_refused_run({"--slices", "2", "--set", "render.effects=occlusion", "--set", "render.effect_rate=half"},
+                     {"render.effect_rate=full"});
   for (const Words& other : std::vector<Words>{{"--tile-sampling", "5%"},
                                                {"--reference", "full:1"},
                                                {"--replicates", "2"},
@@ -244,7 +237,7 @@ TEST(SlicedRun, WhatMakesNoSenseIsRefusedBeforeAnythingIsMade) {
                                                {"--debug-images"}}) {
     Words words = {"--slices", "2"};
     words.insert(words.end(), other.begin(), other.end());
-    refused(words, ("--slices does not go with " + other.front()).c_str());
+    expect_refused_run(words, {"--slices does not go with " + other.front()});
   }
 }
 

@@ -271,18 +271,11 @@ TEST(SampledRun, SaysWhatIsEstimatedAndHowWell) {
 }
 
 TEST(SampledRun, WhatMakesNoSenseIsRefusedBeforeAnythingIsMade) {
-  const TempFolder folder;
-  const auto refused = [&](const Words& more, const char* says) {
-    const Ending ending = raywatt(small_run(folder.path() / "out", more));
-    EXPECT_EQ(ending.exit, 2);
-    EXPECT_SAYS(ending.err, says);
-    EXPECT_FALSE(std::filesystem::exists(folder.path() / "out"));
-  };
-  refused({"--tile-sampling", "lots"}, "e.g. 5%");
-  refused({"--tile-sampling", ""}, "allowed: 5%, auto");
-  refused({"--tile-sampling", "5%", "--program", "undersample"}, "full:N");
-  refused({"--tile-sampling", "5%", "--reference", "full:1"}, "--reference");
-  refused({"--image", "none"}, "--tile-sampling");
+  expect_refused_run({"--tile-sampling", "lots"}, {"e.g. 5%"});
+  expect_refused_run({"--tile-sampling", ""}, {"allowed: 5%, auto"});
+  expect_refused_run({"--tile-sampling", "5%", "--program", "undersample"}, {"full:N"});
+  expect_refused_run({"--tile-sampling", "5%", "--reference", "full:1"}, {"--reference"});
+  expect_refused_run({"--image", "none"}, {"--tile-sampling"});
 }
 
 }  // namespace
