@@ -147,7 +147,9 @@ struct RenderConfig {
       return complain("effects", error.what());
     }
     if (effect_rate != EffectRate::kFull && !has_rated_effects()) {
-      complain("effect_rate", "is that of occlusion and soft_shadows, and effects has neither; allowed: full, or one of these in effects");
+      complain("effect_rate",
+               "is that of occlusion and soft_shadows, and effects has neither; allowed: full, or one of these in "
+               "effects");
     }
   }
 };
