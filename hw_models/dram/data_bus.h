@@ -15,7 +15,7 @@ class DataBus {
     bool write = false;
   };
 
-  explicit DataBus(std::size_t capacity) : bursts_(capacity) {}
+  explicit DataBus(std::size_t capacity) : bursts_(capacity), capacity_(capacity) {}
 
   bool empty() const { return size_ == 0; }
   const Burst& front() const { return bursts_[head_]; }
@@ -26,11 +26,11 @@ class DataBus {
 
   /// Bursts of two bank groups may interleave, so a new one may begin before the last one booked.
   void book(Burst burst) {
-    assert(size_ < bursts_.size());
-    std::size_t i = (head_ + size_) % bursts_.size();
+    assert(size_ < capacity_);
+    std::size_t i = head_ + size_ < capacity_ ? head_ + size_ : head_ + size_ - capacity_;
     size_ += 1;
     for (std::size_t left = size_ - 1; left > 0; --left) {
-      const std::size_t before = i == 0 ? bursts_.size() - 1 : i - 1;
+      const std::size_t before = i == 0 ? capacity_ - 1 : i - 1;
       if (bursts_[before].begin <= burst.begin) break;
       bursts_[i] = bursts_[before];
       i = before;
@@ -39,9 +39,10 @@ class DataBus {
   }
 
  private:
-  std::size_t next(std::size_t i) const { return i + 1 == bursts_.size() ? 0 : i + 1; }
+  std::size_t next(std::size_t i) const { return i + 1 == capacity_ ? 0 : i + 1; }
 
   std::vector<Burst> bursts_;
+  std::size_t capacity_;
   std::size_t head_ = 0;
   std::size_t size_ = 0;
 };

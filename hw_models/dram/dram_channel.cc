@@ -37,9 +37,8 @@ DramChannel::DramChannel(const DramConfig& c, Links links, bool ideal, const Dra
       reads_(c.controller.read_queue),
       writes_(c.controller.write_queue),
       ports_(Arbitration::kRoundRobin, ports_in_.size()) {
-  // Room for what a full data bus brings in while the device and the fabric delay it, and as much again.
   const Cycle in_flight = fabric_ + c.timing.rl + c.timing.dqsck + device_.data_cycles();
-  returns_.slots.resize(2 * (in_flight / (Cycle{bursts_} * c.timing.burst) + 4));
+  most_returns_ = 2 * (in_flight / (Cycle{bursts_} * c.timing.burst) + 4);
 }
 
 sim::Time DramChannel::tick(sim::Time now) {
@@ -47,13 +46,13 @@ sim::Time DramChannel::tick(sim::Time now) {
   const Cycle cycle = clock_.cycles(now);
   settle(cycle);
   if (refresh_at_ <= cycle) refresh(cycle);
-  if (ports_in_.holding() != 0) take_request(now, cycle);
-  if (returns_.size != 0) respond(now, cycle);
+  if (ports_in_.pop_at() <= now) take_request(now, cycle);
+  if (!returns_.empty()) respond(now);
   if (next_is_stale_ || cycle >= reschedule_at_) reschedule(cycle);
   if (next_.at() <= cycle) {
     assert(next_ == best_command(writing_ ? writes_ : reads_, cycle) &&
            "a command that survives is the one chosen afresh");
-    issue(cycle);
+    issue(now, cycle);
     reschedule(cycle);
   }
   return next_wake(now);
@@ -75,15 +74,17 @@ void DramChannel::finish(sim::Time end) {
 
 inline void DramChannel::take_request(sim::Time now, Cycle cycle) {
   const auto has_room = [&](std::uint32_t i) {
-    return ports_in_.can_pop(i, now) && !(ports_in_[i].front().write ? writes_ : reads_).full();
+    return ports_in_.can_pop(i, now) && has_room_for(ports_in_[i].front());
   };
   const std::uint32_t port = ports_.choose(ports_in_.holding(), has_room, [](std::uint32_t) { return sim::Time{0}; });
   if (port == ports_.count()) return;
   ports_.served(port);
   const MemRequest request = ports_in_[port].pop(now);
   const DramAddress address = map_.address(request.line);
-  power_down(cycle);
-  wake(cycle);
+  if (controller_.power_down) {
+    power_down(cycle);
+    wake(cycle);
+  }
   page_policy_.requested(address.bank, address.row);
   const bool row_is_open = device_.is_open(address.bank, address.row);
   next_is_stale_ |= !next_survives(request.write, address.bank, row_is_open);
@@ -98,100 +99,100 @@ inline bool DramChannel::next_survives(bool write, std::uint32_t bank, bool row_
   return queue.hits(bank) != 0 || (queue.waiting(bank) != 0 && !row_is_open);
 }
 
-inline void DramChannel::respond(sim::Time now, Cycle cycle) {
-  const Return& first = returns_.slots[returns_.head];
-  sim::Link<MemResponse>& out = *ports_out_[first.port];
-  if (first.due > cycle || !out.can_push(now)) return;
-  out.push(now, first.response);
-  next_is_stale_ |= returns_.full();
-  returns_.head = (returns_.head + 1) % returns_.slots.size();
-  returns_.size -= 1;
+/// Lines leave in turn, one a cycle, each when it is due: beforehand if it will then find room. That hides no full
+/// `returns_`: they hold twice the lines that are not due yet.
+void DramChannel::respond(sim::Time now) {
+  while (!returns_.empty()) {
+    const Return& first = returns_.front();
+    sim::Link<MemResponse>& out = *ports_out_[first.port];
+    const sim::Time at = std::max(now, first.due);
+    if (at < return_at_ || !out.can_push(at)) return;
+    out.push(at, first.response);
+    return_at_ = at + clock_.period();
+    next_is_stale_ |= returns_.size() == most_returns_;
+    returns_.pop_front();
+  }
 }
 
 inline sim::Time DramChannel::next_wake(sim::Time now) const {
-  const sim::Time next = now + clock_.period();
-  const auto time_of = [&](Cycle cycle) { return cycle == sim::kNever ? sim::kNever : cycle * clock_.period(); };
-  sim::Time wake = std::min(time_of(next_.at()), time_of(reschedule_at_));
   // While no command can come, refreshes are caught up with later: they change nothing that anyone could see.
-  if (!next_.none()) wake = std::min(wake, time_of(refresh_at_));
-  if (returns_.size > 0) {
-    const Return& first = returns_.slots[returns_.head];
-    wake = std::min(wake, std::max({next, time_of(first.due), ports_out_[first.port]->push_at()}));
+  const Cycle cycle = std::min({next_.at(), reschedule_at_, next_.none() ? sim::kNever : refresh_at_});
+  sim::Time wake = cycle == sim::kNever ? sim::kNever : cycle * clock_.period();
+  if (!returns_.empty())
+    wake = std::min(wake, std::max(returns_.front().due, ports_out_[returns_.front().port]->push_at()));
+  for (std::uint64_t left = ports_in_.holding(); left != 0; left &= left - 1) {
+    const auto i = static_cast<std::size_t>(std::countr_zero(left));
+    const sim::Time at = ports_in_.pop_at(i);
+    if (at > now || has_room_for(ports_in_[i].front())) wake = std::min(wake, at);
   }
-  ports_in_.each([&](const sim::Link<MemRequest>& in) {
-    const bool room = in.pop_at() > now || !(in.front().write ? writes_ : reads_).full();
-    if (room) wake = std::min(wake, std::max(next, in.pop_at()));
-  });
-  return wake;
+  return std::max(wake, now + clock_.period());
 }
 
 void DramChannel::reschedule(Cycle now) {
   next_is_stale_ = false;
-  reschedule_at_ = sim::kNever;
-  for (const DramQueue* queue : {&reads_, &writes_}) {
-    if (!queue->empty() && !overdue(*queue, now))
-      reschedule_at_ = std::min(reschedule_at_, queue->oldest().arrived + controller_.age_limit);
-  }
-  writing_ = writes_first(now);
+  const Cycle read_due = due(reads_), write_due = due(writes_);
+  reschedule_at_ = std::min(read_due <= now ? sim::kNever : read_due, write_due <= now ? sim::kNever : write_due);
+  if (writes_.size() >= controller_.write_high) draining_ = true;
+  if (writes_.size() <= controller_.write_low) draining_ = false;
+  writing_ = writes_first(read_due, write_due, now);
   const DramQueue& queue = writing_ ? writes_ : reads_;
-  const bool blocked = !writing_ && returns_.full();
+  const bool blocked = !writing_ && returns_.size() == most_returns_;
   next_ = queue.empty() || blocked ? ScheduledCommand{} : best_command(queue, now);
   waiting_ = queue.empty() ? CycleReason::kIdle
              : blocked     ? CycleReason::kReturnsFull
                            : device_.reason(next_.command(), next_.bank(), writing_, next_.at());
 }
 
-inline bool DramChannel::writes_first(Cycle now) {
-  if (writes_.size() >= controller_.write_high) draining_ = true;
-  if (writes_.size() <= controller_.write_low) draining_ = false;
+/// `read_due`, `write_due`: when the oldest of each may no longer be overtaken.
+inline bool DramChannel::writes_first(Cycle read_due, Cycle write_due, Cycle now) const {
   if (reads_.empty() || writes_.empty()) return reads_.empty();
-  const bool old_read = overdue(reads_, now), old_write = overdue(writes_, now);
-  if (old_read && old_write) return writes_.oldest().arrived < reads_.oldest().arrived;
-  return old_read == old_write ? draining_ : old_write;
+  if (read_due <= now && write_due <= now) return write_due < read_due;
+  return read_due <= now || write_due <= now ? write_due <= now : draining_;
 }
 
 ScheduledCommand DramChannel::best_command(const DramQueue& queue, Cycle now) const {
   const bool in_turn = controller_.scheduler == DramScheduler::kFcfs;
   std::uint32_t banks = queue.banks(), columns = queue.hit_banks();
-  if (in_turn || overdue(queue, now)) {
+  if (in_turn || due(queue) <= now) [[unlikely]] {
     const std::uint32_t first = 1U << queue.oldest().address.bank;
     if ((queue.hits(queue.oldest().address.bank) & 1) == 0) columns &= ~first;
     if (in_turn) banks = first;
   }
-  const std::uint32_t open = device_.open_mask();
+  const Cycle from = device_.awake(now);
   ScheduledCommand best;
-  for (std::uint32_t rank = 0; rank < ranks_; ++rank) {
-    const DramDevice::ReadyCycles rank_ready = device_.rank_ready(rank, writing_, now);
-    const std::uint32_t here = banks & device_.banks_of(rank);
-    const auto consider = [&]<DramCommand command>(std::uint32_t of) {
-      const Cycle from = rank_ready.back(), lead = device_.lead(command);
-      const auto bound = [&](Cycle ready) {
-        return ScheduledCommand(std::max(from + lead, ready) - lead, command, 0, 0);
-      };
-      if (best < bound(rank_ready[static_cast<std::size_t>(command)])) return;  // none can come before it
-      for (std::uint32_t left = of; left != 0; left &= left - 1) {
-        const auto bank = static_cast<std::uint32_t>(std::countr_zero(left));
-        const Cycle ready = device_.ready(command, bank, writing_, rank_ready);
-        if (best < bound(ready)) continue;
-        const std::uint64_t positions = command == DramCommand::kColumn ? queue.hits(bank) : queue.waiting(bank);
-        const auto position = static_cast<std::uint32_t>(std::countr_zero(positions));
-        best = std::min(best, ScheduledCommand(device_.earliest(command, bank, ready, from), command, position, bank));
-      }
+  const auto consider = [&]<DramCommand command>(std::uint32_t of, std::uint32_t rank) {
+    if (of == 0) return;
+    const Cycle lead = device_.lead(command), rank_ready = device_.rank_ready(command, rank, writing_, from);
+    const auto bound = [&](Cycle ready) {
+      return ScheduledCommand(std::max(from + lead, ready) - lead, command, 0, 0);
     };
-    consider.template operator()<DramCommand::kColumn>(here & columns);
-    consider.template operator()<DramCommand::kActivate>(here & ~columns & ~open);
-    consider.template operator()<DramCommand::kPrecharge>(here & ~columns & open);
+    if (best < bound(rank_ready)) return;  // none can come before it
+    for (std::uint32_t left = of; left != 0; left &= left - 1) {
+      const auto bank = static_cast<std::uint32_t>(std::countr_zero(left));
+      const Cycle ready = device_.ready(command, bank, writing_, rank_ready);
+      if (best < bound(ready)) continue;
+      const std::uint64_t positions = command == DramCommand::kColumn ? queue.hits(bank) : queue.waiting(bank);
+      const auto position = static_cast<std::uint32_t>(std::countr_zero(positions));
+      const ScheduledCommand next(device_.earliest(command, bank, ready, from), command, position, bank);
+      if (next < best) best = next;
+    }
+  };
+  for (std::uint32_t rank = 0; rank < ranks_; ++rank) {
+    const std::uint32_t here = banks & device_.banks_of(rank), others = here & ~columns;
+    consider.template operator()<DramCommand::kColumn>(here & columns, rank);
+    consider.template operator()<DramCommand::kActivate>(others & ~device_.open_mask(), rank);
+    consider.template operator()<DramCommand::kPrecharge>(others & device_.open_mask(), rank);
   }
   return best;
 }
 
-inline void DramChannel::issue(Cycle now) {
+inline void DramChannel::issue(sim::Time now, Cycle cycle) {
   DramQueue& queue = writing_ ? writes_ : reads_;
   DramQueue::Entry& entry = queue.at(next_.position());
   const DramAddress address = entry.address;
   switch (next_.command()) {
     case DramCommand::kColumn:
-      transfer(entry, now);
+      transfer(entry, now, cycle);
       queue.remove(next_.position());
       if ((reads_.hits(address.bank) | writes_.hits(address.bank)) == 0) row_done(address);
       break;
@@ -200,13 +201,13 @@ inline void DramChannel::issue(Cycle now) {
       stats_.activates += 1;
       if (book_ != nullptr) [[unlikely]]
         book_->count(entry.request.owner, &TileAccount::activates);
-      device_.activate(address.bank, address.row, now);
+      device_.activate(address.bank, address.row, cycle);
       reads_.row_opened(address.bank, address.row);
       writes_.row_opened(address.bank, address.row);
       break;
     case DramCommand::kPrecharge:
       entry.precharged = true;
-      device_.precharge(address.bank, now);
+      device_.precharge(address.bank, cycle);
       reads_.row_closed(address.bank);
       writes_.row_closed(address.bank);
       break;
@@ -222,13 +223,13 @@ inline void DramChannel::row_done(const DramAddress& address) {
 void DramChannel::show(const MemRequest& request, sim::Time end) const {
   if (watcher_ != nullptr) watcher_->served(request, end);
   if (book_ != nullptr)
-    book_->count(request.owner, request.write ? &TileAccount::dram_writes : &TileAccount::dram_reads);
+    (request.write ? book_->of(request.owner).dram_writes : book_->of(request.owner).dram_reads) += 1;
 }
 
 /// Moves the request's line over the data bus.
-inline void DramChannel::transfer(const DramQueue::Entry& entry, Cycle now) {
+inline void DramChannel::transfer(const DramQueue::Entry& entry, sim::Time now, Cycle cycle) {
   const MemRequest& r = entry.request;
-  const Cycle data = r.write ? device_.write(entry.address.bank, now) : device_.read(entry.address.bank, now);
+  const Cycle data = r.write ? device_.write(entry.address.bank, cycle) : device_.read(entry.address.bank, cycle);
   const Cycle end = data + device_.data_cycles();
   data_end_ = std::max(data_end_, end);
   if (is_watched_) [[unlikely]]
@@ -238,9 +239,8 @@ inline void DramChannel::transfer(const DramQueue::Entry& entry, Cycle now) {
     stats_.writes += 1;
     stats_.write_bursts += bursts_;
   } else {
-    returns_.slots[(returns_.head + returns_.size) % returns_.slots.size()] = {
-        {r.line, r.source, r.tag}, entry.port, end + fabric_};
-    returns_.size += 1;
+    returns_.push_back({{r.line, r.source, r.tag}, entry.port, (end + fabric_) * clock_.period()});
+    respond(now);
     stats_.reads += 1;
     stats_.read_bursts += bursts_;
     stats_.read_latency += end - entry.arrived;
@@ -256,7 +256,7 @@ void DramChannel::settle(Cycle until) {
     Cycle end = until;
     CycleReason why = waiting_;
     if (!data_bus_.empty()) {
-      const DataBus::Burst burst = data_bus_.front();
+      const DataBus::Burst& burst = data_bus_.front();
       if (burst.begin > settled_) {
         end = std::min(until, burst.begin);
         if (why == CycleReason::kIdle) why = CycleReason::kLatency;
@@ -266,14 +266,15 @@ void DramChannel::settle(Cycle until) {
         if (end == burst.end) data_bus_.pop();
       }
     }
-    activity_.spend(settled_ * clock_.period(), clock_.period(), why, why);
+    if (why != charged_) activity_.spend(settled_ * clock_.period(), clock_.period(), why, why);
+    charged_ = why;
     settled_ = end;
   }
 }
 
 std::string DramChannel::state() const {
   return fmt::format("{} reads and {} writes queued, {} lines to return, {} banks open, {}", reads_.size(),
-                     writes_.size(), returns_.size, device_.open_banks(), writing_ ? "writing" : "reading");
+                     writes_.size(), returns_.size(), device_.open_banks(), writing_ ? "writing" : "reading");
 }
 
 }  // namespace hw

@@ -19,6 +19,7 @@
 #include "sim/inputs.h"
 #include "sim/link.h"
 #include "sim/named.h"
+#include "sim/ring.h"
 
 namespace hw {
 
@@ -97,7 +98,7 @@ class DramChannel {
   /// Brings every counter up to `end`, an edge of the clock.
   void finish(sim::Time end);
   /// Nothing is queued and no response is on its way.
-  bool idle() const { return reads_.empty() && writes_.empty() && returns_.size == 0; }
+  bool idle() const { return reads_.empty() && writes_.empty() && returns_.empty(); }
 
   const sim::Clock& clock() const { return clock_; }
   const Stats& stats() const { return stats_; }
@@ -110,12 +111,7 @@ class DramChannel {
   struct Return {
     MemResponse response;
     std::uint16_t port = 0;
-    Cycle due = 0;
-  };
-  struct Returns {
-    std::vector<Return> slots;
-    std::size_t head = 0, size = 0;
-    bool full() const { return size == slots.size(); }
+    sim::Time due = 0;
   };
 
   void settle(Cycle until);
@@ -127,22 +123,24 @@ class DramChannel {
   void count_power_down(Cycle until);
   void wake(Cycle now);
   void take_request(sim::Time now, Cycle cycle);
-  void respond(sim::Time now, Cycle cycle);
+  void respond(sim::Time now);
   sim::Time next_wake(sim::Time now) const;
   sim::Time tick_ideal(sim::Time now);
 
   void reschedule(Cycle now);
-  bool writes_first(Cycle now);
+  bool writes_first(Cycle read_due, Cycle write_due, Cycle now) const;
   bool next_survives(bool write, std::uint32_t bank, bool row_is_open) const;
   ScheduledCommand best_command(const DramQueue& queue, Cycle now) const;
-  void issue(Cycle now);
+  void issue(sim::Time now, Cycle cycle);
   void row_done(const DramAddress& address);
-  void transfer(const DramQueue::Entry& entry, Cycle now);
+  void transfer(const DramQueue::Entry& entry, sim::Time now, Cycle cycle);
   /// Tells of a request whose data end at that time; apart, for machines that nobody watches.
   [[gnu::cold, gnu::noinline]] void show(const MemRequest& request, sim::Time end) const;
-  bool overdue(const DramQueue& queue, Cycle now) const {
-    return !queue.empty() && now >= queue.oldest().arrived + controller_.age_limit;
+  /// When its oldest request may no longer be overtaken in its bank.
+  Cycle due(const DramQueue& queue) const {
+    return queue.empty() ? sim::kNever : queue.oldest().arrived + controller_.age_limit;
   }
+  bool has_room_for(const MemRequest& request) const { return !(request.write ? writes_ : reads_).full(); }
 
   const DramController controller_;
   const DramMap map_;
@@ -174,7 +172,9 @@ class DramChannel {
   Cycle down_counted_ = 0;  ///< power-down is counted up to there
 
   DramQueue reads_, writes_;
-  Returns returns_;
+  sim::Ring<Return> returns_;
+  std::size_t most_returns_;  ///< what a full data bus brings in while device and fabric delay it, and as much again
+  sim::Time return_at_ = 0;   ///< when a line may leave
   Arbiter ports_;
   bool draining_ = false;  ///< writes go first, down to the low mark
   bool writing_ = false;   ///< `next_` serves the write queue
@@ -184,6 +184,7 @@ class DramChannel {
 
   Cycle settled_ = 0;
   CycleReason waiting_ = CycleReason::kIdle;  ///< for what, while the data bus is idle
+  CycleReason charged_ = CycleReason::kIdle;  ///< before settled_
   Stats stats_;
   sim::Activity<CycleReason> activity_;
 };

@@ -61,19 +61,18 @@ class DramDevice {
   /// Banks with an open row, as a mask.
   std::uint32_t open_mask() const { return open_; }
 
-  /// First cycles that the rank and the clock allow any of its banks, by command.
-  using ReadyCycles = std::array<Cycle, 3>;
-  ReadyCycles rank_ready(std::uint32_t rank, bool write, Cycle now) const {
-    const Rank& r = rank_[rank];
-    const Cycle from = std::max(now, awake_at_);
-    return {std::max(from, r.column_at[write]), r.next_activate(from, t_), from};
+  /// The first cycle, `now` or later, at which the device is not in power-down.
+  Cycle awake(Cycle now) const { return std::max(now, awake_at_); }
+  /// The first cycle, `from` or later, at which the rank allows the command in any of its banks.
+  Cycle rank_ready(DramCommand command, std::uint32_t rank, bool write, Cycle from) const {
+    if (command == DramCommand::kActivate) return rank_[rank].next_activate(from, t_);
+    return command == DramCommand::kColumn ? std::max(from, rank_[rank].column_at[write]) : from;
   }
   /// The first cycle at which the command may run in the bank, as far as the buses are free for it.
-  Cycle ready(DramCommand command, std::uint32_t bank, bool write, const ReadyCycles& rank_ready) const {
-    const auto c = static_cast<std::size_t>(command);
-    const Cycle at = std::max(rank_ready[c], bank_at_[c][bank]);
-    if (command != DramCommand::kColumn) return at;
-    return std::max(at, group_at_[write ? kWriteTrain : kReadTrain][group_of(bank)]);
+  Cycle ready(DramCommand command, std::uint32_t bank, bool write, Cycle rank_ready) const {
+    const Cycle ready = std::max(rank_ready, at(command, bank));
+    if (command != DramCommand::kColumn) return ready;
+    return std::max(ready, group_at_[write ? kWriteTrain : kReadTrain][group_of(bank)]);
   }
   /// The first cycle, `ready` or later, at which the buses are free for the command; while WCK stands still and it is a
   /// read or write, that of the CAS before it, `from` or later.
@@ -96,7 +95,7 @@ class DramDevice {
   bool begins_with_cas(std::uint32_t bank, bool write, Cycle at) const {
     const Rank& rank = rank_[rank_of(bank)];
     if (t_.wck_sync == 0) return false;
-    return at > rank.synchronised_until || at < ready(DramCommand::kColumn, bank, write, {rank.column_at[write], 0, 0});
+    return at > rank.synchronised_until || at < ready(DramCommand::kColumn, bank, write, rank.column_at[write]);
   }
   /// Reason why the command cannot run one cycle before `at`, its earliest cycle; it holds for every cycle until then.
   DramCycleReason reason(DramCommand command, std::uint32_t bank, bool write, Cycle at) const;

@@ -32,12 +32,9 @@ class Arbiter {
   template <class Ready, class Since>
   std::uint32_t choose(std::uint64_t asking, Ready&& ready, Since&& since) const {
     if (how_ == Arbitration::kOldestFirst) return oldest(asking, ready, since);
-    const std::uint64_t before = (std::uint64_t{1} << turn_) - 1;
-    for (const std::uint64_t part : {asking & ~before, asking & before}) {
-      for (std::uint64_t left = part; left != 0; left &= left - 1) {
-        const auto i = static_cast<std::uint32_t>(std::countr_zero(left));
-        if (ready(i)) return i;
-      }
+    for (std::uint64_t left = std::rotr(asking, static_cast<int>(turn_)); left != 0; left &= left - 1) {
+      const std::uint32_t i = (static_cast<std::uint32_t>(std::countr_zero(left)) + turn_) % 64;
+      if (ready(i)) return i;
     }
     return count_;
   }

@@ -118,29 +118,27 @@ inline void CorePort::carry(std::uint32_t target, sim::Time now) {
 
 /// Returns when there may be something to do next, and notes what the port waits for until then.
 [[gnu::always_inline]] inline sim::Time CorePort::look_ahead(sim::Time now) {
-  const sim::Time next = now + clock_.period();
   sim::Time wake = sim::kNever;
   waiting_ = CycleReason::kIdle;
   // A message that is not visible yet must not be looked at: wake up for it and decide then.
-  const auto consider = [&](const auto& in, sim::Time free_at, auto&& out_of, CycleReason full) {
-    sim::Time at = in.pop_at();
-    if (at <= now) {
-      const sim::Time room_at = out_of(in.front()).push_at();
-      if (room_at > now) waiting_ = full;
-      at = std::max({next, free_at, room_at});
+  const auto consider = [&](const auto& all, sim::Time free_at, auto&& out_of, CycleReason full) {
+    for (std::uint64_t left = all.holding(); left != 0; left &= left - 1) {
+      const auto i = static_cast<std::size_t>(std::countr_zero(left));
+      sim::Time at = all.pop_at(i);
+      if (at <= now) {
+        const sim::Time room_at = out_of(all[i].front()).push_at();
+        if (room_at > now) waiting_ = full;
+        at = std::max(free_at, room_at);
+      }
+      wake = std::min(wake, at);
     }
-    wake = std::min(wake, at);
   };
-  clients_in_.each([&](const sim::Link<MemRequest>& in) {
-    consider(
-        in, up_free_, [&](const MemRequest& r) -> auto& { return target_of(r); }, CycleReason::kTargetFull);
-  });
-  targets_in_.each([&](const sim::Link<MemResponse>& in) {
-    consider(
-        in, down_free_, [&](const MemResponse& r) -> auto& { return *clients_out_[r.source]; },
-        CycleReason::kClientFull);
-  });
-  return wake;
+  consider(
+      clients_in_, up_free_, [&](const MemRequest& r) -> auto& { return target_of(r); }, CycleReason::kTargetFull);
+  consider(
+      targets_in_, down_free_, [&](const MemResponse& r) -> auto& { return *clients_out_[r.source]; },
+      CycleReason::kClientFull);
+  return std::max(wake, now + clock_.period());
 }
 
 template sim::Time CorePort::tick_as<true>(sim::Time);

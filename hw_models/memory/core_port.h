@@ -108,12 +108,10 @@ class CorePort {
   void send(std::uint32_t client, sim::Time now);
   void carry(std::uint32_t target, sim::Time now);
   bool can_send(std::uint32_t client, sim::Time now) const {
-    const sim::Link<MemRequest>& in = clients_in_[client];
-    return in.can_pop(now) && target_of(in.front()).can_push(now);
+    return clients_in_.can_pop(client, now) && target_of(clients_in_[client].front()).can_push(now);
   }
   bool can_carry(std::uint32_t target, sim::Time now) const {
-    const sim::Link<MemResponse>& in = targets_in_[target];
-    return in.can_pop(now) && clients_out_[in.front().source]->can_push(now);
+    return targets_in_.can_pop(target, now) && clients_out_[targets_in_[target].front().source]->can_push(now);
   }
   void settle(sim::Time until);
   sim::Time look_ahead(sim::Time now);

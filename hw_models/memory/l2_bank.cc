@@ -42,9 +42,14 @@ L2Bank::L2Bank(const L2Config& config, std::uint16_t index, Links links, Interle
 
 sim::Time L2Bank::tick(sim::Time now) {
   if (!ideal_.empty()) return tick_ideal(now);
-  bool served = reply(now);
-  served |= take_fill(now);
-  if (queued_ != 0) send_to_memory(now);
+  settle(now);
+  while (sent_ != 0 && leaves_[(leave_ - sent_) % leaves_.size()] <= now) sent_ -= 1;
+  bool served = reply_at_ == now || reply(now);
+  if (!filled_.pending() && channels_in_.pop_at() <= now) {
+    take_fill(now);
+    served = true;
+  }
+  if (!unsent_.empty()) send_to_memory(now);
   served |= take_request(now);
   if (flush_in_ != nullptr) served |= flush(now);
   const sim::Time wake = next_wake(now);
@@ -53,7 +58,20 @@ sim::Time L2Bank::tick(sim::Time now) {
   return wake;
 }
 
+/// Charges the time since the last tick: a line has left since, or the last request has gone to memory, and no tick was
+/// needed to see it.
+inline void L2Bank::settle(sim::Time until) {
+  for (;;) {
+    const sim::Time accounted = activity_.accounted();
+    const sim::Time at = std::min(reply_at_ >= accounted ? reply_at_ : until, sent_at_ >= accounted ? sent_at_ : until);
+    if (at >= until) return;
+    const CycleReason then = waiting(at);
+    activity_.spend(at, clock_.period(), at == reply_at_ ? CycleReason::kServing : then, then);
+  }
+}
+
 void L2Bank::finish(sim::Time end) {
+  settle(end);
   activity_.finish(end);
   // Reads that have not ended yet have lasted until now.
   std::uint64_t waiters = 0;
@@ -61,37 +79,41 @@ void L2Bank::finish(sim::Time end) {
   std::uint64_t reads = waiters + hits_.size() + (filled_.count - filled_.next);
   if (head_.full && !head_.request.write) reads += 1;
   for (const sim::Link<MemResponse>& answers : ideal_) reads += answers.size();
-  stats_.latency = clock_.cycles(latency_ + end * reads);
+  const sim::Time ahead = reply_at_ == end + clock_.period() ? clock_.period() : 0;
+  stats_.latency = clock_.cycles(latency_ + end * reads - ahead);
   stats_.memory_cycles = clock_.cycles(memory_time_ + end * waiters);
   stats_.line_cycles = clock_.cycles(line_time_ + end * misses_.size());
 }
 
 bool L2Bank::idle() const {
   const bool dirty = store_.dirty_lines() != 0 && flush_in_ != nullptr;
-  return !dirty && !head_.full && !filled_.pending() && misses_.empty() && queued_ == 0 && hits_.empty();
+  return !dirty && !head_.full && !filled_.pending() && misses_.empty() && unsent_.empty() && hits_.empty();
 }
 
 /// One line per cycle leaves: first those of the last fill, then hits.
-inline bool L2Bank::reply(sim::Time now) {
+[[gnu::always_inline]] inline bool L2Bank::reply(sim::Time now) {
   const std::uint16_t core = reply_core(now);
   if (core == kNoCore || !cores_out_[core]->can_push(now)) return false;
-  if (filled_.pending()) {
-    const Waiter& waiter = filled_.first();
-    cores_out_[core]->push(now, {filled_.line, waiter.source, waiter.tag});
-    filled_.next += 1;
-  } else {
-    cores_out_[core]->push(now, hits_.pop(now).response);
-  }
-  latency_ += now;
+  send_reply(*cores_out_[core], now);
   return true;
 }
 
-inline bool L2Bank::take_fill(sim::Time now) {
-  if (filled_.pending() || channels_in_.holding() == 0) return false;
-  const auto has_come = [&](std::uint32_t i) { return channels_in_.can_pop(i, now); };
-  const std::uint32_t channel =
-      channels_turn_.choose(channels_in_.holding(), has_come, [](std::uint32_t) { return sim::Time{0}; });
-  if (channel == channels_turn_.count()) return false;
+void L2Bank::send_reply(sim::Link<MemResponse>& core, sim::Time now) {
+  if (filled_.pending()) {
+    const Waiter& waiter = filled_.first();
+    core.push(now, {filled_.line, waiter.source, waiter.tag});
+    filled_.next += 1;
+  } else {
+    core.push(now, hits_.pop(now).response);
+  }
+  latency_ += now;
+}
+
+/// A line has come. The first who waited for it is answered in the next cycle, whatever else happens.
+void L2Bank::take_fill(sim::Time now) {
+  const std::uint32_t channel = channels_turn_.choose(
+      channels_in_.holding(), [&](std::uint32_t i) { return channels_in_.can_pop(i, now); },
+      [](std::uint32_t) { return sim::Time{0}; });
   channels_turn_.served(channel);
   const Addr line = channels_in_[channel].pop(now).line;
   const Waiters& waiters = misses_.release(line);
@@ -102,20 +124,27 @@ inline bool L2Bank::take_fill(sim::Time now) {
   if (book_ != nullptr) [[unlikely]]
     book_->count(waiters.owner, &TileAccount::l2_fills);
   stats_.fills += 1;
-  return true;
+  if (const sim::Time next = now + clock_.period(); reply(next)) reply_at_ = next;
 }
 
 inline void L2Bank::send_to_memory(sim::Time now) {
-  if (!unsent_.can_pop(now)) return;
+  if (sent_at_ >= now || !unsent_.can_pop(now)) return;
   sim::Link<MemRequest>& channel = channel_of(unsent_.front());
   if (!channel.can_push(now)) return;
   channel.push(now, unsent_.pop(now));
-  queued_ -= 1;
 }
 
+/// If nothing is in its way, the request is sent at once, for when it has been looked up.
 void L2Bank::to_memory(sim::Time now, const MemRequest& request) {
-  unsent_.push(now, request);
-  queued_ += 1;
+  sim::Link<MemRequest>& channel = channel_of(request);
+  const sim::Time at = now + unsent_.latency();
+  if (unsent_.empty() && sent_at_ < at && channel.can_push(at)) {
+    channel.push(at, request);
+    leaves_[leave_++ % leaves_.size()] = sent_at_ = at;
+    sent_ += 1;
+  } else {
+    unsent_.push(now, request);
+  }
   if (request.write)
     stats_.bytes_to_memory += sector_bytes_ * static_cast<std::uint32_t>(std::popcount(request.sectors));
 }
@@ -126,24 +155,24 @@ void L2Bank::write_back(sim::Time now, const L2Store::Victim& victim, Owner owne
   stats_.written_back += 1;
 }
 
+/// Takes a request into the head, if that is empty, and sends the head on its way if it can go.
 inline bool L2Bank::take_request(sim::Time now) {
-  if (head_.full) return look_up(now);
-  const std::uint32_t core = cores_.choose(
-      cores_in_.holding(), [&](std::uint32_t i) { return cores_in_.can_pop(i, now); },
-      [&](std::uint32_t i) { return cores_in_.pop_at(i); });
-  if (core == cores_.count()) return false;
-  cores_.served(core);
-  sim::Link<MemRequest>& in = cores_in_[core];
-  if (!in.front().write) latency_ -= in.pop_at();
-  head_ = {in.pop(now), static_cast<std::uint16_t>(core), true};
-  look_up(now);
-  return true;
-}
-
-/// Sends the head on its way; false if it must stay.
-inline bool L2Bank::look_up(sim::Time now) {
+  const bool held = head_.full;
+  if (held && waits_for_fill()) return false;
+  if (!held) {
+    const std::uint32_t core = cores_.choose(
+        cores_in_.holding(), [&](std::uint32_t i) { return cores_in_.can_pop(i, now); },
+        [&](std::uint32_t i) { return cores_in_.pop_at(i); });
+    if (core == cores_.count()) return false;
+    cores_.served(core);
+    const sim::Time came = cores_in_.pop_at(core);
+    head_.request = cores_in_[core].pop(now);
+    head_.core = static_cast<std::uint16_t>(core);
+    head_.needs_mshr = false;
+    if (!head_.request.write) latency_ -= came;
+  }
   head_.full = !(head_.request.write ? write(now) : read(now));
-  return !head_.full;
+  return !held || !head_.full;
 }
 
 inline bool L2Bank::read(sim::Time now) {
@@ -157,10 +186,15 @@ inline bool L2Bank::read(sim::Time now) {
     stats_.hits += 1;
   } else {
     Waiters* waiters = misses_.find(r.line);
-    if (waiters == nullptr ? misses_.full() || !has_room(2) : waiters->count == targets_) return false;
+    if (waiters == nullptr ? misses_.full() || !has_room(2) : waiters->count == targets_) {
+      head_.needs_mshr = misses_.full();
+      return false;
+    }
     if (waiters == nullptr) {
       waiters = &misses_.allocate(r.line);
       line_time_ -= now;
+      waiters->count = 0;
+      waiters->dirty = 0;
       waiters->owner = r.owner;
       if (found == L2Store::Found::kPart) waiters->dirty = store_.take_out(r.line);
       to_memory(now, MemRequest{r.line, index_, 0, false, kWholeLine, r.owner});
@@ -179,7 +213,7 @@ inline bool L2Bank::read(sim::Time now) {
 
 void L2Bank::show_read(bool hit, Owner owner, sim::Time now) {
   if (watcher_ != nullptr) watcher_->looked_up(hit, now);
-  if (book_ != nullptr) book_->count(owner, hit ? &TileAccount::l2_hits : &TileAccount::l2_misses);
+  if (book_ != nullptr) (hit ? book_->of(owner).l2_hits : book_->of(owner).l2_misses) += 1;
 }
 
 inline L2Bank::CycleReason L2Bank::waiting(sim::Time now) const {
@@ -189,19 +223,20 @@ inline L2Bank::CycleReason L2Bank::waiting(sim::Time now) const {
     const bool to_memory = head_.request.write || (!misses_.full() && !has_room(2));
     return to_memory ? CycleReason::kMemoryFull : CycleReason::kMshrFull;
   }
-  if (!hits_.empty() || (!unsent_.empty() && !unsent_.can_pop(now))) return CycleReason::kLookup;
+  if (!hits_.empty() || sent_at_ > now || (!unsent_.empty() && !unsent_.can_pop(now))) return CycleReason::kLookup;
   if (!misses_.empty()) return CycleReason::kMemory;
-  return queued_ != 0 || (flushing_ && store_.dirty_lines() != 0) ? CycleReason::kMemoryFull : CycleReason::kIdle;
+  return !unsent_.empty() || (flushing_ && store_.dirty_lines() != 0) ? CycleReason::kMemoryFull : CycleReason::kIdle;
 }
 
 inline sim::Time L2Bank::next_wake(sim::Time now) const {
   const sim::Time next = now + clock_.period();
   sim::Time wake = sim::kNever;
-  const auto at = [&](sim::Time time) { wake = std::min(wake, time == sim::kNever ? time : std::max(next, time)); };
+  const auto at = [&](sim::Time time) { wake = std::min(wake, time); };
+  const sim::Time reply_from = reply_at_ == next ? next + clock_.period() : next;
   if (const std::uint16_t core = reply_core(now); core != kNoCore) {
-    at(cores_out_[core]->push_at());
+    at(std::max(reply_from, cores_out_[core]->push_at()));
   } else {
-    at(hits_.pop_at());
+    at(std::max(reply_from, hits_.pop_at()));
   }
   if (!filled_.pending()) at(channels_in_.pop_at());
   if (!head_.full) {
@@ -211,20 +246,17 @@ inline sim::Time L2Bank::next_wake(sim::Time now) const {
   }  // else it waits for a fill or for memory to take something: that tick looks it up again
   if (flush_in_ != nullptr) at(flush_in_->pop_at());
   if (flushing_ && store_.dirty_lines() != 0 && has_room(1)) at(next);
-  if (unsent_.can_pop(now)) {
-    at(channel_of(unsent_.front()).push_at());
-  } else {
-    at(unsent_.pop_at());
-  }
-  return wake;
+  if (sent_ != 0 && (flushing_ || (head_.full && !waits_for_fill()))) at(next);  // room comes with each that leaves
+  at(unsent_.can_pop(now) ? channel_of(unsent_.front()).push_at() : unsent_.pop_at());
+  return std::max(next, wake);
 }
 
 std::string L2Bank::state() const {
   return fmt::format(
       "{} lines under way, head {}, {} hits in the pipe, {} requests to memory to send, {} waiters to answer, "
       "{} dirty lines",
-      misses_.size(), head_.full ? "waits" : "empty", hits_.size(), queued_, filled_.count - filled_.next,
-      store_.dirty_lines());
+      misses_.size(), head_.full ? "waits" : "empty", hits_.size(), unsent_.size() + sent_,
+      filled_.count - filled_.next, store_.dirty_lines());
 }
 
 }  // namespace hw

@@ -144,6 +144,7 @@ class L2Bank {
     MemRequest request;
     std::uint16_t core = 0;
     bool full = false;
+    bool needs_mshr = false;  ///< it found all of them taken
   };
   /// The line being handed to those who waited for it.
   struct Filled {
@@ -154,11 +155,12 @@ class L2Bank {
     const Waiter& first() const { return waiters->list[next]; }
   };
 
+  void settle(sim::Time until);
   bool reply(sim::Time now);
-  bool take_fill(sim::Time now);
+  void send_reply(sim::Link<MemResponse>& core, sim::Time now);
+  void take_fill(sim::Time now);
   void send_to_memory(sim::Time now);
   bool take_request(sim::Time now);
-  bool look_up(sim::Time now);
   bool read(sim::Time now);
   /// Tells who watches of a look-up; apart from read(), which is inlined where nobody does.
   [[gnu::noinline]] void show_read(bool hit, Owner owner, sim::Time now);
@@ -167,8 +169,10 @@ class L2Bank {
   bool flush(sim::Time now);
   void to_memory(sim::Time now, const MemRequest& request);
   void write_back(sim::Time now, const L2Store::Victim& victim, Owner owner = kNoOwner);
+  /// Can nothing but a fill move the head on?
+  bool waits_for_fill() const { return head_.needs_mshr && misses_.full(); }
   /// Is there room towards memory for so many, beside a dirty victim of every miss?
-  bool has_room(std::uint32_t requests) const { return queued_ + misses_.size() + requests <= room_; }
+  bool has_room(std::uint32_t requests) const { return unsent_.size() + sent_ + misses_.size() + requests <= room_; }
   sim::Time tick_ideal(sim::Time now);
   CycleReason waiting(sim::Time now) const;
   sim::Time next_wake(sim::Time now) const;
@@ -201,7 +205,11 @@ class L2Bank {
   sim::Link<Reply> hits_;
   std::uint32_t room_;
   sim::Link<MemRequest> unsent_;
-  std::uint32_t queued_ = 0;  ///< in unsent_
+  std::array<sim::Time, 64> leaves_{};  ///< when the last requests leave that are in their channel's link already
+  std::uint32_t leave_ = 0, sent_ = 0;  ///< index of the next; how many of them have not left
+  sim::Time sent_at_ = 0;               ///< when the last of them leaves
+  sim::Time reply_at_ =
+      sim::kNever;  ///< when the first line of the last fill leaves, if it is in its core's link already
   Head head_;
   Filled filled_;
   Arbiter cores_;

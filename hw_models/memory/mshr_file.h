@@ -28,11 +28,11 @@ class MshrFile {
     return i == size_ ? nullptr : &payloads_[slots_[i]];
   }
 
-  /// Allocates an MSHR for a line that has none yet; its payload starts afresh.
+  /// Allocates an MSHR for a line that has none yet; its payload is as an earlier line left it.
   Payload& allocate(Addr line) {
     assert(!full() && find(line) == nullptr);
     lines_[size_] = line;
-    return payloads_[slots_[size_++]] = Payload{};
+    return payloads_[slots_[size_++]];
   }
 
   /// Calls f(payload) for each line on its way.
