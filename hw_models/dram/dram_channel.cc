@@ -47,7 +47,10 @@ sim::Time DramChannel::tick(sim::Time now) {
   settle(cycle);
   if (refresh_at_ <= cycle) refresh(cycle);
   if (ports_in_.pop_at() <= now) take_request(now, cycle);
-  if (!returns_.empty()) respond(now);
+  while (!returns_.empty() && respond(returns_.front(), now)) {
+    next_is_stale_ |= returns_.size() == most_returns_;
+    returns_.pop_front();
+  }
   if (next_is_stale_ || cycle >= reschedule_at_) reschedule(cycle);
   if (next_.at() <= cycle) {
     assert(next_ == best_command(writing_ ? writes_ : reads_, cycle) &&
@@ -99,19 +102,15 @@ inline bool DramChannel::next_survives(bool write, std::uint32_t bank, bool row_
   return queue.hits(bank) != 0 || (queue.waiting(bank) != 0 && !row_is_open);
 }
 
-/// Lines leave in turn, one a cycle, each when it is due: beforehand if it will then find room. That hides no full
-/// `returns_`: they hold twice the lines that are not due yet.
-void DramChannel::respond(sim::Time now) {
-  while (!returns_.empty()) {
-    const Return& first = returns_.front();
-    sim::Link<MemResponse>& out = *ports_out_[first.port];
-    const sim::Time at = std::max(now, first.due);
-    if (at < return_at_ || !out.can_push(at)) return;
-    out.push(at, first.response);
-    return_at_ = at + clock_.period();
-    next_is_stale_ |= returns_.size() == most_returns_;
-    returns_.pop_front();
-  }
+/// Sends a line when it is due, one a cycle: beforehand if it will then find room. That hides no full `returns_`: they
+/// hold twice the lines that are not due yet.
+bool DramChannel::respond(const Return& line, sim::Time now) {
+  const sim::Time at = std::max(now, line.due);
+  sim::Link<MemResponse>& out = *ports_out_[line.port];
+  if (at < return_at_ || !out.can_push(at)) return false;
+  out.push(at, line.response);
+  return_at_ = at + clock_.period();
+  return true;
 }
 
 inline sim::Time DramChannel::next_wake(sim::Time now) const {
@@ -160,28 +159,21 @@ ScheduledCommand DramChannel::best_command(const DramQueue& queue, Cycle now) co
   }
   const Cycle from = device_.awake(now);
   ScheduledCommand best;
-  const auto consider = [&]<DramCommand command>(std::uint32_t of, std::uint32_t rank) {
-    if (of == 0) return;
-    const Cycle lead = device_.lead(command), rank_ready = device_.rank_ready(command, rank, writing_, from);
-    const auto bound = [&](Cycle ready) {
-      return ScheduledCommand(std::max(from + lead, ready) - lead, command, 0, 0);
-    };
-    if (best < bound(rank_ready)) return;  // none can come before it
-    for (std::uint32_t left = of; left != 0; left &= left - 1) {
-      const auto bank = static_cast<std::uint32_t>(std::countr_zero(left));
-      const Cycle ready = device_.ready(command, bank, writing_, rank_ready);
-      if (best < bound(ready)) continue;
-      const std::uint64_t positions = command == DramCommand::kColumn ? queue.hits(bank) : queue.waiting(bank);
-      const auto position = static_cast<std::uint32_t>(std::countr_zero(positions));
-      const ScheduledCommand next(device_.earliest(command, bank, ready, from), command, position, bank);
-      if (next < best) best = next;
-    }
+  const auto consider = [&](DramCommand command, std::uint32_t bank, std::uint64_t positions) {
+    const Cycle ready = device_.ready(command, bank, writing_, from), lead = device_.lead(command);
+    if (best < ScheduledCommand(std::max(from + lead, ready) - lead, command, 0, 0))
+      return;  // it cannot come before it
+    const auto position = static_cast<std::uint32_t>(std::countr_zero(positions));
+    const ScheduledCommand next(device_.earliest(command, bank, ready, from), command, position, bank);
+    if (next < best) best = next;
   };
-  for (std::uint32_t rank = 0; rank < ranks_; ++rank) {
-    const std::uint32_t here = banks & device_.banks_of(rank), others = here & ~columns;
-    consider.template operator()<DramCommand::kColumn>(here & columns, rank);
-    consider.template operator()<DramCommand::kActivate>(others & ~device_.open_mask(), rank);
-    consider.template operator()<DramCommand::kPrecharge>(others & device_.open_mask(), rank);
+  for (std::uint32_t left = banks & columns; left != 0; left &= left - 1) {
+    const auto bank = static_cast<std::uint32_t>(std::countr_zero(left));
+    consider(DramCommand::kColumn, bank, queue.hits(bank));
+  }
+  for (std::uint32_t left = banks & ~columns; left != 0; left &= left - 1) {
+    const auto bank = static_cast<std::uint32_t>(std::countr_zero(left));
+    consider(device_.is_open(bank) ? DramCommand::kPrecharge : DramCommand::kActivate, bank, queue.waiting(bank));
   }
   return best;
 }
@@ -239,8 +231,8 @@ inline void DramChannel::transfer(const DramQueue::Entry& entry, sim::Time now, 
     stats_.writes += 1;
     stats_.write_bursts += bursts_;
   } else {
-    returns_.push_back({{r.line, r.source, r.tag}, entry.port, (end + fabric_) * clock_.period()});
-    respond(now);
+    const Return line{{r.line, r.source, r.tag}, entry.port, (end + fabric_) * clock_.period()};
+    if (!returns_.empty() || !respond(line, now)) returns_.push_back(line);
     stats_.reads += 1;
     stats_.read_bursts += bursts_;
     stats_.read_latency += end - entry.arrived;

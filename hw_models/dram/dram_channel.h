@@ -123,7 +123,7 @@ class DramChannel {
   void count_power_down(Cycle until);
   void wake(Cycle now);
   void take_request(sim::Time now, Cycle cycle);
-  void respond(sim::Time now);
+  bool respond(const Return& line, sim::Time now);
   sim::Time next_wake(sim::Time now) const;
   sim::Time tick_ideal(sim::Time now);
 

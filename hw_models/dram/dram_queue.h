@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cassert>
@@ -59,7 +60,7 @@ class DramQueue {
     assert(position < size_);
     const std::uint8_t slot = order_[position];
     const std::uint32_t bank = entries_[slot].address.bank;
-    for (std::uint32_t i = position; i + 1 < size_; ++i) order_[i] = order_[i + 1];
+    std::copy(order_.data() + position + 1, order_.data() + size_, order_.data() + position);
     size_ -= 1;
     order_[size_] = slot;
     for (std::uint32_t left = banks_; left != 0; left &= left - 1) {
