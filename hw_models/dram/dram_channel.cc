@@ -159,21 +159,28 @@ ScheduledCommand DramChannel::best_command(const DramQueue& queue, Cycle now) co
   }
   const Cycle from = device_.awake(now);
   ScheduledCommand best;
-  const auto consider = [&](DramCommand command, std::uint32_t bank, std::uint64_t positions) {
-    const Cycle ready = device_.ready(command, bank, writing_, from), lead = device_.lead(command);
-    if (best < ScheduledCommand(std::max(from + lead, ready) - lead, command, 0, 0))
-      return;  // it cannot come before it
-    const auto position = static_cast<std::uint32_t>(std::countr_zero(positions));
-    const ScheduledCommand next(device_.earliest(command, bank, ready, from), command, position, bank);
-    if (next < best) best = next;
+  const auto consider = [&]<DramCommand command>(std::uint32_t of, std::uint32_t rank) {
+    if (of == 0) return;
+    const Cycle lead = device_.lead(command), rank_ready = device_.rank_ready(command, rank, writing_, from);
+    const auto bound = [&](Cycle ready) {
+      return ScheduledCommand(std::max(from + lead, ready) - lead, command, 0, 0);
+    };
+    if (best < bound(rank_ready)) return;  // none can come before it
+    for (std::uint32_t left = of; left != 0; left &= left - 1) {
+      const auto bank = static_cast<std::uint32_t>(std::countr_zero(left));
+      const Cycle ready = device_.ready(command, bank, writing_, rank_ready);
+      if (best < bound(ready)) continue;
+      const std::uint64_t positions = command == DramCommand::kColumn ? queue.hits(bank) : queue.waiting(bank);
+      const auto position = static_cast<std::uint32_t>(std::countr_zero(positions));
+      const ScheduledCommand next(device_.earliest(command, bank, ready, from), command, position, bank);
+      if (next < best) best = next;
+    }
   };
-  for (std::uint32_t left = banks & columns; left != 0; left &= left - 1) {
-    const auto bank = static_cast<std::uint32_t>(std::countr_zero(left));
-    consider(DramCommand::kColumn, bank, queue.hits(bank));
-  }
-  for (std::uint32_t left = banks & ~columns; left != 0; left &= left - 1) {
-    const auto bank = static_cast<std::uint32_t>(std::countr_zero(left));
-    consider(device_.is_open(bank) ? DramCommand::kPrecharge : DramCommand::kActivate, bank, queue.waiting(bank));
+  for (std::uint32_t rank = 0; rank < ranks_; ++rank) {
+    const std::uint32_t here = banks & device_.banks_of(rank), others = here & ~columns;
+    consider.template operator()<DramCommand::kColumn>(here & columns, rank);
+    consider.template operator()<DramCommand::kActivate>(others & ~device_.open_mask(), rank);
+    consider.template operator()<DramCommand::kPrecharge>(others & device_.open_mask(), rank);
   }
   return best;
 }

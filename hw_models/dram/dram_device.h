@@ -58,15 +58,21 @@ class DramDevice {
   bool is_open(std::uint32_t bank) const { return ((open_ >> bank) & 1) != 0; }
   bool is_open(std::uint32_t bank, std::uint32_t row) const { return is_open(bank) && rows_[bank] == row; }
 
+  /// Banks with an open row, as a mask.
+  std::uint32_t open_mask() const { return open_; }
+
   /// The first cycle, `now` or later, at which the device is not in power-down.
   Cycle awake(Cycle now) const { return std::max(now, awake_at_); }
-  /// The first cycle, `from` or later, at which bank, group and rank allow the command, as far as the buses are free.
-  Cycle ready(DramCommand command, std::uint32_t bank, bool write, Cycle from) const {
-    const Rank& rank = rank_[rank_of(bank)];
-    const Cycle ready = std::max(from, at(command, bank));
-    if (command == DramCommand::kActivate) return rank.next_activate(ready, t_);
-    if (command == DramCommand::kPrecharge) return ready;
-    return std::max({ready, rank.column_at[write], group_at_[write ? kWriteTrain : kReadTrain][group_of(bank)]});
+  /// The first cycle, `from` or later, at which the rank allows the command in any of its banks.
+  Cycle rank_ready(DramCommand command, std::uint32_t rank, bool write, Cycle from) const {
+    if (command == DramCommand::kActivate) return rank_[rank].next_activate(from, t_);
+    return command == DramCommand::kColumn ? std::max(from, rank_[rank].column_at[write]) : from;
+  }
+  /// The first cycle at which the command may run in the bank, as far as the buses are free for it.
+  Cycle ready(DramCommand command, std::uint32_t bank, bool write, Cycle rank_ready) const {
+    const Cycle ready = std::max(rank_ready, at(command, bank));
+    if (command != DramCommand::kColumn) return ready;
+    return std::max(ready, group_at_[write ? kWriteTrain : kReadTrain][group_of(bank)]);
   }
   /// The first cycle, `ready` or later, at which the buses are free for the command; while WCK stands still and it is a
   /// read or write, that of the CAS before it, `from` or later.
@@ -78,9 +84,8 @@ class DramDevice {
       return calendar_.first_free_with_sync(std::max(from + t_.wck_sync, column) - t_.wck_sync);
     }
     if (command != DramCommand::kActivate || t_.pbr2act == 0) return free;
-    for (Cycle allowed = ready; allowed != free;) {
-      allowed = rank.next_activate(free, t_);
-      if (allowed != free) free = calendar_.first_free(command, allowed);
+    for (Cycle allowed = rank.next_activate(free, t_); allowed != free; allowed = rank.next_activate(free, t_)) {
+      free = calendar_.first_free(command, allowed);
     }
     return free;
   }
@@ -90,7 +95,7 @@ class DramDevice {
   bool begins_with_cas(std::uint32_t bank, bool write, Cycle at) const {
     const Rank& rank = rank_[rank_of(bank)];
     if (t_.wck_sync == 0) return false;
-    return at > rank.synchronised_until || at < ready(DramCommand::kColumn, bank, write, 0);
+    return at > rank.synchronised_until || at < ready(DramCommand::kColumn, bank, write, rank.column_at[write]);
   }
   /// Reason why the command cannot run one cycle before `at`, its earliest cycle; it holds for every cycle until then.
   DramCycleReason reason(DramCommand command, std::uint32_t bank, bool write, Cycle at) const;

@@ -120,15 +120,15 @@ inline void CorePort::carry(std::uint32_t target, sim::Time now) {
 [[gnu::always_inline]] inline sim::Time CorePort::look_ahead(sim::Time now) {
   sim::Time wake = sim::kNever;
   waiting_ = CycleReason::kIdle;
-  // A message that is not visible yet must not be looked at: wake up for it and decide then.
+  // A message that is not visible yet must not be looked at: wake up when it could go and decide then.
   const auto consider = [&](const auto& all, sim::Time free_at, auto&& out_of, CycleReason full) {
     for (std::uint64_t left = all.holding(); left != 0; left &= left - 1) {
       const auto i = static_cast<std::size_t>(std::countr_zero(left));
-      sim::Time at = all.pop_at(i);
-      if (at <= now) {
+      sim::Time at = std::max(all.pop_at(i), free_at);
+      if (all.pop_at(i) <= now) {
         const sim::Time room_at = out_of(all[i].front()).push_at();
         if (room_at > now) waiting_ = full;
-        at = std::max(free_at, room_at);
+        at = std::max(at, room_at);
       }
       wake = std::min(wake, at);
     }

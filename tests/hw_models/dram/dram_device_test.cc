@@ -15,7 +15,7 @@ using Cycle = DramDevice::Cycle;
 using enum DramCommand;
 
 Cycle earliest(const DramDevice& d, DramCommand command, std::uint32_t bank, bool write, Cycle now) {
-  return d.earliest(command, bank, d.ready(command, bank, write, d.awake(now)), now);
+  return d.earliest(command, bank, d.ready(command, bank, write, d.rank_ready(command, 0, write, d.awake(now))), now);
 }
 
 DramConfig with_groups() {

@@ -17,7 +17,8 @@ using enum DramCommand;
 DramConfig lpddr5() { return sim::load_config<DramConfig>("configs/dram/lpddr5-6400.yaml"); }
 
 Cycle earliest(const DramDevice& d, DramCommand command, std::uint32_t bank, Cycle now) {
-  return d.earliest(command, bank, d.ready(command, bank, false, d.awake(now)), now);
+  const Cycle ready = d.rank_ready(command, 0, false, d.awake(now));
+  return d.earliest(command, bank, d.ready(command, bank, false, ready), now);
 }
 
 TEST(Lpddr5, ACommandFitsBetweenAct1AndAct2) {
