@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cassert>
 #include <cstddef>
@@ -57,19 +58,22 @@ class Activity {
   /// The cycle at `now` went to `now_why`; every cycle until the next call goes to `then_why`.
   void spend(Time now, Time period, CycleReason now_why, CycleReason then_why) {
     assert(now >= accounted_);
-    if (now != accounted_) spent_[index(then_)] += now - accounted_;
-    spent_[index(now_why)] += period;
     accounted_ = now + period;
+    if (now_why == then_ && then_why == then_) return;  // as before: charged when it ends
+    spent_[index(then_)] += now - since_;
+    spent_[index(now_why)] += period;
+    since_ = accounted_;
     then_ = then_why;
   }
 
-  /// Charges the rest up to `end`, an edge of the unit's clock.
+  /// Charges all up to `end`, an edge of the unit's clock, unless it has come further.
   void finish(Time end) {
-    if (end <= accounted_) return;
-    spent_[index(then_)] += end - accounted_;
-    accounted_ = end;
+    accounted_ = std::max(accounted_, end);
+    spent_[index(then_)] += accounted_ - since_;
+    since_ = accounted_;
   }
 
+  /// As of the last finish().
   Time spent(CycleReason why) const { return spent_[index(why)]; }
   Time accounted() const { return accounted_; }
 
@@ -78,6 +82,7 @@ class Activity {
 
   std::array<Time, kReasons> spent_{};
   Time accounted_ = 0;
+  Time since_ = 0;  ///< all up to it is in `spent_`; from it on all is `then_`
   CycleReason then_{};
 };
 

@@ -81,6 +81,31 @@ class Watchdog {
   std::uint64_t retired_ = 0;
 };
 
+/// Runs an outer partition by itself and returns its next wake-up: up to `end`, or, while it cannot be sure of room in
+/// a link that leads inward, up to `now`. At `now` the inner partition has done all that comes before. A cluster goes
+/// on alone while no other unit of the partition has something to do.
+template <class TickAt>
+Time run_partition(Wakes& wakes, const Partition& partition, Time now, Time end, TickAt&& tick_at) {
+  const Cluster& cluster = partition.cluster;
+  const auto clustered_wake = [&] { return cluster.run == nullptr ? kNever : wakes.earliest(cluster.units); };
+  Time others = wakes.earliest(partition.units), clustered = clustered_wake();
+  for (;;) {
+    const Time at = std::min(others, clustered);
+    const Time until = partition.nearly_full == 0 ? end : std::min(end, now + 1);
+    if (at >= until) return at;
+    if (others == at) {
+      others = wakes.tick_due(partition.units, at, tick_at(at));
+      clustered = clustered_wake();
+    }
+    if (clustered == at) {
+      cluster.run(cluster.owner, {wakes.times(cluster.units), at, partition.nearly_full == 0 ? end : at + 1,
+                                  wakes.earliest_of_each(partition.units)});
+      clustered = wakes.look_again(cluster.units);
+      others = wakes.earliest(partition.units);
+    }
+  }
+}
+
 /// Runs the partitions of a machine, whose next wake-up is at `now`, by themselves as far as they may, and returns when
 /// they are to be run together again: the time of what comes next, or kNever. None goes beyond the edge of an interval
 /// before all have come to it.
@@ -88,7 +113,6 @@ template <class Owner, class TickAt>
 Time run_partitions(Owner& owner, Time now, Watchdog<Owner>& watchdog, TickAt&& tick_at) {
   Wakes& wakes = owner.machine().wakes();
   Partitions& partitions = owner.machine().partitions();
-  const auto next_of = [&](const Partition& partition) { return wakes.earliest(partition.units); };
   const std::size_t count = partitions.outer.size();
   // There and back: what has been run last is still at the host's hand.
   for (bool back = false;; back = !back, now = wakes.earliest()) {
@@ -99,14 +123,9 @@ Time run_partitions(Owner& owner, Time now, Watchdog<Owner>& watchdog, TickAt&& 
     Time reached = lookahead_end;  // by all outer partitions
     for (std::size_t i = 0; i < count; ++i) {
       const Partition& partition = partitions.outer[back ? count - 1 - i : i];
-      Time at = next_of(partition);
-      // At `now` the inner partition has done all that comes before.
-      while (at < lookahead_end && (partition.nearly_full == 0 || at <= now)) {
-        at = wakes.tick_due(partition.units, at, tick_at(at));
-      }
-      reached = std::min(reached, at);
+      reached = std::min(reached, run_partition(wakes, partition, now, lookahead_end, tick_at));
     }
-    for (Time at = next_of(partitions.inner); at < reached;)
+    for (Time at = wakes.earliest(partitions.inner.units); at < reached;)
       at = wakes.tick_due(partitions.inner.units, at, tick_at(at));
   }
 }

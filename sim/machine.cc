@@ -23,6 +23,19 @@ void Machine::expect_to_be_built(UnitId id) const {
          declared_[id.index].name + " is built once");
 }
 
+void Machine::expect_to_be_a_cluster(const std::vector<UnitId>& units) const {
+  expect(!started() && !units.empty(), "a cluster has units, and is named before the start");
+  const Declaration& first = declared_[units.front().index];
+  const auto alike = [&](UnitId unit) {
+    return unit.clock == first.clock && declared_[unit.index].partition == first.partition;
+  };
+  expect(first.partition != 0 && std::ranges::all_of(units, alike), "a cluster has one outer partition and one clock");
+  const auto elsewhere = [&](const ClusteredUnits& other) {
+    return declared_[other.units.front().index].partition != first.partition;
+  };
+  expect(std::ranges::all_of(clusters_, elsewhere), "a partition has one cluster at most");
+}
+
 bool Machine::quiet() const {
   return std::ranges::all_of(units_, [](const auto& unit) { return unit->idle(); }) &&
          std::ranges::all_of(wires_, [](const auto& wire) { return wire->empty(); });
@@ -89,28 +102,45 @@ void Machine::start() {
   connect_links();
 }
 
-/// Each partition has whole groups of wake-up times, the inner one the last.
+/// Each partition has whole groups of wake-up times, its cluster groups of its own; the inner one the last.
 void Machine::place_units() {
   std::size_t partitions = 1;
   for (const Declaration& declared : declared_) partitions = std::max(partitions, declared.partition + 1);
   partitions_.outer.resize(partitions - 1);
   slots_.resize(declared_.size());
-  std::size_t slot = 0;
-  for (std::size_t i = 1; i <= partitions; ++i) {
-    const std::size_t number = i % partitions, first = slot;
-    for (std::size_t unit = 0; unit < declared_.size(); ++unit) {
-      if (declared_[unit].partition == number) slots_[unit] = slot++;
-    }
-    slot = Wakes::whole_groups(slot);
-    (number == 0 ? partitions_.inner : partitions_.outer[number - 1]).units = {first / Wakes::kGroup,
-                                                                               slot / Wakes::kGroup};
+  std::vector<std::vector<std::size_t>> members(partitions), clustered(partitions);
+  for (const ClusteredUnits& cluster : clusters_) {
+    const std::size_t number = declared_[cluster.units.front().index].partition;
+    for (const UnitId unit : cluster.units) clustered[number].push_back(unit.index);
+    Cluster& of = partitions_.outer[number - 1].cluster;
+    of.owner = cluster.owner;
+    of.run = cluster.run;
   }
+  for (std::size_t unit = 0; unit < declared_.size(); ++unit) {
+    const std::size_t number = declared_[unit].partition;
+    if (std::ranges::find(clustered[number], unit) == clustered[number].end()) members[number].push_back(unit);
+  }
+  std::size_t slot = 0;
+  for (std::size_t number = 1; number < partitions; ++number) {
+    Partition& outer = partitions_.outer[number - 1];
+    outer.units = place(members[number], slot);
+    outer.cluster.units = place(clustered[number], slot);
+  }
+  partitions_.inner.units = place(members[0], slot);
   wakes_.reset(slot, kNever);
   ticked_.resize(slot);
   for (const auto& unit : units_) {
     ticked_[slots_[unit->declared]] = unit->ticked;
     wakes_.lower(slots_[unit->declared], 0);
   }
+}
+
+/// Gives the units wake-up times side by side, from `slot` on, in whole groups.
+Wakes::Groups Machine::place(std::span<const std::size_t> units, std::size_t& slot) {
+  const std::size_t first = slot / Wakes::kGroup;
+  for (const std::size_t unit : units) slots_[unit] = slot++;
+  slot = Wakes::whole_groups(slot);
+  return {first, slot / Wakes::kGroup};
 }
 
 void Machine::connect_links() {

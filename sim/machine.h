@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -96,6 +97,14 @@ class Machine {
     units_.push_back(std::move(built));
     return unit;
   }
+  /// Has these units, of one outer partition and one clock, run by their owner where partitions run by themselves, by
+  /// owner.run(ClusterTurn). A partition has one cluster at most.
+  template <class Owner>
+  void cluster(std::vector<UnitId> units, Owner& owner) {
+    expect_to_be_a_cluster(units);
+    clusters_.push_back(
+        {std::move(units), &owner, [](void* of, const ClusterTurn& turn) { static_cast<Owner*>(of)->run(turn); }});
+  }
   /// Has a part of the unit built last reported as if it were one itself.
   template <class Part>
   void report_part(std::string name, const Part& part, std::uint64_t sram_bytes) {
@@ -110,8 +119,8 @@ class Machine {
   bool quiet() const;
   /// Charges every unit's time up to the end, rounded up to its clock. Call once, when the run is over.
   void finish(Time end);
-  /// Charges time and counters of every unit up to `end`, rounded up to its clock, unless it has come further by itself.
-  /// It may go on from there.
+  /// Charges time and counters of every unit up to `end`, rounded up to its clock, unless it has come further by
+  /// itself. It may go on from there.
   void bring_up_to(Time end);
   /// A line for each unit that has a state.
   std::string state() const;
@@ -154,6 +163,11 @@ class Machine {
     return {&unit, [](const void* of, std::uint64_t* out) { return write_values(*static_cast<const U*>(of), out); }};
   }
 
+  struct ClusteredUnits {
+    std::vector<UnitId> units;
+    void* owner;
+    void (*run)(void*, const ClusterTurn&);
+  };
   struct AnyUnit {
     virtual ~AnyUnit() = default;
     virtual bool idle() const = 0;
@@ -208,8 +222,10 @@ class Machine {
   /// Throws std::logic_error unless the rule is kept.
   static void expect(bool kept, std::string_view rule);
   void expect_to_be_built(UnitId id) const;
+  void expect_to_be_a_cluster(const std::vector<UnitId>& units) const;
   bool started() const { return wakes_.size() != 0; }
   void place_units();
+  Wakes::Groups place(std::span<const std::size_t> units, std::size_t& slot);
   void connect_links();
   void write_row(std::uint64_t* row) const;
 
@@ -217,6 +233,7 @@ class Machine {
   std::vector<Declaration> declared_;
   std::vector<std::unique_ptr<AnyWire>> wires_;
   std::vector<std::unique_ptr<AnyUnit>> units_;
+  std::vector<ClusteredUnits> clusters_;
   std::vector<std::function<UnitReport()>> reports_;
   std::vector<Values> values_;  ///< likewise
   Intervals* intervals_ = nullptr;

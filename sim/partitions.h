@@ -1,10 +1,37 @@
 #pragma once
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "sim/wakes.h"
 
 namespace sim {
+
+/// How far a cluster goes in one go.
+struct ClusterTurn {
+  Time* wakes;                   ///< wake-up times of its units
+  Time now;                      ///< the earliest of them
+  Time until;                    ///< what is due here or later is left
+  std::span<const Time> others;  ///< earliest wake-up times of the partition's other units, by groups
+
+  /// What is due at `at` is still to be done: it lies before `until`, and no other unit has something to do before.
+  bool reaches(Time at) const {
+    if (at >= until) return false;
+    for (const Time& other : others) {
+      if (other < at) return false;
+    }
+    return true;
+  }
+};
+
+/// Units of one partition and one clock that their owner ticks himself, cycle after cycle: calls that the compiler
+/// knows, and no look at all others between two cycles. It changes no result, as what other units do at a time is not
+/// seen before the time after.
+struct Cluster {
+  Wakes::Groups units;  ///< in groups of their own, in the order in which they were named
+  void* owner = nullptr;
+  void (*run)(void* owner, const ClusterTurn& turn) = nullptr;
+};
 
 /// A partition: units whose links to other partitions all have a latency. An event at t can affect another partition
 /// only after that latency, so each runs by itself up to that lookahead, and the host keeps its state at hand.
@@ -15,8 +42,9 @@ namespace sim {
 /// outer partition cannot be sure of room in a link that leads inward, since the inner one may have popped meanwhile,
 /// it waits for the inner one to come up to its own time. All this changes no result.
 struct Partition {
-  Wakes::Groups units;            ///< their wake-up times, in groups of their own
+  Wakes::Groups units;            ///< their wake-up times, in groups of their own; without the cluster's
   std::uint32_t nearly_full = 0;  ///< links that lead inward with room for one item at most
+  Cluster cluster;
 };
 
 /// The partitions of a machine.

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <span>
 #include <vector>
 
 #include "sim/time.h"
@@ -70,6 +71,15 @@ class Wakes {
     Time first = kNever;
     for (std::size_t g = of.first; g < of.end; ++g) first = std::min(first, one(earliest_[g]));
     return first;
+  }
+
+  /// The times of all units of those groups, and the earliest of each.
+  Time* times(Groups of) { return groups_[of.first].data(); }
+  std::span<const Time> earliest_of_each(Groups of) const { return {&earliest_[of.first], of.end - of.first}; }
+  /// Times of those groups have been written: looks for the earliest anew, and returns it.
+  Time look_again(Groups of) {
+    for (std::size_t g = of.first; g < of.end; ++g) earliest_[g] = least(groups_[g].data());
+    return earliest(of);
   }
 
   /// Calls tick(unit), which returns a unit's own next wake-up time, for all units that wake at `now`, the earliest

@@ -144,6 +144,7 @@ void Gpu::build_core(std::uint32_t c, const Workload& workload) {
   machine_.report_part(name_in_core(TileBuffer::kName, c), core.srp->tile_buffer(), config_.tile_buffer.size.bytes);
   core.tni.build(machine_, scene_in_memory(workload.image, workload.parents), direct.interval,
                  {wires.rays_to_tni, wires.hits_from_tni, tni});
+  machine_.cluster(core.tni.units(), core.tni);
   core.dma = &machine_.build<Dma>(
       dma, Dma::Links{dma_jobs, dma_dones, transfers.requests, transfers.responses, workload.watchers.cores, c},
       transfers.client, srp_clock_);
@@ -165,13 +166,21 @@ void Gpu::build_core(std::uint32_t c, const Workload& workload) {
 }
 
 sim::Time Gpu::lookahead_end(sim::Time now) const {
-  // At the end every time at which the machine may be done counts. An ideal port does not stop at a nearly full link.
-  if (!dispatcher_->has_more() || config_.ideal.interconnect) return now;
+  // What is left when all tiles have come back may end at any time. An ideal port does not stop at a nearly full link.
+  if (stopped_ || dispatcher_->done() || config_.ideal.interconnect) return now;
   const Core& core = cores_.front();
   const sim::Time next_tile = machine_.wake_time(dispatcher_id_) + core.tiles_in.latency();
   const bool dma_reads = std::ranges::any_of(cores_, [](const Core& c) { return c.dma->awaits_lines(); });
   const sim::Time lookahead = std::min(machine_.lookahead(), core.tiles_in.latency() + core.tiles_out.latency());
-  return std::min(now + (dma_reads ? std::min(lookahead, memory_.dma_latency()) : lookahead), next_tile);
+  const sim::Time end = std::min(now + (dma_reads ? std::min(lookahead, memory_.dma_latency()) : lookahead), next_tile);
+  return dispatcher_->has_more() ? end : std::min(end, last_tile_may_end(now));
+}
+
+/// With no tile left to hand out, the machine may be done when the dispatcher hears of the end of one.
+sim::Time Gpu::last_tile_may_end(sim::Time now) const {
+  sim::Time at = now + cores_.front().tiles_out.latency();
+  for (const Core& core : cores_) at = std::min(at, core.tiles_out.pop_at());
+  return at;
 }
 
 void Gpu::finish(sim::Time last_edge) {

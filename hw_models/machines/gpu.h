@@ -110,6 +110,7 @@ class Gpu {
   RasterWires link_rasteriser(const Core& core, std::uint32_t number);
   void build_core(std::uint32_t core, const Workload& workload);
   Srp::Frame frame_of(const Workload& workload, std::uint32_t core) const;
+  sim::Time last_tile_may_end(sim::Time now) const;
 
   const GpuConfig config_;
   const traces::Layout& layout_;

@@ -36,7 +36,7 @@ class CacheTags {
   /// `clock` is the time of the last use so far, for tests.
   explicit CacheTags(const CacheConfig& config, std::uint32_t banks = 1, std::uint32_t clock = 0)
       : line_shift_(static_cast<std::uint32_t>(std::countr_zero(config.line.bytes))),
-        bank_shift_(static_cast<std::uint32_t>(std::countr_zero(banks))),
+        set_shift_(line_shift_ + static_cast<std::uint32_t>(std::countr_zero(banks))),
         ways_(config.ways),
         stride_((config.ways + kLanes - 1) / kLanes * kLanes),
         words_(2 * stride_),
@@ -103,9 +103,7 @@ class CacheTags {
 
   /// The number of the line, which names it whatever its set: addresses end far below 2^32 lines.
   std::uint32_t tag_of(Addr line) const { return static_cast<std::uint32_t>(line >> line_shift_); }
-  std::size_t set_of(Addr line) const {
-    return static_cast<std::size_t>((line >> (line_shift_ + bank_shift_)) & set_mask_);
-  }
+  std::size_t set_of(Addr line) const { return static_cast<std::size_t>((line >> set_shift_) & set_mask_); }
   std::size_t slot_of(std::size_t set, std::uint32_t way) const { return set * stride_ + way; }
   std::uint32_t* tags(std::size_t set) { return &sets_[set * words_]; }
   const std::uint32_t* tags(std::size_t set) const { return &sets_[set * words_]; }
@@ -165,7 +163,7 @@ class CacheTags {
   }
 
   std::uint32_t line_shift_;
-  std::uint32_t bank_shift_;
+  std::uint32_t set_shift_;
   std::uint32_t ways_, stride_;  ///< ways of a set, and the same rounded up: four are compared at once
   std::size_t words_;            ///< words of a set in `sets_`
   Replacement replacement_;

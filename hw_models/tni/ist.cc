@@ -18,6 +18,7 @@ Ist::Ist(const IstConfig& config, const TniMode& mode, const TrianglesInMemory& 
       clock_(clock),
       triangles_(triangles),
       ideal_(mode.ideal),
+      reorders_(mode.handling == MissHandling::kReorder && !mode.ideal_l1),
       leaves_out_(std::move(links.leaves_out)),
       leaves_in_(std::move(links.leaves_in)),
       memory_out_(links.memory_out),
@@ -69,7 +70,8 @@ Ist::CycleReason Ist::issue_one() {
   const Addr begin = triangles_.base + Addr{slot.job.first + slot.tested} * triangles_.bytes;
   const Addr last_line = line_of(begin + triangles_.bytes - 1);
   const Addr line = slot.second_line ? last_line : line_of(begin);
-  const FetchStage::Wait wait = fetch_.read(index, line, pipe_.cycle());
+  const FetchStage::Wait wait =
+      reorders_ ? fetch_.read_reordered(index, line, pipe_.cycle()) : fetch_.read(index, line, pipe_.cycle());
   if (wait == FetchStage::Wait::kNothing) {
     read(slot, index, line == last_line);
     return CycleReason::kTesting;
@@ -129,8 +131,7 @@ inline Ist::CycleReason Ist::waiting() const {
   return FetchStage::reason(fetch_.waits_for(), CycleReason::kPipe);
 }
 
-inline sim::Time Ist::next_wake(sim::Time now) const {
-  const sim::Time next = clock_.after(now, 1);
+inline sim::Time Ist::next_wake(sim::Time next) const {
   if ((fetch_.able() | answering_) != 0) return next;
   sim::Time at = pipe_.next();
   if (free_ != 0) at = std::min(at, std::max(next, leaves_in_.pop_at()));
@@ -138,12 +139,13 @@ inline sim::Time Ist::next_wake(sim::Time now) const {
   return std::min(at, fetch_.send_at(next, memory_out_));
 }
 
-sim::Time Ist::tick(sim::Time now) {
+sim::Time Ist::tick(const Cycle& cycle) {
+  const sim::Time now = cycle.now;
   const auto as_often_as_may_be = [&](auto&& step) {
     while (step() && ideal_) {
     }
   };
-  pipe_.advance(now);
+  pipe_.advance(cycle);
   if (pipe_.due()) {
     const TimingWheel<kPipes>::Masks out = pipe_.take();
     answering_ |= out[kToAnswer];
@@ -155,8 +157,8 @@ sim::Time Ist::tick(sim::Time now) {
   const CycleReason tested = tried ? issue() : CycleReason::kStarved;
   if (answering_ != 0) as_often_as_may_be([&] { return answer(now); });
   fetch_.send(now, memory_out_);
-  const sim::Time wake = next_wake(now);
-  const CycleReason then = tried && wake == clock_.after(now, 1) ? tested : waiting();
+  const sim::Time wake = next_wake(cycle.next);
+  const CycleReason then = tried && wake == cycle.next ? tested : waiting();
   activity_.spend(now, clock_.period(), tried ? tested : then, then);
   return wake;
 }

@@ -75,7 +75,8 @@ class Ist {
   Ist(const Ist&) = delete;
   Ist& operator=(const Ist&) = delete;
 
-  sim::Time tick(sim::Time now);
+  sim::Time tick(sim::Time now) { return tick(Cycle(now, clock_)); }
+  sim::Time tick(const Cycle& cycle);
   const sim::Clock& clock() const { return clock_; }
   const Stats& stats() const { return stats_; }
   std::uint64_t retired() const { return stats_.tests + stats_.leaves_out; }
@@ -103,12 +104,13 @@ class Ist {
   void read(Slot& slot, std::uint32_t index, bool last_line);
   bool answer(sim::Time now);
   CycleReason waiting() const;
-  sim::Time next_wake(sim::Time now) const;
+  sim::Time next_wake(sim::Time next) const;
 
   const IstConfig config_;
   const sim::Clock clock_;
   const TrianglesInMemory triangles_;
   const bool ideal_;                 ///< any number of operations a cycle
+  const bool reorders_;              ///< misses are reordered, and there are some
   sim::Time line_at_ = sim::kNever;  ///< when the next line may be taken
   const std::vector<sim::Link<LeafDone>*> leaves_out_;
   const sim::Inputs<LeafJob> leaves_in_;

@@ -9,6 +9,20 @@
 
 namespace hw {
 
+/// A cycle of a clock: its edge, the next one, and its number.
+struct Cycle {
+  sim::Time now, next;
+  std::uint64_t number;
+
+  Cycle(sim::Time at, const sim::Clock& clock) : now(at), next(clock.after(at, 1)), number(clock.cycles(at)) {}
+  /// To a later edge.
+  void go_to(sim::Time at, const sim::Clock& clock) {
+    number += at == next ? 1 : clock.cycles(at - now);
+    now = at;
+    next = clock.after(at, 1);
+  }
+};
+
 /// Timing wheel (Varghese and Lauck 1987) for the fixed-latency pipelines of one unit: a bit mask of slots for each
 /// pipe and cycle. A unit that holds up to 64 slots needs no queue per pipe.
 template <std::size_t kPipes>
@@ -22,11 +36,10 @@ class TimingWheel {
     assert(last_ < kMostSpan);
   }
 
-  /// Moves to `now` (an edge). At most one non-empty cycle lies between two calls: next() says when.
-  void advance(sim::Time now) {
-    const sim::Time gap = now - now_;
-    cycle_ += gap == clock_.period() ? 1 : clock_.cycles(gap);
-    now_ = now;
+  /// Moves to a cycle. At most one non-empty one lies between two calls: next() says when.
+  void advance(const Cycle& to) {
+    cycle_ = to.number;
+    now_ = to.now;
   }
   /// True if a slot comes out at the present cycle.
   bool due() const { return ((occupied_ >> (cycle_ & last_)) & 1U) != 0; }

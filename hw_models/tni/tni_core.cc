@@ -1,5 +1,7 @@
 #include "hw_models/tni/tni_core.h"
 
+#include <algorithm>
+
 namespace hw {
 namespace {
 
@@ -65,6 +67,26 @@ void TniCore::build(sim::Machine& machine, const Scene& scene, std::uint32_t hit
                                         memory.client, clock));
   }
   ist_ = &machine.build<Ist>(ist_id_, config_.ist, mode, scene.triangles, ist, links.memory.back().client, clock);
+}
+
+std::vector<sim::UnitId> TniCore::units() const {
+  std::vector<sim::UnitId> all{dispatcher_id_, ist_id_};
+  all.insert(all.end(), trv_ids_.begin(), trv_ids_.end());
+  return all;
+}
+
+void TniCore::run(const sim::ClusterTurn& turn) {
+  const std::span<sim::Time> wakes(turn.wakes, 2 + trvs_.size());
+  Cycle cycle(turn.now, dispatcher_id_.clock);
+  for (;;) {
+    if (wakes[0] <= cycle.now) wakes[0] = dispatcher_->tick(cycle.now);
+    if (wakes[1] <= cycle.now) wakes[1] = ist_->tick(cycle);
+    Trv::tick_due(trvs_, &wakes[2], cycle);
+    sim::Time soonest = sim::kNever;
+    for (std::size_t i = wakes.size(); i-- > 0 && soonest != cycle.next;) soonest = std::min(soonest, wakes[i]);
+    if (!turn.reaches(soonest)) return;
+    cycle.go_to(soonest, dispatcher_id_.clock);
+  }
 }
 
 }  // namespace hw

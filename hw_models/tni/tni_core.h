@@ -41,6 +41,10 @@ class TniCore {
   /// `hit_interval`: cycles from a hit sent back to the next. Called once; `machine` is the one it is declared in.
   void build(sim::Machine& machine, const Scene& scene, std::uint32_t hit_interval, const Links& links);
 
+  /// Its units, and how they run as a cluster of the machine (sim/partitions.h).
+  std::vector<sim::UnitId> units() const;
+  void run(const sim::ClusterTurn& turn);
+
   /// Takes rays and sends hits.
   sim::UnitId dispatcher_id() const { return dispatcher_id_; }
   /// The L1s: one for each TRV, then one for the IST.

@@ -44,8 +44,23 @@ void Trv::finish(sim::Time end) {
   if (full_ && end > full_since_) {
     full_time_ += end - full_since_;
     full_since_ = end;
+    stats_.full_visits += stats_.visits - full_since_visit_;
+    full_since_visit_ = stats_.visits;
   }
   stats_.full = clock_.cycles(full_time_);
+}
+
+/// Rays have come or gone in the cycle at `now`, which counts as what it is at its end; its visit as the cycle before.
+void Trv::note_full(sim::Time now) {
+  if (full_ == (free_ == 0)) return;
+  full_ = !full_;
+  if (full_) {
+    full_since_ = now;
+    full_since_visit_ = stats_.visits;
+  } else {
+    full_time_ += now - full_since_;
+    stats_.full_visits += stats_.visits - full_since_visit_;
+  }
 }
 
 void Trv::note_far_nodes(std::uint64_t visited) {

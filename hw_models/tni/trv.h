@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -110,7 +111,9 @@ class Trv {
   Trv(const Trv&) = delete;
   Trv& operator=(const Trv&) = delete;
 
-  sim::Time tick(sim::Time now) { return is_default_ ? tick_as<true>(now) : tick_as<false>(now); }
+  sim::Time tick(sim::Time now);
+  /// Ticks those of a core's units that wake in this cycle, and writes down when they next do.
+  static void tick_due(std::span<Trv* const> trvs, sim::Time* wakes, const Cycle& cycle);
   const sim::Clock& clock() const { return clock_; }
   const Stats& stats() const { return stats_; }
   std::uint64_t retired() const { return stats_.visits - stats_.restarted_visits + stats_.leaves + stats_.rays_out; }
@@ -155,7 +158,8 @@ class Trv {
 
   /// `kDefault`: the unit is_default_, and asks nothing whose answer is known.
   template <bool kDefault>
-  sim::Time tick_as(sim::Time now);
+  sim::Time tick_as(const Cycle& cycle);
+  sim::Time tick_as_declared(const Cycle& cycle);
   template <bool kDefault>
   TrvFeatures features() const {
     return kDefault ? kDefaultTrvFeatures : features_;
@@ -194,7 +198,7 @@ class Trv {
   /// The youngest entry of the stack is dropped, being behind the hit, or is where the ray goes on.
   static void take_entry(Slot& slot);
   /// The sub-pipe that the slot needs for its next step.
-  static Pipe next_pipe(Slot& slot);
+  static Pipe next_pipe(Slot& slot, bool instances = true);
   static Pipe next_pipe_of_few(Slot& slot);
   void restart(Slot& slot, std::uint32_t index);
   void find_pushes(const Slot& slot, std::uint32_t index);
@@ -206,6 +210,7 @@ class Trv {
   /// Reason for a cycle, from `next` on, in which no node enters the box pipe.
   CycleReason waiting(sim::Time next) const;
   sim::Time next_wake(sim::Time next) const;
+  void note_full(sim::Time now);
 
   const TrvConfig config_;
   const TreeInMemory tree_;
@@ -214,7 +219,7 @@ class Trv {
   const std::uint32_t stack_room_;  ///< entries that a ray's stack keeps
   const TrvFeatures features_;
   const bool is_default_;  ///< the features are the default machine's
-  bool full_ = false;      ///< since a tick at `full_since_` there is a ray in every slot
+  bool full_ = false;      ///< since a tick at `full_since_`, behind `full_since_visit_`, there is a ray in every slot
   Links links_;
   /// When the next ray, answer and line may be taken.
   struct Arrivals {
@@ -238,6 +243,7 @@ class Trv {
   std::vector<Push> pushed_;        ///< for restart()
   std::vector<FarNode> far_nodes_;  ///< to be prefetched in this cycle
   sim::Time full_since_ = 0, full_time_ = 0;
+  std::uint64_t full_since_visit_ = 0;
 };
 
 }  // namespace hw

@@ -20,14 +20,14 @@ Trv::Pipe Trv::next_pipe_of_few(Slot& slot) {
   return next_pipe(slot);
 }
 
-[[gnu::always_inline]] inline Trv::Pipe Trv::next_pipe(Slot& slot) {
+[[gnu::always_inline]] inline Trv::Pipe Trv::next_pipe(Slot& slot, bool instances) {
   // Indexed by kind of step; the second half is for steps behind a pop.
   static constexpr std::array<Pipe, 8> kPipeOf{kToInner, kToLeaf,  kToStack, kToRetire,
                                                kToStack, kToStack, kToStack, kToRetire};
   const StepKind kind = traces::kind_of(slot.step);
   if (slot.restarting || slot.culls > 0 || kind == StepKind::kCull) [[unlikely]]
     return next_pipe_of_few(slot);
-  if (!slot.must_pop && traces::is_enter(slot.step)) [[unlikely]]
+  if (instances && !slot.must_pop && traces::is_enter(slot.step)) [[unlikely]]
     return kToInner;
   return kPipeOf[static_cast<std::size_t>(kind) + (slot.must_pop ? 4U : 0U)];
 }
@@ -135,13 +135,12 @@ template <bool kDefault>
     return;
   }
   stats_.visits += 1;
-  stats_.full_visits += full_;
   if (slot.restarting) [[unlikely]] {
     visited_again(slot, index);
   } else if (step_on<kDefault>(slot) && features<kDefault>().prefetches) {
     both_children_hit_ |= bit(index);
   }
-  pipes_.put(next_pipe(slot), index, visit_latency_);
+  pipes_.put(next_pipe(slot, features<kDefault>().instances), index, visit_latency_);
 }
 
 /// Nearly as many rays hit both children as do not: without a branch.
@@ -152,12 +151,14 @@ inline bool Trv::step_on(Slot& slot) {
   __builtin_prefetch(slot.next + 8);  // for the host: steps that the ray will take some visits from now
   slot.must_pop = hits == 0;
   const std::uint16_t both = hits == 3;
-  const std::uint16_t written = both & std::uint16_t{features<kDefault>().stack};
-  const std::uint16_t kept = written & std::uint16_t{slot.short_stack_size != stack_room_};
   slot.stack_depth += both;
-  slot.short_stack_size += kept;
-  stats_.pushes += written;
-  stats_.dropped += written ^ kept;
+  if (!features<kDefault>().stack) return both != 0;
+  stats_.pushes += both;
+  if (slot.short_stack_size != stack_room_) [[likely]] {
+    slot.short_stack_size += both;
+  } else {
+    stats_.dropped += both;
+  }
   return both != 0;
 }
 
@@ -241,17 +242,19 @@ bool Trv::retire(sim::Time now) {
 }
 
 template <bool kDefault>
-sim::Time Trv::tick_as(sim::Time now) {
+[[gnu::always_inline]] inline sim::Time Trv::tick_as(const Cycle& cycle) {
   const TrvFeatures has = features<kDefault>();
+  const sim::Time now = cycle.now;
   const auto as_often_as_may_be = [&](auto&& step) {
     while (step() && has.ideal) {
     }
   };
-  pipes_.advance(now);
+  pipes_.advance(cycle);
   if (pipes_.due()) release<kDefault>(pipes_.take());
   if (arrivals_.lines <= now) as_often_as_may_be([&] { return fill(now); });
   if (arrivals_.answers <= now) as_often_as_may_be([&] { return take_answer(now); });
-  if (arrivals_.rays <= now && free_ != 0) as_often_as_may_be([&] { return take_ray(now); });
+  bool rays_moved = arrivals_.rays <= now && free_ != 0;
+  if (rays_moved) as_often_as_may_be([&] { return take_ray(now); });
   bool tried = false;
   CycleReason why = CycleReason::kStarved;
   if (has.one_pipe) {
@@ -266,26 +269,37 @@ sim::Time Trv::tick_as(sim::Time now) {
     if (popping_ != 0) as_often_as_may_be([&] { return issue_pop(); });
     if (leaving_ != 0) as_often_as_may_be([&] { return issue_leaf(now); });
   }
-  if (retiring_ != 0) as_often_as_may_be([&] { return retire(now); });
+  if (retiring_ != 0) {
+    rays_moved = true;
+    as_often_as_may_be([&] { return retire(now); });
+  }
   if (has.prefetches && !far_nodes_.empty()) prefetch_far_nodes();  // behind what rays need now
   fetch_.send(now, links_.memory_out);
-  if (full_ != (free_ == 0)) {
-    full_ = !full_;
-    if (full_) {
-      full_since_ = now;
-    } else {
-      full_time_ += now - full_since_;
-    }
-  }
-  const sim::Time next = clock_.after(now, 1);
+  if (rays_moved) note_full(now);
   const bool go_on = !has.one_pipe && ((has.reorders ? fetch_.ready() : fetch_.able()) | popping_) != 0;
-  const sim::Time wake = go_on ? next : next_wake(next);
-  const CycleReason then = tried && wake == next ? why : waiting(next);
+  const sim::Time wake = go_on ? cycle.next : next_wake(cycle.next);
+  const CycleReason then = tried && wake == cycle.next ? why : waiting(cycle.next);
   activity_.spend(now, clock_.period(), tried ? why : then, then);
   return wake;
 }
 
-template sim::Time Trv::tick_as<true>(sim::Time);
-template sim::Time Trv::tick_as<false>(sim::Time);
+sim::Time Trv::tick_as_declared(const Cycle& cycle) { return tick_as<false>(cycle); }
+
+sim::Time Trv::tick(sim::Time now) {
+  const Cycle cycle(now, clock_);
+  return is_default_ ? tick_as<true>(cycle) : tick_as_declared(cycle);
+}
+
+void Trv::tick_due(std::span<Trv* const> trvs, sim::Time* wakes, const Cycle& cycle) {
+  if (trvs.front()->is_default_) {
+    for (std::size_t t = 0; t < trvs.size(); ++t) {
+      if (wakes[t] <= cycle.now) wakes[t] = trvs[t]->tick_as<true>(cycle);
+    }
+  } else {
+    for (std::size_t t = 0; t < trvs.size(); ++t) {
+      if (wakes[t] <= cycle.now) wakes[t] = trvs[t]->tick_as_declared(cycle);
+    }
+  }
+}
 
 }  // namespace hw

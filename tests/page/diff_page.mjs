@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import fs from "node:fs";
 import { test } from "node:test";
-import { json, look, nanojoulesOf, numberOf, program } from "./surroundings.mjs";
+import { boxOf, json, look, nanojoulesOf, numberOf, program } from "./surroundings.mjs";
 
 const [a, b] = [json("base", "report.json").totals, json("ports", "report.json").totals];
 const data = (page) => page.evaluate(() => JSON.parse(document.getElementById("data").textContent).views[0].data);
@@ -70,7 +70,7 @@ test("the map has the differences of both tiles.json, on a diverging scale about
     const most = Math.max(...differences.map(Math.abs));
     assert.equal(numberOf(ends[1]), 0);
     assert.ok(Math.abs(valueOf(ends[0]) / -most - 1) < 1e-3 && Math.abs(valueOf(ends[2]) / most - 1) < 1e-3, ends.join());
-    const box = await stage.boundingBox();
+    const box = await boxOf(stage);
     const colours = await stage.locator("canvas.over:not(.lit)").evaluate((c) => [...window.pixelsOf(c)]);
     for (let i = 0; i < differences.length; ++i) {
       const [x, y] = [16 * (i % 4) + 5.5, 16 * Math.floor(i / 4) + 5.5];

@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import fs from "node:fs";
 import { test } from "node:test";
-import { at, json, look, program } from "./surroundings.mjs";
+import { at, boxOf, json, look, program } from "./surroundings.mjs";
 
 const HOSTILE = "</script><img src=x onerror=alert(1)>\u2028<!--<script>alert(2)//";
 
@@ -56,7 +56,7 @@ test("hostile axes, values, files of scenes and questions of a sweep", async () 
     for (const words of [image, scene, "alert(2)"]) assert.ok(text.includes(words), words);
     await page.getByLabel("colour", { exact: true }).selectOption(axis);
     const canvas = page.locator('[data-block="scatter"] .drawing canvas, [data-block="scatter"] .drawing svg').first();
-    const { width, height } = await canvas.boundingBox();
+    const { width, height } = await boxOf(canvas);
     for (let i = 0; i < 40; ++i) await canvas.hover({ position: { x: width * (0.06 + 0.9 * ((i * 0.618) % 1)), y: height * (0.05 + 0.02 * i) } });
     await isClean();
     const closed = page.locator('button[aria-pressed="false"]', { hasText: /^Table$/ });

@@ -4,7 +4,7 @@ import fs from "node:fs";
 import { test } from "node:test";
 import path from "node:path";
 import { pathToFileURL } from "node:url";
-import { at, json, look, nanojoulesOf, numberOf, program, raywatt } from "./surroundings.mjs";
+import { at, boxOf, json, look, nanojoulesOf, numberOf, program, raywatt } from "./surroundings.mjs";
 
 const report = json("base", "report.json");
 const figure = (page, id) => page.locator(`[data-figure="${id}"] .value`).innerText();
@@ -150,7 +150,7 @@ test("tables sort by a click on a heading, both ways", () => look("run.html", {}
 
 test("the probe says where it is, under the pointer and by keys", () => look("run.html", {}, async (page) => {
   const stage = page.locator('[data-block="frame"] .stage');
-  const box = await stage.boundingBox();
+  const box = await boxOf(stage);
   await stage.hover({ position: { x: (box.width * 10.5) / 64, y: (box.height * 20.5) / 32 } });
   const readout = page.locator('[data-block="frame"] .readout');
   assert.match(await readout.innerText(), /^pixel 10, 20/);
@@ -172,7 +172,7 @@ test("overlays of tiles have the numbers of tiles.json, and those of pixels sum 
     });
     await page.getByLabel("Overlay", { exact: true }).selectOption(id);
     await page.waitForFunction((shown) => document.querySelector(".stage").dataset.shown === shown, id);
-    const box = await stage.boundingBox();
+    const box = await boxOf(stage);
     await stage.hover({ position: { x: (box.width * 20.5) / 64, y: (box.height * 3.5) / 32 } });
     const said = (await readout.innerText()).match(/^pixel 20, 3, tile 1, 0: ([^(]*) \(/)[1];
     const wanted = figureOf(id)[tiles.x.findIndex((x, i) => x === 16 && tiles.y[i] === 0)];
@@ -198,7 +198,7 @@ test("overlays of tiles have the numbers of tiles.json, and those of pixels sum 
 const micros = (cycles) => (1e3 * report.totals.time_ms * cycles) / report.totals.cycles;
 
 test("a tile that is pointed at is marked in time", () => look("run.html", {}, async (page) => {
-  const stage = page.locator('[data-block="frame"] .stage'), box = await stage.boundingBox();
+  const stage = page.locator('[data-block="frame"] .stage'), box = await boxOf(stage);
   await stage.hover({ position: { x: (box.width * 40.5) / 64, y: (box.height * 20.5) / 32 } });
   const i = tiles.x.findIndex((x, k) => x === 32 && tiles.y[k] === 16);
   const [, from, to] = (await page.locator('[data-block="series"] .readout').innerText()).match(/pointed at: ([\d.]+) to ([\d.]+) us/);
@@ -220,7 +220,7 @@ test("time that is brushed, by the pointer and by keys, lights the tiles that we
   assert.equal(await dimmed(), null);
   const canvas = page.locator('[data-block="series"] canvas');
   await canvas.scrollIntoViewIfNeeded();
-  const box = await canvas.boundingBox();
+  const box = await boxOf(canvas);
   await page.mouse.move(box.x + 0.6 * box.width, box.y + 80);
   await page.mouse.down();
   await page.mouse.move(box.x + 0.8 * box.width, box.y + 90, { steps: 4 });

@@ -135,6 +135,16 @@ export function nanojoulesOf(text) {
   return Number(digits) * { "": 1e9, m: 1e6, µ: 1e3, n: 1, p: 1e-3 }[prefix];
 }
 
+/** Where an element lies, once two looks a twentieth of a second apart agree: what loads late moves what is below it. */
+export async function boxOf(locator) {
+  for (let before = await locator.boundingBox(); ; ) {
+    await locator.page().waitForTimeout(50);
+    const now = await locator.boundingBox();
+    if (JSON.stringify(now) === JSON.stringify(before)) return now;
+    before = now;
+  }
+}
+
 /** Waits until every chart of the page is drawn, and drawn for this width and theme. */
 export async function drawn(page) {
   await page.waitForFunction(() => {
