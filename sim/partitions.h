@@ -11,10 +11,10 @@ namespace sim {
 struct ClusterTurn {
   Time* wakes;                   ///< wake-up times of its units
   Time now;                      ///< the earliest of them
-  Time until;                    ///< what is due here or later is left
+  Time until;                    ///< ticks that are due here or later are left
   std::span<const Time> others;  ///< earliest wake-up times of the partition's other units, by groups
 
-  /// What is due at `at` is still to be done: it lies before `until`, and no other unit has something to do before.
+  /// True if the turn goes on with what is due at `at`: it lies before `until`, and no other unit is due earlier.
   bool reaches(Time at) const {
     if (at >= until) return false;
     for (const Time& other : others) {

@@ -22,12 +22,12 @@ template <class Node, class Triangle, class Data>
 void for_each_line(const traces::TileWork& work, const traces::Layout& layout, Node&& node, Triangle&& triangle,
                    Data&& data) {
   const TreeInMemory tree = tree_of(layout);
-  const bool one_line = tree.one_line();
+  const bool node_is_line = tree.node_is_line();
   for (std::uint32_t ray = 0; ray < work.ray_begin.size(); ++ray) {
     for (const std::uint32_t* step = &work.walk[work.ray_begin[ray]];; ++step) {
       const traces::StepKind kind = traces::kind_of(*step);
       if (kind == traces::StepKind::kVisit) {
-        if (one_line) {
+        if (node_is_line) {
           node(ray, tree.line_of(traces::node_of(*step)));
           continue;
         }

@@ -166,7 +166,7 @@ void Gpu::build_core(std::uint32_t c, const Workload& workload) {
 }
 
 sim::Time Gpu::lookahead_end(sim::Time now) const {
-  // What is left when all tiles have come back may end at any time. An ideal port does not stop at a nearly full link.
+  // When all tiles have come back, the rest may end at any time. An ideal port does not stop at a nearly full link.
   if (stopped_ || dispatcher_->done() || config_.ideal.interconnect) return now;
   const Core& core = cores_.front();
   const sim::Time next_tile = machine_.wake_time(dispatcher_id_) + core.tiles_in.latency();

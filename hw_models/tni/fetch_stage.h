@@ -39,7 +39,7 @@ struct FetchStats {
 ///
 /// A line that has come stays readable for the slots that waited for it, whatever is filled meanwhile: each of them
 /// makes progress, however small the cache.
-/// Under `bypass` the unit puts a slot that missed through its pipe and enter()s it again behind.
+/// Under `bypass` the unit puts a slot that missed through its pipe; it wants the line again behind.
 /// Under `rau` a slot goes on from its row without another probe, ahead of slots that have not probed yet; one that
 /// finds its row full, or needs a row and there is none, stands in the fetch stage until that has changed. It keeps
 /// its slot in the input buffer.
@@ -63,15 +63,14 @@ class FetchStage {
     return otherwise;
   }
 
-  FetchStage(const CacheConfig& cache, const TniMode& mode, std::uint16_t port, FetchStats& stats)
-      : l1_(cache, port, mode.ideal_l1), handling_(mode.handling), rau_(mode.rau), stats_(stats) {
+  /// `ready`: where the unit keeps which of its slots want to read a line.
+  FetchStage(const CacheConfig& cache, const TniMode& mode, std::uint16_t port, std::uint64_t& ready, FetchStats& stats)
+      : l1_(cache, port, mode.ideal_l1), handling_(mode.handling), rau_(mode.rau), stats_(stats), ready_(ready) {
     rows_read_.reserve(rau_.rows);
   }
   FetchStage(const FetchStage&) = delete;
   FetchStage& operator=(const FetchStage&) = delete;
 
-  /// The slots of the mask want to read a line.
-  void enter(std::uint64_t slots) { ready_ |= slots; }
   /// Slots that may read now, among those that want to.
   std::uint64_t able() const {
     if (handling_ <= MissHandling::kBypass) return ready_;
@@ -176,7 +175,6 @@ class FetchStage {
   /// Are lines on their way?
   bool waits_for_memory() const { return l1_.outstanding() != 0; }
 
-  std::uint64_t ready() const { return ready_; }
   std::uint64_t missing() const { return missing_; }
   std::uint64_t no_mshr() const { return no_mshr_; }
 
@@ -206,7 +204,7 @@ class FetchStage {
   const MissHandling handling_;
   const RauConfig rau_;
   FetchStats& stats_;
-  std::uint64_t ready_ = 0;       ///< want to read a line
+  std::uint64_t& ready_;          ///< want to read a line
   std::uint64_t missing_ = 0;     ///< wait for a line
   std::uint64_t no_mshr_ = 0;     ///< wait for an MSHR
   std::uint64_t late_ = 0;        ///< have probed for the line they want and not found it

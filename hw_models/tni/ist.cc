@@ -24,7 +24,7 @@ Ist::Ist(const IstConfig& config, const TniMode& mode, const TrianglesInMemory& 
       memory_out_(links.memory_out),
       memory_in_(links.memory_in),
       sources_(Arbitration::kRoundRobin, leaves_in_.size()),
-      fetch_(config.l1, mode, port, stats_),
+      fetch_(config.l1, mode, port, ready_, stats_),
       slots_(config.leaves),
       pipe_(clock, config.l1.hit_cycles + config.latency),
       free_(all_slots(config.leaves)) {
@@ -47,7 +47,7 @@ inline bool Ist::take_leaf(sim::Time now) {
   const auto index = static_cast<std::uint32_t>(std::countr_zero(free_));
   free_ &= ~bit(index);
   occupied_ |= bit(index);
-  fetch_.enter(bit(index));
+  ready_ |= bit(index);
   slots_[index] = Slot{leaves_in_[trv].pop(now), trv, 0, false, 0};
   fetch_.belongs(index, slots_[index].job.owner);
   fetch_.look_ahead(line_of(triangles_.base + Addr{slots_[index].job.first} * triangles_.bytes));
@@ -86,7 +86,7 @@ Ist::CycleReason Ist::issue_one() {
 inline void Ist::read(Slot& slot, std::uint32_t index, bool last_line) {
   if (!last_line) {
     slot.second_line = true;
-    fetch_.enter(bit(index));
+    ready_ |= bit(index);
     return;
   }
   const ExitPhase phase = traces::phase_of(slot.job.phases, slot.tested);
@@ -104,7 +104,7 @@ inline void Ist::read(Slot& slot, std::uint32_t index, bool last_line) {
   slot.tested += 1;
   slot.second_line = false;
   if (slot.tested < slot.job.count) {
-    fetch_.enter(bit(index));
+    ready_ |= bit(index);
   } else {
     pipe_.put(kToAnswer, index, slot.known_at - pipe_.cycle());
   }
@@ -149,7 +149,7 @@ sim::Time Ist::tick(const Cycle& cycle) {
   if (pipe_.due()) {
     const TimingWheel<kPipes>::Masks out = pipe_.take();
     answering_ |= out[kToAnswer];
-    fetch_.enter(out[kToFetch]);
+    ready_ |= out[kToFetch];
   }
   if (line_at_ <= now) as_often_as_may_be([&] { return fill(now); });
   as_often_as_may_be([&] { return take_leaf(now); });
@@ -165,7 +165,7 @@ sim::Time Ist::tick(const Cycle& cycle) {
 
 std::string Ist::state() const {
   return fmt::format("leaves {}: ready {}, missing {}, no mshr {}, answering {}", std::popcount(occupied_),
-                     std::popcount(fetch_.ready()), std::popcount(fetch_.missing()), std::popcount(fetch_.no_mshr()),
+                     std::popcount(ready_), std::popcount(fetch_.missing()), std::popcount(fetch_.no_mshr()),
                      std::popcount(answering_));
 }
 

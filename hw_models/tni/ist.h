@@ -118,6 +118,7 @@ class Ist {
   sim::Link<MemResponse>& memory_in_;
   Arbiter sources_;
   Stats stats_;
+  std::uint64_t ready_ = 0;  ///< want to read a line
   FetchStage fetch_;
   std::vector<Slot> slots_;
   TimingWheel<kPipes> pipe_;

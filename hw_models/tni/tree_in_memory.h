@@ -24,10 +24,11 @@ struct TreeInMemory {
   Addr instances = 0;
   std::span<const traces::InstanceRecord> placed{};
 
-  /// Does a visit read one line, whatever the node?
-  bool one_line() const { return single_boxes.empty() && kLineBytes % node_bytes == 0 && nodes % node_bytes == 0; }
+  /// Is the record of each node, with both boxes, a line?
+  bool node_is_line() const { return single_boxes.empty() && node_bytes == kLineBytes && nodes % kLineBytes == 0; }
+  /// The line of a node whose record is one.
+  Addr line_of(std::uint32_t node) const { return nodes + Addr{node} * kLineBytes; }
   Addr line_of_instance(std::uint32_t i) const { return instances + Addr{i} * sizeof(traces::InstanceRecord); }
-  Addr line_of(std::uint32_t record) const { return hw::line_of(nodes + Addr{record} * node_bytes); }
 
   /// A line that a visit reads.
   struct Line {

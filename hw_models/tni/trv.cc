@@ -14,10 +14,9 @@ Trv::Trv(const TrvConfig& config, const TniMode& mode, const TreeInMemory& tree,
     : config_(config),
       tree_(tree),
       clock_(clock),
-      visit_latency_(config.l1.hit_cycles + config.box_latency),
       stack_room_(config.stack == StackScheme::kFull ? ~std::uint32_t{0} : config.stack_entries),
       features_{.instances = !tree.placed.empty(),
-                .plain = tree.one_line() && !tree.hybrid && config.box_testers == 2,
+                .plain = tree.node_is_line() && !tree.hybrid && config.box_testers == 2,
                 .one_pipe = config.box_testers == 1 && !mode.ideal,
                 .ideal = mode.ideal,
                 .prefetches = config.prefetch == Prefetch::kSibling,
@@ -26,9 +25,11 @@ Trv::Trv(const TrvConfig& config, const TniMode& mode, const TreeInMemory& tree,
       is_default_(features_ == kDefaultTrvFeatures),
       links_(links),
       free_(all_slots(config.rays)),
-      fetch_(config.l1, mode, port, stats_),
+      fetch_(config.l1, mode, port, waiting_[kToInner], stats_),
       slots_(config.rays),
-      pipes_(clock, std::max({visit_latency_, config.l1.hit_cycles + config.transform_latency, config.stack_latency})),
+      box_(config.l1.hit_cycles + config.box_latency),
+      stack_(config.stack_latency),
+      transform_(config.l1.hit_cycles + config.transform_latency),
       begins_(config.rays),
       paths_(config.rays) {
   links_.rays_in.shows(&arrivals_.rays);
@@ -78,7 +79,7 @@ void Trv::prefetch_far_nodes() {
     if (!fetch_.can_prefetch()) break;
     stats_.prefetch_probes += 1;
     const Addr line = tree_.line_of_visit(node, config_.box_testers, 0, 0).line;
-    if (fetch_.prefetch(line, slot, pipes_.cycle())) stats_.prefetches += 1;
+    if (fetch_.prefetch(line, slot, cycle_)) stats_.prefetches += 1;
   }
   far_nodes_.clear();
 }
@@ -87,7 +88,7 @@ void Trv::prefetch_far_nodes() {
 Trv::CycleReason Trv::missed(FetchStage::Wait wait, std::uint32_t index) {
   if (fetch_.bypasses()) {
     stats_.bypass_passes += 1;
-    pipes_.put(kToInner, index, visit_latency_);
+    put<false>(box_, index, kToInner);
   }
   return FetchStage::reason(wait, CycleReason::kL1Miss);
 }
@@ -95,26 +96,31 @@ Trv::CycleReason Trv::missed(FetchStage::Wait wait, std::uint32_t index) {
 /// Slots that may enter the one pipe; those with leaves only if there is room for a leaf.
 std::uint64_t Trv::shared_work(bool room_for_leaves) const {
   if (fetch_.stands()) return fetch_.able();
-  return fetch_.able() | popping_ | (room_for_leaves ? leaving_ : 0);
+  return fetch_.able() | waiting_[kToStack] | (room_for_leaves ? waiting_[kToLeaf] : 0);
 }
 
 Trv::CycleReason Trv::waiting(sim::Time next) const {
   if (occupied_ == 0) return CycleReason::kStarved;
   if (features_.one_pipe && next < leaf_free_at_) return CycleReason::kSerial;
-  if (retiring_ != 0) return CycleReason::kOutputFull;
-  return FetchStage::reason(fetch_.waits_for(), (at_ist_ | leaving_) != 0 ? CycleReason::kIst : CycleReason::kPipe);
+  if (waiting_[kToRetire] != 0) return CycleReason::kOutputFull;
+  return FetchStage::reason(fetch_.waits_for(),
+                            (at_ist_ | waiting_[kToLeaf]) != 0 ? CycleReason::kIst : CycleReason::kPipe);
 }
 
-sim::Time Trv::next_wake(sim::Time next) const {
-  sim::Time at = pipes_.next();
+sim::Time Trv::next_wake(const Cycle& cycle) const {
+  const sim::Time next = cycle.next;
+  const std::uint64_t left = std::min(
+      {box_.cycles_left(cycle.number), stack_.cycles_left(cycle.number), transform_.cycles_left(cycle.number)});
+  sim::Time at = left == FixedPipe::kBins ? sim::kNever : clock_.after(cycle.now, left);
+  if (features_.ideal && std::ranges::any_of(next_cycle_, [](std::uint64_t slots) { return slots != 0; })) at = next;
   if (features_.one_pipe) {
     const sim::Time free_at = std::max(next, leaf_free_at_);
     if (free_at > next || shared_work(false) != 0) at = std::min(at, free_at);
-    if (leaving_ != 0 && !fetch_.stands()) at = std::min(at, std::max(free_at, links_.leaves_out.push_at()));
-  } else if (leaving_ != 0) {
+    if (waiting_[kToLeaf] != 0 && !fetch_.stands()) at = std::min(at, std::max(free_at, links_.leaves_out.push_at()));
+  } else if (waiting_[kToLeaf] != 0) {
     at = std::min(at, std::max({next, leaf_free_at_, links_.leaves_out.push_at()}));
   }
-  if (retiring_ != 0) at = std::min(at, std::max(next, links_.rays_out.push_at()));
+  if (waiting_[kToRetire] != 0) at = std::min(at, std::max(next, links_.rays_out.push_at()));
   if (free_ != 0) at = std::min(at, std::max(next, arrivals_.rays));
   at = std::min(at, std::max(next, arrivals_.answers));
   at = std::min(at, std::max(next, arrivals_.lines));
@@ -123,9 +129,9 @@ sim::Time Trv::next_wake(sim::Time next) const {
 
 std::string Trv::state() const {
   return fmt::format("rays {}: ready {}, stack {}, leaf {}, retiring {}, missing {}, no mshr {}, at ist {}",
-                     std::popcount(occupied_), std::popcount(fetch_.ready()), std::popcount(popping_),
-                     std::popcount(leaving_), std::popcount(retiring_), std::popcount(fetch_.missing()),
-                     std::popcount(fetch_.no_mshr()), std::popcount(at_ist_));
+                     std::popcount(occupied_), std::popcount(waiting_[kToInner]), std::popcount(waiting_[kToStack]),
+                     std::popcount(waiting_[kToLeaf]), std::popcount(waiting_[kToRetire]),
+                     std::popcount(fetch_.missing()), std::popcount(fetch_.no_mshr()), std::popcount(at_ist_));
 }
 
 }  // namespace hw

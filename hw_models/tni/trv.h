@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -6,6 +7,7 @@
 
 #include "hw_models/memory/unit_names.h"
 #include "hw_models/tni/fetch_stage.h"
+#include "hw_models/tni/fixed_pipe.h"
 #include "hw_models/tni/messages.h"
 #include "hw_models/tni/timing_wheel.h"
 #include "hw_models/tni/tni_config.h"
@@ -169,6 +171,7 @@ class Trv {
   bool take_ray(sim::Time now);
   bool take_answer(sim::Time now);
   bool fill(sim::Time now);
+  template <bool kDefault>
   bool issue_pop();
   bool issue_leaf(sim::Time now);
   bool retire(sim::Time now);
@@ -179,6 +182,9 @@ class Trv {
     inner_turn_ = (index + 1) % 64;
     return index;
   }
+  /// Puts the slot into a sub-pipe, behind which it goes `to` the next.
+  template <bool kDefault>
+  void put(FixedPipe& pipe, std::uint32_t index, Pipe to);
   template <bool kDefault>
   CycleReason issue_visit(std::uint32_t index);
   CycleReason missed(FetchStage::Wait wait, std::uint32_t index);
@@ -186,6 +192,7 @@ class Trv {
   CycleReason issue_transform(Slot& slot, std::uint32_t index);
   bool issue_any(sim::Time now, CycleReason& why);
   std::uint64_t shared_work(bool room_for_leaves) const;
+  template <bool kDefault>
   void pop(std::uint32_t index);
   void send_leaf(sim::Time now, std::uint32_t index);
   bool test_boxes(Slot& slot, std::uint32_t index);
@@ -203,19 +210,18 @@ class Trv {
   void restart(Slot& slot, std::uint32_t index);
   void find_pushes(const Slot& slot, std::uint32_t index);
   template <bool kDefault>
-  void release(const TimingWheel<kPipes>::Masks& out);
+  void take_from_pipes(const Cycle& cycle);
   /// These visits have hit both children: their far ones may be asked for ahead of need.
   void note_far_nodes(std::uint64_t visited);
   void prefetch_far_nodes();
   /// Reason for a cycle, from `next` on, in which no node enters the box pipe.
   CycleReason waiting(sim::Time next) const;
-  sim::Time next_wake(sim::Time next) const;
+  sim::Time next_wake(const Cycle& cycle) const;
   void note_full(sim::Time now);
 
   const TrvConfig config_;
   const TreeInMemory tree_;
   const sim::Clock clock_;
-  const std::uint32_t visit_latency_;
   const std::uint32_t stack_room_;  ///< entries that a ray's stack keeps
   const TrvFeatures features_;
   const bool is_default_;  ///< the features are the default machine's
@@ -227,17 +233,19 @@ class Trv {
   } arrivals_;
   std::uint64_t free_;
   std::uint64_t occupied_ = 0;
-  std::uint64_t popping_ = 0, leaving_ = 0, retiring_ = 0;  ///< waiting for the sub-pipe of that name
-  std::uint64_t at_ist_ = 0;                                ///< waiting for the intersection unit's answer
-  std::uint64_t both_children_hit_ = 0;  ///< in the box pipe, about to hit both children (prefetching)
+  std::array<std::uint64_t, kPipes> waiting_{};  ///< slots that wait for each sub-pipe
+  std::uint64_t at_ist_ = 0;                     ///< waiting for the intersection unit's answer
+  std::uint64_t both_children_hit_ = 0;          ///< in the box pipe, about to hit both children (prefetching)
   std::uint32_t inner_turn_ = 0, stack_turn_ = 0, leaf_turn_ = 0, retire_turn_ = 0;
   sim::Time leaf_free_at_ = 0;  ///< when the pipe of leaves, or the one pipe for all, takes the next operation
   sim::Activity<CycleReason> activity_;
   FetchStage fetch_;
   Stats stats_;
   std::vector<Slot> slots_;
-  TimingWheel<kPipes> pipes_;
-  std::vector<const std::uint32_t*> begins_;  ///< the first step of each slot's ray
+  std::uint64_t cycle_ = 0;  ///< the present one
+  FixedPipe box_, stack_, transform_;
+  std::array<std::uint64_t, kPipes> next_cycle_{};  ///< where any number of slots goes behind it (ideal)
+  std::vector<const std::uint32_t*> begins_;        ///< the first step of each slot's ray
   /// Per slot: nodes to test again after a restart, and the instance to enter again (kEnter), last one first.
   std::vector<std::vector<std::uint32_t>> paths_;
   std::vector<Push> pushed_;        ///< for restart()

@@ -11,7 +11,7 @@ bool Trv::enters_instance(const Slot& slot, std::uint32_t index) const {
 /// and its reciprocal.
 Trv::CycleReason Trv::issue_transform(Slot& slot, std::uint32_t index) {
   const std::uint32_t instance = slot.restarting ? paths_[index].back() & ~kEnter : traces::instance_of(slot.step);
-  const FetchStage::Wait wait = fetch_.read(index, tree_.line_of_instance(instance), pipes_.cycle());
+  const FetchStage::Wait wait = fetch_.read(index, tree_.line_of_instance(instance), cycle_);
   if (wait != FetchStage::Wait::kNothing) return missed(wait, index);
   stats_.transforms += 1;
   if (slot.restarting) {
@@ -19,7 +19,7 @@ Trv::CycleReason Trv::issue_transform(Slot& slot, std::uint32_t index) {
   } else {
     slot.go(slot.next + 1);
   }
-  pipes_.put(kToInner, index, config_.l1.hit_cycles + config_.transform_latency);
+  put<false>(transform_, index, kToInner);
   return CycleReason::kVisiting;
 }
 

@@ -33,18 +33,38 @@ Trv::Pipe Trv::next_pipe_of_few(Slot& slot) {
 }
 
 template <bool kDefault>
-[[gnu::always_inline]] inline void Trv::release(const TimingWheel<kPipes>::Masks& out) {
-  fetch_.enter(out[kToInner]);
-  popping_ |= out[kToStack];
-  leaving_ |= out[kToLeaf];
-  retiring_ |= out[kToRetire];
-  if (features<kDefault>().prefetches && both_children_hit_ != 0)
-    note_far_nodes(both_children_hit_ & (out[kToInner] | out[kToLeaf]));
+[[gnu::always_inline]] inline void Trv::put(FixedPipe& pipe, std::uint32_t index, Pipe to) {
+  if (features<kDefault>().ideal) {
+    next_cycle_[to] |= bit(index);
+  } else {
+    pipe.put(index, to, cycle_);
+  }
+}
+
+template <bool kDefault>
+[[gnu::always_inline]] inline void Trv::take_from_pipes(const Cycle& cycle) {
+  const TrvFeatures has = features<kDefault>();
+  const auto take = [&](FixedPipe& pipe) {
+    if (!pipe.due(cycle.number)) return;
+    const FixedPipe::Out out = pipe.take(cycle.number);
+    waiting_[out.way] |= bit(out.slot);
+    if (has.prefetches && both_children_hit_ != 0 && (out.way == kToInner || out.way == kToLeaf))
+      note_far_nodes(both_children_hit_ & bit(out.slot));
+  };
+  take(box_);
+  take(stack_);
+  if (has.instances) take(transform_);
+  if (has.ideal) {
+    for (std::size_t way = 0; way < kPipes; ++way) waiting_[way] |= next_cycle_[way];
+    if (has.prefetches && both_children_hit_ != 0)
+      note_far_nodes(both_children_hit_ & (next_cycle_[kToInner] | next_cycle_[kToLeaf]));
+    next_cycle_ = {};
+  }
 }
 
 bool Trv::fill(sim::Time now) {
   if (arrivals_.lines > now) return false;
-  fetch_.fill(links_.memory_in.pop(now).line, pipes_.cycle());
+  fetch_.fill(links_.memory_in.pop(now).line, cycle_);
   return true;
 }
 
@@ -56,10 +76,10 @@ bool Trv::take_answer(sim::Time now) {
   slot.must_pop = true;
   switch (next_pipe(slot)) {
     case kToStack:
-      popping_ |= bit(index);
+      waiting_[kToStack] |= bit(index);
       break;
     case kToRetire:
-      retiring_ |= bit(index);
+      waiting_[kToRetire] |= bit(index);
       break;
     default:
       assert(false && "a leaf is followed by a pop or the end");
@@ -82,10 +102,10 @@ bool Trv::take_ray(sim::Time now) {
   stats_.rays_in += 1;
   switch (next_pipe(slot)) {
     case kToInner:
-      fetch_.enter(bit(index));
+      waiting_[kToInner] |= bit(index);
       break;
     case kToRetire:
-      retiring_ |= bit(index);
+      waiting_[kToRetire] |= bit(index);
       break;
     default:
       assert(false && "a walk begins with the root");
@@ -101,14 +121,14 @@ template <bool kDefault>
   const std::uint32_t node = slot.restarting ? paths_[index].back() : traces::node_of(slot.step);
   const TreeInMemory::Line read = has.plain ? TreeInMemory::Line{tree_.line_of(node), true}
                                             : tree_.line_of_visit(node, config_.box_testers, slot.child, slot.fetched);
-  const FetchStage::Wait wait = has.reorders ? fetch_.read_reordered(index, read.line, pipes_.cycle())
-                                             : fetch_.read(index, read.line, pipes_.cycle());
+  const FetchStage::Wait wait =
+      has.reorders ? fetch_.read_reordered(index, read.line, cycle_) : fetch_.read(index, read.line, cycle_);
   if (wait == FetchStage::Wait::kNothing) {
     if (read.last) {
       visited<kDefault>(slot, index);
     } else {
       slot.fetched += 1;
-      fetch_.enter(bit(index));
+      waiting_[kToInner] |= bit(index);
     }
     return CycleReason::kVisiting;
   }
@@ -123,7 +143,7 @@ bool Trv::test_boxes(Slot& slot, std::uint32_t index) {
   slot.child ^= 1U;
   if (slot.child == 0) return true;
   stats_.first_passes += 1;
-  pipes_.put(kToInner, index, visit_latency_);
+  put<false>(box_, index, kToInner);
   return false;
 }
 
@@ -140,7 +160,7 @@ template <bool kDefault>
   } else if (step_on<kDefault>(slot) && features<kDefault>().prefetches) {
     both_children_hit_ |= bit(index);
   }
-  pipes_.put(next_pipe(slot, features<kDefault>().instances), index, visit_latency_);
+  put<kDefault>(box_, index, next_pipe(slot, features<kDefault>().instances));
 }
 
 /// Nearly as many rays hit both children as do not: without a branch.
@@ -162,8 +182,9 @@ inline bool Trv::step_on(Slot& slot) {
   return both != 0;
 }
 
+template <bool kDefault>
 void Trv::pop(std::uint32_t index) {
-  popping_ &= ~bit(index);
+  waiting_[kToStack] &= ~bit(index);
   Slot& slot = slots_[index];
   if (slot.short_stack_size == 0) {
     restart(slot, index);
@@ -172,7 +193,7 @@ void Trv::pop(std::uint32_t index) {
     slot.short_stack_size -= 1;
     take_entry(slot);
   }
-  pipes_.put(next_pipe(slot), index, config_.stack_latency);
+  put<kDefault>(stack_, index, next_pipe(slot));
 }
 
 void Trv::take_entry(Slot& slot) {
@@ -184,33 +205,13 @@ void Trv::take_entry(Slot& slot) {
   }
 }
 
+template <bool kDefault>
 bool Trv::issue_pop() {
-  if (popping_ == 0) return false;
-  const std::uint32_t index = round_robin(popping_, stack_turn_);
+  if (waiting_[kToStack] == 0) return false;
+  const std::uint32_t index = round_robin(waiting_[kToStack], stack_turn_);
   stack_turn_ = (index + 1) % 64;
-  pop(index);
+  pop<kDefault>(index);
   return true;
-}
-
-bool Trv::issue_leaf(sim::Time now) {
-  if (leaving_ == 0 || now < leaf_free_at_ || !links_.leaves_out.can_push(now)) return false;
-  const std::uint32_t index = round_robin(leaving_, leaf_turn_);
-  leaf_turn_ = (index + 1) % 64;
-  send_leaf(now, index);
-  return true;
-}
-
-void Trv::send_leaf(sim::Time now, std::uint32_t index) {
-  leaving_ &= ~bit(index);
-  Slot& slot = slots_[index];
-  const std::uint32_t step = slot.step;
-  const std::uint32_t count = traces::count_of(step);
-  links_.leaves_out.push(now, LeafJob{traces::first_of(step), slot.next[1], static_cast<std::uint8_t>(count),
-                                      static_cast<std::uint8_t>(index), fetch_.owner(index)});
-  slot.go(slot.next + 2);
-  at_ist_ |= bit(index);
-  if (!features_.ideal) leaf_free_at_ = clock_.after(now, std::max(count, 1U));
-  stats_.leaves += 1;
 }
 
 bool Trv::issue_any(sim::Time now, CycleReason& why) {
@@ -219,25 +220,13 @@ bool Trv::issue_any(sim::Time now, CycleReason& why) {
   const std::uint64_t work = shared_work(links_.leaves_out.can_push(now));
   if (work == 0) return false;
   const std::uint32_t index = next_of(work);
-  if ((popping_ & bit(index)) != 0) {
-    pop(index);
-  } else if ((leaving_ & bit(index)) != 0) {
+  if ((waiting_[kToStack] & bit(index)) != 0) {
+    pop<false>(index);
+  } else if ((waiting_[kToLeaf] & bit(index)) != 0) {
     send_leaf(now, index);
   } else {
     why = issue_visit<false>(index);
   }
-  return true;
-}
-
-bool Trv::retire(sim::Time now) {
-  if (retiring_ == 0 || !links_.rays_out.can_push(now)) return false;
-  const std::uint32_t index = round_robin(retiring_, retire_turn_);
-  retire_turn_ = (index + 1) % 64;
-  retiring_ &= ~bit(index);
-  occupied_ &= ~bit(index);
-  free_ |= bit(index);
-  links_.rays_out.push(now, RayDone{slots_[index].id, fetch_.owner(index)});
-  stats_.rays_out += 1;
   return true;
 }
 
@@ -249,8 +238,8 @@ template <bool kDefault>
     while (step() && has.ideal) {
     }
   };
-  pipes_.advance(cycle);
-  if (pipes_.due()) release<kDefault>(pipes_.take());
+  cycle_ = cycle.number;
+  take_from_pipes<kDefault>(cycle);
   if (arrivals_.lines <= now) as_often_as_may_be([&] { return fill(now); });
   if (arrivals_.answers <= now) as_often_as_may_be([&] { return take_answer(now); });
   bool rays_moved = arrivals_.rays <= now && free_ != 0;
@@ -260,28 +249,30 @@ template <bool kDefault>
   if (has.one_pipe) {
     tried = issue_any(now, why);
   } else {
-    const std::uint64_t able = has.reorders ? fetch_.ready() : fetch_.able();
+    const std::uint64_t able = has.reorders ? waiting_[kToInner] : fetch_.able();
     tried = able != 0;
     if (tried) why = issue_visit<kDefault>(next_of(able));
     while (has.ideal && fetch_.able() != 0) {
       if (issue_visit<kDefault>(next_of(fetch_.able())) == CycleReason::kVisiting) why = CycleReason::kVisiting;
     }
-    if (popping_ != 0) as_often_as_may_be([&] { return issue_pop(); });
-    if (leaving_ != 0) as_often_as_may_be([&] { return issue_leaf(now); });
+    if (waiting_[kToStack] != 0) as_often_as_may_be([&] { return issue_pop<kDefault>(); });
+    if (waiting_[kToLeaf] != 0) as_often_as_may_be([&] { return issue_leaf(now); });
   }
-  if (retiring_ != 0) {
+  if (waiting_[kToRetire] != 0) {
     rays_moved = true;
     as_often_as_may_be([&] { return retire(now); });
   }
   if (has.prefetches && !far_nodes_.empty()) prefetch_far_nodes();  // behind what rays need now
   fetch_.send(now, links_.memory_out);
   if (rays_moved) note_full(now);
-  const bool go_on = !has.one_pipe && ((has.reorders ? fetch_.ready() : fetch_.able()) | popping_) != 0;
-  const sim::Time wake = go_on ? cycle.next : next_wake(cycle.next);
+  const bool go_on = !has.one_pipe && ((has.reorders ? waiting_[kToInner] : fetch_.able()) | waiting_[kToStack]) != 0;
+  const sim::Time wake = go_on ? cycle.next : next_wake(cycle);
   const CycleReason then = tried && wake == cycle.next ? why : waiting(cycle.next);
   activity_.spend(now, clock_.period(), tried ? why : then, then);
   return wake;
 }
+
+template void Trv::put<false>(FixedPipe&, std::uint32_t, Pipe);
 
 sim::Time Trv::tick_as_declared(const Cycle& cycle) { return tick_as<false>(cycle); }
 

@@ -1,5 +1,6 @@
 #include "sim/machine.h"
 
+#include <algorithm>
 #include <array>
 #include <stdexcept>
 #include <string_view>
@@ -152,6 +153,75 @@ TEST(Machine, PartitionsShareNoGroupOfWakeUpTimes) {
   EXPECT_LE(partitions.outer.front().units.end, partitions.inner.units.first);
   EXPECT_EQ(pair.machine().wake_time(pair.giver), 0U);
   EXPECT_EQ(pair.machine().wake_time(pair.taker), 0U);
+}
+
+/// giver --> sorter (a cluster) --> slow porter, all of one outer partition --> slower taker
+struct Chain {
+  explicit Chain(int numbers) : expected(static_cast<std::uint64_t>(numbers)) {
+    giving = &machine_.build<Relay>(giver, Clock(2), nullptr, &given, numbers);
+    sorting = &machine_.build<Relay>(sorter, Clock(2), &given, &sorted);
+    porting = &machine_.build<Relay>(porter, Clock(6), &sorted, &ported);
+    taking = &machine_.build<Relay>(taker, Clock(10), &ported, nullptr);
+    machine_.cluster({giver, sorter}, *this);
+  }
+  Machine& machine() { return machine_; }
+  bool done() const { return taking->stats().taken == expected; }
+  /// The last few numbers are taken with all units together, as the end may be at any time.
+  Time lookahead_end(Time now) const {
+    return taking->stats().taken + 8 >= expected ? now : now + machine_.lookahead();
+  }
+  void run(const ClusterTurn& turn) {
+    turns += 1;
+    Time now = turn.now;
+    do {
+      cycles += 1;
+      EXPECT_LT(now, turn.until);
+      for (const Time other : turn.others) EXPECT_LE(now, other) << "the porter had something to do before";
+      if (turn.wakes[0] <= now) turn.wakes[0] = giving->tick(now);
+      if (turn.wakes[1] <= now) turn.wakes[1] = sorting->tick(now);
+      now = std::min(turn.wakes[0], turn.wakes[1]);
+    } while (turn.reaches(now));
+  }
+  std::array<std::uint64_t, 8> outcome() const {
+    return {giving->stats().taken, sorting->stats().taken, porting->stats().taken, taking->stats().taken,
+            giving->last,          sorting->last,          porting->last,          taking->last};
+  }
+
+  Machine machine_{2};
+  UnitId porter = machine_.unit({.name = "porter", .clock = Clock(6), .partition = 1});
+  UnitId giver = machine_.unit({.name = "giver", .clock = Clock(2), .partition = 1});
+  UnitId sorter = machine_.unit({.name = "sorter", .clock = Clock(2), .partition = 1});
+  UnitId taker = machine_.unit({.name = "taker", .clock = Clock(10)});
+  Link<int>& given = machine_.link<int>(3, 1, giver, sorter);
+  Link<int>& sorted = machine_.link<int>(5, 2, sorter, porter);
+  Link<int>& ported = machine_.link<int>(4, 3, porter, taker);
+  std::uint64_t expected, turns = 0, cycles = 0;
+  Relay *giving = nullptr, *sorting = nullptr, *porting = nullptr, *taking = nullptr;
+};
+
+TEST(Machine, AClusterThatRunsAloneChangesNothing) {
+  Chain fast(200), oracle(200), shuffled(200);
+  const Time end = run(fast);
+  EXPECT_EQ(run<Skip::kOff>(oracle), end);
+  EXPECT_EQ(run_shuffled(shuffled, 1), end);
+  EXPECT_EQ(fast.outcome(), oracle.outcome());
+  EXPECT_EQ(shuffled.outcome(), oracle.outcome());
+  EXPECT_GT(fast.turns, 0U);
+  EXPECT_GT(fast.cycles, fast.turns) << "it goes on for several cycles a turn";
+  EXPECT_EQ(oracle.turns + shuffled.turns, 0U) << "where every unit is visited there are no clusters";
+}
+
+TEST(Machine, ThrowsForAClusterThatIsNone) {
+  Machine machine;
+  const UnitId inner = machine.unit({.name = "inner", .clock = Clock(2)});
+  const UnitId slow = machine.unit({.name = "slow", .clock = Clock(4), .partition = 1});
+  const UnitId fast = machine.unit({.name = "fast", .clock = Clock(2), .partition = 1});
+  Chain owner(1);
+  EXPECT_THROW(machine.cluster({}, owner), std::logic_error);
+  EXPECT_THROW(machine.cluster({inner}, owner), std::logic_error) << "partitions run around the inner one";
+  EXPECT_THROW(machine.cluster({slow, fast}, owner), std::logic_error) << "two clocks";
+  machine.cluster({slow}, owner);
+  EXPECT_THROW(machine.cluster({fast}, owner), std::logic_error) << "the partition's second";
 }
 
 TEST(Machine, ThrowsForAUnitThatIsNotBuilt) {
