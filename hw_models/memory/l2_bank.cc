@@ -157,9 +157,9 @@ void L2Bank::write_back(sim::Time now, const L2Store::Victim& victim, Owner owne
 
 /// Takes a request into the head, if that is empty, and sends the head on its way if it can go.
 inline bool L2Bank::take_request(sim::Time now) {
-  const bool held = head_.full;
-  if (held && waits_for_fill()) return false;
-  if (!held) {
+  const bool waited = head_.full;
+  if (waited && waits_for_fill()) return false;
+  if (!waited) {
     const std::uint32_t core = cores_.choose(
         cores_in_.holding(), [&](std::uint32_t i) { return cores_in_.can_pop(i, now); },
         [&](std::uint32_t i) { return cores_in_.pop_at(i); });
@@ -172,7 +172,7 @@ inline bool L2Bank::take_request(sim::Time now) {
     if (!head_.request.write) latency_ -= came;
   }
   head_.full = !(head_.request.write ? write(now) : read(now));
-  return !held || !head_.full;
+  return !waited || !head_.full;
 }
 
 inline bool L2Bank::read(sim::Time now) {
