@@ -97,12 +97,11 @@ Time run_partition(Wakes& wakes, const Partition& partition, Time now, Time end,
       others = wakes.tick_due(partition.units, at, tick_at(at));
       clustered = clustered_wake();
     }
-    if (clustered == at) {
-      cluster.run(cluster.owner, {wakes.times(cluster.units), at, partition.nearly_full == 0 ? end : at + 1,
-                                  wakes.earliest_of_each(partition.units)});
-      clustered = wakes.look_again(cluster.units);
-      others = wakes.earliest(partition.units);
-    }
+    if (clustered != at) continue;
+    cluster.run(cluster.owner, {wakes.times(cluster.units), at, partition.nearly_full == 0 ? end : at + 1,
+                                wakes.earliest_of_each(partition.units)});
+    clustered = wakes.look_again(cluster.units);
+    others = wakes.earliest(partition.units);
   }
 }
 
@@ -114,12 +113,19 @@ Time run_partitions(Owner& owner, Time now, Watchdog<Owner>& watchdog, TickAt&& 
   Wakes& wakes = owner.machine().wakes();
   Partitions& partitions = owner.machine().partitions();
   const std::size_t count = partitions.outer.size();
+  const auto is_nearly_full = [&] {
+    return std::ranges::any_of(partitions.outer, [](const Partition& outer) { return outer.nearly_full != 0; });
+  };
   // There and back: what has been run last is still at the host's hand.
   for (bool back = false;; back = !back, now = wakes.earliest()) {
     Time lookahead_end = now == kNever ? now : owner.lookahead_end(now);
     if (lookahead_end <= now) return now;
     watchdog.watch(now);
     lookahead_end = std::min(lookahead_end, watchdog.next_edge());
+    if (is_nearly_full()) {  // nobody goes on by itself
+      for (; now < lookahead_end && is_nearly_full(); now = wakes.earliest()) wakes.tick_due(now, tick_at(now));
+      continue;
+    }
     Time reached = lookahead_end;  // by all outer partitions
     for (std::size_t i = 0; i < count; ++i) {
       const Partition& partition = partitions.outer[back ? count - 1 - i : i];

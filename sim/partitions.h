@@ -40,7 +40,8 @@ struct Cluster {
 ///
 /// Outer partitions meet the inner one alone. They go first, as far as a lookahead, the inner one follows. Where an
 /// outer partition cannot be sure of room in a link that leads inward, since the inner one may have popped meanwhile,
-/// it waits for the inner one to come up to its own time. All this changes no result.
+/// it waits for the inner one to come up to its own time, and all go on together until it can. All this changes no
+/// result.
 struct Partition {
   Wakes::Groups units;            ///< their wake-up times, in groups of their own; without the cluster's
   std::uint32_t nearly_full = 0;  ///< links that lead inward with room for one item at most
