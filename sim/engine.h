@@ -93,15 +93,15 @@ Time run_partition(Wakes& wakes, const Partition& partition, Time now, Time end,
     const Time at = std::min(others, clustered);
     const Time until = partition.nearly_full == 0 ? end : std::min(end, now + 1);
     if (at >= until) return at;
+    if (clustered == at) {
+      cluster.run(cluster.owner, {wakes.times(cluster.units), at, until, wakes.earliest_of_each(partition.units)});
+      clustered = wakes.look_again(cluster.units);
+      others = wakes.earliest(partition.units);
+    }
     if (others == at) {
       others = wakes.tick_due(partition.units, at, tick_at(at));
       clustered = clustered_wake();
     }
-    if (clustered != at) continue;
-    cluster.run(cluster.owner, {wakes.times(cluster.units), at, partition.nearly_full == 0 ? end : at + 1,
-                                wakes.earliest_of_each(partition.units)});
-    clustered = wakes.look_again(cluster.units);
-    others = wakes.earliest(partition.units);
   }
 }
 

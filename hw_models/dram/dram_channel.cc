@@ -265,8 +265,7 @@ void DramChannel::settle(Cycle until) {
         if (end == burst.end) data_bus_.pop();
       }
     }
-    if (why != charged_) activity_.spend(settled_ * clock_.period(), clock_.period(), why, why);
-    charged_ = why;
+    activity_.spend(settled_ * clock_.period(), clock_.period(), why, why);
     settled_ = end;
   }
 }

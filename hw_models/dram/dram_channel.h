@@ -184,7 +184,6 @@ class DramChannel {
 
   Cycle settled_ = 0;
   CycleReason waiting_ = CycleReason::kIdle;  ///< for what, while the data bus is idle
-  CycleReason charged_ = CycleReason::kIdle;  ///< before settled_
   Stats stats_;
   sim::Activity<CycleReason> activity_;
 };

@@ -148,7 +148,7 @@ class DramDevice {
   Cycle begin_of_refresh(std::uint32_t banks, Cycle from) const;
   void keep_busy(std::uint32_t banks, Cycle begin, std::uint32_t cycles);
 
-  struct alignas(128) Rank {
+  struct Rank {
     std::array<Cycle, 2> column_at{};                ///< reads, writes: after data in the other direction
     std::array<DramCycleReason, 2> column_reason{};  ///< reasons of the same; or another rank's data
     Cycle activate_at = 0;                           ///< tRRD

@@ -55,14 +55,10 @@ class CacheTags {
   /// Is the line here? If so it counts as used now.
   bool probe(Addr line) {
     const std::size_t set = set_of(line);
-    const std::uint32_t* const here = tags(set);
-    for (std::uint32_t way = 0; way < stride_; way += kLanes) {
-      const std::uint32_t mask = equal(here + way, tag_of(line));
-      if (mask == 0) continue;
-      use(set, way + static_cast<std::uint32_t>(std::countr_zero(mask)));
-      return true;
-    }
-    return false;
+    const std::uint32_t way = find(set, tag_of(line));
+    if (way == kNoWay) return false;
+    use(set, way);
+    return true;
   }
 
   /// The slot of the line, which counts as used now; kNoSlot if it is not here.
