@@ -30,8 +30,8 @@ void add_reproduce(CLI::App& app, const std::vector<std::string>& argv) {
   add_progress_option(*verb, options->progress);
   verb->footer(
       "Example: raywatt reproduce kim2016 --scenes ~/scenes -o out/kim2016\n"
-      "Whole papers take hours. An interrupt keeps the rows that are finished, and the same command goes on from\n"
-      "them. docs/reproduce.md tells more.");
+      "Whole papers take hours. Rows are kept as they finish, and the same command goes on from them, however the\n"
+      "run was stopped. docs/reproduce.md tells more.");
   verb->callback([options] { reproduce::reproduce(*options); });
 }
 

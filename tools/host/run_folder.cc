@@ -234,6 +234,7 @@ void RunFolder::fill(const std::function<std::string(const Open& folder)>& write
                                                                      : place_among(staging.folder(), target_, former);
   }
   if (error) throw sim::IoError(cannot_be_written(target_, error));
+  dated_ = false;
   tell_if_interrupted(fmt::format("kept {} in {}", kept, target_.string()));
 }
 

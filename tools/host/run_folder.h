@@ -32,7 +32,7 @@ class RunFolder {
 
   /// Has `write` fill a folder beside the target, then puts it into place of the former results; interrupts wait from
   /// the moment the folder is made, and then say what `write` says has been kept. IoError, and nothing left behind, if
-  /// that fails.
+  /// that fails. To fill it again replaces all that it was filled with.
   void fill(const std::function<std::string(const Open& folder)>& write);
 
   /// There is a report of a former run, which this one would replace.
@@ -42,7 +42,7 @@ class RunFolder {
 
  private:
   const ResultsOf verb_;
-  const bool dated_;
+  bool dated_;  ///< the target may take another name
   std::filesystem::path target_;
 };
 

@@ -151,7 +151,7 @@ class AdaptiveKeys : public ::testing::TestWithParam<const char*> {
     config.supersample.propagate = 2;
     return config;
   }
-  const Method method_{"chess", GetParam(), keys(), 20, 12, 8};
+  const Method method_{"chess", GetParam(), keys(), 12, 10, 8};
 };
 INSTANTIATE_TEST_SUITE_P(Programs, AdaptiveKeys, ::testing::Values("multirate:under", "supersample", "reconstruct"),
                          [](const auto& i) {

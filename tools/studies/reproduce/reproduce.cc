@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <exception>
+#include <optional>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -61,38 +64,43 @@ class Job {
     provenance_ = provenance(options, config);
   }
 
-  /// Measures the cases one after the other, but those that an interrupted run has left in `folder`.
-  void run(const std::vector<Case>& cases, const fs::path& folder, const RunFolder::Open& open) {
+  /// Sets out to measure the cases, but those that a stopped run has left in `folder`.
+  void begin(std::vector<Case> cases, const fs::path& folder) {
+    cases_ = std::move(cases);
     former_ = load_former(folder, head());
-    if (!former_.finished.empty()) {
-      progress_.say(fmt::format("raywatt: goes on behind {} rows that are finished", former_.finished.size()));
-    }
-    for (std::size_t i = 0; i < cases.size(); ++i) {
-      const Case& c = cases[i];
-      if (take_over(c)) continue;
-      const std::string label = fmt::format("{} of {}: {}, {}", i + 1, cases.size(), c.view.scene, c.setting);
-      if (options_.progress == "auto") progress_.say(label);
-      progress_.expect(1, label);
-      measure(c, open);
-      write(open());
-    }
-    keep_pictures(folder, open());
-    write(open());
-    progress_.end("done");
+    if (former_.finished.empty()) return;
+    progress_.say(fmt::format("raywatt: goes on behind {} rows that are finished", former_.finished.size()));
   }
 
-  /// Keeps what there is; false if that is less than what it would replace.
-  bool end_early(const fs::path& folder, const RunFolder::Open& open) {
-    progress_.end(interrupted() ? "interrupted" : "failed");
-    if (results_.rows.empty() || results_.rows.size() < former_.rows) return false;
-    results_.partial = true;
-    keep_pictures(folder, open());
+  bool is_done() const { return next_ == cases_.size(); }
+
+  /// Measures cases until there are more rows than in `folder`, where less never replaces more; then writes all.
+  void go_on(const fs::path& folder, const RunFolder::Open& open) {
+    do {
+      take_next(open);
+    } while (!is_done() && results_.rows.size() <= former_.rows);
+    results_.partial = !is_done();
+    if (!former_.finished.empty() || is_kept_) keep_pictures(folder, open());
     write(open());
-    return true;
+    is_kept_ = true;
   }
+
+  void end(bool has_failed) { progress_.end(!has_failed ? "done" : interrupted() ? "interrupted" : "failed"); }
+  bool is_kept() const { return is_kept_; }
   const Results& results() const { return results_; }
 
  private:
+  void take_next(const RunFolder::Open& open) {
+    const Case& c = cases_[next_];
+    const std::string label = fmt::format("{} of {}: {}, {}", next_ + 1, cases_.size(), c.view.scene, c.setting);
+    if (!take_over(c)) {
+      if (options_.progress == "auto") progress_.say(label);
+      progress_.expect(1, label);
+      measure(c, open);
+    }
+    next_ += 1;
+  }
+
   /// Takes the rows of a case that a former run has finished.
   bool take_over(const Case& c) {
     std::vector<Row> rows;
@@ -158,9 +166,8 @@ class Job {
     }
   }
 
-  /// Brings the pictures of cases that were taken over.
-  void keep_pictures(const fs::path& from, const fs::path& to) const {
-    if (former_.finished.empty()) return;
+  /// Brings the pictures of cases that were finished before.
+  static void keep_pictures(const fs::path& from, const fs::path& to) {
     for (const fs::directory_entry& entry : fs::directory_iterator(from)) {
       const fs::path name = entry.path().filename();
       if (name.extension() != ".png" || !is_result_name(name.string())) continue;
@@ -195,10 +202,13 @@ class Job {
   Progress progress_;
   Runner runner_;
   const Published published_;
+  std::vector<Case> cases_;
+  std::size_t next_ = 0;
   Former former_;
   Results results_;
   nlohmann::ordered_json scenes_ = nlohmann::ordered_json::object();  ///< digests of the files that stand in
   nlohmann::ordered_json provenance_;
+  bool is_kept_ = false;  ///< some rows are in the folder
 };
 
 /// The paper's experiments at the size that is asked for.
@@ -222,17 +232,24 @@ void reproduce(const Options& options) {
   JobOptions plain;
   plain.config = options.config;
   Job job(options, paper, load_run_config(plain));
+  std::optional<HoldInterrupts> hold;  // once something is kept that an interrupt can tell of
   std::exception_ptr failure;
-  folder.fill([&](const RunFolder::Open& open) {
-    try {
-      job.run(cases_of(paper, options), folder.target(), open);
-    } catch (...) {
-      if (!job.end_early(folder.target(), open)) throw;
-      failure = std::current_exception();
+  try {
+    for (job.begin(cases_of(paper, options), folder.target()); !job.is_done();) {
+      folder.fill([&](const RunFolder::Open& open) {
+        job.go_on(folder.target(), open);
+        return fmt::format("{} rows", job.results().rows.size());
+      });
+      if (!hold) hold.emplace();
     }
-    return fmt::format("{} rows", job.results().rows.size());
-  });
-  fmt::print("{}\nresults: {}\n", results_text(job.results()), (folder.target() / "reproduce.md").string());
+  } catch (...) {
+    failure = std::current_exception();
+  }
+  job.end(failure != nullptr);
+  hold.reset();  // an interrupt ends here
+  if (job.is_kept()) {
+    fmt::print("{}\nresults: {}\n", results_text(job.results()), (folder.target() / "reproduce.md").string());
+  }
   if (failure) std::rethrow_exception(failure);
 }
 

@@ -42,7 +42,7 @@ std::string heading(const Results& results) {
   std::string out = results.title;
   if (results.quick) out += ", quick: few pixels, so the figures only show that it runs";
   if (results.shrink > 1) out += fmt::format(", sides of pictures divided by {}", results.shrink);
-  if (results.partial) out += "; PARTIAL: interrupted";
+  if (results.partial) out += "; PARTIAL: settings are left to be run";
   return out;
 }
 

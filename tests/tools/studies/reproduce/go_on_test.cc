@@ -39,6 +39,18 @@ class GoOn : public testing::Test {
     part["rows"][0]["measured"] = 77;  // what no run measures
     std::ofstream(out / "reproduce.json") << part.dump(2);
   }
+  /// Begins or goes on, and is sent a signal as soon as rows are kept.
+  Ending lee2016_until(int signal) const {
+    const bool is_anew = !fs::exists(out);
+    const auto before = is_anew ? fs::file_time_type::min() : fs::last_write_time(out / "reproduce.json");
+    Program program({"reproduce", "lee2016", "--quick", "--threads", "1", "-o", out.string()});
+    EXPECT_TRUE(program.wait_until([&](const std::string&) {
+      std::error_code absent;
+      return fs::last_write_time(out / "reproduce.json", absent) > before && !absent;
+    }));
+    program.send(signal);
+    return program.wait();
+  }
   nlohmann::ordered_json results() const { return nlohmann::ordered_json::parse(read_bytes(out / "reproduce.json")); }
   double first_figure() const { return results()["rows"][0]["measured"]; }
 
@@ -48,13 +60,19 @@ class GoOn : public testing::Test {
 };
 
 TEST_F(GoOn, KeepsFinishedRowsWhenInterruptedMarkedPartial) {
-  Program program({"reproduce", "lee2016", "--quick", "--threads", "1", "-o", out.string()});
-  EXPECT_TRUE(program.wait_for_file(folder.path(), "reproduce.json"));
-  program.send(SIGINT);
-  EXPECT_EQ(program.wait().exit, 128 + SIGINT);
+  EXPECT_EQ(lee2016_until(SIGINT).exit, 128 + SIGINT);
   EXPECT_EQ(results()["partial"], true);
   EXPECT_GE(results()["rows"].size(), 1U);
   EXPECT_SAYS(read_bytes(out / "reproduce.md"), "PARTIAL");
+}
+
+TEST_F(GoOn, KeepsThemWhenKilledTooAndTakesThemUp) {
+  lee2016_until(SIGKILL);
+  EXPECT_EQ(results()["partial"], true);
+  const std::size_t rows = results()["rows"].size();
+  EXPECT_GE(rows, 1U);
+  EXPECT_SAYS(lee2016_until(SIGKILL).err, "goes on behind " + std::to_string(rows) + " rows");
+  EXPECT_GT(results()["rows"].size(), rows);
 }
 
 TEST_F(GoOn, TakesFinishedRowsAndMeasuresTheRest) {
