@@ -23,13 +23,13 @@ enum class Skip : std::uint8_t {
 ///   machine()            its units and links
 ///   done()               all work has left the machine
 /// and, if its partitions may be run by themselves:
-///   lookahead_end(t)     when all partitions have come to t, how far each may be run; not beyond a time at which the
+///   reach(t)             when all partitions have come to t, how far they may be run; not beyond a time at which the
 ///                        machine may be done
 /// and, if units of its machine retire items:
 ///   patience()           the longest time for which it may run without retiring any
 template <class Owner>
 concept HasPartitions = requires(Owner& owner, Time now) {
-  owner.lookahead_end(now);
+  owner.reach(now);
 };
 
 template <class Owner>
@@ -81,20 +81,27 @@ class Watchdog {
   std::uint64_t retired_ = 0;
 };
 
-/// Runs an outer partition by itself and returns its next wake-up: up to `end`, or, while it cannot be sure of room in
-/// a link that leads inward, up to `now`. At `now` the inner partition has done all that comes before. A cluster goes
-/// on alone while no other unit of the partition has something to do.
+/// Runs the inner partition by itself and returns its next wake-up.
 template <class TickAt>
-Time run_partition(Wakes& wakes, const Partition& partition, Time now, Time end, TickAt&& tick_at) {
+Time run_inner(Wakes& wakes, const Partition& inner, Time others, Time end, TickAt&& tick_at) {
+  Time at = wakes.earliest(inner.units);
+  while (at < reach_of(inner, others, end)) at = wakes.tick_due(inner.units, at, tick_at(at));
+  return at;
+}
+
+/// Runs an outer partition by itself and returns its next wake-up. A cluster goes on alone while no other unit of the
+/// partition has something to do.
+template <class TickAt>
+Time run_outer(Wakes& wakes, const Partition& partition, Time inner, Time end, TickAt&& tick_at) {
   const Cluster& cluster = partition.cluster;
   const auto clustered_wake = [&] { return cluster.run == nullptr ? kNever : wakes.earliest(cluster.units); };
   Time others = wakes.earliest(partition.units), clustered = clustered_wake();
   for (;;) {
     const Time at = std::min(others, clustered);
-    const Time until = partition.nearly_full == 0 ? end : std::min(end, now + 1);
-    if (at >= until) return at;
+    if (at >= reach_of(partition, inner, end)) return at;
     if (clustered == at) {
-      cluster.run(cluster.owner, {wakes.times(cluster.units), at, until, wakes.earliest_of_each(partition.units)});
+      const auto units = wakes.earliest_of_each(partition.units);
+      cluster.run(cluster.owner, {wakes.times(cluster.units), at, partition, inner, end, units});
       clustered = wakes.look_again(cluster.units);
       others = wakes.earliest(partition.units);
     }
@@ -113,26 +120,22 @@ Time run_partitions(Owner& owner, Time now, Watchdog<Owner>& watchdog, TickAt&& 
   Wakes& wakes = owner.machine().wakes();
   Partitions& partitions = owner.machine().partitions();
   const std::size_t count = partitions.outer.size();
-  const auto is_nearly_full = [&] {
-    return std::ranges::any_of(partitions.outer, [](const Partition& outer) { return outer.nearly_full != 0; });
-  };
   // There and back: what has been run last is still at the host's hand.
   for (bool back = false;; back = !back, now = wakes.earliest()) {
-    Time lookahead_end = now == kNever ? now : owner.lookahead_end(now);
-    if (lookahead_end <= now) return now;
+    if (now == kNever) return now;
+    Reach reach = owner.reach(now);
+    if (reach.end <= now) return now;
     watchdog.watch(now);
-    lookahead_end = std::min(lookahead_end, watchdog.next_edge());
-    if (is_nearly_full()) {  // nobody goes on by itself
-      for (; now < lookahead_end && is_nearly_full(); now = wakes.earliest()) wakes.tick_due(now, tick_at(now));
-      continue;
-    }
-    Time reached = lookahead_end;  // by all outer partitions
+    reach.end = std::min(reach.end, watchdog.next_edge());
+    const Time next = run_inner(wakes, partitions.inner, now, std::min(reach.lead, reach.end), tick_at);
+    // A pop from a full link would have the inner partition go on at once.
+    const Time led = partitions.inner.nearly_full == 0 ? std::min(next, reach.end) : now;
+    Time reached = reach.end;  // by all outer partitions
     for (std::size_t i = 0; i < count; ++i) {
       const Partition& partition = partitions.outer[back ? count - 1 - i : i];
-      reached = std::min(reached, run_partition(wakes, partition, now, lookahead_end, tick_at));
+      reached = std::min(reached, run_outer(wakes, partition, led, reach.end, tick_at));
     }
-    for (Time at = wakes.earliest(partitions.inner.units); at < reached;)
-      at = wakes.tick_due(partitions.inner.units, at, tick_at(at));
+    run_inner(wakes, partitions.inner, reached, reached, tick_at);
   }
 }
 

@@ -61,11 +61,12 @@ class Link {
     pop_at_ = pop_at;
   }
 
-  /// Counts itself there while there is room for one item at most (sim/partitions.h).
-  void count_if_nearly_full(std::uint32_t* count) {
+  /// Counts itself there while there is room for so many items at most (sim/partitions.h).
+  void count_if_nearly_full(std::uint32_t* count, std::size_t room) {
     assert(size_ == 0);
     nearly_full_ = count;
-    *nearly_full_ += capacity_ == 1;
+    nearly_full_from_ = capacity_ - std::min(static_cast<std::uint32_t>(room), capacity_);
+    *nearly_full_ += nearly_full_from_ == 0;
   }
   /// Time from a push to the first moment at which the item can be seen.
   Time latency() const { return latency_; }
@@ -89,7 +90,7 @@ class Link {
       consumer_.lower(stamp);
     }
     size_ += 1;
-    *nearly_full_ += size_ + 1 == capacity_;
+    *nearly_full_ += size_ == nearly_full_from_;
     tail_ = after(tail_);
     push_at_ = size_ == capacity_ ? kNever : slots_[tail_].stamp;
   }
@@ -105,7 +106,7 @@ class Link {
       push_at_ = stamp;
       producer_.lower(stamp);
     }
-    *nearly_full_ -= size_ + 1 == capacity_;
+    *nearly_full_ -= size_ == nearly_full_from_;
     size_ -= 1;
     head_ = after(head_);
     if (size_ == 0) {
@@ -136,6 +137,7 @@ class Link {
   std::vector<Slot> slots_;
   const std::uint32_t capacity_;
   std::uint32_t head_ = 0, tail_ = 0, size_ = 0;
+  std::uint32_t nearly_full_from_ = 0;  ///< items
   const bool crossing_;
   const Time latency_, release_;  ///< from a push to the consumer, from a pop to the producer, but for the next edge
   Waker producer_{&nobody_}, consumer_{&nobody_};

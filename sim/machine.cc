@@ -147,9 +147,9 @@ void Machine::connect_links() {
   for (const auto& wire : wires_) {
     const std::size_t from = declared_[wire->from].partition, to = declared_[wire->to].partition;
     expect(from == to || from == 0 || to == 0, "outer partitions meet the inner one alone");
-    const bool inward = from != to && to == 0;
+    Partition& sender = from == 0 ? partitions_.inner : partitions_.outer[from - 1];
     wire->connect(wakes_.of(slots_[wire->from]), wakes_.of(slots_[wire->to]),
-                  inward ? &partitions_.outer[from - 1].nearly_full : nullptr);
+                  from != to ? &sender.nearly_full : nullptr);
     if (from != to && wire->lookahead == Lookahead::kByLatency) lookahead_ = std::min(lookahead_, wire->latency());
   }
 }

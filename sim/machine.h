@@ -27,7 +27,7 @@ struct UnitId {
 /// Lookahead that a link between two partitions gives: how far each may be run by itself.
 enum class Lookahead : std::uint8_t {
   kByLatency,  ///< items that come over it matter at any time
-  kByOwner,    ///< the machine's owner knows when something comes over it, and has it in its lookahead_end()
+  kByOwner,    ///< the machine's owner knows when something comes over it, and has it in its reach()
 };
 
 /// Units and the links between them, each declared once. All else follows from that: the units' wake-up times and who
@@ -59,16 +59,18 @@ class Machine {
 
   UnitId unit(Declaration declared);
 
-  /// A link of `capacity` items, each of which takes `latency_cycles` of the clock of `from`.
+  /// A link of `capacity` items, each of which takes `latency_cycles` of the clock of `from`. Where it leads to another
+  /// partition, `from` pushes `at_once` items in a tick at most, or its owner knows when it pushes.
   template <class T>
   Link<T>& link(std::size_t capacity, std::uint64_t latency_cycles, UnitId from, UnitId to,
-                Lookahead lookahead = Lookahead::kByLatency) {
+                Lookahead lookahead = Lookahead::kByLatency, std::size_t at_once = 1) {
     auto wire = std::make_unique<Wire<T>>(capacity, latency_cycles, from.clock, to.clock, synchroniser_cycles_);
     expect(from.index < declared_.size() && to.index < declared_.size(), "a link is between declared units");
     expect(!started(), "a link is declared before the start");
     wire->from = from.index;
     wire->to = to.index;
     wire->lookahead = lookahead;
+    wire->at_once = at_once;
     Link<T>& link = wire->link;
     wires_.push_back(std::move(wire));
     return link;
@@ -203,7 +205,7 @@ class Machine {
     virtual bool empty() const = 0;
     virtual Time latency() const = 0;
     virtual void connect(Waker producer, Waker consumer, std::uint32_t* nearly_full) = 0;
-    std::size_t from = 0, to = 0;
+    std::size_t from = 0, to = 0, at_once = 1;
     Lookahead lookahead = Lookahead::kByLatency;
   };
   template <class T>
@@ -214,7 +216,7 @@ class Machine {
     Time latency() const override { return link.latency(); }
     void connect(Waker producer, Waker consumer, std::uint32_t* nearly_full) override {
       link.wakes(producer, consumer);
-      if (nearly_full != nullptr) link.count_if_nearly_full(nearly_full);
+      if (nearly_full != nullptr) link.count_if_nearly_full(nearly_full, at_once);
     }
     Link<T> link;
   };

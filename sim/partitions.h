@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -7,22 +8,7 @@
 
 namespace sim {
 
-/// How far a cluster goes in one go.
-struct ClusterTurn {
-  Time* wakes;                   ///< wake-up times of its units
-  Time now;                      ///< the earliest of them
-  Time until;                    ///< ticks that are due here or later are left
-  std::span<const Time> others;  ///< earliest wake-up times of the partition's other units, by groups
-
-  /// True if the turn goes on with what is due at `at`: it lies before `until`, and no other unit is due earlier.
-  bool reaches(Time at) const {
-    if (at >= until) return false;
-    for (const Time& other : others) {
-      if (other < at) return false;
-    }
-    return true;
-  }
-};
+struct ClusterTurn;
 
 /// Units of one partition and one clock that their owner ticks himself, cycle after cycle: calls that the compiler
 /// knows, and no look at all others between two cycles. It changes no result, as what other units do at a time is not
@@ -38,14 +24,44 @@ struct Cluster {
 ///
 ///   outer partitions --links--> [ the inner partition ] --links--> outer partitions
 ///
-/// Outer partitions meet the inner one alone. They go first, as far as a lookahead, the inner one follows. Where an
-/// outer partition cannot be sure of room in a link that leads inward, since the inner one may have popped meanwhile,
-/// it waits for the inner one to come up to its own time, and all go on together until it can. All this changes no
-/// result.
+/// Outer partitions meet the inner one alone. It leads, as far as a lookahead, the outer ones follow. A pop is seen
+/// before it comes, by the time that the slot is free again, but a partition whose links might be full cannot be sure
+/// of room before the others have come up to its own time: it waits for them. All this changes no result.
 struct Partition {
   Wakes::Groups units;            ///< their wake-up times, in groups of their own; without the cluster's
-  std::uint32_t nearly_full = 0;  ///< links that lead inward with room for one item at most
+  std::uint32_t nearly_full = 0;  ///< links to others that a tick might fill up
   Cluster cluster;
+};
+
+/// How far a partition goes, if the others have done all that comes before `others` and it may go to `end`: no further
+/// than it can be sure of room.
+inline Time reach_of(const Partition& partition, Time others, Time end) {
+  return partition.nearly_full == 0 ? end : std::min(end, others + 1);
+}
+
+/// How far a cluster goes in one go.
+struct ClusterTurn {
+  Time* wakes;  ///< wake-up times of its units
+  Time now;     ///< the earliest of them
+  const Partition& partition;
+  Time inner;                    ///< the inner partition has done all that comes before
+  Time end;                      ///< ticks that are due here or later are left
+  std::span<const Time> others;  ///< earliest wake-up times of the partition's other units, by groups
+
+  /// True if the turn goes on with what is due at `at`: the partition reaches it, and no other unit is due earlier.
+  bool reaches(Time at) const {
+    if (at >= reach_of(partition, inner, end)) return false;
+    for (const Time& other : others) {
+      if (other < at) return false;
+    }
+    return true;
+  }
+};
+
+/// How far partitions that have all come to the same time may be run by themselves.
+struct Reach {
+  Time lead;  ///< the inner one before the others
+  Time end;   ///< all
 };
 
 /// The partitions of a machine.

@@ -47,7 +47,7 @@ sim::Time DramChannel::tick(sim::Time now) {
   settle(cycle);
   if (refresh_at_ <= cycle) refresh(cycle);
   if (ports_in_.pop_at() <= now) take_request(now, cycle);
-  while (!returns_.empty() && respond(returns_.front(), now)) {
+  if (!returns_.empty() && respond(returns_.front(), now)) {
     next_is_stale_ |= returns_.size() == most_returns_;
     returns_.pop_front();
   }

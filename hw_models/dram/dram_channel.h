@@ -45,6 +45,7 @@ class DramChannel {
  public:
   static constexpr const char* kName = "dram.channel";
   static constexpr Block kBlock = Block::kDram;
+  static constexpr std::size_t kAtOnce = 2;  ///< lines to a port in one tick at most: one that waited, and a new one
   using CycleReason = DramCycleReason;
   static constexpr auto kReasons = kDramReasons;
   struct Stats {

@@ -73,7 +73,7 @@ Gpu::Core& Gpu::declare_core(std::uint32_t c) {
   const sim::UnitId srp = machine_.unit({name_in_core(Srp::kName, c), srp_clock_, c + 1, config_.srp.sram_bytes(),
                                          config_.srp.data_cache.size.bytes, config_.srp.array.parts()});
   const std::uint32_t in_flight = in_flight_.most();
-  const auto known = sim::Lookahead::kByOwner;  // lookahead_end() knows when tiles come and go
+  const auto known = sim::Lookahead::kByOwner;  // reach() knows when tiles come and go
   TniCore tni(machine_, config_.tni, {config_.ideal.tni, config_.ideal.l1}, c, tni_clock_);
   memory_.declare_ports();
   return cores_.emplace_back(
@@ -144,7 +144,6 @@ void Gpu::build_core(std::uint32_t c, const Workload& workload) {
   machine_.report_part(name_in_core(TileBuffer::kName, c), core.srp->tile_buffer(), config_.tile_buffer.size.bytes);
   core.tni.build(machine_, scene_in_memory(workload.image, workload.parents), direct.interval,
                  {wires.rays_to_tni, wires.hits_from_tni, tni});
-  machine_.cluster(core.tni.units(), core.tni);
   core.dma = &machine_.build<Dma>(
       dma, Dma::Links{dma_jobs, dma_dones, transfers.requests, transfers.responses, workload.watchers.cores, c},
       transfers.client, srp_clock_);
@@ -154,26 +153,30 @@ void Gpu::build_core(std::uint32_t c, const Workload& workload) {
         RasterUnit::Links{raster->jobs, raster->done, raster->memory.requests, raster->memory.responses},
         raster->memory.client, tni_clock_, config_.ideal.l1);
   }
-  if (!between) return memory_.build_ports(c);
-  const std::uint32_t lines = config_.interconnect.link_depth;
-  const MemoryClient records{*between, lines, Asker::kRecords};
-  const MemoryPort rays = memory_.cache_client(c, records), hits = memory_.cache_client(c, records);
-  memory_.build_ports(c);
+  std::vector<MemoryPort> records;  // rays', then hits'
+  if (between) {
+    const MemoryClient client{*between, config_.interconnect.link_depth, Asker::kRecords};
+    records = memory_.cache_clients(c, std::array{client, client});
+  }
+  core.tni.cluster(machine_, memory_.cache_port_id(c), memory_.build_ports(c));
+  if (!between) return;
+  const MemoryPort &rays = records[0], &hits = records[1];
   machine_.build<MemoryInterface>(
       *between, direct, records_of(config_, workload, c), rays.client,
       MemoryInterface::Rays::Links{wires.rays_from_srp, wires.rays_to_tni, rays.requests, rays.responses},
       MemoryInterface::Hits::Links{wires.hits_from_tni, wires.hits_to_srp, hits.requests, hits.responses}, l2_clock_);
 }
 
-sim::Time Gpu::lookahead_end(sim::Time now) const {
-  // When all tiles have come back, the rest may end at any time. An ideal port does not stop at a nearly full link.
-  if (stopped_ || dispatcher_->done() || config_.ideal.interconnect) return now;
+sim::Reach Gpu::reach(sim::Time now) const {
+  // When all tiles have come back, the rest may end at any time.
+  if (stopped_ || dispatcher_->done()) return {now, now};
   const Core& core = cores_.front();
-  const sim::Time next_tile = machine_.wake_time(dispatcher_id_) + core.tiles_in.latency();
+  const sim::Time dispatch = machine_.wake_time(dispatcher_id_), next_tile = dispatch + core.tiles_in.latency();
   const bool dma_reads = std::ranges::any_of(cores_, [](const Core& c) { return c.dma->awaits_lines(); });
   const sim::Time lookahead = std::min(machine_.lookahead(), core.tiles_in.latency() + core.tiles_out.latency());
   const sim::Time end = std::min(now + (dma_reads ? std::min(lookahead, memory_.dma_latency()) : lookahead), next_tile);
-  return dispatcher_->has_more() ? end : std::min(end, last_tile_may_end(now));
+  // The dispatcher may hear of a tile that ends meanwhile, so it does not lead.
+  return {dispatch, dispatcher_->has_more() ? end : std::min(end, last_tile_may_end(now))};
 }
 
 /// With no tile left to hand out, the machine may be done when the dispatcher hears of the end of one.

@@ -52,7 +52,7 @@ class Gpu {
   // As the engine sees it (sim/engine.h).
   sim::Machine& machine() { return machine_; }
   bool done() const { return stopped_ || (dispatcher_->done() && machine_.quiet()); }
-  sim::Time lookahead_end(sim::Time now) const;
+  sim::Reach reach(sim::Time now) const;
   sim::Time patience() const { return patience_; }
 
   /// Charges every unit's time up to the end of the run. Call once, with what the engine returned.

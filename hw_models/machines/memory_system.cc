@@ -57,9 +57,12 @@ void MemorySystem::link_banks_to_channels() {
 
 void MemorySystem::link_to_banks(Port& cache) {
   const std::uint32_t depth = link_depth_ + distance_;
+  const auto by_latency = sim::Lookahead::kByLatency;
+  const std::size_t requests = config_.ideal.interconnect ? depth : 1,
+                    lines = config_.ideal.l2 ? depth : L2Bank::kAtOnce;
   for (Bank& bank : declared_banks_) {
-    auto& up = machine_.link<MemRequest>(depth, distance_, cache.unit, bank.unit);
-    auto& down = machine_.link<MemResponse>(depth, distance_, bank.unit, cache.unit);
+    auto& up = machine_.link<MemRequest>(depth, distance_, cache.unit, bank.unit, by_latency, requests);
+    auto& down = machine_.link<MemResponse>(depth, distance_, bank.unit, cache.unit, by_latency, lines);
     cache.links.targets_out.push_back(&up);
     cache.links.targets_in.push_back(&down);
     bank.links.cores_in.push_back(&up);
@@ -69,10 +72,12 @@ void MemorySystem::link_to_banks(Port& cache) {
 
 void MemorySystem::link_to_channels(Port& dma) {
   const std::uint32_t depth = link_depth_ + distance_;
+  const auto by_latency = sim::Lookahead::kByLatency, awaited = sim::Lookahead::kByOwner;  // by a DMA: that is known
+  const std::size_t requests = config_.ideal.interconnect ? depth : 1;
+  const std::size_t lines = config_.ideal.dram ? depth : DramChannel::kAtOnce;
   for (Channel& channel : declared_channels_) {
-    auto& up = machine_.link<MemRequest>(depth, distance_, dma.unit, channel.unit);
-    // Lines come for a DMA that awaits some, which is known.
-    auto& down = machine_.link<MemResponse>(depth, distance_, channel.unit, dma.unit, sim::Lookahead::kByOwner);
+    auto& up = machine_.link<MemRequest>(depth, distance_, dma.unit, channel.unit, by_latency, requests);
+    auto& down = machine_.link<MemResponse>(depth, distance_, channel.unit, dma.unit, awaited, lines);
     dma.links.targets_out.push_back(&up);
     dma.links.targets_in.push_back(&down);
     channel.links.ports_in.push_back(&up);
@@ -110,14 +115,16 @@ std::vector<sim::Link<Flush>*> MemorySystem::flushes(sim::UnitId from) {
   return all;
 }
 
-void MemorySystem::build_ports(std::uint32_t core) {
-  const auto build = [&](Port& port, Interleave targets) {
+CorePort& MemorySystem::build_ports(std::uint32_t core) {
+  const auto build = [&](Port& port, Interleave targets) -> CorePort& {
     port.links.book = watchers_.book;
-    built_ports_.push_back(&machine_.build<CorePort>(port.unit, config_.interconnect, port.links, targets, clock_,
-                                                     config_.l2.cache.line.bytes, config_.ideal.interconnect));
+    return *built_ports_.emplace_back(&machine_.build<CorePort>(port.unit, config_.interconnect, port.links, targets,
+                                                                clock_, config_.l2.cache.line.bytes,
+                                                                config_.ideal.interconnect));
   };
-  build(cache_ports_[core], config_.l2.interleave());
+  CorePort& caches = build(cache_ports_[core], config_.l2.interleave());
   if (dma_ == Dma::kYes) build(dma_ports_[core], config_.dram.interleave());
+  return caches;
 }
 
 void MemorySystem::build_banks_and_channels() {

@@ -40,7 +40,9 @@ class MemorySystem {
   /// Links that tell each bank that the frame is over.
   std::vector<sim::Link<Flush>*> flushes(sim::UnitId from);
 
-  void build_ports(std::uint32_t core);
+  /// Builds a core's ports, and returns that of its caches.
+  CorePort& build_ports(std::uint32_t core);
+  sim::UnitId cache_port_id(std::uint32_t core) const { return cache_ports_[core].unit; }
   void build_banks_and_channels();
 
   const std::vector<CorePort*>& ports() const { return built_ports_; }

@@ -44,6 +44,7 @@ class L2Bank {
  public:
   static constexpr const char* kName = "l2.bank";
   static constexpr Block kBlock = Block::kL2;
+  static constexpr std::size_t kAtOnce = 2;  ///< lines to a core in one tick at most: of this cycle, and of the next
   enum class CycleReason : std::uint8_t {
     kIdle,
     kServing,

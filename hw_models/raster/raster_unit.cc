@@ -22,10 +22,10 @@ sim::Time RasterUnit::tick(sim::Time now) {
   bool moved = end_job(now);
   if (end_ == End::kWriting && job(ended_).bins()) wrote = write_lists();
   moved |= end_back(now);
-  moved |= begin_back(now);
+  begin_back(now);
   moved |= end_front(now);
-  moved |= begin_back(now);
-  moved |= begin_front(now);
+  begin_back(now);
+  begin_front(now);
   const bool looked = fetch_.look_up();
   moved |= enter();
   moved |= take_job(now);
@@ -63,12 +63,12 @@ bool RasterUnit::enter() {
   return true;
 }
 
-bool RasterUnit::begin_front(sim::Time now) {
+void RasterUnit::begin_front(sim::Time now) {
   constexpr std::uint32_t kLines = 4;  // that transformed vertices of a triangle may fill
-  if (has_front_ || !fetch_.ready()) return false;
+  if (has_front_ || !fetch_.ready()) return;
   find(setting_);
   const Job& of = job(setting_.job);
-  if (of.bins() && !writes_.has_room(kLines)) return false;
+  if (of.bins() && !writes_.has_room(kLines)) return;
   std::uint64_t cycles = 0;
   if (of.bins()) {
     cycles = std::uint64_t{fetch_.missed()} * config_.vertex_interval;
@@ -80,7 +80,6 @@ bool RasterUnit::begin_front(sim::Time now) {
   fetch_.leave();
   has_front_ = true;
   front_until_ = clock_.after(now, std::max<std::uint64_t>(1, cycles));
-  return true;
 }
 
 /// Sends transformed vertices to memory.
@@ -100,16 +99,15 @@ bool RasterUnit::end_front(sim::Time now) {
   return true;
 }
 
-bool RasterUnit::begin_back(sim::Time now) {
+void RasterUnit::begin_back(sim::Time now) {
   // Triangles that wait behind the oldest job's are a later job's.
-  if (has_back_ || queued_ == 0 || finished_ == job(ended_).triangles()) return false;
+  if (has_back_ || queued_ == 0 || finished_ == job(ended_).triangles()) return;
   const Job& of = job(ended_);
   const traces::RasterTriangle& triangle = of.triangle(finished_);
   const std::uint64_t cycles = of.bins() ? list_cycles(triangle) : cover_cycles(triangle, of.work());
   queued_ -= 1;
   has_back_ = true;
   back_until_ = clock_.after(now, std::max<std::uint64_t>(1, cycles));
-  return true;
 }
 
 std::uint64_t RasterUnit::list_cycles(const traces::RasterTriangle& triangle) {

@@ -107,9 +107,9 @@ class RasterUnit {
   bool write_lists();
   void close_writes();
   bool end_back(sim::Time now);
-  bool begin_back(sim::Time now);
+  void begin_back(sim::Time now);
   bool end_front(sim::Time now);
-  bool begin_front(sim::Time now);
+  void begin_front(sim::Time now);
   bool enter();
   bool take_job(sim::Time now);
 

@@ -91,7 +91,11 @@ ScheduleGraph::Source ScheduleGraph::source_of(const Graph& graph, std::uint32_t
 
 std::vector<std::int64_t> ScheduleGraph::heights(std::uint32_t ii) const {
   std::vector<std::int64_t> height;
-  for (const Operation& op : operations_) height.push_back(op.latency);
+  std::int64_t highest = 0;  // height that no way exceeds which meets each operation once
+  for (const Operation& op : operations_) {
+    height.push_back(op.latency);
+    highest += op.latency;
+  }
   // Bellman-Ford: a way without a circle has fewer steps than there are operations.
   for (std::size_t round = 0; round <= operations_.size(); ++round) {
     bool grew = false;
@@ -99,6 +103,7 @@ std::vector<std::int64_t> ScheduleGraph::heights(std::uint32_t ii) const {
       const std::int64_t through = height[d->to] + operations_[d->from].latency - std::int64_t{d->after} -
                                    std::int64_t{ii} * std::int64_t{d->distance};
       if (through <= height[d->from]) continue;
+      if (through > highest) return {};
       height[d->from] = through;
       grew = true;
     }

@@ -69,19 +69,24 @@ void TniCore::build(sim::Machine& machine, const Scene& scene, std::uint32_t hit
   ist_ = &machine.build<Ist>(ist_id_, config_.ist, mode, scene.triangles, ist, links.memory.back().client, clock);
 }
 
-std::vector<sim::UnitId> TniCore::units() const {
-  std::vector<sim::UnitId> all{dispatcher_id_, ist_id_};
-  all.insert(all.end(), trv_ids_.begin(), trv_ids_.end());
-  return all;
+void TniCore::cluster(sim::Machine& machine, sim::UnitId port_id, CorePort& port) {
+  std::vector<sim::UnitId> units{dispatcher_id_, ist_id_};
+  units.insert(units.end(), trv_ids_.begin(), trv_ids_.end());
+  if (port_id.clock == dispatcher_id_.clock) {
+    port_ = &port;
+    units.push_back(port_id);
+  }
+  machine.cluster(units, *this);
 }
 
 void TniCore::run(const sim::ClusterTurn& turn) {
-  const std::span<sim::Time> wakes(turn.wakes, 2 + trvs_.size());
+  const std::span<sim::Time> wakes(turn.wakes, 2 + trvs_.size() + (port_ != nullptr ? 1 : 0));
   Cycle cycle(turn.now, dispatcher_id_.clock);
   for (;;) {
     if (wakes[0] <= cycle.now) wakes[0] = dispatcher_->tick(cycle.now);
     if (wakes[1] <= cycle.now) wakes[1] = ist_->tick(cycle);
     Trv::tick_due(trvs_, &wakes[2], cycle);
+    if (port_ != nullptr && wakes.back() <= cycle.now) wakes.back() = port_->tick(cycle.now);
     sim::Time soonest = sim::kNever;
     for (std::size_t i = wakes.size(); i-- > 0 && soonest != cycle.next;) soonest = std::min(soonest, wakes[i]);
     if (!turn.reaches(soonest)) return;

@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "hw_models/memory/core_port.h"
 #include "hw_models/memory/memory_port.h"
 #include "hw_models/tni/ist.h"
 #include "hw_models/tni/ray_dispatcher.h"
@@ -41,8 +42,8 @@ class TniCore {
   /// `hit_interval`: cycles from a hit sent back to the next. Called once; `machine` is the one it is declared in.
   void build(sim::Machine& machine, const Scene& scene, std::uint32_t hit_interval, const Links& links);
 
-  /// Its units, and how they run as a cluster of the machine (sim/partitions.h).
-  std::vector<sim::UnitId> units() const;
+  /// Has its units, with the core's port if that has their clock, run as a cluster of the machine (sim/partitions.h).
+  void cluster(sim::Machine& machine, sim::UnitId port_id, CorePort& port);
   void run(const sim::ClusterTurn& turn);
 
   /// Takes rays and sends hits.
@@ -62,6 +63,7 @@ class TniCore {
   RayDispatcher* dispatcher_ = nullptr;
   std::vector<Trv*> trvs_;
   Ist* ist_ = nullptr;
+  CorePort* port_ = nullptr;  ///< if it is in the cluster
 };
 
 }  // namespace hw

@@ -132,6 +132,27 @@ TEST(Machine, WhatLeadsInwardBoundsTheLookaheadAndIsCountedWhenNearlyFull) {
   EXPECT_EQ(outer.nearly_full, 0U);
   for (int i = 0; i < 3; ++i) pair.link.push(0, i);
   EXPECT_EQ(outer.nearly_full, 1U);
+  EXPECT_EQ(pair.machine().partitions().inner.nearly_full, 0U);
+}
+
+TEST(Machine, ALinkIsNearlyFullWhereOneTickOfItsProducerMightFillIt) {
+  Machine machine;
+  const UnitId inner = machine.unit({.name = "inner", .clock = Clock(2)});
+  const UnitId outer = machine.unit({.name = "outer", .clock = Clock(2), .partition = 1});
+  auto& two_at_once = machine.link<int>(4, 1, inner, outer, Lookahead::kByLatency, 2);
+  auto& all_at_once = machine.link<int>(4, 1, outer, inner, Lookahead::kByLatency, 9);
+  machine.build<Relay>(inner, Clock(2), &all_at_once, &two_at_once);
+  machine.build<Relay>(outer, Clock(2), &two_at_once, &all_at_once);
+  machine.start();
+  EXPECT_EQ(machine.partitions().inner.nearly_full, 0U);
+  for (int i = 0; i < 2; ++i) two_at_once.push(0, i);
+  EXPECT_EQ(machine.partitions().inner.nearly_full, 1U);
+  two_at_once.pop(2);
+  EXPECT_EQ(machine.partitions().inner.nearly_full, 0U);
+  EXPECT_EQ(machine.partitions().outer.front().nearly_full, 1U) << "from the start";
+  all_at_once.push(0, 7);
+  all_at_once.pop(2);
+  EXPECT_EQ(machine.partitions().outer.front().nearly_full, 1U);
 }
 
 TEST(Machine, WhatItsOwnerKnowsOfDoesNotBoundTheLookahead) {
@@ -167,15 +188,16 @@ struct Chain {
   Machine& machine() { return machine_; }
   bool done() const { return taking->stats().taken == expected; }
   /// The last few numbers are taken with all units together, as the end may be at any time.
-  Time lookahead_end(Time now) const {
-    return taking->stats().taken + 8 >= expected ? now : now + machine_.lookahead();
+  Reach reach(Time now) const {
+    const Time end = taking->stats().taken + 8 >= expected ? now : now + machine_.lookahead();
+    return {end, end};
   }
   void run(const ClusterTurn& turn) {
     turns += 1;
     Time now = turn.now;
     do {
       cycles += 1;
-      EXPECT_LT(now, turn.until);
+      EXPECT_LT(now, turn.end);
       for (const Time other : turn.others) EXPECT_LE(now, other) << "the porter had something to do before";
       if (turn.wakes[0] <= now) turn.wakes[0] = giving->tick(now);
       if (turn.wakes[1] <= now) turn.wakes[1] = sorting->tick(now);

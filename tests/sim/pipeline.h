@@ -175,9 +175,10 @@ class ApartPipeline : public Pipeline {
  public:
   using Pipeline::Pipeline;
   /// The last items are taken with all partitions at the same time.
-  Time lookahead_end(Time now) const {
+  Reach reach(Time now) const {
     const bool ends_soon = config_.items - sink.taken.size() <= config_.capacity;
-    return ends_soon ? now : now + machine_.lookahead();
+    const Time end = ends_soon ? now : now + machine_.lookahead();
+    return {end, end};
   }
 };
 

@@ -52,6 +52,9 @@ class DispatcherHarness {
       links.from_core.push_back(&out);
       machine_.build<Core>(core, *this, c, in, out);
     }
+    const sim::UnitId bank = machine_.unit({"bank", clock_});
+    links.to_l2.push_back(&machine_.link<Flush>(1, 1, dispatcher, bank));
+    machine_.build<Bank>(bank, flushes, *links.to_l2.back());
     dispatcher_ = &machine_.build<TileDispatcher>(
         dispatcher, source, TilesInFlight{setup.tiles_per_core, setup.tiles_in_pass}, links, clock_, setup.starts);
   }
@@ -86,8 +89,20 @@ class DispatcherHarness {
 
   EmptyTiles source;
   std::vector<Arrival> arrivals;
+  std::uint32_t flushes = 0;  ///< that have come before the last tile is back
 
  private:
+  struct Bank {
+    sim::Time tick(sim::Time now) {
+      if (in.can_pop(now)) {
+        in.pop(now);
+        flushes += 1;
+      }
+      return in.pop_at();
+    }
+    std::uint32_t& flushes;
+    sim::Link<Flush>& in;
+  };
   struct Core {
     Core(DispatcherHarness& b, std::size_t c, sim::Link<TileJob>& jobs, sim::Link<TileDone>& dones)
         : harness(b), index(c), in(jobs), out(dones) {}
@@ -119,6 +134,13 @@ TEST(TileDispatcher, HandsOutATileACycleEachCoreInTurnUntilAllAreFull) {
   }
   // The first tile is back after its stay; the seventh leaves in the cycle in which its place is known to be free.
   EXPECT_EQ(harness.arrivals[6].cycle, 1 + 50 + 1U);
+}
+
+TEST(TileDispatcher, FlushesTheL2WhenAllTilesAreBack) {
+  DispatcherHarness harness({.tiles = 12});
+  harness.run();
+  EXPECT_EQ(harness.flushes, 0U);
+  EXPECT_FALSE(harness.machine().quiet()) << "it is on its way";
 }
 
 TEST(TileDispatcher, NoCoreGetsATileBeforeItsStart) {

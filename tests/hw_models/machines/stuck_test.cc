@@ -72,6 +72,7 @@ TEST(Patience, GrowsWithEverythingThatARequestMayWaitFor) {
     GpuConfig config;
     change(config);
     EXPECT_GT(patience(config, {}, {}), patience(plain, {}, {})) << what;
+    EXPECT_LT(patience(config, {}, {}), 20 * patience(plain, {}, {})) << what;
   };
   for (auto timing :
        {&DramTiming::rfc_ab, &DramTiming::xp, &DramTiming::rp_ab, &DramTiming::rc, &DramTiming::rcd, &DramTiming::rl,

@@ -75,6 +75,16 @@ TEST(L2Writes, APieceWrittenTwiceReachesMemoryOnce) {
   EXPECT_EQ(b.stats().write_hits, 4U);
 }
 
+TEST(L2Writes, ABankIsIdleBehindAFlush) {
+  BankHarness b;
+  b.core(0).send(640, 0, true);
+  b.core(0).send(6400, BankHarness::kFlushAt + 1000);
+  b.harness.run();
+  EXPECT_EQ(b.written(), 64U);
+  EXPECT_EQ(b.why(L2Bank::CycleReason::kMemoryFull), 0U);
+  EXPECT_GT(b.why(L2Bank::CycleReason::kIdle), BankHarness::kFlushAt + 900);
+}
+
 TEST(L2Writes, AWriteIsTakenEachCycle) {
   BankHarness b;
   for (Addr i = 0; i < 50; ++i) b.core(0).send(64 * (i % 16), 0, true);

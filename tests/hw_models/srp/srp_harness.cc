@@ -33,7 +33,8 @@ SrpHarness::SrpHarness(const Setup& setup, const std::vector<Kernel>& kernels)
                          .needs = {.tile_samples = setup.tile_samples, .wave_samples = setup.wave_samples},
                          .ray_interval = setup.ray_interval * clock_.period(),
                          .areas = kBases,
-                         .ideal = setup.ideal};
+                         .ideal = setup.ideal,
+                         .book = setup.book};
   machine_.build<World>(world_id_, *this);
   srp_ = &machine_.build<Srp>(
       srp_id_, setup.config, setup.buffer, frame,

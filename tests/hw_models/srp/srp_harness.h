@@ -30,6 +30,7 @@ class SrpHarness {
     std::uint32_t tile_samples = 16;
     std::uint32_t wave_samples = 0;
     bool ideal = false;
+    TileBook* book = nullptr;
   };
   struct Kernel {
     std::uint32_t ii = 1, depth = 10;

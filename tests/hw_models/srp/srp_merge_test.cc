@@ -55,6 +55,15 @@ TEST(SrpMerge, LaunchesThatWaitTogetherPayOneSwitchOnePrologueAndOneDrain) {
   EXPECT_EQ(harness.srp().kernel_use()[kA].items, 48U);
 }
 
+TEST(SrpMerge, ALoopsCyclesAreSharedOutAmongItsTilesToTheLastOne) {
+  TileBook book(0);
+  SrpHarness::Setup setup = merging();
+  setup.book = &book;
+  SrpHarness harness(setup, kKernels);
+  harness.add(keeps_the_array()).add(short_tile(1)).add(short_tile(2)).add(short_tile(3)).run();
+  EXPECT_EQ(book.of(kNoOwner).srp_cycles, harness.cycles(kA) + harness.cycles(kB)) << "all tiles go by no name here";
+}
+
 TEST(SrpMerge, OffEachPaysItsOwn) {
   SrpHarness::Setup setup = merging();
   setup.config.merge = false;
