@@ -3,12 +3,28 @@
 #include <algorithm>
 #include <iterator>
 #include <stdexcept>
+#include <vector>
 
 namespace hw {
 
 using kernels::Graph;
 using kernels::GraphNode;
 using kernels::Op;
+
+namespace {
+
+/// Does a way along `next` come back to where it has been?
+bool has_circle(const std::vector<std::uint32_t>& next) {
+  std::vector<std::uint32_t> met_from(next.size(), GraphNode::kNone);
+  for (std::uint32_t first = 0; first < next.size(); ++first) {
+    std::uint32_t at = first;
+    for (; at != GraphNode::kNone && met_from[at] == GraphNode::kNone; at = next[at]) met_from[at] = first;
+    if (at != GraphNode::kNone && met_from[at] == first) return true;
+  }
+  return false;
+}
+
+}  // namespace
 
 ScheduleGraph::ScheduleGraph(const Graph& graph, const SrpConfig& config)
     : cache_width_(static_cast<std::uint32_t>(config.array.cache_port_width.bytes)),
@@ -91,25 +107,22 @@ ScheduleGraph::Source ScheduleGraph::source_of(const Graph& graph, std::uint32_t
 
 std::vector<std::int64_t> ScheduleGraph::heights(std::uint32_t ii) const {
   std::vector<std::int64_t> height;
-  std::int64_t highest = 0;  // height that no way exceeds which meets each operation once
-  for (const Operation& op : operations_) {
-    height.push_back(op.latency);
-    highest += op.latency;
-  }
-  // Bellman-Ford: a way without a circle has fewer steps than there are operations.
-  for (std::size_t round = 0; round <= operations_.size(); ++round) {
-    bool grew = false;
+  for (const Operation& op : operations_) height.push_back(op.latency);
+  std::vector<std::uint32_t> next(operations_.size(), GraphNode::kNone);  // operation behind it on the longest way
+  // Bellman-Ford: where heights would grow for ever, the ways by which they grow soon have a circle.
+  for (bool grew = true; grew;) {
+    grew = false;
     for (auto d = dependences_.rbegin(); d != dependences_.rend(); ++d) {
       const std::int64_t through = height[d->to] + operations_[d->from].latency - std::int64_t{d->after} -
                                    std::int64_t{ii} * std::int64_t{d->distance};
       if (through <= height[d->from]) continue;
-      if (through > highest) return {};
       height[d->from] = through;
+      next[d->from] = d->to;
       grew = true;
     }
-    if (!grew) return height;
+    if (grew && has_circle(next)) return {};
   }
-  return {};
+  return height;
 }
 
 std::uint32_t ScheduleGraph::recurrence_interval() const {
