@@ -197,7 +197,7 @@ struct Chain {
     Time now = turn.now;
     do {
       cycles += 1;
-      EXPECT_LT(now, turn.end);
+      EXPECT_LT(now, reach_of(turn.partition, turn.inner, turn.end));
       for (const Time other : turn.others) EXPECT_LE(now, other) << "the porter had something to do before";
       if (turn.wakes[0] <= now) turn.wakes[0] = giving->tick(now);
       if (turn.wakes[1] <= now) turn.wakes[1] = sorting->tick(now);

@@ -76,17 +76,16 @@ class Job {
 
   /// Measures cases until there are more rows than in `folder`, where less never replaces more; then writes all.
   void go_on(const fs::path& folder, const RunFolder::Open& open) {
+    const bool some_are_kept = next_ != 0 || !former_.finished.empty();
     do {
       take_next(open);
     } while (!is_done() && results_.rows.size() <= former_.rows);
     results_.partial = !is_done();
-    if (!former_.finished.empty() || is_kept_) keep_pictures(folder, open());
+    if (some_are_kept) keep_pictures(folder, open());
     write(open());
-    is_kept_ = true;
   }
 
   void end(bool has_failed) { progress_.end(!has_failed ? "done" : interrupted() ? "interrupted" : "failed"); }
-  bool is_kept() const { return is_kept_; }
   const Results& results() const { return results_; }
 
  private:
@@ -208,7 +207,6 @@ class Job {
   Results results_;
   nlohmann::ordered_json scenes_ = nlohmann::ordered_json::object();  ///< digests of the files that stand in
   nlohmann::ordered_json provenance_;
-  bool is_kept_ = false;  ///< some rows are in the folder
 };
 
 /// The paper's experiments at the size that is asked for.
@@ -246,8 +244,9 @@ void reproduce(const Options& options) {
     failure = std::current_exception();
   }
   job.end(failure != nullptr);
+  const bool some_are_kept = hold.has_value();
   hold.reset();  // an interrupt ends here
-  if (job.is_kept()) {
+  if (some_are_kept) {
     fmt::print("{}\nresults: {}\n", results_text(job.results()), (folder.target() / "reproduce.md").string());
   }
   if (failure) std::rethrow_exception(failure);
