@@ -1,5 +1,6 @@
 #include "tools/host/staging.h"
 
+#include <cerrno>
 #include <string_view>
 
 #include <fcntl.h>
@@ -40,13 +41,12 @@ std::error_code Staging::make() {
   for (fs::path p = parent; !fs::exists(p, error) && p.has_relative_path(); p = p.parent_path()) made_.push_back(p);
   remove_left();
   // Again if the name is taken by what a killed run has left, if another run has removed the parent it had made, or
-  // took the folder for left in the moment before it was locked.
+  // takes the folder for left, having locked it first. File systems without locks will do.
   for (int n = 0; n < 100; ++n) {
     const fs::path folder = parent / fmt::format("{}{}.{}{}", begin(), ::getpid(), n, kEnd);
     fs::create_directories(parent, error);
     if (error || !fs::create_directory(folder, error)) continue;
-    lock_.take(folder);
-    if (!fs::exists(folder, error)) continue;
+    if (!lock_.take(folder) && (errno == EWOULDBLOCK || !fs::exists(folder, error))) continue;
     folder_ = folder;
     return {};
   }

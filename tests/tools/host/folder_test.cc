@@ -52,9 +52,11 @@ TEST(Folder, KilledRunsLeaveIsRemovedByTheNextRun) {
   killed.send(SIGKILL);
   EXPECT_EQ(killed.wait().exit, 128 + SIGKILL);
   ASSERT_EQ(names_in(folder.path()).size(), 1U) << "what it has left";
+  const fs::path left = folder.path() / names_in(folder.path()).front();
   fs::create_directory(folder.path() / ".other.1.0.raywatt-tmp");
   fs::create_directory(folder.path() / ".out.notes.raywatt-tmp");
   Program other(small_run(out, {"--scene", "cornell", "--frames", "0:100000"}));
+  EXPECT_TRUE(wait_until([&] { return !fs::exists(left); }));
   EXPECT_TRUE(other.wait_for_file(folder.path(), "frame-0001.png"));
   EXPECT_EQ(raywatt(small_run(out)).exit, 0);
   EXPECT_EQ(names_in(folder.path()).size(), 4U) << "what is in use, or of another name, stays";

@@ -16,7 +16,7 @@
 namespace test {
 namespace {
 
-std::uint64_t machines() {
+std::uint64_t machines_wanted() {
   const char* wanted = std::getenv("RAYWATT_REPLAYS");
   return wanted == nullptr ? 6 : std::strtoull(wanted, nullptr, 10);
 }
@@ -77,10 +77,12 @@ void expect_same_on_machines(std::uint64_t count, traces::InstanceLevels levels)
   }
 }
 
-TEST(ReplayMachines, SayWhatARunOnThemSays) { expect_same_on_machines(machines(), traces::InstanceLevels::kFlatten); }
+TEST(ReplayMachines, SayWhatARunOnThemSays) {
+  expect_same_on_machines(machines_wanted(), traces::InstanceLevels::kFlatten);
+}
 
 TEST(ReplayMachines, SayWhatARunOnThemSaysOfTwoLevels) {
-  expect_same_on_machines((machines() + 1) / 2, traces::InstanceLevels::kTwoLevel);
+  expect_same_on_machines((machines_wanted() + 1) / 2, traces::InstanceLevels::kTwoLevel);
 }
 
 }  // namespace
