@@ -8,6 +8,8 @@ if(NOT embree_FOUND)
 endif()
 # OpenImageIO's own CMake files ask for packages that Debian's -dev package does not pull in.
 pkg_check_modules(OIIO REQUIRED IMPORTED_TARGET OpenImageIO)
+find_package(PNG REQUIRED)
+find_package(OpenEXR REQUIRED)
 find_package(glm REQUIRED)
 find_package(TinyGLTF REQUIRED)
 find_package(draco REQUIRED)

@@ -115,8 +115,7 @@ void add_images(const fs::path& folder) {
   traces::Texture texture;
   texture.width = texture.height = 2;
   texture.texels = {1, 0x80ff00ff, 3, 0};
-  const std::vector<unsigned char> alpha = traces::encode_png(texture);
-  image.add("alpha.png", {alpha.begin(), alpha.end()});
+  image.add("alpha.png", traces::encode_png(texture));
   image.add("gray.jpg", jpeg());
 }
 

@@ -43,28 +43,12 @@ bool has_longer_chunk(std::span<const std::byte> png) {
   return false;
 }
 
-std::string_view as_text(const std::vector<unsigned char>& bytes) {
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-
 void check_size(const std::filesystem::path& path, std::uint32_t width, std::uint32_t height, std::size_t values,
                 std::size_t channels = 3) {
   if (width == 0 || height == 0 || values != std::size_t{width} * height * channels) {
     throw std::logic_error(
         fmt::format("{}: {} values do not make {} x {} pixels", path.string(), values, width, height));
   }
-}
-
-std::vector<ImageCodec::Note> codec_notes(std::span<const ImageNote> notes) {
-  std::vector<ImageCodec::Note> out;
-  for (const ImageNote& note : notes) out.push_back({note.name.c_str(), note.text.c_str()});
-  return out;
-}
-
-void finish(const std::filesystem::path& path, const std::string& error, const std::vector<unsigned char>& bytes) {
-  if (!error.empty())
-    throw sim::IoError(fmt::format("{}: writing failed: {}", sim::printable(path.string()), sim::printable(error)));
-  sim::write_file_atomically(path, as_text(bytes));
 }
 
 }  // namespace
@@ -85,7 +69,7 @@ Texture read_image(std::span<const std::byte> bytes, const std::string& name, co
   return texture;
 }
 
-std::vector<unsigned char> encode_png(const Texture& texture) {
+std::string encode_png(const Texture& texture) {
   const bool opaque = std::ranges::all_of(texture.texels, [](std::uint32_t texel) { return texel >> 24 == 255; });
   const std::uint32_t channels = opaque ? 3 : 4;
   std::vector<std::uint8_t> pixels;
@@ -93,37 +77,26 @@ std::vector<unsigned char> encode_png(const Texture& texture) {
   for (const std::uint32_t texel : texture.texels) {
     for (std::uint32_t k = 0; k < channels; ++k) pixels.push_back(static_cast<std::uint8_t>(texel >> (8 * k)));
   }
-  std::vector<unsigned char> bytes;
-  const std::string error = codec().encode_png({texture.width, texture.height}, channels, pixels, {}, bytes);
-  if (!error.empty()) {
-    throw sim::IoError(fmt::format("texture '{}': {}", sim::printable(texture.name), sim::printable(error)));
-  }
-  return bytes;
+  return png_bytes(texture.width, texture.height, channels, pixels);
 }
 
 void write_png(const std::filesystem::path& path, std::uint32_t width, std::uint32_t height,
                std::span<const std::uint8_t> rgb8, std::span<const ImageNote> notes) {
   check_size(path, width, height, rgb8.size());
-  std::vector<unsigned char> bytes;
-  finish(path, codec().encode_png({width, height}, 3, rgb8, codec_notes(notes), bytes), bytes);
+  sim::write_file_atomically(path, png_bytes(width, height, 3, rgb8, notes));
 }
 
 void write_exr(const std::filesystem::path& path, std::uint32_t width, std::uint32_t height,
                std::span<const float> rgb) {
-  check_size(path, width, height, rgb.size());
-  constexpr std::array<ImageCodec::Channel, 3> kColours = {{{"R"}, {"G"}, {"B"}}};
-  std::vector<unsigned char> bytes;
-  finish(path, codec().encode_exr({width, height}, kColours, rgb, {}, bytes), bytes);
+  static const std::array<ImageChannel, 3> kColours = {{{"R"}, {"G"}, {"B"}}};
+  write_exr(path, width, height, kColours, rgb, {});
 }
 
 void write_exr(const std::filesystem::path& path, std::uint32_t width, std::uint32_t height,
                std::span<const ImageChannel> channels, std::span<const float> values,
                std::span<const ImageNote> notes) {
   check_size(path, width, height, values.size(), channels.size());
-  std::vector<ImageCodec::Channel> named;
-  for (const ImageChannel& channel : channels) named.push_back({channel.name.c_str(), channel.is_half});
-  std::vector<unsigned char> bytes;
-  finish(path, codec().encode_exr({width, height}, named, values, codec_notes(notes), bytes), bytes);
+  sim::write_file_atomically(path, exr_bytes(width, height, channels, values, notes));
 }
 
 std::vector<std::uint8_t> map_colours(const std::string& map, std::span<const float> values) {

@@ -6,14 +6,16 @@
 #include <string>
 #include <vector>
 
+#include "traces/scene/images/writers.h"
 #include "traces/scene/limits.h"
 #include "traces/scene/scene.h"
 
 namespace traces {
 
-// Image files through OpenImageIO, which lives in a module of its own (raywatt_images) that is loaded by the first of
-// these calls: it brings some 260 libraries along, and most runs of the program need no image. IoError if it is not
-// found next to the program, in ../lib/raywatt/modules from there, or where it was built.
+// Image files. They are read through OpenImageIO, which lives in a module of its own (raywatt_images) that the first
+// reading call loads, or the first colour map: it brings some 260 libraries, a third of a second that most runs do
+// without. IoError if the module is not found next to the program, in ../lib/raywatt/modules from there, or where it
+// was built.
 
 /// A PNG or JPEG file in memory, told by its first bytes. InputError, beginning with `name`, for any other format, a
 /// damaged file, or more pixels than allowed, which is known before any is decoded.
@@ -26,12 +28,7 @@ struct FloatImage {
 };
 
 /// The bytes of a PNG file, with alpha if any texel is not opaque. IoError if encoding fails.
-std::vector<unsigned char> encode_png(const Texture& texture);
-
-/// A line of text that an image file carries beside its pixels.
-struct ImageNote {
-  std::string name, text;
-};
+std::string encode_png(const Texture& texture);
 
 // Equal pixels and notes give equal bytes. Nobody sees a half-written file. IoError if writing fails.
 void write_png(const std::filesystem::path& path, std::uint32_t width, std::uint32_t height,
@@ -39,11 +36,6 @@ void write_png(const std::filesystem::path& path, std::uint32_t width, std::uint
 void write_exr(const std::filesystem::path& path, std::uint32_t width, std::uint32_t height,
                std::span<const float> rgb);
 
-/// A channel of numbers that are no colours. `is_half`: in 16 bits, exact for whole numbers up to 2,048.
-struct ImageChannel {
-  std::string name;
-  bool is_half = false;
-};
 /// Values pixel by pixel, one for each channel; channels in the order of their names, as readers find them.
 void write_exr(const std::filesystem::path& path, std::uint32_t width, std::uint32_t height,
                std::span<const ImageChannel> channels, std::span<const float> values, std::span<const ImageNote> notes);

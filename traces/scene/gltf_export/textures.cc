@@ -21,7 +21,7 @@ int wrap_of(Texture::Wrap wrap) {
 }
 
 int add_image(const Texture& texture, Document& out) {
-  const std::vector<unsigned char> png = encode_png(texture);
+  const std::string png = encode_png(texture);
   tinygltf::Image image;
   image.name = texture.name;
   image.mimeType = "image/png";

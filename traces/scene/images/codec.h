@@ -15,28 +15,12 @@ class ImageCodec {
     std::uint32_t width = 0, height = 0;
   };
 
-  /// A channel of an EXR file: in 16 bits or in 32.
-  struct Channel {
-    const char* name;
-    bool is_half = false;
-  };
-  /// A line of text that a file carries beside its pixels.
-  struct Note {
-    const char *name, *text;
-  };
-
   virtual ~ImageCodec() = default;
   /// `format` is "png" or "jpeg"; `rgba` gets 8 bits a channel, R in the lowest byte.
   virtual std::string decode(std::span<const std::byte> bytes, const char* format, std::uint64_t most_pixels,
                              Size& size, std::vector<std::uint32_t>& rgba) const = 0;
   virtual std::string decode_exr(std::span<const std::byte> bytes, std::uint64_t most_pixels, Size& size,
                                  std::vector<float>& rgb) const = 0;
-  /// 8 bits a channel, 3 channels or 4; colour is not multiplied by alpha.
-  virtual std::string encode_png(Size size, std::uint32_t channels, std::span<const std::uint8_t> pixels,
-                                 std::span<const Note> notes, std::vector<unsigned char>& out) const = 0;
-  /// Values pixel by pixel, one for each channel.
-  virtual std::string encode_exr(Size size, std::span<const Channel> channels, std::span<const float> values,
-                                 std::span<const Note> notes, std::vector<unsigned char>& out) const = 0;
   /// Colours of values from 0 to 1 in one of the library's colour maps; 8 bits a channel, for the screen.
   virtual std::string map_colours(const char* map, std::span<const float> values,
                                   std::vector<std::uint8_t>& rgb) const = 0;
@@ -44,6 +28,6 @@ class ImageCodec {
 
 /// The module's only symbol, a function of this type and name; the number changes with the class above.
 using ImageCodecFactory = const ImageCodec* (*)();
-inline constexpr char kImageCodecSymbol[] = "raywatt_image_codec_3";
+inline constexpr char kImageCodecSymbol[] = "raywatt_image_codec_4";
 
 }  // namespace traces

@@ -88,22 +88,6 @@ class Input {
   std::string error_;
 };
 
-std::string encode(const char* format, OIIO::ImageSpec spec, OIIO::TypeDesc type, const void* pixels,
-                   std::span<const ImageCodec::Note> notes, std::vector<unsigned char>& out) {
-  for (const ImageCodec::Note& note : notes) spec.attribute(note.name, note.text);
-  out.clear();
-  OIIO::Filesystem::IOVecOutput memory(out);
-  OIIO::Filesystem::IOProxy* proxy = &memory;
-  const auto output = OIIO::ImageOutput::create(format);
-  if (!output) return OIIO::geterror();
-  // Without a date of ours the file would carry the clock's, and equal runs would differ.
-  spec.attribute("DateTime", "2000:01:01 00:00:00");
-  spec.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
-  const std::string name = std::string("image.") + format;
-  if (!output->open(name, spec) || !output->write_image(type, pixels) || !output->close()) return output->geterror();
-  return {};
-}
-
 class OiioCodec : public ImageCodec {
  public:
   std::string decode(std::span<const std::byte> bytes, const char* format, std::uint64_t most_pixels, Size& size,
@@ -139,30 +123,6 @@ class OiioCodec : public ImageCodec {
     return {};
   }
 
-  std::string encode_png(Size size, std::uint32_t channels, std::span<const std::uint8_t> pixels,
-                         std::span<const Note> notes, std::vector<unsigned char>& out) const override {
-    OIIO::ImageSpec spec(static_cast<int>(size.width), static_cast<int>(size.height), static_cast<int>(channels),
-                         OIIO::TypeDesc::UINT8);
-    spec.attribute("oiio:ColorSpace", "sRGB");
-    spec.attribute("oiio:UnassociatedAlpha", 1);
-    return encode("png", spec, OIIO::TypeDesc::UINT8, pixels.data(), notes, out);
-  }
-
-  std::string encode_exr(Size size, std::span<const Channel> channels, std::span<const float> values,
-                         std::span<const Note> notes, std::vector<unsigned char>& out) const override {
-    OIIO::ImageSpec spec(static_cast<int>(size.width), static_cast<int>(size.height), static_cast<int>(channels.size()),
-                         OIIO::TypeDesc::FLOAT);
-    spec.channelnames.clear();
-    for (const Channel& channel : channels) {
-      spec.channelnames.emplace_back(channel.name);
-      spec.channelformats.push_back(channel.is_half ? OIIO::TypeDesc::HALF : OIIO::TypeDesc::FLOAT);
-    }
-    if (std::ranges::none_of(channels, &Channel::is_half)) spec.channelformats.clear();
-    spec.attribute("oiio:ColorSpace", "Linear");
-    spec.attribute("compression", "zip");
-    return encode("exr", spec, OIIO::TypeDesc::FLOAT, values.data(), notes, out);
-  }
-
   std::string map_colours(const char* map, std::span<const float> values,
                           std::vector<std::uint8_t>& rgb) const override {
     if (values.empty()) return {};
@@ -184,7 +144,7 @@ class OiioCodec : public ImageCodec {
 }  // namespace
 }  // namespace traces
 
-extern "C" __attribute__((visibility("default"))) const traces::ImageCodec* raywatt_image_codec_3() {
+extern "C" __attribute__((visibility("default"))) const traces::ImageCodec* raywatt_image_codec_4() {
   static const traces::OiioCodec codec;
   return &codec;
 }

@@ -73,8 +73,7 @@ TEST(PagePictures, AreAveragedOverSquaresWhereTheyAreTooLarge) {
   small.width = 2;
   small.height = 1;
   small.texels = {0xff000019, 0xff050064};  // mean of 10, 20, 30, 40; the right column alone
-  const std::vector<unsigned char> png = traces::encode_png(small);
-  EXPECT_EQ(page_picture(file, 5), data_url("image/png", {reinterpret_cast<const char*>(png.data()), png.size()}));
+  EXPECT_EQ(page_picture(file, 5), data_url("image/png", traces::encode_png(small)));
   folder.write("text.png", "no picture");
   EXPECT_FALSE(page_picture(folder.path() / "text.png", 6));
   EXPECT_FALSE(page_picture(folder.path() / "none.png", 6));

@@ -60,8 +60,7 @@ std::optional<std::string> page_picture(const std::filesystem::path& file, std::
         traces::read_image(std::as_bytes(std::span(bytes.data(), bytes.size())), file.string());
     const std::uint32_t square = square_for(picture.width, picture.height, most);
     if (square == 1) return data_url("image/png", bytes);
-    const std::vector<unsigned char> png = traces::encode_png(averaged(picture, square));
-    return data_url("image/png", {reinterpret_cast<const char*>(png.data()), png.size()});
+    return data_url("image/png", traces::encode_png(averaged(picture, square)));
   } catch (const sim::InputError& error) {
     tell("warning: {}; the page goes without it", error.what());
     return std::nullopt;

@@ -99,11 +99,10 @@ Json pixels_of(const traces::FloatImage& image, std::size_t channel, std::uint32
     const auto count = static_cast<std::uint32_t>(std::lround(sum / unit));
     picture.texels.push_back(count >> 8 | (count & 0xff) << 8 | 0xffU << 24);
   }
-  const std::vector<unsigned char> png = traces::encode_png(picture);
   const auto area = static_cast<double>(square) * square;
   return {{"id", id},
           {"name", name},
-          {"pixels", data_url("image/png", {reinterpret_cast<const char*>(png.data()), png.size()})},
+          {"pixels", data_url("image/png", traces::encode_png(picture))},
           {"step", unit / area},
           {"unit", ""},
           {"low", 0},
