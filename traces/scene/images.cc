@@ -51,6 +51,14 @@ void check_size(const std::filesystem::path& path, std::uint32_t width, std::uin
   }
 }
 
+/// Gives an IoError of `write` the name of the file or texture that it is about.
+template <class Write>
+std::string named(const std::string& name, const Write& write) try {
+  return write();
+} catch (const sim::IoError& error) {
+  throw sim::IoError(fmt::format("{}: {}", sim::printable(name), error.what()));
+}
+
 }  // namespace
 
 Texture read_image(std::span<const std::byte> bytes, const std::string& name, const SceneLimits& limits) {
@@ -77,13 +85,14 @@ std::string encode_png(const Texture& texture) {
   for (const std::uint32_t texel : texture.texels) {
     for (std::uint32_t k = 0; k < channels; ++k) pixels.push_back(static_cast<std::uint8_t>(texel >> (8 * k)));
   }
-  return png_bytes(texture.width, texture.height, channels, pixels);
+  return named(fmt::format("texture '{}'", texture.name),
+               [&] { return png_bytes(texture.width, texture.height, channels, pixels); });
 }
 
 void write_png(const std::filesystem::path& path, std::uint32_t width, std::uint32_t height,
                std::span<const std::uint8_t> rgb8, std::span<const ImageNote> notes) {
   check_size(path, width, height, rgb8.size());
-  sim::write_file_atomically(path, png_bytes(width, height, 3, rgb8, notes));
+  sim::write_file_atomically(path, named(path.string(), [&] { return png_bytes(width, height, 3, rgb8, notes); }));
 }
 
 void write_exr(const std::filesystem::path& path, std::uint32_t width, std::uint32_t height,
@@ -96,7 +105,8 @@ void write_exr(const std::filesystem::path& path, std::uint32_t width, std::uint
                std::span<const ImageChannel> channels, std::span<const float> values,
                std::span<const ImageNote> notes) {
   check_size(path, width, height, values.size(), channels.size());
-  sim::write_file_atomically(path, exr_bytes(width, height, channels, values, notes));
+  sim::write_file_atomically(path,
+                             named(path.string(), [&] { return exr_bytes(width, height, channels, values, notes); }));
 }
 
 std::vector<std::uint8_t> map_colours(const std::string& map, std::span<const float> values) {

@@ -45,6 +45,15 @@ TEST(ImageWriters, SayWhatTheirLibraryRefuses) {
   const std::vector<std::uint8_t> wide(3'000'003);
   EXPECT_EQ(refusal([&] { traces::png_bytes(1'000'001, 1, 3, wide); }),
             "no PNG file of 1000001 x 1 pixels: Invalid IHDR data");
+  EXPECT_EQ(refusal([&] { traces::write_png("a.png", 1'000'001, 1, wide); }),
+            "a.png: no PNG file of 1000001 x 1 pixels: Invalid IHDR data");
+  traces::Texture texture;
+  texture.name = "wood";
+  texture.width = 1'000'001;
+  texture.height = 1;
+  texture.texels.resize(1'000'001);
+  EXPECT_EQ(refusal([&] { traces::encode_png(texture); }),
+            "texture 'wood': no PNG file of 1000001 x 1 pixels: Invalid IHDR data");
   const std::array<traces::ImageChannel, 1> channel = {{{"a"}}};
   const std::array<traces::ImageNote, 1> note = {{{"channels", "no text"}}};
   EXPECT_EQ(
