@@ -1,5 +1,6 @@
 #include <csetjmp>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <png.h>
