@@ -14,8 +14,6 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-constexpr std::uint64_t kLargestReport = 1ULL << 30;
-
 /// The schema of a report, or what else it is.
 std::string schema_of(const Json& json) {
   if (!json.is_object() || !json.contains("schema")) return "no 'schema'";

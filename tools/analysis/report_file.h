@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <string>
@@ -6,6 +7,8 @@
 #include <nlohmann/json.hpp>
 
 namespace tools {
+
+inline constexpr std::uint64_t kLargestReport = 1ULL << 30;
 
 /// A report.json that somebody has handed in.
 struct ReportFile {

@@ -251,7 +251,7 @@ void run_frames(const JobOptions& options) {
           {program, rates},
           {},
           !folder.holds_former_run(),
-          frames_to_replace(folder.target()),
+          frames_to_replace(folder.target() / "report.json"),
           sampling,
           slices,
           nullptr,

@@ -7,6 +7,7 @@
 #include "sim/config/config.h"
 #include "sim/error.h"
 #include "sim/io/file.h"
+#include "sim/io/json.h"
 #include "sim/report/report_json.h"
 #include "tools/analysis/report_file.h"
 #include "tools/host/standard_streams.h"
@@ -54,11 +55,11 @@ std::string Outcome::kept(std::size_t all) const {
   return partial ? "the run without its reference" : "the whole run";
 }
 
-std::size_t frames_to_replace(const std::filesystem::path& folder) {
+std::size_t frames_to_replace(const std::filesystem::path& file) {
   try {
-    const ReportFile former = load_report(folder);
-    const bool is_partial = former.json.value("partial", false);
-    return former.json.at("frames").size() + (is_partial ? 0 : 1);
+    const auto former = sim::parse_json<nlohmann::json>(sim::read_file(file, kLargestReport));
+    if (!former.at("schema").get<std::string>().starts_with("raywatt-")) return 1;
+    return former.at("frames").size() + (former.value("partial", false) ? 0 : 1);
   } catch (const sim::InputError&) {
   } catch (const nlohmann::json::exception&) {
   }

@@ -30,9 +30,9 @@ struct Outcome {
   std::string kept(std::size_t all) const;
 };
 
-/// Frames that an interrupted run must have to take the place of the one in the folder: no fewer than an unfinished one
-/// has, more than a finished one. 1 if there is none.
-std::size_t frames_to_replace(const std::filesystem::path& folder);
+/// Frames that interrupted work must have to take the place of what this report.json or verify.json tells of: no fewer
+/// than unfinished work has, more than finished work. 1 if there is none.
+std::size_t frames_to_replace(const std::filesystem::path& file);
 
 /// Says on standard error what stands in `warnings` of a report behind the first `told`.
 void tell_warnings(const nlohmann::ordered_json& report, std::size_t told);

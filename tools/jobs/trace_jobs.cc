@@ -92,6 +92,7 @@ void replay_trace(const JobOptions& options, const std::filesystem::path& file) 
   }
   Replay job(file, options);
   progress.expect(job.parts());
+  const std::size_t to_replace = frames_to_replace(folder.target() / "report.json");
   hold.emplace();
   nlohmann::ordered_json json;
   folder.fill([&](const RunFolder::Open& open) {
@@ -101,6 +102,7 @@ void replay_trace(const JobOptions& options, const std::filesystem::path& file) 
                                                   .itemised = true,
                                                   .timeline = &timeline});
     progress.end(out.partial ? "interrupted" : "done");
+    if (out.partial && out.frames.size() < to_replace) throw Interrupted();
     const double wall = sim::seconds_since(begin);
     const Result result = out.result();
     json = report_json({job.inputs(), options, result, out.frames, out.partial, wall});

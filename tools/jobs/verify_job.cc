@@ -11,6 +11,7 @@
 #include "tools/host/interrupt.h"
 #include "tools/host/run_folder.h"
 #include "tools/jobs/jobs.h"
+#include "tools/jobs/outcome.h"
 #include "tools/jobs/ray_list.h"
 #include "tools/simulation/run_job.h"
 #include "traces/accel/bvh_tracer.h"
@@ -107,11 +108,13 @@ int verify_frames(const JobOptions& options) {
   Progress progress(options.progress, options.quiet);
   Inputs inputs = load_inputs(options, &progress);
   progress.expect(2 * inputs.frames());
+  const std::size_t to_replace = frames_to_replace(folder.target() / "verify.json");
   Verification done;
   folder.fill([&](const RunFolder::Open& open) {
     done.run(inputs, options, progress, open);
     const bool partial = done.frames.size() < inputs.frames();
     progress.end(partial ? "interrupted" : "done");
+    if (partial && done.frames.size() < to_replace) throw Interrupted();
     nlohmann::ordered_json json = {{"schema", "raywatt-verify/1"}, {"partial", partial}};
     json.update(done.mean().json());
     json["frames"] = done.frames;

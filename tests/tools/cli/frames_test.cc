@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <csignal>
+#include <cstdlib>
 #include <filesystem>
 
 #include <gtest/gtest.h>
@@ -127,6 +128,56 @@ TEST(Frames, FewerOfAnInterruptedRunDoNotReplaceMore) {
   EXPECT_EQ(read_bytes(out / "report.json"), former);
   EXPECT_TRUE(fs::exists(out / "frame-0005.png"));
   EXPECT_EQ(names_in(folder.path()), Words{"out"});
+}
+
+/// Starts work that tells how far it is, and interrupts it after its first frame.
+Ending interrupted_after_a_frame(Words words) {
+  words.insert(words.end(), {"--progress", "json", "--threads", "1"});
+  Program program(words);
+  EXPECT_TRUE(program.wait_until([](const std::string& err) {
+    constexpr std::string_view kFrame = "\"frame\":";
+    const std::size_t at = err.rfind(kFrame);
+    return at != std::string::npos && std::atoi(err.c_str() + at + kFrame.size()) > 0;
+  }));
+  program.send(SIGINT);
+  return program.wait();
+}
+
+TEST(Frames, FewerOfAnInterruptedVerifyDoNotReplaceMore) {
+  const TempFolder folder;
+  const fs::path out = folder.path() / "out";
+  const auto verify = [&](const Words& more) {
+    Words words = chess(more);
+    words.insert(words.begin(), "verify");
+    words.insert(words.end(), {"-o", out.string()});
+    return words;
+  };
+  ASSERT_EQ(raywatt(verify({"--frames", "0:9", "--resolution", "16x16"})).exit, 0);
+  const std::string former = read_bytes(out / "verify.json"), picture = read_bytes(out / "image.png");
+  const Ending ending =
+      interrupted_after_a_frame(verify({"--frames", "0:1000", "--resolution", "64x64", "--program", "full:4"}));
+  EXPECT_EQ(ending.exit, 128 + SIGINT);
+  EXPECT_SAYS(ending.err, "raywatt: interrupted\n");
+  EXPECT_EQ(read_bytes(out / "verify.json"), former);
+  EXPECT_EQ(read_bytes(out / "image.png"), picture);
+  EXPECT_EQ(names_in(folder.path()), Words{"out"});
+}
+
+TEST(Frames, FewerOfAnInterruptedReplayDoNotReplaceMore) {
+  const TempFolder folder;
+  const fs::path out = folder.path() / "out";
+  const std::string trace = (folder.path() / "a.trace").string();
+  Words record = chess({"--frames", "0:7", "--resolution", "32x32", "--program", "full:4", "--quiet", trace});
+  record.insert(record.begin(), {"trace", "record"});
+  ASSERT_EQ(raywatt(record).exit, 0);
+  const Words replay = {"trace", "replay", trace, "-o", out.string()};
+  ASSERT_EQ(raywatt(replay).exit, 0);
+  const std::string former = read_bytes(out / "report.json");
+  const Ending ending = interrupted_after_a_frame(replay);
+  EXPECT_EQ(ending.exit, 128 + SIGINT);
+  EXPECT_SAYS(ending.err, "raywatt: interrupted\n");
+  EXPECT_EQ(read_bytes(out / "report.json"), former);
+  EXPECT_EQ(names_in(folder.path()), (Words{"a.trace", "out"}));
 }
 
 TEST(Frames, ThatMakeNoSenseAreRefused) {
