@@ -24,10 +24,17 @@ void redirect(const std::string& path, int stream) {
   if (file < 0 || ::dup2(file, stream) < 0) ::_exit(126);
 }
 
+void become_unread_pipe(int stream) {
+  int ends[2];
+  if (::pipe(ends) != 0 || ::dup2(ends[1], stream) < 0) ::_exit(126);
+  ::close(ends[0]);
+  ::close(ends[1]);
+}
+
 /// In the child: what a terminal would give, whatever this test was started by, then the program.
 [[noreturn]] void become_program(const Words& words, const Surroundings& around, const std::string& out,
                                  const std::string& err) {
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) ::signal(signal, SIG_DFL);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGXFSZ}) ::signal(signal, SIG_DFL);
   ::unsetenv("RAYWATT_PATH");
   ::setenv("LC_ALL", "C.UTF-8", 1);
   for (const auto& [name, value] : around.variables) ::setenv(name.c_str(), value.c_str(), 1);
@@ -35,11 +42,11 @@ void redirect(const std::string& path, int stream) {
   redirect(err, STDERR_FILENO);
   if (!around.folder.empty() && ::chdir(around.folder.c_str()) != 0) ::_exit(126);
   if (around.longest_file != 0) {
-    ::signal(SIGXFSZ, SIG_IGN);  // so that write() fails, as on a full disk
     const rlimit limit{around.longest_file, around.longest_file};
     ::setrlimit(RLIMIT_FSIZE, &limit);
   }
   for (const int stream : around.closed) ::close(stream);
+  for (const int stream : around.unread) become_unread_pipe(stream);
   std::vector<char*> arguments;
   for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
   arguments.push_back(nullptr);

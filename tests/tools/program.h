@@ -34,6 +34,7 @@ struct Surroundings {
   std::string out{};                ///< file that stdout goes to; empty: into Ending::out
   std::string err{};                ///< likewise for stderr
   std::vector<int> closed{};        ///< standard streams that are closed, by descriptor
+  std::vector<int> unread{};        ///< those that are pipes which nobody reads any more
   std::filesystem::path program{};  ///< empty: the one that was built
 };
 

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <exception>
@@ -102,14 +101,18 @@ int run(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     const bool asked = error.get_exit_code() == 0;  // --help, --version
-    if (asked) return app.exit(error);
+    if (asked) {
+      app.exit(error);
+      tools::flush_output();
+      return exit;
+    }
     const CLI::App& verb = reached(app);
     std::string unknown = unknown_verb(verb);
     if (unknown.empty()) unknown = unknown_option(verb);
     return complain(unknown.empty() ? fmt::format("{}; see {} --help", error.what(), command(verb)) : unknown,
                     tools::kBadInput);
   }
-  if (std::fflush(stdout) != 0) throw std::system_error(errno, std::generic_category(), "standard output");
+  tools::flush_output();
   return exit;
 }
 
@@ -117,6 +120,7 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   tools::open_closed_streams();
+  tools::outlive_failed_writes();
   tools::end_on_interrupts();
   try {
     return run(argc, argv);

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include <fcntl.h>
@@ -17,6 +18,16 @@ void open_closed_streams() {
        {std::pair{STDIN_FILENO, O_WRONLY}, {STDOUT_FILENO, O_RDONLY}, {STDERR_FILENO, O_WRONLY}}) {
     if (::fcntl(stream, F_GETFD) < 0 && errno == EBADF) static_cast<void>(::open("/dev/null", mode));
   }
+}
+
+void outlive_failed_writes() {
+  for (const int signal : kSignalsOfWrites) std::signal(signal, SIG_IGN);
+}
+
+void flush_output() {
+  int error = std::fflush(stdout) != 0 ? errno : 0;
+  if (error == 0 && std::ferror(stdout) != 0) error = EIO;  // of an earlier write, whose bytes are gone
+  if (error != 0) throw std::system_error(error, std::generic_category(), "standard output");
 }
 
 namespace {

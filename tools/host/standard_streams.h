@@ -1,4 +1,6 @@
 #pragma once
+#include <array>
+#include <csignal>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -10,6 +12,15 @@ namespace tools {
 /// Opens those of the descriptors 0 to 2 that the caller has closed, so that no file or socket of the program gets one
 /// of them. Reading and writing standard input and output still fail; standard error takes everything.
 void open_closed_streams();
+
+/// Signals that end a process which writes where nobody reads any more, or past the caller's limit (ulimit -f).
+inline constexpr std::array<int, 2> kSignalsOfWrites = {SIGPIPE, SIGXFSZ};
+/// Ignores them from now on: write() fails, which is told as any failure is. Programs that this one starts are to have
+/// them as usual.
+void outlive_failed_writes();
+
+/// Writes what standard output still holds. std::system_error if it could not take all that was written to it.
+void flush_output();
 
 /// Text as the locale's characters can show it: signs that are not ASCII ("±") become letters ("+-") unless LC_ALL,
 /// LC_CTYPE or LANG, the first that is set, names UTF-8.

@@ -19,6 +19,25 @@ TEST(StandardStreams, OutputThatCannotBeWrittenFails) {
   EXPECT_EQ(raywatt({"config", "show"}, {.closed = {STDOUT_FILENO}}).exit, 74);
 }
 
+TEST(StandardStreams, HelpAndVersionThatCannotBeWrittenFail) {
+  for (const Words& words : std::vector<Words>{{"--help"}, {"run", "--help"}, {"--version"}}) {
+    EXPECT_EQ(raywatt(words).exit, 0);
+    EXPECT_EQ(raywatt(words, {.out = "/dev/full"}).exit, 74);
+    EXPECT_EQ(raywatt(words, {.unread = {STDOUT_FILENO}}).exit, 74);
+  }
+}
+
+TEST(StandardStreams, AReaderThatHasGoneIsAWriteThatFails) {
+  const TempFolder folder;
+  const Ending table = raywatt({"scenes", "list"}, {.unread = {STDOUT_FILENO}});
+  EXPECT_EQ(table.exit, 74);
+  EXPECT_SAYS(table.err, "Broken pipe");
+  EXPECT_EQ(raywatt({"config", "show", "nosuch"}, {.unread = {STDERR_FILENO}}).exit, 2);
+  const Ending run = raywatt(small_run(folder.path() / "out", {"--progress", "json"}), {.unread = {STDERR_FILENO}});
+  EXPECT_EQ(run.exit, 0);
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "out" / "report.json"));
+}
+
 TEST(StandardStreams, ARunWithoutAnyWritesItsFiles) {
   const TempFolder folder;
   const Ending ending =

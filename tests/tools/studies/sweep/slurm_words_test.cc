@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <csignal>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -60,6 +62,14 @@ TEST_F(SlurmWords, AJobArrayIsHandedInAndTheCommandReturns) {
   const std::string list = read_bytes(out / "submit-1.txt");
   EXPECT_EQ(std::ranges::count(list, '\n'), 4);
   EXPECT_SAYS(read_bytes(out / "submit-1.sh"), "sweep point");
+}
+
+TEST_F(SlurmWords, CommandsAreEndedByThePipesTheyWriteInto) {
+  idle_slurm();
+  command("sbatch", "sed -n 's/SigIgn:.//p' /proc/$$/status >" + (folder.path() / "ignored").string() + "; echo 12");
+  EXPECT_EQ(run().exit, 0);
+  const std::uint64_t ignored = std::stoull(read_bytes(folder.path() / "ignored"), nullptr, 16);
+  for (const int signal : {SIGPIPE, SIGXFSZ}) EXPECT_EQ(ignored >> (signal - 1) & 1, 0U) << signal;
 }
 
 TEST_F(SlurmWords, WhatIsInTheQueueIsNotHandedInAgain) {

@@ -18,6 +18,7 @@
 
 #include "sim/error.h"
 #include "sim/io/printable.h"
+#include "tools/host/standard_streams.h"
 
 extern char** environ;
 
@@ -68,7 +69,7 @@ std::vector<char*> environment() {
   return variables;
 }
 
-/// In a process group of its own: Ctrl-C is for this process alone.
+/// In a process group of its own: Ctrl-C is for this process alone; and with signals as programs expect them.
 Said call(const Words& words) {
   const Sink out, err;
   posix_spawn_file_actions_t files;
@@ -78,7 +79,11 @@ Said call(const Words& words) {
   ::posix_spawn_file_actions_adddup2(&files, err.file(), STDERR_FILENO);
   posix_spawnattr_t attributes;
   ::posix_spawnattr_init(&attributes);
-  ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+  sigset_t as_usual;
+  ::sigemptyset(&as_usual);
+  for (const int signal : kSignalsOfWrites) ::sigaddset(&as_usual, signal);
+  ::posix_spawnattr_setsigdefault(&attributes, &as_usual);
+  ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGDEF);
   std::vector<char*> arguments;
   for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
   arguments.push_back(nullptr);
