@@ -42,8 +42,9 @@ struct Planned {
   std::vector<std::string> slurm;
 };
 
-Planned plan_from_file(const SweepOptions& options) {
-  const sweep::Spec spec = sweep::read_spec(options.file);
+/// Files that it names are seen from the folder that it is in.
+Planned plan_from_file(const SweepOptions& options, const fs::path& file) {
+  const sweep::Spec spec = sweep::read_spec(file);
   Progress progress(options.progress == "json" ? "none" : options.progress, options.quiet);
   progress.expect(1, "sweep");
   progress.phase("choosing points");
@@ -51,12 +52,14 @@ Planned plan_from_file(const SweepOptions& options) {
     if (points == 1) progress.begin_part("planning", 0, static_cast<std::uint32_t>(of));
     progress.tiles_done(static_cast<std::uint32_t>(points), 0, 0);
   };
-  return {sim::read_file(options.file, 1 << 20), sweep::plan(spec, options.file.parent_path(), tell), spec.slurm};
+  return {sim::read_file(file, 1 << 20), sweep::plan(spec, file.parent_path(), tell), spec.slurm};
 }
 
-/// The points of a folder, with their keys of today.
-Planned plan_from_folder(const SweepFolder& folder) {
-  Planned planned{sim::read_file(folder.path() / "sweep.yaml", 1 << 20), folder.points(), folder.slurm()};
+/// The points of a folder, with their keys of today; planned anew if it was killed before it had any.
+Planned plan_from_folder(const SweepOptions& options, const SweepFolder& folder) {
+  const fs::path file = folder.path() / "sweep.yaml";
+  Planned planned{sim::read_file(file, 1 << 20), folder.points(), folder.slurm()};
+  if (planned.points.empty()) return plan_from_file(options, file);
   sweep::PointKeys keys;
   for (Point& point : planned.points) keys.set_key(point);
   return planned;
@@ -145,7 +148,7 @@ int run_sweep(const SweepOptions& options) {
                            : fs::path("raywatt-out") / fmt::format("sweep-{}", options.file.stem().string());
   std::optional<SweepFolder> former;
   if (options.resume) former = SweepFolder::open(out);
-  const Planned planned = from_file ? plan_from_file(options) : plan_from_folder(*former);
+  const Planned planned = from_file ? plan_from_file(options, options.file) : plan_from_folder(options, *former);
   const fs::path store_root = !options.store.empty() ? options.store
                               : former               ? former->store().root()
                                                      : Store::default_root();

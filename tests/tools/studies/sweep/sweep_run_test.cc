@@ -157,6 +157,20 @@ TEST_F(SweepRun, GoesOnWithoutItsFile) {
   EXPECT_EQ(points_in(store), 4U) << "in the store that the folder names";
 }
 
+TEST_F(SweepRun, GoesOnWithoutItsFileWhereItWasKilledBeforeItHadPoints) {
+  ASSERT_EQ(run(kFour).exit, 0);
+  const std::string points = read_bytes(out / "points.jsonl");
+  fs::remove(out / "points.jsonl");
+  EXPECT_SAYS(sweep({"run", "--resume", "-o", out, "--dry-run"}).out, "4 points, 4 of them in the store");
+  EXPECT_FALSE(fs::exists(out / "points.jsonl"));
+  EXPECT_EQ(sweep({"run", "--resume", "-o", out}).exit, 0);
+  EXPECT_EQ(read_bytes(out / "points.jsonl"), points);
+  fs::remove(out / "points.jsonl");
+  std::ofstream(out / "sweep.yaml") << "schema: raywatt-sweep/1\nscene: gone.glb\n";
+  expect_refusal(sweep({"run", "--resume", "-o", out}), {"sweep.yaml:2:8", "gone.glb"});
+  EXPECT_FALSE(fs::exists(out / "points.jsonl"));
+}
+
 TEST_F(SweepRun, ListsItsPointsAndWritesNothing) {
   const Ending ending = run(kFour, {"--dry-run"});
   EXPECT_EQ(ending.exit, 0) << ending.err;
