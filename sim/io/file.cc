@@ -87,15 +87,8 @@ static void check_replaceable(const std::filesystem::path& path, const Replaceab
   const std::string shown = printable(path.string());
   std::error_code failed;
   const Type type = std::filesystem::symlink_status(path, failed).type();
-  if (type == Type::not_found || type == Type::none) {
-    const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
-    if (!std::filesystem::is_directory(folder, failed)) {
-      throw InputError(fmt::format("{}: cannot be written: there is no folder {}; make it first", shown,
-                                   printable(folder.string())));
-    }
-    if (::faccessat(AT_FDCWD, folder.c_str(), W_OK | X_OK, AT_EACCESS) == 0) return;
-    throw InputError(fmt::format("{}: cannot be written into its folder: {}", shown, reason(errno)));
-  }
+  if (type == Type::not_found) return;
+  if (type == Type::none) throw InputError(fmt::format("{}: cannot be written: {}", shown, failed.message()));
   if (type == Type::directory) throw InputError(shown + ": is a folder, not a file");
   if (type != Type::regular) {  // to open a pipe is to wait for who writes into it
     throw InputError(fmt::format("{}: is there and is {}; allowed: a new file, or a {} to be replaced", shown,
@@ -112,8 +105,22 @@ static void check_replaceable(const std::filesystem::path& path, const Replaceab
   }
 }
 
+/// A file that is replaced is written beside its place, too.
+static void check_folder_of(const std::filesystem::path& path) {
+  const std::string shown = printable(path.string());
+  const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
+  std::error_code failed;
+  if (!std::filesystem::is_directory(folder, failed)) {
+    throw InputError(
+        fmt::format("{}: cannot be written: there is no folder {}; make it first", shown, printable(folder.string())));
+  }
+  if (::faccessat(AT_FDCWD, folder.c_str(), W_OK | X_OK, AT_EACCESS) == 0) return;
+  throw InputError(fmt::format("{}: cannot be written into its folder: {}", shown, reason(errno)));
+}
+
 void check_output(const std::filesystem::path& path, const Replaceable& what) {
   check_replaceable(path, what);
+  check_folder_of(path);
   remove_left_of(path);
 }
 

@@ -17,8 +17,8 @@ struct Replaceable {
   std::string_view kind = "file";  ///< what such a file is: "trace"
   bool any = false;                ///< --force: any regular file may be replaced
 };
-/// InputError if something is there that may not be replaced; never a link, a folder, a device, a pipe. Removes what a
-/// killed writer of the file has left.
+/// InputError if something is there that may not be replaced, never a link, a folder, a device, a pipe, or if the
+/// folder takes no new file. Removes what a killed writer of the file has left.
 void check_output(const std::filesystem::path& path, const Replaceable& what);
 
 /// A file that is written piece by piece under another name in the same folder, which nothing else has, and takes its

@@ -93,15 +93,18 @@ TEST(CheckOutput, RemovesWhatWasLeftOnlyForAnOutputThatIsTaken) {
   EXPECT_FALSE(std::filesystem::exists(left));
   EXPECT_TRUE(std::filesystem::exists(theirs));
   EXPECT_THROW(check_output(folder.path() / "no" / "x.json", {.any = true}), InputError) << "no such folder";
+  EXPECT_THROW(check_output(folder.path() / std::string(300, 'x'), {.any = true}), InputError) << "too long a name";
 }
 
 TEST(CheckOutput, AFolderThatTheUserMayNotWriteIntoIsRefused) {
   const Folder folder;
+  const auto former = folder.write("former.html", "a page");
   std::filesystem::permissions(folder.path(), std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
   constexpr uid_t kNobody = 65534;
   const bool is_root = ::geteuid() == 0;  // root may write anywhere
   ASSERT_TRUE(!is_root || ::seteuid(kNobody) == 0);
   EXPECT_THROW(check_output(folder.path() / "page.html", {.kind = "page"}), InputError);
+  EXPECT_THROW(check_output(former, {.kind = "page", .any = true}), InputError) << "a new one would go beside it";
   ASSERT_TRUE(!is_root || ::seteuid(0) == 0);
   std::filesystem::permissions(folder.path(), std::filesystem::perms::owner_all);
 }
