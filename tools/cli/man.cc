@@ -1,4 +1,5 @@
 #include <array>
+#include <csignal>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -14,13 +15,20 @@
 namespace tools {
 namespace {
 
-constexpr std::array<std::pair<int, std::string_view>, 6> kEndings = {{
+/// Rows of the table in docs/verbs.md.
+constexpr std::array<std::pair<int, std::string_view>, 8> kEndings = {{
     {kGood, "good"},
-    {kCheckFailed, "it ran, but a check failed"},
-    {kBadInput, "bad input, or a processor without AVX2; one line says what was wrong and what is allowed"},
-    {kStuckMachine, "the simulated machine is stuck"},
+    {kCheckFailed,
+     "it ran, but a check failed: a ray or a figure differs, points of a sweep failed, no point of a search meets the "
+     "constraints"},
+    {kBadInput,
+     "bad input, an output that cannot be begun, or a processor without AVX2; one line says where, what was wrong and "
+     "what is allowed. Nothing is written"},
+    {kStuckMachine, "the simulated machine is stuck, or goes on and retires nothing; every unit's state is printed"},
     {kOurBug, "a bug of Raywatt"},
-    {kIoFailed, "reading or writing failed, or the memory of the host ran out"},
+    {kIoFailed, "reading or writing failed, for instance a full disk, or the memory of the host ran out"},
+    {128 + SIGINT, "interrupted (128 + the signal); what is finished is kept, marked partial, and named"},
+    {128 + SIGTERM, "the same by SIGTERM"},
 }};
 
 /// Text that roff takes as it is: no line of it is a request.
@@ -62,8 +70,7 @@ std::string manual_page(const std::vector<DeclaredVerb>& verbs) {
       ".SH ENVIRONMENT\n.TP\n\\fBRAYWATT_PATH\\fR\nfolders of configurations, workloads and scenes, separated by "
       "colons, that are looked through first\n.TP\n\\fBRAYWATT_STORE\\fR\nfolder of the results of sweeps\n"
       ".SH EXIT STATUS\n";
-  for (const auto& [exit, meaning] : kEndings)
-    out += fmt::format(".TP\n{}\n{}\n", static_cast<int>(exit), plain(meaning));
+  for (const auto& [exit, meaning] : kEndings) out += fmt::format(".TP\n{}\n{}\n", exit, plain(meaning));
   return out;
 }
 

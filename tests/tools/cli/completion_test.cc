@@ -205,8 +205,10 @@ TEST(Completion, ShellsAreChecked) { expect_refusal(raywatt({"completion", "csh"
 
 TEST(ManualPage, HasEveryVerbAndIsNoRequestByAccident) {
   const std::string page = printed({"man"});
-  for (const char* part : {".TH RAYWATT 1", ".SS raywatt run\n", ".SS raywatt trace replay\n",
-                           ".SS raywatt sweep best\n", "\\fB\\-o, \\-\\-output\\fR", ".SH EXIT STATUS"}) {
+  for (const char* part :
+       {".TH RAYWATT 1", ".SS raywatt run\n", ".SS raywatt trace replay\n", ".SS raywatt sweep best\n",
+        "\\fB\\-o, \\-\\-output\\fR", ".SH EXIT STATUS", "\n.TP\n2\nbad input, an output that cannot be begun, ",
+        "\n.TP\n130\ninterrupted", "\n.TP\n143\n"}) {
     EXPECT_NE(page.find(part), std::string::npos) << part;
   }
   const Words requests = {"TH", "SH", "SS", "TP", "PP", "nf", "fi", "B "};
