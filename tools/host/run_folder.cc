@@ -31,9 +31,10 @@ namespace {
 
 fs::path dated_folder() {
   const std::string date = fmt::format("{:%Y-%m-%d_%H-%M-%S}", fmt::localtime(std::time(nullptr)));
-  const fs::path parent = fs::absolute("raywatt-out");
+  std::error_code ignored;  // whoever makes the folder is told
+  const fs::path parent = fs::absolute("raywatt-out", ignored);
   fs::path folder = parent / date;
-  for (int n = 2; fs::exists(folder); ++n) folder = parent / fmt::format("{}_{}", date, n);
+  for (int n = 2; fs::exists(folder, ignored); ++n) folder = parent / fmt::format("{}_{}", date, n);
   return folder;
 }
 
@@ -105,14 +106,18 @@ std::vector<fs::path> former_files(const fs::path& folder, const ResultsOf& verb
   return files;
 }
 
-/// InputError if something that is no file has a result's name: it would stay in its way.
+/// InputError if something that is no file has a result's name, in whose way it would stay, or if the folder cannot be
+/// read.
 void check_names(const fs::path& folder) {
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    if (!is_result_name(entry.path().filename().string())) continue;
-    if (entry.symlink_status().type() == fs::file_type::regular) continue;
+  std::error_code failed, vanished;
+  fs::directory_iterator entry(folder, failed);
+  for (; !failed && entry != fs::directory_iterator(); entry.increment(failed)) {
+    if (!is_result_name(entry->path().filename().string())) continue;
+    if (entry->symlink_status(vanished).type() == fs::file_type::regular) continue;
     throw sim::InputError(
-        fmt::format("{}: has the name of a result and is not a regular file; move it away", entry.path().string()));
+        fmt::format("{}: has the name of a result and is not a regular file; move it away", entry->path().string()));
   }
+  if (failed) throw sim::InputError(fmt::format("{}: cannot be read ({})", folder.string(), failed.message()));
 }
 
 /// Puts the results of `from` into `to` among the files of others, in place of former results.
@@ -175,7 +180,8 @@ bool is_result_name(std::string_view name) {
 RunFolder::RunFolder(fs::path target, bool force, const ResultsOf& verb)
     : verb_(verb), dated_(target.empty()), target_(dated_ ? dated_folder() : std::move(target)) {
   std::error_code error;
-  const fs::path canonical = fs::weakly_canonical(fs::absolute(target_), error);
+  fs::path canonical = fs::absolute(target_, error);
+  if (!error) canonical = fs::weakly_canonical(canonical, error);
   if (error) throw sim::InputError(cannot_be_written(target_, error));
   target_ = canonical;
   if (!target_.has_filename()) target_ = target_.parent_path();

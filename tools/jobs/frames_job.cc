@@ -204,12 +204,15 @@ std::optional<std::uint32_t> asked_slices(const JobOptions& options, const kerne
   return asked;
 }
 
-/// A trace does not take the place of one of the run's own results.
-void check_record_name(const JobOptions& options, const std::filesystem::path& file,
-                       const std::filesystem::path& folder) {
-  if (file.parent_path() != folder || !is_result_name(file.filename().string())) return;
-  throw sim::InputError(fmt::format("--record {}: the run's own results have a file of this name; allowed: another",
-                                    sim::printable(options.record.string())));
+/// The file of --record, which does not take the place of one of the run's own results in `folder`.
+std::filesystem::path record_file(const JobOptions& options, const std::filesystem::path& folder) {
+  const std::string asked = "--record " + sim::printable(options.record.string());
+  std::error_code failed;
+  std::filesystem::path file = std::filesystem::absolute(options.record, failed);
+  if (!failed) file = std::filesystem::weakly_canonical(file, failed);
+  if (failed) throw sim::InputError(fmt::format("{}: cannot be written ({})", asked, failed.message()));
+  if (file.parent_path() != folder || !is_result_name(file.filename().string())) return file;
+  throw sim::InputError(asked + ": the run's own results have a file of this name; allowed: another");
 }
 
 /// Says so before a run that takes minutes.
@@ -269,8 +272,7 @@ void run_frames(const JobOptions& options) {
     std::optional<traces::TraceWriter> trace;
     if (!options.record.empty()) {
       // Into a folder that is not there yet it comes with the report.
-      const std::filesystem::path file = std::filesystem::weakly_canonical(std::filesystem::absolute(options.record));
-      check_record_name(options, file, folder.target());
+      const std::filesystem::path file = record_file(options, folder.target());
       const bool comes_along = file.parent_path() == folder.target() && !std::filesystem::exists(folder.target());
       job.trace = &trace.emplace(comes_along ? open() / file.filename() : std::filesystem::path(options.record),
                                  trace_header(inputs, options));

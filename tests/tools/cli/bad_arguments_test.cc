@@ -91,5 +91,22 @@ TEST(BadArguments, AnOutputFolderThatCannotBeWritten) {
   EXPECT_EQ(read_bytes(file), "text");
 }
 
+TEST(BadArguments, NamesThatNoFileCanHave) {
+  const TempFolder folder;
+  const std::string name(300, 'x'), page = (folder.path() / "page.html").string();
+  const std::vector<Words> all = {{"report", name, "-o", page},
+                                  {"report", page, "-o", name},
+                                  {"energy", "price", name},
+                                  {"run", "--resolution", "16x16", "--record", name},
+                                  {"reproduce", "lee2016", "--scenes", name}};
+  for (const Words& words : all) {
+    SCOPED_TRACE(words[0]);
+    expect_refusal(raywatt(words, {.folder = folder.path()}), {name});
+  }
+  std::filesystem::create_symlink("raywatt-out", folder.path() / "raywatt-out");
+  expect_refusal(raywatt({"run", "--resolution", "16x16"}, {.folder = folder.path()}),
+                 {"raywatt-out", "cannot be written"});
+}
+
 }  // namespace
 }  // namespace test

@@ -111,6 +111,19 @@ TEST(Folder, ThatIsTheWorkingDirectoryStaysTheSame) {
   }
 }
 
+TEST(Folder, ThatTheUserMayNotReadIsRefused) {
+  const TempFolder folder;
+  const fs::path out = folder.path() / "out";
+  fs::create_directory(out);
+  fs::permissions(out, fs::perms::owner_write | fs::perms::owner_exec);
+  constexpr uid_t kNobody = 65534;
+  const bool is_root = ::geteuid() == 0;  // root may read anything
+  ASSERT_TRUE(!is_root || (::chmod(folder.path().c_str(), 0755) == 0 && ::seteuid(kNobody) == 0));
+  EXPECT_THROW(tools::RunFolder(out, true), sim::InputError);
+  ASSERT_TRUE(!is_root || ::seteuid(0) == 0);
+  fs::permissions(out, fs::perms::owner_all);
+}
+
 TEST(Folder, ByForceTakesNothingThatWouldStayInTheWay) {
   const TempFolder folder;
   const fs::path out = folder.path() / "out";

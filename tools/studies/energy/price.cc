@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 #include <map>
+#include <system_error>
 
 #include <fmt/format.h>
 
@@ -30,9 +31,10 @@ Priced price(const std::string& run, const ReportFile& report, const PriceTable&
 std::vector<Priced> price_sweep(const fs::path& path, const PriceTable& table) {
   const auto folder = sweep::SweepFolder::open(path);
   std::vector<Priced> out;
+  std::error_code ignored;
   for (const sweep::Point& point : folder.points()) {
     const fs::path results = folder.store().folder(point.id);
-    if (!fs::exists(results / "report.json")) continue;
+    if (!fs::exists(results / "report.json", ignored)) continue;
     out.push_back(price(path.string(), load_report(results), table));
     out.back().n = fmt::format("{}", point.n);
     out.back().axes = point.axes;
@@ -79,8 +81,9 @@ std::vector<FigureChange> figure_changes(const RunConfig& from, const RunConfig&
 
 std::string price_text(const std::vector<fs::path>& paths, const PriceTable& table, PriceFormat format) {
   std::vector<std::vector<Priced>> priced;
+  std::error_code ignored;
   for (const fs::path& path : paths) {
-    priced.push_back(fs::exists(path / "sweep.json")
+    priced.push_back(fs::exists(path / "sweep.json", ignored)
                          ? price_sweep(path, table)
                          : std::vector<Priced>{price(path.string(), load_report(path), table)});
   }

@@ -1,5 +1,7 @@
 #include "tools/studies/report/report.h"
 
+#include <system_error>
+
 #include <fmt/format.h>
 
 #include "sim/error.h"
@@ -29,7 +31,8 @@ std::string page_of(const Bundle& bundle, const std::vector<fs::path>& what) {
                       "one or more runs",
                       sim::printable(path.string())));
     }
-    if (fs::is_directory(path) && !fs::exists(path / "report.json")) {
+    std::error_code ignored;
+    if (fs::is_directory(path, ignored) && !fs::exists(path / "report.json", ignored)) {
       throw sim::InputError(
           fmt::format("{}: holds no run, sweep or search: neither report.json nor sweep.json is there",
                       sim::printable(path.string())));

@@ -223,7 +223,8 @@ std::vector<Case> cases_of(const Paper& paper, const Options& options) {
 
 void reproduce(const Options& options) {
   const Paper& paper = find_paper(options.paper);
-  if (!options.scenes.empty() && !fs::is_directory(options.scenes)) {
+  std::error_code ignored;
+  if (!options.scenes.empty() && !fs::is_directory(options.scenes, ignored)) {
     throw sim::InputError(fmt::format("--scenes {}: is no folder", sim::printable(options.scenes.string())));
   }
   RunFolder folder(options.out, options.force, {.mark = "reproduce.json"});
