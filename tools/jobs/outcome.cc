@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "sim/config/config.h"
+#include "sim/config/config_json.h"
 #include "sim/error.h"
 #include "sim/io/file.h"
 #include "sim/io/json.h"
@@ -87,8 +88,13 @@ void write_reference(const std::filesystem::path& folder, const Origin& origin, 
   const Simulation& run = *out.reference;
   const double load = origin.inputs.load_seconds + origin.inputs.update_seconds;
   const double wall = load + run.wall_seconds + run.replicate_seconds;
-  const nlohmann::ordered_json json =
+  nlohmann::ordered_json json =
       report_json({origin.inputs, origin.options, {run}, out.reference_frames, out.partial, wall});
+  // A copy of the inputs would have the scene in memory twice.
+  RunConfig config = origin.inputs.config;
+  config.render = reference_render(config.render);
+  json["config"] = nlohmann::ordered_json(sim::config_json(config));
+  json["provenance"]["config_hash"] = sim::config_hash(config);
   sim::write_file_atomically(folder / kReferenceReport, sim::json_text(json));
 }
 

@@ -72,11 +72,9 @@ class Recording final : public hw::TileSource {
   std::optional<KeptWork> kept_;
 };
 
-/// The picture to render. What it is compared with has effects at the full rate.
+/// The picture to render.
 kernels::RenderConfig render_of(const Inputs& inputs, bool is_reference) {
-  kernels::RenderConfig render = inputs.config.render;
-  if (is_reference) render.effect_rate = kernels::EffectRate::kFull;
-  return render;
+  return is_reference ? reference_render(inputs.config.render) : inputs.config.render;
 }
 
 /// A frame program for the frame that `inputs` stand at.
@@ -123,6 +121,11 @@ std::vector<std::string> idle_settings(const JobOptions& options, const RunConfi
 
 std::uint32_t host_threads(std::uint32_t wanted) {
   return wanted != 0 ? wanted : std::max(1U, std::thread::hardware_concurrency());
+}
+
+kernels::RenderConfig reference_render(kernels::RenderConfig render) {
+  render.effect_rate = kernels::EffectRate::kFull;
+  return render;
 }
 
 Inputs load_inputs(const JobOptions& options, Progress* progress) {

@@ -114,6 +114,9 @@ struct Simulation {
   void add(const Simulation& frame);
 };
 
+/// Render settings of what a run of `render` is compared with: effects are at the full rate.
+kernels::RenderConfig reference_render(kernels::RenderConfig render);
+
 /// Tiles that the picture is cut into, for the frame that `inputs` stand at.
 kernels::TileCounts tile_counts(const Inputs& inputs, const kernels::ProgramSpec& program);
 

@@ -63,6 +63,22 @@ TEST(Reference, KeepsItsOwnReportWhichIsThatOfTheProgramAlone) {
   EXPECT_NE(read_bytes(out / "difference.png"), read_bytes(out / "reference.png"));
 }
 
+TEST(Reference, StatesTheFullEffectRateThatItIsPlayedAt) {
+  const TempFolder folder;
+  const std::filesystem::path out = folder.path() / "out", alone = folder.path() / "alone";
+  const auto small = [](const std::filesystem::path& to, const Words& more) {
+    Words words = {"run", "--resolution", "16x16", "--set", "render.effects=occlusion", "-o", to.string(), "--quiet"};
+    words.insert(words.end(), more.begin(), more.end());
+    return raywatt(words).exit;
+  };
+  ASSERT_EQ(small(out, {"--set", "render.effect_rate=half", "--reference", "full:1"}), 0);
+  ASSERT_EQ(small(alone, {}), 0);
+  EXPECT_EQ(read_json(out / "report.json")["config"]["render"]["effect_rate"], "half");
+  const Json own = read_json(out / "reference.json"), run = read_json(alone / "report.json");
+  for (const char* part : {"config", "totals", "units"}) EXPECT_EQ(own[part], run[part]) << part;
+  EXPECT_EQ(own["provenance"]["config_hash"], run["provenance"]["config_hash"]);
+}
+
 TEST(Reference, ComparedWithItsRunExplainsTheGain) {
   const TempFolder folder;
   const std::filesystem::path out = folder.path() / "out";
