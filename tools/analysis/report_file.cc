@@ -51,11 +51,15 @@ std::string ReportFile::text(const std::string& group, const std::string& key) c
 }
 
 ReportFile load_report(const std::filesystem::path& file_or_folder) {
-  ReportFile report;
   std::error_code ignored;
   const bool is_folder = std::filesystem::is_directory(file_or_folder, ignored);
-  report.file = is_folder ? file_or_folder / "report.json" : file_or_folder;
-  const std::string bytes = sim::read_file(report.file, kLargestReport);
+  const std::filesystem::path file = is_folder ? file_or_folder / "report.json" : file_or_folder;
+  return parse_report(sim::read_file(file, kLargestReport), file);
+}
+
+ReportFile parse_report(const std::string& bytes, const std::filesystem::path& file) {
+  ReportFile report;
+  report.file = file;
   const auto refuse = [&](const std::string& why) {
     return sim::InputError(
         fmt::format("{}: {}; allowed: a folder or report.json that 'raywatt run' wrote, schema "

@@ -26,6 +26,8 @@ struct ReportFile {
 /// Reads the report of a run: the file itself, or the folder of a run. InputError if there is none, if it is not JSON,
 /// or if its schema is another than raywatt-report/1.
 ReportFile load_report(const std::filesystem::path& file_or_folder);
+/// The same of the bytes of a file that has been read.
+ReportFile parse_report(const std::string& bytes, const std::filesystem::path& file);
 
 /// A configuration, as report.json has it, key by key: "tni.trv.l1.size" -> "16 KiB".
 using FlatConfig = std::map<std::string, std::string>;

@@ -82,6 +82,26 @@ TEST(EnergyPrice, OfASweepHasALineAPoint) {
   EXPECT_EQ(std::ranges::count(csv, '\n'), 3);
 }
 
+TEST(EnergyPrice, OfASweepCountsPointsWithoutAResult) {
+  const TempFolder folder;
+  const auto file = write_sweep(folder, "axes: {cores: [1, 2, 4]}\n");
+  ASSERT_EQ(raywatt(sweep_run(folder, file)).exit, 0);
+  const std::string out = (folder.path() / "out").string();
+  Words reports;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder.path() / "store" / "points")) {
+    if (entry.path().filename() == "report.json") reports.push_back(entry.path().string());
+  }
+  ASSERT_EQ(reports.size(), 3U);
+  std::filesystem::remove_all(std::filesystem::path(reports[0]).parent_path());
+  std::filesystem::resize_file(reports[1], std::filesystem::file_size(reports[1]) - 1);
+  const Ending two_gone = raywatt({"energy", "price", out, "--json"});
+  EXPECT_EQ(two_gone.exit, 0);
+  EXPECT_EQ(Json::parse(two_gone.out)["runs"].size(), 1U);
+  EXPECT_SAYS(two_gone.err, out + ": 2 of 3 points have no result: 1 damaged, 1 missing");
+  std::filesystem::resize_file(reports[2], 1);
+  expect_refusal(raywatt({"energy", "price", out}), {out, "3 of 3 points have no result: 2 damaged, 1 missing"});
+}
+
 TEST(EnergyPrice, SaysWhichPlayItIsOfAndWhatIsExtrapolated) {
   const TempFolder folder;
   const std::string out =

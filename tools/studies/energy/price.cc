@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 #include <map>
+#include <optional>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -10,7 +11,9 @@
 #include "sim/config/config.h"
 #include "sim/error.h"
 #include "sim/io/printable.h"
+#include "tools/host/standard_streams.h"
 #include "tools/studies/energy/priced_text.h"
+#include "tools/studies/sweep/results/index/point_state.h"
 #include "tools/studies/sweep/store/folder.h"
 
 namespace tools {
@@ -30,16 +33,21 @@ Priced price(const std::string& run, const ReportFile& report, const PriceTable&
 
 std::vector<Priced> price_sweep(const fs::path& path, const PriceTable& table) {
   const auto folder = sweep::SweepFolder::open(path);
+  const sweep::Store store = folder.store();
   std::vector<Priced> out;
-  std::error_code ignored;
+  results::StatusCounts counts;
   for (const sweep::Point& point : folder.points()) {
-    const fs::path results = folder.store().folder(point.id);
-    if (!fs::exists(results / "report.json", ignored)) continue;
-    out.push_back(price(path.string(), load_report(results), table));
+    const std::optional<std::string> report = store.report(point.id);
+    const results::Status status = report ? results::Status::kDone : results::status_without_report(store, point.id);
+    ++counts[std::string(name_of(status))];
+    if (!report) continue;
+    out.push_back(price(path.string(), parse_report(*report, store.folder(point.id) / "report.json"), table));
     out.back().n = fmt::format("{}", point.n);
     out.back().axes = point.axes;
   }
-  if (out.empty()) throw sim::InputError(fmt::format("{}: no point has a result yet", sim::printable(path.string())));
+  const std::string missing = results::missing_text(counts);
+  if (out.empty()) throw sim::InputError(fmt::format("{}: {}", sim::printable(path.string()), missing));
+  if (!missing.empty()) tell("warning: {}: {}", sim::printable(path.string()), missing);
   return out;
 }
 

@@ -100,15 +100,9 @@ std::vector<Column> Results::varying() const {
 }
 
 std::string Results::what_is_missing() const {
-  std::map<std::string, std::size_t> counts;
+  StatusCounts counts;
   for (const Row& row : rows_) ++counts[row.status];
-  const std::size_t without = rows_.size() - counts["done"];
-  if (without == 0) return {};
-  std::string kinds;
-  for (const char* status : {"failed", "damaged", "missing"}) {
-    if (counts[status] != 0) kinds += fmt::format("{}{} {}", kinds.empty() ? "" : ", ", counts[status], status);
-  }
-  return fmt::format("{} of {} points have no result: {}", without, rows_.size(), kinds);
+  return missing_text(counts);
 }
 
 std::size_t Results::place_of(std::int64_t n) const {

@@ -36,8 +36,14 @@ PointState look_up(const sweep::Store& store, const std::string& id, MetricNames
     const std::optional<std::string> problem = scan_report(*report, names, state.report);
     return problem ? damaged("report.json: " + *problem) : state;
   }
-  if (fs::exists(store.folder(id))) return damaged("its files are not as they were written");
-  return fs::exists(store.failure_file(id)) ? failed(store.failure(id)) : PointState();
+  switch (status_without_report(store, id)) {
+    case Status::kDamaged:
+      return damaged("its files are not as they were written");
+    case Status::kFailed:
+      return failed(store.failure(id));
+    default:
+      return {};
+  }
 }
 
 }  // namespace
@@ -54,6 +60,24 @@ std::string_view name_of(Status status) {
       return "damaged";
   }
   return {};
+}
+
+std::string missing_text(const StatusCounts& counts) {
+  std::size_t all = 0, without = 0;
+  for (const auto& [status, count] : counts) all += count;
+  std::string kinds;
+  for (const Status status : {Status::kFailed, Status::kDamaged, Status::kMissing}) {
+    const auto found = counts.find(name_of(status));
+    if (found == counts.end()) continue;
+    without += found->second;
+    kinds += fmt::format("{}{} {}", kinds.empty() ? "" : ", ", found->second, found->first);
+  }
+  return without == 0 ? "" : fmt::format("{} of {} points have no result: {}", without, all, kinds);
+}
+
+Status status_without_report(const sweep::Store& store, const std::string& id) {
+  if (fs::exists(store.folder(id))) return Status::kDamaged;
+  return fs::exists(store.failure_file(id)) ? Status::kFailed : Status::kMissing;
 }
 
 PointState read_point_state(const sweep::Store& store, const std::string& id, MetricNames& names) {

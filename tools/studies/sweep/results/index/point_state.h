@@ -1,5 +1,8 @@
 #pragma once
+#include <cstddef>
 #include <filesystem>
+#include <functional>
+#include <map>
 #include <string>
 #include <string_view>
 
@@ -11,6 +14,11 @@ namespace tools::results {
 /// The fate of a point.
 enum class Status { kDone, kFailed, kMissing, kDamaged };
 std::string_view name_of(Status status);
+
+/// Numbers of points of a sweep, by the name of their fate.
+using StatusCounts = std::map<std::string, std::size_t, std::less<>>;
+/// "2 of 200 points have no result: 1 failed, 1 missing", or nothing.
+std::string missing_text(const StatusCounts& counts);
 
 /// The reason that a point has no result.
 struct PointError {
@@ -27,6 +35,9 @@ struct PointState {
 /// Looks a point up in a store. A result wins over the record of an earlier failure. What is not as it was written, or
 /// is no finished report, is damaged.
 PointState read_point_state(const sweep::Store& store, const std::string& id, MetricNames& names);
+
+/// The fate of a point whose report the store does not give.
+Status status_without_report(const sweep::Store& store, const std::string& id);
 
 /// Sizes and times of a point's files in the store, which change whenever these do.
 std::string state_mark(const sweep::Store& store, const std::string& id);
