@@ -59,7 +59,7 @@ Json json_of(const Bottleneck& b) {
     caches[cache.name] = {{"hit_rate", cache.hit_rate}, {"cycles_a_miss", cache.cycles_a_miss}, {"share", cache.share}};
   }
   return {{"schema", "raywatt-bottleneck/1"}, {"cycles", b.cycles}, {"limiter", b.limiter}, {"named", b.named},
-          {"top_down", time_json(b.time)},    {"bounds", bounds},   {"caches", caches}};
+          {"top_down", time_json(b.time)},    {"bounds", bounds},   {"caches", caches},     {"warnings", b.warnings}};
 }
 
 }  // namespace

@@ -10,7 +10,6 @@
 #include "tools/cli/job_options.h"
 #include "tools/cli/verbs.h"
 #include "tools/host/progress.h"
-#include "tools/host/standard_streams.h"
 
 namespace tools {
 
@@ -39,7 +38,6 @@ void add_dvfs(CLI::App& app) {
     Progress progress(options->job.progress, options->job.quiet);
     const DvfsCurve curve = dvfs_curve(*options, &progress);
     progress.end("done");
-    for (const std::string& line : curve.warnings) tell("warning: {}", line);
     fmt::print("{}", *json ? sim::json_text(dvfs_json(curve)) : dvfs_text(curve));
   });
 }

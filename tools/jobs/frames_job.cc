@@ -263,7 +263,7 @@ void run_frames(const JobOptions& options) {
   live.of(inputs.config);
   if (reference) job.reference = Program{*reference, rates};
   job.timeline.check(inputs, program);
-  for (const std::string& warning : inputs.warnings) progress.say("raywatt: warning: " + warning);
+  tell_warnings(inputs.warnings, &progress);
   if (!sampling) tell_long_run(inputs, program, progress);
   progress.expect(inputs.frames() * (reference ? 2 : 1) * options.replicates);
 

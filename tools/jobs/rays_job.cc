@@ -114,7 +114,7 @@ void run_rays(const JobOptions& options) {
   const RayList list = read_ray_list(options.rays);
   const Inputs inputs = load_inputs(options, &progress);
   check_table_names(idle_units(inputs.config.gpu), inputs.config);
-  for (const std::string& warning : inputs.warnings) progress.say("raywatt: warning: " + warning);
+  tell_warnings(inputs.warnings, &progress);
   hw::RayMachine machine(inputs.config.gpu, inputs.image, inputs.parents, list.rays, [&](const hw::RaysDone& so_far) {
     progress.tiles_done(so_far.blocks, so_far.rays, so_far.cycles);
     return !interrupted();

@@ -64,7 +64,9 @@ void place_tree(const traces::TileScope& scope, const traces::BvhConfig& config,
 Replay::Replay(const std::filesystem::path& file, const JobOptions& options)
     : Replay(file, [&](const traces::Json& header, const std::string& name) {
         return replay_config(header, name, options);
-      }) {}
+      }) {
+  inputs_.warnings = idle_settings(options, inputs_.config);
+}
 
 Replay::Replay(const std::filesystem::path& file, const RunConfig& config)
     : Replay(file, [&](const traces::Json& header, const std::string& name) {

@@ -56,7 +56,7 @@ void record_trace(const JobOptions& options, const std::filesystem::path& file) 
   if (!options.reference.empty()) compared = kernels::parse_program(options.reference);
   Progress progress(options.progress, options.quiet);
   Inputs inputs = load_inputs(options, &progress);
-  for (const std::string& warning : inputs.warnings) progress.say("raywatt: warning: " + warning);
+  tell_warnings(inputs.warnings, &progress);
   progress.expect(inputs.frames() * (compared ? 2 : 1));
   const kernels::RateMap rates(inputs.config.programs.multirate);
   Recorder program{spec, rates};
@@ -91,6 +91,7 @@ void replay_trace(const JobOptions& options, const std::filesystem::path& file) 
     throw sim::InputError("--timeline: a trace does not know where tiles lie in the picture; allowed: all, slowest:N");
   }
   Replay job(file, options);
+  tell_warnings(job.inputs().warnings, &progress);
   progress.expect(job.parts());
   const std::size_t to_replace = frames_to_replace(folder.target() / "report.json");
   hold.emplace();

@@ -107,6 +107,7 @@ int verify_frames(const JobOptions& options) {
   RunFolder folder(options.out, options.force, {.mark = "verify.json"});
   Progress progress(options.progress, options.quiet);
   Inputs inputs = load_inputs(options, &progress);
+  tell_warnings(inputs.warnings, &progress);
   progress.expect(2 * inputs.frames());
   const std::size_t to_replace = frames_to_replace(folder.target() / "verify.json");
   Verification done;
@@ -133,16 +134,22 @@ int verify_frames(const JobOptions& options) {
 
 int verify_rays(const JobOptions& options) {
   RunFolder folder(options.out, options.force, {.mark = "verify.json"});
+  Progress progress(options.progress, options.quiet);
   const RayList list = read_ray_list(options.rays);
-  const Inputs inputs = load_inputs(options);
+  const Inputs inputs = load_inputs(options, &progress);
+  tell_warnings(inputs.warnings, &progress);
   const traces::BvhTracer tested(inputs.image);
+  progress.phase("building Embree's tree");
   const traces::EmbreeTracer embree(inputs.image, host_threads(options.threads));
   const traces::VerifyingTracer verifying(inputs.image, tested, embree);
   std::vector<traces::Hit> hits(list.rays.size());
+  progress.begin_part("tracing", 0, 1);
   verifying.trace(list.rays, traces::RayKind::kPrimary, hits, nullptr);
   const traces::VerifyCounts counts = verifying.counts();
+  progress.tiles_done(1, counts.rays, 0);
+  progress.end("done");
   folder.fill([&](const RunFolder::Open& open) {
-    nlohmann::ordered_json json = {{"schema", "raywatt-verify/1"}};
+    nlohmann::ordered_json json = {{"schema", "raywatt-verify/1"}, {"partial", false}};
     json.update(counts_json(counts));
     json["provenance"] = provenance_json(inputs, options);
     json["provenance"]["rays_sha256"] = list.sha256;

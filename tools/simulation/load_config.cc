@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <optional>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "sim/config/config.h"
+#include "sim/edit_distance.h"
 #include "sim/error.h"
 #include "sim/io/printable.h"
 #include "tools/host/paths.h"
@@ -121,6 +123,26 @@ RunConfig apply_options(RunConfig config, const JobOptions& options) {
   sim::ConfigLoader loader(tree);
   apply_rest(loader, tree, config, options);
   return config;
+}
+
+std::vector<std::string> idle_settings(const JobOptions& options, const RunConfig& config) {
+  std::vector<std::string> out;
+  bool has_idle_filter = false;
+  for (const std::string& set : options.sets) {
+    if (set.starts_with("render.mip_filter=") && config.render.mip_maps == traces::MipMaps::kOff && !has_idle_filter) {
+      has_idle_filter = true;
+      out.emplace_back("render.mip_filter does nothing with render.mip_maps=off");
+    }
+    if (!set.starts_with("dram.grade=")) continue;
+    std::string grade = set.substr(set.find('=') + 1);
+    std::ranges::transform(grade, grade.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    const std::vector<std::string> known = config_names_in("dram");
+    const auto meant = sim::nearest_of("dram/" + grade, known, grade.size() / 4);
+    if (meant == known.end()) continue;
+    out.push_back(fmt::format("dram.grade is a name for reports and takes no figures; --set dram.extends={} does",
+                              meant->substr(std::string_view("dram/").size())));
+  }
+  return out;
 }
 
 void apply_ideal(RunConfig& config, const std::vector<std::string>& resources) {

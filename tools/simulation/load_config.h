@@ -1,4 +1,6 @@
 #pragma once
+#include <string>
+#include <vector>
 
 #include "hw_models/machines/gpu_config.h"
 #include "shader_kernels/programs/programs.h"
@@ -47,6 +49,9 @@ struct RunConfig {
 /// The configuration that a run works with: the file, then the workload if --scene names one, then --set, then --scene,
 /// --camera, --frames and --resolution. InputError.
 RunConfig load_run_config(const JobOptions& options);
+
+/// A line for each setting of the command line that does not do what it seems to.
+std::vector<std::string> idle_settings(const JobOptions& options, const RunConfig& config);
 
 /// InputError for a name that no scene or workload has and that is no file's.
 void check_scene(const std::string& name);

@@ -1,21 +1,15 @@
 #include "tools/simulation/run_job.h"
 
 #include <algorithm>
-#include <cctype>
 #include <memory>
 #include <thread>
-
-#include <fmt/format.h>
 
 #include "hw_models/machines/gpu.h"
 #include "shader_kernels/catalogue.h"
 #include "shader_kernels/programs/programs.h"
 #include "sim/config/config.h"
-#include "sim/edit_distance.h"
 #include "sim/host_clock.h"
-#include "sim/io/printable.h"
 #include "tools/host/interrupt.h"
-#include "tools/host/paths.h"
 #include "tools/simulation/kept_work.h"
 #include "tools/simulation/machine_run.h"
 #include "tools/simulation/progress_tile_source.h"
@@ -98,25 +92,6 @@ float size_in_frame_0(traces::Scene& scene, const traces::WorkloadConfig& worklo
   return std::max({sides.x, sides.y, sides.z});
 }
 
-/// Settings of the command line that do not do what they seem to.
-std::vector<std::string> idle_settings(const JobOptions& options, const RunConfig& config) {
-  std::vector<std::string> out;
-  for (const std::string& set : options.sets) {
-    if (set.starts_with("render.mip_filter=") && config.render.mip_maps == traces::MipMaps::kOff && out.empty()) {
-      out.emplace_back("render.mip_filter does nothing with render.mip_maps=off");
-    }
-    if (!set.starts_with("dram.grade=")) continue;
-    std::string grade = set.substr(set.find('=') + 1);
-    std::ranges::transform(grade, grade.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    const std::vector<std::string> known = config_names_in("dram");
-    const auto meant = sim::nearest_of("dram/" + grade, known, grade.size() / 4);
-    if (meant == known.end()) continue;
-    out.push_back(fmt::format("dram.grade is a name for reports and takes no figures; --set dram.extends={} does",
-                              meant->substr(std::string_view("dram/").size())));
-  }
-  return out;
-}
-
 }  // namespace
 
 std::uint32_t host_threads(std::uint32_t wanted) {
@@ -161,6 +136,11 @@ Inputs load_inputs(const RunConfig& config, std::uint32_t threads, Progress* pro
   if (in.frames() > 1) in.moving = std::move(scene);
   in.load_seconds = sim::seconds_since(begin);
   return in;
+}
+
+void tell_warnings(const std::vector<std::string>& lines, Progress* progress) {
+  if (progress == nullptr) return;
+  for (const std::string& line : lines) progress->say("raywatt: warning: " + line);
 }
 
 std::string inputs_key(const RunConfig& config) {

@@ -52,6 +52,8 @@ struct Inputs {
 /// Reads scene and configuration and builds the tree of the first frame. InputError, or Interrupted.
 Inputs load_inputs(const JobOptions& options, Progress* progress = nullptr);
 Inputs load_inputs(const RunConfig& config, std::uint32_t threads, Progress* progress = nullptr);
+/// Says warnings on standard error, above the bar if there is one. Without `progress` nobody is told.
+void tell_warnings(const std::vector<std::string>& lines, Progress* progress);
 /// Keys on which load_inputs() depends, with their values: equal texts, equal inputs.
 std::string inputs_key(const RunConfig& config);
 /// Goes on to a later frame: poses the scene, then refits or rebuilds the tree if anything in it has moved.

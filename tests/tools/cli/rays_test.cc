@@ -93,10 +93,13 @@ TEST_F(Rays, AreFedAtTheIntervalOfTheDirectInterfaceAndNoFaster) {
 }
 
 TEST_F(Rays, AgreeWithEmbree) {
-  const Ending ending = raywatt({"verify", "--rays", list(fan(2000)), "-o", out().string()});
+  const Ending ending = raywatt({"verify", "--rays", list(fan(2000)), "-o", out().string(), "--progress", "json"});
   EXPECT_EQ(ending.exit, 0) << ending.err;
+  EXPECT_SAYS(ending.err, "\"phase\":\"done\"");
   EXPECT_EQ(names_in(out()), Words{"verify.json"});
-  EXPECT_EQ(read_json(out() / "verify.json")["rays"], 2000);
+  const Json verdict = read_json(out() / "verify.json");
+  EXPECT_EQ(verdict["rays"], 2000);
+  EXPECT_EQ(verdict["partial"], false);
 }
 
 TEST_F(Rays, ThatAreNoneAreRefusedByTheirNumber) {

@@ -156,6 +156,7 @@ Json measure(const std::string& scene, const BenchOptions& options, Json all, co
   own.job.scene = scene;
   Progress progress(own.job.progress, own.job.quiet);
   const Inputs inputs = load_inputs(own.job, &progress);
+  tell_warnings(inputs.warnings, &progress);
   if (other != nullptr) {  // before the time is spent
     all["scenes"] = Json::array({conditions_of(inputs)});
     check_comparable(all, *other, options.against, options.scenes.size() == 1);

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "hw_models/srp/srp.h"
 #include "hw_models/tni/ist.h"
 #include "hw_models/tni/trv.h"
 #include "tools/analysis/limiter.h"
 #include "tools/analysis/units.h"
+#include "tools/analysis/warnings.h"
 #include "tools/host/progress.h"
 #include "tools/noise/noise.h"
 #include "tools/simulation/run_job.h"
@@ -72,12 +74,15 @@ NoisySpeedup noisy_speedup(const Bottleneck& found, const Bound& bound) {
 
 Bottleneck find_bottleneck(const JobOptions& options, Progress* progress) {
   Inputs inputs = load_inputs(options, progress);
+  tell_warnings(inputs.warnings, progress);
   const kernels::ProgramSpec program = kernels::parse_program(options.program);
   const auto play = [&](const char* what) {
     if (progress != nullptr) progress->expect(options.replicates, what);
     return simulate(inputs, program, options.threads, {.progress = progress, .replicates = options.replicates});
   };
   const Simulation measured = play("as configured");
+  const std::vector<std::string> of_run = run_warnings(inputs.config, measured.units);
+  tell_warnings(of_run, progress);
   const double pixels = double{1} * inputs.config.render.width * inputs.config.render.height;
   const CoreTime time = top_down(measured.units, measured.machine).gpu;
   const std::vector<Estimate> estimates = estimate(time);
@@ -88,7 +93,9 @@ Bottleneck find_bottleneck(const JobOptions& options, Progress* progress) {
                    .bounds = {},
                    .caches = cache_shares(measured.units, time),
                    .plays = plays_of(measured),
-                   .assumed_noise = default_noise(pixels, "cycles")};
+                   .assumed_noise = default_noise(pixels, "cycles"),
+                   .warnings = inputs.warnings};
+  std::ranges::copy(of_run, std::back_inserter(found.warnings));
   for (const hw::IdealConfig::Resource& resource : hw::IdealConfig::kResources) {
     bool& ideal = inputs.config.gpu.ideal.*resource.member;
     const bool configured = ideal;

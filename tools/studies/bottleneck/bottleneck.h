@@ -39,6 +39,7 @@ struct Bottleneck {
   std::vector<CacheShare> caches;
   Draws plays{};             ///< cycles over all replicates, as configured
   double assumed_noise = 0;  ///< default_noise() of cycles, where there are no replicates
+  std::vector<std::string> warnings{};
   double speedup(const Bound& bound) const { return static_cast<double>(cycles) / static_cast<double>(bound.cycles); }
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -97,18 +98,23 @@ DvfsCurve dvfs_curve(const DvfsOptions& options, Progress* progress) {
   std::ranges::sort(factors);
   factors.erase(std::unique(factors.begin(), factors.end()), factors.end());
   const Inputs inputs = load_inputs(options.job, progress);
+  tell_warnings(inputs.warnings, progress);
   check_table_names(idle_units(inputs.config.gpu), inputs.config);
   std::vector<RunConfig> configs;
   for (const double factor : factors) configs.push_back(at_factor(inputs.config, options.domains, factor));
   const std::vector<Simulation> runs =
       simulate_on(inputs, kernels::parse_program(options.job.program), configs, options.job.threads, progress);
   DvfsCurve curve;
+  std::vector<std::string> warnings;
   for (std::size_t i = 0; i < runs.size(); ++i) {
     curve.points.push_back(point_of(factors[i], configs[i], runs[i]));
     for (const std::string& line : run_warnings(configs[i], runs[i].units)) {
-      if (std::ranges::find(curve.warnings, line) == curve.warnings.end()) curve.warnings.push_back(line);
+      if (std::ranges::find(warnings, line) == warnings.end()) warnings.push_back(line);
     }
   }
+  tell_warnings(warnings, progress);
+  curve.warnings = inputs.warnings;
+  std::ranges::move(warnings, std::back_inserter(curve.warnings));
   double slowest = 0;
   for (const DvfsPoint& point : curve.points) slowest = std::max(slowest, point.ms);
   choose_points(curve, options.fps > 0 ? 1000 / options.fps : slowest);
