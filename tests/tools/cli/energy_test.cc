@@ -41,6 +41,11 @@ TEST(EnergyShow, SaysWhatIsGivenOnTheCommandLine) {
   EXPECT_SAYS(text, "--set energy.events.tni.box_test=48");
 }
 
+TEST(EnergyShow, SaysWhatIsGivenInAMappingOnTheCommandLine) {
+  const std::string set = "energy.events={tni.box_test: 48}";
+  EXPECT_SAYS(output_of({"energy", "show", "tni.box_test", "--set", set}), "48 pJ  (no band)\n    --set " + set);
+}
+
 TEST(EnergyShow, KnowsLogicAndMemoryAndAll) {
   EXPECT_SAYS(output_of({"energy", "show", "logic.tni.trv"}), "16 units core.tni.trv");
   EXPECT_SAYS(output_of({"energy", "show", "parts.tni.trv.box_tester"}), "16 units core.tni.trv, each with 2");
