@@ -33,7 +33,7 @@ Json trace_info(const traces::TraceReader& trace) {
       return traces::number_of(header.at("resolution").at(i), 1U << 16, "resolution");
     };
     Json info = {{"schema", "raywatt-trace-info/1"},
-                 {"version", traces::kTraceVersion},
+                 {"version", trace.version()},
                  {"program", text_at(header, "program")},
                  {"reference", text_at(header, "reference")},
                  {"resolution", {side(0), side(1)}},

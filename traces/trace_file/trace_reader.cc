@@ -91,6 +91,7 @@ void TraceReader::read_header() {
                     "raywatt trace record makes one",
                     sim::printable(start.substr(0, start.find('\n'))), kTraceMagic.substr(0, kTraceMagic.size() - 1)));
   }
+  version_ = start.starts_with(kTraceMagic) ? kTraceVersion : kTraceVersion - 1;
   const FileRange range{start.size(), load<std::uint32_t>(start.data() + kTraceMagic.size())};
   if (range.bytes > size_ - range.offset) throw sim::InputError("ends early");
   header_ = sim::parse_json<Json>(block(range, kMaxHeaderBytes));

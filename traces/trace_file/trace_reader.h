@@ -35,6 +35,7 @@ class TraceReader {
   TraceReader(const TraceReader&) = delete;
   TraceReader& operator=(const TraceReader&) = delete;
 
+  int version() const { return version_; }  ///< the file's
   const Json& header() const { return header_; }
   const std::vector<Part>& parts() const { return parts_; }
   const Json& frames() const { return frames_; }
@@ -88,7 +89,7 @@ class TraceReader {
   void read_contents();
 
   const std::filesystem::path path_;
-  int file_ = -1;
+  int file_ = -1, version_ = kTraceVersion;
   std::uint64_t size_ = 0;
   Json header_, frames_;
   std::vector<Tree> trees_;

@@ -21,6 +21,7 @@ nlohmann::json played(const TempFolder& folder, const std::string& name, const s
   const Ending info = raywatt({"trace", "info", file});
   EXPECT_EQ(info.exit, 0) << info.err;
   EXPECT_SAYS(info.out, "three triangles");
+  EXPECT_SAYS(info.out, "raywatt-trace/3");
   return read_json(out / "report.json");
 }
 
