@@ -126,6 +126,14 @@ TEST_F(Pages, OfTwoRunsGoFromOneToTheOtherWithoutAGap) {
   EXPECT_EQ(column(view, "keys", "key"), std::vector<Json>{"srp.array.cache_ports"});
 }
 
+TEST_F(Pages, OfSeveralFramesHaveTheDebugPicturesOfTheFirstWhateverItsNumber) {
+  ASSERT_EQ(in_folder({"run", "--scene", "chess", "--set", "scene.triangles=500", "--resolution", "16x16", "--quiet",
+                       "--program", "multirate:under", "--frames", "1:2", "--debug-images", "-o", "frames"})
+                .exit,
+            0);
+  EXPECT_SAYS(page_of({"frames"}), "\"debug similar\"");
+}
+
 /// The block of a section.
 Json block_of(const Json& view, const char* section, std::size_t block = 0) {
   for (const Json& each : view["sections"]) {

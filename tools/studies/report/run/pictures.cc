@@ -48,13 +48,21 @@ std::string title_of(const std::string& name) {
   return name.starts_with(kCheck) ? "failed check: " + name.substr(kCheck.size()) : name;
 }
 
+/// Begin of the names of the first frame's debug pictures where there are several frames.
+std::string first_frame_name(const Run& run) {
+  const Json& frames = at(run.report.json, {"frames"});
+  const double number = frames.is_array() && !frames.empty() ? number_at(frames[0], {"frame"}) : 0;
+  return fmt::format("frame-{:04.0f}-debug-", number);
+}
+
 /// Pictures of --debug-images that have no values elsewhere, of the first frame, by name.
-std::vector<std::pair<std::string, fs::path>> debug_pictures_in(const fs::path& folder) {
+std::vector<std::pair<std::string, fs::path>> debug_pictures_in(const Run& run) {
+  const std::string of_first = first_frame_name(run);
   std::vector<std::pair<std::string, fs::path>> found;
   std::error_code ignored;
-  for (const auto& entry : fs::directory_iterator(folder, ignored)) {
+  for (const auto& entry : fs::directory_iterator(run.folder, ignored)) {
     std::string name = entry.path().filename().string();
-    const bool is_first_frame = name.starts_with("debug-") || name.starts_with("frame-0000-debug-");
+    const bool is_first_frame = name.starts_with("debug-") || name.starts_with(of_first);
     const fs::path values = fs::path(entry.path()).replace_extension(".exr");
     if (!is_first_frame || !name.ends_with(".png") || fs::exists(values, ignored)) continue;
     name = name.substr(name.find("debug-") + 6);
@@ -72,9 +80,9 @@ struct DebugPictures {
   std::size_t left_out = 0;
 };
 
-DebugPictures debug_pictures(const fs::path& folder) {
+DebugPictures debug_pictures(const Run& run) {
   DebugPictures out;
-  for (const auto& [name, file] : debug_pictures_in(folder)) {
+  for (const auto& [name, file] : debug_pictures_in(run)) {
     const std::optional<std::string> overlay = page_picture(file, kMostPixels);
     if (!overlay || out.bytes + overlay->size() > kLargestDebug) {
       ++out.left_out;
@@ -98,7 +106,7 @@ void add_pictures(const Run& run, View& view) {
     section.text("There is no image.png beside the report, so there is no picture here. " + overlays.missing);
     return view.add(section);
   }
-  DebugPictures debug = debug_pictures(run.folder);
+  DebugPictures debug = debug_pictures(run);
   std::string note = overlays.missing;
   if (debug.left_out > 0)
     note += fmt::format(" Too large for the page: {}.", counted(static_cast<double>(debug.left_out), "debug picture"));
