@@ -1,6 +1,3 @@
-#include <algorithm>
-#include <filesystem>
-
 #include <fmt/format.h>
 
 #include "tools/host/paths.h"
@@ -53,26 +50,12 @@ Figure figure_of(const hw::GpuConfig& config, bool random) {
           std::string(bound.by)};
 }
 
-/// Files of the folder configs/dram, by name.
-std::vector<std::string> grades() {
-  std::vector<std::string> names;
-  for (const std::filesystem::path& folder : config_folders()) {
-    if (!std::filesystem::is_directory(folder / "dram")) continue;
-    for (const auto& entry : std::filesystem::directory_iterator(folder / "dram")) {
-      if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
-    }
-    break;
-  }
-  std::ranges::sort(names);
-  return names;
-}
-
 Findings measure(const JobOptions& job, bool all_grades) {
   std::vector<hw::GpuConfig> machines;
   if (!all_grades) machines.push_back(real_machine(job).gpu);
-  for (const std::string& grade : all_grades ? grades() : std::vector<std::string>{}) {
+  for (const std::string& grade : all_grades ? config_names_in("dram") : std::vector<std::string>{}) {
     JobOptions of_grade = job;
-    of_grade.sets.insert(of_grade.sets.begin(), "dram.extends=dram/" + grade);
+    of_grade.sets.insert(of_grade.sets.begin(), "dram.extends=" + grade);
     machines.push_back(real_machine(of_grade).gpu);
   }
   Findings found{"lines read through the L2", {}};

@@ -109,6 +109,18 @@ TEST(MicrobenchBandwidth, HasTwoRowsForEachGrade) {
   EXPECT_EQ(all["figures"][9]["name"], "LPDDR5-6400, random");
 }
 
+TEST(MicrobenchBandwidth, FindsGradesInAllFoldersOfRaywattPath) {
+  const TempFolder folder;
+  std::filesystem::create_directories(folder.path() / "dram");
+  folder.write("dram/mine.yaml", "extends: lpddr5-6400\ngrade: mine\n");
+  const Ending ending = raywatt({"microbench", "bandwidth", "--json", "--all-grades", "--set", "dram.channels=1"},
+                                {.variables = {{"RAYWATT_PATH", folder.path().string()}}});
+  ASSERT_EQ(ending.exit, 0) << ending.err;
+  const Json all = Json::parse(ending.out);
+  ASSERT_EQ(all["figures"].size(), 12U);
+  EXPECT_EQ(all["figures"][10]["name"], "mine, stream");
+}
+
 TEST(MicrobenchMshr, GivesALineForEachRegisterAndLatencyUntilThePortIsFull) {
   const Json all = measured("mshr");
   EXPECT_NEAR(value_of(all, "1 miss register, lines in the L2"), 1e3 / 44, 0.01);
