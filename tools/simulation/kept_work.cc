@@ -18,10 +18,10 @@ void KeptWork::add(const traces::TileWork& work) {
   encoded_.resize(encoded_.size() + traces::kBitsPadding);
   bytes_ += encoded_.size();
   if (bytes_ > most_bytes_) {
-    throw sim::InputError(fmt::format(
-        "--replicates: the frame's work takes more than limits.memory, {} MiB; allowed: a smaller --resolution, fewer "
-        "samples, or a larger limits.memory",
-        most_bytes_ >> 20));
+    throw sim::InputError(
+        fmt::format("{}: the frame's work takes more than limits.memory, {} MiB; allowed: a smaller --resolution, "
+                    "fewer samples, or a larger limits.memory",
+                    kept_for_, most_bytes_ >> 20));
   }
   tiles_.push_back(encoded_);
 }

@@ -14,8 +14,9 @@ namespace tools {
 /// sample.
 class KeptWork {
  public:
-  /// InputError from add() beyond `most_bytes`.
-  KeptWork(traces::TileScope scope, std::uint64_t most_bytes) : scope_(std::move(scope)), most_bytes_(most_bytes) {}
+  /// InputError from add() beyond `most_bytes`, which names who wants it: an option or a verb.
+  KeptWork(traces::TileScope scope, std::uint64_t most_bytes, std::string kept_for)
+      : scope_(std::move(scope)), most_bytes_(most_bytes), kept_for_(std::move(kept_for)) {}
 
   void add(const traces::TileWork& work);
   std::uint32_t tiles() const { return static_cast<std::uint32_t>(tiles_.size()); }
@@ -25,6 +26,7 @@ class KeptWork {
  private:
   const traces::TileScope scope_;
   const std::uint64_t most_bytes_;
+  const std::string kept_for_;
   std::uint64_t bytes_ = 0;
   traces::TileEncoder encoder_;
   std::string encoded_;

@@ -40,7 +40,7 @@ class Recording final : public hw::TileSource {
       if (const traces::TileScope* recorded = scope_of(frame)) scope = *recorded;
       scope.kernels = static_cast<std::uint32_t>(kernels::catalogue().size());
       scope.tile_bytes = traces::most_tile_bytes(requirements);
-      kept_.emplace(std::move(scope), inputs.config.limits.memory.bytes);
+      kept_.emplace(std::move(scope), inputs.config.limits.memory.bytes, extras.kept_for);
     }
     if (trace_ == nullptr) return;
     trace_->begin_part({inputs.frame, extras.reference}, traces::links_of(inputs.image),
@@ -241,14 +241,15 @@ Simulation play(const Inputs& inputs, const kernels::ProgramSpec& program, kerne
 }
 
 std::vector<Simulation> simulate_on(const Inputs& inputs, const kernels::ProgramSpec& program,
-                                    std::span<const RunConfig> configs, std::uint32_t threads, Progress* progress) {
+                                    std::span<const RunConfig> configs, const char* kept_for, std::uint32_t threads,
+                                    Progress* progress) {
   const Program made(inputs, program, {});
   const traces::BvhTracer tracer(inputs.image);
   FrontEnd front_end(*made.frame, tracer, host_threads(threads));
   if (progress != nullptr) progress->expect(static_cast<std::uint32_t>(configs.size()) + 1);
   ProgressTileSource offered(front_end, made.frame->tiles(), progress, false);
   const kernels::FrameRequirements requirements = made.frame->requirements();
-  Recording tiles(offered, inputs, requirements, {.replicates = 2}, *made.frame);
+  Recording tiles(offered, inputs, requirements, {.replicates = 2, .kept_for = kept_for}, *made.frame);
   offered.begin("rendering", inputs.frame);
   while (const traces::TileWork* work = tiles.next()) tiles.give_back(work);
   Simulation plain;

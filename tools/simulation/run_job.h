@@ -129,12 +129,13 @@ struct Extras {
   bool keep_part = false;             ///< an interrupt leaves the finished tiles, if there are any
   Progress* progress = nullptr;
   traces::TraceWriter* trace = nullptr;  ///< gets the frame's work, if somebody wants it
-  bool reference = false;  ///< this is what others are compared with: a part of the trace, effects at the full rate
-  sim::Intervals* intervals = nullptr;  ///< gets what the machine did over time, if somebody wants it
-  RunWatcher* watcher = nullptr;        ///< looks at the frame while it is played
-  std::uint32_t replicates = 1;         ///< plays of the work, of which the first is not perturbed
-  bool itemised = false;                ///< what each tile and pixel took is kept
-  hw::Watchers watchers = {};           ///< those of the machine
+  bool reference = false;  ///< this is what others are compared with: a part of the trace, by reference_render()
+  sim::Intervals* intervals = nullptr;    ///< gets what the machine did over time, if somebody wants it
+  RunWatcher* watcher = nullptr;          ///< looks at the frame while it is played
+  std::uint32_t replicates = 1;           ///< plays of the work, of which the first is not perturbed
+  const char* kept_for = "--replicates";  ///< option or verb that wants them, for who runs out of memory
+  bool itemised = false;                  ///< what each tile and pixel took is kept
+  hw::Watchers watchers = {};             ///< those of the machine
 };
 
 /// Runs a frame program on the machine.
@@ -146,9 +147,9 @@ Simulation simulate(const Inputs& inputs, const kernels::ProgramSpec& program, s
 
 /// Records a frame once and plays it on the machine of each configuration, as many at once as there are threads. The
 /// configurations may differ from that of `inputs` in what does not change the work. Results in their order, without
-/// pictures. sim::Deadlock, Interrupted.
+/// pictures. sim::InputError, which names `kept_for`, where the work takes too much memory; sim::Deadlock, Interrupted.
 std::vector<Simulation> simulate_on(const Inputs& inputs, const kernels::ProgramSpec& program,
-                                    std::span<const RunConfig> configs, std::uint32_t threads,
+                                    std::span<const RunConfig> configs, const char* kept_for, std::uint32_t threads,
                                     Progress* progress = nullptr);
 
 /// Plays what a frame program makes with `tracer` on the machine that `inputs` name; the last half of simulate().

@@ -69,7 +69,7 @@ TEST(KeptWork, IsTheWorkThatWasRecordedToTheLastCounter) {
   const hw::test::Frame frame("teapot", 64, 32);
   const traces::MemoryImage& image = frame.workload().image;
   KeptWork kept({traces::links_of(image), traces::counts_of(image), 1000, frame.workload().needs.region_bytes},
-                1U << 30);
+                1U << 30, "--replicates");
   for (const traces::TileWork& work : frame.record()) kept.add(work);
   EXPECT_EQ(kept.tiles(), frame.program().tiles());
   std::uint32_t finished = 0;
@@ -82,12 +82,14 @@ TEST(KeptWork, IsTheWorkThatWasRecordedToTheLastCounter) {
 TEST(KeptWork, BeyondItsMemoryIsRefusedByName) {
   const hw::test::Frame& frame = hw::test::cornell_64x32();
   const traces::MemoryImage& image = frame.workload().image;
-  KeptWork kept({traces::links_of(image), traces::counts_of(image), 1000, frame.workload().needs.region_bytes}, 100);
+  KeptWork kept({traces::links_of(image), traces::counts_of(image), 1000, frame.workload().needs.region_bytes}, 100,
+                "dvfs");
   try {
     kept.add(frame.record().front());
     FAIL() << "100 bytes hold no tile";
   } catch (const sim::InputError& error) {
     EXPECT_NE(std::string(error.what()).find("limits.memory"), std::string::npos) << error.what();
+    EXPECT_TRUE(std::string(error.what()).starts_with("dvfs: ")) << error.what();
   }
 }
 

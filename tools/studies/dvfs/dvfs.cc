@@ -103,7 +103,7 @@ DvfsCurve dvfs_curve(const DvfsOptions& options, Progress* progress) {
   std::vector<RunConfig> configs;
   for (const double factor : factors) configs.push_back(at_factor(inputs.config, options.domains, factor));
   const std::vector<Simulation> runs =
-      simulate_on(inputs, kernels::parse_program(options.job.program), configs, options.job.threads, progress);
+      simulate_on(inputs, kernels::parse_program(options.job.program), configs, "dvfs", options.job.threads, progress);
   DvfsCurve curve;
   std::vector<std::string> warnings;
   for (std::size_t i = 0; i < runs.size(); ++i) {
