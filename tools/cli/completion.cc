@@ -14,6 +14,7 @@
 #include "tools/cli/declared.h"
 #include "tools/cli/set_keys.h"
 #include "tools/cli/verbs.h"
+#include "tools/host/command_text.h"
 #include "tools/host/paths.h"
 #include "tools/studies/energy/show.h"
 #include "tools/studies/reproduce/plan.h"
@@ -93,19 +94,12 @@ void for_values(const DeclaredVerb& verb, const F& f) {
   }
 }
 
-/// Words of a shell between single quotes.
-std::string shell_word(std::string_view text) {
-  std::string out = "'";
-  for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return out + "'";
-}
-
 /// Cases of a `case` over the verb, each of them lines of `body`.
 template <class F>
 std::string cases(const std::vector<DeclaredVerb>& verbs, const F& body) {
   std::string out;
   for (const DeclaredVerb& verb : verbs)
-    out += fmt::format("    {})\n{}      ;;\n", shell_word(joined(verb.words)), body(verb));
+    out += fmt::format("    {})\n{}      ;;\n", single_quoted(joined(verb.words)), body(verb));
   return out;
 }
 
@@ -146,11 +140,11 @@ std::string what_is_set() {
   const SetKeys keys = set_keys();
   std::string values;
   for (const auto& [key, choices] : keys.values) {
-    values += fmt::format("    {}) choices={} ;;\n", shell_word(key), shell_word(joined(choices)));
+    values += fmt::format("    {}) choices={} ;;\n", single_quoted(key), single_quoted(joined(choices)));
   }
   return fmt::format(
       "  case $keys in\n    every) keys={} ;;\n    of_energy) keys={} ;;\n  esac\n  case $key in\n{}  esac\n",
-      shell_word(settings(keys.every)), shell_word(settings(keys.of_energy)), values);
+      single_quoted(settings(keys.every)), single_quoted(settings(keys.of_energy)), values);
 }
 
 std::string for_bash(const std::vector<DeclaredVerb>& verbs) {
@@ -235,21 +229,21 @@ std::string for_fish(const std::vector<DeclaredVerb>& verbs) {
 )";
   std::vector<std::string> known;
   for (const DeclaredVerb& verb : verbs) {
-    if (verb.words.size() > 1) known.push_back(shell_word(joined(verb.words)));
+    if (verb.words.size() > 1) known.push_back(single_quoted(joined(verb.words)));
   }
   out += fmt::format(
       "      case {}\n        set verb \"$verb $word\"\n    end\n  end\n  test \"$verb\" = \"$argv\"\nend\n",
       joined(known));
   for (const DeclaredVerb& verb : verbs) {
     const std::string here =
-        fmt::format("complete -c raywatt -n {}", shell_word("__raywatt_verb " + joined(verb.words)));
+        fmt::format("complete -c raywatt -n {}", single_quoted("__raywatt_verb " + joined(verb.words)));
     for (const DeclaredVerb& below : verbs) {
       const bool is_next = below.words.size() == verb.words.size() + 1 &&
                            std::equal(verb.words.begin(), verb.words.end(), below.words.begin());
-      if (is_next) out += fmt::format("{} -a {} -d {}\n", here, below.words.back(), shell_word(below.help));
+      if (is_next) out += fmt::format("{} -a {} -d {}\n", here, below.words.back(), single_quoted(below.help));
     }
     if (const std::vector<std::string> names = positional_names(verb); !names.empty()) {
-      out += fmt::format("{} -a {}\n", here, shell_word(joined(names)));
+      out += fmt::format("{} -a {}\n", here, single_quoted(joined(names)));
     }
     for (const DeclaredOption& option : verb.options) {
       if (option.is_positional) continue;
@@ -259,13 +253,13 @@ std::string for_fish(const std::vector<DeclaredVerb>& verbs) {
       for (const std::string& name : option.names) {
         out += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
       }
-      if (!option.choices.empty()) out += " -x -a " + shell_word(joined(option.choices));
+      if (!option.choices.empty()) out += " -x -a " + single_quoted(joined(option.choices));
       if (!option.takes.empty() && option.choices.empty()) out += takes_keys(option) ? " -x" : " -r";
       if (takes_keys(option)) out += fmt::format(" -a '(__raywatt_settings {})'", list_of_keys(verb));
       if (const std::vector<std::string> names = known_names(verb, option); !names.empty()) {
-        out += " -a " + shell_word(joined(names));
+        out += " -a " + single_quoted(joined(names));
       }
-      out += fmt::format(" -d {}\n", shell_word(help));
+      out += fmt::format(" -d {}\n", single_quoted(help));
     }
   }
   return out;

@@ -11,6 +11,7 @@
 #include "sim/io/json.h"
 #include "sim/report/report_json.h"
 #include "tools/analysis/report_file.h"
+#include "tools/host/command_text.h"
 #include "tools/host/standard_streams.h"
 
 namespace tools {
@@ -99,8 +100,9 @@ void write_reference(const std::filesystem::path& folder, const Origin& origin, 
 }
 
 void tell_reference(const std::filesystem::path& folder) {
-  fmt::print("reference: {0}\nraywatt compare {0} {1} says where the gain comes from\n",
-             (folder / kReferenceReport).string(), (folder / "report.json").string());
+  const std::string reference = (folder / kReferenceReport).string();
+  fmt::print("reference: {}\n{} says where the gain comes from\n", reference,
+             command_text({"raywatt", "compare", reference, (folder / "report.json").string()}));
 }
 
 }  // namespace tools

@@ -93,6 +93,14 @@ TEST(Reference, ComparedWithItsRunExplainsTheGain) {
       << "the reference's picture, not the run's twice";
 }
 
+TEST(Reference, IsComparedByACommandThatAShellTakes) {
+  const TempFolder folder;
+  const std::string out = (folder.path() / "two words").string();
+  const Ending ending = raywatt({"run", "--resolution", "16x16", "-o", out, "--reference", "full:1"});
+  ASSERT_EQ(ending.exit, 0) << ending.err;
+  EXPECT_SAYS(ending.out, "raywatt compare '" + out + "/reference.json' '" + out + "/report.json' says");
+}
+
 TEST(Reference, OfAFormerRunGoesWithIt) {
   const TempFolder folder;
   const std::filesystem::path out = folder.path() / "out";

@@ -12,6 +12,7 @@
 #include "sim/error.h"
 #include "sim/io/printable.h"
 #include "sim/report/report_json.h"
+#include "tools/host/command_text.h"
 #include "tools/host/progress.h"
 #include "tools/studies/sweep/launch/slurm_words.h"
 #include "tools/studies/sweep/store/folder.h"
@@ -149,7 +150,8 @@ void cancel_sweep(const fs::path& path) {
     fmt::print("nobody is running this sweep\n");
     return;
   }
-  fmt::print("cancelled; what is finished is kept. Go on with: raywatt sweep run --resume -o {}\n", path.string());
+  fmt::print("cancelled; what is finished is kept. Go on with: {}\n",
+             command_text({"raywatt", "sweep", "run", "--resume", "-o", path.string()}));
 }
 
 }  // namespace tools

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kFour = "axes: {cores: [1, 2], tni.trvs: [2, 4]}\n";
+constexpr const char* kFourPoints = "axes: {cores: [1, 2], tni.trvs: [2, 4]}\n";
 
 struct SlurmWords : testing::Test {
   TempFolder folder;
@@ -42,7 +42,7 @@ struct SlurmWords : testing::Test {
     return raywatt(words, around);
   }
   Ending run(const Words& more = {}) {
-    Words words = sweep_run(folder, write_sweep(folder, kFour), {"--launcher", "slurm"});
+    Words words = sweep_run(folder, write_sweep(folder, kFourPoints), {"--launcher", "slurm"});
     words.insert(words.end(), more.begin(), more.end());
     return with_commands(words);
   }
@@ -113,7 +113,7 @@ TEST_F(SlurmWords, AQueueThatDoesNotAnswerIsNoEmptyQueue) {
 TEST_F(SlurmWords, WithoutSlurmTheHostIsTheWrongOne) {
   Surroundings around;
   around.variables = {{"PATH", folder.path().string()}};
-  const Ending ending = raywatt(sweep_run(folder, write_sweep(folder, kFour), {"--launcher", "slurm"}), around);
+  const Ending ending = raywatt(sweep_run(folder, write_sweep(folder, kFourPoints), {"--launcher", "slurm"}), around);
   expect_refusal(ending, {"squeue cannot be started", "local"});
 }
 
@@ -129,7 +129,19 @@ TEST_F(SlurmWords, WhatIsNotForOthersToChooseIsRefused) {
   idle_slurm();
   expect_refusal(run({"--slurm-args", "--array=1-5"}), {"--array=1-5", "--chunk"});
   expect_refusal(run({"--slurm-args", "--partition fat"}), {"'fat'", "in one word"});
-  expect_refusal(raywatt(sweep_run(folder, write_sweep(folder, kFour), {"--wait"})), {"--launcher slurm"});
+  expect_refusal(raywatt(sweep_run(folder, write_sweep(folder, kFourPoints), {"--wait"})), {"--launcher slurm"});
+}
+
+TEST_F(SlurmWords, ToCopyAreQuotedForTheShell) {
+  idle_slurm();
+  const fs::path two = folder.path() / "two words";
+  const std::string quoted = "'" + two.string() + "'";
+  const Words words = {"sweep",      "run",     "-o",
+                       two.string(), "--store", (folder.path() / "store").string(),
+                       "--launcher", "slurm",   write_sweep(folder, kFourPoints).string()};
+  EXPECT_SAYS(with_commands(words).out, "raywatt sweep status " + quoted + "; raywatt sweep cancel " + quoted + "\n");
+  command("squeue", "echo '12|1|PENDING|Priority||" + (fs::canonical(two) / "submit-1.sh").string() + "'");
+  EXPECT_SAYS(with_commands({"sweep", "cancel", two.string()}).out, "raywatt sweep run --resume -o " + quoted + "\n");
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "sim/host_clock.h"
 #include "sim/io/file.h"
 #include "sim/io/printable.h"
+#include "tools/host/command_text.h"
 #include "tools/host/interrupt.h"
 #include "tools/studies/sweep/launch/slurm_client.h"
 #include "tools/studies/sweep/launch/slurm_queue.h"
@@ -33,13 +34,6 @@ std::uint64_t next_array(const fs::path& folder) {
   std::uint64_t k = 1;
   while (fs::exists(script_file(folder, k)) || fs::exists(list_file(folder, k))) ++k;
   return k;
-}
-
-/// For the shell.
-std::string quoted(const std::string& word) {
-  std::string out = "'";
-  for (const char c : word) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return out + "'";
 }
 
 /// In the name of an output file % begins a pattern.
@@ -110,8 +104,8 @@ std::string SlurmLauncher::submit_array(std::span<const std::string> lines) {
   sim::write_file_atomically(script, fmt::format("#!/bin/sh\n"
                                                  "exec {} sweep point {} --list {} --index \"$SLURM_ARRAY_TASK_ID\" "
                                                  "--jobs \"${{SLURM_CPUS_PER_TASK:-1}}\"\n",
-                                                 quoted(fs::read_symlink("/proc/self/exe").string()),
-                                                 quoted(folder.string()), quoted(list.string())));
+                                                 single_quoted(fs::read_symlink("/proc/self/exe").string()),
+                                                 single_quoted(folder.string()), single_quoted(list.string())));
   std::vector<std::string> arguments = {
       fmt::format("--job-name=raywatt-{}", folder.filename().string()),
       fmt::format("--array=0-{}{}", lines.size() - 1, options_.tasks != 0 ? fmt::format("%{}", options_.tasks) : ""),

@@ -7,6 +7,7 @@
 
 #include "sim/error.h"
 #include "sim/io/printable.h"
+#include "tools/host/command_text.h"
 #include "tools/studies/sweep/launch/slurm_queue.h"
 
 namespace tools {
@@ -41,7 +42,7 @@ void tell_submitted(const sweep::SlurmLauncher::Submitted& submitted, std::size_
     fmt::print("tasks:  {} of job{} {}\n", submitted.tasks, submitted.jobs.size() == 1 ? "" : "s",
                fmt::join(submitted.jobs, ", "));
   }
-  fmt::print("        raywatt sweep status {0}; raywatt sweep cancel {0}\n", out.string());
+  fmt::print("        raywatt sweep status {0}; raywatt sweep cancel {0}\n", command_text({out.string()}));
   fmt::print("        the same command again, when they have ended, makes the table or hands in what is missing\n");
 }
 

@@ -1,0 +1,15 @@
+#include "tools/host/command_text.h"
+
+#include <gtest/gtest.h>
+
+namespace test {
+namespace {
+
+TEST(CommandText, QuotesWhatAShellWouldTakeApart) {
+  EXPECT_EQ(tools::command_text({"raywatt", "-o", "out/a-1.html"}), "raywatt -o out/a-1.html");
+  EXPECT_EQ(tools::command_text({"raywatt", "two words", ""}), "raywatt 'two words' ''");
+  EXPECT_EQ(tools::single_quoted("it's"), R"('it'\''s')");
+}
+
+}  // namespace
+}  // namespace test
