@@ -175,15 +175,14 @@ std::optional<TileSampling> sampling_of(const JobOptions& options, const kernels
     return std::nullopt;
   }
   check_tile_sampling(program);
-  if (!options.reference.empty())
-    throw sim::InputError("--tile-sampling does not go with --reference: compare two runs of all tiles");
-  if (options.replicates > 1)
-    throw sim::InputError("--tile-sampling does not go with --replicates: replicates play all tiles");
-  if (!options.timeline.empty())
-    throw sim::InputError(
-        "--tile-sampling does not go with --timeline: a timeline is of a frame whose tiles are all timed");
-  if (!options.record.empty())
-    throw sim::InputError("--tile-sampling does not go with --record: a trace has all tiles");
+  const auto refuse = [](const char* option, const char* why) {
+    throw sim::InputError(fmt::format("--tile-sampling does not go with {}: {}", option, why));
+  };
+  if (!options.reference.empty()) refuse("--reference", "compare two runs of all tiles");
+  if (options.replicates > 1) refuse("--replicates", "replicates play all tiles");
+  if (!options.timeline.empty()) refuse("--timeline", "a timeline is of a frame whose tiles are all timed");
+  if (!options.record.empty()) refuse("--record", "a trace has all tiles");
+  if (options.debug_images) refuse("--debug-images", "they show what all tiles took");
   return parse_tile_sampling(options.tile_sampling, options.image);
 }
 

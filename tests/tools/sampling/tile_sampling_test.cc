@@ -275,6 +275,7 @@ TEST(SampledRun, WhatMakesNoSenseIsRefusedBeforeAnythingIsMade) {
   expect_refused_run({"--tile-sampling", ""}, {"allowed: 5%, auto"});
   expect_refused_run({"--tile-sampling", "5%", "--program", "undersample"}, {"full:N"});
   expect_refused_run({"--tile-sampling", "5%", "--reference", "full:1"}, {"--reference"});
+  expect_refused_run({"--tile-sampling", "5%", "--debug-images"}, {"--tile-sampling does not go with --debug-images"});
   expect_refused_run({"--image", "none"}, {"--tile-sampling"});
 }
 
