@@ -150,6 +150,8 @@ TEST(Verify, ComparesEveryRayOfTheRun) {
   EXPECT_EQ(read_bytes(folder.path() / "verify" / "image.png"), read_bytes(folder.path() / "run" / "image.png"));
 }
 
+TEST(Verify, HasNoIdealResources) { expect_refusal(raywatt({"verify", "--ideal", "l1"}), {"--ideal"}); }
+
 TEST(Verify, TakesTheFolderOfAFormerVerdictButNotOfARun) {
   const TempFolder folder;
   const Words run = {"run", "--resolution", "16x16", "-o", (folder.path() / "run").string()};
