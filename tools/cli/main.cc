@@ -15,6 +15,7 @@
 
 #include "sim/error.h"
 #include "sim/io/printable.h"
+#include "tools/cli/checks.h"
 #include "tools/cli/verbs.h"
 #include "tools/host/build_info.h"
 #include "tools/host/interrupt.h"
@@ -97,6 +98,7 @@ int run(int argc, char** argv) {
   tools::add_optimise(app, exit);
   tools::add_completion(app);
   tools::add_man(app);
+  tools::refuse_empty_values(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

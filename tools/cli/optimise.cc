@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "tools/cli/checks.h"
 #include "tools/cli/job_options.h"
 #include "tools/cli/verbs.h"
 #include "tools/host/paths.h"
@@ -25,7 +26,7 @@ void add_optimise(CLI::App& app, int& exit) {
   add_launcher_options(*verb, *options);
   verb->add_option("--budget", options->budget, "different points that are simulated (default: the file's, or 100)")
       ->check(CLI::Range(optimise::kLeastBudget, optimise::kMostBudget));
-  verb->add_option("--seed", options->seed, "of all that is drawn (default: the file's, or 1)");
+  refuse_negative(*verb->add_option("--seed", options->seed, "of all that is drawn (default: the file's, or 1)"));
   verb->add_option("--fidelity", options->fidelity, "sampled: first looks by tile sampling (default: the file's)")
       ->check(CLI::IsMember({"full", "sampled"}));
   verb->add_flag("--quiet", options->quiet, "no table, no bar");

@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "tools/cli/checks.h"
 #include "tools/cli/job_options.h"
 #include "tools/cli/verbs.h"
 #include "tools/host/paths.h"
@@ -43,7 +44,7 @@ void add_sweep_point(CLI::App& group, int& exit) {
   const auto options = std::make_shared<PointOptions>();
   verb->add_option("folder", options->folder, "the sweep's folder")->required();
   verb->add_option("--list", options->list, "a file of ids, one or more a line (default: all points of the sweep)");
-  verb->add_option("--index", options->index, "which chunk of its lines, from 0")->required();
+  refuse_negative(*verb->add_option("--index", options->index, "which chunk of its lines, from 0")->required());
   verb->add_option("-j,--jobs", options->jobs, "points at a time")->check(CLI::Range(1, 1024))->capture_default_str();
   verb->add_option("--chunk", options->chunk, "lines of a chunk")
       ->check(CLI::Range(1, 1'000'000))

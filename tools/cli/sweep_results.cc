@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "sim/error.h"
+#include "tools/cli/checks.h"
 #include "tools/cli/verbs.h"
 #include "tools/host/standard_streams.h"
 #include "tools/studies/sweep/results/best.h"
@@ -96,7 +97,7 @@ void add_table(CLI::App& group) {
       ->type_name("A,B,...");
   verb->add_option("--sort", o->sort, "by a column; the greatest first with :desc")->type_name("COLUMN[:desc]");
   add_where(*verb, o->where);
-  verb->add_option("--limit", o->limit, "rows at most")->type_name("N");
+  refuse_negative(*verb->add_option("--limit", o->limit, "rows at most")->type_name("N"));
   verb->add_flag("--csv", o->csv, "as CSV, with all digits");
   verb->footer("Example: raywatt sweep table out/l1 --columns n,tni.trv.l1.size,cycles,power_w.nominal --sort cycles");
   verb->callback([o] {

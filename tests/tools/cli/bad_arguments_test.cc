@@ -43,6 +43,29 @@ TEST(BadArguments, ASceneWithoutAName) {
   expect_refusal(raywatt({"run", "-o", ""}), {"--output: allowed: a folder"});
 }
 
+TEST(BadArguments, ValuesThatAreEmpty) {
+  for (const char* option :
+       {"--camera", "--resolution", "--frames", "--reference", "--record", "--rays", "--program"}) {
+    expect_run_refused({option, ""}, {std::string(option) + ": is empty; allowed: a value, or to leave it out"});
+  }
+  for (const Words& verb :
+       std::vector<Words>{{"sweep", "run", "a.yaml"}, {"optimise", "a.yaml"}, {"reproduce", "chiu"}}) {
+    Words words = verb;
+    words.insert(words.end(), {"-o", ""});
+    expect_refusal(raywatt(words), {"--output: is empty"});
+  }
+  expect_refusal(raywatt({"baseline", "check", "a.yaml", "--junit", ""}), {"--junit: is empty"});
+  expect_refusal(raywatt({"sweep", "status", ""}), {"folder: is empty; allowed: a value; see"});
+}
+
+TEST(BadArguments, NegativeNumbersWhereNumbersAreWhole) {
+  for (const Words& words : std::vector<Words>{{"sweep", "table", "out", "--limit", "-1"},
+                                               {"optimise", "a.yaml", "--seed", "-1"},
+                                               {"sweep", "point", "out", "--index", "-1"}}) {
+    expect_refusal(raywatt(words), {words[words.size() - 2] + ": -1 is negative; allowed: a whole number from 0 on"});
+  }
+}
+
 TEST(BadArguments, OptionsThatAreUnknownRepeatedOrWithoutAValue) {
   expect_run_refused({"--colour", "red"}, {"--colour"});
   expect_run_refused({"--scene", "cornell", "--scene", "teapot"}, {"--scene"});
