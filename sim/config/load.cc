@@ -101,7 +101,6 @@ std::shared_ptr<const YamlNode> set_value(const std::string& text, const std::st
 
 }  // namespace
 
-const std::vector<std::filesystem::path>& config_search_path() { return search_path(); }
 void set_config_search_path(std::vector<std::filesystem::path> folders) { search_path() = std::move(folders); }
 
 std::filesystem::path find_config(const std::filesystem::path& name, const std::filesystem::path& beside,

@@ -12,7 +12,6 @@ namespace sim {
 
 /// Folders in which a configuration is looked up that is not found beside the file that names it, first come first.
 /// Set once, before any file is loaded.
-const std::vector<std::filesystem::path>& config_search_path();
 void set_config_search_path(std::vector<std::filesystem::path> folders);
 
 /// The file a configuration's name means: the name as it is if absolute, else below `beside`, else below a folder of

@@ -7,7 +7,8 @@
 
 namespace CLI {
 class App;
-}
+class Option;
+}  // namespace CLI
 
 namespace tools {
 
@@ -38,5 +39,11 @@ void add_launcher_options(CLI::App& verb, LauncherOptions& options);
 
 /// Adds the form of the progress that goes to standard error.
 void add_progress_option(CLI::App& verb, std::string& progress);
+
+/// Has the options of all verbs that are there refuse an empty value: as a rule, that of a variable that is not set.
+/// --set says itself what it takes.
+void refuse_empty_values(CLI::App& app);
+/// Refuses a negative number, which CLI11 takes for a huge one.
+void refuse_negative(CLI::Option& option);
 
 }  // namespace tools

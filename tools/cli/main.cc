@@ -15,7 +15,7 @@
 
 #include "sim/error.h"
 #include "sim/io/printable.h"
-#include "tools/cli/checks.h"
+#include "tools/cli/job_options.h"
 #include "tools/cli/verbs.h"
 #include "tools/host/build_info.h"
 #include "tools/host/interrupt.h"

@@ -4,7 +4,6 @@
 
 #include <CLI/CLI.hpp>
 
-#include "tools/cli/checks.h"
 #include "tools/cli/job_options.h"
 #include "tools/cli/verbs.h"
 #include "tools/host/paths.h"

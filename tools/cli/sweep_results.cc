@@ -7,7 +7,7 @@
 #include <unistd.h>
 
 #include "sim/error.h"
-#include "tools/cli/checks.h"
+#include "tools/cli/job_options.h"
 #include "tools/cli/verbs.h"
 #include "tools/host/standard_streams.h"
 #include "tools/studies/sweep/results/best.h"

@@ -31,7 +31,7 @@ namespace {
 
 fs::path dated_folder() {
   const std::string date = fmt::format("{:%Y-%m-%d_%H-%M-%S}", fmt::localtime(std::time(nullptr)));
-  std::error_code ignored;  // whoever makes the folder is told
+  std::error_code ignored;  // failures are told where the folder is made
   const fs::path parent = fs::absolute("raywatt-out", ignored);
   fs::path folder = parent / date;
   for (int n = 2; fs::exists(folder, ignored); ++n) folder = parent / fmt::format("{}_{}", date, n);

@@ -26,7 +26,7 @@ void outlive_failed_writes() {
 
 void flush_output() {
   int error = std::fflush(stdout) != 0 ? errno : 0;
-  if (error == 0 && std::ferror(stdout) != 0) error = EIO;  // of an earlier write, whose bytes are gone
+  if (error == 0 && std::ferror(stdout) != 0) error = EIO;  // bytes of an earlier write are gone
   if (error != 0) throw std::system_error(error, std::generic_category(), "standard output");
 }
 

@@ -116,7 +116,6 @@ enum MaterialFlag : std::uint32_t {
   kOcclusionSecond = 1U << 19,
   kEmissionSecond = 1U << 20,
 };
-inline constexpr std::uint32_t kSurfaceStreams = 0x1fU;   ///< those every scene may have
 inline constexpr std::uint32_t kDetailStreams = 0x1fe0U;  ///< those that cost nothing where no material has them
 
 /// Material as every hit needs it: 64 bytes, all colours linear. With a metal_rough texture, mirrored is

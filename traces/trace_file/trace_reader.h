@@ -41,7 +41,6 @@ class TraceReader {
   const Json& frames() const { return frames_; }
   std::uint64_t bytes() const { return size_; }
   std::size_t trees() const { return trees_.size(); }
-  std::uint64_t tree_nodes(std::size_t tree) const { return trees_[tree].nodes; }
 
   /// Bounds of what tiles of the part may refer to; `kernels`: how many there are.
   TileScope scope(const Part& part, std::uint32_t kernels) const;

@@ -124,7 +124,7 @@ TEST(BadArguments, NamesThatNoFileCanHave) {
                                   {"reproduce", "lee2016", "--scenes", name}};
   for (const Words& words : all) {
     SCOPED_TRACE(words[0]);
-    expect_refusal(raywatt(words, {.folder = folder.path()}), {name});
+    expect_refusal(raywatt(words, {.folder = folder.path()}), {name.substr(0, 100)});
   }
   std::filesystem::create_symlink("raywatt-out", folder.path() / "raywatt-out");
   expect_refusal(raywatt({"run", "--resolution", "16x16"}, {.folder = folder.path()}),

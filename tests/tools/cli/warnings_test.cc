@@ -14,7 +14,7 @@ namespace {
 const Words kIdle = {"--set", "dram.grade=lpddr5-6400"};
 constexpr const char* kSaid = "raywatt: warning: dram.grade is a name for reports and takes no figures";
 
-/// What a verb says on standard error with a setting that does nothing.
+/// Standard error of a verb with a setting that does nothing.
 std::string said_by(Words words, const Words& more = kIdle) {
   words.insert(words.end(), more.begin(), more.end());
   const Ending ending = raywatt(words);

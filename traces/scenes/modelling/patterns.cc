@@ -5,7 +5,6 @@
 #include <utility>
 
 #include <glm/common.hpp>
-#include <glm/geometric.hpp>
 
 #include "sim/hash.h"
 #include "traces/scenes/modelling/trigonometry.h"
@@ -78,19 +77,6 @@ Texture paint_texture(std::string name, std::uint32_t width, std::uint32_t heigh
       texture.texels.push_back(byte(c.x) | (byte(c.y) << 8) | (byte(c.z) << 16) | (byte(c.w) << 24));
     }
   }
-  return texture;
-}
-
-Texture bump_texture(std::string name, std::uint32_t width, std::uint32_t height,
-                     const std::function<float(float u, float v)>& at, float strength) {
-  const float du = 1 / static_cast<float>(width), dv = 1 / static_cast<float>(height);
-  Texture texture = paint_texture(std::move(name), width, height, [&](float u, float v) {
-    // glTF's green grows upwards in the picture, v downwards.
-    const glm::vec3 n = glm::normalize(
-        glm::vec3(strength * (at(u - du, v) - at(u + du, v)), strength * (at(u, v + dv) - at(u, v - dv)), 1));
-    return glm::vec4(n * 0.5F + 0.5F, 1);
-  });
-  texture.srgb = false;
   return texture;
 }
 

@@ -18,10 +18,6 @@ float fractal(float u, float v, std::uint32_t period, std::uint32_t octaves, std
 /// Without repetition, over space; 0..1.
 float fractal(const glm::vec3& p, std::uint32_t octaves, std::uint32_t seed);
 
-/// A normal map (linear) of a height field h(u, v) in 0..1; `strength` scales the slopes.
-Texture bump_texture(std::string name, std::uint32_t width, std::uint32_t height,
-                     const std::function<float(float u, float v)>& at, float strength);
-
 // Ready ones, all tileable, 0..1 colours.
 Texture wood_texture(std::string name, const glm::vec3& light, const glm::vec3& dark, std::uint32_t seed,
                      std::uint32_t size = 512);
