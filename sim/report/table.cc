@@ -34,6 +34,13 @@ std::pair<std::string, std::string_view> scaled(double value, int digits) {
   return {fmt::format("{:.{}f}", value / std::pow(10.0, 3 * group), decimals), kPrefixes[group + kNone]};
 }
 
+/// "12.3 k", "-0.5 %", "x1.24", "± 2 %"
+bool begins_with_number(std::string_view cell) {
+  const std::size_t digit = cell.find_first_of("0123456789");
+  return digit != std::string_view::npos &&
+         cell.substr(0, digit).find_first_not_of("+-x.±( ") == std::string_view::npos;
+}
+
 }  // namespace
 
 std::string si_text(double value, std::string_view unit) {
@@ -43,7 +50,7 @@ std::string si_text(double value, std::string_view unit) {
   };
   const bool whole = value == std::trunc(value) && std::abs(value) < 1000;
   if (whole || !std::isfinite(value)) return with_unit(fmt::format("{}", value), {});
-  if (unit.empty() && std::abs(value) < 1 && std::abs(value) >= 1e-3) return fmt::format("{:.3g}", value);  // a ratio
+  if (unit.empty() && std::abs(value) < 1 && std::abs(value) >= 1e-3) return fmt::format("{:#.3g}", value);  // a ratio
   const auto [number, prefix] = scaled(value, 3);
   return with_unit(number, prefix);
 }
@@ -60,9 +67,15 @@ std::string four_digits(double value) {
 
 std::string Table::text() const {
   std::vector<std::size_t> widths;
+  std::vector<int> numbers = {-1};  // in a column, less other words; the first is of names
   for (const auto& row : rows_) {
     widths.resize(std::max(widths.size(), row.size()));
-    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], width(row[i]));
+    numbers.resize(widths.size());
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      widths[i] = std::max(widths[i], width(row[i]));
+      if (i > 0 && &row != &rows_.front() && row[i].find_first_not_of("-") != std::string::npos)
+        numbers[i] += begins_with_number(row[i]) ? 1 : -1;
+    }
   }
   std::string text;
   const auto end_line = [&text] {
@@ -73,7 +86,7 @@ std::string Table::text() const {
     for (std::size_t i = 0; i < row.size(); ++i) {
       const std::string blanks(widths[i] - width(row[i]), ' ');
       text += (i == 0 ? "" : "  ");
-      text += i == 0 ? row[i] + blanks : blanks + row[i];
+      text += numbers[i] > 0 ? blanks + row[i] : row[i] + blanks;
     }
     end_line();
     if (&row == &rows_.front()) {

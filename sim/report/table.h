@@ -12,7 +12,8 @@ std::string si_text(double value, std::string_view unit = {});
 /// A figure as people read it, in at most four digits: "4733", "350.0", "12.82 k", "0.1203", "8.46e-05".
 std::string four_digits(double value);
 
-/// A table for terminals: columns as wide as their widest cell, the first to the left, the others to the right.
+/// A table for terminals: columns as wide as their widest cell, the first one and those of words
+/// to the left, those of numbers to the right.
 class Table {
  public:
   explicit Table(std::vector<std::string> header) : rows_{std::move(header)} {}

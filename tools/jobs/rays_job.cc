@@ -67,7 +67,8 @@ std::string table(const Json& report) {
     return fmt::format("{:.3g} / {:.3g} / {:.3g} {}  (low / nominal / high)", s["low"].get<double>(),
                        s["nominal"].get<double>(), s["high"].get<double>(), unit);
   };
-  line("cycles (T&I clock)", fmt::format("{}  = {:.3f} ms", count(t["cycles"]), t["time_ms"].get<double>()));
+  line("cycles (T&I clock)",
+       fmt::format("{}  = {} ms", count(t["cycles"]), sim::four_digits(t["time_ms"].get<double>())));
   line("rays", fmt::format("{}, {} hit", count(t["rays"]["total"]), count(t["rays"]["hits"])));
   line("ray rate", fmt::format("{:.4g} Mrays/s", t["perf"]["mrays_per_s"].get<double>()));
   line("traversal steps", fmt::format("{}  = {:.1f} per ray", count(t["traversal_steps"]),

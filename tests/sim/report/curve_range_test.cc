@@ -43,7 +43,7 @@ TEST(SizesOutsideCurves, AreNoneOfEventsWithoutSizes) {
 
 TEST(SiText, HasNoPrefixForARatio) {
   EXPECT_EQ(si_text(0.335), "0.335");
-  EXPECT_EQ(si_text(-0.0042), "-0.0042");
+  EXPECT_EQ(si_text(-0.0042), "-0.00420");
   EXPECT_EQ(si_text(0.335, "J"), "335 mJ");
 }
 

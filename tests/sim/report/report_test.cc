@@ -85,6 +85,7 @@ TEST(SiText, KeepsThreeDigits) {
   EXPECT_EQ(si_text(-0.00456, "J"), "-4.56 mJ");
   EXPECT_EQ(si_text(3.14159, "W"), "3.14 W");
   EXPECT_EQ(si_text(5, "frames"), "5 frames");
+  EXPECT_EQ(si_text(0.11), "0.110");
   EXPECT_EQ(si_text(2.5e20, "B"), "250000 PB");
 }
 
@@ -97,6 +98,17 @@ TEST(Table, AlignsItsColumns) {
             "------------  ------  -----\n"
             "trv           12.3 M    7 %\n"
             "dispatcher \xc2\xb5       5\n");
+}
+
+TEST(Table, PutsWordsToTheLeft) {
+  Table table({"scene", "what it is", "size"});
+  table.row({"cornell", "a box", "10.3 k"});
+  table.row({"chess", "32 men on a board", ""});
+  EXPECT_EQ(table.text(),
+            "scene    what it is           size\n"
+            "-------  -----------------  ------\n"
+            "cornell  a box              10.3 k\n"
+            "chess    32 men on a board\n");
 }
 
 }  // namespace

@@ -42,9 +42,9 @@ TEST(ResultsTable, ShowsAxesThatVaryAndTheUsualFigures) {
   EXPECT_EQ(results_table(sweep.results(), {}),
             "n  status  l1.size  cycles  perf.fps  power_w.nominal  perf.frames_per_joule_gpu\n"
             "-  ------  -------  ------  --------  ---------------  -------------------------\n"
-            "0    done   16 KiB    3000     333.3           0.5000                      666.7\n"
-            "1    done    4 KiB    1000      1000           0.5000                       2000\n"
-            "2    done    1 MiB    2000     500.0           0.5000                       1000\n"
+            "0  done     16 KiB    3000     333.3           0.5000                      666.7\n"
+            "1  done      4 KiB    1000      1000           0.5000                       2000\n"
+            "2  done      1 MiB    2000     500.0           0.5000                       1000\n"
             "3  failed    8 KiB       -         -                -                          -\n");
 }
 
