@@ -8,7 +8,7 @@ import { libraries } from "./lib.js";
 import * as state from "./state.js";
 import * as theme from "./theme.js";
 
-const BLOCKS = ["#2b6cb0", "#b85c12", "#17736d", "#6b4a95", "#63a0d8", "#4aa89a", "#a184c2"];
+const BLOCKS = ["#2b6cb0", "#b85c12", "#17736d", "#6b4a95", "#63a0d8", "#4aa89a", "#a184c2", "#b3446c"];
 const RESTS = { clock: "#e0964a", leakage: "#8a9099" };
 const SIDES = [{ value: "low", name: "low" }, { value: "nominal", name: "nominal" }, { value: "high", name: "high" }];
 const ROW = 16, FLOW = 230;  // height of a label, and of all flows together

@@ -33,6 +33,10 @@ const DARK = {
   "#6b4a95": "#b797dd",
   "#a184c2": "#85689f",
   "#cebfdf": "#54466a",
+  "#b3446c": "#e58ba0",
+  "#d487a3": "#a65f78",
+  "#ecc4d2": "#643d4b",
+  "#7a7414": "#cdc45a",
   "#8a9099": "#8a94a0",
   "#d3d7dc": "#3b444e",
   "#1c2733": "#dfe6ed",
@@ -68,8 +72,8 @@ export function config() {
     text: { color: ink, fontSize: 12 },
     range: {
       category: dark
-        ? ["#5a9fe0", "#f0a35a", "#4fc0b2", "#b797dd", "#8a94a0", "#d8c25a", "#e58ba0"]
-        : ["#2b6cb0", "#b85c12", "#17736d", "#6b4a95", "#8a9099", "#a88a00", "#b3446c"],
+        ? ["#5a9fe0", "#f0a35a", "#4fc0b2", "#b797dd", "#8a94a0", "#d8c25a", "#e58ba0", "#8fd07c", "#c99a6a", "#7fd6ec"]
+        : ["#2b6cb0", "#b85c12", "#17736d", "#6b4a95", "#8a9099", "#a88a00", "#b3446c", "#3d8b2f", "#7a5230", "#138ba8"],
       ramp: { scheme: "viridis" },
       diverging: { scheme: "blueorange" },
     },

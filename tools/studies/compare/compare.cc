@@ -39,7 +39,11 @@ constexpr std::array<std::pair<const char*, const char*>, 15> kFigures = {{
     {"traced_ratio", "totals.traced_ratio"},
 }};
 
-bool differ(const Pair& pair) { return pair.a != pair.b; }
+/// By more than the rounding of a quotient or a sum.
+bool differ(const Pair& pair) {
+  constexpr double kRounding = 1e-13;
+  return std::abs(pair.difference()) > kRounding * std::max(std::abs(pair.a), std::abs(pair.b));
+}
 
 void sort_by_difference(std::vector<Pair>& pairs) {
   std::erase_if(pairs, [](const Pair& pair) { return !differ(pair); });

@@ -214,7 +214,7 @@ std::vector<std::string> short_names(const std::vector<ReportFile>& reports) {
 
 std::vector<Pair> in_words(std::vector<Pair> times) {
   static const std::map<std::string, const char*> kWords = {
-      {"kernels", "kernels run"},
+      {"kernels", "kernels"},
       {"switches", "kernel switches"},
       {"banks", "tile-buffer banks"},
       {"boxes", "box tests"},

@@ -1,5 +1,6 @@
 #include <cmath>
 #include <filesystem>
+#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -217,6 +218,17 @@ TEST_F(Pages, OfASweepWithReplicatesGoByTheirMeans) {
   for (std::size_t i = 0; i < shown.size(); ++i) EXPECT_DOUBLE_EQ(shown[i].get<double>(), means[i]);
   EXPECT_NE(plain, means) << "else the test says nothing";
   EXPECT_SAYS(view["verdict"].dump(), "with it by noise measured by 3 replicates a point");
+}
+
+TEST_F(Pages, OfASearchCallBestWhatIsOnTheFrontWherePointsTie) {
+  folder->write("ties.yaml",
+                "schema: raywatt-optimise/1\nresolution: 16x16\nsets: [scene.triangles=500]\nbudget: 4\n"
+                "axes: {cores: [4, 2, 1]}\nobjectives: [max: perf.fps, max: frames_per_joule_gpu]\n");
+  ASSERT_EQ(in_folder({"optimise", "ties.yaml", "-o", "ties", "--store", "store", "-j", "1"}).exit, 0);
+  const Json view = view_of({"ties"});
+  const std::vector<Json> fps = column(view, "points", "totals.perf.fps");
+  ASSERT_EQ(std::set<Json>(fps.begin(), fps.end()).size(), 1U) << "one tile, one core";
+  EXPECT_SAYS(view["verdict"].dump(), "(cores 1)");
 }
 
 TEST_F(Pages, AreTheSameBytesForTheSameRun) { EXPECT_EQ(page_of({"base"}), page_of({"base"})); }

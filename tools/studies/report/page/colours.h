@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 
 namespace tools::pages::colours {
 
@@ -17,9 +18,16 @@ inline constexpr const char* kTraceLight = "#9cd3c7";
 inline constexpr const char* kTree = "#6b4a95";
 inline constexpr const char* kTreeMiddle = "#a184c2";
 inline constexpr const char* kTreeLight = "#cebfdf";
+inline constexpr const char* kRaster = "#b3446c";
+inline constexpr const char* kRasterMiddle = "#d487a3";
+inline constexpr const char* kRasterLight = "#ecc4d2";
+inline constexpr const char* kRasterWork = "#7a7414";
 inline constexpr const char* kRest = "#8a9099";
 inline constexpr const char* kRestLight = "#d3d7dc";
 inline constexpr const char* kText = "#1c2733";
 inline constexpr const char* kInverse = "#ffffff";
+
+/// Blocks of the GPU in the order of hw::Block: the same on every page.
+inline constexpr std::array kBlocks = {kTrace, kWork, kTree, kTreeMiddle, kWorkMiddle, kRest, kWait, kRaster};
 
 }  // namespace tools::pages::colours

@@ -196,7 +196,7 @@ Json roofline_spec() {
             run("behind", "right", -9)}}};
 }
 
-Json series_spec(const std::vector<std::string>& names, const std::string& unit, bool stacked) {
+Json series_spec(const std::vector<std::string>& names, const std::string& unit, bool stacked, const Colours& colours) {
   Json y = {{"field", "value"}, {"type", "quantitative"}, {"title", unit}, {"axis", {{"tickCount", 5}}}};
   y["stack"] = stacked ? Json("zero") : Json();
   const Json mark = stacked ? Json{{"type", "area"}, {"interpolate", "step-after"}}
@@ -217,7 +217,7 @@ Json series_spec(const std::vector<std::string>& names, const std::string& unit,
               {"type", "nominal"},
               {"title", nullptr},
               {"sort", nullptr},
-              {"scale", {{"domain", names}}},
+              {"scale", colours.empty() ? Json{{"domain", names}} : scale_of(colours)},
               {"legend", {{"orient", "bottom"}, {"columns", 6}, {"symbolType", "square"}}}}}}}};
 }
 

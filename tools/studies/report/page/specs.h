@@ -36,7 +36,9 @@ Json lines_spec(const Axis& x, const Axis& y, const std::string& series);
 Json roofline_spec();
 
 /// Figures over time, one a column: stacked areas, or lines. Fields begin_us and the columns.
-Json series_spec(const std::vector<std::string>& names, const std::string& unit, bool stacked);
+/// `colours`: one for each of them, or none: as they come.
+Json series_spec(const std::vector<std::string>& names, const std::string& unit, bool stacked,
+                 const Colours& colours = {});
 
 /// Bars of shares for each metric, side by side: fields metric, axis, share, low, high, label.
 Json sensitivity_spec();

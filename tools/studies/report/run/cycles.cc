@@ -1,5 +1,7 @@
 #include <array>
 #include <map>
+#include <string_view>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -26,49 +28,60 @@ constexpr std::array<Part, 18> kParts = {{
     {"kernels", "", "kernels", colours::kWork, false, "a kernel's loop ran on the array"},
     {"switches", "", "kernel switches", colours::kWorkMiddle, true, "the array was configured for another kernel"},
     {"banks", "", "tile-buffer banks", colours::kWorkLight, true, "accesses met in a bank of the tile buffer"},
-    {"data_misses", "interconnect", "data misses: wires", colours::kWaitLight, true,
+    {"data_misses", "interconnect", "data-cache misses: interconnect", colours::kWaitLight, true,
      "the array stood still for a line of the data cache, on its way between core and L2"},
-    {"data_misses", "l2", "data misses: L2", colours::kWaitMiddle, true, "the same, inside the L2"},
-    {"data_misses", "dram", "data misses: DRAM", colours::kWait, false, "the same, in memory"},
+    {"data_misses", "l2", "data-cache misses: L2", colours::kWaitMiddle, true, "the same, inside the L2"},
+    {"data_misses", "dram", "data-cache misses: DRAM", colours::kWait, false, "the same, in memory"},
     {"boxes", "", "box tests", colours::kTrace, false, "the array waited for rays, traversal units tested nodes"},
     {"triangles", "", "triangle tests", colours::kTraceMiddle, true,
      "the array waited for rays, triangles were tested"},
     {"pipes", "", "T&I pipelines", colours::kTraceLight, true, "too few rays to fill the pipelines of the T&I unit"},
-    {"tree_misses", "interconnect", "tree misses: wires", colours::kTreeLight, true,
+    {"tree_misses", "interconnect", "tree misses: interconnect", colours::kTreeLight, true,
      "rays waited for a line of nodes or triangles, on its way between core and L2"},
     {"tree_misses", "l2", "tree misses: L2", colours::kTreeMiddle, true, "the same, inside the L2"},
     {"tree_misses", "dram", "tree misses: DRAM", colours::kTree, false, "the same, in memory"},
-    {"raster", "", "rasteriser", colours::kRest, false, "no ray was out, the core's rasteriser worked"},
-    {"raster_misses", "interconnect", "rasteriser's misses: wires", colours::kWaitLight, true,
+    {"raster", "", "rasteriser", colours::kRasterWork, false, "no ray was out, the core's rasteriser worked"},
+    {"raster_misses", "interconnect", "rasteriser's misses: interconnect", colours::kRasterLight, true,
      "the same, and it waited for a line or to write one, on its way between core and L2"},
-    {"raster_misses", "l2", "rasteriser's misses: L2", colours::kWaitMiddle, true, "the same, inside the L2"},
-    {"raster_misses", "dram", "rasteriser's misses: DRAM", colours::kWait, false, "the same, in memory"},
+    {"raster_misses", "l2", "rasteriser's misses: L2", colours::kRasterMiddle, true, "the same, inside the L2"},
+    {"raster_misses", "dram", "rasteriser's misses: DRAM", colours::kRaster, false, "the same, in memory"},
     {"transfers", "", "transfers", colours::kRest, false, "no ray was out, launches waited for the DMA"},
     {"no_tile", "", "no tile", colours::kRestLight, true, "the core had no tile"},
 }};
 
-void add_stack(const std::string& name, const Json& time, Dataset& data) {
-  int order = 0;
-  for (const Part& part : kParts) {
-    const double share =
-        part.level[0] == '\0' ? number_at(time, {part.group}) : number_at(time, {part.group, part.level});
-    data.row({name, part.words, share, order++, part.pale, part.meaning});
-  }
+double share_of(const Part& part, const Json& time) {
+  return part.level[0] == '\0' ? number_at(time, {part.group}) : number_at(time, {part.group, part.level});
 }
 
-Dataset stacks_of(const Run& run) {
+/// The parts that a run's cores may have: a machine without rasterisers has none of theirs.
+std::vector<Part> parts_of(const Run& run) {
+  std::vector<Part> parts;
+  for (const Part& part : kParts) {
+    const bool is_here = share_of(part, at(run.totals(), {"top_down", "gpu"})) > 0 ||
+                         share_of(part, at(run.totals(), {"reference", "top_down"})) > 0;
+    if (is_here || !std::string_view(part.group).starts_with("raster")) parts.push_back(part);
+  }
+  return parts;
+}
+
+void add_stack(const std::string& name, const Json& time, const std::vector<Part>& parts, Dataset& data) {
+  int order = 0;
+  for (const Part& part : parts) data.row({name, part.words, share_of(part, time), order++, part.pale, part.meaning});
+}
+
+Dataset stacks_of(const Run& run, const std::vector<Part>& parts) {
   Dataset data({{"who", "core"},
                 {"part", "part"},
                 {"share", "share of time", Show::kPercent},
                 {"order", "order", Show::kNumber},
                 {"pale", "pale"},
                 {"meaning", "meaning"}});
-  add_stack("all cores", at(run.totals(), {"top_down", "gpu"}), data);
+  add_stack("all cores", at(run.totals(), {"top_down", "gpu"}), parts, data);
   if (const Json& cores = at(run.totals(), {"top_down", "cores"}); cores.is_array() && cores.size() > 1) {
-    for (std::size_t i = 0; i < cores.size(); ++i) add_stack(fmt::format("core {}", i), cores[i], data);
+    for (std::size_t i = 0; i < cores.size(); ++i) add_stack(fmt::format("core {}", i), cores[i], parts, data);
   }
   if (const Json& reference = at(run.totals(), {"reference", "top_down"}); reference.is_object())
-    add_stack("reference program", reference, data);
+    add_stack("reference program", reference, parts, data);
   return data;
 }
 
@@ -114,14 +127,16 @@ void add_cycles(const Run& run, View& view) {
   Section section(
       "cycles", "Where the cycles went",
       "Every cycle of a core is in one part, seen from its shader core: blue, the array was busy; orange, it "
-      "stood still for data; green and purple, it waited while rays were traced; grey, there was nothing to do.");
+      "stood still for data; green and purple, it waited while rays were traced; olive and red, while the rasteriser "
+      "worked; grey, there was nothing to do.");
   if (!at(run.totals(), {"top_down", "gpu"}).is_object()) {
     section.text("This report does not say.");
     return view.add(section);
   }
-  view.data("stacks", stacks_of(run));
+  const std::vector<Part> parts = parts_of(run);
+  view.data("stacks", stacks_of(run, parts));
   Colours colours;
-  for (const Part& part : kParts) colours.emplace_back(part.words, part.colour);
+  for (const Part& part : parts) colours.emplace_back(part.words, part.colour);
   section.chart("stacks", "Cycle stacks of the cores", "Shares of each core's time by what it went to", "stacks",
                 stack_spec({"who", "core"}, "part", "share", colours));
   section.chart("bounds", "What each resource would be worth, made ideal",

@@ -6,8 +6,10 @@
 
 #include <fmt/format.h>
 
+#include "hw_models/memory/unit_names.h"
 #include "sim/error.h"
 #include "tools/host/standard_streams.h"
+#include "tools/studies/report/page/colours.h"
 #include "tools/studies/report/page/specs.h"
 #include "tools/studies/report/run/run_parts.h"
 
@@ -56,6 +58,18 @@ std::vector<const IntervalSeries*> members(const IntervalTable& table, const Gro
   return found;
 }
 
+/// Each name's colour if all are blocks of the GPU, else none.
+Colours block_colours(const std::vector<std::string>& names) {
+  constexpr auto kNames = hw::names_of(hw::Block{});
+  Colours found;
+  for (const std::string& name : names) {
+    const auto at = static_cast<std::size_t>(std::ranges::find(kNames, name) - kNames.begin());
+    if (at == kNames.size()) return {};
+    found.emplace_back(name, colours::kBlocks.at(at));
+  }
+  return found;
+}
+
 void add_group(const IntervalTable& table, const Group& group, View& view, Json& charts) {
   const std::vector<const IntervalSeries*> series = members(table, group);
   if (series.empty()) return;
@@ -78,7 +92,7 @@ void add_group(const IntervalTable& table, const Group& group, View& view, Json&
                     {"name", group.words},
                     {"about", group.about},
                     {"data", name},
-                    {"spec", series_spec(names, unit, group.stacked)}});
+                    {"spec", series_spec(names, unit, group.stacked, block_colours(names))}});
 }
 
 }  // namespace

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cctype>
+#include <limits>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -40,17 +42,44 @@ const Metric* main_metric(const Sweep& sweep) {
   return usual != nullptr || sweep.metrics.empty() ? usual : &sweep.metrics.front();
 }
 
+/// The figures by which points are told apart, in this order: this one, what a search asks for, what is usually asked.
+std::vector<const Metric*> order_of(const Sweep& sweep, const Metric& metric) {
+  std::vector<const Metric*> order = {&metric};
+  if (sweep.task) {
+    for (const optimise::Goal& goal : sweep.task->goals) {
+      for (const Metric& other : sweep.metrics) {
+        if (other.path.ends_with(goal.figure)) order.push_back(&other);
+      }
+    }
+  }
+  for (const char* path : kAsked) {
+    if (const Metric* const other = sweep.metric(path)) order.push_back(other);
+  }
+  return order;
+}
+
+/// The point that has the best of a figure; of equals the one that is better in another, so that it is on the front.
 std::optional<std::size_t> best_row(const Sweep& sweep, const Metric& metric) {
-  const results::Column& column = sweep.values_of(metric);
+  const std::vector<const Metric*> order = order_of(sweep, metric);
+  const auto scores_of = [&](std::size_t row) {
+    std::vector<double> scores;
+    for (const Metric* const each : order) {
+      const auto amount = results::amount_of(sweep.values_of(*each).values[row]);
+      scores.push_back(!amount      ? -std::numeric_limits<double>::infinity()
+                       : each->more ? amount->value
+                                    : -amount->value);
+    }
+    return scores;
+  };
   const std::vector<bool> eligible = sweep.eligible();
   std::optional<std::size_t> best;
-  double figure = 0;
-  for (std::size_t row = 0; row < column.values.size(); ++row) {
-    const auto amount = results::amount_of(column.values[row]);
-    if (!eligible[row] || !amount) continue;
-    if (best && !(metric.more ? amount->value > figure : amount->value < figure)) continue;
+  std::vector<double> best_scores;
+  for (std::size_t row = 0; row < eligible.size(); ++row) {
+    if (!eligible[row] || !results::amount_of(sweep.values_of(metric).values[row])) continue;
+    std::vector<double> scores = scores_of(row);
+    if (best && scores <= best_scores) continue;
     best = row;
-    figure = amount->value;
+    best_scores = std::move(scores);
   }
   return best;
 }
@@ -72,17 +101,21 @@ std::string what_ties(const Sweep& sweep, const Metric& metric, std::size_t best
                      noise.text());
 }
 
+std::string with_capital(std::string words) {
+  words[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(words[0])));
+  return words;
+}
+
 /// Figures of all points: the best, and the band that they are in.
 void add_headlines(const Sweep& sweep, const std::vector<std::string>& paths, View& view) {
   for (const std::string& path : paths) {
     const Metric& metric = *sweep.metric(path);
     const std::optional<std::size_t> best = best_row(sweep, metric);
     if (!best) continue;
-    std::string name = metric.words;
-    name[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(name[0])));
     const results::Column& column = sweep.values_of(metric);
     const double value = results::amount_of(column.values[*best])->value;
-    Headline out{.id = path, .name = name, .value = value, .show = metric.show, .unit = metric.unit};
+    Headline out{
+        .id = path, .name = with_capital(metric.words), .value = value, .show = metric.show, .unit = metric.unit};
     out.low = out.high = value;
     for (std::size_t row = 0; row < column.values.size(); ++row) {
       const auto amount = results::amount_of(column.values[row]);
@@ -123,15 +156,15 @@ std::string share_text(const results::Effect& effect) {
 /// The axis that explains most of a figure, as far as the points tell.
 std::string what_decides(const results::Sensitivity& found, const std::string& figure) {
   const std::string points = fmt::format("{}{}", counted(static_cast<double>(found.points), "point"),
-                                         found.is_grid ? "" : ", which are no full grid");
+                                         found.is_grid ? "" : " (not a full grid)");
   const results::Effect& first = found.effects.front();
   const results::Effect* const second = found.effects.size() > 1 ? &found.effects[1] : nullptr;
   if (second != nullptr && first.low <= second->high) {
-    return fmt::format("What decides {} most is not told apart by {}: {} explains {}, {} {}.", figure, points,
-                       first.axis, share_text(first), second->axis, share_text(*second));
+    return fmt::format("{} cannot tell whether {} depends most on {} or on {}: {} explains {}, {} {}.", points, figure,
+                       first.axis, second->axis, first.axis, share_text(first), second->axis, share_text(*second));
   }
-  return fmt::format("{} of {} is decided by {}: {}, by {}.", first.low > 0.5 ? "Most" : "The largest part", figure,
-                     first.axis, share_text(first), points);
+  return fmt::format("{} depends most on {}, which explains {} over {}.", with_capital(figure), first.axis,
+                     share_text(first), points);
 }
 
 }  // namespace
