@@ -6,6 +6,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 namespace tools {
@@ -21,7 +22,14 @@ constexpr std::string_view kEnd = ".raywatt-tmp";  // as of files that are being
 bool FolderLock::take(const fs::path& folder) {
   release();
   folder_ = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
-  return folder_ >= 0 && ::flock(folder_, LOCK_EX | LOCK_NB) == 0 && fs::exists(folder);
+  if (folder_ < 0 || ::flock(folder_, LOCK_EX | LOCK_NB) != 0) return false;
+  struct stat locked {
+  }, named{};
+  if (::fstat(folder_, &locked) == 0 && ::lstat(folder.c_str(), &named) == 0 && locked.st_ino == named.st_ino &&
+      locked.st_dev == named.st_dev)
+    return true;
+  errno = ENOENT;  // it is gone, or another has its name by now
+  return false;
 }
 
 void FolderLock::release() {
@@ -46,7 +54,7 @@ std::error_code Staging::make() {
     const fs::path folder = parent / fmt::format("{}{}.{}{}", begin(), ::getpid(), n, kEnd);
     fs::create_directories(parent, error);
     if (error || !fs::create_directory(folder, error)) continue;
-    if (!lock_.take(folder) && (errno == EWOULDBLOCK || !fs::exists(folder, error))) continue;
+    if (!lock_.take(folder) && (errno == EWOULDBLOCK || errno == ENOENT)) continue;
     folder_ = folder;
     return {};
   }

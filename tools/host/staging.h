@@ -14,7 +14,8 @@ class FolderLock {
   FolderLock(const FolderLock&) = delete;
   FolderLock& operator=(const FolderLock&) = delete;
 
-  /// False if somebody else has it, if the folder is gone, or if the file system has no locks.
+  /// False if somebody else has it (errno: EWOULDBLOCK), if the folder is gone (ENOENT), or if the file system has no
+  /// locks.
   bool take(const std::filesystem::path& folder);
 
  private:
