@@ -20,7 +20,7 @@ struct Named {
   ProgramSpec spec;
 };
 constexpr auto kNamed = std::to_array<Named>({
-    {"full", {ProgramSpec::Kind::kFull, 1}},
+    {"full:1", {ProgramSpec::Kind::kFull, 1}},
     {"multirate:under", {ProgramSpec::Kind::kMultirate, 1}},
     {"multirate:super", {ProgramSpec::Kind::kMultirate, 4}},
     {"reconstruct", {ProgramSpec::Kind::kReconstruct, 16}},
@@ -59,9 +59,10 @@ ProgramSpec parse_program(std::string_view text) {
   for (const Named& named : kNamed) {
     if (named.name == text) return named.spec;
   }
+  if (text == "full") return {};
   constexpr std::string_view kFull = "full:";
   if (text.starts_with(kFull)) return parse_full(text, text.substr(kFull.size()));
-  std::string all = "full:N (N samples per pixel, a square)";
+  std::string all = "full:N (N samples per pixel, a square; full is full:1)";
   for (const Named& named : kNamed) {
     if (named.spec.kind != ProgramSpec::Kind::kFull) all += fmt::format(", {}", named.name);
   }

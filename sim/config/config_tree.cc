@@ -14,6 +14,8 @@
 namespace sim {
 namespace {
 
+constexpr std::size_t kMostSuggested = 5;
+
 void find_all(const ConfigNode& group, std::string_view key, std::vector<std::string>& paths) {
   for (const ConfigNode& child : group.children) {
     if (child.key == key) paths.push_back(child.path);
@@ -101,12 +103,13 @@ void refuse(std::string_view origin, std::string_view path, std::string_view pro
 }
 
 std::string suggest(const ConfigNode& root, const ConfigNode& group, std::string_view key) {
+  std::vector<std::string> elsewhere;
+  find_all(root, key, elsewhere);
+  if (!elsewhere.empty() && elsewhere.size() <= kMostSuggested)
+    return fmt::format("did you mean '{}'?", fmt::join(elsewhere, "' or '"));
   const std::string_view start = start_of(key);
   const auto nearest = nearest_of(start, group.children, std::max<std::size_t>(1, start.size() / 3), &ConfigNode::key);
   if (nearest != group.children.end()) return fmt::format("did you mean '{}'?", nearest->path);
-  std::vector<std::string> elsewhere;
-  find_all(root, key, elsewhere);
-  if (elsewhere.size() == 1) return fmt::format("did you mean '{}'?", elsewhere.front());
   std::vector<std::string_view> keys;
   for (const ConfigNode& child : group.children) keys.push_back(child.key);
   return fmt::format("allowed: {}", fmt::join(keys, ", "));

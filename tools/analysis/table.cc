@@ -167,7 +167,7 @@ std::string overview(const Json& report) {
   line("busy", fmt::format("T&I {}, SRP {}, DRAM {}", percent(t["utilisation"]["tni"]),
                            percent(t["utilisation"]["srp"]), percent(t["utilisation"]["dram"])));
   line("time goes to", top_down_text(t["top_down"]["gpu"]));
-  line("limited by", t["limiter"].get<std::string>());
+  line("limited by (estimate)", t["limiter"].get<std::string>());
   line("energy", spread(t["energy_mj"], 1, "mJ  (low / nominal / high)") + give_or_take(t, "energy_mj"));
   line("power", spread(t["power_w"], 1, "W"));
   line("efficiency", efficiency(t));

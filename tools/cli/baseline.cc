@@ -46,6 +46,7 @@ void add_baseline(CLI::App& app, int& exit) {
       "Exit 0: nothing moved; 1: something did; 2: stored values are of other inputs, or there are none.");
   step = add_step(*verb, "accept", "Show what is not as stored, and store it", options, exit, accept_baseline);
   step->footer("Example: raywatt baseline accept tests/baseline/suite.yaml");
+  verb->footer("Example: raywatt baseline check tests/baseline/suite.yaml");
 }
 
 }  // namespace tools

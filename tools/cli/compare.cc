@@ -50,7 +50,8 @@ void add_compare(CLI::App& app) {
   verb->add_option("runs", options->paths,
                    "folders of runs, or report.json files; the others are held against the first")
       ->required()
-      ->expected(2, 100);
+      ->expected(2, 100)
+      ->option_text("RUN RUN... REQUIRED");
   verb->add_option("--replicates", options->replicates,
                    "play runs that have fewer replicates so many times, slightly perturbed, so that noise is measured\n"
                    "(docs/noise.md)")

@@ -52,8 +52,8 @@ std::string unknown_verb(const CLI::App& verb) {
     known.push_back(sub->get_name());
   }
   if (rest.empty() || known.empty() || rest.front().starts_with('-')) return {};
-  return fmt::format("unknown verb '{}'{}; there are: {}", sim::printable(rest.front()),
-                     traces::did_you_mean(rest.front(), known), fmt::join(known, ", "));
+  return fmt::format("unknown {} '{}'{}; there are: {}", verb.get_parent() == nullptr ? "verb" : "subcommand",
+                     sim::printable(rest.front()), traces::did_you_mean(rest.front(), known), fmt::join(known, ", "));
 }
 
 /// "unknown option '--scen', did you mean '--scene'?" if that is what is wrong with the command line.

@@ -201,9 +201,10 @@ RunFolder::RunFolder(fs::path target, bool force, const ResultsOf& verb)
                       target_.string(), verb_of(start_of_results(target_, verb_.mark))));
     }
     if (!force && former == Former::kNone && !fs::is_empty(target_, error)) {
-      throw sim::InputError(fmt::format(
-          "{}: holds files but no former run; choose another folder or give --force to put the results among them",
-          target_.string()));
+      throw sim::InputError(
+          fmt::format("{}: holds files but no {} of a former run; choose another folder or give --force to put the "
+                      "results among them",
+                      target_.string(), verb_.mark));
     }
   }
   Staging probe(target_);

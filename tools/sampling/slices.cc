@@ -241,10 +241,10 @@ std::uint32_t slices_of(const Inputs& inputs, const kernels::ProgramSpec& progra
   if (asked == kAutoSlices) return std::max(1U, frame.tiles() / (kTilesOfALead * shape.lead));
   const std::uint32_t most = std::max(1U, frame.tiles() / shape.lead);
   if (asked <= most) return asked;
-  throw sim::InputError(
-      fmt::format("--slices {}: the frame has {} tiles, and a slice of this machine {} at least, as many as fill it; "
-                  "allowed: {} at most",
-                  asked, frame.tiles(), shape.lead, most));
+  throw sim::InputError(fmt::format(
+      "--slices {}: too many for a frame of {} tiles, as each slice needs {} to fill this machine; allowed: "
+      "at most {}",
+      asked, frame.tiles(), shape.lead, most));
 }
 
 Simulation simulate_slices(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,

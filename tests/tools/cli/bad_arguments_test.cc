@@ -76,7 +76,7 @@ TEST(BadArguments, OptionsThatAreUnknownRepeatedOrWithoutAValue) {
 TEST(BadArguments, AVerbThatIsNotThereGetsTheNearestOneAndTheList) {
   expect_refusal(raywatt({"verfy"}),
                  {"unknown verb 'verfy'", "did you mean 'verify'?", "run, verify, reproduce, scenes"});
-  expect_refusal(raywatt({"config", "shwo"}), {"unknown verb 'shwo'", "did you mean 'show'?", "list, show"});
+  expect_refusal(raywatt({"config", "shwo"}), {"unknown subcommand 'shwo'", "did you mean 'show'?", "list, show"});
   expect_refusal(raywatt({}), {"raywatt --help"});
   expect_refusal(raywatt({"config"}), {"see raywatt config --help"});
   expect_refusal(raywatt({"trace", "replay", "a.trace", "--no-such"}),
@@ -85,6 +85,11 @@ TEST(BadArguments, AVerbThatIsNotThereGetsTheNearestOneAndTheList) {
 
 TEST(BadArguments, AKernelThatIsNotThereGetsTheNearestOne) {
   expect_refusal(raywatt({"kernels", "show", "shade_difuse"}), {"'shade_difuse'", "did you mean 'shade_diffuse'?"});
+}
+
+TEST(BadArguments, AKeyOrAProgramThatIsNotThereGetsThoseThatWereMeant) {
+  expect_run_refused({"--set", "l1.size=8KiB"}, {"did you mean 'tni.trv.l1' or 'tni.ist.l1'"});
+  expect_run_refused({"--program", "ful:1"}, {"did you mean 'full:1'?", "full is full:1"});
 }
 
 TEST(BadArguments, AComplaintIsOneLineWhateverItQuotes) {

@@ -160,7 +160,7 @@ TEST(Verify, TakesTheFolderOfAFormerVerdictButNotOfARun) {
   EXPECT_EQ(raywatt(run).exit, 0);
   EXPECT_EQ(raywatt(verify).exit, 0);
   EXPECT_EQ(raywatt(verify).exit, 0);
-  expect_refusal(raywatt(onto_run), {"holds files but no former run"});
+  expect_refusal(raywatt(onto_run), {"holds files but no verify.json of a former run"});
 }
 
 }  // namespace

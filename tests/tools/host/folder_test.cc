@@ -148,9 +148,9 @@ TEST(Folder, OfSomebodyElseIsRefusedAndLeftAlone) {
   const fs::path out = folder.path() / "out";
   fs::create_directories(out / "deep");
   std::ofstream(out / "deep" / "thesis.txt") << "three years";
-  expect_refusal(raywatt(small_run(out)), {out.string(), "holds files but no former run", "--force"});
+  expect_refusal(raywatt(small_run(out)), {out.string(), "holds files but no report.json of a former run", "--force"});
   std::ofstream(out / "report.json") << "{\"schema\": \"somebody else's\"}";
-  expect_refusal(raywatt(small_run(out)), {out.string(), "holds files but no former run", "--force"});
+  expect_refusal(raywatt(small_run(out)), {out.string(), "holds files but no report.json of a former run", "--force"});
   EXPECT_EQ(read_bytes(out / "deep" / "thesis.txt"), "three years");
   EXPECT_EQ(names_in(out), (Words{"deep", "report.json"}));
   EXPECT_EQ(names_in(folder.path()), Words{"out"});

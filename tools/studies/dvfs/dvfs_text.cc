@@ -17,7 +17,7 @@ std::string marks_of(const DvfsCurve& curve, std::size_t i) {
     if (is) marks += (marks.empty() ? "" : ", ") + std::string(name);
   };
   mark(i == curve.energy_optimal, "energy-optimal");
-  mark(i == curve.race_to_idle, "race to idle");
+  mark(i == curve.race_to_idle && curve.points[i].period_mj >= 0, "race to idle");
   mark(i == curve.least_a_period && curve.points[i].period_mj >= 0, "least a period");
   return marks;
 }
@@ -37,10 +37,12 @@ std::string dvfs_text(const DvfsCurve& curve) {
                sim::four_digits(p.watt()), sim::four_digits(p.mj.nominal), sim::four_digits(1000 / p.mj.nominal),
                p.period_mj < 0 ? std::string("too slow") : sim::four_digits(p.period_mj), marks_of(curve, i)});
   }
+  const bool is_met = curve.points[curve.least_a_period].period_mj >= 0;
   return fmt::format(
       "clocks and voltages of T&I units / shader cores / L2; the memory's clock stays\n\n{}\n"
-      "a period is {} ms, {} frames/s: a frame, then idle\n",
-      table.text(), sim::four_digits(curve.period_ms), sim::four_digits(1000 / curve.period_ms));
+      "a period is {} ms, {} frames/s: a frame, then idle{}\n",
+      table.text(), sim::four_digits(curve.period_ms), sim::four_digits(1000 / curve.period_ms),
+      is_met ? "" : "; no clock of the curve is fast enough");
 }
 
 Json dvfs_json(const DvfsCurve& curve) {

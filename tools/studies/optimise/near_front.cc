@@ -79,19 +79,23 @@ std::vector<const Trial*> near_front(const SearchRun& search) {
 }
 
 std::string noise_text(const SearchRun& search) {
-  std::vector<std::string> parts;
-  const auto add = [&](std::string text) {
-    if (std::ranges::find(parts, text) == parts.end()) parts.push_back(std::move(text));
+  std::vector<std::string> parts, shares, assumed;
+  const auto add = [](std::vector<std::string>& all, std::string text) {
+    if (std::ranges::find(all, text) == all.end()) all.push_back(std::move(text));
   };
   for (const Trial* trial : search.feasible()) {
     for (std::size_t g = 0; g < search.goals().size() && search.goals()[g].is_objective(); ++g) {
       const SeenFigure& seen = trial->seen[g];
-      if (seen.draws) add(fmt::format("noise measured by {} replicates a point", seen.draws->count));
-      if (seen.assumed > 0) {
-        add(fmt::format("a noise of {:.2g} %, assumed for this size of picture; 'replicates' in the file measure it",
-                        100 * seen.assumed));
-      }
+      if (seen.draws) add(parts, fmt::format("noise measured by {} replicates a point", seen.draws->count));
+      if (seen.assumed <= 0) continue;
+      const std::string share = fmt::format("{:.2g} %", 100 * seen.assumed);
+      add(shares, share);
+      add(assumed, fmt::format("{} of {}", share, search.goals()[g].figure));
     }
+  }
+  if (!assumed.empty()) {
+    parts.push_back(fmt::format("a noise of {}, assumed for this size of picture; 'replicates' in the file measure it",
+                                shares.size() == 1 ? shares.front() : fmt::format("{}", fmt::join(assumed, " and "))));
   }
   return fmt::format("{}", fmt::join(parts, "; "));
 }

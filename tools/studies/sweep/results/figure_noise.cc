@@ -96,7 +96,7 @@ std::string FigureNoise::text() const {
     return fmt::format("noise measured by {:.0f}{} replicates a point", least_, to);
   }
   const std::string to = least_ == most_ ? "" : fmt::format(" to {:.2g}", 100 * most_);
-  return fmt::format("a noise of {:.2g}{} %, assumed for this size of picture; 'replicates' in the sweep measure it",
+  return fmt::format("a noise of {:.2g}{} %, assumed for this size of picture; 'replicates' in the file measure it",
                      100 * least_, to);
 }
 
