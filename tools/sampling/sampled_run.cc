@@ -18,14 +18,7 @@ namespace {
 /// Difference of two marks.
 MeasuredPart between(const SampledTiles::Mark& a, const SampledTiles::Mark& b) {
   MeasuredPart part{b.time - a.time, b.units, b.kernels, {}};
-  for (std::size_t u = 0; u < part.units.size(); ++u) {
-    sim::UnitReport& unit = part.units[u];
-    for (std::size_t i = 0; i < unit.why.size(); ++i) unit.why[i].second -= a.units[u].why[i].second;
-    for (std::size_t i = 0; i < unit.counters.size(); ++i) {
-      sim::CounterReport& counter = unit.counters[i];
-      if (counter.kind == sim::CounterKind::kSum) counter.value -= a.units[u].counters[i].value;
-    }
-  }
+  sim::take_off_reports(part.units, a.units);
   for (std::size_t k = 0; k < part.kernels.size(); ++k) part.kernels[k] -= a.kernels[k];
   return part;
 }
@@ -89,7 +82,7 @@ SampledRun run_blocks(const Inputs& inputs, ProgressTileSource& source, const ke
 
 std::map<std::string, double> summed_counters(std::vector<sim::UnitReport> units) {
   for (sim::UnitReport& unit : units) {
-    std::erase_if(unit.counters, [](const sim::CounterReport& c) { return c.kind != sim::CounterKind::kSum; });
+    std::erase_if(unit.counters, [](const sim::CounterReport& c) { return c.kind == sim::CounterKind::kPeak; });
   }
   constexpr std::string_view kUnits = "units.";
   std::map<std::string, double> sums;
@@ -115,14 +108,10 @@ MeasuredPart weighted_sum(std::span<const MeasuredPart* const> parts, std::span<
     sim::UnitReport& unit = whole.units[u];
     for (std::size_t i = 0; i < unit.counters.size(); ++i) {
       sim::CounterReport& counter = unit.counters[i];
-      if (counter.kind == sim::CounterKind::kSum) {
+      if (counter.kind != sim::CounterKind::kPeak)
         counter.value = rounded(sum([&](const MeasuredPart& p) { return p.units[u].counters[i].value; }));
-      } else if (counter.kind == sim::CounterKind::kAtEnd) {
-        counter.value = rounded(longer * static_cast<double>(counter.value));
-      }
     }
-    // Reasons are charged as late as at a unit's next tick, so they are put in proportion, and the rest goes to the
-    // largest.
+    // Reasons are put in proportion, as they add up to the unit's time; what rounding leaves goes to the largest.
     unit.elapsed = rounded(longer * static_cast<double>(unit.elapsed));
     std::vector<double> spent;
     for (std::size_t i = 0; i < unit.why.size(); ++i) {

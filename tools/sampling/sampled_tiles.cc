@@ -48,7 +48,10 @@ void SampledTiles::dispatched(sim::Time now) {
   played_.push_back({tile, now, now});
 }
 
-void SampledTiles::mark(sim::Time now) { marks_.push_back({now, gpu_->report(), gpu_->kernel_use()}); }
+void SampledTiles::mark(sim::Time now) {
+  gpu_->bring_up_to(now);
+  marks_.push_back({now, gpu_->report(), gpu_->kernel_use()});
+}
 
 void SampledTiles::warm() {
   const sim::HostClock::time_point begin = sim::HostClock::now();

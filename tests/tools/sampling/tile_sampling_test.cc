@@ -262,6 +262,8 @@ TEST(SampledRun, SaysWhatIsEstimatedAndHowWell) {
   const nlohmann::json& bytes = report["sampled_counters"]["dram.channel.counters.bytes"];
   EXPECT_EQ(bytes["estimate"], totals["dram_bytes"]);
   EXPECT_LT(bytes["low"], bytes["estimate"]);
+  const nlohmann::json& standby = report["sampled_counters"]["dram.channel.counters.active_standby"];
+  EXPECT_LT(standby["low"], standby["estimate"]) << "what time alone brings is in the blocks, too";
   EXPECT_EQ(s["cycles"]["estimate"], totals["cycles"]);
   EXPECT_EQ(s["time_ms"]["estimate"], totals["time_ms"]);
   EXPECT_EQ(s["energy_mj"]["estimate"], totals["energy_mj"]["nominal"]);
