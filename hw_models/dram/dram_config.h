@@ -125,7 +125,7 @@ struct DramTiming {
     cycles(NAMED(c.refi_pb), "between refreshes of single banks of a rank; 0 switches refresh off", 0, 100'000);
     cycles(NAMED(c.rfc_ab), "a refresh of all banks", 1, 8192);
     cycles(NAMED(c.refi_ab), "between refreshes of all banks of a rank; 0 switches refresh off", 0, 1'000'000);
-    cycles(NAMED(c.pbr2act), "between a refresh of single banks and an activate of another bank, both ways", 0, 256);
+    cycles(NAMED(c.pbr2act), "from a refresh of single banks to an activate of another bank", 0, 256);
     field(NAMED(c.pbr_in_faw), "", "a refresh of single banks counts as an activate in the window", sim::any(),
           Affects::kTiming);
     cycles(NAMED(c.ca_activate), "command bus time of an activate", 1, 8);
@@ -172,7 +172,7 @@ struct DramController {
           Affects::kTiming);
     field(NAMED(c.write_low), "requests", "waiting writes at which reads go first again", sim::between(0, 63),
           Affects::kTiming);
-    field(NAMED(c.age_limit), "nCK", "age from which a request is no longer overtaken in its bank",
+    field(NAMED(c.age_limit), "nCK", "age from which a queue's oldest request is no longer overtaken in its bank",
           sim::between(1, 1'000'000), Affects::kTiming);
   }
   void check(auto&& complain) const {
@@ -238,7 +238,7 @@ struct DramConfig {
     if (line.bytes % organisation.burst.bytes != 0 || line.bytes > organisation.page.bytes)
       complain("line", "must be whole bursts (" + std::to_string(organisation.burst.bytes) + " bytes) of one row (" +
                            std::to_string(organisation.page.bytes) + " bytes)");
-    else if ((bursts_per_line() - 1) * timing.ccd_l + 32 > 64)
+    else if ((bursts_per_line() - 1) * timing.ccd_l + 32 + timing.wck_sync > 64)
       complain("line", "has too many bursts: their commands must fit 64 nCK");
     const auto at_most = [](const char* key, std::uint32_t limit) {
       return "must not be more than " + std::string(key) + " (" + std::to_string(limit) + ")";
@@ -250,10 +250,8 @@ struct DramConfig {
     if (organisation.all_banks() > 32)
       complain("organisation.banks",
                "are " + std::to_string(organisation.all_banks()) + "; allowed: at most 32, all ranks together");
-    if (organisation.bl32 && bursts_per_line() % 2 != 0) {
-      complain("organisation.bl32",
-               "goes with lines of an even number of bursts, not of " + std::to_string(bursts_per_line()));
-    }
+    if (organisation.bl32 && bursts_per_line() % 2 != 0)
+      complain("organisation.bl32", "goes with an even number of bursts, not " + std::to_string(bursts_per_line()));
     if (timing.aad != 0 && (timing.ca_activate % 2 != 0 || timing.aad < timing.ca_activate / 2)) {
       complain("timing.aad", "must not be less than half of ca_activate (" + std::to_string(timing.ca_activate) +
                                  "), which must be even");
@@ -261,6 +259,9 @@ struct DramConfig {
     if (timing.wl > timing.rl) complain("timing.wl", at_most("rl", timing.rl));
     if (timing.burst > timing.ccd_s || timing.ccd_s > timing.ccd_l)
       complain("timing.ccd_s", "allowed: burst <= ccd_s <= ccd_l");
+    const std::uint32_t distance = timing.ccd_l * (organisation.bl32 ? 2 : 1);  // between commands of a line
+    if (commands_per_line() > 1 && timing.ca_column > distance)
+      complain("timing.ca_column", at_most("the distance of a line's commands", distance));
     check_refresh(complain);
   }
 

@@ -27,7 +27,7 @@ class Dma {
   enum class CycleReason : std::uint8_t { kIdle, kMoving, kEncoding, kWaiting, kCount };
   static constexpr auto kReasons = sim::reasons<CycleReason>({
       {CycleReason::kIdle, sim::idle("idle", "no transfer")},
-      {CycleReason::kMoving, sim::working("moving", "a request left or a line came")},
+      {CycleReason::kMoving, sim::working("moving", "a request left")},
       {CycleReason::kEncoding, sim::working("encoding", "a line's pixels are sRGB-encoded")},
       {CycleReason::kWaiting, sim::waiting("waiting", "lines are on their way, or there is no room for a request")},
   });

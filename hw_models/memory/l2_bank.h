@@ -77,7 +77,7 @@ class L2Bank {
       counter(NAMED(s.merges), "misses whose line was already on its way");
       counter(NAMED(s.fills), "lines filled from memory", "cache.l2_fill");
       counter(NAMED(s.writes), "writes of a line or of pieces of one: stored + not_stored");
-      counter(NAMED(s.write_hits), "writes that found their line, whole or in part, or on its way");
+      counter(NAMED(s.write_hits), "writes that found their line, whole or in part; of writes back also on its way");
       counter(NAMED(s.stored), "writes put into the cache", "cache.l2_fill");
       counter(NAMED(s.not_stored), "writes that were not", "cache.l2_probe");
       counter(NAMED(s.passed_on), "writes passed on to memory");

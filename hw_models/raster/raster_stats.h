@@ -34,7 +34,7 @@ struct RasterStats {
     counter(NAMED(s.samples_hidden), "of these, samples in blocks that were left out");
     counter(NAMED(s.samples_failed), "of these, samples behind a nearer triangle", "raster.depth_test");
     counter(NAMED(s.samples_passed), "of these, samples nearer than all before", "raster.depth_write");
-    counter(NAMED(s.samples_out), "samples whose hits went to the tile buffer", "raster.plane");
+    counter(NAMED(s.samples_out), "samples that left for the tile buffer, with a hit or without", "raster.plane");
     counter(NAMED(s.l1_accesses), "probes of the L1, but for those that found no free miss register");
     counter(NAMED(s.l1_hits), "probes that found the line", "cache.l1_read");
     counter(NAMED(s.l1_misses), "probes that did not", "cache.l1_probe");

@@ -106,7 +106,7 @@ void Srp::begin_chunk(sim::Time now, std::uint32_t tile, std::uint32_t node) {
              .start = clock_.after(configured, conflict_cycles),
              .ii = frame_.ideal ? 0 : kernel.ii,
              .depth = frame_.ideal ? 1 : kernel.depth};
-  stats_.add(kernel, items);
+  stats_.add(kernel, items, working);
   stats_.launches += run_.parts.size();
   if (run_.parts.size() > 1) stats_.merged += 1;
   buffer_.read(std::uint64_t{items} * kernel.local_reads);

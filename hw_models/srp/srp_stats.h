@@ -93,8 +93,8 @@ struct SrpStats {
     config_rows_loaded += resident ? 0 : rows;
   }
 
-  /// Charges a loop of `n` items.
-  void add(const KernelSchedule& k, std::uint64_t n) {
+  /// Charges a loop of `n` items, of which so many are `working`: the others touch no cache.
+  void add(const KernelSchedule& k, std::uint64_t n, std::uint64_t working) {
     const auto ops = [&](OpClass c) { return n * k.ops[static_cast<std::size_t>(c)]; };
     chunks += 1;
     items += n;
@@ -111,7 +111,7 @@ struct SrpStats {
     rf_reads += n * k.rf_reads;
     rf_writes += n * k.rf_writes;
     route_hops += n * k.route_hops;
-    queued_loads += n * k.queued_loads;
+    queued_loads += working * k.queued_loads;
     config_reads += (k.depth + (n - 1) * k.ii) * (k.config_reads / k.ii);  // prologue and drain read them too
   }
 };

@@ -84,8 +84,8 @@ class TileBuffer {
   static constexpr Block kBlock = Block::kTileBuffer;
   enum class CycleReason : std::uint8_t { kIdle, kInUse, kCount };
   static constexpr auto kReasons = sim::reasons<CycleReason>({
-      {CycleReason::kIdle, sim::idle("idle", "no ray slot is taken")},
-      {CycleReason::kInUse, sim::background("in_use", "ray slots are taken")},
+      {CycleReason::kIdle, sim::idle("idle", "no tile is in flight on the core")},
+      {CycleReason::kInUse, sim::background("in_use", "tiles are in flight")},
   });
   struct Stats {
     std::uint64_t reads = 0, writes = 0, bank_conflicts = 0;

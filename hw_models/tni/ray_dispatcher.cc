@@ -18,13 +18,17 @@ RayDispatcher::RayDispatcher(const Policy& policy, Links links, sim::Clock clock
       load_(to_trv_.size()) {}
 
 sim::Time RayDispatcher::tick(sim::Time now) {
-  while (collect(now) && policy_.ideal) {
+  const bool collected = collect(now);
+  while (collected && policy_.ideal && collect(now)) {
   }
   const bool dispatched = dispatch(now);
   while (dispatched && policy_.ideal && dispatch(now)) {
   }
-  const CycleReason then = load_[emptiest()] == policy_.rays_per_trv ? CycleReason::kTrvsFull : CycleReason::kStarved;
-  activity_.spend(now, clock_.period(), dispatched ? CycleReason::kDispatching : then, then);
+  const auto waiting = [&](sim::Time at) {
+    return rays_in_.can_pop(at) ? CycleReason::kTrvsFull : CycleReason::kStarved;
+  };
+  activity_.spend(now, clock_.period(), collected || dispatched ? CycleReason::kDispatching : waiting(now),
+                  waiting(clock_.after(now, 1)));
   return next_wake(now);
 }
 
@@ -79,7 +83,7 @@ inline sim::Time RayDispatcher::next_wake(sim::Time now) const {
   const sim::Time at = std::max({next, collect_at_, from_trv_.pop_at(), hits_out_.push_at()});
   if (rays_in_.pop_at() == sim::kNever) return at;
   const std::size_t trv = chosen(next);
-  if (load_[trv] == policy_.rays_per_trv) return at;
+  if (load_[trv] == policy_.rays_per_trv) return rays_in_.can_pop(next) ? at : std::min(at, rays_in_.pop_at());
   return std::min(at, std::max({next, rays_in_.pop_at(), to_trv_[trv]->push_at()}));
 }
 

@@ -26,9 +26,9 @@ class RayDispatcher {
   static constexpr Block kBlock = Block::kTni;
   enum class CycleReason : std::uint8_t { kStarved, kDispatching, kTrvsFull, kCount };
   static constexpr auto kReasons = sim::reasons<CycleReason>({
-      {CycleReason::kStarved, sim::idle("starved", "no ray comes or returns")},
+      {CycleReason::kStarved, sim::idle("starved", "no ray to dispatch")},
       {CycleReason::kDispatching, sim::working("dispatching", "a ray went to a TRV, or a hit left")},
-      {CycleReason::kTrvsFull, sim::waiting("trvs_full", "no TRV has room for the next ray")},
+      {CycleReason::kTrvsFull, sim::waiting("trvs_full", "no TRV takes the ray that waits")},
   });
   struct Stats {
     std::uint64_t rays_in = 0, hits_out = 0;

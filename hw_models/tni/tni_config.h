@@ -92,7 +92,9 @@ struct TrvConfig {
           "carrying a ray into the space of an instance (bvh.instances: two_level), in the box test's place",
           sim::between(1, 40), Affects::kTiming);
     field(NAMED(c.stack), "", "where far children wait", sim::any(), Affects::kWalk);
-    field(NAMED(c.stack_entries), "entries", "short stack depth per ray; 0: restart_trail without a stack",
+    field(NAMED(c.stack_entries), "entries",
+          "depth per ray of the short stack, and of a full one what leaks and takes area; 0: restart_trail without a "
+          "stack",
           sim::between(0, 64), Affects::kWalk);
     field(NAMED(c.stack_entry_bytes), "bytes", "storage of a stack entry (it leaks)", sim::between(1, 64),
           Affects::kEnergy);

@@ -174,7 +174,7 @@ void TileWeights::add_kernels(const Simulation& s) {
   std::vector<std::vector<double>> item;  // by kernel
   for (const hw::KernelSchedule& kernel : s.kernels) {
     hw::SrpStats one;
-    one.add(kernel, 1);
+    one.add(kernel, 1, 1);
     item.emplace_back();
     each_counter(one, [&](std::uint64_t value, const char*) { item.back().push_back(static_cast<double>(value)); });
   }

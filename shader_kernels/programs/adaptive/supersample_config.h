@@ -16,7 +16,7 @@ constexpr std::array<std::string_view, 3> names_of(Packing) { return {"block", "
 enum class SubpixelFilter : std::uint8_t { kNearest, kBilinear };
 constexpr std::array<std::string_view, 2> names_of(SubpixelFilter) { return {"nearest", "bilinear"}; }
 
-/// A sub-pixel's state has so many numbers for rounds.
+/// Rounds that a frame may have: each is a pass over all of it.
 inline constexpr std::uint32_t kMostRounds = 14;
 
 /// Selective and adaptive supersampling (Jin et al. 2009). A threshold applies where its attribute disagrees: 0 always

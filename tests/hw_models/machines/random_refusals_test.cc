@@ -157,6 +157,13 @@ constexpr Break kBreaks[] = {
      [](GpuConfig& c) { c.dram.timing.burst = c.dram.timing.ccd_s + 1; }},
     {"dram.timing.ccd_s", "burst <= ccd_s <= ccd_l",
      [](GpuConfig& c) { c.dram.timing.ccd_s = c.dram.timing.ccd_l + 1; }},
+    {"dram.timing.ca_column", "must not be more than the distance of a line's commands",
+     [](GpuConfig& c) {
+       c.dram.organisation.burst.bytes = c.dram.line.bytes / 2;
+       c.dram.organisation.bl32 = false;
+       c.dram.timing.burst = c.dram.timing.ccd_s = c.dram.timing.ccd_l = 4;
+       c.dram.timing.ca_column = 5;
+     }},
     {"dram.timing", "leaves a bank no time between its refreshes: rfc_pb",
      [](GpuConfig& c) {
        c.dram.controller.refresh = RefreshKind::kPerBank;

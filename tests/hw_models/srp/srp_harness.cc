@@ -25,6 +25,7 @@ SrpHarness::SrpHarness(const Setup& setup, const std::vector<Kernel>& kernels)
     k.ii = kernel.ii;
     k.depth = kernel.depth;
     k.config_reads = 16 * kernel.ii;
+    k.queued_loads = 1;
     conflicts_.push_back(kernel.conflicts);
   }
   const Srp::Frame frame{.layout = &layout_,

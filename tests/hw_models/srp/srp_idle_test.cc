@@ -47,6 +47,7 @@ TEST(SrpIdle, IdleItemsTouchNoCache) {
     harness.add(work.build()).run();
     EXPECT_EQ(harness.srp().stats().cache_accesses, 4U) << "the next launch's access is not theirs";
     EXPECT_EQ(harness.srp().stats().items, 9U);
+    EXPECT_EQ(harness.srp().stats().queued_loads, 4U);
   }
 }
 
