@@ -30,9 +30,9 @@ namespace hw {
 ///   ports_out <-- [returns: fixed fabric latency] <--------- data bus <--------------------------------+
 ///
 /// First ready, first come first served (or strictly first come first served): a column command before an activate
-/// before a precharge, the oldest first among equals. The oldest of a queue is no longer overtaken in its bank once it is
-/// older than the age limit. Writes wait until the queue is filled to its high mark, and then go first down to the low
-/// mark; before that, while no read waits or one of them is over age. The bursts of a line are booked as one train; other bank groups and other commands fit
+/// before a precharge, the oldest first among equals. A queue's oldest is no longer overtaken in its bank once it is
+/// over the age limit. Writes wait until the queue is at its high mark, and go first down to the low one; before that,
+/// while no read waits or one of them is over age. A line is booked as one train; other bank groups and commands fit
 /// between them. Rows stay open, or go with their last queued hit (DramPagePolicy). Refresh takes one bank, a pair of
 /// banks or a whole rank per interval, closes it and keeps it busy; ranks take turns. An idle channel may power down,
 /// all ranks together and with all rows closed; a refresh wakes it for as long as it takes.

@@ -130,8 +130,8 @@ void check_tree(const ConfigNode& root, std::string_view origin = {});
 /// Throws InputError("<origin>: <path>: <problem>"), leaving out what is empty.
 [[noreturn]] void refuse(std::string_view origin, std::string_view path, std::string_view problem);
 
-/// "did you mean 'x'?" for keys of the same name elsewhere in the tree, if they are few, or the key nearest to `key` here;
-/// else the list of what is allowed here.
+/// "did you mean 'x'?" for keys of the same name elsewhere in the tree, if they are few, or the nearest key here; else
+/// the list of what is allowed here.
 std::string suggest(const ConfigNode& root, const ConfigNode& group, std::string_view key);
 
 }  // namespace sim

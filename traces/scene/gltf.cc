@@ -60,7 +60,8 @@ Scene read(const std::filesystem::path& path, const SceneLimits& limits) {
   gltf::read_animations(context);
   place_all(context);
   if (scene.instances.empty())
-    context.refuse("shows no triangles; at least one is needed; points, lines and primitives without POSITION do not count");
+    context.refuse(
+        "shows no triangles; at least one is needed; points, lines and primitives without POSITION do not count");
   if (scene.cameras.empty()) scene.cameras.push_back(framing_camera(scene));
   if (!gltf::read_final_light(context)) finish_lights(scene);
   pose(scene, 0);  // for the lights that stand in for emitters: the same bits whenever that time comes again

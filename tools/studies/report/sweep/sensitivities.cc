@@ -31,12 +31,17 @@ std::optional<results::Sensitivity> sensitivity_to(const Sweep& sweep, const std
   return std::nullopt;
 }
 
+/// The metric that a goal is about; nullptr if no point has it.
+const Metric* metric_of(const Sweep& sweep, const optimise::Goal& goal) {
+  const auto found =
+      std::ranges::find_if(sweep.metrics, [&](const Metric& metric) { return metric.path.ends_with(goal.figure); });
+  return found == sweep.metrics.end() ? nullptr : &*found;
+}
+
 /// The figure that the page is about: the first that a search asks for, or frames per joule.
 const Metric* main_metric(const Sweep& sweep) {
   if (sweep.task) {
-    for (const Metric& metric : sweep.metrics) {
-      if (metric.path.ends_with(sweep.task->goals.front().figure)) return &metric;
-    }
+    if (const Metric* const asked = metric_of(sweep, sweep.task->goals.front())) return asked;
   }
   const Metric* const usual = sweep.metric(kMain);
   return usual != nullptr || sweep.metrics.empty() ? usual : &sweep.metrics.front();
@@ -47,9 +52,7 @@ std::vector<const Metric*> order_of(const Sweep& sweep, const Metric& metric) {
   std::vector<const Metric*> order = {&metric};
   if (sweep.task) {
     for (const optimise::Goal& goal : sweep.task->goals) {
-      for (const Metric& other : sweep.metrics) {
-        if (other.path.ends_with(goal.figure)) order.push_back(&other);
-      }
+      if (const Metric* const other = metric_of(sweep, goal)) order.push_back(other);
     }
   }
   for (const char* path : kAsked) {
