@@ -72,8 +72,6 @@ class Dma {
   std::uint64_t retired() const { return stats_.lines_written + stats_.lines_read; }
   const sim::Activity<CycleReason>& activity() const { return activity_; }
   void finish(sim::Time end) { activity_.finish(end); }
-  /// Lines that have been or will be asked for are to come.
-  bool awaits_lines() const { return replies_left_ != 0; }
   std::string state() const;
 
  private:

@@ -172,9 +172,8 @@ sim::Reach Gpu::reach(sim::Time now) const {
   if (stopped_ || dispatcher_->done()) return {now, now};
   const Core& core = cores_.front();
   const sim::Time dispatch = machine_.wake_time(dispatcher_id_), next_tile = dispatch + core.tiles_in.latency();
-  const bool dma_reads = std::ranges::any_of(cores_, [](const Core& c) { return c.dma->awaits_lines(); });
   const sim::Time lookahead = std::min(machine_.lookahead(), core.tiles_in.latency() + core.tiles_out.latency());
-  const sim::Time end = std::min(now + (dma_reads ? std::min(lookahead, memory_.dma_latency()) : lookahead), next_tile);
+  const sim::Time end = std::min(now + lookahead, next_tile);
   // The dispatcher may hear of a tile that ends meanwhile, so it does not lead.
   return {dispatch, dispatcher_->has_more() ? end : std::min(end, last_tile_may_end(now))};
 }

@@ -70,19 +70,21 @@ void MemorySystem::link_to_banks(Port& cache) {
   }
 }
 
+/// The way down takes as long as the way up, in whole cycles of the memory.
 void MemorySystem::link_to_channels(Port& dma) {
+  const sim::Time cycle = config_.dram.timing.ck.time;
+  const auto down_distance = static_cast<std::uint32_t>((distance_ * clock_.period() + cycle - 1) / cycle);
   const std::uint32_t depth = link_depth_ + distance_;
-  const auto by_latency = sim::Lookahead::kByLatency, awaited = sim::Lookahead::kByOwner;  // by a DMA: that is known
+  const auto by_latency = sim::Lookahead::kByLatency;
   const std::size_t requests = config_.ideal.interconnect ? depth : 1;
   const std::size_t lines = config_.ideal.dram ? depth : DramChannel::kAtOnce;
   for (Channel& channel : declared_channels_) {
     auto& up = machine_.link<MemRequest>(depth, distance_, dma.unit, channel.unit, by_latency, requests);
-    auto& down = machine_.link<MemResponse>(depth, distance_, channel.unit, dma.unit, awaited, lines);
+    auto& down = machine_.link<MemResponse>(depth, down_distance, channel.unit, dma.unit, by_latency, lines);
     dma.links.targets_out.push_back(&up);
     dma.links.targets_in.push_back(&down);
     channel.links.ports_in.push_back(&up);
     channel.links.ports_out.push_back(&down);
-    dma_latency_ = down.latency();
   }
 }
 

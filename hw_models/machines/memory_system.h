@@ -48,8 +48,6 @@ class MemorySystem {
   const std::vector<CorePort*>& ports() const { return built_ports_; }
   const std::vector<L2Bank*>& banks() const { return banks_; }
   const std::vector<DramChannel*>& channels() const { return channels_; }
-  /// Time that a line takes from a channel to a DMA, at least.
-  sim::Time dma_latency() const { return dma_latency_; }
 
  private:
   struct Port {
@@ -83,7 +81,6 @@ class MemorySystem {
   std::vector<CorePort*> built_ports_;
   std::vector<L2Bank*> banks_;
   std::vector<DramChannel*> channels_;
-  sim::Time dma_latency_ = sim::kNever;
 };
 
 }  // namespace hw

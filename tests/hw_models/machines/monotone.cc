@@ -22,29 +22,26 @@ const Improvement& improvement_of(std::uint64_t seed) { return kImprovements[see
 namespace {
 
 constexpr KnownSlower kKnownSlower[] = {
-    {"cornell", 3, 6.59},     // l2.mshrs
+    {"cornell", 3, 5.79},     // l2.mshrs
     {"cornell", 17, 1.34},    // dram.channels
-    {"cornell", 24, 7.96},    // srp.data_cache.size
-    {"cornell", 25, 1.82},    // l2.size
+    {"cornell", 31, 1.30},    // tni.trv.l1.size
     {"cornell", 35, 2.90},    // dram.channels
-    {"cornell", 40, 1.08},    // tni.trv.l1.size
-    {"cornell", 42, 2.85},    // srp.data_cache.size
-    {"cornell", 43, 6.86},    // l2.size
-    {"cornell", 66, 7.13},    // l2.mshrs
-    {"cornell", 91, 4.95},    // tni.ist.l1.mshrs
+    {"cornell", 43, 9.48},    // l2.size
+    {"cornell", 66, 3.41},    // l2.mshrs
+    {"cornell", 78, 6.73},    // srp.data_cache.size
     {"cornell", 99, 5.95},    // tni.trv.l1.mshrs
-    {"cornell", 107, 2.44},   // dram.channels
-    {"cornell", 117, 3.51},   // tni.trv.l1.mshrs
-    {"cornell", 118, 1.57},   // tni.ist.l1.mshrs
-    {"cornell", 133, 4.74},   // l2.size
-    {"cornell", 152, 4.05},   // dram.channels
-    {"cornell", 154, 15.77},  // tni.ist.l1.mshrs
-    {"cornell", 167, 2.38},   // tni.ist.l1.size
-    {"cornell", 173, 2.47},   // srp.data_cache.mshrs
-    {"cornell", 183, 1.85},   // l2.mshrs
+    {"cornell", 109, 1.29},   // tni.ist.l1.mshrs
+    {"cornell", 117, 2.78},   // tni.trv.l1.mshrs
+    {"cornell", 123, 4.42},   // srp.data_cache.size
+    {"cornell", 133, 2.52},   // l2.size
+    {"cornell", 154, 19.06},  // tni.ist.l1.mshrs
+    {"cornell", 156, 1.03},   // l2.mshrs
+    {"cornell", 169, 1.52},   // l2.size
+    {"cornell", 177, 8.18},   // srp.data_cache.size
+    {"cornell", 183, 1.57},   // l2.mshrs
     {"cornell", 184, 1.24},   // tni.trv.l1.size
     {"cornell", 189, 1.86},   // tni.trv.l1.mshrs
-    {"chess", 0, 1.89},       // tni.trv.l1.mshrs
+    {"cornell", 192, 1.18},   // l2.mshrs
     {"chess", 57, 1.31},      // l2.mshrs
     {"chess", 58, 1.08},      // tni.trv.l1.size
     {"chess", 69, 3.45},      // srp.data_cache.size

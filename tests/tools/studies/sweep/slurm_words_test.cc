@@ -140,7 +140,8 @@ TEST_F(SlurmWords, ToCopyAreQuotedForTheShell) {
                        two.string(), "--store", (folder.path() / "store").string(),
                        "--launcher", "slurm",   write_sweep(folder, kFourPoints).string()};
   EXPECT_SAYS(with_commands(words).out, "raywatt sweep status " + quoted + "; raywatt sweep cancel " + quoted + "\n");
-  command("squeue", "echo '12|1|PENDING|Priority||" + (fs::canonical(two) / "submit-1.sh").string() + "'");
+  command("squeue", "test -e '" + (folder.path() / "scancel.said").string() + "' || echo '12|1|PENDING|Priority||" +
+                        (fs::canonical(two) / "submit-1.sh").string() + "'");
   EXPECT_SAYS(with_commands({"sweep", "cancel", two.string()}).out, "raywatt sweep run --resume -o " + quoted + "\n");
 }
 
