@@ -1,6 +1,8 @@
 #pragma once
 #include <chrono>
 
+#include <time.h>
+
 namespace sim {
 
 /// The host's own time, for what reports say of the host; never for what is simulated.
@@ -8,6 +10,13 @@ using HostClock = std::chrono::steady_clock;
 
 inline double seconds_since(HostClock::time_point begin) {
   return std::chrono::duration<double>(HostClock::now() - begin).count();
+}
+
+/// Processor time of the calling thread, in seconds.
+inline double thread_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
 }  // namespace sim

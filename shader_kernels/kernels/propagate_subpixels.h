@@ -51,12 +51,12 @@ struct PropagateSubpixels {
     for (std::uint32_t i = 0; i < kAttributes; ++i) {
       threshold = min(threshold, select((range.reasons & (1U << i)) == 0U, F<V>(kNever), at.thresholds[i]));
     }
-    const auto differs = [&](float weight, const F<V>& least, const F<V>& most) {
-      return threshold * weight * max(most + least, F<V>(1.0F)) < most - least;
+    const auto differs = [&](float factor, const F<V>& least, const F<V>& most) {
+      return threshold * factor * max(most + least, F<V>(1.0F)) < most - least;
     };
-    const M<V> contrasts =
-        logical_or(logical_or(differs(1.36F, range.least.x, range.most.x), differs(1.02F, range.least.y, range.most.y)),
-                   differs(2.04F, range.least.z, range.most.z));
+    const M<V> contrasts = logical_or(logical_or(differs(kChannelFactors[0], range.least.x, range.most.x),
+                                                 differs(kChannelFactors[1], range.least.y, range.most.y)),
+                                      differs(kChannelFactors[2], range.least.z, range.most.z));
     const M<V> found = both(contrasts, own.blue_why >> kRoundShift == 0U);
 
     at.verdicts.store(item, {range.reasons});

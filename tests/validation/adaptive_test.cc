@@ -75,6 +75,10 @@ TEST(Lee2016, PerformancePerWattIsAsPublishedThoughSpeedIsNot) {
     expect_as_measured(g);
     expect_between("performance per watt of the T&I units, published 1.53 to 2.98", g.perf_per_watt, 1.4, 3.1);
   }
+  expect_between("speed-up of teapot", teapot.speed_up, 1.4, 1.6);
+  expect_between("speed-up of car", car.speed_up, 1.28, 1.46);
+  expect_between("speed-up of chess", chess.speed_up, 1.16, 1.32);
+  expect_between("speed-up of teapot with four samples a pixel", super.speed_up, 1.58, 1.8);
   EXPECT_LT(teapot.traced_ratio, car.traced_ratio);
   EXPECT_LT(car.traced_ratio, chess.traced_ratio);
   EXPECT_GT(teapot.perf_per_watt, car.perf_per_watt) << "gains follow what is not traced";

@@ -156,9 +156,9 @@ Json host_json(const Report& report) {
   const FrontEnd::Result& function = totals.run.function;
   const std::optional<SlicedFrame>& sliced = totals.run.sliced;
   const bool is_cut = sliced && sliced->slices > 1;
-  const double machines =
-      is_cut ? std::accumulate(sliced->seconds.begin(), sliced->seconds.end(), 0.0) : totals.run.wall_seconds;
-  const double timing = std::max(0.0, machines - function.waited);
+  const double timing = is_cut
+                            ? std::accumulate(sliced->seconds.begin(), sliced->seconds.end(), -function.caller_seconds)
+                            : totals.run.wall_seconds - function.waited;
   const double reference = totals.reference != nullptr ? totals.reference->wall_seconds : 0;
   const double replicates =
       totals.run.replicate_seconds + (totals.reference != nullptr ? totals.reference->replicate_seconds : 0);
@@ -170,7 +170,7 @@ Json host_json(const Report& report) {
                {"load_s", load},
                {"update_s", report.inputs.update_seconds},
                {"functional_s", function.seconds},
-               {"timing_s", timing},
+               {"timing_s", std::max(0.0, timing)},
                {"rays_per_s", static_cast<double>(totals.run.rays()) / wall},
                {"steps_per_s", static_cast<double>(function.traversal_steps) / wall},
                {"peak_rss_mb", peak_rss_mib()},

@@ -43,6 +43,11 @@ double ReportFile::number(const std::string& path) const {
   return found == numbers.end() ? 0 : found->second;
 }
 
+std::filesystem::path picture_beside(const std::filesystem::path& report, const char* type) {
+  const bool is_reference = report.filename() == kReferenceReport;
+  return report.parent_path() / fmt::format("{}.{}", is_reference ? "reference" : "image", type);
+}
+
 std::string ReportFile::text(const std::string& group, const std::string& key) const {
   const auto at = json.find(group);
   if (at == json.end() || !at->is_object()) return {};

@@ -10,6 +10,9 @@ namespace tools {
 
 inline constexpr std::uint64_t kLargestReport = 1ULL << 30;
 
+/// The report of what a run was compared with, beside the run's own.
+inline constexpr const char* kReferenceReport = "reference.json";
+
 /// A report.json that somebody has handed in.
 struct ReportFile {
   std::filesystem::path file;
@@ -21,7 +24,12 @@ struct ReportFile {
   bool has(const std::string& path) const { return numbers.contains(path); }
   /// The text at two keys, e.g. "provenance", "model_id"; empty where the report has none.
   std::string text(const std::string& group, const std::string& key) const;
+  /// It is that of what a run was compared with: tables of tiles and pixels in its folder are the run's.
+  bool is_reference() const { return file.filename() == kReferenceReport; }
 };
+
+/// The picture beside a report, which is named after it where it is that of a reference. `type`: "png" or "exr".
+std::filesystem::path picture_beside(const std::filesystem::path& report, const char* type);
 
 /// Reads the report of a run: the file itself, or the folder of a run. InputError if there is none, if it is not JSON,
 /// or if its schema is another than raywatt-report/1.

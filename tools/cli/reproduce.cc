@@ -31,7 +31,7 @@ void add_reproduce(CLI::App& app, const std::vector<std::string>& argv) {
   verb->footer(
       "Example: raywatt reproduce kim2016 --scenes ~/scenes -o out/kim2016\n"
       "Whole papers take hours. Rows are kept as they finish, and the same command goes on from them, however the\n"
-      "run was stopped. docs/reproduce.md tells more.");
+      "run was stopped; if all of them are there, it makes them anew. docs/reproduce.md tells more.");
   verb->callback([options] { reproduce::reproduce(*options); });
 }
 

@@ -210,6 +210,8 @@ std::filesystem::path record_file(const JobOptions& options, const std::filesyst
   std::filesystem::path file = std::filesystem::absolute(options.record, failed);
   if (!failed) file = std::filesystem::weakly_canonical(file, failed);
   if (failed) throw sim::InputError(fmt::format("{}: cannot be written ({})", asked, failed.message()));
+  if (std::ranges::mismatch(file, folder).in1 == file.end())
+    throw sim::InputError(asked + ": the run's folder goes there or below; allowed: another name");
   if (file.parent_path() != folder || !is_result_name(file.filename().string())) return file;
   throw sim::InputError(asked + ": the run's own results have a file of this name; allowed: another");
 }

@@ -47,8 +47,6 @@ struct Origin {
   const JobOptions& options;
 };
 
-inline constexpr const char* kReferenceReport = "reference.json";
-
 /// Writes the reference's own report beside that of the run, if there is a reference.
 void write_reference(const std::filesystem::path& folder, const Origin& origin, const Outcome& out);
 

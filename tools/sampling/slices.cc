@@ -4,7 +4,6 @@
 #include <atomic>
 #include <charconv>
 #include <cmath>
-#include <ctime>
 #include <numeric>
 
 #include <fmt/format.h>
@@ -28,12 +27,6 @@ namespace {
 constexpr std::uint32_t kTilesOfALead = 10;
 /// Error of a border that tiles played twice do not tell, in such tiles, as half of a 95 % interval (docs/slices.md).
 constexpr double kBorderError = 4;
-
-double thread_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 /// Time and counters of a machine between two times.
 struct Stretch {
@@ -118,14 +111,15 @@ class SlicePlays {
         slices_(slices),
         probe_(shape.probe),
         at_once_(std::min(threads, static_cast<std::uint32_t>(slices.size()))),
-        workers_(threads / at_once_ - 1),
+        threads_(threads),
         scheduled_(std::make_shared<const hw::ScheduledKernels>(hw::schedule_kernels(inputs.config.gpu))),
         played_(slices.size()) {}
 
   std::vector<PlayedSlice> play() {
-    on_threads(at_once_, [this](std::size_t) {
+    on_threads(at_once_, [this](std::size_t thread) {
+      const std::uint32_t workers = threads_ / at_once_ - 1 + (thread < threads_ % at_once_ ? 1 : 0);
       try {
-        for (std::size_t i = next_++; i < slices_.size(); i = next_++) play_one(i);
+        for (std::size_t i = next_++; i < slices_.size(); i = next_++) play_one(i, workers);
       } catch (...) {
         next_ = slices_.size();
         throw;
@@ -136,14 +130,14 @@ class SlicePlays {
   const std::vector<hw::KernelSchedule>& kernels() const { return scheduled_->kernels; }
 
  private:
-  void play_one(std::size_t i) {
-    const double begin = thread_seconds();
+  void play_one(std::size_t i, std::uint32_t workers) {
+    const double begin = sim::thread_seconds();
     const Slice& slice = slices_[i];
     SliceProgram program(frame_, slice);
     const bool is_last = slice.end == program.tiles();
     std::vector<std::uint32_t> tile_indices((is_last ? slice.end : slice.end + 1) - slice.begin());
     std::iota(tile_indices.begin(), tile_indices.end(), slice.begin());
-    FrontEnd front_end(program, tracer_, workers_, true, std::move(tile_indices));
+    FrontEnd front_end(program, tracer_, workers, true, std::move(tile_indices));
     SliceTiles tiles(front_end, slice, probe_, is_last);
     const auto gpu = make_gpu(inputs_, inputs_.config, program.requirements(), tiles, {}, {}, scheduled_);
     tiles.connect(*gpu);
@@ -157,7 +151,7 @@ class SlicePlays {
     }
     if (!is_last) played.after = probe(tiles, slice.end);
     frame_.add_times(front_end.result());
-    played.seconds = thread_seconds() - begin;
+    played.seconds = sim::thread_seconds() - begin;
   }
   Probe probe(const SliceTiles& tiles, std::uint32_t border) const {
     Stretch stretch(tiles.at(border));
@@ -169,7 +163,7 @@ class SlicePlays {
   SharedFrame& frame_;
   const traces::Tracer& tracer_;
   const std::span<const Slice> slices_;
-  const std::uint32_t probe_, at_once_, workers_;
+  const std::uint32_t probe_, at_once_, threads_;
   const std::shared_ptr<const hw::ScheduledKernels> scheduled_;
   std::vector<PlayedSlice> played_;
   std::atomic<std::size_t> next_ = 0;
@@ -241,10 +235,10 @@ std::uint32_t slices_of(const Inputs& inputs, const kernels::ProgramSpec& progra
   if (asked == kAutoSlices) return std::max(1U, frame.tiles() / (kTilesOfALead * shape.lead));
   const std::uint32_t most = std::max(1U, frame.tiles() / shape.lead);
   if (asked <= most) return asked;
-  throw sim::InputError(fmt::format(
-      "--slices {}: too many for a frame of {} tiles, as each slice needs {} to fill this machine; allowed: "
-      "at most {}",
-      asked, frame.tiles(), shape.lead, most));
+  throw sim::InputError(
+      fmt::format("--slices {}: too many for a frame of {} tile{}, as each slice needs {} to fill this machine; "
+                  "allowed: at most {}",
+                  asked, frame.tiles(), frame.tiles() == 1 ? "" : "s", shape.lead, most));
 }
 
 Simulation simulate_slices(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,

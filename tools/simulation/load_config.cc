@@ -99,6 +99,44 @@ void apply_rest(sim::ConfigLoader& loader, const sim::ConfigNode& tree, RunConfi
   check_power(config);
 }
 
+/// Keys, by the beginning of their names, that do nothing while another has a value.
+struct Idle {
+  std::string_view keys;
+  bool (*is_idle)(const RunConfig& config);
+  std::string_view why;
+};
+
+constexpr std::array kIdle = {
+    Idle{"render.mip_filter", [](const RunConfig& c) { return c.render.mip_maps == traces::MipMaps::kOff; },
+         "with render.mip_maps=off"},
+    Idle{"scene.view.", [](const RunConfig& c) { return c.scene.view.source == traces::ViewSource::kScene; },
+         "without scene.view.source=own"},
+    Idle{"scene.sky.", [](const RunConfig& c) { return c.scene.sky.source == traces::Sky::kScene; },
+         "without scene.sky.source=own"},
+    Idle{"scene.lights.position", [](const RunConfig& c) { return c.scene.lights.rig != traces::LightRig::kPoint; },
+         "without scene.lights.rig=point"},
+    Idle{"scene.lights.direction", [](const RunConfig& c) { return c.scene.lights.rig != traces::LightRig::kSun; },
+         "without scene.lights.rig=sun"},
+    Idle{"scene.lights.intensity",
+         [](const RunConfig& c) {
+           return c.scene.lights.rig != traces::LightRig::kPoint && c.scene.lights.rig != traces::LightRig::kSun;
+         },
+         "without scene.lights.rig=point or sun"},
+    Idle{"scene.orbit", [](const RunConfig& c) { return c.scene.camera_path == traces::CameraPath::kScene; },
+         "without scene.camera_path=orbit"}};
+
+/// Is it the name of a grade of the memory that has figures of its own?
+void tell_grade(const std::string& set, std::vector<std::string>& out) {
+  if (!set.starts_with("dram.grade=")) return;
+  std::string grade = set.substr(set.find('=') + 1);
+  std::ranges::transform(grade, grade.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::vector<std::string> known = config_names_in("dram");
+  const auto meant = sim::nearest_of("dram/" + grade, known, grade.size() / 4);
+  if (meant == known.end()) return;
+  out.push_back(fmt::format("dram.grade is a name for reports and takes no figures; --set dram.extends={} does",
+                            meant->substr(std::string_view("dram/").size())));
+}
+
 }  // namespace
 
 RunConfig load_run_config(const JobOptions& options) {
@@ -127,20 +165,21 @@ RunConfig apply_options(RunConfig config, const JobOptions& options) {
 
 std::vector<std::string> idle_settings(const JobOptions& options, const RunConfig& config) {
   std::vector<std::string> out;
-  bool has_idle_filter = false;
   for (const std::string& set : options.sets) {
-    if (set.starts_with("render.mip_filter=") && config.render.mip_maps == traces::MipMaps::kOff && !has_idle_filter) {
-      has_idle_filter = true;
-      out.emplace_back("render.mip_filter does nothing with render.mip_maps=off");
+    const std::string_view key = std::string_view(set).substr(0, set.find('='));
+    for (const Idle& idle : kIdle) {
+      if (!key.starts_with(idle.keys) || key.ends_with(".source") || !idle.is_idle(config)) continue;
+      std::string line = fmt::format("{} does nothing {}", key, idle.why);
+      if (std::ranges::find(out, line) == out.end()) out.push_back(std::move(line));
     }
-    if (!set.starts_with("dram.grade=")) continue;
-    std::string grade = set.substr(set.find('=') + 1);
-    std::ranges::transform(grade, grade.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    const std::vector<std::string> known = config_names_in("dram");
-    const auto meant = sim::nearest_of("dram/" + grade, known, grade.size() / 4);
-    if (meant == known.end()) continue;
-    out.push_back(fmt::format("dram.grade is a name for reports and takes no figures; --set dram.extends={} does",
-                              meant->substr(std::string_view("dram/").size())));
+    tell_grade(set, out);
+  }
+  const bool is_on_grid = options.program.starts_with("multirate") || options.program == "undersample";
+  const bool has_one_sample = options.reference == "full:1";  // at the pixel's centre with any pattern
+  if (is_on_grid && !options.reference.empty() && !has_one_sample &&
+      config.render.samples != kernels::SamplePattern::kRegular) {
+    out.push_back(fmt::format("{} takes its samples in a regular grid, {} does not with this render.samples",
+                              options.program, options.reference));
   }
   return out;
 }

@@ -23,13 +23,18 @@ bool has_slots(const WorkNode& node) {
 }
 
 void check_readers(const TileWork& work) {
-  std::vector<bool> read(work.nodes.size());
+  std::vector<bool> read(work.nodes.size()), whole(work.nodes.size());
   for (const WorkNode& node : work.nodes) {
-    for (const Edge& edge : node.inputs) read[edge.node] = true;
+    for (const Edge& edge : node.inputs) {
+      const bool is_mapped = node.sources != WorkNode::kNone;
+      read[edge.node] = true;
+      if (edge.kind == Edge::Kind::kAll || is_mapped || node.items == work.nodes[edge.node].items)
+        whole[edge.node] = true;
+    }
   }
   for (std::size_t n = 0; n < work.nodes.size(); ++n) {
-    if (has_slots(work.nodes[n]) && !read[n])
-      throw sim::InputError(fmt::format("no node reads the hits of node {}", n));
+    if (!has_slots(work.nodes[n]) || whole[n]) continue;
+    throw sim::InputError(fmt::format("no node reads {} hits of node {}", read[n] ? "all" : "the", n));
   }
 }
 

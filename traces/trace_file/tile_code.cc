@@ -194,6 +194,7 @@ void TileDecoder::read_nodes(ByteReader& from, const TileScope& scope, TileWork&
   work.raster_triangles.clear();
   work.list_runs.clear();
   const std::uint32_t nodes = from.number32(std::min<std::uint64_t>(from.left() / 3, kMaxTileNodes), "number of nodes");
+  if (nodes == 0) ByteReader::out_of_range("number of nodes");
   for (std::uint32_t n = 0; n < nodes; ++n) {
     WorkNode& node = next_node(work);
     read_kind(from, scope, node);

@@ -16,11 +16,27 @@ INSTANTIATE_TEST_SUITE_P(Grades, DramMeasurements,
                            return name;
                          });
 
-TEST_P(DramMeasurements, AllHoldToTheirClosedForms) {
-  const auto grade = sim::load_config<DramConfig>(std::string("configs/dram/") + GetParam() + ".yaml");
+void expect_good(const DramConfig& grade) {
   for (const DramMeasurement& f : dram_measurements(grade)) {
     EXPECT_TRUE(f.good()) << f.name << ": " << f.measured << " " << f.unit << ", expected " << f.expected;
   }
+}
+
+DramConfig load(const std::string& grade) { return sim::load_config<DramConfig>("configs/dram/" + grade + ".yaml"); }
+
+TEST_P(DramMeasurements, AllHoldToTheirClosedForms) { expect_good(load(GetParam())); }
+
+TEST(DramMeasurement, OfCommandsOfTwoBurstsHoldsToItsClosedForm) {
+  DramConfig grade = load("lpddr5-6400");
+  grade.organisation.bl32 = true;
+  expect_good(grade);
+}
+
+TEST(DramMeasurement, OfRefreshesThatLeaveNoTimeIsLeftOut) {
+  DramConfig grade = load("lpddr4-3200");
+  const std::size_t all = dram_measurements(grade).size();
+  grade.timing.rfc_ab = 8192;
+  EXPECT_EQ(dram_measurements(grade).size(), all - 1);
 }
 
 }  // namespace

@@ -22,36 +22,41 @@ const Improvement& improvement_of(std::uint64_t seed) { return kImprovements[see
 namespace {
 
 constexpr KnownSlower kKnownSlower[] = {
-    {"cornell", 3, 5.79},     // l2.mshrs
+    {"cornell", 3, 5.29},     // l2.mshrs
     {"cornell", 17, 1.34},    // dram.channels
+    {"cornell", 27, 2.98},    // tni.trv.l1.mshrs
     {"cornell", 31, 1.30},    // tni.trv.l1.size
     {"cornell", 35, 2.90},    // dram.channels
-    {"cornell", 43, 9.48},    // l2.size
-    {"cornell", 66, 3.41},    // l2.mshrs
-    {"cornell", 78, 6.73},    // srp.data_cache.size
+    {"cornell", 40, 1.29},    // tni.trv.l1.size
+    {"cornell", 43, 9.19},    // l2.size
+    {"cornell", 55, 1.30},    // tni.ist.l1.mshrs
+    {"cornell", 66, 2.82},    // l2.mshrs
+    {"cornell", 78, 3.58},    // srp.data_cache.size
+    {"cornell", 84, 1.96},    // l2.mshrs
     {"cornell", 99, 5.95},    // tni.trv.l1.mshrs
-    {"cornell", 109, 1.29},   // tni.ist.l1.mshrs
     {"cornell", 117, 2.78},   // tni.trv.l1.mshrs
+    {"cornell", 118, 1.92},   // tni.ist.l1.mshrs
     {"cornell", 123, 4.42},   // srp.data_cache.size
     {"cornell", 133, 2.52},   // l2.size
-    {"cornell", 154, 19.06},  // tni.ist.l1.mshrs
+    {"cornell", 154, 13.82},  // tni.ist.l1.mshrs
     {"cornell", 156, 1.03},   // l2.mshrs
-    {"cornell", 169, 1.52},   // l2.size
-    {"cornell", 177, 8.18},   // srp.data_cache.size
+    {"cornell", 158, 2.80},   // tni.ist.l1.size
+    {"cornell", 169, 2.87},   // l2.size
+    {"cornell", 177, 8.71},   // srp.data_cache.size
     {"cornell", 183, 1.57},   // l2.mshrs
     {"cornell", 184, 1.24},   // tni.trv.l1.size
+    {"cornell", 187, 1.69},   // l2.size
     {"cornell", 189, 1.86},   // tni.trv.l1.mshrs
-    {"cornell", 192, 1.18},   // l2.mshrs
-    {"chess", 57, 1.31},      // l2.mshrs
-    {"chess", 58, 1.08},      // tni.trv.l1.size
-    {"chess", 69, 3.45},      // srp.data_cache.size
-    {"chess", 73, 7.85},      // tni.ist.l1.mshrs
-    {"chess", 90, 2.15},      // tni.trv.l1.mshrs
-    {"chess", 139, 2.58},     // tni.trv.l1.size
-    {"chess", 154, 1.88},     // tni.ist.l1.mshrs
-    {"chess", 162, 2.26},     // tni.trv.l1.mshrs
-    {"chess", 167, 2.42},     // tni.ist.l1.size
-    {"chess", 195, 1.16},     // srp.data_cache.size
+    {"cornell", 193, 2.03},   // tni.trv.l1.size
+    {"chess", 10, 1.30},      // tni.ist.l1.mshrs
+    {"chess", 84, 1.37},      // l2.mshrs
+    {"chess", 117, 1.00},     // tni.trv.l1.mshrs
+    {"chess", 118, 1.80},     // tni.ist.l1.mshrs
+    {"chess", 150, 2.43},     // srp.data_cache.size
+    {"chess", 167, 6.38},     // tni.ist.l1.size
+    {"chess", 173, 2.62},     // srp.data_cache.mshrs
+    {"chess", 182, 1.52},     // srp.data_cache.mshrs
+    {"chess", 199, 2.24},     // tni.ist.l1.mshrs
 };
 
 }  // namespace

@@ -59,12 +59,12 @@ void expect_same(const Frames& fused, const Frames& apart) {
 }
 
 /// All programs, with fusion and without, on a scene.
-void expect_fusion_to_change_nothing(const traces::Scene& scene, const traces::BvhConfig& bvh = {}) {
-  const traces::MemoryImage image = traces::build_memory_image(scene, bvh);
+void expect_fusion_to_change_nothing(const traces::Scene& scene, const traces::BvhConfig& bvh = {},
+                                     ProgramConfig programs = {}, traces::MipMaps mip_maps = traces::MipMaps::kOn) {
+  const traces::MemoryImage image = traces::build_memory_image(scene, bvh, 0, nullptr, mip_maps);
   const traces::BvhTracer tracer(image);
   const glm::vec3 sides = image.upper - image.lower;
   const float size = std::max({sides.x, sides.y, sides.z});
-  ProgramConfig programs;
   programs.undersample.correct_shadows = true;
   const RateMap rates(programs.multirate);
   for (const char* name : {"full:1", "full:4", "multirate:under", "multirate:super", "undersample", "supersample",
@@ -113,7 +113,18 @@ TEST_P(FusedKernelsOf, MakeThePictureThatTheirPartsMake) {
   expect_fusion_to_change_nothing(traces::open_scene(GetParam()));
 }
 
-TEST(FusedKernels, MakeTheShowcaseThatTheirPartsMake) { expect_fusion_to_change_nothing(showcase_scene()); }
+TEST(FusedKernels, MakeTheShowcaseThatTheirPartsMake) {
+  expect_fusion_to_change_nothing(showcase_scene());
+  expect_fusion_to_change_nothing(showcase_scene(), {}, {}, traces::MipMaps::kOff);
+}
+
+TEST(FusedKernels, MakeThePictureOfOptionalChecksThatTheirPartsMake) {
+  ProgramConfig programs;
+  programs.multirate.texture = 0.1;
+  programs.undersample.samples = 4;
+  programs.supersample.propagate = 2;
+  expect_fusion_to_change_nothing(showcase_scene(), {}, programs);
+}
 
 TEST(FusedKernels, MakeAPictureOfInstancesThatTheirPartsMake) {
   traces::BvhConfig bvh;

@@ -58,5 +58,38 @@ TEST(IdleSettings, AreEachSaidOnceInAnyOrder) {
   }
 }
 
+TEST(IdleSettings, AreKeysOfOnesOwnCameraLightsAndSkyWhileTheScenesAreTaken) {
+  tools::JobOptions options;
+  tools::RunConfig config;
+  options.sets = {"scene.view.position=1 2 3",    "scene.view.source=scene",      "scene.sky.background=1 1 1",
+                  "scene.lights.position=0 1 0",  "scene.lights.intensity=1 1 1", "scene.orbit=10",
+                  "scene.lights.direction=0 1 0", "scene.view.position=1 2 4"};
+  const std::vector<std::string> said = tools::idle_settings(options, config);
+  ASSERT_EQ(said.size(), 6U);
+  EXPECT_EQ(said[0], "scene.view.position does nothing without scene.view.source=own");
+  config.scene.view.source = traces::ViewSource::kOwn;
+  config.scene.sky.source = traces::Sky::kOwn;
+  config.scene.lights.rig = traces::LightRig::kPoint;
+  config.scene.camera_path = traces::CameraPath::kOrbit;
+  EXPECT_EQ(tools::idle_settings(options, config),
+            Words{"scene.lights.direction does nothing without scene.lights.rig=sun"});
+}
+
+TEST(IdleSettings, APatternOfSamplesHoldsForTheReferenceAlone) {
+  tools::JobOptions options;
+  tools::RunConfig config;
+  config.render.samples = kernels::SamplePattern::kJittered;
+  options.reference = "full:4";
+  for (const char* program : {"multirate:super", "undersample"}) {
+    options.program = program;
+    EXPECT_EQ(tools::idle_settings(options, config).size(), 1U) << program;
+  }
+  options.program = "supersample";
+  EXPECT_EQ(tools::idle_settings(options, config).size(), 0U);
+  config.render.samples = kernels::SamplePattern::kRegular;
+  options.program = "undersample";
+  EXPECT_EQ(tools::idle_settings(options, config).size(), 0U);
+}
+
 }  // namespace
 }  // namespace test

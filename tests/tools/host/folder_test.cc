@@ -143,6 +143,15 @@ TEST(Folder, TakesNoTraceOfTheNameOfAResult) {
   EXPECT_EQ(names_in(folder.path()), Words{});
 }
 
+TEST(Folder, TakesNoTraceInItsOwnPlaceOrAboveIt) {
+  const TempFolder folder;
+  const fs::path out = folder.path() / "new" / "run";
+  for (const fs::path& trace : {out, out.parent_path()}) {
+    expect_refusal(raywatt(small_run(out, {"--record", trace.string()})), {"--record", "the run's folder goes there"});
+    EXPECT_EQ(names_in(folder.path()), Words{}) << trace;
+  }
+}
+
 TEST(Folder, OfSomebodyElseIsRefusedAndLeftAlone) {
   const TempFolder folder;
   const fs::path out = folder.path() / "out";

@@ -221,6 +221,19 @@ TEST(SlicedRun, SaysHowManySlicesThereWereAndHowFarOffTheyMayBe) {
   EXPECT_FALSE(whole["sliced"].contains("cycles"));
 }
 
+TEST(SlicedRun, MachinesTakeAPartOfTheTimeOfSlicesWhoeverRenders) {
+  const TempFolder folder;
+  for (const char* threads : {"2", "3"}) {  // 3: one machine has a thread that renders ahead of it
+    const std::filesystem::path out = folder.path() / threads;
+    const Ending ending = raywatt({"run", "--resolution", "64x64", "--threads", threads, "--set", "render.tile=4",
+                                   "--set", "cores=2", "--slices", "2", "-o", out.string()});
+    ASSERT_EQ(ending.exit, 0) << ending.err;
+    const nlohmann::json host = read_json(out / "report.json")["host"];
+    EXPECT_GT(host["timing_s"], 0);
+    EXPECT_LT(host["timing_s"], host["slices_s"][0].get<double>() + host["slices_s"][1].get<double>());
+  }
+}
+
 TEST(SlicedRun, WhatMakesNoSenseIsRefusedBeforeAnythingIsMade) {
   expect_refused_run({"--slices", "some"}, {"nor auto"});
   expect_refused_run({"--slices", ""}, {"allowed: 2, auto"});

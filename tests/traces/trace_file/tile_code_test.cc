@@ -127,6 +127,7 @@ TEST(TileCode, AGraphThatAMachineCouldNotPlayIsRefused) {
     change(tile);
     return complaint(tile, tiny_scope());
   };
+  EXPECT_EQ(complaint(TileWork(), tiny_scope()), "number of nodes is out of range");
   EXPECT_EQ(changed([](TileWork& t) { t.nodes[1].items = 0; }), "items of a node is out of range");
   EXPECT_EQ(changed([](TileWork& t) { t.nodes[6].inputs[0].node = 6; }), "input of a node is out of range");
   EXPECT_EQ(changed([](TileWork& t) { t.nodes[1].items = 2; }), "input of a node is out of range");
@@ -151,6 +152,9 @@ TEST(TileCode, RaysWhoseHitsNobodyReadsAreRefused) {
   TileWork tile = tiny_tile();
   tile.nodes[5].inputs = {{2, Edge::Kind::kAll}};
   EXPECT_EQ(complaint(tile, tiny_scope()), "no node reads the hits of node 4");
+  tile.nodes[5].items = tile.nodes[4].items - 1;
+  tile.nodes[5].inputs = {{4, Edge::Kind::kEach}};
+  EXPECT_EQ(complaint(tile, tiny_scope()), "no node reads all hits of node 4");
 }
 
 TEST(TileCode, WordsThatTheBitsDoNotMakeTakeNoRoom) {

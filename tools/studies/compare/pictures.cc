@@ -30,14 +30,9 @@ traces::Texture read_png(const std::filesystem::path& file) {
   return traces::read_image(std::as_bytes(std::span(bytes.data(), bytes.size())), file.string());
 }
 
-/// The picture of a report: beside it, and named after it where it is that of a reference.
-std::filesystem::path picture_of(const std::filesystem::path& report, const char* type) {
-  const bool is_reference = report.filename() == "reference.json";
-  return report.parent_path() / fmt::format("{}.{}", is_reference ? "reference" : "image", type);
-}
-
 bool have(const std::filesystem::path& a, const std::filesystem::path& b, const char* type) {
-  return std::filesystem::is_regular_file(picture_of(a, type)) && std::filesystem::is_regular_file(picture_of(b, type));
+  return std::filesystem::is_regular_file(picture_beside(a, type)) &&
+         std::filesystem::is_regular_file(picture_beside(b, type));
 }
 
 template <class Image>
@@ -52,11 +47,11 @@ bool same_size(const Image& a, const Image& b, Comparison& out) {
 void compare_pictures(const std::filesystem::path& a, const std::filesystem::path& b, Comparison& out) {
   try {
     if (have(a, b, "exr")) {
-      const traces::FloatImage of_a = traces::read_exr(picture_of(a, "exr")),
-                               of_b = traces::read_exr(picture_of(b, "exr"));
+      const traces::FloatImage of_a = traces::read_exr(picture_beside(a, "exr")),
+                               of_b = traces::read_exr(picture_beside(b, "exr"));
       if (same_size(of_a, of_b, out)) out.squared_error = mean_squared_error(of_a.rgb, of_b.rgb);
     } else if (have(a, b, "png")) {
-      const traces::Texture of_a = read_png(picture_of(a, "png")), of_b = read_png(picture_of(b, "png"));
+      const traces::Texture of_a = read_png(picture_beside(a, "png")), of_b = read_png(picture_beside(b, "png"));
       if (same_size(of_a, of_b, out)) out.squared_error = squared_error(of_a, of_b);
     } else {
       out.no_picture = "not both have one";

@@ -4,10 +4,13 @@
 #include <limits>
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
+#include "sim/error.h"
 #include "sim/sha256.h"
 #include "tests/tools/studies/sweep/small_sweep.h"
 #include "tools/studies/sweep/store/durable.h"
+#include "tools/studies/sweep/store/lock.h"
 
 // Results by what they were made of: whole, or not there.
 
@@ -86,6 +89,30 @@ TEST_F(SweepStore, LocksAPointForOneAtATime) {
   EXPECT_FALSE(store.is_locked(id));
   EXPECT_TRUE(store.lock(id));
   EXPECT_TRUE(names_in(store.root() / "locks").empty()) << "nothing stays";
+}
+
+TEST_F(SweepStore, ALockTakesNoFileOfSomebodyElse) {
+  const fs::path precious = folder.path() / "precious", name = folder.path() / "lock";
+  const auto refuses = [&] {
+    EXPECT_THROW(tools::sweep::Lock::attempt(name, "host 1\n"), sim::InputError);
+    EXPECT_EQ(tools::sweep::Lock::holder(name), std::nullopt);
+    EXPECT_TRUE(fs::exists(fs::symlink_status(name)));
+    fs::remove(name);
+  };
+  std::ofstream(precious) << "three years";
+  fs::create_symlink(precious, name);
+  refuses();
+  EXPECT_EQ(read_bytes(precious), "three years");
+  fs::create_symlink(folder.path() / "absent", name);
+  refuses();
+  for (const char* text : {"three years", "4 years\n1", "host 1", "host 1a\n"}) {
+    std::ofstream(name) << text;
+    refuses();
+  }
+  ASSERT_EQ(::mkfifo(name.c_str(), 0600), 0);
+  refuses();
+  std::ofstream(name) << "host 1\n";
+  EXPECT_TRUE(tools::sweep::Lock::attempt(name, "host 2\n")) << "a killed one has left it";
 }
 
 TEST_F(SweepStore, WhatAKilledProcessHasLeftIsRemovedAndWhatALivingOneHasIsNot) {

@@ -24,6 +24,8 @@ TileTable loaded_or_told(const std::filesystem::path& file) {
 TileFrame first_frame(const ReportFile& report, const std::string& name) {
   const std::filesystem::path folder = report.file.parent_path();
   std::error_code ignored;
+  if (report.is_reference())
+    throw sim::InputError(fmt::format("{} is a reference, of which no {} is kept", name, kTilesFile));
   if (!std::filesystem::is_regular_file(folder / kTilesFile, ignored))
     throw sim::InputError(fmt::format("{} has no {}", name, kTilesFile));
   TileTable table = loaded_or_told(folder / kTilesFile);

@@ -143,8 +143,12 @@ Overlays overlays_of(const Run& run) {
       tell("warning: {}; the page lacks its overlays", error.what());
     }
   };
-  add(kTilesFile, add_tiles);
-  add(kPixelsFile, add_pixels);
+  if (run.report.is_reference()) {
+    out.missing = "Of a reference nothing is kept of tiles and pixels.";
+  } else {
+    add(kTilesFile, add_tiles);
+    add(kPixelsFile, add_pixels);
+  }
   add_samples(run, out);
   return out;
 }

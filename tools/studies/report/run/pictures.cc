@@ -99,14 +99,15 @@ DebugPictures debug_pictures(const Run& run) {
 
 void add_pictures(const Run& run, View& view) {
   Section section("picture", "The picture");
-  const fs::path file = run.folder / "image.png";
+  const fs::path file = picture_beside(run.report.file, "png");
   std::optional<std::string> picture = page_picture(file, kAnyLength);
   Overlays overlays = overlays_of(run);
   if (!picture) {
-    section.text("There is no image.png beside the report, so there is no picture here. " + overlays.missing);
+    section.text(fmt::format("There is no {} beside the report, so there is no picture here. {}",
+                             file.filename().string(), overlays.missing));
     return view.add(section);
   }
-  DebugPictures debug = debug_pictures(run);
+  DebugPictures debug = run.report.is_reference() ? DebugPictures() : debug_pictures(run);
   std::string note = overlays.missing;
   if (debug.left_out > 0)
     note += fmt::format(" Too large for the page: {}.", counted(static_cast<double>(debug.left_out), "debug picture"));

@@ -22,20 +22,21 @@ struct Peak {
   std::string words;
   std::string unit;                  ///< kind of unit
   std::vector<const char*> at_peak;  ///< reasons
-  std::string work;                  ///< counter of what passes, once or so in each such cycle
+  std::vector<const char*> work;     ///< counters of what passes then
   const char* each;                  ///< what it counts
 };
 
 std::vector<Peak> peaks() {
-  return {{"Traversal units: box pipes", std::string(hw::Trv::kName), {"visiting"}, "visits", "nodes"},
-          {"Intersection units: triangle pipes", std::string(hw::Ist::kName), {"testing"}, "tests", "triangles"},
-          {"Ray dispatchers", std::string(hw::RayDispatcher::kName), {"dispatching"}, "rays_in", "rays"},
-          {"Shader cores: arrays", std::string(hw::Srp::kName), {"running"}, "items", "items"},
-          {"Core ports to the L2", std::string(hw::CorePort::kCachePort), {"line"}, "lines_down", "lines"},
-          {"Core ports of the DMA", std::string(hw::CorePort::kDmaPort), {"line"}, "lines_up", "lines"},
-          {"DMA", std::string(hw::Dma::kName), {"moving"}, "lines_written", "lines"},
-          {"L2 banks", std::string(hw::L2Bank::kName), {"serving"}, "reads", "look-ups"},
-          {"DRAM data buses", std::string(hw::DramChannel::kName), {"reading", "writing"}, "bytes", "B"}};
+  return {
+      {"Traversal units: box pipes", std::string(hw::Trv::kName), {"visiting"}, {"visits"}, "nodes"},
+      {"Intersection units: triangle pipes", std::string(hw::Ist::kName), {"testing"}, {"tests"}, "triangles"},
+      {"Ray dispatchers", std::string(hw::RayDispatcher::kName), {"dispatching"}, {"rays_in"}, "rays"},
+      {"Shader cores: arrays", std::string(hw::Srp::kName), {"running"}, {"items"}, "items"},
+      {"Core ports to the L2", std::string(hw::CorePort::kCachePort), {"line"}, {"lines_down", "lines_up"}, "lines"},
+      {"Core ports of the DMA", std::string(hw::CorePort::kDmaPort), {"line"}, {"lines_down", "lines_up"}, "lines"},
+      {"DMA", std::string(hw::Dma::kName), {"moving"}, {"lines_written", "lines_read"}, "lines"},
+      {"L2 banks", std::string(hw::L2Bank::kName), {"serving"}, {"reads", "writes"}, "look-ups"},
+      {"DRAM data buses", std::string(hw::DramChannel::kName), {"reading", "writing"}, {"bytes"}, "B"}};
 }
 
 }  // namespace
@@ -54,16 +55,18 @@ void add_units(const Run& run, View& view) {
     const std::string path = fmt::format("units.{}.", peak.unit);
     const double elapsed = run.report.number(path + "elapsed");
     if (elapsed == 0) continue;
-    double cycles = 0;
-    for (const char* reason : peak.at_peak) cycles += run.report.number(path + "why." + reason);
-    const double share = cycles / elapsed;
-    const double work = run.report.number(path + "counters." + peak.work), seconds = run.seconds();
-    const double rate = seconds > 0 ? work / seconds : 0;
+    const auto sum = [&](const char* of, const std::vector<const char*>& names) {
+      double all = 0;
+      for (const char* name : names) all += run.report.number(path + of + name);
+      return all;
+    };
+    const double share = sum("why.", peak.at_peak) / elapsed, seconds = run.seconds();
+    const double rate = seconds > 0 ? sum("counters.", peak.work) / seconds : 0;
     const bool is_bytes = std::string_view(peak.each) == "B";
     std::string label = percent_text(share);
     if (rate > 0 && share > 0) {
       const std::string unit = is_bytes ? "B/s" : "", each = is_bytes ? "" : fmt::format(" {}/s", peak.each);
-      label += fmt::format(", {} of {}{}", si_text(rate, unit), si_text(rate / share, unit), each);
+      label += fmt::format(", {}{}, {} when busy", si_text(rate, unit), each, si_text(rate / share, unit));
     }
     data.row({peak.words, share, rate, peak.each, run.report.number(path + "units"), label});
   }

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cerrno>
+#include <string_view>
 #include <system_error>
 
 #include <fcntl.h>
@@ -15,6 +16,8 @@
 namespace tools::sweep {
 namespace {
 
+constexpr std::size_t kMostNote = 512;
+
 [[noreturn]] void give_up_locking(const std::filesystem::path& path, int error) {
   throw sim::IoError(
       fmt::format("{}: cannot be locked: {}", sim::printable(path.string()), std::generic_category().message(error)));
@@ -25,6 +28,19 @@ struct flock whole_file(short type) {
   range.l_type = type;
   range.l_whence = SEEK_SET;
   return range;
+}
+
+/// A lock's file is empty or holds a note, "host PID" and the end of a line. Anything else is somebody's.
+bool is_ours(int file) {
+  struct stat open {};
+  if (::fstat(file, &open) != 0 || !S_ISREG(open.st_mode) || open.st_size > static_cast<off_t>(kMostNote)) return false;
+  std::array<char, kMostNote> text{};
+  const ssize_t size = ::pread(file, text.data(), text.size(), 0);
+  if (size <= 0) return size == 0;
+  const std::string_view note(text.data(), static_cast<std::size_t>(size));
+  const std::size_t space = note.rfind(' ');
+  return space != std::string_view::npos && note.find_first_not_of("0123456789", space + 1) == note.size() - 1 &&
+         note.ends_with('\n');
 }
 
 /// Is this open file still the one of that name? Whoever lets go of a lock removes its file.
@@ -39,8 +55,13 @@ bool is_still_there(int file, const std::filesystem::path& path) {
 
 std::optional<Lock> Lock::attempt(const std::filesystem::path& path, const std::string& note) {
   for (;;) {
-    const int file = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-    if (file < 0) give_up_locking(path, errno);
+    const int file = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
+    if (file < 0 && errno != ELOOP) give_up_locking(path, errno);
+    if (file < 0 || !is_ours(file)) {
+      if (file >= 0) ::close(file);
+      throw sim::InputError(sim::printable(path.string()) +
+                            ": is somebody's file, not a lock of ours; allowed: another folder");
+    }
     struct flock range = whole_file(F_WRLCK);
     if (::fcntl(file, F_OFD_SETLK, &range) != 0) {
       const int error = errno;
@@ -63,12 +84,12 @@ std::optional<Lock> Lock::attempt(const std::filesystem::path& path, const std::
 }
 
 std::optional<std::string> Lock::holder(const std::filesystem::path& path) {
-  const int file = ::open(path.c_str(), O_RDWR | O_CLOEXEC);
+  const int file = ::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
   if (file < 0) return std::nullopt;
   struct flock range = whole_file(F_WRLCK);
   std::optional<std::string> note;
   if (::fcntl(file, F_OFD_GETLK, &range) == 0 && range.l_type != F_UNLCK) {
-    std::array<char, 256> text{};
+    std::array<char, kMostNote> text{};
     const ssize_t size = ::pread(file, text.data(), text.size(), 0);
     note.emplace(text.data(), static_cast<std::size_t>(size < 0 ? 0 : size));
   }

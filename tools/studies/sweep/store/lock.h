@@ -11,7 +11,7 @@ namespace tools::sweep {
 class Lock {
  public:
   /// Nothing if somebody else holds it. `note` is written into the file for whoever asks. IoError if there can be no
-  /// lock.
+  /// lock, InputError if something of somebody else's has the name: a link, a pipe, a file with other contents.
   static std::optional<Lock> attempt(const std::filesystem::path& path, const std::string& note = {});
   /// The note of whoever holds it now; nothing if nobody does.
   static std::optional<std::string> holder(const std::filesystem::path& path);
