@@ -61,14 +61,23 @@ std::error_code Staging::make() {
   return error ? error : std::make_error_code(std::errc::file_exists);
 }
 
+/// ".out.PID.NUMBER.raywatt-tmp"
+bool Staging::is_left(std::string_view name) const {
+  if (!name.ends_with(kEnd)) return false;
+  name.remove_suffix(kEnd.size());
+  for (int numbers = 0; numbers < 2; ++numbers) {
+    const std::size_t digits = name.find_last_not_of("0123456789") + 1;
+    if (digits < 2 || digits == name.size() || name[digits - 1] != '.') return false;
+    name = name.substr(0, digits - 1);
+  }
+  return left_ == Left::kOfAnyName ? name.starts_with('.') : std::string(name) + "." == begin();
+}
+
 void Staging::remove_left() const {
   std::error_code failed, ignored;
   fs::directory_iterator entry(target_.parent_path(), failed);
   for (; !failed && entry != fs::directory_iterator(); entry.increment(failed)) {
-    const std::string name = entry->path().filename().string();
-    if (!name.starts_with(begin()) || !name.ends_with(kEnd)) continue;
-    const std::string_view number = std::string_view(name).substr(begin().size(), name.size() - begin().size());
-    if (number.find_first_not_of("0123456789.") != number.size() - kEnd.size() + 1) continue;
+    if (!is_left(entry->path().filename().string())) continue;
     FolderLock lock;
     if (lock.take(entry->path())) fs::remove_all(entry->path(), ignored);
   }

@@ -1,7 +1,10 @@
 #pragma once
+#include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 namespace tools {
@@ -27,7 +30,10 @@ class FolderLock {
 /// so is what a killed run has left of its own: nobody has the lock of that.
 class Staging {
  public:
-  explicit Staging(std::filesystem::path target) : target_(std::move(target)) {}
+  enum class Left : std::uint8_t { kOfItsName, kOfAnyName };
+  /// `left`: what killed runs have left is removed only if it was to become `target`, or whatever its name.
+  explicit Staging(std::filesystem::path target, Left left = Left::kOfItsName)
+      : target_(std::move(target)), left_(left) {}
   ~Staging();
   Staging(const Staging&) = delete;
   Staging& operator=(const Staging&) = delete;
@@ -38,9 +44,11 @@ class Staging {
 
  private:
   std::string begin() const { return "." + target_.filename().string() + "."; }
+  bool is_left(std::string_view name) const;
   void remove_left() const;
 
   const std::filesystem::path target_;
+  const Left left_;
   std::filesystem::path folder_;
   FolderLock lock_;
   std::vector<std::filesystem::path> made_;  ///< innermost first

@@ -64,6 +64,15 @@ TileFrame frame_of(const Json& json, const Json& units, const std::string& file)
   return frame;
 }
 
+/// InputError, with the file's name, for what is nested too deeply.
+Json parsed(const std::string& bytes, const std::string& name) {
+  try {
+    return sim::parse_json<Json>(bytes);
+  } catch (const sim::InputError& error) {
+    throw sim::InputError(fmt::format("{}: {}", name, error.what()));
+  }
+}
+
 }  // namespace
 
 const TileColumn* TileFrame::find(std::string_view name) const {
@@ -100,7 +109,7 @@ TileTable load_tiles(const std::filesystem::path& file_or_folder) {
   const std::string name = sim::printable(file.string());
   TileTable table;
   try {
-    const Json json = sim::parse_json<Json>(sim::read_file(file, kLargestFile));
+    const Json json = parsed(sim::read_file(file, kLargestFile), name);
     const std::string schema = json.at("schema").get<std::string>();
     if (schema != kSchema) {
       throw sim::InputError(fmt::format("{}: schema '{}'; allowed: '{}'", name, sim::printable(schema), kSchema));

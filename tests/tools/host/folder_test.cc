@@ -66,6 +66,19 @@ TEST(Folder, KilledRunsLeaveIsRemovedByTheNextRun) {
   EXPECT_EQ(names_in(folder.path()), (Words{".other.1.0.raywatt-tmp", ".out.notes.raywatt-tmp", "out"}));
 }
 
+TEST(Folder, OfADateRemovesWhatKilledRunsOfOtherDatesHaveLeft) {
+  const TempFolder folder;
+  const fs::path all = folder.path() / "raywatt-out";
+  const Words others = {".2026-01-02.notes.raywatt-tmp", ".raywatt-tmp", "2026-01-01.1.0.raywatt-tmp"};
+  fs::create_directories(all / ".2026-01-01_12-00-00.123.0.raywatt-tmp");
+  for (const std::string& name : others) fs::create_directory(all / name);
+  Words words = small_run({});
+  words.erase(std::ranges::find(words, "-o"), std::ranges::find(words, "-o") + 2);
+  EXPECT_EQ(raywatt(words, {.folder = folder.path()}).exit, 0);
+  EXPECT_EQ(names_in(all).size(), others.size() + 1);
+  for (const std::string& name : others) EXPECT_TRUE(fs::exists(all / name)) << name;
+}
+
 TEST(Folder, NamesThatAreNoUtf8KeepTheirBytes) {
   const TempFolder folder;
   const fs::path out = folder.path() / "o\xff";

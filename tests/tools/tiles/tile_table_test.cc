@@ -45,7 +45,7 @@ TEST(TileTable, RefusesOtherFilesByName) {
   const std::string good = tiles_text(some_table());
   EXPECT_EQ(complaint(good), "");
   for (const std::string& bad :
-       {std::string("{"), std::string("[]"), std::string(R"({"schema": "raywatt-tiles/2"})"),
+       {std::string("{"), std::string("[]"), std::string(10000, '['), std::string(R"({"schema": "raywatt-tiles/2"})"),
         std::string(R"({"schema": "raywatt-tiles/1", "units": {}, "frames": [{"frame": 0}]})")}) {
     EXPECT_NE(complaint(bad).find("tiles.json: "), std::string::npos) << bad;
   }

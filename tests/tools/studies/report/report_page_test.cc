@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/tools/program.h"
+#include "tools/studies/report/page/page_file.h"
 
 // The data of pages and what `raywatt report` refuses; tests/page looks at pages in a browser.
 
@@ -171,6 +172,16 @@ TEST_F(Pages, OfTwoRunsSayWhyTilesAreNotCompared) {
               "base has tiles of 32 pixels, other of 16");
   folder->write("other/tiles.json", "{\"schema\": 3}");
   EXPECT_SAYS(block_of(view_of({"base", "other"}), "pictures")["note"].get<std::string>(), "is no tiles.json");
+}
+
+TEST_F(Pages, OfAReferenceShowItsPictureAndNothingOfTheRunsTiles) {
+  ASSERT_EQ(in_folder({"run", "--resolution", "32x16", "--reference", "full:4", "-o", "with"}).exit, 0);
+  const Json pair = block_of(view_of({"with/reference.json", "with"}), "pictures");
+  EXPECT_NE(pair["a"], pair["b"]);
+  EXPECT_SAYS(pair["note"].get<std::string>(), "is a reference");
+  const std::string alone = page_of({"with/reference.json"});
+  EXPECT_SAYS(alone, tools::pages::data_url("image/png", read_bytes(folder->path() / "with/reference.png")));
+  EXPECT_TRUE(block_of(model_of(alone)["views"][0], "picture")["grids"].empty());
 }
 
 TEST_F(Pages, OfDamagedFilesAreWrittenAndStandardErrorSaysWhatTheyLack) {
