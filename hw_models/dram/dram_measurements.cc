@@ -35,7 +35,7 @@ class Experiment {
   void send(Addr address, std::uint64_t cycle = 0, bool write = false) {
     requests_.push_back({address, write, cycle * config.timing.ck.time});
   }
-  /// Rules between keys that what was changed may break.
+  /// Whether the rules between keys hold after what was changed.
   bool is_possible() const {
     bool good = true;
     config.check([&good](auto&&...) { good = false; });

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <ctime>
-#include <numeric>
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -156,9 +155,7 @@ Json host_json(const Report& report) {
   const FrontEnd::Result& function = totals.run.function;
   const std::optional<SlicedFrame>& sliced = totals.run.sliced;
   const bool is_cut = sliced && sliced->slices > 1;
-  const double timing = is_cut
-                            ? std::accumulate(sliced->seconds.begin(), sliced->seconds.end(), -function.caller_seconds)
-                            : totals.run.wall_seconds - function.waited;
+  const double timing = is_cut ? sliced->timing_seconds : totals.run.wall_seconds - function.waited;
   const double reference = totals.reference != nullptr ? totals.reference->wall_seconds : 0;
   const double replicates =
       totals.run.replicate_seconds + (totals.reference != nullptr ? totals.reference->replicate_seconds : 0);

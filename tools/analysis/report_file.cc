@@ -43,9 +43,8 @@ double ReportFile::number(const std::string& path) const {
   return found == numbers.end() ? 0 : found->second;
 }
 
-std::filesystem::path picture_beside(const std::filesystem::path& report, const char* type) {
-  const bool is_reference = report.filename() == kReferenceReport;
-  return report.parent_path() / fmt::format("{}.{}", is_reference ? "reference" : "image", type);
+std::filesystem::path ReportFile::picture(const char* type) const {
+  return file.parent_path() / fmt::format("{}.{}", is_reference() ? "reference" : "image", type);
 }
 
 std::string ReportFile::text(const std::string& group, const std::string& key) const {

@@ -26,10 +26,9 @@ struct ReportFile {
   std::string text(const std::string& group, const std::string& key) const;
   /// It is that of what a run was compared with: tables of tiles and pixels in its folder are the run's.
   bool is_reference() const { return file.filename() == kReferenceReport; }
+  /// The picture beside it, which is named after it where it is that of a reference. `type`: "png" or "exr".
+  std::filesystem::path picture(const char* type) const;
 };
-
-/// The picture beside a report, which is named after it where it is that of a reference. `type`: "png" or "exr".
-std::filesystem::path picture_beside(const std::filesystem::path& report, const char* type);
 
 /// Reads the report of a run: the file itself, or the folder of a run. InputError if there is none, if it is not JSON,
 /// or if its schema is another than raywatt-report/1.

@@ -30,7 +30,6 @@ class SharedFrame {
     const std::lock_guard lock(mutex_);
     function_.seconds += function.seconds;
     function_.waited += function.waited;
-    function_.caller_seconds += function.caller_seconds;
   }
   /// When all are through.
   FrontEnd::Result take_function() {

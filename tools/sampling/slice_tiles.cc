@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "sim/host_clock.h"
+
 namespace tools {
 
 SliceTiles::SliceTiles(hw::TileSource& source, const Slice& slice, std::uint32_t probe, bool is_last)
@@ -11,10 +13,17 @@ SliceTiles::SliceTiles(hw::TileSource& source, const Slice& slice, std::uint32_t
 }
 
 const traces::TileWork* SliceTiles::next() {
-  for (; next_ < slice_.lead_begin(); ++next_) for_warming_.push_back(source_.next());
+  for (; next_ < slice_.lead_begin(); ++next_) for_warming_.push_back(take());
   if (next_ > slice_.end) return nullptr;
   next_ += 1;
-  return source_.next();
+  return take();
+}
+
+const traces::TileWork* SliceTiles::take() {
+  const double begin = sim::thread_seconds();
+  const traces::TileWork* work = source_.next();
+  making_seconds_ += sim::thread_seconds() - begin;
+  return work;
 }
 
 void SliceTiles::dispatched(sim::Time now) {

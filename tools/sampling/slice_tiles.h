@@ -28,10 +28,14 @@ class SliceTiles final : public hw::TileSource {
   void give_back(const traces::TileWork* work) override { source_.give_back(work); }
   void dispatched(sim::Time now) override;
 
+  /// Host: processor time that making tiles took of the machine's thread.
+  double making_seconds() const { return making_seconds_; }
+
   /// The mark at a border of the slice, or as many tiles before it as the probe has.
   const Mark& at(std::uint32_t tile) const;
 
  private:
+  const traces::TileWork* take();
   void warm();
 
   hw::TileSource& source_;
@@ -41,6 +45,7 @@ class SliceTiles final : public hw::TileSource {
   std::vector<std::uint32_t> to_mark_;  ///< tiles at whose dispatch counters are taken
   std::vector<const traces::TileWork*> for_warming_;
   std::vector<Mark> marks_;
+  double making_seconds_ = 0;
 };
 
 }  // namespace tools

@@ -96,8 +96,8 @@ struct Probe {
 /// Results of one slice.
 struct PlayedSlice {
   std::optional<Stretch> own;
-  Probe before, after;  ///< those of the last tiles of its lead and of its own, if there is a border
-  double seconds = 0;   ///< host: of its thread
+  Probe before, after;                     ///< those of the last tiles of its lead and of its own, if there is a border
+  double seconds = 0, timing_seconds = 0;  ///< host: of its thread, and without making tiles
 };
 
 /// Plays the slices of a frame, as many at once as there are threads. More threads render ahead of them.
@@ -152,6 +152,7 @@ class SlicePlays {
     if (!is_last) played.after = probe(tiles, slice.end);
     frame_.add_times(front_end.result());
     played.seconds = sim::thread_seconds() - begin;
+    played.timing_seconds = played.seconds - tiles.making_seconds();
   }
   Probe probe(const SliceTiles& tiles, std::uint32_t border) const {
     Stretch stretch(tiles.at(border));
@@ -182,7 +183,10 @@ void take(std::vector<PlayedSlice> played, std::uint32_t probe, const RunConfig&
     add_error(time, played[i].before.time, played[i - 1].after.time);
     add_error(energy, played[i].before.energy_pj, played[i - 1].after.energy_pj);
   }
-  for (const PlayedSlice& slice : played) sliced.seconds.push_back(slice.seconds);
+  for (const PlayedSlice& slice : played) {
+    sliced.seconds.push_back(slice.seconds);
+    sliced.timing_seconds += slice.timing_seconds;
+  }
   if (played.size() > 1) scale(all, undone(s.function, Work(all.units)));
   const sim::Clock clock = config.gpu.clocks.tni.clock();
   s.elapsed = clock.edge_at_or_after(all.time);
@@ -283,6 +287,7 @@ void SlicedFrame::add(const SlicedFrame& other) {
   cycles.add(other.cycles);
   energy_pj.add(other.energy_pj);
   for (std::size_t i = 0; i < seconds.size(); ++i) seconds[i] += other.seconds[i];
+  timing_seconds += other.timing_seconds;
 }
 
 }  // namespace tools

@@ -102,9 +102,7 @@ void FrontEnd::run_ahead() {
 
 const traces::TileWork* FrontEnd::next() {
   const sim::HostClock::time_point begin = sim::HostClock::now();
-  const double worked = sim::thread_seconds();
   const traces::TileWork* work = take();
-  result_.caller_seconds += sim::thread_seconds() - worked;
   result_.waited += sim::seconds_since(begin);
   return work;
 }
@@ -182,7 +180,6 @@ void FrontEnd::Result::add(const Result& other) {
   traversal_steps += other.traversal_steps;
   seconds += other.seconds;
   waited += other.waited;
-  caller_seconds += other.caller_seconds;
 }
 
 }  // namespace tools

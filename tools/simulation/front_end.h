@@ -29,9 +29,8 @@ class FrontEnd final : public hw::TileSource {
     std::uint64_t rays[static_cast<std::size_t>(traces::RayKind::kCount)] = {};
     std::uint64_t continued = 0;  ///< rays that went on behind what was no solid surface
     std::uint64_t traversal_steps = 0;
-    double seconds = 0;         ///< host time of the functional half, summed over its threads
-    double waited = 0;          ///< time of that for which the caller of next() stood still
-    double caller_seconds = 0;  ///< processor time that the caller spent on it meanwhile
+    double seconds = 0;  ///< host time of the functional half, summed over its threads
+    double waited = 0;   ///< time of that for which the caller of next() stood still
     std::uint64_t all_rays() const;
     /// Adds another frame's figures; the picture, and what is per tile, stay.
     void add(const Result& other);

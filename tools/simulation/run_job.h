@@ -86,6 +86,7 @@ struct SlicedFrame {
   std::uint64_t tiles = 0, again = 0, warmed = 0;  ///< all; those that fill a machine, or warm its caches
   Interval cycles, energy_pj;
   std::vector<double> seconds;  ///< host: processor time of each slice's thread
+  double timing_seconds = 0;    ///< host: of all of them, without making tiles
   void add(const SlicedFrame& other);
 };
 

@@ -229,7 +229,7 @@ Comparison compare(const ReportFile& a, const ReportFile& b) {
   out.counters = counters(a, b);
   out.ratios = ratios(a, b);
   compare_energy(a, b, out);
-  compare_pictures(a.file, b.file, out);
+  compare_pictures(a, b, out);
   return out;
 }
 

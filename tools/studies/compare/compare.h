@@ -84,7 +84,7 @@ std::vector<std::string> comparison_warnings(const std::vector<ReportFile>& repo
 
 /// Compares the first frame's pictures beside two reports, linear floats if both have them and else 8 bits, and writes
 /// down the mean squared difference of their sRGB values, or why there is none.
-void compare_pictures(const std::filesystem::path& a, const std::filesystem::path& b, Comparison& out);
+void compare_pictures(const ReportFile& a, const ReportFile& b, Comparison& out);
 
 /// Prices both runs under all tables, and writes down how their energies compare, or why they cannot be priced.
 void compare_energy(const ReportFile& a, const ReportFile& b, Comparison& out);

@@ -30,9 +30,8 @@ traces::Texture read_png(const std::filesystem::path& file) {
   return traces::read_image(std::as_bytes(std::span(bytes.data(), bytes.size())), file.string());
 }
 
-bool have(const std::filesystem::path& a, const std::filesystem::path& b, const char* type) {
-  return std::filesystem::is_regular_file(picture_beside(a, type)) &&
-         std::filesystem::is_regular_file(picture_beside(b, type));
+bool have(const ReportFile& a, const ReportFile& b, const char* type) {
+  return std::filesystem::is_regular_file(a.picture(type)) && std::filesystem::is_regular_file(b.picture(type));
 }
 
 template <class Image>
@@ -44,14 +43,13 @@ bool same_size(const Image& a, const Image& b, Comparison& out) {
 
 }  // namespace
 
-void compare_pictures(const std::filesystem::path& a, const std::filesystem::path& b, Comparison& out) {
+void compare_pictures(const ReportFile& a, const ReportFile& b, Comparison& out) {
   try {
     if (have(a, b, "exr")) {
-      const traces::FloatImage of_a = traces::read_exr(picture_beside(a, "exr")),
-                               of_b = traces::read_exr(picture_beside(b, "exr"));
+      const traces::FloatImage of_a = traces::read_exr(a.picture("exr")), of_b = traces::read_exr(b.picture("exr"));
       if (same_size(of_a, of_b, out)) out.squared_error = mean_squared_error(of_a.rgb, of_b.rgb);
     } else if (have(a, b, "png")) {
-      const traces::Texture of_a = read_png(picture_beside(a, "png")), of_b = read_png(picture_beside(b, "png"));
+      const traces::Texture of_a = read_png(a.picture("png")), of_b = read_png(b.picture("png"));
       if (same_size(of_a, of_b, out)) out.squared_error = squared_error(of_a, of_b);
     } else {
       out.no_picture = "not both have one";

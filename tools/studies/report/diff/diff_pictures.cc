@@ -22,7 +22,7 @@ struct Picture {
 };
 
 Picture read(const ReportFile& report) {
-  const std::filesystem::path file = picture_beside(report.file, "png");
+  const std::filesystem::path file = report.picture("png");
   const std::string bytes = sim::read_file(file, kLargestPicture);
   return {traces::read_image(std::as_bytes(std::span(bytes.data(), bytes.size())), file.string()),
           data_url("image/png", bytes)};

@@ -99,7 +99,7 @@ DebugPictures debug_pictures(const Run& run) {
 
 void add_pictures(const Run& run, View& view) {
   Section section("picture", "The picture");
-  const fs::path file = picture_beside(run.report.file, "png");
+  const fs::path file = run.report.picture("png");
   std::optional<std::string> picture = page_picture(file, kAnyLength);
   Overlays overlays = overlays_of(run);
   if (!picture) {

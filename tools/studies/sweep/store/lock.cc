@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cerrno>
-#include <string_view>
 #include <system_error>
 
 #include <fcntl.h>
@@ -30,17 +29,22 @@ struct flock whole_file(short type) {
   return range;
 }
 
+/// Contents of a lock's file, as far as a note may be long.
+std::string note_of(int file) {
+  std::array<char, kMostNote> text{};
+  const ssize_t size = ::pread(file, text.data(), text.size(), 0);
+  return {text.data(), static_cast<std::size_t>(size < 0 ? 0 : size)};
+}
+
 /// A lock's file is empty or holds a note, "host PID" and the end of a line. Anything else is somebody's.
 bool is_ours(int file) {
   struct stat open {};
   if (::fstat(file, &open) != 0 || !S_ISREG(open.st_mode) || open.st_size > static_cast<off_t>(kMostNote)) return false;
-  std::array<char, kMostNote> text{};
-  const ssize_t size = ::pread(file, text.data(), text.size(), 0);
-  if (size <= 0) return size == 0;
-  const std::string_view note(text.data(), static_cast<std::size_t>(size));
+  const std::string note = note_of(file);
   const std::size_t space = note.rfind(' ');
-  return space != std::string_view::npos && note.find_first_not_of("0123456789", space + 1) == note.size() - 1 &&
-         note.ends_with('\n');
+  return open.st_size == 0 ||
+         (space != std::string::npos && note.find_first_not_of("0123456789", space + 1) == note.size() - 1 &&
+          note.ends_with('\n'));
 }
 
 /// Is this open file still the one of that name? Whoever lets go of a lock removes its file.
@@ -88,11 +92,7 @@ std::optional<std::string> Lock::holder(const std::filesystem::path& path) {
   if (file < 0) return std::nullopt;
   struct flock range = whole_file(F_WRLCK);
   std::optional<std::string> note;
-  if (::fcntl(file, F_OFD_GETLK, &range) == 0 && range.l_type != F_UNLCK) {
-    std::array<char, kMostNote> text{};
-    const ssize_t size = ::pread(file, text.data(), text.size(), 0);
-    note.emplace(text.data(), static_cast<std::size_t>(size < 0 ? 0 : size));
-  }
+  if (::fcntl(file, F_OFD_GETLK, &range) == 0 && range.l_type != F_UNLCK) note = note_of(file);
   ::close(file);
   return note;
 }
