@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <memory>
 #include <numeric>
 #include <optional>
@@ -89,8 +90,10 @@ class Placer {
   }
 
   std::uint32_t& slot(std::uint32_t op, std::uint32_t unit, std::int64_t cycle) {
-    const Pool pool = pool_of(graph_.operations()[op].kind);
-    return table_[static_cast<std::size_t>(pool)][std::size_t{unit} * ii_ + row_of(cycle)];
+    return table(op)[std::size_t{unit} * ii_ + row_of(cycle)];
+  }
+  std::vector<std::uint32_t>& table(std::uint32_t op) {
+    return table_[static_cast<std::size_t>(pool_of(graph_.operations()[op].kind))];
   }
   std::uint32_t row_of(std::int64_t cycle) const { return static_cast<std::uint32_t>(cycle % ii_); }
 
@@ -101,11 +104,12 @@ class Placer {
   /// At the first start at which a unit is free; of several units the one that can do least.
   void place(std::uint32_t op) {
     const std::int64_t earliest = earliest_start(op);
-    const std::uint32_t units = capable_units(graph_.operations()[op].kind, config_.array);
+    const Operation& operation = graph_.operations()[op];
+    const std::uint32_t units = capable_units(operation.kind, config_.array), row = row_of(earliest);
+    const std::vector<Bits>& rows = busy(op);
     std::uint32_t wait = ii_, best = 0;
     for (std::uint32_t unit = units; unit-- > 0 && wait > 0;) {
-      const std::uint32_t here =
-          rows_until_gap(busy(op)[unit], row_of(earliest), graph_.operations()[op].occupancy, wait);
+      const std::uint32_t here = rows_until_gap(rows[unit], row, operation.occupancy, wait);
       if (here < wait) best = unit;
       wait = here;
     }
@@ -126,16 +130,21 @@ class Placer {
            std::int64_t{d.distance} * ii_;
   }
 
+  /// Each unit is looked at until it is known to be more urgent than the best so far.
   std::uint32_t least_urgent_unit(std::uint32_t op, std::uint32_t units, std::int64_t start) {
+    const std::uint32_t occupancy = graph_.operations()[op].occupancy, first = row_of(start);
+    const std::vector<Bits>& rows = busy(op);
+    const std::uint32_t* slots = table(op).data() + std::size_t{units} * ii_;
     std::uint32_t best = units - 1;
-    std::optional<std::int64_t> least;
-    for (std::uint32_t unit = units; unit-- > 0;) {
+    std::int64_t least = std::numeric_limits<std::int64_t>::max();
+    for (std::uint32_t unit = units; unit-- > 0 && least > 0;) {
+      slots -= ii_;
       std::int64_t urgency = 0;
-      for (std::uint32_t c = 0; c < graph_.operations()[op].occupancy; ++c) {
-        const std::uint32_t other = slot(op, unit, start + c);
-        if (other != kNone) urgency = std::max(urgency, height_[other]);
+      for (std::uint32_t c = rows_until(rows[unit], first, true); c < occupancy && urgency < least;
+           c += 1 + rows_until(rows[unit], first + c + 1, true)) {
+        urgency = std::max(urgency, height_[slots[first + c < ii_ ? first + c : first + c - ii_]]);
       }
-      if (least && urgency >= *least) continue;
+      if (urgency >= least) continue;
       least = urgency;
       best = unit;
     }

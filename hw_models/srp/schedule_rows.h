@@ -15,8 +15,10 @@ class Bits {
   void set(std::uint32_t index, bool value) {
     const std::uint64_t bit = std::uint64_t{1} << index % 64;
     std::uint64_t& word = words_[index / 64];
+    set_ += (value ? 1U : 0U) - ((word & bit) != 0 ? 1U : 0U);
     word = value ? word | bit : word & ~bit;
   }
+  std::uint32_t count(bool value) const { return value ? set_ : size_ - set_; }
   /// The first index from `from` on, and below `end`, that has the value; `end` if none has.
   std::uint32_t first(std::uint32_t from, std::uint32_t end, bool value) const {
     const std::uint64_t flip = value ? 0 : ~std::uint64_t{0};
@@ -30,13 +32,15 @@ class Bits {
 
  private:
   std::uint32_t size_;
+  std::uint32_t set_ = 0;
   std::vector<std::uint64_t> words_;
 };
 
 /// Rows of the reservation table from `row`, which may lie up to twice round, to the first that is busy or free; a
 /// whole round if none is.
 inline std::uint32_t rows_until(const Bits& rows, std::uint32_t row, bool busy) {
-  const std::uint32_t first = row % rows.size();
+  std::uint32_t first = row;
+  while (first >= rows.size()) first -= rows.size();
   const std::uint32_t found = rows.first(first, rows.size(), busy);
   return found < rows.size() ? found - first : rows.size() - first + rows.first(0, first, busy);
 }
@@ -44,6 +48,7 @@ inline std::uint32_t rows_until(const Bits& rows, std::uint32_t row, bool busy) 
 /// Rows from `from` to the first of `length` free ones, which follow each other as if the table were a ring; `limit` if
 /// that is not less.
 inline std::uint32_t rows_until_gap(const Bits& rows, std::uint32_t from, std::uint32_t length, std::uint32_t limit) {
+  if (rows.count(false) < length) return limit;
   for (std::uint32_t at = 0; at < limit;) {
     at += rows_until(rows, from + at, false);
     const std::uint32_t gap = length == 1 ? 1 : rows_until(rows, from + at, true);

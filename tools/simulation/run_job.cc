@@ -9,6 +9,7 @@
 #include "shader_kernels/programs/programs.h"
 #include "sim/config/config.h"
 #include "sim/host_clock.h"
+#include "sim/io/printable.h"
 #include "tools/host/interrupt.h"
 #include "tools/simulation/kept_work.h"
 #include "tools/simulation/machine_run.h"

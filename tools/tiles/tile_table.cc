@@ -10,6 +10,7 @@
 #include "sim/error.h"
 #include "sim/io/file.h"
 #include "sim/io/json.h"
+#include "sim/io/json_number.h"
 #include "sim/io/printable.h"
 
 namespace tools {
@@ -46,7 +47,7 @@ Json sums(const TileFrame& frame, double TileColumn::*of) {
 
 TileFrame frame_of(const Json& json, const Json& units, const std::string& file) {
   TileFrame frame;
-  frame.frame = json.at("frame").get<std::uint32_t>();
+  frame.frame = sim::whole_number<std::uint32_t>(json.at("frame"), file + ": the number 'frame'");
   for (const auto& [name, values] : json.at("columns").items()) {
     TileColumn column{name, units.at(name).get<std::string>()};
     column.values = values.get<std::vector<double>>();

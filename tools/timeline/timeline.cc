@@ -57,9 +57,10 @@ class SliceWriter {
     if (slice.kind == Slice::Kind::kLoop) {
       const std::array<std::tuple<const char*, sim::Time, sim::Time>, 2> parts = {
           {{"switch", slice.begin, slice.configured}, {"banks", slice.configured, slice.start}}};
-      for (const auto& [name, begin, end] : parts) {
+      for (const auto& [part, begin, end] : parts) {
         if (nanoseconds(begin) == nanoseconds(end)) continue;
-        add(begin, [=](TracePackets& to, std::uint64_t time) { to.begin(time, track, name, "kernel", 0, {}); });
+        add(begin,
+            [=, name = part](TracePackets& to, std::uint64_t time) { to.begin(time, track, name, "kernel", 0, {}); });
         add(end, ends);
       }
     }

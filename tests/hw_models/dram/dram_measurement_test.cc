@@ -15,6 +15,7 @@ bool good(double measured, Holds holds) { return DramMeasurement{"", "ns", measu
 
 TEST(DramMeasurement, IsExactToABillionth) {
   EXPECT_TRUE(good(100, Holds::kExactly));
+  EXPECT_TRUE(good(100.00000005, Holds::kExactly));
   EXPECT_FALSE(good(100.000001, Holds::kExactly));
   EXPECT_FALSE(good(99.999999, Holds::kExactly));
 }

@@ -52,6 +52,9 @@ TEST(TileTable, RefusesOtherFilesByName) {
   std::string uneven = good;
   uneven.replace(uneven.find("[1,0]"), 5, "[1]");
   EXPECT_NE(complaint(uneven).find("frame 7: column 'steps' has another length"), std::string::npos);
+  std::string huge = good;
+  huge.replace(huge.find("\"frame\": 7"), 10, "\"frame\": 1e300");
+  EXPECT_NE(complaint(huge).find("tiles.json: the number 'frame'"), std::string::npos) << huge;
 }
 
 }  // namespace

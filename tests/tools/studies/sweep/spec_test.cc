@@ -70,6 +70,18 @@ TEST(SweepSpec, AnExclusionWhoseFirstTermHoldsIsLookedAtToItsEnd) {
       (Words{"cores=1 tni.trvs=2", "cores=2 tni.trvs=2"}));
 }
 
+TEST(SweepSpec, AnExclusionOfTwoAxesIsLookedAtWhereItsOtherTermsHold) {
+  const std::string axes = "axes: {cores: [1, 2, 4], tni.trvs: [1, 2, 4]}\nexclude:\n";
+  EXPECT_EQ(labels_of(points_of(axes + "  - {cores: '<= tni.trvs', tni.trvs: [2, 4]}\n")),
+            (Words{"cores=1 tni.trvs=1", "cores=2 tni.trvs=1", "cores=4 tni.trvs=1", "cores=4 tni.trvs=2"}));
+  EXPECT_EQ(points_of(axes + "  - {cores: tni.trvs}\n").size(), 6U);
+  // Comparisons that are refused are so whatever the terms behind them say.
+  const std::string complaint = complaint_of(
+      "axes: {cores: [1, 2], tni.trv.l1.size: [8 KiB], tni.trvs: [1]}\n"
+      "exclude: [{cores: '< tni.trv.l1.size', tni.trvs: 7}]\n");
+  EXPECT_NE(complaint.find("cannot be put in order"), std::string::npos) << complaint;
+}
+
 TEST(SweepSpec, RangesOnALogScaleAreRoundedForWholeNumbers) {
   EXPECT_EQ(values_of("tni.trv.rays: {from: 4, to: 64, count: 5, scale: log}"), (Words{"4", "8", "16", "32", "64"}));
   EXPECT_EQ(values_of("tni.trv.rays: {from: 10, to: 20, count: 3, scale: log}"), (Words{"10", "14", "20"}));

@@ -200,6 +200,25 @@ TEST_F(SweepFaults, AFullDiskStopsItAndItGoesOnOnceThereIsRoom) {
   expect_nothing_left_over();
 }
 
+TEST_F(SweepFaults, LinksOfTheNamesOfItsFilesAreRefused) {
+  const fs::path file = write_sweep(folder, "axes: {cores: [1]}\n"), precious = folder.path() / "precious";
+  ASSERT_EQ(raywatt(sweep_run(folder, file)).exit, 0);
+  std::ofstream(precious) << "three years";
+  for (const char* name : {"results.csv", "index.sqlite", "points.jsonl"}) {
+    const std::string bytes = read_bytes(out / name);
+    fs::remove(out / name);
+    fs::create_symlink(precious, out / name);
+    expect_refusal(raywatt(sweep_run(folder, file)), {name, "is a link"});
+    EXPECT_TRUE(fs::is_symlink(out / name));
+    fs::remove(out / name);
+    std::ofstream(out / name) << bytes;
+  }
+  EXPECT_EQ(read_bytes(precious), "three years");
+  fs::remove(out / "results.csv");
+  fs::create_symlink(precious, out / "results.csv");
+  expect_refusal(raywatt({"sweep", "collect", out}), {"results.csv", "is a link"});
+}
+
 TEST_F(SweepFaults, HostileFilesInItsFolderAreRefused) {
   ASSERT_EQ(raywatt(sweep_run(folder, write_sweep(folder, "axes: {cores: [1]}\n"))).exit, 0);
   const std::string line = read_bytes(out / "points.jsonl");

@@ -51,11 +51,9 @@ std::pair<Comparison, std::string> split(const std::string& text) {
 }
 
 /// A side of a comparison. Conditions are many: texts are read once.
-struct Operand {
-  explicit Operand(const std::string& from) : text(from), magnitude(magnitude_of(from)) {}
-  std::string text;
-  std::optional<Magnitude> magnitude;
-};
+using Operand = Condition::Operand;
+
+Operand operand(const std::string& text) { return {text, magnitude_of(text)}; }
 
 bool is_equal(const Operand& a, const Operand& b) {
   const std::optional<Magnitude>&x = a.magnitude, &y = b.magnitude;
@@ -100,7 +98,9 @@ Condition::Term read_term(const YamlValue& value, std::span<const Axis> axes) {
     value.refuse(fmt::format("'{}' is no axis{}", sim::printable(value.key()),
                              traces::did_you_mean(value.key(), names_of(axes))));
   }
-  Condition::Term term{*left, Comparison::kEqual, {}, {}, value.where()};
+  Condition::Term term;
+  term.left = *left;
+  term.at = value.where();
   if (value.is_list()) {
     term.values = value.texts();
     return term;
@@ -115,7 +115,7 @@ Condition::Term read_term(const YamlValue& value, std::span<const Axis> axes) {
 
 std::vector<Operand> operands(const std::vector<std::string>& texts) {
   std::vector<Operand> out;
-  for (const std::string& text : texts) out.emplace_back(text);
+  for (const std::string& text : texts) out.push_back(operand(text));
   return out;
 }
 
@@ -125,22 +125,30 @@ bool holds_for(const Condition::Term& term, const Operand& left, std::span<const
                              [&](const Operand& value) { return compare(left, term.comparison, value, term.at); });
 }
 
-/// Left sides of terms: all values of an axis, by its number and key.
-using Lefts = std::map<std::pair<std::size_t, std::optional<std::size_t>>, std::vector<Operand>>;
+/// All values of axes, by number and key of the axis.
+using AxisOperands = std::map<std::pair<std::size_t, std::optional<std::size_t>>, Condition::Operands>;
 
-const std::vector<Operand>& lefts_of(const Condition::Side& side, std::span<const Axis> axes, Lefts& lefts) {
-  const auto [at, is_new] = lefts.try_emplace({side.axis, side.key});
-  for (std::uint32_t value = 0; is_new && value < axes[side.axis].values.size(); ++value) {
-    at->second.emplace_back(value_of(side, axes, value));
+Condition::Operands operands_of(const Side& side, std::span<const Axis> axes, AxisOperands& known) {
+  const auto [at, is_new] = known.try_emplace({side.axis, side.key});
+  if (is_new) {
+    std::vector<Operand> all;
+    for (std::uint32_t value = 0; value < axes[side.axis].values.size(); ++value) {
+      all.push_back(operand(value_of(side, axes, value)));
+    }
+    at->second = std::make_shared<const std::vector<Operand>>(std::move(all));
   }
   return at->second;
 }
 
-/// Compares each value of the axis once, however many combinations there are.
-void note_outcomes(Condition::Term& term, std::span<const Axis> axes, Lefts& lefts) {
-  if (term.right) return;
+/// Reads each value of the axes once, and compares it with the term's own values, however many combinations there are.
+void prepare(Condition::Term& term, std::span<const Axis> axes, AxisOperands& known) {
+  term.lefts = operands_of(term.left, axes, known);
+  if (term.right) {
+    term.rights = operands_of(*term.right, axes, known);
+    return;
+  }
   const std::vector<Operand> values = operands(term.values);
-  for (const Operand& left : lefts_of(term.left, axes, lefts)) {
+  for (const Operand& left : *term.lefts) {
     try {
       term.outcomes.emplace_back(holds_for(term, left, values));
     } catch (const sim::InputError&) {  // said where a combination needs it
@@ -154,17 +162,40 @@ bool is_known(const Condition::Term& term) {
   return !term.right && std::ranges::all_of(term.outcomes, [](const auto& outcome) { return outcome.has_value(); });
 }
 
+/// Can all values of its axes be compared?
+bool always_compares(const Condition::Term& term) {
+  if (!term.right) return is_known(term);
+  if (term.comparison == Comparison::kEqual || term.comparison == Comparison::kUnequal) return true;
+  const std::optional<Magnitude>& first = term.lefts->front().magnitude;
+  const auto is_alike = [&](const Operand& value) { return value.magnitude && value.magnitude->kind == first->kind; };
+  return first && std::ranges::all_of(*term.lefts, is_alike) && std::ranges::all_of(*term.rights, is_alike);
+}
+
+/// The known term that holds for the fewest values; none if there is none, or if one before it may be refused.
+const Condition::Term* rarest(const Condition& condition) {
+  const Condition::Term* best = nullptr;
+  std::ptrdiff_t least = 0;
+  for (const Condition::Term& term : condition.terms) {
+    if (is_known(term)) {
+      const std::ptrdiff_t values = std::ranges::count(term.outcomes, std::optional(true));
+      if (best == nullptr || values < least) best = &term, least = values;
+    }
+    if (!always_compares(term)) break;
+  }
+  return best;
+}
+
 }  // namespace
 
 std::vector<Condition> read_conditions(const YamlValue& value, std::span<const Axis> axes) {
   std::vector<Condition> all;
   std::size_t values = 0;
-  Lefts lefts;
+  AxisOperands known;
   for (const YamlValue& item : value.items()) {
     Condition condition;
     for (const YamlValue& entry : item.entries()) {
       condition.terms.push_back(read_term(entry, axes));
-      note_outcomes(condition.terms.back(), axes, lefts);
+      prepare(condition.terms.back(), axes, known);
       values += condition.terms.back().values.size() + 1;
       if (values > kMostConditionValues)
         entry.refuse(fmt::format("there are more than {} values in conditions", kMostConditionValues));
@@ -175,32 +206,31 @@ std::vector<Condition> read_conditions(const YamlValue& value, std::span<const A
   return all;
 }
 
-bool holds(const Condition& condition, std::span<const Axis> axes, std::span<const std::uint32_t> choice) {
+bool holds(const Condition& condition, std::span<const std::uint32_t> choice) {
   return std::ranges::all_of(condition.terms, [&](const Condition::Term& term) {
     const std::uint32_t value = choice[term.left.axis];
-    if (!term.right && term.outcomes[value]) return *term.outcomes[value];
-    const Operand left(value_of(term.left, axes, value));
-    if (!term.right) return holds_for(term, left, operands(term.values));
-    return compare(left, term.comparison, Operand(value_of(*term.right, axes, choice[term.right->axis])), term.at);
+    const Operand& left = (*term.lefts)[value];
+    if (term.right) return compare(left, term.comparison, (*term.rights)[choice[term.right->axis]], term.at);
+    return term.outcomes[value] ? *term.outcomes[value] : holds_for(term, left, operands(term.values));
   });
 }
 
-AnyCondition::AnyCondition(std::span<const Condition> conditions, std::span<const Axis> axes) : axes_(axes) {
+AnyCondition::AnyCondition(std::span<const Condition> conditions, std::span<const Axis> axes) {
   for (const Axis& axis : axes) by_value_.emplace_back(axis.values.size());
   for (const Condition& condition : conditions) {
-    const Condition::Term& first = condition.terms.front();
-    if (!is_known(first)) {
+    const Condition::Term* term = rarest(condition);
+    if (term == nullptr) {
       others_.push_back(&condition);
       continue;
     }
-    for (std::size_t value = 0; value < first.outcomes.size(); ++value) {
-      if (*first.outcomes[value]) by_value_[first.left.axis][value].push_back(&condition);
+    for (std::size_t value = 0; value < term->outcomes.size(); ++value) {
+      if (*term->outcomes[value]) by_value_[term->left.axis][value].push_back(&condition);
     }
   }
 }
 
 bool AnyCondition::holds(std::span<const std::uint32_t> choice) const {
-  const auto here = [&](const Condition* condition) { return sweep::holds(*condition, axes_, choice); };
+  const auto here = [&](const Condition* condition) { return sweep::holds(*condition, choice); };
   for (std::size_t axis = 0; axis < by_value_.size(); ++axis) {
     if (std::ranges::any_of(by_value_[axis][choice[axis]], here)) return true;
   }

@@ -11,19 +11,18 @@ namespace tools::sweep {
 std::vector<Condition> read_conditions(const YamlValue& value, std::span<const Axis> axes);
 
 /// Whether a combination meets the condition; `choice` has the index of a value for each axis.
-bool holds(const Condition& condition, std::span<const Axis> axes, std::span<const std::uint32_t> choice);
+bool holds(const Condition& condition, std::span<const std::uint32_t> choice);
 
-/// Whether any of many conditions is met. Only those are looked at whose first term holds for one of the combination's
-/// values. Refers to what it is made of.
+/// Whether any of many conditions is met. Only those are looked at of which a term, the rarest, holds for one of the
+/// combination's values. Refers to the conditions.
 class AnyCondition {
  public:
   AnyCondition(std::span<const Condition> conditions, std::span<const Axis> axes);
   bool holds(std::span<const std::uint32_t> choice) const;
 
  private:
-  std::span<const Axis> axes_;
   std::vector<std::vector<std::vector<const Condition*>>> by_value_;  ///< by axis and value
-  std::vector<const Condition*> others_;                              ///< begin with what not all values can say
+  std::vector<const Condition*> others_;                              ///< have no such term
 };
 
 }  // namespace tools::sweep

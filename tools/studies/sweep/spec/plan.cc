@@ -156,7 +156,7 @@ std::vector<std::uint32_t> Planner::sizes() const {
 }
 
 bool Planner::is_wanted(const Choice& choice) const {
-  const auto here = [&](const Condition& condition) { return holds(condition, spec_.axes, choice); };
+  const auto here = [&](const Condition& condition) { return holds(condition, choice); };
   return std::ranges::all_of(spec_.where, here) && !excluded_.holds(choice);
 }
 

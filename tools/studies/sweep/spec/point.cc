@@ -5,6 +5,7 @@
 
 #include "sim/error.h"
 #include "sim/io/json.h"
+#include "sim/io/json_number.h"
 #include "sim/io/printable.h"
 
 namespace tools::sweep {
@@ -78,10 +79,7 @@ Point read_line(const std::string& line, const std::string& where) {
     if (sim::is_nested_deeper(line, sim::kDeepestJson)) throw sim::InputError(where + ": is nested too deeply");
     const Json json = sim::parse_json<Json>(line);
     Point point;
-    if (!json.at("n").is_number_unsigned()) {
-      throw sim::InputError(fmt::format("{}: its number 'n' is none; allowed: whole numbers from 0 on", where));
-    }
-    point.n = json.at("n").get<std::uint64_t>();
+    point.n = sim::whole_number<std::uint64_t>(json.at("n"), where + ": its number 'n'");
     point.id = json.at("id").get<std::string>();
     point.stream = json.value("stream", "");
     if (!is_key(point.id) || !(point.stream.empty() || is_key(point.stream))) {
@@ -91,7 +89,9 @@ Point read_line(const std::string& line, const std::string& where) {
     point.config = json.at("config").get<std::string>();
     for (const Text& t : kTexts) point.*t.member = json.value(t.name, "");
     point.image = json.value("image", false);
-    point.replicates = json.value("replicates", 1U);
+    if (json.contains("replicates")) {
+      point.replicates = sim::whole_number<std::uint32_t>(json["replicates"], where + ": the number 'replicates'");
+    }
     point.sets = json.at("sets").get<std::vector<std::string>>();
     point.error = json.value("error", "");
     return point;

@@ -2,11 +2,14 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "tools/studies/sweep/spec/magnitude.h"
 
 namespace tools::sweep {
 
@@ -33,12 +36,19 @@ struct Condition {
     std::size_t axis = 0;
     std::optional<std::size_t> key;  ///< one of its keys; none: its label
   };
+  /// A value, read once.
+  struct Operand {
+    std::string text;
+    std::optional<Magnitude> magnitude;
+  };
+  using Operands = std::shared_ptr<const std::vector<Operand>>;  ///< all values of an axis
   struct Term {
     Side left;
     Comparison comparison = Comparison::kEqual;
     std::vector<std::string> values;  ///< one of which, or
     std::optional<Side> right;        ///< another axis in this combination
     std::string at;
+    Operands lefts, rights;                       ///< values of the axes
     std::vector<std::optional<bool>> outcomes{};  ///< outcome for each value of the left axis, if it compares
   };
   std::vector<Term> terms;

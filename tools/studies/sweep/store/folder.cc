@@ -120,8 +120,7 @@ SweepFolder SweepFolder::create(const fs::path& path, Of of, const std::string& 
   check_name(folder.store_);
   begin_folder(folder.store_);
   make_folders(folder.log());
-  for (const std::string_view file : kFiles) sim::remove_left_of(folder.path_ / file);
-  for (const std::string_view file : kResults) sim::remove_left_of(folder.path_ / file);
+  folder.check_files();
   const auto replace = [&](const char* name, const std::string& text) {
     const fs::path file = folder.path_ / name;
     std::error_code failed;
@@ -138,6 +137,12 @@ SweepFolder SweepFolder::create(const fs::path& path, Of of, const std::string& 
   for (const Point& point : points) lines += to_line(point) + "\n";
   replace("points.jsonl", lines);
   return folder;
+}
+
+void SweepFolder::check_files() const {
+  const sim::Replaceable own{.kind = "file of the sweep", .any = true};
+  for (const std::string_view file : kFiles) sim::check_output(path_ / file, own);
+  for (const std::string_view file : kResults) sim::check_output(path_ / file, own);
 }
 
 std::vector<Point> SweepFolder::points() const {

@@ -15,6 +15,7 @@
 #include "sim/error.h"
 #include "sim/io/file.h"
 #include "sim/io/json.h"
+#include "sim/io/json_number.h"
 #include "sim/io/printable.h"
 #include "sim/report/report_json.h"
 #include "sim/sha256.h"
@@ -60,15 +61,6 @@ Json digests_of(const fs::path& folder, const std::string& id) {
   return point.at("files");
 }
 
-/// InputError for what is no whole number of this size.
-int whole_number(const Json& json) {
-  const bool fits = json.is_number_unsigned()
-                        ? std::in_range<int>(json.get<std::uint64_t>())
-                        : json.is_number_integer() && std::in_range<int>(json.get<std::int64_t>());
-  if (!fits) throw sim::InputError("a number is not whole, or too large");
-  return json.get<int>();
-}
-
 bool is_id(const std::string& text) {
   return text.size() == 64 && text.find_first_not_of("0123456789abcdef") == std::string::npos;
 }
@@ -108,11 +100,11 @@ std::optional<Failure> Store::failure(const std::string& id) const {
   return if_sound([&]() -> std::optional<Failure> {
     const Json json = sim::parse_json<Json>(sim::read_file(failure_file(id), kMostPointBytes));
     return Failure{id,
-                   whole_number(json.at("exit")),
+                   sim::whole_number<int>(json.at("exit"), "the number 'exit'"),
                    json.at("error").get<std::string>(),
                    json.at("log").get<std::string>(),
                    json.at("host").get<std::string>(),
-                   whole_number(json.at("attempt"))};
+                   sim::whole_number<int>(json.at("attempt"), "the number 'attempt'")};
   });
 }
 
