@@ -31,25 +31,34 @@ void check_limits(const ConfigNode& node, std::string_view origin) {
   if (const std::string problem = value_problem(node); !problem.empty()) refuse(origin, node.path, problem);
 }
 
-/// The --set arguments that gave fields of the group their values.
-void find_sets(const ConfigNode& group, std::vector<std::string>& sets) {
+/// What gave fields of the group their values, if it is nearer to the user than `than`: the nearest of it.
+void find_nearest(const ConfigNode& group, std::size_t& than, std::vector<std::string>& origins) {
   for (const ConfigNode& child : group.children) {
     if (child.is_group()) {
-      find_sets(child, sets);
-    } else if (child.origin.starts_with(kSetOrigin) && std::ranges::find(sets, child.origin) == sets.end()) {
-      sets.push_back(child.origin);
+      find_nearest(child, than, origins);
+      continue;
+    }
+    if (child.nearness > than) origins.clear();
+    if (child.nearness > than || (child.nearness == than && !origins.empty())) {
+      if (std::ranges::find(origins, child.origin) == origins.end()) origins.push_back(child.origin);
+      than = child.nearness;
     }
   }
 }
 
 /// Refuses a field whose value breaks a rule of the group. A value from a file that goes with the file's others is not
-/// to blame for what --set made of these.
-[[noreturn]] void refuse_rule(const ConfigNode& group, std::string_view at, const std::string& path,
-                              std::string_view problem) {
-  std::vector<std::string> sets;
-  if (!at.starts_with(kSetOrigin)) find_sets(group, sets);
-  if (sets.empty()) refuse(at, path, problem);
-  refuse(fmt::format("{}", fmt::join(sets, ", ")), path, fmt::format("{} ({} has its value)", problem, at));
+/// to blame for what --set, or a file that extends it, made of these.
+[[noreturn]] void refuse_rule(const ConfigNode& group, std::string_view at, std::size_t nearness,
+                              const std::string& path, std::string_view problem) {
+  constexpr std::size_t kMostShown = 4;
+  std::vector<std::string> origins;
+  find_nearest(group, nearness, origins);
+  if (origins.empty() || at.starts_with(kSetOrigin)) refuse(at, path, problem);
+  if (origins.size() > kMostShown) {
+    origins.resize(kMostShown);
+    origins.emplace_back("...");
+  }
+  refuse(fmt::format("{}", fmt::join(origins, ", ")), path, fmt::format("{} ({} has its value)", problem, at));
 }
 
 void check_rules(const ConfigNode& group, std::string_view origin) {
@@ -63,8 +72,10 @@ void check_rules(const ConfigNode& group, std::string_view origin) {
       rest = dot == std::string_view::npos ? std::string_view{} : rest.substr(dot + 1);
     }
     const std::string path = group.path.empty() ? std::string(key) : fmt::format("{}.{}", group.path, key);
-    refuse_rule(group, named != nullptr && !named->origin.empty() ? std::string_view(named->origin) : origin, path,
-                problem);
+    const bool is_given = named != nullptr && !named->origin.empty();
+    // Nobody gave a default: files are as they are without, --set is not.
+    refuse_rule(group, is_given ? std::string_view(named->origin) : origin, is_given ? named->nearness : kNearestFile,
+                path, problem);
   });
 }
 

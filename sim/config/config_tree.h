@@ -53,6 +53,7 @@ static_assert(std::variant_size_v<Target> == names_of(FieldKind{}).size());
 using Complain = std::function<void(std::string_view key, std::string_view problem)>;
 
 inline constexpr std::string_view kSetOrigin = "--set ";
+inline constexpr std::size_t kNearestFile = 16;  ///< ConfigNode::nearness of a file that no other extends
 
 /// One field or group of a configuration, bound to one instance of its struct, which must outlive it.
 struct ConfigNode {
@@ -66,6 +67,7 @@ struct ConfigNode {
   std::vector<ConfigNode> children;            ///< a group's fields and groups, as declared
   std::function<void(const Complain&)> check;  ///< a group's own rules; empty if it has none
   std::string origin;                          ///< where its value was given last (kSetOrigin); empty for a default
+  std::size_t nearness = 0;  ///< of what gave it to the user: a file is nearer than what it extends, --set nearest
 
   bool is_group() const { return !target.has_value(); }
   FieldKind kind() const { return static_cast<FieldKind>(target->index()); }

@@ -15,7 +15,7 @@ namespace sim {
 namespace {
 
 constexpr std::uint64_t kMostBytes = 4 << 20;
-constexpr std::size_t kMostFilesDeep = 16;
+constexpr std::size_t kMostFilesDeep = kNearestFile;
 constexpr std::size_t kMostFiles = 256;
 constexpr std::string_view kExtends = "extends";
 /// Words behind a figure with a band: the first is what one number sets anyway.
@@ -140,7 +140,7 @@ void ConfigLoader::apply_file(ConfigNode& group, const std::filesystem::path& fi
     refuse(asked_at, {}, fmt::format("more than {} files extend each other", kMostFilesDeep));
   }
   if (++files_read_ > kMostFiles) refuse(asked_at, {}, fmt::format("more than {} files are extended", kMostFiles));
-  const Source source{printable(file.string()), file.parent_path()};
+  const Source source{printable(file.string()), file.parent_path(), kNearestFile - open_files_.size()};
   const auto mapping = parse_yaml_mapping(read_file(file, kMostBytes), source.name);
   open_files_.push_back(canonical);
   apply_mapping(group, *mapping, source);
@@ -154,7 +154,7 @@ void ConfigLoader::apply_part(const std::filesystem::path& file, std::span<const
 }
 
 void ConfigLoader::apply_text(const std::string& text, const std::string& name) {
-  apply_mapping(root_, *parse_yaml_mapping(text, name), {name, {}});
+  apply_mapping(root_, *parse_yaml_mapping(text, name), {name, {}, kNearestFile});
 }
 
 void ConfigLoader::apply_mapping(ConfigNode& group, const YamlNode& mapping, const Source& source) {
@@ -173,6 +173,7 @@ void ConfigLoader::apply_mapping(ConfigNode& group, const YamlNode& mapping, con
       refuse(source.at(entry.key_at), path_of(group, entry.key), unknown_key(root_, group, entry.key));
     }
     node->origin = source.at(entry.key_at);
+    node->nearness = source.nearness;
     apply_value(*node, *entry.value, source, source.at(entry.value_at));
   }
 }
@@ -230,7 +231,7 @@ void ConfigLoader::apply_spread(const ConfigNode& field, const YamlNode& mapping
 }
 
 void ConfigLoader::apply_set(const std::string& argument) {
-  const Source source{std::string(kSetOrigin) + printable(argument), {}, false};
+  const Source source{std::string(kSetOrigin) + printable(argument), {}, kNearestFile + 1, false};
   const std::size_t equals = argument.find('=');
   if (equals == std::string::npos || equals == 0) refuse(source.name, {}, "allowed: key=value");
   const auto value = set_value(argument.substr(equals + 1), source.name);
@@ -243,6 +244,7 @@ void ConfigLoader::apply_set(const std::string& argument) {
     if (child == nullptr) refuse(source.name, path_of(*node, key), unknown_key(root_, *node, key));
     node = child;
     node->origin = source.name;
+    node->nearness = source.nearness;
     path.remove_prefix(std::min(path.size(), key.size() + 1));
   }
   if (path.empty()) return apply_value(*node, *value, source, source.name);

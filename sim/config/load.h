@@ -39,6 +39,7 @@ class ConfigLoader {
   struct Source {
     std::string name;
     std::filesystem::path folder;
+    std::size_t nearness;  ///< ConfigNode::nearness
     bool is_file = true;
     std::string at(TextPosition position) const;
   };

@@ -127,6 +127,15 @@ TEST(ConfigFile, MessagesAreOneLineOfPrintableText) {
   EXPECT_EQ(message, "a.yaml:1:8: unit.ra?ys?[31m: unknown key 'ra?ys?[31m'; allowed: rays, stack, l1");
 }
 
+TEST(ConfigRules, BlameTheFileThatChangedWhatTheValueOfOneBelowItGoesWith) {
+  ConfigHarness b;
+  b.folder().write("base.yaml", "unit:\n  l1: {size: 1 KiB}\n");
+  EXPECT_EQ(b.error("extends: base\nunit: {l1: {ways: 3}}\n"),
+            "a.yaml:2:13: unit.l1.size: is no whole number of sets (base.yaml:2:8 has its value)");
+  EXPECT_EQ(b.error("extends: base\nunit: {l1: {ways: 4, size: 100 B}}\n"),
+            "a.yaml:2:22: unit.l1.size: is no whole number of sets");
+}
+
 TEST(ConfigRules, BlameTheArgumentThatChangedWhatAFilesValueGoesWith) {
   const std::string file = "unit:\n  l1: {size: 1 KiB}\nl2: {size: 1 KiB}\n";
   EXPECT_EQ(ConfigHarness().error(file, {"unit.l1.ways=3", "unit.rays=8"}),
