@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -35,6 +36,52 @@ constexpr std::array<Choice, 7> kChoices = {{
     {"cameras", "type", "perspective orthographic"},
 }};
 
+/// A property that is a number, or a list of so many, below one of the document's lists.
+struct Quantity {
+  std::string_view list, property;
+  double least, most;
+  std::string_view allowed;
+  std::size_t size = 0;   ///< numbers of a list; 0: it is none
+  bool is_above = false;  ///< `least` itself is not allowed
+};
+constexpr double kAny = std::numeric_limits<double>::infinity();
+constexpr std::array<Quantity, 21> kQuantities = {{
+    {"materials", "baseColorFactor", 0, 1, "4 numbers of 0 to 1", 4},
+    {"materials", "metallicFactor", 0, 1, "0 to 1"},
+    {"materials", "roughnessFactor", 0, 1, "0 to 1"},
+    {"materials", "emissiveFactor", 0, 1, "3 numbers of 0 to 1", 3},
+    {"materials", "alphaCutoff", 0, kAny, "0 or more"},
+    {"materials", "scale", -kAny, kAny, "a number"},
+    {"materials", "strength", 0, 1, "0 to 1"},
+    {"materials", "clearcoatFactor", 0, 1, "0 to 1"},
+    {"materials", "clearcoatRoughnessFactor", 0, 1, "0 to 1"},
+    {"materials", "transmissionFactor", 0, 1, "0 to 1"},
+    {"materials", "specularFactor", 0, 1, "0 to 1"},
+    {"materials", "specularColorFactor", 0, kAny, "3 numbers of 0 or more", 3},
+    {"materials", "ior", 0, kAny, "0, or 1 or more"},
+    {"materials", "emissiveStrength", 0, kAny, "0 or more"},
+    {"materials", "thicknessFactor", 0, kAny, "0 or more"},
+    {"materials", "attenuationDistance", 0, kAny, "more than 0", 0, true},
+    {"materials", "attenuationColor", 0, 1, "3 numbers of 0 to 1", 3},
+    {"cameras", "aspectRatio", 0, kAny, "more than 0", 0, true},
+    {"cameras", "yfov", 0, kAny, "more than 0, less than pi", 0, true},
+    {"cameras", "zfar", 0, kAny, "more than 0", 0, true},
+    {"cameras", "znear", 0, kAny, "0 or more"},
+}};
+
+bool is_within(const Json& value, const Quantity& quantity) {
+  if (!value.is_number()) return false;
+  const auto number = value.get<double>();
+  if (quantity.property == "ior" && number > 0 && number < 1) return false;
+  return (quantity.is_above ? number > quantity.least : number >= quantity.least) && number <= quantity.most;
+}
+
+bool fits(const Json& value, const Quantity& quantity) {
+  const auto is_one = [&](const Json& number) { return is_within(number, quantity); };
+  if (quantity.size == 0) return is_one(value);
+  return value.is_array() && value.size() == quantity.size && std::ranges::all_of(value, is_one);
+}
+
 bool is_among(const std::string& value, std::string_view allowed) {
   return !value.empty() && value.find(' ') == std::string::npos &&
          fmt::format(" {} ", allowed).find(fmt::format(" {} ", value)) != std::string::npos;
@@ -53,21 +100,40 @@ class Checker {
       return;
     }
     for (const auto& [key, member] : value.items()) {
-      if (key == "extras" || key == "extensions") continue;  // anybody's, or read where they are understood
+      if (key == "extras") continue;  // anybody's
       const std::string here = at.empty() ? sim::printable(key) : fmt::format("{}.{}", at, sim::printable(key));
-      if (member.is_structured()) {
-        check(member, here, at.empty() ? std::string_view(key) : list);
-      } else {
-        check_property(key, member, here, list);
+      if (key == "extensions") {
+        check_extensions(member, here, list);
+        continue;
       }
+      check_property(key, member, here, list);
+      if (member.is_structured()) check(member, here, at.empty() ? std::string_view(key) : list);
     }
   }
 
  private:
+  /// Those of materials; others are anybody's, or read where they are understood.
+  void check_extensions(const Json& extensions, const std::string& at, std::string_view list) const {
+    if (list != "materials" || !extensions.is_object()) return;
+    for (const auto& [name, extension] : extensions.items()) {
+      if (!name.starts_with("KHR_materials_") || !extension.is_object()) continue;
+      for (const auto& [key, member] : extension.items()) {
+        check_quantity(key, member, fmt::format("{}.{}.{}", at, sim::printable(name), sim::printable(key)), list);
+      }
+    }
+  }
+  void check_quantity(std::string_view key, const Json& value, const std::string& at, std::string_view list) const {
+    for (const Quantity& quantity : kQuantities) {
+      if (quantity.list != list || quantity.property != key) continue;
+      if (!fits(value, quantity)) refuse(at, value, quantity.allowed);
+    }
+  }
   void check_property(std::string_view key, const Json& value, const std::string& at, std::string_view list) const {
     if (value.is_number() && !value.is_number_unsigned() && std::ranges::find(kIndices, key) != kIndices.end()) {
       refuse(at, value, "0 1 2 ...");
     }
+    if (list == "materials" && key == "doubleSided" && !value.is_boolean()) refuse(at, value, "true false");
+    check_quantity(key, value, at, list);
     for (const Choice& choice : kChoices) {
       if (choice.list != list || choice.property != key) continue;
       const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
