@@ -31,7 +31,7 @@ void check_limits(const ConfigNode& node, std::string_view origin) {
   if (const std::string problem = value_problem(node); !problem.empty()) refuse(origin, node.path, problem);
 }
 
-/// What gave fields of the group their values, if it is nearer to the user than `than`: the nearest of it.
+/// Origins of the group's fields that are nearer to the user than `than`: the nearest of them.
 void find_nearest(const ConfigNode& group, std::size_t& than, std::vector<std::string>& origins) {
   for (const ConfigNode& child : group.children) {
     if (child.is_group()) {
@@ -73,7 +73,7 @@ void check_rules(const ConfigNode& group, std::string_view origin) {
     }
     const std::string path = group.path.empty() ? std::string(key) : fmt::format("{}.{}", group.path, key);
     const bool is_given = named != nullptr && !named->origin.empty();
-    // Nobody gave a default: files are as they are without, --set is not.
+    // A default goes with files, not with --set.
     refuse_rule(group, is_given ? std::string_view(named->origin) : origin, is_given ? named->nearness : kNearestFile,
                 path, problem);
   });

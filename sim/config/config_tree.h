@@ -67,7 +67,7 @@ struct ConfigNode {
   std::vector<ConfigNode> children;            ///< a group's fields and groups, as declared
   std::function<void(const Complain&)> check;  ///< a group's own rules; empty if it has none
   std::string origin;                          ///< where its value was given last (kSetOrigin); empty for a default
-  std::size_t nearness = 0;  ///< of what gave it to the user: a file is nearer than what it extends, --set nearest
+  std::size_t nearness = 0;  ///< origin, as the user sees it: a file is nearer than those it extends, --set nearest
 
   bool is_group() const { return !target.has_value(); }
   FieldKind kind() const { return static_cast<FieldKind>(target->index()); }
