@@ -7,6 +7,8 @@
 
 #include <unistd.h>
 
+#include "sim/io/printable.h"
+
 namespace tools {
 namespace {
 
@@ -46,7 +48,7 @@ void end_on_interrupts() {
 
 bool interrupted() { return waiting != 0; }
 
-void tell_if_interrupted(std::string kept) { kept_so_far = "; " + std::move(kept); }
+void tell_if_interrupted(const std::string& kept) { kept_so_far = "; " + sim::printable(kept, std::string::npos); }
 
 void erase_if_interrupted(bool bar_is_there) { has_bar = bar_is_there; }
 

@@ -20,7 +20,7 @@ class HoldInterrupts {
 };
 
 /// Text that the line on stderr adds when an interrupt has waited: "kept 3 of 10 frames in out".
-void tell_if_interrupted(std::string kept);
+void tell_if_interrupted(const std::string& kept);
 
 /// The terminal's last line is a bar, or no longer: an interrupt erases it before it says its own.
 void erase_if_interrupted(bool bar_is_there);

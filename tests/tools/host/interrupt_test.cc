@@ -33,6 +33,21 @@ TEST(Interrupt, WaitsUntilResultsThatAreBeingWrittenAreThere) {
   EXPECT_EQ(read_bytes(folder.path() / "out" / "report.json"), "{}");
 }
 
+TEST(Interrupt, SaysNothingThatATerminalWouldObey) {
+  const TempFolder folder;
+  const auto interrupted = [&] {
+    tools::end_on_interrupts();
+    tools::RunFolder results(folder.path() / "out\x1b[31m", false);
+    results.fill([](const tools::RunFolder::Open& open) {
+      std::ofstream(open() / "report.json") << "{}";
+      std::raise(SIGTERM);
+      return "it";
+    });
+  };
+  EXPECT_EXIT(interrupted(), testing::ExitedWithCode(128 + SIGTERM),
+              "raywatt: interrupted; kept it in .*/out\\?\\[31m");
+}
+
 TEST(Interrupt, StaysIgnoredWhereTheCallerIgnoresIt) {
   const auto ignored = [] {
     std::signal(SIGINT, SIG_IGN);

@@ -11,6 +11,7 @@
 #include "sim/config/yaml_tree.h"
 #include "sim/error.h"
 #include "sim/io/file.h"
+#include "sim/io/printable.h"
 
 namespace tools {
 namespace {
@@ -49,12 +50,19 @@ class Reader {
   [[noreturn]] void refuse(sim::TextPosition position, const std::string& key, const std::string& problem) const {
     sim::refuse(fmt::format("{}:{}:{}", file_.string(), position.line, position.column), key, problem);
   }
+  /// Refuses control characters: terminals are shown what a baseline says.
+  void check_printable(const std::string& text, sim::TextPosition position) const {
+    if (sim::printable(text, std::string::npos) == text) return;
+    refuse(position, {}, "holds what is no printable text; allowed: what 'raywatt baseline record' writes");
+  }
   const std::string& text(const Entry& entry) const {
     if (entry.value->kind != sim::YamlNode::Kind::kScalar) refuse(entry.value_at, entry.key, "must be a plain value");
+    check_printable(entry.value->scalar, entry.value_at);
     return entry.value->scalar;
   }
   const std::vector<Entry>& mapping(const Entry& entry) const {
     if (entry.value->kind != sim::YamlNode::Kind::kMapping) refuse(entry.value_at, entry.key, "must be a mapping");
+    for (const Entry& inner : entry.value->entries) check_printable(inner.key, inner.key_at);
     return entry.value->entries;
   }
   FlatConfig config(const Entry& entry) const {
@@ -170,7 +178,7 @@ std::string baseline_text(const Baseline& baseline, const Suite& suite) {
   std::string out = fmt::format(
       "# What the runs of {} gave, written by 'raywatt baseline'; do not edit, accept. Zeros are left out.\n"
       "schema: {}\nembree: {}\nconfig:  # where a run says nothing else\n",
-      suite.file.filename().string(), kSchema, scalar(baseline.embree));
+      sim::printable(suite.file.filename().string()), kSchema, scalar(baseline.embree));
   for (const auto& [key, value] : usual) out += fmt::format("  {}: {}\n", sim::key_text(key), scalar(value));
   out += "runs:\n";
   for (const SuiteRun& named : suite.runs) {

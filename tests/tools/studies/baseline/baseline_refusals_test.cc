@@ -44,6 +44,21 @@ TEST(Baseline, OfAnotherEmbreeIsCheckedWhereItsTreesAreTheSame) {
   expect_not_comparable(suite.baseline("check"), {"another tree", "stored with Embree 2.17.7, this program has "});
 }
 
+TEST(Baseline, ThatWouldSaySomethingToTheTerminalIsRefused) {
+  const BaselineSuite suite;
+  ASSERT_EQ(suite.baseline("record").exit, 0);
+  const std::string text = suite.values();
+  for (const char* from : {"embree: ", "program: ", "bvh_hash: "}) {
+    std::string changed = text;
+    const std::size_t at = text.find(from) + std::string_view(from).size();
+    suite.write_values(changed.replace(at, text.find('\n', at) - at, "\"a\\e[31m\""));
+    const Ending ending = suite.baseline("check");
+    EXPECT_EQ(ending.exit, 2);
+    EXPECT_SAYS(ending.err, "holds what is no printable text");
+    EXPECT_EQ((ending.out + ending.err).find('\x1b'), std::string::npos);
+  }
+}
+
 TEST(Baseline, OfOtherWorkIsRefused) {
   BaselineSuite suite;
   ASSERT_EQ(suite.baseline("record").exit, 0);
