@@ -94,7 +94,11 @@ void FrontEnd::run_ahead() {
     } catch (...) {
       slot.failure = std::current_exception();
     }
+    std::uint64_t bytes = 0;
+    each_array(slot.tile, [&](const auto& array) { bytes += array.size() * sizeof(*array.data()); });
     lock.lock();
+    slot.bytes = bytes;
+    ahead_bytes_ += bytes;
     slot.ready = true;
     news_.notify_one();
   }
@@ -123,6 +127,7 @@ const traces::TileWork* FrontEnd::take() {
     news_.wait(lock, [&] { return ahead_.empty() ? failure_ != nullptr : ahead_.front()->ready; });
     if (ahead_.empty()) std::rethrow_exception(failure_);
     if (ahead_.front()->failure) std::rethrow_exception(ahead_.front()->failure);
+    ahead_bytes_ -= ahead_.front()->bytes;
   }
   handed_.push_back(std::move(ahead_.front()));
   ahead_.erase(ahead_.begin());

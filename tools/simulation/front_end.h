@@ -16,7 +16,8 @@
 namespace tools {
 
 /// The functional half of a run: executes a frame program tile by tile, in order, and keeps the picture. With worker
-/// threads it runs ahead of the machine by a bounded number of tiles; what it delivers does not depend on them.
+/// threads it runs ahead of the machine by a bounded number of tiles and bytes; what it delivers does not depend on
+/// them.
 class FrontEnd final : public hw::TileSource {
  public:
   /// Results of the frame program, independent of any machine.
@@ -58,11 +59,15 @@ class FrontEnd final : public hw::TileSource {
   struct Slot {
     kernels::TileResult tile;
     double seconds = 0;
+    std::uint64_t bytes = 0;  ///< sum over its arrays, when it is ready
     bool ready = false;
     std::exception_ptr failure;  ///< why it could not be made
   };
   void run_ahead();
-  bool may_make() const { return next_tile_ < pass_end_ && ahead_.size() < max_ahead_; }
+  bool may_make() const {
+    constexpr std::uint64_t kMaxBytes = 256U << 20;
+    return next_tile_ < pass_end_ && ahead_.size() < max_ahead_ && ahead_bytes_ < kMaxBytes;
+  }
   const traces::TileWork* take();
   /// A spare one if there is any, with room for all that tiles have needed so far: soon none allocates any more.
   std::unique_ptr<Slot> take_slot();
@@ -85,6 +90,7 @@ class FrontEnd final : public hw::TileSource {
   std::vector<std::unique_ptr<Slot>> ahead_;   ///< tiles being made or made, in order
   std::vector<std::unique_ptr<Slot>> handed_;  ///< out in the machine
   std::vector<std::unique_ptr<Slot>> spare_;
+  std::uint64_t ahead_bytes_ = 0;          ///< sum over those that are made and not taken
   std::size_t slots_ = 0;                  ///< in all of these
   std::array<std::size_t, 13> longest_{};  ///< arrays of any tile so far
   kernels::TileBuffer buffer_;             ///< for the thread that calls next()

@@ -28,7 +28,8 @@ inline constexpr std::string_view kTraceEnd = "end\n";
 inline constexpr std::size_t kFooterBytes = 16;  ///< offset of the contents (8), their bytes (4), kTraceEnd
 
 /// Largest blocks, unpacked. Most of the contents are two figures a tile, 17 to 22 bytes: 23 MB for a frame of
-/// 16384 x 16384 pixels in tiles of 16 x 16. What is read takes up to twenty times that memory.
+/// 16384 x 16384 pixels in tiles of 16 x 16. What is read takes up to 20 times that
+/// memory.
 inline constexpr std::uint64_t kMaxHeaderBytes = 1U << 24, kMaxContentsBytes = 1U << 26,
                                kMaxTreeBytes = std::uint64_t{1} << 31;
 inline constexpr std::uint32_t kMaxPartTiles = 1U << 26, kMaxFrame = 1'000'000;
@@ -37,6 +38,11 @@ inline constexpr std::uint32_t kMaxPartTiles = 1U << 26, kMaxFrame = 1'000'000;
 constexpr std::uint64_t most_tile_bytes(const FrameRequirements& requirements) {
   return std::min<std::uint64_t>(kMaxTileBytes, (1U << 16) + (std::uint64_t{1} << 16) * requirements.tile_samples);
 }
+
+/// The most bytes that a block may hold, by those that it takes: a small file takes little memory, which is up to 30
+/// times what its blocks hold. Only what repeats itself over and over packs better.
+inline constexpr std::uint64_t kMaxSmallBlock = 1U << 18, kMaxPacking = 64;
+constexpr std::uint64_t most_held(std::uint64_t packed) { return std::max(kMaxSmallBlock, kMaxPacking * packed); }
 
 /// A whole number of the contents, at most `most`; InputError, without the file's name, otherwise.
 std::uint64_t number_of(const Json& json, std::uint64_t most, const char* what);

@@ -1,7 +1,9 @@
 #include "traces/trace_file/packing.h"
 
+#include <algorithm>
 #include <new>
 
+#include <fmt/format.h>
 #include <zstd.h>
 
 #include "sim/error.h"
@@ -38,6 +40,25 @@ std::string_view Packer::pack(std::string_view bytes) {
   return {packed_.data(), size};
 }
 
+std::string_view Packer::pack_loosely(std::string_view bytes, std::size_t bytes_a_byte) {
+  ZSTD_CCtx_setPledgedSrcSize(context_.get(), bytes.size());
+  packed_.clear();
+  std::string piece(ZSTD_CStreamOutSize(), '\0');
+  // A flush ends a block of zstd.
+  const std::size_t most = (kLeastOfBlock + 1) * bytes_a_byte;
+  for (bool is_last = false; !is_last; bytes.remove_prefix(std::min(most, bytes.size()))) {
+    is_last = bytes.size() <= most;
+    ZSTD_inBuffer from{bytes.data(), std::min(most, bytes.size()), 0};
+    for (std::size_t left = 1; left != 0;) {
+      ZSTD_outBuffer to{piece.data(), piece.size(), 0};
+      left = ZSTD_compressStream2(context_.get(), &to, &from, is_last ? ZSTD_e_end : ZSTD_e_flush);
+      if (ZSTD_isError(left) != 0) throw std::bad_alloc();  // all else is ruled out
+      packed_.append(piece, 0, to.pos);
+    }
+  }
+  return packed_;
+}
+
 Unpacker::Unpacker() : context_(ZSTD_createDCtx()) {
   if (!context_) throw std::bad_alloc();
 }
@@ -58,7 +79,9 @@ std::string_view Unpacker::unpack(std::string_view block, std::uint64_t most) {
   if (size == ZSTD_CONTENTSIZE_UNKNOWN) {
     throw sim::InputError("has a block without a size; allowed: blocks with a checksum and the size of their content");
   }
-  if (size > most) damaged();
+  if (size > most) {
+    throw sim::InputError(fmt::format("has a block of {} bytes that holds {}; allowed: {}", block.size(), size, most));
+  }
   if (size > (block.size() / kLeastOfBlock + 1) * kMostInBlock) damaged();  // before it is taken at its word
   if (ZSTD_findFrameCompressedSize(block.data(), block.size()) != block.size()) damaged();
   if (bytes_.size() < size + kBitsPadding) bytes_.resize(size + kBitsPadding);

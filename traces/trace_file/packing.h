@@ -20,6 +20,8 @@ class Packer {
   explicit Packer(int level = 1);
   /// Valid until the next one.
   std::string_view pack(std::string_view bytes);
+  /// The same, of no less than a byte for every `bytes_a_byte`, at least 4.
+  std::string_view pack_loosely(std::string_view bytes, std::size_t bytes_a_byte);
 
  private:
   struct Free {
@@ -35,7 +37,7 @@ class Unpacker {
   /// Bytes of the block that these begin with. InputError, without the file's name, if they begin with none.
   static std::size_t size_of(std::string_view bytes);
   /// Contents of a block, followed by kBitsPadding bytes more; valid until the next one. InputError, without the file's
-  /// name, if it is damaged or holds more than `most` bytes.
+  /// name, if it is damaged or holds more than `most` bytes, before it takes any.
   std::string_view unpack(std::string_view block, std::uint64_t most);
 
  private:

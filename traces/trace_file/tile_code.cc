@@ -18,6 +18,7 @@ namespace {
 
 // Bounds that no tile comes near and that keep sums within 32 bits.
 constexpr std::uint64_t kMaxItems = 1U << 26, kMaxRaysOfTile = 1U << 24, kMaxTiles = 1U << 28;
+constexpr std::uint64_t kMaxFreeItems = 1U << 20;  ///< items with accesses, which need no byte if they have none
 
 enum Walks : std::uint32_t { kCompact = 0, kPlain = 1 };
 
@@ -166,7 +167,10 @@ void TileDecoder::read_launch(ByteReader& from, const TileScope& scope, WorkNode
   if (!node.has_accesses) return;
   node.first = items_;
   items_ += node.items;
-  if (items_ > kMaxItems) ByteReader::out_of_range("items with accesses");
+  if (items_ > most_items_) {
+    throw sim::InputError(
+        fmt::format("has {} items with accesses; allowed: {}, and 8 for each of its bytes", items_, kMaxFreeItems));
+  }
 }
 
 void TileDecoder::read_rays(ByteReader& from, WorkNode& node) {
@@ -230,6 +234,7 @@ void TileDecoder::read_nodes(ByteReader& from, const TileScope& scope, TileWork&
 TileRays TileDecoder::decode(std::string_view bytes, const TileScope& scope, TileWork& work) {
   ByteReader from(bytes);
   found_ = {};
+  most_items_ = std::min(kMaxItems, kMaxFreeItems + 8 * bytes.size());
   work.frame = from.number32(std::numeric_limits<std::uint32_t>::max(), "frame");
   work.tile = from.number32(kMaxTiles, "number of a tile");
   work.samples = from.number32(kMaxItems, "samples of a tile");

@@ -66,6 +66,7 @@ class TileDecoder {
   AccessReader accesses_;
   std::vector<WorkNode> spare_;
   std::uint32_t nodes_ = 0, rays_ = 0, items_ = 0;
+  std::uint64_t most_items_ = 0;
   TileRays found_;
 };
 

@@ -72,7 +72,7 @@ void TraceReader::read_at(const FileRange& range, std::string& out) const {
 std::string TraceReader::block(const FileRange& range, std::uint64_t most) const {
   std::string packed;
   read_at(range, packed);
-  return std::string(Unpacker().unpack(packed, most));
+  return std::string(Unpacker().unpack(packed, std::min(most, most_held(packed.size()))));
 }
 
 TraceReader::FileRange TraceReader::range_of(const Json& json) const {
@@ -154,7 +154,8 @@ std::vector<TraceReader::FileRange> TraceReader::tiles(const Part& part) const {
 
 TileRays TraceReader::Cursor::read(const FileRange& tile, const TileScope& scope, TileWork& work) {
   trace_.read_at(tile, block_);
-  return decoder_.decode(unpacker_.unpack(block_, scope.tile_bytes), scope, work);
+  const std::uint64_t most = std::min(scope.tile_bytes, most_held(block_.size()));
+  return decoder_.decode(unpacker_.unpack(block_, most), scope, work);
 }
 
 }  // namespace traces

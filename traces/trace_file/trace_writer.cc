@@ -31,7 +31,7 @@ void append(T number, std::string& out) {
 
 TraceWriter::TraceWriter(const std::filesystem::path& path, const Json& header) : file_(may_replace(path)) {
   contents_ = {{"trees", Json::array()}, {"parts", Json::array()}, {"frames", Json::array()}};
-  const std::string_view packed = packer_.pack(sim::json_line(header));
+  const std::string_view packed = pack(sim::json_line(header));
   std::string size;
   append(static_cast<std::uint32_t>(packed.size()), size);
   file_.write(kTraceMagic);
@@ -39,8 +39,13 @@ TraceWriter::TraceWriter(const std::filesystem::path& path, const Json& header) 
   file_.write(packed);
 }
 
-Json TraceWriter::put(std::string_view bytes) {
+std::string_view TraceWriter::pack(std::string_view bytes) {
   const std::string_view packed = packer_.pack(bytes);
+  return bytes.size() <= most_held(packed.size()) ? packed : packer_.pack_loosely(bytes, kMaxPacking);
+}
+
+Json TraceWriter::put(std::string_view bytes) {
+  const std::string_view packed = pack(bytes);
   const Json range = {{"offset", file_.size()}, {"bytes", packed.size()}};
   file_.write(packed);
   return range;
@@ -74,7 +79,7 @@ void TraceWriter::add(const TileWork& work) {
                     "tile, depth or number of lights",
                     bytes_.size() >> 20, most_of_tile_ >> 20));
   }
-  const std::string_view packed = packer_.pack(bytes_);
+  const std::string_view packed = pack(bytes_);
   file_.write(packed);
   sizes_.push_back(static_cast<std::uint32_t>(packed.size()));
 }

@@ -38,6 +38,8 @@ class TraceWriter {
   void commit();
 
  private:
+  /// A block that most_held() allows; valid until the next one.
+  std::string_view pack(std::string_view bytes);
   /// Appends a block; where it lies.
   Json put(std::string_view bytes);
 

@@ -72,6 +72,33 @@ TEST_F(BadHandMadeTrace, OfBlocksThatSayNothingOfTheirContentIsRefused) {
   expect_refusal(replay(trace(kWords, false, {}, {.size = false})), {"a.trace: has a block without a size"});
 }
 
+/// A tile of so many rays that walk alike.
+std::string tile_of_equals(std::uint64_t rays) {
+  const std::string count = varint(rays), each = bytes({1, 1 << 1 | 1});
+  std::string all = bytes({0, 0, 4, 0, 0, /*nodes*/ 3, /*launch*/ 0}) + count + bytes({0, 0, 0, 0, /*rays*/ 1}) +
+                    count + bytes({0, 0}) + each + bytes({/*launch*/ 0}) + count + bytes({1, 0, 0}) + each + count +
+                    varint(4 * rays) + bytes({/*bits*/ 0});
+  const std::string one = /*visit, the first box*/ "100" /*hit*/ "11" /*the end: a hit*/ "1";
+  const std::string four = as_walks(one + one + one + one, 0).substr(2);
+  for (std::uint64_t ray = 0; ray < rays; ray += 4) all += four;
+  return all;
+}
+
+TEST_F(BadHandMadeTrace, OfFewBytesThatWouldTakeMuchMemoryIsRefused) {
+  const std::string small = trace(kWords, false, {}, {}, {tile_of_equals(1U << 24)});
+  EXPECT_LT(small.size(), 8192U);
+  expect_refusal(replay(small), {"a.trace: frame 0, tile 0 of the list: has a block of ", " bytes that holds 125829",
+                                 "; allowed: 262144"});
+  const auto with_list = [](const std::string& of) {
+    return trace(kWords, false, [&](Json& header, Json& contents) {
+      (of == "header" ? header : contents)["more"] = std::vector<int>(1 << 20);
+    });
+  };
+  for (const char* of : {"header", "contents"}) {
+    expect_refusal(replay(with_list(of)), {"a.trace: has a block of ", " bytes that holds 209", "; allowed: 262144"});
+  }
+}
+
 TEST_F(BadHandMadeTrace, WhoseTilesDemandMoreThanTheTileBufferSendsItsRaysThroughMemory) {
   const auto demanding = [](const std::string& key, const Json& value) {
     return trace(kWords, false, [&](Json&, Json& contents) {

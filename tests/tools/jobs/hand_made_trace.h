@@ -143,7 +143,8 @@ inline std::string file_of(Json header, const std::string& links, Json tree, con
 }
 
 inline std::string trace(const std::string& walks, bool levels = false, const Change& change = {},
-                         const Form& form = {}) {
+                         const Form& form = {}, std::vector<std::string> tiles = {}) {
+  if (tiles.empty()) tiles = {tile(0, walks), tile(1, walks)};
   const Json header = {{"program", "full:1"},
                        {"reference", ""},
                        {"resolution", {4, 2}},
@@ -177,7 +178,7 @@ inline std::string trace(const std::string& walks, bool levels = false, const Ch
                        {"traversal_steps", 18},
                        {"continued", 0},
                        {"sampling", {{"wanted", 8}, {"traced", 8}}}}}};
-  return file_of(header, levels ? kLevels : kTree, tree, {tile(0, walks), tile(1, walks)}, part, change, form);
+  return file_of(header, levels ? kLevels : kTree, tree, tiles, part, change, form);
 }
 
 }  // namespace test

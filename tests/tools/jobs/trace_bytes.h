@@ -30,4 +30,11 @@ inline std::string number(std::uint64_t value, int bytes) {
   return out;
 }
 
+/// 7 bits a byte, lowest first, the top bit set in all but the last.
+inline std::string varint(std::uint64_t value) {
+  std::string out;
+  for (; value >= 0x80; value >>= 7) out += static_cast<char>((value & 0x7f) | 0x80);
+  return out += static_cast<char>(value);
+}
+
 }  // namespace test

@@ -1,11 +1,13 @@
 #include "tools/simulation/front_end.h"
 
+#include <atomic>
 #include <chrono>
 #include <fstream>
 #include <functional>
 #include <new>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -131,6 +133,23 @@ TEST(FrontEnd, OfSeveralTilesThatFailTheFirstIsToldHoweverManyThreadsMakeThem) {
       EXPECT_STREQ(error.what(), "tile 2") << workers;
     }
   }
+}
+
+TEST(FrontEnd, DoesNotRunAheadByMuchMemory) {
+  constexpr std::uint32_t kWorkers = 3, kTiles = 16;
+  const FailingTracer tracer;
+  std::atomic<std::uint32_t> made = 0;
+  MadeUp program(kTiles, [&](std::uint32_t, kernels::TileResult& out) {
+    out.work.walk.resize(16U << 20);  // 64 MiB
+    made += 1;
+  });
+  FrontEnd front_end(program, tracer, kWorkers);
+  for (std::uint32_t taken = 1; const traces::TileWork* work = front_end.next(); ++taken) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    EXPECT_LT(made, taken + 4 + kWorkers) << "256 MiB, and what is being made when these are full";
+    front_end.give_back(work);
+  }
+  EXPECT_EQ(made, kTiles);
 }
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // they end the process instead

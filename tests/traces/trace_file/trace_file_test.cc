@@ -100,6 +100,44 @@ TEST(TraceFile, GivesBackItsPartsTreesAndTilesInAnyOrder) {
   }
 }
 
+TEST(TraceFile, ATileThatRepeatsItselfIsPackedNoBetterThanMayBeRead) {
+  const Folder folder;
+  const auto path = folder.path() / "a.trace";
+  TileWork work = tiny_tile();
+  constexpr std::uint32_t kItems = kMaxSmallBlock;
+  work.nodes = {{.kind = WorkNode::Kind::kLaunch, .items = kItems, .has_accesses = true, .inputs = {}}};
+  work.accesses.assign(kItems, Access::attributes(6));
+  work.access_begin.resize(kItems + 1);
+  for (std::uint32_t item = 0; item <= kItems; ++item) work.access_begin[item] = item;
+  work.imports.clear(), work.sources.clear(), work.walk.clear(), work.ray_begin.clear();
+  const FrameRequirements demands{.tile_samples = kItems, .region_bytes = kDemands.region_bytes};
+  {
+    TraceWriter trace(path, {});
+    trace.begin_part({}, tiny_scope().links, tiny_scope().counts, demands);
+    trace.add(work);
+    trace.end_part({});
+    trace.commit();
+  }
+  const TraceReader trace(path);
+  const auto ranges = trace.tiles(trace.parts()[0]);
+  EXPECT_GT(ranges[0].bytes, kMaxSmallBlock / kMaxPacking);
+  EXPECT_LT(ranges[0].bytes, 2 * kMaxSmallBlock / kMaxPacking) << "and not much worse";
+  TileWork back;
+  TraceReader::Cursor(trace).read(ranges[0], trace.scope(trace.parts()[0], 5), back);
+  EXPECT_TRUE(same(work, back));
+}
+
+TEST(TraceFile, ItemsThatTakeNoBytesAreNotTooMany) {
+  const auto with_items = [](std::uint32_t items) {
+    TileWork tile;
+    tile.nodes = {{.items = items, .has_accesses = true, .inputs = {}}};
+    tile.access_begin.assign(items + 1, 0);
+    return test::complaint(tile, tiny_scope());
+  };
+  EXPECT_EQ(with_items(1U << 20), "no error");
+  EXPECT_EQ(with_items(1U << 21), "has 2097152 items with accesses; allowed: 1048576, and 8 for each of its bytes");
+}
+
 TEST(TraceFile, DemandsOfOneWaveAndOnePassAreLeftOut) {
   const FrameRequirements plain{.tile_samples = 4, .attribute_bytes = 64, .region_bytes = {4096, 512, 16}};
   const nlohmann::ordered_json json = to_json(plain);
