@@ -10,10 +10,12 @@ namespace traces {
 /// Canonical traversal steps: nodes visited and triangles tested.
 struct WalkSteps {
   std::uint64_t visits = 0, tests = 0;
+  std::uint64_t enters = 0;  ///< instances entered, which is no step
   std::uint64_t all() const { return visits + tests; }
   WalkSteps& operator+=(const WalkSteps& other) {
     visits += other.visits;
     tests += other.tests;
+    enters += other.enters;
     return *this;
   }
 };
@@ -24,7 +26,9 @@ inline WalkSteps count_steps(std::span<const std::uint32_t> words) {
   for (std::size_t i = 0; i < words.size(); ++i) {
     if (kind_of(words[i]) == StepKind::kVisit) {
       steps.visits += 1;
-    } else if (kind_of(words[i]) == StepKind::kLeaf && !is_enter(words[i])) {
+    } else if (is_enter(words[i])) {
+      steps.enters += 1;
+    } else if (kind_of(words[i]) == StepKind::kLeaf) {
       steps.tests += count_of(words[i++]);  // its exit phases follow
     }
   }

@@ -115,7 +115,8 @@ Progress::Form Progress::form_of(const std::string& form, bool quiet) {
   return form == "auto" && !quiet && is_terminal() ? Form::kBar : Form::kNone;
 }
 
-Progress::Progress(const std::string& form, bool quiet, View* view) : form_(form_of(form, quiet)), view_(view) {
+Progress::Progress(const std::string& form, bool quiet, View* view)
+    : form_(form_of(form, quiet)), hints_(!quiet && form != "json" && form != "none"), view_(view) {
   if (form_ == Form::kView && view_ != nullptr) graphics_ = graphics_of_terminal();
   if (form_ != Form::kNone) thread_ = std::thread([this] { run(); });
 }

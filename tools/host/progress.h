@@ -57,9 +57,9 @@ class Progress {
   void tiles_done(std::uint32_t tiles, std::uint64_t rays, std::uint64_t cycles);
   /// Writes a line on stderr without disturbing the bar.
   void say(const std::string& line);
-  /// The same if there is a bar, for who waits in front of it.
+  /// The same for people, who want neither JSON nor silence.
   void hint(const std::string& line) {
-    if (form_ == Form::kBar) say(line);
+    if (hints_) say(line);
   }
   /// The last line: how it ended, "done", "interrupted" or "failed". Tells nothing more after that.
   void end(const std::string& how);
@@ -78,6 +78,7 @@ class Progress {
   void stop_clock();
 
   const Form form_;
+  const bool hints_;
   View* const view_;
   Graphics graphics_ = Graphics::kNone;
   std::size_t view_lines_ = 0;  ///< lines that the view takes on the terminal

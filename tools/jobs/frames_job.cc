@@ -216,16 +216,6 @@ std::filesystem::path record_file(const JobOptions& options, const std::filesyst
   throw sim::InputError(asked + ": the run's own results have a file of this name; allowed: another");
 }
 
-/// Says so before a run that takes minutes.
-void tell_long_run(const Inputs& inputs, const kernels::ProgramSpec& program, Progress& progress) {
-  const double minutes = estimated_host_seconds(inputs, program) * inputs.frames() / 60;
-  if (minutes < 1) return;
-  progress.hint(
-      fmt::format("raywatt: this may take about {:.0f} min on this host; a smaller --resolution, fewer --frames or "
-                  "--tile-sampling take less",
-                  minutes));
-}
-
 void tell_results(const Job& job, const nlohmann::ordered_json& json, const std::filesystem::path& folder) {
   fmt::print("{}\n", for_terminal(report_table(json)));
   if (job.has_picture()) fmt::print("picture: {}\n", (folder / "image.png").string());
@@ -265,7 +255,10 @@ void run_frames(const JobOptions& options) {
   if (reference) job.reference = Program{*reference, rates};
   job.timeline.check(inputs, program);
   tell_warnings(inputs.warnings, &progress);
-  if (!sampling) tell_long_run(inputs, program, progress);
+  if (!sampling) {
+    tell_long(estimated_host_seconds(inputs, program) * inputs.frames(),
+              "a smaller --resolution, fewer --frames or --tile-sampling take less", progress);
+  }
   progress.expect(inputs.frames() * (reference ? 2 : 1) * options.replicates);
 
   nlohmann::ordered_json json;

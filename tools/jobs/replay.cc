@@ -61,6 +61,15 @@ void place_tree(const traces::TileScope& scope, const traces::BvhConfig& config,
 
 }  // namespace
 
+double Replay::recorded_steps() const {
+  double steps = 0;
+  for (const traces::TraceReader::Part& part : trace_.parts()) {
+    const bool says = part.result.contains("traversal_steps") && part.result["traversal_steps"].is_number_unsigned();
+    if (says) steps += part.result["traversal_steps"].get<double>();
+  }
+  return steps;
+}
+
 Replay::Replay(const std::filesystem::path& file, const JobOptions& options)
     : Replay(file, [&](const traces::Json& header, const std::string& name) {
         return replay_config(header, name, options);

@@ -22,6 +22,8 @@ class Replay {
   std::uint32_t frames() const { return static_cast<std::uint32_t>(trace_.frames().size()); }
   /// Runs of a frame program over a frame.
   std::uint32_t parts() const { return frames() * (reference_ ? 2 : 1); }
+  /// Traversal steps of all parts, as the file says.
+  double recorded_steps() const;
   /// As of a run; without a scene.
   const Inputs& inputs() const { return inputs_; }
   struct How {

@@ -16,6 +16,7 @@
 #include "tools/jobs/jobs.h"
 #include "tools/jobs/outcome.h"
 #include "tools/jobs/replay.h"
+#include "tools/simulation/host_time.h"
 #include "tools/simulation/recorded.h"
 #include "tools/timeline/timeline_job.h"
 #include "traces/accel/bvh_tracer.h"
@@ -92,6 +93,7 @@ void replay_trace(const JobOptions& options, const std::filesystem::path& file) 
   }
   Replay job(file, options);
   tell_warnings(job.inputs().warnings, &progress);
+  tell_long(host_seconds(job.recorded_steps()), {}, progress);
   progress.expect(job.parts());
   const std::size_t to_replace = frames_to_replace(folder.target() / "report.json");
   hold.emplace();

@@ -13,6 +13,7 @@
 #include "tools/jobs/jobs.h"
 #include "tools/jobs/outcome.h"
 #include "tools/jobs/ray_list.h"
+#include "tools/simulation/host_time.h"
 #include "tools/simulation/run_job.h"
 #include "traces/accel/bvh_tracer.h"
 #include "traces/accel/embree_tracer.h"
@@ -100,6 +101,13 @@ struct Verification {
   }
 };
 
+/// Seconds of the host that this may take.
+double seconds_of(const Inputs& inputs, const JobOptions& options) {
+  constexpr double kOfMachine = 0.25;  // chosen: of what a machine takes; rays are traced three times, on all threads
+  const double seconds = kOfMachine * estimated_host_seconds(inputs, kernels::parse_program(options.program));
+  return seconds * inputs.frames() / host_threads(options.threads);
+}
+
 }  // namespace
 
 int verify_frames(const JobOptions& options) {
@@ -108,6 +116,7 @@ int verify_frames(const JobOptions& options) {
   Progress progress(options.progress, options.quiet);
   Inputs inputs = load_inputs(options, &progress);
   tell_warnings(inputs.warnings, &progress);
+  tell_long(seconds_of(inputs, options), "a smaller --resolution or fewer --frames take less", progress);
   progress.expect(2 * inputs.frames());
   const std::size_t to_replace = frames_to_replace(folder.target() / "verify.json");
   Verification done;

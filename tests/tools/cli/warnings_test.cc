@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <csignal>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -45,6 +46,17 @@ TEST(Warnings, OfTheRunAreToldByBottleneckAndStandInItsJson) {
   ASSERT_EQ(ending.exit, 0) << ending.err;
   EXPECT_SAYS(ending.err, "the array of tni.trv has 512 KiB");
   EXPECT_FALSE(nlohmann::json::parse(ending.out)["warnings"].empty());
+}
+
+TEST(Warnings, OfLongWorkAreToldWhereverStandardErrorGoes) {
+  const TempFolder folder;
+  for (const char* verb : {"run", "verify"}) {
+    Program program(
+        {verb, "--program", "full:256", "--resolution", "2048x1024", "-o", (folder.path() / "out").string()});
+    EXPECT_TRUE(program.wait_for_complaint());
+    program.send(SIGKILL);
+    EXPECT_SAYS(program.wait().err, "raywatt: this may take about ");
+  }
 }
 
 TEST(IdleSettings, AreEachSaidOnceInAnyOrder) {

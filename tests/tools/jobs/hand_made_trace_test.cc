@@ -57,6 +57,25 @@ TEST(HandMadeTrace, OfAnotherBuildMustHaveAllKeysThatAreNotTheirDefaults) {
   EXPECT_EQ(replay({{"model_id", id}}).exit, 0) << "this build left out what it knew of";
 }
 
+TEST(HandMadeTrace, OfManyStepsIsSaidToTakeLongToWhoListens) {
+  const TempFolder folder;
+  const std::string content = trace(bits(), false, [](Json&, Json& contents) {
+    if (contents.contains("parts")) contents["parts"][0]["result"]["traversal_steps"] = 12'000'000'000;
+  });
+  const std::string file = folder.write("a.trace", content).string(), out = (folder.path() / "out").string();
+  const auto said = [&](const Words& more) {
+    Words words = {"trace", "replay", "sgrt-2016", file, "-o", out, "--force"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Ending ending = raywatt(words);
+    EXPECT_EQ(ending.exit, 0) << ending.err;
+    return ending.err;
+  };
+  EXPECT_EQ(said({}), "raywatt: this may take about 20 min on this host\n");
+  EXPECT_EQ(said({"--quiet"}), "");
+  EXPECT_EQ(said({"--progress", "none"}), "");
+  EXPECT_EQ(said({"--progress", "json"}).find("may take"), std::string::npos);
+}
+
 TEST(HandMadeTrace, PlaysRaysThatEnterInstances) {
   const TempFolder folder;
   const std::string content = trace(bits_of_levels(), true);
