@@ -250,7 +250,7 @@ void run_frames(const JobOptions& options) {
           slices,
           nullptr,
           options.watch ? &live : nullptr};
-  if (slices) job.slices = slices_of(inputs, program, *slices);
+  if (slices) job.slices = slices_of(inputs.config, program, *slices);
   live.of(inputs.config);
   if (reference) job.reference = Program{*reference, rates};
   job.timeline.check(inputs, program);

@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <atomic>
 #include <charconv>
-#include <cmath>
-#include <numeric>
+#include <span>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -12,12 +13,11 @@
 #include "sim/error.h"
 #include "sim/host_clock.h"
 #include "sim/io/printable.h"
-#include "tools/analysis/units.h"
 #include "tools/host/on_threads.h"
 #include "tools/sampling/pilot.h"
-#include "tools/sampling/slice_program.h"
-#include "tools/sampling/slice_tiles.h"
-#include "tools/simulation/machine_run.h"
+#include "tools/sampling/slice_file.h"
+#include "tools/sampling/slice_play.h"
+#include "tools/sampling/slice_sum.h"
 #include "traces/accel/bvh_tracer.h"
 
 namespace tools {
@@ -25,184 +25,32 @@ namespace {
 
 /// Tiles of a slice for each of a lead, where the number of slices is free: leads cost less than a tenth.
 constexpr std::uint32_t kTilesOfALead = 10;
-/// Error of a border that tiles played twice do not tell, in such tiles, as half of a 95 % interval (docs/slices.md).
-constexpr double kBorderError = 4;
-
-/// Time and counters of a machine between two times.
-struct Stretch {
-  sim::Time time = 0;
-  std::vector<sim::UnitReport> units;
-  std::vector<hw::KernelUse> kernels;
-
-  explicit Stretch(const hw::Gpu& gpu) : time(gpu.elapsed()), units(gpu.report()), kernels(gpu.kernel_use()) {}
-  explicit Stretch(const SliceTiles::Mark& mark) : time(mark.time), units(mark.units), kernels(mark.kernels) {}
-  void take_off(const SliceTiles::Mark& earlier) {
-    time -= earlier.time;
-    sim::take_off_reports(units, earlier.units);
-    for (std::size_t k = 0; k < kernels.size(); ++k) kernels[k] -= earlier.kernels[k];
-  }
-  void add(const Stretch& other) {
-    time += other.time;
-    sim::add_reports(units, other.units);
-    for (std::size_t k = 0; k < kernels.size(); ++k) kernels[k] += other.kernels[k];
-  }
-};
-
-/// Work that a machine has done: what the functional half counts as well, whatever the machine.
-struct Work {
-  double steps = 0, rays = 0;
-  explicit Work(std::span<const sim::UnitReport> reports) {
-    const Units<hw::Trv> trvs(reports);
-    const Units<hw::Ist> ists(reports);
-    steps = static_cast<double>(trvs.counted(&hw::Trv::Stats::visits) -
-                                trvs.counted(&hw::Trv::Stats::restarted_visits) + ists.counted(&hw::Ist::Stats::tests));
-    rays = static_cast<double>(Units<hw::Srp>(reports).counted(&hw::SrpStats::rays));
-  }
-};
-
-/// Ratio of a frame's work to what its slices have done: tiles under way at a border were not equally far on both
-/// machines. Mean of those of steps and rays.
-double undone(const FrontEnd::Result& function, const Work& done) {
-  return (static_cast<double>(function.traversal_steps) / done.steps +
-          static_cast<double>(function.all_rays()) / done.rays) /
-         2;
-}
-
-void scale(Stretch& all, double factor) {
-  const auto by = [factor](auto& value) {
-    value = static_cast<std::uint64_t>(std::llround(factor * static_cast<double>(value)));
-  };
-  by(all.time);
-  for (sim::UnitReport& unit : all.units) {
-    unit.elapsed = 0;
-    for (auto& [reason, cycles] : unit.why) {
-      by(cycles);
-      unit.elapsed += cycles;
-    }
-    for (sim::CounterReport& counter : unit.counters) {
-      if (counter.kind != sim::CounterKind::kPeak) by(counter.value);
-    }
-  }
-  for (hw::KernelUse& use : all.kernels) {
-    for (std::uint64_t* value : {&use.launches, &use.items, &use.idle, &use.cycles, &use.starved}) by(*value);
-  }
-}
-
-/// Cost of tiles that two machines have played.
-struct Probe {
-  double time = 0, energy_pj = 0;
-};
-
-/// Results of one slice.
-struct PlayedSlice {
-  std::optional<Stretch> own;
-  Probe before, after;                     ///< those of the last tiles of its lead and of its own, if there is a border
-  double seconds = 0, timing_seconds = 0;  ///< host: of its thread, and without making tiles
-};
 
 /// Plays the slices of a frame, as many at once as there are threads. More threads render ahead of them.
-class SlicePlays {
- public:
-  SlicePlays(const Inputs& inputs, SharedFrame& frame, const traces::Tracer& tracer, std::span<const Slice> slices,
-             const SliceShape& shape, std::uint32_t threads)
-      : inputs_(inputs),
-        frame_(frame),
-        tracer_(tracer),
-        slices_(slices),
-        probe_(shape.probe),
-        at_once_(std::min(threads, static_cast<std::uint32_t>(slices.size()))),
-        threads_(threads),
-        scheduled_(std::make_shared<const hw::ScheduledKernels>(hw::schedule_kernels(inputs.config.gpu))),
-        played_(slices.size()) {}
-
-  std::vector<PlayedSlice> play() {
-    on_threads(at_once_, [this](std::size_t thread) {
-      const std::uint32_t workers = threads_ / at_once_ - 1 + (thread < threads_ % at_once_ ? 1 : 0);
-      try {
-        for (std::size_t i = next_++; i < slices_.size(); i = next_++) play_one(i, workers);
-      } catch (...) {
-        next_ = slices_.size();
-        throw;
+std::vector<PlayedSlice> play_all(const SlicePlayer& player, SharedFrame& frame, const traces::Tracer& tracer,
+                                  std::span<const Slice> slices, std::uint32_t threads) {
+  const std::uint32_t at_once = std::min(threads, static_cast<std::uint32_t>(slices.size()));
+  std::vector<PlayedSlice> played(slices.size());
+  std::atomic<std::size_t> next = 0;
+  on_threads(at_once, [&](std::size_t thread) {
+    const std::uint32_t workers = threads / at_once - 1 + (thread < threads % at_once ? 1 : 0);
+    try {
+      for (std::size_t i = next++; i < slices.size(); i = next++) {
+        played[i] = player.play(frame, tracer, slices[i], workers);
       }
-    });
-    return std::move(played_);
-  }
-  const std::vector<hw::KernelSchedule>& kernels() const { return scheduled_->kernels; }
-
- private:
-  void play_one(std::size_t i, std::uint32_t workers) {
-    const double begin = sim::thread_seconds();
-    const Slice& slice = slices_[i];
-    SliceProgram program(frame_, slice);
-    const bool is_last = slice.end == program.tiles();
-    std::vector<std::uint32_t> tile_indices((is_last ? slice.end : slice.end + 1) - slice.begin());
-    std::iota(tile_indices.begin(), tile_indices.end(), slice.begin());
-    FrontEnd front_end(program, tracer_, workers, true, std::move(tile_indices));
-    SliceTiles tiles(front_end, slice, probe_, is_last);
-    const auto gpu = make_gpu(inputs_, inputs_.config, program.requirements(), tiles, {}, {}, scheduled_);
-    tiles.connect(*gpu);
-    run_to_end(*gpu);
-
-    PlayedSlice& played = played_[i];
-    Stretch& own = is_last ? played.own.emplace(*gpu) : played.own.emplace(tiles.at(slice.end));
-    if (slice.first != 0) {
-      own.take_off(tiles.at(slice.first));
-      played.before = probe(tiles, slice.first);
+    } catch (...) {
+      next = slices.size();
+      throw;
     }
-    if (!is_last) played.after = probe(tiles, slice.end);
-    frame_.add_times(front_end.result());
-    played.seconds = sim::thread_seconds() - begin;
-    played.timing_seconds = played.seconds - tiles.making_seconds();
-  }
-  Probe probe(const SliceTiles& tiles, std::uint32_t border) const {
-    Stretch stretch(tiles.at(border));
-    stretch.take_off(tiles.at(border - probe_));
-    return {static_cast<double>(stretch.time), energy_of(stretch.units, stretch.time, inputs_.config).total_pj.nominal};
-  }
-
-  const Inputs& inputs_;
-  SharedFrame& frame_;
-  const traces::Tracer& tracer_;
-  const std::span<const Slice> slices_;
-  const std::uint32_t probe_, at_once_, threads_;
-  const std::shared_ptr<const hw::ScheduledKernels> scheduled_;
-  std::vector<PlayedSlice> played_;
-  std::atomic<std::size_t> next_ = 0;
-};
-
-/// Adds up what slices came to, and how far they disagree about the `probe` tiles at each border.
-void take(std::vector<PlayedSlice> played, std::uint32_t probe, const RunConfig& config, Simulation& s,
-          SlicedFrame& sliced) {
-  Stretch& all = *played.front().own;
-  double time = 0, energy = 0;
-  const auto add_error = [probe](double& error, double filled, double under_way) {
-    error = std::hypot(error, filled - under_way, kBorderError * under_way / probe);
-  };
-  for (std::size_t i = 1; i < played.size(); ++i) {
-    all.add(*played[i].own);
-    add_error(time, played[i].before.time, played[i - 1].after.time);
-    add_error(energy, played[i].before.energy_pj, played[i - 1].after.energy_pj);
-  }
-  for (const PlayedSlice& slice : played) {
-    sliced.seconds.push_back(slice.seconds);
-    sliced.timing_seconds += slice.timing_seconds;
-  }
-  if (played.size() > 1) scale(all, undone(s.function, Work(all.units)));
-  const sim::Clock clock = config.gpu.clocks.tni.clock();
-  s.elapsed = clock.edge_at_or_after(all.time);
-  s.cycles = clock.cycles(s.elapsed);
-  s.units = std::move(all.units);
-  s.kernel_use = std::move(all.kernels);
-  s.energy = energy_of(s.units, s.elapsed, config);
-  sliced.cycles = {static_cast<double>(s.cycles), time / static_cast<double>(clock.period()), 0};
-  sliced.energy_pj = {s.energy.total_pj.nominal, energy, 0};
+  });
+  return played;
 }
 
 kernels::FullProgram frame_of(const Inputs& inputs, const kernels::ProgramSpec& program) {
   return {inputs.image, inputs.camera, inputs.config.render, program.samples, inputs.frame};
 }
 
-void check_render(const kernels::RenderConfig& render) {
+void check_can_cut(const kernels::RenderConfig& render) {
   if (render.primary != kernels::Primary::kRays) {
     throw sim::InputError(
         "--slices: all tiles wait for a rasteriser's geometry pass, which no slice has; allowed: render.primary=rays");
@@ -232,10 +80,11 @@ void check_slices(const kernels::ProgramSpec& program) {
       program.name()));
 }
 
-std::uint32_t slices_of(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t asked) {
-  check_render(inputs.config.render);
-  const kernels::FullProgram frame = frame_of(inputs, program);
-  const SliceShape shape = slice_shape(inputs.config.gpu, frame.requirements());
+std::uint32_t slices_of(const RunConfig& config, const kernels::ProgramSpec& program, std::uint32_t asked) {
+  check_can_cut(config.render);
+  const traces::MemoryImage no_scene;  // tiles are the same of all
+  const kernels::FullProgram frame(no_scene, {}, config.render, program.samples, 0);
+  const SliceShape shape = slice_shape(config.gpu, frame.requirements());
   if (asked == kAutoSlices) return std::max(1U, frame.tiles() / (kTilesOfALead * shape.lead));
   const std::uint32_t most = std::max(1U, frame.tiles() / shape.lead);
   if (asked <= most) return asked;
@@ -251,25 +100,60 @@ Simulation simulate_slices(const Inputs& inputs, const kernels::ProgramSpec& pro
   threads = host_threads(threads);
   const traces::BvhTracer tracer(inputs.image);
   kernels::FullProgram full = frame_of(inputs, program);
-  const SliceShape shape = slice_shape(inputs.config.gpu, full.requirements());
-  const std::vector<Slice> plan = plan_slices(guess_costs(inputs, program, tracer, threads), slices, shape);
+  const SlicePlayer player(inputs, full);
+  const std::vector<Slice> plan = plan_slices(guess_costs(inputs, program, tracer, threads), slices, player.shape());
   if (progress != nullptr) progress->begin_part("simulating", inputs.frame, full.tiles());
   SharedFrame frame(full, progress);
-  SlicePlays plays(inputs, frame, tracer, plan, shape, threads);
-
-  Simulation s;
-  s.program = program;
-  s.machine = inputs.config.gpu;
-  s.kernels = plays.kernels();
-  SlicedFrame& sliced = s.sliced.emplace();
-  sliced.slices = slices;
-  sliced.tiles = full.tiles();
-  for (const Slice& slice : plan) sliced.again += slice.lead, sliced.warmed += slice.warming;
-  std::vector<PlayedSlice> played = plays.play();
-  s.function = frame.take_function();
-  take(std::move(played), shape.probe, inputs.config, s, sliced);
-  s.tiles = s.finished_tiles = full.tiles();
+  std::vector<PlayedSlice> played = play_all(player, frame, tracer, plan, threads);
+  Simulation s = add_up(player, program, frame.take_function(), std::move(played));
   s.wall_seconds = sim::seconds_since(begin);
+  return s;
+}
+
+nlohmann::ordered_json simulate_slice(const Inputs& inputs, const kernels::ProgramSpec& program, std::uint32_t threads,
+                                      std::uint32_t slices, std::uint32_t index) {
+  const sim::HostClock::time_point begin = sim::HostClock::now();
+  threads = host_threads(threads);
+  const traces::BvhTracer tracer(inputs.image);
+  kernels::FullProgram full = frame_of(inputs, program);
+  const SlicePlayer player(inputs, full);
+  const std::vector<Slice> plan = plan_slices(guess_costs(inputs, program, tracer, threads), slices, player.shape());
+  SharedFrame frame(full, nullptr);
+  SlicePart part;
+  part.played = player.play(frame, tracer, plan.at(index), threads - 1);
+  part.function = frame.take_function();
+  part.wall_seconds = sim::seconds_since(begin);
+  return slice_json(part);
+}
+
+Simulation join_slices(const Inputs& inputs, const kernels::ProgramSpec& program,
+                       std::span<const nlohmann::ordered_json> slices) {
+  const SlicePlayer player(inputs, frame_of(inputs, program));
+  const Stretch nothing = player.nothing();
+  std::vector<PlayedSlice> played;
+  FrontEnd::Result function;
+  double wall_seconds = 0;
+  std::uint32_t next = 0;
+  const auto read = [&](const nlohmann::ordered_json& slice) {
+    try {
+      return read_slice(slice, nothing);
+    } catch (const sim::InputError& error) {
+      throw sim::InputError(fmt::format("slice {}: {}", played.size() + 1, error.what()));
+    }
+  };
+  for (const nlohmann::ordered_json& slice : slices) {
+    SlicePart part = read(slice);
+    const bool follows = part.played.slice.first == next && part.played.slice.end > next;
+    next = part.played.slice.end;
+    if (!follows || (next == player.tiles()) != (played.size() + 1 == slices.size())) {
+      throw sim::InputError(fmt::format("slice {}: its tiles do not follow those before it", played.size() + 1));
+    }
+    function.add(part.function);
+    wall_seconds += part.wall_seconds;
+    played.push_back(std::move(part.played));
+  }
+  Simulation s = add_up(player, program, std::move(function), std::move(played));
+  s.wall_seconds = wall_seconds;
   return s;
 }
 

@@ -128,6 +128,57 @@ TEST(Slices, ThePictureAndAllThatIsCountedOfItAreTheWholeFrames) {
     EXPECT_EQ(cut.function.rays[k], whole.function.rays[k]);
 }
 
+/// Eight slices, each played alone and read from its text.
+const std::vector<nlohmann::ordered_json>& eight_parts() {
+  static const std::vector<nlohmann::ordered_json> parts = [] {
+    std::vector<nlohmann::ordered_json> all(8);
+    for (const std::uint32_t i : {5U, 0U, 7U, 1U, 2U, 6U, 3U, 4U}) {
+      all[i] = nlohmann::ordered_json::parse(simulate_slice(teapot_tiles(), kFull, i % 3 + 1, 8, i).dump());
+    }
+    return all;
+  }();
+  return parts;
+}
+
+TEST(Slices, PlayedEachAloneTheyAddUpToTheSameFrameToTheLastCounter) {
+  Simulation joined = join_slices(teapot_tiles(), kFull, eight_parts());
+  EXPECT_TRUE(joined.function.rgb.empty());
+  joined.function.rgb = eight_slices().function.rgb;
+  EXPECT_EQ(first_difference(eight_slices(), joined), "");
+  EXPECT_EQ(joined.sliced->cycles.half_width(), eight_slices().sliced->cycles.half_width());
+  EXPECT_EQ(joined.sliced->energy_pj.half_width(), eight_slices().sliced->energy_pj.half_width());
+  EXPECT_EQ(joined.sliced->again, eight_slices().sliced->again);
+  EXPECT_EQ(joined.sliced->warmed, eight_slices().sliced->warmed);
+  EXPECT_EQ(joined.function.sampling.background, eight_slices().function.sampling.background);
+  EXPECT_EQ(joined.function.sampling.wanted, eight_slices().function.sampling.wanted);
+}
+
+TEST(Slices, WhatIsNoSliceOfTheFrameIsNotJoined) {
+  const auto refused = [](auto&& damage) {
+    std::vector<nlohmann::ordered_json> parts = eight_parts();
+    damage(parts);
+    try {
+      join_slices(teapot_tiles(), kFull, parts);
+    } catch (const sim::InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  using Parts = std::vector<nlohmann::ordered_json>;
+  EXPECT_EQ(refused([](Parts&) {}), "");
+  EXPECT_SAYS(refused([](Parts& p) { std::swap(p[2], p[3]); }), "do not follow");
+  EXPECT_SAYS(refused([](Parts& p) { p.pop_back(); }), "do not follow");
+  EXPECT_SAYS(refused([](Parts& p) { p[1]["tiles"]["end"] = 1e3; }), "no whole number");
+  EXPECT_SAYS(refused([](Parts& p) { p[1]["tiles"]["end"] = std::uint64_t{1} << 40; }), "end is too large");
+  EXPECT_SAYS(refused([](Parts& p) { p[1]["units"].erase(0); }), "units are no list of");
+  EXPECT_SAYS(refused([](Parts& p) { p[1]["units"][3]["path"] = "gpu"; }), "there is no unit");
+  EXPECT_SAYS(refused([](Parts& p) { p[1]["units"][3]["counters"].push_back(1); }), "counters are no list of");
+  EXPECT_SAYS(refused([](Parts& p) { p[1]["units"][3]["why"][0] = -1; }), "no whole number");
+  EXPECT_SAYS(refused([](Parts& p) { p[1]["before"]["time"] = "long"; }), "an amount is no number");
+  EXPECT_SAYS(refused([](Parts& p) { p[1].erase("function"); }), "function");
+  EXPECT_SAYS(refused([](Parts& p) { p[1] = {1, 2}; }), "type");
+}
+
 TEST(Slices, TheTruthLiesInNearlyAllIntervals) {
   int inside = 0;
   const auto look = [&](const Interval& interval, double truth) {
@@ -165,12 +216,12 @@ TEST(Slices, EveryUnitsReasonsSumToItsTimeWhichIsTheFrames) {
 }
 
 TEST(Slices, AutoGivesEachTenTimesTheTilesThatFillItsMachine) {
-  EXPECT_EQ(slices_of(teapot_tiles(), kFull, kAutoSlices), 16U) << "1600 tiles, 10 fill it";
-  EXPECT_EQ(slices_of(teapot_tiles(), kFull, 160), 160U);
-  EXPECT_THROW(slices_of(teapot_tiles(), kFull, 161), sim::InputError);
+  EXPECT_EQ(slices_of(teapot_tiles().config, kFull, kAutoSlices), 16U) << "1600 tiles, 10 fill it";
+  EXPECT_EQ(slices_of(teapot_tiles().config, kFull, 160), 160U);
+  EXPECT_THROW(slices_of(teapot_tiles().config, kFull, 161), sim::InputError);
   JobOptions small;
   small.resolution = "64x64";
-  EXPECT_EQ(slices_of(load_inputs(small), kFull, kAutoSlices), 1U);
+  EXPECT_EQ(slices_of(load_inputs(small).config, kFull, kAutoSlices), 1U);
 }
 
 TEST(Slices, OfFramesThatAreAddedUpChanceEvensOut) {

@@ -1,0 +1,80 @@
+#include "tools/sampling/slice_play.h"
+
+#include <numeric>
+
+#include "sim/host_clock.h"
+#include "tools/simulation/machine_run.h"
+
+namespace tools {
+namespace {
+
+class EmptyTileList final : public hw::TileSource {
+ public:
+  const traces::TileWork* next() override { return nullptr; }
+  void give_back(const traces::TileWork* /*work*/) override {}
+};
+
+}  // namespace
+
+void Stretch::take_off(const SliceTiles::Mark& earlier) {
+  time -= earlier.time;
+  sim::take_off_reports(units, earlier.units);
+  for (std::size_t k = 0; k < kernels.size(); ++k) kernels[k] -= earlier.kernels[k];
+}
+
+void Stretch::add(const Stretch& other) {
+  time += other.time;
+  sim::add_reports(units, other.units);
+  for (std::size_t k = 0; k < kernels.size(); ++k) kernels[k] += other.kernels[k];
+}
+
+SlicePlayer::SlicePlayer(const Inputs& inputs, const kernels::FrameProgram& frame)
+    : inputs_(inputs),
+      requirements_(frame.requirements()),
+      tiles_(frame.tiles()),
+      shape_(slice_shape(inputs.config.gpu, requirements_)),
+      scheduled_(std::make_shared<const hw::ScheduledKernels>(hw::schedule_kernels(inputs.config.gpu))) {}
+
+std::unique_ptr<hw::Gpu> SlicePlayer::machine(hw::TileSource& tiles) const {
+  return make_gpu(inputs_, inputs_.config, requirements_, tiles, {}, {}, scheduled_);
+}
+
+Stretch SlicePlayer::nothing() const {
+  EmptyTileList none;
+  return Stretch(*machine(none));
+}
+
+PlayedSlice SlicePlayer::play(SharedFrame& frame, const traces::Tracer& tracer, const Slice& slice,
+                              std::uint32_t workers) const {
+  const double begin = sim::thread_seconds();
+  SliceProgram program(frame, slice);
+  const bool is_last = slice.end == tiles_;
+  std::vector<std::uint32_t> tile_indices((is_last ? slice.end : slice.end + 1) - slice.begin());
+  std::iota(tile_indices.begin(), tile_indices.end(), slice.begin());
+  FrontEnd front_end(program, tracer, workers, true, std::move(tile_indices));
+  SliceTiles tiles(front_end, slice, shape_.probe, is_last);
+  const auto gpu = machine(tiles);
+  tiles.connect(*gpu);
+  run_to_end(*gpu);
+
+  PlayedSlice played;
+  played.slice = slice;
+  played.own = is_last ? Stretch(*gpu) : Stretch(tiles.at(slice.end));
+  if (slice.first != 0) {
+    played.own.take_off(tiles.at(slice.first));
+    played.before = probe(tiles, slice.first);
+  }
+  if (!is_last) played.after = probe(tiles, slice.end);
+  frame.add_times(front_end.result());
+  played.seconds = sim::thread_seconds() - begin;
+  played.timing_seconds = played.seconds - tiles.making_seconds();
+  return played;
+}
+
+Probe SlicePlayer::probe(const SliceTiles& tiles, std::uint32_t border) const {
+  Stretch stretch(tiles.at(border));
+  stretch.take_off(tiles.at(border - shape_.probe));
+  return {static_cast<double>(stretch.time), energy_of(stretch.units, stretch.time, inputs_.config).total_pj.nominal};
+}
+
+}  // namespace tools
