@@ -17,6 +17,7 @@
 #include "tools/studies/sweep/results/results_table.h"
 #include "tools/studies/sweep/results/sensitivity.h"
 #include "tools/studies/sweep/store/folder.h"
+#include "tools/studies/sweep/sweep.h"
 
 namespace tools {
 namespace {
@@ -80,7 +81,9 @@ void add_collect(CLI::App& group) {
   CLI::App* verb = add_query(group, "collect", "Gather what has come out into index.sqlite and results.csv", *folder);
   verb->footer("Example: raywatt sweep collect out/l1");
   verb->callback([folder] {
-    const results::Collected collected = results::collect(sweep::SweepFolder::open(*folder));
+    const sweep::SweepFolder opened = sweep::SweepFolder::open(*folder);
+    join_sweep(opened);
+    const results::Collected collected = results::collect(opened);
     fmt::print("{}{}\ntable: {}\nindex: {}\n", summary_text(collected), collected.unchanged ? ", as before" : "",
                (*folder / "results.csv").string(), (*folder / "index.sqlite").string());
   });

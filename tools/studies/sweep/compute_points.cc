@@ -21,11 +21,15 @@ namespace fs = std::filesystem;
 using sweep::Point;
 using sweep::SweepFolder;
 
-/// The ids of a list, by line, or of the sweep, each by itself, if there is none.
+/// The ids of a list, by line, or of the sweep, each by itself, if there is none. Slices stand for points that
+/// are cut.
 std::vector<std::vector<std::string>> listed(const std::vector<Point>& points, const fs::path& list) {
   std::vector<std::vector<std::string>> ids;
   if (list.empty()) {
-    for (const Point& point : points) ids.push_back({point.id});
+    for (const Point& point : points) {
+      if (!point.is_cut()) ids.push_back({point.id});
+      for (const Point& slice : slices_of(point)) ids.push_back({slice.id});
+    }
     return ids;
   }
   std::istringstream lines(sim::read_file(list, std::uint64_t{1} << 30));
@@ -45,8 +49,11 @@ std::vector<Point> chosen(const SweepFolder& folder, const PointOptions& options
     throw sim::InputError(
         fmt::format("--index {}: there are {} chunks of {} points", options.index, chunks, options.chunk));
   }
-  std::map<std::string, const Point*> by_id;
-  for (const Point& point : all) by_id.emplace(point.id, &point);
+  std::map<std::string, Point> by_id;
+  for (const Point& point : all) {
+    by_id.emplace(point.id, point);
+    for (const Point& slice : slices_of(point)) by_id.emplace(slice.id, slice);
+  }
   const std::size_t begin = options.index * options.chunk;
   const std::size_t end = begin + std::min<std::size_t>(options.chunk, lines.size() - begin);
   std::vector<Point> points;
@@ -57,7 +64,7 @@ std::vector<Point> chosen(const SweepFolder& folder, const PointOptions& options
         throw sim::InputError(fmt::format("{}:{}: '{}' is no point of this sweep",
                                           sim::printable(options.list.string()), l + 1, sim::printable(id)));
       }
-      points.push_back(*found->second);
+      points.push_back(found->second);
     }
   }
   return points;

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <ctime>
 #include <optional>
 
@@ -65,6 +66,16 @@ Planned plan_from_folder(const SweepOptions& options, const SweepFolder& folder)
   return planned;
 }
 
+/// "to compute, 3 of 8 slices in the store"
+std::string state_text(const Point& point, const Store& store) {
+  const auto is_there = [&](const Point& one) { return store.state(one.id) == Store::State::kGood; };
+  if (is_there(point)) return "in the store";
+  if (!point.error.empty()) return "impossible";
+  if (!point.is_cut()) return "to compute";
+  return fmt::format("to compute, {} of {} slices in the store", std::ranges::count_if(slices_of(point), is_there),
+                     point.slices);
+}
+
 void print_plan(const std::vector<Point>& points, const Store& store) {
   std::vector<std::string> header = {"n"};
   for (const auto& [name, value] : points.front().axes) header.push_back(name);
@@ -74,9 +85,8 @@ void print_plan(const std::vector<Point>& points, const Store& store) {
   for (const Point& point : points) {
     std::vector<std::string> cells = {std::to_string(point.n)};
     for (const auto& [name, value] : point.axes) cells.push_back(value);
-    const bool is_there = store.state(point.id) == Store::State::kGood;
-    there += is_there ? 1 : 0;
-    cells.emplace_back(is_there ? "in the store" : point.error.empty() ? "to compute" : "impossible");
+    cells.push_back(state_text(point, store));
+    there += cells.back() == "in the store" ? 1 : 0;
     table.row(std::move(cells));
   }
   fmt::print("{}\n{} points, {} of them in the store\n", table.text(), points.size(), there);
@@ -85,29 +95,43 @@ void print_plan(const std::vector<Point>& points, const Store& store) {
   }
 }
 
-/// Tells how far a batch is.
+/// Tells how far a batch is: by points, or by slices where points are cut.
 class Watcher {
  public:
-  Watcher(const SweepOptions& options, std::size_t points)
-      : progress_(options.progress, options.quiet), points_(static_cast<std::uint32_t>(points)) {
+  Watcher(const SweepOptions& options, const std::vector<Point>& points)
+      : progress_(options.progress, options.quiet), points_(points), slices_(points.size()) {
+    for (const Point& point : points) all_ += point.pieces();
     progress_.expect(1, "sweep");
-    progress_.begin_part(text(), 0, points_);
+    progress_.begin_part(text(), 0, all_);
   }
-  void operator()(Fate fate) {
+  void slice_ended(std::size_t p) {
+    slices_[p] += 1;
+    show(1);
+  }
+  void ended(std::size_t p, Fate fate) {
     ended_ += 1;
     failed_ += fate == Fate::kFailed ? 1 : 0;
-    progress_.phase(text());
-    progress_.tiles_done(ended_, 0, 0);
+    show(points_[p].pieces() - slices_[p]);
   }
   void end(const std::string& how) { progress_.end(how); }
 
  private:
+  void show(std::uint32_t more) {
+    done_ += more;
+    progress_.phase(text());
+    progress_.tiles_done(done_, 0, 0);
+  }
   std::string text() const {
-    return fmt::format("{} of {} points{}", ended_, points_, failed_ != 0 ? fmt::format(", {} failed", failed_) : "");
+    const std::size_t all = points_.size();
+    return fmt::format("{} of {} points{}{}", ended_, all,
+                       all_ != all ? fmt::format(", {} of {} slices", done_, all_) : "",
+                       failed_ != 0 ? fmt::format(", {} failed", failed_) : "");
   }
 
   Progress progress_;
-  const std::uint32_t points_;
+  const std::vector<Point>& points_;
+  std::vector<std::uint32_t> slices_;  ///< that have ended, of each point
+  std::uint32_t all_ = 0, done_ = 0;   ///< slices, and points that have none
   std::uint32_t ended_ = 0, failed_ = 0;
 };
 
@@ -167,12 +191,14 @@ int run_sweep(const SweepOptions& options) {
   if (auto* slurm = dynamic_cast<sweep::SlurmLauncher*>(launcher.get()); slurm != nullptr && !options.wait) {
     const sweep::SlurmLauncher::Submitted submitted = slurm->submit(planned.points);
     if (submitted.points + submitted.queued != 0) {
-      if (!options.quiet) tell_submitted(submitted, planned.points.size(), out);
+      if (!options.quiet) tell_submitted(submitted, planned.points, out);
       return kGood;
     }
   }
-  Watcher watcher(options, planned.points.size());
-  const sweep::BatchEnd end = launcher->run(planned.points, [&](std::size_t, Fate fate) { watcher(fate); });
+  Watcher watcher(options, planned.points);
+  const sweep::BatchEnd end = launcher->run(
+      planned.points, [&](std::size_t p, Fate fate) { watcher.ended(p, fate); },
+      [&](std::size_t p) { watcher.slice_ended(p); });
   watcher.end(end.interrupted ? "interrupted" : "done");
   const std::uint64_t computed = end.count(Fate::kComputed), found = end.count(Fate::kFound),
                       failed = end.count(Fate::kFailed), missing = end.count(Fate::kMissing);

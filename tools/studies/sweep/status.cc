@@ -29,7 +29,7 @@ using sweep::SweepFolder;
 /// How far a sweep is, from its folder and the store alone.
 nlohmann::ordered_json status_of(const SweepFolder& folder) {
   const Store store = folder.store();
-  std::uint64_t done = 0, failed = 0, running = 0, damaged = 0;
+  std::uint64_t done = 0, failed = 0, running = 0, damaged = 0, slices = 0, slices_done = 0;
   const std::vector<Point> points = folder.points();
   nlohmann::ordered_json failures = nlohmann::ordered_json::array();
   for (const Point& point : points) {
@@ -40,21 +40,30 @@ nlohmann::ordered_json status_of(const SweepFolder& folder) {
       failed += 1;
       failures.push_back({{"n", point.n}, {"id", point.id}, {"exit", failure->exit}, {"error", failure->error}});
     } else {
-      running += store.is_locked(point.id) ? 1 : 0;
+      bool is_running = store.is_locked(point.id);
+      for (const Point& slice : slices_of(point)) {
+        slices += 1;
+        slices_done += store.state(slice.id) == Store::State::kGood ? 1 : 0;
+        is_running = is_running || store.is_locked(slice.id);
+      }
+      running += is_running ? 1 : 0;
       damaged += state == Store::State::kDamaged ? 1 : 0;
     }
   }
   const std::optional<SweepFolder::Runner> runner = folder.runner();
-  return {{"points", points.size()},
-          {"done", done},
-          {"failed", failed},
-          {"missing", points.size() - done - failed},
-          {"running", running},
-          {"damaged", damaged},
-          {"runner", runner ? nlohmann::ordered_json{{"host", runner->host}, {"process", runner->process}}
-                            : nlohmann::ordered_json(nullptr)},
-          {"store", store.root().string()},
-          {"failures", failures}};
+  nlohmann::ordered_json status = {
+      {"points", points.size()},
+      {"done", done},
+      {"failed", failed},
+      {"missing", points.size() - done - failed},
+      {"running", running},
+      {"damaged", damaged},
+      {"runner", runner ? nlohmann::ordered_json{{"host", runner->host}, {"process", runner->process}}
+                        : nlohmann::ordered_json(nullptr)},
+      {"store", store.root().string()},
+      {"failures", failures}};
+  if (slices != 0) status["slices_of_missing"] = {{"slices", slices}, {"done", slices_done}};
+  return status;
 }
 
 std::uint64_t count_of(const nlohmann::ordered_json& status, const char* key) {
@@ -62,9 +71,13 @@ std::uint64_t count_of(const nlohmann::ordered_json& status, const char* key) {
 }
 
 std::string counts_text(const nlohmann::ordered_json& status) {
-  return fmt::format("{} points: {} done, {} failed, {} missing ({} of them being computed, {} damaged)",
-                     count_of(status, "points"), count_of(status, "done"), count_of(status, "failed"),
-                     count_of(status, "missing"), count_of(status, "running"), count_of(status, "damaged"));
+  std::string text = fmt::format("{} points: {} done, {} failed, {} missing ({} of them being computed, {} damaged)",
+                                 count_of(status, "points"), count_of(status, "done"), count_of(status, "failed"),
+                                 count_of(status, "missing"), count_of(status, "running"), count_of(status, "damaged"));
+  if (const auto slices = status.find("slices_of_missing"); slices != status.end()) {
+    text += fmt::format("; of their slices {} of {} are done", count_of(*slices, "done"), count_of(*slices, "slices"));
+  }
+  return text;
 }
 
 /// The view of a sweep: its counts.

@@ -6,6 +6,7 @@
 
 #include "tools/studies/sweep/launch/launcher_options.h"
 #include "tools/studies/sweep/spec/point.h"
+#include "tools/studies/sweep/store/folder.h"
 #include "tools/studies/sweep/store/store.h"
 
 namespace tools {
@@ -29,6 +30,9 @@ struct PointOptions {
 };
 
 int compute_points(const PointOptions& options);
+
+/// Joins the slices of points whose last one was computed by a process that was killed before it could.
+void join_sweep(const sweep::SweepFolder& folder);
 
 /// Prints how far the sweep in a folder is.
 void print_sweep_status(const std::filesystem::path& path, bool json);

@@ -41,8 +41,8 @@ struct SlurmWords : testing::Test {
     around.variables = {{"PATH", (folder.path() / "bin").string() + ":/usr/bin:/bin"}};
     return raywatt(words, around);
   }
-  Ending run(const Words& more = {}) {
-    Words words = sweep_run(folder, write_sweep(folder, kFourPoints), {"--launcher", "slurm"});
+  Ending run(const Words& more = {}, const char* lines = kFourPoints) {
+    Words words = sweep_run(folder, write_sweep(folder, lines), {"--launcher", "slurm"});
     words.insert(words.end(), more.begin(), more.end());
     return with_commands(words);
   }
@@ -62,6 +62,27 @@ TEST_F(SlurmWords, AJobArrayIsHandedInAndTheCommandReturns) {
   const std::string list = read_bytes(out / "submit-1.txt");
   EXPECT_EQ(std::ranges::count(list, '\n'), 4);
   EXPECT_SAYS(read_bytes(out / "submit-1.sh"), "sweep point");
+}
+
+TEST_F(SlurmWords, SlicesOfAPointAreHandedInLikePoints) {
+  constexpr const char* kCut = "slices: 4\nsets: [render.tile=2]\naxes: {cores: [1, 2]}\n";
+  idle_slurm();
+  command(
+      "sbatch",
+      "for script; do :; done; for task in 7 6 5 4 3 2 1 0; do SLURM_ARRAY_TASK_ID=$task sh $script; done; echo 12");
+  const Ending begun = run({"--chunk", "1"}, kCut);
+  EXPECT_EQ(begun.exit, 0) << begun.err;
+  EXPECT_SAYS(begun.out, "2 points, 8 slices: 8 handed in, 0 in the queue already, 0 with a result");
+  EXPECT_SAYS(said_to("sbatch"), "--array=0-7\n");
+  const Ending done = run({"--chunk", "1"}, kCut);
+  EXPECT_EQ(done.exit, 0) << done.err;
+  EXPECT_SAYS(done.out, "2 points: 0 computed, 2 found, 0 failed");
+  EXPECT_FALSE(fs::exists(out / "submit-2.sh"));
+  const fs::path file = write_sweep(folder, kCut);
+  const std::string table = read_bytes(out / "results.csv");
+  fs::remove_all(folder.path() / "store");
+  ASSERT_EQ(raywatt(sweep_run(folder, file)).exit, 0);
+  EXPECT_EQ(read_bytes(out / "results.csv"), table);
 }
 
 TEST_F(SlurmWords, CommandsAreEndedByThePipesTheyWriteInto) {

@@ -69,12 +69,9 @@ struct Frames {
   }
 };
 
-Failure failure_of(const Point& point, int exit, const std::string& error, const std::string& log, int attempt) {
-  return {point.id, exit, error, log, host_name(), attempt};
-}
+}  // namespace
 
-/// Nothing is wrong with the point: it must not be kept as one that fails.
-[[noreturn]] void refuse_changed(const Point& point) {
+void refuse_changed(const Point& point) {
   throw sim::IoError(
       fmt::format("point {}: what it is made of has changed since the sweep was planned; the same command "
                   "plans anew",
@@ -86,17 +83,20 @@ void write_results(const fs::path& folder, const nlohmann::ordered_json& report,
   write_durably(folder / "config.yaml", sim::dump_config(config));
 }
 
-}  // namespace
-
-Inputs& PointComputer::inputs_for(const RunConfig& config) {
-  const std::string key = inputs_key(config);
-  if (key != inputs_key_) {
+Inputs& PointComputer::inputs_for(const Point& point, const PointKeys::Key& key, const RunConfig& config) {
+  const std::string wanted = inputs_key(config);
+  if (wanted != inputs_key_) {
     inputs_key_.clear();
     inputs_ = {};
     inputs_ = load_inputs(config, threads_);
-    if (inputs_.frames() == 1) inputs_key_ = key;  // later frames change them
+    if (inputs_.frames() == 1) inputs_key_ = wanted;  // later frames change them
   }
   inputs_.config = config;
+  const std::string planned = key.made_of.at("scene_sha256");
+  if (planned != kBuiltIn && planned != inputs_.scene_sha256) {
+    inputs_key_.clear();
+    refuse_changed(point);
+  }
   return inputs_;
 }
 
@@ -116,9 +116,14 @@ Fate PointComputer::compute(const Point& point, const Order& order) {
     if (!point.error.empty()) throw sim::InputError(point.error);
     const RunConfig config = keys_.config_of(point);
     const PointKeys::Key key = keys_.key_of(point, config);
-    if (key.id != point.id) refuse_changed(point);
+    if (key.id != (point.slice != 0 ? point.whole : point.id)) refuse_changed(point);
+    if (const std::optional<Failure> failure = complete(point, order)) {
+      store_.put_failure(*failure);
+      return Fate::kFailed;
+    }
     compute_now(point, key, config, order.record);
     store_.forget_failure(point.id);
+    if (point.slice != 0) join_after(point, order);
     return Fate::kComputed;
   } catch (const Interrupted&) {
     throw;
@@ -138,11 +143,13 @@ Fate PointComputer::compute(const Point& point, const Order& order) {
   } catch (const std::exception& e) {
     error = fmt::format("internal error: {}", e.what());
   }
-  store_.put_failure(failure_of(point, exit, error, log, order.attempt));
+  put_failure(point, {point.id, exit, error, log, host_name(), order.attempt});
   return Fate::kFailed;
 }
 
 void PointComputer::compute_now(const Point& point, const PointKeys::Key& key, const RunConfig& config, bool record) {
+  if (point.slice != 0) return play_slice(point, key, config);
+  if (point.slices != 0) return join(point, key, config);
   if (!key.stream.empty() && fs::exists(store_.stream(key.stream))) {
     try {
       return replay(point, key, config);
@@ -154,12 +161,7 @@ void PointComputer::compute_now(const Point& point, const PointKeys::Key& key, c
   const auto begin = sim::HostClock::now();
   const JobOptions options = point.options();
   store_.put(point.id, key.made_of, [&](const fs::path& folder) {
-    Inputs& inputs = inputs_for(config);
-    const std::string planned = key.made_of.at("scene_sha256");
-    if (planned != kBuiltIn && planned != inputs.scene_sha256) {
-      inputs_key_.clear();
-      refuse_changed(point);
-    }
+    Inputs& inputs = inputs_for(point, key, config);
     std::optional<Recording> recording;
     if (record && !key.stream.empty()) recording = begin_recording(key.stream, inputs, options);
     Frames frames{point, inputs, threads_, recording ? recording->trace.get() : nullptr,

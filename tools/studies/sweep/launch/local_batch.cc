@@ -37,8 +37,6 @@ std::string log_tail(const std::filesystem::path& file, std::uint64_t begin) {
 
 }  // namespace
 
-std::uint64_t BatchEnd::count(Fate fate) const { return static_cast<std::uint64_t>(std::ranges::count(fates, fate)); }
-
 /// One call of run().
 class LocalLauncher::Batch {
  public:
@@ -96,7 +94,7 @@ class LocalLauncher::Batch {
     const Store& store = launcher_.store_;
     if (store.state(points_[p].id) == Store::State::kGood) {
       finish(p, Fate::kFound);
-    } else if (!launcher_.options_.retry_failed && store.failure(points_[p].id)) {
+    } else if (!launcher_.retry_failed_ && store.failure(points_[p].id)) {
       finish(p, Fate::kFailed);
     } else {
       waiting_.push_back({p});
@@ -247,7 +245,7 @@ class LocalLauncher::Batch {
   BatchEnd end_;
 };
 
-BatchEnd LocalLauncher::run(std::span<const Point> points, const Watch& watch) {
+BatchEnd LocalLauncher::play(std::span<const Point> points, const Watch& watch) {
   if (!options_.log.empty()) make_folders(options_.log);
   Batch batch(*this, points, watch);
   try {

@@ -32,7 +32,7 @@ constexpr double kPatience = 10;  // s: for workers that shall end
 }  // namespace
 
 LocalLauncher::LocalLauncher(const Store& store, const Options& options)
-    : store_(store), options_([&] {
+    : Launcher(store, options.retry_failed), options_([&] {
         Options o = options;
         const std::uint32_t cores = host_threads(0);
         if (o.jobs == 0) o.jobs = cores;
@@ -124,7 +124,7 @@ void LocalLauncher::work(int socket, const std::filesystem::path& log) {
       Json answer;
       try {
         const Fate fate = computer.compute(point, {order->at("record").get<bool>(), order->at("wait").get<bool>(),
-                                                   options_.retry_failed, order->at("attempt").get<int>()});
+                                                   retry_failed_, order->at("attempt").get<int>()});
         answer = {{"fate", static_cast<int>(fate)}};
       } catch (const sim::IoError& error) {
         answer = {{"io_error", sim::printable(error.what(), kLogTail)}};

@@ -22,13 +22,10 @@ class LocalLauncher final : public Launcher {
   };
   LocalLauncher(const Store& store, const Options& options);
   ~LocalLauncher() override;
-  LocalLauncher(const LocalLauncher&) = delete;
-  LocalLauncher& operator=(const LocalLauncher&) = delete;
-
-  using Launcher::run;
-  BatchEnd run(std::span<const Point> points, const Watch& watch) override;
 
  private:
+  BatchEnd play(std::span<const Point> points, const Watch& watch) override;
+
   struct Worker {
     pid_t process = -1;
     int socket = -1;
@@ -47,7 +44,6 @@ class LocalLauncher final : public Launcher {
   void tidy_up_after(const Worker& worker);
   [[noreturn]] void work(int socket, const std::filesystem::path& log);
 
-  const Store store_;
   const Options options_;
   std::vector<Worker> workers_;
 };

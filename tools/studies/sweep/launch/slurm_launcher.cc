@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <deque>
+#include <iterator>
 #include <set>
 #include <thread>
 
@@ -62,26 +64,29 @@ void check_arguments(const std::vector<std::string>& arguments) {
 }  // namespace
 
 SlurmLauncher::SlurmLauncher(const SweepFolder& folder, const Options& options)
-    : folder_(folder), store_(folder.store()), options_(options) {
+    : Launcher(folder.store(), options.retry_failed), folder_(folder), options_(options) {
   check_arguments(options.arguments);
 }
 
 SlurmLauncher::Submitted SlurmLauncher::submit(std::span<const Point> points) {
   std::vector<const Point*> wanted;
+  std::deque<Point> slices;
   std::set<std::string> seen;
   for (const Point& point : points) {
-    if (!seen.insert(point.id).second || store_.state(point.id) == Store::State::kGood) continue;
-    if (store_.failure(point.id) && !options_.retry_failed) continue;
-    wanted.push_back(&point);
+    if (!seen.insert(point.id).second || !is_wanted(point)) continue;
+    const std::size_t before = slices.size();
+    std::ranges::copy_if(slices_of(point), std::back_inserter(slices),
+                         [&](const Point& one) { return is_wanted(one); });
+    if (slices.size() == before) wanted.push_back(&point);  // is not cut, or its slices have ended and shall be joined
+    for (std::size_t s = before; s < slices.size(); ++s) wanted.push_back(&slices[s]);
+    if (slices.size() != before && retry_failed_) forget_failure(point);
   }
   Submitted submitted;
   if (wanted.empty()) return submitted;
   const std::set<std::string> queued = queued_points(folder_);
   submitted.queued = std::erase_if(wanted, [&](const Point* point) { return queued.contains(point->id); });
   if (wanted.empty()) return submitted;
-  for (const Point* point : wanted) {  // so that a failure seen later is a new one
-    if (const std::optional<Lock> lock = store_.lock(point->id)) store_.forget_failure(point->id);
-  }
+  for (const Point* point : wanted) forget_failure(*point);
   const std::uint64_t chunk = options_.chunk != 0 ? options_.chunk : (wanted.size() + kTasks - 1) / kTasks;
   const std::vector<std::string> lines = task_lines(wanted, chunk);
   const std::uint64_t most = slurm::most_tasks();
@@ -166,7 +171,7 @@ void remove_empty_logs(const fs::path& log) {
 
 }  // namespace
 
-BatchEnd SlurmLauncher::run(std::span<const Point> points, const Watch& watch) {
+BatchEnd SlurmLauncher::play(std::span<const Point> points, const Watch& watch) {
   constexpr double kShortestPause = 0.5, kLongestPause = 15, kSettle = 2;  // s
   BatchEnd end;
   end.fates.assign(points.size(), Fate::kMissing);

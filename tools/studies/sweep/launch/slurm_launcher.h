@@ -35,15 +35,13 @@ class SlurmLauncher final : public Launcher {
   /// InputError with Slurm's words if it refuses; what it took before goes on.
   Submitted submit(std::span<const Point> points);
 
-  using Launcher::run;
-  /// The same, and waits. After an interrupt the jobs go on. Points whose tasks are stopped from outside stay kMissing.
-  BatchEnd run(std::span<const Point> points, const Watch& watch) override;
-
  private:
+  /// The same, and waits. After an interrupt the jobs go on. Points whose tasks are stopped from outside stay kMissing.
+  BatchEnd play(std::span<const Point> points, const Watch& watch) override;
+
   std::string submit_array(std::span<const std::string> lines);
 
   const SweepFolder folder_;
-  const Store store_;
   const Options options_;
 };
 

@@ -35,9 +35,13 @@ std::string last_words(const fs::path& log) {
 
 }  // namespace
 
-void tell_submitted(const sweep::SlurmLauncher::Submitted& submitted, std::size_t points, const fs::path& out) {
-  fmt::print("{} points: {} handed in, {} in the queue already, {} with a result\n", points, submitted.points,
-             submitted.queued, points - submitted.points - submitted.queued);
+void tell_submitted(const sweep::SlurmLauncher::Submitted& submitted, std::span<const sweep::Point> points,
+                    const fs::path& out) {
+  std::uint64_t pieces = 0;
+  for (const sweep::Point& point : points) pieces += point.pieces();
+  fmt::print("{} points{}: {} handed in, {} in the queue already, {} with a result\n", points.size(),
+             pieces != points.size() ? fmt::format(", {} slices", pieces) : "", submitted.points, submitted.queued,
+             pieces - submitted.points - submitted.queued);
   if (!submitted.jobs.empty()) {
     fmt::print("tasks:  {} of job{} {}\n", submitted.tasks, submitted.jobs.size() == 1 ? "" : "s",
                fmt::join(submitted.jobs, ", "));

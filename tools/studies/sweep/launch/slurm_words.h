@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -10,7 +11,7 @@
 namespace tools {
 
 /// Says what has been handed in, and how to go on.
-void tell_submitted(const sweep::SlurmLauncher::Submitted& submitted, std::size_t points,
+void tell_submitted(const sweep::SlurmLauncher::Submitted& submitted, std::span<const sweep::Point> points,
                     const std::filesystem::path& out);
 /// Says that tasks have ended without results, and the last that one of them said.
 void tell_missing(const sweep::SweepFolder& folder, std::uint64_t missing);

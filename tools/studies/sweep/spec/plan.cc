@@ -9,6 +9,7 @@
 #include "sim/config/config.h"
 #include "sim/error.h"
 #include "sim/io/printable.h"
+#include "tools/sampling/slices.h"
 #include "tools/sampling/tile_sampling.h"
 #include "tools/simulation/load_config.h"
 #include "tools/studies/sweep/spec/subset.h"
@@ -99,12 +100,37 @@ void check_values(const Spec& spec, const RunConfig& base) {
   }
 }
 
+/// Refuses what does not go with slices.
+void check_cut(const Spec& spec) {
+  at_key(spec, "slices", [&] {
+    const auto refuse = [](const char* key, const char* why) {
+      throw sim::InputError(fmt::format("does not go with {}: {}", key, why));
+    };
+    if (!spec.tile_sampling.empty()) refuse("tile_sampling", "a sample of the tiles is not cut");
+    if (!spec.reference.empty()) refuse("reference", "sweep over programs, with equal slices");
+    if (spec.replicates != 1) refuse("replicates", "they are played from one record of the whole frame");
+    if (spec.image) refuse("image", "slices have parts of it, which nobody joins");
+  });
+  at_key(spec, "program", [&] {
+    bool is_axis = false;
+    for (const Axis& axis : spec.axes) {
+      for (std::size_t k = 0; k < axis.keys.size(); ++k) {
+        if (axis.keys[k] != "program") continue;
+        is_axis = true;
+        for (const Axis::Value& value : axis.values) check_slices(kernels::parse_program(value.settings[k]));
+      }
+    }
+    if (!is_axis) check_slices(kernels::parse_program(spec.program));
+  });
+}
+
 Point make_point(const Spec& spec, const fs::path& folder, const Choice& choice) {
   Point point;
   point.config = from_folder(spec.config, folder);
   point.reference = spec.reference;
   point.image = spec.image;
   point.replicates = spec.replicates;
+  point.slices = spec.slices;
   point.sets = spec.sets;
   for (const auto& [key, value] : {std::pair{"scene", &spec.scene},
                                    {"camera", &spec.camera},
@@ -147,6 +173,7 @@ Planner::Planner(Spec spec, const fs::path& folder)
   if (!spec_.tile_sampling.empty() && spec_.replicates != 1) {
     throw sim::InputError("replicates and tile_sampling do not go together: replicates play all tiles");
   }
+  if (spec_.slices != 0) check_cut(spec_);
 }
 
 std::vector<std::uint32_t> Planner::sizes() const {
@@ -165,7 +192,10 @@ Point Planner::point(const Choice& choice) { return point(choice, spec_.tile_sam
 Point Planner::point(const Choice& choice, const std::string& tile_sampling) {
   Point point = make_point(spec_, folder_, choice);
   point.tile_sampling = tile_sampling;
-  if (!tile_sampling.empty()) point.replicates = 1;  // replicates play all tiles
+  if (!tile_sampling.empty()) {  // replicates and slices play all tiles
+    point.replicates = 1;
+    point.slices = 0;
+  }
   at_key(spec_, "scene", [&] { keys_.set_key(point); });
   if (to_line(point).size() > kLongestLine) {
     throw sim::InputError(fmt::format("a point takes more than {} bytes to say", kLongestLine));

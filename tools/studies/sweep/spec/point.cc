@@ -7,6 +7,7 @@
 #include "sim/io/json.h"
 #include "sim/io/json_number.h"
 #include "sim/io/printable.h"
+#include "sim/sha256.h"
 
 namespace tools::sweep {
 namespace {
@@ -41,6 +42,7 @@ JobOptions Point::options() const {
   o.tile_sampling = tile_sampling;
   o.image = tile_sampling.empty() || image ? "full" : "none";
   o.replicates = replicates;
+  if (slices != 0) o.slices = std::to_string(slices);
   o.sets = sets;
   o.argv = {"raywatt", "run", config};
   for (const Text& t : kTexts) {
@@ -48,8 +50,33 @@ JobOptions Point::options() const {
   }
   if (o.image == "none") o.argv.insert(o.argv.end(), {"--image", "none"});
   if (replicates != 1) o.argv.insert(o.argv.end(), {"--replicates", std::to_string(replicates)});
+  if (slices != 0) o.argv.insert(o.argv.end(), {"--slices", o.slices});
   for (const std::string& set : sets) o.argv.insert(o.argv.end(), {"--set", set});
   return o;
+}
+
+std::vector<Point> slices_of(const Point& point) {
+  std::vector<Point> slices;
+  if (!point.is_cut()) return slices;
+  for (std::uint32_t slice = 1; slice <= point.slices; ++slice) {
+    slices.push_back(point);
+    slices.back().slice = slice;
+    slices.back().whole = point.id;
+    slices.back().id = sim::sha256_hex(sim::json_line(made_of(slices.back())));
+  }
+  return slices;
+}
+
+Point whole_of(const Point& slice) {
+  Point whole = slice;
+  whole.id = slice.whole;
+  whole.slice = 0;
+  whole.whole.clear();
+  return whole;
+}
+
+Json made_of(const Point& slice) {
+  return {{"schema", "raywatt-slice/1"}, {"whole", slice.whole}, {"slice", slice.slice}, {"slices", slice.slices}};
 }
 
 std::string to_line(const Point& point) {
@@ -60,6 +87,8 @@ std::string to_line(const Point& point) {
   }
   if (point.image) json["image"] = true;
   if (point.replicates != 1) json["replicates"] = point.replicates;
+  if (point.slices != 0) json["slices"] = point.slices;
+  if (point.slice != 0) json.update({{"slice", point.slice}, {"whole", point.whole}});
   json["sets"] = point.sets;
   if (!point.stream.empty()) json["stream"] = point.stream;
   if (!point.error.empty()) json["error"] = point.error;
@@ -89,8 +118,16 @@ Point read_line(const std::string& line, const std::string& where) {
     point.config = json.at("config").get<std::string>();
     for (const Text& t : kTexts) point.*t.member = json.value(t.name, "");
     point.image = json.value("image", false);
-    if (json.contains("replicates")) {
-      point.replicates = sim::whole_number<std::uint32_t>(json["replicates"], where + ": the number 'replicates'");
+    const auto number = [&](const char* name, std::uint32_t otherwise) {
+      return json.contains(name) ? sim::whole_number<std::uint32_t>(json[name], where + ": the number '" + name + "'")
+                                 : otherwise;
+    };
+    point.replicates = number("replicates", 1);
+    point.slices = number("slices", 0);
+    point.slice = number("slice", 0);
+    point.whole = json.value("whole", "");
+    if (point.slice > point.slices || is_key(point.whole) != (point.slice != 0)) {
+      throw sim::InputError(fmt::format("{}: is no slice of a point", where));
     }
     point.sets = json.at("sets").get<std::vector<std::string>>();
     point.error = json.value("error", "");

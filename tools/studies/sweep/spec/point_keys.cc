@@ -11,6 +11,7 @@
 #include "sim/io/printable.h"
 #include "sim/sha256.h"
 #include "tools/host/build_info.h"
+#include "tools/sampling/slices.h"
 #include "tools/simulation/load_config.h"
 #include "traces/scene/gltf/budget.h"
 #include "traces/scene/gltf/source.h"
@@ -22,7 +23,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 /// Pictures and estimates are no streams.
-bool can_share(const Point& point) { return point.tile_sampling.empty() && !point.image; }
+bool can_share(const Point& point) { return point.tile_sampling.empty() && !point.image && point.slices == 0; }
 
 }  // namespace
 
@@ -58,9 +59,13 @@ PointKeys::Key PointKeys::key_of(const Point& point, RunConfig config) {
                {"program", program},
                {"reference", reference}};
   Key key;
-  key.made_of = {
-      {"schema", "raywatt-point/1"},          {"report_id", build.report_id}, {"config_hash", sim::hash_tree(tree, {})},
-      {"tile_sampling", point.tile_sampling}, {"image", point.image},         {"replicates", point.replicates}};
+  key.made_of = {{"schema", "raywatt-point/1"},
+                 {"report_id", build.report_id},
+                 {"config_hash", sim::hash_tree(tree, {})},
+                 {"tile_sampling", point.tile_sampling},
+                 {"image", point.image},
+                 {"replicates", point.replicates},
+                 {"slices", point.slices}};
   key.made_of.update(work);
   key.id = sim::sha256_hex(sim::json_line(key.made_of));
   if (can_share(point)) {
@@ -76,6 +81,7 @@ void PointKeys::set_key(Point& point) {
   std::optional<RunConfig> config;
   try {
     config = config_of(point);
+    if (point.slices != 0) tools::slices_of(*config, kernels::parse_program(point.program), point.slices);
   } catch (const sim::InputError& error) {
     point.error = error.what();
     point.id.clear();

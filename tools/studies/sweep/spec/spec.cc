@@ -20,10 +20,11 @@ namespace {
 
 constexpr std::uint64_t kMostSpecBytes = 1 << 20;
 constexpr std::string_view kSpecSchema = "raywatt-sweep/1";
-constexpr std::array<std::string_view, 20> kKeys = {"schema",    "question", "config",        "sets",       "scene",
-                                                    "camera",    "frames",   "resolution",    "program",    "reference",
-                                                    "workloads", "programs", "axes",          "exclude",    "where",
-                                                    "subset",    "image",    "tile_sampling", "replicates", "slurm"};
+constexpr std::uint64_t kMostSlices = 10'000;
+constexpr std::array<std::string_view, 21> kKeys = {
+    "schema",     "question", "config",    "sets",      "scene",         "camera",     "frames",
+    "resolution", "program",  "reference", "workloads", "programs",      "axes",       "exclude",
+    "where",      "subset",   "image",     "slices",    "tile_sampling", "replicates", "slurm"};
 
 Subset read_subset(const YamlValue& value) {
   constexpr std::array<std::string_view, 3> kKinds = {"random", "latin_hypercube", "sobol"};
@@ -132,6 +133,8 @@ Spec read_spec(const YamlValue& root, std::string_view schema, std::span<const s
       spec.tile_sampling = checked(entry, [](const std::string& text) { parse_tile_sampling(text, "full"); });
     } else if (key == "replicates") {
       spec.replicates = static_cast<std::uint32_t>(entry.whole_number(1, kMostReplicates));
+    } else if (key == "slices") {
+      spec.slices = static_cast<std::uint32_t>(entry.whole_number(2, kMostSlices));
     } else if (key == "image") {
       spec.image = entry.yes_or_no();
     } else if (key == "slurm") {

@@ -67,6 +67,7 @@ struct Spec {
   std::string scene, camera, frames, resolution, program = "full:1", reference, tile_sampling;
   bool image = false;
   std::uint32_t replicates = 1;  ///< plays of each point (docs/noise.md)
+  std::uint32_t slices = 0;      ///< that frames are cut into (docs/slices.md); 0: they are played whole
   std::vector<std::string> sets;
   std::vector<Axis> axes;  ///< the last varies fastest
   std::vector<Condition> exclude, where;

@@ -55,7 +55,8 @@ auto if_sound(F&& read) -> decltype(read()) {
 /// Digests of a point's files, if point.json is sound.
 Json digests_of(const fs::path& folder, const std::string& id) {
   const Json point = sim::parse_json<Json>(sim::read_file(folder / kPointFile, kMostPointBytes));
-  if (sim::sha256_hex(point.at("made_of").dump()) != id || !point.at("files").contains(kReportFile)) {
+  if (sim::sha256_hex(point.at("made_of").dump()) != id ||
+      !(point.at("files").contains(kReportFile) || point.at("files").contains(kSliceFile))) {
     throw sim::InputError("another point");
   }
   return point.at("files");
@@ -94,6 +95,10 @@ Store::State Store::state(const std::string& id) const {
 
 std::optional<std::string> Store::report(const std::string& id) const {
   return if_sound([&] { return sound_file(folder(id), kReportFile, digests_of(folder(id), id)); });
+}
+
+std::optional<std::string> Store::slice(const std::string& id) const {
+  return if_sound([&] { return sound_file(folder(id), kSliceFile, digests_of(folder(id), id)); });
 }
 
 std::optional<Failure> Store::failure(const std::string& id) const {

@@ -11,6 +11,8 @@
 
 namespace tools::sweep {
 
+inline constexpr const char* kSliceFile = "slice.json";
+
 /// A point that could not be computed.
 struct Failure {
   std::string id;
@@ -24,7 +26,8 @@ struct Failure {
 /// Results by what they were made of, shared by any number of sweeps at once, on any number of hosts.
 ///
 ///   points/<2 hex>/<id>/      report.json, config.yaml, [image.png], point.json: what the id is the hash of, and the
-///                             digest of each file. Written in tmp/ and moved there as a whole
+///                             digest of each file. Written in tmp/ and moved there as a whole. A slice has slice.json
+///                             instead of the first two
 ///   failed/<2 hex>/<id>.json  a Failure
 ///   locks/<id>                held while the point is computed
 ///   streams/<key>.trace       recorded work, while points of a sweep that share it are computed
@@ -46,6 +49,8 @@ class Store {
   State state(const std::string& id) const;
   /// The bytes of report.json of a point that is good; nothing otherwise.
   std::optional<std::string> report(const std::string& id) const;
+  /// Likewise slice.json of a slice.
+  std::optional<std::string> slice(const std::string& id) const;
   std::optional<Failure> failure(const std::string& id) const;
 
   /// Nothing if somebody else is computing the point. What an earlier holder has left half done is removed, and what is

@@ -1,0 +1,116 @@
+#include <algorithm>
+#include <span>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "sim/error.h"
+#include "sim/io/json.h"
+#include "sim/io/printable.h"
+#include "tools/analysis/report.h"
+#include "tools/jobs/outcome.h"
+#include "tools/sampling/slices.h"
+#include "tools/studies/sweep/launch/compute.h"
+#include "tools/studies/sweep/store/durable.h"
+
+namespace tools::sweep {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+/// Calls for each frame, in order, with the inputs as they are in it.
+void for_each_frame(Inputs& inputs, std::uint32_t threads, auto&& call) {
+  for (;;) {
+    call();
+    if (inputs.frame == inputs.config.scene.last_frame) return;
+    advance(inputs, inputs.frame + 1, threads);
+  }
+}
+
+Failure failure_of_whole(const Point& slice, Failure failure) {
+  failure.id = slice.whole;
+  failure.error = fmt::format("slice {} of {}: {}", slice.slice, slice.slices, failure.error);
+  return failure;
+}
+
+/// Frames of a slice, as they were put into the store.
+Json frames_in(const Store& store, const Point& slice) {
+  const std::optional<std::string> bytes = store.slice(slice.id);
+  if (!bytes) {
+    throw sim::IoError(fmt::format("point {}: slice {} has been taken out of the store; the same command computes it",
+                                   slice.n, slice.slice));
+  }
+  return sim::parse_json<Json>(*bytes).at("frames");
+}
+
+/// One frame's of all slices.
+std::vector<Json> at_frame(std::span<const Json> slices, std::size_t frame) {
+  std::vector<Json> out;
+  for (const Json& slice : slices) out.push_back(slice.at(frame));
+  return out;
+}
+
+}  // namespace
+
+void PointComputer::play_slice(const Point& slice, const PointKeys::Key& key, const RunConfig& config) {
+  const kernels::ProgramSpec program = kernels::parse_program(slice.program);
+  store_.put(slice.id, made_of(slice), [&](const fs::path& folder) {
+    Inputs& inputs = inputs_for(slice, key, config);
+    Json frames = Json::array();
+    for_each_frame(inputs, threads_,
+                   [&] { frames.push_back(simulate_slice(inputs, program, threads_, slice.slices, slice.slice - 1)); });
+    write_durably(folder / kSliceFile, sim::json_line(Json{{"schema", "raywatt-slice/1"}, {"frames", frames}}) + "\n");
+  });
+}
+
+void PointComputer::join(const Point& whole, const PointKeys::Key& key, const RunConfig& config) {
+  const kernels::ProgramSpec program = kernels::parse_program(whole.program);
+  store_.put(whole.id, key.made_of, [&](const fs::path& folder) {
+    Inputs& inputs = inputs_for(whole, key, config);
+    Outcome out;
+    try {
+      std::vector<Json> slices;
+      for (const Point& slice : slices_of(whole)) slices.push_back(frames_in(store_, slice));
+      for_each_frame(inputs, threads_, [&] {
+        out.add(inputs.frame, join_slices(inputs, program, at_frame(slices, out.frames.size())), std::nullopt, 0);
+      });
+    } catch (const Json::exception& error) {
+      throw sim::InputError(fmt::format("a slice in the store is damaged: {}", sim::printable(error.what())));
+    }
+    const Result result = out.result();
+    const double wall = result.run.wall_seconds + inputs.load_seconds + inputs.update_seconds;
+    write_results(folder, report_json({inputs, whole.options(), result, out.frames, false, wall}), config);
+  });
+}
+
+std::optional<Failure> PointComputer::complete(const Point& whole, const Order& order) {
+  std::vector<Point> missing;
+  for (const Point& slice : slices_of(whole)) {
+    if (store_.state(slice.id) == Store::State::kGood) continue;
+    if (const auto failure = store_.failure(slice.id)) return failure_of_whole(slice, *failure);
+    missing.push_back(slice);
+  }
+  for (const Point& slice : missing) {
+    if (compute(slice, {.wait = true, .attempt = order.attempt}) != Fate::kFailed) continue;
+    return failure_of_whole(slice, store_.failure(slice.id).value_or(Failure()));
+  }
+  return std::nullopt;
+}
+
+void PointComputer::join_after(const Point& slice, const Order& order) {
+  const Point whole = whole_of(slice);
+  const auto is_there = [&](const Point& one) { return fs::exists(store_.folder(one.id)); };
+  if (std::ranges::all_of(slices_of(whole), is_there)) compute(whole, {.retry = order.retry, .attempt = order.attempt});
+}
+
+void PointComputer::put_failure(const Point& point, const Failure& failure) const {
+  store_.put_failure(failure);
+  if (point.slice == 0) return;
+  const std::optional<Lock> lock = store_.lock(point.whole);  // who holds it finds the slice's
+  if (lock && store_.state(point.whole) != Store::State::kGood) {
+    store_.put_failure(failure_of_whole(point, failure));
+  }
+}
+
+}  // namespace tools::sweep
