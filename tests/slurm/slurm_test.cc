@@ -79,6 +79,22 @@ struct Slurm : testing::Test {
     }();
     return table;
   }
+  /// Stops a process of that node in the middle of a point, so that it still is there when the node is lost, once so
+  /// many points are finished.
+  void stop_a_worker_on(const std::string& node, std::size_t finished) {
+    std::string worker;
+    const auto is_computing = [&] {
+      std::error_code missing;
+      for (const fs::directory_entry& entry : fs::directory_iterator(store / "tmp", missing)) {
+        const std::string name = entry.path().filename();
+        worker = name.substr(name.rfind('.') + 1);
+        if (is_on(node, worker)) return true;
+      }
+      return false;
+    };
+    ASSERT_TRUE(wait_until([&] { return points_in(store) >= finished && is_computing(); }));
+    ::kill(std::stoi(worker), SIGSTOP);
+  }
   /// Results by id, with what changes if one is put in place again.
   std::map<std::string, fs::file_time_type> results() {
     std::map<std::string, fs::file_time_type> times;
@@ -140,20 +156,28 @@ TEST_F(Slurm, ACancelledSweepGoesOnWithWhatIsMissing) {
   expect_the_whole_sweep();
 }
 
+TEST_F(Slurm, NodesShareOneFrameInSlicesAndALostOneTakesNoneWithIt) {
+  file =
+      folder.write("sweep.yaml",
+                   "schema: raywatt-sweep/1\nresolution: 256x256\nprogram: full:4\nsets: [render.tile=8]\nslices: 9\n");
+  const TempFolder local;
+  ASSERT_EQ(raywatt(sweep_run(local, file, {"-j", "2"})).exit, 0);
+  Program program(on_slurm({"--wait"}));
+  stop_a_worker_on("n3", 2);
+  ASSERT_EQ(tell_cluster("crash", "n3"), 0);
+  const Ending ending = program.wait();
+  EXPECT_EQ(ending.exit, 0) << ending.err << ending.out;
+  EXPECT_EQ(last_run(out), (Tally{1, 1, 0, 0}));
+  EXPECT_EQ(in_list("submit-1.txt").size(), 9U);
+  EXPECT_EQ(points_in(store), 10U);
+  EXPECT_EQ(read_bytes(out / "results.csv"), read_bytes(local.path() / "out" / "results.csv"));
+  EXPECT_EQ(names_in(store / "tmp"), Words{});
+  EXPECT_EQ(tell_cluster("start", "n3"), 0);
+}
+
 TEST_F(Slurm, ANodeThatIsLostTakesNoPointWithItAndTheTableIsTheLocalOne) {
   Program program(on_slurm({"--wait"}));
-  std::string worker;
-  const auto is_computing = [&](const std::string& node) {
-    std::error_code missing;
-    for (const fs::directory_entry& entry : fs::directory_iterator(store / "tmp", missing)) {
-      const std::string name = entry.path().filename();
-      worker = name.substr(name.rfind('.') + 1);
-      if (is_on(node, worker)) return true;
-    }
-    return false;
-  };
-  ASSERT_TRUE(wait_until([&] { return points_in(store) >= 3 && is_computing("n2"); }));
-  ::kill(std::stoi(worker), SIGSTOP);  // so that it still is when the node is lost
+  stop_a_worker_on("n2", 3);
   const auto before = results();
   ASSERT_EQ(tell_cluster("crash", "n2"), 0);
   const Ending ending = program.wait();

@@ -130,7 +130,7 @@ class Watcher {
 
   Progress progress_;
   const std::vector<Point>& points_;
-  std::vector<std::uint32_t> slices_;  ///< that have ended, of each point
+  std::vector<std::uint32_t> slices_;  ///< ended slices of each point
   std::uint32_t all_ = 0, done_ = 0;   ///< slices, and points that have none
   std::uint32_t ended_ = 0, failed_ = 0;
 };

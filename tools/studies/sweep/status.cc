@@ -80,6 +80,12 @@ std::string counts_text(const nlohmann::ordered_json& status) {
   return text;
 }
 
+/// Points that have no result; where they are cut, slices.
+std::uint64_t missing_pieces(const nlohmann::ordered_json& status) {
+  const auto slices = status.find("slices_of_missing");
+  return slices == status.end() ? count_of(status, "missing") : count_of(*slices, "slices") - count_of(*slices, "done");
+}
+
 /// The view of a sweep: its counts.
 class SweepView final : public View {
  public:
@@ -105,8 +111,9 @@ void watch_sweep(const fs::path& path) {
   const SweepFolder folder = SweepFolder::open(path);
   SweepView view;
   nlohmann::ordered_json status = status_of(folder);
-  const auto all = static_cast<std::uint32_t>(count_of(status, "points"));
-  const auto known = [&status, all] { return all - static_cast<std::uint32_t>(count_of(status, "missing")); };
+  std::uint32_t all = 0;
+  for (const Point& point : folder.points()) all += point.pieces();
+  const auto known = [&status, all] { return all - static_cast<std::uint32_t>(missing_pieces(status)); };
   const std::uint32_t before = known();
   {
     Progress progress("watch", false, &view);

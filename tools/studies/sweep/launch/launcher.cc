@@ -68,7 +68,7 @@ class Launcher::CutBatch {
     owners_.push_back(owner);
   }
 
-  /// Most are there, as who computed the last slice has joined them.
+  /// Joins slices that whoever computed the last one has not.
   void join(BatchEnd& end, const Watch& watch) {
     std::vector<Point> wholes;
     std::vector<std::size_t> owners;
@@ -87,7 +87,7 @@ class Launcher::CutBatch {
 
   Launcher& launcher_;
   const std::span<const Point> points_;
-  std::vector<Cut> cut_;  ///< of each point
+  std::vector<Cut> cut_;  ///< points by number
   std::vector<Point> jobs_;
   std::vector<std::size_t> owners_;  ///< points of the jobs
 };

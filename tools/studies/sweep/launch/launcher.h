@@ -52,7 +52,7 @@ class Launcher {
 
   /// Shall it be computed?
   bool is_wanted(const Point& point) const;
-  /// So that a failure seen later is a new one.
+  /// Forgets why it failed, so that a failure seen later is a new one.
   void forget_failure(const Point& point) const;
 
   const Store store_;

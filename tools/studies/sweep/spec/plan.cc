@@ -107,7 +107,7 @@ void check_cut(const Spec& spec) {
       throw sim::InputError(fmt::format("does not go with {}: {}", key, why));
     };
     if (!spec.tile_sampling.empty()) refuse("tile_sampling", "a sample of the tiles is not cut");
-    if (!spec.reference.empty()) refuse("reference", "sweep over programs, with equal slices");
+    if (!spec.reference.empty()) refuse("reference", "compare two points of equal slices");
     if (spec.replicates != 1) refuse("replicates", "they are played from one record of the whole frame");
     if (spec.image) refuse("image", "slices have parts of it, which nobody joins");
   });

@@ -40,7 +40,7 @@ struct Point {
 std::vector<Point> slices_of(const Point& point);
 /// The point that it is a slice of.
 Point whole_of(const Point& slice);
-/// What the id of a slice is the hash of.
+/// Contents of which the id of a slice is the hash.
 nlohmann::ordered_json made_of(const Point& slice);
 
 /// A line of points.jsonl, without its end, and back. InputError that begins with `where` for anything else.
