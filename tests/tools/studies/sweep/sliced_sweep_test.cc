@@ -106,8 +106,10 @@ TEST_F(SlicedSweep, NothingDependsOnTheOrderOfSlicesAndOnWhoComputesThem) {
   fs::remove_all(store.root());
   const auto point = [&](int index) { return raywatt({"sweep", "point", out, "--index", std::to_string(index)}); };
   for (int index = kPoints * kSlices - 1; index > 0; --index) EXPECT_EQ(point(index).exit, 0) << index;
+  EXPECT_EQ(points_in(store.root()), 1 + kPoints * kSlices - 1) << "one is joined, one lacks a slice";
   EXPECT_SAYS(collect(), "2 points: 1 done, 1 missing");
   EXPECT_EQ(point(0).exit, 0);
+  EXPECT_EQ(points_in(store.root()), kPoints + kPoints * kSlices);
   EXPECT_SAYS(collect(), "2 points: 2 done");
   EXPECT_EQ(table(), undisturbed());
   expect_refusal(point(kPoints * kSlices), {"--index 8", "there are 8 chunks"});
@@ -204,6 +206,18 @@ TEST_F(SlicedSweep, ASliceWhoseWorkerCrashesFailsItsPointUntilItIsComputedAnew) 
   EXPECT_EQ(last_run(out), (Tally{1, 1, 0, 0}));
   EXPECT_EQ(points_in(store.root()), 4U);
   EXPECT_SAYS(table(), ",done,");
+}
+
+TEST_F(SlicedSweep, APointFailsWithItsFirstSliceThatDoes) {
+  const Ending ending = run({"-j", "1"}, std::string(kTwo) + "camera: nobody\nwhere: [{cores: 1}]\n");
+  EXPECT_EQ(ending.exit, 1);
+  EXPECT_SAYS(ending.out, "slice 1 of 4: ");
+  fs::remove_all(store.root());
+  EXPECT_EQ(raywatt({"sweep", "point", out, "--index", "2"}).exit, 1);
+  const std::string status = raywatt({"sweep", "status", out}).out;
+  EXPECT_SAYS(status, "1 points: 0 done, 1 failed");
+  EXPECT_SAYS(status, "slice 3 of 4: ");
+  EXPECT_SAYS(status, "nobody");
 }
 
 TEST_F(SlicedSweep, ASliceThatIsNoneFailsItsPoint) {

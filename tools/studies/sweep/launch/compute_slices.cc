@@ -108,7 +108,7 @@ void PointComputer::put_failure(const Point& point, const Failure& failure) cons
   store_.put_failure(failure);
   if (point.slice == 0) return;
   const std::optional<Lock> lock = store_.lock(point.whole);  // who holds it finds the slice's
-  if (lock && store_.state(point.whole) != Store::State::kGood) {
+  if (lock && store_.state(point.whole) != Store::State::kGood && !store_.failure(point.whole)) {
     store_.put_failure(failure_of_whole(point, failure));
   }
 }
