@@ -18,7 +18,7 @@ T whole_number(const Json& json, std::string_view what) {
                         ? std::in_range<T>(json.template get<std::uint64_t>())
                         : json.is_number_integer() && std::in_range<T>(json.template get<std::int64_t>());
   if (fits) return json.template get<T>();
-  throw InputError(fmt::format("{}: is none; allowed: whole numbers from {} to {}", what, std::numeric_limits<T>::min(),
+  throw InputError(fmt::format("{} is no whole number from {} to {}", what, std::numeric_limits<T>::min(),
                                std::numeric_limits<T>::max()));
 }
 

@@ -2,13 +2,13 @@
 
 #include <cmath>
 #include <iterator>
-#include <limits>
 #include <type_traits>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "sim/error.h"
+#include "sim/io/json_number.h"
 #include "sim/io/printable.h"
 
 namespace tools {
@@ -31,11 +31,8 @@ constexpr std::pair<const char*, std::uint64_t kernels::Sampling::*> kSamplingCo
 constexpr std::pair<const char*, std::uint32_t Slice::*> kSliceTiles[] = {
     {"first", &Slice::first}, {"end", &Slice::end}, {"lead", &Slice::lead}, {"warming", &Slice::warming}};
 
-/// Reads whole numbers from 0 on and lists of them.
-std::uint64_t count_in(const Json& json) {
-  if (!json.is_number_unsigned()) throw sim::InputError("a count is no whole number from 0 on");
-  return json.get<std::uint64_t>();
-}
+/// Reads counts and lists of them.
+std::uint64_t count_in(const Json& json) { return sim::whole_number<std::uint64_t>(json, "a count"); }
 const Json& list_in(const Json& json, std::size_t size, const char* what) {
   if (json.is_array() && json.size() == size) return json;
   throw sim::InputError(fmt::format("{} are no list of {}", what, size));
@@ -56,9 +53,7 @@ template <class Members, class Counted>
 void read_counts(const Members& members, const Json& json, Counted& counted) {
   for (const auto& [name, member] : members) {
     using Count = std::remove_reference_t<decltype(counted.*member)>;
-    const std::uint64_t count = count_in(json.at(name));
-    if (count > std::numeric_limits<Count>::max()) throw sim::InputError(fmt::format("{} is too large", name));
-    counted.*member = static_cast<Count>(count);
+    counted.*member = sim::whole_number<Count>(json.at(name), name);
   }
 }
 

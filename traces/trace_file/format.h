@@ -28,8 +28,7 @@ inline constexpr std::string_view kTraceEnd = "end\n";
 inline constexpr std::size_t kFooterBytes = 16;  ///< offset of the contents (8), their bytes (4), kTraceEnd
 
 /// Largest blocks, unpacked. Most of the contents are two figures a tile, 17 to 22 bytes: 23 MB for a frame of
-/// 16384 x 16384 pixels in tiles of 16 x 16. What is read takes up to 20 times that
-/// memory.
+/// 16384 x 16384 pixels in tiles of 16 x 16. What is read takes up to 20 times that memory.
 inline constexpr std::uint64_t kMaxHeaderBytes = 1U << 24, kMaxContentsBytes = 1U << 26,
                                kMaxTreeBytes = std::uint64_t{1} << 31;
 inline constexpr std::uint32_t kMaxPartTiles = 1U << 26, kMaxFrame = 1'000'000;

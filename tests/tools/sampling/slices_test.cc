@@ -161,7 +161,7 @@ TEST(Slices, WhatIsNoSliceOfTheFrameIsNotJoined) {
   };
   EXPECT_SAYS(refused([](auto& p) { std::swap(p[2], p[3]); }), "do not follow");
   EXPECT_SAYS(refused([](auto& p) { p.pop_back(); }), "do not follow");
-  EXPECT_SAYS(refused([](auto& p) { p[1]["tiles"]["end"] = std::uint64_t{1} << 40; }), "end is too large");
+  EXPECT_SAYS(refused([](auto& p) { p[1]["tiles"]["end"] = std::uint64_t{1} << 40; }), "end is no whole number");
   EXPECT_SAYS(refused([](auto& p) { p[1]["units"][3]["path"] = "gpu"; }), "there is no unit");
   EXPECT_SAYS(refused([](auto& p) { p[1]["units"][3]["counters"].push_back(1); }), "counters are no list of");
   EXPECT_SAYS(refused([](auto& p) { p[1]["units"][3]["why"][0] = -1; }), "no whole number");
