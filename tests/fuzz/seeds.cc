@@ -188,6 +188,17 @@ void add_tiles(const fs::path& folder) {
           R"( "energy_mj_low": 0.875}}]})");
 }
 
+void add_slice(const fs::path& folder) {
+  Writer(folder, "slice")
+      .add("second.json",
+           R"({"tiles": {"first": 20, "end": 40, "lead": 20, "warming": 0}, "time": 5, "units": [{"path": "core0",)"
+           R"( "elapsed": 5, "why": [3, 2], "counters": [7]}], "kernels": [{"launches": 1, "items": 64, "idle": 0,)"
+           R"( "cycles": 4, "starved": 0}], "before": {"time": 1.5, "energy_pj": 0.25}, "after": {"time": 2,)"
+           R"( "energy_pj": 0.5}, "function": {"rays": [4, 3, 0, 0], "continued": 0, "traversal_steps": 9, "sampling":)"
+           R"( {"wanted": 1, "traced": 1, "background": 0, "traced_background": 0}}, "host": {"slice_s": 0.5,)"
+           R"( "timing_s": 0.25, "functional_s": 0.25, "waited_s": 0, "wall_s": 1}})");
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -204,5 +215,6 @@ int main(int argc, char** argv) {
   add_json(folder);
   add_intervals(folder);
   add_tiles(folder);
+  add_slice(folder);
   return 0;
 }

@@ -1,0 +1,38 @@
+#include "sim/io/json.h"
+#include "tests/fuzz/common.h"
+#include "tools/sampling/slice_file.h"
+
+// What the store keeps of a slice of a frame. What is read is written and read back, and must be the same.
+
+namespace {
+
+/// A machine of one unit and one kernel before its first cycle.
+tools::Stretch nothing() {
+  tools::Stretch machine;
+  sim::UnitReport& unit = machine.units.emplace_back();
+  unit.path = "core0";
+  unit.why = {{"busy", 0}, {"idle", 0}};
+  unit.counters.emplace_back();
+  machine.kernels.emplace_back();
+  return machine;
+}
+
+void there_and_back(std::string_view text) {
+  using Json = nlohmann::ordered_json;
+  try {
+    const Json written = tools::slice_json(tools::read_slice(sim::parse_json<Json>(text), nothing()));
+    if (tools::slice_json(tools::read_slice(written, nothing())) != written) std::abort();
+  } catch (const Json::exception&) {  // text that is no JSON, which the store's checksum does not let through
+  }
+}
+
+}  // namespace
+
+extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t most, unsigned seed) {
+  return fuzz::mutate_json(data, size, most, seed);
+}
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  fuzz::refusing([&] { there_and_back(fuzz::text_of(data, size)); });
+  return 0;
+}
