@@ -69,6 +69,13 @@ void check_name(const fs::path& path) {
                                     sim::printable(path.string())));
 }
 
+/// InputError if a name of the folder's files is a link, a folder or a device. Removes what killed writers have left.
+void check_files(const fs::path& path) {
+  const sim::Replaceable own{.kind = "file of the sweep", .any = true};
+  for (const std::string_view file : kFiles) sim::check_output(path / file, own);
+  for (const std::string_view file : kResults) sim::check_output(path / file, own);
+}
+
 constexpr std::array<std::string_view, 2> kOf = {"sweep", "search"};
 
 void check_free(const fs::path& path, std::string_view of) {
@@ -120,7 +127,7 @@ SweepFolder SweepFolder::create(const fs::path& path, Of of, const std::string& 
   check_name(folder.store_);
   begin_folder(folder.store_);
   make_folders(folder.log());
-  folder.check_files();
+  check_files(folder.path_);
   const auto replace = [&](const char* name, const std::string& text) {
     const fs::path file = folder.path_ / name;
     std::error_code failed;
@@ -137,12 +144,6 @@ SweepFolder SweepFolder::create(const fs::path& path, Of of, const std::string& 
   for (const Point& point : points) lines += to_line(point) + "\n";
   replace("points.jsonl", lines);
   return folder;
-}
-
-void SweepFolder::check_files() const {
-  const sim::Replaceable own{.kind = "file of the sweep", .any = true};
-  for (const std::string_view file : kFiles) sim::check_output(path_ / file, own);
-  for (const std::string_view file : kResults) sim::check_output(path_ / file, own);
 }
 
 std::vector<Point> SweepFolder::points() const {

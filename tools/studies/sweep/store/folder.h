@@ -38,8 +38,6 @@ class SweepFolder {
   Store store() const { return Store(store_); }
   const std::vector<std::string>& slurm() const { return slurm_; }
   std::vector<Point> points() const;
-  /// InputError if a name of its files is a link, a folder or a device. Removes what killed writers have left of them.
-  void check_files() const;
 
   /// The process that runs it, if it is on this host.
   struct Runner {

@@ -82,7 +82,6 @@ Collected collect(const sweep::SweepFolder& folder) {
   const std::string from = made_from(points, store);
   if (const std::optional<Collected> counts = still_true(path, from)) return *counts;
 
-  folder.check_files();
   const Collection all = collect_points(std::move(points), store);
   sim::write_file_atomically(path / "results.csv", results_csv(all));
   sim::write_file_atomically(path / "index.sqlite", index_bytes(all, {{"store", store.root().string()},
