@@ -36,20 +36,21 @@ constexpr std::array<Choice, 7> kChoices = {{
     {"cameras", "type", "perspective orthographic"},
 }};
 
-/// A property that is a number, or a list of so many, below one of the document's lists.
+/// A property that is a number, or a list of them, below one of the document's lists. A list of another length is left
+/// to the loader, which warns.
 struct Quantity {
   std::string_view list, property;
   double least, most;
   std::string_view allowed;
-  std::size_t size = 0;   ///< numbers of a list; 0: it is none
+  bool is_list = false;
   bool is_above = false;  ///< `least` itself is not allowed
 };
 constexpr double kAny = std::numeric_limits<double>::infinity();
 constexpr std::array<Quantity, 21> kQuantities = {{
-    {"materials", "baseColorFactor", 0, 1, "4 numbers of 0 to 1", 4},
+    {"materials", "baseColorFactor", 0, 1, "4 numbers of 0 to 1", true},
     {"materials", "metallicFactor", 0, 1, "0 to 1"},
     {"materials", "roughnessFactor", 0, 1, "0 to 1"},
-    {"materials", "emissiveFactor", 0, 1, "3 numbers of 0 to 1", 3},
+    {"materials", "emissiveFactor", 0, 1, "3 numbers of 0 to 1", true},
     {"materials", "alphaCutoff", 0, kAny, "0 or more"},
     {"materials", "scale", -kAny, kAny, "a number"},
     {"materials", "strength", 0, 1, "0 to 1"},
@@ -57,15 +58,15 @@ constexpr std::array<Quantity, 21> kQuantities = {{
     {"materials", "clearcoatRoughnessFactor", 0, 1, "0 to 1"},
     {"materials", "transmissionFactor", 0, 1, "0 to 1"},
     {"materials", "specularFactor", 0, 1, "0 to 1"},
-    {"materials", "specularColorFactor", 0, kAny, "3 numbers of 0 or more", 3},
+    {"materials", "specularColorFactor", 0, kAny, "3 numbers of 0 or more", true},
     {"materials", "ior", 0, kAny, "0, or 1 or more"},
     {"materials", "emissiveStrength", 0, kAny, "0 or more"},
     {"materials", "thicknessFactor", 0, kAny, "0 or more"},
-    {"materials", "attenuationDistance", 0, kAny, "more than 0", 0, true},
-    {"materials", "attenuationColor", 0, 1, "3 numbers of 0 to 1", 3},
-    {"cameras", "aspectRatio", 0, kAny, "more than 0", 0, true},
-    {"cameras", "yfov", 0, kAny, "more than 0, less than pi", 0, true},
-    {"cameras", "zfar", 0, kAny, "more than 0", 0, true},
+    {"materials", "attenuationDistance", 0, kAny, "more than 0", false, true},
+    {"materials", "attenuationColor", 0, 1, "3 numbers of 0 to 1", true},
+    {"cameras", "aspectRatio", 0, kAny, "more than 0", false, true},
+    {"cameras", "yfov", 0, kAny, "more than 0, less than pi", false, true},
+    {"cameras", "zfar", 0, kAny, "more than 0", false, true},
     {"cameras", "znear", 0, kAny, "0 or more"},
 }};
 
@@ -78,8 +79,7 @@ bool is_within(const Json& value, const Quantity& quantity) {
 
 bool fits(const Json& value, const Quantity& quantity) {
   const auto is_one = [&](const Json& number) { return is_within(number, quantity); };
-  if (quantity.size == 0) return is_one(value);
-  return value.is_array() && value.size() == quantity.size && std::ranges::all_of(value, is_one);
+  return quantity.is_list ? value.is_array() && std::ranges::all_of(value, is_one) : is_one(value);
 }
 
 bool is_among(const std::string& value, std::string_view allowed) {
