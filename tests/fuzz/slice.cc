@@ -2,7 +2,7 @@
 #include "tests/fuzz/common.h"
 #include "tools/sampling/slice_file.h"
 
-// What the store keeps of a slice of a frame. What is read is written and read back, and must be the same.
+// File that the store keeps of a slice of a frame. Contents are read, written and read back, and must be the same.
 
 namespace {
 
