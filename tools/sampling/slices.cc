@@ -61,6 +61,20 @@ void check_can_cut(const kernels::RenderConfig& render) {
   }
 }
 
+/// A frame, what renders and traces it, and where it is cut.
+struct CutFrame {
+  CutFrame(const Inputs& inputs, const kernels::ProgramSpec& spec, std::uint32_t threads, std::uint32_t slices)
+      : tracer(inputs.image),
+        program(frame_of(inputs, spec)),
+        player(inputs, program),
+        plan(plan_slices(guess_costs(inputs, spec, tracer, threads), slices, player.shape())) {}
+
+  const traces::BvhTracer tracer;
+  kernels::FullProgram program;
+  const SlicePlayer player;
+  const std::vector<Slice> plan;
+};
+
 }  // namespace
 
 std::uint32_t parse_slices(const std::string& text) {
@@ -98,14 +112,11 @@ Simulation simulate_slices(const Inputs& inputs, const kernels::ProgramSpec& pro
                            std::uint32_t slices, Progress* progress) {
   const sim::HostClock::time_point begin = sim::HostClock::now();
   threads = host_threads(threads);
-  const traces::BvhTracer tracer(inputs.image);
-  kernels::FullProgram full = frame_of(inputs, program);
-  const SlicePlayer player(inputs, full);
-  const std::vector<Slice> plan = plan_slices(guess_costs(inputs, program, tracer, threads), slices, player.shape());
-  if (progress != nullptr) progress->begin_part("simulating", inputs.frame, full.tiles());
-  SharedFrame frame(full, progress);
-  std::vector<PlayedSlice> played = play_all(player, frame, tracer, plan, threads);
-  Simulation s = add_up(player, program, frame.take_function(), std::move(played));
+  CutFrame cut(inputs, program, threads, slices);
+  if (progress != nullptr) progress->begin_part("simulating", inputs.frame, cut.program.tiles());
+  SharedFrame frame(cut.program, progress);
+  std::vector<PlayedSlice> played = play_all(cut.player, frame, cut.tracer, cut.plan, threads);
+  Simulation s = add_up(cut.player, program, frame.take_function(), std::move(played));
   s.wall_seconds = sim::seconds_since(begin);
   return s;
 }
@@ -114,13 +125,10 @@ nlohmann::ordered_json simulate_slice(const Inputs& inputs, const kernels::Progr
                                       std::uint32_t slices, std::uint32_t index) {
   const sim::HostClock::time_point begin = sim::HostClock::now();
   threads = host_threads(threads);
-  const traces::BvhTracer tracer(inputs.image);
-  kernels::FullProgram full = frame_of(inputs, program);
-  const SlicePlayer player(inputs, full);
-  const std::vector<Slice> plan = plan_slices(guess_costs(inputs, program, tracer, threads), slices, player.shape());
-  SharedFrame frame(full, nullptr);
+  CutFrame cut(inputs, program, threads, slices);
+  SharedFrame frame(cut.program, nullptr);
   SlicePart part;
-  part.played = player.play(frame, tracer, plan.at(index), threads - 1);
+  part.played = cut.player.play(frame, cut.tracer, cut.plan.at(index), threads - 1);
   part.function = frame.take_function();
   part.wall_seconds = sim::seconds_since(begin);
   return slice_json(part);

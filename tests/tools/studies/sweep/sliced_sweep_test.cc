@@ -120,13 +120,7 @@ TEST_F(SlicedSweep, NothingDependsOnTheOrderOfSlicesAndOnWhoComputesThem) {
 }
 
 TEST_F(SlicedSweep, TwoSweepsOnOneStoreShareTheSlicesOfAPoint) {
-  const fs::path file = folder.write("sweep.yaml", kTwo);
-  Words second = sweep_run(folder, file, {"-j", "2"});
-  second[4] = (folder.path() / "second").string();
-  Program a(sweep_run(folder, file, {"-j", "2"})), b(second);
-  const Ending end_a = a.wait(), end_b = b.wait();
-  EXPECT_EQ(end_a.exit, 0) << end_a.err;
-  EXPECT_EQ(end_b.exit, 0) << end_b.err;
+  sweep_twice_at_once(folder, folder.write("sweep.yaml", kTwo));
   EXPECT_EQ(table(), undisturbed());
   EXPECT_EQ(read_bytes(folder.path() / "second" / "results.csv"), undisturbed());
   EXPECT_EQ(points_in(store.root()), kPoints + kPoints * kSlices);

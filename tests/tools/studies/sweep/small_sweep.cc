@@ -2,6 +2,7 @@
 
 #include <sstream>
 
+#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "sim/error.h"
@@ -42,6 +43,15 @@ Words sweep_run(const TempFolder& folder, const fs::path& file, const Words& mor
                  (folder.path() / "store").string()};
   words.insert(words.end(), more.begin(), more.end());
   return words;
+}
+
+void sweep_twice_at_once(const TempFolder& folder, const fs::path& file) {
+  Words second = sweep_run(folder, file, {"-j", "2"});
+  second[4] = (folder.path() / "second").string();
+  Program a(sweep_run(folder, file, {"-j", "2"})), b(second);
+  const Ending end_a = a.wait(), end_b = b.wait();
+  EXPECT_EQ(end_a.exit, 0) << end_a.err;
+  EXPECT_EQ(end_b.exit, 0) << end_b.err;
 }
 
 Words labels_of(const std::vector<tools::sweep::Point>& points) {

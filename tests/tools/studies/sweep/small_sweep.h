@@ -21,6 +21,9 @@ std::string complaint_of(const std::string& lines);
 /// `raywatt sweep run` of that file into folder/out with the store folder/store.
 Words sweep_run(const TempFolder& folder, const std::filesystem::path& file, const Words& more = {});
 
+/// Runs it twice at once, with two workers each and one store, into folder/out and folder/second; both must end well.
+void sweep_twice_at_once(const TempFolder& folder, const std::filesystem::path& file);
+
 /// Values of the points' axes: "cores=1 tni.trvs=2".
 Words labels_of(const std::vector<tools::sweep::Point>& points);
 

@@ -86,13 +86,7 @@ TEST_F(SweepFaults, WhatAKilledProcessWasWritingIsRemovedByTheNextRun) {
 }
 
 TEST_F(SweepFaults, TwoSweepsOnOneStoreComputeEachPointOnce) {
-  const fs::path file = write_sweep(folder, kTwelve);
-  Words second = sweep_run(folder, file, {"-j", "2"});
-  second[4] = (folder.path() / "second").string();
-  Program a(sweep_run(folder, file, {"-j", "2"})), b(second);
-  const Ending end_a = a.wait(), end_b = b.wait();
-  EXPECT_EQ(end_a.exit, 0) << end_a.err;
-  EXPECT_EQ(end_b.exit, 0) << end_b.err;
+  sweep_twice_at_once(folder, write_sweep(folder, kTwelve));
   EXPECT_EQ(last_run(out)[1] + last_run(folder.path() / "second")[1], static_cast<int>(kTwelvePoints));
   EXPECT_EQ(read_bytes(out / "results.csv"), read_bytes(folder.path() / "second" / "results.csv"));
   EXPECT_EQ(read_bytes(out / "results.csv"), undisturbed(kTwelve));
