@@ -13,20 +13,25 @@ namespace {
 /// way do not; until nearly as many more have followed, that is mostly forgotten (docs/slices.md).
 constexpr std::uint32_t kLeadOfThree = 5;
 
+/// Slices with fewer tiles for each of a lead have leads twice as long: the more borders a frame has for its tiles, the
+/// less may each of them be off.
+constexpr std::uint32_t kTilesOfAShortSlice = 5;
+
 }  // namespace
 
 SliceShape slice_shape(const hw::GpuConfig& gpu, const traces::FrameRequirements& requirements) {
   const std::uint32_t in_flight =
       gpu.cores * hw::tiles_in_flight(gpu.tile_buffer, requirements, gpu.ideal.tile_buffer).most();
   const std::uint32_t lead = (kLeadOfThree * in_flight + 2) / 3;
-  const std::uint32_t warming = warming_tiles(gpu, requirements.tile_samples);
-  return {.lead = lead, .probe = lead - in_flight, .warming = warming > lead ? warming - lead : 0};  // leads warm, too
+  return {.lead = lead, .probe = lead - in_flight, .warming = warming_tiles(gpu, requirements.tile_samples)};
 }
 
 std::vector<Slice> plan_slices(std::span<const double> costs, std::uint32_t count, const SliceShape& shape) {
   const auto tiles = static_cast<std::uint32_t>(costs.size());
   std::vector<double> up_to(costs.size());
   std::partial_sum(costs.begin(), costs.end(), up_to.begin());
+  const bool are_short = tiles / count < kTilesOfAShortSlice * shape.lead;
+  const std::uint32_t wanted = are_short ? 2 * shape.lead : shape.lead;
   std::vector<Slice> slices;
   std::uint32_t first = 0;
   for (std::uint32_t k = 1; k <= count; ++k) {
@@ -34,8 +39,8 @@ std::vector<Slice> plan_slices(std::span<const double> costs, std::uint32_t coun
     const auto fair = static_cast<std::uint32_t>(std::ranges::lower_bound(up_to, share) - up_to.begin()) + 1;
     const std::uint32_t last = tiles - (count - k) * shape.lead;  // leaves tiles enough for the others
     const std::uint32_t end = k == count ? tiles : std::clamp(fair, first + shape.lead, last);
-    const std::uint32_t lead = std::min(shape.lead, first);
-    slices.push_back({first, end, lead, std::min(shape.warming, first - lead)});
+    const std::uint32_t lead = std::min(wanted, first);
+    slices.push_back({first, end, lead, std::min(std::max(shape.warming, lead), first) - lead});  // leads warm, too
     first = end;
   }
   return slices;

@@ -26,12 +26,13 @@ struct Slice {
 struct SliceShape {
   std::uint32_t lead = 0;     ///< tiles before a slice that fill its machine; a slice has as many at least
   std::uint32_t probe = 0;    ///< the last of these, which the machine before plays as its own last
-  std::uint32_t warming = 0;  ///< tiles before the lead that warm the caches
+  std::uint32_t warming = 0;  ///< tiles before a slice that warm the caches, those of its lead among them
 };
 
 SliceShape slice_shape(const hw::GpuConfig& gpu, const traces::FrameRequirements& requirements);
 
-/// A frame's tiles cut into `count` slices of equal cost, as far as each has tiles enough, which must be there.
+/// A frame's tiles cut into `count` slices of equal cost, as far as each has tiles enough, which must be there. Short
+/// slices have leads twice as long.
 std::vector<Slice> plan_slices(std::span<const double> costs, std::uint32_t count, const SliceShape& shape);
 
 }  // namespace tools

@@ -1,6 +1,5 @@
 #include "tools/sampling/slices.h"
 
-#include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <string>
@@ -12,39 +11,12 @@
 #include "sim/error.h"
 #include "tests/tools/program.h"
 #include "tools/sampling/pilot.h"
-#include "tools/sampling/slice_plan.h"
 #include "traces/accel/bvh_tracer.h"
 
 // Frames cut into slices, beside the same frames played whole.
 
 namespace tools {
 namespace {
-
-constexpr SliceShape kShape{.lead = 12, .probe = 6, .warming = 4};
-
-TEST(SlicePlan, SlicesFollowEachOtherAndHaveALeadAndWhatWarmsBeforeIt) {
-  const std::vector<Slice> plan = plan_slices(std::vector<double>(400, 1), 4, kShape);
-  ASSERT_EQ(plan.size(), 4U);
-  EXPECT_EQ(plan.front().begin(), 0U);
-  EXPECT_EQ(plan.back().end, 400U);
-  for (std::size_t i = 1; i < plan.size(); ++i) {
-    EXPECT_EQ(plan[i].first, plan[i - 1].end);
-    EXPECT_EQ(plan[i].first, 100 * i);
-    EXPECT_EQ(plan[i].lead, 12U);
-    EXPECT_EQ(plan[i].begin(), plan[i].first - 16);
-  }
-}
-
-TEST(SlicePlan, SlicesCostTheSameAsFarAsEachHasTilesEnough) {
-  std::vector<double> costs(300, 1);
-  std::fill(costs.begin() + 200, costs.end(), 3);
-  EXPECT_EQ(plan_slices(costs, 2, kShape).front().end, 217U) << "250 of 500";
-  std::fill(costs.begin(), costs.end(), 0);
-  costs.front() = 1;
-  const std::vector<Slice> front_heavy = plan_slices(costs, 25, kShape);
-  for (const Slice& slice : front_heavy) EXPECT_GE(slice.end - slice.first, 12U);
-  EXPECT_EQ(front_heavy.back().end, 300U);
-}
 
 /// A frame of 1600 tiles of 16 samples, on two cores.
 const Inputs& teapot_tiles() {

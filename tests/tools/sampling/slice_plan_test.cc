@@ -1,0 +1,51 @@
+#include "tools/sampling/slice_plan.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+// How a frame's tiles are cut into slices.
+
+namespace tools {
+namespace {
+
+constexpr SliceShape kShape{.lead = 12, .probe = 6, .warming = 16};
+
+TEST(SlicePlan, SlicesFollowEachOtherAndHaveALeadAndWhatWarmsBeforeIt) {
+  const std::vector<Slice> plan = plan_slices(std::vector<double>(400, 1), 4, kShape);
+  ASSERT_EQ(plan.size(), 4U);
+  EXPECT_EQ(plan.front().begin(), 0U);
+  EXPECT_EQ(plan.back().end, 400U);
+  for (std::size_t i = 1; i < plan.size(); ++i) {
+    EXPECT_EQ(plan[i].first, plan[i - 1].end);
+    EXPECT_EQ(plan[i].first, 100 * i);
+    EXPECT_EQ(plan[i].lead, 12U);
+    EXPECT_EQ(plan[i].begin(), plan[i].first - 16);
+  }
+}
+
+TEST(SlicePlan, ShortSlicesHaveLeadsTwiceAsLongWhichDoTheWarming) {
+  const std::vector<Slice> plan = plan_slices(std::vector<double>(400, 1), 10, kShape);
+  EXPECT_EQ(plan[1].lead, 24U);
+  EXPECT_EQ(plan[1].begin(), 16U);
+  const std::vector<Slice> as_short_as_leads = plan_slices(std::vector<double>(120, 1), 10, kShape);
+  EXPECT_EQ(as_short_as_leads[1].begin(), 0U) << "there are no more tiles before it";
+  EXPECT_EQ(as_short_as_leads[9].begin(), 108U - 24);
+}
+
+TEST(SlicePlan, SlicesCostTheSameAsFarAsEachHasTilesEnough) {
+  std::vector<double> costs(300, 1);
+  std::fill(costs.begin() + 200, costs.end(), 3);
+  EXPECT_EQ(plan_slices(costs, 2, kShape).front().end, 217U) << "250 of 500";
+  std::fill(costs.begin(), costs.end(), 0);
+  costs.front() = 1;
+  const std::vector<Slice> front_heavy = plan_slices(costs, 25, kShape);
+  for (const Slice& slice : front_heavy) EXPECT_GE(slice.end - slice.first, 12U);
+  EXPECT_EQ(front_heavy.back().end, 300U);
+}
+
+}  // namespace
+}  // namespace tools
