@@ -43,6 +43,19 @@ TEST(DramDevice, AReadAfterAWriteWaitsForTheWritesDataAndTheirSettling) {
   EXPECT_EQ(earliest(d, kColumn, 0, false, 101), 100 + kT.ccd_l + kT.wl + kT.dqss + kT.burst + kT.wtr_s);
 }
 
+TEST(DramDevice, AWriteToAnotherRankWaitsForTheBusToChangeHands) {
+  DramConfig c;
+  c.organisation.ranks = 2;
+  const std::uint32_t other = c.organisation.banks;
+  DramDevice d{c};
+  d.activate(0, 0, 0);
+  d.activate(other, 0, 40);
+  d.write(0, 100);
+  const Cycle ready = d.ready(kColumn, other, true, d.rank_ready(kColumn, 1, true, d.awake(101)));
+  EXPECT_EQ(d.earliest(kColumn, other, ready, 101), 100 + kT.ccd_l + kT.burst + kT.rtrs);
+  EXPECT_EQ(earliest(d, kColumn, 0, true, 101), 100 + 2 * kT.ccd_l) << "the same rank's follows at once";
+}
+
 TEST(DramDevice, APrechargeWaitsForRowReadAndWriteTimes) {
   DramDevice d{DramConfig{}};
   d.activate(0, 0, 0);
@@ -103,6 +116,15 @@ TEST(DramDevice, AfterAWriteTheSameBankGroupWaitsLonger) {
   const Cycle data = 100 + c.timing.ccd_l + c.timing.wl + c.timing.dqss;
   EXPECT_EQ(earliest(d, kColumn, 1, false, 101), data + c.timing.burst + c.timing.wtr_s);
   EXPECT_EQ(earliest(d, kColumn, 0, false, 101), data + c.timing.ccd_l + c.timing.wtr_l);
+}
+
+TEST(CommandCalendar, ALineHasTheDataBusFromItsFirstBurstToItsLast) {
+  CommandCalendar calendar(kT, 2, 2);
+  EXPECT_TRUE(calendar.data_free(100));
+  calendar.book(kColumn, 100);
+  EXPECT_FALSE(calendar.data_free(100));
+  EXPECT_FALSE(calendar.data_free(100 + 2 * kT.ccd_l - 1));
+  EXPECT_TRUE(calendar.data_free(100 + 2 * kT.ccd_l));
 }
 
 TEST(DramDevice, ARefreshClosesTheBankAndKeepsItBusy) {

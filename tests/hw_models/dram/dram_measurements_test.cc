@@ -1,7 +1,10 @@
 #include "hw_models/dram/dram_measurements.h"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
+#include "hw_models/dram/dram_closed_forms.h"
 #include "sim/config/config.h"
 
 namespace hw::test {
@@ -30,6 +33,30 @@ TEST(DramMeasurement, OfCommandsOfTwoBurstsHoldsToItsClosedForm) {
   DramConfig grade = load("lpddr5-6400");
   grade.organisation.bl32 = true;
   expect_good(grade);
+}
+
+TEST(DramMeasurement, OfTwoRanksIsMadeWhereTheirBanksAreAsManyAsAChannelMayHave) {
+  const auto is_of_ranks = [](const DramMeasurement& m) { return m.name == "read to read, other rank"; };
+  DramConfig grade = load("lpddr5-6400");
+  ASSERT_EQ(grade.organisation.banks, 16U);
+  EXPECT_EQ(std::ranges::count_if(dram_measurements(grade), is_of_ranks), 1);
+}
+
+TEST(DramClosedForms, AStreamIsHeldBackByBurstsOrByTheirDistanceWhicheverIsLonger) {
+  DramConfig c;
+  c.timing.burst = 8;
+  c.timing.ccd_l = 10;
+  EXPECT_EQ(DramClosedForms(c).streamed_line(), 2 * 10);
+  c.timing.ccd_l = 6;
+  EXPECT_EQ(DramClosedForms(c).streamed_line(), 2 * 8);
+}
+
+TEST(DramClosedForms, LinesOfManyRowsAreHeldBackByTheCommandBusWhereCommandsAreLong) {
+  DramConfig c;
+  c.timing.rrd = c.timing.faw = c.timing.rc = c.timing.ras = c.timing.rcd = c.timing.rp = c.timing.rtp = 1;
+  c.timing.ca_column = 20;
+  EXPECT_EQ(DramClosedForms(c).line_of_own_row(1), c.timing.ca_activate + 2 * 20 + c.timing.ca_precharge);
+  EXPECT_EQ(DramClosedForms(c).line_of_own_row(2), (c.timing.ca_activate + 4 * 20 + c.timing.ca_precharge) / 2.0);
 }
 
 TEST(DramMeasurement, OfRefreshesThatLeaveNoTimeIsLeftOut) {

@@ -1,3 +1,5 @@
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include "tests/hw_models/memory/bank_harness.h"
@@ -14,6 +16,42 @@ TEST(L2Bank, AMissTakesLookUpMemoryAndFillAHitItsPipe) {
   EXPECT_EQ(b.core(0).script[1].latency(), kHit);
   EXPECT_EQ(b.stats().hits, 1U);
   EXPECT_EQ(b.stats().fills, 1U);
+}
+
+/// Hits and misses, in the order in which they were told of.
+struct Lookups : L2Bank::Watcher {
+  void looked_up(bool hit, sim::Time /*now*/) override { hits.push_back(hit); }
+  std::vector<bool> hits;
+};
+
+TEST(L2Bank, TellsItsWatcherOfEachLineThatIsReadOnce) {
+  Lookups lookups;
+  BankHarness b(BankHarness::small(), 1, 64, 50, Arbitration::kRoundRobin, false, {nullptr, &lookups});
+  b.core(0).send(640);
+  for (const std::uint64_t cycle : {200U, 300U}) b.core(0).send(640, cycle);
+  b.harness.run();
+  EXPECT_EQ(lookups.hits, (std::vector<bool>{false, true, true}));
+}
+
+TEST(L2Bank, ChargesHitsMissesAndFillsToThoseWhoAsk) {
+  TileBook book(1);
+  BankHarness b(BankHarness::small(), 1, 64, 50, Arbitration::kRoundRobin, false, {&book, nullptr});
+  b.core(0).send(640);
+  for (const std::uint64_t cycle : {200U, 300U}) b.core(0).send(640, cycle);
+  b.harness.run();
+  EXPECT_EQ(book.rest().l2_hits, 2U) << "the harness asks for no tile";
+  EXPECT_EQ(book.rest().l2_misses, 1U);
+  EXPECT_EQ(book.rest().l2_fills, 1U);
+}
+
+TEST(TileBook, CountsOneByOneForTheTileInWhoseNameItIsDone) {
+  TileBook book(2);
+  const Owner first = book.open(0, 10), second = book.open(1, 20);
+  for (int i = 0; i < 3; ++i) book.count(second, &TileAccount::activates);
+  book.count(kNoOwner, &TileAccount::activates);
+  EXPECT_EQ(book.of(first).activates, 0U);
+  EXPECT_EQ(book.of(second).activates, 3U);
+  EXPECT_EQ(book.rest().activates, 1U);
 }
 
 TEST(L2Bank, HitsLeaveOnePerCycle) {

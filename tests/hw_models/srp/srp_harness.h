@@ -31,6 +31,7 @@ class SrpHarness {
     std::uint32_t wave_samples = 0;
     bool ideal = false;
     TileBook* book = nullptr;
+    Observer* observer = nullptr;
   };
   struct Kernel {
     std::uint32_t ii = 1, depth = 10;

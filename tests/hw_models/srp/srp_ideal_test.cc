@@ -51,6 +51,21 @@ TEST(SrpIdeal, RaysLeaveWhenTheLinesOfTheirLaunchHaveCome) {
   EXPECT_GE(harness.rays()[0].cycle, SrpHarness::kLine);
 }
 
+TEST(SrpIdeal, AnInterfaceThatTakesNoTimeHasAnyNumberOfRaysGoInACycle) {
+  const auto first_ray_at = [](std::uint32_t ray_interval) {
+    SrpHarness::Setup setup = ideal();
+    setup.ray_interval = ray_interval;
+    SrpHarness harness(setup, {{}, {}});
+    TileBuilder work;
+    work.launch(1, 8, {TileBuilder::each(work.rays(work.launch(0, 8), 8))});
+    harness.add(work.build()).run();
+    EXPECT_EQ(harness.rays().size(), 8U);
+    EXPECT_EQ(harness.srp().stats().rays, 8U);
+    return harness.rays().front().cycle;
+  };
+  EXPECT_EQ(first_ray_at(0), first_ray_at(1));
+}
+
 TEST(SrpIdeal, SkippingIdleTimeChangesNothing) {
   const auto play = [](bool skip) {
     SrpHarness harness(ideal(), {{3, 20}, {1, 10}});

@@ -172,6 +172,19 @@ TEST(RestartTrail, WithoutAStackEachPopGoesDownFromTheRoot) {
   EXPECT_EQ(alone(trail(0), kChain), (9 + 10) * kVisit + 4 * kPop);
 }
 
+TEST(RestartTrail, AnEntryThatWasPoppedIsNotFoundAgain) {
+  // Node 1 hits both, its near child 2 neither: its far child 3 is popped, and hits both. Behind 4 the entry of 3 is
+  // popped, behind 5 that of 0: three nodes down, from 0 by 1 to 3, and one.
+  const Walk walk = {visit_step(0, 3, 0), visit_step(1, 3, 0), visit_step(2, 0, 0), visit_step(3, 3, 0),
+                     visit_step(4, 0, 0), visit_step(5, 0, 0), visit_step(6, 0, 0), end_step(false)};
+  TniHarness::Setup setup = trail(0);
+  setup.parents = {0, 0, 1, 1, 3, 3, 0};
+  TniHarness harness(setup);
+  harness.add(walk).run();
+  EXPECT_EQ(trv(harness).stats().restarts, 3U);
+  EXPECT_EQ(trv(harness).stats().restarted_visits, 2U + 3U + 1U);
+}
+
 TEST(Prefetch, TheFarChildComesWhileTheNearOneIsWaitedFor) {
   TniHarness::Setup setup = one_trv();
   setup.links.resize(3);
@@ -232,6 +245,18 @@ TEST(Ideal, AnIdealUnitStillWaitsForItsLines) {
   TniHarness harness(setup);
   harness.add(kTwoDown).run();
   EXPECT_EQ(harness.latency(0), kWires + 2 * (kMiss + 1));
+}
+
+TEST(Ideal, ACycleWhoseVisitsAllMissWaitsForLines) {
+  TniHarness::Setup setup = one_trv();
+  setup.ideal = {true, false};
+  TniHarness harness(setup);
+  for (const std::uint32_t node : {100U, 200U}) {
+    harness.add({visit_step(0, 1, 0), visit_step(node, 0, 0), end_step(false)});
+  }
+  harness.run();
+  // Both visit node 0 in one cycle and miss in the next; lines come one by one.
+  EXPECT_EQ(trv(harness).activity().spent(Trv::CycleReason::kVisiting), 3 * kPeriod);
 }
 
 TEST(Ideal, AnIdealUnitIsNeverSlower) {
