@@ -13,9 +13,9 @@ namespace {
 /// way do not; until nearly as many more have followed, that is mostly forgotten (docs/slices.md).
 constexpr std::uint32_t kLeadOfThree = 5;
 
-/// Slices with fewer tiles for each of a lead have leads twice as long: the more borders a frame has for its tiles, the
-/// less may each of them be off.
-constexpr std::uint32_t kTilesOfAShortSlice = 5;
+/// Frames and slices with fewer tiles for each of a lead have leads twice as long: the more borders there are for a
+/// frame's tiles, the less may each of them be off.
+constexpr std::uint32_t kTilesOfASmallFrame = 50, kTilesOfAShortSlice = 5;
 
 }  // namespace
 
@@ -30,8 +30,9 @@ std::vector<Slice> plan_slices(std::span<const double> costs, std::uint32_t coun
   const auto tiles = static_cast<std::uint32_t>(costs.size());
   std::vector<double> up_to(costs.size());
   std::partial_sum(costs.begin(), costs.end(), up_to.begin());
-  const bool are_short = tiles / count < kTilesOfAShortSlice * shape.lead;
-  const std::uint32_t wanted = are_short ? 2 * shape.lead : shape.lead;
+  const bool must_be_long =
+      tiles < kTilesOfASmallFrame * shape.lead || tiles / count < kTilesOfAShortSlice * shape.lead;
+  const std::uint32_t wanted = must_be_long ? 2 * shape.lead : shape.lead;
   std::vector<Slice> slices;
   std::uint32_t first = 0;
   for (std::uint32_t k = 1; k <= count; ++k) {

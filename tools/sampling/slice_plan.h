@@ -32,7 +32,7 @@ struct SliceShape {
 SliceShape slice_shape(const hw::GpuConfig& gpu, const traces::FrameRequirements& requirements);
 
 /// A frame's tiles cut into `count` slices of equal cost, as far as each has tiles enough, which must be there. Short
-/// slices have leads twice as long.
+/// slices, and those of small frames, have leads twice as long.
 std::vector<Slice> plan_slices(std::span<const double> costs, std::uint32_t count, const SliceShape& shape);
 
 }  // namespace tools

@@ -15,22 +15,24 @@ namespace {
 constexpr SliceShape kShape{.lead = 12, .probe = 6, .warming = 16};
 
 TEST(SlicePlan, SlicesFollowEachOtherAndHaveALeadAndWhatWarmsBeforeIt) {
-  const std::vector<Slice> plan = plan_slices(std::vector<double>(400, 1), 4, kShape);
+  const std::vector<Slice> plan = plan_slices(std::vector<double>(800, 1), 4, kShape);
   ASSERT_EQ(plan.size(), 4U);
   EXPECT_EQ(plan.front().begin(), 0U);
-  EXPECT_EQ(plan.back().end, 400U);
+  EXPECT_EQ(plan.back().end, 800U);
   for (std::size_t i = 1; i < plan.size(); ++i) {
     EXPECT_EQ(plan[i].first, plan[i - 1].end);
-    EXPECT_EQ(plan[i].first, 100 * i);
+    EXPECT_EQ(plan[i].first, 200 * i);
     EXPECT_EQ(plan[i].lead, 12U);
     EXPECT_EQ(plan[i].begin(), plan[i].first - 16);
   }
 }
 
-TEST(SlicePlan, ShortSlicesHaveLeadsTwiceAsLongWhichDoTheWarming) {
-  const std::vector<Slice> plan = plan_slices(std::vector<double>(400, 1), 10, kShape);
-  EXPECT_EQ(plan[1].lead, 24U);
-  EXPECT_EQ(plan[1].begin(), 16U);
+TEST(SlicePlan, ShortSlicesAndThoseOfSmallFramesHaveLeadsTwiceAsLongWhichDoTheWarming) {
+  const std::vector<Slice> are_short = plan_slices(std::vector<double>(800, 1), 20, kShape);
+  EXPECT_EQ(are_short[1].lead, 24U);
+  EXPECT_EQ(are_short[1].begin(), 16U);
+  const std::vector<Slice> of_a_small_frame = plan_slices(std::vector<double>(400, 1), 2, kShape);
+  EXPECT_EQ(of_a_small_frame[1].begin(), 200U - 24);
   const std::vector<Slice> as_short_as_leads = plan_slices(std::vector<double>(120, 1), 10, kShape);
   EXPECT_EQ(as_short_as_leads[1].begin(), 0U) << "there are no more tiles before it";
   EXPECT_EQ(as_short_as_leads[9].begin(), 108U - 24);
