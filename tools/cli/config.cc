@@ -69,7 +69,8 @@ std::string config_list() {
   list("hits of caches over their size (--set latency.extends=NAME)", config_names_in("latency"));
   list("area tables (--set area.extends=NAME)", config_names_in("area"));
   std::vector<std::string> searches = config_names_in("experiments");
-  const auto sweeps = std::ranges::stable_partition(searches, is_search).begin();
+  // Subranges, which std::ranges would give, do not compile with clang 14.
+  const auto sweeps = std::stable_partition(searches.begin(), searches.end(), is_search);
   list("sweeps (raywatt sweep run NAME; without experiments/)", {sweeps, searches.end()});
   list("searches (raywatt optimise NAME; without experiments/)", {searches.begin(), sweeps});
   return text;
