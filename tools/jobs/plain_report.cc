@@ -34,15 +34,13 @@ nlohmann::ordered_json plain_report(Inputs inputs, const JobOptions& options, Pr
                      .replicates = options.replicates});
   };
   Outcome out;
-  while (true) {
+  for_each_frame(inputs, options.threads, progress, [&] {
     Simulation frame = simulated(program);
     std::optional<Simulation> compared;
     if (reference) compared = simulated(*reference);
     const double error = compared ? mean_squared_error(frame.function.rgb, compared->function.rgb) : 0;
     out.add(inputs.frame, std::move(frame), std::move(compared), error);
-    if (inputs.frame >= inputs.config.scene.last_frame) break;
-    advance(inputs, inputs.frame + 1, options.threads, progress);
-  }
+  });
   const Result result = out.result();
   return report_json({inputs, options, result, out.frames, false, 0});
 }

@@ -67,16 +67,14 @@ void record_trace(const JobOptions& options, const std::filesystem::path& file) 
   auto opened = std::make_unique<traces::TraceWriter>(file, trace_header(inputs, options));
   const HoldInterrupts hold;  // from the first tile on; what is half written is removed before it is let go
   const std::unique_ptr<traces::TraceWriter> trace = std::move(opened);
-  for (;;) {
+  for_each_frame(inputs, options.threads, &progress, [&] {
     const std::vector<float> picture = program.record(inputs, options.threads, progress, *trace, false);
     double error = 0;
     if (reference) {
       error = mean_squared_error(picture, reference->record(inputs, options.threads, progress, *trace, true));
     }
     trace->end_frame(recorded_frame(inputs.frame, error));
-    if (inputs.frame == inputs.config.scene.last_frame) break;
-    advance(inputs, inputs.frame + 1, options.threads, &progress);
-  }
+  });
   trace->commit();
   progress.end("done");
   if (!options.quiet) fmt::print("{}", trace_info_text(trace_info(traces::TraceReader(file))));

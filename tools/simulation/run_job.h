@@ -59,6 +59,14 @@ std::string inputs_key(const RunConfig& config);
 /// Goes on to a later frame: poses the scene, then refits or rebuilds the tree if anything in it has moved.
 /// Interrupted if an interrupt waits.
 void advance(Inputs& inputs, std::uint32_t frame, std::uint32_t threads, Progress* progress = nullptr);
+/// Calls `call()` for each frame from the present one on, with the inputs as they are in it.
+void for_each_frame(Inputs& inputs, std::uint32_t threads, Progress* progress, auto&& call) {
+  for (;;) {
+    call();
+    if (inputs.frame == inputs.config.scene.last_frame) return;
+    advance(inputs, inputs.frame + 1, threads, progress);
+  }
+}
 
 /// An estimate and its 95 % interval.
 struct Interval {

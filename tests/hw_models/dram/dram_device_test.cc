@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <set>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -149,6 +150,21 @@ TEST(DramDevice, StandbyIsActiveFromTheFirstActivateToTheLastPrecharge) {
   d.refresh(1U << 0, 2010);  // closes at 2000 + tRAS
   EXPECT_EQ(d.active_cycles(2020), 320U);
   EXPECT_EQ(d.active_cycles(3000), 300U + kT.ras);
+}
+
+TEST(DramConfig, ALineHasAsManyBurstsAsTheirCommandsFit64Cycles) {
+  const auto complaints = [](std::uint32_t ccd_l) {
+    DramConfig c;
+    c.timing.ccd_l = ccd_l;
+    c.timing.wck_sync = 0;
+    int count = 0;
+    c.check([&](const char* /*key*/, const std::string& what) {
+      count += what.find("too many bursts") != std::string::npos;
+    });
+    return count;
+  };
+  EXPECT_EQ(complaints(32), 0) << "two bursts: 32 + 32";
+  EXPECT_EQ(complaints(33), 1);
 }
 
 TEST(DramMap, EveryLineOfAChannelHasItsOwnPlace) {

@@ -5,7 +5,7 @@ namespace hw::test {
 
 /// Cores, one bank, and a memory whose answers take `memory` cycles.
 struct BankHarness {
-  /// Who is told of what the bank does.
+  /// Listeners that are told of what the bank does.
   struct Told {
     TileBook* book;
     L2Bank::Watcher* watcher;

@@ -54,6 +54,22 @@ TEST(TileBook, CountsOneByOneForTheTileInWhoseNameItIsDone) {
   EXPECT_EQ(book.rest().activates, 1U);
 }
 
+TEST(TileBook, CountsLinesByWhoAskedForThem) {
+  TileBook book(1);
+  const Owner tile = book.open(0, 0);
+  for (int i = 0; i < 2; ++i) book.count(tile, Asker::kTriangles);
+  EXPECT_EQ(book.of(tile).lines[static_cast<std::size_t>(Asker::kTriangles)], 2U);
+  EXPECT_EQ(book.of(tile).lines[static_cast<std::size_t>(Asker::kNodes)], 0U);
+}
+
+TEST(TileBook, FindsTheNumberOfATileByThatOfAnotherInFlightAlsoWhereNamesBeginAnew) {
+  constexpr std::uint32_t kNames = 0x8000;
+  EXPECT_EQ(TileBook::number_near(12, 10), 12U);
+  EXPECT_EQ(TileBook::number_near(8, 10), 8U);
+  EXPECT_EQ(TileBook::number_near(3, kNames - 2), kNames + 3);
+  EXPECT_EQ(TileBook::number_near(kNames - 2, kNames + 3), kNames - 2);
+}
+
 TEST(L2Bank, HitsLeaveOnePerCycle) {
   BankHarness b;
   b.core(0).send(0);

@@ -36,6 +36,16 @@ RasterUnitConfig quick_fetch() {
   return config;
 }
 
+TEST(RasterUnitConfig, AWaveThatTheDepthBufferDoesNotHoldTakesPartsOfWhichTheLastMayBeSmaller) {
+  RasterUnitConfig config;
+  config.depth_bytes = 8;
+  config.depth_buffer = {800};
+  EXPECT_EQ(config.parts(1), 1U);
+  EXPECT_EQ(config.parts(100), 1U);
+  EXPECT_EQ(config.parts(101), 2U);
+  EXPECT_EQ(config.parts(200), 2U);
+}
+
 TEST(RasterUnit, CoversABlockAndAQuadACycle) {
   EXPECT_EQ(of_hundred(quick_fetch(), [](std::uint32_t n) { return wave(n, 3, 7); }), 100U * (3 + 7));
   RasterUnitConfig slow = quick_fetch();

@@ -45,7 +45,7 @@ struct Frames {
       check_tile_sampling(program);
       sampling = parse_tile_sampling(point.tile_sampling, point.image ? "full" : "none");
     }
-    for (;;) {
+    for_each_frame(inputs, threads, nullptr, [&] {
       Simulation frame = sampling ? simulate_sampled(inputs, program, threads, *sampling)
                                   : simulate(inputs, program, threads,
                                              {.rates = &rates, .trace = trace, .replicates = point.replicates});
@@ -63,9 +63,7 @@ struct Frames {
         traces::write_png(picture, render.width, render.height, to_rgb8(frame.function.rgb));
       }
       out.add(inputs.frame, std::move(frame), std::move(compared), error);
-      if (inputs.frame == inputs.config.scene.last_frame) return;
-      advance(inputs, inputs.frame + 1, threads);
-    }
+    });
   }
 };
 

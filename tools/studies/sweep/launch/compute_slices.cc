@@ -19,15 +19,6 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-/// Calls for each frame, in order, with the inputs as they are in it.
-void for_each_frame(Inputs& inputs, std::uint32_t threads, auto&& call) {
-  for (;;) {
-    call();
-    if (inputs.frame == inputs.config.scene.last_frame) return;
-    advance(inputs, inputs.frame + 1, threads);
-  }
-}
-
 Failure failure_of_whole(const Point& slice, Failure failure) {
   failure.id = slice.whole;
   failure.error = fmt::format("slice {} of {}: {}", slice.slice, slice.slices, failure.error);
@@ -58,7 +49,7 @@ void PointComputer::play_slice(const Point& slice, const PointKeys::Key& key, co
   store_.put(slice.id, made_of(slice), [&](const fs::path& folder) {
     Inputs& inputs = inputs_for(slice, key, config);
     Json frames = Json::array();
-    for_each_frame(inputs, threads_,
+    for_each_frame(inputs, threads_, nullptr,
                    [&] { frames.push_back(simulate_slice(inputs, program, threads_, slice.slices, slice.slice - 1)); });
     write_durably(folder / kSliceFile, sim::json_line(Json{{"schema", "raywatt-slice/1"}, {"frames", frames}}) + "\n");
   });
@@ -72,7 +63,7 @@ void PointComputer::join(const Point& whole, const PointKeys::Key& key, const Ru
     try {
       std::vector<Json> slices;
       for (const Point& slice : slices_of(whole)) slices.push_back(frames_in(store_, slice));
-      for_each_frame(inputs, threads_, [&] {
+      for_each_frame(inputs, threads_, nullptr, [&] {
         out.add(inputs.frame, join_slices(inputs, program, at_frame(slices, out.frames.size())), std::nullopt, 0);
       });
     } catch (const Json::exception& error) {
