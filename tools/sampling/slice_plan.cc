@@ -13,9 +13,9 @@ namespace {
 /// way do not; until nearly as many more have followed, that is mostly forgotten (docs/slices.md).
 constexpr std::uint32_t kLeadOfThree = 5;
 
-/// Frames and slices with fewer tiles for each of a lead have leads twice as long: the more borders there are for a
-/// frame's tiles, the less may each of them be off.
-constexpr std::uint32_t kTilesOfASmallFrame = 50, kTilesOfAShortSlice = 5;
+/// Small frames, and short slices, in leads: theirs are twice as long, as the error of a border is a larger part of
+/// their time (docs/slices.md).
+constexpr std::uint32_t kLeadsOfASmallFrame = 50, kLeadsOfAShortSlice = 5;
 
 }  // namespace
 
@@ -31,7 +31,7 @@ std::vector<Slice> plan_slices(std::span<const double> costs, std::uint32_t coun
   std::vector<double> up_to(costs.size());
   std::partial_sum(costs.begin(), costs.end(), up_to.begin());
   const bool must_be_long =
-      tiles < kTilesOfASmallFrame * shape.lead || tiles / count < kTilesOfAShortSlice * shape.lead;
+      tiles < kLeadsOfASmallFrame * shape.lead || tiles / count < kLeadsOfAShortSlice * shape.lead;
   const std::uint32_t wanted = must_be_long ? 2 * shape.lead : shape.lead;
   std::vector<Slice> slices;
   std::uint32_t first = 0;

@@ -62,7 +62,8 @@ void ReplayProgram::keep(const kernels::TileResult& tile) {
   seen_[work.tile] = true;
   rays_ += work.ray_begin.size();
   if (++kept_ < part_.tiles) return;
-  if (rays_ == 0 && !part_.requirements.raster) trace_.naming_file([&] { throw sim::InputError(fmt::format("frame {} has no rays", part_.frame)); });
+  if (rays_ == 0 && !part_.requirements.raster)
+    trace_.naming_file([&] { throw sim::InputError(fmt::format("frame {} has no rays", part_.frame)); });
   kept_sampling() = sampling_;
 }
 

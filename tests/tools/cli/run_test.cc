@@ -190,6 +190,17 @@ TEST(Run, WithoutRaysHasNoFiguresOfOne) {
   for (const char* wrong : {"nan", "inf ", "per ray"}) EXPECT_EQ(text.find(wrong), std::string::npos) << text;
 }
 
+TEST(Run, OfAMachineInALivelockEndsWith3AndTheStateOfEachUnit) {
+  const TempFolder folder;
+  const Ending ending = raywatt(small_run(folder.path() / "out", {"--set", "watchdog=2"}));
+  EXPECT_EQ(ending.exit, 3);
+  EXPECT_SAYS(ending.err, "raywatt: the machine is in a livelock");
+  for (const char* unit : {"tile_dispatcher: ", "core0.srp: ", "core0.tni.trv0: ", "l2.bank0: ", "dram.channel0: "}) {
+    EXPECT_SAYS(ending.err, unit);
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "out"));
+}
+
 TEST(Run, DoesNotDependOnTheThreadsOfTheHost) {
   const TempFolder folder;
   const auto out = [&](const char* threads) {

@@ -99,6 +99,17 @@ TEST_F(BadHandMadeTrace, OfFewBytesThatWouldTakeMuchMemoryIsRefused) {
   }
 }
 
+TEST_F(BadHandMadeTrace, WhoseTilesAreThereTwiceOrImportFromOneBehindThemIsRefused) {
+  expect_refusal(replay(trace(kWords, false, {}, {}, {tile(0, kWords), tile(0, kWords)})),
+                 {"a.trace: tile 0 is there twice"});
+  std::string importing = tile(0, kWords);
+  constexpr std::size_t kImports = 4;  // behind tile, its number, samples and what it comes after
+  ASSERT_EQ(importing[kImports], 0);
+  importing.replace(kImports, 1, bytes({1, /*tile*/ 1, /*border*/ 0}));
+  expect_refusal(replay(trace(kWords, false, {}, {}, {importing, tile(1, kWords)})),
+                 {"a.trace: tile 0 imports from one that does not come before it"});
+}
+
 TEST_F(BadHandMadeTrace, WhoseTilesDemandMoreThanTheTileBufferSendsItsRaysThroughMemory) {
   const auto demanding = [](const std::string& key, const Json& value) {
     return trace(kWords, false, [&](Json&, Json& contents) {

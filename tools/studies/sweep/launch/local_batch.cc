@@ -221,7 +221,7 @@ class LocalLauncher::Batch {
       waiting_.push_back({p, attempts_[p] + 1, false});
       return;
     }
-    if (exit == kGood)
+    if (exit == kGood || exit == kIoFailed)
       throw sim::IoError(fmt::format("a worker ended before it had told the result of {}", points_[p].id));
     const std::string error = signal != 0 ? fmt::format("the worker crashed: {}", ::strsignal(signal))
                                           : fmt::format("the worker ended with {}", exit);

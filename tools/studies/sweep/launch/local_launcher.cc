@@ -4,6 +4,7 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
+#include <new>
 #include <system_error>
 
 #include <fcntl.h>
@@ -130,11 +131,15 @@ void LocalLauncher::work(int socket, const std::filesystem::path& log) {
         answer = {{"io_error", sim::printable(error.what(), kLogTail)}};
       } catch (const std::system_error& error) {
         answer = {{"io_error", sim::printable(error.what(), kLogTail)}};
+      } catch (const std::bad_alloc&) {  // the host is short of it now, the point is not to blame
+        answer = {{"io_error", "out of memory; fewer points at a time (-j) need less"}};
       }
       send_message(socket, answer);
     }
   } catch (const Interrupted&) {
     exit = 128 + SIGTERM;
+  } catch (const std::bad_alloc&) {
+    exit = kIoFailed;
   } catch (const std::exception& error) {
     tell("internal error: {}", error.what());
     std::fflush(stderr);
