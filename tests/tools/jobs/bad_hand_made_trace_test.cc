@@ -103,9 +103,11 @@ TEST_F(BadHandMadeTrace, WhoseTilesAreThereTwiceOrImportFromOneBehindThemIsRefus
   expect_refusal(replay(trace(kWords, false, {}, {}, {tile(0, kWords), tile(0, kWords)})),
                  {"a.trace: tile 0 is there twice"});
   std::string importing = tile(0, kWords);
-  constexpr std::size_t kImports = 4;  // behind tile, its number, samples and what it comes after
-  ASSERT_EQ(importing[kImports], 0);
-  importing.replace(kImports, 1, bytes({1, /*tile*/ 1, /*border*/ 0}));
+  constexpr std::size_t kImports = 4;
+  ASSERT_EQ(importing.substr(kImports, 2), bytes({/*imports*/ 0, /*nodes*/ 4}));
+  importing.replace(kImports, 2,
+                    bytes({/*imports*/ 1, /*tile*/ 1, /*border*/ 0, /*nodes*/ 5, /*transfer*/ 2, 16, /*picture*/ 0,
+                           /*from memory*/ 0, 0, /*border*/ 1, /*inputs*/ 0}));
   expect_refusal(replay(trace(kWords, false, {}, {}, {importing, tile(1, kWords)})),
                  {"a.trace: tile 0 imports from one that does not come before it"});
 }

@@ -92,14 +92,13 @@ TEST(Slices, NothingDependsOnTheNumberOfThreads) {
 }
 
 TEST(Slices, ShorterThanTheirLeadsAddUpToo) {
-  constexpr std::uint32_t kSlices = 90;  // of 17 or 18 tiles, with leads of 20
+  constexpr std::uint32_t kSlices = 90;  // each has 17 or 18 tiles, and a lead of 20
   const Simulation one = simulate_slices(teapot_tiles(), kFull, 1, kSlices);
   const Simulation three = simulate_slices(teapot_tiles(), kFull, 3, kSlices);
   EXPECT_EQ(first_difference(one, three), "");
   EXPECT_EQ(one.function.traversal_steps, uncut_teapot().function.traversal_steps);
   EXPECT_GT(one.sliced->again, (kSlices - 2) * 17U) << "longer than slices";
-  EXPECT_NEAR(one.sliced->cycles.estimate, static_cast<double>(uncut_teapot().cycles),
-              one.sliced->cycles.half_width());
+  EXPECT_NEAR(one.sliced->cycles.estimate, static_cast<double>(uncut_teapot().cycles), one.sliced->cycles.half_width());
 }
 
 TEST(Slices, ThePictureAndAllThatIsCountedOfItAreTheWholeFrames) {
