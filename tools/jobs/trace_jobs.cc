@@ -58,6 +58,8 @@ void record_trace(const JobOptions& options, const std::filesystem::path& file) 
   Progress progress(options.progress, options.quiet);
   Inputs inputs = load_inputs(options, &progress);
   tell_warnings(inputs.warnings, &progress);
+  tell_long(estimated_recording_seconds(inputs, spec, options.threads) * inputs.frames(),
+            "a smaller --resolution or fewer --frames take less", progress);
   progress.expect(inputs.frames() * (compared ? 2 : 1));
   const kernels::RateMap rates(inputs.config.programs.multirate);
   Recorder program{spec, rates};

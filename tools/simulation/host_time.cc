@@ -15,6 +15,7 @@ namespace {
 constexpr std::uint32_t kAcross = 24, kDown = 12;  // pixels that are looked at
 constexpr std::uint32_t kOneOf = 3;                // columns and rows of a small picture: cheap beside its run
 constexpr double kSecondsPerStep = 100e-9;         // chosen: 60 to 160 ns on processors of these years
+constexpr double kRecordingShare = 0.125;          // chosen: tracing and shading are 6 to 12 times cheaper than timing
 constexpr double kStepsPerEnter = 10;              // chosen: a walk of 100,000 instances took 5 to 6 times its steps
 
 }  // namespace
@@ -37,6 +38,10 @@ double estimated_host_seconds(const Inputs& inputs, const kernels::ProgramSpec& 
   }
   const double looked_at = static_cast<double>(few.width) * few.height;
   return host_seconds(steps / looked_at * samples);
+}
+
+double estimated_recording_seconds(const Inputs& inputs, const kernels::ProgramSpec& spec, std::uint32_t threads) {
+  return kRecordingShare * estimated_host_seconds(inputs, spec) / host_threads(threads);
 }
 
 void tell_long(double seconds, std::string_view less, Progress& progress) {

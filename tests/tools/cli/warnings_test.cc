@@ -50,9 +50,11 @@ TEST(Warnings, OfTheRunAreToldByBottleneckAndStandInItsJson) {
 
 TEST(Warnings, OfLongWorkAreToldWhereverStandardErrorGoes) {
   const TempFolder folder;
-  for (const char* verb : {"run", "verify"}) {
-    Program program(
-        {verb, "--program", "full:256", "--resolution", "2048x1024", "-o", (folder.path() / "out").string()});
+  const std::string out = (folder.path() / "out").string();
+  for (const Words& verb : {Words{"run", "-o", out}, Words{"verify", "-o", out}, Words{"trace", "record", out}}) {
+    Words words = verb;
+    words.insert(words.end(), {"--program", "full:256", "--resolution", "2048x1024", "--threads", "1"});
+    Program program(words);
     EXPECT_TRUE(program.wait_for_complaint());
     program.send(SIGKILL);
     EXPECT_SAYS(program.wait().err, "raywatt: this may take about ");

@@ -262,7 +262,7 @@ TEST_F(Replay, MemoryThatRunsOutIsSaidInOneLine) {
   const std::string script = folder_.write("small", "ulimit -v 300000; exec \"$@\"\n").string();
   const std::string err = at("err").string();
   const int status =
-      std::system(("sh " + script + " " RAYWATT_PROGRAM " trace record --resolution 16384x16384 --threads 1 " +
+      std::system(("sh " + script + " " RAYWATT_PROGRAM " trace record --quiet --resolution 16384x16384 --threads 1 " +
                    trace() + " 2> " + err)
                       .c_str());
   EXPECT_EQ(WEXITSTATUS(status), 74);
