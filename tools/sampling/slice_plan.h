@@ -24,8 +24,7 @@ struct Slice {
 };
 
 struct SliceShape {
-  std::uint32_t lead =
-      0;  ///< tiles before a slice that fill its machine, or half of them; a slice has as many at least
+  std::uint32_t lead = 0;     ///< a short lead, of tiles that fill a machine; a slice has as many at least
   std::uint32_t probe = 0;    ///< the last of these, which the machine before plays as its own last
   std::uint32_t warming = 0;  ///< tiles before a slice that warm the caches, those of its lead among them
 };

@@ -98,7 +98,7 @@ Inputs& PointComputer::inputs_for(const Point& point, const PointKeys::Key& key,
   return inputs_;
 }
 
-Fate PointComputer::compute(const Point& point, const Order& order) {
+Fate PointComputer::compute(const Point& point, const Order& order) try {
   std::optional<Lock> lock = store_.lock(point.id);
   for (auto pause = std::chrono::milliseconds(2); !lock && order.wait; lock = store_.lock(point.id)) {
     if (interrupted()) throw Interrupted{};
@@ -129,8 +129,8 @@ Fate PointComputer::compute(const Point& point, const Order& order) {
     throw;
   } catch (const std::system_error&) {
     throw;
-  } catch (const std::bad_alloc&) {  // the host is short of it now, the point is not to blame
-    throw sim::IoError(fmt::format("point {}: out of memory; fewer points at a time (-j) need less", point.n));
+  } catch (const std::bad_alloc&) {
+    throw;
   } catch (const sim::InputError& e) {
     exit = kBadInput;
     error = e.what();
@@ -143,6 +143,8 @@ Fate PointComputer::compute(const Point& point, const Order& order) {
   }
   put_failure(point, {point.id, exit, error, log, host_name(), order.attempt});
   return Fate::kFailed;
+} catch (const std::bad_alloc&) {  // the host is short of it now, the point is not to blame
+  throw sim::IoError(fmt::format("point {}: out of memory; fewer points at a time (-j) need less", point.n));
 }
 
 void PointComputer::compute_now(const Point& point, const PointKeys::Key& key, const RunConfig& config, bool record) {

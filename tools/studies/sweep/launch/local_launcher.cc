@@ -131,8 +131,6 @@ void LocalLauncher::work(int socket, const std::filesystem::path& log) {
         answer = {{"io_error", sim::printable(error.what(), kLogTail)}};
       } catch (const std::system_error& error) {
         answer = {{"io_error", sim::printable(error.what(), kLogTail)}};
-      } catch (const std::bad_alloc&) {  // the host is short of it now, the point is not to blame
-        answer = {{"io_error", "out of memory; fewer points at a time (-j) need less"}};
       }
       send_message(socket, answer);
     }
