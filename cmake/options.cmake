@@ -15,9 +15,10 @@ if(RAYWATT_WERROR)
 endif()
 if(RAYWATT_SANITIZE)
   target_compile_options(raywatt_options INTERFACE -fsanitize=${RAYWATT_SANITIZE} -fno-omit-frame-pointer
-    $<$<BOOL:${RAYWATT_FUZZ}>:-fno-sanitize-recover=all>  # a fuzzer ends at the first finding
+    -fno-sanitize-recover=all  # a program ends at its first finding, so that no test passes over it
     # GCC 12 takes checks that the sanitizers put into <regex> for uses before initialisation.
     $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
+  target_compile_definitions(raywatt_options INTERFACE RAYWATT_SANITIZED)  # for tests that need the plain heap
   target_link_options(raywatt_options INTERFACE -fsanitize=${RAYWATT_SANITIZE})
 endif()
 

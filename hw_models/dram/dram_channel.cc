@@ -137,9 +137,13 @@ void DramChannel::reschedule(Cycle now) {
   const DramQueue& queue = writing_ ? writes_ : reads_;
   const bool blocked = !writing_ && returns_.size() == most_returns_;
   next_ = queue.empty() || blocked ? ScheduledCommand{} : best_command(queue, now);
-  waiting_ = queue.empty() ? CycleReason::kIdle
-             : blocked     ? CycleReason::kReturnsFull
-                           : device_.reason(next_.command(), next_.bank(), writing_, next_.at());
+}
+
+/// Reason for which the data bus is idle since the last reschedule() and until the next one.
+DramChannel::CycleReason DramChannel::waiting() const {
+  if ((writing_ ? writes_ : reads_).empty()) return CycleReason::kIdle;
+  if (next_.none()) return CycleReason::kReturnsFull;
+  return device_.reason(next_.command(), next_.bank(), writing_, next_.at());
 }
 
 /// `read_due`, `write_due`: when the oldest of each may no longer be overtaken.
@@ -159,30 +163,52 @@ ScheduledCommand DramChannel::best_command(const DramQueue& queue, Cycle now) co
   }
   const Cycle from = device_.awake(now);
   ScheduledCommand best;
-  const auto consider = [&]<DramCommand command>(std::uint32_t of, std::uint32_t rank) {
-    if (of == 0) return;
-    const Cycle lead = device_.lead(command), rank_ready = device_.rank_ready(command, rank, writing_, from);
-    const auto bound = [&](Cycle ready) {
-      return ScheduledCommand(std::max(from + lead, ready) - lead, command, 0, 0);
-    };
-    if (best < bound(rank_ready)) return;  // none can come before it
-    for (std::uint32_t left = of; left != 0; left &= left - 1) {
-      const auto bank = static_cast<std::uint32_t>(std::countr_zero(left));
-      const Cycle ready = device_.ready(command, bank, writing_, rank_ready);
-      if (best < bound(ready)) continue;
-      const std::uint64_t positions = command == DramCommand::kColumn ? queue.hits(bank) : queue.waiting(bank);
-      const auto position = static_cast<std::uint32_t>(std::countr_zero(positions));
-      const ScheduledCommand next(device_.earliest(command, bank, ready, from), command, position, bank);
-      if (next < best) best = next;
-    }
-  };
   for (std::uint32_t rank = 0; rank < ranks_; ++rank) {
     const std::uint32_t here = banks & device_.banks_of(rank), others = here & ~columns;
-    consider.template operator()<DramCommand::kColumn>(here & columns, rank);
-    consider.template operator()<DramCommand::kActivate>(others & ~device_.open_mask(), rank);
-    consider.template operator()<DramCommand::kPrecharge>(others & device_.open_mask(), rank);
+    best_of<DramCommand::kColumn>(queue, here & columns, rank, from, best);
+    best_of<DramCommand::kActivate>(queue, others & ~device_.open_mask(), rank, from, best);
+    best_of<DramCommand::kPrecharge>(queue, others & device_.open_mask(), rank, from, best);
   }
   return best;
+}
+
+/// Is any such command in these banks of a rank better than `best`? Then it is that. What holds them up, but for the
+/// bank, is the same for all banks of the rank: the first slot for the first that is ready is one for whoever is ready
+/// by then.
+template <DramCommand kCommand>
+[[gnu::always_inline]] inline void DramChannel::best_of(const DramQueue& queue, std::uint32_t banks, std::uint32_t rank,
+                                                        Cycle from, ScheduledCommand& best) const {
+  if (banks == 0) return;
+  const Cycle rank_ready = device_.rank_ready(kCommand, rank, writing_, from), lead = device_.lead(kCommand);
+  const auto none_is_better = [&](Cycle ready) {
+    return best < ScheduledCommand(std::max(from + lead, ready) - lead, kCommand, 0, 0);
+  };
+  if (none_is_better(rank_ready)) return;
+  const auto each_bank = [&](auto&& f) {
+    for (std::uint32_t left = banks; left != 0; left &= left - 1) {
+      const auto bank = static_cast<std::uint32_t>(std::countr_zero(left));
+      f(bank, device_.ready(kCommand, bank, writing_, rank_ready));
+    }
+  };
+  const auto wanted = [&](std::uint32_t bank) {
+    return kCommand == DramCommand::kColumn ? queue.hits(bank) : queue.waiting(bank);
+  };
+  const auto take = [&](Cycle at, std::uint64_t positions) {
+    const auto oldest = static_cast<std::uint32_t>(std::countr_zero(positions));
+    best = std::min(best, ScheduledCommand(at, kCommand, oldest, queue.at(oldest).address.bank));
+  };
+  Cycle soonest = sim::kNever;
+  each_bank([&](std::uint32_t, Cycle ready) { soonest = std::min(soonest, ready); });
+  if (none_is_better(soonest)) return;
+  const DramDevice::Slot slot = device_.slot(kCommand, rank, soonest, from);
+  if (kCommand == DramCommand::kColumn && slot.in_doubt) [[unlikely]] {
+    each_bank(
+        [&](std::uint32_t bank, Cycle ready) { take(device_.slot(kCommand, rank, ready, from).at, wanted(bank)); });
+  } else {
+    std::uint64_t positions = 0;
+    each_bank([&](std::uint32_t bank, Cycle ready) { positions |= ready <= slot.ready_by ? wanted(bank) : 0; });
+    take(slot.at, positions);
+  }
 }
 
 inline void DramChannel::issue(sim::Time now, Cycle cycle) {
@@ -253,16 +279,17 @@ inline void DramChannel::transfer(const DramQueue::Entry& entry, sim::Time now, 
 void DramChannel::settle(Cycle until) {
   while (settled_ < until) {
     Cycle end = until;
-    CycleReason why = waiting_;
-    if (!data_bus_.empty()) {
+    CycleReason why;
+    if (!data_bus_.empty() && data_bus_.front().begin <= settled_) {
       const DataBus::Burst& burst = data_bus_.front();
-      if (burst.begin > settled_) {
-        end = std::min(until, burst.begin);
+      end = std::min(until, burst.end);
+      why = burst.write ? CycleReason::kWriting : CycleReason::kReading;
+      if (end == burst.end) data_bus_.pop();
+    } else {
+      why = waiting();
+      if (!data_bus_.empty()) {
+        end = std::min(until, data_bus_.front().begin);
         if (why == CycleReason::kIdle) why = CycleReason::kLatency;
-      } else {
-        end = std::min(until, burst.end);
-        why = burst.write ? CycleReason::kWriting : CycleReason::kReading;
-        if (end == burst.end) data_bus_.pop();
       }
     }
     activity_.spend(settled_ * clock_.period(), clock_.period(), why, why);

@@ -132,6 +132,10 @@ class DramChannel {
   bool writes_first(Cycle read_due, Cycle write_due, Cycle now) const;
   bool next_survives(bool write, std::uint32_t bank, bool row_is_open) const;
   ScheduledCommand best_command(const DramQueue& queue, Cycle now) const;
+  template <DramCommand kCommand>
+  void best_of(const DramQueue& queue, std::uint32_t banks, std::uint32_t rank, Cycle from,
+               ScheduledCommand& best) const;
+  CycleReason waiting() const;
   void issue(sim::Time now, Cycle cycle);
   void row_done(const DramAddress& address);
   void transfer(const DramQueue::Entry& entry, sim::Time now, Cycle cycle);
@@ -184,7 +188,6 @@ class DramChannel {
   Cycle reschedule_at_ = sim::kNever;  ///< when a request becomes overdue
 
   Cycle settled_ = 0;
-  CycleReason waiting_ = CycleReason::kIdle;  ///< for what, while the data bus is idle
   Stats stats_;
   sim::Activity<CycleReason> activity_;
 };

@@ -74,20 +74,29 @@ class DramDevice {
     if (command != DramCommand::kColumn) return ready;
     return std::max(ready, group_at_[write ? kWriteTrain : kReadTrain][group_of(bank)]);
   }
-  /// The first cycle, `ready` or later, at which the buses are free for the command; while WCK stands still and it is a
-  /// read or write, that of the CAS before it, `from` or later.
-  Cycle earliest(DramCommand command, std::uint32_t bank, Cycle ready, Cycle from) const {
-    const Rank& rank = rank_[rank_of(bank)];
+  /// Place of a command on the buses.
+  struct Slot {
+    Cycle at;        ///< its first cycle; that of the CAS before it while WCK stands still and it is a read or write
+    Cycle ready_by;  ///< whatever bank of the rank is ready by then could have it instead
+    bool in_doubt;   ///< WCK is about to stop: a read or write that is ready later may begin earlier, with its CAS
+  };
+  /// The first slot at which the buses are free for a command that is ready at `ready`; a CAS may come at `from` or
+  /// later.
+  Slot slot(DramCommand command, std::uint32_t rank, Cycle ready, Cycle from) const {
+    const Rank& of = rank_[rank];
     Cycle free = calendar_.first_free(command, ready);
-    if (command == DramCommand::kColumn && t_.wck_sync != 0 && free > rank.synchronised_until) {
-      const Cycle column = std::max(ready, rank.synchronised_until + 1);
-      return calendar_.first_free_with_sync(std::max(from + t_.wck_sync, column) - t_.wck_sync);
+    if (command == DramCommand::kColumn && t_.wck_sync != 0) {
+      if (free <= of.synchronised_until) return {free, free, free + t_.wck_sync > of.synchronised_until};
+      const Cycle column = std::max(ready, of.synchronised_until + 1);
+      free = calendar_.first_free_with_sync(std::max(from + t_.wck_sync, column) - t_.wck_sync);
+      return {free, free + t_.wck_sync, false};
     }
-    if (command != DramCommand::kActivate || t_.pbr2act == 0) return free;
-    for (Cycle allowed = rank.next_activate(free, t_); allowed != free; allowed = rank.next_activate(free, t_)) {
-      free = calendar_.first_free(command, allowed);
+    if (command == DramCommand::kActivate && t_.pbr2act != 0) {
+      for (Cycle allowed = of.next_activate(free, t_); allowed != free; allowed = of.next_activate(free, t_)) {
+        free = calendar_.first_free(command, allowed);
+      }
     }
-    return free;
+    return {free, free, false};
   }
   /// Cycles by which a read or write may begin, with its CAS, before it is ready.
   Cycle lead(DramCommand command) const { return command == DramCommand::kColumn ? t_.wck_sync : 0; }

@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <cassert>
-#include <deque>
-#include <functional>
-#include <queue>
 
+#include "sim/ring.h"
 #include "sim/unit_report.h"
 
 namespace hw {
@@ -33,7 +31,7 @@ class Player : DramChannel::Watcher {
 
   DramPlay run() {
     for (sim::Time now = 0; served_ < requests_.size(); now = next_time(now)) {
-      for (; !busy_.empty() && busy_.top() <= now; busy_.pop()) waiting_ -= 1;
+      for (; !reads_.empty() && reads_.front() <= now; reads_.pop_front()) waiting_ -= 1;
       for (; may_send() && requests_[next_].earliest <= now; ++next_) send(now);
       while (out_.can_pop(now)) out_.pop(now);
       if (wake_ > now) continue;
@@ -51,28 +49,27 @@ class Player : DramChannel::Watcher {
     const DramRequest& r = requests_[next_];
     play_.arrived[next_] = now;
     waiting_ += 1;
-    on_the_wire_.push_back(r.write);
     in_.push(now, {r.address / line_ * line_, static_cast<std::uint16_t>(next_ >> 16),
                    static_cast<std::uint16_t>(next_), r.write});
   }
 
   /// A write is posted: it is over for who sends it when the channel has taken it.
   void take_posted() {
-    for (; on_the_wire_.size() > in_.size(); on_the_wire_.pop_front()) waiting_ -= on_the_wire_.front() ? 1 : 0;
+    for (; taken_ + in_.size() < next_; ++taken_) waiting_ -= requests_[taken_].write ? 1 : 0;
   }
 
   void served(const MemRequest& r, sim::Time end) override {
     const std::size_t i = std::size_t{r.source} << 16 | r.tag;
     play_.done[i] = end - clock_.period();
     play_.end = std::max(play_.end, play_.done[i]);
-    if (!r.write) busy_.push(end - clock_.period());
+    if (!r.write) reads_.push_back(end - clock_.period());
     served_ += 1;
   }
 
   sim::Time next_time(sim::Time now) const {
     sim::Time next = std::min(wake_, out_.pop_at());
     if (may_send()) next = std::min(next, clock_.edge_at_or_after(requests_[next_].earliest));
-    if (!may_send() && next_ < requests_.size() && !busy_.empty()) next = std::min(next, busy_.top());
+    if (!may_send() && next_ < requests_.size() && !reads_.empty()) next = std::min(next, reads_.front());
     return std::max(next, now + clock_.period());
   }
 
@@ -97,10 +94,10 @@ class Player : DramChannel::Watcher {
   sim::Time wake_ = 0;
 
   std::size_t next_ = 0;
-  std::uint32_t waiting_ = 0;     ///< sent and not done
-  std::deque<bool> on_the_wire_;  ///< requests in the link: whether each writes
-  std::size_t served_ = 0;        ///< their data are booked
-  std::priority_queue<sim::Time, std::vector<sim::Time>, std::greater<>> busy_;  ///< when those will be done
+  std::uint32_t waiting_ = 0;   ///< sent and not done
+  std::size_t taken_ = 0;       ///< requests that the channel has taken
+  std::size_t served_ = 0;      ///< their data are booked
+  sim::Ring<sim::Time> reads_;  ///< when those of them will be done that read: data come in the order of commands
   DramPlay play_;
 };
 

@@ -35,6 +35,7 @@ class DramQueue {
   std::uint32_t size() const { return size_; }
   const Entry& oldest() const { return entries_[order_[0]]; }
   Entry& at(std::uint32_t position) { return entries_[order_[position]]; }
+  const Entry& at(std::uint32_t position) const { return entries_[order_[position]]; }
 
   /// Banks that somebody wants, as a mask.
   std::uint32_t banks() const { return banks_; }
@@ -63,11 +64,8 @@ class DramQueue {
     std::copy(order_.data() + position + 1, order_.data() + size_, order_.data() + position);
     size_ -= 1;
     order_[size_] = slot;
-    for (std::uint32_t left = banks_; left != 0; left &= left - 1) {
-      const auto b = static_cast<std::size_t>(std::countr_zero(left));
-      waiting_[b] = without(waiting_[b], position);
-      hits_[b] = without(hits_[b], position);
-    }
+    for (std::uint64_t& positions : waiting_) positions = without(positions, position);
+    for (std::uint64_t& positions : hits_) positions = without(positions, position);
     set_hits(bank, hits_[bank]);
     if (waiting_[bank] == 0) banks_ &= ~(1U << bank);
   }

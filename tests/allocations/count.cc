@@ -102,7 +102,7 @@ std::string CountAllocations::sites(int number, const std::vector<std::string>& 
 
 }  // namespace test
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef RAYWATT_SANITIZED
 
 bool test::can_count_allocations() { return false; }
 

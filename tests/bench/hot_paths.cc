@@ -1,4 +1,5 @@
 // Pieces that the simulator runs most, one at a time: ninja bench_units && tests/bench_units
+#include <string>
 #include <vector>
 
 #include <benchmark/benchmark.h>
@@ -6,6 +7,7 @@
 #include "hw_models/dram/dram_channel.h"
 #include "hw_models/dram/dram_player.h"
 #include "hw_models/memory/cache_tags.h"
+#include "sim/config/config.h"
 #include "sim/hash.h"
 #include "sim/link.h"
 #include "tests/hw_models/tni/harness.h"
@@ -83,17 +85,20 @@ void dram_request(benchmark::State& state) {
 }
 BENCHMARK(dram_request)->Arg(0)->Arg(1);
 
-/// The memory model alone as `raywatt microbench dram` runs it: stream (0) or random lines (1), so many percent reads.
-void dram_play(benchmark::State& state) {
+/// The memory model alone as `raywatt microbench dram` runs it, of a grade: stream (0) or random lines (1), so many
+/// percent reads. Begun where configs/ is.
+void dram_play(benchmark::State& state, const char* grade) {
+  const auto config = sim::load_config<hw::DramConfig>(std::string("configs/dram/") + grade + ".yaml");
   std::vector<hw::DramRequest> requests;
   for (std::uint64_t i = 0; i < 100'000; ++i) {
     const std::uint64_t line = state.range(0) == 0 ? i : sim::mix(i) % (1 << 24);
     requests.push_back({line * 64, sim::hash(i) % 100 >= static_cast<std::uint64_t>(state.range(1)), 0});
   }
-  for (auto _ : state) benchmark::DoNotOptimize(hw::play(hw::DramConfig{}, requests, 32).end);
+  for (auto _ : state) benchmark::DoNotOptimize(hw::play(config, requests, 32).end);
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(requests.size()));
 }
-BENCHMARK(dram_play)->Args({0, 100})->Args({0, 80})->Args({1, 100})->Args({1, 80});
+BENCHMARK_CAPTURE(dram_play, lpddr4, "lpddr4-3200")->Args({0, 100})->Args({0, 80})->Args({1, 100})->Args({1, 80});
+BENCHMARK_CAPTURE(dram_play, lpddr5, "lpddr5-6400")->Args({0, 100})->Args({0, 80})->Args({1, 100})->Args({1, 80});
 
 }  // namespace
 

@@ -121,8 +121,7 @@ std::vector<std::uint32_t> levels_seen(const traces::Scene& scene, const glm::ve
     if (access.kind() == traces::Access::Kind::kTexels) seen.push_back(access.texture());
   }
   std::ranges::sort(seen);
-  const auto [first, last] = std::ranges::unique(seen);
-  seen.erase(first, last);
+  seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
   return seen;
 }
 

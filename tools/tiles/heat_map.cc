@@ -35,7 +35,7 @@ std::vector<Area> by_area(const TileFrame& tiles, auto&& value) {
 HeatMap of_tiles(HeatMap map, const std::vector<Area>& areas, bool shared) {
   map.values.resize(std::size_t{map.width} * map.height);
   for (const Area& area : areas) {
-    const double pixels = std::max<double>(1, std::uint64_t{area.width} * area.height);
+    const double pixels = std::max(1.0, static_cast<double>(area.width) * area.height);
     const auto value = static_cast<float>(shared ? area.sum / pixels : area.sum);
     for (std::uint32_t y = area.y; y < area.y + area.height; ++y) {
       std::fill_n(map.values.begin() + std::ptrdiff_t{y} * map.width + area.x, area.width, value);

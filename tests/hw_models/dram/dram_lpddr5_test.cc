@@ -18,7 +18,7 @@ DramConfig lpddr5() { return sim::load_config<DramConfig>("configs/dram/lpddr5-6
 
 Cycle earliest(const DramDevice& d, DramCommand command, std::uint32_t bank, Cycle now) {
   const Cycle ready = d.rank_ready(command, 0, false, d.awake(now));
-  return d.earliest(command, bank, d.ready(command, bank, false, ready), now);
+  return d.slot(command, 0, d.ready(command, bank, false, ready), now).at;
 }
 
 TEST(Lpddr5, ACommandFitsBetweenAct1AndAct2) {

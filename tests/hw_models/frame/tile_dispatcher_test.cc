@@ -93,6 +93,7 @@ class DispatcherHarness {
 
  private:
   struct Bank {
+    Bank(std::uint32_t& counted, sim::Link<Flush>& from) : flushes(counted), in(from) {}
     sim::Time tick(sim::Time now) {
       if (in.can_pop(now)) {
         in.pop(now);

@@ -176,7 +176,7 @@ TEST(RasterUnit, ChargesEveryCycleToAReason) {
 
 TEST(RasterUnit, IsTheSameForEngineAndOracle) {
   const TileWork first = batch(40, 20), second = wave(30, 2, 3), third = wave(0, 0, 0);
-  for (const std::uint32_t small : {1, 3}) {
+  for (const std::uint32_t small : {1U, 3U}) {
     RasterUnitConfig config;
     config.window = config.l1.mshrs = config.queue = config.jobs = small;
     config.write_buffer = 4;

@@ -33,7 +33,7 @@ TEST(SizesOutsideCurves, AreNamedOnceAKindWithTheRange) {
 }
 
 TEST(SizesOutsideCurves, AreNoneAtTheEndsAndBetweenPoints) {
-  for (const std::uint64_t kib : {64, 100, 256}) EXPECT_TRUE(lines_of(kib << 10).empty()) << kib;
+  for (const std::uint64_t kib : {64U, 100U, 256U}) EXPECT_TRUE(lines_of(kib << 10).empty()) << kib;
 }
 
 TEST(SizesOutsideCurves, AreNoneOfEventsWithoutSizes) {

@@ -15,7 +15,7 @@ Ending on_processor(const char* name) {
 
 struct Processors : testing::Test {
   void SetUp() override {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef RAYWATT_SANITIZED
     GTEST_SKIP() << "sanitizers look at the processor first";
 #elif !defined(__x86_64__)
     GTEST_SKIP() << "any processor of this kind will do";

@@ -10,7 +10,7 @@
 namespace {
 
 TEST(OnThreads, EachNumberIsCalledOnceAndAllHaveEnded) {
-  for (const std::size_t count : {0, 1, 2, 7}) {
+  for (const std::size_t count : {0U, 1U, 2U, 7U}) {
     std::array<std::atomic<int>, 8> calls{};
     tools::on_threads(count, [&](std::size_t i) { ++calls[i]; });
     for (std::size_t i = 0; i < calls.size(); ++i) EXPECT_EQ(calls[i], i < count ? 1 : 0) << count;
@@ -18,7 +18,7 @@ TEST(OnThreads, EachNumberIsCalledOnceAndAllHaveEnded) {
 }
 
 TEST(OnThreads, FailureOfAnyThreadReachesTheCallerWhenTheOthersHaveEnded) {
-  for (const std::size_t failing : {0, 1, 3}) {
+  for (const std::size_t failing : {0U, 1U, 3U}) {
     std::atomic<int> ended = 0;
     const auto work = [&](std::size_t i) {
       if (i == failing) throw std::bad_alloc();

@@ -94,7 +94,7 @@ TEST(Best, NamesThePointsThatAreExtrapolated) {
     report["totals"]["extrapolated"] = count;
     sweep.finish(point, report);
   };
-  for (const std::size_t point : {0, 1, 2, 3}) set(point, 0);
+  for (const std::size_t point : {0U, 1U, 2U, 3U}) set(point, 0);
   EXPECT_EQ(best(sweep, {"cycles", false, {}}).find(said), std::string::npos);
   set(1, 2);
   EXPECT_SAYS(best(sweep, {"cycles", false, {}}), said + "point 1\n");
