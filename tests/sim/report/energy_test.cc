@@ -89,7 +89,8 @@ TEST(Energy, TheClockOfIdleAndStarvedCyclesRunsOn) {
 }
 
 TEST(Energy, SizeDependentEventsAreInterpolatedOnLogLogPaper) {
-  const EnergyTable table(energy_config().events);
+  const EnergyConfig config = energy_config();
+  const EnergyTable table(config.events);
   expect_near(table.at("read", 16 * 1024), {1, 4, 16});
   expect_near(table.at("read", 64 * 1024), {4, 8, 32});
   expect_near(table.at("read", 32 * 1024), {2, 4 * std::sqrt(2.0), 16 * std::sqrt(2.0)});

@@ -29,6 +29,11 @@ struct Installation : testing::Test {
     delete folder;
     folder = nullptr;
   }
+  void SetUp() override {
+#ifdef RAYWATT_SANITIZED
+    GTEST_SKIP() << "builds under sanitizers are not installed";
+#endif
+  }
   static fs::path root() { return folder->path() / "usr"; }
   static Ending installed(const Words& arguments) {
     return raywatt(arguments, {.folder = folder->path(), .program = root() / "bin" / "raywatt"});

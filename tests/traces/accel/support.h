@@ -51,7 +51,7 @@ Hit test_all(const MemoryImage& image, const Ray& ray);
 
 template <class Record>
 bool same_bytes(const std::vector<Record>& a, const std::vector<Record>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Record)) == 0;
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(Record)) == 0);
 }
 
 /// Hits that differ in any bit.
