@@ -61,6 +61,37 @@ TEST(Lpddr5, AColumnCommandAfterAPauseBeginsWithCas) {
   EXPECT_EQ(d.read(0, end + 1), end + 2 + Cycle{c.timing.rl});
 }
 
+/// The controller looks for one slot of a kind of command and gives it to the oldest of the banks that are ready by
+/// `ready_by` (DramChannel::best_command).
+TEST(Lpddr5, ASlotIsThatOfEveryBankReadyByThen) {
+  std::uint32_t in_doubt = 0, overtaken = 0;
+  for (const std::uint32_t sync : {0U, 1U, 4U}) {
+    DramConfig c = lpddr5();
+    c.timing.wck_sync = sync;
+    DramDevice d{c};
+    for (std::uint32_t bank = 0; bank < 4; ++bank) d.activate(bank, 0, Cycle{bank} * c.timing.faw / 4);
+    d.read(0, 100);
+    d.read(1, 109);
+    d.refresh(1U << 5, 105);
+    d.activate(6, 0, 111);
+    for (const DramCommand command : {kColumn, kActivate, kPrecharge}) {
+      for (Cycle ready = 111; ready < 180; ++ready) {
+        const DramDevice::Slot slot = d.slot(command, 0, ready, 111);
+        for (Cycle later = ready; later < ready + 20; ++later) {
+          const Cycle at = d.slot(command, 0, later, 111).at;
+          overtaken += at < slot.at;
+          if (slot.in_doubt) continue;
+          EXPECT_EQ(at == slot.at, later <= slot.ready_by) << sync << ' ' << ready << ' ' << later;
+          EXPECT_GE(at, slot.at);
+        }
+        in_doubt += slot.in_doubt;
+      }
+    }
+  }
+  EXPECT_GT(in_doubt, 0U);
+  EXPECT_GT(overtaken, 0U) << "a command with its CAS begins before one that comes without";
+}
+
 TEST(Lpddr5, ABurstOf32TakesOneCommand) {
   DramConfig c = lpddr5();
   c.timing.wck_sync = 0;
