@@ -15,10 +15,10 @@ if(RAYWATT_WERROR)
 endif()
 if(RAYWATT_SANITIZE)
   target_compile_options(raywatt_options INTERFACE -fsanitize=${RAYWATT_SANITIZE} -fno-omit-frame-pointer
-    -fno-sanitize-recover=all  # a program ends at its first finding, so that no test passes over it
+    -fno-sanitize-recover=all  # a program ends at its first finding (of threads: halt_on_error)
     # GCC 12 takes checks that the sanitizers put into <regex> for uses before initialisation.
     $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
-  target_compile_definitions(raywatt_options INTERFACE RAYWATT_SANITIZED)  # for tests that need the plain heap
+  target_compile_definitions(raywatt_options INTERFACE RAYWATT_SANITIZED)  # for tests of what sanitizers replace or leave out
   target_link_options(raywatt_options INTERFACE -fsanitize=${RAYWATT_SANITIZE})
 endif()
 

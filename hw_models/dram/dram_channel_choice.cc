@@ -5,9 +5,9 @@
 
 namespace hw {
 
-/// Is any such command in these banks of a rank better than `best`? Then it is that. What holds them up, but for the
-/// bank, is the same for all banks of the rank: the first slot for the first that is ready is one for whoever is ready
-/// by then.
+/// Replaces `best` by the best such command in these banks of a rank, if that is better. What holds commands up, but
+/// for their bank, is the same for all banks of the rank: the first slot for the first that is ready is that of all
+/// that are ready by its `ready_by`, and the oldest request among these gets it.
 template <DramCommand kCommand>
 [[gnu::always_inline]] inline void DramChannel::best_of(const DramQueue& queue, std::uint32_t banks, std::uint32_t rank,
                                                         Cycle from, ScheduledCommand& best) const {

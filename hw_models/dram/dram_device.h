@@ -77,8 +77,8 @@ class DramDevice {
   /// Place of a command on the buses.
   struct Slot {
     Cycle at;        ///< its first cycle; that of the CAS before it while WCK stands still and it is a read or write
-    Cycle ready_by;  ///< whatever bank of the rank is ready by then could have it instead
-    bool in_doubt;   ///< WCK is about to stop: a read or write that is ready later may begin earlier, with its CAS
+    Cycle ready_by;  ///< any bank of the rank that is ready by then could have the slot instead
+    bool in_doubt;   ///< WCK is about to stop: a read or write that is ready later may begin no later, with its CAS
   };
   /// The first slot at which the buses are free for a command that is ready at `ready`; a CAS may come at `from` or
   /// later.

@@ -97,7 +97,7 @@ class Player : DramChannel::Watcher {
   std::uint32_t waiting_ = 0;   ///< sent and not done
   std::size_t taken_ = 0;       ///< requests that the channel has taken
   std::size_t served_ = 0;      ///< their data are booked
-  sim::Ring<sim::Time> reads_;  ///< when those of them will be done that read: data come in the order of commands
+  sim::Ring<sim::Time> reads_;  ///< ends of the reads among them, in the order of commands
   DramPlay play_;
 };
 

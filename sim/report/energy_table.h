@@ -50,7 +50,7 @@ class EnergyTable {
   /// Throws InputError for an event whose size ("@16KiB") is none, or that has a figure both with and without sizes.
   /// `key`: what errors call the table.
   explicit EnergyTable(const std::map<std::string, Spread>& events, std::string_view key = "energy.events");
-  explicit EnergyTable(std::map<std::string, Spread>&&, std::string_view = {}) = delete;  // it refers to the figures
+  explicit EnergyTable(std::map<std::string, Spread>&&, std::string_view = {}) = delete;  // it keeps pointers to them
 
   /// pJ of one event that contains() has, in an array of `bytes`.
   Spread at(std::string_view event, std::uint64_t bytes) const;

@@ -1,4 +1,5 @@
-// Pieces that the simulator runs most, one at a time: ninja bench_units && tests/bench_units
+// Pieces that the simulator runs most, one at a time: ninja -C build/release bench_units, then
+// build/release/tests/bench_units
 #include <string>
 #include <vector>
 
@@ -86,7 +87,7 @@ void dram_request(benchmark::State& state) {
 BENCHMARK(dram_request)->Arg(0)->Arg(1);
 
 /// The memory model alone as `raywatt microbench dram` runs it, of a grade: stream (0) or random lines (1), so many
-/// percent reads. Begun where configs/ is.
+/// percent reads. Run from the folder that holds configs/.
 void dram_play(benchmark::State& state, const char* grade) {
   const auto config = sim::load_config<hw::DramConfig>(std::string("configs/dram/") + grade + ".yaml");
   std::vector<hw::DramRequest> requests;
