@@ -18,7 +18,8 @@ if(RAYWATT_SANITIZE)
     -fno-sanitize-recover=all  # a program ends at its first finding (of threads: halt_on_error)
     # GCC 12 takes checks that the sanitizers put into <regex> for uses before initialisation.
     $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
-  target_compile_definitions(raywatt_options INTERFACE RAYWATT_SANITIZED)  # for tests of what sanitizers replace or leave out
+  # Tests ask for it that need what sanitizers replace or leave out.
+  target_compile_definitions(raywatt_options INTERFACE RAYWATT_SANITIZED)
   target_link_options(raywatt_options INTERFACE -fsanitize=${RAYWATT_SANITIZE})
 endif()
 
