@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <bit>
+#include <cassert>
 #include <cstddef>
 #include <cstdint>
 
@@ -32,6 +33,8 @@ class CommandCalendar {
       for (std::size_t asked = 0; asked < kKinds; ++asked)
         forbids_[booked][asked] = meetings(command_bus_[booked], command_bus_[asked]);
     }
+    for (std::size_t asked = 0; asked < kKinds; ++asked)
+      second_[asked] = starts(command_bus_[asked], train(1, half_, 0) << kLatest);
     forbids_data_ = meetings(data_bus_, data_bus_);
     forbids_[0][0] |= forbids_data_;
   }
@@ -60,13 +63,16 @@ class CommandCalendar {
     if (command == DramCommand::kColumn) blocked_data_ |= forbids_data_;
     if (command == DramCommand::kActivate && half_ != 0) {
       const std::uint64_t behind = blocked_[index(DramCommand::kActivate)] >> half_;
-      book_ahead(train(1, half_, 0), half_ + static_cast<std::uint32_t>(std::countr_one(behind)));
+      const std::uint32_t second = half_ + static_cast<std::uint32_t>(std::countr_one(behind));
+      assert(second <= kLatest);
+      for (std::size_t asked = 0; asked < kKinds; ++asked) blocked_[asked] |= second_[asked] >> (kLatest - second);
     }
   }
   /// A CAS at `at`, and a column command behind it.
   void book_with_sync(Cycle at) {
     book(kSync, at);
-    book_ahead(command_bus_[index(DramCommand::kColumn)], sync_);
+    for (std::size_t asked = 0; asked < kKinds; ++asked)
+      blocked_[asked] |= starts(command_bus_[asked], command_bus_[index(DramCommand::kColumn)] << sync_);
     const std::uint64_t data = starts(data_bus_, data_bus_ << sync_);
     blocked_data_ |= data;
     blocked_[index(DramCommand::kColumn)] |= data;
@@ -74,17 +80,13 @@ class CommandCalendar {
 
  private:
   static constexpr std::size_t kSync = 3, kKinds = 4;
+  static constexpr std::uint32_t kLatest = 32;  ///< cycles from ACT-1 to ACT-2, at most: tAAD is below
 
   void book(std::size_t kind, Cycle at) {
     for (std::size_t asked = 0; asked < kKinds; ++asked)
       blocked_[asked] = ahead(blocked_[asked], at) | forbids_[kind][asked];
     blocked_data_ = ahead(blocked_data_, at);
     base_ = at;
-  }
-  /// Books a pattern that begins so many cycles behind `base_`: commands that start before it may meet it, too.
-  void book_ahead(std::uint64_t pattern, std::uint32_t offset) {
-    for (std::size_t asked = 0; asked < kKinds; ++asked)
-      blocked_[asked] |= starts(command_bus_[asked], pattern << offset);
   }
   /// Starts at which a pattern `asked` meets what is booked.
   static std::uint64_t starts(std::uint64_t asked, std::uint64_t booked) {
@@ -119,6 +121,7 @@ class CommandCalendar {
   std::uint64_t blocked_data_ = 0;
   std::array<std::array<std::uint64_t, kKinds>, kKinds> forbids_{};
   std::uint64_t forbids_data_ = 0;
+  std::array<std::uint64_t, kKinds> second_{};  ///< what an ACT-2 forbids to each kind, if it begins kLatest behind now
 };
 
 }  // namespace hw

@@ -34,8 +34,8 @@ DramChannel::DramChannel(const DramConfig& c, Links links, bool ideal, const Dra
       page_policy_(c.controller.page_policy),
       refresh_at_(refresh_interval_ == 0 || ideal ? sim::kNever : shift.first_refresh(refresh_interval_)),
       to_refresh_(device_.refresh_leaders()),
-      reads_(c.controller.read_queue),
-      writes_(c.controller.write_queue),
+      reads_(c.controller.read_queue, c.organisation.all_banks()),
+      writes_(c.controller.write_queue, c.organisation.all_banks()),
       ports_(Arbitration::kRoundRobin, ports_in_.size()) {
   const Cycle in_flight = fabric_ + c.timing.rl + c.timing.dqsck + device_.data_cycles();
   most_returns_ = 2 * (in_flight / (Cycle{bursts_} * c.timing.burst) + 4);

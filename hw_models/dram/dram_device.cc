@@ -24,17 +24,22 @@ std::uint32_t leaders(const DramOrganisation& o) {
   return banks;
 }
 
+BankLanes lanes(const DramConfig& c) { return BankLanes(c.organisation.all_banks()); }
+
 }  // namespace
 
 DramDevice::DramDevice(const DramConfig& c)
     : t_(c.timing),
       ranks_(c.organisation.ranks),
       rank_shift_(log2(c.organisation.banks)),
+      groups_(c.organisation.bank_groups),
       group_mask_((c.organisation.bank_groups - 1) | ~(c.organisation.banks - 1)),
       rank_banks_(first_bits(c.organisation.banks)),
       refresh_set_(c.organisation.refresh_banks == 1 ? 1 : 1 | 1U << pair_distance(c.organisation)),
       refresh_leaders_(leaders(c.organisation)),
       train_length_(Cycle{c.bursts_per_line() - 1} * c.timing.ccd_l),
+      bank_at_{lanes(c), lanes(c), lanes(c)},
+      group_at_{lanes(c), lanes(c)},
       calendar_(c.timing, c.bursts_per_line(), c.commands_per_line()) {
   assert(c.organisation.all_banks() <= kMaxBanks && c.organisation.ranks <= kMaxRanks);
 }
@@ -48,7 +53,7 @@ DramCycleReason DramDevice::reason(DramCommand command, std::uint32_t bank, bool
     case kColumn:
       if (by_bank) return DramCycleReason::kActivate;
       if (at == rank.column_at[write]) return rank.column_reason[write];
-      if (at == group_at_[write ? kWriteTrain : kReadTrain][group_of(bank)])
+      if (at == group_at_[write ? kWriteTrain : kReadTrain][bank])
         return last_was_write_ && !write ? DramCycleReason::kTurnaround : DramCycleReason::kColumn;
       return calendar_.data_free(at - 1) ? DramCycleReason::kCommandBus : DramCycleReason::kColumn;
     case kActivate:
@@ -93,9 +98,9 @@ void DramDevice::close(std::uint32_t bank, Cycle now) {
 DramDevice::Cycle DramDevice::read(std::uint32_t bank, Cycle now) {
   now = book_train(bank, false, now);
   const Cycle last = now + train_length_;
-  const std::uint32_t group = group_of(bank);
   at(kPrecharge, bank) = std::max(at(kPrecharge, bank), last + t_.rtp);
-  group_at_[kReadTrain][group] = group_at_[kWriteTrain][group] = last + t_.ccd_l;
+  hold_group(kReadTrain, bank, last + t_.ccd_l);
+  hold_group(kWriteTrain, bank, last + t_.ccd_l);
   const Cycle end = last + t_.rl + t_.dqsck + t_.burst;
   rank_[rank_of(bank)].synchronised_until = end + t_.wck_post;
   for (std::uint32_t r = 0; r < ranks_; ++r) {
@@ -114,10 +119,9 @@ DramDevice::Cycle DramDevice::write(std::uint32_t bank, Cycle now) {
   now = book_train(bank, true, now);
   const Cycle last = now + train_length_;
   const Cycle last_data = last + t_.wl + t_.dqss;
-  const std::uint32_t group = group_of(bank);
   at(kPrecharge, bank) = std::max(at(kPrecharge, bank), last_data + t_.burst + t_.wr);
-  group_at_[kReadTrain][group] = last_data + t_.ccd_l + t_.wtr_l;
-  group_at_[kWriteTrain][group] = last + t_.ccd_l;
+  hold_group(kReadTrain, bank, last_data + t_.ccd_l + t_.wtr_l);
+  hold_group(kWriteTrain, bank, last + t_.ccd_l);
   const Cycle end = last_data + t_.burst;
   rank_[rank_of(bank)].synchronised_until = end + t_.wck_post;
   for (std::uint32_t r = 0; r < ranks_; ++r) {

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "hw_models/dram/bank_lanes.h"
 #include "hw_models/dram/command_calendar.h"
 #include "hw_models/dram/dram_config.h"
 #include "sim/activity.h"
@@ -50,7 +51,7 @@ inline constexpr auto kDramReasons = sim::reasons<DramCycleReason>({
 class DramDevice {
  public:
   using Cycle = std::uint64_t;
-  static constexpr std::uint32_t kMaxBanks = 32;  ///< all ranks together
+  static constexpr std::uint32_t kMaxBanks = BankLanes::kMost;  ///< all ranks together
   static constexpr std::uint32_t kMaxRanks = 2;
 
   explicit DramDevice(const DramConfig& config);
@@ -72,7 +73,19 @@ class DramDevice {
   Cycle ready(DramCommand command, std::uint32_t bank, bool write, Cycle rank_ready) const {
     const Cycle ready = std::max(rank_ready, at(command, bank));
     if (command != DramCommand::kColumn) return ready;
-    return std::max(ready, group_at_[write ? kWriteTrain : kReadTrain][group_of(bank)]);
+    return std::max(ready, group_at_[write][bank]);
+  }
+  /// Banks that are ready for the command by then, whatever their rank and the buses allow, as a mask.
+  template <DramCommand kCommand>
+  std::uint32_t ready_banks(bool write, Cycle by) const {
+    const BankLanes& at = bank_at_[static_cast<std::size_t>(kCommand)];
+    return kCommand == DramCommand::kColumn ? at.both_up_to(group_at_[write], by) : at.up_to(by);
+  }
+  /// When the first of these banks is ready for the command, likewise.
+  template <DramCommand kCommand>
+  Cycle first_ready(std::uint32_t banks, bool write) const {
+    const BankLanes& at = bank_at_[static_cast<std::size_t>(kCommand)];
+    return kCommand == DramCommand::kColumn ? at.least_of_larger(group_at_[write], banks) : at.least(banks);
   }
   /// Place of a command on the buses.
   struct Slot {
@@ -150,8 +163,11 @@ class DramDevice {
   Cycle& at(DramCommand command, std::uint32_t bank) { return bank_at_[static_cast<std::size_t>(command)][bank]; }
   Cycle at(DramCommand command, std::uint32_t bank) const { return bank_at_[static_cast<std::size_t>(command)][bank]; }
   std::uint32_t rank_of(std::uint32_t bank) const { return bank >> rank_shift_; }
-  /// A number of the bank's group that no other group of the channel has.
-  std::uint32_t group_of(std::uint32_t bank) const { return bank & group_mask_; }
+  /// Lets no read or write, as the rule says, begin before `at` in the bank's group.
+  void hold_group(GroupRule rule, std::uint32_t bank, Cycle at) {
+    const std::uint32_t end = (rank_of(bank) + 1) << rank_shift_;
+    for (std::uint32_t of = bank & group_mask_; of < end; of += groups_) group_at_[rule][of] = at;
+  }
   void close(std::uint32_t bank, Cycle now);
   Cycle book_train(std::uint32_t bank, bool write, Cycle now);
   Cycle begin_of_refresh(std::uint32_t banks, Cycle from) const;
@@ -186,7 +202,8 @@ class DramDevice {
 
   const DramTiming t_;
   const std::uint32_t ranks_, rank_shift_;
-  const std::uint32_t group_mask_;  ///< low bits of the bank, and its rank
+  const std::uint32_t groups_;      ///< of a rank
+  const std::uint32_t group_mask_;  ///< low bits of the bank, and its rank: the first bank of its group
   const std::uint32_t rank_banks_;  ///< banks of the first rank, as a mask
   const std::uint32_t refresh_set_;
   const std::uint32_t refresh_leaders_;
@@ -194,9 +211,9 @@ class DramDevice {
 
   std::uint32_t open_ = 0;  ///< a bit per bank
   std::array<std::uint32_t, kMaxBanks> rows_{};
-  std::array<std::array<Cycle, kMaxBanks>, 3> bank_at_{};
+  std::array<BankLanes, 3> bank_at_;                        ///< by command
   std::array<DramCycleReason, kMaxBanks> closed_reason_{};  ///< reason why an activate of the closed bank waits
-  std::array<std::array<Cycle, kMaxBanks>, 2> group_at_{};
+  std::array<BankLanes, 2> group_at_;                       ///< by rule, of each bank that of its group
   std::array<Rank, kMaxRanks> rank_{};
   Cycle awake_at_ = 0;
   CommandCalendar calendar_;

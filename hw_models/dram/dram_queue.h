@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "hw_models/dram/bank_lanes.h"
 #include "hw_models/dram/dram_map.h"
 #include "hw_models/memory/messages.h"
 
@@ -25,7 +26,7 @@ class DramQueue {
     bool activated = false;   ///< an activate was needed for it
   };
 
-  explicit DramQueue(std::uint32_t capacity) : capacity_(capacity) {
+  DramQueue(std::uint32_t capacity, std::uint32_t banks) : capacity_(capacity), waiting_(banks), hits_(banks) {
     assert(capacity <= 64);
     for (std::size_t i = 0; i < order_.size(); ++i) order_[i] = static_cast<std::uint8_t>(i);
   }
@@ -46,6 +47,10 @@ class DramQueue {
   /// Positions of those who want the row that is open in the bank.
   std::uint64_t hits(std::uint32_t bank) const { return hits_[bank]; }
 
+  /// Positions of those who want one of the banks, or its open row.
+  std::uint64_t waiting_in(std::uint32_t banks) const { return waiting_.any_of(banks); }
+  std::uint64_t hits_in(std::uint32_t banks) const { return hits_.any_of(banks); }
+
   void push(const Entry& entry, bool row_is_open) {
     assert(!full());
     const std::uint32_t bank = entry.address.bank;
@@ -64,8 +69,8 @@ class DramQueue {
     std::copy(order_.data() + position + 1, order_.data() + size_, order_.data() + position);
     size_ -= 1;
     order_[size_] = slot;
-    for (std::uint64_t& positions : waiting_) positions = without(positions, position);
-    for (std::uint64_t& positions : hits_) positions = without(positions, position);
+    waiting_.replace([&](std::uint64_t positions) { return without(positions, position); });
+    hits_.replace([&](std::uint64_t positions) { return without(positions, position); });
     set_hits(bank, hits_[bank]);
     if (waiting_[bank] == 0) banks_ &= ~(1U << bank);
   }
@@ -98,8 +103,7 @@ class DramQueue {
   std::uint32_t hit_banks_ = 0;
   std::array<std::uint8_t, 64> order_{};
   std::array<Entry, 64> entries_{};
-  std::array<std::uint64_t, 32> waiting_{};
-  std::array<std::uint64_t, 32> hits_{};
+  BankLanes waiting_, hits_;
 };
 
 }  // namespace hw

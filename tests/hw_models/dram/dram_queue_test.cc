@@ -13,7 +13,7 @@ DramQueue::Entry entry(std::uint32_t bank, std::uint32_t row) {
 
 /// Requests for rows 10 and 11 of bank 3, whose row 10 is open, and for bank 31, whose row is not.
 DramQueue four() {
-  DramQueue queue(4);
+  DramQueue queue(4, 32);
   queue.push(entry(3, 10), true);
   queue.push(entry(31, 20), false);
   queue.push(entry(3, 11), false);
@@ -62,8 +62,17 @@ TEST(DramQueue, LooksForItsHitsAnewWhenARowOpensOrCloses) {
   EXPECT_EQ(queue.hit_banks(), 1U << 31);
 }
 
+TEST(DramQueue, NamesWhoWantsOneOfSomeBanks) {
+  const DramQueue queue = four();
+  EXPECT_EQ(queue.waiting_in(1U << 3), 0b1101U);
+  EXPECT_EQ(queue.hits_in(1U << 3), 0b1001U);
+  EXPECT_EQ(queue.waiting_in(1U << 3 | 1U << 31), 0b1111U);
+  EXPECT_EQ(queue.hits_in(1U << 31), 0U);
+  EXPECT_EQ(queue.waiting_in(0), 0U);
+}
+
 TEST(DramQueue, HoldsSixtyFour) {
-  DramQueue queue(64);
+  DramQueue queue(64, 32);
   for (std::uint32_t i = 0; i < 64; ++i) queue.push(entry(i % 32, i), true);
   EXPECT_TRUE(queue.full());
   EXPECT_EQ(queue.waiting(31), std::uint64_t{1} << 31 | std::uint64_t{1} << 63);

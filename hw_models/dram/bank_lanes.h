@@ -1,0 +1,90 @@
+#pragma once
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+
+namespace hw {
+
+/// A number for each bank of a channel, all ranks together, looked at four banks at a time and without a branch:
+/// vectors of the compiler, which a host that has none works off one by one. Banks are named by masks, a bit each.
+class BankLanes {
+ public:
+  static constexpr std::uint32_t kMost = 32;  ///< banks
+
+  /// `banks` of them are in use.
+  explicit BankLanes(std::uint32_t banks) : fours_((banks + kWidth - 1) / kWidth) {}
+
+  std::uint64_t& operator[](std::size_t bank) { return all_[bank]; }
+  std::uint64_t operator[](std::size_t bank) const { return all_[bank]; }
+
+  /// Banks whose number is `most` or less; bits beyond the last bank mean nothing. Numbers are below 2^63.
+  std::uint32_t up_to(std::uint64_t most) const {
+    return up_to(most, [&](std::uint32_t four) { return at(four); });
+  }
+  /// Banks of which both numbers are.
+  std::uint32_t both_up_to(const BankLanes& other, std::uint64_t most) const {
+    return up_to(most, [&](std::uint32_t four) { return larger(at(four), other.at(four)); });
+  }
+  /// The least number of these banks.
+  std::uint64_t least(std::uint32_t banks) const {
+    return least(banks, [&](std::uint32_t four) { return at(four); });
+  }
+  /// The least of these banks, each by the larger of its numbers.
+  std::uint64_t least_of_larger(const BankLanes& other, std::uint32_t banks) const {
+    return least(banks, [&](std::uint32_t four) { return larger(at(four), other.at(four)); });
+  }
+  /// All bits that are set for any of these banks.
+  std::uint64_t any_of(std::uint32_t banks) const {
+    Four any{};
+    each([&](std::uint32_t four, const Four& bit) { any |= at(four) & ((bit & banks) == bit); });
+    return static_cast<std::uint64_t>(any[0] | any[1] | any[2] | any[3]);
+  }
+  /// Replaces each by f(number), which the compiler has to make vectors of.
+  template <class F>
+  void replace(F&& f) {
+    for (std::uint32_t bank = 0; bank < fours_ * kWidth; ++bank) all_[bank] = f(all_[bank]);
+  }
+
+ private:
+  static constexpr std::uint32_t kWidth = 4;
+  using Four [[gnu::vector_size(32)]] = std::int64_t;  // signed, as hosts compare such
+
+  /// Calls f(number, bits of its banks) for each four banks.
+  template <class F>
+  void each(F&& f) const {
+    Four bit{1, 2, 4, 8};
+    for (std::uint32_t four = 0; four < fours_; ++four, bit <<= kWidth) f(four, bit);
+  }
+  template <class Get>
+  std::uint32_t up_to(std::uint64_t most, Get&& get) const {
+    Four banks{};
+    each([&](std::uint32_t four, const Four& bit) { banks |= bit & (get(four) <= static_cast<std::int64_t>(most)); });
+    return static_cast<std::uint32_t>(banks[0] | banks[1] | banks[2] | banks[3]);
+  }
+  template <class Get>
+  std::uint64_t least(std::uint32_t banks, Get&& get) const {
+    constexpr std::int64_t kNone = std::numeric_limits<std::int64_t>::max();
+    Four least{kNone, kNone, kNone, kNone};
+    each([&](std::uint32_t four, const Four& bit) {
+      const Four asked = (bit & banks) == bit, number = get(four), less = asked & (number < least);
+      least = (number & less) | (least & ~less);
+    });
+    return static_cast<std::uint64_t>(std::min(std::min(least[0], least[1]), std::min(least[2], least[3])));
+  }
+  Four at(std::uint32_t four) const {
+    Four numbers;
+    std::memcpy(&numbers, &all_[std::size_t{four} * kWidth], sizeof numbers);
+    return numbers;
+  }
+  static Four larger(const Four& a, const Four& b) {
+    const Four above = a > b;
+    return (a & above) | (b & ~above);
+  }
+
+  std::uint32_t fours_;
+  alignas(32) std::array<std::uint64_t, kMost> all_{};
+};
+
+}  // namespace hw
