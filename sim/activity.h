@@ -1,5 +1,4 @@
 #pragma once
-#include <algorithm>
 #include <array>
 #include <cassert>
 #include <cstddef>
@@ -58,19 +57,18 @@ class Activity {
   /// The cycle at `now` went to `now_why`; every cycle until the next call goes to `then_why`.
   void spend(Time now, Time period, CycleReason now_why, CycleReason then_why) {
     assert(now >= accounted_);
-    accounted_ = now + period;
-    if (now_why == then_ && then_why == then_) return;  // as before: charged when it ends
-    spent_[index(then_)] += now - since_;
+    // Charges even what does not change: whether it does no host foresees.
+    spent_[index(then_)] += now - accounted_;
     spent_[index(now_why)] += period;
-    since_ = accounted_;
+    accounted_ = now + period;
     then_ = then_why;
   }
 
   /// Charges all up to `end`, an edge of the unit's clock, unless it has come further.
   void finish(Time end) {
-    accounted_ = std::max(accounted_, end);
-    spent_[index(then_)] += accounted_ - since_;
-    since_ = accounted_;
+    if (end <= accounted_) return;
+    spent_[index(then_)] += end - accounted_;
+    accounted_ = end;
   }
 
   /// As of the last finish().
@@ -81,8 +79,7 @@ class Activity {
   static constexpr std::size_t index(CycleReason why) { return static_cast<std::size_t>(why); }
 
   std::array<Time, kReasons> spent_{};
-  Time accounted_ = 0;
-  Time since_ = 0;  ///< all up to it is in `spent_`; from it on all is `then_`
+  Time accounted_ = 0;  ///< all up to it is in `spent_`; from it on all is `then_`
   CycleReason then_{};
 };
 

@@ -128,7 +128,8 @@ class Link {
     Time stamp = 0;
     T item{};
   };
-  std::uint32_t after(std::uint32_t i) const { return i + 1 == capacity_ ? 0 : i + 1; }
+  /// The next slot, found without a branch: where a short ring ends no host foresees.
+  std::uint32_t after(std::uint32_t i) const { return (i + 1) * std::uint32_t{i + 1 != capacity_}; }
 
   // The stamps at both ends, kept apart because units look at them far more often than they push or pop.
   Time own_pop_at_ = kNever;

@@ -36,7 +36,7 @@ struct Partition {
 /// How far a partition goes, if the others have done all that comes before `others` and it may go to `end`: no further
 /// than it can be sure of room.
 inline Time reach_of(const Partition& partition, Time others, Time end) {
-  return partition.nearly_full == 0 ? end : std::min(end, others + 1);
+  return std::min(end, partition.nearly_full == 0 ? end : others + 1);
 }
 
 /// How far a cluster goes in one go.
@@ -50,11 +50,10 @@ struct ClusterTurn {
 
   /// True if the turn goes on with what is due at `at`: the partition reaches it, and no other unit is due earlier.
   bool reaches(Time at) const {
-    if (at >= reach_of(partition, inner, end)) return false;
-    for (const Time& other : others) {
-      if (other < at) return false;
-    }
-    return true;
+    // One comparison decides: which of them ends the turn no host foresees.
+    Time over = reach_of(partition, inner, end) - 1;
+    for (const Time& other : others) over = std::min(over, other);
+    return at <= over;
   }
 };
 

@@ -4,10 +4,10 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <span>
 #include <vector>
 
+#include "sim/eight.h"
 #include "sim/time.h"
 
 namespace sim {
@@ -32,7 +32,7 @@ struct Waker {
 /// eight neighbours the earliest of theirs. Neighbours are looked at together, four at once where the host can.
 class Wakes {
  public:
-  static constexpr std::size_t kGroup = 8;
+  static constexpr std::size_t kGroup = kEight;
   /// So many units and as many more as fill their last group.
   static constexpr std::size_t whole_groups(std::size_t units) { return (units + kGroup - 1) / kGroup * kGroup; }
 
@@ -94,7 +94,7 @@ class Wakes {
     for (std::size_t g = of.first; g < of.end; ++g) {
       if (earliest_[g] != now) continue;
       Eight& group = groups_[g];
-      for (unsigned due = equal(group.data(), now); due != 0; due &= due - 1) {
+      for (unsigned due = equal_of_eight(group.data(), now); due != 0; due &= due - 1) {
         const auto i = static_cast<std::size_t>(std::countr_zero(due));
         group[i] = kNever;  // links may lower it while the unit ticks
         const Time own = tick(g * kGroup + i);
@@ -113,39 +113,21 @@ class Wakes {
     lower(unit, own);
     earliest_[unit / kGroup] = least(groups_[unit / kGroup].data());
   }
-  Time operator[](std::size_t unit) const { return groups_[unit / kGroup][unit % kGroup]; }
-
- private:
-  using Eight = std::array<Time, kGroup>;
-
-  Time& at(std::size_t unit) { return groups_[unit / kGroup][unit % kGroup]; }
-
-  /// By itself: what has just been written singly is slow to be read in pairs, as a compiler would have it.
-  static Time one(const Time& time) { return const_cast<const volatile Time&>(time); }
+  /// The earliest of eight times, which have just been written one by one: a host is slow to read such in pairs, as a
+  /// compiler would have it.
   static Time least(const Time* eight) {
     const Time a = std::min(std::min(one(eight[0]), one(eight[1])), std::min(one(eight[2]), one(eight[3])));
     const Time b = std::min(std::min(one(eight[4]), one(eight[5])), std::min(one(eight[6]), one(eight[7])));
     return std::min(a, b);
   }
-#if defined(__AVX2__)  // by vectors of the compiler: <immintrin.h> is longer than most files that would get it here
-  static unsigned equal(const Time* eight, Time time) {
-    using Times [[gnu::vector_size(32)]] = Time;
-    using Doubles [[gnu::vector_size(32)]] = double;
-    unsigned mask = 0;
-    for (std::size_t i = 0; i < kGroup; i += 4) {
-      Times four;
-      std::memcpy(&four, eight + i, sizeof four);
-      mask |= static_cast<unsigned>(__builtin_ia32_movmskpd256(reinterpret_cast<Doubles>(four == time))) << i;
-    }
-    return mask;
-  }
-#else
-  static unsigned equal(const Time* eight, Time time) {
-    unsigned mask = 0;
-    for (std::size_t i = 0; i < kGroup; ++i) mask |= unsigned{eight[i] == time} << i;
-    return mask;
-  }
-#endif
+  Time operator[](std::size_t unit) const { return groups_[unit / kGroup][unit % kGroup]; }
+
+ private:
+  using Eight = std::array<Time, kGroup>;
+
+  /// Reads a time by itself.
+  static Time one(const Time& time) { return const_cast<const volatile Time&>(time); }
+  Time& at(std::size_t unit) { return groups_[unit / kGroup][unit % kGroup]; }
 
   std::vector<Eight> groups_;
   std::vector<Time> earliest_;  ///< the earliest time of each group

@@ -1,10 +1,12 @@
 #pragma once
+#include <bit>
 #include <cassert>
 #include <cstdint>
 #include <numeric>
 #include <vector>
 
 #include "hw_models/memory/messages.h"
+#include "sim/eight.h"
 
 namespace hw {
 
@@ -13,14 +15,17 @@ namespace hw {
 template <class Payload>
 class MshrFile {
  public:
-  explicit MshrFile(std::uint32_t capacity) : lines_(capacity), payloads_(capacity + 1), slots_(capacity + 1) {
+  explicit MshrFile(std::uint32_t capacity)
+      : lines_((capacity + sim::kEight - 1) / sim::kEight * sim::kEight, kNone),
+        payloads_(capacity + 1),
+        slots_(capacity + 1) {
     std::iota(slots_.begin(), slots_.end(), 0U);
   }
 
   std::uint32_t size() const { return size_; }
-  std::uint32_t capacity() const { return static_cast<std::uint32_t>(lines_.size()); }
+  std::uint32_t capacity() const { return static_cast<std::uint32_t>(payloads_.size() - 1); }
   bool empty() const { return size_ == 0; }
-  bool full() const { return size_ == lines_.size(); }
+  bool full() const { return size_ == capacity(); }
 
   /// The payload of the line's MSHR, or nullptr if the line is not on its way.
   Payload* find(Addr line) {
@@ -47,6 +52,7 @@ class MshrFile {
     const std::uint32_t freed = slots_[i];
     size_ -= 1;
     lines_[i] = lines_[size_];
+    lines_[size_] = kNone;
     slots_[i] = slots_[size_];
     slots_[size_] = slots_.back();
     slots_.back() = freed;
@@ -55,12 +61,16 @@ class MshrFile {
 
  private:
   std::uint32_t index_of(Addr line) const {
-    std::uint32_t i = 0;
-    while (i < size_ && lines_[i] != line) ++i;
-    return i;
+    for (std::uint32_t first = 0; first < size_; first += sim::kEight) {
+      const unsigned here = sim::equal_of_eight(&lines_[first], line);
+      if (here != 0) return first + static_cast<std::uint32_t>(std::countr_zero(here));
+    }
+    return size_;
   }
 
-  std::vector<Addr> lines_;
+  static constexpr Addr kNone = ~Addr{0};  ///< no line begins there
+
+  std::vector<Addr> lines_;  ///< kNone: no line
   std::vector<Payload> payloads_;
   std::vector<std::uint32_t> slots_;  ///< by line: its payload; behind all of them that of the last release
   std::uint32_t size_ = 0;

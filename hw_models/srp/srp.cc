@@ -21,6 +21,9 @@ Srp::Srp(const SrpConfig& config, const TileBufferConfig& buffer, const Frame& f
       lines_missing_(kMostLoadCycles),
       config_memory_(config.config_memory.bytes, frame.kernels.size()),
       kernel_use_(frame.kernels.size()) {
+  links_.hits_in.shows(&arrivals_.hits);
+  links_.memory_in.shows(&arrivals_.lines);
+  links_.dma_in.shows(&arrivals_.transfers);
   feeds_.reserve(64);
   run_.parts.reserve(64);
   item_lines_.reserve(64);
@@ -86,7 +89,7 @@ std::uint32_t Srp::tile_of(const TileJob& job) const {
 }
 
 inline void Srp::take_hit(sim::Time now) {
-  if (!links_.hits_in.can_pop(now)) return;
+  if (arrivals_.hits > now) return;
   const std::uint32_t id = links_.hits_in.pop(now).id;
   buffer_.write(sizeof(traces::Hit) / kAccess);
   if (--rays_out_ == 0) empty_since_ = now;
@@ -100,7 +103,7 @@ inline void Srp::take_hit(sim::Time now) {
 }
 
 inline void Srp::take_dma(sim::Time now) {
-  if (!links_.dma_in.can_pop(now)) return;
+  if (arrivals_.transfers > now) return;
   const std::uint32_t tag = links_.dma_in.pop(now).tag;
   if (tag == kSpillTag) {
     spills_done_ += 1;
@@ -241,9 +244,7 @@ inline sim::Time Srp::next_wake(sim::Time now) const {
   if (!links_.tiles_in.empty() && has_room(links_.tiles_in.front())) {
     at = std::min(at, std::max(next, links_.tiles_in.pop_at()));
   }
-  at = std::min(at, std::max(next, links_.hits_in.pop_at()));
-  at = std::min(at, std::max(next, links_.memory_in.pop_at()));
-  at = std::min(at, std::max(next, links_.dma_in.pop_at()));
+  at = std::min(at, std::max(next, std::min({arrivals_.hits, arrivals_.lines, arrivals_.transfers})));
   if (links_.raster_out != nullptr) {
     at = std::min(at, std::max(next, links_.raster_in->pop_at()));
     if (!raster_.empty()) at = std::min(at, std::max(next, links_.raster_out->push_at()));

@@ -117,6 +117,7 @@ class Srp {
   bool warm(Addr line) { return cache_.warm(line); }
 
  private:
+  static constexpr std::uint32_t kNoItem = 0xffffffffU;    ///< no item's lines are kept
   static constexpr std::uint64_t kAccess = 16;             ///< bytes of an access to the tile buffer
   static constexpr std::uint32_t kSpillTag = 0xffffffffU;  ///< the tag of DMA jobs for spilled ray slots
   // A handle: tile in flight, then the ray's or node's index within the tile.
@@ -208,6 +209,10 @@ class Srp {
   const sim::Clock clock_;
   const Frame frame_;
   Links links_;
+  /// When the next hit, line and end of a transfer may be taken.
+  struct {
+    sim::Time hits = sim::kNever, lines = sim::kNever, transfers = sim::kNever;
+  } arrivals_;
   TileBuffer buffer_;
   L1Cache cache_;
   std::vector<TileRun> tiles_;
@@ -217,6 +222,7 @@ class Srp {
   std::uint64_t missing_ = 0;                 ///< slots of items that wait for lines
   std::vector<std::uint32_t> lines_missing_;  ///< per slot
   std::vector<Addr> item_lines_;
+  std::uint32_t lines_of_ = kNoItem;        ///< the item of the present loop whose lines these are
   bool full_ = false;                       ///< stalled for want of an MSHR
   bool look_ = false;                       ///< something happened that may let a launch start
   bool blocked_ = false;                    ///< a launch found no ray slots

@@ -90,6 +90,7 @@ void Srp::begin_chunk(sim::Time now, std::uint32_t tile, std::uint32_t node) {
   const KernelSchedule& kernel = frame_.kernels[work.kernel];
   blocked_ = false;
   run_.parts.clear();
+  lines_of_ = kNoItem;
   add_part(tile, node);
   if (config_.merge) join_launches(work);
   const std::uint32_t items = run_.parts.items(), working = run_.parts.working();

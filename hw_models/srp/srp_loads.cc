@@ -7,7 +7,7 @@
 namespace hw {
 
 void Srp::fill(sim::Time now) {
-  if (!links_.memory_in.can_pop(now)) return;
+  if (arrivals_.lines > now) return;
   const L1Cache::Miss miss = cache_.fill(links_.memory_in.pop(now).line);
   stats_.cache_fills += 1;
   stats_.cache_miss_cycles += clock_.cycles(now) - miss.asked_at;
@@ -112,6 +112,8 @@ inline std::span<const traces::Access> Srp::accesses_of(std::uint32_t item) cons
 }
 
 void Srp::collect_lines(std::uint32_t item) {
+  if (lines_of_ == item) return;
+  lines_of_ = item;
   item_lines_.clear();
   for (const traces::Access& access : accesses_of(item)) {
     const LineSet lines = lines_of(access, *frame_.layout);

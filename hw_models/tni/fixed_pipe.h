@@ -12,9 +12,10 @@ class FixedPipe {
  public:
   static constexpr std::uint64_t kBins = 64;  ///< latencies are shorter than this
 
-  /// A slot that comes out, and the way that it was given: 0 to 3.
+  /// The slot that comes out, as a mask, which is 0 if none does, and the way that it was given, 0 to 3; of none it
+  /// means nothing.
   struct Out {
-    std::uint32_t slot;
+    std::uint64_t slots;
     std::size_t way;
   };
 
@@ -26,17 +27,14 @@ class FixedPipe {
     outs_[bin] = static_cast<std::uint8_t>(slot | way << 6);
     occupied_ |= std::uint64_t{1} << bin;
   }
-  /// True if a slot comes out in this cycle. It is taken then.
-  bool due(std::uint64_t cycle) const { return ((occupied_ >> (cycle % kBins)) & 1U) != 0; }
+  /// Takes what comes out in this cycle, without a branch: whether something does no host foresees.
   Out take(std::uint64_t cycle) {
-    const std::uint64_t bin = cycle % kBins;
+    const std::uint64_t bin = cycle % kBins, due = (occupied_ >> bin) & 1U;
     occupied_ &= ~(std::uint64_t{1} << bin);
-    return {outs_[bin] % 64U, std::size_t{outs_[bin]} >> 6};
+    return {due << (outs_[bin] % 64U), std::size_t{outs_[bin]} >> 6};
   }
-  /// Cycles from this one until a slot comes out; kBins if none is inside.
-  std::uint64_t cycles_left(std::uint64_t cycle) const {
-    return static_cast<std::uint64_t>(std::countr_zero(std::rotr(occupied_, static_cast<int>(cycle % kBins))));
-  }
+  /// A bit for each cycle from this one on, the lowest first, in which a slot comes out.
+  std::uint64_t comes_out(std::uint64_t cycle) const { return std::rotr(occupied_, static_cast<int>(cycle % kBins)); }
 
  private:
   std::uint32_t latency_;

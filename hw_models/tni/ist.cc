@@ -19,6 +19,8 @@ Ist::Ist(const IstConfig& config, const TniMode& mode, const TrianglesInMemory& 
       triangles_(triangles),
       ideal_(mode.ideal),
       reorders_(mode.handling == MissHandling::kReorder && !mode.ideal_l1),
+      known_after_{0, config.l1.hit_cycles + config.distance_stage, config.l1.hit_cycles + config.barycentric_stage,
+                   config.l1.hit_cycles + config.latency},
       leaves_out_(std::move(links.leaves_out)),
       leaves_in_(std::move(links.leaves_in)),
       memory_out_(links.memory_out),
@@ -38,7 +40,7 @@ inline bool Ist::fill(sim::Time now) {
 }
 
 inline bool Ist::take_leaf(sim::Time now) {
-  if (free_ == 0 || leaves_in_.holding() == 0) return false;
+  if ((free_ == 0) | (leaves_in_.holding() == 0)) return false;
   const std::uint32_t trv = sources_.choose(
       leaves_in_.holding(), [&](std::uint32_t i) { return leaves_in_.can_pop(i, now); },
       [](std::uint32_t) { return sim::Time{0}; });
@@ -69,7 +71,7 @@ Ist::CycleReason Ist::issue_one() {
   Slot& slot = slots_[index];
   const Addr begin = triangles_.base + Addr{slot.job.first + slot.tested} * triangles_.bytes;
   const Addr last_line = line_of(begin + triangles_.bytes - 1);
-  const Addr line = slot.second_line ? last_line : line_of(begin);
+  const Addr line = line_of(begin + (triangles_.bytes - 1) * Addr{slot.second_line});
   const FetchStage::Wait wait =
       reorders_ ? fetch_.read_reordered(index, line, pipe_.cycle()) : fetch_.read(index, line, pipe_.cycle());
   if (wait == FetchStage::Wait::kNothing) {
@@ -91,16 +93,9 @@ inline void Ist::read(Slot& slot, std::uint32_t index, bool last_line) {
   }
   const ExitPhase phase = traces::phase_of(slot.job.phases, slot.tested);
   stats_.tests += 1;
-  std::uint32_t stage = config_.distance_stage;
-  if (phase != ExitPhase::kDistance) {
-    stats_.edge_tests += 1;
-    stage = config_.barycentric_stage;
-  }
-  if (phase == ExitPhase::kHit) {
-    stats_.hits += 1;
-    stage = config_.latency;
-  }
-  slot.known_at = std::max(slot.known_at, pipe_.cycle() + config_.l1.hit_cycles + stage);
+  stats_.edge_tests += phase != ExitPhase::kDistance;
+  stats_.hits += phase == ExitPhase::kHit;
+  slot.known_at = std::max(slot.known_at, pipe_.cycle() + known_after_[static_cast<std::size_t>(phase)]);
   slot.tested += 1;
   slot.second_line = false;
   if (slot.tested < slot.job.count) {
@@ -146,11 +141,9 @@ sim::Time Ist::tick(const Cycle& cycle) {
     }
   };
   pipe_.advance(cycle);
-  if (pipe_.due()) {
-    const TimingWheel<kPipes>::Masks out = pipe_.take();
-    answering_ |= out[kToAnswer];
-    ready_ |= out[kToFetch];
-  }
+  const TimingWheel<kPipes>::Masks out = pipe_.take();
+  answering_ |= out[kToAnswer];
+  ready_ |= out[kToFetch];
   if (line_at_ <= now) as_often_as_may_be([&] { return fill(now); });
   as_often_as_may_be([&] { return take_leaf(now); });
   const bool tried = fetch_.able() != 0;

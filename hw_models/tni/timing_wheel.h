@@ -41,11 +41,8 @@ class TimingWheel {
     cycle_ = to.number;
     now_ = to.now;
   }
-  /// True if a slot comes out at the present cycle.
-  bool due() const { return ((occupied_ >> (cycle_ & last_)) & 1U) != 0; }
-  /// Takes the slots that come out at the present cycle, if any are due().
+  /// Takes the slots that come out at the present cycle, without a branch: whether any do no host foresees.
   Masks take() {
-    assert(due());
     const std::uint64_t bin = cycle_ & last_;
     const Masks out = bins_[bin];
     bins_[bin] = {};

@@ -87,8 +87,9 @@ void TniCore::run(const sim::ClusterTurn& turn) {
     if (wakes[1] <= cycle.now) wakes[1] = ist_->tick(cycle);
     Trv::tick_due(trvs_, &wakes[2], cycle);
     if (port_ != nullptr && wakes.back() <= cycle.now) wakes.back() = port_->tick(cycle.now);
-    sim::Time soonest = sim::kNever;
-    for (std::size_t i = wakes.size(); i-- > 0 && soonest != cycle.next;) soonest = std::min(soonest, wakes[i]);
+    sim::Time soonest = sim::Wakes::least(turn.wakes);
+    for (std::size_t i = sim::Wakes::kGroup; i < wakes.size(); i += sim::Wakes::kGroup)
+      soonest = std::min(soonest, sim::Wakes::least(&turn.wakes[i]));
     if (!turn.reaches(soonest)) return;
     cycle.go_to(soonest, dispatcher_id_.clock);
   }

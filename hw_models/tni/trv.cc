@@ -109,9 +109,9 @@ Trv::CycleReason Trv::waiting(sim::Time next) const {
 
 sim::Time Trv::next_wake(const Cycle& cycle) const {
   const sim::Time next = cycle.next;
-  const std::uint64_t left = std::min(
-      {box_.cycles_left(cycle.number), stack_.cycles_left(cycle.number), transform_.cycles_left(cycle.number)});
-  sim::Time at = left == FixedPipe::kBins ? sim::kNever : clock_.after(cycle.now, left);
+  const std::uint64_t out =
+      box_.comes_out(cycle.number) | stack_.comes_out(cycle.number) | transform_.comes_out(cycle.number);
+  sim::Time at = out == 0 ? sim::kNever : clock_.after(cycle.now, static_cast<std::uint64_t>(std::countr_zero(out)));
   if (features_.ideal && std::ranges::any_of(next_cycle_, [](std::uint64_t slots) { return slots != 0; })) at = next;
   if (features_.one_pipe) {
     const sim::Time free_at = std::max(next, leaf_free_at_);

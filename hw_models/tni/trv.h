@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -174,6 +175,11 @@ class Trv {
   template <bool kDefault>
   bool issue_pop();
   bool issue_leaf(sim::Time now);
+  /// One comparison for the host, whose outcome it foresees more often than that of three.
+  bool can_issue_leaf(sim::Time now) const {
+    const bool room = std::max(leaf_free_at_, links_.leaves_out.push_at()) <= now;
+    return (waiting_[kToLeaf] & (std::uint64_t{0} - std::uint64_t{room})) != 0;
+  }
   bool retire(sim::Time now);
 
   /// The slot of a mask whose turn it is (round robin).

@@ -6,7 +6,7 @@
 namespace hw {
 
 bool Trv::issue_leaf(sim::Time now) {
-  if (waiting_[kToLeaf] == 0 || now < leaf_free_at_ || !links_.leaves_out.can_push(now)) return false;
+  if (!can_issue_leaf(now)) return false;
   const std::uint32_t index = round_robin(waiting_[kToLeaf], leaf_turn_);
   leaf_turn_ = (index + 1) % 64;
   send_leaf(now, index);

@@ -45,11 +45,10 @@ template <bool kDefault>
 [[gnu::always_inline]] inline void Trv::take_from_pipes(const Cycle& cycle) {
   const TrvFeatures has = features<kDefault>();
   const auto take = [&](FixedPipe& pipe) {
-    if (!pipe.due(cycle.number)) return;
     const FixedPipe::Out out = pipe.take(cycle.number);
-    waiting_[out.way] |= bit(out.slot);
+    waiting_[out.way] |= out.slots;
     if (has.prefetches && both_children_hit_ != 0 && (out.way == kToInner || out.way == kToLeaf))
-      note_far_nodes(both_children_hit_ & bit(out.slot));
+      note_far_nodes(both_children_hit_ & out.slots);
   };
   take(box_);
   take(stack_);
@@ -256,7 +255,7 @@ template <bool kDefault>
       if (issue_visit<kDefault>(next_of(fetch_.able())) == CycleReason::kVisiting) why = CycleReason::kVisiting;
     }
     if (waiting_[kToStack] != 0) as_often_as_may_be([&] { return issue_pop<kDefault>(); });
-    if (waiting_[kToLeaf] != 0) as_often_as_may_be([&] { return issue_leaf(now); });
+    if (can_issue_leaf(now)) as_often_as_may_be([&] { return issue_leaf(now); });
   }
   if (waiting_[kToRetire] != 0) {
     rays_moved = true;

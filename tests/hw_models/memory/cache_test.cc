@@ -123,6 +123,30 @@ TEST(MshrFile, FindsAllocatesAndReleasesByLine) {
   EXPECT_EQ(file.size(), 1U);
 }
 
+TEST(MshrFile, HoldsAsManyAsItIsAllowedWhateverHostsCompareAtOnce) {
+  for (const std::uint32_t capacity : {1U, 7U, 8U, 9U, 20U}) {
+    MshrFile<std::uint64_t> file(capacity);
+    for (std::uint64_t round = 0; round < 50; ++round) {
+      const auto line = [&](std::uint64_t i) { return 64 * (round * capacity + i); };
+      for (std::uint64_t i = 0; i < capacity; ++i) file.allocate(line(i)) = i;
+      ASSERT_TRUE(file.full());
+      for (std::uint64_t left = capacity; left > 0; --left) {
+        const std::uint64_t i = (round + left * 7) % capacity;
+        // Goes round from there to one that is still on its way.
+        for (std::uint64_t k = 0; k < capacity; ++k) {
+          const std::uint64_t next = (i + k) % capacity;
+          if (file.find(line(next)) == nullptr) continue;
+          ASSERT_EQ(*file.find(line(next)), next);
+          ASSERT_EQ(file.release(line(next)), next);
+          ASSERT_EQ(file.find(line(next)), nullptr);
+          break;
+        }
+        ASSERT_EQ(file.size(), left - 1);
+      }
+    }
+  }
+}
+
 TEST(CacheTags, ForgetNothingWhenTheirClockStartsAfresh) {
   const CacheConfig config;
   CacheTags fresh(config), late(config, 1, 0xffffffffU - 100);
