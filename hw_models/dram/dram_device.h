@@ -81,7 +81,7 @@ class DramDevice {
     const BankLanes& at = bank_at_[static_cast<std::size_t>(kCommand)];
     return kCommand == DramCommand::kColumn ? at.both_up_to(group_at_[write], by) : at.up_to(by);
   }
-  /// When the first of these banks is ready for the command, likewise.
+  /// The cycle at which the first of these banks is ready for the command, likewise.
   template <DramCommand kCommand>
   Cycle first_ready(std::uint32_t banks, bool write) const {
     const BankLanes& at = bank_at_[static_cast<std::size_t>(kCommand)];
@@ -202,7 +202,7 @@ class DramDevice {
 
   const DramTiming t_;
   const std::uint32_t ranks_, rank_shift_;
-  const std::uint32_t groups_;      ///< of a rank
+  const std::uint32_t groups_;      ///< bank groups of a rank
   const std::uint32_t group_mask_;  ///< low bits of the bank, and its rank: the first bank of its group
   const std::uint32_t rank_banks_;  ///< banks of the first rank, as a mask
   const std::uint32_t refresh_set_;
