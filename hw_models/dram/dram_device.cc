@@ -53,7 +53,7 @@ DramCycleReason DramDevice::reason(DramCommand command, std::uint32_t bank, bool
     case kColumn:
       if (by_bank) return DramCycleReason::kActivate;
       if (at == rank.column_at[write]) return rank.column_reason[write];
-      if (at == group_at_[write ? kWriteTrain : kReadTrain][bank])
+      if (at == group_at_[write][bank])
         return last_was_write_ && !write ? DramCycleReason::kTurnaround : DramCycleReason::kColumn;
       return calendar_.data_free(at - 1) ? DramCycleReason::kCommandBus : DramCycleReason::kColumn;
     case kActivate:

@@ -12,7 +12,7 @@ class FixedPipe {
  public:
   static constexpr std::uint64_t kBins = 64;  ///< latencies are shorter than this
 
-  /// The slot that comes out, as a mask, which is 0 if none does, and the way that it was given, 0 to 3; of none it
+  /// The slot that comes out, as a mask, and the way that it was given (0 to 3). No slot: the mask is 0, and the way
   /// means nothing.
   struct Out {
     std::uint64_t slots;

@@ -40,7 +40,7 @@ inline bool Ist::fill(sim::Time now) {
 }
 
 inline bool Ist::take_leaf(sim::Time now) {
-  if ((free_ == 0) | (leaves_in_.holding() == 0)) return false;
+  if (free_ == 0 || leaves_in_.holding() == 0) return false;
   const std::uint32_t trv = sources_.choose(
       leaves_in_.holding(), [&](std::uint32_t i) { return leaves_in_.can_pop(i, now); },
       [](std::uint32_t) { return sim::Time{0}; });
@@ -71,6 +71,7 @@ Ist::CycleReason Ist::issue_one() {
   Slot& slot = slots_[index];
   const Addr begin = triangles_.base + Addr{slot.job.first + slot.tested} * triangles_.bytes;
   const Addr last_line = line_of(begin + triangles_.bytes - 1);
+  // Found without a branch: whether it is the first or the second line no host foresees.
   const Addr line = line_of(begin + (triangles_.bytes - 1) * Addr{slot.second_line});
   const FetchStage::Wait wait =
       reorders_ ? fetch_.read_reordered(index, line, pipe_.cycle()) : fetch_.read(index, line, pipe_.cycle());

@@ -112,8 +112,8 @@ class Ist {
   const TrianglesInMemory triangles_;
   const bool ideal_;     ///< any number of operations a cycle
   const bool reorders_;  ///< misses are reordered, and there are some
-  const std::array<std::uint32_t, 4>
-      known_after_;                  ///< cycles from a triangle's fetch to its outcome, by exit phase (1 to 3)
+  /// Cycles from a triangle's fetch to its outcome, by exit phase (1 to 3).
+  const std::array<std::uint32_t, 4> known_after_;
   sim::Time line_at_ = sim::kNever;  ///< when the next line may be taken
   const std::vector<sim::Link<LeafDone>*> leaves_out_;
   const sim::Inputs<LeafJob> leaves_in_;
