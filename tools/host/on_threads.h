@@ -1,6 +1,9 @@
 #pragma once
+#include <algorithm>
+#include <atomic>
 #include <cstddef>
 #include <exception>
+#include <functional>
 #include <mutex>
 #include <thread>
 #include <vector>
@@ -28,6 +31,14 @@ void on_threads(std::size_t count, Work&& work) {
     if (count != 0) guarded(0);
   }
   if (failure) std::rethrow_exception(failure);
+}
+
+/// Does all of them, so many at a time at most, and begins them in their order. Throws as on_threads does.
+inline void do_all(const std::vector<std::function<void()>>& jobs, std::size_t threads) {
+  std::atomic<std::size_t> next = 0;
+  on_threads(std::min(threads, jobs.size()), [&](std::size_t) {
+    for (std::size_t i = next++; i < jobs.size(); i = next++) jobs[i]();
+  });
 }
 
 }  // namespace tools

@@ -1,7 +1,5 @@
 #include <algorithm>
-#include <iterator>
 #include <optional>
-#include <span>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -10,7 +8,6 @@
 #include "sim/host_clock.h"
 #include "sim/io/printable.h"
 #include "sim/report/report_json.h"
-#include "tools/analysis/debug_pictures.h"
 #include "tools/analysis/picture.h"
 #include "tools/analysis/report.h"
 #include "tools/host/command_text.h"
@@ -20,15 +17,14 @@
 #include "tools/jobs/jobs.h"
 #include "tools/jobs/live_run.h"
 #include "tools/jobs/outcome.h"
+#include "tools/jobs/picture_files.h"
 #include "tools/sampling/slices.h"
 #include "tools/sampling/tile_sampling.h"
 #include "tools/simulation/host_time.h"
 #include "tools/simulation/recorded.h"
 #include "tools/simulation/run_job.h"
-#include "tools/tiles/place_images.h"
 #include "tools/tiles/tile_frame.h"
 #include "tools/timeline/timeline_job.h"
-#include "traces/scene/images.h"
 #include "traces/trace_file/trace_writer.h"
 
 namespace tools {
@@ -39,8 +35,6 @@ struct Program {
   kernels::ProgramSpec spec;
   kernels::RateMap rates;
 };
-
-bool rasterises(const Inputs& inputs) { return inputs.config.render.primary == kernels::Primary::kRaster; }
 
 struct Job {
   const JobOptions& options;
@@ -74,44 +68,6 @@ struct Job {
                      .watchers = timeline.begin_frame(inputs.config)});
   }
 
-  /// Writes the frame's picture and what it looks like otherwise: its reference, what pixels and tiles took, debug
-  /// pictures. Those of the first frame have names of their own.
-  void write_pictures(const Inputs& inputs, const std::filesystem::path& folder, const Simulation& frame,
-                      const Simulation* compared, const Outcome& out) const {
-    const std::uint32_t width = inputs.config.render.width, height = inputs.config.render.height;
-    const auto write = [&](const std::string& name, std::span<const std::uint8_t> rgb) {
-      traces::write_png(folder / name, width, height, rgb);
-    };
-    if (inputs.frames() > 1 && has_picture()) {
-      write(fmt::format("frame-{:04}.png", inputs.frame), to_rgb8(frame.function.rgb));
-    }
-    if (out.frames.empty() && has_picture()) {
-      write("image.png", to_rgb8(frame.function.rgb));
-      if (!frame.is_part()) traces::write_exr(folder / "image.exr", width, height, frame.function.rgb);
-    }
-    if (out.frames.empty() && compared != nullptr) {
-      write("reference.png", to_rgb8(compared->function.rgb));
-      write("difference.png", difference_rgb8(frame.function.rgb, compared->function.rgb));
-      traces::write_exr(folder / "reference.exr", width, height, compared->function.rgb);
-    }
-    const std::vector<traces::ImageNote> notes = notes_of(inputs, program.spec);
-    if (out.frames.empty() && !frame.is_part() && !frame.function.pixels.empty()) {
-      write_pixels(folder / kPixelsFile, frame.function.pixels, width, height, notes);
-    }
-    const std::string frame_name = inputs.frames() > 1 ? fmt::format("frame-{:04}-", inputs.frame) : "";
-    if (options.debug_images && !frame.function.pixels.empty()) {
-      write_heat_maps(folder, frame_name, heat_maps(frame, out.tiles.frames.back(), width, height), notes);
-    }
-    std::vector<DebugPicture> pictures = debug_pictures(program.spec, frame.function, width, height);
-    if (options.debug_images && rasterises(inputs)) {
-      std::vector<DebugPicture> more = raster_pictures(inputs.image, inputs.camera, inputs.config.render);
-      std::ranges::move(more, std::back_inserter(pictures));
-    }
-    for (const DebugPicture& p : pictures) {
-      traces::write_png(folder / fmt::format("{}debug-{}.png", frame_name, p.name), p.width, p.height, p.rgb);
-    }
-  }
-
   /// Simulates the frame that `inputs` stand at and writes its picture. An interrupt leaves the finished part of the
   /// first frame, not compared.
   void run_frame(const Inputs& inputs, const RunFolder::Open& open, Outcome& out) {
@@ -142,7 +98,16 @@ struct Job {
     const double error = compared ? mean_squared_error(frame.function.rgb, compared->function.rgb) : 0;
     if (trace != nullptr && !out.partial) trace->end_frame(recorded_frame(inputs.frame, error));
     progress.phase("writing the picture");
-    write_pictures(inputs, open(), frame, compared ? &*compared : nullptr, out);
+    write_pictures(open(),
+                   {.inputs = inputs,
+                    .program = program.spec,
+                    .frame = frame,
+                    .compared = compared ? &*compared : nullptr,
+                    .tiles = out.tiles.frames.empty() ? nullptr : &out.tiles.frames.back(),
+                    .is_first = out.frames.empty(),
+                    .is_shaded = has_picture(),
+                    .debug = options.debug_images},
+                   options.threads);
     out.add(inputs.frame, std::move(frame), std::move(compared), error,
             options.intervals && intervals ? &*intervals : nullptr);
   }

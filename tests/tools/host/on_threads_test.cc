@@ -2,8 +2,10 @@
 
 #include <array>
 #include <atomic>
+#include <functional>
 #include <new>
 #include <stdexcept>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -31,6 +33,24 @@ TEST(OnThreads, FailureOfAnyThreadReachesTheCallerWhenTheOthersHaveEnded) {
 
 TEST(OnThreads, OfSeveralFailuresOneReachesTheCaller) {
   EXPECT_THROW(tools::on_threads(3, [](std::size_t) { throw std::runtime_error("all"); }), std::runtime_error);
+}
+
+TEST(DoAll, DoesEachJobOnceForAnyNumberOfThreads) {
+  for (const std::size_t threads : {1U, 2U, 5U}) {
+    std::array<std::atomic<int>, 3> done{};
+    std::vector<std::function<void()>> jobs;
+    for (std::atomic<int>& one : done) jobs.emplace_back([&one] { ++one; });
+    tools::do_all(jobs, threads);
+    for (const std::atomic<int>& one : done) EXPECT_EQ(one, 1) << threads;
+  }
+  EXPECT_NO_THROW(tools::do_all({}, 2));
+}
+
+TEST(DoAll, ThrowsWhatAJobThrows) {
+  const std::function<void()> fails = [] { throw std::runtime_error("full disk"); }, works = [] {};
+  for (const std::size_t threads : {1U, 2U}) {
+    EXPECT_THROW(tools::do_all({works, fails, works}, threads), std::runtime_error);
+  }
 }
 
 }  // namespace
