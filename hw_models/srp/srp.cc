@@ -21,6 +21,7 @@ Srp::Srp(const SrpConfig& config, const TileBufferConfig& buffer, const Frame& f
       lines_missing_(kMostLoadCycles),
       config_memory_(config.config_memory.bytes, frame.kernels.size()),
       kernel_use_(frame.kernels.size()) {
+  links_.tiles_in.shows(&arrivals_.tiles);
   links_.hits_in.shows(&arrivals_.hits);
   links_.memory_in.shows(&arrivals_.lines);
   links_.dma_in.shows(&arrivals_.transfers);
@@ -30,7 +31,7 @@ Srp::Srp(const SrpConfig& config, const TileBufferConfig& buffer, const Frame& f
 }
 
 sim::Time Srp::tick(sim::Time now) {
-  take_tile(now);
+  if (arrivals_.tiles <= now) take_tile(now);
   take_hit(now);
   fill(now);
   take_dma(now);
@@ -65,8 +66,8 @@ void Srp::finish(sim::Time end) {
   buffer_.finish(end);
 }
 
-inline void Srp::take_tile(sim::Time now) {
-  if (!links_.tiles_in.can_pop(now) || !has_room(links_.tiles_in.front())) return;
+void Srp::take_tile(sim::Time now) {
+  if (!has_room(links_.tiles_in.front())) return;
   const TileJob job = links_.tiles_in.pop(now);
   std::uint32_t tile = tile_of(job);
   look_ = true;
@@ -241,8 +242,8 @@ inline sim::Time Srp::next_wake(sim::Time now) const {
     for (auto f = feeds_.begin(); f != feeds_.end() && open < at; ++f) at = std::min(at, std::max(open, feed_at(*f)));
   }
   if (!dma_.empty()) at = std::min(at, std::max(next, links_.dma_out.push_at()));
-  if (!links_.tiles_in.empty() && has_room(links_.tiles_in.front())) {
-    at = std::min(at, std::max(next, links_.tiles_in.pop_at()));
+  if (arrivals_.tiles != sim::kNever && has_room(links_.tiles_in.front())) {
+    at = std::min(at, std::max(next, arrivals_.tiles));
   }
   at = std::min(at, std::max(next, std::min({arrivals_.hits, arrivals_.lines, arrivals_.transfers})));
   if (links_.raster_out != nullptr) {
