@@ -33,10 +33,11 @@ void on_threads(std::size_t count, Work&& work) {
   if (failure) std::rethrow_exception(failure);
 }
 
-/// Does all of them, so many at a time at most, and begins them in their order. Throws as on_threads does.
+/// Does all of them, so many at a time at most, at least one, and begins them in their order. Throws as on_threads
+/// does.
 inline void do_all(const std::vector<std::function<void()>>& jobs, std::size_t threads) {
   std::atomic<std::size_t> next = 0;
-  on_threads(std::min(threads, jobs.size()), [&](std::size_t) {
+  on_threads(std::min(std::max<std::size_t>(threads, 1), jobs.size()), [&](std::size_t) {
     for (std::size_t i = next++; i < jobs.size(); i = next++) jobs[i]();
   });
 }

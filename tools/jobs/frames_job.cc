@@ -107,7 +107,7 @@ struct Job {
                     .is_first = out.frames.empty(),
                     .is_shaded = has_picture(),
                     .debug = options.debug_images},
-                   options.threads);
+                   host_threads(options.threads));
     out.add(inputs.frame, std::move(frame), std::move(compared), error,
             options.intervals && intervals ? &*intervals : nullptr);
   }

@@ -51,6 +51,19 @@ TEST(Run, LeavesTheFilesOfTheContractAndNothingElse) {
   for (const std::string& name : names_in(out)) EXPECT_GT(std::filesystem::file_size(out / name), 0U) << name;
 }
 
+TEST(Run, LeavesTheSameFilesOnAllThreadsOfTheHost) {
+  const TempFolder folder;
+  Words words = small_run(folder.path() / "all");
+  const auto threads = std::ranges::find(words, "--threads");
+  words.erase(threads, threads + 2);  // as most users have it
+  EXPECT_EQ(raywatt(words).exit, 0);
+  report_of(folder.path() / "one");
+  EXPECT_EQ(names_in(folder.path() / "all"), names_in(folder.path() / "one"));
+  for (const char* picture : {"image.png", "image.exr", "pixels.exr"}) {
+    EXPECT_EQ(read_bytes(folder.path() / "all" / picture), read_bytes(folder.path() / "one" / picture)) << picture;
+  }
+}
+
 TEST(Run, ReportHasEveryFieldOfTheContract) {
   const TempFolder folder;
   const Json r = report_of(folder.path() / "out");

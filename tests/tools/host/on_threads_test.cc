@@ -36,7 +36,7 @@ TEST(OnThreads, OfSeveralFailuresOneReachesTheCaller) {
 }
 
 TEST(DoAll, DoesEachJobOnceForAnyNumberOfThreads) {
-  for (const std::size_t threads : {1U, 2U, 5U}) {
+  for (const std::size_t threads : {0U, 1U, 2U, 5U}) {
     std::array<std::atomic<int>, 3> done{};
     std::vector<std::function<void()>> jobs;
     for (std::atomic<int>& one : done) jobs.emplace_back([&one] { ++one; });
