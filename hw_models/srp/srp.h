@@ -209,7 +209,7 @@ class Srp {
   const sim::Clock clock_;
   const Frame frame_;
   Links links_;
-  /// When the next tile, or news of one, hit, line and end of a transfer may be taken.
+  /// When the next tile (or news of one), hit, line and end of a transfer may be taken.
   struct {
     sim::Time tiles = sim::kNever, hits = sim::kNever, lines = sim::kNever, transfers = sim::kNever;
   } arrivals_;

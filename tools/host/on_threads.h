@@ -33,13 +33,23 @@ void on_threads(std::size_t count, Work&& work) {
   if (failure) std::rethrow_exception(failure);
 }
 
-/// Does all of them, so many at a time at most, at least one, and begins them in their order. Throws as on_threads
-/// does.
+/// Does all jobs, at most `threads` at a time (0 counts as 1), and begins them in their order. Behind a failure none is
+/// begun; throws what the first job in the order to fail has thrown, for any number of threads, or as on_threads does.
 inline void do_all(const std::vector<std::function<void()>>& jobs, std::size_t threads) {
   std::atomic<std::size_t> next = 0;
+  std::vector<std::exception_ptr> failures(jobs.size());
   on_threads(std::min(std::max<std::size_t>(threads, 1), jobs.size()), [&](std::size_t) {
-    for (std::size_t i = next++; i < jobs.size(); i = next++) jobs[i]();
+    for (std::size_t i = next++; i < jobs.size(); i = next++) {
+      try {
+        jobs[i]();
+      } catch (...) {
+        failures[i] = std::current_exception();
+        next = jobs.size();
+      }
+    }
   });
+  const auto first = std::ranges::find_if(failures, [](const std::exception_ptr& one) { return one != nullptr; });
+  if (first != failures.end()) std::rethrow_exception(*first);
 }
 
 }  // namespace tools

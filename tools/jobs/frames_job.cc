@@ -105,7 +105,7 @@ struct Job {
                     .compared = compared ? &*compared : nullptr,
                     .tiles = out.tiles.frames.empty() ? nullptr : &out.tiles.frames.back(),
                     .is_first = out.frames.empty(),
-                    .is_shaded = has_picture(),
+                    .has_picture = has_picture(),
                     .debug = options.debug_images},
                    host_threads(options.threads));
     out.add(inputs.frame, std::move(frame), std::move(compared), error,

@@ -1,5 +1,6 @@
 #include "tools/jobs/picture_files.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <iterator>
@@ -28,11 +29,11 @@ class PictureFiles {
   /// Files that take longest come first.
   std::vector<std::function<void()>> jobs() {
     const std::vector<float>& rgb = of_.frame.function.rgb;
-    if (of_.is_first && of_.is_shaded && !of_.frame.is_part()) exr("image.exr", rgb);
+    if (of_.is_first && of_.has_picture && !of_.frame.is_part()) exr("image.exr", rgb);
     if (of_.is_first && of_.compared != nullptr) exr("reference.exr", of_.compared->function.rgb);
-    if (of_.is_first && of_.is_shaded) png("image.png", [&rgb] { return to_rgb8(rgb); });
+    if (of_.is_first && of_.has_picture) png("image.png", [&rgb] { return to_rgb8(rgb); });
     if (of_.is_first && of_.compared != nullptr) add_comparison(rgb, of_.compared->function.rgb);
-    if (of_.inputs.frames() > 1 && of_.is_shaded) {
+    if (of_.inputs.frames() > 1 && of_.has_picture) {
       png(fmt::format("frame-{:04}.png", of_.inputs.frame), [&rgb] { return to_rgb8(rgb); });
     }
     if (of_.is_first && !of_.frame.is_part() && !of_.frame.function.pixels.empty()) {
@@ -70,8 +71,8 @@ class PictureFiles {
       std::ranges::move(more, std::back_inserter(pictures));
     }
     for (DebugPicture& p : pictures) {
-      add([this, name = fmt::format("{}debug-{}.png", prefix, p.name), p = std::move(p)] {
-        traces::write_png(folder_ / name, p.width, p.height, p.rgb);
+      add([this, prefix, p = std::move(p)] {
+        traces::write_png(folder_ / fmt::format("{}debug-{}.png", prefix, p.name), p.width, p.height, p.rgb);
       });
     }
   }
@@ -87,7 +88,6 @@ class PictureFiles {
 
 void write_pictures(const std::filesystem::path& folder, const FramePictures& of, std::size_t threads) {
   PictureFiles files(folder, of);
-  if (threads > 1) traces::compress_exr_on(threads);
   do_all(files.jobs(), threads);
 }
 

@@ -15,7 +15,7 @@ struct FramePictures {
   const Simulation* compared = nullptr;  ///< frame of the reference, if there is one
   const TileFrame* tiles = nullptr;      ///< account of its tiles, for debug pictures
   bool is_first = true;                  ///< frame of the run: its pictures have names of their own
-  bool is_shaded = true;                 ///< the frame has a picture
+  bool has_picture = true;               ///< a sampled frame may have none
   bool debug = false;                    ///< writes debug pictures as well
 };
 

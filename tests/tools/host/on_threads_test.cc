@@ -5,6 +5,7 @@
 #include <functional>
 #include <new>
 #include <stdexcept>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -46,10 +47,41 @@ TEST(DoAll, DoesEachJobOnceForAnyNumberOfThreads) {
   EXPECT_NO_THROW(tools::do_all({}, 2));
 }
 
-TEST(DoAll, ThrowsWhatAJobThrows) {
-  const std::function<void()> fails = [] { throw std::runtime_error("full disk"); }, works = [] {};
-  for (const std::size_t threads : {1U, 2U}) {
-    EXPECT_THROW(tools::do_all({works, fails, works}, threads), std::runtime_error);
+TEST(DoAll, BeginsThemInTheirOrderSoManyAtATimeAtMost) {
+  std::vector<int> order;
+  std::vector<std::function<void()>> jobs;
+  for (int i = 0; i < 4; ++i) jobs.emplace_back([&order, i] { order.push_back(i); });
+  tools::do_all(jobs, 1);
+  EXPECT_EQ(order, (std::vector<int>{0, 1, 2, 3}));
+
+  std::atomic<int> at_work = 0, most = 0;
+  const std::function<void()> work = [&] {
+    const int now = ++at_work;
+    for (int seen = most; seen < now && !most.compare_exchange_weak(seen, now);) {
+    }
+    std::this_thread::yield();
+    --at_work;
+  };
+  tools::do_all(std::vector<std::function<void()>>(50, work), 3);
+  EXPECT_LE(most, 3);
+}
+
+TEST(DoAll, ThrowsWhatTheFirstInTheOrderHasThrownAndBeginsNoMore) {
+  const auto failing = [](const char* with) { return [with] { throw std::runtime_error(with); }; };
+  for (const std::size_t threads : {1U, 2U, 3U}) {
+    std::atomic<int> done = 0;
+    std::vector<std::function<void()>> jobs(100, [&] { ++done; });
+    jobs[0] = failing("first");
+    jobs[1] = failing("second");
+    try {
+      tools::do_all(jobs, threads);
+      ADD_FAILURE();
+    } catch (const std::runtime_error& error) {
+      EXPECT_STREQ(error.what(), "first") << threads;
+    }
+    if (threads == 1) {
+      EXPECT_EQ(done, 0);
+    }
   }
 }
 

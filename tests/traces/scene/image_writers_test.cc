@@ -33,19 +33,6 @@ TEST(ImageWriters, KeepChannelsOfBothKindsApart) {
   EXPECT_NE(exr.find(std::string("s\0\2\0\0\0", 6)), std::string::npos) << "type 2: 32 bits";
 }
 
-TEST(ImageWriters, GiveTheSameBytesOnAnyNumberOfThreads) {
-  constexpr std::uint32_t kSide = 96;  // several of the blocks of 16 lines that OpenEXR compresses one by one
-  const std::array<traces::ImageChannel, 1> channel = {{{"steps"}}};
-  std::vector<float> values;
-  for (std::uint32_t i = 0; i < kSide * kSide; ++i) values.push_back(static_cast<float>(i * i % 1009));
-  const std::string alone = traces::exr_bytes(kSide, kSide, channel, values);
-  traces::compress_exr_on(3);
-  const std::string together = traces::exr_bytes(kSide, kSide, channel, values);
-  traces::compress_exr_on(0);
-  EXPECT_EQ(together, alone);
-  EXPECT_LT(alone.size(), values.size() * sizeof(float)) << "compressed";
-}
-
 TEST(ImageWriters, SayWhatTheirLibraryRefuses) {
   const auto refusal = [](const auto& write) -> std::string {
     try {

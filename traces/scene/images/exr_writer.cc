@@ -9,7 +9,6 @@
 #include <OpenEXR/ImfIO.h>
 #include <OpenEXR/ImfOutputFile.h>
 #include <OpenEXR/ImfStringAttribute.h>
-#include <OpenEXR/ImfThreading.h>
 #include <fmt/format.h>
 
 #include "sim/error.h"
@@ -44,7 +43,7 @@ std::string exr_bytes(std::uint32_t width, std::uint32_t height, std::span<const
                       std::span<const float> values, std::span<const ImageNote> notes) try {
   Imf::Header header(static_cast<int>(width), static_cast<int>(height));
   header.compression() = Imf::ZIP_COMPRESSION;
-  header.zipCompressionLevel() = 1;  // 3 % larger than the library's 4, in three quarters of the time
+  header.zipCompressionLevel() = 1;  // docs/design/choices.md
   for (const ImageNote& note : notes) header.insert(note.name, Imf::StringAttribute(note.text));
   Imf::FrameBuffer frame;
   std::vector<std::vector<half>> halves(channels.size());
@@ -71,7 +70,5 @@ std::string exr_bytes(std::uint32_t width, std::uint32_t height, std::span<const
 } catch (const Iex::BaseExc& error) {
   throw sim::IoError(fmt::format("no OpenEXR file of {} x {} pixels: {}", width, height, sim::printable(error.what())));
 }
-
-void compress_exr_on(std::size_t threads) { Imf::setGlobalThreadCount(static_cast<int>(threads)); }
 
 }  // namespace traces

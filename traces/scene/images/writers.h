@@ -1,5 +1,4 @@
 #pragma once
-#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -29,9 +28,4 @@ struct ImageChannel {
 /// OpenEXR refuses, e.g. a note with the name of an attribute that is no text.
 std::string exr_bytes(std::uint32_t width, std::uint32_t height, std::span<const ImageChannel> channels,
                       std::span<const float> values, std::span<const ImageNote> notes = {});
-
-/// Has OpenEXR compress on so many threads of its own from now on, in the whole program; 0: on the caller's. Its bytes
-/// are the same.
-void compress_exr_on(std::size_t threads);
-
 }  // namespace traces
