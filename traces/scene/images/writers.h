@@ -28,4 +28,5 @@ struct ImageChannel {
 /// OpenEXR refuses, e.g. a note with the name of an attribute that is no text.
 std::string exr_bytes(std::uint32_t width, std::uint32_t height, std::span<const ImageChannel> channels,
                       std::span<const float> values, std::span<const ImageNote> notes = {});
+
 }  // namespace traces
