@@ -3,7 +3,6 @@
 #include <atomic>
 #include <cstddef>
 #include <exception>
-#include <functional>
 #include <mutex>
 #include <thread>
 #include <vector>
@@ -33,18 +32,20 @@ void on_threads(std::size_t count, Work&& work) {
   if (failure) std::rethrow_exception(failure);
 }
 
-/// Does all jobs, at most `threads` at a time (0 counts as 1), and begins them in their order. Behind a failure none is
-/// begun; throws what the first job in the order to fail has thrown, for any number of threads, or as on_threads does.
-inline void do_all(const std::vector<std::function<void()>>& jobs, std::size_t threads) {
+/// Calls work(i, thread) for each i below `count`, begun in this order, on at most `threads` threads (0 counts as 1)
+/// with numbers from 0 on. Behind a failure none is begun; throws what the first i to fail has thrown, for any number
+/// of threads, or as on_threads does.
+template <typename Work>
+void do_all(std::size_t count, std::size_t threads, Work&& work) {
   std::atomic<std::size_t> next = 0;
-  std::vector<std::exception_ptr> failures(jobs.size());
-  on_threads(std::min(std::max<std::size_t>(threads, 1), jobs.size()), [&](std::size_t) {
-    for (std::size_t i = next++; i < jobs.size(); i = next++) {
+  std::vector<std::exception_ptr> failures(count);
+  on_threads(std::min(std::max<std::size_t>(threads, 1), count), [&](std::size_t thread) {
+    for (std::size_t i = next++; i < count; i = next++) {
       try {
-        jobs[i]();
+        work(i, thread);
       } catch (...) {
         failures[i] = std::current_exception();
-        next = jobs.size();
+        next = count;
       }
     }
   });

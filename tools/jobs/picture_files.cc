@@ -88,7 +88,8 @@ class PictureFiles {
 
 void write_pictures(const std::filesystem::path& folder, const FramePictures& of, std::size_t threads) {
   PictureFiles files(folder, of);
-  do_all(files.jobs(), threads);
+  const std::vector<std::function<void()>> jobs = files.jobs();
+  do_all(jobs.size(), threads, [&](std::size_t i, std::size_t) { jobs[i](); });
 }
 
 }  // namespace tools

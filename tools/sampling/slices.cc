@@ -1,7 +1,6 @@
 #include "tools/sampling/slices.h"
 
 #include <algorithm>
-#include <atomic>
 #include <charconv>
 #include <span>
 #include <utility>
@@ -32,17 +31,9 @@ std::vector<PlayedSlice> play_all(const SlicePlayer& player, SharedFrame& frame,
                                   std::span<const Slice> slices, std::uint32_t threads) {
   const std::uint32_t at_once = std::min(threads, static_cast<std::uint32_t>(slices.size()));
   std::vector<PlayedSlice> played(slices.size());
-  std::atomic<std::size_t> next = 0;
-  on_threads(at_once, [&](std::size_t thread) {
+  do_all(slices.size(), at_once, [&](std::size_t i, std::size_t thread) {
     const std::uint32_t workers = threads / at_once - 1 + (thread < threads % at_once ? 1 : 0);
-    try {
-      for (std::size_t i = next++; i < slices.size(); i = next++) {
-        played[i] = player.play(frame, tracer, slices[i], workers);
-      }
-    } catch (...) {
-      next = slices.size();
-      throw;
-    }
+    played[i] = player.play(frame, tracer, slices[i], workers);
   });
   return played;
 }

@@ -1,7 +1,5 @@
 #include "tools/simulation/replicates.h"
 
-#include <algorithm>
-#include <atomic>
 #include <mutex>
 #include <utility>
 
@@ -28,19 +26,11 @@ class Plays {
   }
 
   std::vector<Simulation> play(std::uint32_t threads) {
-    on_threads(std::min<std::size_t>(threads, all_.size()), [this](std::size_t) { work(); });
+    do_all(all_.size(), threads, [this](std::size_t i, std::size_t) { play_one(i); });
     return std::move(all_);
   }
 
  private:
-  void work() {
-    try {
-      for (std::size_t i = next_++; i < all_.size(); i = next_++) play_one(i);
-    } catch (...) {
-      next_ = all_.size();
-      throw;
-    }
-  }
   void play_one(std::size_t i) {
     KeptTiles tiles(work_, [&] { tile_done(); });
     const RunConfig& config = plays_[i].config;
@@ -68,7 +58,6 @@ class Plays {
   const char* const what_;
   Progress* const progress_;
   std::vector<Simulation> all_;
-  std::atomic<std::size_t> next_ = 0;
   std::mutex mutex_;
   std::uint32_t tiles_done_ = 0, parts_done_ = 0;  ///< finished; parts, each of as many tiles as the frame has
 };

@@ -1,5 +1,6 @@
 #include "tools/host/on_threads.h"
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <functional>
@@ -11,6 +12,15 @@
 #include <gtest/gtest.h>
 
 namespace {
+
+using Jobs = std::vector<std::function<void()>>;
+
+void do_all(const Jobs& jobs, std::size_t threads) {
+  tools::do_all(jobs.size(), threads, [&](std::size_t i, std::size_t thread) {
+    EXPECT_LT(thread, std::max<std::size_t>(threads, 1));
+    jobs[i]();
+  });
+}
 
 TEST(OnThreads, EachNumberIsCalledOnceAndAllHaveEnded) {
   for (const std::size_t count : {0U, 1U, 2U, 7U}) {
@@ -39,19 +49,19 @@ TEST(OnThreads, OfSeveralFailuresOneReachesTheCaller) {
 TEST(DoAll, DoesEachJobOnceForAnyNumberOfThreads) {
   for (const std::size_t threads : {0U, 1U, 2U, 5U}) {
     std::array<std::atomic<int>, 3> done{};
-    std::vector<std::function<void()>> jobs;
+    Jobs jobs;
     for (std::atomic<int>& one : done) jobs.emplace_back([&one] { ++one; });
-    tools::do_all(jobs, threads);
+    do_all(jobs, threads);
     for (const std::atomic<int>& one : done) EXPECT_EQ(one, 1) << threads;
   }
-  EXPECT_NO_THROW(tools::do_all({}, 2));
+  EXPECT_NO_THROW(do_all({}, 2));
 }
 
 TEST(DoAll, BeginsThemInTheirOrderSoManyAtATimeAtMost) {
   std::vector<int> order;
-  std::vector<std::function<void()>> jobs;
+  Jobs jobs;
   for (int i = 0; i < 4; ++i) jobs.emplace_back([&order, i] { order.push_back(i); });
-  tools::do_all(jobs, 1);
+  do_all(jobs, 1);
   EXPECT_EQ(order, (std::vector<int>{0, 1, 2, 3}));
 
   std::atomic<int> at_work = 0, most = 0;
@@ -62,7 +72,7 @@ TEST(DoAll, BeginsThemInTheirOrderSoManyAtATimeAtMost) {
     std::this_thread::yield();
     --at_work;
   };
-  tools::do_all(std::vector<std::function<void()>>(50, work), 3);
+  do_all(Jobs(50, work), 3);
   EXPECT_LE(most, 3);
 }
 
@@ -70,11 +80,11 @@ TEST(DoAll, ThrowsWhatTheFirstInTheOrderHasThrownAndBeginsNoMore) {
   const auto failing = [](const char* with) { return [with] { throw std::runtime_error(with); }; };
   for (const std::size_t threads : {1U, 2U, 3U}) {
     std::atomic<int> done = 0;
-    std::vector<std::function<void()>> jobs(100, [&] { ++done; });
+    Jobs jobs(100, [&] { ++done; });
     jobs[0] = failing("first");
     jobs[1] = failing("second");
     try {
-      tools::do_all(jobs, threads);
+      do_all(jobs, threads);
       ADD_FAILURE();
     } catch (const std::runtime_error& error) {
       EXPECT_STREQ(error.what(), "first") << threads;

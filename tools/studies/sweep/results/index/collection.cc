@@ -1,7 +1,6 @@
 #include "tools/studies/sweep/results/index/collection.h"
 
 #include <algorithm>
-#include <atomic>
 #include <limits>
 
 #include "tools/host/on_threads.h"
@@ -20,12 +19,9 @@ struct Reader {
 /// The reader of every point.
 std::vector<std::size_t> read_all(const sweep::Store& store, Collection& all, std::vector<Reader>& readers) {
   std::vector<std::size_t> by(all.points.size());
-  std::atomic<std::size_t> next = 0;
-  on_threads(readers.size(), [&](std::size_t reader) {
-    for (std::size_t i = next++; i < all.points.size(); i = next++) {
-      all.states[i] = read_point_state(store, all.points[i].id, readers[reader].names);
-      by[i] = reader;
-    }
+  do_all(all.points.size(), readers.size(), [&](std::size_t i, std::size_t reader) {
+    all.states[i] = read_point_state(store, all.points[i].id, readers[reader].names);
+    by[i] = reader;
   });
   return by;
 }
