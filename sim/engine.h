@@ -94,21 +94,15 @@ Time run_inner(Wakes& wakes, const Partition& inner, Time others, Time end, Tick
 template <class TickAt>
 Time run_outer(Wakes& wakes, const Partition& partition, Time inner, Time end, TickAt&& tick_at) {
   const Cluster& cluster = partition.cluster;
-  const auto clustered_wake = [&] { return cluster.run == nullptr ? kNever : wakes.earliest(cluster.units); };
-  Time others = wakes.earliest(partition.units), clustered = clustered_wake();
+  const auto clustered_units = wakes.earliest_of_each(cluster.units),
+             other_units = wakes.earliest_of_each(partition.units);
+  const ClusterTurn turn{wakes.times(cluster.units), clustered_units, partition, inner, end, other_units};
   for (;;) {
+    const Time others = wakes.earliest(partition.units), clustered = wakes.earliest(cluster.units);
     const Time at = std::min(others, clustered);
     if (at >= reach_of(partition, inner, end)) return at;
-    if (clustered == at) {
-      const auto units = wakes.earliest_of_each(partition.units);
-      cluster.run(cluster.owner, {wakes.times(cluster.units), at, partition, inner, end, units});
-      clustered = wakes.look_again(cluster.units);
-      others = wakes.earliest(partition.units);
-    }
-    if (others == at) {
-      others = wakes.tick_due(partition.units, at, tick_at(at));
-      clustered = clustered_wake();
-    }
+    if (clustered == at) cluster.run(cluster.owner, turn, at);
+    if (others == at) wakes.tick_due(partition.units, at, tick_at(at));
   }
 }
 

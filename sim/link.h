@@ -55,10 +55,14 @@ class Link {
     if (size_ != 0) *holding_ |= bit_;
   }
 
-  /// Keeps pop_at() there, beside what else its consumer looks at.
-  void shows(Time* pop_at) {
+  /// Keeps pop_at() there, beside what else its consumer looks at, and lowers `soonest` to it for the first item in an
+  /// empty link.
+  void shows(Time* pop_at, Time* soonest = nullptr) {
     *pop_at = *pop_at_;
     pop_at_ = pop_at;
+    if (soonest == nullptr) return;
+    *soonest = std::min(*soonest, *pop_at);
+    soonest_ = soonest;
   }
 
   /// Counts itself there while there is room for so many items at most (sim/partitions.h).
@@ -86,6 +90,7 @@ class Link {
     slot.stamp = stamp;
     if (size_ == 0) {
       *pop_at_ = stamp;
+      *soonest_ = std::min(*soonest_, stamp);
       *holding_ |= bit_;
       consumer_.lower(stamp);
     }
@@ -134,6 +139,7 @@ class Link {
   // The stamps at both ends, kept apart because units look at them far more often than they push or pop.
   Time own_pop_at_ = kNever;
   Time* pop_at_ = &own_pop_at_;
+  Time* soonest_ = &nobody_;
   Time push_at_ = 0;
   std::vector<Slot> slots_;
   const std::uint32_t capacity_;

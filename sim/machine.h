@@ -100,12 +100,13 @@ class Machine {
     return unit;
   }
   /// Has these units, of one outer partition and one clock, run by their owner where partitions run by themselves, by
-  /// owner.run(ClusterTurn). A partition has one cluster at most.
+  /// owner.run(turn, now): from `now`, when the first of them wakes, as far as the turn reaches. It leaves in the
+  /// turn when each of them wakes next, and the earliest of each eight. A partition has one cluster at most.
   template <class Owner>
   void cluster(std::vector<UnitId> units, Owner& owner) {
     expect_to_be_a_cluster(units);
-    clusters_.push_back(
-        {std::move(units), &owner, [](void* of, const ClusterTurn& turn) { static_cast<Owner*>(of)->run(turn); }});
+    clusters_.push_back({std::move(units), &owner,
+                         [](void* of, const ClusterTurn& turn, Time now) { static_cast<Owner*>(of)->run(turn, now); }});
   }
   /// Has a part of the unit built last reported as if it were one itself.
   template <class Part>
@@ -168,7 +169,7 @@ class Machine {
   struct ClusteredUnits {
     std::vector<UnitId> units;
     void* owner;
-    void (*run)(void*, const ClusterTurn&);
+    void (*run)(void*, const ClusterTurn&, Time);
   };
   struct AnyUnit {
     virtual ~AnyUnit() = default;

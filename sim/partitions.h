@@ -16,7 +16,7 @@ struct ClusterTurn;
 struct Cluster {
   Wakes::Groups units;  ///< in groups of their own, in the order in which they were named
   void* owner = nullptr;
-  void (*run)(void* owner, const ClusterTurn& turn) = nullptr;
+  void (*run)(void* owner, const ClusterTurn& turn, Time now) = nullptr;
 };
 
 /// A partition: units whose links to other partitions all have a latency. An event at t can affect another partition
@@ -41,8 +41,8 @@ inline Time reach_of(const Partition& partition, Time others, Time end) {
 
 /// How far a cluster goes in one go.
 struct ClusterTurn {
-  Time* wakes;  ///< wake-up times of its units
-  Time now;     ///< the earliest of them
+  Time* wakes;               ///< wake-up times of its units, which it writes down
+  std::span<Time> earliest;  ///< the earliest of each eight of them, which it writes down, too
   const Partition& partition;
   Time inner;                    ///< the inner partition has done all that comes before
   Time end;                      ///< ticks that are due here or later are left

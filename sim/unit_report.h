@@ -71,8 +71,9 @@ UnitReport report_of(const Unit& unit, std::string path, std::uint64_t sram_byte
     r.elapsed += cycles;
   }
   using Stats = typename Unit::Stats;
-  Stats::describe(unit.stats(), [&](const std::uint64_t& value, const char* name, const char* meaning,
-                                    const char* event = "", CounterKind kind = CounterKind::kSum) {
+  const Stats& stats = unit.stats();
+  Stats::describe(stats, [&](const std::uint64_t& value, const char* name, const char* meaning, const char* event = "",
+                             CounterKind kind = CounterKind::kSum) {
     r.counters.push_back({name, meaning, value, event, kind});
   });
   return r;
@@ -86,7 +87,8 @@ std::uint64_t* write_values(const Unit& unit, std::uint64_t* out) {
   for (std::size_t i = 0; i < Unit::kReasons.size(); ++i) {
     *out++ = clock.cycles(unit.activity().spent(static_cast<typename Unit::CycleReason>(i)));
   }
-  Unit::Stats::describe(unit.stats(), [&](const std::uint64_t& value, auto&&...) { *out++ = value; });
+  const typename Unit::Stats& stats = unit.stats();
+  Unit::Stats::describe(stats, [&](const std::uint64_t& value, auto&&...) { *out++ = value; });
   return out;
 }
 

@@ -74,13 +74,8 @@ class Wakes {
   }
 
   /// The times of all units of those groups, and the earliest of each.
-  Time* times(Groups of) { return groups_[of.first].data(); }
-  std::span<const Time> earliest_of_each(Groups of) const { return {&earliest_[of.first], of.end - of.first}; }
-  /// Times of those groups have been written: looks for the earliest anew, and returns it.
-  Time look_again(Groups of) {
-    for (std::size_t g = of.first; g < of.end; ++g) earliest_[g] = least(groups_[g].data());
-    return earliest(of);
-  }
+  Time* times(Groups of) { return of.first == of.end ? nullptr : groups_[of.first].data(); }
+  std::span<Time> earliest_of_each(Groups of) { return {earliest_.data() + of.first, of.end - of.first}; }
 
   /// Calls tick(unit), which returns a unit's own next wake-up time, for all units that wake at `now`, the earliest
   /// time of all. Ticks may lower any unit's time to one after `now`.
@@ -119,6 +114,22 @@ class Wakes {
     const Time a = std::min(std::min(one(eight[0]), one(eight[1])), std::min(one(eight[2]), one(eight[3])));
     const Time b = std::min(std::min(one(eight[4]), one(eight[5])), std::min(one(eight[6]), one(eight[7])));
     return std::min(a, b);
+  }
+  /// A bit for each of up to 64 units, in so many groups, that wakes at `now`.
+  static std::uint64_t due(const Time* times, std::size_t groups, Time now) {
+    std::uint64_t due = equal_of_eight(times, now);
+    for (std::size_t g = 1; g < groups; ++g)
+      due |= std::uint64_t{equal_of_eight(times + g * kGroup, now)} << g * kGroup;
+    return due;
+  }
+  /// Writes down the earliest of each eight times, and returns the earliest of all.
+  static Time look_again(const Time* times, std::span<Time> earliest_of_each) {
+    Time first = earliest_of_each.front() = least(times);
+    for (std::size_t g = 1; g < earliest_of_each.size(); ++g) {
+      earliest_of_each[g] = least(times + g * kGroup);
+      first = std::min(first, earliest_of_each[g]);
+    }
+    return first;
   }
   Time operator[](std::size_t unit) const { return groups_[unit / kGroup][unit % kGroup]; }
 

@@ -55,9 +55,10 @@ class CacheTags {
   /// Is the line here? If so it counts as used now.
   bool probe(Addr line) {
     const std::size_t set = set_of(line);
-    const std::uint32_t way = find(set, tag_of(line));
+    std::uint32_t* const here = tags(set);
+    const std::uint32_t way = find(here, tag_of(line));
     if (way == kNoWay) return false;
-    use(set, way);
+    use(here, set, way);
     return true;
   }
 
@@ -111,14 +112,16 @@ class CacheTags {
   const std::uint32_t* used(std::size_t set) const { return tags(set) + stride_; }
 
   /// The way that holds `tag`, or kNoWay.
-  std::uint32_t find(std::size_t set, std::uint32_t tag) const {
-    const std::uint32_t* here = tags(set);
-    for (std::uint32_t way = 0;;) {
+  std::uint32_t find(std::size_t set, std::uint32_t tag) const { return find(tags(set), tag); }
+  /// Likewise among a set's tags.
+  std::uint32_t find(const std::uint32_t* here, std::uint32_t tag) const {
+    if (const std::uint32_t mask = equal(here, tag); mask != 0)
+      return static_cast<std::uint32_t>(std::countr_zero(mask));
+    for (std::uint32_t way = kLanes; way < stride_; way += kLanes) {
       const std::uint32_t mask = equal(here + way, tag);
       if (mask != 0) return way + static_cast<std::uint32_t>(std::countr_zero(mask));
-      way += kLanes;
-      if (way >= stride_) return kNoWay;
     }
+    return kNoWay;
   }
   /// A bit for each of four tags that is that one.
   static std::uint32_t equal(const std::uint32_t* four, std::uint32_t tag) {
@@ -133,17 +136,23 @@ class CacheTags {
 #endif
   }
 
-  void use(std::size_t set, std::uint32_t way) {
-    if (clock_ == std::numeric_limits<std::uint32_t>::max()) renumber();
-    used(set)[way] = ++clock_;
+  void use(std::size_t set, std::uint32_t way) { use(tags(set), set, way); }
+  /// Likewise; `here` are the set's tags.
+  void use(std::uint32_t* here, std::size_t set, std::uint32_t way) {
+    if (clock_ == std::numeric_limits<std::uint32_t>::max()) [[unlikely]]
+      renumber();
+    here[stride_ + way] = ++clock_;
     if (replacement_ == Replacement::kPlru) point_away(trees_[set], way);
   }
   /// Times of last use become ranks within their sets, so that the clock can start afresh.
   void renumber();
   /// An empty way, the first of several, or the one to replace.
   std::uint32_t victim(std::size_t set, std::uint32_t tag) const {
-    const std::uint32_t* first = used(set);
-    const auto least = static_cast<std::uint32_t>(std::min_element(first, first + ways_) - first);
+    // Found by time, then number, without a branch: which way it is no host foresees.
+    std::uint64_t oldest = std::numeric_limits<std::uint64_t>::max();
+    for (std::uint32_t way = 0; way < ways_; ++way)
+      oldest = std::min(oldest, std::uint64_t{used(set)[way]} << 32 | way);
+    const auto least = static_cast<std::uint32_t>(oldest);
     if (replacement_ == Replacement::kLru || tags(set)[least] == kInvalid) return least;
     if (replacement_ == Replacement::kRandom) return static_cast<std::uint32_t>(sim::hash(tag, fills_) % ways_);
     return pointed_at(trees_[set]);

@@ -1,12 +1,14 @@
 #pragma once
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
-#include <vector>
 
 #include "hw_models/memory/cache_tags.h"
 #include "hw_models/memory/messages.h"
 #include "hw_models/memory/mshr_file.h"
 #include "sim/link.h"
+#include "sim/ring.h"
 
 namespace hw {
 
@@ -27,9 +29,7 @@ class L1Cache {
   };
 
   L1Cache(const CacheConfig& config, std::uint16_t source, bool ideal = false)
-      : tags_(config), misses_(config.mshrs), source_(source), ideal_(ideal) {
-    unsent_.reserve(config.mshrs);
-  }
+      : tags_(config), misses_(config.mshrs), source_(source), ideal_(ideal) {}
 
   Result access(Addr line, std::uint32_t slot, std::uint64_t cycle = 0) {
     if (ideal_ || tags_.probe(line)) return Result::kHit;
@@ -78,12 +78,14 @@ class L1Cache {
   /// nullptr if the line is not on its way.
   const Miss* on_its_way(Addr line) { return misses_.find(line); }
 
+  /// Requests that have not left yet.
+  std::size_t unsent() const { return unsent_.size(); }
   /// Sends the oldest request that has not left yet, if there is one and the link has room.
   void send(sim::Time now, sim::Link<MemRequest>& out) {
     if (unsent_.empty() || !out.can_push(now)) [[likely]]
       return;
     out.push(now, MemRequest{unsent_.front().line, source_, 0, false, kWholeLine, unsent_.front().owner});
-    unsent_.erase(unsent_.begin());
+    unsent_.pop_front();
   }
   /// When send() has something to do.
   sim::Time send_at(sim::Time next, const sim::Link<MemRequest>& out) const {
@@ -110,9 +112,9 @@ class L1Cache {
     unsent_.push_back({line, owner});
   }
 
+  sim::Ring<Unsent> unsent_;
   CacheTags tags_;
   MshrFile<Miss> misses_;
-  std::vector<Unsent> unsent_;
   std::array<Owner, 64> owners_ = no_owners();
   std::uint16_t source_;
   bool ideal_;

@@ -1,4 +1,5 @@
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -11,7 +12,8 @@ namespace hw {
 
 /// Counters of a fetch stage and its cache, a part of their unit's Stats.
 struct FetchStats {
-  std::uint64_t l1_accesses = 0, l1_hits = 0, l1_misses = 0, l1_late = 0, l1_fills = 0, mshr_full = 0;
+  std::uint64_t l1_accesses = 0;  ///< counted by stats()
+  std::uint64_t l1_hits = 0, l1_misses = 0, l1_late = 0, l1_fills = 0, mshr_full = 0;
   std::uint64_t l1_miss_cycles = 0;
   std::uint64_t rau_fills = 0, rau_writes = 0, rau_reads = 0, rau_full = 0;
   static void describe(auto& s, auto&& counter) {
@@ -64,8 +66,8 @@ class FetchStage {
   }
 
   /// `ready`: where the unit keeps which of its slots want to read a line.
-  FetchStage(const CacheConfig& cache, const TniMode& mode, std::uint16_t port, std::uint64_t& ready, FetchStats& stats)
-      : l1_(cache, port, mode.ideal_l1), handling_(mode.handling), rau_(mode.rau), stats_(stats), ready_(ready) {
+  FetchStage(const CacheConfig& cache, const TniMode& mode, std::uint16_t port, std::uint64_t& ready)
+      : l1_(cache, port, mode.ideal_l1), handling_(mode.handling), rau_(mode.rau), ready_(ready) {
     rows_read_.reserve(rau_.rows);
   }
   FetchStage(const FetchStage&) = delete;
@@ -88,7 +90,7 @@ class FetchStage {
   }
 
   /// A slot of able() probes for its line. If it misses, it tries again by itself, except under `bypass`.
-  Wait read(std::uint32_t slot, Addr line, std::uint64_t cycle) {
+  [[gnu::noinline]] Wait read(std::uint32_t slot, Addr line, std::uint64_t cycle) {
     const std::uint64_t bit = std::uint64_t{1} << slot;
     ready_ &= ~bit;
     if (handling_ != MissHandling::kReorder) forget(bit);
@@ -99,11 +101,9 @@ class FetchStage {
         leave_table(bit);
         return Wait::kNothing;
       }
-      stats_.l1_accesses += 1;
       stats_.l1_hits += 1;
       return Wait::kNothing;
     }
-    stats_.l1_accesses += 1;
     if (handling_ == MissHandling::kRau && !room_in_table(line)) {
       late_ |= bit;
       stats_.l1_misses += 1;
@@ -134,15 +134,14 @@ class FetchStage {
     return Wait::kMshr;
   }
 
-  /// read() for misses that are reordered, in a cache that is not ideal: the common hit takes the fewest instructions.
-  Wait read_reordered(std::uint32_t slot, Addr line, std::uint64_t cycle) {
-    const std::uint64_t bit = std::uint64_t{1} << slot;
+  /// Reads the line at the slot's first probe if it is here, as it nearly always is: the unit then takes the slot out
+  /// of `ready`. False, and nothing done, if read() is needed. For misses that are reordered, in a cache that is not
+  /// ideal.
+  bool reads_at_once(std::uint64_t bit, Addr line) {
     if (((served_ | late_) & bit) != 0 || !l1_.hit(line)) [[unlikely]]
-      return read(slot, line, cycle);
-    ready_ &= ~bit;
-    stats_.l1_accesses += 1;
+      return false;
     stats_.l1_hits += 1;
-    return Wait::kNothing;
+    return true;
   }
 
   /// A line has come.
@@ -170,11 +169,18 @@ class FetchStage {
   void belongs(std::uint32_t slot, Owner owner) { l1_.belongs(slot, owner); }
   Owner owner(std::uint32_t slot) const { return l1_.owner(slot); }
 
+  /// Requests that have not left yet.
+  std::size_t unsent() const { return l1_.unsent(); }
   void send(sim::Time now, sim::Link<MemRequest>& out) { l1_.send(now, out); }
   sim::Time send_at(sim::Time next, const sim::Link<MemRequest>& out) const { return l1_.send_at(next, out); }
   /// Are lines on their way?
   bool waits_for_memory() const { return l1_.outstanding() != 0; }
 
+  FetchStats stats() const {
+    FetchStats all = stats_;
+    all.l1_accesses = all.l1_hits + all.l1_misses;
+    return all;
+  }
   std::uint64_t missing() const { return missing_; }
   std::uint64_t no_mshr() const { return no_mshr_; }
 
@@ -200,15 +206,15 @@ class FetchStage {
   void leave_table(std::uint64_t slot);
   void resume(std::uint64_t slot);
 
+  std::uint64_t late_ = 0;    ///< have probed for the line they want and not found it
+  std::uint64_t served_ = 0;  ///< their line has come and is kept for them
+  FetchStats stats_;
   L1Cache l1_;
   const MissHandling handling_;
   const RauConfig rau_;
-  FetchStats& stats_;
   std::uint64_t& ready_;          ///< want to read a line
   std::uint64_t missing_ = 0;     ///< wait for a line
   std::uint64_t no_mshr_ = 0;     ///< wait for an MSHR
-  std::uint64_t late_ = 0;        ///< have probed for the line they want and not found it
-  std::uint64_t served_ = 0;      ///< their line has come and is kept for them
   std::uint64_t resumed_ = 0;     ///< stood in the fetch stage and may probe again, before all others
   bool stalled_ = false;          ///< a slot stands in the fetch stage
   std::uint64_t table_full_ = 0;  ///< the slot that stands there for lack of room in the table

@@ -26,16 +26,16 @@ Ist::Ist(const IstConfig& config, const TniMode& mode, const TrianglesInMemory& 
       memory_out_(links.memory_out),
       memory_in_(links.memory_in),
       sources_(Arbitration::kRoundRobin, leaves_in_.size()),
-      fetch_(config.l1, mode, port, ready_, stats_),
+      fetch_(config.l1, mode, port, waiting_[kToFetch]),
       slots_(config.leaves),
       pipe_(clock, config.l1.hit_cycles + config.latency),
       free_(all_slots(config.leaves)) {
   memory_in_.shows(&line_at_);
 }
 
-inline bool Ist::fill(sim::Time now) {
-  if (line_at_ > now) return false;
-  fetch_.fill(memory_in_.pop(now).line, pipe_.cycle());
+inline bool Ist::fill(const Cycle& cycle) {
+  if (line_at_ > cycle.now) return false;
+  fetch_.fill(memory_in_.pop(cycle.now).line, cycle.number);
   return true;
 }
 
@@ -49,7 +49,7 @@ inline bool Ist::take_leaf(sim::Time now) {
   const auto index = static_cast<std::uint32_t>(std::countr_zero(free_));
   free_ &= ~bit(index);
   occupied_ |= bit(index);
-  ready_ |= bit(index);
+  waiting_[kToFetch] |= bit(index);
   slots_[index] = Slot{leaves_in_[trv].pop(now), trv, 0, false, 0};
   fetch_.belongs(index, slots_[index].job.owner);
   fetch_.look_ahead(line_of(triangles_.base + Addr{slots_[index].job.first} * triangles_.bytes));
@@ -57,63 +57,71 @@ inline bool Ist::take_leaf(sim::Time now) {
   return true;
 }
 
-inline Ist::CycleReason Ist::issue() {
-  CycleReason why = issue_one();
-  while (ideal_ && fetch_.able() != 0) {
-    if (issue_one() == CycleReason::kTesting) why = CycleReason::kTesting;
-  }
-  return why;
-}
+/// Slots that may read now, among those that want to.
+inline std::uint64_t Ist::able() const { return reorders_ ? waiting_[kToFetch] : fetch_.able(); }
 
-Ist::CycleReason Ist::issue_one() {
-  const std::uint32_t index = round_robin(fetch_.able(), turn_);
-  turn_ = (index + 1) % 64;
-  Slot& slot = slots_[index];
-  const Addr begin = triangles_.base + Addr{slot.job.first + slot.tested} * triangles_.bytes;
-  const Addr last_line = line_of(begin + triangles_.bytes - 1);
-  // Found without a branch: whether it is the first or the second line no host foresees.
-  const Addr line = line_of(begin + (triangles_.bytes - 1) * Addr{slot.second_line});
-  const FetchStage::Wait wait =
-      reorders_ ? fetch_.read_reordered(index, line, pipe_.cycle()) : fetch_.read(index, line, pipe_.cycle());
-  if (wait == FetchStage::Wait::kNothing) {
-    read(slot, index, line == last_line);
-    return CycleReason::kTesting;
-  }
-  if (fetch_.bypasses()) {
-    stats_.bypass_passes += 1;
-    pipe_.put(kToFetch, index, config_.l1.hit_cycles + config_.latency);
-  }
-  return FetchStage::reason(wait, CycleReason::kL1Miss);
-}
-
-inline void Ist::read(Slot& slot, std::uint32_t index, bool last_line) {
+inline void Ist::read(Slot& slot, std::uint32_t index, bool last_line, std::uint64_t cycle) {
   if (!last_line) {
     slot.second_line = true;
-    ready_ |= bit(index);
+    waiting_[kToFetch] |= bit(index);
     return;
   }
   const ExitPhase phase = traces::phase_of(slot.job.phases, slot.tested);
   stats_.tests += 1;
   stats_.edge_tests += phase != ExitPhase::kDistance;
   stats_.hits += phase == ExitPhase::kHit;
-  slot.known_at = std::max(slot.known_at, pipe_.cycle() + known_after_[static_cast<std::size_t>(phase)]);
+  slot.known_at = std::max(slot.known_at, cycle + known_after_[static_cast<std::size_t>(phase)]);
   slot.tested += 1;
   slot.second_line = false;
   if (slot.tested < slot.job.count) {
-    ready_ |= bit(index);
+    waiting_[kToFetch] |= bit(index);
   } else {
-    pipe_.put(kToAnswer, index, slot.known_at - pipe_.cycle());
+    pipe_.put(kToAnswer, index, cycle, slot.known_at - cycle);
   }
 }
 
+[[gnu::always_inline]] inline Ist::CycleReason Ist::issue_one(std::uint64_t able, std::uint64_t cycle) {
+  const std::uint32_t index = round_robin(able, turn_);
+  turn_ = (index + 1) % 64;
+  Slot& slot = slots_[index];
+  const Addr begin = triangles_.base + Addr{slot.job.first + slot.tested} * triangles_.bytes;
+  const Addr last_line = line_of(begin + triangles_.bytes - 1);
+  // Found without a branch: whether it is the first or the second line no host foresees.
+  const Addr line = line_of(begin + (triangles_.bytes - 1) * Addr{slot.second_line});
+  FetchStage::Wait wait = FetchStage::Wait::kNothing;
+  if (reorders_ && fetch_.reads_at_once(bit(index), line)) {
+    waiting_[kToFetch] &= ~bit(index);
+  } else {
+    wait = fetch_.read(index, line, cycle);
+  }
+  if (wait == FetchStage::Wait::kNothing) {
+    read(slot, index, line == last_line, cycle);
+    return CycleReason::kTesting;
+  }
+  if (fetch_.bypasses()) {
+    stats_.bypass_passes += 1;
+    pipe_.put(kToFetch, index, cycle, config_.l1.hit_cycles + config_.latency);
+  }
+  return FetchStage::reason(wait, CycleReason::kL1Miss);
+}
+
+[[gnu::always_inline]] inline Ist::CycleReason Ist::issue(std::uint64_t cycle) {
+  CycleReason why = CycleReason::kStarved;  // nothing is tried
+  for (std::uint64_t slots = able(); slots != 0; slots = ideal_ ? able() : 0) {
+    const CycleReason one = issue_one(slots, cycle);
+    if (why == CycleReason::kStarved || one == CycleReason::kTesting) why = one;
+  }
+  return why;
+}
+
 inline bool Ist::answer(sim::Time now) {
-  if (answering_ == 0) return false;
-  const std::uint32_t index = round_robin(answering_, answer_turn_);
+  if (waiting_[kToAnswer] == 0) return false;
+  const std::uint32_t index = round_robin(waiting_[kToAnswer], answer_turn_);
   const Slot& slot = slots_[index];
   sim::Link<LeafDone>& out = *leaves_out_[slot.trv];
   assert(out.can_push(now) && "the ray's slot is its reserved return space");
   answer_turn_ = (index + 1) % 64;
-  answering_ &= ~bit(index);
+  waiting_[kToAnswer] &= ~bit(index);
   occupied_ &= ~bit(index);
   free_ |= bit(index);
   out.push(now, LeafDone{slot.job.slot});
@@ -123,13 +131,14 @@ inline bool Ist::answer(sim::Time now) {
 
 inline Ist::CycleReason Ist::waiting() const {
   if (occupied_ == 0) return CycleReason::kStarved;
-  if (answering_ != 0) return CycleReason::kOutputFull;
+  if (waiting_[kToAnswer] != 0) return CycleReason::kOutputFull;
   return FetchStage::reason(fetch_.waits_for(), CycleReason::kPipe);
 }
 
-inline sim::Time Ist::next_wake(sim::Time next) const {
-  if ((fetch_.able() | answering_) != 0) return next;
-  sim::Time at = pipe_.next();
+inline sim::Time Ist::next_wake(const Cycle& cycle) const {
+  const sim::Time next = cycle.next;
+  if ((able() | waiting_[kToAnswer]) != 0) return next;
+  sim::Time at = pipe_.next(cycle);
   if (free_ != 0) at = std::min(at, std::max(next, leaves_in_.pop_at()));
   at = std::min(at, std::max(next, line_at_));
   return std::min(at, fetch_.send_at(next, memory_out_));
@@ -141,17 +150,14 @@ sim::Time Ist::tick(const Cycle& cycle) {
     while (step() && ideal_) {
     }
   };
-  pipe_.advance(cycle);
-  const TimingWheel<kPipes>::Masks out = pipe_.take();
-  answering_ |= out[kToAnswer];
-  ready_ |= out[kToFetch];
-  if (line_at_ <= now) as_often_as_may_be([&] { return fill(now); });
+  pipe_.take(cycle.number, waiting_);
+  if (line_at_ <= now) as_often_as_may_be([&] { return fill(cycle); });
   as_often_as_may_be([&] { return take_leaf(now); });
-  const bool tried = fetch_.able() != 0;
-  const CycleReason tested = tried ? issue() : CycleReason::kStarved;
-  if (answering_ != 0) as_often_as_may_be([&] { return answer(now); });
+  const CycleReason tested = issue(cycle.number);
+  const bool tried = tested != CycleReason::kStarved;
+  if (waiting_[kToAnswer] != 0) as_often_as_may_be([&] { return answer(now); });
   fetch_.send(now, memory_out_);
-  const sim::Time wake = next_wake(cycle.next);
+  const sim::Time wake = next_wake(cycle);
   const CycleReason then = tried && wake == cycle.next ? tested : waiting();
   activity_.spend(now, clock_.period(), tried ? tested : then, then);
   return wake;
@@ -159,8 +165,8 @@ sim::Time Ist::tick(const Cycle& cycle) {
 
 std::string Ist::state() const {
   return fmt::format("leaves {}: ready {}, missing {}, no mshr {}, answering {}", std::popcount(occupied_),
-                     std::popcount(ready_), std::popcount(fetch_.missing()), std::popcount(fetch_.no_mshr()),
-                     std::popcount(answering_));
+                     std::popcount(waiting_[kToFetch]), std::popcount(fetch_.missing()),
+                     std::popcount(fetch_.no_mshr()), std::popcount(waiting_[kToAnswer]));
 }
 
 }  // namespace hw

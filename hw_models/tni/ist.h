@@ -79,7 +79,11 @@ class Ist {
   sim::Time tick(sim::Time now) { return tick(Cycle(now, clock_)); }
   sim::Time tick(const Cycle& cycle);
   const sim::Clock& clock() const { return clock_; }
-  const Stats& stats() const { return stats_; }
+  Stats stats() const {
+    Stats all = stats_;
+    static_cast<FetchStats&>(all) = fetch_.stats();
+    return all;
+  }
   std::uint64_t retired() const { return stats_.tests + stats_.leaves_out; }
   const sim::Activity<CycleReason>& activity() const { return activity_; }
   void finish(sim::Time end) { activity_.finish(end); }
@@ -98,14 +102,15 @@ class Ist {
 
   enum Pipe : std::size_t { kToAnswer, kToFetch, kPipes };
 
-  bool fill(sim::Time now);
+  bool fill(const Cycle& cycle);
   bool take_leaf(sim::Time now);
-  CycleReason issue();
-  CycleReason issue_one();
-  void read(Slot& slot, std::uint32_t index, bool last_line);
+  std::uint64_t able() const;
+  CycleReason issue(std::uint64_t cycle);
+  CycleReason issue_one(std::uint64_t able, std::uint64_t cycle);
+  void read(Slot& slot, std::uint32_t index, bool last_line, std::uint64_t cycle);
   bool answer(sim::Time now);
   CycleReason waiting() const;
-  sim::Time next_wake(sim::Time next) const;
+  sim::Time next_wake(const Cycle& cycle) const;
 
   const IstConfig config_;
   const sim::Clock clock_;
@@ -121,12 +126,12 @@ class Ist {
   sim::Link<MemResponse>& memory_in_;
   Arbiter sources_;
   Stats stats_;
-  std::uint64_t ready_ = 0;  ///< want to read a line
+  TimingWheel<kPipes>::Masks waiting_{};  ///< slots that answer, and slots that want to read a line
   FetchStage fetch_;
   std::vector<Slot> slots_;
   TimingWheel<kPipes> pipe_;
   std::uint64_t free_;
-  std::uint64_t occupied_ = 0, answering_ = 0;
+  std::uint64_t occupied_ = 0;
   std::uint32_t turn_ = 0, answer_turn_ = 0;
   sim::Activity<CycleReason> activity_;
 };

@@ -1,6 +1,7 @@
 #include "hw_models/tni/ray_dispatcher.h"
 
 #include <algorithm>
+#include <limits>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -33,7 +34,10 @@ sim::Time RayDispatcher::tick(sim::Time now) {
 }
 
 std::size_t RayDispatcher::emptiest() const {
-  return static_cast<std::size_t>(std::ranges::min_element(load_) - load_.begin());
+  // Found by load, then number, without a branch: which one it is no host foresees.
+  std::uint64_t least = std::numeric_limits<std::uint64_t>::max();
+  for (std::size_t trv = 0; trv < load_.size(); ++trv) least = std::min(least, std::uint64_t{load_[trv]} << 32 | trv);
+  return static_cast<std::uint32_t>(least);
 }
 
 inline std::size_t RayDispatcher::next_in_turn(sim::Time at) const {

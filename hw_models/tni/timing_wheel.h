@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 
 #include "sim/time.h"
 
@@ -29,50 +30,51 @@ template <std::size_t kPipes>
 class TimingWheel {
  public:
   static constexpr std::uint64_t kMostSpan = 64;  ///< latencies must be shorter than this
-  using Masks = std::array<std::uint64_t, kPipes>;
+  /// A mask for each pipe.
+  struct alignas(kPipes * sizeof(std::uint64_t)) Masks : std::array<std::uint64_t, kPipes> {};
 
   /// `longest`: the longest latency that put() will be given. The wheel has as few bins as hold it.
   TimingWheel(sim::Clock clock, std::uint64_t longest) : clock_(clock), last_(std::bit_ceil(longest + 1) - 1) {
     assert(last_ < kMostSpan);
   }
 
-  /// Moves to a cycle. At most one non-empty one lies between two calls: next() says when.
-  void advance(const Cycle& to) {
-    cycle_ = to.number;
-    now_ = to.now;
-  }
-  /// Takes the slots that come out at the present cycle, without a branch: whether any do no host foresees.
-  Masks take() {
-    const std::uint64_t bin = cycle_ & last_;
-    const Masks out = bins_[bin];
-    bins_[bin] = {};
+  /// Takes the slots that come out in this cycle into `waiting`, without a branch: whether any do no host foresees. The
+  /// cycles in which some do are asked for one after the other: next() says which.
+  void take(std::uint64_t cycle, Masks& waiting) {
+    const std::uint64_t bin = cycle & last_;
+    All out, here;
+    std::memcpy(&out, &bins_[bin], sizeof out);
+    std::memcpy(&here, &waiting, sizeof here);
+    here |= out;
+    std::memcpy(&waiting, &here, sizeof here);
+    bins_[bin] = Masks{};
     occupied_ &= ~(std::uint64_t{1} << bin);
-    return out;
   }
-  void put(std::size_t pipe, std::uint32_t slot, std::uint64_t latency) {
+  /// The slot comes out `latency` after this cycle.
+  void put(std::size_t pipe, std::uint32_t slot, std::uint64_t cycle, std::uint64_t latency) {
     assert(latency <= last_);
-    const std::uint64_t bin = (cycle_ + latency) & last_;
+    const std::uint64_t bin = (cycle + latency) & last_;
     bins_[bin][pipe] |= std::uint64_t{1} << slot;
     occupied_ |= std::uint64_t{1} << bin;
   }
-  /// When the next slot comes out; kNever if the pipes are empty.
-  sim::Time next() const {
+  /// Is 1 if a slot comes out in this cycle, else 0.
+  std::uint64_t comes_out(std::uint64_t cycle) const { return (occupied_ >> (cycle & last_)) & 1U; }
+  /// When the next slot comes out, behind this cycle; kNever if the pipes are empty.
+  sim::Time next(const Cycle& cycle) const {
     if (occupied_ == 0) return sim::kNever;
-    const std::uint64_t bin = cycle_ & last_;
+    const std::uint64_t bin = cycle.number & last_;
     const std::uint64_t later = occupied_ >> bin;  // else they have gone round
     const int bins =
         later != 0 ? std::countr_zero(later) : static_cast<int>(last_ + 1 - bin) + std::countr_zero(occupied_);
-    return now_ + static_cast<sim::Time>(bins) * clock_.period();
+    return clock_.after(cycle.now, static_cast<std::uint64_t>(bins));
   }
-  std::uint64_t cycle() const { return cycle_; }
-  bool empty() const { return occupied_ == 0; }
 
  private:
+  using All [[gnu::vector_size(sizeof(Masks))]] = std::uint64_t;  ///< the host moves them all at once
+
   sim::Clock clock_;
-  sim::Time now_ = 0;
-  std::uint64_t cycle_ = 0;
-  std::uint64_t occupied_ = 0;
-  const std::uint64_t last_;  ///< bin
+  std::uint64_t occupied_ = 0;  ///< bins
+  const std::uint64_t last_;    ///< bin
   std::array<Masks, kMostSpan> bins_{};
 };
 

@@ -1,7 +1,5 @@
 #include "hw_models/tni/tni_core.h"
 
-#include <algorithm>
-
 namespace hw {
 namespace {
 
@@ -79,17 +77,19 @@ void TniCore::cluster(sim::Machine& machine, sim::UnitId port_id, CorePort& port
   machine.cluster(units, *this);
 }
 
-void TniCore::run(const sim::ClusterTurn& turn) {
-  const std::span<sim::Time> wakes(turn.wakes, 2 + trvs_.size() + (port_ != nullptr ? 1 : 0));
-  Cycle cycle(turn.now, dispatcher_id_.clock);
+void TniCore::run(const sim::ClusterTurn& turn, sim::Time now) {
+  const std::size_t trvs = trvs_.size();
+  const std::uint64_t all_trvs = all_slots(static_cast<std::uint32_t>(trvs));
+  sim::Time* const wakes = turn.wakes;
+  Cycle cycle(now, dispatcher_id_.clock);
   for (;;) {
-    if (wakes[0] <= cycle.now) wakes[0] = dispatcher_->tick(cycle.now);
-    if (wakes[1] <= cycle.now) wakes[1] = ist_->tick(cycle);
-    Trv::tick_due(trvs_, &wakes[2], cycle);
-    if (port_ != nullptr && wakes.back() <= cycle.now) wakes.back() = port_->tick(cycle.now);
-    sim::Time soonest = sim::Wakes::least(turn.wakes);
-    for (std::size_t i = sim::Wakes::kGroup; i < wakes.size(); i += sim::Wakes::kGroup)
-      soonest = std::min(soonest, sim::Wakes::least(&turn.wakes[i]));
+    // Nothing done in a cycle wakes another unit before the next.
+    const std::uint64_t due = sim::Wakes::due(wakes, turn.earliest.size(), cycle.now);
+    if ((due & 1U) != 0) wakes[0] = dispatcher_->tick(cycle.now);
+    if ((due & 2U) != 0) wakes[1] = ist_->tick(cycle);
+    Trv::tick_due(trvs_, due >> 2 & all_trvs, &wakes[2], cycle);
+    if ((due >> 2 & ~all_trvs) != 0) wakes[2 + trvs] = port_->tick(cycle.now);
+    const sim::Time soonest = sim::Wakes::look_again(wakes, turn.earliest);
     if (!turn.reaches(soonest)) return;
     cycle.go_to(soonest, dispatcher_id_.clock);
   }

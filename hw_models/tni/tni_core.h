@@ -44,7 +44,7 @@ class TniCore {
 
   /// Has its units, with the core's port if that has their clock, run as a cluster of the machine (sim/partitions.h).
   void cluster(sim::Machine& machine, sim::UnitId port_id, CorePort& port);
-  void run(const sim::ClusterTurn& turn);
+  void run(const sim::ClusterTurn& turn, sim::Time now);
 
   /// Takes rays and sends hits.
   sim::UnitId dispatcher_id() const { return dispatcher_id_; }

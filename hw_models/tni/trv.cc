@@ -11,9 +11,9 @@ namespace hw {
 
 Trv::Trv(const TrvConfig& config, const TniMode& mode, const TreeInMemory& tree, Links links, std::uint16_t port,
          sim::Clock clock)
-    : config_(config),
-      tree_(tree),
-      clock_(clock),
+    : box_latency_(config.l1.hit_cycles + config.box_latency),
+      transform_latency_(config.l1.hit_cycles + config.transform_latency),
+      stack_latency_(config.stack_latency),
       stack_room_(config.stack == StackScheme::kFull ? ~std::uint32_t{0} : config.stack_entries),
       features_{.instances = !tree.placed.empty(),
                 .plain = tree.node_is_line() && !tree.hybrid && config.box_testers == 2,
@@ -23,21 +23,29 @@ Trv::Trv(const TrvConfig& config, const TniMode& mode, const TreeInMemory& tree,
                 .reorders = mode.handling == MissHandling::kReorder && !mode.ideal_l1,
                 .stack = stack_room_ != 0},
       is_default_(features_ == kDefaultTrvFeatures),
+      slots_(config.rays),
+      clock_(clock),
+      fetch_(config.l1, mode, port, waiting_[kToInner]),
+      pipes_(clock, std::max({box_latency_, transform_latency_, stack_latency_})),
+      tree_(tree),
       links_(links),
       free_(all_slots(config.rays)),
-      fetch_(config.l1, mode, port, waiting_[kToInner], stats_),
-      slots_(config.rays),
-      box_(config.l1.hit_cycles + config.box_latency),
-      stack_(config.stack_latency),
-      transform_(config.l1.hit_cycles + config.transform_latency),
+      config_(config),
       begins_(config.rays),
       paths_(config.rays) {
-  links_.rays_in.shows(&arrivals_.rays);
-  links_.leaves_in.shows(&arrivals_.answers);
-  links_.memory_in.shows(&arrivals_.lines);
+  links_.rays_in.shows(&arrivals_.rays, &arrivals_.soonest);
+  links_.leaves_in.shows(&arrivals_.answers, &arrivals_.soonest);
+  links_.memory_in.shows(&arrivals_.lines, &arrivals_.soonest);
   far_nodes_.reserve(config.rays);
   for (auto& path : paths_) path.reserve(kMostDepth);
   pushed_.reserve(kMostDepth);
+}
+
+Trv::Stats Trv::stats() const {
+  Stats all = stats_;
+  static_cast<FetchStats&>(all) = fetch_.stats();
+  (tree_.hybrid ? all.hybrid_box_tests : all.box_tests) = (all.visits + all.first_passes) * config_.box_testers;
+  return all;
 }
 
 void Trv::finish(sim::Time end) {
@@ -53,6 +61,7 @@ void Trv::finish(sim::Time end) {
 
 /// Rays have come or gone in the cycle at `now`, which counts as what it is at its end; its visit as the cycle before.
 void Trv::note_full(sim::Time now) {
+  rays_moved_ = false;
   if (full_ == (free_ == 0)) return;
   full_ = !full_;
   if (full_) {
@@ -74,21 +83,21 @@ void Trv::note_far_nodes(std::uint64_t visited) {
   }
 }
 
-void Trv::prefetch_far_nodes() {
+void Trv::prefetch_far_nodes(std::uint64_t cycle) {
   for (const auto [node, slot] : far_nodes_) {
     if (!fetch_.can_prefetch()) break;
     stats_.prefetch_probes += 1;
     const Addr line = tree_.line_of_visit(node, config_.box_testers, 0, 0).line;
-    if (fetch_.prefetch(line, slot, cycle_)) stats_.prefetches += 1;
+    if (fetch_.prefetch(line, slot, cycle)) stats_.prefetches += 1;
   }
   far_nodes_.clear();
 }
 
 /// The line was not there.
-Trv::CycleReason Trv::missed(FetchStage::Wait wait, std::uint32_t index) {
+Trv::CycleReason Trv::missed(FetchStage::Wait wait, std::uint32_t index, std::uint64_t cycle) {
   if (fetch_.bypasses()) {
     stats_.bypass_passes += 1;
-    put<false>(box_, index, kToInner);
+    pipes_.put(kToInner, index, cycle, box_latency_);
   }
   return FetchStage::reason(wait, CycleReason::kL1Miss);
 }
@@ -109,10 +118,7 @@ Trv::CycleReason Trv::waiting(sim::Time next) const {
 
 sim::Time Trv::next_wake(const Cycle& cycle) const {
   const sim::Time next = cycle.next;
-  const std::uint64_t out =
-      box_.comes_out(cycle.number) | stack_.comes_out(cycle.number) | transform_.comes_out(cycle.number);
-  sim::Time at = out == 0 ? sim::kNever : clock_.after(cycle.now, static_cast<std::uint64_t>(std::countr_zero(out)));
-  if (features_.ideal && std::ranges::any_of(next_cycle_, [](std::uint64_t slots) { return slots != 0; })) at = next;
+  sim::Time at = pipes_.next(cycle);
   if (features_.one_pipe) {
     const sim::Time free_at = std::max(next, leaf_free_at_);
     if (free_at > next || shared_work(false) != 0) at = std::min(at, free_at);
@@ -121,9 +127,7 @@ sim::Time Trv::next_wake(const Cycle& cycle) const {
     at = std::min(at, std::max({next, leaf_free_at_, links_.leaves_out.push_at()}));
   }
   if (waiting_[kToRetire] != 0) at = std::min(at, std::max(next, links_.rays_out.push_at()));
-  if (free_ != 0) at = std::min(at, std::max(next, arrivals_.rays));
-  at = std::min(at, std::max(next, arrivals_.answers));
-  at = std::min(at, std::max(next, arrivals_.lines));
+  at = std::min(at, std::max(next, arrivals_.soonest));
   return std::min(at, fetch_.send_at(next, links_.memory_out));
 }
 

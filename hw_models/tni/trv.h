@@ -1,6 +1,5 @@
 #pragma once
 #include <algorithm>
-#include <array>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -8,7 +7,6 @@
 
 #include "hw_models/memory/unit_names.h"
 #include "hw_models/tni/fetch_stage.h"
-#include "hw_models/tni/fixed_pipe.h"
 #include "hw_models/tni/messages.h"
 #include "hw_models/tni/timing_wheel.h"
 #include "hw_models/tni/tni_config.h"
@@ -70,12 +68,14 @@ class Trv {
        sim::waiting("rau_full", "a ray stands in the fetch stage for lack of room in the table (rau)")},
   });
   struct Stats : FetchStats {
+    std::uint64_t visits = 0, pushes = 0, pops = 0;
     std::uint64_t rays_in = 0, rays_out = 0;
-    std::uint64_t visits = 0, restarted_visits = 0, first_passes = 0, box_tests = 0, hybrid_box_tests = 0;
+    std::uint64_t restarted_visits = 0, first_passes = 0;
+    std::uint64_t box_tests = 0, hybrid_box_tests = 0;  ///< counted by stats()
     std::uint64_t transforms = 0;
     std::uint64_t bypass_passes = 0, prefetch_probes = 0, prefetches = 0;
     std::uint64_t full = 0, full_visits = 0;
-    std::uint64_t pushes = 0, pops = 0, dropped = 0, restarts = 0, leaves = 0;
+    std::uint64_t dropped = 0, restarts = 0, leaves = 0;
     static void describe(auto& s, auto&& counter) {
       counter(NAMED(s.rays_in), "rays accepted into the input buffer", "tni.ray_buffer_write");
       counter(NAMED(s.rays_out), "rays retired", "tni.ray_buffer_read");
@@ -115,10 +115,10 @@ class Trv {
   Trv& operator=(const Trv&) = delete;
 
   sim::Time tick(sim::Time now);
-  /// Ticks those of a core's units that wake in this cycle, and writes down when they next do.
-  static void tick_due(std::span<Trv* const> trvs, sim::Time* wakes, const Cycle& cycle);
+  /// Ticks those of a core's units whose bits are set, and writes down when they next wake.
+  static void tick_due(std::span<Trv* const> trvs, std::uint64_t due, sim::Time* wakes, const Cycle& cycle);
   const sim::Clock& clock() const { return clock_; }
-  const Stats& stats() const { return stats_; }
+  Stats stats() const;
   std::uint64_t retired() const { return stats_.visits - stats_.restarted_visits + stats_.leaves + stats_.rays_out; }
   const sim::Activity<CycleReason>& activity() const { return activity_; }
   void finish(sim::Time end);
@@ -171,16 +171,22 @@ class Trv {
   // Each does at most one operation; true if it did.
   bool take_ray(sim::Time now);
   bool take_answer(sim::Time now);
-  bool fill(sim::Time now);
-  template <bool kDefault>
-  bool issue_pop();
+  bool fill(const Cycle& cycle);
   bool issue_leaf(sim::Time now);
-  /// One comparison for the host, whose outcome it foresees more often than that of three.
-  bool can_issue_leaf(sim::Time now) const {
-    const bool room = std::max(leaf_free_at_, links_.leaves_out.push_at()) <= now;
-    return (waiting_[kToLeaf] & (std::uint64_t{0} - std::uint64_t{room})) != 0;
-  }
   bool retire(sim::Time now);
+
+  /// Takes the line, answer and ray that have come.
+  void take_arrivals(const Cycle& cycle);
+  /// Is there a leaf that may leave, a ray that is done or a request? One question for the host, whose answer it
+  /// foresees more often than the answers to five.
+  bool has_output(sim::Time now) const {
+    const bool room = std::max(leaf_free_at_, links_.leaves_out.push_at()) <= now;
+    const std::uint64_t leaves = waiting_[kToLeaf] & (std::uint64_t{0} - std::uint64_t{room});
+    return (leaves | waiting_[kToRetire] | fetch_.unsent()) != 0;
+  }
+  /// Sends a leaf, retires a ray, asks for far nodes ahead of need and sends a request, as far as there are some and
+  /// room for them.
+  void put_out(const Cycle& cycle);
 
   /// The slot of a mask whose turn it is (round robin).
   std::uint32_t next_of(std::uint64_t slots) {
@@ -188,22 +194,20 @@ class Trv {
     inner_turn_ = (index + 1) % 64;
     return index;
   }
-  /// Puts the slot into a sub-pipe, behind which it goes `to` the next.
   template <bool kDefault>
-  void put(FixedPipe& pipe, std::uint32_t index, Pipe to);
-  template <bool kDefault>
-  CycleReason issue_visit(std::uint32_t index);
-  CycleReason missed(FetchStage::Wait wait, std::uint32_t index);
+  CycleReason issue_visit(std::uint32_t index, const Cycle& cycle);
+  CycleReason missed(FetchStage::Wait wait, std::uint32_t index, std::uint64_t cycle);
   bool enters_instance(const Slot& slot, std::uint32_t index) const;
-  CycleReason issue_transform(Slot& slot, std::uint32_t index);
-  bool issue_any(sim::Time now, CycleReason& why);
+  CycleReason issue_transform(Slot& slot, std::uint32_t index, std::uint64_t cycle);
+  CycleReason issue_any(const Cycle& cycle);
   std::uint64_t shared_work(bool room_for_leaves) const;
-  template <bool kDefault>
-  void pop(std::uint32_t index);
+  void issue_pop(const Cycle& cycle);
+  void pop(std::uint32_t index, std::uint64_t cycle);
   void send_leaf(sim::Time now, std::uint32_t index);
-  bool test_boxes(Slot& slot, std::uint32_t index);
+  /// Ends a pass. False if the visit needs another, which the slot now makes.
+  bool ends_with_pass(Slot& slot, std::uint32_t index, std::uint64_t cycle);
   template <bool kDefault>
-  void visited(Slot& slot, std::uint32_t index);
+  void visited(Slot& slot, std::uint32_t index, std::uint64_t cycle);
   /// Goes on to the next step, with a push if both children were hit. True if they were.
   template <bool kDefault>
   bool step_on(Slot& slot);
@@ -219,39 +223,42 @@ class Trv {
   void take_from_pipes(const Cycle& cycle);
   /// These visits have hit both children: their far ones may be asked for ahead of need.
   void note_far_nodes(std::uint64_t visited);
-  void prefetch_far_nodes();
+  void prefetch_far_nodes(std::uint64_t cycle);
   /// Reason for a cycle, from `next` on, in which no node enters the box pipe.
   CycleReason waiting(sim::Time next) const;
   sim::Time next_wake(const Cycle& cycle) const;
   void note_full(sim::Time now);
 
-  const TrvConfig config_;
-  const TreeInMemory tree_;
-  const sim::Clock clock_;
+  // Members of which every cycle reads some come first: they fill few lines of the host's caches.
+  alignas(64) TimingWheel<kPipes>::Masks waiting_{};  ///< slots that wait for each sub-pipe
+  /// When the next ray, answer and line may be taken, and none of them before `soonest`.
+  struct Arrivals {
+    sim::Time soonest = sim::kNever, rays = sim::kNever, answers = sim::kNever, lines = sim::kNever;
+  } arrivals_;
+  sim::Time leaf_free_at_ = 0;  ///< when the pipe of leaves, or the one pipe for all, takes the next operation
+  std::uint32_t inner_turn_ = 0, stack_turn_ = 0, leaf_turn_ = 0, retire_turn_ = 0;
+  const std::uint32_t box_latency_, transform_latency_;  ///< reading a line included
+  const std::uint32_t stack_latency_;
   const std::uint32_t stack_room_;  ///< entries that a ray's stack keeps
   const TrvFeatures features_;
-  const bool is_default_;  ///< the features are the default machine's
-  bool full_ = false;      ///< since a tick at `full_since_`, behind `full_since_visit_`, there is a ray in every slot
+  const bool is_default_;    ///< the features are the default machine's
+  bool rays_moved_ = false;  ///< in this cycle: rays have come or gone
+  bool full_ = false;  ///< since a tick at `full_since_`, behind `full_since_visit_`, there is a ray in every slot
+  std::vector<Slot> slots_;
+  const sim::Clock clock_;
+  sim::Activity<CycleReason> activity_;
+  Stats stats_;
+  FetchStage fetch_;
+  TimingWheel<kPipes> pipes_;  ///< slots inside the sub-pipes, by where they go next
+
+  const TreeInMemory tree_;
   Links links_;
-  /// When the next ray, answer and line may be taken.
-  struct Arrivals {
-    sim::Time rays = sim::kNever, answers = sim::kNever, lines = sim::kNever;
-  } arrivals_;
   std::uint64_t free_;
   std::uint64_t occupied_ = 0;
-  std::array<std::uint64_t, kPipes> waiting_{};  ///< slots that wait for each sub-pipe
-  std::uint64_t at_ist_ = 0;                     ///< waiting for the intersection unit's answer
-  std::uint64_t both_children_hit_ = 0;          ///< in the box pipe, about to hit both children (prefetching)
-  std::uint32_t inner_turn_ = 0, stack_turn_ = 0, leaf_turn_ = 0, retire_turn_ = 0;
-  sim::Time leaf_free_at_ = 0;  ///< when the pipe of leaves, or the one pipe for all, takes the next operation
-  sim::Activity<CycleReason> activity_;
-  FetchStage fetch_;
-  Stats stats_;
-  std::vector<Slot> slots_;
-  std::uint64_t cycle_ = 0;  ///< the present one
-  FixedPipe box_, stack_, transform_;
-  std::array<std::uint64_t, kPipes> next_cycle_{};  ///< where any number of slots goes behind it (ideal)
-  std::vector<const std::uint32_t*> begins_;        ///< the first step of each slot's ray
+  std::uint64_t at_ist_ = 0;             ///< waiting for the intersection unit's answer
+  std::uint64_t both_children_hit_ = 0;  ///< in the box pipe, about to hit both children (prefetching)
+  const TrvConfig config_;
+  std::vector<const std::uint32_t*> begins_;  ///< the first step of each slot's ray
   /// Per slot: nodes to test again after a restart, and the instance to enter again (kEnter), last one first.
   std::vector<std::vector<std::uint32_t>> paths_;
   std::vector<Push> pushed_;        ///< for restart()

@@ -6,7 +6,7 @@
 namespace hw {
 
 bool Trv::issue_leaf(sim::Time now) {
-  if (!can_issue_leaf(now)) return false;
+  if (waiting_[kToLeaf] == 0 || leaf_free_at_ > now || !links_.leaves_out.can_push(now)) return false;
   const std::uint32_t index = round_robin(waiting_[kToLeaf], leaf_turn_);
   leaf_turn_ = (index + 1) % 64;
   send_leaf(now, index);
@@ -24,6 +24,21 @@ void Trv::send_leaf(sim::Time now, std::uint32_t index) {
   at_ist_ |= bit(index);
   if (!features_.ideal) leaf_free_at_ = clock_.after(now, std::max(count, 1U));
   stats_.leaves += 1;
+}
+
+void Trv::put_out(const Cycle& cycle) {
+  const auto as_often_as_may_be = [&](auto&& step) {
+    while (step() && features_.ideal) {
+    }
+  };
+  if (!features_.one_pipe) as_often_as_may_be([&] { return issue_leaf(cycle.now); });
+  if (waiting_[kToRetire] != 0) {
+    as_often_as_may_be([&] { return retire(cycle.now); });
+    if (free_ != 0) arrivals_.soonest = std::min(arrivals_.soonest, arrivals_.rays);
+    rays_moved_ = true;
+  }
+  if (!far_nodes_.empty()) prefetch_far_nodes(cycle.number);  // behind what rays need now
+  fetch_.send(cycle.now, links_.memory_out);
 }
 
 bool Trv::retire(sim::Time now) {

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cassert>
 
@@ -33,37 +34,20 @@ Trv::Pipe Trv::next_pipe_of_few(Slot& slot) {
 }
 
 template <bool kDefault>
-[[gnu::always_inline]] inline void Trv::put(FixedPipe& pipe, std::uint32_t index, Pipe to) {
-  if (features<kDefault>().ideal) {
-    next_cycle_[to] |= bit(index);
-  } else {
-    pipe.put(index, to, cycle_);
-  }
-}
-
-template <bool kDefault>
 [[gnu::always_inline]] inline void Trv::take_from_pipes(const Cycle& cycle) {
-  const TrvFeatures has = features<kDefault>();
-  const auto take = [&](FixedPipe& pipe) {
-    const FixedPipe::Out out = pipe.take(cycle.number);
-    waiting_[out.way] |= out.slots;
-    if (has.prefetches && both_children_hit_ != 0 && (out.way == kToInner || out.way == kToLeaf))
-      note_far_nodes(both_children_hit_ & out.slots);
-  };
-  take(box_);
-  take(stack_);
-  if (has.instances) take(transform_);
-  if (has.ideal) {
-    for (std::size_t way = 0; way < kPipes; ++way) waiting_[way] |= next_cycle_[way];
-    if (has.prefetches && both_children_hit_ != 0)
-      note_far_nodes(both_children_hit_ & (next_cycle_[kToInner] | next_cycle_[kToLeaf]));
-    next_cycle_ = {};
+  if (!features<kDefault>().prefetches || both_children_hit_ == 0) {
+    pipes_.take(cycle.number, waiting_);
+    return;
   }
+  TimingWheel<kPipes>::Masks out{};
+  pipes_.take(cycle.number, out);
+  for (std::size_t way = 0; way < kPipes; ++way) waiting_[way] |= out[way];
+  note_far_nodes(both_children_hit_ & (out[kToInner] | out[kToLeaf]));
 }
 
-bool Trv::fill(sim::Time now) {
-  if (arrivals_.lines > now) return false;
-  fetch_.fill(links_.memory_in.pop(now).line, cycle_);
+bool Trv::fill(const Cycle& cycle) {
+  if (arrivals_.lines > cycle.now) return false;
+  fetch_.fill(links_.memory_in.pop(cycle.now).line, cycle.number);
   return true;
 }
 
@@ -112,54 +96,61 @@ bool Trv::take_ray(sim::Time now) {
   return true;
 }
 
+void Trv::take_arrivals(const Cycle& cycle) {
+  const auto as_often_as_may_be = [&](auto&& step) {
+    while (step() && features_.ideal) {
+    }
+  };
+  as_often_as_may_be([&] { return fill(cycle); });
+  as_often_as_may_be([&] { return take_answer(cycle.now); });
+  rays_moved_ = arrivals_.rays <= cycle.now && free_ != 0;
+  as_often_as_may_be([&] { return take_ray(cycle.now); });
+  arrivals_.soonest = std::min({arrivals_.lines, arrivals_.answers, free_ != 0 ? arrivals_.rays : sim::kNever});
+}
+
 template <bool kDefault>
-[[gnu::always_inline]] inline Trv::CycleReason Trv::issue_visit(std::uint32_t index) {
+[[gnu::always_inline]] inline Trv::CycleReason Trv::issue_visit(std::uint32_t index, const Cycle& cycle) {
   Slot& slot = slots_[index];
   const TrvFeatures has = features<kDefault>();
-  if (has.instances && enters_instance(slot, index)) return issue_transform(slot, index);
+  if (has.instances && enters_instance(slot, index)) return issue_transform(slot, index, cycle.number);
   const std::uint32_t node = slot.restarting ? paths_[index].back() : traces::node_of(slot.step);
   const TreeInMemory::Line read = has.plain ? TreeInMemory::Line{tree_.line_of(node), true}
                                             : tree_.line_of_visit(node, config_.box_testers, slot.child, slot.fetched);
-  const FetchStage::Wait wait =
-      has.reorders ? fetch_.read_reordered(index, read.line, cycle_) : fetch_.read(index, read.line, cycle_);
-  if (wait == FetchStage::Wait::kNothing) {
-    if (read.last) {
-      visited<kDefault>(slot, index);
-    } else {
-      slot.fetched += 1;
-      waiting_[kToInner] |= bit(index);
-    }
-    return CycleReason::kVisiting;
+  if (has.reorders && fetch_.reads_at_once(bit(index), read.line)) {
+    waiting_[kToInner] &= ~bit(index);
+  } else if (const FetchStage::Wait wait = fetch_.read(index, read.line, cycle.number);
+             wait != FetchStage::Wait::kNothing) {
+    return missed(wait, index, cycle.number);
   }
-  return missed(wait, index);
+  if (read.last) {
+    visited<kDefault>(slot, index, cycle.number);
+  } else {
+    slot.fetched += 1;
+    waiting_[kToInner] |= bit(index);
+  }
+  return CycleReason::kVisiting;
 }
 
-/// Counts the boxes of a pass. False if the visit needs another pass, which the slot now makes.
-bool Trv::test_boxes(Slot& slot, std::uint32_t index) {
+bool Trv::ends_with_pass(Slot& slot, std::uint32_t index, std::uint64_t cycle) {
   slot.fetched = 0;
-  (tree_.hybrid ? stats_.hybrid_box_tests : stats_.box_tests) += config_.box_testers;
   if (config_.box_testers == 2) return true;
   slot.child ^= 1U;
   if (slot.child == 0) return true;
   stats_.first_passes += 1;
-  put<false>(box_, index, kToInner);
+  pipes_.put(kToInner, index, cycle, box_latency_);
   return false;
 }
 
 template <bool kDefault>
-[[gnu::always_inline]] inline void Trv::visited(Slot& slot, std::uint32_t index) {
-  if (features<kDefault>().plain) {
-    stats_.box_tests += 2;
-  } else if (!test_boxes(slot, index)) {
-    return;
-  }
+[[gnu::always_inline]] inline void Trv::visited(Slot& slot, std::uint32_t index, std::uint64_t cycle) {
+  if (!features<kDefault>().plain && !ends_with_pass(slot, index, cycle)) return;
   stats_.visits += 1;
   if (slot.restarting) [[unlikely]] {
     visited_again(slot, index);
   } else if (step_on<kDefault>(slot) && features<kDefault>().prefetches) {
     both_children_hit_ |= bit(index);
   }
-  put<kDefault>(box_, index, next_pipe(slot, features<kDefault>().instances));
+  pipes_.put(next_pipe(slot, features<kDefault>().instances), index, cycle, box_latency_);
 }
 
 /// Nearly as many rays hit both children as do not: without a branch.
@@ -169,20 +160,19 @@ inline bool Trv::step_on(Slot& slot) {
   slot.go(slot.next + 1);
   __builtin_prefetch(slot.next + 8);  // for the host: steps that the ray will take some visits from now
   slot.must_pop = hits == 0;
-  const std::uint16_t both = hits == 3;
-  slot.stack_depth += both;
+  const unsigned both = hits == 3;
+  slot.stack_depth = static_cast<std::uint16_t>(slot.stack_depth + both);
   if (!features<kDefault>().stack) return both != 0;
   stats_.pushes += both;
   if (slot.short_stack_size != stack_room_) [[likely]] {
-    slot.short_stack_size += both;
+    slot.short_stack_size = static_cast<std::uint16_t>(slot.short_stack_size + both);
   } else {
     stats_.dropped += both;
   }
   return both != 0;
 }
 
-template <bool kDefault>
-void Trv::pop(std::uint32_t index) {
+[[gnu::always_inline]] inline void Trv::pop(std::uint32_t index, std::uint64_t cycle) {
   waiting_[kToStack] &= ~bit(index);
   Slot& slot = slots_[index];
   if (slot.short_stack_size == 0) {
@@ -192,7 +182,7 @@ void Trv::pop(std::uint32_t index) {
     slot.short_stack_size -= 1;
     take_entry(slot);
   }
-  put<kDefault>(stack_, index, next_pipe(slot));
+  pipes_.put(next_pipe(slot), index, cycle, stack_latency_);
 }
 
 void Trv::take_entry(Slot& slot) {
@@ -204,74 +194,55 @@ void Trv::take_entry(Slot& slot) {
   }
 }
 
-template <bool kDefault>
-bool Trv::issue_pop() {
-  if (waiting_[kToStack] == 0) return false;
+[[gnu::always_inline]] inline void Trv::issue_pop(const Cycle& cycle) {
   const std::uint32_t index = round_robin(waiting_[kToStack], stack_turn_);
   stack_turn_ = (index + 1) % 64;
-  pop<kDefault>(index);
-  return true;
+  pop(index, cycle.number);
 }
 
-bool Trv::issue_any(sim::Time now, CycleReason& why) {
-  why = CycleReason::kSerial;
-  if (now < leaf_free_at_) return true;
-  const std::uint64_t work = shared_work(links_.leaves_out.can_push(now));
-  if (work == 0) return false;
+Trv::CycleReason Trv::issue_any(const Cycle& cycle) {
+  if (cycle.now < leaf_free_at_) return CycleReason::kSerial;
+  const std::uint64_t work = shared_work(links_.leaves_out.can_push(cycle.now));
+  if (work == 0) return CycleReason::kStarved;
   const std::uint32_t index = next_of(work);
   if ((waiting_[kToStack] & bit(index)) != 0) {
-    pop<false>(index);
+    pop(index, cycle.number);
   } else if ((waiting_[kToLeaf] & bit(index)) != 0) {
-    send_leaf(now, index);
+    send_leaf(cycle.now, index);
   } else {
-    why = issue_visit<false>(index);
+    return issue_visit<false>(index, cycle);
   }
-  return true;
+  return CycleReason::kSerial;
 }
 
 template <bool kDefault>
 [[gnu::always_inline]] inline sim::Time Trv::tick_as(const Cycle& cycle) {
   const TrvFeatures has = features<kDefault>();
   const sim::Time now = cycle.now;
-  const auto as_often_as_may_be = [&](auto&& step) {
-    while (step() && has.ideal) {
-    }
-  };
-  cycle_ = cycle.number;
   take_from_pipes<kDefault>(cycle);
-  if (arrivals_.lines <= now) as_often_as_may_be([&] { return fill(now); });
-  if (arrivals_.answers <= now) as_often_as_may_be([&] { return take_answer(now); });
-  bool rays_moved = arrivals_.rays <= now && free_ != 0;
-  if (rays_moved) as_often_as_may_be([&] { return take_ray(now); });
-  bool tried = false;
-  CycleReason why = CycleReason::kStarved;
+  if (arrivals_.soonest <= now) take_arrivals(cycle);
+  CycleReason why = CycleReason::kStarved;  // nothing is tried
   if (has.one_pipe) {
-    tried = issue_any(now, why);
+    why = issue_any(cycle);
   } else {
-    const std::uint64_t able = has.reorders ? waiting_[kToInner] : fetch_.able();
-    tried = able != 0;
-    if (tried) why = issue_visit<kDefault>(next_of(able));
+    if (const std::uint64_t able = has.reorders ? waiting_[kToInner] : fetch_.able(); able != 0)
+      why = issue_visit<kDefault>(next_of(able), cycle);
     while (has.ideal && fetch_.able() != 0) {
-      if (issue_visit<kDefault>(next_of(fetch_.able())) == CycleReason::kVisiting) why = CycleReason::kVisiting;
+      if (issue_visit<kDefault>(next_of(fetch_.able()), cycle) == CycleReason::kVisiting) why = CycleReason::kVisiting;
     }
-    if (waiting_[kToStack] != 0) as_often_as_may_be([&] { return issue_pop<kDefault>(); });
-    if (can_issue_leaf(now)) as_often_as_may_be([&] { return issue_leaf(now); });
+    if (waiting_[kToStack] != 0) issue_pop(cycle);
+    while (has.ideal && waiting_[kToStack] != 0) issue_pop(cycle);
   }
-  if (waiting_[kToRetire] != 0) {
-    rays_moved = true;
-    as_often_as_may_be([&] { return retire(now); });
-  }
-  if (has.prefetches && !far_nodes_.empty()) prefetch_far_nodes();  // behind what rays need now
-  fetch_.send(now, links_.memory_out);
-  if (rays_moved) note_full(now);
-  const bool go_on = !has.one_pipe && ((has.reorders ? waiting_[kToInner] : fetch_.able()) | waiting_[kToStack]) != 0;
+  if (has_output(now) || (has.prefetches && !far_nodes_.empty())) put_out(cycle);
+  if (rays_moved_) note_full(now);
+  const std::uint64_t able = has.reorders ? waiting_[kToInner] : fetch_.able();
+  const bool go_on = !has.one_pipe && (able | waiting_[kToStack] | pipes_.comes_out(cycle.number + 1)) != 0;
   const sim::Time wake = go_on ? cycle.next : next_wake(cycle);
+  const bool tried = why != CycleReason::kStarved;
   const CycleReason then = tried && wake == cycle.next ? why : waiting(cycle.next);
   activity_.spend(now, clock_.period(), tried ? why : then, then);
   return wake;
 }
-
-template void Trv::put<false>(FixedPipe&, std::uint32_t, Pipe);
 
 sim::Time Trv::tick_as_declared(const Cycle& cycle) { return tick_as<false>(cycle); }
 
@@ -280,15 +251,11 @@ sim::Time Trv::tick(sim::Time now) {
   return is_default_ ? tick_as<true>(cycle) : tick_as_declared(cycle);
 }
 
-void Trv::tick_due(std::span<Trv* const> trvs, sim::Time* wakes, const Cycle& cycle) {
-  if (trvs.front()->is_default_) {
-    for (std::size_t t = 0; t < trvs.size(); ++t) {
-      if (wakes[t] <= cycle.now) wakes[t] = trvs[t]->tick_as<true>(cycle);
-    }
-  } else {
-    for (std::size_t t = 0; t < trvs.size(); ++t) {
-      if (wakes[t] <= cycle.now) wakes[t] = trvs[t]->tick_as_declared(cycle);
-    }
+void Trv::tick_due(std::span<Trv* const> trvs, std::uint64_t due, sim::Time* wakes, const Cycle& cycle) {
+  const bool is_default = trvs.front()->is_default_;
+  for (; due != 0; due &= due - 1) {
+    const auto t = static_cast<std::size_t>(std::countr_zero(due));
+    wakes[t] = is_default ? trvs[t]->tick_as<true>(cycle) : trvs[t]->tick_as_declared(cycle);
   }
 }
 

@@ -88,6 +88,25 @@ TEST(Link, LowersTheWakeUpTimesOfItsEnds) {
   EXPECT_EQ(consumer, 1U);
 }
 
+TEST(Link, ShowsWhenItsFirstItemCanBePoppedAndThatOneHasComeIntoAnEmptyLink) {
+  Link<int> link(3, 2, kFast);
+  link.push(0, 1);
+  Time pop_at = 0, soonest = 40;
+  link.shows(&pop_at, &soonest);
+  EXPECT_EQ(pop_at, 4U);
+  EXPECT_EQ(soonest, 4U);
+  soonest = kNever;
+  link.push(2, 2);
+  EXPECT_EQ(soonest, kNever) << "the first item is the one to look for";
+  link.pop(4);
+  EXPECT_EQ(pop_at, 6U);
+  link.pop(6);
+  EXPECT_EQ(pop_at, kNever);
+  link.push(8, 3);
+  EXPECT_EQ(pop_at, 12U);
+  EXPECT_EQ(soonest, 12U);
+}
+
 TEST(Opens, IsTheNextTimeAtWhichItemOrRoomChanges) {
   EXPECT_EQ(opens(10, 2, 16, 0), 16U);          // the item comes later
   EXPECT_EQ(opens(10, 2, 10, kNever), kNever);  // it is here: a link wakes us when there is room

@@ -192,16 +192,15 @@ struct Chain {
     const Time end = taking->stats().taken + 8 >= expected ? now : now + machine_.lookahead();
     return {end, end};
   }
-  void run(const ClusterTurn& turn) {
+  void run(const ClusterTurn& turn, Time now) {
     turns += 1;
-    Time now = turn.now;
     do {
       cycles += 1;
       EXPECT_LT(now, reach_of(turn.partition, turn.inner, turn.end));
       for (const Time other : turn.others) EXPECT_LE(now, other) << "the porter had something to do before";
       if (turn.wakes[0] <= now) turn.wakes[0] = giving->tick(now);
       if (turn.wakes[1] <= now) turn.wakes[1] = sorting->tick(now);
-      now = std::min(turn.wakes[0], turn.wakes[1]);
+      now = Wakes::look_again(turn.wakes, turn.earliest);
     } while (turn.reaches(now));
   }
   std::array<std::uint64_t, 8> outcome() const {

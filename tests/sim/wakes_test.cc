@@ -1,5 +1,6 @@
 #include "sim/wakes.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -31,6 +32,20 @@ TEST(Wakes, TickThoseThatAreDueAndNoOthers) {
     const std::size_t other = hash(step) % kUnits;
     wakes.lower(other, now + 3);
     expected[other] = std::min(expected[other], now + 3);
+  }
+}
+
+TEST(Wakes, OfSeveralGroupsSayWhoIsDueAndWhoIsNext) {
+  constexpr std::size_t kUnits = 19, kGroups = 3;
+  std::vector<Time> times(Wakes::whole_groups(kUnits), kNever), earliest(kGroups);
+  for (Time now = 1; now < 200; ++now) {
+    for (std::size_t i = 0; i < kUnits; ++i) times[i] = now + hash(now, i) % 5;
+    std::uint64_t due = 0;
+    for (std::size_t i = 0; i < kUnits; ++i) due |= std::uint64_t{times[i] == now} << i;
+    ASSERT_EQ(Wakes::due(times.data(), kGroups, now), due);
+    ASSERT_EQ(Wakes::look_again(times.data(), earliest), *std::ranges::min_element(times));
+    for (std::size_t g = 0; g < kGroups; ++g)
+      ASSERT_EQ(earliest[g], *std::min_element(&times[g * Wakes::kGroup], &times[g * Wakes::kGroup] + Wakes::kGroup));
   }
 }
 

@@ -1,0 +1,51 @@
+#include "hw_models/tni/timing_wheel.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "sim/hash.h"
+
+namespace hw::test {
+namespace {
+
+TEST(TimingWheel, EachSlotComesOutALatencyLaterAndGoesItsWay) {
+  const sim::Clock clock(3);
+  for (const std::uint64_t longest : {1U, 2U, 13U, 63U}) {
+    TimingWheel<4> wheel(clock, longest);
+    struct Inside {
+      std::uint64_t at;
+      std::uint32_t slot;
+      std::size_t way;
+    };
+    std::vector<Inside> inside;
+    for (std::uint64_t number = 1000; number < 3000; ++number) {
+      const Cycle cycle(number * clock.period(), clock);
+      TimingWheel<4>::Masks expected{}, waiting{};
+      std::erase_if(inside, [&](const Inside& one) {
+        if (one.at == number) expected[one.way] |= bit(one.slot);
+        return one.at == number;
+      });
+      expected[1] |= waiting[1] = bit(5);  // what waits already goes on waiting
+      wheel.take(number, waiting);
+      ASSERT_EQ(waiting, expected) << number;
+      for (std::uint64_t some = sim::hash(longest, number) % 3; some > 0; --some) {
+        const std::uint64_t latency = 1 + sim::hash(number, some, 1) % longest;
+        const auto slot = static_cast<std::uint32_t>(sim::hash(number, some, 2) % 64);
+        const std::size_t way = sim::hash(number, some, 3) % 4;
+        wheel.put(way, slot, number, latency);
+        inside.push_back({number + latency, slot, way});
+      }
+      sim::Time next = sim::kNever;
+      for (const Inside& one : inside) next = std::min(next, one.at * clock.period());
+      ASSERT_EQ(wheel.next(cycle), next) << number;
+      ASSERT_EQ(wheel.comes_out(number + 1) != 0, next == cycle.next) << number;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace hw::test
