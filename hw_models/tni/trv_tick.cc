@@ -219,24 +219,23 @@ template <bool kDefault>
 [[gnu::always_inline]] inline sim::Time Trv::tick_as(const Cycle& cycle) {
   const TrvFeatures has = features<kDefault>();
   const sim::Time now = cycle.now;
+  const auto able = [&] { return has.reorders ? waiting_[kToInner] : fetch_.able(); };
   take_from_pipes<kDefault>(cycle);
   if (arrivals_.soonest <= now) take_arrivals(cycle);
   CycleReason why = CycleReason::kStarved;  // nothing is tried
   if (has.one_pipe) {
     why = issue_any(cycle);
   } else {
-    if (const std::uint64_t able = has.reorders ? waiting_[kToInner] : fetch_.able(); able != 0)
-      why = issue_visit<kDefault>(next_of(able), cycle);
-    while (has.ideal && fetch_.able() != 0) {
-      if (issue_visit<kDefault>(next_of(fetch_.able()), cycle) == CycleReason::kVisiting) why = CycleReason::kVisiting;
+    if (able() != 0) why = issue_visit<kDefault>(next_of(able()), cycle);
+    while (has.ideal && able() != 0) {
+      if (issue_visit<kDefault>(next_of(able()), cycle) == CycleReason::kVisiting) why = CycleReason::kVisiting;
     }
     if (waiting_[kToStack] != 0) issue_pop(cycle);
     while (has.ideal && waiting_[kToStack] != 0) issue_pop(cycle);
   }
   if (has_output(now) || (has.prefetches && !far_nodes_.empty())) put_out(cycle);
   if (rays_moved_) note_full(now);
-  const std::uint64_t able = has.reorders ? waiting_[kToInner] : fetch_.able();
-  const bool go_on = !has.one_pipe && (able | waiting_[kToStack] | pipes_.comes_out(cycle.number + 1)) != 0;
+  const bool go_on = !has.one_pipe && (able() | waiting_[kToStack] | pipes_.comes_out(cycle.number + 1)) != 0;
   const sim::Time wake = go_on ? cycle.next : next_wake(cycle);
   const bool tried = why != CycleReason::kStarved;
   const CycleReason then = tried && wake == cycle.next ? why : waiting(cycle.next);

@@ -196,11 +196,13 @@ TEST(Tni, WhatEntersLeavesAndEveryCycleHasAReason) {
 
     const Ist::Stats& ist = harness.tni().ist().stats();
     EXPECT_EQ(ist.leaves_in, ist.leaves_out);
+    EXPECT_EQ(ist.l1_hits + ist.l1_misses, ist.l1_accesses);
     EXPECT_EQ(harness.tni().ist().activity().accounted(), harness.end_time());
     std::uint64_t leaves = 0, fills = ist.l1_fills;
     for (const Trv* trv : harness.tni().trvs()) {
       const Trv::Stats& s = trv->stats();
       EXPECT_EQ(s.rays_in, s.rays_out);
+      EXPECT_EQ(s.l1_hits + s.l1_misses, s.l1_accesses);
       const bool one = setup.config.trv.box_testers == 1;
       EXPECT_EQ(s.first_passes, one ? s.visits : 0);
       EXPECT_GE(s.l1_hits + s.rau_reads, s.visits + s.first_passes);
