@@ -115,7 +115,7 @@ class Trv {
   Trv& operator=(const Trv&) = delete;
 
   sim::Time tick(sim::Time now);
-  /// Ticks those of a core's units whose bits are set, and writes down when they next wake.
+  /// Ticks those of a core's units, all of one configuration, whose bits are set, and writes down when they next wake.
   static void tick_due(std::span<Trv* const> trvs, std::uint64_t due, sim::Time* wakes, const Cycle& cycle);
   const sim::Clock& clock() const { return clock_; }
   Stats stats() const;
