@@ -14,6 +14,7 @@
 #include "hw_models/memory/cache_config.h"
 #include "hw_models/memory/messages.h"
 #include "sim/hash.h"
+#include "sim/least.h"
 
 namespace hw {
 
@@ -148,11 +149,7 @@ class CacheTags {
   void renumber();
   /// An empty way, the first of several, or the one to replace.
   std::uint32_t victim(std::size_t set, std::uint32_t tag) const {
-    // Found by time, then number, without a branch: which way it is no host foresees.
-    std::uint64_t oldest = std::numeric_limits<std::uint64_t>::max();
-    for (std::uint32_t way = 0; way < ways_; ++way)
-      oldest = std::min(oldest, std::uint64_t{used(set)[way]} << 32 | way);
-    const auto least = static_cast<std::uint32_t>(oldest);
+    const std::uint32_t least = sim::index_of_least(used(set), ways_);
     if (replacement_ == Replacement::kLru || tags(set)[least] == kInvalid) return least;
     if (replacement_ == Replacement::kRandom) return static_cast<std::uint32_t>(sim::hash(tag, fills_) % ways_);
     return pointed_at(trees_[set]);

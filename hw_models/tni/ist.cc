@@ -146,16 +146,12 @@ inline sim::Time Ist::next_wake(const Cycle& cycle) const {
 
 sim::Time Ist::tick(const Cycle& cycle) {
   const sim::Time now = cycle.now;
-  const auto as_often_as_may_be = [&](auto&& step) {
-    while (step() && ideal_) {
-    }
-  };
   pipe_.take(cycle.number, waiting_);
-  if (line_at_ <= now) as_often_as_may_be([&] { return fill(cycle); });
-  as_often_as_may_be([&] { return take_leaf(now); });
+  if (line_at_ <= now) as_often_as_may_be(ideal_, [&] { return fill(cycle); });
+  as_often_as_may_be(ideal_, [&] { return take_leaf(now); });
   const CycleReason tested = issue(cycle.number);
   const bool tried = tested != CycleReason::kStarved;
-  if (waiting_[kToAnswer] != 0) as_often_as_may_be([&] { return answer(now); });
+  if (waiting_[kToAnswer] != 0) as_often_as_may_be(ideal_, [&] { return answer(now); });
   fetch_.send(now, memory_out_);
   const sim::Time wake = next_wake(cycle);
   const CycleReason then = tried && wake == cycle.next ? tested : waiting();

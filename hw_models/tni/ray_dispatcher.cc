@@ -1,10 +1,11 @@
 #include "hw_models/tni/ray_dispatcher.h"
 
 #include <algorithm>
-#include <limits>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+
+#include "sim/least.h"
 
 namespace hw {
 
@@ -33,12 +34,7 @@ sim::Time RayDispatcher::tick(sim::Time now) {
   return next_wake(now);
 }
 
-std::size_t RayDispatcher::emptiest() const {
-  // Found by load, then number, without a branch: which one it is no host foresees.
-  std::uint64_t least = std::numeric_limits<std::uint64_t>::max();
-  for (std::size_t trv = 0; trv < load_.size(); ++trv) least = std::min(least, std::uint64_t{load_[trv]} << 32 | trv);
-  return static_cast<std::uint32_t>(least);
-}
+std::size_t RayDispatcher::emptiest() const { return sim::index_of_least(load_.data(), load_.size()); }
 
 inline std::size_t RayDispatcher::next_in_turn(sim::Time at) const {
   std::size_t best = turn_;

@@ -78,6 +78,13 @@ class TimingWheel {
   std::array<Masks, kMostSpan> bins_{};
 };
 
+/// Does a step that a unit takes once in a cycle; an ideal one takes it until it returns false.
+template <class Step>
+void as_often_as_may_be(bool ideal, Step&& step) {
+  while (step() && ideal) {
+  }
+}
+
 /// Masks of up to 64 slots: of one, and of the first `slots`.
 constexpr std::uint64_t bit(std::uint32_t slot) { return std::uint64_t{1} << slot; }
 constexpr std::uint64_t all_slots(std::uint32_t slots) { return slots == 64 ? ~std::uint64_t{0} : bit(slots) - 1; }

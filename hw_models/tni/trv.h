@@ -179,10 +179,11 @@ class Trv {
   void take_arrivals(const Cycle& cycle);
   /// Is there a leaf that may leave, a ray that is done or a request? One question for the host, whose answer it
   /// foresees more often than the answers to five.
-  bool has_output(sim::Time now) const {
+  bool has_output(sim::Time now) const { return (free_leaves(now) | waiting_[kToRetire] | fetch_.unsent()) != 0; }
+  /// Slots with a leaf that may leave.
+  std::uint64_t free_leaves(sim::Time now) const {
     const bool room = std::max(leaf_free_at_, links_.leaves_out.push_at()) <= now;
-    const std::uint64_t leaves = waiting_[kToLeaf] & (std::uint64_t{0} - std::uint64_t{room});
-    return (leaves | waiting_[kToRetire] | fetch_.unsent()) != 0;
+    return waiting_[kToLeaf] & (std::uint64_t{0} - std::uint64_t{room});
   }
   /// Sends a leaf, retires a ray, asks for far nodes ahead of need and sends a request, as far as there are some and
   /// room for them.

@@ -6,8 +6,9 @@
 namespace hw {
 
 bool Trv::issue_leaf(sim::Time now) {
-  if (waiting_[kToLeaf] == 0 || leaf_free_at_ > now || !links_.leaves_out.can_push(now)) return false;
-  const std::uint32_t index = round_robin(waiting_[kToLeaf], leaf_turn_);
+  const std::uint64_t leaves = free_leaves(now);
+  if (leaves == 0) return false;
+  const std::uint32_t index = round_robin(leaves, leaf_turn_);
   leaf_turn_ = (index + 1) % 64;
   send_leaf(now, index);
   return true;
@@ -27,13 +28,9 @@ void Trv::send_leaf(sim::Time now, std::uint32_t index) {
 }
 
 void Trv::put_out(const Cycle& cycle) {
-  const auto as_often_as_may_be = [&](auto&& step) {
-    while (step() && features_.ideal) {
-    }
-  };
-  if (!features_.one_pipe) as_often_as_may_be([&] { return issue_leaf(cycle.now); });
+  if (!features_.one_pipe) as_often_as_may_be(features_.ideal, [&] { return issue_leaf(cycle.now); });
   if (waiting_[kToRetire] != 0) {
-    as_often_as_may_be([&] { return retire(cycle.now); });
+    as_often_as_may_be(features_.ideal, [&] { return retire(cycle.now); });
     if (free_ != 0) arrivals_.soonest = std::min(arrivals_.soonest, arrivals_.rays);
     rays_moved_ = true;
   }

@@ -97,14 +97,10 @@ bool Trv::take_ray(sim::Time now) {
 }
 
 void Trv::take_arrivals(const Cycle& cycle) {
-  const auto as_often_as_may_be = [&](auto&& step) {
-    while (step() && features_.ideal) {
-    }
-  };
-  as_often_as_may_be([&] { return fill(cycle); });
-  as_often_as_may_be([&] { return take_answer(cycle.now); });
+  as_often_as_may_be(features_.ideal, [&] { return fill(cycle); });
+  as_often_as_may_be(features_.ideal, [&] { return take_answer(cycle.now); });
   rays_moved_ = arrivals_.rays <= cycle.now && free_ != 0;
-  as_often_as_may_be([&] { return take_ray(cycle.now); });
+  as_often_as_may_be(features_.ideal, [&] { return take_ray(cycle.now); });
   arrivals_.soonest = std::min({arrivals_.lines, arrivals_.answers, free_ != 0 ? arrivals_.rays : sim::kNever});
 }
 

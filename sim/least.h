@@ -1,0 +1,17 @@
+#pragma once
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+namespace sim {
+
+/// The index of the least of `count` numbers, at least one, and the first of several: found without a branch, as which
+/// one it is no host foresees.
+inline std::uint32_t index_of_least(const std::uint32_t* numbers, std::size_t count) {
+  std::uint64_t least = std::numeric_limits<std::uint64_t>::max();
+  for (std::size_t i = 0; i < count; ++i) least = std::min(least, std::uint64_t{numbers[i]} << 32 | i);
+  return static_cast<std::uint32_t>(least);
+}
+
+}  // namespace sim
