@@ -1,8 +1,6 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <map>
-#include <regex>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -106,54 +104,6 @@ TEST(Words, ThatAreRetiredAreInNoSource) {
           << file.string() << ": " << retired.word << " is " << retired.now << " now";
     }
   }
-}
-
-/// The folder by which exceptions are counted: "hw_models/tni", or "tests".
-std::string house_of(const fs::path& file) {
-  const std::string top = file.begin()->string();
-  const fs::path folder = file.parent_path();
-  return top == "tests" || folder == top ? top : top + "/" + std::next(folder.begin())->string();
-}
-
-/// Folder, and how often at most its sources still do what a rule forbids. The list gets shorter: an entry that is not
-/// needed any more fails.
-using Exceptions = std::map<std::string, std::size_t>;
-
-void hold_to_exceptions(const std::map<std::string, std::size_t>& counts, const Exceptions& exceptions) {
-  for (const auto& [folder, count] : counts) {
-    const auto exception = exceptions.find(folder);
-    EXPECT_LE(count, exception == exceptions.end() ? 0 : exception->second) << folder;
-  }
-  for (const auto& [folder, most] : exceptions) {
-    EXPECT_TRUE(counts.contains(folder)) << folder << " needs no exception any more";
-  }
-}
-
-TEST(Words, PlaceIsSlotWayTileIndexSurfacePointOrIndex) {
-  // A call is the verb.
-  static const std::regex kPlace("\\b[Pp]laces?_?\\b(?!\\s*[(<])");
-  const Exceptions exceptions = {
-      {"tools/studies", 2},
-  };
-  std::map<std::string, std::size_t> counts;
-  for (const fs::path& file : sources_with_words()) {
-    const std::string code = take_apart(file).code;
-    const auto count = std::distance(std::sregex_iterator(code.begin(), code.end(), kPlace), std::sregex_iterator());
-    if (count != 0) counts[house_of(file)] += static_cast<std::size_t>(count);
-  }
-  hold_to_exceptions(counts, exceptions);
-}
-
-TEST(Comments, BeginWithANounOrAVerb) {
-  static constexpr std::array<std::string_view, 4> kFirst = {"Of", "of", "What", "Who"};
-  std::map<std::string, std::size_t> counts;
-  for (const fs::path& file : sources_with_words()) {
-    for (const std::string& comment : take_apart(file).comments) {
-      if (std::ranges::count(kFirst, std::string_view(comment).substr(0, comment.find(' '))) == 0) continue;
-      ++counts[house_of(file)];
-    }
-  }
-  hold_to_exceptions(counts, {});
 }
 
 }  // namespace
