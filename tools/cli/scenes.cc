@@ -133,7 +133,7 @@ void add_scenes(CLI::App& app) {
   info->callback([asked] { show(*asked); });
 
   const auto wanted = std::make_shared<ExportOptions>();
-  CLI::App* out = add_scene_verb(*verb, "export", "Writes a scene as glTF 2.0 for other programs", wanted->scene);
+  CLI::App* out = add_scene_verb(*verb, "export", "Write a scene as glTF 2.0 that passes the Khronos validator", wanted->scene);
   out->add_option("-o,--output", wanted->out, "the file, .glb")->required();
   out->add_flag("--force", wanted->force, "replace the file if it exists");
   out->footer("Example: raywatt scenes export cornell -o cornell.glb");

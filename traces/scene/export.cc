@@ -21,8 +21,8 @@ std::string export_glb(const Scene& scene) {
   gltf_export::NodeMap map = gltf_export::write_nodes(scene, out);
   gltf_export::Meshes meshes(scene, out);
   gltf_export::write_instances(scene, meshes, map, out);
-  gltf_export::write_skins(scene, map, out);
   gltf_export::write_cameras(scene, map, out);
+  gltf_export::write_skins(scene, map, out);
   gltf_export::write_lights(scene, map, out);
   gltf_export::write_animation(scene, map, out);
   return std::move(out).glb();

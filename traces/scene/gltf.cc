@@ -38,14 +38,12 @@ Scene read(const std::filesystem::path& path, const SceneLimits& limits) {
   Scene scene;
   scene.name = path.stem().string();
   gltf::Source source = gltf::read_source(path, limits, budget);
-  std::string complaint;
-  tinygltf::Model model = gltf::parse_model(source, complaint);
+  tinygltf::Model model = gltf::parse_model(source);
   scene.sha256 = source.sha256;
   const std::string file = source.shown_name;
   source = {};
 
   gltf::Context context{file, model, limits, budget, scene};
-  if (!complaint.empty()) context.warn(complaint);
   for (const std::string& extension : model.extensionsUsed) {
     if (!gltf::is_supported_extension(extension)) {
       context.warn(fmt::format("the extension {} is not supported and left out", sim::printable(extension)));

@@ -61,6 +61,11 @@ glm::mat4 frame(const glm::vec3& position, const glm::vec3& direction) {
           glm::vec4(position, 1)};
 }
 
+/// True if the matrix has no inverse, as far as single precision can tell.
+bool is_flat(const glm::dmat3& m) {
+  return std::abs(glm::determinant(m)) <= 1e-6 * glm::length(m[0]) * glm::length(m[1]) * glm::length(m[2]);
+}
+
 /// Mean emission of each material; null if it is no lamp.
 std::vector<glm::vec3> mean_emissions(const Scene& scene) {
   std::vector<glm::vec3> means;
@@ -93,8 +98,7 @@ void add_emitter_lights(Scene& scene) {
     light.direction = way;
     light.intensity = static_cast<float>(e.area) * emission;
     const bool skinned = mesh.deformation != nullptr && mesh.deformation->skin != kNone;
-    const bool flat = glm::determinant(glm::dmat3(instance.to_world)) == 0;
-    if (instance.node != kNone && !skinned && !flat) {
+    if (instance.node != kNone && !skinned && !is_flat(glm::dmat3(instance.to_world))) {
       light.node = instance.node;
       light.in_node = glm::mat4(glm::inverse(glm::dmat4(instance.to_world)) * glm::dmat4(frame(light.position, way)));
     }

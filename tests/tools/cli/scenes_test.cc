@@ -1,11 +1,8 @@
-#include <cstdlib>
-
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "tests/tools/program.h"
 #include "tests/traces/scene/feature_scene.h"
-#include "tests/traces/scene/tiny_gltf_file.h"
 #include "tools/analysis/picture.h"
 #include "traces/scene/export.h"
 #include "traces/scene/images.h"
@@ -15,20 +12,6 @@
 
 namespace test {
 namespace {
-
-/// Words of the Khronos validator on a file; empty if there is neither error nor warning.
-std::string complaints_about(const std::filesystem::path& file) {
-  if (std::system("command -v node >/dev/null") != 0) return "node is not installed; tools/test installs it";
-  if (!std::filesystem::exists(GLTF_VALIDATOR_MODULES)) {
-    return "the glTF validator is not installed in " GLTF_VALIDATOR_MODULES "; tools/test installs it";
-  }
-  const std::filesystem::path said = file.string() + ".txt";
-  const std::string command =
-      "node '" GLTF_VALIDATOR "' '" GLTF_VALIDATOR_MODULES "' '" + file.string() + "' >'" + said.string() + "' 2>&1";
-  const int status = std::system(command.c_str());
-  const std::string text = read_bytes(said);
-  return status != 0 && text.empty() ? "the validator failed" : text;
-}
 
 /// Scenes that are built and exported in a moment.
 Words small_builtin_scenes() {
@@ -43,27 +26,6 @@ std::string export_of(const std::string& scene, const std::filesystem::path& fil
   const Ending ending = raywatt({"scenes", "export", scene, "-o", file.string()});
   EXPECT_EQ(ending.exit, 0) << ending.err;
   return ending.out;
-}
-
-TEST(ScenesExport, OfEverySmallSceneIsValidGltf) {
-  const TempFolder folder;
-  for (const std::string& scene : small_builtin_scenes()) {
-    const std::filesystem::path file = folder.path() / (scene + ".glb");
-    export_of(scene, file);
-    EXPECT_EQ(complaints_about(file), "") << scene;
-  }
-}
-
-TEST(ScenesExport, OfEveryFeatureIsValidGltf) {
-  const TempFolder folder;
-  EXPECT_EQ(complaints_about(folder.write("features.glb", traces::export_glb(feature_scene()))), "");
-}
-
-TEST(ScenesExport, TheValidatorFindsWhatIsWrong) {
-  const TempFolder folder;
-  TinyGltf wrong;
-  wrong.json["accessors"][1]["count"] = 2;
-  EXPECT_SAYS(complaints_about(folder.write("wrong.glb", wrong.glb())), "error");
 }
 
 TEST(ScenesExport, GivesTheSamePicture) {

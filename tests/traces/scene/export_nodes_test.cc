@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <numbers>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,68 @@ TEST(ExportOfNodes, AShearComesBackFromTwoNodes) {
       expect_near(glm::vec3(back.instances[i].to_world[column]), wanted, 2e-6F * (i == 0 ? 3.0F : 1000.0F));
     }
   }
+}
+
+TEST(ExportOfNodes, AFlatMatrixComesBack) {
+  Scene scene = traces::build_scene("cornell");
+  // Ranks 2, 1, 0: columns that depend on each other, and none at right angles.
+  const glm::mat4 flat[] = {{{1, 2, 3, 0}, {2, 1, -1, 0}, {3, 3, 2, 0}, {5, 6, 7, 1}},
+                            {{1, 2, 3, 0}, {-2, -4, -6, 0}, {0.5F, 1, 1.5F, 0}, {0, 0, 1, 1}},
+                            {{0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}, {1, 0, 0, 1}}};
+  for (std::size_t i = 0; i < 3; ++i) scene.instances[i].to_world = flat[i];
+  const Scene back = there_and_back(scene);
+  ASSERT_EQ(back.instances.size(), scene.instances.size());
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (int column = 0; column < 4; ++column) {
+      expect_near(glm::vec3(back.instances[i].to_world[column]), glm::vec3(flat[i][column]), 1e-5F);
+    }
+  }
+}
+
+TEST(ExportOfNodes, AnEmptyNodeIsAnEmptyObject) {
+  TinyGltf file;
+  file.json["nodes"].push_back(json::object());
+  file.json["scenes"][0]["nodes"] = {0, 1};
+  const json document = exported(load(file));
+  EXPECT_EQ(document["nodes"][1], json::object());
+  EXPECT_EQ(document.dump().find("null"), std::string::npos);
+}
+
+/// The tiny triangle on a skin of the nodes 1 and 2, which are roots.
+TinyGltf skinned_by_two_roots() {
+  TinyGltf file;
+  file.primitive()["attributes"]["JOINTS_0"] =
+      file.add<std::uint8_t>({0, 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0}, kUByte, "VEC4", 3);
+  file.primitive()["attributes"]["WEIGHTS_0"] =
+      file.add<float>({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, kFloat, "VEC4", 3);
+  file.json["nodes"] = {{{"mesh", 0}, {"skin", 1}}, {{"translation", {0, 0, 1}}}, {{"translation", {0, 0, 2}}}};
+  file.json["scenes"][0]["nodes"] = {0, 1, 2};
+  file.json["skins"] = {{{"joints", {0}}}, {{"joints", {1, 2, 1}}}};
+  return file;
+}
+
+TEST(ExportOfSkins, ThoseThatNothingShowsAreLeftOut) {
+  const json document = exported(load(skinned_by_two_roots()));
+  EXPECT_EQ(document["skins"].size(), 1U);
+  EXPECT_EQ(node_of(document, "part")["skin"], 0);
+}
+
+TEST(ExportOfSkins, JointsDifferAndHaveACommonRoot) {
+  const Scene scene = load(skinned_by_two_roots()), back = there_and_back(scene);
+  const json document = exported(scene);
+  const auto joints = document["skins"][0]["joints"].get<std::vector<int>>();
+  EXPECT_EQ(std::set<int>(joints.begin(), joints.end()).size(), 3U);
+  std::size_t parents = 0;
+  for (const json& node : document["nodes"]) {
+    const auto children = node.value("children", std::vector<int>{});
+    if (std::ranges::find(children, joints[0]) != children.end()) {
+      EXPECT_NE(std::ranges::find(children, joints[1]), children.end());
+      ++parents;
+    }
+  }
+  EXPECT_EQ(parents, 1U);
+  EXPECT_EQ(back.meshes.at(0).positions, scene.meshes.at(0).positions);
+  EXPECT_EQ(back.meshes[0].positions.at(1).z, 2);
 }
 
 TEST(ExportOfNodes, FocusIsNotedInTheExtras) {
@@ -162,6 +225,31 @@ TEST(FinalLight, WithoutBothColoursIsNone) {
   for (const json& other : {json(1), json::object(), json({{"ambient", {0, 0, 0}}})}) {
     file.json["scenes"][0]["extras"]["raywatt"] = other;
     EXPECT_EQ(load(file).ambient.x, usual);
+  }
+}
+
+TEST(ExportOfTracks, BeginAtZeroAndGrow) {
+  Scene scene = feature_scene();
+  scene.tracks[0].times = {-1, 0.5F, 2};
+  scene.tracks[1].times = {-2, 0, 0};
+  scene.tracks[4].times = {0.75F, 0.75F};
+  scene.tracks[2].times = {-0.5F, 1};
+  scene.tracks[2].values = {0, 0, 0, 1, 1, 1, 1, 2, 0.5F, 0.25F, 0.5F, 0.75F, 2, 1, 3, 0, 0, 0};
+  scene.tracks[3].times = {-3, -2, -1};
+  Scene back = there_and_back(scene);
+  ASSERT_EQ(back.tracks.size(), 5U);
+  for (const traces::Track& track : back.tracks) {
+    EXPECT_GE(track.times.at(0), 0);
+    for (std::size_t i = 1; i < track.times.size(); ++i) EXPECT_GT(track.times[i], track.times[i - 1]);
+  }
+  for (const double seconds : {0.0, 0.25, 0.75, 1.5, 3.0}) {
+    traces::pose(scene, seconds);
+    traces::pose(back, seconds);
+    for (const char* mesh : {"board", "pane", "sign", "cloth", "flag"}) {
+      const std::vector<glm::vec3> wanted = shown(scene, mesh), got = shown(back, mesh);
+      ASSERT_EQ(got.size(), wanted.size()) << mesh;
+      for (std::size_t i = 0; i < wanted.size(); ++i) expect_near(got[i], wanted[i], 1e-5F);
+    }
   }
 }
 

@@ -133,7 +133,7 @@ TEST(GltfBroken, ReferencesToWhatIsNotThere) {
   EXPECT_SAYS(patched("/nodes/0/mesh", 7), "meshes[7]");
   EXPECT_SAYS(patched("/nodes/0/camera", 0), "the file has none");
   EXPECT_SAYS(patched("/nodes/0/children", {9}), "nodes[9]");
-  EXPECT_SAYS(patched("/nodes/0/children", {-1}), "nodes[-1]");
+  EXPECT_SAYS(patched("/nodes/0/children", {-1}), "nodes[0].children[0] is -1; allowed: 0 1 2");
   EXPECT_SAYS(patched("/scenes/0/nodes", {3}), "nodes[3]");
   EXPECT_SAYS(patched("/scene", 2), "scenes[2]");
   EXPECT_SAYS(patched("/meshes/0/primitives/0/material", 1), "materials[1]");
@@ -161,7 +161,7 @@ TEST(GltfBroken, TransformsThatAreNone) {
   rotation.node()["rotation"] = {0, 0, 0, 0};
   EXPECT_SAYS(refusal(rotation.text()), "rotation is null");
   scale.node()["scale"] = {1, 1};
-  EXPECT_SAYS(refusal(scale.text()), "has 2 numbers, needed are 3");
+  EXPECT_SAYS(refusal(scale.text()), "nodes[0].scale is [1,1]; allowed: 3 numbers");
   huge.node()["scale"] = {1e30, 1, 1};
   EXPECT_SAYS(refusal(huge.text()), "not finite or too large");
 }

@@ -1,5 +1,8 @@
+#include <algorithm>
 #include <cmath>
 
+#include <draco/compression/expert_encode.h>
+#include <draco/mesh/triangle_soup_mesh_builder.h>
 #include <gtest/gtest.h>
 #include <meshoptimizer.h>
 
@@ -51,6 +54,54 @@ TEST(GltfDraco, TextAndBinaryFilesAndTextureCoordinates) {
   const TempFolder folder;
   const Scene scene = traces::load_gltf(folder.write("a.glb", file.glb()));
   expect_same(scene, 1e-3F);
+}
+
+/// The tiny triangle as Draco data with joints in floats, and the accessors of `joints` and weights.
+TinyGltf draco_skin(int joint_type, const std::vector<float>& joints) {
+  draco::TriangleSoupMeshBuilder builder;
+  builder.Start(1);
+  const auto add = [&](draco::GeometryAttribute::Type type, std::int8_t components, const std::vector<float>& values) {
+    const int id = builder.AddAttribute(type, components, draco::DT_FLOAT32);
+    const auto* corner = values.data();
+    builder.SetAttributeValuesForFace(id, draco::FaceIndex(0), corner, corner + components, corner + 2 * components);
+  };
+  add(draco::GeometryAttribute::POSITION, 3, {0, 0, 0, 1, 0, 0, 0, 1, 0});
+  add(draco::GeometryAttribute::GENERIC, 4, joints);
+  add(draco::GeometryAttribute::GENERIC, 4, {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0});
+  const std::unique_ptr<draco::Mesh> mesh = builder.Finalize();
+  draco::EncoderBuffer out;
+  EXPECT_TRUE(draco::ExpertEncoder(*mesh).EncodeToBuffer(&out).ok());
+  TinyGltf file;
+  const int view = file.add_view({out.data(), out.size()});
+  file.json["accessors"] = {{{"componentType", kFloat}, {"type", "VEC3"}, {"count", 3}},
+                            {{"componentType", kUShort}, {"type", "SCALAR"}, {"count", 3}},
+                            {{"componentType", joint_type}, {"type", "VEC4"}, {"count", 3}},
+                            {{"componentType", kFloat}, {"type", "VEC4"}, {"count", 3}}};
+  file.primitive()["attributes"] = {{"POSITION", 0}, {"JOINTS_0", 2}, {"WEIGHTS_0", 3}};
+  file.primitive()["extensions"]["KHR_draco_mesh_compression"] = {
+      {"bufferView", view}, {"attributes", {{"POSITION", 0}, {"JOINTS_0", 1}, {"WEIGHTS_0", 2}}}};
+  file.json["extensionsRequired"] = {"KHR_draco_mesh_compression"};
+  file.json["nodes"] = {{{"mesh", 0}, {"skin", 0}}};
+  file.json["skins"] = {{{"joints", nlohmann::json::array()}}};
+  for (int joint = 1; joint <= 256; ++joint) {
+    file.json["nodes"].push_back({{"translation", {0, 0, joint - 1}}});
+    file.json["skins"][0]["joints"].push_back(joint);
+    file.json["scenes"][0]["nodes"].push_back(joint);
+  }
+  return file;
+}
+
+TEST(GltfDraco, ValuesGetTheComponentTypeOfTheirAccessor) {
+  for (const int type : {kUByte, kUShort}) {
+    const Scene scene = load(draco_skin(type, {2, 0, 0, 0, 255, 0, 0, 0, 0, 0, 0, 0}));
+    std::vector<float> depths;
+    for (const glm::vec3& p : scene.meshes.at(0).positions) depths.push_back(p.z);
+    std::ranges::sort(depths);
+    EXPECT_EQ(depths, (std::vector<float>{0, 2, 255})) << "joint n moves its vertex to z = n";
+  }
+  EXPECT_SAYS(refusal(draco_skin(kUByte, std::vector<float>(12, 256)).text()),
+              "the Draco attribute JOINTS_0: value 0 does not fit component type 5121");
+  EXPECT_SAYS(refusal(draco_skin(kUByte, std::vector<float>(12, -1)).text()), "does not fit component type 5121");
 }
 
 TEST(GltfDraco, DamageIsRefused) {
@@ -129,7 +180,7 @@ TEST(GltfMeshopt, DamageIsRefused) {
   EXPECT_SAYS(changed("mode", "VERTICES"), "the mode is unknown");
   EXPECT_SAYS(changed("filter", "COLOR"), "the filter is unknown");
   EXPECT_SAYS(changed("byteStride", 10), "the stride is not");
-  EXPECT_SAYS(changed("byteStride", -4), "byteStride is not a number of 0 or more");
+  EXPECT_SAYS(changed("byteStride", -4), "byteStride is -4; allowed: a whole number of 0 or more");
   EXPECT_SAYS(changed("count", 1'000'000'000), "more than is left of the limit");
   EXPECT_SAYS(changed("count", 4000), "damaged");
   EXPECT_SAYS(changed("byteLength", 1'000'000), "leaves its buffer");

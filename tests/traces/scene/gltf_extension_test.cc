@@ -15,7 +15,7 @@ using nlohmann::json;
 using traces::Material;
 using traces::Scene;
 
-Material material_of(const json& material) {
+Material read_material(const json& material) {
   TinyGltf file;
   file.material() = material;
   return load(file).materials.at(0);
@@ -27,27 +27,27 @@ json smooth(const json& extensions) {
 
 TEST(GltfAlpha, BlendedSurfacesKeepTheirOpacity) {
   const Material m =
-      material_of({{"alphaMode", "BLEND"}, {"pbrMetallicRoughness", {{"baseColorFactor", {1, 1, 1, 0.25}}}}});
+      read_material({{"alphaMode", "BLEND"}, {"pbrMetallicRoughness", {{"baseColorFactor", {1, 1, 1, 0.25}}}}});
   EXPECT_EQ(m.alpha, Material::Alpha::kBlend);
   EXPECT_EQ(m.opacity, 0.25F);
   EXPECT_EQ(m.transmission, 0);
 }
 
 TEST(GltfAlpha, CutOutsKeepTheirCutoff) {
-  const Material m = material_of({{"alphaMode", "MASK"}});
+  const Material m = read_material({{"alphaMode", "MASK"}});
   EXPECT_EQ(m.alpha, Material::Alpha::kMask);
   EXPECT_EQ(m.alpha_cutoff, 0.5F);
-  EXPECT_EQ(material_of({{"alphaMode", "MASK"}, {"alphaCutoff", 0.75}}).alpha_cutoff, 0.75F);
+  EXPECT_EQ(read_material({{"alphaMode", "MASK"}, {"alphaCutoff", 0.75}}).alpha_cutoff, 0.75F);
 }
 
 TEST(GltfAlpha, OpaqueSurfacesIgnoreTheirAlpha) {
-  const Material m = material_of({{"pbrMetallicRoughness", {{"baseColorFactor", {1, 1, 1, 0.25}}}}});
+  const Material m = read_material({{"pbrMetallicRoughness", {{"baseColorFactor", {1, 1, 1, 0.25}}}}});
   EXPECT_EQ(m.alpha, Material::Alpha::kOpaque);
   EXPECT_EQ(m.opacity, 1);
 }
 
 TEST(GltfVolume, LightFadesToTheAttenuationColourInTheAttenuationDistance) {
-  const Material m = material_of(
+  const Material m = read_material(
       smooth({{"KHR_materials_transmission", {{"transmissionFactor", 1}}},
               {"KHR_materials_volume",
                {{"thicknessFactor", 0.1}, {"attenuationDistance", 2}, {"attenuationColor", {0.5, 1, 0}}}}}));
@@ -59,7 +59,7 @@ TEST(GltfVolume, LightFadesToTheAttenuationColourInTheAttenuationDistance) {
 }
 
 TEST(GltfVolume, AThinSheetNeitherBendsNorAbsorbsButMirrors) {
-  const Material m = material_of(
+  const Material m = read_material(
       smooth({{"KHR_materials_transmission", {{"transmissionFactor", 1}}},
               {"KHR_materials_ior", {{"ior", 1.5}}},
               {"KHR_materials_volume", {{"attenuationDistance", 2}, {"attenuationColor", {0.5, 0.5, 0.5}}}}}));
@@ -69,16 +69,16 @@ TEST(GltfVolume, AThinSheetNeitherBendsNorAbsorbsButMirrors) {
 }
 
 TEST(GltfSpecular, FactorAndColourScaleWhatADielectricMirrors) {
-  EXPECT_NEAR(material_of(smooth(json::object())).dielectric, 0.08F, 1e-6F);
-  EXPECT_NEAR(material_of(smooth({{"KHR_materials_specular", {{"specularFactor", 0.5}}}})).dielectric, 0.04F, 1e-6F);
-  EXPECT_NEAR(material_of(smooth({{"KHR_materials_specular", {{"specularColorFactor", {1.5, 0, 0}}}}})).dielectric,
+  EXPECT_NEAR(read_material(smooth(json::object())).dielectric, 0.08F, 1e-6F);
+  EXPECT_NEAR(read_material(smooth({{"KHR_materials_specular", {{"specularFactor", 0.5}}}})).dielectric, 0.04F, 1e-6F);
+  EXPECT_NEAR(read_material(smooth({{"KHR_materials_specular", {{"specularColorFactor", {1.5, 0, 0}}}}})).dielectric,
               0.04F, 1e-6F);
-  EXPECT_EQ(material_of(smooth({{"KHR_materials_specular", {{"specularFactor", 0}}}})).mirror, 0);
+  EXPECT_EQ(read_material(smooth({{"KHR_materials_specular", {{"specularFactor", 0}}}})).mirror, 0);
 }
 
 TEST(GltfClearCoat, IsKeptApartFromWhatLiesBelow) {
-  const Material m =
-      material_of(smooth({{"KHR_materials_clearcoat", {{"clearcoatFactor", 0.5}, {"clearcoatRoughnessFactor", 0.1}}}}));
+  const Material m = read_material(
+      smooth({{"KHR_materials_clearcoat", {{"clearcoatFactor", 0.5}, {"clearcoatRoughnessFactor", 0.1}}}}));
   EXPECT_NEAR(m.coat, 0.04F, 1e-6F);
   EXPECT_NEAR(m.dielectric, 0.08F, 1e-6F);
   EXPECT_NEAR(m.mirror, 0.08F + 0.92F * 0.04F, 1e-6F);
@@ -133,13 +133,36 @@ TEST(GltfEmission, ALampsTextureCountsForTheLightByItsMean) {
 TEST(GltfExtensions, ThoseNotShownAreToldByName) {
   for (const char* name :
        {"KHR_materials_dispersion", "KHR_materials_sheen", "KHR_materials_iridescence", "KHR_materials_anisotropy",
-        "KHR_materials_diffuse_transmission", "KHR_materials_variants"}) {
+        "KHR_materials_diffuse_transmission", "KHR_materials_pbrSpecularGlossiness"}) {
     TinyGltf file;
     file.json["extensionsUsed"] = {name};
     const Scene scene = load(file);
     ASSERT_EQ(scene.warnings.size(), 1U);
     EXPECT_SAYS(scene.warnings[0], name);
   }
+}
+
+TEST(GltfExtensions, WhatOthersHoldIsNotLookedInto) {
+  TinyGltf file;
+  file.json["extensionsUsed"] = {"KHR_materials_pbrSpecularGlossiness"};
+  // A list here, a number in KHR_materials_specular.
+  file.material()["extensions"]["KHR_materials_pbrSpecularGlossiness"] = {
+      {"specularFactor", {0.5, 0.5, 0.5}}, {"glossinessFactor", "odd"}, {"diffuseTexture", {{"index", -1}}}};
+  const Scene scene = load(file);
+  ASSERT_EQ(scene.warnings.size(), 1U);
+  EXPECT_SAYS(scene.warnings[0], "the extension KHR_materials_pbrSpecularGlossiness is not supported and left out");
+}
+
+TEST(GltfExtensions, OfRequiredVariantsTheDefaultIsShown) {
+  TinyGltf file;
+  file.json["extensionsUsed"] = file.json["extensionsRequired"] = {"KHR_materials_variants"};
+  file.json["extensions"]["KHR_materials_variants"]["variants"] = {{{"name", "blue"}}};
+  file.material()["pbrMetallicRoughness"]["baseColorFactor"] = {1, 0, 0, 1};
+  file.json["materials"].push_back({{"pbrMetallicRoughness", {{"baseColorFactor", {0, 0, 1, 1}}}}});
+  file.primitive()["extensions"]["KHR_materials_variants"]["mappings"] = {{{"material", 1}, {"variants", {0}}}};
+  const Scene scene = load(file);
+  EXPECT_TRUE(scene.warnings.empty());
+  EXPECT_EQ(scene.materials.at(scene.meshes.at(0).material).base_colour, glm::vec3(1, 0, 0));
 }
 
 }  // namespace

@@ -166,13 +166,54 @@ TEST(GltfGeometry, WithoutScenesTheNodesWithoutParentsAreShown) {
   EXPECT_EQ(load(file).instances.size(), 1U);
 }
 
-TEST(GltfGeometry, ANodeScaledToNothingIsLeftOutWithAWarning) {
+TEST(GltfGeometry, ANodeScaledToAPointIsLeftOutWithAWarning) {
   TinyGltf file;
-  file.json["nodes"].push_back({{"mesh", 0}, {"scale", {1, 0, 1}}});
+  file.json["nodes"].push_back({{"mesh", 0}, {"scale", {0, 0, 0}}});
   file.json["scenes"][0]["nodes"] = {0, 1};
   const Scene scene = load(file);
   EXPECT_EQ(scene.instances.size(), 1U);
-  EXPECT_EQ(scene.warnings.size(), 1U);
+  ASSERT_EQ(scene.warnings.size(), 1U);
+  EXPECT_SAYS(scene.warnings[0], "nodes[1] is scaled to a point and left out");
+}
+
+TEST(GltfGeometry, ANodeScaledToAPlaneOrALineIsShown) {
+  for (const nlohmann::json& scale : {nlohmann::json{1, 1, 0}, {0, 2, 0}}) {
+    TinyGltf file;
+    file.node()["scale"] = scale;
+    const Scene scene = load(file);
+    EXPECT_EQ(scene.instances.size(), 1U);
+    EXPECT_TRUE(scene.warnings.empty());
+  }
+}
+
+TEST(GltfGeometry, SparseIndicesWithoutABufferViewReplaceZeros) {
+  // Of 6 zeros, 1, 2, 4 and 5 become 1, 2, 2, 3: the triangles 0 1 2 and 0 2 3.
+  TinyGltf file;
+  file.primitive()["attributes"]["POSITION"] = file.add<float>({0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0}, kFloat, "VEC3", 4);
+  const int at = file.add<std::uint8_t>({1, 2, 4, 5}, kUByte, "SCALAR", 4);
+  const int values = file.add<std::uint16_t>({1, 2, 2, 3}, kUShort, "SCALAR", 4);
+  const auto view = [&](int accessor) {
+    return file.json["accessors"][static_cast<std::size_t>(accessor)]["bufferView"];
+  };
+  file.json["accessors"][1] = {{"componentType", kUShort},
+                               {"type", "SCALAR"},
+                               {"count", 6},
+                               {"sparse",
+                                {{"count", 4},
+                                 {"indices", {{"bufferView", view(at)}, {"componentType", kUByte}}},
+                                 {"values", {{"bufferView", view(values)}}}}}};
+  const Scene scene = load(file);
+  EXPECT_EQ(scene.meshes.at(0).positions.at(2), glm::vec3(1, 1, 0));
+  EXPECT_EQ(scene.meshes[0].positions.at(3), glm::vec3(0)) << "flat normals: three vertices a triangle";
+  EXPECT_EQ(scene.meshes[0].positions.at(5), glm::vec3(0, 1, 0));
+}
+
+TEST(GltfGeometry, PositionsOfAFileWithoutBuffersAreZeros) {
+  TinyGltf file;
+  for (const char* list : {"buffers", "bufferViews"}) file.json.erase(list);
+  for (nlohmann::json& accessor : file.json["accessors"]) accessor.erase("bufferView");
+  const Scene scene = load(file);
+  EXPECT_EQ(scene.meshes.at(0).positions, std::vector<glm::vec3>(3, glm::vec3(0)));
 }
 
 TEST(GltfGeometry, AVeryDeepHierarchyIsNoProblem) {

@@ -81,6 +81,17 @@ TEST(GltfNodes, TheLightOfALampMovesWithTheLamp) {
   }
 }
 
+TEST(GltfNodes, TheLightOfAFlatLampStandsWhereTheLampIs) {
+  // Turned, flattened, turned: the determinant is 0 but for rounding.
+  TinyGltf file;
+  file.material()["emissiveFactor"] = {1, 1, 1};
+  file.json["nodes"] = {{{"rotation", {0.1, 0.2, 0.3, 0.9}}, {"scale", {1, 1, 0}}, {"children", {1}}},
+                        {{"rotation", {0.3, 0.1, 0.2, 0.9}}, {"mesh", 0}}};
+  const Scene scene = load(file);
+  ASSERT_EQ(scene.instances.size(), 1U);
+  EXPECT_LT(glm::length(scene.lights.at(0).position), 2) << "the triangle is within 1 of the origin";
+}
+
 TEST(GltfNodes, FocusIsMarkedOnNodesOrMeshes) {
   TinyGltf file;
   EXPECT_FALSE(load(file).instances.at(0).focus);

@@ -52,7 +52,7 @@ std::string last_line(std::string text) {
 
 }  // namespace
 
-tinygltf::Model parse_model(const Source& source, std::string& complaint) {
+tinygltf::Model parse_model(const Source& source) {
   tinygltf::TinyGLTF loader;
   loader.SetImageLoader(keep_encoded, nullptr);
   loader.SetFsCallbacks(callbacks(source));
@@ -72,12 +72,12 @@ tinygltf::Model parse_model(const Source& source, std::string& complaint) {
   } catch (const std::exception& caught) {
     error = caught.what();
   }
-  complaint = last_line(error);
-  if (!good) throw sim::InputError(source.shown_name + ": not a glTF 2.0 file: " + complaint);
+  if (!good) throw sim::InputError(source.shown_name + ": not a glTF 2.0 file: " + last_line(error));
   if (!model.asset.version.starts_with("2.")) {
     throw sim::InputError(source.shown_name + ": glTF version '" + sim::printable(model.asset.version) +
                           "'; supported is 2.0");
   }
+  for (const std::size_t accessor : source.lent) model.accessors[accessor].bufferView = -1;
   return model;
 }
 

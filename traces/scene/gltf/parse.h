@@ -5,9 +5,9 @@
 
 namespace traces::gltf {
 
-/// Hands the source to tinygltf, which gets no access to the file system: it sees the files that the source has read.
-/// Images are kept encoded, in Image::image where they do not lie in a buffer view. `complaint` is what tinygltf found
-/// wrong but read nevertheless, or empty.
-tinygltf::Model parse_model(const Source& source, std::string& complaint);
+/// Parses the source by tinygltf, which gets no access to the file system: it sees what the source has read. Images
+/// stay encoded, in Image::image if they are not in a buffer view. What tinygltf dislikes but reads is not reported, as
+/// it counts optional properties (Skin::inverseBindMatrices) among that, and check_properties() has reported the rest.
+tinygltf::Model parse_model(const Source& source);
 
 }  // namespace traces::gltf

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
+#include <set>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -13,9 +14,10 @@
 #include "sim/io/json.h"
 #include "sim/io/printable.h"
 #include "sim/sha256.h"
-#include "traces/scene/gltf/compressed/rewrite.h"
+#include "traces/scene/glb.h"
 #include "traces/scene/gltf/extensions.h"
 #include "traces/scene/gltf/properties.h"
+#include "traces/scene/gltf/rewrite.h"
 #include "traces/scene/gltf/uri.h"
 
 namespace traces::gltf {
@@ -103,18 +105,13 @@ void check_lists(const Source& source, const nlohmann::json& json, const SceneLi
   }
 }
 
-/// Puts other JSON in the place of the file's.
 void replace_json(Source& source, std::string text) {
-  while (text.size() % 4 != 0) text += ' ';
-  source.bytes.replace(source.json_begin, source.json_size, text);
   source.json_size = text.size();
-  if (!source.binary) return;
-  const auto set_word = [&](std::size_t at, std::size_t value) {
-    const auto word = static_cast<std::uint32_t>(value);
-    std::memcpy(source.bytes.data() + at, &word, sizeof word);
-  };
-  set_word(8, source.bytes.size());
-  set_word(12, text.size());
+  if (source.binary) {
+    set_glb_json(source.bytes, std::move(text));
+  } else {
+    source.bytes = std::move(text);
+  }
 }
 
 /// Follows symbolic links, which must not lead out of the folder either.
@@ -130,28 +127,66 @@ void check_inside(const std::filesystem::path& folder, const std::string& relati
   }
 }
 
-void read_external(Source& source, const nlohmann::json& json, const std::filesystem::path& folder, Budget& budget,
-                   const SceneLimits& limits) {
-  for (const char* list : {"buffers", "images"}) {
+/// The bytes that the URI of a buffer or an image stands for.
+class Resources {
+ public:
+  Resources(Source& source, std::filesystem::path folder, Budget& budget, const SceneLimits& limits)
+      : source_(source), folder_(std::move(folder)), budget_(budget), limits_(limits) {}
+
+  /// Reads what the entries of the list name, and replaces their URIs by keys of Source::external. tinygltf itself
+  /// knows few data: URIs, takes a '+' in the name of a file for a blank and refuses files longer than byteLength.
+  /// Returns true if there were any.
+  bool read(nlohmann::json& json, const char* list) {
     const auto entries = json.find(list);
-    if (entries == json.end() || !entries->is_array()) continue;
+    if (entries == json.end()) return false;
+    bool any = false;
     for (std::size_t i = 0; i < entries->size(); ++i) {
-      const auto& entry = (*entries)[i];
-      if (!entry.is_object() || !entry.contains("uri") || !entry["uri"].is_string()) continue;
-      const std::string& uri = entry["uri"].get_ref<const std::string&>();
-      if (uri.starts_with("data:")) continue;
-      const std::string where = fmt::format("{}: {}[{}]", source.shown_name, list, i);
-      const std::string relative = local_path(uri, where);
-      if (source.external.contains(relative)) continue;
-      check_inside(folder, relative, where);
-      std::string bytes = sim::read_file(folder / relative, limits.memory.bytes);
-      budget.take(bytes.size(), 2, fmt::format("the file '{}'", sim::printable(relative)));
-      source.sha256 += sim::sha256_hex(bytes);
-      source.external.emplace(relative, std::move(bytes));
+      nlohmann::json& entry = (*entries)[i];
+      const auto uri = entry.find("uri");
+      if (uri == entry.end()) continue;
+      const std::string where = fmt::format("{}: {}[{}]", source_.shown_name, list, i);
+      std::string bytes = bytes_of(uri->get_ref<const std::string&>(), where);
+      if (std::string_view(list) == "buffers") {
+        const auto length = entry["byteLength"].get<std::uint64_t>();
+        if (bytes.size() < length) {
+          throw sim::InputError(
+              fmt::format("{}: its URI holds {} bytes; allowed: byteLength, {}, or more", where, bytes.size(), length));
+        }
+        bytes.resize(length);
+      }
+      if (bytes.empty()) throw sim::InputError(where + ": its URI holds no bytes; allowed: 1 or more");
+      if (!is_data_uri(uri->get_ref<const std::string&>()) && entry.value("name", "").empty()) entry["name"] = *uri;
+      *uri = fmt::format("{}-{}", list, i);
+      source_.external.emplace(*uri, std::move(bytes));
+      any = true;
     }
+    return any;
   }
-  if (!source.external.empty()) source.sha256 = sim::sha256_hex(source.sha256);
-}
+
+  /// Of the files that were read; empty if there were none.
+  const std::string& digests() const { return digests_; }
+
+ private:
+  std::string bytes_of(const std::string& uri, const std::string& where) {
+    if (is_data_uri(uri)) {
+      budget_.take(uri.size(), 2, where);
+      return data_of(uri, where);
+    }
+    const std::string relative = local_path(uri, where);
+    check_inside(folder_, relative, where);
+    std::string bytes = sim::read_file(folder_ / relative, limits_.memory.bytes);
+    budget_.take(bytes.size(), 2, fmt::format("the file '{}'", sim::printable(relative)));
+    if (files_.insert(relative).second) digests_ += sim::sha256_hex(bytes);
+    return bytes;
+  }
+
+  Source& source_;
+  const std::filesystem::path folder_;
+  Budget& budget_;
+  const SceneLimits& limits_;
+  std::set<std::string> files_;
+  std::string digests_;
+};
 
 }  // namespace
 
@@ -170,8 +205,12 @@ Source read_source(const std::filesystem::path& path, const SceneLimits& limits,
   nlohmann::json json = parse(source, limits.json_depth);
   check_lists(source, json, limits);
   check_properties(json, source.shown_name);
-  read_external(source, json, path.parent_path(), budget, limits);
-  if (make_parsable(json)) replace_json(source, json.dump());
+  Resources resources(source, path.parent_path(), budget, limits);
+  bool changed = resources.read(json, "buffers");
+  changed |= resources.read(json, "images");
+  if (!resources.digests().empty()) source.sha256 = sim::sha256_hex(source.sha256 + resources.digests());
+  changed |= make_parsable(json, source.lent);
+  if (changed) replace_json(source, json.dump());
   return source;
 }
 

@@ -47,6 +47,11 @@ glm::quat to_rotation(const Context& context, const std::vector<double>& list, c
   return {unit.w, unit.x, unit.y, unit.z};
 }
 
+glm::mat4 to_affine(glm::mat4 matrix) {
+  for (int i = 0; i < 4; ++i) matrix[i].w = i < 3 ? 0.0F : 1.0F;
+  return matrix;
+}
+
 const tinygltf::Value* find_extension(const tinygltf::ExtensionMap& extensions, const char* name) {
   const auto found = extensions.find(name);
   return found != extensions.end() && found->second.IsObject() ? &found->second : nullptr;

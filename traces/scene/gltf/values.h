@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <glm/gtc/quaternion.hpp>
+#include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
@@ -22,6 +23,9 @@ glm::vec4 to_vec4(const Context& context, const std::vector<double>& list, const
 
 /// A unit quaternion from x, y, z, w; refused if it is null.
 glm::quat to_rotation(const Context& context, const std::vector<double>& list, const std::string& what);
+
+/// The matrix with 0, 0, 0, 1 as its last row, which glTF demands.
+glm::mat4 to_affine(glm::mat4 matrix);
 
 /// The object of that extension, or null.
 const tinygltf::Value* find_extension(const tinygltf::ExtensionMap& extensions, const char* name);

@@ -4,9 +4,25 @@
 #include <limits>
 #include <sstream>
 
+#include <nlohmann/json.hpp>
+
 #include "sim/error.h"
+#include "traces/scene/glb.h"
 
 namespace traces::gltf_export {
+namespace {
+
+/// tinygltf writes an object without members, such as a node that only stands in the tree, as null.
+bool replace_nulls(nlohmann::json& value) {
+  bool changed = value.is_null();
+  if (changed) value = nlohmann::json::object();
+  if (value.is_structured()) {
+    for (nlohmann::json& member : value) changed |= replace_nulls(member);
+  }
+  return changed;
+}
+
+}  // namespace
 
 int Document::add_view(std::span<const std::byte> bytes, Use use) {
   buffer_.resize((buffer_.size() + 3) / 4 * 4);
@@ -101,7 +117,10 @@ std::string Document::glb() && {
   model.extensionsUsed.assign(used_.begin(), used_.end());
   std::ostringstream out;
   tinygltf::TinyGLTF().WriteGltfSceneToStream(&model, out, false, true);
-  return std::move(out).str();
+  std::string glb = std::move(out).str();
+  nlohmann::json json = nlohmann::json::parse(glb_json(glb));
+  if (replace_nulls(json)) set_glb_json(glb, json.dump());
+  return glb;
 }
 
 std::vector<double> numbers(const glm::vec3& v) { return {double{v.x}, double{v.y}, double{v.z}}; }

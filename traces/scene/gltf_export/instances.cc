@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <map>
 #include <tuple>
 
@@ -46,6 +47,12 @@ int gltf_node_of(const Group& group, const NodeMap& map, Document& out) {
   return out.model.nodes[static_cast<std::size_t>(gltf_node)].mesh < 0 ? gltf_node : add_node(out, gltf_node, {});
 }
 
+int gltf_skin_of(std::uint32_t skin, NodeMap& map) {
+  auto found = std::ranges::find(map.skins, skin);
+  if (found == map.skins.end()) found = map.skins.insert(found, skin);
+  return static_cast<int>(found - map.skins.begin());
+}
+
 }  // namespace
 
 void write_instances(const Scene& scene, Meshes& meshes, NodeMap& map, Document& out) {
@@ -56,10 +63,12 @@ void write_instances(const Scene& scene, Meshes& meshes, NodeMap& map, Document&
     node.mesh = mesh;
     if (node.name.empty()) node.name = scene.meshes[group.parts.front()].name;
     if (group.first->focus) node.extras = tinygltf::Value(tinygltf::Value::Object{{"focus", tinygltf::Value(true)}});
-    if (group.skin != kNone) node.skin = static_cast<int>(group.skin);
+    if (group.skin != kNone) node.skin = gltf_skin_of(group.skin, map);
     if (group.targets == 0 || group.first->node == kNone) continue;
-    map.morphing[group.first->node].push_back(gltf_node);
-    for (const float weight : scene.nodes[group.first->node].morph_weights) node.weights.push_back(double{weight});
+    const std::vector<float>& weights = scene.nodes[group.first->node].morph_weights;
+    if (weights.size() == group.targets) map.morphing[group.first->node].push_back(gltf_node);
+    for (const float weight : weights) node.weights.push_back(double{weight});
+    node.weights.resize(group.targets, 0);
   }
 }
 

@@ -38,8 +38,8 @@ tinygltf::Light light_of(const Light& light, float strongest) {
   if (light.kind == Light::Kind::kDirectional) to.type = "directional";
   if (light.kind == Light::Kind::kSpot) {
     to.type = "spot";
-    to.spot.outerConeAngle = std::acos(std::clamp(double{light.cos_outer}, 0.0, 1.0));
-    // glTF wants the inner angle to be smaller.
+    // glTF demands an outer angle above 0 and an inner angle below it.
+    to.spot.outerConeAngle = std::max(std::acos(std::clamp(double{light.cos_outer}, 0.0, 1.0)), 1e-6);
     to.spot.innerConeAngle =
         std::min(std::acos(std::clamp(double{light.cos_inner}, 0.0, 1.0)), to.spot.outerConeAngle * (1 - 1e-9));
   }

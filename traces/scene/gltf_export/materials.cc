@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -105,7 +106,7 @@ void write_surface(const Material& m, const Surface& s, tinygltf::Material& to, 
                              std::exp(-m.absorption.z / most));
       out.extend(to.extensions, "KHR_materials_volume",
                  {{"thicknessFactor", value(1)},
-                  {"attenuationDistance", value(1 / most)},
+                  {"attenuationDistance", value(std::min(1 / most, std::numeric_limits<float>::max()))},
                   {"attenuationColor", value(colour)}});
     }
   }

@@ -42,7 +42,8 @@ void write_deformation(const Deformation& d, tinygltf::Primitive& to, Document& 
   for (std::size_t i = 0; i < d.target_positions.size(); ++i) {
     std::map<std::string, int>& target = to.targets.emplace_back();
     target["POSITION"] = out.add(d.target_positions[i], true);
-    if (i < d.target_normals.size() && !d.target_normals[i].empty()) target["NORMAL"] = out.add(d.target_normals[i]);
+    if (!d.normals.empty() && i < d.target_normals.size() && !d.target_normals[i].empty())
+      target["NORMAL"] = out.add(d.target_normals[i]);
   }
 }
 
@@ -57,7 +58,7 @@ tinygltf::Primitive Meshes::write(const Mesh& mesh) {
   const std::vector<glm::vec4>& tangents = d != nullptr ? d->tangents : mesh.tangents;
   to.attributes["POSITION"] = out_.add(d != nullptr ? d->positions : mesh.positions, true);
   if (!normals.empty()) to.attributes["NORMAL"] = out_.add(normals);
-  if (!tangents.empty()) to.attributes["TANGENT"] = out_.add(tangents);
+  if (!normals.empty() && !tangents.empty()) to.attributes["TANGENT"] = out_.add(tangents);
   const int sets = to.material < 0 ? 0 : uv_sets(scene_.materials[mesh.material]);
   const std::vector<glm::vec2> none(mesh.positions.size());  // look-ups without coordinates are made at 0, 0
   if (!mesh.uvs.empty() || sets > 0) to.attributes["TEXCOORD_0"] = out_.add(mesh.uvs.empty() ? none : mesh.uvs);

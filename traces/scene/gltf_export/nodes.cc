@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <limits>
+#include <set>
+#include <utility>
 
 #include "traces/scene/bounds.h"
 #include "traces/scene/gltf_export/transforms.h"
@@ -19,6 +21,28 @@ std::vector<bool> animated_nodes(const Scene& scene) {
     if (track.path != Track::Path::kMorphWeights) animated[track.node] = true;
   }
   return animated;
+}
+
+/// The root above each of Scene::nodes.
+std::vector<std::uint32_t> roots_of(const Scene& scene) {
+  std::vector<std::uint32_t> roots;
+  for (std::uint32_t i = 0; i < scene.nodes.size(); ++i) {
+    const std::uint32_t parent = scene.nodes[i].parent;
+    roots.push_back(parent == kNone ? i : roots[parent]);
+  }
+  return roots;
+}
+
+/// Puts all roots below one, but for skinned meshes, which nothing above them may seem to place.
+void join_roots(Document& out) {
+  std::vector<int>& roots = out.model.scenes[0].nodes;
+  const auto joined = std::ranges::stable_partition(
+      roots, [&](int root) { return out.model.nodes[static_cast<std::size_t>(root)].skin >= 0; });
+  if (joined.size() < 2) return;
+  tinygltf::Node root;
+  root.children.assign(joined.begin(), joined.end());
+  roots.erase(joined.begin(), joined.end());
+  add_node(out, -1, std::move(root));
 }
 
 }  // namespace
@@ -64,11 +88,19 @@ NodeMap write_nodes(const Scene& scene, Document& out) {
 }
 
 void write_skins(const Scene& scene, const NodeMap& map, Document& out) {
-  for (const Skin& skin : scene.skins) {
+  const std::vector<std::uint32_t> roots = roots_of(scene);
+  for (const std::uint32_t index : map.skins) {
+    const Skin& skin = scene.skins[index];
     tinygltf::Skin to;
-    for (const std::uint32_t joint : skin.joints) to.joints.push_back(map.gltf_nodes[joint]);
+    std::set<std::uint32_t> joints, joint_roots;
+    for (const std::uint32_t joint : skin.joints) {
+      const int gltf_node = map.gltf_nodes[joint];
+      to.joints.push_back(joints.insert(joint).second ? gltf_node : add_node(out, gltf_node, {}));
+      joint_roots.insert(roots[joint]);
+    }
     if (!skin.inverse_bind.empty()) to.inverseBindMatrices = out.add(skin.inverse_bind);
     out.model.skins.push_back(to);
+    if (joint_roots.size() > 1) join_roots(out);
   }
 }
 

@@ -17,6 +17,7 @@ int add_placed(Document& out, int parent, const glm::mat4& matrix);
 struct NodeMap {
   std::vector<int> gltf_nodes;             ///< glTF node of each of Scene::nodes
   std::vector<std::vector<int>> morphing;  ///< glTF nodes that show the morphing meshes of each of Scene::nodes
+  std::vector<std::uint32_t> skins;        ///< those of Scene::skins that are shown, in the order of the glTF skins
 };
 
 /// Writes Scene::nodes. A node that has both a matrix and a transform, or a matrix that glTF does not allow, becomes a
@@ -27,6 +28,8 @@ NodeMap write_nodes(const Scene& scene, Document& out);
 /// own below the scene, as their joints alone say where they are.
 void write_instances(const Scene& scene, Meshes& meshes, NodeMap& map, Document& out);
 
+/// Writes the skins that instances show. glTF demands that a skin's joints differ and have a common root: a joint that
+/// is repeated becomes a child of itself, and joints of several roots get a root above all others.
 void write_skins(const Scene& scene, const NodeMap& map, Document& out);
 
 /// Writes Scene::cameras. Readers meet them in this order as far as the nodes allow.

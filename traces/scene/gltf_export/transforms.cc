@@ -24,6 +24,34 @@ void rotate_columns(glm::dmat3& m, glm::dmat3& v, int p, int q) {
   }
 }
 
+/// The columns of `m` at unit length. Columns without a direction, those of a flat matrix, become what completes three
+/// right angles; their lengths become 0.
+glm::dmat3 unit_columns(const glm::dmat3& m, glm::dvec3& lengths) {
+  const double least = 1e-12 * std::max({lengths.x, lengths.y, lengths.z});
+  glm::dmat3 out(1);
+  int known = 0, last = 0;
+  for (int i = 0; i < 3; ++i) {
+    if (!(lengths[i] > least)) {
+      lengths[i] = 0;
+      continue;
+    }
+    out[i] = m[i] / lengths[i];
+    last = i;
+    ++known;
+  }
+  if (known == 0) return out;
+  const auto next = [](int i, int by) { return (i + by) % 3; };
+  if (known == 1) {
+    const glm::dvec3 other = std::abs(out[last].x) < 0.9 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
+    out[next(last, 1)] = glm::normalize(glm::cross(other, out[last]));
+    out[next(last, 2)] = glm::cross(out[last], out[next(last, 1)]);
+  }
+  for (int i = 0; known == 2 && i < 3; ++i) {
+    if (lengths[i] == 0) out[i] = glm::cross(out[next(i, 1)], out[next(i, 2)]);
+  }
+  return out;
+}
+
 void set(std::vector<double>& list, const glm::dvec3& v, const glm::dvec3& normal) {
   if (v != normal) list = {v.x, v.y, v.z};
 }
@@ -51,10 +79,7 @@ TwoPlacements split(const glm::mat4& matrix) {
   TwoPlacements out;
   out.outer.translation = glm::dvec3(matrix[3]);
   for (int i = 0; i < 3; ++i) out.outer.scale[i] = glm::length(m[i]);
-  glm::dmat3 outer(1);
-  for (int i = 0; i < 3; ++i) {
-    if (out.outer.scale[i] > 0) outer[i] = m[i] / out.outer.scale[i];
-  }
+  glm::dmat3 outer = unit_columns(m, out.outer.scale);
   if (glm::determinant(outer) < 0) {
     outer[2] = -outer[2];
     out.outer.scale[2] = -out.outer.scale[2];

@@ -110,4 +110,19 @@ void sample(const Track& track, double seconds, std::span<double> out) {
   if (rotation) to_unit(out);
 }
 
+void sample_slope(const Track& track, double seconds, std::span<double> out) {
+  assert(track.interpolation == Interpolation::kCubicSpline);
+  const std::size_t count = out.size();
+  const Span span = find_span(track, seconds);
+  std::ranges::fill(out, 0.0);
+  if (span.from == span.to) return;
+  const double s = span.share, s2 = s * s;
+  for (std::size_t i = 0; i < count; ++i) {
+    out[i] = (6 * s2 - 6 * s) / span.seconds *
+                 (number(track, span.from, Part::kValue, i, count) - number(track, span.to, Part::kValue, i, count)) +
+             (3 * s2 - 4 * s + 1) * number(track, span.from, Part::kOutTangent, i, count) +
+             (3 * s2 - 2 * s) * number(track, span.to, Part::kInTangent, i, count);
+  }
+}
+
 }  // namespace traces

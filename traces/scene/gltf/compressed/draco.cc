@@ -1,7 +1,12 @@
 #include "traces/scene/gltf/compressed/draco.h"
 
+#include <array>
+#include <cmath>
+#include <cstdint>
 #include <cstring>
+#include <limits>
 #include <memory>
+#include <type_traits>
 
 #include <draco/compression/mesh/mesh_edgebreaker_decoder.h>
 #include <draco/compression/mesh/mesh_sequential_decoder.h>
@@ -71,26 +76,6 @@ const char* decode(Budget& budget, const Bytes& bytes, draco::Mesh& mesh) {
   return good ? nullptr : "damaged Draco data";
 }
 
-/// glTF's number for the type, 0 where glTF has none.
-int component_type(draco::DataType type) {
-  switch (type) {
-    case draco::DT_INT8:
-      return TINYGLTF_COMPONENT_TYPE_BYTE;
-    case draco::DT_UINT8:
-      return TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE;
-    case draco::DT_INT16:
-      return TINYGLTF_COMPONENT_TYPE_SHORT;
-    case draco::DT_UINT16:
-      return TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT;
-    case draco::DT_UINT32:
-      return TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
-    case draco::DT_FLOAT32:
-      return TINYGLTF_COMPONENT_TYPE_FLOAT;
-    default:
-      return 0;
-  }
-}
-
 /// An accessor of values that are all stored; tinygltf leaves the numbers of sparse ones unset.
 tinygltf::Accessor dense_accessor(int component_type, int type, std::size_t count) {
   tinygltf::Accessor accessor;
@@ -127,23 +112,63 @@ int add_indices(Context& context, tinygltf::Model& model, const draco::Mesh& mes
       dense_accessor(TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, TINYGLTF_TYPE_SCALAR, std::size_t{mesh.num_faces()} * 3));
 }
 
-int add_attribute(Context& context, tinygltf::Model& model, const draco::PointAttribute& attribute,
-                  std::uint32_t points, bool normalised, const std::string& what) {
-  const int of_each = component_type(attribute.data_type()), components = attribute.num_components();
-  if (of_each == 0 || components < 1 || components > 4) {
-    context.refuse(what + " is of a type that glTF does not have");
+/// Appends the value as component type T; false if T does not hold it.
+template <class T>
+bool append(double value, std::vector<unsigned char>& bytes) {
+  if constexpr (std::is_integral_v<T>) {
+    value = std::round(value);
+    if (!(value >= std::numeric_limits<T>::lowest() && value <= std::numeric_limits<T>::max())) return false;
   }
-  tinygltf::Accessor accessor = dense_accessor(of_each, components == 1 ? TINYGLTF_TYPE_SCALAR : components, points);
-  accessor.normalized = normalised;
-  const auto stride = static_cast<std::size_t>(attribute.byte_stride());
-  context.budget.take(points, stride, what);
-  std::vector<unsigned char> bytes(points * stride);
+  const auto converted = static_cast<T>(value);
+  const auto* first = reinterpret_cast<const unsigned char*>(&converted);
+  bytes.insert(bytes.end(), first, first + sizeof converted);
+  return true;
+}
+
+bool append(double value, int component_type, bool normalised, std::vector<unsigned char>& bytes) {
+  const auto scaled = [&](double most) { return normalised ? value * most : value; };
+  switch (component_type) {
+    case TINYGLTF_COMPONENT_TYPE_BYTE:
+      return append<std::int8_t>(scaled(127), bytes);
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+      return append<std::uint8_t>(scaled(255), bytes);
+    case TINYGLTF_COMPONENT_TYPE_SHORT:
+      return append<std::int16_t>(scaled(32767), bytes);
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+      return append<std::uint16_t>(scaled(65535), bytes);
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
+      return append<std::uint32_t>(scaled(4294967295), bytes);
+    case TINYGLTF_COMPONENT_TYPE_FLOAT:
+      return append<float>(value, bytes);
+    default:
+      return false;
+  }
+}
+
+/// Values in the component type that the file's accessor declares, whatever type the Draco data have.
+int add_attribute(Context& context, tinygltf::Model& model, const draco::PointAttribute& attribute,
+                  std::uint32_t points, const tinygltf::Accessor& declared, const std::string& what) {
+  const int components = attribute.num_components();
+  if (components < 1 || components > 4) context.refuse(what + " is of a type that glTF does not have");
+  tinygltf::Accessor accessor =
+      dense_accessor(declared.componentType, components == 1 ? TINYGLTF_TYPE_SCALAR : components, points);
+  accessor.normalized = declared.normalized;
+  const auto count = static_cast<std::size_t>(components);
+  context.budget.take(points, count * sizeof(float), what);
+  std::vector<unsigned char> bytes;
+  bytes.reserve(points * count * sizeof(float));
   const bool mapped = !attribute.is_mapping_identity();
   if (mapped && attribute.indices_map_size() < points) context.refuse(what + " has too few values");
   for (std::uint32_t i = 0; i < points; ++i) {
     const draco::AttributeValueIndex at = attribute.mapped_index(draco::PointIndex(i));
     if (at.value() >= attribute.size()) context.refuse(what + " has too few values");
-    attribute.GetValue(at, &bytes[i * stride]);
+    std::array<double, 4> values{};
+    const bool known = attribute.ConvertValue(at, static_cast<std::int8_t>(components), values.data());
+    for (std::size_t k = 0; k < count; ++k) {
+      if (!known || !append(values[k], declared.componentType, attribute.normalized(), bytes)) {
+        context.refuse(fmt::format("{}: value {} does not fit component type {}", what, i, declared.componentType));
+      }
+    }
   }
   return add_accessor(model, std::move(bytes), std::move(accessor));
 }
@@ -164,8 +189,8 @@ void expand(Context& context, tinygltf::Model& model, tinygltf::Primitive& primi
     const int id = index_or_none(attributes, name.c_str());
     const draco::PointAttribute* found = id < 0 ? nullptr : mesh.GetAttributeByUniqueId(static_cast<std::uint32_t>(id));
     if (found == nullptr) context.refuse(shown + " is missing");
-    const bool normalised = context.at(model.accessors, declared->second, "accessors").normalized;
-    declared->second = add_attribute(context, model, *found, mesh.num_points(), normalised, shown);
+    const tinygltf::Accessor accessor = context.at(model.accessors, declared->second, "accessors");
+    declared->second = add_attribute(context, model, *found, mesh.num_points(), accessor, shown);
   }
 }
 

@@ -88,7 +88,7 @@ class Reader {
 
   void read_emission() {
     glm::vec3 emission =
-        glm::max(to_vec3(context_, from_.emissiveFactor, glm::vec3(0), what_ + " emissiveFactor"), 0.0F);
+        glm::clamp(to_vec3(context_, from_.emissiveFactor, glm::vec3(0), what_ + " emissiveFactor"), 0.0F, 1.0F);
     if (const auto* strength = find_extension(from_.extensions, "KHR_materials_emissive_strength")) {
       emission *= std::clamp(number_or(context_, *strength, "emissiveStrength", 1), 0.0F, 1e9F);
     }

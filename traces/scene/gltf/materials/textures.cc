@@ -48,7 +48,7 @@ Texture& Textures::image(int index) {
   Texture texture = read_image(bytes, name, limits);
   count_pixels(texture, name);
   context_.budget.take(texture.texels.size(), sizeof(std::uint32_t), name);
-  texture.name = sim::printable(image.name.empty() ? image.uri : image.name);
+  texture.name = sim::printable(image.name);
   return images_.emplace(index, std::move(texture)).first->second;
 }
 

@@ -1,10 +1,8 @@
 #include "traces/scene/gltf/nodes/nodes.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include <fmt/format.h>
-#include <glm/matrix.hpp>
 
 #include "sim/io/printable.h"
 #include "traces/scene/gltf/nodes/cameras.h"
@@ -25,6 +23,7 @@ Node read_node(const Context& context, const tinygltf::Node& node, const std::st
     for (int i = 0; i < 16; ++i) {
       out.matrix[i / 4][i % 4] = to_float(context, node.matrix[static_cast<std::size_t>(i)], what + " matrix");
     }
+    out.matrix = to_affine(out.matrix);
   }
   out.rest.translation = to_vec3(context, node.translation, glm::vec3(0), what + " translation");
   out.rest.scale = to_vec3(context, node.scale, glm::vec3(1), what + " scale");
@@ -51,8 +50,8 @@ void add_instances(Context& context, Meshes& meshes, const tinygltf::Node& node,
                    std::uint32_t index, const std::string& what) {
   constexpr std::uint64_t kTriangleBytes = 240;  // laid out for the GPU: triangle, attributes and its share of nodes
   const bool may_move = node.skin >= 0 || !context.model.animations.empty();
-  if (!may_move && !(std::abs(glm::determinant(glm::dmat3(to_world))) > 0)) {
-    context.warn(what + " is scaled to nothing and left out");
+  if (!may_move && glm::dmat3(to_world) == glm::dmat3(0)) {
+    context.warn(what + " is scaled to a point and left out");
     return;
   }
   const bool focus = has_focus(node.extras) || has_focus(context.at(context.model.meshes, node.mesh, "meshes").extras);

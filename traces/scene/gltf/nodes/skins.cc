@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "traces/scene/gltf/accessors.h"
+#include "traces/scene/gltf/values.h"
 
 namespace traces::gltf {
 namespace {
@@ -119,6 +120,7 @@ std::vector<glm::mat4> read_inverse_bind(Context& context, const tinygltf::Skin&
         fmt::format("skins[{}]: {} inverse bind matrices for {} joints", index, matrices.size(), skin.joints.size()));
   }
   matrices.resize(skin.joints.size());
+  std::ranges::transform(matrices, matrices.begin(), to_affine);
   return matrices;
 }
 

@@ -1,4 +1,4 @@
-#include "traces/scene/gltf/compressed/rewrite.h"
+#include "traces/scene/gltf/rewrite.h"
 
 #include <cstdint>
 #include <utility>
@@ -39,7 +39,7 @@ json* entry(json& object, const char* key, const json& index) {
 
 }  // namespace
 
-bool make_parsable(json& file) {
+bool make_parsable(json& file, std::vector<std::size_t>& lent) {
   bool changed = false;
   for_each(file, "buffers", [&](json& buffer) {
     if (extension(buffer, "EXT_meshopt_compression") == nullptr &&
@@ -53,12 +53,12 @@ bool make_parsable(json& file) {
   });
   for_each(file, "meshes", [&](json& mesh) {
     for_each(mesh, "primitives", [&](json& primitive) {
-      json* draco = extension(primitive, "KHR_draco_mesh_compression");
-      const json* view = draco == nullptr ? nullptr : member(*draco, "bufferView");
       const json* indices = member(primitive, "indices");
-      json* accessor = view == nullptr || indices == nullptr ? nullptr : entry(file, "accessors", *indices);
-      if (accessor == nullptr || !accessor->is_object() || accessor->contains("bufferView")) return;
-      (*accessor)["bufferView"] = *view;
+      json* accessor = indices == nullptr ? nullptr : entry(file, "accessors", *indices);
+      if (accessor == nullptr || accessor->contains("bufferView")) return;
+      if (file["bufferViews"].empty()) file["bufferViews"].push_back({{"buffer", 0}, {"byteLength", 1}});
+      (*accessor)["bufferView"] = 0;
+      lent.push_back(indices->get<std::size_t>());
       changed = true;
     });
   });

@@ -1,0 +1,12 @@
+#pragma once
+#include <cstdint>
+#include <string>
+
+#include "tests/traces/scene/tiny_gltf_file.h"
+
+namespace test {
+
+/// Bytes of the file after a change drawn from the number: other JSON values, flipped bits, wrong lengths, a cut.
+std::string mutant_of(const TinyGltf& seed, std::uint64_t number);
+
+}  // namespace test

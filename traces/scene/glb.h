@@ -1,0 +1,13 @@
+#pragma once
+#include <string>
+#include <string_view>
+
+namespace traces {
+
+/// The JSON chunk of a GLB file whose header and chunk sizes are right.
+std::string_view glb_json(std::string_view glb);
+
+/// Replaces the JSON chunk of such a file, padded with blanks to a multiple of 4 bytes.
+void set_glb_json(std::string& glb, std::string json);
+
+}  // namespace traces

@@ -1,0 +1,165 @@
+#include "traces/scene/gltf/schema.h"
+
+namespace traces::gltf {
+namespace {
+
+using enum PropertyType;
+
+Property object(std::string_view name, std::string_view kind) { return {.name = name, .type = kObject, .kind = kind}; }
+Property objects(std::string_view name, std::string_view kind) {
+  return {.name = name, .type = kObject, .kind = kind, .is_list = true};
+}
+Property needed(Property property) {
+  property.required = true;
+  return property;
+}
+Property index(std::string_view name) { return {.name = name, .type = kIndex}; }
+Property indices(std::string_view name) { return {.name = name, .type = kIndex, .is_list = true}; }
+Property count(std::string_view name) { return {.name = name, .type = kCount}; }
+Property text(std::string_view name) { return {.name = name, .type = kText}; }
+Property boolean(std::string_view name) { return {.name = name, .type = kBoolean}; }
+Property number(std::string_view name) { return {.name = name, .type = kNumber}; }
+Property numbers(std::string_view name, std::size_t size = 0, std::string_view allowed = {}) {
+  return {.name = name, .type = kNumber, .is_list = true, .size = size, .allowed = allowed};
+}
+/// A factor, or a list of them, of 0 to 1.
+Property share(std::string_view name) {
+  return {.name = name, .type = kNumber, .least = 0, .most = 1, .allowed = "0 to 1"};
+}
+Property shares(std::string_view name, std::size_t size, std::string_view allowed) {
+  return {.name = name, .type = kNumber, .is_list = true, .size = size, .least = 0, .most = 1, .allowed = allowed};
+}
+Property from_zero(std::string_view name) {
+  return {.name = name, .type = kNumber, .least = 0, .allowed = "0 or more"};
+}
+Property above_zero(std::string_view name, std::string_view allowed = "more than 0") {
+  return {.name = name, .type = kNumber, .least = 0, .is_above = true, .allowed = allowed};
+}
+Property words(std::string_view name, std::string_view allowed) {
+  return {.name = name, .type = kText, .allowed = allowed, .is_choice = true};
+}
+Property codes(std::string_view name, std::string_view allowed) {
+  return {.name = name, .type = kCount, .allowed = allowed, .is_choice = true};
+}
+
+}  // namespace
+
+const ObjectKinds& object_kinds() {
+  static const ObjectKinds kKinds = {
+      {"glTF",
+       {objects("accessors", "accessor"),
+        objects("animations", "animation"),
+        object("asset", "asset"),
+        objects("bufferViews", "buffer view"),
+        objects("buffers", "buffer"),
+        objects("cameras", "camera"),
+        {.name = "extensionsRequired", .type = kText, .is_list = true},
+        {.name = "extensionsUsed", .type = kText, .is_list = true},
+        objects("images", "image"),
+        objects("materials", "material"),
+        objects("meshes", "mesh"),
+        objects("nodes", "node"),
+        objects("samplers", "sampler"),
+        index("scene"),
+        objects("scenes", "scene"),
+        objects("skins", "skin"),
+        objects("textures", "texture")}},
+      {"asset", {text("copyright"), text("generator"), text("minVersion"), text("version")}},
+      {"accessor",
+       {index("bufferView"), count("byteOffset"), needed(count("componentType")), needed(count("count")),
+        numbers("max"), numbers("min"), boolean("normalized"), object("sparse", "sparse"), needed(text("type"))}},
+      {"sparse",
+       {needed(count("count")), needed(object("indices", "sparse indices")),
+        needed(object("values", "sparse values"))}},
+      {"sparse indices", {needed(index("bufferView")), count("byteOffset"), needed(count("componentType"))}},
+      {"sparse values", {needed(index("bufferView")), count("byteOffset")}},
+      {"animation", {needed(objects("channels", "channel")), needed(objects("samplers", "animation sampler"))}},
+      {"channel", {needed(index("sampler")), needed(object("target", "target"))}},
+      {"target", {index("node"), needed(text("path"))}},
+      {"animation sampler", {needed(index("input")), text("interpolation"), needed(index("output"))}},
+      {"buffer", {needed(count("byteLength")), text("uri")}},
+      {"buffer view",
+       {needed(index("buffer")), needed(count("byteLength")), count("byteOffset"), count("byteStride"),
+        count("target")}},
+      {"camera",
+       {object("orthographic", "orthographic"), object("perspective", "perspective"),
+        needed(words("type", "perspective orthographic"))}},
+      {"orthographic",
+       {needed(number("xmag")), needed(number("ymag")), needed(number("zfar")), needed(from_zero("znear"))}},
+      {"perspective",
+       {above_zero("aspectRatio"), needed(above_zero("yfov", "more than 0, less than pi")), above_zero("zfar"),
+        needed(from_zero("znear"))}},
+      {"image", {index("bufferView"), text("mimeType"), text("uri")}},
+      {"material",
+       {from_zero("alphaCutoff"), words("alphaMode", "OPAQUE MASK BLEND"), boolean("doubleSided"),
+        shares("emissiveFactor", 3, "3 numbers of 0 to 1"), object("emissiveTexture", "texture use"),
+        object("normalTexture", "normal texture"), object("occlusionTexture", "occlusion texture"),
+        object("pbrMetallicRoughness", "metallic roughness")}},
+      {"metallic roughness",
+       {shares("baseColorFactor", 4, "4 numbers of 0 to 1"), object("baseColorTexture", "texture use"),
+        share("metallicFactor"), object("metallicRoughnessTexture", "texture use"), share("roughnessFactor")}},
+      {"texture use", {needed(index("index")), index("texCoord")}},
+      {"normal texture", {needed(index("index")), number("scale"), index("texCoord")}},
+      {"occlusion texture", {needed(index("index")), share("strength"), index("texCoord")}},
+      {"mesh", {needed(objects("primitives", "primitive")), numbers("weights")}},
+      {"primitive",
+       {needed(object("attributes", "attributes")), index("indices"), index("material"), codes("mode", "0 1 2 3 4 5 6"),
+        objects("targets", "attributes")}},
+      {"attributes", {index("*")}},
+      {"node",
+       {index("camera"), indices("children"), numbers("matrix", 16, "16 numbers"), index("mesh"),
+        numbers("rotation", 4, "4 numbers"), numbers("scale", 3, "3 numbers"), index("skin"),
+        numbers("translation", 3, "3 numbers"), numbers("weights")}},
+      {"sampler",
+       {codes("magFilter", "9728 9729"), codes("minFilter", "9728 9729 9984 9985 9986 9987"),
+        codes("wrapS", "33071 33648 10497"), codes("wrapT", "33071 33648 10497")}},
+      {"scene", {indices("nodes")}},
+      {"skin", {index("inverseBindMatrices"), needed(indices("joints")), index("skeleton")}},
+      {"texture", {index("sampler"), index("source")}},
+      {"light",
+       {numbers("color", 3, "3 numbers"), number("intensity"), number("range"), object("spot", "spot"),
+        needed(text("type"))}},
+      {"spot", {number("innerConeAngle"), number("outerConeAngle")}},
+  };
+  return kKinds;
+}
+
+const ObjectKinds& extension_kinds() {
+  static const std::vector<Property> kMeshopt = {index("buffer"),     count("byteLength"), count("byteOffset"),
+                                                 count("byteStride"), count("count"),      text("filter"),
+                                                 text("mode")};
+  static const ObjectKinds kKinds = {
+      {"EXT_mesh_gpu_instancing", {object("attributes", "attributes")}},
+      {"EXT_meshopt_compression", kMeshopt},
+      {"KHR_meshopt_compression", kMeshopt},
+      {"KHR_draco_mesh_compression", {object("attributes", "attributes"), needed(index("bufferView"))}},
+      {"KHR_lights_punctual", {index("light"), objects("lights", "light")}},
+      {"KHR_materials_clearcoat",
+       {share("clearcoatFactor"), object("clearcoatTexture", "texture use"), share("clearcoatRoughnessFactor"),
+        object("clearcoatRoughnessTexture", "texture use"), object("clearcoatNormalTexture", "normal texture")}},
+      {"KHR_materials_emissive_strength", {from_zero("emissiveStrength")}},
+      {"KHR_materials_ior", {{.name = "ior", .type = kNumber, .least = 0, .allowed = "0, or 1 or more"}}},
+      {"KHR_materials_specular",
+       {share("specularFactor"),
+        object("specularTexture", "texture use"),
+        {.name = "specularColorFactor",
+         .type = kNumber,
+         .is_list = true,
+         .size = 3,
+         .least = 0,
+         .allowed = "3 numbers of 0 or more"},
+        object("specularColorTexture", "texture use")}},
+      {"KHR_materials_transmission", {share("transmissionFactor"), object("transmissionTexture", "texture use")}},
+      {"KHR_materials_volume",
+       {shares("attenuationColor", 3, "3 numbers of 0 to 1"), above_zero("attenuationDistance"),
+        from_zero("thicknessFactor"), object("thicknessTexture", "texture use")}},
+      {"KHR_materials_unlit", {}},
+      {"KHR_materials_variants", {}},  // the default, which is the primitive's own material, is shown
+      {"KHR_mesh_quantization", {}},
+      {"KHR_texture_transform",
+       {numbers("offset", 2, "2 numbers"), number("rotation"), numbers("scale", 2, "2 numbers"), index("texCoord")}},
+  };
+  return kKinds;
+}
+
+}  // namespace traces::gltf
