@@ -91,6 +91,9 @@ TEST(GltfUri, BuffersOfTooFewBytesAreRefused) {
   file.json["buffers"][0]["uri"] = "data:application/octet-stream,";
   file.json["buffers"][0]["byteLength"] = 0;
   EXPECT_SAYS(refusal(file.text()), "buffers[0]: its URI holds no bytes");
+  file.json["buffers"].push_back({{"byteLength", 4}});
+  file.json["buffers"][0] = nlohmann::json::object();
+  EXPECT_SAYS(refusal(file.text()), "buffers[1]: has no URI; allowed for the first buffer of a GLB file");
   TinyGltf image;
   image.json["images"] = {{{"uri", "data:image/png;base64"}}};
   EXPECT_SAYS(refusal(image.text()), "images[0]: the URI 'data:image/png;base64' has no comma");

@@ -42,10 +42,54 @@ Property codes(std::string_view name, std::string_view allowed) {
   return {.name = name, .type = kCount, .allowed = allowed, .is_choice = true};
 }
 
-}  // namespace
+/// Buffers and what is made of them.
+ObjectKinds geometry_kinds() {
+  return {
+      {"accessor",
+       {index("bufferView"), count("byteOffset"), needed(count("componentType")), needed(count("count")),
+        numbers("max"), numbers("min"), boolean("normalized"), object("sparse", "sparse"), needed(text("type"))}},
+      {"sparse",
+       {needed(count("count")), needed(object("indices", "sparse indices")),
+        needed(object("values", "sparse values"))}},
+      {"sparse indices", {needed(index("bufferView")), count("byteOffset"), needed(count("componentType"))}},
+      {"sparse values", {needed(index("bufferView")), count("byteOffset")}},
+      {"buffer", {needed(count("byteLength")), text("uri")}},
+      {"buffer view",
+       {needed(index("buffer")), needed(count("byteLength")), count("byteOffset"), count("byteStride"),
+        count("target")}},
+      {"mesh", {needed(objects("primitives", "primitive")), numbers("weights")}},
+      {"primitive",
+       {needed(object("attributes", "attributes")), index("indices"), index("material"), codes("mode", "0 1 2 3 4 5 6"),
+        objects("targets", "attributes")}},
+      {"attributes", {index("*")}},
+  };
+}
 
-const ObjectKinds& object_kinds() {
-  static const ObjectKinds kKinds = {
+/// Materials, textures and images.
+ObjectKinds surface_kinds() {
+  return {
+      {"image", {index("bufferView"), text("mimeType"), text("uri")}},
+      {"material",
+       {from_zero("alphaCutoff"), words("alphaMode", "OPAQUE MASK BLEND"), boolean("doubleSided"),
+        shares("emissiveFactor", 3, "3 numbers of 0 to 1"), object("emissiveTexture", "texture use"),
+        object("normalTexture", "normal texture"), object("occlusionTexture", "occlusion texture"),
+        object("pbrMetallicRoughness", "metallic roughness")}},
+      {"metallic roughness",
+       {shares("baseColorFactor", 4, "4 numbers of 0 to 1"), object("baseColorTexture", "texture use"),
+        share("metallicFactor"), object("metallicRoughnessTexture", "texture use"), share("roughnessFactor")}},
+      {"texture use", {needed(index("index")), index("texCoord")}},
+      {"normal texture", {needed(index("index")), number("scale"), index("texCoord")}},
+      {"occlusion texture", {needed(index("index")), share("strength"), index("texCoord")}},
+      {"sampler",
+       {codes("magFilter", "9728 9729"), codes("minFilter", "9728 9729 9984 9985 9986 9987"),
+        codes("wrapS", "33071 33648 10497"), codes("wrapT", "33071 33648 10497")}},
+      {"texture", {index("sampler"), index("source")}},
+  };
+}
+
+/// The document, its nodes, cameras, lights and animations.
+ObjectKinds scene_kinds() {
+  return {
       {"glTF",
        {objects("accessors", "accessor"),
         objects("animations", "animation"),
@@ -65,22 +109,10 @@ const ObjectKinds& object_kinds() {
         objects("skins", "skin"),
         objects("textures", "texture")}},
       {"asset", {text("copyright"), text("generator"), text("minVersion"), text("version")}},
-      {"accessor",
-       {index("bufferView"), count("byteOffset"), needed(count("componentType")), needed(count("count")),
-        numbers("max"), numbers("min"), boolean("normalized"), object("sparse", "sparse"), needed(text("type"))}},
-      {"sparse",
-       {needed(count("count")), needed(object("indices", "sparse indices")),
-        needed(object("values", "sparse values"))}},
-      {"sparse indices", {needed(index("bufferView")), count("byteOffset"), needed(count("componentType"))}},
-      {"sparse values", {needed(index("bufferView")), count("byteOffset")}},
       {"animation", {needed(objects("channels", "channel")), needed(objects("samplers", "animation sampler"))}},
       {"channel", {needed(index("sampler")), needed(object("target", "target"))}},
       {"target", {index("node"), needed(text("path"))}},
       {"animation sampler", {needed(index("input")), text("interpolation"), needed(index("output"))}},
-      {"buffer", {needed(count("byteLength")), text("uri")}},
-      {"buffer view",
-       {needed(index("buffer")), needed(count("byteLength")), count("byteOffset"), count("byteStride"),
-        count("target")}},
       {"camera",
        {object("orthographic", "orthographic"), object("perspective", "perspective"),
         needed(words("type", "perspective orthographic"))}},
@@ -89,38 +121,28 @@ const ObjectKinds& object_kinds() {
       {"perspective",
        {above_zero("aspectRatio"), needed(above_zero("yfov", "more than 0, less than pi")), above_zero("zfar"),
         needed(from_zero("znear"))}},
-      {"image", {index("bufferView"), text("mimeType"), text("uri")}},
-      {"material",
-       {from_zero("alphaCutoff"), words("alphaMode", "OPAQUE MASK BLEND"), boolean("doubleSided"),
-        shares("emissiveFactor", 3, "3 numbers of 0 to 1"), object("emissiveTexture", "texture use"),
-        object("normalTexture", "normal texture"), object("occlusionTexture", "occlusion texture"),
-        object("pbrMetallicRoughness", "metallic roughness")}},
-      {"metallic roughness",
-       {shares("baseColorFactor", 4, "4 numbers of 0 to 1"), object("baseColorTexture", "texture use"),
-        share("metallicFactor"), object("metallicRoughnessTexture", "texture use"), share("roughnessFactor")}},
-      {"texture use", {needed(index("index")), index("texCoord")}},
-      {"normal texture", {needed(index("index")), number("scale"), index("texCoord")}},
-      {"occlusion texture", {needed(index("index")), share("strength"), index("texCoord")}},
-      {"mesh", {needed(objects("primitives", "primitive")), numbers("weights")}},
-      {"primitive",
-       {needed(object("attributes", "attributes")), index("indices"), index("material"), codes("mode", "0 1 2 3 4 5 6"),
-        objects("targets", "attributes")}},
-      {"attributes", {index("*")}},
       {"node",
        {index("camera"), indices("children"), numbers("matrix", 16, "16 numbers"), index("mesh"),
         numbers("rotation", 4, "4 numbers"), numbers("scale", 3, "3 numbers"), index("skin"),
         numbers("translation", 3, "3 numbers"), numbers("weights")}},
-      {"sampler",
-       {codes("magFilter", "9728 9729"), codes("minFilter", "9728 9729 9984 9985 9986 9987"),
-        codes("wrapS", "33071 33648 10497"), codes("wrapT", "33071 33648 10497")}},
       {"scene", {indices("nodes")}},
       {"skin", {index("inverseBindMatrices"), needed(indices("joints")), index("skeleton")}},
-      {"texture", {index("sampler"), index("source")}},
       {"light",
        {numbers("color", 3, "3 numbers"), number("intensity"), number("range"), object("spot", "spot"),
         needed(text("type"))}},
       {"spot", {number("innerConeAngle"), number("outerConeAngle")}},
   };
+}
+
+}  // namespace
+
+const ObjectKinds& object_kinds() {
+  static const ObjectKinds kKinds = [] {
+    ObjectKinds kinds = scene_kinds();
+    kinds.merge(geometry_kinds());
+    kinds.merge(surface_kinds());
+    return kinds;
+  }();
   return kKinds;
 }
 

@@ -139,14 +139,21 @@ class Resources {
   bool read(nlohmann::json& json, const char* list) {
     const auto entries = json.find(list);
     if (entries == json.end()) return false;
+    const bool is_buffers = std::string_view(list) == "buffers";
     bool any = false;
     for (std::size_t i = 0; i < entries->size(); ++i) {
       nlohmann::json& entry = (*entries)[i];
       const auto uri = entry.find("uri");
-      if (uri == entry.end()) continue;
       const std::string where = fmt::format("{}: {}[{}]", source_.shown_name, list, i);
+      if (uri == entry.end()) {
+        const bool is_placeholder = entry.contains("extensions");  // for what is decompressed
+        if (is_buffers && !source_.binary && !is_placeholder) {
+          throw sim::InputError(where + ": has no URI; allowed for the first buffer of a GLB file");
+        }
+        continue;
+      }
       std::string bytes = bytes_of(uri->get_ref<const std::string&>(), where);
-      if (std::string_view(list) == "buffers") {
+      if (is_buffers) {
         const auto length = entry["byteLength"].get<std::uint64_t>();
         if (bytes.size() < length) {
           throw sim::InputError(

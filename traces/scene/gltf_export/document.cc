@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "sim/error.h"
+#include "sim/io/json.h"
 #include "traces/scene/glb.h"
 
 namespace traces::gltf_export {
@@ -118,7 +119,7 @@ std::string Document::glb() && {
   std::ostringstream out;
   tinygltf::TinyGLTF().WriteGltfSceneToStream(&model, out, false, true);
   std::string glb = std::move(out).str();
-  nlohmann::json json = nlohmann::json::parse(glb_json(glb));
+  auto json = sim::parse_json<nlohmann::json>(glb_json(glb));
   if (replace_nulls(json)) set_glb_json(glb, json.dump());
   return glb;
 }

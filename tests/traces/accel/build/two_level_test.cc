@@ -7,6 +7,7 @@
 #include <set>
 
 #include <glm/geometric.hpp>
+#include <glm/gtc/matrix_transform.hpp>
 #include <glm/matrix.hpp>
 #include <gtest/gtest.h>
 
@@ -186,6 +187,34 @@ TEST(TwoLevels, WhatCannotBeInvertedOrDeformsHasATreeOfItsOwn) {
   EXPECT_TRUE(image.trees[1].in_world);
   EXPECT_EQ(image.trees[2].only, 3U);
   EXPECT_FALSE(image.trees[2].in_world);
+}
+
+TEST(FlatInstances, HaveFiniteRecordsInTreesOfOneAndTwoLevels) {
+  // A plane, a line, a point, and a plane whose determinant is not 0 for rounding.
+  const glm::mat4 turn = glm::rotate(glm::mat4(1), 0.7F, glm::vec3(1, 2, 3));
+  const glm::mat4 flat[] = {glm::scale(glm::mat4(1), {1, 1, 0}), glm::scale(glm::mat4(1), {0, 2, 0}),
+                            glm::scale(glm::mat4(1), {0, 0, 0}),
+                            turn * glm::scale(glm::mat4(1), {1, 1, 0}) * turn * glm::scale(glm::mat4(1), {2, 0.5F, 1})};
+  const auto is_finite = [](const glm::vec3& v) { return std::isfinite(v.x + v.y + v.z); };
+  for (const glm::mat4& to_world : flat) {
+    Scene scene = sphere(6, 8);
+    scene.instances.resize(2, scene.instances[0]);
+    scene.instances[1].to_world = to_world;
+    for (const InstanceLevels levels : {InstanceLevels::kFlatten, InstanceLevels::kTwoLevel}) {
+      const MemoryImage image = build_memory_image(scene, {.instances = levels});
+      for (const AttributeRecord& record : image.attributes) {
+        for (const glm::vec3& normal : record.normal) {
+          EXPECT_TRUE(is_finite(normal));
+          EXPECT_NEAR(glm::length(normal), 1, 1e-5);
+        }
+      }
+      for (const TriangleRecord& t : image.triangles)
+        EXPECT_TRUE(is_finite(t.v0) && is_finite(t.v1) && is_finite(t.v2));
+      for (const InstanceRecord& instance : image.instances) {
+        for (const auto& row : instance.to_object) EXPECT_TRUE(std::isfinite(row[0] + row[1] + row[2] + row[3]));
+      }
+    }
+  }
 }
 
 TEST(TwoLevels, EverySingleBoxHasAPlaceOfItsOwn) {
