@@ -4,6 +4,8 @@
 
 #include <glm/geometric.hpp>
 
+#include "traces/scene/select_vertices.h"
+
 namespace traces {
 namespace {
 
@@ -12,15 +14,6 @@ glm::vec3 geometric_normal(const glm::vec3& a, const glm::vec3& b, const glm::ve
   const glm::dvec3 normal = glm::cross(glm::dvec3(b) - glm::dvec3(a), glm::dvec3(c) - glm::dvec3(a));
   const double length = glm::length(normal);
   return length > 0 ? glm::vec3(normal / length) : glm::vec3(0, 1, 0);
-}
-
-template <class T>
-std::vector<T> rearranged(const std::vector<T>& values, const std::vector<std::uint32_t>& from) {
-  std::vector<T> out;
-  if (values.empty()) return out;
-  out.reserve(from.size());
-  for (const std::uint32_t i : from) out.push_back(values[i]);
-  return out;
 }
 
 }  // namespace
@@ -39,12 +32,8 @@ std::vector<std::uint32_t> flatten_normals(Mesh& mesh) {
       vertex = static_cast<std::uint32_t>(from.size() - 1);
     }
   }
-  mesh.positions = rearranged(mesh.positions, from);
+  select_vertices(mesh, from);
   mesh.normals = std::move(normals);
-  mesh.uvs = rearranged(mesh.uvs, from);
-  mesh.second_uvs = rearranged(mesh.second_uvs, from);
-  mesh.tangents = rearranged(mesh.tangents, from);
-  mesh.colours = rearranged(mesh.colours, from);
   return from;
 }
 

@@ -1,15 +1,25 @@
 #pragma once
+#include <cstdint>
 #include <vector>
-
-#include <glm/vec2.hpp>
 
 #include "traces/scene/scene.h"
 
 namespace traces {
 
-/// Sets Mesh::tangents from the texture coordinates of its normal map: per vertex the mean direction in which u grows,
-/// made perpendicular to the normal (Lengyel, "Computing Tangent Space Basis Vectors for an Arbitrary Mesh"). Any
-/// perpendicular direction where the coordinates say nothing, and everywhere if `uvs` is empty. Needs unit normals.
-void compute_tangents(Mesh& mesh, const std::vector<glm::vec2>& uvs);
+/// Sets Mesh::tangents by the rule of MikkTSpace (Mikkelsen, "Simulation of Wrinkled Surfaces Revisited", 2008), as
+/// glTF asks where a file has none:
+///
+///   1. Corners of equal position, normal and texture coordinate are one vertex.
+///   2. Triangles around a vertex form a group if they are connected by shared edges and their texture coordinates
+///      run the same way around. A triangle whose coordinates have no area joins a group that reaches it.
+///   3. A group has one tangent: the directions of growing u, perpendicular to the normal, weighted by the angle of
+///      each triangle at the vertex.
+///   4. w is +1 if the texture is not mirrored: the bitangent cross(normal, tangent) * w then points to the texture's
+///      top, where v is 0.
+///
+/// A vertex whose triangles belong to groups of different tangents is split; copies are appended. Where coordinates
+/// give no direction the tangent is any unit vector perpendicular to the normal. Needs unit normals. `second` takes
+/// Mesh::second_uvs in place of Mesh::uvs. Returns for each vertex the former one that it is a copy of.
+std::vector<std::uint32_t> compute_tangents(Mesh& mesh, bool second);
 
 }  // namespace traces

@@ -80,7 +80,8 @@ void Meshes::fold_colours(Mesh& mesh) {
 }
 
 Mesh Meshes::read(const tinygltf::Primitive& primitive, const std::string& name, int skin) {
-  constexpr std::uint64_t kCornerBytes = 96;  // size of a triangle's corner with everything a vertex may have
+  constexpr std::uint64_t kCornerBytes = 96;    // size of a triangle's corner with everything a vertex may have
+  constexpr std::uint64_t kTangentBytes = 160;  // work on a corner, and a copy of its vertex where that is split
   static const Placements kNowhere;
   Mesh mesh;
   mesh.name = name;
@@ -105,9 +106,11 @@ Mesh Meshes::read(const tinygltf::Primitive& primitive, const std::string& name,
     from = flatten_normals(mesh);
   }
   if (bumpy && mesh.tangents.empty()) {
-    context_.budget.take(mesh.positions.size(), sizeof(glm::vec4) + 2 * sizeof(glm::dvec3), "tangents");
-    compute_tangents(mesh,
-                     context_.scene.materials[mesh.material].normal_texture.second_uv ? mesh.second_uvs : mesh.uvs);
+    context_.budget.take(order.size(), kTangentBytes, "tangents");
+    const bool second = context_.scene.materials[mesh.material].normal_texture.second_uv;
+    std::vector<std::uint32_t> of_file;
+    for (const std::uint32_t vertex : compute_tangents(mesh, second)) of_file.push_back(from[vertex]);
+    from = std::move(of_file);
   }
   fold_colours(mesh);
   if (deforms(primitive, skin)) mesh.deformation = read_deformation(context_, primitive, skin, mesh, flat, from);
