@@ -52,8 +52,7 @@ struct InstanceFields {
   Vec3<V> row2;
   F<V> offset2;
   I<V> root, object;
-  F<V> handedness;
-  I<V> spare;
+  F<V> handedness, volume;
   static void fields(auto& r, auto&& field) {
     field(NAMED(r.row0));
     field(NAMED(r.offset0));
@@ -64,7 +63,7 @@ struct InstanceFields {
     field(NAMED(r.root));
     field(NAMED(r.object));
     field(NAMED(r.handedness));
-    field(NAMED(r.spare));
+    field(NAMED(r.volume));
   }
 };
 

@@ -39,6 +39,14 @@ Vec3<V> normal_to_world(const InstanceFields<V>& instance, const Vec3<V>& n) {
   return instance.row0 * n.x + instance.row1 * n.y + instance.row2 * n.z;
 }
 
+/// Texture density in world space, given the mesh's normal `n`, as long as the density in the mesh's space, and the
+/// length of normal_to_world(n). Areas across n grow by volume * |normal_to_world(n)| / |n|, densities by its root.
+template <class V>
+F<V> density_in_world(const InstanceFields<V>& instance, const Vec3<V>& n, const F<V>& length_in_world) {
+  const F<V> squared = dot(n, n);
+  return sqrt(squared * sqrt(squared) / (instance.volume * length_in_world));
+}
+
 /// A direction in the surface, unit, or zero if it is. The inverse matrix's columns are the cross products of rows over
 /// the determinant, of which only the sign matters.
 template <class V>

@@ -71,7 +71,12 @@ struct ShadeSurface {
 
     const Weights<V> corners(hit);
     Vec3<V> interpolated = corners.interpolate(a.normal0, a.normal1, a.normal2);
-    if constexpr (kInstanced) interpolated = normal_to_world<V>(at.instances.load(instance_of<V>(found)), interpolated);
+    InstanceFields<V> instance;
+    const Vec3<V> of_mesh = interpolated;
+    if constexpr (kInstanced) {
+      instance = at.instances.load(instance_of<V>(found));
+      interpolated = normal_to_world<V>(instance, interpolated);
+    }
     const F<V> length = sqrt(max(dot(interpolated, interpolated), F<V>(1e-30F)));
     const Vec3<V> normal = interpolated * (1.0F / length);
     const F<V> cosine = dot(normal, ray.direction);
@@ -80,7 +85,9 @@ struct ShadeSurface {
     if constexpr (kCones) {
       const Vec3<V> before = ray.origin - at.cone.eye;
       const F<V> width = (sqrt(dot(before, before)) + hit.t) * at.cone.spread;
-      texture = with_footprint<V>(texture, width * length / max(abs(cosine), F<V>(kLeastCosine)));
+      F<V> density = length;
+      if constexpr (kInstanced) density = density_in_world<V>(instance, of_mesh, length);
+      texture = with_footprint<V>(texture, width * density / max(abs(cosine), F<V>(kLeastCosine)));
     }
     at.points.store(slot, {ray.origin + ray.direction * hit.t, a.material, normal * side, side});
     at.mattes.store(slot, {m.base_colour * m.diffuse_share, m.flags});

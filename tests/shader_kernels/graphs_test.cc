@@ -268,7 +268,8 @@ constexpr Hand kByHand[] = {
     {"record_branch_instanced", {2, 3, 0, 2, 2, 6, 6, 0, 7, 2, 1}},
     // Mip maps: vector sub, dot, sqrt, add, 2 mul, abs, max, div, 2 and, or for the footprint.
     {"shade_surface_cones", {25, 38, 4, 3, 1, 1, 4, 0, 3, 4, 2}},
-    {"shade_surface_cones_instanced", {31, 49, 4, 3, 1, 1, 10, 2, 3, 4, 3}},
+    // Of instances dot, 2 sqrt, 2 mul, div more.
+    {"shade_surface_cones_instanced", {33, 54, 7, 3, 1, 1, 10, 2, 3, 4, 3}},
     // And, mul, max, min, shift, sub, add for the level; of the base texture another and, of looked up ones select.
     // The second level: and, or, sub; compare, select, add; sample; 3 (sub, mul, add) with colour, 1 with linear.
     {"shade_textured_mip", {56, 67, 0, 12, 4, 4, 31, 16, 6, 1, 1}},

@@ -168,6 +168,25 @@ TEST(RayCones, KnowAnInstancesScale) {
 TEST(MipMapped, PicturesOfFineTexturesAreFreeOfAliases) {
   const traces::Scene scene = chequered_wall();
   const traces::Camera camera = traces::look_at("view", {0.1F, 0.2F, 20}, {0.3F, 0, 0}, 0.5F);
+/// Density goes by the root of the area: what is scaled along the normal keeps it, what is scaled along one side of the
+/// picture has half of it for a factor of 4.
+TEST(RayCones, KnowScalesThatDifferByAxis) {
+  const traces::Scene wall = chequered_wall();
+  const auto levels = [&](const glm::vec3& scale, float degrees, traces::InstanceLevels instances) {
+    traces::Scene scene = wall;
+    scene.instances[0].to_world =
+        glm::scale(glm::rotate(glm::mat4(1), glm::radians(degrees), glm::vec3(0, 0, 1)), scale);
+    return levels_seen(scene, {0, 0, 8}, {0, 0, 0}, 1, {.instances = instances});
+  };
+  for (const auto instances : {traces::InstanceLevels::kFlatten, traces::InstanceLevels::kTwoLevel}) {
+    EXPECT_EQ(levels({1, 1, 0.074F}, 0, instances), Levels{4});
+    EXPECT_EQ(levels({1, 1, 20}, 30, instances), Levels{4});
+    EXPECT_EQ(levels({4, 1, 1}, 0, instances), Levels{3});
+    EXPECT_EQ(levels({-16, 1, 0.5F}, 60, instances), Levels{2});
+    EXPECT_EQ(levels({0.25F, 0.25F, 3}, 0, instances), Levels{6});
+  }
+}
+
   const auto error = [&](traces::MipMaps mip_maps, MipBlend blend) {
     const traces::MemoryImage image = traces::build_memory_image(scene, {}, 1, nullptr, mip_maps);
     const traces::BvhTracer tracer(image);

@@ -55,7 +55,7 @@ struct alignas(64) InstanceRecord {
   std::uint32_t root;    ///< a node: root of the mesh's tree
   std::uint32_t object;  ///< as in TriangleRecord
   float handedness;      ///< -1 if it is mirrored, else 1
-  std::uint32_t spare;   ///< keeps the record one line
+  float volume;          ///< what it scales volumes by: the absolute determinant of the matrix to the world
 };
 static_assert(sizeof(InstanceRecord) == 64);
 

@@ -58,6 +58,7 @@ bool invert(const glm::mat4& to_world, Placement& out) {
     }
   }
   out.record.handedness = determinant < 0 ? -1.0F : 1.0F;
+  out.record.volume = static_cast<float>(std::abs(determinant));
   out.growth = static_cast<float>(growth);
   return true;
 }
@@ -65,7 +66,7 @@ bool invert(const glm::mat4& to_world, Placement& out) {
 Placement identity() {
   Placement p;
   for (int i = 0; i < 3; ++i) p.record.to_object[i][i] = 1;
-  p.record.handedness = 1;
+  p.record.handedness = p.record.volume = 1;
   return p;
 }
 
