@@ -102,12 +102,14 @@ template <class V>
 struct SpecularRecord {
   Vec3<V> mirrored;  ///< share, by channel
   F<V> entering;     ///< share, to be split by Fresnel's law
+  Vec3<V> tint;      ///< base colour: factor of the light that is refracted
   F<V> ior;
   F<V> alpha;  ///< share of a blended surface that does not pass straight on
   F<V> kept;   ///< factor of what the surface itself sends out
   static void fields(auto& r, auto&& field) {
     field(NAMED(r.mirrored));
     field(NAMED(r.entering));
+    field(NAMED(r.tint));
     field(NAMED(r.ior));
     field(NAMED(r.alpha));
     field(NAMED(r.kept));

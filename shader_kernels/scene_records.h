@@ -173,6 +173,13 @@ struct LevelRecord {
   }
 };
 
+/// Linear value of an 8-bit sRGB code; the table has all 256.
+template <class V>
+struct SrgbCodeRecord {
+  F<V> linear;
+  static void fields(auto& r, auto&& field) { field(NAMED(r.linear)); }
+};
+
 /// A bilinear footprint: RGBA8 texels at (x0, y0), (x1, y0), (x0, y1), (x1, y1).
 template <class V>
 struct FootprintRecord {

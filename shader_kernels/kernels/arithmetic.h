@@ -47,12 +47,6 @@ F<V> clamped(const F<V>& x) {
   return min(max(x, F<V>(0.0F)), F<V>(1.0F));
 }
 
-/// sRGB to linear in [0, 1]: cubic with least greatest error, 0.0013, exact at both ends.
-template <class V>
-F<V> decoded(const F<V>& x) {
-  return x * (x * (x * 0.31441294F + 0.66744407F) + 0.01814299F);
-}
-
 /// Linear to sRGB in [0, 1]: the toe is exact, the rest within 0.2 of a step of 1 / 255.
 template <class V>
 F<V> encoded(const F<V>& x) {

@@ -45,6 +45,7 @@ struct FetchVertices {
     const Weights<V> corners(hit);
     const VertexColour<V> colour = vertex_colour<V>(corners, vertex);
     at.mattes.store(slot, {matte.diffuse * colour.rgb, matte.classes});
+    optics.tint = optics.tint * colour.rgb;
     optics.alpha = optics.alpha * colour.alpha;
     at.optics.store(slot, optics);
     const auto signed_byte = [&](std::uint32_t byte) {

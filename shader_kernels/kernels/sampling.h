@@ -39,11 +39,12 @@ struct Sample {
     return blend([&](const I<V>& rgba) { return to_float(byte_of<V>(rgba, channel)) * (1.0F / 255.0F); });
   }
   /// Red, green and blue of an sRGB texture, decoded before they are blended.
-  Vec3<V> colour() const { return {decoded_channel(0), decoded_channel(1), decoded_channel(2)}; }
-
- private:
-  F<V> decoded_channel(std::uint32_t channel) const {
-    return blend([&](const I<V>& rgba) { return decoded<V>(to_float(byte_of<V>(rgba, channel)) * (1.0F / 255.0F)); });
+  Vec3<V> colour(const Table<V, SrgbCodeRecord>& codes) const {
+    const auto decoded = [&](std::uint32_t channel) {
+      return blend([&](const I<V>& rgba) { return codes.load(byte_of<V>(rgba, channel)).linear; });
+    };
+    const F<V> red = decoded(0), green = decoded(1), blue = decoded(2);
+    return {red, green, blue};
   }
 };
 
@@ -80,8 +81,8 @@ struct TrilinearSample {
   Sample<V> fine, coarse;
   F<V> weight;
   F<V> linear(std::uint32_t channel) const { return between(fine.linear(channel), coarse.linear(channel)); }
-  Vec3<V> colour() const {
-    const Vec3<V> a = fine.colour(), b = coarse.colour();
+  Vec3<V> colour(const Table<V, SrgbCodeRecord>& codes) const {
+    const Vec3<V> a = fine.colour(codes), b = coarse.colour(codes);
     return {between(a.x, b.x), between(a.y, b.y), between(a.z, b.z)};
   }
 

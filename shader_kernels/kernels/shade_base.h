@@ -7,7 +7,7 @@
 namespace kernels {
 
 /// Base textures that shade_textured does not cover: with second texture coordinates, with an alpha that counts, or of
-/// surfaces whose mirror wants to know the colour.
+/// surfaces whose mirror or glass depends on the colour.
 template <MipFilter kMips = MipFilter::kNone>
 struct ShadeBase {
   static constexpr std::string_view kName = by_filter<kMips>("shade_base", "shade_base_mip", "shade_base_trilinear");
@@ -17,9 +17,11 @@ struct ShadeBase {
   template <class V>
   struct Ports : DetailPorts<V, kMips> {
     Local<V, SpecularRecord> optics;
+    Table<V, SrgbCodeRecord> srgb_codes;
     static void describe(auto& p, auto&& port) {
       DetailPorts<V, kMips>::describe(p, port);
       port(NAMED(p.optics));
+      port(NAMED(p.srgb_codes));
     }
   };
   template <class V>
@@ -30,7 +32,9 @@ struct ShadeBase {
     const TangentRecord<V> other = at.tangents.load(slot);
     SpecularRecord<V> optics = at.optics.load(slot);
     const auto base = at.look_up(texture_of<V, kMips>(uv), matte.classes, traces::kBaseSecond, uv, other);
-    at.mattes.store(slot, {matte.diffuse * base.colour(), matte.classes});
+    const Vec3<V> colour = base.colour(at.srgb_codes);
+    at.mattes.store(slot, {matte.diffuse * colour, matte.classes});
+    optics.tint = optics.tint * colour;
     optics.alpha = optics.alpha * base.linear(3);
     at.optics.store(slot, optics);
   }

@@ -20,6 +20,7 @@ struct ShadeGlow {
     Local<V, SpecularRecord> optics;
     Details<V> details;
     Local<V, ColourRecord> colours;
+    Table<V, SrgbCodeRecord> srgb_codes;
     static void describe(auto& p, auto&& port) {
       DetailPorts<V, kMips>::describe(p, port);
       port(p.points, "places");
@@ -27,6 +28,7 @@ struct ShadeGlow {
       port(NAMED(p.optics));
       port(NAMED(p.details));
       port(NAMED(p.colours));
+      port(NAMED(p.srgb_codes));
     }
   };
   template <class V>
@@ -39,7 +41,7 @@ struct ShadeGlow {
     const F<V> kept = at.optics.load(slot).kept;
     const DetailFields<V> m = at.details.load(at.points.load(slot).material);
     const auto texel = at.look_up(m.emission_texture, classes, traces::kEmissionSecond, uv, other);
-    add_light<V>(at.colours, path.sample, path.throughput * (m.emission * texel.colour()) * kept);
+    add_light<V>(at.colours, path.sample, path.throughput * (m.emission * texel.colour(at.srgb_codes)) * kept);
   }
 };
 

@@ -41,7 +41,8 @@ struct ShadeMirror {
   }
 };
 
-/// Total reflection leaves no weight, hence no ray.
+/// What is refracted takes the base colour, once at each surface (KHR_materials_transmission); what glass mirrors does
+/// not. Total reflection leaves no weight, hence no ray.
 struct ShadeGlass {
   static constexpr std::string_view kName = "shade_glass";
   static constexpr std::string_view kMeaning = "glass surface -> refraction ray";
@@ -53,7 +54,7 @@ struct ShadeGlass {
     const F<V> bend = glass.eta * glass.cosine - sqrt(max(glass.inside, F<V>(0.0F)));
     const Vec3<V> refracted = direction * glass.eta + point.normal * bend;
     const F<V> share = optics.entering * (1.0F - glass.reflectance);
-    emit_secondary<V>(at, point.position, refracted, {path.throughput * share, path.sample});
+    emit_secondary<V>(at, point.position, refracted, {path.throughput * (optics.tint * share), path.sample});
   }
 };
 

@@ -92,7 +92,7 @@ struct ShadeSurface {
     at.points.store(slot, {ray.origin + ray.direction * hit.t, a.material, normal * side, side});
     at.mattes.store(slot, {m.base_colour * m.diffuse_share, m.flags});
     at.texcoords.store(slot, {corners.interpolate(a.u0, a.u1, a.u2), corners.interpolate(a.v0, a.v1, a.v2), texture});
-    at.optics.store(slot, {m.mirrored, m.entering, m.ior, m.opacity, 1.0F});
+    at.optics.store(slot, {m.mirrored, m.entering, m.base_colour, m.ior, m.opacity, 1.0F});
   }
 };
 

@@ -19,11 +19,13 @@ struct ShadeTextured {
     Local<V, WordRecord> textured;
     Local<V, TexcoordRecord> texcoords;
     Local<V, DiffuseRecord> mattes;
+    Table<V, SrgbCodeRecord> srgb_codes;
     static void describe(auto& p, auto&& port) {
       TexturePorts<V, kMips>::describe(p, port);
       port(NAMED(p.textured));
       port(NAMED(p.texcoords));
       port(NAMED(p.mattes));
+      port(NAMED(p.srgb_codes));
     }
   };
 
@@ -33,7 +35,7 @@ struct ShadeTextured {
     const TexcoordRecord<V> uv = at.texcoords.load(slot);
     const auto base = look_up<V>(uv, at);
     const DiffuseRecord<V> matte = at.mattes.load(slot);
-    at.mattes.store(slot, {matte.diffuse * base.colour(), matte.classes});
+    at.mattes.store(slot, {matte.diffuse * base.colour(at.srgb_codes), matte.classes});
   }
 
  private:

@@ -9,9 +9,11 @@ namespace kernels {
 template <class V, bool kColoured, bool kInstanced>
 struct ShadowLayerPorts : LayerPorts<V, kColoured, kInstanced> {
   Local<V, PathRecord> paths;
+  Table<V, SrgbCodeRecord> srgb_codes;
   static void describe(auto& p, auto&& port) {
     LayerPorts<V, kColoured, kInstanced>::describe(p, port);
     port(NAMED(p.paths));
+    port(NAMED(p.srgb_codes));
   }
 };
 
@@ -39,7 +41,7 @@ struct TestShadow {
     const MaterialFields<V>& m = layer.material;
     const F<V> solid = select(layer.alpha < m.alpha_cutoff, F<V>(0.0F), F<V>(1.0F));
     const F<V> cover = select(has<V>(m.flags, traces::kBlended), layer.alpha, solid);
-    Vec3<V> colour = m.base_colour * layer.base.colour();
+    Vec3<V> colour = m.base_colour * layer.base.colour(at.srgb_codes);
     if constexpr (kColoured) colour = colour * layer.colour.rgb;
     const F<V> open = 1.0F - cover;
     const Vec3<V> light = path.throughput * (colour * (cover * m.entering) + Vec3<V>{open, open, open});

@@ -200,7 +200,7 @@ TEST(Absorption, FollowsTheExponentialOfTheWayInside) {
   for (const float thickness : {0.1F, 0.7F, 2.5F}) {
     traces::Scene scene = empty_scene();
     scene.background = glm::vec3(1);
-    const Material body{.transmission = 1, .ior = 1, .absorption = {0.5F, 1, 2}};
+    const Material body{.base_colour = glm::vec3(1), .transmission = 1, .ior = 1, .absorption = {0.5F, 1, 2}};
     add_quad(scene, wall(), body);
     add_quad(scene, traces::make_quad("back", {-5, -5, -thickness}, {0, 10, 0}, {10, 0, 0}, 1), body);
     RenderConfig config = small(1, 1);

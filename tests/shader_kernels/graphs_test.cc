@@ -19,8 +19,7 @@ namespace {
 //                   sub, 2 to_int, sub); shift, add; 2 shift, 2 or          14 add  6 mul 10 other 4 compare 4 select
 //                                                                           6 integer 4 convert
 //   linear          3 (sub, mul, add), 4 (to_float, mul); 4 integer (red, alpha) or 8: 6 add 7 mul 4 convert
-//   colour          3 of (3 (sub, mul, add), 4 (to_float, mul, 3 mul 2 add)); 4 + 8 + 8 integer
-//                                                                           42 add 57 mul 20 integer 12 convert
+//   colour          3 of (3 (sub, mul, add), 4 loads); 4 + 8 + 8 integer    18 add  9 mul 20 integer 12 local loads
 //   vertex_colour   4 of (3 (integer, to_float), interpolate, mul)          8 add 16 mul 12 integer 12 convert
 //   decay           mul, 4 (mul, add), div, 4 mul                           4 add  9 mul 1 div_sqrt
 //   fetch_layer     and; weights, 2 interpolate; compare, select; sample, linear; mul
@@ -63,9 +62,9 @@ namespace {
 //                             add; 2 scale; 2 interpolate
 //   classify_details          8 (has, next)
 //   absorb                    neg, max, mul; scale; 3 decay; 3 mul
-//   fetch_vertices            and; weights; vertex_colour; 4 mul; 4 (interpolate, 3 to_float, sub, mul) with
+//   fetch_vertices            and; weights; vertex_colour; 7 mul; 4 (interpolate, 3 to_float, sub, mul) with
 //                             3 (1 + 2 + 2 + 1) integer; 2 interpolate
-//   shade_base                look_up, colour, 3 mul, linear, mul
+//   shade_base                look_up, colour, 6 mul, linear, mul
 //   shade_physical            look_up, 2 linear; mul sub mul max min; mul; mul; sub mul add; add; compare, max, div,
 //                             select; 2 scale, vector add; mul sub; sub mul, scale; mul; 2 (2 max, compare, select), 2
 //                             or
@@ -83,8 +82,8 @@ namespace {
 //   shade_straight            sub; scale; 2 max, compare, next
 //   shade_mirror              interface; mul; vector add; mul, scale, vector add; 3 mul; 2 max,
 //                             compare, next
-//   shade_glass               interface; mul, max, sqrt, sub; 2 scale, vector add; sub, mul; scale; 2 max,
-//                             compare, next
+//   shade_glass               interface; mul, max, sqrt, sub; 2 scale, vector add; sub, mul; scale, 3 mul;
+//                             2 max, compare, next
 //   average_colour            to_float, divmod, add_samples
 //   pack_colour               3 (clamped, encoded, mul, add, to_int); 2 shift, 3 or
 //
@@ -172,30 +171,30 @@ constexpr Hand kByHand[] = {
     {"classify_layers", {0, 0, 0, 0, 2, 1, 2, 0, 1, 1, 0}},
     {"test_alpha", {30, 25, 2, 10, 7, 7, 13, 8, 5, 2, 3}},
     {"test_alpha_coloured", {36, 36, 2, 10, 8, 9, 17, 11, 5, 2, 4}},
-    {"test_shadow", {76, 92, 2, 12, 8, 8, 33, 20, 6, 3, 3}},
-    {"test_shadow_coloured", {88, 118, 2, 12, 9, 10, 46, 32, 6, 3, 4}},
+    {"test_shadow", {52, 44, 2, 12, 8, 8, 33, 8, 18, 3, 3}},
+    {"test_shadow_coloured", {64, 70, 2, 12, 9, 10, 46, 20, 18, 3, 4}},
     {"scatter_layers", {0, 0, 0, 0, 2, 1, 2, 0, 2, 2, 0}},
     {"classify_hits", {0, 0, 0, 0, 2, 2, 2, 0, 1, 2, 0}},
     {"shade_background", {3, 3, 0, 0, 0, 0, 0, 0, 3, 1, 0}},
     {"shade_surface", {19, 33, 2, 1, 1, 1, 1, 0, 3, 4, 2}},
     {"classify_details", {0, 0, 0, 0, 8, 8, 16, 0, 2, 8, 0}},
     {"absorb", {12, 34, 3, 2, 0, 0, 0, 0, 4, 1, 1}},
-    {"fetch_vertices", {26, 42, 0, 0, 0, 0, 31, 24, 4, 3, 1}},
-    {"shade_base", {62, 74, 0, 10, 5, 6, 31, 20, 7, 2, 1}},
+    {"fetch_vertices", {26, 45, 0, 0, 0, 0, 31, 24, 4, 3, 1}},
+    {"shade_base", {38, 29, 0, 10, 5, 6, 31, 8, 19, 2, 1}},
     {"shade_physical", {35, 37, 1, 17, 8, 9, 25, 12, 8, 2, 2}},
     {"shade_bump", {54, 72, 4, 14, 5, 6, 27, 16, 8, 1, 2}},
     {"shade_blend", {0, 7, 0, 0, 0, 0, 0, 0, 3, 2, 0}},
     {"classify_surfaces", {0, 0, 0, 0, 5, 5, 10, 0, 2, 5, 0}},
-    {"shade_textured", {56, 66, 0, 10, 4, 4, 26, 16, 5, 1, 1}},
+    {"shade_textured", {32, 18, 0, 10, 4, 4, 26, 4, 17, 1, 1}},
     {"shade_emission", {3, 6, 0, 0, 0, 0, 0, 0, 5, 1, 1}},
-    {"shade_glow", {59, 72, 0, 10, 5, 6, 27, 16, 10, 1, 2}},
+    {"shade_glow", {35, 24, 0, 10, 5, 6, 27, 4, 22, 1, 2}},
     {"shade_ambient", {3, 6, 0, 0, 0, 0, 0, 0, 4, 1, 0}},
     {"shade_occluded", {24, 23, 0, 10, 5, 6, 11, 8, 9, 1, 2}},
     {"shade_diffuse", {12, 32, 2, 6, 1, 1, 1, 0, 4, 2, 0}},
     {"combine_shadow", {3, 0, 0, 0, 1, 3, 0, 0, 3, 1, 0}},
     {"shade_straight", {1, 3, 0, 2, 1, 1, 1, 0, 5, 2, 0}},
     {"shade_mirror", {16, 19, 3, 4, 3, 3, 1, 0, 5, 2, 0}},
-    {"shade_glass", {15, 22, 4, 5, 3, 3, 1, 0, 5, 2, 0}},
+    {"shade_glass", {15, 25, 4, 5, 3, 3, 1, 0, 5, 2, 0}},
     {"average_colour", {5, 5, 0, 7, 1, 3, 0, 2, 1, 1, 0}},
     {"pack_colour", {9, 15, 9, 6, 3, 3, 5, 3, 1, 1, 0}},
     {"list_samples", {4, 4, 0, 1, 0, 0, 0, 2, 0, 2, 0}},
@@ -256,11 +255,11 @@ constexpr Hand kByHand[] = {
     // vector *
     // scalar, 2 vector + vector; for tangents 3 cross (6 mul 3 sub) besides, normalised, vector * scalar, mul.
     {"shade_surface_instanced", {25, 44, 2, 1, 1, 1, 7, 2, 3, 4, 3}},
-    {"fetch_vertices_instanced", {43, 81, 2, 1, 0, 0, 37, 26, 4, 3, 2}},
+    {"fetch_vertices_instanced", {43, 84, 2, 1, 0, 0, 37, 26, 4, 3, 2}},
     {"test_alpha_instanced", {30, 27, 2, 10, 7, 7, 15, 10, 5, 2, 3}},
     {"test_alpha_coloured_instanced", {36, 38, 2, 10, 8, 9, 19, 13, 5, 2, 4}},
-    {"test_shadow_instanced", {76, 94, 2, 12, 8, 8, 35, 22, 6, 3, 3}},
-    {"test_shadow_coloured_instanced", {88, 120, 2, 12, 9, 10, 48, 34, 6, 3, 4}},
+    {"test_shadow_instanced", {52, 46, 2, 12, 8, 8, 35, 10, 18, 3, 3}},
+    {"test_shadow_coloured_instanced", {64, 72, 2, 12, 9, 10, 48, 22, 18, 3, 4}},
     {"record_geometry_instanced", {0, 0, 0, 0, 1, 1, 6, 0, 5, 1, 1}},
     {"record_surface_instanced", {19, 27, 2, 1, 2, 2, 7, 0, 6, 2, 2}},
     {"record_secondary_instanced", {0, 0, 0, 0, 5, 8, 18, 0, 5, 1, 1}},
@@ -272,16 +271,16 @@ constexpr Hand kByHand[] = {
     {"shade_surface_cones_instanced", {33, 54, 7, 3, 1, 1, 10, 2, 3, 4, 3}},
     // And, mul, max, min, shift, sub, add for the level; of the base texture another and, of looked up ones select.
     // The second level: and, or, sub; compare, select, add; sample; 3 (sub, mul, add) with colour, 1 with linear.
-    {"shade_textured_mip", {56, 67, 0, 12, 4, 4, 31, 16, 6, 1, 1}},
-    {"shade_textured_trilinear", {119, 133, 0, 22, 9, 9, 60, 32, 8, 1, 2}},
-    {"shade_base_mip", {62, 75, 0, 12, 5, 7, 36, 20, 8, 2, 1}},
-    {"shade_base_trilinear", {133, 149, 0, 22, 10, 12, 69, 40, 10, 2, 2}},
+    {"shade_textured_mip", {32, 19, 0, 12, 4, 4, 31, 4, 18, 1, 1}},
+    {"shade_textured_trilinear", {71, 37, 0, 22, 9, 9, 60, 8, 32, 1, 2}},
+    {"shade_base_mip", {38, 30, 0, 12, 5, 7, 36, 8, 20, 2, 1}},
+    {"shade_base_trilinear", {85, 56, 0, 22, 10, 12, 69, 16, 34, 2, 2}},
     {"shade_physical_mip", {35, 38, 1, 19, 8, 10, 29, 12, 9, 2, 2}},
     {"shade_physical_trilinear", {66, 60, 1, 29, 13, 15, 54, 24, 11, 2, 3}},
     {"shade_bump_mip", {54, 73, 4, 16, 5, 7, 31, 16, 9, 1, 2}},
     {"shade_bump_trilinear", {93, 103, 4, 26, 10, 12, 60, 32, 11, 1, 3}},
-    {"shade_glow_mip", {59, 73, 0, 12, 5, 7, 31, 16, 11, 1, 2}},
-    {"shade_glow_trilinear", {122, 139, 0, 22, 10, 12, 60, 32, 13, 1, 3}},
+    {"shade_glow_mip", {35, 25, 0, 12, 5, 7, 31, 4, 23, 1, 2}},
+    {"shade_glow_trilinear", {74, 43, 0, 22, 10, 12, 60, 8, 37, 1, 3}},
     {"shade_occluded_mip", {24, 24, 0, 12, 5, 7, 15, 8, 10, 1, 2}},
     {"shade_occluded_trilinear", {47, 38, 0, 22, 10, 12, 28, 16, 12, 1, 3}},
     // 2 max, less, select, add.

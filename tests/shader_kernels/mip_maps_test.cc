@@ -48,14 +48,17 @@ float look_up(std::uint32_t width, std::uint32_t height, float footprint, std::v
   ports.axes.bind(axes.data());
   ports.levels.bind(levels);
   ports.texels.attach(chain.data(), log);
+  const std::vector<SrgbCodeRecord<float>> codes = srgb_code_records();
+  ports.srgb_codes.bind(codes.data());
   ShadeTextured<kMips>::template body<float>(0, ports);
   return mattes[0].diffuse.x;
 }
-float level(float number) { return decoded<float>(16 * (number + 1) / 255); }
+float level(std::uint32_t number) { return srgb_code_records()[16 * (number + 1)].linear; }
 
 TEST(NearestMipLevel, IsWhoseTexelsAreNearestToTheFootprintInSize) {
   constexpr auto kNearest = MipFilter::kNearest;
-  for (const float texels : {0.0F, 0.01F, 1.0F, 1.4F}) EXPECT_FLOAT_EQ(look_up<kNearest>(16, 16, texels / 16), level(0));
+  for (const float texels : {0.0F, 0.01F, 1.0F, 1.4F})
+    EXPECT_FLOAT_EQ(look_up<kNearest>(16, 16, texels / 16), level(0));
   for (const float texels : {1.43F, 2.0F, 2.8F}) EXPECT_FLOAT_EQ(look_up<kNearest>(16, 16, texels / 16), level(1));
   for (const float texels : {2.86F, 4.0F}) EXPECT_FLOAT_EQ(look_up<kNearest>(16, 16, texels / 16), level(2));
   for (const float texels : {16.0F, 1e9F}) EXPECT_FLOAT_EQ(look_up<kNearest>(16, 16, texels / 16), level(4));
@@ -165,9 +168,6 @@ TEST(RayCones, KnowAnInstancesScale) {
   EXPECT_EQ(levels_seen(scene, {0, 0, 8}, {0, 0, 0}, 1, {.instances = traces::InstanceLevels::kTwoLevel}), flat);
 }
 
-TEST(MipMapped, PicturesOfFineTexturesAreFreeOfAliases) {
-  const traces::Scene scene = chequered_wall();
-  const traces::Camera camera = traces::look_at("view", {0.1F, 0.2F, 20}, {0.3F, 0, 0}, 0.5F);
 /// Density goes by the root of the area: what is scaled along the normal keeps it, what is scaled along one side of the
 /// picture has half of it for a factor of 4.
 TEST(RayCones, KnowScalesThatDifferByAxis) {
@@ -187,6 +187,9 @@ TEST(RayCones, KnowScalesThatDifferByAxis) {
   }
 }
 
+TEST(MipMapped, PicturesOfFineTexturesAreFreeOfAliases) {
+  const traces::Scene scene = chequered_wall();
+  const traces::Camera camera = traces::look_at("view", {0.1F, 0.2F, 20}, {0.3F, 0, 0}, 0.5F);
   const auto error = [&](traces::MipMaps mip_maps, MipBlend blend) {
     const traces::MemoryImage image = traces::build_memory_image(scene, {}, 1, nullptr, mip_maps);
     const traces::BvhTracer tracer(image);

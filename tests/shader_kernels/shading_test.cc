@@ -132,13 +132,50 @@ TEST(Shading, GlassKeepsAllLight) {
   traces::Scene scene = empty_scene();
   scene.background = glm::vec3(0.5F);
   traces::add_object(scene, traces::make_sphere("ball", {0, 0, 0}, 1, 16),
-                     traces::add_material(scene, {.name = "glass", .transmission = 1}));
+                     traces::add_material(scene, {.name = "glass", .base_colour = glm::vec3(1), .transmission = 1}));
   RenderConfig config = small(15, 15);
   config.depth = 8;
   config.min_weight = 0;
   EXPECT_NEAR(View(scene, {0, 0, 9}, {0, 0, 0}, config).centre().x, 0.5F, 1e-4F);
   config.depth = 2;  // in, but not out again: the mirrored 4 % alone
   EXPECT_NEAR(View(scene, {0, 0, 9}, {0, 0, 0}, config).centre().x, 0.04F * 0.5F, 1e-4F);
+}
+
+/// A pane at z = 0 in front of a white sky, seen head-on through `panes` of it.
+glm::vec3 seen_through(const traces::Material& glass, int panes, const glm::vec4& vertex_colour = glm::vec4(1),
+                       std::uint32_t texel = ~0U) {
+  traces::Scene scene = empty_scene();
+  scene.background = glm::vec3(1);
+  scene.textures.push_back({.name = "stain", .width = 1, .height = 1, .texels = {texel}});
+  traces::add_material(scene, glass);
+  for (int i = 0; i < panes; ++i) {
+    traces::Mesh pane = traces::make_quad("pane", {-5, -5, -i}, {10, 0, 0}, {0, 10, 0}, 1);
+    if (vertex_colour != glm::vec4(1)) pane.colours.assign(pane.positions.size(), vertex_colour);
+    traces::add_object(scene, pane, 0);
+  }
+  return View(scene, {0, 0, 4}, {0, 0, 0}, small(1, 1)).centre();
+}
+
+/// KHR_materials_transmission: light that is transmitted takes the base colour at each surface.
+TEST(Shading, GlassTintsWhatIsSeenThroughItByItsBaseColour) {
+  const traces::Material red{.name = "red", .base_colour = {1, 0, 0}, .transmission = 1, .ior = 1};
+  expect_near(seen_through(red, 1), {1, 0, 0}, 1e-5F);
+  const traces::Material smoke{.name = "smoke", .base_colour = {0.5F, 0.8F, 1}, .transmission = 1, .ior = 1};
+  expect_near(seen_through(smoke, 1), {0.5F, 0.8F, 1}, 1e-5F);
+  expect_near(seen_through(smoke, 2), {0.25F, 0.64F, 1}, 1e-5F);
+  // What is mirrored, 4 % head-on by an index of 1.5, is white.
+  traces::Material bending = red;
+  bending.ior = 1.5F;
+  expect_near(seen_through(bending, 1), {1, 0.04F, 0.04F}, 1e-5F);
+}
+
+TEST(Shading, GlassTintsByItsTextureAndVertexColoursToo) {
+  traces::Material stained{.name = "stained", .base_colour = {1, 0.5F, 1}, .transmission = 1, .ior = 1};
+  stained.base_texture = {0};
+  expect_near(seen_through(stained, 1, glm::vec4(1), 0xffff0000U), {0, 0, 1}, 1e-5F);
+  expect_near(seen_through(stained, 1, glm::vec4(0.25F, 1, 0.5F, 1)), {0.25F, 0.5F, 0.5F}, 1e-4F);
+  stained.transmission = 0.5F;  // and half of nothing is scattered, where there is no light
+  expect_near(seen_through(stained, 1, glm::vec4(0.25F, 1, 0.5F, 1), 0xff00ffffU), {0.125F, 0.25F, 0}, 1e-4F);
 }
 
 TEST(Shading, ReflectionIsTotalBeyondTheCriticalAngle) {

@@ -27,6 +27,8 @@ float fetch_red(const traces::Texture& texture, float u, float v, std::vector<tr
   ports.mattes.bind(mattes);
   ports.axes.bind(axes);
   ports.texels.attach(&texture, log);
+  const std::vector<SrgbCodeRecord<float>> codes = srgb_code_records();
+  ports.srgb_codes.bind(codes.data());
   ShadeTextured<>::body<float>(0, ports);
   EXPECT_EQ(mattes[0].classes, 7U);
   return mattes[0].diffuse.x;
@@ -42,7 +44,7 @@ traces::Texture ramp(Wrap wrap) {
 }
 float texel(std::uint32_t x, std::uint32_t y) { return exactly_decoded(static_cast<float>(16 * (4 * y + x)) / 255); }
 
-constexpr float kTolerance = 0.0015F;  // error of the sRGB polynomial
+constexpr float kTolerance = 1e-6F;
 
 TEST(Textures, ATexelsCentreIsThatTexelAndTheTopRowIsFirst) {
   for (const Wrap wrap : {Wrap::kRepeat, Wrap::kMirror, Wrap::kClamp}) {
@@ -117,13 +119,20 @@ TEST(Decay, IsAsCloseToTheExponentialAsItSays) {
   EXPECT_EQ(decay<float>(1e30F), 0.0F);
 }
 
-TEST(Srgb, ApproximationsAreAsCloseAsTheySay) {
-  EXPECT_EQ(decoded<float>(0.0F), 0.0F);
-  EXPECT_NEAR(decoded<float>(1.0F), 1.0F, 1e-6F);
+TEST(Srgb, EveryCodeOfATextureDecodesToItsExactValueAndBack) {
+  for (std::uint32_t code = 0; code < 256; ++code) {
+    const traces::Texture texture{.name = "t", .width = 1, .height = 1, .texels = {code}};
+    const float linear = fetch_red(texture, 0.5F, 0.5F);
+    const double x = code / 255.0;
+    EXPECT_FLOAT_EQ(linear, static_cast<float>(x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4))) << code;
+    EXPECT_EQ(std::lround(255 * encoded<float>(linear)), code);
+  }
+}
+
+TEST(Srgb, TheEncoderIsAsCloseAsItSays) {
   EXPECT_NEAR(encoded<float>(1.0F), 1.0F, 1e-6F);
   for (int i = 0; i <= 4096; ++i) {
     const float x = static_cast<float>(i) / 4096;
-    EXPECT_NEAR(decoded<float>(x), exactly_decoded(x), 0.00135F);
     EXPECT_NEAR(encoded<float>(x), exactly_encoded(x), 0.2F / 255);
   }
 }

@@ -72,7 +72,8 @@ struct TextureUse {
 
 /// Whitted-style: diffuse + mirror + refraction. All colours linear.
 ///   radiance = emission + (1 - mirror) (1 - transmission) diffuse + mirror * mirror_tint * reflected + glass
-/// where glass splits `transmission` between reflection and refraction by Fresnel (Schlick) with `ior`, and
+/// where glass splits `transmission` between reflection and refraction by Fresnel (Schlick) with `ior`, refraction
+/// tinted by the base colour, and
 ///   diffuse = base colour * (ambient * occlusion + sum over lights of irradiance * cosine)
 /// with the 1/pi of Lambert's law inside the light units: irradiance 1 makes a white surface shine with radiance 1.
 struct Material {

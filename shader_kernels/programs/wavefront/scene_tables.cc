@@ -9,6 +9,7 @@
 #include "shader_kernels/kernels/at_once.h"
 #include "sim/hash.h"
 #include "traces/accel/build/material_tables.h"
+#include "traces/scene/srgb.h"
 
 namespace kernels {
 namespace {
@@ -98,6 +99,14 @@ LevelRecord<float> level_record(const traces::Texture& texture, std::uint32_t le
   const float texels = static_cast<float>(texture.width) * static_cast<float>(texture.height);
   const auto highest = static_cast<float>(1U << (std::max(levels, 1U) - 1));
   return {std::sqrt(mips == MipFilter::kNearest ? 2 * texels : texels), highest};
+}
+
+std::vector<SrgbCodeRecord<float>> srgb_code_records() {
+  std::vector<SrgbCodeRecord<float>> records;
+  for (int code = 0; code < 256; ++code) {
+    records.push_back({static_cast<float>(traces::srgb_to_linear(code / 255.0))});
+  }
+  return records;
 }
 
 SceneTables::SceneTables(const traces::MemoryImage& memory_image, const RenderConfig& config)

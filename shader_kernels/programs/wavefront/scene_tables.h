@@ -22,6 +22,8 @@ ConeUniforms<float> cone_uniforms(const CameraUniforms<float>& camera, std::uint
 EyeUniforms<float> eye_uniforms(const CameraUniforms<float>& camera, std::uint32_t width, std::uint32_t height,
                                 float depth_scale);
 LightUniforms<float> light_uniforms(const traces::Light& light);
+/// Linear values of all sRGB codes.
+std::vector<SrgbCodeRecord<float>> srgb_code_records();
 /// A light as a disc across its direction; `radius` in scene diagonals.
 DiscUniforms<float> disc_uniforms(const traces::Light& light, float radius, float diagonal, std::uint32_t rays);
 /// Seed of a frame's jittered samples.
@@ -42,7 +44,8 @@ struct SceneTables {
   std::vector<DiscUniforms<float>> discs;  ///< those of the lights, if shadows are soft
   std::vector<AxisRecord<float>> axes;     ///< two per texture
   std::vector<LevelRecord<float>> levels;  ///< with mip maps, one per texture
-  MipFilter mips;                          ///< as the memory image has mip levels, and RenderConfig::mip_filter
+  std::vector<SrgbCodeRecord<float>> srgb_codes = srgb_code_records();
+  MipFilter mips;  ///< as the memory image has mip levels, and RenderConfig::mip_filter
   Vec3<float> background, ambient;
   float epsilon, min_weight, occlusion_distance;
   std::uint32_t depth, layers;
@@ -74,6 +77,7 @@ struct SceneTables {
     array(NAMED(s.image.attributes)), array(NAMED(s.image.triangles)), array(NAMED(s.image.instances));
     array(NAMED(s.image.materials)), array(NAMED(s.image.vertices)), array(NAMED(s.image.details));
     array(s.image.textures, "texels"), array(NAMED(s.axes)), array(NAMED(s.levels));
+    array(NAMED(s.srgb_codes));
   }
 };
 

@@ -32,8 +32,9 @@ std::uint32_t flags_of(const Material& m, const MaterialRecord& record) {
   const bool has_alpha = m.alpha != Material::Alpha::kOpaque;
   const glm::vec3 diffuse = m.base_colour * record.diffuse_share;
   const bool is_diffuse = std::max({diffuse.x, diffuse.y, diffuse.z}) > 0;
-  const bool base = m.base_texture.used() && (is_diffuse || physical || has_alpha);
-  const bool based = base && (physical || m.base_texture.second_uv || m.alpha == Material::Alpha::kBlend);
+  const bool is_glass = record.entering > 0;
+  const bool base = m.base_texture.used() && (is_diffuse || physical || has_alpha || is_glass);
+  const bool based = base && (physical || is_glass || m.base_texture.second_uv || m.alpha == Material::Alpha::kBlend);
   const glm::vec3 mirrored = record.mirrored;
   std::uint32_t flags = 0;
   const auto set = [&](bool on, std::uint32_t bit) { flags |= on ? bit : 0; };
@@ -41,7 +42,7 @@ std::uint32_t flags_of(const Material& m, const MaterialRecord& record) {
   set(based, kBased);
   set(is_diffuse && !physical, kDiffuse);
   set(std::max({mirrored.x, mirrored.y, mirrored.z, record.entering}) > 0, kMirror);
-  set(record.entering > 0, kGlass);
+  set(is_glass, kGlass);
   set(shines(m) && !m.emission_texture.used(), kEmissive);
   set(shines(m) && m.emission_texture.used(), kGlowing);
   set(physical, kPhysical);

@@ -74,8 +74,8 @@ Texture label_texture() {
 /// Clear glass. What is not transmitted, and a little light of its own, stand for the paths that a renderer of limited
 /// depth cuts off.
 Material clear_glass() {
-  Material m = glass("glass", {0.66F, 0.78F, 0.80F});
-  m.transmission = 0.88F;
+  Material m = glass("glass", {0.93F, 0.97F, 0.98F});
+  m.transmission = 0.92F;
   m.emission = {0.045F, 0.054F, 0.057F};
   return m;
 }

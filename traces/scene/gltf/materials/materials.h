@@ -16,7 +16,8 @@ namespace traces::gltf {
 ///   tint     base colour for the metal's part of the mirror, white for the dielectric's
 ///   coat     KHR_materials_clearcoat adds a second such dielectric layer of its own roughness: coat x gloss x 0.08 of
 ///            what is not yet mirrored
-///   glass    KHR_materials_transmission with KHR_materials_ior, whatever the roughness. A body: light is bent, and its
+///   glass    KHR_materials_transmission with KHR_materials_ior, whatever the roughness; the base colour, with its
+///            texture and vertex colours, tints what is seen through each surface. A body: light is bent, and its
 ///            mirror share comes from Fresnel's law alone. KHR_materials_volume colours it: absorption =
 ///            -ln(attenuationColor) / attenuationDistance. A volume of thickness 0 says that the surface is a thin
 ///            sheet: nothing absorbed, nothing bent (ior 1), and it mirrors as any dielectric. Without the volume
