@@ -5,38 +5,29 @@
 
 namespace hw {
 
-/// Replaces `best` by the best such command in these banks of a rank, if that is better. What holds commands up, but
-/// for their bank, is the same for all banks of the rank. So the first slot that the rank has belongs to the oldest
-/// request whose bank is ready by its `ready_by`; if none is, the first slot for the bank that is ready first,
-/// likewise.
+/// Replaces `best` by the best such command in these banks of a rank, if that is better. Except for its bank, all banks
+/// of the rank wait for the same things. So the rank's first slot belongs to the oldest request whose bank is ready by
+/// then. If no bank is, the first slot after the earliest bank is ready is assigned in the same way.
 template <DramCommand kCommand>
 [[gnu::always_inline]] inline void DramChannel::best_of(const DramQueue& queue, std::uint32_t banks, std::uint32_t rank,
                                                         Cycle from, ScheduledCommand& best) const {
   if (banks == 0) return;
   const auto none_is_better = [&](Cycle at) { return best < ScheduledCommand(at, kCommand, 0, 0); };
-  const Cycle rank_ready = device_.rank_ready(kCommand, rank, writing_, from), lead = device_.lead(kCommand);
-  if (none_is_better(std::max(from + lead, rank_ready) - lead)) return;
+  const Cycle rank_ready = device_.rank_ready(kCommand, rank, writing_, from);
+  if (none_is_better(rank_ready)) return;
   const auto take = [&](Cycle at, std::uint64_t positions) {
     const auto oldest = static_cast<std::uint32_t>(std::countr_zero(positions));
     best = std::min(best, ScheduledCommand(at, kCommand, oldest, queue.at(oldest).address.bank));
   };
   // True if that slot is not better, or has been given away.
-  const auto is_over = [&](const DramDevice::Slot& slot) {
-    if (kCommand == DramCommand::kColumn && slot.in_doubt) [[unlikely]] {
-      for (std::uint32_t left = banks; left != 0; left &= left - 1) {
-        const auto bank = static_cast<std::uint32_t>(std::countr_zero(left));
-        const Cycle ready = device_.ready(kCommand, bank, writing_, rank_ready);
-        take(device_.slot(kCommand, rank, ready, from).at, queue.hits(bank));
-      }
-      return true;
-    }
-    if (none_is_better(slot.at)) return true;
-    const std::uint32_t ready = banks & device_.ready_banks<kCommand>(writing_, slot.ready_by);
-    if (ready != 0) take(slot.at, kCommand == DramCommand::kColumn ? queue.hits_in(ready) : queue.waiting_in(ready));
+  const auto is_over = [&](Cycle slot) {
+    if (none_is_better(slot)) return true;
+    const std::uint32_t ready = banks & device_.ready_banks<kCommand>(writing_, slot);
+    if (ready != 0) take(slot, kCommand == DramCommand::kColumn ? queue.hits_in(ready) : queue.waiting_in(ready));
     return ready != 0;
   };
-  if (is_over(device_.slot(kCommand, rank, rank_ready, from))) return;
-  is_over(device_.slot(kCommand, rank, device_.first_ready<kCommand>(banks, writing_), from));
+  if (is_over(device_.slot(kCommand, rank, rank_ready))) return;
+  is_over(device_.slot(kCommand, rank, device_.first_ready<kCommand>(banks, writing_)));
 }
 
 ScheduledCommand DramChannel::best_command(const DramQueue& queue, Cycle now) const {

@@ -20,17 +20,19 @@ class DramClosedForms {
 
   // A lone read, by the state of its bank.
   double row_hit() const { return t_.wck_sync + t_.rl + t_.dqsck + train() + t_.burst; }
-  double closed_bank() const { return t_.rcd + row_hit() - t_.wck_sync; }
+  double closed_bank() const { return t_.rcd + row_hit(); }
   double row_conflict() const { return t_.rp + closed_bank(); }
   double after_power_down() const { return t_.xp + closed_bank(); }
 
   // Two row hits one after the other: last data to last data.
   double write_after_read() const { return train() + t_.burst + t_.rtw + t_.dqss; }
   double read_after_write() const {
-    return std::max(t_.burst + t_.wtr_s, t_.ccd_l + t_.wtr_l) + t_.rl + t_.dqsck + train();
+    return std::max(t_.burst + t_.wtr_s, t_.ccd_l + t_.wtr_l) + cas_after_write() + t_.rl + t_.dqsck + train();
   }
-  double read_after_write_of_other_group() const { return t_.burst + t_.wtr_s + t_.rl + t_.dqsck + train(); }
-  double read_after_read_of_other_rank() const { return train() + t_.burst + t_.rtrs; }
+  double read_after_write_of_other_group() const {
+    return t_.burst + t_.wtr_s + cas_after_write() + t_.rl + t_.dqsck + train();
+  }
+  double read_after_read_of_other_rank() const { return train() + t_.burst + t_.rtrs + t_.wck_sync; }
 
   // Line after line, for ever.
   /// Bursts fill the bus, those of one bank group by leaving gaps that another group fills.
@@ -46,11 +48,13 @@ class DramClosedForms {
   /// Hits of one row that refreshes close, bank by bank or all banks at once, as the configuration says.
   double line_between_refreshes() const {
     const double line = bursts_ * t_.ccd_l;
-    const double lost = train() + t_.rtp + refresh_ + t_.rcd - line;
+    const double lost = train() + t_.rtp + refresh_ + t_.rcd + t_.wck_sync - line;
     return line * bank_refresh_interval_ / (bank_refresh_interval_ - lost);
   }
 
  private:
+  /// The CAS of a read that waits for tWTR, if WCK has stopped by then.
+  std::uint32_t cas_after_write() const { return t_.wtr_s >= t_.wck_post ? t_.wck_sync : 0; }
   std::uint32_t train() const { return (bursts_ - 1) * t_.ccd_l; }  ///< first to last column command of a line
 
   const DramTiming t_;

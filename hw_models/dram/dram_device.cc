@@ -45,7 +45,6 @@ DramDevice::DramDevice(const DramConfig& c)
 }
 
 DramCycleReason DramDevice::reason(DramCommand command, std::uint32_t bank, bool write, Cycle at) const {
-  if (command == kColumn && begins_with_cas(bank, write, at)) at += t_.wck_sync;
   const bool by_bank = at == this->at(command, bank);
   const Rank& rank = rank_[rank_of(bank)];
   if (at == awake_at_ && at != 0) return DramCycleReason::kPowerDown;
@@ -102,7 +101,7 @@ DramDevice::Cycle DramDevice::read(std::uint32_t bank, Cycle now) {
   hold_group(kReadTrain, bank, last + t_.ccd_l);
   hold_group(kWriteTrain, bank, last + t_.ccd_l);
   const Cycle end = last + t_.rl + t_.dqsck + t_.burst;
-  rank_[rank_of(bank)].synchronised_until = end + t_.wck_post;
+  rank_[rank_of(bank)].wck_stops_at = end + t_.wck_post;
   for (std::uint32_t r = 0; r < ranks_; ++r) {
     if (r == rank_of(bank)) {
       rank_[r].raise(true, end + t_.rtw - t_.wl, DramCycleReason::kTurnaround);
@@ -123,7 +122,7 @@ DramDevice::Cycle DramDevice::write(std::uint32_t bank, Cycle now) {
   hold_group(kReadTrain, bank, last_data + t_.ccd_l + t_.wtr_l);
   hold_group(kWriteTrain, bank, last + t_.ccd_l);
   const Cycle end = last_data + t_.burst;
-  rank_[rank_of(bank)].synchronised_until = end + t_.wck_post;
+  rank_[rank_of(bank)].wck_stops_at = end + t_.wck_post;
   for (std::uint32_t r = 0; r < ranks_; ++r) {
     if (r == rank_of(bank)) {
       rank_[r].raise(false, end + t_.wtr_s, DramCycleReason::kTurnaround);
@@ -140,7 +139,7 @@ DramDevice::Cycle DramDevice::write(std::uint32_t bank, Cycle now) {
 DramDevice::Cycle DramDevice::book_train(std::uint32_t bank, bool write, Cycle now) {
   turnarounds_ += write != last_was_write_;
   last_was_write_ = write;
-  if (begins_with_cas(bank, write, now)) {
+  if (t_.wck_sync != 0 && now >= rank_[rank_of(bank)].wck_stops_at) {
     calendar_.book_with_sync(now);
     return now + t_.wck_sync;
   }

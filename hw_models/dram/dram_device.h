@@ -87,38 +87,21 @@ class DramDevice {
     const BankLanes& at = bank_at_[static_cast<std::size_t>(kCommand)];
     return kCommand == DramCommand::kColumn ? at.least_of_larger(group_at_[write], banks) : at.least(banks);
   }
-  /// Place of a command on the buses.
-  struct Slot {
-    Cycle at;        ///< its first cycle; that of the CAS before it while WCK stands still and it is a read or write
-    Cycle ready_by;  ///< any bank of the rank that is ready by then could have the slot instead
-    bool in_doubt;   ///< WCK is about to stop: a read or write that is ready later may begin no later, with its CAS
-  };
-  /// The first slot at which the buses are free for a command that is ready at `ready`; a CAS may come at `from` or
-  /// later.
-  Slot slot(DramCommand command, std::uint32_t rank, Cycle ready, Cycle from) const {
+  /// Returns the first cycle at which the buses are free for a command that is ready at `ready`: that of its CAS for a
+  /// read or write while WCK stands still. Any bank of the rank that is ready by then could have the slot instead.
+  Cycle slot(DramCommand command, std::uint32_t rank, Cycle ready) const {
     const Rank& of = rank_[rank];
     Cycle free = calendar_.first_free(command, ready);
-    if (command == DramCommand::kColumn && t_.wck_sync != 0) {
-      if (free <= of.synchronised_until) return {free, free, free + t_.wck_sync > of.synchronised_until};
-      const Cycle column = std::max(ready, of.synchronised_until + 1);
-      free = calendar_.first_free_with_sync(std::max(from + t_.wck_sync, column) - t_.wck_sync);
-      return {free, free + t_.wck_sync, false};
-    }
+    if (command == DramCommand::kColumn && t_.wck_sync != 0 && free >= of.wck_stops_at)
+      return calendar_.first_free_with_sync(std::max(ready, of.wck_stops_at));
     if (command == DramCommand::kActivate && t_.pbr2act != 0) {
       for (Cycle allowed = of.next_activate(free, t_); allowed != free; allowed = of.next_activate(free, t_)) {
         free = calendar_.first_free(command, allowed);
       }
     }
-    return {free, free, false};
+    return free;
   }
-  /// Cycles by which a read or write may begin, with its CAS, before it is ready.
-  Cycle lead(DramCommand command) const { return command == DramCommand::kColumn ? t_.wck_sync : 0; }
-  /// True if a read or write that begins at `at` begins with a CAS.
-  bool begins_with_cas(std::uint32_t bank, bool write, Cycle at) const {
-    const Rank& rank = rank_[rank_of(bank)];
-    if (t_.wck_sync == 0) return false;
-    return at > rank.synchronised_until || at < ready(DramCommand::kColumn, bank, write, rank.column_at[write]);
-  }
+
   /// Reason why the command cannot run one cycle before `at`, its earliest cycle; it holds for every cycle until then.
   DramCycleReason reason(DramCommand command, std::uint32_t bank, bool write, Cycle at) const;
 
@@ -182,8 +165,8 @@ class DramDevice {
     Cycle active = 0;  ///< counted up to active_since
     Cycle active_since = 0, active_until = 0;
 
-    Cycle refreshed_at = 0;        ///< begin of the last refresh of single banks; 0: none yet
-    Cycle synchronised_until = 0;  ///< WCK runs
+    Cycle refreshed_at = 0;  ///< begin of the last refresh of single banks; 0: none yet
+    Cycle wck_stops_at = 0;  ///< WCK runs before that cycle; a read or write at it or later needs a CAS
 
     Cycle next_activate(Cycle from, const DramTiming& t) const {
       Cycle at = std::max({from, activate_at, four_activates[oldest_activate]});

@@ -147,15 +147,16 @@ void rows(const DramConfig& grade, std::vector<DramMeasurement>& measured) {
   const auto most = static_cast<std::uint32_t>(grade.organisation.page.bytes / grade.line.bytes);
   const std::uint32_t lines_of_row = std::min<std::uint32_t>(16, most);
   measured.push_back(rows_in_turn(long_rows, "sixteen lines of every row", lines_of_row, Holds::kClosely));
-  // ACT-2 fits between the commands of other lines; an activate of one block does not always. Lines of one command are
-  // not packed as closely as those of two, whose command slots keep their bursts apart.
+  // A split activate fits between the commands of other lines; an activate of one block does not always. Lines of one
+  // command are not packed as closely as those of two, whose command slots keep their bursts apart. Random reads lose
+  // up to 3 % of a saturated command bus to ACT-2s that made way.
   const bool is_close = grade.timing.aad != 0 && !grade.organisation.bl32;
-  const Holds holds = is_close ? Holds::kClosely : Holds::kAtMost;
-  measured.push_back(rows_in_turn(lines, "a line of every row", 1, holds));
+  measured.push_back(rows_in_turn(lines, "a line of every row", 1, is_close ? Holds::kClosely : Holds::kAtMost));
   for (Addr i = 0; i < kLines; ++i) random.send(sim::hash(i) % (1 << 22) * random.config.line.bytes);
   random.go();
   const double expected = random.gbps(DramClosedForms(random.config).line_of_own_row(1));
-  measured.push_back({"random reads", "GB/s", random.steady_gbps(), expected, holds});
+  measured.push_back(
+      {"random reads", "GB/s", random.steady_gbps(), expected, is_close ? Holds::kNearly : Holds::kAtMost});
 }
 
 void refreshes(const DramConfig& grade, std::vector<DramMeasurement>& measured) {

@@ -16,7 +16,7 @@ using Cycle = DramDevice::Cycle;
 using enum DramCommand;
 
 Cycle earliest(const DramDevice& d, DramCommand command, std::uint32_t bank, bool write, Cycle now) {
-  return d.slot(command, 0, d.ready(command, bank, write, d.rank_ready(command, 0, write, d.awake(now))), now).at;
+  return d.slot(command, 0, d.ready(command, bank, write, d.rank_ready(command, 0, write, d.awake(now))));
 }
 
 DramConfig with_groups() {
@@ -53,7 +53,7 @@ TEST(DramDevice, AWriteToAnotherRankWaitsForTheBusToChangeHands) {
   d.activate(other, 0, 40);
   d.write(0, 100);
   const Cycle ready = d.ready(kColumn, other, true, d.rank_ready(kColumn, 1, true, d.awake(101)));
-  EXPECT_EQ(d.slot(kColumn, 1, ready, 101).at, 100 + kT.ccd_l + kT.burst + kT.rtrs);
+  EXPECT_EQ(d.slot(kColumn, 1, ready), 100 + kT.ccd_l + kT.burst + kT.rtrs);
   EXPECT_EQ(earliest(d, kColumn, 0, true, 101), 100 + 2 * kT.ccd_l) << "the same rank's follows at once";
 }
 

@@ -1,0 +1,126 @@
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "hw_models/dram/dram_player.h"
+#include "sim/config/config.h"
+
+// LPDDR5 streams beside the published rules of Ramulator 2.1 (python/ramulator/dram/lpddr5.py, LPDDR controller), in
+// clocks of CK: RL 17, WL 9, bursts of 2 (BL/n_min) or 4 apart in one group (tCCD_L, BL/n_max), RD to WR RL + 2 + 2 -
+// WL, WR to RD WL + 2 + tWTR_S (5), or WL + 4 + tWTR_L (10) in one group. WCK stops a clock after the data; a read or
+// write that could go then or later goes a clock after its CAS. A line is two bursts of one bank.
+
+namespace hw {
+namespace {
+
+constexpr std::uint64_t kLine = 64;
+constexpr std::uint64_t kColumns = 32;  ///< lines of a row
+
+DramConfig quiet_lpddr5() {
+  DramConfig c = sim::load_config<DramConfig>("configs/dram/lpddr5-6400.yaml");
+  c.timing.refi_pb = 0;
+  c.controller.bank_xor = false;
+  return c;
+}
+
+/// A line of the first row of a bank: banks of different parity are of different groups.
+std::uint64_t line_in(std::uint64_t bank, std::uint64_t column) { return (column * 16 + bank) * kLine; }
+
+double clocks_of(const DramConfig& c, sim::Time time) {
+  return static_cast<double>(time) / static_cast<double>(c.timing.ck.time);
+}
+
+/// Opens the first row of every bank, long before the stream.
+constexpr std::uint64_t kStart = 1000;
+std::vector<DramRequest> opened_rows() {
+  std::vector<DramRequest> requests;
+  for (std::uint64_t bank = 0; bank < 16; ++bank) requests.push_back({line_in(bank, 0), false, 0});
+  return requests;
+}
+
+/// Mean clocks from one read to the next, of reads that each arrive `gap` clocks after the data of the one before.
+double clocks_a_read(std::uint64_t gap, std::uint64_t expected) {
+  const DramConfig c = quiet_lpddr5();
+  std::vector<DramRequest> requests = opened_rows();
+  constexpr std::uint64_t kReads = 200;
+  for (std::uint64_t i = 0; i < kReads; ++i)
+    requests.push_back({line_in(i % 16, i / 16), false, (kStart + i * expected) * c.timing.ck.time});
+  const DramPlay p = play(c, requests, 1);
+  for (std::size_t i = 17; i < requests.size(); ++i) {
+    EXPECT_EQ(clocks_of(c, p.arrived[i] - p.done[i - 1]), gap) << "read " << i;
+  }
+  return clocks_of(c, p.done.back() - p.done[16]) / (kReads - 1);
+}
+
+TEST(Lpddr5Streams, AReadAtATimeStartsTheDataClockAgainIfItIsAClockLate) {
+  EXPECT_EQ(clocks_a_read(0, 23), 17 + 4 + 2) << "19 after the last read, and WCK stops 20 after it";
+  EXPECT_EQ(clocks_a_read(1, 25), 1 + 1 + 17 + 4 + 2) << "20 after it: CAS";
+  EXPECT_EQ(clocks_a_read(9, 33), 9 + 1 + 17 + 4 + 2);
+}
+
+/// Clocks for a read and a write of one line each, in turn, of those banks; each is there before the bus is.
+double clocks_a_pair(std::uint64_t read_bank, std::uint64_t write_bank, std::uint64_t expected) {
+  const DramConfig c = quiet_lpddr5();
+  std::vector<DramRequest> requests = opened_rows();
+  constexpr std::uint64_t kPairs = 100, kWait = 12;  // clocks
+  for (std::uint64_t i = 0; i < kPairs; ++i) {
+    const std::uint64_t read_at = kStart + i * expected;
+    requests.push_back({line_in(read_bank, i % kColumns), false, (read_at - (i == 0 ? 0 : kWait)) * c.timing.ck.time});
+    requests.push_back({line_in(write_bank, i % kColumns), true, (read_at + 2) * c.timing.ck.time});
+  }
+  const DramPlay p = play(c, requests, 32);
+  return clocks_of(c, p.done.back() - p.done[17]) / (kPairs - 1);
+}
+
+// RD 0 and 4; WR 12 after the second, and 4 more; CAS 16 (or 23) after that, RD a clock later.
+TEST(Lpddr5Streams, ALineReadAndALineWrittenInTurnPayBothTurnaroundsAndACas) {
+  EXPECT_EQ(clocks_a_pair(0, 1, 37), 4 + 12 + 4 + 16 + 1) << "other bank group";
+  EXPECT_EQ(clocks_a_pair(0, 4, 44), 4 + 12 + 4 + 23 + 1) << "same bank group";
+}
+
+/// Lines copied in groups of about `n`, as the controller makes them.
+struct Copy {
+  double clocks;
+  double pairs_of_groups;  ///< one of reads, one of writes
+};
+constexpr std::uint64_t kLines = 4096;
+template <class Source, class Destination>
+Copy copy(std::uint32_t n, Source&& from, Destination&& to) {
+  DramConfig c = quiet_lpddr5();
+  c.controller.write_high = 28;
+  c.controller.write_low = 28 - n;
+  std::vector<DramRequest> requests;
+  for (std::uint64_t i = 0; i < kLines; ++i) {
+    requests.push_back({from(i) * kLine, false, 0});
+    requests.push_back({to(i) * kLine, true, 0});
+  }
+  const DramPlay p = play(c, requests, 64);
+  const double pairs = static_cast<double>(p.stats.turnarounds) / 2;
+  EXPECT_NEAR(pairs, static_cast<double>(kLines) / n, 0.2 * static_cast<double>(kLines) / n) << n;
+  return {clocks_of(c, p.end), pairs};
+}
+
+// From one half of each row to the other. A burst each 2 clocks: 8 clocks a copied line. A pair of groups costs 12
+// clocks to the first write instead of 2, and 16 and a CAS to the first read instead of 2. Rows stay open for 16 lines
+// of each half: activates are hidden.
+TEST(Lpddr5Streams, ACopyWithinOpenRowsIsBoundByBurstsAndTurnarounds) {
+  constexpr std::uint64_t kHalf = 16 * kColumns / 2;
+  const auto from = [](std::uint64_t i) { return i / kHalf * 2 * kHalf + i % kHalf; };
+  for (const std::uint32_t n : {8U, 16U, 24U}) {
+    const Copy c = copy(n, from, [&](std::uint64_t i) { return from(i) + kHalf; });
+    const double expected = 8.0 * kLines + c.pairs_of_groups * ((12 - 2) + (16 + 1 - 2));
+    EXPECT_NEAR(c.clocks, expected, 0.02 * expected) << n << " lines a group";
+  }
+}
+
+// From rows to other rows of the same banks: each group closes and opens 16 rows, PRE a clock after the last column
+// command before it, tRP 15, tRCD 15, then a row each 4 clocks (tRRD, tFAW), as fast as the bursts of its line.
+TEST(Lpddr5Streams, ACopyBetweenRowsOfABankIsBoundByActivates) {
+  const auto from = [](std::uint64_t i) { return i; };
+  const Copy c = copy(16, from, [](std::uint64_t i) { return i + (1 << 20); });
+  const double expected = 8.0 * kLines + c.pairs_of_groups * 2 * (1 + 15 + 15);
+  EXPECT_NEAR(c.clocks, expected, 0.02 * expected);
+}
+
+}  // namespace
+}  // namespace hw
