@@ -81,44 +81,48 @@ const std::set<std::string>& function_keys() {
   return keys;
 }
 
-std::vector<KeyPair> difference(const FlatConfig& was, const FlatConfig& is) {
-  FlatConfig all = was;
-  all.insert(is.begin(), is.end());
-  std::vector<KeyPair> out;
-  for (const auto& [key, value] : all) {
-    const auto before = was.find(key), after = is.find(key);
-    KeyPair pair{key, before == was.end() ? "none" : before->second, after == is.end() ? "none" : after->second};
-    if (pair.a != pair.b) out.push_back(std::move(pair));
+/// Moves the keys that change the work out of `keys` into lines of refusal.
+void refuse_other_work(std::vector<KeyPair>& keys, std::vector<std::string>& refusals) {
+  for (const KeyPair& key : keys) {
+    if (!function_keys().contains(key.key)) continue;
+    refusals.push_back(fmt::format("stored of other work: {} was {}, is {}", key.key, key.a, key.b));
   }
-  return out;
+  std::erase_if(keys, [](const KeyPair& key) { return function_keys().contains(key.key); });
 }
 
-/// The reason that values made from `was` with that Embree say nothing of values made from `is`; what else differs goes
-/// to `config`.
-std::vector<std::string> refusals(const Facts& was, const std::string& embree, const Facts& is,
-                                  std::vector<KeyPair>& config) {
+/// The reasons why values made from `was` with that Embree cannot be compared with values made from `is`; all other
+/// keys that differ go to `keys`.
+std::vector<std::string> refusals(const Facts& was, const std::string& embree, const Facts& is, ChangedKeys& keys) {
   std::vector<std::string> out;
   if (was.program != is.program) out.push_back(fmt::format("stored of program {}, now {}", was.program, is.program));
-  for (KeyPair& key : difference(was.config, is.config)) {
-    if (function_keys().contains(key.key)) {
-      out.push_back(fmt::format("stored of other work: {} was {}, is {}", key.key, key.a, key.b));
-    } else {
-      config.push_back(std::move(key));
-    }
-  }
+  keys = changed_keys(was.config, is.config);
+  refuse_other_work(keys.changed, out);
+  refuse_other_work(keys.of_one, out);
   if (was.scene_sha256 != is.scene_sha256) out.emplace_back("stored of another scene (scene_sha256 differs)");
   if (out.empty() && was.bvh_hash != is.bvh_hash) {
     std::string causes;
     if (embree != traces::embree_version()) {
       causes += fmt::format("; stored with Embree {}, this program has {}", embree, traces::embree_version());
     }
-    for (const KeyPair& key : config) {
-      if (key.key.starts_with("bvh.")) causes += fmt::format("; {} was {}, is {}", key.key, key.a, key.b);
+    for (const std::vector<KeyPair>* list : {&keys.changed, &keys.of_one}) {
+      for (const KeyPair& key : *list) {
+        if (key.key.starts_with("bvh.")) causes += fmt::format("; {} was {}, is {}", key.key, key.a, key.b);
+      }
     }
     out.push_back(fmt::format("stored of another tree: bvh_hash was {:.12}..., is {:.12}...{}", was.bvh_hash,
                               is.bvh_hash, causes));
   }
   return out;
+}
+
+/// The unit whose counters moved most clearly: among the units of the changed keys, if these have counters that moved.
+std::optional<LocatedRegression> locate(const ChangedKeys& keys, const Values& was, const Values& is) {
+  std::optional<LocatedRegression> best;
+  for (const KeyPair& key : keys.changed) {
+    const auto found = largest_move_in(unit_of_key(key.key), was, is);
+    if (found && (!best || found->clarity > best->clarity)) best = found;
+  }
+  return best ? best : locate_regression(was, is);
 }
 
 bool same(double was, double is, double percent) {
@@ -193,10 +197,9 @@ Checked check_suite(const Suite& suite, const Baseline* stored, std::uint32_t jo
       if (stored != nullptr && was == stored->runs.end()) {
         run.refused.emplace_back("nothing is stored of it");
       } else if (stored != nullptr) {
-        run.refused = refusals(was->second.facts, stored->embree, measured.facts, run.config);
+        run.refused = refusals(was->second.facts, stored->embree, measured.facts, run.keys);
         find_moved(was->second, chosen, measured, run);
-        if (run.refused.empty() && !run.moved.empty())
-          run.located = locate_regression(was->second.values, measured.all);
+        if (run.refused.empty() && !run.moved.empty()) run.located = locate(run.keys, was->second.values, measured.all);
       }
       one_of_them = std::move(measured.all);
     }

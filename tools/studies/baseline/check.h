@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "tools/studies/baseline/changed_keys.h"
 #include "tools/studies/baseline/measure.h"
 #include "tools/studies/baseline/regression_locator.h"
-#include "tools/studies/compare/compare.h"
 
 namespace tools {
 
@@ -22,13 +22,15 @@ struct Moved {
 /// A run now against its stored values.
 struct RunCheck {
   std::string name;
-  std::string error;                 ///< it could not be computed
-  std::vector<std::string> refused;  ///< why stored and new values cannot be held against each other
-  std::vector<Moved> moved;          ///< in the order of the suite's `keep`, and of paths
-  std::size_t values = 0;            ///< kept
-  std::vector<KeyPair> config;       ///< keys that differ and may explain it
-  std::optional<LocatedRegression> located;
+  std::string error;                         ///< it could not be computed
+  std::vector<std::string> refused;          ///< why stored and new values cannot be held against each other
+  std::vector<Moved> moved;                  ///< in the order of the suite's `keep`, and of paths
+  std::size_t values = 0;                    ///< kept
+  ChangedKeys keys;                          ///< keys that differ, without those that change the work
+  std::optional<LocatedRegression> located;  ///< by the counters; in the unit of a changed key, if there is one
   double seconds = 0;
+  /// True if the unit is certain enough to be named for this run alone: by a changed key, or by its counters.
+  bool names_unit() const { return located && (located->is_clear() || !keys.changed.empty()); }
   bool good() const { return error.empty() && refused.empty() && moved.empty(); }
 };
 
@@ -49,8 +51,10 @@ const RunCheck* clearest(const Checked& checked);
 
 /// "ok  teapot", "MOVED  teapot: 12 of 300 values, cycles 100 -> 104 (+4.0 %)": a line.
 std::string check_line(const RunCheck& run);
-/// Lines on the runs that are not good: figures that moved, and the unit.
+/// Lines on the runs that are not good: keys that changed, figures that moved, and the unit.
 std::string check_details(const Checked& checked);
+/// "most likely in l2.bank: why.lookup 1921 -> 2364 cycles (+443)"; of a run with a located unit.
+std::string located_text(const RunCheck& run);
 /// "100 -> 104 (+4, +4.0 %)"
 std::string moved_text(const Moved& moved);
 

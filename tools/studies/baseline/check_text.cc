@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <functional>
 #include <utility>
@@ -16,19 +17,36 @@ const Moved* find_moved(const RunCheck& run, std::string_view path) {
   return found == run.moved.end() ? nullptr : &*found;
 }
 
+/// The value for the run's line where cycles did not move: a figure of the whole machine, or else one of the unit that
+/// is named, so that the line points to no other unit.
+const Moved& first_shown(const RunCheck& run) {
+  auto found = std::ranges::find_if(run.moved, [](const Moved& m) { return !m.path.starts_with("units."); });
+  if (found == run.moved.end() && run.names_unit()) {
+    const std::string prefix = fmt::format("units.{}.", run.located->unit);
+    found = std::ranges::find_if(run.moved, [&](const Moved& m) { return m.path.starts_with(prefix); });
+  }
+  return found == run.moved.end() ? run.moved.front() : *found;
+}
+
 /// Counts as they are, others with six digits: small moves are to be seen.
 std::string number_text(double number) {
   return number == std::trunc(number) && std::abs(number) < 1e15 ? fmt::format("{:.0f}", number)
                                                                  : fmt::format("{:.6g}", number);
 }
 
-bool is_clear(const RunCheck& run) { return run.located && run.located->is_clear(); }
+/// The first of the lines, and the number of the others.
+std::string first_line(const std::string& lines) {
+  const std::size_t end = lines.find('\n');
+  const auto others = std::count(lines.begin(), lines.end(), '\n') - 1;
+  return lines.substr(0, end) + (others > 0 ? fmt::format(", and {} more keys\n", others) : "\n");
+}
 
 std::string details(const RunCheck& run) {
   constexpr std::size_t kMost = 6;
   if (!run.error.empty()) return fmt::format("\n{}: {}\n", run.name, run.error);
   std::string out = fmt::format("\n{}\n", run.name);
   for (const std::string& why : run.refused) out += fmt::format("  {}\n", why);
+  if (!run.keys.changed.empty()) out += "  " + first_line(changed_text(run.keys.changed));
   std::size_t shown = 0;
   const auto show = [&](bool of_units, std::string_view prefix) {
     for (const Moved& moved : run.moved) {
@@ -40,11 +58,24 @@ std::string details(const RunCheck& run) {
   };
   show(false, "");
   const std::size_t figures = std::exchange(shown, 0);
-  show(true, is_clear(run) ? fmt::format("units.{}.", run.located->unit) : "units.");
+  const std::string own = run.names_unit() ? fmt::format("units.{}.", run.located->unit) : "units.";
+  show(true, find_moved(run, own) != nullptr ? own : "units.");
   if (figures + shown < run.moved.size()) {
     out += fmt::format("  and {} more values\n", run.moved.size() - figures - shown);
   }
-  if (is_clear(run)) out += fmt::format("  most likely in {}: {}\n", run.located->unit, run.located->moved);
+  if (run.names_unit()) out += fmt::format("  {}\n", located_text(run));
+  return out;
+}
+
+/// All pairs of keys that differ in any run, each once.
+std::vector<KeyPair> keys_of_all(const Checked& checked, std::vector<KeyPair> ChangedKeys::*of) {
+  std::vector<KeyPair> out;
+  for (const RunCheck& run : checked.runs) {
+    for (const KeyPair& key : run.keys.*of) {
+      const auto is_same = [&](const KeyPair& k) { return k.key == key.key && k.a == key.a && k.b == key.b; };
+      if (std::ranges::none_of(out, is_same)) out.push_back(key);
+    }
+  }
   return out;
 }
 
@@ -56,6 +87,12 @@ const RunCheck* clearest(const Checked& checked) {
     if (run.located && (best == nullptr || run.located->clarity > best->located->clarity)) best = &run;
   }
   return best;
+}
+
+std::string located_text(const RunCheck& run) {
+  const LocatedRegression& located = *run.located;
+  if (!run.keys.changed.empty()) return fmt::format("moved most in {}: {}", located.unit, located.moved);
+  return fmt::format("{} in {}: {}", located.is_clear() ? "most likely" : "perhaps", located.unit, located.moved);
 }
 
 std::string moved_text(const Moved& moved) {
@@ -76,7 +113,7 @@ std::string check_line(const RunCheck& run) {
   if (!run.refused.empty()) return fmt::format("REFUSED  {}: {}", run.name, run.refused.front());
   if (run.moved.empty()) return fmt::format("ok       {}", run.name);
   const Moved* cycles = find_moved(run, "totals.cycles");
-  const Moved& shown = cycles != nullptr ? *cycles : run.moved.front();
+  const Moved& shown = cycles != nullptr ? *cycles : first_shown(run);
   return fmt::format("MOVED    {}: {} of {} values, {} {}", run.name, run.moved.size(), run.values, shown.path,
                      moved_text(shown));
 }
@@ -93,21 +130,18 @@ std::string check_details(const Checked& checked) {
   std::string out;
   for (std::size_t i = 0; i < std::min(bad.size(), kMost); ++i) out += details(*bad[i]);
   if (bad.size() > kMost) out += fmt::format("\nand {} more runs; --junit writes all\n", bad.size() - kMost);
+  // What is known stands before what counters suggest.
+  const std::vector<KeyPair> changed = keys_of_all(checked, &ChangedKeys::changed);
+  if (!changed.empty()) out += "\n" + changed_text(changed);
   if (const RunCheck* run = clearest(checked); run != nullptr) {
-    out +=
-        fmt::format("\n{} in {}, told most clearly by {}: {}\n", run->located->is_clear() ? "Most likely" : "Perhaps",
-                    run->located->unit, run->name, run->located->moved);
+    std::string text = located_text(*run);
+    text.front() = static_cast<char>(std::toupper(text.front()));
+    out += fmt::format("{}{}, most clearly in run {}\n", changed.empty() ? "\n" : "", text, run->name);
+  } else if (!changed.empty() && bad.empty()) {
+    out += "Nothing that is kept has moved.\n";
   }
-  std::vector<KeyPair> keys;
-  for (const RunCheck* run : bad) {
-    for (const KeyPair& key : run->config) {
-      if (std::ranges::find(keys, key.key, &KeyPair::key) == keys.end()) keys.push_back(key);
-    }
-  }
-  for (std::size_t i = 0; i < std::min(keys.size(), kMost); ++i) {
-    out += fmt::format("The configuration has changed: {} was {}, is {}\n", keys[i].key, keys[i].a, keys[i].b);
-  }
-  if (keys.size() > kMost) out += fmt::format("and {} more keys have\n", keys.size() - kMost);
+  const std::vector<KeyPair> of_one = keys_of_all(checked, &ChangedKeys::of_one);
+  if (!of_one.empty()) out += "\nKeys of one of the two configurations alone:\n" + changed_text(of_one);
   return out;
 }
 

@@ -21,9 +21,9 @@ std::string body(const RunCheck& run) {
   std::istringstream error(run.error);
   for (std::string line; std::getline(error, line);) out += clean(line) + "\n";
   for (const std::string& why : run.refused) out += clean(why) + "\n";
-  if (run.located && run.located->is_clear())
-    out += clean(fmt::format("most likely in {}: {}", run.located->unit, run.located->moved)) + "\n";
-  for (const KeyPair& key : run.config) out += clean(fmt::format("{} was {}, is {}", key.key, key.a, key.b)) + "\n";
+  std::istringstream keys(changed_text(run.keys.changed) + changed_text(run.keys.of_one));
+  for (std::string line; std::getline(keys, line);) out += clean(line) + "\n";
+  if (run.names_unit()) out += clean(located_text(run)) + "\n";
   for (const Moved& moved : run.moved) out += clean(fmt::format("{}: {}", moved.path, moved_text(moved))) + "\n";
   return out;
 }

@@ -9,6 +9,7 @@
 
 #include "hw_models/machines/unit_kinds.h"
 #include "tools/analysis/units.h"
+#include "tools/studies/baseline/changed_keys.h"
 
 namespace tools {
 namespace {
@@ -51,27 +52,70 @@ std::vector<Move> all_moves(const Values& was, const Values& is) {
   return out;
 }
 
-/// The time that misses spend between two levels, in T&I cycles of all of them together.
+/// A counter's sum over all units of a kind.
+template <class Unit>
+double sum_of(const Values& values, std::uint64_t Unit::Stats::*counter, std::string_view kind = Unit::kName) {
+  return value(values, counter_path<Unit>(counter, kind));
+}
+
+/// A counter of cycles, in T&I cycles of all units of the kind together.
+template <class Unit>
+double time_of(const Values& values, std::uint64_t Unit::Stats::*counter, std::string_view kind = Unit::kName) {
+  return sum_of<Unit>(values, counter, kind) * scale(values, kind) * value(values, fmt::format("units.{}.units", kind));
+}
+
+/// Lines requested by one level and served by the next, and the time of all of them together in T&I cycles, as counted
+/// on each side.
+struct Traffic {
+  double requested = 0, served = 0;
+  double request_time = 0, service_time = 0;
+  /// The time spent between the two levels. Nothing if the next level also served others: their time is in
+  /// `service_time` alone, and the difference of the two sums is no time of anything.
+  std::optional<double> between() const {
+    if (requested != served) return {};
+    return request_time - service_time;
+  }
+};
+
+Traffic between_l1_and_l2(const Values& values) {
+  using Trv = hw::Trv::Stats;
+  using Ist = hw::Ist::Stats;
+  using Srp = hw::Srp::Stats;
+  using L2 = hw::L2Bank::Stats;
+  return {.requested = sum_of<hw::Trv>(values, &Trv::l1_fills) + sum_of<hw::Ist>(values, &Ist::l1_fills) +
+                       sum_of<hw::Srp>(values, &Srp::cache_fills),
+          .served = sum_of<hw::L2Bank>(values, &L2::reads),
+          .request_time = time_of<hw::Trv>(values, &Trv::l1_miss_cycles) +
+                          time_of<hw::Ist>(values, &Ist::l1_miss_cycles) +
+                          time_of<hw::Srp>(values, &Srp::cache_miss_cycles),
+          .service_time = time_of<hw::L2Bank>(values, &L2::latency)};
+}
+Traffic between_l2_and_memory(const Values& values) {
+  using L2 = hw::L2Bank::Stats;
+  using Dram = hw::DramChannel::Stats;
+  return {.requested = sum_of<hw::L2Bank>(values, &L2::fills),
+          .served = sum_of<hw::DramChannel>(values, &Dram::reads),
+          .request_time = time_of<hw::L2Bank>(values, &L2::line_cycles),
+          .service_time = time_of<hw::DramChannel>(values, &Dram::read_latency)};
+}
+
+/// The time of misses between two levels in both runs.
 struct Way {
   const char* name;
   double was = 0, is = 0;
+  double difference() const { return is - was; }
 };
 
-template <class Unit>
-double time_of(const Values& values, std::uint64_t Unit::Stats::*counter, std::string_view kind = Unit::kName) {
-  const double units = value(values, fmt::format("units.{}.units", kind));
-  return value(values, counter_path<Unit>(counter, kind)) * scale(values, kind) * units;
-}
-
-double above_l2(const Values& values) {
-  return time_of<hw::Trv>(values, &hw::Trv::Stats::l1_miss_cycles) +
-         time_of<hw::Ist>(values, &hw::Ist::Stats::l1_miss_cycles) +
-         time_of<hw::Srp>(values, &hw::Srp::Stats::cache_miss_cycles) -
-         time_of<hw::L2Bank>(values, &hw::L2Bank::Stats::latency);
-}
-double below_l2(const Values& values) {
-  return time_of<hw::L2Bank>(values, &hw::L2Bank::Stats::line_cycles) -
-         time_of<hw::DramChannel>(values, &hw::DramChannel::Stats::read_latency);
+/// Ways whose time both runs counted.
+std::vector<Way> ways(const Values& was, const Values& is) {
+  std::vector<Way> out;
+  const auto add = [&](const char* name, Traffic (*traffic)(const Values&)) {
+    const std::optional<double> before = traffic(was).between(), after = traffic(is).between();
+    if (before && after) out.push_back({name, *before, *after});
+  };
+  add("interconnect between first-level caches and L2", between_l1_and_l2);
+  add("way between L2 and memory", between_l2_and_memory);
+  return out;
 }
 
 /// Time that misses waited in queues on their way, which says nothing of the way.
@@ -121,17 +165,16 @@ std::optional<LocatedRegression> locate_regression(const Values& was, const Valu
   const auto most = std::ranges::max_element(owns, {}, [](const Own& own) { return std::abs(own.difference); });
   const double own = most == owns.end() ? 0 : std::abs(most->difference);
 
-  Way ways[] = {{"interconnect between first-level caches and L2", above_l2(was), above_l2(is)},
-                {"way between L2 and memory", below_l2(was), below_l2(is)}};
-  const Way& way = *std::ranges::max_element(ways, {}, [](const Way& w) { return std::abs(w.is - w.was); });
-  const double on_way = std::abs(way.is - way.was);
+  const std::vector<Way> counted = ways(was, is);
+  const auto way = std::ranges::max_element(counted, {}, [](const Way& w) { return std::abs(w.difference()); });
+  const double on_way = way == counted.end() ? 0 : std::abs(way->difference());
   if (own > 0 && own >= kNoticeable * std::max(cycles, on_way)) {
     return LocatedRegression{std::string(most->unit), moved_text(was, is, most->unit, most->most->reason), own / all};
   }
   if (on_way >= kNoticeable * cycles && on_way > 0) {
     return LocatedRegression{
-        way.name,
-        fmt::format("misses spent {:.0f} -> {:.0f} T&I cycles there ({:+.0f})", way.was, way.is, way.is - way.was),
+        way->name,
+        fmt::format("misses spent {:.0f} -> {:.0f} T&I cycles there ({:+.0f})", way->was, way->is, way->difference()),
         on_way / (on_way + all + std::abs(queued(is) - queued(was)))};
   }
   double waited = 0;
@@ -144,6 +187,23 @@ std::optional<LocatedRegression> locate_regression(const Values& was, const Valu
                              waited / (waited + all)};
   }
   return {};
+}
+
+std::optional<LocatedRegression> largest_move_in(std::string_view unit, const Values& was, const Values& is) {
+  const std::vector<Move> moves = all_moves(was, is);
+  const Move* most = nullptr;
+  double own = 0, all = 0;  // work that moved
+  for (const Move& move : moves) {
+    const bool is_work = move.kind == sim::ReasonKind::kWorking, is_inside = is_part_of(move.unit, unit);
+    const double size = std::abs(move.difference());
+    if (is_work) all += size;
+    if (is_work && is_inside) own += size;
+    if (!is_inside || size == 0 || !(is_work || move.kind == sim::ReasonKind::kWaiting)) continue;
+    if (most == nullptr || size > std::abs(most->difference())) most = &move;
+  }
+  if (most == nullptr) return {};
+  return LocatedRegression{std::string(most->unit), moved_text(was, is, most->unit, most->reason),
+                           all == 0 ? 0 : own / all};
 }
 
 }  // namespace tools

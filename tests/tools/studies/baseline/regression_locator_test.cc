@@ -48,6 +48,51 @@ TEST(RegressionLocator, WithoutAnyIsTheUnitNearestToMemoryThatWaitedLonger) {
   EXPECT_EQ(locate_regression(was, is)->unit, "core.tni.trv");
 }
 
+/// A machine whose L2 read 100 lines of a memory that took 60 cycles for each, and 20 of the way.
+Values machine_with_reads() {
+  Values v = machine();
+  v["units.l2.bank.counters.fills"] = 100;
+  v["units.l2.bank.counters.line_cycles"] = 8000;
+  v["units.dram.channel.counters.reads"] = 100;
+  v["units.dram.channel.counters.read_latency"] = 6000;
+  return v;
+}
+
+TEST(RegressionLocator, IsTheWayWhereMissesTookLongerThanTheNextLevelServedThem) {
+  Values was = machine_with_reads(), is = machine_with_reads();
+  is["units.l2.bank.counters.line_cycles"] = 8100;
+  const auto located = locate_regression(was, is);
+  ASSERT_TRUE(located);
+  EXPECT_EQ(located->unit, "way between L2 and memory");
+  EXPECT_EQ(located->moved, "misses spent 2000 -> 2100 T&I cycles there (+100)");
+}
+
+TEST(RegressionLocator, IsNoWayWhereTheNextLevelServedOthersToo) {
+  // 300 reads of a DMA, of 60 cycles each, are no part of what the L2 waited for: 8100 - 24000 is the time of nothing.
+  Values was = machine_with_reads(), is = machine_with_reads();
+  is["units.l2.bank.counters.line_cycles"] = 8100;
+  is["units.dram.channel.counters.reads"] = 400;
+  is["units.dram.channel.counters.read_latency"] = 24000;
+  is["units.core.srp.why.waiting"] = 79;
+  const auto located = locate_regression(was, is);
+  ASSERT_TRUE(located);
+  EXPECT_EQ(located->unit, "core.srp");
+  EXPECT_EQ(located->moved.find("-> -"), std::string::npos) << located->moved;
+}
+
+TEST(RegressionLocator, InAKnownUnitIsTheReasonOfItThatMovedMost) {
+  Values was = machine(), is = machine();
+  is["units.core.tni.trv.why.l1_miss"] = 100;
+  is["units.core.tni.trv.why.pipe"] = 60;
+  is["units.l2.bank.why.lookup"] = 240;
+  EXPECT_EQ(largest_move_in("tni", was, is)->unit, "core.tni.trv");
+  EXPECT_EQ(largest_move_in("core.tni.trv", was, is)->moved, "why.l1_miss 0 -> 100 cycles (+100)");
+  EXPECT_DOUBLE_EQ(largest_move_in("core.tni.trv", was, is)->clarity, 0.2) << "60 of 300 cycles of work";
+  EXPECT_FALSE(largest_move_in("core.srp", was, is)) << "none of its reasons moved";
+  EXPECT_FALSE(largest_move_in("clocks", was, is));
+  EXPECT_FALSE(largest_move_in("", was, is));
+}
+
 TEST(RegressionLocator, NothingToDoMeansNothing) {
   Values was = machine(), is = machine();
   is["units.core.tni.trv.why.starved"] = 79;
