@@ -88,6 +88,7 @@ std::string replicates_table(const Json& replicates) {
                                       "perf.frames_per_joule_tni",
                                       "perf.nj_per_ray",
                                       "relative.speedup",
+                                      "relative.dram_bytes",
                                       "relative.tni_perf_per_watt",
                                       "relative.gpu_perf_per_watt"};
   sim::Table table(

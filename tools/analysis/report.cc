@@ -131,6 +131,10 @@ Json kernels_json(const Simulation& s) {
   return out;
 }
 
+std::uint64_t dram_bytes(const Simulation& s) {
+  return Units<hw::DramChannel>(s.units).counted(&hw::DramChannel::Stats::bytes);
+}
+
 void add_relative(Json& totals, const Result& result) {
   const Simulation &run = result.run, &reference = *result.reference;
   const auto power = [](const Simulation& s, double mj) { return mj / time_ms(s); };
@@ -142,6 +146,7 @@ void add_relative(Json& totals, const Result& result) {
                          {"top_down", time_json(top_down(reference.units, reference.machine).gpu)}};
   totals["relative"] = {{"speedup", per(reference.cycles, run.cycles)},
                         {"traversal_steps", per(run.function.traversal_steps, reference.function.traversal_steps)},
+                        {"dram_bytes", per(dram_bytes(run), dram_bytes(reference))},
                         {"tni_power", power(run, tni_mj(run)) / power(reference, tni_mj(reference))},
                         {"tni_perf_per_watt", tni_mj(reference) / tni_mj(run)},
                         {"gpu_perf_per_watt", energy_mj(reference) / energy_mj(run)},
@@ -197,14 +202,11 @@ Json totals_json(const Result& result) {
   perf.update(energy["perf"]);
   energy["perf"] = std::move(perf);
   const Utilisation used = utilisation(s.units);
-  Json totals = {{"cycles", s.cycles},
-                 {"time_ms", time_ms(s)},
-                 {"rays", rays_json(s)},
-                 {"traced_ratio", ratio(s.function.sampling.traced, s.function.sampling.wanted)},
-                 {"sampling", sampling_json(s)},
-                 {"traversal_steps", s.function.traversal_steps},
-                 {"dram_bytes", Units<hw::DramChannel>(s.units).counted(&hw::DramChannel::Stats::bytes)},
-                 {"dram_bytes_by_client", dram_clients_json(s)}};
+  Json totals = {
+      {"cycles", s.cycles},           {"time_ms", time_ms(s)},
+      {"rays", rays_json(s)},         {"traced_ratio", ratio(s.function.sampling.traced, s.function.sampling.wanted)},
+      {"sampling", sampling_json(s)}, {"traversal_steps", s.function.traversal_steps},
+      {"dram_bytes", dram_bytes(s)},  {"dram_bytes_by_client", dram_clients_json(s)}};
   totals.update(energy);
   totals["utilisation"] = {{"tni", used.tni}, {"srp", used.srp}, {"dram", used.dram}};
   const TopDown view = top_down(s.units, s.machine);

@@ -130,6 +130,17 @@ std::string area(const Json& totals) {
                      sim::four_digits(totals["perf"]["mrays_per_s_per_mm2"].get<double>()));
 }
 
+/// What grew most, for a run that is slower than its reference with fewer traversal steps; else empty.
+std::string slower_because(const Json& t) {
+  const Json &relative = t["relative"], &reference = t["reference"];
+  const double steps = relative["traversal_steps"].get<double>();
+  if (relative["speedup"].get<double>() >= 1 || steps >= 1) return "";
+  const double before = reference["cycles"].get<double>(), after = t["cycles"].get<double>();
+  const GrownPart grown = most_grown_part({reference["top_down"], before}, {t["top_down"]["gpu"], after});
+  return fmt::format("{} take {} cycles more, the frame {}, with x{:.3f} of the traversal steps", grown.name,
+                     si_text(grown.cycles), si_text(after - before), steps);
+}
+
 std::string overview(const Json& report) {
   const Json& t = report["totals"];
   const Json& rays = t["rays"];
@@ -175,12 +186,15 @@ std::string overview(const Json& report) {
   if (t.contains("replicates")) line("replicates", replicates_text(t["replicates"]));
   if (t.contains("relative")) {
     const Json& r = t["relative"];
-    line("against reference",
-         fmt::format("speed x{:.2f}, rays x{:.3f}, performance per watt T&I x{:.2f}, GPU x{:.2f}, PSNR {}",
-                     r["speedup"].get<double>(), r["rays"].get<double>(), r["tni_perf_per_watt"].get<double>(),
-                     r["gpu_perf_per_watt"].get<double>(),
-                     t["psnr_db"].is_null() ? "identical" : fmt::format("{:.2f} dB", t["psnr_db"].get<double>())));
+    line(
+        "against reference",
+        fmt::format("speed x{:.2f}, rays x{:.3f}, DRAM traffic x{:.2f}, performance per watt T&I x{:.2f}, GPU x{:.2f}, "
+                    "PSNR {}",
+                    r["speedup"].get<double>(), r["rays"].get<double>(), r["dram_bytes"].get<double>(),
+                    r["tni_perf_per_watt"].get<double>(), r["gpu_perf_per_watt"].get<double>(),
+                    t["psnr_db"].is_null() ? "identical" : fmt::format("{:.2f} dB", t["psnr_db"].get<double>())));
     line("reference's time", top_down_text(t["reference"]["top_down"]));
+    if (const std::string why = slower_because(t); !why.empty()) line("slower because", why);
   }
   return out;
 }

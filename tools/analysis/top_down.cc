@@ -186,6 +186,33 @@ nlohmann::ordered_json levels_json(const MissLevels& l, double share) {
   return {{"interconnect", share * l.interconnect}, {"l2", share * l.l2}, {"dram", share * l.dram}};
 }
 
+/// The name of a part or level in words.
+const char* word_for(const std::string& name) {
+  static const std::map<std::string, const char*> kWords = {{"kernels", "kernels"},
+                                                            {"switches", "kernel switches"},
+                                                            {"banks", "tile-buffer banks"},
+                                                            {"data_misses", "data-cache misses"},
+                                                            {"boxes", "box tests"},
+                                                            {"triangles", "triangle tests"},
+                                                            {"pipes", "T&I pipelines"},
+                                                            {"tree_misses", "tree misses"},
+                                                            {"raster", "rasteriser"},
+                                                            {"raster_misses", "rasteriser's misses"},
+                                                            {"transfers", "transfers"},
+                                                            {"no_tile", "no tile"},
+                                                            {"dram", "DRAM"},
+                                                            {"l2", "L2"},
+                                                            {"interconnect", "interconnect"}};
+  return kWords.at(name);
+}
+
+/// A share, or the sum of those of its levels.
+double sum_of_levels(const nlohmann::ordered_json& share) {
+  double all = 0;
+  for (const auto& [level, part] : share.items()) all += part.get<double>();
+  return all;
+}
+
 }  // namespace
 
 double data_bus_share(std::span<const UnitReport> units) {
@@ -244,35 +271,29 @@ nlohmann::ordered_json top_down_json(const TopDown& view) {
 }
 
 std::string top_down_text(const nlohmann::ordered_json& time) {
-  static const std::map<std::string, const char*> kWords = {{"kernels", "kernels"},
-                                                            {"switches", "kernel switches"},
-                                                            {"banks", "tile-buffer banks"},
-                                                            {"data_misses", "data-cache misses"},
-                                                            {"boxes", "box tests"},
-                                                            {"triangles", "triangle tests"},
-                                                            {"pipes", "T&I pipelines"},
-                                                            {"tree_misses", "tree misses"},
-                                                            {"raster", "rasteriser"},
-                                                            {"raster_misses", "rasteriser's misses"},
-                                                            {"transfers", "transfers"},
-                                                            {"no_tile", "no tile"},
-                                                            {"dram", "DRAM"},
-                                                            {"l2", "L2"},
-                                                            {"interconnect", "interconnect"}};
   std::vector<std::pair<double, std::string>> parts;
   for (const auto& [name, share] : time.items()) {
     if (name == "demands") continue;
-    double all = 0;
-    for (const auto& [level, part] : share.items()) all += part.get<double>();
+    const double all = sum_of_levels(share);
     if (all < 0.005) continue;
     const std::string inner = share.is_object() ? top_down_text(share) : "";
-    parts.emplace_back(all, fmt::format("{} {:.0f} %{}", kWords.at(name), 100 * all,
-                                        inner.empty() ? "" : fmt::format(" ({})", inner)));
+    parts.emplace_back(
+        all, fmt::format("{} {:.0f} %{}", word_for(name), 100 * all, inner.empty() ? "" : fmt::format(" ({})", inner)));
   }
   std::ranges::stable_sort(parts, std::greater<>(), &std::pair<double, std::string>::first);
   std::vector<std::string> words;
   for (auto& [share, word] : parts) words.push_back(std::move(word));
   return fmt::format("{}", fmt::join(words, ", "));
+}
+
+GrownPart most_grown_part(const TimeInCycles& before, const TimeInCycles& after) {
+  GrownPart most;
+  for (const auto& [name, share] : before.time.items()) {
+    if (name == "demands") continue;
+    const double more = after.cycles * sum_of_levels(after.time.at(name)) - before.cycles * sum_of_levels(share);
+    if (more > most.cycles) most = {word_for(name), more};
+  }
+  return most;
 }
 
 }  // namespace tools

@@ -69,4 +69,16 @@ nlohmann::ordered_json top_down_json(const TopDown& view);
 /// first.
 std::string top_down_text(const nlohmann::ordered_json& time);
 
+/// A run's time_json(), and its cycles.
+struct TimeInCycles {
+  const nlohmann::ordered_json& time;
+  double cycles = 0;
+};
+struct GrownPart {
+  std::string name;   ///< in words, as in top_down_text()
+  double cycles = 0;  ///< of an average core
+};
+/// Returns the part of the time that takes most cycles more in `after` than in `before`; empty if no part grew.
+GrownPart most_grown_part(const TimeInCycles& before, const TimeInCycles& after);
+
 }  // namespace tools

@@ -27,6 +27,7 @@ constexpr std::array kEnergy = {"energy_mj",
                                 "perf.nj_per_ray"};
 constexpr std::array kTraffic = {"dram_bytes",
                                  "dram_bytes_by_client",
+                                 "relative.dram_bytes",
                                  "utilisation.dram",
                                  "energy_by_block_mj.dram",
                                  "energy_by_block_mj.dma",

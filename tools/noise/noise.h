@@ -24,6 +24,7 @@ inline constexpr std::array kNoisyFigures = {
     "top_down.gpu",
     "bottleneck.estimated_speedup",
     "relative.speedup",
+    "relative.dram_bytes",
     "relative.tni_power",
     "relative.tni_perf_per_watt",
     "relative.gpu_perf_per_watt",

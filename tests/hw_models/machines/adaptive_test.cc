@@ -141,6 +141,27 @@ TEST(AdaptiveRoom, RaySlotsThatKeepTheirShareSpillLessAndAllEnginesPlayThemAlike
   expect_same_function(fast.function, crowded.function);
 }
 
+// `normal: 2` traces every sample in three passes over a tile: the rays of full:1 in another order.
+TEST(AdaptivePasses, ReadLinesAgainUnlessTheL2HoldsTheScene) {
+  kernels::ProgramConfig nothing_similar;
+  nothing_similar.multirate.normal = 2;
+  const Method full{"forest", "full:1", {}, 64, 32, 16};
+  const Method passes{"forest", "multirate:under", nothing_similar, 64, 32, 16};
+  const auto fills = [](const Outcome& run) { return run.sum("l2.bank", "fills"); };
+
+  GpuConfig config;
+  config.l2.cache.size.bytes = 32 << 20;
+  const Outcome whole_full = play(full, config), whole_passes = play(passes, config);
+  EXPECT_EQ(whole_full.function.traversal_steps, whole_passes.function.traversal_steps);
+  EXPECT_EQ(fills(whole_full), fills(whole_passes)) << "each line once, in any order";
+
+  config.l2.cache.size.bytes = 64 << 10;
+  const Outcome small_passes = play(passes, config);
+  EXPECT_GT(fills(small_passes), fills(play(full, config)) * 5 / 4);
+  config.cores = config.tile_buffer.tiles_in_flight = 1;
+  EXPECT_LT(fills(play(passes, config)), fills(small_passes)) << "fewer tiles in flight touch less";
+}
+
 /// Rounds of propagation, and colours compared for a tile's rate.
 class AdaptiveKeys : public ::testing::TestWithParam<const char*> {
  protected:

@@ -10,7 +10,8 @@ namespace {
 
 using Json = nlohmann::json;
 
-const Words kRelatives = {"speedup", "traversal_steps", "tni_power", "tni_perf_per_watt", "gpu_perf_per_watt", "rays"};
+const Words kRelatives = {"speedup",           "traversal_steps",   "dram_bytes", "tni_power",
+                          "tni_perf_per_watt", "gpu_perf_per_watt", "rays"};
 
 TEST(Reference, AgainstItselfEveryRatioIsOneAndThePicturesAreIdentical) {
   const TempFolder folder;
@@ -44,6 +45,33 @@ TEST(Reference, OfFourTimesTheSamplesCostsMoreAndLooksAlmostTheSame) {
   EXPECT_GT(totals["relative"]["gpu_perf_per_watt"], 1.5);
   EXPECT_GT(totals["relative"]["tni_perf_per_watt"], 1.5);
   EXPECT_NE(read_bytes(out / "reference.exr"), read_bytes(out / "image.exr"));
+}
+
+// Foliage smaller than a pixel: three passes over a tile read its lines three times (docs/adaptive.md, When it loses).
+TEST(Reference, NamesWhatGrewWhereLessWorkTakesMoreTime) {
+  const TempFolder folder;
+  const std::filesystem::path out = folder.path() / "out";
+  const Words words = {"run",         "--scene", "forest", "--resolution", "128x64", "--program", "multirate:under",
+                       "--reference", "full:1",  "-o",     out.string()};
+  const Ending ending = raywatt(words);
+  ASSERT_EQ(ending.exit, 0) << ending.err;
+  const Json totals = read_json(out / "report.json")["totals"], full = read_json(out / "reference.json")["totals"];
+  const Json& relative = totals["relative"];
+  EXPECT_LT(relative["traversal_steps"], 0.8);
+  EXPECT_LT(relative["speedup"], 0.9);
+  EXPECT_GT(relative["dram_bytes"], 1.3);
+  EXPECT_DOUBLE_EQ(relative["dram_bytes"].get<double>(),
+                   totals["dram_bytes"].get<double>() / full["dram_bytes"].get<double>());
+  EXPECT_SAYS(ending.out, "slower because        tree misses take ");
+}
+
+TEST(Reference, NamesNothingWhereLessWorkTakesLessTimeOrMoreWorkTakesMore) {
+  const TempFolder folder;
+  const Ending faster = raywatt(small_run(folder.path() / "faster", {"--reference", "full:4"}));
+  EXPECT_EQ(faster.out.find("slower because"), std::string::npos) << faster.out;
+  const Ending larger = raywatt(small_run(folder.path() / "larger", {"--program", "full:4", "--reference", "full:1"}));
+  ASSERT_EQ(larger.exit, 0) << larger.err;
+  EXPECT_EQ(larger.out.find("slower because"), std::string::npos) << larger.out;
 }
 
 TEST(Reference, KeepsItsOwnReportWhichIsThatOfTheProgramAlone) {

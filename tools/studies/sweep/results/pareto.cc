@@ -20,8 +20,9 @@ namespace {
 /// Better high, but for some below them.
 constexpr std::array<std::string_view, 4> kBetterHigh = {"totals.perf.", "totals.relative.", "totals.psnr_db",
                                                          "totals.utilisation."};
-constexpr std::array<std::string_view, 4> kBetterLow = {"totals.perf.nj_per_ray", "totals.relative.traversal_steps",
-                                                        "totals.relative.tni_power", "totals.relative.rays"};
+constexpr std::array<std::string_view, 5> kBetterLow = {"totals.perf.nj_per_ray", "totals.relative.traversal_steps",
+                                                        "totals.relative.dram_bytes", "totals.relative.tni_power",
+                                                        "totals.relative.rays"};
 
 bool is_better_high(std::string_view path) {
   const auto begins = [&](std::string_view prefix) { return path.starts_with(prefix); };
