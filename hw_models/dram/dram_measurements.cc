@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "hw_models/dram/dram_closed_forms.h"
+#include "hw_models/dram/dram_energy.h"
 #include "hw_models/dram/dram_player.h"
 #include "sim/hash.h"
 
@@ -46,6 +48,11 @@ class Experiment {
   double ns(double cycles) const { return cycles * static_cast<double>(config.timing.ck.time) * 1e-6; }
   /// Bandwidth if a line takes so many cycles.
   double gbps(double cycles) const { return static_cast<double>(config.line.bytes) / ns(cycles); }
+  /// Nominal energy of the whole play, in pJ.
+  double energy() const { return dram_energy(config, play_.stats).nominal; }
+  /// Time until the last data, in ns.
+  double time() const { return static_cast<double>(play_.end) * 1e-6; }
+  double bits() const { return static_cast<double>(8 * play_.stats.bytes); }
   double latency(std::size_t request) const { return static_cast<double>(play_.latency(request)) * 1e-6; }
   /// Last data to last data.
   double distance(std::size_t first, std::size_t second) const {
@@ -174,6 +181,22 @@ void refreshes(const DramConfig& grade, std::vector<DramMeasurement>& measured) 
   }
 }
 
+/// Refreshes, ranks and the controller are those of the grade.
+Experiment as_set(const DramConfig& grade) {
+  Experiment m(grade);
+  m.config = grade;
+  m.config.controller.power_down = false;
+  return m;
+}
+
+/// Power of a channel that moves nothing, in mW: all ranks in that standby, and refreshes.
+double background_mw(const DramConfig& c, const sim::Spread& standby) {
+  const bool all = c.controller.refresh == RefreshKind::kAllBank;
+  const double refresh = all ? c.energy.refresh_all.nominal : c.energy.refresh.nominal;
+  const double interval_ns = static_cast<double>(c.refresh_interval() * c.timing.ck.time) * 1e-6;
+  return c.organisation.ranks * (standby.nominal + (interval_ns == 0 ? 0 : refresh / interval_ns));
+}
+
 }  // namespace
 
 bool DramMeasurement::good() const {
@@ -197,6 +220,43 @@ std::vector<DramMeasurement> dram_measurements(const DramConfig& grade) {
   sequential(grade, measured);
   rows(grade, measured);
   refreshes(grade, measured);
+  std::ranges::move(dram_energy_measurements(grade), std::back_inserter(measured));
+  return measured;
+}
+
+std::vector<DramMeasurement> dram_energy_measurements(const DramConfig& grade) {
+  const DramEnergy& e = grade.energy;
+  const double line = grade.bursts_per_line() * (e.read_core + e.read_io + e.phy).nominal;
+  const double line_bits = 8 * static_cast<double>(grade.line.bytes);
+  const double lines_of_row = static_cast<double>(grade.organisation.page.bytes / grade.line.bytes);
+  std::vector<DramMeasurement> measured;
+
+  Experiment stream = as_set(grade);
+  for (Addr i = 0; i < kLines; ++i) stream.send(i * stream.config.line.bytes);
+  stream.go();
+  const double active = background_mw(grade, e.active_standby);
+  const double streamed = (line + e.activate.nominal / lines_of_row) / line_bits;
+  measured.push_back({"energy, sequential reads", "pJ/bit", stream.energy() / stream.bits(),
+                      streamed + active * stream.time() / stream.bits(), Holds::kClosely});
+
+  Experiment random = as_set(grade);
+  for (Addr i = 0; i < kLines; ++i) random.send(sim::hash(i) % (1 << 22) * random.config.line.bytes);
+  random.go();
+  measured.push_back({"energy, random reads", "pJ/bit", random.energy() / random.bits(),
+                      (line + e.activate.nominal) / line_bits + active * random.time() / random.bits(),
+                      Holds::kClosely});
+
+  Experiment idle = as_set(grade);
+  idle.config.controller.page_policy = PagePolicy::kClosed;
+  constexpr std::uint64_t kIdleCycles = 8'000'000;
+  idle.send(0);
+  idle.send(0, kIdleCycles);
+  idle.go();
+  const double mw = idle.energy() / idle.time(), expected = background_mw(grade, e.precharge_standby);
+  const double peak_bits_per_ns = 8 * static_cast<double>(grade.organisation.burst.bytes) / idle.ns(grade.timing.burst);
+  measured.push_back({"energy, idle", "mW", mw, expected, Holds::kClosely});
+  measured.push_back({"energy, idle, for each bit of the peak", "pJ/bit", mw / peak_bits_per_ns,
+                      expected / peak_bits_per_ns, Holds::kClosely});
   return measured;
 }
 

@@ -17,7 +17,7 @@ struct DramMeasurement {
     kAtMost,   ///< the form is a bound that leaves out command slots and waiting banks (2 % for ends)
   };
   std::string name;
-  std::string unit;  ///< "ns" or "GB/s"
+  std::string unit;  ///< "ns", "GB/s", "pJ/bit" or "mW"
   double measured = 0;
   double expected = 0;
   Holds holds = Holds::kExactly;
@@ -25,8 +25,12 @@ struct DramMeasurement {
   bool good() const;
 };
 
-/// The measured of a speed grade: its organisation and timing, under a controller that leaves rows open, neither
-/// refreshes nor powers down and maps addresses as each figure needs it.
+/// Returns the times and bandwidths of a speed grade: its organisation and timing, under a controller that leaves rows
+/// open, neither refreshes nor powers down and maps addresses as each figure needs it; then dram_energy_measurements().
 std::vector<DramMeasurement> dram_measurements(const DramConfig& grade);
+
+/// Returns the nominal energy of a channel as configured, all its ranks and refreshes included: per bit of a stream and
+/// of random reads, and idle, as power and per bit that the idle bus could have moved.
+std::vector<DramMeasurement> dram_energy_measurements(const DramConfig& grade);
 
 }  // namespace hw

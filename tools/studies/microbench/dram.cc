@@ -10,6 +10,7 @@
 #include "sim/report/conversions.h"
 #include "sim/report/report_json.h"
 #include "sim/report/table.h"
+#include "tools/host/paths.h"
 #include "tools/simulation/load_config.h"
 #include "tools/studies/microbench/benchmark.h"
 #include "tools/studies/microbench/dram_stream.h"
@@ -161,18 +162,37 @@ Figure::Holds same(hw::DramMeasurement::Holds holds) {
   return Figure::Holds::kAtMost;
 }
 
-Findings figures_of(const hw::DramConfig& config) {
-  Findings findings{config.grade + ", a channel", {}};
-  for (const hw::DramMeasurement& f : hw::dram_measurements(config)) {
-    findings.figures.push_back({f.name, f.unit, f.measured, f.expected, same(f.holds)});
+hw::DramConfig memory_of(const BenchmarkJob& job, const JobOptions& machine) {
+  hw::DramConfig config = load_run_config(machine).gpu.dram;
+  if (job.refresh == "off") config.timing.refi_pb = config.timing.refi_ab = 0;
+  return config;
+}
+
+void add(Findings& findings, const std::string& prefix, const std::vector<hw::DramMeasurement>& measured) {
+  for (const hw::DramMeasurement& f : measured)
+    findings.figures.push_back({prefix + f.name, f.unit, f.measured, f.expected, same(f.holds)});
+}
+
+/// Energy of every grade in configs/dram, a channel each.
+Findings energies_of_grades(const BenchmarkJob& job) {
+  Findings findings{"energy of a channel of each grade", {}};
+  for (const std::string& grade : config_names_in("dram")) {
+    JobOptions of_grade = job.machine;
+    of_grade.sets.insert(of_grade.sets.begin(), "dram.extends=" + grade);
+    const hw::DramConfig config = memory_of(job, of_grade);
+    add(findings, config.grade + ", ", hw::dram_energy_measurements(config));
   }
   return findings;
 }
 
 Findings measure(const BenchmarkJob& job) {
-  hw::DramConfig config = load_run_config(job.machine).gpu.dram;
-  if (job.refresh == "off") config.timing.refi_pb = config.timing.refi_ab = 0;
-  if (job.stream.empty()) return figures_of(config);
+  if (job.all_grades) return energies_of_grades(job);
+  const hw::DramConfig config = memory_of(job, job.machine);
+  if (job.stream.empty()) {
+    Findings findings{config.grade + ", a channel", {}};
+    add(findings, "", hw::dram_measurements(config));
+    return findings;
+  }
   const std::vector<hw::DramRequest> requests = load_dram_stream(job.stream);
   const Result result(config, requests, job.outstanding == 0 ? config.controller.read_queue : job.outstanding);
   return {.title = {}, .figures = {}, .printed = job.json ? sim::json_text(stream_json(result)) : stream_text(result)};
@@ -190,7 +210,8 @@ Benchmark dram_benchmark() {
       "left out. Time 0 is when the first request may reach the channel. Percentiles are by nearest rank.\n"
       "\n"
       "Example: raywatt microbench dram --stream requests.txt --outstanding 16 --refresh off\n"
-      "Example: raywatt microbench dram --set dram.extends=dram/lpddr5-6400",
+      "Example: raywatt microbench dram --set dram.extends=dram/lpddr5-6400\n"
+      "Example: raywatt microbench dram --all-grades",
       {{"--stream",
         "play this file, or standard input if it is -. A line is a hexadecimal address, R or W, and if\n"
         "wanted the earliest time in ns. Without it: a table of figures beside their closed forms",
@@ -202,6 +223,7 @@ Benchmark dram_benchmark() {
         false,
         {},
         65536},
+       {"--all-grades", "energy of each speed grade in configs/dram in turn", &BenchmarkJob::all_grades},
        {"--refresh", "off: no refreshes", &BenchmarkJob::refresh, true, {"on", "off"}},
        {"--json", "as JSON, with every request's completion time", &BenchmarkJob::json}},
       measure};

@@ -39,6 +39,19 @@ TEST(MicrobenchDram, HoldsEveryGradeToItsClosedForms) {
   }
 }
 
+// Derived from one die in docs/design/energy.md: idle is precharge standby and refresh, 2905 pJ each 488.75 ns.
+TEST(MicrobenchDram, ComparesTheEnergyOfAllGrades) {
+  const Ending ending = raywatt({"microbench", "dram", "--all-grades", "--json"});
+  ASSERT_EQ(ending.exit, 0) << ending.err;
+  const nlohmann::json figures = nlohmann::json::parse(ending.out)["figures"];
+  ASSERT_EQ(figures.size(), 5U * 4U);
+  EXPECT_EQ(figures[0]["name"], "LPDDR3-1600, energy, sequential reads");
+  EXPECT_EQ(figures[18]["name"], "LPDDR5-6400, energy, idle");
+  EXPECT_NEAR(figures[18]["measured"], 10.67 + 2905 / 488.75, 0.01);
+  EXPECT_EQ(figures[18]["unit"], "mW");
+  for (const nlohmann::json& figure : figures) EXPECT_TRUE(figure["good"]) << figure["name"];
+}
+
 TEST(MicrobenchDram, PrintsATable) {
   const Ending ending = raywatt({"microbench", "dram"});
   EXPECT_EQ(ending.exit, 0) << ending.err;
@@ -83,8 +96,8 @@ TEST(MicrobenchDram, SaysWhenEachRequestOfAFileIsDone) {
 
 TEST(MicrobenchDram, CountsTheEnergyOfWhatItDid) {
   const nlohmann::json j = played("0 R\n", {"--refresh", "off"});
-  const double standby = 10.91 * 47.5;  // mW x ns: the row is open from the start
-  const double pj = 301 + 2 * (404.2 + 412.2 + 512) + standby;
+  const double standby = 18.62 * 47.5;  // mW x ns: the row is open from the start
+  const double pj = 616.9 + 2 * (551.3 + 412.2 + 512) + standby;
   EXPECT_NEAR(j["energy_pj_per_bit"]["nominal"].get<double>(), pj / 512, 1e-9);
 }
 
