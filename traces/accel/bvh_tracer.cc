@@ -34,7 +34,7 @@ struct Nothing {
 template <class Lanes, bool kAnyHit, bool kLevels, class Record>
 class Walk {
  public:
-  Walk(const MemoryImage& image, const Ray& ray, Record& record)
+  Walk(const MemoryImage& image, bool is_single_sided, const Ray& ray, Record& record)
       : image_(image),
         ray_(ray),
         record_(record),
@@ -42,6 +42,7 @@ class Walk {
                           : RayBoxes<Lanes>(ray, image.lower, image.upper)),
         triangles_(ray),
         world_(boxes_),
+        is_single_sided_(is_single_sided),
         t_min_(ray.t_min),
         limit_(std::min(ray.t_max, std::numeric_limits<float>::max())) {}
 
@@ -147,7 +148,8 @@ class Walk {
   std::uint32_t test_group(std::uint32_t first, std::uint32_t& count, bool& ends) {
     const auto result = triangles_.test(&image_.triangles[first], count);
     const unsigned lanes = (1U << count) - 1;
-    const unsigned reached = less_equal(Lanes::all(t_min_), result.t) & lanes;
+    unsigned reached = less_equal(Lanes::all(t_min_), result.t) & lanes;
+    if (is_single_sided_) reached &= ~result.missing(&image_.triangles[first], count);
     unsigned in_range = reached & less_equal(result.t, Lanes::all(limit_));
     if (in_range == 0) return phases_of(0, 0);
     const unsigned inside = result.inside();
@@ -199,7 +201,8 @@ class Walk {
   [[no_unique_address]] const std::conditional_t<kLevels, RayBoxes<Lanes>, Nothing> world_;  ///< boxes_ at first
   std::uint32_t instance_ = kNone;  ///< whose space the ray is in
   std::uint32_t hit_instance_ = kNone;
-  std::size_t floor_ = 0;  ///< depth of the stack when it entered
+  std::size_t floor_ = 0;       ///< depth of the stack when it entered
+  const bool is_single_sided_;  ///< some triangles have one face alone
   const float t_min_;
   float limit_;  ///< nothing behind this is of interest: t_max, later the hit
   Hit hit_;
@@ -209,10 +212,12 @@ class Walk {
 
 template <class Lanes, bool kAnyHit, bool kLevels, class Record>
 void trace_all(const MemoryImage& image, std::span<const Ray> rays, std::span<Hit> hits, Record&& record) {
+  const bool is_single_sided = image.has_single_sided();
   for (std::size_t i = 0; i < rays.size(); ++i) {
     record.begin_ray();
     record.make_room();
-    hits[i] = Walk<Lanes, kAnyHit, kLevels, std::remove_reference_t<Record>>(image, rays[i], record).run();
+    hits[i] =
+        Walk<Lanes, kAnyHit, kLevels, std::remove_reference_t<Record>>(image, is_single_sided, rays[i], record).run();
   }
 }
 

@@ -49,14 +49,24 @@ struct Query {
   RTCRayQueryContext context;
   const MemoryImage* image = nullptr;
   const Ray* ray = nullptr;
+  bool is_single_sided = false;
   float tie = 0;  ///< part of the tie distance that does not depend on the hit
   Hit best;
   Rank rank;
 
+  RayTriangles<NativeLanes>::Result test(std::uint32_t instance, const TriangleRecord& record) const {
+    const Ray seen = image->has_levels() ? into_object(image->instances[instance], *ray) : *ray;
+    return RayTriangles<NativeLanes>(seen).test(&record, 1);
+  }
+  /// Whether the ray sees a face of the triangle that is there.
+  bool is_there(std::uint32_t instance, std::uint32_t triangle) const {
+    if (!is_single_sided) return true;
+    const TriangleRecord& record = image->triangles[triangle];
+    return test(instance, record).missing(&record, 1) == 0;
+  }
   Rank rank_of(std::uint32_t instance, std::uint32_t triangle) const {
     const TriangleRecord& record = image->triangles[triangle];
-    const Ray seen = image->has_levels() ? into_object(image->instances[instance], *ray) : *ray;
-    const auto result = RayTriangles<NativeLanes>(seen).test(&record, 1);
+    const auto result = test(instance, record);
     std::array<float, 4> t;
     result.t.store(t.data());
     return {(result.inside() & 1U) != 0, t[0], instance, record.source};
@@ -84,6 +94,10 @@ void keep_best(const RTCFilterFunctionNArguments* arguments) {
   const bool levels = query.image->has_levels();
   const std::uint32_t instance = levels ? hit.instID[0] : 0;
   const std::uint32_t first = levels ? query.image->trees[query.image->tree_of[instance]].first_triangle : 0;
+  if (!query.is_there(instance, first + hit.primID)) {
+    arguments->valid[0] = 0;  // Embree goes on behind it
+    return;
+  }
   query.offer({ray.tfar, hit.u, hit.v, first + hit.primID}, instance);
   ray.tfar = query.horizon();
 }
@@ -112,6 +126,7 @@ struct EmbreeTracer::Impl {
   bool blocked(const Ray& ray) const;
 
   const MemoryImage& image_;
+  bool is_single_sided_;
   bool has_flags_;
   float diagonal_;
   EmbreeDevice device_;
@@ -121,6 +136,7 @@ struct EmbreeTracer::Impl {
 
 EmbreeTracer::Impl::Impl(const MemoryImage& image, unsigned threads, sim::Stop stop)
     : image_(image),
+      is_single_sided_(image.has_single_sided()),
       has_flags_(std::ranges::any_of(image.triangles, [](const TriangleRecord& t) { return t.flags() != 0; })),
       diagonal_(image.diagonal()),
       device_(open_embree(kInstructionSet + ",threads=" + std::to_string(threads))),
@@ -184,6 +200,7 @@ Hit EmbreeTracer::Impl::nearest(const Ray& ray) const {
   Query query;
   query.image = &image_;
   query.ray = &ray;
+  query.is_single_sided = is_single_sided_;
   query.tie = kTieOfDiagonal * diagonal_ / glm::length(ray.direction);
   rtcInitRayQueryContext(&query.context);
   RTCRayHit r{embree_ray(ray), {}};
@@ -223,7 +240,7 @@ EmbreeTracer::~EmbreeTracer() = default;
 void EmbreeTracer::trace(std::span<const Ray> rays, RayKind kind, std::span<Hit> hits, WalkSink*) const {
   assert(hits.size() == rays.size());
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    if (kind == RayKind::kShadow && !impl_->has_flags_) {
+    if (kind == RayKind::kShadow && !impl_->has_flags_ && !impl_->is_single_sided_) {
       hits[i] = impl_->blocked(rays[i]) ? Hit{rays[i].t_min, 0, 0, 0} : Hit{};
     } else {
       hits[i] = impl_->nearest(rays[i]);

@@ -14,7 +14,7 @@ namespace traces {
 /// Distances and weights are Embree's own. Where several triangles lie within rounding of each other along a ray, which
 /// Embree would settle by the order it happens to meet them, the one that BvhTracer's rule prefers is taken: the
 /// nearest by the triangle test of triangle_test.h, then the lowest `source`. A shadow ray that is blocked reports
-/// triangle 0; in a scene with flagged triangles, the nearest hit.
+/// triangle 0; in a scene with flagged or single-sided triangles, the nearest hit.
 class EmbreeTracer : public Tracer {
  public:
   /// `image` must outlive the tracer; `threads` build Embree's tree (0: all there are). sim::Cancelled if `stop` ends

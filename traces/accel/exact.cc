@@ -30,6 +30,7 @@ Standing standing_of(double value, double margin) {
 struct ToWorld {
   glm::dmat3 linear{1};
   glm::dvec3 origin{0};  ///< that of the mesh's space
+  double handedness = 1;
   glm::dvec3 operator()(const glm::vec3& p) const { return linear * (glm::dvec3(p) - origin); }
 };
 
@@ -43,7 +44,7 @@ glm::dvec3 translation_of(const InstanceRecord& instance) {
 }
 
 ToWorld to_world(const InstanceRecord& instance) {
-  return {glm::inverse(linear_of(instance)), translation_of(instance)};
+  return {glm::inverse(linear_of(instance)), translation_of(instance), instance.handedness};
 }
 
 /// Does the ray come near the boxes of the instance's root? Near is some hundred times what makes a hit uncertain.
@@ -67,6 +68,15 @@ bool comes_near(const Ray& ray, const MemoryImage& image, const InstanceRecord& 
   return enter <= leave;
 }
 
+/// Whether the face that is seen is there. `cosine`: between the ray and the normal of a face whose corners run
+/// counter-clockwise.
+Standing standing_of_face(const TriangleRecord& triangle, double cosine) {
+  const bool has_clockwise = (triangle.material & kNoClockwise) == 0;
+  const bool has_other = (triangle.material & kNoCounterClockwise) == 0;
+  if (has_clockwise && has_other) return Standing::kHit;
+  return standing_of(has_clockwise ? cosine : -cosine, kBarycentricMargin);
+}
+
 ExactHit exact_hit(const Ray& ray, const TriangleRecord& triangle, const ToWorld& world, double diagonal) {
   const glm::dvec3 origin(ray.origin), direction(ray.direction);
   const std::array<glm::dvec3, 3> v{world(triangle.v0), world(triangle.v1), world(triangle.v2)};
@@ -81,6 +91,8 @@ ExactHit exact_hit(const Ray& ray, const TriangleRecord& triangle, const ToWorld
   if (!std::isinf(ray.t_max)) {
     standing = weaker(standing, standing_of(ray.t_max - t, kIntervalMargin * ray.t_max + t_margin));
   }
+  standing = weaker(
+      standing, standing_of_face(triangle, world.handedness * slope / (glm::length(normal) * glm::length(direction))));
   const glm::dvec3 at = origin + t * direction;
   const double twice_area = glm::length(normal);
   for (std::size_t i = 0; i < 3 && standing != Standing::kMiss; ++i) {

@@ -1,5 +1,6 @@
 #include "traces/accel/memory_image.h"
 
+#include <algorithm>
 #include <utility>
 
 #include <glm/geometric.hpp>
@@ -88,6 +89,10 @@ Layout layout_of(const ImageCounts& counts, const std::vector<NodeRecord>& nodes
   }
   at.frame_buffer = at.end = next;
   return at;
+}
+
+bool MemoryImage::has_single_sided() const {
+  return std::ranges::any_of(materials, [](const MaterialRecord& m) { return (m.flags & kSingleSided) != 0; });
 }
 
 float MemoryImage::diagonal() const { return glm::length(upper - lower); }

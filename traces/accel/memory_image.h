@@ -59,12 +59,17 @@ struct alignas(64) InstanceRecord {
 };
 static_assert(sizeof(InstanceRecord) == 64);
 
+// In TriangleRecord::material: a ray that sees the triangle's corners run that way passes through it. The first phase
+// of the intersection test says so, with the sign of the plane's slope along the ray.
+inline constexpr std::uint32_t kNoClockwise = 1U << 29, kNoCounterClockwise = 1U << 28;
+inline constexpr std::uint32_t kMaterialMask = kNoCounterClockwise - 1;
+
 /// Triangle for the intersection unit: 48 bytes, three vertices and what a hit must say without another fetch.
 struct TriangleRecord {
   glm::vec3 v0, v1, v2;
   std::uint32_t object;    ///< object id: index of the instance, with kFocusObject above it; 0 if that is for
                            ///< InstanceRecord to say
-  std::uint32_t material;  ///< with the flags of ray.h above it
+  std::uint32_t material;  ///< with the faces that it has not and the flags of ray.h above it
   std::uint32_t source;  ///< index of the triangle before leaf order (instance by instance; in two levels: in its mesh)
   std::uint32_t flags() const { return material & ~kTriangleMask; }
 };
@@ -105,10 +110,11 @@ enum MaterialFlag : std::uint32_t {
   kPhysical = 1U << 7,  ///< metal_rough texture
   kBumped = 1U << 8,    ///< normal texture
   kAbsorbing = 1U << 9,
-  kBlended = 1U << 10,   ///< Material::Alpha::kBlend
-  kGlowing = 1U << 11,   ///< emission texture
-  kOccluded = 1U << 12,  ///< occlusion texture
-  kMasked = 1U << 13,    ///< Material::Alpha::kMask
+  kBlended = 1U << 10,      ///< Material::Alpha::kBlend
+  kGlowing = 1U << 11,      ///< emission texture
+  kOccluded = 1U << 12,     ///< occlusion texture
+  kMasked = 1U << 13,       ///< Material::Alpha::kMask
+  kSingleSided = 1U << 14,  ///< rays pass through back faces
   // Textures that are looked up with the second coordinates.
   kBaseSecond = 1U << 16,
   kMetalRoughSecond = 1U << 17,
@@ -233,6 +239,7 @@ struct MemoryImage {
   Layout layout;
   bool has_levels() const { return !instances.empty(); }
   bool has_mip_maps() const { return !mip_levels.empty(); }
+  bool has_single_sided() const;  ///< rays pass through the back faces of some material
   std::uint64_t node_array_bytes() const;
   float diagonal() const;
 };

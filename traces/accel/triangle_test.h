@@ -20,7 +20,8 @@ struct Lanes3 {
 
 /// One ray against up to four triangles. The edge tests are Pluecker products of vertices seen from the ray's origin:
 /// two triangles that share an edge compute the same number for it with opposite sign, so no ray slips between them.
-/// Both faces are hit. A triangle without area and a ray in the triangle's plane give no finite distance.
+/// Both faces are hit; `missing` lists those that are not there. A triangle without area and a ray in the triangle's
+/// plane give no finite distance.
 template <class Lanes>
 class RayTriangles {
  public:
@@ -30,6 +31,7 @@ class RayTriangles {
 
   struct Result {
     Lanes t;             ///< distance of the plane
+    Lanes slope;         ///< negative if the corners are seen to run counter-clockwise
     Lanes u, v, w, sum;  ///< weights of the second, third and first vertex, times `sum`
     /// A bit per lane whose ray passes through the triangle.
     unsigned inside() const {
@@ -37,6 +39,16 @@ class RayTriangles {
       const unsigned positive = less_equal(-slack, min(min(u, v), w));
       const unsigned negative = less_equal(max(max(u, v), w), slack);
       return (positive | negative) & ~equal(sum, Lanes::all(0));
+    }
+    /// A bit per lane, of the `count` triangles at `at`, whose face that the ray sees is not there.
+    unsigned missing(const TriangleRecord* at, unsigned count) const {
+      const unsigned clockwise = less(Lanes::all(0), slope);
+      unsigned lanes = 0;
+      for (unsigned i = 0; i < count; ++i) {
+        const bool is_clockwise = ((clockwise >> i) & 1U) != 0;
+        lanes |= (at[i].material & (is_clockwise ? kNoClockwise : kNoCounterClockwise)) != 0 ? 1U << i : 0U;
+      }
+      return lanes;
     }
   };
 
@@ -61,7 +73,8 @@ class RayTriangles {
     r.w = dot(cross(e2, v1 + v2), direction_);
     r.sum = r.u + r.v + r.w;
     const Lanes3<Lanes> n = normal(e0, e1, e2);
-    r.t = dot(v0, n) / dot(direction_, n);
+    r.slope = dot(direction_, n);
+    r.t = dot(v0, n) / r.slope;
     return r;
   }
 

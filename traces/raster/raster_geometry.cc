@@ -38,19 +38,25 @@ class ToWorld {
   glm::dvec3 offset_{0};
 };
 
+/// The face that a triangle has not, where its mesh may be mirrored on the way to the world.
+std::uint32_t missing_face(const TriangleRecord& triangle, bool is_mirrored) {
+  const std::uint32_t missing = triangle.material & (kNoClockwise | kNoCounterClockwise);
+  return missing != 0 && is_mirrored ? missing ^ (kNoClockwise | kNoCounterClockwise) : missing;
+}
+
 /// Vertices of triangles that share them: each new position gets the next number.
 class Welder {
  public:
   explicit Welder(RasterGeometry& geometry) : geometry_(geometry) {}
 
   template <class ToSpace>
-  void add(const MemoryImage& image, std::uint32_t first, std::uint32_t count, std::uint32_t instance,
+  void add(const MemoryImage& image, std::uint32_t first, std::uint32_t count, std::uint32_t instance, bool is_mirrored,
            ToSpace&& in_world) {
     numbers_.clear();  // instances share none: their vertices are other points of the world
     numbers_.reserve(count);
     for (std::uint32_t t = first; t < first + count; ++t) {
       const TriangleRecord& record = image.triangles[t];
-      RasterGeometry::Triangle triangle{{}, t, instance};
+      RasterGeometry::Triangle triangle{{}, t, instance, missing_face(record, is_mirrored)};
       std::size_t corner = 0;
       for (const glm::vec3* p : {&record.v0, &record.v1, &record.v2}) {
         const auto next = static_cast<std::uint32_t>(geometry_.vertices.size());
@@ -75,16 +81,17 @@ RasterGeometry raster_geometry(const MemoryImage& image) {
   const auto as_it_is = [](const glm::vec3& p) { return glm::dvec3(p); };
   if (!image.has_levels()) {
     geometry.triangles.reserve(image.triangles.size());
-    welder.add(image, 0, static_cast<std::uint32_t>(image.triangles.size()), kNone, as_it_is);
+    welder.add(image, 0, static_cast<std::uint32_t>(image.triangles.size()), kNone, false, as_it_is);
     return geometry;
   }
   for (std::uint32_t i = 0; i < image.instances.size(); ++i) {
     if (image.tree_of[i] == kNone) continue;
     const ObjectTree& tree = image.trees[image.tree_of[i]];
     if (tree.in_world) {
-      welder.add(image, tree.first_triangle, tree.triangles, i, as_it_is);
+      welder.add(image, tree.first_triangle, tree.triangles, i, false, as_it_is);
     } else {
-      welder.add(image, tree.first_triangle, tree.triangles, i, ToWorld(image.instances[i]));
+      const bool is_mirrored = image.instances[i].handedness < 0;
+      welder.add(image, tree.first_triangle, tree.triangles, i, is_mirrored, ToWorld(image.instances[i]));
     }
   }
   return geometry;

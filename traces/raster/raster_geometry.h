@@ -17,6 +17,7 @@ struct RasterGeometry {
     std::array<std::uint32_t, 3> vertices{};
     std::uint32_t index = 0;         ///< among the memory image's
     std::uint32_t instance = kNone;  ///< two levels
+    std::uint32_t missing = 0;       ///< kNoClockwise or kNoCounterClockwise, as seen in world space
   };
   std::vector<glm::dvec3> vertices;
   std::vector<Triangle> triangles;

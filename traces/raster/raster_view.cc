@@ -24,6 +24,7 @@ bool EdgeFunctions::set(const std::array<Projected, 3>& v) {
   for (const glm::dvec3& edge : edges_) {
     if (!std::isfinite(edge.x + edge.y + edge.z)) return false;
   }
+  is_clockwise_ = determinant_ > 0;
   if (determinant_ < 0) {
     determinant_ = -determinant_;
     for (glm::dvec3& edge : edges_) edge = -edge;

@@ -52,6 +52,8 @@ class EdgeFunctions {
   /// False, and nothing to ask, for a triangle without area in the picture or with a vertex that is no finite number.
   bool set(const std::array<Projected, 3>& vertices);
 
+  /// Whether its corners are seen to run clockwise.
+  bool is_clockwise() const { return is_clockwise_; }
   bool covers(const glm::dvec2& at) const;
   /// Depth at a point that it covers.
   double depth(const glm::dvec2& at) const { return determinant_ / (value(0, at) + value(1, at) + value(2, at)); }
@@ -65,6 +67,7 @@ class EdgeFunctions {
 
   std::array<glm::dvec3, 3> edges_{};  ///< each positive inside
   double determinant_ = 0;
+  bool is_clockwise_ = false;
 };
 
 /// Bounds of a triangle's visible part, clipped at the near plane; false if there is none.

@@ -10,8 +10,8 @@
 namespace traces {
 
 /// Lists of the triangles that may show in each part of a picture, squares of so many pixels row by row. A triangle is
-/// in the list of every part that its bounds lie in and none of its edges shuts out; lists are in the order of
-/// triangles, one behind the other.
+/// in the list of every part that its bounds lie in and none of its edges shuts out, unless the face that is seen is
+/// not there; lists are in the order of triangles, one behind the other.
 class TriangleLists {
  public:
   /// `geometry` and `view` must outlive it.
@@ -30,13 +30,13 @@ class TriangleLists {
   /// Calls `f(list)` for each list that a triangle is in, in their order.
   template <class F>
   void each_of(std::uint32_t triangle, F&& f) const {
-    each_of(corners(triangle), f);
+    each_of(corners(triangle), geometry_.triangles[triangle].missing, f);
   }
 
  private:
   std::array<Projected, 3> corners(std::uint32_t triangle) const;
   template <class F>
-  void each_of(const std::array<Projected, 3>& corners, F&& f) const;
+  void each_of(const std::array<Projected, 3>& corners, std::uint32_t missing, F&& f) const;
 
   const RasterGeometry& geometry_;
   const RasterView& view_;
@@ -46,10 +46,11 @@ class TriangleLists {
 };
 
 template <class F>
-void TriangleLists::each_of(const std::array<Projected, 3>& corners, F&& f) const {
+void TriangleLists::each_of(const std::array<Projected, 3>& corners, std::uint32_t missing, F&& f) const {
   RasterBounds bounds;
   EdgeFunctions edges;
   if (!bounds_of(corners, near_, bounds) || !edges.set(corners)) return;
+  if ((missing & (edges.is_clockwise() ? kNoClockwise : kNoCounterClockwise)) != 0) return;
   const auto& [low, high] = bounds.box;
   if (!(high.x >= 0 && high.y >= 0 && low.x <= view_.width() && low.y <= view_.height())) return;
   const auto part = [&](double pixels, std::uint32_t parts) {

@@ -90,12 +90,31 @@ void orbit(Scene& scene, double degrees) {
   camera.to_world = glm::mat4(turn * glm::dmat4(camera.to_world));
 }
 
+/// Gives single-sided materials their back faces, with a warning if a mesh uses one.
+void show_back_faces(Scene& scene) {
+  std::vector<bool> is_used(scene.materials.size());
+  for (const Mesh& mesh : scene.meshes) {
+    if (mesh.material < is_used.size()) is_used[mesh.material] = true;
+  }
+  std::size_t hidden = 0;
+  for (std::size_t i = 0; i < scene.materials.size(); ++i) {
+    Material& material = scene.materials[i];
+    hidden += is_used[i] && !material.double_sided && material.transmission == 0 ? 1 : 0;
+    material.double_sided = true;
+  }
+  if (hidden == 0) return;
+  scene.warnings.push_back(fmt::format(
+      "{} of {} materials have doubleSided: false, but their back faces are shown; scene.back_faces: culled hides them",
+      hidden, scene.materials.size()));
+}
+
 }  // namespace
 
 Scene open_workload(const WorkloadConfig& workload, const SceneLimits& limits) {
   Scene scene = open_scene(workload.name, {.triangles = workload.triangles}, limits);
   const bool own_view = workload.view.source == ViewSource::kOwn;
   const Camera camera = own_view ? own_camera(workload.view) : scene.cameras[find_camera(scene, workload.camera)];
+  if (workload.back_faces == BackFaces::kShown) show_back_faces(scene);
   choose_lights(scene, workload.lights);
   scene.cameras = {camera};
   if (workload.camera_path == CameraPath::kOrbit) hold_camera(scene);

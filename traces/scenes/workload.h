@@ -23,6 +23,10 @@ constexpr std::array<std::string_view, 4> names_of(LightRig) { return {"scene", 
 enum class Sky : std::uint8_t { kScene, kOwn };
 constexpr std::array<std::string_view, 2> names_of(Sky) { return {"scene", "own"}; }
 
+/// Whether rays hit the back faces of single-sided materials.
+enum class BackFaces : std::uint8_t { kShown, kCulled };
+constexpr std::array<std::string_view, 2> names_of(BackFaces) { return {"shown", "culled"}; }
+
 enum class ViewSource : std::uint8_t { kScene, kOwn };
 constexpr std::array<std::string_view, 2> names_of(ViewSource) { return {"scene", "own"}; }
 
@@ -104,6 +108,7 @@ struct WorkloadConfig {
   double orbit = 30;
   std::uint32_t first_frame = 0, last_frame = 0;
   double frame_rate = 30;
+  BackFaces back_faces = BackFaces::kShown;
   LightsConfig lights;
   SkyConfig sky;
 
@@ -125,6 +130,10 @@ struct WorkloadConfig {
     field(NAMED(c.last_frame), "", "last frame rendered", sim::between(0, 1000000), Affects::kFunction);
     field(NAMED(c.frame_rate), "frames/s", "of the animation's time, not of the machine", sim::between(0.01, 10000),
           Affects::kFunction);
+    field(NAMED(c.back_faces), "",
+          "back faces of single-sided materials (glTF doubleSided: false): hit by rays, or passed through; materials "
+          "that transmit light keep both faces",
+          sim::any(), Affects::kFunction);
     field.group(NAMED(c.view), "camera instead of the scene's");
     field.group(NAMED(c.lights), "lights instead of the scene's");
     field.group(NAMED(c.sky), "sky instead of the scene's");

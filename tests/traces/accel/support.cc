@@ -141,6 +141,12 @@ Scene with_flags(Scene scene) {
   return scene;
 }
 
+Scene single_sided(Scene scene) {
+  if (scene.materials.empty()) scene.materials.emplace_back();
+  for (Material& material : scene.materials) material.double_sided = false;
+  return scene;
+}
+
 std::vector<Ray> random_rays(std::uint32_t count, std::uint64_t seed) {
   Dice dice(seed);
   std::vector<Ray> rays(count);
@@ -196,7 +202,8 @@ Hit test_all(const MemoryImage& image, const Ray& ray) {
     for (std::uint32_t i = first; i < first + count; ++i) {
       const auto result = triangles.test(&image.triangles[i], 1);
       const float t = result.t.v[0];
-      if ((result.inside() & 1U) == 0 || !(t >= ray.t_min && t <= best.t)) continue;
+      if ((result.inside() & ~result.missing(&image.triangles[i], 1) & 1U) == 0 || !(t >= ray.t_min && t <= best.t))
+        continue;
       const auto rank = [&](std::uint32_t of, std::uint32_t triangle) {
         return std::pair(of, image.triangles[triangle].source);
       };

@@ -41,6 +41,9 @@ Scene scattered(std::uint32_t count, std::uint64_t seed = 4);
 /// Gives two of three triangles a material that is not solid: one with an alpha, one that lets light in.
 Scene with_flags(Scene scene);
 
+/// Takes the back faces off all materials.
+Scene single_sided(Scene scene);
+
 std::vector<Ray> random_rays(std::uint32_t count, std::uint64_t seed = 2);
 /// From and along the grid of eighths: zero components of both signs, origins on planes, edges and corners.
 std::vector<Ray> grid_rays(std::uint32_t count, std::uint64_t seed = 3);

@@ -115,6 +115,11 @@ TEST_P(RasterAgainstTracer, FindsTheSameTriangleAndDepthAtEverySampleButEdges) {
   expect_agreement(scene, 256, 128);
   expect_agreement(scene, 255, 127);  // samples on sides of triangles' bounds
 }
+TEST_P(RasterAgainstTracer, FindsTheSameWithoutBackFaces) {
+  Scene scene = open_scene(GetParam());
+  for (Material& material : scene.materials) material.double_sided = false;
+  expect_agreement(scene, 256, 128);
+}
 INSTANTIATE_TEST_SUITE_P(Scenes, RasterAgainstTracer,
                          testing::Values("cornell", "teapot", "conference", "atrium", "chess", "car"));
 

@@ -38,6 +38,7 @@ TEST_P(ExportOfBuiltin, GivesTheSameSceneBack) {
     EXPECT_NEAR(same.mirror, m.mirror, 1e-5F) << m.name;
     if (m.mirror > 0) expect_near(same.mirror_tint, m.mirror_tint, 1e-5F);
     EXPECT_EQ(same.transmission, m.transmission) << m.name;
+    EXPECT_EQ(same.double_sided, m.double_sided) << m.name;
     EXPECT_EQ(same.emission, m.emission) << m.name;
   }
   ASSERT_EQ(back.textures.size(), scene.textures.size());

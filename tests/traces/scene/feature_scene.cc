@@ -57,6 +57,7 @@ void add_materials(traces::Scene& scene) {
   metal.name = "gold";
   metal.base_colour = {1, 0.8F, 0.4F};
   metal.mirror = 0.9F;
+  metal.double_sided = false;
   metal.mirror_tint = {1, 0.8F, 0.4F};
   veil.name = "veil";
   veil.base_texture.texture = 1;

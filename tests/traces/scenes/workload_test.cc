@@ -1,9 +1,12 @@
 #include "traces/scenes/workload.h"
 
+#include <fstream>
+
 #include <gtest/gtest.h>
 
 #include "sim/config/config.h"
 #include "sim/error.h"
+#include "tests/temp_folder.h"
 #include "traces/scene/bounds.h"
 #include "traces/scene/lights.h"
 #include "traces/scenes/builtin.h"
@@ -30,6 +33,36 @@ TEST(Workload, IsTheSceneUnlessItSaysMore) {
   EXPECT_EQ(scene.ambient, plain.ambient);
   ASSERT_EQ(scene.cameras.size(), 1U);
   EXPECT_EQ(scene.cameras[0].to_world, plain.cameras[0].to_world);
+}
+
+TEST(Workload, ShowsBackFacesWithAWarningUnlessTheyAreCulled) {
+  const test::TempFolder folder;
+  const std::string file = (folder.path() / "scene.gltf").string();
+  std::ofstream(file) << R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+    "nodes": [{"mesh": 0}], "meshes": [{"primitives": [
+      {"attributes": {"POSITION": 0}, "material": 0}, {"attributes": {"POSITION": 0}, "material": 1},
+      {"attributes": {"POSITION": 0}, "material": 2}]}],
+    "materials": [{"name": "one"}, {"name": "both", "doubleSided": true},
+      {"name": "glass", "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1}}}],
+    "extensionsUsed": ["KHR_materials_transmission"],
+    "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
+                   "min": [0, 0, 0], "max": [1, 1, 0]}],
+    "bufferViews": [{"buffer": 0, "byteLength": 36}],
+    "buffers": [{"byteLength": 36, "uri":
+      "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]})";
+  WorkloadConfig workload;
+  workload.name = file;
+  const Scene shown = traces::open_workload(workload);
+  EXPECT_TRUE(shown.materials[0].double_sided);
+  ASSERT_EQ(shown.warnings.size(), 1U);
+  EXPECT_EQ(shown.warnings[0],
+            "1 of 3 materials have doubleSided: false, but their back faces are shown; scene.back_faces: culled hides "
+            "them");
+  workload.back_faces = traces::BackFaces::kCulled;
+  const Scene culled = traces::open_workload(workload);
+  EXPECT_FALSE(culled.materials[0].double_sided);
+  EXPECT_TRUE(culled.materials[1].double_sided);
+  EXPECT_TRUE(culled.warnings.empty());
 }
 
 TEST(Workload, KeepsOneLightOrBringsItsOwn) {

@@ -121,6 +121,13 @@ std::size_t count_of(std::span<const PlacedMesh> placed) {
   return count;
 }
 
+/// The face that rays pass through: the back one of a single-sided material. Corners of front faces run
+/// counter-clockwise, in a mirrored mesh clockwise (glTF).
+std::uint32_t missing_face(const MaterialRecord& material, const glm::mat4& to_space) {
+  if ((material.flags & kSingleSided) == 0) return 0;
+  return glm::determinant(glm::dmat3(to_space)) < 0 ? kNoCounterClockwise : kNoClockwise;
+}
+
 }  // namespace
 
 void check_meshes(const Scene& scene) {
@@ -149,7 +156,8 @@ std::vector<PlacedMesh> placed_instances(const Scene& scene) {
 void append_triangles(const PlacedMesh& placed, const MaterialTables& materials, std::size_t base,
                       std::vector<TriangleRecord>& out) {
   const Mesh& mesh = *placed.mesh;
-  const std::uint32_t material = triangle_flags(materials.records[mesh.material]) | mesh.material;
+  const MaterialRecord& record = materials.records[mesh.material];
+  const std::uint32_t material = triangle_flags(record) | missing_face(record, placed.to_space) | mesh.material;
   std::vector<glm::vec3> positions(mesh.positions.size());
   // Adding nothing makes zeros positive: boxes do not depend on the order in which they are put together.
   std::ranges::transform(mesh.positions, positions.begin(),

@@ -51,6 +51,7 @@ std::uint32_t flags_of(const Material& m, const MaterialRecord& record) {
   set(m.absorption != glm::vec3(0), kAbsorbing);
   set(m.alpha == Material::Alpha::kBlend, kBlended);
   set(m.alpha == Material::Alpha::kMask, kMasked);
+  set(!m.double_sided && m.transmission == 0, kSingleSided);
   set(m.base_texture.used() && m.base_texture.second_uv, kBaseSecond);
   set(physical && m.metal_rough_texture.second_uv, kMetalRoughSecond);
   set(m.normal_texture.used() && m.normal_texture.second_uv, kNormalSecond);

@@ -139,7 +139,7 @@ tinygltf::Material material_of(const Scene& scene, const Material& m, Document& 
   tinygltf::PbrMetallicRoughness& pbr = to.pbrMetallicRoughness;
   if (is_unlit(m)) {
     out.extend(to.extensions, "KHR_materials_unlit", {});
-    to.doubleSided = true;
+    to.doubleSided = m.double_sided;
     pbr.baseColorFactor = numbers(glm::vec4(glm::clamp(m.emission, 0.0F, 1.0F), 1));
     use(m.emission_texture.used() ? m.emission_texture : m.base_texture, pbr.baseColorTexture);
     write_alpha(m, to);
@@ -151,7 +151,7 @@ tinygltf::Material material_of(const Scene& scene, const Material& m, Document& 
   use(m.base_texture, pbr.baseColorTexture);
   use(m.metal_rough_texture, pbr.metallicRoughnessTexture);
   write_surface(m, s, to, out);
-  to.doubleSided = !to.extensions.contains("KHR_materials_volume");  // volumes have an outside
+  to.doubleSided = m.double_sided && !to.extensions.contains("KHR_materials_volume");  // volumes have an outside
   write_emission(m, to, out);
   write_alpha(m, to);
   use(m.normal_texture, to.normalTexture);

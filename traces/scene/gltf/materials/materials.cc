@@ -20,6 +20,7 @@ class Reader {
 
   Material read() {
     out_.name = sim::printable(from_.name);
+    out_.double_sided = from_.doubleSided;
     read_base();
     read_alpha();
     const bool unlit = from_.extensions.contains("KHR_materials_unlit");
